@@ -1,0 +1,12 @@
+/* CRC-32 (ISO-HDLC: reflected 0x04C11DB7, initial and final XOR 0xFFFFFFFF), the one of Ethernet and zlib.
+ * Check value: the nine ASCII bytes "123456789" give 0xCBF43926. */
+#ifndef REFLUX_BASE_CRC32_H
+#define REFLUX_BASE_CRC32_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+/* CRC of n bytes. Start with crc = 0; to go on over a second part, pass the previous result. */
+uint32_t crc32_update(uint32_t crc, const void *data, size_t n);
+
+#endif

@@ -1,0 +1,129 @@
+#include "num/accumulator.h"
+
+#ifdef REFLUX_FIXED_POINT
+
+#define EXTRA_BITS (48 - NUM_FRACTION_BITS)
+
+struct coefficient coefficient_from_float(float c)
+{
+    struct coefficient k = {0, 0};
+    float magnitude = c < 0.0f ? -c : c;
+    if (!(magnitude >= 3.5527137e-15f)) /* 2^-48; also NaN */
+        return k;
+    if (magnitude >= 2147483648.0f) {
+        k.mantissa = c < 0.0f ? -INT32_MAX : INT32_MAX;
+        return k;
+    }
+    /* Bounded: 2^-48 needs 78 doublings to reach 2^30. Doubling is exact. */
+    while (magnitude < 1073741824.0f && k.shift < 78) {
+        magnitude *= 2.0f;
+        k.shift++;
+    }
+    int32_t mantissa = magnitude >= 2147483648.0f ? INT32_MAX : (int32_t)magnitude;
+    k.mantissa = c < 0.0f ? -mantissa : mantissa;
+    return k;
+}
+
+static int64_t saturating_add(int64_t a, int64_t b)
+{
+    int64_t sum;
+    if (__builtin_add_overflow(a, b, &sum))
+        return b > 0 ? INT64_MAX : INT64_MIN;
+    return sum;
+}
+
+void accumulator_set(struct accumulator *a, num_t value)
+{
+    a->q48 = (int64_t)value.q * ((int64_t)1 << EXTRA_BITS);
+}
+
+num_t accumulator_get(const struct accumulator *a)
+{
+    /* Nearest; the addition saturates so that the top of the range does not wrap. */
+    return num_from_q(saturating_add(a->q48, (int64_t)1 << (EXTRA_BITS - 1)) >> EXTRA_BITS);
+}
+
+void accumulator_add(struct accumulator *a, num_t x)
+{
+    a->q48 = saturating_add(a->q48, (int64_t)x.q * ((int64_t)1 << EXTRA_BITS));
+}
+
+void accumulator_add_product(struct accumulator *a, struct coefficient c, num_t x)
+{
+    /* mantissa * q is the product scaled by 2^(shift + 24); we want it scaled by 2^48. */
+    int64_t product = (int64_t)c.mantissa * x.q;
+    int32_t right = c.shift + NUM_FRACTION_BITS - 48;
+    if (right > 0) {
+        if (right > 62)
+            return;
+        int64_t half = (int64_t)1 << (right - 1);
+        /* |product| <= 2^62, so adding half (<= 2^61) does not overflow */
+        product = product < 0 ? -((-product + half) >> right) : (product + half) >> right;
+        a->q48 = saturating_add(a->q48, product);
+        return;
+    }
+    int64_t factor = (int64_t)1 << -right;
+    int64_t scaled;
+    if (__builtin_mul_overflow(product, factor, &scaled))
+        scaled = product < 0 ? INT64_MIN : INT64_MAX;
+    a->q48 = saturating_add(a->q48, scaled);
+}
+
+void accumulator_clamp(struct accumulator *a, num_t lo, num_t hi)
+{
+    struct accumulator low, high;
+    accumulator_set(&low, lo);
+    accumulator_set(&high, hi);
+    if (a->q48 < low.q48)
+        *a = low;
+    else if (a->q48 > high.q48)
+        *a = high;
+}
+
+#else
+
+struct coefficient coefficient_from_float(float c)
+{
+    return (struct coefficient){c};
+}
+
+void accumulator_set(struct accumulator *a, num_t value)
+{
+    a->sum = value;
+    a->carry = 0.0f;
+}
+
+num_t accumulator_get(const struct accumulator *a)
+{
+    return a->sum;
+}
+
+void accumulator_add(struct accumulator *a, num_t x)
+{
+    /* Double-float: the exact error of the addition (two-sum, whichever term is larger) joins the carry,
+     * then both are normalised. Kahan's shorter form loses the carry when x is larger than the sum, as a
+     * proportional part usually is. Needs the compiler not to re-associate: the default without
+     * -ffast-math. */
+    float s = a->sum + x;
+    float from_x = s - a->sum;
+    float lost = (a->sum - (s - from_x)) + (x - from_x);
+    lost -= a->carry;
+    float t = s + lost;
+    a->carry = (t - s) - lost;
+    a->sum = t;
+}
+
+void accumulator_add_product(struct accumulator *a, struct coefficient c, num_t x)
+{
+    accumulator_add(a, c.value * x);
+}
+
+void accumulator_clamp(struct accumulator *a, num_t lo, num_t hi)
+{
+    if (a->sum < lo)
+        accumulator_set(a, lo);
+    else if (a->sum > hi)
+        accumulator_set(a, hi);
+}
+
+#endif

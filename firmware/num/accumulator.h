@@ -1,0 +1,50 @@
+/* Sums that must not stall: many tiny increments onto a value of order one.
+ *
+ * An hour-long integral time at a 0.05 s tick adds 1.4e-5 of an error that may itself be 1e-6 of span: far
+ * below one step of num_t. So
+ *   float build: double-float sum, value and carried remainder: about 2^-47 relative
+ *   fixed build: 64-bit Q15.48: range +-32768, step 2^-48 = 3.6e-15, saturating
+ * and a factor smaller than one is kept with its own exponent (struct coefficient), so that it keeps
+ * the 24 significant bits of the float it came from however small it is (down to 2^-48).
+ */
+#ifndef REFLUX_NUM_ACCUMULATOR_H
+#define REFLUX_NUM_ACCUMULATOR_H
+
+#include "num/num.h"
+
+#ifdef REFLUX_FIXED_POINT
+
+struct coefficient {
+    int32_t mantissa; /* value = mantissa * 2^-shift */
+    int32_t shift;    /* 0 .. 78 */
+};
+
+struct accumulator {
+    int64_t q48;
+};
+
+#else
+
+struct coefficient {
+    float value;
+};
+
+struct accumulator {
+    float sum, carry; /* the exact sum is sum - carry; |carry| <= half a step of sum */
+};
+
+#endif
+
+/* c: finite, magnitude below 2^31 (larger is clipped). Below 2^-48 it becomes 0. */
+struct coefficient coefficient_from_float(float c);
+
+void accumulator_set(struct accumulator *a, num_t value);
+/* Value rounded to num_t (saturating). */
+num_t accumulator_get(const struct accumulator *a);
+void accumulator_add(struct accumulator *a, num_t x);
+/* a += c * x at full width. */
+void accumulator_add_product(struct accumulator *a, struct coefficient c, num_t x);
+/* Brings the sum inside [lo, hi]; unchanged, remainder included, when it is inside. */
+void accumulator_clamp(struct accumulator *a, num_t lo, num_t hi);
+
+#endif

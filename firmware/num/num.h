@@ -1,0 +1,176 @@
+/* num_t: the scalar of regulatory control, chosen when the firmware is built.
+ *
+ *             float build            fixed build (REFLUX_FIXED_POINT)
+ *   type      float32                Q7.24 in an int32, wrapped in a struct so that + and * do not compile
+ *   range     +-3.4e38               [-128, 128 - 2^-24]
+ *   step      2^-24 relative         2^-24 = 5.96e-8 absolute
+ *   overflow  never by design: every signal is a fraction of span and clamped     saturates
+ *   rounding  nearest even           nearest, ties away from zero (mul, div, from_float)
+ *
+ * A channel's span is 1.0, so 24 fraction bits resolve 6e-8 of span and 127 spans of headroom remain for
+ * gains and sums. State that must resolve more (integrators, slow filters) lives in num/accumulator.h.
+ *
+ * Finite inputs give finite results in the fixed build always, in the float build as long as the caller
+ * keeps magnitudes below 1e18. NaN never gets here: it is refused where numbers enter.
+ */
+#ifndef REFLUX_NUM_NUM_H
+#define REFLUX_NUM_NUM_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#ifdef REFLUX_FIXED_POINT
+
+typedef struct {
+    int32_t q;
+} num_t;
+
+#define NUM_FRACTION_BITS 24
+#define NUM_FORMAT        "Q7.24"
+#define NUM_MAX_MAGNITUDE 127.0f /* largest value a parameter may ask for */
+
+static inline num_t num_from_q(int64_t q)
+{
+    if (q > INT32_MAX)
+        q = INT32_MAX;
+    if (q < INT32_MIN)
+        q = INT32_MIN;
+    return (num_t){(int32_t)q};
+}
+
+/* Nearest, saturating; NaN gives 0 (callers refuse it before). */
+static inline num_t num_from_float(float x)
+{
+    if (x >= 128.0f)
+        return (num_t){INT32_MAX};
+    if (x < -128.0f)
+        return (num_t){INT32_MIN};
+    if (!(x == x)) /* NaN */
+        return (num_t){0};
+    float scaled = x * 16777216.0f; /* exact: a power of two */
+    int32_t whole = (int32_t)scaled;
+    float rest = scaled - (float)whole; /* exact while |scaled| < 2^24, else 0 */
+    if (rest >= 0.5f && whole < INT32_MAX)
+        whole++;
+    else if (rest <= -0.5f && whole > INT32_MIN)
+        whole--;
+    return (num_t){whole};
+}
+static inline float num_to_float(num_t a)
+{
+    return (float)a.q * 5.9604644775390625e-8f;
+}
+static inline num_t num_add(num_t a, num_t b)
+{
+    return num_from_q((int64_t)a.q + b.q);
+}
+static inline num_t num_sub(num_t a, num_t b)
+{
+    return num_from_q((int64_t)a.q - b.q);
+}
+static inline num_t num_neg(num_t a)
+{
+    return num_from_q(-(int64_t)a.q);
+}
+static inline num_t num_mul(num_t a, num_t b)
+{
+    int64_t p = (int64_t)a.q * b.q;
+    int64_t half = (int64_t)1 << (NUM_FRACTION_BITS - 1);
+    p = p < 0 ? -((-p + half) >> NUM_FRACTION_BITS) : (p + half) >> NUM_FRACTION_BITS;
+    return num_from_q(p);
+}
+/* Division by zero saturates with the sign of a; 0/0 is 0. */
+static inline num_t num_div(num_t a, num_t b)
+{
+    if (b.q == 0)
+        return (num_t){a.q > 0 ? INT32_MAX : (a.q < 0 ? INT32_MIN : 0)};
+    int64_t n = (int64_t)a.q * ((int64_t)1 << NUM_FRACTION_BITS);
+    int64_t d = b.q;
+    int64_t half = (d < 0 ? -d : d) / 2;
+    return num_from_q((n + (n < 0 ? -half : half)) / d);
+}
+static inline bool num_lt(num_t a, num_t b)
+{
+    return a.q < b.q;
+}
+static inline bool num_eq(num_t a, num_t b)
+{
+    return a.q == b.q;
+}
+
+#else
+
+typedef float num_t;
+
+#define NUM_FORMAT        "float32"
+#define NUM_MAX_MAGNITUDE 127.0f /* same limit as the fixed build: one configuration serves both */
+
+static inline num_t num_from_float(float x)
+{
+    return x;
+}
+static inline float num_to_float(num_t a)
+{
+    return a;
+}
+static inline num_t num_add(num_t a, num_t b)
+{
+    return a + b;
+}
+static inline num_t num_sub(num_t a, num_t b)
+{
+    return a - b;
+}
+static inline num_t num_neg(num_t a)
+{
+    return -a;
+}
+static inline num_t num_mul(num_t a, num_t b)
+{
+    return a * b;
+}
+/* Division by zero saturates at the largest magnitude with the sign of a; 0/0 is 0. */
+static inline num_t num_div(num_t a, num_t b)
+{
+    if (b == 0.0f)
+        return a > 0.0f ? 128.0f : (a < 0.0f ? -128.0f : 0.0f);
+    return a / b;
+}
+static inline bool num_lt(num_t a, num_t b)
+{
+    return a < b;
+}
+static inline bool num_eq(num_t a, num_t b)
+{
+    return a == b;
+}
+
+#endif
+
+static inline num_t num_zero(void)
+{
+    return num_from_float(0.0f);
+}
+static inline num_t num_one(void)
+{
+    return num_from_float(1.0f);
+}
+static inline num_t num_min(num_t a, num_t b)
+{
+    return num_lt(b, a) ? b : a;
+}
+static inline num_t num_max(num_t a, num_t b)
+{
+    return num_lt(a, b) ? b : a;
+}
+/* lo <= hi */
+static inline num_t num_clamp(num_t x, num_t lo, num_t hi)
+{
+    return num_max(lo, num_min(x, hi));
+}
+static inline num_t num_abs(num_t a)
+{
+    return num_lt(a, num_zero()) ? num_neg(a) : a;
+}
+
+#endif

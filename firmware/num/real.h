@@ -1,0 +1,28 @@
+/* real_t: the scalar of matrix analysis, models and design. float in the firmware; the host builds the
+ * same sources a second time with REFLUX_REAL_DOUBLE for the simulator and the host tools. */
+#ifndef REFLUX_NUM_REAL_H
+#define REFLUX_NUM_REAL_H
+
+#include <math.h>
+
+#ifdef REFLUX_REAL_DOUBLE
+typedef double real_t; /* host only: never defined in a firmware build */
+#define REAL_C(x)      x
+#define real_exp(x)    exp(x)
+#define real_log(x)    log(x)
+#define real_pow(x, y) pow(x, y)
+#define real_abs(x)    fabs(x)
+#define real_sqrt(x)   sqrt(x)
+#define REAL_EPSILON   2.220446049250313e-16
+#else
+typedef float real_t;
+#define REAL_C(x)      x##f
+#define real_exp(x)    expf(x)
+#define real_log(x)    logf(x)
+#define real_pow(x, y) powf(x, y)
+#define real_abs(x)    fabsf(x)
+#define real_sqrt(x)   sqrtf(x)
+#define REAL_EPSILON   1.1920929e-7f
+#endif
+
+#endif

@@ -1,0 +1,17 @@
+# The distribution's bare-metal Arm compiler with picolibc. Processor flags come with the board.
+set(CMAKE_SYSTEM_NAME Generic)
+set(CMAKE_SYSTEM_PROCESSOR arm)
+set(CMAKE_C_COMPILER arm-none-eabi-gcc)
+set(CMAKE_ASM_COMPILER arm-none-eabi-gcc)
+set(CMAKE_OBJCOPY arm-none-eabi-objcopy)
+set(CMAKE_TRY_COMPILE_TARGET_TYPE STATIC_LIBRARY)
+set(CMAKE_FIND_ROOT_PATH_MODE_PROGRAM NEVER)
+
+set(REFLUX_CPU_stm32f405 "-mcpu=cortex-m4 -mthumb -mfloat-abi=hard -mfpu=fpv4-sp-d16")
+if(NOT REFLUX_BOARD)
+  set(REFLUX_BOARD stm32f405)
+endif()
+list(APPEND CMAKE_TRY_COMPILE_PLATFORM_VARIABLES REFLUX_BOARD)
+set(CMAKE_C_FLAGS_INIT "${REFLUX_CPU_${REFLUX_BOARD}} --specs=picolibc.specs -DPICOLIBC_FLOAT_PRINTF_SCANF")
+set(CMAKE_ASM_FLAGS_INIT "${REFLUX_CPU_${REFLUX_BOARD}}")
+set(CMAKE_C_FLAGS_MINSIZEREL_INIT "-Os -g")

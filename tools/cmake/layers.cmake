@@ -1,0 +1,40 @@
+# A layer is a folder under firmware/ (or the contract headers of hal/) built as one target that sees only
+# the layers it names. Each layer gets an include root of its own holding one link, so that
+# #include "supervise/loops.h" in a lower layer finds nothing and does not compile.
+function(reflux_include_root name folder result)
+  set(root "${CMAKE_BINARY_DIR}/layers/${name}")
+  file(MAKE_DIRECTORY "${root}")
+  file(CREATE_LINK "${folder}" "${root}/${name}" SYMBOLIC)
+  set(${result} "${root}" PARENT_SCOPE)
+endfunction()
+
+# reflux_layer(NAME [SOURCES a.c ...] [DEPENDS base num ...])
+# Target reflux_NAME; without sources it is header-only.
+function(reflux_layer name)
+  cmake_parse_arguments(arg "" "" "SOURCES;DEPENDS" ${ARGN})
+  reflux_include_root(${name} "${CMAKE_CURRENT_SOURCE_DIR}" root)
+  list(TRANSFORM arg_DEPENDS PREPEND reflux_ OUTPUT_VARIABLE below)
+  if(arg_SOURCES)
+    add_library(reflux_${name} STATIC ${arg_SOURCES})
+    target_include_directories(reflux_${name} PUBLIC "${root}")
+    target_link_libraries(reflux_${name} PUBLIC ${below} PRIVATE reflux_firmware_options)
+  else()
+    add_library(reflux_${name} INTERFACE)
+    target_include_directories(reflux_${name} INTERFACE "${root}")
+    target_link_libraries(reflux_${name} INTERFACE ${below})
+  endif()
+endfunction()
+
+# reflux_double_layer(NAME SOURCES a.c ...): the same sources once more with real_t = double, for the
+# simulator and the host tools. Target reflux_NAME_double.
+function(reflux_double_layer name)
+  cmake_parse_arguments(arg "" "" "SOURCES;DEPENDS" ${ARGN})
+  if(NOT REFLUX_BOARD STREQUAL "host")
+    return()
+  endif()
+  add_library(reflux_${name}_double STATIC ${arg_SOURCES})
+  target_include_directories(reflux_${name}_double PUBLIC "${CMAKE_BINARY_DIR}/layers/${name}")
+  target_compile_definitions(reflux_${name}_double PUBLIC REFLUX_REAL_DOUBLE=1)
+  list(TRANSFORM arg_DEPENDS PREPEND reflux_ OUTPUT_VARIABLE below)
+  target_link_libraries(reflux_${name}_double PUBLIC ${below} m PRIVATE reflux_options)
+endfunction()

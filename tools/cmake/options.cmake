@@ -1,0 +1,28 @@
+# One interface target that every target of ours links: language, warnings, floating-point rules.
+set(CMAKE_C_STANDARD 11)
+set(CMAKE_C_STANDARD_REQUIRED ON)
+set(CMAKE_C_EXTENSIONS ON)
+
+add_library(reflux_options INTERFACE)
+target_compile_options(reflux_options INTERFACE
+  -Wall -Wextra -Wconversion -Wshadow -Wvla -Werror
+  -Wstrict-prototypes -Wmissing-prototypes
+  -ffp-contract=off     # same float results on every processor: no fused multiply-add
+  -fno-common)
+if(REFLUX_FIXED_POINT)
+  target_compile_definitions(reflux_options INTERFACE REFLUX_FIXED_POINT=1)
+endif()
+if(REFLUX_SANITIZE)
+  target_compile_options(reflux_options INTERFACE
+    -fsanitize=address,undefined -fno-sanitize-recover=all -fno-omit-frame-pointer)
+  target_link_options(reflux_options INTERFACE -fsanitize=address,undefined)
+endif()
+
+# What holds for code that runs on a board, over and above: never a hidden double.
+add_library(reflux_firmware_options INTERFACE)
+target_link_libraries(reflux_firmware_options INTERFACE reflux_options)
+target_compile_options(reflux_firmware_options INTERFACE -Wdouble-promotion)
+if(CMAKE_CROSSCOMPILING)
+  target_compile_options(reflux_firmware_options INTERFACE
+    -ffunction-sections -fdata-sections -fstack-usage -fno-math-errno)
+endif()
