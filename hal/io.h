@@ -1,0 +1,77 @@
+/* The plant as the firmware sees it: a named set of measurements and manipulated variables, complete
+ * samples with plant time, and commands. The plant link is the first implementation (service/plant_link.h);
+ * a board's own analogue, pulse, digital and time-proportioned inputs and outputs are another.
+ *
+ * Rules
+ *  1. Values here are engineering units; the channel map in supervise turns them into fractions of span.
+ *  2. A sample is complete or absent: never half of one.
+ *  3. Plant time is 64-bit milliseconds and comes with the sample. With real inputs the port stamps samples
+ *     from the board's timer.
+ *  4. All functions are called from the tick context and do not wait.
+ */
+#ifndef REFLUX_HAL_IO_H
+#define REFLUX_HAL_IO_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "base/channel.h"
+#include "base/error.h"
+
+typedef uint64_t plant_time_ms;
+
+struct io_channel {
+    char name[CHANNEL_NAME_SIZE];
+    char unit[CHANNEL_UNIT_SIZE];
+    float lo, hi; /* span of the instrument */
+    float safe;   /* manipulated variables: value on silence */
+};
+
+struct io_reading {
+    float value;
+    enum quality quality;
+};
+
+struct io_sample {
+    uint32_t number;                    /* counts samples; a gap is a lost sample */
+    plant_time_ms time;                 /* plant time of the sample */
+    uint8_t n_measurements, n_readback; /* n_readback: 0 or the number of manipulated variables */
+    struct io_reading measurement[CHANNEL_MAX];
+    struct io_reading readback[CHANNEL_MAX]; /* applied value of the interval before this sample */
+};
+
+struct io_command {
+    uint32_t number; /* the sample it answers */
+    plant_time_ms time;
+    bool safe; /* the firmware is in its safe state */
+    uint8_t n_outputs;
+    struct {
+        float value;
+        bool drive; /* false: nobody commands this one, the plant keeps its own value */
+    } output[CHANNEL_MAX];
+};
+
+enum io_state {
+    IO_DOWN,     /* nobody there */
+    IO_GREETING, /* exchanging capabilities */
+    IO_READY     /* channel table complete, samples flow */
+};
+
+/* An implementation fills in this table; context is its own. */
+struct io_port {
+    void *context;
+    /* Looks for input. Fills *sample and returns true when a complete one is there; call until false. */
+    bool (*poll)(void *context, uint64_t now_ms, struct io_sample *sample);
+    enum io_state (*state)(const void *context);
+    /* Rises by one whenever the channel table may have changed (new plant, restarted plant). */
+    uint32_t (*generation)(const void *context);
+    uint8_t (*count)(const void *context, bool manipulated);
+    /* index < count; NULL otherwise. */
+    const struct io_channel *(*channel)(const void *context, bool manipulated, uint8_t index);
+    /* Interval of the samples in plant time, ms, as the plant announces it. */
+    uint32_t (*tick_ms)(const void *context);
+    /* Sends a command. ERR_STATE when nobody is there, ERR_FULL when the line is congested. */
+    enum err (*command)(void *context, const struct io_command *command, uint64_t now_ms);
+};
+
+#endif

@@ -1,0 +1,26 @@
+/* Two contexts of execution: the tick, and the main loop below it.
+ *
+ * The tick context runs app_tick() at its own priority, above the main loop and below the receive
+ * interrupts. It is requested when bytes arrive on the link and every HAL_TICK_PERIOD_MS of the board's
+ * clock. On a host without interrupts the port calls it between main-loop turns: same order, no overlap.
+ */
+#ifndef REFLUX_HAL_TICK_H
+#define REFLUX_HAL_TICK_H
+
+#include <stdbool.h>
+
+#define HAL_TICK_PERIOD_MS 50
+
+/* Asks for the tick context as soon as possible. Callable from anywhere. */
+void hal_tick_request(void);
+
+/* Holds the tick context off while the main loop copies something it shares; keep it to microseconds.
+ * Not nested. */
+void hal_tick_lock(void);
+void hal_tick_unlock(void);
+
+/* Main loop has nothing to do: wait for the next interrupt (or for input on the host). wait = false spins:
+ * a run-time choice, so that the image is the same on the chip and in an emulator counting instructions. */
+void hal_idle(bool wait);
+
+#endif
