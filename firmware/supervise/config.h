@@ -1,0 +1,106 @@
+/* The whole configuration: one plain struct, no pointers, so that it can be copied, compared and swapped
+ * whole. Every field is a parameter declared in service/parameter_table.c (ranges, units, defaults, help).
+ * A channel or loop exists when its name is not empty. EU = engineering units of the channel it belongs to.
+ */
+#ifndef REFLUX_SUPERVISE_CONFIG_H
+#define REFLUX_SUPERVISE_CONFIG_H
+
+#include <stdint.h>
+
+#include "base/channel.h"
+
+#ifndef CONFIG_LOOPS
+#define CONFIG_LOOPS 8
+#endif
+#ifndef CONFIG_FEEDFORWARDS
+#define CONFIG_FEEDFORWARDS 4
+#endif
+#ifndef CONFIG_INTERLOCKS
+#define CONFIG_INTERLOCKS 8
+#endif
+
+struct measurement_config {
+    char name[CHANNEL_NAME_SIZE]; /* as the plant announces it */
+    char unit[CHANNEL_UNIT_SIZE]; /* must equal the announced unit */
+    float lo, hi;                 /* span, EU: lo is fraction 0, hi is fraction 1 */
+    float filter_s;               /* first-order filter, s; 0 = none */
+    float hold_s; /* a bad reading is held this long before loops on it go to manual, s */
+};
+
+struct output_config {
+    char name[CHANNEL_NAME_SIZE];
+    char unit[CHANNEL_UNIT_SIZE];
+    float lo, hi;     /* span, EU */
+    float min, max;   /* operating limits, EU, inside the span */
+    float rate_per_s; /* fastest change, EU/s; 0 = no limit */
+    float safe;       /* value at start, on silence and in the safe state, EU */
+    float
+        readback_band; /* read-back closer than this to the command counts as followed, fraction of span */
+};
+
+enum loop_action { LOOP_REVERSE = 0, LOOP_DIRECT = 1 };
+enum loop_algorithm { LOOP_POSITIONAL = 0, LOOP_VELOCITY = 1 };
+
+struct loop_config {
+    char name[CHANNEL_NAME_SIZE];
+    char pv[CHANNEL_NAME_SIZE]; /* name of a measurement */
+    char out
+        [CHANNEL_NAME_SIZE]; /* name of a manipulated variable, or of the loop whose setpoint it drives */
+    float gain;              /* fraction of output span per fraction of measurement span */
+    float ti_s, td_s;        /* 0 = no integral, no derivative action */
+    float n;                 /* derivative filter ratio */
+    float b, c;              /* setpoint weights */
+    float tt_s;              /* tracking time constant; 0 = automatic */
+    float inhibit_s;         /* overshoot inhibitor, prediction time; 0 = off */
+    float out_lo, out_hi;    /* output limits, fraction of span */
+    float out_rate_per_s;    /* fraction of span per second; 0 = none */
+    float sp_lo, sp_hi;      /* setpoint limits, EU; both 0 = the span */
+    float sp_ramp_per_min;   /* EU per minute; 0 = jump */
+    float sp_filter_s;       /* first-order setpoint filter, s */
+    uint8_t action;          /* enum loop_action */
+    uint8_t algorithm;       /* enum loop_algorithm */
+    uint8_t sp_track;        /* in manual the setpoint follows the measurement */
+    uint8_t decouple;        /* takes part in the static decoupler */
+    uint16_t divisor, phase; /* runs in base ticks t with t mod divisor = phase */
+};
+
+struct ff_config {
+    char from[CHANNEL_NAME_SIZE]; /* measurement */
+    char to[CHANNEL_NAME_SIZE];   /* manipulated variable, driven by a loop */
+    float gain;                   /* fraction of output span per fraction of measurement span */
+    float lead_s, lag_s, dead_s;
+    float reference; /* measurement value that gives no correction, EU */
+    float lo, hi;    /* limits of the correction, fraction of output span */
+};
+
+#define CONFIG_SCHEMA 1
+
+enum interlock_side { INTERLOCK_ABOVE = 0, INTERLOCK_BELOW = 1 };
+
+struct interlock_config {
+    char measurement[CHANNEL_NAME_SIZE];
+    char output[CHANNEL_NAME_SIZE];
+    float limit;      /* EU of the measurement */
+    float hysteresis; /* EU: released when back inside by this much */
+    float delay_s;    /* the condition must hold this long */
+    float value;      /* what the output is forced to, EU */
+    uint8_t side;     /* #define CONFIG_SCHEMA 1
+
+enum interlock_side */
+    uint8_t on_bad;   /* a bad measurement counts as the condition */
+};
+
+struct config {
+    uint32_t schema; /* version of this declaration, read-only */
+    float tick_s;    /* base tick; 0 = what the plant announces */
+    uint32_t
+        miss_limit; /* missing samples in a row, base ticks, after which the safe state is taken */
+    struct measurement_config measurement[CHANNEL_MAX];
+    struct output_config output[CHANNEL_MAX];
+    struct loop_config loop[CONFIG_LOOPS];
+    float decoupler[CONFIG_LOOPS][CONFIG_LOOPS]; /* D: u_i = sum over j of D[i][j] v_j, fractions */
+    struct ff_config feedforward[CONFIG_FEEDFORWARDS];
+    struct interlock_config interlock[CONFIG_INTERLOCKS];
+};
+
+#endif

@@ -1,0 +1,303 @@
+#include "supervise/plan.h"
+
+#include <stddef.h>
+#include <string.h>
+
+#include "control/decoupler.h"
+#include "control/feedforward.h"
+
+#define TICK_SHORTEST_S 0.05f
+
+_Static_assert(CONFIG_LOOPS <= DECOUPLER_MAX, "the decoupler holds every loop");
+
+static enum err refuse(struct config_fault *fault, enum err code, const char *group, unsigned index,
+                       const char *field, const char *subject, const char *wanted)
+{
+    memset(fault, 0, sizeof *fault);
+    fault->code = code;
+    fault->group = group;
+    fault->index = (uint8_t)index;
+    fault->field = field;
+    fault->wanted = wanted;
+    strncpy(fault->subject, subject, sizeof fault->subject - 1);
+    return code;
+}
+
+uint8_t config_find_measurement(const struct config *config, const char *name)
+{
+    for (uint8_t i = 0; name[0] && i < CHANNEL_MAX; i++)
+        if (strcmp(config->measurement[i].name, name) == 0)
+            return i;
+    return PLAN_NONE;
+}
+
+uint8_t config_find_output(const struct config *config, const char *name)
+{
+    for (uint8_t i = 0; name[0] && i < CHANNEL_MAX; i++)
+        if (strcmp(config->output[i].name, name) == 0)
+            return i;
+    return PLAN_NONE;
+}
+
+uint8_t config_find_loop(const struct config *config, const char *name)
+{
+    for (uint8_t i = 0; name[0] && i < CONFIG_LOOPS; i++)
+        if (strcmp(config->loop[i].name, name) == 0)
+            return i;
+    return PLAN_NONE;
+}
+
+struct pid_config plan_pid(const struct plan *plan, uint8_t loop)
+{
+    const struct loop_config *l = &plan->config.loop[loop];
+    return (struct pid_config){
+        .gain = l->gain,
+        .ti_s = l->ti_s,
+        .td_s = l->td_s,
+        .n = l->n,
+        .b = l->b,
+        .c = l->c,
+        .tt_s = l->tt_s,
+        .out_lo = l->out_lo,
+        .out_hi = l->out_hi,
+        .rate_per_s = l->out_rate_per_s,
+        .inhibit_s = l->inhibit_s,
+        .action = l->action == LOOP_DIRECT ? PID_DIRECT : PID_REVERSE,
+        .form = l->algorithm == LOOP_VELOCITY ? PID_VELOCITY : PID_POSITIONAL,
+    };
+}
+
+struct feedforward_config plan_feedforward(const struct plan *plan, uint8_t element)
+{
+    const struct ff_config *f = &plan->config.feedforward[element];
+    const struct measurement_config *m = &plan->config.measurement[plan->feedforward[element].from];
+    return (struct feedforward_config){
+        .gain = f->gain,
+        .lead_s = f->lead_s,
+        .lag_s = f->lag_s,
+        .dead_time_s = f->dead_s,
+        .reference = (f->reference - m->lo) / (m->hi - m->lo),
+        .out_lo = f->lo,
+        .out_hi = f->hi,
+    };
+}
+
+void plan_setpoint_limits(const struct plan *plan, uint8_t loop, float *lo, float *hi)
+{
+    const struct loop_config *l = &plan->config.loop[loop];
+    const struct measurement_config *m = &plan->config.measurement[plan->loop[loop].pv];
+    bool open = l->sp_lo == 0.0f && l->sp_hi == 0.0f;
+    *lo = open ? m->lo : l->sp_lo;
+    *hi = open ? m->hi : l->sp_hi;
+}
+
+static enum err check_channels(const struct config *c, struct config_fault *fault)
+{
+    for (unsigned i = 0; i < CHANNEL_MAX; i++) {
+        const struct measurement_config *m = &c->measurement[i];
+        if (!m->name[0])
+            continue;
+        if (config_find_measurement(c, m->name) != i)
+            return refuse(fault, ERR_CONFLICT, "meas", i + 1, "name", m->name, "is used twice");
+        if (!(m->lo < m->hi))
+            return refuse(fault, ERR_RANGE, "meas", i + 1, "lo", m->name, "must be below hi");
+    }
+    for (unsigned i = 0; i < CHANNEL_MAX; i++) {
+        const struct output_config *o = &c->output[i];
+        if (!o->name[0])
+            continue;
+        if (config_find_output(c, o->name) != i)
+            return refuse(fault, ERR_CONFLICT, "mv", i + 1, "name", o->name, "is used twice");
+        if (config_find_loop(c, o->name) != PLAN_NONE)
+            return refuse(fault, ERR_CONFLICT, "mv", i + 1, "name", o->name,
+                          "is also the name of a loop");
+        if (!(o->lo < o->hi))
+            return refuse(fault, ERR_RANGE, "mv", i + 1, "lo", o->name, "must be below hi");
+        if (!(o->lo <= o->min && o->min < o->max && o->max <= o->hi))
+            return refuse(fault, ERR_RANGE, "mv", i + 1, "min", o->name,
+                          "needs lo <= min < max <= hi");
+        if (!(o->lo <= o->safe && o->safe <= o->hi))
+            return refuse(fault, ERR_RANGE, "mv", i + 1, "safe", o->name, "must lie in lo..hi");
+    }
+    return ERR_OK;
+}
+
+static enum err resolve_loop(struct plan *plan, uint8_t i, struct config_fault *fault)
+{
+    const struct config *c = &plan->config;
+    const struct loop_config *l = &c->loop[i];
+    struct loop_plan *p = &plan->loop[i];
+    p->used = true;
+    if (config_find_loop(c, l->name) != i)
+        return refuse(fault, ERR_CONFLICT, "loop", i + 1u, "name", l->name, "is used twice");
+    p->pv = config_find_measurement(c, l->pv);
+    if (p->pv == PLAN_NONE)
+        return refuse(fault, ERR_UNKNOWN, "loop", i + 1u, "pv", l->pv,
+                      "must be the name of a configured measurement");
+    p->output = config_find_output(c, l->out);
+    p->inner = config_find_loop(c, l->out);
+    if (p->output == PLAN_NONE && p->inner == PLAN_NONE)
+        return refuse(fault, ERR_UNKNOWN, "loop", i + 1u, "out", l->out,
+                      "must be the name of a configured manipulated variable or loop");
+    if (p->output != PLAN_NONE) {
+        if (plan->owner[p->output] != PLAN_NONE)
+            return refuse(fault, ERR_CONFLICT, "loop", i + 1u, "out", l->out,
+                          "is driven by another loop already");
+        plan->owner[p->output] = i;
+    }
+    if (!(l->sp_lo == 0.0f && l->sp_hi == 0.0f) && !(l->sp_lo < l->sp_hi))
+        return refuse(fault, ERR_RANGE, "loop", i + 1u, "sp_lo", l->name,
+                      "must be below sp_hi (both 0: the span)");
+    if (l->phase >= l->divisor)
+        return refuse(fault, ERR_RANGE, "loop", i + 1u, "phase", l->name,
+                      "must be below the divisor");
+    p->decouple = l->decouple != 0;
+    if (p->decouple && p->output == PLAN_NONE)
+        return refuse(fault, ERR_CONFLICT, "loop", i + 1u, "decouple", l->name,
+                      "is for loops that drive a manipulated variable themselves");
+    struct pid_config pid = plan_pid(plan, i);
+    const char *field, *wanted;
+    enum err err = pid_validate(&pid, &field, &wanted);
+    if (err)
+        return refuse(fault, err, "loop", i + 1u, field, l->name, wanted);
+    return ERR_OK;
+}
+
+/* Outer loops first: repeatedly take loops whose outer loop has been taken. What is left is a ring. */
+static enum err order_loops(struct plan *plan, struct config_fault *fault)
+{
+    bool taken[CONFIG_LOOPS] = {false};
+    for (uint8_t i = 0; i < CONFIG_LOOPS; i++) {
+        struct loop_plan *p = &plan->loop[i];
+        if (!p->used || p->inner == PLAN_NONE)
+            continue;
+        struct loop_plan *inner = &plan->loop[p->inner];
+        if (inner->outer != PLAN_NONE)
+            return refuse(fault, ERR_CONFLICT, "loop", i + 1u, "out", plan->config.loop[i].out,
+                          "has its setpoint driven by another loop already");
+        inner->outer = i;
+    }
+    for (unsigned round = 0; round < CONFIG_LOOPS; round++) {
+        for (uint8_t i = 0; i < CONFIG_LOOPS; i++) {
+            const struct loop_plan *p = &plan->loop[i];
+            if (!p->used || taken[i] || (p->outer != PLAN_NONE && !taken[p->outer]))
+                continue;
+            taken[i] = true;
+            plan->order[plan->n_order++] = i;
+        }
+    }
+    for (uint8_t i = 0; i < CONFIG_LOOPS; i++)
+        if (plan->loop[i].used && !taken[i])
+            return refuse(fault, ERR_CYCLE, "loop", i + 1u, "out", plan->config.loop[i].out,
+                          "makes loops drive each other in a ring");
+    return ERR_OK;
+}
+
+static enum err check_decoupler(const struct plan *plan, struct config_fault *fault)
+{
+    uint8_t mask = 0, worst = 0;
+    for (uint8_t i = 0; i < CONFIG_LOOPS; i++)
+        if (plan->loop[i].used && plan->loop[i].decouple)
+            mask = (uint8_t)(mask | (1u << i));
+    if (decoupler_check(plan->config.decoupler, mask, &worst) == ERR_OK)
+        return ERR_OK;
+    uint8_t first = 0;
+    while (!(worst & (1u << first)))
+        first++;
+    return refuse(fault, ERR_SINGULAR, "decouple", first + 1u, "d1", plan->config.loop[first].name,
+                  "needs a matrix whose every part (with other loops in manual) has an inverse");
+}
+
+static enum err resolve_feedforwards(struct plan *plan, struct config_fault *fault)
+{
+    uint32_t used = 0;
+    for (uint8_t i = 0; i < CONFIG_FEEDFORWARDS; i++) {
+        const struct ff_config *f = &plan->config.feedforward[i];
+        plan->feedforward[i].from = PLAN_NONE;
+        if (!f->from[0])
+            continue;
+        plan->feedforward[i].from = config_find_measurement(&plan->config, f->from);
+        if (plan->feedforward[i].from == PLAN_NONE)
+            return refuse(fault, ERR_UNKNOWN, "ff", i + 1u, "from", f->from,
+                          "must be the name of a configured measurement");
+        plan->feedforward[i].to = config_find_output(&plan->config, f->to);
+        if (plan->feedforward[i].to == PLAN_NONE ||
+            plan->owner[plan->feedforward[i].to] == PLAN_NONE)
+            return refuse(fault, ERR_UNKNOWN, "ff", i + 1u, "to", f->to,
+                          "must be a manipulated variable that a loop drives");
+        struct feedforward_config element = plan_feedforward(plan, i);
+        const char *field, *wanted;
+        enum err err = feedforward_validate(&element, plan->tick_s, &field, &wanted);
+        if (err)
+            return refuse(fault, err, "ff", i + 1u, field, f->from, wanted);
+        plan->feedforward[i].line = used;
+        plan->feedforward[i].bytes = (uint32_t)feedforward_bytes(&element, plan->tick_s);
+        used += plan->feedforward[i].bytes / (uint32_t)sizeof(num_t);
+        if (used * sizeof(num_t) > PLAN_ARENA_BYTES) {
+            err = refuse(fault, ERR_MEMORY, "ff", i + 1u, "dead", f->from,
+                         "dead times need more memory than this board has");
+            fault->bytes = used * (uint32_t)sizeof(num_t);
+            return err;
+        }
+    }
+    return ERR_OK;
+}
+
+static enum err resolve_interlocks(struct plan *plan, struct config_fault *fault)
+{
+    for (uint8_t i = 0; i < CONFIG_INTERLOCKS; i++) {
+        const struct interlock_config *k = &plan->config.interlock[i];
+        plan->interlock[i].measurement = PLAN_NONE;
+        if (!k->measurement[0])
+            continue;
+        plan->interlock[i].measurement = config_find_measurement(&plan->config, k->measurement);
+        if (plan->interlock[i].measurement == PLAN_NONE)
+            return refuse(fault, ERR_UNKNOWN, "lock", i + 1u, "meas", k->measurement,
+                          "must be the name of a configured measurement");
+        plan->interlock[i].output = config_find_output(&plan->config, k->output);
+        if (plan->interlock[i].output == PLAN_NONE)
+            return refuse(fault, ERR_UNKNOWN, "lock", i + 1u, "mv", k->output,
+                          "must be the name of a configured manipulated variable");
+        const struct output_config *o = &plan->config.output[plan->interlock[i].output];
+        if (!(o->lo <= k->value && k->value <= o->hi))
+            return refuse(fault, ERR_RANGE, "lock", i + 1u, "value", k->output,
+                          "must lie in the span of the manipulated variable");
+    }
+    return ERR_OK;
+}
+
+enum err plan_set_tick(struct plan *plan, float tick_s, struct config_fault *fault)
+{
+    const struct config *config = &plan->config;
+    uint32_t serial = plan->serial;
+    memset(plan, 0, offsetof(struct plan, config));
+    plan->serial = serial;
+    plan->tick_s = config->tick_s > 0.0f ? config->tick_s : (tick_s > 0.0f ? tick_s : 1.0f);
+    memset(plan->owner, PLAN_NONE, sizeof plan->owner);
+    for (uint8_t i = 0; i < CONFIG_LOOPS; i++) {
+        plan->loop[i].pv = plan->loop[i].output = PLAN_NONE;
+        plan->loop[i].inner = plan->loop[i].outer = PLAN_NONE;
+    }
+    if (plan->tick_s < TICK_SHORTEST_S)
+        return refuse(fault, ERR_RANGE, "tick", 0, "base", "", "must be 0 or at least 0.05 s");
+    enum err err = check_channels(config, fault);
+    for (uint8_t i = 0; !err && i < CONFIG_LOOPS; i++)
+        if (config->loop[i].name[0])
+            err = resolve_loop(plan, i, fault);
+    if (!err)
+        err = order_loops(plan, fault);
+    if (!err)
+        err = check_decoupler(plan, fault);
+    if (!err)
+        err = resolve_feedforwards(plan, fault);
+    if (!err)
+        err = resolve_interlocks(plan, fault);
+    return err;
+}
+
+enum err plan_build(struct plan *plan, const struct config *config, float tick_s,
+                    struct config_fault *fault)
+{
+    plan->config = *config;
+    return plan_set_tick(plan, tick_s, fault);
+}

@@ -1,0 +1,77 @@
+/* A plan is a configuration that has been checked whole and resolved: names have become indices, cascades
+ * have an order, dead times have a place in the arena. Nothing in it changes until the next plan. */
+#ifndef REFLUX_SUPERVISE_PLAN_H
+#define REFLUX_SUPERVISE_PLAN_H
+
+#include <stdbool.h>
+
+#include "base/error.h"
+#include "control/feedforward.h"
+#include "control/pid.h"
+#include "supervise/config.h"
+
+#ifndef PLAN_ARENA_BYTES
+#define PLAN_ARENA_BYTES 16384 /* dead-time lines of the feedforward elements */
+#endif
+
+#define PLAN_NONE 0xFFu
+
+/* Why a configuration was refused: "<group><index>.<field>: <subject> <wanted>". */
+struct config_fault {
+    enum err code;
+    const char *group;               /* "loop" */
+    uint8_t index;                   /* 1-based; 0 = the group has no index */
+    const char *field;               /* "pv" */
+    const char *wanted;              /* what would be right, in words */
+    char subject[CHANNEL_NAME_SIZE]; /* the offending name, or empty */
+    uint32_t bytes;                  /* ERR_MEMORY: bytes needed */
+};
+
+struct loop_plan {
+    bool used;
+    uint8_t pv;     /* measurement index */
+    uint8_t output; /* output index, or PLAN_NONE when it drives a loop */
+    uint8_t inner;  /* loop whose setpoint it drives, or PLAN_NONE */
+    uint8_t outer;  /* loop that drives its setpoint, or PLAN_NONE */
+    bool decouple;
+};
+
+struct plan {
+    uint32_t serial; /* differs between plans, whatever buffer they are in; set by the owner */
+    float tick_s;    /* base tick in force */
+    struct loop_plan loop[CONFIG_LOOPS];
+    uint8_t order[CONFIG_LOOPS]; /* outer loops before the ones they drive */
+    uint8_t n_order;
+    uint8_t owner[CHANNEL_MAX]; /* loop that drives output i directly, or PLAN_NONE */
+    struct {
+        uint8_t from, to;     /* measurement and output index; PLAN_NONE = unused */
+        uint32_t line, bytes; /* place in the arena: first num_t, and size */
+    } feedforward[CONFIG_FEEDFORWARDS];
+    struct {
+        uint8_t measurement, output; /* PLAN_NONE = unused */
+    } interlock[CONFIG_INTERLOCKS];
+    struct config config; /* last, so that the rest can be cleared and resolved again around it */
+};
+
+/* Checks *config whole and fills *plan. tick_s: base tick the plant announces, s, used where the
+ * configuration leaves it open; 0 = unknown yet (1 s is assumed until a plant says). On error *fault says
+ * why and *plan is undefined. */
+MUST_CHECK enum err plan_build(struct plan *plan, const struct config *config, float tick_s,
+                               struct config_fault *fault);
+
+/* Resolves the plan again in place for another base tick. On error *plan is unusable. */
+MUST_CHECK enum err plan_set_tick(struct plan *plan, float tick_s, struct config_fault *fault);
+
+/* PID settings of loop i of the plan. */
+struct pid_config plan_pid(const struct plan *plan, uint8_t loop);
+/* Settings of feedforward element i, whose measurement is resolved. */
+struct feedforward_config plan_feedforward(const struct plan *plan, uint8_t element);
+/* Setpoint limits in force, EU. */
+void plan_setpoint_limits(const struct plan *plan, uint8_t loop, float *lo, float *hi);
+
+/* Index of the channel or loop with that name, or PLAN_NONE. Empty names are never found. */
+uint8_t config_find_measurement(const struct config *config, const char *name);
+uint8_t config_find_output(const struct config *config, const char *name);
+uint8_t config_find_loop(const struct config *config, const char *name);
+
+#endif

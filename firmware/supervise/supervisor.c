@@ -1,0 +1,298 @@
+/* Requests, plans, the safe state: everything around the tick. The tick itself is in tick.c. */
+#include "supervise/supervisor.h"
+
+#include <string.h>
+
+num_t span_to_fraction(float value, float lo, float hi)
+{
+    return num_from_float((value - lo) / (hi - lo));
+}
+
+float span_to_eu(num_t fraction, float lo, float hi)
+{
+    return lo + num_to_float(fraction) * (hi - lo);
+}
+
+static num_t output_fraction(const struct supervisor *s, unsigned j, float value)
+{
+    const struct output_config *o = &s->plan->config.output[j];
+    return span_to_fraction(value, o->lo, o->hi);
+}
+
+static const struct plan empty_plan = {
+    .tick_s = 1.0f,
+    .loop = {{0}}, /* used = false */
+    .owner = {0},
+};
+
+void supervisor_init(struct supervisor *s, struct event_queue *events)
+{
+    memset(s, 0, sizeof *s);
+    s->plan = &empty_plan;
+    s->events = events;
+    s->state = SUPERVISOR_SAFE;
+}
+
+static void place_loop(struct supervisor *s, const struct plan *old, uint8_t i)
+{
+    const struct plan *plan = s->plan;
+    struct loop_state *l = &s->loop[i];
+    if (!plan->loop[i].used) {
+        memset(l, 0, sizeof *l);
+        return;
+    }
+    const struct loop_config *c = &plan->config.loop[i];
+    const struct loop_config *before = &old->config.loop[i];
+    uint8_t pv = plan->loop[i].pv;
+    const struct measurement_config *m = &plan->config.measurement[pv];
+    const struct measurement_config *m_before = &old->config.measurement[pv];
+    float h = plan->tick_s * (float)c->divisor;
+    struct pid_config pid = plan_pid(plan, i);
+    /* The numbers inside are fractions: they only keep their meaning while names and spans stay. */
+    bool same = old->loop[i].used && strcmp(c->name, before->name) == 0 &&
+                strcmp(c->pv, before->pv) == 0 && strcmp(c->out, before->out) == 0 &&
+                old->loop[i].pv == pv && m->lo == m_before->lo && m->hi == m_before->hi;
+    if (same && plan->loop[i].output != PLAN_NONE) {
+        const struct output_config *o = &plan->config.output[plan->loop[i].output];
+        const struct output_config *o_before = &old->config.output[plan->loop[i].output];
+        same = o->lo == o_before->lo && o->hi == o_before->hi &&
+               old->loop[i].output == plan->loop[i].output;
+    }
+    num_t pv_value = s->measurement[pv].value;
+    if (!same) {
+        memset(l, 0, sizeof *l);
+        l->target = l->setpoint = pv_value;
+        if (pid_init(&l->pid, &pid, h) != ERR_OK)
+            event_put(s->events, s->time_ms, EVENT_CONFIG_REFUSED, c->name, h, 0);
+    } else if (pid_retune(&l->pid, &pid, h) != ERR_OK) {
+        event_put(s->events, s->time_ms, EVENT_CONFIG_REFUSED, c->name, h, 0);
+    }
+    if (l->mode == LOOP_CASCADE && plan->loop[i].outer == PLAN_NONE)
+        l->mode = LOOP_AUTO;
+    float lo, hi;
+    plan_setpoint_limits(plan, i, &lo, &hi);
+    if (l->mode != LOOP_MANUAL)
+        l->target = num_clamp(l->target, span_to_fraction(lo, m->lo, m->hi),
+                              span_to_fraction(hi, m->lo, m->hi));
+    /* Both were checked with the plan: rates and times cannot be refused here. */
+    (void)!ramp_init(&l->ramp, c->sp_ramp_per_min / 60.0f / (m->hi - m->lo), h);
+    (void)!lag_init(&l->filter, c->sp_filter_s, h);
+    ramp_reset(&l->ramp, l->setpoint);
+    lag_reset(&l->filter, l->setpoint);
+}
+
+static void place_output(struct supervisor *s, const struct plan *old, uint8_t j)
+{
+    const struct output_config *o = &s->plan->config.output[j];
+    const struct output_config *before = &old->config.output[j];
+    struct output_state *state = &s->output[j];
+    if (o->name[0] && strcmp(o->name, before->name) == 0) {
+        /* A new span gives the same engineering values new fractions. */
+        float manual = span_to_eu(state->manual, before->lo, before->hi);
+        float sent = span_to_eu(state->constrained, before->lo, before->hi);
+        if (o->lo != before->lo || o->hi != before->hi) {
+            state->manual = span_to_fraction(manual, o->lo, o->hi);
+            state->constrained = state->applied = span_to_fraction(sent, o->lo, o->hi);
+        }
+        if (s->state == SUPERVISOR_SAFE)
+            state->manual = span_to_fraction(o->safe, o->lo, o->hi);
+        return;
+    }
+    memset(state, 0, sizeof *state);
+    if (o->name[0])
+        state->manual = state->constrained = state->applied =
+            span_to_fraction(o->safe, o->lo, o->hi);
+}
+
+static void place_measurement(struct supervisor *s, const struct plan *old, uint8_t i)
+{
+    const struct measurement_config *m = &s->plan->config.measurement[i];
+    const struct measurement_config *before = &old->config.measurement[i];
+    struct measurement_state *state = &s->measurement[i];
+    bool same = m->name[0] && strcmp(m->name, before->name) == 0;
+    if (!same)
+        memset(state, 0, sizeof *state);
+    else if (m->lo != before->lo || m->hi != before->hi)
+        state->value =
+            span_to_fraction(span_to_eu(state->value, before->lo, before->hi), m->lo, m->hi);
+    if (!m->name[0])
+        return;
+    (void)!lag_init(&state->filter, m->filter_s, s->plan->tick_s);
+    lag_reset(&state->filter, state->value);
+}
+
+static void place_feedforward(struct supervisor *s, const struct plan *old, uint8_t i)
+{
+    const struct plan *plan = s->plan;
+    const struct ff_config *f = &plan->config.feedforward[i];
+    uint8_t from = plan->feedforward[i].from;
+    if (from == PLAN_NONE)
+        return;
+    const struct measurement_config *m = &plan->config.measurement[from];
+    if (memcmp(f, &old->config.feedforward[i], sizeof *f) == 0 && plan->tick_s == s->tick_s &&
+        memcmp(&plan->feedforward[i], &old->feedforward[i], sizeof plan->feedforward[i]) == 0 &&
+        memcmp(m, &old->config.measurement[from], sizeof *m) == 0)
+        return;
+    struct feedforward_config settings = plan_feedforward(plan, i);
+    (void)!feedforward_init(&s->feedforward[i], &settings, plan->tick_s,
+                            &s->arena[plan->feedforward[i].line], plan->feedforward[i].bytes);
+    feedforward_reset(&s->feedforward[i], s->measurement[from].value);
+}
+
+void supervisor_take_plan(struct supervisor *s, const struct plan *plan)
+{
+    const struct plan *old = s->plan;
+    s->plan = plan;
+    for (uint8_t i = 0; i < CHANNEL_MAX; i++) {
+        place_measurement(s, old, i);
+        place_output(s, old, i);
+    }
+    for (uint8_t i = 0; i < CONFIG_LOOPS; i++)
+        place_loop(s, old, i);
+    for (uint8_t i = 0; i < CONFIG_FEEDFORWARDS; i++)
+        place_feedforward(s, old, i);
+    for (uint8_t i = 0; i < CONFIG_INTERLOCKS; i++)
+        if (memcmp(&plan->config.interlock[i], &old->config.interlock[i],
+                   sizeof plan->config.interlock[i]) != 0)
+            memset(&s->interlock[i], 0, sizeof s->interlock[i]);
+    s->tick_s = plan->tick_s;
+    s->decoupler_mask = 0; /* the matrix may have changed: select again at the next tick */
+    s->decoupler.n = 0;
+    event_put(s->events, s->time_ms, EVENT_CONFIG_APPLIED, NULL, plan->tick_s, 0);
+}
+
+void supervisor_unbind(struct supervisor *s)
+{
+    for (unsigned i = 0; i < CHANNEL_MAX; i++)
+        s->measurement[i].bound = s->output[i].bound = false;
+}
+
+void supervisor_bind_measurement(struct supervisor *s, uint8_t index)
+{
+    s->measurement[index].bound = true;
+}
+
+void supervisor_bind_output(struct supervisor *s, uint8_t index)
+{
+    s->output[index].bound = true;
+}
+
+void supervisor_go_safe(struct supervisor *s, const char *why)
+{
+    for (unsigned i = 0; i < CONFIG_LOOPS; i++)
+        s->loop[i].mode = LOOP_MANUAL;
+    for (unsigned j = 0; j < CHANNEL_MAX; j++) {
+        struct output_state *o = &s->output[j];
+        if (!s->plan->config.output[j].name[0])
+            continue;
+        o->manual = output_fraction(s, j, s->plan->config.output[j].safe);
+        o->commanded = o->constrained = o->applied = o->manual;
+        o->sent = false;
+        o->not_following = false;
+    }
+    if (s->state != SUPERVISOR_SAFE)
+        event_put(s->events, s->time_ms, EVENT_SAFE_STATE, why, 0.0f, 0);
+    s->state = SUPERVISOR_SAFE;
+}
+
+/* Both channels of a loop, and of every loop below it, are there. */
+static bool loop_bound(const struct supervisor *s, uint8_t i)
+{
+    /* At most CONFIG_LOOPS steps down a chain that plan_build has proved free of rings. */
+    for (unsigned depth = 0; depth < CONFIG_LOOPS && i != PLAN_NONE; depth++) {
+        const struct loop_plan *p = &s->plan->loop[i];
+        if (!s->measurement[p->pv].bound)
+            return false;
+        if (p->output != PLAN_NONE)
+            return s->output[p->output].bound;
+        i = p->inner;
+    }
+    return false;
+}
+
+static void request_mode(struct supervisor *s, const struct request *r)
+{
+    struct loop_state *l = &s->loop[r->loop];
+    const struct loop_plan *p = &s->plan->loop[r->loop];
+    const char *name = s->plan->config.loop[r->loop].name;
+    enum loop_mode mode = (enum loop_mode)r->mode;
+    if (mode != LOOP_MANUAL) {
+        bool possible = loop_bound(s, r->loop) && s->measurement[p->pv].seen &&
+                        quality_usable(s->measurement[p->pv].quality) &&
+                        !(mode == LOOP_CASCADE && p->outer == PLAN_NONE);
+        if (!possible) {
+            event_put(s->events, s->time_ms, EVENT_MODE_REFUSED, name, (float)mode, (uint8_t)mode);
+            return;
+        }
+    }
+    if (l->mode == mode)
+        return;
+    if (l->mode == LOOP_MANUAL) {
+        l->join = true;
+        ramp_reset(&l->ramp, l->setpoint);
+        lag_reset(&l->filter, l->setpoint);
+    } else if (mode == LOOP_AUTO) {
+        l->target = l->setpoint; /* leaving cascade: stay where the outer loop left it */
+    }
+    l->mode = mode;
+    s->state = SUPERVISOR_RUN;
+    event_put(s->events, s->time_ms, EVENT_MODE, name, (float)mode, (uint8_t)mode);
+}
+
+static void request_setpoint(struct supervisor *s, const struct request *r)
+{
+    struct loop_state *l = &s->loop[r->loop];
+    const struct measurement_config *m = &s->plan->config.measurement[s->plan->loop[r->loop].pv];
+    const struct loop_config *c = &s->plan->config.loop[r->loop];
+    float lo, hi;
+    plan_setpoint_limits(s->plan, r->loop, &lo, &hi);
+    if (l->mode == LOOP_CASCADE || (l->mode == LOOP_MANUAL && c->sp_track) || r->value < lo ||
+        r->value > hi) {
+        event_put(s->events, s->time_ms, EVENT_REQUEST_REFUSED, c->name, r->value, 0);
+        return;
+    }
+    l->target = span_to_fraction(r->value, m->lo, m->hi);
+    event_put(s->events, s->time_ms, EVENT_SETPOINT, c->name, r->value, 0);
+}
+
+static void request_output(struct supervisor *s, const struct request *r)
+{
+    uint8_t j = r->output;
+    const char *name;
+    if (j == PLAN_NONE) {
+        struct loop_state *l = &s->loop[r->loop];
+        const struct loop_plan *p = &s->plan->loop[r->loop];
+        name = s->plan->config.loop[r->loop].name;
+        if (l->mode != LOOP_MANUAL) {
+            event_put(s->events, s->time_ms, EVENT_REQUEST_REFUSED, name, r->value, 0);
+            return;
+        }
+        if (p->output == PLAN_NONE) {
+            const struct measurement_config *m =
+                &s->plan->config.measurement[s->plan->loop[p->inner].pv];
+            l->v = span_to_fraction(r->value, m->lo, m->hi);
+        } else {
+            s->output[p->output].manual = output_fraction(s, p->output, r->value);
+        }
+    } else {
+        name = s->plan->config.output[j].name;
+        s->output[j].manual = output_fraction(s, j, r->value);
+    }
+    s->state = SUPERVISOR_RUN;
+    event_put(s->events, s->time_ms, EVENT_OUTPUT, name, r->value, 0);
+}
+
+void supervisor_request(struct supervisor *s, const struct request *r)
+{
+    /* A plan taken between the question and now may have removed the loop or channel. */
+    bool loop_ok = r->loop < CONFIG_LOOPS && s->plan->loop[r->loop].used;
+    bool output_ok = r->output < CHANNEL_MAX && s->plan->config.output[r->output].name[0];
+    if (r->kind == REQUEST_MODE && loop_ok)
+        request_mode(s, r);
+    else if (r->kind == REQUEST_SETPOINT && loop_ok)
+        request_setpoint(s, r);
+    else if (r->kind == REQUEST_OUTPUT && (r->output == PLAN_NONE ? loop_ok : output_ok))
+        request_output(s, r);
+    else
+        event_put(s->events, s->time_ms, EVENT_REQUEST_REFUSED, NULL, r->value, 0);
+}

@@ -1,0 +1,149 @@
+/* The supervisor: one plan in force, the state of its channels and loops, and the tick that moves them.
+ *
+ * All functions run in the tick context. Other contexts talk to it through requests, and read snapshots
+ * under hal_tick_lock.
+ *
+ * A tick, top to bottom (architecture: docs/tick.md)
+ *     validate      readings -> fractions of span; bad ones held, then their loops go to manual
+ *     requests      modes, setpoints, manual outputs asked for since the last tick
+ *     control       due loops, outer before inner
+ *     compensate    static decoupler over the loops that act
+ *     feed forward  added to the outputs of acting loops
+ *     constrain     operating limits, rates, interlocks, safe state
+ * and the way back with what was applied. Report and actuation are the caller's.
+ */
+#ifndef REFLUX_SUPERVISE_SUPERVISOR_H
+#define REFLUX_SUPERVISE_SUPERVISOR_H
+
+#include "base/event.h"
+#include "control/decoupler.h"
+#include "control/feedforward.h"
+#include "control/pid.h"
+#include "signal/lag.h"
+#include "signal/ramp.h"
+#include "supervise/plan.h"
+
+enum loop_mode { LOOP_MANUAL = 0, LOOP_AUTO = 1, LOOP_CASCADE = 2 };
+
+enum supervisor_state {
+    SUPERVISOR_SAFE =
+        0, /* after a restart or a fault: outputs at safe values until an operator acts */
+    SUPERVISOR_RUN = 1
+};
+
+enum request_kind { REQUEST_MODE, REQUEST_SETPOINT, REQUEST_OUTPUT, REQUEST_APPLY };
+
+struct request {
+    enum request_kind kind;
+    uint8_t loop;   /* MODE, SETPOINT, OUTPUT of a loop */
+    uint8_t output; /* OUTPUT of a manipulated variable without a loop; else PLAN_NONE */
+    uint8_t mode;   /* enum loop_mode */
+    float value;    /* EU, checked by whoever asks */
+};
+
+#define REQUEST_QUEUE_SIZE 32
+
+struct request_queue {
+    struct spsc index;
+    struct request slot[REQUEST_QUEUE_SIZE];
+};
+
+struct reading {
+    float value; /* EU */
+    enum quality quality;
+};
+
+/* What a tick is given, in the order of the configuration's channels. */
+struct tick_input {
+    uint64_t time_ms;
+    struct reading
+        measurement[CHANNEL_MAX];         /* QUALITY_MISSING where the plant has no such channel */
+    struct reading readback[CHANNEL_MAX]; /* what was applied before this sample */
+};
+
+struct measurement_state {
+    bool bound;           /* the plant announces it with the configured unit */
+    bool seen;            /* there has been a usable reading */
+    bool alarm;           /* reported as bad */
+    enum quality quality; /* of `value` */
+    float raw;            /* last reading as received, EU */
+    num_t value;          /* validated and filtered, fraction of span */
+    struct lag filter;
+    uint64_t good_ms; /* plant time of the last usable reading */
+};
+
+struct output_state {
+    bool bound;
+    bool sent;          /* a command has gone out since the safe state was taken */
+    bool forced;        /* an interlock holds it */
+    bool not_following; /* read-back differs from the command */
+    num_t manual;       /* value while nothing acts on it */
+    num_t commanded;    /* before constrain */
+    num_t constrained;  /* sent to the plant */
+    num_t applied;      /* constrained, or the read-back where the plant does something else */
+    num_t readback;     /* last good read-back, one sample late */
+};
+
+struct loop_state {
+    enum loop_mode mode;
+    bool join; /* left manual at this tick: the block must take over the output it finds */
+    struct pid pid;
+    num_t target;   /* setpoint asked for */
+    num_t setpoint; /* in force, after limits, ramp and filter */
+    struct ramp ramp;
+    struct lag filter;
+    num_t v; /* output of the block, before decoupler and feedforward */
+    num_t feedforward;
+    uint8_t hold; /* enum block_hold, from the loop it drives */
+};
+
+struct interlock_state {
+    bool active;
+    bool pending; /* condition holds, delay running */
+    uint64_t since_ms;
+};
+
+struct supervisor {
+    const struct plan *plan;
+    struct event_queue *events;
+    enum supervisor_state state;
+    uint64_t time_ms; /* of the last tick */
+    uint32_t ticks;
+    float tick_s; /* base tick the states were placed for */
+    struct measurement_state measurement[CHANNEL_MAX];
+    struct output_state output[CHANNEL_MAX];
+    struct loop_state loop[CONFIG_LOOPS];
+    struct interlock_state interlock[CONFIG_INTERLOCKS];
+    struct feedforward feedforward[CONFIG_FEEDFORWARDS];
+    struct decoupler decoupler;
+    uint8_t decoupler_mask; /* selection the decoupler holds */
+    num_t arena[PLAN_ARENA_BYTES / sizeof(num_t)];
+};
+
+/* Safe state, empty plan. */
+void supervisor_init(struct supervisor *s, struct event_queue *events);
+
+/* Puts a new plan into force; it must live until the next one. Loops keep mode and state where name,
+ * measurement and output are the same (settings change without a bump), others start in manual. */
+void supervisor_take_plan(struct supervisor *s, const struct plan *plan);
+
+/* Which configured channels the plant has. Cleared by supervisor_unbind, then told one by one. */
+void supervisor_unbind(struct supervisor *s);
+void supervisor_bind_measurement(struct supervisor *s, uint8_t index);
+void supervisor_bind_output(struct supervisor *s, uint8_t index);
+
+/* All loops manual, all outputs at their safe values. */
+void supervisor_go_safe(struct supervisor *s, const char *why);
+
+/* One request. Call between supervisor_validate and supervisor_control, or while no plant is there. */
+void supervisor_request(struct supervisor *s, const struct request *request);
+
+void supervisor_validate(struct supervisor *s, const struct tick_input *input);
+/* Control, compensate, feed forward, constrain, and the way back. */
+void supervisor_control(struct supervisor *s);
+
+/* Conversions between EU and fraction of span. */
+num_t span_to_fraction(float value, float lo, float hi);
+float span_to_eu(num_t fraction, float lo, float hi);
+
+#endif

@@ -1,0 +1,374 @@
+/* The tick: validate, control, compensate, feed forward, constrain, and the way back. */
+#include "supervise/supervisor.h"
+
+/* A reading this far outside its span, in spans, is not believed. */
+#define BELIEVABLE 0.1f
+
+static void measurement_lost(struct supervisor *s, uint8_t i)
+{
+    struct measurement_state *m = &s->measurement[i];
+    const struct measurement_config *c = &s->plan->config.measurement[i];
+    if (!m->alarm) {
+        m->alarm = true;
+        event_put(s->events, s->time_ms, EVENT_MEASUREMENT_BAD, c->name, m->raw, 0);
+    }
+    float held_s = (float)(s->time_ms - m->good_ms) / 1000.0f;
+    if (m->seen && held_s <= c->hold_s) {
+        m->quality = QUALITY_UNCERTAIN;
+        return;
+    }
+    m->quality = QUALITY_BAD;
+    for (uint8_t k = 0; k < CONFIG_LOOPS; k++) {
+        struct loop_state *l = &s->loop[k];
+        if (!s->plan->loop[k].used || s->plan->loop[k].pv != i || l->mode == LOOP_MANUAL)
+            continue;
+        l->mode = LOOP_MANUAL;
+        event_put(s->events, s->time_ms, EVENT_MODE, s->plan->config.loop[k].name,
+                  (float)LOOP_MANUAL, LOOP_MANUAL);
+    }
+}
+
+static void validate_measurement(struct supervisor *s, uint8_t i, const struct reading *r)
+{
+    struct measurement_state *m = &s->measurement[i];
+    const struct measurement_config *c = &s->plan->config.measurement[i];
+    float margin = BELIEVABLE * (c->hi - c->lo);
+    bool usable = m->bound && quality_usable(r->quality) && float_is_finite(r->value) &&
+                  r->value >= c->lo - margin && r->value <= c->hi + margin;
+    if (r->quality != QUALITY_MISSING)
+        m->raw = r->value;
+    if (!usable) {
+        if (m->bound)
+            measurement_lost(s, i);
+        else
+            m->quality = QUALITY_MISSING;
+        return;
+    }
+    num_t x = span_to_fraction(r->value, c->lo, c->hi);
+    if (!m->seen || m->quality == QUALITY_BAD)
+        lag_reset(&m->filter, x); /* nothing older is worth remembering */
+    m->value = lag_step(&m->filter, x);
+    m->seen = true;
+    m->good_ms = s->time_ms;
+    bool outside = r->value < c->lo || r->value > c->hi;
+    m->quality = outside ? QUALITY_UNCERTAIN : r->quality;
+    if (m->alarm) {
+        m->alarm = false;
+        event_put(s->events, s->time_ms, EVENT_MEASUREMENT_GOOD, c->name, r->value, 0);
+    }
+}
+
+static void validate_readback(struct supervisor *s, uint8_t j, const struct reading *r)
+{
+    struct output_state *o = &s->output[j];
+    const struct output_config *c = &s->plan->config.output[j];
+    bool differs = false;
+    if (o->bound && o->sent && quality_usable(r->quality) && float_is_finite(r->value)) {
+        o->readback = span_to_fraction(r->value, c->lo, c->hi);
+        num_t gap = num_abs(num_sub(o->readback, o->constrained));
+        differs = num_lt(num_from_float(c->readback_band), gap);
+    }
+    if (differs != o->not_following)
+        event_put(s->events, s->time_ms, differs ? EVENT_NOT_FOLLOWING : EVENT_FOLLOWING, c->name,
+                  r->value, 0);
+    o->not_following = differs;
+}
+
+void supervisor_validate(struct supervisor *s, const struct tick_input *input)
+{
+    s->time_ms = input->time_ms;
+    for (uint8_t i = 0; i < CHANNEL_MAX; i++) {
+        if (s->plan->config.measurement[i].name[0])
+            validate_measurement(s, i, &input->measurement[i]);
+        if (s->plan->config.output[i].name[0])
+            validate_readback(s, i, &input->readback[i]);
+    }
+}
+
+static bool loop_due(const struct supervisor *s, uint8_t i)
+{
+    const struct loop_config *c = &s->plan->config.loop[i];
+    return s->ticks % c->divisor == c->phase;
+}
+
+static bool loop_acts(const struct supervisor *s, uint8_t i)
+{
+    return s->plan->loop[i].used && s->loop[i].mode != LOOP_MANUAL;
+}
+
+static void feed_forward(struct supervisor *s)
+{
+    for (uint8_t i = 0; i < CONFIG_LOOPS; i++)
+        s->loop[i].feedforward = num_zero();
+    for (uint8_t k = 0; k < CONFIG_FEEDFORWARDS; k++) {
+        uint8_t from = s->plan->feedforward[k].from;
+        if (!s->plan->config.feedforward[k].from[0] || from == PLAN_NONE)
+            continue;
+        num_t c = feedforward_step(&s->feedforward[k], s->measurement[from].value);
+        struct loop_state *l = &s->loop[s->plan->owner[s->plan->feedforward[k].to]];
+        l->feedforward = num_add(l->feedforward, c);
+    }
+}
+
+static void advance_setpoint(struct supervisor *s, uint8_t i)
+{
+    struct loop_state *l = &s->loop[i];
+    const struct loop_plan *p = &s->plan->loop[i];
+    const struct measurement_config *m = &s->plan->config.measurement[p->pv];
+    if (l->mode == LOOP_CASCADE) {
+        float lo, hi;
+        plan_setpoint_limits(s->plan, i, &lo, &hi);
+        l->target = num_clamp(s->loop[p->outer].v, span_to_fraction(lo, m->lo, m->hi),
+                              span_to_fraction(hi, m->lo, m->hi));
+        ramp_reset(&l->ramp, l->target);
+        lag_reset(&l->filter, l->target);
+        l->setpoint = l->target;
+        return;
+    }
+    l->setpoint = lag_step(&l->filter, ramp_step(&l->ramp, l->target));
+}
+
+/* In manual the setpoint waits where automatic will begin: at the measurement, unless the operator wants
+ * his own setpoint kept and a jump there. */
+static void idle_setpoint(struct supervisor *s, uint8_t i)
+{
+    struct loop_state *l = &s->loop[i];
+    const struct loop_config *c = &s->plan->config.loop[i];
+    num_t pv = s->measurement[s->plan->loop[i].pv].value;
+    if (c->sp_track)
+        l->target = pv;
+    bool jump = !c->sp_track && c->sp_ramp_per_min == 0.0f && c->sp_filter_s == 0.0f;
+    l->setpoint = jump ? l->target : pv;
+}
+
+/* Loops that act from this tick on, and all decoupled loops when their company changes, take over the
+ * outputs they find: v = D^-1 (applied - feedforward). */
+static void take_over(struct supervisor *s)
+{
+    uint8_t mask = 0;
+    for (uint8_t i = 0; i < CONFIG_LOOPS; i++)
+        if (loop_acts(s, i) && s->plan->loop[i].decouple)
+            mask = (uint8_t)(mask | (1u << i));
+    num_t v[CONFIG_LOOPS], u[CONFIG_LOOPS];
+    for (uint8_t i = 0; i < CONFIG_LOOPS; i++) {
+        const struct loop_plan *p = &s->plan->loop[i];
+        v[i] = s->loop[i].v;
+        if (p->used && p->output != PLAN_NONE)
+            v[i] = num_sub(s->output[p->output].applied, s->loop[i].feedforward);
+        u[i] = v[i];
+    }
+    bool company_changed = mask != s->decoupler_mask;
+    if (company_changed) {
+        if (decoupler_select(&s->decoupler, s->plan->config.decoupler, mask) != ERR_OK)
+            s->decoupler.n = 0; /* every part was checked with the plan */
+        s->decoupler_mask = mask;
+        decoupler_back(&s->decoupler, u, v);
+    }
+    for (uint8_t i = 0; i < CONFIG_LOOPS; i++) {
+        struct loop_state *l = &s->loop[i];
+        bool rejoin = company_changed && (mask & (1u << i));
+        if (!loop_acts(s, i) || !(l->join || rejoin))
+            continue;
+        l->v = v[i];
+        pid_follow(&l->pid, l->setpoint, s->measurement[s->plan->loop[i].pv].value, l->v);
+        l->join = false;
+    }
+}
+
+static void run_loops(struct supervisor *s)
+{
+    for (uint8_t k = 0; k < s->plan->n_order; k++) {
+        uint8_t i = s->plan->order[k];
+        struct loop_state *l = &s->loop[i];
+        if (l->mode == LOOP_MANUAL) {
+            idle_setpoint(s, i);
+        } else if (loop_due(s, i)) {
+            advance_setpoint(s, i);
+            l->v = pid_step(&l->pid, l->setpoint, s->measurement[s->plan->loop[i].pv].value);
+        }
+    }
+}
+
+static void command_outputs(struct supervisor *s)
+{
+    num_t v[CONFIG_LOOPS], u[CONFIG_LOOPS];
+    for (uint8_t i = 0; i < CONFIG_LOOPS; i++)
+        v[i] = u[i] = s->loop[i].v;
+    decoupler_forward(&s->decoupler, v, u);
+    for (uint8_t j = 0; j < CHANNEL_MAX; j++) {
+        if (!s->plan->config.output[j].name[0])
+            continue;
+        uint8_t i = s->plan->owner[j];
+        bool acts = i != PLAN_NONE && loop_acts(s, i);
+        s->output[j].commanded = acts ? num_add(u[i], s->loop[i].feedforward) : s->output[j].manual;
+    }
+}
+
+static bool interlock_condition(const struct supervisor *s, uint8_t k, float band)
+{
+    const struct interlock_config *c = &s->plan->config.interlock[k];
+    const struct measurement_state *m = &s->measurement[s->plan->interlock[k].measurement];
+    if (!quality_usable(m->quality) || !m->seen)
+        return c->on_bad != 0;
+    return c->side == INTERLOCK_ABOVE ? m->raw > c->limit - band : m->raw < c->limit + band;
+}
+
+/* Nothing overrides an interlock: it is applied last, over limits, rates and manual alike. */
+static void run_interlocks(struct supervisor *s)
+{
+    bool forced[CHANNEL_MAX] = {false};
+    for (uint8_t k = 0; k < CONFIG_INTERLOCKS; k++) {
+        const struct interlock_config *c = &s->plan->config.interlock[k];
+        struct interlock_state *state = &s->interlock[k];
+        if (!c->measurement[0] || s->plan->interlock[k].measurement == PLAN_NONE)
+            continue;
+        const struct measurement_state *m = &s->measurement[s->plan->interlock[k].measurement];
+        bool condition = interlock_condition(s, k, state->active ? c->hysteresis : 0.0f);
+        if (condition && !state->pending)
+            state->since_ms = s->time_ms;
+        state->pending = condition;
+        bool active = condition && (state->active ||
+                                    (float)(s->time_ms - state->since_ms) >= c->delay_s * 1000.0f);
+        if (active != state->active)
+            event_put(s->events, s->time_ms, active ? EVENT_INTERLOCK_ON : EVENT_INTERLOCK_OFF,
+                      c->output, m->raw, k);
+        state->active = active;
+        uint8_t j = s->plan->interlock[k].output;
+        if (!active || forced[j])
+            continue; /* the first entry of the table wins */
+        forced[j] = true;
+        const struct output_config *o = &s->plan->config.output[j];
+        s->output[j].constrained = span_to_fraction(c->value, o->lo, o->hi);
+    }
+    for (uint8_t j = 0; j < CHANNEL_MAX; j++)
+        s->output[j].forced = forced[j];
+}
+
+static void constrain_output(struct supervisor *s, uint8_t j)
+{
+    struct output_state *o = &s->output[j];
+    const struct output_config *c = &s->plan->config.output[j];
+    num_t safe = span_to_fraction(c->safe, c->lo, c->hi);
+    if (s->state == SUPERVISOR_SAFE) {
+        o->constrained = safe;
+        return;
+    }
+    num_t lo = span_to_fraction(c->min, c->lo, c->hi);
+    num_t hi = span_to_fraction(c->max, c->lo, c->hi);
+    uint8_t i = s->plan->owner[j];
+    if (i == PLAN_NONE || !loop_acts(s, i)) {
+        /* The safe value may lie outside the operating limits; manual may stay there. */
+        lo = num_min(lo, safe);
+        hi = num_max(hi, safe);
+    }
+    num_t u = num_clamp(o->commanded, lo, hi);
+    if (c->rate_per_s > 0.0f && o->sent) {
+        num_t step = num_from_float(c->rate_per_s * s->plan->tick_s / (c->hi - c->lo));
+        u = num_clamp(u, num_sub(o->constrained, step), num_add(o->constrained, step));
+    }
+    o->constrained = u;
+}
+
+static void constrain(struct supervisor *s)
+{
+    for (uint8_t j = 0; j < CHANNEL_MAX; j++)
+        if (s->plan->config.output[j].name[0])
+            constrain_output(s, j);
+    run_interlocks(s);
+    for (uint8_t j = 0; j < CHANNEL_MAX; j++) {
+        struct output_state *o = &s->output[j];
+        uint8_t i = s->plan->owner[j];
+        if (!s->plan->config.output[j].name[0])
+            continue;
+        o->applied = o->not_following ? o->readback : o->constrained;
+        o->sent = true;
+        /* Manual begins where automatic or an interlock left the output. */
+        if (o->forced || (i != PLAN_NONE && loop_acts(s, i)))
+            o->manual = o->constrained;
+    }
+}
+
+/* Directions in which the setpoint of loop i should not be pushed, because its own output is at a limit. */
+static uint8_t saturation(const struct supervisor *s, uint8_t i)
+{
+    const struct loop_state *l = &s->loop[i];
+    const struct loop_plan *p = &s->plan->loop[i];
+    bool up = num_lt(l->pid.output, l->pid.raw), down = num_lt(l->pid.raw, l->pid.output);
+    if (p->output != PLAN_NONE) {
+        const struct output_state *o = &s->output[p->output];
+        up = up || num_lt(o->applied, o->commanded);
+        down = down || num_lt(o->commanded, o->applied);
+    }
+    up = up || (l->hold & BLOCK_HOLD_UP);
+    down = down || (l->hold & BLOCK_HOLD_DOWN);
+    if (s->plan->config.loop[i].action == LOOP_DIRECT) {
+        bool swap = up;
+        up = down;
+        down = swap;
+    }
+    return (uint8_t)((up ? BLOCK_HOLD_UP : 0) | (down ? BLOCK_HOLD_DOWN : 0));
+}
+
+static void back_direct(struct supervisor *s, uint8_t i, num_t correction)
+{
+    struct loop_state *l = &s->loop[i];
+    const struct loop_plan *p = &s->plan->loop[i];
+    num_t pv = s->measurement[p->pv].value;
+    if (l->mode != LOOP_MANUAL) {
+        if (loop_due(s, i))
+            pid_back(&l->pid, num_add(l->v, correction), BLOCK_HOLD_NONE);
+        return;
+    }
+    l->v = num_sub(s->output[p->output].applied, l->feedforward);
+    pid_follow(&l->pid, l->setpoint, pv, l->v);
+}
+
+static void back_outer(struct supervisor *s, uint8_t i)
+{
+    struct loop_state *l = &s->loop[i];
+    const struct loop_plan *p = &s->plan->loop[i];
+    const struct loop_state *inner = &s->loop[p->inner];
+    num_t pv = s->measurement[p->pv].value;
+    if (inner->mode != LOOP_CASCADE)
+        l->v = inner->mode == LOOP_MANUAL ? s->measurement[s->plan->loop[p->inner].pv].value
+                                          : inner->setpoint;
+    if (l->mode == LOOP_MANUAL || inner->mode != LOOP_CASCADE) {
+        pid_follow(&l->pid, l->setpoint, pv, l->v);
+        return;
+    }
+    l->hold = saturation(s, p->inner);
+    if (loop_due(s, i))
+        pid_back(&l->pid, loop_due(s, p->inner) ? inner->setpoint : l->v, l->hold);
+}
+
+static void way_back(struct supervisor *s)
+{
+    num_t du[CONFIG_LOOPS], dv[CONFIG_LOOPS];
+    for (uint8_t i = 0; i < CONFIG_LOOPS; i++) {
+        const struct loop_plan *p = &s->plan->loop[i];
+        du[i] = num_zero();
+        if (p->used && p->output != PLAN_NONE)
+            du[i] = num_sub(s->output[p->output].applied, s->output[p->output].commanded);
+        dv[i] = du[i];
+    }
+    decoupler_back(&s->decoupler, du, dv);
+    /* Inner loops first: what an outer loop may do depends on them. */
+    for (uint8_t k = s->plan->n_order; k > 0; k--) {
+        uint8_t i = s->plan->order[k - 1u];
+        if (s->plan->loop[i].output != PLAN_NONE)
+            back_direct(s, i, dv[i]);
+        else
+            back_outer(s, i);
+    }
+}
+
+void supervisor_control(struct supervisor *s)
+{
+    feed_forward(s);
+    take_over(s);
+    run_loops(s);
+    command_outputs(s);
+    constrain(s);
+    way_back(s);
+    s->ticks++;
+}
