@@ -1,0 +1,291 @@
+/* Composes the firmware: one context, the tick, the main loop. */
+#include "app/app.h"
+
+#include <string.h>
+
+#include "hal/clock.h"
+#include "hal/tick.h"
+#include "hal/uart.h"
+#include "hal/watchdog.h"
+#include "service/console.h"
+
+#define WATCHDOG_MS 2000
+
+struct app {
+    struct supervisor supervisor;
+    struct plant_link link;
+    struct service service;
+    struct console console;
+    uint32_t bound_generation; /* channel table the supervisor is bound to */
+    enum io_state io_state;
+    uint8_t measurement_at[CHANNEL_MAX], output_at[CHANNEL_MAX]; /* index in the plant's table */
+    bool have_sample;
+    uint64_t sample_ms;        /* plant time of the last tick */
+    uint64_t safe_tick_ms;     /* board time of the last tick in silence */
+    struct io_command command; /* last one sent */
+    /* The watchdog is fed while both contexts come round. */
+    volatile uint32_t main_turns;
+    uint32_t main_turns_seen;
+    uint64_t main_seen_ms;
+};
+
+static struct app instance;
+
+struct app *app_instance(void)
+{
+    return &instance;
+}
+
+void app_init(struct app *app)
+{
+    memset(app, 0, sizeof *app);
+    service_init(&app->service, &app->supervisor, &app->link);
+    supervisor_init(&app->supervisor, &app->service.tick_events);
+    plant_link_init(&app->link, &app->service.tick_events, &app->supervisor.time_ms);
+    app->service.io = plant_link_port(&app->link);
+    supervisor_take_plan(&app->supervisor, &app->service.plan[app->service.in_force]);
+    console_init(&app->console, &app->service);
+    app->service.watchdog = hal_watchdog_start(WATCHDOG_MS);
+    event_put(&app->service.main_events, 0, EVENT_STARTED, NULL, 0.0f, 0);
+}
+
+static void tick_event(struct app *app, enum event_code code, const char *subject, float value)
+{
+    event_put(&app->service.tick_events, app->supervisor.time_ms, code, subject, value, 0);
+}
+
+/* ---- the tick context ---- */
+
+static void bind_channels(struct app *app)
+{
+    struct service *s = &app->service;
+    const struct config *c = &s->plan[s->in_force].config;
+    supervisor_unbind(&app->supervisor);
+    if (app->io_state != IO_READY)
+        return;
+    for (uint8_t k = 0; k < 2u * CHANNEL_MAX; k++) {
+        bool manipulated = k >= CHANNEL_MAX;
+        uint8_t i = manipulated ? (uint8_t)(k - CHANNEL_MAX) : k;
+        const char *name = manipulated ? c->output[i].name : c->measurement[i].name;
+        const char *unit = manipulated ? c->output[i].unit : c->measurement[i].unit;
+        if (!name[0])
+            continue;
+        uint8_t at = service_find_announced(s, manipulated, name);
+        if (at == PLAN_NONE) {
+            tick_event(app, EVENT_CHANNEL_MISSING, name, 0.0f);
+        } else if (strcmp(s->io.channel(s->io.context, manipulated, at)->unit, unit) != 0) {
+            tick_event(app, EVENT_CHANNEL_UNIT, name, 0.0f);
+        } else if (manipulated) {
+            app->output_at[i] = at;
+            supervisor_bind_output(&app->supervisor, i);
+        } else {
+            app->measurement_at[i] = at;
+            supervisor_bind_measurement(&app->supervisor, i);
+        }
+    }
+}
+
+/* The plant has come, gone or changed: everything bound to the old one is void. */
+static void follow_plant(struct app *app)
+{
+    struct service *s = &app->service;
+    enum io_state state = s->io.state(s->io.context);
+    uint32_t generation = s->io.generation(s->io.context);
+    if (state == app->io_state && generation == app->bound_generation)
+        return;
+    app->io_state = state;
+    app->bound_generation = generation;
+    app->have_sample = false;
+    app->command.n_outputs = 0;
+    supervisor_go_safe(&app->supervisor, state == IO_READY ? "plant" : "link");
+    float tick_s = (float)s->io.tick_ms(s->io.context) / 1000.0f;
+    if (state == IO_READY) {
+        struct config_fault fault;
+        struct plan *plan = &s->plan[s->in_force];
+        if (plan->config.tick_s == 0.0f && plan->tick_s != tick_s) {
+            if (plan_set_tick(plan, tick_s, &fault) != ERR_OK) {
+                /* Only dead-time lines can have become too long: an empty plan is the safe way out. */
+                tick_event(app, EVENT_CONFIG_REFUSED, fault.subject, tick_s);
+                memset(&plan->config, 0, sizeof plan->config);
+                (void)!plan_set_tick(plan, tick_s, &fault);
+            }
+            supervisor_take_plan(&app->supervisor, plan);
+        }
+        plan = &s->plan[s->pending];
+        if (s->has_pending && plan->config.tick_s == 0.0f &&
+            plan_set_tick(plan, tick_s, &fault) != ERR_OK) {
+            tick_event(app, EVENT_CONFIG_REFUSED, fault.subject, tick_s);
+            s->has_pending = false;
+        }
+    }
+    bind_channels(app);
+}
+
+static void take_requests(struct app *app)
+{
+    struct request_queue *q = &app->service.requests;
+    /* Bounded by what was there at the start: the main loop does not run meanwhile. */
+    for (uint32_t n = spsc_count(&q->index); n; n--) {
+        struct request r = q->slot[spsc_read_index(&q->index)];
+        spsc_read_done(&q->index);
+        if (r.kind == REQUEST_APPLY) {
+            service_take_pending(&app->service);
+            bind_channels(app);
+        } else {
+            supervisor_request(&app->supervisor, &r);
+        }
+    }
+}
+
+static void read_inputs(const struct app *app, const struct io_sample *sample,
+                        struct tick_input *input)
+{
+    memset(input, 0, sizeof *input);
+    input->time_ms = sample->time;
+    for (unsigned i = 0; i < CHANNEL_MAX; i++) {
+        input->measurement[i].quality = QUALITY_MISSING;
+        input->readback[i].quality = QUALITY_MISSING;
+        if (app->supervisor.measurement[i].bound) {
+            const struct io_reading *r = &sample->measurement[app->measurement_at[i]];
+            input->measurement[i] = (struct reading){r->value, r->quality};
+        }
+        if (app->supervisor.output[i].bound && sample->n_readback) {
+            const struct io_reading *r = &sample->readback[app->output_at[i]];
+            input->readback[i] = (struct reading){r->value, r->quality};
+        }
+    }
+}
+
+static void send_command(struct app *app, const struct io_sample *sample, uint64_t now_ms)
+{
+    struct service *s = &app->service;
+    app->command.number = sample->number;
+    app->command.time = sample->time;
+    (void)!s->io.command(s->io.context, &app->command,
+                         now_ms); /* congestion is counted by the link */
+}
+
+static void fill_command(struct app *app)
+{
+    struct service *s = &app->service;
+    const struct config *c = &s->plan[s->in_force].config;
+    memset(&app->command, 0, sizeof app->command);
+    app->command.safe = app->supervisor.state == SUPERVISOR_SAFE;
+    app->command.n_outputs = s->io.count(s->io.context, true);
+    for (unsigned j = 0; j < CHANNEL_MAX; j++) {
+        if (!app->supervisor.output[j].bound)
+            continue;
+        const struct output_config *o = &c->output[j];
+        app->command.output[app->output_at[j]].value =
+            span_to_eu(app->supervisor.output[j].constrained, o->lo, o->hi);
+        app->command.output[app->output_at[j]].drive = true;
+    }
+}
+
+/* Early, late, twice and missing are judged on plant time alone. Returns whether a tick is due. */
+static bool judge_sample(struct app *app, const struct io_sample *sample)
+{
+    float tick_s = app->service.plan[app->service.in_force].tick_s;
+    if (!app->have_sample)
+        return true;
+    float number = (float)sample->number;
+    if (sample->time <= app->sample_ms) {
+        tick_event(app, EVENT_SAMPLE_TWICE, NULL, number);
+        return false;
+    }
+    float passed_s = (float)(sample->time - app->sample_ms) / 1000.0f;
+    if (passed_s < 0.875f * tick_s) {
+        tick_event(app, EVENT_SAMPLE_EARLY, NULL, tick_s - passed_s);
+        return false;
+    }
+    if (passed_s >= 1.5f * tick_s) {
+        float missing = passed_s / tick_s - 0.5f;
+        uint32_t whole = missing < 1e9f ? (uint32_t)missing : 1000000000u;
+        tick_event(app, EVENT_SAMPLE_MISSING, NULL, (float)whole);
+        if (whole > app->service.plan[app->service.in_force].config.miss_limit)
+            supervisor_go_safe(&app->supervisor, "samples");
+    } else if (passed_s > 1.125f * tick_s) {
+        tick_event(app, EVENT_SAMPLE_LATE, NULL, passed_s - tick_s);
+    }
+    return true;
+}
+
+static void tick(struct app *app, const struct io_sample *sample, uint64_t now_ms)
+{
+    struct service *s = &app->service;
+    uint32_t start = hal_cycles();
+    if (!judge_sample(app, sample)) {
+        send_command(app, sample, now_ms); /* the plant gets an answer, but no new one */
+        return;
+    }
+    struct tick_input input;
+    app->have_sample = true;
+    app->sample_ms = sample->time;
+    read_inputs(app, sample, &input);
+    supervisor_validate(&app->supervisor, &input);
+    take_requests(app);
+    supervisor_control(&app->supervisor);
+    fill_command(app);
+    send_command(app, sample, now_ms);
+
+    struct tick_cost *cost = &s->cost;
+    cost->last = hal_cycles() - start;
+    cost->lowest = cost->n == 0 || cost->last < cost->lowest ? cost->last : cost->lowest;
+    cost->highest = cost->last > cost->highest ? cost->last : cost->highest;
+    cost->sum += cost->last;
+    cost->n++;
+    telemetry_capture(&s->telemetry, &app->supervisor, sample->number,
+                      atomic_load(&s->tick_events.index.written), cost->last);
+}
+
+/* No plant: requests are still taken and the outputs stay safe, at the pace of the board's clock. */
+static void silent_tick(struct app *app, uint64_t now_ms)
+{
+    float period_ms = app->service.plan[app->service.in_force].tick_s * 1000.0f;
+    if (period_ms > 1000.0f)
+        period_ms = 1000.0f;
+    if ((float)(now_ms - app->safe_tick_ms) < period_ms)
+        return;
+    app->safe_tick_ms = now_ms;
+    take_requests(app);
+    supervisor_go_safe(&app->supervisor, "link");
+}
+
+/* Feeding proves that both contexts are alive: this one runs, and the main loop has turned lately. */
+static void feed_watchdog(struct app *app, uint64_t now_ms)
+{
+    if (app->main_turns != app->main_turns_seen) {
+        app->main_turns_seen = app->main_turns;
+        app->main_seen_ms = now_ms;
+    }
+    if (now_ms - app->main_seen_ms < WATCHDOG_MS / 2)
+        hal_watchdog_feed();
+}
+
+void app_tick(struct app *app)
+{
+    struct io_port *io = &app->service.io;
+    struct io_sample sample;
+    uint64_t now_ms = hal_clock_ms();
+    /* Bounded: a sample costs the line milliseconds, a turn here microseconds. */
+    for (unsigned n = 0; n < 64; n++) {
+        bool there = io->poll(io->context, now_ms, &sample);
+        follow_plant(app);
+        if (!there)
+            break;
+        tick(app, &sample, now_ms);
+    }
+    if (app->io_state != IO_READY)
+        silent_tick(app, now_ms);
+    feed_watchdog(app, now_ms);
+}
+
+/* ---- the main loop ---- */
+
+void app_background(struct app *app)
+{
+    app->main_turns++;
+    bool busy = console_poll(&app->console);
+    busy = hal_uart_pump(HAL_UART_CONSOLE) != 0 || busy;
+    hal_idle(!busy);
+}

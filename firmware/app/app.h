@@ -1,0 +1,25 @@
+/* The whole firmware in one context. Every board's main() does the same three things:
+ *
+ *     static struct app app;
+ *     app_init(&app);
+ *     for (;;) app_background(&app);          main loop
+ *     app_tick(&app);                         from the tick context (hal/tick.h)
+ */
+#ifndef REFLUX_APP_APP_H
+#define REFLUX_APP_APP_H
+
+struct app;
+
+/* The one instance, placed statically by app.c. */
+struct app *app_instance(void);
+
+/* Brings everything into its safe state. Call once, before interrupts reach the firmware. */
+void app_init(struct app *app);
+
+/* One turn of the main loop: console, telemetry, transmit rings, watchdog, idling. */
+void app_background(struct app *app);
+
+/* Link input, the tick when a sample is due, silence. Short and never waits. */
+void app_tick(struct app *app);
+
+#endif

@@ -1,0 +1,154 @@
+/* The declaration of every parameter. Ids are for ever: take the next free one for a new field. */
+#include <stddef.h>
+
+#include "service/parameters.h"
+
+#define BIG 1e9f
+
+#define F(s, member, id, name, unit, lo, hi, initial, help)                                        \
+    {                                                                                              \
+        id, PARAMETER_FLOAT, offsetof(struct s, member), name, unit, lo, hi, initial, NULL, help   \
+    }
+#define W(s, member, id, name, words, initial, help)                                               \
+    {                                                                                              \
+        id, PARAMETER_WORD, offsetof(struct s, member), name, "", 0, 0, initial, words, help       \
+    }
+#define N(s, member, id, name, help)                                                               \
+    {                                                                                              \
+        id, PARAMETER_NAME, offsetof(struct s, member), name, "", 0, 0, 0, NULL, help              \
+    }
+
+static const struct parameter_field config_fields[] = {
+    {1, PARAMETER_FIXED, offsetof(struct config, schema), "schema", "", 0, 0, CONFIG_SCHEMA, NULL,
+     "version of this list of parameters"},
+};
+
+static const struct parameter_field tick_fields[] = {
+    F(config, tick_s, 1, "base", "s", 0, 3600, 0,
+      "base tick; 0 = what the plant announces, else 0.05 or more"),
+    {2, PARAMETER_U32, offsetof(struct config, miss_limit), "miss_limit", "ticks", 1, 1000000, 5,
+     NULL, "samples missing in a row after which the safe state is taken"},
+};
+
+static const struct parameter_field measurement_fields[] = {
+    N(measurement_config, name, 1, "name", "measurement as the plant announces it; - = unused"),
+    {2, PARAMETER_UNIT, offsetof(struct measurement_config, unit), "unit", "", 0, 0, 0, NULL,
+     "engineering unit; must equal what the plant announces"},
+    F(measurement_config, lo, 3, "lo", "EU", -BIG, BIG, 0, "lower end of the span (0 %)"),
+    F(measurement_config, hi, 4, "hi", "EU", -BIG, BIG, 100, "upper end of the span (100 %)"),
+    F(measurement_config, filter_s, 5, "filter", "s", 0, 1e5f, 0,
+      "first-order filter time constant; 0 = none"),
+    F(measurement_config, hold_s, 6, "hold", "s", 0, 1e5f, 60,
+      "a bad reading is held this long, then its loops go to manual"),
+};
+
+static const struct parameter_field output_fields[] = {
+    N(output_config, name, 1, "name", "manipulated variable as announced; - = unused"),
+    {2, PARAMETER_UNIT, offsetof(struct output_config, unit), "unit", "", 0, 0, 0, NULL,
+     "engineering unit; must equal what the plant announces"},
+    F(output_config, lo, 3, "lo", "EU", -BIG, BIG, 0, "lower end of the span (0 %)"),
+    F(output_config, hi, 4, "hi", "EU", -BIG, BIG, 100, "upper end of the span (100 %)"),
+    F(output_config, min, 5, "min", "EU", -BIG, BIG, 0, "lowest value ever commanded while acting"),
+    F(output_config, max, 6, "max", "EU", -BIG, BIG, 100,
+      "highest value ever commanded while acting"),
+    F(output_config, rate_per_s, 7, "rate", "EU/s", 0, BIG, 0, "fastest change; 0 = no limit"),
+    F(output_config, safe, 8, "safe", "EU", -BIG, BIG, 0,
+      "value at start, on silence, in safe state"),
+    F(output_config, readback_band, 9, "band", "fraction", 0, 1, 0.01f,
+      "read-back this close to the command counts as followed"),
+};
+
+static const struct parameter_field loop_fields[] = {
+    N(loop_config, name, 1, "name", "name of the loop; - = unused"),
+    N(loop_config, pv, 2, "pv", "measurement to control"),
+    N(loop_config, out, 3, "out", "manipulated variable, or loop whose setpoint it drives"),
+    F(loop_config, gain, 4, "gain", "fraction/fraction", 0.0001f, 100, 1,
+      "proportional gain, output span per measurement span"),
+    F(loop_config, ti_s, 5, "ti", "s", 0, 1e6f, 0, "integral time; 0 = no integral action"),
+    F(loop_config, td_s, 6, "td", "s", 0, 1e5f, 0, "derivative time; 0 = no derivative action"),
+    F(loop_config, n, 7, "n", "-", 1, 100, 8, "derivative filter ratio: filter time is td/n"),
+    F(loop_config, b, 8, "b", "-", 0, 1, 1, "setpoint weight of the proportional part"),
+    F(loop_config, c, 9, "c", "-", 0, 1, 0, "setpoint weight of the derivative part"),
+    F(loop_config, tt_s, 10, "tt", "s", 0, 1e6f, 0, "tracking time constant; 0 = automatic"),
+    F(loop_config, inhibit_s, 11, "inhibit", "s", 0, 1e5f, 0,
+      "overshoot inhibitor, prediction time; 0 = off"),
+    F(loop_config, out_lo, 12, "out_lo", "fraction", -1, 2, 0, "lower limit of the loop's output"),
+    F(loop_config, out_hi, 13, "out_hi", "fraction", -1, 2, 1, "upper limit of the loop's output"),
+    F(loop_config, out_rate_per_s, 14, "out_rate", "fraction/s", 0, 100, 0,
+      "fastest change of the loop's output; 0 = no limit"),
+    F(loop_config, sp_lo, 15, "sp_lo", "EU", -BIG, BIG, 0, "lowest setpoint; both 0 = the span"),
+    F(loop_config, sp_hi, 16, "sp_hi", "EU", -BIG, BIG, 0, "highest setpoint; both 0 = the span"),
+    F(loop_config, sp_ramp_per_min, 17, "sp_ramp", "EU/min", 0, BIG, 0,
+      "fastest change of the setpoint; 0 = jump"),
+    F(loop_config, sp_filter_s, 18, "sp_filter", "s", 0, 1e5f, 0,
+      "first-order setpoint filter; 0 = none"),
+    W(loop_config, action, 19, "action", "reverse|direct", LOOP_REVERSE,
+      "reverse: output rises when the measurement is below setpoint (heating)"),
+    W(loop_config, algorithm, 20, "algorithm", "positional|velocity", LOOP_POSITIONAL,
+      "form of the PID algorithm"),
+    W(loop_config, sp_track, 21, "sp_track", "off|on", 1,
+      "in manual the setpoint follows the measurement"),
+    W(loop_config, decouple, 22, "decouple", "off|on", 0, "takes part in the static decoupler"),
+    {23, PARAMETER_U16, offsetof(struct loop_config, divisor), "divisor", "ticks", 1, 10000, 1,
+     NULL, "runs every so many base ticks"},
+    {24, PARAMETER_U16, offsetof(struct loop_config, phase), "phase", "ticks", 0, 9999, 0, NULL,
+     "base tick within the divisor at which it runs"},
+};
+
+/* Row i of the decoupler is decouple<i>.d1 .. d8. Its diagonal is 1 by default (parameters_defaults). */
+#define D(k)                                                                                       \
+    {                                                                                              \
+        k, PARAMETER_FLOAT, (k - 1) * sizeof(float), "d" #k, "fraction/fraction", -100, 100, 0,    \
+            NULL, "output of this row's loop per output of loop " #k                               \
+    }
+static const struct parameter_field decoupler_fields[] = {
+    D(1), D(2), D(3), D(4), D(5), D(6), D(7), D(8),
+};
+
+static const struct parameter_field feedforward_fields[] = {
+    N(ff_config, from, 1, "from", "measured disturbance; - = unused"),
+    N(ff_config, to, 2, "to", "manipulated variable that is corrected"),
+    F(ff_config, gain, 3, "gain", "fraction/fraction", -100, 100, 0,
+      "correction, output span per measurement span"),
+    F(ff_config, lead_s, 4, "lead", "s", 0, 1e5f, 0, "lead time constant"),
+    F(ff_config, lag_s, 5, "lag", "s", 0, 1e5f, 0, "lag time constant"),
+    F(ff_config, dead_s, 6, "dead", "s", 0, 1e5f, 0, "dead time"),
+    F(ff_config, reference, 7, "reference", "EU", -BIG, BIG, 0,
+      "measurement that asks for no correction"),
+    F(ff_config, lo, 8, "lo", "fraction", -1, 1, -1, "most negative correction"),
+    F(ff_config, hi, 9, "hi", "fraction", -1, 1, 1, "most positive correction"),
+};
+
+static const struct parameter_field interlock_fields[] = {
+    N(interlock_config, measurement, 1, "meas", "measurement that is watched; - = unused"),
+    N(interlock_config, output, 2, "mv", "manipulated variable that is forced"),
+    W(interlock_config, side, 3, "side", "above|below", INTERLOCK_ABOVE,
+      "acts when the measurement is above or below the limit"),
+    F(interlock_config, limit, 4, "limit", "EU", -BIG, BIG, 0, "limit of the measurement"),
+    F(interlock_config, hysteresis, 5, "hysteresis", "EU", 0, BIG, 0,
+      "released when back inside by this much"),
+    F(interlock_config, delay_s, 6, "delay", "s", 0, 1e5f, 0, "the condition must hold this long"),
+    F(interlock_config, value, 7, "value", "EU", -BIG, BIG, 0, "what the output is forced to"),
+    W(interlock_config, on_bad, 8, "on_bad", "off|on", 1,
+      "a bad measurement counts as the condition"),
+};
+
+#define COUNT(a) (sizeof(a) / sizeof((a)[0]))
+#define GROUP(id, name, member, type, count, fields)                                               \
+    {                                                                                              \
+        id, count, COUNT(fields), true, offsetof(struct config, member), sizeof(type), name,       \
+            fields                                                                                 \
+    }
+
+const struct parameter_group parameter_groups[] = {
+    {1, 1, COUNT(tick_fields), false, 0, 0, "tick", tick_fields},
+    {8, 1, COUNT(config_fields), false, 0, 0, "config", config_fields},
+    GROUP(2, "meas", measurement, struct measurement_config, CHANNEL_MAX, measurement_fields),
+    GROUP(3, "mv", output, struct output_config, CHANNEL_MAX, output_fields),
+    GROUP(4, "loop", loop, struct loop_config, CONFIG_LOOPS, loop_fields),
+    {5, CONFIG_LOOPS, CONFIG_LOOPS, true, offsetof(struct config, decoupler),
+     CONFIG_LOOPS * sizeof(float), "decouple", decoupler_fields},
+    GROUP(6, "ff", feedforward, struct ff_config, CONFIG_FEEDFORWARDS, feedforward_fields),
+    GROUP(7, "lock", interlock, struct interlock_config, CONFIG_INTERLOCKS, interlock_fields),
+};
+const unsigned parameter_group_count = COUNT(parameter_groups);

@@ -1,0 +1,282 @@
+#include "service/plant_link.h"
+
+#include <string.h>
+
+#include "hal/identity.h"
+#include "hal/uart.h"
+
+void plant_link_init(struct plant_link *link, struct event_queue *events,
+                     const uint64_t *plant_time)
+{
+    memset(link, 0, sizeof *link);
+    frame_decoder_reset(&link->decoder);
+    link->session = hal_boot_id();
+    link->events = events;
+    link->plant_time = plant_time;
+    link->state = IO_DOWN;
+}
+
+static bool send(struct plant_link *link, struct frame *f, uint64_t now_ms)
+{
+    uint8_t wire[FRAME_WIRE_MAX];
+    f->sequence = link->sequence;
+    size_t n = frame_encode(f, wire);
+    if (!hal_uart_write(HAL_UART_LINK, wire, n)) {
+        link->stats.congested++;
+        return false;
+    }
+    link->sequence++;
+    link->sent_ms = now_ms;
+    (void)hal_uart_pump(HAL_UART_LINK);
+    return true;
+}
+
+static void send_hello(struct plant_link *link, uint64_t now_ms)
+{
+    struct link_hello m = {
+        .version = LINK_VERSION, .role = LINK_ROLE_CONTROLLER, .session = link->session};
+    struct frame f;
+    strncpy(m.name, hal_board_name(), sizeof m.name - 1);
+    pack_hello(&m, &f);
+    if (send(link, &f, now_ms))
+        link->asked_ms = now_ms;
+}
+
+static void send_page_request(struct plant_link *link, uint64_t now_ms)
+{
+    struct link_page_request m = {.index = link->next_page};
+    struct frame f;
+    pack_page_request(&m, &f);
+    if (send(link, &f, now_ms))
+        link->asked_ms = now_ms;
+}
+
+static void send_ready(struct plant_link *link, uint64_t now_ms)
+{
+    struct link_ready m = {.session = link->plant_session};
+    struct frame f;
+    pack_ready(&m, &f);
+    (void)send(link, &f, now_ms);
+}
+
+static unsigned pages(const struct plant_link *link)
+{
+    return (unsigned)link->count[0] + link->count[1];
+}
+
+static void ask_or_finish(struct plant_link *link, uint64_t now_ms)
+{
+    if (link->next_page < pages(link)) {
+        send_page_request(link, now_ms);
+        return;
+    }
+    send_ready(link, now_ms);
+    link->state = IO_READY;
+    link->generation++;
+    event_put(link->events, *link->plant_time, EVENT_LINK_UP, link->name,
+              (float)link->tick_ms / 1000.0f, 0);
+}
+
+static void on_hello(struct plant_link *link, const struct frame *f, uint64_t now_ms)
+{
+    struct link_hello m;
+    enum err err = unpack_hello(f, &m);
+    if (err || m.role != LINK_ROLE_PLANT || m.n_measurements > CHANNEL_MAX ||
+        m.n_outputs > CHANNEL_MAX || m.tick_ms == 0) {
+        link->stats.refused++;
+        return;
+    }
+    if (m.version != LINK_VERSION) {
+        if (!link->version_told)
+            event_put(link->events, *link->plant_time, EVENT_LINK_VERSION, m.name, (float)m.version,
+                      0);
+        link->version_told = true;
+        return;
+    }
+    if (link->state == IO_READY && m.session == link->plant_session) {
+        send_ready(link, now_ms); /* ours was lost */
+        return;
+    }
+    if (link->state == IO_GREETING && m.session == link->plant_session)
+        return; /* questions are on their way */
+    if (link->state == IO_READY)
+        link->generation++; /* the plant is another one now: what was bound is void */
+    link->state = IO_GREETING;
+    link->version_told = false;
+    link->plant_session = m.session;
+    link->count[0] = m.n_measurements;
+    link->count[1] = m.n_outputs;
+    link->tick_ms = m.tick_ms;
+    memcpy(link->name, m.name, sizeof link->name);
+    link->next_page = 0;
+    ask_or_finish(link, now_ms);
+}
+
+static void on_page(struct plant_link *link, const struct frame *f, uint64_t now_ms)
+{
+    struct link_page m;
+    if (link->state != IO_GREETING)
+        return;
+    bool manipulated = link->next_page >= link->count[0];
+    if (unpack_page(f, &m) != ERR_OK || m.manipulated != manipulated) {
+        link->stats.refused++;
+        return;
+    }
+    if (m.index != link->next_page)
+        return; /* answer to a question asked twice */
+    struct io_channel *c =
+        &link->channel[manipulated][link->next_page - (manipulated ? link->count[0] : 0u)];
+    memcpy(c->name, m.name, sizeof c->name);
+    memcpy(c->unit, m.unit, sizeof c->unit);
+    c->lo = m.lo;
+    c->hi = m.hi;
+    c->safe = m.safe;
+    link->next_page++;
+    ask_or_finish(link, now_ms);
+}
+
+static bool on_sample(struct plant_link *link, const struct frame *f, struct io_sample *sample)
+{
+    struct link_sample m;
+    if (link->state != IO_READY)
+        return false; /* the plant will hear our hello */
+    if (unpack_sample(f, &m) != ERR_OK || m.n_measurements != link->count[0] ||
+        (m.n_readback != 0 && m.n_readback != link->count[1])) {
+        link->stats.refused++;
+        return false;
+    }
+    link->stats.samples++;
+    sample->number = m.number;
+    sample->time = m.time_ms;
+    sample->n_measurements = m.n_measurements;
+    sample->n_readback = m.n_readback;
+    for (unsigned i = 0; i < m.n_measurements; i++)
+        sample->measurement[i] =
+            (struct io_reading){m.measurement[i].value, (enum quality)m.measurement[i].quality};
+    for (unsigned i = 0; i < m.n_readback; i++)
+        sample->readback[i] =
+            (struct io_reading){m.readback[i].value, (enum quality)m.readback[i].quality};
+    return true;
+}
+
+static void keep_time(struct plant_link *link, uint64_t now_ms)
+{
+    if (link->state != IO_DOWN && now_ms - link->heard_ms > LINK_SILENCE_MS) {
+        link->state = IO_DOWN;
+        link->generation++;
+        link->stats.silences++;
+        event_put(link->events, *link->plant_time, EVENT_LINK_DOWN, link->name,
+                  (float)(now_ms - link->heard_ms) / 1000.0f, 0);
+    }
+    bool ask_again = now_ms - link->asked_ms >= LINK_HELLO_MS;
+    if (link->state == IO_DOWN && (ask_again || link->asked_ms == 0))
+        send_hello(link, now_ms);
+    else if (link->state == IO_GREETING && ask_again)
+        send_page_request(link, now_ms);
+    else if (link->state == IO_READY && now_ms - link->sent_ms >= LINK_KEEP_ALIVE_MS) {
+        struct frame f;
+        pack_keep_alive(&f);
+        (void)send(link, &f, now_ms);
+    }
+}
+
+static bool on_frame(struct plant_link *link, const struct frame *f, uint64_t now_ms,
+                     struct io_sample *sample)
+{
+    uint16_t gap = (uint16_t)(f->sequence - link->heard_sequence - 1u);
+    if (link->state == IO_READY && gap < 0x8000u)
+        link->stats.lost_frames += gap;
+    link->heard_sequence = f->sequence;
+    link->heard_ms = now_ms;
+    switch (f->type) {
+    case LINK_HELLO:
+        on_hello(link, f, now_ms);
+        return false;
+    case LINK_PAGE:
+        on_page(link, f, now_ms);
+        return false;
+    case LINK_SAMPLE:
+        return on_sample(link, f, sample);
+    case LINK_KEEP_ALIVE:
+        return false;
+    default:
+        link->stats.refused++;
+        return false;
+    }
+}
+
+static bool poll(void *context, uint64_t now_ms, struct io_sample *sample)
+{
+    struct plant_link *link = context;
+    struct frame f;
+    for (;;) { /* ends when the receive ring is empty: it is finite, and a sample returns at once */
+        while (link->rx_at < link->rx_n)
+            if (frame_decode(&link->decoder, link->rx[link->rx_at++], &f) &&
+                on_frame(link, &f, now_ms, sample))
+                return true;
+        link->rx_at = 0;
+        link->rx_n = (uint8_t)hal_uart_read(HAL_UART_LINK, link->rx, sizeof link->rx);
+        if (link->rx_n == 0)
+            break;
+    }
+    keep_time(link, now_ms);
+    (void)hal_uart_pump(HAL_UART_LINK);
+    return false;
+}
+
+static enum io_state state(const void *context)
+{
+    return ((const struct plant_link *)context)->state;
+}
+
+static uint32_t generation(const void *context)
+{
+    return ((const struct plant_link *)context)->generation;
+}
+
+static uint8_t count(const void *context, bool manipulated)
+{
+    return ((const struct plant_link *)context)->count[manipulated];
+}
+
+static const struct io_channel *channel(const void *context, bool manipulated, uint8_t index)
+{
+    const struct plant_link *link = context;
+    return index < link->count[manipulated] ? &link->channel[manipulated][index] : NULL;
+}
+
+static uint32_t tick_ms(const void *context)
+{
+    return ((const struct plant_link *)context)->tick_ms;
+}
+
+static enum err command(void *context, const struct io_command *c, uint64_t now_ms)
+{
+    struct plant_link *link = context;
+    struct link_command m = {
+        .number = c->number, .time_ms = c->time, .safe = c->safe, .n_outputs = c->n_outputs};
+    struct frame f;
+    if (link->state != IO_READY)
+        return ERR_STATE;
+    for (unsigned i = 0; i < c->n_outputs; i++) {
+        m.output[i].value = c->output[i].value;
+        m.output[i].drive = c->output[i].drive;
+    }
+    pack_command(&m, &f);
+    if (!send(link, &f, now_ms))
+        return ERR_FULL;
+    link->stats.commands++;
+    return ERR_OK;
+}
+
+struct io_port plant_link_port(struct plant_link *link)
+{
+    return (struct io_port){.context = link,
+                            .poll = poll,
+                            .state = state,
+                            .generation = generation,
+                            .count = count,
+                            .channel = channel,
+                            .tick_ms = tick_ms,
+                            .command = command};
+}

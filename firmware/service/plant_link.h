@@ -1,0 +1,40 @@
+/* Controller side of the plant link (docs/plant-link.md): hal/io.h implemented on frames over a serial line.
+ * Lives in the tick context. */
+#ifndef REFLUX_SERVICE_PLANT_LINK_H
+#define REFLUX_SERVICE_PLANT_LINK_H
+
+#include "base/event.h"
+#include "hal/io.h"
+#include "link/frame.h"
+#include "link/messages.h"
+
+struct plant_link {
+    enum io_state state;
+    uint32_t generation;
+    uint32_t session;       /* ours */
+    uint32_t plant_session; /* the plant's, of the present or last exchange */
+    uint16_t sequence;
+    uint64_t heard_ms, sent_ms,
+        asked_ms; /* board time of the last good frame, any frame out, question out */
+    uint8_t next_page;
+    uint8_t count[2]; /* measurements, manipulated variables */
+    uint32_t tick_ms;
+    char name[LINK_PLANT_NAME_SIZE];
+    struct io_channel channel[2][LINK_CHANNELS_MAX];
+    struct frame_decoder decoder;
+    uint8_t rx[64];
+    uint8_t rx_n, rx_at;
+    uint16_t heard_sequence;
+    bool version_told;
+    struct {
+        uint32_t samples, commands, lost_frames, refused, congested, silences;
+    } stats;
+    struct event_queue *events;
+    const uint64_t *plant_time; /* for the time stamp of events */
+};
+
+void plant_link_init(struct plant_link *link, struct event_queue *events,
+                     const uint64_t *plant_time);
+struct io_port plant_link_port(struct plant_link *link);
+
+#endif

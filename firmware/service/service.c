@@ -1,0 +1,181 @@
+#include "service/service.h"
+
+#include <string.h>
+
+#include "hal/tick.h"
+#include "service/parameters.h"
+
+void service_init(struct service *s, struct supervisor *supervisor, struct plant_link *link)
+{
+    memset(s, 0, sizeof *s);
+    s->supervisor = supervisor;
+    s->link = link;
+    spsc_init(&s->requests.index, REQUEST_QUEUE_SIZE);
+    event_queue_init(&s->tick_events);
+    event_queue_init(&s->main_events);
+    telemetry_init(&s->telemetry);
+    s->in_force = 0;
+    s->pending = 1;
+    s->scratch = 2;
+    struct config_fault fault;
+    parameters_defaults(&s->staged);
+    /* The defaults name no channel and no loop: nothing in them can be refused. */
+    (void)!plan_build(&s->plan[s->in_force], &s->staged, 0.0f, &fault);
+}
+
+const struct plan *service_plan(const struct service *s)
+{
+    return &s->plan[s->has_pending ? s->pending : s->in_force];
+}
+
+enum loop_mode service_mode(const struct service *s, uint8_t loop)
+{
+    if (spsc_can_read(&s->requests.index))
+        return (enum loop_mode)s->expected_mode[loop];
+    return s->supervisor->loop[loop].mode;
+}
+
+static void expect(struct service *s, const struct request *r)
+{
+    for (uint8_t i = 0; i < CONFIG_LOOPS; i++)
+        s->expected_mode[i] = (uint8_t)service_mode(s, i);
+    if (r->kind == REQUEST_MODE)
+        s->expected_mode[r->loop] = r->mode;
+}
+
+enum err service_request(struct service *s, const struct request *request)
+{
+    if (!spsc_can_write(&s->requests.index))
+        return ERR_BUSY;
+    expect(s, request);
+    s->requests.slot[spsc_write_index(&s->requests.index)] = *request;
+    spsc_write_done(&s->requests.index);
+    return ERR_OK;
+}
+
+/* Rows waiting to be printed that belong to the buffer about to be overwritten are given up. */
+static void forget_rows(struct service *s, const struct plan *plan)
+{
+    struct spsc *q = &s->telemetry.index;
+    bool found = false;
+    uint32_t read = spsc_read_index(q);
+    for (uint32_t k = 0; k < spsc_count(q); k++)
+        found = found || s->telemetry.slot[(read + k) & (TELEMETRY_QUEUE_SIZE - 1u)].plan == plan;
+    while (found && spsc_can_read(q)) {
+        s->telemetry.lost++;
+        spsc_read_done(q);
+    }
+}
+
+enum err service_apply(struct service *s, const struct config *config, struct config_fault *fault)
+{
+    memset(fault, 0, sizeof *fault);
+    fault->code = ERR_BUSY;
+    if (!spsc_can_write(&s->requests.index))
+        return ERR_BUSY;
+    struct plan *plan = &s->plan[s->scratch];
+    forget_rows(s, plan);
+    enum err err = plan_build(plan, config, (float)s->io.tick_ms(s->io.context) / 1000.0f, fault);
+    if (err)
+        return err;
+    const struct plan *before = service_plan(s);
+    struct request apply = {.kind = REQUEST_APPLY};
+    err = service_request(s, &apply);
+    if (err)
+        return err;
+    for (uint8_t i = 0; i < CONFIG_LOOPS; i++)
+        if (strcmp(before->config.loop[i].name, config->loop[i].name) != 0)
+            s->expected_mode[i] = LOOP_MANUAL;
+    plan->serial = ++s->serial;
+    hal_tick_lock();
+    uint8_t free = s->pending;
+    s->pending = s->scratch;
+    s->scratch = free;
+    s->has_pending = true;
+    hal_tick_unlock();
+    return ERR_OK;
+}
+
+void service_take_pending(struct service *s)
+{
+    if (!s->has_pending)
+        return; /* an earlier request has brought the newest plan already */
+    uint8_t old = s->in_force;
+    s->in_force = s->pending;
+    s->pending = old;
+    s->has_pending = false;
+    supervisor_take_plan(s->supervisor, &s->plan[s->in_force]);
+}
+
+uint8_t service_find_announced(const struct service *s, bool manipulated, const char *name)
+{
+    uint8_t n = s->io.count(s->io.context, manipulated);
+    for (uint8_t i = 0; i < n; i++)
+        if (strcmp(s->io.channel(s->io.context, manipulated, i)->name, name) == 0)
+            return i;
+    return PLAN_NONE;
+}
+
+static enum err channel_fault(const struct service *s, bool manipulated, const char *name,
+                              const char *unit, const char **what, const char **wanted)
+{
+    uint8_t i = service_find_announced(s, manipulated, name);
+    *what = name;
+    if (i == PLAN_NONE) {
+        *wanted = "is not announced by the plant";
+        return ERR_UNKNOWN;
+    }
+    if (strcmp(s->io.channel(s->io.context, manipulated, i)->unit, unit) != 0) {
+        *wanted = "is announced with another unit than configured";
+        return ERR_UNIT;
+    }
+    return ERR_OK;
+}
+
+enum err service_may_act(struct service *s, uint8_t loop, enum loop_mode mode, const char **what,
+                         const char **wanted)
+{
+    const struct plan *plan = service_plan(s);
+    const struct config *c = &plan->config;
+    *what = c->loop[loop].name;
+    if (mode == LOOP_CASCADE && plan->loop[loop].outer == PLAN_NONE) {
+        *wanted = "has no outer loop that drives its setpoint";
+        return ERR_CONFLICT;
+    }
+    if (s->io.state(s->io.context) != IO_READY) {
+        *wanted = "cannot act while no plant is connected";
+        return ERR_STATE;
+    }
+    enum err err = ERR_OK;
+    hal_tick_lock();
+    /* Down the chain of cascades, which has no rings: at most every loop once. */
+    for (unsigned depth = 0; !err && depth < CONFIG_LOOPS && loop != PLAN_NONE; depth++) {
+        const struct loop_plan *p = &plan->loop[loop];
+        const struct measurement_config *m = &c->measurement[p->pv];
+        err = channel_fault(s, false, m->name, m->unit, what, wanted);
+        if (!err && p->output != PLAN_NONE)
+            err = channel_fault(s, true, c->output[p->output].name, c->output[p->output].unit, what,
+                                wanted);
+        loop = p->inner;
+    }
+    hal_tick_unlock();
+    return err;
+}
+
+static bool take_event(struct event_queue *queue, struct event *event)
+{
+    if (!spsc_can_read(&queue->index))
+        return false;
+    *event = queue->slot[spsc_read_index(&queue->index)];
+    spsc_read_done(&queue->index);
+    return true;
+}
+
+bool service_next_event(struct service *s, struct event *event)
+{
+    if (!take_event(&s->tick_events, event) && !take_event(&s->main_events, event))
+        return false;
+    s->history[s->history_count % EVENT_HISTORY] = *event;
+    s->history_count++;
+    return true;
+}

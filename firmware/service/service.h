@@ -1,0 +1,82 @@
+/* What the main loop and the tick share, and who may touch what.
+ *
+ *   requests     main -> tick   queue
+ *   telemetry    tick -> main   queue
+ *   tick_events  tick -> main   queue
+ *   plans        three buffers: in force (tick reads), pending (handed over under hal_tick_lock), scratch
+ *                (main writes); the tick swaps pending and in force when it meets a REQUEST_APPLY
+ *
+ * Everything else here belongs to the main loop. Supervisor and plant link belong to the tick; the main loop
+ * reads single words of them, or copies under hal_tick_lock.
+ */
+#ifndef REFLUX_SERVICE_SERVICE_H
+#define REFLUX_SERVICE_SERVICE_H
+
+#include "base/event.h"
+#include "hal/io.h"
+#include "service/plant_link.h"
+#include "service/telemetry.h"
+#include "supervise/supervisor.h"
+
+#define EVENT_HISTORY 100
+
+/* Cost of ticks in counts of hal_cycles(), written by the tick. */
+struct tick_cost {
+    uint32_t n, last, lowest, highest;
+    uint64_t sum;
+};
+
+struct service {
+    struct supervisor *supervisor;
+    struct plant_link *link;
+    struct io_port io;
+    struct request_queue requests;
+    struct telemetry telemetry;
+    struct event_queue tick_events, main_events;
+    uint32_t tick_event_count; /* events the tick has put since start */
+    struct tick_cost cost;
+    bool watchdog;
+
+    struct plan plan[3];
+    uint8_t in_force, pending, scratch; /* indices into plan[] */
+    bool has_pending;
+    uint32_t serial; /* of the newest plan */
+
+    struct config staged; /* between begin and apply */
+    bool staging;
+    uint8_t expected_mode[CONFIG_LOOPS]; /* once all queued requests are carried out */
+
+    struct event history[EVENT_HISTORY];
+    uint32_t history_count; /* events ever put there */
+};
+
+void service_init(struct service *s, struct supervisor *supervisor, struct plant_link *link);
+
+/* The plan everything asked now will meet: the pending one if there is one. Main loop. */
+const struct plan *service_plan(const struct service *s);
+/* Mode a loop will have once the queued requests are carried out. */
+enum loop_mode service_mode(const struct service *s, uint8_t loop);
+
+/* Checks the configuration whole and queues it for the next tick. Errors as plan_build, and ERR_BUSY when
+ * the request queue is full (*fault then has no group). */
+MUST_CHECK enum err service_apply(struct service *s, const struct config *config,
+                                  struct config_fault *fault);
+/* Queues a request that has been checked. ERR_BUSY when the queue is full. */
+MUST_CHECK enum err service_request(struct service *s, const struct request *request);
+
+/* Can the loop leave manual: are its channels announced, with the right unit? *what gets the channel's
+ * name, *wanted the reason in words. ERR_STATE no plant, ERR_UNKNOWN not announced, ERR_UNIT, ERR_CONFLICT
+ * cascade without an outer loop. */
+MUST_CHECK enum err service_may_act(struct service *s, uint8_t loop, enum loop_mode mode,
+                                    const char **what, const char **wanted);
+
+/* Tick context: swaps in the pending plan if there is one. */
+void service_take_pending(struct service *s);
+
+/* Moves one event from the queues to the history; false when there is none. */
+bool service_next_event(struct service *s, struct event *event);
+
+/* Index of an announced channel, or PLAN_NONE. Caller is in the tick context or holds hal_tick_lock. */
+uint8_t service_find_announced(const struct service *s, bool manipulated, const char *name);
+
+#endif

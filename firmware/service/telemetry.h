@@ -1,0 +1,53 @@
+/* Telemetry: one row a tick, captured whole in the tick, printed as CSV by the main loop.
+ *
+ *     H,1,number,time[s],state,ev,<meas>[unit],<meas>.q,...,<loop>.mode,<loop>.sp[unit],...,
+ *         <mv>.cmd[unit],<mv>.app[unit],...,stat.tick
+ *     T,1,...                                    the same number of fields
+ *
+ * state: 0 safe, 1 run. ev: events so far. <meas>: validated and filtered. q: enum quality. mode: 0 manual,
+ * 1 auto, 2 cascade. cmd: asked for by control; app: applied, after limits, interlocks and read-back.
+ * stat. columns measure the board, not the process, and differ from run to run. Numbers have nine digits:
+ * they read back as the same float.
+ */
+#ifndef REFLUX_SERVICE_TELEMETRY_H
+#define REFLUX_SERVICE_TELEMETRY_H
+
+#include "service/text.h"
+#include "supervise/supervisor.h"
+
+#define TELEMETRY_FORMAT     1
+#define TELEMETRY_QUEUE_SIZE 8
+#define TELEMETRY_LINE_MAX   1600 /* a full header: 16 measurements, 8 loops, 16 outputs */
+
+struct telemetry_row {
+    const struct plan *plan; /* in force when captured: the columns */
+    uint32_t number;
+    uint64_t time_ms;
+    uint8_t state;
+    uint32_t events;
+    uint32_t cycles; /* of this tick */
+    float measurement[CHANNEL_MAX];
+    uint8_t quality[CHANNEL_MAX];
+    uint8_t mode[CONFIG_LOOPS];
+    float setpoint[CONFIG_LOOPS];
+    float commanded[CHANNEL_MAX], applied[CHANNEL_MAX];
+};
+
+struct telemetry {
+    uint32_t every; /* ticks between rows, 0 = off; written by the main loop */
+    struct spsc index;
+    struct telemetry_row slot[TELEMETRY_QUEUE_SIZE];
+    uint32_t lost;
+};
+
+void telemetry_init(struct telemetry *t);
+
+/* Tick context: captures a row when one is due. */
+void telemetry_capture(struct telemetry *t, const struct supervisor *s, uint32_t number,
+                       uint32_t events, uint32_t cycles);
+
+/* Main loop: the header for a plan, and a row, without line ends. */
+void telemetry_header(const struct plan *plan, struct text *line);
+void telemetry_row(const struct telemetry_row *row, struct text *line);
+
+#endif
