@@ -1,0 +1,307 @@
+#include "control/pid.h"
+
+#include "signal/check.h"
+
+/* Filter of the inhibitor's slope: an eighth of the prediction time, as N = 8 does for the derivative. */
+#define INHIBIT_FILTER_RATIO 8.0f
+
+struct pid_config pid_default_config(void)
+{
+    return (struct pid_config){
+        .gain = 1.0f,
+        .n = 8.0f,
+        .b = 1.0f,
+        .out_hi = 1.0f,
+        .action = PID_REVERSE,
+        .form = PID_POSITIONAL,
+    };
+}
+
+struct range {
+    const char *field, *wanted;
+    float value, lo, hi;
+    bool zero_too; /* 0 is allowed although below lo */
+};
+
+static enum err check(const struct range *r)
+{
+    if (r->zero_too && r->value <= 0.0f && r->value >= 0.0f)
+        return ERR_OK;
+    return check_range(r->value, r->lo, r->hi);
+}
+
+enum err pid_validate(const struct pid_config *config, const char **field, const char **wanted)
+{
+    const struct range ranges[] = {
+        {"gain", "1e-6 to 100", config->gain, 1e-6f, 100.0f, false},
+        {"ti_s", "0 (no integral action) or 0.01 to 1e6 s", config->ti_s, 0.01f, 1e6f, true},
+        {"td_s", "0 to 1e5 s", config->td_s, 0.0f, 1e5f, false},
+        {"n", "1 to 100", config->n, 1.0f, 100.0f, false},
+        {"b", "0 to 1", config->b, 0.0f, 1.0f, false},
+        {"c", "0 to 1", config->c, 0.0f, 1.0f, false},
+        {"tt_s", "0 (automatic) or 0.01 to 1e6 s", config->tt_s, 0.01f, 1e6f, true},
+        {"out_lo", "-1 to 2", config->out_lo, -1.0f, 2.0f, false},
+        {"out_hi", "-1 to 2", config->out_hi, -1.0f, 2.0f, false},
+        {"rate_per_s", "0 (no limit) or 1e-9 to 1e6 per second", config->rate_per_s, 1e-9f, 1e6f,
+         true},
+        {"inhibit_s", "0 (off) to 1e5 s", config->inhibit_s, 0.0f, 1e5f, false},
+        {"action", "0 (reverse) or 1 (direct)", (float)config->action, 0.0f, 1.0f, false},
+        {"form", "0 (positional) or 1 (velocity)", (float)config->form, 0.0f, 1.0f, false},
+    };
+    const char *unused;
+    field = field ? field : &unused;
+    wanted = wanted ? wanted : &unused;
+    for (size_t i = 0; i < sizeof(ranges) / sizeof(ranges[0]); i++) {
+        *field = ranges[i].field;
+        *wanted = ranges[i].wanted;
+        enum err err = check(&ranges[i]);
+        if (err)
+            return err;
+    }
+    /* Ordered as num_t: limits that fall on the same step of num_t would leave no output to choose. */
+    *field = "out_hi";
+    *wanted = "above out_lo, to 2";
+    return num_lt(num_from_float(config->out_lo), num_from_float(config->out_hi)) ? ERR_OK
+                                                                                  : ERR_RANGE;
+}
+
+/* Newton from a halved exponent: 3 rounds reach float precision. x > 0, normal. */
+static float square_root(float x)
+{
+    union {
+        float f;
+        uint32_t u;
+    } guess = {.f = x};
+    guess.u = (guess.u >> 1) + 0x1FBD1DF5u;
+    for (int i = 0; i < 3; i++)
+        guess.f = 0.5f * (guess.f + x / guess.f);
+    return guess.f;
+}
+
+static float tracking_time(const struct pid_config *c)
+{
+    if (c->tt_s > 0.0f)
+        return c->tt_s;
+    return c->td_s > 0.0f ? square_root(c->ti_s) * square_root(c->td_s) : c->ti_s;
+}
+
+/* Everything that follows from settings alone; config has been validated. The state stays. */
+static enum err place(struct pid *pid, const struct pid_config *config, float h_s)
+{
+    float signed_gain = config->action == PID_DIRECT ? -config->gain : config->gain;
+    enum err err =
+        washout_retune(&pid->derivative, signed_gain, config->td_s, config->td_s / config->n, h_s);
+    if (err)
+        return err;
+    float inhibit_filter_s = config->inhibit_s / INHIBIT_FILTER_RATIO;
+    err = washout_retune(&pid->prediction, 1.0f, config->inhibit_s, inhibit_filter_s, h_s);
+    if (err)
+        return err;
+    err = ramp_retune(&pid->rate, config->rate_per_s, h_s);
+    if (err)
+        return err;
+    pid->config = *config;
+    pid->b = num_from_float(config->b);
+    pid->c = num_from_float(config->c);
+    pid->lo = num_from_float(config->out_lo);
+    pid->hi = num_from_float(config->out_hi);
+    pid->gain = coefficient_from_float(signed_gain);
+    bool integrates = config->ti_s > 0.0f;
+    float pull = integrates ? h_s / tracking_time(config) : 0.0f;
+    pid->integral = coefficient_from_float(integrates ? signed_gain * (h_s / config->ti_s) : 0.0f);
+    pid->tracking = coefficient_from_float(pull < 1.0f ? pull : 1.0f);
+    return ERR_OK;
+}
+
+enum err pid_init(struct pid *pid, const struct pid_config *config, float h_s)
+{
+    enum err err = pid_validate(config, NULL, NULL);
+    if (err)
+        return err;
+    err = check_interval(h_s);
+    if (err)
+        return err;
+    *pid = (struct pid){0};
+    return place(pid, config, h_s);
+}
+
+/* b r - y for the setpoint weight in force. */
+static num_t proportional_in(const struct pid *pid, num_t r, num_t y)
+{
+    return num_sub(num_mul(pid->b, r), y);
+}
+
+static num_t derivative_in(const struct pid *pid, num_t r, num_t y)
+{
+    return num_sub(num_mul(pid->c, r), y);
+}
+
+enum err pid_retune(struct pid *pid, const struct pid_config *config, float h_s)
+{
+    enum err err = pid_validate(config, NULL, NULL);
+    if (err)
+        return err;
+    err = check_interval(h_s);
+    if (err)
+        return err;
+    if (!pid->primed)
+        return place(pid, config, h_s);
+
+    /* The output as a whole at full width, then split again with the new settings. */
+    struct accumulator whole = pid->sum;
+    if (pid->config.form == PID_POSITIONAL) {
+        accumulator_add_product(&whole, pid->gain, pid->proportional_in);
+        accumulator_add(&whole, washout_value(&pid->derivative));
+    }
+    bool was_blind = pid->config.inhibit_s <= 0.0f; /* the slope of y was not watched */
+    err = place(pid, config, h_s);
+    if (err)
+        return err;
+    pid->proportional_in = proportional_in(pid, pid->last_r, pid->last_y);
+    num_t derivative_input = derivative_in(pid, pid->last_r, pid->last_y);
+    if (config->td_s > 0.0f)
+        pid->derivative.last_x = derivative_input;
+    else
+        washout_reset(&pid->derivative, derivative_input);
+    if (was_blind || config->inhibit_s <= 0.0f)
+        washout_reset(&pid->prediction, pid->last_y);
+    if (config->form == PID_POSITIONAL) {
+        accumulator_add_product(&whole, pid->gain, num_neg(pid->proportional_in));
+        accumulator_add(&whole, num_neg(washout_value(&pid->derivative)));
+    }
+    pid->sum = whole;
+    return ERR_OK;
+}
+
+/* The measurement is still on one side of the setpoint, but at its present slope it will be on the other
+ * within the prediction time: more integral would only have to be taken back beyond it. */
+static bool overshoot_ahead(struct pid *pid, num_t measurement)
+{
+    if (pid->config.inhibit_s <= 0.0f)
+        return false;
+    num_t error_ahead = num_sub(pid->error, washout_step(&pid->prediction, measurement));
+    if (num_lt(num_zero(), pid->error))
+        return num_lt(error_ahead, num_zero());
+    return num_lt(pid->error, num_zero()) && num_lt(num_zero(), error_ahead);
+}
+
+num_t pid_step(struct pid *pid, num_t setpoint, num_t measurement)
+{
+    if (!pid->primed) /* nobody told us the output in effect: start from the lowest, without a kick */
+        pid_follow(pid, setpoint, measurement, pid->lo);
+    num_t p = proportional_in(pid, setpoint, measurement);
+    num_t d_before = washout_value(&pid->derivative);
+    num_t d = d_before;
+    if (pid->config.td_s > 0.0f)
+        d = washout_step(&pid->derivative, derivative_in(pid, setpoint, measurement));
+
+    struct accumulator whole = pid->sum;
+    if (pid->config.form == PID_VELOCITY) {
+        accumulator_add_product(&whole, pid->gain, num_sub(p, pid->proportional_in));
+        accumulator_add(&whole, num_sub(d, d_before));
+        pid->sum = whole;
+    } else {
+        accumulator_add_product(&whole, pid->gain, p);
+        accumulator_add(&whole, d);
+    }
+    pid->error = num_sub(setpoint, measurement);
+    pid->inhibited = overshoot_ahead(pid, measurement);
+    pid->proportional_in = p;
+    pid->last_r = setpoint;
+    pid->last_y = measurement;
+    pid->raw = accumulator_get(&whole);
+    pid->output = ramp_step(&pid->rate, num_clamp(pid->raw, pid->lo, pid->hi));
+    return pid->output;
+}
+
+void pid_back(struct pid *pid, num_t applied, uint8_t hold)
+{
+    if (!pid->primed)
+        return;
+    if (pid->config.form == PID_POSITIONAL)
+        accumulator_add_product(&pid->sum, pid->tracking, num_sub(applied, pid->raw));
+    else if (!num_eq(pid->output, pid->raw))
+        accumulator_set(&pid->sum, applied);
+    else /* as a difference, so that what is finer than num_t survives */
+        accumulator_add(&pid->sum, num_sub(applied, pid->raw));
+
+    bool up = num_lt(num_zero(), pid->error) == (pid->config.action == PID_REVERSE);
+    uint8_t against = up ? BLOCK_HOLD_UP : BLOCK_HOLD_DOWN;
+    if (!(hold & against) && !pid->inhibited)
+        accumulator_add_product(&pid->sum, pid->integral, pid->error);
+
+    if (!num_eq(applied, pid->output)) {
+        ramp_reset(&pid->rate, applied);
+        pid->output = applied;
+    }
+}
+
+void pid_follow(struct pid *pid, num_t setpoint, num_t measurement, num_t applied)
+{
+    pid->proportional_in = proportional_in(pid, setpoint, measurement);
+    washout_reset(&pid->derivative, derivative_in(pid, setpoint, measurement));
+    washout_reset(&pid->prediction, measurement);
+    ramp_reset(&pid->rate, applied);
+    accumulator_set(&pid->sum, applied);
+    if (pid->config.form == PID_POSITIONAL)
+        accumulator_add_product(&pid->sum, pid->gain, num_neg(pid->proportional_in));
+    pid->last_r = setpoint;
+    pid->last_y = measurement;
+    pid->error = num_sub(setpoint, measurement);
+    pid->raw = applied;
+    pid->output = applied;
+    pid->inhibited = false;
+    pid->primed = true;
+}
+
+static void block_step(void *state, const num_t *setpoint, const num_t *measurement, num_t *output)
+{
+    output[0] = pid_step(state, setpoint[0], measurement[0]);
+}
+
+static void block_back(void *state, const num_t *applied, const uint8_t *hold)
+{
+    pid_back(state, applied[0], hold[0]);
+}
+
+static void block_follow(void *state, const num_t *setpoint, const num_t *measurement,
+                         const num_t *applied)
+{
+    pid_follow(state, setpoint[0], measurement[0], applied[0]);
+}
+
+static const char *block_describe(const void *state, size_t i, float *value)
+{
+    static const char *const names[] = {"error",    "proportional", "integral", "derivative",
+                                        "computed", "output",       "inhibited"};
+    if (i >= sizeof(names) / sizeof(names[0]))
+        return NULL;
+    const struct pid *pid = state;
+    struct accumulator p = {0};
+    accumulator_add_product(&p, pid->gain, pid->proportional_in);
+    struct accumulator rest = pid->sum;
+    if (pid->config.form ==
+        PID_VELOCITY) { /* sum is the whole output: what the other parts leave */
+        accumulator_add(&rest, num_neg(washout_value(&pid->derivative)));
+        accumulator_add_product(&rest, pid->gain, num_neg(pid->proportional_in));
+    }
+    const float values[] = {
+        num_to_float(pid->error),
+        num_to_float(accumulator_get(&p)),
+        num_to_float(accumulator_get(&rest)),
+        num_to_float(washout_value(&pid->derivative)),
+        num_to_float(pid->raw),
+        num_to_float(pid->output),
+        pid->inhibited ? 1.0f : 0.0f,
+    };
+    *value = values[i];
+    return names[i];
+}
+
+const struct block_ops pid_block = {
+    .kind = "pid",
+    .step = block_step,
+    .back = block_back,
+    .follow = block_follow,
+    .describe = block_describe,
+};

@@ -1,0 +1,25 @@
+/* Argument checks shared by the init functions of signal/ and control/. */
+#ifndef REFLUX_SIGNAL_CHECK_H
+#define REFLUX_SIGNAL_CHECK_H
+
+#include "base/channel.h" /* float_is_finite */
+#include "base/error.h"
+
+/* Step intervals any block accepts, in seconds. */
+#define STEP_INTERVAL_MIN_S 1e-3f
+#define STEP_INTERVAL_MAX_S 1e5f
+
+/* ERR_OK when lo <= x <= hi; NaN and infinity are ERR_NOT_FINITE. */
+MUST_CHECK static inline enum err check_range(float x, float lo, float hi)
+{
+    if (!float_is_finite(x))
+        return ERR_NOT_FINITE;
+    return x < lo || x > hi ? ERR_RANGE : ERR_OK;
+}
+
+MUST_CHECK static inline enum err check_interval(float h_s)
+{
+    return check_range(h_s, STEP_INTERVAL_MIN_S, STEP_INTERVAL_MAX_S);
+}
+
+#endif

@@ -1,0 +1,13 @@
+# The numeric heart: numbers, filters, tuning rules, PID, feedforward. Each in the number format of the preset.
+reflux_test(base LABEL unit SOURCES test_base.c LIBS reflux_base)
+reflux_test(num LABEL unit SOURCES test_num.c LIBS reflux_num)
+reflux_test(signal LABEL unit SOURCES test_signal.c LIBS reflux_signal)
+reflux_test(tuning LABEL unit SOURCES test_tuning.c LIBS reflux_design)
+foreach(part pid pid_settings pid_transfer pid_loop feedforward)
+  reflux_test(${part} LABEL unit SOURCES test_${part}.c LIBS reflux_control)
+endforeach()
+
+# Not a test: the tables behind the figures of docs/pid.md and docs/feedforward.md.
+add_executable(pid_trace "${PROJECT_SOURCE_DIR}/tests/bench/pid_trace.c")
+target_link_libraries(pid_trace PRIVATE reflux_control reflux_options m)
+target_include_directories(pid_trace PRIVATE "${PROJECT_SOURCE_DIR}/tests/support")

@@ -1,0 +1,216 @@
+/* control/pid.[ch]: bumpless transfer and parameter change. The fault of others guarded here: no bumpless
+ * switch.
+ *
+ * Contract                                              float32       Q7.24
+ *   step after follow, same inputs                      exactly applied in both
+ *   step after retune, same inputs, against the step
+ *     the old settings would have made                  1.2e-7        1.2e-7   (two roundings of num_t)
+ */
+#include <math.h>
+
+#include "pid_bench.h"
+
+void setUp(void) {}
+void tearDown(void) {}
+
+static struct pid_config rich_config(void)
+{
+    struct pid_config c = pid_default_config();
+    c.gain = 3.0f;
+    c.ti_s = 60.0f;
+    c.td_s = 8.0f;
+    c.b = 0.7f;
+    c.c = 0.3f;
+    return c;
+}
+
+static void the_step_after_follow_gives_exactly_the_output_followed(void)
+{
+    const float gains[] = {0.01f, 1.0f, 37.7f, 100.0f};
+    for (int form = 0; form < 2; form++) {
+        for (int g = 0; g < 4; g++) {
+            for (int action = 0; action < 2; action++) {
+                struct pid_config c = rich_config();
+                c.gain = gains[g];
+                c.form = (enum pid_form)form;
+                c.action = (enum pid_action)action;
+                struct pid pid = make_pid(c, 0.05f);
+                for (int k = 0; k < 200; k++) {
+                    num_t r = N(0.5 + 0.45 * sin(k)), y = N(0.5 + 0.45 * cos(2.3 * k)),
+                          u = N(0.005 * k);
+                    pid_follow(&pid, r, y, u);
+                    TEST_ASSERT_TRUE(num_eq(u, pid_step(&pid, r, y)));
+                }
+            }
+        }
+    }
+}
+
+static void from_manual_to_automatic_there_is_no_bump_after_any_manual_output(void)
+{
+    struct pid pid = make_pid(rich_config(), 1.0f);
+    pid_follow(&pid, N(0.5), N(0.5), N(0.5));
+    for (int k = 0; k < 300; k++)
+        tick(&pid, 0.6, 0.4 + 0.0005 * k);
+    for (int k = 0; k < 50; k++)
+        pid_follow(&pid, N(0.6), N(0.55), N(0.123)); /* the operator holds 0.123 */
+    TEST_ASSERT_DOUBLE_WITHIN(0.0, D(N(0.123)), tick(&pid, 0.6, 0.55));
+    /* then it moves at the pace of the integral only */
+    double second = tick(&pid, 0.6, 0.55);
+    TEST_ASSERT_DOUBLE_WITHIN(3e-7, D(N(0.123)) + 3.0 / 60.0 * 0.05, second);
+}
+
+static void an_output_followed_from_outside_the_limits_enters_them(void)
+{
+    struct pid_config c = rich_config();
+    c.out_lo = 0.2f;
+    struct pid pid = make_pid(c, 1.0f);
+    pid_follow(&pid, N(0.5), N(0.5), N(0.0));
+    TEST_ASSERT_DOUBLE_WITHIN(0.0, D(N(0.2)), tick(&pid, 0.5, 0.5));
+    c.rate_per_s = 0.05f;
+    pid = make_pid(c, 1.0f);
+    pid_follow(&pid, N(0.5), N(0.5), N(0.0));
+    TEST_ASSERT_DOUBLE_WITHIN(2e-7, 0.05, tick(&pid, 0.5, 0.5));
+    TEST_ASSERT_DOUBLE_WITHIN(2e-7, 0.10, tick(&pid, 0.5, 0.5));
+}
+
+/* Retunes between two ticks and compares the next step, same inputs, with the one not retuned. */
+static void retuned(struct pid_config before, struct pid_config after, float h_after,
+                    const char *what)
+{
+    struct pid pid = make_pid(before, 1.0f);
+    pid_follow(&pid, N(0.5), N(0.45), N(0.4));
+    for (int k = 0; k < 40; k++)
+        tick(&pid, 0.5, 0.45 + 0.04 * sin(0.05 * k));
+    for (int k = 0; k < 200; k++) /* derivative at rest: its decay is not what is measured here */
+        tick(&pid, 0.5, 0.499);
+    struct pid old = pid;
+    double want = D(pid_step(&old, N(0.5), N(0.499)));
+    TEST_ASSERT_EQUAL_INT(ERR_OK, pid_retune(&pid, &after, h_after));
+    double got = D(pid_step(&pid, N(0.5), N(0.499)));
+    TEST_ASSERT_TRUE(want > 0.05 && want < 0.95);
+    TEST_ASSERT_DOUBLE_WITHIN_MESSAGE(1.2e-7, want, got, what);
+}
+
+static void any_parameter_can_be_changed_without_a_bump(void)
+{
+    struct pid_config base = rich_config(), c;
+    for (int form = 0; form < 2; form++) {
+        base.form = (enum pid_form)form;
+        c = base, c.gain = 0.4f, retuned(base, c, 1.0f, "smaller gain");
+        c = base, c.gain = 60.0f, retuned(base, c, 1.0f, "larger gain");
+        c = base, c.ti_s = 7.0f, retuned(base, c, 1.0f, "integral time");
+        c = base, c.ti_s = 0.0f, retuned(base, c, 1.0f, "no integral");
+        c = base, c.td_s = 0.0f, retuned(base, c, 1.0f, "no derivative");
+        c = base, c.td_s = 50.0f, retuned(base, c, 1.0f, "derivative time");
+        c = base, c.n = 2.0f, retuned(base, c, 1.0f, "filter ratio");
+        c = base, c.b = 0.0f, retuned(base, c, 1.0f, "setpoint weight b");
+        c = base, c.c = 1.0f, retuned(base, c, 1.0f, "setpoint weight c");
+        c = base, c.tt_s = 3.0f, retuned(base, c, 1.0f, "tracking time");
+        c = base, c.rate_per_s = 0.01f, retuned(base, c, 1.0f, "rate limit");
+        c = base, c.inhibit_s = 30.0f, retuned(base, c, 1.0f, "inhibitor");
+        c = base, c.action = PID_DIRECT, retuned(base, c, 1.0f, "action");
+        c = base, c.form = base.form == PID_VELOCITY ? PID_POSITIONAL : PID_VELOCITY;
+        retuned(base, c, 1.0f, "form");
+        retuned(base, base, 0.25f, "step interval");
+    }
+}
+
+static void switching_the_derivative_off_while_it_acts_makes_no_bump(void)
+{
+    for (int form = 0; form < 2; form++) {
+        struct pid_config c = rich_config();
+        c.form = (enum pid_form)form;
+        c.ti_s = 0.0f;
+        struct pid pid = make_pid(c, 1.0f);
+        pid_follow(&pid, N(0.5), N(0.45), N(0.4));
+        double last = tick(&pid, 0.5, 0.46);
+        TEST_ASSERT_TRUE(last < 0.3); /* the derivative acts */
+        c.td_s = 0.0f;
+        TEST_ASSERT_EQUAL_INT(ERR_OK, pid_retune(&pid, &c, 1.0f));
+        TEST_ASSERT_DOUBLE_WITHIN(1.2e-7, last, tick(&pid, 0.5, 0.46));
+    }
+}
+
+static void switching_the_derivative_on_makes_no_kick_from_an_old_measurement(void)
+{
+    struct pid_config c = rich_config();
+    c.td_s = 0.0f;
+    c.ti_s = 0.0f;
+    struct pid pid = make_pid(c, 1.0f);
+    pid_follow(&pid, N(0.5), N(0.2), N(0.4));
+    double last = 0.0;
+    for (int k = 0; k < 100; k++)
+        last = tick(&pid, 0.5, 0.2 + 0.001 * k);
+    c.td_s = 20.0f;
+    c.inhibit_s = 20.0f;
+    TEST_ASSERT_EQUAL_INT(ERR_OK, pid_retune(&pid, &c, 1.0f));
+    TEST_ASSERT_DOUBLE_WITHIN(1.2e-7, last, tick(&pid, 0.5, 0.299));
+    TEST_ASSERT_FALSE(pid.inhibited);
+}
+
+static void retuning_every_tick_does_not_stop_integral_or_derivative(void)
+{
+    struct pid_config c = rich_config();
+    c.ti_s = 3600.0f;
+    for (int form = 0; form < 2; form++) {
+        c.form = (enum pid_form)form;
+        struct pid plain = make_pid(c, 0.05f), retuned_one = make_pid(c, 0.05f);
+        pid_follow(&plain, N(0.5), N(0.499), N(0.4));
+        pid_follow(&retuned_one, N(0.5), N(0.499), N(0.4));
+        double worst = 0.0, u = 0.0;
+        for (int k = 0; k < 72000; k++) {
+            double y = 0.499 + 0.0005 * sin(0.001 * k);
+            TEST_ASSERT_EQUAL_INT(ERR_OK, pid_retune(&retuned_one, &c, 0.05f));
+            u = tick(&plain, 0.5, y);
+            worst = fmax(worst, fabs(u - tick(&retuned_one, 0.5, y)));
+        }
+        TEST_ASSERT_TRUE(u > 0.4025);
+        printf("retuned 72000 times: %.2g\n", worst);
+        TEST_ASSERT_TRUE(worst < 1e-6);
+    }
+}
+
+static void retuning_before_the_first_step_only_takes_the_settings(void)
+{
+    struct pid_config c = rich_config();
+    struct pid pid = make_pid(c, 1.0f);
+    c.gain = 9.0f;
+    TEST_ASSERT_EQUAL_INT(ERR_OK, pid_retune(&pid, &c, 1.0f));
+    TEST_ASSERT_FALSE(pid.primed);
+    pid_follow(&pid, N(0.5), N(0.5), N(0.5));
+    TEST_ASSERT_TRUE(tick(&pid, 0.5, 0.5) == 0.5);
+}
+
+static void the_block_interface_drives_the_same_controller(void)
+{
+    struct pid a = make_pid(rich_config(), 1.0f), b = a;
+    num_t r = N(0.5), y = N(0.48), u = N(0.4), out;
+    pid_follow(&a, r, y, u);
+    pid_block.follow(&b, &r, &y, &u);
+    for (int k = 0; k < 50; k++) {
+        y = N(0.48 + 0.001 * k);
+        uint8_t hold = k % 3 == 0 ? BLOCK_HOLD_UP : BLOCK_HOLD_NONE;
+        pid_block.step(&b, &r, &y, &out);
+        num_t direct = pid_step(&a, r, y);
+        TEST_ASSERT_TRUE(num_eq(direct, out));
+        pid_back(&a, direct, hold);
+        pid_block.back(&b, &out, &hold);
+    }
+    TEST_ASSERT_EQUAL_STRING("pid", pid_block.kind);
+}
+
+int main(void)
+{
+    UNITY_BEGIN();
+    RUN_TEST(the_step_after_follow_gives_exactly_the_output_followed);
+    RUN_TEST(from_manual_to_automatic_there_is_no_bump_after_any_manual_output);
+    RUN_TEST(an_output_followed_from_outside_the_limits_enters_them);
+    RUN_TEST(any_parameter_can_be_changed_without_a_bump);
+    RUN_TEST(switching_the_derivative_off_while_it_acts_makes_no_bump);
+    RUN_TEST(switching_the_derivative_on_makes_no_kick_from_an_old_measurement);
+    RUN_TEST(retuning_every_tick_does_not_stop_integral_or_derivative);
+    RUN_TEST(retuning_before_the_first_step_only_takes_the_settings);
+    RUN_TEST(the_block_interface_drives_the_same_controller);
+    return UNITY_END();
+}
