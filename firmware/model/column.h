@@ -1,0 +1,181 @@
+/* A general distillation column: N stages, C components, composition dynamics only.
+ *
+ * Stages are numbered upwards as in Frau: 1 is the partial reboiler, 2 .. N-1 are trays, N is the total
+ * condenser with its drum. The code counts from 0, so stage s is index s - 1. The states are the mole
+ * fractions of the first C - 1 components on every stage, from the reboiler up: x[(s - 1)(C - 1) + j].
+ * SI units throughout: mol, s, K, Pa, W, m3, kg.
+ *
+ * Assumptions (Frau 2.1): no energy balance on trays, molar flows change only at the feed and at the
+ * top (subcooling); liquid holdup constant on every stage, levels held perfectly by the product flows;
+ * pressure falls linearly; Murphree efficiency on trays, ideal reboiler.
+ *
+ * What is ours: the conservative form (see enum column_holdup) and the limits on the flows
+ * (struct column_flows). Equations are those of A. Frau, thesis, Cagliari (XXIII cycle), chapter 3, with
+ * the signs of (3.2a), (3.2e) and (3.2f) repaired so that they add up to zero; see docs/column-model.md.
+ *
+ * Use: column_init, then column_set_inputs whenever inputs change, then column_rates for dx/dt (an
+ * integrator) or column_evaluate for the algebraic outputs alone; both leave the outputs in the struct. */
+#ifndef REFLUX_MODEL_COLUMN_H
+#define REFLUX_MODEL_COLUMN_H
+
+#include "base/error.h"
+#include "model/column_sizes.h"
+#include "model/properties.h"
+#include "model/vle.h"
+
+/* Liquid holdup of a stage. */
+enum column_holdup {
+    /* Molar holdup given and constant (mol). All balances close. */
+    COLUMN_HOLDUP_MOLAR,
+    /* Volumetric holdup given and constant (m3), molar holdup follows the composition; internal flows stay
+     * constant per section, so that the total component balance closes only at steady state. Frau 2.1. */
+    COLUMN_HOLDUP_VOLUMETRIC,
+    /* As VOLUMETRIC, but the liquid leaving a stage carries what its molar holdup gives up, so that
+     * d(H c)/dt balances and the total closes at every moment. Ours. Reported product flows may then turn
+     * slightly negative for a moment where the nominal flow is almost nothing. */
+    COLUMN_HOLDUP_CONSERVATIVE
+};
+
+/* How a stream's flow is given. */
+enum column_basis {
+    COLUMN_FLOW_MOLAR, /* mol/s */
+    COLUMN_FLOW_MASS,  /* kg/s */
+    COLUMN_FLOW_VOLUME /* m3/s of liquid at the stream's own composition and temperature */
+};
+
+/* Everything about a column that does not change while it runs. The struct and the components must
+ * outlive the column. column_validate() says what is wrong with one. */
+struct column_config {
+    size_t stages;                     /* N, 4 to COLUMN_STAGES_MAX */
+    size_t components;                 /* C, 2 to COLUMN_COMPONENTS_MAX */
+    size_t feed_stage;                 /* 2 to N-2, counted from the reboiler = 1 */
+    const struct component *component; /* [C], any order; the last one is not integrated */
+    real_t efficiency;                 /* Murphree efficiency of the trays, above 0, at most 1 */
+    real_t pressure_drop;              /* Pa, reboiler minus condenser, 0 or more */
+    enum column_holdup holdup; /* which of the forms above; it sets the unit of the next three */
+    real_t holdup_reboiler;    /* mol or m3, above 0 */
+    real_t holdup_tray;        /* each tray; mol or m3, above 0 */
+    real_t holdup_condenser;   /* with the reflux drum; mol or m3, above 0 */
+    real_t holdup_temperature_bottom; /* K; liquid volume of holdups is taken at a temperature */
+    real_t holdup_temperature_top; /* K; linear in the stage number. Not used by the molar form */
+    real_t temperature_min;        /* K; bubble points are sought between these, 50 to 1000 K */
+    real_t temperature_max;
+    real_t limit_softness;  /* 0.001 to 0.5: relative width over which flow limits set in */
+    activity_fn *activity;  /* activity coefficients, NULL for an ideal liquid */
+    void *activity_context; /* handed to activity */
+};
+
+/* What is wrong with a config or with inputs. */
+struct column_fault {
+    const char *field;  /* name of the field, "" when nothing is wrong */
+    const char *wanted; /* the range it must be in */
+};
+
+/* What drives the column. */
+struct column_inputs {
+    enum column_basis feed_basis;
+    real_t feed_flow; /* 0 or more, unit as feed_basis says */
+    real_t
+        feed_fraction[COLUMN_COMPONENTS_MAX]; /* mole fractions, each 0 to 1, sum 1 within 1e-3 */
+    real_t feed_temperature;                  /* K, within the config's temperature range */
+    enum column_basis reflux_basis;
+    real_t reflux_flow;       /* wanted flow, 0 or more */
+    real_t reflux_subcooling; /* K below the drum's bubble point, 0 to 100 */
+    real_t heat;              /* W going into boiling, 0 or more */
+    real_t pressure_top;      /* Pa in the condenser, 100 to 1e7 */
+};
+
+/* Internal flows, mol/s, none of them negative except as said at the conservative form. Frau 2.4.
+ *
+ * Where wanted reflux and heat cannot both be had, the levels win, which a real column's level loops and
+ * low-level trips would see to: reflux is cut to what the condenser makes (distillate stays 0 or more) and
+ * boil-up is cut when the liquid coming down cannot feed it (bottoms stay 0 or more). Likewise a cold feed
+ * condenses no more vapour than there is, and a hot one flashes no more than there is of it. The cuts set
+ * in smoothly over the relative width limit_softness and are exactly absent outside it. */
+struct column_flows {
+    real_t feed;                /* F */
+    real_t reflux;              /* L_T */
+    real_t liquid_enriching;    /* L_E */
+    real_t liquid_stripping;    /* L_S */
+    real_t vapour_stripping;    /* V_S, boil-up */
+    real_t vapour_enriching;    /* V_E */
+    real_t vapour_top;          /* V_T */
+    real_t distillate;          /* D */
+    real_t bottoms;             /* B */
+    real_t reflux_wanted;       /* as asked for, before the limits */
+    real_t boilup_wanted;       /* heat / heat of vaporisation, before the limits */
+    real_t condensed_by_feed;   /* dV_F, negative when the feed flashes */
+    real_t condensed_by_reflux; /* dV_R */
+};
+
+/* One column. Config and inputs are in front; what column_evaluate leaves is for reading. About
+ * 4 N C numbers; contents are the module's own unless named as outputs. */
+struct column {
+    const struct column_config *config;
+    struct column_inputs inputs;
+    struct vle vle;
+    size_t n_states; /* N (C - 1) */
+
+    /* outputs of column_evaluate and column_rates, stage by stage from the reboiler */
+    real_t temperature[COLUMN_STAGES_MAX]; /* K, bubble points; also where the next search starts */
+    real_t liquid[COLUMN_STAGES_MAX];      /* mol/s leaving the stage; [0] bottoms, [N-1] reflux */
+    real_t vapour_flow[COLUMN_STAGES_MAX]; /* mol/s leaving the stage upwards; [N-1] is 0 */
+    real_t holdup[COLUMN_STAGES_MAX];      /* mol */
+    real_t vapour[COLUMN_STAGES_MAX * COLUMN_COMPONENTS_MAX]; /* mole fractions leaving, [s C + j];
+                                                                 condenser: none, the drum's bubble */
+    struct column_flows flows;
+
+    /* inside */
+    real_t k[COLUMN_STAGES_MAX * COLUMN_COMPONENTS_MAX];
+    real_t dk[COLUMN_STAGES_MAX * COLUMN_COMPONENTS_MAX];
+    real_t molar_volume[COLUMN_STAGES_MAX * COLUMN_COMPONENTS_MAX];
+    real_t pressure[COLUMN_STAGES_MAX];
+    real_t feed_molar;
+    bool warm; /* k and dk belong to temperature[] at the present pressure */
+};
+
+/* Checks a config. ERR_OK, or ERR_RANGE / ERR_NOT_FINITE with fault (never NULL) saying which field. */
+MUST_CHECK enum err column_validate(const struct column_config *config, struct column_fault *fault);
+
+/* Checks inputs against a valid config, likewise. */
+MUST_CHECK enum err column_validate_inputs(const struct column_config *config,
+                                           const struct column_inputs *inputs,
+                                           struct column_fault *fault);
+
+/* Makes a column from a config. Fails as column_validate does and then leaves the column unchanged.
+ * column_set_inputs must follow. */
+MUST_CHECK enum err column_init(struct column *column, const struct column_config *config,
+                                struct column_fault *fault);
+
+/* Takes new inputs (copied). Fails as column_validate_inputs does and then keeps the old ones. */
+MUST_CHECK enum err column_set_inputs(struct column *column, const struct column_inputs *inputs,
+                                      struct column_fault *fault);
+
+/* Algebraic outputs at the states x[n_states]: temperatures (3.2g), vapour compositions with Murphree
+ * efficiency (digest 2.5), holdups, internal flows (2.4). liquid[] is that of constant flows per section.
+ * ERR_NOT_FINITE for a state that is no number, ERR_RANGE when a stage has no bubble point. */
+MUST_CHECK enum err column_evaluate(struct column *column, const real_t *x);
+
+/* dx/dt (1/s) at the states x, and all outputs. Component balances (3.2a)-(3.2f), repaired.
+ * rates[n_states]. Errors as column_evaluate. */
+MUST_CHECK enum err column_rates(struct column *column, const real_t *x, real_t *rates);
+
+/* Mole fraction of component j (0 .. C-1) on stage index s (0 = reboiler), the last one by closure. */
+real_t column_fraction(const struct column *column, const real_t *x, size_t s, size_t j);
+
+/* Half bandwidths of the Jacobian: entries (row, col) with row - col <= lower and col - row <= upper. */
+void column_jacobian_shape(const struct column_config *config, size_t *lower, size_t *upper);
+
+/* Analytic Jacobian d(rates)/dx for Newton matrices, at the point of the last column_rates or
+ * column_evaluate with the same x, in LAPACK band storage: entry (row, col) goes to
+ * band[col * stride + diagonal + row - col]. Every entry of the band is written.
+ *
+ * Exact for internal flows, holdups and activity coefficients held at their present values, with one
+ * truncation: with efficiency E below 1 the vapour leaving a stage remembers every stage below it with
+ * weight E (1-E)^k, and the band reaches COLUMN_JACOBIAN_MEMORY stages down. With E = 1 nothing is lost.
+ * Good for Newton iterations, which need a near Jacobian only; not for gains. */
+#define COLUMN_JACOBIAN_MEMORY 3
+void column_jacobian(const struct column *column, const real_t *x, real_t *band, size_t stride,
+                     size_t diagonal);
+
+#endif

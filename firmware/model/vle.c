@@ -1,0 +1,109 @@
+#include "model/vle.h"
+
+#include "model/column_sizes.h"
+
+#define ITERATIONS_MAX 60
+
+/* A last Newton step smaller than FINISH_K is finished by a linear extrapolation of the vapour
+ * pressures, which saves one evaluation of all exponentials. With d(ln P)/dT below 0.1 1/K the relative
+ * error left is (0.1 FINISH_K)^2 / 2. Activity coefficients that move with the temperature make Newton
+ * converge linearly only, so the last step must be much smaller there. */
+#ifdef REFLUX_REAL_DOUBLE
+#define FINISH_K          REAL_C(1e-4) /* leaves 5e-11 */
+#define FINISH_ACTIVITY_K REAL_C(1e-9)
+#else
+#define FINISH_K          REAL_C(2e-3) /* leaves 2e-8, less than the rounding of a float */
+#define FINISH_ACTIVITY_K REAL_C(2e-4)
+#endif
+
+static void equilibrium_ratios(const struct vle *vle, const real_t *x, real_t pressure,
+                               real_t temperature, real_t *k, real_t *dk)
+{
+    real_t gamma[COLUMN_COMPONENTS_MAX];
+    real_t scale = REAL_C(1.0) / pressure;
+
+    for (size_t j = 0; j < vle->n; j++) {
+        k[j] = scale * component_vapour_pressure(&vle->component[j], temperature, &dk[j]);
+        dk[j] *= scale;
+    }
+    if (!vle->activity)
+        return;
+    vle->activity(vle->activity_context, x, temperature, gamma);
+    for (size_t j = 0; j < vle->n; j++) {
+        k[j] *= gamma[j];
+        dk[j] *= gamma[j];
+    }
+}
+
+enum err vle_bubble_point(const struct vle *vle, const real_t *x, real_t pressure,
+                          real_t *temperature, real_t *y, real_t *k, real_t *dk, bool warm)
+{
+    size_t n = vle->n;
+    real_t t = *temperature;
+
+    if (!isfinite(t))
+        return ERR_NOT_FINITE;
+    if (t < vle->temperature_min)
+        t = vle->temperature_min;
+    if (t > vle->temperature_max)
+        t = vle->temperature_max;
+    real_t finish = vle->activity ? FINISH_ACTIVITY_K : FINISH_K;
+    warm = warm && !vle->activity && t == *temperature;
+
+    for (int i = 0; i < ITERATIONS_MAX; i++) {
+        real_t sum = REAL_C(0.0), slope = REAL_C(0.0);
+
+        if (!warm)
+            equilibrium_ratios(vle, x, pressure, t, k, dk);
+        for (size_t j = 0; j < n; j++) {
+            sum += x[j] * k[j];
+            slope += x[j] * dk[j];
+        }
+        if (!isfinite(sum) || !isfinite(slope))
+            return ERR_NOT_FINITE;
+        if (slope <= REAL_C(0.0) || sum <= REAL_C(0.0))
+            return ERR_RANGE;
+
+        /* Newton on ln(sum), nearly a straight line in T. 2 (s - 1)/(s + 1) stands for ln s: equal to
+         * third order at the solution and bounded far from it, so that no step runs away. */
+        real_t step = REAL_C(-2.0) * (sum - REAL_C(1.0)) * sum / ((sum + REAL_C(1.0)) * slope);
+        real_t next = t + step;
+        if (next < vle->temperature_min || next > vle->temperature_max) {
+            real_t edge = next < t ? vle->temperature_min : vle->temperature_max;
+            if (t == edge)
+                return ERR_RANGE;
+            t = edge;
+            warm = false;
+            continue;
+        }
+        t = next;
+        /* Old ratios only give a start: finishing on them would add up extrapolations call by call. */
+        if (!warm && real_abs(step) <= finish) {
+            for (size_t j = 0; j < n; j++) {
+                k[j] += dk[j] * step;
+                y[j] = x[j] * k[j];
+            }
+            *temperature = t;
+            return ERR_OK;
+        }
+        warm = false;
+    }
+    return ERR_RANGE;
+}
+
+void vle_slopes(size_t n, const real_t *x, const real_t *k, const real_t *dk, real_t *dt,
+                real_t *dy)
+{
+    size_t last = n - 1;
+    real_t slope = REAL_C(0.0);
+
+    for (size_t j = 0; j < n; j++)
+        slope += x[j] * dk[j];
+    for (size_t j = 0; j < last; j++)
+        dt[j] = -(k[j] - k[last]) / slope;
+    for (size_t i = 0; i < last; i++) {
+        for (size_t j = 0; j < last; j++)
+            dy[i * last + j] = x[i] * dk[i] * dt[j];
+        dy[i * last + i] += k[i];
+    }
+}

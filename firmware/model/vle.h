@@ -1,0 +1,45 @@
+/* Vapour-liquid equilibrium of one stage: bubble point, equilibrium vapour and their derivatives. */
+#ifndef REFLUX_MODEL_VLE_H
+#define REFLUX_MODEL_VLE_H
+
+#include "base/error.h"
+#include "model/properties.h"
+
+/* Activity coefficients gamma[n] of a liquid with mole fractions x[n] at temperature (K). All above 0.
+ * NULL where one is asked for means an ideal liquid. */
+typedef void activity_fn(void *context, const real_t *x, real_t temperature, real_t *gamma);
+
+struct vle {
+    const struct component *component; /* [n] */
+    size_t n;
+    activity_fn *activity; /* NULL: ideal liquid */
+    void *activity_context;
+    real_t temperature_min, temperature_max; /* K, where the property data may be used */
+};
+
+/* Bubble point: the T for which sum_j x_j gamma_j P_j(T) = pressure, and the vapour in equilibrium,
+ * y_j = x_j gamma_j P_j / pressure. Frau (3.2g) with activity coefficients added.
+ *
+ *   x            [n] mole fractions
+ *   pressure     Pa, above 0
+ *   temperature  K; in: where Newton starts, out: the bubble point
+ *   y            [n] out
+ *   k            [n] out, y_j / x_j at equilibrium: gamma_j P_j / pressure (also where x_j = 0)
+ *   dk           [n] out, derivative of k by temperature, 1/K (activity held)
+ *   warm         k and dk hold, on entry, their values at *temperature and this pressure (an earlier answer
+ *                of this function): then the first step needs no exponentials. Ignored with activity
+ *
+ * ERR_RANGE when there is no bubble point in the temperature range or Newton does not reach it,
+ * ERR_NOT_FINITE when a composition or the start is not finite. Outputs are undefined then, except
+ * *temperature, which keeps its value. */
+MUST_CHECK enum err vle_bubble_point(const struct vle *vle, const real_t *x, real_t pressure,
+                                     real_t *temperature, real_t *y, real_t *k, real_t *dk,
+                                     bool warm);
+
+/* Derivatives along the bubble-point surface for the first n - 1 mole fractions, the last one closing to 1,
+ * activity coefficients held: dt[j] = dT/dx_j (K), dy[i (n-1) + j] = dy_i/dx_j for i, j < n - 1.
+ * x, k, dk as in vle_bubble_point. Implicit differentiation of (3.2g). */
+void vle_slopes(size_t n, const real_t *x, const real_t *k, const real_t *dk, real_t *dt,
+                real_t *dy);
+
+#endif

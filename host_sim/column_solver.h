@@ -1,0 +1,62 @@
+/* Integration and steady state of a column (model/column.h, in double) with SUNDIALS.
+ *
+ * Rules
+ *  1. Inputs are piecewise constant: those set last hold over the next advance.
+ *  2. A function that can fail returns false (or NULL) and writes one line to err.
+ *  3. Same calls, same bits: nothing depends on a clock; warm starts depend on earlier calls only.
+ *  4. After a failed advance or settle the state is what it was before the call. */
+#ifndef REFLUX_HOST_SIM_COLUMN_SOLVER_H
+#define REFLUX_HOST_SIM_COLUMN_SOLVER_H
+
+#include "model/column.h"
+
+#include <stdbool.h>
+#include <stddef.h>
+
+struct column_solver; /* opaque */
+
+struct column_solver_options {
+    double relative; /* integration tolerances on mole fractions; 0: 3e-6 */
+    double absolute; /* 0: 3e-8 */
+    double residual; /* largest dx/dt * 1 h left at a settled state, mole fraction; 0: 1e-9 */
+};
+
+/* Work done since creation, for tests and benches. */
+struct column_solver_work {
+    long steps;
+    long rates;     /* evaluations of the right-hand side */
+    long jacobians; /* analytic band Jacobians */
+    long restarts;
+};
+
+/* config and its components must outlive the solver. options may be NULL. The state starts as a straight
+ * line between the pure components of lowest and highest boiling point, time 0; column_solver_settle or
+ * column_solver_set_state gives a better one. */
+struct column_solver *column_solver_create(const struct column_config *config,
+                                           const struct column_inputs *inputs,
+                                           const struct column_solver_options *options, char *err,
+                                           size_t err_size);
+void column_solver_destroy(struct column_solver *s);
+
+/* New inputs from the present time on. Refused as column_validate_inputs says. */
+bool column_solver_set_inputs(struct column_solver *s, const struct column_inputs *inputs,
+                              char *err, size_t err_size);
+
+/* State x[n_states], each mole fraction (the closing one too) in [0, 1]. */
+bool column_solver_set_state(struct column_solver *s, const double *x, char *err, size_t err_size);
+const double *column_solver_state(const struct column_solver *s);
+
+/* Integrates to t (s), not before the present time. CVODE: BDF, Newton, analytic band Jacobian. */
+bool column_solver_advance(struct column_solver *s, double t, char *err, size_t err_size);
+double column_solver_time(const struct column_solver *s);
+
+/* Moves the state to the steady state of the present inputs: KINSOL from where it is, and when that fails
+ * from the end of a long transient. Time is left alone. */
+bool column_solver_settle(struct column_solver *s, char *err, size_t err_size);
+
+/* The column at the present state and inputs: temperatures, vapour compositions, flows. */
+const struct column *column_solver_column(const struct column_solver *s);
+
+struct column_solver_work column_solver_work(const struct column_solver *s);
+
+#endif

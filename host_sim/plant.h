@@ -1,0 +1,65 @@
+/* A simulated plant as the bench sees it: a table of channels and a handful of functions.
+ *
+ * Rules
+ *  1. All values are in engineering units; time is in seconds of plant time, starting at 0.
+ *  2. Inputs are piecewise constant: what set_input() set holds over the next advance().
+ *  3. The plant is perfect: sensors, noise, valve limits and faults are added by instruments.c around it.
+ *  4. Every function that can fail writes one line to the error buffer: what is wrong, where, what would
+ *     be right.
+ *  5. Same calls, same numbers: a plant holds no clock, no random source and no global state.
+ */
+#ifndef REFLUX_HOST_SIM_PLANT_H
+#define REFLUX_HOST_SIM_PLANT_H
+
+#include <stdbool.h>
+#include <stddef.h>
+
+enum plant_kind {
+    PLANT_MV,          /* manipulated variable, driven by the controller */
+    PLANT_DISTURBANCE, /* input or parameter the scenario may change with --event */
+    PLANT_MEASUREMENT, /* announced over the link */
+    PLANT_INTERNAL     /* logged as truth, not announced (compositions, flows) */
+};
+
+struct plant_channel {
+    enum plant_kind kind;
+    const char *name; /* at most 15 characters: letters, digits, underscore */
+    const char *unit; /* at most 11 characters, "-" for none */
+    double lo, hi;    /* span; inputs outside it are refused (disturbances) or clipped (MVs, by instruments) */
+    double nominal;   /* value at the nominal steady state; inputs start there */
+    double safe;      /* MVs: value taken on silence or an emergency */
+    double slew;      /* MVs: fastest change, units per second, 0 = none. An actuator property */
+    double lag_s;     /* measurements: first-order sensor time constant, 0 = none */
+    double noise;     /* measurements: standard deviation of the sensor at --noise 1, units */
+    double resolution; /* measurements: quantisation step, units, 0 = none */
+    const char *help;
+};
+
+struct plant; /* opaque, one per implementation */
+
+struct plant_class {
+    const char *name;   /* as in --plant */
+    const char *title;  /* one line */
+    const char *source; /* author and what of it is the source's, and what is ours */
+    double tick_s;      /* control interval it is meant for */
+    const struct plant_channel *channels;
+    size_t n_channels;
+
+    /* Creates the plant at its nominal steady state, time 0. NULL on error, with the reason in err. */
+    struct plant *(*create)(char *err, size_t err_size);
+    void (*destroy)(struct plant *p);
+    /* channel: index in channels[], kind MV or DISTURBANCE. Out of [lo, hi] or not finite is refused. */
+    bool (*set_input)(struct plant *p, size_t channel, double value, char *err, size_t err_size);
+    /* Integrates to plant time t_s (seconds, not before the present time). */
+    bool (*advance)(struct plant *p, double t_s, char *err, size_t err_size);
+    /* Present true value of any channel (inputs too). */
+    double (*value)(const struct plant *p, size_t channel);
+    /* Moves the state to the steady state of the present inputs, time unchanged. */
+    bool (*settle)(struct plant *p, char *err, size_t err_size);
+};
+
+/* All plants built in, NULL-terminated. */
+extern const struct plant_class *const plant_classes[];
+const struct plant_class *plant_find(const char *name);
+
+#endif

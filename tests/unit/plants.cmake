@@ -1,0 +1,11 @@
+# The column model in both scalar types (one source, two programs), its solver, and the plants.
+reflux_test(column LABEL unit SOURCES ${CMAKE_CURRENT_LIST_DIR}/test_column.c LIBS reflux_model_double)
+reflux_test(column_float LABEL unit SOURCES ${CMAKE_CURRENT_LIST_DIR}/test_column.c LIBS reflux_model)
+reflux_test(column_config LABEL unit SOURCES ${CMAKE_CURRENT_LIST_DIR}/test_column_config.c
+            LIBS reflux_model_double)
+reflux_test(column_solver LABEL unit SOURCES ${CMAKE_CURRENT_LIST_DIR}/test_column_solver.c LIBS reflux_plants)
+reflux_test(pilot LABEL unit SOURCES ${CMAKE_CURRENT_LIST_DIR}/test_pilot.c LIBS reflux_plants)
+
+# Not a test: what a tick of the pilot costs.
+add_executable(plant_cost "${PROJECT_SOURCE_DIR}/tests/bench/plant_cost.c")
+target_link_libraries(plant_cost PRIVATE reflux_plants reflux_options m)
