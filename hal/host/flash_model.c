@@ -1,0 +1,58 @@
+#include "flash_model.h"
+
+#include <string.h>
+
+#include "hal/nvm.h"
+
+uint8_t flash_model[FLASH_MODEL_SIZE];
+bool (*flash_model_keep)(uint32_t address, uint32_t n);
+
+void flash_model_erase_all(void)
+{
+    memset(flash_model, 0xFF, sizeof flash_model);
+}
+
+static bool inside(uint32_t address, uint32_t n)
+{
+    return address <= FLASH_MODEL_SIZE && n <= FLASH_MODEL_SIZE - address;
+}
+
+static bool kept(uint32_t address, uint32_t n)
+{
+    return !flash_model_keep || flash_model_keep(address, n);
+}
+
+void hal_nvm_get_geometry(struct hal_nvm_geometry *geometry)
+{
+    *geometry = (struct hal_nvm_geometry){.sectors = FLASH_MODEL_SECTORS,
+                                          .sector_size = FLASH_MODEL_SECTOR_SIZE,
+                                          .program_size = FLASH_MODEL_PROGRAM_SIZE,
+                                          .erased = 0xFF};
+}
+
+enum err hal_nvm_read(uint32_t address, void *data, uint32_t n)
+{
+    if (!inside(address, n))
+        return ERR_RANGE;
+    memcpy(data, flash_model + address, n);
+    return ERR_OK;
+}
+
+enum err hal_nvm_program(uint32_t address, const void *data, uint32_t n)
+{
+    const uint8_t *from = data;
+    if (!inside(address, n) || address % FLASH_MODEL_PROGRAM_SIZE != 0 ||
+        n % FLASH_MODEL_PROGRAM_SIZE != 0)
+        return ERR_RANGE;
+    for (uint32_t i = 0; i < n; i++)
+        flash_model[address + i] &= from[i]; /* flash can only clear bits */
+    return kept(address, n) && memcmp(flash_model + address, data, n) == 0 ? ERR_OK : ERR_IO;
+}
+
+enum err hal_nvm_erase(uint32_t sector)
+{
+    if (sector >= FLASH_MODEL_SECTORS)
+        return ERR_RANGE;
+    memset(flash_model + (size_t)sector * FLASH_MODEL_SECTOR_SIZE, 0xFF, FLASH_MODEL_SECTOR_SIZE);
+    return kept(sector * FLASH_MODEL_SECTOR_SIZE, FLASH_MODEL_SECTOR_SIZE) ? ERR_OK : ERR_IO;
+}

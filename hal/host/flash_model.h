@@ -1,0 +1,19 @@
+/* Flash in memory, for the ports that have none: hal/nvm.h with its rules enforced (program clears bits only,
+ * whole units, aligned). Shared by the host and the memory port. */
+#ifndef REFLUX_HAL_FLASH_MODEL_H
+#define REFLUX_HAL_FLASH_MODEL_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#define FLASH_MODEL_SECTORS      2u
+#define FLASH_MODEL_SECTOR_SIZE  16384u
+#define FLASH_MODEL_PROGRAM_SIZE 4u
+#define FLASH_MODEL_SIZE         (FLASH_MODEL_SECTORS * FLASH_MODEL_SECTOR_SIZE)
+
+extern uint8_t flash_model[FLASH_MODEL_SIZE];
+/* Called after each change of n bytes at address; false = the change could not be kept. NULL = keep nothing. */
+extern bool (*flash_model_keep)(uint32_t address, uint32_t n);
+void flash_model_erase_all(void); /* without keeping */
+
+#endif

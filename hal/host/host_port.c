@@ -1,0 +1,229 @@
+/* The host as a board: hal/ on POSIX. One thread; the tick context is called from the main loop. */
+#define _GNU_SOURCE
+#include "host_port.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <poll.h>
+#include <setjmp.h>
+#include <stdio.h>
+#include <string.h>
+#include <time.h>
+#include <unistd.h>
+
+#include "app/app.h"
+#include "flash_model.h"
+#include "hal/clock.h"
+#include "hal/identity.h"
+#include "hal/memory_use.h"
+#include "hal/tick.h"
+#include "hal/watchdog.h"
+#include "line.h"
+
+#define IDLE_MS 20
+
+static struct line lines[HAL_UART_COUNT];
+static bool tick_asked;
+static uint64_t ticked_ms, start_ns;
+static uint32_t boot_id;
+static enum hal_reset cause = HAL_RESET_POWER_ON;
+static jmp_buf reset_vector;
+static volatile bool stopping;
+static int flash_file = -1;
+
+static uint64_t now_ns(void)
+{
+    struct timespec t;
+    (void)clock_gettime(CLOCK_MONOTONIC, &t);
+    return (uint64_t)t.tv_sec * 1000000000u + (uint64_t)t.tv_nsec;
+}
+
+static bool keep_in_file(uint32_t address, uint32_t n)
+{
+    return pwrite(flash_file, flash_model + address, n, (off_t)address) == (ssize_t)n;
+}
+
+bool host_port_open(const struct host_port_options *options, char *err, size_t err_size)
+{
+    start_ns = now_ns();
+    boot_id = options->boot_id;
+    flash_model_erase_all();
+    if (options->nvm) {
+        flash_file = open(options->nvm, O_RDWR | O_CREAT | O_CLOEXEC, 0644);
+        ssize_t n = flash_file < 0 ? -1 : pread(flash_file, flash_model, sizeof flash_model, 0);
+        if (n < 0 || (n != 0 && n != (ssize_t)sizeof flash_model)) {
+            (void)snprintf(err, err_size, "cannot use %s as flash: %s", options->nvm,
+                           n < 0 ? strerror(errno) : "it has another size than this board's flash");
+            return false;
+        }
+        if (n == 0 &&
+            pwrite(flash_file, flash_model, sizeof flash_model, 0) != (ssize_t)sizeof flash_model) {
+            (void)snprintf(err, err_size, "cannot write %s: %s", options->nvm, strerror(errno));
+            return false;
+        }
+        flash_model_keep = keep_in_file;
+    }
+    return line_open(&lines[HAL_UART_CONSOLE], options->console, err, err_size) &&
+           line_open(&lines[HAL_UART_LINK], options->link, err, err_size);
+}
+
+void host_port_run(void)
+{
+    if (setjmp(reset_vector) != 0) {
+        boot_id++;
+        cause = HAL_RESET_REQUESTED;
+        for (unsigned i = 0; i < HAL_UART_COUNT; i++) {
+            ring_clear(&lines[i].rx);
+            ring_clear(&lines[i].tx);
+        }
+    }
+    app_init(app_instance());
+    tick_asked = true;
+    while (!stopping) {
+        uint64_t now = hal_clock_ms();
+        if (tick_asked || now - ticked_ms >= HAL_TICK_PERIOD_MS) {
+            tick_asked = false;
+            ticked_ms = now;
+            app_tick(app_instance());
+        }
+        app_background(app_instance());
+    }
+}
+
+void host_port_stop(void)
+{
+    stopping = true;
+}
+
+void host_port_close(void)
+{
+    for (unsigned i = 0; i < HAL_UART_COUNT; i++)
+        line_close(&lines[i]);
+}
+
+void hal_idle(bool wait)
+{
+    struct pollfd fds[HAL_UART_COUNT];
+    int at[HAL_UART_COUNT], n = 0;
+    for (unsigned i = 0; i < HAL_UART_COUNT; i++) {
+        at[i] = line_watch(&lines[i], &fds[n]) ? n++ : -1;
+        /* Output that is stuck is no reason to spin: room is waited for. */
+        wait = wait || lines[i].blocked;
+    }
+    if (poll(fds, (nfds_t)n, wait && !tick_asked ? IDLE_MS : 0) <= 0)
+        return;
+    for (unsigned i = 0; i < HAL_UART_COUNT; i++)
+        if (at[i] >= 0 && fds[at[i]].revents && line_serve(&lines[i], fds[at[i]].revents) &&
+            i == HAL_UART_LINK)
+            tick_asked = true;
+}
+
+size_t hal_uart_read(enum hal_uart port, uint8_t *buffer, size_t size)
+{
+    return ring_read(&lines[port].rx, buffer, size);
+}
+
+size_t hal_uart_room(enum hal_uart port)
+{
+    return ring_room(&lines[port].tx);
+}
+
+bool hal_uart_write(enum hal_uart port, const void *data, size_t n)
+{
+    return ring_write(&lines[port].tx, data, n);
+}
+
+size_t hal_uart_pump(enum hal_uart port)
+{
+    if (ring_used(&lines[port].tx) == 0)
+        return 0;
+    return lines[port].blocked ? ring_used(&lines[port].tx) : line_flush(&lines[port]);
+}
+
+bool hal_uart_connected(enum hal_uart port)
+{
+    return lines[port].in >= 0;
+}
+
+void hal_uart_get_stats(enum hal_uart port, struct hal_uart_stats *stats)
+{
+    *stats = lines[port].stats;
+}
+
+uint64_t hal_clock_ms(void)
+{
+    return (now_ns() - start_ns) / 1000000u;
+}
+
+uint32_t hal_cycles(void)
+{
+    return (uint32_t)now_ns();
+}
+
+const char *hal_cycles_unit(void)
+{
+    return "ns";
+}
+
+uint32_t hal_core_hz(void)
+{
+    return 0;
+}
+
+const char *hal_clock_source(void)
+{
+    return "operating system";
+}
+
+void hal_tick_request(void)
+{
+    tick_asked = true;
+}
+
+/* One thread: nothing can come between. */
+void hal_tick_lock(void) {}
+
+void hal_tick_unlock(void) {}
+
+bool hal_watchdog_start(uint32_t timeout_ms)
+{
+    (void)timeout_ms;
+    return false;
+}
+
+void hal_watchdog_feed(void) {}
+
+const char *hal_board_name(void)
+{
+    return "host";
+}
+
+const char *hal_board_text(void)
+{
+    return "POSIX process";
+}
+
+enum hal_reset hal_reset_cause(void)
+{
+    return cause;
+}
+
+uint32_t hal_boot_id(void)
+{
+    return boot_id;
+}
+
+_Noreturn void hal_reboot(void)
+{
+    longjmp(reset_vector, 1);
+}
+
+uint32_t hal_stack_size(void)
+{
+    return 0;
+}
+
+uint32_t hal_stack_unused(void)
+{
+    return 0;
+}

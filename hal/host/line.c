@@ -1,0 +1,198 @@
+#define _GNU_SOURCE
+#include "line.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/socket.h>
+#include <sys/stat.h>
+#include <sys/un.h>
+#include <termios.h>
+#include <unistd.h>
+
+static bool fail(char *err, size_t err_size, const char *what, const char *where)
+{
+    (void)snprintf(err, err_size, "%s %s: %s", what, where, strerror(errno));
+    return false;
+}
+
+static bool set_nonblocking(int fd)
+{
+    int flags = fcntl(fd, F_GETFL);
+    return flags >= 0 && fcntl(fd, F_SETFL, flags | O_NONBLOCK) == 0;
+}
+
+/* Only ever replaces a link of an earlier run, nothing a person put there. */
+static bool make_link(struct line *line, const char *target, const char *path, char *err,
+                      size_t err_size)
+{
+    struct stat st;
+    if (strlen(path) >= sizeof line->path) {
+        errno = ENAMETOOLONG;
+        return fail(err, err_size, "cannot link", path);
+    }
+    if (lstat(path, &st) == 0 && S_ISLNK(st.st_mode))
+        (void)unlink(path);
+    if (symlink(target, path) != 0)
+        return fail(err, err_size, "cannot link", path);
+    (void)snprintf(line->path, sizeof line->path, "%s", path);
+    return true;
+}
+
+static bool open_pty(struct line *line, const char *link, char *err, size_t err_size)
+{
+    char name[64];
+    struct termios raw;
+    int master = posix_openpt(O_RDWR | O_NOCTTY | O_CLOEXEC);
+    if (master < 0 || grantpt(master) != 0 || unlockpt(master) != 0 ||
+        ptsname_r(master, name, sizeof name) != 0)
+        return fail(err, err_size, "cannot open", "a pseudo-terminal");
+    line->slave = open(name, O_RDWR | O_NOCTTY | O_CLOEXEC);
+    if (line->slave < 0 || tcgetattr(line->slave, &raw) != 0)
+        return fail(err, err_size, "cannot open", name);
+    cfmakeraw(&raw);
+    if (tcsetattr(line->slave, TCSANOW, &raw) != 0 || !set_nonblocking(master))
+        return fail(err, err_size, "cannot set up", name);
+    line->in = line->out = master;
+    line->kind = LINE_PTY;
+    if (link[0] && !make_link(line, name, link, err, err_size))
+        return false;
+    (void)fprintf(stderr, "pseudo-terminal %s%s%s\n", name, link[0] ? " as " : "", link);
+    return true;
+}
+
+static bool open_socket(struct line *line, const char *path, char *err, size_t err_size)
+{
+    struct sockaddr_un address = {.sun_family = AF_UNIX};
+    struct stat st;
+    if (path[0] == '\0' || strlen(path) >= sizeof address.sun_path) {
+        errno = path[0] ? ENAMETOOLONG : EINVAL;
+        return fail(err, err_size, "cannot listen on socket", path);
+    }
+    memcpy(address.sun_path, path, strlen(path) + 1);
+    if (lstat(path, &st) == 0 && S_ISSOCK(st.st_mode))
+        (void)unlink(path);
+    line->listener = socket(AF_UNIX, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0);
+    if (line->listener < 0 ||
+        bind(line->listener, (const struct sockaddr *)&address, sizeof address) != 0 ||
+        listen(line->listener, 1) != 0)
+        return fail(err, err_size, "cannot listen on socket", path);
+    (void)snprintf(line->path, sizeof line->path, "%s", path);
+    line->kind = LINE_SOCKET;
+    return true;
+}
+
+bool line_open(struct line *line, const char *where, char *err, size_t err_size)
+{
+    memset(line, 0, sizeof *line);
+    line->rx = (struct ring){.bytes = line->rx_bytes, .size = LINE_RING};
+    line->tx = (struct ring){.bytes = line->tx_bytes, .size = LINE_RING};
+    line->listener = line->in = line->out = line->slave = -1;
+    if (strcmp(where, "pty") == 0)
+        return open_pty(line, "", err, err_size);
+    if (strncmp(where, "pty:", 4) == 0)
+        return open_pty(line, where + 4, err, err_size);
+    if (strncmp(where, "socket:", 7) == 0)
+        return open_socket(line, where + 7, err, err_size);
+    if (strcmp(where, "stdio") == 0) {
+        line->kind = LINE_STDIO;
+        line->in = STDIN_FILENO;
+        line->out = STDOUT_FILENO;
+        if (set_nonblocking(line->in) && set_nonblocking(line->out))
+            return true;
+        return fail(err, err_size, "cannot use", "standard input and output");
+    }
+    (void)snprintf(err, err_size, "'%s' is no line: pty, pty:LINK, socket:PATH or stdio is wanted",
+                   where);
+    return false;
+}
+
+static void drop_peer(struct line *line)
+{
+    if (line->kind == LINE_SOCKET && line->in >= 0)
+        (void)close(line->in);
+    line->in = line->out = -1;
+    line->blocked = false;
+}
+
+void line_close(struct line *line)
+{
+    if (line->kind == LINE_NONE)
+        return;
+    if (line->kind == LINE_PTY) {
+        (void)close(line->in);
+        (void)close(line->slave);
+    }
+    drop_peer(line);
+    if (line->listener >= 0)
+        (void)close(line->listener);
+    if (line->path[0])
+        (void)unlink(line->path);
+    line->kind = LINE_NONE;
+}
+
+int line_watch(const struct line *line, struct pollfd *fds)
+{
+    if (line->in < 0 && line->listener < 0)
+        return 0;
+    bool peer = line->in >= 0;
+    fds[0].fd = peer ? line->in : line->listener;
+    fds[0].events = POLLIN;
+    fds[0].revents = 0;
+    if (peer && line->blocked && line->in == line->out)
+        fds[0].events |= POLLOUT;
+    return 1;
+}
+
+bool line_serve(struct line *line, short events)
+{
+    uint8_t buffer[4096];
+    if (line->in < 0) {
+        int peer = accept4(line->listener, NULL, NULL, SOCK_NONBLOCK | SOCK_CLOEXEC);
+        if (peer >= 0)
+            line->in = line->out = peer;
+        return false;
+    }
+    if (events & POLLOUT)
+        line->blocked = false;
+    if (!(events & (POLLIN | POLLHUP | POLLERR)))
+        return false;
+    ssize_t n = read(line->in, buffer, sizeof buffer);
+    if (n == 0 || (n < 0 && errno != EAGAIN && errno != EINTR)) {
+        drop_peer(line);
+        return false;
+    }
+    for (ssize_t i = 0; i < n; i++) {
+        line->stats.received++;
+        if (!ring_put(&line->rx, buffer[i]))
+            line->stats.rx_dropped++;
+    }
+    return n > 0;
+}
+
+size_t line_flush(struct line *line)
+{
+    const uint8_t *data;
+    size_t n;
+    while ((n = ring_peek(&line->tx, &data)) > 0) {
+        if (line->out < 0) { /* a wire nobody listens to takes everything */
+            ring_skip(&line->tx, n);
+            continue;
+        }
+        ssize_t sent = line->kind == LINE_SOCKET ? send(line->out, data, n, MSG_NOSIGNAL)
+                                                 : write(line->out, data, n);
+        if (sent > 0) {
+            ring_skip(&line->tx, (size_t)sent);
+            line->stats.sent += (uint32_t)sent;
+            continue;
+        }
+        if (sent < 0 && (errno == EAGAIN || errno == EINTR)) {
+            line->blocked = true;
+            break;
+        }
+        drop_peer(line);
+    }
+    return ring_used(&line->tx);
+}

@@ -1,0 +1,35 @@
+/* A board in memory: the firmware in the same process as whoever tests or simulates around it. The bytes that
+ * cross are those of the real lines; only the wire is missing. One instance a process.
+ */
+#ifndef REFLUX_HAL_MEMORY_PORT_H
+#define REFLUX_HAL_MEMORY_PORT_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include "hal/uart.h"
+
+/* Powers the board on: rings empty, clock 0, next boot id, firmware initialised. Flash is kept. */
+void memory_port_start(void);
+
+/* Sets the board's clock, ms, not backwards. Nothing happens until memory_port_run(). */
+void memory_port_set_clock(uint64_t ms);
+
+/* Bytes arriving on a line; returns how many found room (the rest are counted as dropped). */
+size_t memory_port_give(enum hal_uart port, const void *data, size_t n);
+/* Bytes the firmware sent; returns how many were taken. */
+size_t memory_port_take(enum hal_uart port, void *data, size_t size);
+
+/* Lets both contexts run until no more bytes move. A reboot asked for by the firmware happens inside, like
+ * the real one: everything but flash starts again. Returns the turns it took. */
+unsigned memory_port_run(void);
+
+unsigned memory_port_reboots(void);
+
+/* Flash as tests want it: contents (memory_port_flash_size() bytes), all erased by memory_port_erase_all(). */
+uint8_t *memory_port_flash(void);
+size_t memory_port_flash_size(void);
+void memory_port_erase_all(void);
+
+#endif

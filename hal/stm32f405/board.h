@@ -1,0 +1,49 @@
+/* What the files of this port know of each other. */
+#ifndef REFLUX_STM32F405_BOARD_H
+#define REFLUX_STM32F405_BOARD_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+/* Interrupt priorities: the upper four bits count, a smaller number goes first. */
+#define PRIORITY_UART  0x40u
+#define PRIORITY_CLOCK 0x80u
+#define PRIORITY_TICK  0xF0u /* PendSV: below every interrupt, above the main loop */
+
+/* startup.c */
+extern uint32_t stack_bottom[], stack_top[]; /* from the linker script */
+extern uint32_t startup_noise;               /* what the uninitialised stack held at power-on, mixed */
+
+/* clock.c: once, first of all. */
+void clock_start(void);
+bool clock_is_model(void); /* runs in the emulator: recognised by RCC_CR reading 0 */
+uint32_t clock_apb1_hz(void);
+uint32_t clock_apb2_hz(void);
+
+/* tick.c */
+void tick_start_timebase(void);
+void tick_start(void);     /* from now on hal_tick_request() is obeyed */
+void tick_work_seen(void); /* from interrupts: the main loop has something to look at */
+
+/* uart.c */
+void uart_start(void);
+
+/* identity.c: after clock_start(). */
+void identity_start(void);
+_Noreturn void identity_fault(const uint32_t *frame, uint32_t exc_return);
+
+/* Raises BASEPRI to hold off everything of this priority and below; returns the mask to restore. */
+static inline uint32_t mask_raise(uint32_t priority)
+{
+    uint32_t before;
+    __asm volatile("mrs %0, basepri" : "=r"(before));
+    __asm volatile("msr basepri_max, %0\n\tisb" : : "r"(priority) : "memory");
+    return before;
+}
+
+static inline void mask_restore(uint32_t before)
+{
+    __asm volatile("msr basepri, %0\n\tisb" : : "r"(before) : "memory");
+}
+
+#endif

@@ -1,0 +1,16 @@
+/* Brings the board up and hands over to the firmware. */
+#include "app/app.h"
+#include "board.h"
+
+int main(void)
+{
+    clock_start();
+    identity_start();
+    tick_start_timebase();
+    uart_start();
+    app_init(app_instance());
+    tick_start();
+    for (;;) {
+        app_background(app_instance());
+    }
+}
