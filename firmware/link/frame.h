@@ -1,0 +1,51 @@
+/* Plant link, lower half: frames on a byte stream.
+ *
+ *     frame = COBS( type(1) sequence(2) payload(0..FRAME_PAYLOAD_MAX) crc32(4) ) 0x00
+ *
+ * Numbers are little-endian. The CRC-32 (base/crc32.h) covers type, sequence and payload. Consistent Overhead
+ * Byte Stuffing (Cheshire and Baker 1999) removes every zero byte, so 0x00 can only be the end of a frame and
+ * a receiver that joins in the middle is back in step after one. Specified in docs/plant-link.md.
+ */
+#ifndef REFLUX_LINK_FRAME_H
+#define REFLUX_LINK_FRAME_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include "base/error.h"
+
+#define FRAME_PAYLOAD_MAX 240
+#define FRAME_BODY_MAX    (3 + FRAME_PAYLOAD_MAX + 4) /* 247: one COBS block */
+#define FRAME_WIRE_MAX    (FRAME_BODY_MAX + 2)        /* overhead byte and delimiter */
+
+struct frame {
+    uint8_t type;
+    uint16_t sequence; /* the sender's own counter, rises by one a frame, wraps */
+    uint8_t n;         /* bytes of payload */
+    uint8_t payload[FRAME_PAYLOAD_MAX];
+};
+
+/* Writes the frame, stuffed and delimited, to wire (room: FRAME_WIRE_MAX). Returns the bytes written,
+ * 0 when n > FRAME_PAYLOAD_MAX. */
+size_t frame_encode(const struct frame *frame, uint8_t *wire);
+
+struct frame_decoder {
+    uint8_t buffer[FRAME_WIRE_MAX];
+    uint16_t n;    /* bytes collected since the last delimiter */
+    bool overlong; /* the frame under way is too long and is being skipped */
+    struct {
+        uint32_t good;      /* frames delivered */
+        uint32_t bad_crc;   /* right shape, wrong checksum */
+        uint32_t malformed; /* impossible stuffing, or shorter than a header */
+        uint32_t overlong;  /* no delimiter within FRAME_WIRE_MAX bytes */
+    } count;
+};
+
+void frame_decoder_reset(struct frame_decoder *decoder); /* counters too */
+
+/* Takes one byte. Returns true when it completed a good frame, which is then in *frame. Anything else is
+ * dropped and counted; bytes after the next delimiter are in step again. */
+bool frame_decode(struct frame_decoder *decoder, uint8_t byte, struct frame *frame);
+
+#endif

@@ -1,0 +1,264 @@
+#include "events.h"
+
+#include <stdio.h>
+#include <string.h>
+
+#include "text.h"
+
+static const struct {
+    const char *name;
+    enum instrument_option option;
+    bool sensor, actuator;
+    double lo, hi; /* allowed values; for hi, lo and stuck the span of the channel holds instead */
+    bool in_span;
+} options[] = {
+    {"bias", OPTION_BIAS, true, false, -1e9, 1e9, false},
+    {"noise", OPTION_NOISE, true, false, 0.0, 1e9, false},
+    {"resolution", OPTION_RESOLUTION, true, false, 0.0, 1e9, false},
+    {"quality", OPTION_QUALITY, true, false, 0.0, 3.0, false},
+    {"lag", OPTION_LAG, true, true, 0.0, 1e6, false},
+    {"hi", OPTION_HI, false, true, 0.0, 0.0, true},
+    {"lo", OPTION_LO, false, true, 0.0, 0.0, true},
+    {"slew", OPTION_SLEW, false, true, 0.0, 1e9, false},
+    {"stuck", OPTION_STUCK, false, true, 0.0, 0.0, true},
+    {"free", OPTION_FREE, false, true, 1.0, 1.0, false},
+};
+
+_Static_assert(sizeof(options) / sizeof(options[0]) == OPTION_COUNT, "every option has a row");
+
+static const struct plant_channel *find(const struct plant_class *class, const char *name,
+                                        size_t *index)
+{
+    for (size_t i = 0; i < class->n_channels; i++) {
+        if (strcmp(class->channels[i].name, name) == 0) {
+            *index = i;
+            return &class->channels[i];
+        }
+    }
+    return NULL;
+}
+
+static void append_channels(char *text, size_t size, const struct plant_class *class,
+                            enum plant_kind kind)
+{
+    const char *comma = "";
+    for (size_t i = 0; i < class->n_channels; i++) {
+        if (class->channels[i].kind == kind) {
+            sim_append(text, size, "%s%s", comma, class->channels[i].name);
+            comma = ", ";
+        }
+    }
+}
+
+static void append_options(char *text, size_t size, enum plant_kind kind)
+{
+    const char *comma = "";
+    for (size_t k = 0; k < OPTION_COUNT; k++) {
+        if (kind == PLANT_MEASUREMENT ? options[k].sensor : options[k].actuator) {
+            sim_append(text, size, "%s%s", comma, options[k].name);
+            comma = ", ";
+        }
+    }
+}
+
+static bool unknown_name(const struct plant_class *class, const char *text, const char *name,
+                         char *err, size_t err_size)
+{
+    (void)sim_fail(err, err_size, "--event %s: plant %s has no \"%s\"; disturbances: ", text,
+                   class->name, name);
+    append_channels(err, err_size, class, PLANT_DISTURBANCE);
+    sim_append(err, err_size, "; with an option behind a dot: ");
+    append_channels(err, err_size, class, PLANT_MEASUREMENT);
+    sim_append(err, err_size, " (");
+    append_options(err, err_size, PLANT_MEASUREMENT);
+    sim_append(err, err_size, "), ");
+    append_channels(err, err_size, class, PLANT_MV);
+    sim_append(err, err_size, " (");
+    append_options(err, err_size, PLANT_MV);
+    sim_append(err, err_size, "); noise");
+    return false;
+}
+
+static bool check_range(const char *text, const char *name, double value, double lo, double hi,
+                        const char *unit, char *err, size_t err_size)
+{
+    if (value >= lo && value <= hi) {
+        return true;
+    }
+    return sim_fail(err, err_size, "--event %s: %s must be %g to %g%s%s", text, name, lo, hi,
+                    unit[0] != '\0' ? " " : "", unit);
+}
+
+static bool add_option(struct event *event, const struct plant_class *class, const char *text,
+                       const char *name, const char *option, char *err, size_t err_size)
+{
+    const struct plant_channel *c = find(class, name, &event->channel);
+    if (c == NULL || (c->kind != PLANT_MV && c->kind != PLANT_MEASUREMENT)) {
+        return unknown_name(class, text, name, err, err_size);
+    }
+    event->kind = EVENT_OPTION;
+    for (size_t k = 0; k < OPTION_COUNT; k++) {
+        bool fits = c->kind == PLANT_MEASUREMENT ? options[k].sensor : options[k].actuator;
+        if (!fits || strcmp(options[k].name, option) != 0) {
+            continue;
+        }
+        event->option = options[k].option;
+        char full[132];
+        (void)snprintf(full, sizeof(full), "%s.%s", name, option);
+        double lo = options[k].in_span ? c->lo : options[k].lo;
+        double hi = options[k].in_span ? c->hi : options[k].hi;
+        const char *unit = options[k].in_span ? c->unit : "";
+        if (!check_range(text, full, event->value, lo, hi, unit, err, err_size)) {
+            return false;
+        }
+        if (event->option == OPTION_QUALITY && event->value != (double)(int)event->value) {
+            return sim_fail(err, err_size, "--event %s: %s must be 0, 1, 2 or 3", text, full);
+        }
+        return true;
+    }
+    (void)sim_fail(err, err_size, "--event %s: %s has no option \"%s\"; it has ", text, name,
+                   option);
+    append_options(err, err_size, c->kind);
+    return false;
+}
+
+static bool add_plain(struct event *event, const struct plant_class *class, const char *text,
+                      const char *name, char *err, size_t err_size)
+{
+    const struct plant_channel *c = find(class, name, &event->channel);
+    if (c == NULL && strcmp(name, "noise") == 0) {
+        event->kind = EVENT_NOISE;
+        return check_range(text, name, event->value, 0.0, 1e6, "", err, err_size);
+    }
+    if (c == NULL || c->kind == PLANT_INTERNAL) {
+        return unknown_name(class, text, name, err, err_size);
+    }
+    if (c->kind != PLANT_DISTURBANCE) {
+        (void)sim_fail(err, err_size,
+                       c->kind == PLANT_MV
+                           ? "--event %s: %s is driven by the controller; an event can set its "
+                           : "--event %s: %s is measured; an event can set its ",
+                       text, name);
+        append_options(err, err_size, c->kind);
+        sim_append(err, err_size, " (as %s.%s=...)", name, c->kind == PLANT_MV ? "hi" : "bias");
+        return false;
+    }
+    event->kind = EVENT_DISTURBANCE;
+    return check_range(text, name, event->value, c->lo, c->hi, c->unit, err, err_size);
+}
+
+/* Copies what stands before `end`; false when it is empty or does not fit. */
+static bool cut(const char *from, const char *end, char *to, size_t size)
+{
+    size_t n = (size_t)(end - from);
+    if (n == 0 || n >= size) {
+        return false;
+    }
+    (void)memcpy(to, from, n);
+    to[n] = '\0';
+    return true;
+}
+
+bool events_add(struct events *e, const struct plant_class *class, const char *text, char *err,
+                size_t err_size)
+{
+    char time[64];
+    char name[64];
+    struct event event = {.time_s = 0.0};
+    const char *colon = strchr(text, ':');
+    const char *equals = colon != NULL ? strchr(colon, '=') : NULL;
+    if (equals == NULL || !cut(text, colon, time, sizeof(time)) ||
+        !cut(colon + 1, equals, name, sizeof(name))) {
+        return sim_fail(err, err_size, "--event %s: expected T:NAME=VALUE, as in 600:%s=1", text,
+                        class->n_channels > 0 ? class->channels[0].name : "x");
+    }
+    if (!sim_parse_number(time, &event.time_s) || event.time_s < 0.0) {
+        return sim_fail(err, err_size,
+                        "--event %s: the time \"%s\" must be a number of seconds, 0 or more", text,
+                        time);
+    }
+    if (!sim_parse_number(equals + 1, &event.value)) {
+        return sim_fail(err, err_size, "--event %s: the value \"%s\" is not a number", text,
+                        equals + 1);
+    }
+    char *dot = strchr(name, '.');
+    bool good;
+    if (dot != NULL) {
+        *dot = '\0';
+        good = add_option(&event, class, text, name, dot + 1, err, err_size);
+    } else {
+        good = add_plain(&event, class, text, name, err, err_size);
+    }
+    if (!good) {
+        return false;
+    }
+    if (e->n == EVENTS_MAX) {
+        return sim_fail(err, err_size, "--event %s: more than %d events", text, EVENTS_MAX);
+    }
+    e->list[e->n] = event;
+    e->n++;
+    return true;
+}
+
+static void sort_by_time(struct events *e)
+{
+    for (size_t i = 1; i < e->n; i++) { /* insertion: keeps the order of equal times */
+        struct event moving = e->list[i];
+        size_t k = i;
+        for (; k > 0 && e->list[k - 1].time_s > moving.time_s; k--) {
+            e->list[k] = e->list[k - 1];
+        }
+        e->list[k] = moving;
+    }
+}
+
+bool events_finish(struct events *e, const struct plant_class *class, char *err, size_t err_size)
+{
+    sort_by_time(e);
+    for (size_t c = 0; c < class->n_channels; c++) {
+        double lo = class->channels[c].lo;
+        double hi = class->channels[c].hi;
+        for (size_t i = 0; i < e->n; i++) {
+            const struct event *event = &e->list[i];
+            if (event->kind != EVENT_OPTION || event->channel != c) {
+                continue;
+            }
+            lo = event->option == OPTION_LO ? event->value : lo;
+            hi = event->option == OPTION_HI ? event->value : hi;
+            bool last_of_time = true; /* both limits may move at one time, in either order */
+            for (size_t k = i + 1; k < e->n && e->list[k].time_s <= event->time_s; k++) {
+                last_of_time = last_of_time && e->list[k].channel != c;
+            }
+            if (lo > hi && last_of_time) {
+                return sim_fail(err, err_size,
+                                "--event: at %g s %s.lo is %g and %s.hi is %g; lo must not be "
+                                "above hi",
+                                event->time_s, class->channels[c].name, lo, class->channels[c].name,
+                                hi);
+            }
+        }
+    }
+    return true;
+}
+
+bool events_apply(struct events *e, double time_s, struct plant *plant, struct instruments *in,
+                  char *err, size_t err_size)
+{
+    for (; e->next < e->n && e->list[e->next].time_s <= time_s; e->next++) {
+        const struct event *event = &e->list[e->next];
+        switch (event->kind) {
+        case EVENT_DISTURBANCE:
+            if (!in->class->set_input(plant, event->channel, event->value, err, err_size)) {
+                return false;
+            }
+            break;
+        case EVENT_OPTION:
+            instruments_set(in, event->channel, event->option, event->value);
+            break;
+        case EVENT_NOISE:
+            instruments_noise(in, event->value);
+            break;
+        }
+    }
+    return true;
+}

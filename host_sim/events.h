@@ -1,0 +1,41 @@
+/* Timed events of a run: "T:NAME=VALUE", carried out before the first sample at or after plant time T.
+ *
+ *     600:zF=0.35        a disturbance of the plant, within its span
+ *     900:Lr.hi=6.5      an option of a channel (see instruments.h): sensors have bias, noise, resolution,
+ *                        quality, lag; actuators hi, lo, slew, stuck, free, lag
+ *     1200:noise=2       the noise of all sensors, times their own
+ *
+ * Everything is checked before the run begins.
+ */
+#ifndef REFLUX_HOST_SIM_EVENTS_H
+#define REFLUX_HOST_SIM_EVENTS_H
+
+#include "instruments.h"
+
+#define EVENTS_MAX 1024
+
+struct event {
+    double time_s;
+    enum { EVENT_DISTURBANCE, EVENT_OPTION, EVENT_NOISE } kind;
+    size_t channel;
+    enum instrument_option option;
+    double value;
+};
+
+struct events {
+    struct event list[EVENTS_MAX];
+    size_t n, next;
+};
+
+/* Reads one event; false with one line saying what is wrong, where, and what would be right. */
+bool events_add(struct events *e, const struct plant_class *class, const char *text, char *err,
+                size_t err_size);
+
+/* Sorts by time (same time: in the order given) and checks what only shows in order: limits that cross. */
+bool events_finish(struct events *e, const struct plant_class *class, char *err, size_t err_size);
+
+/* Carries out everything due at time_s. */
+bool events_apply(struct events *e, double time_s, struct plant *plant, struct instruments *in,
+                  char *err, size_t err_size);
+
+#endif

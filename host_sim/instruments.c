@@ -1,0 +1,232 @@
+#include "instruments.h"
+
+#include <math.h>
+
+#include "text.h"
+
+bool instruments_init(struct instruments *in, const struct plant_class *class, uint64_t seed,
+                      double noise_factor, char *err, size_t err_size)
+{
+    *in = (struct instruments){.class = class};
+    for (size_t i = 0; i < class->n_channels; i++) {
+        const struct plant_channel *c = &class->channels[i];
+        if ((c->kind == PLANT_MEASUREMENT && in->n_sensors == LINK_CHANNELS_MAX) ||
+            (c->kind == PLANT_MV && in->n_actuators == LINK_CHANNELS_MAX)) {
+            return sim_fail(err, err_size,
+                            "plant %s: channel %s is one too many, the link carries at most %d "
+                            "measurements and %d manipulated variables",
+                            class->name, c->name, LINK_CHANNELS_MAX, LINK_CHANNELS_MAX);
+        }
+        if (c->kind == PLANT_MEASUREMENT) {
+            struct sensor *s = &in->sensor[in->n_sensors];
+            *s = (struct sensor){.channel = i, .lag_s = c->lag_s, .resolution = c->resolution};
+            noise_seed(&s->random, seed, in->n_sensors + 1);
+            in->n_sensors++;
+        } else if (c->kind == PLANT_MV) {
+            in->actuator[in->n_actuators] = (struct actuator){.channel = i,
+                                                              .lo = c->lo,
+                                                              .hi = c->hi,
+                                                              .slew = c->slew,
+                                                              .lag_s = c->lag_s,
+                                                              .command = c->nominal,
+                                                              .position = c->nominal,
+                                                              .output = c->nominal,
+                                                              .applied = c->nominal};
+            in->n_actuators++;
+        }
+    }
+    instruments_noise(in, noise_factor);
+    return true;
+}
+
+void instruments_noise(struct instruments *in, double factor)
+{
+    for (size_t i = 0; i < in->n_sensors; i++) {
+        struct sensor *s = &in->sensor[i];
+        s->noise = factor * in->class->channels[s->channel].noise;
+    }
+}
+
+static void set_sensor(struct sensor *s, enum instrument_option option, double value)
+{
+    switch (option) {
+    case OPTION_BIAS:
+        s->bias = value;
+        break;
+    case OPTION_NOISE:
+        s->noise = value;
+        break;
+    case OPTION_RESOLUTION:
+        s->resolution = value;
+        break;
+    case OPTION_QUALITY:
+        s->quality = (int)value;
+        break;
+    case OPTION_LAG:
+        s->lag_s = value;
+        break;
+    default:
+        break;
+    }
+}
+
+static void set_actuator(struct actuator *a, enum instrument_option option, double value)
+{
+    switch (option) {
+    case OPTION_HI:
+        a->hi = value;
+        break;
+    case OPTION_LO:
+        a->lo = value;
+        break;
+    case OPTION_SLEW:
+        a->slew = value;
+        break;
+    case OPTION_LAG:
+        a->lag_s = value;
+        break;
+    case OPTION_STUCK:
+        a->stuck = true;
+        a->position = value;
+        a->output = value;
+        break;
+    case OPTION_FREE:
+        a->stuck = false;
+        break;
+    default:
+        break;
+    }
+}
+
+void instruments_set(struct instruments *in, size_t channel, enum instrument_option option,
+                     double value)
+{
+    for (size_t i = 0; i < in->n_sensors; i++) {
+        if (in->sensor[i].channel == channel) {
+            set_sensor(&in->sensor[i], option, value);
+        }
+    }
+    for (size_t i = 0; i < in->n_actuators; i++) {
+        if (in->actuator[i].channel == channel) {
+            set_actuator(&in->actuator[i], option, value);
+        }
+    }
+}
+
+/* First-order lag over dt while its input goes straight from u0 to u1: the exact end value. */
+static double lag_step(double y, double u0, double u1, double dt, double tau)
+{
+    if (tau <= 0.0) {
+        return u1;
+    }
+    double trail = (u1 - u0) / dt * tau; /* how far a ramp is followed behind */
+    return u1 - trail + (y - u0 + trail) * exp(-dt / tau);
+}
+
+static void read_sensor(struct sensor *s, const struct plant_channel *c, double truth, double dt_s,
+                        bool begun)
+{
+    if (!begun) {
+        s->filtered = truth;
+    } else if (dt_s > 0.0) {
+        s->filtered = lag_step(s->filtered, s->truth, truth, dt_s, s->lag_s);
+    }
+    s->truth = truth;
+    double x = s->filtered + s->bias + s->noise * noise_normal(&s->random);
+    if (s->resolution > 0.0) {
+        x = floor(x / s->resolution + 0.5) * s->resolution;
+    }
+    int quality = s->quality;
+    if (!(x >= c->lo && x <= c->hi)) {
+        x = x < c->lo ? c->lo : c->hi;
+        quality = quality < QUALITY_UNCERTAIN ? QUALITY_UNCERTAIN : quality;
+    }
+    s->reading = quality == QUALITY_MISSING ? 0.0f : (float)x;
+    s->sent_quality = (uint8_t)quality;
+}
+
+void instruments_measure(struct instruments *in, const struct plant *plant, double dt_s,
+                         struct link_sample *sample)
+{
+    sample->n_measurements = (uint8_t)in->n_sensors;
+    sample->n_readback = (uint8_t)in->n_actuators;
+    for (size_t i = 0; i < in->n_sensors; i++) {
+        struct sensor *s = &in->sensor[i];
+        read_sensor(s, &in->class->channels[s->channel], in->class->value(plant, s->channel), dt_s,
+                    in->begun);
+        sample->measurement[i] =
+            (struct link_reading){.value = s->reading, .quality = s->sent_quality};
+    }
+    for (size_t i = 0; i < in->n_actuators; i++) {
+        sample->readback[i] =
+            (struct link_reading){.value = (float)in->actuator[i].applied, .quality = QUALITY_GOOD};
+    }
+    in->begun = true;
+}
+
+void instruments_command(struct instruments *in, const struct link_command *command)
+{
+    for (size_t i = 0; i < in->n_actuators && i < command->n_outputs; i++) {
+        if (command->output[i].drive) {
+            in->actuator[i].command = (double)command->output[i].value;
+        }
+    }
+}
+
+void instruments_safe(struct instruments *in)
+{
+    for (size_t i = 0; i < in->n_actuators; i++) {
+        in->actuator[i].command = in->class->channels[in->actuator[i].channel].safe;
+    }
+}
+
+/* One straight piece of the position's way; returns the integral of the output over it. */
+static double move(struct actuator *a, double to, double dt)
+{
+    double from = a->position;
+    double before = a->output;
+    a->position = to;
+    a->output = lag_step(before, from, to, dt, a->lag_s);
+    double integral = 0.5 * (from + to) * dt;
+    /* Lag: tau dy/dt = u - y, so the integral of y is that of u less tau times the change of y. */
+    return a->lag_s > 0.0 ? integral - a->lag_s * (a->output - before) : integral;
+}
+
+static void drive(struct actuator *a, double dt_s)
+{
+    if (a->stuck) {
+        a->applied = a->output;
+        return;
+    }
+    double target = a->command;
+    target = target > a->hi ? a->hi : target;
+    target = target < a->lo ? a->lo : target;
+    double way = target - a->position;
+    double ramp_s = a->slew > 0.0 ? fabs(way) / a->slew : 0.0;
+    if (ramp_s <= 0.0) {
+        a->position = target;
+        a->applied = move(a, target, dt_s) / dt_s;
+    } else if (ramp_s >= dt_s) {
+        a->applied = move(a, a->position + copysign(a->slew * dt_s, way), dt_s) / dt_s;
+    } else {
+        double integral = move(a, target, ramp_s);
+        integral += move(a, target, dt_s - ramp_s);
+        a->applied = integral / dt_s;
+    }
+}
+
+bool instruments_drive(struct instruments *in, struct plant *plant, double dt_s, char *err,
+                       size_t err_size)
+{
+    for (size_t i = 0; i < in->n_actuators; i++) {
+        struct actuator *a = &in->actuator[i];
+        const struct plant_channel *c = &in->class->channels[a->channel];
+        drive(a, dt_s);
+        /* The mean of values within the span can leave it by a rounding error. */
+        a->applied = fmin(fmax(a->applied, c->lo), c->hi);
+        if (!in->class->set_input(plant, a->channel, a->applied, err, err_size)) {
+            return false;
+        }
+    }
+    return true;
+}

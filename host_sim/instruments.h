@@ -1,0 +1,93 @@
+/* Sensors and actuators around a perfect plant, at the resolution of the sample interval.
+ *
+ * Sensor, in this order: first-order lag (the true value is taken as a straight line between two samples, so
+ * steps at samples and ramps are followed exactly), bias, normal noise, quantisation, and the span: what lies
+ * outside is clipped and marked uncertain.
+ *
+ * Actuator: limits, slew rate, first-order lag, stuck. Within an interval the position moves as it really would;
+ * the plant gets the mean of the interval, so that the amount delivered is right, and the read-back of the next
+ * sample is that same mean.
+ *
+ * Every sensor draws from a stream of its own, one number a sample whatever its noise: changing one sensor leaves
+ * the others as they were.
+ */
+#ifndef REFLUX_HOST_SIM_INSTRUMENTS_H
+#define REFLUX_HOST_SIM_INSTRUMENTS_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include "link/messages.h"
+#include "noise.h"
+#include "plant.h"
+
+enum instrument_option {
+    OPTION_BIAS,  /* sensor: added to the reading, units */
+    OPTION_NOISE, /* sensor: standard deviation, units; from then on --noise does not scale it */
+    OPTION_RESOLUTION, /* sensor: quantisation step, units, 0 = none */
+    OPTION_QUALITY,    /* sensor: 0..3 as enum quality */
+    OPTION_LAG,        /* sensor and actuator: time constant, s, 0 = none */
+    OPTION_HI,         /* actuator: upper limit, units */
+    OPTION_LO,         /* actuator: lower limit, units */
+    OPTION_SLEW,       /* actuator: fastest change, units per second, 0 = no bound */
+    OPTION_STUCK,      /* actuator: stays at this value whatever is commanded */
+    OPTION_FREE,       /* actuator: 1 = no longer stuck */
+    OPTION_COUNT
+};
+
+struct sensor {
+    size_t channel;
+    double lag_s, bias, noise, resolution;
+    int quality;
+    struct noise random;
+    double filtered; /* behind the lag */
+    double truth;    /* at the last sample */
+    float reading;   /* as sent */
+    uint8_t sent_quality;
+};
+
+struct actuator {
+    size_t channel;
+    double lo, hi, slew, lag_s;
+    bool stuck;
+    double command;  /* last one driven */
+    double position; /* behind limits and slew */
+    double output;   /* behind the lag as well: what the plant feels */
+    double applied;  /* mean of output over the last interval */
+};
+
+struct instruments {
+    const struct plant_class *class;
+    struct sensor sensor[LINK_CHANNELS_MAX];
+    struct actuator actuator[LINK_CHANNELS_MAX];
+    size_t n_sensors, n_actuators;
+    bool begun; /* a first sample was taken */
+};
+
+/* Fails when the plant has more channels than the link carries. */
+bool instruments_init(struct instruments *in, const struct plant_class *class, uint64_t seed,
+                      double noise_factor, char *err, size_t err_size);
+
+/* Sets the noise of all sensors to factor times their own. */
+void instruments_noise(struct instruments *in, double factor);
+
+/* Sets one option of one channel, which must be of the right kind (events.c has checked). */
+void instruments_set(struct instruments *in, size_t channel, enum instrument_option option,
+                     double value);
+
+/* Takes a sample dt_s after the one before: readings and read-backs into *sample. */
+void instruments_measure(struct instruments *in, const struct plant *plant, double dt_s,
+                         struct link_sample *sample);
+
+/* A command has come; outputs that are not driven keep what they have. */
+void instruments_command(struct instruments *in, const struct link_command *command);
+
+/* Silence: all actuators head for their safe values. */
+void instruments_safe(struct instruments *in);
+
+/* Moves the actuators over the next dt_s and sets the plant's inputs to the means. */
+bool instruments_drive(struct instruments *in, struct plant *plant, double dt_s, char *err,
+                       size_t err_size);
+
+#endif

@@ -1,0 +1,397 @@
+#include "lockstep.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "text.h"
+
+#define CONSOLE_RETRY_MS  500 /* a board that starts swallows what came too early */
+#define CONSOLE_SETTLE_MS 200 /* late replies to repeated greetings of the console */
+
+enum outcome {
+    GOT_IT,
+    TOO_LATE,
+    REGREETED, /* the link was greeted anew meanwhile; which means the controller may have restarted */
+    STOPPED    /* interrupted, or failed with k->error */
+};
+
+typedef bool (*condition)(const struct lockstep *k);
+
+static enum outcome stop(struct lockstep *k, const char *reason)
+{
+    (void)sim_fail(k->error, sizeof(k->error), "%s", reason);
+    return STOPPED;
+}
+
+/* Lets link and console work until done() holds, for at most span_ms. */
+static enum outcome wait_for(struct lockstep *k, condition done, uint64_t span_ms)
+{
+    struct transport *list[2] = {k->link->transport, NULL};
+    size_t n = 1;
+    if (k->console != NULL) {
+        list[n] = k->console->transport;
+        n++;
+    }
+    uint64_t began = transport_now_ms(list[0]);
+    for (;;) {
+        if (!link_server_turn(k->link)) {
+            return stop(k, k->link->error);
+        }
+        if (k->console != NULL && !console_turn(k->console)) {
+            return stop(k, k->console->error);
+        }
+        if (*k->interrupted != 0) {
+            return STOPPED;
+        }
+        if (k->met && k->link->greetings != k->greetings_seen) {
+            return REGREETED;
+        }
+        if (done(k)) {
+            return GOT_IT;
+        }
+        uint64_t spent = transport_now_ms(list[0]) - began;
+        if (spent >= span_ms) {
+            return TOO_LATE;
+        }
+        uint64_t due = link_server_due(k->link);
+        transport_wait(list, n, due < span_ms - spent ? due : span_ms - spent);
+    }
+}
+
+static enum outcome late(struct lockstep *k, const char *what)
+{
+    (void)sim_fail(k->error, sizeof(k->error),
+                   "at plant time %.3f s: no %s within %.3f s (link %s: %u good frames, %s)",
+                   (double)k->time_ms / 1000.0, what, (double)k->timeout_ms / 1000.0,
+                   k->link->transport->where, k->link->decoder.count.good,
+                   k->link->state == LINK_SAMPLING ? "controller ready"
+                   : k->link->controller_known     ? "greeting a controller"
+                                                   : "no controller has greeted");
+    return STOPPED;
+}
+
+static bool sampling(const struct lockstep *k)
+{
+    return k->link->state == LINK_SAMPLING;
+}
+
+static bool answered(const struct lockstep *k)
+{
+    return k->link->answered;
+}
+
+static bool row_here(const struct lockstep *k)
+{
+    return !console_row_missing(k->console, k->number);
+}
+
+static bool replied(const struct lockstep *k)
+{
+    return k->console->reply != REPLY_NONE;
+}
+
+static bool replied_ok(const struct lockstep *k)
+{
+    return k->console->reply == REPLY_OK;
+}
+
+static bool never(const struct lockstep *k)
+{
+    (void)k;
+    return false;
+}
+
+/* Waits through a greeting under way and takes note of who is there. True in *restarted when the controller is
+ * another one than before, or the same after a restart. */
+static enum outcome meet(struct lockstep *k, bool *restarted)
+{
+    bool met_before = k->met;
+    k->met = false; /* READY is what is waited for here, not an interruption */
+    enum outcome r = wait_for(k, sampling, k->timeout_ms);
+    k->met = met_before;
+    if (r == TOO_LATE) {
+        return late(k, "READY from the controller");
+    }
+    if (r != GOT_IT) {
+        return r;
+    }
+    *restarted = met_before && k->link->controller_session != k->session_seen;
+    k->restarts += *restarted ? 1u : 0u;
+    k->greetings_seen = k->link->greetings;
+    k->session_seen = k->link->controller_session;
+    k->met = true;
+    instruments_safe(k->instruments);
+    return GOT_IT;
+}
+
+static enum outcome console_line(struct lockstep *k, const char *line)
+{
+    if (!console_send(k->console, line)) {
+        (void)console_turn(k->console);
+        return stop(k, k->console->error);
+    }
+    return GOT_IT;
+}
+
+/* Puts the console into machine mode, and telemetry back on if log_line says so. Never interrupted by a greeting:
+ * the caller looks at that afterwards. */
+static enum outcome start_console(struct lockstep *k)
+{
+    char log_line[sizeof(k->console->log_line)];
+    (void)memcpy(log_line, k->console->log_line, sizeof(log_line));
+    bool log_on = k->console->log_on;
+    console_forget(k->console);
+    uint64_t began = transport_now_ms(k->link->transport);
+    uint32_t before = k->console->replies;
+    uint32_t asked = 0;
+    enum outcome r = TOO_LATE;
+    while (r == TOO_LATE) {
+        if (transport_now_ms(k->link->transport) - began >= k->timeout_ms) {
+            return late(k, "reply ok to \"mode machine\" on the console");
+        }
+        (void)transport_write(k->console->transport, "\r\n", 2);
+        if (console_line(k, "mode machine") == STOPPED) {
+            return STOPPED;
+        }
+        asked++;
+        r = wait_for(k, replied_ok, CONSOLE_RETRY_MS);
+    }
+    while (r == GOT_IT && k->console->replies - before < asked) {
+        k->console->reply = REPLY_NONE;
+        if (wait_for(k, replied, CONSOLE_SETTLE_MS) == TOO_LATE) {
+            break;
+        }
+    }
+    if (r == GOT_IT && log_on && log_line[0] != '\0') {
+        if (console_line(k, log_line) == STOPPED) {
+            return STOPPED;
+        }
+        r = wait_for(k, replied, k->timeout_ms);
+        if (r == TOO_LATE) {
+            return late(k, "reply to \"log on\" after a restart");
+        }
+    }
+    return r;
+}
+
+/* After REGREETED: everything back to where samples can flow. */
+static enum outcome recover(struct lockstep *k, bool *restarted)
+{
+    bool any = false;
+    enum outcome r;
+    do {
+        bool once = false;
+        r = meet(k, &once);
+        any = any || once;
+        if (r == GOT_IT && any && k->console != NULL) {
+            r = start_console(k);
+        }
+    } while (r == REGREETED);
+    *restarted = any;
+    return r;
+}
+
+static bool is_reboot(const char *line)
+{
+    return strncmp(line, "reboot", 6) == 0 && (line[6] == '\0' || line[6] == ' ');
+}
+
+/* Sends one scripted line and waits for what it leads to. */
+static enum outcome scripted_line(struct lockstep *k, const struct script_line *x)
+{
+    char what[SCRIPT_LINE_SIZE + 64];
+    (void)snprintf(what, sizeof(what), "reply to console line %u, \"%s\",", x->at, x->text);
+    if (console_line(k, x->text) == STOPPED) {
+        return STOPPED;
+    }
+    bool restarted = false;
+    for (;;) {
+        enum outcome r = wait_for(k, replied, k->timeout_ms);
+        if (r == TOO_LATE) {
+            return late(k, what);
+        }
+        if (r == GOT_IT) {
+            break;
+        }
+        if (r == STOPPED || (r = recover(k, &restarted)) != GOT_IT) {
+            return r;
+        }
+        if (restarted && is_reboot(x->text)) {
+            return GOT_IT; /* its ok was lost with the transmit ring */
+        }
+        if (restarted) {
+            (void)sim_fail(k->error, sizeof(k->error),
+                           "the controller restarted before its %s came", what);
+            return STOPPED;
+        }
+    }
+    if (k->console->reply == REPLY_ERR && !x->may_fail) {
+        (void)sim_fail(k->error, sizeof(k->error), "%s:%u: \"%s\" was answered \"%s\"",
+                       k->script->file, x->at, x->text, k->console->reply_text);
+        return STOPPED;
+    }
+    if (k->console->reply == REPLY_OK && is_reboot(x->text)) {
+        while (!restarted) { /* no sample goes to the firmware that is about to end */
+            enum outcome r = wait_for(k, never, k->timeout_ms);
+            if (r == TOO_LATE) {
+                return late(k, "HELLO from the rebooted controller");
+            }
+            if (r != REGREETED || (r = recover(k, &restarted)) != GOT_IT) {
+                return r;
+            }
+        }
+    }
+    return GOT_IT;
+}
+
+static enum outcome scripted_lines(struct lockstep *k, double time_s)
+{
+    if (k->console == NULL) {
+        return GOT_IT;
+    }
+    for (; k->script->next < k->script->n; k->script->next++) {
+        const struct script_line *x = &k->script->list[k->script->next];
+        if (x->time_s > time_s) {
+            break;
+        }
+        enum outcome r = scripted_line(k, x);
+        if (r != GOT_IT) {
+            return r;
+        }
+    }
+    return GOT_IT;
+}
+
+/* Sends the sample and waits until it is answered in full, through restarts if need be. */
+static enum outcome exchange(struct lockstep *k, const struct link_sample *sample)
+{
+    (void)link_server_sample(k->link, sample);
+    for (;;) {
+        enum outcome r = wait_for(k, answered, k->timeout_ms);
+        if (r == TOO_LATE) {
+            return late(k, "COMMAND for the sample");
+        }
+        if (r == GOT_IT && k->console != NULL) {
+            r = wait_for(k, row_here, k->timeout_ms);
+            if (r == TOO_LATE) {
+                char what[64];
+                (void)snprintf(what, sizeof(what), "telemetry row of sample %u", k->number);
+                return late(k, what);
+            }
+        }
+        if (r != REGREETED) {
+            return r;
+        }
+        bool restarted = false;
+        r = recover(k, &restarted);
+        if (r != GOT_IT) {
+            return r;
+        }
+        if (restarted) {
+            k->link->answered = false; /* what was answered before the restart is void */
+            k->link->waiting = true;
+        }
+        if (!k->link->answered) {
+            (void)link_server_resend(k->link);
+        }
+    }
+}
+
+static bool pace_reached(const struct lockstep *k)
+{
+    double due = k->wall_began + (double)k->time_ms / 1000.0 / k->speed;
+    return sim_clock_s() >= due;
+}
+
+/* With --speed X: until the wall clock has come to this plant time. */
+static enum outcome pace(struct lockstep *k)
+{
+    while (k->speed > 0.0 && !pace_reached(k)) {
+        double left = k->wall_began + (double)k->time_ms / 1000.0 / k->speed - sim_clock_s();
+        enum outcome r = wait_for(k, pace_reached, (uint64_t)fmax(ceil(left * 1000.0), 1.0));
+        bool restarted;
+        if (r == REGREETED) {
+            r = recover(k, &restarted);
+        }
+        if (r == STOPPED) {
+            return r;
+        }
+    }
+    return GOT_IT;
+}
+
+/* Steps 1 to 4 at the present plant time. */
+static enum outcome one_sample(struct lockstep *k)
+{
+    double time_s = (double)k->time_ms / 1000.0;
+    if (k->console != NULL) {
+        k->console->plant_time_s = time_s;
+    }
+    if (!events_apply(k->events, time_s, k->plant, k->instruments, k->error, sizeof(k->error))) {
+        return STOPPED;
+    }
+    enum outcome r = scripted_lines(k, time_s);
+    if (r != GOT_IT) {
+        return r;
+    }
+    struct link_sample sample = {.number = k->number, .time_ms = k->time_ms};
+    instruments_measure(k->instruments, k->plant, (double)k->tick_ms / 1000.0, &sample);
+    r = exchange(k, &sample);
+    if (r != GOT_IT) {
+        return r;
+    }
+    k->samples++;
+    sim_log_row(k->log, k->instruments, k->plant, &sample, &k->link->command);
+    progress_show(k->progress, time_s, k->samples);
+    return GOT_IT;
+}
+
+/* Step 5. */
+static enum outcome one_tick(struct lockstep *k)
+{
+    double tick_s = (double)k->tick_ms / 1000.0;
+    instruments_command(k->instruments, &k->link->command);
+    if (!instruments_drive(k->instruments, k->plant, tick_s, k->error, sizeof(k->error))) {
+        return STOPPED;
+    }
+    k->number++;
+    k->time_ms += k->tick_ms;
+    if (!k->class->advance(k->plant, (double)k->time_ms / 1000.0, k->error, sizeof(k->error))) {
+        return STOPPED;
+    }
+    return GOT_IT;
+}
+
+enum lockstep_result lockstep_run(struct lockstep *k)
+{
+    enum outcome r;
+    do {
+        bool restarted;
+        r = meet(k, &restarted);
+        if (r == GOT_IT && k->console != NULL) {
+            r = start_console(k);
+        }
+    } while (r == REGREETED);
+    k->wall_began = sim_clock_s();
+    while (r == GOT_IT) {
+        r = one_sample(k);
+        uint64_t next_ms = k->time_ms + k->tick_ms;
+        if (r == GOT_IT && k->duration_s >= 0.0 && (double)next_ms / 1000.0 > k->duration_s) {
+            break;
+        }
+        if (r == GOT_IT) {
+            r = one_tick(k);
+        }
+        if (r == GOT_IT) {
+            r = pace(k);
+        }
+    }
+    k->wall_s = sim_clock_s() - k->wall_began;
+    if (r == GOT_IT) {
+        return RUN_DONE;
+    }
+    if (k->error[0] == '\0' && *k->interrupted == 0) {
+        (void)sim_fail(k->error, sizeof(k->error), "the controller kept restarting");
+    }
+    return k->error[0] == '\0' ? RUN_INTERRUPTED : RUN_FAILED;
+}

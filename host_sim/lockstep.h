@@ -1,0 +1,59 @@
+/* A run in lockstep. At plant time T, in this order:
+ *
+ *   1. events with time <= T
+ *   2. console lines with time <= T, each waiting for its reply (the link is kept alive meanwhile)
+ *   3. sample T is taken and sent; it waits for its command and, while telemetry is on, for its row
+ *   4. one row of the log
+ *   5. actuators move under the command, the plant goes on by one tick
+ *
+ * Nothing but the order of these steps decides the result, so the same run gives the same log however fast the
+ * controller is. A controller that restarts is greeted again, its console put back into machine mode, telemetry
+ * switched on again if it was on, and the sample under way repeated: plant time stands still meanwhile.
+ */
+#ifndef REFLUX_HOST_SIM_LOCKSTEP_H
+#define REFLUX_HOST_SIM_LOCKSTEP_H
+
+#include <signal.h>
+
+#include "console_driver.h"
+#include "events.h"
+#include "link_server.h"
+#include "progress.h"
+#include "script.h"
+#include "sim_log.h"
+
+enum lockstep_result { RUN_DONE, RUN_FAILED, RUN_INTERRUPTED };
+
+struct lockstep {
+    /* set up by the owner */
+    const struct plant_class *class;
+    struct plant *plant;
+    struct instruments *instruments;
+    struct events *events;
+    struct link_server *link;
+    struct console *console; /* NULL: none */
+    struct script *script;
+    struct sim_log *log;
+    struct progress *progress;
+    uint32_t tick_ms;
+    double duration_s; /* negative: without end */
+    double speed;      /* plant seconds per second of the wall; 0 = as fast as it goes */
+    uint64_t timeout_ms;
+    const volatile sig_atomic_t *interrupted;
+
+    /* the run */
+    uint32_t number; /* sample under way */
+    uint64_t time_ms;
+    uint64_t samples; /* answered */
+    uint32_t greetings_seen;
+    uint32_t session_seen;
+    bool met; /* a controller was greeted */
+    uint32_t restarts;
+    double wall_began;
+    double wall_s;
+    char error[400]; /* of RUN_FAILED */
+};
+
+enum lockstep_result lockstep_run(struct lockstep *k);
+
+#endif

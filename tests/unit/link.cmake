@@ -1,0 +1,34 @@
+# The plant link's codec, its document, and the bench that speaks it.
+set(here "${CMAKE_CURRENT_LIST_DIR}")
+set(support "${PROJECT_SOURCE_DIR}/tests/support")
+set_source_files_properties("${here}/test_transport.c" "${support}/test_controller_main.c"
+  PROPERTIES COMPILE_DEFINITIONS _GNU_SOURCE) # pseudo-terminals
+
+reflux_test(frame LABEL unit SOURCES "${here}/test_frame.c" LIBS reflux_link)
+reflux_test(messages LABEL unit SOURCES "${here}/test_messages.c" LIBS reflux_link)
+reflux_test(link_document LABEL unit SOURCES "${here}/test_link_document.c" LIBS reflux_link)
+
+# A plant and a controller for tests of the bench alone.
+add_library(bench_support STATIC "${support}/test_controller.c")
+target_include_directories(bench_support PUBLIC "${support}")
+target_link_libraries(bench_support PUBLIC reflux_bench PRIVATE reflux_options)
+add_executable(test-controller "${support}/test_controller_main.c")
+target_link_libraries(test-controller PRIVATE bench_support reflux_options)
+add_executable(reflux-sim-two-by-two
+  "${PROJECT_SOURCE_DIR}/host_sim/main.c" "${support}/two_by_two.c")
+target_link_libraries(reflux-sim-two-by-two PRIVATE bench_support reflux_options)
+
+reflux_test(instruments LABEL unit
+  SOURCES "${here}/test_instruments.c" "${support}/two_by_two.c" LIBS bench_support)
+reflux_test(scenario_input LABEL unit
+  SOURCES "${here}/test_scenario_input.c" "${support}/two_by_two.c" LIBS bench_support)
+reflux_test(link_server LABEL unit
+  SOURCES "${here}/test_link_server.c" "${support}/two_by_two.c" LIBS bench_support)
+reflux_test(transport LABEL unit SOURCES "${here}/test_transport.c" LIBS reflux_bench)
+
+find_program(PYTHON3 NAMES python3 PATHS /usr/bin NO_DEFAULT_PATH)
+find_program(PYTHON3 NAMES python3)
+add_test(NAME reflux_sim COMMAND "${PYTHON3}" "${here}/test_reflux_sim.py"
+  $<TARGET_FILE:reflux-sim-two-by-two> $<TARGET_FILE:test-controller> "${support}/python_plant.py")
+set_tests_properties(reflux_sim PROPERTIES LABELS unit TIMEOUT 120
+  ENVIRONMENT "PYTHONDONTWRITEBYTECODE=1")
