@@ -23,6 +23,9 @@ struct app {
     uint64_t sample_ms;        /* plant time of the last tick */
     uint64_t safe_tick_ms;     /* board time of the last tick in silence */
     struct io_command command; /* last one sent */
+    bool driven[CHANNEL_MAX];  /* outputs of this plant that have been commanded */
+    uint32_t sample_number;    /* of the last tick */
+    uint32_t out_of_order;     /* other samples, in a row, whose time did not move on */
     /* The watchdog is fed while both contexts come round. */
     volatile uint32_t main_turns;
     uint32_t main_turns_seen;
@@ -97,6 +100,8 @@ static void follow_plant(struct app *app)
     app->bound_generation = generation;
     app->have_sample = false;
     app->command.n_outputs = 0;
+    app->out_of_order = 0;
+    memset(app->driven, 0, sizeof app->driven);
     supervisor_go_safe(&app->supervisor, state == IO_READY ? "plant" : "link");
     float tick_s = (float)s->io.tick_ms(s->io.context) / 1000.0f;
     if (state == IO_READY) {
@@ -111,21 +116,21 @@ static void follow_plant(struct app *app)
             }
             supervisor_take_plan(&app->supervisor, plan);
         }
-        plan = &s->plan[s->pending];
-        if (s->has_pending && plan->config.tick_s == 0.0f &&
-            plan_set_tick(plan, tick_s, &fault) != ERR_OK) {
-            tick_event(app, EVENT_CONFIG_REFUSED, fault.subject, tick_s);
-            s->has_pending = false;
-        }
     }
     bind_channels(app);
 }
 
-static void take_requests(struct app *app)
+/* Requests wait for the tick. A new plan is put into force before the sample is looked at, with all that was
+ * asked before it, so that what is asked after it meets this sample in the new plan. */
+static void take_requests(struct app *app, bool up_to_last_plan)
 {
     struct request_queue *q = &app->service.requests;
     /* Bounded by what was there at the start: the main loop does not run meanwhile. */
-    for (uint32_t n = spsc_count(&q->index); n; n--) {
+    uint32_t n = spsc_count(&q->index), read = spsc_read_index(&q->index);
+    while (up_to_last_plan && n &&
+           q->slot[(read + n - 1u) & (REQUEST_QUEUE_SIZE - 1u)].kind != REQUEST_APPLY)
+        n--;
+    for (; n; n--) {
         struct request r = q->slot[spsc_read_index(&q->index)];
         spsc_read_done(&q->index);
         if (r.kind == REQUEST_APPLY) {
@@ -179,6 +184,14 @@ static void fill_command(struct app *app)
         app->command.output[app->output_at[j]].value =
             span_to_eu(app->supervisor.output[j].constrained, o->lo, o->hi);
         app->command.output[app->output_at[j]].drive = true;
+        app->driven[app->output_at[j]] = true;
+    }
+    /* An output given up by a new configuration would stay where it was, with nobody watching it. */
+    for (uint8_t j = 0; j < app->command.n_outputs; j++) {
+        if (!app->driven[j] || app->command.output[j].drive)
+            continue;
+        app->command.output[j].value = s->io.channel(s->io.context, true, j)->safe;
+        app->command.output[j].drive = true;
     }
 }
 
@@ -191,8 +204,15 @@ static bool judge_sample(struct app *app, const struct io_sample *sample)
     float number = (float)sample->number;
     if (sample->time <= app->sample_ms) {
         tick_event(app, EVENT_SAMPLE_TWICE, NULL, number);
-        return false;
+        if (sample->number == app->sample_number ||
+            ++app->out_of_order <= app->service.plan[app->service.in_force].config.miss_limit)
+            return false;
+        /* Plant time has been set back. Without this, no tick would ever come again. */
+        app->out_of_order = 0;
+        supervisor_go_safe(&app->supervisor, "samples");
+        return true;
     }
+    app->out_of_order = 0;
     float passed_s = (float)(sample->time - app->sample_ms) / 1000.0f;
     if (passed_s < 0.875f * tick_s) {
         tick_event(app, EVENT_SAMPLE_EARLY, NULL, tick_s - passed_s);
@@ -221,9 +241,11 @@ static void tick(struct app *app, const struct io_sample *sample, uint64_t now_m
     struct tick_input input;
     app->have_sample = true;
     app->sample_ms = sample->time;
+    app->sample_number = sample->number;
+    take_requests(app, true);
     read_inputs(app, sample, &input);
     supervisor_validate(&app->supervisor, &input);
-    take_requests(app);
+    take_requests(app, false);
     supervisor_control(&app->supervisor);
     fill_command(app);
     send_command(app, sample, now_ms);
@@ -247,7 +269,7 @@ static void silent_tick(struct app *app, uint64_t now_ms)
     if ((float)(now_ms - app->safe_tick_ms) < period_ms)
         return;
     app->safe_tick_ms = now_ms;
-    take_requests(app);
+    take_requests(app, false);
     supervisor_go_safe(&app->supervisor, "link");
 }
 

@@ -40,8 +40,8 @@ enum err pid_validate(const struct pid_config *config, const char **field, const
         {"b", "0 to 1", config->b, 0.0f, 1.0f, false},
         {"c", "0 to 1", config->c, 0.0f, 1.0f, false},
         {"tt_s", "0 (automatic) or 0.01 to 1e6 s", config->tt_s, 0.01f, 1e6f, true},
-        {"out_lo", "-1 to 2", config->out_lo, -1.0f, 2.0f, false},
-        {"out_hi", "-1 to 2", config->out_hi, -1.0f, 2.0f, false},
+        {"out_lo", "-100 to 100", config->out_lo, -100.0f, 100.0f, false},
+        {"out_hi", "-100 to 100", config->out_hi, -100.0f, 100.0f, false},
         {"rate_per_s", "0 (no limit) or 1e-9 to 1e6 per second", config->rate_per_s, 1e-9f, 1e6f,
          true},
         {"inhibit_s", "0 (off) to 1e5 s", config->inhibit_s, 0.0f, 1e5f, false},
@@ -60,7 +60,7 @@ enum err pid_validate(const struct pid_config *config, const char **field, const
     }
     /* Ordered as num_t: limits that fall on the same step of num_t would leave no output to choose. */
     *field = "out_hi";
-    *wanted = "above out_lo, to 2";
+    *wanted = "above out_lo";
     return num_lt(num_from_float(config->out_lo), num_from_float(config->out_hi)) ? ERR_OK
                                                                                   : ERR_RANGE;
 }

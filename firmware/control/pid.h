@@ -38,9 +38,10 @@ struct pid_config {
     float c;    /* setpoint weight of the derivative part, [0, 1] */
     float tt_s; /* tracking time constant, s, [0.01, 1e6]; 0 = automatic: Ti without derivative,
                  * sqrt(Ti Td) with; unused without integral action: there is nothing to wind up */
-    float out_lo, out_hi; /* output limits, fraction, -1 <= lo < hi <= 2 */
-    float rate_per_s;     /* fastest change of the output, 1/s, [1e-9, 1e6]; 0 = no limit */
-    float inhibit_s;      /* overshoot inhibitor: prediction time, s, [0, 1e5]; 0 = off */
+    float out_lo,
+        out_hi; /* output limits, fraction, -100 <= lo < hi <= 100 (beyond 1: a decoupler follows) */
+    float rate_per_s; /* fastest change of the output, 1/s, [1e-9, 1e6]; 0 = no limit */
+    float inhibit_s;  /* overshoot inhibitor: prediction time, s, [0, 1e5]; 0 = off */
     enum pid_action action;
     enum pid_form form;
 };

@@ -213,7 +213,7 @@ static bool print_event(struct console *c)
     return true;
 }
 
-/* One line at a time: static keeps 1.6 KB off the stack. */
+/* One line at a time: static keeps 2.3 KB off the stack. */
 static char long_line[TELEMETRY_LINE_MAX];
 
 static void print_header(struct console *c, const struct plan *plan)

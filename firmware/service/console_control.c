@@ -48,8 +48,12 @@ static bool in_range(struct console *c, float x, float lo, float hi, const char 
     return false;
 }
 
-static void ask(struct console *c, const struct request *request)
+static void ask(struct console *c, struct request *request)
 {
+    const struct config *config = &service_plan(c->service)->config;
+    const char *name = request->output != PLAN_NONE ? config->output[request->output].name
+                                                    : config->loop[request->loop].name;
+    memcpy(request->name, name, sizeof request->name);
     enum err err = service_request(c->service, request);
     if (err)
         console_err(c, err, "more requests waiting than the queue holds, try again");
@@ -145,8 +149,22 @@ void command_out(struct console *c, unsigned n, char **word)
                           "is not in manual; `mode NAME manual` first");
         return;
     }
+    uint8_t direct = j;
     if (j == PLAN_NONE)
         j = plan->loop[loop].output;
+    const char *what, *wanted;
+    enum err err = direct != PLAN_NONE && loop == PLAN_NONE
+                       ? service_output_there(c->service, direct, &what, &wanted)
+                       : service_may_act(c->service, loop, LOOP_MANUAL, &what, &wanted);
+    if (err) {
+        console_err_about(c, err, what, wanted);
+        return;
+    }
+    if (j == PLAN_NONE && service_mode(c->service, plan->loop[loop].inner) != LOOP_CASCADE) {
+        console_err_about(c, ERR_STATE, word[0],
+                          "its output follows the inner loop while that is not in cascade");
+        return;
+    }
     if (j != PLAN_NONE) {
         const struct output_config *o = &config->output[j];
         lo = o->min < o->safe ? o->min : o->safe;

@@ -77,20 +77,31 @@ static void ask_or_finish(struct plant_link *link, uint64_t now_ms)
               (float)link->tick_ms / 1000.0f, 0);
 }
 
+/* Said once, answered at the pace of greeting (both sides answering at once would never end). */
+static void other_version(struct plant_link *link, uint8_t version, uint64_t now_ms)
+{
+    if (!link->version_told)
+        event_put(link->events, *link->plant_time, EVENT_LINK_VERSION, NULL, (float)version, 0);
+    link->version_told = true;
+    if (link->state != IO_DOWN) {
+        link->state = IO_DOWN;
+        link->generation++;
+    }
+    if (now_ms - link->asked_ms >= LINK_HELLO_MS)
+        send_hello(link, now_ms);
+}
+
 static void on_hello(struct plant_link *link, const struct frame *f, uint64_t now_ms)
 {
     struct link_hello m;
     enum err err = unpack_hello(f, &m);
+    if (err == ERR_VERSION && m.role == LINK_ROLE_PLANT) {
+        other_version(link, m.version, now_ms);
+        return;
+    }
     if (err || m.role != LINK_ROLE_PLANT || m.n_measurements > CHANNEL_MAX ||
         m.n_outputs > CHANNEL_MAX || m.tick_ms == 0) {
         link->stats.refused++;
-        return;
-    }
-    if (m.version != LINK_VERSION) {
-        if (!link->version_told)
-            event_put(link->events, *link->plant_time, EVENT_LINK_VERSION, m.name, (float)m.version,
-                      0);
-        link->version_told = true;
         return;
     }
     if (link->state == IO_READY && m.session == link->plant_session) {

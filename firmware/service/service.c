@@ -79,27 +79,37 @@ enum err service_apply(struct service *s, const struct config *config, struct co
     if (err)
         return err;
     const struct plan *before = service_plan(s);
-    struct request apply = {.kind = REQUEST_APPLY};
-    err = service_request(s, &apply);
-    if (err)
-        return err;
-    for (uint8_t i = 0; i < CONFIG_LOOPS; i++)
-        if (strcmp(before->config.loop[i].name, config->loop[i].name) != 0)
-            s->expected_mode[i] = LOOP_MANUAL;
     plan->serial = ++s->serial;
+    /* The plan first, then the request: the tick that meets the request must find the plan. */
     hal_tick_lock();
     uint8_t free = s->pending;
     s->pending = s->scratch;
     s->scratch = free;
     s->has_pending = true;
     hal_tick_unlock();
-    return ERR_OK;
+    struct request apply = {.kind = REQUEST_APPLY, .loop = PLAN_NONE, .output = PLAN_NONE};
+    err = service_request(s, &apply); /* there is room: this context alone writes the queue */
+    for (uint8_t i = 0; i < CONFIG_LOOPS; i++)
+        if (strcmp(before->config.loop[i].name, config->loop[i].name) != 0)
+            s->expected_mode[i] = LOOP_MANUAL;
+    return err;
 }
 
 void service_take_pending(struct service *s)
 {
     if (!s->has_pending)
         return; /* an earlier request has brought the newest plan already */
+    struct plan *plan = &s->plan[s->pending];
+    struct config_fault fault;
+    float tick_s = (float)s->io.tick_ms(s->io.context) / 1000.0f;
+    /* The plant may have come, or changed, since the plan was made. */
+    if (plan->config.tick_s == 0.0f && tick_s > 0.0f && plan->tick_s != tick_s &&
+        plan_set_tick(plan, tick_s, &fault) != ERR_OK) {
+        event_put(&s->tick_events, s->supervisor->time_ms, EVENT_CONFIG_REFUSED, fault.subject,
+                  tick_s, 0);
+        s->has_pending = false;
+        return;
+    }
     uint8_t old = s->in_force;
     s->in_force = s->pending;
     s->pending = old;
@@ -158,6 +168,21 @@ enum err service_may_act(struct service *s, uint8_t loop, enum loop_mode mode, c
                                 wanted);
         loop = p->inner;
     }
+    hal_tick_unlock();
+    return err;
+}
+
+enum err service_output_there(struct service *s, uint8_t output, const char **what,
+                              const char **wanted)
+{
+    const struct output_config *o = &service_plan(s)->config.output[output];
+    *what = o->name;
+    if (s->io.state(s->io.context) != IO_READY) {
+        *wanted = "cannot act while no plant is connected";
+        return ERR_STATE;
+    }
+    hal_tick_lock();
+    enum err err = channel_fault(s, true, o->name, o->unit, what, wanted);
     hal_tick_unlock();
     return err;
 }

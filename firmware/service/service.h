@@ -70,6 +70,10 @@ MUST_CHECK enum err service_request(struct service *s, const struct request *req
 MUST_CHECK enum err service_may_act(struct service *s, uint8_t loop, enum loop_mode mode,
                                     const char **what, const char **wanted);
 
+/* The same for a manipulated variable that no loop drives. */
+MUST_CHECK enum err service_output_there(struct service *s, uint8_t output, const char **what,
+                                         const char **wanted);
+
 /* Tick context: swaps in the pending plan if there is one. */
 void service_take_pending(struct service *s);
 

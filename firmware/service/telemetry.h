@@ -17,7 +17,8 @@
 
 #define TELEMETRY_FORMAT     1
 #define TELEMETRY_QUEUE_SIZE 8
-#define TELEMETRY_LINE_MAX   1600 /* a full header: 16 measurements, 8 loops, 16 outputs */
+#define TELEMETRY_LINE_MAX                                                                         \
+    2304 /* a full header: 16 measurements, 8 loops, 16 outputs, longest names */
 
 struct telemetry_row {
     const struct plan *plan; /* in force when captured: the columns */

@@ -5,8 +5,14 @@
 
 #include "control/decoupler.h"
 #include "control/feedforward.h"
+#include "signal/ramp.h"
 
-#define TICK_SHORTEST_S 0.05f
+#define TICK_SHORTEST_S      0.05f
+#define BLOCK_INTERVAL_MAX_S 1e5f
+
+/* A decoupled loop's own output v = D^-1 u may lie far outside the span although u is inside. Its output
+ * limits hold for u (tick.c); v is only kept where num_t can hold it. */
+#define DECOUPLED_LIMIT 100.0f
 
 _Static_assert(CONFIG_LOOPS <= DECOUPLER_MAX, "the decoupler holds every loop");
 
@@ -21,6 +27,42 @@ static enum err refuse(struct config_fault *fault, enum err code, const char *gr
     fault->wanted = wanted;
     strncpy(fault->subject, subject, sizeof fault->subject - 1);
     return code;
+}
+
+/* Blocks name the fields of their own settings; people know the parameters. */
+static const char *parameter_field(const char *field)
+{
+    static const struct {
+        const char *block, *parameter;
+    } names[] = {
+        {"ti_s", "ti"},           {"td_s", "td"},     {"tt_s", "tt"},   {"rate_per_s", "out_rate"},
+        {"inhibit_s", "inhibit"}, {"lead_s", "lead"}, {"lag_s", "lag"}, {"dead_time_s", "dead"},
+        {"form", "algorithm"},
+    };
+    for (unsigned i = 0; i < sizeof names / sizeof names[0]; i++)
+        if (strcmp(field, names[i].block) == 0)
+            return names[i].parameter;
+    return field;
+}
+
+/* Words that begin or end a reply of the console. */
+static bool reserved(const char *name)
+{
+    return strcmp(name, "ok") == 0 || strcmp(name, "err") == 0;
+}
+
+/* A rate in EU/s over a span, as signal/ramp.h takes it. */
+static bool rate_possible(float rate_per_s, float span)
+{
+    float fraction = rate_per_s / span;
+    return rate_per_s == 0.0f || (fraction >= 1e-9f && fraction <= 1e6f);
+}
+
+/* Wide enough for float to tell its thousandths, wherever it lies. */
+static bool span_possible(float lo, float hi)
+{
+    float reach = (lo < 0.0f ? -lo : lo) + (hi < 0.0f ? -hi : hi);
+    return lo < hi && hi - lo >= 1e-4f * reach && hi - lo >= 1e-6f;
 }
 
 uint8_t config_find_measurement(const struct config *config, const char *name)
@@ -58,8 +100,8 @@ struct pid_config plan_pid(const struct plan *plan, uint8_t loop)
         .b = l->b,
         .c = l->c,
         .tt_s = l->tt_s,
-        .out_lo = l->out_lo,
-        .out_hi = l->out_hi,
+        .out_lo = plan->loop[loop].decouple ? -DECOUPLED_LIMIT : l->out_lo,
+        .out_hi = plan->loop[loop].decouple ? DECOUPLED_LIMIT : l->out_hi,
         .rate_per_s = l->out_rate_per_s,
         .inhibit_s = l->inhibit_s,
         .action = l->action == LOOP_DIRECT ? PID_DIRECT : PID_REVERSE,
@@ -91,6 +133,10 @@ void plan_setpoint_limits(const struct plan *plan, uint8_t loop, float *lo, floa
     *hi = open ? m->hi : l->sp_hi;
 }
 
+#define NAME_RESERVED "is a word the console keeps for itself"
+#define SPAN_WANTED   "must be below hi by 0.000001 and by a ten-thousandth of |lo| + |hi|"
+#define RATE_WANTED   "must be 0, or 1e-9 to 1e6 spans per second"
+
 static enum err check_channels(const struct config *c, struct config_fault *fault)
 {
     for (unsigned i = 0; i < CHANNEL_MAX; i++) {
@@ -99,8 +145,10 @@ static enum err check_channels(const struct config *c, struct config_fault *faul
             continue;
         if (config_find_measurement(c, m->name) != i)
             return refuse(fault, ERR_CONFLICT, "meas", i + 1, "name", m->name, "is used twice");
-        if (!(m->lo < m->hi))
-            return refuse(fault, ERR_RANGE, "meas", i + 1, "lo", m->name, "must be below hi");
+        if (reserved(m->name))
+            return refuse(fault, ERR_CONFLICT, "meas", i + 1, "name", m->name, NAME_RESERVED);
+        if (!span_possible(m->lo, m->hi))
+            return refuse(fault, ERR_RANGE, "meas", i + 1, "lo", m->name, SPAN_WANTED);
     }
     for (unsigned i = 0; i < CHANNEL_MAX; i++) {
         const struct output_config *o = &c->output[i];
@@ -111,13 +159,17 @@ static enum err check_channels(const struct config *c, struct config_fault *faul
         if (config_find_loop(c, o->name) != PLAN_NONE)
             return refuse(fault, ERR_CONFLICT, "mv", i + 1, "name", o->name,
                           "is also the name of a loop");
-        if (!(o->lo < o->hi))
-            return refuse(fault, ERR_RANGE, "mv", i + 1, "lo", o->name, "must be below hi");
+        if (reserved(o->name))
+            return refuse(fault, ERR_CONFLICT, "mv", i + 1, "name", o->name, NAME_RESERVED);
+        if (!span_possible(o->lo, o->hi))
+            return refuse(fault, ERR_RANGE, "mv", i + 1, "lo", o->name, SPAN_WANTED);
         if (!(o->lo <= o->min && o->min < o->max && o->max <= o->hi))
             return refuse(fault, ERR_RANGE, "mv", i + 1, "min", o->name,
                           "needs lo <= min < max <= hi");
         if (!(o->lo <= o->safe && o->safe <= o->hi))
             return refuse(fault, ERR_RANGE, "mv", i + 1, "safe", o->name, "must lie in lo..hi");
+        if (!rate_possible(o->rate_per_s, o->hi - o->lo))
+            return refuse(fault, ERR_RANGE, "mv", i + 1, "rate", o->name, RATE_WANTED);
     }
     return ERR_OK;
 }
@@ -130,6 +182,8 @@ static enum err resolve_loop(struct plan *plan, uint8_t i, struct config_fault *
     p->used = true;
     if (config_find_loop(c, l->name) != i)
         return refuse(fault, ERR_CONFLICT, "loop", i + 1u, "name", l->name, "is used twice");
+    if (reserved(l->name))
+        return refuse(fault, ERR_CONFLICT, "loop", i + 1u, "name", l->name, NAME_RESERVED);
     p->pv = config_find_measurement(c, l->pv);
     if (p->pv == PLAN_NONE)
         return refuse(fault, ERR_UNKNOWN, "loop", i + 1u, "pv", l->pv,
@@ -148,6 +202,10 @@ static enum err resolve_loop(struct plan *plan, uint8_t i, struct config_fault *
     if (!(l->sp_lo == 0.0f && l->sp_hi == 0.0f) && !(l->sp_lo < l->sp_hi))
         return refuse(fault, ERR_RANGE, "loop", i + 1u, "sp_lo", l->name,
                       "must be below sp_hi (both 0: the span)");
+    const struct measurement_config *m = &c->measurement[p->pv];
+    if (!(l->sp_lo == 0.0f && l->sp_hi == 0.0f) && !(m->lo <= l->sp_lo && l->sp_hi <= m->hi))
+        return refuse(fault, ERR_RANGE, "loop", i + 1u, l->sp_lo < m->lo ? "sp_lo" : "sp_hi",
+                      l->name, "must lie in the span of the measurement");
     if (l->phase >= l->divisor)
         return refuse(fault, ERR_RANGE, "loop", i + 1u, "phase", l->name,
                       "must be below the divisor");
@@ -155,11 +213,24 @@ static enum err resolve_loop(struct plan *plan, uint8_t i, struct config_fault *
     if (p->decouple && p->output == PLAN_NONE)
         return refuse(fault, ERR_CONFLICT, "loop", i + 1u, "decouple", l->name,
                       "is for loops that drive a manipulated variable themselves");
+    float h = plan->tick_s * (float)l->divisor;
+    struct ramp ramp;
+    if (!(h <= BLOCK_INTERVAL_MAX_S))
+        return refuse(fault, ERR_RANGE, "loop", i + 1u, "divisor", l->name,
+                      "times the base tick must be at most 100000 s");
+    if (ramp_init(&ramp, l->sp_ramp_per_min / 60.0f / (m->hi - m->lo), h) != ERR_OK)
+        return refuse(fault, ERR_RANGE, "loop", i + 1u, "sp_ramp", l->name,
+                      "must be 0 or at least 6e-8 of the span per minute");
     struct pid_config pid = plan_pid(plan, i);
     const char *field, *wanted;
     enum err err = pid_validate(&pid, &field, &wanted);
+    if (!err && !(l->out_lo < l->out_hi)) { /* where the block was given wider ones */
+        err = ERR_RANGE;
+        field = "out_lo";
+        wanted = "below out_hi";
+    }
     if (err)
-        return refuse(fault, err, "loop", i + 1u, field, l->name, wanted);
+        return refuse(fault, err, "loop", i + 1u, parameter_field(field), l->name, wanted);
     return ERR_OK;
 }
 
@@ -228,8 +299,14 @@ static enum err resolve_feedforwards(struct plan *plan, struct config_fault *fau
         struct feedforward_config element = plan_feedforward(plan, i);
         const char *field, *wanted;
         enum err err = feedforward_validate(&element, plan->tick_s, &field, &wanted);
+        if (err && strcmp(field, "h_s") == 0)
+            return refuse(fault, err, "tick", 0, "base", f->from, wanted);
         if (err)
-            return refuse(fault, err, "ff", i + 1u, field, f->from, wanted);
+            return refuse(fault, err, "ff", i + 1u,
+                          strcmp(field, "out_lo") == 0   ? "lo"
+                          : strcmp(field, "out_hi") == 0 ? "hi"
+                                                         : parameter_field(field),
+                          f->from, wanted);
         plan->feedforward[i].line = used;
         plan->feedforward[i].bytes = (uint32_t)feedforward_bytes(&element, plan->tick_s);
         used += plan->feedforward[i].bytes / (uint32_t)sizeof(num_t);

@@ -33,6 +33,28 @@ void supervisor_init(struct supervisor *s, struct event_queue *events)
     s->state = SUPERVISOR_SAFE;
 }
 
+/* Whether loop i of both plans is the same loop. The numbers inside are fractions: they only keep their
+ * meaning while names and spans stay. */
+static bool same_loop(const struct plan *plan, const struct plan *old, uint8_t i)
+{
+    const struct loop_config *c = &plan->config.loop[i];
+    const struct loop_config *before = &old->config.loop[i];
+    uint8_t pv = plan->loop[i].pv, output = plan->loop[i].output;
+    if (!old->loop[i].used || strcmp(c->name, before->name) != 0 ||
+        strcmp(c->pv, before->pv) != 0 || strcmp(c->out, before->out) != 0 ||
+        old->loop[i].pv != pv || old->loop[i].output != output)
+        return false;
+    const struct measurement_config *m = &plan->config.measurement[pv];
+    const struct measurement_config *m_before = &old->config.measurement[pv];
+    if (m->lo != m_before->lo || m->hi != m_before->hi)
+        return false;
+    if (output == PLAN_NONE)
+        return true;
+    const struct output_config *o = &plan->config.output[output];
+    const struct output_config *o_before = &old->config.output[output];
+    return o->lo == o_before->lo && o->hi == o_before->hi;
+}
+
 static void place_loop(struct supervisor *s, const struct plan *old, uint8_t i)
 {
     const struct plan *plan = s->plan;
@@ -42,24 +64,15 @@ static void place_loop(struct supervisor *s, const struct plan *old, uint8_t i)
         return;
     }
     const struct loop_config *c = &plan->config.loop[i];
-    const struct loop_config *before = &old->config.loop[i];
     uint8_t pv = plan->loop[i].pv;
     const struct measurement_config *m = &plan->config.measurement[pv];
-    const struct measurement_config *m_before = &old->config.measurement[pv];
     float h = plan->tick_s * (float)c->divisor;
     struct pid_config pid = plan_pid(plan, i);
-    /* The numbers inside are fractions: they only keep their meaning while names and spans stay. */
-    bool same = old->loop[i].used && strcmp(c->name, before->name) == 0 &&
-                strcmp(c->pv, before->pv) == 0 && strcmp(c->out, before->out) == 0 &&
-                old->loop[i].pv == pv && m->lo == m_before->lo && m->hi == m_before->hi;
-    if (same && plan->loop[i].output != PLAN_NONE) {
-        const struct output_config *o = &plan->config.output[plan->loop[i].output];
-        const struct output_config *o_before = &old->config.output[plan->loop[i].output];
-        same = o->lo == o_before->lo && o->hi == o_before->hi &&
-               old->loop[i].output == plan->loop[i].output;
-    }
+    bool same = same_loop(plan, old, i);
     num_t pv_value = s->measurement[pv].value;
     if (!same) {
+        if (l->mode != LOOP_MANUAL)
+            event_put(s->events, s->time_ms, EVENT_MODE, c->name, (float)LOOP_MANUAL, LOOP_MANUAL);
         memset(l, 0, sizeof *l);
         l->target = l->setpoint = pv_value;
         if (pid_init(&l->pid, &pid, h) != ERR_OK)
@@ -67,8 +80,11 @@ static void place_loop(struct supervisor *s, const struct plan *old, uint8_t i)
     } else if (pid_retune(&l->pid, &pid, h) != ERR_OK) {
         event_put(s->events, s->time_ms, EVENT_CONFIG_REFUSED, c->name, h, 0);
     }
-    if (l->mode == LOOP_CASCADE && plan->loop[i].outer == PLAN_NONE)
-        l->mode = LOOP_AUTO;
+    uint8_t outer = plan->loop[i].outer;
+    if (l->mode == LOOP_CASCADE && (outer == PLAN_NONE || !same_loop(plan, old, outer))) {
+        l->mode = LOOP_AUTO; /* at the setpoint in force: the old outer loop is gone */
+        event_put(s->events, s->time_ms, EVENT_MODE, c->name, (float)LOOP_AUTO, LOOP_AUTO);
+    }
     float lo, hi;
     plan_setpoint_limits(plan, i, &lo, &hi);
     if (l->mode != LOOP_MANUAL)
@@ -86,7 +102,12 @@ static void place_output(struct supervisor *s, const struct plan *old, uint8_t j
     const struct output_config *o = &s->plan->config.output[j];
     const struct output_config *before = &old->config.output[j];
     struct output_state *state = &s->output[j];
-    if (o->name[0] && strcmp(o->name, before->name) == 0) {
+    bool same = o->name[0] && strcmp(o->name, before->name) == 0;
+    if (!same)
+        memset(state, 0, sizeof *state);
+    if (o->name[0]) /* checked with the plan */
+        (void)!ramp_retune(&state->rate, o->rate_per_s / (o->hi - o->lo), s->plan->tick_s);
+    if (same) {
         /* A new span gives the same engineering values new fractions. */
         float manual = span_to_eu(state->manual, before->lo, before->hi);
         float sent = span_to_eu(state->constrained, before->lo, before->hi);
@@ -98,7 +119,6 @@ static void place_output(struct supervisor *s, const struct plan *old, uint8_t j
             state->manual = span_to_fraction(o->safe, o->lo, o->hi);
         return;
     }
-    memset(state, 0, sizeof *state);
     if (o->name[0])
         state->manual = state->constrained = state->applied =
             span_to_fraction(o->safe, o->lo, o->hi);
@@ -111,7 +131,7 @@ static void place_measurement(struct supervisor *s, const struct plan *old, uint
     struct measurement_state *state = &s->measurement[i];
     bool same = m->name[0] && strcmp(m->name, before->name) == 0;
     if (!same)
-        memset(state, 0, sizeof *state);
+        *state = (struct measurement_state){.quality = QUALITY_MISSING};
     else if (m->lo != before->lo || m->hi != before->hi)
         state->value =
             span_to_fraction(span_to_eu(state->value, before->lo, before->hi), m->lo, m->hi);
@@ -121,22 +141,47 @@ static void place_measurement(struct supervisor *s, const struct plan *old, uint
     lag_reset(&state->filter, state->value);
 }
 
+/* The loop on this output takes it over again at the next tick: what is added to it changes. */
+static void rejoin(struct supervisor *s, const char *output)
+{
+    uint8_t j = config_find_output(&s->plan->config, output);
+    if (j != PLAN_NONE && s->plan->owner[j] != PLAN_NONE)
+        s->loop[s->plan->owner[j]].join = true;
+}
+
 static void place_feedforward(struct supervisor *s, const struct plan *old, uint8_t i)
 {
     const struct plan *plan = s->plan;
     const struct ff_config *f = &plan->config.feedforward[i];
+    const struct ff_config *before = &old->config.feedforward[i];
     uint8_t from = plan->feedforward[i].from;
-    if (from == PLAN_NONE)
+    if (!f->from[0] && !before->from[0])
         return;
-    const struct measurement_config *m = &plan->config.measurement[from];
-    if (memcmp(f, &old->config.feedforward[i], sizeof *f) == 0 && plan->tick_s == s->tick_s &&
-        memcmp(&plan->feedforward[i], &old->feedforward[i], sizeof plan->feedforward[i]) == 0 &&
-        memcmp(m, &old->config.measurement[from], sizeof *m) == 0)
+    if (f->from[0] && memcmp(f, before, sizeof *f) == 0 && plan->tick_s == s->tick_s &&
+        memcmp(&plan->feedforward[i], &old->feedforward[i], sizeof plan->feedforward[i]) == 0) {
+        const struct measurement_config *m = &plan->config.measurement[from];
+        const struct measurement_config *m_before = &old->config.measurement[from];
+        if (strcmp(m->name, m_before->name) == 0 && m->lo == m_before->lo && m->hi == m_before->hi)
+            return;
+    }
+    rejoin(s, before->to);
+    rejoin(s, f->to);
+    s->ff_running[i] = false; /* begins at rest at the next tick */
+    if (!f->from[0])
         return;
     struct feedforward_config settings = plan_feedforward(plan, i);
     (void)!feedforward_init(&s->feedforward[i], &settings, plan->tick_s,
                             &s->arena[plan->feedforward[i].line], plan->feedforward[i].bytes);
-    feedforward_reset(&s->feedforward[i], s->measurement[from].value);
+}
+
+/* An interlock that watches and forces the same as before goes on as it stands, with its new numbers. */
+static void place_interlock(struct supervisor *s, const struct plan *old, uint8_t i)
+{
+    const struct interlock_config *k = &s->plan->config.interlock[i];
+    const struct interlock_config *before = &old->config.interlock[i];
+    if (strcmp(k->measurement, before->measurement) != 0 ||
+        strcmp(k->output, before->output) != 0 || k->side != before->side)
+        memset(&s->interlock[i], 0, sizeof s->interlock[i]);
 }
 
 void supervisor_take_plan(struct supervisor *s, const struct plan *plan)
@@ -152,9 +197,7 @@ void supervisor_take_plan(struct supervisor *s, const struct plan *plan)
     for (uint8_t i = 0; i < CONFIG_FEEDFORWARDS; i++)
         place_feedforward(s, old, i);
     for (uint8_t i = 0; i < CONFIG_INTERLOCKS; i++)
-        if (memcmp(&plan->config.interlock[i], &old->config.interlock[i],
-                   sizeof plan->config.interlock[i]) != 0)
-            memset(&s->interlock[i], 0, sizeof s->interlock[i]);
+        place_interlock(s, old, i);
     s->tick_s = plan->tick_s;
     s->decoupler_mask = 0; /* the matrix may have changed: select again at the next tick */
     s->decoupler.n = 0;
@@ -181,6 +224,13 @@ void supervisor_go_safe(struct supervisor *s, const char *why)
 {
     for (unsigned i = 0; i < CONFIG_LOOPS; i++)
         s->loop[i].mode = LOOP_MANUAL;
+    for (unsigned i = 0; i < CHANNEL_MAX; i++) {
+        /* What comes next may come from another plant, or hours later: filters begin anew. */
+        s->measurement[i].seen = false;
+        s->measurement[i].quality = QUALITY_MISSING;
+    }
+    for (unsigned i = 0; i < CONFIG_FEEDFORWARDS; i++)
+        s->ff_running[i] = false;
     for (unsigned j = 0; j < CHANNEL_MAX; j++) {
         struct output_state *o = &s->output[j];
         if (!s->plan->config.output[j].name[0])
@@ -227,14 +277,15 @@ static void request_mode(struct supervisor *s, const struct request *r)
     }
     if (l->mode == mode)
         return;
-    if (l->mode == LOOP_MANUAL) {
-        l->join = true;
-        ramp_reset(&l->ramp, l->setpoint);
-        lag_reset(&l->filter, l->setpoint);
-    } else if (mode == LOOP_AUTO) {
-        l->target = l->setpoint; /* leaving cascade: stay where the outer loop left it */
-    }
+    bool from_manual = l->mode == LOOP_MANUAL;
+    if (l->mode == LOOP_CASCADE)
+        l->target = l->setpoint; /* stay where the outer loop left it */
     l->mode = mode;
+    if (from_manual) {
+        l->join = true;
+        supervisor_start_setpoint(s, r->loop);
+    }
+    l->sp_given = true;
     s->state = SUPERVISOR_RUN;
     event_put(s->events, s->time_ms, EVENT_MODE, name, (float)mode, (uint8_t)mode);
 }
@@ -252,6 +303,7 @@ static void request_setpoint(struct supervisor *s, const struct request *r)
         return;
     }
     l->target = span_to_fraction(r->value, m->lo, m->hi);
+    l->sp_given = true;
     event_put(s->events, s->time_ms, EVENT_SETPOINT, c->name, r->value, 0);
 }
 
@@ -263,7 +315,9 @@ static void request_output(struct supervisor *s, const struct request *r)
         struct loop_state *l = &s->loop[r->loop];
         const struct loop_plan *p = &s->plan->loop[r->loop];
         name = s->plan->config.loop[r->loop].name;
-        if (l->mode != LOOP_MANUAL) {
+        /* The output of an outer loop follows the inner one until that listens to it. */
+        bool deaf = p->output == PLAN_NONE && s->loop[p->inner].mode != LOOP_CASCADE;
+        if (l->mode != LOOP_MANUAL || deaf || !loop_bound(s, r->loop)) {
             event_put(s->events, s->time_ms, EVENT_REQUEST_REFUSED, name, r->value, 0);
             return;
         }
@@ -276,6 +330,10 @@ static void request_output(struct supervisor *s, const struct request *r)
         }
     } else {
         name = s->plan->config.output[j].name;
+        if (!s->output[j].bound || s->plan->owner[j] != PLAN_NONE) {
+            event_put(s->events, s->time_ms, EVENT_REQUEST_REFUSED, name, r->value, 0);
+            return;
+        }
         s->output[j].manual = output_fraction(s, j, r->value);
     }
     s->state = SUPERVISOR_RUN;
@@ -284,9 +342,13 @@ static void request_output(struct supervisor *s, const struct request *r)
 
 void supervisor_request(struct supervisor *s, const struct request *r)
 {
-    /* A plan taken between the question and now may have removed the loop or channel. */
-    bool loop_ok = r->loop < CONFIG_LOOPS && s->plan->loop[r->loop].used;
-    bool output_ok = r->output < CHANNEL_MAX && s->plan->config.output[r->output].name[0];
+    /* A plan taken between the question and now may have removed the loop or channel, or put another in
+     * its place. */
+    const struct config *c = &s->plan->config;
+    bool loop_ok = r->loop < CONFIG_LOOPS && s->plan->loop[r->loop].used &&
+                   strcmp(c->loop[r->loop].name, r->name) == 0;
+    bool output_ok = r->output < CHANNEL_MAX && c->output[r->output].name[0] &&
+                     strcmp(c->output[r->output].name, r->name) == 0;
     if (r->kind == REQUEST_MODE && loop_ok)
         request_mode(s, r);
     else if (r->kind == REQUEST_SETPOINT && loop_ok)
@@ -294,5 +356,5 @@ void supervisor_request(struct supervisor *s, const struct request *r)
     else if (r->kind == REQUEST_OUTPUT && (r->output == PLAN_NONE ? loop_ok : output_ok))
         request_output(s, r);
     else
-        event_put(s->events, s->time_ms, EVENT_REQUEST_REFUSED, NULL, r->value, 0);
+        event_put(s->events, s->time_ms, EVENT_REQUEST_REFUSED, r->name, r->value, 0);
 }

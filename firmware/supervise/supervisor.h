@@ -39,6 +39,8 @@ struct request {
     uint8_t output; /* OUTPUT of a manipulated variable without a loop; else PLAN_NONE */
     uint8_t mode;   /* enum loop_mode */
     float value;    /* EU, checked by whoever asks */
+    char name
+        [CHANNEL_NAME_SIZE]; /* of that loop or output: the index may be another's by the time */
 };
 
 #define REQUEST_QUEUE_SIZE 32
@@ -66,7 +68,7 @@ struct measurement_state {
     bool seen;            /* there has been a usable reading */
     bool alarm;           /* reported as bad */
     enum quality quality; /* of `value` */
-    float raw;            /* last reading as received, EU */
+    float raw;            /* last reading the plant vouched for, believable or not, EU */
     num_t value;          /* validated and filtered, fraction of span */
     struct lag filter;
     uint64_t good_ms; /* plant time of the last usable reading */
@@ -82,11 +84,15 @@ struct output_state {
     num_t constrained;  /* sent to the plant */
     num_t applied;      /* constrained, or the read-back where the plant does something else */
     num_t readback;     /* last good read-back, one sample late */
+    struct ramp rate;   /* where the rate limit is */
 };
 
 struct loop_state {
     enum loop_mode mode;
-    bool join; /* left manual at this tick: the block must take over the output it finds */
+    bool join; /* the block must take over the output it finds before it runs next */
+    bool open; /* its output reaches nothing: the loop below does not listen */
+    bool
+        sp_given; /* the target is the operator's, or was in force: kept in manual unless sp_track */
     struct pid pid;
     num_t target;   /* setpoint asked for */
     num_t setpoint; /* in force, after limits, ramp and filter */
@@ -115,6 +121,7 @@ struct supervisor {
     struct loop_state loop[CONFIG_LOOPS];
     struct interlock_state interlock[CONFIG_INTERLOCKS];
     struct feedforward feedforward[CONFIG_FEEDFORWARDS];
+    bool ff_running[CONFIG_FEEDFORWARDS]; /* has begun on a usable measurement */
     struct decoupler decoupler;
     uint8_t decoupler_mask; /* selection the decoupler holds */
     num_t arena[PLAN_ARENA_BYTES / sizeof(num_t)];
@@ -135,12 +142,16 @@ void supervisor_bind_output(struct supervisor *s, uint8_t index);
 /* All loops manual, all outputs at their safe values. */
 void supervisor_go_safe(struct supervisor *s, const char *why);
 
-/* One request. Call between supervisor_validate and supervisor_control, or while no plant is there. */
+/* One request. Call before supervisor_control (after supervisor_validate, so that it meets this sample), or
+ * while no plant is there. */
 void supervisor_request(struct supervisor *s, const struct request *request);
 
 void supervisor_validate(struct supervisor *s, const struct tick_input *input);
 /* Control, compensate, feed forward, constrain, and the way back. */
 void supervisor_control(struct supervisor *s);
+
+/* The setpoint with which loop i leaves manual, for its mode. */
+void supervisor_start_setpoint(struct supervisor *s, uint8_t i);
 
 /* Conversions between EU and fraction of span. */
 num_t span_to_fraction(float value, float lo, float hi);

@@ -4,13 +4,13 @@
 /* A reading this far outside its span, in spans, is not believed. */
 #define BELIEVABLE 0.1f
 
-static void measurement_lost(struct supervisor *s, uint8_t i)
+static void measurement_lost(struct supervisor *s, uint8_t i, float reading)
 {
     struct measurement_state *m = &s->measurement[i];
     const struct measurement_config *c = &s->plan->config.measurement[i];
     if (!m->alarm) {
         m->alarm = true;
-        event_put(s->events, s->time_ms, EVENT_MEASUREMENT_BAD, c->name, m->raw, 0);
+        event_put(s->events, s->time_ms, EVENT_MEASUREMENT_BAD, c->name, reading, 0);
     }
     float held_s = (float)(s->time_ms - m->good_ms) / 1000.0f;
     if (m->seen && held_s <= c->hold_s) {
@@ -35,11 +35,12 @@ static void validate_measurement(struct supervisor *s, uint8_t i, const struct r
     float margin = BELIEVABLE * (c->hi - c->lo);
     bool usable = m->bound && quality_usable(r->quality) && float_is_finite(r->value) &&
                   r->value >= c->lo - margin && r->value <= c->hi + margin;
-    if (r->quality != QUALITY_MISSING)
+    /* Interlocks look at this: a number nobody vouches for must not release one. */
+    if (quality_usable(r->quality) && float_is_finite(r->value))
         m->raw = r->value;
     if (!usable) {
         if (m->bound)
-            measurement_lost(s, i);
+            measurement_lost(s, i, r->value);
         else
             m->quality = QUALITY_MISSING;
         return;
@@ -62,11 +63,15 @@ static void validate_readback(struct supervisor *s, uint8_t j, const struct read
 {
     struct output_state *o = &s->output[j];
     const struct output_config *c = &s->plan->config.output[j];
+    float margin = BELIEVABLE * (c->hi - c->lo);
     bool differs = false;
-    if (o->bound && o->sent && quality_usable(r->quality) && float_is_finite(r->value)) {
+    if (o->bound && o->sent && quality_usable(r->quality) && float_is_finite(r->value) &&
+        r->value >= c->lo - margin && r->value <= c->hi + margin) {
         o->readback = span_to_fraction(r->value, c->lo, c->hi);
         num_t gap = num_abs(num_sub(o->readback, o->constrained));
-        differs = num_lt(num_from_float(c->readback_band), gap);
+        /* Half the band to come back in: noise at its edge is not news every tick. */
+        float band = o->not_following ? 0.5f * c->readback_band : c->readback_band;
+        differs = num_lt(num_from_float(band), gap);
     }
     if (differs != o->not_following)
         event_put(s->events, s->time_ms, differs ? EVENT_NOT_FOLLOWING : EVENT_FOLLOWING, c->name,
@@ -96,6 +101,35 @@ static bool loop_acts(const struct supervisor *s, uint8_t i)
     return s->plan->loop[i].used && s->loop[i].mode != LOOP_MANUAL;
 }
 
+/* An interlock held the output of loop i at the end of the last tick. */
+static bool loop_forced(const struct supervisor *s, uint8_t i)
+{
+    uint8_t j = s->plan->loop[i].output;
+    return j != PLAN_NONE && s->output[j].forced;
+}
+
+/* The loop's block runs. While an interlock holds its output a loop keeps its mode and setpoint but waits as
+ * in manual, so that it begins again, without a bump, at the output the interlock leaves. */
+static bool loop_drives(const struct supervisor *s, uint8_t i)
+{
+    return loop_acts(s, i) && !loop_forced(s, i);
+}
+
+/* A new plan may name channels the plant does not have, or with another unit: nothing acts on those. */
+static void drop_unbound(struct supervisor *s)
+{
+    for (uint8_t i = 0; i < CONFIG_LOOPS; i++) {
+        const struct loop_plan *p = &s->plan->loop[i];
+        if (!loop_acts(s, i))
+            continue;
+        if (s->measurement[p->pv].bound && (p->output == PLAN_NONE || s->output[p->output].bound))
+            continue;
+        s->loop[i].mode = LOOP_MANUAL;
+        event_put(s->events, s->time_ms, EVENT_MODE, s->plan->config.loop[i].name,
+                  (float)LOOP_MANUAL, LOOP_MANUAL);
+    }
+}
+
 static void feed_forward(struct supervisor *s)
 {
     for (uint8_t i = 0; i < CONFIG_LOOPS; i++)
@@ -104,28 +138,45 @@ static void feed_forward(struct supervisor *s)
         uint8_t from = s->plan->feedforward[k].from;
         if (!s->plan->config.feedforward[k].from[0] || from == PLAN_NONE)
             continue;
-        num_t c = feedforward_step(&s->feedforward[k], s->measurement[from].value);
+        if (!s->measurement[from].seen)
+            continue; /* no number yet: no correction */
         struct loop_state *l = &s->loop[s->plan->owner[s->plan->feedforward[k].to]];
+        if (!s->ff_running[k]) {
+            /* New, or its measurement is: it begins at rest, and the loop makes room for it. */
+            s->ff_running[k] = true;
+            feedforward_reset(&s->feedforward[k], s->measurement[from].value);
+            l->join = true;
+        }
+        num_t c = feedforward_step(&s->feedforward[k], s->measurement[from].value);
         l->feedforward = num_add(l->feedforward, c);
     }
+}
+
+static num_t clamp_setpoint(const struct supervisor *s, uint8_t i, num_t setpoint)
+{
+    const struct measurement_config *m = &s->plan->config.measurement[s->plan->loop[i].pv];
+    float lo, hi;
+    plan_setpoint_limits(s->plan, i, &lo, &hi);
+    return num_clamp(setpoint, span_to_fraction(lo, m->lo, m->hi),
+                     span_to_fraction(hi, m->lo, m->hi));
+}
+
+static void setpoint_from_outer(struct supervisor *s, uint8_t i)
+{
+    struct loop_state *l = &s->loop[i];
+    l->target = clamp_setpoint(s, i, s->loop[s->plan->loop[i].outer].v);
+    ramp_reset(&l->ramp, l->target);
+    lag_reset(&l->filter, l->target);
+    l->setpoint = l->target;
 }
 
 static void advance_setpoint(struct supervisor *s, uint8_t i)
 {
     struct loop_state *l = &s->loop[i];
-    const struct loop_plan *p = &s->plan->loop[i];
-    const struct measurement_config *m = &s->plan->config.measurement[p->pv];
-    if (l->mode == LOOP_CASCADE) {
-        float lo, hi;
-        plan_setpoint_limits(s->plan, i, &lo, &hi);
-        l->target = num_clamp(s->loop[p->outer].v, span_to_fraction(lo, m->lo, m->hi),
-                              span_to_fraction(hi, m->lo, m->hi));
-        ramp_reset(&l->ramp, l->target);
-        lag_reset(&l->filter, l->target);
-        l->setpoint = l->target;
-        return;
-    }
-    l->setpoint = lag_step(&l->filter, ramp_step(&l->ramp, l->target));
+    if (l->mode == LOOP_CASCADE)
+        setpoint_from_outer(s, i);
+    else
+        l->setpoint = lag_step(&l->filter, ramp_step(&l->ramp, l->target));
 }
 
 /* In manual the setpoint waits where automatic will begin: at the measurement, unless the operator wants
@@ -135,10 +186,22 @@ static void idle_setpoint(struct supervisor *s, uint8_t i)
     struct loop_state *l = &s->loop[i];
     const struct loop_config *c = &s->plan->config.loop[i];
     num_t pv = s->measurement[s->plan->loop[i].pv].value;
-    if (c->sp_track)
-        l->target = pv;
-    bool jump = !c->sp_track && c->sp_ramp_per_min == 0.0f && c->sp_filter_s == 0.0f;
+    if (c->sp_track || !l->sp_given)
+        l->target = clamp_setpoint(s, i, pv);
+    bool jump = c->sp_ramp_per_min == 0.0f && c->sp_filter_s == 0.0f;
     l->setpoint = jump ? l->target : pv;
+}
+
+void supervisor_start_setpoint(struct supervisor *s, uint8_t i)
+{
+    struct loop_state *l = &s->loop[i];
+    if (l->mode == LOOP_CASCADE) {
+        setpoint_from_outer(s, i);
+        return;
+    }
+    idle_setpoint(s, i);
+    ramp_reset(&l->ramp, l->setpoint);
+    lag_reset(&l->filter, l->setpoint);
 }
 
 /* Loops that act from this tick on, and all decoupled loops when their company changes, take over the
@@ -146,9 +209,13 @@ static void idle_setpoint(struct supervisor *s, uint8_t i)
 static void take_over(struct supervisor *s)
 {
     uint8_t mask = 0;
-    for (uint8_t i = 0; i < CONFIG_LOOPS; i++)
-        if (loop_acts(s, i) && s->plan->loop[i].decouple)
-            mask = (uint8_t)(mask | (1u << i));
+    bool rejoin = false; /* a change to one decoupled loop concerns them all */
+    for (uint8_t i = 0; i < CONFIG_LOOPS; i++) {
+        if (!loop_drives(s, i) || !s->plan->loop[i].decouple)
+            continue;
+        mask = (uint8_t)(mask | (1u << i));
+        rejoin = rejoin || s->loop[i].join;
+    }
     num_t v[CONFIG_LOOPS], u[CONFIG_LOOPS];
     for (uint8_t i = 0; i < CONFIG_LOOPS; i++) {
         const struct loop_plan *p = &s->plan->loop[i];
@@ -157,17 +224,17 @@ static void take_over(struct supervisor *s)
             v[i] = num_sub(s->output[p->output].applied, s->loop[i].feedforward);
         u[i] = v[i];
     }
-    bool company_changed = mask != s->decoupler_mask;
-    if (company_changed) {
+    if (mask != s->decoupler_mask) {
         if (decoupler_select(&s->decoupler, s->plan->config.decoupler, mask) != ERR_OK)
             s->decoupler.n = 0; /* every part was checked with the plan */
         s->decoupler_mask = mask;
-        decoupler_back(&s->decoupler, u, v);
+        rejoin = true;
     }
+    if (rejoin)
+        decoupler_back(&s->decoupler, u, v);
     for (uint8_t i = 0; i < CONFIG_LOOPS; i++) {
         struct loop_state *l = &s->loop[i];
-        bool rejoin = company_changed && (mask & (1u << i));
-        if (!loop_acts(s, i) || !(l->join || rejoin))
+        if (!loop_drives(s, i) || !(l->join || (rejoin && (mask & (1u << i)))))
             continue;
         l->v = v[i];
         pid_follow(&l->pid, l->setpoint, s->measurement[s->plan->loop[i].pv].value, l->v);
@@ -184,7 +251,8 @@ static void run_loops(struct supervisor *s)
             idle_setpoint(s, i);
         } else if (loop_due(s, i)) {
             advance_setpoint(s, i);
-            l->v = pid_step(&l->pid, l->setpoint, s->measurement[s->plan->loop[i].pv].value);
+            if (loop_drives(s, i))
+                l->v = pid_step(&l->pid, l->setpoint, s->measurement[s->plan->loop[i].pv].value);
         }
     }
 }
@@ -199,18 +267,24 @@ static void command_outputs(struct supervisor *s)
         if (!s->plan->config.output[j].name[0])
             continue;
         uint8_t i = s->plan->owner[j];
-        bool acts = i != PLAN_NONE && loop_acts(s, i);
-        s->output[j].commanded = acts ? num_add(u[i], s->loop[i].feedforward) : s->output[j].manual;
+        bool drives = i != PLAN_NONE && loop_drives(s, i);
+        s->output[j].commanded =
+            drives ? num_add(u[i], s->loop[i].feedforward) : s->output[j].manual;
     }
 }
 
-static bool interlock_condition(const struct supervisor *s, uint8_t k, float band)
+/* The condition of entry k now. It may begin on any number the plant vouches for, believed or not; it ends
+ * only on a believed one. */
+static bool interlock_condition(const struct supervisor *s, uint8_t k)
 {
     const struct interlock_config *c = &s->plan->config.interlock[k];
     const struct measurement_state *m = &s->measurement[s->plan->interlock[k].measurement];
-    if (!quality_usable(m->quality) || !m->seen)
-        return c->on_bad != 0;
-    return c->side == INTERLOCK_ABOVE ? m->raw > c->limit - band : m->raw < c->limit + band;
+    bool active = s->interlock[k].active;
+    float band = active ? c->hysteresis : 0.0f;
+    if (!m->bound || !m->seen || !quality_usable(m->quality))
+        return active || c->on_bad != 0;
+    bool outside = c->side == INTERLOCK_ABOVE ? m->raw > c->limit - band : m->raw < c->limit + band;
+    return outside || (active && m->alarm);
 }
 
 /* Nothing overrides an interlock: it is applied last, over limits, rates and manual alike. */
@@ -223,7 +297,7 @@ static void run_interlocks(struct supervisor *s)
         if (!c->measurement[0] || s->plan->interlock[k].measurement == PLAN_NONE)
             continue;
         const struct measurement_state *m = &s->measurement[s->plan->interlock[k].measurement];
-        bool condition = interlock_condition(s, k, state->active ? c->hysteresis : 0.0f);
+        bool condition = interlock_condition(s, k);
         if (condition && !state->pending)
             state->since_ms = s->time_ms;
         state->pending = condition;
@@ -256,17 +330,20 @@ static void constrain_output(struct supervisor *s, uint8_t j)
     num_t lo = span_to_fraction(c->min, c->lo, c->hi);
     num_t hi = span_to_fraction(c->max, c->lo, c->hi);
     uint8_t i = s->plan->owner[j];
-    if (i == PLAN_NONE || !loop_acts(s, i)) {
+    if (i == PLAN_NONE || !loop_drives(s, i)) {
         /* The safe value may lie outside the operating limits; manual may stay there. */
         lo = num_min(lo, safe);
         hi = num_max(hi, safe);
+    } else if (s->plan->loop[i].decouple) {
+        /* The limits of a decoupled loop hold for what comes out of the decoupler. */
+        const struct loop_config *l = &s->plan->config.loop[i];
+        lo = num_min(num_max(lo, num_from_float(l->out_lo)), hi);
+        hi = num_max(num_min(hi, num_from_float(l->out_hi)), lo);
     }
-    num_t u = num_clamp(o->commanded, lo, hi);
-    if (c->rate_per_s > 0.0f && o->sent) {
-        num_t step = num_from_float(c->rate_per_s * s->plan->tick_s / (c->hi - c->lo));
-        u = num_clamp(u, num_sub(o->constrained, step), num_add(o->constrained, step));
-    }
-    o->constrained = u;
+    /* From where the output is, whatever put it there. The ramp is wide, so that slow rates do not stall. */
+    if (!num_eq(accumulator_get(&o->rate.at), o->constrained))
+        ramp_reset(&o->rate, o->constrained);
+    o->constrained = ramp_step(&o->rate, num_clamp(o->commanded, lo, hi));
 }
 
 static void constrain(struct supervisor *s)
@@ -283,7 +360,7 @@ static void constrain(struct supervisor *s)
         o->applied = o->not_following ? o->readback : o->constrained;
         o->sent = true;
         /* Manual begins where automatic or an interlock left the output. */
-        if (o->forced || (i != PLAN_NONE && loop_acts(s, i)))
+        if (o->forced || (i != PLAN_NONE && loop_drives(s, i)))
             o->manual = o->constrained;
     }
 }
@@ -293,6 +370,8 @@ static uint8_t saturation(const struct supervisor *s, uint8_t i)
 {
     const struct loop_state *l = &s->loop[i];
     const struct loop_plan *p = &s->plan->loop[i];
+    if (loop_forced(s, i))
+        return BLOCK_HOLD_UP | BLOCK_HOLD_DOWN;
     bool up = num_lt(l->pid.output, l->pid.raw), down = num_lt(l->pid.raw, l->pid.output);
     if (p->output != PLAN_NONE) {
         const struct output_state *o = &s->output[p->output];
@@ -314,7 +393,10 @@ static void back_direct(struct supervisor *s, uint8_t i, num_t correction)
     struct loop_state *l = &s->loop[i];
     const struct loop_plan *p = &s->plan->loop[i];
     num_t pv = s->measurement[p->pv].value;
-    if (l->mode != LOOP_MANUAL) {
+    l->open = false;
+    if (loop_forced(s, i))
+        l->join = true; /* whenever the interlock lets go */
+    if (l->mode != LOOP_MANUAL && !l->join) {
         if (loop_due(s, i))
             pid_back(&l->pid, num_add(l->v, correction), BLOCK_HOLD_NONE);
         return;
@@ -329,10 +411,13 @@ static void back_outer(struct supervisor *s, uint8_t i)
     const struct loop_plan *p = &s->plan->loop[i];
     const struct loop_state *inner = &s->loop[p->inner];
     num_t pv = s->measurement[p->pv].value;
-    if (inner->mode != LOOP_CASCADE)
-        l->v = inner->mode == LOOP_MANUAL ? s->measurement[s->plan->loop[p->inner].pv].value
-                                          : inner->setpoint;
-    if (l->mode == LOOP_MANUAL || inner->mode != LOOP_CASCADE) {
+    /* Nobody takes this loop's output: the inner loop is not in cascade, or is but speaks to nobody itself. */
+    l->open = inner->mode != LOOP_CASCADE || inner->open;
+    l->hold = BLOCK_HOLD_NONE;
+    if (l->open)
+        l->v = inner->mode == LOOP_AUTO ? inner->setpoint
+                                        : s->measurement[s->plan->loop[p->inner].pv].value;
+    if (l->mode == LOOP_MANUAL || l->open) {
         pid_follow(&l->pid, l->setpoint, pv, l->v);
         return;
     }
@@ -364,6 +449,7 @@ static void way_back(struct supervisor *s)
 
 void supervisor_control(struct supervisor *s)
 {
+    drop_unbound(s);
     feed_forward(s);
     take_over(s);
     run_loops(s);
