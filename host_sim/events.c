@@ -7,21 +7,20 @@
 
 static const struct {
     const char *name;
+    double lo, hi; /* allowed values; in_span: the span of the channel holds instead */
     enum instrument_option option;
-    bool sensor, actuator;
-    double lo, hi; /* allowed values; for hi, lo and stuck the span of the channel holds instead */
-    bool in_span;
+    bool sensor, actuator, in_span;
 } options[] = {
-    {"bias", OPTION_BIAS, true, false, -1e9, 1e9, false},
-    {"noise", OPTION_NOISE, true, false, 0.0, 1e9, false},
-    {"resolution", OPTION_RESOLUTION, true, false, 0.0, 1e9, false},
-    {"quality", OPTION_QUALITY, true, false, 0.0, 3.0, false},
-    {"lag", OPTION_LAG, true, true, 0.0, 1e6, false},
-    {"hi", OPTION_HI, false, true, 0.0, 0.0, true},
-    {"lo", OPTION_LO, false, true, 0.0, 0.0, true},
-    {"slew", OPTION_SLEW, false, true, 0.0, 1e9, false},
-    {"stuck", OPTION_STUCK, false, true, 0.0, 0.0, true},
-    {"free", OPTION_FREE, false, true, 1.0, 1.0, false},
+    {"bias", -1e9, 1e9, OPTION_BIAS, true, false, false},
+    {"noise", 0.0, 1e9, OPTION_NOISE, true, false, false},
+    {"resolution", 0.0, 1e9, OPTION_RESOLUTION, true, false, false},
+    {"quality", 0.0, 3.0, OPTION_QUALITY, true, false, false},
+    {"lag", 0.0, 1e6, OPTION_LAG, true, true, false},
+    {"hi", 0.0, 0.0, OPTION_HI, false, true, true},
+    {"lo", 0.0, 0.0, OPTION_LO, false, true, true},
+    {"slew", 0.0, 1e9, OPTION_SLEW, false, true, false},
+    {"stuck", 0.0, 0.0, OPTION_STUCK, false, true, true},
+    {"free", 1.0, 1.0, OPTION_FREE, false, true, false},
 };
 
 _Static_assert(sizeof(options) / sizeof(options[0]) == OPTION_COUNT, "every option has a row");

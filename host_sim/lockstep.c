@@ -87,12 +87,12 @@ static bool row_here(const struct lockstep *k)
 
 static bool replied(const struct lockstep *k)
 {
-    return k->console->reply != REPLY_NONE;
+    return k->console != NULL && k->console->reply != REPLY_NONE;
 }
 
 static bool replied_ok(const struct lockstep *k)
 {
-    return k->console->reply == REPLY_OK;
+    return k->console != NULL && k->console->reply == REPLY_OK;
 }
 
 static bool never(const struct lockstep *k)

@@ -12,6 +12,7 @@ bool sim_fail(char *err, size_t err_size, const char *format, ...)
 {
     va_list list;
     va_start(list, format);
+    /* NOLINTNEXTLINE(clang-analyzer-valist.Uninitialized): va_start stands one line above */
     (void)vsnprintf(err, err_size, format, list);
     va_end(list);
     return false;
@@ -25,6 +26,7 @@ void sim_append(char *buffer, size_t size, const char *format, ...)
     }
     va_list list;
     va_start(list, format);
+    /* NOLINTNEXTLINE(clang-analyzer-valist.Uninitialized): va_start stands one line above */
     (void)vsnprintf(buffer + used, size - used, format, list);
     va_end(list);
 }

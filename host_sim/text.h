@@ -1,4 +1,4 @@
-/* Small helpers for everything the bench reads from people: strict numbers, one-line errors. */
+/* Small tools for everything the bench reads from people: strict numbers, one-line errors. */
 #ifndef REFLUX_HOST_SIM_TEXT_H
 #define REFLUX_HOST_SIM_TEXT_H
 

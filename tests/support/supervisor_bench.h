@@ -3,6 +3,7 @@
 #ifndef REFLUX_TESTS_SUPERVISOR_BENCH_H
 #define REFLUX_TESTS_SUPERVISOR_BENCH_H
 
+#include <math.h>
 #include <stdio.h>
 #include <string.h>
 

@@ -1,7 +1,8 @@
 # The plant link's codec, its document, and the bench that speaks it.
 set(here "${CMAKE_CURRENT_LIST_DIR}")
 set(support "${PROJECT_SOURCE_DIR}/tests/support")
-set_source_files_properties("${here}/test_transport.c" "${support}/test_controller_main.c"
+set_source_files_properties("${here}/test_transport.c" "${here}/test_transport_serial.c"
+  "${support}/test_controller_main.c"
   PROPERTIES COMPILE_DEFINITIONS _GNU_SOURCE) # pseudo-terminals
 
 reflux_test(frame LABEL unit SOURCES "${here}/test_frame.c" LIBS reflux_link)
@@ -25,6 +26,10 @@ reflux_test(scenario_input LABEL unit
 reflux_test(link_server LABEL unit
   SOURCES "${here}/test_link_server.c" "${support}/two_by_two.c" LIBS bench_support)
 reflux_test(transport LABEL unit SOURCES "${here}/test_transport.c" LIBS reflux_bench)
+if(LIBSERIALPORT_FOUND)
+  reflux_test(transport_serial LABEL unit
+    SOURCES "${here}/test_transport_serial.c" LIBS reflux_bench ${CMAKE_DL_LIBS})
+endif()
 
 find_program(PYTHON3 NAMES python3 PATHS /usr/bin NO_DEFAULT_PATH)
 find_program(PYTHON3 NAMES python3)

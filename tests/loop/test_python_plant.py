@@ -1,0 +1,80 @@
+#!/usr/bin/env python3
+"""A plant in another language, written from docs/plant-link.md alone, is controlled by the firmware."""
+
+import subprocess
+import sys
+import unittest
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
+import board  # noqa: E402
+
+CONFIGURATION = """begin
+set meas1.name T1
+set meas1.unit degC
+set meas2.name T2
+set meas2.unit degC
+set mv1.name u1
+set mv1.unit %
+set mv2.name u2
+set mv2.unit %
+set loop1.name first
+set loop1.pv T1
+set loop1.out u1
+set loop1.gain 2
+set loop1.ti 100
+set loop2.name second
+set loop2.pv T2
+set loop2.out u2
+set loop2.gain 2
+set loop2.ti 150
+apply"""
+
+
+class PythonPlantTest(unittest.TestCase):
+    def test_a_plant_in_python_is_brought_to_its_setpoints(self) -> None:
+        with board.start("host") as firmware, board.console(firmware) as console:
+            for line in CONFIGURATION.splitlines():
+                console.do(line)
+            script = board.ROOT / "tests" / "support" / "python_plant.py"
+            plant = subprocess.Popen([sys.executable, str(script), firmware.link.removeprefix("socket:"), "400"],
+                                     stdout=subprocess.PIPE, text=True)
+            try:
+                console.event("LINK_UP")
+                assert plant.stdout
+                plant.stdout.readline()  # the first sample has been answered
+                console.do("mode first auto")
+                console.do("mode second auto")
+                console.event("MODE")
+                console.event("MODE")
+                console.do("sp first 55")
+                console.do("sp second 60")
+                rows = plant.stdout.read().splitlines()
+            finally:
+                plant.kill()
+                plant.wait()
+                plant.stdout.close()
+            final = [float(x) for x in rows[-1].split(",")]
+            self.assertAlmostEqual(final[1], 55.0, delta=0.1)
+            self.assertAlmostEqual(final[2], 60.0, delta=0.1)
+
+    def test_a_loop_whose_channel_the_plant_has_in_another_unit_refuses_auto(self) -> None:
+        with board.start("host") as firmware, board.console(firmware) as console:
+            for line in CONFIGURATION.replace("set meas2.unit degC", "set meas2.unit K").splitlines():
+                console.do(line)
+            script = board.ROOT / "tests" / "support" / "python_plant.py"
+            plant = subprocess.Popen([sys.executable, str(script), firmware.link.removeprefix("socket:"), "5"],
+                                     stdout=subprocess.PIPE, text=True)
+            try:
+                console.event("CHANNEL_UNIT")
+                self.assertRegex(console.ask("mode second auto")[-1], r"^err UNIT T2")
+                self.assertEqual(console.ask("mode first auto"), ["ok"])
+            finally:
+                plant.kill()
+                plant.wait()
+                assert plant.stdout
+                plant.stdout.close()
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,143 @@
+"""A firmware for end-to-end tests: started as a host process or in the emulator, with a console to talk to.
+
+The board kinds are those of tools/run: host, host-fixed, stm32f405, stm32f405-fixed. Nothing is built here.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import select
+import socket
+import sys
+import time
+from pathlib import Path
+from typing import Iterator
+
+ROOT = Path(__file__).resolve().parents[2]
+sys.path.insert(0, str(ROOT / "tools"))
+sys.dont_write_bytecode = True
+
+from reflux_tools import build, launch  # noqa: E402
+
+PATIENCE_S = 20.0  # the emulator on a loaded machine; nothing here measures time
+
+
+class Console:
+    """The firmware's console in machine mode."""
+
+    def __init__(self, where: str) -> None:
+        self.socket = connect(where)
+        self.rest = b""
+        self.events: list[str] = []
+        self.telemetry: list[str] = []
+        self.machine_mode()
+
+    def machine_mode(self) -> None:
+        """Asks until answered: what arrives before the receiver is switched on is lost."""
+        end = time.monotonic() + PATIENCE_S
+        while True:
+            self.write("\r\nmode machine\r\n")
+            try:
+                self.until(lambda line: line == "ok", 1.0)
+                return
+            except TimeoutError:
+                if time.monotonic() > end:
+                    raise
+
+    def close(self) -> None:
+        self.socket.close()
+
+    def write(self, text: str) -> None:
+        self.socket.sendall(text.encode("latin-1"))
+
+    def line(self, patience_s: float = PATIENCE_S) -> str:
+        end = time.monotonic() + patience_s
+        while b"\n" not in self.rest:
+            left = end - time.monotonic()
+            if left <= 0 or not select.select([self.socket], [], [], left)[0]:
+                raise TimeoutError(f"no line from the console within {patience_s:g} s; so far {self.rest!r}")
+            data = self.socket.recv(65536)
+            if not data:
+                raise ConnectionError("the console was closed")
+            self.rest += data
+        line, self.rest = self.rest.split(b"\n", 1)
+        return line.decode("latin-1").strip("\r")
+
+    def until(self, wanted, patience_s: float = PATIENCE_S) -> str:
+        """The next line that is wanted; asynchronous lines on the way are kept."""
+        while True:
+            line = self.line(patience_s)
+            if line.startswith("!"):
+                self.events.append(line)
+            elif line.startswith(("T,", "H,")):
+                self.telemetry.append(line)
+            if wanted(line):
+                return line
+
+    def event(self, code: str, patience_s: float = PATIENCE_S) -> str:
+        for k, line in enumerate(self.events):
+            if f" {code} " in line:
+                return self.events.pop(k)
+        line = self.until(lambda text: text.startswith("!") and f" {code} " in text, patience_s)
+        self.events.remove(line)
+        return line
+
+    def ask(self, command: str) -> list[str]:
+        """The whole reply: payload lines, then `ok` or `err ...`."""
+        self.write(command + "\n")
+        reply: list[str] = []
+
+        def ends(line: str) -> bool:
+            if line.startswith(("!", "T,", "H,")):
+                return False
+            reply.append(line)
+            return line == "ok" or line.startswith("err ")
+
+        self.until(ends)
+        return reply
+
+    def do(self, command: str) -> list[str]:
+        """Payload of a command that must succeed."""
+        reply = self.ask(command)
+        if reply[-1] != "ok":
+            raise AssertionError(f"{command}: {reply[-1]}")
+        return reply[:-1]
+
+
+def connect(where: str) -> socket.socket:
+    path = where.removeprefix("socket:")
+    end = time.monotonic() + PATIENCE_S
+    while True:
+        peer = socket.socket(socket.AF_UNIX)
+        try:
+            peer.connect(path)
+            return peer
+        except OSError:
+            peer.close()
+            if time.monotonic() > end:
+                raise
+            time.sleep(0.05)
+
+
+@contextlib.contextmanager
+def console(firmware: launch.Firmware) -> Iterator[Console]:
+    with contextlib.closing(Console(firmware.console)) as it:
+        yield it
+
+
+@contextlib.contextmanager
+def start(kind: str) -> Iterator[launch.Firmware]:
+    with launch.start(kind) as firmware:
+        yield firmware
+
+
+def simulator(firmware: launch.Firmware, *arguments: str) -> list[str]:
+    """Command line of a simulator at the plant link, without console."""
+    return [str(build.find_program("host", "reflux-sim")), "--port", firmware.link, *arguments]
+
+
+def configure(console: Console, name: str = "pilot.conf") -> None:
+    """Sends a file of console lines, as tools/run would."""
+    for text in (ROOT / "host_sim" / "scenarios" / name).read_text().splitlines():
+        if text.strip() and not text.startswith("#"):
+            console.do(text)

@@ -1,0 +1,83 @@
+#!/usr/bin/env python3
+"""The image in the emulator, talked to over its own serial ports."""
+
+import random
+import struct
+import subprocess
+import sys
+import time
+import unittest
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
+import board  # noqa: E402
+
+
+def float32(text: str) -> float:
+    return struct.unpack("f", struct.pack("f", float(text)))[0]
+
+
+class EmulatorTest(unittest.TestCase):
+    def setUp(self) -> None:
+        self.firmware = self.enterContext(board.start("stm32f405"))
+        self.console = self.enterContext(board.console(self.firmware))
+
+    def plant(self) -> subprocess.Popen[bytes]:
+        plant = subprocess.Popen(board.simulator(self.firmware, "--plant", "pilot", "--speed", "300", "--duration",
+                                                 "1e6"), stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        self.addCleanup(plant.wait)
+        self.addCleanup(plant.kill)
+        return plant
+
+    def test_the_board_knows_that_it_runs_in_an_emulator_and_how_fast(self) -> None:
+        self.plant()
+        version = "\n".join(self.console.do("version"))
+        self.assertIn("on stm32f405", version)
+        self.assertIn("in an emulator", version)
+        self.assertIn("168000000", version)
+
+    def test_numbers_typed_on_the_console_are_read_as_the_nearest_float(self) -> None:
+        self.plant()
+        seed = random.randrange(1 << 30)
+        print(f"seed {seed}")
+        generator = random.Random(seed)
+        self.console.do("begin")
+        for _ in range(1000):
+            digits = generator.randint(1, 9)
+            text = f"{generator.randint(1, 10 ** digits - 1)}e{generator.randint(-12, 0)}"
+            self.console.do(f"set lock8.limit {text}")
+            shown = self.console.do("get lock8.limit")[0].split()[2]
+            self.assertEqual(float32(shown), float32(text), text)
+        self.console.do("abandon")
+
+    def test_two_hundred_pasted_lines_arrive_whole(self) -> None:
+        self.plant()
+        self.console.write("".join(f"get loop{1 + k % 8}.gain\n" for k in range(200)))
+        replies = 0
+        while replies < 200:
+            replies += self.console.line() == "ok"
+        counters = " ".join(self.console.do("stats"))
+        self.assertIn("console lines 20", counters)
+        self.assertIn("errors 0", counters)
+
+    def test_a_silent_plant_and_a_reboot_end_in_the_safe_state(self) -> None:
+        plant = self.plant()
+        self.console.event("LINK_UP")
+        board.configure(self.console)
+        time.sleep(0.5)
+        self.console.do("out Qrb 0.8")
+        self.console.do("mode bottom auto")
+        self.console.event("MODE")
+        plant.kill()
+        self.console.event("LINK_DOWN")
+        self.console.event("SAFE_STATE")
+        self.console.write("reboot\n")
+        self.console.until(lambda line: line == "ok")
+        time.sleep(0.5)
+        self.console.machine_mode()
+        self.assertIn("started by: requested", " ".join(self.console.do("version")))
+        self.assertTrue(self.console.do("status")[0].startswith("state safe"))
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,213 @@
+/* What people write for a run: events and scripts. Wrong input is refused with a line that helps. */
+#include <string.h>
+
+#include "events.h"
+#include "script.h"
+#include "text.h"
+#include "two_by_two.h"
+#include "unity.h"
+
+static struct events events;
+static struct script script;
+static char err[SIM_ERROR_SIZE];
+
+void setUp(void)
+{
+    events = (struct events){.n = 0};
+    script = (struct script){.file = "run.txt"};
+    err[0] = '\0';
+}
+
+void tearDown(void)
+{
+    script_free(&script);
+}
+
+static bool event(const char *text)
+{
+    return events_add(&events, &two_by_two, text, err, sizeof(err));
+}
+
+static void refused(const char *text, const char *because)
+{
+    TEST_ASSERT_FALSE_MESSAGE(event(text), text);
+    TEST_ASSERT_NOT_NULL_MESSAGE(strstr(err, because), err);
+    TEST_ASSERT_NOT_NULL_MESSAGE(strstr(err, text), err); /* says where */
+    TEST_ASSERT_NULL(strchr(err, '\n'));                  /* one line */
+}
+
+static void good_events_are_taken(void)
+{
+    const char *good[] = {"0:d=5",          "10.5:d=-1e0",    "1e3:u1.hi=50",  "1:u1.lo=0",
+                          "5:u2.slew=0.1",  "5:u2.stuck=12",  "6:u2.free=1",   "7:y1.bias=-3",
+                          "7:y1.noise=0.5", "8:y1.quality=2", "9:y2.lag=12.5", "9:y2.resolution=0",
+                          "10:noise=3",     "11:u1.lag=4"};
+    for (size_t i = 0; i < sizeof(good) / sizeof(good[0]); i++) {
+        TEST_ASSERT_TRUE_MESSAGE(event(good[i]), err);
+    }
+    TEST_ASSERT_TRUE_MESSAGE(events_finish(&events, &two_by_two, err, sizeof(err)), err);
+    for (size_t i = 1; i < events.n; i++) {
+        TEST_ASSERT_TRUE(events.list[i - 1].time_s <= events.list[i].time_s);
+    }
+}
+
+static void events_of_wrong_form_are_refused(void)
+{
+    const char *wrong[] = {"", ":", "5", "5:", "5:d", "d=5", ":d=5", "5:=3", "5d=3"};
+    for (size_t i = 0; i < sizeof(wrong) / sizeof(wrong[0]); i++) {
+        refused(wrong[i], "expected T:NAME=VALUE");
+    }
+}
+
+static void events_with_wrong_times_are_refused(void)
+{
+    const char *wrong[] = {"-1:d=5",  "x:d=5",    "1s:d=5", "nan:d=5",
+                           "inf:d=5", "0x10:d=5", " 1:d=5", "1e999:d=5"};
+    for (size_t i = 0; i < sizeof(wrong) / sizeof(wrong[0]); i++) {
+        refused(wrong[i], "must be a number of seconds");
+    }
+}
+
+static void events_with_wrong_values_are_refused(void)
+{
+    const char *wrong[] = {"1:d=", "1:d=x", "1:d=1x", "1:d=nan", "1:d=inf", "1:d=1 ", "1:d=0x1"};
+    for (size_t i = 0; i < sizeof(wrong) / sizeof(wrong[0]); i++) {
+        refused(wrong[i], "is not a number");
+    }
+    refused("1:d=10.5", "d must be -10 to 10 degC");
+    refused("1:u1.hi=101", "u1.hi must be 0 to 100 %");
+    refused("1:u1.slew=-1", "u1.slew must be 0 to");
+    refused("1:u1.free=0", "u1.free must be 1 to 1");
+    refused("1:y1.noise=-0.1", "y1.noise must be 0 to");
+    refused("1:y1.quality=4", "y1.quality must be 0 to 3");
+    refused("1:y1.quality=1.5", "must be 0, 1, 2 or 3");
+    refused("1:y1.quality=1e300", "y1.quality must be 0 to 3");
+    refused("1:noise=-1", "noise must be 0 to");
+}
+
+static void events_with_unknown_names_are_told_the_candidates(void)
+{
+    refused("1:dd=1", "disturbances: d; with an option behind a dot: y1, y2 (bias, noise, ");
+    refused("1:load=1", "has no \"load\"");
+    refused("1:zz.hi=1", "has no \"zz\"");
+    refused("1:d.hi=1", "has no \"d\"");
+    refused("1:y1.hi=1", "y1 has no option \"hi\"; it has bias, noise, resolution, quality, lag");
+    refused("1:u1.bias=1", "u1 has no option \"bias\"; it has lag, hi, lo, slew, stuck, free");
+    refused("1:u1.=1", "u1 has no option \"\"");
+    refused("1:u1=1", "is driven by the controller");
+    refused("1:y1=1", "is measured");
+}
+
+static void limits_that_cross_are_refused(void)
+{
+    TEST_ASSERT_TRUE(event("20:u1.hi=30"));
+    TEST_ASSERT_TRUE(event("10:u1.lo=40"));
+    TEST_ASSERT_FALSE(events_finish(&events, &two_by_two, err, sizeof(err)));
+    TEST_ASSERT_EQUAL_STRING(
+        "--event: at 20 s u1.lo is 40 and u1.hi is 30; lo must not be above hi", err);
+}
+
+static void limits_that_move_together_are_taken_in_either_order(void)
+{
+    TEST_ASSERT_TRUE(event("10:u1.hi=30"));
+    TEST_ASSERT_TRUE(event("20:u1.lo=40"));
+    TEST_ASSERT_TRUE(event("20:u1.hi=60"));
+    TEST_ASSERT_TRUE_MESSAGE(events_finish(&events, &two_by_two, err, sizeof(err)), err);
+}
+
+static void events_act_at_their_time_and_once(void)
+{
+    static struct instruments in;
+    struct plant *plant = two_by_two.create(err, sizeof(err));
+    TEST_ASSERT_TRUE(instruments_init(&in, &two_by_two, 1, 0.0, err, sizeof(err)));
+    TEST_ASSERT_TRUE(event("20:d=4"));
+    TEST_ASSERT_TRUE(event("10:d=3"));
+    TEST_ASSERT_TRUE(event("15:u1.hi=50"));
+    TEST_ASSERT_TRUE(events_finish(&events, &two_by_two, err, sizeof(err)));
+    TEST_ASSERT_TRUE(events_apply(&events, 9.999, plant, &in, err, sizeof(err)));
+    TEST_ASSERT_EQUAL_DOUBLE(0.0, two_by_two.value(plant, 2));
+    TEST_ASSERT_TRUE(events_apply(&events, 10.0, plant, &in, err, sizeof(err)));
+    TEST_ASSERT_EQUAL_DOUBLE(3.0, two_by_two.value(plant, 2));
+    TEST_ASSERT_EQUAL_DOUBLE(100.0, in.actuator[0].hi);
+    TEST_ASSERT_TRUE(events_apply(&events, 30.0, plant, &in, err, sizeof(err)));
+    TEST_ASSERT_EQUAL_DOUBLE(4.0, two_by_two.value(plant, 2));
+    TEST_ASSERT_EQUAL_DOUBLE(50.0, in.actuator[0].hi);
+    TEST_ASSERT_EQUAL_size_t(3, events.next);
+    two_by_two.destroy(plant);
+}
+
+static bool line(const char *text)
+{
+    return script_add(&script, text, 7, err, sizeof(err));
+}
+
+static void script_lines_are_read(void)
+{
+    TEST_ASSERT_TRUE(line("# comment"));
+    TEST_ASSERT_TRUE(line("   "));
+    TEST_ASSERT_TRUE(line(""));
+    TEST_ASSERT_TRUE_MESSAGE(line("0 log on"), err);
+    TEST_ASSERT_TRUE_MESSAGE(line("  12.5\t set T1.kp 3.5  \r\n"), err);
+    TEST_ASSERT_TRUE_MESSAGE(line("12.5 ?set nonsense 1"), err);
+    TEST_ASSERT_TRUE_MESSAGE(line("13 ? status"), err);
+    TEST_ASSERT_EQUAL_size_t(4, script.n);
+    TEST_ASSERT_EQUAL_STRING("log on", script.list[0].text);
+    TEST_ASSERT_EQUAL_STRING("set T1.kp 3.5", script.list[1].text);
+    TEST_ASSERT_EQUAL_DOUBLE(12.5, script.list[1].time_s);
+    TEST_ASSERT_FALSE(script.list[1].may_fail);
+    TEST_ASSERT_TRUE(script.list[2].may_fail);
+    TEST_ASSERT_EQUAL_STRING("set nonsense 1", script.list[2].text);
+    TEST_ASSERT_EQUAL_STRING("status", script.list[3].text);
+    TEST_ASSERT_EQUAL_UINT(7, script.list[0].at);
+}
+
+static void wrong_script_lines_are_refused_with_file_and_line(void)
+{
+    const char *wrong[][2] = {{"log on", "the time \"log\" must be"},
+                              {"5", "expected <time in s> <console line>"},
+                              {"5   ", "expected <time in s>"},
+                              {"-1 x", "must be a number of seconds"},
+                              {"nan x", "must be a number of seconds"},
+                              {"5 ?", "must have 1 to"},
+                              {"5 ~x", "not begin with ~"},
+                              {"5 a\x01"
+                               "b",
+                               "byte 2 of the console line"}};
+    for (size_t i = 0; i < sizeof(wrong) / sizeof(wrong[0]); i++) {
+        TEST_ASSERT_FALSE_MESSAGE(line(wrong[i][0]), wrong[i][0]);
+        TEST_ASSERT_NOT_NULL_MESSAGE(strstr(err, wrong[i][1]), err);
+        TEST_ASSERT_EQUAL_INT(0, strncmp(err, "run.txt:7: ", 11));
+    }
+    TEST_ASSERT_TRUE(line("10 x"));
+    TEST_ASSERT_FALSE(line("9 y"));
+    TEST_ASSERT_EQUAL_STRING("run.txt:7: time 9 s comes after 10 s; lines must be in order", err);
+    char long_line[400];
+    memset(long_line, 'x', sizeof(long_line));
+    memcpy(long_line, "20 ", 3);
+    long_line[399] = '\0';
+    TEST_ASSERT_FALSE(line(long_line));
+    TEST_ASSERT_EQUAL_size_t(1, script.n);
+}
+
+static void a_script_that_is_not_there_is_named(void)
+{
+    TEST_ASSERT_FALSE(script_load(&script, "no/such/file", err, sizeof(err)));
+    TEST_ASSERT_EQUAL_STRING("--script no/such/file: No such file or directory", err);
+}
+
+int main(void)
+{
+    UNITY_BEGIN();
+    RUN_TEST(good_events_are_taken);
+    RUN_TEST(events_of_wrong_form_are_refused);
+    RUN_TEST(events_with_wrong_times_are_refused);
+    RUN_TEST(events_with_wrong_values_are_refused);
+    RUN_TEST(events_with_unknown_names_are_told_the_candidates);
+    RUN_TEST(limits_that_cross_are_refused);
+    RUN_TEST(limits_that_move_together_are_taken_in_either_order);
+    RUN_TEST(events_act_at_their_time_and_once);
+    RUN_TEST(script_lines_are_read);
+    RUN_TEST(wrong_script_lines_are_refused_with_file_and_line);
+    RUN_TEST(a_script_that_is_not_there_is_named);
+    return UNITY_END();
+}
