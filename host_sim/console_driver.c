@@ -45,6 +45,7 @@ static void acknowledged(struct console *c)
 {
     if (begins(c->last_sent, "log on")) {
         c->log_on = true;
+        c->thinned = strtoul(c->last_sent + strlen("log on"), NULL, 10) > 1;
         (void)snprintf(c->log_line, sizeof(c->log_line), "%s", c->last_sent);
     } else if (begins(c->last_sent, "log off")) {
         c->log_on = false;
@@ -135,5 +136,5 @@ bool console_turn(struct console *c)
 
 bool console_row_missing(const struct console *c, uint32_t number)
 {
-    return c->log_on && !(c->have_row && c->last_row == number);
+    return c->log_on && !c->thinned && !(c->have_row && c->last_row == number);
 }

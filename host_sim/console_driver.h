@@ -32,6 +32,7 @@ struct console {
 
     bool header;        /* an H line was seen since the last start or `log off` */
     bool log_on;        /* telemetry was asked for, or its header came */
+    bool thinned;       /* `log on N`: rows of some samples only, none is waited for */
     char log_line[256]; /* the last acknowledged "log on ...", to send again after a restart */
     bool have_row;
     uint32_t last_row;

@@ -25,12 +25,13 @@ struct plant_channel {
     enum plant_kind kind;
     const char *name; /* at most 15 characters: letters, digits, underscore */
     const char *unit; /* at most 11 characters, "-" for none */
-    double lo, hi;    /* span; inputs outside it are refused (disturbances) or clipped (MVs, by instruments) */
-    double nominal;   /* value at the nominal steady state; inputs start there */
-    double safe;      /* MVs: value taken on silence or an emergency */
-    double slew;      /* MVs: fastest change, units per second, 0 = none. An actuator property */
-    double lag_s;     /* measurements: first-order sensor time constant, 0 = none */
-    double noise;     /* measurements: standard deviation of the sensor at --noise 1, units */
+    double lo,
+        hi; /* span; inputs outside it are refused (disturbances) or clipped (MVs, by instruments) */
+    double nominal;    /* value at the nominal steady state; inputs start there */
+    double safe;       /* MVs: value taken on silence or an emergency */
+    double slew;       /* MVs: fastest change, units per second, 0 = none. An actuator property */
+    double lag_s;      /* measurements: first-order sensor time constant, 0 = none */
+    double noise;      /* measurements: standard deviation of the sensor at --noise 1, units */
     double resolution; /* measurements: quantisation step, units, 0 = none */
     const char *help;
 };

@@ -1,0 +1,1 @@
+"""What stands behind tools/run, demo, test, campaign, bench and plot."""

@@ -1,0 +1,97 @@
+"""Configuring and building the presets of CMakePresets.json."""
+
+from __future__ import annotations
+
+import re
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+from reflux_tools.errors import RunFailed
+from reflux_tools.paths import ROOT, build_dir, shown
+
+STEP = re.compile(rb"^\[(\d+)/(\d+)\]")
+LINES_SHOWN = 40
+
+
+def configure(preset: str, quiet: bool = False) -> Path:
+    """Makes the build tree where there is none; the build itself brings an old one up to date."""
+    folder = build_dir(preset)
+    if not (folder / "build.ninja").is_file():
+        _run(f"configuring {preset}", ["cmake", "--preset", preset, "-B", str(folder)], quiet)
+    return folder
+
+
+def build(preset: str, targets: tuple[str, ...] = (), quiet: bool = False) -> Path:
+    """Brings one build tree up to date and returns it. Output is shown only where something fails."""
+    folder = configure(preset, quiet)
+    command = ["cmake", "--build", str(folder)]
+    if targets:
+        command += ["--target", *targets]
+    _run(f"building {preset}", command, quiet)
+    return folder
+
+
+def _run(what: str, command: list[str], quiet: bool) -> None:
+    started = time.monotonic()
+    lines: list[bytes] = []
+    try:
+        process = subprocess.Popen(command, cwd=ROOT, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE,
+                                   stderr=subprocess.STDOUT)
+    except FileNotFoundError:
+        raise RunFailed(f"{what}: there is no program {command[0]}; tools/bootstrap installs it") from None
+    assert process.stdout is not None
+    progress = Progress(what, quiet)
+    steps = 0
+    for line in process.stdout:
+        lines.append(line)
+        match = STEP.match(line)
+        if match:
+            steps = int(match.group(2))
+            progress.show(f"{match.group(1).decode()}/{match.group(2).decode()}")
+    if process.wait() != 0:
+        progress.end("failed")
+        sys.stderr.write(b"".join(lines[-LINES_SHOWN:]).decode(errors="replace"))
+        raise RunFailed(f"{what} failed (its last lines are above); to repeat: {' '.join(command)}")
+    if steps > 1 or "configuring" in what:
+        progress.end(f"{time.monotonic() - started:.0f} s")
+    else:
+        progress.end("up to date")
+
+
+class Progress:
+    """One line that is written over on a terminal, and one line at the end elsewhere."""
+
+    def __init__(self, what: str, quiet: bool = False):
+        self.what, self.quiet = what, quiet
+        self.terminal = sys.stdout.isatty()
+        self.last = 0.0
+
+    def show(self, text: str) -> None:
+        now = time.monotonic()
+        if self.terminal and not self.quiet and now - self.last > 0.1:
+            self.last = now
+            print(f"\r\033[K{self.what}: {text}", end="", flush=True)
+
+    def end(self, text: str) -> None:
+        if not self.quiet:
+            start = "\r\033[K" if self.terminal else ""
+            print(f"{start}{self.what}: {text}", flush=True)
+
+
+def find_image(preset: str) -> Path:
+    """The file that is flashed, and that the emulator runs."""
+    folder = build_dir(preset)
+    for pattern in ("reflux-*.bin", "*/reflux-*.bin", "*/*/reflux-*.bin"):
+        found = sorted(folder.glob(pattern))
+        if found:
+            return found[0]
+    raise RunFailed(f"{shown(folder)}: the build left no image reflux-*.bin there")
+
+
+def find_program(preset: str, name: str) -> Path:
+    folder = build_dir(preset)
+    if (folder / name).is_file():
+        return folder / name
+    raise RunFailed(f"{shown(folder)}: the build left no program {name} there")

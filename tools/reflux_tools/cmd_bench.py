@@ -1,0 +1,186 @@
+"""tools/bench: how fast, how many instructions, how large. Numbers to look at, never pass or fail."""
+
+from __future__ import annotations
+
+import argparse
+import re
+import shutil
+import subprocess
+import tempfile
+from dataclasses import replace
+from pathlib import Path
+from typing import Callable
+
+from reflux_tools import build, launch, runner, scenario, table
+from reflux_tools.errors import RunFailed, UserError
+from reflux_tools.paths import ROOT, SCENARIOS, build_dir, shown
+
+RESULTS = ROOT / "tests" / "bench" / "results.md"
+ICOUNT = ("-icount", "shift=0")
+STATS_AT_END = "stats"
+
+
+def main(arguments: list[str]) -> int:
+    p = argparse.ArgumentParser(
+        prog="tools/bench",
+        description="Measures speed, instructions per tick and memory, prints the tables and writes them to "
+        "tests/bench/results.md. What cannot be measured here is left out with its reason.")
+    p.add_argument("--ticks", type=int, default=4000, metavar="N", help="ticks of each speed run (default 4000)")
+    p.add_argument("--out", type=Path, default=RESULTS, metavar="FILE")
+    options = p.parse_args(arguments)
+    if options.ticks < 10:
+        raise UserError("--ticks must be 10 or more")
+    launch.build_for("memory")
+    build.build("stm32f405")
+    parts = [
+        ("Lockstep ticks per second", ["way", "ticks", "ticks per second"], speed_rows(options.ticks)),
+        ("Instructions per tick", ["where", "how", "least", "mean", "most"], instruction_rows()),
+        ("The image, bytes", ["part", "text", "data", "bss"], size_rows()),
+        ("Largest stack frames of the image, bytes", ["function", "frame"], stack_rows()),
+    ]
+    text = ["# Speed and size\n", f"Written by `tools/bench` on {machine()}. Plant `pilot`, scenario `smoke`.\n"]
+    for title, header, rows in parts:
+        print(f"\n{title}\n{table.columns(header, rows)}" if rows else f"\n{title}: nothing", flush=True)
+        text.append(f"## {title}\n\n{table.markdown(header, rows)}\n")
+    options.out.parent.mkdir(parents=True, exist_ok=True)
+    options.out.write_text("\n".join(text), encoding="utf-8")
+    print(f"\n{shown(options.out)}")
+    return 0
+
+
+def machine() -> str:
+    try:
+        names = re.findall(r"^model name\s*: (.*)$", Path("/proc/cpuinfo").read_text(), re.M)
+    except OSError:
+        names = []
+    return f"{names[0]} ({len(names)} threads)" if names else "a machine that does not tell its name"
+
+
+def guarded(what: list[str], width: int, measure: Callable[[], list[str]]) -> list[str]:
+    """A row; where measuring fails the reason stands in it."""
+    try:
+        return [*what, *measure()]
+    except (RunFailed, UserError) as error:
+        return [*what, f"not measured: {error}", *[""] * (width - len(what) - 1)]
+
+
+def bench_scenario(ticks: int, firmware: str) -> scenario.Scenario:
+    base = scenario.load(SCENARIOS / "smoke.toml")
+    tick = base.tick_s or 30.0
+    end = scenario.Line(ticks * tick, STATS_AT_END)
+    return replace(base, duration_s=ticks * tick, tick_s=tick, firmware=firmware, lines=(*base.lines, end), noise=1.0)
+
+
+def measured_run(ticks: int, firmware: str, extra: tuple[str, ...] = ()) -> tuple[runner.Result, list[str]]:
+    with tempfile.TemporaryDirectory(prefix="reflux-") as folder:
+        out = Path(folder)
+        result = runner.run(bench_scenario(ticks, firmware), runner.Options(out, quiet=True, extra=extra))
+        return result, runner.replies_in(out / "transcript.txt", STATS_AT_END)
+
+
+def speed_rows(ticks: int) -> list[list[str]]:
+    def row(firmware: str, count: int) -> Callable[[], list[str]]:
+        def measure() -> list[str]:
+            result, _ = measured_run(count, firmware)
+            return [str(result.facts["samples"]), f"{int(result.facts['samples']) / float(result.facts['wall_s']):.0f}"]
+        return measure
+
+    ways = [("in memory", "memory", ticks), ("unix socket, host firmware", "host", ticks),
+            ("unix socket, STM32F405 image in the emulator", "stm32f405", max(200, ticks // 10))]
+    rows = [guarded([what], 3, row(firmware, count)) for what, firmware, count in ways]
+    rows.insert(1, guarded(["pseudo-terminal, host firmware"], 3, lambda: pty_speed(ticks)))
+    return rows
+
+
+def pty_speed(ticks: int) -> list[str]:
+    """The host firmware makes both pseudo-terminals; it is then a board on two ports."""
+    with tempfile.TemporaryDirectory(prefix="reflux-") as folder:
+        place = Path(folder)
+        command = [str(build.find_program("host", "reflux-host")), "--console", f"pty:{place / 'con'}",
+                   "--link", f"pty:{place / 'lnk'}", "--boot-id", "1"]
+        firmware = launch.spawn("serial", command, place, Path(command[0]))
+        try:
+            launch.await_paths(firmware, [place / "con", place / "lnk"])
+            options = runner.Options(place / "out", str(place / "con"), str(place / "lnk"), quiet=True)
+            result = runner.run(bench_scenario(ticks, "serial"), options)
+        finally:
+            launch.end(firmware.process)
+    return [str(result.facts["samples"]), f"{int(result.facts['samples']) / float(result.facts['wall_s']):.0f}"]
+
+
+def instruction_rows() -> list[list[str]]:
+    return [guarded(["host, x86-64", "valgrind --tool=callgrind, app_tick and below"], 5, callgrind),
+            guarded(["STM32F405 image in the emulator", "TIM2 under -icount shift=0"], 5, icount)]
+
+
+def callgrind() -> list[str]:
+    """The firmware inside the simulator; only what app_tick calls is counted."""
+    if shutil.which("valgrind") is None:
+        raise RunFailed("there is no valgrind; tools/bootstrap test installs it")
+    counts = []
+    ticks = (60, 120)  # two runs, so that the start does not count
+    for count in ticks:
+        with tempfile.TemporaryDirectory(prefix="reflux-") as folder:
+            place = Path(folder)
+            wanted = bench_scenario(count, "memory")
+            wanted = replace(wanted, lines=())
+            runner.write_script(wanted, place / "script.txt")
+            program = build.find_program("host", "reflux-sim-memory")
+            inside = launch.Firmware("memory", "memory", "memory", "reflux-sim-memory", program)
+            command = [c for c in runner.simulator_command(wanted, inside, place) if c != "--progress"]
+            answer = subprocess.run(["valgrind", "--tool=callgrind", "--toggle-collect=app_tick",
+                                     f"--callgrind-out-file={place / 'out'}", *command], capture_output=True,
+                                    text=True, check=False)
+            if answer.returncode != 0:
+                raise RunFailed(f"under valgrind: {(answer.stderr.strip().splitlines() or ['failed'])[-1]}")
+            found = re.search(r"^(?:summary|totals): (\d+)", (place / "out").read_text(), re.M)
+            if found is None:
+                raise RunFailed("callgrind wrote no totals")
+            counts.append(int(found.group(1)))
+    return ["-", f"{(counts[1] - counts[0]) / (ticks[1] - ticks[0]):.0f}", "-"]
+
+
+def icount() -> list[str]:
+    _, stats = measured_run(200, "stm32f405", ICOUNT)
+    return tick_stats(stats)
+
+
+def tick_stats(lines: list[str]) -> list[str]:
+    """`tick n 12 min 3 mean 4 max 5 last 4 unit instructions`, as the console's stats prints it."""
+    for line in lines:
+        if line.startswith("tick "):
+            found = dict(re.findall(r"(min|mean|max) (\d+)", line))
+            if len(found) == 3:
+                return [found["min"], found["mean"], found["max"]]
+    raise RunFailed("the firmware's stats have no line `tick ... min N mean N max N`")
+
+
+def size_rows() -> list[list[str]]:
+    folder = build_dir("stm32f405")
+    rows = []
+    libraries = sorted(folder.rglob("libreflux_*.a"))
+    for library in libraries:
+        sums = _size(["-t", str(library)])
+        rows.append([library.stem.removeprefix("libreflux_") + " (before the linker drops what is unused)", *sums])
+    images = sorted(folder.rglob("reflux-*.elf")) or [p for p in folder.rglob("reflux-stm32f405") if p.is_file()]
+    for image in images[:1]:
+        rows.append([f"image {image.name}", *_size([str(image)])])
+    return rows
+
+
+def _size(arguments: list[str]) -> list[str]:
+    answer = subprocess.run(["arm-none-eabi-size", *arguments], capture_output=True, text=True, check=False)
+    if answer.returncode != 0 or not answer.stdout.strip():
+        return ["-", "-", "-"]
+    return answer.stdout.strip().splitlines()[-1].split()[:3]
+
+
+def stack_rows(count: int = 8) -> list[list[str]]:
+    """From the compiler's own figures (-fstack-usage): single frames, not sums over calls."""
+    frames = []
+    for path in build_dir("stm32f405").rglob("*.su"):
+        for line in path.read_text(errors="replace").splitlines():
+            parts = line.split("\t")
+            if len(parts) >= 2 and parts[1].isdigit():
+                frames.append((int(parts[1]), parts[0].rsplit(":", 1)[-1]))
+    return [[name, str(size)] for size, name in sorted(set(frames), reverse=True)[:count]]

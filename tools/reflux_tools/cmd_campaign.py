@@ -1,0 +1,235 @@
+"""tools/campaign: one scenario many times over, and what its results scatter."""
+
+from __future__ import annotations
+
+import argparse
+import csv
+import hashlib
+import itertools
+import json
+import os
+import statistics
+import tempfile
+import time
+from concurrent.futures import ProcessPoolExecutor, as_completed
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+from reflux_tools import build, launch, runner, table
+from reflux_tools import scenario as scenarios
+from reflux_tools.errors import RunFailed, UserError
+from reflux_tools.paths import CAMPAIGNS, build_root, shown
+from reflux_tools.schema import Table, load_toml
+
+METRICS = ("iae", "overshoot_percent", "settling_s", "tv", "max_error")
+VARIED = ("noise",)
+
+
+@dataclass(frozen=True)
+class Campaign:
+    name: str
+    title: str
+    scenario: scenarios.Scenario
+    seeds: tuple[int, ...]
+    vary: dict[str, list[float]]
+
+    def jobs(self, fraction: float) -> list[dict[str, float]]:
+        """The first part of the seeds, at least one, with every combination of what is varied."""
+        count = max(1, round(len(self.seeds) * fraction))
+        names = list(self.vary)
+        return [{"seed": seed, **dict(zip(names, values))}
+                for seed in self.seeds[:count] for values in itertools.product(*self.vary.values())]
+
+
+def main(arguments: list[str]) -> int:
+    p = argparse.ArgumentParser(
+        prog="tools/campaign",
+        description="Runs a campaign of tests/campaign: one scenario over many seeds. Runs that are finished are "
+        "kept in the build folder, so that an interrupted campaign goes on where it was. A whole campaign writes "
+        "its tables into tests/campaign/results. Exit status 1 when a run fails or misses its limits.")
+    p.add_argument("name", metavar="NAME", help=f"one of: {', '.join(known())}")
+    p.add_argument("--fraction", type=float, default=1.0, metavar="X", help="only this part of the seeds")
+    p.add_argument("--check", action="store_true", help="write no result tables, only tell whether all is well")
+    p.add_argument("--again", action="store_true", help="forget the finished runs")
+    p.add_argument("-j", "--jobs", type=int, default=os.cpu_count() or 1, metavar="N")
+    p.add_argument("--no-build", action="store_true", help="use what is built already")
+    options = p.parse_args(arguments)
+    if not 0 < options.fraction <= 1:
+        raise UserError("--fraction must be more than 0 and at most 1")
+    if options.jobs < 1:
+        raise UserError("--jobs must be 1 or more")
+    campaign = load(options.name)
+    if not options.no_build:
+        launch.build_for(campaign.scenario.firmware)
+    return execute(campaign, options)
+
+
+def known() -> list[str]:
+    return sorted(f.stem for f in CAMPAIGNS.glob("*.toml"))
+
+
+def load(name: str) -> Campaign:
+    path = CAMPAIGNS / f"{name}.toml"
+    if name not in known():
+        raise UserError(f'no campaign "{name}"; there are: {", ".join(known()) or "none"}')
+    top = Table(load_toml(path), path)
+    scenario = scenarios.load((path.parent / top.text("scenario")).resolve())
+    scenario = scenario.with_options(firmware=top.text("firmware", "memory", choices=scenarios.FIRMWARES[:-1]))
+    first = top.integer("first_seed", 1)
+    seeds = tuple(range(first, first + top.integer("seeds", low=1, high=100000)))
+    vary: dict[str, list[float]] = {}
+    if top.has("vary"):
+        inner = top.table("vary")
+        for key in VARIED:
+            if inner.has(key):
+                vary[key] = [float(x) for x in inner.list(key)]
+        inner.known = list(VARIED)
+        inner.done()
+    if top.text("name") != name:
+        raise UserError(f"{top.path('name')} must be the file's own name, {name}")
+    campaign = Campaign(name, top.text("title", name), scenario, seeds, vary)
+    top.done()
+    return campaign
+
+
+def fingerprint(campaign: Campaign) -> str:
+    """Changes with everything a result depends on: the scenario and the programs."""
+    digest = hashlib.sha256(repr(replace(campaign.scenario, seed=0, file=Path(), console=())).encode())
+    programs = [build.find_program("host", "reflux-sim-memory" if campaign.scenario.firmware == "memory"
+                                   else "reflux-sim")]
+    if campaign.scenario.firmware.startswith("stm32f405"):
+        programs.append(build.find_image(campaign.scenario.firmware))
+    elif campaign.scenario.firmware != "memory":
+        programs.append(build.find_program(campaign.scenario.firmware, "reflux-host"))
+    for program in programs:
+        digest.update(program.read_bytes())
+    return digest.hexdigest()
+
+
+def execute(campaign: Campaign, options: argparse.Namespace) -> int:
+    jobs = campaign.jobs(options.fraction)
+    state = State(build_root() / "campaign" / f"{campaign.name}.jsonl", fingerprint(campaign), options.again)
+    missing = [job for job in jobs if state.get(job) is None]
+    if len(missing) < len(jobs):
+        print(f"{campaign.name}: {len(jobs) - len(missing)} of {len(jobs)} runs are finished already")
+    run_missing(campaign, missing, state, options.jobs)
+    results = [state.get(job) for job in jobs]
+    if not options.check and options.fraction == 1.0:
+        write_results(campaign, results)
+    print("\n" + table.columns(*distribution(campaign, results)))
+    bad = [r for r in results if r["failures"]]
+    for r in bad[:10]:
+        print(f"FAILED  {label(r['job'])}: {r['failures'][0]}")
+    print(f"\n{len(results)} runs, {len(bad)} failed or missed limits")
+    return 1 if bad else 0
+
+
+class State:
+    """One line of JSON for each finished run; lines of other programs or scenarios do not count."""
+
+    def __init__(self, path: Path, mark: str, again: bool):
+        self.path, self.mark = path, mark
+        self.done: dict[str, dict[str, Any]] = {}
+        path.parent.mkdir(parents=True, exist_ok=True)
+        if again:
+            path.unlink(missing_ok=True)
+        for line in path.read_text(encoding="utf-8").splitlines() if path.exists() else []:
+            try:
+                entry = json.loads(line)
+                if entry["mark"] == mark:
+                    self.done[label(entry["job"])] = entry
+            except (ValueError, KeyError):
+                continue  # the last line of an interrupted campaign may be cut off
+
+    def get(self, job: dict[str, float]) -> dict[str, Any] | None:
+        return self.done.get(label(job))
+
+    def add(self, entry: dict[str, Any]) -> None:
+        entry = {"mark": self.mark, **entry}
+        self.done[label(entry["job"])] = entry
+        with self.path.open("a", encoding="utf-8") as out:
+            out.write(json.dumps(entry) + "\n")
+
+
+def label(job: dict[str, float]) -> str:
+    return ", ".join(f"{key} {value:g}" for key, value in job.items())
+
+
+def run_missing(campaign: Campaign, jobs: list[dict[str, float]], state: State, workers: int) -> None:
+    if not jobs:
+        return
+    progress = build.Progress(campaign.name)
+    started = time.monotonic()
+    with ProcessPoolExecutor(workers) as pool:
+        waiting = [pool.submit(run_one, campaign.scenario, job) for job in jobs]
+        try:
+            for count, future in enumerate(as_completed(waiting), 1):
+                state.add(future.result())
+                left = (time.monotonic() - started) / count * (len(jobs) - count)
+                progress.show(f"{count} of {len(jobs)} runs, about {left:.0f} s left")
+        except BaseException:
+            pool.shutdown(cancel_futures=True)
+            raise
+    progress.end(f"{len(jobs)} runs in {time.monotonic() - started:.0f} s")
+
+
+def run_one(scenario: scenarios.Scenario, job: dict[str, float]) -> dict[str, Any]:
+    """In a process of its own. A run that fails is a result too."""
+    scenario = replace(scenario, seed=int(job["seed"]), noise=job.get("noise", scenario.noise))
+    with tempfile.TemporaryDirectory(prefix="reflux-") as folder:
+        try:
+            result = runner.run(scenario, runner.Options(Path(folder), quiet=True))
+        except (RunFailed, UserError) as error:
+            return {"job": job, "failures": [str(error)], "loops": {}}
+    loops = {}
+    for window in result.windows:
+        if window.kind == "overall":
+            steps = [w for w in result.windows if w.loop == window.loop and w.kind == "setpoint"]
+            values = {m: getattr(window, m) for m in METRICS}
+            for m in ("overshoot_percent", "settling_s"):
+                known = [getattr(w, m) for w in steps if getattr(w, m) is not None]
+                values[m] = max(known) if known and all(v == v for v in known) else None
+            loops[window.loop] = values
+    return {"job": job, "failures": result.failures(), "loops": loops}
+
+
+def distribution(campaign: Campaign, results: list[dict[str, Any]]) -> tuple[list[str], list[list[str]]]:
+    header = ["loop", "metric", *campaign.vary, "runs", "mean", "deviation", "5 %", "median", "95 %", "largest"]
+    rows = []
+    for values in itertools.product(*campaign.vary.values()):
+        chosen = [r for r in results if all(r["job"][n] == v for n, v in zip(campaign.vary, values))]
+        for loop in (known_loop.name for known_loop in campaign.scenario.loops):
+            for metric in METRICS:
+                found = sorted(v for r in chosen if (v := r["loops"].get(loop, {}).get(metric)) is not None)
+                if found:
+                    rows.append([loop, metric, *(f"{v:g}" for v in values), str(len(found)), *summary(found)])
+    return header, rows
+
+
+def summary(values: list[float]) -> list[str]:
+    deviation = statistics.stdev(values) if len(values) > 1 else 0.0
+    at = [values[min(len(values) - 1, int(q * len(values)))] for q in (0.05, 0.5, 0.95)]
+    return [table.figure(v, 4) for v in (statistics.fmean(values), deviation, *at, values[-1])]
+
+
+def write_results(campaign: Campaign, results: list[dict[str, Any]]) -> None:
+    folder = CAMPAIGNS / "results"
+    folder.mkdir(parents=True, exist_ok=True)
+    bad = sum(1 for r in results if r["failures"])
+    text = (f"# {campaign.title}\n\nWritten by `tools/campaign {campaign.name}`: {len(results)} runs of "
+            f"`{scenarios.relative(campaign.scenario.file)}` on the firmware `{campaign.scenario.firmware}`; {bad} "
+            "failed or missed limits. Metrics over the whole run; overshoot and settling time of the worst "
+            "setpoint step of a run (docs/scenarios.md).\n\n" + table.markdown(*distribution(campaign, results)) + "\n")
+    (folder / f"{campaign.name}.md").write_text(text, encoding="utf-8")
+    with (folder / f"{campaign.name}.csv").open("w", encoding="utf-8", newline="") as out:
+        writer = csv.writer(out, lineterminator="\n")
+        names = [f"{loop.name}.{m}" for loop in campaign.scenario.loops for m in METRICS]
+        writer.writerow(["seed", *campaign.vary, *names, "failure"])
+        for r in results:
+            values = [r["loops"].get(n.split(".")[0], {}).get(n.split(".")[1]) for n in names]
+            cells = ["" if v is None else f"{v:.6g}" for v in values]
+            writer.writerow([*(f"{v:g}" for v in r["job"].values()), *cells, "; ".join(r["failures"])])
+    print(f"results: {shown(folder / campaign.name)}.md and .csv")
+
+

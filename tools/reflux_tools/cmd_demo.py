@@ -1,0 +1,29 @@
+"""tools/demo: the demonstration scenario, and where its report is."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+
+from reflux_tools import cmd_run
+from reflux_tools import scenario as scenarios
+from reflux_tools.paths import ROOT, SCENARIOS
+
+
+def main(arguments: list[str]) -> int:
+    p = argparse.ArgumentParser(
+        prog="tools/demo",
+        description="Installs what is missing (as root; else says what to install), builds the simulator and the "
+        "STM32F405 image, and lets that image, in the emulator, hold a simulated distillation column for three and "
+        "a half hours of plant time. Writes out/demo/report.html, plots and log.csv. Exit status 1 when a loop "
+        "misses its limits.")
+    p.add_argument("--firmware", choices=scenarios.FIRMWARES, help="instead of the image in the emulator")
+    p.add_argument("--console-port", metavar="PORT", help="with --firmware serial")
+    p.add_argument("--link-port", metavar="PORT", help="with --firmware serial")
+    p.add_argument("--out", type=Path, default=ROOT / "out" / "demo", metavar="FOLDER")
+    p.add_argument("--seed", type=int, metavar="N", help="of the sensor noise")
+    options = p.parse_args(arguments)
+    for name, value in {"noise": None, "speed": None, "quiet": False, "no_report": False, "no_build": False}.items():
+        setattr(options, name, value)
+    scenario = cmd_run.with_options(scenarios.load(SCENARIOS / "demo.toml"), options)
+    return cmd_run.run(scenario, options.out, options)

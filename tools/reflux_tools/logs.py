@@ -1,0 +1,177 @@
+"""Logs of a run: the simulator's CSV, the firmware's telemetry, and the two joined by sample number."""
+
+from __future__ import annotations
+
+import csv
+import math
+import re
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from reflux_tools.errors import RunFailed, UserError
+from reflux_tools.paths import shown
+
+TELEMETRY_VERSION = "1"
+FIRMWARE_PREFIX = "fw."  # marks the firmware's own columns in a joined log
+
+
+@dataclass
+class Log:
+    """Columns of text, as they stood in the file: parsing them is for those who need numbers."""
+
+    columns: list[str]
+    rows: list[list[str]]
+    comments: list[str] = field(default_factory=list)
+    source: str = ""
+
+    def __post_init__(self) -> None:
+        self._place = {bare(name): i for i, name in reversed(list(enumerate(self.columns)))}
+
+    def has(self, name: str) -> bool:
+        return bare(name) in self._place
+
+    def place(self, name: str) -> int:
+        if not self.has(name):
+            raise UserError(f"{self.source or 'log'}: no column {name}; there are {', '.join(self._place)}")
+        return self._place[bare(name)]
+
+    def unit(self, name: str) -> str:
+        return unit(self.columns[self.place(name)])
+
+    def text(self, name: str) -> list[str]:
+        i = self.place(name)
+        return [row[i] for row in self.rows]
+
+    def numbers(self, name: str) -> list[float]:
+        """Values of a column; an empty cell is NaN."""
+        return [number(cell) for cell in self.text(name)]
+
+
+def bare(column: str) -> str:
+    """T1.true[degC] -> T1.true"""
+    return column.split("[", 1)[0].strip()
+
+
+def unit(column: str) -> str:
+    match = re.search(r"\[(.*)\]\s*$", column)
+    return match.group(1) if match else ""
+
+
+def channel_unit(log: Log, channel: str) -> str:
+    """The unit of a channel, from whichever of its columns the log has."""
+    for suffix in (".true", ".meas", ".applied", ".cmd", ".app", ""):
+        if log.has(channel + suffix):
+            return log.unit(channel + suffix)
+    return "-"
+
+
+def number(cell: str) -> float:
+    try:
+        return float(cell)
+    except ValueError:
+        return math.nan
+
+
+def read_csv(path: Path) -> Log:
+    """A log as reflux-sim or tools/run writes it: # comments, one header line, rows of the same width."""
+    try:
+        lines = path.read_text(encoding="utf-8").splitlines()
+    except (OSError, UnicodeDecodeError) as error:
+        raise UserError(f"{shown(path)}: cannot be read: {error}") from None
+    comments = [line for line in lines if line.startswith("#")]
+    numbered = [(n, line) for n, line in enumerate(lines, 1) if line.strip() and not line.startswith("#")]
+    if not numbered:
+        raise UserError(f"{shown(path)}: empty; expected a header line that begins with number,time[s]")
+    columns = next(csv.reader([numbered[0][1]]))
+    if not columns or bare(columns[0]) != "number":
+        raise UserError(f"{shown(path)}:{numbered[0][0]}: not a log: the header line must begin with number")
+    rows = []
+    for n, line in numbered[1:]:
+        row = next(csv.reader([line]))
+        if len(row) != len(columns):
+            raise UserError(f"{shown(path)}:{n}: {len(row)} fields, the header has {len(columns)}")
+        rows.append(row)
+    return Log(columns, rows, comments, shown(path))
+
+
+def read_telemetry(path: Path) -> Log:
+    """Telemetry lines of a console: H, headers and T, rows. A configuration that is applied brings a new
+    header; columns of all of them stand side by side, empty where a row did not have them."""
+    try:
+        lines = path.read_text(encoding="utf-8", errors="replace").splitlines()
+    except OSError as error:
+        raise UserError(f"{shown(path)}: cannot be read: {error.strerror}") from None
+    columns: list[str] = []
+    header: list[str] | None = None
+    rows: list[dict[str, str]] = []
+    for n, line in enumerate(lines, 1):
+        line = re.sub(r"^\s*[\d.]+\s+(?=[HT],)", "", line)
+        if line.startswith("H,"):
+            header = _header(line, f"{shown(path)}:{n}")
+            columns += [name for name in header if name not in columns]
+        elif line.startswith("T,"):
+            rows.append(_row(line, header, f"{shown(path)}:{n}"))
+    if header is None:
+        raise RunFailed(f"{shown(path)}: the firmware sent no telemetry header (H, line); is its log on?")
+    return Log(columns, [[row.get(name, "") for name in columns] for row in rows], [], shown(path))
+
+
+def _header(line: str, where: str) -> list[str]:
+    fields = line.split(",")[1:]
+    if not fields or fields[0] != TELEMETRY_VERSION:
+        raise RunFailed(f"{where}: telemetry of version {fields[0] if fields else '?'}; "
+                        f"these tools read version {TELEMETRY_VERSION}")
+    if len(fields) < 2 or bare(fields[1]) != "number":
+        raise RunFailed(f"{where}: the second column of a telemetry header must be number")
+    return fields[1:]
+
+
+def _row(line: str, header: list[str] | None, where: str) -> dict[str, str]:
+    if header is None:
+        raise RunFailed(f"{where}: a telemetry row before any header")
+    fields = line.split(",")[1:]
+    if len(fields) != len(header) + 1:
+        raise RunFailed(f"{where}: {len(fields)} fields, the header has {len(header) + 1}")
+    return dict(zip(header, fields[1:]))
+
+
+def join(simulator: Log, telemetry: Log) -> Log:
+    """One row per sample: the simulator's columns, then the firmware's with fw. before their names.
+    A sample without its telemetry row, or a row without its sample, fails the run."""
+    by_number: dict[str, list[str]] = {}
+    for row, key in zip(telemetry.rows, telemetry.text("number")):
+        if key in by_number:
+            raise RunFailed(f"{telemetry.source}: two telemetry rows for sample {key}")
+        by_number[key] = row
+    skip = telemetry.place("number")
+    kept = [i for i in range(len(telemetry.columns)) if i != skip]
+    columns = simulator.columns + [FIRMWARE_PREFIX + telemetry.columns[i] for i in kept]
+    rows = []
+    missing = []
+    for row, key in zip(simulator.rows, simulator.text("number")):
+        own = by_number.pop(key, None)
+        if own is None:
+            missing.append(key)
+        else:
+            rows.append(row + [own[i] for i in kept])
+    if missing:
+        raise RunFailed(f"{telemetry.source}: no telemetry row for {_some(missing)} of {len(simulator.rows)} samples")
+    if by_number:
+        raise RunFailed(f"{telemetry.source}: telemetry rows for {_some(list(by_number))}, which are not "
+                        f"in {simulator.source}")
+    return Log(columns, rows, simulator.comments, "joined log")
+
+
+def _some(numbers: list[str]) -> str:
+    if len(numbers) == 1:
+        return f"sample {numbers[0]}, 1"
+    return f"samples {', '.join(numbers[:5])}{' ...' if len(numbers) > 5 else ''}, {len(numbers)}"
+
+
+def write_csv(log: Log, path: Path) -> None:
+    with path.open("w", encoding="utf-8", newline="") as out:
+        for comment in log.comments:
+            out.write(comment + "\n")
+        writer = csv.writer(out, lineterminator="\n")
+        writer.writerow(log.columns)
+        writer.writerows(log.rows)

@@ -1,0 +1,29 @@
+"""Where things are."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[2]
+SCENARIOS = ROOT / "host_sim" / "scenarios"
+CAMPAIGNS = ROOT / "tests" / "campaign"
+
+
+def build_root() -> Path:
+    """build/, or the folder that REFLUX_BUILD_ROOT names: each preset has a folder of its own in it."""
+    return Path(os.environ.get("REFLUX_BUILD_ROOT") or ROOT / "build").resolve()
+
+
+def build_dir(preset: str) -> Path:
+    return build_root() / preset
+
+
+def shown(path: Path | str) -> str:
+    """The path as a person would type it from where they stand."""
+    path = Path(path)
+    try:
+        relative = os.path.relpath(path)
+    except ValueError:
+        return str(path)
+    return relative if not relative.startswith("../..") else str(path)
