@@ -24,7 +24,8 @@ struct hal_nvm_geometry {
 void hal_nvm_get_geometry(struct hal_nvm_geometry *geometry);
 /* ERR_RANGE outside the area. */
 MUST_CHECK enum err hal_nvm_read(uint32_t address, void *data, uint32_t n);
-/* ERR_RANGE outside the area or misaligned, ERR_IO when the read-back differs, ERR_TIMEOUT. */
+/* ERR_RANGE outside the area or misaligned, ERR_IO when the target is not erased (nothing is
+ * written then) or the read-back differs, ERR_TIMEOUT. */
 MUST_CHECK enum err hal_nvm_program(uint32_t address, const void *data, uint32_t n);
 /* ERR_RANGE no such sector, ERR_IO when it does not read erased, ERR_TIMEOUT. */
 MUST_CHECK enum err hal_nvm_erase(uint32_t sector);

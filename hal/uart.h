@@ -4,8 +4,8 @@
  *  1. Nothing here waits. read() takes what has arrived, write() queues what fits.
  *  2. One writer and one reader per stream: the console belongs to the main loop, the link to the tick.
  *  3. Received bytes are put into a ring by the receive interrupt (or the operating system); what does not
- *     fit is dropped and counted, never stops the receiver. A byte received on the link requests the tick
- *     context (hal/tick.h).
+ *     fit is dropped and counted, never stops the receiver. The end of a frame on the link (a zero byte),
+ *     or its ring half full, requests the tick context (hal/tick.h).
  *  4. Transmission is a ring drained by hal_uart_pump(), because some boards raise no transmit interrupt.
  *     pump() moves bytes while the hardware takes them at once and returns.
  */

@@ -9,7 +9,7 @@
 #include "hal/watchdog.h"
 
 /* Room kept in the transmit ring before a command runs: its reply is at most a few lines. */
-#define REPLY_ROOM (3u * CONSOLE_OUTPUT_MAX)
+#define REPLY_ROOM ((size_t)3 * CONSOLE_OUTPUT_MAX)
 
 static const char *end_of_line(const struct console *c)
 {

@@ -255,7 +255,7 @@ static enum err set_text(uint8_t *at, const char *value, size_t size, bool (*all
         for (size_t i = 0; i < n; i++)
             if (!allowed(value[i]))
                 return ERR_PARSE;
-        memcpy(copy, value, n);
+        memcpy(copy, value, n + 1);
     }
     memcpy(at, copy, size);
     return ERR_OK;

@@ -139,6 +139,8 @@ static void on_page(struct plant_link *link, const struct frame *f, uint64_t now
         &link->channel[manipulated][link->next_page - (manipulated ? link->count[0] : 0u)];
     memcpy(c->name, m.name, sizeof c->name);
     memcpy(c->unit, m.unit, sizeof c->unit);
+    if (strcmp(c->unit, "-") == 0) /* none, on the link; configured as an empty text */
+        c->unit[0] = '\0';
     c->lo = m.lo;
     c->hi = m.hi;
     c->safe = m.safe;

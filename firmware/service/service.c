@@ -67,11 +67,20 @@ static void forget_rows(struct service *s, const struct plan *plan)
     }
 }
 
+/* Nothing has been asked since the last plan, which no tick has met yet: the new one can take its place. Holds
+ * while the tick is locked out. */
+static bool last_is_apply(const struct service *s)
+{
+    const struct spsc *q = &s->requests.index;
+    uint32_t last = (spsc_write_index(q) + REQUEST_QUEUE_SIZE - 1u) & (REQUEST_QUEUE_SIZE - 1u);
+    return spsc_can_read(q) && s->requests.slot[last].kind == REQUEST_APPLY;
+}
+
 enum err service_apply(struct service *s, const struct config *config, struct config_fault *fault)
 {
     memset(fault, 0, sizeof *fault);
     fault->code = ERR_BUSY;
-    if (!spsc_can_write(&s->requests.index))
+    if (!spsc_can_write(&s->requests.index)) /* room for one more, come what may */
         return ERR_BUSY;
     struct plan *plan = &s->plan[s->scratch];
     forget_rows(s, plan);
@@ -86,9 +95,11 @@ enum err service_apply(struct service *s, const struct config *config, struct co
     s->pending = s->scratch;
     s->scratch = free;
     s->has_pending = true;
+    bool on_its_way = last_is_apply(s);
     hal_tick_unlock();
     struct request apply = {.kind = REQUEST_APPLY, .loop = PLAN_NONE, .output = PLAN_NONE};
-    err = service_request(s, &apply); /* there is room: this context alone writes the queue */
+    if (!on_its_way)
+        err = service_request(s, &apply); /* there is room: this context alone writes the queue */
     for (uint8_t i = 0; i < CONFIG_LOOPS; i++)
         if (strcmp(before->config.loop[i].name, config->loop[i].name) != 0)
             s->expected_mode[i] = LOOP_MANUAL;

@@ -80,6 +80,8 @@ static void place_loop(struct supervisor *s, const struct plan *old, uint8_t i)
     } else if (pid_retune(&l->pid, &pid, h) != ERR_OK) {
         event_put(s->events, s->time_ms, EVENT_CONFIG_REFUSED, c->name, h, 0);
     }
+    if (same && plan->loop[i].decouple != old->loop[i].decouple)
+        l->join = true; /* its own output has another meaning now */
     uint8_t outer = plan->loop[i].outer;
     if (l->mode == LOOP_CASCADE && (outer == PLAN_NONE || !same_loop(plan, old, outer))) {
         l->mode = LOOP_AUTO; /* at the setpoint in force: the old outer loop is gone */
@@ -149,6 +151,19 @@ static void rejoin(struct supervisor *s, const char *output)
         s->loop[s->plan->owner[j]].join = true;
 }
 
+/* Same settings, same signals, same place for its dead time. */
+static bool same_feedforward(const struct plan *plan, const struct plan *old, uint8_t i)
+{
+    const struct ff_config *a = &plan->config.feedforward[i], *b = &old->config.feedforward[i];
+    return strcmp(a->from, b->from) == 0 && strcmp(a->to, b->to) == 0 && a->gain == b->gain &&
+           a->lead_s == b->lead_s && a->lag_s == b->lag_s && a->dead_s == b->dead_s &&
+           a->reference == b->reference && a->lo == b->lo && a->hi == b->hi &&
+           plan->feedforward[i].from == old->feedforward[i].from &&
+           plan->feedforward[i].to == old->feedforward[i].to &&
+           plan->feedforward[i].line == old->feedforward[i].line &&
+           plan->feedforward[i].bytes == old->feedforward[i].bytes;
+}
+
 static void place_feedforward(struct supervisor *s, const struct plan *old, uint8_t i)
 {
     const struct plan *plan = s->plan;
@@ -157,8 +172,7 @@ static void place_feedforward(struct supervisor *s, const struct plan *old, uint
     uint8_t from = plan->feedforward[i].from;
     if (!f->from[0] && !before->from[0])
         return;
-    if (f->from[0] && memcmp(f, before, sizeof *f) == 0 && plan->tick_s == s->tick_s &&
-        memcmp(&plan->feedforward[i], &old->feedforward[i], sizeof plan->feedforward[i]) == 0) {
+    if (f->from[0] && same_feedforward(plan, old, i) && plan->tick_s == s->tick_s) {
         const struct measurement_config *m = &plan->config.measurement[from];
         const struct measurement_config *m_before = &old->config.measurement[from];
         if (strcmp(m->name, m_before->name) == 0 && m->lo == m_before->lo && m->hi == m_before->hi)

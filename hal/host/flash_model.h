@@ -1,4 +1,4 @@
-/* Flash in memory, for the ports that have none: hal/nvm.h with its rules enforced (program clears bits only,
+/* Flash in memory, for the ports that have none: hal/nvm.h with its rules enforced (erased before program,
  * whole units, aligned). Shared by the host and the memory port. */
 #ifndef REFLUX_HAL_FLASH_MODEL_H
 #define REFLUX_HAL_FLASH_MODEL_H

@@ -1,5 +1,5 @@
 /* The host as a board: hal/ on POSIX. One thread; the tick context is called from the main loop. */
-#define _GNU_SOURCE
+#define _GNU_SOURCE /* NOLINT(bugprone-reserved-identifier): accept4, ptsname_r */
 #include "host_port.h"
 
 #include <errno.h>
@@ -47,6 +47,7 @@ bool host_port_open(const struct host_port_options *options, char *err, size_t e
 {
     start_ns = now_ns();
     boot_id = options->boot_id;
+    tick_asked = false;
     flash_model_erase_all();
     if (options->nvm) {
         flash_file = open(options->nvm, O_RDWR | O_CREAT | O_CLOEXEC, 0644);
@@ -103,18 +104,20 @@ void host_port_close(void)
 
 void hal_idle(bool wait)
 {
-    struct pollfd fds[HAL_UART_COUNT];
-    int at[HAL_UART_COUNT], n = 0;
+    struct pollfd fds[HAL_UART_COUNT * LINE_FDS];
+    unsigned owner[HAL_UART_COUNT * LINE_FDS];
+    int n = 0;
     for (unsigned i = 0; i < HAL_UART_COUNT; i++) {
-        at[i] = line_watch(&lines[i], &fds[n]) ? n++ : -1;
+        for (int more = line_watch(&lines[i], &fds[n]); more > 0; more--)
+            owner[n++] = i;
         /* Output that is stuck is no reason to spin: room is waited for. */
         wait = wait || lines[i].blocked;
     }
     if (poll(fds, (nfds_t)n, wait && !tick_asked ? IDLE_MS : 0) <= 0)
         return;
-    for (unsigned i = 0; i < HAL_UART_COUNT; i++)
-        if (at[i] >= 0 && fds[at[i]].revents && line_serve(&lines[i], fds[at[i]].revents) &&
-            i == HAL_UART_LINK)
+    for (int i = 0; i < n; i++)
+        if (fds[i].revents && line_serve(&lines[owner[i]], fds[i].revents) &&
+            owner[i] == HAL_UART_LINK)
             tick_asked = true;
 }
 
@@ -142,7 +145,7 @@ size_t hal_uart_pump(enum hal_uart port)
 
 bool hal_uart_connected(enum hal_uart port)
 {
-    return lines[port].in >= 0;
+    return lines[port].out >= 0;
 }
 
 void hal_uart_get_stats(enum hal_uart port, struct hal_uart_stats *stats)

@@ -1,4 +1,4 @@
-#define _GNU_SOURCE
+#define _GNU_SOURCE /* NOLINT(bugprone-reserved-identifier): accept4, ptsname_r */
 #include "line.h"
 
 #include <errno.h>
@@ -97,6 +97,8 @@ bool line_open(struct line *line, const char *where, char *err, size_t err_size)
     if (strncmp(where, "socket:", 7) == 0)
         return open_socket(line, where + 7, err, err_size);
     if (strcmp(where, "stdio") == 0) {
+        line->in_flags = fcntl(STDIN_FILENO, F_GETFL);
+        line->out_flags = fcntl(STDOUT_FILENO, F_GETFL);
         line->kind = LINE_STDIO;
         line->in = STDIN_FILENO;
         line->out = STDOUT_FILENO;
@@ -125,6 +127,10 @@ void line_close(struct line *line)
         (void)close(line->in);
         (void)close(line->slave);
     }
+    if (line->kind == LINE_STDIO) { /* the shell's own terminal: as it was */
+        (void)fcntl(STDIN_FILENO, F_SETFL, line->in_flags);
+        (void)fcntl(STDOUT_FILENO, F_SETFL, line->out_flags);
+    }
     drop_peer(line);
     if (line->listener >= 0)
         (void)close(line->listener);
@@ -135,33 +141,40 @@ void line_close(struct line *line)
 
 int line_watch(const struct line *line, struct pollfd *fds)
 {
-    if (line->in < 0 && line->listener < 0)
-        return 0;
-    bool peer = line->in >= 0;
-    fds[0].fd = peer ? line->in : line->listener;
-    fds[0].events = POLLIN;
-    fds[0].revents = 0;
-    if (peer && line->blocked && line->in == line->out)
-        fds[0].events |= POLLOUT;
-    return 1;
+    bool peer = line->in >= 0 || line->out >= 0;
+    int n = 0;
+    if (!peer && line->listener >= 0)
+        fds[n++] = (struct pollfd){.fd = line->listener, .events = POLLIN};
+    if (line->in >= 0)
+        fds[n++] = (struct pollfd){.fd = line->in, .events = POLLIN};
+    if (line->out >= 0 && line->blocked) {
+        if (line->in == line->out)
+            fds[0].events |= POLLOUT;
+        else
+            fds[n++] = (struct pollfd){.fd = line->out, .events = POLLOUT};
+    }
+    return n;
 }
 
 bool line_serve(struct line *line, short events)
 {
     uint8_t buffer[4096];
-    if (line->in < 0) {
+    if (line->in < 0 && line->out < 0) {
         int peer = accept4(line->listener, NULL, NULL, SOCK_NONBLOCK | SOCK_CLOEXEC);
         if (peer >= 0)
             line->in = line->out = peer;
         return false;
     }
-    if (events & POLLOUT)
-        line->blocked = false;
-    if (!(events & (POLLIN | POLLHUP | POLLERR)))
+    if (events & (POLLOUT | POLLERR))
+        line->blocked = false; /* the next write tells, also when the reader is gone */
+    if (line->in < 0 || !(events & (POLLIN | POLLHUP | POLLERR)))
         return false;
     ssize_t n = read(line->in, buffer, sizeof buffer);
     if (n == 0 || (n < 0 && errno != EAGAIN && errno != EINTR)) {
-        drop_peer(line);
+        if (line->kind == LINE_STDIO)
+            line->in = -1; /* no more commands, but whoever reads the output goes on reading */
+        else
+            drop_peer(line);
         return false;
     }
     for (ssize_t i = 0; i < n; i++) {

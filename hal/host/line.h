@@ -10,12 +10,14 @@
 #include "hal/uart.h"
 
 #define LINE_RING 16384
+#define LINE_FDS  2 /* most descriptors one line waits for */
 
 struct line {
     enum { LINE_NONE, LINE_PTY, LINE_SOCKET, LINE_STDIO } kind;
-    int listener; /* socket: where peers arrive */
-    int in, out;  /* -1 while nobody is there */
-    int slave;    /* pty: held open, so that a terminal that leaves is no hang-up */
+    int listener;            /* socket: where peers arrive */
+    int in, out;             /* -1 while nobody is there */
+    int slave;               /* pty: held open, so that a terminal that leaves is no hang-up */
+    int in_flags, out_flags; /* stdio: how the descriptors were found */
     char path[108];
     uint8_t rx_bytes[LINE_RING], tx_bytes[LINE_RING];
     struct ring rx, tx;
@@ -26,7 +28,7 @@ struct line {
 /* where: "pty", "pty:LINK", "socket:PATH", "stdio". False with one line in err. */
 bool line_open(struct line *line, const char *where, char *err, size_t err_size);
 void line_close(struct line *line);
-/* Adds what to wait for to fds (room for 1); returns how many were added. */
+/* Adds what to wait for to fds (room for LINE_FDS); returns how many were added. */
 int line_watch(const struct line *line, struct pollfd *fds);
 /* Takes what poll reported. Returns whether bytes arrived. */
 bool line_serve(struct line *line, short events);

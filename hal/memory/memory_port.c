@@ -14,6 +14,7 @@
 
 #define TURNS_MAX 100000u
 
+static bool idle; /* the main loop had nothing to do in its last turn */
 static uint8_t bytes[HAL_UART_COUNT][2][16384];
 static struct line {
     struct ring rx, tx;
@@ -101,7 +102,7 @@ unsigned memory_port_run(void)
         }
         app_background(app_instance());
         turns = turns + 1u;
-        quiet = movement() == before ? quiet + 1u : 0;
+        quiet = idle && movement() == before ? quiet + 1u : 0;
     }
     return turns;
 }
@@ -200,7 +201,7 @@ void hal_tick_unlock(void) {}
 
 void hal_idle(bool wait)
 {
-    (void)wait;
+    idle = wait;
 }
 
 bool hal_watchdog_start(uint32_t timeout_ms)

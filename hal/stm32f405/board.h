@@ -12,7 +12,7 @@
 
 /* startup.c */
 extern uint32_t stack_bottom[], stack_top[]; /* from the linker script */
-extern uint32_t startup_noise;               /* what the uninitialised stack held at power-on, mixed */
+extern uint32_t startup_noise; /* what the uninitialised stack held at power-on, mixed */
 
 /* clock.c: once, first of all. */
 void clock_start(void);

@@ -3,8 +3,8 @@
  * Every wait has a bound. In the emulator the whole RCC reads zero and the core runs at 168 MHz whatever is
  * asked of it: RCC_CR reads 0 there, which no chip does (its HSION bit is set out of reset).
  */
-#include "board.h"
 #include "hal/clock.h"
+#include "board.h"
 #include "registers.h"
 
 #define WAIT_TURNS 200000u /* 0.1 s at 16 MHz: several times the slowest start of a crystal */

@@ -1,6 +1,6 @@
 /* Which board this is, why it started, how it starts again, and what is left of a fault. */
-#include "board.h"
 #include "hal/identity.h"
+#include "board.h"
 #include "registers.h"
 
 #define MAGIC 0x52464C58u /* "RFLX" */
@@ -92,7 +92,8 @@ const char *hal_board_name(void)
 
 const char *hal_board_text(void)
 {
-    return clock_is_model() ? "STM32F405, Cortex-M4F, in an emulator" : "STM32F405, Cortex-M4F, chip";
+    return clock_is_model() ? "STM32F405, Cortex-M4F, in an emulator"
+                            : "STM32F405, Cortex-M4F, chip";
 }
 
 enum hal_reset hal_reset_cause(void)

@@ -80,18 +80,18 @@
 #define GPIOA_AFRH  REG32(0x40020024u)
 
 /* RM0090 30.6: serial ports */
-#define USART1_BASE     0x40011000u
-#define USART2_BASE     0x40004400u
-#define USART_SR(base)  REG32((base) + 0x00u)
-#define USART_DR(base)  REG32((base) + 0x04u)
-#define USART_BRR(base) REG32((base) + 0x08u)
-#define USART_CR1(base) REG32((base) + 0x0Cu)
-#define USART_SR_PE     BIT(0)
-#define USART_SR_FE     BIT(1)
-#define USART_SR_NE     BIT(2)
-#define USART_SR_ORE    BIT(3)
-#define USART_SR_RXNE   BIT(5)
-#define USART_SR_TXE    BIT(7)
+#define USART1_BASE      0x40011000u
+#define USART2_BASE      0x40004400u
+#define USART_SR(base)   REG32((base) + 0x00u)
+#define USART_DR(base)   REG32((base) + 0x04u)
+#define USART_BRR(base)  REG32((base) + 0x08u)
+#define USART_CR1(base)  REG32((base) + 0x0Cu)
+#define USART_SR_PE      BIT(0)
+#define USART_SR_FE      BIT(1)
+#define USART_SR_NE      BIT(2)
+#define USART_SR_ORE     BIT(3)
+#define USART_SR_RXNE    BIT(5)
+#define USART_SR_TXE     BIT(7)
 #define USART_CR1_RE     BIT(2)
 #define USART_CR1_TE     BIT(3)
 #define USART_CR1_RXNEIE BIT(5)
@@ -101,25 +101,25 @@
 #define USART2_IRQ       38
 
 /* RM0090 18.4, 19.5: TIM2 counts for hal_cycles() on the emulator, TIM11 measures the crystal */
-#define TIM2_CR1           REG32(0x40000000u)
-#define TIM2_EGR           REG32(0x40000014u)
-#define TIM2_CNT           REG32(0x40000024u)
-#define TIM2_PSC           REG32(0x40000028u)
-#define TIM2_ARR           REG32(0x4000002Cu)
-#define TIM_CR1_CEN        BIT(0)
-#define TIM_EGR_UG         BIT(0)
-#define TIM11_CR1          REG32(0x40014800u)
-#define TIM11_SR           REG32(0x40014810u)
-#define TIM11_SR_CC1IF     BIT(1)
-#define TIM11_CCMR1        REG32(0x40014818u)
-#define TIM11_CCMR1_TI1_8  (1u | (3u << 2)) /* capture channel 1 from TI1, one capture in 8 edges */
-#define TIM11_CCER         REG32(0x40014820u)
-#define TIM11_CCER_CC1E    BIT(0)
-#define TIM11_PSC          REG32(0x40014828u)
-#define TIM11_ARR          REG32(0x4001482Cu)
-#define TIM11_CCR1         REG32(0x40014834u)
-#define TIM11_OR           REG32(0x40014850u)
-#define TIM11_OR_HSE_RTC   2u
+#define TIM2_CR1          REG32(0x40000000u)
+#define TIM2_EGR          REG32(0x40000014u)
+#define TIM2_CNT          REG32(0x40000024u)
+#define TIM2_PSC          REG32(0x40000028u)
+#define TIM2_ARR          REG32(0x4000002Cu)
+#define TIM_CR1_CEN       BIT(0)
+#define TIM_EGR_UG        BIT(0)
+#define TIM11_CR1         REG32(0x40014800u)
+#define TIM11_SR          REG32(0x40014810u)
+#define TIM11_SR_CC1IF    BIT(1)
+#define TIM11_CCMR1       REG32(0x40014818u)
+#define TIM11_CCMR1_TI1_8 (1u | (3u << 2)) /* capture channel 1 from TI1, one capture in 8 edges */
+#define TIM11_CCER        REG32(0x40014820u)
+#define TIM11_CCER_CC1E   BIT(0)
+#define TIM11_PSC         REG32(0x40014828u)
+#define TIM11_ARR         REG32(0x4001482Cu)
+#define TIM11_CCR1        REG32(0x40014834u)
+#define TIM11_OR          REG32(0x40014850u)
+#define TIM11_OR_HSE_RTC  2u
 
 /* RM0090 21.4: independent watchdog */
 #define IWDG_KR        REG32(0x40003000u)
@@ -152,7 +152,8 @@
 #define SCB_CCR_DIV_0_TRP  BIT(4)
 #define SCB_SHPR(handler)  REG8(0xE000ED14u + (handler)) /* handler: exception number, 4 to 15 */
 #define SCB_SHCSR          REG32(0xE000ED24u)
-#define SCB_SHCSR_FAULTS   (BIT(16) | BIT(17) | BIT(18)) /* MemManage, BusFault, UsageFault on their own */
+#define SCB_SHCSR_FAULTS                                                                           \
+    (BIT(16) | BIT(17) | BIT(18)) /* MemManage, BusFault, UsageFault on their own */
 #define SCB_CFSR           REG32(0xE000ED28u)
 #define SCB_HFSR           REG32(0xE000ED2Cu)
 #define SCB_MMFAR          REG32(0xE000ED34u)

@@ -12,7 +12,7 @@
 #define STACK_PAINT 0x5AC35AC3u
 
 extern uint32_t data_start[], data_end[], data_source[], bss_start[], bss_end[];
-extern char __tls_base[];
+extern char __tls_base[]; /* NOLINT(bugprone-reserved-identifier): the C library's own name */
 
 int main(void);
 void reset_entry(void);

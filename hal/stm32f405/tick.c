@@ -1,8 +1,8 @@
 /* Time base (SysTick, 1 ms) and the tick context (PendSV, below every interrupt and above the main loop). */
+#include "hal/tick.h"
 #include "app/app.h"
 #include "board.h"
 #include "hal/clock.h"
-#include "hal/tick.h"
 #include "registers.h"
 
 void interrupt_systick(void);

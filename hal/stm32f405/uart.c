@@ -4,11 +4,11 @@
  * transmit interrupt, so that a long job in the main loop does not hold a reply back: the emulator raises no
  * such interrupt but takes every byte at once, so there the first pump empties the ring.
  */
+#include "hal/uart.h"
 #include "base/error.h"
 #include "board.h"
 #include "hal/ring.h"
 #include "hal/tick.h"
-#include "hal/uart.h"
 #include "registers.h"
 
 #define BAUD 115200u
@@ -23,7 +23,9 @@ static struct uart {
     struct ring rx, tx;
     struct hal_uart_stats stats;
 } uarts[HAL_UART_COUNT] = {
-    [HAL_UART_CONSOLE] = {.base = USART1_BASE, .rx = RING_OVER(console_rx), .tx = RING_OVER(console_tx)},
+    [HAL_UART_CONSOLE] = {.base = USART1_BASE,
+                          .rx = RING_OVER(console_rx),
+                          .tx = RING_OVER(console_tx)},
     [HAL_UART_LINK] = {.base = USART2_BASE, .rx = RING_OVER(link_rx), .tx = RING_OVER(link_tx)},
 };
 
@@ -53,7 +55,8 @@ static bool receive(struct uart *u, uint32_t status)
     if ((status & (USART_SR_PE | USART_SR_FE | USART_SR_NE | USART_SR_ORE)) != 0) {
         u->stats.line_errors++;
     }
-    if ((status & USART_SR_RXNE) == 0 || (status & (USART_SR_PE | USART_SR_FE | USART_SR_NE)) != 0) {
+    if ((status & USART_SR_RXNE) == 0 ||
+        (status & (USART_SR_PE | USART_SR_FE | USART_SR_NE)) != 0) {
         return false; /* a damaged byte is worth no more than a lost one, and a break is no delimiter */
     }
     u->stats.received++;
@@ -108,8 +111,7 @@ void uart_start(void)
     USART_BRR(USART1_BASE) = (clock_apb2_hz() + BAUD / 2u) / BAUD;
     USART_BRR(USART2_BASE) = (clock_apb1_hz() + BAUD / 2u) / BAUD;
     for (unsigned i = 0; i < HAL_UART_COUNT; i++) {
-        USART_CR1(uarts[i].base) =
-            USART_CR1_UE | USART_CR1_TE | USART_CR1_RE | USART_CR1_RXNEIE;
+        USART_CR1(uarts[i].base) = USART_CR1_UE | USART_CR1_TE | USART_CR1_RE | USART_CR1_RXNEIE;
     }
     NVIC_IPR(USART1_IRQ) = PRIORITY_UART;
     NVIC_IPR(USART2_IRQ) = PRIORITY_UART;
