@@ -1,0 +1,12 @@
+# The ports that run on the host, each around a firmware that only records what reaches it.
+foreach(port memory host)
+  reflux_test(hal_${port} LABEL unit SOURCES "${CMAKE_CURRENT_LIST_DIR}/test_hal_${port}.c" LIBS reflux_hal)
+  target_include_directories(test_hal_${port} PRIVATE
+    "${PROJECT_SOURCE_DIR}/hal/memory" "${PROJECT_SOURCE_DIR}/hal/host" "${CMAKE_BINARY_DIR}/layers/app")
+  target_sources(test_hal_${port} PRIVATE "${PROJECT_SOURCE_DIR}/hal/host/flash_model.c")
+endforeach()
+target_sources(test_hal_memory PRIVATE "${PROJECT_SOURCE_DIR}/hal/memory/memory_port.c")
+target_sources(test_hal_host PRIVATE
+  "${PROJECT_SOURCE_DIR}/hal/host/host_port.c" "${PROJECT_SOURCE_DIR}/hal/host/line.c")
+set_source_files_properties("${CMAKE_CURRENT_LIST_DIR}/test_hal_host.c"
+  PROPERTIES COMPILE_DEFINITIONS _GNU_SOURCE)
