@@ -1,4 +1,4 @@
-#!/usr/bin/env python3
+#!/usr/bin/python3
 """Runs one scenario on two firmwares and asks whether their logs are the same, bit for bit.
 
 usage: same_log.py SCENARIO.toml FIRMWARE FIRMWARE      (firmwares as for tools/run; nothing is built here)

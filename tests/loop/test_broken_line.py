@@ -1,4 +1,4 @@
-#!/usr/bin/env python3
+#!/usr/bin/python3
 """The plant goes away, comes back, and speaks rubbish; the firmware is safe meanwhile and says so."""
 
 import random

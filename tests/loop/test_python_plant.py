@@ -1,4 +1,4 @@
-#!/usr/bin/env python3
+#!/usr/bin/python3
 """A plant in another language, written from docs/plant-link.md alone, is controlled by the firmware."""
 
 import subprocess

@@ -1,4 +1,4 @@
-#!/usr/bin/env python3
+#!/usr/bin/python3
 """A plant written from docs/plant-link.md alone: two first-order tanks with cross flow, lockstep.
 
 usage: python_plant.py WHERE [SAMPLES]     WHERE: a unix socket to connect to, or a pseudo-terminal

@@ -50,17 +50,31 @@ static inline void put_all(const char *const *pairs)
 /* The configuration every test starts from. */
 static inline void bench_config(void)
 {
-    static const char *const pairs[] = {
-        "meas1.name", "T1",     "meas1.unit", "degC",  "meas1.lo", "60", "meas1.hi", "160",
-        "meas2.name", "T10",    "meas2.unit", "degC",  "meas2.lo", "60", "meas2.hi", "160",
-        "meas3.name", "feed",   "meas3.unit", "l/h",   "meas3.hi", "10", "meas4.name", "T5",
-        "meas4.unit", "degC",   "meas4.lo",   "60",    "meas4.hi", "160", "meas1.hold", "10",
-        "meas2.hold", "10",     "mv1.name",   "reflux", "mv1.unit", "l/h", "mv1.hi", "10",
-        "mv1.max",    "10",     "mv2.name",   "heat",  "mv2.unit", "kW", "mv2.hi", "2",
-        "mv2.max",    "2",      "mv3.name",   "spare", "loop1.name", "top", "loop1.pv", "T1",
-        "loop1.out",  "reflux", "loop1.gain", "2",     "loop1.ti", "200", "loop1.action", "direct",
-        "loop2.name", "bottom", "loop2.pv",   "T10",   "loop2.out", "heat", "loop2.gain", "1.5",
-        "loop2.ti",   "300",    NULL};
+    static const char *const pairs[] = {"meas1.name", "T1",         "meas1.unit",
+                                        "degC",       "meas1.lo",   "60",
+                                        "meas1.hi",   "160",        "meas2.name",
+                                        "T10",        "meas2.unit", "degC",
+                                        "meas2.lo",   "60",         "meas2.hi",
+                                        "160",        "meas3.name", "feed",
+                                        "meas3.unit", "l/h",        "meas3.hi",
+                                        "10",         "meas4.name", "T5",
+                                        "meas4.unit", "degC",       "meas4.lo",
+                                        "60",         "meas4.hi",   "160",
+                                        "meas1.hold", "10",         "meas2.hold",
+                                        "10",         "mv1.name",   "reflux",
+                                        "mv1.unit",   "l/h",        "mv1.hi",
+                                        "10",         "mv1.max",    "10",
+                                        "mv2.name",   "heat",       "mv2.unit",
+                                        "kW",         "mv2.hi",     "2",
+                                        "mv2.max",    "2",          "mv3.name",
+                                        "spare",      "loop1.name", "top",
+                                        "loop1.pv",   "T1",         "loop1.out",
+                                        "reflux",     "loop1.gain", "2",
+                                        "loop1.ti",   "200",        "loop1.action",
+                                        "direct",     "loop2.name", "bottom",
+                                        "loop2.pv",   "T10",        "loop2.out",
+                                        "heat",       "loop2.gain", "1.5",
+                                        "loop2.ti",   "300",        NULL};
     parameters_defaults(&bench.config);
     put_all(pairs);
 }
@@ -68,10 +82,10 @@ static inline void bench_config(void)
 /* Two more loops above bottom: outer (T5) drives bottom, outest (feed) drives outer. */
 static inline void bench_cascade(void)
 {
-    static const char *const pairs[] = {"loop3.name", "outer",  "loop3.pv",   "T5",    "loop3.out",
-                                        "bottom",     "loop3.gain", "0.8",    "loop3.ti", "400",
-                                        "loop4.name", "outest", "loop4.pv",   "feed",  "loop4.out",
-                                        "outer",      "loop4.gain", "0.5",    "loop4.ti", "900", NULL};
+    static const char *const pairs[] = {
+        "loop3.name", "outer",    "loop3.pv",   "T5",         "loop3.out", "bottom",   "loop3.gain",
+        "0.8",        "loop3.ti", "400",        "loop4.name", "outest",    "loop4.pv", "feed",
+        "loop4.out",  "outer",    "loop4.gain", "0.5",        "loop4.ti",  "900",      NULL};
     put_all(pairs);
 }
 
@@ -161,8 +175,8 @@ static inline void ticks(unsigned n)
 static inline void request(enum request_kind kind, uint8_t loop, uint8_t output, uint8_t mode,
                            double value)
 {
-    struct request r = {.kind = kind, .loop = loop, .output = output, .mode = mode,
-                        .value = (float)value};
+    struct request r = {
+        .kind = kind, .loop = loop, .output = output, .mode = mode, .value = (float)value};
     const char *name =
         output != PLAN_NONE ? bench.config.output[output].name : bench.config.loop[loop].name;
     memcpy(r.name, name, sizeof r.name);

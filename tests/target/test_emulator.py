@@ -1,4 +1,4 @@
-#!/usr/bin/env python3
+#!/usr/bin/python3
 """The image in the emulator, talked to over its own serial ports."""
 
 import random

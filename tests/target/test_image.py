@@ -1,4 +1,4 @@
-#!/usr/bin/env python3
+#!/usr/bin/python3
 """What must hold for the linked image: no heap, no double, no stdio streams, one file for emulator and flash."""
 
 import re

@@ -1,4 +1,4 @@
-#!/usr/bin/env python3
+#!/usr/bin/python3
 """Draws docs/figures/demo.png, the picture of the README, from the log that tools/demo leaves.
 
 usage: tools/figures/demo_figure.py [LOG.csv] [PICTURE.png]     (default out/demo/log.csv, docs/figures/demo.png)

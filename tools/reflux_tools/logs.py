@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import math
 import re
+import struct
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -43,8 +44,10 @@ class Log:
         return [row[i] for row in self.rows]
 
     def numbers(self, name: str) -> list[float]:
-        """Values of a column; an empty cell is NaN."""
-        return [number(cell) for cell in self.text(name)]
+        """Values of a column; an empty cell is NaN. The firmware's are float32, however many digits its C
+        library prints of them."""
+        read = number32 if name.startswith(FIRMWARE_PREFIX) else number
+        return [read(cell) for cell in self.text(name)]
 
 
 def bare(column: str) -> str:
@@ -70,6 +73,10 @@ def number(cell: str) -> float:
         return float(cell)
     except ValueError:
         return math.nan
+
+
+def number32(cell: str) -> float:
+    return struct.unpack("f", struct.pack("f", number(cell)))[0]
 
 
 def read_csv(path: Path) -> Log:

@@ -1,0 +1,102 @@
+/* Prints the table of parameters in docs/console.md from their declaration. With a file as argument: compares
+ * instead, and fails where the file's table is another.
+ *
+ *     parameter_table                   prints
+ *     parameter_table docs/console.md   compares what stands between the two marks
+ */
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "service/parameters.h"
+
+#define BEGIN_MARK "<!-- parameters: begin -->\n"
+#define END_MARK   "<!-- parameters: end -->"
+
+static char table[60000];
+static size_t used;
+
+static void add(const char *text)
+{
+    size_t n = strlen(text);
+    if (used + n >= sizeof table)
+        exit(2);
+    memcpy(table + used, text, n + 1);
+    used += n;
+}
+
+/* A bar would end the cell. */
+static void add_cell(const char *text)
+{
+    for (; *text; text++) {
+        char one[3] = {*text, '\0', '\0'};
+        if (*text == '|') {
+            one[0] = '\\';
+            one[1] = '|';
+        }
+        add(one);
+    }
+    add(" | ");
+}
+
+static void add_group(const struct parameter_group *group)
+{
+    char line[160];
+    snprintf(line, sizeof line, "\n**`%s%s`**", group->name, group->indexed ? "<i>" : "");
+    add(line);
+    if (group->indexed)
+        snprintf(line, sizeof line, ", i = 1 to %u", group->count);
+    add(group->indexed ? line : "");
+    add("\n\n| name | unit | allowed | default | what | id |\n|---|---|---|---|---|---|\n");
+    for (unsigned f = 0; f < group->n_fields; f++) {
+        struct parameter p = {group, &group->fields[f], 0};
+        char range[100], initial[60];
+        struct text r = text_on(range, sizeof range), d = text_on(initial, sizeof initial);
+        parameter_range(&p, &r);
+        parameter_default(&p, &d);
+        add("| ");
+        add_cell(p.field->name);
+        add_cell(p.field->unit);
+        add_cell(range);
+        bool diagonal = strcmp(group->name, "decouple") == 0;
+        add_cell(diagonal ? "1 on the diagonal, else 0" : initial);
+        add_cell(p.field->help);
+        snprintf(line, sizeof line, "0x%04x |\n", parameter_id(&p));
+        add(line);
+    }
+}
+
+static int compare(const char *path)
+{
+    static char text[200000];
+    FILE *f = fopen(path, "rb");
+    if (!f) {
+        fprintf(stderr, "%s: cannot be opened\n", path);
+        return 1;
+    }
+    text[fread(text, 1, sizeof text - 1, f)] = '\0';
+    fclose(f);
+    char *begin = strstr(text, BEGIN_MARK), *end = strstr(text, END_MARK);
+    if (!begin || !end || end < begin) {
+        fprintf(stderr, "%s: the marks around the table of parameters are missing\n", path);
+        return 1;
+    }
+    begin += strlen(BEGIN_MARK);
+    if ((size_t)(end - begin) == used && memcmp(begin, table, used) == 0)
+        return 0;
+    fprintf(stderr,
+            "%s: the table of parameters is not what the firmware declares; renew it with\n"
+            "    tools/figures/parameter_table.py\n",
+            path);
+    return 1;
+}
+
+int main(int argc, char **argv)
+{
+    for (unsigned g = 0; g < parameter_group_count; g++)
+        add_group(&parameter_groups[g]);
+    add("\n");
+    if (argc == 2)
+        return compare(argv[1]);
+    return fputs(table, stdout) < 0;
+}
