@@ -8,6 +8,7 @@
 #include "hal/uart.h"
 #include "hal/watchdog.h"
 #include "service/console.h"
+#include "service/parameters.h"
 
 #define WATCHDOG_MS 2000
 
@@ -109,9 +110,10 @@ static void follow_plant(struct app *app)
         struct plan *plan = &s->plan[s->in_force];
         if (plan->config.tick_s == 0.0f && plan->tick_s != tick_s) {
             if (plan_set_tick(plan, tick_s, &fault) != ERR_OK) {
-                /* Only dead-time lines can have become too long: an empty plan is the safe way out. */
+                /* A tick no block can keep, or dead times that no longer fit: without channels and loops
+                 * nothing can act. */
                 tick_event(app, EVENT_CONFIG_REFUSED, fault.subject, tick_s);
-                memset(&plan->config, 0, sizeof plan->config);
+                parameters_defaults(&plan->config);
                 (void)!plan_set_tick(plan, tick_s, &fault);
             }
             supervisor_take_plan(&app->supervisor, plan);

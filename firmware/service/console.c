@@ -5,6 +5,7 @@
 
 #include "hal/clock.h"
 #include "hal/identity.h"
+#include "hal/tick.h"
 #include "hal/uart.h"
 #include "hal/watchdog.h"
 
@@ -224,11 +225,26 @@ static void print_header(struct console *c, const struct plan *plan)
     async_line(c, long_line, t.n, sizeof long_line);
 }
 
+/* Once the queue is empty again: how many rows found no room. */
+static bool tell_losses(struct console *c)
+{
+    struct service *s = c->service;
+    uint32_t lost = s->telemetry.lost;
+    if (lost == c->lost_told)
+        return false;
+    hal_tick_lock();
+    uint64_t now = s->supervisor->time_ms;
+    hal_tick_unlock();
+    event_put(&s->main_events, now, EVENT_TELEMETRY_LOST, NULL, (float)(lost - c->lost_told), 0);
+    c->lost_told = lost;
+    return true;
+}
+
 static bool print_row(struct console *c)
 {
     struct telemetry *telemetry = &c->service->telemetry;
     if (!c->header_asked && !spsc_can_read(&telemetry->index))
-        return false;
+        return tell_losses(c);
     if (hal_uart_room(HAL_UART_CONSOLE) < TELEMETRY_LINE_MAX)
         return false;
     if (c->header_asked) {

@@ -35,9 +35,10 @@ struct console {
     unsigned listing_at;
     char argument[CONSOLE_LINE_MAX + 1]; /* of the listing */
 
-    uint32_t header;   /* serial of the plan whose telemetry header was printed last */
-    bool header_asked; /* `log on` is answered once the header is out */
-    bool reboot;       /* after the reply has gone out */
+    uint32_t header;    /* serial of the plan whose telemetry header was printed last */
+    bool header_asked;  /* `log on` is answered once the header is out */
+    uint32_t lost_told; /* telemetry rows reported as lost */
+    bool reboot;        /* after the reply has gone out */
     struct {
         uint32_t lines, errors, dropped;
     } stats;

@@ -149,13 +149,12 @@ void command_out(struct console *c, unsigned n, char **word)
                           "is not in manual; `mode NAME manual` first");
         return;
     }
-    uint8_t direct = j;
     if (j == PLAN_NONE)
         j = plan->loop[loop].output;
     const char *what, *wanted;
-    enum err err = direct != PLAN_NONE && loop == PLAN_NONE
-                       ? service_output_there(c->service, direct, &what, &wanted)
-                       : service_may_act(c->service, loop, LOOP_MANUAL, &what, &wanted);
+    /* By hand an output can be moved without the measurement of its loop. */
+    enum err err = j != PLAN_NONE ? service_output_there(c->service, j, &what, &wanted)
+                                  : service_may_act(c->service, loop, LOOP_MANUAL, &what, &wanted);
     if (err) {
         console_err_about(c, err, what, wanted);
         return;

@@ -70,7 +70,7 @@ MUST_CHECK enum err service_request(struct service *s, const struct request *req
 MUST_CHECK enum err service_may_act(struct service *s, uint8_t loop, enum loop_mode mode,
                                     const char **what, const char **wanted);
 
-/* The same for a manipulated variable that no loop drives. */
+/* The same for a manipulated variable, to be moved by hand. */
 MUST_CHECK enum err service_output_there(struct service *s, uint8_t output, const char **what,
                                          const char **wanted);
 

@@ -331,7 +331,9 @@ static void request_output(struct supervisor *s, const struct request *r)
         name = s->plan->config.loop[r->loop].name;
         /* The output of an outer loop follows the inner one until that listens to it. */
         bool deaf = p->output == PLAN_NONE && s->loop[p->inner].mode != LOOP_CASCADE;
-        if (l->mode != LOOP_MANUAL || deaf || !loop_bound(s, r->loop)) {
+        /* By hand a loop's output can be moved without its measurement. */
+        bool there = p->output == PLAN_NONE ? loop_bound(s, r->loop) : s->output[p->output].bound;
+        if (l->mode != LOOP_MANUAL || deaf || !there) {
             event_put(s->events, s->time_ms, EVENT_REQUEST_REFUSED, name, r->value, 0);
             return;
         }

@@ -1,4 +1,4 @@
-#!/usr/bin/env python3
+#!/usr/bin/python3
 """reflux-sim as a program: exit codes, messages, and whole runs against the test controller.
 
 usage: test_reflux_sim.py REFLUX_SIM TEST_CONTROLLER PYTHON_PLANT

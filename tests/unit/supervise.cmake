@@ -1,0 +1,26 @@
+# Supervision (modes, limits, plans) and the parts of service that need no board.
+reflux_test(decoupler LABEL unit SOURCES ${CMAKE_CURRENT_LIST_DIR}/test_decoupler.c LIBS reflux_control)
+reflux_test(event LABEL unit SOURCES ${CMAKE_CURRENT_LIST_DIR}/test_event.c LIBS reflux_base)
+foreach(part plan supervisor_modes supervisor_cascade supervisor_bumpless supervisor_decoupler
+             supervisor_constrain supervisor_interlock supervisor_measurement supervisor_plan
+             parameters text)
+  if(EXISTS "${CMAKE_CURRENT_LIST_DIR}/test_${part}.c")
+    reflux_test(${part} LABEL unit SOURCES ${CMAKE_CURRENT_LIST_DIR}/test_${part}.c
+                                           ${PROJECT_SOURCE_DIR}/firmware/service/parameters.c
+                                           ${PROJECT_SOURCE_DIR}/firmware/service/parameter_table.c
+                                           ${PROJECT_SOURCE_DIR}/firmware/service/text.c
+                LIBS reflux_supervise)
+    target_include_directories(test_${part} PRIVATE "${CMAKE_BINARY_DIR}/layers/service")
+  endif()
+endforeach()
+
+# The table of parameters in docs/console.md, and whether it is current.
+add_executable(parameter_table "${PROJECT_SOURCE_DIR}/tests/support/parameter_table.c"
+               ${PROJECT_SOURCE_DIR}/firmware/service/parameters.c
+               ${PROJECT_SOURCE_DIR}/firmware/service/parameter_table.c
+               ${PROJECT_SOURCE_DIR}/firmware/service/text.c)
+target_link_libraries(parameter_table PRIVATE reflux_supervise reflux_options)
+target_include_directories(parameter_table PRIVATE "${CMAKE_BINARY_DIR}/layers/service")
+set_target_properties(parameter_table PROPERTIES RUNTIME_OUTPUT_DIRECTORY "${CMAKE_BINARY_DIR}")
+add_test(NAME parameter_document COMMAND parameter_table "${PROJECT_SOURCE_DIR}/docs/console.md")
+set_tests_properties(parameter_document PROPERTIES LABELS unit TIMEOUT 60)

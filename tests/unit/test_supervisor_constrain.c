@@ -1,0 +1,137 @@
+/* Operating limits and rates of the outputs. */
+#include "supervisor_bench.h"
+
+void setUp(void)
+{
+    bench_start();
+}
+void tearDown(void) {}
+
+static void an_acting_loop_stays_inside_the_operating_limits(void)
+{
+    put("mv2.min", "0.4");
+    put("mv2.max", "1.6");
+    apply();
+    mode(BOTTOM, LOOP_AUTO);
+    tick();
+    reading(T10, 70);
+    ticks(50);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-6, 0.8, sent(HEAT));
+    reading(T10, 159);
+    ticks(50);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-6, 0.2, sent(HEAT));
+}
+
+static void an_output_comes_off_its_limit_as_soon_as_the_error_turns(void)
+{
+    put("mv2.max", "1.6");
+    apply();
+    mode(BOTTOM, LOOP_AUTO);
+    tick();
+    reading(T10, 110);
+    ticks(5000);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-6, 0.8, sent(HEAT));
+    reading(T10, 116);
+    ticks(2);
+    TEST_ASSERT_TRUE(sent(HEAT) < 0.79);
+}
+
+static void manual_is_limited_too_but_may_rest_at_the_safe_value(void)
+{
+    put("mv2.min", "0.4");
+    apply();
+    out(BOTTOM, 0.2);
+    tick();
+    TEST_ASSERT_DOUBLE_WITHIN(1e-6, 0.1, sent(HEAT)); /* between safe (0) and min */
+    out(BOTTOM, 0);
+    tick();
+    TEST_ASSERT_DOUBLE_WITHIN(0, 0, sent(HEAT));
+    put("mv2.safe", "0.5");
+    apply();
+    out(BOTTOM, 0.2);
+    tick();
+    TEST_ASSERT_DOUBLE_WITHIN(1e-6, 0.2, sent(HEAT));
+}
+
+static void the_rate_limits_automatic_and_manual(void)
+{
+    set_and_apply("mv2.rate", "0.1"); /* a twentieth of the span a second */
+    out(BOTTOM, 1.6);
+    tick();
+    TEST_ASSERT_DOUBLE_WITHIN(1e-6, 0.55, sent(HEAT));
+    ticks(10);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-6, 0.8, sent(HEAT));
+    mode(BOTTOM, LOOP_AUTO);
+    tick();
+    reading(T10, 155);
+    tick();
+    TEST_ASSERT_DOUBLE_WITHIN(1e-6, 0.75, sent(HEAT));
+}
+
+static void the_rate_holds_from_the_first_command_after_the_safe_state(void)
+{
+    set_and_apply("mv2.rate", "0.1");
+    supervisor_go_safe(&bench.s, "test");
+    out(BOTTOM, 1.6); /* no tick in between */
+    tick();
+    TEST_ASSERT_DOUBLE_WITHIN(1e-6, 0.05, sent(HEAT));
+}
+
+static void the_safe_state_does_not_wait_for_the_rate(void)
+{
+    set_and_apply("mv2.rate", "0.01");
+    supervisor_go_safe(&bench.s, "test");
+    tick();
+    TEST_ASSERT_DOUBLE_WITHIN(0, 0, sent(HEAT));
+}
+
+static void a_rate_below_the_resolution_of_a_tick_does_not_freeze_the_output(void)
+{
+    bench.tick_ms = 50;
+    set_and_apply("mv2.rate", "5e-7"); /* 1.25e-8 of span a tick */
+    out(BOTTOM, 0);
+    ticks(20000);
+    TEST_ASSERT_DOUBLE_WITHIN(2e-5, 0.5 - 20000 * 1.25e-8, sent(HEAT));
+    TEST_ASSERT_TRUE(sent(HEAT) < 0.4999);
+}
+
+static void new_limits_are_entered_at_the_rate(void)
+{
+    put("mv2.rate", "0.1");
+    put("mv2.max", "0.6");
+    apply();
+    mode(BOTTOM, LOOP_AUTO);
+    tick();
+    TEST_ASSERT_DOUBLE_WITHIN(1e-6, 0.45, sent(HEAT));
+    ticks(10);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-6, 0.3, sent(HEAT));
+}
+
+static void a_rate_limited_loop_does_not_wind_up(void)
+{
+    set_and_apply("mv2.rate", "0.002");
+    mode(BOTTOM, LOOP_AUTO);
+    tick();
+    reading(T10, 75);
+    ticks(100); /* far behind what it wants */
+    double at = sent(HEAT);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-4, 0.6, at);
+    reading(T10, 125);
+    ticks(20);
+    TEST_ASSERT_TRUE(sent(HEAT) < at - 0.015);
+}
+
+int main(void)
+{
+    UNITY_BEGIN();
+    RUN_TEST(an_acting_loop_stays_inside_the_operating_limits);
+    RUN_TEST(an_output_comes_off_its_limit_as_soon_as_the_error_turns);
+    RUN_TEST(manual_is_limited_too_but_may_rest_at_the_safe_value);
+    RUN_TEST(the_rate_limits_automatic_and_manual);
+    RUN_TEST(the_rate_holds_from_the_first_command_after_the_safe_state);
+    RUN_TEST(the_safe_state_does_not_wait_for_the_rate);
+    RUN_TEST(a_rate_below_the_resolution_of_a_tick_does_not_freeze_the_output);
+    RUN_TEST(new_limits_are_entered_at_the_rate);
+    RUN_TEST(a_rate_limited_loop_does_not_wind_up);
+    return UNITY_END();
+}

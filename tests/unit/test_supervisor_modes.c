@@ -1,0 +1,304 @@
+/* Modes, setpoints, requests, divisors, the safe state. */
+#include "supervisor_bench.h"
+
+void setUp(void)
+{
+    bench_start();
+}
+void tearDown(void) {}
+
+static void after_start_everything_is_safe_and_in_manual(void)
+{
+    memset(&bench, 0, sizeof bench);
+    bench.tick_ms = 1000;
+    bench_config();
+    put("mv1.safe", "3");
+    event_queue_init(&bench.events);
+    supervisor_init(&bench.s, &bench.events);
+    apply();
+    reading(T1, 85);
+    reading(T10, 115);
+    ticks(5);
+    TEST_ASSERT_EQUAL(SUPERVISOR_SAFE, bench.s.state);
+    TEST_ASSERT_EQUAL(LOOP_MANUAL, bench.s.loop[TOP].mode);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-6, 0.3, sent(REFLUX));
+    TEST_ASSERT_DOUBLE_WITHIN(0, 0, sent(HEAT));
+}
+
+static void an_operators_first_act_ends_the_safe_state(void)
+{
+    supervisor_go_safe(&bench.s, "test");
+    tick();
+    TEST_ASSERT_EQUAL(SUPERVISOR_SAFE, bench.s.state);
+    out(TOP, 4);
+    tick();
+    TEST_ASSERT_EQUAL(SUPERVISOR_RUN, bench.s.state);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-6, 0.4, sent(REFLUX));
+    TEST_ASSERT_DOUBLE_WITHIN(0, 0, sent(HEAT)); /* the others stay where they are safe */
+}
+
+static void going_safe_takes_every_loop_to_manual_and_says_why(void)
+{
+    put("mv2.safe", "0.2");
+    apply();
+    mode(TOP, LOOP_AUTO);
+    mode(BOTTOM, LOOP_AUTO);
+    ticks(3);
+    bench_forget_events();
+    supervisor_go_safe(&bench.s, "link");
+    tick();
+    TEST_ASSERT_EQUAL(1, happened(EVENT_SAFE_STATE, "link"));
+    TEST_ASSERT_EQUAL(LOOP_MANUAL, bench.s.loop[TOP].mode);
+    TEST_ASSERT_DOUBLE_WITHIN(0, 0, sent(REFLUX));
+    TEST_ASSERT_DOUBLE_WITHIN(1e-6, 0.1, sent(HEAT));
+    supervisor_go_safe(&bench.s, "link");
+    TEST_ASSERT_EQUAL(1, happened(EVENT_SAFE_STATE, NULL)); /* once */
+}
+
+static void automatic_moves_the_output_against_the_error(void)
+{
+    mode(BOTTOM, LOOP_AUTO);
+    mode(TOP, LOOP_AUTO);
+    tick();
+    reading(T10, 110); /* too cold: heat */
+    reading(T1, 88);   /* too warm: reflux, direct acting */
+    tick();
+    TEST_ASSERT_TRUE(sent(HEAT) > 0.5 + 0.07);
+    TEST_ASSERT_TRUE(sent(REFLUX) > 0.5 + 0.05);
+}
+
+static void manual_keeps_the_output_automatic_left(void)
+{
+    mode(BOTTOM, LOOP_AUTO);
+    tick();
+    reading(T10, 111);
+    ticks(20);
+    double left = sent(HEAT);
+    mode(BOTTOM, LOOP_MANUAL);
+    ticks(20);
+    TEST_ASSERT_DOUBLE_WITHIN(0, left, sent(HEAT));
+    TEST_ASSERT_EQUAL(1, happened(EVENT_MODE, "bottom") - 1); /* one into auto, one out of it */
+}
+
+static void a_setpoint_in_manual_follows_the_measurement(void)
+{
+    reading(T10, 120);
+    tick();
+    TEST_ASSERT_DOUBLE_WITHIN(1e-6, 0.6, setpoint_of(BOTTOM));
+    setpoint(BOTTOM, 130);
+    TEST_ASSERT_EQUAL(1, happened(EVENT_REQUEST_REFUSED, "bottom"));
+}
+
+static void a_setpoint_of_ones_own_is_kept_in_manual_where_that_is_chosen(void)
+{
+    set_and_apply("loop2.sp_track", "off");
+    setpoint(BOTTOM, 130);
+    reading(T10, 120);
+    ticks(3);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-6, 0.7, setpoint_of(BOTTOM));
+    mode(BOTTOM, LOOP_AUTO);
+    tick();
+    TEST_ASSERT_DOUBLE_WITHIN(1e-6, 0.7, setpoint_of(BOTTOM));
+}
+
+static void a_setpoint_never_given_is_the_measurement_also_without_tracking(void)
+{
+    set_and_apply("loop2.name", "fresh"); /* another loop now, at rest since this plan */
+    set_and_apply("loop2.sp_track", "off");
+    reading(T10, 123);
+    tick();
+    mode(BOTTOM, LOOP_AUTO);
+    tick();
+    TEST_ASSERT_DOUBLE_WITHIN(1e-6, 0.63, setpoint_of(BOTTOM));
+}
+
+static void a_loop_may_enter_automatic_in_the_tick_that_brought_its_plan(void)
+{
+    set_and_apply("loop2.name", "fresh");
+    reading(T10, 123);
+    validate();
+    mode(BOTTOM, LOOP_AUTO);
+    supervisor_control(&bench.s);
+    TEST_ASSERT_EQUAL(LOOP_AUTO, bench.s.loop[BOTTOM].mode);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-6, 0.63, setpoint_of(BOTTOM)); /* not the foot of the span */
+    TEST_ASSERT_DOUBLE_WITHIN(1e-6, 0.5, sent(HEAT));
+}
+
+static void a_setpoint_outside_its_limits_is_refused(void)
+{
+    put("loop2.sp_lo", "100");
+    put("loop2.sp_hi", "130");
+    apply();
+    mode(BOTTOM, LOOP_AUTO);
+    tick();
+    setpoint(BOTTOM, 131);
+    setpoint(BOTTOM, 99);
+    TEST_ASSERT_EQUAL(2, happened(EVENT_REQUEST_REFUSED, "bottom"));
+    setpoint(BOTTOM, 130);
+    tick();
+    TEST_ASSERT_DOUBLE_WITHIN(1e-6, 0.7, setpoint_of(BOTTOM));
+}
+
+static void automatic_begins_inside_the_setpoint_limits_without_a_bump(void)
+{
+    put("loop2.sp_lo", "60");
+    put("loop2.sp_hi", "110"); /* the measurement is above */
+    apply();
+    tick();
+    mode(BOTTOM, LOOP_AUTO);
+    tick();
+    TEST_ASSERT_DOUBLE_WITHIN(1e-6, 0.5, setpoint_of(BOTTOM));
+    ASSERT_NO_BUMP(0.5, sent(HEAT));
+    ticks(30);
+    TEST_ASSERT_TRUE(sent(HEAT) < 0.5);
+}
+
+static void a_setpoint_ramp_moves_at_its_rate_and_arrives(void)
+{
+    set_and_apply("loop2.sp_ramp", "60"); /* one degree a second */
+    mode(BOTTOM, LOOP_AUTO);
+    tick();
+    setpoint(BOTTOM, 120);
+    tick();
+    TEST_ASSERT_DOUBLE_WITHIN(1e-5, 0.56, setpoint_of(BOTTOM));
+    ticks(3);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-5, 0.59, setpoint_of(BOTTOM));
+    ticks(3);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-7, D(N(0.6)), setpoint_of(BOTTOM));
+}
+
+static void a_setpoint_filter_goes_the_first_order_way(void)
+{
+    set_and_apply("loop2.sp_filter", "9");
+    mode(BOTTOM, LOOP_AUTO);
+    tick();
+    setpoint(BOTTOM, 125);
+    tick();
+    TEST_ASSERT_DOUBLE_WITHIN(1e-5, 0.56, setpoint_of(BOTTOM)); /* a tenth of the way each tick */
+    tick();
+    TEST_ASSERT_DOUBLE_WITHIN(1e-5, 0.569, setpoint_of(BOTTOM));
+    ticks(300);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-6, 0.65, setpoint_of(BOTTOM));
+}
+
+static void cascade_without_an_outer_loop_is_refused(void)
+{
+    mode(BOTTOM, LOOP_CASCADE);
+    TEST_ASSERT_EQUAL(1, happened(EVENT_MODE_REFUSED, "bottom"));
+    TEST_ASSERT_EQUAL(LOOP_MANUAL, bench.s.loop[BOTTOM].mode);
+}
+
+static void a_loop_acts_only_while_its_channels_are_there(void)
+{
+    supervisor_unbind(&bench.s);
+    supervisor_bind_measurement(&bench.s, T10);
+    mode(BOTTOM, LOOP_AUTO);
+    TEST_ASSERT_EQUAL(1, happened(EVENT_MODE_REFUSED, "bottom"));
+    supervisor_unbind(&bench.s);
+    supervisor_bind_output(&bench.s, HEAT);
+    mode(BOTTOM, LOOP_AUTO);
+    TEST_ASSERT_EQUAL(2, happened(EVENT_MODE_REFUSED, "bottom"));
+    supervisor_bind_measurement(&bench.s, T10);
+    tick();
+    mode(BOTTOM, LOOP_AUTO);
+    TEST_ASSERT_EQUAL(LOOP_AUTO, bench.s.loop[BOTTOM].mode);
+}
+
+static void a_loop_whose_channel_is_no_longer_bound_goes_to_manual(void)
+{
+    mode(BOTTOM, LOOP_AUTO);
+    mode(TOP, LOOP_AUTO);
+    tick();
+    supervisor_unbind(&bench.s);
+    supervisor_bind_measurement(&bench.s, T1);
+    supervisor_bind_measurement(&bench.s, T10);
+    supervisor_bind_output(&bench.s, REFLUX); /* heat is gone */
+    tick();
+    TEST_ASSERT_EQUAL(LOOP_MANUAL, bench.s.loop[BOTTOM].mode);
+    TEST_ASSERT_EQUAL(LOOP_AUTO, bench.s.loop[TOP].mode);
+    supervisor_unbind(&bench.s);
+    supervisor_bind_output(&bench.s, REFLUX); /* and now T1 */
+    tick();
+    TEST_ASSERT_EQUAL(LOOP_MANUAL, bench.s.loop[TOP].mode);
+}
+
+static void a_manual_output_is_refused_while_the_loop_acts(void)
+{
+    mode(BOTTOM, LOOP_AUTO);
+    out(BOTTOM, 1.8);
+    tick();
+    TEST_ASSERT_EQUAL(1, happened(EVENT_REQUEST_REFUSED, "bottom"));
+    TEST_ASSERT_DOUBLE_WITHIN(1e-6, 0.5, sent(HEAT));
+}
+
+static void an_output_without_a_loop_can_be_moved_by_its_own_name(void)
+{
+    request(REQUEST_OUTPUT, PLAN_NONE, SPARE, 0, 70);
+    tick();
+    TEST_ASSERT_DOUBLE_WITHIN(1e-6, 0.7, sent(SPARE));
+}
+
+static void requests_to_what_has_vanished_or_changed_places_are_refused(void)
+{
+    struct request r = {
+        .kind = REQUEST_MODE, .loop = TOP, .output = PLAN_NONE, .mode = LOOP_AUTO, .name = "gone"};
+    supervisor_request(&bench.s, &r);
+    TEST_ASSERT_EQUAL(1, happened(EVENT_REQUEST_REFUSED, "gone"));
+    TEST_ASSERT_EQUAL(LOOP_MANUAL, bench.s.loop[TOP].mode);
+    r = (struct request){
+        .kind = REQUEST_OUTPUT, .loop = PLAN_NONE, .output = SPARE, .name = "heat"};
+    supervisor_request(&bench.s, &r);
+    TEST_ASSERT_EQUAL(1, happened(EVENT_REQUEST_REFUSED, "heat"));
+    r = (struct request){.kind = REQUEST_SETPOINT, .loop = CONFIG_LOOPS - 1, .output = PLAN_NONE};
+    supervisor_request(&bench.s, &r);
+    r = (struct request){.kind = REQUEST_MODE, .loop = 200, .output = PLAN_NONE};
+    supervisor_request(&bench.s, &r);
+    r = (struct request){.kind = REQUEST_OUTPUT, .loop = 0, .output = 100};
+    supervisor_request(&bench.s, &r);
+    TEST_ASSERT_EQUAL(5, happened(EVENT_REQUEST_REFUSED, NULL));
+}
+
+static void a_loop_runs_only_in_the_ticks_of_its_divisor_and_phase(void)
+{
+    put("loop2.divisor", "4");
+    put("loop2.phase", "1");
+    apply();
+    mode(BOTTOM, LOOP_AUTO);
+    ticks(8);
+    for (unsigned n = 0; n < 40; n++) {
+        double before = sent(HEAT);
+        bool due = bench.s.ticks % 4 == 1;
+        reading(T10, 115 - 0.1 * (n + 1));
+        tick();
+        if (due)
+            TEST_ASSERT_TRUE(sent(HEAT) > before);
+        else
+            TEST_ASSERT_DOUBLE_WITHIN(0, before, sent(HEAT));
+    }
+}
+
+int main(void)
+{
+    UNITY_BEGIN();
+    RUN_TEST(after_start_everything_is_safe_and_in_manual);
+    RUN_TEST(an_operators_first_act_ends_the_safe_state);
+    RUN_TEST(going_safe_takes_every_loop_to_manual_and_says_why);
+    RUN_TEST(automatic_moves_the_output_against_the_error);
+    RUN_TEST(manual_keeps_the_output_automatic_left);
+    RUN_TEST(a_setpoint_in_manual_follows_the_measurement);
+    RUN_TEST(a_setpoint_of_ones_own_is_kept_in_manual_where_that_is_chosen);
+    RUN_TEST(a_setpoint_never_given_is_the_measurement_also_without_tracking);
+    RUN_TEST(a_loop_may_enter_automatic_in_the_tick_that_brought_its_plan);
+    RUN_TEST(a_setpoint_outside_its_limits_is_refused);
+    RUN_TEST(automatic_begins_inside_the_setpoint_limits_without_a_bump);
+    RUN_TEST(a_setpoint_ramp_moves_at_its_rate_and_arrives);
+    RUN_TEST(a_setpoint_filter_goes_the_first_order_way);
+    RUN_TEST(cascade_without_an_outer_loop_is_refused);
+    RUN_TEST(a_loop_acts_only_while_its_channels_are_there);
+    RUN_TEST(a_loop_whose_channel_is_no_longer_bound_goes_to_manual);
+    RUN_TEST(a_manual_output_is_refused_while_the_loop_acts);
+    RUN_TEST(an_output_without_a_loop_can_be_moved_by_its_own_name);
+    RUN_TEST(requests_to_what_has_vanished_or_changed_places_are_refused);
+    RUN_TEST(a_loop_runs_only_in_the_ticks_of_its_divisor_and_phase);
+    return UNITY_END();
+}
