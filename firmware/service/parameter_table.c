@@ -98,7 +98,7 @@ static const struct parameter_field loop_fields[] = {
 /* Row i of the decoupler is decouple<i>.d1 .. d8. Its diagonal is 1 by default (parameters_defaults). */
 #define D(k)                                                                                       \
     {                                                                                              \
-        k, PARAMETER_FLOAT, ((k) - 1) * sizeof(float), "d" #k, "fraction/fraction", -100, 100, 0,    \
+        k, PARAMETER_FLOAT, ((k)-1) * sizeof(float), "d" #k, "fraction/fraction", -100, 100, 0,    \
             NULL, "output of this row's loop per output of loop " #k                               \
     }
 static const struct parameter_field decoupler_fields[] = {
