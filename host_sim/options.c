@@ -4,6 +4,8 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "plant_library.h"
+#include "plant_task.h"
 #include "text.h"
 
 #define DURATION_MAX_S 3.2e9 /* a century */
@@ -14,7 +16,7 @@ void options_print_help(void)
         "usage: reflux-sim --plant NAME --port WHERE [options]\n"
         "Runs a simulated plant in lockstep with the firmware at the other end of the plant link.\n"
         "\n"
-        "  --plant NAME           which plant (see --list)\n"
+        "  --plant NAME           which plant (see --list), or a file: path/to/plant.json\n"
         "  --port WHERE           plant link: socket:PATH, pty:PATH, newpty[:LINK],\n"
         "                         serial:/dev/ttyX[@BAUD], or the path of a socket or terminal\n"
         "  --console WHERE        the firmware's console, for the options that follow\n"
@@ -28,46 +30,22 @@ void options_print_help(void)
         "max)\n"
         "  --event T:NAME=VALUE   at plant time T; repeatable. NAME: a disturbance, "
         "CHANNEL.option, noise\n"
-        "                         measurements: bias noise resolution quality lag\n"
-        "                         manipulated variables: hi lo slew stuck free lag\n"
+        "                         measurements: bias drift noise resolution lag quality stuck\n"
+        "                           frozen dead free spike spike_rate dropout nan\n"
+        "                         manipulated variables: hi lo slew lag stiction stuck free "
+        "readback\n"
+        "                         (docs/faults.md says what each does)\n"
         "  --seed N               of the sensor noise (default 1)\n"
         "  --noise X              noise of all sensors, times their own (default 1)\n"
         "  --timeout S            longest wait for one answer, wall clock (default 10)\n"
         "  --progress             show how far the run has come, on stderr\n"
-        "  --list                 plants with their channels, units and spans\n"
-        "  --help                 this text\n"
+        "  --help                 this text\n",
+        stdout);
+    (void)fputs(plant_task_help, stdout);
+    (void)fputs(
         "\n"
         "exit status: 0 done, 1 the run failed, 2 bad option or input file, 130 interrupted\n",
         stdout);
-}
-
-static const char *kind_name(enum plant_kind kind)
-{
-    switch (kind) {
-    case PLANT_MV:
-        return "manipulated";
-    case PLANT_DISTURBANCE:
-        return "disturbance";
-    case PLANT_MEASUREMENT:
-        return "measurement";
-    default:
-        return "internal";
-    }
-}
-
-void options_print_plants(void)
-{
-    for (size_t k = 0; plant_classes[k] != NULL; k++) {
-        const struct plant_class *class = plant_classes[k];
-        (void)printf("%s: %s\n  source: %s\n  tick: %g s\n", class->name, class->title,
-                     class->source, class->tick_s);
-        for (size_t i = 0; i < class->n_channels; i++) {
-            const struct plant_channel *c = &class->channels[i];
-            (void)printf("  %-12s %-15s %-8s %10g to %-10g nominal %-10g %s\n", kind_name(c->kind),
-                         c->name, c->unit, c->lo, c->hi, c->nominal,
-                         c->help != NULL ? c->help : "");
-        }
-    }
 }
 
 static bool number(const char *name, const char *text, double lo, double hi, const char *unit,
@@ -82,15 +60,9 @@ static bool number(const char *name, const char *text, double lo, double hi, con
 
 static bool take_plant(struct sim_options *o, const char *text, char *err, size_t err_size)
 {
-    o->class = plant_find(text);
-    if (o->class != NULL) {
-        return true;
-    }
-    (void)sim_fail(err, err_size, "--plant %s: no such plant; there is ", text);
-    for (size_t k = 0; plant_classes[k] != NULL; k++) {
-        sim_append(err, err_size, "%s%s", k > 0 ? ", " : "", plant_classes[k]->name);
-    }
-    return false;
+    char reason[SIM_ERROR_SIZE] = "";
+    o->class = plant_open(text, reason, sizeof(reason));
+    return o->class != NULL || sim_fail(err, err_size, "--plant %s", reason);
 }
 
 static bool take_number(struct sim_options *o, const char *name, const char *text, char *err,
@@ -171,7 +143,7 @@ static bool take_value(struct sim_options *o, const char *name, const char *text
 
 static bool complete(struct sim_options *o, char *err, size_t err_size)
 {
-    if (o->list || o->help) {
+    if (o->help) {
         return true;
     }
     if (o->class == NULL || o->port == NULL) {
@@ -188,6 +160,11 @@ static bool complete(struct sim_options *o, char *err, size_t err_size)
     if (o->tick_ms == 0) {
         o->tick_ms = (uint32_t)lround(o->class->tick_s * 1000.0);
     }
+    if (o->class->period_s > 0.0 && o->tick_ms != (uint32_t)lround(o->class->period_s * 1000.0)) {
+        return sim_fail(err, err_size,
+                        "--tick %g: %s is a discrete plant of period %g s; no other tick will do",
+                        (double)o->tick_ms / 1000.0, o->class->name, o->class->period_s);
+    }
     return true;
 }
 
@@ -196,9 +173,7 @@ bool options_read(struct sim_options *o, int argc, char **argv, char *err, size_
     *o = (struct sim_options){.seed = 1, .noise = 1.0, .duration_s = -1.0, .timeout_s = 10.0};
     for (int i = 1; i < argc; i++) {
         const char *name = argv[i];
-        if (strcmp(name, "--list") == 0) {
-            o->list = true;
-        } else if (strcmp(name, "--help") == 0 || strcmp(name, "-h") == 0) {
+        if (strcmp(name, "--help") == 0 || strcmp(name, "-h") == 0) {
             o->help = true;
         } else if (strcmp(name, "--progress") == 0) {
             o->progress = true;

@@ -17,13 +17,12 @@ struct sim_options {
     double duration_s; /* negative: without end */
     uint32_t tick_ms;
     double timeout_s;
-    bool progress, list, help;
+    bool progress, help;
     const char *event[OPTIONS_EVENTS_MAX];
     size_t n_events;
 };
 
 bool options_read(struct sim_options *o, int argc, char **argv, char *err, size_t err_size);
 void options_print_help(void);
-void options_print_plants(void);
 
 #endif

@@ -36,7 +36,20 @@ struct plant_channel {
     const char *help;
 };
 
-struct plant; /* opaque, one per implementation */
+struct plant;        /* opaque, one per implementation */
+struct linear_model; /* linear_plant.h */
+
+/* Access to a nonlinear plant's state, so that it can be linearised by differences. */
+struct plant_states {
+    size_t (*count)(const struct plant *p);
+    const char *unit; /* of every state */
+    double lo, hi;    /* states stay between these */
+    double step;      /* a difference that is small for every state */
+    void (*get)(const struct plant *p, double *x);
+    bool (*set)(struct plant *p, const double *x, char *err, size_t err_size);
+    /* Rates of change per second at the present state and inputs. */
+    bool (*rates)(struct plant *p, double *rates, char *err, size_t err_size);
+};
 
 struct plant_class {
     const char *name;   /* as in --plant */
@@ -57,9 +70,19 @@ struct plant_class {
     double (*value)(const struct plant *p, size_t channel);
     /* Moves the state to the steady state of the present inputs, time unchanged. */
     bool (*settle)(struct plant *p, char *err, size_t err_size);
+
+    /* The rest may be left out. */
+    const char *ours; /* what the source does not give and we chose, when source does not say it */
+    const char *time_unit; /* of the source's numbers, NULL = s; here all is in seconds */
+    double period_s;       /* discrete plants: the only tick they take; 0 = any */
+    const struct linear_model *model; /* plants from a file: then create is NULL */
+    const struct plant_states *states;
 };
 
-/* All plants built in, NULL-terminated. */
+/* A plant of a class at its nominal steady state, time 0. NULL on error, with the reason in err. */
+struct plant *plant_create(const struct plant_class *class, char *err, size_t err_size);
+
+/* All plants written in C, NULL-terminated. Those in files: plant_library.h. */
 extern const struct plant_class *const plant_classes[];
 const struct plant_class *plant_find(const char *name);
 

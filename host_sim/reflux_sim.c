@@ -10,6 +10,8 @@
 
 #include "lockstep.h"
 #include "options.h"
+#include "plant_library.h"
+#include "plant_task.h"
 #include "text.h"
 
 enum { EXIT_DONE = 0, EXIT_FAILED = 1, EXIT_BAD_INPUT = 2, EXIT_INTERRUPTED = 130 };
@@ -101,7 +103,7 @@ static bool connect_all(char *err, size_t err_size)
 {
     const struct sim_options *o = &sim.options;
     uint64_t patience = (uint64_t)(o->timeout_s * 1000.0);
-    sim.plant = o->class->create(err, err_size);
+    sim.plant = plant_create(o->class, err, err_size);
     if (sim.plant == NULL) {
         return false;
     }
@@ -185,22 +187,26 @@ static int tidy_up(int status, char *err, size_t err_size)
         sim.options.class->destroy(sim.plant);
     }
     script_free(&sim.script);
+    plant_library_free();
     return status;
 }
 
 int reflux_sim(int argc, char **argv)
 {
     char err[SIM_ERROR_SIZE] = "";
+    if (plant_task_wanted(argc, argv)) {
+        int done = plant_task(argc, argv, err, sizeof(err));
+        if (err[0] != '\0') {
+            (void)fprintf(stderr, "reflux-sim: %s\n", err);
+        }
+        return done;
+    }
     if (!options_read(&sim.options, argc, argv, err, sizeof(err))) {
         (void)fprintf(stderr, "reflux-sim: %s\n", err);
         return EXIT_BAD_INPUT;
     }
     if (sim.options.help) {
         options_print_help();
-        return EXIT_DONE;
-    }
-    if (sim.options.list) {
-        options_print_plants();
         return EXIT_DONE;
     }
     struct sigaction action = {.sa_handler = on_signal};

@@ -26,6 +26,7 @@
  * of the bottom. Reflux beyond what the condenser makes is cut (total reflux, D = 0); boil-up beyond what
  * reflux and feed can supply is cut (B = 0: the heater is then partly uncovered). Lr_eff and V show it. */
 #include "column_solver.h"
+#include "column_states.h"
 #include "plant.h"
 
 #include <math.h>
@@ -269,6 +270,37 @@ static double pilot_value(const struct plant *p, size_t channel)
     }
 }
 
+static size_t pilot_state_count(const struct plant *p)
+{
+    return column_states_count(p->solver);
+}
+
+static void pilot_get_state(const struct plant *p, double *x)
+{
+    column_states_get(p->solver, x);
+}
+
+static bool pilot_set_state(struct plant *p, const double *x, char *err, size_t err_size)
+{
+    return column_solver_set_state(p->solver, x, err, err_size);
+}
+
+static bool pilot_rates(struct plant *p, double *rates, char *err, size_t err_size)
+{
+    return column_states_rates(p->solver, rates, err, err_size);
+}
+
+static const struct plant_states pilot_states = {
+    .count = pilot_state_count,
+    .unit = "mole fraction of trichloroethylene, reboiler first",
+    .lo = 0.0,
+    .hi = 1.0,
+    .step = COLUMN_STATES_STEP,
+    .get = pilot_get_state,
+    .set = pilot_set_state,
+    .rates = pilot_rates,
+};
+
 const struct plant_class plant_pilot = {
     .name = "pilot",
     .title = "10-tray pilot column, trichloroethylene / tetrachloroethylene",
@@ -284,4 +316,5 @@ const struct plant_class plant_pilot = {
     .advance = pilot_advance,
     .value = pilot_value,
     .settle = pilot_settle,
+    .states = &pilot_states,
 };

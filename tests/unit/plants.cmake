@@ -9,3 +9,13 @@ reflux_test(pilot LABEL unit SOURCES ${CMAKE_CURRENT_LIST_DIR}/test_pilot.c LIBS
 # Not a test: what a tick of the pilot costs.
 add_executable(plant_cost "${PROJECT_SOURCE_DIR}/tests/bench/plant_cost.c")
 target_link_libraries(plant_cost PRIVATE reflux_plants reflux_options m)
+
+# Linear plants: files, exact steps, and the program around them.
+reflux_test(linear_plants LABEL unit SOURCES ${CMAKE_CURRENT_LIST_DIR}/test_linear_plants.c
+            LIBS reflux_bench reflux_plants)
+find_program(PYTHON3 NAMES python3 PATHS /usr/bin NO_DEFAULT_PATH)
+find_program(PYTHON3 NAMES python3)
+add_test(NAME linear_files
+  COMMAND "${PYTHON3}" "${CMAKE_CURRENT_LIST_DIR}/test_linear_files.py" $<TARGET_FILE:reflux-sim>)
+set_tests_properties(linear_files PROPERTIES LABELS unit TIMEOUT 300
+  ENVIRONMENT "PYTHONDONTWRITEBYTECODE=1")

@@ -70,7 +70,7 @@ def write_script(scenario: Scenario, path: Path) -> None:
 
 
 def simulator_command(scenario: Scenario, firmware: launch.Firmware, out: Path) -> list[str]:
-    command = [str(build.find_program("host", firmware.simulator)), "--plant", scenario.plant,
+    command = [str(build.find_program("host", firmware.simulator)), "--plant", plant_argument(scenario),
                "--port", firmware.link, "--console", firmware.console, "--script", str(out / "script.txt"),
                "--transcript", str(out / "transcript.txt"), "--telemetry", str(out / "telemetry.csv"),
                "--log", str(out / "simulator.csv"), "--speed", scenario.speed, "--seed", str(scenario.seed),
@@ -197,8 +197,17 @@ def _read(path: Path) -> list[str]:
         return []
 
 
+def plant_argument(scenario: Scenario) -> str:
+    """A plant file is looked for from the scenario's folder; anything else is a name."""
+    return str(scenario.file.parent / scenario.plant) if scenario.plant.endswith(".json") else scenario.plant
+
+
 def check_plant(scenario: Scenario) -> None:
     """Refuses a plant that the simulator does not know, before anything is started."""
+    if scenario.plant.endswith(".json"):
+        if not Path(plant_argument(scenario)).is_file():
+            raise UserError(f'{shown(scenario.file)}: plant is "{scenario.plant}"; there is no such file')
+        return
     names = plants()
     if names and scenario.plant not in names:
         raise UserError(f'{shown(scenario.file)}: plant is "{scenario.plant}"; known are: {", ".join(names)}')
