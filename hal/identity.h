@@ -2,6 +2,7 @@
 #ifndef REFLUX_HAL_IDENTITY_H
 #define REFLUX_HAL_IDENTITY_H
 
+#include <stdbool.h>
 #include <stdint.h>
 
 enum hal_reset {
@@ -12,6 +13,29 @@ enum hal_reset {
     HAL_RESET_FAULT,
     HAL_RESET_UNKNOWN
 };
+
+/* What is left of the last fault since power-on; in memory that survives a reset. */
+struct hal_fault {
+    uint32_t
+        exception; /* number of the exception: 3 hard, 4 memory, 5 bus, 6 usage; else unexpected */
+    uint32_t pc, lr, psr;  /* where it happened; 0 when the stack was gone */
+    uint32_t status, hard; /* CFSR and HFSR */
+    uint32_t address;      /* that was reached for; 0 when the processor does not know */
+    bool in_tick;          /* else in the main loop or an interrupt */
+    uint32_t up_ms;        /* clock at the time, low word */
+    uint32_t boots_ago;    /* 1 = it caused this start */
+};
+
+/* False: none. */
+bool hal_last_fault(struct hal_fault *fault);
+
+/* "power-on", "watchdog", ... */
+static inline const char *hal_reset_name(enum hal_reset cause)
+{
+    static const char *const names[] = {"power-on",  "requested", "watchdog",
+                                        "reset-pin", "fault",     "unknown"};
+    return cause <= HAL_RESET_UNKNOWN ? names[cause] : "?";
+}
 
 const char *hal_board_name(void); /* "stm32f405", "host" */
 const char *hal_board_text(void); /* one line: processor, how recognised (chip or emulator) */

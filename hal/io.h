@@ -8,6 +8,11 @@
  *  3. Plant time is 64-bit milliseconds and comes with the sample. With real inputs the port stamps samples
  *     from the board's timer.
  *  4. All functions are called from the tick context and do not wait.
+ *  5. A reading that does not come is asked for again by the port itself, from poll() to poll(), until it has come
+ *     or IO_READ_TIMEOUT_MS of the board's clock (or half a tick, if that is shorter) have passed since the sample
+ *     was due. Then the sample is complete without it: QUALITY_MISSING, and supervise falls back as declared. On
+ *     the plant link the plant does that on its side: there is no message to ask for a sample again, an unanswered
+ *     one is repeated by the plant, and tick.timeout watches for samples that do not come at all.
  */
 #ifndef REFLUX_HAL_IO_H
 #define REFLUX_HAL_IO_H
@@ -20,11 +25,16 @@
 
 typedef uint64_t plant_time_ms;
 
+#define IO_READ_TIMEOUT_MS 1500 /* rule 5 */
+
+#ifndef IO_CHANNELS_MAX
+#define IO_CHANNELS_MAX                                                                            \
+    16 /* of each kind a plant may have; the configuration names at most CHANNEL_MAX of them */
+#endif
+
 struct io_channel {
-    char name[CHANNEL_NAME_SIZE];
-    char unit[CHANNEL_UNIT_SIZE];
-    float lo, hi; /* span of the instrument */
-    float safe;   /* manipulated variables: value on silence */
+    const char *name, *unit; /* the implementation's; good until the table changes */
+    float safe;              /* manipulated variables: value on silence */
 };
 
 struct io_reading {
@@ -36,8 +46,9 @@ struct io_sample {
     uint32_t number;                    /* counts samples; a gap is a lost sample */
     plant_time_ms time;                 /* plant time of the sample */
     uint8_t n_measurements, n_readback; /* n_readback: 0 or the number of manipulated variables */
-    struct io_reading measurement[CHANNEL_MAX];
-    struct io_reading readback[CHANNEL_MAX]; /* applied value of the interval before this sample */
+    struct io_reading measurement[IO_CHANNELS_MAX];
+    struct io_reading
+        readback[IO_CHANNELS_MAX]; /* applied value of the interval before this sample */
 };
 
 struct io_command {
@@ -48,7 +59,7 @@ struct io_command {
     struct {
         float value;
         bool drive; /* false: nobody commands this one, the plant keeps its own value */
-    } output[CHANNEL_MAX];
+    } output[IO_CHANNELS_MAX];
 };
 
 enum io_state {
@@ -66,8 +77,8 @@ struct io_port {
     /* Rises by one whenever the channel table may have changed (new plant, restarted plant). */
     uint32_t (*generation)(const void *context);
     uint8_t (*count)(const void *context, bool manipulated);
-    /* index < count; NULL otherwise. */
-    const struct io_channel *(*channel)(const void *context, bool manipulated, uint8_t index);
+    /* index < count. */
+    struct io_channel (*channel)(const void *context, bool manipulated, uint8_t index);
     /* Interval of the samples in plant time, ms, as the plant announces it. */
     uint32_t (*tick_ms)(const void *context);
     /* Sends a command. ERR_STATE when nobody is there, ERR_FULL when the line is congested. */

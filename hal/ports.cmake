@@ -10,17 +10,21 @@ if(REFLUX_BOARD STREQUAL "host")
   set_target_properties(reflux-host PROPERTIES RUNTIME_OUTPUT_DIRECTORY "${CMAKE_BINARY_DIR}")
 endif()
 
-if(REFLUX_BOARD STREQUAL "stm32f405")
-  set(port "${PROJECT_SOURCE_DIR}/hal/stm32f405")
-  add_executable(reflux-stm32f405
-    ${port}/main.c ${port}/startup.c ${port}/clock.c ${port}/uart.c ${port}/tick.c ${port}/nvm.c
-    ${port}/watchdog.c ${port}/identity.c)
-  target_link_libraries(reflux-stm32f405 PRIVATE reflux_app reflux_hal reflux_firmware_options)
-  target_link_options(reflux-stm32f405 PRIVATE -nostartfiles -T${port}/stm32f405.ld -Wl,--gc-sections
-    -Wl,--fatal-warnings -Wl,-Map=${CMAKE_BINARY_DIR}/reflux-stm32f405.map)
-  set_target_properties(reflux-stm32f405 PROPERTIES SUFFIX ".elf" LINK_DEPENDS ${port}/stm32f405.ld
-    RUNTIME_OUTPUT_DIRECTORY "${CMAKE_BINARY_DIR}")
-  add_custom_command(TARGET reflux-stm32f405 POST_BUILD
-    COMMAND ${CMAKE_OBJCOPY} -O binary $<TARGET_FILE:reflux-stm32f405> ${CMAKE_BINARY_DIR}/reflux-stm32f405.bin
-    COMMAND arm-none-eabi-size $<TARGET_FILE:reflux-stm32f405>)
+# What the STM32 ports have in common is in hal/stm32/; the port's own folder has clock, pins, flash and memory map.
+if(REFLUX_BOARD MATCHES "^stm32")
+  set(shared "${PROJECT_SOURCE_DIR}/hal/stm32")
+  set(port "${PROJECT_SOURCE_DIR}/hal/${REFLUX_BOARD}")
+  set(image "reflux-${REFLUX_BOARD}")
+  add_executable(${image}
+    ${shared}/main.c ${shared}/startup.c ${shared}/uart.c ${shared}/tick.c ${shared}/watchdog.c ${shared}/identity.c
+    ${port}/clock.c ${port}/pins.c ${port}/nvm.c)
+  target_include_directories(${image} PRIVATE ${port} ${shared})
+  target_link_libraries(${image} PRIVATE reflux_app reflux_hal reflux_firmware_options)
+  target_link_options(${image} PRIVATE -nostartfiles -L${shared} -T${port}/${REFLUX_BOARD}.ld -Wl,--gc-sections
+    -Wl,--fatal-warnings -Wl,-Map=${CMAKE_BINARY_DIR}/${image}.map)
+  set_target_properties(${image} PROPERTIES SUFFIX ".elf"
+    LINK_DEPENDS "${port}/${REFLUX_BOARD}.ld;${shared}/sections.ld" RUNTIME_OUTPUT_DIRECTORY "${CMAKE_BINARY_DIR}")
+  add_custom_command(TARGET ${image} POST_BUILD
+    COMMAND ${CMAKE_OBJCOPY} -O binary $<TARGET_FILE:${image}> ${CMAKE_BINARY_DIR}/${image}.bin
+    COMMAND arm-none-eabi-size $<TARGET_FILE:${image}>)
 endif()

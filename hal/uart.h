@@ -6,7 +6,8 @@
  *  3. Received bytes are put into a ring by the receive interrupt (or the operating system); what does not
  *     fit is dropped and counted, never stops the receiver. The end of a frame on the link (a zero byte),
  *     or its ring half full, requests the tick context (hal/tick.h).
- *  4. Transmission is a ring drained by hal_uart_pump(), because some boards raise no transmit interrupt.
+ *  4. The console's line honours XON and XOFF and sends them (hal/flow.h); the link's is binary.
+ *  5. Transmission is a ring drained by hal_uart_pump(), because some boards raise no transmit interrupt.
  *     pump() moves bytes while the hardware takes them at once and returns.
  */
 #ifndef REFLUX_HAL_UART_H
@@ -38,7 +39,8 @@ size_t hal_uart_room(enum hal_uart port);
 /* Queues all n bytes or, where they do not fit, none; returns whether they were taken. */
 bool hal_uart_write(enum hal_uart port, const void *data, size_t n);
 
-/* Moves queued bytes to the line as far as it takes them now. Returns the bytes still queued. */
+/* Moves queued bytes to the line as far as it takes them now. Returns the bytes that wait for the line: none
+ * while the other side has sent XOFF. */
 size_t hal_uart_pump(enum hal_uart port);
 
 /* False where the port knows that nobody is at the other end (a closed pseudo-terminal). */

@@ -19,8 +19,17 @@ static const struct {
     {"hi", 0.0, 0.0, OPTION_HI, false, true, true},
     {"lo", 0.0, 0.0, OPTION_LO, false, true, true},
     {"slew", 0.0, 1e9, OPTION_SLEW, false, true, false},
-    {"stuck", 0.0, 0.0, OPTION_STUCK, false, true, true},
-    {"free", 1.0, 1.0, OPTION_FREE, false, true, false},
+    {"stuck", 0.0, 0.0, OPTION_STUCK, true, true, true},
+    {"free", 1.0, 1.0, OPTION_FREE, true, true, false},
+    {"drift", -1e9, 1e9, OPTION_DRIFT, true, false, false},
+    {"frozen", 0.0, 1.0, OPTION_FROZEN, true, false, false},
+    {"dead", 0.0, 1.0, OPTION_DEAD, true, false, false},
+    {"spike", 0.0, 1e9, OPTION_SPIKE, true, false, false},
+    {"spike_rate", 0.0, 1e9, OPTION_SPIKE_RATE, true, false, false},
+    {"dropout", 0.0, 1.0, OPTION_DROPOUT, true, false, false},
+    {"nan", 0.0, 1.0, OPTION_NAN, true, false, false},
+    {"stiction", 0.0, 1e9, OPTION_STICTION, false, true, false},
+    {"readback", 0.0, 2.0, OPTION_READBACK, false, true, false},
 };
 
 _Static_assert(sizeof(options) / sizeof(options[0]) == OPTION_COUNT, "every option has a row");
@@ -112,6 +121,11 @@ static bool add_option(struct event *event, const struct plant_class *class, con
         }
         if (event->option == OPTION_QUALITY && event->value != (double)(int)event->value) {
             return sim_fail(err, err_size, "--event %s: %s must be 0, 1, 2 or 3", text, full);
+        }
+        bool choice = event->option == OPTION_FROZEN || event->option == OPTION_DEAD ||
+                      event->option == OPTION_NAN || event->option == OPTION_READBACK;
+        if (choice && event->value != (double)(int)event->value) {
+            return sim_fail(err, err_size, "--event %s: %s must be a whole number", text, full);
         }
         return true;
     }

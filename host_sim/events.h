@@ -1,8 +1,7 @@
 /* Timed events of a run: "T:NAME=VALUE", carried out before the first sample at or after plant time T.
  *
  *     600:zF=0.35        a disturbance of the plant, within its span
- *     900:Lr.hi=6.5      an option of a channel (see instruments.h): sensors have bias, noise, resolution,
- *                        quality, lag; actuators hi, lo, slew, stuck, free, lag
+ *     900:Lr.hi=6.5      an option of a channel (see instruments.h, docs/faults.md)
  *     1200:noise=2       the noise of all sensors, times their own
  *
  * Everything is checked before the run begins.

@@ -21,6 +21,7 @@ bool instruments_init(struct instruments *in, const struct plant_class *class, u
             struct sensor *s = &in->sensor[in->n_sensors];
             *s = (struct sensor){.channel = i, .lag_s = c->lag_s, .resolution = c->resolution};
             noise_seed(&s->random, seed, in->n_sensors + 1);
+            noise_seed(&s->chance, seed, in->n_sensors + 1 + LINK_CHANNELS_MAX);
             in->n_sensors++;
         } else if (c->kind == PLANT_MV) {
             in->actuator[in->n_actuators] = (struct actuator){.channel = i,
@@ -28,7 +29,9 @@ bool instruments_init(struct instruments *in, const struct plant_class *class, u
                                                               .hi = c->hi,
                                                               .slew = c->slew,
                                                               .lag_s = c->lag_s,
+                                                              .readback = 1,
                                                               .command = c->nominal,
+                                                              .target = c->nominal,
                                                               .position = c->nominal,
                                                               .output = c->nominal,
                                                               .applied = c->nominal};
@@ -65,6 +68,35 @@ static void set_sensor(struct sensor *s, enum instrument_option option, double v
     case OPTION_LAG:
         s->lag_s = value;
         break;
+    case OPTION_STUCK:
+        s->stuck = true;
+        s->stuck_at = value;
+        break;
+    case OPTION_FREE:
+        s->stuck = s->frozen = s->dead = false;
+        break;
+    case OPTION_DRIFT:
+        s->drift = value;
+        s->drifted = value == 0.0 ? 0.0 : s->drifted;
+        break;
+    case OPTION_FROZEN:
+        s->frozen = value != 0.0;
+        break;
+    case OPTION_DEAD:
+        s->dead = value != 0.0;
+        break;
+    case OPTION_SPIKE:
+        s->spike = value;
+        break;
+    case OPTION_SPIKE_RATE:
+        s->spikes_per_h = value;
+        break;
+    case OPTION_DROPOUT:
+        s->dropout = value;
+        break;
+    case OPTION_NAN:
+        s->not_a_number = value != 0.0;
+        break;
     default:
         break;
     }
@@ -92,6 +124,12 @@ static void set_actuator(struct actuator *a, enum instrument_option option, doub
         break;
     case OPTION_FREE:
         a->stuck = false;
+        break;
+    case OPTION_STICTION:
+        a->stiction = value;
+        break;
+    case OPTION_READBACK:
+        a->readback = (int)value;
         break;
     default:
         break;
@@ -123,6 +161,29 @@ static double lag_step(double y, double u0, double u1, double dt, double tau)
     return u1 - trail + (y - u0 + trail) * exp(-dt / tau);
 }
 
+/* What spikes add in this sample. */
+static double spike(struct sensor *s, double dt_s)
+{
+    double hit = noise_uniform(&s->chance);
+    double side = noise_uniform(&s->chance);
+    if (hit >= s->spikes_per_h * dt_s / 3600.0) {
+        return 0.0;
+    }
+    return side < 0.5 ? -s->spike : s->spike;
+}
+
+static double faulty_reading(const struct sensor *s, const struct plant_channel *c, double x,
+                             bool begun)
+{
+    if (s->dead) {
+        return c->lo;
+    }
+    if (s->stuck) {
+        return s->stuck_at;
+    }
+    return s->frozen && begun ? s->shown : x;
+}
+
 static void read_sensor(struct sensor *s, const struct plant_channel *c, double truth, double dt_s,
                         bool begun)
 {
@@ -132,17 +193,33 @@ static void read_sensor(struct sensor *s, const struct plant_channel *c, double 
         s->filtered = lag_step(s->filtered, s->truth, truth, dt_s, s->lag_s);
     }
     s->truth = truth;
-    double x = s->filtered + s->bias + s->noise * noise_normal(&s->random);
+    s->drifted += s->drift * dt_s / 3600.0;
+    double x = s->filtered + s->bias + s->drifted + s->noise * noise_normal(&s->random);
+    x += spike(s, dt_s);
     if (s->resolution > 0.0) {
         x = floor(x / s->resolution + 0.5) * s->resolution;
     }
+    x = faulty_reading(s, c, x, begun);
+    s->shown = x;
     int quality = s->quality;
     if (!(x >= c->lo && x <= c->hi)) {
         x = x < c->lo ? c->lo : c->hi;
         quality = quality < QUALITY_UNCERTAIN ? QUALITY_UNCERTAIN : quality;
     }
-    s->reading = quality == QUALITY_MISSING ? 0.0f : (float)x;
+    if (noise_uniform(&s->chance) < s->dropout) {
+        quality = QUALITY_MISSING;
+    }
+    s->reading = quality == QUALITY_MISSING ? 0.0f : s->not_a_number ? NAN : (float)x;
     s->sent_quality = (uint8_t)quality;
+}
+
+static struct link_reading readback(const struct actuator *a)
+{
+    if (a->readback == 0) {
+        return (struct link_reading){.value = 0.0f, .quality = QUALITY_MISSING};
+    }
+    return (struct link_reading){.value = (float)(a->readback == 2 ? a->command : a->applied),
+                                 .quality = QUALITY_GOOD};
 }
 
 void instruments_measure(struct instruments *in, const struct plant *plant, double dt_s,
@@ -158,8 +235,7 @@ void instruments_measure(struct instruments *in, const struct plant *plant, doub
             (struct link_reading){.value = s->reading, .quality = s->sent_quality};
     }
     for (size_t i = 0; i < in->n_actuators; i++) {
-        sample->readback[i] =
-            (struct link_reading){.value = (float)in->actuator[i].applied, .quality = QUALITY_GOOD};
+        sample->readback[i] = readback(&in->actuator[i]);
     }
     in->begun = true;
 }
@@ -198,7 +274,11 @@ static void drive(struct actuator *a, double dt_s)
         a->applied = a->output;
         return;
     }
-    double target = a->command;
+    /* Stick and slip: it stays, and then goes all the way at once. */
+    if (fabs(a->command - a->target) > a->stiction) {
+        a->target = a->command;
+    }
+    double target = a->target;
     target = target > a->hi ? a->hi : target;
     target = target < a->lo ? a->lo : target;
     double way = target - a->position;

@@ -1,15 +1,16 @@
 /* Sensors and actuators around a perfect plant, at the resolution of the sample interval.
  *
  * Sensor, in this order: first-order lag (the true value is taken as a straight line between two samples, so
- * steps at samples and ramps are followed exactly), bias, normal noise, quantisation, and the span: what lies
- * outside is clipped and marked uncertain.
+ * steps at samples and ramps are followed exactly), bias, drift, normal noise, spikes, quantisation, stuck or
+ * frozen or dead, and the span: what lies outside is clipped and marked uncertain. Then what is no reading at
+ * all: not a number, quality, dropout.
  *
- * Actuator: limits, slew rate, first-order lag, stuck. Within an interval the position moves as it really would;
+ * Actuator: limits, stiction, slew rate, first-order lag, stuck. Within an interval the position moves as it really would;
  * the plant gets the mean of the interval, so that the amount delivered is right, and the read-back of the next
  * sample is that same mean.
  *
- * Every sensor draws from a stream of its own, one number a sample whatever its noise: changing one sensor leaves
- * the others as they were.
+ * Every sensor draws from streams of its own, the same numbers a sample whatever its options: changing one
+ * sensor leaves the others as they were, and faults leave the noise as it was.
  */
 #ifndef REFLUX_HOST_SIM_INSTRUMENTS_H
 #define REFLUX_HOST_SIM_INSTRUMENTS_H
@@ -31,19 +32,34 @@ enum instrument_option {
     OPTION_HI,         /* actuator: upper limit, units */
     OPTION_LO,         /* actuator: lower limit, units */
     OPTION_SLEW,       /* actuator: fastest change, units per second, 0 = no bound */
-    OPTION_STUCK,      /* actuator: stays at this value whatever is commanded */
-    OPTION_FREE,       /* actuator: 1 = no longer stuck */
+    OPTION_STUCK,      /* stays at this value, whatever is commanded or measured */
+    OPTION_FREE,       /* 1 = no longer stuck, frozen or dead */
+    OPTION_DRIFT,      /* sensor: units per hour from now on; 0 = repaired, what gathered is gone */
+    OPTION_FROZEN,     /* sensor: 1 = stays at its present reading */
+    OPTION_DEAD,       /* sensor: 1 = reads the lower end of its span and calls it good */
+    OPTION_SPIKE,      /* sensor: height of spikes, units, either way */
+    OPTION_SPIKE_RATE, /* sensor: spikes an hour, one sample long, at random */
+    OPTION_DROPOUT,    /* sensor: part of the samples in which it is missing, 0..1, at random */
+    OPTION_NAN,        /* sensor: 1 = sends not-a-number and calls it good */
+    OPTION_STICTION,   /* actuator: a smaller change of command does not move it, units */
+    OPTION_READBACK, /* actuator: 1 = true, 0 = none (its flowmeter has failed), 2 = the command */
     OPTION_COUNT
 };
 
 struct sensor {
     size_t channel;
     double lag_s, bias, noise, resolution;
+    double drift, drifted;      /* units per hour, units */
+    double spike, spikes_per_h; /* units */
+    double dropout;             /* 0..1 */
+    double stuck_at;
+    bool stuck, frozen, dead, not_a_number;
     int quality;
-    struct noise random;
-    double filtered; /* behind the lag */
-    double truth;    /* at the last sample */
-    float reading;   /* as sent */
+    struct noise random, chance; /* chance: spikes and dropouts */
+    double filtered;             /* behind the lag */
+    double truth;                /* at the last sample */
+    double shown;                /* at the last sample, before the span cut it */
+    float reading;               /* as sent */
     uint8_t sent_quality;
 };
 
@@ -51,7 +67,10 @@ struct actuator {
     size_t channel;
     double lo, hi, slew, lag_s;
     bool stuck;
+    double stiction;
+    int readback;    /* OPTION_READBACK */
     double command;  /* last one driven */
+    double target;   /* what it moves to: the command, or the one before, held by stiction */
     double position; /* behind limits and slew */
     double output;   /* behind the lag as well: what the plant feels */
     double applied;  /* mean of output over the last interval */

@@ -6,6 +6,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/file.h>
 #include <sys/socket.h>
 #include <sys/stat.h>
 #include <sys/sysmacros.h>
@@ -155,6 +156,10 @@ static bool open_pty(struct transport *t, const char *path, uint64_t until, char
             return sim_fail(err, err_size, "pty:%s: %s", path, strerror(errno));
         }
         pause_ms(RETRY_MS);
+    }
+    if (flock(fd, LOCK_EX | LOCK_NB) != 0) {
+        (void)close(fd);
+        return sim_fail(err, err_size, "pty:%s: another simulator has it open", path);
     }
     if (!make_raw(fd)) {
         (void)close(fd);

@@ -4,13 +4,27 @@
 #include <string.h>
 
 #include "hal/clock.h"
+#include "hal/identity.h"
+#include "hal/retained.h"
 #include "hal/tick.h"
 #include "hal/uart.h"
 #include "hal/watchdog.h"
 #include "service/console.h"
+#include "service/heartbeat.h"
 #include "service/parameters.h"
+#include "service/storage.h"
+#include "supervise/restart.h"
 
 #define WATCHDOG_MS 2000
+
+_Static_assert(sizeof(struct restart_record) <= HAL_RETAINED_RESTART_BYTES,
+               "what a restart returns to fits the memory kept for it");
+
+#if defined(__GNUC__)
+#define NOT_INLINE __attribute__((noinline))
+#else
+#define NOT_INLINE
+#endif
 
 struct app {
     struct supervisor supervisor;
@@ -21,16 +35,18 @@ struct app {
     enum io_state io_state;
     uint8_t measurement_at[CHANNEL_MAX], output_at[CHANNEL_MAX]; /* index in the plant's table */
     bool have_sample;
-    uint64_t sample_ms;        /* plant time of the last tick */
-    uint64_t safe_tick_ms;     /* board time of the last tick in silence */
-    struct io_command command; /* last one sent */
-    bool driven[CHANNEL_MAX];  /* outputs of this plant that have been commanded */
-    uint32_t sample_number;    /* of the last tick */
-    uint32_t out_of_order;     /* other samples, in a row, whose time did not move on */
-    /* The watchdog is fed while both contexts come round. */
+    uint64_t sample_ms;           /* plant time of the last tick */
+    uint64_t safe_tick_ms;        /* board time of the last tick in silence */
+    uint64_t sample_seen_ms;      /* board time of the last sample, or of the plant's coming */
+    bool overdue;                 /* no sample for too long, and that has been said */
+    struct io_command command;    /* last one sent */
+    bool driven[IO_CHANNELS_MAX]; /* outputs of this plant that have been commanded */
+    uint32_t sample_number;       /* of the last tick */
+    uint32_t out_of_order;        /* other samples, in a row, whose time did not move on */
+    struct restart restart;
+    struct heartbeat heartbeat;
+    struct storage storage;
     volatile uint32_t main_turns;
-    uint32_t main_turns_seen;
-    uint64_t main_seen_ms;
 };
 
 static struct app instance;
@@ -49,8 +65,13 @@ void app_init(struct app *app)
     app->service.io = plant_link_port(&app->link);
     supervisor_take_plan(&app->supervisor, &app->service.plan[app->service.in_force]);
     console_init(&app->console, &app->service);
+    storage_init(&app->storage, &app->service);
     app->service.watchdog = hal_watchdog_start(WATCHDOG_MS);
-    event_put(&app->service.main_events, 0, EVENT_STARTED, NULL, 0.0f, 0);
+    heartbeat_init(&app->heartbeat, WATCHDOG_MS);
+    enum hal_reset cause = hal_reset_cause();
+    restart_init(&app->restart, hal_retained(HAL_RETAINED_RESTART, sizeof(struct restart_record)),
+                 cause != HAL_RESET_POWER_ON);
+    event_put(&app->service.main_events, 0, EVENT_STARTED, hal_reset_name(cause), 0.0f, 0);
 }
 
 static void tick_event(struct app *app, enum event_code code, const char *subject, float value)
@@ -77,7 +98,7 @@ static void bind_channels(struct app *app)
         uint8_t at = service_find_announced(s, manipulated, name);
         if (at == PLAN_NONE) {
             tick_event(app, EVENT_CHANNEL_MISSING, name, 0.0f);
-        } else if (strcmp(s->io.channel(s->io.context, manipulated, at)->unit, unit) != 0) {
+        } else if (strcmp(s->io.channel(s->io.context, manipulated, at).unit, unit) != 0) {
             tick_event(app, EVENT_CHANNEL_UNIT, name, 0.0f);
         } else if (manipulated) {
             app->output_at[i] = at;
@@ -100,6 +121,8 @@ static void follow_plant(struct app *app)
     app->io_state = state;
     app->bound_generation = generation;
     app->have_sample = false;
+    app->overdue = false;
+    app->sample_seen_ms = hal_clock_ms();
     app->command.n_outputs = 0;
     app->out_of_order = 0;
     memset(app->driven, 0, sizeof app->driven);
@@ -144,23 +167,25 @@ static void take_requests(struct app *app, bool up_to_last_plan)
     }
 }
 
-static void read_inputs(const struct app *app, const struct io_sample *sample,
-                        struct tick_input *input)
+/* The readings are needed no longer than that, and the stack is small: not part of a larger frame. */
+NOT_INLINE static void validate(struct app *app, const struct io_sample *sample)
 {
-    memset(input, 0, sizeof *input);
-    input->time_ms = sample->time;
+    struct tick_input input;
+    memset(&input, 0, sizeof input);
+    input.time_ms = sample->time;
     for (unsigned i = 0; i < CHANNEL_MAX; i++) {
-        input->measurement[i].quality = QUALITY_MISSING;
-        input->readback[i].quality = QUALITY_MISSING;
+        input.measurement[i].quality = QUALITY_MISSING;
+        input.readback[i].quality = QUALITY_MISSING;
         if (app->supervisor.measurement[i].bound) {
             const struct io_reading *r = &sample->measurement[app->measurement_at[i]];
-            input->measurement[i] = (struct reading){r->value, r->quality};
+            input.measurement[i] = (struct reading){r->value, r->quality};
         }
         if (app->supervisor.output[i].bound && sample->n_readback) {
             const struct io_reading *r = &sample->readback[app->output_at[i]];
-            input->readback[i] = (struct reading){r->value, r->quality};
+            input.readback[i] = (struct reading){r->value, r->quality};
         }
     }
+    supervisor_validate(&app->supervisor, &input);
 }
 
 static void send_command(struct app *app, const struct io_sample *sample, uint64_t now_ms)
@@ -192,7 +217,14 @@ static void fill_command(struct app *app)
     for (uint8_t j = 0; j < app->command.n_outputs; j++) {
         if (!app->driven[j] || app->command.output[j].drive)
             continue;
-        app->command.output[j].value = s->io.channel(s->io.context, true, j)->safe;
+        app->command.output[j].value = s->io.channel(s->io.context, true, j).safe;
+        app->command.output[j].drive = true;
+    }
+    /* The first command after a start is safe whatever the configuration: that may still lie in storage. */
+    for (uint8_t j = 0; app->supervisor.ticks == 1 && j < app->command.n_outputs; j++) {
+        if (app->command.output[j].drive)
+            continue;
+        app->command.output[j].value = s->io.channel(s->io.context, true, j).safe;
         app->command.output[j].drive = true;
     }
 }
@@ -240,17 +272,17 @@ static void tick(struct app *app, const struct io_sample *sample, uint64_t now_m
         send_command(app, sample, now_ms); /* the plant gets an answer, but no new one */
         return;
     }
-    struct tick_input input;
     app->have_sample = true;
     app->sample_ms = sample->time;
     app->sample_number = sample->number;
     take_requests(app, true);
-    read_inputs(app, sample, &input);
-    supervisor_validate(&app->supervisor, &input);
+    validate(app, sample);
     take_requests(app, false);
+    restart_try(&app->restart, &app->supervisor);
     supervisor_control(&app->supervisor);
     fill_command(app);
     send_command(app, sample, now_ms);
+    restart_keep(&app->restart, &app->supervisor);
 
     struct tick_cost *cost = &s->cost;
     cost->last = hal_cycles() - start;
@@ -273,17 +305,28 @@ static void silent_tick(struct app *app, uint64_t now_ms)
     app->safe_tick_ms = now_ms;
     take_requests(app, false);
     supervisor_go_safe(&app->supervisor, "link");
+    restart_keep(&app->restart, &app->supervisor);
 }
 
-/* Feeding proves that both contexts are alive: this one runs, and the main loop has turned lately. */
-static void feed_watchdog(struct app *app, uint64_t now_ms)
+/* The plant is there, says so, and sends no samples. */
+static void watch_samples(struct app *app, uint64_t now_ms)
 {
-    if (app->main_turns != app->main_turns_seen) {
-        app->main_turns_seen = app->main_turns;
-        app->main_seen_ms = now_ms;
-    }
-    if (now_ms - app->main_seen_ms < WATCHDOG_MS / 2)
-        hal_watchdog_feed();
+    const struct service *s = &app->service;
+    float timeout_ms = s->plan[s->in_force].config.sample_timeout_s * 1000.0f;
+    float waited_ms = (float)(now_ms - app->sample_seen_ms);
+    if (timeout_ms == 0.0f || waited_ms < timeout_ms || app->overdue)
+        return;
+    app->overdue = true;
+    tick_event(app, EVENT_SAMPLE_OVERDUE, NULL, waited_ms / 1000.0f);
+    supervisor_go_safe(&app->supervisor, "samples");
+    restart_keep(&app->restart, &app->supervisor);
+}
+
+/* A tick may take a base tick of the plant, and a second at most. */
+static uint32_t tick_deadline_ms(const struct app *app)
+{
+    float tick_ms = app->service.plan[app->service.in_force].tick_s * 1000.0f;
+    return tick_ms < WATCHDOG_MS / 2 ? (uint32_t)tick_ms : WATCHDOG_MS / 2;
 }
 
 void app_tick(struct app *app)
@@ -297,11 +340,18 @@ void app_tick(struct app *app)
         follow_plant(app);
         if (!there)
             break;
+        app->sample_seen_ms = now_ms;
+        app->overdue = false;
+        heartbeat_tick_begins(&app->heartbeat, hal_clock_ms());
         tick(app, &sample, now_ms);
+        heartbeat_tick_ends(&app->heartbeat, hal_clock_ms(), tick_deadline_ms(app));
     }
     if (app->io_state != IO_READY)
         silent_tick(app, now_ms);
-    feed_watchdog(app, now_ms);
+    else
+        watch_samples(app, now_ms);
+    if (heartbeat_due(&app->heartbeat, now_ms, app->main_turns))
+        hal_watchdog_feed();
 }
 
 /* ---- the main loop ---- */
@@ -310,6 +360,7 @@ void app_background(struct app *app)
 {
     app->main_turns++;
     bool busy = console_poll(&app->console);
+    busy = storage_poll(&app->storage) || busy;
     busy = hal_uart_pump(HAL_UART_CONSOLE) != 0 || busy;
     hal_idle(!busy);
 }

@@ -25,6 +25,7 @@ static const struct {
     {"TIMEOUT", "no answer in time"},
     {"UNSUPPORTED", "not available on this board"},
     {"CONFLICT", "claimed by something else already"},
+    {"LOCKED", "needs the engineer level, which is locked; `unlock KEY` opens it"},
 };
 
 _Static_assert(sizeof(table) / sizeof(table[0]) == (unsigned)(-ERR_LAST) + 1u,

@@ -30,7 +30,8 @@ enum err {
     ERR_TIMEOUT = -18,     /* no answer in time */
     ERR_UNSUPPORTED = -19, /* this board or build cannot do it */
     ERR_CONFLICT = -20,    /* two things claim what only one may have */
-    ERR_LAST = -20
+    ERR_LOCKED = -21,      /* the engineer level is locked */
+    ERR_LAST = -21
 };
 
 #if defined(__GNUC__)

@@ -7,7 +7,7 @@ static const struct {
     const char *text;
     enum event_level level;
 } table[] = {
-    {"STARTED", "firmware started in its safe state", EVENT_INFO},
+    {"STARTED", "firmware started in its safe state; why it started", EVENT_INFO},
     {"LINK_UP", "plant connected", EVENT_INFO},
     {"LINK_DOWN", "plant silent, s", EVENT_ALARM},
     {"LINK_VERSION", "plant speaks another protocol version", EVENT_ALARM},
@@ -32,6 +32,36 @@ static const struct {
     {"NOT_FOLLOWING", "output does not follow its command; read-back", EVENT_WARNING},
     {"FOLLOWING", "output follows its command again; read-back", EVENT_INFO},
     {"TELEMETRY_LOST", "telemetry rows lost, the console is too slow", EVENT_WARNING},
+    {"ALARM_ON", "alarm limit passed; measurement, or distance from the setpoint", EVENT_ALARM},
+    {"ALARM_OFF", "alarm condition is over; measurement, or distance from the setpoint",
+     EVENT_INFO},
+    {"ALARM_ACK", "alarm acknowledged", EVENT_INFO},
+    {"ALARM_SHELVED", "alarm silent for, s; 0: no longer", EVENT_INFO},
+    {"SAMPLE_OVERDUE", "the plant is there but sends no sample, s", EVENT_ALARM},
+    {"RESTART_DONE", "outputs as before the reset (1), modes and setpoints as well (2)",
+     EVENT_WARNING},
+    {"RESTART_REFUSED", "the safe state stays after this reset", EVENT_WARNING},
+    {"WRONG_KEY", "somebody tried to unlock the console with a wrong key", EVENT_WARNING},
+    {"PLANT_REFUSED",
+     "plant has more channels of a kind, or bytes of their names, than this board takes",
+     EVENT_ALARM},
+    {"STORAGE_LOADED", "stored settings are asked into force; set", EVENT_INFO},
+    {"STORAGE_OLDER", "a newer stored set is not whole, an older one is used; set", EVENT_WARNING},
+    {"STORAGE_CLIPPED", "stored value replaced: not allowed, or of another type; value now",
+     EVENT_WARNING},
+    {"STORAGE_REFUSED", "stored settings are not in force; `load` says why", EVENT_ALARM},
+    {"STORAGE_DAMAGED", "no whole set is stored, defaults are in force", EVENT_ALARM},
+    {"DO_MODE", "mode asked for (0 manual, 1 auto, 2 cascade)", EVENT_ACTION},
+    {"DO_SETPOINT", "setpoint asked for", EVENT_ACTION},
+    {"DO_OUTPUT", "output asked for", EVENT_ACTION},
+    {"DO_SET", "parameter set; 0 for a word", EVENT_ACTION},
+    {"DO_APPLY", "transaction applied; parameters it changes", EVENT_ACTION},
+    {"DO_STORAGE", "stored settings saved, loaded or replaced", EVENT_ACTION},
+    {"DO_ALARM", "alarm acknowledged or shelved", EVENT_ACTION},
+    {"DO_KEY", "key changed", EVENT_ACTION},
+    {"DO_UNLOCK", "engineer level unlocked", EVENT_ACTION},
+    {"DO_LOCK", "engineer level locked", EVENT_ACTION},
+    {"DO_REBOOT", "restart asked for", EVENT_ACTION},
 };
 _Static_assert(sizeof table / sizeof table[0] == EVENT_COUNT, "every event has a name and a text");
 
@@ -52,7 +82,22 @@ enum event_level event_level(uint8_t code)
 
 const char *event_level_name(enum event_level level)
 {
-    return level == EVENT_INFO ? "info" : (level == EVENT_WARNING ? "warning" : "alarm");
+    static const char *const names[] = {"info", "warning", "alarm", "action"};
+    return level <= EVENT_ACTION ? names[level] : "?";
+}
+
+struct event event_make(uint64_t time_ms, enum event_code code, const char *subject, float value,
+                        uint8_t detail)
+{
+    struct event e;
+    memset(&e, 0, sizeof e);
+    e.time_ms = time_ms;
+    e.code = (uint8_t)code;
+    e.detail = detail;
+    e.value = value;
+    if (subject)
+        strncpy(e.subject, subject, sizeof e.subject - 1);
+    return e;
 }
 
 void event_queue_init(struct event_queue *queue)
@@ -68,13 +113,7 @@ void event_put(struct event_queue *queue, uint64_t time_ms, enum event_code code
         queue->lost++;
         return;
     }
-    struct event *e = &queue->slot[spsc_write_index(&queue->index)];
-    memset(e, 0, sizeof *e);
-    e->time_ms = time_ms;
-    e->code = (uint8_t)code;
-    e->detail = detail;
-    e->value = value;
-    if (subject)
-        strncpy(e->subject, subject, sizeof e->subject - 1);
+    queue->slot[spsc_write_index(&queue->index)] =
+        event_make(time_ms, code, subject, value, detail);
     spsc_write_done(&queue->index);
 }

@@ -8,7 +8,7 @@
 #include "base/channel.h"
 #include "base/spsc.h"
 
-enum event_level { EVENT_INFO, EVENT_WARNING, EVENT_ALARM };
+enum event_level { EVENT_INFO, EVENT_WARNING, EVENT_ALARM, EVENT_ACTION };
 
 /* Name and text of each are in event.c, in this order. */
 enum event_code {
@@ -37,15 +37,44 @@ enum event_code {
     EVENT_NOT_FOLLOWING,
     EVENT_FOLLOWING,
     EVENT_TELEMETRY_LOST,
+    EVENT_ALARM_ON,
+    EVENT_ALARM_OFF,
+    EVENT_ALARM_ACK,
+    EVENT_ALARM_SHELVED,
+    EVENT_SAMPLE_OVERDUE,
+    EVENT_RESTART_DONE,
+    EVENT_RESTART_REFUSED,
+    EVENT_WRONG_KEY,
+    EVENT_PLANT_REFUSED,
+    EVENT_STORAGE_LOADED,
+    EVENT_STORAGE_OLDER,
+    EVENT_STORAGE_CLIPPED,
+    EVENT_STORAGE_REFUSED,
+    EVENT_STORAGE_DAMAGED,
+    /* Actions: what was asked for at the console. Kept in the history, not announced. */
+    EVENT_DO_MODE,
+    EVENT_DO_SETPOINT,
+    EVENT_DO_OUTPUT,
+    EVENT_DO_SET,
+    EVENT_DO_APPLY,
+    EVENT_DO_STORAGE,
+    EVENT_DO_ALARM,
+    EVENT_DO_KEY,
+    EVENT_DO_UNLOCK,
+    EVENT_DO_LOCK,
+    EVENT_DO_REBOOT,
     EVENT_COUNT
 };
+
+#define EVENT_ENGINEER 1u /* bit of `detail` of an action: done on the engineer level */
 
 struct event {
     uint64_t time_ms; /* plant time */
     uint8_t code;     /* enum event_code */
     uint8_t detail;   /* meaning by code: a mode, an error code as -code */
     char subject[CHANNEL_NAME_SIZE];
-    float value; /* meaning by code; EU where there is a channel */
+    uint16_t boot; /* low bits of the boot it belongs to; filled in by the history */
+    float value;   /* meaning by code; EU where there is a channel */
 };
 
 const char *event_name(uint8_t code); /* "LINK_UP"; "?" out of range */
@@ -53,13 +82,19 @@ const char *event_text(uint8_t code); /* what the value means, in words */
 enum event_level event_level(uint8_t code);
 const char *event_level_name(enum event_level level);
 
-#define EVENT_QUEUE_SIZE 32
+#ifndef EVENT_QUEUE_SIZE
+#define EVENT_QUEUE_SIZE 32 /* power of two */
+#endif
 
 struct event_queue {
     struct spsc index;
     struct event slot[EVENT_QUEUE_SIZE];
     uint32_t lost; /* events that found no room */
 };
+
+/* subject may be NULL; what is too long is cut. */
+struct event event_make(uint64_t time_ms, enum event_code code, const char *subject, float value,
+                        uint8_t detail);
 
 void event_queue_init(struct event_queue *queue);
 /* subject may be NULL. Never waits: a full queue counts the loss. */

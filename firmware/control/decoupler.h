@@ -13,7 +13,9 @@
 #include "base/error.h"
 #include "num/num.h"
 
+#ifndef DECOUPLER_MAX
 #define DECOUPLER_MAX 8
+#endif
 
 struct decoupler {
     uint8_t n;                     /* loops taking part */

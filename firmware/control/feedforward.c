@@ -1,5 +1,7 @@
 #include "control/feedforward.h"
 
+#include <string.h>
+
 #include "signal/check.h"
 
 struct feedforward_config feedforward_default_config(void)
@@ -7,29 +9,39 @@ struct feedforward_config feedforward_default_config(void)
     return (struct feedforward_config){.out_lo = -1.0f, .out_hi = 1.0f};
 }
 
+#define AT(field) (uint8_t) offsetof(struct feedforward_config, field)
+
+static const struct {
+    const char *field, *wanted;
+    float lo, hi;
+    uint8_t offset; /* of a float in struct feedforward_config */
+} ranges[] = {
+    {"gain", "-100 to 100", -100.0f, 100.0f, AT(gain)},
+    {"lead_s", "0 to 1e6 s", 0.0f, 1e6f, AT(lead_s)},
+    {"lag_s", "0 to 1e6 s", 0.0f, 1e6f, AT(lag_s)},
+    {"dead_time_s", "0 to 1e6 s", 0.0f, 1e6f, AT(dead_time_s)},
+    {"reference", "-1 to 2", -1.0f, 2.0f, AT(reference)},
+    {"out_lo", "-2 to 2", -2.0f, 2.0f, AT(out_lo)},
+    {"out_hi", "-2 to 2", -2.0f, 2.0f, AT(out_hi)},
+};
+
 enum err feedforward_validate(const struct feedforward_config *config, float h_s,
                               const char **field, const char **wanted)
 {
-    const struct {
-        const char *field, *wanted;
-        float value, lo, hi;
-    } ranges[] = {
-        {"h_s", "0.001 to 1e5 s", h_s, STEP_INTERVAL_MIN_S, STEP_INTERVAL_MAX_S},
-        {"gain", "-100 to 100", config->gain, -100.0f, 100.0f},
-        {"lead_s", "0 to 1e6 s", config->lead_s, 0.0f, 1e6f},
-        {"lag_s", "0 to 1e6 s", config->lag_s, 0.0f, 1e6f},
-        {"dead_time_s", "0 to 1e6 s", config->dead_time_s, 0.0f, 1e6f},
-        {"reference", "-1 to 2", config->reference, -1.0f, 2.0f},
-        {"out_lo", "-2 to 2", config->out_lo, -2.0f, 2.0f},
-        {"out_hi", "-2 to 2", config->out_hi, -2.0f, 2.0f},
-    };
     const char *unused;
     field = field ? field : &unused;
     wanted = wanted ? wanted : &unused;
+    *field = "h_s";
+    *wanted = "0.001 to 1e5 s";
+    enum err of_interval = check_interval(h_s);
+    if (of_interval)
+        return of_interval;
     for (size_t i = 0; i < sizeof(ranges) / sizeof(ranges[0]); i++) {
         *field = ranges[i].field;
         *wanted = ranges[i].wanted;
-        enum err err = check_range(ranges[i].value, ranges[i].lo, ranges[i].hi);
+        float value;
+        memcpy(&value, (const uint8_t *)config + ranges[i].offset, sizeof value);
+        enum err err = check_range(value, ranges[i].lo, ranges[i].hi);
         if (err)
             return err;
     }

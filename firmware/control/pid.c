@@ -1,5 +1,8 @@
 #include "control/pid.h"
 
+#include <stddef.h>
+#include <string.h>
+
 #include "signal/check.h"
 
 /* Filter of the inhibitor's slope: an eighth of the prediction time, as N = 8 does for the derivative. */
@@ -19,45 +22,56 @@ struct pid_config pid_default_config(void)
 
 struct range {
     const char *field, *wanted;
-    float value, lo, hi;
-    bool zero_too; /* 0 is allowed although below lo */
+    float lo, hi;
+    uint8_t offset; /* of a float in struct pid_config */
+    bool zero_too;  /* 0 is allowed although below lo */
 };
 
-static enum err check(const struct range *r)
+#define AT(field) (uint8_t) offsetof(struct pid_config, field)
+
+static const struct range ranges[] = {
+    {"gain", "1e-6 to 100", 1e-6f, 100.0f, AT(gain), false},
+    {"ti_s", "0 (no integral action) or 0.01 to 1e6 s", 0.01f, 1e6f, AT(ti_s), true},
+    {"td_s", "0 to 1e5 s", 0.0f, 1e5f, AT(td_s), false},
+    {"n", "1 to 100", 1.0f, 100.0f, AT(n), false},
+    {"b", "0 to 1", 0.0f, 1.0f, AT(b), false},
+    {"c", "0 to 1", 0.0f, 1.0f, AT(c), false},
+    {"tt_s", "0 (automatic) or 0.01 to 1e6 s", 0.01f, 1e6f, AT(tt_s), true},
+    {"out_lo", "-100 to 100", -100.0f, 100.0f, AT(out_lo), false},
+    {"out_hi", "-100 to 100", -100.0f, 100.0f, AT(out_hi), false},
+    {"rate_per_s", "0 (no limit) or 1e-9 to 1e6 per second", 1e-9f, 1e6f, AT(rate_per_s), true},
+    {"inhibit_s", "0 (off) to 1e5 s", 0.0f, 1e5f, AT(inhibit_s), false},
+};
+
+static enum err check(const struct pid_config *config, const struct range *r)
 {
-    if (r->zero_too && r->value <= 0.0f && r->value >= 0.0f)
+    float value;
+    memcpy(&value, (const uint8_t *)config + r->offset, sizeof value);
+    if (r->zero_too && value <= 0.0f && value >= 0.0f)
         return ERR_OK;
-    return check_range(r->value, r->lo, r->hi);
+    return check_range(value, r->lo, r->hi);
 }
 
 enum err pid_validate(const struct pid_config *config, const char **field, const char **wanted)
 {
-    const struct range ranges[] = {
-        {"gain", "1e-6 to 100", config->gain, 1e-6f, 100.0f, false},
-        {"ti_s", "0 (no integral action) or 0.01 to 1e6 s", config->ti_s, 0.01f, 1e6f, true},
-        {"td_s", "0 to 1e5 s", config->td_s, 0.0f, 1e5f, false},
-        {"n", "1 to 100", config->n, 1.0f, 100.0f, false},
-        {"b", "0 to 1", config->b, 0.0f, 1.0f, false},
-        {"c", "0 to 1", config->c, 0.0f, 1.0f, false},
-        {"tt_s", "0 (automatic) or 0.01 to 1e6 s", config->tt_s, 0.01f, 1e6f, true},
-        {"out_lo", "-100 to 100", config->out_lo, -100.0f, 100.0f, false},
-        {"out_hi", "-100 to 100", config->out_hi, -100.0f, 100.0f, false},
-        {"rate_per_s", "0 (no limit) or 1e-9 to 1e6 per second", config->rate_per_s, 1e-9f, 1e6f,
-         true},
-        {"inhibit_s", "0 (off) to 1e5 s", config->inhibit_s, 0.0f, 1e5f, false},
-        {"action", "0 (reverse) or 1 (direct)", (float)config->action, 0.0f, 1.0f, false},
-        {"form", "0 (positional) or 1 (velocity)", (float)config->form, 0.0f, 1.0f, false},
-    };
     const char *unused;
     field = field ? field : &unused;
     wanted = wanted ? wanted : &unused;
     for (size_t i = 0; i < sizeof(ranges) / sizeof(ranges[0]); i++) {
         *field = ranges[i].field;
         *wanted = ranges[i].wanted;
-        enum err err = check(&ranges[i]);
+        enum err err = check(config, &ranges[i]);
         if (err)
             return err;
     }
+    *field = "action";
+    *wanted = "0 (reverse) or 1 (direct)";
+    if (config->action != PID_REVERSE && config->action != PID_DIRECT)
+        return ERR_RANGE;
+    *field = "form";
+    *wanted = "0 (positional) or 1 (velocity)";
+    if (config->form != PID_POSITIONAL && config->form != PID_VELOCITY)
+        return ERR_RANGE;
     /* Ordered as num_t: limits that fall on the same step of num_t would leave no output to choose. */
     *field = "out_hi";
     *wanted = "above out_lo";
@@ -100,7 +114,10 @@ static enum err place(struct pid *pid, const struct pid_config *config, float h_
     err = ramp_retune(&pid->rate, config->rate_per_s, h_s);
     if (err)
         return err;
-    pid->config = *config;
+    pid->action = config->action;
+    pid->form = config->form;
+    pid->derives = config->td_s > 0.0f;
+    pid->inhibits = config->inhibit_s > 0.0f;
     pid->b = num_from_float(config->b);
     pid->c = num_from_float(config->c);
     pid->lo = num_from_float(config->out_lo);
@@ -149,11 +166,11 @@ enum err pid_retune(struct pid *pid, const struct pid_config *config, float h_s)
 
     /* The output as a whole at full width, then split again with the new settings. */
     struct accumulator whole = pid->sum;
-    if (pid->config.form == PID_POSITIONAL) {
+    if (pid->form == PID_POSITIONAL) {
         accumulator_add_product(&whole, pid->gain, pid->proportional_in);
         accumulator_add(&whole, washout_value(&pid->derivative));
     }
-    bool was_blind = pid->config.inhibit_s <= 0.0f; /* the slope of y was not watched */
+    bool was_blind = !pid->inhibits; /* the slope of y was not watched */
     err = place(pid, config, h_s);
     if (err)
         return err;
@@ -177,7 +194,7 @@ enum err pid_retune(struct pid *pid, const struct pid_config *config, float h_s)
  * within the prediction time: more integral would only have to be taken back beyond it. */
 static bool overshoot_ahead(struct pid *pid, num_t measurement)
 {
-    if (pid->config.inhibit_s <= 0.0f)
+    if (!pid->inhibits)
         return false;
     num_t error_ahead = num_sub(pid->error, washout_step(&pid->prediction, measurement));
     if (num_lt(num_zero(), pid->error))
@@ -192,11 +209,11 @@ num_t pid_step(struct pid *pid, num_t setpoint, num_t measurement)
     num_t p = proportional_in(pid, setpoint, measurement);
     num_t d_before = washout_value(&pid->derivative);
     num_t d = d_before;
-    if (pid->config.td_s > 0.0f)
+    if (pid->derives)
         d = washout_step(&pid->derivative, derivative_in(pid, setpoint, measurement));
 
     struct accumulator whole = pid->sum;
-    if (pid->config.form == PID_VELOCITY) {
+    if (pid->form == PID_VELOCITY) {
         accumulator_add_product(&whole, pid->gain, num_sub(p, pid->proportional_in));
         accumulator_add(&whole, num_sub(d, d_before));
         pid->sum = whole;
@@ -218,14 +235,14 @@ void pid_back(struct pid *pid, num_t applied, uint8_t hold)
 {
     if (!pid->primed)
         return;
-    if (pid->config.form == PID_POSITIONAL)
+    if (pid->form == PID_POSITIONAL)
         accumulator_add_product(&pid->sum, pid->tracking, num_sub(applied, pid->raw));
     else if (!num_eq(pid->output, pid->raw))
         accumulator_set(&pid->sum, applied);
     else /* as a difference, so that what is finer than num_t survives */
         accumulator_add(&pid->sum, num_sub(applied, pid->raw));
 
-    bool up = num_lt(num_zero(), pid->error) == (pid->config.action == PID_REVERSE);
+    bool up = num_lt(num_zero(), pid->error) == (pid->action == PID_REVERSE);
     uint8_t against = up ? BLOCK_HOLD_UP : BLOCK_HOLD_DOWN;
     if (!(hold & against) && !pid->inhibited)
         accumulator_add_product(&pid->sum, pid->integral, pid->error);
@@ -243,7 +260,7 @@ void pid_follow(struct pid *pid, num_t setpoint, num_t measurement, num_t applie
     washout_reset(&pid->prediction, measurement);
     ramp_reset(&pid->rate, applied);
     accumulator_set(&pid->sum, applied);
-    if (pid->config.form == PID_POSITIONAL)
+    if (pid->form == PID_POSITIONAL)
         accumulator_add_product(&pid->sum, pid->gain, num_neg(pid->proportional_in));
     pid->last_r = setpoint;
     pid->last_y = measurement;
@@ -280,8 +297,7 @@ static const char *block_describe(const void *state, size_t i, float *value)
     struct accumulator p = {0};
     accumulator_add_product(&p, pid->gain, pid->proportional_in);
     struct accumulator rest = pid->sum;
-    if (pid->config.form ==
-        PID_VELOCITY) { /* sum is the whole output: what the other parts leave */
+    if (pid->form == PID_VELOCITY) { /* sum is the whole output: what the other parts leave */
         accumulator_add(&rest, num_neg(washout_value(&pid->derivative)));
         accumulator_add_product(&rest, pid->gain, num_neg(pid->proportional_in));
     }

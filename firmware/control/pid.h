@@ -56,7 +56,9 @@ MUST_CHECK enum err pid_validate(const struct pid_config *config, const char **f
 
 /* Contents are the controller's own; listed here so that it can be placed statically. */
 struct pid {
-    struct pid_config config;
+    enum pid_action action;
+    enum pid_form form;
+    bool derives, inhibits; /* td_s, inhibit_s above 0 */
     num_t b, c, lo, hi;
     struct coefficient gain;     /* s K */
     struct coefficient integral; /* s K h / Ti, 0 without integral action */

@@ -7,38 +7,64 @@
 #define HEADER_SIZE 3 /* type, sequence */
 #define CRC_SIZE    4
 
-/* Stuffs n bytes of body. Bodies are shorter than 254 bytes, so no group can reach the full length of 0xFF
- * and the overhead is always one byte. Returns the bytes written. */
-static size_t stuff(const uint8_t *body, size_t n, uint8_t *wire)
+/* Bytes being stuffed as they come. Bodies are shorter than 254 bytes, so no group can reach the full length of
+ * 0xFF and the overhead is always one byte. */
+struct stuffing {
+    uint8_t *wire;
+    size_t code_at; /* where the length of the group under way will be written */
+    size_t out;
+};
+
+/*@ requires \valid(s) && \valid(s->wire + (0 .. FRAME_BODY_MAX)) && \valid_read(bytes + (0 .. n - 1));
+  @ requires \separated(s, s->wire + (0 .. FRAME_BODY_MAX));
+  @ requires \separated(s, bytes + (0 .. n - 1));
+  @ requires \separated(s->wire + (0 .. FRAME_BODY_MAX), bytes + (0 .. n - 1));
+  @ requires s->code_at < s->out && s->out + n <= FRAME_BODY_MAX + 1;
+  @ assigns s->code_at, s->out, s->wire[0 .. FRAME_BODY_MAX];
+  @ ensures s->out == \old(s->out) + n && s->code_at < s->out;
+  @*/
+static void stuff(struct stuffing *s, const uint8_t *bytes, size_t n)
 {
-    size_t code_at = 0; /* where the length of the group under way will be written */
-    size_t out = 1;
+    /*@ loop invariant i <= n && s->out == \at(s->out, Pre) + i && s->code_at < s->out;
+      @ loop assigns i, s->code_at, s->out, s->wire[0 .. FRAME_BODY_MAX];
+      @ loop variant n - i;
+      @*/
     for (size_t i = 0; i < n; i++) {
-        if (body[i] == 0) {
-            wire[code_at] = (uint8_t)(out - code_at);
-            code_at = out;
-            out++;
+        if (bytes[i] == 0) {
+            s->wire[s->code_at] = (uint8_t)(s->out - s->code_at);
+            s->code_at = s->out;
         } else {
-            wire[out] = body[i];
-            out++;
+            s->wire[s->out] = bytes[i];
         }
+        s->out++;
     }
-    wire[code_at] = (uint8_t)(out - code_at);
-    return out;
 }
 
 /* Undoes stuff() in place (the result is never ahead of what is read). Returns the bytes of the body, or 0
  * when the group lengths do not add up to n. */
+/*@ requires n < FRAME_WIRE_MAX && \valid(buffer + (0 .. n - 1));
+  @ assigns buffer[0 .. n - 1];
+  @ ensures n > 0 ==> \result < n;
+  @ ensures n == 0 ==> \result == 0;
+  @*/
 static size_t unstuff(uint8_t *buffer, size_t n)
 {
     size_t in = 0;
     size_t out = 0;
+    /*@ loop invariant in <= n && out <= in && (0 < in == n ==> out < n);
+      @ loop assigns in, out, buffer[0 .. n - 1];
+      @ loop variant n - in;
+      @*/
     while (in < n) {
         size_t group = buffer[in];
         if (group == 0 || group > n - in) {
             return 0;
         }
         in++;
+        /*@ loop invariant 1 <= i <= group && out < in && in == \at(in, LoopEntry) + (i - 1);
+          @ loop assigns i, in, out, buffer[0 .. n - 1];
+          @ loop variant group - i;
+          @*/
         for (size_t i = 1; i < group; i++) {
             buffer[out] = buffer[in];
             out++;
@@ -57,19 +83,24 @@ size_t frame_encode(const struct frame *frame, uint8_t *wire)
     if (frame->n > FRAME_PAYLOAD_MAX) {
         return 0;
     }
-    uint8_t body[FRAME_BODY_MAX];
-    size_t n = HEADER_SIZE + (size_t)frame->n;
-    body[0] = frame->type;
-    body[1] = (uint8_t)(frame->sequence & 0xFFu);
-    body[2] = (uint8_t)(frame->sequence >> 8);
-    memcpy(body + HEADER_SIZE, frame->payload, frame->n);
-    uint32_t crc = crc32_update(0, body, n);
+    const uint8_t header[HEADER_SIZE] = {frame->type, (uint8_t)(frame->sequence & 0xFFu),
+                                         (uint8_t)(frame->sequence >> 8)};
+    uint8_t tail[CRC_SIZE];
+    uint32_t crc = crc32_update(crc32_update(0, header, HEADER_SIZE), frame->payload, frame->n);
+    /*@ loop invariant i <= CRC_SIZE;
+      @ loop assigns i, tail[0 .. CRC_SIZE - 1];
+      @ loop variant CRC_SIZE - i;
+      @*/
     for (unsigned i = 0; i < CRC_SIZE; i++) {
-        body[n + i] = (uint8_t)(crc >> (8u * i));
+        tail[i] = (uint8_t)(crc >> (8u * i));
     }
-    size_t written = stuff(body, n + CRC_SIZE, wire);
-    wire[written] = 0;
-    return written + 1;
+    struct stuffing s = {.wire = wire, .code_at = 0, .out = 1};
+    stuff(&s, header, HEADER_SIZE);
+    stuff(&s, frame->payload, frame->n);
+    stuff(&s, tail, CRC_SIZE);
+    wire[s.code_at] = (uint8_t)(s.out - s.code_at);
+    wire[s.out] = 0;
+    return s.out + 1;
 }
 
 void frame_decoder_reset(struct frame_decoder *decoder)
@@ -83,6 +114,11 @@ void frame_decoder_reset(struct frame_decoder *decoder)
 }
 
 /* Judges the n stuffed bytes that stand before a delimiter. */
+/*@ requires 0 < n < FRAME_WIRE_MAX && \valid(decoder) && \valid(frame);
+  @ requires \separated(decoder, frame);
+  @ assigns decoder->buffer[0 .. FRAME_WIRE_MAX - 1], decoder->count, *frame;
+  @ ensures \result ==> frame->n <= FRAME_PAYLOAD_MAX;
+  @*/
 static bool complete(struct frame_decoder *decoder, size_t n, struct frame *frame)
 {
     uint8_t *body = decoder->buffer;
@@ -93,6 +129,10 @@ static bool complete(struct frame_decoder *decoder, size_t n, struct frame *fram
     }
     size_t covered = size - CRC_SIZE;
     uint32_t crc = 0;
+    /*@ loop invariant i <= CRC_SIZE;
+      @ loop assigns i, crc;
+      @ loop variant CRC_SIZE - i;
+      @*/
     for (unsigned i = 0; i < CRC_SIZE; i++) {
         crc |= (uint32_t)body[covered + i] << (8u * i);
     }

@@ -15,9 +15,12 @@
 
 #include "base/error.h"
 
-#define FRAME_PAYLOAD_MAX 240
-#define FRAME_BODY_MAX    (3 + FRAME_PAYLOAD_MAX + 4) /* 247: one COBS block */
-#define FRAME_WIRE_MAX    (FRAME_BODY_MAX + 2)        /* overhead byte and delimiter */
+#ifndef FRAME_PAYLOAD_MAX
+#define FRAME_PAYLOAD_MAX                                                                          \
+    240 /* a small board takes shorter ones; longer frames are skipped and counted */
+#endif
+#define FRAME_BODY_MAX (3 + FRAME_PAYLOAD_MAX + 4) /* 247: one COBS block */
+#define FRAME_WIRE_MAX (FRAME_BODY_MAX + 2)        /* overhead byte and delimiter */
 
 struct frame {
     uint8_t type;
@@ -28,6 +31,12 @@ struct frame {
 
 /* Writes the frame, stuffed and delimited, to wire (room: FRAME_WIRE_MAX). Returns the bytes written,
  * 0 when n > FRAME_PAYLOAD_MAX. */
+/*@ requires \valid_read(frame) && \valid(wire + (0 .. FRAME_WIRE_MAX - 1));
+  @ requires \separated(frame, wire + (0 .. FRAME_WIRE_MAX - 1));
+  @ assigns wire[0 .. FRAME_WIRE_MAX - 1];
+  @ ensures frame->n > FRAME_PAYLOAD_MAX ==> \result == 0;
+  @ ensures frame->n <= FRAME_PAYLOAD_MAX ==> \result == frame->n + 9;
+  @*/
 size_t frame_encode(const struct frame *frame, uint8_t *wire);
 
 struct frame_decoder {
@@ -42,10 +51,20 @@ struct frame_decoder {
     } count;
 };
 
+/*@ requires \valid(decoder);
+  @ assigns decoder->n, decoder->overlong, decoder->count;
+  @ ensures decoder->n == 0;
+  @*/
 void frame_decoder_reset(struct frame_decoder *decoder); /* counters too */
 
 /* Takes one byte. Returns true when it completed a good frame, which is then in *frame. Anything else is
  * dropped and counted; bytes after the next delimiter are in step again. */
+/*@ requires \valid(decoder) && \valid(frame) && \separated(decoder, frame);
+  @ requires decoder->n < FRAME_WIRE_MAX;
+  @ assigns *decoder, *frame;
+  @ ensures decoder->n < FRAME_WIRE_MAX;
+  @ ensures \result ==> frame->n <= FRAME_PAYLOAD_MAX;
+  @*/
 bool frame_decode(struct frame_decoder *decoder, uint8_t byte, struct frame *frame);
 
 #endif

@@ -12,8 +12,9 @@
 #define COMMAND_SAFE      0x01u
 #define HELLO_FIXED_SIZE  2 /* version and role stand first in every version of the protocol */
 
-_Static_assert(SAMPLE_HEAD_SIZE + 2 * LINK_CHANNELS_MAX * VALUE_SIZE <= FRAME_PAYLOAD_MAX,
-               "the largest sample fits a frame");
+_Static_assert(SAMPLE_HEAD_SIZE + 2 * LINK_CHANNELS_ROOM * VALUE_SIZE <= FRAME_PAYLOAD_MAX &&
+                   PAGE_SIZE <= FRAME_PAYLOAD_MAX,
+               "the largest message fits a frame");
 _Static_assert(sizeof(float) == sizeof(uint32_t), "float is IEEE-754 binary32");
 
 /* A cursor over a payload. Lengths are checked before anything is read, so it needs no checks of its own. */
@@ -177,8 +178,8 @@ static void put_readings(struct cursor *c, const struct link_reading *reading, u
 
 void pack_sample(const struct link_sample *m, struct frame *f)
 {
-    uint8_t n_measurements = at_most(m->n_measurements, LINK_CHANNELS_MAX);
-    uint8_t n_readback = at_most(m->n_readback, LINK_CHANNELS_MAX);
+    uint8_t n_measurements = at_most(m->n_measurements, LINK_CHANNELS_ROOM);
+    uint8_t n_readback = at_most(m->n_readback, LINK_CHANNELS_ROOM);
     struct cursor c = begin(f, LINK_SAMPLE);
     put_u32(&c, m->number);
     put_u64(&c, m->time_ms);
@@ -191,7 +192,7 @@ void pack_sample(const struct link_sample *m, struct frame *f)
 
 void pack_command(const struct link_command *m, struct frame *f)
 {
-    uint8_t n_outputs = at_most(m->n_outputs, LINK_CHANNELS_MAX);
+    uint8_t n_outputs = at_most(m->n_outputs, LINK_CHANNELS_ROOM);
     struct cursor c = begin(f, LINK_COMMAND);
     put_u32(&c, m->number);
     put_u64(&c, m->time_ms);
@@ -329,7 +330,7 @@ enum err unpack_sample(const struct frame *f, struct link_sample *m)
     uint64_t time_ms = get_u64(&r);
     uint8_t n_measurements = get_u8(&r);
     uint8_t n_readback = get_u8(&r);
-    if (n_measurements > LINK_CHANNELS_MAX || n_readback > LINK_CHANNELS_MAX) {
+    if (n_measurements > LINK_CHANNELS_ROOM || n_readback > LINK_CHANNELS_ROOM) {
         return ERR_FRAME;
     }
     unsigned readings = (unsigned)n_measurements + n_readback;
@@ -356,7 +357,7 @@ enum err unpack_command(const struct frame *f, struct link_command *m)
     uint8_t flags = get_u8(&r);
     x.safe = (flags & COMMAND_SAFE) != 0;
     x.n_outputs = get_u8(&r);
-    if ((flags & (uint8_t)~COMMAND_SAFE) != 0 || x.n_outputs > LINK_CHANNELS_MAX ||
+    if ((flags & (uint8_t)~COMMAND_SAFE) != 0 || x.n_outputs > LINK_CHANNELS_ROOM ||
         f->n != COMMAND_HEAD_SIZE + (unsigned)x.n_outputs * VALUE_SIZE) {
         return ERR_FRAME;
     }

@@ -2,7 +2,7 @@
  * P = plant (the simulator, or real hardware speaking the protocol), C = controller (the firmware).
  *
  * pack_*: fill frame->type, n and payload (the caller sets sequence). Texts are cut to their field, counts
- * to LINK_CHANNELS_MAX.
+ * to LINK_CHANNELS_ROOM.
  * unpack_*: ERR_FRAME when type, length, counts, flags, or texts (no terminating zero, bytes outside printable
  * ASCII, no channel name) are wrong; ERR_NOT_FINITE for a span, safe value or driven output that is no number;
  * ERR_RANGE for an empty span, a safe value outside it, a plant tick of 0. A reading that is not finite
@@ -22,7 +22,11 @@
 #define LINK_KEEP_ALIVE_MS   500 /* send something at least this often */
 #define LINK_HELLO_MS        250 /* repeat a greeting this often until answered */
 #define LINK_PLANT_NAME_SIZE 24
-#define LINK_CHANNELS_MAX    16 /* of each kind */
+#define LINK_CHANNELS_MAX    16 /* of each kind: the protocol */
+#ifndef LINK_CHANNELS_ROOM
+#define LINK_CHANNELS_ROOM                                                                         \
+    LINK_CHANNELS_MAX /* of each kind: the longest sample and command this build takes */
+#endif
 
 enum link_message {
     LINK_HELLO = 1,        /* P->C and C->P */
@@ -75,8 +79,8 @@ struct link_sample {
     uint32_t number;
     uint64_t time_ms;
     uint8_t n_measurements, n_readback; /* n_readback: 0 or n_outputs */
-    struct link_reading measurement[LINK_CHANNELS_MAX];
-    struct link_reading readback[LINK_CHANNELS_MAX];
+    struct link_reading measurement[LINK_CHANNELS_ROOM];
+    struct link_reading readback[LINK_CHANNELS_ROOM];
 };
 
 /* payload: number u32, time_ms u64, flags u8 (bit 0: safe state), n_outputs u8, then value f32 + drive u8 */
@@ -88,7 +92,7 @@ struct link_command {
     struct {
         float value;
         bool drive; /* false: the controller does not command this one */
-    } output[LINK_CHANNELS_MAX];
+    } output[LINK_CHANNELS_ROOM];
 };
 
 void pack_hello(const struct link_hello *m, struct frame *f);

@@ -5,6 +5,8 @@
 
 #include <math.h>
 
+#include "num/real_math.h"
+
 #ifdef REFLUX_REAL_DOUBLE
 typedef double real_t; /* host only: never defined in a firmware build */
 #define REAL_C(x)      x
@@ -17,9 +19,9 @@ typedef double real_t; /* host only: never defined in a firmware build */
 #else
 typedef float real_t;
 #define REAL_C(x)      x##f
-#define real_exp(x)    expf(x)
-#define real_log(x)    logf(x)
-#define real_pow(x, y) powf(x, y)
+#define real_exp(x)    float_exp(x)
+#define real_log(x)    float_log(x)
+#define real_pow(x, y) float_pow(x, y)
 #define real_abs(x)    fabsf(x)
 #define real_sqrt(x)   sqrtf(x)
 #define REAL_EPSILON   1.1920929e-7f

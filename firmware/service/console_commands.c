@@ -8,9 +8,7 @@
 #include "hal/uart.h"
 #include "service/console.h"
 #include "service/parameters.h"
-
-static const char *const reset_names[] = {"power-on",  "requested", "watchdog",
-                                          "reset pin", "fault",     "unknown"};
+#include "service/storage.h"
 
 static bool help_line(struct console *c, unsigned n, struct text *line)
 {
@@ -63,6 +61,34 @@ static void pair(struct text *line, const char *name, uint32_t value)
     text_u32(line, value);
 }
 
+static void hex(struct text *line, const char *name, uint32_t value)
+{
+    text_char(line, ' ');
+    text_str(line, name);
+    text_char(line, ' ');
+    for (unsigned shift = 32; shift; shift -= 4)
+        text_char(line, "0123456789abcdef"[(value >> (shift - 4u)) & 15u]);
+}
+
+/* What is left of the last fault since power-on. */
+static void fault_line(struct text *line)
+{
+    static const char *const names[] = {"hard", "memory", "bus", "usage"};
+    struct hal_fault f;
+    if (!hal_last_fault(&f))
+        return;
+    text_str(line, "last fault: ");
+    text_str(line, f.exception >= 3 && f.exception <= 6 ? names[f.exception - 3] : "unexpected");
+    text_str(line, f.in_tick ? " in the tick," : " in the main loop,");
+    hex(line, "pc", f.pc);
+    hex(line, "lr", f.lr);
+    hex(line, "cfsr", f.status);
+    hex(line, "hfsr", f.hard);
+    hex(line, "address", f.address);
+    pair(line, "up_ms", f.up_ms);
+    pair(line, "boots_ago", f.boots_ago);
+}
+
 static bool version_line(struct console *c, unsigned n, struct text *line)
 {
     struct hal_nvm_geometry nvm;
@@ -88,18 +114,40 @@ static bool version_line(struct console *c, unsigned n, struct text *line)
         pair(line, "loops", CONFIG_LOOPS);
         pair(line, "feedforwards", CONFIG_FEEDFORWARDS);
         pair(line, "interlocks", CONFIG_INTERLOCKS);
+        pair(line, "events", EVENT_HISTORY);
+        pair(line, "alarms", CONFIG_ALARMS);
         pair(line, "dead-time bytes", PLAN_ARENA_BYTES);
         return true;
     case 4:
+        text_str(line, "limits: plant");
+        pair(line, "channels", LINK_CHANNELS_ROOM);
+        pair(line, "name bytes", LINK_TEXT_BYTES);
+        pair(line, "requests", REQUEST_QUEUE_SIZE);
+        pair(line, "rows", TELEMETRY_QUEUE_SIZE);
+        pair(line, "line", CONSOLE_LINE_MAX);
+        text_str(line, LINE_EDITOR_HISTORY > 1 ? ", recalls lines" : ", recalls no lines");
+        text_str(line, PLAN_BUFFERS > 2 ? "" : ", one change a tick");
+        return true;
+    case 5:
         hal_nvm_get_geometry(&nvm);
         text_str(line, c->service->watchdog ? "watchdog runs" : "no watchdog");
         text_str(line, ", flash for storage, bytes: ");
         text_u32(line, nvm.sectors * nvm.sector_size);
         return true;
-    case 5:
+    case 6:
         text_str(line, "started by: ");
-        text_str(line, reset_names[hal_reset_cause()]);
+        text_str(line, hal_reset_name(hal_reset_cause()));
         pair(line, "boot", hal_boot_id());
+        return true;
+    case 7:
+        fault_line(line);
+        return true;
+    case 8:
+        console_access_text(c, line);
+        return true;
+    case 9:
+        text_str(line, "storage: ");
+        storage_text(c->service->storage, line);
         return true;
     default:
         return false;
@@ -134,6 +182,10 @@ static bool status_line(struct console *c, unsigned n, struct text *line)
         pair(line, "ticks", s->supervisor->ticks);
         if (s->staging)
             text_str(line, ", transaction open");
+        text_str(line, ", storage ");
+        text_str(line, storage_word(s->storage));
+        if (!console_is_engineer(c))
+            text_str(line, ", console locked");
         return true;
     }
     n -= 1;
@@ -214,16 +266,30 @@ void event_line(const struct event *e, struct text *line)
     text_float(line, e->value);
     text_char(line, ' ');
     text_str(line, event_text(e->code));
+    if (e->code == EVENT_MEASUREMENT_BAD) {
+        text_str(line, ": ");
+        text_str(line, measurement_fault_text(e->detail));
+    }
+    if (event_level(e->code) == EVENT_ACTION)
+        text_str(line, e->detail & EVENT_ENGINEER ? ", by engineer" : ", by operator");
 }
 
 static bool history_line(struct console *c, unsigned n, struct text *line)
 {
-    const struct service *s = c->service;
-    uint32_t kept = s->history_count < EVENT_HISTORY ? s->history_count : EVENT_HISTORY;
-    if (n >= kept)
+    const struct event_log *log = &c->service->history;
+    uint32_t sequence = event_log_oldest(log) + n;
+    if (sequence >= log->count)
         return false;
+    const struct event *e = event_log_get(log, sequence);
+    if (!e)
+        return true; /* a reset came while it was written */
     text_str(line, "  ");
-    event_line(&s->history[(s->history_count - kept + n) % EVENT_HISTORY], line);
+    if (e->boot != log->boot) {
+        text_str(line, "boot ");
+        text_u32(line, hal_boot_id() - (uint16_t)(log->boot - e->boot));
+        text_char(line, ' ');
+    }
+    event_line(e, line);
     return true;
 }
 
@@ -232,53 +298,6 @@ static void command_events(struct console *c, unsigned n, char **word)
     (void)n;
     (void)word;
     console_list(c, history_line, "");
-}
-
-/* What is wrong now, a line each: link, measurements, interlocks, outputs. */
-static bool alarm_line(struct console *c, unsigned n, struct text *line)
-{
-    const struct service *s = c->service;
-    const struct supervisor *sup = s->supervisor;
-    const struct plan *plan = &s->plan[s->in_force];
-    if (n == 0) {
-        if (s->io.state(s->io.context) != IO_READY)
-            text_str(line, "LINK_DOWN no plant is connected");
-        return true;
-    }
-    n -= 1;
-    if (n < CHANNEL_MAX) {
-        if (sup->measurement[n].alarm) {
-            text_str(line, "MEASUREMENT_BAD ");
-            text_str(line, plan->config.measurement[n].name);
-        }
-        return true;
-    }
-    n -= CHANNEL_MAX;
-    if (n < CHANNEL_MAX) {
-        if (sup->output[n].not_following) {
-            text_str(line, "NOT_FOLLOWING ");
-            text_str(line, plan->config.output[n].name);
-        }
-        return true;
-    }
-    n -= CHANNEL_MAX;
-    if (n < CONFIG_INTERLOCKS) {
-        if (sup->interlock[n].active) {
-            text_str(line, "INTERLOCK_ON lock");
-            text_u32(line, n + 1u);
-            text_str(line, " forces ");
-            text_str(line, plan->config.interlock[n].output);
-        }
-        return true;
-    }
-    return false;
-}
-
-static void command_alarm(struct console *c, unsigned n, char **word)
-{
-    (void)n;
-    (void)word;
-    console_list(c, alarm_line, "");
 }
 
 static void uart_line(struct text *line, const char *name, enum hal_uart port)
@@ -337,6 +356,7 @@ static bool stats_line(struct console *c, unsigned n, struct text *line)
         pair(line, "dropped", c->stats.dropped);
         pair(line, "telemetry_lost", s->telemetry.lost);
         pair(line, "events_lost", s->tick_events.lost + s->main_events.lost);
+        pair(line, "events_unannounced", s->unannounced);
         return true;
     case 6:
         text_str(line, "memory");
@@ -368,31 +388,60 @@ static void command_reboot(struct console *c, unsigned n, char **word)
 }
 
 const struct console_command console_commands[] = {
-    {"help", "[COMMAND|PARAMETER]", "this list, or one command or parameter", 0, 1, command_help},
-    {"version", "", "firmware, board, limits, why it started", 0, 0, command_version},
-    {"status", "", "state, measurements, outputs", 0, 0, command_status},
-    {"loop", "[NAME]", "all loops, or one with its insides", 0, 1, command_loop},
-    {"mode", "LOOP manual|auto|cascade", "change the mode; `mode machine|human` for this console",
-     1, 2, command_mode},
-    {"sp", "LOOP VALUE", "setpoint, in the measurement's unit", 2, 2, command_sp},
-    {"out", "LOOP|MV VALUE", "output in manual, in the output's unit", 2, 2, command_out},
+    {"help", "[COMMAND|PARAMETER]", "this list, or one command or parameter", 0, 1, command_help,
+     ACCESS_OPERATOR, NOT_AN_ACTION},
+    {"version", "", "firmware, board, limits, why it started", 0, 0, command_version,
+     ACCESS_OPERATOR, NOT_AN_ACTION},
+    {"status", "", "state, measurements, outputs", 0, 0, command_status, ACCESS_OPERATOR,
+     NOT_AN_ACTION},
+    {"loop", "[LOOP]", "all loops, or one with its insides", 0, 1, command_loop, ACCESS_OPERATOR,
+     NOT_AN_ACTION},
+    {"mode", "LOOP|machine|human [manual|auto|cascade]",
+     "change the mode; `mode machine|human` for this console", 1, 2, command_mode, ACCESS_OPERATOR,
+     EVENT_DO_MODE},
+    {"sp", "LOOP VALUE", "setpoint, in the measurement's unit", 2, 2, command_sp, ACCESS_OPERATOR,
+     EVENT_DO_SETPOINT},
+    {"out", "LOOP|MV VALUE", "output in manual, in the output's unit", 2, 2, command_out,
+     ACCESS_OPERATOR, EVENT_DO_OUTPUT},
     {"list", "[PREFIX|all]", "parameters in use, those beginning with PREFIX, or all", 0, 1,
-     command_list},
-    {"get", "NAME", "one parameter", 1, 1, command_get},
-    {"set", "NAME VALUE", "change a parameter, at once or within begin ... apply", 2, 2,
-     command_set},
+     command_list, ACCESS_OPERATOR, NOT_AN_ACTION},
+    {"get", "PARAMETER", "one parameter", 1, 1, command_get, ACCESS_OPERATOR, NOT_AN_ACTION},
+    {"set", "PARAMETER VALUE", "change a parameter, at once or within begin ... apply", 2, 2,
+     command_set, ACCESS_ENGINEER, EVENT_DO_SET},
     {"diff", "[defaults]", "what the transaction changes, or differs from the defaults", 0, 1,
-     command_diff},
-    {"begin", "", "open a transaction: changes wait for apply", 0, 0, command_begin},
-    {"apply", "", "check the changes whole and take them at the next tick", 0, 0, command_apply},
-    {"abandon", "", "close the transaction without changes", 0, 0, command_abandon},
+     command_diff, ACCESS_OPERATOR, NOT_AN_ACTION},
+    {"begin", "", "open a transaction: changes wait for apply", 0, 0, command_begin,
+     ACCESS_ENGINEER, NOT_AN_ACTION},
+    {"apply", "", "check the changes whole and take them at the next tick", 0, 0, command_apply,
+     ACCESS_ENGINEER, EVENT_DO_APPLY},
+    {"abandon", "", "close the transaction without changes", 0, 0, command_abandon, ACCESS_ENGINEER,
+     NOT_AN_ACTION},
+    {"save", "", "store the settings in force, answered when they are", 0, 0, command_save,
+     ACCESS_ENGINEER, NOT_AN_ACTION},
+    {"load", "", "the stored settings at the next tick; in a transaction, with apply", 0, 0,
+     command_load, ACCESS_ENGINEER, NOT_AN_ACTION},
+    {"defaults", "", "every parameter at its default, but the key, like load", 0, 0,
+     command_defaults, ACCESS_ENGINEER, NOT_AN_ACTION},
+    {"dump", "", "the settings as commands that restore them", 0, 0, command_dump, ACCESS_OPERATOR,
+     NOT_AN_ACTION},
     {"tune", "LOOP RULE GAIN DEAD LAG [LAMBDA]",
      "settings from a model (EU/EU, s, s); RULE simc, cohen-coon, cohen-coon-pid", 5, 6,
-     command_tune},
-    {"log", "on [TICKS] | off", "telemetry rows on this console", 1, 2, command_log},
-    {"alarm", "", "what is wrong now", 0, 0, command_alarm},
-    {"events", "", "the last 100 events", 0, 0, command_events},
-    {"stats", "", "cost of ticks, link and console counters", 0, 0, command_stats},
-    {"reboot", "", "start again in the safe state", 0, 0, command_reboot},
+     command_tune, ACCESS_OPERATOR, NOT_AN_ACTION},
+    {"log", "on|off [TICKS]", "telemetry rows on this console", 1, 2, command_log, ACCESS_OPERATOR,
+     NOT_AN_ACTION},
+    {"alarm", "[ack|shelve] [ALARM|all] [SECONDS]",
+     "what is wrong now; acknowledge, or silence for a time", 0, 3, command_alarm, ACCESS_OPERATOR,
+     EVENT_DO_ALARM},
+    {"events", "", "the latest events and actions, also of earlier starts", 0, 0, command_events,
+     ACCESS_OPERATOR, NOT_AN_ACTION},
+    {"stats", "", "cost of ticks, link and console counters", 0, 0, command_stats, ACCESS_OPERATOR,
+     NOT_AN_ACTION},
+    {"unlock", "KEY", "open the engineer level", 1, 1, command_unlock, ACCESS_OPERATOR,
+     EVENT_DO_UNLOCK},
+    {"lock", "", "close the engineer level", 0, 0, command_lock, ACCESS_OPERATOR, EVENT_DO_LOCK},
+    {"key", "NEW", "change the key of the engineer level; - for none", 1, 1, command_key,
+     ACCESS_ENGINEER, EVENT_DO_KEY},
+    {"reboot", "", "start again in the safe state", 0, 0, command_reboot, ACCESS_ENGINEER,
+     EVENT_DO_REBOOT},
 };
 const unsigned console_command_count = sizeof console_commands / sizeof console_commands[0];

@@ -283,6 +283,10 @@ void command_tune(struct console *c, unsigned n, char **word)
         !find_number(c, word[4], "a time constant in s", &lag_s) ||
         (n == 6 && !find_number(c, word[5], "lambda in s", &lambda_s)))
         return;
+    if (n == 6 && strcmp(word[1], "simc") != 0) {
+        console_err_about(c, ERR_PARSE, word[5], "LAMBDA goes with the rule simc only");
+        return;
+    }
     const struct loop_plan *p = &plan->loop[loop];
     const struct config *config = &plan->config;
     const struct measurement_config *m = &config->measurement[p->pv];

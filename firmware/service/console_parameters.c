@@ -4,10 +4,12 @@
 #include "service/console.h"
 #include "service/parameters.h"
 
+#define TICK_WANTED "the last configuration waits for its tick, try again after it"
+
 /* What the operator is looking at: the transaction under way, or the plan everything will meet. */
 static const struct config *view(const struct service *s)
 {
-    return s->staging ? &s->staged : &service_plan(s)->config;
+    return s->staging ? &s->plan[s->scratch].config : &service_plan(s)->config;
 }
 
 static void value_line(const struct parameter *p, const struct config *config, struct text *line)
@@ -70,9 +72,14 @@ void command_list(struct console *c, unsigned n, char **word)
         found = strncmp(name, prefix, strlen(prefix)) == 0;
     }
     if (!found) {
-        console_err_about(
-            c, ERR_UNKNOWN, prefix,
-            "no parameter begins so; groups are tick config meas mv loop decouple ff lock");
+        char why[120];
+        struct text t = text_on(why, sizeof why);
+        text_str(&t, "no parameter begins so; groups are");
+        for (unsigned g = 0; g < parameter_group_count; g++) {
+            text_char(&t, ' ');
+            text_str(&t, parameter_groups[g].name);
+        }
+        console_err_about(c, ERR_UNKNOWN, prefix, why);
         return;
     }
     console_list(c, list_line, prefix);
@@ -80,8 +87,20 @@ void command_list(struct console *c, unsigned n, char **word)
 
 static bool find(struct console *c, const char *name, struct parameter *p)
 {
-    if (parameter_find(name, p) == ERR_OK)
+    enum err err = parameter_find(name, p);
+    if (err == ERR_OK)
         return true;
+    if (err == ERR_UNSUPPORTED) {
+        char line[CONSOLE_OUTPUT_MAX];
+        struct text t = console_err_on(line, sizeof line, err);
+        text_str(&t, name);
+        text_str(&t, ": this board has ");
+        text_u32(&t, p->group->count);
+        text_str(&t, ", bytes needed for each more: ");
+        text_u32(&t, (uint32_t)PLAN_BUFFERS * p->group->stride);
+        console_err_line(c, line);
+        return false;
+    }
     console_err_about(c, ERR_UNKNOWN, name, "no such parameter; `list all` shows them");
     return false;
 }
@@ -99,19 +118,23 @@ void command_get(struct console *c, unsigned n, char **word)
     console_ok(c);
 }
 
-static void refuse_config(struct console *c, const struct config_fault *fault)
+void console_refuse_config(struct console *c, const struct config_fault *fault)
 {
-    char where[48], why[120];
-    struct text w = text_on(where, sizeof where), t = text_on(why, sizeof why);
     if (!fault->group) {
-        console_err(c, fault->code, "more requests waiting than the queue holds, try again");
+        console_err(c, fault->code,
+                    !service_may_stage(c->service)
+                        ? TICK_WANTED
+                        : "more requests waiting than the queue holds, try again");
         return;
     }
-    text_str(&w, fault->group);
+    char line[CONSOLE_OUTPUT_MAX];
+    struct text t = console_err_on(line, sizeof line, fault->code);
+    text_str(&t, fault->group);
     if (fault->index)
-        text_u32(&w, fault->index);
-    text_char(&w, '.');
-    text_str(&w, fault->field);
+        text_u32(&t, fault->index);
+    text_char(&t, '.');
+    text_str(&t, fault->field);
+    text_str(&t, ": ");
     if (fault->subject[0]) {
         text_char(&t, '\'');
         text_str(&t, fault->subject);
@@ -124,7 +147,23 @@ static void refuse_config(struct console *c, const struct config_fault *fault)
         text_str(&t, ", there are: ");
         text_u32(&t, PLAN_ARENA_BYTES);
     }
-    console_err_about(c, fault->code, where, why);
+    console_err_line(c, line);
+}
+
+static void refuse_value(struct console *c, enum err err, const struct parameter *p, char **word)
+{
+    char line[CONSOLE_OUTPUT_MAX];
+    struct text t = console_err_on(line, sizeof line, err);
+    text_str(&t, word[0]);
+    text_str(&t, ": '");
+    text_str(&t, word[1]);
+    text_str(&t, err == ERR_READ_ONLY ? "' refused, " : "' refused, allowed: ");
+    parameter_range(p, &t);
+    if (p->field->unit[0]) {
+        text_char(&t, ' ');
+        text_str(&t, p->field->unit);
+    }
+    console_err_line(c, line);
 }
 
 void command_set(struct console *c, unsigned n, char **word)
@@ -135,27 +174,20 @@ void command_set(struct console *c, unsigned n, char **word)
     if (!find(c, word[0], &p))
         return;
     /* Outside a transaction the staging copy serves for this one change. */
-    if (!s->staging)
-        s->staged = service_plan(s)->config;
-    enum err err = parameter_set(&p, &s->staged, word[1]);
+    struct config *staged = s->staging ? service_staged(s) : service_stage(s);
+    if (!staged) {
+        console_err(c, ERR_BUSY, TICK_WANTED);
+        return;
+    }
+    enum err err = parameter_set(&p, staged, word[1]);
     if (err) {
-        char text[160];
-        struct text t = text_on(text, sizeof text);
-        text_str(&t, "'");
-        text_str(&t, word[1]);
-        text_str(&t, err == ERR_READ_ONLY ? "' refused, " : "' refused, allowed: ");
-        parameter_range(&p, &t);
-        if (p.field->unit[0]) {
-            text_char(&t, ' ');
-            text_str(&t, p.field->unit);
-        }
-        console_err_about(c, err, word[0], text);
+        refuse_value(c, err, &p, word);
         return;
     }
     if (!s->staging) {
         struct config_fault fault;
-        if (service_apply(s, &s->staged, &fault) != ERR_OK) {
-            refuse_config(c, &fault);
+        if (service_apply(s, staged, &fault) != ERR_OK) {
+            console_refuse_config(c, &fault);
             return;
         }
     }
@@ -232,7 +264,10 @@ void command_begin(struct console *c, unsigned n, char **word)
         console_err(c, ERR_STATE, "a transaction is open already: apply or abandon it");
         return;
     }
-    s->staged = service_plan(s)->config;
+    if (!service_stage(s)) {
+        console_err(c, ERR_BUSY, TICK_WANTED);
+        return;
+    }
     s->staging = true;
     console_ok(c);
 }
@@ -241,14 +276,18 @@ void command_apply(struct console *c, unsigned n, char **word)
 {
     struct service *s = c->service;
     struct config_fault fault;
+    struct parameter p;
     (void)n;
     (void)word;
     if (!s->staging) {
         console_err(c, ERR_STATE, "no transaction is open: begin one first");
         return;
     }
-    if (service_apply(s, &s->staged, &fault) != ERR_OK) {
-        refuse_config(c, &fault); /* the transaction stays open to be mended */
+    c->changes = 0;
+    for (unsigned i = 0; parameter_at(i, &p); i++)
+        c->changes += !parameter_equal(&p, service_staged(s), &service_plan(s)->config);
+    if (service_apply(s, service_staged(s), &fault) != ERR_OK) {
+        console_refuse_config(c, &fault); /* the transaction stays open to be mended */
         return;
     }
     s->staging = false;

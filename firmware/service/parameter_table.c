@@ -28,6 +28,9 @@ static const struct parameter_field tick_fields[] = {
       "base tick; 0 = what the plant announces, else 0.05 or more"),
     {2, PARAMETER_U32, offsetof(struct config, miss_limit), "miss_limit", "ticks", 1, 1000000, 5,
      NULL, "samples missing in a row after which the safe state is taken"},
+    F(config, sample_timeout_s, 3, "timeout", "s", 0, 1e5f, 0,
+      "no sample for this long of the board's clock: safe state; 0 = off, for plants that may "
+      "wait"),
 };
 
 static const struct parameter_field measurement_fields[] = {
@@ -39,7 +42,23 @@ static const struct parameter_field measurement_fields[] = {
     F(measurement_config, filter_s, 5, "filter", "s", 0, 1e5f, 0,
       "first-order filter time constant; 0 = none"),
     F(measurement_config, hold_s, 6, "hold", "s", 0, 1e5f, 60,
-      "a bad reading is held this long, then its loops go to manual"),
+      "a bad reading is held this long, then the fall-back follows"),
+    W(measurement_config, fallback, 7, "fallback", "hold|substitute|manual|safe", FALLBACK_HOLD,
+      "without a believable reading: hold, then manual; hold, then substitute; manual at once; "
+      "hold, "
+      "then the safe state"),
+    F(measurement_config, substitute, 8, "substitute", "EU", -BIG, BIG, 0,
+      "value that stands in, with fallback substitute"),
+    F(measurement_config, rate_limit, 9, "rate_limit", "EU/s", 0, BIG, 0,
+      "a faster change is not believed; 0 = off"),
+    F(measurement_config, frozen_s, 10, "frozen", "s", 0, 1e6f, 0,
+      "a reading that has not changed at all for this long is not believed; 0 = off"),
+    N(measurement_config, infer, 11, "infer",
+      "manipulated variable whose output stands in for a lost reading; - = none"),
+    F(measurement_config, infer_gain, 12, "infer_gain", "EU/EU", -BIG, BIG, 1,
+      "inferred value per unit of that output"),
+    F(measurement_config, infer_offset, 13, "infer_offset", "EU", -BIG, BIG, 0,
+      "inferred value where that output is 0"),
 };
 
 static const struct parameter_field output_fields[] = {
@@ -56,6 +75,8 @@ static const struct parameter_field output_fields[] = {
       "value at start, on silence, in safe state"),
     F(output_config, readback_band, 9, "band", "fraction", 0, 1, 0.01f,
       "read-back this close to the command counts as followed"),
+    F(output_config, follow_s, 10, "follow", "s", 0, 1e5f, 0,
+      "a command not followed for this long is an alarm"),
 };
 
 static const struct parameter_field loop_fields[] = {
@@ -133,22 +154,56 @@ static const struct parameter_field interlock_fields[] = {
       "a bad measurement counts as the condition"),
 };
 
+static const struct parameter_field alarm_fields[] = {
+    N(alarm_config, on, 1, "on", "measurement that is watched, or loop (deviation); - = unused"),
+    W(alarm_config, side, 2, "side", "hi_hi|hi|lo|lo_lo|deviation", ALARM_HI,
+      "which limit this is; deviation: distance from the setpoint of a loop that acts"),
+    F(alarm_config, limit, 3, "limit", "EU", -BIG, BIG, 0, "limit of the measurement or distance"),
+    F(alarm_config, hysteresis, 4, "hysteresis", "EU", 0, BIG, 0,
+      "over when back inside by this much"),
+    F(alarm_config, delay_s, 5, "delay", "s", 0, 1e5f, 0, "the condition must hold this long"),
+    W(alarm_config, priority, 6, "priority", "low|medium|high", ALARM_PRIORITY_MEDIUM,
+      "shown with the alarm"),
+    W(alarm_config, latch, 7, "latch", "off|on", 0, "stays on the list until acknowledged"),
+    W(alarm_config, group, 8, "group", "none|a|b|c|d|e|f", 0,
+      "the first alarm of a group is marked"),
+};
+
+static const struct parameter_field restart_fields[] = {
+    W(config, restart_policy, 1, "policy", "safe|hold|resume", RESTART_SAFE,
+      "after a warm reset: safe state; outputs as they were, in manual; modes and setpoints as "
+      "well"),
+    F(config, restart_limit_s, 2, "limit", "s", 0, 3600, 60,
+      "longest gap in plant time over the reset; after a longer one the safe state stays"),
+};
+
+static const struct parameter_field console_fields[] = {
+    {1, PARAMETER_NAME, offsetof(struct config, console_key), "key", "", 0, 0, 0, PARAMETER_SECRET,
+     "opens the engineer level of the console (docs/console.md); - = always open"},
+    F(config, relock_s, 2, "relock", "s", 0, 86400, 900,
+      "the engineer level locks itself after this long without its commands; 0 = never"),
+};
+
 #define COUNT(a) (sizeof(a) / sizeof((a)[0]))
-#define GROUP(id, name, member, type, count, fields)                                               \
+/* most: what the headers give where no board says otherwise. */
+#define GROUP(id, name, member, type, count, most, fields)                                         \
     {                                                                                              \
         id, count, COUNT(fields), true, offsetof(struct config, member), sizeof(type), name,       \
-            fields                                                                                 \
+            fields, most                                                                           \
     }
 
 const struct parameter_group parameter_groups[] = {
-    {1, 1, COUNT(tick_fields), false, 0, 0, "tick", tick_fields},
-    {8, 1, COUNT(config_fields), false, 0, 0, "config", config_fields},
-    GROUP(2, "meas", measurement, struct measurement_config, CHANNEL_MAX, measurement_fields),
-    GROUP(3, "mv", output, struct output_config, CHANNEL_MAX, output_fields),
-    GROUP(4, "loop", loop, struct loop_config, CONFIG_LOOPS, loop_fields),
+    {1, 1, COUNT(tick_fields), false, 0, 0, "tick", tick_fields, 1},
+    {8, 1, COUNT(config_fields), false, 0, 0, "config", config_fields, 1},
+    GROUP(2, "meas", measurement, struct measurement_config, CHANNEL_MAX, 16, measurement_fields),
+    GROUP(3, "mv", output, struct output_config, CHANNEL_MAX, 16, output_fields),
+    GROUP(4, "loop", loop, struct loop_config, CONFIG_LOOPS, 8, loop_fields),
     {5, CONFIG_LOOPS, CONFIG_LOOPS, true, offsetof(struct config, decoupler),
-     CONFIG_LOOPS * sizeof(float), "decouple", decoupler_fields},
-    GROUP(6, "ff", feedforward, struct ff_config, CONFIG_FEEDFORWARDS, feedforward_fields),
-    GROUP(7, "lock", interlock, struct interlock_config, CONFIG_INTERLOCKS, interlock_fields),
+     CONFIG_LOOPS * sizeof(float), "decouple", decoupler_fields, 8},
+    GROUP(6, "ff", feedforward, struct ff_config, CONFIG_FEEDFORWARDS, 4, feedforward_fields),
+    GROUP(7, "lock", interlock, struct interlock_config, CONFIG_INTERLOCKS, 8, interlock_fields),
+    {9, 1, COUNT(console_fields), false, 0, 0, "console", console_fields, 1},
+    GROUP(10, "alarm", alarm, struct alarm_config, CONFIG_ALARMS, 8, alarm_fields),
+    {11, 1, COUNT(restart_fields), false, 0, 0, "restart", restart_fields, 1},
 };
 const unsigned parameter_group_count = COUNT(parameter_groups);

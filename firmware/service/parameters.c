@@ -4,7 +4,7 @@
 
 #include "base/channel.h"
 
-static uint8_t *place(const struct parameter *p, struct config *config)
+void *parameter_place(const struct parameter *p, struct config *config)
 {
     return (uint8_t *)config + p->group->offset + (size_t)p->index * p->group->stride +
            p->field->offset;
@@ -16,7 +16,7 @@ static const uint8_t *place_const(const struct parameter *p, const struct config
            p->field->offset;
 }
 
-static size_t size_of(const struct parameter *p)
+size_t parameter_size(const struct parameter *p)
 {
     switch (p->field->type) {
     case PARAMETER_FLOAT:
@@ -62,10 +62,11 @@ void parameters_defaults(struct config *config)
     struct parameter p;
     memset(config, 0, sizeof *config);
     for (unsigned n = 0; parameter_at(n, &p); n++) {
-        uint8_t *at = place(&p, config);
+        uint8_t *at = parameter_place(&p, config);
         float f = initial(&p);
-        uint32_t u32 = (uint32_t)p.field->initial;
-        uint16_t u16 = (uint16_t)p.field->initial;
+        /* Only real ones may be negative. */
+        uint32_t u32 = p.field->type == PARAMETER_FLOAT ? 0 : (uint32_t)p.field->initial;
+        uint16_t u16 = (uint16_t)u32;
         switch (p.field->type) {
         case PARAMETER_FLOAT:
             memcpy(at, &f, sizeof f);
@@ -100,7 +101,7 @@ enum err parameter_find(const char *name, struct parameter *p)
                 continue;
             for (; *s >= '0' && *s <= '9' && index < 1000; s++)
                 index = index * 10 + (unsigned)(*s - '0');
-            if (index > group->count)
+            if (index > group->count && index > group->most)
                 continue;
             index--;
         }
@@ -110,7 +111,7 @@ enum err parameter_find(const char *name, struct parameter *p)
             if (strcmp(s, group->fields[f].name) != 0)
                 continue;
             *p = (struct parameter){group, &group->fields[f], (uint8_t)index};
-            return ERR_OK;
+            return index < group->count ? ERR_OK : ERR_UNSUPPORTED;
         }
     }
     return ERR_UNKNOWN;
@@ -119,6 +120,27 @@ enum err parameter_find(const char *name, struct parameter *p)
 uint16_t parameter_id(const struct parameter *p)
 {
     return (uint16_t)((p->group->id << 12) | (p->field->id << 6) | p->index);
+}
+
+enum err parameter_find_id(uint16_t id, struct parameter *p)
+{
+    for (unsigned g = 0; g < parameter_group_count; g++) {
+        const struct parameter_group *group = &parameter_groups[g];
+        if (group->id != id >> 12 || (id & 0x3F) >= group->count)
+            continue;
+        for (unsigned f = 0; f < group->n_fields; f++) {
+            if (group->fields[f].id != (id >> 6 & 0x3F))
+                continue;
+            *p = (struct parameter){group, &group->fields[f], (uint8_t)(id & 0x3F)};
+            return ERR_OK;
+        }
+    }
+    return ERR_UNKNOWN;
+}
+
+bool parameter_is_secret(const struct parameter *p)
+{
+    return p->field->type == PARAMETER_NAME && p->field->words;
 }
 
 void parameter_name(const struct parameter *p, struct text *t)
@@ -163,7 +185,7 @@ void parameter_value(const struct parameter *p, const struct config *config, str
         word_at(p->field->words, *at, t);
         break;
     default:
-        text_str(t, *at ? (const char *)at : "-");
+        text_str(t, !*at ? "-" : parameter_is_secret(p) ? PARAMETER_SECRET : (const char *)at);
         break;
     }
 }
@@ -213,7 +235,39 @@ void parameter_range(const struct parameter *p, struct text *t)
 
 bool parameter_equal(const struct parameter *p, const struct config *a, const struct config *b)
 {
-    return memcmp(place_const(p, a), place_const(p, b), size_of(p)) == 0;
+    return memcmp(place_const(p, a), place_const(p, b), parameter_size(p)) == 0;
+}
+
+bool parameter_is_default(const struct parameter *p, const struct config *config)
+{
+    const uint8_t *at = place_const(p, config);
+    float f = initial(p), there;
+    uint32_t u32;
+    uint16_t u16;
+    switch (p->field->type) {
+    case PARAMETER_FLOAT:
+        memcpy(&there, at, sizeof there);
+        return there == f;
+    case PARAMETER_U32:
+    case PARAMETER_FIXED:
+        memcpy(&u32, at, sizeof u32);
+        return u32 == (uint32_t)f;
+    case PARAMETER_U16:
+        memcpy(&u16, at, sizeof u16);
+        return u16 == (uint16_t)f;
+    case PARAMETER_WORD:
+        return *at == (uint8_t)f;
+    default:
+        return *at == 0;
+    }
+}
+
+unsigned parameter_words(const struct parameter *p)
+{
+    unsigned n = 1;
+    for (const char *words = p->field->words; words && *words; words++)
+        n += *words == '|';
+    return n;
 }
 
 static bool word_find(const char *words, const char *value, uint8_t *index)
@@ -263,7 +317,7 @@ static enum err set_text(uint8_t *at, const char *value, size_t size, bool (*all
 
 enum err parameter_set(const struct parameter *p, struct config *config, const char *value)
 {
-    uint8_t *at = place(p, config);
+    uint8_t *at = parameter_place(p, config);
     const struct parameter_field *field = p->field;
     float f;
     uint32_t u32;
@@ -298,6 +352,8 @@ enum err parameter_set(const struct parameter *p, struct config *config, const c
     case PARAMETER_WORD:
         return word_find(field->words, value, at) ? ERR_OK : ERR_PARSE;
     case PARAMETER_NAME:
+        if (parameter_is_secret(p) && strcmp(value, PARAMETER_SECRET) == 0)
+            return ERR_OK;
         return set_text(at, value, CHANNEL_NAME_SIZE, name_character);
     default:
         return set_text(at, value, CHANNEL_UNIT_SIZE, unit_character);

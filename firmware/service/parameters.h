@@ -23,6 +23,10 @@ enum parameter_type {
     PARAMETER_UNIT /* char[CHANNEL_UNIT_SIZE]: printable without blanks; "-" writes an empty one */
 };
 
+/* In `words` of a PARAMETER_NAME: never shown. Its value reads "***" when there is one, and setting it to
+ * "***" leaves it as it is, so that what `diff` and `dump` print can be pasted. */
+#define PARAMETER_SECRET "***"
+
 struct parameter_field {
     uint8_t id; /* 0..63, unique in its group, never used again for something else */
     uint8_t type;
@@ -30,7 +34,7 @@ struct parameter_field {
     const char *name;
     const char *unit; /* "EU": engineering units of the channel */
     float lo, hi, initial;
-    const char *words; /* PARAMETER_WORD */
+    const char *words; /* PARAMETER_WORD; with PARAMETER_NAME, PARAMETER_SECRET or NULL */
     const char *help;
 };
 
@@ -42,6 +46,7 @@ struct parameter_group {
     uint16_t offset, stride; /* in struct config */
     const char *name;
     const struct parameter_field *fields;
+    uint8_t most; /* count of the largest board */
 };
 
 struct parameter {
@@ -58,15 +63,23 @@ void parameters_defaults(struct config *config);
 
 /* The n-th of all parameters in the order of the table; false past the end. */
 bool parameter_at(unsigned n, struct parameter *p);
-/* ERR_UNKNOWN: no such group, index or field. */
+/* ERR_UNKNOWN: no such group, index or field. ERR_UNSUPPORTED: larger boards have that index; *p then tells group and
+ * field only. */
 MUST_CHECK enum err parameter_find(const char *name, struct parameter *p);
 uint16_t parameter_id(const struct parameter *p);
+MUST_CHECK enum err parameter_find_id(uint16_t id, struct parameter *p);
+bool parameter_is_secret(const struct parameter *p);
 
 void parameter_name(const struct parameter *p, struct text *t);
 void parameter_value(const struct parameter *p, const struct config *config, struct text *t);
 void parameter_default(const struct parameter *p, struct text *t);
 /* "0 .. 100", "reverse|direct", "name of up to 15 letters, digits, _" */
 void parameter_range(const struct parameter *p, struct text *t);
+/* For storage: where the value is, how many bytes it has, how many words there are to choose from. */
+void *parameter_place(const struct parameter *p, struct config *config);
+size_t parameter_size(const struct parameter *p);
+unsigned parameter_words(const struct parameter *p);
+bool parameter_is_default(const struct parameter *p, const struct config *config);
 bool parameter_equal(const struct parameter *p, const struct config *a, const struct config *b);
 
 /* ERR_PARSE, ERR_RANGE, ERR_READ_ONLY: *config is unchanged. */

@@ -5,6 +5,8 @@
 #include "hal/identity.h"
 #include "hal/uart.h"
 
+_Static_assert(LINK_CHANNELS_ROOM <= IO_CHANNELS_MAX, "the largest sample has room in hal/io.h");
+
 void plant_link_init(struct plant_link *link, struct event_queue *events,
                      const uint64_t *plant_time)
 {
@@ -91,6 +93,15 @@ static void other_version(struct plant_link *link, uint8_t version, uint64_t now
         send_hello(link, now_ms);
 }
 
+/* Said once: it goes on greeting. */
+static void refuse_plant(struct plant_link *link, float needed, uint8_t detail)
+{
+    event_put(link->events, *link->plant_time, EVENT_PLANT_REFUSED, link->name, needed, detail);
+    link->refused = true;
+    link->state = IO_DOWN;
+    link->generation++;
+}
+
 static void on_hello(struct plant_link *link, const struct frame *f, uint64_t now_ms)
 {
     struct link_hello m;
@@ -99,8 +110,8 @@ static void on_hello(struct plant_link *link, const struct frame *f, uint64_t no
         other_version(link, m.version, now_ms);
         return;
     }
-    if (err || m.role != LINK_ROLE_PLANT || m.n_measurements > CHANNEL_MAX ||
-        m.n_outputs > CHANNEL_MAX || m.tick_ms == 0) {
+    if (err || m.role != LINK_ROLE_PLANT || m.tick_ms == 0 ||
+        (link->refused && m.session == link->plant_session)) {
         link->stats.refused++;
         return;
     }
@@ -113,14 +124,28 @@ static void on_hello(struct plant_link *link, const struct frame *f, uint64_t no
     if (link->state == IO_READY)
         link->generation++; /* the plant is another one now: what was bound is void */
     link->state = IO_GREETING;
-    link->version_told = false;
+    link->version_told = link->refused = false;
     link->plant_session = m.session;
     link->count[0] = m.n_measurements;
     link->count[1] = m.n_outputs;
     link->tick_ms = m.tick_ms;
     memcpy(link->name, m.name, sizeof link->name);
     link->next_page = 0;
-    ask_or_finish(link, now_ms);
+    link->text_n = 0;
+    uint8_t most = m.n_measurements > m.n_outputs ? m.n_measurements : m.n_outputs;
+    if (most > LINK_CHANNELS_ROOM)
+        refuse_plant(link, (float)most, 0);
+    else
+        ask_or_finish(link, now_ms);
+}
+
+/* Puts a text with its zero behind the others; counts on where there is no room. */
+static void keep_text(struct plant_link *link, const char *text)
+{
+    size_t n = strlen(text) + 1u;
+    if (link->text_n + n <= sizeof link->text)
+        memcpy(&link->text[link->text_n], text, n);
+    link->text_n = (uint16_t)(link->text_n + n);
 }
 
 static void on_page(struct plant_link *link, const struct frame *f, uint64_t now_ms)
@@ -135,17 +160,17 @@ static void on_page(struct plant_link *link, const struct frame *f, uint64_t now
     }
     if (m.index != link->next_page)
         return; /* answer to a question asked twice */
-    struct io_channel *c =
-        &link->channel[manipulated][link->next_page - (manipulated ? link->count[0] : 0u)];
-    memcpy(c->name, m.name, sizeof c->name);
-    memcpy(c->unit, m.unit, sizeof c->unit);
-    if (strcmp(c->unit, "-") == 0) /* none, on the link; configured as an empty text */
-        c->unit[0] = '\0';
-    c->lo = m.lo;
-    c->hi = m.hi;
-    c->safe = m.safe;
+    link->text_at[link->next_page] = (link_place)link->text_n;
+    keep_text(link, m.name);
+    keep_text(link,
+              strcmp(m.unit, "-") == 0 ? "" : m.unit); /* "-": none; configured as an empty text */
+    if (manipulated)
+        link->safe[link->next_page - link->count[0]] = m.safe;
     link->next_page++;
-    ask_or_finish(link, now_ms);
+    if (link->text_n > sizeof link->text)
+        refuse_plant(link, (float)link->text_n, 1);
+    else
+        ask_or_finish(link, now_ms);
 }
 
 static bool on_sample(struct plant_link *link, const struct frame *f, struct io_sample *sample)
@@ -247,15 +272,20 @@ static uint32_t generation(const void *context)
     return ((const struct plant_link *)context)->generation;
 }
 
+/* Only what has been heard of: in the midst of greeting, or of a refused plant, none. */
 static uint8_t count(const void *context, bool manipulated)
 {
-    return ((const struct plant_link *)context)->count[manipulated];
+    const struct plant_link *link = context;
+    return link->next_page == pages(link) && !link->refused ? link->count[manipulated] : 0;
 }
 
-static const struct io_channel *channel(const void *context, bool manipulated, uint8_t index)
+static struct io_channel channel(const void *context, bool manipulated, uint8_t index)
 {
     const struct plant_link *link = context;
-    return index < link->count[manipulated] ? &link->channel[manipulated][index] : NULL;
+    const char *name = &link->text[link->text_at[index + (manipulated ? link->count[0] : 0u)]];
+    return (struct io_channel){.name = name,
+                               .unit = name + strlen(name) + 1,
+                               .safe = manipulated ? link->safe[index] : 0.0f};
 }
 
 static uint32_t tick_ms(const void *context)

@@ -8,6 +8,20 @@
 #include "link/frame.h"
 #include "link/messages.h"
 
+#ifndef LINK_RX_BLOCK
+#define LINK_RX_BLOCK 64 /* bytes taken from the port at a time */
+#endif
+#ifndef LINK_TEXT_BYTES
+#define LINK_TEXT_BYTES                                                                            \
+    (2 * LINK_CHANNELS_ROOM * (CHANNEL_NAME_SIZE + CHANNEL_UNIT_SIZE)) /* never short */
+#endif
+
+#if LINK_TEXT_BYTES <= 0xFF
+typedef uint8_t link_place;
+#else
+typedef uint16_t link_place;
+#endif
+
 struct plant_link {
     enum io_state state;
     uint32_t generation;
@@ -20,9 +34,15 @@ struct plant_link {
     uint8_t count[2]; /* measurements, manipulated variables */
     uint32_t tick_ms;
     char name[LINK_PLANT_NAME_SIZE];
-    struct io_channel channel[2][LINK_CHANNELS_MAX];
+    uint16_t text_n;
+    link_place text_at
+        [2 *
+         LINK_CHANNELS_ROOM]; /* by page: where name and unit stand in text, a zero after each */
+    float safe[LINK_CHANNELS_ROOM];
+    char text[LINK_TEXT_BYTES];
+    bool refused; /* plant_session is that of a plant too large for this board */
     struct frame_decoder decoder;
-    uint8_t rx[64];
+    uint8_t rx[LINK_RX_BLOCK];
     uint8_t rx_n, rx_at;
     uint16_t heard_sequence;
     bool version_told;

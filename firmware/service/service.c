@@ -2,8 +2,13 @@
 
 #include <string.h>
 
+#include "hal/identity.h"
+#include "hal/retained.h"
 #include "hal/tick.h"
 #include "service/parameters.h"
+
+_Static_assert(EVENT_HISTORY * sizeof(struct event_record) <= HAL_RETAINED_EVENTS_BYTES,
+               "the history fits the memory set aside for it");
 
 void service_init(struct service *s, struct supervisor *supervisor, struct plant_link *link)
 {
@@ -14,13 +19,18 @@ void service_init(struct service *s, struct supervisor *supervisor, struct plant
     event_queue_init(&s->tick_events);
     event_queue_init(&s->main_events);
     telemetry_init(&s->telemetry);
+    event_log_init(&s->history,
+                   hal_retained(HAL_RETAINED_EVENTS, EVENT_HISTORY * sizeof(struct event_record)),
+                   hal_boot_id());
+    s->announced = s->history.count; /* earlier starts have announced theirs */
     s->in_force = 0;
     s->pending = 1;
-    s->scratch = 2;
+    s->scratch = PLAN_BUFFERS - 1;
     struct config_fault fault;
-    parameters_defaults(&s->staged);
+    struct config *defaults = service_staged(s);
+    parameters_defaults(defaults);
     /* The defaults name no channel and no loop: nothing in them can be refused. */
-    (void)!plan_build(&s->plan[s->in_force], &s->staged, 0.0f, &fault);
+    (void)!plan_build(&s->plan[s->in_force], defaults, 0.0f, &fault);
 }
 
 const struct plan *service_plan(const struct service *s)
@@ -33,6 +43,39 @@ enum loop_mode service_mode(const struct service *s, uint8_t loop)
     if (spsc_can_read(&s->requests.index))
         return (enum loop_mode)s->expected_mode[loop];
     return s->supervisor->loop[loop].mode;
+}
+
+/* Rows waiting to be printed that belong to the buffer about to be overwritten are given up. */
+static void forget_rows(struct service *s, const struct plan *plan)
+{
+    struct spsc *q = &s->telemetry.index;
+    bool found = false;
+    uint32_t read = spsc_read_index(q);
+    for (uint32_t k = 0; k < spsc_count(q); k++)
+        found = found || s->telemetry.slot[(read + k) & (TELEMETRY_QUEUE_SIZE - 1u)].plan == plan;
+    while (found && spsc_can_read(q)) {
+        s->telemetry.lost++;
+        spsc_read_done(q);
+    }
+}
+
+struct config *service_staged(struct service *s)
+{
+    return &s->plan[s->scratch].config;
+}
+
+bool service_may_stage(const struct service *s)
+{
+    return PLAN_BUFFERS > 2 || !s->has_pending;
+}
+
+struct config *service_stage(struct service *s)
+{
+    if (!service_may_stage(s))
+        return NULL;
+    forget_rows(s, &s->plan[s->scratch]);
+    *service_staged(s) = service_plan(s)->config;
+    return service_staged(s);
 }
 
 static void expect(struct service *s, const struct request *r)
@@ -53,20 +96,6 @@ enum err service_request(struct service *s, const struct request *request)
     return ERR_OK;
 }
 
-/* Rows waiting to be printed that belong to the buffer about to be overwritten are given up. */
-static void forget_rows(struct service *s, const struct plan *plan)
-{
-    struct spsc *q = &s->telemetry.index;
-    bool found = false;
-    uint32_t read = spsc_read_index(q);
-    for (uint32_t k = 0; k < spsc_count(q); k++)
-        found = found || s->telemetry.slot[(read + k) & (TELEMETRY_QUEUE_SIZE - 1u)].plan == plan;
-    while (found && spsc_can_read(q)) {
-        s->telemetry.lost++;
-        spsc_read_done(q);
-    }
-}
-
 /* Nothing has been asked since the last plan, which no tick has met yet: the new one can take its place. Holds
  * while the tick is locked out. */
 static bool last_is_apply(const struct service *s)
@@ -80,7 +109,8 @@ enum err service_apply(struct service *s, const struct config *config, struct co
 {
     memset(fault, 0, sizeof *fault);
     fault->code = ERR_BUSY;
-    if (!spsc_can_write(&s->requests.index)) /* room for one more, come what may */
+    /* Room for one more, come what may. */
+    if (!spsc_can_write(&s->requests.index) || !service_may_stage(s))
         return ERR_BUSY;
     struct plan *plan = &s->plan[s->scratch];
     forget_rows(s, plan);
@@ -124,6 +154,8 @@ void service_take_pending(struct service *s)
     uint8_t old = s->in_force;
     s->in_force = s->pending;
     s->pending = old;
+    if (PLAN_BUFFERS == 2)
+        s->scratch = old; /* the main loop has kept its hands off while a plan was pending */
     s->has_pending = false;
     supervisor_take_plan(s->supervisor, &s->plan[s->in_force]);
 }
@@ -132,7 +164,7 @@ uint8_t service_find_announced(const struct service *s, bool manipulated, const 
 {
     uint8_t n = s->io.count(s->io.context, manipulated);
     for (uint8_t i = 0; i < n; i++)
-        if (strcmp(s->io.channel(s->io.context, manipulated, i)->name, name) == 0)
+        if (strcmp(s->io.channel(s->io.context, manipulated, i).name, name) == 0)
             return i;
     return PLAN_NONE;
 }
@@ -146,7 +178,7 @@ static enum err channel_fault(const struct service *s, bool manipulated, const c
         *wanted = "is not announced by the plant";
         return ERR_UNKNOWN;
     }
-    if (strcmp(s->io.channel(s->io.context, manipulated, i)->unit, unit) != 0) {
+    if (strcmp(s->io.channel(s->io.context, manipulated, i).unit, unit) != 0) {
         *wanted = "is announced with another unit than configured";
         return ERR_UNIT;
     }
@@ -198,20 +230,52 @@ enum err service_output_there(struct service *s, uint8_t output, const char **wh
     return err;
 }
 
-static bool take_event(struct event_queue *queue, struct event *event)
+/* While events wait to be printed the history is not filled up with more, as long as the queue has room. */
+static void keep_from(struct service *s, struct event_queue *queue)
 {
-    if (!spsc_can_read(&queue->index))
-        return false;
-    *event = queue->slot[spsc_read_index(&queue->index)];
-    spsc_read_done(&queue->index);
-    return true;
+    while (spsc_can_read(&queue->index) && (s->history.count - s->announced < EVENT_HISTORY / 2 ||
+                                            spsc_count(&queue->index) > EVENT_QUEUE_SIZE / 2)) {
+        event_log_put(&s->history, &queue->slot[spsc_read_index(&queue->index)]);
+        spsc_read_done(&queue->index);
+    }
+}
+
+void service_keep_events(struct service *s)
+{
+    keep_from(s, &s->tick_events);
+    keep_from(s, &s->main_events);
 }
 
 bool service_next_event(struct service *s, struct event *event)
 {
-    if (!take_event(&s->tick_events, event) && !take_event(&s->main_events, event))
-        return false;
-    s->history[s->history_count % EVENT_HISTORY] = *event;
-    s->history_count++;
-    return true;
+    service_keep_events(s);
+    uint32_t oldest = event_log_oldest(&s->history);
+    if (s->announced < oldest) {
+        s->unannounced += oldest - s->announced;
+        s->announced = oldest;
+    }
+    while (s->announced < s->history.count) {
+        const struct event *e = event_log_get(&s->history, s->announced++);
+        if (e && event_level(e->code) != EVENT_ACTION) {
+            *event = *e;
+            return true;
+        }
+    }
+    return false;
+}
+
+uint64_t service_time_ms(const struct service *s)
+{
+    hal_tick_lock();
+    uint64_t now = s->supervisor->time_ms;
+    hal_tick_unlock();
+    return now;
+}
+
+void service_record(struct service *s, enum event_code code, const char *subject, float value,
+                    uint8_t detail)
+{
+    struct event e = event_make(service_time_ms(s), code, subject, value, detail);
+    service_keep_events(s); /* what came before stands before */
+    event_log_put(&s->history, &e);
 }

@@ -14,17 +14,23 @@
 
 #include "base/event.h"
 #include "hal/io.h"
+#include "service/event_log.h"
 #include "service/plant_link.h"
 #include "service/telemetry.h"
 #include "supervise/supervisor.h"
-
-#define EVENT_HISTORY 100
 
 /* Cost of ticks in counts of hal_cycles(), written by the tick. */
 struct tick_cost {
     uint32_t n, last, lowest, highest;
     uint64_t sum;
 };
+
+#ifndef PLAN_BUFFERS
+#define PLAN_BUFFERS 3
+#endif
+_Static_assert(PLAN_BUFFERS == 2 || PLAN_BUFFERS == 3, "in force, pending, scratch");
+
+struct storage;
 
 struct service {
     struct supervisor *supervisor;
@@ -36,29 +42,35 @@ struct service {
     uint32_t tick_event_count; /* events the tick has put since start */
     struct tick_cost cost;
     bool watchdog;
+    struct storage *storage; /* service/storage.h; set by storage_init() */
 
-    struct plan plan[3];
+    struct plan plan[PLAN_BUFFERS];
     uint8_t in_force, pending, scratch; /* indices into plan[] */
     bool has_pending;
     uint32_t serial; /* of the newest plan */
 
-    struct config staged; /* between begin and apply */
-    bool staging;
+    bool staging; /* between begin and apply: service_staged() is the transaction's */
     uint8_t expected_mode[CONFIG_LOOPS]; /* once all queued requests are carried out */
 
-    struct event history[EVENT_HISTORY];
-    uint32_t history_count; /* events ever put there */
+    struct event_log history;
+    uint32_t announced;   /* events before this one have been printed */
+    uint32_t unannounced; /* events the history lost before they could be printed */
 };
 
 void service_init(struct service *s, struct supervisor *supervisor, struct plant_link *link);
 
 /* The plan everything asked now will meet: the pending one if there is one. Main loop. */
 const struct plan *service_plan(const struct service *s);
+/* The configuration being edited, in the scratch plan. */
+struct config *service_staged(struct service *s);
+/* Begins with a copy of service_plan(). NULL on a board with two plan buffers while a plan waits for the tick. */
+struct config *service_stage(struct service *s);
+bool service_may_stage(const struct service *s);
 /* Mode a loop will have once the queued requests are carried out. */
 enum loop_mode service_mode(const struct service *s, uint8_t loop);
 
 /* Checks the configuration whole and queues it for the next tick. Errors as plan_build, and ERR_BUSY when
- * the request queue is full (*fault then has no group). */
+ * the request queue is full, or there is no scratch plan (*fault then has no group). */
 MUST_CHECK enum err service_apply(struct service *s, const struct config *config,
                                   struct config_fault *fault);
 /* Queues a request that has been checked. ERR_BUSY when the queue is full. */
@@ -77,8 +89,15 @@ MUST_CHECK enum err service_output_there(struct service *s, uint8_t output, cons
 /* Tick context: swaps in the pending plan if there is one. */
 void service_take_pending(struct service *s);
 
-/* Moves one event from the queues to the history; false when there is none. */
+/* Moves events from the queues into the history, whether or not anybody listens. */
+void service_keep_events(struct service *s);
+/* The next event to announce; false when there is none. */
 bool service_next_event(struct service *s, struct event *event);
+/* Writes an action (EVENT_DO_...) into the history, at the present plant time. */
+void service_record(struct service *s, enum event_code code, const char *subject, float value,
+                    uint8_t detail);
+/* Plant time, from the main loop. */
+uint64_t service_time_ms(const struct service *s);
 
 /* Index of an announced channel, or PLAN_NONE. Caller is in the tick context or holds hal_tick_lock. */
 uint8_t service_find_announced(const struct service *s, bool manipulated, const char *name);

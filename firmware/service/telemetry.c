@@ -56,31 +56,53 @@ static void column(struct text *line, const char *name, const char *suffix, cons
     }
 }
 
-void telemetry_header(const struct plan *plan, struct text *line)
+/* The pieces of a line: head, measurements, loops, outputs, tail. */
+enum part { PART_HEAD, PART_MEASUREMENT, PART_LOOP, PART_OUTPUT, PART_TAIL, PART_NONE };
+
+static enum part part_of(unsigned n, unsigned *i)
+{
+    static const unsigned sizes[] = {1, CHANNEL_MAX, CONFIG_LOOPS, CHANNEL_MAX, 1};
+    unsigned part = 0;
+    while (part < PART_NONE && n >= sizes[part])
+        n -= sizes[part++];
+    *i = n;
+    return (enum part)part;
+}
+
+bool telemetry_header(const struct plan *plan, unsigned n, struct text *piece)
 {
     const struct config *c = &plan->config;
-    text_str(line, "H,");
-    text_u32(line, TELEMETRY_FORMAT);
-    text_str(line, ",number,time[s],state,ev");
-    for (unsigned i = 0; i < CHANNEL_MAX; i++) {
+    unsigned i;
+    switch (part_of(n, &i)) {
+    case PART_HEAD:
+        text_str(piece, "H,");
+        text_u32(piece, TELEMETRY_FORMAT);
+        text_str(piece, ",number,time[s],state,ev");
+        return true;
+    case PART_MEASUREMENT:
         if (!c->measurement[i].name[0])
-            continue;
-        column(line, c->measurement[i].name, "", c->measurement[i].unit);
-        column(line, c->measurement[i].name, ".q", NULL);
-    }
-    for (unsigned i = 0; i < CONFIG_LOOPS; i++) {
+            return true;
+        column(piece, c->measurement[i].name, "", c->measurement[i].unit);
+        column(piece, c->measurement[i].name, ".q", NULL);
+        return true;
+    case PART_LOOP:
         if (!plan->loop[i].used)
-            continue;
-        column(line, c->loop[i].name, ".mode", NULL);
-        column(line, c->loop[i].name, ".sp", c->measurement[plan->loop[i].pv].unit);
-    }
-    for (unsigned i = 0; i < CHANNEL_MAX; i++) {
+            return true;
+        column(piece, c->loop[i].name, ".mode", NULL);
+        column(piece, c->loop[i].name, ".sp", c->measurement[plan->loop[i].pv].unit);
+        return true;
+    case PART_OUTPUT:
         if (!c->output[i].name[0])
-            continue;
-        column(line, c->output[i].name, ".cmd", c->output[i].unit);
-        column(line, c->output[i].name, ".app", c->output[i].unit);
+            return true;
+        column(piece, c->output[i].name, ".cmd", c->output[i].unit);
+        column(piece, c->output[i].name, ".app", c->output[i].unit);
+        return true;
+    case PART_TAIL:
+        text_str(piece, ",stat.tick");
+        return true;
+    default:
+        return false;
     }
-    text_str(line, ",stat.tick");
 }
 
 static void number(struct text *line, float x)
@@ -95,33 +117,42 @@ static void whole(struct text *line, uint32_t x)
     text_u32(line, x);
 }
 
-void telemetry_row(const struct telemetry_row *row, struct text *line)
+bool telemetry_row(const struct telemetry_row *row, unsigned n, struct text *piece)
 {
     const struct config *c = &row->plan->config;
-    text_str(line, "T,");
-    text_u32(line, TELEMETRY_FORMAT);
-    whole(line, row->number);
-    text_char(line, ',');
-    text_seconds(line, row->time_ms);
-    whole(line, row->state);
-    whole(line, row->events);
-    for (unsigned i = 0; i < CHANNEL_MAX; i++) {
+    unsigned i;
+    switch (part_of(n, &i)) {
+    case PART_HEAD:
+        text_str(piece, "T,");
+        text_u32(piece, TELEMETRY_FORMAT);
+        whole(piece, row->number);
+        text_char(piece, ',');
+        text_seconds(piece, row->time_ms);
+        whole(piece, row->state);
+        whole(piece, row->events);
+        return true;
+    case PART_MEASUREMENT:
         if (!c->measurement[i].name[0])
-            continue;
-        number(line, row->measurement[i]);
-        whole(line, row->quality[i]);
-    }
-    for (unsigned i = 0; i < CONFIG_LOOPS; i++) {
+            return true;
+        number(piece, row->measurement[i]);
+        whole(piece, row->quality[i]);
+        return true;
+    case PART_LOOP:
         if (!row->plan->loop[i].used)
-            continue;
-        whole(line, row->mode[i]);
-        number(line, row->setpoint[i]);
-    }
-    for (unsigned i = 0; i < CHANNEL_MAX; i++) {
+            return true;
+        whole(piece, row->mode[i]);
+        number(piece, row->setpoint[i]);
+        return true;
+    case PART_OUTPUT:
         if (!c->output[i].name[0])
-            continue;
-        number(line, row->commanded[i]);
-        number(line, row->applied[i]);
+            return true;
+        number(piece, row->commanded[i]);
+        number(piece, row->applied[i]);
+        return true;
+    case PART_TAIL:
+        whole(piece, row->cycles);
+        return true;
+    default:
+        return false;
     }
-    whole(line, row->cycles);
 }

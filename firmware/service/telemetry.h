@@ -15,10 +15,12 @@
 #include "service/text.h"
 #include "supervise/supervisor.h"
 
-#define TELEMETRY_FORMAT     1
-#define TELEMETRY_QUEUE_SIZE 8
-#define TELEMETRY_LINE_MAX                                                                         \
-    2304 /* a full header: 16 measurements, 8 loops, 16 outputs, longest names */
+#define TELEMETRY_FORMAT 1
+#ifndef TELEMETRY_QUEUE_SIZE
+#define TELEMETRY_QUEUE_SIZE 8 /* power of two */
+#endif
+/* Header and row are written piece by piece, so that a line may be longer than any buffer. */
+#define TELEMETRY_PIECE_MAX 80 /* characters: two columns of a channel with the longest names */
 
 struct telemetry_row {
     const struct plan *plan; /* in force when captured: the columns */
@@ -47,8 +49,9 @@ void telemetry_init(struct telemetry *t);
 void telemetry_capture(struct telemetry *t, const struct supervisor *s, uint32_t number,
                        uint32_t events, uint32_t cycles);
 
-/* Main loop: the header for a plan, and a row, without line ends. */
-void telemetry_header(const struct plan *plan, struct text *line);
-void telemetry_row(const struct telemetry_row *row, struct text *line);
+/* Main loop: puts piece n of the header for a plan, or of a row, into *piece (empty where a channel is not
+ * used); false past the end of the line. */
+bool telemetry_header(const struct plan *plan, unsigned n, struct text *piece);
+bool telemetry_row(const struct telemetry_row *row, unsigned n, struct text *piece);
 
 #endif

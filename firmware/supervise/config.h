@@ -18,13 +18,30 @@
 #ifndef CONFIG_INTERLOCKS
 #define CONFIG_INTERLOCKS 8
 #endif
+#ifndef CONFIG_ALARMS
+#define CONFIG_ALARMS 8
+#endif
+
+/* What a measurement does when it has no believable reading. */
+enum fallback {
+    FALLBACK_HOLD = 0,       /* last value for hold_s, then its loops go to manual */
+    FALLBACK_SUBSTITUTE = 1, /* last value for hold_s, then `substitute` */
+    FALLBACK_MANUAL = 2,     /* its loops go to manual at once */
+    FALLBACK_SAFE = 3        /* last value for hold_s, then the safe state */
+};
 
 struct measurement_config {
     char name[CHANNEL_NAME_SIZE]; /* as the plant announces it */
     char unit[CHANNEL_UNIT_SIZE]; /* must equal the announced unit */
     float lo, hi;                 /* span, EU: lo is fraction 0, hi is fraction 1 */
     float filter_s;               /* first-order filter, s; 0 = none */
-    float hold_s; /* a bad reading is held this long before loops on it go to manual, s */
+    float hold_s;     /* a bad reading is held this long before loops on it go to manual, s */
+    float rate_limit; /* faster than this, EU/s, is not believed; 0 = any */
+    float frozen_s;   /* not the least change for this long is not believed, s; 0 = never */
+    float substitute; /* EU, FALLBACK_SUBSTITUTE */
+    float infer_gain, infer_offset; /* value = offset + gain * output, EU */
+    char infer[CHANNEL_NAME_SIZE];  /* manipulated variable to infer a value from; empty = none */
+    uint8_t fallback;               /* enum fallback */
 };
 
 struct output_config {
@@ -36,6 +53,7 @@ struct output_config {
     float safe;       /* value at start, on silence and in the safe state, EU */
     float
         readback_band; /* read-back closer than this to the command counts as followed, fraction of span */
+    float follow_s; /* not followed for this long is an alarm, s */
 };
 
 enum loop_action { LOOP_REVERSE = 0, LOOP_DIRECT = 1 };
@@ -84,11 +102,25 @@ struct interlock_config {
     float hysteresis; /* EU: released when back inside by this much */
     float delay_s;    /* the condition must hold this long */
     float value;      /* what the output is forced to, EU */
-    uint8_t side;     /* #define CONFIG_SCHEMA 1
-
-enum interlock_side */
+    uint8_t side;     /* enum interlock_side */
     uint8_t on_bad;   /* a bad measurement counts as the condition */
 };
+
+enum alarm_side { ALARM_HI_HI, ALARM_HI, ALARM_LO, ALARM_LO_LO, ALARM_DEVIATION };
+enum alarm_priority { ALARM_PRIORITY_LOW, ALARM_PRIORITY_MEDIUM, ALARM_PRIORITY_HIGH };
+
+struct alarm_config {
+    char on[CHANNEL_NAME_SIZE]; /* a measurement; for a deviation, a loop */
+    float limit;                /* EU of the measurement */
+    float hysteresis;           /* EU: over when back inside by this much */
+    float delay_s;              /* the condition must hold this long */
+    uint8_t side;               /* enum alarm_side */
+    uint8_t priority;           /* enum alarm_priority: for whoever reads the list */
+    uint8_t latch;              /* stays on the list until acknowledged */
+    uint8_t group;              /* the first of a group is marked; 0 = in none, else a letter */
+};
+
+enum restart_policy { RESTART_SAFE, RESTART_HOLD, RESTART_RESUME };
 
 struct config {
     uint32_t schema; /* version of this declaration, read-only */
@@ -101,6 +133,12 @@ struct config {
     float decoupler[CONFIG_LOOPS][CONFIG_LOOPS]; /* D: u_i = sum over j of D[i][j] v_j, fractions */
     struct ff_config feedforward[CONFIG_FEEDFORWARDS];
     struct interlock_config interlock[CONFIG_INTERLOCKS];
+    struct alarm_config alarm[CONFIG_ALARMS];
+    float sample_timeout_s; /* without a sample for so long of the board's clock: safe; 0 = never */
+    float restart_limit_s;  /* longest gap in plant time over a restart, s */
+    uint8_t restart_policy; /* enum restart_policy: after a reset that left the memory alone */
+    char console_key[CHANNEL_NAME_SIZE]; /* opens the engineer level; empty = it is open */
+    float relock_s; /* without engineer commands for this long it locks again; 0 = never */
 };
 
 #endif

@@ -3,6 +3,7 @@
 #include <stddef.h>
 #include <string.h>
 
+#include "base/crc32.h"
 #include "control/decoupler.h"
 #include "control/feedforward.h"
 #include "signal/ramp.h"
@@ -343,12 +344,46 @@ static enum err resolve_interlocks(struct plan *plan, struct config_fault *fault
     return ERR_OK;
 }
 
+static enum err resolve_inferences(struct plan *plan, struct config_fault *fault)
+{
+    for (uint8_t i = 0; i < CHANNEL_MAX; i++) {
+        const struct measurement_config *m = &plan->config.measurement[i];
+        plan->infer[i] = m->name[0] ? config_find_output(&plan->config, m->infer) : PLAN_NONE;
+        if (!m->name[0])
+            continue;
+        if (m->infer[0] && plan->infer[i] == PLAN_NONE)
+            return refuse(fault, ERR_UNKNOWN, "meas", i + 1u, "infer", m->infer,
+                          "must be the name of a configured manipulated variable");
+        if (m->fallback == FALLBACK_SUBSTITUTE &&
+            !(m->lo <= m->substitute && m->substitute <= m->hi))
+            return refuse(fault, ERR_RANGE, "meas", i + 1u, "substitute", m->name,
+                          "must lie in the span of the measurement");
+    }
+    return ERR_OK;
+}
+
+static enum err resolve_alarms(struct plan *plan, struct config_fault *fault)
+{
+    for (uint8_t i = 0; i < CONFIG_ALARMS; i++) {
+        const struct alarm_config *a = &plan->config.alarm[i];
+        bool deviation = a->side == ALARM_DEVIATION;
+        plan->alarm[i] = deviation ? config_find_loop(&plan->config, a->on)
+                                   : config_find_measurement(&plan->config, a->on);
+        if (a->on[0] && plan->alarm[i] == PLAN_NONE)
+            return refuse(fault, ERR_UNKNOWN, "alarm", i + 1u, "on", a->on,
+                          deviation ? "must be the name of a configured loop"
+                                    : "must be the name of a configured measurement");
+    }
+    return ERR_OK;
+}
+
 enum err plan_set_tick(struct plan *plan, float tick_s, struct config_fault *fault)
 {
     const struct config *config = &plan->config;
-    uint32_t serial = plan->serial;
+    uint32_t serial = plan->serial, identity = plan->identity;
     memset(plan, 0, offsetof(struct plan, config));
     plan->serial = serial;
+    plan->identity = identity;
     plan->tick_s = config->tick_s > 0.0f ? config->tick_s : (tick_s > 0.0f ? tick_s : 1.0f);
     memset(plan->owner, PLAN_NONE, sizeof plan->owner);
     for (uint8_t i = 0; i < CONFIG_LOOPS; i++) {
@@ -369,12 +404,19 @@ enum err plan_set_tick(struct plan *plan, float tick_s, struct config_fault *fau
         err = resolve_feedforwards(plan, fault);
     if (!err)
         err = resolve_interlocks(plan, fault);
+    if (!err)
+        err = resolve_inferences(plan, fault);
+    if (!err)
+        err = resolve_alarms(plan, fault);
     return err;
 }
 
 enum err plan_build(struct plan *plan, const struct config *config, float tick_s,
                     struct config_fault *fault)
 {
-    plan->config = *config;
+    if (config != &plan->config)
+        memcpy(&plan->config, config,
+               sizeof *config); /* whole: unused bytes count in its checksum */
+    plan->identity = crc32_update(0, &plan->config, sizeof plan->config);
     return plan_set_tick(plan, tick_s, fault);
 }

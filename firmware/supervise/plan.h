@@ -37,8 +37,9 @@ struct loop_plan {
 };
 
 struct plan {
-    uint32_t serial; /* differs between plans, whatever buffer they are in; set by the owner */
-    float tick_s;    /* base tick in force */
+    uint32_t serial;   /* differs between plans, whatever buffer they are in; set by the owner */
+    uint32_t identity; /* checksum of the configuration */
+    float tick_s;      /* base tick in force */
     struct loop_plan loop[CONFIG_LOOPS];
     uint8_t order[CONFIG_LOOPS]; /* outer loops before the ones they drive */
     uint8_t n_order;
@@ -50,10 +51,12 @@ struct plan {
     struct {
         uint8_t measurement, output; /* PLAN_NONE = unused */
     } interlock[CONFIG_INTERLOCKS];
+    uint8_t infer[CHANNEL_MAX];   /* output a measurement is inferred from, or PLAN_NONE */
+    uint8_t alarm[CONFIG_ALARMS]; /* measurement, or loop of a deviation; PLAN_NONE = unused */
     struct config config; /* last, so that the rest can be cleared and resolved again around it */
 };
 
-/* Checks *config whole and fills *plan. tick_s: base tick the plant announces, s, used where the
+/* Checks *config (which may be the plan's own) whole and fills *plan. tick_s: base tick the plant announces, s, used where the
  * configuration leaves it open; 0 = unknown yet (1 s is assumed until a plant says). On error *fault says
  * why and *plan is undefined. */
 MUST_CHECK enum err plan_build(struct plan *plan, const struct config *config, float tick_s,

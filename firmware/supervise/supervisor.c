@@ -212,6 +212,8 @@ void supervisor_take_plan(struct supervisor *s, const struct plan *plan)
         place_feedforward(s, old, i);
     for (uint8_t i = 0; i < CONFIG_INTERLOCKS; i++)
         place_interlock(s, old, i);
+    for (uint8_t i = 0; i < CONFIG_ALARMS; i++)
+        alarms_place(s, old, i);
     s->tick_s = plan->tick_s;
     s->decoupler_mask = 0; /* the matrix may have changed: select again at the next tick */
     s->decoupler.n = 0;
@@ -234,17 +236,10 @@ void supervisor_bind_output(struct supervisor *s, uint8_t index)
     s->output[index].bound = true;
 }
 
-void supervisor_go_safe(struct supervisor *s, const char *why)
+void supervisor_outputs_safe(struct supervisor *s, const char *why)
 {
     for (unsigned i = 0; i < CONFIG_LOOPS; i++)
         s->loop[i].mode = LOOP_MANUAL;
-    for (unsigned i = 0; i < CHANNEL_MAX; i++) {
-        /* What comes next may come from another plant, or hours later: filters begin anew. */
-        s->measurement[i].seen = false;
-        s->measurement[i].quality = QUALITY_MISSING;
-    }
-    for (unsigned i = 0; i < CONFIG_FEEDFORWARDS; i++)
-        s->ff_running[i] = false;
     for (unsigned j = 0; j < CHANNEL_MAX; j++) {
         struct output_state *o = &s->output[j];
         if (!s->plan->config.output[j].name[0])
@@ -252,11 +247,23 @@ void supervisor_go_safe(struct supervisor *s, const char *why)
         o->manual = output_fraction(s, j, s->plan->config.output[j].safe);
         o->commanded = o->constrained = o->applied = o->manual;
         o->sent = false;
-        o->not_following = false;
+        o->not_following = o->alarm = false;
     }
     if (s->state != SUPERVISOR_SAFE)
         event_put(s->events, s->time_ms, EVENT_SAFE_STATE, why, 0.0f, 0);
     s->state = SUPERVISOR_SAFE;
+}
+
+void supervisor_go_safe(struct supervisor *s, const char *why)
+{
+    for (unsigned i = 0; i < CHANNEL_MAX; i++) {
+        /* What comes next may come from another plant, or hours later: filters begin anew. */
+        s->measurement[i].seen = s->measurement[i].believed = s->measurement[i].delivered = false;
+        s->measurement[i].quality = QUALITY_MISSING;
+    }
+    for (unsigned i = 0; i < CONFIG_FEEDFORWARDS; i++)
+        s->ff_running[i] = false;
+    supervisor_outputs_safe(s, why);
 }
 
 /* Both channels of a loop, and of every loop below it, are there. */
@@ -371,6 +378,8 @@ void supervisor_request(struct supervisor *s, const struct request *r)
         request_setpoint(s, r);
     else if (r->kind == REQUEST_OUTPUT && (r->output == PLAN_NONE ? loop_ok : output_ok))
         request_output(s, r);
+    else if (r->kind == REQUEST_ACK || r->kind == REQUEST_SHELVE)
+        alarms_request(s, r);
     else
         event_put(s->events, s->time_ms, EVENT_REQUEST_REFUSED, r->name, r->value, 0);
 }

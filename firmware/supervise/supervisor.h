@@ -21,6 +21,7 @@
 #include "control/pid.h"
 #include "signal/lag.h"
 #include "signal/ramp.h"
+#include "supervise/alarms.h"
 #include "supervise/plan.h"
 
 enum loop_mode { LOOP_MANUAL = 0, LOOP_AUTO = 1, LOOP_CASCADE = 2 };
@@ -31,7 +32,14 @@ enum supervisor_state {
     SUPERVISOR_RUN = 1
 };
 
-enum request_kind { REQUEST_MODE, REQUEST_SETPOINT, REQUEST_OUTPUT, REQUEST_APPLY };
+enum request_kind {
+    REQUEST_MODE,
+    REQUEST_SETPOINT,
+    REQUEST_OUTPUT,
+    REQUEST_APPLY,
+    REQUEST_ACK,   /* output: index of the alarm, PLAN_NONE all; name: what it is on */
+    REQUEST_SHELVE /* the same, for `value` seconds; 0 ends it */
+};
 
 struct request {
     enum request_kind kind;
@@ -43,7 +51,9 @@ struct request {
         [CHANNEL_NAME_SIZE]; /* of that loop or output: the index may be another's by the time */
 };
 
-#define REQUEST_QUEUE_SIZE 32
+#ifndef REQUEST_QUEUE_SIZE
+#define REQUEST_QUEUE_SIZE 32 /* power of two */
+#endif
 
 struct request_queue {
     struct spsc index;
@@ -63,28 +73,49 @@ struct tick_input {
     struct reading readback[CHANNEL_MAX]; /* what was applied before this sample */
 };
 
+/* Why a reading is not believed. Detail of EVENT_MEASUREMENT_BAD; words in supervise/alarms.c. */
+enum measurement_fault {
+    MEASUREMENT_FINE,
+    MEASUREMENT_MISSING,
+    MEASUREMENT_FLAGGED,
+    MEASUREMENT_NOT_A_NUMBER,
+    MEASUREMENT_OUT_OF_RANGE,
+    MEASUREMENT_TOO_FAST,
+    MEASUREMENT_FROZEN,
+    MEASUREMENT_FAULTS
+};
+
 struct measurement_state {
     bool bound;           /* the plant announces it with the configured unit */
-    bool seen;            /* there has been a usable reading */
+    bool seen;            /* there has been a usable value */
+    bool believed;        /* ... and a reading that was believed */
+    bool lost;            /* no believed reading for longer than hold_s */
+    bool delivered;       /* `last` is a reading */
     bool alarm;           /* reported as bad */
+    uint8_t fault;        /* enum measurement_fault of the last reading */
     enum quality quality; /* of `value` */
     float raw;            /* last reading the plant vouched for, believable or not, EU */
     num_t value;          /* validated and filtered, fraction of span */
     struct lag filter;
-    uint64_t good_ms; /* plant time of the last usable reading */
+    float good;          /* last believed reading, EU */
+    float last;          /* last number delivered, EU */
+    uint64_t good_ms;    /* plant time of `good` */
+    uint64_t changed_ms; /* plant time at which `last` came to its value */
 };
 
 struct output_state {
     bool bound;
-    bool sent;          /* a command has gone out since the safe state was taken */
-    bool forced;        /* an interlock holds it */
-    bool not_following; /* read-back differs from the command */
-    num_t manual;       /* value while nothing acts on it */
-    num_t commanded;    /* before constrain */
-    num_t constrained;  /* sent to the plant */
-    num_t applied;      /* constrained, or the read-back where the plant does something else */
-    num_t readback;     /* last good read-back, one sample late */
-    struct ramp rate;   /* where the rate limit is */
+    bool sent;           /* a command has gone out since the safe state was taken */
+    bool forced;         /* an interlock holds it */
+    bool not_following;  /* read-back differs from the command */
+    bool alarm;          /* ... and has been reported */
+    num_t manual;        /* value while nothing acts on it */
+    num_t commanded;     /* before constrain */
+    num_t constrained;   /* sent to the plant */
+    num_t applied;       /* constrained, or the read-back where the plant does something else */
+    num_t readback;      /* last good read-back, one sample late */
+    struct ramp rate;    /* where the rate limit is */
+    uint64_t differs_ms; /* plant time since when it does not follow */
 };
 
 struct loop_state {
@@ -120,6 +151,7 @@ struct supervisor {
     struct output_state output[CHANNEL_MAX];
     struct loop_state loop[CONFIG_LOOPS];
     struct interlock_state interlock[CONFIG_INTERLOCKS];
+    struct alarm_state alarm[CONFIG_ALARMS];
     struct feedforward feedforward[CONFIG_FEEDFORWARDS];
     bool ff_running[CONFIG_FEEDFORWARDS]; /* has begun on a usable measurement */
     struct decoupler decoupler;
@@ -141,6 +173,9 @@ void supervisor_bind_output(struct supervisor *s, uint8_t index);
 
 /* All loops manual, all outputs at their safe values. */
 void supervisor_go_safe(struct supervisor *s, const char *why);
+
+/* The same without forgetting the readings: in the midst of a run. */
+void supervisor_outputs_safe(struct supervisor *s, const char *why);
 
 /* One request. Call before supervisor_control (after supervisor_validate, so that it meets this sample), or
  * while no plant is there. */

@@ -1,94 +1,6 @@
-/* The tick: validate, control, compensate, feed forward, constrain, and the way back. */
+/* The tick behind validate.c: control, compensate, feed forward, constrain, and the way back. */
+#include "supervise/alarms.h"
 #include "supervise/supervisor.h"
-
-/* A reading this far outside its span, in spans, is not believed. */
-#define BELIEVABLE 0.1f
-
-static void measurement_lost(struct supervisor *s, uint8_t i, float reading)
-{
-    struct measurement_state *m = &s->measurement[i];
-    const struct measurement_config *c = &s->plan->config.measurement[i];
-    if (!m->alarm) {
-        m->alarm = true;
-        event_put(s->events, s->time_ms, EVENT_MEASUREMENT_BAD, c->name, reading, 0);
-    }
-    float held_s = (float)(s->time_ms - m->good_ms) / 1000.0f;
-    if (m->seen && held_s <= c->hold_s) {
-        m->quality = QUALITY_UNCERTAIN;
-        return;
-    }
-    m->quality = QUALITY_BAD;
-    for (uint8_t k = 0; k < CONFIG_LOOPS; k++) {
-        struct loop_state *l = &s->loop[k];
-        if (!s->plan->loop[k].used || s->plan->loop[k].pv != i || l->mode == LOOP_MANUAL)
-            continue;
-        l->mode = LOOP_MANUAL;
-        event_put(s->events, s->time_ms, EVENT_MODE, s->plan->config.loop[k].name,
-                  (float)LOOP_MANUAL, LOOP_MANUAL);
-    }
-}
-
-static void validate_measurement(struct supervisor *s, uint8_t i, const struct reading *r)
-{
-    struct measurement_state *m = &s->measurement[i];
-    const struct measurement_config *c = &s->plan->config.measurement[i];
-    float margin = BELIEVABLE * (c->hi - c->lo);
-    bool usable = m->bound && quality_usable(r->quality) && float_is_finite(r->value) &&
-                  r->value >= c->lo - margin && r->value <= c->hi + margin;
-    /* Interlocks look at this: a number nobody vouches for must not release one. */
-    if (quality_usable(r->quality) && float_is_finite(r->value))
-        m->raw = r->value;
-    if (!usable) {
-        if (m->bound)
-            measurement_lost(s, i, r->value);
-        else
-            m->quality = QUALITY_MISSING;
-        return;
-    }
-    num_t x = span_to_fraction(r->value, c->lo, c->hi);
-    if (!m->seen || m->quality == QUALITY_BAD)
-        lag_reset(&m->filter, x); /* nothing older is worth remembering */
-    m->value = lag_step(&m->filter, x);
-    m->seen = true;
-    m->good_ms = s->time_ms;
-    bool outside = r->value < c->lo || r->value > c->hi;
-    m->quality = outside ? QUALITY_UNCERTAIN : r->quality;
-    if (m->alarm) {
-        m->alarm = false;
-        event_put(s->events, s->time_ms, EVENT_MEASUREMENT_GOOD, c->name, r->value, 0);
-    }
-}
-
-static void validate_readback(struct supervisor *s, uint8_t j, const struct reading *r)
-{
-    struct output_state *o = &s->output[j];
-    const struct output_config *c = &s->plan->config.output[j];
-    float margin = BELIEVABLE * (c->hi - c->lo);
-    bool differs = false;
-    if (o->bound && o->sent && quality_usable(r->quality) && float_is_finite(r->value) &&
-        r->value >= c->lo - margin && r->value <= c->hi + margin) {
-        o->readback = span_to_fraction(r->value, c->lo, c->hi);
-        num_t gap = num_abs(num_sub(o->readback, o->constrained));
-        /* Half the band to come back in: noise at its edge is not news every tick. */
-        float band = o->not_following ? 0.5f * c->readback_band : c->readback_band;
-        differs = num_lt(num_from_float(band), gap);
-    }
-    if (differs != o->not_following)
-        event_put(s->events, s->time_ms, differs ? EVENT_NOT_FOLLOWING : EVENT_FOLLOWING, c->name,
-                  r->value, 0);
-    o->not_following = differs;
-}
-
-void supervisor_validate(struct supervisor *s, const struct tick_input *input)
-{
-    s->time_ms = input->time_ms;
-    for (uint8_t i = 0; i < CHANNEL_MAX; i++) {
-        if (s->plan->config.measurement[i].name[0])
-            validate_measurement(s, i, &input->measurement[i]);
-        if (s->plan->config.output[i].name[0])
-            validate_readback(s, i, &input->readback[i]);
-    }
-}
 
 static bool loop_due(const struct supervisor *s, uint8_t i)
 {
@@ -205,7 +117,7 @@ void supervisor_start_setpoint(struct supervisor *s, uint8_t i)
 }
 
 /* Loops that act from this tick on, and all decoupled loops when their company changes, take over the
- * outputs they find: v = D^-1 (applied - feedforward). */
+ * outputs they find: v = D^-1 (output - feedforward). */
 static void take_over(struct supervisor *s)
 {
     uint8_t mask = 0;
@@ -221,7 +133,9 @@ static void take_over(struct supervisor *s)
         const struct loop_plan *p = &s->plan->loop[i];
         v[i] = s->loop[i].v;
         if (p->used && p->output != PLAN_NONE)
-            v[i] = num_sub(s->output[p->output].applied, s->loop[i].feedforward);
+            /* The value last sent, or just asked for by hand: a read-back is one sample old, and a valve
+             * that still moves would start the loop from where it was. */
+            v[i] = num_sub(s->output[p->output].manual, s->loop[i].feedforward);
         u[i] = v[i];
     }
     if (mask != s->decoupler_mask) {
@@ -281,7 +195,8 @@ static bool interlock_condition(const struct supervisor *s, uint8_t k)
     const struct measurement_state *m = &s->measurement[s->plan->interlock[k].measurement];
     bool active = s->interlock[k].active;
     float band = active ? c->hysteresis : 0.0f;
-    if (!m->bound || !m->seen || !quality_usable(m->quality))
+    /* A substituted or inferred value is no evidence that all is well. */
+    if (!m->bound || !m->seen || m->lost || !quality_usable(m->quality))
         return active || c->on_bad != 0;
     bool outside = c->side == INTERLOCK_ABOVE ? m->raw > c->limit - band : m->raw < c->limit + band;
     return outside || (active && m->alarm);
@@ -456,5 +371,6 @@ void supervisor_control(struct supervisor *s)
     command_outputs(s);
     constrain(s);
     way_back(s);
+    alarms_run(s);
     s->ticks++;
 }

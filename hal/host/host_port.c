@@ -6,8 +6,10 @@
 #include <fcntl.h>
 #include <poll.h>
 #include <setjmp.h>
+#include <signal.h>
 #include <stdio.h>
 #include <string.h>
+#include <sys/time.h>
 #include <time.h>
 #include <unistd.h>
 
@@ -16,6 +18,7 @@
 #include "hal/clock.h"
 #include "hal/identity.h"
 #include "hal/memory_use.h"
+#include "hal/retained.h"
 #include "hal/tick.h"
 #include "hal/watchdog.h"
 #include "line.h"
@@ -27,9 +30,12 @@ static bool tick_asked;
 static uint64_t ticked_ms, start_ns;
 static uint32_t boot_id;
 static enum hal_reset cause = HAL_RESET_POWER_ON;
-static jmp_buf reset_vector;
+static sigjmp_buf reset_vector;
+static bool watchdog_wanted;
+static uint32_t watchdog_ms; /* 0 = does not run */
 static volatile bool stopping;
 static int flash_file = -1;
+static struct hal_retained_memory retained; /* lives through resets, not through the process */
 
 static uint64_t now_ns(void)
 {
@@ -48,6 +54,7 @@ bool host_port_open(const struct host_port_options *options, char *err, size_t e
     start_ns = now_ns();
     boot_id = options->boot_id;
     tick_asked = false;
+    watchdog_wanted = options->watchdog;
     flash_model_erase_all();
     if (options->nvm) {
         flash_file = open(options->nvm, O_RDWR | O_CREAT | O_CLOEXEC, 0644);
@@ -64,18 +71,32 @@ bool host_port_open(const struct host_port_options *options, char *err, size_t e
         }
         flash_model_keep = keep_in_file;
     }
-    return line_open(&lines[HAL_UART_CONSOLE], options->console, err, err_size) &&
-           line_open(&lines[HAL_UART_LINK], options->link, err, err_size);
+    if (!line_open(&lines[HAL_UART_CONSOLE], options->console, err, err_size) ||
+        !line_open(&lines[HAL_UART_LINK], options->link, err, err_size))
+        return false;
+    lines[HAL_UART_CONSOLE].flow.on = true;
+    return true;
+}
+
+static void watchdog_stop(void)
+{
+    struct itimerval off = {.it_value = {0}};
+    if (watchdog_ms != 0)
+        (void)setitimer(ITIMER_REAL, &off, NULL);
+    watchdog_ms = 0;
 }
 
 void host_port_run(void)
 {
-    if (setjmp(reset_vector) != 0) {
+    int why = sigsetjmp(reset_vector, 1);
+    if (why != 0) {
         boot_id++;
-        cause = HAL_RESET_REQUESTED;
+        cause = why == 1 ? HAL_RESET_REQUESTED : HAL_RESET_WATCHDOG;
         for (unsigned i = 0; i < HAL_UART_COUNT; i++) {
             ring_clear(&lines[i].rx);
             ring_clear(&lines[i].tx);
+            lines[i].flow.held = false;
+            flow_look(&lines[i].flow, &lines[i].rx); /* who was asked to wait goes on */
         }
     }
     app_init(app_instance());
@@ -89,6 +110,7 @@ void host_port_run(void)
         }
         app_background(app_instance());
     }
+    watchdog_stop();
 }
 
 void host_port_stop(void)
@@ -98,6 +120,7 @@ void host_port_stop(void)
 
 void host_port_close(void)
 {
+    watchdog_stop();
     for (unsigned i = 0; i < HAL_UART_COUNT; i++)
         line_close(&lines[i]);
 }
@@ -123,7 +146,9 @@ void hal_idle(bool wait)
 
 size_t hal_uart_read(enum hal_uart port, uint8_t *buffer, size_t size)
 {
-    return ring_read(&lines[port].rx, buffer, size);
+    size_t n = ring_read(&lines[port].rx, buffer, size);
+    flow_look(&lines[port].flow, &lines[port].rx);
+    return n;
 }
 
 size_t hal_uart_room(enum hal_uart port)
@@ -138,9 +163,8 @@ bool hal_uart_write(enum hal_uart port, const void *data, size_t n)
 
 size_t hal_uart_pump(enum hal_uart port)
 {
-    if (ring_used(&lines[port].tx) == 0)
-        return 0;
-    return lines[port].blocked ? ring_used(&lines[port].tx) : line_flush(&lines[port]);
+    size_t waiting = flow_ready(&lines[port].flow, &lines[port].tx);
+    return lines[port].blocked || waiting == 0 ? waiting : line_flush(&lines[port]);
 }
 
 bool hal_uart_connected(enum hal_uart port)
@@ -188,13 +212,31 @@ void hal_tick_lock(void) {}
 
 void hal_tick_unlock(void) {}
 
-bool hal_watchdog_start(uint32_t timeout_ms)
+/* The watchdog is the interval timer of the process: it bites whatever the firmware is doing just then, and
+ * nothing of what that was goes on, as on a board. */
+static void bite(int number)
 {
-    (void)timeout_ms;
-    return false;
+    (void)number;
+    siglongjmp(reset_vector, 2);
 }
 
-void hal_watchdog_feed(void) {}
+void hal_watchdog_feed(void)
+{
+    struct itimerval timer = {.it_value = {.tv_sec = watchdog_ms / 1000u,
+                                           .tv_usec = (suseconds_t)(watchdog_ms % 1000u) * 1000}};
+    if (watchdog_ms != 0)
+        (void)setitimer(ITIMER_REAL, &timer, NULL);
+}
+
+bool hal_watchdog_start(uint32_t timeout_ms)
+{
+    struct sigaction action = {.sa_handler = bite};
+    if (!watchdog_wanted || sigaction(SIGALRM, &action, NULL) != 0)
+        return false;
+    watchdog_ms = timeout_ms;
+    hal_watchdog_feed();
+    return true;
+}
 
 const char *hal_board_name(void)
 {
@@ -216,9 +258,20 @@ uint32_t hal_boot_id(void)
     return boot_id;
 }
 
+void *hal_retained(enum hal_retained_area area, size_t n)
+{
+    return hal_retained_in(&retained, area, n);
+}
+
+bool hal_last_fault(struct hal_fault *fault)
+{
+    (void)fault;
+    return false; /* the operating system ends the process */
+}
+
 _Noreturn void hal_reboot(void)
 {
-    longjmp(reset_vector, 1);
+    siglongjmp(reset_vector, 1);
 }
 
 uint32_t hal_stack_size(void)

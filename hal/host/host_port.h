@@ -10,6 +10,7 @@ struct host_port_options {
     const char *console, *link; /* as line_open() takes them */
     const char *nvm;            /* file that is the flash; NULL = memory, lost at the end */
     uint32_t boot_id;
+    bool watchdog; /* hal_watchdog_start() finds one; else this board has none */
 };
 
 bool host_port_open(const struct host_port_options *options, char *err, size_t err_size);

@@ -33,8 +33,13 @@ static bool make_link(struct line *line, const char *target, const char *path, c
         errno = ENAMETOOLONG;
         return fail(err, err_size, "cannot link", path);
     }
-    if (lstat(path, &st) == 0 && S_ISLNK(st.st_mode))
+    if (lstat(path, &st) == 0 && S_ISLNK(st.st_mode)) {
+        if (stat(path, &st) == 0 && S_ISCHR(st.st_mode)) {
+            errno = EEXIST; /* leads to a living terminal: another firmware's, most likely */
+            return fail(err, err_size, "another program may own the link", path);
+        }
         (void)unlink(path);
+    }
     if (symlink(target, path) != 0)
         return fail(err, err_size, "cannot link", path);
     (void)snprintf(line->path, sizeof line->path, "%s", path);
@@ -161,8 +166,10 @@ bool line_serve(struct line *line, short events)
     uint8_t buffer[4096];
     if (line->in < 0 && line->out < 0) {
         int peer = accept4(line->listener, NULL, NULL, SOCK_NONBLOCK | SOCK_CLOEXEC);
-        if (peer >= 0)
+        if (peer >= 0) {
             line->in = line->out = peer;
+            line->flow.held = false; /* what the one before has asked for is his */
+        }
         return false;
     }
     if (events & (POLLOUT | POLLERR))
@@ -179,25 +186,44 @@ bool line_serve(struct line *line, short events)
     }
     for (ssize_t i = 0; i < n; i++) {
         line->stats.received++;
-        if (!ring_put(&line->rx, buffer[i]))
+        if (flow_received(&line->flow, buffer[i]) && !ring_put(&line->rx, buffer[i]))
             line->stats.rx_dropped++;
     }
+    flow_look(&line->flow, &line->rx);
     return n > 0;
+}
+
+/* What may go out next, in one piece; drop it with gone(). */
+static size_t to_send(const struct line *line, const uint8_t **data)
+{
+    if (line->flow.pending) {
+        *data = &line->flow.pending;
+        return 1;
+    }
+    return line->flow.held ? 0 : ring_peek(&line->tx, data);
+}
+
+static void gone(struct line *line, size_t n)
+{
+    if (line->flow.pending)
+        line->flow.pending = 0;
+    else
+        ring_skip(&line->tx, n);
 }
 
 size_t line_flush(struct line *line)
 {
     const uint8_t *data;
     size_t n;
-    while ((n = ring_peek(&line->tx, &data)) > 0) {
+    while ((n = to_send(line, &data)) > 0) {
         if (line->out < 0) { /* a wire nobody listens to takes everything */
-            ring_skip(&line->tx, n);
+            gone(line, n);
             continue;
         }
         ssize_t sent = line->kind == LINE_SOCKET ? send(line->out, data, n, MSG_NOSIGNAL)
                                                  : write(line->out, data, n);
         if (sent > 0) {
-            ring_skip(&line->tx, (size_t)sent);
+            gone(line, (size_t)sent);
             line->stats.sent += (uint32_t)sent;
             continue;
         }
@@ -207,5 +233,5 @@ size_t line_flush(struct line *line)
         }
         drop_peer(line);
     }
-    return ring_used(&line->tx);
+    return flow_ready(&line->flow, &line->tx);
 }

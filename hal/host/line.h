@@ -6,6 +6,7 @@
 #include <poll.h>
 #include <stdbool.h>
 
+#include "hal/flow.h"
 #include "hal/ring.h"
 #include "hal/uart.h"
 
@@ -21,6 +22,7 @@ struct line {
     char path[108];
     uint8_t rx_bytes[LINE_RING], tx_bytes[LINE_RING];
     struct ring rx, tx;
+    struct flow flow;
     struct hal_uart_stats stats;
     bool blocked; /* the other side takes nothing now: wait for room */
 };
@@ -32,7 +34,7 @@ void line_close(struct line *line);
 int line_watch(const struct line *line, struct pollfd *fds);
 /* Takes what poll reported. Returns whether bytes arrived. */
 bool line_serve(struct line *line, short events);
-/* Writes queued bytes; drops them where nobody is there. Returns the bytes still queued. */
+/* Writes queued bytes; drops them where nobody is there. Returns the bytes that wait for the line. */
 size_t line_flush(struct line *line);
 
 #endif

@@ -11,6 +11,7 @@
 
 static const char usage[] =
     "usage: reflux-host [--console LINE] [--link LINE] [--nvm FILE] [--boot-id N]\n"
+    "                   [--watchdog on|off]\n"
     "\n"
     "The firmware as a process of this computer. LINE is one of\n"
     "  pty          a new pseudo-terminal; its name is printed\n"
@@ -22,6 +23,8 @@ static const char usage[] =
     "  --link LINE     plant link (default pty)\n"
     "  --nvm FILE      keep the emulated flash in FILE (default: in memory)\n"
     "  --boot-id N     number of this start, 0..4294967295 (default: from the clock)\n"
+    "  --watchdog on   a firmware that hangs, or a process that is held up, for 2 s is reset\n"
+    "                  (default off)\n"
     "  --help\n";
 
 static void on_signal(int number)
@@ -53,7 +56,8 @@ int main(int argc, char **argv)
             return 0;
         }
         if (strcmp(name, "--console") != 0 && strcmp(name, "--link") != 0 &&
-            strcmp(name, "--nvm") != 0 && strcmp(name, "--boot-id") != 0) {
+            strcmp(name, "--nvm") != 0 && strcmp(name, "--boot-id") != 0 &&
+            strcmp(name, "--watchdog") != 0) {
             (void)fprintf(stderr, "reflux-host: unknown option %s; --help lists them\n", name);
             return 2;
         }
@@ -67,10 +71,20 @@ int main(int argc, char **argv)
             options.link = value;
         else if (strcmp(name, "--nvm") == 0)
             options.nvm = value;
-        else if (!parse_boot_id(value, &options.boot_id)) {
+        else if (strcmp(name, "--watchdog") == 0) {
+            options.watchdog = strcmp(value, "on") == 0;
+            if (!options.watchdog && strcmp(value, "off") != 0) {
+                (void)fprintf(stderr, "reflux-host: --watchdog %s: on or off is wanted\n", value);
+                return 2;
+            }
+        } else if (!parse_boot_id(value, &options.boot_id)) {
             (void)fprintf(stderr, "reflux-host: --boot-id %s: 0 .. 4294967295 is wanted\n", value);
             return 2;
         }
+    }
+    if (strcmp(options.console, "stdio") == 0 && strcmp(options.link, "stdio") == 0) {
+        (void)fprintf(stderr, "reflux-host: console and link cannot both be stdio\n");
+        return 2;
     }
     struct sigaction action = {.sa_handler = on_signal};
     (void)sigaction(SIGINT, &action, NULL);

@@ -6,8 +6,10 @@
 #include "app/app.h"
 #include "flash_model.h"
 #include "hal/clock.h"
+#include "hal/flow.h"
 #include "hal/identity.h"
 #include "hal/memory_use.h"
+#include "hal/retained.h"
 #include "hal/ring.h"
 #include "hal/tick.h"
 #include "hal/watchdog.h"
@@ -18,8 +20,10 @@ static bool idle; /* the main loop had nothing to do in its last turn */
 static uint8_t bytes[HAL_UART_COUNT][2][16384];
 static struct line {
     struct ring rx, tx;
+    struct flow flow;
     struct hal_uart_stats stats;
 } lines[HAL_UART_COUNT];
+static uint32_t console_rx_size = sizeof bytes[0][0], console_tx_size = sizeof bytes[0][1];
 static uint64_t clock_ms, ticked_ms;
 static bool tick_asked;
 static uint32_t boot_id;
@@ -27,6 +31,7 @@ static enum hal_reset cause = HAL_RESET_POWER_ON;
 static unsigned reboots;
 static jmp_buf reset_vector;
 static bool flash_ready;
+static struct hal_retained_memory retained;
 
 static void power_up(void)
 {
@@ -34,7 +39,10 @@ static void power_up(void)
         lines[i].rx = (struct ring){.bytes = bytes[i][0], .size = sizeof bytes[i][0]};
         lines[i].tx = (struct ring){.bytes = bytes[i][1], .size = sizeof bytes[i][1]};
         lines[i].stats = (struct hal_uart_stats){0};
+        lines[i].flow = (struct flow){.on = i == HAL_UART_CONSOLE};
     }
+    lines[HAL_UART_CONSOLE].rx.size = console_rx_size;
+    lines[HAL_UART_CONSOLE].tx.size = console_tx_size;
     clock_ms = ticked_ms = 0;
     tick_asked = true;
     boot_id++;
@@ -46,6 +54,7 @@ void memory_port_start(void)
     if (!flash_ready)
         memory_port_erase_all();
     cause = HAL_RESET_POWER_ON;
+    memset(&retained, 0xA5, sizeof retained);
     reboots = 0;
     power_up();
 }
@@ -59,8 +68,11 @@ void memory_port_set_clock(uint64_t ms)
 size_t memory_port_give(enum hal_uart port, const void *data, size_t n)
 {
     struct line *l = &lines[port];
-    size_t room = ring_room(&l->rx), taken = n < room ? n : room;
-    (void)ring_write(&l->rx, data, taken);
+    const uint8_t *from = data;
+    size_t taken = 0;
+    for (size_t i = 0; i < n; i++)
+        taken += !flow_received(&l->flow, from[i]) || ring_put(&l->rx, from[i]);
+    flow_look(&l->flow, &l->rx);
     l->stats.received += (uint32_t)n;
     l->stats.rx_dropped += (uint32_t)(n - taken);
     if (port == HAL_UART_LINK)
@@ -70,7 +82,18 @@ size_t memory_port_give(enum hal_uart port, const void *data, size_t n)
 
 size_t memory_port_take(enum hal_uart port, void *data, size_t size)
 {
-    return ring_read(&lines[port].tx, data, size);
+    struct line *l = &lines[port];
+    uint8_t *to = data;
+    size_t n = 0;
+    while (n < size && flow_next(&l->flow, &l->tx, &to[n]))
+        n++;
+    return n;
+}
+
+void memory_port_set_console_rings(uint32_t rx, uint32_t tx)
+{
+    console_rx_size = rx;
+    console_tx_size = tx;
 }
 
 /* Changes whenever a byte moves in either direction on either line. */
@@ -82,29 +105,55 @@ static uint32_t movement(void)
     return sum;
 }
 
+/* One turn of both contexts. Whoever calls it has set the reset vector. */
+static void turn(void)
+{
+    if (tick_asked || clock_ms - ticked_ms >= HAL_TICK_PERIOD_MS) {
+        tick_asked = false;
+        ticked_ms = clock_ms;
+        app_tick(app_instance());
+    }
+    app_background(app_instance());
+}
+
+static void restarted(void)
+{
+    uint64_t now = clock_ms;
+    reboots++;
+    cause = HAL_RESET_REQUESTED;
+    power_up();
+    clock_ms = ticked_ms = now; /* whoever simulates around goes on counting */
+}
+
+void memory_port_turn(void)
+{
+    if (setjmp(reset_vector) != 0)
+        restarted();
+    else
+        turn();
+}
+
 unsigned memory_port_run(void)
 {
     volatile unsigned turns = 0; /* survives the jump */
-    if (setjmp(reset_vector) != 0) {
-        uint64_t now = clock_ms;
-        reboots++;
-        cause = HAL_RESET_REQUESTED;
-        power_up();
-        clock_ms = ticked_ms = now; /* whoever simulates around goes on counting */
-    }
+    if (setjmp(reset_vector) != 0)
+        restarted();
     unsigned quiet = 0;
     while (quiet < 2 && turns < TURNS_MAX) {
         uint32_t before = movement();
-        if (tick_asked || clock_ms - ticked_ms >= HAL_TICK_PERIOD_MS) {
-            tick_asked = false;
-            ticked_ms = clock_ms;
-            app_tick(app_instance());
-        }
-        app_background(app_instance());
+        turn();
         turns = turns + 1u;
         quiet = idle && movement() == before ? quiet + 1u : 0;
     }
     return turns;
+}
+
+void memory_port_reset(enum hal_reset why)
+{
+    uint64_t now = clock_ms;
+    cause = why;
+    power_up();
+    clock_ms = ticked_ms = now;
 }
 
 unsigned memory_port_reboots(void)
@@ -132,7 +181,9 @@ void memory_port_erase_all(void)
 
 size_t hal_uart_read(enum hal_uart port, uint8_t *buffer, size_t size)
 {
-    return ring_read(&lines[port].rx, buffer, size);
+    size_t n = ring_read(&lines[port].rx, buffer, size);
+    flow_look(&lines[port].flow, &lines[port].rx);
+    return n;
 }
 
 size_t hal_uart_room(enum hal_uart port)
@@ -230,6 +281,17 @@ enum hal_reset hal_reset_cause(void)
 uint32_t hal_boot_id(void)
 {
     return boot_id;
+}
+
+void *hal_retained(enum hal_retained_area area, size_t n)
+{
+    return hal_retained_in(&retained, area, n);
+}
+
+bool hal_last_fault(struct hal_fault *fault)
+{
+    (void)fault;
+    return false; /* the operating system ends the process */
 }
 
 _Noreturn void hal_reboot(void)

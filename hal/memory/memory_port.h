@@ -8,9 +8,11 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#include "hal/identity.h"
 #include "hal/uart.h"
 
-/* Powers the board on: rings empty, clock 0, next boot id, firmware initialised. Flash is kept. */
+/* Powers the board on: rings empty, clock 0, next boot id, firmware initialised. Flash is kept, the retained
+ * memory (hal/retained.h) is not. */
 void memory_port_start(void);
 
 /* Sets the board's clock, ms, not backwards. Nothing happens until memory_port_run(). */
@@ -25,7 +27,16 @@ size_t memory_port_take(enum hal_uart port, void *data, size_t size);
  * the real one: everything but flash starts again. Returns the turns it took. */
 unsigned memory_port_run(void);
 
+/* One turn of both contexts and no more: for who measures time by turns. */
+void memory_port_turn(void);
+
+/* Sizes of the console's rings from the next start on: powers of two up to 16384. */
+void memory_port_set_console_rings(uint32_t rx, uint32_t tx);
+
 unsigned memory_port_reboots(void);
+
+/* A reset from outside, as by a watchdog: flash and the retained memory are kept. */
+void memory_port_reset(enum hal_reset why);
 
 /* Flash as tests want it: contents (memory_port_flash_size() bytes), all erased by memory_port_erase_all(). */
 uint8_t *memory_port_flash(void);

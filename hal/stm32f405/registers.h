@@ -1,16 +1,12 @@
-/* The registers this port uses, under the names of the reference manual (RM0090 for the STM32F405) and of the
- * Cortex-M4 programming manual (PM0214). No vendor header is packaged for C by the distribution, and these are
- * all that is needed.
+/* The registers of the STM32F405 that this port uses beyond those in stm32/common.h, under the names of the
+ * reference manual (RM0090).
  */
 #ifndef REFLUX_STM32F405_REGISTERS_H
 #define REFLUX_STM32F405_REGISTERS_H
 
-#include <stdint.h>
+#include "common.h"
 
-#define REG32(address) (*(volatile uint32_t *)(address))
-#define REG16(address) (*(volatile uint16_t *)(address))
-#define REG8(address)  (*(volatile uint8_t *)(address))
-#define BIT(n)         (UINT32_C(1) << (n))
+#define CHIP_INTERRUPTS 82 /* RM0090 table 62 */
 
 /* RM0090 7.3: reset and clock control */
 #define RCC_CR             REG32(0x40023800u)
@@ -39,14 +35,6 @@
 #define RCC_APB2ENR_USART1 BIT(4)
 #define RCC_APB2ENR_TIM11  BIT(18)
 #define RCC_CSR            REG32(0x40023874u)
-#define RCC_CSR_RMVF       BIT(24)
-#define RCC_CSR_BORRST     BIT(25)
-#define RCC_CSR_PINRST     BIT(26)
-#define RCC_CSR_PORRST     BIT(27)
-#define RCC_CSR_SFTRST     BIT(28)
-#define RCC_CSR_IWDGRST    BIT(29)
-#define RCC_CSR_WWDGRST    BIT(30)
-#define RCC_CSR_LPWRRST    BIT(31)
 
 /* RM0090 5.4: power */
 #define PWR_CR     REG32(0x40007000u)
@@ -80,26 +68,8 @@
 #define GPIOA_AFRH  REG32(0x40020024u)
 
 /* RM0090 30.6: serial ports */
-#define USART1_BASE      0x40011000u
-#define USART2_BASE      0x40004400u
-#define USART_SR(base)   REG32((base) + 0x00u)
-#define USART_DR(base)   REG32((base) + 0x04u)
-#define USART_BRR(base)  REG32((base) + 0x08u)
-#define USART_CR1(base)  REG32((base) + 0x0Cu)
-#define USART_SR_PE      BIT(0)
-#define USART_SR_FE      BIT(1)
-#define USART_SR_NE      BIT(2)
-#define USART_SR_ORE     BIT(3)
-#define USART_SR_RXNE    BIT(5)
-#define USART_SR_TXE     BIT(7)
-#define USART_CR1_RE     BIT(2)
-#define USART_CR1_TE     BIT(3)
-#define USART_CR1_RXNEIE BIT(5)
-#define USART_CR1_TXEIE  BIT(7)
-#define USART_CR1_UE     BIT(13)
-#define USART1_IRQ       37
-#define USART2_IRQ       38
-
+#define USART1_BASE 0x40011000u
+#define USART2_BASE 0x40004400u
 /* RM0090 18.4, 19.5: TIM2 counts for hal_cycles() on the emulator, TIM11 measures the crystal */
 #define TIM2_CR1          REG32(0x40000000u)
 #define TIM2_EGR          REG32(0x40000014u)
@@ -121,49 +91,14 @@
 #define TIM11_OR          REG32(0x40014850u)
 #define TIM11_OR_HSE_RTC  2u
 
-/* RM0090 21.4: independent watchdog */
-#define IWDG_KR        REG32(0x40003000u)
-#define IWDG_KR_ACCESS 0x5555u
-#define IWDG_KR_RELOAD 0xAAAAu
-#define IWDG_KR_START  0xCCCCu
-#define IWDG_PR        REG32(0x40003004u)
-#define IWDG_RLR       REG32(0x40003008u)
-#define IWDG_SR        REG32(0x4000300Cu)
-
 /* RM0090 38.16: a halted core also halts the watchdog */
 #define DBGMCU_APB1_FZ      REG32(0xE0042008u)
 #define DBGMCU_APB1_FZ_IWDG BIT(12)
 
-/* PM0214 4: the core's own */
-#define SYST_CSR           REG32(0xE000E010u)
-#define SYST_CSR_ENABLE    BIT(0)
-#define SYST_CSR_TICKINT   BIT(1)
-#define SYST_CSR_CLKSOURCE BIT(2)
-#define SYST_RVR           REG32(0xE000E014u)
-#define SYST_CVR           REG32(0xE000E018u)
-#define NVIC_ISER(n)       REG32(0xE000E100u + 4u * (n))
-#define NVIC_IPR(irq)      REG8(0xE000E400u + (irq))
-#define SCB_ICSR           REG32(0xE000ED04u)
-#define SCB_ICSR_PENDSVSET BIT(28)
-#define SCB_VTOR           REG32(0xE000ED08u)
-#define SCB_AIRCR          REG32(0xE000ED0Cu)
-#define SCB_AIRCR_RESET    (0x05FA0000u | BIT(2))
-#define SCB_CCR            REG32(0xE000ED14u)
-#define SCB_CCR_DIV_0_TRP  BIT(4)
-#define SCB_SHPR(handler)  REG8(0xE000ED14u + (handler)) /* handler: exception number, 4 to 15 */
-#define SCB_SHCSR          REG32(0xE000ED24u)
-#define SCB_SHCSR_FAULTS                                                                           \
-    (BIT(16) | BIT(17) | BIT(18)) /* MemManage, BusFault, UsageFault on their own */
-#define SCB_CFSR           REG32(0xE000ED28u)
-#define SCB_HFSR           REG32(0xE000ED2Cu)
-#define SCB_MMFAR          REG32(0xE000ED34u)
-#define SCB_BFAR           REG32(0xE000ED38u)
-#define SCB_CPACR          REG32(0xE000ED88u)
-#define SCB_CPACR_FPU      (15u << 20)
-#define SCB_DEMCR          REG32(0xE000EDFCu)
-#define SCB_DEMCR_TRCENA   BIT(24)
-#define DWT_CTRL           REG32(0xE0001000u)
-#define DWT_CTRL_CYCCNTENA BIT(0)
-#define DWT_CYCCNT         REG32(0xE0001004u)
+/* PM0214 4.6: floating-point unit */
+#define SCB_CPACR     REG32(0xE000ED88u)
+#define SCB_CPACR_FPU (15u << 20)
+
+#define LSI_PER_MS 32u /* RM0090 7.2.5: 17 to 47 kHz over chips and temperature */
 
 #endif

@@ -25,10 +25,6 @@ static void settings_are_as_remembered(void)
 
 static void every_command_answers_with_exactly_one_ok_or_err(void)
 {
-    static const char *const names[] = {"help", "version", "status", "loop",    "mode",
-                                        "sp",   "out",     "list",   "get",     "set",
-                                        "diff", "begin",   "apply",  "abandon", "tune",
-                                        "log",  "alarm",   "events", "stats",   "nonsense"};
     static const char *const arguments[] = {"",
                                             " x",
                                             " x y",
@@ -56,12 +52,19 @@ static void every_command_answers_with_exactly_one_ok_or_err(void)
                                             " err X",
                                             "\t\t",
                                             "   "};
+    static char names[64][16] = {"nonsense"};
+    unsigned n_names = 1;
     ask_ok("help");
-    TEST_ASSERT_EQUAL(21, n_reply); /* all commands are in `names`, but reboot */
-    for (unsigned i = 0; i < sizeof names / sizeof names[0]; i++)
+    for (unsigned i = 0; i + 1 < n_reply; i++) {
+        TEST_ASSERT_EQUAL(1, sscanf(reply[i], "%15s", names[n_names]));
+        if (strcmp(names[n_names], "reboot") != 0 && strcmp(names[n_names], "lock") != 0)
+            n_names++;
+    }
+    TEST_ASSERT_TRUE(n_names > 20);
+    for (unsigned i = 0; i < n_names; i++)
         for (unsigned k = 0; k < sizeof arguments / sizeof arguments[0]; k++) {
             char line[120];
-            snprintf(line, sizeof line, "%s%s", names[i], arguments[k]);
+            snprintf(line, sizeof line, "%.15s%.90s", names[i], arguments[k]);
             if (strcmp(line, "mode human") == 0)
                 continue;
             const char *end = ask(line);

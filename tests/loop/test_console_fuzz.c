@@ -39,7 +39,7 @@ static void noise_changes_nothing_and_the_console_answers_afterwards(void)
         board_run();
         board_forget();
     }
-    type("\nmode machine\n");
+    type("\x11\nmode machine\n"); /* XON: there was an XOFF in the noise */
     settings_are_as_remembered();
     samples(2);
     TEST_ASSERT_TRUE(board.command.safe);

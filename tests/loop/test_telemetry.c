@@ -81,7 +81,7 @@ static void what_is_wrong_now_is_listed(void)
     board.values[1] = 500;
     samples(1);
     ask_ok("alarm");
-    TEST_ASSERT_EQUAL_STRING("MEASUREMENT_BAD T10", reply[0]);
+    TEST_ASSERT_EQUAL_STRING("MEASUREMENT_BAD T10 out of range", reply[0]);
     board.values[1] = 115;
     samples(1);
     ask_ok("alarm");

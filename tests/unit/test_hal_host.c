@@ -98,6 +98,52 @@ static void a_flash_file_of_another_size_is_refused(void)
     TEST_ASSERT_NOT_NULL(strstr(err, nvm_path));
 }
 
+static void the_console_obeys_xoff_until_xon_or_the_next_peer(void)
+{
+    char heard[8] = "";
+    int peer = join(console_path);
+    hal_idle(true);
+    TEST_ASSERT_EQUAL(1, write(peer, "\x13", 1));
+    hal_idle(true);
+    TEST_ASSERT_TRUE(hal_uart_write(HAL_UART_CONSOLE, "held", 4));
+    TEST_ASSERT_EQUAL(0, hal_uart_pump(HAL_UART_CONSOLE)); /* nothing to be busy with */
+    TEST_ASSERT_EQUAL(-1, recv(peer, heard, sizeof heard, MSG_DONTWAIT));
+    TEST_ASSERT_EQUAL(1, write(peer, "\x11", 1));
+    hal_idle(true);
+    TEST_ASSERT_EQUAL(0, hal_uart_pump(HAL_UART_CONSOLE));
+    TEST_ASSERT_EQUAL(4, recv(peer, heard, sizeof heard, MSG_DONTWAIT));
+    TEST_ASSERT_EQUAL(1, write(peer, "\x13", 1));
+    hal_idle(true);
+    (void)close(peer);
+    hal_idle(true);
+    peer = join(console_path);
+    hal_idle(true);
+    TEST_ASSERT_TRUE(hal_uart_write(HAL_UART_CONSOLE, "next", 4));
+    (void)hal_uart_pump(HAL_UART_CONSOLE);
+    TEST_ASSERT_EQUAL(4, recv(peer, heard, sizeof heard, MSG_DONTWAIT));
+    (void)close(peer);
+}
+
+static void the_console_asks_for_a_pause_when_its_ring_fills(void)
+{
+    static uint8_t much[13000];
+    uint8_t byte = 0;
+    int peer = join(console_path);
+    hal_idle(true);
+    memset(much, 'x', sizeof much);
+    TEST_ASSERT_EQUAL(sizeof much, write(peer, much, sizeof much));
+    for (int turn = 0; turn < 10; turn++)
+        hal_idle(true);
+    (void)hal_uart_pump(HAL_UART_CONSOLE);
+    TEST_ASSERT_EQUAL(1, recv(peer, &byte, 1, MSG_DONTWAIT));
+    TEST_ASSERT_EQUAL(0x13, byte);
+    TEST_ASSERT_EQUAL(10000, hal_uart_read(HAL_UART_CONSOLE, much, 10000));
+    (void)hal_uart_pump(HAL_UART_CONSOLE);
+    TEST_ASSERT_EQUAL(1, recv(peer, &byte, 1, MSG_DONTWAIT));
+    TEST_ASSERT_EQUAL(0x11, byte);
+    (void)close(peer);
+}
+
 static void a_peer_may_leave_and_another_come(void)
 {
     uint8_t byte = 0;
@@ -189,6 +235,8 @@ int main(void)
     UNITY_BEGIN();
     RUN_TEST(flash_in_a_file_outlives_the_process_that_wrote_it);
     RUN_TEST(a_flash_file_of_another_size_is_refused);
+    RUN_TEST(the_console_obeys_xoff_until_xon_or_the_next_peer);
+    RUN_TEST(the_console_asks_for_a_pause_when_its_ring_fills);
     RUN_TEST(a_peer_may_leave_and_another_come);
     RUN_TEST(bytes_for_nobody_are_dropped_and_do_not_pile_up);
     RUN_TEST(a_peer_that_does_not_read_gets_everything_later_and_blocks_nothing);

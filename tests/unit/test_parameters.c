@@ -166,7 +166,7 @@ static void names_are_letters_digits_and_underscore_up_to_fifteen(void)
         refused(&p, "sixteen_letters_");
         TEST_ASSERT_EQUAL_MESSAGE(ERR_OK, parameter_set(&p, &config, "fifteen_letters"), name);
         texts(&p);
-        TEST_ASSERT_EQUAL_STRING("fifteen_letters", value);
+        TEST_ASSERT_EQUAL_STRING(parameter_is_secret(&p) ? "***" : "fifteen_letters", value);
         TEST_ASSERT_EQUAL_MESSAGE(ERR_OK, parameter_set(&p, &config, "-"), name);
         texts(&p);
         TEST_ASSERT_EQUAL_STRING("-", value);
@@ -237,6 +237,23 @@ static void zero_has_one_sign(void)
     TEST_ASSERT_EQUAL_MEMORY(&before, &config, sizeof config);
 }
 
+static void a_secret_is_never_shown_and_what_is_shown_instead_changes_nothing(void)
+{
+    struct parameter p;
+    struct config other = config;
+    TEST_ASSERT_EQUAL(ERR_OK, parameter_find("console.key", &p));
+    TEST_ASSERT_EQUAL(ERR_OK, parameter_set(&p, &config, "reflux7"));
+    TEST_ASSERT_FALSE(parameter_equal(&p, &config, &other));
+    texts(&p);
+    TEST_ASSERT_EQUAL_STRING("***", value);
+    other = config;
+    TEST_ASSERT_EQUAL(ERR_OK, parameter_set(&p, &config, value));
+    TEST_ASSERT_TRUE(parameter_equal(&p, &config, &other));
+    TEST_ASSERT_EQUAL(ERR_OK, parameter_set(&p, &config, "-"));
+    texts(&p);
+    TEST_ASSERT_EQUAL_STRING("-", value);
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -248,6 +265,7 @@ int main(void)
     RUN_TEST(the_ends_of_each_range_are_accepted_and_what_is_beyond_is_not);
     RUN_TEST(words_are_taken_whole_and_nothing_else);
     RUN_TEST(names_are_letters_digits_and_underscore_up_to_fifteen);
+    RUN_TEST(a_secret_is_never_shown_and_what_is_shown_instead_changes_nothing);
     RUN_TEST(units_are_printable_and_never_break_a_telemetry_header);
     RUN_TEST(the_schema_cannot_be_changed);
     RUN_TEST(names_of_no_parameter_are_not_found);

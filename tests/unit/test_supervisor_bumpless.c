@@ -125,14 +125,26 @@ static void leaving_the_safe_state_does_not_move_the_output(void)
     ASSERT_NO_BUMP(0.15, sent(HEAT));
 }
 
-static void an_output_that_does_not_follow_is_where_automatic_begins(void)
+static void automatic_begins_at_the_value_sent_even_while_the_valve_still_moves(void)
 {
-    bench.input.readback[HEAT] = (struct reading){0.6f, QUALITY_GOOD}; /* the valve sticks at 0.3 */
-    ticks(2);
-    TEST_ASSERT_EQUAL(1, happened(EVENT_NOT_FOLLOWING, "heat"));
+    bench.input.readback[HEAT] = (struct reading){1.0f, QUALITY_GOOD};
+    tick();
+    out(BOTTOM, 0.4); /* the read-back goes on saying 1.0 for an interval */
+    tick();
+    ASSERT_NO_BUMP(0.2, sent(HEAT));
     mode(BOTTOM, LOOP_AUTO);
     tick();
-    ASSERT_NO_BUMP(0.3, sent(HEAT));
+    ASSERT_NO_BUMP(0.2, sent(HEAT));
+    TEST_ASSERT_EQUAL(1, happened(EVENT_NOT_FOLLOWING, "heat"));
+}
+
+static void an_output_and_automatic_asked_for_in_one_tick_begin_at_that_output(void)
+{
+    validate();
+    request(REQUEST_OUTPUT, BOTTOM, PLAN_NONE, 0, 1.2);
+    mode(BOTTOM, LOOP_AUTO);
+    supervisor_control(&bench.s);
+    ASSERT_NO_BUMP(0.6, sent(HEAT));
 }
 
 static void an_output_that_sticks_does_not_wind_the_loop_up(void)
@@ -190,7 +202,8 @@ int main(void)
     RUN_TEST(reversing_the_action_does_not_move_the_output_either);
     RUN_TEST(a_new_measurement_filter_does_not_move_the_output);
     RUN_TEST(leaving_the_safe_state_does_not_move_the_output);
-    RUN_TEST(an_output_that_does_not_follow_is_where_automatic_begins);
+    RUN_TEST(automatic_begins_at_the_value_sent_even_while_the_valve_still_moves);
+    RUN_TEST(an_output_and_automatic_asked_for_in_one_tick_begin_at_that_output);
     RUN_TEST(an_output_that_sticks_does_not_wind_the_loop_up);
     RUN_TEST(a_read_back_outside_all_belief_is_ignored);
     RUN_TEST(a_read_back_at_the_edge_of_its_band_is_reported_once);

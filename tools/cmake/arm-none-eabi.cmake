@@ -8,6 +8,8 @@ set(CMAKE_TRY_COMPILE_TARGET_TYPE STATIC_LIBRARY)
 set(CMAKE_FIND_ROOT_PATH_MODE_PROGRAM NEVER)
 
 set(REFLUX_CPU_stm32f405 "-mcpu=cortex-m4 -mthumb -mfloat-abi=hard -mfpu=fpv4-sp-d16")
+# Inlining what is called once would make every caller carry the largest frame below it: 8 KiB is all there is.
+set(REFLUX_CPU_stm32f100 "-mcpu=cortex-m3 -mthumb -mfloat-abi=soft -fno-inline-functions-called-once -fconserve-stack")
 if(NOT REFLUX_BOARD)
   set(REFLUX_BOARD stm32f405)
 endif()

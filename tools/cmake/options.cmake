@@ -12,9 +12,18 @@ target_compile_options(reflux_options INTERFACE
 if(REFLUX_FIXED_POINT)
   target_compile_definitions(reflux_options INTERFACE REFLUX_FIXED_POINT=1)
 endif()
+if(EXISTS "${PROJECT_SOURCE_DIR}/hal/${REFLUX_BOARD}/limits.h") # a board smaller than the headers assume
+  target_compile_options(reflux_options INTERFACE "SHELL:-include ${PROJECT_SOURCE_DIR}/hal/${REFLUX_BOARD}/limits.h")
+endif()
 if(REFLUX_SANITIZE)
   target_compile_options(reflux_options INTERFACE
     -fsanitize=address,undefined -fno-sanitize-recover=all -fno-omit-frame-pointer)
+  target_link_options(reflux_options INTERFACE -fsanitize=address,undefined)
+endif()
+
+if(REFLUX_FUZZ) # clang's warnings are not gcc's: they are shown, and stop nothing
+  target_compile_options(reflux_options INTERFACE
+    -fsanitize=fuzzer-no-link,address,undefined -fno-sanitize-recover=all -fno-omit-frame-pointer -Wno-error)
   target_link_options(reflux_options INTERFACE -fsanitize=address,undefined)
 endif()
 

@@ -1,1 +1,1 @@
-"""What stands behind tools/run, demo, test, campaign, bench and plot."""
+"""What stands behind the commands of tools/."""

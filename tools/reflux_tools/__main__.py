@@ -17,6 +17,14 @@ COMMANDS = {
     "bench": "cmd_bench",
     "plot": "cmd_plot",
     "style": "cmd_style",
+    "fuzz": "cmd_fuzz",
+    "coverage": "cmd_coverage",
+    "prove": "cmd_prove",
+    "mutate": "cmd_mutate",
+    "image": "cmd_image",
+    "flash": "cmd_flash",
+    "console": "cmd_console",
+    "evidence": "cmd_evidence",
 }
 PACKAGES = {
     "numpy": "python3-numpy",
@@ -64,7 +72,8 @@ def main() -> int:
         print(f"usage: python3 -m reflux_tools {{{','.join(COMMANDS)}}} ...", file=sys.stderr)
         return 2
     # Being ended by somebody else is like Ctrl-C: what was started here is ended too.
-    signal.signal(signal.SIGTERM, signal.default_int_handler)
+    for ending in (signal.SIGTERM, signal.SIGHUP):  # a closed terminal ends what it started, too
+        signal.signal(ending, signal.default_int_handler)
     return call(sys.argv[1], sys.argv[2:])
 
 

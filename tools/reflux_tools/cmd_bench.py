@@ -32,6 +32,7 @@ def main(arguments: list[str]) -> int:
         raise UserError("--ticks must be 10 or more")
     launch.build_for("memory")
     build.build("stm32f405")
+    build.build("stm32f100")
     parts = [
         ("Lockstep ticks per second", ["way", "ticks", "ticks per second"], speed_rows(options.ticks)),
         ("Instructions per tick", ["where", "how", "least", "mean", "most"], instruction_rows()),
@@ -110,7 +111,9 @@ def pty_speed(ticks: int) -> list[str]:
 
 def instruction_rows() -> list[list[str]]:
     return [guarded(["host, x86-64", "valgrind --tool=callgrind, app_tick and below"], 5, callgrind),
-            guarded(["STM32F405 image in the emulator", "TIM2 under -icount shift=0"], 5, icount)]
+            guarded(["STM32F405 image in the emulator", "TIM2 under -icount shift=0"], 5, lambda: icount("stm32f405")),
+            guarded(["STM32F100 image in the emulator, fixed point", "SysTick under -icount shift=0, to 42"], 5,
+                    lambda: icount("stm32f100"))]
 
 
 def callgrind() -> list[str]:
@@ -140,8 +143,8 @@ def callgrind() -> list[str]:
     return ["-", f"{(counts[1] - counts[0]) / (ticks[1] - ticks[0]):.0f}", "-"]
 
 
-def icount() -> list[str]:
-    _, stats = measured_run(200, "stm32f405", ICOUNT)
+def icount(kind: str) -> list[str]:
+    _, stats = measured_run(200, kind, ICOUNT)
     return tick_stats(stats)
 
 
@@ -162,9 +165,10 @@ def size_rows() -> list[list[str]]:
     for library in libraries:
         sums = _size(["-t", str(library)])
         rows.append([library.stem.removeprefix("libreflux_") + " (before the linker drops what is unused)", *sums])
-    images = sorted(folder.rglob("reflux-*.elf")) or [p for p in folder.rglob("reflux-stm32f405") if p.is_file()]
-    for image in images[:1]:
-        rows.append([f"image {image.name}", *_size([str(image)])])
+    for kind in ("stm32f405", "stm32f100"):
+        image = build_dir(kind) / f"reflux-{kind}.elf"
+        if image.is_file():
+            rows.append([f"image {image.name}", *_size([str(image)])])
     return rows
 
 

@@ -98,7 +98,7 @@ def fingerprint(campaign: Campaign) -> str:
     digest = hashlib.sha256(repr(replace(campaign.scenario, seed=0, file=Path(), console=())).encode())
     programs = [build.find_program("host", "reflux-sim-memory" if campaign.scenario.firmware == "memory"
                                    else "reflux-sim")]
-    if campaign.scenario.firmware.startswith("stm32f405"):
+    if campaign.scenario.firmware.startswith("stm32"):
         programs.append(build.find_image(campaign.scenario.firmware))
     elif campaign.scenario.firmware != "memory":
         programs.append(build.find_program(campaign.scenario.firmware, "reflux-host"))

@@ -22,8 +22,8 @@ def parser() -> argparse.ArgumentParser:
     p.add_argument("scenario", nargs="?", metavar="SCENARIO",
                    help="a .toml file, or the name of one in host_sim/scenarios")
     p.add_argument("--firmware", choices=scenarios.FIRMWARES,
-                   help="host: a process; stm32f405: the image in the emulator; -fixed: built with fixed-point "
-                   "numbers; memory: inside the simulator; serial: a board on two serial ports")
+                   help="host: a process; stm32f405, stm32f100: the image in the emulator; -fixed: built with "
+                   "fixed-point numbers, as stm32f100 always is; memory: inside the simulator; serial: a board on two serial ports")
     p.add_argument("--console-port", metavar="PORT", help="with --firmware serial, such as /dev/ttyUSB0")
     p.add_argument("--link-port", metavar="PORT", help="with --firmware serial, such as /dev/ttyUSB1")
     p.add_argument("--out", type=Path, metavar="FOLDER", help="where results go (default: out/NAME)")

@@ -19,7 +19,7 @@ from reflux_tools import build
 from reflux_tools.errors import RunFailed, UserError
 from reflux_tools.paths import CAMPAIGNS, ROOT, build_dir
 
-LABELS = ("unit", "loop", "target", "style", "tools", "campaign")
+LABELS = ("unit", "loop", "fuzz", "target", "style", "tools", "campaign")
 SANITIZED = ("asan", "asan-fixed")
 COPIED = ("LABELS", "TIMEOUT", "WORKING_DIRECTORY", "ENVIRONMENT", "WILL_FAIL", "RUN_SERIAL", "PROCESSORS",
           "RESOURCE_LOCK", "SKIP_RETURN_CODE", "PASS_REGULAR_EXPRESSION", "FAIL_REGULAR_EXPRESSION")
@@ -39,7 +39,8 @@ def main(arguments: list[str]) -> int:
     p = argparse.ArgumentParser(
         prog="tools/test",
         description="Builds and runs the tests behind one ctest, whose summary comes last. Labels: unit and loop "
-        "(on the host, with sanitizers, in float and in fixed point), target (the image in the emulator), style "
+        "(on the host, with sanitizers, in float and in fixed point), fuzz (the kept corpora and a short run from them), "
+        "target (the image in the emulator), style "
         "(clang-format and clang-tidy), tools (the tools themselves), campaign (a twentieth of each campaign).")
     p.add_argument("labels", nargs="*", metavar="LABEL", help=f"only these: {', '.join(LABELS)} (default: all)")
     p.add_argument("-j", "--jobs", type=int, default=max(2, os.cpu_count() or 2), metavar="N")
@@ -60,7 +61,7 @@ def main(arguments: list[str]) -> int:
 def collect(labels: set[str]) -> list[Test]:
     """Builds what these labels need and returns their tests."""
     tests: list[Test] = []
-    if labels & {"unit", "loop"}:
+    if labels & {"unit", "loop", "fuzz"}:
         for preset in SANITIZED:
             build.build(preset)
             tests += [test for test in tests_of(preset) if labels & set(test.labels)]
@@ -72,6 +73,7 @@ def collect(labels: set[str]) -> list[Test]:
         build.build("host-fixed", ("reflux-host",))
         build.build("stm32f405")
         build.build("stm32f405-fixed")
+        build.build("stm32f100")
         tests += target_tests()
     if "style" in labels:
         build.configure("host")
@@ -114,6 +116,7 @@ def target_tests() -> list[Test]:
     """The same scenario on the host and on the image in the emulator."""
     return [same_log("target.smoke-float", "host", "stm32f405", "target"),
             same_log("target.smoke-fixed", "host-fixed", "stm32f405-fixed", "target"),
+            same_log("target.smoke-small", "host-fixed", "stm32f100", "target"),
             *python_tests("target")]
 
 

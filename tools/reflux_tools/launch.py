@@ -16,7 +16,8 @@ from typing import Iterator
 from reflux_tools import build
 from reflux_tools.errors import RunFailed, UserError
 
-MACHINE = "netduinoplus2"  # the emulated board with an STM32F405
+# The emulated board that carries the processor of an image.
+MACHINES = {"stm32f405": "netduinoplus2", "stm32f100": "stm32vldiscovery"}
 BOOT_ID = 1
 
 
@@ -59,7 +60,7 @@ def build_for(kind: str, quiet: bool = False) -> None:
     build.build("host", ("reflux-sim",), quiet)
     if kind == "host-fixed":
         build.build("host-fixed", ("reflux-host",), quiet)
-    elif kind.startswith("stm32f405"):
+    elif kind.startswith("stm32"):
         build.build(kind, (), quiet)
 
 
@@ -123,7 +124,8 @@ def emulator_command(image: Path, console: Path, link: Path, extra: tuple[str, .
     """USART1 (the first -serial) is the console, USART2 the plant link. The link listens first and waits for
     nobody; the processor starts once the console has been opened. So the simulator may open them in any order,
     and no byte meets a firmware without its console."""
-    return ["qemu-system-arm", "-M", MACHINE, "-nographic", "-monitor", "none", "-kernel", str(image),
+    machine = MACHINES[image.stem.removeprefix("reflux-")]
+    return ["qemu-system-arm", "-M", machine, "-nographic", "-monitor", "none", "-kernel", str(image),
             "-chardev", f"socket,id=lnk,path={link},server=on,wait=off",
             "-chardev", f"socket,id=con,path={console},server=on,wait=on",
             "-serial", "chardev:con", "-serial", "chardev:lnk", *extra]

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import contextlib
+import fcntl
 import json
 import re
 import signal
@@ -10,6 +12,7 @@ import sys
 import time
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Iterator
 
 from reflux_tools import build, launch, limits, logs, metrics
 from reflux_tools.errors import RunFailed, UserError
@@ -85,8 +88,30 @@ def simulator_command(scenario: Scenario, firmware: launch.Firmware, out: Path) 
 
 def run(scenario: Scenario, options: Options) -> Result:
     """Everything but the report. Files of an earlier run in the folder are replaced."""
-    out = options.out
-    _fresh_folder(out)
+    with _locked(options.out):
+        _fresh_folder(options.out)
+        return _run_in(scenario, options, options.out)
+
+
+@contextlib.contextmanager
+def _locked(out: Path) -> Iterator[None]:
+    """Makes the folder. Two runs must not write into one."""
+    if out.exists() and not out.is_dir():
+        raise UserError(f"{shown(out)} is a file; --out names a folder")
+    try:
+        out.mkdir(parents=True, exist_ok=True)
+        (out / ".lock").touch()
+    except OSError as error:
+        raise UserError(f"{shown(out)} cannot be written: {error.strerror}") from None
+    with (out / ".lock").open("w") as lock:
+        try:
+            fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except OSError:
+            raise UserError(f"{shown(out)}: another run is writing there; --out names another folder") from None
+        yield
+
+
+def _run_in(scenario: Scenario, options: Options, out: Path) -> Result:
     write_script(scenario, out / "script.txt")
     started = time.monotonic()
     with launch.start(scenario.firmware, options.console_port, options.link_port, options.extra) as firmware:
@@ -109,10 +134,7 @@ def run(scenario: Scenario, options: Options) -> Result:
 
 
 def _fresh_folder(out: Path) -> None:
-    if out.exists() and not out.is_dir():
-        raise UserError(f"{shown(out)} is a file; --out names a folder")
     try:
-        out.mkdir(parents=True, exist_ok=True)
         for name in ("script.txt", "transcript.txt", "telemetry.csv", "simulator.csv", "log.csv", "result.json",
                      "report.html"):
             (out / name).unlink(missing_ok=True)

@@ -26,7 +26,7 @@ void interrupt_usart2(void);
 /* Survives the clearing of .bss: it is gathered before. */
 __attribute__((section(".noinit"))) uint32_t startup_noise;
 
-#define VECTOR_COUNT (16 + 82) /* RM0090 table 62: 82 interrupts */
+#define VECTOR_COUNT (16 + CHIP_INTERRUPTS)
 
 union vector {
     void (*handler)(void);
@@ -96,8 +96,10 @@ uint32_t hal_stack_unused(void)
 
 void reset_entry(void)
 {
+#ifdef __ARM_FP
     SCB_CPACR |= SCB_CPACR_FPU; /* before the first floating-point instruction */
     __asm volatile("dsb\n\tisb" ::: "memory");
+#endif
     /* The emulator starts a raw image at address 0, the chip's alias of the flash: use the real one. */
     SCB_VTOR = (uint32_t)(uintptr_t)vectors;
     SCB_SHCSR |= SCB_SHCSR_FAULTS;

@@ -7,6 +7,7 @@
 #include "hal/uart.h"
 #include "base/error.h"
 #include "board.h"
+#include "hal/flow.h"
 #include "hal/ring.h"
 #include "hal/tick.h"
 #include "registers.h"
@@ -16,34 +17,62 @@
 void interrupt_usart1(void);
 void interrupt_usart2(void);
 
-static uint8_t console_rx[1024], console_tx[4096], link_rx[1024], link_tx[1024];
+/* Powers of two. */
+#ifndef UART_CONSOLE_RX
+#define UART_CONSOLE_RX 1024
+#define UART_CONSOLE_TX 4096
+#define UART_LINK_RX    1024
+#define UART_LINK_TX    1024
+#endif
+
+static uint8_t console_rx[UART_CONSOLE_RX], console_tx[UART_CONSOLE_TX];
+static uint8_t link_rx[UART_LINK_RX], link_tx[UART_LINK_TX];
 
 static struct uart {
     uint32_t base;
     struct ring rx, tx;
+    struct flow flow;
     struct hal_uart_stats stats;
 } uarts[HAL_UART_COUNT] = {
     [HAL_UART_CONSOLE] = {.base = USART1_BASE,
                           .rx = RING_OVER(console_rx),
-                          .tx = RING_OVER(console_tx)},
+                          .tx = RING_OVER(console_tx),
+                          .flow = {.on = true}},
     [HAL_UART_LINK] = {.base = USART2_BASE, .rx = RING_OVER(link_rx), .tx = RING_OVER(link_tx)},
 };
+
+/* Whether the terminal has been asked to wait: a reset would leave it waiting for ever. At power-on, with any
+ * bits here, an XON too many does no harm. */
+static uint32_t terminal_waits __attribute__((section(".noinit")));
 
 /* Gives the line what it takes at once; no more than a ring-full. The interrupt of this port must be held off. */
 static void transmit(struct uart *u)
 {
     uint8_t byte;
     for (uint32_t i = 0; i < u->tx.size && (USART_SR(u->base) & USART_SR_TXE) != 0; i++) {
-        if (!ring_get(&u->tx, &byte)) {
+        if (!flow_next(&u->flow, &u->tx, &byte)) {
             break;
         }
         USART_DR(u->base) = byte;
         u->stats.sent++;
     }
-    if (ring_used(&u->tx) > 0) {
+    if (flow_ready(&u->flow, &u->tx) > 0) {
         USART_CR1(u->base) |= USART_CR1_TXEIE;
     } else {
         USART_CR1(u->base) &= ~USART_CR1_TXEIE;
+    }
+}
+
+/* Looks at the receive ring and says at once what there is to say. The interrupt must be held off. */
+static void regulate(struct uart *u)
+{
+    if (!u->flow.on) {
+        return;
+    }
+    flow_look(&u->flow, &u->rx);
+    terminal_waits = u->flow.holding;
+    if (u->flow.pending) {
+        transmit(u);
     }
 }
 
@@ -60,9 +89,14 @@ static bool receive(struct uart *u, uint32_t status)
         return false; /* a damaged byte is worth no more than a lost one, and a break is no delimiter */
     }
     u->stats.received++;
+    if (!flow_received(&u->flow, byte)) {
+        transmit(u); /* XON sets waiting output going again */
+        return false;
+    }
     if (!ring_put(&u->rx, byte)) {
         u->stats.rx_dropped++;
     }
+    regulate(u);
     return byte == 0 || ring_used(&u->rx) > u->rx.size / 2u;
 }
 
@@ -98,16 +132,11 @@ void interrupt_usart2(void)
 
 void uart_start(void)
 {
-    RCC_AHB1ENR |= RCC_AHB1ENR_GPIOA;
-    RCC_APB1ENR |= RCC_APB1ENR_USART2;
-    RCC_APB2ENR |= RCC_APB2ENR_USART1;
-    (void)RCC_APB2ENR;
-    /* Alternate function 7, and a pull-up where a line may be left open. */
-    GPIOA_AFRL = (GPIOA_AFRL & ~0x0000FF00u) | 0x00007700u;
-    GPIOA_AFRH = (GPIOA_AFRH & ~0x00000FF0u) | 0x00000770u;
-    GPIOA_PUPDR = (GPIOA_PUPDR & ~((3u << 6) | (3u << 20))) | (1u << 6) | (1u << 20);
-    GPIOA_MODER = (GPIOA_MODER & ~((15u << 4) | (15u << 18))) | (10u << 4) | (10u << 18);
-
+    if (terminal_waits != 0) {
+        uarts[HAL_UART_CONSOLE].flow.pending = FLOW_XON;
+    }
+    terminal_waits = 0;
+    pins_start();
     USART_BRR(USART1_BASE) = (clock_apb2_hz() + BAUD / 2u) / BAUD;
     USART_BRR(USART2_BASE) = (clock_apb1_hz() + BAUD / 2u) / BAUD;
     for (unsigned i = 0; i < HAL_UART_COUNT; i++) {
@@ -120,7 +149,13 @@ void uart_start(void)
 
 size_t hal_uart_read(enum hal_uart port, uint8_t *buffer, size_t size)
 {
-    return ring_read(&uarts[port].rx, buffer, size);
+    size_t n = ring_read(&uarts[port].rx, buffer, size);
+    if (n != 0 && uarts[port].flow.holding) {
+        uint32_t before = mask_raise(PRIORITY_UART);
+        regulate(&uarts[port]);
+        mask_restore(before);
+    }
+    return n;
 }
 
 size_t hal_uart_room(enum hal_uart port)
@@ -139,7 +174,7 @@ size_t hal_uart_pump(enum hal_uart port)
     uint32_t before = mask_raise(PRIORITY_UART); /* callable from both contexts */
     transmit(u);
     mask_restore(before);
-    return ring_used(&u->tx);
+    return flow_ready(&u->flow, &u->tx);
 }
 
 bool hal_uart_connected(enum hal_uart port)

@@ -1,6 +1,6 @@
-/* What the files of this port know of each other. */
-#ifndef REFLUX_STM32F405_BOARD_H
-#define REFLUX_STM32F405_BOARD_H
+/* What the files of an STM32 port know of each other; those in hal/stm32/ are common to all of them. */
+#ifndef REFLUX_STM32_BOARD_H
+#define REFLUX_STM32_BOARD_H
 
 #include <stdbool.h>
 #include <stdint.h>
@@ -14,11 +14,15 @@
 extern uint32_t stack_bottom[], stack_top[]; /* from the linker script */
 extern uint32_t startup_noise; /* what the uninitialised stack held at power-on, mixed */
 
-/* clock.c: once, first of all. */
+/* clock.c, each port's own: once, first of all. */
 void clock_start(void);
 bool clock_is_model(void); /* runs in the emulator: recognised by RCC_CR reading 0 */
 uint32_t clock_apb1_hz(void);
 uint32_t clock_apb2_hz(void);
+
+/* pins.c, each port's own: clocks and pins of the two serial ports; the watchdog stops with a halted core. */
+void pins_start(void);
+void pins_freeze_watchdog(void);
 
 /* tick.c */
 void tick_start_timebase(void);

@@ -1,6 +1,8 @@
 /* Which board this is, why it started, how it starts again, and what is left of a fault. */
 #include "hal/identity.h"
 #include "board.h"
+#include "hal/clock.h"
+#include "hal/retained.h"
 #include "registers.h"
 
 #define MAGIC 0x52464C58u /* "RFLX" */
@@ -13,10 +15,12 @@ static struct {
     uint32_t boots;
     uint32_t boots_inverted; /* random bits do not pass for a record */
     uint32_t intent;
-    struct {
-        uint32_t pc, lr, psr, cfsr, hfsr, mmfar, bfar, exc_return;
-    } fault;
+    uint32_t fault_magic; /* there is a fault, of start number fault_boot */
+    uint32_t fault_boot;
+    struct hal_fault fault;
 } kept __attribute__((section(".noinit")));
+
+static struct hal_retained_memory retained __attribute__((section(".noinit")));
 
 static enum hal_reset cause;
 
@@ -48,6 +52,7 @@ void identity_start(void)
     if (!valid) {
         kept.magic = MAGIC;
         kept.boots = startup_noise;
+        kept.fault_magic = 0;
     }
     kept.boots++;
     kept.boots_inverted = ~kept.boots;
@@ -71,29 +76,40 @@ _Noreturn void hal_reboot(void)
 
 _Noreturn void identity_fault(const uint32_t *frame, uint32_t exc_return)
 {
-    kept.fault.cfsr = SCB_CFSR;
-    kept.fault.hfsr = SCB_HFSR;
-    kept.fault.mmfar = SCB_MMFAR;
-    kept.fault.bfar = SCB_BFAR;
-    kept.fault.exc_return = exc_return;
-    kept.fault.lr = kept.fault.pc = kept.fault.psr = 0;
-    if (frame >= stack_bottom && frame + 8 <= stack_top) { /* else the stack itself is gone */
-        kept.fault.lr = frame[5];
-        kept.fault.pc = frame[6];
-        kept.fault.psr = frame[7];
+    struct hal_fault fault = {.status = SCB_CFSR, .hard = SCB_HFSR};
+    (void)exc_return;
+    __asm volatile("mrs %0, ipsr" : "=r"(fault.exception));
+    if ((fault.status & SCB_CFSR_BFARVALID) != 0) {
+        fault.address = SCB_BFAR;
+    } else if ((fault.status & SCB_CFSR_MMARVALID) != 0) {
+        fault.address = SCB_MMFAR;
     }
+    if (frame >= stack_bottom && frame + 8 <= stack_top) { /* else the stack itself is gone */
+        fault.lr = frame[5];
+        fault.pc = frame[6];
+        fault.psr = frame[7];
+    }
+    fault.in_tick = (fault.psr & 0x1FFu) == 14u; /* PendSV */
+    fault.up_ms = (uint32_t)hal_clock_ms();
+    kept.fault = fault;
+    kept.fault_boot = kept.boots;
+    kept.fault_magic = MAGIC;
     reset(INTENT_FAULT);
 }
 
-const char *hal_board_name(void)
+bool hal_last_fault(struct hal_fault *fault)
 {
-    return "stm32f405";
+    if (kept.fault_magic != MAGIC) {
+        return false;
+    }
+    *fault = kept.fault;
+    fault->boots_ago = kept.boots - kept.fault_boot;
+    return true;
 }
 
-const char *hal_board_text(void)
+void *hal_retained(enum hal_retained_area area, size_t n)
 {
-    return clock_is_model() ? "STM32F405, Cortex-M4F, in an emulator"
-                            : "STM32F405, Cortex-M4F, chip";
+    return hal_retained_in(&retained, area, n);
 }
 
 enum hal_reset hal_reset_cause(void)

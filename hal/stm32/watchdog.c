@@ -1,9 +1,9 @@
-/* The independent watchdog (RM0090 chapter 21): 32 kHz of its own, 17 to 47 kHz over chips and temperature, so
- * that a time-out may come a third early. It stops while a debugger halts the core. */
+/* The independent watchdog (RM0041 chapter 18, RM0090 chapter 21): it has a clock of its own that is good to
+ * some ten percent, so that a time-out may come a third early. It stops while a debugger halts the core. */
 #include "hal/watchdog.h"
+#include "board.h"
 #include "registers.h"
 
-#define LSI_PER_MS 32u
 #define RELOAD_MAX 4095u
 #define WAIT_TURNS 2000000u /* six periods of the slow clock */
 
@@ -19,7 +19,7 @@ bool hal_watchdog_start(uint32_t timeout_ms)
     }
     uint32_t reload = timeout_ms * LSI_PER_MS / (4u << prescaler);
 
-    DBGMCU_APB1_FZ |= DBGMCU_APB1_FZ_IWDG;
+    pins_freeze_watchdog();
     IWDG_KR = IWDG_KR_START;
     IWDG_KR = IWDG_KR_ACCESS;
     IWDG_PR = prescaler;

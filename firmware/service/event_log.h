@@ -1,0 +1,37 @@
+/* The history: the last EVENT_HISTORY events and actions, in memory that survives a reset. Main loop only.
+ *
+ * Each record carries its own checksum, so that a reset in the middle of a write costs that record alone and what a
+ * loss of power left behind is not taken for events.
+ */
+#ifndef REFLUX_SERVICE_EVENT_LOG_H
+#define REFLUX_SERVICE_EVENT_LOG_H
+
+#include <stdbool.h>
+
+#include "base/event.h"
+
+#ifndef EVENT_HISTORY
+#define EVENT_HISTORY 100
+#endif
+
+struct event_record {
+    struct event event;
+    uint32_t sequence; /* counts events since the last loss of power */
+    uint32_t checksum;
+};
+
+struct event_log {
+    struct event_record *record; /* record[sequence % EVENT_HISTORY] */
+    uint32_t count;              /* sequence of the next one */
+    uint16_t boot;               /* of this start, low bits */
+};
+
+/* Takes over what the records hold of earlier starts. */
+void event_log_init(struct event_log *log, struct event_record *record, uint32_t boot);
+void event_log_put(struct event_log *log, const struct event *event);
+/* The event with that sequence number; NULL when it is not there (any more). */
+const struct event *event_log_get(const struct event_log *log, uint32_t sequence);
+/* Sequence of the oldest one that may still be there. */
+uint32_t event_log_oldest(const struct event_log *log);
+
+#endif

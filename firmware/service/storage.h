@@ -1,0 +1,94 @@
+/* Parameter storage: sets of keyed records in flash. Format and life of a save: docs/storage.md.
+ *
+ * Two slots, each a half of the area hal/nvm.h describes. A save appends a whole set to a slot that was erased before;
+ * the newest whole set counts, and nothing that is needed to find it is ever written again.
+ *
+ * Rules
+ *  1. Main loop only, in small pieces: storage_poll() does at most one flash operation.
+ *  2. An erase stalls the processor. It happens only while all loops are in manual: after a start, before the
+ *     stored set is put into force, when the slot in use has no room for another set; or in a save.
+ *  3. Nothing is touched before the first command has gone out, or until no plant has come for STORAGE_WAIT_MS.
+ *  4. What is stored is never given up because of one value: unknown ids are carried over by the next save, values
+ *     out of range are clipped and told one by one.
+ */
+#ifndef REFLUX_SERVICE_STORAGE_H
+#define REFLUX_SERVICE_STORAGE_H
+
+#include "service/service.h"
+#include "service/storage_record.h"
+
+#define STORAGE_GRAIN 16u /* everything begins on a multiple; a multiple of any program unit */
+#ifndef STORAGE_PIECE
+#define STORAGE_PIECE 32u /* bytes programmed at once, a multiple of the grain */
+#endif
+#ifndef STORAGE_TURN
+#define STORAGE_TURN 64u /* grains read in a turn */
+#endif
+#define STORAGE_WAIT_MS 2000u /* for a plant, after a start */
+
+struct storage_set {
+    uint32_t address; /* of its head; sequence 0: there is none */
+    uint32_t sequence;
+    uint32_t length; /* bytes of records */
+};
+
+struct storage {
+    struct service *service;
+    uint8_t state;    /* enum in storage.c */
+    uint8_t slot;     /* being read, erased or written */
+    bool saving;      /* a save has been asked for and is not over */
+    bool hurry;       /* an operator asked: the wait after a start is over */
+    bool clocked;     /* born_ms is valid */
+    bool remains;     /* there is something that is neither erased nor blank */
+    bool failed;      /* the last write was not taken */
+    bool prepared[2]; /* erased and marked: sets may be appended */
+    uint32_t used[2]; /* bytes of the slot that cannot be written any more */
+    uint32_t erases[2];
+    uint64_t born_ms;
+
+    uint32_t slot_size, sector_size, slot_sectors;
+    uint8_t erased;
+
+    struct storage_set newest, candidate;
+    uint32_t sequence; /* highest ever seen */
+    uint32_t below;    /* sets from this sequence on are not whole */
+    uint32_t at;       /* where the present work stands: offset in the slot, or address */
+    uint32_t crc;
+
+    enum err result; /* of the last save */
+    const char *why;
+
+    /* What is being written */
+    unsigned parameter;     /* next one */
+    uint32_t old, old_left; /* records of the newest set still to be looked at */
+    uint32_t copy_left;     /* bytes of the record at `old` still to be copied */
+    uint8_t record[RECORD_MAX];
+    uint8_t record_n, record_at;
+    uint8_t piece[STORAGE_PIECE];
+    uint32_t piece_n, body_left;
+};
+
+void storage_init(struct storage *st, struct service *service);
+
+/* One piece of work. Returns whether there was any. */
+bool storage_poll(struct storage *st);
+
+/* Has the flash been read, so that load and save can do their work? Asking ends the wait after a start. */
+bool storage_ready(struct storage *st);
+
+/* Begins to store service_plan(). The caller keeps service_staged() free until storage_saving() is false; then
+ * storage_result() tells. ERR_UNSUPPORTED, ERR_STATE (needs an erase while a loop acts), ERR_FULL: nothing begun. */
+MUST_CHECK enum err storage_save(struct storage *st, const char **why);
+bool storage_saving(const struct storage *st);
+MUST_CHECK enum err storage_result(const struct storage *st, const char **why);
+
+/* The stored set over the defaults; what had to be changed is told by events. ERR_UNSUPPORTED, ERR_EMPTY, ERR_CRC
+ * where there is something but no whole set: *config is unchanged. */
+MUST_CHECK enum err storage_load(struct storage *st, struct config *config, const char **why);
+
+/* "none", "unread", "ok", or "failed": the last write was not taken. */
+const char *storage_word(const struct storage *st);
+/* "ok, set 12 bytes 1304 room 14000 erases 1" */
+void storage_text(const struct storage *st, struct text *line);
+
+#endif

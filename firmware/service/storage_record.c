@@ -1,0 +1,131 @@
+#include "service/storage_record.h"
+
+#include <string.h>
+
+#include "hal/nvm.h"
+
+bool record_at(uint32_t address, uint32_t left, struct record *r)
+{
+    uint8_t head[RECORD_HEAD];
+    if (left < RECORD_HEAD || hal_nvm_read(address, head, sizeof head) != ERR_OK)
+        return false;
+    *r = (struct record){address, get16(head), head[2], head[3]};
+    return left - RECORD_HEAD >= r->size;
+}
+
+bool record_parameter(const struct record *r, struct parameter *p, bool *renamed)
+{
+    uint16_t id = r->id;
+    *renamed = false;
+    for (const struct storage_rename *rename = storage_renames; rename->from; rename++) {
+        if (rename->from == (id & ~0x3F)) {
+            id = (uint16_t)(rename->to | (id & 0x3F));
+            *renamed = true;
+            break;
+        }
+    }
+    return parameter_find_id(id, p) == ERR_OK;
+}
+
+static bool is_text(const struct parameter *p)
+{
+    return p->field->type == PARAMETER_NAME || p->field->type == PARAMETER_UNIT;
+}
+
+/* Nearest allowed value of a parameter that is a number. Whether it had to be moved. */
+static bool take_number(const struct parameter *p, struct config *config, float f, uint32_t exact,
+                        bool is_whole)
+{
+    void *at = parameter_place(p, config);
+    float lo = p->field->lo, hi = p->field->hi;
+    if (p->field->type == PARAMETER_WORD) {
+        lo = 0.0f;
+        hi = (float)(parameter_words(p) - 1u);
+    }
+    bool outside = f < lo || f > hi;
+    if (outside) {
+        f = f < lo ? lo : hi;
+        is_whole = false;
+    }
+    if (p->field->type == PARAMETER_FLOAT) {
+        f = f == 0.0f ? 0.0f : f; /* no negative zero: equal settings have equal bits */
+        memcpy(at, &f, sizeof f);
+        return outside;
+    }
+    uint32_t u32 = is_whole ? exact : (uint32_t)f; /* 0 .. 1e6: fits */
+    bool rounded = !is_whole && !outside && (float)u32 != f;
+    if (p->field->type == PARAMETER_U32) {
+        memcpy(at, &u32, sizeof u32);
+    } else if (p->field->type == PARAMETER_U16) {
+        uint16_t u16 = (uint16_t)u32;
+        memcpy(at, &u16, sizeof u16);
+    } else {
+        *(uint8_t *)at = (uint8_t)u32;
+    }
+    return outside || rounded;
+}
+
+bool record_take(const struct record *r, const struct parameter *p, struct config *config)
+{
+    char text[CHANNEL_NAME_SIZE + 1] = {0};
+    uint8_t data[4] = {0};
+    static const uint8_t sizes[] = {0, 4, 4, 2, 1};
+    if (r->type == STORAGE_TEXT) {
+        if (r->size >= sizeof text || hal_nvm_read(r->address + RECORD_HEAD, text, r->size))
+            return false;
+        if (parameter_is_secret(p) && strcmp(text, PARAMETER_SECRET) == 0)
+            return false;
+        float f;
+        if (!is_text(p) && p->field->type != PARAMETER_WORD && text_parse_float(text, &f) == ERR_OK)
+            return !take_number(p, config, f, 0, false);
+        return parameter_set(p, config, text[0] ? text : "-") == ERR_OK;
+    }
+    if (r->type == 0 || r->type > STORAGE_WORD || r->size != sizes[r->type] || is_text(p) ||
+        hal_nvm_read(r->address + RECORD_HEAD, data, r->size) != ERR_OK)
+        return false;
+    uint32_t u32 = get32(data);
+    float f = (float)u32;
+    if (r->type == STORAGE_FLOAT) {
+        memcpy(&f, &u32, sizeof f);
+        if (!float_is_finite(f))
+            return false;
+    }
+    return !take_number(p, config, f, u32, r->type != STORAGE_FLOAT);
+}
+
+bool record_wanted(const struct parameter *p, const struct config *config)
+{
+    struct parameter first = *p;
+    first.field = &p->group->fields[0];
+    if (p->field->type == PARAMETER_FIXED)
+        return false;
+    return !p->group->indexed || (is_text(&first) && !parameter_is_default(&first, config)) ||
+           !parameter_is_default(p, config);
+}
+
+uint8_t record_encode(const struct parameter *p, struct config *config, uint8_t *record)
+{
+    static const uint8_t types[] = {STORAGE_FLOAT, STORAGE_U32,  STORAGE_U16, STORAGE_U32,
+                                    STORAGE_WORD,  STORAGE_TEXT, STORAGE_TEXT};
+    const void *at = parameter_place(p, config);
+    size_t size = parameter_size(p);
+    uint8_t *data = record + RECORD_HEAD;
+    uint32_t u32;
+    uint16_t u16;
+    if (is_text(p)) {
+        size = strlen(at);
+        memcpy(data, at, size);
+    } else if (size == 4) {
+        memcpy(&u32, at, sizeof u32);
+        put32(data, u32);
+    } else if (size == 2) {
+        memcpy(&u16, at, sizeof u16);
+        put16(data, u16);
+    } else {
+        data[0] = *(const uint8_t *)at;
+    }
+    put16(record, parameter_id(p));
+    record[2] = types[p->field->type];
+    record[3] = (uint8_t)size;
+    return (uint8_t)(RECORD_HEAD + size);
+}

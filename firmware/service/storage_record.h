@@ -1,0 +1,65 @@
+/* Records of a stored set: one value of one parameter each, keyed by its id. docs/storage.md has the bytes. */
+#ifndef REFLUX_SERVICE_STORAGE_RECORD_H
+#define REFLUX_SERVICE_STORAGE_RECORD_H
+
+#include "service/parameters.h"
+
+#define RECORD_HEAD 4u                                /* id, type, size */
+#define RECORD_MAX  (RECORD_HEAD + CHANNEL_NAME_SIZE) /* of those this build writes */
+
+enum storage_type {
+    STORAGE_FLOAT = 1,
+    STORAGE_U32 = 2,
+    STORAGE_U16 = 3,
+    STORAGE_WORD = 4, /* one byte, index into the words of the parameter */
+    STORAGE_TEXT = 5  /* without terminating zero; empty = none */
+};
+
+/* A field that has moved: its records are read as those of the new one (group << 12 | field << 6). The table ends
+ * with {0, 0}. */
+struct storage_rename {
+    uint16_t from, to;
+};
+extern const struct storage_rename storage_renames[];
+
+struct record {
+    uint32_t address;
+    uint16_t id;
+    uint8_t type, size; /* size of the value */
+};
+
+/* The record at `address`, of which `left` bytes of the set are still there; false = there is none. */
+bool record_at(uint32_t address, uint32_t left, struct record *r);
+/* The parameter a record belongs to today; false = this build knows of none. */
+bool record_parameter(const struct record *r, struct parameter *p, bool *renamed);
+/* Puts its value into the configuration. False: it had to be changed to the nearest one allowed, or left out. */
+bool record_take(const struct record *r, const struct parameter *p, struct config *config);
+
+/* Whether a set must have a record of it: it belongs to something in use, or differs from the default. */
+bool record_wanted(const struct parameter *p, const struct config *config);
+/* Writes the record; returns its size, RECORD_MAX at most. */
+uint8_t record_encode(const struct parameter *p, struct config *config, uint8_t *record);
+
+static inline uint32_t get32(const uint8_t *p)
+{
+    return (uint32_t)p[0] | (uint32_t)p[1] << 8 | (uint32_t)p[2] << 16 | (uint32_t)p[3] << 24;
+}
+
+static inline uint16_t get16(const uint8_t *p)
+{
+    return (uint16_t)(p[0] | p[1] << 8);
+}
+
+static inline void put32(uint8_t *p, uint32_t x)
+{
+    for (unsigned i = 0; i < 4; i++)
+        p[i] = (uint8_t)(x >> (8u * i));
+}
+
+static inline void put16(uint8_t *p, uint16_t x)
+{
+    p[0] = (uint8_t)x;
+    p[1] = (uint8_t)(x >> 8);
+}
+
+#endif

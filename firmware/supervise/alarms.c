@@ -1,0 +1,190 @@
+#include "supervise/alarms.h"
+
+#include <string.h>
+
+#include "supervise/supervisor.h"
+
+static const char *const sides[] = {"hi_hi", "hi", "lo", "lo_lo", "dev"};
+
+const char *measurement_fault_text(uint8_t fault)
+{
+    static const char *const words[MEASUREMENT_FAULTS] = {
+        "fine", "missing", "flagged bad", "not a number", "out of range", "too fast", "frozen",
+    };
+    return fault < MEASUREMENT_FAULTS ? words[fault] : "?";
+}
+
+void alarm_name(const struct config *config, uint8_t i, char name[CHANNEL_NAME_SIZE])
+{
+    const struct alarm_config *a = &config->alarm[i];
+    const char *side = sides[a->side];
+    size_t room = CHANNEL_NAME_SIZE - 2u - strlen(side), n = strlen(a->on);
+    n = n < room ? n : room;
+    memcpy(name, a->on, n);
+    name[n] = '.';
+    memcpy(name + n + 1, side, strlen(side) + 1);
+}
+
+uint8_t alarm_find(const struct config *config, const char *name)
+{
+    char own[CHANNEL_NAME_SIZE];
+    for (uint8_t i = 0; i < CONFIG_ALARMS; i++) {
+        if (!config->alarm[i].on[0])
+            continue;
+        alarm_name(config, i, own);
+        if (strcmp(own, name) == 0)
+            return i;
+        if (strncmp(name, "alarm", 5) == 0 && name[5] == (char)('1' + i) && !name[6])
+            return i;
+    }
+    return PLAN_NONE;
+}
+_Static_assert(CONFIG_ALARMS <= 9, "alarm_find knows one digit");
+
+static void tell(struct supervisor *s, uint8_t i, enum event_code code, float value)
+{
+    char name[CHANNEL_NAME_SIZE];
+    alarm_name(&s->plan->config, i, name);
+    event_put(s->events, s->time_ms, code, name, value, i);
+}
+
+/* What entry i looks at, EU. False: nothing that could be believed, all stays as it is. */
+static bool look(const struct supervisor *s, uint8_t i, float *value)
+{
+    const struct alarm_config *c = &s->plan->config.alarm[i];
+    uint8_t at = s->plan->alarm[i];
+    uint8_t pv = c->side == ALARM_DEVIATION ? s->plan->loop[at].pv : at;
+    const struct measurement_state *m = &s->measurement[pv];
+    const struct measurement_config *mc = &s->plan->config.measurement[pv];
+    if (!m->bound || !m->seen || m->alarm)
+        return false;
+    *value = span_to_eu(m->value, mc->lo, mc->hi);
+    if (c->side == ALARM_DEVIATION) {
+        float distance = *value - span_to_eu(s->loop[at].setpoint, mc->lo, mc->hi);
+        *value = distance < 0.0f ? -distance : distance;
+    }
+    return true;
+}
+
+static bool beyond(const struct supervisor *s, uint8_t i, float value)
+{
+    const struct alarm_config *c = &s->plan->config.alarm[i];
+    float band = s->alarm[i].condition ? c->hysteresis : 0.0f;
+    if (c->side == ALARM_DEVIATION && s->loop[s->plan->alarm[i]].mode == LOOP_MANUAL)
+        return false;
+    if (c->side == ALARM_LO || c->side == ALARM_LO_LO)
+        return value < c->limit + band;
+    return value > c->limit - band;
+}
+
+/* Nobody else of its group is on the list. */
+static bool first_of_group(const struct supervisor *s, uint8_t i)
+{
+    const struct config *c = &s->plan->config;
+    if (c->alarm[i].group == 0)
+        return false;
+    for (uint8_t k = 0; k < CONFIG_ALARMS; k++)
+        if (k != i && c->alarm[k].on[0] && c->alarm[k].group == c->alarm[i].group &&
+            s->alarm[k].listed)
+            return false;
+    return true;
+}
+
+static void run_one(struct supervisor *s, uint8_t i)
+{
+    struct alarm_state *a = &s->alarm[i];
+    const struct alarm_config *c = &s->plan->config.alarm[i];
+    float value;
+    if (a->shelved_until_ms) {
+        if (s->time_ms < a->shelved_until_ms)
+            return;
+        a->shelved_until_ms = 0;
+        tell(s, i, EVENT_ALARM_SHELVED, 0.0f);
+    }
+    if (!look(s, i, &value))
+        return;
+    bool now = beyond(s, i, value);
+    if (now && !a->pending)
+        a->since_ms = s->time_ms;
+    a->pending = now;
+    bool condition =
+        now && (a->condition || (float)(s->time_ms - a->since_ms) >= c->delay_s * 1000.0f);
+    if (condition && !a->condition) {
+        a->first = a->listed ? a->first : first_of_group(s, i);
+        a->listed = true;
+        a->acknowledged = false;
+        tell(s, i, EVENT_ALARM_ON, value);
+    } else if (!condition && a->condition) {
+        a->listed = c->latch && !a->acknowledged;
+        tell(s, i, EVENT_ALARM_OFF, value);
+    }
+    a->condition = condition;
+}
+
+/* The mark outlives its alarm, until the whole group is off the list. */
+static void forget_firsts(struct supervisor *s)
+{
+    for (uint8_t i = 0; i < CONFIG_ALARMS; i++)
+        if (s->alarm[i].first && !s->alarm[i].listed && first_of_group(s, i))
+            s->alarm[i].first = false;
+}
+
+void alarms_run(struct supervisor *s)
+{
+    for (uint8_t i = 0; i < CONFIG_ALARMS; i++)
+        if (s->plan->config.alarm[i].on[0] && s->plan->alarm[i] != PLAN_NONE)
+            run_one(s, i);
+    forget_firsts(s);
+}
+
+void alarms_time_back(struct supervisor *s)
+{
+    for (uint8_t i = 0; i < CONFIG_ALARMS; i++) {
+        s->alarm[i].pending = false;
+        s->alarm[i].shelved_until_ms = 0;
+    }
+}
+
+static void acknowledge(struct supervisor *s, uint8_t i)
+{
+    struct alarm_state *a = &s->alarm[i];
+    if (!a->listed || a->acknowledged)
+        return;
+    a->acknowledged = true;
+    a->listed = a->condition;
+    tell(s, i, EVENT_ALARM_ACK, 0.0f);
+}
+
+static void shelve(struct supervisor *s, uint8_t i, float seconds)
+{
+    struct alarm_state *a = &s->alarm[i];
+    memset(a, 0, sizeof *a); /* what holds when it comes back is news */
+    if (seconds > 0.0f)
+        a->shelved_until_ms = s->time_ms + (uint32_t)(seconds * 1000.0f); /* at most a day */
+    tell(s, i, EVENT_ALARM_SHELVED, seconds);
+}
+
+void alarms_request(struct supervisor *s, const struct request *r)
+{
+    const struct config *c = &s->plan->config;
+    if (r->output == PLAN_NONE && r->kind == REQUEST_ACK) {
+        for (uint8_t i = 0; i < CONFIG_ALARMS; i++)
+            if (c->alarm[i].on[0])
+                acknowledge(s, i);
+        return;
+    }
+    if (r->output >= CONFIG_ALARMS || !c->alarm[r->output].on[0] ||
+        strcmp(c->alarm[r->output].on, r->name) != 0)
+        event_put(s->events, s->time_ms, EVENT_REQUEST_REFUSED, r->name, r->value, 0);
+    else if (r->kind == REQUEST_ACK)
+        acknowledge(s, r->output);
+    else
+        shelve(s, r->output, r->value);
+}
+
+void alarms_place(struct supervisor *s, const struct plan *old, uint8_t i)
+{
+    const struct alarm_config *a = &s->plan->config.alarm[i], *before = &old->config.alarm[i];
+    if (strcmp(a->on, before->on) != 0 || a->side != before->side || a->group != before->group)
+        memset(&s->alarm[i], 0, sizeof s->alarm[i]);
+}

@@ -1,0 +1,46 @@
+/* Alarms: limits of measurements and distances from setpoints, with hysteresis, delay, latching,
+ * acknowledgement, shelving, and a mark on the first of a group.
+ *
+ * Life of an entry
+ *     off -> (condition holds for delay) -> on, not acknowledged -> acknowledged -> (condition over) -> off
+ *     latch on:  condition over before it was acknowledged: stays on the list until it is
+ *     shelved:   silent for a time of the plant's; what holds then comes on anew
+ *
+ * A measurement without a believed reading changes nothing: that it is bad is another alarm.
+ */
+#ifndef REFLUX_SUPERVISE_ALARMS_H
+#define REFLUX_SUPERVISE_ALARMS_H
+
+#include "supervise/plan.h"
+
+struct supervisor;
+struct request;
+
+struct alarm_state {
+    bool condition;    /* holds now, delay over */
+    bool listed;       /* on the list: holds, or is latched */
+    bool acknowledged; /* ... and somebody has seen it */
+    bool first;        /* came before the others of its group; until all of them are off the list */
+    bool pending;      /* condition holds, delay running */
+    uint64_t since_ms;
+    uint64_t shelved_until_ms; /* 0 = not shelved */
+};
+
+/* After control: looks at every entry. */
+void alarms_run(struct supervisor *s);
+/* REQUEST_ACK, REQUEST_SHELVE. */
+void alarms_request(struct supervisor *s, const struct request *r);
+/* Plant time has been set back: delays and shelves begin anew. */
+void alarms_time_back(struct supervisor *s);
+/* Entry i under a new plan. */
+void alarms_place(struct supervisor *s, const struct plan *old, uint8_t i);
+
+/* "T10.hi_hi", "bottom.dev"; what it is on is cut where that does not fit. */
+void alarm_name(const struct config *config, uint8_t i, char name[CHANNEL_NAME_SIZE]);
+/* By that name, or by "alarm3"; PLAN_NONE. */
+uint8_t alarm_find(const struct config *config, const char *name);
+
+/* "not a number", ... for enum measurement_fault. */
+const char *measurement_fault_text(uint8_t fault);
+
+#endif

@@ -1,0 +1,115 @@
+#include "supervise/restart.h"
+
+#include <stddef.h>
+#include <string.h>
+
+#include "base/crc32.h"
+
+#ifdef REFLUX_FIXED_POINT
+#define MAGIC 0x52535131u
+#else
+#define MAGIC 0x52534631u
+#endif
+
+static uint32_t checksum(const struct restart_record *record)
+{
+    size_t from = offsetof(struct restart_record, identity);
+    return crc32_update(0, (const uint8_t *)record + from, sizeof *record - from);
+}
+
+void restart_init(struct restart *r, void *memory, bool warm)
+{
+    memset(r, 0, sizeof *r);
+    r->record = memory;
+    if (!memory)
+        return;
+    bool whole = r->record->magic == MAGIC && r->record->crc == checksum(r->record);
+    r->pending = warm && whole && r->record->acting;
+    r->attempts = r->pending ? r->record->attempts : 0;
+}
+
+static void give_up(struct restart *r, struct supervisor *s, const char *why)
+{
+    r->pending = false;
+    r->attempts = 0;
+    event_put(s->events, s->time_ms, EVENT_RESTART_REFUSED, why, 0.0f, 0);
+}
+
+static void outputs_back(struct supervisor *s, const struct restart_record *record)
+{
+    for (uint8_t j = 0; j < CHANNEL_MAX; j++) {
+        struct output_state *o = &s->output[j];
+        if (!s->plan->config.output[j].name[0] || !o->bound)
+            continue;
+        o->manual = o->commanded = o->constrained = o->applied = record->output[j];
+    }
+    s->state = SUPERVISOR_RUN;
+}
+
+static void loop_back(struct supervisor *s, const struct restart_record *record, uint8_t i)
+{
+    struct loop_state *l = &s->loop[i];
+    struct request mode = {
+        .kind = REQUEST_MODE, .loop = i, .output = PLAN_NONE, .mode = record->mode[i]};
+    memcpy(mode.name, s->plan->config.loop[i].name, sizeof mode.name);
+    l->v = record->v[i];
+    if (record->mode[i] == LOOP_MANUAL)
+        return;
+    supervisor_request(s, &mode);
+    if (l->mode == LOOP_MANUAL)
+        return;
+    l->target = record->target[i];
+    l->setpoint = record->setpoint[i];
+    ramp_reset(&l->ramp, l->setpoint);
+    lag_reset(&l->filter, l->setpoint);
+}
+
+void restart_try(struct restart *r, struct supervisor *s)
+{
+    const struct restart_record *record = r->record;
+    r->ticks += r->ticks < RESTART_LASTED;
+    if (!r->pending || r->ticks < 2) /* the first command is the safe one */
+        return;
+    enum restart_policy policy = (enum restart_policy)s->plan->config.restart_policy;
+    float limit_ms = s->plan->config.restart_limit_s * 1000.0f;
+    bool in_time =
+        s->time_ms >= record->time_ms && (float)(s->time_ms - record->time_ms) <= limit_ms;
+    bool same = s->plan->identity == record->identity;
+    if (s->state == SUPERVISOR_RUN || (same && policy == RESTART_SAFE))
+        r->pending = false; /* somebody acts already, or nothing is to come back */
+    else if (!in_time)
+        give_up(r, s, same ? "time" : "configuration");
+    else if (same && r->attempts >= RESTART_ATTEMPTS)
+        give_up(r, s, "attempts");
+    if (!r->pending || !same)
+        return; /* the configuration may still be on its way from storage */
+    r->pending = false;
+    r->attempts++;
+    r->ticks = 2;
+    outputs_back(s, record);
+    for (uint8_t k = 0; policy == RESTART_RESUME && k < s->plan->n_order; k++)
+        loop_back(s, record, s->plan->order[k]);
+    event_put(s->events, s->time_ms, EVENT_RESTART_DONE, NULL, (float)policy, (uint8_t)policy);
+}
+
+void restart_keep(struct restart *r, const struct supervisor *s)
+{
+    struct restart_record *record = r->record;
+    if (!record || r->pending)
+        return;
+    /* A reset half-way leaves a checksum that is wrong. */
+    record->identity = s->plan->identity;
+    record->acting = s->state == SUPERVISOR_RUN;
+    record->attempts = r->ticks < RESTART_LASTED ? r->attempts : 0;
+    record->time_ms = s->time_ms;
+    for (uint8_t i = 0; i < CONFIG_LOOPS; i++) {
+        record->mode[i] = (uint8_t)s->loop[i].mode;
+        record->target[i] = s->loop[i].target;
+        record->setpoint[i] = s->loop[i].setpoint;
+        record->v[i] = s->loop[i].v;
+    }
+    for (uint8_t j = 0; j < CHANNEL_MAX; j++)
+        record->output[j] = s->output[j].constrained;
+    record->crc = checksum(record);
+    record->magic = MAGIC;
+}

@@ -1,0 +1,189 @@
+/* The first step of a tick: what is to be believed of the readings, and what stands in for the rest. */
+#include "supervise/supervisor.h"
+
+/* A reading this far outside its span, in spans, is not believed. */
+#define BELIEVABLE 0.1f
+
+static bool in_reach(float value, float lo, float hi)
+{
+    float margin = BELIEVABLE * (hi - lo);
+    return value >= lo - margin && value <= hi + margin;
+}
+
+/* Nothing has moved for too long. Counts from the last change of what the plant delivered. */
+static bool frozen(struct supervisor *s, struct measurement_state *m, float value, float limit_s)
+{
+    if (!m->delivered || value != m->last) {
+        m->delivered = true;
+        m->last = value;
+        m->changed_ms = s->time_ms;
+    }
+    return limit_s > 0.0f && (float)(s->time_ms - m->changed_ms) >= limit_s * 1000.0f;
+}
+
+/* Further from the last believed value than the process can have come since. A spike is over with the next
+ * reading; a true jump is believed once there was time for it. */
+static bool too_fast(const struct supervisor *s, const struct measurement_state *m, float value,
+                     float limit)
+{
+    if (limit == 0.0f || !m->believed)
+        return false;
+    float way = value > m->good ? value - m->good : m->good - value;
+    return way > limit * ((float)(s->time_ms - m->good_ms) / 1000.0f);
+}
+
+static enum measurement_fault judge(struct supervisor *s, uint8_t i, const struct reading *r)
+{
+    struct measurement_state *m = &s->measurement[i];
+    const struct measurement_config *c = &s->plan->config.measurement[i];
+    if (r->quality == QUALITY_MISSING)
+        return MEASUREMENT_MISSING;
+    if (!quality_usable(r->quality))
+        return MEASUREMENT_FLAGGED;
+    if (!float_is_finite(r->value))
+        return MEASUREMENT_NOT_A_NUMBER;
+    /* Interlocks look at this: a number nobody vouches for must not release one. */
+    m->raw = r->value;
+    bool still = frozen(s, m, r->value, c->frozen_s);
+    if (!in_reach(r->value, c->lo, c->hi))
+        return MEASUREMENT_OUT_OF_RANGE;
+    if (still)
+        return MEASUREMENT_FROZEN;
+    return too_fast(s, m, r->value, c->rate_limit) ? MEASUREMENT_TOO_FAST : MEASUREMENT_FINE;
+}
+
+/* A usable value, read or made up. */
+static void take(struct supervisor *s, uint8_t i, float value, enum quality quality)
+{
+    struct measurement_state *m = &s->measurement[i];
+    const struct measurement_config *c = &s->plan->config.measurement[i];
+    num_t x = span_to_fraction(value, c->lo, c->hi);
+    if (!m->seen || m->quality == QUALITY_BAD)
+        lag_reset(&m->filter, x); /* nothing older is worth remembering */
+    m->value = lag_step(&m->filter, x);
+    m->seen = true;
+    m->quality = quality;
+}
+
+/* From what went to the output, or its read-back: one tick late. */
+static bool infer(struct supervisor *s, uint8_t i)
+{
+    const struct measurement_config *c = &s->plan->config.measurement[i];
+    uint8_t j = s->plan->infer[i];
+    if (!c->infer[0] || j == PLAN_NONE || !s->output[j].bound)
+        return false;
+    const struct output_config *o = &s->plan->config.output[j];
+    float value = c->infer_offset + c->infer_gain * span_to_eu(s->output[j].applied, o->lo, o->hi);
+    if (!in_reach(value, c->lo, c->hi))
+        return false;
+    take(s, i, value, QUALITY_UNCERTAIN);
+    return true;
+}
+
+static void loops_to_manual(struct supervisor *s, uint8_t measurement)
+{
+    for (uint8_t k = 0; k < CONFIG_LOOPS; k++) {
+        struct loop_state *l = &s->loop[k];
+        if (!s->plan->loop[k].used || s->plan->loop[k].pv != measurement || l->mode == LOOP_MANUAL)
+            continue;
+        l->mode = LOOP_MANUAL;
+        event_put(s->events, s->time_ms, EVENT_MODE, s->plan->config.loop[k].name,
+                  (float)LOOP_MANUAL, LOOP_MANUAL);
+    }
+}
+
+static void fall_back(struct supervisor *s, uint8_t i, float reading)
+{
+    struct measurement_state *m = &s->measurement[i];
+    const struct measurement_config *c = &s->plan->config.measurement[i];
+    if (!m->alarm) {
+        m->alarm = true;
+        event_put(s->events, s->time_ms, EVENT_MEASUREMENT_BAD, c->name, reading, m->fault);
+    }
+    m->lost = !m->believed || (float)(s->time_ms - m->good_ms) / 1000.0f > c->hold_s;
+    if (infer(s, i))
+        return;
+    if (!m->lost && c->fallback != FALLBACK_MANUAL) {
+        m->quality = QUALITY_UNCERTAIN; /* held */
+        return;
+    }
+    if (c->fallback == FALLBACK_SUBSTITUTE) {
+        take(s, i, c->substitute, QUALITY_UNCERTAIN);
+        return;
+    }
+    bool news = m->quality != QUALITY_BAD;
+    m->quality = QUALITY_BAD;
+    loops_to_manual(s, i);
+    if (news && c->fallback == FALLBACK_SAFE)
+        supervisor_outputs_safe(s, c->name);
+}
+
+static void validate_measurement(struct supervisor *s, uint8_t i, const struct reading *r)
+{
+    struct measurement_state *m = &s->measurement[i];
+    const struct measurement_config *c = &s->plan->config.measurement[i];
+    if (!m->bound) {
+        m->quality = QUALITY_MISSING;
+        return;
+    }
+    m->fault = (uint8_t)judge(s, i, r);
+    if (m->fault != MEASUREMENT_FINE) {
+        fall_back(s, i, r->value);
+        return;
+    }
+    bool outside = r->value < c->lo || r->value > c->hi;
+    take(s, i, r->value, outside ? QUALITY_UNCERTAIN : r->quality);
+    m->believed = true;
+    m->lost = false;
+    m->good = r->value;
+    m->good_ms = s->time_ms;
+    if (m->alarm) {
+        m->alarm = false;
+        event_put(s->events, s->time_ms, EVENT_MEASUREMENT_GOOD, c->name, r->value, 0);
+    }
+}
+
+/* Control works with what was really applied from the first difference on; people are told after follow_s. */
+static void report_following(struct supervisor *s, uint8_t j, bool differs, float value)
+{
+    struct output_state *o = &s->output[j];
+    const struct output_config *c = &s->plan->config.output[j];
+    if (differs && !o->not_following)
+        o->differs_ms = s->time_ms;
+    o->not_following = differs;
+    bool alarm =
+        differs && (o->alarm || (float)(s->time_ms - o->differs_ms) >= c->follow_s * 1000.0f);
+    if (alarm != o->alarm)
+        event_put(s->events, s->time_ms, alarm ? EVENT_NOT_FOLLOWING : EVENT_FOLLOWING, c->name,
+                  value, 0);
+    o->alarm = alarm;
+}
+
+static void validate_readback(struct supervisor *s, uint8_t j, const struct reading *r)
+{
+    struct output_state *o = &s->output[j];
+    const struct output_config *c = &s->plan->config.output[j];
+    bool differs = false;
+    if (o->bound && o->sent && quality_usable(r->quality) && float_is_finite(r->value) &&
+        in_reach(r->value, c->lo, c->hi)) {
+        o->readback = span_to_fraction(r->value, c->lo, c->hi);
+        num_t gap = num_abs(num_sub(o->readback, o->constrained));
+        /* Half the band to come back in: noise at its edge is not news every tick. */
+        float band = o->not_following ? 0.5f * c->readback_band : c->readback_band;
+        differs = num_lt(num_from_float(band), gap);
+    }
+    report_following(s, j, differs, r->value);
+}
+
+void supervisor_validate(struct supervisor *s, const struct tick_input *input)
+{
+    if (input->time_ms < s->time_ms)
+        alarms_time_back(s);
+    s->time_ms = input->time_ms;
+    for (uint8_t i = 0; i < CHANNEL_MAX; i++) {
+        if (s->plan->config.measurement[i].name[0])
+            validate_measurement(s, i, &input->measurement[i]);
+        if (s->plan->config.output[i].name[0])
+            validate_readback(s, i, &input->readback[i]);
+    }
+}

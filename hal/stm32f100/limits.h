@@ -1,0 +1,47 @@
+/* What fits 8 KiB of RAM: the limits of the STM32F100 build, read before every file (tools/cmake/options.cmake).
+ * The headers that own these names say what they mean; `version` prints those that a user meets.
+ *
+ * Shortened against the larger boards: channels, loops, feedforwards, interlocks, alarms, dead times, history of
+ * events, queues, console lines. Left out: history of console lines. With two plan buffers a new configuration
+ * cannot be begun while another one waits for its tick (ERR_BUSY).
+ */
+#ifndef REFLUX_STM32F100_LIMITS_H
+#define REFLUX_STM32F100_LIMITS_H
+
+#define CHANNEL_MAX         4
+#define CONFIG_LOOPS        2
+#define DECOUPLER_MAX       2
+#define CONFIG_FEEDFORWARDS 1
+#define CONFIG_INTERLOCKS   2
+#define CONFIG_ALARMS       1
+#define PLAN_ARENA_BYTES    64
+#define PLAN_BUFFERS        2
+
+/* A plant may have more channels than can be configured; their names must fit. */
+#define IO_CHANNELS_MAX    6
+#define LINK_CHANNELS_ROOM 6
+#define LINK_TEXT_BYTES    80
+#define LINK_RX_BLOCK      8
+#define FRAME_PAYLOAD_MAX  76
+
+#define REQUEST_QUEUE_SIZE   4
+#define EVENT_QUEUE_SIZE     4
+#define TELEMETRY_QUEUE_SIZE 2
+#define EVENT_HISTORY        4
+
+#define STORAGE_PIECE       16u
+#define CONSOLE_RX_BLOCK    8
+#define LINE_EDITOR_MAX     56
+#define LINE_EDITOR_HISTORY 1
+#define LINE_EDITOR_CHOICES 80
+#define CONSOLE_OUTPUT_MAX  112
+#define CONSOLE_REPLY_ROOM  248
+
+#define HAL_RETAINED_RESTART_BYTES 64
+#define HAL_RETAINED_EVENTS_BYTES  (40 * EVENT_HISTORY)
+#define UART_CONSOLE_RX            64
+#define UART_CONSOLE_TX            256
+#define UART_LINK_RX               64
+#define UART_LINK_TX               64
+
+#endif

@@ -1,0 +1,62 @@
+/* The registers of the STM32F100 that this port uses beyond those in stm32/common.h, under the names of the
+ * reference manual (RM0041).
+ */
+#ifndef REFLUX_STM32F100_REGISTERS_H
+#define REFLUX_STM32F100_REGISTERS_H
+
+#include "common.h"
+
+#define CHIP_INTERRUPTS 61 /* RM0041 table 50 */
+
+/* RM0041 6.3: reset and clock control */
+#define RCC_CR             REG32(0x40021000u)
+#define RCC_CR_HSEON       BIT(16)
+#define RCC_CR_HSERDY      BIT(17)
+#define RCC_CR_PLLON       BIT(24)
+#define RCC_CR_PLLRDY      BIT(25)
+#define RCC_CFGR           REG32(0x40021004u)
+#define RCC_CFGR_SW        3u
+#define RCC_CFGR_SW_PLL    2u
+#define RCC_CFGR_SWS       (3u << 2)
+#define RCC_CFGR_SWS_PLL   (2u << 2)
+#define RCC_CFGR_PLLSRC    BIT(16) /* the crystal; else half the internal oscillator */
+#define RCC_CFGR_PLLMUL(n) (((n)-2u) << 18)
+#define RCC_APB2ENR        REG32(0x40021018u)
+#define RCC_APB2ENR_IOPA   BIT(2)
+#define RCC_APB2ENR_USART1 BIT(14)
+#define RCC_APB1ENR        REG32(0x4002101Cu)
+#define RCC_APB1ENR_USART2 BIT(17)
+#define RCC_CSR            REG32(0x40021024u)
+#define RCC_CFGR2          REG32(0x4002102Cu)
+
+/* PM0063 3: flash interface */
+#define FLASH_KEYR      REG32(0x40022004u)
+#define FLASH_KEY1      0x45670123u
+#define FLASH_KEY2      0xCDEF89ABu
+#define FLASH_SR        REG32(0x4002200Cu)
+#define FLASH_SR_BSY    BIT(0)
+#define FLASH_SR_ERRORS (BIT(2) | BIT(4)) /* PGERR WRPRTERR, cleared by writing one */
+#define FLASH_SR_EOP    BIT(5)
+#define FLASH_CR        REG32(0x40022010u)
+#define FLASH_CR_PG     BIT(0)
+#define FLASH_CR_PER    BIT(1)
+#define FLASH_CR_STRT   BIT(6)
+#define FLASH_CR_LOCK   BIT(7)
+#define FLASH_AR        REG32(0x40022014u)
+
+/* RM0041 7.2: general-purpose pins */
+#define GPIOA_CRL  REG32(0x40010800u)
+#define GPIOA_CRH  REG32(0x40010804u)
+#define GPIOA_BSRR REG32(0x40010810u)
+
+/* RM0041 2.3: serial ports */
+#define USART1_BASE 0x40013800u
+#define USART2_BASE 0x40004400u
+
+/* RM0041 25.15: a halted core also halts the watchdog */
+#define DBGMCU_CR           REG32(0xE0042004u)
+#define DBGMCU_CR_IWDG_STOP BIT(8)
+
+#define LSI_PER_MS 40u /* RM0041 6.2.5: 30 to 60 kHz */
+
+#endif

@@ -1,0 +1,92 @@
+/* Console and plant link at once, in any order: no command but in answer to a sample that stood on the line, what
+ * the firmware says is whole, and the settings afterwards are sound.
+ *
+ * Input: steps, each a byte that says what, and what it needs.
+ */
+#include <string.h>
+
+#include "fuzz.h"
+#include "fuzz_board.h"
+
+static const char *const commands[] = {
+    "mode bottom auto",
+    "mode top auto",
+    "sp bottom 120",
+    "sp top 80",
+    "out top 4",
+    "mode top manual",
+    "log on 1",
+    "log off",
+    "begin",
+    "apply",
+    "abandon",
+    "status",
+    "set loop1.gain 3",
+    "events",
+    "stats",
+    "set meas1.name abc",
+    "set tick.base 2",
+    "set mv2.name -",
+    "alarm",
+    "loop top",
+    "set loop2.out top",
+    "mode top cascade",
+    "set loop1.name l1",
+    "diff defaults",
+};
+
+static void step(struct feed *f)
+{
+    uint8_t what = feed_byte(f);
+    size_t n;
+    struct frame frame = {0};
+    switch (what & 7u) {
+    case 0:
+        n = feed_byte(f) & 63u;
+        const uint8_t *text = feed_bytes(f, &n);
+        fuzz_type(text, n);
+        break;
+    case 1: {
+        const char *command = commands[(what >> 3) % (sizeof commands / sizeof commands[0])];
+        fuzz_type(command, strlen(command));
+        fuzz_type("\n", 1);
+        break;
+    }
+    case 2:
+        n = feed_byte(f) & 63u;
+        const uint8_t *bytes = feed_bytes(f, &n);
+        fuzz_link(bytes, n);
+        break;
+    case 3: /* any payload in a whole frame */
+        frame.type = feed_byte(f);
+        n = feed_byte(f) % (FRAME_PAYLOAD_MAX + 1u);
+        const uint8_t *payload = feed_bytes(f, &n);
+        if (n)
+            memcpy(frame.payload, payload, n);
+        frame.n = (uint8_t)n;
+        fuzz_frame(&frame);
+        fuzz_link("", 0);
+        break;
+    case 4:
+        fuzz_pass(feed_byte(f) * 10u);
+        break;
+    case 5:
+    case 6:
+        fuzz_sample(f, false);
+        break;
+    default:
+        fuzz_sample(f, true);
+    }
+}
+
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
+{
+    struct feed f = {data, size};
+    fuzz_start(feed_byte(&f) & 1u);
+    while (f.left)
+        step(&f);
+    fuzz_type("\x11", 1);
+    if (fuzz_is_chosen(data, size))
+        fuzz_settings_are_sound();
+    return 0;
+}

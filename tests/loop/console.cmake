@@ -1,0 +1,6 @@
+# The finished console: access levels, people at it, a paste over a line that loses bytes.
+foreach(part access console_people paste)
+  reflux_test(${part} LABEL loop SOURCES ${CMAKE_CURRENT_LIST_DIR}/test_${part}.c
+              LIBS reflux_hal_memory reflux_app reflux_link)
+endforeach()
+target_sources(test_paste PRIVATE "${PROJECT_SOURCE_DIR}/tests/support/uart_model.c")

@@ -1,0 +1,10 @@
+# Faults, alarms and restarts on the whole firmware.
+foreach(part restart fault_matrix)
+  if(EXISTS "${CMAKE_CURRENT_LIST_DIR}/test_${part}.c")
+    reflux_test(${part} LABEL loop SOURCES ${CMAKE_CURRENT_LIST_DIR}/test_${part}.c
+                LIBS reflux_hal_memory reflux_app reflux_link)
+  endif()
+endforeach()
+if(TARGET test_fault_matrix) # its plant stands behind the bench's instruments
+  target_link_libraries(test_fault_matrix PRIVATE reflux_bench)
+endif()

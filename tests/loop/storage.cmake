@@ -1,0 +1,6 @@
+# Stored settings through the whole firmware and its console.
+reflux_test(storage_session LABEL loop SOURCES ${CMAKE_CURRENT_LIST_DIR}/test_storage_session.c
+            LIBS reflux_hal_memory reflux_app reflux_link)
+target_include_directories(test_storage_session PRIVATE "${PROJECT_SOURCE_DIR}/hal/host")
+target_compile_definitions(test_storage_session PRIVATE
+  STORAGE_IMAGES="${PROJECT_SOURCE_DIR}/tests/reference/storage")

@@ -1,0 +1,179 @@
+/* The two levels of the console, and the key between them. */
+#include "board_bench.h"
+
+static const char *const engineer[] = {"set loop1.gain 2", "begin",     "apply",
+                                       "abandon",          "key other", "reboot"};
+static const char *const operator[] = {"help",
+                                       "version",
+                                       "status",
+                                       "loop",
+                                       "out bottom 1",
+                                       "mode bottom auto",
+                                       "sp bottom 110",
+                                       "list all",
+                                       "get loop1.gain",
+                                       "diff defaults",
+                                       "alarm",
+                                       "events",
+                                       "stats",
+                                       "log on",
+                                       "log off",
+                                       "mode machine",
+                                       "tune bottom simc 100 20 600"};
+
+void setUp(void)
+{
+    running();
+}
+void tearDown(void) {}
+
+static void set_key_and_lock(void)
+{
+    ask_ok("key pot_still");
+    samples(1);
+    ask_ok("lock");
+}
+
+static void without_a_key_everything_is_open_and_said_to_be(void)
+{
+    ask_ok("version");
+    TEST_ASSERT_TRUE(said("engineer level open: no key is set"));
+    ask_ok("set loop1.gain 2");
+    ask_refused("lock", "STATE");
+}
+
+static void operators_look_and_operate_while_the_rest_is_locked(void)
+{
+    set_key_and_lock();
+    for (unsigned i = 0; i < sizeof operator/ sizeof operator[0]; i++) {
+        ask_ok(operator[i]);
+        samples(1);
+    }
+    for (unsigned i = 0; i < sizeof engineer / sizeof engineer[0]; i++) {
+        ask_refused(engineer[i], "LOCKED");
+        TEST_ASSERT_TRUE(said("`unlock KEY`"));
+        TEST_ASSERT_EQUAL(1, n_reply);
+    }
+    ask_ok("get loop1.gain");
+    TEST_ASSERT_TRUE(said("= 1 "));
+    TEST_ASSERT_EQUAL(0, memory_port_reboots());
+    ask_ok("version");
+    TEST_ASSERT_TRUE(said("engineer level locked"));
+    ask_ok("status");
+    TEST_ASSERT_TRUE(said("console locked"));
+}
+
+static void the_key_opens_and_a_wrong_one_does_not(void)
+{
+    set_key_and_lock();
+    ask_refused("unlock pot_stil", "LOCKED");
+    ask_refused("unlock pot_still", "BUSY"); /* too soon after a wrong one */
+    pass(2000);
+    ask_ok("unlock pot_still");
+    ask_ok("set loop1.gain 2");
+    ask_ok("lock");
+    ask_refused("set loop1.gain 3", "LOCKED");
+}
+
+static void whoever_sets_a_key_is_not_locked_out_by_it(void)
+{
+    ask_ok("key pot_still");
+    ask_ok("set loop1.gain 2");
+    ask_ok("key -");
+    samples(1);
+    ask_ok("version");
+    TEST_ASSERT_TRUE(said("no key is set"));
+}
+
+static void a_key_is_never_shown(void)
+{
+    set_key_and_lock();
+    static const char *const looks[] = {"list all",      "list console", "get console.key",
+                                        "diff defaults", "events",       "help console.key"};
+    for (unsigned i = 0; i < sizeof looks / sizeof looks[0]; i++) {
+        ask_ok(looks[i]);
+        TEST_ASSERT_FALSE_MESSAGE(said("pot_still"), looks[i]);
+    }
+    ask_ok("get console.key");
+    TEST_ASSERT_TRUE(said("console.key = ***"));
+}
+
+static void what_diff_prints_can_be_pasted_and_leaves_the_key_as_it_is(void)
+{
+    ask_ok("key pot_still");
+    ask_ok("set console.key ***");
+    samples(1);
+    ask_ok("lock");
+    ask_ok("unlock pot_still");
+}
+
+static void keys_are_not_kept_in_the_history_of_lines(void)
+{
+    type("\x11mode human\r");
+    type("get loop1.ti\rkey pot_still\rset console.key pot_still\r unlock pot_still\r");
+    board_forget();
+    type("\033[A");
+    TEST_ASSERT_TRUE(said("get loop1.ti"));
+    TEST_ASSERT_FALSE(said("pot_still"));
+}
+
+static void the_engineer_level_locks_itself_when_nobody_uses_it(void)
+{
+    ask_ok("set console.relock 60");
+    ask_ok("key pot_still");
+    samples(1);
+    pass(50000);
+    ask_ok("get loop1.ti"); /* of the operator level: does not count */
+    ask_ok("begin");        /* counts */
+    pass(50000);
+    ask_ok("version");
+    TEST_ASSERT_TRUE(said("locks itself in s 10"));
+    ask_ok("set loop1.gain 2");
+    pass(59000);
+    ask_ok("apply");
+    samples(1);
+    pass(61000);
+    ask_refused("set loop1.gain 3", "LOCKED");
+    ask_ok("events");
+    TEST_ASSERT_TRUE(said("DO_LOCK time"));
+}
+
+static void with_relock_zero_it_stays_open(void)
+{
+    ask_ok("set console.relock 0");
+    ask_ok("key pot_still");
+    samples(1);
+    pass(100000);
+    ask_ok("set loop1.gain 2");
+}
+
+static void a_transaction_outlives_the_lock_but_is_not_applied_without_the_key(void)
+{
+    ask_ok("key pot_still");
+    samples(1);
+    ask_ok("begin");
+    ask_ok("set loop1.gain 2");
+    ask_ok("lock");
+    ask_refused("apply", "LOCKED");
+    ask_ok("unlock pot_still");
+    ask_ok("apply");
+    samples(1);
+    ask_ok("get loop1.gain");
+    TEST_ASSERT_TRUE(said("= 2 "));
+}
+
+int main(void)
+{
+    UNITY_BEGIN();
+    RUN_TEST(without_a_key_everything_is_open_and_said_to_be);
+    RUN_TEST(operators_look_and_operate_while_the_rest_is_locked);
+    RUN_TEST(the_key_opens_and_a_wrong_one_does_not);
+    RUN_TEST(whoever_sets_a_key_is_not_locked_out_by_it);
+    RUN_TEST(a_key_is_never_shown);
+    RUN_TEST(what_diff_prints_can_be_pasted_and_leaves_the_key_as_it_is);
+    RUN_TEST(keys_are_not_kept_in_the_history_of_lines);
+    RUN_TEST(the_engineer_level_locks_itself_when_nobody_uses_it);
+    RUN_TEST(with_relock_zero_it_stays_open);
+    RUN_TEST(a_transaction_outlives_the_lock_but_is_not_applied_without_the_key);
+    return UNITY_END();
+}

@@ -1,0 +1,434 @@
+/* Every fault in every mode of operation, and the state each must end in.
+ *
+ * The whole firmware on the board in memory, its plant a small linear column behind the bench's own instruments,
+ * which make the faults. To add a fault: a row of faults[]. To add a mode: a row of modes[].
+ */
+#include "board_bench.h"
+#include "events.h"
+#include "instruments.h"
+#include "matrix_column.h"
+
+static struct instruments instruments;
+static char err[512];
+
+/* ---- one sample after the other ---- */
+
+static void step(void)
+{
+    struct frame f;
+    struct link_sample sample;
+    unsigned before = board.commands;
+    instruments_measure(&instruments, &column, 1.0, &sample);
+    board.number++;
+    board.time_ms += 1000;
+    sample.number = board.number;
+    sample.time_ms = board.time_ms;
+    pack_sample(&sample, &f);
+    link_give(&f);
+    board_run();
+    if (!board.ready || board.mute)
+        return;
+    TEST_ASSERT_EQUAL(before + 1, board.commands); /* whatever comes, it is answered */
+    for (unsigned j = 0; j < 2; j++) {
+        float u = board.command.output[j].value;
+        TEST_ASSERT_TRUE(u >= (float)channels[j].lo && u <= (float)channels[j].hi);
+    }
+    instruments_command(&instruments, &board.command);
+    TEST_ASSERT_TRUE(instruments_drive(&instruments, &column, 1.0, err, sizeof err));
+    TEST_ASSERT_TRUE(advance(&column, column.time_s + 1.0, err, sizeof err));
+}
+
+static void steps(unsigned n)
+{
+    while (n--)
+        step();
+}
+
+/* ---- modes of operation ---- */
+
+static void manual(void)
+{
+    ask_ok("out bottom 1");
+}
+static void automatic(void)
+{
+    ask_ok("mode bottom auto");
+    ask_ok("sp bottom 118");
+    ask_ok("mode flow auto");
+}
+static void cascade(void)
+{
+    ask_ok("mode bottom auto");
+    ask_ok("mode outer auto");
+    step();
+    ask_ok("mode bottom cascade");
+    ask_ok("sp outer 102");
+    ask_ok("mode flow auto");
+}
+static void saturated(void)
+{
+    ask_ok("mode bottom auto");
+    ask_ok("sp bottom 158"); /* 1.6 kW give 139 */
+    ask_ok("mode flow auto");
+}
+
+static const struct mode {
+    const char *name;
+    void (*enter)(void);
+    const char *bottom, *outer, *flow; /* modes of the loops then */
+    const char *command;               /* given every ten samples while the fault lasts */
+} modes[] = {
+    {"manual", manual, "manual", "manual", "manual", NULL},
+    {"auto", automatic, "auto", "manual", "auto", NULL},
+    {"cascade", cascade, "cascade", "auto", "auto", NULL},
+    {"saturated", saturated, "auto", "manual", "auto", NULL},
+    {"saving", automatic, "auto", "manual", "auto", "save"},
+};
+#define MODES (sizeof modes / sizeof modes[0])
+
+/* ---- faults ---- */
+
+static void silent_link(void)
+{
+    board.mute = true;
+    pass(3000);
+    board.mute = false;
+    pass(1000);
+    TEST_ASSERT_TRUE(board.ready);
+}
+static void plant_restart(void)
+{
+    board.session++;
+    board.number = 0;
+    board.time_ms = 0;
+    plant_hello();
+    board_run();
+    pass(1000);
+    TEST_ASSERT_TRUE(board.ready);
+}
+static void one_sample_lost(void)
+{
+    board.time_ms += 1000;
+}
+static void many_samples_lost(void)
+{
+    board.time_ms += 20000;
+}
+static void lost_frame(void)
+{
+    static const uint8_t noise[] = {7, 1, 2, 3, 4, 5, 6, 0, 99, 98, 0};
+    (void)memory_port_give(HAL_UART_LINK, noise, sizeof noise);
+    board_run();
+}
+
+/* States to end in. Interlock lock1 cuts the heater when T10 is too hot, or lost for longer than its hold. */
+enum end {
+    SAME,          /* modes as they were, nothing forced */
+    LOST,          /* bottom in manual, heater cut by the interlock, T10 reported */
+    SAFE,          /* all manual, safe values */
+    INFERRED,      /* modes as they were, flow taken from the valve */
+    OUTER_LOST,    /* outer in manual at once, the rest as it was */
+    NOT_FOLLOWING, /* modes as they were, the output reported */
+    TRIPPED        /* the same, and the interlock cuts the heater: T10 is too hot */
+};
+
+static const struct fault {
+    const char *name;
+    const char *begin, *begin_too; /* events of the instruments */
+    const char *end, *end_too;
+    void (*act)(void);
+    enum end state;
+} faults[] = {
+    {"noise", "T10.noise=0.5", NULL, "T10.noise=0.05", NULL, NULL, SAME},
+    {"drift", "T10.drift=36", NULL, "T10.drift=0", NULL, NULL, SAME},
+    {"bias step", "T10.bias=-4", NULL, "T10.bias=0", NULL, NULL, SAME},
+    {"spikes", "T10.spike=20", "T10.spike_rate=360", "T10.spike_rate=0", NULL, NULL, SAME},
+    {"lost samples of one channel", "T10.dropout=0.4", NULL, "T10.dropout=0", NULL, NULL, SAME},
+    {"quantisation", "T10.resolution=0.1", NULL, "T10.resolution=0", NULL, NULL, SAME},
+    {"slow sensor", "T10.lag=5", NULL, "T10.lag=0", NULL, NULL, SAME},
+    {"frozen", "T10.frozen=1", NULL, "T10.free=1", NULL, NULL, LOST},
+    {"stuck elsewhere", "T10.stuck=100", NULL, "T10.free=1", NULL, NULL, LOST},
+    {"flagged bad", "T10.quality=2", NULL, "T10.quality=0", NULL, NULL, LOST},
+    {"missing", "T10.quality=3", NULL, "T10.quality=0", NULL, NULL, LOST},
+    {"not a number", "T10.nan=1", NULL, "T10.nan=0", NULL, NULL, LOST},
+    {"burnt out, high", "T10.stuck=200", NULL, "T10.free=1", NULL, NULL, LOST},
+    {"burnt out, low", "T10.dead=1", NULL, "T10.free=1", NULL, NULL, LOST},
+    {"safe channel missing", "T1.quality=3", NULL, "T1.quality=0", NULL, NULL, SAFE},
+    {"safe channel not a number", "T1.nan=1", NULL, "T1.nan=0", NULL, NULL, SAFE},
+    {"safe channel frozen", "T1.frozen=1", NULL, "T1.free=1", NULL, NULL, SAFE},
+    {"outer measurement flagged", "T5.quality=2", NULL, "T5.quality=0", NULL, NULL, OUTER_LOST},
+    {"outer measurement not a number", "T5.nan=1", NULL, "T5.nan=0", NULL, NULL, OUTER_LOST},
+    {"flowmeter dead", "flow.dead=1", NULL, "flow.free=1", NULL, NULL, INFERRED},
+    {"flowmeter missing", "flow.quality=3", NULL, "flow.quality=0", NULL, NULL, INFERRED},
+    {"flowmeter frozen", "flow.frozen=1", NULL, "flow.free=1", NULL, NULL, INFERRED},
+    {"no read-back", "heat.readback=0", NULL, "heat.readback=1", NULL, NULL, SAME},
+    {"heater failure", "heat.stuck=0", NULL, "heat.free=1", NULL, NULL, NOT_FOLLOWING},
+    {"heater failure, unseen", "heat.stuck=0.2", "heat.readback=2", "heat.free=1",
+     "heat.readback=1", NULL, SAME},
+    {"heater full on", "heat.stuck=2", NULL, "heat.free=1", NULL, NULL, TRIPPED},
+    {"valve stiction", "heat.stiction=0.02", NULL, "heat.stiction=0", NULL, NULL, SAME},
+    {"slow valve", "heat.slew=0.05", NULL, "heat.slew=0", NULL, NULL, SAME},
+    {"feed loss", "F=0", NULL, "F=5", NULL, NULL, SAME},
+    {"link silent", NULL, NULL, NULL, NULL, silent_link, SAFE},
+    {"plant restarted", NULL, NULL, NULL, NULL, plant_restart, SAFE},
+    {"one sample lost", NULL, NULL, NULL, NULL, one_sample_lost, SAME},
+    {"many samples lost", NULL, NULL, NULL, NULL, many_samples_lost, SAFE},
+    {"broken frames", NULL, NULL, NULL, NULL, lost_frame, SAME},
+};
+#define FAULTS (sizeof faults / sizeof faults[0])
+
+static void event(const char *what)
+{
+    static struct events events;
+    char text[80];
+    if (!what)
+        return;
+    memset(&events, 0, sizeof events);
+    snprintf(text, sizeof text, "0:%s", what);
+    TEST_ASSERT_TRUE_MESSAGE(events_add(&events, &class, text, err, sizeof err), err);
+    TEST_ASSERT_TRUE_MESSAGE(events_apply(&events, 0, &column, &instruments, err, sizeof err), err);
+}
+
+/* ---- the run ---- */
+
+static void configure_matrix(void)
+{
+    static const char *const lines[] = {
+        "meas1.name T1",      "meas1.unit degC",
+        "meas1.lo 60",        "meas1.hi 160",
+        "meas1.hold 10",      "meas1.fallback safe",
+        "meas1.frozen 60",    "meas2.name T10",
+        "meas2.unit degC",    "meas2.lo 60",
+        "meas2.hi 160",       "meas2.hold 10",
+        "meas2.rate_limit 3", "meas2.frozen 60",
+        "meas3.name flow",    "meas3.unit l/h",
+        "meas3.lo 2",         "meas3.hi 12",
+        "meas3.frozen 60",    "meas3.infer reflux",
+        "meas3.infer_gain 1", "meas4.name T5",
+        "meas4.unit degC",    "meas4.lo 60",
+        "meas4.hi 160",       "meas4.fallback manual",
+        "mv1.name reflux",    "mv1.unit l/h",
+        "mv1.hi 10",          "mv1.max 10",
+        "mv1.safe 5",         "mv2.name heat",
+        "mv2.unit kW",        "mv2.hi 2",
+        "mv2.max 1.6",        "mv2.safe 0.25",
+        "mv2.band 0.05",      "mv2.follow 10",
+        "loop1.name flow",    "loop1.pv flow",
+        "loop1.out reflux",   "loop1.gain 0.5",
+        "loop1.ti 10",        "loop2.name bottom",
+        "loop2.pv T10",       "loop2.out heat",
+        "loop2.gain 1",       "loop2.ti 60",
+        "loop3.name outer",   "loop3.pv T5",
+        "loop3.out bottom",   "loop3.gain 0.5",
+        "loop3.ti 100",       "lock1.meas T10",
+        "lock1.mv heat",      "lock1.limit 150",
+        "lock1.hysteresis 5", "lock1.value 0",
+        "alarm1.on bottom",   "alarm1.side deviation",
+        "alarm1.limit 20",    "alarm1.delay 60",
+    };
+    char line[80];
+    ask_ok("begin");
+    for (unsigned i = 0; i < sizeof lines / sizeof lines[0]; i++) {
+        snprintf(line, sizeof line, "set %s", lines[i]);
+        ask_ok(line);
+    }
+    ask_ok("apply");
+}
+
+static void begin(const struct mode *mode)
+{
+    power_on();
+    board.names[2] = "flow";
+    board.names[3] = "T5";
+    board.units[3] = "degC";
+    memset(&column, 0, sizeof column);
+    for (unsigned i = 0; i < CHANNELS; i++)
+        column.value[i] = channels[i].nominal;
+    column.value[T1] = 85;
+    column.value[T10] = 115;
+    column.value[FLOW] = 5;
+    column.value[T5] = 100;
+    TEST_ASSERT_TRUE(instruments_init(&instruments, &class, 7, 1.0, err, sizeof err));
+    configure_matrix();
+    connect_plant();
+    steps(2);
+    ask_ok("out bottom 1");
+    ask_ok("out flow 5");
+    steps(3);
+    mode->enter();
+    steps(300);
+    board_forget();
+}
+
+static bool loop_is(const char *loop, const char *mode)
+{
+    char text[40];
+    ask_ok("loop");
+    snprintf(text, sizeof text, "%s %s ", loop, mode);
+    return said(text);
+}
+
+static bool alarm_says(const char *text)
+{
+    ask_ok("alarm");
+    return said(text);
+}
+
+static bool quality_is(const char *measurement, const char *quality)
+{
+    ask_ok("status");
+    for (unsigned i = 0; i < n_reply; i++)
+        if (strncmp(reply[i], measurement, strlen(measurement)) == 0 &&
+            reply[i][strlen(measurement)] == ' ')
+            return strstr(reply[i], quality) != NULL;
+    return false;
+}
+
+static void check_modes(const char *bottom, const char *outer, const char *flow, const char *where)
+{
+    TEST_ASSERT_TRUE_MESSAGE(loop_is("bottom", bottom), where);
+    TEST_ASSERT_TRUE_MESSAGE(loop_is("outer", outer), where);
+    TEST_ASSERT_TRUE_MESSAGE(loop_is("flow", flow), where);
+}
+
+static void check_end(const struct fault *fault, const struct mode *mode, const char *where)
+{
+    enum end end = fault->state;
+    bool safe = end == SAFE, lost = end == LOST, cut = lost || end == TRIPPED;
+    bool deaf = end == NOT_FOLLOWING || end == TRIPPED;
+    TEST_ASSERT_EQUAL_MESSAGE(safe, board.command.safe, where);
+    TEST_ASSERT_EQUAL_MESSAGE(cut, alarm_says("INTERLOCK_ON lock1"), where);
+    TEST_ASSERT_TRUE_MESSAGE(!lost || alarm_says("MEASUREMENT_BAD T10"), where);
+    TEST_ASSERT_EQUAL_MESSAGE(deaf, alarm_says("NOT_FOLLOWING heat"), where);
+    TEST_ASSERT_EQUAL_MESSAGE(end == INFERRED, alarm_says("MEASUREMENT_BAD flow"), where);
+    TEST_ASSERT_TRUE_MESSAGE(quality_is("flow", end == INFERRED ? "uncertain" : "good"), where);
+    if (cut)
+        TEST_ASSERT_EQUAL_FLOAT_MESSAGE(0.0f, board.command.output[1].value, where);
+    if (safe) {
+        TEST_ASSERT_EQUAL_FLOAT_MESSAGE(5.0f, board.command.output[0].value, where);
+        TEST_ASSERT_EQUAL_FLOAT_MESSAGE(0.25f, board.command.output[1].value, where);
+        check_modes("manual", "manual", "manual", where);
+    } else if (lost) {
+        check_modes("manual", mode->outer, mode->flow, where);
+    } else {
+        check_modes(mode->bottom, end == OUTER_LOST ? "manual" : mode->outer, mode->flow, where);
+    }
+}
+
+static char before[3][400];
+
+static void remember_loops(void)
+{
+    const char *const names[] = {"bottom", "outer", "flow"};
+    for (unsigned k = 0; k < 3; k++)
+        for (unsigned m = 0; m < 3; m++) {
+            static const char *const words[] = {"manual", "auto", "cascade"};
+            if (loop_is(names[k], words[m]))
+                snprintf(before[k], sizeof before[k], "%s", words[m]);
+        }
+}
+
+static void one_combination(const struct fault *fault, const struct mode *mode)
+{
+    char where[120];
+    snprintf(where, sizeof where, "%s in %s", fault->name, mode->name);
+    begin(mode);
+    event(fault->begin);
+    event(fault->begin_too);
+    if (fault->act)
+        fault->act();
+    for (unsigned n = 0; n < 150; n++) {
+        step();
+        if (mode->command && n % 10 == 0)
+            (void)ask(mode->command);
+    }
+    check_end(fault, mode, where);
+    /* Repaired: alarms go, and nothing begins to act of itself. */
+    remember_loops();
+    event(fault->end);
+    event(fault->end_too);
+    steps(100);
+    check_modes(before[0], before[1], before[2], where);
+    TEST_ASSERT_FALSE_MESSAGE(alarm_says("MEASUREMENT_BAD"), where);
+    TEST_ASSERT_FALSE_MESSAGE(alarm_says("NOT_FOLLOWING"), where);
+    TEST_ASSERT_FALSE_MESSAGE(alarm_says("INTERLOCK_ON"), where);
+}
+
+static bool possible(const struct mode *mode)
+{
+    char line[40];
+    if (!mode->command)
+        return true;
+    snprintf(line, sizeof line, "help %s", mode->command);
+    power_on();
+    return strcmp(ask(line), "ok") == 0;
+}
+
+void setUp(void) {}
+void tearDown(void) {}
+
+static void every_fault_in_every_mode_ends_in_its_state(void)
+{
+    unsigned combinations = 0, n_modes = 0;
+    for (unsigned m = 0; m < MODES; m++) {
+        if (!possible(&modes[m])) {
+            printf("fault matrix: mode %s is not in this build\n", modes[m].name);
+            continue;
+        }
+        n_modes++;
+        for (unsigned f = 0; f < FAULTS; f++) {
+            one_combination(&faults[f], &modes[m]);
+            combinations++;
+        }
+    }
+    printf("fault matrix: %u combinations (%u faults, %u modes)\n", combinations, (unsigned)FAULTS,
+           n_modes);
+}
+
+/* A row of the table in docs/faults.md. */
+static void row(const struct fault *fault, char *line, size_t size)
+{
+    static const char *const ends[] = {
+        [SAME] = "as before",
+        [LOST] = "`bottom` in manual, interlock holds the heater",
+        [SAFE] = "safe state",
+        [INFERRED] = "as before, flow from the valve's opening",
+        [OUTER_LOST] = "`outer` in manual, the rest as before",
+        [NOT_FOLLOWING] = "as before, reported",
+        [TRIPPED] = "interlock commands 0, reported",
+    };
+    snprintf(line, size, "| %s | %s%s%s%s%s%s | %s |\n", fault->name, fault->begin ? "`" : "",
+             fault->begin ? fault->begin : "on the link", fault->begin ? "`" : "",
+             fault->begin_too ? " `" : "", fault->begin_too ? fault->begin_too : "",
+             fault->begin_too ? "`" : "", ends[fault->state]);
+}
+
+static void the_table_in_the_document_is_this_one(void)
+{
+    static char page[60000];
+    char line[200];
+    FILE *file = fopen("../docs/faults.md", "r");
+    TEST_ASSERT_NOT_NULL(file);
+    page[fread(page, 1, sizeof page - 1, file)] = '\0';
+    fclose(file);
+    for (unsigned f = 0; f < FAULTS; f++) {
+        row(&faults[f], line, sizeof line);
+        TEST_ASSERT_NOT_NULL_MESSAGE(strstr(page, line), line);
+    }
+}
+
+int main(int argc, char **argv)
+{
+    char line[200];
+    if (argc == 2 && strcmp(argv[1], "table") == 0) {
+        for (unsigned f = 0; f < FAULTS; f++) {
+            row(&faults[f], line, sizeof line);
+            fputs(line, stdout);
+        }
+        return 0;
+    }
+    UNITY_BEGIN();
+    RUN_TEST(the_table_in_the_document_is_this_one);
+    RUN_TEST(every_fault_in_every_mode_ends_in_its_state);
+    return UNITY_END();
+}

@@ -1,0 +1,104 @@
+#!/usr/bin/python3
+"""What is left of a fault: the debugger's port of the emulator sends the processor into nowhere, and after the
+restart the console tells where that was.
+
+    test_fault_record.py [IMAGE]      IMAGE: build/stm32f405/reflux-stm32f405.bin by default
+"""
+
+import contextlib
+import re
+import subprocess
+import sys
+import tempfile
+import unittest
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
+import board  # noqa: E402
+from reflux_tools import launch  # noqa: E402
+
+IMAGE = board.ROOT / "build" / "stm32f405" / "reflux-stm32f405.bin"
+NOWHERE = 0xA0000000  # no memory, and not executable
+
+
+class Debugger:
+    """As much of the remote protocol of gdb as this needs."""
+
+    def __init__(self, path: str) -> None:
+        self.socket = board.connect(path)
+        self.socket.settimeout(10)
+
+    def send(self, packet: str) -> None:
+        total = sum(packet.encode()) % 256
+        self.socket.sendall(f"${packet}#{total:02x}".encode())
+
+    def reply(self) -> str:
+        text = b""
+        while not re.search(rb"\$[^#]*#..", text):
+            text += self.socket.recv(4096)
+        self.socket.sendall(b"+")
+        return re.search(rb"\$([^#]*)#", text)[1].decode()
+
+    def jump(self, address: int) -> None:
+        """Stops the processor, which it finds in the main loop or a tick, and lets it go on at address."""
+        for question in ("?", "qXfer:features:read:target.xml:0,ffb"):  # single registers only go with the second
+            self.send(question)
+            self.reply()
+        self.send("Pf=" + address.to_bytes(4, "little").hex())
+        if self.reply() != "OK":
+            raise AssertionError("the debugger's port did not take the program counter")
+        self.send("c")
+
+    def close(self) -> None:
+        self.socket.close()
+
+
+class FaultRecordTest(unittest.TestCase):
+    def setUp(self) -> None:
+        folder = Path(self.enterContext(tempfile.TemporaryDirectory(prefix="reflux-")))
+        self.debugger_path = str(folder / "debugger")
+        command = launch.emulator_command(IMAGE, folder / "console", folder / "link")
+        command += ["-chardev", f"socket,id=gdb,path={self.debugger_path},server=on,wait=off", "-gdb", "chardev:gdb"]
+        self.emulator = subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL,
+                                         stderr=subprocess.DEVNULL)
+        self.addCleanup(self.emulator.wait)
+        self.addCleanup(self.emulator.kill)
+        self.console = self.enterContext(contextlib.closing(board.Console(f"socket:{folder / 'console'}")))
+
+    def version(self) -> str:
+        return "\n".join(self.console.do("version"))
+
+    def crash(self) -> None:
+        with contextlib.closing(Debugger(self.debugger_path)) as debugger:
+            debugger.jump(NOWHERE)
+        self.console.until(lambda line: " STARTED fault " in line)
+        self.console.machine_mode()
+
+    def test_cause_place_and_context_of_a_fault_are_told_after_the_restart(self) -> None:
+        self.assertNotIn("last fault", self.version())
+        self.crash()
+        version = self.version()
+        print(version)
+        self.assertIn("started by: fault", version)
+        fault = re.search(r"last fault: (\w+) in .*, pc (\w{8}) lr (\w{8}) cfsr (\w{8}) .* boots_ago (\d+)", version)
+        self.assertIsNotNone(fault, version)
+        self.assertIn(fault[1], ("bus", "memory", "hard"))
+        self.assertEqual(int(fault[2], 16) & ~1, NOWHERE)
+        self.assertEqual(int(fault[3], 16) >> 24, 0x08)  # somebody in the flash had called
+        self.assertNotEqual(int(fault[4], 16), 0)
+        self.assertEqual(fault[5], "1")
+        self.assertTrue(self.console.do("status")[0].startswith("state safe"))
+        # The record stays, and says how long ago it was.
+        self.console.write("reboot\n")
+        self.console.until(lambda line: line == "ok")
+        self.console.until(lambda line: " STARTED requested " in line)
+        self.console.machine_mode()
+        version = self.version()
+        self.assertIn("started by: requested", version)
+        self.assertIn("boots_ago 2", version)
+
+
+if __name__ == "__main__":
+    if len(sys.argv) > 1 and not sys.argv[1].startswith("-"):
+        IMAGE = Path(sys.argv.pop(1)).resolve()
+    unittest.main()

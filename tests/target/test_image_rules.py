@@ -1,0 +1,152 @@
+#!/usr/bin/python3
+"""Small images, each with one fault, must be found out by the rules that tools/image applies."""
+
+import os
+import subprocess
+import sys
+import tempfile
+import unittest
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "tools"))
+sys.dont_write_bytecode = True
+
+from reflux_tools import image_check, memory_map, stack_use  # noqa: E402
+
+FLAGS = ["-mcpu=cortex-m4", "-mthumb", "-mfloat-abi=hard", "-mfpu=fpv4-sp-d16", "-Os", "-g", "-fno-inline",
+         "-ffunction-sections", "-fno-optimize-sibling-calls", "-fstack-usage", "-nostartfiles", "-Wl,--gc-sections",
+         "--specs=picolibc.specs"]
+HEAD = """
+#include <stdint.h>
+extern uint32_t stack_bottom[], stack_top[];
+void reset_entry(void); void tick(void); void fault_entry(void);
+__attribute__((section(".vectors"), used)) const void *const vectors[] = {
+    stack_top, (void *)reset_entry, (void *)fault_entry, (void *)tick, (void *)0xFFFFFFFF};
+volatile int seen; volatile float number;
+void fault_entry(void) { for (;;) seen++; }
+"""
+SCRIPT = """
+MEMORY { flash (rx) : ORIGIN = 0x08000000, LENGTH = 64K  ram (rw) : ORIGIN = 0x20000000, LENGTH = 16K }
+ENTRY(reset_entry)
+SECTIONS {
+  .text : { KEEP(*(.vectors)) *(.text .text.*) *(.rodata .rodata.*) } > flash
+  .stack (NOLOAD) : { stack_bottom = .; . += 512; stack_top = .; } > ram
+  .data : { *(.data .data.*) } > ram AT > flash
+  .bss (NOLOAD) : { *(.bss .bss.*) *(COMMON) } > ram
+  __heap_start = 0x20003000; __heap_end = 0x20004000;
+  /DISCARD/ : { *(.ARM.exidx* .ARM.extab* .eh_frame* .note*) }
+}
+"""
+BUDGET = """
+[trial]
+flash = 20000
+ram = 4096
+levels = [["reset_entry"], ["tick"], ["fault_entry"]]
+[trial.layers]
+other = [20000, 100, 4096]
+libc = [20000, 500, 4096]
+libgcc = [20000, 0, 0]
+"""
+CALM = "void tick(void) { number = number * 2.0f; } void reset_entry(void) { for (;;) seen++; }"
+
+
+class Rules(unittest.TestCase):
+    def setUp(self) -> None:
+        self.folder = Path(self.enterContext(tempfile.TemporaryDirectory()))
+
+    def report(self, code: str, calls: str = "", budget: str = BUDGET) -> image_check.Report:
+        for name, text in (("trial.c", HEAD + code), ("trial.ld", SCRIPT), ("budget.toml", budget),
+                           ("calls.txt", calls)):
+            (self.folder / name).write_text(text, encoding="utf-8")
+        subprocess.run(["arm-none-eabi-gcc", *FLAGS, "trial.c", "-Ttrial.ld", "-Wl,-Map=reflux-trial.map", "-o",
+                        "reflux-trial.elf", "-lc", "-lm"], cwd=self.folder, check=True, env={**os.environ, "LANG": "C"})
+        return image_check.check(self.folder, self.folder / "budget.toml", self.folder / "calls.txt")
+
+    def finds(self, expected: str, code: str, calls: str = "", budget: str = BUDGET) -> None:
+        found = self.report(code, calls, budget).findings
+        self.assertTrue(any(expected in line for line in found), f"no {expected!r} in {found}")
+
+    def test_a_clean_image_passes(self) -> None:
+        report = self.report(CALM)
+        self.assertEqual(report.findings, [])
+        self.assertEqual(report.stack_reserved, 512)
+        self.assertEqual([c.frame for c in report.contexts], [0, 108, 108])
+        self.assertEqual(report.layers["other"].bss, 8)
+
+    def test_heap(self) -> None:
+        self.finds("heap: malloc", "#include <stdlib.h>\nvoid tick(void) { number = *(float *)malloc((unsigned)seen); }"
+                   "void reset_entry(void) { for (;;) seen++; }")
+
+    def test_double_precision(self) -> None:
+        self.finds("double precision: __aeabi_d", "void tick(void) { number = (float)(number * 1.1); }"
+                   "void reset_entry(void) { for (;;) seen++; }")
+        self.finds("double precision", "#include <math.h>\nvoid tick(void) { number = powf(number, 1.5f); }"
+                   "void reset_entry(void) { for (;;) seen++; }")
+
+    def test_setjmp(self) -> None:
+        self.finds("setjmp: ", "#include <setjmp.h>\njmp_buf b; void tick(void) { longjmp(b, 1); }"
+                   "void reset_entry(void) { seen = setjmp(b); for (;;) seen++; }")
+
+    def test_recursion_by_name_and_through_a_pointer(self) -> None:
+        self.finds("recursion: even -> even", "int even(int n); int even(int n) { return n && even(n - seen) + 1; }"
+                   "void tick(void) { seen = even(seen); }"
+                   "void reset_entry(void) { for (;;) seen++; }")
+        self.finds("recursion: ", "void again(void); void (*volatile hook)(void) = again;"
+                   "void again(void) { hook(); seen++; } void tick(void) { again(); }"
+                   "void reset_entry(void) { for (;;) seen++; }", "again: again  # the fault\n")
+
+    def test_calls_through_pointers(self) -> None:
+        code = ("void one(void) { seen = 1; } void two(void) { seen = 2; } void (*volatile hook)(void) = one;"
+                "void (*volatile other)(void) = two; void tick(void) { hook(); } "
+                "void reset_entry(void) { other = two; for (;;) seen++; }")
+        self.finds("tick (trial.c:9) calls through a pointer and has no line in calls.txt", code)
+        self.finds("the address of two is kept", code, "tick: one  # hook\n")
+        report = self.report(code, "tick: one two  # hook\n")
+        self.assertEqual(report.findings, [])
+        self.assertEqual(report.pointer_calls, 1)
+
+    def test_stack_too_small(self) -> None:
+        code = ("void use(volatile char *); void use(volatile char *p) { p[seen] = 1; }"
+                "void tick(void) { volatile char b[200]; use(b); }"
+                "void reset_entry(void) { volatile char b[%d]; use(b); for (;;) seen++; }")
+        self.finds("bytes can be needed, 512 are there", code % 200)
+        report = self.report(code % 16)
+        self.assertEqual(report.findings, [])
+        # frames with the saved lr and padding, and what the processor pushes twice
+        self.assertEqual(report.stack_needed, (16 + 8) + 208 + 2 * 108)
+
+    def test_a_stack_that_cannot_be_followed_is_an_error(self) -> None:
+        self.finds("cannot follow the stack pointer", "void use(char *); void use(char *p) { p[0] = (char)seen; }"
+                   "void tick(void) { char b[seen]; use(b); } void reset_entry(void) { for (;;) seen++; }")
+
+    def test_a_handler_nobody_counted(self) -> None:
+        self.finds("the vector table leads to tick, which is in no level", CALM, "",
+                   BUDGET.replace('["tick"], ', ""))
+
+    def test_budget(self) -> None:
+        self.finds("budget: bss of other is 8, 4 allowed", CALM, "", BUDGET.replace("[20000, 100, 4096]",
+                                                                                  "[20000, 0, 4]"))
+        self.finds("budget: flash is ", CALM, "", BUDGET.replace("flash = 20000", "flash = 10"))
+        self.finds("budget: layer other has none", CALM, "", BUDGET.replace("other = ", "another = "))
+
+
+class Reading(unittest.TestCase):
+    def test_stack_effects(self) -> None:
+        for name, operands, expected in (
+                ("push", "{r4, r5, lr}", 12), ("stmdb", "sp!, {r4, r5, r6, sl, lr}", 20), ("vpush", "{d8-d9}", 16),
+                ("vpush", "{s16-s18}", 12), ("sub.w", "sp, sp, #580", 580), ("sub", "sp, #12", 12),
+                ("str.w", "lr, [sp, #-4]!", 4), ("ldr.w", "pc, [sp], #4", -4), ("pop", "{r4, pc}", -8),
+                ("ldmiane.w", "sp!, {r4, pc}", -8), ("add", "sp, #8", -8), ("mov", "sp, r7", None),
+                ("sub.w", "sp, sp, r3", None), ("str", "r0, [sp, #4]", 0), ("add", "r0, sp, #4", 0)):
+            self.assertEqual(stack_use.stack_effect(name, operands), expected, f"{name} {operands}")
+
+    def test_layers(self) -> None:
+        for path, layer in (("firmware/num/libreflux_num.a(accumulator.c.obj)", "num"),
+                            ("CMakeFiles/x.dir/hal/stm32f405/uart.c.obj", "hal"),
+                            ("/usr/lib/picolibc/lib/libc.a(strlen.o)", "libc"),
+                            ("/usr/lib/gcc/libgcc.a(x.o)", "libgcc")):
+            self.assertEqual(memory_map.layer_of(path), layer)
+
+
+if __name__ == "__main__":
+    unittest.main()

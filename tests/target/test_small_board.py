@@ -1,0 +1,94 @@
+#!/usr/bin/python3
+"""The image for 8 KiB of RAM in the emulator: what it lacks it says, and asked for it, refuses with a reason."""
+
+import subprocess
+import sys
+import time
+import unittest
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
+import board  # noqa: E402
+
+
+class SmallBoardTest(unittest.TestCase):
+    def setUp(self) -> None:
+        self.firmware = self.enterContext(board.start("stm32f100"))
+        self.console = self.enterContext(board.console(self.firmware))
+
+    def plant(self, name: str = "pilot") -> None:
+        plant = subprocess.Popen(board.simulator(self.firmware, "--plant", name, "--speed", "300", "--duration",
+                                                 "1e6"), stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        self.addCleanup(plant.wait)
+        self.addCleanup(plant.kill)
+
+    def control_pilot(self) -> None:
+        self.plant()
+        self.console.event("LINK_UP")
+        board.configure(self.console)
+        end = time.monotonic() + board.PATIENCE_S
+        while not self.console.do("loop"):  # until the tick has taken the configuration
+            self.assertLess(time.monotonic(), end)
+
+    def set_when_free(self, line: str) -> str:
+        """Two plan buffers: a change waits until the one before has met its tick. Returns the last word of the reply."""
+        end = time.monotonic() + board.PATIENCE_S
+        while True:
+            reply = self.console.ask(line)[-1]
+            if not reply.startswith("err BUSY") or time.monotonic() > end:
+                return reply
+            time.sleep(0.05)
+
+    def test_version_says_what_is_short(self) -> None:
+        version = "\n".join(self.console.do("version"))
+        self.assertIn("on stm32f100, numbers Q7.24", version)
+        self.assertIn("in an emulator", version)
+        for limit in ("channels 4", "loops 2", "feedforwards 1", "interlocks 2", "alarms 1", "dead-time bytes 64",
+                      "recalls no lines", "one change a tick"):
+            self.assertIn(limit, version)
+
+    def test_what_only_larger_boards_have_is_refused_with_the_bytes_it_needs(self) -> None:
+        for name in ("loop3.gain", "meas5.lo", "mv16.hi", "ff2.gain", "lock3.limit", "alarm2.limit"):
+            reply = self.console.ask(f"set {name} 1")[-1]
+            self.assertRegex(reply, rf"^err UNSUPPORTED {name}: this board has \d, bytes needed for each more: \d+$")
+        self.assertTrue(self.console.ask("set loop9.gain 1")[-1].startswith("err UNKNOWN"))
+
+    def test_a_dead_time_too_long_for_the_arena_is_refused_with_the_bytes_it_needs(self) -> None:
+        self.control_pilot()
+        for line in ("begin", "set ff1.reference 90", "set ff1.from T1", "set ff1.to Lr", "set ff1.gain 1", "set ff1.dead 3000"):
+            self.assertEqual(self.set_when_free(line), "ok")
+        reply = self.console.ask("apply")[-1]
+        self.assertTrue(reply.startswith("err MEMORY ff1.dead:"), reply)
+        self.assertIn("bytes needed: 408, there are: 64", reply)
+        self.console.do("set ff1.dead 300")
+        self.console.do("apply")
+
+    def test_of_two_changes_at_once_the_second_waits_for_the_tick(self) -> None:
+        """Without a plant the ticks come at the board's own pace: there is time for both."""
+        self.console.do("set meas1.name T1")
+        reply = self.console.ask("set meas1.lo 70")[-1]
+        self.assertTrue(reply == "ok" or reply.startswith("err BUSY the last configuration waits"), reply)
+        self.assertEqual(self.set_when_free("set meas1.lo 70"), "ok")
+        self.assertEqual(self.console.do("get meas1.name"), ["meas1.name = T1"])
+
+    def test_a_plant_with_too_many_channels_is_refused_by_name(self) -> None:
+        self.plant("shell-fractionator")
+        self.console.event("PLANT_REFUSED")
+        self.assertIn("plant link down", self.console.do("status")[0])
+
+    def test_stack_and_rings_have_room_left_after_a_busy_while(self) -> None:
+        self.control_pilot()
+        self.console.do("log on")
+        for line in ("mode top auto", "mode bottom auto", "loop bottom", "list all", "help", "diff defaults",
+                     "tune bottom cohen-coon-pid 120 60 600", "events"):
+            self.console.do(line)
+        self.console.do("log off")
+        stats = " ".join(self.console.do("stats"))
+        for word in ("dropped 0", "telemetry_lost 0", "bad_crc 0", "congested 0"):
+            self.assertIn(word, stats)
+        print(stats[stats.index("stack_bytes"):])
+        self.assertGreater(int(stats.split("stack_unused ")[1].split()[0]), 64)
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,59 @@
+#!/usr/bin/python3
+"""A watchdog that really bites: tests/target/watchdog_image on an emulated MPS2 board.
+
+    test_watchdog.py [IMAGE]      IMAGE: build/stm32f405/watchdog-image.elf by default
+"""
+
+import re
+import subprocess
+import sys
+import threading
+import unittest
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[2]
+IMAGE = ROOT / "build" / "stm32f405" / "watchdog-image.elf"
+TIMEOUT_MS = 400  # of the image's watchdog
+
+
+def output(image: Path) -> str:
+    """What the image says until it is done, or for a minute."""
+    emulator = subprocess.Popen(
+        ["qemu-system-arm", "-M", "mps2-an386", "-kernel", str(image), "-display", "none", "-monitor", "none",
+         "-serial", "stdio"],
+        stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, text=True)
+    watch = threading.Timer(60, emulator.kill)
+    watch.start()
+    said = ""
+    try:
+        for line in emulator.stdout:
+            said += line
+            if line.strip() == "done":
+                break
+    finally:
+        watch.cancel()
+        emulator.kill()
+        emulator.wait()
+        emulator.stdout.close()
+    return said
+
+
+class WatchdogTest(unittest.TestCase):
+    def test_each_way_to_hang_ends_in_a_reset_and_health_does_not(self) -> None:
+        said = output(IMAGE)
+        print(said, end="")
+        lives = re.findall(r"life (\d) begins, watchdog runs", said)
+        ends = dict(re.findall(r"life (\d) ended after ms (\d+)", said))
+        self.assertEqual(lives, ["1", "2", "3", "4"])
+        self.assertEqual(sorted(ends), ["1", "2", "3"])
+        self.assertTrue(said.endswith("done\n"))
+        # Fed as long as all was well, and no longer than a time-out and a half after that.
+        for life, healthy_ms in (("1", 3 * TIMEOUT_MS), ("2", 300), ("3", 300)):
+            self.assertGreater(int(ends[life]), healthy_ms)
+            self.assertLess(int(ends[life]), healthy_ms + 3 * TIMEOUT_MS)
+
+
+if __name__ == "__main__":
+    if len(sys.argv) > 1 and not sys.argv[1].startswith("-"):
+        IMAGE = Path(sys.argv.pop(1)).resolve()
+    unittest.main()

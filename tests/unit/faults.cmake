@@ -1,0 +1,25 @@
+# Faults: in the instruments, in the readings, alarms, the watchdog's heartbeat.
+reflux_test(faults LABEL unit
+  SOURCES "${CMAKE_CURRENT_LIST_DIR}/test_faults.c" "${PROJECT_SOURCE_DIR}/tests/support/two_by_two.c"
+  LIBS bench_support)
+foreach(part supervisor_faults alarms)
+  reflux_test(${part} LABEL unit SOURCES ${CMAKE_CURRENT_LIST_DIR}/test_${part}.c
+                                         ${PROJECT_SOURCE_DIR}/firmware/service/parameters.c
+                                         ${PROJECT_SOURCE_DIR}/firmware/service/parameter_table.c
+                                         ${PROJECT_SOURCE_DIR}/firmware/service/text.c
+              LIBS reflux_supervise)
+  target_include_directories(test_${part} PRIVATE "${CMAKE_BINARY_DIR}/layers/service")
+endforeach()
+reflux_test(heartbeat LABEL unit SOURCES ${CMAKE_CURRENT_LIST_DIR}/test_heartbeat.c
+                                         ${PROJECT_SOURCE_DIR}/firmware/service/heartbeat.c)
+target_include_directories(test_heartbeat PRIVATE "${CMAKE_BINARY_DIR}/layers/service")
+
+# The host port's watchdog, around a firmware that hangs.
+reflux_test(host_watchdog LABEL unit SOURCES
+  "${CMAKE_CURRENT_LIST_DIR}/test_host_watchdog.c" "${PROJECT_SOURCE_DIR}/hal/host/host_port.c"
+  "${PROJECT_SOURCE_DIR}/hal/host/line.c" "${PROJECT_SOURCE_DIR}/hal/host/flash_model.c"
+  LIBS reflux_hal)
+target_include_directories(test_host_watchdog PRIVATE
+  "${PROJECT_SOURCE_DIR}/hal/host" "${CMAKE_BINARY_DIR}/layers/app")
+set_source_files_properties("${CMAKE_CURRENT_LIST_DIR}/test_host_watchdog.c"
+  PROPERTIES COMPILE_DEFINITIONS _GNU_SOURCE)

@@ -1,0 +1,13 @@
+# Parameter storage: format and old images, and power cut everywhere.
+foreach(part storage storage_power)
+  reflux_test(${part} LABEL unit SOURCES ${CMAKE_CURRENT_LIST_DIR}/test_${part}.c
+              LIBS reflux_hal_memory reflux_app reflux_link)
+  target_include_directories(test_${part} PRIVATE "${PROJECT_SOURCE_DIR}/hal/host")
+  target_compile_definitions(test_${part} PRIVATE
+    STORAGE_IMAGES="${PROJECT_SOURCE_DIR}/tests/reference/storage")
+endforeach()
+set_tests_properties(storage_power PROPERTIES TIMEOUT 300)
+
+# The old images are what the script of the documented format writes.
+add_test(NAME storage_images COMMAND "${PYTHON3}" "${CMAKE_CURRENT_LIST_DIR}/test_storage_images.py")
+set_tests_properties(storage_images PROPERTIES LABELS unit TIMEOUT 60 ENVIRONMENT "PYTHONDONTWRITEBYTECODE=1")

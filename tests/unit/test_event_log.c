@@ -1,0 +1,123 @@
+/* The history of events in memory that survives a reset, and what that memory may hold instead. */
+#include <string.h>
+
+#include "random_source.h"
+#include "service/event_log.h"
+#include "unity.h"
+
+static struct event_record memory[EVENT_HISTORY];
+static struct event_log event_log;
+
+static void start(uint32_t boot)
+{
+    event_log_init(&event_log, memory, boot);
+}
+
+static void put(unsigned n)
+{
+    struct event e = event_make((uint64_t)1000u * n, EVENT_SETPOINT, "top", (float)n, 0);
+    event_log_put(&event_log, &e);
+}
+
+static void holds(uint32_t sequence, float value, uint16_t boot)
+{
+    const struct event *e = event_log_get(&event_log, sequence);
+    TEST_ASSERT_NOT_NULL(e);
+    TEST_ASSERT_EQUAL_FLOAT(value, e->value);
+    TEST_ASSERT_EQUAL_STRING("top", e->subject);
+    TEST_ASSERT_EQUAL(boot, e->boot);
+}
+
+void setUp(void)
+{
+    memset(memory, 0xA5, sizeof memory);
+    start(7);
+}
+void tearDown(void) {}
+
+static void memory_after_a_loss_of_power_holds_no_events(void)
+{
+    struct random_source source = {.state = 99};
+    TEST_ASSERT_EQUAL(0, event_log.count);
+    memset(memory, 0, sizeof memory);
+    start(7);
+    TEST_ASSERT_EQUAL(0, event_log.count);
+    memset(memory, 0xFF, sizeof memory);
+    start(7);
+    TEST_ASSERT_EQUAL(0, event_log.count);
+    for (unsigned n = 0; n < 200; n++) {
+        uint8_t *byte = (uint8_t *)memory;
+        for (size_t i = 0; i < sizeof memory; i++)
+            byte[i] = (uint8_t)random_next(&source);
+        start(7);
+        TEST_ASSERT_EQUAL(0, event_log.count);
+    }
+}
+
+static void the_last_ones_are_kept(void)
+{
+    for (unsigned n = 0; n < EVENT_HISTORY * 3u + 5u; n++)
+        put(n);
+    TEST_ASSERT_EQUAL(EVENT_HISTORY * 2u + 5u, event_log_oldest(&event_log));
+    TEST_ASSERT_NULL(event_log_get(&event_log, event_log_oldest(&event_log) - 1u));
+    for (uint32_t n = event_log_oldest(&event_log); n < event_log.count; n++)
+        holds(n, (float)n, 7);
+    TEST_ASSERT_NULL(event_log_get(&event_log, event_log.count));
+}
+
+static void a_reset_keeps_them_and_marks_them_by_their_boot(void)
+{
+    for (unsigned n = 0; n < EVENT_HISTORY + 20u; n++)
+        put(n);
+    start(8);
+    TEST_ASSERT_EQUAL(EVENT_HISTORY + 20u, event_log.count);
+    put(event_log.count);
+    holds(EVENT_HISTORY + 19u, EVENT_HISTORY + 19u, 7);
+    holds(EVENT_HISTORY + 20u, EVENT_HISTORY + 20u, 8);
+}
+
+static void a_reset_in_the_middle_of_any_write_costs_that_one_event(void)
+{
+    for (unsigned n = 0; n < EVENT_HISTORY + 3u; n++)
+        put(n);
+    struct event_record old = memory[3], new;
+    put(EVENT_HISTORY + 3u);
+    new = memory[3];
+    for (size_t written = 0; written <= sizeof new; written++) {
+        memcpy(&memory[3], &new, written);
+        memcpy((uint8_t *)&memory[3] + written, (const uint8_t *)&old + written,
+               sizeof new - written);
+        start(8);
+        bool complete = memory[3].sequence == new.sequence &&memory[3].checksum == new.checksum;
+        TEST_ASSERT_EQUAL(EVENT_HISTORY + (complete ? 4u : 3u), event_log.count);
+        for (uint32_t n = 4; n < EVENT_HISTORY + 3u; n++)
+            holds(n, (float)n, 7);
+    }
+}
+
+static void a_flipped_bit_costs_one_event_and_no_other(void)
+{
+    for (unsigned n = 0; n < EVENT_HISTORY; n++)
+        put(n);
+    for (size_t bit = 0; bit < sizeof memory * 8u; bit++) {
+        uint8_t *byte = (uint8_t *)memory + bit / 8u;
+        unsigned hit = (unsigned)(bit / 8u / sizeof memory[0]);
+        *byte ^= (uint8_t)(1u << bit % 8u);
+        start(8);
+        TEST_ASSERT_NULL(event_log_get(&event_log, hit));
+        TEST_ASSERT_EQUAL(hit == EVENT_HISTORY - 1u ? EVENT_HISTORY - 1u : EVENT_HISTORY,
+                          event_log.count);
+        *byte ^= (uint8_t)(1u << bit % 8u);
+    }
+}
+
+int main(void)
+{
+    UNITY_BEGIN();
+    RUN_TEST(memory_after_a_loss_of_power_holds_no_events);
+    RUN_TEST(the_last_ones_are_kept);
+    RUN_TEST(a_reset_keeps_them_and_marks_them_by_their_boot);
+    RUN_TEST(a_reset_in_the_middle_of_any_write_costs_that_one_event);
+    RUN_TEST(a_flipped_bit_costs_one_event_and_no_other);
+    return UNITY_END();
+}

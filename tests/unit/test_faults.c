@@ -1,0 +1,243 @@
+/* Faults of instruments: each does what docs/faults.md says, at the time it is asked for, the same every run. */
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "events.h"
+#include "instruments.h"
+#include "two_by_two.h"
+#include "unity.h"
+
+enum { U1, U2, D, Y1, Y2 };
+#define DT 10.0
+
+static struct plant *plant;
+static struct instruments in;
+static struct events events;
+static struct link_sample sample;
+static char err[512];
+static unsigned samples_taken;
+
+void setUp(void)
+{
+    plant = two_by_two.create(err, sizeof(err));
+    TEST_ASSERT_NOT_NULL(plant);
+    TEST_ASSERT_TRUE(instruments_init(&in, &two_by_two, 11, 0.0, err, sizeof(err)));
+    memset(&events, 0, sizeof(events));
+    samples_taken = 0;
+}
+
+void tearDown(void)
+{
+    two_by_two.destroy(plant);
+}
+
+static void at(const char *event)
+{
+    TEST_ASSERT_TRUE_MESSAGE(events_add(&events, &two_by_two, event, err, sizeof(err)), err);
+}
+
+/* Samples every 10 s from time 0; the plant stands at its steady state (y1 = 45, y2 = 51). */
+static float reading(void)
+{
+    double time_s = DT * samples_taken;
+    TEST_ASSERT_TRUE(events_apply(&events, time_s, plant, &in, err, sizeof(err)));
+    instruments_measure(&in, plant, samples_taken == 0 ? 0.0 : DT, &sample);
+    samples_taken++;
+    return sample.measurement[0].value;
+}
+
+static double moved_to(double command)
+{
+    struct link_command c = {.n_outputs = 2};
+    c.output[0].value = (float)command;
+    c.output[0].drive = true;
+    instruments_command(&in, &c);
+    TEST_ASSERT_TRUE_MESSAGE(instruments_drive(&in, plant, DT, err, sizeof(err)), err);
+    return two_by_two.value(plant, U1);
+}
+
+static void drift_goes_on_by_the_hour_and_is_gone_when_repaired(void)
+{
+    at("10:y1.drift=36");
+    at("100:y1.drift=0");
+    TEST_ASSERT_EQUAL_FLOAT(45.0f, reading());
+    for (unsigned k = 1; k < 10; k++)
+        TEST_ASSERT_FLOAT_WITHIN(1e-4f, 45.0f + 0.1f * (float)k, reading());
+    TEST_ASSERT_EQUAL_FLOAT(45.0f, reading());
+}
+
+static void a_stuck_sensor_reads_what_it_is_stuck_at_until_it_is_free(void)
+{
+    at("10:y1.stuck=77");
+    at("30:y1.free=1");
+    const float expected[] = {45, 77, 77, 45};
+    for (unsigned k = 0; k < 4; k++)
+        TEST_ASSERT_EQUAL_FLOAT(expected[k], reading());
+}
+
+static void a_frozen_sensor_keeps_its_reading_to_the_last_bit(void)
+{
+    at("0:y1.noise=1");
+    at("50:y1.frozen=1");
+    for (unsigned k = 0; k < 5; k++)
+        (void)reading();
+    float last = sample.measurement[0].value;
+    for (unsigned k = 0; k < 20; k++)
+        TEST_ASSERT_EQUAL_FLOAT(last, reading());
+    at("240:y1.free=1");
+    (void)reading(); /* at 250 s */
+    TEST_ASSERT_TRUE(last != sample.measurement[0].value);
+}
+
+static void a_dead_sensor_reads_the_end_of_its_span_and_calls_it_good(void)
+{
+    at("0:y1.dead=1");
+    TEST_ASSERT_EQUAL_FLOAT((float)two_by_two.channels[Y1].lo, reading());
+    TEST_ASSERT_EQUAL(QUALITY_GOOD, sample.measurement[0].quality);
+}
+
+static void spikes_come_at_their_rate_both_ways_and_last_one_sample(void)
+{
+    unsigned up = 0, down = 0;
+    at("0:y1.spike=20");
+    at("0:y1.spike_rate=36"); /* one sample in ten */
+    for (unsigned k = 0; k < 4000; k++) {
+        float y = reading();
+        TEST_ASSERT_TRUE(y == 45.0f || y == 65.0f || y == 25.0f);
+        up += y > 50.0f;
+        down += y < 40.0f;
+    }
+    TEST_ASSERT_UINT32_WITHIN(76, 400,
+                              up + down); /* four standard errors; at time 0 there is none */
+    TEST_ASSERT_UINT32_WITHIN(56, 200, up);
+}
+
+static void dropouts_come_at_their_rate_as_missing_readings(void)
+{
+    unsigned missing = 0;
+    at("0:y1.dropout=0.25");
+    for (unsigned k = 0; k < 4000; k++) {
+        (void)reading();
+        missing += sample.measurement[0].quality == QUALITY_MISSING;
+    }
+    TEST_ASSERT_UINT32_WITHIN(110, 1000, missing);
+}
+
+static void not_a_number_is_sent_as_it_is_and_called_good(void)
+{
+    at("10:y1.nan=1");
+    at("20:y1.nan=0");
+    TEST_ASSERT_EQUAL_FLOAT(45.0f, reading());
+    TEST_ASSERT_TRUE(isnan(reading()));
+    TEST_ASSERT_EQUAL(QUALITY_GOOD, sample.measurement[0].quality);
+    TEST_ASSERT_EQUAL_FLOAT(45.0f, reading());
+}
+
+static void faults_leave_the_noise_of_every_sensor_as_it_was(void)
+{
+    float first[2][50];
+    for (unsigned round = 0; round < 2; round++) {
+        TEST_ASSERT_TRUE(instruments_init(&in, &two_by_two, 11, 1.0, err, sizeof(err)));
+        for (unsigned k = 0; k < 50; k++) {
+            if (round == 1 && k == 10) {
+                instruments_set(&in, Y1, OPTION_SPIKE, 5.0);
+                instruments_set(&in, Y1, OPTION_SPIKE_RATE, 100.0);
+                instruments_set(&in, Y1, OPTION_DROPOUT, 0.3);
+                instruments_set(&in, Y1, OPTION_STUCK, 30.0);
+            }
+            if (round == 1 && k == 30) {
+                instruments_set(&in, Y1, OPTION_SPIKE_RATE, 0.0);
+                instruments_set(&in, Y1, OPTION_DROPOUT, 0.0);
+                instruments_set(&in, Y1, OPTION_FREE, 1.0);
+            }
+            instruments_measure(&in, plant, DT, &sample);
+            first[round][k] = sample.measurement[k < 10 || k >= 30 ? 0 : 1].value;
+        }
+        /* while the first sensor is ill, the second is compared */
+        for (unsigned k = 0; round == 1 && k < 50; k++)
+            TEST_ASSERT_EQUAL_FLOAT(first[0][k], first[1][k]);
+    }
+}
+
+static void a_sticking_valve_stays_and_then_goes_all_the_way(void)
+{
+    instruments_set(&in, U1, OPTION_STICTION, 3.0);
+    TEST_ASSERT_EQUAL_DOUBLE(20.0, moved_to(22.0));
+    TEST_ASSERT_EQUAL_DOUBLE(20.0, moved_to(23.0));
+    TEST_ASSERT_EQUAL_DOUBLE(23.5, moved_to(23.5));
+    TEST_ASSERT_EQUAL_DOUBLE(23.5, moved_to(21.0));
+    TEST_ASSERT_EQUAL_DOUBLE(20.0, moved_to(20.0));
+}
+
+static void a_heater_that_fails_stays_at_its_value_and_the_readback_says_so(void)
+{
+    instruments_set(&in, U1, OPTION_STUCK, 0.0);
+    TEST_ASSERT_EQUAL_DOUBLE(0.0, moved_to(80.0));
+    (void)reading();
+    TEST_ASSERT_EQUAL_FLOAT(0.0f, sample.readback[0].value);
+}
+
+static void a_failed_flowmeter_sends_no_readback_and_a_blind_one_echoes_the_command(void)
+{
+    instruments_set(&in, U1, OPTION_STUCK, 10.0);
+    instruments_set(&in, U1, OPTION_READBACK, 0.0);
+    (void)moved_to(80.0);
+    (void)reading();
+    TEST_ASSERT_EQUAL(QUALITY_MISSING, sample.readback[0].quality);
+    instruments_set(&in, U1, OPTION_READBACK, 2.0);
+    (void)reading();
+    TEST_ASSERT_EQUAL_FLOAT(80.0f, sample.readback[0].value);
+    TEST_ASSERT_EQUAL(QUALITY_GOOD, sample.readback[0].quality);
+}
+
+static void options_for_the_other_kind_and_broken_choices_are_refused(void)
+{
+    const char *wrong[] = {"0:y1.stiction=1", "0:u1.drift=1",    "0:u1.nan=1",     "0:y1.nan=0.5",
+                           "0:y1.dropout=2",  "0:u1.readback=3", "0:y1.stuck=1e6", "0:y1.spike=-1"};
+    for (size_t i = 0; i < sizeof(wrong) / sizeof(wrong[0]); i++)
+        TEST_ASSERT_FALSE_MESSAGE(events_add(&events, &two_by_two, wrong[i], err, sizeof(err)),
+                                  wrong[i]);
+}
+
+/* The refusal of an unknown option names all there are. */
+static void every_option_stands_in_the_document(void)
+{
+    static char page[60000];
+    char name[40];
+    unsigned n = 0;
+    FILE *file = fopen("../docs/faults.md", "r");
+    TEST_ASSERT_NOT_NULL(file);
+    page[fread(page, 1, sizeof(page) - 1, file)] = '\0';
+    (void)fclose(file);
+    for (unsigned k = 0; k < 2; k++) {
+        TEST_ASSERT_FALSE(
+            events_add(&events, &two_by_two, k == 0 ? "0:y1.x=1" : "0:u1.x=1", err, sizeof(err)));
+        char *list = strstr(err, "it has ");
+        TEST_ASSERT_NOT_NULL(list);
+        for (char *option = strtok(list + 7, ", "); option; option = strtok(NULL, ", "), n++) {
+            (void)snprintf(name, sizeof(name), "| `%s` |", option);
+            TEST_ASSERT_NOT_NULL_MESSAGE(strstr(page, name), name);
+        }
+    }
+    TEST_ASSERT_EQUAL(22, n);
+}
+
+int main(void)
+{
+    UNITY_BEGIN();
+    RUN_TEST(drift_goes_on_by_the_hour_and_is_gone_when_repaired);
+    RUN_TEST(a_stuck_sensor_reads_what_it_is_stuck_at_until_it_is_free);
+    RUN_TEST(a_frozen_sensor_keeps_its_reading_to_the_last_bit);
+    RUN_TEST(a_dead_sensor_reads_the_end_of_its_span_and_calls_it_good);
+    RUN_TEST(spikes_come_at_their_rate_both_ways_and_last_one_sample);
+    RUN_TEST(dropouts_come_at_their_rate_as_missing_readings);
+    RUN_TEST(not_a_number_is_sent_as_it_is_and_called_good);
+    RUN_TEST(faults_leave_the_noise_of_every_sensor_as_it_was);
+    RUN_TEST(a_sticking_valve_stays_and_then_goes_all_the_way);
+    RUN_TEST(a_heater_that_fails_stays_at_its_value_and_the_readback_says_so);
+    RUN_TEST(a_failed_flowmeter_sends_no_readback_and_a_blind_one_echoes_the_command);
+    RUN_TEST(options_for_the_other_kind_and_broken_choices_are_refused);
+    RUN_TEST(every_option_stands_in_the_document);
+    return UNITY_END();
+}

@@ -1,0 +1,539 @@
+/* Stored settings: the format on old images, what is kept and what is changed across versions, wear, refusals. */
+#include "storage_bench.h"
+
+/* What tests/reference/storage_images.py means by "renamed"; the firmware's own table is not linked. */
+const struct storage_rename storage_renames[] = {
+    {15u << 12 | 60u << 6, 4u << 12 | 4u << 6},
+    {(uint16_t)(15u << 12 | 61u << 6), 4u << 12 | 6u << 6},
+    {0, 0},
+};
+
+static unsigned erases, programs;
+static bool take_no_write, worn_tail;
+
+static bool keep(uint32_t address, uint32_t n)
+{
+    if (n == FLASH_MODEL_SECTOR_SIZE)
+        erases++;
+    else
+        programs++;
+    if (worn_tail && memcmp(flash_model + address, "RXST", 4) == 0)
+        flash_model[address + 8] = 0; /* after it was read back */
+    return !take_no_write;
+}
+
+void setUp(void)
+{
+    flash_model_keep = keep;
+    take_no_write = worn_tail = false;
+    erases = programs = 0;
+    memory_port_erase_all();
+}
+
+void tearDown(void) {}
+
+static void load_image(const char *name)
+{
+    char path[512];
+    snprintf(path, sizeof path, STORAGE_IMAGES "/%s.bin", name);
+    FILE *file = fopen(path, "rb");
+    TEST_ASSERT_NOT_NULL_MESSAGE(file, path);
+    flash_model_erase_all();
+    TEST_ASSERT_TRUE(fread(flash_model, 1, sizeof flash_model, file) > 0);
+    fclose(file);
+}
+
+/* What the images describe. */
+static void plant_of_images(struct config *c)
+{
+    bench_small(c, "1.5");
+    bench_set(c, "meas1.unit", "degC");
+    bench_set(c, "meas1.lo", "60");
+    bench_set(c, "meas1.hi", "160");
+    bench_set(c, "mv1.unit", "kW");
+    bench_set(c, "mv1.hi", "2");
+    bench_set(c, "mv1.max", "2");
+    bench_set(c, "mv1.safe", "0.5");
+    bench_set(c, "loop1.ti", "300");
+    bench_set(c, "loop1.divisor", "2");
+}
+
+/* ---- format ---- */
+
+static void test_image_of_another_writer_is_read(void)
+{
+    struct config expected;
+    plant_of_images(&expected);
+    load_image("plain");
+    bench_boot();
+    TEST_ASSERT_TRUE(bench_is(&expected));
+    TEST_ASSERT_EQUAL(1, seen[EVENT_STORAGE_LOADED]);
+    TEST_ASSERT_EQUAL(0, seen[EVENT_STORAGE_CLIPPED] + seen[EVENT_STORAGE_OLDER]);
+    TEST_ASSERT_EQUAL(1, fw.storage.newest.sequence);
+}
+
+static void test_newest_of_several_counts_in_either_slot(void)
+{
+    load_image("three");
+    bench_boot();
+    TEST_ASSERT_EQUAL_FLOAT(3.0f, bench_get("loop1.gain"));
+    TEST_ASSERT_EQUAL(9, fw.storage.newest.sequence);
+    load_image("second");
+    bench_boot();
+    TEST_ASSERT_EQUAL_FLOAT(5.0f, bench_get("loop1.gain"));
+    TEST_ASSERT_EQUAL_FLOAT(41.0f, last_value[EVENT_STORAGE_LOADED]);
+}
+
+static void test_torn_set_leaves_the_one_before(void)
+{
+    load_image("torn");
+    bench_boot();
+    TEST_ASSERT_EQUAL_FLOAT(2.5f, bench_get("loop1.gain"));
+    TEST_ASSERT_EQUAL(1, seen[EVENT_STORAGE_OLDER]);
+    /* The next save goes behind what is torn, under a number of its own. */
+    TEST_ASSERT_EQUAL(ERR_OK, bench_save());
+    TEST_ASSERT_EQUAL(3, fw.storage.newest.sequence);
+    bench_boot();
+    TEST_ASSERT_EQUAL_FLOAT(2.5f, bench_get("loop1.gain"));
+    TEST_ASSERT_EQUAL(0, seen[EVENT_STORAGE_OLDER]);
+}
+
+static void test_nothing_whole_means_defaults_and_an_alarm(void)
+{
+    struct config defaults;
+    parameters_defaults(&defaults);
+    load_image("ruined");
+    bench_boot();
+    TEST_ASSERT_TRUE(bench_is(&defaults));
+    TEST_ASSERT_EQUAL(1, seen[EVENT_STORAGE_DAMAGED]);
+    TEST_ASSERT_EQUAL(EVENT_ALARM, event_level(EVENT_STORAGE_DAMAGED));
+    const char *why;
+    struct config c = defaults;
+    TEST_ASSERT_EQUAL(ERR_CRC, storage_load(&fw.storage, &c, &why));
+}
+
+static void test_new_flash_is_prepared_without_an_alarm(void)
+{
+    const char *why;
+    struct config c;
+    bench_boot();
+    TEST_ASSERT_EQUAL(1, erases);
+    TEST_ASSERT_EQUAL(0, seen[EVENT_STORAGE_DAMAGED]);
+    TEST_ASSERT_EQUAL(ERR_EMPTY, storage_load(&fw.storage, &c, &why));
+    bench_boot();
+    TEST_ASSERT_EQUAL(1, erases); /* once is enough */
+    TEST_ASSERT_EQUAL(0, seen[EVENT_STORAGE_DAMAGED]);
+}
+
+static void test_bytes_in_flash_are_those_of_the_document(void)
+{
+    static const uint8_t expected[] = {'R',  'X',  'S',  'M',  1, 0, 0, 0, 1, 0, 0, 0,
+                                       0x0C, 0xA6, 0xAF, 0x3D, /* mark */
+                                       'R',  'X',  'S',  'H',  1, 0, 0, 0, 0, 0, 1, CONFIG_SCHEMA};
+    bench_boot();
+    TEST_ASSERT_EQUAL(ERR_OK, bench_save());
+    uint8_t there[sizeof expected];
+    memcpy(there, flash_model, sizeof there);
+    memset(there + 12, 0, 4); /* the checksum: test_image_of_another_writer_is_read */
+    there[24] = there[25] = 0;
+    uint8_t wanted[sizeof expected];
+    memcpy(wanted, expected, sizeof wanted);
+    memset(wanted + 12, 0, 4);
+    TEST_ASSERT_EQUAL_HEX8_ARRAY(wanted, there, sizeof wanted);
+    TEST_ASSERT_EQUAL_HEX8(0x40, flash_model[32]); /* tick.base: id 0x1040 */
+    TEST_ASSERT_EQUAL_HEX8(0x10, flash_model[33]);
+    TEST_ASSERT_EQUAL(STORAGE_FLOAT, flash_model[34]);
+    TEST_ASSERT_EQUAL(4, flash_model[35]);
+}
+
+/* ---- across versions ---- */
+
+static unsigned times_in_flash(const void *bytes, size_t n)
+{
+    unsigned times = 0;
+    for (size_t i = 0; i + n <= sizeof flash_model; i++)
+        times += memcmp(flash_model + i, bytes, n) == 0;
+    return times;
+}
+
+static void test_unknown_ids_are_carried_over_by_every_save(void)
+{
+    uint8_t unknown[204] = {0x82, 0xFF, 9, 200};
+    static const uint8_t empty[4] = {0xC0, 0xFF, 77, 0};
+    static const uint8_t beyond[8] = {0x3B, 0x41, STORAGE_FLOAT, 4, 0, 0, 0xE0, 0x40};
+    for (unsigned i = 0; i < 200; i++)
+        unknown[4 + i] = (uint8_t)i;
+    struct config expected;
+    plant_of_images(&expected);
+    load_image("unknown");
+    bench_boot();
+    TEST_ASSERT_TRUE(bench_is(&expected));
+    for (unsigned n = 2; n < 6; n++) {
+        TEST_ASSERT_EQUAL(ERR_OK, bench_save());
+        TEST_ASSERT_EQUAL(n, times_in_flash(unknown, sizeof unknown));
+        TEST_ASSERT_EQUAL(n, times_in_flash(empty, sizeof empty));
+        TEST_ASSERT_EQUAL(n, times_in_flash(beyond, sizeof beyond));
+        bench_boot();
+        TEST_ASSERT_TRUE(bench_is(&expected));
+    }
+    /* Also when everything else changes. */
+    parameters_defaults(&expected);
+    bench_put(&expected);
+    TEST_ASSERT_EQUAL(ERR_OK, bench_save());
+    TEST_ASSERT_EQUAL(6, times_in_flash(unknown, sizeof unknown));
+}
+
+static void test_values_out_of_range_are_clipped_one_by_one(void)
+{
+    struct config expected;
+    plant_of_images(&expected);
+    bench_set(&expected, "loop1.gain", "100");
+    bench_set(&expected, "loop1.b", "0");
+    bench_set(&expected, "loop1.n", "8");
+    bench_set(&expected, "loop1.divisor", "10000");
+    bench_set(&expected, "loop1.action", "direct");
+    bench_set(&expected, "tick.miss_limit", "1000000");
+    load_image("ranges");
+    bench_boot();
+    TEST_ASSERT_EQUAL(8, seen[EVENT_STORAGE_CLIPPED]);
+    TEST_ASSERT_TRUE(bench_is(&expected));
+}
+
+static void test_clipping_names_parameter_and_value(void)
+{
+    load_image("ranges");
+    bench_boot();
+    TEST_ASSERT_EQUAL_STRING("meas2.unit", last_subject[EVENT_STORAGE_CLIPPED]);
+    struct event e;
+    bool found = false;
+    for (uint32_t i = 0; i < fw.service.history.count; i++) {
+        const struct event *at = event_log_get(&fw.service.history, i);
+        if (!at || at->code != EVENT_STORAGE_CLIPPED)
+            continue;
+        e = *at;
+        if (strcmp(e.subject, "loop1.gain") == 0) {
+            found = true;
+            TEST_ASSERT_EQUAL_FLOAT(100.0f, e.value);
+        }
+    }
+    TEST_ASSERT_TRUE(found);
+}
+
+static void test_types_that_have_changed_are_converted(void)
+{
+    struct config expected;
+    plant_of_images(&expected);
+    bench_set(&expected, "loop1.gain", "1.25");
+    bench_set(&expected, "loop1.ti", "450");
+    bench_set(&expected, "loop1.divisor", "3");
+    bench_set(&expected, "loop1.action", "direct");
+    bench_set(&expected, "loop1.sp_track", "off");
+    bench_set(&expected, "tick.miss_limit", "12");
+    load_image("types");
+    bench_boot();
+    TEST_ASSERT_TRUE(bench_is(&expected));
+    TEST_ASSERT_EQUAL(2, seen[EVENT_STORAGE_CLIPPED]); /* what cannot be converted: the default */
+}
+
+static void test_renamed_fields_are_found_and_the_new_name_wins(void)
+{
+    struct config expected;
+    plant_of_images(&expected);
+    bench_set(&expected, "loop1.td", "25");
+    load_image("renamed");
+    bench_boot();
+    TEST_ASSERT_TRUE(bench_is(&expected));
+    /* The next save knows the new names only. */
+    TEST_ASSERT_EQUAL(ERR_OK, bench_save());
+    static const uint8_t head[4] = {0x00, 0xFF, STORAGE_FLOAT, 4};
+    TEST_ASSERT_EQUAL(1, times_in_flash(head, sizeof head));
+    bench_boot();
+    TEST_ASSERT_TRUE(bench_is(&expected));
+}
+
+static void test_records_that_end_in_nothing_end_the_reading(void)
+{
+    struct config expected;
+    plant_of_images(&expected);
+    load_image("overrun");
+    bench_boot();
+    TEST_ASSERT_TRUE(bench_is(&expected));
+    TEST_ASSERT_EQUAL(ERR_OK, bench_save());
+    bench_boot();
+    TEST_ASSERT_TRUE(bench_is(&expected));
+}
+
+static void test_inconsistent_set_stays_stored_and_defaults_run(void)
+{
+    static uint8_t image[FLASH_MODEL_SIZE];
+    struct config defaults, c;
+    struct config_fault fault;
+    const char *why;
+    parameters_defaults(&defaults);
+    load_image("inconsistent");
+    memcpy(image, flash_model, sizeof image);
+    bench_boot();
+    TEST_ASSERT_TRUE(bench_is(&defaults));
+    TEST_ASSERT_EQUAL(1, seen[EVENT_STORAGE_REFUSED]);
+    TEST_ASSERT_EQUAL_STRING("loop1.pv", last_subject[EVENT_STORAGE_REFUSED]);
+    TEST_ASSERT_EQUAL_MEMORY(image, flash_model, sizeof image);
+    /* Asking again gives the reason again. */
+    TEST_ASSERT_EQUAL(ERR_OK, storage_load(&fw.storage, &c, &why));
+    TEST_ASSERT_EQUAL(ERR_UNKNOWN, service_apply(&fw.service, &c, &fault));
+    TEST_ASSERT_EQUAL_STRING("T1", fault.subject);
+}
+
+/* ---- what is stored ---- */
+
+static void test_every_parameter_comes_back(void)
+{
+    struct config c, there;
+    struct parameter p;
+    const char *why;
+    char value[32];
+    bench_boot();
+    parameters_defaults(&c);
+    for (unsigned n = 0; parameter_at(n, &p); n++) {
+        float lo = p.field->lo, hi = p.field->hi, f = lo + (hi - lo) * (float)(1 + n % 97) / 99.0f;
+        switch (p.field->type) {
+        case PARAMETER_FIXED:
+            continue;
+        case PARAMETER_FLOAT:
+            snprintf(value, sizeof value, "%.9g", (double)f);
+            break;
+        case PARAMETER_U32:
+        case PARAMETER_U16:
+            snprintf(value, sizeof value, "%u", (unsigned)f);
+            break;
+        case PARAMETER_WORD: {
+            struct text t = text_on(value, sizeof value);
+            uint8_t *at = parameter_place(&p, &c);
+            *at = (uint8_t)(n % parameter_words(&p));
+            parameter_value(&p, &c, &t);
+            break;
+        }
+        default:
+            snprintf(value, sizeof value, "x%u", n);
+            break;
+        }
+        TEST_ASSERT_EQUAL(ERR_OK, parameter_set(&p, &c, value));
+    }
+    /* No plan could be made of it, and none is needed. */
+    *service_stage(&fw.service) = c;
+    fw.service.plan[fw.service.in_force].config = c;
+    TEST_ASSERT_EQUAL(ERR_OK, bench_save());
+    TEST_ASSERT_EQUAL(ERR_OK, storage_load(&fw.storage, &there, &why));
+    TEST_ASSERT_EQUAL_MEMORY(&c, &there, sizeof c);
+    printf("bytes of the largest set: %u\n",
+           (unsigned)(16u + (fw.storage.newest.length + 15u) / 16u * 16u + 16u));
+}
+
+static void test_save_takes_the_pending_plan(void)
+{
+    struct config c;
+    struct config_fault fault;
+    bench_boot();
+    bench_small(&c, "4.5");
+    TEST_ASSERT_EQUAL(ERR_OK, service_apply(&fw.service, &c, &fault)); /* no tick yet */
+    TEST_ASSERT_EQUAL(ERR_OK, bench_save());
+    bench_boot();
+    TEST_ASSERT_TRUE(bench_is(&c));
+}
+
+/* ---- wear, erasing, refusing ---- */
+
+static void test_saves_append_until_the_slot_is_full_and_then_change_it(void)
+{
+    struct config a, b;
+    bench_boot();
+    bench_small(&a, "1.5");
+    bench_small(&b, "2.5");
+    unsigned saves = 0, turned = 0, bytes = 0;
+    unsigned before = erases;
+    for (; erases < before + 4; saves++) {
+        unsigned were = erases;
+        bench_put(saves % 2 ? &a : &b);
+        TEST_ASSERT_EQUAL(ERR_OK, bench_save());
+        bytes = 32u + (fw.storage.newest.length + 15u) / 16u * 16u;
+        turned += erases != were;
+    }
+    TEST_ASSERT_EQUAL(4, turned);
+    /* The slots take turns, and each is filled to the last set that fits. */
+    unsigned a_slot = (FLASH_MODEL_SECTOR_SIZE - STORAGE_GRAIN) / bytes;
+    TEST_ASSERT_EQUAL(4 * a_slot + 1, saves);
+    TEST_ASSERT_EQUAL(1 + 2, fw.storage.erases[0]);
+    TEST_ASSERT_EQUAL(2, fw.storage.erases[1]);
+    printf("saves of %u bytes for each erase of a slot of %u: %u\n", bytes, FLASH_MODEL_SECTOR_SIZE,
+           a_slot);
+    bench_boot();
+    TEST_ASSERT_TRUE(bench_is((saves - 1) % 2 ? &a : &b));
+}
+
+/* Fills the slot in use so that the next save needs an erase. */
+static void fill(void)
+{
+    struct config c;
+    bench_small(&c, "1.5");
+    bench_put(&c);
+    for (;;) {
+        uint8_t slot = fw.storage.newest.address >= fw.storage.slot_size;
+        TEST_ASSERT_EQUAL(ERR_OK, bench_save());
+        if (fw.storage.slot_size - fw.storage.used[slot] < 32u + fw.storage.newest.length + 16u)
+            return;
+    }
+}
+
+static void test_save_that_needs_an_erase_is_refused_while_a_loop_acts(void)
+{
+    static uint8_t image[FLASH_MODEL_SIZE];
+    bench_boot();
+    fill();
+    memcpy(image, flash_model, sizeof image);
+    unsigned were = erases;
+    fw.supervisor.loop[0].mode = LOOP_AUTO;
+    TEST_ASSERT_EQUAL(ERR_STATE, bench_save());
+    TEST_ASSERT_NOT_NULL(strstr(save_why, "manual"));
+    TEST_ASSERT_EQUAL_MEMORY(image, flash_model, sizeof image);
+    TEST_ASSERT_EQUAL(were, erases);
+    fw.supervisor.loop[0].mode = LOOP_MANUAL;
+    TEST_ASSERT_EQUAL(ERR_OK, bench_save());
+    TEST_ASSERT_EQUAL(were + 1, erases);
+    /* With room again, a loop may act. */
+    fw.supervisor.loop[0].mode = LOOP_AUTO;
+    TEST_ASSERT_EQUAL(ERR_OK, bench_save());
+}
+
+static void test_loop_that_begins_to_act_stops_the_erase(void)
+{
+    bench_boot();
+    fill();
+    unsigned were = erases;
+    TEST_ASSERT_EQUAL(ERR_OK, storage_save(&fw.storage, &save_why));
+    fw.supervisor.loop[0].mode = LOOP_AUTO; /* between the promise and the deed */
+    bench_work();
+    TEST_ASSERT_EQUAL(ERR_STATE, storage_result(&fw.storage, &save_why));
+    TEST_ASSERT_EQUAL(were, erases);
+}
+
+static void test_start_makes_room_before_the_settings_are_in_force(void)
+{
+    struct config c;
+    bench_boot();
+    bench_small(&c, "1.5");
+    bench_put(&c);
+    for (unsigned n = 0; n < 40; n++) {
+        TEST_ASSERT_EQUAL(ERR_OK, bench_save());
+        bench_boot();
+        /* From here on every loop may act: the next save needs no erase. */
+        TEST_ASSERT_TRUE(bench_is(&c));
+        fw.supervisor.loop[0].mode = LOOP_AUTO;
+        TEST_ASSERT_EQUAL(ERR_OK, bench_save());
+        fw.supervisor.loop[0].mode = LOOP_MANUAL;
+    }
+}
+
+static void test_at_most_one_flash_operation_a_turn(void)
+{
+    bench_boot();
+    fill();
+    TEST_ASSERT_EQUAL(ERR_OK, storage_save(&fw.storage, &save_why));
+    bool more = true;
+    while (more) {
+        unsigned before = erases + programs;
+        more = storage_poll(&fw.storage);
+        TEST_ASSERT_TRUE(erases + programs - before <= 1);
+    }
+    TEST_ASSERT_EQUAL(ERR_OK, storage_result(&fw.storage, &save_why));
+}
+
+static void test_flash_that_takes_no_write_is_told(void)
+{
+    char text[120];
+    struct text t = text_on(text, sizeof text);
+    take_no_write = true;
+    bench_boot();
+    TEST_ASSERT_EQUAL_STRING("failed", storage_word(&fw.storage));
+    TEST_ASSERT_EQUAL(ERR_IO, bench_save());
+    TEST_ASSERT_NOT_NULL(strstr(save_why, "does not take the write"));
+    storage_text(&fw.storage, &t);
+    TEST_ASSERT_EQUAL_STRING_LEN("failed", text, 6);
+    take_no_write = false;
+    TEST_ASSERT_EQUAL(ERR_OK, bench_save()); /* it was the weather */
+    TEST_ASSERT_EQUAL_STRING("ok", storage_word(&fw.storage));
+}
+
+static void test_set_is_read_back_as_a_whole(void)
+{
+    bench_boot();
+    worn_tail = true;
+    TEST_ASSERT_EQUAL(ERR_IO, bench_save());
+    worn_tail = false;
+    TEST_ASSERT_EQUAL(ERR_OK, bench_save());
+}
+
+/* Emulated flash reads zeros, or erased, and stays so: that is no damage. */
+static void test_memory_of_zeros_is_no_damage(void)
+{
+    memset(flash_model, 0, sizeof flash_model);
+    take_no_write = true;
+    bench_boot();
+    TEST_ASSERT_EQUAL(0, seen[EVENT_STORAGE_DAMAGED]);
+}
+
+static void test_save_and_load_wait_for_the_transaction(void)
+{
+    bench_boot();
+    TEST_ASSERT_NOT_NULL(service_stage(&fw.service));
+    fw.service.staging = true;
+    TEST_ASSERT_EQUAL(ERR_STATE, bench_save());
+}
+
+static void test_whoever_configures_before_storage_is_read_is_not_overruled(void)
+{
+    struct config c;
+    struct config_fault fault;
+    load_image("plain");
+    bench_boot();
+    /* The same start again, with an `apply` before the first turn of storage. */
+    memset(seen, 0, sizeof seen);
+    bench_small(&c, "8.5");
+    storage_init(&fw.storage, &fw.service);
+    TEST_ASSERT_EQUAL(ERR_OK, service_apply(&fw.service, &c, &fault));
+    (void)storage_ready(&fw.storage);
+    bench_work();
+    bench_tick();
+    bench_events();
+    TEST_ASSERT_TRUE(bench_is(&c));
+    TEST_ASSERT_EQUAL(1, seen[EVENT_STORAGE_REFUSED]);
+}
+
+int main(void)
+{
+    UNITY_BEGIN();
+    RUN_TEST(test_image_of_another_writer_is_read);
+    RUN_TEST(test_newest_of_several_counts_in_either_slot);
+    RUN_TEST(test_torn_set_leaves_the_one_before);
+    RUN_TEST(test_nothing_whole_means_defaults_and_an_alarm);
+    RUN_TEST(test_new_flash_is_prepared_without_an_alarm);
+    RUN_TEST(test_bytes_in_flash_are_those_of_the_document);
+    RUN_TEST(test_unknown_ids_are_carried_over_by_every_save);
+    RUN_TEST(test_values_out_of_range_are_clipped_one_by_one);
+    RUN_TEST(test_clipping_names_parameter_and_value);
+    RUN_TEST(test_types_that_have_changed_are_converted);
+    RUN_TEST(test_renamed_fields_are_found_and_the_new_name_wins);
+    RUN_TEST(test_records_that_end_in_nothing_end_the_reading);
+    RUN_TEST(test_inconsistent_set_stays_stored_and_defaults_run);
+    RUN_TEST(test_every_parameter_comes_back);
+    RUN_TEST(test_save_takes_the_pending_plan);
+    RUN_TEST(test_saves_append_until_the_slot_is_full_and_then_change_it);
+    RUN_TEST(test_save_that_needs_an_erase_is_refused_while_a_loop_acts);
+    RUN_TEST(test_loop_that_begins_to_act_stops_the_erase);
+    RUN_TEST(test_start_makes_room_before_the_settings_are_in_force);
+    RUN_TEST(test_at_most_one_flash_operation_a_turn);
+    RUN_TEST(test_flash_that_takes_no_write_is_told);
+    RUN_TEST(test_set_is_read_back_as_a_whole);
+    RUN_TEST(test_memory_of_zeros_is_no_damage);
+    RUN_TEST(test_save_and_load_wait_for_the_transaction);
+    RUN_TEST(test_whoever_configures_before_storage_is_read_is_not_overruled);
+    return UNITY_END();
+}

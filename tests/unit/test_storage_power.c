@@ -1,0 +1,384 @@
+/* Power is cut everywhere. One state is one content of the flash a cut can leave behind, followed by one start of the
+ * firmware, which must find the settings before the save or those of the save, whole; and where none were stored,
+ * the defaults, with an alarm.
+ *
+ *   in a program operation   every prefix of its bits is written, from none to all
+ *   in an erase              nothing, everything, a beginning, or random words
+ *   twice                    after the first cut comes a start and another save, which is cut as well: every byte
+ *                            prefix of the first cut by every word prefix of the second (the full product by bits
+ *                            would be 10^7 starts and more)
+ *   never                    every bit of every stored byte flips
+ */
+#include "random_source.h"
+#include "storage_bench.h"
+
+static struct random_source random_source;
+static unsigned long states;
+
+/* ---- recording what a save or a start does to the flash ---- */
+
+#define STEPS_MAX 600u
+
+struct step {
+    uint32_t address, n;
+    bool erase;
+    uint8_t data[STORAGE_PIECE];
+};
+
+static struct recording {
+    uint8_t before[FLASH_MODEL_SIZE];
+    struct step step[STEPS_MAX];
+    unsigned n;
+} first, second;
+
+static struct recording *recording;
+
+static bool keep(uint32_t address, uint32_t n)
+{
+    if (!recording)
+        return true;
+    TEST_ASSERT_TRUE(recording->n < STEPS_MAX);
+    struct step *s = &recording->step[recording->n++];
+    *s = (struct step){.address = address, .n = n, .erase = n == FLASH_MODEL_SECTOR_SIZE};
+    if (!s->erase) {
+        TEST_ASSERT_TRUE(n <= STORAGE_PIECE);
+        memcpy(s->data, flash_model + address, n);
+    }
+    return true;
+}
+
+static void record_into(struct recording *r)
+{
+    memcpy(r->before, flash_model, sizeof flash_model);
+    r->n = 0;
+    recording = r;
+}
+
+static void stop_recording(void)
+{
+    recording = NULL;
+}
+
+/* The flash after the first `steps` of the recording. */
+static void replay(const struct recording *r, unsigned steps)
+{
+    memcpy(flash_model, r->before, sizeof flash_model);
+    for (unsigned i = 0; i < steps; i++) {
+        const struct step *s = &r->step[i];
+        if (s->erase)
+            memset(flash_model + s->address, 0xFF, s->n);
+        else
+            memcpy(flash_model + s->address, s->data, s->n);
+    }
+}
+
+/* ... and the first `bits` of the step after them, which programs. */
+static void tear_program(const struct recording *r, unsigned step, uint32_t bits)
+{
+    const struct step *s = &r->step[step];
+    replay(r, step);
+    for (uint32_t i = 0; i < (bits + 7u) / 8u; i++) {
+        uint32_t whole = bits - 8u * i;
+        uint32_t left = whole >= 8u ? 0 : 0xFFu << whole; /* bits still as erased */
+        uint8_t torn = (uint8_t)(s->data[i] | left);
+        flash_model[s->address + i] &= torn;
+    }
+}
+
+/* ... or an erase that has come as far as way number `way` says. */
+#define ERASE_WAYS 120u
+
+static void tear_erase(const struct recording *r, unsigned step, unsigned way)
+{
+    const struct step *s = &r->step[step];
+    uint8_t *sector = flash_model + s->address;
+    replay(r, step);
+    if (way == 0)
+        return;
+    if (way == 1) {
+        memset(sector, 0xFF, s->n);
+    } else if (way < 10) { /* a beginning */
+        memset(sector, 0xFF, s->n / 10u * way);
+    } else if (way < 60) { /* random words everywhere */
+        for (uint32_t i = 0; i < s->n; i++)
+            sector[i] = (uint8_t)random_next(&random_source);
+    } else if (way < 100) { /* some words random, the others as they were */
+        for (uint32_t i = 0; i < s->n; i += 4)
+            if (random_below(&random_source, 4) == 0)
+                for (uint32_t k = 0; k < 4; k++)
+                    sector[i + k] = (uint8_t)random_next(&random_source);
+    } else { /* almost: one bit has stayed */
+        memset(sector, 0xFF, s->n);
+        sector[random_below(&random_source, s->n)] ^=
+            (uint8_t)(1u << random_below(&random_source, 8));
+    }
+}
+
+/* ---- what a start must find ---- */
+
+static struct config nothing, older, newer, newest;
+
+static bool stored(const struct config *config)
+{
+    return bench_is(config) && (bench_is(&nothing) || seen[EVENT_STORAGE_LOADED] == 1);
+}
+
+static void fail(const char *what, unsigned step, uint32_t part)
+{
+    char text[160];
+    snprintf(text, sizeof text, "%s: step %u, part %u", what, step, (unsigned)part);
+    TEST_FAIL_MESSAGE(text);
+}
+
+static void expect_one_of(const struct config *a, const struct config *b, const char *what,
+                          unsigned step, uint32_t part)
+{
+    bench_boot();
+    states++;
+    if (!stored(a) && !stored(b))
+        fail(what, step, part);
+    if (bench_is(&nothing) && fw.storage.remains != (seen[EVENT_STORAGE_DAMAGED] == 1))
+        fail("no alarm", step, part);
+}
+
+/* Every cut of what has been recorded; the last step whole is no cut any more. */
+static void cut_everywhere(const struct recording *r, const struct config *before,
+                           const struct config *after)
+{
+    for (unsigned step = 0; step < r->n; step++) {
+        if (r->step[step].erase) {
+            for (unsigned way = 0; way < ERASE_WAYS; way++) {
+                tear_erase(r, step, way);
+                expect_one_of(before, after, "erase", step, way);
+            }
+            continue;
+        }
+        bool last = step + 1 == r->n;
+        for (uint32_t bits = 0; bits < 8u * r->step[step].n + last; bits++) {
+            tear_program(r, step, bits);
+            expect_one_of(before, after, "program", step, bits);
+        }
+    }
+    replay(r, r->n);
+    expect_one_of(after, after, "end", r->n, 0);
+}
+
+static void record_save(struct recording *r, const struct config *config)
+{
+    bench_put(config);
+    record_into(r);
+    TEST_ASSERT_EQUAL(ERR_OK, bench_save());
+    stop_recording();
+}
+
+void setUp(void)
+{
+    random_source.state = 20240607;
+    flash_model_keep = keep;
+    recording = NULL;
+    flash_model_erase_all();
+    parameters_defaults(&nothing);
+}
+
+void tearDown(void) {}
+
+/* ---- one cut ---- */
+
+static void test_cut_in_the_first_save_ever(void)
+{
+    bench_boot();
+    bench_small(&newer, "2.5");
+    record_save(&first, &newer);
+    cut_everywhere(&first, &nothing, &newer);
+}
+
+static void test_cut_in_a_save_that_appends(void)
+{
+    bench_boot();
+    bench_small(&older, "1.5");
+    bench_small(&newer, "2.5");
+    bench_put(&older);
+    TEST_ASSERT_EQUAL(ERR_OK, bench_save());
+    record_save(&first, &newer);
+    cut_everywhere(&first, &older, &newer);
+}
+
+/* Saves until the next one needs an erase; `config` alternates and the last saved is in *config. */
+static void fill_slot(struct config *a, struct config *b, struct config **last)
+{
+    for (unsigned n = 0; n < 2000; n++) {
+        *last = n % 2 ? a : b;
+        bench_put(*last);
+        record_into(&first);
+        TEST_ASSERT_EQUAL(ERR_OK, bench_save());
+        stop_recording();
+        if (first.step[0].erase)
+            return;
+    }
+    TEST_FAIL_MESSAGE("never full");
+}
+
+static void test_cut_in_a_save_that_erases(void)
+{
+    struct config *last;
+    bench_boot();
+    bench_small(&older, "1.5");
+    bench_small(&newer, "2.5");
+    fill_slot(&older, &newer, &last); /* leaves that save in `first` */
+    cut_everywhere(&first, last == &newer ? &older : &newer, last);
+}
+
+static void test_cut_while_a_start_erases(void)
+{
+    bench_boot();
+    bench_small(&older, "1.5");
+    bench_small(&newer, "2.5");
+    /* Until a start finds it necessary, with sets in the slot that is erased. */
+    for (unsigned n = 0;; n++) {
+        TEST_ASSERT_TRUE(n < 2000);
+        bench_put(n % 2 ? &older : &newer);
+        TEST_ASSERT_EQUAL(ERR_OK, bench_save());
+        record_into(&first);
+        bench_boot();
+        stop_recording();
+        if (first.n && n > 20 && fw.storage.erases[0] > 0 && fw.storage.erases[1] > 1)
+            break;
+    }
+    TEST_ASSERT_TRUE(first.step[0].erase);
+    struct config found = *in_force();
+    cut_everywhere(&first, &found, &found);
+}
+
+/* ---- two cuts ---- */
+
+/* Another save after the first cut, cut in turn. */
+static void cut_again(const struct config *before, const struct config *after)
+{
+    bench_boot();
+    states++;
+    if (!stored(before) && !stored(after))
+        fail("first of two", 0, 0);
+    struct config there = *in_force();
+    record_save(&second, &newest);
+    for (unsigned step = 0; step < second.n; step++) {
+        if (second.step[step].erase) {
+            for (unsigned n = 0; n < 6; n++) {
+                tear_erase(&second, step, random_below(&random_source, ERASE_WAYS));
+                expect_one_of(&there, &newest, "second erase", step, n);
+            }
+            continue;
+        }
+        for (uint32_t bits = 0; bits < 8u * second.step[step].n; bits += 32) {
+            uint32_t torn = bits + random_below(&random_source, 32);
+            tear_program(&second, step, torn);
+            expect_one_of(&there, &newest, "second program", step, torn);
+        }
+    }
+    replay(&second, second.n);
+    expect_one_of(&newest, &newest, "after two", 0, 0);
+}
+
+static void cut_twice(const struct config *before, const struct config *after)
+{
+    for (unsigned step = 0; step < first.n; step++) {
+        if (first.step[step].erase) {
+            for (unsigned way = 0; way < ERASE_WAYS; way++) {
+                tear_erase(&first, step, way);
+                cut_again(before, after);
+            }
+            continue;
+        }
+        for (uint32_t bits = 0; bits < 8u * first.step[step].n; bits += 8) {
+            tear_program(&first, step, bits + random_below(&random_source, 8));
+            cut_again(before, after);
+        }
+    }
+}
+
+static void test_two_cuts(void)
+{
+    bench_boot();
+    bench_tiny(&older, "7");
+    bench_tiny(&newer, "8");
+    bench_tiny(&newest, "9");
+    bench_put(&older);
+    TEST_ASSERT_EQUAL(ERR_OK, bench_save());
+    record_save(&first, &newer);
+    cut_twice(&older, &newer);
+}
+
+static void test_two_cuts_from_nothing(void)
+{
+    bench_boot();
+    bench_tiny(&newer, "8");
+    bench_tiny(&newest, "9");
+    record_save(&first, &newer);
+    cut_twice(&nothing, &newer);
+}
+
+static void test_two_cuts_around_an_erase(void)
+{
+    struct config *last;
+    bench_boot();
+    bench_small(&older, "1.5");
+    bench_small(&newer, "2.5");
+    bench_small(&newest, "3.5");
+    fill_slot(&older, &newer, &last);
+    first.n = 3; /* erase, mark, head: the rest is as in the other tests */
+    cut_twice(last == &newer ? &older : &newer, last);
+}
+
+/* ---- no cut: every bit flips ---- */
+
+static void flip_everything(const struct config *before, const struct config *after)
+{
+    static uint8_t image[FLASH_MODEL_SIZE];
+    memcpy(image, flash_model, sizeof image);
+    for (uint32_t i = 0; i < FLASH_MODEL_SIZE; i++) {
+        if (image[i] == 0xFF && (i == 0 || image[i - 1] == 0xFF) && image[i | 15u] == 0xFF)
+            continue; /* nothing stored there */
+        for (unsigned bit = 0; bit < 8; bit++) {
+            memcpy(flash_model, image, sizeof image);
+            flash_model[i] ^= (uint8_t)(1u << bit);
+            expect_one_of(before, after, "flip", i, bit);
+        }
+    }
+}
+
+static void test_every_bit_of_one_set_flips(void)
+{
+    bench_boot();
+    bench_small(&newer, "2.5");
+    bench_put(&newer);
+    TEST_ASSERT_EQUAL(ERR_OK, bench_save());
+    flip_everything(&nothing, &newer);
+}
+
+static void test_every_bit_of_two_sets_flips(void)
+{
+    bench_boot();
+    bench_small(&older, "1.5");
+    bench_small(&newer, "2.5");
+    bench_put(&older);
+    TEST_ASSERT_EQUAL(ERR_OK, bench_save());
+    bench_put(&newer);
+    TEST_ASSERT_EQUAL(ERR_OK, bench_save());
+    flip_everything(&older, &newer);
+}
+
+int main(void)
+{
+    UNITY_BEGIN();
+    memory_port_erase_all();
+    RUN_TEST(test_cut_in_the_first_save_ever);
+    RUN_TEST(test_cut_in_a_save_that_appends);
+    RUN_TEST(test_cut_in_a_save_that_erases);
+    RUN_TEST(test_cut_while_a_start_erases);
+    RUN_TEST(test_two_cuts);
+    RUN_TEST(test_two_cuts_from_nothing);
+    RUN_TEST(test_two_cuts_around_an_erase);
+    RUN_TEST(test_every_bit_of_one_set_flips);
+    RUN_TEST(test_every_bit_of_two_sets_flips);
+    printf("storage power-cut states: %lu\n", states);
+    return UNITY_END();
+}

@@ -1,0 +1,93 @@
+"""Bytes of a linked image by layer, from the linker's map file."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from pathlib import Path
+
+from reflux_tools.errors import RunFailed
+
+OUTPUT = re.compile(r"^(\.\w+|/DISCARD/)(?:\s+0x([0-9a-f]+)\s+0x([0-9a-f]+))?")
+INPUT = re.compile(r"^ (\S+)\s+0x([0-9a-f]+)\s+0x([0-9a-f]+)(?: (.*))?$")
+NAME_ONLY = re.compile(r"^ ([.\w*][^\s]*)$")
+PLACE_ONLY = re.compile(r"^\s+0x([0-9a-f]+)\s+0x([0-9a-f]+) (\S.*)$")
+KINDS = {".text": "text", ".data": "data", ".tdata": "data", ".bss": "bss", ".tbss": "bss", ".noinit": "bss",
+         ".stack": "stack"}
+
+
+@dataclass
+class Sizes:
+    text: int = 0
+    data: int = 0
+    bss: int = 0
+    stack: int = 0
+
+    def flash(self) -> int:
+        return self.text + self.data
+
+    def ram(self) -> int:
+        return self.data + self.bss
+
+    def add(self, kind: str, size: int) -> None:
+        setattr(self, kind, getattr(self, kind) + size)
+
+
+def layer_of(path: str) -> str:
+    """`service` for .../libreflux_service.a(console.c.obj), `hal` for the port, `libc`, `libgcc`."""
+    match = re.search(r"libreflux_(\w+)\.a\(", path)
+    if match:
+        return match[1]
+    match = re.search(r"/lib(\w+)\.a\(", path)
+    if match:
+        return "libc" if match[1] in ("c", "m") else f"lib{match[1]}"
+    return "hal" if "/hal/" in path or path.startswith("hal/") else "other"
+
+
+def read(path: Path) -> dict[str, Sizes]:
+    """Layer -> bytes; `fill` is what alignment costs, `stack` what the linker script sets aside."""
+    try:
+        lines = path.read_text(encoding="utf-8", errors="replace").splitlines()
+    except OSError as error:
+        raise RunFailed(f"{path}: {error.strerror}; the linker writes it when the image is built") from None
+    try:
+        lines = lines[lines.index("Linker script and memory map"):]
+    except ValueError:
+        raise RunFailed(f"{path} is no map file") from None
+    found: list[tuple[str, int, int, str]] = []  # kind, address, size, layer
+    whole = dict.fromkeys(set(KINDS.values()), 0)
+    kind: str | None = None
+    name = ""
+    for line in lines:
+        output = OUTPUT.match(line)
+        if output:
+            kind = KINDS.get(output[1])
+            if kind and output[3]:
+                whole[kind] += int(output[3], 16)
+            continue
+        if kind is None:
+            continue
+        match = INPUT.match(line)
+        if match is None and NAME_ONLY.match(line):
+            name = line.strip()
+            continue
+        if match:
+            name, at, size, owner = match[1], int(match[2], 16), int(match[3], 16), match[4] or ""
+        elif name and (place := PLACE_ONLY.match(line)):
+            at, size, owner = int(place[1], 16), int(place[2], 16), place[3]
+        else:
+            continue
+        if size and (owner or name == "*fill*"):
+            found.append((kind, at, size, "fill" if name == "*fill*" else layer_of(owner)))
+        name = ""
+    out: dict[str, Sizes] = {}
+    for k, (kind_, at, size, layer) in enumerate(found):
+        # Strings that were merged away are still listed, at the place of what follows them.
+        if k + 1 < len(found) and found[k + 1][0] == kind_ and at <= found[k + 1][1]:
+            size = min(size, found[k + 1][1] - at)
+        out.setdefault(layer, Sizes()).add(kind_, size)
+    for kind_, total in whole.items():  # room the script makes without an input section
+        rest = total - sum(getattr(s, kind_) for s in out.values())
+        if rest:
+            out.setdefault("script", Sizes()).add(kind_, rest)
+    return out

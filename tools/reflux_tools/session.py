@@ -1,0 +1,133 @@
+"""Talking to a console in machine mode: one command, one reply (docs/console.md)."""
+
+from __future__ import annotations
+
+import time
+from pathlib import Path
+from typing import Callable, TextIO
+
+from reflux_tools.errors import RunFailed
+from reflux_tools.ports import Port
+
+REPLY_S = 20.0
+ASYNCHRONOUS = ("T,", "H,", "! ")
+
+
+class Refused(RunFailed):
+    """The board answered `err`."""
+
+
+class Session:
+    """Asynchronous lines go to `aside` as they come."""
+
+    def __init__(self, port: Port, log: TextIO | None = None, aside: Callable[[str], None] | None = None,
+                 reply_s: float = REPLY_S):
+        self.port, self.log, self.aside, self.reply_s = port, log, aside, reply_s
+        self.rest = b""
+        self.machine_mode()
+
+    def machine_mode(self) -> None:
+        """Asked until answered: what arrives before a receiver is switched on is lost. What was half typed is
+        thrown away by ^U."""
+        for _ in range(int(max(1.0, self.reply_s))):
+            self.write("\x15\nmode machine")
+            try:
+                while self.line(1.0) != "ok":
+                    pass
+            except TimeoutError:
+                continue
+            self.settle()
+            return
+        raise RunFailed(f"{self.port.name}: no answer to `mode machine` within {self.reply_s:g} s; is it the console?")
+
+    def settle(self) -> None:
+        """Replies to earlier attempts may still be on their way."""
+        while True:
+            try:
+                self.line(0.1)
+            except TimeoutError:
+                self.rest = b""
+                return
+
+    def write(self, text: str) -> None:
+        self._note("> ", text)
+        self.rest += self.port.write(text.encode("latin-1", "replace") + b"\n")
+
+    def line(self, patience_s: float) -> str:
+        end = time.monotonic() + patience_s
+        while b"\n" not in self.rest:
+            left = end - time.monotonic()
+            if left <= 0:
+                raise TimeoutError
+            self.rest += self.port.read(min(left, 0.5))
+        line, self.rest = self.rest.split(b"\n", 1)
+        text = line.decode("latin-1").strip("\r")
+        self._note("< ", text)
+        if text.startswith(ASYNCHRONOUS) and self.aside:
+            self.aside(text)
+        return text
+
+    def _note(self, sign: str, text: str) -> None:
+        if self.log:
+            self.log.write(f"{sign}{text}\n")
+            self.log.flush()
+
+    def ask(self, command: str) -> list[str]:
+        """Payload of the reply; Refused when it ends in `err`."""
+        self.write(command)
+        reply: list[str] = []
+        while True:
+            try:
+                text = self.line(self.reply_s)
+            except TimeoutError:
+                raise RunFailed(f"{self.port.name}: no reply to `{command}` within {self.reply_s:g} s") from None
+            if text.startswith(ASYNCHRONOUS):
+                continue
+            if text == "ok":
+                return reply
+            if text.startswith("err "):
+                raise Refused(text)
+            reply.append(text)
+
+
+def commands_in(path: Path, text: str) -> list[tuple[int, str]]:
+    """Lines of a command file with their numbers; empty lines and those that begin with # are none."""
+    return [(k, line.strip()) for k, line in enumerate(text.splitlines(), 1)
+            if line.strip() and not line.strip().startswith("#")]
+
+
+def run_file(session: Session, path: Path, text: str, say: Callable[[str], None], keep_going: bool = False) -> int:
+    """Sends a file; returns how many commands were refused. Stops at the first unless told to keep going."""
+    refused = 0
+    for number, command in commands_in(path, text):
+        say(f"> {command}")
+        try:
+            for line in session.ask(command):
+                say(line)
+            say("ok")
+        except Refused as error:
+            say(str(error))
+            refused += 1
+            if not keep_going:
+                raise Refused(f"{path}:{number}: `{command}`: {error}") from None
+    return refused
+
+
+def dump(session: Session) -> list[str]:
+    """The board's configuration as lines that restore it: its own `dump`, or what differs from the defaults."""
+    try:
+        return session.ask("dump")
+    except Refused as error:
+        if not str(error).startswith("err UNKNOWN"):
+            raise
+    return ["begin", *session.ask("diff defaults"), "apply"]
+
+
+def differences(wanted: list[str], have: list[str]) -> list[str]:
+    """Parameters set otherwise than wanted, by their `set` lines."""
+    def settings(lines: list[str]) -> dict[str, str]:
+        return dict(line.split(None, 2)[1:3] for line in lines if line.startswith("set ") and line.count(" ") >= 2)
+
+    there = settings(have)
+    return [f"{name} is {there.get(name, 'at its default')}, the file says {value}"
+            for name, value in settings(wanted).items() if there.get(name) != value]
