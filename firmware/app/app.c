@@ -15,7 +15,8 @@
 #include "service/storage.h"
 #include "supervise/restart.h"
 
-#define WATCHDOG_MS 2000
+#define WATCHDOG_MS     2000
+#define DEADLINE_MAX_MS (WATCHDOG_MS / 2)
 
 _Static_assert(sizeof(struct restart_record) <= HAL_RETAINED_RESTART_BYTES,
                "what a restart returns to fits the memory kept for it");
@@ -88,6 +89,11 @@ static void bind_channels(struct app *app)
     supervisor_unbind(&app->supervisor);
     if (app->io_state != IO_READY)
         return;
+    if (!service_tick_fits(s, &s->plan[s->in_force])) {
+        tick_event(app, EVENT_CONFIG_REFUSED, "tick.base",
+                   (float)s->io.tick_ms(s->io.context) / 1000.0f);
+        return; /* nothing bound: no loop leaves manual */
+    }
     for (uint8_t k = 0; k < 2u * CHANNEL_MAX; k++) {
         bool manipulated = k >= CHANNEL_MAX;
         uint8_t i = manipulated ? (uint8_t)(k - CHANNEL_MAX) : k;
@@ -326,7 +332,7 @@ static void watch_samples(struct app *app, uint64_t now_ms)
 static uint32_t tick_deadline_ms(const struct app *app)
 {
     float tick_ms = app->service.plan[app->service.in_force].tick_s * 1000.0f;
-    return tick_ms < WATCHDOG_MS / 2 ? (uint32_t)tick_ms : WATCHDOG_MS / 2;
+    return tick_ms < DEADLINE_MAX_MS ? (uint32_t)tick_ms : DEADLINE_MAX_MS;
 }
 
 void app_tick(struct app *app)

@@ -14,7 +14,7 @@ static const struct {
     {"CHANNEL_MISSING", "configured channel not announced by the plant", EVENT_WARNING},
     {"CHANNEL_UNIT", "plant announces another unit than configured", EVENT_WARNING},
     {"SAFE_STATE", "all loops manual, outputs at safe values", EVENT_ALARM},
-    {"CONFIG_APPLIED", "configuration in force", EVENT_INFO},
+    {"CONFIG_APPLIED", "configuration in force; base tick, s", EVENT_INFO},
     {"CONFIG_REFUSED", "configuration does not fit the plant's base tick", EVENT_ALARM},
     {"MODE", "loop mode is now (0 manual, 1 auto, 2 cascade)", EVENT_INFO},
     {"MODE_REFUSED", "loop stays in manual: measurement or plant not usable", EVENT_WARNING},

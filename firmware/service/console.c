@@ -201,6 +201,10 @@ static void dispatch(struct console *c)
         prompt(c);
         return;
     }
+    if (word[0][0] == '#') { /* a remark in a pasted file */
+        console_ok(c);
+        return;
+    }
     for (unsigned i = 0; i < console_command_count; i++) {
         const struct console_command *command = &console_commands[i];
         if (strcmp(word[0], command->name) != 0)
@@ -214,17 +218,32 @@ static void dispatch(struct console *c)
     console_err_about(c, ERR_UNKNOWN, word[0], "no such command; `help` lists them");
 }
 
+/* Bytes that were lost or damaged since the last line may be missing in this one: "12" must not pass for
+ * the "1200" that was sent. */
+static bool bytes_lost(struct console *c)
+{
+    struct hal_uart_stats stats;
+    hal_uart_get_stats(HAL_UART_CONSOLE, &stats);
+    uint32_t lost = stats.rx_dropped + stats.line_errors;
+    bool any = lost != c->bytes_lost;
+    c->bytes_lost = lost;
+    return any;
+}
+
 static void finish_line(struct console *c)
 {
+    bool lossy = bytes_lost(c);
     const struct line_editor *e = &c->editor;
     if (!c->machine) {
         (void)write_text("\r\n", 2);
-        if (!e->overlong && !e->garbled && !console_line_is_secret(e->line))
+        if (!e->overlong && !e->garbled && !lossy && !console_line_is_secret(e->line))
             line_editor_remember(&c->editor, e->line);
     }
     if (e->overlong)
         console_err(c, ERR_FULL,
                     "line longer than " TEXT_OF(LINE_EDITOR_MAX) " characters, ignored");
+    else if (lossy)
+        console_err(c, ERR_IO, "bytes were lost on the line, ignored; send it again, more slowly");
     else if (e->garbled)
         console_err(c, ERR_PARSE, "line has characters that are not printable ASCII, ignored");
     else

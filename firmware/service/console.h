@@ -49,6 +49,7 @@ struct console {
     unsigned piece;                  /* of either, next */
     bool header_asked;               /* `log on` is answered once the header is out */
     uint32_t lost_told;              /* telemetry rows reported as lost */
+    uint32_t bytes_lost;             /* on the line, before the line under way */
     bool reboot;                     /* after the reply has gone out */
 
     bool unlocked;        /* the engineer level, where there is a key */

@@ -37,8 +37,12 @@ static bool alarm_line(struct console *c, unsigned n, struct text *line)
     const struct supervisor *sup = s->supervisor;
     const struct plan *plan = &s->plan[s->in_force];
     if (n == 0) {
-        if (s->io.state(s->io.context) != IO_READY)
+        if (s->io.state(s->io.context) != IO_READY) {
             text_str(line, "LINK_DOWN no plant is connected");
+        } else if (sup->state == SUPERVISOR_SAFE && sup->safe_why) {
+            text_str(line, "SAFE_STATE loops in manual, outputs at safe values since: ");
+            text_str(line, sup->safe_why);
+        }
         return true;
     }
     n -= 1;

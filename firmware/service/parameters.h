@@ -1,4 +1,4 @@
-/* Parameters: every field of struct config, declared once in parameter_table.c. Console, manual and, later,
+/* Parameters: every field of struct config, declared once in parameter_table.c. Console, manual and
  * storage come from that declaration.
  *
  * A parameter is named group[index].field: "loop1.gain", "meas3.lo", "tick.base". Its id never changes

@@ -105,6 +105,12 @@ static bool last_is_apply(const struct service *s)
     return spsc_can_read(q) && s->requests.slot[last].kind == REQUEST_APPLY;
 }
 
+bool service_tick_fits(const struct service *s, const struct plan *plan)
+{
+    float ratio = plan->tick_s * 1000.0f / (float)s->io.tick_ms(s->io.context);
+    return ratio > 0.99f && ratio < 1.01f;
+}
+
 enum err service_apply(struct service *s, const struct config *config, struct config_fault *fault)
 {
     memset(fault, 0, sizeof *fault);
@@ -117,6 +123,14 @@ enum err service_apply(struct service *s, const struct config *config, struct co
     enum err err = plan_build(plan, config, (float)s->io.tick_ms(s->io.context) / 1000.0f, fault);
     if (err)
         return err;
+    if (s->io.state(s->io.context) == IO_READY && !service_tick_fits(s, plan)) {
+        *fault =
+            (struct config_fault){.code = ERR_CONFLICT,
+                                  .group = "tick",
+                                  .field = "base",
+                                  .wanted = "must be 0, or the interval of the plant's samples"};
+        return ERR_CONFLICT;
+    }
     const struct plan *before = service_plan(s);
     plan->serial = ++s->serial;
     /* The plan first, then the request: the tick that meets the request must find the plan. */
@@ -200,6 +214,11 @@ enum err service_may_act(struct service *s, uint8_t loop, enum loop_mode mode, c
         return ERR_STATE;
     }
     enum err err = ERR_OK;
+    if (!service_tick_fits(s, plan)) {
+        *what = "tick.base";
+        *wanted = "differs from the interval of the plant's samples";
+        return ERR_CONFLICT;
+    }
     hal_tick_lock();
     /* Down the chain of cascades, which has no rings: at most every loop once. */
     for (unsigned depth = 0; !err && depth < CONFIG_LOOPS && loop != PLAN_NONE; depth++) {

@@ -3,7 +3,7 @@
  *   requests     main -> tick   queue
  *   telemetry    tick -> main   queue
  *   tick_events  tick -> main   queue
- *   plans        three buffers: in force (tick reads), pending (handed over under hal_tick_lock), scratch
+ *   plans        PLAN_BUFFERS: in force (tick reads), pending (handed over under hal_tick_lock), scratch
  *                (main writes); the tick swaps pending and in force when it meets a REQUEST_APPLY
  *
  * Everything else here belongs to the main loop. Supervisor and plant link belong to the tick; the main loop
@@ -73,6 +73,9 @@ enum loop_mode service_mode(const struct service *s, uint8_t loop);
  * the request queue is full, or there is no scratch plan (*fault then has no group). */
 MUST_CHECK enum err service_apply(struct service *s, const struct config *config,
                                   struct config_fault *fault);
+/* Is the plan's base tick the interval of the connected plant's samples? Loops computed with another one
+ * would act with wrong times: with such a plant none leaves manual. */
+bool service_tick_fits(const struct service *s, const struct plan *plan);
 /* Queues a request that has been checked. ERR_BUSY when the queue is full. */
 MUST_CHECK enum err service_request(struct service *s, const struct request *request);
 

@@ -542,9 +542,9 @@ enum err storage_save(struct storage *st, const char **why)
     }
     bool room = find_room(st, bytes);
     if (!room && !may_erase(st)) {
-        *why = "flash must be erased first, which stops the board for up to seconds: put all loops "
-               "into manual, or reboot";
-        return ERR_STATE;
+        *why = st->failed ? NOT_TAKEN
+                          : "the flash must be erased first: put all loops into manual, or reboot";
+        return st->failed ? ERR_IO : ERR_STATE;
     }
     st->candidate = (struct storage_set){0, 0, length};
     st->saving = true;

@@ -59,7 +59,10 @@ static void place_loop(struct supervisor *s, const struct plan *old, uint8_t i)
 {
     const struct plan *plan = s->plan;
     struct loop_state *l = &s->loop[i];
+    const char *before = old->config.loop[i].name;
     if (!plan->loop[i].used) {
+        if (l->mode != LOOP_MANUAL)
+            event_put(s->events, s->time_ms, EVENT_MODE, before, (float)LOOP_MANUAL, LOOP_MANUAL);
         memset(l, 0, sizeof *l);
         return;
     }
@@ -72,7 +75,7 @@ static void place_loop(struct supervisor *s, const struct plan *old, uint8_t i)
     num_t pv_value = s->measurement[pv].value;
     if (!same) {
         if (l->mode != LOOP_MANUAL)
-            event_put(s->events, s->time_ms, EVENT_MODE, c->name, (float)LOOP_MANUAL, LOOP_MANUAL);
+            event_put(s->events, s->time_ms, EVENT_MODE, before, (float)LOOP_MANUAL, LOOP_MANUAL);
         memset(l, 0, sizeof *l);
         l->target = l->setpoint = pv_value;
         if (pid_init(&l->pid, &pid, h) != ERR_OK)
@@ -251,6 +254,8 @@ void supervisor_outputs_safe(struct supervisor *s, const char *why)
     }
     if (s->state != SUPERVISOR_SAFE)
         event_put(s->events, s->time_ms, EVENT_SAFE_STATE, why, 0.0f, 0);
+    if (s->state != SUPERVISOR_SAFE)
+        s->safe_why = why;
     s->state = SUPERVISOR_SAFE;
 }
 

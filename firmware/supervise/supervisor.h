@@ -144,7 +144,8 @@ struct supervisor {
     const struct plan *plan;
     struct event_queue *events;
     enum supervisor_state state;
-    uint64_t time_ms; /* of the last tick */
+    const char *safe_why; /* what the safe state was last taken for; NULL since the start */
+    uint64_t time_ms;     /* of the last tick */
     uint32_t ticks;
     float tick_s; /* base tick the states were placed for */
     struct measurement_state measurement[CHANNEL_MAX];

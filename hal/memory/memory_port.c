@@ -80,6 +80,11 @@ size_t memory_port_give(enum hal_uart port, const void *data, size_t n)
     return taken;
 }
 
+void memory_port_damage(enum hal_uart port)
+{
+    lines[port].stats.line_errors++;
+}
+
 size_t memory_port_take(enum hal_uart port, void *data, size_t size)
 {
     struct line *l = &lines[port];

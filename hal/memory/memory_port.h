@@ -20,6 +20,8 @@ void memory_port_set_clock(uint64_t ms);
 
 /* Bytes arriving on a line; returns how many found room (the rest are counted as dropped). */
 size_t memory_port_give(enum hal_uart port, const void *data, size_t n);
+/* A byte that arrived damaged: dropped and counted as a line error, as the boards' ports do. */
+void memory_port_damage(enum hal_uart port);
 /* Bytes the firmware sent; returns how many were taken. */
 size_t memory_port_take(enum hal_uart port, void *data, size_t size);
 

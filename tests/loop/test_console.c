@@ -306,6 +306,31 @@ static void a_full_queue_of_requests_says_busy_and_loses_nothing(void)
     ask_ok("set loop1.gain 2");
 }
 
+static void a_remark_is_answered_and_does_nothing(void)
+{
+    ask_ok("# a line of a pasted file");
+}
+
+static void a_line_that_lost_bytes_is_refused_whole(void)
+{
+    static char flood[40000];
+    memset(flood, 'x', sizeof flood - 1);
+    (void)memory_port_give(HAL_UART_CONSOLE, flood,
+                           sizeof flood - 1); /* more than the ring holds */
+    board_run();
+    board_forget();
+    type("\n");
+    ask_ok("get loop2.ti");
+    (void)memory_port_give(HAL_UART_CONSOLE, "set loop2.ti 1", 14);
+    board_run();
+    memory_port_damage(HAL_UART_CONSOLE); /* the "5" of 15 */
+    board_forget();
+    type("00\n");
+    TEST_ASSERT_TRUE_MESSAGE(said("err IO"), board.said);
+    ask_ok("get loop2.ti");
+    TEST_ASSERT_TRUE_MESSAGE(said("= 300 s"), board.said);
+}
+
 static void many_settings_between_two_ticks_are_one_plan(void)
 {
     char line[60];
@@ -415,6 +440,8 @@ int main(void)
     RUN_TEST(diff_defaults_can_be_pasted_back_and_restores_the_settings);
     RUN_TEST(three_hundred_lines_pasted_at_once_are_all_answered);
     RUN_TEST(a_full_queue_of_requests_says_busy_and_loses_nothing);
+    RUN_TEST(a_remark_is_answered_and_does_nothing);
+    RUN_TEST(a_line_that_lost_bytes_is_refused_whole);
     RUN_TEST(many_settings_between_two_ticks_are_one_plan);
     RUN_TEST(a_plan_and_a_mode_in_it_can_be_asked_for_between_two_samples);
     RUN_TEST(a_request_does_not_reach_a_loop_that_took_the_others_place);

@@ -63,6 +63,8 @@ static void test_settings_are_back_after_power_on_with_loops_in_manual(void)
     ask_ok("mode bottom auto");
     samples(3);
     ask_ok("save");
+    ask_ok("version");
+    printf("two loops, %s\n", reply[n_reply - 2]);
     keep_reply("list all");
     power_on();
     ask_ok("loop");
@@ -341,6 +343,30 @@ static void test_dump_before_and_after_a_reset_is_the_same(void)
     expect_reply_again("dump");
 }
 
+/* The safe command first, then the stored settings, then the loops as they were. */
+static void test_restart_policy_finds_its_settings_in_storage(void)
+{
+    running();
+    ask_ok("set restart.policy resume");
+    samples(1);
+    ask_ok("save");
+    ask_ok("mode bottom auto");
+    samples(30);
+    memory_port_reset(HAL_RESET_WATCHDOG);
+    board.ready = false;
+    board_run();
+    type("mode machine\n");
+    board_forget();
+    pass(1000);
+    TEST_ASSERT_TRUE(board.ready);
+    sample_after(1000);
+    TEST_ASSERT_TRUE(board.command.safe);
+    samples(3);
+    TEST_ASSERT_TRUE(said("RESTART_DONE"));
+    ask_ok("loop");
+    TEST_ASSERT_TRUE(said("bottom auto"));
+}
+
 static void test_history_keeps_who_saved(void)
 {
     running();
@@ -369,6 +395,7 @@ int main(void)
     RUN_TEST(test_dump_restores_exactly_with_a_key);
     RUN_TEST(test_dump_restores_random_settings);
     RUN_TEST(test_dump_before_and_after_a_reset_is_the_same);
+    RUN_TEST(test_restart_policy_finds_its_settings_in_storage);
     RUN_TEST(test_history_keeps_who_saved);
     return UNITY_END();
 }

@@ -1,6 +1,6 @@
 """A firmware for end-to-end tests: started as a host process or in the emulator, with a console to talk to.
 
-The board kinds are those of tools/run: host, host-fixed, stm32f405, stm32f405-fixed. Nothing is built here.
+The board kinds are those of tools/run: host, host-fixed, stm32f405, stm32f405-fixed, stm32f100. Nothing is built here.
 """
 
 from __future__ import annotations

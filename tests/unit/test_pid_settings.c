@@ -186,9 +186,23 @@ static void the_block_describes_its_inner_values_by_name(void)
     }
 }
 
+/* Faster than a tick is within one tick, not beyond it. */
+static void a_tracking_time_below_the_tick_takes_back_all_and_no_more(void)
+{
+    struct pid_config c = pid_default_config();
+    c.ti_s = 100.0f;
+    c.tt_s = 0.5f;
+    struct pid pid = make_pid(c, 1.0f);
+    (void)tick(&pid, 0, 0);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-6, 1, tick(&pid, 3, 0)); /* 3 is wanted, 1 applied */
+    TEST_ASSERT_DOUBLE_WITHIN(1e-6, 1, tick(&pid, 3, 0));
+    TEST_ASSERT_DOUBLE_WITHIN(0.1, 1, D(pid.raw));
+}
+
 int main(void)
 {
     UNITY_BEGIN();
+    RUN_TEST(a_tracking_time_below_the_tick_takes_back_all_and_no_more);
     RUN_TEST(the_default_settings_are_valid);
     RUN_TEST(every_field_is_taken_at_both_ends_of_its_range);
     RUN_TEST(every_field_is_refused_beyond_its_range_with_its_name);

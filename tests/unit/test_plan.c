@@ -155,6 +155,8 @@ static void spans_and_limits_must_be_in_order(void)
     bench_config();
     put("mv1.safe", "-1");
     refused(ERR_RANGE, "mv", 1, "safe", "reflux");
+    put("mv1.safe", "1e6");
+    refused(ERR_RANGE, "mv", 1, "safe", "reflux");
     bench_config();
     put("loop1.sp_lo", "90");
     put("loop1.sp_hi", "80");

@@ -457,6 +457,9 @@ static void test_flash_that_takes_no_write_is_told(void)
     TEST_ASSERT_NOT_NULL(strstr(save_why, "does not take the write"));
     storage_text(&fw.storage, &t);
     TEST_ASSERT_EQUAL_STRING_LEN("failed", text, 6);
+    fw.supervisor.loop[0].mode = LOOP_AUTO; /* manual would not help */
+    TEST_ASSERT_EQUAL(ERR_IO, bench_save());
+    fw.supervisor.loop[0].mode = LOOP_MANUAL;
     take_no_write = false;
     TEST_ASSERT_EQUAL(ERR_OK, bench_save()); /* it was the weather */
     TEST_ASSERT_EQUAL_STRING("ok", storage_word(&fw.storage));

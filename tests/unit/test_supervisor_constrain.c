@@ -68,6 +68,15 @@ static void the_rate_limits_automatic_and_manual(void)
     TEST_ASSERT_DOUBLE_WITHIN(1e-6, 0.75, sent(HEAT));
 }
 
+static void manual_may_rest_at_a_safe_value_above_the_highest(void)
+{
+    put("mv2.max", "1");
+    set_and_apply("mv2.safe", "1.5");
+    out(BOTTOM, 1.9);
+    tick();
+    TEST_ASSERT_DOUBLE_WITHIN(1e-6, 0.75, sent(HEAT));
+}
+
 static void the_rate_holds_from_the_first_command_after_the_safe_state(void)
 {
     set_and_apply("mv2.rate", "0.1");
@@ -128,6 +137,7 @@ int main(void)
     RUN_TEST(an_output_comes_off_its_limit_as_soon_as_the_error_turns);
     RUN_TEST(manual_is_limited_too_but_may_rest_at_the_safe_value);
     RUN_TEST(the_rate_limits_automatic_and_manual);
+    RUN_TEST(manual_may_rest_at_a_safe_value_above_the_highest);
     RUN_TEST(the_rate_holds_from_the_first_command_after_the_safe_state);
     RUN_TEST(the_safe_state_does_not_wait_for_the_rate);
     RUN_TEST(a_rate_below_the_resolution_of_a_tick_does_not_freeze_the_output);

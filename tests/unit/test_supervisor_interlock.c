@@ -192,6 +192,17 @@ static void a_reading_beyond_belief_on_the_wrong_side_acts_at_once(void)
     TEST_ASSERT_DOUBLE_WITHIN(0, 0, sent(HEAT));
 }
 
+static void a_reading_beyond_belief_on_the_right_side_does_not_release_it(void)
+{
+    trip();
+    reading(T10, 0); /* held meanwhile, and usable */
+    ticks(3);
+    TEST_ASSERT_TRUE(bench.s.interlock[0].active);
+    reading(T10, 115);
+    tick();
+    TEST_ASSERT_FALSE(bench.s.interlock[0].active);
+}
+
 static void it_looks_at_the_measurement_before_its_filter(void)
 {
     set_and_apply("meas2.filter", "1000");
@@ -239,6 +250,7 @@ int main(void)
     RUN_TEST(a_measurement_never_seen_or_not_there_counts_as_bad);
     RUN_TEST(a_sensor_that_breaks_while_it_is_active_does_not_release_it);
     RUN_TEST(a_reading_beyond_belief_on_the_wrong_side_acts_at_once);
+    RUN_TEST(a_reading_beyond_belief_on_the_right_side_does_not_release_it);
     RUN_TEST(it_looks_at_the_measurement_before_its_filter);
     RUN_TEST(the_first_of_two_on_one_output_wins);
     RUN_TEST(new_numbers_do_not_release_an_active_one);

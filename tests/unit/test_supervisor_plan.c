@@ -36,8 +36,8 @@ static void a_loop_with_another_name_measurement_or_output_starts_in_manual(void
         tick();
         TEST_ASSERT_EQUAL(LOOP_MANUAL, bench.s.loop[BOTTOM].mode);
         TEST_ASSERT_EQUAL(LOOP_AUTO, bench.s.loop[TOP].mode);
-        TEST_ASSERT_EQUAL(1, happened(EVENT_MODE, bench.config.loop[BOTTOM].name));
-        ASSERT_NO_BUMP(heat, sent(HEAT)); /* manual begins where it was */
+        TEST_ASSERT_EQUAL(1, happened(EVENT_MODE, "bottom")); /* as it was called */
+        ASSERT_NO_BUMP(heat, sent(HEAT));                     /* manual begins where it was */
     }
 }
 

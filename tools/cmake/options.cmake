@@ -12,8 +12,10 @@ target_compile_options(reflux_options INTERFACE
 if(REFLUX_FIXED_POINT)
   target_compile_definitions(reflux_options INTERFACE REFLUX_FIXED_POINT=1)
 endif()
-if(EXISTS "${PROJECT_SOURCE_DIR}/hal/${REFLUX_BOARD}/limits.h") # a board smaller than the headers assume
-  target_compile_options(reflux_options INTERFACE "SHELL:-include ${PROJECT_SOURCE_DIR}/hal/${REFLUX_BOARD}/limits.h")
+# A board smaller than the headers assume. On the host, -DREFLUX_LIMITS=stm32f100 tries such limits under sanitizers.
+set(REFLUX_LIMITS "${REFLUX_BOARD}" CACHE STRING "Which folder of hal/ gives the limits, where it has a limits.h")
+if(EXISTS "${PROJECT_SOURCE_DIR}/hal/${REFLUX_LIMITS}/limits.h")
+  target_compile_options(reflux_options INTERFACE "SHELL:-include ${PROJECT_SOURCE_DIR}/hal/${REFLUX_LIMITS}/limits.h")
 endif()
 if(REFLUX_SANITIZE)
   target_compile_options(reflux_options INTERFACE

@@ -21,10 +21,11 @@ from reflux_tools.paths import ROOT, build_dir, build_root
 
 FORMATTED = ("firmware", "hal", "host_sim", "tests")
 TIDIED = ("firmware", "hal", "host_sim")
-PRESETS = ("host", "stm32f405")
+PRESETS = ("host", "stm32f405", "stm32f100")
 CROSS = ["--target=arm-none-eabi", "-isystem", "/usr/lib/picolibc/arm-none-eabi/include"]
 UNKNOWN_TO_CLANG = ("--specs=", "-fcallgraph-info", "-fstack-usage", "-fno-math-errno", "-fanalyzer",
-                    "-Wa,", "-fno-tree-")
+                    "-Wa,", "-fno-tree-",
+                    "-fno-inline-functions-called-once", "-fconserve-stack")
 
 
 def main(arguments: list[str]) -> int:

@@ -78,6 +78,7 @@ def collect(labels: set[str]) -> list[Test]:
     if "style" in labels:
         build.configure("host")
         build.configure("stm32f405")
+        build.configure("stm32f100")
         tests += style_tests()
     if "tools" in labels:
         tests += python_tests("tools")

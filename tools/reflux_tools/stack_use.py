@@ -191,9 +191,11 @@ class Graph:
         deepest = 0
         todo = [(f.start, 0)]
         table_depth: int | None = None
-        while todo or (table_depth is not None and any(a not in depth_at for a in body)):
+        # A jump table leads to no nop: one that nothing else reaches fills up to the constants behind the code.
+        coded = [a for a in body if not self.image.instructions[a].name.startswith("nop")]
+        while todo or (table_depth is not None and any(a not in depth_at for a in coded)):
             if not todo:  # what only a jump table leads to
-                todo.append((next(a for a in body if a not in depth_at), table_depth or 0))
+                todo.append((next(a for a in coded if a not in depth_at), table_depth or 0))
             address, depth = todo.pop()
             if address not in inside or depth_at.get(address, -1) >= depth:
                 continue
