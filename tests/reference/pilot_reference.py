@@ -18,9 +18,9 @@ HERE = os.path.dirname(os.path.abspath(__file__))
 INC = os.path.join(HERE, "..", "..", "host_sim", "plants", "pilot_properties.inc")
 
 
-def read_properties():
+def read_properties(include=INC):
     """Component constants from the C include, as arrays over the components."""
-    with open(INC, encoding="utf-8") as file:
+    with open(include, encoding="utf-8") as file:
         blocks = re.findall(r"\n\{(.*?)\n\}", file.read(), re.S)
 
     def values(field):
