@@ -15,8 +15,7 @@
 #include "service/storage.h"
 #include "supervise/restart.h"
 
-#define WATCHDOG_MS     2000
-#define DEADLINE_MAX_MS (WATCHDOG_MS / 2)
+#define WATCHDOG_MS 2000
 
 _Static_assert(sizeof(struct restart_record) <= HAL_RETAINED_RESTART_BYTES,
                "what a restart returns to fits the memory kept for it");
@@ -332,7 +331,8 @@ static void watch_samples(struct app *app, uint64_t now_ms)
 static uint32_t tick_deadline_ms(const struct app *app)
 {
     float tick_ms = app->service.plan[app->service.in_force].tick_s * 1000.0f;
-    return tick_ms < DEADLINE_MAX_MS ? (uint32_t)tick_ms : DEADLINE_MAX_MS;
+    uint32_t longest_ms = WATCHDOG_MS / 2;
+    return tick_ms < (float)longest_ms ? (uint32_t)tick_ms : longest_ms;
 }
 
 void app_tick(struct app *app)

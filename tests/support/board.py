@@ -6,6 +6,7 @@ The board kinds are those of tools/run: host, host-fixed, stm32f405, stm32f405-f
 from __future__ import annotations
 
 import contextlib
+import re
 import select
 import socket
 import sys
@@ -20,6 +21,9 @@ sys.dont_write_bytecode = True
 from reflux_tools import build, launch  # noqa: E402
 
 PATIENCE_S = 20.0  # the emulator on a loaded machine; nothing here measures time
+
+
+PROMPT = re.compile(r"^(?:> |\r|\x1b\[K)+")
 
 
 class Console:
@@ -61,7 +65,8 @@ class Console:
                 raise ConnectionError("the console was closed")
             self.rest += data
         line, self.rest = self.rest.split(b"\n", 1)
-        return line.decode("latin-1").strip("\r")
+        # Before machine mode is answered, lines come with a prompt or the erasing of one.
+        return PROMPT.sub("", line.decode("latin-1").strip("\r"))
 
     def until(self, wanted, patience_s: float = PATIENCE_S) -> str:
         """The next line that is wanted; asynchronous lines on the way are kept."""
