@@ -3,9 +3,11 @@
 #include <string.h>
 
 extern const struct plant_class plant_pilot;
+extern const struct plant_class plant_splitter;
 
 const struct plant_class *const plant_classes[] = {
     &plant_pilot,
+    &plant_splitter,
     NULL,
 };
 

@@ -1,5 +1,7 @@
-/* What a tick of the pilot column costs, in microseconds of processor time: at rest, under control (both
- * inputs move a little every tick), and with both inputs jumping all over their range. */
+/* What a tick of a column costs, in microseconds of processor time: at rest, under control (both inputs move
+ * a little every tick), and with both inputs jumping all over their range.
+ *
+ * plant_cost [PLANT]    pilot when none is named */
 #include "plant.h"
 
 #include <stdio.h>
@@ -19,13 +21,17 @@ static double uniform(unsigned *seed)
     return (*seed >> 8) / 16777216.0;
 }
 
-int main(void)
+int main(int argc, char **argv)
 {
     static const char *const title[3] = {"at rest", "under control", "jumping"};
-    const struct plant_class *c = plant_find("pilot");
+    const struct plant_class *c = plant_find(argc > 1 ? argv[1] : "pilot");
     char err[256];
     unsigned seed = 1;
 
+    if (!c) {
+        fprintf(stderr, "%s is no plant written in C\n", argv[1]);
+        return 1;
+    }
     for (int mode = 0; mode < 3; mode++) {
         struct plant *p = c->create(err, sizeof err);
         int ticks = 4000;

@@ -5,8 +5,11 @@ reflux_test(column_config LABEL unit SOURCES ${CMAKE_CURRENT_LIST_DIR}/test_colu
             LIBS reflux_model_double)
 reflux_test(column_solver LABEL unit SOURCES ${CMAKE_CURRENT_LIST_DIR}/test_column_solver.c LIBS reflux_plants)
 reflux_test(pilot LABEL unit SOURCES ${CMAKE_CURRENT_LIST_DIR}/test_pilot.c LIBS reflux_plants)
+reflux_test(splitter LABEL unit SOURCES ${CMAKE_CURRENT_LIST_DIR}/test_splitter.c LIBS reflux_plants)
+reflux_test(splitter_reference LABEL unit SOURCES ${CMAKE_CURRENT_LIST_DIR}/test_splitter_reference.c
+            LIBS reflux_plants)
 
-# Not a test: what a tick of the pilot costs.
+# Not a test: what a tick of a column costs.
 add_executable(plant_cost "${PROJECT_SOURCE_DIR}/tests/bench/plant_cost.c")
 target_link_libraries(plant_cost PRIVATE reflux_plants reflux_options m)
 
