@@ -59,7 +59,7 @@ SECTIONS = (
     Section("Console", "A configuration pasted at 115200 baud through a lossy line.", "tests",
             r".*: \d+ bytes, \d+ lines, \d+ dropped.*"),
     Section("Fuzzing", "libFuzzer with address and undefined-behaviour sanitizers.", "fuzz", r"fuzz \w+: .*\d.*"),
-    Section("Proofs of the buffers", "Frama-C, weakest preconditions.", "prove", r"(goals \d+, proved \d+.*|prove\b.*\d.*)"),
+    Section("Proofs of the buffers", "Frama-C, weakest preconditions.", "prove", r"(.*goals \d+, proved \d+.*|prove\b.*\d.*)"),
     Section("The linked image", "No heap, no double precision, no streams, no recursion; every call through a pointer "
             "listed; worst-case stack with all interrupts on top. Limits by layer: `tests/target/budget.toml`.",
             "image", r"(image|stack|calls) ?[\w-]*: .*\d.*"),
