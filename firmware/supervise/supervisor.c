@@ -119,6 +119,7 @@ static void place_output(struct supervisor *s, const struct plan *old, uint8_t j
         if (o->lo != before->lo || o->hi != before->hi) {
             state->manual = span_to_fraction(manual, o->lo, o->hi);
             state->constrained = state->applied = span_to_fraction(sent, o->lo, o->hi);
+            state->excitation = num_zero(); /* it was in fractions of the old span */
         }
         if (s->state == SUPERVISOR_SAFE)
             state->manual = span_to_fraction(o->safe, o->lo, o->hi);
@@ -249,6 +250,7 @@ void supervisor_outputs_safe(struct supervisor *s, const char *why)
             continue;
         o->manual = output_fraction(s, j, s->plan->config.output[j].safe);
         o->commanded = o->constrained = o->applied = o->manual;
+        o->excitation = num_zero();
         o->sent = false;
         o->not_following = o->alarm = false;
     }
@@ -269,6 +271,11 @@ void supervisor_go_safe(struct supervisor *s, const char *why)
     for (unsigned i = 0; i < CONFIG_FEEDFORWARDS; i++)
         s->ff_running[i] = false;
     supervisor_outputs_safe(s, why);
+}
+
+void supervisor_excite(struct supervisor *s, uint8_t j, num_t fraction)
+{
+    s->output[j].excitation = fraction;
 }
 
 /* Both channels of a loop, and of every loop below it, are there. */

@@ -9,6 +9,7 @@
  *     control       due loops, outer before inner
  *     compensate    static decoupler over the loops that act
  *     feed forward  added to the outputs of acting loops
+ *     excite        a test signal on top, from whoever owns the excitation
  *     constrain     operating limits, rates, interlocks, safe state
  * and the way back with what was applied. Report and actuation are the caller's.
  */
@@ -110,6 +111,7 @@ struct output_state {
     bool not_following;  /* read-back differs from the command */
     bool alarm;          /* ... and has been reported */
     num_t manual;        /* value while nothing acts on it */
+    num_t excitation;    /* test signal in `commanded`; 0 where none is */
     num_t commanded;     /* before constrain */
     num_t constrained;   /* sent to the plant */
     num_t applied;       /* constrained, or the read-back where the plant does something else */
@@ -181,6 +183,10 @@ void supervisor_outputs_safe(struct supervisor *s, const char *why);
 /* One request. Call before supervisor_control (after supervisor_validate, so that it meets this sample), or
  * while no plant is there. */
 void supervisor_request(struct supervisor *s, const struct request *request);
+
+/* Test signal on output j from the next tick on, fraction of span; it stays until it is changed, and is taken
+ * away with the safe state. Whoever excites has found out that nobody else does. */
+void supervisor_excite(struct supervisor *s, uint8_t j, num_t fraction);
 
 void supervisor_validate(struct supervisor *s, const struct tick_input *input);
 /* Control, compensate, feed forward, constrain, and the way back. */

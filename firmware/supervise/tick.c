@@ -1,4 +1,4 @@
-/* The tick behind validate.c: control, compensate, feed forward, constrain, and the way back. */
+/* The tick behind validate.c: control, compensate, feed forward, excite, constrain, and the way back. */
 #include "supervise/alarms.h"
 #include "supervise/supervisor.h"
 
@@ -182,8 +182,8 @@ static void command_outputs(struct supervisor *s)
             continue;
         uint8_t i = s->plan->owner[j];
         bool drives = i != PLAN_NONE && loop_drives(s, i);
-        s->output[j].commanded =
-            drives ? num_add(u[i], s->loop[i].feedforward) : s->output[j].manual;
+        num_t wanted = drives ? num_add(u[i], s->loop[i].feedforward) : s->output[j].manual;
+        s->output[j].commanded = num_add(wanted, s->output[j].excitation);
     }
 }
 
@@ -276,7 +276,7 @@ static void constrain(struct supervisor *s)
         o->sent = true;
         /* Manual begins where automatic or an interlock left the output. */
         if (o->forced || (i != PLAN_NONE && loop_drives(s, i)))
-            o->manual = o->constrained;
+            o->manual = num_sub(o->constrained, o->excitation);
     }
 }
 
@@ -316,7 +316,8 @@ static void back_direct(struct supervisor *s, uint8_t i, num_t correction)
             pid_back(&l->pid, num_add(l->v, correction), BLOCK_HOLD_NONE);
         return;
     }
-    l->v = num_sub(s->output[p->output].applied, l->feedforward);
+    const struct output_state *o = &s->output[p->output];
+    l->v = num_sub(num_sub(o->applied, o->excitation), l->feedforward);
     pid_follow(&l->pid, l->setpoint, pv, l->v);
 }
 
