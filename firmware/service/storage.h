@@ -34,7 +34,7 @@ struct storage_set {
 
 struct storage {
     struct service *service;
-    uint8_t state;    /* enum in storage.c */
+    uint8_t state;    /* enum in storage_parts.h */
     uint8_t slot;     /* being read, erased or written */
     bool saving;      /* a save has been asked for and is not over */
     bool hurry;       /* an operator asked: the wait after a start is over */

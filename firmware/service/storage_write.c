@@ -1,0 +1,326 @@
+/* Storage, writing: a slot is made ready, a set is appended to it. */
+#include <string.h>
+
+#include "base/crc32.h"
+#include "hal/nvm.h"
+#include "service/storage_parts.h"
+
+#define NOT_TAKEN "the flash does not take the write (emulated, worn or protected)"
+
+static void saved(struct storage *st, enum err err, const char *why)
+{
+    st->result = err;
+    st->why = why;
+    st->saving = false;
+    st->failed = err != ERR_OK;
+    st->state = READY;
+}
+
+void storage_verified(struct storage *st, bool whole)
+{
+    saved(st, whole ? ERR_OK : ERR_IO, whole ? NULL : NOT_TAKEN);
+}
+
+/* ---- erasing ---- */
+
+static bool may_erase(const struct storage *st)
+{
+    const struct service *s = st->service;
+    for (uint8_t i = 0; i < CONFIG_LOOPS; i++)
+        if (service_mode(s, i) != LOOP_MANUAL)
+            return false;
+    return s->supervisor->ticks > 0 || s->io.state(s->io.context) != IO_READY;
+}
+
+static bool has_room(const struct storage *st, uint8_t slot, uint32_t bytes)
+{
+    return st->prepared[slot] && st->slot_size - st->used[slot] >= bytes;
+}
+
+/* The slot to append to: the one in use as long as it has room. False: neither has. */
+static bool find_room(struct storage *st, uint32_t bytes)
+{
+    st->slot = slot_in_use(st);
+    if (has_room(st, st->slot, bytes))
+        return true;
+    st->slot = (uint8_t)!st->slot;
+    return has_room(st, st->slot, bytes);
+}
+
+static void begin_erase(struct storage *st)
+{
+    /* Never the one that holds what counts. */
+    st->slot = st->newest.sequence ? (uint8_t)!slot_in_use(st) : 0;
+    st->prepared[st->slot] = false;
+    st->used[st->slot] = st->slot_size;
+    st->at = 0;
+    st->state = ERASING;
+}
+
+static void not_taken(struct storage *st)
+{
+    st->failed = true;
+    if (st->saving)
+        saved(st, ERR_IO, NOT_TAKEN);
+    else
+        st->state = TAKING;
+}
+
+static void erase(struct storage *st)
+{
+    uint32_t sector = st->slot * st->slot_sectors + st->at;
+    /* Somebody may have put a loop into auto since. */
+    if (!may_erase(st)) {
+        if (st->saving)
+            saved(st, ERR_STATE, "an erase is needed, and a loop acts by now");
+        else
+            st->state = TAKING;
+        return;
+    }
+    if (hal_nvm_erase(sector) != ERR_OK) {
+        not_taken(st);
+        return;
+    }
+    st->at++;
+    if (st->at == st->slot_sectors)
+        st->state = MARKING;
+}
+
+/* Room for the largest set this build can make, so that the next save needs no erase. */
+static uint32_t largest_set(const struct storage *st)
+{
+    uint32_t bytes = 0;
+    for (unsigned g = 0; g < parameter_group_count; g++) {
+        struct parameter p = {&parameter_groups[g], NULL, 0};
+        for (unsigned f = 0; f < p.group->n_fields; f++) {
+            p.field = &p.group->fields[f];
+            bytes += p.group->count * (RECORD_HEAD + (uint32_t)parameter_size(&p));
+        }
+    }
+    bytes = set_size(bytes);
+    return bytes < st->slot_size - STORAGE_GRAIN ? bytes : st->slot_size - STORAGE_GRAIN;
+}
+
+/* After a start: room for the next save, or on with what is stored. */
+static void prepare(struct storage *st)
+{
+    if (find_room(st, largest_set(st)) || !may_erase(st))
+        st->state = TAKING;
+    else
+        begin_erase(st);
+}
+
+/* ---- a set ---- */
+
+static void rewind_records(struct storage *st)
+{
+    st->parameter = 0;
+    st->record_n = st->record_at = 0;
+    st->copy_left = 0;
+    st->old = st->newest.address + STORAGE_GRAIN;
+    st->old_left = st->newest.sequence ? st->newest.length : 0;
+}
+
+/* The next record: of a parameter, then those of the newest set nobody here knows. Either into `record`, or where to
+ * copy it from. Returns its size, 0 = that was all. */
+static uint32_t next_record(struct storage *st)
+{
+    struct config *config = service_staged(st->service);
+    struct parameter p;
+    struct record r;
+    bool renamed;
+    while (parameter_at(st->parameter, &p)) {
+        st->parameter++;
+        if (!record_wanted(&p, config))
+            continue;
+        st->record_n = record_encode(&p, config, st->record);
+        st->record_at = 0;
+        return st->record_n;
+    }
+    while (record_at(st->old, st->old_left, &r)) {
+        uint32_t size = RECORD_HEAD + r.size;
+        if (!record_parameter(&r, &p, &renamed)) {
+            st->copy_left = size;
+            return size;
+        }
+        st->old += size;
+        st->old_left -= size;
+    }
+    return 0;
+}
+
+static uint32_t count_records(struct storage *st)
+{
+    uint32_t all = 0, size;
+    rewind_records(st);
+    while ((size = next_record(st)) != 0) {
+        all += size;
+        if (st->copy_left) {
+            st->old += size;
+            st->old_left -= size;
+            st->copy_left = 0;
+        }
+    }
+    rewind_records(st);
+    return all;
+}
+
+/* Whether there was a byte; else the records are over. */
+static bool next_byte(struct storage *st, uint8_t *byte)
+{
+    if (st->record_at == st->record_n && !st->copy_left && next_record(st) == 0)
+        return false;
+    if (st->copy_left) {
+        if (hal_nvm_read(st->old, byte, 1) != ERR_OK)
+            return false;
+        st->old++;
+        st->old_left--;
+        st->copy_left--;
+        return true;
+    }
+    *byte = st->record[st->record_at++];
+    return true;
+}
+
+/* Programs the piece at the end of the slot; false = not taken. */
+static bool program(struct storage *st)
+{
+    uint32_t address = slot_address(st, st->slot) + st->used[st->slot];
+    st->used[st->slot] += st->piece_n; /* not again, whatever comes of it */
+    if (hal_nvm_program(address, st->piece, st->piece_n) == ERR_OK)
+        return true;
+    not_taken(st);
+    return false;
+}
+
+static void write_mark(struct storage *st)
+{
+    st->used[st->slot] = 0;
+    memset(st->piece, 0, STORAGE_GRAIN);
+    put32(st->piece, MARK_MAGIC);
+    put32(st->piece + 4, st->erases[st->slot] + 1u);
+    st->piece[8] = FORMAT;
+    put32(st->piece + 12, crc32_update(0, st->piece, 12));
+    st->piece_n = STORAGE_GRAIN;
+    if (!program(st))
+        return;
+    st->erases[st->slot]++;
+    st->prepared[st->slot] = true;
+    st->state = st->saving ? WRITING_HEAD : TAKING;
+}
+
+static void write_head(struct storage *st)
+{
+    struct storage_set *set = &st->candidate;
+    set->address = slot_address(st, st->slot) + st->used[st->slot];
+    set->sequence = ++st->sequence;
+    memset(st->piece, 0, STORAGE_GRAIN);
+    put32(st->piece, HEAD_MAGIC);
+    put32(st->piece + 4, set->sequence);
+    put16(st->piece + 8, (uint16_t)set->length);
+    st->piece[10] = FORMAT;
+    st->piece[11] = CONFIG_SCHEMA;
+    put32(st->piece + 12, crc32_update(0, st->piece, 12));
+    st->crc = crc32_update(0, st->piece, STORAGE_GRAIN);
+    st->piece_n = STORAGE_GRAIN;
+    st->body_left = whole_grains(set->length);
+    if (program(st))
+        st->state = st->body_left ? WRITING_BODY : WRITING_TAIL;
+}
+
+static void write_body(struct storage *st)
+{
+    st->piece_n = st->body_left < STORAGE_PIECE ? st->body_left : STORAGE_PIECE;
+    for (uint32_t i = 0; i < st->piece_n; i++)
+        if (!next_byte(st, &st->piece[i]))
+            st->piece[i] = 0;
+    st->crc = crc32_update(st->crc, st->piece, st->piece_n);
+    st->body_left -= st->piece_n;
+    if (program(st) && !st->body_left)
+        st->state = WRITING_TAIL;
+}
+
+static void write_tail(struct storage *st)
+{
+    put32(st->piece, TAIL_MAGIC);
+    put32(st->piece + 4, st->candidate.length);
+    put32(st->piece + 8, st->candidate.sequence);
+    put32(st->piece + 12, crc32_update(st->crc, st->piece, 12));
+    st->piece_n = STORAGE_GRAIN;
+    if (program(st))
+        storage_begin_check(st);
+}
+
+void storage_write(struct storage *st)
+{
+    switch ((enum storage_state)st->state) {
+    case PREPARING:
+        prepare(st);
+        break;
+    case ERASING:
+        erase(st);
+        break;
+    case MARKING:
+        write_mark(st);
+        break;
+    case WRITING_HEAD:
+        write_head(st);
+        break;
+    case WRITING_BODY:
+        write_body(st);
+        break;
+    case WRITING_TAIL:
+        write_tail(st);
+        break;
+    default:
+        break;
+    }
+}
+
+/* ---- a save ---- */
+
+enum err storage_save(struct storage *st, const char **why)
+{
+    struct service *s = st->service;
+    if (st->state == NO_STORAGE) {
+        *why = "this board has no storage";
+        return ERR_UNSUPPORTED;
+    }
+    if (st->state != READY || s->staging) {
+        *why = s->staging ? "a transaction is open: apply or abandon it first" : NULL;
+        return s->staging ? ERR_STATE : ERR_BUSY;
+    }
+    if (!service_stage(s)) {
+        *why = "a plan still waits for its tick";
+        return ERR_BUSY;
+    }
+    uint32_t length = count_records(st), bytes = set_size(length);
+    if (length > UINT16_MAX || bytes > st->slot_size - STORAGE_GRAIN) {
+        *why = "more than this board's flash for storage holds";
+        return ERR_FULL;
+    }
+    bool room = find_room(st, bytes);
+    if (!room && !may_erase(st)) {
+        *why = st->failed ? NOT_TAKEN
+                          : "the flash must be erased first: put all loops into manual, or reboot";
+        return st->failed ? ERR_IO : ERR_STATE;
+    }
+    st->candidate = (struct storage_set){0, 0, length};
+    st->saving = true;
+    if (room)
+        st->state = WRITING_HEAD;
+    else
+        begin_erase(st);
+    return ERR_OK;
+}
+
+bool storage_saving(const struct storage *st)
+{
+    return st->saving;
+}
+
+enum err storage_result(const struct storage *st, const char **why)
+{
+    *why = st->why;
+    return st->result;
+}
