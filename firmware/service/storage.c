@@ -48,7 +48,7 @@ static void take_stored(struct storage *st)
             storage_tell(st, EVENT_STORAGE_DAMAGED, NULL, 0.0f);
         return;
     }
-    if (st->sequence != st->newest.sequence)
+    if (storage_newer_broken(st))
         storage_tell(st, EVENT_STORAGE_OLDER, NULL, (float)st->newest.sequence);
     if (s->staging || s->serial) { /* somebody was faster, and is not overruled */
         storage_tell(st, EVENT_STORAGE_REFUSED, "configured", 0.0f);

@@ -57,6 +57,10 @@ void storage_scan(struct storage *st);
 void storage_begin_check(struct storage *st);
 void storage_check(struct storage *st);
 
+/* Behind the newest whole set, or first in the other slot, there is one that is not whole: by its head, which tells
+ * its number, or with a broken head. */
+bool storage_newer_broken(const struct storage *st);
+
 /* One piece of erasing or writing, as the state says. */
 void storage_write(struct storage *st);
 /* What a save has written has been read back. */

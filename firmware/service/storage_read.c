@@ -12,11 +12,16 @@ static bool checked_grain(const uint8_t *grain, uint32_t magic)
     return get32(grain) == magic && get32(grain + 12) == crc32_update(0, grain, 12);
 }
 
+/* All its bytes are that one. */
+static bool all_are(const uint8_t *grain, uint8_t byte)
+{
+    return grain[0] == byte && memcmp(grain, grain + 1, STORAGE_GRAIN - 1u) == 0;
+}
+
 /* What a grain says about the slot. All bytes erased, or all zero: memory that was never written, or a model of one. */
 static void look_at(struct storage *st, const uint8_t *grain)
 {
-    bool uniform = memcmp(grain, grain + 1, STORAGE_GRAIN - 1u) == 0; /* each byte as the next */
-    bool erased = uniform && grain[0] == st->erased, zero = uniform && grain[0] == 0;
+    bool erased = all_are(grain, st->erased), zero = all_are(grain, 0);
     if (!erased)
         st->used[st->slot] = st->at + STORAGE_GRAIN;
     if (st->at == 0 && checked_grain(grain, MARK_MAGIC) && grain[8] == FORMAT) {
@@ -115,6 +120,23 @@ void storage_check(struct storage *st)
         st->crc = crc32_update(st->crc, grain, sizeof grain);
         st->at += STORAGE_GRAIN;
     }
+}
+
+/* At that offset of a slot, where a set would begin, there is something that is no head. */
+static bool broken_head(const struct storage *st, uint8_t slot, uint32_t at)
+{
+    uint8_t grain[STORAGE_GRAIN];
+    return st->prepared[slot] && at < st->slot_size &&
+           hal_nvm_read(slot_address(st, slot) + at, grain, sizeof grain) == ERR_OK &&
+           !all_are(grain, st->erased) && !checked_grain(grain, HEAD_MAGIC);
+}
+
+bool storage_newer_broken(const struct storage *st)
+{
+    uint8_t slot = slot_in_use(st);
+    uint32_t end = st->newest.address - slot_address(st, slot) + set_size(st->newest.length);
+    return st->sequence != st->newest.sequence || broken_head(st, slot, end) ||
+           broken_head(st, (uint8_t)!slot, STORAGE_GRAIN);
 }
 
 /* ---- values ---- */

@@ -16,17 +16,19 @@ FLOAT, U32, U16, WORD, TEXT = 1, 2, 3, 4, 5
 SLOT = 16384
 
 
-def mark(erases):
+def mark(erases, flip=0):
     grain = b"RXSM" + struct.pack("<IB3x", erases, 1)
-    return grain + struct.pack("<I", zlib.crc32(grain))
+    return grain + struct.pack("<I", zlib.crc32(grain) ^ flip)
 
 
-def stored_set(sequence, records, schema=1):
+def stored_set(sequence, records, schema=1, flip=0, tail_length=0, tail_sequence=0):
+    """`flip` spoils the checksum of the head, the others are added to what the tail says: the checksum of the set is
+    right all the same."""
     body = b"".join(records)
     head = b"RXSH" + struct.pack("<IHBB", sequence, len(body), 1, schema)
-    head += struct.pack("<I", zlib.crc32(head))
+    head += struct.pack("<I", zlib.crc32(head) ^ flip)
     padded = body + bytes(-len(body) % 16)
-    tail = b"RXST" + struct.pack("<II", len(body), sequence)
+    tail = b"RXST" + struct.pack("<II", len(body) + tail_length, sequence + tail_sequence)
     return head + padded + tail + struct.pack("<I", zlib.crc32(head + padded + tail))
 
 
@@ -112,6 +114,13 @@ IMAGES = {
     "overrun": mark(1) + stored_set(1, plant() + [struct.pack("<HBB", identity(LOOP, 6), FLOAT, 250) + bytes(4)]),
     # Nothing whole, in a slot that was written.
     "ruined": mark(1) + stored_set(1, plant())[:-1],
+    # The checksum of the newest set is right, and it is not whole all the same: its head's checksum, or what its tail
+    # says, is not.
+    "head": mark(1) + stored_set(1, plant(gain=2.5)) + stored_set(2, plant(gain=9.0), flip=1),
+    "tail_length": mark(1) + stored_set(1, plant(gain=2.5)) + stored_set(2, plant(gain=9.0), tail_length=16),
+    "tail_sequence": mark(1) + stored_set(1, plant(gain=2.5)) + stored_set(2, plant(gain=9.0), tail_sequence=1),
+    # A slot whose mark is not right: what it holds counts, but nothing is appended.
+    "mark": mark(1, flip=0x80000000) + stored_set(1, plant(gain=2.5)),
     # The newest set is in the second slot.
     "second": (mark(3) + stored_set(40, plant(gain=4.0))).ljust(SLOT, b"\xff") + mark(3) + stored_set(41, plant(gain=5.0)),
 }

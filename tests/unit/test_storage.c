@@ -98,6 +98,44 @@ static void test_torn_set_leaves_the_one_before(void)
     TEST_ASSERT_EQUAL(0, seen[EVENT_STORAGE_OLDER]);
 }
 
+/* Each stands behind the checksum of the set, which is right here: a writer's mistake, not the flash's. */
+static void test_set_counts_only_if_head_and_tail_are_right_too(void)
+{
+    static const char *const images[] = {"head", "tail_length", "tail_sequence"};
+    for (unsigned i = 0; i < sizeof images / sizeof images[0]; i++) {
+        load_image(images[i]);
+        bench_boot();
+        TEST_ASSERT_EQUAL_FLOAT_MESSAGE(2.5f, bench_get("loop1.gain"), images[i]);
+        TEST_ASSERT_EQUAL_MESSAGE(1, fw.storage.newest.sequence, images[i]);
+        TEST_ASSERT_EQUAL_MESSAGE(1, seen[EVENT_STORAGE_OLDER], images[i]);
+        /* The next save goes behind it, and counts. */
+        TEST_ASSERT_EQUAL(ERR_OK, bench_save());
+        bench_boot();
+        TEST_ASSERT_EQUAL_MESSAGE(0, seen[EVENT_STORAGE_OLDER], images[i]);
+        TEST_ASSERT_TRUE(fw.storage.newest.sequence > 1);
+    }
+}
+
+static void test_nothing_is_appended_to_a_slot_whose_mark_is_not_right(void)
+{
+    load_image("mark");
+    bench_boot();
+    TEST_ASSERT_EQUAL_FLOAT(2.5f, bench_get("loop1.gain"));
+    TEST_ASSERT_EQUAL(1, erases); /* of the other one */
+    TEST_ASSERT_EQUAL(0, fw.storage.erases[0]);
+    TEST_ASSERT_EQUAL(ERR_OK, bench_save());
+    TEST_ASSERT_TRUE(fw.storage.newest.address >= fw.storage.slot_size);
+}
+
+static void test_broken_first_set_of_a_new_slot_is_told(void)
+{
+    load_image("second");
+    flash_model[FLASH_MODEL_SIZE / 2 + STORAGE_GRAIN] ^= 1u; /* of its head */
+    bench_boot();
+    TEST_ASSERT_EQUAL_FLOAT(4.0f, bench_get("loop1.gain"));
+    TEST_ASSERT_EQUAL(1, seen[EVENT_STORAGE_OLDER]);
+}
+
 static void test_nothing_whole_means_defaults_and_an_alarm(void)
 {
     struct config defaults;
@@ -516,6 +554,9 @@ int main(void)
     RUN_TEST(test_image_of_another_writer_is_read);
     RUN_TEST(test_newest_of_several_counts_in_either_slot);
     RUN_TEST(test_torn_set_leaves_the_one_before);
+    RUN_TEST(test_set_counts_only_if_head_and_tail_are_right_too);
+    RUN_TEST(test_nothing_is_appended_to_a_slot_whose_mark_is_not_right);
+    RUN_TEST(test_broken_first_set_of_a_new_slot_is_told);
     RUN_TEST(test_nothing_whole_means_defaults_and_an_alarm);
     RUN_TEST(test_new_flash_is_prepared_without_an_alarm);
     RUN_TEST(test_bytes_in_flash_are_those_of_the_document);
