@@ -59,6 +59,13 @@ static const struct parameter_field measurement_fields[] = {
       "inferred value per unit of that output"),
     F(measurement_config, infer_offset, 13, "infer_offset", "EU", -BIG, BIG, 0,
       "inferred value where that output is 0"),
+#if COMMISSION_CHANNELS
+    W(measurement_config, test, 14, "test", "off|on", 1, "automatic start-up finds a loop for it"),
+    F(measurement_config, test_limit, 15, "test_limit", "EU", 0, BIG, 0,
+      "farthest it may go from rest while the plant is tested; 0 = a fifth of the span"),
+    W(measurement_config, test_critical, 16, "test_critical", "off|on", 0,
+      "while the plant is tested it may go only half as far"),
+#endif
 };
 
 static const struct parameter_field output_fields[] = {
@@ -77,6 +84,15 @@ static const struct parameter_field output_fields[] = {
       "read-back this close to the command counts as followed"),
     F(output_config, follow_s, 10, "follow", "s", 0, 1e5f, 0,
       "a command not followed for this long is an alarm"),
+#if COMMISSION_CHANNELS
+    W(output_config, test, 11, "test", "off|on", 1, "automatic start-up moves it"),
+    F(output_config, test_step, 12, "test_step", "EU", 0, BIG, 0,
+      "amplitude of the test; 0 = larger ones are tried until the response stands out"),
+    F(output_config, test_time_s, 13, "test_time", "s", 0, 1e6f, 0,
+      "length of half a double step; 0 = until the plant is at rest"),
+    W(output_config, test_critical, 14, "test_critical", "off|on", 0,
+      "tested first: its times are the first guess for the others"),
+#endif
 };
 
 static const struct parameter_field loop_fields[] = {
@@ -184,6 +200,33 @@ static const struct parameter_field console_fields[] = {
       "the engineer level locks itself after this long without its commands; 0 = never"),
 };
 
+#if COMMISSION_CHANNELS
+static const struct parameter_field test_fields[] = {
+    F(config, test.noise_multiple, 1, "noise", "-", 2, 1000, 20,
+      "a response this many times the noise is large enough"),
+    F(config, test.blank_s, 2, "blank", "s", 0, 1e5f, 0,
+      "the guard looks away for so long after a step: inverse responses"),
+    F(config, test.longest_s, 3, "longest", "s", 0, 1e6f, 0,
+      "no half of a double step is longer; 0 = 1000 base ticks"),
+    F(config, test.confidence, 4, "confidence", "-", 0.5f, 0.9999f, 0.95f,
+      "a pairing less probable than this is not determined"),
+    {5, PARAMETER_U16, offsetof(struct config, test.rounds), "rounds", "-", 1, 16, 4, NULL,
+     "tests are repeated, up to so many of each input, until the pairing is determined"},
+    {6, PARAMETER_U16, offsetof(struct config, test.window), "window", "ticks", 10, 1000, 30, NULL,
+     "base ticks over which rest is judged"},
+    W(config, test.guard, 7, "guard", "line|model", TEST_GUARD_MODEL,
+      "how the peak of a response is predicted: by a straight line, or by a model of it so far"),
+};
+
+static const struct parameter_field pair_fields[] = {
+    N(pair_config, measurement, 1, "meas", "measurement; - = unused"),
+    N(pair_config, output, 2, "mv", "manipulated variable"),
+    F(pair_config, time_s, 3, "time", "s", 0, 1e6f, 0,
+      "dead time and time constant together, as far as known; 0 = unknown"),
+    F(pair_config, gain, 4, "gain", "EU/EU", -BIG, BIG, 0, "steady-state gain; 0 = unknown"),
+};
+#endif
+
 #define COUNT(a) (sizeof(a) / sizeof((a)[0]))
 /* most: what the headers give where no board says otherwise. */
 #define GROUP(id, name, member, type, count, most, fields)                                         \
@@ -205,5 +248,9 @@ const struct parameter_group parameter_groups[] = {
     {9, 1, COUNT(console_fields), false, 0, 0, "console", console_fields, 1},
     GROUP(10, "alarm", alarm, struct alarm_config, CONFIG_ALARMS, 8, alarm_fields),
     {11, 1, COUNT(restart_fields), false, 0, 0, "restart", restart_fields, 1},
+#if COMMISSION_CHANNELS
+    {14, 1, COUNT(test_fields), false, 0, 0, "test", test_fields, 1},
+    GROUP(15, "pair", pair, struct pair_config, CONFIG_PAIRS, 4, pair_fields),
+#endif
 };
 const unsigned parameter_group_count = COUNT(parameter_groups);

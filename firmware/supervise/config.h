@@ -22,6 +22,13 @@
 #define CONFIG_ALARMS 8
 #endif
 
+#ifndef COMMISSION_CHANNELS
+#define COMMISSION_CHANNELS CHANNEL_MAX /* 0: the board leaves automatic start-up out */
+#endif
+#ifndef CONFIG_PAIRS
+#define CONFIG_PAIRS (COMMISSION_CHANNELS ? 4 : 0)
+#endif
+
 /* What a measurement does when it has no believable reading. */
 enum fallback {
     FALLBACK_HOLD = 0,       /* last value for hold_s, then its loops go to manual */
@@ -42,6 +49,11 @@ struct measurement_config {
     float infer_gain, infer_offset; /* value = offset + gain * output, EU */
     char infer[CHANNEL_NAME_SIZE];  /* manipulated variable to infer a value from; empty = none */
     uint8_t fallback;               /* enum fallback */
+#if COMMISSION_CHANNELS
+    uint8_t test;          /* automatic start-up controls it */
+    uint8_t test_critical; /* its limit is halved while the plant is tested */
+    float test_limit;      /* farthest from rest during tests, EU; 0 = a fifth of the span */
+#endif
 };
 
 struct output_config {
@@ -54,6 +66,12 @@ struct output_config {
     float
         readback_band; /* read-back closer than this to the command counts as followed, fraction of span */
     float follow_s; /* not followed for this long is an alarm, s */
+#if COMMISSION_CHANNELS
+    uint8_t test;          /* automatic start-up moves it */
+    uint8_t test_critical; /* it is tested first: its times suggest those of the others */
+    float test_step;       /* amplitude of the test, EU; 0 = found by trying */
+    float test_time_s;     /* length of half a double step; 0 = until the plant is at rest */
+#endif
 };
 
 enum loop_action { LOOP_REVERSE = 0, LOOP_DIRECT = 1 };
@@ -120,6 +138,29 @@ struct alarm_config {
     uint8_t group;              /* the first of a group is marked; 0 = in none, else a letter */
 };
 
+#if COMMISSION_CHANNELS
+enum test_guard { TEST_GUARD_LINE, TEST_GUARD_MODEL };
+
+/* How automatic start-up goes about it. */
+struct test_config {
+    float noise_multiple; /* a response this many times the noise is enough */
+    float blank_s;        /* the guard looks away for so long after a step: inverse responses */
+    float longest_s;      /* no half of a double step is longer; 0 = 1000 base ticks */
+    float confidence;     /* a pairing less probable than this is not determined */
+    uint16_t rounds;      /* tests may be repeated until there are so many of each input */
+    uint16_t window;      /* base ticks over which rest is judged */
+    uint8_t guard;        /* enum test_guard */
+};
+
+/* What is known of one element beforehand. */
+struct pair_config {
+    char measurement[CHANNEL_NAME_SIZE];
+    char output[CHANNEL_NAME_SIZE];
+    float time_s; /* dead time and time constant together; 0 = unknown */
+    float gain;   /* EU per EU; 0 = unknown */
+};
+#endif
+
 enum restart_policy { RESTART_SAFE, RESTART_HOLD, RESTART_RESUME };
 
 struct config {
@@ -137,6 +178,10 @@ struct config {
     float sample_timeout_s; /* without a sample for so long of the board's clock: safe; 0 = never */
     float restart_limit_s;  /* longest gap in plant time over a restart, s */
     uint8_t restart_policy; /* enum restart_policy: after a reset that left the memory alone */
+#if COMMISSION_CHANNELS
+    struct test_config test;
+    struct pair_config pair[CONFIG_PAIRS];
+#endif
     char console_key[CHANNEL_NAME_SIZE]; /* opens the engineer level; empty = it is open */
     float relock_s; /* without engineer commands for this long it locks again; 0 = never */
 };

@@ -377,6 +377,30 @@ static enum err resolve_alarms(struct plan *plan, struct config_fault *fault)
     return ERR_OK;
 }
 
+#if COMMISSION_CHANNELS
+static enum err check_tests(const struct config *c, struct config_fault *fault)
+{
+    for (uint8_t i = 0; i < CHANNEL_MAX; i++) {
+        const struct output_config *o = &c->output[i];
+        if (o->name[0] && o->test_step > 0.5f * (o->hi - o->lo))
+            return refuse(fault, ERR_RANGE, "mv", i + 1u, "test_step", o->name,
+                          "must be half of the span at most");
+    }
+    for (uint8_t i = 0; i < CONFIG_PAIRS; i++) {
+        const struct pair_config *p = &c->pair[i];
+        if (!p->measurement[0] && !p->output[0])
+            continue;
+        if (config_find_measurement(c, p->measurement) == PLAN_NONE)
+            return refuse(fault, ERR_UNKNOWN, "pair", i + 1u, "meas", p->measurement,
+                          "must be the name of a configured measurement");
+        if (config_find_output(c, p->output) == PLAN_NONE)
+            return refuse(fault, ERR_UNKNOWN, "pair", i + 1u, "mv", p->output,
+                          "must be the name of a configured manipulated variable");
+    }
+    return ERR_OK;
+}
+#endif
+
 enum err plan_set_tick(struct plan *plan, float tick_s, struct config_fault *fault)
 {
     const struct config *config = &plan->config;
@@ -408,6 +432,10 @@ enum err plan_set_tick(struct plan *plan, float tick_s, struct config_fault *fau
         err = resolve_inferences(plan, fault);
     if (!err)
         err = resolve_alarms(plan, fault);
+#if COMMISSION_CHANNELS
+    if (!err)
+        err = check_tests(config, fault);
+#endif
     return err;
 }
 

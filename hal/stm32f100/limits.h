@@ -14,6 +14,7 @@
 #define CONFIG_FEEDFORWARDS 1
 #define CONFIG_INTERLOCKS   2
 #define CONFIG_ALARMS       1
+#define COMMISSION_CHANNELS 0
 #define PLAN_ARENA_BYTES    64
 #define PLAN_BUFFERS        2
 

@@ -301,6 +301,21 @@ static void an_interlock_forces_within_the_span(void)
     refused(ERR_RANGE, "lock", 1, "value", "heat");
 }
 
+static void a_test_step_wider_than_half_the_span_and_unknown_pairs_are_refused(void)
+{
+    put("mv1.test_step", "6");
+    refused(ERR_RANGE, "mv", 1, "test_step", "reflux");
+    put("mv1.test_step", "5");
+    put("pair2.meas", "T1");
+    refused(ERR_UNKNOWN, "pair", 2, "mv", "");
+    put("pair2.mv", "nobody");
+    refused(ERR_UNKNOWN, "pair", 2, "mv", "nobody");
+    put("pair2.mv", "heat");
+    TEST_ASSERT_EQUAL(ERR_OK, build());
+    put("pair2.meas", "heat");
+    refused(ERR_UNKNOWN, "pair", 2, "meas", "heat");
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -327,5 +342,6 @@ int main(void)
     RUN_TEST(only_loops_with_an_output_of_their_own_can_be_decoupled);
     RUN_TEST(dead_times_that_do_not_fit_say_how_many_bytes_they_need);
     RUN_TEST(an_interlock_forces_within_the_span);
+    RUN_TEST(a_test_step_wider_than_half_the_span_and_unknown_pairs_are_refused);
     return UNITY_END();
 }

@@ -416,7 +416,8 @@ static void fill(void)
     for (;;) {
         uint8_t slot = fw.storage.newest.address >= fw.storage.slot_size;
         TEST_ASSERT_EQUAL(ERR_OK, bench_save());
-        if (fw.storage.slot_size - fw.storage.used[slot] < 32u + fw.storage.newest.length + 16u)
+        uint32_t whole_grains = (fw.storage.newest.length + 15u) & ~15u;
+        if (fw.storage.slot_size - fw.storage.used[slot] < 32u + whole_grains)
             return;
     }
 }
