@@ -17,7 +17,6 @@
 #include "flash_model.h"
 #include "hal/clock.h"
 #include "hal/identity.h"
-#include "hal/memory_use.h"
 #include "hal/retained.h"
 #include "hal/tick.h"
 #include "hal/watchdog.h"
@@ -192,11 +191,6 @@ const char *hal_cycles_unit(void)
     return "ns";
 }
 
-uint32_t hal_core_hz(void)
-{
-    return 0;
-}
-
 const char *hal_clock_source(void)
 {
     return "operating system";
@@ -263,23 +257,7 @@ void *hal_retained(enum hal_retained_area area, size_t n)
     return hal_retained_in(&retained, area, n);
 }
 
-bool hal_last_fault(struct hal_fault *fault)
-{
-    (void)fault;
-    return false; /* the operating system ends the process */
-}
-
 _Noreturn void hal_reboot(void)
 {
     siglongjmp(reset_vector, 1);
-}
-
-uint32_t hal_stack_size(void)
-{
-    return 0;
-}
-
-uint32_t hal_stack_unused(void)
-{
-    return 0;
 }

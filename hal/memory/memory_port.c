@@ -8,7 +8,6 @@
 #include "hal/clock.h"
 #include "hal/flow.h"
 #include "hal/identity.h"
-#include "hal/memory_use.h"
 #include "hal/retained.h"
 #include "hal/ring.h"
 #include "hal/tick.h"
@@ -236,11 +235,6 @@ const char *hal_cycles_unit(void)
     return "none";
 }
 
-uint32_t hal_core_hz(void)
-{
-    return 0;
-}
-
 const char *hal_clock_source(void)
 {
     return "set by the bench";
@@ -293,23 +287,7 @@ void *hal_retained(enum hal_retained_area area, size_t n)
     return hal_retained_in(&retained, area, n);
 }
 
-bool hal_last_fault(struct hal_fault *fault)
-{
-    (void)fault;
-    return false; /* the operating system ends the process */
-}
-
 _Noreturn void hal_reboot(void)
 {
     longjmp(reset_vector, 1);
-}
-
-uint32_t hal_stack_size(void)
-{
-    return 0;
-}
-
-uint32_t hal_stack_unused(void)
-{
-    return 0;
 }

@@ -18,6 +18,7 @@ target_include_directories(test_heartbeat PRIVATE "${CMAKE_BINARY_DIR}/layers/se
 reflux_test(host_watchdog LABEL unit SOURCES
   "${CMAKE_CURRENT_LIST_DIR}/test_host_watchdog.c" "${PROJECT_SOURCE_DIR}/hal/host/host_port.c"
   "${PROJECT_SOURCE_DIR}/hal/host/line.c" "${PROJECT_SOURCE_DIR}/hal/host/flash_model.c"
+  "${PROJECT_SOURCE_DIR}/hal/host/process.c"
   LIBS reflux_hal)
 target_include_directories(test_host_watchdog PRIVATE
   "${PROJECT_SOURCE_DIR}/hal/host" "${CMAKE_BINARY_DIR}/layers/app")

@@ -1,0 +1,25 @@
+/* What a process cannot tell of itself as a board can: for the ports that run in one, the host's and the one in memory. */
+#include "hal/clock.h"
+#include "hal/identity.h"
+#include "hal/memory_use.h"
+
+uint32_t hal_core_hz(void)
+{
+    return 0;
+}
+
+bool hal_last_fault(struct hal_fault *fault)
+{
+    (void)fault;
+    return false; /* the operating system ends the process */
+}
+
+uint32_t hal_stack_size(void)
+{
+    return 0;
+}
+
+uint32_t hal_stack_unused(void)
+{
+    return 0;
+}
