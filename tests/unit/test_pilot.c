@@ -1,43 +1,10 @@
 /* The pilot column against its committed, independent reference and against Folami's figures. */
 #include "csv.h"
-#include "plant.h"
+#include "plant_bench.h"
 #include "unity.h"
 
 #include <math.h>
 #include <string.h>
-
-static const struct plant_class *pilot;
-static struct plant *plant;
-static char err[256];
-
-static size_t channel(const char *name)
-{
-    for (size_t i = 0; i < pilot->n_channels; i++)
-        if (strcmp(pilot->channels[i].name, name) == 0)
-            return i;
-    TEST_FAIL_MESSAGE(name);
-    return 0;
-}
-
-static double get(const char *name)
-{
-    return pilot->value(plant, channel(name));
-}
-
-static void set(const char *name, double value)
-{
-    TEST_ASSERT_TRUE_MESSAGE(pilot->set_input(plant, channel(name), value, err, sizeof err), err);
-}
-
-static void run_to(double t)
-{
-    TEST_ASSERT_TRUE_MESSAGE(pilot->advance(plant, t, err, sizeof err), err);
-}
-
-static void settle(void)
-{
-    TEST_ASSERT_TRUE_MESSAGE(pilot->settle(plant, err, sizeof err), err);
-}
 
 static double tray(int k) /* 11: reboiler */
 {
@@ -50,15 +17,12 @@ static double tray(int k) /* 11: reboiler */
 
 void setUp(void)
 {
-    pilot = plant_find("pilot");
-    TEST_ASSERT_NOT_NULL(pilot);
-    plant = pilot->create(err, sizeof err);
-    TEST_ASSERT_NOT_NULL_MESSAGE(plant, err);
+    plant_open("pilot");
 }
 
 void tearDown(void)
 {
-    pilot->destroy(plant);
+    plant_close();
 }
 
 static const char *const inputs[4] = {"Lr", "Qrb", "F", "xF"};
@@ -113,9 +77,8 @@ static void step_responses_of_every_tray_are_those_of_the_reference(void)
     int rows = 0;
     while (csv_row(f, row, 14)) {
         if (row[2] < now || rows == 0) { /* next step: start afresh */
-            pilot->destroy(plant);
-            plant = pilot->create(err, sizeof err);
-            TEST_ASSERT_NOT_NULL_MESSAGE(plant, err);
+            plant_close();
+            plant_open("pilot");
             set(inputs[(int)row[0]], get(inputs[(int)row[0]]) + row[1]);
             now = 0;
         }
@@ -152,7 +115,7 @@ static void the_operating_point_lies_in_folamis_ranges(void)
 {
     TEST_ASSERT_TRUE(get("Qrb") >= 0.7 && get("Qrb") <= 1.25);
     TEST_ASSERT_TRUE(get("xF") >= 30 && get("xF") <= 50);
-    TEST_ASSERT_TRUE(pilot->tick_s == 30);
+    TEST_ASSERT_TRUE(kind->tick_s == 30);
 }
 
 static void the_slow_time_constant_is_between_ten_and_forty_minutes(void)
@@ -184,9 +147,9 @@ static void signs_of_the_gains_are_physical(void)
 
 static void sane(void)
 {
-    for (size_t i = 0; i < pilot->n_channels; i++) {
-        const struct plant_channel *c = &pilot->channels[i];
-        double v = pilot->value(plant, i);
+    for (size_t i = 0; i < kind->n_channels; i++) {
+        const struct plant_channel *c = &kind->channels[i];
+        double v = kind->value(plant, i);
         char text[80];
         snprintf(text, sizeof text, "%s = %.17g", c->name, v);
         TEST_ASSERT_TRUE_MESSAGE(isfinite(v) && v >= c->lo && v <= c->hi * (1 + 1e-12), text);
@@ -204,8 +167,8 @@ static void brutal_inputs_keep_every_channel_inside_its_span(void)
 {
     unsigned seed = 7;
     for (int k = 1; k <= 4000; k++) {
-        for (size_t i = 0; i < pilot->n_channels; i++) {
-            const struct plant_channel *c = &pilot->channels[i];
+        for (size_t i = 0; i < kind->n_channels; i++) {
+            const struct plant_channel *c = &kind->channels[i];
             if (c->kind != PLANT_MV && c->kind != PLANT_DISTURBANCE)
                 continue;
             double u = uniform(&seed);
@@ -306,31 +269,31 @@ static void product_balances_close_at_every_steady_state(void)
 static void inputs_that_are_no_numbers_or_out_of_range_are_refused_in_words(void)
 {
     double before = get("Qrb");
-    TEST_ASSERT_FALSE(pilot->set_input(plant, channel("Qrb"), NAN, err, sizeof err));
+    TEST_ASSERT_FALSE(kind->set_input(plant, channel("Qrb"), NAN, err, sizeof err));
     TEST_ASSERT_EQUAL_STRING("pilot: Qrb = nan kW is outside 0 to 1.5", err);
-    TEST_ASSERT_FALSE(pilot->set_input(plant, channel("Qrb"), 1.6, err, sizeof err));
+    TEST_ASSERT_FALSE(kind->set_input(plant, channel("Qrb"), 1.6, err, sizeof err));
     TEST_ASSERT_EQUAL_STRING("pilot: Qrb = 1.6 kW is outside 0 to 1.5", err);
-    TEST_ASSERT_FALSE(pilot->set_input(plant, channel("xF"), -1, err, sizeof err));
+    TEST_ASSERT_FALSE(kind->set_input(plant, channel("xF"), -1, err, sizeof err));
     TEST_ASSERT_EQUAL_STRING("pilot: xF = -1 %w is outside 0 to 100", err);
-    TEST_ASSERT_FALSE(pilot->set_input(plant, channel("T1"), 90, err, sizeof err));
+    TEST_ASSERT_FALSE(kind->set_input(plant, channel("T1"), 90, err, sizeof err));
     TEST_ASSERT_EQUAL_STRING("pilot: channel 8 is not an input; inputs are 0 to 7", err);
     TEST_ASSERT_TRUE(get("Qrb") == before);
     run_to(60);
-    TEST_ASSERT_FALSE(pilot->advance(plant, 30, err, sizeof err));
+    TEST_ASSERT_FALSE(kind->advance(plant, 30, err, sizeof err));
 }
 
 static void channels_are_well_formed(void)
 {
     TEST_ASSERT_NULL(plant_find("no such plant"));
-    for (size_t i = 0; i < pilot->n_channels; i++) {
-        const struct plant_channel *c = &pilot->channels[i];
+    for (size_t i = 0; i < kind->n_channels; i++) {
+        const struct plant_channel *c = &kind->channels[i];
         TEST_ASSERT_NOT_NULL(c->name);
         TEST_ASSERT_TRUE(strlen(c->name) <= 15 && strlen(c->unit) <= 11 && c->help);
         TEST_ASSERT_TRUE(c->lo < c->hi);
         if (c->kind == PLANT_MV || c->kind == PLANT_DISTURBANCE)
-            TEST_ASSERT_TRUE(pilot->value(plant, i) == c->nominal);
+            TEST_ASSERT_TRUE(kind->value(plant, i) == c->nominal);
         for (size_t j = 0; j < i; j++)
-            TEST_ASSERT_TRUE(strcmp(c->name, pilot->channels[j].name) != 0);
+            TEST_ASSERT_TRUE(strcmp(c->name, kind->channels[j].name) != 0);
     }
 }
 

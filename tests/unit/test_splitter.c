@@ -1,7 +1,7 @@
 /* The C3-C4 splitter against the steady states and the features Frau publishes (digest of her sections 3 and
  * 5): impurities, reflux, duty, gradient diagram, scenario 1. Prints what is needed beside what is published. */
 #include "model/properties.h"
-#include "plant.h"
+#include "plant_bench.h"
 #include "unity.h"
 
 #include <math.h>
@@ -21,40 +21,6 @@ static const struct component property[COMPONENTS] = {
 };
 static const double feed[COMPONENTS] = {0.0036, 0.281, 0.236, 0.004, 0.0008, 0.4746};
 
-static const struct plant_class *splitter;
-static struct plant *plant;
-static char err[256];
-
-static size_t channel(const char *name)
-{
-    for (size_t i = 0; i < splitter->n_channels; i++)
-        if (strcmp(splitter->channels[i].name, name) == 0)
-            return i;
-    TEST_FAIL_MESSAGE(name);
-    return 0;
-}
-
-static double get(const char *name)
-{
-    return splitter->value(plant, channel(name));
-}
-
-static void set(const char *name, double value)
-{
-    TEST_ASSERT_TRUE_MESSAGE(splitter->set_input(plant, channel(name), value, err, sizeof err),
-                             err);
-}
-
-static void run_to(double t)
-{
-    TEST_ASSERT_TRUE_MESSAGE(splitter->advance(plant, t, err, sizeof err), err);
-}
-
-static void settle(void)
-{
-    TEST_ASSERT_TRUE_MESSAGE(splitter->settle(plant, err, sizeof err), err);
-}
-
 static double temperature(int stage)
 {
     char name[8];
@@ -66,8 +32,8 @@ static double temperature(int stage)
 static void composition(double x[STAGES + 1][COMPONENTS])
 {
     double state[STAGES * (COMPONENTS - 1)];
-    TEST_ASSERT_EQUAL(STAGES * (COMPONENTS - 1), splitter->states->count(plant));
-    splitter->states->get(plant, state);
+    TEST_ASSERT_EQUAL(STAGES * (COMPONENTS - 1), kind->states->count(plant));
+    kind->states->get(plant, state);
     for (int s = 1; s <= STAGES; s++) {
         x[s][NC4] = 1;
         for (int j = 0; j < COMPONENTS - 1; j++) {
@@ -77,22 +43,14 @@ static void composition(double x[STAGES + 1][COMPONENTS])
     }
 }
 
-static void setUpPlant(void)
-{
-    splitter = plant_find("splitter");
-    TEST_ASSERT_NOT_NULL(splitter);
-    plant = splitter->create(err, sizeof err);
-    TEST_ASSERT_NOT_NULL_MESSAGE(plant, err);
-}
-
 void setUp(void)
 {
-    setUpPlant();
+    plant_open("splitter");
 }
 
 void tearDown(void)
 {
-    splitter->destroy(plant);
+    plant_close();
 }
 
 /* How far off both impurities are, in logarithms: they are nearly linear in the inputs. */
@@ -155,7 +113,7 @@ static void trim_both(double *duty, double *reflux)
 static void balances_close(void)
 {
     double rate[STAGES * (COMPONENTS - 1)], x[STAGES + 1][COMPONENTS], worst = 0;
-    TEST_ASSERT_TRUE_MESSAGE(splitter->states->rates(plant, rate, err, sizeof err), err);
+    TEST_ASSERT_TRUE_MESSAGE(kind->states->rates(plant, rate, err, sizeof err), err);
     for (size_t i = 0; i < sizeof rate / sizeof *rate; i++)
         worst = fmax(worst, fabs(rate[i]) * 3600);
     TEST_ASSERT_DOUBLE_WITHIN(1e-9, 0, worst);
@@ -288,7 +246,7 @@ static void the_nominal_state_is_the_first_steady_state(void)
 {
     TEST_ASSERT_DOUBLE_WITHIN(1e-5, IMPURITY, get("iC4_D"));
     TEST_ASSERT_EQUAL_DOUBLE(61.62, get("R"));
-    TEST_ASSERT_TRUE(splitter->tick_s == 30);
+    TEST_ASSERT_TRUE(kind->tick_s == 30);
     double before = temperature(31);
     run_to(3600);
     TEST_ASSERT_DOUBLE_WITHIN(1e-5, before, temperature(31));
@@ -324,8 +282,8 @@ static void settling_times_are_of_the_published_size(void)
     static const int stage[2] = {5, 31};
     static const double published[2] = {2, 4};
     for (int i = 0; i < 2; i++) {
-        tearDown();
-        setUpPlant();
+        plant_close();
+        plant_open("splitter");
         set("Q", SS2_DUTY);
         set("R", SS2_REFLUX);
         settle();
@@ -343,8 +301,8 @@ static void sane(void)
     for (int s = 1; s <= STAGES; s++)
         for (int j = 0; j < COMPONENTS; j++)
             TEST_ASSERT_TRUE(x[s][j] >= -1e-7 && x[s][j] <= 1 + 1e-7);
-    for (size_t i = 0; i < splitter->n_channels; i++)
-        TEST_ASSERT_TRUE_MESSAGE(isfinite(splitter->value(plant, i)), splitter->channels[i].name);
+    for (size_t i = 0; i < kind->n_channels; i++)
+        TEST_ASSERT_TRUE_MESSAGE(isfinite(kind->value(plant, i)), kind->channels[i].name);
 }
 
 static double seconds(void)
@@ -386,8 +344,8 @@ static void the_published_scenarios_run_for_a_day(void)
     static const double sc1[7] = {6.8, -0.0016, -0.011, -0.0128, 0.0254, -3, 0};
     static const double sc2[7] = {-22.2, -0.0016, 0.043, 0.021, -0.0704, 10, 0};
     scenario("SC1", sc1);
-    tearDown();
-    setUpPlant();
+    plant_close();
+    plant_open("splitter");
     scenario("SC2", sc2);
 }
 
@@ -417,9 +375,9 @@ static void trips_and_limits_are_survived(void)
 static void refused(const char *name, double value, const char *message)
 {
     double before = get(name);
-    TEST_ASSERT_FALSE(splitter->set_input(plant, channel(name), value, err, sizeof err));
+    TEST_ASSERT_FALSE(kind->set_input(plant, channel(name), value, err, sizeof err));
     TEST_ASSERT_EQUAL_STRING(message, err);
-    TEST_ASSERT_TRUE(splitter->value(plant, channel(name)) == before);
+    TEST_ASSERT_TRUE(kind->value(plant, channel(name)) == before);
 }
 
 static void bad_inputs_are_refused_in_words(void)
@@ -433,21 +391,21 @@ static void bad_inputs_are_refused_in_words(void)
     set("ziC4", 0);
     refused("znC4", 0, "splitter: znC4 = 0 leaves feed fractions that add up to less than 0.1");
     run_to(60);
-    TEST_ASSERT_FALSE(splitter->advance(plant, 30, err, sizeof err));
+    TEST_ASSERT_FALSE(kind->advance(plant, 30, err, sizeof err));
 }
 
 static void channels_are_well_formed(void)
 {
     int measured = 0;
-    for (size_t i = 0; i < splitter->n_channels; i++) {
-        const struct plant_channel *c = &splitter->channels[i];
+    for (size_t i = 0; i < kind->n_channels; i++) {
+        const struct plant_channel *c = &kind->channels[i];
         TEST_ASSERT_TRUE(c->name && strlen(c->name) <= 15 && strlen(c->unit) <= 11 && c->help);
         TEST_ASSERT_TRUE(c->lo < c->hi);
         measured += c->kind == PLANT_MEASUREMENT;
         if (c->kind == PLANT_MV || c->kind == PLANT_DISTURBANCE)
-            TEST_ASSERT_TRUE(splitter->value(plant, i) == c->nominal);
+            TEST_ASSERT_TRUE(kind->value(plant, i) == c->nominal);
         for (size_t j = 0; j < i; j++)
-            TEST_ASSERT_TRUE(strcmp(c->name, splitter->channels[j].name) != 0);
+            TEST_ASSERT_TRUE(strcmp(c->name, kind->channels[j].name) != 0);
     }
     TEST_ASSERT_EQUAL(13, measured);
     for (int s = 1; s < STAGES; s++) /* every name is on its stage: the column cools upwards */

@@ -1,7 +1,7 @@
 /* The C3-C4 splitter against its committed, independent reference (tests/reference/splitter_reference.py):
  * both steady states, and 24 h after steps of the feed and of the duty, run tick by tick. */
 #include "csv.h"
-#include "plant.h"
+#include "plant_bench.h"
 #include "unity.h"
 
 #include <math.h>
@@ -12,41 +12,14 @@
 #define OUTPUTS (STAGES + 4) /* temperatures, iC4_D, C3_B, D, B */
 #define COLUMNS (2 + OUTPUTS)
 
-static const struct plant_class *splitter;
-static struct plant *plant;
-static char err[256];
-
-static size_t channel(const char *name)
-{
-    for (size_t i = 0; i < splitter->n_channels; i++)
-        if (strcmp(splitter->channels[i].name, name) == 0)
-            return i;
-    TEST_FAIL_MESSAGE(name);
-    return 0;
-}
-
-static double get(const char *name)
-{
-    return splitter->value(plant, channel(name));
-}
-
-static void set(const char *name, double value)
-{
-    TEST_ASSERT_TRUE_MESSAGE(splitter->set_input(plant, channel(name), value, err, sizeof err),
-                             err);
-}
-
 void setUp(void)
 {
-    splitter = plant_find("splitter");
-    TEST_ASSERT_NOT_NULL(splitter);
-    plant = splitter->create(err, sizeof err);
-    TEST_ASSERT_NOT_NULL_MESSAGE(plant, err);
+    plant_open("splitter");
 }
 
 void tearDown(void)
 {
-    splitter->destroy(plant);
+    plant_close();
 }
 
 /* Largest deviation from a row of outputs: temperatures (K) and impurities (relative). */
@@ -69,7 +42,7 @@ static void both_steady_states_are_those_of_the_reference(void)
     while (csv_row(f, row, COLUMNS)) {
         set("R", row[0]);
         set("Q", row[1]);
-        TEST_ASSERT_TRUE_MESSAGE(splitter->settle(plant, err, sizeof err), err);
+        settle();
         deviations(row + 2, &kelvin, &relative);
         TEST_ASSERT_DOUBLE_WITHIN(1e-3, row[2 + STAGES + 2], get("D"));
         TEST_ASSERT_DOUBLE_WITHIN(1e-3, row[2 + STAGES + 3], get("B"));
@@ -85,7 +58,7 @@ static void both_steady_states_are_those_of_the_reference(void)
 
 static void begin_step(int number)
 {
-    tearDown();
+    plant_close();
     setUp();
     if (number == 1) {
         set("Q", 4200.0);
@@ -111,8 +84,7 @@ static void a_day_after_a_step_every_temperature_is_that_of_the_reference(void)
             begin_step(step);
         }
         for (; ticks < (int)lround(row[1] * 120); ticks++)
-            TEST_ASSERT_TRUE_MESSAGE(splitter->advance(plant, 30.0 * (ticks + 1), err, sizeof err),
-                                     err);
+            run_to(30.0 * (ticks + 1));
         deviations(row + 2, &kelvin, &relative);
         rows++;
     }
