@@ -1,0 +1,30 @@
+/* As num/names.h, for this folder. */
+#ifndef REFLUX_INTERACT_NAMES_H
+#define REFLUX_INTERACT_NAMES_H
+
+#ifdef REFLUX_REAL_DOUBLE
+#define interact_check           interact_check_double
+#define interact_gains           interact_gains_double
+#define interact_response        interact_response_double
+#define fopdt_response           fopdt_response_double
+#define rga_compute              rga_compute_double
+#define rga_at                   rga_at_double
+#define rga_number               rga_number_double
+#define rga_smallest_error       rga_smallest_error_double
+#define niederlinski_index       niederlinski_index_double
+#define gains_begin              gains_begin_double
+#define gains_step               gains_step_double
+#define gains_null_input         gains_null_input_double
+#define gains_null_output        gains_null_output_double
+#define assignment_solve         assignment_solve_double
+#define pairing_config_default   pairing_config_default_double
+#define pairing_begin            pairing_begin_double
+#define pairing_step             pairing_step_double
+#define pairing_choose           pairing_choose_double
+#define structure_config_default structure_config_default_double
+#define structure_detect         structure_detect_double
+#define cascade_detect           cascade_detect_double
+#define measure_compute          measure_compute_double
+#endif
+
+#endif

@@ -1,0 +1,54 @@
+/* The plant as the analysis sees it: p outputs, m inputs, a first-order model with dead time for every pair, and how
+ * well its gain is known.
+ *
+ * Shapes: element[i][j] is the way from input j to output i, both from 0. Gains are output span per input span: relative
+ * gains of a square plant do not depend on it, singular values, condition numbers and the choice of outputs do. */
+#ifndef REFLUX_INTERACT_PLANT_H
+#define REFLUX_INTERACT_PLANT_H
+
+#include <stdint.h>
+
+#include "base/error.h"
+#include "interact/names.h"
+#include "lti/fopdt.h"
+#include "num/cmatrix.h"
+#include "num/matrix.h"
+
+#define INTERACT_MAX  MATRIX_MAX
+#define INTERACT_NONE 255 /* no input, no output */
+
+struct interact_plant {
+    uint8_t outputs, inputs; /* 1 to INTERACT_MAX */
+    /* Time constant and dead time each 0 to 1e6 s, 0 allowed (a direct effect). Gain 0: no effect, times unused. */
+    struct fopdt element[INTERACT_MAX][INTERACT_MAX];
+    /* Standard deviation of each gain, same unit, 0 or more; errors are taken as normal and independent. An error
+     * common to an input's whole column (a wrong step size) changes no relative gain and need not be counted. */
+    real_t gain_sd[INTERACT_MAX][INTERACT_MAX];
+};
+
+/* Rows and columns of a plant, in the order wanted. As a pairing: output[k] is controlled by input[k]. */
+struct pairs {
+    uint8_t n; /* 0 to INTERACT_MAX */
+    uint8_t output[INTERACT_MAX], input[INTERACT_MAX];
+};
+
+/* What was wrong, in words; pointers to constant text, and where. */
+struct interact_refusal {
+    const char *field, *wanted;
+    uint8_t output, input;
+};
+
+/* First thing that is wrong: ERR_RANGE or ERR_NOT_FINITE; why may be NULL. */
+MUST_CHECK enum err interact_check(const struct interact_plant *plant,
+                                   struct interact_refusal *why);
+
+/* Gains of the pairs (row k output[k], column l input[l]), or of the whole plant with NULL. */
+void interact_gains(const struct interact_plant *plant, const struct pairs *pairs,
+                    struct matrix *gains);
+/* Response at omega, rad/s, 0 or more; rows and columns as above. */
+void interact_response(const struct interact_plant *plant, const struct pairs *pairs, real_t omega,
+                       struct cmatrix *response);
+/* gain exp(-i omega L) / (1 + i omega T). */
+struct cplx fopdt_response(const struct fopdt *model, real_t omega);
+
+#endif

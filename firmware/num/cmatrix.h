@@ -1,0 +1,80 @@
+/* Complex numbers and dense complex matrices up to 16 x 16. Rules as in num/matrix.h; a matrix is 2 KiB (float), and no
+ * function takes more than 1.5e5 operations. */
+#ifndef REFLUX_NUM_CMATRIX_H
+#define REFLUX_NUM_CMATRIX_H
+
+#include "num/matrix.h"
+
+struct cplx {
+    real_t re, im;
+};
+
+struct cmatrix {
+    uint8_t rows, cols; /* 1 to MATRIX_MAX */
+    struct cplx at[MATRIX_MAX][MATRIX_MAX];
+};
+
+struct clu {
+    uint8_t n;
+    int8_t sign;
+    uint8_t row[MATRIX_MAX];
+    struct cplx at[MATRIX_MAX][MATRIX_MAX];
+};
+
+static inline struct cplx cplx(real_t re, real_t im)
+{
+    return (struct cplx){re, im};
+}
+static inline struct cplx cplx_add(struct cplx a, struct cplx b)
+{
+    return (struct cplx){a.re + b.re, a.im + b.im};
+}
+static inline struct cplx cplx_sub(struct cplx a, struct cplx b)
+{
+    return (struct cplx){a.re - b.re, a.im - b.im};
+}
+static inline struct cplx cplx_mul(struct cplx a, struct cplx b)
+{
+    return (struct cplx){a.re * b.re - a.im * b.im, a.re * b.im + a.im * b.re};
+}
+static inline struct cplx cplx_scale(struct cplx a, real_t k)
+{
+    return (struct cplx){a.re * k, a.im * k};
+}
+static inline struct cplx cplx_conj(struct cplx a)
+{
+    return (struct cplx){a.re, -a.im};
+}
+static inline real_t cplx_square(struct cplx a)
+{
+    return a.re * a.re + a.im * a.im;
+}
+/* Magnitudes between 1e-18 and 1e18 (float). */
+static inline real_t cplx_abs(struct cplx a)
+{
+    return real_sqrt(cplx_square(a));
+}
+/* b not 0; magnitudes as above. */
+static inline struct cplx cplx_div(struct cplx a, struct cplx b)
+{
+    return cplx_scale(cplx_mul(a, cplx_conj(b)), REAL_C(1.0) / cplx_square(b));
+}
+
+MUST_CHECK enum err cmatrix_check(const struct cmatrix *a);
+
+/* As lu_factor. */
+MUST_CHECK enum err clu_factor(const struct cmatrix *a, struct clu *lu);
+void clu_solve(const struct clu *lu, const struct cplx *b, struct cplx *x);
+/* det A = *direction exp(*log_magnitude), |*direction| = 1. */
+void clu_determinant(const struct clu *lu, struct cplx *direction, real_t *log_magnitude);
+
+/* (A^H A)^-1 A^H of a tall or square matrix of full column rank, A^H (A A^H)^-1 of a wide one, by Gram-Schmidt with
+ * reorthogonalisation. ERR_SINGULAR: rank not full to working precision. */
+struct cpseudo_inverse_work {
+    struct cmatrix q, r;
+};
+MUST_CHECK enum err cmatrix_pseudo_inverse(const struct cmatrix *a,
+                                           struct cpseudo_inverse_work *work,
+                                           struct cmatrix *inverse);
+
+#endif

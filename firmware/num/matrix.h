@@ -1,0 +1,66 @@
+/* Dense matrices of real_t, up to 16 x 16: LU decomposition, inverse, determinant, pseudo-inverse of full rank.
+ *
+ * Rules
+ *  1. A matrix carries its size; element (row i, column j) is at[i][j], both from 0. What lies outside the size is
+ *     neither read nor written.
+ *  2. A matrix is 1 KiB (float), too much for the stack of a board: work and results belong to the caller.
+ *  3. Results may not overlap operands unless the function says so. On error results are undefined, operands whole.
+ *  4. Plain loops in a fixed order: same numbers in, same bits out. No function takes more than 4e4 operations. */
+#ifndef REFLUX_NUM_MATRIX_H
+#define REFLUX_NUM_MATRIX_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "base/error.h"
+#include "num/names.h"
+#include "num/real.h"
+
+#define MATRIX_MAX 16
+
+struct matrix {
+    uint8_t rows, cols; /* 1 to MATRIX_MAX */
+    real_t at[MATRIX_MAX][MATRIX_MAX];
+};
+
+/* P A = L U: at holds U and, below its diagonal, L; row[k] is the row of A that became row k. */
+struct lu {
+    uint8_t n;
+    int8_t sign; /* of the permutation */
+    uint8_t row[MATRIX_MAX];
+    real_t at[MATRIX_MAX][MATRIX_MAX];
+};
+
+/* ERR_RANGE: size; ERR_NOT_FINITE: an element is NaN or infinite, or its magnitude exceeds 1e15. */
+MUST_CHECK enum err matrix_check(const struct matrix *a);
+
+/* c = a b; a->cols must equal b->rows (ERR_RANGE). */
+MUST_CHECK enum err matrix_multiply(const struct matrix *a, const struct matrix *b,
+                                    struct matrix *c);
+void matrix_transpose(const struct matrix *a, struct matrix *t);
+
+/* Powers of two r and c such that diag(r) A diag(c) has rows and columns of about the same norm: twenty rounds of
+ * dividing every row, then every column, by its Euclidean norm (Sinkhorn; Ruiz 2001). r and c have the matrix's rows
+ * and columns; a row or column of zeros gets 1. exact: the factors are not rounded to powers of two. */
+void matrix_equilibrate(const struct matrix *a, bool exact, real_t *r, real_t *c);
+
+/* Gaussian elimination with row-scaled partial pivoting (Golub and Van Loan, Matrix Computations, 3.4). ERR_RANGE: not
+ * square; ERR_NOT_FINITE; ERR_SINGULAR: a pivot at most n REAL_EPSILON of the largest element its row began with. */
+MUST_CHECK enum err lu_factor(const struct matrix *a, struct lu *lu);
+/* A x = b; x may be b. */
+void lu_solve(const struct lu *lu, const real_t *b, real_t *x);
+void lu_inverse(const struct lu *lu, struct matrix *inverse);
+/* det A = *sign exp(*log_magnitude); natural logarithm, so that it neither overflows nor vanishes. */
+void lu_determinant(const struct lu *lu, int *sign, real_t *log_magnitude);
+
+/* Moore-Penrose inverse of a matrix of full rank: inverse of a square one by LU, else by Gram-Schmidt with
+ * reorthogonalisation (a = Q R, a+ = R^-1 Q'; of a wide one the transpose). ERR_SINGULAR: rank not full to working
+ * precision. For a matrix of any rank: num/svd.h. */
+struct pseudo_inverse_work {
+    struct lu lu;
+    struct matrix q;
+};
+MUST_CHECK enum err matrix_pseudo_inverse(const struct matrix *a, struct pseudo_inverse_work *work,
+                                          struct matrix *inverse);
+
+#endif
