@@ -4,28 +4,28 @@
 #define REFLUX_NUM_NAMES_H
 
 #ifdef REFLUX_REAL_DOUBLE
-#define real_sincos           real_sincos_double
-#define matrix_check          matrix_check_double
-#define matrix_multiply       matrix_multiply_double
-#define matrix_transpose      matrix_transpose_double
-#define matrix_equilibrate    matrix_equilibrate_double
-#define matrix_pseudo_inverse matrix_pseudo_inverse_double
-#define lu_factor             lu_factor_double
-#define lu_solve              lu_solve_double
-#define lu_inverse            lu_inverse_double
-#define lu_determinant        lu_determinant_double
-#define cmatrix_check         cmatrix_check_double
+#define real_sincos            real_sincos_double
+#define matrix_check           matrix_check_double
+#define matrix_multiply        matrix_multiply_double
+#define matrix_transpose       matrix_transpose_double
+#define matrix_equilibrate     matrix_equilibrate_double
+#define matrix_pseudo_inverse  matrix_pseudo_inverse_double
+#define lu_factor              lu_factor_double
+#define lu_solve               lu_solve_double
+#define lu_inverse             lu_inverse_double
+#define lu_determinant         lu_determinant_double
+#define cmatrix_check          cmatrix_check_double
 #define cmatrix_pseudo_inverse cmatrix_pseudo_inverse_double
-#define clu_factor            clu_factor_double
-#define clu_solve             clu_solve_double
-#define clu_determinant       clu_determinant_double
-#define svd_begin             svd_begin_double
-#define svd_step              svd_step_double
-#define svd_decompose         svd_decompose_double
-#define svd_rank              svd_rank_double
-#define svd_condition         svd_condition_double
-#define svd_pseudo_inverse    svd_pseudo_inverse_double
-#define random_normal         random_normal_double
+#define clu_factor             clu_factor_double
+#define clu_solve              clu_solve_double
+#define clu_determinant        clu_determinant_double
+#define svd_begin              svd_begin_double
+#define svd_step               svd_step_double
+#define svd_decompose          svd_decompose_double
+#define svd_rank               svd_rank_double
+#define svd_condition          svd_condition_double
+#define svd_pseudo_inverse     svd_pseudo_inverse_double
+#define random_normal          random_normal_double
 #endif
 
 #endif

@@ -14,9 +14,10 @@ struct svd {
     uint8_t rows, cols;   /* of A */
     uint8_t sweeps;       /* so far */
     real_t s[MATRIX_MAX]; /* min(rows, cols) singular values, largest first */
-    struct matrix u, v;   /* square, orthogonal; columns past the rank span the null spaces of A' and A */
-    bool wide;            /* works on A' */
-    real_t scale;         /* A was divided by it, a power of two */
+    struct matrix u,
+        v;        /* square, orthogonal; columns past the rank span the null spaces of A' and A */
+    bool wide;    /* works on A' */
+    real_t scale; /* A was divided by it, a power of two */
 };
 
 /* ERR_RANGE and ERR_NOT_FINITE as matrix_check. Then svd_step until it no longer says ERR_BUSY: one sweep a call, at

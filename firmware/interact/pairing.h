@@ -1,0 +1,86 @@
+/* Which input controls which output, and how sure that is: docs/interaction.md.
+ *
+ * 1. A plant with more outputs than inputs keeps as many outputs as it has inputs, those with the largest sums of
+ *    relative gains over their row (Chang and Yu 1990; the sum is the squared length of the output's projection on what
+ *    the inputs can reach); with more inputs, inputs by their columns.
+ * 2. Of the square rest, the assignment of least sum of |ln lambda|: 0.5 is as far from 1 as 2. A pair needs a relative
+ *    gain of at least smallest_lambda, so never a negative one or 0, and the whole a positive Niederlinski index; where
+ *    the best has not, the next best is tried (Murty, Operations Research 16 (1968) 682), PAIRING_TRIES of them.
+ * 3. The same is done with gains drawn at random about the estimates. The share of draws that give the same pairs is the
+ *    pairing's probability; below the confidence wanted it is not determined, and the pairs that differ are named. */
+#ifndef REFLUX_INTERACT_PAIRING_H
+#define REFLUX_INTERACT_PAIRING_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "interact/assignment.h"
+#include "interact/rga.h"
+#include "num/random.h"
+
+#define PAIRING_TRIES 16
+#define PAIRING_NODES 40
+
+struct pairing_config {
+    real_t smallest_lambda; /* 0.001 to 1 */
+    real_t floor;           /* relative standard deviation of a gain at least: 1e-4 to 0.5 */
+    real_t confidence;      /* above 0.5, below 1 */
+    uint16_t draws;         /* 20 to 10000 */
+    uint64_t seed;
+    uint16_t outputs_out, inputs_out; /* bit i set: this one is not to be used */
+};
+
+enum pairing_verdict {
+    PAIRING_DETERMINED,
+    PAIRING_UNDETERMINED, /* the gains are not known well enough; pairs are the best guess */
+    PAIRING_SINGULAR, /* no relative gains at the estimates: rank not full. No pairs; shares say which would vary */
+    PAIRING_IMPOSSIBLE /* no pairs with positive relative gains and a positive Niederlinski index */
+};
+
+struct pairing_node {
+    int32_t total;
+    uint16_t forbidden; /* columns, in row `fixed` */
+    uint8_t fixed;      /* rows before it are as in partner */
+    uint8_t partner[INTERACT_MAX];
+};
+
+/* 12 KiB (float). */
+struct pairing {
+    /* Results */
+    enum pairing_verdict verdict;
+    struct pairs pairs; /* outputs ascending */
+    real_t lambda[INTERACT_MAX], niederlinski;
+    real_t cost;        /* sum of |ln lambda|, to 1e-4 a pair */
+    real_t probability; /* share of draws that gave exactly these pairs */
+    real_t share
+        [INTERACT_MAX]; /* by output: share of draws that gave it the same input (or, too, none) */
+    uint8_t rival
+        [INTERACT_MAX]; /* by output: what it got most often otherwise; itself never, INTERACT_NONE none */
+    uint16_t ambiguous_outputs;    /* bit i: share below the confidence */
+    uint16_t ambiguous_inputs;     /* the inputs concerned */
+    uint16_t drawn, drawn_no_pair; /* draws so far; of them with no admissible pairs */
+
+    /* Work */
+    struct pairing_config config;
+    const struct interact_plant *plant;
+    struct random random;
+    struct matrix gains, square, lambda_all;
+    struct rga_work rga;
+    struct assignment assignment;
+    struct pairing_node node[PAIRING_NODES], parent;
+    uint16_t agreed, count[INTERACT_MAX][INTERACT_MAX + 1];
+    struct pairs chosen;
+    uint8_t stage, nodes, tries, row;
+};
+
+/* smallest_lambda 0.02, floor 0.005, confidence 0.95, 400 draws, seed 1, every channel. */
+void pairing_config_default(struct pairing_config *config);
+
+/* ERR_RANGE and ERR_NOT_FINITE as interact_check, or for config (why says what); ERR_EMPTY: no channel left. plant must
+ * live and stay as it is until the end. Then pairing_step until it is not ERR_BUSY: at most 8e4 operations a call. */
+MUST_CHECK enum err pairing_begin(struct pairing *p, const struct interact_plant *plant,
+                                  const struct pairing_config *config,
+                                  struct interact_refusal *why);
+MUST_CHECK enum err pairing_step(struct pairing *p);
+
+#endif
