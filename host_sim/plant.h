@@ -86,4 +86,9 @@ struct plant *plant_create(const struct plant_class *class, char *err, size_t er
 extern const struct plant_class *const plant_classes[];
 const struct plant_class *plant_find(const char *name);
 
+/* For set_input of plants whose first n_inputs channels are the inputs: false, with the line, for another channel
+ * or a value outside its span (NaN too). */
+bool plant_input_allowed(const struct plant_class *class, size_t n_inputs, size_t channel,
+                         double value, char *err, size_t err_size);
+
 #endif

@@ -25,13 +25,9 @@
  * to nothing, the trays above the feed keep their liquid and the feed runs down into the reboiler and out
  * of the bottom. Reflux beyond what the condenser makes is cut (total reflux, D = 0); boil-up beyond what
  * reflux and feed can supply is cut (B = 0: the heater is then partly uncovered). Lr_eff and V show it. */
-#include "column_solver.h"
-#include "column_states.h"
-#include "plant.h"
+#include "column_plant.h"
 
 #include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
 
 extern const struct plant_class plant_pilot;
 
@@ -140,15 +136,10 @@ static const struct plant_channel channels[N_CHANNELS] = {
 };
 /* clang-format on */
 
-struct plant {
-    struct column_solver *solver;
-    double input[N_INPUTS];
-};
-
-static struct column_inputs column_inputs_of(const double *u)
+static const char *inputs_of(const double *u, struct column_inputs *in)
 {
     double weight[2] = {u[FEED_TCE], 100.0 - u[FEED_TCE]};
-    struct column_inputs in = {
+    *in = (struct column_inputs){
         .feed_basis = COLUMN_FLOW_VOLUME,
         .feed_flow = u[FEED] * L_PER_H,
         .feed_temperature = u[FEED_T] + KELVIN,
@@ -158,111 +149,43 @@ static struct column_inputs column_inputs_of(const double *u)
         .heat = fmax(u[QRB] - u[LOSS], 0.0) * 1e3,
         .pressure_top = u[PRESSURE] * MMHG,
     };
-    mole_from_mass_fractions(components, 2, weight, in.feed_fraction);
-    return in;
+    mole_from_mass_fractions(components, 2, weight, in->feed_fraction);
+    return NULL;
 }
 
-static void pilot_destroy(struct plant *p)
+static double weight_percent(const struct column *c, const double *x, size_t stage)
 {
-    if (p)
-        column_solver_destroy(p->solver);
-    free(p);
-}
-
-static struct plant *pilot_create(char *err, size_t err_size)
-{
-    struct plant *p = calloc(1, sizeof *p);
-
-    if (!p) {
-        snprintf(err, err_size, "pilot: no memory");
-        return NULL;
-    }
-    for (size_t i = 0; i < N_INPUTS; i++)
-        p->input[i] = channels[i].nominal;
-    struct column_inputs in = column_inputs_of(p->input);
-    p->solver = column_solver_create(&config, &in, NULL, err, err_size);
-    if (!p->solver || !column_solver_settle(p->solver, err, err_size)) {
-        pilot_destroy(p);
-        return NULL;
-    }
-    return p;
-}
-
-static bool pilot_set_input(struct plant *p, size_t channel, double value, char *err,
-                            size_t err_size)
-{
-    if (channel >= N_INPUTS) {
-        snprintf(err, err_size, "pilot: channel %zu is not an input; inputs are 0 to %d", channel,
-                 N_INPUTS - 1);
-        return false;
-    }
-    const struct plant_channel *c = &channels[channel];
-    if (!(value >= c->lo && value <= c->hi)) {
-        snprintf(err, err_size, "pilot: %s = %g %s is outside %g to %g", c->name, value, c->unit,
-                 c->lo, c->hi);
-        return false;
-    }
-    if (value == p->input[channel])
-        return true;
-
-    double old = p->input[channel];
-    p->input[channel] = value;
-    struct column_inputs in = column_inputs_of(p->input);
-    if (column_solver_set_inputs(p->solver, &in, err, err_size))
-        return true;
-    p->input[channel] = old;
-    return false;
-}
-
-static bool pilot_advance(struct plant *p, double t, char *err, size_t err_size)
-{
-    return column_solver_advance(p->solver, t, err, err_size);
-}
-
-static bool pilot_settle(struct plant *p, char *err, size_t err_size)
-{
-    return column_solver_settle(p->solver, err, err_size);
-}
-
-static double weight_percent(const struct plant *p, size_t stage)
-{
-    const struct column *c = column_solver_column(p->solver);
-    const double *x = column_solver_state(p->solver);
     double full[2] = {column_fraction(c, x, stage, 0), column_fraction(c, x, stage, 1)};
     return 100.0 * mass_fraction_of(components, 2, full, 0);
 }
 
 /* l/h of a liquid of the composition of a stage at temperature (K), from mol/s. */
-static double litres_per_hour(const struct plant *p, double flow, size_t stage, double temperature)
+static double litres_per_hour(const struct column *c, const double *x, double flow, size_t stage,
+                              double temperature)
 {
-    const struct column *c = column_solver_column(p->solver);
-    const double *x = column_solver_state(p->solver);
     double full[2] = {column_fraction(c, x, stage, 0), column_fraction(c, x, stage, 1)};
     return flow * mixture_molar_volume(components, 2, full, temperature) / L_PER_H;
 }
 
-static double pilot_value(const struct plant *p, size_t channel)
+static double value_of(const struct column *c, const double *x, const double *u, size_t channel)
 {
-    const struct column *c = column_solver_column(p->solver);
-    double t_reflux = c->temperature[STAGES - 1] - p->input[SUBCOOLING];
+    double t_reflux = c->temperature[STAGES - 1] - u[SUBCOOLING];
 
-    if (channel < N_INPUTS)
-        return p->input[channel];
     if (channel < REBOILER_T)
         return c->temperature[STAGE(tray_of[channel - FIRST_MEASUREMENT])] - KELVIN;
     switch (channel) {
     case REBOILER_T:
         return c->temperature[0] - KELVIN;
     case X_D:
-        return weight_percent(p, STAGES - 1);
+        return weight_percent(c, x, STAGES - 1);
     case X_B:
-        return weight_percent(p, 0);
+        return weight_percent(c, x, 0);
     case FLOW_D:
-        return litres_per_hour(p, c->flows.distillate, STAGES - 1, t_reflux);
+        return litres_per_hour(c, x, c->flows.distillate, STAGES - 1, t_reflux);
     case FLOW_B:
-        return litres_per_hour(p, c->flows.bottoms, 0, c->temperature[0]);
+        return litres_per_hour(c, x, c->flows.bottoms, 0, c->temperature[0]);
     case REFLUX_EFFECTIVE:
-        return litres_per_hour(p, c->flows.reflux, STAGES - 1, t_reflux);
+        return litres_per_hour(c, x, c->flows.reflux, STAGES - 1, t_reflux);
     case VAPOUR:
         return c->flows.vapour_stripping * 3600.0;
     default:
@@ -270,36 +193,21 @@ static double pilot_value(const struct plant *p, size_t channel)
     }
 }
 
-static size_t pilot_state_count(const struct plant *p)
-{
-    return column_states_count(p->solver);
-}
+static const struct plant_states states =
+    COLUMN_PLANT_STATES("mole fraction of trichloroethylene, reboiler first");
 
-static void pilot_get_state(const struct plant *p, double *x)
-{
-    column_states_get(p->solver, x);
-}
-
-static bool pilot_set_state(struct plant *p, const double *x, char *err, size_t err_size)
-{
-    return column_solver_set_state(p->solver, x, err, err_size);
-}
-
-static bool pilot_rates(struct plant *p, double *rates, char *err, size_t err_size)
-{
-    return column_states_rates(p->solver, rates, err, err_size);
-}
-
-static const struct plant_states pilot_states = {
-    .count = pilot_state_count,
-    .unit = "mole fraction of trichloroethylene, reboiler first",
-    .lo = 0.0,
-    .hi = 1.0,
-    .step = COLUMN_STATES_STEP,
-    .get = pilot_get_state,
-    .set = pilot_set_state,
-    .rates = pilot_rates,
+static const struct column_plant about = {
+    .class = &plant_pilot,
+    .config = &config,
+    .n_inputs = N_INPUTS,
+    .inputs_of = inputs_of,
+    .value = value_of,
 };
+
+static struct plant *create(char *err, size_t err_size)
+{
+    return column_plant_create(&about, err, err_size);
+}
 
 const struct plant_class plant_pilot = {
     .name = "pilot",
@@ -310,11 +218,7 @@ const struct plant_class plant_pilot = {
     .tick_s = 30.0,
     .channels = channels,
     .n_channels = N_CHANNELS,
-    .create = pilot_create,
-    .destroy = pilot_destroy,
-    .set_input = pilot_set_input,
-    .advance = pilot_advance,
-    .value = pilot_value,
-    .settle = pilot_settle,
-    .states = &pilot_states,
+    .create = create,
+    COLUMN_PLANT_HOOKS,
+    .states = &states,
 };

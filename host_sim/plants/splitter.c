@@ -33,13 +33,9 @@
  * published for both.
  *
  * Isobutane in distillate and propane in bottoms are truths, not measured: the source has no analyser. */
-#include "column_solver.h"
-#include "column_states.h"
-#include "plant.h"
+#include "column_plant.h"
 
 #include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
 
 extern const struct plant_class plant_splitter;
 
@@ -162,13 +158,7 @@ static const struct plant_channel channels[N_CHANNELS] = {
 };
 /* clang-format on */
 
-struct plant {
-    struct column_solver *solver;
-    double input[N_INPUTS];
-};
-
-/* false when the feed fractions have no sum to divide by. */
-static bool column_inputs_of(const double *u, struct column_inputs *in)
+static const char *inputs_of(const double *u, struct column_inputs *in)
 {
     double sum = 0.0;
 
@@ -185,118 +175,41 @@ static bool column_inputs_of(const double *u, struct column_inputs *in)
     for (size_t j = 0; j < COMPONENTS; j++)
         sum += u[Z_FIRST + j];
     if (!(sum >= 0.1))
-        return false;
+        return "leaves feed fractions that add up to less than 0.1";
     for (size_t j = 0; j < COMPONENTS; j++)
         in->feed_fraction[component_of[j]] = u[Z_FIRST + j] / sum;
-    return true;
-}
-
-static void splitter_destroy(struct plant *p)
-{
-    if (p)
-        column_solver_destroy(p->solver);
-    free(p);
-}
-
-static struct plant *splitter_create(char *err, size_t err_size)
-{
-    struct plant *p = calloc(1, sizeof *p);
-    struct column_inputs in;
-
-    if (!p) {
-        snprintf(err, err_size, "splitter: no memory");
-        return NULL;
-    }
-    for (size_t i = 0; i < N_INPUTS; i++)
-        p->input[i] = channels[i].nominal;
-    (void)column_inputs_of(p->input, &in);
-    p->solver = column_solver_create(&config, &in, NULL, err, err_size);
-    if (!p->solver || !column_solver_settle(p->solver, err, err_size)) {
-        splitter_destroy(p);
-        return NULL;
-    }
-    return p;
-}
-
-static bool splitter_set_input(struct plant *p, size_t channel, double value, char *err,
-                               size_t err_size)
-{
-    if (channel >= N_INPUTS) {
-        snprintf(err, err_size, "splitter: channel %zu is not an input; inputs are 0 to %d",
-                 channel, N_INPUTS - 1);
-        return false;
-    }
-    const struct plant_channel *c = &channels[channel];
-    if (!(value >= c->lo && value <= c->hi)) {
-        snprintf(err, err_size, "splitter: %s = %g %s is outside %g to %g", c->name, value, c->unit,
-                 c->lo, c->hi);
-        return false;
-    }
-    if (value == p->input[channel])
-        return true;
-
-    double old = p->input[channel];
-    struct column_inputs in;
-    p->input[channel] = value;
-    if (!column_inputs_of(p->input, &in))
-        snprintf(err, err_size,
-                 "splitter: %s = %g leaves feed fractions that add up to less than 0.1", c->name,
-                 value);
-    else if (column_solver_set_inputs(p->solver, &in, err, err_size))
-        return true;
-    p->input[channel] = old;
-    return false;
-}
-
-static bool splitter_advance(struct plant *p, double t, char *err, size_t err_size)
-{
-    return column_solver_advance(p->solver, t, err, err_size);
-}
-
-static bool splitter_settle(struct plant *p, char *err, size_t err_size)
-{
-    return column_solver_settle(p->solver, err, err_size);
-}
-
-static double fraction(const struct plant *p, size_t stage, size_t j)
-{
-    return column_fraction(column_solver_column(p->solver), column_solver_state(p->solver),
-                           stage - 1, j);
+    return NULL;
 }
 
 /* The reflux flowing, m3/h at its own state. */
-static double reflux_volume(const struct plant *p)
+static double reflux_volume(const struct column *c, const double *x, double subcooling)
 {
-    const struct column *c = column_solver_column(p->solver);
-    double x[COMPONENTS];
+    double full[COMPONENTS];
 
     for (size_t j = 0; j < COMPONENTS; j++)
-        x[j] = fraction(p, STAGES, j);
+        full[j] = column_fraction(c, x, STAGES - 1, j);
     return c->flows.reflux / M3_PER_H *
-           mixture_molar_volume(components, COMPONENTS, x,
-                                c->temperature[STAGES - 1] - p->input[SUBCOOLING]);
+           mixture_molar_volume(components, COMPONENTS, full,
+                                c->temperature[STAGES - 1] - subcooling);
 }
 
-static double splitter_value(const struct plant *p, size_t channel)
+static double value_of(const struct column *c, const double *x, const double *u, size_t channel)
 {
-    const struct column *c = column_solver_column(p->solver);
     const double kmol_per_h = 3600.0 / MOL_PER_KMOL;
 
-    if (channel < N_INPUTS)
-        return p->input[channel];
     if (channel < X_D)
         return c->temperature[stage_of[channel - T_FIRST] - 1];
     switch (channel) {
     case X_D:
-        return fraction(p, STAGES, IC4);
+        return column_fraction(c, x, STAGES - 1, IC4);
     case X_B:
-        return fraction(p, 1, C3);
+        return column_fraction(c, x, 0, C3);
     case FLOW_D:
         return c->flows.distillate * kmol_per_h;
     case FLOW_B:
         return c->flows.bottoms * kmol_per_h;
     case REFLUX_EFFECTIVE:
-        return reflux_volume(p);
+        return reflux_volume(c, x, u[SUBCOOLING]);
     case VAPOUR:
         return c->flows.vapour_stripping * kmol_per_h;
     default:
@@ -304,37 +217,21 @@ static double splitter_value(const struct plant *p, size_t channel)
     }
 }
 
-static size_t splitter_state_count(const struct plant *p)
-{
-    return column_states_count(p->solver);
-}
+static const struct plant_states states = COLUMN_PLANT_STATES(
+    "mole fraction of C2, C3, iC4, iC5, nC5 (nC4 by closure), stage by stage, reboiler first");
 
-static void splitter_get_state(const struct plant *p, double *x)
-{
-    column_states_get(p->solver, x);
-}
-
-static bool splitter_set_state(struct plant *p, const double *x, char *err, size_t err_size)
-{
-    return column_solver_set_state(p->solver, x, err, err_size);
-}
-
-static bool splitter_rates(struct plant *p, double *rates, char *err, size_t err_size)
-{
-    return column_states_rates(p->solver, rates, err, err_size);
-}
-
-static const struct plant_states splitter_states = {
-    .count = splitter_state_count,
-    .unit =
-        "mole fraction of C2, C3, iC4, iC5, nC5 (nC4 by closure), stage by stage, reboiler first",
-    .lo = 0.0,
-    .hi = 1.0,
-    .step = COLUMN_STATES_STEP,
-    .get = splitter_get_state,
-    .set = splitter_set_state,
-    .rates = splitter_rates,
+static const struct column_plant about = {
+    .class = &plant_splitter,
+    .config = &config,
+    .n_inputs = N_INPUTS,
+    .inputs_of = inputs_of,
+    .value = value_of,
 };
+
+static struct plant *create(char *err, size_t err_size)
+{
+    return column_plant_create(&about, err, err_size);
+}
 
 const struct plant_class plant_splitter = {
     .name = "splitter",
@@ -347,11 +244,7 @@ const struct plant_class plant_splitter = {
     .tick_s = 30.0,
     .channels = channels,
     .n_channels = N_CHANNELS,
-    .create = splitter_create,
-    .destroy = splitter_destroy,
-    .set_input = splitter_set_input,
-    .advance = splitter_advance,
-    .value = splitter_value,
-    .settle = splitter_settle,
-    .states = &splitter_states,
+    .create = create,
+    COLUMN_PLANT_HOOKS,
+    .states = &states,
 };

@@ -1,0 +1,112 @@
+#include "column_plant.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+struct plant {
+    const struct column_plant *about;
+    struct column_solver *solver;
+    double input[COLUMN_PLANT_INPUTS_MAX];
+};
+
+void column_plant_destroy(struct plant *p)
+{
+    if (p)
+        column_solver_destroy(p->solver);
+    free(p);
+}
+
+struct plant *column_plant_create(const struct column_plant *about, char *err, size_t err_size)
+{
+    struct plant *p = calloc(1, sizeof *p);
+    struct column_inputs in;
+
+    if (!p) {
+        snprintf(err, err_size, "%s: no memory", about->class->name);
+        return NULL;
+    }
+    p->about = about;
+    for (size_t i = 0; i < about->n_inputs; i++)
+        p->input[i] = about->class->channels[i].nominal;
+    (void)about->inputs_of(p->input, &in);
+    p->solver = column_solver_create(about->config, &in, NULL, err, err_size);
+    if (!p->solver || !column_solver_settle(p->solver, err, err_size)) {
+        column_plant_destroy(p);
+        return NULL;
+    }
+    return p;
+}
+
+bool column_plant_set_input(struct plant *p, size_t channel, double value, char *err,
+                            size_t err_size)
+{
+    const struct plant_class *class = p->about->class;
+
+    if (!plant_input_allowed(class, p->about->n_inputs, channel, value, err, err_size))
+        return false;
+    if (value == p->input[channel])
+        return true;
+
+    double old = p->input[channel];
+    struct column_inputs in;
+    p->input[channel] = value;
+    const char *wrong = p->about->inputs_of(p->input, &in);
+    if (wrong)
+        snprintf(err, err_size, "%s: %s = %g %s", class->name, class->channels[channel].name, value,
+                 wrong);
+    else if (column_solver_set_inputs(p->solver, &in, err, err_size))
+        return true;
+    p->input[channel] = old;
+    return false;
+}
+
+bool column_plant_advance(struct plant *p, double t, char *err, size_t err_size)
+{
+    return column_solver_advance(p->solver, t, err, err_size);
+}
+
+bool column_plant_settle(struct plant *p, char *err, size_t err_size)
+{
+    return column_solver_settle(p->solver, err, err_size);
+}
+
+double column_plant_value(const struct plant *p, size_t channel)
+{
+    if (channel < p->about->n_inputs)
+        return p->input[channel];
+    return p->about->value(column_solver_column(p->solver), column_solver_state(p->solver),
+                           p->input, channel);
+}
+
+size_t column_plant_state_count(const struct plant *p)
+{
+    return column_solver_column(p->solver)->n_states;
+}
+
+void column_plant_get_state(const struct plant *p, double *x)
+{
+    memcpy(x, column_solver_state(p->solver), column_plant_state_count(p) * sizeof *x);
+}
+
+bool column_plant_set_state(struct plant *p, const double *x, char *err, size_t err_size)
+{
+    return column_solver_set_state(p->solver, x, err, err_size);
+}
+
+bool column_plant_rates(struct plant *p, double *rates, char *err, size_t err_size)
+{
+    struct column *copy = malloc(sizeof *copy); /* rates leave traces in a column: it is large */
+
+    if (!copy) {
+        snprintf(err, err_size, "%s: no memory", p->about->class->name);
+        return false;
+    }
+    *copy = *column_solver_column(p->solver);
+    enum err e = column_rates(copy, column_solver_state(p->solver), rates);
+    free(copy);
+    if (e)
+        snprintf(err, err_size, "column: no rates at this state: %s", err_text(e));
+    return !e;
+}
