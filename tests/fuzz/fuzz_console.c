@@ -8,10 +8,11 @@
 
 #include "fuzz.h"
 #include "fuzz_board.h"
+#include "service/line_editor.h"
 
-/* The line editor as docs/console.md describes it. */
+/* The line editor as docs/console.md describes it, with the board's length of a line. */
 static struct {
-    char text[300];
+    char text[LINE_EDITOR_MAX + 1];
     size_t n;
     bool garbled, overlong, flow; /* flow: an XON, which may count as a character or not */
     char before;
@@ -39,7 +40,7 @@ static enum ended typed(char c)
         line.n = 0;
         line.garbled = line.overlong = line.flow = false;
     } else if (c == '\t' || (c >= ' ' && c < 127)) {
-        if (line.n < 200)
+        if (line.n < LINE_EDITOR_MAX)
             line.text[line.n++] = c;
         else
             line.overlong = true;

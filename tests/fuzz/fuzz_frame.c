@@ -11,6 +11,8 @@
 #include "link/frame.h"
 
 #define LINE_MAX 8192
+/* Without the delimiter: header 3, payload, CRC 4, COBS 1. 248 but on a small board. */
+#define LONGEST (3u + FRAME_PAYLOAD_MAX + 4u + 1u)
 
 static uint8_t line[LINE_MAX];
 static size_t n_line;
@@ -88,7 +90,7 @@ static enum verdict judge(const uint8_t *piece, size_t n, struct frame *frame)
     size_t size = 0;
     if (n == 0)
         return NOTHING;
-    if (n > 248)
+    if (n > LONGEST)
         return OVERLONG;
     for (size_t at = 0; at < n; at += piece[at]) {
         if (at + piece[at] > n)

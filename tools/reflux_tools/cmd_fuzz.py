@@ -36,28 +36,33 @@ def main(arguments: list[str]) -> int:
     p = argparse.ArgumentParser(
         prog="tools/fuzz",
         description=f"Runs fuzz targets under libFuzzer with sanitizers, one after the other: {', '.join(known)}. Inputs "
-        "that end badly are kept in build/fuzz/crashes; replay them with build/fuzz/tests/fuzz/fuzz_NAME FILE.")
+        "that end badly are kept in build/PRESET/crashes; replay them with build/PRESET/tests/fuzz/fuzz_NAME FILE.")
     p.add_argument("names", nargs="*", metavar="NAME", help="targets (default: all)")
     p.add_argument("--runs", type=int, default=1_000_000, metavar="N", help="inputs tried of each (default 1000000)")
     p.add_argument("--seconds", type=int, default=3600, metavar="S", help="at most this long for each (default 3600)")
     p.add_argument("--seed", type=int, default=1, metavar="N")
+    p.add_argument("--small", action="store_true",
+                   help="with the scalar type and the limits of the STM32F100 (preset and folder fuzz-small)")
     p.add_argument("--keep", action="store_true",
                    help="replace tests/fuzz/corpus/NAME by the smallest set of inputs that reaches as much")
     options = p.parse_args(arguments)
+    if options.keep and options.small:
+        raise UserError("--keep is for the larger build: what the small one reaches is not all there is")
+    preset = "fuzz-small" if options.small else "fuzz"
     for name in options.names:
         if name not in known:
             raise UserError(f'"{name}" is no fuzz target; there are: {", ".join(known)}')
     if options.runs < 1 or options.seconds < 1 or options.seed < 1:
         raise UserError("--runs, --seconds and --seed must be 1 or more")
     chosen = options.names or known
-    build.build("fuzz", tuple(f"fuzz_{name}" for name in chosen))
+    build.build(preset, tuple(f"fuzz_{name}" for name in chosen))
     bad = 0
     for name in chosen:
-        result = run(name, options)
+        result = run(name, preset, options)
         if options.keep and not result.crashes:
             keep(name)
         files = [f for f in (FUZZ / "corpus" / name).glob("*") if f.is_file()]
-        print(f"fuzz {name}: inputs {result.inputs}, crashes {len(result.crashes)}, edges {result.edges}, corpus files "
+        print(f"{preset} {name}: inputs {result.inputs}, crashes {len(result.crashes)}, edges {result.edges}, corpus files "
               f"{len(files)}, bytes {sum(f.stat().st_size for f in files)}, seed {options.seed}, "
               f"{result.seconds:.0f} s", flush=True)
         for crash in result.crashes:
@@ -66,24 +71,24 @@ def main(arguments: list[str]) -> int:
     return 1 if bad else 0
 
 
-def program(name: str) -> str:
-    return str(build_dir("fuzz") / "tests" / "fuzz" / f"fuzz_{name}")
+def program(name: str, preset: str = "fuzz") -> str:
+    return str(build_dir(preset) / "tests" / "fuzz" / f"fuzz_{name}")
 
 
-def run(name: str, options: argparse.Namespace) -> Result:
-    crashes = build_dir("fuzz") / "crashes"
-    work, kept = build_dir("fuzz") / "corpus" / name, FUZZ / "corpus" / name
+def run(name: str, preset: str, options: argparse.Namespace) -> Result:
+    crashes = build_dir(preset) / "crashes"
+    work, kept = build_dir(preset) / "corpus" / name, FUZZ / "corpus" / name
     for folder in (crashes, work, kept):
         folder.mkdir(parents=True, exist_ok=True)
     before = set(crashes.glob(f"{name}-*"))
-    command = [program(name), f"-runs={options.runs}", f"-max_total_time={options.seconds}", f"-seed={options.seed}",
+    command = [program(name, preset), f"-runs={options.runs}", f"-max_total_time={options.seconds}", f"-seed={options.seed}",
                f"-max_len={LONGEST.get(name, 512)}", "-print_final_stats=1", f"-artifact_prefix={crashes}/{name}-"]
     dictionary = FUZZ / f"{'console' if name == 'mixed' else name}.dict"
     if dictionary.is_file():
         command.append(f"-dict={dictionary}")
     started = time.monotonic()
-    progress = build.Progress(f"fuzz {name}")
-    log = build_dir("fuzz") / f"{name}.log"
+    progress = build.Progress(f"{preset} {name}")
+    log = build_dir(preset) / f"{name}.log"
     inputs = edges = 0
     with log.open("w") as out:
         process = subprocess.Popen([*command, str(work), str(kept)], stdout=subprocess.DEVNULL, stderr=subprocess.PIPE,
