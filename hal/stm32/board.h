@@ -5,6 +5,8 @@
 #include <stdbool.h>
 #include <stdint.h>
 
+#include "watchdog_time.h"
+
 /* Interrupt priorities: the upper four bits count, a smaller number goes first. */
 #define PRIORITY_UART  0x40u
 #define PRIORITY_CLOCK 0x80u
@@ -31,6 +33,9 @@ void tick_work_seen(void); /* from interrupts: the main loop has something to lo
 
 /* uart.c */
 void uart_start(void);
+
+/* watchdog.c: another time-out from now on; returns the one before, for the way back. Feeds. Main loop only. */
+struct watchdog_time watchdog_change(struct watchdog_time to);
 
 /* identity.c: after clock_start(). */
 void identity_start(void);

@@ -2,33 +2,40 @@
  * some ten percent, so that a time-out may come a third early. It stops while a debugger halts the core. */
 #include "hal/watchdog.h"
 #include "board.h"
+#include "hal/tick.h"
 #include "registers.h"
 
-#define RELOAD_MAX 4095u
 #define WAIT_TURNS 2000000u /* six periods of the slow clock */
+
+/* What was written takes some periods of the slow clock to arrive; until then it reads wrong and cannot be written. */
+static void wait_arrived(void)
+{
+    for (uint32_t i = 0; i < WAIT_TURNS && IWDG_SR != 0; i++) {
+    }
+}
+
+struct watchdog_time watchdog_change(struct watchdog_time to)
+{
+    wait_arrived();
+    struct watchdog_time before = {(uint8_t)IWDG_PR, (uint16_t)IWDG_RLR};
+    hal_tick_lock(); /* a feeding in between would close the registers again */
+    IWDG_KR = IWDG_KR_ACCESS;
+    IWDG_PR = to.prescaler;
+    IWDG_RLR = to.reload;
+    hal_tick_unlock();
+    wait_arrived();
+    IWDG_KR = IWDG_KR_RELOAD;
+    return before;
+}
 
 bool hal_watchdog_start(uint32_t timeout_ms)
 {
-    uint32_t prescaler = 0; /* divides by 4 << prescaler, up to 256 */
-    while (prescaler < 6u && timeout_ms > (RELOAD_MAX * (4u << prescaler)) / LSI_PER_MS) {
-        prescaler++;
-    }
-    uint32_t longest = (RELOAD_MAX * (4u << prescaler)) / LSI_PER_MS;
-    if (timeout_ms > longest) {
-        timeout_ms = longest;
-    }
-    uint32_t reload = timeout_ms * LSI_PER_MS / (4u << prescaler);
-
+    struct watchdog_time time = watchdog_time(timeout_ms, LSI_PER_MS);
     pins_freeze_watchdog();
     IWDG_KR = IWDG_KR_START;
-    IWDG_KR = IWDG_KR_ACCESS;
-    IWDG_PR = prescaler;
-    IWDG_RLR = reload;
-    for (uint32_t i = 0; i < WAIT_TURNS && IWDG_SR != 0; i++) {
-    }
-    IWDG_KR = IWDG_KR_RELOAD;
+    (void)watchdog_change(time);
     /* In the emulator nothing was written anywhere. */
-    return reload != 0 && IWDG_RLR == reload && IWDG_PR == prescaler;
+    return time.reload != 0 && IWDG_RLR == time.reload && IWDG_PR == time.prescaler;
 }
 
 void hal_watchdog_feed(void)

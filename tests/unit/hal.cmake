@@ -11,3 +11,13 @@ target_sources(test_hal_host PRIVATE
   "${PROJECT_SOURCE_DIR}/hal/host/host_port.c" "${PROJECT_SOURCE_DIR}/hal/host/line.c")
 set_source_files_properties("${CMAKE_CURRENT_LIST_DIR}/test_hal_host.c"
   PROPERTIES COMPILE_DEFINITIONS _GNU_SOURCE)
+
+# Drivers of a chip, on plain memory in place of its registers: they take addresses for 32 bits.
+if(CMAKE_SYSTEM_PROCESSOR MATCHES "x86_64|AMD64")
+  reflux_test(stm32_flash LABEL unit SOURCES "${CMAKE_CURRENT_LIST_DIR}/test_stm32_flash.c"
+    "${PROJECT_SOURCE_DIR}/hal/stm32f405/nvm.c" "${PROJECT_SOURCE_DIR}/hal/stm32/watchdog.c" LIBS reflux_hal)
+  target_include_directories(test_stm32_flash PRIVATE
+    "${PROJECT_SOURCE_DIR}/hal/stm32" "${PROJECT_SOURCE_DIR}/hal/stm32f405")
+  target_compile_options(test_stm32_flash PRIVATE -Wno-int-to-pointer-cast -D_GNU_SOURCE
+    "SHELL:-include ${PROJECT_SOURCE_DIR}/tests/support/stm32_on_host.h")
+endif()

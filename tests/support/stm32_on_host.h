@@ -1,0 +1,14 @@
+/* Included before a file of the STM32F405's port that a test builds for the host: registers are plain memory there but
+ * for the flash's status, behind which the test does what flash does; barriers are no instructions. */
+#ifndef REFLUX_TESTS_STM32_ON_HOST_H
+#define REFLUX_TESTS_STM32_ON_HOST_H
+
+#include "registers.h"
+
+#undef FLASH_SR
+#define FLASH_SR (*flash_status())
+volatile uint32_t *flash_status(void);
+
+__asm(".macro dsb\n.endm\n.macro isb\n.endm");
+
+#endif
