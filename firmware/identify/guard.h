@@ -1,0 +1,77 @@
+/* Upcrossing guards: how far would each output go if the negative half of the double step began now?
+ *
+ * Line guard (Johansson 1994): yhat = v t, v the slope now, t the time since the step. v is a regression that forgets,
+ * over a window as short as the noise allows. Two things are added to the source's rule: the output continues for its
+ * dead time after the switch (v L, when L is known), and what has been reached already is never less than reached
+ * (v t alone is below y itself on every concave response):
+ *     predicted = max(v t, y) + v L, for either sign
+ * No verdict before the blanking time is over: plants that move the wrong way first.
+ *
+ * Model guard: the first-order model fitted to all data so far (identify/fopdt_fit.h) says where the peak would be,
+ * K a (1 - e^(-t/T)) + offset + drift, and its covariance how sure that is.
+ */
+#ifndef REFLUX_IDENTIFY_GUARD_H
+#define REFLUX_IDENTIFY_GUARD_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "base/channel.h"
+#include "base/error.h"
+#include "identify/fopdt_fit.h"
+#include "num/real.h"
+
+#define GUARD_WINDOWS                                                                              \
+    10 /* windows of about 2, 4, 8 .. 1024 samples: the shortest is a plain difference */
+
+struct guard_output {
+    real_t initial;     /* level before the step */
+    real_t limit;       /* largest deviation allowed, above 0 */
+    real_t noise_sd;    /* of one sample, 0 and up */
+    real_t dead_time_s; /* if known, else 0 */
+};
+
+struct guard_config {
+    uint32_t outputs;  /* 1 to CHANNEL_MAX */
+    real_t h_s;        /* s, [1e-3, 1e5] */
+    real_t blanking_s; /* no verdict before, [0, 1e6] */
+    real_t
+        noise_share; /* of the limit that noise may make of the prediction (one standard deviation), (0, 0.5]; 0.05 */
+    struct guard_output output[CHANNEL_MAX];
+};
+
+struct guard_prediction {
+    real_t source;    /* v t, as the source has it */
+    real_t predicted; /* peak deviation with the additions above */
+    real_t slope_per_s;
+    real_t sd;       /* of predicted, from the noise */
+    uint32_t window; /* samples, about */
+};
+
+struct guard {
+    struct guard_config config;
+    uint32_t samples;
+    real_t ages[GUARD_WINDOWS][3]; /* sums of weight age^n: the same for every output */
+    real_t sums[GUARD_WINDOWS][CHANNEL_MAX][2]; /* sums of weight age^n y */
+    real_t last[CHANNEL_MAX], previous[CHANNEL_MAX];
+};
+
+/* ERR_RANGE, ERR_NOT_FINITE: *g unchanged. */
+MUST_CHECK enum err guard_init(struct guard *g, const struct guard_config *config);
+
+/* A sample of every output; the first is the one at whose instant the step begins. *trip: the output most over its
+ * limit, or -1. Nothing trips before the third sample or within the blanking time. ERR_NOT_FINITE: *g and *trip
+ * unchanged. */
+MUST_CHECK enum err guard_step(struct guard *g, const real_t *y, int *trip);
+
+/* The line guard's prediction for one output after the latest sample. ERR_EMPTY before the third, ERR_RANGE. */
+MUST_CHECK enum err guard_predict(const struct guard *g, uint32_t output,
+                                  struct guard_prediction *result);
+
+/* Peak deviation from the fitted model if the negative half began elapsed_s after the first edge, amplitude its height;
+ * *sd from the fit's covariance. Of a model whose gain is lost in the noise the peak is 0 and the sd that of what could
+ * hide there. ERR_RANGE, ERR_NOT_FINITE. */
+MUST_CHECK enum err guard_model_peak(const struct fopdt_fit_result *fit, real_t amplitude,
+                                     real_t elapsed_s, real_t *peak, real_t *sd);
+
+#endif
