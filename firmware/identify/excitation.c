@@ -1,6 +1,6 @@
 #include "identify/excitation.h"
 
-#include "lti/fopdt.h" /* real_is_finite */
+#include "identify/common.h"
 
 void excitation_clear(struct excitation *u)
 {
@@ -9,7 +9,7 @@ void excitation_clear(struct excitation *u)
 
 real_t excitation_level(const struct excitation *u)
 {
-    real_t level = REAL_C(0.0);
+    real_t level = ZERO;
     for (uint32_t i = 0; i < u->edges; i++)
         level += u->edge[i].change;
     return level;
@@ -17,7 +17,7 @@ real_t excitation_level(const struct excitation *u)
 
 real_t excitation_peak(const struct excitation *u)
 {
-    real_t level = REAL_C(0.0), peak = REAL_C(0.0);
+    real_t level = ZERO, peak = ZERO;
     for (uint32_t i = 0; i < u->edges; i++) {
         level += u->edge[i].change;
         if (real_abs(level) > peak)
@@ -40,7 +40,7 @@ enum err excitation_move(struct excitation *u, uint32_t sample, real_t level)
         change += u->edge[n - 1].change;
         n--;
     }
-    if (real_abs(change) <= REAL_C(0.0)) { /* two moves at one sample can undo each other */
+    if (real_abs(change) <= ZERO) { /* two moves at one sample can undo each other */
         u->edges = n;
         return ERR_OK;
     }
@@ -58,7 +58,7 @@ enum err excitation_double_step(struct excitation *u, uint32_t start, uint32_t t
     if (!real_is_finite(amplitude))
         return ERR_NOT_FINITE;
     if (t1 == 0 || t2 == 0 || t1 > UINT32_MAX - start || t2 > UINT32_MAX - start - t1 ||
-        real_abs(amplitude) <= REAL_C(0.0))
+        real_abs(amplitude) <= ZERO)
         return ERR_RANGE;
     u->edges = 3;
     u->edge[0].sample = start;

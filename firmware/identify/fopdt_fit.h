@@ -1,10 +1,11 @@
 /* Least squares fit of K, T and L of one output to a record, with offset and drift slope: the second opinion to the
  * moments, and the one that knows how sure it is.
  *
- * K, offset and slope are linear and solved for at every trial (variable projection, Golub and Pereyra 1973); T and L
- * are searched on a bounded grid, then by Levenberg-Marquardt steps. A point of the record is a mean of samples, and so
- * is the model's: whatever the block, a noise-free first-order record is met to rounding. Residuals that hang
- * together count for less: covariances are multiplied by (1 + r)/(1 - r), r the lag-one correlation of the residuals.
+ * K, offset and slope are linear and solved for at every trial (variable projection, Golub and Pereyra 1973, with
+ * Kaufman's simplification 1975); T and L are searched on a bounded grid, then by Levenberg-Marquardt steps. A point of
+ * the record is a mean of samples, and so is the model's: whatever the block, a noise-free first-order record is met to
+ * rounding. Residuals that hang together count for less: covariances are multiplied by (1 + r)/(1 - r), r the lag-one
+ * correlation of the residuals (as many independent observations as n (1 - r)/(1 + r)).
  *
  * Works in pieces for a background job: fopdt_fit_begin() copies what it needs of the record (in the tick, or where no
  * tick can come between), fopdt_fit_run() does a bounded amount at a time on its own memory.
@@ -17,6 +18,7 @@
 
 #include "base/error.h"
 #include "identify/excitation.h"
+#include "identify/fit_line.h"
 #include "identify/identified.h"
 #include "identify/record.h"
 #include "num/real.h"
@@ -24,13 +26,12 @@
 #define FOPDT_FIT_POINTS_MIN 12 /* fewer points are refused */
 
 struct fopdt_fit_options {
-    bool fit_offset; /* estimate the offset; else baseline.offset is taken as it is */
-    bool
-        fit_slope; /* estimate the drift; else baseline.slope_per_s. One step alone cannot tell a drift
-                                    from a slow response: give it one that was measured before */
-    struct baseline
-        baseline; /* offset against the record's reference, time from sample 0. Its noise_sd, when above
-                                    0, is a floor for the residuals' own. */
+    /* What is known of offset (against the record's reference, time from sample 0) and drift. Each is estimated with
+     * this as one more observation; a standard deviation of 0 means that it is exactly so. One step alone cannot tell
+     * a drift from a slow response: let steady.h measure the drift before it. noise_sd (of one sample), when above 0,
+     * is the least the residuals are taken to have. */
+    struct baseline baseline;
+    bool free_offset, free_slope; /* nothing is known of it: baseline's is not looked at */
     real_t
         time_max_s; /* largest L + T looked for; 0: 4 times the time from the first edge to the end */
     const struct identified
@@ -38,13 +39,15 @@ struct fopdt_fit_options {
 };
 
 struct fopdt_fit_result {
-    struct identified element;
-    real_t covariance[6]; /* KK KT TT KL TL LL, seconds for the times */
-    real_t offset, slope_per_s;
-    real_t residual_sd; /* of one point */
-    real_t correlation; /* lag one, of the residuals */
+    struct identified element;  /* NO_GAIN: the gain is that of a plain proportion, T and L are 0 */
+    real_t covariance[6];       /* KK KT TT KL TL LL, seconds for the times */
+    real_t offset, slope_per_s; /* against the record's reference, time from sample 0 */
+    real_t residual_sd;         /* of one point */
+    real_t correlation;         /* lag one, of the residuals */
     real_t
-        plateau_gain; /* from the settled ends of the levels alone, without T and L; 0 with sd 0: none settled */
+        significance; /* of the response: what it explains over what one point of noise has; 16 is the least */
+    real_t
+        plateau_gain; /* from the settled ends of the levels alone; 0 with sd 0: no two levels settled */
     real_t plateau_gain_sd;
     real_t moved; /* largest response seen, output unit, either sign */
     uint32_t points;
@@ -54,31 +57,40 @@ struct fopdt_fit_result {
 struct fopdt_fit {
     /* copied by begin */
     struct excitation input;
-    struct fopdt_fit_options options;
+    struct baseline baseline;
     real_t h_s;
     uint32_t block, points;
-    /* state of the search; times in samples */
+    /* the search; times in samples */
+    struct fit_line line;
     uint8_t phase;
-    uint32_t grid, tries, evaluations;
-    real_t best_t, best_l, best_rss, damping, time_max;
-    real_t basis_mean, basis_norm; /* of the projected-out line */
-    real_t total;                  /* sum of squares without a response */
+    bool has_start;
+    uint32_t next, tries, evaluations;
+    real_t start_lag, start_dead, lag_max, dead_max, shortest;
+    real_t lag, dead, squares;           /* best so far */
+    real_t damping, normal[3], right[2]; /* of the Levenberg-Marquardt step, in ln T and L */
+    real_t gain, strength,
+        along[2]; /* of the best: gain, square of its model, gain lost per ln T and L */
+    real_t total; /* sum of squares without a response */
+    real_t line_offset, line_slope; /* taken out of y */
     struct fopdt_fit_result result;
-    real_t y[RECORD_POINTS]; /* line projected out */
-    real_t model[3][RECORD_POINTS];
+    real_t y[FIT_LINE_SIZE];         /* without the line */
+    real_t column[3][FIT_LINE_SIZE]; /* model, its derivatives */
 };
 
-/* ERR_EMPTY: fewer than FOPDT_FIT_POINTS_MIN points, or no edge in time to be seen; ERR_RANGE, ERR_NOT_FINITE: an option
- * or a point of the record. */
+/* options: NULL for free offset and slope, no start. ERR_EMPTY: fewer than FOPDT_FIT_POINTS_MIN points, or none after
+ * the first edge; ERR_RANGE (no such output, an option), ERR_NOT_FINITE. */
 MUST_CHECK enum err fopdt_fit_begin(struct fopdt_fit *f, const struct record *r, uint32_t output,
                                     const struct fopdt_fit_options *options);
 
-/* Goes on for at most units evaluations (each about points (edges + 3) products); true when it is finished. At most
- * FOPDT_FIT_UNITS_MAX in all. */
+/* Goes on for at most units evaluations of the model over the record (some 10 products a point and edge, and 5
+ * exponentials an edge); true when it is finished. Finished after at most FOPDT_FIT_UNITS_MAX. */
 #define FOPDT_FIT_UNITS_MAX 200
 bool fopdt_fit_run(struct fopdt_fit *f, uint32_t units);
 
 /* ERR_STATE while it is not finished. */
 MUST_CHECK enum err fopdt_fit_result(const struct fopdt_fit *f, struct fopdt_fit_result *result);
+
+/* The parts of fopdt_fit_run() that judge (fopdt_judge.c): covariance, significance, flags, plateau. */
+void fopdt_fit_judge(struct fopdt_fit *f);
 
 #endif

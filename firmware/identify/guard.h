@@ -1,10 +1,11 @@
 /* Upcrossing guards: how far would each output go if the negative half of the double step began now?
  *
  * Line guard (Johansson 1994): yhat = v t, v the slope now, t the time since the step. v is a regression that forgets,
- * over a window as short as the noise allows. Two things are added to the source's rule: the output continues for its
- * dead time after the switch (v L, when L is known), and what has been reached already is never less than reached
- * (v t alone is below y itself on every concave response):
- *     predicted = max(v t, y) + v L, for either sign
+ * over a window as short as the noise allows. v t is the peak of a ramp after any dead time, known or not; but on
+ * every response that bends it comes out below y itself. So what has been reached, and the way of one dead time from
+ * there when L is known, are taken too:
+ *     predicted = v t or y + v L, whichever is larger in magnitude
+ * On a first-order response that is never below the peak by more than one sample's motion, and v L where L is not known.
  * No verdict before the blanking time is over: plants that move the wrong way first.
  *
  * Model guard: the first-order model fitted to all data so far (identify/fopdt_fit.h) says where the peak would be,

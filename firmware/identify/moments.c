@@ -3,10 +3,9 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-/* Times below are in samples, moments in units of 1/alpha (tau = alpha k h), unless a name ends in _s. */
+#include "identify/common.h"
 
-#define ZERO REAL_C(0.0)
-#define ONE  REAL_C(1.0)
+/* Times below are in samples, moments in units of 1/alpha (tau = alpha k h), unless a name ends in _s. */
 
 #define NO_GAIN_SDS    REAL_C(3.0)
 #define STRENGTH_MIN   REAL_C(0.01) /* of U against its parts: below, they cancel */
@@ -15,24 +14,6 @@
 #define LAG_MAX_ALPHAS REAL_C(30.0) /* alpha T: longer cannot be told from there */
 #define HALVINGS       40
 #define CHOICES        8
-
-static enum err check(real_t x, real_t lo, real_t hi)
-{
-    if (!real_is_finite(x))
-        return ERR_NOT_FINITE;
-    return x < lo || x > hi ? ERR_RANGE : ERR_OK;
-}
-
-/* 1 - e^-x without cancellation, x >= 0. */
-static real_t one_less_exp(real_t x)
-{
-    if (x > REAL_C(0.25))
-        return ONE - real_exp(-x);
-    real_t sum = ONE;
-    for (int n = 9; n > 1; n--)
-        sum = ONE - x / (real_t)n * sum;
-    return x * sum;
-}
 
 static void add(struct moments_sum *s, real_t x)
 {
@@ -44,7 +25,7 @@ static void add(struct moments_sum *s, real_t x)
 
 uint32_t moments_alphas_for(real_t h_s, real_t slowest_s)
 {
-    real_t eta = REAL_C(1.0) * MOMENTS_FASTEST;
+    real_t eta = (real_t)MOMENTS_FASTEST;
     uint32_t n = 1;
     while (n < MOMENTS_ALPHAS_MAX && eta * slowest_s > h_s) {
         eta /= MOMENTS_RATIO;
@@ -55,11 +36,11 @@ uint32_t moments_alphas_for(real_t h_s, real_t slowest_s)
 
 enum err moments_init(struct moments *m, const struct moments_config *config)
 {
-    enum err err = check(config->h_s, REAL_C(1e-3), REAL_C(1e5));
+    enum err err = check_real(config->h_s, REAL_C(1e-3), REAL_C(1e5));
     if (!err)
-        err = check(config->fastest, REAL_C(1e-4), ONE);
+        err = check_real(config->fastest, REAL_C(1e-4), ONE);
     if (!err)
-        err = check(config->ratio, REAL_C(1.1), REAL_C(10.0));
+        err = check_real(config->ratio, REAL_C(1.1), REAL_C(10.0));
     if (err)
         return err;
     if (config->outputs == 0 || config->outputs > CHANNEL_MAX || config->alphas == 0 ||
@@ -430,7 +411,7 @@ enum err moments_element(const struct moments *m, uint32_t output, const struct 
 {
     enum err err = check_arguments(m, output, u, b);
     if (!err)
-        err = check(guess_s, ZERO, REAL_C(1e7));
+        err = check_real(guess_s, ZERO, REAL_C(1e7));
     if (err)
         return err;
     uint32_t length = u->edges > 1 ? u->edge[1].sample - u->edge[0].sample : m->samples;

@@ -12,6 +12,7 @@
 #ifndef REFLUX_IDENTIFY_STEADY_H
 #define REFLUX_IDENTIFY_STEADY_H
 
+#include <stdbool.h>
 #include <stdint.h>
 
 #include "base/channel.h"
@@ -52,7 +53,7 @@ struct steady {
     struct steady_config config;
     uint32_t blocks;  /* whole ones seen; the ring holds the last STEADY_BLOCKS */
     uint32_t waiting; /* samples in the block that is open */
-    uint32_t samples;
+    bool started;
     struct {
         real_t reference; /* first sample: everything else is a deviation from it */
         real_t last, sum, square;
