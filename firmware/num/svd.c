@@ -1,0 +1,241 @@
+#include "num/svd.h"
+
+#include <stddef.h>
+#include <string.h>
+
+/* Columns shorter than this beside the matrix are 0: their squares must not vanish. */
+#ifdef REFLUX_REAL_DOUBLE
+#define SHORTEST 1e-140
+#else
+#define SHORTEST 1e-15f
+#endif
+#define STEEP REAL_C(1e9) /* its square plus 1 is its square, and would overflow */
+
+static real_t dot(const struct matrix *a, size_t k, size_t l)
+{
+    real_t sum = REAL_C(0.0);
+    for (size_t i = 0; i < a->rows; i++)
+        sum += a->at[i][k] * a->at[i][l];
+    return sum;
+}
+
+static void swap_columns(struct matrix *a, size_t k, size_t l)
+{
+    for (size_t i = 0; i < a->rows; i++) {
+        real_t swap = a->at[i][k];
+        a->at[i][k] = a->at[i][l];
+        a->at[i][l] = swap;
+    }
+}
+
+static void rotate(struct matrix *a, size_t k, size_t l, real_t c, real_t s)
+{
+    for (size_t i = 0; i < a->rows; i++) {
+        real_t x = a->at[i][k], y = a->at[i][l];
+        a->at[i][k] = c * x - s * y;
+        a->at[i][l] = s * x + c * y;
+    }
+}
+
+enum err svd_begin(struct svd *svd, const struct matrix *a)
+{
+    enum err err = matrix_check(a);
+    if (err)
+        return err;
+    memset(svd, 0, sizeof *svd);
+    svd->rows = a->rows;
+    svd->cols = a->cols;
+    svd->wide = a->rows < a->cols;
+    real_t largest = REAL_C(0.0);
+    for (size_t i = 0; i < a->rows; i++)
+        for (size_t j = 0; j < a->cols; j++)
+            if (real_abs(a->at[i][j]) > largest)
+                largest = real_abs(a->at[i][j]);
+    svd->scale = REAL_C(1.0);
+    for (int k = 0; k < 100 && largest > svd->scale; k++)
+        svd->scale = svd->scale * REAL_C(2.0);
+    for (int k = 0; k < 100 && largest > REAL_C(0.0) && largest < svd->scale * REAL_C(0.5); k++)
+        svd->scale = svd->scale * REAL_C(0.5);
+
+    size_t rows = svd->wide ? a->cols : a->rows, cols = svd->wide ? a->rows : a->cols;
+    svd->u.rows = svd->u.cols = (uint8_t)rows;
+    svd->v.rows = svd->v.cols = (uint8_t)cols;
+    for (size_t i = 0; i < rows; i++)
+        for (size_t j = 0; j < cols; j++)
+            svd->u.at[i][j] = (svd->wide ? a->at[j][i] : a->at[i][j]) / svd->scale;
+    for (size_t j = 0; j < cols; j++)
+        svd->v.at[j][j] = REAL_C(1.0);
+    return ERR_OK;
+}
+
+/* One rotation for every pair of columns that is not yet orthogonal; false when there was none. The longer column of
+ * a pair comes first (de Rijk 1989), which sorts them and saves sweeps. */
+static bool sweep(struct svd *svd)
+{
+    bool turned = false;
+    size_t cols = svd->v.cols;
+    real_t tolerance = (real_t)svd->u.rows * REAL_EPSILON;
+    for (size_t k = 0; k + 1 < cols; k++)
+        for (size_t l = k + 1; l < cols; l++) {
+            real_t a = dot(&svd->u, k, k), b = dot(&svd->u, l, l);
+            if (a < b) {
+                swap_columns(&svd->u, k, l);
+                swap_columns(&svd->v, k, l);
+                real_t swap = a;
+                a = b;
+                b = swap;
+            }
+            if (b <= SHORTEST * SHORTEST)
+                continue;
+            real_t g = dot(&svd->u, k, l);
+            if (real_abs(g) <= tolerance * real_sqrt(a) * real_sqrt(b))
+                continue;
+            turned = true;
+            real_t zeta = (b - a) / (REAL_C(2.0) * g);
+            real_t steep = real_abs(zeta);
+            real_t t = REAL_C(1.0) /
+                       (steep + (steep > STEEP ? steep : real_sqrt(REAL_C(1.0) + zeta * zeta)));
+            if (zeta < REAL_C(0.0))
+                t = -t;
+            real_t c = REAL_C(1.0) / real_sqrt(REAL_C(1.0) + t * t);
+            rotate(&svd->u, k, l, c, c * t);
+            rotate(&svd->v, k, l, c, c * t);
+        }
+    return turned;
+}
+
+/* Column k of u: of the unit vectors the one that the columns before it explain least, made orthogonal to them. */
+static void complete_column(struct matrix *u, size_t k)
+{
+    size_t best = 0;
+    real_t least = REAL_C(2.0);
+    for (size_t i = 0; i < u->rows; i++) {
+        real_t sum = REAL_C(0.0);
+        for (size_t l = 0; l < k; l++)
+            sum += u->at[i][l] * u->at[i][l];
+        if (sum < least) {
+            least = sum;
+            best = i;
+        }
+    }
+    for (size_t i = 0; i < u->rows; i++)
+        u->at[i][k] = i == best ? REAL_C(1.0) : REAL_C(0.0);
+    for (int pass = 0; pass < 2; pass++)
+        for (size_t l = 0; l < k; l++) {
+            real_t along = dot(u, l, k);
+            for (size_t i = 0; i < u->rows; i++)
+                u->at[i][k] -= along * u->at[i][l];
+        }
+    real_t norm = real_sqrt(dot(u, k, k));
+    for (size_t i = 0; i < u->rows; i++)
+        u->at[i][k] = u->at[i][k] / norm;
+}
+
+static void swap_sides(struct svd *svd)
+{
+    size_t n = svd->u.rows > svd->v.rows ? svd->u.rows : svd->v.rows;
+    for (size_t i = 0; i < n; i++)
+        for (size_t j = 0; j < n; j++) {
+            real_t swap = svd->u.at[i][j];
+            svd->u.at[i][j] = svd->v.at[i][j];
+            svd->v.at[i][j] = swap;
+        }
+    uint8_t rows = svd->u.rows;
+    svd->u.rows = svd->u.cols = svd->v.rows;
+    svd->v.rows = svd->v.cols = rows;
+}
+
+static void finish(struct svd *svd)
+{
+    size_t rows = svd->u.rows, cols = svd->v.cols;
+    for (size_t k = 0; k < cols; k++)
+        svd->s[k] = real_sqrt(dot(&svd->u, k, k));
+    for (size_t k = 0; k + 1 < cols; k++) { /* nearly sorted already */
+        size_t best = k;
+        for (size_t l = k + 1; l < cols; l++)
+            if (svd->s[l] > svd->s[best])
+                best = l;
+        if (best == k)
+            continue;
+        real_t swap = svd->s[k];
+        svd->s[k] = svd->s[best];
+        svd->s[best] = swap;
+        swap_columns(&svd->u, k, best);
+        swap_columns(&svd->v, k, best);
+    }
+    for (size_t k = 0; k < rows; k++) {
+        if (k >= cols || svd->s[k] <= SHORTEST) {
+            complete_column(&svd->u, k);
+            continue;
+        }
+        for (size_t i = 0; i < rows; i++)
+            svd->u.at[i][k] = svd->u.at[i][k] / svd->s[k];
+    }
+    for (size_t k = 0; k < cols; k++)
+        svd->s[k] = svd->s[k] <= SHORTEST ? REAL_C(0.0) : svd->s[k] * svd->scale;
+    if (svd->wide)
+        swap_sides(svd);
+}
+
+enum err svd_step(struct svd *svd)
+{
+    if (svd->done)
+        return ERR_STATE;
+    if (svd->sweeps >= SVD_SWEEPS)
+        return ERR_TIMEOUT;
+    svd->sweeps++;
+    if (sweep(svd))
+        return ERR_BUSY;
+    finish(svd);
+    svd->done = true;
+    return ERR_OK;
+}
+
+enum err svd_decompose(struct svd *svd, const struct matrix *a)
+{
+    enum err err = svd_begin(svd, a);
+    if (err)
+        return err;
+    do
+        err = svd_step(svd);
+    while (err == ERR_BUSY);
+    return err;
+}
+
+static size_t count(const struct svd *svd)
+{
+    return svd->rows < svd->cols ? svd->rows : svd->cols;
+}
+
+unsigned svd_rank(const struct svd *svd, real_t tolerance)
+{
+    if (tolerance <= REAL_C(0.0))
+        tolerance = (real_t)(svd->rows > svd->cols ? svd->rows : svd->cols) * REAL_EPSILON;
+    unsigned rank = 0;
+    while (rank < count(svd) && svd->s[rank] > tolerance * svd->s[0])
+        rank++;
+    return rank;
+}
+
+real_t svd_condition(const struct svd *svd)
+{
+    if (svd_rank(svd, REAL_C(0.0)) < count(svd))
+        return INFINITY;
+    return svd->s[0] / svd->s[count(svd) - 1];
+}
+
+enum err svd_pseudo_inverse(const struct svd *svd, unsigned rank, struct matrix *inverse)
+{
+    if (rank < 1 || rank > count(svd) || svd->s[rank - 1] <= REAL_C(0.0))
+        return ERR_RANGE;
+    inverse->rows = svd->cols;
+    inverse->cols = svd->rows;
+    for (size_t i = 0; i < svd->cols; i++)
+        for (size_t j = 0; j < svd->rows; j++) {
+            real_t sum = REAL_C(0.0);
+            for (size_t k = 0; k < rank; k++)
+                sum += svd->v.at[i][k] / svd->s[k] * svd->u.at[j][k];
+            inverse->at[i][j] = sum;
+        }
+    return ERR_OK;
+}
