@@ -18,7 +18,7 @@ struct gains {
     real_t smallest_in_sd;
     /* Work, and what the null vectors are read from. */
     struct svd svd;
-    struct matrix k, sd;
+    struct matrix k, sd, scaled;
     real_t row_scale[INTERACT_MAX], col_scale[INTERACT_MAX];
     uint8_t stage;
 };

@@ -4,6 +4,7 @@
 
 #ifdef REFLUX_REAL_DOUBLE
 #define interact_check           interact_check_double
+#define pairs_check              pairs_check_double
 #define interact_gains           interact_gains_double
 #define interact_response        interact_response_double
 #define fopdt_response           fopdt_response_double

@@ -42,6 +42,10 @@ struct interact_refusal {
 MUST_CHECK enum err interact_check(const struct interact_plant *plant,
                                    struct interact_refusal *why);
 
+/* Every output and input of the plant, and none twice: ERR_RANGE. n = 0 is fine. */
+MUST_CHECK enum err pairs_check(const struct interact_plant *plant, const struct pairs *pairs,
+                                struct interact_refusal *why);
+
 /* Gains of the pairs (row k output[k], column l input[l]), or of the whole plant with NULL. */
 void interact_gains(const struct interact_plant *plant, const struct pairs *pairs,
                     struct matrix *gains);

@@ -1,7 +1,8 @@
 /* Relative gains and what follows from them: docs/interaction.md.
  *
- * Accuracy in float: each relative gain within 16 REAL_EPSILON kappa (1 + |lambda|) of the exact one, kappa the condition
- * number of the equilibrated matrix; where that exceeds 0.5, the matrix is singular (ERR_SINGULAR). */
+ * Accuracy: each relative gain within 16 REAL_EPSILON kappa (1 + |lambda|) of the exact one, kappa the condition number
+ * of the equilibrated matrix. Where the sums that are 1 by definition miss it by more than 0.05, rounding has taken over
+ * and the matrix is singular (ERR_SINGULAR). */
 #ifndef REFLUX_INTERACT_RGA_H
 #define REFLUX_INTERACT_RGA_H
 
@@ -22,6 +23,7 @@ MUST_CHECK enum err rga_compute(const struct matrix *gains, struct rga_work *wor
  * parts; either may be NULL. pairs NULL: the whole plant. */
 struct rga_at_work {
     struct cmatrix response, inverse;
+    struct matrix size;
     struct cpseudo_inverse_work pseudo;
 };
 MUST_CHECK enum err rga_at(const struct interact_plant *plant, const struct pairs *pairs,

@@ -1,0 +1,159 @@
+#include "interact/rga.h"
+
+#include <stddef.h>
+
+#define SUM_ERROR_MAX REAL_C(0.05)
+
+static real_t of_cplx(struct cplx a)
+{
+    return real_abs(a.re) + real_abs(a.im);
+}
+
+/* Scales that relative gains do not depend on: of a square matrix both sides, of a tall one the columns, of a wide one
+ * the rows. */
+static void free_scales(const struct matrix *a, real_t *r, real_t *c)
+{
+    matrix_equilibrate(a, false, r, c);
+    for (size_t i = 0; i < a->rows && a->rows > a->cols; i++)
+        r[i] = REAL_C(1.0);
+    for (size_t j = 0; j < a->cols && a->cols > a->rows; j++)
+        c[j] = REAL_C(1.0);
+}
+
+/* The sums that are 1 by definition; what they miss is the rounding that the inverse has collected. */
+static bool sums_are_one(const struct matrix *lambda)
+{
+    bool columns = lambda->rows >= lambda->cols;
+    size_t n = columns ? lambda->cols : lambda->rows, m = columns ? lambda->rows : lambda->cols;
+    for (size_t k = 0; k < n; k++) {
+        real_t sum = REAL_C(0.0);
+        for (size_t l = 0; l < m; l++)
+            sum += columns ? lambda->at[l][k] : lambda->at[k][l];
+        if (!(real_abs(sum - REAL_C(1.0)) <= SUM_ERROR_MAX))
+            return false;
+    }
+    return true;
+}
+
+enum err rga_compute(const struct matrix *gains, struct rga_work *work, struct matrix *lambda)
+{
+    enum err err = matrix_check(gains);
+    if (err)
+        return err;
+    real_t r[MATRIX_MAX], c[MATRIX_MAX];
+    free_scales(gains, r, c);
+    work->scaled.rows = gains->rows;
+    work->scaled.cols = gains->cols;
+    for (size_t i = 0; i < gains->rows; i++)
+        for (size_t j = 0; j < gains->cols; j++)
+            work->scaled.at[i][j] = gains->at[i][j] * r[i] * c[j];
+    err = matrix_pseudo_inverse(&work->scaled, &work->pseudo, &work->inverse);
+    if (err)
+        return err == ERR_NOT_FINITE ? ERR_SINGULAR : err;
+    lambda->rows = gains->rows;
+    lambda->cols = gains->cols;
+    for (size_t i = 0; i < gains->rows; i++)
+        for (size_t j = 0; j < gains->cols; j++)
+            lambda->at[i][j] = work->scaled.at[i][j] * work->inverse.at[j][i];
+    return sums_are_one(lambda) ? ERR_OK : ERR_SINGULAR;
+}
+
+enum err rga_at(const struct interact_plant *plant, const struct pairs *pairs, real_t omega,
+                struct rga_at_work *work, struct matrix *magnitude, struct matrix *real_part)
+{
+    if (!real_is_finite(omega))
+        return ERR_NOT_FINITE;
+    if (omega < REAL_C(0.0) || (pairs && pairs->n < 1))
+        return ERR_RANGE;
+    interact_response(plant, pairs, omega, &work->response);
+    struct cmatrix *g = &work->response;
+    real_t r[MATRIX_MAX], c[MATRIX_MAX];
+    work->size.rows = g->rows;
+    work->size.cols = g->cols;
+    for (size_t i = 0; i < g->rows; i++)
+        for (size_t j = 0; j < g->cols; j++)
+            work->size.at[i][j] = of_cplx(g->at[i][j]);
+    enum err err = matrix_check(&work->size);
+    if (err)
+        return err;
+    free_scales(&work->size, r, c);
+    for (size_t i = 0; i < g->rows; i++)
+        for (size_t j = 0; j < g->cols; j++)
+            g->at[i][j] = cplx_scale(g->at[i][j], r[i] * c[j]);
+    err = cmatrix_pseudo_inverse(g, &work->pseudo, &work->inverse);
+    if (err)
+        return err;
+    for (size_t i = 0; i < g->rows; i++)
+        for (size_t j = 0; j < g->cols; j++) {
+            struct cplx lambda = cplx_mul(g->at[i][j], work->inverse.at[j][i]);
+            if (magnitude)
+                magnitude->at[i][j] = cplx_abs(lambda);
+            if (real_part)
+                real_part->at[i][j] = lambda.re;
+        }
+    if (magnitude) {
+        magnitude->rows = g->rows;
+        magnitude->cols = g->cols;
+    }
+    if (real_part) {
+        real_part->rows = g->rows;
+        real_part->cols = g->cols;
+    }
+    return ERR_OK;
+}
+
+real_t rga_number(const struct matrix *lambda, const struct pairs *pairs)
+{
+    real_t sum = REAL_C(0.0);
+    for (size_t k = 0; k < pairs->n; k++)
+        for (size_t l = 0; l < pairs->n; l++) {
+            real_t one = k == l ? REAL_C(1.0) : REAL_C(0.0);
+            sum += real_abs(lambda->at[pairs->output[k]][pairs->input[l]] - one);
+        }
+    return sum;
+}
+
+real_t rga_smallest_error(const struct matrix *lambda, uint8_t *output, uint8_t *input)
+{
+    real_t most = REAL_C(-1.0);
+    for (size_t i = 0; i < lambda->rows; i++)
+        for (size_t j = 0; j < lambda->cols; j++)
+            if (real_abs(lambda->at[i][j]) > most) {
+                most = real_abs(lambda->at[i][j]);
+                *output = (uint8_t)i;
+                *input = (uint8_t)j;
+            }
+    return REAL_C(1.0) / most;
+}
+
+enum err niederlinski_index(const struct matrix *gains, const struct pairs *pairs,
+                            struct rga_work *work, real_t *index)
+{
+    struct matrix *k = &work->scaled;
+    size_t n = pairs->n;
+    if (n < 1 || n > MATRIX_MAX)
+        return ERR_RANGE;
+    k->rows = k->cols = pairs->n;
+    for (size_t i = 0; i < n; i++)
+        for (size_t j = 0; j < n; j++) {
+            if (pairs->output[i] >= gains->rows || pairs->input[j] >= gains->cols)
+                return ERR_RANGE;
+            k->at[i][j] = gains->at[pairs->output[i]][pairs->input[j]];
+        }
+    /* Rows over their diagonal element: the determinant is the index. */
+    for (size_t i = 0; i < n; i++) {
+        real_t diagonal = k->at[i][i];
+        if (real_abs(diagonal) <= REAL_C(0.0))
+            return ERR_SINGULAR;
+        for (size_t j = 0; j < n; j++)
+            k->at[i][j] = k->at[i][j] / diagonal;
+    }
+    enum err err = lu_factor(k, &work->pseudo.lu);
+    if (err)
+        return ERR_SINGULAR;
+    int sign;
+    real_t log_magnitude;
+    lu_determinant(&work->pseudo.lu, &sign, &log_magnitude);
+    *index = (real_t)sign * real_exp(log_magnitude);
+    return ERR_OK;
+}
