@@ -7,8 +7,9 @@ fractions, matrices by scipy. Writes the tables that tests/unit/test_linear_plan
   linear_gains.csv     steady-state gains, output unit per input unit
   linear_poles.csv     poles; 1/s, discrete plants in the z plane
   linear_steps.csv     responses to a step of one unit at t = 0, at five times that are no multiples of dead times
-  linear_pairing.csv   relative gains of the pairing: non-square RGA of the gains in spans (pseudo-inverse), the
-                       assignment of least sum of |ln(relative gain)| with no negative element
+  linear_pairing.csv   the pairing and its relative gains, of the gains in spans: of a tall plant the outputs of the
+                       largest row sums of the non-square RGA (pseudo-inverse; Chang and Yu 1990), then the assignment
+                       of least sum of |ln(relative gain)| with no negative element in the square RGA
   linear_exp.csv       matrix exponentials for dense_exp: n, then a and exp(a) row by row
 
 usage: tests/reference/linear_reference.py
@@ -149,9 +150,12 @@ class Plant:
         rank = np.linalg.matrix_rank(G, tol=1e-9 * np.linalg.norm(G, 2))
         if rank < min(G.shape):
             return f"rank {rank} of {min(G.shape)}: undetermined"
-        rga = G * np.linalg.pinv(G).T
+        sums = (G * np.linalg.pinv(G).T).sum(axis=1)  # of a square plant all 1
+        kept = np.sort(np.argsort(-np.round(sums, 9), kind="stable")[:m])
+        rga = G[kept] * np.linalg.inv(G[kept]).T
         cost = np.where(rga > 0.0, np.abs(np.log(np.maximum(rga, 1e-9))), 1e3)  # 0.05 is as far from 1 as 20
-        return [(int(i), int(j), float(rga[i, j])) for i, j in zip(*scipy.optimize.linear_sum_assignment(cost))]
+        pairs = zip(*scipy.optimize.linear_sum_assignment(cost))
+        return [(int(kept[i]), int(j), float(rga[i, j])) for i, j in pairs]
 
 
 def table(name, header, rows, remark):
@@ -191,7 +195,7 @@ def main():
     table("linear_poles.csv", "plant,re,im", poles, "Poles of the linear plants: 1/s, or in z; lags element by element")
     table("linear_steps.csv", "plant,output,input,time_s,value", steps, "Responses to a step of one unit")
     table("linear_pairing.csv", "plant,output,input,relative_gain", pairings,
-          "Pairings by the exact model: RGA of the gains in spans, least sum of |ln|, none negative")
+          "Pairings by the exact model: outputs by the non-square RGA, RGA of the square rest, least sum of |ln|, none negative")
     table("linear_exp.csv", "n,a,exp_a", exponentials(), "Matrix exponentials by scipy.linalg.expm")
     for q in plants:
         print(q.name, q.pairing(), "slowest", max(1 / max(abs(p), 1e-30) for p in q.poles()))
