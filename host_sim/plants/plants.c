@@ -4,10 +4,12 @@
 #include <string.h>
 
 extern const struct plant_class plant_pilot;
+extern const struct plant_class plant_pilot_cold;
 extern const struct plant_class plant_splitter;
 
 const struct plant_class *const plant_classes[] = {
     &plant_pilot,
+    &plant_pilot_cold,
     &plant_splitter,
     NULL,
 };
