@@ -68,6 +68,15 @@ double cold_temperature(const struct cold_config *c, size_t s, const double *n, 
     return (energy - cold_energy(c, s, n, 0.0)) / cold_heat_capacity(c, s, n);
 }
 
+double cold_temperature_rate(const struct cold_config *c, size_t s, const double *n, double energy,
+                             const double *d)
+{
+    double t = cold_temperature(c, s, n, energy);
+    double carried =
+        d[0] * liquid_heat(&c->component[0], t) + d[1] * liquid_heat(&c->component[1], t);
+    return (d[2] - carried) / cold_heat_capacity(c, s, n);
+}
+
 /* Liquid of composition x at t, q mol/s. */
 static struct cold_stream liquid_of(const struct cold_config *c, double x, double t, double q)
 {

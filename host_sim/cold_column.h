@@ -121,6 +121,10 @@ double cold_temperature(const struct cold_config *c, size_t s, const double *n, 
 double cold_heat_capacity(const struct cold_config *c, size_t s,
                           const double *n); /* J/K, metal and liquid */
 
+/* K/s at the rates of moles and energy d[3] = dn_0, dn_1, dU. */
+double cold_temperature_rate(const struct cold_config *c, size_t s, const double *n, double energy,
+                             const double *d);
+
 /* Cold and switched off: everything at one temperature, films of the given composition, and so much liquid (m of
  * level) in the reboiler. */
 void cold_start(const struct cold_config *c, double fraction, double temperature, double level,

@@ -27,7 +27,7 @@ struct plant_channel {
     const char *unit; /* at most 11 characters, "-" for none */
     double lo,
         hi; /* span; inputs outside it are refused (disturbances) or clipped (MVs, by instruments) */
-    double nominal;    /* value at the nominal steady state; inputs start there */
+    double nominal;    /* inputs start there; of the steady state, where create() makes one */
     double safe;       /* MVs: value taken on silence or an emergency */
     double slew;       /* MVs: fastest change, units per second, 0 = none. An actuator property */
     double lag_s;      /* measurements: first-order sensor time constant, 0 = none */
@@ -59,7 +59,8 @@ struct plant_class {
     const struct plant_channel *channels;
     size_t n_channels;
 
-    /* Creates the plant at its nominal steady state, time 0. NULL on error, with the reason in err. */
+    /* Creates the plant at the steady state of its nominal inputs, or cold where the class says so, time 0. NULL
+     * on error, with the reason in err. */
     struct plant *(*create)(char *err, size_t err_size);
     void (*destroy)(struct plant *p);
     /* channel: index in channels[], kind MV or DISTURBANCE. Out of [lo, hi] or not finite is refused. */
