@@ -12,8 +12,7 @@ static size_t smaller_side(const struct gains *g)
     return g->k.rows < g->k.cols ? g->k.rows : g->k.cols;
 }
 
-/* Begins the decomposition of diag(row_scale) K diag(col_scale); lu's memory is not at hand, so svd.u carries the
- * product in. */
+/* Begins the decomposition of diag(row_scale) K diag(col_scale). */
 static enum err decompose_scaled(struct gains *g)
 {
     struct matrix *product = &g->scaled;

@@ -8,6 +8,8 @@ matrix() is tests/support/random_matrix.h, line by line. Writes
                    values (0 past the last)
   assignment.csv   seed, rows, cols, total cost of the best assignment (-1: needs a forbidden element)
 
+The plants: interact_plants.py.
+
 usage: tests/reference/interact_reference.py
 """
 from pathlib import Path
@@ -96,9 +98,9 @@ def assignments():
         yield f"{seed},{c.shape[0]},{c.shape[1]},{best}"
 
 
-def table(name, header, rows, remark):
+def table(name, header, rows, remark, maker="interact_reference"):
     with open(HERE / name, "w") as f:
-        f.write(f"# {remark}\n# made by tests/reference/interact_reference.py\n{header}\n")
+        f.write(f"# {remark}\n# made by tests/reference/{maker}.py\n{header}\n")
         f.writelines(row + "\n" for row in rows)
 
 

@@ -1,6 +1,10 @@
-# Linear algebra, interaction analysis and the design of interacting loops: one source, two programs each, float and double.
-foreach(part matrix real_trig)
-  foreach(kind "" _double)
+# Linear algebra, interaction analysis and the design of interacting loops: one source, two programs, float and double.
+foreach(kind "" _double)
+  foreach(part matrix real_trig)
     reflux_test(${part}${kind} LABEL unit SOURCES ${CMAKE_CURRENT_LIST_DIR}/test_${part}.c LIBS reflux_num${kind})
   endforeach()
+  foreach(part interact)
+    reflux_test(${part}${kind} LABEL unit SOURCES ${CMAKE_CURRENT_LIST_DIR}/test_${part}.c LIBS reflux_interact${kind})
+  endforeach()
 endforeach()
+reflux_test(assignment LABEL unit SOURCES ${CMAKE_CURRENT_LIST_DIR}/test_assignment.c LIBS reflux_interact)
