@@ -82,8 +82,8 @@ struct fopdt_fit {
 MUST_CHECK enum err fopdt_fit_begin(struct fopdt_fit *f, const struct record *r, uint32_t output,
                                     const struct fopdt_fit_options *options);
 
-/* Goes on for at most units evaluations of the model over the record (some 10 products a point and edge, and 5
- * exponentials an edge); true when it is finished. Finished after at most FOPDT_FIT_UNITS_MAX. */
+/* Goes on for units evaluations of the model over the record (each some 10 products a point and edge, and 5 exponentials
+ * an edge; a stage once begun is ended, at most 3 more); true when it is finished. Finished after FOPDT_FIT_UNITS_MAX. */
 #define FOPDT_FIT_UNITS_MAX 200
 bool fopdt_fit_run(struct fopdt_fit *f, uint32_t units);
 

@@ -256,8 +256,10 @@ void fopdt_fit_judge(struct fopdt_fit *f)
         return;
     }
     r->element.gain = f->gain;
-    r->element.time_constant_s = f->lag > REAL_C(1.05) * f->shortest ? f->lag * f->h_s : ZERO;
-    r->element.dead_time_s = f->dead * f->h_s;
+    bool lag = f->lag > REAL_C(1.05) * f->shortest;
+    r->element.time_constant_s = lag ? f->lag * f->h_s : ZERO;
+    /* Without a lag, dead times within the first sample look alike. */
+    r->element.dead_time_s = lag || f->dead > REAL_C(0.75) ? f->dead * f->h_s : ZERO;
     covariance(f, variance);
     real_t level = longest_level(f), sd_ln = r->element.time_constant_sd_s / (f->lag * f->h_s);
     response(f);

@@ -8,10 +8,10 @@
 /* Times below are in samples, moments in units of 1/alpha (tau = alpha k h), unless a name ends in _s. */
 
 #define NO_GAIN_SDS    REAL_C(3.0)
-#define STRENGTH_MIN   REAL_C(0.01) /* of U against its parts: below, they cancel */
-#define WEIGHT_MIN     REAL_C(1e-9) /* a sample of this weight adds nothing any more */
-#define LAG_MIN        REAL_C(0.02) /* samples: shorter is no lag */
-#define LAG_MAX_ALPHAS REAL_C(30.0) /* alpha T: longer cannot be told from there */
+#define STRENGTH_MIN   REAL_C(0.01)  /* of U against its parts: below, they cancel */
+#define WEIGHT_MIN     REAL_C(1e-20) /* a sample of this weight adds nothing any more */
+#define LAG_MIN        REAL_C(0.02)  /* samples: shorter is no lag */
+#define LAG_MAX_ALPHAS REAL_C(30.0)  /* alpha T: longer cannot be told from there */
 #define HALVINGS       40
 #define CHOICES        8
 
@@ -400,9 +400,10 @@ static uint32_t nearest(const struct moments *m, real_t samples)
     return best;
 }
 
+/* Times that say where to look next. */
 static bool usable(enum err err, const struct identified *r)
 {
-    return !err && r->flags == 0;
+    return !err && (r->flags & ~IDENTIFIED_SHORT) == 0 && r->time_constant_s > ZERO;
 }
 
 enum err moments_element(const struct moments *m, uint32_t output, const struct excitation *u,
