@@ -172,6 +172,23 @@ static bool cut(const char *from, const char *end, char *to, size_t size)
     return true;
 }
 
+/* An event this plant would take: its first disturbance as it is, else an option of what it measures. */
+static void append_example(char *text, size_t size, const struct plant_class *class)
+{
+    const struct plant_channel *measured = NULL;
+    for (size_t i = 0; i < class->n_channels; i++) {
+        const struct plant_channel *c = &class->channels[i];
+        if (c->kind == PLANT_DISTURBANCE) {
+            sim_append(text, size, ", as in 600:%s=%g", c->name, c->nominal);
+            return;
+        }
+        measured = c->kind == PLANT_MEASUREMENT && measured == NULL ? c : measured;
+    }
+    if (measured != NULL) {
+        sim_append(text, size, ", as in 600:%s.bias=1", measured->name);
+    }
+}
+
 bool events_add(struct events *e, const struct plant_class *class, const char *text, char *err,
                 size_t err_size)
 {
@@ -182,8 +199,9 @@ bool events_add(struct events *e, const struct plant_class *class, const char *t
     const char *equals = colon != NULL ? strchr(colon, '=') : NULL;
     if (equals == NULL || !cut(text, colon, time, sizeof(time)) ||
         !cut(colon + 1, equals, name, sizeof(name))) {
-        return sim_fail(err, err_size, "--event %s: expected T:NAME=VALUE, as in 600:%s=1", text,
-                        class->n_channels > 0 ? class->channels[0].name : "x");
+        (void)sim_fail(err, err_size, "--event %s: expected T:NAME=VALUE", text);
+        append_example(err, err_size, class);
+        return false;
     }
     if (!sim_parse_number(time, &event.time_s) || event.time_s < 0.0) {
         return sim_fail(err, err_size,

@@ -39,10 +39,21 @@ long transport_lost(struct transport *t, const char *reason)
     return -1;
 }
 
-static void pause_ms(long ms)
+/* Before trying again to open what is not there yet: says so the first time. False: that was long enough. */
+static bool wait_again(struct transport *t, uint64_t until)
 {
-    struct timespec span = {.tv_sec = ms / 1000, .tv_nsec = (ms % 1000) * 1000000L};
+    struct timespec span = {.tv_nsec = RETRY_MS * 1000000L};
+    uint64_t now = sim_clock_ms();
+    if (now >= until) {
+        return false;
+    }
+    if (!t->waiting) {
+        (void)fprintf(stderr, "reflux-sim: waiting for %s, %.3g s at most\n", t->where,
+                      (double)(until - now) / 1000.0);
+        t->waiting = true;
+    }
     (void)nanosleep(&span, NULL);
+    return true;
 }
 
 /* ---- descriptors: sockets and pseudo-terminals ---- */
@@ -127,11 +138,10 @@ static bool open_socket(struct transport *t, const char *path, uint64_t until, c
         int reason = errno;
         (void)close(fd);
         bool later = reason == ENOENT || reason == ECONNREFUSED || reason == EINTR;
-        if (!later || sim_clock_ms() >= until) {
+        if (!later || !wait_again(t, until)) {
             return sim_fail(err, err_size, "socket:%s: %s%s", path, strerror(reason),
                             later ? " (nobody listens there)" : "");
         }
-        pause_ms(RETRY_MS);
     }
 }
 
@@ -152,10 +162,10 @@ static bool open_pty(struct transport *t, const char *path, uint64_t until, char
 {
     int fd;
     while ((fd = open(path, O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC)) < 0) {
-        if (errno != ENOENT || sim_clock_ms() >= until) {
-            return sim_fail(err, err_size, "pty:%s: %s", path, strerror(errno));
+        int reason = errno;
+        if (reason != ENOENT || !wait_again(t, until)) {
+            return sim_fail(err, err_size, "pty:%s: %s", path, strerror(reason));
         }
-        pause_ms(RETRY_MS);
     }
     if (flock(fd, LOCK_EX | LOCK_NB) != 0) {
         (void)close(fd);
@@ -217,13 +227,13 @@ static bool open_path(struct transport *t, const char *path, uint64_t until, cha
 {
     struct stat file;
     while (stat(path, &file) != 0) {
-        if (errno != ENOENT || sim_clock_ms() >= until) {
+        int reason = errno;
+        if (reason != ENOENT || !wait_again(t, until)) {
             return sim_fail(err, err_size,
                             "%s: %s; expected socket:PATH, pty:PATH, newpty[:LINK], "
                             "serial:/dev/ttyX[@BAUD] or the path of a socket or terminal",
-                            path, strerror(errno));
+                            path, strerror(reason));
         }
-        pause_ms(RETRY_MS);
     }
     if (S_ISSOCK(file.st_mode)) {
         return open_socket(t, path, until, err, err_size);

@@ -39,6 +39,7 @@ struct transport {
     int spare_fd; /* newpty: our own hold on the far end until the peer has come; -1 = none */
     bool ready;   /* the last wait saw something to read */
     bool gone;    /* the peer has vanished */
+    bool waiting; /* that it is not there yet has been said */
     char reason[128];
     char where[160]; /* as opened, for messages */
     char link[160];  /* newpty: the symbolic link to remove at the end */
@@ -50,7 +51,7 @@ typedef bool (*transport_opener)(struct transport *t, const char *rest, char *er
 /* Makes "SCHEME" and "SCHEME:rest" known to transport_open(). One extra scheme at a time. */
 void transport_add_scheme(const char *scheme, transport_opener open);
 
-/* Opens; a path or listener that is not there yet is waited for up to patience_ms. */
+/* Opens; a path or listener that is not there yet is waited for up to patience_ms, and stderr says so. */
 bool transport_open(struct transport *t, const char *where, uint64_t patience_ms, char *err,
                     size_t err_size);
 void transport_close(struct transport *t);

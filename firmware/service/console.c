@@ -300,7 +300,7 @@ static void end_line(struct console *c)
         spsc_read_done(&c->service->telemetry.index);
     c->row = NULL;
     c->header_of = NULL;
-    if (!c->machine && !c->listing && !c->storage) {
+    if (!c->machine && !c->listing && !c->storage && !c->header_asked) {
         prompt(c);
         line_editor_show(&c->editor);
     }

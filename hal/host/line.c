@@ -72,8 +72,8 @@ static bool open_socket(struct line *line, const char *path, char *err, size_t e
 {
     struct sockaddr_un address = {.sun_family = AF_UNIX};
     struct stat st;
-    if (path[0] == '\0' || strlen(path) >= sizeof address.sun_path) {
-        errno = path[0] ? ENAMETOOLONG : EINVAL;
+    if (strlen(path) >= sizeof address.sun_path) {
+        errno = ENAMETOOLONG;
         return fail(err, err_size, "cannot listen on socket", path);
     }
     memcpy(address.sun_path, path, strlen(path) + 1);
@@ -89,31 +89,39 @@ static bool open_socket(struct line *line, const char *path, char *err, size_t e
     return true;
 }
 
+bool line_known(const char *where, char *err, size_t err_size)
+{
+    if (strcmp(where, "pty") == 0 || strcmp(where, "stdio") == 0 ||
+        (strncmp(where, "pty:", 4) == 0 && where[4]) ||
+        (strncmp(where, "socket:", 7) == 0 && where[7]))
+        return true;
+    (void)snprintf(err, err_size, "'%s' is no line: pty, pty:LINK, socket:PATH or stdio is wanted",
+                   where);
+    return false;
+}
+
 bool line_open(struct line *line, const char *where, char *err, size_t err_size)
 {
     memset(line, 0, sizeof *line);
     line->rx = (struct ring){.bytes = line->rx_bytes, .size = LINE_RING};
     line->tx = (struct ring){.bytes = line->tx_bytes, .size = LINE_RING};
     line->listener = line->in = line->out = line->slave = -1;
+    if (!line_known(where, err, err_size))
+        return false;
     if (strcmp(where, "pty") == 0)
         return open_pty(line, "", err, err_size);
     if (strncmp(where, "pty:", 4) == 0)
         return open_pty(line, where + 4, err, err_size);
     if (strncmp(where, "socket:", 7) == 0)
         return open_socket(line, where + 7, err, err_size);
-    if (strcmp(where, "stdio") == 0) {
-        line->in_flags = fcntl(STDIN_FILENO, F_GETFL);
-        line->out_flags = fcntl(STDOUT_FILENO, F_GETFL);
-        line->kind = LINE_STDIO;
-        line->in = STDIN_FILENO;
-        line->out = STDOUT_FILENO;
-        if (set_nonblocking(line->in) && set_nonblocking(line->out))
-            return true;
-        return fail(err, err_size, "cannot use", "standard input and output");
-    }
-    (void)snprintf(err, err_size, "'%s' is no line: pty, pty:LINK, socket:PATH or stdio is wanted",
-                   where);
-    return false;
+    line->in_flags = fcntl(STDIN_FILENO, F_GETFL);
+    line->out_flags = fcntl(STDOUT_FILENO, F_GETFL);
+    line->kind = LINE_STDIO;
+    line->in = STDIN_FILENO;
+    line->out = STDOUT_FILENO;
+    if (set_nonblocking(line->in) && set_nonblocking(line->out))
+        return true;
+    return fail(err, err_size, "cannot use", "standard input and output");
 }
 
 static void drop_peer(struct line *line)

@@ -27,6 +27,8 @@ struct line {
     bool blocked; /* the other side takes nothing now: wait for room */
 };
 
+/* Has it one of the forms below? False with one line in err. */
+bool line_known(const char *where, char *err, size_t err_size);
 /* where: "pty", "pty:LINK", "socket:PATH", "stdio". False with one line in err. */
 bool line_open(struct line *line, const char *where, char *err, size_t err_size);
 void line_close(struct line *line);

@@ -8,6 +8,7 @@
 #include <unistd.h>
 
 #include "host_port.h"
+#include "line.h"
 
 static const char usage[] =
     "usage: reflux-host [--console LINE] [--link LINE] [--nvm FILE] [--boot-id N]\n"
@@ -81,6 +82,11 @@ int main(int argc, char **argv)
             (void)fprintf(stderr, "reflux-host: --boot-id %s: 0 .. 4294967295 is wanted\n", value);
             return 2;
         }
+    }
+    if (!line_known(options.console, err, sizeof err) ||
+        !line_known(options.link, err, sizeof err)) {
+        (void)fprintf(stderr, "reflux-host: %s\n", err);
+        return 2;
     }
     if (strcmp(options.console, "stdio") == 0 && strcmp(options.link, "stdio") == 0) {
         (void)fprintf(stderr, "reflux-host: console and link cannot both be stdio\n");

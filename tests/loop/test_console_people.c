@@ -85,6 +85,19 @@ static void a_past_line_comes_back_below_an_event(void)
     completes("get loop1.ti\r\033[A", "get loop1.ti");
 }
 
+/* ---- telemetry ---- */
+
+static void log_on_answers_like_any_other_command(void)
+{
+    const char *screen = keys("log on\r");
+    TEST_ASSERT_EQUAL_STRING("", screen); /* the prompt is the last thing there */
+    TEST_ASSERT_FALSE_MESSAGE(said("> ok"), board.said);
+    TEST_ASSERT_EQUAL_MESSAGE(1, times_said("\nok\r\n> "), board.said);
+    TEST_ASSERT_EQUAL_MESSAGE(1, times_said("> "), board.said);
+    type("log off\rmode machine\n");
+    board_forget();
+}
+
 /* ---- XON, XOFF ---- */
 
 static void after_xoff_nothing_is_said_until_xon_and_then_all_of_it(void)
@@ -218,6 +231,7 @@ int main(void)
     RUN_TEST(loops_channels_and_mode_words_complete);
     RUN_TEST(nothing_is_offered_where_nothing_is_known);
     RUN_TEST(a_past_line_comes_back_below_an_event);
+    RUN_TEST(log_on_answers_like_any_other_command);
     RUN_TEST(after_xoff_nothing_is_said_until_xon_and_then_all_of_it);
     RUN_TEST(control_c_frees_a_console_whose_xon_was_lost);
     RUN_TEST(telemetry_waits_while_held_and_counts_what_finds_no_room);

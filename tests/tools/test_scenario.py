@@ -114,6 +114,15 @@ class Commands(FolderTest):
                 self.assertIn(expected, err)
                 self.assertEqual(err.count("\n"), 1)
 
+    def test_paths_of_nothing_are_refused(self) -> None:
+        for arguments in (["run", "smoke", "--out", ""], ["demo", "--out="], ["bench", "--out", ""],
+                          ["evidence", "--out", ""], ["plot", ""], ["plot", "x", "-o", ""], ["flash", "--image", ""],
+                          ["console", "x", "--log", ""], ["console", "x", "--dump", ""]):
+            with self.subTest(arguments):
+                status, _out, err = call(*arguments)
+                self.assertEqual(status, 2)
+                self.assertIn("must not be empty", err)
+
     def test_help(self) -> None:
         for name in ("run", "demo", "test", "campaign", "bench", "plot", "style"):
             status, out, _err = call(name, "--help")

@@ -21,3 +21,9 @@ if(CMAKE_SYSTEM_PROCESSOR MATCHES "x86_64|AMD64")
   target_compile_options(test_stm32_flash PRIVATE -Wno-int-to-pointer-cast -D_GNU_SOURCE
     "SHELL:-include ${PROJECT_SOURCE_DIR}/tests/support/stm32_on_host.h")
 endif()
+
+find_program(PYTHON3 NAMES python3 PATHS /usr/bin NO_DEFAULT_PATH)
+find_program(PYTHON3 NAMES python3)
+add_test(NAME reflux_host COMMAND "${PYTHON3}" "${CMAKE_CURRENT_LIST_DIR}/test_reflux_host.py"
+  $<TARGET_FILE:reflux-host>)
+set_tests_properties(reflux_host PROPERTIES LABELS unit TIMEOUT 60 ENVIRONMENT "PYTHONDONTWRITEBYTECODE=1")

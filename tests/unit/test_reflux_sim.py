@@ -184,9 +184,13 @@ class Runs(Bench):
         self.assertIn("no COMMAND for the sample within 3.000 s", done.stderr)
 
     def test_nobody_there_is_said(self):
-        done = self.sim("--timeout", "0.2")
-        self.assertEqual(done.returncode, 1)
-        self.assertIn("No such file or directory", done.stderr)
+        for port in (self.path("link"), "pty:" + self.path("link"), "socket:" + self.path("link")):
+            done = subprocess.run([SIM, "--plant", "two_by_two", "--port", port, "--timeout", "0.2"],
+                                  capture_output=True, text=True, timeout=60)
+            self.assertEqual(done.returncode, 1)
+            waiting, why = done.stderr.splitlines()
+            self.assertEqual(waiting, f"reflux-sim: waiting for {port}, 0.2 s at most")
+            self.assertIn("No such file or directory", why)
 
     def test_another_version_is_said(self):
         self.controller("version")

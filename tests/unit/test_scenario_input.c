@@ -59,6 +59,33 @@ static void events_of_wrong_form_are_refused(void)
     }
 }
 
+/* Types what the message shows into the option it is about. */
+static void example_is_taken(const struct plant_class *class)
+{
+    char example[64];
+    struct events none = {.n = 0};
+    TEST_ASSERT_FALSE(events_add(&none, class, "rubbish", err, sizeof(err)));
+    const char *at = strstr(err, ", as in ");
+    TEST_ASSERT_NOT_NULL_MESSAGE(at, err);
+    (void)snprintf(example, sizeof(example), "%s", at + 8);
+    TEST_ASSERT_TRUE_MESSAGE(events_add(&none, class, example, err, sizeof(err)), err);
+}
+
+static void the_example_of_the_form_is_one_the_plant_takes(void)
+{
+    struct plant_channel controlled[] = {two_by_two.channels[0], two_by_two.channels[0]};
+    for (size_t i = 0; i < two_by_two.n_channels; i++) {
+        if (two_by_two.channels[i].kind == PLANT_MEASUREMENT) {
+            controlled[1] = two_by_two.channels[i];
+        }
+    }
+    struct plant_class without = two_by_two; /* no disturbance */
+    without.channels = controlled;
+    without.n_channels = 2;
+    example_is_taken(&two_by_two);
+    example_is_taken(&without);
+}
+
 static void events_with_wrong_times_are_refused(void)
 {
     const char *wrong[] = {"-1:d=5",  "x:d=5",    "1s:d=5", "nan:d=5",
@@ -200,6 +227,7 @@ int main(void)
     UNITY_BEGIN();
     RUN_TEST(good_events_are_taken);
     RUN_TEST(events_of_wrong_form_are_refused);
+    RUN_TEST(the_example_of_the_form_is_one_the_plant_takes);
     RUN_TEST(events_with_wrong_times_are_refused);
     RUN_TEST(events_with_wrong_values_are_refused);
     RUN_TEST(events_with_unknown_names_are_told_the_candidates);

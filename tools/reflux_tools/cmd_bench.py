@@ -13,7 +13,7 @@ from typing import Callable
 
 from reflux_tools import build, launch, runner, scenario, table
 from reflux_tools.errors import RunFailed, UserError
-from reflux_tools.paths import ROOT, SCENARIOS, build_dir, shown
+from reflux_tools.paths import ROOT, SCENARIOS, build_dir, named, shown
 
 RESULTS = ROOT / "tests" / "bench" / "results.md"
 ICOUNT = ("-icount", "shift=0")
@@ -26,7 +26,7 @@ def main(arguments: list[str]) -> int:
         description="Measures speed, instructions per tick and memory, prints the tables and writes them to "
         "tests/bench/results.md. What cannot be measured here is left out with its reason.")
     p.add_argument("--ticks", type=int, default=4000, metavar="N", help="ticks of each speed run (default 4000)")
-    p.add_argument("--out", type=Path, default=RESULTS, metavar="FILE")
+    p.add_argument("--out", type=named, default=RESULTS, metavar="FILE")
     options = p.parse_args(arguments)
     if options.ticks < 10:
         raise UserError("--ticks must be 10 or more")

@@ -17,7 +17,7 @@ from typing import Iterator, TextIO
 
 from reflux_tools import build, launch, live, session
 from reflux_tools.errors import RunFailed, UserError
-from reflux_tools.paths import shown
+from reflux_tools.paths import named, shown
 from reflux_tools.ports import Port
 from reflux_tools.session import Refused, Session
 
@@ -36,18 +36,18 @@ def parser() -> argparse.ArgumentParser:
     p.add_argument("--speed", default="10", metavar="max|X", help="of that plant, times the clock on the wall "
                    "(default 10)")
     p.add_argument("--no-build", action="store_true", help="with --host: use what is built already")
-    p.add_argument("--log", type=Path, metavar="FILE", help="append everything to FILE")
+    p.add_argument("--log", type=named, metavar="FILE", help="append everything to FILE")
     p.add_argument("--key", metavar="KEY", help="open the engineer level first (`unlock KEY`)")
     what = p.add_mutually_exclusive_group()
-    what.add_argument("--run", type=Path, metavar="FILE", help="send the lines of FILE (- for standard input), each "
+    what.add_argument("--run", type=named, metavar="FILE", help="send the lines of FILE (- for standard input), each "
                       "after the reply to the one before; stop at the first refusal")
-    what.add_argument("--dump", type=Path, metavar="FILE", help="save the configuration as commands (- prints it)")
-    what.add_argument("--restore", type=Path, metavar="FILE", help="send such a file, then compare")
+    what.add_argument("--dump", type=named, metavar="FILE", help="save the configuration as commands (- prints it)")
+    what.add_argument("--restore", type=named, metavar="FILE", help="send such a file, then compare")
     what.add_argument("--plot", metavar="T1,T10", help="plot channels as they come: a window, or a PNG file where "
                       "there is no display; ^C ends it")
     what.add_argument("--spark", metavar="T1,T10", help="the same as lines in the terminal")
     p.add_argument("--keep-going", action="store_true", help="with --run: go on after a refusal")
-    p.add_argument("--png", type=Path, metavar="FILE", help="with --plot: this file, no window")
+    p.add_argument("--png", type=named, metavar="FILE", help="with --plot: this file, no window")
     p.add_argument("--every", type=float, default=2.0, metavar="S", help="with --plot: seconds between two PNGs "
                    "(default 2)")
     p.add_argument("--seconds", type=float, metavar="S", help="with --plot or --spark: end after this time")

@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import argparse
-from pathlib import Path
 
 from reflux_tools import cmd_run
 from reflux_tools import scenario as scenarios
-from reflux_tools.paths import ROOT, SCENARIOS
+from reflux_tools.paths import ROOT, SCENARIOS, named
 
 
 def main(arguments: list[str]) -> int:
@@ -20,7 +19,7 @@ def main(arguments: list[str]) -> int:
     p.add_argument("--firmware", choices=scenarios.FIRMWARES, help="instead of the image in the emulator")
     p.add_argument("--console-port", metavar="PORT", help="with --firmware serial")
     p.add_argument("--link-port", metavar="PORT", help="with --firmware serial")
-    p.add_argument("--out", type=Path, default=ROOT / "out" / "demo", metavar="FOLDER")
+    p.add_argument("--out", type=named, default=ROOT / "out" / "demo", metavar="FOLDER")
     p.add_argument("--seed", type=int, metavar="N", help="of the sensor noise")
     options = p.parse_args(arguments)
     for name, value in {"noise": None, "speed": None, "quiet": False, "no_report": False, "no_build": False}.items():

@@ -16,7 +16,7 @@ from typing import Callable
 
 from reflux_tools import build
 from reflux_tools.errors import RunFailed, UserError
-from reflux_tools.paths import ROOT, build_dir, build_root, shown
+from reflux_tools.paths import ROOT, build_dir, build_root, named, shown
 
 PAGE = ROOT / "docs" / "evidence.md"
 START = re.compile(r"^\s*Start\s+(\d+): (\S+)")
@@ -78,7 +78,7 @@ def main(arguments: list[str]) -> int:
         "the others' figures are those of their last run (build/evidence).")
     p.add_argument("sources", nargs="*", metavar="SOURCE", help=f"{', '.join(SOURCES)} (default: all)")
     p.add_argument("--page-only", action="store_true", help="run nothing, write the page from what is there")
-    p.add_argument("--out", type=Path, default=PAGE, metavar="FILE")
+    p.add_argument("--out", type=named, default=PAGE, metavar="FILE")
     options = p.parse_args(arguments)
     for name in options.sources:
         if name not in SOURCES:

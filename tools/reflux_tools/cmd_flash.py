@@ -12,7 +12,7 @@ from pathlib import Path
 
 from reflux_tools import build, probes
 from reflux_tools.errors import RunFailed, UserError
-from reflux_tools.paths import build_dir, shown
+from reflux_tools.paths import build_dir, named, shown
 
 LARGEST = 768 * 1024  # sectors 0 to 9; 10 and 11 keep the parameters
 RAM = range(0x20000000, 0x20020001)
@@ -25,7 +25,7 @@ def main(arguments: list[str]) -> int:
         description="Finds the board (ST-Link by st-flash, USB boot loader by dfu-util, ST-Link by OpenOCD), says what "
         "it will do, asks, writes the image, reads it back, compares, and starts it. Stored parameters are kept: "
         "their sectors are not touched.")
-    p.add_argument("--image", type=Path, metavar="FILE", help=f"default: the one of preset {PRESET}")
+    p.add_argument("--image", type=named, metavar="FILE", help=f"default: the one of preset {PRESET}")
     p.add_argument("--probe", choices=sorted(probes.PROBES), help="only this way (default: the first that works)")
     p.add_argument("--serial", metavar="NUMBER", help="of the ST-Link or boot loader, when there are more than one")
     p.add_argument("--yes", action="store_true", help="do not ask")

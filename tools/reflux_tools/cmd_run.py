@@ -9,7 +9,7 @@ from reflux_tools import launch, runner, table
 from reflux_tools import scenario as scenarios
 from reflux_tools.compare import compare_command
 from reflux_tools.errors import UserError
-from reflux_tools.paths import ROOT, shown
+from reflux_tools.paths import ROOT, named, shown
 from reflux_tools.schema import check_number
 
 
@@ -26,7 +26,7 @@ def parser() -> argparse.ArgumentParser:
                    "fixed-point numbers, as stm32f100 always is; memory: inside the simulator; serial: a board on two serial ports")
     p.add_argument("--console-port", metavar="PORT", help="with --firmware serial, such as /dev/ttyUSB0")
     p.add_argument("--link-port", metavar="PORT", help="with --firmware serial, such as /dev/ttyUSB1")
-    p.add_argument("--out", type=Path, metavar="FOLDER", help="where results go (default: out/NAME)")
+    p.add_argument("--out", type=named, metavar="FOLDER", help="where results go (default: out/NAME)")
     p.add_argument("--seed", type=int, metavar="N", help="of the sensor noise")
     p.add_argument("--noise", type=float, metavar="X", help="noise of all sensors, times their own")
     p.add_argument("--speed", metavar="max|X", help="as fast as it goes, or X times the clock on the wall")

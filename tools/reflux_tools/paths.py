@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import argparse
 import os
 from pathlib import Path
 
@@ -27,3 +28,10 @@ def shown(path: Path | str) -> str:
     except ValueError:
         return str(path)
     return relative if not relative.startswith("../..") else str(path)
+
+
+def named(text: str) -> Path:
+    """A path as an option takes it. Path("") would be the folder one stands in, which nobody means by nothing."""
+    if not text:
+        raise argparse.ArgumentTypeError("must not be empty")
+    return Path(text)
