@@ -1,0 +1,67 @@
+"""Pages of the methods: their tables have every field of the C struct, beside the parameter it is at the console."""
+
+import re
+import unittest
+
+from support import ROOT
+
+PAGES = (  # page, header, struct, group of docs/console.md
+    ("pid.md", "control/pid.h", "pid_config", "loop<i>"),
+    ("feedforward.md", "control/feedforward.h", "feedforward_config", "ff<i>"),
+    ("tuning.md", "design/tuning.h", "tuning", "loop<i>"),
+)
+
+
+def page(name: str) -> str:
+    return (ROOT / "docs" / name).read_text(encoding="utf-8")
+
+
+def fields(header: str, struct: str) -> list[str]:
+    text = (ROOT / "firmware" / header).read_text(encoding="utf-8")
+    body = re.search(rf"^struct {struct} {{\n(.*?)^}};", text, re.MULTILINE | re.DOTALL)
+    assert body is not None
+    plain = re.sub(r"/\*.*?\*/", "", body[1], flags=re.DOTALL)
+    return [name for line in plain.split(";") for name in re.findall(r"\w+(?=\s*(?:,|$))", line.strip())]
+
+
+def parameters(group: str) -> list[str]:
+    section = page("console.md").split(f"**`{group}`**")[1].split("\n**`")[0]
+    return re.findall(r"^\| (\w+) \|.*0x[0-9a-f]+ \|$", section, re.MULTILINE)
+
+
+def table(name: str) -> list[tuple[list[str], list[str]]]:
+    """First and second cell of each row below the header `field ... | parameter`."""
+    lines = page(name).splitlines()
+    begin = next(i for i, line in enumerate(lines) if re.match(r"\| field[^|]*\| parameter \|", line))
+    rows = []
+    for line in lines[begin + 2:]:
+        if not line.startswith("|"):
+            break
+        cells = [cell.strip() for cell in line.split("|")[1:3]]
+        rows.append((cells[0].split(", "), cells[1].split(", ")))
+    return rows
+
+
+class Names(unittest.TestCase):
+    def test_every_field_stands_beside_a_parameter_that_exists(self) -> None:
+        for name, header, struct, group in PAGES:
+            with self.subTest(name):
+                rows = table(name)
+                self.assertEqual([f for row in rows for f in row[0]], fields(header, struct))
+                for c_names, console_names in rows:
+                    self.assertEqual(len(c_names), len(console_names))
+                    for known in console_names:
+                        self.assertIn(known, parameters(group))
+
+    def test_the_names_are_those_of_the_refusals(self) -> None:
+        """firmware/supervise/plan.c turns a block's field into the parameter it names in a refusal."""
+        text = (ROOT / "firmware" / "supervise" / "plan.c").read_text(encoding="utf-8")
+        pairs = dict(re.findall(r'\{"(\w+)", "(\w+)"\}', text))
+        self.assertIn("ti_s", pairs)
+        named = {c: p for name, *_ in PAGES for row in table(name) for c, p in zip(*row)}
+        for field, parameter in pairs.items():
+            self.assertEqual(named[field], parameter)
+
+
+if __name__ == "__main__":
+    unittest.main()
