@@ -156,6 +156,9 @@ static void record(struct console *c, uint8_t code, unsigned n, char **word, boo
         for (unsigned m = 0; m < 3; m++)
             if (strcmp(word[1], modes[m]) == 0)
                 value = (float)m;
+    } else if (code == EVENT_DO_SEQUENCE) {
+        if (n == 0 || strcmp(word[0], "list") == 0)
+            return; /* only looked at */
     } else if (code == EVENT_DO_ALARM) {
         if (n < 2)
             return; /* only looked at */

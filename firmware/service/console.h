@@ -142,4 +142,9 @@ void command_out(struct console *c, unsigned n, char **word);
 void command_tune(struct console *c, unsigned n, char **word);
 void command_alarm(struct console *c, unsigned n, char **word);
 
+/* Sequences: console_sequence.c */
+void command_seq(struct console *c, unsigned n, char **word);
+/* "start held at step 7: guard, CW"; nothing where none is under way, nor has been. */
+void sequence_headline(const struct service *s, struct text *line);
+
 #endif

@@ -74,6 +74,17 @@ static bool alarm_line(struct console *c, unsigned n, struct text *line)
         return true;
     }
     n -= CONFIG_INTERLOCKS;
+#if CONFIG_STEPS
+    if (n == 0) {
+        if (sup->sequence.state == SEQUENCE_HELD ||
+            (sup->sequence.state == SEQUENCE_ABORTED && sup->state == SUPERVISOR_SAFE)) {
+            text_str(line, "SEQUENCE ");
+            sequence_headline(s, line);
+        }
+        return true;
+    }
+    n -= 1;
+#endif
     if (n >= CONFIG_ALARMS)
         return false;
     entry_line(s, (uint8_t)n, line);

@@ -117,6 +117,8 @@ static bool version_line(struct console *c, unsigned n, struct text *line)
         pair(line, "events", EVENT_HISTORY);
         pair(line, "alarms", CONFIG_ALARMS);
         pair(line, "dead-time bytes", PLAN_ARENA_BYTES);
+        pair(line, "steps", CONFIG_STEPS);
+        text_str(line, CONFIG_STEPS ? "" : ", no sequences");
         return true;
     case 4:
         text_str(line, "limits: plant");
@@ -203,6 +205,12 @@ static bool status_line(struct console *c, unsigned n, struct text *line)
         text_str(line, s->supervisor->measurement[n].bound
                            ? qualities[s->supervisor->measurement[n].quality]
                            : "not announced by the plant");
+#if CONFIG_STEPS
+        if (s->supervisor->measurement[n].offset_on) {
+            text_str(line, ", less its offset ");
+            text_float(line, m->offset);
+        }
+#endif
         return true;
     }
     n -= CHANNEL_MAX;
@@ -270,6 +278,14 @@ void event_line(const struct event *e, struct text *line)
         text_str(line, ": ");
         text_str(line, measurement_fault_text(e->detail));
     }
+#if CONFIG_STEPS
+    if (e->code == EVENT_SEQUENCE_HELD || e->code == EVENT_SEQUENCE_ABORTED) {
+        text_str(line, ": ");
+        text_str(line, sequence_kind_text(e->detail >> 4));
+        text_str(line, ", ");
+        text_str(line, sequence_reason_text(e->detail & 15u));
+    }
+#endif
     if (event_level(e->code) == EVENT_ACTION)
         text_str(line, e->detail & EVENT_ENGINEER ? ", by engineer" : ", by operator");
 }
@@ -432,6 +448,9 @@ const struct console_command console_commands[] = {
     {"alarm", "[ack|shelve] [ALARM|all] [SECONDS]",
      "what is wrong now; acknowledge, or silence for a time", 0, 3, command_alarm, ACCESS_OPERATOR,
      EVENT_DO_ALARM},
+    {"seq", "[start|stop|hold|go|confirm|skip|abort|list]",
+     "where the sequence is; start it, stop the plant, ...; list: its rows", 0, 1, command_seq,
+     ACCESS_OPERATOR, EVENT_DO_SEQUENCE},
     {"events", "", "the latest events and actions, also of earlier starts", 0, 0, command_events,
      ACCESS_OPERATOR, NOT_AN_ACTION},
     {"stats", "", "cost of ticks, link and console counters", 0, 0, command_stats, ACCESS_OPERATOR,

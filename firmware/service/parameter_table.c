@@ -66,6 +66,10 @@ static const struct parameter_field measurement_fields[] = {
     W(measurement_config, test_critical, 16, "test_critical", "off|on", 0,
       "while the plant is tested it may go only half as far"),
 #endif
+#if CONFIG_STEPS
+    F(measurement_config, offset, 17, "offset", "EU", -BIG, BIG, 0,
+      "subtracted from the reading while a sequence has switched it on (offset_on)"),
+#endif
 };
 
 static const struct parameter_field output_fields[] = {
@@ -121,8 +125,8 @@ static const struct parameter_field loop_fields[] = {
       "first-order setpoint filter; 0 = none"),
     W(loop_config, action, 19, "action", "reverse|direct", LOOP_REVERSE,
       "reverse: output rises when the measurement is below setpoint (heating)"),
-    W(loop_config, algorithm, 20, "algorithm", "positional|velocity", LOOP_POSITIONAL,
-      "form of the PID algorithm"),
+    W(loop_config, algorithm, 20, "algorithm", "positional|velocity|two_position", LOOP_POSITIONAL,
+      "form of the PID algorithm; or out_hi and out_lo by turns (docs/loops.md)"),
     W(loop_config, sp_track, 21, "sp_track", "off|on", 1,
       "in manual the setpoint follows the measurement"),
     W(loop_config, decouple, 22, "decouple", "off|on", 0, "takes part in the static decoupler"),
@@ -130,6 +134,8 @@ static const struct parameter_field loop_fields[] = {
      NULL, "runs every so many base ticks"},
     {24, PARAMETER_U16, offsetof(struct loop_config, phase), "phase", "ticks", 0, 9999, 0, NULL,
      "base tick within the divisor at which it runs"},
+    F(loop_config, band, 25, "band", "EU", 0, BIG, 0,
+      "two_position: distance from the setpoint at which the output switches"),
 };
 
 /* Row i of the decoupler is decouple<i>.d1 .. d8. Its diagonal is 1 by default (parameters_defaults). */
@@ -183,6 +189,40 @@ static const struct parameter_field alarm_fields[] = {
     W(alarm_config, latch, 7, "latch", "off|on", 0, "stays on the list until acknowledged"),
     W(alarm_config, group, 8, "group", "none|a|b|c|d|e|f", 0,
       "the first alarm of a group is marked"),
+};
+
+static const struct parameter_field step_fields[] = {
+#if CONFIG_STEPS
+#define STEP(member) offsetof(struct step_config, member)
+#else /* named, to be refused */
+#define STEP(member) 0
+#endif
+#define S(member, id, name, words, initial, help)                                                  \
+    {                                                                                              \
+        id, PARAMETER_WORD, STEP(member), name, "", 0, 0, initial, words, help                     \
+    }
+    S(sequence, 1, "seq", "none|start|stop", SEQUENCE_NONE,
+      "sequence the row belongs to (docs/sequences.md); none = unused"),
+    S(action, 2, "do", "nothing|out|manual|auto|cascade|sp|offset_on|offset_off|guard|drop",
+      STEP_NOTHING,
+      "what the row does; guard: its condition must hold from here on, drop: no longer"),
+    {3, PARAMETER_NAME, STEP(what), "what", "", 0, 0, 0, NULL,
+     "manipulated variable, loop or measurement it does that to"},
+    {4, PARAMETER_FLOAT, STEP(value), "value", "EU", -BIG, BIG, 0, NULL,
+     "of out, in the output's unit; of sp, in the measurement's"},
+    S(until, 5, "until", "at_once|above|below|steady|time|confirm", STEP_AT_ONCE,
+      "what is waited for then"),
+    {6, PARAMETER_NAME, STEP(measurement), "meas", "", 0, 0, 0, NULL,
+     "measurement that is waited for, or guarded"},
+    {7, PARAMETER_FLOAT, STEP(limit), "limit", "EU", -BIG, BIG, 0, NULL,
+     "of above and below; steady: the width the measurement stays within"},
+    {8, PARAMETER_U16, STEP(hold_s), "hold", "s", 0, 65535, 0, NULL,
+     "the condition must hold this long; time: how long; guard: how long it may be broken"},
+    {9, PARAMETER_U16, STEP(timeout_s), "timeout", "s", 0, 65535, 0, NULL,
+     "longest wait; 0 = none, for time and confirm"},
+    S(otherwise, 10, "else", "abort|go_on|hold", STEP_ABORT, "what the time-out, or a guard, does"),
+#undef S
+#undef STEP
 };
 
 static const struct parameter_field restart_fields[] = {
@@ -251,6 +291,11 @@ const struct parameter_group parameter_groups[] = {
 #if COMMISSION_CHANNELS
     {14, 1, COUNT(test_fields), false, 0, 0, "test", test_fields, 1},
     GROUP(15, "pair", pair, struct pair_config, CONFIG_PAIRS, 4, pair_fields),
+#endif
+#if CONFIG_STEPS
+    GROUP(12, "step", step, struct step_config, CONFIG_STEPS, 24, step_fields),
+#else
+    {12, 0, COUNT(step_fields), true, 0, sizeof(struct step_config), "step", step_fields, 24},
 #endif
 };
 const unsigned parameter_group_count = COUNT(parameter_groups);

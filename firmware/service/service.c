@@ -132,6 +132,17 @@ enum err service_apply(struct service *s, const struct config *config, struct co
         return ERR_CONFLICT;
     }
     const struct plan *before = service_plan(s);
+#if CONFIG_STEPS
+    if (sequence_active(&s->supervisor->sequence) && sequence_differs(plan, before)) {
+        *fault = (struct config_fault){
+            .code = ERR_STATE,
+            .group = "step",
+            .field = "seq",
+            .wanted = "rows, loops and channels in them do not change while a sequence is under "
+                      "way; `seq abort` ends it"};
+        return ERR_STATE;
+    }
+#endif
     plan->serial = ++s->serial;
     /* The plan first, then the request: the tick that meets the request must find the plan. */
     hal_tick_lock();

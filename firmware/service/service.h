@@ -69,8 +69,9 @@ bool service_may_stage(const struct service *s);
 /* Mode a loop will have once the queued requests are carried out. */
 enum loop_mode service_mode(const struct service *s, uint8_t loop);
 
-/* Checks the configuration whole and queues it for the next tick. Errors as plan_build, and ERR_BUSY when
- * the request queue is full, or there is no scratch plan (*fault then has no group). */
+/* Checks the configuration whole and queues it for the next tick. Errors as plan_build, ERR_STATE when it would
+ * disturb a sequence under way, and ERR_BUSY when the request queue is full, or there is no scratch plan (*fault
+ * then has no group). */
 MUST_CHECK enum err service_apply(struct service *s, const struct config *config,
                                   struct config_fault *fault);
 /* Is the plan's base tick the interval of the connected plant's samples? Loops computed with another one

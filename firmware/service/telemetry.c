@@ -41,6 +41,13 @@ void telemetry_capture(struct telemetry *t, const struct supervisor *s, uint32_t
         const struct measurement_config *m = &c->measurement[s->plan->loop[i].pv];
         row->setpoint[i] = span_to_eu(s->loop[i].setpoint, m->lo, m->hi);
     }
+#if CONFIG_STEPS
+    row->sequence = s->sequence.state;
+    row->step = s->sequence.state == SEQUENCE_IDLE ? 0 : (uint8_t)(s->sequence.step + 1u);
+    row->offsets = 0;
+    for (unsigned i = 0; i < CHANNEL_MAX; i++)
+        row->offsets = (uint16_t)(row->offsets | (s->measurement[i].offset_on ? 1u << i : 0u));
+#endif
     spsc_write_done(&t->index);
 }
 
@@ -78,12 +85,19 @@ bool telemetry_header(const struct plan *plan, unsigned n, struct text *piece)
         text_str(piece, "H,");
         text_u32(piece, TELEMETRY_FORMAT);
         text_str(piece, ",number,time[s],state,ev");
+#if CONFIG_STEPS
+        text_str(piece, plan->has_steps ? ",seq,step" : "");
+#endif
         return true;
     case PART_MEASUREMENT:
         if (!c->measurement[i].name[0])
             return true;
         column(piece, c->measurement[i].name, "", c->measurement[i].unit);
         column(piece, c->measurement[i].name, ".q", NULL);
+#if CONFIG_STEPS
+        if (c->measurement[i].offset != 0.0f)
+            column(piece, c->measurement[i].name, ".off", c->measurement[i].unit);
+#endif
         return true;
     case PART_LOOP:
         if (!plan->loop[i].used)
@@ -130,12 +144,22 @@ bool telemetry_row(const struct telemetry_row *row, unsigned n, struct text *pie
         text_seconds(piece, row->time_ms);
         whole(piece, row->state);
         whole(piece, row->events);
+#if CONFIG_STEPS
+        if (row->plan->has_steps) {
+            whole(piece, row->sequence);
+            whole(piece, row->step);
+        }
+#endif
         return true;
     case PART_MEASUREMENT:
         if (!c->measurement[i].name[0])
             return true;
         number(piece, row->measurement[i]);
         whole(piece, row->quality[i]);
+#if CONFIG_STEPS
+        if (c->measurement[i].offset != 0.0f)
+            number(piece, row->offsets & 1u << i ? c->measurement[i].offset : 0.0f);
+#endif
         return true;
     case PART_LOOP:
         if (!row->plan->loop[i].used)

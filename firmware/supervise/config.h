@@ -21,6 +21,9 @@
 #ifndef CONFIG_ALARMS
 #define CONFIG_ALARMS 8
 #endif
+#ifndef CONFIG_STEPS
+#define CONFIG_STEPS 24 /* rows of sequences; 0 leaves sequences and measurement offsets out */
+#endif
 
 #ifndef COMMISSION_CHANNELS
 #define COMMISSION_CHANNELS CHANNEL_MAX /* 0: the board leaves automatic start-up out */
@@ -54,6 +57,9 @@ struct measurement_config {
     uint8_t test_critical; /* its limit is halved while the plant is tested */
     float test_limit;      /* farthest from rest during tests, EU; 0 = a fifth of the span */
 #endif
+#if CONFIG_STEPS
+    float offset; /* EU, subtracted from the reading while a sequence has switched it on */
+#endif
 };
 
 struct output_config {
@@ -75,7 +81,7 @@ struct output_config {
 };
 
 enum loop_action { LOOP_REVERSE = 0, LOOP_DIRECT = 1 };
-enum loop_algorithm { LOOP_POSITIONAL = 0, LOOP_VELOCITY = 1 };
+enum loop_algorithm { LOOP_POSITIONAL = 0, LOOP_VELOCITY = 1, LOOP_TWO_POSITION = 2 };
 
 struct loop_config {
     char name[CHANNEL_NAME_SIZE];
@@ -93,6 +99,7 @@ struct loop_config {
     float sp_lo, sp_hi;      /* setpoint limits, EU; both 0 = the span */
     float sp_ramp_per_min;   /* EU per minute; 0 = jump */
     float sp_filter_s;       /* first-order setpoint filter, s */
+    float band;              /* two_position: distance from the setpoint that switches, EU */
     uint8_t action;          /* enum loop_action */
     uint8_t algorithm;       /* enum loop_algorithm */
     uint8_t sp_track;        /* in manual the setpoint follows the measurement */
@@ -161,6 +168,37 @@ struct pair_config {
 };
 #endif
 
+enum sequence_kind { SEQUENCE_NONE, SEQUENCE_START, SEQUENCE_STOP };
+enum step_action {
+    STEP_NOTHING,
+    STEP_OUT, /* `value` to a manipulated variable by hand; a loop on it goes to manual first */
+    STEP_MANUAL,
+    STEP_AUTO,
+    STEP_CASCADE,
+    STEP_SETPOINT,
+    STEP_OFFSET_ON,
+    STEP_OFFSET_OFF,
+    STEP_GUARD, /* from here on the condition must hold; ends the sequence where it does not */
+    STEP_DROP   /* ends the guards on a measurement */
+};
+enum step_until { STEP_AT_ONCE, STEP_ABOVE, STEP_BELOW, STEP_STEADY, STEP_TIME, STEP_CONFIRM };
+enum step_otherwise { STEP_ABORT, STEP_GO_ON, STEP_HOLD };
+
+/* One row of a sequence: what is done, and what is waited for then. docs/sequences.md */
+struct step_config {
+    char what[CHANNEL_NAME_SIZE]; /* of the action: manipulated variable, loop or measurement */
+    char measurement[CHANNEL_NAME_SIZE]; /* of the condition */
+    float value;                         /* of the action, EU */
+    float limit;        /* of the condition, EU; STEP_STEADY: the width it stays within */
+    uint16_t hold_s;    /* the condition must hold for this long; STEP_TIME: how long */
+    uint16_t timeout_s; /* longest wait; 0 = none */
+    uint8_t sequence;   /* enum sequence_kind; SEQUENCE_NONE: the row is not used */
+    uint8_t action;     /* enum step_action */
+    uint8_t until;      /* enum step_until */
+    uint8_t otherwise;  /* enum step_otherwise: what the time-out, or a guard, does */
+};
+_Static_assert(sizeof(struct step_config) == 48, "there are many rows, in every plan");
+
 enum restart_policy { RESTART_SAFE, RESTART_HOLD, RESTART_RESUME };
 
 struct config {
@@ -175,6 +213,9 @@ struct config {
     struct ff_config feedforward[CONFIG_FEEDFORWARDS];
     struct interlock_config interlock[CONFIG_INTERLOCKS];
     struct alarm_config alarm[CONFIG_ALARMS];
+#if CONFIG_STEPS
+    struct step_config step[CONFIG_STEPS];
+#endif
     float sample_timeout_s; /* without a sample for so long of the board's clock: safe; 0 = never */
     float restart_limit_s;  /* longest gap in plant time over a restart, s */
     uint8_t restart_policy; /* enum restart_policy: after a reset that left the memory alone */

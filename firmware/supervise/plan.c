@@ -7,6 +7,7 @@
 #include "control/decoupler.h"
 #include "control/feedforward.h"
 #include "signal/ramp.h"
+#include "supervise/sequence.h"
 
 #define TICK_SHORTEST_S      0.05f
 #define BLOCK_INTERVAL_MAX_S 1e5f
@@ -110,6 +111,18 @@ struct pid_config plan_pid(const struct plan *plan, uint8_t loop)
     };
 }
 
+struct two_position_config plan_two_position(const struct plan *plan, uint8_t loop)
+{
+    const struct loop_config *l = &plan->config.loop[loop];
+    const struct measurement_config *m = &plan->config.measurement[plan->loop[loop].pv];
+    return (struct two_position_config){
+        .band = l->band / (m->hi - m->lo),
+        .out_lo = l->out_lo,
+        .out_hi = l->out_hi,
+        .direct = l->action == LOOP_DIRECT,
+    };
+}
+
 struct feedforward_config plan_feedforward(const struct plan *plan, uint8_t element)
 {
     const struct ff_config *f = &plan->config.feedforward[element];
@@ -132,6 +145,13 @@ void plan_setpoint_limits(const struct plan *plan, uint8_t loop, float *lo, floa
     bool open = l->sp_lo == 0.0f && l->sp_hi == 0.0f;
     *lo = open ? m->lo : l->sp_lo;
     *hi = open ? m->hi : l->sp_hi;
+}
+
+void plan_manual_limits(const struct plan *plan, uint8_t output, float *lo, float *hi)
+{
+    const struct output_config *o = &plan->config.output[output];
+    *lo = o->min < o->safe ? o->min : o->safe;
+    *hi = o->max > o->safe ? o->max : o->safe;
 }
 
 #define NAME_RESERVED "is a word the console keeps for itself"
@@ -222,8 +242,18 @@ static enum err resolve_loop(struct plan *plan, uint8_t i, struct config_fault *
     if (ramp_init(&ramp, l->sp_ramp_per_min / 60.0f / (m->hi - m->lo), h) != ERR_OK)
         return refuse(fault, ERR_RANGE, "loop", i + 1u, "sp_ramp", l->name,
                       "must be 0 or at least 6e-8 of the span per minute");
-    struct pid_config pid = plan_pid(plan, i);
     const char *field, *wanted;
+    if (plan_is_two_position(plan, i)) {
+        struct two_position_config two = plan_two_position(plan, i);
+        enum err wrong = two_position_validate(&two, &field, &wanted);
+        if (wrong)
+            return refuse(fault, wrong, "loop", i + 1u, field, l->name, wanted);
+        if (p->decouple)
+            return refuse(fault, ERR_CONFLICT, "loop", i + 1u, "decouple", l->name,
+                          "is not for two_position");
+        return ERR_OK;
+    }
+    struct pid_config pid = plan_pid(plan, i);
     enum err err = pid_validate(&pid, &field, &wanted);
     if (!err && !(l->out_lo < l->out_hi)) { /* where the block was given wider ones */
         err = ERR_RANGE;
@@ -435,6 +465,10 @@ enum err plan_set_tick(struct plan *plan, float tick_s, struct config_fault *fau
 #if COMMISSION_CHANNELS
     if (!err)
         err = check_tests(config, fault);
+#endif
+#if CONFIG_STEPS
+    if (!err)
+        err = sequence_resolve(plan, fault);
 #endif
     return err;
 }

@@ -8,6 +8,7 @@
 #include "base/error.h"
 #include "control/feedforward.h"
 #include "control/pid.h"
+#include "control/two_position.h"
 #include "supervise/config.h"
 
 #ifndef PLAN_ARENA_BYTES
@@ -53,6 +54,12 @@ struct plan {
     } interlock[CONFIG_INTERLOCKS];
     uint8_t infer[CHANNEL_MAX];   /* output a measurement is inferred from, or PLAN_NONE */
     uint8_t alarm[CONFIG_ALARMS]; /* measurement, or loop of a deviation; PLAN_NONE = unused */
+#if CONFIG_STEPS
+    bool has_steps; /* there is at least one row */
+    struct step_plan {
+        uint8_t what, measurement; /* index by the kind of action; PLAN_NONE = not needed */
+    } step[CONFIG_STEPS];
+#endif
     struct config config; /* last, so that the rest can be cleared and resolved again around it */
 };
 
@@ -65,12 +72,20 @@ MUST_CHECK enum err plan_build(struct plan *plan, const struct config *config, f
 /* Resolves the plan again in place for another base tick. On error *plan is unusable. */
 MUST_CHECK enum err plan_set_tick(struct plan *plan, float tick_s, struct config_fault *fault);
 
-/* PID settings of loop i of the plan. */
+/* PID settings of loop i of the plan; those of a two-position loop. */
 struct pid_config plan_pid(const struct plan *plan, uint8_t loop);
+struct two_position_config plan_two_position(const struct plan *plan, uint8_t loop);
+static inline bool plan_is_two_position(const struct plan *plan, uint8_t loop)
+{
+    return plan->config.loop[loop].algorithm == LOOP_TWO_POSITION;
+}
 /* Settings of feedforward element i, whose measurement is resolved. */
 struct feedforward_config plan_feedforward(const struct plan *plan, uint8_t element);
 /* Setpoint limits in force, EU. */
 void plan_setpoint_limits(const struct plan *plan, uint8_t loop, float *lo, float *hi);
+
+/* Values an output may be given by hand, EU: the operating limits, widened to the safe value. */
+void plan_manual_limits(const struct plan *plan, uint8_t output, float *lo, float *hi);
 
 /* Index of the channel or loop with that name, or PLAN_NONE. Empty names are never found. */
 uint8_t config_find_measurement(const struct config *config, const char *name);

@@ -6,9 +6,9 @@
 #include "base/crc32.h"
 
 #ifdef REFLUX_FIXED_POINT
-#define MAGIC 0x52535131u
+#define MAGIC 0x52535132u
 #else
-#define MAGIC 0x52534631u
+#define MAGIC 0x52534632u
 #endif
 
 static uint32_t checksum(const struct restart_record *record)
@@ -17,6 +17,63 @@ static uint32_t checksum(const struct restart_record *record)
     return crc32_update(0, (const uint8_t *)record + from, sizeof *record - from);
 }
 
+/* ---- what only boards with sequences keep ---- */
+
+#if CONFIG_STEPS
+static bool in_sequence(const struct restart_record *record)
+{
+    return record->sequence_kind != SEQUENCE_NONE;
+}
+
+static bool with_offsets(const struct restart_record *record)
+{
+    return record->offsets != 0;
+}
+
+static void tell_interrupted(struct supervisor *s, const struct restart_record *record)
+{
+    if (in_sequence(record))
+        sequence_interrupted(s, record->sequence_kind, record->sequence_step);
+}
+
+/* With another configuration their names are not known any more. */
+static void offsets_gone(struct supervisor *s, const struct restart_record *record, bool same)
+{
+    for (uint8_t i = 0; i < CHANNEL_MAX; i++)
+        if (record->offsets & 1u << i)
+            event_put(s->events, s->time_ms, EVENT_OFFSET,
+                      same ? s->plan->config.measurement[i].name : NULL, 0.0f, 0);
+}
+
+static void offsets_back(struct supervisor *s, const struct restart_record *record)
+{
+    for (uint8_t i = 0; i < CHANNEL_MAX; i++)
+        if (record->offsets & 1u << i)
+            measurement_offset(s, i, true);
+}
+
+static void keep_sequence(struct restart_record *record, const struct supervisor *s)
+{
+    record->offsets = 0;
+    for (uint8_t i = 0; i < CHANNEL_MAX; i++)
+        if (s->measurement[i].offset_on)
+            record->offsets = (uint16_t)(record->offsets | 1u << i);
+    record->sequence_kind = sequence_active(&s->sequence) ? s->sequence.kind : SEQUENCE_NONE;
+    record->sequence_step = s->sequence.step;
+}
+#else
+static bool in_sequence(const struct restart_record *record)
+{
+    (void)record;
+    return false;
+}
+#define with_offsets(record)          false
+#define tell_interrupted(s, record)   ((void)0)
+#define offsets_gone(s, record, same) ((void)0)
+#define offsets_back(s, record)       ((void)0)
+#define keep_sequence(record, s)      ((void)0)
+#endif
+
 void restart_init(struct restart *r, void *memory, bool warm)
 {
     memset(r, 0, sizeof *r);
@@ -24,7 +81,8 @@ void restart_init(struct restart *r, void *memory, bool warm)
     if (!memory)
         return;
     bool whole = r->record->magic == MAGIC && r->record->crc == checksum(r->record);
-    r->pending = warm && whole && r->record->acting;
+    r->pending =
+        warm && whole && (r->record->acting || in_sequence(r->record) || with_offsets(r->record));
     r->attempts = r->pending ? r->record->attempts : 0;
 }
 
@@ -43,6 +101,7 @@ static void outputs_back(struct supervisor *s, const struct restart_record *reco
             continue;
         o->manual = o->commanded = o->constrained = o->applied = record->output[j];
     }
+    offsets_back(s, record);
     s->state = SUPERVISOR_RUN;
 }
 
@@ -70,17 +129,23 @@ void restart_try(struct restart *r, struct supervisor *s)
     r->ticks += r->ticks < RESTART_LASTED;
     if (!r->pending || r->ticks < 2) /* the first command is the safe one */
         return;
+    if (r->ticks == 2)
+        tell_interrupted(s, record);
     enum restart_policy policy = (enum restart_policy)s->plan->config.restart_policy;
     float limit_ms = s->plan->config.restart_limit_s * 1000.0f;
     bool in_time =
         s->time_ms >= record->time_ms && (float)(s->time_ms - record->time_ms) <= limit_ms;
     bool same = s->plan->identity == record->identity;
-    if (s->state == SUPERVISOR_RUN || (same && policy == RESTART_SAFE))
+    if (s->state == SUPERVISOR_RUN || !record->acting || (same && policy == RESTART_SAFE))
         r->pending = false; /* somebody acts already, or nothing is to come back */
     else if (!in_time)
         give_up(r, s, same ? "time" : "configuration");
+    else if (in_sequence(record))
+        give_up(r, s, "sequence");
     else if (same && r->attempts >= RESTART_ATTEMPTS)
         give_up(r, s, "attempts");
+    if (!r->pending)
+        offsets_gone(s, record, same);
     if (!r->pending || !same)
         return; /* the configuration may still be on its way from storage */
     r->pending = false;
@@ -110,6 +175,7 @@ void restart_keep(struct restart *r, const struct supervisor *s)
     }
     for (uint8_t j = 0; j < CHANNEL_MAX; j++)
         record->output[j] = s->output[j].constrained;
+    keep_sequence(record, s);
     record->crc = checksum(record);
     record->magic = MAGIC;
 }

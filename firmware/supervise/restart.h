@@ -5,9 +5,11 @@
  *     the reset was a warm one and what was kept is whole,
  *     the firmware was acting, with the very configuration that is in force now, and
  *     plant time has gone on by no more than restart.limit, and not backwards,
+ *     no sequence was under way,
  *     and this is not the fourth time in a row that it did not last,
  * outputs return to where they were: in manual (hold), or with modes and setpoints (resume). A loop whose
- * measurement is not usable stays in manual. Otherwise the safe state stays.
+ * measurement is not usable stays in manual; offsets of measurements are switched on as they were. Otherwise the
+ * safe state stays, and events say which offsets are off again. A sequence never goes on: it counts as aborted.
  */
 #ifndef REFLUX_SUPERVISE_RESTART_H
 #define REFLUX_SUPERVISE_RESTART_H
@@ -28,6 +30,11 @@ struct restart_record {
     uint64_t time_ms;
     num_t target[CONFIG_LOOPS], setpoint[CONFIG_LOOPS], v[CONFIG_LOOPS];
     num_t output[CHANNEL_MAX];
+#if CONFIG_STEPS
+    uint16_t offsets;      /* switched on, a bit for each measurement */
+    uint8_t sequence_kind; /* enum sequence_kind under way; SEQUENCE_NONE none */
+    uint8_t sequence_step;
+#endif
 };
 
 struct restart {

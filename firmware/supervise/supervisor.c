@@ -34,7 +34,7 @@ void supervisor_init(struct supervisor *s, struct event_queue *events)
 }
 
 /* Whether loop i of both plans is the same loop. The numbers inside are fractions: they only keep their
- * meaning while names and spans stay. */
+ * meaning while names, spans and control law stay. */
 static bool same_loop(const struct plan *plan, const struct plan *old, uint8_t i)
 {
     const struct loop_config *c = &plan->config.loop[i];
@@ -42,7 +42,8 @@ static bool same_loop(const struct plan *plan, const struct plan *old, uint8_t i
     uint8_t pv = plan->loop[i].pv, output = plan->loop[i].output;
     if (!old->loop[i].used || strcmp(c->name, before->name) != 0 ||
         strcmp(c->pv, before->pv) != 0 || strcmp(c->out, before->out) != 0 ||
-        old->loop[i].pv != pv || old->loop[i].output != output)
+        old->loop[i].pv != pv || old->loop[i].output != output ||
+        plan_is_two_position(plan, i) != plan_is_two_position(old, i))
         return false;
     const struct measurement_config *m = &plan->config.measurement[pv];
     const struct measurement_config *m_before = &old->config.measurement[pv];
@@ -53,6 +54,22 @@ static bool same_loop(const struct plan *plan, const struct plan *old, uint8_t i
     const struct output_config *o = &plan->config.output[output];
     const struct output_config *o_before = &old->config.output[output];
     return o->lo == o_before->lo && o->hi == o_before->hi;
+}
+
+/* Settings were checked with the plan: what remains is an interval no block can keep. */
+static void place_law(struct supervisor *s, uint8_t i, float h, bool anew)
+{
+    struct loop_state *l = &s->loop[i];
+    enum err err;
+    if (plan_is_two_position(s->plan, i)) {
+        struct two_position_config two = plan_two_position(s->plan, i);
+        err = anew ? two_position_init(&l->two, &two) : two_position_retune(&l->two, &two);
+    } else {
+        struct pid_config pid = plan_pid(s->plan, i);
+        err = anew ? pid_init(&l->pid, &pid, h) : pid_retune(&l->pid, &pid, h);
+    }
+    if (err)
+        event_put(s->events, s->time_ms, EVENT_CONFIG_REFUSED, s->plan->config.loop[i].name, h, 0);
 }
 
 static void place_loop(struct supervisor *s, const struct plan *old, uint8_t i)
@@ -70,7 +87,6 @@ static void place_loop(struct supervisor *s, const struct plan *old, uint8_t i)
     uint8_t pv = plan->loop[i].pv;
     const struct measurement_config *m = &plan->config.measurement[pv];
     float h = plan->tick_s * (float)c->divisor;
-    struct pid_config pid = plan_pid(plan, i);
     bool same = same_loop(plan, old, i);
     num_t pv_value = s->measurement[pv].value;
     if (!same) {
@@ -78,11 +94,8 @@ static void place_loop(struct supervisor *s, const struct plan *old, uint8_t i)
             event_put(s->events, s->time_ms, EVENT_MODE, before, (float)LOOP_MANUAL, LOOP_MANUAL);
         memset(l, 0, sizeof *l);
         l->target = l->setpoint = pv_value;
-        if (pid_init(&l->pid, &pid, h) != ERR_OK)
-            event_put(s->events, s->time_ms, EVENT_CONFIG_REFUSED, c->name, h, 0);
-    } else if (pid_retune(&l->pid, &pid, h) != ERR_OK) {
-        event_put(s->events, s->time_ms, EVENT_CONFIG_REFUSED, c->name, h, 0);
     }
+    place_law(s, i, h, !same);
     if (same && plan->loop[i].decouple != old->loop[i].decouple)
         l->join = true; /* its own output has another meaning now */
     uint8_t outer = plan->loop[i].outer;
@@ -136,6 +149,10 @@ static void place_measurement(struct supervisor *s, const struct plan *old, uint
     const struct measurement_config *before = &old->config.measurement[i];
     struct measurement_state *state = &s->measurement[i];
     bool same = m->name[0] && strcmp(m->name, before->name) == 0;
+#if CONFIG_STEPS
+    if (!same && state->offset_on)
+        event_put(s->events, s->time_ms, EVENT_OFFSET, before->name, 0.0f, 0);
+#endif
     if (!same)
         *state = (struct measurement_state){.quality = QUALITY_MISSING};
     else if (m->lo != before->lo || m->hi != before->hi)
@@ -222,6 +239,9 @@ void supervisor_take_plan(struct supervisor *s, const struct plan *plan)
     s->decoupler_mask = 0; /* the matrix may have changed: select again at the next tick */
     s->decoupler.n = 0;
     event_put(s->events, s->time_ms, EVENT_CONFIG_APPLIED, NULL, plan->tick_s, 0);
+#if CONFIG_STEPS
+    sequence_place(s, old);
+#endif
 }
 
 void supervisor_unbind(struct supervisor *s)
@@ -242,6 +262,9 @@ void supervisor_bind_output(struct supervisor *s, uint8_t index)
 
 void supervisor_outputs_safe(struct supervisor *s, const char *why)
 {
+#if CONFIG_STEPS
+    sequence_safe(s, why);
+#endif
     for (unsigned i = 0; i < CONFIG_LOOPS; i++)
         s->loop[i].mode = LOOP_MANUAL;
     for (unsigned j = 0; j < CHANNEL_MAX; j++) {
@@ -293,7 +316,7 @@ static bool loop_bound(const struct supervisor *s, uint8_t i)
     return false;
 }
 
-static void request_mode(struct supervisor *s, const struct request *r)
+static bool request_mode(struct supervisor *s, const struct request *r)
 {
     struct loop_state *l = &s->loop[r->loop];
     const struct loop_plan *p = &s->plan->loop[r->loop];
@@ -305,11 +328,11 @@ static void request_mode(struct supervisor *s, const struct request *r)
                         !(mode == LOOP_CASCADE && p->outer == PLAN_NONE);
         if (!possible) {
             event_put(s->events, s->time_ms, EVENT_MODE_REFUSED, name, (float)mode, (uint8_t)mode);
-            return;
+            return false;
         }
     }
     if (l->mode == mode)
-        return;
+        return true;
     bool from_manual = l->mode == LOOP_MANUAL;
     if (l->mode == LOOP_CASCADE)
         l->target = l->setpoint; /* stay where the outer loop left it */
@@ -321,9 +344,10 @@ static void request_mode(struct supervisor *s, const struct request *r)
     l->sp_given = true;
     s->state = SUPERVISOR_RUN;
     event_put(s->events, s->time_ms, EVENT_MODE, name, (float)mode, (uint8_t)mode);
+    return true;
 }
 
-static void request_setpoint(struct supervisor *s, const struct request *r)
+static bool request_setpoint(struct supervisor *s, const struct request *r)
 {
     struct loop_state *l = &s->loop[r->loop];
     const struct measurement_config *m = &s->plan->config.measurement[s->plan->loop[r->loop].pv];
@@ -333,14 +357,15 @@ static void request_setpoint(struct supervisor *s, const struct request *r)
     if (l->mode == LOOP_CASCADE || (l->mode == LOOP_MANUAL && c->sp_track) || r->value < lo ||
         r->value > hi) {
         event_put(s->events, s->time_ms, EVENT_REQUEST_REFUSED, c->name, r->value, 0);
-        return;
+        return false;
     }
     l->target = span_to_fraction(r->value, m->lo, m->hi);
     l->sp_given = true;
     event_put(s->events, s->time_ms, EVENT_SETPOINT, c->name, r->value, 0);
+    return true;
 }
 
-static void request_output(struct supervisor *s, const struct request *r)
+static bool request_output(struct supervisor *s, const struct request *r)
 {
     uint8_t j = r->output;
     const char *name;
@@ -354,7 +379,7 @@ static void request_output(struct supervisor *s, const struct request *r)
         bool there = p->output == PLAN_NONE ? loop_bound(s, r->loop) : s->output[p->output].bound;
         if (l->mode != LOOP_MANUAL || deaf || !there) {
             event_put(s->events, s->time_ms, EVENT_REQUEST_REFUSED, name, r->value, 0);
-            return;
+            return false;
         }
         if (p->output == PLAN_NONE) {
             const struct measurement_config *m =
@@ -367,15 +392,16 @@ static void request_output(struct supervisor *s, const struct request *r)
         name = s->plan->config.output[j].name;
         if (!s->output[j].bound || s->plan->owner[j] != PLAN_NONE) {
             event_put(s->events, s->time_ms, EVENT_REQUEST_REFUSED, name, r->value, 0);
-            return;
+            return false;
         }
         s->output[j].manual = output_fraction(s, j, r->value);
     }
     s->state = SUPERVISOR_RUN;
     event_put(s->events, s->time_ms, EVENT_OUTPUT, name, r->value, 0);
+    return true;
 }
 
-void supervisor_request(struct supervisor *s, const struct request *r)
+bool supervisor_request(struct supervisor *s, const struct request *r)
 {
     /* A plan taken between the question and now may have removed the loop or channel, or put another in
      * its place. */
@@ -385,13 +411,18 @@ void supervisor_request(struct supervisor *s, const struct request *r)
     bool output_ok = r->output < CHANNEL_MAX && c->output[r->output].name[0] &&
                      strcmp(c->output[r->output].name, r->name) == 0;
     if (r->kind == REQUEST_MODE && loop_ok)
-        request_mode(s, r);
-    else if (r->kind == REQUEST_SETPOINT && loop_ok)
-        request_setpoint(s, r);
-    else if (r->kind == REQUEST_OUTPUT && (r->output == PLAN_NONE ? loop_ok : output_ok))
-        request_output(s, r);
-    else if (r->kind == REQUEST_ACK || r->kind == REQUEST_SHELVE)
+        return request_mode(s, r);
+    if (r->kind == REQUEST_SETPOINT && loop_ok)
+        return request_setpoint(s, r);
+    if (r->kind == REQUEST_OUTPUT && (r->output == PLAN_NONE ? loop_ok : output_ok))
+        return request_output(s, r);
+    if (r->kind == REQUEST_ACK || r->kind == REQUEST_SHELVE)
         alarms_request(s, r);
+#if CONFIG_STEPS
+    else if (r->kind == REQUEST_SEQUENCE)
+        sequence_request(s, r);
+#endif
     else
         event_put(s->events, s->time_ms, EVENT_REQUEST_REFUSED, r->name, r->value, 0);
+    return false;
 }

@@ -6,6 +6,7 @@
  * A tick, top to bottom (architecture: docs/tick.md)
  *     validate      readings -> fractions of span; bad ones held, then their loops go to manual
  *     requests      modes, setpoints, manual outputs asked for since the last tick
+ *     sequence      what the next rows of a sequence ask for
  *     control       due loops, outer before inner
  *     compensate    static decoupler over the loops that act
  *     feed forward  added to the outputs of acting loops
@@ -24,6 +25,7 @@
 #include "signal/ramp.h"
 #include "supervise/alarms.h"
 #include "supervise/plan.h"
+#include "supervise/sequence.h"
 
 enum loop_mode { LOOP_MANUAL = 0, LOOP_AUTO = 1, LOOP_CASCADE = 2 };
 
@@ -38,8 +40,9 @@ enum request_kind {
     REQUEST_SETPOINT,
     REQUEST_OUTPUT,
     REQUEST_APPLY,
-    REQUEST_ACK,   /* output: index of the alarm, PLAN_NONE all; name: what it is on */
-    REQUEST_SHELVE /* the same, for `value` seconds; 0 ends it */
+    REQUEST_ACK,     /* output: index of the alarm, PLAN_NONE all; name: what it is on */
+    REQUEST_SHELVE,  /* the same, for `value` seconds; 0 ends it */
+    REQUEST_SEQUENCE /* mode: enum sequence_command; output: row that was shown */
 };
 
 struct request {
@@ -87,16 +90,19 @@ enum measurement_fault {
 };
 
 struct measurement_state {
-    bool bound;           /* the plant announces it with the configured unit */
-    bool seen;            /* there has been a usable value */
-    bool believed;        /* ... and a reading that was believed */
-    bool lost;            /* no believed reading for longer than hold_s */
-    bool delivered;       /* `last` is a reading */
-    bool alarm;           /* reported as bad */
-    uint8_t fault;        /* enum measurement_fault of the last reading */
+    bool bound;     /* the plant announces it with the configured unit */
+    bool seen;      /* there has been a usable value */
+    bool believed;  /* ... and a reading that was believed */
+    bool lost;      /* no believed reading for longer than hold_s */
+    bool delivered; /* `last` is a reading */
+    bool alarm;     /* reported as bad */
+    uint8_t fault;  /* enum measurement_fault of the last reading */
+#if CONFIG_STEPS
+    bool offset_on; /* the configured offset is subtracted from readings */
+#endif
     enum quality quality; /* of `value` */
-    float raw;            /* last reading the plant vouched for, believable or not, EU */
-    num_t value;          /* validated and filtered, fraction of span */
+    float raw;   /* last reading the plant vouched for, believable or not, less the offset, EU */
+    num_t value; /* validated and filtered, fraction of span */
     struct lag filter;
     float good;          /* last believed reading, EU */
     float last;          /* last number delivered, EU */
@@ -126,7 +132,10 @@ struct loop_state {
     bool open; /* its output reaches nothing: the loop below does not listen */
     bool
         sp_given; /* the target is the operator's, or was in force: kept in manual unless sp_track */
-    struct pid pid;
+    union {       /* by the algorithm of its configuration */
+        struct pid pid;
+        struct two_position two;
+    };
     num_t target;   /* setpoint asked for */
     num_t setpoint; /* in force, after limits, ramp and filter */
     struct ramp ramp;
@@ -155,6 +164,9 @@ struct supervisor {
     struct loop_state loop[CONFIG_LOOPS];
     struct interlock_state interlock[CONFIG_INTERLOCKS];
     struct alarm_state alarm[CONFIG_ALARMS];
+#if CONFIG_STEPS
+    struct sequence sequence;
+#endif
     struct feedforward feedforward[CONFIG_FEEDFORWARDS];
     bool ff_running[CONFIG_FEEDFORWARDS]; /* has begun on a usable measurement */
     struct decoupler decoupler;
@@ -181,16 +193,28 @@ void supervisor_go_safe(struct supervisor *s, const char *why);
 void supervisor_outputs_safe(struct supervisor *s, const char *why);
 
 /* One request. Call before supervisor_control (after supervisor_validate, so that it meets this sample), or
- * while no plant is there. */
-void supervisor_request(struct supervisor *s, const struct request *request);
+ * while no plant is there. Whether mode, setpoint or output are now as asked; an event says so too. */
+bool supervisor_request(struct supervisor *s, const struct request *request);
 
 /* Test signal on output j from the next tick on, fraction of span; it stays until it is changed, and is taken
  * away with the safe state. Whoever excites has found out that nobody else does. */
 void supervisor_excite(struct supervisor *s, uint8_t j, num_t fraction);
 
 void supervisor_validate(struct supervisor *s, const struct tick_input *input);
-/* Control, compensate, feed forward, constrain, and the way back. */
+/* Sequence, control, compensate, feed forward, constrain, and the way back. */
 void supervisor_control(struct supervisor *s);
+
+/* The offset subtracted from readings of measurement i now, EU. */
+static inline float measurement_offset_in_force(const struct supervisor *s, uint8_t i)
+{
+#if CONFIG_STEPS
+    return s->measurement[i].offset_on ? s->plan->config.measurement[i].offset : 0.0f;
+#else
+    (void)s;
+    (void)i;
+    return 0.0f;
+#endif
+}
 
 /* The setpoint with which loop i leaves manual, for its mode. */
 void supervisor_start_setpoint(struct supervisor *s, uint8_t i);

@@ -42,6 +42,31 @@ static void drop_unbound(struct supervisor *s)
     }
 }
 
+/* ---- the control law of a loop, by its algorithm ---- */
+
+static num_t law_step(struct supervisor *s, uint8_t i)
+{
+    struct loop_state *l = &s->loop[i];
+    num_t pv = s->measurement[s->plan->loop[i].pv].value;
+    return plan_is_two_position(s->plan, i) ? two_position_step(&l->two, l->setpoint, pv)
+                                            : pid_step(&l->pid, l->setpoint, pv);
+}
+
+static void law_follow(struct supervisor *s, uint8_t i)
+{
+    struct loop_state *l = &s->loop[i];
+    if (plan_is_two_position(s->plan, i))
+        two_position_follow(&l->two, l->v);
+    else
+        pid_follow(&l->pid, l->setpoint, s->measurement[s->plan->loop[i].pv].value, l->v);
+}
+
+static void law_back(struct supervisor *s, uint8_t i, num_t applied, uint8_t hold)
+{
+    if (!plan_is_two_position(s->plan, i)) /* two positions have nothing to bring in line */
+        pid_back(&s->loop[i].pid, applied, hold);
+}
+
 static void feed_forward(struct supervisor *s)
 {
     for (uint8_t i = 0; i < CONFIG_LOOPS; i++)
@@ -151,7 +176,7 @@ static void take_over(struct supervisor *s)
         if (!loop_drives(s, i) || !(l->join || (rejoin && (mask & (1u << i)))))
             continue;
         l->v = v[i];
-        pid_follow(&l->pid, l->setpoint, s->measurement[s->plan->loop[i].pv].value, l->v);
+        law_follow(s, i);
         l->join = false;
     }
 }
@@ -166,7 +191,7 @@ static void run_loops(struct supervisor *s)
         } else if (loop_due(s, i)) {
             advance_setpoint(s, i);
             if (loop_drives(s, i))
-                l->v = pid_step(&l->pid, l->setpoint, s->measurement[s->plan->loop[i].pv].value);
+                l->v = law_step(s, i);
         }
     }
 }
@@ -287,7 +312,9 @@ static uint8_t saturation(const struct supervisor *s, uint8_t i)
     const struct loop_plan *p = &s->plan->loop[i];
     if (loop_forced(s, i))
         return BLOCK_HOLD_UP | BLOCK_HOLD_DOWN;
-    bool up = num_lt(l->pid.output, l->pid.raw), down = num_lt(l->pid.raw, l->pid.output);
+    bool limits = !plan_is_two_position(s->plan, i);
+    bool up = limits && num_lt(l->pid.output, l->pid.raw);
+    bool down = limits && num_lt(l->pid.raw, l->pid.output);
     if (p->output != PLAN_NONE) {
         const struct output_state *o = &s->output[p->output];
         up = up || num_lt(o->applied, o->commanded);
@@ -307,18 +334,17 @@ static void back_direct(struct supervisor *s, uint8_t i, num_t correction)
 {
     struct loop_state *l = &s->loop[i];
     const struct loop_plan *p = &s->plan->loop[i];
-    num_t pv = s->measurement[p->pv].value;
     l->open = false;
     if (loop_forced(s, i))
         l->join = true; /* whenever the interlock lets go */
     if (l->mode != LOOP_MANUAL && !l->join) {
         if (loop_due(s, i))
-            pid_back(&l->pid, num_add(l->v, correction), BLOCK_HOLD_NONE);
+            law_back(s, i, num_add(l->v, correction), BLOCK_HOLD_NONE);
         return;
     }
     const struct output_state *o = &s->output[p->output];
     l->v = num_sub(num_sub(o->applied, o->excitation), l->feedforward);
-    pid_follow(&l->pid, l->setpoint, pv, l->v);
+    law_follow(s, i);
 }
 
 static void back_outer(struct supervisor *s, uint8_t i)
@@ -326,7 +352,6 @@ static void back_outer(struct supervisor *s, uint8_t i)
     struct loop_state *l = &s->loop[i];
     const struct loop_plan *p = &s->plan->loop[i];
     const struct loop_state *inner = &s->loop[p->inner];
-    num_t pv = s->measurement[p->pv].value;
     /* Nobody takes this loop's output: the inner loop is not in cascade, or is but speaks to nobody itself. */
     l->open = inner->mode != LOOP_CASCADE || inner->open;
     l->hold = BLOCK_HOLD_NONE;
@@ -334,12 +359,12 @@ static void back_outer(struct supervisor *s, uint8_t i)
         l->v = inner->mode == LOOP_AUTO ? inner->setpoint
                                         : s->measurement[s->plan->loop[p->inner].pv].value;
     if (l->mode == LOOP_MANUAL || l->open) {
-        pid_follow(&l->pid, l->setpoint, pv, l->v);
+        law_follow(s, i);
         return;
     }
     l->hold = saturation(s, p->inner);
     if (loop_due(s, i))
-        pid_back(&l->pid, loop_due(s, p->inner) ? inner->setpoint : l->v, l->hold);
+        law_back(s, i, loop_due(s, p->inner) ? inner->setpoint : l->v, l->hold);
 }
 
 static void way_back(struct supervisor *s)
@@ -365,6 +390,9 @@ static void way_back(struct supervisor *s)
 
 void supervisor_control(struct supervisor *s)
 {
+#if CONFIG_STEPS
+    sequence_run(s);
+#endif
     drop_unbound(s);
     feed_forward(s);
     take_over(s);

@@ -43,7 +43,7 @@ static enum measurement_fault judge(struct supervisor *s, uint8_t i, const struc
     if (!float_is_finite(r->value))
         return MEASUREMENT_NOT_A_NUMBER;
     /* Interlocks look at this: a number nobody vouches for must not release one. */
-    m->raw = r->value;
+    m->raw = r->value - measurement_offset_in_force(s, i);
     bool still = frozen(s, m, r->value, c->frozen_s);
     if (!in_reach(r->value, c->lo, c->hi))
         return MEASUREMENT_OUT_OF_RANGE;
@@ -131,8 +131,9 @@ static void validate_measurement(struct supervisor *s, uint8_t i, const struct r
         fall_back(s, i, r->value);
         return;
     }
-    bool outside = r->value < c->lo || r->value > c->hi;
-    take(s, i, r->value, outside ? QUALITY_UNCERTAIN : r->quality);
+    float value = r->value - measurement_offset_in_force(s, i);
+    bool outside = value < c->lo || value > c->hi;
+    take(s, i, value, outside ? QUALITY_UNCERTAIN : r->quality);
     m->believed = true;
     m->lost = false;
     m->good = r->value;

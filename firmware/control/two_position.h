@@ -1,0 +1,53 @@
+/* Two-position control: the output is at one of two values, chosen by which side of a band the measurement was on
+ * last. All values are fractions of span.
+ *
+ *     direct:   measurement above setpoint + band  -> hi      below setpoint - band  -> lo
+ *     reverse:  measurement below setpoint - band  -> hi      above setpoint + band  -> lo
+ *     inside the band, edges included: the output stays where it is
+ *
+ * So an output found anywhere when the block takes over stays there until the measurement leaves the band.
+ * The ordinary on-off law with a differential gap; Folami (1989) kept his reboiler level so, with a bottoms valve
+ * 60 or 10 % open. Limits, rates or a jammed valve change nothing in it: there is no state to wind up.
+ */
+#ifndef REFLUX_CONTROL_TWO_POSITION_H
+#define REFLUX_CONTROL_TWO_POSITION_H
+
+#include <stdbool.h>
+
+#include "base/error.h"
+#include "control/block.h"
+
+struct two_position_config {
+    float band; /* half the gap, fraction of the measurement's span, above 0, at most 10 */
+    float out_lo, out_hi; /* the two outputs, fraction, -100 <= lo < hi <= 100 */
+    bool direct;          /* a high measurement asks for out_hi */
+};
+
+/* First field that is wrong, or ERR_OK. *field gets its name, *wanted the range in words (either may be NULL).
+ * NaN and infinity anywhere are ERR_NOT_FINITE, all else is ERR_RANGE. */
+MUST_CHECK enum err two_position_validate(const struct two_position_config *config,
+                                          const char **field, const char **wanted);
+
+/* Contents are the block's own; listed here so that it can be placed statically. */
+struct two_position {
+    num_t band, lo, hi;
+    num_t output;
+    bool direct;
+};
+
+/* Output lo. Errors as two_position_validate; on error *t is unchanged. */
+MUST_CHECK enum err two_position_init(struct two_position *t,
+                                      const struct two_position_config *config);
+/* New settings: an output that was at one of the two values goes to the new one, any other stays. Errors as
+ * two_position_init. */
+MUST_CHECK enum err two_position_retune(struct two_position *t,
+                                        const struct two_position_config *config);
+
+num_t two_position_step(struct two_position *t, num_t setpoint, num_t measurement);
+/* The output that is there while the block does not act. */
+void two_position_follow(struct two_position *t, num_t applied);
+
+/* state: struct two_position, one setpoint, one measurement, one output. back does nothing. */
+extern const struct block_ops two_position_block;
+
+#endif

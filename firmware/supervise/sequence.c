@@ -1,0 +1,541 @@
+#include "supervise/sequence.h"
+
+#include <string.h>
+
+#include "supervise/supervisor.h"
+
+const char *sequence_state_text(uint8_t state)
+{
+    static const char *const words[] = {"idle", "running", "held", "confirm", "done", "aborted"};
+    return state <= SEQUENCE_ABORTED ? words[state] : "?";
+}
+
+const char *sequence_kind_text(uint8_t kind)
+{
+    return kind == SEQUENCE_START ? "start" : kind == SEQUENCE_STOP ? "stop" : "-";
+}
+
+const char *sequence_reason_text(uint8_t reason)
+{
+    static const char *const words[SEQUENCE_REASONS] = {
+        "by the operator",
+        "time-out",
+        "guard",
+        "interlock forces an output elsewhere",
+        "loop went to manual",
+        "output does not follow",
+        "no believed reading of what is waited for",
+        "action not possible now",
+        "safe state taken",
+        "rows changed by a configuration",
+        "board was reset",
+    };
+    return reason < SEQUENCE_REASONS ? words[reason] : "?";
+}
+
+#if CONFIG_STEPS
+
+/* An output within this of where a row has put it is there, fraction of span. */
+#define THERE 0.001f
+
+bool sequence_active(const struct sequence *q)
+{
+    return q->state == SEQUENCE_RUNNING || q->state == SEQUENCE_HELD ||
+           q->state == SEQUENCE_CONFIRM;
+}
+
+static const struct step_config *row_of(const struct supervisor *s, uint8_t k)
+{
+    return &s->plan->config.step[k];
+}
+
+static void tell(struct supervisor *s, enum event_code code, const char *subject)
+{
+    const struct sequence *q = &s->sequence;
+    event_put(s->events, s->time_ms, code, subject, (float)(q->step + 1u),
+              sequence_detail(q->kind, q->why));
+}
+
+static void stop_at(struct supervisor *s, enum sequence_state state, enum sequence_reason why,
+                    const char *about)
+{
+    struct sequence *q = &s->sequence;
+    q->state = (uint8_t)state;
+    q->why = (uint8_t)why;
+    memset(q->about, 0, sizeof q->about);
+    strncpy(q->about, about, sizeof q->about - 1);
+    if (state != SEQUENCE_HELD)
+        q->guards = 0;
+    tell(s, state == SEQUENCE_HELD ? EVENT_SEQUENCE_HELD : EVENT_SEQUENCE_ABORTED, about);
+}
+
+static void hold(struct supervisor *s, enum sequence_reason why, const char *about)
+{
+    stop_at(s, SEQUENCE_HELD, why, about);
+}
+
+static void abort_now(struct supervisor *s, enum sequence_reason why, const char *about)
+{
+    stop_at(s, SEQUENCE_ABORTED, why, about); /* first, so that the safe state finds it ended */
+    supervisor_outputs_safe(s, "sequence");
+}
+
+void sequence_safe(struct supervisor *s, const char *why)
+{
+    if (sequence_active(&s->sequence))
+        stop_at(s, SEQUENCE_ABORTED, SEQUENCE_SAFE, why);
+}
+
+void sequence_interrupted(struct supervisor *s, uint8_t kind, uint8_t step)
+{
+    s->sequence.kind = kind;
+    s->sequence.step = step;
+    stop_at(s, SEQUENCE_ABORTED, SEQUENCE_RESTART, "");
+}
+
+void sequence_place(struct supervisor *s, const struct plan *old)
+{
+    if (sequence_active(&s->sequence) && sequence_differs(s->plan, old))
+        abort_now(s, SEQUENCE_CONFIGURATION, "");
+}
+
+/* ---- what a row does ---- */
+
+static bool ask_loop(struct supervisor *s, enum request_kind kind, uint8_t loop,
+                     enum loop_mode mode, float value)
+{
+    struct request r = {
+        .kind = kind, .loop = loop, .output = PLAN_NONE, .mode = (uint8_t)mode, .value = value};
+    memcpy(r.name, s->plan->config.loop[loop].name, sizeof r.name);
+    return supervisor_request(s, &r);
+}
+
+static bool set_mode(struct supervisor *s, uint8_t loop, enum loop_mode mode)
+{
+    struct sequence *q = &s->sequence;
+    uint8_t output = s->plan->loop[loop].output;
+    if (!ask_loop(s, REQUEST_MODE, loop, mode, 0.0f))
+        return false;
+    uint16_t bit = (uint16_t)(1u << loop);
+    q->working = (uint16_t)(mode == LOOP_MANUAL ? q->working & ~bit : q->working | bit);
+    if (output != PLAN_NONE)
+        q->driven = (uint16_t)(q->driven & ~(1u << output));
+    return true;
+}
+
+static bool drive(struct supervisor *s, uint8_t output, float value)
+{
+    uint8_t loop = s->plan->owner[output];
+    bool done;
+    if (loop != PLAN_NONE) {
+        done =
+            set_mode(s, loop, LOOP_MANUAL) && ask_loop(s, REQUEST_OUTPUT, loop, LOOP_MANUAL, value);
+    } else {
+        struct request r = {
+            .kind = REQUEST_OUTPUT, .loop = PLAN_NONE, .output = output, .value = value};
+        memcpy(r.name, s->plan->config.output[output].name, sizeof r.name);
+        done = supervisor_request(s, &r);
+    }
+    if (done)
+        s->sequence.driven = (uint16_t)(s->sequence.driven | 1u << output);
+    return done;
+}
+
+void measurement_offset(struct supervisor *s, uint8_t i, bool on)
+{
+    struct measurement_state *m = &s->measurement[i];
+    const struct measurement_config *c = &s->plan->config.measurement[i];
+    if (m->offset_on == on)
+        return;
+    m->offset_on = on;
+    /* What stands in for a reading is no reading: nothing to correct. */
+    num_t step = num_from_float((on ? -c->offset : c->offset) / (c->hi - c->lo));
+    if (m->seen && !m->alarm) {
+        m->value = num_add(m->value, step);
+        m->raw += on ? -c->offset : c->offset;
+        lag_reset(&m->filter, m->value);
+    }
+    for (uint8_t k = 0; k < CONFIG_LOOPS; k++)
+        if (s->plan->loop[k].used && s->plan->loop[k].pv == i)
+            s->loop[k].join = true;
+    event_put(s->events, s->time_ms, EVENT_OFFSET, c->name, on ? c->offset : 0.0f, 0);
+}
+
+static void drop_guards(struct supervisor *s, uint8_t measurement)
+{
+    for (uint8_t k = 0; k < CONFIG_STEPS; k++)
+        if (s->plan->step[k].measurement == measurement)
+            s->sequence.guards &= ~(UINT32_C(1) << k);
+}
+
+/* Whether it could be done. */
+static bool act(struct supervisor *s, uint8_t k)
+{
+    static const enum loop_mode modes[] = {
+        [STEP_MANUAL] = LOOP_MANUAL, [STEP_AUTO] = LOOP_AUTO, [STEP_CASCADE] = LOOP_CASCADE};
+    const struct step_config *c = row_of(s, k);
+    uint8_t what = s->plan->step[k].what;
+    switch (c->action) {
+    case STEP_OUT:
+        return drive(s, what, c->value);
+    case STEP_MANUAL:
+    case STEP_AUTO:
+    case STEP_CASCADE:
+        return set_mode(s, what, modes[c->action]);
+    case STEP_SETPOINT:
+        return ask_loop(s, REQUEST_SETPOINT, what, LOOP_AUTO, c->value);
+    case STEP_OFFSET_ON:
+    case STEP_OFFSET_OFF:
+        measurement_offset(s, what, c->action == STEP_OFFSET_ON);
+        return true;
+    case STEP_GUARD:
+        s->sequence.guards |= UINT32_C(1) << k;
+        s->sequence.violated_ms[k] = 0;
+        return true;
+    case STEP_DROP:
+        drop_guards(s, what);
+        return true;
+    default:
+        return true;
+    }
+}
+
+/* ---- what it watches ---- */
+
+bool sequence_reading(const struct supervisor *s, uint8_t measurement, float *value)
+{
+    const struct measurement_state *m = &s->measurement[measurement];
+    const struct measurement_config *c = &s->plan->config.measurement[measurement];
+    *value = span_to_eu(m->value, c->lo, c->hi);
+    return m->bound && m->seen && !m->alarm && quality_usable(m->quality);
+}
+
+static bool beyond(const struct step_config *c, float value)
+{
+    return c->until == STEP_ABOVE ? value > c->limit : value < c->limit;
+}
+
+/* A guard is kept by a believed reading on the right side and by nothing else. */
+static void run_guards(struct supervisor *s, uint32_t passed_ms)
+{
+    struct sequence *q = &s->sequence;
+    for (uint8_t k = 0; k < CONFIG_STEPS && sequence_active(q); k++) {
+        const struct step_config *c = row_of(s, k);
+        float value;
+        if (!(q->guards & UINT32_C(1) << k))
+            continue;
+        if (sequence_reading(s, s->plan->step[k].measurement, &value) && beyond(c, value)) {
+            q->violated_ms[k] = 0;
+            continue;
+        }
+        uint32_t limit_ms = c->hold_s * UINT32_C(1000);
+        q->violated_ms[k] += q->violated_ms[k] < limit_ms ? passed_ms : 0;
+        if (q->violated_ms[k] < limit_ms)
+            continue;
+        if (c->otherwise == STEP_ABORT)
+            abort_now(s, SEQUENCE_BY_GUARD, c->measurement);
+        else if (q->state != SEQUENCE_HELD || q->why != SEQUENCE_BY_GUARD)
+            hold(s, SEQUENCE_BY_GUARD, c->measurement);
+    }
+}
+
+/* An interlock keeps output j from where the last row that moved it has put it. */
+static bool kept_away(const struct supervisor *s, uint8_t j)
+{
+    const struct sequence *q = &s->sequence;
+    const struct output_state *o = &s->output[j];
+    const struct output_config *c = &s->plan->config.output[j];
+    num_t wanted = o->constrained;
+    for (uint8_t k = 0; k <= q->step; k++)
+        if (row_of(s, k)->sequence == q->kind && row_of(s, k)->action == STEP_OUT &&
+            s->plan->step[k].what == j && (k < q->step || q->acted))
+            wanted = span_to_fraction(row_of(s, k)->value, c->lo, c->hi);
+    return o->forced && num_lt(num_from_float(THERE), num_abs(num_sub(wanted, o->constrained)));
+}
+
+/* Holds the sequence when what its rows have set up has not stayed so. */
+static void watch(struct supervisor *s)
+{
+    const struct sequence *q = &s->sequence;
+    for (uint8_t i = 0; i < CONFIG_LOOPS; i++) {
+        if (!(q->working & 1u << i))
+            continue;
+        uint8_t j = s->plan->loop[i].output;
+        const char *name = s->plan->config.loop[i].name;
+        if (s->loop[i].mode == LOOP_MANUAL)
+            hold(s, SEQUENCE_LOOP, name);
+        else if (j != PLAN_NONE && s->output[j].forced)
+            hold(s, SEQUENCE_INTERLOCK, s->plan->config.output[j].name);
+        else if (j != PLAN_NONE && s->output[j].alarm)
+            hold(s, SEQUENCE_NOT_FOLLOWING, s->plan->config.output[j].name);
+        if (q->state == SEQUENCE_HELD)
+            return;
+    }
+    for (uint8_t j = 0; j < CHANNEL_MAX; j++) {
+        if (!(q->driven & 1u << j))
+            continue;
+        const char *name = s->plan->config.output[j].name;
+        if (kept_away(s, j))
+            hold(s, SEQUENCE_INTERLOCK, name);
+        else if (s->output[j].alarm && !s->output[j].forced)
+            hold(s, SEQUENCE_NOT_FOLLOWING, name);
+        if (q->state == SEQUENCE_HELD)
+            return;
+    }
+    uint8_t i = s->plan->step[q->step].measurement;
+    if (i == PLAN_NONE || row_of(s, q->step)->action == STEP_GUARD)
+        return;
+    if (!s->measurement[i].bound || s->measurement[i].lost)
+        hold(s, SEQUENCE_NO_READING, row_of(s, q->step)->measurement);
+}
+
+/* ---- what a step waits for ---- */
+
+static void forget_condition(struct sequence *q)
+{
+    q->met_ms = 0;
+    q->window = false;
+}
+
+/* The reading meets the condition, so far. */
+static bool meets(struct sequence *q, const struct step_config *c, float value)
+{
+    if (c->until != STEP_STEADY)
+        return beyond(c, value);
+    if (!q->window)
+        q->lo = q->hi = value;
+    q->lo = value < q->lo ? value : q->lo;
+    q->hi = value > q->hi ? value : q->hi;
+    if (q->hi - q->lo > c->limit) { /* counts anew from here */
+        q->lo = q->hi = value;
+        forget_condition(q);
+    }
+    return true;
+}
+
+/* Only what lies between believed readings counts, a base tick at most for each. */
+static bool reading_meets(struct supervisor *s, const struct step_config *c, uint32_t passed_ms)
+{
+    struct sequence *q = &s->sequence;
+    uint8_t i = s->plan->step[q->step].measurement;
+    uint32_t most_ms = (uint32_t)(s->plan->tick_s * 1000.0f);
+    float value;
+    if (!sequence_reading(s, i, &value)) {
+        if (s->measurement[i].lost)
+            forget_condition(q);
+        return false;
+    }
+    if (!meets(q, c, value)) {
+        forget_condition(q);
+        return false;
+    }
+    if (q->window)
+        q->met_ms += passed_ms < most_ms ? passed_ms : most_ms;
+    q->window = true;
+    return q->met_ms >= c->hold_s * UINT32_C(1000);
+}
+
+static bool condition(struct supervisor *s, uint32_t passed_ms)
+{
+    struct sequence *q = &s->sequence;
+    const struct step_config *c = row_of(s, q->step);
+    if (c->action == STEP_GUARD || c->until == STEP_AT_ONCE)
+        return true;
+    if (c->until == STEP_CONFIRM)
+        return q->confirmed;
+    if (c->until != STEP_TIME)
+        return reading_meets(s, c, passed_ms);
+    q->met_ms += passed_ms;
+    return q->met_ms >= c->hold_s * UINT32_C(1000);
+}
+
+/* ---- from row to row ---- */
+
+/* The row begins, or begins again. */
+static void enter(struct sequence *q, uint8_t step)
+{
+    q->state = SEQUENCE_RUNNING;
+    q->step = step;
+    q->acted = q->confirmed = false;
+    q->elapsed_ms = 0;
+    forget_condition(q);
+}
+
+static void next(struct supervisor *s)
+{
+    struct sequence *q = &s->sequence;
+    uint8_t step = sequence_next(&s->plan->config, (enum sequence_kind)q->kind, q->step);
+    if (step != PLAN_NONE) {
+        enter(q, step);
+        return;
+    }
+    q->state = SEQUENCE_DONE;
+    q->guards = 0;
+    q->why = SEQUENCE_OPERATOR;
+    tell(s, EVENT_SEQUENCE_DONE, sequence_kind_text(q->kind));
+}
+
+static void begin_row(struct supervisor *s)
+{
+    struct sequence *q = &s->sequence;
+    const struct step_config *c = row_of(s, q->step);
+    bool waits = c->action != STEP_GUARD && c->until != STEP_AT_ONCE;
+    if (!act(s, q->step)) {
+        hold(s, SEQUENCE_REFUSED, c->what);
+        return;
+    }
+    q->acted = true;
+    if (waits)
+        tell(s, EVENT_SEQUENCE_STEP, sequence_kind_text(q->kind));
+    if (c->until == STEP_CONFIRM)
+        q->state = SEQUENCE_CONFIRM;
+    if (c->action == STEP_GUARD && c->hold_s == 0)
+        run_guards(s, 0); /* without grace from the first tick on */
+}
+
+static bool goes(const struct sequence *q)
+{
+    return q->state == SEQUENCE_RUNNING || q->state == SEQUENCE_CONFIRM;
+}
+
+static void run_rows(struct supervisor *s, uint32_t passed_ms)
+{
+    struct sequence *q = &s->sequence;
+    for (unsigned n = 0; n <= CONFIG_STEPS && goes(q); n++) {
+        if (!q->acted) {
+            begin_row(s);
+            passed_ms = 0; /* its clocks begin now */
+        }
+        if (!goes(q) || !condition(s, passed_ms))
+            return;
+        next(s);
+    }
+}
+
+static void run_timeout(struct supervisor *s)
+{
+    struct sequence *q = &s->sequence;
+    const struct step_config *c = row_of(s, q->step);
+    const char *about = c->until == STEP_CONFIRM || c->until == STEP_TIME ? "" : c->measurement;
+    if (!c->timeout_s || q->elapsed_ms < c->timeout_s * UINT32_C(1000))
+        return;
+    bool held = q->state == SEQUENCE_HELD;
+    if (held && (c->otherwise != STEP_ABORT))
+        return; /* what holds it is stronger */
+    q->why = SEQUENCE_TIMEOUT;
+    tell(s, EVENT_SEQUENCE_TIMEOUT, about);
+    if (c->otherwise == STEP_ABORT)
+        abort_now(s, SEQUENCE_TIMEOUT, about);
+    else if (c->otherwise == STEP_HOLD)
+        hold(s, SEQUENCE_TIMEOUT, about);
+    else
+        next(s);
+}
+
+void sequence_run(struct supervisor *s)
+{
+    struct sequence *q = &s->sequence;
+    uint64_t passed = s->time_ms > q->last_ms ? s->time_ms - q->last_ms : 0;
+    uint32_t passed_ms = passed < 1000000000u ? (uint32_t)passed : 1000000000u;
+    q->last_ms = s->time_ms;
+    if (!sequence_active(q))
+        return;
+    run_guards(s, passed_ms);
+    if (goes(q))
+        watch(s);
+    bool by_person =
+        q->state == SEQUENCE_HELD && (q->why == SEQUENCE_OPERATOR || q->why == SEQUENCE_TIMEOUT);
+    if (!by_person && (q->acted || q->state == SEQUENCE_HELD))
+        q->elapsed_ms += q->elapsed_ms < 1000000000u ? passed_ms : 0;
+    run_rows(s, passed_ms);
+    if (sequence_active(q) && !by_person)
+        run_timeout(s);
+}
+
+/* ---- what people ask ---- */
+
+static bool anything_acts(const struct supervisor *s)
+{
+    for (uint8_t i = 0; i < CONFIG_LOOPS; i++)
+        if (s->plan->loop[i].used && s->loop[i].mode != LOOP_MANUAL)
+            return true;
+    return false;
+}
+
+static bool begin(struct supervisor *s, enum sequence_kind kind)
+{
+    struct sequence *q = &s->sequence;
+    uint8_t first = sequence_next(&s->plan->config, kind, -1);
+    bool starts = kind == SEQUENCE_START;
+    if (first == PLAN_NONE || (sequence_active(q) && (starts || q->kind == SEQUENCE_STOP)) ||
+        (starts && anything_acts(s)))
+        return false;
+    memset(q, 0, sizeof *q);
+    q->kind = (uint8_t)kind;
+    q->last_ms = s->time_ms;
+    enter(q, first);
+    return true;
+}
+
+/* What a person has looked at and allowed again. What was only interrupted goes on where it was. */
+static void go_on(struct supervisor *s)
+{
+    struct sequence *q = &s->sequence;
+    bool again = q->why != SEQUENCE_OPERATOR;
+    for (uint8_t i = 0; i < CONFIG_LOOPS; i++)
+        if (s->loop[i].mode == LOOP_MANUAL)
+            q->working = (uint16_t)(q->working & ~(1u << i));
+    memset(q->violated_ms, 0, sizeof q->violated_ms);
+    q->last_ms = s->time_ms;
+    if (again)
+        enter(q, q->step);
+    else
+        q->state = row_of(s, q->step)->until == STEP_CONFIRM ? SEQUENCE_CONFIRM : SEQUENCE_RUNNING;
+    tell(s, EVENT_SEQUENCE_GOES_ON, sequence_kind_text(q->kind));
+}
+
+static bool command(struct supervisor *s, const struct request *r)
+{
+    struct sequence *q = &s->sequence;
+    bool active = sequence_active(q), held = q->state == SEQUENCE_HELD;
+    switch (r->mode) {
+    case SEQUENCE_DO_START:
+        return begin(s, SEQUENCE_START);
+    case SEQUENCE_DO_STOP:
+        return begin(s, SEQUENCE_STOP);
+    case SEQUENCE_DO_HOLD:
+        if (active && !held)
+            hold(s, SEQUENCE_OPERATOR, "");
+        return active && !held;
+    case SEQUENCE_DO_GO:
+        if (held)
+            go_on(s);
+        return held;
+    case SEQUENCE_DO_CONFIRM: /* of what was shown, not of what came since */
+        if (q->state != SEQUENCE_CONFIRM || r->output != q->step)
+            return false;
+        q->confirmed = true;
+        tell(s, EVENT_SEQUENCE_CONFIRMED, sequence_kind_text(q->kind));
+        return true;
+    case SEQUENCE_DO_SKIP:
+        if (!active || r->output != q->step)
+            return false;
+        tell(s, EVENT_SEQUENCE_SKIPPED, sequence_kind_text(q->kind));
+        next(s);
+        return true;
+    case SEQUENCE_DO_ABORT:
+        if (active)
+            abort_now(s, SEQUENCE_OPERATOR, "");
+        return active;
+    default:
+        return false;
+    }
+}
+
+void sequence_request(struct supervisor *s, const struct request *r)
+{
+    if (!command(s, r))
+        event_put(s->events, s->time_ms, EVENT_REQUEST_REFUSED, "seq", (float)r->mode, 0);
+}
+
+#endif
