@@ -19,30 +19,24 @@ static num_t output_fraction(const struct supervisor *s, unsigned j, float value
     return span_to_fraction(value, o->lo, o->hi);
 }
 
-static const struct plan empty_plan = {
-    .tick_s = 1.0f,
-    .loop = {{0}}, /* used = false */
-    .owner = {0},
-};
-
 void supervisor_init(struct supervisor *s, struct event_queue *events)
 {
     memset(s, 0, sizeof *s);
-    s->plan = &empty_plan;
     s->events = events;
     s->state = SUPERVISOR_SAFE;
 }
 
-/* Whether loop i of both plans is the same loop. The numbers inside are fractions: they only keep their
+/* Whether loop i of both plans is the same loop; old may be NULL. The numbers inside are fractions: they only keep their
  * meaning while names, spans and control law stay. */
 static bool same_loop(const struct plan *plan, const struct plan *old, uint8_t i)
 {
+    if (!old || !old->loop[i].used)
+        return false;
     const struct loop_config *c = &plan->config.loop[i];
     const struct loop_config *before = &old->config.loop[i];
     uint8_t pv = plan->loop[i].pv, output = plan->loop[i].output;
-    if (!old->loop[i].used || strcmp(c->name, before->name) != 0 ||
-        strcmp(c->pv, before->pv) != 0 || strcmp(c->out, before->out) != 0 ||
-        old->loop[i].pv != pv || old->loop[i].output != output ||
+    if (strcmp(c->name, before->name) != 0 || strcmp(c->pv, before->pv) != 0 ||
+        strcmp(c->out, before->out) != 0 || old->loop[i].pv != pv || old->loop[i].output != output ||
         plan_is_two_position(plan, i) != plan_is_two_position(old, i))
         return false;
     const struct measurement_config *m = &plan->config.measurement[pv];
@@ -76,7 +70,7 @@ static void place_loop(struct supervisor *s, const struct plan *old, uint8_t i)
 {
     const struct plan *plan = s->plan;
     struct loop_state *l = &s->loop[i];
-    const char *before = old->config.loop[i].name;
+    const char *before = old ? old->config.loop[i].name : NULL;
     if (!plan->loop[i].used) {
         if (l->mode != LOOP_MANUAL)
             event_put(s->events, s->time_ms, EVENT_MODE, before, (float)LOOP_MANUAL, LOOP_MANUAL);
@@ -118,9 +112,9 @@ static void place_loop(struct supervisor *s, const struct plan *old, uint8_t i)
 static void place_output(struct supervisor *s, const struct plan *old, uint8_t j)
 {
     const struct output_config *o = &s->plan->config.output[j];
-    const struct output_config *before = &old->config.output[j];
+    const struct output_config *before = old ? &old->config.output[j] : NULL;
     struct output_state *state = &s->output[j];
-    bool same = o->name[0] && strcmp(o->name, before->name) == 0;
+    bool same = before && o->name[0] && strcmp(o->name, before->name) == 0;
     if (!same)
         memset(state, 0, sizeof *state);
     if (o->name[0]) /* checked with the plan */
@@ -146,12 +140,12 @@ static void place_output(struct supervisor *s, const struct plan *old, uint8_t j
 static void place_measurement(struct supervisor *s, const struct plan *old, uint8_t i)
 {
     const struct measurement_config *m = &s->plan->config.measurement[i];
-    const struct measurement_config *before = &old->config.measurement[i];
+    const struct measurement_config *before = old ? &old->config.measurement[i] : NULL;
     struct measurement_state *state = &s->measurement[i];
-    bool same = m->name[0] && strcmp(m->name, before->name) == 0;
+    bool same = before && m->name[0] && strcmp(m->name, before->name) == 0;
 #if CONFIG_STEPS
     if (!same && state->offset_on)
-        event_put(s->events, s->time_ms, EVENT_OFFSET, before->name, 0.0f, 0);
+        event_put(s->events, s->time_ms, EVENT_OFFSET, before ? before->name : "", 0.0f, 0);
 #endif
     if (!same)
         *state = (struct measurement_state){.quality = QUALITY_MISSING};
@@ -189,17 +183,18 @@ static void place_feedforward(struct supervisor *s, const struct plan *old, uint
 {
     const struct plan *plan = s->plan;
     const struct ff_config *f = &plan->config.feedforward[i];
-    const struct ff_config *before = &old->config.feedforward[i];
+    const struct ff_config *before = old ? &old->config.feedforward[i] : NULL;
     uint8_t from = plan->feedforward[i].from;
-    if (!f->from[0] && !before->from[0])
+    if (!f->from[0] && !(before && before->from[0]))
         return;
-    if (f->from[0] && same_feedforward(plan, old, i) && plan->tick_s == s->tick_s) {
+    if (before && f->from[0] && same_feedforward(plan, old, i) && plan->tick_s == s->tick_s) {
         const struct measurement_config *m = &plan->config.measurement[from];
         const struct measurement_config *m_before = &old->config.measurement[from];
         if (strcmp(m->name, m_before->name) == 0 && m->lo == m_before->lo && m->hi == m_before->hi)
             return;
     }
-    rejoin(s, before->to);
+    if (before)
+        rejoin(s, before->to);
     rejoin(s, f->to);
     s->ff_running[i] = false; /* begins at rest at the next tick */
     if (!f->from[0])
@@ -213,8 +208,8 @@ static void place_feedforward(struct supervisor *s, const struct plan *old, uint
 static void place_interlock(struct supervisor *s, const struct plan *old, uint8_t i)
 {
     const struct interlock_config *k = &s->plan->config.interlock[i];
-    const struct interlock_config *before = &old->config.interlock[i];
-    if (strcmp(k->measurement, before->measurement) != 0 ||
+    const struct interlock_config *before = old ? &old->config.interlock[i] : NULL;
+    if (!before || strcmp(k->measurement, before->measurement) != 0 ||
         strcmp(k->output, before->output) != 0 || k->side != before->side)
         memset(&s->interlock[i], 0, sizeof s->interlock[i]);
 }

@@ -152,7 +152,7 @@ struct interlock_state {
 };
 
 struct supervisor {
-    const struct plan *plan;
+    const struct plan *plan; /* NULL before the first */
     struct event_queue *events;
     enum supervisor_state state;
     const char *safe_why; /* what the safe state was last taken for; NULL since the start */
@@ -174,7 +174,7 @@ struct supervisor {
     num_t arena[PLAN_ARENA_BYTES / sizeof(num_t)];
 };
 
-/* Safe state, empty plan. */
+/* Safe state, no plan yet: supervisor_take_plan comes before anything else. */
 void supervisor_init(struct supervisor *s, struct event_queue *events);
 
 /* Puts a new plan into force; it must live until the next one. Loops keep mode and state where name,
