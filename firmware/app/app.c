@@ -3,6 +3,7 @@
 
 #include <string.h>
 
+#include "base/elapsed.h"
 #include "hal/clock.h"
 #include "hal/identity.h"
 #include "hal/retained.h"
@@ -252,7 +253,7 @@ static bool judge_sample(struct app *app, const struct io_sample *sample)
         return true;
     }
     app->out_of_order = 0;
-    float passed_s = (float)(sample->time - app->sample_ms) / 1000.0f;
+    float passed_s = elapsed_ms(sample->time, app->sample_ms) / 1000.0f;
     if (passed_s < 0.875f * tick_s) {
         tick_event(app, EVENT_SAMPLE_EARLY, NULL, tick_s - passed_s);
         return false;
@@ -305,7 +306,7 @@ static void silent_tick(struct app *app, uint64_t now_ms)
     float period_ms = app->service.plan[app->service.in_force].tick_s * 1000.0f;
     if (period_ms > 1000.0f)
         period_ms = 1000.0f;
-    if ((float)(now_ms - app->safe_tick_ms) < period_ms)
+    if (elapsed_ms(now_ms, app->safe_tick_ms) < period_ms)
         return;
     app->safe_tick_ms = now_ms;
     take_requests(app, false);
@@ -318,7 +319,7 @@ static void watch_samples(struct app *app, uint64_t now_ms)
 {
     const struct service *s = &app->service;
     float timeout_ms = s->plan[s->in_force].config.sample_timeout_s * 1000.0f;
-    float waited_ms = (float)(now_ms - app->sample_seen_ms);
+    float waited_ms = elapsed_ms(now_ms, app->sample_seen_ms);
     if (timeout_ms == 0.0f || waited_ms < timeout_ms || app->overdue)
         return;
     app->overdue = true;

@@ -327,6 +327,20 @@ static void uart_line(struct text *line, const char *name, enum hal_uart port)
     pair(line, "line_errors", u.line_errors);
 }
 
+/* Division bit by bit: the mean of numbers of 32 bits has no more of them. */
+static uint32_t mean(const struct tick_cost *cost)
+{
+    uint64_t left = cost->sum;
+    uint32_t result = 0;
+    for (unsigned bit = 32; cost->n && bit-- > 0;) {
+        if (left >> bit < cost->n)
+            continue;
+        left -= (uint64_t)cost->n << bit;
+        result |= 1u << bit;
+    }
+    return result;
+}
+
 static bool stats_line(struct console *c, unsigned n, struct text *line)
 {
     const struct service *s = c->service;
@@ -337,7 +351,7 @@ static bool stats_line(struct console *c, unsigned n, struct text *line)
         text_str(line, "tick");
         pair(line, "n", cost->n);
         pair(line, "min", cost->lowest);
-        pair(line, "mean", cost->n ? (uint32_t)(cost->sum / cost->n) : 0);
+        pair(line, "mean", mean(cost));
         pair(line, "max", cost->highest);
         pair(line, "last", cost->last);
         text_str(line, " unit ");

@@ -2,6 +2,7 @@
 
 #include <string.h>
 
+#include "base/elapsed.h"
 #include "hal/identity.h"
 #include "hal/uart.h"
 
@@ -204,7 +205,7 @@ static void keep_time(struct plant_link *link, uint64_t now_ms)
         link->generation++;
         link->stats.silences++;
         event_put(link->events, *link->plant_time, EVENT_LINK_DOWN, link->name,
-                  (float)(now_ms - link->heard_ms) / 1000.0f, 0);
+                  elapsed_ms(now_ms, link->heard_ms) / 1000.0f, 0);
     }
     bool ask_again = now_ms - link->asked_ms >= LINK_HELLO_MS;
     if (link->state == IO_DOWN && (ask_again || link->asked_ms == 0))

@@ -2,6 +2,7 @@
 
 #include <string.h>
 
+#include "base/elapsed.h"
 #include "supervise/supervisor.h"
 
 static const char *const sides[] = {"hi_hi", "hi", "lo", "lo_lo", "dev"};
@@ -108,7 +109,7 @@ static void run_one(struct supervisor *s, uint8_t i)
         a->since_ms = s->time_ms;
     a->pending = now;
     bool condition =
-        now && (a->condition || (float)(s->time_ms - a->since_ms) >= c->delay_s * 1000.0f);
+        now && (a->condition || elapsed_ms(s->time_ms, a->since_ms) >= c->delay_s * 1000.0f);
     if (condition && !a->condition) {
         a->first = a->listed ? a->first : first_of_group(s, i);
         a->listed = true;
@@ -184,7 +185,9 @@ void alarms_request(struct supervisor *s, const struct request *r)
 
 void alarms_place(struct supervisor *s, const struct plan *old, uint8_t i)
 {
-    const struct alarm_config *a = &s->plan->config.alarm[i], *before = &old->config.alarm[i];
-    if (strcmp(a->on, before->on) != 0 || a->side != before->side || a->group != before->group)
+    const struct alarm_config *a = &s->plan->config.alarm[i];
+    const struct alarm_config *before = old ? &old->config.alarm[i] : NULL;
+    if (!before || strcmp(a->on, before->on) != 0 || a->side != before->side ||
+        a->group != before->group)
         memset(&s->alarm[i], 0, sizeof s->alarm[i]);
 }

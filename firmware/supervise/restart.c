@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "base/crc32.h"
+#include "base/elapsed.h"
 
 #ifdef REFLUX_FIXED_POINT
 #define MAGIC 0x52535132u
@@ -134,7 +135,7 @@ void restart_try(struct restart *r, struct supervisor *s)
     enum restart_policy policy = (enum restart_policy)s->plan->config.restart_policy;
     float limit_ms = s->plan->config.restart_limit_s * 1000.0f;
     bool in_time =
-        s->time_ms >= record->time_ms && (float)(s->time_ms - record->time_ms) <= limit_ms;
+        s->time_ms >= record->time_ms && elapsed_ms(s->time_ms, record->time_ms) <= limit_ms;
     bool same = s->plan->identity == record->identity;
     if (s->state == SUPERVISOR_RUN || !record->acting || (same && policy == RESTART_SAFE))
         r->pending = false; /* somebody acts already, or nothing is to come back */

@@ -1,4 +1,5 @@
 /* The tick behind validate.c: control, compensate, feed forward, excite, constrain, and the way back. */
+#include "base/elapsed.h"
 #include "supervise/alarms.h"
 #include "supervise/supervisor.h"
 
@@ -241,8 +242,8 @@ static void run_interlocks(struct supervisor *s)
         if (condition && !state->pending)
             state->since_ms = s->time_ms;
         state->pending = condition;
-        bool active = condition && (state->active ||
-                                    (float)(s->time_ms - state->since_ms) >= c->delay_s * 1000.0f);
+        bool active = condition && (state->active || elapsed_ms(s->time_ms, state->since_ms) >=
+                                                         c->delay_s * 1000.0f);
         if (active != state->active)
             event_put(s->events, s->time_ms, active ? EVENT_INTERLOCK_ON : EVENT_INTERLOCK_OFF,
                       c->output, m->raw, k);

@@ -1,4 +1,5 @@
 /* The first step of a tick: what is to be believed of the readings, and what stands in for the rest. */
+#include "base/elapsed.h"
 #include "supervise/supervisor.h"
 
 /* A reading this far outside its span, in spans, is not believed. */
@@ -18,7 +19,7 @@ static bool frozen(struct supervisor *s, struct measurement_state *m, float valu
         m->last = value;
         m->changed_ms = s->time_ms;
     }
-    return limit_s > 0.0f && (float)(s->time_ms - m->changed_ms) >= limit_s * 1000.0f;
+    return limit_s > 0.0f && elapsed_ms(s->time_ms, m->changed_ms) >= limit_s * 1000.0f;
 }
 
 /* Further from the last believed value than the process can have come since. A spike is over with the next
@@ -29,7 +30,7 @@ static bool too_fast(const struct supervisor *s, const struct measurement_state 
     if (limit == 0.0f || !m->believed)
         return false;
     float way = value > m->good ? value - m->good : m->good - value;
-    return way > limit * ((float)(s->time_ms - m->good_ms) / 1000.0f);
+    return way > limit * (elapsed_ms(s->time_ms, m->good_ms) / 1000.0f);
 }
 
 static enum measurement_fault judge(struct supervisor *s, uint8_t i, const struct reading *r)
@@ -100,7 +101,7 @@ static void fall_back(struct supervisor *s, uint8_t i, float reading)
         m->alarm = true;
         event_put(s->events, s->time_ms, EVENT_MEASUREMENT_BAD, c->name, reading, m->fault);
     }
-    m->lost = !m->believed || (float)(s->time_ms - m->good_ms) / 1000.0f > c->hold_s;
+    m->lost = !m->believed || elapsed_ms(s->time_ms, m->good_ms) / 1000.0f > c->hold_s;
     if (infer(s, i))
         return;
     if (!m->lost && c->fallback != FALLBACK_MANUAL) {
@@ -153,7 +154,7 @@ static void report_following(struct supervisor *s, uint8_t j, bool differs, floa
         o->differs_ms = s->time_ms;
     o->not_following = differs;
     bool alarm =
-        differs && (o->alarm || (float)(s->time_ms - o->differs_ms) >= c->follow_s * 1000.0f);
+        differs && (o->alarm || elapsed_ms(s->time_ms, o->differs_ms) >= c->follow_s * 1000.0f);
     if (alarm != o->alarm)
         event_put(s->events, s->time_ms, alarm ? EVENT_NOT_FOLLOWING : EVENT_FOLLOWING, c->name,
                   value, 0);

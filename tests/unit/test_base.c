@@ -3,6 +3,7 @@
  * Contract
  *   crc32_update   the published check value; equal however the data are cut; every single-bit error, every
  *                  burst up to 32 bits and every single-byte error of a frame-sized message is noticed
+ *   elapsed_ms     what the compiler's own conversion gives, bit for bit
  *   err_name/text  every code has its own name and a text; any other int gives "?", never a crash
  */
 #include <limits.h>
@@ -10,6 +11,7 @@
 
 #include "base/channel.h"
 #include "base/crc32.h"
+#include "base/elapsed.h"
 #include "base/error.h"
 #include "unity.h"
 
@@ -119,9 +121,26 @@ static void infinities_and_nan_are_not_finite_and_all_else_is(void)
     TEST_ASSERT_TRUE(float_is_finite(1e-45f));
 }
 
+static void elapsed_time_is_rounded_to_the_nearest_float(void)
+{
+    static const uint64_t some[] = {0, 1, 16777217, 16777219, 0xFFFFFFFF, 0xFFFFFF80, 0xFFFFFF7F};
+    for (unsigned i = 0; i < sizeof some / sizeof some[0]; i++)
+        TEST_ASSERT_EQUAL_FLOAT((float)some[i], elapsed_ms(some[i] + 7, 7));
+    /* Around every halfway case of every length. */
+    for (unsigned bits = 1; bits <= 40; bits++)
+        for (uint64_t mantissa = 0xFFFFF0; mantissa <= 0x100000F; mantissa++)
+            for (int near = -1; near <= 1; near++) {
+                uint64_t ms = (mantissa << bits >> 1) + (uint64_t)(int64_t)near;
+                float want = (float)ms, is = elapsed_ms(ms + 1000, 1000);
+                TEST_ASSERT_EQUAL_MEMORY(&want, &is, sizeof is);
+            }
+    TEST_ASSERT_EQUAL_FLOAT((float)UINT64_MAX, elapsed_ms(0, 1)); /* a clock set back */
+}
+
 int main(void)
 {
     UNITY_BEGIN();
+    RUN_TEST(elapsed_time_is_rounded_to_the_nearest_float);
     RUN_TEST(the_crc_of_123456789_is_the_published_check_value);
     RUN_TEST(the_crc_agrees_with_zlib_on_other_vectors);
     RUN_TEST(a_crc_in_two_parts_equals_the_crc_of_the_whole);
