@@ -1,17 +1,9 @@
 #include "service/text.h"
 
-#include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "base/channel.h"
-
-/* The target's C library hands floats to printf in a way of its own (float only, no double). Elsewhere the
- * language's promotion applies, on the host alone. */
-#ifndef printf_float
-#define printf_float(x) (x)
-#pragma GCC diagnostic ignored "-Wdouble-promotion"
-#endif
+#include "service/decimal.h"
 
 struct text text_on(char *buffer, size_t size)
 {
@@ -55,42 +47,102 @@ void text_hex(struct text *t, uint32_t x, unsigned digits)
     }
 }
 
+/* A thousandth of it, by halves of 16 bits: nothing else here divides 64 bits. */
+static uint64_t divide_by_1000(uint64_t x, unsigned *rest)
+{
+    uint64_t result = 0;
+    uint32_t left = 0;
+    for (unsigned i = 4; i-- > 0;) {
+        left = left << 16 | (uint32_t)(x >> (16u * i) & 0xFFFFu);
+        result = result << 16 | left / 1000u;
+        left %= 1000u;
+    }
+    *rest = left;
+    return result;
+}
+
+static void text_thousandths(struct text *t, unsigned x)
+{
+    text_char(t, (char)('0' + x / 100u));
+    text_char(t, (char)('0' + x / 10u % 10u));
+    text_char(t, (char)('0' + x % 10u));
+}
+
 void text_seconds(struct text *t, uint64_t ms)
 {
-    char digits[21];
-    unsigned n = 0;
-    uint64_t whole = ms / 1000u;
-    unsigned rest = (unsigned)(ms % 1000u);
-    do {
-        digits[n++] = (char)('0' + (char)(whole % 10u));
-        whole /= 10u;
-    } while (whole);
-    while (n)
-        text_char(t, digits[--n]);
-    text_char(t, '.');
-    text_char(t, (char)('0' + rest / 100u));
-    text_char(t, (char)('0' + rest / 10u % 10u));
-    text_char(t, (char)('0' + rest % 10u));
+    unsigned group[7], n = 0;
+    uint64_t left = divide_by_1000(ms, &group[n++]);
+    while (left >= 1000u)
+        left = divide_by_1000(left, &group[n++]);
+    text_u32(t, (uint32_t)left);
+    while (n) {
+        if (n == 1)
+            text_char(t, '.');
+        text_thousandths(t, group[--n]);
+    }
+}
+
+/* As the %g of a C library: powers of ten beside a number that would begin with five zeros or is longer than
+ * `digits`. */
+static void put_decimal(struct text *t, const struct decimal *d, int digits)
+{
+    int power = d->n ? d->point - 1 : 0;
+    bool scientific = power < -4 || power >= digits;
+    int point = scientific ? 1 : power + 1, n = d->n > point ? d->n : point;
+    for (int i = point < 1 ? point - 1 : 0; i < n; i++) {
+        if (i == point)
+            text_char(t, '.');
+        text_char(t, (char)('0' + (i >= 0 && i < d->n ? d->digit[i] : 0)));
+    }
+    if (scientific) {
+        unsigned size = (unsigned)(power < 0 ? -power : power);
+        text_str(t, power < 0 ? "e-" : "e+");
+        text_char(t, (char)('0' + size / 10u));
+        text_char(t, (char)('0' + size % 10u));
+    }
+}
+
+/* Begins a number: its sign, or all of it where it is not finite. */
+static bool begin_number(struct text *t, float *x)
+{
+    uint32_t bits;
+    memcpy(&bits, x, sizeof bits);
+    if (bits >> 31) {
+        text_char(t, '-');
+        *x = -*x;
+    }
+    if (float_is_finite(*x))
+        return true;
+    text_str(t, *x > 0.0f ? "inf" : "nan");
+    return false;
 }
 
 void text_float(struct text *t, float x)
 {
-    char buffer[24];
+    struct decimal d;
+    int digits = 6;
+    if (!begin_number(t, &x))
+        return;
     /* Six digits are enough for most numbers people type; nine always are. */
-    for (int digits = 6; digits <= 9; digits++) {
-        float back;
-        (void)snprintf(buffer, sizeof buffer, "%.*g", digits, printf_float(x));
-        if (text_parse_float(buffer, &back) == ERR_OK && back == x)
+    for (; digits < 9; digits++) {
+        decimal_of_float(&d, x);
+        decimal_round(&d, (unsigned)digits);
+        if (decimal_to_float(&d) == x)
             break;
     }
-    text_str(t, buffer);
+    decimal_of_float(&d, x);
+    decimal_round(&d, (unsigned)digits);
+    put_decimal(t, &d, digits);
 }
 
 void text_float9(struct text *t, float x)
 {
-    char buffer[24];
-    (void)snprintf(buffer, sizeof buffer, "%.9g", printf_float(x));
-    text_str(t, buffer);
+    struct decimal d;
+    if (!begin_number(t, &x))
+        return;
+    decimal_of_float(&d, x);
+    decimal_round(&d, 9);
+    put_decimal(t, &d, 9);
 }
 
 static bool is_digit(char c)
@@ -98,45 +150,44 @@ static bool is_digit(char c)
     return c >= '0' && c <= '9';
 }
 
-static const char *skip_digits(const char *s, unsigned *n)
+/* Takes digits into *d; the point moves with them until it has been met. */
+static const char *take_digits(const char *s, struct decimal *d, bool whole)
 {
-    while (is_digit(*s)) {
-        s++;
-        (*n)++;
+    for (; is_digit(*s); s++) {
+        if (d->n < DECIMAL_READ)
+            d->digit[d->n++] = (uint8_t)(*s - '0');
+        d->point = (int16_t)(d->point + whole);
     }
     return s;
 }
 
-static bool looks_like_number(const char *s)
-{
-    const char *start = s;
-    unsigned digits = 0, exponent = 0;
-    if (*s == '+' || *s == '-')
-        s++;
-    s = skip_digits(s, &digits);
-    if (*s == '.')
-        s = skip_digits(s + 1, &digits);
-    if (digits == 0)
-        return false;
-    if (*s == 'e' || *s == 'E') {
-        s++;
-        if (*s == '+' || *s == '-')
-            s++;
-        s = skip_digits(s, &exponent);
-        if (exponent == 0)
-            return false;
-    }
-    return *s == '\0' && s - start <= 40;
-}
-
 enum err text_parse_float(const char *s, float *x)
 {
-    if (!looks_like_number(s))
+    const char *start = s;
+    struct decimal d = {.n = 0};
+    bool negative = *s == '-';
+    if (*s == '+' || *s == '-')
+        s++;
+    s = take_digits(s, &d, true);
+    if (*s == '.')
+        s = take_digits(s + 1, &d, false);
+    if (d.n == 0)
         return ERR_PARSE;
-    float value = strtof(s, NULL);
+    if (*s == 'e' || *s == 'E') {
+        int power = 0, sign = s[1] == '-' ? -1 : 1;
+        s += s[1] == '+' || s[1] == '-' ? 2 : 1;
+        if (!is_digit(*s))
+            return ERR_PARSE;
+        for (; is_digit(*s); s++)
+            power = power < 1000 ? power * 10 + (*s - '0') : power;
+        d.point = (int16_t)(d.point + sign * power);
+    }
+    if (*s != '\0' || s - start > 40)
+        return ERR_PARSE;
+    float value = decimal_to_float(&d);
     if (!float_is_finite(value))
         return ERR_RANGE;
-    *x = value;
+    *x = negative ? -value : value;
     return ERR_OK;
 }
 

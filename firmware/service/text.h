@@ -1,4 +1,5 @@
-/* Text in and out: the only file that knows the C library's formatting.
+/* Text in and out. Nothing of the C library's printf and scanf is used: eight kilobytes on the target, and each
+ * library writes numbers its own way. These are the digits of glibc's %g.
  *
  * struct text writes into a caller's buffer, always terminated; what does not fit is cut and `cut` set.
  */

@@ -7,6 +7,7 @@ foreach(part supervisor_faults alarms)
                                          ${PROJECT_SOURCE_DIR}/firmware/service/parameters.c
                                          ${PROJECT_SOURCE_DIR}/firmware/service/parameter_table.c
                                          ${PROJECT_SOURCE_DIR}/firmware/service/text.c
+                                         ${PROJECT_SOURCE_DIR}/firmware/service/decimal.c
               LIBS reflux_supervise)
   target_include_directories(test_${part} PRIVATE "${CMAKE_BINARY_DIR}/layers/service")
 endforeach()

@@ -9,6 +9,7 @@ foreach(part two_position plan supervisor_modes supervisor_cascade supervisor_bu
                                            ${PROJECT_SOURCE_DIR}/firmware/service/parameters.c
                                            ${PROJECT_SOURCE_DIR}/firmware/service/parameter_table.c
                                            ${PROJECT_SOURCE_DIR}/firmware/service/text.c
+                                           ${PROJECT_SOURCE_DIR}/firmware/service/decimal.c
                 LIBS reflux_supervise)
     target_include_directories(test_${part} PRIVATE "${CMAKE_BINARY_DIR}/layers/service")
   endif()
@@ -18,7 +19,8 @@ endforeach()
 add_executable(parameter_table "${PROJECT_SOURCE_DIR}/tests/support/parameter_table.c"
                ${PROJECT_SOURCE_DIR}/firmware/service/parameters.c
                ${PROJECT_SOURCE_DIR}/firmware/service/parameter_table.c
-               ${PROJECT_SOURCE_DIR}/firmware/service/text.c)
+               ${PROJECT_SOURCE_DIR}/firmware/service/text.c
+               ${PROJECT_SOURCE_DIR}/firmware/service/decimal.c)
 target_link_libraries(parameter_table PRIVATE reflux_supervise reflux_options)
 target_include_directories(parameter_table PRIVATE "${CMAKE_BINARY_DIR}/layers/service")
 set_target_properties(parameter_table PROPERTIES RUNTIME_OUTPUT_DIRECTORY "${CMAKE_BINARY_DIR}")

@@ -1,6 +1,8 @@
-/* Numbers as text and back. Contract: every finite float survives text_float and text_float9 bit for bit. */
+/* Numbers as text and back. Contract: every finite float survives text_float and text_float9 bit for bit; both write
+ * what the host's C library writes, and text_parse_float reads what it reads: correctly rounded, ties to even. */
 #include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "random_source.h"
@@ -56,6 +58,103 @@ static void the_ends_of_the_range_read_back(void)
         survives(from_bits(bits[i]), text_float);
         survives(from_bits(bits[i]), text_float9);
     }
+}
+
+static void writes_as_the_c_library(float x)
+{
+    char want[40];
+    struct text line = text_on(buffer, sizeof buffer);
+    text_float9(&line, x);
+    snprintf(want, sizeof want, "%.9g", (double)x);
+    TEST_ASSERT_EQUAL_STRING(want, buffer);
+    for (int digits = 6; digits <= 9; digits++) {
+        snprintf(want, sizeof want, "%.*g", digits, (double)x);
+        if (strtof(want, NULL) == x)
+            break;
+    }
+    line = text_on(buffer, sizeof buffer);
+    text_float(&line, x);
+    TEST_ASSERT_EQUAL_STRING(want, buffer);
+}
+
+static void numbers_are_written_as_the_c_library_writes_them(void)
+{
+    struct random_source r = {SEED};
+    for (unsigned n = 0; n < 100000; n++) {
+        float x = from_bits((uint32_t)random_next(&r));
+        if (isfinite(x))
+            writes_as_the_c_library(x);
+        /* Of everyday size, and such as end in a five: where rounding has to choose. */
+        writes_as_the_c_library((float)(int32_t)random_next(&r) / 1024.0f);
+        writes_as_the_c_library((float)(random_next(&r) % 1000000u) / 64.0f);
+    }
+    for (uint32_t power = 0; power < 0x7F8; power++) { /* and their neighbours */
+        writes_as_the_c_library(from_bits(power << 20));
+        writes_as_the_c_library(from_bits((power << 20) + 1u));
+        writes_as_the_c_library(from_bits((power << 20) ^ 0xFFFFFu));
+    }
+    writes_as_the_c_library((float)INFINITY);
+    writes_as_the_c_library(-(float)INFINITY);
+}
+
+static void reads_as_the_c_library(const char *text)
+{
+    float x = 99, want = strtof(text, NULL);
+    enum err err = text_parse_float(text, &x);
+    TEST_ASSERT_EQUAL_MESSAGE(isinf(want) ? ERR_RANGE : ERR_OK, err, text);
+    if (!err)
+        TEST_ASSERT_EQUAL_MEMORY_MESSAGE(&want, &x, sizeof x, text);
+}
+
+static void numbers_are_read_as_the_c_library_reads_them(void)
+{
+    struct random_source r = {SEED};
+    char text[64];
+    for (unsigned n = 0; n < 100000; n++) {
+        unsigned digits = 1u + (unsigned)(random_next(&r) % 30u), at = 0;
+        for (unsigned i = 0; i < digits; i++) {
+            if (i == digits / 3u)
+                text[at++] = '.';
+            text[at++] = (char)('0' + random_next(&r) % 10u);
+        }
+        snprintf(text + at, sizeof text - at, "e%d", (int)(random_next(&r) % 100u) - 50);
+        reads_as_the_c_library(text);
+    }
+}
+
+/* Halfway between two floats as far as 40 characters tell, there, and a digit to both sides of it. */
+static void numbers_halfway_between_two_floats_are_read_as_the_c_library_reads_them(void)
+{
+    struct random_source r = {SEED};
+    char text[80];
+    for (unsigned n = 0; n < 100000; n++) {
+        float x = from_bits((uint32_t)random_next(&r) & 0x7F7FFFFFu);
+        double halfway = ((double)x + (double)nextafterf(x, 2.0f * x + 1e-45f)) / 2.0;
+        if (!isfinite(halfway))
+            continue;
+        int size = snprintf(text, sizeof text, "%.*e", (int)(random_next(&r) % 34u), halfway);
+        reads_as_the_c_library(text);
+        for (int i = size - 5; i >= 0; i -= 5)
+            if (text[i] > '0' && text[i] < '9') {
+                text[i]++;
+                reads_as_the_c_library(text);
+                text[i]--;
+                break;
+            }
+    }
+    reads_as_the_c_library("16777217");
+    reads_as_the_c_library("16777219");
+    reads_as_the_c_library("16777217.00000000000000000000000000001");
+    reads_as_the_c_library("3.4028235677973366163753939545814e38");
+    reads_as_the_c_library("3.4028235677973366163753939545813e38");
+    reads_as_the_c_library("7.006492321624085354618e-46");
+    reads_as_the_c_library("7.006492321624085354619e-46");
+    reads_as_the_c_library("0000000000000000000000000000000000000001");
+    reads_as_the_c_library("0.00000000000000000000000000000000000001");
+    reads_as_the_c_library("9999999999999999999999999999999999999999");
+    reads_as_the_c_library("340282350000000000000000000000000000000");
+    reads_as_the_c_library("0e9999");
+    reads_as_the_c_library("-0.000e-30");
 }
 
 static void a_short_number_is_written_short(void)
@@ -178,6 +277,9 @@ int main(void)
     UNITY_BEGIN();
     RUN_TEST(every_finite_float_reads_back_bit_for_bit);
     RUN_TEST(the_ends_of_the_range_read_back);
+    RUN_TEST(numbers_are_written_as_the_c_library_writes_them);
+    RUN_TEST(numbers_are_read_as_the_c_library_reads_them);
+    RUN_TEST(numbers_halfway_between_two_floats_are_read_as_the_c_library_reads_them);
     RUN_TEST(a_short_number_is_written_short);
     RUN_TEST(numbers_people_write_are_read);
     RUN_TEST(what_is_no_number_is_refused_and_nothing_changes);
