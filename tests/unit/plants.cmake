@@ -9,6 +9,11 @@ reflux_test(splitter LABEL unit SOURCES ${CMAKE_CURRENT_LIST_DIR}/test_splitter.
 reflux_test(splitter_reference LABEL unit SOURCES ${CMAKE_CURRENT_LIST_DIR}/test_splitter_reference.c
             LIBS reflux_plants)
 
+reflux_test(cold_column LABEL unit SOURCES ${CMAKE_CURRENT_LIST_DIR}/test_cold_column.c LIBS reflux_plants)
+reflux_test(pilot_cold LABEL unit SOURCES ${CMAKE_CURRENT_LIST_DIR}/test_pilot_cold.c LIBS reflux_plants)
+reflux_test(pilot_cold_reference LABEL unit SOURCES ${CMAKE_CURRENT_LIST_DIR}/test_pilot_cold_reference.c
+            LIBS reflux_plants)
+
 # Not a test: what a tick of a column costs.
 add_executable(plant_cost "${PROJECT_SOURCE_DIR}/tests/bench/plant_cost.c")
 target_link_libraries(plant_cost PRIVATE reflux_plants reflux_options m)
