@@ -44,13 +44,16 @@ class SmallBoardTest(unittest.TestCase):
         self.assertIn("on stm32f100, numbers Q7.24", version)
         self.assertIn("in an emulator", version)
         for limit in ("channels 4", "loops 2", "feedforwards 1", "interlocks 2", "alarms 1", "dead-time bytes 64",
-                      "recalls no lines", "one change a tick"):
+                      "steps 0, no sequences", "recalls no lines", "one change a tick"):
             self.assertIn(limit, version)
 
     def test_what_only_larger_boards_have_is_refused_with_the_bytes_it_needs(self) -> None:
         for name in ("loop3.gain", "meas5.lo", "mv16.hi", "ff2.gain", "lock3.limit", "alarm2.limit"):
             reply = self.console.ask(f"set {name} 1")[-1]
             self.assertRegex(reply, rf"^err UNSUPPORTED {name}: this board has \d, bytes needed for each more: \d+$")
+        self.assertRegex(self.console.ask("set step1.hold 1")[-1],
+                         r"^err UNSUPPORTED step1.hold: this board has 0, bytes needed for each more: 96$")
+        self.assertTrue(self.console.ask("seq start")[-1].startswith("err UNSUPPORTED sequences are left out"))
         self.assertTrue(self.console.ask("set loop9.gain 1")[-1].startswith("err UNKNOWN"))
 
     def test_a_dead_time_too_long_for_the_arena_is_refused_with_the_bytes_it_needs(self) -> None:
