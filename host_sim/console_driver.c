@@ -8,6 +8,7 @@
 void console_driver_init(struct console *c, struct transport *t, FILE *transcript, FILE *telemetry)
 {
     *c = (struct console){.transport = t, .transcript = transcript, .telemetry = telemetry};
+    console_watch(c);
 }
 
 void console_forget(struct console *c)
@@ -73,6 +74,41 @@ static void telemetry_row(struct console *c, const char *line)
     c->rows++;
 }
 
+void console_watch(struct console *c)
+{
+    c->events[0] = '|';
+    c->events[1] = '\0';
+}
+
+/* `! <time> <level> <CODE> ...`; one that finds no room any more is not waited for. */
+static void note_event(struct console *c, const char *line)
+{
+    char code[40];
+    if (sscanf(line, "! %*s %*s %39s", code) != 1) {
+        return;
+    }
+    char wrapped[42];
+    (void)snprintf(wrapped, sizeof(wrapped), "|%s|", code);
+    if (strstr(c->events, wrapped) == NULL &&
+        strlen(c->events) + strlen(code) + 2 <= sizeof(c->events)) {
+        (void)strcat(strcat(c->events, code), "|");
+    }
+}
+
+bool console_announced(const struct console *c, const char *codes)
+{
+    while (*codes != '\0') {
+        size_t n = strcspn(codes, "|");
+        char wrapped[64];
+        (void)snprintf(wrapped, sizeof(wrapped), "|%.*s|", (int)n, codes);
+        if (n > 0 && strstr(c->events, wrapped) != NULL) {
+            return true;
+        }
+        codes += n + (codes[n] == '|');
+    }
+    return false;
+}
+
 static void take_line(struct console *c)
 {
     const char *line = c->line;
@@ -96,6 +132,8 @@ static void take_line(struct console *c)
         c->reply = REPLY_ERR;
         c->replies++;
         (void)snprintf(c->reply_text, sizeof(c->reply_text), "%.*s", CONSOLE_REPLY_SIZE - 1, line);
+    } else if (begins(line, "! ")) {
+        note_event(c, line);
     }
 }
 

@@ -30,6 +30,8 @@ struct console {
     char reply_text[CONSOLE_REPLY_SIZE]; /* of an err */
     uint32_t replies;                    /* ok and err lines since start */
 
+    char events[1024]; /* codes announced since console_watch(), each between two '|' */
+
     bool header;        /* an H line was seen since the last start or `log off` */
     bool log_on;        /* telemetry was asked for, or its header came */
     bool thinned;       /* `log on N`: rows of some samples only, none is waited for */
@@ -50,6 +52,11 @@ bool console_send(struct console *c, const char *line);
 
 /* Takes what has arrived; false when the peer is gone or a line does not end: reason in c->error. */
 bool console_turn(struct console *c);
+
+/* Forgets the events announced so far. */
+void console_watch(struct console *c);
+/* Has an event with one of these codes, separated by '|', been announced since? */
+bool console_announced(const struct console *c, const char *codes);
 
 /* Telemetry is on, and the row of this sample has not come yet. */
 bool console_row_missing(const struct console *c, uint32_t number);

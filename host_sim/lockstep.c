@@ -201,6 +201,7 @@ static enum outcome scripted_line(struct lockstep *k, const struct script_line *
 {
     char what[SCRIPT_LINE_SIZE + 64];
     (void)snprintf(what, sizeof(what), "reply to console line %u, \"%s\",", x->at, x->text);
+    console_watch(k->console);
     if (console_line(k, x->text) == STOPPED) {
         return STOPPED;
     }
@@ -244,19 +245,47 @@ static enum outcome scripted_line(struct lockstep *k, const struct script_line *
     return GOT_IT;
 }
 
+/* Is what this line waits for there? */
+static enum outcome until(struct lockstep *k, struct script_line *x, double time_s, bool *there)
+{
+    *there = console_announced(k->console, x->text);
+    if (*there) {
+        return GOT_IT;
+    }
+    if (x->waiting_s < 0.0) {
+        x->waiting_s = time_s;
+    }
+    if (x->limit_s < 0.0 || time_s - x->waiting_s <= x->limit_s) {
+        return GOT_IT;
+    }
+    (void)sim_fail(k->error, sizeof(k->error),
+                   "at plant time %.3f s: %s:%u: no event %.120s within %g s", time_s,
+                   k->script->file, x->at, x->text, x->limit_s);
+    return STOPPED;
+}
+
 static enum outcome scripted_lines(struct lockstep *k, double time_s)
 {
     if (k->console == NULL) {
         return GOT_IT;
     }
     for (; k->script->next < k->script->n; k->script->next++) {
-        const struct script_line *x = &k->script->list[k->script->next];
+        struct script_line *x = &k->script->list[k->script->next];
         if (x->time_s > time_s) {
             break;
         }
-        enum outcome r = scripted_line(k, x);
+        if (x->kind == SCRIPT_END) {
+            k->ended = true;
+            break;
+        }
+        bool there = true;
+        enum outcome r =
+            x->kind == SCRIPT_UNTIL ? until(k, x, time_s, &there) : scripted_line(k, x);
         if (r != GOT_IT) {
             return r;
+        }
+        if (!there) {
+            break;
         }
     }
     return GOT_IT;
@@ -376,6 +405,9 @@ enum lockstep_result lockstep_run(struct lockstep *k)
     while (r == GOT_IT) {
         r = one_sample(k);
         uint64_t next_ms = k->time_ms + k->tick_ms;
+        if (r == GOT_IT && k->ended) {
+            break;
+        }
         if (r == GOT_IT && k->duration_s >= 0.0 && (double)next_ms / 1000.0 > k->duration_s) {
             break;
         }

@@ -49,6 +49,7 @@ struct lockstep {
     uint32_t session_seen;
     bool met; /* a controller was greeted */
     uint32_t restarts;
+    bool ended; /* by the script */
     double wall_began;
     double wall_s;
     char error[400]; /* of RUN_FAILED */

@@ -7,6 +7,25 @@
 
 #include "text.h"
 
+/* ~until CODES [LIMIT_S] and ~end. Leaves the codes in x->text. */
+static bool directive(struct script_line *x, const char *text)
+{
+    char word[16], codes[SCRIPT_LINE_SIZE], limit[64], more[2];
+    int n = sscanf(text, "~%15s %255s %63s %1s", word, codes, limit, more);
+    if (n == 1 && strcmp(word, "end") == 0) {
+        x->kind = SCRIPT_END;
+        return true;
+    }
+    if ((n != 2 && n != 3) || strcmp(word, "until") != 0) {
+        return false;
+    }
+    x->kind = SCRIPT_UNTIL;
+    x->limit_s = -1.0;
+    x->waiting_s = -1.0;
+    (void)memcpy(x->text, codes, sizeof(x->text));
+    return n == 2 || (sim_parse_number(limit, &x->limit_s) && x->limit_s > 0.0);
+}
+
 bool script_add(struct script *s, const char *line, unsigned at, char *err, size_t err_size)
 {
     line += strspn(line, " \t");
@@ -47,9 +66,8 @@ bool script_add(struct script *s, const char *line, unsigned at, char *err, size
         text += skip;
         n -= skip;
     }
-    if (n == 0 || text[0] == '~' || n >= SCRIPT_LINE_SIZE) {
-        return sim_fail(err, err_size,
-                        "%s:%u: the console line must have 1 to %d characters and not begin with ~",
+    if (n == 0 || n >= SCRIPT_LINE_SIZE) {
+        return sim_fail(err, err_size, "%s:%u: the console line must have 1 to %d characters",
                         s->file, at, SCRIPT_LINE_SIZE - 1);
     }
     for (size_t i = 0; i < n; i++) {
@@ -60,6 +78,15 @@ bool script_add(struct script *s, const char *line, unsigned at, char *err, size
         }
     }
     (void)memcpy(x.text, text, n);
+    if (text[0] == '~') {
+        char copy[SCRIPT_LINE_SIZE] = "";
+        (void)memcpy(copy, text, n);
+        if (!directive(&x, copy)) {
+            return sim_fail(err, err_size,
+                            "%s:%u: after ~ the words are until CODE[|CODE...] [LIMIT_S], or end",
+                            s->file, at);
+        }
+    }
     struct script_line *list = realloc(s->list, (s->n + 1) * sizeof(*list));
     if (list == NULL) {
         return sim_fail(err, err_size, "%s:%u: out of memory", s->file, at);

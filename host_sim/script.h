@@ -2,9 +2,13 @@
  *
  *     <time_s> <console line>      sent before the first sample at or after that plant time
  *     <time_s> ?<console line>     the same; an `err` reply is allowed
+ *     <time_s> ~until CODE[|CODE...] [LIMIT_S]
+ *                                  what follows waits until the firmware has announced an event of one of these codes
+ *                                  since the line before was sent; the run fails when that takes longer than LIMIT_S
+ *     <time_s> ~end                the run ends here, whatever its duration
  *     # comment, and blank lines
  *
- * Times must not go backwards. `~` at the beginning of a console line is reserved.
+ * Times must not go backwards; after an `~until` a line whose time is past is sent at once.
  */
 #ifndef REFLUX_HOST_SIM_SCRIPT_H
 #define REFLUX_HOST_SIM_SCRIPT_H
@@ -14,8 +18,13 @@
 
 #define SCRIPT_LINE_SIZE 256
 
+enum script_kind { SCRIPT_SEND, SCRIPT_UNTIL, SCRIPT_END };
+
 struct script_line {
+    enum script_kind kind;
     double time_s;
+    double limit_s;   /* SCRIPT_UNTIL; negative: none */
+    double waiting_s; /* since when it waits; negative: not yet */
     bool may_fail;
     unsigned at; /* line of the file, for messages */
     char text[SCRIPT_LINE_SIZE];

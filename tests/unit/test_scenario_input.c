@@ -196,7 +196,10 @@ static void wrong_script_lines_are_refused_with_file_and_line(void)
                               {"-1 x", "must be a number of seconds"},
                               {"nan x", "must be a number of seconds"},
                               {"5 ?", "must have 1 to"},
-                              {"5 ~x", "not begin with ~"},
+                              {"5 ~x", "after ~ the words are"},
+                              {"5 ~until", "after ~"},
+                              {"5 ~until PROPOSAL -3", "after ~"},
+                              {"5 ~end now", "after ~"},
                               {"5 a\x01"
                                "b",
                                "byte 2 of the console line"}};
