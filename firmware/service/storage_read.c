@@ -174,7 +174,7 @@ static void tell_changed(struct storage *st, const struct parameter *p, struct c
 enum err storage_load(struct storage *st, struct config *config, const char **why)
 {
     struct parameter p;
-    struct record r;
+    struct stored_record r;
     bool renamed;
     if (st->state == NO_STORAGE) {
         *why = "this board has no storage";

@@ -4,16 +4,16 @@
 
 #include "hal/nvm.h"
 
-bool record_at(uint32_t address, uint32_t left, struct record *r)
+bool record_at(uint32_t address, uint32_t left, struct stored_record *r)
 {
     uint8_t head[RECORD_HEAD];
     if (left < RECORD_HEAD || hal_nvm_read(address, head, sizeof head) != ERR_OK)
         return false;
-    *r = (struct record){address, get16(head), head[2], head[3]};
+    *r = (struct stored_record){address, get16(head), head[2], head[3]};
     return left - RECORD_HEAD >= r->size;
 }
 
-bool record_parameter(const struct record *r, struct parameter *p, bool *renamed)
+bool record_parameter(const struct stored_record *r, struct parameter *p, bool *renamed)
 {
     uint16_t id = r->id;
     *renamed = false;
@@ -65,7 +65,7 @@ static bool take_number(const struct parameter *p, struct config *config, float 
     return outside || rounded;
 }
 
-bool record_take(const struct record *r, const struct parameter *p, struct config *config)
+bool record_take(const struct stored_record *r, const struct parameter *p, struct config *config)
 {
     char text[CHANNEL_NAME_SIZE + 1] = {0};
     uint8_t data[4] = {0};

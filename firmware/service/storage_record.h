@@ -22,18 +22,18 @@ struct storage_rename {
 };
 extern const struct storage_rename storage_renames[];
 
-struct record {
+struct stored_record {
     uint32_t address;
     uint16_t id;
     uint8_t type, size; /* size of the value */
 };
 
 /* The record at `address`, of which `left` bytes of the set are still there; false = there is none. */
-bool record_at(uint32_t address, uint32_t left, struct record *r);
+bool record_at(uint32_t address, uint32_t left, struct stored_record *r);
 /* The parameter a record belongs to today; false = this build knows of none. */
-bool record_parameter(const struct record *r, struct parameter *p, bool *renamed);
+bool record_parameter(const struct stored_record *r, struct parameter *p, bool *renamed);
 /* Puts its value into the configuration. False: it had to be changed to the nearest one allowed, or left out. */
-bool record_take(const struct record *r, const struct parameter *p, struct config *config);
+bool record_take(const struct stored_record *r, const struct parameter *p, struct config *config);
 
 /* Whether a set must have a record of it: it belongs to something in use, or differs from the default. */
 bool record_wanted(const struct parameter *p, const struct config *config);

@@ -127,7 +127,7 @@ static uint32_t next_record(struct storage *st)
 {
     struct config *config = service_staged(st->service);
     struct parameter p;
-    struct record r;
+    struct stored_record r;
     bool renamed;
     while (parameter_at(st->parameter, &p)) {
         st->parameter++;
