@@ -33,7 +33,9 @@ struct pairing_config {
 enum pairing_verdict {
     PAIRING_DETERMINED,
     PAIRING_UNDETERMINED, /* the gains are not known well enough; pairs are the best guess */
-    PAIRING_SINGULAR, /* no relative gains at the estimates: rank not full. No pairs; shares say which would vary */
+    /* No relative gains at the estimates: rank not full. No pairs; shares and rivals are about the most frequent pairs
+     * of draws, which then have errors of at least 0.1 %. */
+    PAIRING_SINGULAR,
     PAIRING_IMPOSSIBLE /* no pairs with positive relative gains and a positive Niederlinski index */
 };
 
@@ -52,13 +54,13 @@ struct pairing {
     real_t lambda[INTERACT_MAX], niederlinski;
     real_t cost;        /* sum of |ln lambda|, to 1e-4 a pair */
     real_t probability; /* share of draws that gave exactly these pairs */
-    real_t share
-        [INTERACT_MAX]; /* by output: share of draws that gave it the same input (or, too, none) */
-    uint8_t rival
-        [INTERACT_MAX]; /* by output: what it got most often otherwise; itself never, INTERACT_NONE none */
+    /* By output: share of draws that gave it its input (or left it out, where the pairs do), and the input it got most
+     * often otherwise; INTERACT_MAX: left out, INTERACT_NONE: it always got the same. */
+    real_t share[INTERACT_MAX];
+    uint8_t rival[INTERACT_MAX];
     uint16_t ambiguous_outputs;    /* bit i: share below the confidence */
-    uint16_t ambiguous_inputs;     /* the inputs concerned */
-    uint16_t drawn, drawn_no_pair; /* draws so far; of them with no admissible pairs */
+    uint16_t ambiguous_inputs;     /* theirs, and their rivals */
+    uint16_t drawn, drawn_no_pair; /* draws so far; of them without admissible pairs */
 
     /* Work */
     struct pairing_config config;
@@ -66,14 +68,17 @@ struct pairing {
     struct random random;
     struct matrix gains, square, lambda_all;
     struct rga_work rga;
-    struct assignment assignment;
+    struct assignment assignment, rest;
     struct pairing_node node[PAIRING_NODES], parent;
     uint16_t agreed, count[INTERACT_MAX][INTERACT_MAX + 1];
-    struct pairs chosen;
+    struct pairs kept; /* channels of the square plant, ascending; not paired */
+    real_t floor;
+    bool drawing;
     uint8_t stage, nodes, tries, row;
 };
 
-/* smallest_lambda 0.02, floor 0.005, confidence 0.95, 400 draws, seed 1, every channel. */
+/* smallest_lambda 0.02, floor 0.005, confidence 0.95, 400 draws, seed 1, every channel. 400 draws settle a probability of
+ * 0.95 to about 0.01 (one standard deviation). */
 void pairing_config_default(struct pairing_config *config);
 
 /* ERR_RANGE and ERR_NOT_FINITE as interact_check, or for config (why says what); ERR_EMPTY: no channel left. plant must

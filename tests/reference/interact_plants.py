@@ -12,6 +12,7 @@ Writes interact_plants.csv: plant (number), what, i, j, value, where what is
    8 Niederlinski index of the pairing  9 pair: output i, input j, value its relative gain in the square plant
   10 rank                              11 frequency i, rad/s
   20 + k modulus, 30 + k real part of the dynamic relative gain at frequency k
+  12 share of 20000 draws of gains with 3 % standard deviation that give the pairing, i.e. its probability
   40 RNGA, 41 RARTA of the paired square plant, rows and columns in the order of the pairs
 
 usage: tests/reference/interact_plants.py
@@ -116,6 +117,25 @@ def figures():
         yield q, g, L, T, pairs
 
 
+def best_pairs(g):
+    """The rule of linear_reference.Plant.pairing(), which no draw has a plant for; a Niederlinski index below 0 counts
+    as no pairs, for the next best is hardly ever the committed pairing."""
+    m = g.shape[1]
+    kept = np.sort(np.argsort(-np.round(rga(g).sum(axis=1), 9), kind="stable")[:m])
+    square = g[kept]
+    lam = rga(square)
+    cost = np.where(lam > 0.02, np.abs(np.log(np.maximum(lam, 1e-9))), 1e3)
+    i, j = scipy.optimize.linear_sum_assignment(cost)
+    if cost[i, j].max() > 100.0 or np.linalg.det(square[:, j]) / np.prod(np.diag(square[:, j])) <= 0.0:
+        return None
+    return [(int(kept[a]), int(b)) for a, b in zip(i, j)]
+
+
+def probability(g, pairs, sd=0.03, draws=20000):
+    rng = np.random.default_rng(1)
+    return np.mean([best_pairs(g * (1.0 + sd * rng.normal(size=g.shape))) == pairs for _ in range(draws)])
+
+
 def rows():
     for number, (q, g, L, T, pairs) in enumerate(figures(), 1):
         p, m = g.shape
@@ -147,6 +167,7 @@ def rows():
         lam = rga(square)
         yield from (line(9, a, b, lam[k, k]) for k, (a, b) in enumerate(pairs))
         yield line(8, 0, 0, np.linalg.det(square) / np.prod(np.diag(square)))
+        yield line(12, 0, 0, probability(g, pairs))
         residence = np.maximum((L + T)[np.ix_(out, inp)], 1.0)
         phi = rga(square / residence)
         yield from grid(40, phi)

@@ -6,12 +6,15 @@ matrix() is tests/support/random_matrix.h, line by line. Writes
 
   algebra.csv      seed, rows, cols, kind, sign and log of the determinant (0, 0 where there is none), 16 singular
                    values (0 past the last)
+  pairing.csv      seed, n, input of outputs 1 to 5 (-1: none), how many cheaper pairings have a Niederlinski index that is
+                   not positive; by trying every permutation
   assignment.csv   seed, rows, cols, total cost of the best assignment (-1: needs a forbidden element)
 
 The plants: interact_plants.py.
 
 usage: tests/reference/interact_reference.py
 """
+import itertools
 from pathlib import Path
 
 import numpy as np
@@ -98,6 +101,29 @@ def assignments():
         yield f"{seed},{c.shape[0]},{c.shape[1]},{best}"
 
 
+def square(seed):
+    """n x n, 2 to 5, as random_square() of tests/unit/test_pairing.c."""
+    r = Random(seed)
+    n = 2 + r.below(4)
+    return np.array([[r.fraction() for _ in range(n)] for _ in range(n)])
+
+
+def pairings():
+    for seed in range(1, 501):
+        g = square(seed)
+        n = len(g)
+        lam = g * np.linalg.inv(g).T
+        found, rejected = [-1] * n, 0
+        cost = lambda p: sum(np.floor(np.abs(np.log(lam[i, p[i]])) * 1e4 + 0.5) for i in range(n))
+        allowed = [p for p in itertools.permutations(range(n)) if all(lam[i, p[i]] >= 0.02 for i in range(n))]
+        for p in sorted(allowed, key=cost)[:16]:
+            if np.linalg.det(g[:, p]) / np.prod(np.diag(g[:, p])) > 0.0:
+                found = list(p)
+                break
+            rejected += 1
+        yield ",".join(map(str, [seed, n, *found, *[-1] * (5 - n), rejected]))
+
+
 def table(name, header, rows, remark, maker="interact_reference"):
     with open(HERE / name, "w") as f:
         f.write(f"# {remark}\n# made by tests/reference/{maker}.py\n{header}\n")
@@ -107,6 +133,8 @@ def table(name, header, rows, remark, maker="interact_reference"):
 def main():
     table("algebra.csv", "seed,rows,cols,kind,sign,log_det," + ",".join(f"s{k}" for k in range(1, 17)), algebra(),
           "Determinants and singular values of matrices drawn from the seeds, by numpy")
+    table("pairing.csv", "seed,n,p1,p2,p3,p4,p5,rejected", pairings(),
+          "Best pairings of random square gain matrices, by trying every one")
     table("assignment.csv", "seed,rows,cols,total", assignments(),
           "Best assignments by scipy.optimize.linear_sum_assignment")
 

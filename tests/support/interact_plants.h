@@ -32,7 +32,7 @@ struct known_plant {
     unsigned rank;
     double gain[INTERACT_MAX][INTERACT_MAX], lambda[INTERACT_MAX][INTERACT_MAX];
     double singular[INTERACT_MAX], condition, least_condition, niederlinski;
-    double pair_lambda[INTERACT_MAX], omega[DYNAMIC];
+    double pair_lambda[INTERACT_MAX], omega[DYNAMIC], probability;
     double dynamic_modulus[DYNAMIC][INTERACT_MAX][INTERACT_MAX];
     double dynamic_real[DYNAMIC][INTERACT_MAX][INTERACT_MAX];
     double rnga[INTERACT_MAX][INTERACT_MAX], rarta[INTERACT_MAX][INTERACT_MAX];
@@ -81,6 +81,9 @@ static inline void known_plant_row(struct known_plant *k, unsigned what, unsigne
         break;
     case 11:
         k->omega[i] = value;
+        break;
+    case 12:
+        k->probability = value;
         break;
     case 40:
         k->rnga[i][j] = value;

@@ -1,0 +1,381 @@
+#include "interact/pairing.h"
+
+#include <stddef.h>
+#include <string.h>
+
+#define COST_UNIT REAL_C(1e4) /* of |ln lambda| */
+#define TO_REVEAL                                                                                  \
+    REAL_C(1e-3) /* relative errors drawn where the gains themselves give no relative gains */
+
+/* What is to be done next: relative gains of a matrix (the estimates, or a draw about them), then pairs by pairs until
+ * their Niederlinski index is positive. */
+enum { STAGE_CHOOSE, STAGE_SQUARE, STAGE_BRANCH, STAGE_RESULT, STAGE_DONE };
+
+void pairing_config_default(struct pairing_config *config)
+{
+    *config = (struct pairing_config){.smallest_lambda = REAL_C(0.02),
+                                      .floor = REAL_C(0.005),
+                                      .confidence = REAL_C(0.95),
+                                      .draws = 400,
+                                      .seed = 1};
+}
+
+static enum err check_field(real_t value, real_t lo, real_t hi, const char *field,
+                            const char *wanted, struct interact_refusal *why)
+{
+    *why = (struct interact_refusal){field, wanted, INTERACT_NONE, INTERACT_NONE};
+    if (!real_is_finite(value))
+        return ERR_NOT_FINITE;
+    return value < lo || value > hi ? ERR_RANGE : ERR_OK;
+}
+
+static enum err check_config(const struct pairing_config *c, struct interact_refusal *why)
+{
+    enum err err = check_field(c->smallest_lambda, REAL_C(0.001), REAL_C(1.0), "smallest_lambda",
+                               "0.001 to 1", why);
+    if (!err)
+        err = check_field(c->floor, REAL_C(1e-4), REAL_C(0.5), "floor", "0.0001 to 0.5", why);
+    if (!err)
+        err = check_field(c->confidence, REAL_C(0.5), REAL_C(0.9999), "confidence", "0.5 to 0.9999",
+                          why);
+    if (!err)
+        err = check_field((real_t)c->draws, REAL_C(20.0), REAL_C(10000.0), "draws", "20 to 10000",
+                          why);
+    return err;
+}
+
+/* The gains to look at: the estimates before the first draw, then draws about them. Channels left out become 0. */
+static void take_gains(struct pairing *p)
+{
+    for (size_t i = 0; i < p->plant->outputs; i++)
+        for (size_t j = 0; j < p->plant->inputs; j++) {
+            real_t gain = p->plant->element[i][j].gain, sd = p->plant->gain_sd[i][j];
+            real_t part = p->floor * gain;
+            if (p->drawing)
+                gain += real_sqrt(sd * sd + part * part) * random_normal(&p->random);
+            p->gains.at[i][j] = gain;
+        }
+    p->gains.rows = p->plant->outputs;
+    p->gains.cols = p->plant->inputs;
+    p->stage = STAGE_CHOOSE;
+}
+
+/* Rows and columns of p->gains that may be used, into p->square; kept_* remember which they were. */
+static void take_allowed(struct pairing *p)
+{
+    p->kept.n = 0;
+    uint8_t rows = 0, cols = 0;
+    for (uint8_t i = 0; i < p->gains.rows; i++)
+        if ((p->config.outputs_out & (1u << i)) == 0u)
+            p->kept.output[rows++] = i;
+    for (uint8_t j = 0; j < p->gains.cols; j++)
+        if ((p->config.inputs_out & (1u << j)) == 0u)
+            p->kept.input[cols++] = j;
+    p->square.rows = rows;
+    p->square.cols = cols;
+    for (size_t i = 0; i < rows; i++)
+        for (size_t j = 0; j < cols; j++)
+            p->square.at[i][j] = p->gains.at[p->kept.output[i]][p->kept.input[j]];
+}
+
+/* Leaves as many of the n channels as there are on the other side, those with the largest sums; of equals the first. */
+static void keep_largest(const real_t *sum, uint8_t *channel, uint8_t n, uint8_t wanted)
+{
+    uint16_t keep = 0;
+    for (uint8_t k = 0; k < wanted; k++) {
+        uint8_t best = n;
+        for (uint8_t l = 0; l < n; l++)
+            if ((keep & (1u << l)) == 0u && (best == n || sum[l] > sum[best]))
+                best = l;
+        keep = (uint16_t)(keep | (1u << best));
+    }
+    uint8_t at = 0;
+    for (uint8_t l = 0; l < n; l++)
+        if ((keep & (1u << l)) != 0u)
+            channel[at++] = channel[l];
+}
+
+static enum err choose_square(struct pairing *p)
+{
+    take_allowed(p);
+    uint8_t rows = p->square.rows, cols = p->square.cols;
+    if (rows != cols) {
+        enum err err = rga_compute(&p->square, &p->rga, &p->lambda_all);
+        if (err)
+            return err;
+        real_t sum[INTERACT_MAX];
+        uint8_t n = rows > cols ? rows : cols, wanted = rows > cols ? cols : rows;
+        for (uint8_t k = 0; k < n; k++) {
+            sum[k] = REAL_C(0.0);
+            for (uint8_t l = 0; l < wanted; l++)
+                sum[k] += rows > cols ? p->lambda_all.at[k][l] : p->lambda_all.at[l][k];
+        }
+        keep_largest(sum, rows > cols ? p->kept.output : p->kept.input, n, wanted);
+        p->kept.n = wanted;
+    } else {
+        p->kept.n = rows;
+    }
+    return ERR_OK;
+}
+
+static void set_costs(struct pairing *p)
+{
+    size_t n = p->kept.n;
+    p->assignment.rows = p->assignment.cols = p->kept.n;
+    for (size_t i = 0; i < n; i++)
+        for (size_t j = 0; j < n; j++) {
+            real_t lambda = p->lambda_all.at[i][j];
+            p->assignment.cost[i][j] = ASSIGNMENT_FORBIDDEN;
+            if (lambda < p->config.smallest_lambda)
+                continue;
+            real_t cost = real_abs(real_log(lambda)) * COST_UNIT + REAL_C(0.5);
+            p->assignment.cost[i][j] =
+                cost < (real_t)ASSIGNMENT_COST_MAX ? (int32_t)cost : ASSIGNMENT_COST_MAX;
+        }
+}
+
+static enum err relative_gains_of_square(struct pairing *p)
+{
+    size_t n = p->kept.n;
+    p->square.rows = p->square.cols = p->kept.n;
+    for (size_t i = 0; i < n; i++)
+        for (size_t j = 0; j < n; j++)
+            p->square.at[i][j] = p->gains.at[p->kept.output[i]][p->kept.input[j]];
+    enum err err = rga_compute(&p->square, &p->rga, &p->lambda_all);
+    if (!err)
+        set_costs(p);
+    return err;
+}
+
+/* Solves with the first `fixed` rows as in the parent and some columns of the next forbidden, and keeps the result as an
+ * open node. The dearest open node goes where there is no room. */
+static void solve_node(struct pairing *p, uint8_t fixed, uint16_t forbidden)
+{
+    struct assignment *a = &p->assignment;
+    int32_t saved[INTERACT_MAX];
+    struct pairing_node node = {.forbidden = forbidden, .fixed = fixed};
+    uint8_t n = a->rows;
+    /* Fixed rows and their columns are taken out by forbidding: swap the rest of them in the cost matrix. */
+    memcpy(saved, a->cost[fixed], sizeof saved);
+    for (uint8_t j = 0; j < n; j++)
+        if ((forbidden & (1u << j)) != 0u)
+            a->cost[fixed][j] = ASSIGNMENT_FORBIDDEN;
+    uint16_t taken = 0;
+    for (uint8_t i = 0; i < fixed; i++)
+        taken = (uint16_t)(taken | (1u << p->parent.partner[i]));
+    struct assignment *rest = &p->rest;
+    uint8_t column[INTERACT_MAX], partner[INTERACT_MAX], left = 0;
+    for (uint8_t j = 0; j < n; j++)
+        if ((taken & (1u << j)) == 0u)
+            column[left++] = j;
+    rest->rows = rest->cols = left;
+    for (uint8_t i = 0; i < left; i++)
+        for (uint8_t j = 0; j < left; j++)
+            rest->cost[i][j] = a->cost[fixed + i][column[j]];
+    memcpy(a->cost[fixed], saved, sizeof saved);
+
+    int32_t total;
+    if (assignment_solve(rest, partner, &total))
+        return;
+    for (uint8_t i = 0; i < fixed; i++) {
+        node.partner[i] = p->parent.partner[i];
+        total += a->cost[i][node.partner[i]];
+    }
+    for (uint8_t i = 0; i < left; i++)
+        node.partner[fixed + i] = column[partner[i]];
+    node.total = total;
+
+    uint8_t at = p->nodes;
+    if (p->nodes == PAIRING_NODES) {
+        at = 0;
+        for (uint8_t k = 1; k < PAIRING_NODES; k++)
+            if (p->node[k].total > p->node[at].total)
+                at = k;
+        if (p->node[at].total <= total)
+            return;
+    } else {
+        p->nodes++;
+    }
+    p->node[at] = node;
+}
+
+/* Takes the cheapest open node (of equals the oldest) as the next pairs to look at; false when there is none. */
+static bool next_node(struct pairing *p)
+{
+    if (p->nodes == 0 || p->tries >= PAIRING_TRIES)
+        return false;
+    uint8_t best = 0;
+    for (uint8_t k = 1; k < p->nodes; k++)
+        if (p->node[k].total < p->node[best].total)
+            best = k;
+    p->parent = p->node[best];
+    p->nodes--;
+    for (uint8_t k = best; k < p->nodes; k++)
+        p->node[k] = p->node[k + 1];
+    p->tries++;
+    return true;
+}
+
+static bool index_is_positive(struct pairing *p, real_t *index)
+{
+    struct pairs pairs = {.n = p->kept.n};
+    for (uint8_t i = 0; i < pairs.n; i++) {
+        pairs.output[i] = i;
+        pairs.input[i] = p->parent.partner[i];
+    }
+    return !niederlinski_index(&p->square, &pairs, &p->rga, index) && *index > REAL_C(0.0);
+}
+
+static void count_draw(struct pairing *p, bool found)
+{
+    uint8_t input_of[INTERACT_MAX];
+    for (size_t i = 0; i < p->gains.rows; i++)
+        input_of[i] = INTERACT_MAX; /* none */
+    for (uint8_t k = 0; found && k < p->kept.n; k++)
+        input_of[p->kept.output[k]] = p->kept.input[p->parent.partner[k]];
+    p->drawn++;
+    if (!found)
+        p->drawn_no_pair++;
+    bool same = found && p->pairs.n == p->kept.n;
+    for (size_t i = 0; i < p->gains.rows; i++)
+        p->count[i][input_of[i]]++;
+    for (uint8_t k = 0; same && k < p->pairs.n; k++)
+        same = input_of[p->pairs.output[k]] == p->pairs.input[k];
+    if (same)
+        p->agreed++;
+}
+
+/* The estimates' own pairs; what the draws are compared with. */
+static void keep_pairs(struct pairing *p, real_t index)
+{
+    p->pairs.n = p->kept.n;
+    p->niederlinski = index;
+    p->cost = (real_t)p->parent.total / COST_UNIT;
+    for (uint8_t k = 0; k < p->kept.n; k++) {
+        p->pairs.output[k] = p->kept.output[k];
+        p->pairs.input[k] = p->kept.input[p->parent.partner[k]];
+        p->lambda[k] = p->lambda_all.at[k][p->parent.partner[k]];
+    }
+}
+
+static void conclude(struct pairing *p)
+{
+    uint8_t partner[INTERACT_MAX];
+    memset(partner, INTERACT_MAX, sizeof partner);
+    for (uint8_t k = 0; k < p->pairs.n; k++)
+        partner[p->pairs.output[k]] = p->pairs.input[k];
+    p->probability = (real_t)p->agreed / (real_t)p->drawn;
+    for (uint8_t i = 0; i < p->gains.rows; i++) {
+        uint8_t usual = partner[i], rival = INTERACT_NONE;
+        for (uint8_t j = 0; j <= INTERACT_MAX && p->pairs.n == 0; j++)
+            if (p->count[i][j] > p->count[i][usual])
+                usual = j; /* no pairs of its own: the most frequent ones stand in */
+        for (uint8_t j = 0; j <= INTERACT_MAX; j++)
+            if (j != usual && p->count[i][j] > 0 &&
+                (rival == INTERACT_NONE || p->count[i][j] > p->count[i][rival]))
+                rival = j;
+        p->share[i] = (real_t)p->count[i][usual] / (real_t)p->drawn;
+        p->rival[i] = rival;
+        if (p->share[i] >= p->config.confidence)
+            continue;
+        p->ambiguous_outputs = (uint16_t)(p->ambiguous_outputs | (1u << i));
+        if (usual < INTERACT_MAX)
+            p->ambiguous_inputs = (uint16_t)(p->ambiguous_inputs | (1u << usual));
+        if (rival < INTERACT_MAX)
+            p->ambiguous_inputs = (uint16_t)(p->ambiguous_inputs | (1u << rival));
+    }
+    if (p->verdict == PAIRING_DETERMINED && p->probability < p->config.confidence)
+        p->verdict = PAIRING_UNDETERMINED;
+    p->stage = STAGE_DONE;
+}
+
+/* A matrix is dealt with: found pairs or not. */
+static void finish_matrix(struct pairing *p, bool found, bool singular, real_t index)
+{
+    if (p->drawing) {
+        count_draw(p, found);
+    } else {
+        p->drawing = true;
+        if (found)
+            keep_pairs(p, index);
+        else
+            p->verdict = singular ? PAIRING_SINGULAR : PAIRING_IMPOSSIBLE;
+        if (singular && p->floor < TO_REVEAL)
+            p->floor = TO_REVEAL;
+    }
+    if (p->drawn >= p->config.draws)
+        conclude(p);
+    else
+        take_gains(p);
+}
+
+enum err pairing_begin(struct pairing *p, const struct interact_plant *plant,
+                       const struct pairing_config *config, struct interact_refusal *why)
+{
+    struct interact_refusal unused;
+    why = why ? why : &unused;
+    enum err err = interact_check(plant, why);
+    if (!err)
+        err = check_config(config, why);
+    if (err)
+        return err;
+    *why = (struct interact_refusal){"outputs_out, inputs_out", "an output and an input left",
+                                     INTERACT_NONE, INTERACT_NONE};
+    uint32_t outputs = (1u << plant->outputs) - 1u, inputs = (1u << plant->inputs) - 1u;
+    if ((outputs & ~(uint32_t)config->outputs_out) == 0u ||
+        (inputs & ~(uint32_t)config->inputs_out) == 0u)
+        return ERR_EMPTY;
+    *why = (struct interact_refusal){"", "", INTERACT_NONE, INTERACT_NONE};
+    memset(p, 0, sizeof *p);
+    p->config = *config;
+    p->plant = plant;
+    p->floor = config->floor;
+    p->random = random_from(config->seed);
+    p->verdict = PAIRING_DETERMINED;
+    take_gains(p);
+    return ERR_OK;
+}
+
+enum err pairing_step(struct pairing *p)
+{
+    real_t index = REAL_C(0.0);
+    switch (p->stage) {
+    case STAGE_CHOOSE:
+        p->stage = STAGE_SQUARE;
+        if (choose_square(p))
+            finish_matrix(p, false, true, index);
+        break;
+    case STAGE_SQUARE:
+        p->nodes = p->tries = 0;
+        if (relative_gains_of_square(p)) {
+            finish_matrix(p, false, true, index);
+            break;
+        }
+        solve_node(p, 0, 0);
+        p->stage = STAGE_RESULT;
+        break;
+    case STAGE_RESULT:
+        if (!next_node(p)) {
+            finish_matrix(p, false, false, index);
+        } else if (index_is_positive(p, &index)) {
+            finish_matrix(p, true, false, index);
+        } else {
+            p->row = p->parent.fixed;
+            p->stage = STAGE_BRANCH;
+        }
+        break;
+    case STAGE_BRANCH: /* the parent is out: everything else there is differs from it first in some row */
+        if (p->row + 1u < p->kept.n) {
+            uint16_t own = (uint16_t)(1u << p->parent.partner[p->row]);
+            solve_node(p, p->row,
+                       p->row == p->parent.fixed ? (uint16_t)(p->parent.forbidden | own) : own);
+            p->row++;
+        } else {
+            p->stage = STAGE_RESULT;
+        }
+        break;
+    default:
+        return ERR_STATE;
+    }
+    return p->stage == STAGE_DONE ? ERR_OK : ERR_BUSY;
+}

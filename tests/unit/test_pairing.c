@@ -1,0 +1,339 @@
+/* interact/pairing.[ch]; built in float and in double.
+ *
+ * Contract
+ *   every plant                the committed pairing (tests/reference/linear_pairing.csv), determined, gains known to 0.5 %
+ *   random 2 x 2 to 5 x 5      the pairing found by trying every permutation (500 matrices), also where the cheapest has a
+ *                              Niederlinski index below 0
+ *   probability                within 4 standard deviations of numpy's, with gains known to 3 %
+ *   paper machine              singular; outputs 1, 3 and 4, which alone are in the null vector, ambiguous
+ */
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "interact/pairing.h"
+#include "interact_plants.h"
+#include "random_matrix.h"
+#include "unity.h"
+
+static struct known_plant known;
+static struct pairing pairing, other;
+static struct pairing_config config;
+
+void setUp(void)
+{
+    pairing_config_default(&config);
+}
+void tearDown(void) {}
+
+static void find(struct pairing *p)
+{
+    TEST_ASSERT_EQUAL_INT(ERR_OK, pairing_begin(p, &known.plant, &config, NULL));
+    enum err err;
+    while ((err = pairing_step(p)) == ERR_BUSY)
+        ;
+    TEST_ASSERT_EQUAL_INT(ERR_OK, err);
+    TEST_ASSERT_EQUAL_UINT16(config.draws, p->drawn);
+}
+
+static void same_pairs(const struct pairs *want, const struct pairs *got)
+{
+    TEST_ASSERT_EQUAL_UINT8(want->n, got->n);
+    TEST_ASSERT_EQUAL_UINT8_ARRAY(want->output, got->output, want->n);
+    TEST_ASSERT_EQUAL_UINT8_ARRAY(want->input, got->input, want->n);
+}
+
+static void every_plant_gets_its_committed_pairing(void)
+{
+    for (unsigned number = 1; number <= PLANTS; number++) {
+        known_plant(number, &known);
+        if (known.pairs.n == 0)
+            continue;
+        find(&pairing);
+        same_pairs(&known.pairs, &pairing.pairs);
+        TEST_ASSERT_EQUAL_INT(PAIRING_DETERMINED, pairing.verdict);
+        TEST_ASSERT_TRUE(pairing.probability >= REAL_C(0.95));
+        TEST_ASSERT_EQUAL_UINT16(0, pairing.ambiguous_outputs);
+        for (unsigned k = 0; k < known.pairs.n; k++)
+            TEST_ASSERT_DOUBLE_WITHIN(1e-3 * known.pair_lambda[k], known.pair_lambda[k],
+                                      (double)pairing.lambda[k]);
+        TEST_ASSERT_DOUBLE_WITHIN(1e-3, known.niederlinski, (double)pairing.niederlinski);
+    }
+}
+
+/* As square() of tests/reference/interact_reference.py. */
+static void random_square(uint64_t seed)
+{
+    struct random_source r = {seed};
+    memset(&known, 0, sizeof known);
+    known.plant.outputs = known.plant.inputs = (uint8_t)(2 + random_below(&r, 4));
+    for (unsigned i = 0; i < known.plant.outputs; i++)
+        for (unsigned j = 0; j < known.plant.inputs; j++)
+            known.plant.element[i][j].gain = (real_t)random_fraction(&r);
+}
+
+static void random_plants_get_the_pairing_that_trying_every_one_finds(void)
+{
+    FILE *f = csv_open("reference/pairing.csv");
+    double v[8];
+    unsigned rows = 0, rejected = 0;
+    config.draws = 20;
+    while (csv_row(f, v, 8)) {
+        random_square((uint64_t)v[0]);
+        find(&pairing);
+        TEST_ASSERT_EQUAL_UINT8((uint8_t)v[1], known.plant.outputs);
+        char seed[32];
+        snprintf(seed, sizeof seed, "seed %.0f", v[0]);
+        rows++;
+        rejected += v[7] > 0 && v[2] >= 0;
+        if (v[2] < 0) {
+            TEST_ASSERT_EQUAL_INT_MESSAGE(PAIRING_IMPOSSIBLE, pairing.verdict, seed);
+            TEST_ASSERT_EQUAL_UINT8(0, pairing.pairs.n);
+            continue;
+        }
+        TEST_ASSERT_EQUAL_UINT8_MESSAGE(known.plant.outputs, pairing.pairs.n, seed);
+        for (unsigned k = 0; k < pairing.pairs.n; k++) {
+            TEST_ASSERT_EQUAL_UINT8(k, pairing.pairs.output[k]);
+            TEST_ASSERT_EQUAL_UINT8_MESSAGE((uint8_t)v[2 + k], pairing.pairs.input[k], seed);
+            TEST_ASSERT_TRUE(pairing.lambda[k] >= config.smallest_lambda);
+        }
+        TEST_ASSERT_TRUE(pairing.niederlinski > 0);
+    }
+    fclose(f);
+    TEST_ASSERT_EQUAL_UINT(500, rows);
+    TEST_ASSERT_GREATER_THAN_UINT(10, rejected); /* the index has decided often enough */
+}
+
+static void probabilities_are_those_of_numpy(void)
+{
+    config.floor = REAL_C(0.03);
+    config.draws = 2000;
+    for (unsigned number = 1; number <= PLANTS; number++) {
+        known_plant(number, &known);
+        if (known.pairs.n == 0)
+            continue;
+        find(&pairing);
+        double sd = sqrt((known.probability * (1 - known.probability) + 1e-3) / config.draws);
+        TEST_ASSERT_DOUBLE_WITHIN(4 * sd, known.probability, (double)pairing.probability);
+    }
+}
+
+static void errors_given_gain_by_gain_count_like_the_floor(void)
+{
+    known_plant(PLANT_PACKED_BED, &known);
+    config.draws = 4000;
+    config.floor = REAL_C(0.05);
+    find(&pairing);
+    for (unsigned i = 0; i < 2; i++)
+        for (unsigned j = 0; j < 2; j++)
+            known.plant.gain_sd[i][j] = (real_t)(0.05 * fabs(known.gain[i][j]));
+    config.floor = REAL_C(1e-4);
+    find(&other);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-3, (double)pairing.probability, (double)other.probability);
+    TEST_ASSERT_TRUE(other.probability < REAL_C(0.9));
+}
+
+static void a_pairing_in_doubt_is_not_determined_and_says_among_whom(void)
+{
+    known_plant(PLANT_PACKED_BED, &known);
+    config.floor = REAL_C(0.05);
+    find(&pairing);
+    TEST_ASSERT_EQUAL_INT(PAIRING_UNDETERMINED, pairing.verdict);
+    same_pairs(&known.pairs, &pairing.pairs); /* the best guess */
+    TEST_ASSERT_EQUAL_HEX16(3, pairing.ambiguous_outputs);
+    TEST_ASSERT_EQUAL_HEX16(3, pairing.ambiguous_inputs);
+    TEST_ASSERT_EQUAL_UINT8(1, pairing.rival[0]);
+    TEST_ASSERT_EQUAL_UINT8(0, pairing.rival[1]);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-6, (double)pairing.probability, (double)pairing.share[0]);
+}
+
+/* Two furnaces side by side, the first well known and the second not: only the second is in doubt. */
+static void doubt_is_confined_to_the_outputs_it_concerns(void)
+{
+    static const double k[4][4] = {
+        {2, 0.3, 0, 0}, {0.2, 1.5, 0, 0}, {0, 0, 1, 0.98}, {0, 0, 0.99, 1}};
+    memset(&known, 0, sizeof known);
+    known.plant.outputs = known.plant.inputs = 4;
+    for (unsigned i = 0; i < 4; i++)
+        for (unsigned j = 0; j < 4; j++)
+            known.plant.element[i][j].gain = (real_t)k[i][j];
+    config.floor = REAL_C(0.02);
+    find(&pairing);
+    TEST_ASSERT_EQUAL_INT(PAIRING_UNDETERMINED, pairing.verdict);
+    TEST_ASSERT_EQUAL_HEX16(0xC, pairing.ambiguous_outputs);
+    TEST_ASSERT_EQUAL_HEX16(0xC, pairing.ambiguous_inputs);
+    TEST_ASSERT_EQUAL_UINT8(INTERACT_NONE, pairing.rival[0]);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-9, 1.0, (double)pairing.share[1]);
+}
+
+/* Outputs 1, 3 and 4 depend on each other (their rows of K span two dimensions); whatever the errors, output 2 goes with
+ * input 1 and output 5 with input 5, or the Niederlinski index is negative. */
+static void the_paper_machine_is_singular_and_its_outputs_1_3_and_4_are_ambiguous(void)
+{
+    known_plant(PLANT_PAPER_MACHINE, &known);
+    config.floor = REAL_C(1e-4);
+    find(&pairing);
+    TEST_ASSERT_EQUAL_INT(PAIRING_SINGULAR, pairing.verdict);
+    TEST_ASSERT_EQUAL_UINT8(0, pairing.pairs.n);
+    TEST_ASSERT_EQUAL_HEX16(0xD, pairing.ambiguous_outputs);
+    TEST_ASSERT_EQUAL_HEX16(0xE, pairing.ambiguous_inputs);
+    printf("paper machine: shares");
+    for (unsigned i = 0; i < 5; i++)
+        printf(" %.2f", (double)pairing.share[i]);
+    printf("\n");
+}
+
+/* What an experiment would bring: gains wrong by 0.1 %, so not singular to rounding. */
+static void the_paper_machine_with_errors_is_not_determined_either(void)
+{
+    for (unsigned seed = 1; seed <= 20; seed++) {
+        struct random r = random_from(seed);
+        known_plant(PLANT_PAPER_MACHINE, &known);
+        for (unsigned i = 0; i < 5; i++)
+            for (unsigned j = 0; j < 5; j++)
+                known.plant.element[i][j].gain *= REAL_C(1.0) + REAL_C(0.001) * random_normal(&r);
+        config.draws = 200;
+        find(&pairing);
+        TEST_ASSERT_NOT_EQUAL_INT(PAIRING_DETERMINED, pairing.verdict);
+        TEST_ASSERT_EQUAL_HEX16(0xD, pairing.ambiguous_outputs);
+    }
+}
+
+static void a_wide_plant_leaves_the_inputs_over_that_reach_least(void)
+{
+    known_plant(PLANT_SHELL, &known);
+    struct known_plant turned = {.plant = {.outputs = 3, .inputs = 7}};
+    for (unsigned i = 0; i < 3; i++)
+        for (unsigned j = 0; j < 7; j++)
+            turned.plant.element[i][j] = known.plant.element[j][i];
+    struct pairs want = {3, {0, 1, 2}, {3, 1, 6}}; /* y4-u1, y2-u2, y7-u3 with sides exchanged */
+    known = turned;
+    find(&pairing);
+    same_pairs(&want, &pairing.pairs);
+}
+
+static void channels_left_out_are_not_paired(void)
+{
+    known_plant(PLANT_SHELL, &known);
+    config.outputs_out = 0x3C; /* y3 to y6 */
+    find(&pairing);
+    struct pairs want = {
+        3, {0, 1, 6}, {0, 1, 2}}; /* the outputs usually controlled on this plant */
+    same_pairs(&want, &pairing.pairs);
+    known_plant(PLANT_FURNACE, &known);
+    config.outputs_out = 0x4;
+    config.inputs_out = 0x4;
+    find(&pairing);
+    want = (struct pairs){3, {0, 1, 3}, {0, 1, 3}};
+    same_pairs(&want, &pairing.pairs);
+    config.inputs_out = 0xF;
+    TEST_ASSERT_EQUAL_INT(ERR_EMPTY, pairing_begin(&pairing, &known.plant, &config, NULL));
+}
+
+static void equal_choices_fall_to_the_first_channels(void)
+{
+    memset(&known, 0, sizeof known);
+    known.plant.outputs = known.plant.inputs = 2;
+    known.plant.element[0][0].gain = known.plant.element[0][1].gain = 1;
+    known.plant.element[1][0].gain = -1;
+    known.plant.element[1][1].gain = 1; /* every relative gain is 0.5 */
+    find(&pairing);
+    struct pairs want = {2, {0, 1}, {0, 1}};
+    same_pairs(&want, &pairing.pairs);
+    TEST_ASSERT_EQUAL_INT(PAIRING_UNDETERMINED, pairing.verdict);
+}
+
+static void one_seed_gives_one_answer(void)
+{
+    known_plant(PLANT_PACKED_BED, &known);
+    config.floor = REAL_C(0.05);
+    find(&pairing);
+    find(&other);
+    TEST_ASSERT_EQUAL_MEMORY(&pairing.share, &other.share, sizeof pairing.share);
+    config.seed = 2;
+    find(&other);
+    TEST_ASSERT_TRUE(pairing.share[0] < other.share[0] || pairing.share[0] > other.share[0]);
+}
+
+static void a_single_loop_is_a_pairing(void)
+{
+    memset(&known, 0, sizeof known);
+    known.plant.outputs = known.plant.inputs = 1;
+    known.plant.element[0][0].gain = REAL_C(-2.0);
+    find(&pairing);
+    TEST_ASSERT_EQUAL_INT(PAIRING_DETERMINED, pairing.verdict);
+    TEST_ASSERT_EQUAL_UINT8(1, pairing.pairs.n);
+    known.plant.element[0][0].gain = 0;
+    find(&pairing);
+    TEST_ASSERT_EQUAL_INT(PAIRING_SINGULAR, pairing.verdict);
+}
+
+static void sixteen_loops_are_paired(void)
+{
+    struct random_source r = {9};
+    memset(&known, 0, sizeof known);
+    known.plant.outputs = known.plant.inputs = 16;
+    for (unsigned i = 0; i < 16; i++)
+        for (unsigned j = 0; j < 16; j++)
+            known.plant.element[i][(j + 5) % 16].gain =
+                (real_t)(0.15 * random_fraction(&r) + (i == j ? 1.0 : 0.0));
+    config.draws = 50;
+    find(&pairing);
+    TEST_ASSERT_EQUAL_INT(PAIRING_DETERMINED, pairing.verdict);
+    for (unsigned k = 0; k < 16; k++)
+        TEST_ASSERT_EQUAL_UINT8((k + 5) % 16, pairing.pairs.input[k]);
+}
+
+static void settings_out_of_range_are_refused_by_name(void)
+{
+    struct interact_refusal why;
+    known_plant(PLANT_FURNACE, &known);
+    config.confidence = REAL_C(1.0);
+    TEST_ASSERT_EQUAL_INT(ERR_RANGE, pairing_begin(&pairing, &known.plant, &config, &why));
+    TEST_ASSERT_EQUAL_STRING("confidence", why.field);
+    config.confidence = (real_t)NAN;
+    TEST_ASSERT_EQUAL_INT(ERR_NOT_FINITE, pairing_begin(&pairing, &known.plant, &config, &why));
+    pairing_config_default(&config);
+    config.floor = 0;
+    TEST_ASSERT_EQUAL_INT(ERR_RANGE, pairing_begin(&pairing, &known.plant, &config, &why));
+    TEST_ASSERT_EQUAL_STRING("floor", why.field);
+    pairing_config_default(&config);
+    config.draws = 10;
+    TEST_ASSERT_EQUAL_INT(ERR_RANGE, pairing_begin(&pairing, &known.plant, &config, &why));
+    pairing_config_default(&config);
+    config.smallest_lambda = 0;
+    TEST_ASSERT_EQUAL_INT(ERR_RANGE, pairing_begin(&pairing, &known.plant, &config, &why));
+    pairing_config_default(&config);
+    known.plant.element[0][0].gain = (real_t)INFINITY;
+    TEST_ASSERT_EQUAL_INT(ERR_NOT_FINITE, pairing_begin(&pairing, &known.plant, &config, &why));
+    TEST_ASSERT_EQUAL_STRING("gain", why.field);
+}
+
+static void a_finished_pairing_takes_no_further_step(void)
+{
+    known_plant(PLANT_WOOD_BERRY, &known);
+    find(&pairing);
+    TEST_ASSERT_EQUAL_INT(ERR_STATE, pairing_step(&pairing));
+}
+
+int main(void)
+{
+    UNITY_BEGIN();
+    RUN_TEST(every_plant_gets_its_committed_pairing);
+    RUN_TEST(random_plants_get_the_pairing_that_trying_every_one_finds);
+    RUN_TEST(probabilities_are_those_of_numpy);
+    RUN_TEST(errors_given_gain_by_gain_count_like_the_floor);
+    RUN_TEST(a_pairing_in_doubt_is_not_determined_and_says_among_whom);
+    RUN_TEST(doubt_is_confined_to_the_outputs_it_concerns);
+    RUN_TEST(the_paper_machine_is_singular_and_its_outputs_1_3_and_4_are_ambiguous);
+    RUN_TEST(the_paper_machine_with_errors_is_not_determined_either);
+    RUN_TEST(a_wide_plant_leaves_the_inputs_over_that_reach_least);
+    RUN_TEST(channels_left_out_are_not_paired);
+    RUN_TEST(equal_choices_fall_to_the_first_channels);
+    RUN_TEST(one_seed_gives_one_answer);
+    RUN_TEST(a_single_loop_is_a_pairing);
+    RUN_TEST(sixteen_loops_are_paired);
+    RUN_TEST(settings_out_of_range_are_refused_by_name);
+    RUN_TEST(a_finished_pairing_takes_no_further_step);
+    return UNITY_END();
+}
