@@ -159,8 +159,10 @@ static void grid(struct fopdt_fit *f)
     real_t lo = clip(REAL_C(0.5) * (real_t)f->block, ONE, f->lag_max);
     real_t time = lo * real_pow(f->lag_max / lo, step), share = shares[f->next % GRID_SHARES];
     f->next++;
+    /* Not from a lag so short that nothing depends on it: no step leads out of there. */
+    real_t lag = clip(time * (ONE - share), REAL_C(0.5) * lo, f->lag_max);
     if (time * share <= f->dead_max)
-        consider(f, clip(time * (ONE - share), f->shortest, f->lag_max), time * share);
+        consider(f, lag, time * share);
     else
         f->evaluations++; /* a unit is a unit */
 }

@@ -15,8 +15,8 @@
 #define SETTLED_LAGS REAL_C(4.0)  /* after which a level counts as reached */
 #define DIP_PART     REAL_C(0.02) /* of the gain's response, the wrong way */
 #define DIP_SDS      REAL_C(4.0)
-#define SWING_PART   REAL_C(0.05)
-#define SWING_SDS    REAL_C(6.0)
+#define SWING_PART   REAL_C(0.1)
+#define SWING_SDS    REAL_C(10.0)
 
 static real_t larger(real_t a, real_t b)
 {
@@ -37,15 +37,24 @@ static real_t longest_level(const struct fopdt_fit *f)
     return (real_t)longest;
 }
 
-/* Noise of a point by second differences, which neither a response nor a drift enters much. */
+/* Noise of a point by the median of second differences, which a drift does not enter, a response little, and the
+ * corners of it not at all. Median by halving, largest to start from. */
 static real_t rough_noise(const struct fopdt_fit *f)
 {
-    real_t sum = ZERO;
-    for (uint32_t i = 1; i + 1 < f->points; i++) {
-        real_t bend = f->y[i - 1] - TWO * f->y[i] + f->y[i + 1];
-        sum += bend * bend;
+    real_t lo = ZERO, hi = ZERO;
+    for (uint32_t i = 1; i + 1 < f->points; i++)
+        hi = larger(hi, real_abs(f->y[i - 1] - TWO * f->y[i] + f->y[i + 1]));
+    for (int n = 0; n < 24; n++) {
+        real_t middle = REAL_C(0.5) * (lo + hi);
+        uint32_t below = 0;
+        for (uint32_t i = 1; i + 1 < f->points; i++)
+            below += real_abs(f->y[i - 1] - TWO * f->y[i] + f->y[i + 1]) <= middle;
+        if (2 * below < f->points - 2)
+            lo = middle;
+        else
+            hi = middle;
     }
-    return real_sqrt(sum / (REAL_C(6.0) * (real_t)(f->points - 2)));
+    return hi / (REAL_C(0.6745) * REAL_C(2.449490)); /* of a normal variable; sqrt(1 + 4 + 1) */
 }
 
 /* How often a curve turns by more than swing. */
@@ -177,7 +186,8 @@ static uint16_t shape(const struct fopdt_fit *f, real_t sd, real_t rough)
             flags |= IDENTIFIED_INVERSE;
 
     real_t swing = larger(SWING_SDS * rough, SWING_PART * peak);
-    if (turns(seen, f->points, swing) >= turns(raw, f->points, swing / real_abs(f->gain)) + 2u)
+    real_t expected = REAL_C(0.5) * swing / real_abs(f->gain);
+    if (turns(seen, f->points, swing) >= turns(raw, f->points, expected) + 2u)
         flags |= IDENTIFIED_OSCILLATORY;
     return flags;
 }
