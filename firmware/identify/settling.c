@@ -56,12 +56,12 @@ enum err settling_from_record(const struct record *r, uint32_t output, struct se
     real_t noise = real_sqrt((differences(y, 0, before) + differences(y, from, last)) /
                              (TWO * (real_t)(before + last - 2)));
     real_t change = real_abs(final - initial);
-    if (still_moves(y, from, last, noise, change))
-        return ERR_STATE;
     /* Neighbours are averaged until the band stands out of the noise. */
     real_t wanted = NOISE_SDS * noise / (BAND * change), count = wanted * wanted;
     if (!(count < (real_t)((r->points - before) / 16)))
         return ERR_RANGE;
+    if (still_moves(y, from, last, noise, change))
+        return ERR_STATE;
     uint32_t n = 1u + (uint32_t)count;
     real_t outside = ZERO, inside = ZERO, at = (real_t)edge;
     bool found = false;
