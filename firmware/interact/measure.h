@@ -27,8 +27,7 @@ MUST_CHECK enum err measure_compute(const struct interact_plant *plant, const st
                                     real_t shortest_s, struct measure_work *work,
                                     struct measure *result);
 
-/* Equivalent transfer function of pair k, its times at least those of the element itself scaled by the RARTA. ERR_RANGE:
- * lambda or gamma of the pair is not positive: there is none. */
+/* Equivalent transfer function of pair k. ERR_RANGE: lambda or gamma of the pair is not positive: there is none. */
 MUST_CHECK enum err measure_equivalent(const struct measure *m, const struct interact_plant *plant,
                                        const struct pairs *pairs, uint8_t k,
                                        struct fopdt *equivalent);

@@ -23,8 +23,11 @@
 #define pairing_step             pairing_step_double
 #define pairing_choose           pairing_choose_double
 #define structure_config_default structure_config_default_double
+#define structure_cross_way      structure_cross_way_double
 #define structure_detect         structure_detect_double
+#define cascade_config_default   cascade_config_default_double
 #define cascade_detect           cascade_detect_double
+#define measure_equivalent       measure_equivalent_double
 #define measure_compute          measure_compute_double
 #endif
 

@@ -15,8 +15,7 @@ struct structure_config {
     real_t negligible;   /* 0 to 0.5 */
     real_t lambda_lo;    /* single loops want a relative gain of their pair from here, 0 to 1, */
     real_t lambda_hi;    /* to here, 1 to 100 */
-    real_t
-        grouped; /* relative gains of at least this magnitude off the pairs join two pairs to a group: 0.01 to 1 */
+    real_t grouped;      /* |lambda| off the pairs that joins two pairs to a group: 0.01 to 1 */
 };
 
 /* Part of the plant whose loops all act on each other, round some ring. */
@@ -24,16 +23,16 @@ struct block {
     uint16_t pairs;     /* bit k: pair k of the pairing belongs to it */
     uint16_t driven_by; /* bit b: block b, an earlier one, disturbs it: feedforward */
     uint8_t size;       /* pairs */
-    uint8_t part; /* blocks of one number are coupled, those of different numbers are independent */
-    uint16_t mimo;       /* pairs that single loops will not serve well: bits as in pairs */
-    real_t worst_lambda; /* relative gain of the pair furthest from 1, within the block */
+    uint8_t part;       /* blocks of one number are coupled, of different numbers independent */
+    uint16_t mimo;      /* pairs that single loops will not serve well: bits as in pairs */
+    /* Relative gain, within the block, of the pair furthest from 1; 0 where the block has none (singular). */
+    real_t worst_lambda;
 };
 
 struct structure {
-    uint16_t effect[INTERACT_MAX]; /* output i: bit j, input j has an effect */
-    uint16_t uncertain
-        [INTERACT_MAX]; /* bit j: not seen, but could be more than negligible within its error */
-    uint8_t parts;      /* independent subprocesses, channels without any effect not counted */
+    uint16_t effect[INTERACT_MAX];    /* output i: bit j, input j has an effect */
+    uint16_t uncertain[INTERACT_MAX]; /* bit j: not seen, but its error leaves room for one */
+    uint8_t parts; /* independent subprocesses; channels without any effect are not counted */
     uint16_t part_outputs[INTERACT_MAX], part_inputs[INTERACT_MAX];
     uint8_t blocks; /* of the paired plant; each is driven by earlier ones only */
     struct block block[INTERACT_MAX];
@@ -41,12 +40,11 @@ struct structure {
 };
 
 /* From an input to another loop's manipulated variable: gain (lead s + 1)/(lag s + 1) exp(-dead s), the FOPDT quotient
- * -G_ij/G_ii. */
+ * -G_ij/G_ii. lead_s much above lag_s amplifies noise. */
 struct cross_way {
     uint8_t from, to; /* pairs */
     real_t gain, lead_s, lag_s, dead_s;
-    real_t
-        late_s; /* above 0: the disturbance arrives that much before the correction can; dead_s is 0 then */
+    real_t late_s; /* above 0: the disturbance comes that much before any correction; dead_s is 0 */
 };
 
 /* significance 3, negligible 0.03, lambda 0.5 to 5, grouped 0.15. */

@@ -1,0 +1,58 @@
+#include "interact/measure.h"
+
+#include <stddef.h>
+
+static real_t residence(const struct fopdt *e, real_t shortest_s)
+{
+    real_t sum = e->dead_time_s + e->time_constant_s;
+    return sum > shortest_s ? sum : shortest_s;
+}
+
+enum err measure_compute(const struct interact_plant *plant, const struct pairs *pairs,
+                         real_t shortest_s, struct measure_work *work, struct measure *result)
+{
+    enum err err = interact_check(plant, NULL);
+    if (!err)
+        err = pairs_check(plant, pairs, NULL);
+    if (err)
+        return err;
+    if (!real_is_finite(shortest_s))
+        return ERR_NOT_FINITE;
+    if (shortest_s <= REAL_C(0.0) || shortest_s > REAL_C(1e6) || pairs->n < 1)
+        return ERR_RANGE;
+    interact_gains(plant, pairs, &work->gains);
+    err = rga_compute(&work->gains, &work->rga, &result->lambda);
+    if (err)
+        return err;
+    for (size_t k = 0; k < pairs->n; k++)
+        for (size_t l = 0; l < pairs->n; l++)
+            work->gains.at[k][l] =
+                work->gains.at[k][l] /
+                residence(&plant->element[pairs->output[k]][pairs->input[l]], shortest_s);
+    err = rga_compute(&work->gains, &work->rga, &result->phi);
+    if (err)
+        return err;
+    result->gamma.rows = result->gamma.cols = pairs->n;
+    for (size_t k = 0; k < pairs->n; k++)
+        for (size_t l = 0; l < pairs->n; l++) {
+            real_t lambda = result->lambda.at[k][l];
+            result->gamma.at[k][l] =
+                real_abs(lambda) > REAL_C(1e-9) ? result->phi.at[k][l] / lambda : REAL_C(0.0);
+        }
+    return ERR_OK;
+}
+
+enum err measure_equivalent(const struct measure *m, const struct interact_plant *plant,
+                            const struct pairs *pairs, uint8_t k, struct fopdt *equivalent)
+{
+    if (k >= pairs->n || k >= m->lambda.rows)
+        return ERR_RANGE;
+    real_t lambda = m->lambda.at[k][k], gamma = m->gamma.at[k][k];
+    if (!(lambda > REAL_C(0.0)) || !(gamma > REAL_C(0.0)))
+        return ERR_RANGE;
+    const struct fopdt *own = &plant->element[pairs->output[k]][pairs->input[k]];
+    *equivalent = (struct fopdt){.gain = own->gain / lambda,
+                                 .dead_time_s = own->dead_time_s * gamma,
+                                 .time_constant_s = own->time_constant_s * gamma};
+    return ERR_OK;
+}
