@@ -12,7 +12,6 @@
 #include "hal/watchdog.h"
 #include "service/console.h"
 #include "service/heartbeat.h"
-#include "service/parameters.h"
 #include "service/storage.h"
 #include "supervise/restart.h"
 
@@ -90,8 +89,8 @@ static void bind_channels(struct app *app)
     if (app->io_state != IO_READY)
         return;
     if (!service_tick_fits(s, &s->plan[s->in_force])) {
-        tick_event(app, EVENT_CONFIG_REFUSED, "tick.base",
-                   (float)s->io.tick_ms(s->io.context) / 1000.0f);
+        if (c->tick_s != 0.0f) /* else service_follow_tick() has said why */
+            tick_event(app, EVENT_CONFIG_REFUSED, "tick.base", service_plant_tick_s(s));
         return; /* nothing bound: no loop leaves manual */
     }
     for (uint8_t k = 0; k < 2u * CHANNEL_MAX; k++) {
@@ -133,21 +132,9 @@ static void follow_plant(struct app *app)
     app->out_of_order = 0;
     memset(app->driven, 0, sizeof app->driven);
     supervisor_go_safe(&app->supervisor, state == IO_READY ? "plant" : "link");
-    float tick_s = (float)s->io.tick_ms(s->io.context) / 1000.0f;
-    if (state == IO_READY) {
-        struct config_fault fault;
-        struct plan *plan = &s->plan[s->in_force];
-        if (plan->config.tick_s == 0.0f && plan->tick_s != tick_s) {
-            if (plan_set_tick(plan, tick_s, &fault) != ERR_OK) {
-                /* A tick no block can keep, or dead times that no longer fit: without channels and loops
-                 * nothing can act. */
-                tick_event(app, EVENT_CONFIG_REFUSED, fault.subject, tick_s);
-                parameters_defaults(&plan->config);
-                (void)!plan_set_tick(plan, tick_s, &fault);
-            }
-            supervisor_take_plan(&app->supervisor, plan);
-        }
-    }
+    struct plan *plan = &s->plan[s->in_force];
+    if (state == IO_READY && service_follow_tick(s, plan))
+        supervisor_take_plan(&app->supervisor, plan);
     bind_channels(app);
 }
 
@@ -238,14 +225,16 @@ static void fill_command(struct app *app)
 /* Early, late, twice and missing are judged on plant time alone. Returns whether a tick is due. */
 static bool judge_sample(struct app *app, const struct io_sample *sample)
 {
-    float tick_s = app->service.plan[app->service.in_force].tick_s;
+    const struct service *s = &app->service;
+    const struct plan *plan = &s->plan[s->in_force];
     if (!app->have_sample)
         return true;
+    /* With a plan for another tick nothing acts, and the plant's samples are as they should be. */
+    float tick_s = service_tick_fits(s, plan) ? plan->tick_s : service_plant_tick_s(s);
     float number = (float)sample->number;
     if (sample->time <= app->sample_ms) {
         tick_event(app, EVENT_SAMPLE_TWICE, NULL, number);
-        if (sample->number == app->sample_number ||
-            ++app->out_of_order <= app->service.plan[app->service.in_force].config.miss_limit)
+        if (sample->number == app->sample_number || ++app->out_of_order <= plan->config.miss_limit)
             return false;
         /* Plant time has been set back. Without this, no tick would ever come again. */
         app->out_of_order = 0;
@@ -262,7 +251,7 @@ static bool judge_sample(struct app *app, const struct io_sample *sample)
         float missing = passed_s / tick_s - 0.5f;
         uint32_t whole = missing < 1e9f ? (uint32_t)missing : 1000000000u;
         tick_event(app, EVENT_SAMPLE_MISSING, NULL, (float)whole);
-        if (whole > app->service.plan[app->service.in_force].config.miss_limit)
+        if (whole > plan->config.miss_limit)
             supervisor_go_safe(&app->supervisor, "samples");
     } else if (passed_s > 1.125f * tick_s) {
         tick_event(app, EVENT_SAMPLE_LATE, NULL, passed_s - tick_s);

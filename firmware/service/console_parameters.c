@@ -129,11 +129,7 @@ void console_refuse_config(struct console *c, const struct config_fault *fault)
     }
     char line[CONSOLE_OUTPUT_MAX];
     struct text t = console_err_on(line, sizeof line, fault->code);
-    text_str(&t, fault->group);
-    if (fault->index)
-        text_u32(&t, fault->index);
-    text_char(&t, '.');
-    text_str(&t, fault->field);
+    service_fault_name(fault, &t);
     text_str(&t, ": ");
     if (fault->subject[0]) {
         text_char(&t, '\'');

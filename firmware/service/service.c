@@ -105,10 +105,24 @@ static bool last_is_apply(const struct service *s)
     return spsc_can_read(q) && s->requests.slot[last].kind == REQUEST_APPLY;
 }
 
+float service_plant_tick_s(const struct service *s)
+{
+    return (float)s->io.tick_ms(s->io.context) / 1000.0f;
+}
+
 bool service_tick_fits(const struct service *s, const struct plan *plan)
 {
-    float ratio = plan->tick_s * 1000.0f / (float)s->io.tick_ms(s->io.context);
+    float ratio = plan->tick_s / service_plant_tick_s(s);
     return ratio > 0.99f && ratio < 1.01f;
+}
+
+void service_fault_name(const struct config_fault *fault, struct text *t)
+{
+    text_str(t, fault->group);
+    if (fault->index)
+        text_u32(t, fault->index);
+    text_char(t, '.');
+    text_str(t, fault->field);
 }
 
 enum err service_apply(struct service *s, const struct config *config, struct config_fault *fault)
@@ -120,7 +134,7 @@ enum err service_apply(struct service *s, const struct config *config, struct co
         return ERR_BUSY;
     struct plan *plan = &s->plan[s->scratch];
     forget_rows(s, plan);
-    enum err err = plan_build(plan, config, (float)s->io.tick_ms(s->io.context) / 1000.0f, fault);
+    enum err err = plan_build(plan, config, service_plant_tick_s(s), fault);
     if (err)
         return err;
     if (s->io.state(s->io.context) == IO_READY && !service_tick_fits(s, plan)) {
@@ -161,21 +175,28 @@ enum err service_apply(struct service *s, const struct config *config, struct co
     return err;
 }
 
+bool service_follow_tick(struct service *s, struct plan *plan)
+{
+    struct config_fault fault = {.group = NULL};
+    float tick_s = service_plant_tick_s(s), before_s = plan->tick_s;
+    if (plan->config.tick_s != 0.0f || tick_s == 0.0f || tick_s == before_s)
+        return false;
+    if (plan_set_tick(plan, tick_s, &fault) == ERR_OK)
+        return true;
+    char name[CHANNEL_NAME_SIZE];
+    struct text t = text_on(name, sizeof name);
+    service_fault_name(&fault, &t);
+    event_put(&s->tick_events, s->supervisor->time_ms, EVENT_CONFIG_REFUSED, name, tick_s, 0);
+    (void)!plan_set_tick(plan, before_s, &fault); /* as it was: that fitted */
+    return true;
+}
+
 void service_take_pending(struct service *s)
 {
     if (!s->has_pending)
         return; /* an earlier request has brought the newest plan already */
-    struct plan *plan = &s->plan[s->pending];
-    struct config_fault fault;
-    float tick_s = (float)s->io.tick_ms(s->io.context) / 1000.0f;
     /* The plant may have come, or changed, since the plan was made. */
-    if (plan->config.tick_s == 0.0f && tick_s > 0.0f && plan->tick_s != tick_s &&
-        plan_set_tick(plan, tick_s, &fault) != ERR_OK) {
-        event_put(&s->tick_events, s->supervisor->time_ms, EVENT_CONFIG_REFUSED, fault.subject,
-                  tick_s, 0);
-        s->has_pending = false;
-        return;
-    }
+    (void)service_follow_tick(s, &s->plan[s->pending]);
     uint8_t old = s->in_force;
     s->in_force = s->pending;
     s->pending = old;
@@ -210,6 +231,15 @@ static enum err channel_fault(const struct service *s, bool manipulated, const c
     return ERR_OK;
 }
 
+static bool other_tick(const struct service *s, const char **what, const char **wanted)
+{
+    if (service_tick_fits(s, service_plan(s)))
+        return false;
+    *what = "tick.base";
+    *wanted = "differs from the interval of the plant's samples";
+    return true;
+}
+
 enum err service_may_act(struct service *s, uint8_t loop, enum loop_mode mode, const char **what,
                          const char **wanted)
 {
@@ -225,11 +255,8 @@ enum err service_may_act(struct service *s, uint8_t loop, enum loop_mode mode, c
         return ERR_STATE;
     }
     enum err err = ERR_OK;
-    if (!service_tick_fits(s, plan)) {
-        *what = "tick.base";
-        *wanted = "differs from the interval of the plant's samples";
+    if (other_tick(s, what, wanted))
         return ERR_CONFLICT;
-    }
     hal_tick_lock();
     /* Down the chain of cascades, which has no rings: at most every loop once. */
     for (unsigned depth = 0; !err && depth < CONFIG_LOOPS && loop != PLAN_NONE; depth++) {
@@ -254,6 +281,8 @@ enum err service_output_there(struct service *s, uint8_t output, const char **wh
         *wanted = "cannot act while no plant is connected";
         return ERR_STATE;
     }
+    if (other_tick(s, what, wanted))
+        return ERR_CONFLICT;
     hal_tick_lock();
     enum err err = channel_fault(s, true, o->name, o->unit, what, wanted);
     hal_tick_unlock();

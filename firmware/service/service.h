@@ -74,9 +74,17 @@ enum loop_mode service_mode(const struct service *s, uint8_t loop);
  * then has no group). */
 MUST_CHECK enum err service_apply(struct service *s, const struct config *config,
                                   struct config_fault *fault);
+/* Base tick the plant announces, s; 0 before one has come. */
+float service_plant_tick_s(const struct service *s);
 /* Is the plan's base tick the interval of the connected plant's samples? Loops computed with another one
  * would act with wrong times: with such a plant none leaves manual. */
 bool service_tick_fits(const struct service *s, const struct plan *plan);
+/* "ff1.dead": the parameter a refusal is about. */
+void service_fault_name(const struct config_fault *fault, struct text *t);
+/* Tick context: the plan for the base tick the plant announces, where the configuration leaves it open. Where
+ * that cannot be, CONFIG_REFUSED says why and the plan stays whole for the tick it was made for, which does not fit:
+ * no setting is lost, and nothing acts. Returns whether the plan has been written. */
+bool service_follow_tick(struct service *s, struct plan *plan);
 /* Queues a request that has been checked. ERR_BUSY when the queue is full. */
 MUST_CHECK enum err service_request(struct service *s, const struct request *request);
 

@@ -61,11 +61,7 @@ static void take_stored(struct storage *st)
     if (err == ERR_BUSY) {
         st->state = TAKING; /* again in the next turn */
     } else if (err) {
-        text_str(&t, fault.group);
-        if (fault.index)
-            text_u32(&t, fault.index);
-        text_char(&t, '.');
-        text_str(&t, fault.field);
+        service_fault_name(&fault, &t);
         storage_tell(st, EVENT_STORAGE_REFUSED, subject, (float)st->newest.sequence);
     } else {
         storage_tell(st, EVENT_STORAGE_LOADED, NULL, (float)st->newest.sequence);

@@ -445,7 +445,8 @@ enum err plan_set_tick(struct plan *plan, float tick_s, struct config_fault *fau
         plan->loop[i].inner = plan->loop[i].outer = PLAN_NONE;
     }
     if (plan->tick_s < TICK_SHORTEST_S)
-        return refuse(fault, ERR_RANGE, "tick", 0, "base", "", "must be 0 or at least 0.05 s");
+        return refuse(fault, ERR_RANGE, "tick", 0, "base", "",
+                      "must be 0 or at least 0.05 s, the plant's own too");
     enum err err = check_channels(config, fault);
     for (uint8_t i = 0; !err && i < CONFIG_LOOPS; i++)
         if (config->loop[i].name[0])

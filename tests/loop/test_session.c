@@ -313,24 +313,6 @@ static void an_output_can_be_moved_by_hand_without_the_measurement_of_its_loop(v
     TEST_ASSERT_EQUAL_FLOAT(1.5f, board.command.output[1].value);
 }
 
-static void
-a_plant_with_a_tick_no_block_can_keep_leaves_an_empty_plan_that_can_be_filled_again(void)
-{
-    board.session++;
-    board.tick_ms = 10;
-    board_forget();
-    plant_hello();
-    board_run();
-    TEST_ASSERT_TRUE(said("CONFIG_REFUSED"));
-    board.session++;
-    board.tick_ms = 1000;
-    plant_hello();
-    board_run();
-    configure();
-    samples(2);
-    ask_ok("mode bottom auto");
-}
-
 static void a_measurement_in_another_unit_refuses_automatic(void)
 {
     power_on();
@@ -462,7 +444,6 @@ int main(void)
     RUN_TEST(an_output_given_up_goes_to_the_plants_own_safe_value);
     RUN_TEST(a_measurement_the_plant_does_not_have_refuses_automatic);
     RUN_TEST(an_output_can_be_moved_by_hand_without_the_measurement_of_its_loop);
-    RUN_TEST(a_plant_with_a_tick_no_block_can_keep_leaves_an_empty_plan_that_can_be_filled_again);
     RUN_TEST(a_measurement_in_another_unit_refuses_automatic);
     RUN_TEST(a_channel_without_a_unit_can_be_bound);
     RUN_TEST(a_unit_changed_under_a_loop_takes_it_to_manual);
