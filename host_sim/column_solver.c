@@ -1,48 +1,27 @@
-#include "column_solver.h"
+#include "column_solver_inside.h"
 
-#include <cvode/cvode.h>
-#include <kinsol/kinsol.h>
-#include <nvector/nvector_serial.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sunlinsol/sunlinsol_band.h>
-#include <sunlinsol/sunlinsol_dense.h>
-#include <sunmatrix/sunmatrix_band.h>
-#include <sunmatrix/sunmatrix_dense.h>
 
-#define DENSE_MAX         240  /* states up to which the steady state uses a full, exact Jacobian */
 #define OVERSHOOT_ALLOWED 1e-4 /* mole fraction outside [0, 1] that is set back silently */
-#define HOUR              3600.0
 
-_Static_assert(sizeof(realtype) == sizeof(double), "SUNDIALS in double precision");
+/* After a jump of inputs or state the one-step method integrates, which loses nothing by it. A stretch that stays
+ * smooth for so many of its steps is handed over to CVODE, whose restart costs about as much as that. */
+#define ONE_STEP_MAX 40
+/* The embedded solution is one order lower than the result, so its error is an upper bound: the same true error is
+ * met with tolerances this much wider than CVODE's (tests/bench/column_accuracy prints both). */
+#define ONE_STEP_WIDER 3.0
 
-struct column_solver {
-    struct column column;
-    struct column_solver_options options;
-    size_t n;
-    double t;
-    bool restart; /* the state or the inputs jumped: CVODE's history is void */
-    enum err model_error;
-    char message[160]; /* what SUNDIALS said last */
-    struct column_solver_work work;
-
-    SUNContext context;
-    N_Vector y, rates, saved, absolute, scale, constraints;
-    void *cvode, *kinsol;
-    SUNMatrix band, kin_matrix;
-    SUNLinearSolver band_solver, kin_solver;
-};
-
-static bool fail(char *err, size_t size, const char *what, const char *why)
+bool column_solver_fail(char *err, size_t size, const char *what, const char *why)
 {
     snprintf(err, size, "%s: %s", what, why);
     return false;
 }
 
 /* SUNDIALS names its return codes; the names are malloc'ed by it. */
-static bool checked(struct column_solver *s, int flag, char *(*name_of)(long), const char *call,
-                    char *err, size_t size)
+bool column_solver_checked(struct column_solver *s, int flag, char *(*name_of)(long),
+                           const char *call, char *err, size_t size)
 {
     if (flag >= 0)
         return true;
@@ -56,7 +35,8 @@ static bool checked(struct column_solver *s, int flag, char *(*name_of)(long), c
     return false;
 }
 
-static void keep_message(int code, const char *module, const char *function, char *text, void *user)
+void column_solver_keep_message(int code, const char *module, const char *function, char *text,
+                                void *user)
 {
     struct column_solver *s = user;
     (void)code;
@@ -67,56 +47,13 @@ static void keep_message(int code, const char *module, const char *function, cha
             *c = ' ';
 }
 
-static int cvode_rates(realtype t, N_Vector y, N_Vector ydot, void *user)
+int column_solver_rates(realtype t, N_Vector y, N_Vector ydot, void *user)
 {
     struct column_solver *s = user;
     (void)t;
     s->work.rates++;
     s->model_error = column_rates(&s->column, NV_DATA_S(y), NV_DATA_S(ydot));
     return s->model_error ? 1 : 0; /* recoverable: a shorter step may do */
-}
-
-static void write_band(struct column_solver *s, N_Vector y, SUNMatrix matrix)
-{
-    s->work.jacobians++;
-    column_jacobian(&s->column, NV_DATA_S(y), SM_DATA_B(matrix), (size_t)SM_LDIM_B(matrix),
-                    (size_t)SM_SUBAND_B(matrix));
-}
-
-static int cvode_jacobian(realtype t, N_Vector y, N_Vector fy, SUNMatrix matrix, void *user,
-                          N_Vector a, N_Vector b, N_Vector c)
-{
-    struct column_solver *s = user;
-    (void)t, (void)fy, (void)a, (void)b, (void)c;
-    s->model_error = column_evaluate(&s->column, NV_DATA_S(y));
-    if (s->model_error)
-        return 1;
-    write_band(s, y, matrix);
-    return 0;
-}
-
-/* Steady state: change per hour of every mole fraction is zero. */
-static int kinsol_residual(N_Vector y, N_Vector f, void *user)
-{
-    int failed = cvode_rates(0.0, y, f, user);
-    if (!failed)
-        N_VScale(HOUR, f, f);
-    return failed;
-}
-
-static int kinsol_jacobian(N_Vector y, N_Vector fy, SUNMatrix matrix, void *user, N_Vector a,
-                           N_Vector b)
-{
-    struct column_solver *s = user;
-    (void)fy, (void)a, (void)b;
-    s->model_error = column_evaluate(&s->column, NV_DATA_S(y));
-    if (s->model_error)
-        return 1;
-    write_band(s, y, matrix);
-    SUNMatrix m = matrix;
-    for (sunindextype i = 0; i < SM_LDATA_B(m); i++)
-        SM_DATA_B(m)[i] *= HOUR;
-    return 0;
 }
 
 static bool make_vectors(struct column_solver *s)
@@ -134,75 +71,6 @@ static bool make_vectors(struct column_solver *s)
     N_VConst(1.0, s->scale);
     N_VConst(1.0, s->constraints); /* KINSOL: y >= 0 */
     return true;
-}
-
-static bool make_cvode(struct column_solver *s, char *err, size_t size)
-{
-    size_t lower, upper;
-    sunindextype n = (sunindextype)s->n;
-
-    column_jacobian_shape(s->column.config, &lower, &upper);
-    s->cvode = CVodeCreate(CV_BDF, s->context);
-    s->band = SUNBandMatrix(n, (sunindextype)upper, (sunindextype)lower, s->context);
-    if (!s->cvode || !s->band)
-        return fail(err, size, "column", "no memory for the integrator");
-    s->band_solver = SUNLinSol_Band(s->y, s->band, s->context);
-    if (!s->band_solver)
-        return fail(err, size, "column", "no memory for the integrator");
-
-    char *(*name)(long) = CVodeGetReturnFlagName;
-    return checked(s, CVodeSetErrHandlerFn(s->cvode, keep_message, s), name, "CVodeSetErrHandlerFn",
-                   err, size) &&
-           checked(s, CVodeInit(s->cvode, cvode_rates, 0.0, s->y), name, "CVodeInit", err, size) &&
-           checked(s, CVodeSetUserData(s->cvode, s), name, "CVodeSetUserData", err, size) &&
-           checked(s, CVodeSVtolerances(s->cvode, s->options.relative, s->absolute), name,
-                   "CVodeSVtolerances", err, size) &&
-           checked(s, CVodeSetLinearSolver(s->cvode, s->band_solver, s->band),
-                   CVodeGetLinReturnFlagName, "CVodeSetLinearSolver", err, size) &&
-           checked(s, CVodeSetJacFn(s->cvode, cvode_jacobian), CVodeGetLinReturnFlagName,
-                   "CVodeSetJacFn", err, size) &&
-           checked(s, CVodeSetMaxNumSteps(s->cvode, 200000), name, "CVodeSetMaxNumSteps", err,
-                   size) &&
-           checked(s, CVodeSetMaxErrTestFails(s->cvode, 20), name, "CVodeSetMaxErrTestFails", err,
-                   size) &&
-           checked(s, CVodeSetMaxConvFails(s->cvode, 20), name, "CVodeSetMaxConvFails", err, size);
-}
-
-static bool make_kinsol(struct column_solver *s, char *err, size_t size)
-{
-    sunindextype n = (sunindextype)s->n;
-    size_t lower, upper;
-    bool dense = s->n <= DENSE_MAX;
-
-    column_jacobian_shape(s->column.config, &lower, &upper);
-    s->kinsol = KINCreate(s->context);
-    s->kin_matrix = dense ? SUNDenseMatrix(n, n, s->context)
-                          : SUNBandMatrix(n, (sunindextype)upper, (sunindextype)lower, s->context);
-    if (!s->kinsol || !s->kin_matrix)
-        return fail(err, size, "column", "no memory for the steady-state solver");
-    s->kin_solver = dense ? SUNLinSol_Dense(s->y, s->kin_matrix, s->context)
-                          : SUNLinSol_Band(s->y, s->kin_matrix, s->context);
-    if (!s->kin_solver)
-        return fail(err, size, "column", "no memory for the steady-state solver");
-
-    char *(*name)(long) = KINGetReturnFlagName;
-    return checked(s, KINSetErrHandlerFn(s->kinsol, keep_message, s), name, "KINSetErrHandlerFn",
-                   err, size) &&
-           checked(s, KINSetUserData(s->kinsol, s), name, "KINSetUserData", err, size) &&
-           checked(s, KINInit(s->kinsol, kinsol_residual, s->y), name, "KINInit", err, size) &&
-           checked(s, KINSetLinearSolver(s->kinsol, s->kin_solver, s->kin_matrix),
-                   KINGetLinReturnFlagName, "KINSetLinearSolver", err, size) &&
-           (dense || checked(s, KINSetJacFn(s->kinsol, kinsol_jacobian), KINGetLinReturnFlagName,
-                             "KINSetJacFn", err, size)) &&
-           checked(s, KINSetConstraints(s->kinsol, s->constraints), name, "KINSetConstraints", err,
-                   size) &&
-           checked(s, KINSetFuncNormTol(s->kinsol, s->options.residual), name, "KINSetFuncNormTol",
-                   err, size) &&
-           checked(s, KINSetScaledStepTol(s->kinsol, 1e-15), name, "KINSetScaledStepTol", err,
-                   size) &&
-           checked(s, KINSetMaxSetupCalls(s->kinsol, dense ? 1 : 0), name, "KINSetMaxSetupCalls",
-                   err, size) &&
-           checked(s, KINSetNumMaxIters(s->kinsol, 200), name, "KINSetNumMaxIters", err, size);
 }
 
 /* A straight line from the highest-boiling pure component in the reboiler to the lowest-boiling one. */
@@ -225,10 +93,56 @@ static void straight_line(struct column_solver *s)
     }
 }
 
-static bool refresh(struct column_solver *s, char *err, size_t size)
+bool column_solver_refresh(struct column_solver *s, bool again, char *err, size_t size)
 {
-    enum err code = column_rates(&s->column, NV_DATA_S(s->y), NV_DATA_S(s->rates));
-    return code ? fail(err, size, "column: outputs at the present state", err_text(code)) : true;
+    double *y = NV_DATA_S(s->y), *rates = NV_DATA_S(s->rates);
+    enum err code =
+        again ? column_rates_again(&s->column, y, rates) : column_rates(&s->column, y, rates);
+    return code ? column_solver_fail(err, size, "column: outputs at the present state",
+                                     err_text(code))
+                : true;
+}
+
+/* The one-step method's view of the column. */
+static bool step_rates(void *context, const double *y, double *f)
+{
+    struct column_solver *s = context;
+    s->work.rates++;
+    s->model_error = column_rates(&s->column, y, f);
+    return s->model_error == ERR_OK;
+}
+
+static void step_linearise(void *context, const double *y)
+{
+    struct column_solver *s = context;
+    s->work.jacobians++;
+    column_newton_read(s->newton, &s->column, y);
+}
+
+static bool step_factor(void *context, double g)
+{
+    struct column_solver *s = context;
+    return column_newton_factor(s->newton, 1.0, -g);
+}
+
+static void step_solve(void *context, double *b)
+{
+    const struct column_solver *s = context;
+    column_newton_solve(s->newton, b, b);
+}
+
+static bool make_one_step(struct column_solver *s)
+{
+    const struct rosenbrock_problem problem = {.n = s->n,
+                                               .context = s,
+                                               .rates = step_rates,
+                                               .linearise = step_linearise,
+                                               .factor = step_factor,
+                                               .solve = step_solve};
+    s->newton = column_newton_create(s->column.config);
+    return s->newton &&
+           rosenbrock_init(&s->one_step, &problem, ONE_STEP_WIDER * s->options.relative,
+                           ONE_STEP_WIDER * s->options.absolute);
 }
 
 struct column_solver *column_solver_create(const struct column_config *config,
@@ -240,7 +154,7 @@ struct column_solver *column_solver_create(const struct column_config *config,
     struct column_solver *s = calloc(1, sizeof *s);
 
     if (!s) {
-        fail(err, err_size, "column", "no memory");
+        column_solver_fail(err, err_size, "column", "no memory");
         return NULL;
     }
     if (column_init(&s->column, config, &fault)) {
@@ -254,16 +168,16 @@ struct column_solver *column_solver_create(const struct column_config *config,
     s->options.absolute = s->options.absolute > 0.0 ? s->options.absolute : 3e-8;
     s->options.residual = s->options.residual > 0.0 ? s->options.residual : 1e-9;
     s->n = s->column.n_states;
-    s->restart = true;
+    s->jumped = true;
 
-    if (SUNContext_Create(NULL, &s->context) < 0 || !make_vectors(s)) {
-        fail(err, err_size, "column", "no memory for SUNDIALS");
+    if (SUNContext_Create(NULL, &s->context) < 0 || !make_vectors(s) || !make_one_step(s)) {
+        column_solver_fail(err, err_size, "column", "no memory for the integrators");
         column_solver_destroy(s);
         return NULL;
     }
     straight_line(s);
-    if (!column_solver_set_inputs(s, inputs, err, err_size) || !make_cvode(s, err, err_size) ||
-        !make_kinsol(s, err, err_size)) {
+    if (!column_solver_set_inputs(s, inputs, err, err_size) ||
+        !column_bdf_create(s, err, err_size) || !column_steady_create(s, err, err_size)) {
         column_solver_destroy(s);
         return NULL;
     }
@@ -274,18 +188,10 @@ void column_solver_destroy(struct column_solver *s)
 {
     if (!s)
         return;
-    if (s->cvode)
-        CVodeFree(&s->cvode);
-    if (s->kinsol)
-        KINFree(&s->kinsol);
-    if (s->band_solver)
-        SUNLinSolFree(s->band_solver);
-    if (s->kin_solver)
-        SUNLinSolFree(s->kin_solver);
-    if (s->band)
-        SUNMatDestroy(s->band);
-    if (s->kin_matrix)
-        SUNMatDestroy(s->kin_matrix);
+    column_bdf_free(s);
+    column_steady_free(s);
+    rosenbrock_free(&s->one_step);
+    column_newton_destroy(s->newton);
     N_Vector *vectors[] = {&s->y, &s->rates, &s->saved, &s->absolute, &s->scale, &s->constraints};
     for (size_t i = 0; i < sizeof vectors / sizeof vectors[0]; i++)
         if (*vectors[i])
@@ -298,18 +204,23 @@ void column_solver_destroy(struct column_solver *s)
 bool column_solver_set_inputs(struct column_solver *s, const struct column_inputs *inputs,
                               char *err, size_t err_size)
 {
+    struct column_inputs before = s->column.inputs;
     struct column_fault fault;
+    char ignored[80];
 
     if (column_set_inputs(&s->column, inputs, &fault)) {
         snprintf(err, err_size, "column input %s must be %s", fault.field, fault.wanted);
         return false;
     }
-    s->restart = true;
-    return refresh(s, err, err_size);
+    s->jumped = true;
+    if (column_solver_refresh(s, true, err, err_size))
+        return true;
+    if (!column_set_inputs(&s->column, &before, &fault))
+        (void)column_solver_refresh(s, true, ignored, sizeof ignored);
+    return false;
 }
 
-/* Sets overshoots of the integrator back into [0, 1]. False when one is no mere overshoot. */
-static bool confine(struct column_solver *s)
+bool column_solver_confine(struct column_solver *s, bool *moved)
 {
     size_t m = s->column.config->components - 1;
     double *x = NV_DATA_S(s->y);
@@ -321,7 +232,7 @@ static bool confine(struct column_solver *s)
                 return false;
             if (x[j] < 0.0) {
                 x[j] = 0.0;
-                s->restart = true;
+                *moved = true;
             }
             sum += x[j];
         }
@@ -329,7 +240,7 @@ static bool confine(struct column_solver *s)
             return false;
         for (size_t j = 0; sum > 1.0 && j < m; j++) {
             x[j] = m == 1 ? 1.0 : x[j] / sum;
-            s->restart = true;
+            *moved = true;
         }
     }
     return true;
@@ -337,14 +248,19 @@ static bool confine(struct column_solver *s)
 
 bool column_solver_set_state(struct column_solver *s, const double *x, char *err, size_t err_size)
 {
-    memcpy(NV_DATA_S(s->saved), NV_DATA_S(s->y), s->n * sizeof *x);
+    char ignored[80];
+
+    N_VScale(1.0, s->y, s->saved);
     memcpy(NV_DATA_S(s->y), x, s->n * sizeof *x);
-    s->restart = true;
-    if (!confine(s)) {
-        memcpy(NV_DATA_S(s->y), NV_DATA_S(s->saved), s->n * sizeof *x);
-        return fail(err, err_size, "column state", "mole fractions must be in [0, 1]");
+    if (!column_solver_confine(s, &s->jumped))
+        column_solver_fail(err, err_size, "column state", "mole fractions must be in [0, 1]");
+    else if (column_solver_refresh(s, false, err, err_size)) {
+        s->jumped = true;
+        return true;
     }
-    return refresh(s, err, err_size);
+    N_VScale(1.0, s->saved, s->y);
+    (void)column_solver_refresh(s, false, ignored, sizeof ignored);
+    return false;
 }
 
 const double *column_solver_state(const struct column_solver *s)
@@ -357,31 +273,39 @@ double column_solver_time(const struct column_solver *s)
     return s->t;
 }
 
+/* From s->t to t; leaves s->t wherever it came to. */
 static bool integrate(struct column_solver *s, double t, char *err, size_t size)
 {
-    char *(*name)(long) = CVodeGetReturnFlagName;
-    long steps = 0;
-    double reached;
+    bool afresh = false;
 
-    s->model_error = ERR_OK;
-    if (s->restart) {
-        s->work.restarts++;
-        if (!checked(s, CVodeReInit(s->cvode, s->t, s->y), name, "CVodeReInit", err, size))
-            return false;
-        s->restart = false;
+    if (s->jumped) {
+        s->jumped = s->multistep = false;
+        s->since_jump = 0;
+        rosenbrock_jump(&s->one_step);
     }
-    long before = 0;
-    if (!checked(s, CVodeGetNumSteps(s->cvode, &before), name, "CVodeGetNumSteps", err, size) ||
-        !checked(s, CVode(s->cvode, t, s->y, &reached, CV_NORMAL), name, "CVode", err, size) ||
-        !checked(s, CVodeGetNumSteps(s->cvode, &steps), name, "CVodeGetNumSteps", err, size))
+    if (!s->multistep) {
+        long before = s->one_step.steps;
+        if (s->since_jump < ONE_STEP_MAX)
+            s->t = rosenbrock_run(&s->one_step, s->t, t, NV_DATA_S(s->y), NV_DATA_S(s->rates),
+                                  ONE_STEP_MAX - s->since_jump);
+        s->since_jump += (int)(s->one_step.steps - before);
+        s->work.steps += s->one_step.steps - before;
+        afresh = s->multistep = s->t < t; /* too many steps for it, or too hard: CVODE's turn */
+    }
+    if (s->multistep && !column_bdf_run(s, t, afresh, err, size))
         return false;
-    s->work.steps += steps - before;
-    return confine(s) ? true
-                      : fail(err, size, "column", "the integrator left mole fractions [0, 1]");
+    bool moved = false;
+    if (!column_solver_confine(s, &moved))
+        return column_solver_fail(err, size, "column", "the integrator left mole fractions [0, 1]");
+    s->jumped = moved && s->multistep; /* one step remembers no state */
+    return true;
 }
 
 bool column_solver_advance(struct column_solver *s, double t, char *err, size_t err_size)
 {
+    double before = s->t;
+    char ignored[80];
+
     if (!(t >= s->t && t < 1e300)) {
         snprintf(err, err_size, "column: advance to %g s, which is before the present %g s", t,
                  s->t);
@@ -390,74 +314,15 @@ bool column_solver_advance(struct column_solver *s, double t, char *err, size_t 
     if (t == s->t)
         return true;
     N_VScale(1.0, s->y, s->saved);
-    if (!integrate(s, t, err, err_size)) {
-        N_VScale(1.0, s->saved, s->y);
-        s->restart = true;
-        char ignored[80];
-        (void)refresh(s, ignored, sizeof ignored);
-        return false;
+    if (integrate(s, t, err, err_size)) {
+        s->t = t;
+        return column_solver_refresh(s, false, err, err_size);
     }
-    s->t = t;
-    return refresh(s, err, err_size);
-}
-
-/* Largest change per hour of any mole fraction at y, or a negative number where the model fails. */
-static double unrest(struct column_solver *s)
-{
-    if (kinsol_residual(s->y, s->rates, s))
-        return -1.0;
-    return N_VMaxNorm(s->rates);
-}
-
-static bool newton(struct column_solver *s)
-{
-    s->model_error = ERR_OK;
-    int flag = KINSol(s->kinsol, s->y, KIN_LINESEARCH, s->scale, s->scale);
-    if (flag < 0 || !confine(s))
-        return false;
-    double left = unrest(s);
-    return left >= 0.0 && left <= s->options.residual;
-}
-
-bool column_solver_settle(struct column_solver *s, char *err, size_t err_size)
-{
-    double start = s->t, span = 2.0 * HOUR;
-    double *keep = malloc(s->n * sizeof *keep);
-    double *guess = malloc(s->n * sizeof *guess);
-    bool done = false, sound = keep && guess;
-
-    if (!sound)
-        fail(err, err_size, "column", "no memory");
-    else
-        memcpy(keep, NV_DATA_S(s->y), s->n * sizeof *keep);
-
-    /* Each round: Newton, and if that fails a longer transient from where it started. A column without
-     * vapour has no unique steady state; there the transient alone ends it. */
-    for (int round = 0; sound && !done && round < 14; round++) {
-        memcpy(guess, NV_DATA_S(s->y), s->n * sizeof *guess);
-        done = newton(s);
-        if (done)
-            break;
-        memcpy(NV_DATA_S(s->y), guess, s->n * sizeof *guess);
-        s->restart = true;
-        s->t = 0.0;
-        sound = integrate(s, span, err, err_size);
-        if (sound) {
-            double left = unrest(s);
-            done = left >= 0.0 && left <= s->options.residual;
-            span *= 2.0;
-        }
-    }
-    s->t = start;
-    s->restart = true;
-    if (sound && !done)
-        sound = fail(err, err_size, "column", "no steady state found for these inputs");
-    if (keep && !sound)
-        memcpy(NV_DATA_S(s->y), keep, s->n * sizeof *keep);
-    free(keep);
-    free(guess);
-    char ignored[80];
-    return sound ? refresh(s, err, err_size) : (refresh(s, ignored, sizeof ignored), false);
+    N_VScale(1.0, s->saved, s->y);
+    s->t = before;
+    s->jumped = true;
+    (void)column_solver_refresh(s, false, ignored, sizeof ignored);
+    return false;
 }
 
 const struct column *column_solver_column(const struct column_solver *s)

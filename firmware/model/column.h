@@ -31,8 +31,9 @@ enum column_holdup {
      * constant per section, so that the total component balance closes only at steady state. Frau 2.1. */
     COLUMN_HOLDUP_VOLUMETRIC,
     /* As VOLUMETRIC, but the liquid leaving a stage carries what its molar holdup gives up, so that
-     * d(H c)/dt balances and the total closes at every moment. Ours. Reported product flows may then turn
-     * slightly negative for a moment where the nominal flow is almost nothing. */
+     * d(H c)/dt balances and the total closes at every moment. Ours. A tray that needs more liquid than
+     * reaches it draws it from the tray below: its liquid[] is negative then, and so may the product flows
+     * be for a moment where the nominal flow is almost nothing. */
     COLUMN_HOLDUP_CONSERVATIVE
 };
 
@@ -159,6 +160,10 @@ MUST_CHECK enum err column_evaluate(struct column *column, const real_t *x);
 /* dx/dt (1/s) at the states x, and all outputs. Component balances (3.2a)-(3.2f), repaired.
  * rates[n_states]. Errors as column_evaluate. */
 MUST_CHECK enum err column_rates(struct column *column, const real_t *x, real_t *rates);
+
+/* As column_rates, for the very x of the last column_rates or column_evaluate, when nothing but inputs has
+ * changed since: bubble points are not sought again unless the pressure changed. */
+MUST_CHECK enum err column_rates_again(struct column *column, const real_t *x, real_t *rates);
 
 /* Mole fraction of component j (0 .. C-1) on stage index s (0 = reboiler), the last one by closure. */
 real_t column_fraction(const struct column *column, const real_t *x, size_t s, size_t j);

@@ -6,6 +6,7 @@
 
 #ifdef REFLUX_REAL_DOUBLE
 #define component_vapour_pressure   component_vapour_pressure_double
+#define component_vapour_pressures  component_vapour_pressures_double
 #define component_vaporisation_heat component_vaporisation_heat_double
 #define component_molar_volume      component_molar_volume_double
 #define mixture_molar_mass          mixture_molar_mass_double
@@ -22,6 +23,7 @@
 #define column_set_inputs           column_set_inputs_double
 #define column_evaluate             column_evaluate_double
 #define column_rates                column_rates_double
+#define column_rates_again          column_rates_again_double
 #define column_fraction             column_fraction_double
 #define column_jacobian_shape       column_jacobian_shape_double
 #define column_jacobian             column_jacobian_double

@@ -29,6 +29,10 @@ struct component {
 /* Vapour pressure in Pa and its derivative in Pa/K at T (K, with C + T > 0). Frau (3.2g), digest 2.5. */
 real_t component_vapour_pressure(const struct component *c, real_t temperature, real_t *derivative);
 
+/* The same of n components c[n] at one temperature: pressure[n] and derivative[n]. */
+void component_vapour_pressures(const struct component *c, size_t n, real_t temperature,
+                                real_t *pressure, real_t *derivative);
+
 /* Heat of vaporisation, J/mol, by Watson's rule with exponent 0.38; 0 at and above the critical
  * temperature. */
 real_t component_vaporisation_heat(const struct component *c, real_t temperature);

@@ -1,0 +1,70 @@
+/* What the files of the column solver share: column_solver.c (state, inputs, who integrates), column_bdf.c (CVODE),
+ * column_steady.c (KINSOL). */
+#ifndef REFLUX_HOST_SIM_COLUMN_SOLVER_INSIDE_H
+#define REFLUX_HOST_SIM_COLUMN_SOLVER_INSIDE_H
+
+#include "column_newton.h"
+#include "column_solver.h"
+#include "rosenbrock.h"
+
+#include <nvector/nvector_serial.h>
+#include <sundials/sundials_linearsolver.h>
+#include <sundials/sundials_matrix.h>
+
+#define HOUR 3600.0
+
+_Static_assert(sizeof(realtype) == sizeof(double), "SUNDIALS in double precision");
+
+struct column_solver {
+    struct column column;
+    struct column_solver_options options;
+    size_t n;
+    double t;
+    enum err model_error; /* of the last rates that failed */
+    char message[160];    /* what SUNDIALS said last */
+    struct column_solver_work work;
+
+    bool jumped;    /* the state or the inputs: CVODE's history is void */
+    int since_jump; /* one-step steps since then */
+    bool multistep; /* CVODE has taken over */
+    struct rosenbrock one_step;
+    struct column_newton *newton; /* of one_step, and of the steady state */
+
+    SUNContext context;
+    N_Vector y, rates, saved, absolute, scale, constraints;
+    void *cvode, *kinsol;
+    SUNMatrix matrix;
+    SUNLinearSolver linear, krylov;
+};
+
+/* "what: why" to err; false. */
+bool column_solver_fail(char *err, size_t size, const char *what, const char *why);
+
+/* True when flag is no error; else the name of the flag, the call and what the model or SUNDIALS said go to err. */
+bool column_solver_checked(struct column_solver *s, int flag, char *(*name_of)(long),
+                           const char *call, char *err, size_t size);
+
+/* An error handler for SUNDIALS: keeps the text in message. */
+void column_solver_keep_message(int code, const char *module, const char *function, char *text,
+                                void *user);
+
+/* Rates in 1/s as a right-hand side of SUNDIALS; 1 (recoverable) where there are none. */
+int column_solver_rates(realtype t, N_Vector y, N_Vector f, void *user);
+
+/* Sets overshoots of an integrator back into [0, 1]; *moved is set when there were any, and otherwise left alone.
+ * False when one is no mere overshoot. */
+bool column_solver_confine(struct column_solver *s, bool *moved);
+
+/* CVODE from s->t to t; the state ends in s->y. afresh: its history is void. */
+bool column_bdf_create(struct column_solver *s, char *err, size_t size);
+bool column_bdf_run(struct column_solver *s, double t, bool afresh, char *err, size_t size);
+void column_bdf_free(struct column_solver *s);
+
+/* KINSOL, for column_solver_settle (column_solver.h). */
+bool column_steady_create(struct column_solver *s, char *err, size_t size);
+void column_steady_free(struct column_solver *s);
+
+/* Rates and outputs at the present state and inputs; again: only inputs have changed since the last time. */
+bool column_solver_refresh(struct column_solver *s, bool again, char *err, size_t size);
+
+#endif

@@ -1,0 +1,139 @@
+/* KINSOL: the steady state, by Newton with line search, and when that fails by ever longer transients. */
+#include "column_solver_inside.h"
+
+#include <kinsol/kinsol.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sunlinsol/sunlinsol_spgmr.h>
+
+#define KRYLOV_MAX                                                                                 \
+    60 /* directions; what the preconditioner holds fixed, three flows and holdups, needs fewer */
+#define NEWTON_MAX 60
+#define ROUNDS_MAX 14
+
+/* Change per hour of every mole fraction is zero. */
+static int residual(N_Vector y, N_Vector f, void *user)
+{
+    int failed = column_solver_rates(0.0, y, f, user);
+    if (!failed)
+        N_VScale(HOUR, f, f);
+    return failed;
+}
+
+/* The preconditioner: the Jacobian with flows and holdups held. */
+static int prepare(N_Vector y, N_Vector y_scale, N_Vector f, N_Vector f_scale, void *user)
+{
+    struct column_solver *s = user;
+    (void)y_scale, (void)f_scale;
+    if (column_solver_rates(0.0, y, f, s))
+        return 1;
+    N_VScale(HOUR, f, f);
+    s->work.jacobians++;
+    column_newton_read(s->newton, &s->column, NV_DATA_S(y));
+    return column_newton_factor(s->newton, 0.0, HOUR) ? 0 : 1;
+}
+
+static int precondition(N_Vector y, N_Vector y_scale, N_Vector f, N_Vector f_scale, N_Vector v,
+                        void *user)
+{
+    const struct column_solver *s = user;
+    (void)y, (void)y_scale, (void)f, (void)f_scale;
+    column_newton_solve(s->newton, NV_DATA_S(v), NV_DATA_S(v));
+    return isfinite(N_VMaxNorm(v)) ? 0 : 1;
+}
+
+bool column_steady_create(struct column_solver *s, char *err, size_t size)
+{
+    s->kinsol = KINCreate(s->context);
+    s->krylov = SUNLinSol_SPGMR(s->y, SUN_PREC_RIGHT, KRYLOV_MAX, s->context);
+    if (!s->kinsol || !s->krylov)
+        return column_solver_fail(err, size, "column", "no memory for the steady-state solver");
+
+    char *(*name)(long) = KINGetReturnFlagName, *(*linear)(long) = KINGetLinReturnFlagName;
+    const struct {
+        int flag;
+        char *(*name)(long);
+        const char *call;
+    } calls[] = {
+        {KINSetErrHandlerFn(s->kinsol, column_solver_keep_message, s), name, "KINSetErrHandlerFn"},
+        {KINSetUserData(s->kinsol, s), name, "KINSetUserData"},
+        {KINInit(s->kinsol, residual, s->y), name, "KINInit"},
+        {KINSetLinearSolver(s->kinsol, s->krylov, NULL), linear, "KINSetLinearSolver"},
+        {KINSetPreconditioner(s->kinsol, prepare, precondition), linear, "KINSetPreconditioner"},
+        {KINSetConstraints(s->kinsol, s->constraints), name, "KINSetConstraints"},
+        {KINSetFuncNormTol(s->kinsol, s->options.residual), name, "KINSetFuncNormTol"},
+        {KINSetScaledStepTol(s->kinsol, 1e-15), name, "KINSetScaledStepTol"},
+        {KINSetMaxSetupCalls(s->kinsol, 1), name, "KINSetMaxSetupCalls"},
+        {KINSetNumMaxIters(s->kinsol, NEWTON_MAX), name, "KINSetNumMaxIters"},
+    };
+    for (size_t i = 0; i < sizeof calls / sizeof calls[0]; i++)
+        if (!column_solver_checked(s, calls[i].flag, calls[i].name, calls[i].call, err, size))
+            return false;
+    return true;
+}
+
+void column_steady_free(struct column_solver *s)
+{
+    if (s->kinsol)
+        KINFree(&s->kinsol);
+    if (s->krylov)
+        SUNLinSolFree(s->krylov);
+}
+
+/* At rest: no mole fraction changes by more than the residual per hour. */
+static bool at_rest(struct column_solver *s)
+{
+    return residual(s->y, s->rates, s) == 0 && N_VMaxNorm(s->rates) <= s->options.residual;
+}
+
+static bool newton(struct column_solver *s)
+{
+    bool moved;
+    s->model_error = ERR_OK;
+    int flag = KINSol(s->kinsol, s->y, KIN_LINESEARCH, s->scale, s->scale);
+    return flag >= 0 && column_solver_confine(s, &moved) && at_rest(s);
+}
+
+/* Each round: Newton, and if that fails a longer transient from where it started. A column without vapour has no
+ * unique steady state; there the transient alone ends it. guess: work space. */
+static bool search(struct column_solver *s, double *guess, char *err, size_t size)
+{
+    double span = 2.0 * HOUR;
+
+    for (int round = 0; round < ROUNDS_MAX; round++, span *= 2.0) {
+        bool moved;
+        memcpy(guess, NV_DATA_S(s->y), s->n * sizeof *guess);
+        if (newton(s))
+            return true;
+        memcpy(NV_DATA_S(s->y), guess, s->n * sizeof *guess);
+        s->t = 0.0;
+        if (!column_bdf_run(s, span, true, err, size))
+            return false;
+        if (!column_solver_confine(s, &moved))
+            return column_solver_fail(err, size, "column",
+                                      "the integrator left mole fractions [0, 1]");
+        if (at_rest(s))
+            return true;
+    }
+    return column_solver_fail(err, size, "column", "no steady state found for these inputs");
+}
+
+bool column_solver_settle(struct column_solver *s, char *err, size_t err_size)
+{
+    double start = s->t;
+    double *keep = malloc(2 * s->n * sizeof *keep);
+    char ignored[80];
+
+    if (!keep)
+        return column_solver_fail(err, err_size, "column", "no memory");
+    memcpy(keep, NV_DATA_S(s->y), s->n * sizeof *keep);
+    bool settled = search(s, keep + s->n, err, err_size);
+    if (!settled)
+        memcpy(NV_DATA_S(s->y), keep, s->n * sizeof *keep);
+    free(keep);
+    s->t = start;
+    s->jumped = true;
+    bool fresh = column_solver_refresh(s, false, settled ? err : ignored,
+                                       settled ? err_size : sizeof ignored);
+    return settled && fresh;
+}
