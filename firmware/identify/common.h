@@ -10,6 +10,8 @@
 #define ONE  REAL_C(1.0)
 #define TWO  REAL_C(2.0)
 
+#define VALUE_MAX REAL_C(1e12) /* of a sample: squares of it can be summed in float32 */
+
 /* ERR_OK when lo <= x <= hi; NaN and infinity are ERR_NOT_FINITE. */
 MUST_CHECK static inline enum err check_real(real_t x, real_t lo, real_t hi)
 {

@@ -58,9 +58,11 @@ enum err fopdt_fit_begin(struct fopdt_fit *f, const struct record *r, uint32_t o
     uint32_t taken = r->points * r->block, first = record_first_edge(r);
     if (r->points < FOPDT_FIT_POINTS_MIN || r->input.edges == 0 || first + 2 * r->block > taken)
         return ERR_EMPTY;
-    for (uint32_t i = 0; i < r->points; i++)
-        if (!real_is_finite(r->y[output][i]))
-            return ERR_NOT_FINITE;
+    err = check_real(excitation_peak(&r->input), REAL_C(1e-6), REAL_C(1e6));
+    for (uint32_t i = 0; i < r->points && !err; i++)
+        err = check_real(r->y[output][i], -VALUE_MAX, VALUE_MAX);
+    if (err)
+        return err;
 
     f->input = r->input;
     f->baseline = o->baseline;

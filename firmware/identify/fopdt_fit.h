@@ -78,7 +78,7 @@ struct fopdt_fit {
 };
 
 /* options: NULL for free offset and slope, no start. ERR_EMPTY: fewer than FOPDT_FIT_POINTS_MIN points, or none after
- * the first edge; ERR_RANGE (no such output, an option), ERR_NOT_FINITE. */
+ * the first edge; ERR_RANGE (no such output, an option, an input of less than 1e-6 or more than 1e6), ERR_NOT_FINITE. */
 MUST_CHECK enum err fopdt_fit_begin(struct fopdt_fit *f, const struct record *r, uint32_t output,
                                     const struct fopdt_fit_options *options);
 

@@ -83,8 +83,9 @@ enum err guard_step(struct guard *g, const real_t *y, int *trip)
     real_t d[CHANNEL_MAX];
     for (uint32_t o = 0; o < g->config.outputs; o++) {
         d[o] = y[o] - g->config.output[o].initial;
-        if (!real_is_finite(d[o]))
-            return ERR_NOT_FINITE;
+        enum err err = check_real(d[o], -VALUE_MAX, VALUE_MAX);
+        if (err)
+            return err;
     }
     if (g->samples == UINT32_MAX)
         return ERR_FULL;

@@ -61,8 +61,8 @@ struct guard {
 MUST_CHECK enum err guard_init(struct guard *g, const struct guard_config *config);
 
 /* A sample of every output; the first is the one at whose instant the step begins. *trip: the output most over its
- * limit, or -1. Nothing trips before the third sample or within the blanking time. ERR_NOT_FINITE: *g and *trip
- * unchanged. */
+ * limit, or -1. Nothing trips before the third sample or within the blanking time. ERR_NOT_FINITE, ERR_RANGE (more
+ * than 1e12 from the initial level): *g and *trip unchanged. */
 MUST_CHECK enum err guard_step(struct guard *g, const real_t *y, int *trip);
 
 /* The line guard's prediction for one output after the latest sample. ERR_EMPTY before the third, ERR_RANGE. */

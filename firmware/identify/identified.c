@@ -1,15 +1,17 @@
 #include "identify/identified.h"
 
+#include "identify/common.h"
+
 enum err baseline_validate(const struct baseline *b)
 {
-    if (!real_is_finite(b->offset) || !real_is_finite(b->slope_per_s) ||
-        !real_is_finite(b->offset_sd) || !real_is_finite(b->slope_sd_per_s) ||
-        !real_is_finite(b->noise_sd))
-        return ERR_NOT_FINITE;
-    return b->offset_sd < REAL_C(0.0) || b->slope_sd_per_s < REAL_C(0.0) ||
-                   b->noise_sd < REAL_C(0.0)
-               ? ERR_RANGE
-               : ERR_OK;
+    enum err err = check_real(b->offset, -VALUE_MAX, VALUE_MAX);
+    if (!err)
+        err = check_real(b->slope_per_s, -VALUE_MAX, VALUE_MAX);
+    if (!err)
+        err = check_real(b->offset_sd, ZERO, VALUE_MAX);
+    if (!err)
+        err = check_real(b->slope_sd_per_s, ZERO, VALUE_MAX);
+    return err ? err : check_real(b->noise_sd, ZERO, VALUE_MAX);
 }
 
 enum err baseline_from_means(real_t t0_s, real_t mean_0, real_t sd_0, real_t t1_s, real_t mean_1,
@@ -29,7 +31,7 @@ enum err baseline_from_means(real_t t0_s, real_t mean_0, real_t sd_0, real_t t1_
         .noise_sd = noise_sd,
     };
     enum err err = baseline_validate(&b);
-    if (!err && (sd_0 < REAL_C(0.0) || sd_1 < REAL_C(0.0)))
+    if (!err && (sd_0 < ZERO || sd_1 < ZERO))
         err = ERR_RANGE;
     if (!err)
         *result = b;

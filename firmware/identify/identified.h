@@ -45,7 +45,7 @@ struct baseline {
     real_t noise_sd; /* of one sample, output unit */
 };
 
-/* Finite, standard deviations not below 0. ERR_NOT_FINITE, ERR_RANGE. */
+/* Magnitudes up to 1e12, standard deviations not below 0. ERR_NOT_FINITE, ERR_RANGE. */
 MUST_CHECK enum err baseline_validate(const struct baseline *b);
 
 /* Line through two means: mean_0 about time t0_s and mean_1 about t1_s > t0_s, with their standard deviations. The

@@ -89,8 +89,9 @@ enum err moments_step(struct moments *m, const real_t *y)
     real_t d[CHANNEL_MAX];
     for (uint32_t o = 0; o < m->outputs; o++) {
         d[o] = y[o] - m->reference[o];
-        if (!real_is_finite(d[o]))
-            return ERR_NOT_FINITE;
+        enum err err = check_real(d[o], -VALUE_MAX, VALUE_MAX);
+        if (err)
+            return err;
     }
     for (uint32_t i = 0; i < m->alphas; i++) {
         real_t tau = m->alpha[i].eta * (real_t)m->samples;
@@ -344,7 +345,7 @@ enum err moments_at(const struct moments *m, uint32_t i, uint32_t output,
         result->flags = IDENTIFIED_NO_GAIN;
         if (raw_time_constant_s)
             *raw_time_constant_s = ZERO;
-        return real_is_finite(result->gain) ? ERR_OK : ERR_NOT_FINITE;
+        return real_is_finite(result->gain + result->gain_sd) ? ERR_OK : ERR_NOT_FINITE;
     }
 
     real_t r1 = y[1] / y[0], r2 = y[2] / y[0];
@@ -381,7 +382,9 @@ enum err moments_at(const struct moments *m, uint32_t i, uint32_t output,
         result->flags |= IDENTIFIED_SHORT;
     if (raw_time_constant_s)
         *raw_time_constant_s = raw * m->h_s;
-    return ERR_OK;
+    return real_is_finite(result->gain_sd + result->time_constant_sd_s + result->dead_time_sd_s)
+               ? ERR_OK
+               : ERR_NOT_FINITE;
 }
 
 /* Alpha of the bank nearest to 1/samples, in ratio. */

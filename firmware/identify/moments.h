@@ -68,7 +68,8 @@ MUST_CHECK enum err moments_init(struct moments *m, const struct moments_config 
 MUST_CHECK enum err moments_begin(struct moments *m, const real_t *reference);
 
 /* One sample of every output. Cost: 3 products and sums per output and alpha. The grid must have no holes: for a
- * sample that is missing give the one before. ERR_NOT_FINITE: *m unchanged, and the experiment is a sample short. */
+ * sample that is missing give the one before. ERR_NOT_FINITE, ERR_RANGE (more than 1e12 from reference): *m unchanged,
+ * and the experiment is a sample short. */
 MUST_CHECK enum err moments_step(struct moments *m, const real_t *y);
 
 /* 1/s. i below alphas. */

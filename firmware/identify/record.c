@@ -50,8 +50,9 @@ enum err record_step(struct record *r, const real_t *y)
     real_t d[CHANNEL_MAX];
     for (uint32_t o = 0; o < r->outputs; o++) {
         d[o] = y[o] - r->reference[o];
-        if (!real_is_finite(d[o]))
-            return ERR_NOT_FINITE;
+        enum err err = check_real(d[o], -VALUE_MAX, VALUE_MAX);
+        if (err)
+            return err;
     }
     if (r->samples >= SAMPLES_MAX)
         return ERR_FULL;

@@ -38,7 +38,7 @@ MUST_CHECK enum err record_init(struct record *r, uint32_t outputs, real_t h_s);
 /* Empty, input at rest. reference: a value near each output's level. ERR_NOT_FINITE: *r unchanged. */
 MUST_CHECK enum err record_begin(struct record *r, const real_t *reference);
 
-/* One sample of every output. ERR_NOT_FINITE: *r unchanged; ERR_FULL after 2^31 samples. A tick costs one addition an
+/* One sample of every output. ERR_NOT_FINITE, ERR_RANGE (more than 1e12 from reference): *r unchanged; ERR_FULL after 2^31 samples. A tick costs one addition an
  * output; every 64 blocks one of them also averages 64 pairs an output. */
 MUST_CHECK enum err record_step(struct record *r, const real_t *y);
 

@@ -35,8 +35,9 @@ enum err steady_step(struct steady *s, const real_t *y)
     real_t d[CHANNEL_MAX];
     for (uint32_t o = 0; o < s->config.outputs; o++) {
         d[o] = y[o] - (s->started ? s->output[o].reference : ZERO);
-        if (!real_is_finite(d[o]))
-            return ERR_NOT_FINITE;
+        enum err err = check_real(d[o], -VALUE_MAX, VALUE_MAX);
+        if (err)
+            return err;
     }
     if (!s->started) {
         for (uint32_t o = 0; o < s->config.outputs; o++) {

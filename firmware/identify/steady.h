@@ -68,7 +68,7 @@ MUST_CHECK enum err steady_init(struct steady *s, const struct steady_config *co
 /* Forgets everything seen. */
 void steady_reset(struct steady *s);
 
-/* One sample of every output. ERR_NOT_FINITE: *s unchanged. */
+/* One sample of every output. ERR_NOT_FINITE, ERR_RANGE (more than 1e12 from the first): *s unchanged. */
 MUST_CHECK enum err steady_step(struct steady *s, const real_t *y);
 
 /* ERR_RANGE: no such output. With NOT_ENOUGH all numbers but noise_sd are 0. */

@@ -3,3 +3,12 @@ foreach(part moments record fopdt_fit steady guard settling)
   reflux_test(${part} LABEL unit SOURCES ${CMAKE_CURRENT_LIST_DIR}/test_${part}.c LIBS reflux_identify)
   reflux_test(${part}_double LABEL unit SOURCES ${CMAKE_CURRENT_LIST_DIR}/test_${part}.c LIBS reflux_identify_double)
 endforeach()
+
+# Not a test: identifies the records of tools/figures/identification_table.py.
+add_executable(identify_records "${PROJECT_SOURCE_DIR}/tests/bench/identify_records.c")
+target_link_libraries(identify_records PRIVATE reflux_identify reflux_options m)
+find_program(PYTHON3 NAMES python3 PATHS /usr/bin NO_DEFAULT_PATH)
+find_program(PYTHON3 NAMES python3)
+add_test(NAME identification_noise COMMAND "${PYTHON3}" "${PROJECT_SOURCE_DIR}/tools/figures/identification_table.py"
+  --program $<TARGET_FILE:identify_records> --seeds 10 --check)
+set_tests_properties(identification_noise PROPERTIES LABELS unit TIMEOUT 300 ENVIRONMENT "PYTHONDONTWRITEBYTECODE=1")

@@ -380,6 +380,9 @@ static void too_little_and_bad_numbers_are_refused(void)
     o.baseline.noise_sd = -1;
     TEST_ASSERT_EQUAL_INT(ERR_RANGE, fopdt_fit_begin(&fit, &record, 0, &o));
     o.baseline.noise_sd = 0;
+    record.y[0][3] = (real_t)2e12;
+    TEST_ASSERT_EQUAL_INT(ERR_RANGE, fopdt_fit_begin(&fit, &record, 0, NULL));
+    record.y[0][3] = 0;
     o.start = &start;
     start.dead_time_s = (real_t)NAN;
     TEST_ASSERT_EQUAL_INT(ERR_NOT_FINITE, fopdt_fit_begin(&fit, &record, 0, &o));
@@ -403,8 +406,11 @@ static void rubbish_of_any_size_ends_and_gives_finite_numbers(void)
         struct test_record t = {
             random_below(&source, 30), 1 + random_below(&source, 300), 0, 0, 0, 0, 0};
         t.samples = t.before + 2 * t.half + 40 + random_below(&source, 300);
-        t.amplitude = spread_over(&source, 1e-9, 1e9);
+        t.amplitude = spread_over(&source, 1e-6, 1e6);
         take(of_rubbish, &i, &t, NULL);
+        real_t scale = (real_t)spread_over(&source, 1e-12, 1e6);
+        for (uint32_t k = 0; k < record.points; k++)
+            record.y[0][k] *= scale;
         struct fopdt_fit_result r = run(NULL);
         const real_t all[] = {r.element.gain,
                               r.element.gain_sd,

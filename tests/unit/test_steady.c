@@ -186,6 +186,8 @@ static void what_cannot_be_is_refused(void)
     TEST_ASSERT_EQUAL_INT(ERR_RANGE, steady_init(&steady, &c));
     const real_t y[2] = {0, (real_t)NAN};
     TEST_ASSERT_EQUAL_INT(ERR_NOT_FINITE, steady_step(&steady, y));
+    const real_t huge[2] = {0, (real_t)1e30};
+    TEST_ASSERT_EQUAL_INT(ERR_RANGE, steady_step(&steady, huge));
     TEST_ASSERT_EQUAL_MEMORY(&was, &steady, sizeof was);
     struct steady_result r;
     TEST_ASSERT_EQUAL_INT(ERR_RANGE, steady_look(&steady, 2, &r));
