@@ -1,6 +1,4 @@
 /* Vector table and the way from reset to main(). */
-#include <picolibc.h> /* tells picotls.h that this library has the functions */
-#include <picotls.h>
 #include <stdint.h>
 #include <string.h>
 
@@ -12,7 +10,6 @@
 #define STACK_PAINT 0x5AC35AC3u
 
 extern uint32_t data_start[], data_end[], data_source[], bss_start[], bss_end[];
-extern char __tls_base[]; /* NOLINT(bugprone-reserved-identifier): the C library's own name */
 
 int main(void);
 void reset_entry(void);
@@ -108,7 +105,6 @@ void reset_entry(void)
     paint_stack();
     memcpy(data_start, data_source, (size_t)((char *)data_end - (char *)data_start));
     memset(bss_start, 0, (size_t)((char *)bss_end - (char *)bss_start));
-    _set_tls(__tls_base); /* the C library keeps errno there */
     main();
     for (;;) {
     }
