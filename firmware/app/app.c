@@ -71,7 +71,7 @@ void app_init(struct app *app)
     enum hal_reset cause = hal_reset_cause();
     restart_init(&app->restart, hal_retained(HAL_RETAINED_RESTART, sizeof(struct restart_record)),
                  cause != HAL_RESET_POWER_ON);
-    event_put(&app->service.main_events, 0, EVENT_STARTED, hal_reset_name(cause), 0.0f, 0);
+    service_record(&app->service, EVENT_STARTED, hal_reset_name(cause), 0.0f, 0);
 }
 
 static void tick_event(struct app *app, enum event_code code, const char *subject, float value)

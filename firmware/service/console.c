@@ -340,8 +340,7 @@ static bool tell_losses(struct console *c)
     uint32_t lost = s->telemetry.lost;
     if (lost == c->lost_told)
         return false;
-    event_put(&s->main_events, service_time_ms(s), EVENT_TELEMETRY_LOST, NULL,
-              (float)(lost - c->lost_told), 0);
+    service_record(s, EVENT_TELEMETRY_LOST, NULL, (float)(lost - c->lost_told), 0);
     c->lost_told = lost;
     return true;
 }

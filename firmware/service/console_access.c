@@ -77,8 +77,7 @@ void command_unlock(struct console *c, unsigned n, char **word)
     if (settings(c)->console_key[0] && strcmp(word[0], settings(c)->console_key) != 0) {
         c->wrong_key = true;
         c->wrong_ms = now;
-        event_put(&c->service->main_events, service_time_ms(c->service), EVENT_WRONG_KEY, NULL,
-                  0.0f, 0);
+        service_record(c->service, EVENT_WRONG_KEY, NULL, 0.0f, 0);
         console_err(c, ERR_LOCKED, "that is not the key; the next try is looked at 2 s later");
         return;
     }

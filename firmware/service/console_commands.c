@@ -385,7 +385,7 @@ static bool stats_line(struct console *c, unsigned n, struct text *line)
         pair(line, "errors", c->stats.errors);
         pair(line, "dropped", c->stats.dropped);
         pair(line, "telemetry_lost", s->telemetry.lost);
-        pair(line, "events_lost", s->tick_events.lost + s->main_events.lost);
+        pair(line, "events_lost", s->tick_events.lost);
         pair(line, "events_unannounced", s->unannounced);
         return true;
     case 6:

@@ -17,7 +17,6 @@ void service_init(struct service *s, struct supervisor *supervisor, struct plant
     s->link = link;
     spsc_init(&s->requests.index, REQUEST_QUEUE_SIZE);
     event_queue_init(&s->tick_events);
-    event_queue_init(&s->main_events);
     telemetry_init(&s->telemetry);
     event_log_init(&s->history,
                    hal_retained(HAL_RETAINED_EVENTS, EVENT_HISTORY * sizeof(struct event_record)),
@@ -290,19 +289,14 @@ enum err service_output_there(struct service *s, uint8_t output, const char **wh
 }
 
 /* While events wait to be printed the history is not filled up with more, as long as the queue has room. */
-static void keep_from(struct service *s, struct event_queue *queue)
+void service_keep_events(struct service *s)
 {
+    struct event_queue *queue = &s->tick_events;
     while (spsc_can_read(&queue->index) && (s->history.count - s->announced < EVENT_HISTORY / 2 ||
                                             spsc_count(&queue->index) > EVENT_QUEUE_SIZE / 2)) {
         event_log_put(&s->history, &queue->slot[spsc_read_index(&queue->index)]);
         spsc_read_done(&queue->index);
     }
-}
-
-void service_keep_events(struct service *s)
-{
-    keep_from(s, &s->tick_events);
-    keep_from(s, &s->main_events);
 }
 
 bool service_next_event(struct service *s, struct event *event)

@@ -2,7 +2,7 @@
  *
  *   requests     main -> tick   queue
  *   telemetry    tick -> main   queue
- *   tick_events  tick -> main   queue
+ *   tick_events  tick -> main   queue; events of the main loop go into the history at once
  *   plans        PLAN_BUFFERS: in force (tick reads), pending (handed over under hal_tick_lock), scratch
  *                (main writes); the tick swaps pending and in force when it meets a REQUEST_APPLY
  *
@@ -38,7 +38,7 @@ struct service {
     struct io_port io;
     struct request_queue requests;
     struct telemetry telemetry;
-    struct event_queue tick_events, main_events;
+    struct event_queue tick_events;
     uint32_t tick_event_count; /* events the tick has put since start */
     struct tick_cost cost;
     bool watchdog;
@@ -101,11 +101,11 @@ MUST_CHECK enum err service_output_there(struct service *s, uint8_t output, cons
 /* Tick context: swaps in the pending plan if there is one. */
 void service_take_pending(struct service *s);
 
-/* Moves events from the queues into the history, whether or not anybody listens. */
+/* Moves events from the queue into the history, whether or not anybody listens. */
 void service_keep_events(struct service *s);
 /* The next event to announce; false when there is none. */
 bool service_next_event(struct service *s, struct event *event);
-/* Writes an action (EVENT_DO_...) into the history, at the present plant time. */
+/* Writes an event of the main loop, or an action (EVENT_DO_...), into the history, at the present plant time. */
 void service_record(struct service *s, enum event_code code, const char *subject, float value,
                     uint8_t detail);
 /* Plant time, from the main loop. */

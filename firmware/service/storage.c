@@ -27,9 +27,7 @@ void storage_init(struct storage *st, struct service *service)
 
 void storage_tell(struct storage *st, enum event_code code, const char *subject, float value)
 {
-    struct service *s = st->service;
-    event_put(&s->main_events, service_time_ms(s), code, subject, value, 0);
-    service_keep_events(s); /* a load may have more to tell than the queue holds */
+    service_record(st->service, code, subject, value, 0);
 }
 
 /* ---- into force, after a start ---- */

@@ -71,10 +71,10 @@ static void text_thousandths(struct text *t, unsigned x)
 void text_seconds(struct text *t, uint64_t ms)
 {
     unsigned group[7], n = 0;
-    uint64_t left = divide_by_1000(ms, &group[n++]);
-    while (left >= 1000u)
-        left = divide_by_1000(left, &group[n++]);
-    text_u32(t, (uint32_t)left);
+    do
+        ms = divide_by_1000(ms, &group[n++]);
+    while (ms >= 1000u);
+    text_u32(t, (uint32_t)ms);
     while (n) {
         if (n == 1)
             text_char(t, '.');

@@ -17,12 +17,13 @@
 void interrupt_usart1(void);
 void interrupt_usart2(void);
 
-/* Powers of two. */
+/* Powers of two. The terminal may be slow to stop (hal/flow.h). To the console: a reply at once (CONSOLE_REPLY_ROOM),
+ * the rest as the line takes it. The link: two of the longest frames either way. */
 #ifndef UART_CONSOLE_RX
 #define UART_CONSOLE_RX 1024
-#define UART_CONSOLE_TX 4096
-#define UART_LINK_RX    1024
-#define UART_LINK_TX    1024
+#define UART_CONSOLE_TX 1024
+#define UART_LINK_RX    512
+#define UART_LINK_TX    512
 #endif
 
 static uint8_t console_rx[UART_CONSOLE_RX], console_tx[UART_CONSOLE_TX];
