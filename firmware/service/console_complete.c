@@ -132,11 +132,12 @@ static unsigned kind_choice(const struct console *c, const char *kind, size_t si
         return parameter_count();
     }
     if (is(kind, size, "VALUE") && parameter_find(t->before, &p) == ERR_OK) {
-        if (p.field->type == PARAMETER_NAME && !p.field->words)
+        if (p.field->type == PARAMETER_NAME && !parameter_is_secret(&p))
             return name_choice(config, NAMES_LOOP | NAMES_MV | NAMES_MEASUREMENT, n, word);
         if (p.field->type != PARAMETER_WORD)
             return 0;
-        return word_choice(p.field->words, strlen(p.field->words), n, word) ? n + 1u : n;
+        return word_choice(field_words(p.field), strlen(field_words(p.field)), n, word) ? n + 1u
+                                                                                        : n;
     }
     if (kind[0] < 'a' || kind[0] > 'z')
         return 0;

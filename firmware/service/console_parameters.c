@@ -17,9 +17,9 @@ static void value_line(const struct parameter *p, const struct config *config, s
     parameter_name(p, line);
     text_str(line, " = ");
     parameter_value(p, config, line);
-    if (p->field->unit[0]) {
+    if (field_unit(p->field)[0]) {
         text_char(line, ' ');
-        text_str(line, p->field->unit);
+        text_str(line, field_unit(p->field));
     }
 }
 
@@ -155,9 +155,9 @@ static void refuse_value(struct console *c, enum err err, const struct parameter
     text_str(&t, word[1]);
     text_str(&t, err == ERR_READ_ONLY ? "' refused, " : "' refused, allowed: ");
     parameter_range(p, &t);
-    if (p->field->unit[0]) {
+    if (field_unit(p->field)[0]) {
         text_char(&t, ' ');
-        text_str(&t, p->field->unit);
+        text_str(&t, field_unit(p->field));
     }
     console_err_line(c, line);
 }
@@ -238,9 +238,9 @@ bool parameter_help(struct console *c, unsigned n, struct text *line)
     } else if (n == 2) {
         text_str(line, "  allowed: ");
         parameter_range(&p, line);
-        if (p.field->unit[0]) {
+        if (field_unit(p.field)[0]) {
             text_char(line, ' ');
-            text_str(line, p.field->unit);
+            text_str(line, field_unit(p.field));
         }
     } else {
         text_str(line, "  default: ");

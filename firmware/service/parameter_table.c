@@ -5,29 +5,48 @@
 
 #define BIG 1e9f
 
-#define F(s, member, id, name, unit, lo, hi, initial, help)                                        \
+/* Limits and defaults: a few numbers again and again, so a row holds the places of its own in this list. A new
+ * number goes to the end. */
+/* clang-format off */
+#define VALUES(V, x)                                                                                \
+    V(0, 0.0f, x) V(1, BIG, x) V(2, -BIG, x) V(3, 1.0f, x) V(4, -1.0f, x) V(5, 100.0f, x)           \
+    V(6, -100.0f, x) V(7, 1e5f, x) V(8, 1e6f, x) V(9, 2.0f, x) V(10, 60.0f, x) V(11, 0.01f, x)      \
+    V(12, 65535.0f, x) V(13, 9999.0f, x) V(14, 10000.0f, x) V(15, 0.0001f, x) V(16, 8.0f, x)        \
+    V(17, 3600.0f, x) V(18, 86400.0f, x) V(19, 900.0f, x) V(20, 1000.0f, x) V(21, 4.0f, x)          \
+    V(22, 5.0f, x) V(23, 10.0f, x) V(24, 16.0f, x) V(25, 20.0f, x) V(26, 30.0f, x) V(27, 0.5f, x)   \
+    V(28, 0.95f, x) V(29, 0.9999f, x)
+/* clang-format on */
+
+#define ENTRY(place, value, x) [place] = (value),
+static const float values[] = {VALUES(ENTRY, )};
+
+/* A number that is not in the list gets a place no byte holds, which the compiler refuses. */
+#define PLACE_IF(place, value, x) (float)(x) == (value) ? (place):
+#define PLACE(x)                  (VALUES(PLACE_IF, x) 0x100)
+
+/* unit: of PARAMETER_WORD the words, of PARAMETER_NAME PARAMETER_SECRET or nothing. */
+#define ROW(id, type, offset, name, unit, lo, hi, initial, help)                                   \
     {                                                                                              \
-        id, PARAMETER_FLOAT, offsetof(struct s, member), name, unit, lo, hi, initial, NULL, help   \
-    }
-#define W(s, member, id, name, words, initial, help)                                               \
-    {                                                                                              \
-        id, PARAMETER_WORD, offsetof(struct s, member), name, "", 0, 0, initial, words, help       \
-    }
-#define N(s, member, id, name, help)                                                               \
-    {                                                                                              \
-        id, PARAMETER_NAME, offsetof(struct s, member), name, "", 0, 0, 0, NULL, help              \
+        id, type, offset, name, unit, help, PLACE(lo), PLACE(hi), PLACE(initial)                   \
     }
 
+#define F(s, member, id, name, unit, lo, hi, initial, help)                                        \
+    ROW(id, PARAMETER_FLOAT, offsetof(struct s, member), name, unit, lo, hi, initial, help)
+#define W(s, member, id, name, words, initial, help)                                               \
+    ROW(id, PARAMETER_WORD, offsetof(struct s, member), name, words, 0, 0, initial, help)
+#define N(s, member, id, name, help)                                                               \
+    ROW(id, PARAMETER_NAME, offsetof(struct s, member), name, "", 0, 0, 0, help)
+
 static const struct parameter_field config_fields[] = {
-    {1, PARAMETER_FIXED, offsetof(struct config, schema), "schema", "", 0, 0, CONFIG_SCHEMA, NULL,
-     "version of this list of parameters"},
+    ROW(1, PARAMETER_FIXED, offsetof(struct config, schema), "schema", "", 0, 0, CONFIG_SCHEMA,
+        "version of this list of parameters"),
 };
 
 static const struct parameter_field tick_fields[] = {
     F(config, tick_s, 1, "base", "s", 0, 3600, 0,
       "base tick; 0 = what the plant announces, else 0.05 or more"),
-    {2, PARAMETER_U32, offsetof(struct config, miss_limit), "miss_limit", "ticks", 1, 1000000, 5,
-     NULL, "samples missing in a row after which the safe state is taken"},
+    ROW(2, PARAMETER_U32, offsetof(struct config, miss_limit), "miss_limit", "ticks", 1, 1000000, 5,
+        "samples missing in a row after which the safe state is taken"),
     F(config, sample_timeout_s, 3, "timeout", "s", 0, 1e5f, 0,
       "no sample for this long of the board's clock: safe state; 0 = off, for plants that may "
       "wait"),
@@ -35,8 +54,8 @@ static const struct parameter_field tick_fields[] = {
 
 static const struct parameter_field measurement_fields[] = {
     N(measurement_config, name, 1, "name", "measurement as the plant announces it; - = unused"),
-    {2, PARAMETER_UNIT, offsetof(struct measurement_config, unit), "unit", "", 0, 0, 0, NULL,
-     "engineering unit; must equal what the plant announces"},
+    ROW(2, PARAMETER_UNIT, offsetof(struct measurement_config, unit), "unit", "", 0, 0, 0,
+        "engineering unit; must equal what the plant announces"),
     F(measurement_config, lo, 3, "lo", "EU", -BIG, BIG, 0, "lower end of the span (0 %)"),
     F(measurement_config, hi, 4, "hi", "EU", -BIG, BIG, 100, "upper end of the span (100 %)"),
     F(measurement_config, filter_s, 5, "filter", "s", 0, 1e5f, 0,
@@ -74,8 +93,8 @@ static const struct parameter_field measurement_fields[] = {
 
 static const struct parameter_field output_fields[] = {
     N(output_config, name, 1, "name", "manipulated variable as announced; - = unused"),
-    {2, PARAMETER_UNIT, offsetof(struct output_config, unit), "unit", "", 0, 0, 0, NULL,
-     "engineering unit; must equal what the plant announces"},
+    ROW(2, PARAMETER_UNIT, offsetof(struct output_config, unit), "unit", "", 0, 0, 0,
+        "engineering unit; must equal what the plant announces"),
     F(output_config, lo, 3, "lo", "EU", -BIG, BIG, 0, "lower end of the span (0 %)"),
     F(output_config, hi, 4, "hi", "EU", -BIG, BIG, 100, "upper end of the span (100 %)"),
     F(output_config, min, 5, "min", "EU", -BIG, BIG, 0, "lowest value ever commanded while acting"),
@@ -130,20 +149,18 @@ static const struct parameter_field loop_fields[] = {
     W(loop_config, sp_track, 21, "sp_track", "off|on", 1,
       "in manual the setpoint follows the measurement"),
     W(loop_config, decouple, 22, "decouple", "off|on", 0, "takes part in the static decoupler"),
-    {23, PARAMETER_U16, offsetof(struct loop_config, divisor), "divisor", "ticks", 1, 10000, 1,
-     NULL, "runs every so many base ticks"},
-    {24, PARAMETER_U16, offsetof(struct loop_config, phase), "phase", "ticks", 0, 9999, 0, NULL,
-     "base tick within the divisor at which it runs"},
+    ROW(23, PARAMETER_U16, offsetof(struct loop_config, divisor), "divisor", "ticks", 1, 10000, 1,
+        "runs every so many base ticks"),
+    ROW(24, PARAMETER_U16, offsetof(struct loop_config, phase), "phase", "ticks", 0, 9999, 0,
+        "base tick within the divisor at which it runs"),
     F(loop_config, band, 25, "band", "EU", 0, BIG, 0,
       "two_position: distance from the setpoint at which the output switches"),
 };
 
 /* Row i of the decoupler is decouple<i>.d1 .. d8. Its diagonal is 1 by default (parameters_defaults). */
 #define D(k)                                                                                       \
-    {                                                                                              \
-        k, PARAMETER_FLOAT, ((k)-1) * sizeof(float), "d" #k, "fraction/fraction", -100, 100, 0,    \
-            NULL, "output of this row's loop per output of loop " #k                               \
-    }
+    ROW(k, PARAMETER_FLOAT, ((k)-1) * sizeof(float), "d" #k, "fraction/fraction", -100, 100, 0,    \
+        "output of this row's loop per output of loop " #k)
 static const struct parameter_field decoupler_fields[] = {
     D(1), D(2), D(3), D(4), D(5), D(6), D(7), D(8),
 };
@@ -198,28 +215,26 @@ static const struct parameter_field step_fields[] = {
 #define STEP(member) 0
 #endif
 #define S(member, id, name, words, initial, help)                                                  \
-    {                                                                                              \
-        id, PARAMETER_WORD, STEP(member), name, "", 0, 0, initial, words, help                     \
-    }
+    ROW(id, PARAMETER_WORD, STEP(member), name, words, 0, 0, initial, help)
     S(sequence, 1, "seq", "none|start|stop", SEQUENCE_NONE,
       "sequence the row belongs to (docs/sequences.md); none = unused"),
     S(action, 2, "do", "nothing|out|manual|auto|cascade|sp|offset_on|offset_off|guard|drop",
       STEP_NOTHING,
       "what the row does; guard: its condition must hold from here on, drop: no longer"),
-    {3, PARAMETER_NAME, STEP(what), "what", "", 0, 0, 0, NULL,
-     "manipulated variable, loop or measurement it does that to"},
-    {4, PARAMETER_FLOAT, STEP(value), "value", "EU", -BIG, BIG, 0, NULL,
-     "of out, in the output's unit; of sp, in the measurement's"},
+    ROW(3, PARAMETER_NAME, STEP(what), "what", "", 0, 0, 0,
+        "manipulated variable, loop or measurement it does that to"),
+    ROW(4, PARAMETER_FLOAT, STEP(value), "value", "EU", -BIG, BIG, 0,
+        "of out, in the output's unit; of sp, in the measurement's"),
     S(until, 5, "until", "at_once|above|below|steady|time|confirm", STEP_AT_ONCE,
       "what is waited for then"),
-    {6, PARAMETER_NAME, STEP(measurement), "meas", "", 0, 0, 0, NULL,
-     "measurement that is waited for, or guarded"},
-    {7, PARAMETER_FLOAT, STEP(limit), "limit", "EU", -BIG, BIG, 0, NULL,
-     "of above and below; steady: the width the measurement stays within"},
-    {8, PARAMETER_U16, STEP(hold_s), "hold", "s", 0, 65535, 0, NULL,
-     "the condition must hold this long; time: how long; guard: how long it may be broken"},
-    {9, PARAMETER_U16, STEP(timeout_s), "timeout", "s", 0, 65535, 0, NULL,
-     "longest wait; 0 = none, for time and confirm"},
+    ROW(6, PARAMETER_NAME, STEP(measurement), "meas", "", 0, 0, 0,
+        "measurement that is waited for, or guarded"),
+    ROW(7, PARAMETER_FLOAT, STEP(limit), "limit", "EU", -BIG, BIG, 0,
+        "of above and below; steady: the width the measurement stays within"),
+    ROW(8, PARAMETER_U16, STEP(hold_s), "hold", "s", 0, 65535, 0,
+        "the condition must hold this long; time: how long; guard: how long it may be broken"),
+    ROW(9, PARAMETER_U16, STEP(timeout_s), "timeout", "s", 0, 65535, 0,
+        "longest wait; 0 = none, for time and confirm"),
     S(otherwise, 10, "else", "abort|go_on|hold", STEP_ABORT, "what the time-out, or a guard, does"),
 #undef S
 #undef STEP
@@ -234,8 +249,8 @@ static const struct parameter_field restart_fields[] = {
 };
 
 static const struct parameter_field console_fields[] = {
-    {1, PARAMETER_NAME, offsetof(struct config, console_key), "key", "", 0, 0, 0, PARAMETER_SECRET,
-     "opens the engineer level of the console (docs/console.md); - = always open"},
+    ROW(1, PARAMETER_NAME, offsetof(struct config, console_key), "key", PARAMETER_SECRET, 0, 0, 0,
+        "opens the engineer level of the console (docs/console.md); - = always open"),
     F(config, relock_s, 2, "relock", "s", 0, 86400, 900,
       "the engineer level locks itself after this long without its commands; 0 = never"),
 };
@@ -250,10 +265,10 @@ static const struct parameter_field test_fields[] = {
       "no half of a double step is longer; 0 = 1000 base ticks"),
     F(config, test.confidence, 4, "confidence", "-", 0.5f, 0.9999f, 0.95f,
       "a pairing less probable than this is not determined"),
-    {5, PARAMETER_U16, offsetof(struct config, test.rounds), "rounds", "-", 1, 16, 4, NULL,
-     "tests are repeated, up to so many of each input, until the pairing is determined"},
-    {6, PARAMETER_U16, offsetof(struct config, test.window), "window", "ticks", 10, 1000, 30, NULL,
-     "base ticks over which rest is judged"},
+    ROW(5, PARAMETER_U16, offsetof(struct config, test.rounds), "rounds", "-", 1, 16, 4,
+        "tests are repeated, up to so many of each input, until the pairing is determined"),
+    ROW(6, PARAMETER_U16, offsetof(struct config, test.window), "window", "ticks", 10, 1000, 30,
+        "base ticks over which rest is judged"),
     W(config, test.guard, 7, "guard", "line|model", TEST_GUARD_MODEL,
       "how the peak of a response is predicted: by a straight line, or by a model of it so far"),
 };
@@ -299,3 +314,18 @@ const struct parameter_group parameter_groups[] = {
 #endif
 };
 const unsigned parameter_group_count = COUNT(parameter_groups);
+
+float field_lo(const struct parameter_field *field)
+{
+    return values[field->lo];
+}
+
+float field_hi(const struct parameter_field *field)
+{
+    return values[field->hi];
+}
+
+float field_initial(const struct parameter_field *field)
+{
+    return values[field->initial];
+}

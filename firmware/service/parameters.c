@@ -4,6 +4,16 @@
 
 #include "base/channel.h"
 
+const char *field_unit(const struct parameter_field *field)
+{
+    return field->type == PARAMETER_WORD || field->type == PARAMETER_NAME ? "" : field->unit;
+}
+
+const char *field_words(const struct parameter_field *field)
+{
+    return field->type == PARAMETER_WORD ? field->unit : "";
+}
+
 void *parameter_place(const struct parameter *p, struct config *config)
 {
     return (uint8_t *)config + p->group->offset + (size_t)p->index * p->group->stride +
@@ -38,7 +48,7 @@ static float initial(const struct parameter *p)
 {
     bool diagonal =
         p->group->offset == offsetof(struct config, decoupler) && p->field->id == p->index + 1u;
-    return diagonal ? 1.0f : p->field->initial;
+    return diagonal ? 1.0f : field_initial(p->field);
 }
 
 bool parameter_at(unsigned n, struct parameter *p)
@@ -65,7 +75,7 @@ void parameters_defaults(struct config *config)
         uint8_t *at = parameter_place(&p, config);
         float f = initial(&p);
         /* Only real ones may be negative. */
-        uint32_t u32 = p.field->type == PARAMETER_FLOAT ? 0 : (uint32_t)p.field->initial;
+        uint32_t u32 = p.field->type == PARAMETER_FLOAT ? 0 : (uint32_t)field_initial(p.field);
         uint16_t u16 = (uint16_t)u32;
         switch (p.field->type) {
         case PARAMETER_FLOAT:
@@ -79,7 +89,7 @@ void parameters_defaults(struct config *config)
             memcpy(at, &u16, sizeof u16);
             break;
         case PARAMETER_WORD:
-            *at = (uint8_t)p.field->initial;
+            *at = (uint8_t)field_initial(p.field);
             break;
         default:
             break; /* names and units begin empty */
@@ -140,7 +150,7 @@ enum err parameter_find_id(uint16_t id, struct parameter *p)
 
 bool parameter_is_secret(const struct parameter *p)
 {
-    return p->field->type == PARAMETER_NAME && p->field->words;
+    return p->field->type == PARAMETER_NAME && p->field->unit[0];
 }
 
 void parameter_name(const struct parameter *p, struct text *t)
@@ -182,7 +192,7 @@ void parameter_value(const struct parameter *p, const struct config *config, str
         text_u32(t, u16);
         break;
     case PARAMETER_WORD:
-        word_at(p->field->words, *at, t);
+        word_at(field_words(p->field), *at, t);
         break;
     default:
         text_str(t, !*at ? "-" : parameter_is_secret(p) ? PARAMETER_SECRET : (const char *)at);
@@ -199,10 +209,10 @@ void parameter_default(const struct parameter *p, struct text *t)
     case PARAMETER_U32:
     case PARAMETER_U16:
     case PARAMETER_FIXED:
-        text_u32(t, (uint32_t)p->field->initial);
+        text_u32(t, (uint32_t)field_initial(p->field));
         break;
     case PARAMETER_WORD:
-        word_at(p->field->words, (unsigned)p->field->initial, t);
+        word_at(field_words(p->field), (unsigned)field_initial(p->field), t);
         break;
     default:
         text_str(t, "-");
@@ -214,7 +224,7 @@ void parameter_range(const struct parameter *p, struct text *t)
 {
     switch (p->field->type) {
     case PARAMETER_WORD:
-        text_str(t, p->field->words);
+        text_str(t, field_words(p->field));
         break;
     case PARAMETER_FIXED:
         text_str(t, "read-only");
@@ -226,9 +236,9 @@ void parameter_range(const struct parameter *p, struct text *t)
         text_str(t, "up to 11 printable characters without blanks or commas, - for none");
         break;
     default:
-        text_float(t, p->field->lo);
+        text_float(t, field_lo(p->field));
         text_str(t, " .. ");
-        text_float(t, p->field->hi);
+        text_float(t, field_hi(p->field));
         break;
     }
 }
@@ -265,7 +275,7 @@ bool parameter_is_default(const struct parameter *p, const struct config *config
 unsigned parameter_words(const struct parameter *p)
 {
     unsigned n = 1;
-    for (const char *words = p->field->words; words && *words; words++)
+    for (const char *words = field_words(p->field); *words; words++)
         n += *words == '|';
     return n;
 }
@@ -329,7 +339,7 @@ enum err parameter_set(const struct parameter *p, struct config *config, const c
         err = text_parse_float(value, &f);
         if (err)
             return err;
-        if (f < field->lo || f > field->hi)
+        if (f < field_lo(field) || f > field_hi(field))
             return ERR_RANGE;
         if (f == 0.0f)
             f = 0.0f; /* no negative zero: equal settings have equal bits */
@@ -340,7 +350,7 @@ enum err parameter_set(const struct parameter *p, struct config *config, const c
         err = text_parse_u32(value, &u32);
         if (err)
             return err;
-        if ((float)u32 < field->lo || (float)u32 > field->hi)
+        if ((float)u32 < field_lo(field) || (float)u32 > field_hi(field))
             return ERR_RANGE;
         if (field->type == PARAMETER_U32) {
             memcpy(at, &u32, sizeof u32);
@@ -350,7 +360,7 @@ enum err parameter_set(const struct parameter *p, struct config *config, const c
         }
         return ERR_OK;
     case PARAMETER_WORD:
-        return word_find(field->words, value, at) ? ERR_OK : ERR_PARSE;
+        return word_find(field_words(field), value, at) ? ERR_OK : ERR_PARSE;
     case PARAMETER_NAME:
         if (parameter_is_secret(p) && strcmp(value, PARAMETER_SECRET) == 0)
             return ERR_OK;

@@ -23,7 +23,7 @@ enum parameter_type {
     PARAMETER_UNIT /* char[CHANNEL_UNIT_SIZE]: printable without blanks; "-" writes an empty one */
 };
 
-/* In `words` of a PARAMETER_NAME: never shown. Its value reads "***" when there is one, and setting it to
+/* In place of the unit of a PARAMETER_NAME: never shown. Its value reads "***" when there is one, and setting it to
  * "***" leaves it as it is, so that what `diff` and `dump` print can be pasted. */
 #define PARAMETER_SECRET "***"
 
@@ -32,10 +32,9 @@ struct parameter_field {
     uint8_t type;
     uint16_t offset; /* in the group's struct */
     const char *name;
-    const char *unit; /* "EU": engineering units of the channel */
-    float lo, hi, initial;
-    const char *words; /* PARAMETER_WORD; with PARAMETER_NAME, PARAMETER_SECRET or NULL */
+    const char *unit; /* of PARAMETER_WORD the words; of PARAMETER_NAME PARAMETER_SECRET or "" */
     const char *help;
+    uint8_t lo, hi, initial; /* places in a list of numbers: field_lo() ... */
 };
 
 struct parameter_group {
@@ -69,6 +68,14 @@ MUST_CHECK enum err parameter_find(const char *name, struct parameter *p);
 uint16_t parameter_id(const struct parameter *p);
 MUST_CHECK enum err parameter_find_id(uint16_t id, struct parameter *p);
 bool parameter_is_secret(const struct parameter *p);
+
+/* "EU": engineering units of the channel; "" for names and words. */
+const char *field_unit(const struct parameter_field *field);
+/* "off|on", of a PARAMETER_WORD. */
+const char *field_words(const struct parameter_field *field);
+float field_lo(const struct parameter_field *field);
+float field_hi(const struct parameter_field *field);
+float field_initial(const struct parameter_field *field);
 
 void parameter_name(const struct parameter *p, struct text *t);
 void parameter_value(const struct parameter *p, const struct config *config, struct text *t);

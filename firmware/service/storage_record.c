@@ -37,7 +37,7 @@ static bool take_number(const struct parameter *p, struct config *config, float 
                         bool is_whole)
 {
     void *at = parameter_place(p, config);
-    float lo = p->field->lo, hi = p->field->hi;
+    float lo = field_lo(p->field), hi = field_hi(p->field);
     if (p->field->type == PARAMETER_WORD) {
         lo = 0.0f;
         hi = (float)(parameter_words(p) - 1u);

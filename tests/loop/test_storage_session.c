@@ -309,7 +309,8 @@ static void test_dump_restores_random_settings(void)
             if (p.field->type == PARAMETER_FLOAT) {
                 double x = (double)random_below(&random, 1000001) / 1e6;
                 snprintf(value, sizeof value, "%.9g",
-                         (double)p.field->lo + x * ((double)p.field->hi - (double)p.field->lo));
+                         (double)field_lo(p.field) +
+                             x * ((double)field_hi(p.field) - (double)field_lo(p.field)));
             } else if (p.field->type == PARAMETER_UNIT) {
                 snprintf(value, sizeof value, "u%u", k);
             } else {

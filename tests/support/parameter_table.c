@@ -56,7 +56,7 @@ static void add_group(const struct parameter_group *group)
         parameter_default(&p, &d);
         add("| ");
         add_cell(p.field->name);
-        add_cell(p.field->unit);
+        add_cell(field_unit(p.field));
         add_cell(range);
         bool diagonal = strcmp(group->name, "decouple") == 0;
         add_cell(diagonal ? "1 on the diagonal, else 0" : initial);

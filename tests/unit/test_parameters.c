@@ -71,7 +71,7 @@ static void every_parameter_has_help_and_a_range_in_words(void)
         texts(&p);
         TEST_ASSERT_TRUE_MESSAGE(strlen(p.field->help) > 5, name);
         TEST_ASSERT_TRUE_MESSAGE(range[0], name);
-        TEST_ASSERT_NOT_NULL_MESSAGE(p.field->unit, name);
+        TEST_ASSERT_NOT_NULL_MESSAGE(field_unit(p.field), name);
     }
 }
 
@@ -114,7 +114,7 @@ static void the_ends_of_each_range_are_accepted_and_what_is_beyond_is_not(void)
         texts(&p);
         if (!number(&p))
             continue;
-        float lo = p.field->lo, hi = p.field->hi;
+        float lo = field_lo(p.field), hi = field_hi(p.field);
         snprintf(text, sizeof text, "%.9g", (double)hi);
         if (p.field->type != PARAMETER_FLOAT)
             snprintf(text, sizeof text, "%.0f", (double)hi);
@@ -137,12 +137,12 @@ static void words_are_taken_whole_and_nothing_else(void)
         if (p.field->type != PARAMETER_WORD)
             continue;
         texts(&p);
-        refused(&p, p.field->words); /* all of them at once */
+        refused(&p, field_words(p.field)); /* all of them at once */
         refused(&p, "");
         refused(&p, "1");
         refused(&p, "o");
         char words[80], *save = NULL;
-        strcpy(words, p.field->words);
+        strcpy(words, field_words(p.field));
         for (char *w = strtok_r(words, "|", &save); w; w = strtok_r(NULL, "|", &save)) {
             TEST_ASSERT_EQUAL_MESSAGE(ERR_OK, parameter_set(&p, &config, w), w);
             texts(&p);

@@ -332,7 +332,8 @@ static void test_every_parameter_comes_back(void)
     bench_boot();
     parameters_defaults(&c);
     for (unsigned n = 0; parameter_at(n, &p); n++) {
-        float lo = p.field->lo, hi = p.field->hi, f = lo + (hi - lo) * (float)(1 + n % 97) / 99.0f;
+        float lo = field_lo(p.field), hi = field_hi(p.field),
+              f = lo + (hi - lo) * (float)(1 + n % 97) / 99.0f;
         switch (p.field->type) {
         case PARAMETER_FIXED:
             continue;
