@@ -1,52 +1,56 @@
-/* PI or PID settings for loops that disturb each other: docs/tuning.md.
+/* PI settings for loops that disturb each other: docs/tuning.md.
  *
- * Every loop begins with SIMC (Skogestad 2003) on its own element, the others open. Then all are slowed by one factor F:
+ * Every loop begins with SIMC (Skogestad 2003) on its own element, and all are slowed by one factor F:
  *     tau_c = F max(theta, T/8)
- * until the loops together have the distance from instability that Luyben asks of multiloop systems: log modulus at most
- * db_per_loop n (Luyben 1986, there with Ziegler-Nichols settings and K/F, F Ti), found by bisection. theta includes
- * half a sample interval. A loop whose gain rises when the others close (0 < lambda < 1) begins with its equivalent
- * transfer function (He et al. 2009). */
+ * as little as possible, but so that the loops together are as far from instability as Luyben (1986) asks of multiloop
+ * systems: closed-loop log modulus at most db_per_loop n, here never more than db_most; and stay stable with all gains
+ * gain_margin times as large. (Luyben begins with Ziegler and Nichols' settings and takes K/F and F Ti.) theta includes
+ * half a sample interval. The gain a loop is designed on is the larger of its own, K, and that with the other loops
+ * closed, K/lambda (the gain of the equivalent transfer function of He et al. 2009); with a decoupler K/lambda, and the
+ * mean residence time of what then makes up the loop. */
 #ifndef REFLUX_DESIGN_DETUNE_H
 #define REFLUX_DESIGN_DETUNE_H
 
 #include "design/nyquist.h"
-#include "interact/measure.h"
+#include "interact/rga.h"
 
 struct detune_config {
-    real_t db_per_loop;       /* 0.1 to 20 dB; Luyben: 2 */
-    real_t factor_hi;         /* slowest that is tried: F up to this, 1 to 1e4 */
-    real_t gain_hi;           /* largest controller gain allowed, 1e-6 to 1e6 */
-    real_t derivative_filter; /* 1 to 100 */
+    real_t db_per_loop; /* 0.1 to 20 dB; Luyben: 2 */
+    real_t db_most;     /* 0.1 to 40 dB */
+    real_t gain_margin; /* 1 to 10 */
+    real_t factor_hi;   /* slowest that is tried: 1 to 1e4 */
+    real_t gain_hi; /* largest controller gain: 1e-6 to 1e6; the PID of the firmware takes 100 */
 };
 
 struct detune {
     /* Results */
-    struct loops loops; /* settings; what it was given otherwise */
-    real_t factor;      /* F */
-    real_t log_modulus_db, omega;
-    uint8_t tried;
+    struct loops loops;           /* settings; pairs, interval and decoupler as given */
+    real_t factor;                /* F */
+    real_t log_modulus_db, omega; /* of them, and where, rad/s */
+    uint8_t tried;                /* factors */
 
-    /* Work */
+    /* Work: 7 KiB (float) */
     const struct interact_plant *plant;
     struct detune_config config;
     struct fopdt model[INTERACT_MAX]; /* what each loop is designed on */
-    real_t lo, hi;
+    real_t lo, hi;                    /* F too small; F large enough, 0 while unknown */
     uint8_t stage;
     union {
         struct nyquist nyquist;
         struct {
-            struct measure_work work;
-            struct measure measure;
-        };
-    };
+            struct rga_work rga;
+            struct matrix gains, lambda;
+        } begin;
+    } work;
 };
 
-/* 2 dB, 100, 100, 8. */
+/* 2 dB, 6 dB, 1.7, 200, 100. */
 void detune_config_default(struct detune_config *config);
 
-/* pairs; interval_s above 0; decoupler NULL, or loops are designed on G D. ERR_RANGE also for a pair of no gain. Then
- * detune_step until it is not ERR_BUSY, about 12 times as many as a nyquist; ERR_TIMEOUT from it: even factor_hi does not
- * bring the distance wanted, settings are those of factor_hi. */
+/* pairs, interval_s and decoupler as in struct loops; the decoupler must live as long. ERR_RANGE, ERR_NOT_FINITE: what is
+ * not as there, config, or a pair without a gain (why, which may be NULL, says); ERR_SINGULAR: the gains have no inverse.
+ * Then detune_step until it is not ERR_BUSY: at most 1e5 operations a call, about twenty times as many calls as one
+ * nyquist. ERR_TIMEOUT from it: not even factor_hi keeps the distance; settings are those of factor_hi. */
 MUST_CHECK enum err detune_begin(struct detune *d, const struct interact_plant *plant,
                                  const struct pairs *pairs, real_t interval_s,
                                  const struct matrix *decoupler, const struct detune_config *config,

@@ -1,4 +1,8 @@
-/* A proposed set of loops tried on the model, in the time domain: what a step will look like before it is made. */
+/* A proposed set of loops tried on the model, in the time domain: what a step will look like before it is made.
+ *
+ * Inputs are held between samples and the elements stepped exactly, dead times that are no whole number of samples
+ * included; the controllers are the PI law of control/pid.h without limits (a derivative is left out: settings with one
+ * are refused). Linear, from rest. */
 #ifndef REFLUX_DESIGN_TRIAL_H
 #define REFLUX_DESIGN_TRIAL_H
 
@@ -6,46 +10,55 @@
 
 #include "design/loops.h"
 
+#define TRIAL_DELAY   256   /* samples of every input that are remembered */
+#define TRIAL_SAMPLES 10000 /* longest trial */
+
 struct trial_config {
-    uint8_t loop;      /* whose setpoint, or whose input, is stepped */
-    bool load;         /* step of `size` at the plant's input of that loop; else of its setpoint */
-    real_t size;       /* fraction of span, not 0 */
-    real_t duration_s; /* 0: ten times the slowest loop, worked out */
-    real_t
-        step_s; /* 0: worked out from the fastest time constant, at least interval_s where there is one */
+    uint8_t loop;      /* whose setpoint, or whose input, is stepped at time 0 */
+    bool load;         /* a step at the plant's input of that loop; else of its setpoint */
+    real_t size;       /* fraction of span, 1e-6 to 1e6, either sign */
+    real_t duration_s; /* 1e-2 to 1e7; 0: fifteen times the largest integral time plus dead time */
     real_t setpoint_weight; /* b of the PID, 0 to 1 */
 };
 
 struct trial_loop {
     real_t iae; /* integral of |e|, fraction of span times s */
     real_t
-        peak; /* largest |y - setpoint| after the step first arrived (load), or overshoot past the setpoint, in
-                         units of `size`; of the other loops the largest |e| in units of `size` */
-    real_t settled_s; /* after it |e| stays within 5 % of size; duration when it never does */
-    real_t moved;     /* largest |u| of the loop's input, fraction of span */
+        peak; /* of the loop whose setpoint is stepped the overshoot, else the largest |e|; in units of size */
+    real_t
+        settled_s; /* from here |e| stays within 5 % of size; the duration when it does not come to that */
+    real_t moved; /* largest |u| of its input, fraction of span */
 };
 
-/* 18 KiB (float), of which the delay lines are TRIAL_DELAY samples for each input. */
-#define TRIAL_DELAY 256
 struct trial {
     /* Results */
     struct trial_loop loop[INTERACT_MAX];
-    bool bounded; /* nothing exceeded 100 times the step */
-    real_t time_s, step_s, duration_s;
+    bool bounded; /* no output went past 100 times the step: it ended there otherwise */
+    bool
+        coarse; /* samples had to be longer than the interval, and are no shorter than a fifth of the fastest
+                        integral time: the figures are rough */
+    real_t time_s; /* reached */
+    real_t
+        step_s; /* of a sample: the interval, or longer where dead times or the duration would not fit */
+    real_t duration_s;
 
-    /* Work */
+    /* Work: 21 KiB (float) */
     const struct interact_plant *plant;
     const struct loops *loops;
     struct trial_config config;
-    real_t state[INTERACT_MAX][INTERACT_MAX]; /* of every element */
-    real_t decay[INTERACT_MAX][INTERACT_MAX];
+    real_t state[INTERACT_MAX][INTERACT_MAX], decay[INTERACT_MAX][INTERACT_MAX];
+    real_t
+        late_part[INTERACT_MAX]
+                 [INTERACT_MAX]; /* decay over the part of a sample after a delayed input changes */
+    uint8_t delay[INTERACT_MAX][INTERACT_MAX]; /* whole samples */
     real_t past[INTERACT_MAX][TRIAL_DELAY];
-    real_t y[INTERACT_MAX], integral[INTERACT_MAX], slope[INTERACT_MAX], last_y[INTERACT_MAX];
+    real_t integral[INTERACT_MAX], y[INTERACT_MAX];
     uint32_t at, steps;
+    bool done;
 };
 
-/* ERR_RANGE: config; or a dead time of more than TRIAL_DELAY - 2 steps when step_s is given. Then trial_step until it is
- * not ERR_BUSY: ten samples a call, at most 6e4 operations; 10000 samples at most. */
+/* ERR_RANGE, ERR_NOT_FINITE as interact_check, loops_check, or for config. plant and loops must live and stay as they
+ * are. Then trial_step until it is not ERR_BUSY: four samples a call, at most 2e4 operations. */
 MUST_CHECK enum err trial_begin(struct trial *t, const struct interact_plant *plant,
                                 const struct loops *loops, const struct trial_config *config);
 MUST_CHECK enum err trial_step(struct trial *t);

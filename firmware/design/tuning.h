@@ -9,6 +9,7 @@
 #define REFLUX_DESIGN_TUNING_H
 
 #include "base/error.h"
+#include "design/names.h"
 #include "lti/fopdt.h"
 #include "num/real.h"
 

@@ -33,6 +33,7 @@ function(reflux_double_layer name)
     return()
   endif()
   add_library(reflux_${name}_double STATIC ${arg_SOURCES})
+  set_target_properties(reflux_${name}_double PROPERTIES POSITION_INDEPENDENT_CODE ON) # they go into libreflux.so
   target_include_directories(reflux_${name}_double PUBLIC "${CMAKE_BINARY_DIR}/layers/${name}")
   target_compile_definitions(reflux_${name}_double PUBLIC REFLUX_REAL_DOUBLE=1)
   list(TRANSFORM arg_DEPENDS PREPEND reflux_ OUTPUT_VARIABLE below)

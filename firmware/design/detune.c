@@ -1,0 +1,210 @@
+#include "design/detune.h"
+
+#include <stddef.h>
+#include <string.h>
+
+#define REFINED REAL_C(1.05) /* F is found to 5 % */
+
+enum { STAGE_CHECK, STAGE_MARGIN, STAGE_FINAL, STAGE_DONE };
+
+void detune_config_default(struct detune_config *config)
+{
+    *config = (struct detune_config){.db_per_loop = REAL_C(2.0),
+                                     .db_most = REAL_C(6.0),
+                                     .gain_margin = REAL_C(1.7),
+                                     .factor_hi = REAL_C(200.0),
+                                     .gain_hi = REAL_C(100.0)};
+}
+
+static bool within(real_t x, real_t lo, real_t hi)
+{
+    return x >= lo && x <= hi; /* false for NaN */
+}
+
+static enum err check_config(const struct detune_config *c, struct interact_refusal *why)
+{
+    const struct {
+        real_t value, lo, hi;
+        const char *field, *wanted;
+    } fields[] = {{c->db_per_loop, REAL_C(0.1), REAL_C(20.0), "db_per_loop", "0.1 to 20 dB"},
+                  {c->db_most, REAL_C(0.1), REAL_C(40.0), "db_most", "0.1 to 40 dB"},
+                  {c->gain_margin, REAL_C(1.0), REAL_C(10.0), "gain_margin", "1 to 10"},
+                  {c->factor_hi, REAL_C(1.0), REAL_C(1e4), "factor_hi", "1 to 1e4"},
+                  {c->gain_hi, REAL_C(1e-6), REAL_C(1e6), "gain_hi", "1e-6 to 1e6"}};
+    for (size_t k = 0; k < sizeof fields / sizeof fields[0]; k++)
+        if (!within(fields[k].value, fields[k].lo, fields[k].hi)) {
+            *why = (struct interact_refusal){fields[k].field, fields[k].wanted, INTERACT_NONE,
+                                             INTERACT_NONE};
+            return ERR_RANGE;
+        }
+    return ERR_OK;
+}
+
+/* What loop k is with the decoupler: gain and mean residence time of the sum of K_kj D_jk e^{-sL}/(Ts + 1), the latter no
+ * less and no more than those of its parts, for where they cancel the mean says nothing. */
+static struct fopdt decoupled(const struct detune *d, size_t k)
+{
+    const struct loops *loops = &d->loops;
+    real_t gain = REAL_C(0.0), dead = REAL_C(0.0), whole = REAL_C(0.0);
+    real_t dead_hi = REAL_C(0.0), dead_lo = REAL_C(1e9), whole_hi = REAL_C(0.0),
+           whole_lo = REAL_C(1e9);
+    for (size_t j = 0; j < loops->pairs.n; j++) {
+        const struct fopdt *e = &d->plant->element[loops->pairs.output[k]][loops->pairs.input[j]];
+        real_t part = e->gain * loops->decoupler->at[j][k];
+        real_t residence = e->dead_time_s + e->time_constant_s;
+        if (real_abs(part) <= REAL_C(0.0))
+            continue;
+        gain += part;
+        dead += part * e->dead_time_s;
+        whole += part * residence;
+        dead_hi = e->dead_time_s > dead_hi ? e->dead_time_s : dead_hi;
+        dead_lo = e->dead_time_s < dead_lo ? e->dead_time_s : dead_lo;
+        whole_hi = residence > whole_hi ? residence : whole_hi;
+        whole_lo = residence < whole_lo ? residence : whole_lo;
+    }
+    dead = dead / gain;
+    whole = whole / gain;
+    dead = within(dead, dead_lo, dead_hi) ? dead : dead_hi;
+    whole = within(whole, whole_lo, whole_hi) ? whole : whole_lo;
+    return (struct fopdt){gain, dead, whole > dead ? whole - dead : REAL_C(0.0)};
+}
+
+static enum err set_models(struct detune *d, struct interact_refusal *why)
+{
+    const struct loops *loops = &d->loops;
+    *why = (struct interact_refusal){"gains", "a matrix with an inverse", INTERACT_NONE,
+                                     INTERACT_NONE};
+    interact_gains(d->plant, &loops->pairs, &d->work.begin.gains);
+    if (rga_compute(&d->work.begin.gains, &d->work.begin.rga, &d->work.begin.lambda))
+        return ERR_SINGULAR;
+    for (size_t k = 0; k < loops->pairs.n; k++) {
+        struct fopdt *m = &d->model[k];
+        real_t lambda = d->work.begin.lambda.at[k][k];
+        *m = d->plant->element[loops->pairs.output[k]][loops->pairs.input[k]];
+        if (loops->decoupler)
+            *m = decoupled(d, k);
+        else if (lambda > REAL_C(0.0) && lambda < REAL_C(1.0))
+            m->gain = m->gain / lambda;
+        *why = (struct interact_refusal){"gain", "not 0: a loop needs an input that acts",
+                                         loops->pairs.output[k], loops->pairs.input[k]};
+        if (!within(real_abs(m->gain), REAL_C(1e-9), REAL_C(1e9)))
+            return ERR_RANGE;
+        real_t half = loops->interval_s * REAL_C(0.5);
+        m->dead_time_s = m->dead_time_s + half; /* the hold */
+        if (m->time_constant_s < half)
+            m->time_constant_s = half;
+    }
+    return ERR_OK;
+}
+
+/* SIMC with tau_c = F max(theta, T/8) for every loop. */
+static enum err set_tuning(struct detune *d, real_t factor)
+{
+    for (size_t k = 0; k < d->loops.pairs.n; k++) {
+        const struct fopdt *m = &d->model[k];
+        real_t eighth = m->time_constant_s * REAL_C(0.125);
+        real_t tau_c = factor * (m->dead_time_s > eighth ? m->dead_time_s : eighth);
+        struct tuning *t = &d->loops.tuning[k];
+        enum err err = tuning_simc_pi(m, tau_c < REAL_C(1e6) ? tau_c : REAL_C(1e6), t, NULL);
+        if (err)
+            return err;
+        if (t->gain > d->config.gain_hi)
+            t->gain = d->config.gain_hi;
+    }
+    d->factor = factor;
+    d->tried++;
+    return ERR_OK;
+}
+
+static real_t limit_db(const struct detune *d)
+{
+    real_t db = d->config.db_per_loop * (real_t)d->loops.pairs.n;
+    return db < d->config.db_most ? db : d->config.db_most;
+}
+
+/* Tries a factor: first the distance, then the margin. */
+static enum err try_factor(struct detune *d, real_t factor)
+{
+    enum err err = set_tuning(d, factor);
+    if (err)
+        return err;
+    d->stage = STAGE_CHECK;
+    return nyquist_begin(&d->work.nyquist, d->plant, &d->loops, REAL_C(1.0), limit_db(d));
+}
+
+enum err detune_begin(struct detune *d, const struct interact_plant *plant,
+                      const struct pairs *pairs, real_t interval_s, const struct matrix *decoupler,
+                      const struct detune_config *config, struct interact_refusal *why)
+{
+    struct interact_refusal unused;
+    why = why ? why : &unused;
+    enum err err = interact_check(plant, why);
+    if (!err)
+        err = check_config(config, why);
+    if (err)
+        return err;
+    memset(d, 0, sizeof *d);
+    d->plant = plant;
+    d->config = *config;
+    d->loops.pairs = *pairs;
+    d->loops.interval_s = interval_s;
+    d->loops.derivative_filter = REAL_C(8.0);
+    d->loops.decoupler = decoupler;
+    for (size_t k = 0; k < INTERACT_MAX;
+         k++) /* anything valid: the rest is what is to be checked */
+        d->loops.tuning[k] = (struct tuning){.gain = REAL_C(1.0), .ti_s = REAL_C(1.0)};
+    err = loops_check(plant, &d->loops, why);
+    if (!err)
+        err = set_models(d, why);
+    if (err)
+        return err;
+    *why = (struct interact_refusal){"", "", INTERACT_NONE, INTERACT_NONE};
+    d->lo = REAL_C(1.0);
+    return try_factor(d, REAL_C(1.0));
+}
+
+/* The next factor: twice as slow while none has been good, then between; the last one good is checked once more at the
+ * end, without a limit, for its figures. */
+static enum err go_on(struct detune *d, bool good)
+{
+    if (good)
+        d->hi = d->factor;
+    else
+        d->lo = d->factor;
+    enum err err;
+    if (d->hi <= REAL_C(0.0) && d->lo < d->config.factor_hi) {
+        real_t next = d->lo * REAL_C(2.0);
+        err = try_factor(d, next < d->config.factor_hi ? next : d->config.factor_hi);
+    } else if (d->hi > REAL_C(1.0) && d->hi > d->lo * REFINED) {
+        err = try_factor(d, real_sqrt(d->lo * d->hi));
+    } else {
+        err = set_tuning(d, d->hi > REAL_C(0.0) ? d->hi : d->config.factor_hi);
+        d->tried--;
+        d->stage = STAGE_FINAL;
+        if (!err)
+            err = nyquist_begin(&d->work.nyquist, d->plant, &d->loops, REAL_C(1.0), INFINITY);
+    }
+    return err ? err : ERR_BUSY;
+}
+
+enum err detune_step(struct detune *d)
+{
+    if (d->stage == STAGE_DONE)
+        return ERR_STATE;
+    enum err err = nyquist_step(&d->work.nyquist);
+    if (err == ERR_BUSY)
+        return err;
+    bool good = err == ERR_OK && d->work.nyquist.stable;
+    if (d->stage == STAGE_FINAL) {
+        d->stage = STAGE_DONE;
+        d->log_modulus_db = d->work.nyquist.log_modulus_db;
+        d->omega = d->work.nyquist.omega;
+        return good && d->hi > REAL_C(0.0) ? ERR_OK : ERR_TIMEOUT;
+    }
+    if (d->stage == STAGE_CHECK && good) {
+        d->stage = STAGE_MARGIN;
+        err = nyquist_begin(&d->work.nyquist, d->plant, &d->loops, d->config.gain_margin, INFINITY);
+        return err ? err : ERR_BUSY;
+    }
+    return go_on(d, good);
+}

@@ -1,0 +1,174 @@
+#include "design/nyquist.h"
+
+#include <stddef.h>
+#include <string.h>
+
+#define STEP_COSINE   REAL_C(0.921) /* 0.4 rad */
+#define STEP_LOG      REAL_C(0.336) /* ln 1.4 */
+#define RATIO_FIRST   REAL_C(1.1)
+#define RATIO_MOST    REAL_C(1.3)
+#define RATIO_LEAST   REAL_C(1.00001)
+#define NEGLIGIBLE    REAL_C(0.05) /* G C this small turns no curve any more */
+#define LOWER_TRIES   6
+#define DB_OF_NEPER   REAL_C(8.685889638065037)
+#define LARGEST_TIMES REAL_C(1e5) /* omega times a dead time: beyond it the sine is rounding */
+
+enum { STAGE_BEGIN, STAGE_FOLLOW, STAGE_DONE };
+
+enum err nyquist_begin(struct nyquist *n, const struct interact_plant *plant,
+                       const struct loops *loops, real_t gain_times, real_t limit_db)
+{
+    enum err err = interact_check(plant, NULL);
+    if (!err)
+        err = loops_check(plant, loops, NULL);
+    if (err)
+        return err;
+    if (!(gain_times >= REAL_C(0.01) && gain_times <= REAL_C(100.0)) || !(limit_db > REAL_C(0.0)))
+        return ERR_RANGE;
+    memset(n, 0, sizeof *n);
+    n->plant = plant;
+    n->loops = loops;
+    n->gain_times = gain_times;
+    n->limit_db = limit_db;
+    /* Well below everything that happens: the slowest residence or integral time. */
+    real_t slowest = loops->interval_s;
+    for (size_t k = 0; k < loops->pairs.n; k++) {
+        if (loops->tuning[k].ti_s > slowest)
+            slowest = loops->tuning[k].ti_s;
+        for (size_t l = 0; l < loops->pairs.n; l++) {
+            const struct fopdt *e = &plant->element[loops->pairs.output[k]][loops->pairs.input[l]];
+            if (e->dead_time_s + e->time_constant_s > slowest)
+                slowest = e->dead_time_s + e->time_constant_s;
+        }
+    }
+    n->corner = REAL_C(1.0) / slowest;
+    n->w = REAL_C(0.02) * n->corner;
+    n->ratio = RATIO_FIRST;
+    n->log_modulus_db = REAL_C(-1000.0);
+    return ERR_OK;
+}
+
+/* Bound on the spectral radius of the open loop: the smaller of its largest row and column sums. */
+static real_t open_bound(const struct cmatrix *open)
+{
+    real_t row = REAL_C(0.0), col = REAL_C(0.0);
+    for (size_t i = 0; i < open->rows; i++) {
+        real_t r = REAL_C(0.0), c = REAL_C(0.0);
+        for (size_t j = 0; j < open->cols; j++) {
+            r += cplx_abs(open->at[i][j]);
+            c += cplx_abs(open->at[j][i]);
+        }
+        row = r > row ? r : row;
+        col = c > col ? c : col;
+    }
+    return row < col ? row : col;
+}
+
+struct point {
+    struct cplx direction; /* of F */
+    real_t size_log;       /* of |F| */
+    real_t db;             /* log modulus */
+    real_t bound;          /* of the open loop */
+};
+
+static enum err evaluate(struct nyquist *n, real_t w, struct point *p)
+{
+    loops_open(n->plant, n->loops, w, &n->open);
+    size_t size = n->loops->pairs.n;
+    for (size_t i = 0; i < size; i++)
+        for (size_t j = 0; j < size; j++)
+            n->open.at[i][j] = cplx_scale(n->open.at[i][j], n->gain_times);
+    p->bound = open_bound(&n->open);
+    for (size_t i = 0; i < size; i++)
+        n->open.at[i][i].re += REAL_C(1.0);
+    enum err err = clu_factor(&n->open, &n->lu);
+    if (err)
+        return err;
+    struct cplx det;
+    real_t det_log;
+    clu_determinant(&n->lu, &det, &det_log);
+    /* W/(1 + W) = 1 - 1/det */
+    real_t inverse = real_exp(det_log < REAL_C(-30.0) ? REAL_C(30.0) : -det_log);
+    struct cplx t = cplx(REAL_C(1.0) - inverse * det.re, inverse * det.im);
+    real_t square = cplx_square(t);
+    p->db = square > REAL_C(1e-30) ? REAL_C(0.5) * DB_OF_NEPER * real_log(square) : REAL_C(-300.0);
+    /* times (s/(s + a))^n: i w (a - i w) = w^2 + i a w */
+    real_t w2 = w * w, a = n->corner, scale = real_sqrt(w2 + a * a);
+    struct cplx shift = cplx(w / scale, a / scale);
+    for (size_t k = 0; k < size; k++)
+        det = cplx_mul(det, shift);
+    p->direction = cplx_scale(det, REAL_C(1.0) / cplx_abs(det));
+    p->size_log = det_log + (real_t)size * real_log(w / scale);
+    return ERR_OK;
+}
+
+static void remember(struct nyquist *n, const struct point *p, real_t w)
+{
+    n->w = w;
+    n->last = p->direction;
+    n->last_log = p->size_log;
+    if (p->db > n->log_modulus_db) {
+        n->log_modulus_db = p->db;
+        n->omega = w;
+    }
+}
+
+static enum err end(struct nyquist *n, bool stable, enum err err)
+{
+    n->stable = stable;
+    n->stage = STAGE_DONE;
+    return err;
+}
+
+/* The first point: low enough that the curve still lies near F(0), which is real. */
+static enum err begin(struct nyquist *n)
+{
+    struct point p;
+    if (evaluate(n, n->w, &p))
+        return end(n, false, ERR_OK); /* K or its loops are singular: no steady state */
+    if (p.direction.re < STEP_COSINE && n->tries < LOWER_TRIES) {
+        n->tries++;
+        n->w = n->w * REAL_C(0.1);
+        return ERR_BUSY;
+    }
+    if (p.direction.re < REAL_C(0.5))
+        return end(n, false, ERR_OK); /* F(0) < 0: the Niederlinski index is */
+    remember(n, &p, n->w);
+    n->stage = STAGE_FOLLOW;
+    return ERR_BUSY;
+}
+
+static enum err follow(struct nyquist *n)
+{
+    struct point p;
+    real_t w = n->w * n->ratio;
+    if (evaluate(n, w, &p) || cplx_mul(p.direction, cplx_conj(n->last)).re < STEP_COSINE ||
+        real_abs(p.size_log - n->last_log) > STEP_LOG) {
+        n->ratio = real_sqrt(n->ratio);
+        /* a curve that cannot be followed runs through 0: the edge of stability */
+        return n->ratio < RATIO_LEAST ? end(n, false, ERR_OK) : ERR_BUSY;
+    }
+    /* The negative real axis, downwards with a left turn. */
+    bool above = n->last.im >= REAL_C(0.0), now_above = p.direction.im >= REAL_C(0.0);
+    if (above != now_above && n->last.re + p.direction.re < REAL_C(0.0))
+        n->turns = (int16_t)(n->turns + (above ? 1 : -1));
+    remember(n, &p, w);
+    if (n->log_modulus_db > n->limit_db)
+        return end(n, false, ERR_OK);
+    if (p.bound < NEGLIGIBLE || w > LARGEST_TIMES / n->loops->interval_s)
+        return end(n, n->turns == 0, ERR_OK);
+    n->ratio = n->ratio * real_sqrt(n->ratio);
+    if (n->ratio > RATIO_MOST)
+        n->ratio = RATIO_MOST;
+    return ERR_BUSY;
+}
+
+enum err nyquist_step(struct nyquist *n)
+{
+    if (n->stage == STAGE_DONE)
+        return ERR_STATE;
+    if (n->points >= NYQUIST_POINTS)
+        return end(n, false, ERR_TIMEOUT);
+    n->points++;
+    return n->stage == STAGE_BEGIN ? begin(n) : follow(n);
+}

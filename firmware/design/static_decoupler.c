@@ -1,0 +1,121 @@
+#include "design/static_decoupler.h"
+
+#include <stdbool.h>
+#include <stddef.h>
+
+void static_decoupler_config_default(struct static_decoupler_config *config)
+{
+    *config = (struct static_decoupler_config){.element_hi = REAL_C(100.0),
+                                               .lambda_hi = REAL_C(10.0),
+                                               .significance = REAL_C(3.0),
+                                               .floor = REAL_C(0.005)};
+}
+
+static bool within(real_t x, real_t lo, real_t hi)
+{
+    return x >= lo && x <= hi; /* false for NaN */
+}
+
+static enum err check_config(const struct static_decoupler_config *c, struct interact_refusal *why)
+{
+    *why = (struct interact_refusal){"element_hi", "1 to 1000", INTERACT_NONE, INTERACT_NONE};
+    if (!within(c->element_hi, REAL_C(1.0), REAL_C(1000.0)))
+        return ERR_RANGE;
+    why->field = "lambda_hi";
+    if (!within(c->lambda_hi, REAL_C(1.0), REAL_C(1000.0)))
+        return ERR_RANGE;
+    *why = (struct interact_refusal){"significance", "0 to 20", INTERACT_NONE, INTERACT_NONE};
+    if (!within(c->significance, REAL_C(0.0), REAL_C(20.0)))
+        return ERR_RANGE;
+    *why = (struct interact_refusal){"floor", "0 to 0.5", INTERACT_NONE, INTERACT_NONE};
+    return within(c->floor, REAL_C(0.0), REAL_C(0.5)) ? ERR_OK : ERR_RANGE;
+}
+
+static enum err refuse(struct interact_refusal *why, const char *field, const char *wanted,
+                       const struct pairs *pairs, size_t row, size_t col)
+{
+    *why = (struct interact_refusal){field, wanted, pairs->output[row], pairs->input[col]};
+    return ERR_SINGULAR;
+}
+
+static real_t variance(const struct interact_plant *plant, const struct pairs *pairs, real_t floor,
+                       size_t k, size_t l)
+{
+    size_t i = pairs->output[k], j = pairs->input[l];
+    real_t sd = plant->gain_sd[i][j], part = floor * plant->element[i][j].gain;
+    return sd * sd + part * part;
+}
+
+static enum err check_bounds(const struct pairs *pairs, const struct static_decoupler_config *c,
+                             struct static_decoupler_work *work, struct interact_refusal *why)
+{
+    size_t n = pairs->n;
+    for (size_t k = 0; k < n; k++)
+        for (size_t l = 0; l < n; l++) {
+            real_t lambda = work->gains.at[k][l] * work->inverse.at[l][k];
+            if (!within(real_abs(lambda), REAL_C(0.0), c->lambda_hi))
+                return refuse(why, "relative gain", "small enough that inputs need not be exact",
+                              pairs, k, l);
+        }
+    for (size_t k = 0; k < n; k++)
+        for (size_t l = 0; l < n; l++)
+            if (!(real_abs(work->inverse.at[l][k]) <=
+                  c->element_hi * real_abs(work->inverse.at[k][k])))
+                return refuse(why, "element", "within the firmware's range", pairs, k, l);
+    return ERR_OK;
+}
+
+enum err static_decoupler(const struct interact_plant *plant, const struct pairs *pairs,
+                          const struct static_decoupler_config *config,
+                          struct static_decoupler_work *work,
+                          struct static_decoupler_result *result, struct interact_refusal *why)
+{
+    struct interact_refusal unused;
+    why = why ? why : &unused;
+    enum err err = interact_check(plant, why);
+    if (!err)
+        err = pairs_check(plant, pairs, why);
+    if (!err)
+        err = check_config(config, why);
+    if (err)
+        return err;
+    size_t n = pairs->n;
+    *why = (struct interact_refusal){"pairs", "1 to 8 loops", INTERACT_NONE, INTERACT_NONE};
+    if (n < 1)
+        return ERR_RANGE;
+    if (n > STATIC_DECOUPLER_LOOPS)
+        return ERR_FULL;
+    interact_gains(plant, pairs, &work->gains);
+    *why = (struct interact_refusal){"gains", "a matrix with an inverse", INTERACT_NONE,
+                                     INTERACT_NONE};
+    if (matrix_pseudo_inverse(&work->gains, &work->pseudo, &work->inverse))
+        return ERR_SINGULAR;
+    err = check_bounds(pairs, config, work, why);
+    if (err)
+        return err;
+
+    result->d.rows = result->d.cols = pairs->n;
+    for (size_t k = 0; k < n; k++)
+        for (size_t l = 0; l < n; l++)
+            result->d.at[l][k] = work->inverse.at[l][k] / work->inverse.at[k][k];
+    /* K D with K wrong by E is diag(gain) + E D. */
+    result->left_sd = REAL_C(0.0);
+    for (size_t k = 0; k < n; k++) {
+        result->gain[k] = REAL_C(1.0) / work->inverse.at[k][k];
+        for (size_t l = 0; l < n; l++) {
+            real_t sum = REAL_C(0.0);
+            for (size_t j = 0; j < n; j++)
+                sum += variance(plant, pairs, config->floor, k, j) * result->d.at[j][l] *
+                       result->d.at[j][l];
+            real_t sd = real_sqrt(sum);
+            if (l == k)
+                result->gain_sd[k] = sd;
+            else if (sd > result->left_sd * real_abs(result->gain[k]))
+                result->left_sd = sd / real_abs(result->gain[k]);
+        }
+        if (!(real_abs(result->gain[k]) >= config->significance * result->gain_sd[k]))
+            return refuse(why, "gain of the decoupled loop", "sure of its sign", pairs, k, k);
+    }
+    *why = (struct interact_refusal){"", "", INTERACT_NONE, INTERACT_NONE};
+    return ERR_OK;
+}

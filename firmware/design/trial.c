@@ -1,0 +1,180 @@
+#include "design/trial.h"
+
+#include <stddef.h>
+#include <string.h>
+
+#define SAMPLES_A_CALL 4
+#define LONGEST_DELAY  (TRIAL_DELAY - 3)
+#define BAND           REAL_C(0.05)
+#define RUNAWAY        REAL_C(100.0)
+
+static bool within(real_t x, real_t lo, real_t hi)
+{
+    return x >= lo && x <= hi; /* false for NaN */
+}
+
+static const struct fopdt *element(const struct trial *t, size_t k, size_t l)
+{
+    return &t->plant->element[t->loops->pairs.output[k]][t->loops->pairs.input[l]];
+}
+
+static enum err check_config(const struct loops *loops, const struct trial_config *c)
+{
+    if (c->loop >= loops->pairs.n || !within(real_abs(c->size), REAL_C(1e-6), REAL_C(1e6)) ||
+        !within(c->setpoint_weight, REAL_C(0.0), REAL_C(1.0)))
+        return ERR_RANGE;
+    if (!within(c->duration_s, REAL_C(0.0), REAL_C(0.0)) &&
+        !within(c->duration_s, REAL_C(1e-2), REAL_C(1e7)))
+        return ERR_RANGE;
+    for (size_t k = 0; k < loops->pairs.n; k++)
+        if (loops->tuning[k].td_s > REAL_C(0.0))
+            return ERR_RANGE;
+    return ERR_OK;
+}
+
+/* Duration and sample: as given where that fits. */
+static void set_times(struct trial *t)
+{
+    real_t slowest = REAL_C(0.0), fastest = REAL_C(1e9), dead = REAL_C(0.0);
+    for (size_t k = 0; k < t->loops->pairs.n; k++) {
+        real_t ti = t->loops->tuning[k].ti_s, whole = ti + element(t, k, k)->dead_time_s;
+        slowest = whole > slowest ? whole : slowest;
+        fastest = ti < fastest ? ti : fastest;
+        for (size_t l = 0; l < t->loops->pairs.n; l++)
+            if (element(t, k, l)->dead_time_s > dead)
+                dead = element(t, k, l)->dead_time_s;
+    }
+    t->duration_s =
+        t->config.duration_s > REAL_C(0.0) ? t->config.duration_s : REAL_C(15.0) * slowest;
+    t->step_s = t->loops->interval_s;
+    if (dead / (real_t)LONGEST_DELAY > t->step_s)
+        t->step_s = dead / (real_t)LONGEST_DELAY;
+    if (t->duration_s / (real_t)TRIAL_SAMPLES > t->step_s)
+        t->step_s = t->duration_s / (real_t)TRIAL_SAMPLES;
+    t->coarse = t->step_s > t->loops->interval_s && t->step_s > REAL_C(0.2) * fastest;
+    t->steps = (uint32_t)(t->duration_s / t->step_s) + 1u;
+    if (t->steps > TRIAL_SAMPLES)
+        t->steps = TRIAL_SAMPLES;
+}
+
+/* Over a sample of length h a delayed input has its old value for the part f h, then the new one. */
+static void set_element(struct trial *t, size_t k, size_t l)
+{
+    const struct fopdt *e = element(t, k, l);
+    real_t samples = e->dead_time_s / t->step_s, tau = e->time_constant_s;
+    uint32_t whole = (uint32_t)samples;
+    real_t rest = (REAL_C(1.0) - (samples - (real_t)whole)) * t->step_s;
+    t->delay[k][l] = (uint8_t)whole;
+    bool at_once = tau < REAL_C(1e-3) * t->step_s;
+    t->decay[k][l] = at_once ? REAL_C(0.0) : real_exp(-t->step_s / tau);
+    t->late_part[k][l] = at_once ? REAL_C(0.0) : real_exp(-rest / tau);
+}
+
+enum err trial_begin(struct trial *t, const struct interact_plant *plant, const struct loops *loops,
+                     const struct trial_config *config)
+{
+    enum err err = interact_check(plant, NULL);
+    if (!err)
+        err = loops_check(plant, loops, NULL);
+    if (!err)
+        err = check_config(loops, config);
+    if (err)
+        return err;
+    memset(t, 0, sizeof *t);
+    t->plant = plant;
+    t->loops = loops;
+    t->config = *config;
+    t->bounded = true;
+    set_times(t);
+    for (size_t k = 0; k < loops->pairs.n; k++)
+        for (size_t l = 0; l < loops->pairs.n; l++)
+            set_element(t, k, l);
+    return ERR_OK;
+}
+
+static real_t setpoint(const struct trial *t, size_t k)
+{
+    return k == t->config.loop && !t->config.load ? t->config.size : REAL_C(0.0);
+}
+
+/* What the controllers ask of the inputs now, from the outputs at this sample. */
+static void control(struct trial *t)
+{
+    const struct loops *loops = t->loops;
+    size_t n = loops->pairs.n;
+    real_t v[INTERACT_MAX];
+    for (size_t k = 0; k < n; k++) {
+        const struct tuning *s = &loops->tuning[k];
+        real_t gain = s->action == TUNING_DIRECT ? -s->gain : s->gain, sp = setpoint(t, k);
+        v[k] = gain * (t->config.setpoint_weight * sp - t->y[k]) + t->integral[k];
+        t->integral[k] += gain * t->step_s / s->ti_s * (sp - t->y[k]);
+    }
+    for (size_t l = 0; l < n; l++) {
+        real_t u = v[l];
+        if (loops->decoupler) {
+            u = REAL_C(0.0);
+            for (size_t k = 0; k < n; k++)
+                u += loops->decoupler->at[l][k] * v[k];
+        }
+        if (real_abs(u) > t->loop[l].moved)
+            t->loop[l].moved = real_abs(u);
+        if (l == t->config.loop && t->config.load)
+            u += t->config.size;
+        t->past[l][t->at % TRIAL_DELAY] = u;
+    }
+}
+
+static void move(struct trial *t)
+{
+    size_t n = t->loops->pairs.n;
+    for (size_t k = 0; k < n; k++) {
+        t->y[k] = REAL_C(0.0);
+        for (size_t l = 0; l < n; l++) {
+            uint32_t now = t->at + TRIAL_DELAY - t->delay[k][l];
+            real_t after = t->past[l][now % TRIAL_DELAY];
+            real_t before = t->past[l][(now - 1u) % TRIAL_DELAY];
+            real_t a = t->decay[k][l], b = t->late_part[k][l];
+            t->state[k][l] = a * t->state[k][l] + (b - a) * before + (REAL_C(1.0) - b) * after;
+            t->y[k] += element(t, k, l)->gain * t->state[k][l];
+        }
+    }
+}
+
+static void judge(struct trial *t)
+{
+    real_t size = real_abs(t->config.size);
+    for (size_t k = 0; k < t->loops->pairs.n; k++) {
+        struct trial_loop *r = &t->loop[k];
+        real_t sp = setpoint(t, k), e = t->y[k] - sp;
+        bool stepped = real_abs(sp) > REAL_C(0.0);
+        /* past the setpoint, in the step's direction */
+        real_t past = stepped ? (t->config.size > REAL_C(0.0) ? e : -e) : real_abs(e);
+        r->iae += real_abs(e) * t->step_s;
+        if (past / size > r->peak)
+            r->peak = past / size;
+        if (real_abs(e) > BAND * size)
+            r->settled_s = t->time_s + t->step_s;
+        if (!(real_abs(t->y[k]) <= RUNAWAY * size))
+            t->bounded = false;
+    }
+}
+
+enum err trial_step(struct trial *t)
+{
+    if (t->done)
+        return ERR_STATE;
+    for (int sample = 0; sample < SAMPLES_A_CALL && t->at < t->steps && t->bounded; sample++) {
+        control(t);
+        move(t);
+        judge(t);
+        t->at++;
+        t->time_s = (real_t)t->at * t->step_s;
+    }
+    if (t->at < t->steps && t->bounded)
+        return ERR_BUSY;
+    for (size_t k = 0; k < t->loops->pairs.n; k++)
+        if (t->loop[k].settled_s > t->duration_s || !t->bounded)
+            t->loop[k].settled_s = t->duration_s;
+    t->done = true;
+    return ERR_OK;
+}
