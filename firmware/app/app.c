@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "base/elapsed.h"
+#include "commission/commission.h"
 #include "hal/clock.h"
 #include "hal/identity.h"
 #include "hal/retained.h"
@@ -46,6 +47,9 @@ struct app {
     struct restart restart;
     struct heartbeat heartbeat;
     struct storage storage;
+#if COMMISSION_CHANNELS
+    struct commission commission;
+#endif
     volatile uint32_t main_turns;
 };
 
@@ -65,6 +69,10 @@ void app_init(struct app *app)
     app->service.io = plant_link_port(&app->link);
     supervisor_take_plan(&app->supervisor, &app->service.plan[app->service.in_force]);
     console_init(&app->console, &app->service);
+#if COMMISSION_CHANNELS
+    commission_init(&app->commission, &app->service.tick_events);
+    app->service.commission = &app->commission;
+#endif
     storage_init(&app->storage, &app->service);
     app->service.watchdog = hal_watchdog_start(WATCHDOG_MS);
     heartbeat_init(&app->heartbeat, WATCHDOG_MS);
@@ -72,6 +80,18 @@ void app_init(struct app *app)
     restart_init(&app->restart, hal_retained(HAL_RETAINED_RESTART, sizeof(struct restart_record)),
                  cause != HAL_RESET_POWER_ON);
     service_record(&app->service, EVENT_STARTED, hal_reset_name(cause), 0.0f, 0);
+}
+
+/* Automatic start-up works out what the next tick needs: the sample waits, so that a run is the same run on every
+ * processor. */
+static bool sample_waits(const struct app *app)
+{
+#if COMMISSION_CHANNELS
+    return commission_waits(&app->commission);
+#else
+    (void)app;
+    return false;
+#endif
 }
 
 static void tick_event(struct app *app, enum event_code code, const char *subject, float value)
@@ -274,6 +294,9 @@ static void tick(struct app *app, const struct io_sample *sample, uint64_t now_m
     validate(app, sample);
     take_requests(app, false);
     restart_try(&app->restart, &app->supervisor);
+#if COMMISSION_CHANNELS
+    commission_tick(&app->commission, &app->supervisor);
+#endif
     supervisor_control(&app->supervisor);
     fill_command(app);
     send_command(app, sample, now_ms);
@@ -331,7 +354,7 @@ void app_tick(struct app *app)
     struct io_sample sample;
     uint64_t now_ms = hal_clock_ms();
     /* Bounded: a sample costs the line milliseconds, a turn here microseconds. */
-    for (unsigned n = 0; n < 64; n++) {
+    for (unsigned n = 0; n < 64 && !sample_waits(app); n++) {
         bool there = io->poll(io->context, now_ms, &sample);
         follow_plant(app);
         if (!there)
@@ -356,6 +379,10 @@ void app_background(struct app *app)
 {
     app->main_turns++;
     bool busy = console_poll(&app->console);
+#if COMMISSION_CHANNELS
+    busy = commission_work(&app->commission) || busy;
+    busy = console_commission_poll(&app->console) || busy;
+#endif
     busy = storage_poll(&app->storage) || busy;
     busy = hal_uart_pump(HAL_UART_CONSOLE) != 0 || busy;
     hal_idle(!busy);

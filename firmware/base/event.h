@@ -61,6 +61,18 @@ enum event_code {
     EVENT_SEQUENCE_DONE,
     EVENT_SEQUENCE_ABORTED,
     EVENT_OFFSET,
+    EVENT_COMMISSION_BEGUN,
+    EVENT_COMMISSION_ENDED,
+    EVENT_TEST_STEP,
+    EVENT_TEST_CUT,
+    EVENT_TEST_DONE,
+    EVENT_TEST_LONGER,
+    EVENT_TEST_EXTENDED,
+    EVENT_PROPOSAL,
+    EVENT_NOT_DETERMINED,
+    EVENT_TRIAL_BEGUN,
+    EVENT_TRIAL_KEPT,
+    EVENT_TRIAL_FAILED,
     /* Actions: what was asked for at the console. Kept in the history, not announced. */
     EVENT_DO_MODE,
     EVENT_DO_SETPOINT,
@@ -73,6 +85,7 @@ enum event_code {
     EVENT_DO_KEY,
     EVENT_DO_UNLOCK,
     EVENT_DO_LOCK,
+    EVENT_DO_COMMISSION,
     EVENT_DO_REBOOT,
     EVENT_COUNT
 };

@@ -146,5 +146,14 @@ void command_alarm(struct console *c, unsigned n, char **word);
 void command_seq(struct console *c, unsigned n, char **word);
 /* "start held at step 7: guard, CW"; nothing where none is under way, nor has been. */
 void sequence_headline(const struct service *s, struct text *line);
+/* Automatic start-up */
+void command_commission(struct console *c, unsigned n, char **word);
+/* Puts the old settings back where a trial has failed. Returns whether there was anything to do. */
+bool console_commission_poll(struct console *c);
+/* Listings of `commission model|gains|pairing|proposal` */
+bool commission_model_line(struct console *c, unsigned n, struct text *line);
+bool commission_gains_line(struct console *c, unsigned n, struct text *line);
+bool commission_pairing_line(struct console *c, unsigned n, struct text *line);
+bool commission_proposal_line(struct console *c, unsigned n, struct text *line);
 
 #endif

@@ -6,6 +6,7 @@
 #include "hal/memory_use.h"
 #include "hal/nvm.h"
 #include "hal/uart.h"
+#include "commission/commission.h"
 #include "service/console.h"
 #include "service/parameters.h"
 #include "service/storage.h"
@@ -286,6 +287,12 @@ void event_line(const struct event *e, struct text *line)
         text_str(line, sequence_reason_text(e->detail & 15u));
     }
 #endif
+#if COMMISSION_CHANNELS
+    if (e->code == EVENT_COMMISSION_ENDED || e->code == EVENT_TRIAL_FAILED) {
+        text_str(line, ": ");
+        text_str(line, commission_why_text((enum commission_why)e->detail));
+    }
+#endif
     if (event_level(e->code) == EVENT_ACTION)
         text_str(line, e->detail & EVENT_ENGINEER ? ", by engineer" : ", by operator");
 }
@@ -459,6 +466,12 @@ const struct console_command console_commands[] = {
      command_tune, ACCESS_OPERATOR, NOT_AN_ACTION},
     {"log", "on|off [TICKS]", "telemetry rows on this console", 1, 2, command_log, ACCESS_OPERATOR,
      NOT_AN_ACTION},
+#if COMMISSION_CHANNELS
+    {"commission",
+     "[begin|pause|resume|skip|repeat|abort|model|gains|pairing|proposal|accept|edit|reject]",
+     "automatic start-up: how far it is, or what it is told to do or show", 0, 1, command_commission,
+     ACCESS_OPERATOR, EVENT_DO_COMMISSION},
+#endif
     {"alarm", "[ack|shelve] [ALARM|all] [SECONDS]",
      "what is wrong now; acknowledge, or silence for a time", 0, 3, command_alarm, ACCESS_OPERATOR,
      EVENT_DO_ALARM},

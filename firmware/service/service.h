@@ -31,6 +31,7 @@ struct tick_cost {
 _Static_assert(PLAN_BUFFERS == 2 || PLAN_BUFFERS == 3, "in force, pending, scratch");
 
 struct storage;
+struct commission;
 
 struct service {
     struct supervisor *supervisor;
@@ -43,6 +44,7 @@ struct service {
     struct tick_cost cost;
     bool watchdog;
     struct storage *storage; /* service/storage.h; set by storage_init() */
+    struct commission *commission; /* NULL where the board leaves it out */
 
     struct plan plan[PLAN_BUFFERS];
     uint8_t in_force, pending, scratch; /* indices into plan[] */

@@ -1,0 +1,166 @@
+#include "supervise/config.h"
+#if COMMISSION_CHANNELS
+
+#include "commission/adoption.h"
+
+#include <string.h>
+
+enum stage {
+    STAGE_SETTLE, /* all in automatic, nothing asked yet */
+    STAGE_STEP,   /* setpoint of loop `at` away */
+    STAGE_RETURN  /* and back; also the end, where the others are looked at */
+};
+
+#define NOISE_MULTIPLE REAL_C(4.0)
+#define REST_SHARE     REAL_C(0.15) /* of the step: error left at the end of it */
+#define AUTO_TICKS     3u           /* a mode asked for is there by then */
+
+static void ask(struct supervisor *s, uint8_t i, enum request_kind kind, real_t value)
+{
+    struct request r = {
+        .kind = kind, .loop = i, .output = PLAN_NONE, .mode = LOOP_AUTO, .value = value};
+    memcpy(r.name, s->plan->config.loop[i].name, sizeof r.name);
+    supervisor_request(s, &r);
+}
+
+static real_t measured(const struct supervisor *s, uint8_t i)
+{
+    return num_to_float(s->measurement[s->plan->loop[i].pv].value);
+}
+
+static void setpoint(const struct adoption *a, struct supervisor *s, uint8_t k, real_t fraction)
+{
+    uint8_t i = a->loop[k].loop;
+    const struct measurement_config *m = &s->plan->config.measurement[s->plan->loop[i].pv];
+    ask(s, i, REQUEST_SETPOINT, m->lo + fraction * (m->hi - m->lo));
+}
+
+static uint32_t duration(const struct adoption_loop *l, const struct supervisor *s)
+{
+    real_t ticks = ADOPTION_DURATION * l->predicted.settled_s / s->plan->tick_s;
+    return ticks < REAL_C(20.0) ? 20u : ticks > REAL_C(1e6) ? 1000000u : (uint32_t)ticks;
+}
+
+static uint32_t longest(const struct adoption *a, const struct supervisor *s)
+{
+    uint32_t most = 0;
+    for (uint8_t k = 0; k < a->n; k++) {
+        uint32_t d = duration(&a->loop[k], s);
+        most = d > most ? d : most;
+    }
+    return most;
+}
+
+static void enter(struct adoption *a, enum stage stage, uint32_t ticks)
+{
+    a->stage = (uint8_t)stage;
+    a->ticks = 0;
+    a->stage_ticks = ticks;
+    a->error_sum = REAL_C(0.0);
+    a->error_n = 0;
+}
+
+void adoption_begin(struct adoption *a, struct supervisor *s)
+{
+    a->result = ADOPTION_RUNNING;
+    a->at = a->culprit = 0;
+    for (uint8_t k = 0; k < a->n; k++) {
+        a->loop[k].iae = a->loop[k].peak = REAL_C(0.0);
+        ask(s, a->loop[k].loop, REQUEST_MODE, REAL_C(0.0));
+    }
+    enter(a, STAGE_SETTLE, longest(a, s) / 4u + AUTO_TICKS);
+}
+
+static enum adoption_result fail(struct adoption *a, enum adoption_result why, uint8_t k)
+{
+    a->culprit = k;
+    a->result = why;
+    return why;
+}
+
+/* Every loop acts, and none is past its limit. */
+static enum adoption_result watch(struct adoption *a, const struct supervisor *s)
+{
+    for (uint8_t k = 0; k < a->n; k++) {
+        uint8_t i = a->loop[k].loop;
+        if (s->loop[i].mode != LOOP_AUTO) {
+            if (a->stage == STAGE_SETTLE && a->ticks < AUTO_TICKS)
+                continue;
+            return fail(a, ADOPTION_NOT_AUTO, k);
+        }
+        real_t away = real_abs(measured(s, i) - num_to_float(s->loop[i].target));
+        real_t step = a->stage == STAGE_SETTLE ? REAL_C(0.0) : real_abs(a->loop[k].step);
+        if (away > a->loop[k].limit + step + NOISE_MULTIPLE * a->loop[k].noise_sd)
+            return fail(a, ADOPTION_PAST_LIMIT, k);
+    }
+    return ADOPTION_RUNNING;
+}
+
+static void begin_step(struct adoption *a, struct supervisor *s)
+{
+    if (a->at == 0)
+        for (uint8_t k = 0; k < a->n; k++)
+            a->start[k] = num_to_float(s->loop[a->loop[k].loop].target);
+    setpoint(a, s, a->at, a->start[a->at] + a->loop[a->at].step);
+    enter(a, STAGE_STEP, duration(&a->loop[a->at], s));
+}
+
+static void look(struct adoption *a, const struct supervisor *s)
+{
+    struct adoption_loop *l = &a->loop[a->at];
+    real_t error = num_to_float(s->loop[l->loop].target) - measured(s, l->loop);
+    l->iae += real_abs(error) * s->plan->tick_s;
+    real_t past = -error / l->step; /* in units of the step, above 0 beyond the setpoint */
+    if (past > l->peak)
+        l->peak = past;
+    if (a->ticks > a->stage_ticks - a->stage_ticks / 4u) {
+        a->error_sum += error;
+        a->error_n++;
+    }
+}
+
+static enum adoption_result judge(struct adoption *a, const struct supervisor *s)
+{
+    struct adoption_loop *l = &a->loop[a->at];
+    real_t scale = real_abs(l->step / l->size), step = real_abs(l->step);
+    real_t ran_s = (real_t)a->stage_ticks * s->plan->tick_s;
+    /* What noise alone integrates to: its mean magnitude is 0.8 of its standard deviation. */
+    real_t iae_most = ADOPTION_IAE * l->predicted.iae * scale + REAL_C(1.5) * l->noise_sd * ran_s;
+    real_t peak_most = l->predicted.peak + ADOPTION_PEAK + NOISE_MULTIPLE * l->noise_sd / step;
+    real_t left = a->error_n ? real_abs(a->error_sum) / (real_t)a->error_n : REAL_C(0.0);
+    if (l->peak > peak_most)
+        return fail(a, ADOPTION_OVERSHOOT, a->at);
+    if (left > REST_SHARE * step + l->noise_sd)
+        return fail(a, ADOPTION_RESTLESS, a->at);
+    if (l->iae > iae_most)
+        return fail(a, ADOPTION_SLOW, a->at);
+    return ADOPTION_RUNNING;
+}
+
+enum adoption_result adoption_tick(struct adoption *a, struct supervisor *s)
+{
+    a->ticks++;
+    enum adoption_result r = watch(a, s);
+    if (r != ADOPTION_RUNNING)
+        return r;
+    if (a->stage == STAGE_STEP)
+        look(a, s);
+    if (a->ticks < a->stage_ticks)
+        return ADOPTION_RUNNING;
+    if (a->stage == STAGE_STEP) {
+        r = judge(a, s);
+        setpoint(a, s, a->at, a->start[a->at]);
+        enter(a, STAGE_RETURN, duration(&a->loop[a->at], s));
+        return r;
+    }
+    if (a->stage == STAGE_RETURN)
+        a->at++;
+    if (a->at < a->n) {
+        begin_step(a, s);
+        return ADOPTION_RUNNING;
+    }
+    a->result = ADOPTION_PASSED;
+    return ADOPTION_PASSED;
+}
+
+#endif

@@ -1,0 +1,235 @@
+#include "supervise/config.h"
+#if COMMISSION_CHANNELS
+
+#include "commission/analysis.h"
+
+#include <string.h>
+
+#define EXTENSIONS 2u
+#define LONGER     REAL_C(4.0) /* times the duration in which a step did not settle */
+
+enum err analysis_begin(struct analysis *a, const struct analysis_config *config)
+{
+    if (!(config->h_s > REAL_C(0.0)) || !(config->confidence > REAL_C(0.5)) ||
+        !(config->confidence < REAL_C(1.0)) || !(config->step > REAL_C(0.0)))
+        return ERR_RANGE;
+    enum err err = interact_check(&a->plant, NULL);
+    if (err)
+        return err;
+    memset((char *)a + sizeof a->plant, 0, sizeof *a - sizeof a->plant);
+    a->config = *config;
+    a->stage = ANALYSIS_GAINS;
+    return gains_begin(&a->work.gains, &a->plant, config->floor);
+}
+
+static enum err begin_pairing(struct analysis *a)
+{
+    struct pairing_config c;
+    pairing_config_default(&c);
+    c.confidence = a->config.confidence;
+    c.floor = a->config.floor;
+    a->stage = ANALYSIS_PAIRING;
+    return pairing_begin(&a->work.pairing, &a->plant, &c, NULL);
+}
+
+static enum err end_gains(struct analysis *a)
+{
+    const struct gains *g = &a->work.gains;
+    memcpy(a->singular, g->singular, sizeof a->singular);
+    a->condition = g->condition;
+    a->condition_scaled = g->condition_scaled;
+    a->rank = g->rank;
+    a->rank_exact = g->rank_exact;
+    uint8_t smaller = a->plant.inputs < a->plant.outputs ? a->plant.inputs : a->plant.outputs;
+    a->n_null = (uint8_t)(smaller - g->rank);
+    if (gains_null_input(g, 0, a->null_input) != ERR_OK)
+        memset(a->null_input, 0, sizeof a->null_input);
+    if (gains_null_output(g, 0, a->null_output) != ERR_OK)
+        memset(a->null_output, 0, sizeof a->null_output);
+    interact_gains(&a->plant, NULL, &a->work.rga.gains);
+    a->has_lambda = rga_compute(&a->work.rga.gains, &a->work.rga.work, &a->lambda) == ERR_OK;
+    return begin_pairing(a);
+}
+
+/* The pairs in the order of the outputs, and what single loops will make of them. */
+static enum err end_pairing(struct analysis *a)
+{
+    const struct pairing *p = &a->work.pairing;
+    a->verdict = p->verdict;
+    a->pairs = p->pairs;
+    a->niederlinski = p->niederlinski;
+    a->probability = p->probability;
+    a->ambiguous_outputs = p->ambiguous_outputs;
+    memcpy(a->pair_lambda, p->lambda, sizeof a->pair_lambda);
+    memcpy(a->share, p->share, sizeof a->share);
+    memcpy(a->rival, p->rival, sizeof a->rival);
+    if (a->verdict != PAIRING_DETERMINED) {
+        a->stage = ANALYSIS_DONE;
+        return ERR_OK;
+    }
+    a->stage = ANALYSIS_STRUCTURE;
+    return ERR_BUSY;
+}
+
+static enum err do_structure(struct analysis *a)
+{
+    struct structure_config c;
+    structure_config_default(&c);
+    a->has_structure =
+        structure_detect(&a->plant, &a->pairs, &c, &a->work.structure, &a->structure) == ERR_OK;
+    a->stage = ANALYSIS_DECOUPLER;
+    return ERR_BUSY;
+}
+
+static void identity(struct matrix *d, uint8_t n)
+{
+    memset(d, 0, sizeof *d);
+    d->rows = d->cols = n;
+    for (uint8_t k = 0; k < n; k++)
+        d->at[k][k] = REAL_C(1.0);
+}
+
+/* A decoupler for every block that single loops will not serve well. */
+static void decouple_block(struct analysis *a, const struct block *block)
+{
+    struct pairs part = {0};
+    uint8_t place[INTERACT_MAX];
+    for (uint8_t k = 0; k < a->pairs.n; k++) {
+        if (!(block->pairs >> k & 1u))
+            continue;
+        place[part.n] = k;
+        part.output[part.n] = a->pairs.output[k];
+        part.input[part.n++] = a->pairs.input[k];
+    }
+    struct static_decoupler_config c;
+    static_decoupler_config_default(&c);
+    enum err err = static_decoupler(&a->plant, &part, &c, &a->work.decoupler.work,
+                                    &a->work.decoupler.result, NULL);
+    if (err) {
+        a->decoupler = err == ERR_FULL ? DECOUPLER_TOO_MANY : DECOUPLER_ILL;
+        return;
+    }
+    if (a->decoupler == DECOUPLER_NOT_NEEDED)
+        a->decoupler = DECOUPLER_USED;
+    for (uint8_t i = 0; i < part.n; i++)
+        for (uint8_t j = 0; j < part.n; j++)
+            a->d.at[place[i]][place[j]] = a->work.decoupler.result.d.at[i][j];
+}
+
+static enum err begin_settings(struct analysis *a)
+{
+    struct detune_config c;
+    detune_config_default(&c);
+    a->stage = ANALYSIS_SETTINGS;
+    return detune_begin(&a->work.detune, &a->plant, &a->pairs, a->config.h_s,
+                        a->decoupler == DECOUPLER_USED ? &a->d : NULL, &c, NULL);
+}
+
+static enum err do_decoupler(struct analysis *a)
+{
+    a->decoupler = DECOUPLER_NOT_NEEDED;
+    identity(&a->d, a->pairs.n);
+    for (uint8_t b = 0; a->has_structure && b < a->structure.blocks; b++)
+        if (a->structure.block[b].mimo)
+            decouple_block(a, &a->structure.block[b]);
+    if (a->pairs.n > STATIC_DECOUPLER_LOOPS && a->decoupler == DECOUPLER_USED) {
+        /* The firmware's matrix spans so many loops, whichever they are. */
+        a->decoupler = DECOUPLER_TOO_MANY;
+        identity(&a->d, a->pairs.n);
+    }
+    return begin_settings(a);
+}
+
+/* duration_s 0: ten times the slowest loop by itself, which interaction may make slower by far. */
+static enum err begin_prediction(struct analysis *a, real_t duration_s)
+{
+    struct trial_config c = {.loop = a->at,
+                             .size = a->config.step,
+                             .duration_s = duration_s,
+                             .setpoint_weight = REAL_C(1.0)};
+    a->stage = ANALYSIS_PREDICTION;
+    return trial_begin(&a->work.trial, &a->plant, &a->loops, &c);
+}
+
+/* A decoupled design that cannot be had gives way to one without. */
+static enum err end_settings(struct analysis *a, enum err err)
+{
+    if (err && a->decoupler == DECOUPLER_USED) {
+        a->decoupler = DECOUPLER_ILL;
+        identity(&a->d, a->pairs.n);
+        return begin_settings(a);
+    }
+    a->design_error = err;
+    if (err || a->pairs.n > a->config.loops_max) {
+        if (!err)
+            a->design_error = ERR_FULL;
+        a->stage = ANALYSIS_DONE;
+        return ERR_OK;
+    }
+    a->loops = a->work.detune.loops;
+    a->loops.decoupler = a->decoupler == DECOUPLER_USED ? &a->d : NULL;
+    a->factor = a->work.detune.factor;
+    a->log_modulus_db = a->work.detune.log_modulus_db;
+    a->bounded = true;
+    a->at = 0;
+    return begin_prediction(a, REAL_C(0.0));
+}
+
+static enum err end_prediction(struct analysis *a)
+{
+    const struct trial *t = &a->work.trial;
+    if (t->bounded && t->loop[a->at].settled_s >= REAL_C(0.95) * t->duration_s &&
+        a->extended < EXTENSIONS) {
+        a->extended++;
+        return begin_prediction(a, LONGER * t->duration_s);
+    }
+    a->extended = 0;
+    a->predicted[a->at] = a->work.trial.loop[a->at];
+    a->bounded = a->bounded && a->work.trial.bounded;
+    if (++a->at < a->pairs.n)
+        return begin_prediction(a, REAL_C(0.0));
+    a->designed = a->bounded;
+    if (!a->bounded)
+        a->design_error = ERR_RANGE;
+    a->stage = ANALYSIS_DONE;
+    return ERR_OK;
+}
+
+/* What a stage that has begun another answers: there is more to do. */
+static enum err more(enum err err)
+{
+    return err ? err : ERR_BUSY;
+}
+
+enum err analysis_step(struct analysis *a)
+{
+    enum err err;
+    switch (a->stage) {
+    case ANALYSIS_GAINS:
+        err = gains_step(&a->work.gains);
+        return err ? err : more(end_gains(a));
+    case ANALYSIS_PAIRING:
+        err = pairing_step(&a->work.pairing);
+        return err ? err : end_pairing(a);
+    case ANALYSIS_STRUCTURE:
+        return do_structure(a);
+    case ANALYSIS_DECOUPLER:
+        return more(do_decoupler(a));
+    case ANALYSIS_SETTINGS:
+        err = detune_step(&a->work.detune);
+        if (err == ERR_BUSY)
+            return err;
+        err = end_settings(a, err);
+        return a->stage == ANALYSIS_DONE ? err : more(err);
+    case ANALYSIS_PREDICTION:
+        err = trial_step(&a->work.trial);
+        if (err)
+            return err;
+        err = end_prediction(a);
+        return a->stage == ANALYSIS_DONE ? err : more(err);
+    default:
+        return ERR_OK;
+    }
+}
+
+#endif

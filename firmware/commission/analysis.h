@@ -1,0 +1,97 @@
+/* From the elements of a plant to a set of loops: gains, pairing, structure, decoupler, settings, and what a step will
+ * look like. One after the other in pieces, for a background job. docs/commissioning.md says what each decides. */
+#ifndef REFLUX_COMMISSION_ANALYSIS_H
+#define REFLUX_COMMISSION_ANALYSIS_H
+
+#include "design/detune.h"
+#include "design/static_decoupler.h"
+#include "design/trial.h"
+#include "interact/gains.h"
+#include "interact/pairing.h"
+#include "interact/structure.h"
+
+enum analysis_stage {
+    ANALYSIS_GAINS,
+    ANALYSIS_PAIRING,
+    ANALYSIS_STRUCTURE,
+    ANALYSIS_DECOUPLER,
+    ANALYSIS_SETTINGS,
+    ANALYSIS_PREDICTION,
+    ANALYSIS_DONE
+};
+
+struct analysis_config {
+    real_t h_s;        /* sample interval of the loops, s */
+    real_t confidence; /* 0.5 to 1: a pairing less probable is not determined */
+    real_t floor;      /* relative standard deviation of a gain at least */
+    real_t step;       /* setpoint step of the prediction, fraction of span */
+    uint8_t loops_max; /* that the board can run */
+};
+
+/* Why there is no decoupler. */
+enum analysis_decoupler {
+    DECOUPLER_USED,
+    DECOUPLER_NOT_NEEDED,
+    DECOUPLER_TOO_MANY, /* loops: more than STATIC_DECOUPLER_LOOPS */
+    DECOUPLER_ILL       /* the inverse would amplify the errors of the gains */
+};
+
+struct analysis {
+    struct interact_plant plant; /* first: what follows begins anew with every analysis */
+    struct analysis_config config;
+    enum analysis_stage stage;
+
+    /* gains */
+    real_t singular[INTERACT_MAX], condition, condition_scaled;
+    uint8_t rank, rank_exact, n_null;
+    real_t null_input[INTERACT_MAX], null_output[INTERACT_MAX]; /* the first of them */
+    struct matrix lambda; /* relative gains; valid where `has_lambda` */
+    bool has_lambda;
+
+    /* pairing */
+    enum pairing_verdict verdict;
+    struct pairs pairs;
+    real_t pair_lambda[INTERACT_MAX], niederlinski, probability;
+    real_t share[INTERACT_MAX];
+    uint8_t rival[INTERACT_MAX];
+    uint16_t ambiguous_outputs;
+
+    struct structure structure; /* where there are pairs */
+    bool has_structure;
+
+    /* design; only of a determined pairing */
+    bool designed;         /* the settings below are to be used */
+    enum err design_error; /* why not */
+    enum analysis_decoupler decoupler;
+    struct matrix d; /* identity where there is none */
+    struct loops loops;
+    real_t factor, log_modulus_db;
+    struct trial_loop
+        predicted[INTERACT_MAX]; /* loop k after its own setpoint step of config.step */
+    bool bounded;
+    uint8_t at;       /* loop under prediction */
+    uint8_t extended; /* times its prediction was made longer */
+
+    union {
+        struct gains gains;
+        struct {
+            struct rga_work work;
+            struct matrix gains;
+        } rga;
+        struct pairing pairing;
+        struct structure_work structure;
+        struct {
+            struct static_decoupler_work work;
+            struct static_decoupler_result result;
+        } decoupler;
+        struct detune detune;
+        struct trial trial;
+    } work;
+};
+
+/* a->plant is filled in by the caller before. ERR_RANGE, ERR_NOT_FINITE: plant or config. */
+MUST_CHECK enum err analysis_begin(struct analysis *a, const struct analysis_config *config);
+/* ERR_BUSY until everything is done; anything else than ERR_OK then is a fault in the plant's numbers. */
+MUST_CHECK enum err analysis_step(struct analysis *a);
+
+#endif

@@ -1,0 +1,163 @@
+/* Automatic start-up of a plant of which nothing is known (Johansson 1994): tests, model, analysis, proposal, adoption.
+ *
+ *     idle -> testing -> fitting -> (next input ...) -> analysing -> ready -> accepted -> trial -> kept
+ *                 ^                                        |                                 \--> old set returns
+ *                 +--- another round, while not determined-+
+ *
+ * The tick moves everything: it asks for a job when there is something to work out, the background does it in pieces
+ * (commission_work), and its result is taken `due` ticks later whatever the processor's speed: a sample that comes
+ * earlier than the result waits (commission_waits).
+ *
+ * While it tests, the loops on the tested manipulated variables stay in manual. Whatever else happens - safe state,
+ * interlock, lost measurement, an operator's hand, a new configuration - ends the test, and the manipulated variables
+ * go back to where they were held. Nothing is stored.
+ */
+#ifndef REFLUX_COMMISSION_COMMISSION_H
+#define REFLUX_COMMISSION_COMMISSION_H
+
+#include "commission/adoption.h"
+#include "commission/analysis.h"
+#include "commission/experiment.h"
+#include "identify/fopdt_fit.h"
+#include "supervise/supervisor.h"
+
+#define TEST_LIMIT_DEFAULT REAL_C(0.2) /* of span, where test_limit is 0 */
+
+enum commission_phase {
+    COMMISSION_IDLE,
+    COMMISSION_TESTING,
+    COMMISSION_FITTING,
+    COMMISSION_ANALYSING,
+    COMMISSION_PAUSED,
+    COMMISSION_READY, /* analysed: a proposal, or the reason why there is none */
+    COMMISSION_TRIAL, /* the accepted set is in force and on trial */
+    COMMISSION_KEPT,
+    COMMISSION_RETURNED, /* the old set is, or is about to be, back in force */
+    COMMISSION_ENDED     /* before its end: `why` */
+};
+
+/* Why it ended, or the trial failed. Words: commission_why_text(). */
+enum commission_why {
+    WHY_NOT,
+    WHY_ASKED, /* the operator */
+    WHY_SAFE,  /* safe state */
+    WHY_LOST,  /* measurement not believed */
+    WHY_INTERLOCK,
+    WHY_ACTUATOR, /* does not follow */
+    WHY_HAND,     /* output moved, or loop put into automatic */
+    WHY_CONFIG,   /* another configuration */
+    WHY_RESTLESS,
+    WHY_LIMIT,
+    WHY_AWAY,
+    WHY_INTEGRATES,
+    WHY_NO_INPUT, /* every input was skipped */
+    WHY_NUMBERS,  /* refused by the analysis: a fault of ours */
+    WHY_TRIAL_LIMIT,
+    WHY_TRIAL_SLOW, /* integral of the error beyond what was predicted */
+    WHY_TRIAL_PEAK, /* overshoot beyond what was predicted */
+    WHY_TRIAL_REST, /* does not come to rest */
+    WHY_COUNT
+};
+
+enum commission_ask {
+    COMMISSION_ASK_NONE,
+    COMMISSION_ASK_BEGIN,
+    COMMISSION_ASK_PAUSE,
+    COMMISSION_ASK_RESUME,
+    COMMISSION_ASK_SKIP,
+    COMMISSION_ASK_REPEAT,
+    COMMISSION_ASK_ABORT,
+    COMMISSION_ASK_TRIAL, /* the plan with the proposal is on its way: serial `trial_serial` */
+    COMMISSION_ASK_REJECT
+};
+
+/* One way from an input to an output, all rounds together. */
+struct element {
+    struct identified fit; /* least squares, weighted over the rounds; used */
+    struct fopdt moments;  /* of the last round: a second opinion */
+    uint16_t moments_flags;
+    real_t plateau_gain; /* of the last round; 0: none */
+};
+
+struct tested_input {
+    uint8_t output;   /* index of the manipulated variable in the configuration */
+    real_t held;      /* fraction of span, before the tests */
+    real_t amplitude; /* of the last test */
+    real_t half_s;
+    uint8_t rounds; /* tests that count */
+    uint8_t
+        longer; /* tests done again, with longer halves, because an output had not come to rest */
+    uint32_t half_wanted; /* samples: least half of the next test, 0 = no wish */
+    bool skipped, cut, small;
+    uint8_t cut_by;       /* index in measurement[] */
+    real_t cut_predicted; /* fraction of span */
+    real_t worst;         /* largest share of a limit reached */
+};
+
+struct commission {
+    struct event_queue *events;
+    enum commission_phase phase;
+    enum commission_why why;
+    char subject[CHANNEL_NAME_SIZE]; /* what `why` is about */
+    real_t value;                    /* ... and its number, fraction of span */
+    volatile uint8_t ask;            /* enum commission_ask; written under hal_tick_lock */
+
+    bool analysed;        /* work.analysis holds a result */
+    uint32_t plan_serial; /* the tests belong to this plan */
+    uint8_t outputs, inputs;
+    uint8_t measurement[CHANNEL_MAX]; /* configuration index of test channel */
+    struct tested_input input[CHANNEL_MAX];
+    uint8_t order[CHANNEL_MAX];            /* inputs in the order of their tests */
+    uint8_t column[CHANNEL_MAX];           /* input of the analysis -> index in input[] */
+    uint8_t at;                            /* in order[] */
+    uint8_t round;                         /* from 1 */
+    uint64_t began_ms, ended_ms, phase_ms; /* plant time */
+    uint32_t half_least;                   /* samples: from the inputs before */
+    real_t noise_sd[CHANNEL_MAX];
+    struct element element[CHANNEL_MAX][CHANNEL_MAX]; /* [measurement][input] */
+
+    /* The background's part; its while `job` is set and `job_done` is not. */
+    volatile uint8_t job;
+    volatile bool job_done;
+    volatile bool working; /* in the midst of a piece */
+    enum err job_error;
+    uint32_t job_ticks, job_due;
+    struct identified fitted[CHANNEL_MAX]; /* of the latest test, by output */
+    uint8_t fit_at;                        /* output under work */
+    bool fit_running;
+    union {
+        struct {
+            struct experiment experiment;
+            struct fopdt_fit fit;
+        } test;
+        struct analysis analysis;
+    } work;
+
+    struct adoption adoption;
+    uint32_t trial_serial;
+    bool wants_old; /* the main loop is to put `old` into force */
+    struct config old;
+};
+
+void commission_init(struct commission *c, struct event_queue *events);
+
+/* Whether `ask` makes sense now; *wanted gets the reason in words where not. Main loop, under hal_tick_lock. */
+MUST_CHECK enum err commission_may(const struct commission *c, enum commission_ask ask,
+                                   const char **wanted);
+/* Whether the tests could begin: channels, modes, room. *what gets a channel's or loop's name or NULL. Likewise. */
+MUST_CHECK enum err commission_may_begin(const struct supervisor *s, const char **what,
+                                         const char **wanted);
+
+/* Tick context, between validate and control. */
+void commission_tick(struct commission *c, struct supervisor *s);
+/* The next sample must wait for the background. */
+bool commission_waits(const struct commission *c);
+/* Main loop: a piece of work, a millisecond or so. False: there is none. */
+bool commission_work(struct commission *c);
+
+/* Is there a proposal? */
+bool commission_has_proposal(const struct commission *c);
+
+const char *commission_why_text(enum commission_why why);
+
+#endif

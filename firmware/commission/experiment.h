@@ -1,0 +1,94 @@
+/* One double step on one input, from rest to rest (Johansson 1994, "step response experiments"):
+ *
+ *     rest   until every output is at rest, against its own noise
+ *     up     + amplitude, for a given time or until every output has come to rest again, or until the guard sees an
+ *            output on its way past its limit. An amplitude that is to be found grows in steps while the response
+ *            does not stand out of the noise
+ *     down   - amplitude, as long as the last level above
+ *     back   0, until every output is at rest, so that the drift since before the step is known
+ *
+ * Everything is in fractions of span and in samples. No trajectory is stored but the bounded record; the model comes
+ * from it and from the moments afterwards (docs/commissioning.md).
+ */
+#ifndef REFLUX_COMMISSION_EXPERIMENT_H
+#define REFLUX_COMMISSION_EXPERIMENT_H
+
+#include "identify/guard.h"
+#include "identify/moments.h"
+#include "identify/record.h"
+#include "identify/steady.h"
+
+enum experiment_phase {
+    EXPERIMENT_REST,
+    EXPERIMENT_UP,
+    EXPERIMENT_DOWN,
+    EXPERIMENT_BACK,
+    EXPERIMENT_DONE,
+    EXPERIMENT_FAILED /* nothing to be had; the level is 0 again */
+};
+
+enum experiment_failure {
+    EXPERIMENT_FINE,
+    EXPERIMENT_RESTLESS, /* an output does not come to rest before the step */
+    EXPERIMENT_LIMIT,    /* an output went past its limit all the same */
+    EXPERIMENT_AWAY      /* an output does not come back after it */
+};
+
+struct experiment_config {
+    uint8_t outputs;           /* 1 to CHANNEL_MAX */
+    real_t h_s;                /* sample interval, s */
+    uint32_t window;           /* samples over which rest is judged, from STEADY_BLOCKS up */
+    real_t noise_floor;        /* noise of an output at least, fraction of span, above 0 */
+    real_t amplitude;          /* fraction of span, above 0; 0 = to be found */
+    real_t amplitude_first;    /* ... beginning with this */
+    real_t amplitude_max;      /* room in both directions, fraction of span, above 0 */
+    real_t noise_multiple;     /* a response this many times the noise is enough */
+    uint32_t half;             /* samples of the positive half; 0 = until rest */
+    uint32_t half_least;       /* ... but no less than this */
+    uint32_t half_most;        /* no half is longer; above window */
+    real_t blank_s;            /* the guard looks away for so long */
+    bool line_guard;           /* believe the straight line; else only above half of the limit */
+    real_t limit[CHANNEL_MAX]; /* farthest from rest, fraction of span, above 0 */
+    real_t dead_time_s[CHANNEL_MAX]; /* as far as known, else 0 */
+};
+
+struct experiment {
+    struct experiment_config config;
+    enum experiment_phase phase;
+    enum experiment_failure failure;
+    uint8_t culprit;  /* output: of the failure, or that made the guard cut the step */
+    bool cut;         /* by the guard */
+    bool at_longest;  /* half_most ended it before it came to rest */
+    bool small;       /* the largest amplitude was not enough for noise_multiple */
+    real_t predicted; /* peak that the guard saw coming, fraction of span */
+    real_t amplitude; /* of the level now or last */
+    real_t level;     /* of the test signal now, fraction of span */
+    uint32_t waited;  /* samples in this phase */
+    uint32_t half;    /* samples since the last positive edge, then length of the negative half */
+    uint32_t samples; /* since the first edge */
+    uint8_t over[CHANNEL_MAX]; /* samples in a row past the limit */
+    real_t worst;              /* largest share of its limit any output has reached */
+    uint8_t worst_output;
+    real_t rest[CHANNEL_MAX];  /* level before the step */
+    real_t stair[CHANNEL_MAX]; /* deviation from it where the latest positive edge found it */
+    real_t stair_amplitude;    /* ... and the amplitude until then */
+    struct steady_result before[CHANNEL_MAX], after[CHANNEL_MAX];
+    bool returned; /* `after` is from outputs at rest */
+
+    struct steady steady;
+    struct record record;
+    struct moments moments;
+    struct guard guard;
+};
+
+/* ERR_RANGE, ERR_NOT_FINITE: of the config, *e then not to be used. */
+MUST_CHECK enum err experiment_begin(struct experiment *e, const struct experiment_config *config);
+
+/* One sample of every output, validated, fraction of span. Sets e->level, the test signal from now to the next sample.
+ * Not to be called once DONE or FAILED. ERR_NOT_FINITE: nothing has changed. */
+MUST_CHECK enum err experiment_step(struct experiment *e, const real_t *y);
+
+/* What is known of output j apart from its response, once DONE: level, drift, noise; times from the first edge. */
+MUST_CHECK enum err experiment_baseline(const struct experiment *e, uint8_t j, struct baseline *b);
+
+#endif

@@ -1,0 +1,21 @@
+/* From finished tests to the elements of the plant: the background's part of commission.h. */
+#ifndef REFLUX_COMMISSION_MODEL_H
+#define REFLUX_COMMISSION_MODEL_H
+
+#include "commission/commission.h"
+
+enum model_job { JOB_NONE, JOB_FIT, JOB_ANALYSE };
+
+/* Begins the job on what the tick has left in `c`. */
+void model_begin_fit(struct commission *c);
+/* The tick's part once it is done: the latest test joins those before it. */
+void model_keep(struct commission *c);
+/* The analysis takes the place of the last test in memory. */
+void model_begin_analysis(struct commission *c, const struct config *config, real_t h_s);
+/* A piece of the job under way. True while there is more to do. */
+bool model_work(struct commission *c);
+
+/* Element with several tests behind it: gains and times weighted by how well each test knew them. */
+void model_combine(struct identified *sum, const struct identified *next);
+
+#endif

@@ -1,0 +1,173 @@
+#include "supervise/config.h"
+#if COMMISSION_CHANNELS
+
+#include "commission/proposal.h"
+
+#include <string.h>
+
+static const char *measurement_name(const struct commission *c, const struct config *config,
+                                    uint8_t k)
+{
+    const struct analysis *a = &c->work.analysis;
+    return config->measurement[c->measurement[a->pairs.output[k]]].name;
+}
+
+static const char *output_name(const struct commission *c, const struct config *config, uint8_t k)
+{
+    const struct analysis *a = &c->work.analysis;
+    return config->output[c->input[c->column[a->pairs.input[k]]].output].name;
+}
+
+uint8_t proposal_loop(const struct commission *c, const struct config *config, uint8_t k)
+{
+    for (uint8_t i = 0; i < CONFIG_LOOPS; i++)
+        if (config->loop[i].name[0] &&
+            strcmp(config->loop[i].pv, measurement_name(c, config, k)) == 0 &&
+            strcmp(config->loop[i].out, output_name(c, config, k)) == 0)
+            return i;
+    return PLAN_NONE;
+}
+
+static bool is_tested_output(const struct commission *c, const struct config *config,
+                             const char *name)
+{
+    for (uint8_t k = 0; k < c->inputs; k++)
+        if (!c->input[k].skipped && strcmp(config->output[c->input[k].output].name, name) == 0)
+            return true;
+    return false;
+}
+
+/* Loops on tested outputs, loops that drive such loops, and feedforwards onto those outputs. */
+static void make_room(const struct commission *c, struct config *config)
+{
+    bool drops = true;
+    for (unsigned depth = 0; drops && depth < CONFIG_LOOPS; depth++) {
+        drops = false;
+        for (uint8_t i = 0; i < CONFIG_LOOPS; i++) {
+            struct loop_config *l = &config->loop[i];
+            bool inner = config_find_loop(config, l->out) != PLAN_NONE ||
+                         config_find_output(config, l->out) != PLAN_NONE;
+            if (!l->name[0] || (inner && !is_tested_output(c, config, l->out)))
+                continue;
+            for (uint8_t k = 0; k < CONFIG_ALARMS; k++)
+                if (config->alarm[k].side == ALARM_DEVIATION &&
+                    strcmp(config->alarm[k].on, l->name) == 0)
+                    config->alarm[k].on[0] = '\0';
+            memset(l->name, 0, sizeof l->name);
+            drops = true;
+        }
+    }
+    for (uint8_t k = 0; k < CONFIG_FEEDFORWARDS; k++)
+        if (is_tested_output(c, config, config->feedforward[k].to))
+            config->feedforward[k].from[0] = '\0';
+}
+
+/* The loop is called after its measurement; where that name is taken, after its output. */
+static void name_loop(struct config *config, uint8_t i, const char *pv, const char *out)
+{
+    struct loop_config *l = &config->loop[i];
+    bool taken =
+        config_find_output(config, pv) != PLAN_NONE || config_find_loop(config, pv) != PLAN_NONE;
+    memset(l->name, 0, sizeof l->name);
+    if (!taken) {
+        strncpy(l->name, pv, sizeof l->name - 1);
+        return;
+    }
+    l->name[0] = 'L';
+    l->name[1] = (char)('1' + i);
+    l->name[2] = '_';
+    strncpy(l->name + 3, out, sizeof l->name - 4);
+}
+
+enum err proposal_write(const struct commission *c, struct config *config)
+{
+    const struct analysis *a = &c->work.analysis;
+    if (!commission_has_proposal(c))
+        return ERR_STATE;
+    make_room(c, config);
+    uint8_t place[CONFIG_LOOPS];
+    uint8_t n = 0;
+    for (uint8_t i = 0; i < CONFIG_LOOPS && n < a->pairs.n; i++)
+        if (!config->loop[i].name[0])
+            place[n++] = i;
+    if (n < a->pairs.n)
+        return ERR_FULL;
+    for (uint8_t k = 0; k < n; k++) {
+        struct loop_config *l = &config->loop[place[k]];
+        const char *pv = measurement_name(c, config, k), *out = output_name(c, config, k);
+        const struct tuning *t = &a->loops.tuning[k];
+        *l = (struct loop_config){
+            .gain = (float)t->gain,
+            .ti_s = (float)t->ti_s,
+            .td_s = (float)t->td_s,
+            .n = (float)a->loops.derivative_filter,
+            .b = 1.0f,
+            .out_hi = 1.0f,
+            .action = t->action == TUNING_DIRECT ? LOOP_DIRECT : LOOP_REVERSE,
+            .sp_track = 1,
+            .decouple = a->decoupler == DECOUPLER_USED,
+            .divisor = 1,
+        };
+        strncpy(l->pv, pv, sizeof l->pv - 1);
+        strncpy(l->out, out, sizeof l->out - 1);
+        name_loop(config, place[k], pv, out);
+        for (uint8_t j = 0; j < n && a->decoupler == DECOUPLER_USED; j++)
+            config->decoupler[place[k]][place[j]] = (float)a->d.at[k][j];
+    }
+    return ERR_OK;
+}
+
+#define STEP_IN_NOISE REAL_C(8.0)
+#define STEP_LEAST    REAL_C(0.01) /* fraction of span */
+#define STEP_SHARE    REAL_C(0.25) /* of the test limit */
+#define ROOM_SHARE    REAL_C(0.8)
+
+/* The step of a loop's setpoint on trial: out of the noise, inside the limit, and no farther than its output can go. */
+static void choose_step(const struct commission *c, const struct supervisor *s, uint8_t k,
+                        struct adoption_loop *l)
+{
+    const struct analysis *a = &c->work.analysis;
+    const struct tested_input *in = &c->input[c->column[a->pairs.input[k]]];
+    const struct output_config *o = &s->plan->config.output[in->output];
+    uint8_t i = c->measurement[a->pairs.output[k]];
+    real_t lo = (o->min - o->lo) / (o->hi - o->lo), hi = (o->max - o->lo) / (o->hi - o->lo);
+    real_t room = in->held - lo < hi - in->held ? in->held - lo : hi - in->held;
+    real_t step = STEP_IN_NOISE * l->noise_sd;
+    if (step < STEP_LEAST)
+        step = STEP_LEAST;
+    if (step < STEP_SHARE * l->limit)
+        step = STEP_SHARE * l->limit;
+    if (step > REAL_C(0.5) * l->limit)
+        step = REAL_C(0.5) * l->limit;
+    if (l->predicted.moved * step > ROOM_SHARE * room * l->size)
+        step = ROOM_SHARE * room * l->size / l->predicted.moved;
+    real_t y = num_to_float(s->measurement[i].value);
+    l->step = y > REAL_C(0.5) ? -step : step;
+}
+
+enum err proposal_prepare_trial(struct commission *c, const struct supervisor *s,
+                                const struct config *config)
+{
+    const struct analysis *a = &c->work.analysis;
+    struct adoption *t = &c->adoption;
+    memset(t, 0, sizeof *t);
+    for (uint8_t k = 0; k < a->pairs.n; k++) {
+        struct adoption_loop *l = &t->loop[k];
+        uint8_t i = proposal_loop(c, config, k);
+        if (i == PLAN_NONE)
+            return ERR_UNKNOWN;
+        const struct measurement_config *m =
+            &config->measurement[c->measurement[a->pairs.output[k]]];
+        l->loop = i;
+        l->noise_sd = c->noise_sd[a->pairs.output[k]];
+        l->limit = m->test_limit > 0.0f ? m->test_limit / (m->hi - m->lo) : TEST_LIMIT_DEFAULT;
+        l->predicted = a->predicted[k];
+        l->size = a->config.step;
+        l->held = c->input[c->column[a->pairs.input[k]]].held;
+        choose_step(c, s, k, l);
+    }
+    t->n = a->pairs.n;
+    return ERR_OK;
+}
+
+#endif

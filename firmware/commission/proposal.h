@@ -1,0 +1,20 @@
+/* The proposal as a configuration. */
+#ifndef REFLUX_COMMISSION_PROPOSAL_H
+#define REFLUX_COMMISSION_PROPOSAL_H
+
+#include "commission/commission.h"
+
+/* Writes the proposed loops and decoupler into *config, which holds the present configuration. Loops that drive a tested
+ * manipulated variable, directly or through others, make room. ERR_STATE: there is no proposal; ERR_FULL: more loops
+ * than there are places. */
+MUST_CHECK enum err proposal_write(const struct commission *c, struct config *config);
+
+/* Makes c->adoption ready for the loops of *config that are pairs of the proposal; main loop, before the trial is asked
+ * for. ERR_UNKNOWN: a pair has no loop there. */
+MUST_CHECK enum err proposal_prepare_trial(struct commission *c, const struct supervisor *s,
+                                           const struct config *config);
+
+/* Loop of *config that is pair k of the proposal, or PLAN_NONE. */
+uint8_t proposal_loop(const struct commission *c, const struct config *config, uint8_t k);
+
+#endif

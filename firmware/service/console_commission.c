@@ -1,0 +1,258 @@
+/* `commission`: automatic start-up from the console. */
+#include <string.h>
+
+#include "commission/proposal.h"
+#include "hal/tick.h"
+#include "service/console.h"
+
+#if COMMISSION_CHANNELS
+
+static const char *const phases[] = {
+    [COMMISSION_IDLE] = "idle",         [COMMISSION_TESTING] = "testing",
+    [COMMISSION_FITTING] = "fitting",   [COMMISSION_ANALYSING] = "analysing",
+    [COMMISSION_PAUSED] = "paused",     [COMMISSION_READY] = "ready",
+    [COMMISSION_TRIAL] = "trial",       [COMMISSION_KEPT] = "kept",
+    [COMMISSION_RETURNED] = "returned", [COMMISSION_ENDED] = "ended",
+};
+
+static const char *const stages[] = {
+    [EXPERIMENT_REST] = "waits for rest", [EXPERIMENT_UP] = "positive half",
+    [EXPERIMENT_DOWN] = "negative half",  [EXPERIMENT_BACK] = "back, waits for rest",
+    [EXPERIMENT_DONE] = "done",           [EXPERIMENT_FAILED] = "failed",
+};
+
+static void number(struct text *t, const char *before, float x, const char *unit)
+{
+    text_str(t, before);
+    text_float(t, x);
+    text_str(t, unit);
+}
+
+static float output_span(const struct output_config *o)
+{
+    return o->hi - o->lo;
+}
+
+/* Snapshots of single words: what they tell may be a tick apart. */
+static void test_line(const struct commission *c, const struct config *config, struct text *line)
+{
+    const struct experiment *x = &c->work.test.experiment;
+    uint8_t at = c->at < c->inputs ? c->at : 0;
+    const struct output_config *o = &config->output[c->input[c->order[at]].output];
+    text_str(line, "input ");
+    text_str(line, o->name);
+    number(line, " (", (float)(at + 1u), " of ");
+    text_u32(line, c->inputs);
+    text_str(line, "), round ");
+    text_u32(line, c->round);
+    text_str(line, ": ");
+    text_str(line, stages[x->phase]);
+    number(line, ", amplitude ", (float)x->amplitude * output_span(o), " ");
+    text_str(line, o->unit);
+    if (x->worst > REAL_C(0.0)) {
+        text_str(line, ", worst ");
+        text_str(line, config->measurement[c->measurement[x->worst_output]].name);
+        number(line, " at ", (float)x->worst, " of its limit");
+    }
+}
+
+static bool commission_status_line(struct console *c, unsigned n, struct text *line)
+{
+    const struct commission *m = c->service->commission;
+    const struct config *config = &c->service->plan[c->service->in_force].config;
+    if (n == 0) {
+        text_str(line, "phase ");
+        text_str(line, phases[m->phase]);
+        if (m->phase != COMMISSION_IDLE) {
+            text_str(line, ", outputs ");
+            text_u32(line, m->outputs);
+            text_str(line, ", inputs ");
+            text_u32(line, m->inputs);
+            uint64_t to = m->ended_ms ? m->ended_ms : service_time_ms(c->service);
+            text_str(line, ", plant time s ");
+            text_seconds(line, to - m->began_ms);
+        }
+        return true;
+    }
+    if (n > 1)
+        return false;
+    if (m->phase == COMMISSION_TESTING) {
+        test_line(m, config, line);
+    } else if (m->phase == COMMISSION_READY) {
+        text_str(line, commission_has_proposal(m)
+                           ? "a proposal waits: `commission proposal`, then accept, edit or reject"
+                           : "no proposal: `commission pairing` says why");
+    } else if (m->why != WHY_NOT) {
+        text_str(line, m->subject[0] ? m->subject : "-");
+        text_char(line, ' ');
+        text_str(line, commission_why_text(m->why));
+    } else if (m->phase == COMMISSION_TRIAL) {
+        text_str(line, "loop ");
+        text_u32(line, m->adoption.at + 1u);
+        text_str(line, " of ");
+        text_u32(line, m->adoption.n);
+        text_str(line, " on trial");
+    }
+    return true;
+}
+
+static void ask(struct console *c, enum commission_ask what)
+{
+    struct commission *m = c->service->commission;
+    const char *wanted = "", *subject = NULL;
+    hal_tick_lock();
+    enum err err = commission_may(m, what, &wanted);
+    if (!err && what == COMMISSION_ASK_BEGIN)
+        err = commission_may_begin(c->service->supervisor, &subject, &wanted);
+    if (!err)
+        m->ask = (uint8_t)what;
+    hal_tick_unlock();
+    if (err)
+        console_err_about(c, err, subject ? subject : "commission", wanted);
+    else
+        console_ok(c);
+}
+
+/* The configuration the proposal goes into: an open transaction's as it stands, where the proposal was put into it
+ * before; else a copy of the one in force with the proposal in it. NULL: refused, and said so. */
+static struct config *proposed(struct console *c)
+{
+    struct service *s = c->service;
+    struct config *config = s->staging ? service_staged(s) : service_stage(s);
+    if (!config) {
+        console_err(c, ERR_BUSY, "a configuration waits for the next tick, try again");
+        return NULL;
+    }
+    if (s->staging)
+        return config;
+    enum err err = proposal_write(s->commission, config);
+    if (!err)
+        return config;
+    console_err_about(c, err, "commission",
+                      err == ERR_FULL ? "the proposal has more loops than there are places"
+                                      : "there is no proposal; `commission` says how far it is");
+    return NULL;
+}
+
+static void accept(struct console *c)
+{
+    struct service *s = c->service;
+    struct commission *m = s->commission;
+    const char *wanted;
+    struct config_fault fault;
+    if (commission_may(m, COMMISSION_ASK_TRIAL, &wanted) != ERR_OK) {
+        console_err_about(c, ERR_STATE, "commission", wanted);
+        return;
+    }
+    struct config *config = proposed(c);
+    if (!config)
+        return;
+    if (proposal_prepare_trial(m, s->supervisor, config) != ERR_OK) {
+        console_err_about(c, ERR_STATE, "commission",
+                          "a pair of the proposal has no loop in the open transaction; "
+                          "`abandon` it, then accept or edit");
+        return;
+    }
+    m->old = service_plan(s)->config;
+    if (service_apply(s, config, &fault) != ERR_OK) {
+        console_refuse_config(c, &fault);
+        return;
+    }
+    s->staging = false;
+    hal_tick_lock();
+    m->trial_serial = service_plan(s)->serial;
+    m->ask = COMMISSION_ASK_TRIAL;
+    hal_tick_unlock();
+    console_ok(c);
+}
+
+static void edit(struct console *c)
+{
+    struct service *s = c->service;
+    if (s->staging) {
+        console_err(c, ERR_STATE, "a transaction is open already: apply or abandon it");
+        return;
+    }
+    if (!proposed(c))
+        return;
+    s->staging = true;
+    console_ok(c);
+}
+
+static const struct {
+    const char *word;
+    enum commission_ask ask;
+    bool engineer;
+} asks[] = {
+    {"begin", COMMISSION_ASK_BEGIN, true},   {"pause", COMMISSION_ASK_PAUSE, false},
+    {"resume", COMMISSION_ASK_RESUME, true}, {"skip", COMMISSION_ASK_SKIP, true},
+    {"repeat", COMMISSION_ASK_REPEAT, true}, {"abort", COMMISSION_ASK_ABORT, false},
+    {"reject", COMMISSION_ASK_REJECT, true},
+};
+
+static const struct {
+    const char *word;
+    console_listing listing;
+} listings[] = {
+    {"model", commission_model_line},
+    {"gains", commission_gains_line},
+    {"pairing", commission_pairing_line},
+    {"proposal", commission_proposal_line},
+};
+
+static bool may(struct console *c, bool engineer)
+{
+    if (!engineer || console_is_engineer(c)) {
+        if (engineer)
+            console_engineer_acts(c);
+        return true;
+    }
+    console_err(c, ERR_LOCKED, "only for engineers: `unlock KEY` first");
+    return false;
+}
+
+void command_commission(struct console *c, unsigned n, char **word)
+{
+    if (n == 0) {
+        console_list(c, commission_status_line, "");
+        return;
+    }
+    for (unsigned i = 0; i < sizeof listings / sizeof listings[0]; i++) {
+        if (strcmp(word[0], listings[i].word) == 0) {
+            console_list(c, listings[i].listing, "");
+            return;
+        }
+    }
+    for (unsigned i = 0; i < sizeof asks / sizeof asks[0]; i++) {
+        if (strcmp(word[0], asks[i].word) == 0) {
+            if (may(c, asks[i].engineer))
+                ask(c, asks[i].ask);
+            return;
+        }
+    }
+    bool accepts = strcmp(word[0], "accept") == 0;
+    if (!accepts && strcmp(word[0], "edit") != 0) {
+        console_err_about(c, ERR_PARSE, word[0], "no such word; `help commission` lists them");
+        return;
+    }
+    if (!may(c, true))
+        return;
+    if (accepts)
+        accept(c);
+    else
+        edit(c);
+}
+
+bool console_commission_poll(struct console *c)
+{
+    struct service *s = c->service;
+    struct config_fault fault;
+    /* Behind an open transaction it waits: that is somebody's work. */
+    if (!s->commission->wants_old || s->staging)
+        return false;
+    if (service_apply(s, &s->commission->old, &fault) == ERR_OK || fault.group)
+        s->commission->wants_old = false;
+    return true;
+}
+
+#endif

@@ -1,0 +1,311 @@
+/* What automatic start-up has found, as listings: one fact a line, `name value unit`, for people and programs alike. */
+#include "commission/proposal.h"
+#include "service/console.h"
+
+#if COMMISSION_CHANNELS
+
+static const struct config *settings(const struct console *c)
+{
+    return &c->service->plan[c->service->in_force].config;
+}
+
+static const struct measurement_config *measurement(const struct console *c, unsigned j)
+{
+    return &settings(c)->measurement[c->service->commission->measurement[j]];
+}
+
+static const struct output_config *output(const struct console *c, unsigned k)
+{
+    return &settings(c)->output[c->service->commission->input[k].output];
+}
+
+static void number(struct text *t, const char *name, float x)
+{
+    text_char(t, ' ');
+    text_str(t, name);
+    text_char(t, ' ');
+    text_float(t, x);
+}
+
+static void flags(struct text *t, unsigned bits)
+{
+    static const char *const names[] = {"no_gain",     "negative_T", "negative_radicand",
+                                        "negative_L",  "short",      "not_settled",
+                                        "integrating", "inverse",    "oscillatory"};
+    text_str(t, " flags");
+    if (bits == 0)
+        text_str(t, " -");
+    for (unsigned i = 0; i < sizeof names / sizeof names[0]; i++) {
+        if (!(bits >> i & 1u))
+            continue;
+        text_char(t, ' ');
+        text_str(t, names[i]);
+    }
+}
+
+static bool input_line(const struct console *c, unsigned k, struct text *line)
+{
+    const struct tested_input *in = &c->service->commission->input[k];
+    const struct output_config *o = output(c, k);
+    float span = o->hi - o->lo;
+    text_str(line, "input ");
+    text_str(line, o->name);
+    number(line, "held", o->lo + (float)in->held * span);
+    number(line, "amplitude", (float)in->amplitude * span);
+    text_char(line, ' ');
+    text_str(line, o->unit);
+    number(line, "half", (float)in->half_s);
+    text_str(line, " s rounds ");
+    text_u32(line, in->rounds);
+    number(line, "worst", (float)in->worst);
+    if (in->skipped)
+        text_str(line, " skipped");
+    if (in->cut) {
+        text_str(line, " cut by ");
+        text_str(line, measurement(c, in->cut_by)->name);
+    }
+    if (in->small)
+        text_str(line, " small");
+    return true;
+}
+
+/* Gains in engineering units: what a person would measure. */
+bool commission_model_line(struct console *c, unsigned n, struct text *line)
+{
+    const struct commission *m = c->service->commission;
+    if (n < m->inputs)
+        return input_line(c, n, line);
+    n -= m->inputs;
+    if (m->inputs == 0 || n >= (unsigned)m->outputs * m->inputs)
+        return false;
+    unsigned j = n % m->outputs, k = n / m->outputs;
+    if (m->input[k].rounds == 0)
+        return true;
+    const struct element *e = &m->element[j][k];
+    const struct measurement_config *y = measurement(c, j);
+    const struct output_config *u = output(c, k);
+    float scale = (y->hi - y->lo) / (u->hi - u->lo);
+    text_str(line, "element ");
+    text_str(line, y->name);
+    text_char(line, ' ');
+    text_str(line, u->name);
+    number(line, "gain", (float)e->fit.gain * scale);
+    number(line, "sd", (float)e->fit.gain_sd * scale);
+    text_char(line, ' ');
+    text_str(line, y->unit);
+    text_char(line, '/');
+    text_str(line, u->unit);
+    number(line, "T", (float)e->fit.time_constant_s);
+    number(line, "sd", (float)e->fit.time_constant_sd_s);
+    number(line, "s L", (float)e->fit.dead_time_s);
+    number(line, "sd", (float)e->fit.dead_time_sd_s);
+    number(line, "s moments", (float)e->moments.gain * scale);
+    number(line, "T", (float)e->moments.time_constant_s);
+    number(line, "L", (float)e->moments.dead_time_s);
+    number(line, "plateau", (float)e->plateau_gain * scale);
+    flags(line, e->fit.flags | e->moments_flags);
+    return true;
+}
+
+static bool nothing(const struct console *c, unsigned n, struct text *line)
+{
+    if (c->service->commission->analysed)
+        return false;
+    if (n == 0)
+        text_str(line, "nothing yet: `commission begin` first");
+    return true;
+}
+
+static void gains_summary(const struct analysis *a, unsigned n, struct text *line)
+{
+    if (n == 0) {
+        text_str(line, "rank ");
+        text_u32(line, a->rank);
+        text_str(line, " exact ");
+        text_u32(line, a->rank_exact);
+        number(line, "condition", (float)a->condition);
+        number(line, "scaled", (float)a->condition_scaled);
+        return;
+    }
+    text_str(line, "singular");
+    unsigned most = a->plant.outputs < a->plant.inputs ? a->plant.outputs : a->plant.inputs;
+    for (unsigned i = 0; i < most; i++) {
+        text_char(line, ' ');
+        text_float(line, (float)a->singular[i]);
+    }
+}
+
+static void null_line(const struct console *c, bool outputs, struct text *line)
+{
+    const struct commission *m = c->service->commission;
+    const struct analysis *a = &m->work.analysis;
+    unsigned n = outputs ? a->plant.outputs : a->plant.inputs;
+    text_str(line, outputs ? "null outputs" : "null inputs");
+    for (unsigned i = 0; i < n; i++) {
+        text_char(line, ' ');
+        text_str(line, outputs ? measurement(c, i)->name : output(c, m->column[i])->name);
+        text_char(line, ' ');
+        text_float(line, (float)(outputs ? a->null_output[i] : a->null_input[i]));
+    }
+}
+
+bool commission_gains_line(struct console *c, unsigned n, struct text *line)
+{
+    const struct commission *m = c->service->commission;
+    const struct analysis *a = &m->work.analysis;
+    if (nothing(c, n, line))
+        return n == 0;
+    if (n < 2) {
+        gains_summary(a, n, line);
+        return true;
+    }
+    if (n < 4) {
+        if (a->n_null)
+            null_line(c, n == 3, line);
+        return true;
+    }
+    n -= 4;
+    if (n > a->plant.outputs || (n > 0 && !a->has_lambda))
+        return false;
+    if (n == 0) {
+        text_str(line, a->has_lambda ? "rga" : "rga none: the gains have no inverse");
+        for (unsigned k = 0; a->has_lambda && k < a->plant.inputs; k++) {
+            text_char(line, ' ');
+            text_str(line, output(c, m->column[k])->name);
+        }
+        return true;
+    }
+    text_str(line, "rga ");
+    text_str(line, measurement(c, n - 1u)->name);
+    for (unsigned k = 0; k < a->plant.inputs; k++) {
+        text_char(line, ' ');
+        text_float(line, (float)a->lambda.at[n - 1u][k]);
+    }
+    return true;
+}
+
+static const char *verdict(const struct analysis *a)
+{
+    static const char *const words[] = {
+        [PAIRING_DETERMINED] = "determined",
+        [PAIRING_UNDETERMINED] = "not determined: the gains are not known well enough",
+        [PAIRING_SINGULAR] = "not determined: fewer directions than channels",
+        [PAIRING_IMPOSSIBLE] = "impossible: no pairs with positive relative gains and index"};
+    return words[a->verdict];
+}
+
+bool commission_pairing_line(struct console *c, unsigned n, struct text *line)
+{
+    const struct commission *m = c->service->commission;
+    const struct analysis *a = &m->work.analysis;
+    if (nothing(c, n, line))
+        return n == 0;
+    if (n == 0) {
+        text_str(line, "pairing ");
+        text_str(line, verdict(a));
+        number(line, "probability", (float)a->probability);
+        number(line, "niederlinski", (float)a->niederlinski);
+        return true;
+    }
+    n--;
+    if (n < a->pairs.n) {
+        unsigned j = a->pairs.output[n];
+        text_str(line, "pair ");
+        text_str(line, measurement(c, j)->name);
+        text_char(line, ' ');
+        text_str(line, output(c, m->column[a->pairs.input[n]])->name);
+        number(line, "lambda", (float)a->pair_lambda[n]);
+        number(line, "share", (float)a->share[j]);
+        return true;
+    }
+    n -= a->pairs.n;
+    if (n >= a->plant.outputs)
+        return false;
+    if (a->ambiguous_outputs >> n & 1u) {
+        text_str(line, "open ");
+        text_str(line, measurement(c, n)->name);
+        number(line, "share", (float)a->share[n]);
+        if (a->rival[n] != INTERACT_NONE) {
+            text_str(line, " rival ");
+            text_str(line, output(c, m->column[a->rival[n]])->name);
+        }
+    }
+    return true;
+}
+
+static void why_not(const struct analysis *a, struct text *line)
+{
+    text_str(line, "no proposal: ");
+    if (a->verdict != PAIRING_DETERMINED) {
+        text_str(line, "pairing ");
+        text_str(line, verdict(a));
+    } else {
+        text_str(line, a->design_error == ERR_FULL ? "more loops than this board runs"
+                       : a->design_error == ERR_TIMEOUT
+                           ? "no settings are slow enough to be stable"
+                           : "the settings are not stable on the model");
+    }
+}
+
+static void decoupler_words(const struct analysis *a, struct text *line)
+{
+    static const char *const words[] = {
+        [DECOUPLER_USED] = "static, for the blocks that single loops would not serve",
+        [DECOUPLER_NOT_NEEDED] = "none: single loops serve",
+        [DECOUPLER_TOO_MANY] = "none: more loops than a decoupler spans",
+        [DECOUPLER_ILL] = "none: the inverse of the gains would amplify their errors"};
+    text_str(line, "decoupler ");
+    text_str(line, words[a->decoupler]);
+}
+
+static void loop_line(const struct console *c, unsigned k, struct text *line)
+{
+    const struct commission *m = c->service->commission;
+    const struct analysis *a = &m->work.analysis;
+    const struct tuning *t = &a->loops.tuning[k];
+    const struct trial_loop *p = &a->predicted[k];
+    const struct measurement_config *y = measurement(c, a->pairs.output[k]);
+    text_str(line, "loop ");
+    text_str(line, y->name);
+    text_char(line, ' ');
+    text_str(line, output(c, m->column[a->pairs.input[k]])->name);
+    number(line, "gain", (float)t->gain);
+    number(line, "ti", (float)t->ti_s);
+    number(line, "td", (float)t->td_s);
+    text_str(line, t->action == TUNING_DIRECT ? " direct" : " reverse");
+    number(line, "step", (float)a->config.step * (y->hi - y->lo));
+    number(line, "iae", (float)p->iae * (y->hi - y->lo));
+    number(line, "overshoot", (float)p->peak);
+    number(line, "settles", (float)p->settled_s);
+}
+
+bool commission_proposal_line(struct console *c, unsigned n, struct text *line)
+{
+    const struct analysis *a = &c->service->commission->work.analysis;
+    if (nothing(c, n, line))
+        return n == 0;
+    if (!a->designed) {
+        if (n == 0)
+            why_not(a, line);
+        return n == 0;
+    }
+    if (n == 0) {
+        text_str(line, "settings SIMC, slowed by");
+        text_char(line, ' ');
+        text_float(line, (float)a->factor);
+        number(line, "log_modulus_dB", (float)a->log_modulus_db);
+        number(line, "blocks", (float)a->structure.blocks);
+        number(line, "parts", (float)a->structure.parts);
+        return true;
+    }
+    if (n == 1) {
+        decoupler_words(a, line);
+        return true;
+    }
+    if (n - 2u >= a->pairs.n)
+        return false;
+    loop_line(c, n - 2u, line);
+    return true;
+}
+
+#endif
