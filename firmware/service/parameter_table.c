@@ -308,9 +308,9 @@ const struct parameter_group parameter_groups[] = {
     GROUP(15, "pair", pair, struct pair_config, CONFIG_PAIRS, 4, pair_fields),
 #endif
 #if CONFIG_STEPS
-    GROUP(12, "step", step, struct step_config, CONFIG_STEPS, 24, step_fields),
+    GROUP(12, "step", step, struct step_config, CONFIG_STEPS, 32, step_fields),
 #else
-    {12, 0, COUNT(step_fields), true, 0, sizeof(struct step_config), "step", step_fields, 24},
+    {12, 0, COUNT(step_fields), true, 0, sizeof(struct step_config), "step", step_fields, 32},
 #endif
 };
 const unsigned parameter_group_count = COUNT(parameter_groups);

@@ -22,7 +22,7 @@
 #define CONFIG_ALARMS 8
 #endif
 #ifndef CONFIG_STEPS
-#define CONFIG_STEPS 24 /* rows of sequences; 0 leaves sequences and measurement offsets out */
+#define CONFIG_STEPS 32 /* rows of sequences; 0 leaves sequences and measurement offsets out */
 #endif
 
 #ifndef COMMISSION_CHANNELS

@@ -277,7 +277,7 @@ static void watch(struct supervisor *s)
         const char *name = s->plan->config.output[j].name;
         if (kept_away(s, j))
             hold(s, SEQUENCE_INTERLOCK, name);
-        else if (s->output[j].alarm && !s->output[j].forced)
+        else if (s->output[j].alarm)
             hold(s, SEQUENCE_NOT_FOLLOWING, name);
         if (q->state == SEQUENCE_HELD)
             return;

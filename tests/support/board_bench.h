@@ -20,7 +20,9 @@ struct board_bench {
     char said[SAID_MAX]; /* console output since board_forget() */
     size_t n_said;
 
-    /* The plant */
+    /* The plant: handmade, unless a test announces another (power_on forgets it) */
+    uint8_t n_measurements, n_outputs; /* 0: 4 and 2 */
+    void (*announce)(uint8_t index, struct link_page *page);
     bool mute;          /* answers nothing */
     bool deaf_to_pages; /* does not answer page requests */
     uint8_t version;
@@ -54,8 +56,8 @@ static inline void plant_hello(void)
     struct link_hello m = {.version = board.version,
                            .role = LINK_ROLE_PLANT,
                            .session = board.session,
-                           .n_measurements = 4,
-                           .n_outputs = 2,
+                           .n_measurements = board.announce ? board.n_measurements : 4,
+                           .n_outputs = board.announce ? board.n_outputs : 2,
                            .tick_ms = board.tick_ms,
                            .name = "handmade"};
     struct frame f;
@@ -69,6 +71,12 @@ static inline void plant_page(uint8_t index)
     static const char *const output_units[2] = {"l/h", "kW"};
     struct link_page m = {.index = index, .manipulated = index >= 4, .lo = 0, .hi = 200, .safe = 0};
     struct frame f;
+    if (board.announce) {
+        board.announce(index, &m);
+        pack_page(&m, &f);
+        link_give(&f);
+        return;
+    }
     if (index >= 6)
         return;
     snprintf(m.name, sizeof m.name, "%s", index < 4 ? board.names[index] : outputs[index - 4]);
