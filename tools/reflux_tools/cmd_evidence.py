@@ -55,7 +55,7 @@ SECTIONS = (
     Section("Link under attack", "A live run over a line that damages what passes: no bad frame is acted on.",
             "tests", r"attack\b.*\d.*"),
     Section("Faults", "Every fault of sensors, actuators and plant in every mode, each with the state it must end in.",
-            "tests", r"(fault matrix|watchdog|restart)\b.*: .*\d.*"),
+            "tests", r"((fault|sequence) matrix|watchdog|restart)\b.*: .*\d.*"),
     Section("Console", "A configuration pasted at 115200 baud through a lossy line.", "tests",
             r".*: \d+ bytes, \d+ lines, \d+ dropped.*"),
     Section("Fuzzing", "libFuzzer with address and undefined-behaviour sanitizers.", "fuzz", r"fuzz \w+: .*\d.*"),
