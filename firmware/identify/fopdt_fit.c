@@ -157,7 +157,8 @@ static void consider(struct fopdt_fit *f, real_t lag, real_t dead)
 
 static void grid(struct fopdt_fit *f)
 {
-    real_t step = (real_t)(f->next / GRID_SHARES) / (real_t)(GRID_TIMES - 1);
+    uint32_t row = f->next / GRID_SHARES;
+    real_t step = (real_t)row / (real_t)(GRID_TIMES - 1);
     real_t lo = clip(REAL_C(0.5) * (real_t)f->block, ONE, f->lag_max);
     real_t time = lo * real_pow(f->lag_max / lo, step), share = shares[f->next % GRID_SHARES];
     f->next++;

@@ -80,7 +80,7 @@ static void predict(const struct guard *g, uint32_t o, struct guard_prediction *
 
 enum err guard_step(struct guard *g, const real_t *y, int *trip)
 {
-    real_t d[CHANNEL_MAX];
+    real_t d[CHANNEL_MAX] = {ZERO};
     for (uint32_t o = 0; o < g->config.outputs; o++) {
         d[o] = y[o] - g->config.output[o].initial;
         enum err err = check_real(d[o], -VALUE_MAX, VALUE_MAX);

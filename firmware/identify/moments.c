@@ -86,7 +86,7 @@ enum err moments_begin(struct moments *m, const real_t *reference)
 
 enum err moments_step(struct moments *m, const real_t *y)
 {
-    real_t d[CHANNEL_MAX];
+    real_t d[CHANNEL_MAX] = {ZERO};
     for (uint32_t o = 0; o < m->outputs; o++) {
         d[o] = y[o] - m->reference[o];
         enum err err = check_real(d[o], -VALUE_MAX, VALUE_MAX);

@@ -1,5 +1,7 @@
 #include "identify/record.h"
 
+#include <stddef.h>
+
 #include "identify/common.h"
 
 #define SAMPLES_MAX (1u << 31)
@@ -40,14 +42,14 @@ static void halve(struct record *r)
 {
     for (uint32_t o = 0; o < r->outputs; o++)
         for (uint32_t i = 0; i < RECORD_POINTS / 2; i++)
-            r->y[o][i] = REAL_C(0.5) * (r->y[o][2 * i] + r->y[o][2 * i + 1]);
+            r->y[o][i] = REAL_C(0.5) * (r->y[o][(size_t)2 * i] + r->y[o][(size_t)2 * i + 1]);
     r->points = RECORD_POINTS / 2;
     r->block *= 2;
 }
 
 enum err record_step(struct record *r, const real_t *y)
 {
-    real_t d[CHANNEL_MAX];
+    real_t d[CHANNEL_MAX] = {ZERO};
     for (uint32_t o = 0; o < r->outputs; o++) {
         d[o] = y[o] - r->reference[o];
         enum err err = check_real(d[o], -VALUE_MAX, VALUE_MAX);

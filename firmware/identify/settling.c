@@ -58,7 +58,8 @@ enum err settling_from_record(const struct record *r, uint32_t output, struct se
     real_t change = real_abs(final - initial);
     /* Neighbours are averaged until the band stands out of the noise. */
     real_t wanted = NOISE_SDS * noise / (BAND * change), count = wanted * wanted;
-    if (!(count < (real_t)((r->points - before) / 16)))
+    uint32_t most = (r->points - before) / 16;
+    if (!(count < (real_t)most))
         return ERR_RANGE;
     if (still_moves(y, from, last, noise, change))
         return ERR_STATE;

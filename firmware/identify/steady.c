@@ -32,7 +32,7 @@ void steady_reset(struct steady *s)
 
 enum err steady_step(struct steady *s, const real_t *y)
 {
-    real_t d[CHANNEL_MAX];
+    real_t d[CHANNEL_MAX] = {ZERO};
     for (uint32_t o = 0; o < s->config.outputs; o++) {
         d[o] = y[o] - (s->started ? s->output[o].reference : ZERO);
         enum err err = check_real(d[o], -VALUE_MAX, VALUE_MAX);

@@ -45,7 +45,7 @@ static void identify(const struct head *h, const double *y)
         1, h->window / STEADY_BLOCKS, (real_t)h->h_s, (real_t)h->noise_floor, 3, 4};
     struct moments_config m = {1, moments_alphas_for((real_t)h->h_s, (real_t)(h->half * h->h_s)),
                                (real_t)h->h_s, MOMENTS_FASTEST, MOMENTS_RATIO};
-    struct steady_result before, after;
+    struct steady_result before = {.age_s = 0}, after;
     must(steady_init(&steady, &s), "steady_init");
     must(moments_init(&moments, &m), "moments_init");
     must(moments_begin(&moments, &reference), "moments_begin");

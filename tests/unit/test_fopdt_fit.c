@@ -174,8 +174,8 @@ static void scatter_is_what_was_said(double correlation, double factor)
     for (int k = 0; k < 4; k++) {
         double mean = sum[k] / runs, scatter = sqrt(square[k] / runs - mean * mean);
         char text[120];
-        snprintf(text, sizeof text, "correlation %.1f, %s: bias %.4f, scatter %.4f, said %.4f",
-                 correlation, &"K\0T\0L\0P"[2 * k], mean - truth[k], scatter, said[k] / runs);
+        snprintf(text, sizeof text, "correlation %.1f, %c: bias %.4f, scatter %.4f, said %.4f",
+                 correlation, "KTLP"[k], mean - truth[k], scatter, said[k] / runs);
         TEST_MESSAGE(text);
         TEST_ASSERT_TRUE(said[k] / runs < factor * scatter && said[k] / runs > scatter / factor);
         if (k < 3) /* the plateaus are not quite reached after L + 4 T */
