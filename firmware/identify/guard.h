@@ -9,7 +9,7 @@
  * No verdict before the blanking time is over: plants that move the wrong way first.
  *
  * Model guard: the first-order model fitted to all data so far (identify/fopdt_fit.h) says where the peak would be,
- * K a (1 - e^(-t/T)) + offset + drift, and its covariance how sure that is.
+ * K a (1 - e^(-t/T)) and the drift until then, and its covariance how sure that is.
  */
 #ifndef REFLUX_IDENTIFY_GUARD_H
 #define REFLUX_IDENTIFY_GUARD_H
@@ -22,8 +22,8 @@
 #include "identify/fopdt_fit.h"
 #include "num/real.h"
 
-#define GUARD_WINDOWS                                                                              \
-    10 /* windows of about 2, 4, 8 .. 1024 samples: the shortest is a plain difference */
+/* Windows of about 2, 4, 8 .. 1024 samples; the shortest is a plain difference. */
+#define GUARD_WINDOWS 10
 
 struct guard_output {
     real_t initial;     /* level before the step */
@@ -36,8 +36,8 @@ struct guard_config {
     uint32_t outputs;  /* 1 to CHANNEL_MAX */
     real_t h_s;        /* s, [1e-3, 1e5] */
     real_t blanking_s; /* no verdict before, [0, 1e6] */
-    real_t
-        noise_share; /* of the limit that noise may make of the prediction (one standard deviation), (0, 0.5]; 0.05 */
+    /* Part of the limit that noise may make of a prediction (one standard deviation), (0, 0.5]; 0.05. */
+    real_t noise_share;
     struct guard_output output[CHANNEL_MAX];
 };
 
@@ -69,9 +69,9 @@ MUST_CHECK enum err guard_step(struct guard *g, const real_t *y, int *trip);
 MUST_CHECK enum err guard_predict(const struct guard *g, uint32_t output,
                                   struct guard_prediction *result);
 
-/* Peak deviation from the fitted model if the negative half began elapsed_s after the first edge, amplitude its height;
- * *sd from the fit's covariance. Of a model whose gain is lost in the noise the peak is 0 and the sd that of what could
- * hide there. ERR_RANGE, ERR_NOT_FINITE. */
+/* Peak deviation from the fitted model if the negative half began elapsed_s after the first edge, amplitude its height,
+ * counted from the level at that edge; *sd from the covariance of K and T (the drift's own is not in it). Where the gain
+ * is lost in the noise, the peak is the drift alone and the sd that of what could hide there. ERR_RANGE, ERR_NOT_FINITE. */
 MUST_CHECK enum err guard_model_peak(const struct fopdt_fit_result *fit, real_t amplitude,
                                      real_t elapsed_s, real_t *peak, real_t *sd);
 

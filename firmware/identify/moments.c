@@ -12,6 +12,7 @@
 #define WEIGHT_MIN     REAL_C(1e-20) /* a sample of this weight adds nothing any more */
 #define LAG_MIN        REAL_C(0.02)  /* samples: shorter is no lag */
 #define LAG_MAX_ALPHAS REAL_C(30.0)  /* alpha T: longer cannot be told from there */
+#define FAR            REAL_C(1e9)   /* samples; fits an int32_t */
 #define HALVINGS       40
 #define CHOICES        8
 
@@ -180,7 +181,7 @@ static real_t spread(real_t a, real_t eta, real_t lag, real_t *m, real_t *x)
     real_t d = one_less_exp(rest);
     real_t tail = (ONE - d) / d;
     real_t start = a - tail;
-    /* Below 0 the dead time is negative: the caller sees it in m. Large numbers do not get here. */
+    /* Below 0 the dead time is negative: the caller sees it in m. Magnitudes beyond FAR do not get here. */
     real_t whole = start >= ZERO ? (real_t)(int32_t)start : (real_t)((int32_t)start - 1);
     *m = whole;
     *x = start - whole;
@@ -231,13 +232,18 @@ static uint16_t solve(const struct view *g, real_t eta, real_t decay, struct ele
         without_lag(g, eta, e);
         return IDENTIFIED_NEGATIVE_RADICAND;
     }
+    uint16_t flags = 0;
     if (g->b > spread(g->a, eta, hi, &m, &x)) {
         real_t a = real_sqrt(g->b) * eta;
-        *raw = a < ONE ? hi : a / ((ONE - a) * eta);
-        if (!(real_abs(*raw) < REAL_C(1e9)))
-            *raw = REAL_C(-1e9);
-        without_lag(g, eta, e);
-        return a < ONE ? IDENTIFIED_SHORT : IDENTIFIED_NEGATIVE_T;
+        if (!(a < ONE)) {
+            *raw = a / ((ONE - a) * eta);
+            if (!(real_abs(*raw) < REAL_C(1e9)))
+                *raw = REAL_C(-1e9);
+            without_lag(g, eta, e);
+            return IDENTIFIED_NEGATIVE_T;
+        }
+        flags = IDENTIFIED_SHORT; /* longer than this alpha can tell: the longest it can, below */
+        lo = hi;
     }
     for (int i = 0; i < HALVINGS; i++) {
         real_t middle = real_sqrt(lo * hi);
@@ -249,11 +255,9 @@ static uint16_t solve(const struct view *g, real_t eta, real_t decay, struct ele
     *raw = hi;
     (void)spread(g->a, eta, hi, &m, &x);
     finish(g, eta, decay, hi, m, x, e);
-    if (e->dead >= ZERO)
-        return 0;
     if (e->dead > REAL_C(-0.02)) { /* rounding */
-        e->dead = ZERO;
-        return 0;
+        e->dead = e->dead > ZERO ? e->dead : ZERO;
+        return flags;
     }
     if (!without_dead_time(g, eta, decay, e)) {
         without_lag(g, eta, e);
@@ -280,7 +284,7 @@ static void deviations(const struct gradient *g, uint16_t flags, real_t a, real_
     real_t k[3], t[3], l[3];
     for (int i = 0; i < 3; i++) {
         real_t da = g->a[i];
-        if (flags & (IDENTIFIED_NEGATIVE_RADICAND | IDENTIFIED_NEGATIVE_T | IDENTIFIED_SHORT)) {
+        if (flags & (IDENTIFIED_NEGATIVE_RADICAND | IDENTIFIED_NEGATIVE_T)) {
             k[i] = g->ln_g[i] + da;
             t[i] = ZERO;
             l[i] = da;
@@ -355,8 +359,7 @@ enum err moments_at(const struct moments *m, uint32_t i, uint32_t output,
         .b = (r2 - r1 * r1) / (eta * eta) - input.b,
     };
     /* Rubbish (moments of noise alone, offered without its deviation) can be far out. */
-    real_t far = REAL_C(1e6) / eta;
-    if (!(real_abs(plant.a) < far && real_abs(plant.b) < far * far))
+    if (!(real_abs(plant.a) < FAR && real_abs(plant.b) < FAR * FAR))
         return ERR_NOT_FINITE;
     struct element e;
     real_t raw;

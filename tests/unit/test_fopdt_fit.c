@@ -92,6 +92,7 @@ static void every_first_order_element_of_the_plants_comes_back(void)
         }
         TEST_ASSERT_EQUAL_HEX16(0, r.element.flags);
         TEST_ASSERT_DOUBLE_WITHIN(2e-7, 1e-5, (double)r.slope_per_s);
+        TEST_ASSERT_DOUBLE_WITHIN(2e-5, 0.0, (double)r.offset);
         most = r.evaluations > most ? r.evaluations : most;
         n++;
     }
