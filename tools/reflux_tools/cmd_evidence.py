@@ -62,7 +62,7 @@ SECTIONS = (
     Section("Proofs of the buffers", "Frama-C, weakest preconditions.", "prove", r"(.*goals \d+, proved \d+.*|prove\b.*\d.*)"),
     Section("The linked image", "No heap, no double precision, no streams, no recursion; every call through a pointer "
             "listed; worst-case stack with all interrupts on top. Limits by layer: `tests/target/budget.toml`.",
-            "image", r"(image|stack|calls) ?[\w-]*: .*\d.*"),
+            "image", r"(image|flash|ram|stack|calls) ?[\w-]*: .*\d.*"),
     Section("Logarithm and exponential", "Against double; `REFLUX_MATH_STEP=1` tries every float there is.",
             "tests", r"float_\w+( near 1)?: \d+ arguments.*"),
     Section("Coverage of `firmware/`", "", "coverage", r"coverage: .*\d.*"),

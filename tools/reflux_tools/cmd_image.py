@@ -53,6 +53,8 @@ def show(preset: str, report: Report, options: argparse.Namespace) -> None:
     print(f"\nimage {preset}: flash {report.flash()} of {budget['flash']} (aim {budget['aim_flash']}), RAM without "
           f"stack {report.ram()} of {budget['ram']}, without arena {report.ram() - report.arena} "
           f"(aim {budget['aim_ram']})\n")
+    print(f"flash {preset}: " + ", ".join(f"{name} {s.flash()}" for name, s in layers if s.flash()))
+    print(f"ram {preset}: {ram_by_owner(report)}\n")
     rows = [[" / ".join(dict.fromkeys(c.entries)), str(c.deepest), str(c.frame)] for c in report.contexts]
     print(table.columns(["context", "stack", "exception frame"], rows))
     print(f"\nstack {preset}: {report.stack_needed} of {report.stack_reserved} bytes in the worst case, "
@@ -67,6 +69,17 @@ def show(preset: str, report: Report, options: argparse.Namespace) -> None:
     if options.biggest:
         biggest(preset, report, options.biggest)
     print("".join(f"FAILED {line}\n" for line in report.findings), end="")
+
+
+def ram_by_owner(report: Report) -> str:
+    """Where the RAM without arena and stack goes: the parts of struct app, then what the port keeps."""
+    size = report.image.struct_bytes()
+    parts = [("supervisor", size["supervisor"] - report.arena), ("service", size["service"]),
+             ("plant link", size["plant_link"]), ("console", size["console"]), ("storage", size["storage"]),
+             ("rest of app", size["app"] - sum(size[n] for n in ("supervisor", "service", "plant_link", "console",
+                                                                   "storage")))]
+    parts.append(("port and libraries", report.ram() - report.arena - sum(n for _, n in parts)))
+    return ", ".join(f"{name} {n}" for name, n in parts) + f"; a plan is {size['plan']} of service"
 
 
 def biggest(preset: str, report: Report, count: int) -> None:

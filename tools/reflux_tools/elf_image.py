@@ -155,6 +155,12 @@ class Image:
         bound = re.search(r"DW_AT_upper_bound +: (\d+)", text[at:at + 2000])
         return 4 * (int(bound[1]) + 1) if at >= 0 and bound else None
 
+    def struct_bytes(self) -> dict[str, int]:
+        """Bytes of every struct with a name, from the debug information."""
+        text = tool("objdump", "--dwarf=info", str(self.path))
+        return {name: int(size) for name, size in re.findall(
+            r"\(DW_TAG_structure_type\)\n.*DW_AT_name +: (?:.*: )?(\w+)\n.*DW_AT_byte_size +: (\d+)", text)}
+
 
 def tool(name: str, *arguments: str) -> str:
     try:
