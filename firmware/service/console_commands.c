@@ -120,6 +120,7 @@ static bool version_line(struct console *c, unsigned n, struct text *line)
         pair(line, "dead-time bytes", PLAN_ARENA_BYTES);
         pair(line, "steps", CONFIG_STEPS);
         text_str(line, CONFIG_STEPS ? "" : ", no sequences");
+        text_str(line, COMMISSION_CHANNELS ? "" : ", no automatic start-up");
         return true;
     case 4:
         text_str(line, "limits: plant");
@@ -466,12 +467,10 @@ const struct console_command console_commands[] = {
      command_tune, ACCESS_OPERATOR, NOT_AN_ACTION},
     {"log", "on|off [TICKS]", "telemetry rows on this console", 1, 2, command_log, ACCESS_OPERATOR,
      NOT_AN_ACTION},
-#if COMMISSION_CHANNELS
     {"commission",
      "[begin|pause|resume|skip|repeat|abort|model|gains|pairing|proposal|accept|edit|reject]",
      "automatic start-up: how far it is, or what it is told to do or show", 0, 1, command_commission,
      ACCESS_OPERATOR, EVENT_DO_COMMISSION},
-#endif
     {"alarm", "[ack|shelve] [ALARM|all] [SECONDS]",
      "what is wrong now; acknowledge, or silence for a time", 0, 3, command_alarm, ACCESS_OPERATOR,
      EVENT_DO_ALARM},

@@ -255,4 +255,13 @@ bool console_commission_poll(struct console *c)
     return true;
 }
 
+#else
+
+void command_commission(struct console *c, unsigned n, char **word)
+{
+    (void)n;
+    (void)word;
+    console_err(c, ERR_UNSUPPORTED, "automatic start-up is left out of this board's build");
+}
+
 #endif

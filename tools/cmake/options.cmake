@@ -12,6 +12,11 @@ target_compile_options(reflux_options INTERFACE
 if(REFLUX_FIXED_POINT)
   target_compile_definitions(reflux_options INTERFACE REFLUX_FIXED_POINT=1)
 endif()
+# The base image: regulatory control alone, without sequences and automatic start-up.
+option(REFLUX_BASE "Leave sequences and automatic start-up out" OFF)
+if(REFLUX_BASE)
+  target_compile_definitions(reflux_options INTERFACE CONFIG_STEPS=0 COMMISSION_CHANNELS=0)
+endif()
 # A board smaller than the headers assume. On the host, -DREFLUX_LIMITS=stm32f100 tries such limits under sanitizers.
 set(REFLUX_LIMITS "${REFLUX_BOARD}" CACHE STRING "Which folder of hal/ gives the limits, where it has a limits.h")
 if(NOT IS_DIRECTORY "${PROJECT_SOURCE_DIR}/hal/${REFLUX_LIMITS}")

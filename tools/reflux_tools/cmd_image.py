@@ -30,7 +30,7 @@ def main(arguments: list[str]) -> int:
     reports = []
     for preset in options.presets or image_check.presets():
         if not options.no_build:
-            build.build(preset, (f"reflux-{preset.removesuffix('-fixed')}",))
+            build.build(preset, (f"reflux-{preset.removesuffix('-fixed').removesuffix('-base')}",))
         report = image_check.check(build_dir(preset))
         reports.append(report)
         show(preset, report, options)
@@ -49,7 +49,7 @@ def show(preset: str, report: Report, options: argparse.Namespace) -> None:
     rows = [[name, str(s.text), str(s.data), str(s.bss)] for name, s in layers]
     sums = [str(sum(getattr(s, what) for _, s in layers)) for what in ("text", "data", "bss")]
     print(table.columns(["layer", "text", "data", "bss"], [*rows, ["all", *sums]]))
-    budget = image_check.load_budget(image_check.BUDGET, report.name.removeprefix("reflux-").removesuffix(".elf"))
+    budget = report.budget
     print(f"\nimage {preset}: flash {report.flash()} of {budget['flash']} (aim {budget['aim_flash']}), RAM without "
           f"stack {report.ram()} of {budget['ram']}, without arena {report.ram() - report.arena} "
           f"(aim {budget['aim_ram']})\n")

@@ -73,6 +73,7 @@ def collect(labels: set[str]) -> list[Test]:
         build.build("host-fixed", ("reflux-host",))
         build.build("stm32f405")
         build.build("stm32f405-fixed")
+        build.build("stm32f405-base")
         build.build("stm32f100")
         tests += target_tests()
     if "style" in labels:

@@ -11,6 +11,7 @@ import re
 import tomllib
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Any
 
 from reflux_tools import memory_map, stack_use
 from reflux_tools.elf_image import Image
@@ -51,6 +52,7 @@ class Report:
     stack_reserved: int = 0
     stack_needed: int = 0
     arena: int = 0
+    budget: dict[str, Any] = field(default_factory=dict)
     pointer_calls: int = 0
     functions: int = 0
     frames_agree: int = 0
@@ -78,22 +80,24 @@ def find_elf(folder: Path) -> Path:
     return found[0]
 
 
-def load_budget(path: Path, board: str) -> dict[str, object]:
+def load_budget(path: Path, board: str, build: str) -> dict[str, Any]:
+    """Table of the build (the name of its folder) where there is one, else of the board."""
     try:
         table = tomllib.loads(path.read_text(encoding="utf-8"))
     except (OSError, tomllib.TOMLDecodeError) as error:
         raise UserError(f"{path.name}: {error}") from None
-    if board not in table:
-        raise UserError(f"{path.name} has no table [{board}]")
-    return table[board]
+    for name in (build, board):
+        if name in table:
+            return table[name]
+    raise UserError(f"{path.name} has no table [{board}]")
 
 
 def check(folder: Path, budget_file: Path = BUDGET, calls_file: Path = CALLS) -> Report:
     """All rules, on the image of one build folder."""
     elf = find_elf(folder)
     board = elf.stem.removeprefix("reflux-")
-    budget = load_budget(budget_file, board)
-    report = Report(elf.name, Image(elf))
+    budget = load_budget(budget_file, board, folder.name)
+    report = Report(elf.name, Image(elf), budget=budget)
     report.findings += forbidden(report.image)
     stack(report, folder, budget, stack_use.read_list(calls_file))
     report.layers = memory_map.read(elf.with_suffix(".map"))
