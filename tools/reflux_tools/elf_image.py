@@ -158,8 +158,8 @@ class Image:
     def struct_bytes(self) -> dict[str, int]:
         """Bytes of every struct with a name, from the debug information."""
         text = tool("objdump", "--dwarf=info", str(self.path))
-        return {name: int(size) for name, size in re.findall(
-            r"\(DW_TAG_structure_type\)\n.*DW_AT_name +: (?:.*: )?(\w+)\n.*DW_AT_byte_size +: (\d+)", text)}
+        return {name: int(size, 0) for name, size in re.findall(
+            r"\(DW_TAG_structure_type\)\n.*DW_AT_name +: (?:.*: )?(\w+)\n.*DW_AT_byte_size +: (\w+)", text)}
 
 
 def tool(name: str, *arguments: str) -> str:
