@@ -35,6 +35,7 @@ typedef uint64_t plant_time_ms;
 struct io_channel {
     const char *name, *unit; /* the implementation's; good until the table changes */
     float safe;              /* manipulated variables: value on silence */
+    float lo, hi;            /* span; both 0 where the board does not keep it */
 };
 
 struct io_reading {

@@ -150,7 +150,10 @@ void sequence_headline(const struct service *s, struct text *line);
 void command_commission(struct console *c, unsigned n, char **word);
 /* Puts the old settings back where a trial has failed. Returns whether there was anything to do. */
 bool console_commission_poll(struct console *c);
-/* Listings of `commission model|gains|pairing|proposal` */
+/* Listings of `commission plant|model|gains|pairing|structure|proposal|trial` */
+bool commission_plant_line(struct console *c, unsigned n, struct text *line);
+bool commission_structure_line(struct console *c, unsigned n, struct text *line);
+bool commission_trial_line(struct console *c, unsigned n, struct text *line);
 bool commission_model_line(struct console *c, unsigned n, struct text *line);
 bool commission_gains_line(struct console *c, unsigned n, struct text *line);
 bool commission_pairing_line(struct console *c, unsigned n, struct text *line);

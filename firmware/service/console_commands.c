@@ -468,7 +468,8 @@ const struct console_command console_commands[] = {
     {"log", "on|off [TICKS]", "telemetry rows on this console", 1, 2, command_log, ACCESS_OPERATOR,
      NOT_AN_ACTION},
     {"commission",
-     "[begin|pause|resume|skip|repeat|abort|model|gains|pairing|proposal|accept|edit|reject]",
+     "[begin|pause|resume|skip|repeat|abort|accept|edit|reject|"
+     "plant|model|gains|pairing|structure|proposal|trial]",
      "automatic start-up: how far it is, or what it is told to do or show", 0, 1, command_commission,
      ACCESS_OPERATOR, EVENT_DO_COMMISSION},
     {"alarm", "[ack|shelve] [ALARM|all] [SECONDS]",

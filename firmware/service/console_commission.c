@@ -194,10 +194,10 @@ static const struct {
     const char *word;
     console_listing listing;
 } listings[] = {
-    {"model", commission_model_line},
-    {"gains", commission_gains_line},
-    {"pairing", commission_pairing_line},
-    {"proposal", commission_proposal_line},
+    {"plant", commission_plant_line},         {"model", commission_model_line},
+    {"gains", commission_gains_line},         {"pairing", commission_pairing_line},
+    {"structure", commission_structure_line}, {"proposal", commission_proposal_line},
+    {"trial", commission_trial_line},
 };
 
 static bool may(struct console *c, bool engineer)

@@ -70,18 +70,9 @@ static bool input_line(const struct console *c, unsigned k, struct text *line)
 }
 
 /* Gains in engineering units: what a person would measure. */
-bool commission_model_line(struct console *c, unsigned n, struct text *line)
+static void element_line(const struct console *c, unsigned j, unsigned k, struct text *line)
 {
-    const struct commission *m = c->service->commission;
-    if (n < m->inputs)
-        return input_line(c, n, line);
-    n -= m->inputs;
-    if (m->inputs == 0 || n >= (unsigned)m->outputs * m->inputs)
-        return false;
-    unsigned j = n % m->outputs, k = n / m->outputs;
-    if (m->input[k].rounds == 0)
-        return true;
-    const struct element *e = &m->element[j][k];
+    const struct element *e = &c->service->commission->element[j][k];
     const struct measurement_config *y = measurement(c, j);
     const struct output_config *u = output(c, k);
     float scale = (y->hi - y->lo) / (u->hi - u->lo);
@@ -99,11 +90,55 @@ bool commission_model_line(struct console *c, unsigned n, struct text *line)
     number(line, "sd", (float)e->fit.time_constant_sd_s);
     number(line, "s L", (float)e->fit.dead_time_s);
     number(line, "sd", (float)e->fit.dead_time_sd_s);
-    number(line, "s moments", (float)e->moments.gain * scale);
+    text_str(line, " s");
+    flags(line, e->fit.flags);
+}
+
+/* What the moments and the plateaus make of the same test. */
+static void second_line(const struct console *c, unsigned j, unsigned k, struct text *line)
+{
+    const struct element *e = &c->service->commission->element[j][k];
+    const struct measurement_config *y = measurement(c, j);
+    const struct output_config *u = output(c, k);
+    float scale = (y->hi - y->lo) / (u->hi - u->lo);
+    text_str(line, "moments ");
+    text_str(line, y->name);
+    text_char(line, ' ');
+    text_str(line, u->name);
+    number(line, "gain", (float)e->moments.gain * scale);
     number(line, "T", (float)e->moments.time_constant_s);
     number(line, "L", (float)e->moments.dead_time_s);
     number(line, "plateau", (float)e->plateau_gain * scale);
-    flags(line, e->fit.flags | e->moments_flags);
+    flags(line, e->moments_flags);
+}
+
+bool commission_model_line(struct console *c, unsigned n, struct text *line)
+{
+    const struct commission *m = c->service->commission;
+    if (n < m->inputs)
+        return input_line(c, n, line);
+    n -= m->inputs;
+    if (m->inputs == 0)
+        return false;
+    if (n < m->outputs) {
+        const struct measurement_config *y = measurement(c, n);
+        text_str(line, "output ");
+        text_str(line, y->name);
+        number(line, "noise", (float)m->noise_sd[n] * (y->hi - y->lo));
+        text_char(line, ' ');
+        text_str(line, y->unit);
+        return true;
+    }
+    n -= m->outputs;
+    unsigned j = n / 2u % m->outputs, k = n / 2u / m->outputs;
+    if (k >= m->inputs)
+        return false;
+    if (m->input[k].rounds == 0)
+        return true;
+    if (n % 2u == 0)
+        element_line(c, j, k, line);
+    else
+        second_line(c, j, k, line);
     return true;
 }
 

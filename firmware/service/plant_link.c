@@ -167,6 +167,10 @@ static void on_page(struct plant_link *link, const struct frame *f, uint64_t now
               strcmp(m.unit, "-") == 0 ? "" : m.unit); /* "-": none; configured as an empty text */
     if (manipulated)
         link->safe[link->next_page - link->count[0]] = m.safe;
+#if COMMISSION_CHANNELS
+    link->lo[link->next_page] = m.lo;
+    link->hi[link->next_page] = m.hi;
+#endif
     link->next_page++;
     if (link->text_n > sizeof link->text)
         refuse_plant(link, (float)link->text_n, 1);
@@ -283,10 +287,16 @@ static uint8_t count(const void *context, bool manipulated)
 static struct io_channel channel(const void *context, bool manipulated, uint8_t index)
 {
     const struct plant_link *link = context;
-    const char *name = &link->text[link->text_at[index + (manipulated ? link->count[0] : 0u)]];
-    return (struct io_channel){.name = name,
-                               .unit = name + strlen(name) + 1,
-                               .safe = manipulated ? link->safe[index] : 0.0f};
+    unsigned page = index + (manipulated ? link->count[0] : 0u);
+    const char *name = &link->text[link->text_at[page]];
+    return (struct io_channel)
+    {
+        .name = name, .unit = name + strlen(name) + 1,
+#if COMMISSION_CHANNELS
+        .lo = link->lo[page], .hi = link->hi[page],
+#endif
+        .safe = manipulated ? link->safe[index] : 0.0f
+    };
 }
 
 static uint32_t tick_ms(const void *context)

@@ -7,6 +7,7 @@
 #include "hal/io.h"
 #include "link/frame.h"
 #include "link/messages.h"
+#include "supervise/config.h"
 
 #ifndef LINK_RX_BLOCK
 #define LINK_RX_BLOCK 64 /* bytes taken from the port at a time */
@@ -39,6 +40,9 @@ struct plant_link {
         [2 *
          LINK_CHANNELS_ROOM]; /* by page: where name and unit stand in text, a zero after each */
     float safe[LINK_CHANNELS_ROOM];
+#if COMMISSION_CHANNELS
+    float lo[2 * LINK_CHANNELS_ROOM], hi[2 * LINK_CHANNELS_ROOM]; /* by page: for people alone */
+#endif
     char text[LINK_TEXT_BYTES];
     bool refused; /* plant_session is that of a plant too large for this board */
     struct frame_decoder decoder;
