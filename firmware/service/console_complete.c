@@ -181,14 +181,16 @@ bool console_choice(void *console, const char *line, unsigned n, struct text *wo
     const char *kinds = argument_at(command->arguments, t.position, &size);
     /* "LOOP|MV": the choices of one kind after those of the other. */
     while (size) {
-        const char *bar = memchr(kinds, '|', size);
-        size_t width = bar ? (size_t)(bar - kinds) : size;
+        size_t width = 0;
+        while (width < size && kinds[width] != '|')
+            width++;
         unsigned there = kind_choice(c, kinds, width, &t, n, word);
         if (n < there)
             return true;
         n -= there;
-        kinds += width + (bar ? 1u : 0u);
-        size -= width + (bar ? 1u : 0u);
+        width += width < size; /* past the bar */
+        kinds += width;
+        size -= width;
     }
     return false;
 }
