@@ -40,33 +40,32 @@ static enum err check_config(const struct detune_config *c, struct interact_refu
     return ERR_OK;
 }
 
-/* What loop k is with the decoupler: gain and mean residence time of the sum of K_kj D_jk e^{-sL}/(Ts + 1), the latter no
- * less and no more than those of its parts, for where they cancel the mean says nothing. */
+/* What loop k is with the decoupler: gain, mean dead time and mean residence time of the sum of its parts, K_kj D_jk
+ * e^{-Ls}/(Ts + 1). Where parts cancel, a mean outside their range says nothing; the loop's own element stands in. */
 static struct fopdt decoupled(const struct detune *d, size_t k)
 {
     const struct loops *loops = &d->loops;
-    real_t gain = REAL_C(0.0), dead = REAL_C(0.0), whole = REAL_C(0.0);
-    real_t dead_hi = REAL_C(0.0), dead_lo = REAL_C(1e9), whole_hi = REAL_C(0.0),
-           whole_lo = REAL_C(1e9);
+    const struct fopdt *own = &d->plant->element[loops->pairs.output[k]][loops->pairs.input[k]];
+    real_t gain = REAL_C(0.0), dead = REAL_C(0.0), lag = REAL_C(0.0);
+    real_t dead_hi = own->dead_time_s, dead_lo = own->dead_time_s;
+    real_t lag_hi = own->time_constant_s, lag_lo = own->time_constant_s;
     for (size_t j = 0; j < loops->pairs.n; j++) {
         const struct fopdt *e = &d->plant->element[loops->pairs.output[k]][loops->pairs.input[j]];
         real_t part = e->gain * loops->decoupler->at[j][k];
-        real_t residence = e->dead_time_s + e->time_constant_s;
         if (real_abs(part) <= REAL_C(0.0))
             continue;
         gain += part;
         dead += part * e->dead_time_s;
-        whole += part * residence;
+        lag += part * e->time_constant_s;
         dead_hi = e->dead_time_s > dead_hi ? e->dead_time_s : dead_hi;
         dead_lo = e->dead_time_s < dead_lo ? e->dead_time_s : dead_lo;
-        whole_hi = residence > whole_hi ? residence : whole_hi;
-        whole_lo = residence < whole_lo ? residence : whole_lo;
+        lag_hi = e->time_constant_s > lag_hi ? e->time_constant_s : lag_hi;
+        lag_lo = e->time_constant_s < lag_lo ? e->time_constant_s : lag_lo;
     }
     dead = dead / gain;
-    whole = whole / gain;
-    dead = within(dead, dead_lo, dead_hi) ? dead : dead_hi;
-    whole = within(whole, whole_lo, whole_hi) ? whole : whole_lo;
-    return (struct fopdt){gain, dead, whole > dead ? whole - dead : REAL_C(0.0)};
+    lag = lag / gain;
+    return (struct fopdt){gain, within(dead, dead_lo, dead_hi) ? dead : own->dead_time_s,
+                          within(lag, lag_lo, lag_hi) ? lag : own->time_constant_s};
 }
 
 static enum err set_models(struct detune *d, struct interact_refusal *why)
@@ -108,8 +107,12 @@ static enum err set_tuning(struct detune *d, real_t factor)
         enum err err = tuning_simc_pi(m, tau_c < REAL_C(1e6) ? tau_c : REAL_C(1e6), t, NULL);
         if (err)
             return err;
-        if (t->gain > d->config.gain_hi)
+        if (t->gain >
+            d->config.gain_hi) { /* as with the larger tau_c that would have given this gain */
+            real_t ti = t->ti_s * (t->gain / d->config.gain_hi);
             t->gain = d->config.gain_hi;
+            t->ti_s = ti < m->time_constant_s ? ti : m->time_constant_s;
+        }
     }
     d->factor = factor;
     d->tried++;

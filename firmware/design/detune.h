@@ -7,7 +7,7 @@
  * gain_margin times as large. (Luyben begins with Ziegler and Nichols' settings and takes K/F and F Ti.) theta includes
  * half a sample interval. The gain a loop is designed on is the larger of its own, K, and that with the other loops
  * closed, K/lambda (the gain of the equivalent transfer function of He et al. 2009); with a decoupler K/lambda, and the
- * mean residence time of what then makes up the loop. */
+ * mean dead time and lag of what then makes up the loop. */
 #ifndef REFLUX_DESIGN_DETUNE_H
 #define REFLUX_DESIGN_DETUNE_H
 

@@ -52,34 +52,71 @@ enum err loops_check(const struct interact_plant *plant, const struct loops *loo
     return matrix_check(loops->decoupler);
 }
 
-struct cplx loops_controller(const struct loops *loops, uint8_t k, real_t omega)
+void loops_sample(const struct interact_plant *plant, const struct loops *loops,
+                  uint16_t delay_most, real_t step_least_s, struct loops_sampled *sampled)
 {
-    const struct tuning *t = &loops->tuning[k];
-    real_t gain = t->action == TUNING_DIRECT ? -t->gain : t->gain;
-    struct cplx c = cplx(gain, -gain / (omega * t->ti_s));
-    if (t->td_s > REAL_C(0.0)) { /* i x / (1 + i x/N), x = omega Td */
-        real_t x = omega * t->td_s, y = x / loops->derivative_filter;
-        real_t scale = gain * x / (REAL_C(1.0) + y * y);
-        c = cplx_add(c, cplx(scale * y, scale));
-    }
-    return c;
+    const struct pairs *p = &loops->pairs;
+    real_t h = loops->interval_s > step_least_s ? loops->interval_s : step_least_s;
+    for (size_t k = 0; k < p->n; k++)
+        for (size_t l = 0; l < p->n; l++) {
+            real_t dead = plant->element[p->output[k]][p->input[l]].dead_time_s;
+            if (dead > h * (real_t)delay_most)
+                h = dead / (real_t)delay_most;
+        }
+    sampled->step_s = h;
+    for (size_t k = 0; k < p->n; k++)
+        for (size_t l = 0; l < p->n; l++) {
+            const struct fopdt *e = &plant->element[p->output[k]][p->input[l]];
+            real_t samples = e->dead_time_s / h, tau = e->time_constant_s;
+            uint32_t whole = (uint32_t)samples;
+            real_t rest = (REAL_C(1.0) - (samples - (real_t)whole)) * h;
+            bool at_once = tau < REAL_C(1e-3) * h;
+            sampled->gain[k][l] = e->gain;
+            sampled->delay[k][l] = (uint16_t)whole;
+            sampled->decay[k][l] = at_once ? REAL_C(0.0) : real_exp(-h / tau);
+            sampled->late_part[k][l] = at_once ? REAL_C(0.0) : real_exp(-rest / tau);
+        }
 }
 
-void loops_open(const struct interact_plant *plant, const struct loops *loops, real_t omega,
+struct cplx loops_controller(const struct loops *loops, uint8_t k, real_t step_s, struct cplx z)
+{
+    const struct tuning *t = &loops->tuning[k];
+    struct cplx one = cplx(REAL_C(1.0), REAL_C(0.0));
+    struct cplx c = cplx_div(cplx(step_s / t->ti_s, REAL_C(0.0)), cplx_sub(z, one));
+    c = cplx_add(c, one);
+    if (t->td_s > REAL_C(0.0)) {
+        struct cplx back = cplx_conj(z); /* 1/z on the unit circle */
+        real_t tf = t->td_s / loops->derivative_filter;
+        struct cplx below = cplx_sub(cplx(tf + step_s, REAL_C(0.0)), cplx_scale(back, tf));
+        c = cplx_add(c, cplx_div(cplx_scale(cplx_sub(one, back), t->td_s), below));
+    }
+    return cplx_scale(c, t->action == TUNING_DIRECT ? -t->gain : t->gain);
+}
+
+/* gain z^-delay (1 - late + (late - decay)/z)/(z - decay) */
+static struct cplx element_response(const struct loops_sampled *s, size_t k, size_t l, real_t angle,
+                                    struct cplx z)
+{
+    real_t a = s->decay[k][l], b = s->late_part[k][l], sine, cosine;
+    struct cplx above = cplx_scale(cplx_conj(z), b - a);
+    above.re += REAL_C(1.0) - b;
+    real_sincos(angle * (real_t)s->delay[k][l], &sine, &cosine);
+    above = cplx_scale(cplx_mul(above, cplx(cosine, -sine)), s->gain[k][l]);
+    return cplx_div(above, cplx(z.re - a, z.im));
+}
+
+void loops_open(const struct loops *loops, const struct loops_sampled *sampled, real_t omega,
                 struct cmatrix *open)
 {
     size_t n = loops->pairs.n;
-    real_t half = loops->interval_s * REAL_C(0.5), sine, cosine;
-    real_sincos(omega * half, &sine, &cosine);
+    real_t angle = omega * sampled->step_s, sine, cosine;
+    real_sincos(angle, &sine, &cosine);
+    struct cplx z = cplx(cosine, sine);
     open->rows = open->cols = loops->pairs.n;
     for (size_t k = 0; k < n; k++) {
         struct cplx row[INTERACT_MAX];
-        for (size_t l = 0; l < n; l++) {
-            struct fopdt e = plant->element[loops->pairs.output[k]][loops->pairs.input[l]];
-            if (e.time_constant_s < half)
-                e.time_constant_s = half;
-            row[l] = fopdt_response(&e, omega);
-        }
+        for (size_t l = 0; l < n; l++)
+            row[l] = element_response(sampled, k, l, angle, z);
         for (size_t l = 0; l < n; l++) {
             open->at[k][l] = row[l];
             if (!loops->decoupler)
@@ -91,7 +128,7 @@ void loops_open(const struct interact_plant *plant, const struct loops *loops, r
         }
     }
     for (size_t l = 0; l < n; l++) {
-        struct cplx c = cplx_mul(loops_controller(loops, (uint8_t)l, omega), cplx(cosine, -sine));
+        struct cplx c = loops_controller(loops, (uint8_t)l, sampled->step_s, z);
         for (size_t k = 0; k < n; k++)
             open->at[k][l] = cplx_mul(open->at[k][l], c);
     }

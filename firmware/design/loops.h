@@ -19,12 +19,27 @@ struct loops {
 MUST_CHECK enum err loops_check(const struct interact_plant *plant, const struct loops *loops,
                                 struct interact_refusal *why);
 
-/* s K (1 + 1/(Ti s) + Td s/(1 + Td s/N)) at s = i omega, omega above 0, with the action's sign. */
-struct cplx loops_controller(const struct loops *loops, uint8_t k, real_t omega);
+/* The elements sampled with their inputs held: y(k+1) = decay y(k) + gain ((late_part - decay) u(k - delay - 1) +
+ * (1 - late_part) u(k - delay)), exactly, for a dead time of delay + f samples, 0 <= f < 1. Row and column k for loop k. */
+struct loops_sampled {
+    real_t step_s;
+    real_t gain[INTERACT_MAX][INTERACT_MAX], decay[INTERACT_MAX][INTERACT_MAX];
+    real_t
+        late_part[INTERACT_MAX]
+                 [INTERACT_MAX]; /* decay over the part of a sample after a delayed input changes */
+    uint16_t delay[INTERACT_MAX][INTERACT_MAX];
+};
 
-/* The loops opened at the outputs: G(s) D C(s) exp(-s h/2) at s = i omega, h the sample interval (a zero-order hold is
- * late by half of it). Lags shorter than h/2 count as h/2. */
-void loops_open(const struct interact_plant *plant, const struct loops *loops, real_t omega,
+/* Samples of interval_s, or longer ones where a dead time would be more than delay_most of them. plant and loops checked. */
+void loops_sample(const struct interact_plant *plant, const struct loops *loops,
+                  uint16_t delay_most, real_t step_least_s, struct loops_sampled *sampled);
+
+/* The PID of control/pid.h (positional) at z = exp(i omega h), z not 1, with the action's sign:
+ *     s K (1 + h/(Ti (z - 1)) + Td (1 - 1/z)/(Tf + h - Tf/z)), Tf = Td/N */
+struct cplx loops_controller(const struct loops *loops, uint8_t k, real_t step_s, struct cplx z);
+
+/* The loops opened at the outputs, G(z) D C(z), at z = exp(i omega h); omega above 0, at most pi/h. */
+void loops_open(const struct loops *loops, const struct loops_sampled *sampled, real_t omega,
                 struct cmatrix *open);
 
 #endif

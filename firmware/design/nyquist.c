@@ -3,15 +3,19 @@
 #include <stddef.h>
 #include <string.h>
 
-#define STEP_COSINE   REAL_C(0.921) /* 0.4 rad */
-#define STEP_LOG      REAL_C(0.336) /* ln 1.4 */
-#define RATIO_FIRST   REAL_C(1.1)
-#define RATIO_MOST    REAL_C(1.3)
-#define RATIO_LEAST   REAL_C(1.00001)
-#define NEGLIGIBLE    REAL_C(0.05) /* G C this small turns no curve any more */
-#define LOWER_TRIES   6
-#define DB_OF_NEPER   REAL_C(8.685889638065037)
-#define LARGEST_TIMES REAL_C(1e5) /* omega times a dead time: beyond it the sine is rounding */
+#include "num/real_trig.h"
+
+#define STEP_COSINE    REAL_C(0.921) /* 0.4 rad */
+#define STEP_LOG       REAL_C(0.336) /* ln 1.4 */
+#define RATIO_FIRST    REAL_C(1.1)
+#define RATIO_MOST     REAL_C(1.3)
+#define RATIO_LEAST    REAL_C(1.00001)
+#define STEP_DEAD_TIME REAL_C(1.0)  /* rad that a dead time may turn in a step, */
+#define NOTED          REAL_C(0.1)  /* in elements of the open loop of at least this size */
+#define NEGLIGIBLE     REAL_C(0.05) /* G C this small turns no curve any more */
+#define LOWER_TRIES    6
+#define DB_OF_NEPER    REAL_C(8.685889638065037)
+#define PI             REAL_C(3.141592653589793)
 
 enum { STAGE_BEGIN, STAGE_FOLLOW, STAGE_DONE };
 
@@ -41,6 +45,8 @@ enum err nyquist_begin(struct nyquist *n, const struct interact_plant *plant,
                 slowest = e->dead_time_s + e->time_constant_s;
         }
     }
+    loops_sample(plant, loops, NYQUIST_DELAY, REAL_C(0.0), &n->sampled);
+    n->w_end = PI / n->sampled.step_s;
     n->corner = REAL_C(1.0) / slowest;
     n->w = REAL_C(0.02) * n->corner;
     n->ratio = RATIO_FIRST;
@@ -64,21 +70,37 @@ static real_t open_bound(const struct cmatrix *open)
     return row < col ? row : col;
 }
 
+/* Longest dead time among the elements that still matter. A step in which it turns once is not seen in F. */
+static real_t dead_time(const struct nyquist *n)
+{
+    const struct pairs *pairs = &n->loops->pairs;
+    real_t longest = REAL_C(0.0);
+    for (size_t k = 0; k < pairs->n; k++)
+        for (size_t l = 0; l < pairs->n; l++) {
+            real_t dead = n->plant->element[pairs->output[k]][pairs->input[l]].dead_time_s;
+            if (dead > longest && cplx_square(n->open.at[k][l]) >= NOTED * NOTED)
+                longest = dead;
+        }
+    return longest;
+}
+
 struct point {
     struct cplx direction; /* of F */
     real_t size_log;       /* of |F| */
     real_t db;             /* log modulus */
     real_t bound;          /* of the open loop */
+    real_t dead_s;         /* longest that matters */
 };
 
 static enum err evaluate(struct nyquist *n, real_t w, struct point *p)
 {
-    loops_open(n->plant, n->loops, w, &n->open);
+    loops_open(n->loops, &n->sampled, w, &n->open);
     size_t size = n->loops->pairs.n;
     for (size_t i = 0; i < size; i++)
         for (size_t j = 0; j < size; j++)
             n->open.at[i][j] = cplx_scale(n->open.at[i][j], n->gain_times);
     p->bound = open_bound(&n->open);
+    p->dead_s = dead_time(n);
     for (size_t i = 0; i < size; i++)
         n->open.at[i][i].re += REAL_C(1.0);
     enum err err = clu_factor(&n->open, &n->lu);
@@ -92,13 +114,21 @@ static enum err evaluate(struct nyquist *n, real_t w, struct point *p)
     struct cplx t = cplx(REAL_C(1.0) - inverse * det.re, inverse * det.im);
     real_t square = cplx_square(t);
     p->db = square > REAL_C(1e-30) ? REAL_C(0.5) * DB_OF_NEPER * real_log(square) : REAL_C(-300.0);
-    /* times (s/(s + a))^n: i w (a - i w) = w^2 + i a w */
-    real_t w2 = w * w, a = n->corner, scale = real_sqrt(w2 + a * a);
-    struct cplx shift = cplx(w / scale, a / scale);
+    /* times ((z - 1)/(z - b))^n, b = 1 - a h: the same as (s/(s + a))^n where that matters */
+    real_t sine, cosine, h = n->sampled.step_s;
+    real_sincos(w * h, &sine, &cosine);
+    real_t ah = n->corner * h < REAL_C(0.5) ? n->corner * h : REAL_C(0.5);
+    /* 1 - cos loses its digits at low frequency: 2 sin^2 of half the angle */
+    real_t half, unused;
+    real_sincos(w * h * REAL_C(0.5), &half, &unused);
+    struct cplx above = cplx(REAL_C(-2.0) * half * half, sine);
+    struct cplx shift = cplx_div(above, cplx(above.re + ah, sine));
+    real_t size_of_shift = cplx_abs(shift);
+    shift = cplx_scale(shift, REAL_C(1.0) / size_of_shift);
     for (size_t k = 0; k < size; k++)
         det = cplx_mul(det, shift);
     p->direction = cplx_scale(det, REAL_C(1.0) / cplx_abs(det));
-    p->size_log = det_log + (real_t)size * real_log(w / scale);
+    p->size_log = det_log + (real_t)size * real_log(size_of_shift);
     return ERR_OK;
 }
 
@@ -141,7 +171,7 @@ static enum err begin(struct nyquist *n)
 static enum err follow(struct nyquist *n)
 {
     struct point p;
-    real_t w = n->w * n->ratio;
+    real_t w = n->w * n->ratio < n->w_end ? n->w * n->ratio : n->w_end;
     if (evaluate(n, w, &p) || cplx_mul(p.direction, cplx_conj(n->last)).re < STEP_COSINE ||
         real_abs(p.size_log - n->last_log) > STEP_LOG) {
         n->ratio = real_sqrt(n->ratio);
@@ -155,11 +185,15 @@ static enum err follow(struct nyquist *n)
     remember(n, &p, w);
     if (n->log_modulus_db > n->limit_db)
         return end(n, false, ERR_OK);
-    if (p.bound < NEGLIGIBLE || w > LARGEST_TIMES / n->loops->interval_s)
+    if (p.bound < NEGLIGIBLE) /* whatever is left turns about 1 */
         return end(n, n->turns == 0, ERR_OK);
+    if (w >= n->w_end) /* F(-1), real */
+        return end(n, n->turns == 0 && p.direction.re > REAL_C(0.0), ERR_OK);
     n->ratio = n->ratio * real_sqrt(n->ratio);
     if (n->ratio > RATIO_MOST)
         n->ratio = RATIO_MOST;
+    if ((n->ratio - REAL_C(1.0)) * w * p.dead_s > STEP_DEAD_TIME)
+        n->ratio = REAL_C(1.0) + STEP_DEAD_TIME / (w * p.dead_s);
     return ERR_BUSY;
 }
 

@@ -1,11 +1,12 @@
-/* Stability of several loops together, and how far from instability: the frequency response of det(I + G C), followed
- * along the frequency axis.
+/* Stability of several sampled loops together, and how far from instability: det(I + G C) followed along the upper half of
+ * the unit circle, z = exp(i omega h).
  *
- * G is stable (FOPDT elements) and every loop integrates, so F(s) = det(I + G C) (s/(s + a))^n, a > 0, has no pole in the
- * right half plane or on its edge; the loops are stable together exactly when F begins positive at 0 and does not turn
- * about the origin on its way to F(i infinity) = 1 (Nyquist; for several loops MacFarlane and Postlethwaite, Int. J.
- * Control 25 (1977) 81). Turns are counted where the curve crosses the negative real axis; steps in frequency are made
- * as short as it wants, at most 0.4 rad and a factor of 1.4 in size.
+ * G is stable (FOPDT elements, sampled exactly) and every loop integrates, so F(z) = det(I + G C) ((z - 1)/(z - b))^n, b
+ * inside the circle, has no pole on or outside it, and is 1 at infinity; the loops are stable together exactly when F(1),
+ * which is real, is positive and the curve does not turn about the origin on its way to F(-1) (Nyquist; for several loops
+ * MacFarlane and Postlethwaite, Int. J. Control 25 (1977) 81). Turns are counted where the curve crosses the negative real
+ * axis; steps in frequency are made as short as it wants: at most 0.4 rad and a factor of 1.4 in size, and 1 rad of any
+ * dead time that matters.
  *
  * Distance: the closed-loop log modulus of W = det(I + G C) - 1, L = 20 log10 |W/(1 + W)| dB, largest over frequency
  * (Luyben, Ind. Eng. Chem. Process Des. Dev. 25 (1986) 654). */
@@ -16,7 +17,8 @@
 
 #include "design/loops.h"
 
-#define NYQUIST_POINTS 4000
+#define NYQUIST_POINTS 6000
+#define NYQUIST_DELAY  4000 /* samples; longer dead times are looked at with longer samples */
 
 struct nyquist {
     /* Results */
@@ -25,12 +27,13 @@ struct nyquist {
     real_t omega;          /* rad/s, where */
     uint16_t points;       /* frequencies used */
 
-    /* Work: 4 KiB (float) */
+    /* Work: 8 KiB (float) */
     const struct interact_plant *plant;
     const struct loops *loops;
+    struct loops_sampled sampled;
     struct cmatrix open;
     struct clu lu;
-    real_t gain_times, limit_db, w, ratio, corner, last_log;
+    real_t gain_times, limit_db, w, w_end, ratio, corner, last_log;
     struct cplx last;
     int16_t turns;
     uint8_t stage, tries;
@@ -38,7 +41,8 @@ struct nyquist {
 
 /* gain_times, 0.01 to 100: all controller gains are taken that many times as large (1: as they are). limit_db: give up
  * as soon as the log modulus exceeds it (stable is false then); infinite: never. plant and loops must live and stay as
- * they are. Then nyquist_step until it is not ERR_BUSY: one frequency a call, at most 1e5 operations. ERR_TIMEOUT from a
+ * they are. Then nyquist_step until it is not ERR_BUSY: one frequency a call, at most 1e5 operations (with a decoupler,
+ * of at most 8 loops in this firmware, no more). ERR_TIMEOUT from a
  * step: NYQUIST_POINTS were not enough; stable is false. */
 MUST_CHECK enum err nyquist_begin(struct nyquist *n, const struct interact_plant *plant,
                                   const struct loops *loops, real_t gain_times, real_t limit_db);

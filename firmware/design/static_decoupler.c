@@ -8,7 +8,8 @@ void static_decoupler_config_default(struct static_decoupler_config *config)
     *config = (struct static_decoupler_config){.element_hi = REAL_C(100.0),
                                                .lambda_hi = REAL_C(10.0),
                                                .significance = REAL_C(3.0),
-                                               .floor = REAL_C(0.005)};
+                                               .floor = REAL_C(0.005),
+                                               .left_hi = REAL_C(0.3)};
 }
 
 static bool within(real_t x, real_t lo, real_t hi)
@@ -28,7 +29,10 @@ static enum err check_config(const struct static_decoupler_config *c, struct int
     if (!within(c->significance, REAL_C(0.0), REAL_C(20.0)))
         return ERR_RANGE;
     *why = (struct interact_refusal){"floor", "0 to 0.5", INTERACT_NONE, INTERACT_NONE};
-    return within(c->floor, REAL_C(0.0), REAL_C(0.5)) ? ERR_OK : ERR_RANGE;
+    if (!within(c->floor, REAL_C(0.0), REAL_C(0.5)))
+        return ERR_RANGE;
+    *why = (struct interact_refusal){"left_hi", "0.01 to 10", INTERACT_NONE, INTERACT_NONE};
+    return within(c->left_hi, REAL_C(0.01), REAL_C(10.0)) ? ERR_OK : ERR_RANGE;
 }
 
 static enum err refuse(struct interact_refusal *why, const char *field, const char *wanted,
@@ -112,6 +116,8 @@ enum err static_decoupler(const struct interact_plant *plant, const struct pairs
                 result->gain_sd[k] = sd;
             else if (sd > result->left_sd * real_abs(result->gain[k]))
                 result->left_sd = sd / real_abs(result->gain[k]);
+            if (!(result->left_sd <= config->left_hi))
+                return refuse(why, "gains", "known well enough to decouple", pairs, k, l);
         }
         if (!(real_abs(result->gain[k]) >= config->significance * result->gain_sd[k]))
             return refuse(why, "gain of the decoupled loop", "sure of its sign", pairs, k, k);

@@ -14,9 +14,9 @@ struct static_decoupler_config {
     /* Largest relative gain: inverting the plant multiplies the errors of its inputs by it (Skogestad, Morari and Doyle,
      * IEEE Trans. Automatic Control 33 (1988) 1092): 1 to 1000. */
     real_t lambda_hi;
-    real_t
-        significance; /* standard deviations of each decoupled loop's gain that it must be from 0: 0 to 20 */
-    real_t floor; /* relative standard deviation of a gain at least: 0 to 0.5 */
+    real_t significance; /* standard deviations between each decoupled loop's gain and 0: 0 to 20 */
+    real_t floor;        /* relative standard deviation of a gain at least: 0 to 0.5 */
+    real_t left_hi;      /* largest left_sd, below: 0.01 to 10 */
 };
 
 struct static_decoupler_result {
@@ -33,7 +33,7 @@ struct static_decoupler_work {
     struct matrix gains, inverse;
 };
 
-/* Elements to 100, lambda to 10, 3 standard deviations, floor 0.005. */
+/* Elements to 100, lambda to 10, 3 standard deviations, floor 0.005, left 0.3. */
 void static_decoupler_config_default(struct static_decoupler_config *config);
 
 /* ERR_FULL: more than STATIC_DECOUPLER_LOOPS pairs. ERR_SINGULAR: K has no inverse, an element of its diagonal is 0, or a

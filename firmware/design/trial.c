@@ -35,39 +35,21 @@ static enum err check_config(const struct loops *loops, const struct trial_confi
 /* Duration and sample: as given where that fits. */
 static void set_times(struct trial *t)
 {
-    real_t slowest = REAL_C(0.0), fastest = REAL_C(1e9), dead = REAL_C(0.0);
+    real_t slowest = REAL_C(0.0), fastest = REAL_C(1e9);
     for (size_t k = 0; k < t->loops->pairs.n; k++) {
         real_t ti = t->loops->tuning[k].ti_s, whole = ti + element(t, k, k)->dead_time_s;
         slowest = whole > slowest ? whole : slowest;
         fastest = ti < fastest ? ti : fastest;
-        for (size_t l = 0; l < t->loops->pairs.n; l++)
-            if (element(t, k, l)->dead_time_s > dead)
-                dead = element(t, k, l)->dead_time_s;
     }
     t->duration_s =
         t->config.duration_s > REAL_C(0.0) ? t->config.duration_s : REAL_C(15.0) * slowest;
-    t->step_s = t->loops->interval_s;
-    if (dead / (real_t)LONGEST_DELAY > t->step_s)
-        t->step_s = dead / (real_t)LONGEST_DELAY;
-    if (t->duration_s / (real_t)TRIAL_SAMPLES > t->step_s)
-        t->step_s = t->duration_s / (real_t)TRIAL_SAMPLES;
+    loops_sample(t->plant, t->loops, LONGEST_DELAY, t->duration_s / (real_t)TRIAL_SAMPLES,
+                 &t->sampled);
+    t->step_s = t->sampled.step_s;
     t->coarse = t->step_s > t->loops->interval_s && t->step_s > REAL_C(0.2) * fastest;
     t->steps = (uint32_t)(t->duration_s / t->step_s) + 1u;
     if (t->steps > TRIAL_SAMPLES)
         t->steps = TRIAL_SAMPLES;
-}
-
-/* Over a sample of length h a delayed input has its old value for the part f h, then the new one. */
-static void set_element(struct trial *t, size_t k, size_t l)
-{
-    const struct fopdt *e = element(t, k, l);
-    real_t samples = e->dead_time_s / t->step_s, tau = e->time_constant_s;
-    uint32_t whole = (uint32_t)samples;
-    real_t rest = (REAL_C(1.0) - (samples - (real_t)whole)) * t->step_s;
-    t->delay[k][l] = (uint8_t)whole;
-    bool at_once = tau < REAL_C(1e-3) * t->step_s;
-    t->decay[k][l] = at_once ? REAL_C(0.0) : real_exp(-t->step_s / tau);
-    t->late_part[k][l] = at_once ? REAL_C(0.0) : real_exp(-rest / tau);
 }
 
 enum err trial_begin(struct trial *t, const struct interact_plant *plant, const struct loops *loops,
@@ -86,9 +68,6 @@ enum err trial_begin(struct trial *t, const struct interact_plant *plant, const 
     t->config = *config;
     t->bounded = true;
     set_times(t);
-    for (size_t k = 0; k < loops->pairs.n; k++)
-        for (size_t l = 0; l < loops->pairs.n; l++)
-            set_element(t, k, l);
     return ERR_OK;
 }
 
@@ -130,12 +109,12 @@ static void move(struct trial *t)
     for (size_t k = 0; k < n; k++) {
         t->y[k] = REAL_C(0.0);
         for (size_t l = 0; l < n; l++) {
-            uint32_t now = t->at + TRIAL_DELAY - t->delay[k][l];
+            uint32_t now = t->at + TRIAL_DELAY - t->sampled.delay[k][l];
             real_t after = t->past[l][now % TRIAL_DELAY];
             real_t before = t->past[l][(now - 1u) % TRIAL_DELAY];
-            real_t a = t->decay[k][l], b = t->late_part[k][l];
+            real_t a = t->sampled.decay[k][l], b = t->sampled.late_part[k][l];
             t->state[k][l] = a * t->state[k][l] + (b - a) * before + (REAL_C(1.0) - b) * after;
-            t->y[k] += element(t, k, l)->gain * t->state[k][l];
+            t->y[k] += t->sampled.gain[k][l] * t->state[k][l];
         }
     }
 }

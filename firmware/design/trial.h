@@ -46,11 +46,8 @@ struct trial {
     const struct interact_plant *plant;
     const struct loops *loops;
     struct trial_config config;
-    real_t state[INTERACT_MAX][INTERACT_MAX], decay[INTERACT_MAX][INTERACT_MAX];
-    real_t
-        late_part[INTERACT_MAX]
-                 [INTERACT_MAX]; /* decay over the part of a sample after a delayed input changes */
-    uint8_t delay[INTERACT_MAX][INTERACT_MAX]; /* whole samples */
+    struct loops_sampled sampled;
+    real_t state[INTERACT_MAX][INTERACT_MAX];
     real_t past[INTERACT_MAX][TRIAL_DELAY];
     real_t integral[INTERACT_MAX], y[INTERACT_MAX];
     uint32_t at, steps;

@@ -2,8 +2,9 @@
 """Interaction figures of every plant of host_sim/plants, by numpy and scipy, for tests/unit/test_interact_*.c.
 
 Gains are in spans. A higher-order element is reduced to first order with dead time by its moments about t = 0 (mean
-residence time mu, variance s2): T = sqrt(s2), L = mu - T, both at least 0, T at most mu; that model is what the tests feed to the
-firmware, the RGA and so on below are of its gains, which are those of the plant itself.
+residence time mu, variance s2): T = sqrt(s2), at most mu, L = mu - T; T = mu where s2 is negative, as with a slow inverse
+response. That model is what the tests feed to the firmware. The RGA and so on below are of its gains, which are those of
+the plant itself.
 
 Writes interact_plants.csv: plant (number), what, i, j, value, where what is
    0 size: i outputs, j inputs          1 gain        2 dead time, s       3 time constant, s
@@ -75,7 +76,7 @@ def fopdt(q):
     span = lambda c: c["hi"] - c["lo"]
     g = g * np.array([[span(u) / span(y) for u in q.inputs[:g.shape[1]]] for y in q.outputs])
     mean = np.maximum(mean, 0.0)
-    T = np.minimum(np.sqrt(np.maximum(var, 0.0)), mean)
+    T = np.where(var > 0.0, np.minimum(np.sqrt(np.maximum(var, 0.0)), mean), mean)
     return g, mean - T, T
 
 

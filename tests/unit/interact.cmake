@@ -6,5 +6,17 @@ foreach(kind "" _double)
   foreach(part interact pairing structure)
     reflux_test(${part}${kind} LABEL unit SOURCES ${CMAKE_CURRENT_LIST_DIR}/test_${part}.c LIBS reflux_interact${kind})
   endforeach()
+  foreach(part loops detune)
+    reflux_test(${part}${kind} LABEL unit SOURCES ${CMAKE_CURRENT_LIST_DIR}/test_${part}.c LIBS reflux_design${kind})
+  endforeach()
 endforeach()
 reflux_test(assignment LABEL unit SOURCES ${CMAKE_CURRENT_LIST_DIR}/test_assignment.c LIBS reflux_interact)
+
+# Settings on the plants themselves, by eigenvalues; and the library for the host tools.
+if(TARGET libreflux)
+  find_program(PYTHON3 NAMES python3 PATHS /usr/bin NO_DEFAULT_PATH)
+  find_program(PYTHON3 NAMES python3)
+  add_test(NAME detuned_loops
+    COMMAND "${PYTHON3}" "${CMAKE_CURRENT_LIST_DIR}/test_detuned_loops.py" $<TARGET_FILE:libreflux>)
+  set_tests_properties(detuned_loops PROPERTIES LABELS unit TIMEOUT 300 ENVIRONMENT "PYTHONDONTWRITEBYTECODE=1")
+endif()

@@ -373,6 +373,7 @@ int32_t reflux_open_loop(const struct reflux_plant *plant, const struct reflux_l
     struct loops l;
     struct matrix d;
     struct cmatrix response;
+    struct loops_sampled sampled;
     enum err err = take_plant(plant, &p);
     if (!err)
         err = take_loops(loops, &l, &d);
@@ -380,7 +381,8 @@ int32_t reflux_open_loop(const struct reflux_plant *plant, const struct reflux_l
         err = loops_check(&p, &l, NULL);
     if (err)
         return err;
-    loops_open(&p, &l, omega, &response);
+    loops_sample(&p, &l, NYQUIST_DELAY, 0.0, &sampled);
+    loops_open(&l, &sampled, omega, &response);
     for (int i = 0; i < response.rows; i++)
         for (int j = 0; j < response.cols; j++) {
             open[2 * (i * response.cols + j)] = response.at[i][j].re;
@@ -439,7 +441,7 @@ void reflux_decoupler_defaults(double *settings)
 {
     struct static_decoupler_config c;
     static_decoupler_config_default(&c);
-    const double all[] = {c.element_hi, c.lambda_hi, c.significance, c.floor};
+    const double all[] = {c.element_hi, c.lambda_hi, c.significance, c.floor, c.left_hi};
     memcpy(settings, all, sizeof all);
 }
 
@@ -455,7 +457,8 @@ int32_t reflux_decoupler(const struct reflux_plant *plant, int32_t n, const int3
     const struct static_decoupler_config c = {.element_hi = settings[0],
                                               .lambda_hi = settings[1],
                                               .significance = settings[2],
-                                              .floor = settings[3]};
+                                              .floor = settings[3],
+                                              .left_hi = settings[4]};
     enum err err = take_plant(plant, &p);
     if (!err)
         err = take_pairs(n, output, input, &pairs);

@@ -74,7 +74,7 @@ void reflux_detune_defaults(double *settings);
 /* numbers: stable (1), log modulus dB, omega, frequencies used */
 int32_t reflux_nyquist(const struct reflux_plant *plant, const struct reflux_loops *loops,
                        double gain_times, double *numbers);
-/* The open loop G D C exp(-s h/2) at omega: n x n, re and im alternating. */
+/* The sampled open loop G(z) D C(z) at omega, at most pi/interval: n x n, re and im alternating. */
 int32_t reflux_open_loop(const struct reflux_plant *plant, const struct reflux_loops *loops,
                          double omega, double *open);
 
@@ -84,7 +84,7 @@ int32_t reflux_trial(const struct reflux_plant *plant, const struct reflux_loops
                      const double *settings, int32_t room, double *rows, int32_t *n_rows,
                      double *numbers);
 
-/* settings: largest element, largest lambda, significance, floor. by loop: gain, its deviation. left: see
+/* settings: largest element, largest lambda, significance, floor, largest left_sd. by loop: gain, its deviation. left: see
  * static_decoupler.h */
 int32_t reflux_decoupler(const struct reflux_plant *plant, int32_t n, const int32_t *output,
                          const int32_t *input, const double *settings, double *d, double *gain,

@@ -229,8 +229,9 @@ def trial(plant: Plant, loops: Loops, loop: int = 0, load_step: bool = False, si
 
 
 def decoupler(plant: Plant, pairs, **settings) -> dict:
-    """settings: element_hi, lambda_hi, significance, floor."""
-    values = _settings("reflux_decoupler_defaults", ("element_hi", "lambda_hi", "significance", "floor"), settings)
+    """settings: element_hi, lambda_hi, significance, floor, left_hi."""
+    names = ("element_hi", "lambda_hi", "significance", "floor", "left_hi")
+    values = _settings("reflux_decoupler_defaults", names, settings)
     n = len(pairs)
     output, inputs = _pair_arrays(pairs)
     d, gain, sd, left = np.zeros((n, n)), np.zeros(n), np.zeros(n), ctypes.c_double()

@@ -1,0 +1,353 @@
+/* design/detune.[ch], design/static_decoupler.[ch]; built in float and in double. What the settings do on the plants
+ * themselves, by eigenvalues: test_detuned_loops.py.
+ *
+ * Contract, on every plant
+ *   detuning                    keeps the log modulus and the gain margin asked for, with the least F to 5 %
+ *   decoupler                   K D diagonal to 64 eps kappa of its diagonal; diagonal of D exactly 1
+ */
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "design/detune.h"
+#include "design/static_decoupler.h"
+#include "design/trial.h"
+#include "interact_plants.h"
+#include "num/random.h"
+#include "unity.h"
+
+#define EPS ((double)REAL_EPSILON)
+
+static struct known_plant known;
+static struct detune detune;
+static struct detune_config config;
+static struct nyquist nyquist;
+static struct static_decoupler_config decoupler_config;
+static struct static_decoupler_work work;
+static struct static_decoupler_result result;
+static struct interact_refusal why;
+
+void setUp(void)
+{
+    detune_config_default(&config);
+    static_decoupler_config_default(&decoupler_config);
+}
+void tearDown(void) {}
+
+/* A twentieth of the slowest residence time of the pairs. */
+static double interval(void)
+{
+    double slowest = 0.0;
+    for (unsigned k = 0; k < known.pairs.n; k++) {
+        const struct fopdt *e = &known.plant.element[known.pairs.output[k]][known.pairs.input[k]];
+        slowest = fmax(slowest, (double)(e->dead_time_s + e->time_constant_s));
+    }
+    return slowest / 200.0;
+}
+
+static enum err design(const struct matrix *d)
+{
+    TEST_ASSERT_EQUAL_INT(ERR_OK, detune_begin(&detune, &known.plant, &known.pairs,
+                                               (real_t)interval(), d, &config, &why));
+    enum err err;
+    while ((err = detune_step(&detune)) == ERR_BUSY)
+        ;
+    return err;
+}
+
+static bool keeps_distance(const struct loops *loops)
+{
+    enum err err;
+    TEST_ASSERT_EQUAL_INT(ERR_OK,
+                          nyquist_begin(&nyquist, &known.plant, loops, 1, (real_t)INFINITY));
+    while ((err = nyquist_step(&nyquist)) == ERR_BUSY)
+        ;
+    double limit = fmin(2.0 * known.pairs.n, 6.0);
+    if (err || !nyquist.stable || (double)nyquist.log_modulus_db > limit + 0.01)
+        return false;
+    TEST_ASSERT_EQUAL_INT(
+        ERR_OK, nyquist_begin(&nyquist, &known.plant, loops, config.gain_margin, (real_t)INFINITY));
+    while ((err = nyquist_step(&nyquist)) == ERR_BUSY)
+        ;
+    return !err && nyquist.stable;
+}
+
+static void detuned_loops_of_every_plant_keep_their_distance(void)
+{
+    for (unsigned number = 1; number <= PLANTS; number++) {
+        known_plant(number, &known);
+        if (known.pairs.n == 0)
+            continue;
+        TEST_ASSERT_EQUAL_INT(ERR_OK, design(NULL));
+        TEST_ASSERT_TRUE(keeps_distance(&detune.loops));
+        TEST_ASSERT_TRUE((double)detune.log_modulus_db <= fmin(2.0 * known.pairs.n, 6.0) + 0.01);
+        TEST_ASSERT_TRUE(detune.factor >= 1);
+        printf("plant %2u: F %.2f, log modulus %.2f dB, %u factors tried\n", number,
+               (double)detune.factor, (double)detune.log_modulus_db, detune.tried);
+        for (unsigned k = 0; k < known.pairs.n; k++) {
+            const struct tuning *t = &detune.loops.tuning[k];
+            double gain = known.gain[known.pairs.output[k]][known.pairs.input[k]];
+            TEST_ASSERT_EQUAL_INT(gain < 0 ? TUNING_DIRECT : TUNING_REVERSE, t->action);
+            TEST_ASSERT_TRUE(t->gain > 0 && t->gain <= REAL_C(100.0));
+        }
+    }
+}
+
+/* With every tau_c ten per cent shorter the distance is gone: gains as SIMC would then give them. */
+static void no_smaller_factor_would_do(void)
+{
+    unsigned slowed = 0;
+    for (unsigned number = 1; number <= PLANTS; number++) {
+        known_plant(number, &known);
+        if (known.pairs.n == 0)
+            continue;
+        TEST_ASSERT_EQUAL_INT(ERR_OK, design(NULL));
+        if (detune.factor <= 1)
+            continue;
+        slowed++;
+        struct loops faster = detune.loops;
+        for (unsigned k = 0; k < known.pairs.n; k++) {
+            const struct fopdt *m = &detune.model[k];
+            real_t eighth = m->time_constant_s / 8;
+            real_t tau_c =
+                detune.factor / REAL_C(1.1) * (m->dead_time_s > eighth ? m->dead_time_s : eighth);
+            TEST_ASSERT_EQUAL_INT(ERR_OK, tuning_simc_pi(m, tau_c, &faster.tuning[k], NULL));
+        }
+        TEST_ASSERT_FALSE(keeps_distance(&faster));
+    }
+    TEST_ASSERT_GREATER_THAN_UINT(2, slowed);
+}
+
+static void a_single_loop_is_simc_with_tau_c_theta(void)
+{
+    memset(&known, 0, sizeof known);
+    known.plant.outputs = known.plant.inputs = known.pairs.n = 1;
+    known.plant.element[0][0] = (struct fopdt){REAL_C(-2.0), REAL_C(19.5), REAL_C(60.0)};
+    config.db_per_loop = 3; /* SIMC alone has 1.6 dB or so */
+    TEST_ASSERT_EQUAL_INT(ERR_OK, detune_begin(&detune, &known.plant, &known.pairs, REAL_C(1.0),
+                                               NULL, &config, NULL));
+    enum err err;
+    while ((err = detune_step(&detune)) == ERR_BUSY)
+        ;
+    TEST_ASSERT_EQUAL_INT(ERR_OK, err);
+    TEST_ASSERT_TRUE(detune.factor <= 1);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-5, 0.75, (double)detune.loops.tuning[0].gain); /* theta 20 */
+    TEST_ASSERT_DOUBLE_WITHIN(1e-3, 60.0, (double)detune.loops.tuning[0].ti_s);
+    TEST_ASSERT_EQUAL_INT(TUNING_DIRECT, detune.loops.tuning[0].action);
+}
+
+/* A relative gain of 0.8: the gain with the other loop closed is larger than the own one. */
+static void a_gain_that_rises_when_other_loops_close_is_designed_for(void)
+{
+    known_plant(PLANT_LIME_KILN, &known);
+    TEST_ASSERT_EQUAL_INT(ERR_OK, design(NULL));
+    TEST_ASSERT_DOUBLE_WITHIN(1e-4, known.gain[0][0] / known.pair_lambda[0],
+                              (double)detune.model[0].gain);
+    known_plant(PLANT_WOOD_BERRY, &known); /* 2.0: it falls, and the own gain counts */
+    TEST_ASSERT_EQUAL_INT(ERR_OK, design(NULL));
+    TEST_ASSERT_DOUBLE_WITHIN(1e-4, known.gain[0][0], (double)detune.model[0].gain);
+}
+
+static void loops_that_no_slowness_makes_stable_are_given_up(void)
+{
+    known_plant(PLANT_WOOD_BERRY, &known);
+    known.pairs = (struct pairs){2, {0, 1}, {1, 0}};
+    TEST_ASSERT_EQUAL_INT(ERR_TIMEOUT, design(NULL));
+    TEST_ASSERT_EQUAL_FLOAT(200.0f, (float)detune.factor);
+}
+
+static void a_gain_at_its_limit_gets_the_integral_time_that_goes_with_it(void)
+{
+    memset(&known, 0, sizeof known);
+    known.plant.outputs = known.plant.inputs = known.pairs.n = 1;
+    known.plant.element[0][0] = (struct fopdt){REAL_C(0.01), REAL_C(9.0), REAL_C(1000.0)};
+    config.gain_hi = 50;
+    TEST_ASSERT_EQUAL_INT(ERR_OK, detune_begin(&detune, &known.plant, &known.pairs, REAL_C(2.0),
+                                               NULL, &config, NULL));
+    enum err err;
+    while ((err = detune_step(&detune)) == ERR_BUSY)
+        ;
+    TEST_ASSERT_EQUAL_INT(ERR_OK, err);
+    TEST_ASSERT_EQUAL_FLOAT(50.0f, (float)detune.loops.tuning[0].gain);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-2, 1000.0, (double)detune.loops.tuning[0].ti_s); /* min(T, 8000) */
+}
+
+static void an_effect_without_lag_is_controlled_by_integral_action(void)
+{
+    memset(&known, 0, sizeof known);
+    known.plant.outputs = known.plant.inputs = known.pairs.n = 1;
+    known.plant.element[0][0] = (struct fopdt){1, 0, 0};
+    TEST_ASSERT_EQUAL_INT(ERR_OK, detune_begin(&detune, &known.plant, &known.pairs, REAL_C(2.0),
+                                               NULL, &config, NULL));
+    enum err err;
+    while ((err = detune_step(&detune)) == ERR_BUSY)
+        ;
+    TEST_ASSERT_EQUAL_INT(ERR_OK, err);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-5, 1.0, (double)detune.loops.tuning[0].ti_s);
+    TEST_ASSERT_TRUE(detune.loops.tuning[0].gain < 1);
+    static struct trial trial;
+    struct trial_config c = {.size = 1, .duration_s = 60, .setpoint_weight = 1};
+    TEST_ASSERT_EQUAL_INT(ERR_OK, trial_begin(&trial, &known.plant, &detune.loops, &c));
+    while ((err = trial_step(&trial)) == ERR_BUSY)
+        ;
+    TEST_ASSERT_TRUE(trial.bounded);
+    TEST_ASSERT_DOUBLE_WITHIN(0.01, 1.0, (double)trial.y[0]);
+}
+
+static void a_decoupler_makes_the_gains_diagonal(void)
+{
+    unsigned made = 0;
+    for (unsigned number = 1; number <= PLANTS; number++) {
+        known_plant(number, &known);
+        if (known.pairs.n == 0 || number == PLANT_PACKED_BED || number == PLANT_COLUMN_9001)
+            continue;
+        TEST_ASSERT_EQUAL_INT(ERR_OK, static_decoupler(&known.plant, &known.pairs,
+                                                       &decoupler_config, &work, &result, &why));
+        for (unsigned i = 0; i < known.pairs.n; i++)
+            for (unsigned j = 0; j < known.pairs.n; j++) {
+                double sum = 0.0, gain = (double)result.gain[i];
+                for (unsigned k = 0; k < known.pairs.n; k++)
+                    sum += known.gain[known.pairs.output[i]][known.pairs.input[k]] *
+                           (double)result.d.at[k][j];
+                TEST_ASSERT_DOUBLE_WITHIN(64 * EPS * known.condition * fabs(gain),
+                                          i == j ? gain : 0.0, sum);
+                if (i == j)
+                    TEST_ASSERT_TRUE(result.d.at[i][i] >= 1 && result.d.at[i][i] <= 1);
+            }
+        for (unsigned k = 0; k < known.pairs.n; k++)
+            TEST_ASSERT_DOUBLE_WITHIN(1e-4 * fabs((double)result.gain[k]),
+                                      known.gain[known.pairs.output[k]][known.pairs.input[k]] /
+                                          known.pair_lambda[k],
+                                      (double)result.gain[k]);
+        made++;
+    }
+    TEST_ASSERT_EQUAL_UINT(9, made);
+}
+
+static void loops_with_a_decoupler_keep_their_distance(void)
+{
+    for (unsigned number = 1; number <= PLANTS; number++) {
+        known_plant(number, &known);
+        if (known.pairs.n == 0 ||
+            static_decoupler(&known.plant, &known.pairs, &decoupler_config, &work, &result, &why))
+            continue;
+        TEST_ASSERT_EQUAL_INT(ERR_OK, design(&result.d));
+        TEST_ASSERT_TRUE(keeps_distance(&detune.loops));
+    }
+}
+
+/* Deviation of a decoupled gain and of what is left, against draws. */
+static void the_errors_left_by_a_decoupler_are_those_of_drawn_gains(void)
+{
+    known_plant(PLANT_WOOD_BERRY, &known);
+    decoupler_config.floor = REAL_C(0.02);
+    TEST_ASSERT_EQUAL_INT(ERR_OK, static_decoupler(&known.plant, &known.pairs, &decoupler_config,
+                                                   &work, &result, &why));
+    struct random r = random_from(5);
+    double squares[2][2] = {{0}};
+    const int draws = 20000;
+    for (int n = 0; n < draws; n++) {
+        double k[2][2];
+        for (unsigned i = 0; i < 2; i++)
+            for (unsigned j = 0; j < 2; j++)
+                k[i][j] = known.gain[i][j] * (1.0 + 0.02 * (double)random_normal(&r));
+        for (unsigned i = 0; i < 2; i++)
+            for (unsigned j = 0; j < 2; j++) {
+                double left = k[i][0] * (double)result.d.at[0][j] +
+                              k[i][1] * (double)result.d.at[1][j] -
+                              (i == j ? (double)result.gain[i] : 0.0);
+                squares[i][j] += left * left / draws;
+            }
+    }
+    for (unsigned i = 0; i < 2; i++)
+        TEST_ASSERT_DOUBLE_WITHIN(0.03 * sqrt(squares[i][i]), sqrt(squares[i][i]),
+                                  (double)result.gain_sd[i]);
+    double left = fmax(sqrt(squares[0][1]) / fabs((double)result.gain[0]),
+                       sqrt(squares[1][0]) / fabs((double)result.gain[1]));
+    TEST_ASSERT_DOUBLE_WITHIN(0.03 * left, left, (double)result.left_sd);
+}
+
+static void decouplers_that_would_do_harm_are_refused_with_the_reason(void)
+{
+    known_plant(PLANT_PACKED_BED, &known); /* lambda 13.7 */
+    TEST_ASSERT_EQUAL_INT(ERR_SINGULAR, static_decoupler(&known.plant, &known.pairs,
+                                                         &decoupler_config, &work, &result, &why));
+    TEST_ASSERT_EQUAL_STRING("relative gain", why.field);
+    known_plant(PLANT_COLUMN_9001, &known); /* errors of one gain swamp the others of its row */
+    TEST_ASSERT_EQUAL_INT(ERR_SINGULAR, static_decoupler(&known.plant, &known.pairs,
+                                                         &decoupler_config, &work, &result, &why));
+    TEST_ASSERT_EQUAL_STRING("gains", why.field);
+    known_plant(PLANT_FOLAMI, &known); /* lambda 6.25, gains to 10 % */
+    decoupler_config.floor = REAL_C(0.1);
+    decoupler_config.left_hi = 10;
+    TEST_ASSERT_EQUAL_INT(ERR_SINGULAR, static_decoupler(&known.plant, &known.pairs,
+                                                         &decoupler_config, &work, &result, &why));
+    TEST_ASSERT_EQUAL_STRING("gain of the decoupled loop", why.field);
+    known_plant(PLANT_PAPER_MACHINE, &known);
+    known.pairs = (struct pairs){5, {0, 1, 2, 3, 4}, {2, 0, 1, 3, 4}};
+    static_decoupler_config_default(&decoupler_config);
+    TEST_ASSERT_EQUAL_INT(ERR_SINGULAR, static_decoupler(&known.plant, &known.pairs,
+                                                         &decoupler_config, &work, &result, &why));
+    memset(&known, 0, sizeof known);
+    known.plant.outputs = known.plant.inputs = known.pairs.n = 9;
+    for (uint8_t k = 0; k < 9; k++) {
+        known.pairs.output[k] = known.pairs.input[k] = k;
+        known.plant.element[k][k].gain = 1;
+    }
+    TEST_ASSERT_EQUAL_INT(ERR_FULL, static_decoupler(&known.plant, &known.pairs, &decoupler_config,
+                                                     &work, &result, &why));
+}
+
+static void settings_out_of_range_are_refused_by_name(void)
+{
+    known_plant(PLANT_WOOD_BERRY, &known);
+    config.gain_margin = (real_t)NAN;
+    TEST_ASSERT_EQUAL_INT(
+        ERR_RANGE, detune_begin(&detune, &known.plant, &known.pairs, 60, NULL, &config, &why));
+    TEST_ASSERT_EQUAL_STRING("gain_margin", why.field);
+    detune_config_default(&config);
+    config.factor_hi = REAL_C(0.5);
+    TEST_ASSERT_EQUAL_INT(
+        ERR_RANGE, detune_begin(&detune, &known.plant, &known.pairs, 60, NULL, &config, &why));
+    TEST_ASSERT_EQUAL_STRING("factor_hi", why.field);
+    detune_config_default(&config);
+    TEST_ASSERT_EQUAL_INT(
+        ERR_RANGE, detune_begin(&detune, &known.plant, &known.pairs, 0, NULL, &config, &why));
+    TEST_ASSERT_EQUAL_STRING("interval_s", why.field);
+    known.plant.element[0][0].gain = 0; /* lambda 0: a pair that cannot be */
+    TEST_ASSERT_EQUAL_INT(
+        ERR_RANGE, detune_begin(&detune, &known.plant, &known.pairs, 60, NULL, &config, &why));
+    TEST_ASSERT_EQUAL_STRING("gain", why.field);
+    known_plant(PLANT_WOOD_BERRY, &known);
+    decoupler_config.left_hi = (real_t)NAN;
+    TEST_ASSERT_EQUAL_INT(ERR_RANGE, static_decoupler(&known.plant, &known.pairs, &decoupler_config,
+                                                      &work, &result, &why));
+    TEST_ASSERT_EQUAL_STRING("left_hi", why.field);
+    static_decoupler_config_default(&decoupler_config);
+    known.plant.gain_sd[0][0] = (real_t)INFINITY;
+    TEST_ASSERT_EQUAL_INT(
+        ERR_NOT_FINITE,
+        static_decoupler(&known.plant, &known.pairs, &decoupler_config, &work, &result, &why));
+    known_plant(PLANT_WOOD_BERRY, &known);
+    known.pairs.n = 0;
+    TEST_ASSERT_EQUAL_INT(ERR_RANGE, static_decoupler(&known.plant, &known.pairs, &decoupler_config,
+                                                      &work, &result, &why));
+}
+
+int main(void)
+{
+    UNITY_BEGIN();
+    RUN_TEST(detuned_loops_of_every_plant_keep_their_distance);
+    RUN_TEST(no_smaller_factor_would_do);
+    RUN_TEST(a_single_loop_is_simc_with_tau_c_theta);
+    RUN_TEST(a_gain_that_rises_when_other_loops_close_is_designed_for);
+    RUN_TEST(loops_that_no_slowness_makes_stable_are_given_up);
+    RUN_TEST(a_gain_at_its_limit_gets_the_integral_time_that_goes_with_it);
+    RUN_TEST(an_effect_without_lag_is_controlled_by_integral_action);
+    RUN_TEST(a_decoupler_makes_the_gains_diagonal);
+    RUN_TEST(loops_with_a_decoupler_keep_their_distance);
+    RUN_TEST(the_errors_left_by_a_decoupler_are_those_of_drawn_gains);
+    RUN_TEST(decouplers_that_would_do_harm_are_refused_with_the_reason);
+    RUN_TEST(settings_out_of_range_are_refused_by_name);
+    return UNITY_END();
+}

@@ -1,0 +1,147 @@
+#!/usr/bin/python3
+"""The settings that the firmware gives interacting loops, on the plants themselves.
+
+Designs with libreflux.so on the first-order models of tests/reference/interact_plants.py, then closes the loops on the
+plants as they are (second orders, zeros, state spaces, exact dead times; tests/reference/sampled_loops.py) and looks at
+the eigenvalues. And: what the firmware says of stability, on random plants, against eigenvalues.
+
+usage: test_detuned_loops.py LIBRARY
+"""
+import sys
+import unittest
+from pathlib import Path
+
+import numpy as np
+import scipy.signal  # noqa: F401  (sampled_loops uses it)
+
+HERE = Path(__file__).resolve().parent
+sys.path[:0] = [str(HERE.parent / "reference"), str(HERE.parents[1] / "tools")]
+
+from interact_plants import figures  # noqa: E402
+from reflux_tools import libreflux  # noqa: E402
+from sampled_loops import Loop, fopdt_parts, plant_parts  # noqa: E402
+
+RANDOM_SEED = 7
+RANDOM_PLANTS = 150
+
+
+def plants():
+    """Every plant with a pairing that may be run at an interval of choice."""
+    for q, g, L, T, pairs in figures():
+        if pairs and q.j["model"] != "polynomial":
+            yield q, libreflux.Plant(g, L, T), pairs, q.j["tick_s"]
+
+
+class DetunedLoops(unittest.TestCase):
+    def test_detuned_loops_are_stable_on_the_plants_themselves(self):
+        for q, plant, pairs, h in plants():
+            loops, said = libreflux.detune(plant, pairs, h)
+            self.assertTrue(said["kept"], q.name)
+            radius = [Loop(plant_parts(q, h), pairs, loops.gain * times, loops.ti, h).radius() for times in (1.0, 1.3)]
+            print(f"{q.name:20s} F {said['factor']:5.2f}  log modulus {said['log_modulus_db']:5.2f} dB  "
+                  f"largest eigenvalue {radius[0]:.6f}, gains times 1.3: {radius[1]:.6f}")
+            self.assertLess(radius[0], 1.0, q.name)
+            self.assertLess(radius[1], 1.0, q.name)
+
+    def test_decoupled_loops_are_stable_on_the_plants_themselves(self):
+        made = 0
+        for q, plant, pairs, h in plants():
+            try:
+                d = libreflux.decoupler(plant, pairs)["d"]
+            except libreflux.Refused:
+                continue
+            loops, said = libreflux.detune(plant, pairs, h, d)
+            self.assertTrue(said["kept"], q.name)
+            radius = [Loop(plant_parts(q, h), pairs, loops.gain * times, loops.ti, h, d).radius() for times in (1.0, 1.3)]
+            self.assertLess(max(radius), 1.0, q.name)
+            made += 1
+        self.assertGreaterEqual(made, 8)
+
+    def test_loops_of_estimated_models_are_stable_on_the_plants_themselves(self):
+        """Models wrong as an experiment with noise leaves them: gains by 3 %, dead times and lags by 3 % of their sum."""
+        rng = np.random.default_rng(RANDOM_SEED)
+        print("seed", RANDOM_SEED)
+        for q, plant, pairs, h in plants():
+            for _ in range(3):
+                wrong = lambda a: a * (1.0 + 0.03 * rng.normal(size=a.shape))
+                whole = plant.dead_time + plant.time_constant
+                L = np.maximum(plant.dead_time + 0.03 * whole * rng.normal(size=whole.shape), 0.0)
+                T = np.maximum(plant.time_constant + 0.03 * whole * rng.normal(size=whole.shape), 0.0)
+                guess = libreflux.Plant(wrong(plant.gain), L, T)
+                try:
+                    loops, said = libreflux.detune(guess, pairs, h)
+                except libreflux.Refused:  # no inverse: the pairing would not have been determined either
+                    continue
+                if not said["kept"]:
+                    continue
+                self.assertLess(Loop(plant_parts(q, h), pairs, loops.gain, loops.ti, h).radius(), 1.0, q.name)
+
+    def test_what_is_said_of_stability_is_what_the_eigenvalues_say(self):
+        rng = np.random.default_rng(RANDOM_SEED)
+        print("seed", RANDOM_SEED)
+        said_stable = said_unstable = 0
+        for n in rng.integers(2, 5, size=RANDOM_PLANTS):
+            g, T = rng.normal(size=(n, n)) + 1.5 * np.eye(n), rng.uniform(20.0, 100.0, size=(n, n))
+            L = rng.uniform(0.0, 40.0, size=(n, n)) * rng.integers(0, 2, size=(n, n))
+            gain = np.sign(np.diag(g)) * rng.uniform(0.1, 3.0, size=n)
+            ti, pairs = rng.uniform(20.0, 150.0, size=n), [(k, k) for k in range(n)]
+            radius = [Loop(fopdt_parts(g, L, T, 1.0), pairs, gain * x, ti, 1.0).radius() for x in (0.99, 1.0, 1.01)]
+            if len({r < 1.0 for r in radius}) > 1:
+                continue  # on the edge
+            said = libreflux.nyquist(libreflux.Plant(g, L, T), libreflux.Loops(pairs, gain, ti, 1.0))
+            self.assertEqual(said["stable"], radius[1] < 1.0, f"{g} {L} {T} {gain} {ti}")
+            said_stable += said["stable"]
+            said_unstable += not said["stable"]
+        print(f"{said_stable} stable, {said_unstable} unstable")
+        self.assertGreater(min(said_stable, said_unstable), 25)
+
+    def test_a_trial_is_the_simulation_of_the_same_loops(self):
+        for q, plant, pairs, h in plants():
+            loops, _ = libreflux.detune(plant, pairs, h)
+            t = libreflux.trial(plant, loops, 1, size=0.01, duration=400 * h)
+            if t["sample"] != h:
+                continue
+            setpoint = np.zeros(len(pairs))
+            setpoint[1] = 0.01
+            y, _ = Loop(fopdt_parts(plant.gain, plant.dead_time, plant.time_constant, h), pairs, loops.gain, loops.ti,
+                        h).simulate(400, setpoint)
+            np.testing.assert_allclose(t["y"][:99], y[3:396:4][:, [a for a, _ in pairs]], atol=1e-12)
+
+
+class Binding(unittest.TestCase):
+    def test_every_function_gives_what_numpy_gives(self):
+        for q, g, L, T, pairs in figures():
+            if not pairs:
+                continue
+            plant = libreflux.Plant(g, L, T)
+            np.testing.assert_allclose(libreflux.rga(plant), g * np.linalg.pinv(g).T, rtol=1e-9, atol=1e-9)
+            w = np.array([1e-3, 1e-2]) / max(T.max(), 1.0)
+            response = g * np.exp(-1j * w[1] * L) / (1 + 1j * w[1] * T)
+            modulus, real = libreflux.rga_at(plant, w)
+            np.testing.assert_allclose(modulus[1], np.abs(response * np.linalg.pinv(response).T), rtol=1e-8, atol=1e-8)
+            np.testing.assert_allclose(real[1], (response * np.linalg.pinv(response).T).real, rtol=1e-8, atol=1e-8)
+            found = libreflux.gains(plant)
+            np.testing.assert_allclose(found["singular"], np.linalg.svd(g, compute_uv=False), rtol=1e-12)
+            self.assertEqual(libreflux.pairing(plant)["pairs"], pairs)
+            square = g[np.ix_([a for a, _ in pairs], [b for _, b in pairs])]
+            lam = libreflux.measure(plant, pairs)["lambda"]
+            np.testing.assert_allclose(lam, square * np.linalg.inv(square).T, rtol=1e-9, atol=1e-9)
+            self.assertEqual(libreflux.structure(plant, pairs)["effect"].shape, g.shape)
+
+    def test_a_refusal_says_what_was_wrong(self):
+        plant = libreflux.Plant([[1.0, 0.5], [0.4, 1.0]], 1.0, 10.0)
+        with self.assertRaisesRegex(libreflux.Refused, "confidence"):
+            libreflux.pairing(plant, confidence=2.0)
+        with self.assertRaisesRegex(libreflux.Refused, "inverse"):
+            libreflux.rga(libreflux.Plant([[1.0, 2.0], [2.0, 4.0]]))
+        with self.assertRaises(libreflux.Refused):
+            libreflux.rga(libreflux.Plant([[np.nan]]))
+
+    def test_cascades_are_named(self):
+        plant = libreflux.Plant([[1.0], [0.5]], [[1.0], [5.0]], [[10.0], [200.0]])
+        self.assertEqual([(c["inner"], c["outer"]) for c in libreflux.cascades(plant)], [(0, 1)])
+
+
+if __name__ == "__main__":
+    libreflux.load(sys.argv.pop(1))
+    unittest.main(verbosity=2)
