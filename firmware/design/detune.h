@@ -49,7 +49,7 @@ void detune_config_default(struct detune_config *config);
 
 /* pairs, interval_s and decoupler as in struct loops; the decoupler must live as long. ERR_RANGE, ERR_NOT_FINITE: what is
  * not as there, config, or a pair without a gain (why, which may be NULL, says); ERR_SINGULAR: the gains have no inverse.
- * Then detune_step until it is not ERR_BUSY: at most 1e5 operations a call, about twenty times as many calls as one
+ * Then detune_step until it is not ERR_BUSY: about 1e5 instructions a call, about twenty times as many calls as one
  * nyquist. ERR_TIMEOUT from it: not even factor_hi keeps the distance; settings are those of factor_hi. */
 MUST_CHECK enum err detune_begin(struct detune *d, const struct interact_plant *plant,
                                  const struct pairs *pairs, real_t interval_s,

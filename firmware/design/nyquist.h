@@ -41,7 +41,7 @@ struct nyquist {
 
 /* gain_times, 0.01 to 100: all controller gains are taken that many times as large (1: as they are). limit_db: give up
  * as soon as the log modulus exceeds it (stable is false then); infinite: never. plant and loops must live and stay as
- * they are. Then nyquist_step until it is not ERR_BUSY: one frequency a call, at most 1e5 operations (with a decoupler,
+ * they are. Then nyquist_step until it is not ERR_BUSY: one frequency a call, about 1e5 instructions (with a decoupler,
  * of at most 8 loops in this firmware, no more). ERR_TIMEOUT from a
  * step: NYQUIST_POINTS were not enough; stable is false. */
 MUST_CHECK enum err nyquist_begin(struct nyquist *n, const struct interact_plant *plant,

@@ -10,7 +10,7 @@
 
 #include "design/loops.h"
 
-#define TRIAL_DELAY   256   /* samples of every input that are remembered */
+#define TRIAL_DELAY   128   /* samples of every input that are remembered */
 #define TRIAL_SAMPLES 10000 /* longest trial */
 
 struct trial_config {
@@ -42,7 +42,7 @@ struct trial {
         step_s; /* of a sample: the interval, or longer where dead times or the duration would not fit */
     real_t duration_s;
 
-    /* Work: 21 KiB (float) */
+    /* Work: 13 KiB (float) */
     const struct interact_plant *plant;
     const struct loops *loops;
     struct trial_config config;
@@ -55,7 +55,7 @@ struct trial {
 };
 
 /* ERR_RANGE, ERR_NOT_FINITE as interact_check, loops_check, or for config. plant and loops must live and stay as they
- * are. Then trial_step until it is not ERR_BUSY: four samples a call, at most 2e4 operations. */
+ * are. Then trial_step until it is not ERR_BUSY: four samples a call, about 4e4 instructions. */
 MUST_CHECK enum err trial_begin(struct trial *t, const struct interact_plant *plant,
                                 const struct loops *loops, const struct trial_config *config);
 MUST_CHECK enum err trial_step(struct trial *t);

@@ -19,7 +19,7 @@ struct assignment {
 };
 
 /* Least total cost of giving every row of its own a column (every column a row where there are fewer columns):
- * shortest augmenting paths, R. Jonker and A. Volgenant, Computing 38 (1987) 325, O(n^3), at most 5e4 operations.
+ * shortest augmenting paths, R. Jonker and A. Volgenant, Computing 38 (1987) 325, O(n^3), at most 1e5 instructions.
  * Among equals the one whose column of row 0 is first, then of row 1, and so on; a row without a column counts last.
  * partner[row] = column or INTERACT_NONE. ERR_EMPTY: every assignment needs a forbidden element. */
 MUST_CHECK enum err assignment_solve(const struct assignment *a, uint8_t *partner, int32_t *total);

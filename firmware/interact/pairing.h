@@ -82,7 +82,7 @@ struct pairing {
 void pairing_config_default(struct pairing_config *config);
 
 /* ERR_RANGE and ERR_NOT_FINITE as interact_check, or for config (why says what); ERR_EMPTY: no channel left. plant must
- * live and stay as it is until the end. Then pairing_step until it is not ERR_BUSY: at most 8e4 operations a call. */
+ * live and stay as it is until the end. Then pairing_step until it is not ERR_BUSY: at most 2e5 instructions a call. */
 MUST_CHECK enum err pairing_begin(struct pairing *p, const struct interact_plant *plant,
                                   const struct pairing_config *config,
                                   struct interact_refusal *why);

@@ -20,7 +20,7 @@ MUST_CHECK enum err rga_compute(const struct matrix *gains, struct rga_work *wor
                                 struct matrix *lambda);
 
 /* Dynamic RGA: G(i omega) .* (G(i omega)+)' (transposed, not conjugated). magnitude gets the moduli, real_part the real
- * parts; either may be NULL. pairs NULL: the whole plant. */
+ * parts; either may be NULL. pairs NULL: the whole plant. About 4e5 instructions for 16 x 16. */
 struct rga_at_work {
     struct cmatrix response, inverse;
     struct matrix size;

@@ -1,5 +1,5 @@
 /* Complex numbers and dense complex matrices up to 16 x 16. Rules as in num/matrix.h; a matrix is 2 KiB (float), and no
- * function takes more than 1.5e5 operations. */
+ * function takes more than 3e5 instructions. */
 #ifndef REFLUX_NUM_CMATRIX_H
 #define REFLUX_NUM_CMATRIX_H
 

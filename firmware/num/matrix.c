@@ -2,8 +2,9 @@
 
 #include <stddef.h>
 
-#define ELEMENT_MAX        REAL_C(1e15)
-#define EQUILIBRATE_ROUNDS 20
+#define ELEMENT_MAX  REAL_C(1e15)
+#define ROUNDS_EXACT 20
+#define ROUNDS_ROUGH 6 /* to powers of two: more changes nothing */
 
 enum err matrix_check(const struct matrix *a)
 {
@@ -61,7 +62,8 @@ void matrix_equilibrate(const struct matrix *a, bool exact, real_t *r, real_t *c
     for (size_t j = 0; j < a->cols; j++)
         c[j] = REAL_C(1.0);
     /* r and c are set, not multiplied: 1 over the norm of the row with the other side's factors in. */
-    for (int round = 0; round < EQUILIBRATE_ROUNDS; round++) {
+    int rounds = exact ? ROUNDS_EXACT : ROUNDS_ROUGH;
+    for (int round = 0; round < rounds; round++) {
         for (size_t i = 0; i < a->rows; i++) {
             real_t sum = REAL_C(0.0);
             for (size_t j = 0; j < a->cols; j++)

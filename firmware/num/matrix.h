@@ -5,7 +5,7 @@
  *     neither read nor written.
  *  2. A matrix is 1 KiB (float), too much for the stack of a board: work and results belong to the caller.
  *  3. Results may not overlap operands unless the function says so. On error results are undefined, operands whole.
- *  4. Plain loops in a fixed order: same numbers in, same bits out. No function takes more than 4e4 operations. */
+ *  4. Plain loops in a fixed order: same numbers in, same bits out. No function takes more than 6e4 instructions. */
 #ifndef REFLUX_NUM_MATRIX_H
 #define REFLUX_NUM_MATRIX_H
 
@@ -39,9 +39,10 @@ MUST_CHECK enum err matrix_multiply(const struct matrix *a, const struct matrix 
                                     struct matrix *c);
 void matrix_transpose(const struct matrix *a, struct matrix *t);
 
-/* Powers of two r and c such that diag(r) A diag(c) has rows and columns of about the same norm: twenty rounds of
- * dividing every row, then every column, by its Euclidean norm (Sinkhorn; Ruiz 2001). r and c have the matrix's rows
- * and columns; a row or column of zeros gets 1. exact: the factors are not rounded to powers of two. */
+/* Factors r and c such that diag(r) A diag(c) has rows of about one norm and columns of about one norm: every row, then
+ * every column, is divided by its Euclidean norm, again and again (Sinkhorn and Knopp 1967; Ruiz 2001). r and c have an
+ * element for every row and column; of a row or column of zeros it is 1. exact: twenty rounds; else six, and the factors
+ * are powers of two, so that scaling by them rounds nothing. */
 void matrix_equilibrate(const struct matrix *a, bool exact, real_t *r, real_t *c);
 
 /* Gaussian elimination with row-scaled partial pivoting (Golub and Van Loan, Matrix Computations, 3.4). ERR_RANGE: not

@@ -21,8 +21,7 @@ struct svd {
     real_t scale; /* A was divided by it, a power of two */
 };
 
-/* ERR_RANGE and ERR_NOT_FINITE as matrix_check. Then svd_step until it no longer says ERR_BUSY: one sweep a call, at
- * most 6e4 operations. a is not needed after svd_begin. */
+/* ERR_RANGE and ERR_NOT_FINITE as matrix_check. Then svd_step until it no longer says ERR_BUSY: one sweep a call, at most 1.5e5 instructions. a is not needed after svd_begin. */
 MUST_CHECK enum err svd_begin(struct svd *svd, const struct matrix *a);
 MUST_CHECK enum err svd_step(struct svd *svd);
 /* All at once: where time does not matter, or the matrix is small. */

@@ -75,7 +75,7 @@ def nyquist():
 def trials():
     for number, g, L, T, pairs, h, gain, ti in loops():
         n, steps = len(pairs), 1600
-        if L.max() > 250 * h:  # the firmware would take longer samples
+        if L.max() > 125 * h:  # the firmware would take longer samples
             continue
         loop = Loop(fopdt_parts(g, L, T, h), pairs, gain, ti, h)
         for load in (0, 1):

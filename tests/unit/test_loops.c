@@ -215,7 +215,7 @@ static void steps_are_those_of_an_exact_simulation(void)
         rows++;
     }
     fclose(f);
-    TEST_ASSERT_EQUAL_UINT(44, rows);
+    TEST_ASSERT_EQUAL_UINT(40, rows);
 }
 
 static void an_unstable_trial_is_cut_off(void)

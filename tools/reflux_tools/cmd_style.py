@@ -19,8 +19,8 @@ from pathlib import Path
 from reflux_tools.errors import RunFailed
 from reflux_tools.paths import ROOT, build_dir, build_root
 
-FORMATTED = ("firmware", "hal", "host_sim", "tests")
-TIDIED = ("firmware", "hal", "host_sim")
+FORMATTED = ("firmware", "hal", "host_sim", "tests", "tools/libreflux")
+TIDIED = ("firmware", "hal", "host_sim", "tools/libreflux")
 PRESETS = ("host", "stm32f405", "stm32f100")
 CROSS = ["--target=arm-none-eabi", "-isystem", "/usr/lib/picolibc/arm-none-eabi/include"]
 UNKNOWN_TO_CLANG = ("--specs=", "-fcallgraph-info", "-fstack-usage", "-fno-math-errno", "-fanalyzer",
