@@ -64,12 +64,10 @@ static bool make_vectors(struct column_solver *s)
     s->saved = N_VNew_Serial(n, s->context);
     s->absolute = N_VNew_Serial(n, s->context);
     s->scale = N_VNew_Serial(n, s->context);
-    s->constraints = N_VNew_Serial(n, s->context);
-    if (!s->y || !s->rates || !s->saved || !s->absolute || !s->scale || !s->constraints)
+    if (!s->y || !s->rates || !s->saved || !s->absolute || !s->scale)
         return false;
     N_VConst(s->options.absolute, s->absolute);
     N_VConst(1.0, s->scale);
-    N_VConst(1.0, s->constraints); /* KINSOL: y >= 0 */
     return true;
 }
 
@@ -192,7 +190,7 @@ void column_solver_destroy(struct column_solver *s)
     column_steady_free(s);
     rosenbrock_free(&s->one_step);
     column_newton_destroy(s->newton);
-    N_Vector *vectors[] = {&s->y, &s->rates, &s->saved, &s->absolute, &s->scale, &s->constraints};
+    N_Vector *vectors[] = {&s->y, &s->rates, &s->saved, &s->absolute, &s->scale};
     for (size_t i = 0; i < sizeof vectors / sizeof vectors[0]; i++)
         if (*vectors[i])
             N_VDestroy(*vectors[i]);

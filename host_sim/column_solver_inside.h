@@ -23,6 +23,7 @@ struct column_solver {
     enum err model_error; /* of the last rates that failed */
     char message[160];    /* what SUNDIALS said last */
     struct column_solver_work work;
+    long rates_max; /* up to which work.rates may go in a search for the steady state */
 
     bool jumped;    /* the state or the inputs: CVODE's history is void */
     int since_jump; /* one-step steps since then */
@@ -31,8 +32,9 @@ struct column_solver {
     struct column_newton *newton; /* of one_step, and of the steady state */
 
     SUNContext context;
-    N_Vector y, rates, saved, absolute, scale, constraints;
+    N_Vector y, rates, saved, absolute, scale;
     void *cvode, *kinsol;
+    struct rosenbrock rough; /* transients towards the steady state */
     SUNMatrix matrix;
     SUNLinearSolver linear, krylov;
 };

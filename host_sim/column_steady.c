@@ -1,20 +1,28 @@
-/* KINSOL: the steady state, by Newton with line search, and when that fails by ever longer transients. */
+/* The steady state: KINSOL's Newton with line search and GMRES, and when that fails ever longer transients. */
 #include "column_solver_inside.h"
 
 #include <kinsol/kinsol.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sunlinsol/sunlinsol_spgmr.h>
-
 #define KRYLOV_MAX                                                                                 \
     60 /* directions; what the preconditioner holds fixed, three flows and holdups, needs fewer */
 #define NEWTON_MAX 60
+#define DAMPING    1e-3 /* 1/h, of the preconditioner: without vapour the Jacobian is singular */
+#define ROUGH      1e-3 /* tolerance of a transient that only has to end near the steady state */
+#define STEPS_MAX  2000 /* of one such transient */
 #define ROUNDS_MAX 14
+#define RATES_MAX                                                                                  \
+    2000 /* of one search by Newton: KINSOL's line search may turn round for ever on rounding errors */
 
 /* Change per hour of every mole fraction is zero. */
 static int residual(N_Vector y, N_Vector f, void *user)
 {
-    int failed = column_solver_rates(0.0, y, f, user);
+    struct column_solver *s = user;
+    if (s->work.rates >= s->rates_max)
+        return -1;
+    int failed = column_solver_rates(0.0, y, f, s);
     if (!failed)
         N_VScale(HOUR, f, f);
     return failed;
@@ -25,12 +33,11 @@ static int prepare(N_Vector y, N_Vector y_scale, N_Vector f, N_Vector f_scale, v
 {
     struct column_solver *s = user;
     (void)y_scale, (void)f_scale;
-    if (column_solver_rates(0.0, y, f, s))
+    if (residual(y, f, s))
         return 1;
-    N_VScale(HOUR, f, f);
     s->work.jacobians++;
     column_newton_read(s->newton, &s->column, NV_DATA_S(y));
-    return column_newton_factor(s->newton, 0.0, HOUR) ? 0 : 1;
+    return column_newton_factor(s->newton, DAMPING, -HOUR) ? 0 : 1;
 }
 
 static int precondition(N_Vector y, N_Vector y_scale, N_Vector f, N_Vector f_scale, N_Vector v,
@@ -39,6 +46,7 @@ static int precondition(N_Vector y, N_Vector y_scale, N_Vector f, N_Vector f_sca
     const struct column_solver *s = user;
     (void)y, (void)y_scale, (void)f, (void)f_scale;
     column_newton_solve(s->newton, NV_DATA_S(v), NV_DATA_S(v));
+    N_VScale(-1.0, v, v);
     return isfinite(N_VMaxNorm(v)) ? 0 : 1;
 }
 
@@ -46,7 +54,8 @@ bool column_steady_create(struct column_solver *s, char *err, size_t size)
 {
     s->kinsol = KINCreate(s->context);
     s->krylov = SUNLinSol_SPGMR(s->y, SUN_PREC_RIGHT, KRYLOV_MAX, s->context);
-    if (!s->kinsol || !s->krylov)
+    if (!s->kinsol || !s->krylov ||
+        !rosenbrock_init(&s->rough, &s->one_step.problem, ROUGH, 1e-3 * ROUGH))
         return column_solver_fail(err, size, "column", "no memory for the steady-state solver");
 
     char *(*name)(long) = KINGetReturnFlagName, *(*linear)(long) = KINGetLinReturnFlagName;
@@ -60,7 +69,6 @@ bool column_steady_create(struct column_solver *s, char *err, size_t size)
         {KINInit(s->kinsol, residual, s->y), name, "KINInit"},
         {KINSetLinearSolver(s->kinsol, s->krylov, NULL), linear, "KINSetLinearSolver"},
         {KINSetPreconditioner(s->kinsol, prepare, precondition), linear, "KINSetPreconditioner"},
-        {KINSetConstraints(s->kinsol, s->constraints), name, "KINSetConstraints"},
         {KINSetFuncNormTol(s->kinsol, s->options.residual), name, "KINSetFuncNormTol"},
         {KINSetScaledStepTol(s->kinsol, 1e-15), name, "KINSetScaledStepTol"},
         {KINSetMaxSetupCalls(s->kinsol, 1), name, "KINSetMaxSetupCalls"},
@@ -78,11 +86,13 @@ void column_steady_free(struct column_solver *s)
         KINFree(&s->kinsol);
     if (s->krylov)
         SUNLinSolFree(s->krylov);
+    rosenbrock_free(&s->rough);
 }
 
 /* At rest: no mole fraction changes by more than the residual per hour. */
 static bool at_rest(struct column_solver *s)
 {
+    s->rates_max = s->work.rates + 1;
     return residual(s->y, s->rates, s) == 0 && N_VMaxNorm(s->rates) <= s->options.residual;
 }
 
@@ -90,8 +100,35 @@ static bool newton(struct column_solver *s)
 {
     bool moved;
     s->model_error = ERR_OK;
+    s->rates_max = s->work.rates + RATES_MAX;
     int flag = KINSol(s->kinsol, s->y, KIN_LINESEARCH, s->scale, s->scale);
     return flag >= 0 && column_solver_confine(s, &moved) && at_rest(s);
+}
+
+/* Follows the transient for a span of time, roughly. */
+static bool relax(struct column_solver *s, double span, char *err, size_t size)
+{
+    bool moved;
+    s->model_error = column_rates(&s->column, NV_DATA_S(s->y), NV_DATA_S(s->rates));
+    if (s->model_error)
+        return column_solver_fail(err, size, "column", err_text(s->model_error));
+    rosenbrock_jump(&s->rough);
+    rosenbrock_run(&s->rough, 0.0, span, NV_DATA_S(s->y), NV_DATA_S(s->rates), STEPS_MAX);
+    return column_solver_confine(s, &moved) ||
+           column_solver_fail(err, size, "column", "the integrator left mole fractions [0, 1]");
+}
+
+/* Why there may be none: a product that is nothing lets what it should carry pile up without end. */
+static bool nothing_found(const struct column_solver *s, char *err, size_t size)
+{
+    static const char *const why[] = {
+        "", ": nothing leaves at the bottom, the heat boils all of it away",
+        ": nothing leaves at the top, the reflux takes all of it"};
+    const struct column_flows *f = &s->column.flows;
+    double least = 1e-3 * f->feed;
+    int which = f->bottoms < least ? 1 : f->distillate < least ? 2 : 0;
+    snprintf(err, size, "column: no steady state found for these inputs%s", why[which]);
+    return false;
 }
 
 /* Each round: Newton, and if that fails a longer transient from where it started. A column without vapour has no
@@ -101,21 +138,16 @@ static bool search(struct column_solver *s, double *guess, char *err, size_t siz
     double span = 2.0 * HOUR;
 
     for (int round = 0; round < ROUNDS_MAX; round++, span *= 2.0) {
-        bool moved;
         memcpy(guess, NV_DATA_S(s->y), s->n * sizeof *guess);
         if (newton(s))
             return true;
         memcpy(NV_DATA_S(s->y), guess, s->n * sizeof *guess);
-        s->t = 0.0;
-        if (!column_bdf_run(s, span, true, err, size))
+        if (!relax(s, span, err, size))
             return false;
-        if (!column_solver_confine(s, &moved))
-            return column_solver_fail(err, size, "column",
-                                      "the integrator left mole fractions [0, 1]");
         if (at_rest(s))
             return true;
     }
-    return column_solver_fail(err, size, "column", "no steady state found for these inputs");
+    return nothing_found(s, err, size);
 }
 
 bool column_solver_settle(struct column_solver *s, char *err, size_t err_size)
