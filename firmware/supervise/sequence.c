@@ -64,8 +64,6 @@ static void stop_at(struct supervisor *s, enum sequence_state state, enum sequen
     q->why = (uint8_t)why;
     memset(q->about, 0, sizeof q->about);
     strncpy(q->about, about, sizeof q->about - 1);
-    if (state != SEQUENCE_HELD)
-        q->guards = 0;
     tell(s, state == SEQUENCE_HELD ? EVENT_SEQUENCE_HELD : EVENT_SEQUENCE_ABORTED, about);
 }
 
@@ -113,13 +111,10 @@ static bool ask_loop(struct supervisor *s, enum request_kind kind, uint8_t loop,
 static bool set_mode(struct supervisor *s, uint8_t loop, enum loop_mode mode)
 {
     struct sequence *q = &s->sequence;
-    uint8_t output = s->plan->loop[loop].output;
     if (!ask_loop(s, REQUEST_MODE, loop, mode, 0.0f))
         return false;
     uint16_t bit = (uint16_t)(1u << loop);
     q->working = (uint16_t)(mode == LOOP_MANUAL ? q->working & ~bit : q->working | bit);
-    if (output != PLAN_NONE)
-        q->driven = (uint16_t)(q->driven & ~(1u << output));
     return true;
 }
 
@@ -370,7 +365,6 @@ static void next(struct supervisor *s)
         return;
     }
     q->state = SEQUENCE_DONE;
-    q->guards = 0;
     q->why = SEQUENCE_OPERATOR;
     tell(s, EVENT_SEQUENCE_DONE, sequence_kind_text(q->kind));
 }

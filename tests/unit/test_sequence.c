@@ -60,8 +60,10 @@ static void a_stop_takes_over_from_a_start_anywhere(void)
     TEST_ASSERT_DOUBLE_WITHIN(0, 0, sent(HEAT));
     TEST_ASSERT_EQUAL(0, happened(EVENT_SEQUENCE_ABORTED, NULL));
     seq(SEQUENCE_DO_START); /* not the other way round */
-    TEST_ASSERT_EQUAL(1, happened(EVENT_REQUEST_REFUSED, "seq"));
+    seq(SEQUENCE_DO_STOP);  /* nor again */
+    TEST_ASSERT_EQUAL(2, happened(EVENT_REQUEST_REFUSED, "seq"));
     TEST_ASSERT_EQUAL(SEQUENCE_STOP, seq_state()->kind);
+    TEST_ASSERT_EQUAL(ROW_STOP_WAIT, seq_state()->step);
 }
 
 static void a_start_is_refused_while_a_loop_acts_or_it_runs(void)
@@ -118,8 +120,8 @@ static void steady_is_a_width_kept_for_a_time(void)
 {
     started_at(ROW_STEADY);
     tank.temperature_mine = true;
-    for (unsigned n = 0; n < 200; n++) { /* moves by 3 in every 20 s */
-        reading(T10, 100 + 0.15 * n);
+    for (unsigned n = 0; n < 300; n++) { /* moves by 2.4 in every 30 s */
+        reading(T10, 100 + 0.08 * n);
         tank_tick();
     }
     TEST_ASSERT_EQUAL(SEQUENCE_RUNNING, seq_state()->state);
@@ -154,6 +156,9 @@ static void a_time_out_does_what_its_row_says(void)
     TEST_ASSERT_EQUAL(SEQUENCE_HELD, seq_state()->state);
     TEST_ASSERT_EQUAL(1, ended(EVENT_SEQUENCE_HELD, SEQUENCE_TIMEOUT));
     TEST_ASSERT_DOUBLE_WITHIN(1e-6, 0.45, sent(HEAT)); /* nothing is moved */
+    uint32_t at_ms = seq_state()->elapsed_ms;
+    tank_ticks(5);
+    TEST_ASSERT_EQUAL(at_ms, seq_state()->elapsed_ms);
 
     start_bench_with(NULL);
     started_at(ROW_STEADY);
@@ -164,6 +169,17 @@ static void a_time_out_does_what_its_row_says(void)
     }
     TEST_ASSERT_EQUAL(SEQUENCE_DONE, seq_state()->state);
     TEST_ASSERT_EQUAL(1, happened(EVENT_SEQUENCE_TIMEOUT, "T10"));
+}
+
+static void a_time_counts_from_the_tick_the_step_begins_in(void)
+{
+    started_at(ROW_REFLUX);
+    TEST_ASSERT_EQUAL(0, seq_state()->met_ms);
+    TEST_ASSERT_EQUAL(0, seq_state()->elapsed_ms);
+    tank_ticks(59);
+    TEST_ASSERT_EQUAL(ROW_REFLUX, seq_state()->step);
+    tank_tick();
+    TEST_ASSERT_EQUAL(ROW_CONFIRM, seq_state()->step);
 }
 
 static void held_by_a_person_its_clocks_stand_and_it_goes_on_where_it_was(void)
@@ -283,6 +299,16 @@ static void rows_that_change_meanwhile_end_it_in_the_safe_state(void)
     TEST_ASSERT_DOUBLE_WITHIN(0, 0, sent(HEAT));
 }
 
+static void channels_that_change_places_end_it_too(void)
+{
+    started_at(ROW_HEAT);
+    put_all((const char *const[]){"meas5.name", "CW", "meas5.unit", "l/h", "meas5.hi", "100",
+                                  "meas6.name", "level", "meas6.unit", "cm", "meas6.hi", "40",
+                                  NULL});
+    apply();
+    TEST_ASSERT_EQUAL(1, ended(EVENT_SEQUENCE_ABORTED, SEQUENCE_CONFIGURATION));
+}
+
 static void other_settings_change_meanwhile_without_disturbing_it(void)
 {
     started_at(ROW_HEAT);
@@ -312,6 +338,8 @@ static void an_offset_is_subtracted_from_the_tick_on_that_switches_it(void)
     double before = level_now();
     measurement_offset(&bench.s, LEVEL, true);
     TEST_ASSERT_DOUBLE_WITHIN(1e-4, before - 8, level_now());
+    tank_tick();
+    TEST_ASSERT_DOUBLE_WITHIN(0.1, before - 8, level_now());
     tank_ticks(1000);
     TEST_ASSERT_DOUBLE_WITHIN(1e-3, 12, level_now());
     TEST_ASSERT_EQUAL_FLOAT(12.0f, bench.s.measurement[LEVEL].raw);
@@ -391,6 +419,7 @@ int main(void)
     RUN_TEST(a_limit_is_passed_not_touched);
     RUN_TEST(steady_is_a_width_kept_for_a_time);
     RUN_TEST(a_time_out_does_what_its_row_says);
+    RUN_TEST(a_time_counts_from_the_tick_the_step_begins_in);
     RUN_TEST(held_by_a_person_its_clocks_stand_and_it_goes_on_where_it_was);
     RUN_TEST(held_by_a_time_out_the_step_begins_again);
     RUN_TEST(a_confirmation_counts_for_the_step_that_was_shown);
@@ -400,6 +429,7 @@ int main(void)
     RUN_TEST(what_makes_no_sense_now_is_refused);
     RUN_TEST(without_rows_there_is_nothing_to_start);
     RUN_TEST(rows_that_change_meanwhile_end_it_in_the_safe_state);
+    RUN_TEST(channels_that_change_places_end_it_too);
     RUN_TEST(other_settings_change_meanwhile_without_disturbing_it);
     RUN_TEST(an_offset_is_subtracted_from_the_tick_on_that_switches_it);
     RUN_TEST(what_is_believed_is_judged_by_what_the_instrument_says);

@@ -1,5 +1,6 @@
 /* Sequences when something goes wrong: what holds one, what ends one, and that no step goes on by a reading that is
  * not believed. */
+#include "random_source.h"
 #include "sequence_bench.h"
 
 void setUp(void)
@@ -183,6 +184,23 @@ static void a_guard_may_hold_instead_once_for_each_go(void)
     TEST_ASSERT_EQUAL(2, ended(EVENT_SEQUENCE_HELD, SEQUENCE_BY_GUARD));
 }
 
+static void a_guard_that_holds_sets_the_clock_of_what_a_person_held_going(void)
+{
+    put("step2.else", "hold");
+    put("step4.else", "abort");
+    apply();
+    started_at(ROW_HEAT);
+    seq(SEQUENCE_DO_HOLD);
+    tank_ticks(700); /* longer than the time-out, which stands */
+    TEST_ASSERT_EQUAL(SEQUENCE_HELD, seq_state()->state);
+    tank.flow_mine = true;
+    reading(FLOW, 0);
+    tank_ticks(10);
+    TEST_ASSERT_EQUAL(1, ended(EVENT_SEQUENCE_HELD, SEQUENCE_BY_GUARD));
+    tank_ticks(600);
+    TEST_ASSERT_EQUAL(1, ended(EVENT_SEQUENCE_ABORTED, SEQUENCE_TIMEOUT));
+}
+
 static void a_guard_ends_when_it_is_dropped_and_with_the_sequence(void)
 {
     put_all((const char *const[]){"step6.do", "drop", "step6.what", "CW", NULL});
@@ -307,6 +325,22 @@ static void an_action_that_is_not_possible_holds_it_and_is_tried_again(void)
     TEST_ASSERT_EQUAL(ROW_STEADY, seq_state()->step);
 }
 
+static void the_time_out_of_an_action_that_never_becomes_possible_runs(void)
+{
+    put_all((const char *const[]){"step10.until", "above", "step10.meas", "CW", "step10.limit", "1",
+                                  "step10.timeout", "100", NULL});
+    apply();
+    started_at(ROW_CONFIRM);
+    tank.temperature_mine = true;
+    bad_reading(T10, QUALITY_BAD, 0);
+    tank_ticks(12);
+    seq(SEQUENCE_DO_CONFIRM);
+    tank_ticks(95);
+    TEST_ASSERT_EQUAL(SEQUENCE_HELD, seq_state()->state);
+    tank_ticks(10);
+    TEST_ASSERT_EQUAL(1, ended(EVENT_SEQUENCE_ABORTED, SEQUENCE_TIMEOUT));
+}
+
 /* ---- the safe state ---- */
 
 static void a_safe_state_for_any_other_reason_ends_it(void)
@@ -351,6 +385,79 @@ static void plant_time_that_goes_back_or_leaps_breaks_nothing(void)
                      ended(EVENT_SEQUENCE_HELD, SEQUENCE_TIMEOUT));
 }
 
+/* ---- anything at all ---- */
+
+static struct random_source chance = {20240611};
+
+static void any_reading(unsigned i, double hi)
+{
+    static const double odd[] = {NAN, INFINITY, -INFINITY, 1e30, -1e30, 1e-40};
+    unsigned what = random_below(&chance, 40);
+    if (what < 6)
+        reading(i, odd[what]);
+    else if (what < 12)
+        bad_reading(i, (enum quality)random_below(&chance, 4),
+                    random_below(&chance, 1000) * hi / 1000.0);
+    else
+        reading(i, random_below(&chance, 1000) * hi / 1000.0);
+}
+
+/* The row before, where the sequence has gone on in this tick by its condition alone. */
+static void check_step(const struct sequence *before, unsigned commands)
+{
+    const struct sequence *q = seq_state();
+    const struct step_config *c = &bench.config.step[before->step];
+    bool went_on = before->state == SEQUENCE_RUNNING && before->acted && q->kind == before->kind &&
+                   (q->state == SEQUENCE_DONE || q->step != before->step);
+    bool looks = c->until == STEP_ABOVE || c->until == STEP_BELOW || c->until == STEP_STEADY;
+    bool over = before->elapsed_ms + 1000 >= c->timeout_s * 1000u && c->otherwise == STEP_GO_ON;
+    float value;
+    TEST_ASSERT_TRUE(q->state <= SEQUENCE_ABORTED && q->step < CONFIG_STEPS);
+    if (!went_on || !looks || over || commands || c->action == STEP_GUARD ||
+        q->state == SEQUENCE_ABORTED)
+        return;
+    uint8_t i = bench.plan[bench.current].step[before->step].measurement;
+    TEST_ASSERT_TRUE(sequence_reading(&bench.s, i, &value));
+    TEST_ASSERT_FALSE(bench.s.measurement[i].alarm);
+    if (c->until != STEP_STEADY)
+        TEST_ASSERT_TRUE(c->until == STEP_ABOVE ? value > c->limit : value < c->limit);
+}
+
+static void whatever_comes_no_step_goes_on_by_what_is_not_believed(void)
+{
+    unsigned steps = 0;
+    printf("sequences at random: seed %u\n", (unsigned)chance.state);
+    for (unsigned n = 0; n < 60000; n++) {
+        unsigned commands = 0;
+        bool busy = sequence_active(seq_state());
+        if (random_below(&chance, busy ? 60 : 3) == 0) {
+            seq_at((enum sequence_command)random_below(&chance, SEQUENCE_COMMANDS + 1),
+                   random_below(&chance, 3) ? seq_state()->step
+                                            : (uint8_t)random_below(&chance, CONFIG_STEPS));
+            commands++;
+        }
+        if (random_below(&chance, 50) == 0)
+            mode((uint8_t)random_below(&chance, 3),
+                 random_below(&chance, 2) ? LOOP_AUTO : LOOP_MANUAL);
+        if (random_below(&chance, 3000) == 0)
+            supervisor_go_safe(&bench.s, "test");
+        if (random_below(&chance, 4) == 0) {
+            any_reading(LEVEL, 40);
+            any_reading(FLOW, 100);
+            any_reading(T10, 160);
+            any_reading(T5, 160);
+        }
+        struct sequence before = *seq_state();
+        tick();
+        steps += before.step != seq_state()->step;
+        check_step(&before, commands);
+        if (before.state != SEQUENCE_ABORTED && seq_state()->state == SEQUENCE_ABORTED)
+            TEST_ASSERT_EQUAL(SUPERVISOR_SAFE, bench.s.state);
+        bench.n_seen = 0;
+    }
+    TEST_ASSERT_TRUE(steps > 500);
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -365,6 +472,7 @@ int main(void)
     RUN_TEST(a_guard_acts_while_the_sequence_is_held);
     RUN_TEST(a_guard_without_grace_ends_it_before_the_next_row_moves_anything);
     RUN_TEST(a_guard_may_hold_instead_once_for_each_go);
+    RUN_TEST(a_guard_that_holds_sets_the_clock_of_what_a_person_held_going);
     RUN_TEST(a_guard_ends_when_it_is_dropped_and_with_the_sequence);
     RUN_TEST(an_interlock_that_keeps_an_output_from_its_place_holds_it);
     RUN_TEST(an_interlock_on_an_output_nobody_has_moved_yet_does_not);
@@ -373,8 +481,10 @@ int main(void)
     RUN_TEST(a_loop_that_falls_into_manual_holds_it);
     RUN_TEST(an_output_that_does_not_follow_holds_it);
     RUN_TEST(an_action_that_is_not_possible_holds_it_and_is_tried_again);
+    RUN_TEST(the_time_out_of_an_action_that_never_becomes_possible_runs);
     RUN_TEST(a_safe_state_for_any_other_reason_ends_it);
     RUN_TEST(a_start_may_begin_in_the_safe_state_and_again_after_an_abort);
+    RUN_TEST(whatever_comes_no_step_goes_on_by_what_is_not_believed);
     RUN_TEST(plant_time_that_goes_back_or_leaps_breaks_nothing);
     return UNITY_END();
 }
