@@ -42,6 +42,26 @@ enum err measure_compute(const struct interact_plant *plant, const struct pairs 
     return ERR_OK;
 }
 
+bool measure_agrees(const struct measure *m, struct assignment *work)
+{
+    int32_t own = 0, best;
+    uint8_t partner[INTERACT_MAX];
+    work->rows = work->cols = m->phi.rows;
+    for (size_t k = 0; k < m->phi.rows; k++)
+        for (size_t l = 0; l < m->phi.rows; l++) {
+            real_t phi = m->phi.at[k][l];
+            bool positive = phi > REAL_C(1e-9) && phi < REAL_C(1e9);
+            work->cost[k][l] =
+                positive ? (int32_t)(real_abs(real_log(phi)) * REAL_C(1e4)) : ASSIGNMENT_FORBIDDEN;
+        }
+    for (size_t k = 0; k < m->phi.rows; k++) {
+        if (work->cost[k][k] == ASSIGNMENT_FORBIDDEN)
+            return false;
+        own += work->cost[k][k];
+    }
+    return assignment_solve(work, partner, &best) == ERR_OK && best == own;
+}
+
 enum err measure_equivalent(const struct measure *m, const struct interact_plant *plant,
                             const struct pairs *pairs, uint8_t k, struct fopdt *equivalent)
 {

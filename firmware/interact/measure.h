@@ -9,6 +9,9 @@
 #ifndef REFLUX_INTERACT_MEASURE_H
 #define REFLUX_INTERACT_MEASURE_H
 
+#include <stdbool.h>
+
+#include "interact/assignment.h"
 #include "interact/rga.h"
 
 struct measure {
@@ -26,6 +29,10 @@ struct measure_work {
 MUST_CHECK enum err measure_compute(const struct interact_plant *plant, const struct pairs *pairs,
                                     real_t shortest_s, struct measure_work *work,
                                     struct measure *result);
+
+/* Whether the RNGA would pair alike: no other assignment has a smaller sum of |ln phi| over positive elements. Where it
+ * would not, gains and speeds pull different ways, and the pairing by gains alone deserves a look. */
+bool measure_agrees(const struct measure *m, struct assignment *work);
 
 /* Equivalent transfer function of pair k. ERR_RANGE: lambda or gamma of the pair is not positive: there is none. */
 MUST_CHECK enum err measure_equivalent(const struct measure *m, const struct interact_plant *plant,

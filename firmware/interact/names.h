@@ -27,6 +27,7 @@
 #define structure_detect         structure_detect_double
 #define cascade_config_default   cascade_config_default_double
 #define cascade_detect           cascade_detect_double
+#define measure_agrees           measure_agrees_double
 #define measure_equivalent       measure_equivalent_double
 #define measure_compute          measure_compute_double
 #endif

@@ -10,11 +10,12 @@ void real_sincos(real_t x, real_t *sine, real_t *cosine)
 
 #else
 
+#include <stdbool.h>
 #include <stdint.h>
 #include <string.h>
 
 #define QUARTER_BITS  39
-#define TWO_OVER_PI   INT64_C(349985421095) /* 2/pi 2^39 */
+#define TWO_OVER_PI   UINT64_C(349985421095) /* 2/pi 2^39 */
 #define HALF_PI       1.57079632679f
 #define QUARTER_PI    0.78539816340f
 #define LARGEST       1e6f
@@ -25,18 +26,16 @@ static uint32_t reduce(float x, float *rest)
 {
     uint32_t bits;
     memcpy(&bits, &x, sizeof bits);
-    int64_t mantissa = (int64_t)((bits & 0x7FFFFFu) | 0x800000u);
+    uint64_t mantissa = (bits & 0x7FFFFFu) | 0x800000u;
     unsigned exponent = (bits >> MANTISSA_BITS) - 127u + 1u; /* 0 for [0.5, 1) */
-    int64_t turns = mantissa * TWO_OVER_PI;                  /* below 2^63 */
+    uint64_t turns = mantissa * TWO_OVER_PI;                 /* below 2^63 */
     unsigned fraction = QUARTER_BITS + MANTISSA_BITS + 1u - exponent;
-    int64_t half = INT64_C(1) << (fraction - 1u);
-    int64_t whole = turns / (2 * half);
-    int64_t left = turns - whole * 2 * half;
-    if (left >= half) {
-        whole++;
-        left -= 2 * half;
-    }
-    *rest = (float)left / (2.0f * (float)half) * HALF_PI;
+    uint64_t unit = UINT64_C(1) << fraction, whole = turns >> fraction;
+    uint64_t left = turns & (unit - 1u);
+    bool up = left >= unit / 2u;
+    float part = (float)(up ? unit - left : left) / (float)unit * HALF_PI;
+    *rest = up ? -part : part;
+    whole += up ? 1u : 0u;
     return (uint32_t)whole;
 }
 

@@ -1,7 +1,7 @@
 /* interact/plant.[ch], interact/rga.[ch], interact/gains.[ch]; built in float and in double.
  * kappa is the condition number of the equilibrated matrix, eps REAL_EPSILON.
  *
- * Contract, on every plant of host_sim/plants against numpy
+ * Contract, on every plant of host_sim/plants against numpy; relative gains on random plants up to 16 x 16 too
  *   relative gains              within 16 eps kappa (1 + |lambda|); of Wood-Berry, Luyben-Vinante and Kotyk as published
  *   dynamic relative gains      within 16 eps kappa (1 + |lambda|), modulus and real part, at three frequencies
  *   Niederlinski index          within 16 eps kappa (1 + |NI|)
@@ -16,6 +16,7 @@
 #include "interact/rga.h"
 #include "interact_plants.h"
 #include "num/random.h"
+#include "random_matrix.h"
 #include "unity.h"
 
 #define EPS ((double)REAL_EPSILON)
@@ -54,6 +55,77 @@ static void relative_gains_of_every_plant_are_those_of_numpy(void)
                                         (kappa * (1.0 + fabs(known.lambda[i][j]))));
     }
     printf("relative gains: worst %.2f eps kappa (1 + |lambda|)\n", worst / EPS);
+    TEST_ASSERT_TRUE(worst <= 16 * EPS);
+}
+
+/* Relative gains of a by Gauss and Jordan in double, full pivots: nothing of the firmware's. */
+static void plain_relative_gains(const struct matrix *a, double out[16][16])
+{
+    static double w[16][32];
+    unsigned n = a->rows, row_of[16];
+    bool used[16] = {false};
+    for (unsigned i = 0; i < n; i++)
+        for (unsigned j = 0; j < n; j++) {
+            w[i][j] = (double)a->at[i][j];
+            w[i][n + j] = i == j;
+        }
+    for (unsigned step = 0; step < n; step++) {
+        unsigned pi = 0, pj = 0;
+        double best = -1;
+        for (unsigned i = 0; i < n; i++)
+            for (unsigned j = 0; j < n && !used[i]; j++)
+                if (fabs(w[i][j]) > best) {
+                    best = fabs(w[i][j]);
+                    pi = i;
+                    pj = j;
+                }
+        used[pi] = true;
+        row_of[pj] = pi;
+        double pivot = w[pi][pj];
+        for (unsigned j = 0; j < 2 * n; j++)
+            w[pi][j] /= pivot;
+        for (unsigned i = 0; i < n; i++) {
+            double factor = w[i][pj];
+            for (unsigned j = 0; j < 2 * n && i != pi; j++)
+                w[i][j] -= factor * w[pi][j];
+        }
+    }
+    for (unsigned i = 0; i < n; i++)
+        for (unsigned j = 0; j < n; j++)
+            out[i][j] = (double)a->at[i][j] * w[row_of[j]][n + i];
+}
+
+static void relative_gains_of_random_plants_up_to_16_loops_are_those_of_plain_elimination(void)
+{
+    static double want[16][16];
+    double worst = 0.0;
+    unsigned seen = 0;
+    for (uint64_t seed = 1; seed <= 200; seed++) {
+        struct random_source r = {seed};
+        k.rows = k.cols = (uint8_t)(2 + random_below(&r, 15));
+        for (unsigned i = 0; i < k.rows; i++)
+            for (unsigned j = 0; j < k.cols; j++)
+                k.at[i][j] = (real_t)random_fraction(&r);
+        memset(&known, 0, sizeof known);
+        known.plant.outputs = known.plant.inputs = k.rows;
+        for (unsigned i = 0; i < k.rows; i++)
+            for (unsigned j = 0; j < k.cols; j++)
+                known.plant.element[i][j].gain = k.at[i][j];
+        analyse(0);
+        double kappa = (double)gains.condition_scaled;
+        if (kappa > 0.01 / EPS)
+            continue;
+        plain_relative_gains(&k, want);
+        TEST_ASSERT_EQUAL_INT(ERR_OK, rga_compute(&k, &work, &lambda));
+        for (unsigned i = 0; i < k.rows; i++)
+            for (unsigned j = 0; j < k.cols; j++)
+                worst = fmax(worst, fabs((double)lambda.at[i][j] - want[i][j]) /
+                                        (kappa * (1.0 + fabs(want[i][j]))));
+        seen++;
+    }
+    printf("relative gains of %u random plants: worst %.2f eps kappa (1 + |lambda|)\n", seen,
+           worst / EPS);
+    TEST_ASSERT_GREATER_THAN_UINT(190, seen);
     TEST_ASSERT_TRUE(worst <= 16 * EPS);
 }
 
@@ -327,6 +399,7 @@ int main(void)
 {
     UNITY_BEGIN();
     RUN_TEST(relative_gains_of_every_plant_are_those_of_numpy);
+    RUN_TEST(relative_gains_of_random_plants_up_to_16_loops_are_those_of_plain_elimination);
     RUN_TEST(published_relative_gains_are_found);
     RUN_TEST(dynamic_relative_gains_of_every_plant_are_those_of_numpy);
     RUN_TEST(dynamic_relative_gains_begin_with_the_static_ones);

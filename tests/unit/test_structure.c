@@ -359,6 +359,43 @@ static void wood_and_berrys_column_has_its_known_rnga(void)
     TEST_ASSERT_DOUBLE_WITHIN(0.05, 0.7777 * 60, (double)e.dead_time_s);
 }
 
+/* All but the column of problem 90-01, whose first two inputs hardly move anything and whose models are inverse responses
+ * forced into a first order. */
+static void gains_and_speeds_agree_on_the_pairing_of_most_plants(void)
+{
+    static struct assignment assignment;
+    for (unsigned number = 1; number <= PLANTS; number++) {
+        known_plant(number, &known);
+        if (known.pairs.n == 0)
+            continue;
+        TEST_ASSERT_EQUAL_INT(ERR_OK, measure_compute(&known.plant, &known.pairs, REAL_C(1.0),
+                                                      &measure_work, &measure));
+        TEST_ASSERT_EQUAL_INT(number != PLANT_COLUMN_9001, measure_agrees(&measure, &assignment));
+    }
+}
+
+/* K = [1 -1.2; 1.2 1]: lambda 0.41 on the diagonal, 0.59 off it. The diagonal ten times as fast: RNGA 0.99. */
+static void speed_can_turn_the_pairing_round(void)
+{
+    static struct assignment assignment;
+    static const double k[4] = {1, -1.2, 1.2, 1};
+    make_plant(2, k, 0, 0);
+    for (unsigned i = 0; i < 2; i++)
+        for (unsigned j = 0; j < 2; j++) {
+            plant.element[i][j].dead_time_s = 0;
+            plant.element[i][j].time_constant_s = REAL_C(1000.0);
+        }
+    struct pairs crossed = {2, {0, 1}, {1, 0}};
+    TEST_ASSERT_EQUAL_INT(ERR_OK, measure_compute(&plant, &crossed, 1, &measure_work, &measure));
+    TEST_ASSERT_TRUE(measure_agrees(&measure, &assignment));
+    plant.element[0][0].time_constant_s = plant.element[1][1].time_constant_s = REAL_C(100.0);
+    TEST_ASSERT_EQUAL_INT(ERR_OK, measure_compute(&plant, &crossed, 1, &measure_work, &measure));
+    TEST_ASSERT_FALSE(measure_agrees(&measure, &assignment));
+    TEST_ASSERT_EQUAL_INT(ERR_OK, measure_compute(&plant, &pairs, 1, &measure_work, &measure));
+    TEST_ASSERT_TRUE(measure_agrees(&measure, &assignment));
+    TEST_ASSERT_DOUBLE_WITHIN(1e-4, 1.0 / (1.0 + 0.0144), (double)measure.phi.at[0][0]);
+}
+
 static void settings_out_of_range_are_refused(void)
 {
     known_plant(PLANT_FURNACE, &known);
@@ -411,6 +448,8 @@ int main(void)
     RUN_TEST(no_plant_of_the_sources_is_taken_for_a_cascade);
     RUN_TEST(normalised_gain_arrays_of_every_plant_are_those_of_numpy);
     RUN_TEST(wood_and_berrys_column_has_its_known_rnga);
+    RUN_TEST(gains_and_speeds_agree_on_the_pairing_of_most_plants);
+    RUN_TEST(speed_can_turn_the_pairing_round);
     RUN_TEST(settings_out_of_range_are_refused);
     RUN_TEST(without_pairs_parts_are_found_still);
     return UNITY_END();
