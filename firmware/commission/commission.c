@@ -14,6 +14,7 @@
 #define AMPLITUDE_FIRST REAL_C(0.02)
 #define ROOM_LEAST      REAL_C(0.005) /* of span, to either side of where it is held */
 #define FOLLOW_TICKS    REAL_C(5.0)   /* a valve on its way to a step is no fault */
+#define CLIMBS          REAL_C(0.7) /* second half of a level over the first: 1 for an integrator */
 #define LONGER          3u /* times the half before, where an output did not come to rest */
 #define LONGER_MOST     3u
 #define HALF_MOST       1000u       /* samples */
@@ -380,6 +381,7 @@ static void ask_for(struct commission *c, enum model_job job, uint32_t ticks)
     c->job_done = false;
     c->job_ticks = 0;
     c->job_due = ticks;
+    c->job_number = c->job_number + 1u;
     c->job = (uint8_t)job; /* last: from here on the background may work */
 }
 
@@ -443,11 +445,17 @@ static void test(struct commission *c, struct supervisor *s)
     enum experiment_phase before = x->phase;
     for (uint8_t j = 0; j < c->outputs; j++)
         y[j] = num_to_float(s->measurement[c->measurement[j]].value);
+    if (c->job == JOB_LOOK && ++c->job_ticks >= c->job_due && c->job_done) {
+        c->job = JOB_NONE;
+        experiment_looked(x);
+    }
     if (experiment_step(x, y) != ERR_OK) {
         end(c, s, WHY_NUMBERS, input_name(c, s), REAL_C(0.0));
         return;
     }
     supervisor_excite(s, c->input[k].output, num_from_float(x->level));
+    if (x->looking && c->job == JOB_NONE)
+        ask_for(c, JOB_LOOK, 1u + samples(s, REAL_C(2.0)));
     if (before == EXPERIMENT_REST && x->phase == EXPERIMENT_UP)
         event_put(c->events, s->time_ms, EVENT_TEST_STEP, input_name(c, s), x->amplitude, c->round);
     if (before == EXPERIMENT_UP && x->phase == EXPERIMENT_DOWN && x->cut) {
@@ -495,10 +503,13 @@ static void take_fit(struct commission *c, struct supervisor *s)
         return;
     }
     for (uint8_t j = 0; j < c->outputs; j++) {
-        if (!(c->fitted[j].flags & IDENTIFIED_INTEGRATING))
+        if (c->climbs[j] < CLIMBS)
             continue;
         if (test_longer(c, s))
             return;
+        /* A step that was cut short says less: there the fit must think so, too. */
+        if (c->work.test.experiment.cut && !(c->fitted[j].flags & IDENTIFIED_INTEGRATING))
+            continue;
         end(c, s, WHY_INTEGRATES, s->plan->config.measurement[c->measurement[j]].name,
             c->input[k].worst);
         return;
@@ -698,8 +709,9 @@ bool commission_waits(const struct commission *c)
 bool commission_work(struct commission *c)
 {
     c->working = true;
+    uint32_t number = c->job_number;
     bool work = c->job != JOB_NONE && !c->job_done;
-    if (work && !model_work(c) && c->job != JOB_NONE)
+    if (work && !model_work(c) && c->job_number == number)
         c->job_done = true;
     c->working = false;
     return work;

@@ -119,16 +119,17 @@ struct commission {
     /* The background's part; its while `job` is set and `job_done` is not. */
     volatile uint8_t job;
     volatile bool job_done;
-    volatile bool working; /* in the midst of a piece */
+    volatile uint32_t job_number; /* counts jobs: an abandoned one cannot end the next */
+    volatile bool working;        /* in the midst of a piece */
     enum err job_error;
     uint32_t job_ticks, job_due;
     struct identified fitted[CHANNEL_MAX]; /* of the latest test, by output */
+    real_t climbs[CHANNEL_MAX];            /* ... and how it went on climbing: judge.h */
     uint8_t fit_at;                        /* output under work */
     bool fit_running;
     union {
         struct {
             struct experiment experiment;
-            struct fopdt_fit fit;
         } test;
         struct analysis analysis;
     } work;

@@ -7,17 +7,14 @@
 
 #define MOTION_LIMIT   REAL_C(3.0) /* noise standard deviations over the window */
 #define VARIANCE_LIMIT REAL_C(4.0)
-#define SETTLED_SHARE  REAL_C(0.04) /* of the response: what a quarter of a step may still bring */
-#define SETTLED_NOISE                                                                              \
-    REAL_C(2.0) /* noise standard deviations that it may be, whatever the response */
-#define DRIFT_SHARE  REAL_C(0.2)  /* of the response that a quarter of the time may drift */
-#define FIRST_MOST   REAL_C(0.05) /* of span: largest amplitude to begin with */
-#define FIRST_POINTS 16u          /* of the record since the last edge, before rest is looked for */
-#define GUARD_NOISE  REAL_C(0.05)
-#define GROWTH_MOST  REAL_C(4.0) /* of the amplitude in one go */
-#define LIMIT_SHARE  REAL_C(0.7) /* of a limit that a larger amplitude may aim at */
-#define TURN_SHARE   REAL_C(0.8) /* of a limit at which the negative half ends early */
-#define PATIENCE     20u         /* windows until rest is given up */
+#define FIRST_MOST     REAL_C(0.05) /* of span: largest amplitude to begin with */
+#define KNOWN          REAL_C(0.33) /* of a gain: standard deviation of one to be believed */
+#define OVER           REAL_C(3.0)  /* time constants: a twentieth is left */
+#define GUARD_NOISE    REAL_C(0.05)
+#define GROWTH_MOST    REAL_C(4.0) /* of the amplitude in one go */
+#define LIMIT_SHARE    REAL_C(0.7) /* of a limit that a larger amplitude may aim at */
+#define TURN_SHARE     REAL_C(0.8) /* of a limit at which the negative half ends early */
+#define PATIENCE       20u         /* windows until rest is given up */
 
 static enum err watch_rest(struct experiment *e, uint32_t window)
 {
@@ -178,65 +175,47 @@ static enum err at_rest(struct experiment *e, const real_t *y)
     return ERR_OK;
 }
 
-static real_t mean_of(const struct record *r, unsigned j, uint32_t from, uint32_t to)
+/* A model to be believed: its gain is known within a third. */
+static bool is_known(const struct identified *f)
 {
-    real_t sum = REAL_C(0.0);
-    for (uint32_t i = from; i < to; i++) /* RECORD_POINTS at most */
-        sum += r->y[j][i];
-    return sum / (real_t)(to - from);
+    return !(f->flags & (IDENTIFIED_NO_GAIN | IDENTIFIED_INTEGRATING)) &&
+           f->gain_sd < KNOWN * real_abs(f->gain);
 }
 
-/* How each output stands since the last edge, from the record, so that neither a clock nor a time constant is needed:
- * what the last quarter of the time brought, against the quarter before. */
+/* What the models say of the step. */
 struct progress {
-    bool settled;     /* every output */
+    bool seen;  /* a response at all */
+    bool known; /* every output that responds is */
+    bool any_known;
+    real_t over_s;    /* since the last edge: when every response is over but for a twentieth */
     real_t stand_out; /* largest response to the amplitude, in noise standard deviations */
     real_t
         growth; /* factor by which the amplitude may grow before an output comes near its limit */
-    real_t last[CHANNEL_MAX]; /* mean deviation of the last quarter */
 };
 
-static void look_at_record(const struct experiment *e, struct progress *p)
+static void look_at_models(const struct experiment *e, struct progress *p)
 {
-    const struct record *r = &e->record;
     const struct experiment_config *c = &e->config;
-    memset(p, 0, sizeof *p);
-    p->growth = GROWTH_MOST;
-    uint32_t edge = r->input.edge[r->input.edges - 1u].sample;
-    uint32_t first = edge / r->block + 1u;
-    if (r->points < first + FIRST_POINTS)
-        return;
-    uint32_t n = r->points - first, end = r->points;
-    uint32_t q2 = end - n * 3u / 4u, q3 = end - n / 2u, q4 = end - n / 4u;
-    p->settled = true;
+    *p = (struct progress){.known = true, .growth = GROWTH_MOST};
     for (unsigned j = 0; j < c->outputs; j++) {
-        const struct steady_result *b = &e->before[j];
-        real_t last = mean_of(r, j, q4, end), before = mean_of(r, j, q3, q4);
-        real_t spread = b->noise_sd / real_sqrt((real_t)(n / 4u) * (real_t)r->block);
-        /* By what the latest edge brought: a drift has had less time to add to that. */
-        real_t per_unit = (last - e->stair[j]) / (e->amplitude - e->stair_amplitude);
-        real_t size = real_abs(per_unit) * e->amplitude;
-        p->last[j] = last;
-        real_t bound = SETTLED_NOISE * b->noise_sd;
-        if (bound < REAL_C(4.0) * spread)
-            bound = REAL_C(4.0) * spread;
-        if (bound < SETTLED_SHARE * size)
-            bound = SETTLED_SHARE * size;
-        /* Three quarters on a line that hardly climbs are a drift, not the rest of a response. */
-        real_t change = last - before, earlier = before - mean_of(r, j, q2, q3);
-        real_t straight = REAL_C(4.0) * spread;
-        if (straight < REAL_C(0.01) * size)
-            straight = REAL_C(0.01) * size;
-        bool drifts = n >= 2u * FIRST_POINTS && real_abs(change - earlier) < straight &&
-                      real_abs(change) < DRIFT_SHARE * size;
-        if (real_abs(change) > bound && !drifts)
-            p->settled = false;
-        if (size / b->noise_sd > p->stand_out)
-            p->stand_out = size / b->noise_sd;
-        real_t left = LIMIT_SHARE * c->limit[j] - real_abs(last);
-        real_t rises = size + b->noise_sd; /* for doubling the amplitude */
-        if (rises * (p->growth - REAL_C(1.0)) > left)
-            p->growth = left > REAL_C(0.0) ? REAL_C(1.0) + left / rises : REAL_C(1.0);
+        const struct identified *f = &e->look.found[j];
+        if (f->flags & IDENTIFIED_NO_GAIN)
+            continue;
+        p->seen = true;
+        real_t ends = real_abs(f->gain) * e->amplitude;
+        real_t most = ends + REAL_C(2.0) * f->gain_sd * e->amplitude + e->before[j].noise_sd;
+        if (!is_known(f)) {
+            p->known = false;
+            continue;
+        }
+        p->any_known = true;
+        real_t over_s = f->dead_time_s + OVER * f->time_constant_s;
+        if (over_s > p->over_s)
+            p->over_s = over_s;
+        if (ends > p->stand_out * e->before[j].noise_sd)
+            p->stand_out = ends / e->before[j].noise_sd;
+        if (most * p->growth > LIMIT_SHARE * c->limit[j])
+            p->growth = LIMIT_SHARE * c->limit[j] / most;
     }
 }
 
@@ -255,57 +234,148 @@ static real_t larger(const struct experiment *e, const struct progress *p)
     return a > REAL_C(1.1) * e->amplitude ? a : e->amplitude;
 }
 
-static enum err turn_down(struct experiment *e)
+static enum err turn_down(struct experiment *e, const real_t *y)
 {
+    for (unsigned j = 0; j < e->config.outputs; j++)
+        e->at_turn[j] = y[j] - e->rest[j];
     enter(e, EXPERIMENT_DOWN, e->level);
     return move(e, -e->amplitude);
+}
+
+/* The guard of the source: a straight line (Johansson 1994). */
+static bool line_trips(struct experiment *e, const real_t *y, enum err *err)
+{
+    struct guard_prediction peak;
+    int trip = -1;
+    *err = guard_step(&e->guard, y, &trip);
+    if (*err || trip < 0 || !e->config.line_guard ||
+        guard_predict(&e->guard, (uint32_t)trip, &peak) != ERR_OK)
+        return false;
+    e->culprit = (uint8_t)trip;
+    e->predicted = peak.predicted + e->guard.config.output[trip].initial - e->rest[trip];
+    return true;
+}
+
+/* The guard by the model: where the output goes while what is under way in dead time arrives. Without a model, and
+ * whatever it says, nothing goes on that has used most of its limit. */
+static bool model_trips(struct experiment *e, const real_t *y)
+{
+    const struct experiment_config *c = &e->config;
+    for (uint8_t j = 0; j < c->outputs; j++) {
+        const struct identified *f = &e->look.found[j];
+        real_t away = y[j] - e->rest[j], peak = away, noise = e->before[j].noise_sd;
+        if (e->looked && is_known(f) && f->time_constant_s > REAL_C(0.0)) {
+            real_t ends = f->gain * e->amplitude;
+            real_t waits = f->dead_time_s + REAL_C(2.0) * c->h_s;
+            peak = away + (ends - away) * (REAL_C(1.0) - real_exp(-waits / f->time_constant_s));
+        }
+        real_t share = c->line_guard ? REAL_C(1.0) : TURN_SHARE;
+        if (real_abs(peak) < share * c->limit[j] + noise)
+            continue;
+        e->culprit = j;
+        e->predicted = peak;
+        return true;
+    }
+    return false;
+}
+
+/* Everything known of each output apart from its response, before the step has ended. */
+static void baselines_before(const struct experiment *e, struct baseline *b)
+{
+    for (unsigned j = 0; j < e->config.outputs; j++)
+        b[j] = (struct baseline){.offset = e->before[j].mean - e->rest[j],
+                                 .slope_per_s = e->before[j].slope_per_s,
+                                 .offset_sd = e->before[j].mean_sd,
+                                 .slope_sd_per_s = e->before[j].slope_sd_per_s,
+                                 .noise_sd = e->before[j].noise_sd};
+}
+
+static void ask_for_look(struct experiment *e)
+{
+    struct baseline b[CHANNEL_MAX];
+    if (e->looking || e->samples < e->next_look || e->record.points < FOPDT_FIT_POINTS_MIN)
+        return;
+    baselines_before(e, b);
+    look_begin(&e->look, &e->record, b);
+    e->looking = true;
+    e->next_look = e->samples + e->samples / 4u + 1u;
+}
+
+void experiment_looked(struct experiment *e)
+{
+    e->looking = false;
+    e->looked = true;
+    e->fresh = e->phase == EXPERIMENT_UP;
+}
+
+static enum err grow(struct experiment *e, const real_t *y, real_t amplitude)
+{
+    int trip;
+    e->amplitude = amplitude;
+    e->half = 0;
+    enum err err = arm_guard(e, y);
+    if (!err)
+        err = guard_step(&e->guard, y, &trip);
+    return err ? err : move(e, amplitude);
+}
+
+/* The models of the step so far are there. */
+static enum err decide(struct experiment *e, const real_t *y)
+{
+    const struct experiment_config *c = &e->config;
+    struct progress p;
+    look_at_models(e, &p);
+    real_t gone_s = (real_t)e->half * c->h_s;
+    bool found = c->amplitude > REAL_C(0.0) || p.stand_out >= c->noise_multiple ||
+                 e->record.input.edges + 3u > EXCITATION_EDGES_MAX;
+    if (!p.seen) { /* nothing yet: in time, more of it */
+        if (e->half < c->half_least + 2u * c->window)
+            return ERR_OK;
+        real_t a = found ? e->amplitude : larger(e, &p);
+        e->small = a <= e->amplitude;
+        if (!e->small)
+            return grow(e, y, a);
+        return e->half < c->half_least + 6u * c->window ? ERR_OK : turn_down(e, y);
+    }
+    if (!found) {
+        real_t a = larger(e, &p);
+        e->small = a <= e->amplitude;
+        /* As soon as it can be told; what cannot be told yet may just be small. */
+        if (!e->small && e->half >= c->window &&
+            (p.any_known || e->half >= c->half_least + 2u * c->window))
+            return grow(e, y, a);
+        if (!e->small)
+            return ERR_OK;
+    }
+    bool over = p.known && gone_s >= p.over_s && e->half >= c->half_least;
+    return over ? turn_down(e, y) : ERR_OK;
 }
 
 static enum err going_up(struct experiment *e, const real_t *y)
 {
     const struct experiment_config *c = &e->config;
-    int trip = -1;
+    enum err err;
     e->half++;
-    enum err err = guard_step(&e->guard, y, &trip);
+    bool trips = line_trips(e, y, &err);
     if (err)
         return err;
-    if (trip >= 0) {
-        struct guard_prediction peak;
-        bool believed =
-            c->line_guard || real_abs(y[trip] - e->rest[trip]) > REAL_C(0.5) * c->limit[trip];
-        if (believed && guard_predict(&e->guard, (uint32_t)trip, &peak) == ERR_OK) {
-            e->cut = true;
-            e->culprit = (uint8_t)trip;
-            e->predicted = peak.predicted + e->guard.config.output[trip].initial - e->rest[trip];
-            return turn_down(e);
-        }
+    if (trips || model_trips(e, y)) {
+        e->cut = true;
+        return turn_down(e, y);
     }
     if (c->half > 0 && e->half >= c->half)
-        return turn_down(e);
+        return turn_down(e, y);
     if (e->half >= c->half_most) {
         e->at_longest = true;
-        return turn_down(e);
+        return turn_down(e, y);
     }
-    if (c->half > 0 || e->half < c->half_least || e->record.waiting != 0)
-        return ERR_OK;
-    struct progress p;
-    look_at_record(e, &p);
-    if (!p.settled || (p.stand_out < REAL_C(4.0) && e->half < c->half_least + 4u * c->window))
-        return ERR_OK;
-    if (c->amplitude > REAL_C(0.0) || p.stand_out >= c->noise_multiple)
-        return turn_down(e);
-    real_t a = larger(e, &p);
-    e->small = a <= e->amplitude;
-    if (e->small || e->record.input.edges + 3u > EXCITATION_EDGES_MAX)
-        return turn_down(e);
-    memcpy(e->stair, p.last, sizeof e->stair);
-    e->stair_amplitude = e->amplitude;
-    e->amplitude = a;
-    e->half = 0;
-    err = arm_guard(e, y);
-    if (!err)
-        err = guard_step(&e->guard, y, &trip);
-    return err ? err : move(e, a);
+    if (e->fresh && c->half == 0) {
+        e->fresh = false;
+        err = decide(e, y);
+    }
+    if (!err && e->phase == EXPERIMENT_UP)
+        ask_for_look(e);
+    return err;
 }
 
 /* After steps up the way down can be the longer one: it ends before an output gets to its limit, what is still under way
@@ -319,7 +389,10 @@ static bool far_enough(const struct experiment *e, const real_t *y)
                            ? REAL_C(0.0)
                            : (r->y[j][r->points - 1u] - r->y[j][r->points - 2u]) / apart_s;
         real_t to_come = slope * e->config.dead_time_s[j];
-        if (real_abs(y[j] - e->rest[j] + to_come) > TURN_SHARE * e->config.limit[j])
+        real_t away = y[j] - e->rest[j];
+        /* Where it is still on its way from the other side it comes nearer. */
+        bool other_side = away * e->at_turn[j] > REAL_C(0.0) && e->waited <= e->half / 2u;
+        if (!other_side && real_abs(away + to_come) > TURN_SHARE * e->config.limit[j])
             return true;
     }
     return false;
@@ -328,9 +401,7 @@ static bool far_enough(const struct experiment *e, const real_t *y)
 static enum err going_down(struct experiment *e, const real_t *y)
 {
     e->waited++;
-    /* Not before it has come through rest: the positive half ends near the limit, too. */
-    bool past = e->waited > e->half / 2u && far_enough(e, y);
-    if (e->waited < e->half && !past)
+    if (e->waited < e->half && !far_enough(e, y))
         return ERR_OK;
     enter(e, EXPERIMENT_BACK, e->level);
     uint32_t third = e->half / 3u; /* a window that sees the slowest response */
@@ -416,11 +487,9 @@ enum err experiment_baseline(const struct experiment *e, uint8_t j, struct basel
     if (e->returned)
         return baseline_from_means(before_s, before->mean - e->rest[j], before->mean_sd, after_s,
                                    after->mean - e->rest[j], after->mean_sd, before->noise_sd, b);
-    *b = (struct baseline){.offset = before->mean - e->rest[j],
-                           .slope_per_s = before->slope_per_s,
-                           .offset_sd = before->mean_sd,
-                           .slope_sd_per_s = before->slope_sd_per_s,
-                           .noise_sd = before->noise_sd};
+    struct baseline all[CHANNEL_MAX];
+    baselines_before(e, all);
+    *b = all[j];
     return ERR_OK;
 }
 

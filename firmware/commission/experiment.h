@@ -1,9 +1,9 @@
 /* One double step on one input, from rest to rest (Johansson 1994, "step response experiments"):
  *
  *     rest   until every output is at rest, against its own noise
- *     up     + amplitude, for a given time or until every output has come to rest again, or until the guard sees an
- *            output on its way past its limit. An amplitude that is to be found grows in steps while the response
- *            does not stand out of the noise
+ *     up     + amplitude, for a given time or until a first-order model of all data so far says that the response is
+ *            over but for a twentieth, or until the guard sees an output on its way past its limit. An amplitude that is
+ *            to be found grows in steps while the response does not stand out of the noise
  *     down   - amplitude, as long as the last level above
  *     back   0, until every output is at rest, so that the drift since before the step is known
  *
@@ -13,6 +13,7 @@
 #ifndef REFLUX_COMMISSION_EXPERIMENT_H
 #define REFLUX_COMMISSION_EXPERIMENT_H
 
+#include "commission/look.h"
 #include "identify/guard.h"
 #include "identify/moments.h"
 #include "identify/record.h"
@@ -66,14 +67,19 @@ struct experiment {
     uint32_t waited;  /* samples in this phase */
     uint32_t half;    /* samples since the last positive edge, then length of the negative half */
     uint32_t samples; /* since the first edge */
-    uint8_t over[CHANNEL_MAX]; /* samples in a row past the limit */
-    real_t worst;              /* largest share of its limit any output has reached */
+    real_t at_turn[CHANNEL_MAX]; /* deviation from rest where the negative half began */
+    uint8_t over[CHANNEL_MAX];   /* samples in a row past the limit */
+    real_t worst;                /* largest share of its limit any output has reached */
     uint8_t worst_output;
-    real_t rest[CHANNEL_MAX];  /* level before the step */
-    real_t stair[CHANNEL_MAX]; /* deviation from it where the latest positive edge found it */
-    real_t stair_amplitude;    /* ... and the amplitude until then */
+    real_t rest[CHANNEL_MAX]; /* level before the step */
     struct steady_result before[CHANNEL_MAX], after[CHANNEL_MAX];
     bool returned; /* `after` is from outputs at rest */
+
+    /* The look under way: experiment_step begins it, the background runs it (look_run), experiment_looked takes it. */
+    bool looking;
+    bool looked, fresh; /* there is a model of this step; not yet acted upon */
+    uint32_t next_look; /* samples since the first edge */
+    struct look look;
 
     struct steady steady;
     struct record record;
@@ -87,6 +93,9 @@ MUST_CHECK enum err experiment_begin(struct experiment *e, const struct experime
 /* One sample of every output, validated, fraction of span. Sets e->level, the test signal from now to the next sample.
  * Not to be called once DONE or FAILED. ERR_NOT_FINITE: nothing has changed. */
 MUST_CHECK enum err experiment_step(struct experiment *e, const real_t *y);
+
+/* The look that experiment_step has begun (e->looking) is done: its models are used from the next sample on. */
+void experiment_looked(struct experiment *e);
 
 /* What is known of output j apart from its response, once DONE: level, drift, noise; times from the first edge. */
 MUST_CHECK enum err experiment_baseline(const struct experiment *e, uint8_t j, struct baseline *b);

@@ -1,14 +1,16 @@
 #include "supervise/config.h"
 #if COMMISSION_CHANNELS
 
+#include "commission/judge.h"
 #include "commission/model.h"
 
 #include <string.h>
 
-#define FIT_UNITS  4u           /* evaluations in one piece */
-#define GAIN_FLOOR REAL_C(0.01) /* a first-order model is not the plant: no gain is known better */
-#define HOPELESS   REAL_C(1.0)  /* standard deviation over gain from which a fit says nothing */
-#define STEP       REAL_C(0.05) /* of the predicted setpoint steps, fraction of span */
+#define FIT_UNITS   4u           /* evaluations in one piece */
+#define GAIN_FLOOR  REAL_C(0.01) /* a first-order model is not the plant: no gain is known better */
+#define SPREAD_LEFT REAL_C(0.1)  /* of the gain: what levels of three time constants leave */
+#define HOPELESS    REAL_C(1.0)  /* standard deviation over gain from which a fit says nothing */
+#define STEP        REAL_C(0.05) /* of the predicted setpoint steps, fraction of span */
 
 static real_t weight(real_t sd, real_t size)
 {
@@ -91,34 +93,26 @@ static void begin_output(struct commission *c)
     struct fopdt_fit_options o = {
         .baseline = b,
         .start = have_moments && !(moments.flags & IDENTIFIED_NO_GAIN) ? &moments : NULL};
-    err = fopdt_fit_begin(&c->work.test.fit, &x->record, j, &o);
+    err = fopdt_fit_begin(&c->work.test.experiment.look.fit, &x->record, j, &o);
     if (err)
         c->job_error = err;
     c->fit_running = !err;
 }
 
-/* An integrator is farthest from where it began at the end of the last positive level. What has been farther before is
- * something else, such as a response that dies away. */
-static bool climbs_to_the_end(const struct record *r, uint8_t j)
+/* What the record says by itself: a bent drift makes the three parts of a double step disagree about the gain, and the
+ * fit cannot know. */
+static void judge(struct commission *c, struct identified *fit)
 {
-    uint32_t edges = r->input.edges;
-    if (edges < 3)
-        return true;
-    uint32_t from = r->input.edge[edges - 3u].sample / r->block + 1u;
-    uint32_t to = r->input.edge[edges - 2u].sample / r->block;
-    if (to > r->points)
-        to = r->points;
-    if (to < from + 8u)
-        return true;
-    real_t most = REAL_C(0.0), last = REAL_C(0.0);
-    uint32_t n = (to - from) / 8u;
-    for (uint32_t i = from; i < to; i++) {
-        if (real_abs(r->y[j][i]) > most)
-            most = real_abs(r->y[j][i]);
-        if (i >= to - n)
-            last += r->y[j][i];
-    }
-    return real_abs(last) > REAL_C(0.7) * most * (real_t)n;
+    const struct experiment *x = &c->work.test.experiment;
+    struct judgement verdict;
+    struct baseline b;
+    if (experiment_baseline(x, c->fit_at, &b) != ERR_OK)
+        return;
+    judge_record(&x->record, c->fit_at, &b, x->amplitude, &verdict);
+    c->climbs[c->fit_at] = verdict.climbs;
+    real_t more = verdict.spread - SPREAD_LEFT * real_abs(fit->gain);
+    if (more > REAL_C(0.0))
+        fit->gain_sd = real_sqrt(fit->gain_sd * fit->gain_sd + REAL_C(0.25) * more * more);
 }
 
 /* A fit that says nothing of the gain, because the response is not that of a lag: the moments' answer, which weighs the
@@ -143,20 +137,19 @@ static bool fit_piece(struct commission *c)
         begin_output(c);
         return true;
     }
-    if (!fopdt_fit_run(&c->work.test.fit, FIT_UNITS))
+    if (!fopdt_fit_run(&c->work.test.experiment.look.fit, FIT_UNITS))
         return true;
     struct fopdt_fit_result r;
-    enum err err = fopdt_fit_result(&c->work.test.fit, &r);
+    enum err err = fopdt_fit_result(&c->work.test.experiment.look.fit, &r);
     if (err) {
         c->job_error = err;
         return false;
     }
     c->element[c->fit_at][c->order[c->at]].plateau_gain = r.plateau_gain;
-    if (!climbs_to_the_end(&c->work.test.experiment.record, c->fit_at))
-        r.element.flags &= (uint16_t)~IDENTIFIED_INTEGRATING;
     if (r.element.gain_sd > HOPELESS * real_abs(r.element.gain) &&
         !(r.element.flags & IDENTIFIED_NO_GAIN))
         use_moments(&c->element[c->fit_at][c->order[c->at]], &r.element);
+    judge(c, &r.element);
     c->fitted[c->fit_at] = r.element;
     c->fit_running = false;
     c->fit_at++;
@@ -192,6 +185,8 @@ void model_begin_analysis(struct commission *c, const struct config *config, rea
 
 bool model_work(struct commission *c)
 {
+    if (c->job == JOB_LOOK)
+        return look_run(&c->work.test.experiment.look);
     if (c->job == JOB_FIT)
         return fit_piece(c);
     if (c->job_error)

@@ -4,7 +4,7 @@
 
 #include "commission/commission.h"
 
-enum model_job { JOB_NONE, JOB_FIT, JOB_ANALYSE };
+enum model_job { JOB_NONE, JOB_LOOK, JOB_FIT, JOB_ANALYSE };
 
 /* Begins the job on what the tick has left in `c`. */
 void model_begin_fit(struct commission *c);

@@ -1,0 +1,45 @@
+#include "supervise/config.h"
+#if COMMISSION_CHANNELS
+
+#include <string.h>
+
+#include "commission/look.h"
+
+#define FIT_UNITS 4u /* evaluations in one piece */
+
+void look_begin(struct look *l, const struct record *record, const struct baseline *baseline)
+{
+    l->seen = *record;
+    memcpy(l->baseline, baseline, record->outputs * sizeof *baseline);
+    l->samples = record->samples;
+    l->at = 0;
+    l->running = false;
+}
+
+static void nothing_found(struct look *l)
+{
+    l->found[l->at] = (struct identified){.flags = IDENTIFIED_NO_GAIN};
+    l->at++;
+}
+
+bool look_run(struct look *l)
+{
+    struct fopdt_fit_result r;
+    if (l->at >= l->seen.outputs)
+        return false;
+    if (!l->running) {
+        struct fopdt_fit_options o = {.baseline = l->baseline[l->at]};
+        l->running = fopdt_fit_begin(&l->fit, &l->seen, l->at, &o) == ERR_OK;
+        if (!l->running)
+            nothing_found(l);
+    } else if (fopdt_fit_run(&l->fit, FIT_UNITS)) {
+        l->running = false;
+        if (fopdt_fit_result(&l->fit, &r) == ERR_OK)
+            l->found[l->at++] = r.element;
+        else
+            nothing_found(l);
+    }
+    return l->at < l->seen.outputs;
+}
+
+#endif
