@@ -14,13 +14,13 @@ struct rga_work {
 };
 
 /* Lambda = K .* (K+)': Bristol, IEEE Trans. Automatic Control 11 (1966) 133; non-square with the pseudo-inverse: Chang
- * and Yu, Ind. Eng. Chem. Res. 29 (1990) 1584. Sums of every row and column are 1 where K is square; of a tall one the
+ * and Yu, Chem. Eng. Sci. 45 (1990) 1309. Sums of every row and column are 1 where K is square; of a tall one the
  * columns', of a wide one the rows'. ERR_SINGULAR: rank not full, there are no relative gains. */
 MUST_CHECK enum err rga_compute(const struct matrix *gains, struct rga_work *work,
                                 struct matrix *lambda);
 
 /* Dynamic RGA: G(i omega) .* (G(i omega)+)' (transposed, not conjugated). magnitude gets the moduli, real_part the real
- * parts; either may be NULL. pairs NULL: the whole plant. About 4e5 instructions for 16 x 16. */
+ * parts; either may be NULL. pairs NULL: the whole plant. About 3e5 instructions for 16 x 16. */
 struct rga_at_work {
     struct cmatrix response, inverse;
     struct matrix size;
@@ -38,7 +38,7 @@ real_t rga_number(const struct matrix *lambda, const struct pairs *pairs);
  * (1987) 1043; Skogestad and Postlethwaite 3.4). *output and *input: of which gain. */
 real_t rga_smallest_error(const struct matrix *lambda, uint8_t *output, uint8_t *input);
 
-/* NI = det K / product of K[output k][input k]: Niederlinski, AIChE J. 17 (1971) 1261. Below 0 the loops with integral
+/* NI = det K / product of K[output k][input k]: Niederlinski, Automatica 7 (1971) 691. Below 0 the loops with integral
  * action are unstable together, however slow (Grosdidier, Morari and Holt 1985, for proper open loops). May overflow to
  * infinity; its sign is right. ERR_SINGULAR: det or a paired gain is 0. */
 MUST_CHECK enum err niederlinski_index(const struct matrix *gains, const struct pairs *pairs,

@@ -7,6 +7,7 @@ stable when the eigenvalues of that matrix are inside the unit circle.
 """
 import numpy as np
 import scipy.linalg
+import scipy.signal
 
 
 class Part:

@@ -20,3 +20,7 @@ if(TARGET libreflux)
     COMMAND "${PYTHON3}" "${CMAKE_CURRENT_LIST_DIR}/test_detuned_loops.py" $<TARGET_FILE:libreflux>)
   set_tests_properties(detuned_loops PROPERTIES LABELS unit TIMEOUT 300 ENVIRONMENT "PYTHONDONTWRITEBYTECODE=1")
 endif()
+
+# Not a test: what the analysis of a 16 x 16 plant costs.
+add_executable(interact_cost "${PROJECT_SOURCE_DIR}/tests/bench/interact_cost.c")
+target_link_libraries(interact_cost PRIVATE reflux_design reflux_options m)

@@ -7,12 +7,13 @@ the eigenvalues. And: what the firmware says of stability, on random plants, aga
 
 usage: test_detuned_loops.py LIBRARY
 """
+import itertools
 import sys
 import unittest
 from pathlib import Path
 
 import numpy as np
-import scipy.signal  # noqa: F401  (sampled_loops uses it)
+import scipy.optimize
 
 HERE = Path(__file__).resolve().parent
 sys.path[:0] = [str(HERE.parent / "reference"), str(HERE.parents[1] / "tools")]
@@ -53,6 +54,8 @@ class DetunedLoops(unittest.TestCase):
             loops, said = libreflux.detune(plant, pairs, h, d)
             self.assertTrue(said["kept"], q.name)
             radius = [Loop(plant_parts(q, h), pairs, loops.gain * times, loops.ti, h, d).radius() for times in (1.0, 1.3)]
+            print(f"{q.name:20s} with a decoupler: F {said['factor']:5.2f}  largest eigenvalue {radius[0]:.6f}, "
+                  f"gains times 1.3: {radius[1]:.6f}")
             self.assertLess(max(radius), 1.0, q.name)
             made += 1
         self.assertGreaterEqual(made, 8)
@@ -106,6 +109,28 @@ class DetunedLoops(unittest.TestCase):
             y, _ = Loop(fopdt_parts(plant.gain, plant.dead_time, plant.time_constant, h), pairs, loops.gain, loops.ti,
                         h).simulate(400, setpoint)
             np.testing.assert_allclose(t["y"][:99], y[3:396:4][:, [a for a, _ in pairs]], atol=1e-12)
+
+
+class Shell(unittest.TestCase):
+    """The outputs that the row sums of the non-square relative gains keep, of the 35 choices of three out of seven."""
+
+    def setUp(self):
+        self.gain, self.pairs = next((g, pairs) for q, g, _, _, pairs in figures() if q.name == "shell-fractionator")
+
+    def test_the_outputs_kept_have_the_largest_least_singular_value_of_all_choices(self):
+        least = {c: np.linalg.svd(self.gain[list(c)], compute_uv=False)[-1] for c in itertools.combinations(range(7), 3)}
+        self.assertEqual(max(least, key=least.get), tuple(sorted(a for a, _ in self.pairs)))
+        self.assertEqual(len(least), 35)
+
+    def test_assigning_on_the_non_square_array_would_choose_a_worse_square_plant(self):
+        lam = libreflux.rga(libreflux.Plant(self.gain))
+        cost = np.where(lam > 0.0, np.abs(np.log(np.maximum(lam, 1e-9))), 1e3)
+        out, inp = scipy.optimize.linear_sum_assignment(cost)
+        square = np.diag(libreflux.rga(libreflux.Plant(self.gain[np.ix_(out, inp)])))
+        kept = libreflux.pairing(libreflux.Plant(self.gain))["lambda"]
+        print("Shell: assigned on 7 x 3", [(f"y{a + 1}-u{b + 1}", round(lam[a, b], 2)) for a, b in zip(out, inp)],
+              "relative gains of its square plant", square.round(2), "of the one kept", kept.round(2))
+        self.assertGreater(np.abs(np.log(square)).sum(), 1.5 * np.abs(np.log(kept)).sum())
 
 
 class Binding(unittest.TestCase):

@@ -294,8 +294,13 @@ static void the_paper_machine_has_rank_4_and_null_vectors(void)
         TEST_ASSERT_DOUBLE_WITHIN(1e-4, 0.0, (double)y[1]); /* outputs 1, 3 and 4 alone */
         TEST_ASSERT_DOUBLE_WITHIN(1e-4, 0.0, (double)y[4]);
     }
-    printf("paper machine, gains to 0.5 %%: last singular value %.2g of its deviation\n",
+    real_t y[INTERACT_MAX];
+    TEST_ASSERT_EQUAL_INT(ERR_OK, gains_null_output(&gains, 0, y));
+    printf("paper machine: last singular value %.2g of its deviation, null vector of outputs",
            (double)gains.smallest_in_sd);
+    for (unsigned i = 0; i < 5; i++)
+        printf(" %.2f", (double)y[i]);
+    printf("\n");
 }
 
 static void relative_gains_of_a_singular_plant_are_refused(void)
