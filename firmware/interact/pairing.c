@@ -60,7 +60,7 @@ static void take_gains(struct pairing *p)
     p->stage = STAGE_CHOOSE;
 }
 
-/* Rows and columns of p->gains that may be used, into p->square; kept_* remember which they were. */
+/* Rows and columns of p->gains that may be used, into p->square; p->kept remembers which they were. */
 static void take_allowed(struct pairing *p)
 {
     p->kept.n = 0;
@@ -151,28 +151,22 @@ static enum err relative_gains_of_square(struct pairing *p)
  * open node. The dearest open node goes where there is no room. */
 static void solve_node(struct pairing *p, uint8_t fixed, uint16_t forbidden)
 {
-    struct assignment *a = &p->assignment;
-    int32_t saved[INTERACT_MAX];
+    const struct assignment *a = &p->assignment;
+    struct assignment *rest = &p->rest;
     struct pairing_node node = {.forbidden = forbidden, .fixed = fixed};
-    uint8_t n = a->rows;
-    /* Fixed rows and their columns are taken out by forbidding: swap the rest of them in the cost matrix. */
-    memcpy(saved, a->cost[fixed], sizeof saved);
-    for (uint8_t j = 0; j < n; j++)
-        if ((forbidden & (1u << j)) != 0u)
-            a->cost[fixed][j] = ASSIGNMENT_FORBIDDEN;
+    uint8_t column[INTERACT_MAX], partner[INTERACT_MAX], left = 0;
     uint16_t taken = 0;
     for (uint8_t i = 0; i < fixed; i++)
         taken = (uint16_t)(taken | (1u << p->parent.partner[i]));
-    struct assignment *rest = &p->rest;
-    uint8_t column[INTERACT_MAX], partner[INTERACT_MAX], left = 0;
-    for (uint8_t j = 0; j < n; j++)
+    for (uint8_t j = 0; j < a->cols; j++)
         if ((taken & (1u << j)) == 0u)
             column[left++] = j;
     rest->rows = rest->cols = left;
     for (uint8_t i = 0; i < left; i++)
-        for (uint8_t j = 0; j < left; j++)
-            rest->cost[i][j] = a->cost[fixed + i][column[j]];
-    memcpy(a->cost[fixed], saved, sizeof saved);
+        for (uint8_t j = 0; j < left; j++) {
+            bool out = i == 0 && (forbidden & (1u << column[j])) != 0u;
+            rest->cost[i][j] = out ? ASSIGNMENT_FORBIDDEN : a->cost[fixed + i][column[j]];
+        }
 
     int32_t total;
     if (assignment_solve(rest, partner, &total))

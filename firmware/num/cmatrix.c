@@ -26,7 +26,7 @@ static void swap_rows(struct clu *lu, size_t k, size_t l)
     uint8_t row = lu->row[k];
     lu->row[k] = lu->row[l];
     lu->row[l] = row;
-    lu->sign = (int8_t)-lu->sign;
+    lu->sign = (int16_t)-lu->sign;
 }
 
 /* Magnitude enough to choose a pivot by: no square root. */

@@ -16,7 +16,7 @@ struct cmatrix {
 
 struct clu {
     uint8_t n;
-    int8_t sign;
+    int16_t sign;
     uint8_t row[MATRIX_MAX];
     struct cplx at[MATRIX_MAX][MATRIX_MAX];
 };

@@ -128,7 +128,7 @@ enum err lu_factor(const struct matrix *a, struct lu *lu)
             lu->row[k] = lu->row[pivot];
             lu->row[pivot] = row;
             largest[pivot] = largest[k];
-            lu->sign = (int8_t)-lu->sign;
+            lu->sign = (int16_t)-lu->sign;
         }
         for (size_t i = k + 1; i < n; i++) {
             real_t factor = lu->at[i][k] / lu->at[k][k];

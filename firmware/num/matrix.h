@@ -26,7 +26,7 @@ struct matrix {
 /* P A = L U: at holds U and, below its diagonal, L; row[k] is the row of A that became row k. */
 struct lu {
     uint8_t n;
-    int8_t sign; /* of the permutation */
+    int16_t sign; /* of the permutation */
     uint8_t row[MATRIX_MAX];
     real_t at[MATRIX_MAX][MATRIX_MAX];
 };

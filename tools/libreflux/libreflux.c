@@ -105,8 +105,9 @@ int32_t reflux_rga_at(const struct reflux_plant *plant, int32_t n_omega, const d
         err = rga_at(&p, NULL, omega[k], &work, &m, &r);
         if (err)
             break;
-        give_matrix(&m, modulus + k * p.outputs * p.inputs);
-        give_matrix(&r, real_part + k * p.outputs * p.inputs);
+        size_t at = (size_t)k * p.outputs * p.inputs;
+        give_matrix(&m, modulus + at);
+        give_matrix(&r, real_part + at);
     }
     return err;
 }
@@ -132,9 +133,10 @@ int32_t reflux_gains(const struct reflux_plant *plant, double floor, double *sin
     numbers[2] = g.rank;
     numbers[3] = g.rank_exact;
     numbers[4] = g.smallest_in_sd;
-    for (unsigned k = 0; gains_null_input(&g, k, null_inputs + k * p.inputs) == ERR_OK; k++)
+    for (unsigned k = 0; gains_null_input(&g, k, null_inputs + (size_t)k * p.inputs) == ERR_OK; k++)
         ;
-    for (unsigned k = 0; gains_null_output(&g, k, null_outputs + k * p.outputs) == ERR_OK; k++)
+    for (unsigned k = 0; gains_null_output(&g, k, null_outputs + (size_t)k * p.outputs) == ERR_OK;
+         k++)
         ;
     return ERR_OK;
 }
@@ -263,7 +265,7 @@ int32_t reflux_cascades(const struct reflux_plant *plant, int32_t *found, int32_
     if (err)
         return err;
     *found = count;
-    for (int k = 0; k < count; k++) {
+    for (size_t k = 0; k < count; k++) {
         which[2 * k] = all[k].inner;
         which[2 * k + 1] = all[k].outer;
         between[4 * k] = all[k].between.gain;
@@ -383,8 +385,8 @@ int32_t reflux_open_loop(const struct reflux_plant *plant, const struct reflux_l
         return err;
     loops_sample(&p, &l, NYQUIST_DELAY, 0.0, &sampled);
     loops_open(&l, &sampled, omega, &response);
-    for (int i = 0; i < response.rows; i++)
-        for (int j = 0; j < response.cols; j++) {
+    for (size_t i = 0; i < response.rows; i++)
+        for (size_t j = 0; j < response.cols; j++) {
             open[2 * (i * response.cols + j)] = response.at[i][j].re;
             open[2 * (i * response.cols + j) + 1] = response.at[i][j].im;
         }
@@ -418,22 +420,22 @@ int32_t reflux_trial(const struct reflux_plant *plant, const struct reflux_loops
     do {
         err = trial_step(&t);
         if (*n_rows < room) {
-            double *row = rows + *n_rows * (l.pairs.n + 1);
+            double *row = rows + (size_t)*n_rows * (l.pairs.n + 1u);
             row[0] = t.time_s;
             for (int k = 0; k < l.pairs.n; k++)
                 row[1 + k] = t.y[k];
             (*n_rows)++;
         }
     } while (err == ERR_BUSY);
-    for (int k = 0; k < l.pairs.n; k++) {
+    for (size_t k = 0; k < l.pairs.n; k++) {
         numbers[4 * k] = t.loop[k].iae;
         numbers[4 * k + 1] = t.loop[k].peak;
         numbers[4 * k + 2] = t.loop[k].settled_s;
         numbers[4 * k + 3] = t.loop[k].moved;
     }
-    numbers[4 * l.pairs.n] = t.bounded;
-    numbers[4 * l.pairs.n + 1] = t.coarse;
-    numbers[4 * l.pairs.n + 2] = t.step_s;
+    numbers[4u * l.pairs.n] = t.bounded;
+    numbers[4u * l.pairs.n + 1u] = t.coarse;
+    numbers[4u * l.pairs.n + 2u] = t.step_s;
     return err;
 }
 
