@@ -52,6 +52,17 @@ enum err loops_check(const struct interact_plant *plant, const struct loops *loo
     return matrix_check(loops->decoupler);
 }
 
+/* 1 - exp(-x), x at least 0. */
+static real_t rise_of(real_t x)
+{
+    if (x > REAL_C(0.01))
+        return REAL_C(1.0) - real_exp(-x);
+    real_t sum = REAL_C(1.0); /* Taylor to x^7, from the back */
+    for (int n = 7; n > 1; n--)
+        sum = REAL_C(1.0) - sum * x / (real_t)n;
+    return sum * x;
+}
+
 void loops_sample(const struct interact_plant *plant, const struct loops *loops,
                   uint16_t delay_most, real_t step_least_s, struct loops_sampled *sampled)
 {
@@ -73,50 +84,58 @@ void loops_sample(const struct interact_plant *plant, const struct loops *loops,
             bool at_once = tau < REAL_C(1e-3) * h;
             sampled->gain[k][l] = e->gain;
             sampled->delay[k][l] = (uint16_t)whole;
-            sampled->decay[k][l] = at_once ? REAL_C(0.0) : real_exp(-h / tau);
-            sampled->late_part[k][l] = at_once ? REAL_C(0.0) : real_exp(-rest / tau);
+            sampled->rise[k][l] = at_once ? REAL_C(1.0) : rise_of(h / tau);
+            sampled->rise_late[k][l] = at_once ? REAL_C(1.0) : rise_of(rest / tau);
         }
 }
 
-struct cplx loops_controller(const struct loops *loops, uint8_t k, real_t step_s, struct cplx z)
+struct cplx loops_z_less_1(real_t omega_h)
+{
+    real_t half_sine, half_cosine;
+    real_sincos(omega_h * REAL_C(0.5), &half_sine, &half_cosine);
+    return cplx(REAL_C(-2.0) * half_sine * half_sine, REAL_C(2.0) * half_sine * half_cosine);
+}
+
+struct cplx loops_controller(const struct loops *loops, uint8_t k, real_t step_s,
+                             struct cplx z_less_1)
 {
     const struct tuning *t = &loops->tuning[k];
-    struct cplx one = cplx(REAL_C(1.0), REAL_C(0.0));
-    struct cplx c = cplx_div(cplx(step_s / t->ti_s, REAL_C(0.0)), cplx_sub(z, one));
-    c = cplx_add(c, one);
+    struct cplx c = cplx_div(cplx(step_s / t->ti_s, REAL_C(0.0)), z_less_1);
+    c.re += REAL_C(1.0);
     if (t->td_s > REAL_C(0.0)) {
-        struct cplx back = cplx_conj(z); /* 1/z on the unit circle */
+        /* 1/z is the conjugate: 1 - 1/z = -(conj(z) - 1) */
+        struct cplx moved = cplx_scale(cplx_conj(z_less_1), REAL_C(-1.0));
         real_t tf = t->td_s / loops->derivative_filter;
-        struct cplx below = cplx_sub(cplx(tf + step_s, REAL_C(0.0)), cplx_scale(back, tf));
-        c = cplx_add(c, cplx_div(cplx_scale(cplx_sub(one, back), t->td_s), below));
+        struct cplx below = cplx_scale(moved, tf);
+        below.re += step_s;
+        c = cplx_add(c, cplx_div(cplx_scale(moved, t->td_s), below));
     }
     return cplx_scale(c, t->action == TUNING_DIRECT ? -t->gain : t->gain);
 }
 
-/* gain z^-delay (1 - late + (late - decay)/z)/(z - decay) */
+/* gain z^-delay (rise_late + (rise - rise_late)/z)/(z - 1 + rise) */
 static struct cplx element_response(const struct loops_sampled *s, size_t k, size_t l, real_t angle,
-                                    struct cplx z)
+                                    struct cplx z_less_1)
 {
-    real_t a = s->decay[k][l], b = s->late_part[k][l], sine, cosine;
-    struct cplx above = cplx_scale(cplx_conj(z), b - a);
-    above.re += REAL_C(1.0) - b;
+    real_t rise = s->rise[k][l], late = s->rise_late[k][l], sine, cosine;
+    struct cplx back = cplx_conj(z_less_1); /* 1/z - 1 */
+    struct cplx above = cplx(rise + (rise - late) * back.re, (rise - late) * back.im);
     real_sincos(angle * (real_t)s->delay[k][l], &sine, &cosine);
     above = cplx_scale(cplx_mul(above, cplx(cosine, -sine)), s->gain[k][l]);
-    return cplx_div(above, cplx(z.re - a, z.im));
+    return cplx_div(above, cplx(z_less_1.re + rise, z_less_1.im));
 }
 
 void loops_open(const struct loops *loops, const struct loops_sampled *sampled, real_t omega,
                 struct cmatrix *open)
 {
     size_t n = loops->pairs.n;
-    real_t angle = omega * sampled->step_s, sine, cosine;
-    real_sincos(angle, &sine, &cosine);
-    struct cplx z = cplx(cosine, sine);
+    real_t angle = omega * sampled->step_s;
+    struct cplx z_less_1 = loops_z_less_1(angle);
     open->rows = open->cols = loops->pairs.n;
     for (size_t k = 0; k < n; k++) {
         struct cplx row[INTERACT_MAX];
         for (size_t l = 0; l < n; l++)
-            row[l] = element_response(sampled, k, l, angle, z);
+            row[l] = element_response(sampled, k, l, angle, z_less_1);
         for (size_t l = 0; l < n; l++) {
             open->at[k][l] = row[l];
             if (!loops->decoupler)
@@ -128,7 +147,7 @@ void loops_open(const struct loops *loops, const struct loops_sampled *sampled, 
         }
     }
     for (size_t l = 0; l < n; l++) {
-        struct cplx c = loops_controller(loops, (uint8_t)l, sampled->step_s, z);
+        struct cplx c = loops_controller(loops, (uint8_t)l, sampled->step_s, z_less_1);
         for (size_t k = 0; k < n; k++)
             open->at[k][l] = cplx_mul(open->at[k][l], c);
     }

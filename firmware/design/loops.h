@@ -19,14 +19,14 @@ struct loops {
 MUST_CHECK enum err loops_check(const struct interact_plant *plant, const struct loops *loops,
                                 struct interact_refusal *why);
 
-/* The elements sampled with their inputs held: y(k+1) = decay y(k) + gain ((late_part - decay) u(k - delay - 1) +
- * (1 - late_part) u(k - delay)), exactly, for a dead time of delay + f samples, 0 <= f < 1. Row and column k for loop k. */
+/* The elements sampled with their inputs held, exactly: for a dead time of delay + f samples, 0 <= f < 1,
+ *     x(k+1) = (1 - rise) x(k) + (rise - rise_late) u(k - delay - 1) + rise_late u(k - delay), y = gain x
+ * rise = 1 - exp(-h/T) and rise_late = 1 - exp(-(1 - f) h/T), which keep their digits where h is far below T. Row and column
+ * k for loop k. */
 struct loops_sampled {
     real_t step_s;
-    real_t gain[INTERACT_MAX][INTERACT_MAX], decay[INTERACT_MAX][INTERACT_MAX];
-    real_t
-        late_part[INTERACT_MAX]
-                 [INTERACT_MAX]; /* decay over the part of a sample after a delayed input changes */
+    real_t gain[INTERACT_MAX][INTERACT_MAX], rise[INTERACT_MAX][INTERACT_MAX];
+    real_t rise_late[INTERACT_MAX][INTERACT_MAX];
     uint16_t delay[INTERACT_MAX][INTERACT_MAX];
 };
 
@@ -34,9 +34,13 @@ struct loops_sampled {
 void loops_sample(const struct interact_plant *plant, const struct loops *loops,
                   uint16_t delay_most, real_t step_least_s, struct loops_sampled *sampled);
 
-/* The PID of control/pid.h (positional) at z = exp(i omega h), z not 1, with the action's sign:
+/* z - 1 at z = exp(i omega h), to its last digit also where omega h is small. */
+struct cplx loops_z_less_1(real_t omega_h);
+
+/* The PID of control/pid.h (positional) where z - 1 is as given, not 0, with the action's sign:
  *     s K (1 + h/(Ti (z - 1)) + Td (1 - 1/z)/(Tf + h - Tf/z)), Tf = Td/N */
-struct cplx loops_controller(const struct loops *loops, uint8_t k, real_t step_s, struct cplx z);
+struct cplx loops_controller(const struct loops *loops, uint8_t k, real_t step_s,
+                             struct cplx z_less_1);
 
 /* The loops opened at the outputs, G(z) D C(z), at z = exp(i omega h); omega above 0, at most pi/h. */
 void loops_open(const struct loops *loops, const struct loops_sampled *sampled, real_t omega,

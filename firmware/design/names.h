@@ -8,6 +8,7 @@
 #define tuning_simc_pi                  tuning_simc_pi_double
 #define tuning_simc_pid                 tuning_simc_pid_double
 #define loops_check                     loops_check_double
+#define loops_z_less_1                  loops_z_less_1_double
 #define loops_sample                    loops_sample_double
 #define loops_controller                loops_controller_double
 #define loops_open                      loops_open_double

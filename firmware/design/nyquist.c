@@ -3,8 +3,6 @@
 #include <stddef.h>
 #include <string.h>
 
-#include "num/real_trig.h"
-
 #define STEP_COSINE    REAL_C(0.921) /* 0.4 rad */
 #define STEP_LOG       REAL_C(0.336) /* ln 1.4 */
 #define RATIO_FIRST    REAL_C(1.1)
@@ -115,14 +113,10 @@ static enum err evaluate(struct nyquist *n, real_t w, struct point *p)
     real_t square = cplx_square(t);
     p->db = square > REAL_C(1e-30) ? REAL_C(0.5) * DB_OF_NEPER * real_log(square) : REAL_C(-300.0);
     /* times ((z - 1)/(z - b))^n, b = 1 - a h: the same as (s/(s + a))^n where that matters */
-    real_t sine, cosine, h = n->sampled.step_s;
-    real_sincos(w * h, &sine, &cosine);
+    real_t h = n->sampled.step_s;
     real_t ah = n->corner * h < REAL_C(0.5) ? n->corner * h : REAL_C(0.5);
-    /* 1 - cos loses its digits at low frequency: 2 sin^2 of half the angle */
-    real_t half, unused;
-    real_sincos(w * h * REAL_C(0.5), &half, &unused);
-    struct cplx above = cplx(REAL_C(-2.0) * half * half, sine);
-    struct cplx shift = cplx_div(above, cplx(above.re + ah, sine));
+    struct cplx z_less_1 = loops_z_less_1(w * h);
+    struct cplx shift = cplx_div(z_less_1, cplx(z_less_1.re + ah, z_less_1.im));
     real_t size_of_shift = cplx_abs(shift);
     shift = cplx_scale(shift, REAL_C(1.0) / size_of_shift);
     for (size_t k = 0; k < size; k++)

@@ -112,8 +112,8 @@ static void move(struct trial *t)
             uint32_t now = t->at + TRIAL_DELAY - t->sampled.delay[k][l];
             real_t after = t->past[l][now % TRIAL_DELAY];
             real_t before = t->past[l][(now - 1u) % TRIAL_DELAY];
-            real_t a = t->sampled.decay[k][l], b = t->sampled.late_part[k][l];
-            t->state[k][l] = a * t->state[k][l] + (b - a) * before + (REAL_C(1.0) - b) * after;
+            real_t rise = t->sampled.rise[k][l], late = t->sampled.rise_late[k][l];
+            t->state[k][l] += (rise - late) * before + late * after - rise * t->state[k][l];
             t->y[k] += t->sampled.gain[k][l] * t->state[k][l];
         }
     }

@@ -433,9 +433,10 @@ int32_t reflux_trial(const struct reflux_plant *plant, const struct reflux_loops
         numbers[4 * k + 2] = t.loop[k].settled_s;
         numbers[4 * k + 3] = t.loop[k].moved;
     }
-    numbers[4u * l.pairs.n] = t.bounded;
-    numbers[4u * l.pairs.n + 1u] = t.coarse;
-    numbers[4u * l.pairs.n + 2u] = t.step_s;
+    double *rest = numbers + (size_t)4 * l.pairs.n;
+    rest[0] = t.bounded;
+    rest[1] = t.coarse;
+    rest[2] = t.step_s;
     return err;
 }
 
