@@ -119,6 +119,12 @@ static double product(const struct cold_config *c, const struct cold_vessel *v, 
            c->overflow_flow * over * sqrt(over);
 }
 
+/* How fast a liquid boils whose vapour pressure exceeds the pressure by the part z. */
+static double eagerness(const struct cold_config *c, double z)
+{
+    return z > 0.0 ? z * z / (z + c->boiling_onset + z * z / c->boiling_limit) : 0.0;
+}
+
 /* Temperature, composition and boiling of one stage. */
 static void look_at(const struct cold_config *c, const struct cold_inputs *u, size_t s,
                     const double *n, double energy, struct cold_outputs *o)
@@ -138,8 +144,7 @@ static void look_at(const struct cold_config *c, const struct cold_inputs *u, si
         p[j] = component_vapour_pressure(&c->component[j], t, &unused);
     double sum = x * p[0] + (1.0 - x) * p[1];
     double wet = above(holdup - stage->film);
-    o->own[s] = c->boiling * wet / (wet + stage->boilable) *
-                smooth_above(sum / pressure - 1.0, c->boiling_onset);
+    o->own[s] = c->boiling * wet / (wet + stage->boilable) * eagerness(c, sum / pressure - 1.0);
     o->vapour[s] = liquid_of(c, x * p[0] / sum, t, o->own[s]);
     o->vapour[s].h += o->own[s] * c->latent;
 }

@@ -8,8 +8,9 @@
  *   energy      U = C_metal (T - T_ref) + sum n_j cp_j (T - Tb_j); solved for T, no iteration
  *   enthalpies  liquid cp_j (T - Tb_j), vapour lambda + cp_j (T - Tb_j): one molar heat of vaporisation for both
  *               components, so that molar flows are as constant as the frozen pilot assumes
- *   boiling     own vapour = k g(n) z^2 / (z + z0), z = sum x_j P_j(T) / P - 1 where that is positive: nothing
- *               below the bubble point, and a superheat of some 0.03 K at nominal boil-up. In equilibrium
+ *   boiling     own vapour = k g(n) z^2 / (z + z0 + z^2 / z1), z = sum x_j P_j(T) / P - 1 where that is positive:
+ *               nothing below the bubble point, a superheat of some 0.03 K at nominal boil-up, and at most k z1
+ *               g(n) when drops fall onto hot metal. In equilibrium
  *   vapour      1 - E of the vapour from below passes a tray untouched, the rest mixes with its liquid: Murphree's
  *               efficiency E where the flow does not change, and condensation where the tray is cold
  *   liquid      overflow c (n - n_weir)^1.5, and weeping (n - n_film) / tau where vapour is too slow to carry it
@@ -52,6 +53,7 @@ struct cold_config {
     double latent;        /* J/mol */
     double boiling;       /* k, mol/s */
     double boiling_onset; /* z0, - */
+    double boiling_limit; /* z1, - */
     double weir;          /* mol of liquid on a tray at its weir */
     double weir_flow;     /* c, mol/s per mol^1.5 */
     double weep_time;     /* tau, s */

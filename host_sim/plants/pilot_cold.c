@@ -71,6 +71,7 @@ static const struct cold_config config = {
     .latent = 34196.0,
     .boiling = 20.0,
     .boiling_onset = 1e-4,
+    .boiling_limit = 0.02,
     .weir = 0.2,
     .weir_flow = 2.3,
     .weep_time = 10.0,

@@ -104,7 +104,8 @@ def derivative(y, u):
         pressure = u["P"] * 133.322 + 1000.0 * (1 - s / (N - 1))
         partial = np.array([x[s], 1 - x[s]]) * MIX.pressures(t[s])
         liquid = max(m[s] - FILM[s], 0.0)
-        own = 20.0 * liquid / (liquid + WET[s]) * bend(partial.sum() / pressure - 1, 1e-4)
+        excess = max(partial.sum() / pressure - 1, 0.0)
+        own = 20.0 * liquid / (liquid + WET[s]) * excess**2 / (excess + 1e-4 + excess**2 / 0.02)
         stream = Stream(own, partial[0] / partial.sum(), t[s], vapour=True)
         if s == N - 1:
             move(stream, s, None)

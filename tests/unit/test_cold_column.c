@@ -27,6 +27,7 @@ static const struct cold_config config = {
     .latent = 33000.0,
     .boiling = 10.0,
     .boiling_onset = 2e-4,
+    .boiling_limit = 0.05,
     .weir = 0.15,
     .weir_flow = 2.0,
     .weep_time = 8.0,
