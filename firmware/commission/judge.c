@@ -30,29 +30,30 @@ static real_t mean_over(const struct record *r, uint8_t j, const struct baseline
 }
 
 /* Changes in the first and second half of a level, from means of a sixth each at its ends and in the middle. */
-static bool halves(const struct record *r, uint8_t j, const struct baseline *b, struct level l,
-                   real_t *first, real_t *second)
+static bool level_halves(const struct record *r, uint8_t j, const struct baseline *b,
+                         const struct level *l, real_t *first, real_t *second)
 {
-    if (l.to < l.from + 6u * PART_POINTS)
+    if (l->to < l->from + 6u * PART_POINTS)
         return false;
-    uint32_t n = (l.to - l.from) / 6u, middle = (l.from + l.to) / 2u;
-    real_t begins = r->y[j][l.from] - b->offset - b->slope_per_s * record_time(r, l.from);
+    uint32_t n = (l->to - l->from) / 6u, middle = (l->from + l->to) / 2u;
+    real_t begins = r->y[j][l->from] - b->offset - b->slope_per_s * record_time(r, l->from);
     real_t half = mean_over(r, j, b, middle - n / 2u, middle - n / 2u + n);
-    real_t ends = mean_over(r, j, b, l.to - n, l.to);
+    real_t ends = mean_over(r, j, b, l->to - n, l->to);
     *first = half - begins;
     *second = ends - half;
     return true;
 }
 
-static real_t end_of(const struct record *r, uint8_t j, const struct baseline *b, struct level l)
+static real_t end_of(const struct record *r, uint8_t j, const struct baseline *b,
+                     const struct level *l)
 {
-    uint32_t n = (l.to - l.from) / 4u;
-    return mean_over(r, j, b, l.to - n, l.to);
+    uint32_t n = (l->to - l->from) / 4u;
+    return mean_over(r, j, b, l->to - n, l->to);
 }
 
-static bool long_enough(struct level l)
+static bool long_enough(const struct level *l)
 {
-    return l.to >= l.from + 4u * PART_POINTS;
+    return l->to >= l->from + 4u * PART_POINTS;
 }
 
 void judge_record(const struct record *r, uint8_t j, const struct baseline *b, real_t amplitude,
@@ -67,16 +68,16 @@ void judge_record(const struct record *r, uint8_t j, const struct baseline *b, r
     struct level up = level_between(r, up_s, down_s), down = level_between(r, down_s, back_s);
     struct level back = level_between(r, back_s, r->samples);
     real_t up1, up2, down1, down2;
-    if (halves(r, j, b, up, &up1, &up2) && halves(r, j, b, down, &down1, &down2)) {
+    if (level_halves(r, j, b, &up, &up1, &up2) && level_halves(r, j, b, &down, &down1, &down2)) {
         real_t first = real_abs(up1 - down1), second = real_abs(up2 - down2);
         real_t noise = b->noise_sd / real_sqrt((real_t)r->block);
         result->moves = first + second > STANDS_OUT * noise;
         if (result->moves)
             result->climbs = second / (first > noise ? first : noise);
     }
-    if (!long_enough(up) || !long_enough(down) || !long_enough(back))
+    if (!long_enough(&up) || !long_enough(&down) || !long_enough(&back))
         return;
-    real_t u = end_of(r, j, b, up), d = end_of(r, j, b, down), rest = end_of(r, j, b, back);
+    real_t u = end_of(r, j, b, &up), d = end_of(r, j, b, &down), rest = end_of(r, j, b, &back);
     real_t gain[3] = {u / amplitude, (u - d) / (REAL_C(2.0) * amplitude), (rest - d) / amplitude};
     real_t lo = gain[0], hi = gain[0];
     for (unsigned i = 1; i < 3; i++) {

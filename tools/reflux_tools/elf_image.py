@@ -112,7 +112,8 @@ class Image:
         """Functions whose address lies somewhere as a word (constant tables, literal pools) or is put together
         by movw and movt."""
         thumb = {start | 1: start for start in self.functions}
-        taken = {thumb[word] for word in self.words().values() if word in thumb}
+        # Two halves of instructions can read like an address by chance; literal pools are no instructions.
+        taken = {thumb[word] for at, word in self.words().items() if word in thumb and at not in self.instructions}
         low: dict[str, int] = {}
         for address in self.sorted_addresses:
             instruction = self.instructions[address]
