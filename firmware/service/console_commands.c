@@ -1,12 +1,12 @@
 /* The table of commands, and those about the board as a whole. */
 #include <string.h>
 
+#include "commission/commission.h"
 #include "hal/clock.h"
 #include "hal/identity.h"
 #include "hal/memory_use.h"
 #include "hal/nvm.h"
 #include "hal/uart.h"
-#include "commission/commission.h"
 #include "service/console.h"
 #include "service/parameters.h"
 #include "service/storage.h"
@@ -470,8 +470,8 @@ const struct console_command console_commands[] = {
     {"commission",
      "[begin|pause|resume|skip|repeat|abort|accept|edit|reject|"
      "plant|model|gains|pairing|structure|proposal|trial]",
-     "automatic start-up: how far it is, or what it is told to do or show", 0, 1, command_commission,
-     ACCESS_OPERATOR, EVENT_DO_COMMISSION},
+     "automatic start-up: how far it is, or what it is told to do or show", 0, 1,
+     command_commission, ACCESS_OPERATOR, EVENT_DO_COMMISSION},
     {"alarm", "[ack|shelve] [ALARM|all] [SECONDS]",
      "what is wrong now; acknowledge, or silence for a time", 0, 3, command_alarm, ACCESS_OPERATOR,
      EVENT_DO_ALARM},

@@ -43,7 +43,7 @@ struct service {
     uint32_t tick_event_count; /* events the tick has put since start */
     struct tick_cost cost;
     bool watchdog;
-    struct storage *storage; /* service/storage.h; set by storage_init() */
+    struct storage *storage;       /* service/storage.h; set by storage_init() */
     struct commission *commission; /* NULL where the board leaves it out */
 
     struct plan plan[PLAN_BUFFERS];

@@ -36,7 +36,8 @@ static bool same_loop(const struct plan *plan, const struct plan *old, uint8_t i
     const struct loop_config *before = &old->config.loop[i];
     uint8_t pv = plan->loop[i].pv, output = plan->loop[i].output;
     if (strcmp(c->name, before->name) != 0 || strcmp(c->pv, before->pv) != 0 ||
-        strcmp(c->out, before->out) != 0 || old->loop[i].pv != pv || old->loop[i].output != output ||
+        strcmp(c->out, before->out) != 0 || old->loop[i].pv != pv ||
+        old->loop[i].output != output ||
         plan_is_two_position(plan, i) != plan_is_two_position(old, i))
         return false;
     const struct measurement_config *m = &plan->config.measurement[pv];

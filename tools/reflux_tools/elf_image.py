@@ -93,8 +93,7 @@ class Image:
         return self.sorted_addresses[low:bisect.bisect_left(self.sorted_addresses, f.end)]
 
     def words(self) -> dict[int, int]:
-        """Every aligned word of the sections that are loaded; instructions are words too, which does no harm
-        as long as none looks like the address of a function."""
+        """Every aligned word of the sections that are loaded, instructions too."""
         data = self.path.read_bytes()
         header = struct.unpack_from("<IIIHHHHHH", data, 0x1C)
         program_offset, entry_size, count = header[0], header[4], header[5]
