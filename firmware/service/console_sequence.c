@@ -228,6 +228,8 @@ static const char *objection(const struct service *s, enum sequence_command what
             return "no row is configured for it; `help step1.seq`";
         if (s->io.state(s->io.context) != IO_READY)
             return "no plant is connected";
+        if (s->supervisor->testing)
+            return "automatic start-up is under way; `commission abort` ends it";
         if (active && (what == SEQUENCE_DO_START || q->kind == SEQUENCE_STOP))
             return "a sequence is under way; `seq` shows it";
         for (uint8_t i = 0; i < CONFIG_LOOPS && what == SEQUENCE_DO_START; i++)

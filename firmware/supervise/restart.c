@@ -7,9 +7,9 @@
 #include "base/elapsed.h"
 
 #ifdef REFLUX_FIXED_POINT
-#define MAGIC 0x52535132u
+#define MAGIC 0x52535133u
 #else
-#define MAGIC 0x52534632u
+#define MAGIC 0x52534633u
 #endif
 
 static uint32_t checksum(const struct restart_record *record)
@@ -84,6 +84,7 @@ void restart_init(struct restart *r, void *memory, bool warm)
     bool whole = r->record->magic == MAGIC && r->record->crc == checksum(r->record);
     r->pending =
         warm && whole && (r->record->acting || in_sequence(r->record) || with_offsets(r->record));
+    r->was_testing = warm && whole && r->record->testing;
     r->attempts = r->pending ? r->record->attempts : 0;
 }
 
@@ -166,6 +167,7 @@ void restart_keep(struct restart *r, const struct supervisor *s)
     /* A reset half-way leaves a checksum that is wrong. */
     record->identity = s->plan->identity;
     record->acting = s->state == SUPERVISOR_RUN;
+    record->testing = s->testing;
     record->attempts = r->ticks < RESTART_LASTED ? r->attempts : 0;
     record->time_ms = s->time_ms;
     for (uint8_t i = 0; i < CONFIG_LOOPS; i++) {
@@ -175,7 +177,9 @@ void restart_keep(struct restart *r, const struct supervisor *s)
         record->v[i] = s->loop[i].v;
     }
     for (uint8_t j = 0; j < CHANNEL_MAX; j++)
-        record->output[j] = s->output[j].constrained;
+        /* A test signal does not come back. */
+        record->output[j] = num_eq(s->output[j].excitation, num_zero()) ? s->output[j].constrained
+                                                                        : s->output[j].manual;
     keep_sequence(record, s);
     record->crc = checksum(record);
     record->magic = MAGIC;

@@ -7,7 +7,7 @@
  *     plant time has gone on by no more than restart.limit, and not backwards,
  *     no sequence was under way,
  *     and this is not the fourth time in a row that it did not last,
- * outputs return to where they were: in manual (hold), or with modes and setpoints (resume). A loop whose
+ * outputs return to where they were, less a test signal: in manual (hold), or with modes and setpoints (resume). A loop whose
  * measurement is not usable stays in manual; offsets of measurements are switched on as they were. Otherwise the
  * safe state stays, and events say which offsets are off again. A sequence never goes on: it counts as aborted.
  */
@@ -25,6 +25,7 @@ struct restart_record {
     uint32_t crc;   /* of all that follows */
     uint32_t identity;
     uint8_t acting;
+    uint8_t testing; /* automatic start-up was under way: it does not go on */
     uint8_t attempts;
     uint8_t mode[CONFIG_LOOPS];
     uint64_t time_ms;
@@ -40,6 +41,7 @@ struct restart_record {
 struct restart {
     struct restart_record *record; /* NULL: the board has no such memory */
     bool pending;                  /* there is something to return to */
+    bool was_testing;              /* when the board was reset */
     uint8_t attempts;
     uint32_t ticks; /* since start, up to RESTART_LASTED */
 };

@@ -278,6 +278,7 @@ void supervisor_outputs_safe(struct supervisor *s, const char *why)
     if (s->state != SUPERVISOR_SAFE)
         s->safe_why = why;
     s->state = SUPERVISOR_SAFE;
+    s->safe_count++;
 }
 
 void supervisor_go_safe(struct supervisor *s, const char *why)

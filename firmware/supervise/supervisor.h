@@ -156,6 +156,8 @@ struct supervisor {
     struct event_queue *events;
     enum supervisor_state state;
     const char *safe_why; /* what the safe state was last taken for; NULL since the start */
+    uint32_t safe_count;  /* times it was taken, again and again in silence; wraps */
+    bool testing;         /* somebody tests the plant (commission): no sequence begins */
     uint64_t time_ms;     /* of the last tick */
     uint32_t ticks;
     float tick_s; /* base tick the states were placed for */
