@@ -74,6 +74,8 @@ struct io_port {
     void *context;
     /* Looks for input. Fills *sample and returns true when a complete one is there; call until false. */
     bool (*poll)(void *context, uint64_t now_ms, struct io_sample *sample);
+    /* Instead of poll() while the next sample must wait: says that the firmware is there, takes nothing. */
+    void (*wait)(void *context, uint64_t now_ms);
     enum io_state (*state)(const void *context);
     /* Rises by one whenever the channel table may have changed (new plant, restarted plant). */
     uint32_t (*generation)(const void *context);

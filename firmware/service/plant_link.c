@@ -202,6 +202,15 @@ static bool on_sample(struct plant_link *link, const struct frame *f, struct io_
     return true;
 }
 
+static void keep_alive(struct plant_link *link, uint64_t now_ms)
+{
+    if (link->state != IO_READY || now_ms - link->sent_ms < LINK_KEEP_ALIVE_MS)
+        return;
+    struct frame f;
+    pack_keep_alive(&f);
+    (void)send(link, &f, now_ms);
+}
+
 static void keep_time(struct plant_link *link, uint64_t now_ms)
 {
     if (link->state != IO_DOWN && now_ms - link->heard_ms > LINK_SILENCE_MS) {
@@ -216,11 +225,8 @@ static void keep_time(struct plant_link *link, uint64_t now_ms)
         send_hello(link, now_ms);
     else if (link->state == IO_GREETING && ask_again)
         send_page_request(link, now_ms);
-    else if (link->state == IO_READY && now_ms - link->sent_ms >= LINK_KEEP_ALIVE_MS) {
-        struct frame f;
-        pack_keep_alive(&f);
-        (void)send(link, &f, now_ms);
-    }
+    else
+        keep_alive(link, now_ms);
 }
 
 static bool on_frame(struct plant_link *link, const struct frame *f, uint64_t now_ms,
@@ -265,6 +271,14 @@ static bool poll(void *context, uint64_t now_ms, struct io_sample *sample)
     keep_time(link, now_ms);
     (void)hal_uart_pump(HAL_UART_LINK);
     return false;
+}
+
+/* Whether the other side is still there shows when its bytes are read again. */
+static void wait(void *context, uint64_t now_ms)
+{
+    struct plant_link *link = context;
+    keep_alive(link, now_ms);
+    (void)hal_uart_pump(HAL_UART_LINK);
 }
 
 static enum io_state state(const void *context)
@@ -327,6 +341,7 @@ struct io_port plant_link_port(struct plant_link *link)
 {
     return (struct io_port){.context = link,
                             .poll = poll,
+                            .wait = wait,
                             .state = state,
                             .generation = generation,
                             .count = count,
