@@ -5,6 +5,7 @@
 
 #include <string.h>
 
+#define SIGN_SDS   REAL_C(3.0) /* a gain nearer to 0 may have the other sign: no loop for it */
 #define EXTENSIONS 2u
 #define LONGER     REAL_C(4.0) /* times the duration in which a step did not settle */
 
@@ -51,6 +52,18 @@ static enum err end_gains(struct analysis *a)
     return begin_pairing(a);
 }
 
+/* A relative gain may be sure where the gain is not: of an output that one input alone seems to move, and that hardly. */
+static void doubt_signs(struct analysis *a)
+{
+    for (uint8_t k = 0; k < a->pairs.n; k++) {
+        uint8_t j = a->pairs.output[k], i = a->pairs.input[k];
+        if (real_abs(a->plant.element[j][i].gain) >= SIGN_SDS * a->plant.gain_sd[j][i])
+            continue;
+        a->verdict = PAIRING_UNDETERMINED;
+        a->ambiguous_outputs = (uint16_t)(a->ambiguous_outputs | 1u << j);
+    }
+}
+
 /* The pairs in the order of the outputs, and what single loops will make of them. */
 static enum err end_pairing(struct analysis *a)
 {
@@ -63,6 +76,8 @@ static enum err end_pairing(struct analysis *a)
     memcpy(a->pair_lambda, p->lambda, sizeof a->pair_lambda);
     memcpy(a->share, p->share, sizeof a->share);
     memcpy(a->rival, p->rival, sizeof a->rival);
+    if (a->verdict == PAIRING_DETERMINED)
+        doubt_signs(a);
     if (a->verdict != PAIRING_DETERMINED) {
         a->stage = ANALYSIS_DONE;
         return ERR_OK;
