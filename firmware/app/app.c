@@ -80,6 +80,10 @@ void app_init(struct app *app)
     restart_init(&app->restart, hal_retained(HAL_RETAINED_RESTART, sizeof(struct restart_record)),
                  cause != HAL_RESET_POWER_ON);
     service_record(&app->service, EVENT_STARTED, hal_reset_name(cause), 0.0f, 0);
+#if COMMISSION_CHANNELS
+    if (app->restart.was_testing)
+        commission_was_reset(&app->commission);
+#endif
 }
 
 /* Automatic start-up works out what the next tick needs: the sample waits, so that a run is the same run on every
@@ -354,7 +358,12 @@ void app_tick(struct app *app)
     struct io_sample sample;
     uint64_t now_ms = hal_clock_ms();
     /* Bounded: a sample costs the line milliseconds, a turn here microseconds. */
-    for (unsigned n = 0; n < 64 && !sample_waits(app); n++) {
+    for (unsigned n = 0; n < 64; n++) {
+        if (sample_waits(app)) {
+            io->wait(io->context, now_ms);
+            app->sample_seen_ms = now_ms; /* nobody has looked */
+            break;
+        }
         bool there = io->poll(io->context, now_ms, &sample);
         follow_plant(app);
         if (!there)

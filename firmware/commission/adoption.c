@@ -60,6 +60,12 @@ static void enter(struct adoption *a, enum stage stage, uint32_t ticks)
     a->error_n = 0;
 }
 
+void adoption_hold(struct adoption *a, const struct supervisor *s)
+{
+    for (uint8_t k = 0; k < a->n; k++)
+        a->loop[k].held = num_to_float(s->output[s->plan->loop[a->loop[k].loop].output].manual);
+}
+
 void adoption_begin(struct adoption *a, struct supervisor *s)
 {
     a->result = ADOPTION_RUNNING;

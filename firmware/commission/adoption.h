@@ -44,7 +44,9 @@ struct adoption {
     uint32_t error_n;
 };
 
-/* n and the upper part of loop[] are filled in. Puts the loops into automatic where they are. */
+/* Remembers where the outputs are. n and loop[].loop are filled in. */
+void adoption_hold(struct adoption *a, const struct supervisor *s);
+/* n and loop[] as far as `size` are filled in. Puts the loops into automatic where they are. */
 void adoption_begin(struct adoption *a, struct supervisor *s);
 /* A tick of it, after validate and before control. */
 enum adoption_result adoption_tick(struct adoption *a, struct supervisor *s);

@@ -3,8 +3,10 @@
 
 #include "commission/commission.h"
 
+#include <stdatomic.h>
 #include <string.h>
 
+#include "base/crc32.h"
 #include "base/elapsed.h"
 
 #include "commission/model.h"
@@ -15,6 +17,8 @@
 #define ROOM_LEAST      REAL_C(0.005) /* of span, to either side of where it is held */
 #define FOLLOW_TICKS    REAL_C(5.0)   /* a valve on its way to a step is no fault */
 #define CLIMBS          REAL_C(0.7) /* second half of a level over the first: 1 for an integrator */
+#define HELD_TICKS      REAL_C(3.5)   /* without a believed reading */
+#define MISSED_MOST     8u            /* samples in a row that a test can do without */
 #define LONGER          3u /* times the half before, where an output did not come to rest */
 #define LONGER_MOST     3u
 #define HALF_MOST       1000u       /* samples */
@@ -35,10 +39,13 @@ static const char *const why_texts[WHY_COUNT] = {
     [WHY_INTEGRATES] = "integrates: only plants that come to rest by themselves can be tested",
     [WHY_NO_INPUT] = "every input was skipped",
     [WHY_NUMBERS] = "the analysis refused the model",
+    [WHY_SAMPLES] = "samples were missing",
+    [WHY_RESET] = "the board was reset",
     [WHY_TRIAL_LIMIT] = "went past its test limit on trial",
     [WHY_TRIAL_SLOW] = "took far longer than predicted on trial",
     [WHY_TRIAL_PEAK] = "overshot far more than predicted on trial",
     [WHY_TRIAL_REST] = "did not come to rest on trial",
+    [WHY_SEQUENCE] = "a sequence is under way; `seq` shows it",
 };
 
 const char *commission_why_text(enum commission_why why)
@@ -50,6 +57,13 @@ void commission_init(struct commission *c, struct event_queue *events)
 {
     memset(c, 0, sizeof *c);
     c->events = events;
+}
+
+void commission_was_reset(struct commission *c)
+{
+    c->phase = COMMISSION_ENDED;
+    c->why = WHY_RESET;
+    event_put(c->events, 0, EVENT_COMMISSION_ENDED, NULL, 0.0f, WHY_RESET);
 }
 
 static bool is_testing(const struct commission *c)
@@ -68,8 +82,11 @@ enum err commission_may(const struct commission *c, enum commission_ask ask, con
     bool possible;
     switch (ask) {
     case COMMISSION_ASK_BEGIN:
-        *wanted = "is under way already; `commission abort` first";
-        possible = !is_testing(c) && c->phase != COMMISSION_TRIAL;
+        *wanted = c->wants_old
+                      ? "the old settings are on their way back; an open transaction holds "
+                        "them up: apply or abandon it"
+                      : "is under way already; `commission abort` first";
+        possible = !is_testing(c) && c->phase != COMMISSION_TRIAL && !c->wants_old;
         break;
     case COMMISSION_ASK_PAUSE:
     case COMMISSION_ASK_SKIP:
@@ -90,7 +107,7 @@ enum err commission_may(const struct commission *c, enum commission_ask ask, con
         break;
     case COMMISSION_ASK_TRIAL:
         *wanted = "there is no proposal; `commission` says how far it is";
-        possible = commission_has_proposal(c);
+        possible = commission_has_proposal(c) && !c->wants_old;
         break;
     default:
         *wanted = "there is nothing to reject";
@@ -100,11 +117,49 @@ enum err commission_may(const struct commission *c, enum commission_ask ask, con
     return possible ? ERR_OK : ERR_STATE;
 }
 
+enum err commission_put(struct commission *c, enum commission_ask ask, const char **wanted)
+{
+    enum commission_ask before = (enum commission_ask)c->ask;
+    if (before != COMMISSION_ASK_NONE && ask != COMMISSION_ASK_ABORT) {
+        *wanted = "what was asked before waits for the next sample";
+        return ERR_BUSY;
+    }
+    if (before == COMMISSION_ASK_BEGIN || before == COMMISSION_ASK_TRIAL) {
+        c->ask = COMMISSION_ASK_NONE; /* not begun, so there is nothing to end */
+        c->wants_old = before == COMMISSION_ASK_TRIAL;
+        return ERR_OK;
+    }
+    enum err err = commission_may(c, ask, wanted);
+    if (!err)
+        c->ask = (uint8_t)ask;
+    return err;
+}
+
+/* Only a new beginning overwrites them, and only the main loop asks for one. */
+bool commission_has_results(const struct commission *c)
+{
+    return c->analysed && c->ask != COMMISSION_ASK_BEGIN;
+}
+
 /* ---- channels ---- */
 
 static real_t held_at(const struct supervisor *s, uint8_t j)
 {
     return num_to_float(s->output[j].manual);
+}
+
+uint32_t commission_channels(const struct config *config)
+{
+    uint32_t sum = 0;
+    for (unsigned i = 0; i < CHANNEL_MAX; i++) {
+        const struct measurement_config *m = &config->measurement[i];
+        const struct output_config *o = &config->output[i];
+        float span[] = {m->lo, m->hi, o->lo, o->hi};
+        sum = crc32_update(sum, m->name, sizeof m->name);
+        sum = crc32_update(sum, o->name, sizeof o->name);
+        sum = crc32_update(sum, span, sizeof span);
+    }
+    return sum;
 }
 
 /* Smaller of the ways to both operating limits, fraction of span. */
@@ -132,6 +187,15 @@ static bool believed(const struct supervisor *s, uint8_t i)
     return s->measurement[i].seen && s->measurement[i].quality == QUALITY_GOOD;
 }
 
+/* A reading or two that are not believed are held, and change little; more are a lost measurement. */
+static bool is_lost(const struct supervisor *s, uint8_t i)
+{
+    const struct measurement_state *m = &s->measurement[i];
+    return !believed(s, i) && m->alarm &&
+           (m->lost || !quality_usable(m->quality) ||
+            elapsed_ms(s->time_ms, m->good_ms) > HELD_TICKS * REAL_C(1000.0) * s->plan->tick_s);
+}
+
 /* The loop that acts on output j, itself or through others, or PLAN_NONE. */
 static uint8_t acting(const struct supervisor *s, uint8_t j)
 {
@@ -146,11 +210,23 @@ static enum err refuse(const char **what, const char **wanted, const char *name,
     return ERR_STATE;
 }
 
+static bool sequence_runs(const struct supervisor *s)
+{
+#if CONFIG_STEPS
+    return sequence_active(&s->sequence);
+#else
+    (void)s;
+    return false;
+#endif
+}
+
 enum err commission_may_begin(const struct supervisor *s, const char **what, const char **wanted)
 {
     const struct config *config = &s->plan->config;
     unsigned outputs = 0, inputs = 0;
     *what = NULL;
+    if (sequence_runs(s))
+        return refuse(what, wanted, NULL, why_texts[WHY_SEQUENCE]);
     if (s->state == SUPERVISOR_SAFE)
         return refuse(
             what, wanted, NULL,
@@ -181,6 +257,57 @@ enum err commission_may_begin(const struct supervisor *s, const char **what, con
     if (inputs == 0)
         return refuse(what, wanted, NULL, "no manipulated variable is configured for tests");
     return ERR_OK;
+}
+
+static uint8_t pair_measurement(const struct commission *c, uint8_t k)
+{
+    return c->measurement[c->work.analysis.pairs.output[k]];
+}
+
+static uint8_t pair_output(const struct commission *c, uint8_t k)
+{
+    return c->input[c->column[c->work.analysis.pairs.input[k]]].output;
+}
+
+/* The command has not been followed for longer than a valve needs. */
+static bool is_deaf(const struct supervisor *s, uint8_t j)
+{
+    return s->output[j].alarm && elapsed_ms(s->time_ms, s->output[j].differs_ms) >
+                                     FOLLOW_TICKS * REAL_C(1000.0) * s->plan->tick_s;
+}
+
+/* What stands in the way of a trial, whether it has begun or not. */
+static enum commission_why hindrance(const struct commission *c, const struct supervisor *s,
+                                     const char **subject)
+{
+    const struct config *config = &s->plan->config;
+    *subject = NULL;
+    if (s->state == SUPERVISOR_SAFE)
+        return WHY_SAFE;
+    if (sequence_runs(s))
+        return WHY_SEQUENCE;
+    for (uint8_t k = 0; k < c->work.analysis.pairs.n; k++) {
+        uint8_t i = pair_measurement(c, k), j = pair_output(c, k);
+        *subject = config->measurement[i].name;
+        if (!s->measurement[i].seen || s->measurement[i].lost ||
+            !quality_usable(s->measurement[i].quality))
+            return WHY_LOST;
+        *subject = config->output[j].name;
+        if (s->output[j].forced)
+            return WHY_INTERLOCK;
+        if (is_deaf(s, j))
+            return WHY_ACTUATOR;
+    }
+    *subject = NULL;
+    return WHY_NOT;
+}
+
+enum err commission_may_try(const struct commission *c, const struct supervisor *s,
+                            const char **what, const char **wanted)
+{
+    enum commission_why why = hindrance(c, s, what);
+    *wanted = commission_why_text(why);
+    return why == WHY_NOT ? ERR_OK : ERR_STATE;
 }
 
 /* ---- ending ---- */
@@ -220,11 +347,12 @@ static enum commission_why disturbance(const struct commission *c, const struct 
     *subject = NULL;
     if (s->plan->serial != c->plan_serial)
         return WHY_CONFIG;
-    if (s->state == SUPERVISOR_SAFE)
+    /* Somebody may have left it again within this very tick. */
+    if (s->state == SUPERVISOR_SAFE || s->safe_count != c->safe_count)
         return WHY_SAFE;
     for (uint8_t j = 0; j < c->outputs; j++) {
         *subject = config->measurement[c->measurement[j]].name;
-        if (!believed(s, c->measurement[j]) && s->measurement[c->measurement[j]].alarm)
+        if (is_lost(s, c->measurement[j]))
             return WHY_LOST;
     }
     for (uint8_t k = 0; k < c->inputs; k++) {
@@ -232,8 +360,7 @@ static enum commission_why disturbance(const struct commission *c, const struct 
         *subject = config->output[j].name;
         if (s->output[j].forced)
             return WHY_INTERLOCK;
-        if (s->output[j].alarm && elapsed_ms(s->time_ms, s->output[j].differs_ms) >
-                                      FOLLOW_TICKS * REAL_C(1000.0) * s->plan->tick_s)
+        if (is_deaf(s, j))
             return WHY_ACTUATOR;
         if (acting(s, j) != PLAN_NONE || num_to_float(s->output[j].manual) != c->input[k].held)
             return WHY_HAND;
@@ -356,6 +483,8 @@ static void begin(struct commission *c, struct supervisor *s)
     }
     commission_init(c, events);
     c->plan_serial = s->plan->serial;
+    c->channels = commission_channels(&s->plan->config);
+    c->safe_count = s->safe_count;
     c->began_ms = s->time_ms;
     c->round = 1;
     for (uint8_t i = 0; i < CHANNEL_MAX; i++)
@@ -443,13 +572,24 @@ static void test(struct commission *c, struct supervisor *s)
     uint8_t k = c->order[c->at];
     real_t y[CHANNEL_MAX];
     enum experiment_phase before = x->phase;
+    enum err err = ERR_OK;
+    uint32_t missed = samples(s, elapsed_ms(s->time_ms, c->sample_ms) / REAL_C(1000.0));
+    c->sample_ms = s->time_ms;
+    if (x->begun && missed > MISSED_MOST + 1u) {
+        end(c, s, WHY_SAMPLES, NULL, (real_t)(missed - 1u));
+        return;
+    }
+    for (; x->begun && missed > 1 && !err; missed--)
+        err = experiment_missed(x);
     for (uint8_t j = 0; j < c->outputs; j++)
         y[j] = num_to_float(s->measurement[c->measurement[j]].value);
     if (c->job == JOB_LOOK && ++c->job_ticks >= c->job_due && c->job_done) {
         c->job = JOB_NONE;
         experiment_looked(x);
     }
-    if (experiment_step(x, y) != ERR_OK) {
+    if (!err)
+        err = experiment_step(x, y);
+    if (err) {
         end(c, s, WHY_NUMBERS, input_name(c, s), REAL_C(0.0));
         return;
     }
@@ -565,22 +705,17 @@ static void wait_for_job(struct commission *c, struct supervisor *s)
 
 /* ---- trial ---- */
 
-static void begin_trial(struct commission *c, struct supervisor *s)
-{
-    adoption_begin(&c->adoption, s);
-    c->plan_serial = s->plan->serial;
-    c->phase = COMMISSION_TRIAL;
-    c->phase_ms = s->time_ms;
-    event_put(c->events, s->time_ms, EVENT_TRIAL_BEGUN, NULL, (float)c->adoption.n, 0);
-}
-
-static void back_to_old(struct commission *c, struct supervisor *s, enum commission_why why)
+/* The loops go to manual and their outputs to where the trial found them; but what somebody has taken in hand stays
+ * there. The main loop puts the old configuration into force. */
+static void back_to_old(struct commission *c, struct supervisor *s, enum commission_why why,
+                        const char *subject, real_t value)
 {
     const struct adoption *a = &c->adoption;
-    const char *name = s->plan->config.loop[a->loop[a->culprit].loop].name;
-    end(c, s, why, name, a->loop[a->culprit].peak);
+    end(c, s, why, subject, value);
     for (uint8_t k = 0; k < a->n; k++) {
         uint8_t i = a->loop[k].loop;
+        if (why == WHY_HAND && s->loop[i].mode != LOOP_AUTO)
+            continue;
         struct request r = {
             .kind = REQUEST_MODE, .loop = i, .output = PLAN_NONE, .mode = LOOP_MANUAL};
         memcpy(r.name, s->plan->config.loop[i].name, sizeof r.name);
@@ -589,6 +724,43 @@ static void back_to_old(struct commission *c, struct supervisor *s, enum commiss
     }
     c->phase = COMMISSION_RETURNED;
     c->wants_old = true;
+}
+
+/* What is not for the adoption to judge. True: the trial is over. */
+static bool trial_is_disturbed(struct commission *c, struct supervisor *s)
+{
+    const char *subject;
+    if (s->plan->serial != c->plan_serial) {
+        end(c, s, WHY_CONFIG, NULL, REAL_C(0.0)); /* that one stays */
+        return true;
+    }
+    enum commission_why why = s->safe_count != c->safe_count ? WHY_SAFE : WHY_NOT;
+    if (why == WHY_NOT)
+        why = hindrance(c, s, &subject);
+    if (why == WHY_SAFE) {
+        end(c, s, WHY_SAFE, NULL, REAL_C(0.0));
+        c->phase = COMMISSION_RETURNED;
+        c->wants_old = true; /* what was not tried to the end is not kept */
+        return true;
+    }
+    if (why != WHY_NOT)
+        back_to_old(c, s, why, subject, REAL_C(0.0));
+    return why != WHY_NOT;
+}
+
+static void begin_trial(struct commission *c, struct supervisor *s)
+{
+    c->plan_serial = c->trial_serial;
+    c->safe_count = s->safe_count;
+    c->phase = COMMISSION_TRIAL;
+    c->why = WHY_NOT;
+    c->phase_ms = s->time_ms;
+    if (s->plan->serial == c->plan_serial)
+        adoption_hold(&c->adoption, s);
+    if (trial_is_disturbed(c, s))
+        return;
+    adoption_begin(&c->adoption, s);
+    event_put(c->events, s->time_ms, EVENT_TRIAL_BEGUN, NULL, (float)c->adoption.n, 0);
 }
 
 static void trial(struct commission *c, struct supervisor *s)
@@ -602,15 +774,8 @@ static void trial(struct commission *c, struct supervisor *s)
         [ADOPTION_RESTLESS] = WHY_TRIAL_REST,
         [ADOPTION_NOT_AUTO] = WHY_HAND,
     };
-    if (s->plan->serial != c->plan_serial) {
-        end(c, s, WHY_CONFIG, NULL, REAL_C(0.0));
+    if (trial_is_disturbed(c, s))
         return;
-    }
-    if (s->state == SUPERVISOR_SAFE) {
-        end(c, s, WHY_SAFE, NULL, REAL_C(0.0));
-        c->wants_old = true; /* what was not tried to the end is not kept */
-        return;
-    }
     enum adoption_result r = adoption_tick(&c->adoption, s);
     if (r == ADOPTION_RUNNING)
         return;
@@ -620,7 +785,8 @@ static void trial(struct commission *c, struct supervisor *s)
         event_put(c->events, s->time_ms, EVENT_TRIAL_KEPT, NULL, (float)c->adoption.n, 0);
         return;
     }
-    back_to_old(c, s, why[r]);
+    const struct adoption_loop *l = &c->adoption.loop[c->adoption.culprit];
+    back_to_old(c, s, why[r], s->plan->config.loop[l->loop].name, l->peak);
 }
 
 /* ---- the tick ---- */
@@ -637,9 +803,9 @@ static void take_ask(struct commission *c, struct supervisor *s)
 {
     const char *wanted;
     enum commission_ask ask = (enum commission_ask)c->ask;
-    if (ask == COMMISSION_ASK_TRIAL && s->plan->serial != c->trial_serial)
+    if (ask == COMMISSION_ASK_TRIAL && (int32_t)(s->plan->serial - c->trial_serial) < 0)
         return; /* its plan comes with a later tick */
-    if (c->working)
+    if (ask == COMMISSION_ASK_BEGIN && c->working)
         return; /* a piece of an abandoned job still runs under this tick: next time */
     c->ask = COMMISSION_ASK_NONE;
     if (commission_may(c, ask, &wanted) != ERR_OK)
@@ -668,7 +834,7 @@ static void take_ask(struct commission *c, struct supervisor *s)
         break;
     case COMMISSION_ASK_ABORT:
         if (c->phase == COMMISSION_TRIAL)
-            back_to_old(c, s, WHY_ASKED);
+            back_to_old(c, s, WHY_ASKED, NULL, REAL_C(0.0));
         else
             end(c, s, WHY_ASKED, NULL, REAL_C(0.0));
         break;
@@ -681,7 +847,7 @@ static void take_ask(struct commission *c, struct supervisor *s)
     }
 }
 
-void commission_tick(struct commission *c, struct supervisor *s)
+static void go_on(struct commission *c, struct supervisor *s)
 {
     if (c->ask != COMMISSION_ASK_NONE)
         take_ask(c, s);
@@ -701,6 +867,12 @@ void commission_tick(struct commission *c, struct supervisor *s)
         trial(c, s);
 }
 
+void commission_tick(struct commission *c, struct supervisor *s)
+{
+    go_on(c, s);
+    s->testing = is_testing(c) || c->phase == COMMISSION_TRIAL;
+}
+
 bool commission_waits(const struct commission *c)
 {
     return c->job != JOB_NONE && !c->job_done && c->job_ticks + 1u >= c->job_due;
@@ -710,8 +882,12 @@ bool commission_work(struct commission *c)
 {
     c->working = true;
     uint32_t number = c->job_number;
-    bool work = c->job != JOB_NONE && !c->job_done;
-    if (work && !model_work(c) && c->job_number == number)
+    atomic_signal_fence(memory_order_seq_cst);
+    enum model_job job = (enum model_job)c->job; /* the tick may end it from here on */
+    bool work = job != JOB_NONE && !c->job_done;
+    bool done = work && !model_work(c, job);
+    atomic_signal_fence(memory_order_seq_cst);
+    if (done && c->job_number == number)
         c->job_done = true;
     c->working = false;
     return work;

@@ -52,10 +52,13 @@ enum commission_why {
     WHY_INTEGRATES,
     WHY_NO_INPUT, /* every input was skipped */
     WHY_NUMBERS,  /* refused by the analysis: a fault of ours */
+    WHY_SAMPLES,  /* more samples missing than a test can do without */
+    WHY_RESET,    /* of the board */
     WHY_TRIAL_LIMIT,
     WHY_TRIAL_SLOW, /* integral of the error beyond what was predicted */
     WHY_TRIAL_PEAK, /* overshoot beyond what was predicted */
     WHY_TRIAL_REST, /* does not come to rest */
+    WHY_SEQUENCE,
     WHY_COUNT
 };
 
@@ -100,10 +103,12 @@ struct commission {
     enum commission_why why;
     char subject[CHANNEL_NAME_SIZE]; /* what `why` is about */
     real_t value;                    /* ... and its number, fraction of span */
-    volatile uint8_t ask;            /* enum commission_ask; written under hal_tick_lock */
+    volatile uint8_t ask; /* enum commission_ask; the main loop writes it under hal_tick_lock */
 
-    bool analysed;        /* work.analysis holds a result */
-    uint32_t plan_serial; /* the tests belong to this plan */
+    volatile bool analysed; /* work.analysis holds a result */
+    uint32_t plan_serial;   /* the tests belong to this plan */
+    uint32_t channels;      /* ... to these channels and spans: commission_channels() */
+    uint32_t safe_count;    /* ... and to the time since the safe state was last taken */
     uint8_t outputs, inputs;
     uint8_t measurement[CHANNEL_MAX]; /* configuration index of test channel */
     struct tested_input input[CHANNEL_MAX];
@@ -112,11 +117,13 @@ struct commission {
     uint8_t at;                            /* in order[] */
     uint8_t round;                         /* from 1 */
     uint64_t began_ms, ended_ms, phase_ms; /* plant time */
+    uint64_t sample_ms;                    /* ... of the last sample a test has seen */
     uint32_t half_least;                   /* samples: from the inputs before */
     real_t noise_sd[CHANNEL_MAX];
     struct element element[CHANNEL_MAX][CHANNEL_MAX]; /* [measurement][input] */
 
-    /* The background's part; its while `job` is set and `job_done` is not. */
+    /* The background's part; its while `job` is set and `job_done` is not. The tick may end a job in the midst of a
+     * piece, but begins nothing new before `working` is over. */
     volatile uint8_t job;
     volatile bool job_done;
     volatile uint32_t job_number; /* counts jobs: an abandoned one cannot end the next */
@@ -136,7 +143,7 @@ struct commission {
 
     struct adoption adoption;
     uint32_t trial_serial;
-    bool wants_old; /* the main loop is to put `old` into force */
+    volatile bool wants_old; /* the main loop is to put `old` into force */
     struct config old;
 };
 
@@ -148,6 +155,20 @@ MUST_CHECK enum err commission_may(const struct commission *c, enum commission_a
 /* Whether the tests could begin: channels, modes, room. *what gets a channel's or loop's name or NULL. Likewise. */
 MUST_CHECK enum err commission_may_begin(const struct supervisor *s, const char **what,
                                          const char **wanted);
+/* Whether a trial could. Likewise. */
+MUST_CHECK enum err commission_may_try(const struct commission *c, const struct supervisor *s,
+                                       const char **what, const char **wanted);
+/* Puts it to the tick, one thing at a time; abort takes the place of what the tick has not taken yet. Likewise. ERR_STATE,
+ * ERR_BUSY. */
+MUST_CHECK enum err commission_put(struct commission *c, enum commission_ask ask,
+                                   const char **wanted);
+
+/* Do the results stand until the main loop next asks for something? While they do not, they may be overwritten in the
+ * midst of a look at them. Main loop. */
+bool commission_has_results(const struct commission *c);
+
+/* After commission_init(), where it was under way when the board was reset: it says so. */
+void commission_was_reset(struct commission *c);
 
 /* Tick context, between validate and control. */
 void commission_tick(struct commission *c, struct supervisor *s);
@@ -155,6 +176,9 @@ void commission_tick(struct commission *c, struct supervisor *s);
 bool commission_waits(const struct commission *c);
 /* Main loop: a piece of work, a millisecond or so. False: there is none. */
 bool commission_work(struct commission *c);
+
+/* Checksum of the names, spans and order of a configuration's channels, which results refer to by index. */
+uint32_t commission_channels(const struct config *config);
 
 /* Is there a proposal? */
 bool commission_has_proposal(const struct commission *c);

@@ -452,21 +452,50 @@ static bool past_limit(struct experiment *e, const real_t *y)
     return false;
 }
 
+/* Into everything that keeps what it sees, after the first edge. */
+static enum err keep(struct experiment *e, const real_t *y)
+{
+    enum err err = moments_step(&e->moments, y);
+    if (!err)
+        err = record_step(&e->record, y);
+    e->samples += err == ERR_OK;
+    return err;
+}
+
+enum err experiment_missed(struct experiment *e)
+{
+    int trip;
+    if (!e->begun || e->phase >= EXPERIMENT_DONE)
+        return ERR_STATE;
+    e->waited++;
+    if (e->phase == EXPERIMENT_REST)
+        return steady_step(&e->steady, e->last);
+    enum err err = keep(e, e->last);
+    if (err)
+        return err;
+    if (e->phase == EXPERIMENT_UP) {
+        e->half++;
+        return guard_step(&e->guard, e->last, &trip);
+    }
+    return e->phase == EXPERIMENT_BACK ? steady_step(&e->steady, e->last) : ERR_OK;
+}
+
 enum err experiment_step(struct experiment *e, const real_t *y)
 {
     for (unsigned j = 0; j < e->config.outputs; j++)
         if (!real_is_finite(y[j]))
             return ERR_NOT_FINITE;
+    memcpy(e->last, y, e->config.outputs * sizeof *y);
+    e->begun = true;
     if (e->phase == EXPERIMENT_REST)
         return at_rest(e, y);
+    if (e->phase >= EXPERIMENT_DONE)
+        return ERR_STATE;
     if (past_limit(e, y))
         return ERR_OK;
-    enum err err = moments_step(&e->moments, y);
-    if (!err)
-        err = record_step(&e->record, y);
+    enum err err = keep(e, y);
     if (err)
         return err;
-    e->samples++;
     switch (e->phase) {
     case EXPERIMENT_UP:
         return going_up(e, y);

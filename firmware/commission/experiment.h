@@ -58,6 +58,7 @@ struct experiment {
     enum experiment_phase phase;
     enum experiment_failure failure;
     uint8_t culprit;  /* output: of the failure, or that made the guard cut the step */
+    bool begun;       /* there has been a sample */
     bool cut;         /* by the guard */
     bool at_longest;  /* half_most ended it before it came to rest */
     bool small;       /* the largest amplitude was not enough for noise_multiple */
@@ -67,6 +68,7 @@ struct experiment {
     uint32_t waited;  /* samples in this phase */
     uint32_t half;    /* samples since the last positive edge, then length of the negative half */
     uint32_t samples; /* since the first edge */
+    real_t last[CHANNEL_MAX];    /* sample */
     real_t at_turn[CHANNEL_MAX]; /* deviation from rest where the negative half began */
     uint8_t over[CHANNEL_MAX];   /* samples in a row past the limit */
     real_t worst;                /* largest share of its limit any output has reached */
@@ -96,6 +98,9 @@ MUST_CHECK enum err experiment_step(struct experiment *e, const real_t *y);
 
 /* The look that experiment_step has begun (e->looking) is done: its models are used from the next sample on. */
 void experiment_looked(struct experiment *e);
+/* A sample was lost on the way, before the one to come: the one before stands in for it, and nothing is decided, because
+ * nothing could have been done. ERR_STATE before the first sample, and once DONE or FAILED. */
+MUST_CHECK enum err experiment_missed(struct experiment *e);
 
 /* What is known of output j apart from its response, once DONE: level, drift, noise; times from the first edge. */
 MUST_CHECK enum err experiment_baseline(const struct experiment *e, uint8_t j, struct baseline *b);

@@ -183,11 +183,11 @@ void model_begin_analysis(struct commission *c, const struct config *config, rea
     c->job_error = n == 0 ? ERR_EMPTY : analysis_begin(a, &settings);
 }
 
-bool model_work(struct commission *c)
+bool model_work(struct commission *c, enum model_job job)
 {
-    if (c->job == JOB_LOOK)
+    if (job == JOB_LOOK)
         return look_run(&c->work.test.experiment.look);
-    if (c->job == JOB_FIT)
+    if (job == JOB_FIT)
         return fit_piece(c);
     if (c->job_error)
         return false;

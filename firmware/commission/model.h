@@ -12,8 +12,8 @@ void model_begin_fit(struct commission *c);
 void model_keep(struct commission *c);
 /* The analysis takes the place of the last test in memory. */
 void model_begin_analysis(struct commission *c, const struct config *config, real_t h_s);
-/* A piece of the job under way. True while there is more to do. */
-bool model_work(struct commission *c);
+/* A piece of the job. True while there is more to do. */
+bool model_work(struct commission *c, enum model_job job);
 
 /* Element with several tests behind it: gains and times weighted by how well each test knew them. */
 void model_combine(struct identified *sum, const struct identified *next);

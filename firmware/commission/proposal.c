@@ -37,6 +37,13 @@ static bool is_tested_output(const struct commission *c, const struct config *co
     return false;
 }
 
+/* Place i of the decoupler belongs to no other loop. */
+static void decouple_alone(struct config *config, uint8_t i)
+{
+    for (uint8_t k = 0; k < CONFIG_LOOPS; k++)
+        config->decoupler[i][k] = config->decoupler[k][i] = i == k ? 1.0f : 0.0f;
+}
+
 /* Loops on tested outputs, loops that drive such loops, and feedforwards onto those outputs. */
 static void make_room(const struct commission *c, struct config *config)
 {
@@ -54,6 +61,7 @@ static void make_room(const struct commission *c, struct config *config)
                     strcmp(config->alarm[k].on, l->name) == 0)
                     config->alarm[k].on[0] = '\0';
             memset(l->name, 0, sizeof l->name);
+            decouple_alone(config, i);
             drops = true;
         }
     }
@@ -62,28 +70,34 @@ static void make_room(const struct commission *c, struct config *config)
             config->feedforward[k].from[0] = '\0';
 }
 
-/* The loop is called after its measurement; where that name is taken, after its output. */
+static bool is_taken(const struct config *config, const char *name)
+{
+    return config_find_output(config, name) != PLAN_NONE ||
+           config_find_loop(config, name) != PLAN_NONE;
+}
+
+/* The loop is called after its measurement; where that name is taken, after its output as well. */
 static void name_loop(struct config *config, uint8_t i, const char *pv, const char *out)
 {
-    struct loop_config *l = &config->loop[i];
-    bool taken =
-        config_find_output(config, pv) != PLAN_NONE || config_find_loop(config, pv) != PLAN_NONE;
-    memset(l->name, 0, sizeof l->name);
-    if (!taken) {
-        strncpy(l->name, pv, sizeof l->name - 1);
-        return;
+    char name[CHANNEL_NAME_SIZE] = {0};
+    strncpy(name, pv, sizeof name - 1);
+    /* There are more letters than names that could be taken. */
+    for (char letter = 'A'; letter <= 'Z' && is_taken(config, name); letter++) {
+        memset(name, 0, sizeof name);
+        name[0] = letter;
+        name[1] = '_';
+        strncpy(name + 2, out, sizeof name - 3);
     }
-    l->name[0] = 'L';
-    l->name[1] = (char)('1' + i);
-    l->name[2] = '_';
-    strncpy(l->name + 3, out, sizeof l->name - 4);
+    memcpy(config->loop[i].name, name, sizeof name);
 }
 
 enum err proposal_write(const struct commission *c, struct config *config)
 {
     const struct analysis *a = &c->work.analysis;
-    if (!commission_has_proposal(c))
+    if (!commission_has_proposal(c) || !commission_has_results(c))
         return ERR_STATE;
+    if (commission_channels(config) != c->channels)
+        return ERR_CONFLICT;
     make_room(c, config);
     uint8_t place[CONFIG_LOOPS];
     uint8_t n = 0;
@@ -92,6 +106,8 @@ enum err proposal_write(const struct commission *c, struct config *config)
             place[n++] = i;
     if (n < a->pairs.n)
         return ERR_FULL;
+    for (uint8_t k = 0; k < n; k++)
+        decouple_alone(config, place[k]);
     for (uint8_t k = 0; k < n; k++) {
         struct loop_config *l = &config->loop[place[k]];
         const char *pv = measurement_name(c, config, k), *out = output_name(c, config, k);
@@ -131,7 +147,8 @@ static void choose_step(const struct commission *c, const struct supervisor *s, 
     const struct output_config *o = &s->plan->config.output[in->output];
     uint8_t i = c->measurement[a->pairs.output[k]];
     real_t lo = (o->min - o->lo) / (o->hi - o->lo), hi = (o->max - o->lo) / (o->hi - o->lo);
-    real_t room = in->held - lo < hi - in->held ? in->held - lo : hi - in->held;
+    real_t held = num_to_float(s->output[in->output].manual);
+    real_t room = held - lo < hi - held ? held - lo : hi - held;
     real_t step = STEP_IN_NOISE * l->noise_sd;
     if (step < STEP_LEAST)
         step = STEP_LEAST;
@@ -150,6 +167,8 @@ enum err proposal_prepare_trial(struct commission *c, const struct supervisor *s
 {
     const struct analysis *a = &c->work.analysis;
     struct adoption *t = &c->adoption;
+    if (commission_channels(config) != c->channels)
+        return ERR_CONFLICT;
     memset(t, 0, sizeof *t);
     for (uint8_t k = 0; k < a->pairs.n; k++) {
         struct adoption_loop *l = &t->loop[k];
@@ -163,7 +182,6 @@ enum err proposal_prepare_trial(struct commission *c, const struct supervisor *s
         l->limit = m->test_limit > 0.0f ? m->test_limit / (m->hi - m->lo) : TEST_LIMIT_DEFAULT;
         l->predicted = a->predicted[k];
         l->size = a->config.step;
-        l->held = c->input[c->column[a->pairs.input[k]]].held;
         choose_step(c, s, k, l);
     }
     t->n = a->pairs.n;

@@ -6,11 +6,11 @@
 
 /* Writes the proposed loops and decoupler into *config, which holds the present configuration. Loops that drive a tested
  * manipulated variable, directly or through others, make room. ERR_STATE: there is no proposal; ERR_FULL: more loops
- * than there are places. */
+ * than there are places; ERR_CONFLICT: other channels or spans than those that were tested. */
 MUST_CHECK enum err proposal_write(const struct commission *c, struct config *config);
 
 /* Makes c->adoption ready for the loops of *config that are pairs of the proposal; main loop, before the trial is asked
- * for. ERR_UNKNOWN: a pair has no loop there. */
+ * for. ERR_UNKNOWN: a pair has no loop there; ERR_CONFLICT as above. */
 MUST_CHECK enum err proposal_prepare_trial(struct commission *c, const struct supervisor *s,
                                            const struct config *config);
 

@@ -33,11 +33,21 @@ static float output_span(const struct output_config *o)
     return o->hi - o->lo;
 }
 
-/* Snapshots of single words: what they tell may be a tick apart. */
+/* The test may end, and its memory go to the analysis, at any time. */
 static void test_line(const struct commission *c, const struct config *config, struct text *line)
 {
-    const struct experiment *x = &c->work.test.experiment;
-    uint8_t at = c->at < c->inputs ? c->at : 0;
+    const struct experiment *experiment = &c->work.test.experiment;
+    hal_tick_lock();
+    bool testing = c->phase == COMMISSION_TESTING;
+    uint8_t at = c->at;
+    struct {
+        enum experiment_phase phase;
+        uint8_t worst_output;
+        real_t amplitude, worst;
+    } now = {experiment->phase, experiment->worst_output, experiment->amplitude, experiment->worst};
+    hal_tick_unlock();
+    if (!testing)
+        return;
     const struct output_config *o = &config->output[c->input[c->order[at]].output];
     text_str(line, "input ");
     text_str(line, o->name);
@@ -46,13 +56,13 @@ static void test_line(const struct commission *c, const struct config *config, s
     text_str(line, "), round ");
     text_u32(line, c->round);
     text_str(line, ": ");
-    text_str(line, stages[x->phase]);
-    number(line, ", amplitude ", (float)x->amplitude * output_span(o), " ");
+    text_str(line, stages[now.phase]);
+    number(line, ", amplitude ", (float)now.amplitude * output_span(o), " ");
     text_str(line, o->unit);
-    if (x->worst > REAL_C(0.0)) {
+    if (now.worst > REAL_C(0.0)) {
         text_str(line, ", worst ");
-        text_str(line, config->measurement[c->measurement[x->worst_output]].name);
-        number(line, " at ", (float)x->worst, " of its limit");
+        text_str(line, config->measurement[c->measurement[now.worst_output]].name);
+        number(line, " at ", (float)now.worst, " of its limit");
     }
 }
 
@@ -101,17 +111,19 @@ static void ask(struct console *c, enum commission_ask what)
     struct commission *m = c->service->commission;
     const char *wanted = "", *subject = NULL;
     hal_tick_lock();
-    enum err err = commission_may(m, what, &wanted);
-    if (!err && what == COMMISSION_ASK_BEGIN)
-        err = commission_may_begin(c->service->supervisor, &subject, &wanted);
+    enum err err = what == COMMISSION_ASK_BEGIN
+                       ? commission_may_begin(c->service->supervisor, &subject, &wanted)
+                       : ERR_OK;
     if (!err)
-        m->ask = (uint8_t)what;
+        err = commission_put(m, what, &wanted);
     hal_tick_unlock();
     if (err)
         console_err_about(c, err, subject ? subject : "commission", wanted);
     else
         console_ok(c);
 }
+
+#define CHANNELS_CHANGED "channels or spans are not those that were tested; begin anew"
 
 /* The configuration the proposal goes into: an open transaction's as it stands, where the proposal was put into it
  * before; else a copy of the one in force with the proposal in it. NULL: refused, and said so. */
@@ -130,27 +142,51 @@ static struct config *proposed(struct console *c)
         return config;
     console_err_about(c, err, "commission",
                       err == ERR_FULL ? "the proposal has more loops than there are places"
-                                      : "there is no proposal; `commission` says how far it is");
+                      : err == ERR_CONFLICT
+                          ? CHANNELS_CHANGED
+                          : "there is no proposal; `commission` says how far it is");
     return NULL;
+}
+
+/* May a proposal be put on trial now? Says so where not. */
+static bool may_try(struct console *c)
+{
+    struct service *s = c->service;
+    const char *wanted = "", *subject = NULL;
+    hal_tick_lock();
+    enum err err = commission_may(s->commission, COMMISSION_ASK_TRIAL, &wanted);
+    if (!err && s->commission->ask != COMMISSION_ASK_NONE) {
+        err = ERR_BUSY;
+        wanted = "what was asked before waits for the next sample";
+    }
+    if (!err && s->io.state(s->io.context) != IO_READY) {
+        err = ERR_STATE;
+        wanted = "no plant is connected";
+    }
+    if (!err)
+        err = commission_may_try(s->commission, s->supervisor, &subject, &wanted);
+    hal_tick_unlock();
+    if (err)
+        console_err_about(c, err, subject ? subject : "commission", wanted);
+    return err == ERR_OK;
 }
 
 static void accept(struct console *c)
 {
     struct service *s = c->service;
     struct commission *m = s->commission;
-    const char *wanted;
     struct config_fault fault;
-    if (commission_may(m, COMMISSION_ASK_TRIAL, &wanted) != ERR_OK) {
-        console_err_about(c, ERR_STATE, "commission", wanted);
+    if (!may_try(c))
         return;
-    }
     struct config *config = proposed(c);
     if (!config)
         return;
-    if (proposal_prepare_trial(m, s->supervisor, config) != ERR_OK) {
-        console_err_about(c, ERR_STATE, "commission",
-                          "a pair of the proposal has no loop in the open transaction; "
-                          "`abandon` it, then accept or edit");
+    enum err err = proposal_prepare_trial(m, s->supervisor, config);
+    if (err) {
+        console_err_about(c, err, "commission",
+                          err == ERR_CONFLICT ? CHANNELS_CHANGED
+                                              : "a pair of the proposal has no loop in the open "
+                                                "transaction; `abandon` it, then accept or edit");
         return;
     }
     m->old = service_plan(s)->config;
@@ -247,11 +283,19 @@ bool console_commission_poll(struct console *c)
 {
     struct service *s = c->service;
     struct config_fault fault;
-    /* Behind an open transaction it waits: that is somebody's work. */
+    /* Behind an open transaction it waits: that is somebody's work. So is a sequence. */
     if (!s->commission->wants_old || s->staging)
         return false;
-    if (service_apply(s, &s->commission->old, &fault) == ERR_OK || fault.group)
-        s->commission->wants_old = false;
+#if CONFIG_STEPS
+    if (sequence_active(&s->supervisor->sequence))
+        return false;
+#endif
+    enum err err = service_apply(s, &s->commission->old, &fault);
+    if (err && !fault.group)
+        return true; /* no room for it at the moment */
+    s->commission->wants_old = false;
+    if (err)
+        service_record(s, EVENT_CONFIG_REFUSED, fault.group, (float)err, 0);
     return true;
 }
 

@@ -115,11 +115,11 @@ static void second_line(const struct console *c, unsigned j, unsigned k, struct 
 bool commission_model_line(struct console *c, unsigned n, struct text *line)
 {
     const struct commission *m = c->service->commission;
+    if (m->inputs == 0 || m->ask == COMMISSION_ASK_BEGIN)
+        return false; /* or may be overwritten at any time */
     if (n < m->inputs)
         return input_line(c, n, line);
     n -= m->inputs;
-    if (m->inputs == 0)
-        return false;
     if (n < m->outputs) {
         const struct measurement_config *y = measurement(c, n);
         text_str(line, "output ");
@@ -144,7 +144,7 @@ bool commission_model_line(struct console *c, unsigned n, struct text *line)
 
 static bool nothing(const struct console *c, unsigned n, struct text *line)
 {
-    if (c->service->commission->analysed)
+    if (commission_has_results(c->service->commission))
         return false;
     if (n == 0)
         text_str(line, "nothing yet: `commission begin` first");

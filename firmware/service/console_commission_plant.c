@@ -119,7 +119,7 @@ bool commission_structure_line(struct console *c, unsigned n, struct text *line)
 {
     const struct commission *m = c->service->commission;
     const struct analysis *a = &m->work.analysis;
-    if (!m->analysed || !a->has_structure) {
+    if (!commission_has_results(m) || !a->has_structure) {
         if (n == 0)
             text_str(line, "structure none: it is looked for once the pairing is determined");
         return n == 0;
@@ -158,7 +158,7 @@ bool commission_trial_line(struct console *c, unsigned n, struct text *line)
     const struct adoption *t = &m->adoption;
     bool was = m->phase == COMMISSION_TRIAL || m->phase == COMMISSION_KEPT ||
                m->phase == COMMISSION_RETURNED || m->phase == COMMISSION_ENDED;
-    if (!was || t->n == 0) {
+    if (!was || t->n == 0 || !commission_has_results(m)) {
         if (n == 0)
             text_str(line, "no trial yet: `commission accept` begins one");
         return n == 0;
