@@ -15,6 +15,9 @@
 #define LIMIT_SHARE    REAL_C(0.7) /* of a limit that a larger amplitude may aim at */
 #define TURN_SHARE     REAL_C(0.8) /* of a limit at which the negative half ends early */
 #define PATIENCE       20u         /* windows until rest is given up */
+#define WINDOW_MOST    (1u << 20)  /* samples; no sum of counts gets near the end of 32 bits */
+#define HALF_MOST      (1u << 28)
+#define BLANK_MOST     REAL_C(1e6) /* s, as the guard takes it */
 
 static enum err watch_rest(struct experiment *e, uint32_t window)
 {
@@ -32,18 +35,26 @@ static bool positive(real_t x)
     return x > REAL_C(0.0) && real_is_finite(x);
 }
 
+static bool not_negative(real_t x, real_t most)
+{
+    return x >= REAL_C(0.0) && x <= most;
+}
+
 enum err experiment_begin(struct experiment *e, const struct experiment_config *c)
 {
     memset(e, 0, sizeof *e);
     if (c->outputs == 0 || c->outputs > CHANNEL_MAX || c->window < STEADY_BLOCKS ||
-        c->half_most <= c->window || c->half > c->half_most || c->half_least > c->half_most)
+        c->window > WINDOW_MOST || c->half_most > HALF_MOST || c->half_most <= c->window ||
+        c->half > c->half_most || c->half_least > c->half_most)
         return ERR_RANGE;
     if (!positive(c->amplitude_max) || !(c->amplitude >= REAL_C(0.0)) ||
         c->amplitude > c->amplitude_max || !positive(c->noise_multiple) ||
         (c->amplitude <= REAL_C(0.0) && !positive(c->amplitude_first)))
         return ERR_RANGE;
+    if (!not_negative(c->blank_s, BLANK_MOST))
+        return ERR_RANGE;
     for (unsigned j = 0; j < c->outputs; j++)
-        if (!positive(c->limit[j]))
+        if (!positive(c->limit[j]) || !not_negative(c->dead_time_s[j], BLANK_MOST))
             return ERR_RANGE;
     e->config = *c;
     e->phase = EXPERIMENT_REST;
@@ -513,9 +524,15 @@ enum err experiment_baseline(const struct experiment *e, uint8_t j, struct basel
     const struct steady_result *before = &e->before[j], *after = &e->after[j];
     real_t before_s = -before->age_s;
     real_t after_s = (real_t)(e->samples - 1u) * e->config.h_s - after->age_s;
-    if (e->returned)
+    if (e->returned) {
+        /* What still climbs otherwise than before the step is the end of the response, which rest at the level of the noise
+         * does not tell from a drift: by so much the mean may be off, whatever its noise. */
+        real_t climb = after->slope_per_s - before->slope_per_s;
+        real_t tail = climb * (real_t)e->half * e->config.h_s;
+        real_t sd = real_sqrt(after->mean_sd * after->mean_sd + tail * tail);
         return baseline_from_means(before_s, before->mean - e->rest[j], before->mean_sd, after_s,
-                                   after->mean - e->rest[j], after->mean_sd, before->noise_sd, b);
+                                   after->mean - e->rest[j], sd, before->noise_sd, b);
+    }
     struct baseline all[CHANNEL_MAX];
     baselines_before(e, all);
     *b = all[j];
