@@ -428,7 +428,8 @@ static enum err coming_back(struct experiment *e, const real_t *y)
     if (err)
         return err;
     bool rest = all_at_rest(e, e->after, e->half + 4u * e->config.window, &culprit);
-    if (rest) {
+    /* Not sooner than the way there took: in a dead time everything is at rest, where it was. */
+    if (rest && e->waited >= e->half) {
         e->returned = true;
         enter(e, EXPERIMENT_DONE, REAL_C(0.0));
     } else if (e->waited > 4u * e->half + 8u * e->config.window) {

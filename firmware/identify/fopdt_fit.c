@@ -155,14 +155,19 @@ static void consider(struct fopdt_fit *f, real_t lag, real_t dead)
     }
 }
 
+/* Not from a lag so short that nothing depends on it: no step leads out of there. */
+static real_t shortest_to_begin_from(const struct fopdt_fit *f)
+{
+    return REAL_C(0.5) * clip(REAL_C(0.5) * (real_t)f->block, ONE, f->lag_max);
+}
+
 static void grid(struct fopdt_fit *f)
 {
     uint32_t row = f->next / GRID_SHARES;
     real_t step = (real_t)row / (real_t)(GRID_TIMES - 1);
-    real_t lo = clip(REAL_C(0.5) * (real_t)f->block, ONE, f->lag_max);
+    real_t lo = TWO * shortest_to_begin_from(f);
     real_t time = lo * real_pow(f->lag_max / lo, step), share = shares[f->next % GRID_SHARES];
     f->next++;
-    /* Not from a lag so short that nothing depends on it: no step leads out of there. */
     real_t lag = clip(time * (ONE - share), REAL_C(0.5) * lo, f->lag_max);
     if (time * share <= f->dead_max)
         consider(f, lag, time * share);
@@ -252,7 +257,7 @@ bool fopdt_fit_run(struct fopdt_fit *f, uint32_t units)
                 f->phase = f->has_start ? PHASE_START : PHASE_SLOPES;
             break;
         case PHASE_START:
-            consider(f, clip(f->start_lag, f->shortest, f->lag_max),
+            consider(f, clip(f->start_lag, shortest_to_begin_from(f), f->lag_max),
                      clip(f->start_dead, ZERO, f->dead_max));
             f->phase = PHASE_SLOPES;
             break;
