@@ -27,6 +27,11 @@ static void number(struct text *t, const char *name, float x)
     text_float(t, x);
 }
 
+static void unit(struct text *t, const char *text)
+{
+    text_str(t, text[0] ? text : "-");
+}
+
 static void flags(struct text *t, unsigned bits)
 {
     static const char *const names[] = {"no_gain",     "negative_T", "negative_radicand",
@@ -53,7 +58,7 @@ static bool input_line(const struct console *c, unsigned k, struct text *line)
     number(line, "held", o->lo + (float)in->held * span);
     number(line, "amplitude", (float)in->amplitude * span);
     text_char(line, ' ');
-    text_str(line, o->unit);
+    unit(line, o->unit);
     number(line, "half", (float)in->half_s);
     text_str(line, " s rounds ");
     text_u32(line, in->rounds);
@@ -83,9 +88,9 @@ static void element_line(const struct console *c, unsigned j, unsigned k, struct
     number(line, "gain", (float)e->fit.gain * scale);
     number(line, "sd", (float)e->fit.gain_sd * scale);
     text_char(line, ' ');
-    text_str(line, y->unit);
+    unit(line, y->unit);
     text_char(line, '/');
-    text_str(line, u->unit);
+    unit(line, u->unit);
     number(line, "T", (float)e->fit.time_constant_s);
     number(line, "sd", (float)e->fit.time_constant_sd_s);
     number(line, "s L", (float)e->fit.dead_time_s);
@@ -126,7 +131,7 @@ bool commission_model_line(struct console *c, unsigned n, struct text *line)
         text_str(line, y->name);
         number(line, "noise", (float)m->noise_sd[n] * (y->hi - y->lo));
         text_char(line, ' ');
-        text_str(line, y->unit);
+        unit(line, y->unit);
         return true;
     }
     n -= m->outputs;

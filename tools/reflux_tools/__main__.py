@@ -24,6 +24,7 @@ COMMANDS = {
     "image": "cmd_image",
     "flash": "cmd_flash",
     "console": "cmd_console",
+    "commission": "cmd_commission",
     "evidence": "cmd_evidence",
 }
 PACKAGES = {

@@ -7,7 +7,6 @@ import contextlib
 import datetime
 import os
 import select
-import subprocess
 import sys
 import termios
 import time
@@ -93,21 +92,11 @@ def open_log(path: Path) -> TextIO:
 def host_board(options: argparse.Namespace) -> Iterator[str]:
     if not options.no_build:
         build.build("host", ("reflux-host", "reflux-sim"), quiet=True)
-    with launch.start("host") as firmware:
-        plant = None
+    with contextlib.ExitStack() as stack:
+        firmware = stack.enter_context(launch.start("host"))
         if options.plant:
-            plant = subprocess.Popen(
-                [str(build.find_program("host", "reflux-sim")), "--plant", options.plant, "--port", firmware.link,
-                 "--speed", options.speed, "--duration", "1e9"], stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL,
-                stderr=subprocess.PIPE, start_new_session=True)
-            time.sleep(0.3)
-            if plant.poll() is not None:
-                said = (plant.stderr.read() if plant.stderr else b"").decode(errors="replace").strip().splitlines()
-                raise UserError(f"the plant did not start: {(said or ['it said nothing'])[-1]}")
-        try:
-            yield firmware.console
-        finally:
-            launch.end(plant)
+            stack.enter_context(launch.plant(firmware, options.plant, "--speed", options.speed))
+        yield firmware.console
 
 
 def scripted(port: Port, log: TextIO | None, options: argparse.Namespace, text: str) -> int:

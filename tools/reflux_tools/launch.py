@@ -93,6 +93,28 @@ def start(kind: str, console_port: str | None = None, link_port: str | None = No
             end(firmware.process)
 
 
+@contextlib.contextmanager
+def plant(firmware: Firmware, name: str, *options: str) -> Iterator[subprocess.Popen[bytes]]:
+    """A simulated plant that runs on its own at the firmware's link."""
+    process = subprocess.Popen(
+        [str(build.find_program("host", "reflux-sim")), "--plant", name, "--port", firmware.link, *options,
+         "--duration", "1e9"], stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE,
+        start_new_session=True)
+    try:
+        time.sleep(0.3)
+        if process.poll() is not None:
+            raise UserError(f"the plant did not start: {plant_said(process)}")
+        yield process
+    finally:
+        end(process)
+
+
+def plant_said(process: subprocess.Popen[bytes]) -> str:
+    """The last line of a plant that has ended."""
+    said = (process.stderr.read() if process.stderr else b"").decode(errors="replace").strip().splitlines()
+    return (said or ["it said nothing"])[-1]
+
+
 def _serial(console_port: str | None, link_port: str | None) -> Firmware:
     if not console_port or not link_port:
         raise UserError("--firmware serial needs --console-port and --link-port, such as /dev/ttyUSB0 and /dev/ttyUSB1")

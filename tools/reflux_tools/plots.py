@@ -88,7 +88,7 @@ def _loop_plot(log: Log, scenario: Scenario, loop: Loop) -> Plot:
     lower.set_xlabel("plant time [h]")
     lower.set_xlim(t[0], t[-1])
     _mark([upper, lower], scenario)
-    return _finish(figure, f"loop-{loop.name}", f"Loop {loop.name}: {loop.pv} follows its setpoint by {loop.mv}. "
+    return finish(figure, f"loop-{loop.name}", f"Loop {loop.name}: {loop.pv} follows its setpoint by {loop.mv}. "
                    "Grey: the operator's lines, orange: what was done to the plant.")
 
 
@@ -118,7 +118,7 @@ def _inputs_plot(log: Log, scenario: Scenario, names: list[str]) -> Plot:
         ax.margins(y=0.2)
     rows[-1].set_xlabel("plant time [h]")
     rows[-1].set_xlim(t[0], t[-1])
-    return _finish(figure, "inputs", "What was done to the plant.")
+    return finish(figure, "inputs", "What was done to the plant.")
 
 
 def column_plot(log: Log, names: list[str], title: str) -> Plot:
@@ -137,12 +137,13 @@ def column_plot(log: Log, names: list[str], title: str) -> Plot:
             row.legend(loc="best", fontsize=8)
         axes[0][0].set_title(title)
         axes[-1][0].set_xlabel("plant time [h]")
-        return _finish(figure, "columns", title)
+        return finish(figure, "columns", title)
 
 
-def _finish(figure: Any, name: str, caption: str) -> Plot:
+def finish(figure: Any, name: str, caption: str, with_svg: bool = True) -> Plot:
     svg, png = io.StringIO(), io.BytesIO()
-    figure.savefig(svg, format="svg", metadata={"Date": None})
+    if with_svg:
+        figure.savefig(svg, format="svg", metadata={"Date": None})
     figure.savefig(png, format="png", dpi=130)
     plt.close(figure)
     return Plot(name, caption, svg.getvalue(), png.getvalue())

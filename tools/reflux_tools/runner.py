@@ -88,13 +88,13 @@ def simulator_command(scenario: Scenario, firmware: launch.Firmware, out: Path) 
 
 def run(scenario: Scenario, options: Options) -> Result:
     """Everything but the report. Files of an earlier run in the folder are replaced."""
-    with _locked(options.out):
+    with locked(options.out):
         _fresh_folder(options.out)
         return _run_in(scenario, options, options.out)
 
 
 @contextlib.contextmanager
-def _locked(out: Path) -> Iterator[None]:
+def locked(out: Path) -> Iterator[None]:
     """Makes the folder. Two runs must not write into one."""
     if out.exists() and not out.is_dir():
         raise UserError(f"{shown(out)} is a file; --out names a folder")

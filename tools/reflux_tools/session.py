@@ -10,6 +10,7 @@ from reflux_tools.errors import RunFailed
 from reflux_tools.ports import Port
 
 REPLY_S = 20.0
+SETTLED_S = 0.1
 ASYNCHRONOUS = ("T,", "H,", "! ")
 
 
@@ -41,13 +42,18 @@ class Session:
         raise RunFailed(f"{self.port.name}: no answer to `mode machine` within {self.reply_s:g} s; is it the console?")
 
     def settle(self) -> None:
-        """Replies to earlier attempts may still be on their way."""
-        while True:
+        """Replies to earlier attempts may still be on their way; telemetry may go on all the time."""
+        quiet_since, streams = time.monotonic(), False
+        while (left := quiet_since + SETTLED_S - time.monotonic()) > 0:
             try:
-                self.line(0.1)
+                text = self.line(left)
             except TimeoutError:
-                self.rest = b""
-                return
+                break
+            streams = text.startswith(ASYNCHRONOUS)
+            if not streams:
+                quiet_since = time.monotonic()
+        if not streams:
+            self.rest = b""
 
     def write(self, text: str) -> None:
         self._note("> ", text)

@@ -1,0 +1,278 @@
+#!/usr/bin/python3
+"""tools/commission against the firmware as a host process: questions answered on standard input, at a terminal and from
+files; what goes wrong on the way."""
+
+import contextlib
+import json
+import os
+import pty
+import re
+import select
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+import unittest
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
+import board  # noqa: E402
+
+TOOL = board.ROOT / "tools" / "commission"
+FAST = "120000"  # 2000 samples of a minute a second
+
+BAD_FILES = {
+    "limit is NaN": ("[measurement.xD]\nlimit = nan\n", "measurement.xD: xD limit is nan; a number in %w is wanted"),
+    "limit past the span": ("[measurement.xD]\nlimit = 33\n", "more than 0 and up to its span, 32 %w, is wanted"),
+    "no such measurement": ("[measurement.xQ]\nlimit = 1\n", "measurement.xQ: there is no such measurement; there are xD, xB"),
+    "no such field": ("[input.R]\nstride = 1\n", "R has no stride; there is lo, hi, safe, min, max, at, tested"),
+    "step past the limits": ("[input.R]\nat = 1.95\nstep = 2.5\n", "R step is 2.5; more than 0 and up to 1.95 lb/min is wanted"),
+    "no room": ("[input.R]\nat = 4.0\n", "R at 4 lb/min leaves no room to step both ways"),
+    "limits crossed": ("[input.R]\nmin = 3\nmax = 2\n", "R min is 3 and max is 2; min must be below max"),
+    "known twice wrong": ('[[known]]\nmeasurement = "R"\ninput = "xD"\ntime_s = 9\n', "R is no measurement"),
+    "confidence": ("[test]\nconfidence = 1.5\n", "confidence is 1.5; 0.5 .. 0.9999 is wanted"),
+    "half a round": ("[test]\nrounds = 1.5\n", "a whole number is wanted"),
+    "another plant": ('[plant]\nname = "pilot"\n', 'plant.name is "pilot"; the plant that is connected is wood-berry'),
+    "another interval": ("[plant]\ntick_s = 5\n", "the plant samples every 60 s"),
+    "answer": ('[proposal]\nanswer = "perhaps"\n', 'known are: accept, reject'),
+    "nothing tested": ("[input.R]\ntested = false\n[input.S]\ntested = false\n", "no input is tested"),
+    "unknown key": ("speed = 3\n", "speed is not a known key"),
+    "no TOML": ("[input\n", "not valid TOML"),
+}
+
+# Two inputs that do the same, within the noise: nothing can be paired.
+TWINS = {
+    "name": "twins", "title": "two inputs that do the same", "source": "made up", "time_unit": "s", "tick_s": 10,
+    "inputs": [{"name": f"u{k}", "unit": "%", "lo": 0, "hi": 100, "nominal": 50, "safe": 50} for k in (1, 2)],
+    "outputs": [{"name": f"y{k}", "unit": "%", "lo": 0, "hi": 100, "nominal": 50, "noise": 0.1} for k in (1, 2)],
+    "model": "transfer",
+    "elements": [[{"gain": 1, "lags": 100}, {"gain": 1, "lags": 100}], [{"gain": 0.8, "lags": 150}, {"gain": 0.8, "lags": 150}]],
+}
+
+
+class Tool(unittest.TestCase):
+    def setUp(self) -> None:
+        self.folder = Path(self.enterContext(tempfile.TemporaryDirectory()))
+        self.out = self.folder / "out"
+
+    def file(self, name: str, text: str) -> Path:
+        path = self.folder / name
+        path.write_text(text, encoding="utf-8")
+        return path
+
+    def tool(self, *arguments: str, text: str = "", expect: int = 0) -> tuple[str, str]:
+        answer = subprocess.run([str(TOOL), *arguments, "--out", str(self.out)], input=text, text=True, capture_output=True,
+                                timeout=60, check=False)
+        self.assertEqual(answer.returncode, expect, answer.stdout + answer.stderr)
+        return answer.stdout, answer.stderr
+
+    def simulated(self, *arguments: str, **more: object) -> tuple[str, str]:
+        return self.tool("--plant", "wood-berry", "--no-build", "--speed", FAST, *arguments, **more)  # type: ignore[arg-type]
+
+
+class Alone(Tool):
+    """Firmware and plant started by the tool."""
+
+    def test_questions_answered_to_the_end_then_again_from_the_file_they_made(self) -> None:
+        answers = self.folder / "given.toml"
+        lines = ["xD limit abc", "xD limit -inf", "xQ limit 3", "xD limit", "xD limit 5 critical maybe", "xD limit 5", "?", "",
+                 "R step 3", "S min 0.5 max 3", "S critical yes", "",
+                 "xD R time 900 gain", "xD R time 900", "xB Q gain 2", "xB S gain -20", "",
+                 "rounds 2.5", "guard circle", "rounds 2 guard line", "",
+                 "accpt", "", "edit", "loop1.gain x", "loop9.gain 1", "loop1.b 0.9", "", "accept"]
+        out, _err = self.simulated("--write-file", str(answers), text="\n".join(lines) + "\n")
+        for told in ("xD limit is abc; a number in %w is wanted", "xD limit is -inf; a number in %w is wanted, a finite one",
+                     "there is no xQ here; there are xD, xB", "names and values in turn are wanted",
+                     "xD critical is maybe; yes or no is wanted", "R step is 3; more than 0 and up to 1.95 lb/min is wanted",
+                     "Q is no input; there are R, S", "rounds is 2.5; a whole number is wanted",
+                     "guard is circle; model or line is wanted", "accpt is no answer", "the word itself is wanted",
+                     "loop1.gain: 'x' refused", "loop9.gain: no such parameter", "2 loops did as predicted and stay",
+                     "Nothing is stored: `save`"):
+            self.assertIn(told, out)
+        # The critical input comes first.
+        self.assertLess(out.index("S: at rest; step"), out.index("R: at rest; step"))
+        said = (self.out / "transcript.txt").read_text()
+        for line in ("set mv2.max 3", "set meas1.test_limit 5", "set test.guard line", "set pair1.time 900",
+                     "set pair2.gain -20", "set loop1.b 0.9", "commission accept"):
+            self.assertRegex(said, rf"(?m)^[\d.]+ > {re.escape(line)}$")
+        self.assertNotRegex(said, r"(?m)> save")
+        self.assertIn('"loop1.b" = "0.9"', answers.read_text())
+        self.report_is_whole()
+        again, _err = self.simulated("--file", str(answers), "--no-report")
+        self.assertRegex(again, r"xD +R +900 +-\nxB +S +- +-20")
+        self.assertIn("loops did as predicted and stay", again)
+        self.assertFalse((self.out / "report.html").exists())
+
+    def report_is_whole(self) -> None:
+        page = (self.out / "report.html").read_text()
+        for part in ("Start-up of wood-berry", "2 loops kept", "<h2>Tests</h2>", "<h2>Model</h2>", "Relative gains at rest",
+                     "<h2>Pairing and structure</h2>", "<h2>Proposal</h2>", "<h2>Trial</h2>", "<h2>Answers</h2>"):
+            self.assertIn(part, page)
+        # All tests, one for each input, relative gains, singular values, the trial.
+        self.assertEqual(page.count("data:image/png;base64,"), 6)
+        self.assertNotRegex(page, r'(src|href)="(?!data:)')
+        (self.out / "report.html").unlink()
+        answer = subprocess.run([str(TOOL), "--report", str(self.out)], text=True, capture_output=True, check=False)
+        self.assertEqual((answer.returncode, answer.stderr), (0, ""))
+        self.assertEqual((self.out / "report.html").read_text(), page)
+
+    def test_what_cannot_be_paired_is_not_determined(self) -> None:
+        plant = self.file("twins.json", json.dumps(TWINS))
+        _out, err = self.tool("--plant", str(plant), "--no-build", "--speed", "20000", "--yes", "--no-report",
+                              expect=1)
+        self.assertRegex(err.splitlines()[-1], r"^tools/commission: not determined: ")
+
+    def test_a_rejected_proposal_changes_no_loop(self) -> None:
+        path = self.file("reject.toml", '[proposal]\nanswer = "reject"\n')
+        _out, err = self.simulated("--file", str(path), "--no-report", expect=1)
+        self.assertIn("the proposal was rejected: no loop has changed", err)
+
+    def test_a_proposal_edited_wrongly_in_a_file_is_told_with_its_key(self) -> None:
+        path = self.file("edit.toml", '[proposal.set]\n"loop1.gain" = -1\n')
+        _out, err = self.simulated("--file", str(path), "--no-report", expect=2)
+        self.assertIn("proposal.set.loop1.gain: err RANGE", err)
+
+    def test_answers_that_end_early(self) -> None:
+        _out, err = self.simulated("--no-report", text="xD limit 5\n\n", expect=2)
+        self.assertIn("input ended at a question", err)
+
+
+class OnABoard(Tool):
+    """A board that is there already, at its console."""
+
+    def setUp(self) -> None:
+        super().setUp()
+        self.firmware = self.enterContext(board.start("host"))
+
+    def plant(self, *arguments: str) -> None:
+        plant = subprocess.Popen(board.simulator(self.firmware, "--plant", "wood-berry", "--duration", "1e9", *arguments),
+                                 stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        self.addCleanup(plant.wait)
+        self.addCleanup(plant.kill)
+
+    def start(self, *arguments: str, **more: object) -> subprocess.Popen[str]:
+        process = subprocess.Popen([str(TOOL), self.firmware.console, "--out", str(self.out), "--no-report", *arguments],
+                                   text=True, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, **more)  # type: ignore[call-overload]
+        self.addCleanup(process.stdout.close)
+        self.addCleanup(process.wait)
+        self.addCleanup(process.kill)
+        return process
+
+    def read_until(self, process: subprocess.Popen[str], wanted: str) -> str:
+        said = ""
+        for line in process.stdout:
+            said += line
+            if wanted in line:
+                return said
+        self.fail(f"ended before {wanted!r}: {said}")
+
+    OPERATING = "[input.R]\nat = 1.95\n[input.S]\nat = 1.71\n"
+
+    def test_no_plant(self) -> None:
+        _out, err = self.tool(self.firmware.console, "--yes", expect=1)
+        self.assertIn("no plant is connected to the board (plant link down)", err)
+
+    def test_bad_files_are_told_with_their_key_and_change_nothing(self) -> None:
+        self.plant("--speed", "600")
+        for what, (text, told) in BAD_FILES.items():
+            with self.subTest(what):
+                path = self.file("bad.toml", text if "at = " in text or "[input" in text else text + self.OPERATING)
+                _out, err = self.tool(self.firmware.console, "--file", str(path), "--no-report", expect=2)
+                self.assertIn(told, err)
+                self.assertIn("bad.toml", err)
+                self.assertEqual(err.count("\n"), 1)
+        # A board in its safe state tells no operating point.
+        _out, err = self.tool(self.firmware.console, "--yes", "--no-report", expect=2)
+        self.assertIn("R at is wanted: the value at the plant's operating point, between 0 and 4 lb/min", err)
+        with board.console(self.firmware) as console:
+            self.assertIn("commission", console.do("help commission")[0])
+            self.assertEqual([line for line in console.do("diff defaults") if line.startswith("set")], [])
+
+    def test_interrupted_it_aborts_on_the_board_first(self) -> None:
+        self.plant("--speed", "6000")
+        for ending, status in ((signal.SIGINT, 130), (signal.SIGTERM, 130)):
+            process = self.start("--file", str(self.file("a.toml", self.OPERATING)))
+            self.read_until(process, "R: at rest; step of")
+            process.send_signal(ending)
+            rest = process.stdout.read()
+            self.assertEqual(process.wait(timeout=20), status)
+            self.assertIn("aborted on the board (`commission abort`)", rest)
+            self.assertIn("the inputs are back where they were held", rest)
+            with board.console(self.firmware) as console:
+                self.assertIn("phase ended", console.do("commission")[0])
+                self.assertIn("R = 1.95 lb/min", [line[:15] for line in console.do("status")])
+        # The next one finds the board where the operator left it.
+        process = self.start("--yes")
+        self.read_until(process, "begun")
+        process.send_signal(signal.SIGINT)
+        process.stdout.read()
+        self.assertEqual(process.wait(timeout=20), 130)
+
+    def test_a_start_up_under_way_is_left_alone(self) -> None:
+        self.plant("--speed", "6000")
+        process = self.start("--file", str(self.file("a.toml", self.OPERATING)))
+        self.read_until(process, "R: at rest; step of")
+        process.kill()  # without a chance to say goodbye
+        process.wait()
+        _out, err = self.tool(self.firmware.console, "--yes", "--no-report", expect=1)
+        self.assertIn("a start-up is under way on the board already", err)
+
+    def test_lines_while_it_is_tested(self) -> None:
+        self.plant("--speed", "12000")
+        process = self.start(stdin=subprocess.PIPE)
+        for line in ("", "R at 1.95", "S at 1.71", "", "", ""):
+            process.stdin.write(line + "\n")
+        process.stdin.flush()
+        self.read_until(process, "R: at rest; step of")
+        for line, told in (("resume", "resume is refused: err STATE commission: only after `commission pause`"),
+                           ("pause", "paused: the inputs are where they were held"), ("resume", "R: at rest; step of"),
+                           ("repeat", "only while a later input is tested"), ("skip", "S: at rest; step of"),
+                           ("abort", "ended: asked for")):
+            process.stdin.write(line + "\n")
+            process.stdin.flush()
+            self.read_until(process, told)
+        process.stdin.close()
+        self.assertIn("the start-up ended: asked for", process.stdout.read())
+        self.assertEqual(process.wait(timeout=20), 1)
+
+    def test_keys_at_a_terminal(self) -> None:
+        self.plant("--speed", "12000")
+        pid, terminal = pty.fork()
+        if pid == 0:
+            os.execv(str(TOOL), [str(TOOL), self.firmware.console, "--out", str(self.out), "--no-report", "--file",
+                                 str(self.file("a.toml", self.OPERATING))])
+        self.until(terminal, "R: at rest; step of")
+        os.write(terminal, b"p")
+        self.until(terminal, "paused")
+        os.write(terminal, b"r")
+        self.until(terminal, "R: at rest; step of")
+        os.write(terminal, b"\x03")
+        said = self.until(terminal, "interrupted")
+        self.assertIn("aborted on the board", said)
+        self.assertEqual(os.waitstatus_to_exitcode(os.waitpid(pid, 0)[1]), 130)
+        os.close(terminal)
+
+    def until(self, terminal: int, wanted: str) -> str:
+        text, end = "", time.monotonic() + board.PATIENCE_S
+        while wanted not in text and time.monotonic() < end:
+            if select.select([terminal], [], [], 0.2)[0]:
+                with contextlib.suppress(OSError):
+                    text += os.read(terminal, 4096).decode("utf-8", "replace")
+        self.assertIn(wanted, text)
+        return text
+
+    def test_a_locked_board_wants_the_key(self) -> None:
+        self.plant("--speed", FAST)
+        with board.console(self.firmware) as console:
+            console.do("key secret")
+            console.do("lock")
+        path = str(self.file("a.toml", self.OPERATING))
+        _out, err = self.tool(self.firmware.console, "--file", path, "--no-report", expect=2)
+        self.assertIn("the board's engineer level is locked; --key KEY opens it", err)
+        self.tool(self.firmware.console, "--file", path, "--no-report", "--key", "secret")
+        self.assertNotIn("secret", (self.out / "transcript.txt").read_text())
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,42 @@
+"""The model along the frequency, for pictures."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from reflux_tools.commission.record import Record
+
+POINTS = 240
+
+
+def frequencies(r: Record) -> np.ndarray:
+    """From a tenth of the slowest element's corner to ten times the fastest's, no higher than half the sampling."""
+    times = [e.time_s + e.dead_s for e in r.model.elements.values() if e.has_gain and e.time_s + e.dead_s > 0]
+    tick = float(np.median(np.diff(r.time))) if len(r.time) > 2 else 1.0
+    slow, fast = (max(times), min(times)) if times else (100 * tick, 10 * tick)
+    return np.geomspace(0.1 / slow, max(min(10 / fast, np.pi / tick), 1 / slow), POINTS)
+
+
+def matrices(r: Record, omega: np.ndarray) -> np.ndarray:
+    """G(i omega) in spans: len(omega) x outputs x inputs, in the order of the analysis."""
+    outputs, inputs = r.model.measurements(), r.model.tested()
+    g = np.zeros((len(omega), len(outputs), len(inputs)), complex)
+    for (m, i), e in r.model.elements.items():
+        if m in outputs and i in inputs:
+            gain = e.gain * r.channels[i].span / r.channels[m].span
+            lag = e.time_s if e.has_gain else 0.0
+            dead = e.dead_s if e.has_gain else 0.0
+            g[:, outputs.index(m), inputs.index(i)] = gain * np.exp(-1j * omega * dead) / (1 + 1j * omega * lag)
+    return g
+
+
+def singular_values(r: Record) -> tuple[np.ndarray, np.ndarray]:
+    omega = frequencies(r)
+    return omega, np.linalg.svd(matrices(r, omega), compute_uv=False)
+
+
+def relative_gains(r: Record) -> tuple[np.ndarray, np.ndarray]:
+    """Moduli: len(omega) x outputs x inputs; not a number where there is no inverse."""
+    omega = frequencies(r)
+    g = matrices(r, omega)
+    return omega, np.abs(g * np.swapaxes(np.linalg.pinv(g), 1, 2))
