@@ -132,6 +132,7 @@ def start_up(bench: Bench, port: Port, transcript: Transcript, options: argparse
 def simulated(options: argparse.Namespace) -> Iterator[Bench]:
     if not options.no_build:
         launch.build_for(options.firmware)
+        build.build("host", ("libreflux",))  # for the report
     file = options.plant.endswith(".json")
     if file and not Path(options.plant).is_file():
         raise UserError(f"there is no plant file {options.plant}")

@@ -81,6 +81,21 @@ class Session:
     def ask(self, command: str) -> list[str]:
         """Payload of the reply; Refused when it ends in `err`."""
         self.write(command)
+        return self.reply(command)
+
+    def ask_together(self, commands: list[str]) -> list[str]:
+        """All of them sent before the first reply is read; the refusals among the replies."""
+        for command in commands:
+            self.write(command)
+        refusals = []
+        for command in commands:
+            try:
+                self.reply(command)
+            except Refused as error:
+                refusals.append(f"`{command}`: {error}")
+        return refusals
+
+    def reply(self, command: str) -> list[str]:
         reply: list[str] = []
         while True:
             try:

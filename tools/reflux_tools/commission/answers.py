@@ -30,6 +30,7 @@ class Field:
     help: str
     parameter: str = ""
     new: bool = False  # only asked for channels that the board has not configured
+    unit: str = ""     # where it is not the channel's
 
 
 MEASUREMENT = (
@@ -50,7 +51,7 @@ INPUT = (
     Field("tested", "yes", "yes: steps are made on it; no: it stays where it is", "test"),
     Field("step", "auto", "amplitude of its steps; auto: larger ones are tried until a response stands out of the noise",
           "test_step"),
-    Field("time", "auto", "length of half a double step, s; auto: until the plant has come to rest", "test_time"),
+    Field("time", "auto", "length of half a double step; auto: until the plant has come to rest", "test_time", unit="s"),
     Field("critical", "yes", "yes: tested first, so that its times help the others", "test_critical"),
 )
 FOLLOWS = {"lo": ("min", "limit"), "hi": ("max", "limit")}
@@ -110,7 +111,8 @@ class Values:
         for follower in FOLLOWS.get(name, ()):
             if follower in self.values and follower not in self.given:
                 self.values[follower] = None
-        self.values[name] = _value(known[name].kind, value, f"{self.channel.name} {name}", self.channel.unit)
+        f = known[name]
+        self.values[name] = _value(f.kind, value, f"{self.channel.name} {name}", f.unit or self.channel.unit)
         self.given.add(name)
 
     def check(self) -> None:

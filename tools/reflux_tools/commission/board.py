@@ -220,6 +220,11 @@ class Board:
             self.session.ask(f"unlock {self.key}")
             return self.session.ask(command)
 
+    def ask_together(self, commands: list[str]) -> list[str]:
+        """The refusals."""
+        with unbroken():
+            return self.session.ask_together(commands)
+
     def listen(self, seconds: float) -> None:
         """Takes what comes."""
         end = time.monotonic() + seconds

@@ -15,21 +15,20 @@ from reflux_tools.plots import BLUE, GREEN, GREY, ORANGE, STYLE, Plot, finish, p
 
 ONE_COLUMN = 4       # outputs that stand one below the other
 LEGEND_MOST = 10     # lines that are named
+FEW = 16             # relative gains that are all drawn; of more, those of the pairs
 SHOW_LIMIT = 0.35    # of a limit: from here on it is drawn beside the response
 COLOURS = (*plt.get_cmap("tab20").colors[::2], *plt.get_cmap("tab20").colors[1::2])
 
 
 def plots(r: Record) -> list[Plot]:
     with plt.rc_context(STYLE):
-        out = [overview(r)] if r.experiments else []
+        out: list[Plot | None] = [overview(r)] if r.experiments else []
         out += [experiment(r, e) for e in r.experiments]
-        if r.gains.rga:
-            out.append(rga(r))
-        if len(r.gains.singular) > 0:
-            out.append(singular(r))
-        if r.trial and (on_trial := trial(r)):
-            out.append(on_trial)
-    return out
+        if r.gains.singular:
+            out += [rga(r), singular(r)]
+        if r.trial:
+            out.append(trial(r))
+    return [p for p in out if p]
 
 
 def picture(figure: Any, name: str, caption: str) -> Plot:
@@ -158,22 +157,28 @@ def _fit(ax: Any, r: Record, e: Experiment, name: str, x: np.ndarray, t: np.ndar
 
 # ---- analysis ----
 
-def rga(r: Record) -> Plot:
+def rga(r: Record) -> Plot | None:
     """Relative gains along the frequency; the pairs stand out."""
-    omega, table = frequency.relative_gains(r)
+    found = frequency.relative_gains(r)
+    if found is None:
+        return None
+    omega, outputs, inputs, table = found
     paired = {(m, i) for m, i, _, _ in r.pairing.pairs}
     figure, ax = plt.subplots(figsize=(9.6, 3.6))
-    shown = [(m, i) for m in r.gains.rga for i in r.gains.rga_inputs]
-    if len(shown) > 16:
+    shown = [(m, i) for m in outputs for i in inputs]
+    if len(shown) > FEW:
         shown = [p for p in shown if p in paired]
     for k, (m, i) in enumerate(shown):
         strong = (m, i) in paired
-        ax.semilogx(omega, table[:, list(r.gains.rga).index(m), r.gains.rga_inputs.index(i)], color=COLOURS[k % 20],
+        ax.semilogx(omega, table[:, outputs.index(m), inputs.index(i)], color=COLOURS[k % 20],
                     linewidth=2.0 if strong else 1.0, linestyle="-" if strong else "--", label=f"{m} by {i}")
     ax.axhline(1.0, color=GREY, linewidth=0.8)
     ax.set_ylabel("|relative gain|")
     ax.set_xlabel("frequency [rad/s]")
-    ax.set_ylim(0, min(10.0, max(2.0, 1.1 * ax.get_ylim()[1])))
+    if ax.get_ylim()[1] > 20:
+        ax.set_yscale("log")
+    else:
+        ax.set_ylim(0, max(2.0, ax.get_ylim()[1]))
     ax.legend(loc="best", ncols=4, fontsize=7.5)
     return picture(figure, "rga", "Relative gains of the model along the frequency, up to half the sampling frequency; full "
                   "lines are the pairs. A pair whose relative gain stays near 1 where its loop works is left alone by the "
@@ -192,7 +197,8 @@ def singular(r: Record) -> Plot:
     lower.set_ylabel("condition number")
     lower.set_xlabel("frequency [rad/s]")
     for ax in (upper, lower):
-        ax.yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
+        low, high = ax.get_ylim()
+        ax.yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0) if high < 200 * low else (1.0,)))
         ax.yaxis.set_major_formatter(FuncFormatter(lambda x, _: f"{x:g}"))
         ax.yaxis.set_minor_formatter(NullFormatter())
     return picture(figure, "singular", "Singular values of the model and their ratio, gains in spans. A large ratio: some "

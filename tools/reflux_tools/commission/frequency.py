@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
+from reflux_tools import libreflux
 from reflux_tools.commission.record import Record
+from reflux_tools.errors import RunFailed
 
 POINTS = 240
 
@@ -35,8 +37,19 @@ def singular_values(r: Record) -> tuple[np.ndarray, np.ndarray]:
     return omega, np.linalg.svd(matrices(r, omega), compute_uv=False)
 
 
-def relative_gains(r: Record) -> tuple[np.ndarray, np.ndarray]:
-    """Moduli: len(omega) x outputs x inputs; not a number where there is no inverse."""
+def relative_gains(r: Record) -> tuple[np.ndarray, list[str], list[str], np.ndarray] | None:
+    """By the firmware's own code: frequencies, outputs, inputs, and moduli len(omega) x outputs x inputs. Of a plant that
+    is not square, the part that is paired. None: libreflux is not built, or there are none."""
+    outputs, inputs = r.model.measurements(), r.model.tested()
+    if len(outputs) != len(inputs) and r.pairing.pairs:
+        outputs, inputs = [m for m, _, _, _ in r.pairing.pairs], [i for _, i, _, _ in r.pairing.pairs]
     omega = frequencies(r)
-    g = matrices(r, omega)
-    return omega, np.abs(g * np.swapaxes(np.linalg.pinv(g), 1, 2))
+    table = [[r.model.elements[m, i] for i in inputs] for m in outputs]
+    spans = [[r.channels[i].span / r.channels[m].span for i in inputs] for m in outputs]
+    try:
+        plant = libreflux.Plant(np.array([[e.gain for e in row] for row in table]) * spans,
+                                [[e.dead_s if e.has_gain else 0.0 for e in row] for row in table],
+                                [[e.time_s if e.has_gain else 0.0 for e in row] for row in table])
+        return omega, outputs, inputs, libreflux.rga_at(plant, omega)[0]
+    except RunFailed:
+        return None

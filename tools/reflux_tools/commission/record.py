@@ -152,6 +152,8 @@ def experiments_of(r: Record) -> list[Experiment]:
             channel = r.channels.get(event.subject)
             far = f"{event.value * channel.span:.3g} {channel.unit}" if channel else f"{100 * event.value:.3g} % of span"
             remarks.append(f"turned round: {event.subject} would have gone {far} from rest")
+        elif event.code == "TEST_LONGER" and out:
+            out[-1].remarks.append("not at rest at the end: tested again, longer")
         elif step and event.code in ("TEST_DONE", "COMMISSION_ENDED"):
             at, end = row_at(r.time, step.at_s), row_at(r.time, event.at_s)
             if end - at > 1:

@@ -83,6 +83,9 @@ def analysis_part(r: Record, pictures: dict[str, plotting.Plot]) -> list[str]:
     if r.gains.rga:
         parts += ["<p>Relative gains at rest:</p>", grid(*results.rga_rows(r.gains), text_columns=1)]
     parts += [embedded(pictures[name]) for name in ("rga", "singular") if name in pictures]
+    if "rga" not in pictures:
+        parts.append('<p class="note">No relative gains along the frequency: the plant has none, or libreflux is not built '
+                     "(cmake --build --preset host --target libreflux).</p>")
     parts += ["<h2>Pairing and structure</h2>"]
     if r.pairing.pairs:
         parts.append(grid(*results.pairing_rows(r.pairing)))

@@ -55,7 +55,6 @@ class Startup:
         """Returns where the loops are kept; RunFailed says why they are not."""
         plant = self.meet()
         answers = self.answers(plant)
-        self.to_operating_point(answers)
         self.note_settings()
         with self.watched():
             ended = self.test(answers)
@@ -95,7 +94,7 @@ class Startup:
         return plant
 
     def answers(self, plant: Plant) -> Answers:
-        """Asked for, or read, and in force on the board."""
+        """Asked for, or read; in force on the board, and its plant sent to the operating point."""
         board = self.board
         parameters = board.parameters()
         room = Room(board.channels(), board.count("pair", "meas"),
@@ -113,7 +112,7 @@ class Startup:
                 say(dialogue.summary(answers))
             self.keep(answers)
             try:
-                self.configure(asking.set_lines(answers, parameters, room.channels))
+                self.configure(asking.set_lines(answers, parameters, room.channels), answers)
                 return answers
             except Refused as error:
                 if self.options.unattended:
@@ -129,44 +128,43 @@ class Startup:
             except OSError as error:
                 raise UserError(f"{path} cannot be written: {error.strerror}") from None
 
-    def configure(self, lines: list[str]) -> None:
-        """All or nothing."""
-        if not lines:
-            say("\nThe board is configured so already.")
-            return
+    def configure(self, lines: list[str], answers: Answers) -> None:
+        """All or nothing; and at once to the operating point, for a plan that has just come leaves the outputs of a safe
+        state where they are safe."""
+        moves = self.moves(answers)
         self.board.new_events()
-        self.board.ask("begin")
-        try:
-            for line in (*lines, "apply"):
-                self.board.ask(line)
-        except BaseException:
-            with contextlib.suppress(RunFailed):
-                self.board.ask("abandon")
-            raise
-        self.await_event("CONFIG_APPLIED", "CONFIG_REFUSED")
-        say(f"\n{len(lines)} parameters set. Nothing of it is stored; `save` would (tools/console).")
+        if lines:
+            self.board.ask("begin")
+            try:
+                for line in lines:
+                    self.board.ask(line)
+            except BaseException:
+                self.abandon()
+                raise
+        refusals = self.board.ask_together([*(["apply"] if lines else []),
+                                            *(f"out {name} {at:.9g}" for name, at in moves.items())])
+        if refusals:
+            self.abandon()
+            raise Refused(refusals[0])
+        say(f"\n{len(lines)} parameters set; nothing of it is stored, `save` would do that (tools/console)." if lines else
+            "\nThe board is configured so already.")
+        for name, at in moves.items():
+            say(f"{name} goes to {at:g} {answers.channel(name).channel.unit}")
+        if lines:
+            self.await_event("CONFIG_APPLIED", "CONFIG_REFUSED")
+        for name in moves:
+            self.await_event("OUTPUT", "REQUEST_REFUSED", subject=name)
+        self.board.new_events()
 
-    def to_operating_point(self, answers: Answers) -> None:
-        """Each is there, as far as the board is concerned, with the next sample."""
-        state = self.board.state()
-        self.board.new_events()
-        asked = set()
+    def moves(self, answers: Answers) -> dict[str, float]:
+        """Inputs that are not where the answers want them."""
+        state, out = self.board.state(), {}
         for v in answers.inputs:
             at, name = v.values["at"], v.channel.name
             configured = v.place is not None or v.values["tested"]
-            if at is None or not configured or (not state.safe and state.values.get(name) == at):
-                continue
-            say(f"{name} goes to {at:g} {v.channel.unit}")
-            self.board.ask(f"out {name} {at:.9g}")
-            asked.add(name)
-        while asked:
-            self.board.listen(0.1)
-            self.alive()
-            for event in self.board.new_events():
-                if event.code == "REQUEST_REFUSED" and event.subject in asked:
-                    raise RunFailed(f"{event.subject} does not go there: {event.text}")
-                if event.code == "OUTPUT":
-                    asked.discard(event.subject)
+            if at is not None and configured and (state.safe or state.values.get(name) != at):
+                out[name] = at
+        return out
 
     def note_settings(self) -> None:
         """For the report, which is made from the transcript alone."""
@@ -205,18 +203,18 @@ class Startup:
                 say(f"waiting: {refusal.removeprefix('err ')}")
             board.listen(0.2)
             self.alive()
-        self.await_event("COMMISSION_BEGUN", "REQUEST_REFUSED", keep=True)
+        self.await_event("COMMISSION_BEGUN", "REQUEST_REFUSED")
         self.begun, self.pending = True, False
 
-    def await_event(self, wanted: str, refused: str, keep: bool = False) -> Event:
+    def await_event(self, wanted: str, refused: str, subject: str | None = None) -> Event:
         """Comes with the plant's next sample."""
         while True:
             for event in list(self.board.events):
+                if subject is not None and event.subject != subject:
+                    continue
                 if event.code == refused:
                     raise RunFailed(f"the board refused it at its next sample: {event.subject} {event.text}")
                 if event.code == wanted:
-                    if not keep:
-                        self.board.new_events()
                     return event
             self.board.listen(0.2)
             self.alive()
@@ -364,7 +362,7 @@ class Startup:
 
     def trial(self, answers: Answers) -> None:
         heading("Trial")
-        self.await_event("TRIAL_BEGUN", "CONFIG_REFUSED", keep=True)
+        self.await_event("TRIAL_BEGUN", "CONFIG_REFUSED")
         self.pending = False
         p = follow(self.board, answers, self.keyboard, self.alive, ("kept", "returned", "ended", "idle"), ("abort",))
         loops = results.trial_of(self.board.ask("commission trial"))
