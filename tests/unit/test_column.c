@@ -135,11 +135,8 @@ static void flows_of_every_section_balance(void)
 }
 
 /* d/dt of the moles of component j in the whole column, less what flows in and out, relative to the feed. */
-static double unbalance(enum column_holdup form, size_t j)
+static double unbalance_now(size_t j)
 {
-    make(form);
-    ternary_profile(x, REAL_C(0.3));
-    TEST_ASSERT_EQUAL(ERR_OK, column_rates(&column, x, rates));
     struct column now = column;
     double gathered = 0;
     for (size_t s = 0; s < 10; s++) {
@@ -151,7 +148,7 @@ static double unbalance(enum column_holdup form, size_t j)
             growth +=
                 v * (i < 2 ? (double)rates[2 * s + i] : -(double)(rates[2 * s] + rates[2 * s + 1]));
         }
-        if (form != COLUMN_HOLDUP_MOLAR)
+        if (config.holdup != COLUMN_HOLDUP_MOLAR)
             holdup_rate = -(double)now.holdup[s] * growth / volume;
         gathered +=
             (double)now.holdup[s] * rate + holdup_rate * (double)column_fraction(&now, x, s, j);
@@ -160,6 +157,69 @@ static double unbalance(enum column_holdup form, size_t j)
     double out = (double)(now.flows.distillate * column_fraction(&now, x, 9, j) +
                           now.flows.bottoms * column_fraction(&now, x, 0, j));
     return fabs(gathered - in + out) / (double)now.flows.feed;
+}
+
+static double unbalance(enum column_holdup form, size_t j)
+{
+    make(form);
+    ternary_profile(x, REAL_C(0.3));
+    TEST_ASSERT_EQUAL(ERR_OK, column_rates(&column, x, rates));
+    return unbalance_now(j);
+}
+
+/* Without reflux a tray whose liquid turns denser gets nothing from above to keep its volume. */
+static void a_tray_short_of_liquid_draws_it_from_below_and_the_balances_stay_closed(void)
+{
+    struct column_inputs inputs = ternary_inputs();
+    inputs.reflux_flow = 0;
+    inputs.reflux_subcooling = 0;
+    make(COLUMN_HOLDUP_CONSERVATIVE);
+    TEST_ASSERT_EQUAL(ERR_OK, column_set_inputs(&column, &inputs, &fault));
+    for (int s = 0; s < 10;
+         s++) { /* heavier below: the volume of a mole falls on the trays above the feed */
+        x[2 * s] = s < 5 ? REAL_C(0.9) : REAL_C(0.05);
+        x[2 * s + 1] = s < 5 ? REAL_C(0.05) : REAL_C(0.9);
+    }
+    TEST_ASSERT_EQUAL(ERR_OK, column_rates(&column, x, rates));
+    int drawing = 0;
+    for (int s = 1; s < 9; s++)
+        drawing += column.liquid[s] < 0;
+    TEST_ASSERT_TRUE(drawing > 0);
+    for (size_t j = 0; j < 3; j++)
+        TEST_ASSERT_DOUBLE_WITHIN(ROUNDING * 10, 0.0, unbalance_now(j));
+
+    /* at the edge of the simplex nothing is driven out of it */
+    for (int s = 0; s < 10; s++) {
+        x[2 * s] = s < 5 ? REAL_C(1.0) : REAL_C(0.0);
+        x[2 * s + 1] = s < 5 ? REAL_C(0.0) : REAL_C(1.0);
+    }
+    TEST_ASSERT_EQUAL(ERR_OK, column_rates(&column, x, rates));
+    for (int i = 0; i < 20; i++)
+        TEST_ASSERT_TRUE(x[i] > 0 ? rates[i] <= 0 : rates[i] >= 0);
+}
+
+static void new_inputs_at_the_same_state_need_no_new_bubble_points(void)
+{
+    struct column_inputs inputs = ternary_inputs();
+    real_t again[20];
+    make(COLUMN_HOLDUP_CONSERVATIVE);
+    TEST_ASSERT_EQUAL(ERR_OK, column_rates(&column, x, rates));
+    for (int k = 0; k < 4; k++) {
+        inputs.heat *= REAL_C(1.1);
+        inputs.reflux_flow *= REAL_C(0.9);
+        if (k == 2) /* this asks for new ones */
+            inputs.pressure_top *= REAL_C(1.05);
+        TEST_ASSERT_EQUAL(ERR_OK, column_set_inputs(&column, &inputs, &fault));
+        TEST_ASSERT_EQUAL(ERR_OK, column_rates_again(&column, x, again));
+        real_t distillate = column.flows.distillate, top = column.temperature[9];
+        TEST_ASSERT_EQUAL(ERR_OK, column_rates(&column, x, rates));
+        double scale = largest(rates, 20);
+        for (int i = 0; i < 20; i++)
+            TEST_ASSERT_DOUBLE_WITHIN(RATE_BOUND * scale, (double)rates[i], (double)again[i]);
+        TEST_ASSERT_DOUBLE_WITHIN(T_BOUND, (double)column.temperature[9], (double)top);
+        TEST_ASSERT_DOUBLE_WITHIN(FLOW_BOUND * (double)column.flows.feed,
+                                  (double)column.flows.distillate, (double)distillate);
+    }
 }
 
 static void conservative_and_molar_forms_close_every_component_balance_to_rounding(void)
@@ -224,18 +284,34 @@ static void a_pressure_without_a_bubble_point_is_refused_and_the_start_kept(void
 
 static void the_extended_terms_of_the_vapour_pressure_are_those_of_the_equation(void)
 {
-    struct component c = test_components[0];
-    c.antoine[3] = REAL_C(1e-3);
-    c.antoine[4] = REAL_C(-0.5);
-    c.antoine[5] = REAL_C(1e-6);
-    c.antoine[6] = REAL_C(2.0);
-    real_t slope, p = component_vapour_pressure(&c, 350, &slope);
-    double expected =
-        exp(21.354957 - 3177.86676 / (350 - 36.672) + 0.35 - 0.5 * log(350) + 1e-6 * 350 * 350);
-    double rate = 3177.86676 / (313.328 * 313.328) + 1e-3 - 0.5 / 350 + 2e-6 * 350;
-    TEST_ASSERT_DOUBLE_WITHIN(expected * (FLOW_BOUND > 1e-6 ? 1e-5 : 1e-12), expected, (double)p);
-    TEST_ASSERT_DOUBLE_WITHIN(expected * rate * (FLOW_BOUND > 1e-6 ? 1e-5 : 1e-10), expected * rate,
-                              (double)slope);
+    static const double exponents[] = {1, 2, 6,
+                                       1.5}; /* the first three have products of their own */
+    for (int i = 0; i < 4; i++) {
+        struct component c = test_components[0];
+        double g = exponents[i], f = 0.1 / pow(350, g);
+        c.antoine[3] = REAL_C(1e-3);
+        c.antoine[4] = REAL_C(-0.5);
+        c.antoine[5] = (real_t)f;
+        c.antoine[6] = (real_t)g;
+        real_t slope, p = component_vapour_pressure(&c, 350, &slope);
+        double expected =
+            exp(21.354957 - 3177.86676 / (350 - 36.672) + 0.35 - 0.5 * log(350) + 0.1);
+        double rate = 3177.86676 / (313.328 * 313.328) + 1e-3 - 0.5 / 350 + g * 0.1 / 350;
+        TEST_ASSERT_DOUBLE_WITHIN(expected * (FLOW_BOUND > 1e-6 ? 1e-5 : 1e-12), expected,
+                                  (double)p);
+        TEST_ASSERT_DOUBLE_WITHIN(expected * rate * (FLOW_BOUND > 1e-6 ? 1e-5 : 1e-10),
+                                  expected * rate, (double)slope);
+    }
+}
+
+static void vapour_pressures_of_all_components_are_those_of_each(void)
+{
+    real_t p[3], slopes[3];
+    component_vapour_pressures(test_components, 3, 371, p, slopes);
+    for (int j = 0; j < 3; j++) {
+        real_t slope, alone = component_vapour_pressure(&test_components[j], 371, &slope);
+        TEST_ASSERT_TRUE(p[j] == alone && slopes[j] == slope);
+    }
 }
 
 static void a_state_that_is_no_number_is_refused(void)
@@ -354,10 +430,13 @@ int main(void)
     RUN_TEST(vapour_fractions_of_every_stage_add_up_to_one);
     RUN_TEST(flows_of_every_section_balance);
     RUN_TEST(conservative_and_molar_forms_close_every_component_balance_to_rounding);
+    RUN_TEST(a_tray_short_of_liquid_draws_it_from_below_and_the_balances_stay_closed);
+    RUN_TEST(new_inputs_at_the_same_state_need_no_new_bubble_points);
     RUN_TEST(the_form_of_the_source_leaves_the_total_balance_open_away_from_steady_state);
     RUN_TEST(bubble_points_match_bisection_from_any_start);
     RUN_TEST(a_pressure_without_a_bubble_point_is_refused_and_the_start_kept);
     RUN_TEST(the_extended_terms_of_the_vapour_pressure_are_those_of_the_equation);
+    RUN_TEST(vapour_pressures_of_all_components_are_those_of_each);
     RUN_TEST(a_state_that_is_no_number_is_refused);
     RUN_TEST(flows_never_turn_negative_whatever_the_inputs);
 #ifdef REFLUX_REAL_DOUBLE
