@@ -146,10 +146,16 @@ uint8_t sequence_next(const struct config *config, enum sequence_kind kind, int 
     return PLAN_NONE;
 }
 
+/* Equal settings have equal bits: unused characters of names are zero, and no number is -0. */
+static bool same(const void *a, const void *b, size_t n)
+{
+    return memcmp(a, b, n) == 0;
+}
+
 bool sequence_differs(const struct plan *plan, const struct plan *old)
 {
-    if (memcmp(plan->config.step, old->config.step, sizeof plan->config.step) != 0 ||
-        memcmp(plan->step, old->step, sizeof plan->step) != 0)
+    if (!same(plan->config.step, old->config.step, sizeof plan->config.step) ||
+        !same(plan->step, old->step, sizeof plan->step))
         return true;
     /* Loops and outputs it has in its hands are known by their place. */
     for (unsigned i = 0; i < CONFIG_LOOPS; i++)
