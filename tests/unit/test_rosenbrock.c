@@ -107,7 +107,6 @@ static void the_error_keeps_to_the_tolerance(void)
         TEST_ASSERT_TRUE(rates(NULL, y, f));
         TEST_ASSERT_TRUE(rosenbrock_run(&method, 0.0, 2.0, y, f, 100000) == 2.0);
         double error = fabs(y[0] - cos(2.0));
-        double error = fabs(y[0] - cos(2.0));
         TEST_ASSERT_TRUE(error < 5.0 * tolerance);
         rosenbrock_free(&method);
     }
