@@ -29,7 +29,11 @@
 #define COMMISSION_CHANNELS CHANNEL_MAX /* 0: the board leaves automatic start-up out */
 #endif
 #ifndef CONFIG_PAIRS
-#define CONFIG_PAIRS (COMMISSION_CHANNELS ? 4 : 0)
+#if COMMISSION_CHANNELS
+#define CONFIG_PAIRS 4
+#else
+#define CONFIG_PAIRS 0
+#endif
 #endif
 
 /* What a measurement does when it has no believable reading. */
