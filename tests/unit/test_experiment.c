@@ -1,0 +1,557 @@
+/* commission/experiment.[ch]: a double step from rest to rest.
+ *
+ * Contract
+ *   noise-free elements   over all first-order elements of the plants, steps found by themselves: least squares within 2 % in
+ *                         K and 2 % of L + T in T and L; so with one sample in ten lost, 3 %
+ *   limits                without noise never past one, whatever gain, lag and dead time (300 elements); amplitudes
+ *                         that are given may be too large for the guard: then the limit ends the test
+ */
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "csv.h"
+#include "experiment_bench.h"
+#include "identify/fopdt_fit.h"
+
+#define SEED 20240711u
+
+void setUp(void)
+{
+    bench_begin(SEED);
+}
+void tearDown(void) {}
+
+static struct identified fitted(uint8_t j)
+{
+    static struct fopdt_fit fit;
+    struct fopdt_fit_result r;
+    struct baseline b;
+    TEST_ASSERT_EQUAL_INT(ERR_OK, experiment_baseline(&experiment, j, &b));
+    struct fopdt_fit_options o = {.baseline = b};
+    TEST_ASSERT_EQUAL_INT(ERR_OK, fopdt_fit_begin(&fit, &experiment.record, j, &o));
+    TEST_ASSERT_TRUE(fopdt_fit_run(&fit, FOPDT_FIT_UNITS_MAX));
+    TEST_ASSERT_EQUAL_INT(ERR_OK, fopdt_fit_result(&fit, &r));
+    return r.element;
+}
+
+/* Largest of the three errors: K relative, T and L of L + T. */
+static double error_of(const struct identified *i, const struct test_element *e)
+{
+    double time = e->lag + e->dead, worst = fabs((double)i->gain / e->gain - 1.0);
+    worst = fmax(worst, fabs((double)i->time_constant_s - e->lag) / time);
+    return fmax(worst, fabs((double)i->dead_time_s - e->dead) / time);
+}
+
+/* ---- what comes out ---- */
+
+static void every_first_order_element_of_the_plants_comes_back(void)
+{
+    FILE *f = csv_open("reference/identify_elements.csv");
+    double v[20], worst = 0.0;
+    int n = 0;
+    while (csv_row(f, v, 20)) {
+        bench_begin(SEED);
+        bench.element[0] = (struct test_element){v[5], v[4], v[3]};
+        bench_run();
+        TEST_ASSERT_EQUAL_INT(EXPERIMENT_DONE, experiment.phase);
+        struct identified e = fitted(0);
+        double error = error_of(&e, &bench.element[0]);
+        if (!(error < 0.02)) {
+            char text[160];
+            snprintf(text, sizeof text,
+                     "gain %g lag %g dead %g came back as %g %g %g; amplitude %g, half %u", v[5],
+                     v[4], v[3], (double)e.gain, (double)e.time_constant_s, (double)e.dead_time_s,
+                     (double)experiment.amplitude, (unsigned)experiment.half);
+            TEST_FAIL_MESSAGE(text);
+        }
+        worst = fmax(worst, error);
+        n++;
+    }
+    fclose(f);
+    TEST_ASSERT_EQUAL_INT(54, n);
+    char text[80];
+    snprintf(text, sizeof text, "54 elements, worst error %.3f %%", 100.0 * worst);
+    TEST_MESSAGE(text);
+}
+
+static void sixteen_outputs_are_tested_at_once(void)
+{
+    config.outputs = 16;
+    for (unsigned j = 0; j < 16; j++)
+        bench.element[j] = (struct test_element){j % 2 ? -1.0 : 0.5, 5.0 + 3.0 * j, j};
+    bench_run();
+    TEST_ASSERT_EQUAL_INT(EXPERIMENT_DONE, experiment.phase);
+    for (uint8_t j = 0; j < 16; j++) {
+        struct identified e = fitted(j);
+        TEST_ASSERT_TRUE(error_of(&e, &bench.element[j]) < 0.02);
+    }
+}
+
+static void a_drift_is_taken_off(void)
+{
+    bench.element[0] = (struct test_element){0.8, 40.0, 10.0};
+    bench.drift = 2e-6;
+    bench_run();
+    TEST_ASSERT_EQUAL_INT(EXPERIMENT_DONE, experiment.phase);
+    TEST_ASSERT_TRUE(experiment.returned);
+    struct baseline b;
+    TEST_ASSERT_EQUAL_INT(ERR_OK, experiment_baseline(&experiment, 0, &b));
+    TEST_ASSERT_DOUBLE_WITHIN(4e-7, 2e-6, (double)b.slope_per_s);
+    struct identified e = fitted(0);
+    TEST_ASSERT_TRUE(error_of(&e, &bench.element[0]) < 0.03);
+}
+
+/* ---- amplitude ---- */
+
+static void an_amplitude_is_found_that_stands_out_of_the_noise(void)
+{
+    bench.element[0] = (struct test_element){0.3, 20.0, 5.0};
+    bench.noise = 0.001;
+    bench_run();
+    TEST_ASSERT_EQUAL_INT(EXPERIMENT_DONE, experiment.phase);
+    TEST_ASSERT_FALSE(experiment.small);
+    /* 20 times the noise, as measured with it */
+    double response = 0.3 * (double)experiment.amplitude;
+    TEST_ASSERT_DOUBLE_WITHIN(0.017, 0.033, response);
+    TEST_ASSERT_TRUE(experiment.record.input.edges > 3); /* it grew on the way */
+}
+
+static void a_staircase_goes_down_by_its_last_level_for_as_long_as_that_stood(void)
+{
+    bench.element[0] = (struct test_element){0.1, 20.0, 5.0};
+    bench.noise = 0.0004;
+    bench_run();
+    TEST_ASSERT_EQUAL_INT(EXPERIMENT_DONE, experiment.phase);
+    const struct excitation *u = &experiment.record.input;
+    unsigned n = u->edges;
+    TEST_ASSERT_TRUE(n > 3);
+    double level = 0.0;
+    for (unsigned i = 0; i + 2 < n; i++) {
+        TEST_ASSERT_TRUE(u->edge[i].change > 0);
+        level += (double)u->edge[i].change;
+    }
+    TEST_ASSERT_DOUBLE_WITHIN(1e-6, -2.0 * level, (double)u->edge[n - 2].change);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-6, level, (double)u->edge[n - 1].change);
+    uint32_t up = u->edge[n - 2].sample - u->edge[n - 3].sample;
+    TEST_ASSERT_EQUAL_UINT32(up, u->edge[n - 1].sample - u->edge[n - 2].sample);
+    TEST_ASSERT_EQUAL_UINT32(up, experiment.half);
+    struct identified e = fitted(0);
+    TEST_ASSERT_TRUE(error_of(&e, &bench.element[0]) < 0.1);
+}
+
+static void where_there_is_no_room_the_amplitude_stays_and_says_so(void)
+{
+    bench.element[0] = (struct test_element){0.05, 20.0, 0.0};
+    bench.noise = 0.001;
+    config.amplitude_max = REAL_C(0.05);
+    bench_run();
+    TEST_ASSERT_EQUAL_INT(EXPERIMENT_DONE, experiment.phase);
+    TEST_ASSERT_TRUE(experiment.small);
+    TEST_ASSERT_TRUE(experiment.amplitude <= REAL_C(0.05));
+}
+
+static void an_amplitude_does_not_grow_for_an_output_near_its_limit(void)
+{
+    config.outputs = 2;
+    bench.element[0] = (struct test_element){4.0, 15.0, 0.0}; /* uses 0.08 of its limit of 0.1 */
+    bench.element[1] = (struct test_element){0.01, 15.0, 0.0};
+    config.limit[0] = REAL_C(0.1);
+    bench_run();
+    TEST_ASSERT_EQUAL_INT(EXPERIMENT_DONE, experiment.phase);
+    TEST_ASSERT_EQUAL_FLOAT(0.02f, (float)experiment.amplitude);
+    TEST_ASSERT_TRUE(experiment.worst < REAL_C(1.0));
+}
+
+static void an_amplitude_that_is_given_is_kept(void)
+{
+    bench.element[0] = (struct test_element){0.01, 15.0, 0.0};
+    config.amplitude = REAL_C(0.03);
+    bench_run();
+    TEST_ASSERT_EQUAL_FLOAT(0.03f, (float)experiment.amplitude);
+    TEST_ASSERT_EQUAL_UINT32(3, experiment.record.input.edges);
+}
+
+/* ---- how long ---- */
+
+static void a_half_that_is_given_is_kept(void)
+{
+    bench.element[0] = (struct test_element){1.0, 200.0, 0.0};
+    config.half = 77;
+    bench_run();
+    const struct excitation *u = &experiment.record.input;
+    TEST_ASSERT_EQUAL_UINT32(3, u->edges);
+    TEST_ASSERT_EQUAL_UINT32(77, u->edge[1].sample - u->edge[0].sample);
+    TEST_ASSERT_EQUAL_UINT32(77, u->edge[2].sample - u->edge[1].sample);
+}
+
+static void a_half_ends_at_the_longest(void)
+{
+    bench.element[0] = (struct test_element){1.0, 2000.0, 0.0};
+    config.half_most = 300;
+    bench_run();
+    TEST_ASSERT_TRUE(experiment.at_longest);
+    TEST_ASSERT_EQUAL_UINT32(300, experiment.half);
+}
+
+static void a_half_is_at_least_as_long_as_wished(void)
+{
+    bench.element[0] = (struct test_element){1.0, 5.0, 0.0};
+    config.half_least = 400;
+    bench_run();
+    TEST_ASSERT_TRUE(experiment.half >= 400 && experiment.half < 420);
+}
+
+/* ---- limits ---- */
+
+static void without_noise_no_limit_is_passed_whatever_the_element(void)
+{
+    struct random_source source = {SEED};
+    double worst = 0.0;
+    unsigned cuts = 0;
+    for (int i = 0; i < 300; i++) {
+        bench_begin(SEED);
+        struct test_element e = {spread_over(&source, 0.05, 30.0), spread_over(&source, 3.0, 300.0),
+                                 0.0};
+        e.dead = i % 3 ? e.lag * spread_over(&source, 0.05, 2.0) : 0.0;
+        if (e.dead > 100.0)
+            e.dead = 100.0; /* what does nothing for longer is given a larger step */
+        if (i % 2)
+            e.gain = -e.gain;
+        bench.element[0] = e;
+        config.line_guard = i % 4 < 2;
+        config.dead_time_s[0] = i % 5 ? (real_t)e.dead : 0;
+        double way = 0.02 * fabs(e.gain) / e.lag * (1.0 + e.dead);
+        if (0.02 * fabs(e.gain) > 0.19 && way > (config.dead_time_s[0] > REAL_C(0.0) ? 0.1 : 0.003))
+            continue; /* what is on its way in a sample and a dead time nobody can stop */
+        bench_run();
+        char text[120];
+        snprintf(text, sizeof text, "gain %g lag %g dead %g: worst %g, failure %d", e.gain, e.lag,
+                 e.dead, (double)experiment.worst, experiment.failure);
+        TEST_ASSERT_EQUAL_INT_MESSAGE(EXPERIMENT_DONE, experiment.phase, text);
+        TEST_ASSERT_TRUE_MESSAGE(experiment.worst <= REAL_C(1.0), text);
+        worst = fmax(worst, (double)experiment.worst);
+        cuts += experiment.cut;
+    }
+    char text[80];
+    snprintf(text, sizeof text, "worst %.3f of a limit; %u tests cut by the guard", worst, cuts);
+    TEST_MESSAGE(text);
+    TEST_ASSERT_TRUE(cuts >= 20);
+}
+
+static void the_guard_cuts_a_step_before_the_limit_and_says_why(void)
+{
+    config.outputs = 2;
+    config.amplitude = REAL_C(0.05);
+    bench.element[0] = (struct test_element){1.0, 20.0, 0.0};
+    bench.element[1] = (struct test_element){-20.0, 100.0, 0.0}; /* would go to 1 */
+    bench_run();
+    TEST_ASSERT_EQUAL_INT(EXPERIMENT_DONE, experiment.phase);
+    TEST_ASSERT_TRUE(experiment.cut);
+    TEST_ASSERT_EQUAL_UINT8(1, experiment.culprit);
+    TEST_ASSERT_TRUE(real_abs(experiment.predicted) >= REAL_C(0.196));
+    TEST_ASSERT_TRUE(experiment.worst > REAL_C(0.7) && experiment.worst <= REAL_C(1.0));
+    struct identified e = fitted(1);
+    TEST_ASSERT_TRUE(error_of(&e, &bench.element[1]) < 0.05);
+}
+
+static void the_guard_looks_away_while_it_is_told_to(void)
+{
+    /* What begins so steeply would go past its limit within the dead time it is said to have. */
+    for (int blank = 0; blank < 2; blank++) {
+        bench_begin(SEED);
+        bench.element[0] = (struct test_element){3.6, 20.0, 0.0};
+        config.amplitude = REAL_C(0.05);
+        config.dead_time_s[0] = 30;
+        config.blank_s = blank ? 60 : 0;
+        bench_run();
+        TEST_ASSERT_EQUAL_INT(EXPERIMENT_DONE, experiment.phase);
+        TEST_ASSERT_EQUAL(!blank, experiment.cut);
+        TEST_ASSERT_TRUE(experiment.worst <= REAL_C(1.0));
+    }
+}
+
+static void a_limit_that_is_passed_all_the_same_ends_it(void)
+{
+    config.amplitude = REAL_C(0.1);
+    config.outputs = 3;
+    bench.element[0] = (struct test_element){0.1, 10.0, 0.0};
+    bench.element[1] =
+        (struct test_element){8.0, 5.0, 40.0}; /* all of it comes after a dead time */
+    bench.element[2] = (struct test_element){0.1, 10.0, 0.0};
+    bench_run();
+    TEST_ASSERT_EQUAL_INT(EXPERIMENT_FAILED, experiment.phase);
+    TEST_ASSERT_EQUAL_INT(EXPERIMENT_LIMIT, experiment.failure);
+    TEST_ASSERT_EQUAL_UINT8(1, experiment.culprit);
+    TEST_ASSERT_TRUE(experiment.worst > REAL_C(1.0));
+}
+
+static void one_sample_past_a_limit_is_a_spike_two_are_not(void)
+{
+    bench.element[0] = (struct test_element){1.0, 20.0, 0.0};
+    bench_start();
+    bench_run_to(EXPERIMENT_UP);
+    bench_run_for(10);
+    bench.extra[0] = 0.5;
+    bench_run_for(1);
+    bench.extra[0] = 0.0;
+    bench_run_for(3);
+    TEST_ASSERT_EQUAL_INT(EXPERIMENT_FINE, experiment.failure);
+    bench.extra[0] = -0.5;
+    bench_run_for(2);
+    TEST_ASSERT_EQUAL_INT(EXPERIMENT_LIMIT, experiment.failure);
+    TEST_ASSERT_EQUAL_FLOAT(0.0f, (float)experiment.level);
+}
+
+static void the_way_down_after_a_staircase_ends_before_a_limit(void)
+{
+    /* What it drifts to by itself takes room away below. */
+    bench.element[0] = (struct test_element){3.0, 60.0, 0.0};
+    config.amplitude = REAL_C(0.05);
+    config.half = 200;
+    bench_start();
+    bench_run_to(EXPERIMENT_DOWN);
+    bench.extra[0] = -0.08;
+    bench_run_for(1000000);
+    TEST_ASSERT_EQUAL_INT(EXPERIMENT_DONE, experiment.phase);
+    TEST_ASSERT_TRUE(experiment.worst <= REAL_C(1.0));
+    const struct excitation *u = &experiment.record.input;
+    TEST_ASSERT_TRUE(u->edge[2].sample - u->edge[1].sample < 200);
+}
+
+/* ---- rest ---- */
+
+static double wave(unsigned j, uint32_t k)
+{
+    (void)j;
+    return 0.02 * sin(0.05 * k);
+}
+
+static void a_plant_that_does_not_rest_is_not_tested(void)
+{
+    bench.other = wave;
+    bench_start();
+    for (uint32_t n = 0; experiment.phase == EXPERIMENT_REST && n < 10000; n++) {
+        TEST_ASSERT_EQUAL_INT(ERR_OK, bench_sample(false));
+        TEST_ASSERT_EQUAL_FLOAT(0.0f, (float)experiment.level);
+    }
+    TEST_ASSERT_EQUAL_INT(EXPERIMENT_FAILED, experiment.phase);
+    TEST_ASSERT_EQUAL_INT(EXPERIMENT_RESTLESS, experiment.failure);
+}
+
+static double swings_away(unsigned j, uint32_t k)
+{
+    (void)j;
+    return experiment.phase == EXPERIMENT_BACK ? 0.19 + 0.008 * sin(0.5 * k) : 0.0;
+}
+
+static void an_output_that_does_not_come_back_is_named(void)
+{
+    bench.other = swings_away;
+    config.half = 60;
+    bench_run();
+    TEST_ASSERT_EQUAL_INT(EXPERIMENT_FAILED, experiment.phase);
+    TEST_ASSERT_EQUAL_INT(EXPERIMENT_AWAY, experiment.failure);
+    TEST_ASSERT_EQUAL_UINT8(0, experiment.culprit);
+}
+
+/* ---- plants it is not for ---- */
+
+static void an_integrator_stays_inside_its_limit_and_is_found_out(void)
+{
+    config.amplitude = REAL_C(0.05);
+    bench.element[0] = (struct test_element){2000.0, 1e6, 0.0}; /* 0.0001 a sample */
+    bench_run();
+    TEST_ASSERT_EQUAL_INT(EXPERIMENT_DONE, experiment.phase);
+    TEST_ASSERT_TRUE(experiment.cut);
+    TEST_ASSERT_TRUE(experiment.worst <= REAL_C(1.0));
+    TEST_ASSERT_TRUE(fitted(0).flags & IDENTIFIED_INTEGRATING);
+}
+
+/* y' = (y + K u)/T */
+static double unstable_y;
+static double unstable(unsigned j, uint32_t k)
+{
+    (void)j;
+    (void)k;
+    double decay = exp(1.0 / 80.0);
+    unstable_y = decay * unstable_y + 0.5 * (decay - 1.0) * bench.level;
+    return unstable_y;
+}
+
+static void an_unstable_output_is_stopped_at_its_limit(void)
+{
+    unstable_y = 0.0;
+    bench.other = unstable;
+    config.amplitude = REAL_C(0.02);
+    bench_run();
+    TEST_ASSERT_EQUAL_INT(EXPERIMENT_FAILED, experiment.phase);
+    TEST_ASSERT_TRUE(experiment.failure == EXPERIMENT_LIMIT ||
+                     experiment.failure == EXPERIMENT_AWAY);
+    TEST_ASSERT_TRUE(experiment.worst < REAL_C(1.1));
+}
+
+/* ---- samples ---- */
+
+static void lost_samples_leave_the_model_where_it_is(void)
+{
+    struct random_source source = {SEED};
+    double worst = 0.0;
+    for (int i = 0; i < 40; i++) {
+        bench_begin(SEED + (unsigned)i);
+        struct test_element e = {1.0, spread_over(&source, 20.0, 200.0), 0.0};
+        e.dead = e.lag * spread_over(&source, 0.1, 1.0);
+        bench.element[0] = e;
+        bench_start();
+        TEST_ASSERT_EQUAL_INT(ERR_OK, bench_sample(false));
+        for (uint32_t n = 0; n < 1000000 && experiment.phase < EXPERIMENT_DONE; n++)
+            TEST_ASSERT_EQUAL_INT(ERR_OK, bench_sample(random_below(&source, 10) == 0));
+        TEST_ASSERT_EQUAL_INT(EXPERIMENT_DONE, experiment.phase);
+        struct identified f = fitted(0);
+        worst = fmax(worst, error_of(&f, &e));
+    }
+    char text[60];
+    snprintf(text, sizeof text, "worst error %.2f %%", 100.0 * worst);
+    TEST_MESSAGE(text);
+    TEST_ASSERT_TRUE(worst < 0.03);
+}
+
+static void nothing_changes_by_a_sample_that_is_no_number(void)
+{
+    static struct experiment before;
+    bench.element[0] = (struct test_element){1.0, 20.0, 5.0};
+    config.outputs = 2;
+    bench.element[1] = bench.element[0];
+    bench_start();
+    for (int phase = EXPERIMENT_REST; phase < EXPERIMENT_DONE; phase++) {
+        bench_run_to((enum experiment_phase)phase);
+        bench_run_for(5);
+        memcpy(&before, &experiment, sizeof before);
+        for (int i = 0; i < 3; i++) {
+            real_t y[2] = {REAL_C(0.5), i == 0   ? (real_t)NAN
+                                        : i == 1 ? (real_t)INFINITY
+                                                 : -(real_t)INFINITY};
+            TEST_ASSERT_EQUAL_INT(ERR_NOT_FINITE, experiment_step(&experiment, y));
+            TEST_ASSERT_EQUAL_MEMORY(&before, &experiment, sizeof before);
+        }
+    }
+}
+
+static void numbers_from_far_out_do_no_harm(void)
+{
+    static const double far[] = {1e30, -1e30, 1e12, 1e-30, 3e38};
+    for (unsigned i = 0; i < sizeof far / sizeof far[0]; i++) {
+        bench_begin(SEED);
+        bench.element[0] = (struct test_element){1.0, 20.0, 0.0};
+        bench_start();
+        bench_run_to(EXPERIMENT_UP);
+        real_t y = (real_t)far[i];
+        for (int n = 0; n < 3 && experiment.phase < EXPERIMENT_DONE; n++)
+            (void)!experiment_step(&experiment, &y);
+        TEST_ASSERT_TRUE(real_is_finite(experiment.level));
+        if (fabs(far[i]) > 1.0) {
+            TEST_ASSERT_EQUAL_INT(EXPERIMENT_LIMIT, experiment.failure);
+            TEST_ASSERT_EQUAL_FLOAT(0.0f, (float)experiment.level);
+        }
+    }
+}
+
+static void it_takes_no_sample_after_its_end(void)
+{
+    bench.element[0] = (struct test_element){1.0, 10.0, 0.0};
+    bench_run();
+    real_t y = REAL_C(0.5);
+    TEST_ASSERT_EQUAL_INT(ERR_STATE, experiment_step(&experiment, &y));
+    TEST_ASSERT_EQUAL_INT(ERR_STATE, experiment_missed(&experiment));
+    bench_begin(SEED);
+    bench_start();
+    TEST_ASSERT_EQUAL_INT(ERR_STATE,
+                          experiment_missed(&experiment)); /* nor a gap before the first */
+}
+
+/* ---- settings ---- */
+
+static void settings_that_cannot_work_are_refused(void)
+{
+#define REFUSED(field, value)                                                                      \
+    do {                                                                                           \
+        bench_begin(SEED);                                                                         \
+        config.outputs = 2;                                                                        \
+        config.field = value;                                                                      \
+        TEST_ASSERT_NOT_EQUAL_INT_MESSAGE(ERR_OK, experiment_begin(&experiment, &config),          \
+                                          #field " = " #value);                                    \
+    } while (0)
+    REFUSED(outputs, 0);
+    REFUSED(outputs, CHANNEL_MAX + 1);
+    REFUSED(h_s, 0);
+    REFUSED(h_s, -1);
+    REFUSED(h_s, NAN);
+    REFUSED(h_s, INFINITY);
+    REFUSED(h_s, REAL_C(1e6));
+    REFUSED(window, 0);
+    REFUSED(window, STEADY_BLOCKS - 1);
+    REFUSED(window, 5000);
+    REFUSED(window, UINT32_MAX);
+    REFUSED(noise_floor, 0);
+    REFUSED(noise_floor, -1);
+    REFUSED(noise_floor, NAN);
+    REFUSED(amplitude, -REAL_C(0.01));
+    REFUSED(amplitude, REAL_C(0.3)); /* more than there is room for */
+    REFUSED(amplitude, NAN);
+    REFUSED(amplitude, INFINITY);
+    REFUSED(amplitude_first, 0);
+    REFUSED(amplitude_first, NAN);
+    REFUSED(amplitude_max, 0);
+    REFUSED(amplitude_max, NAN);
+    REFUSED(amplitude_max, INFINITY);
+    REFUSED(noise_multiple, 0);
+    REFUSED(noise_multiple, NAN);
+    REFUSED(half, 5001);
+    REFUSED(half_least, 5001);
+    REFUSED(half_most, 30);
+    REFUSED(half_most, UINT32_MAX);
+    REFUSED(blank_s, -1);
+    REFUSED(blank_s, NAN);
+    REFUSED(blank_s, REAL_C(1e7));
+    REFUSED(limit[1], 0);
+    REFUSED(limit[1], -1);
+    REFUSED(limit[1], NAN);
+    REFUSED(limit[1], INFINITY);
+    REFUSED(dead_time_s[1], -1);
+    REFUSED(dead_time_s[1], NAN);
+    REFUSED(dead_time_s[1], INFINITY);
+#undef REFUSED
+}
+
+int main(void)
+{
+    printf("seed %u\n", SEED);
+    UNITY_BEGIN();
+    RUN_TEST(every_first_order_element_of_the_plants_comes_back);
+    RUN_TEST(sixteen_outputs_are_tested_at_once);
+    RUN_TEST(a_drift_is_taken_off);
+    RUN_TEST(an_amplitude_is_found_that_stands_out_of_the_noise);
+    RUN_TEST(a_staircase_goes_down_by_its_last_level_for_as_long_as_that_stood);
+    RUN_TEST(where_there_is_no_room_the_amplitude_stays_and_says_so);
+    RUN_TEST(an_amplitude_does_not_grow_for_an_output_near_its_limit);
+    RUN_TEST(an_amplitude_that_is_given_is_kept);
+    RUN_TEST(a_half_that_is_given_is_kept);
+    RUN_TEST(a_half_ends_at_the_longest);
+    RUN_TEST(a_half_is_at_least_as_long_as_wished);
+    RUN_TEST(without_noise_no_limit_is_passed_whatever_the_element);
+    RUN_TEST(the_guard_cuts_a_step_before_the_limit_and_says_why);
+    RUN_TEST(the_guard_looks_away_while_it_is_told_to);
+    RUN_TEST(a_limit_that_is_passed_all_the_same_ends_it);
+    RUN_TEST(one_sample_past_a_limit_is_a_spike_two_are_not);
+    RUN_TEST(the_way_down_after_a_staircase_ends_before_a_limit);
+    RUN_TEST(a_plant_that_does_not_rest_is_not_tested);
+    RUN_TEST(an_output_that_does_not_come_back_is_named);
+    RUN_TEST(an_integrator_stays_inside_its_limit_and_is_found_out);
+    RUN_TEST(an_unstable_output_is_stopped_at_its_limit);
+    RUN_TEST(lost_samples_leave_the_model_where_it_is);
+    RUN_TEST(nothing_changes_by_a_sample_that_is_no_number);
+    RUN_TEST(numbers_from_far_out_do_no_harm);
+    RUN_TEST(it_takes_no_sample_after_its_end);
+    RUN_TEST(settings_that_cannot_work_are_refused);
+    return UNITY_END();
+}
