@@ -1,0 +1,209 @@
+#include "supervise/config.h"
+#if COMMISSION_CHANNELS
+
+#include "commission/parts.h"
+
+#include <string.h>
+
+#include "base/crc32.h"
+#include "base/elapsed.h"
+
+#define ROOM_LEAST   REAL_C(0.005) /* of span, to either side of where it is held */
+#define FOLLOW_TICKS REAL_C(5.0)   /* a valve on its way to a step is no fault */
+#define HELD_TICKS   REAL_C(3.5)   /* without a believed reading */
+
+real_t commission_held_at(const struct supervisor *s, uint8_t j)
+{
+    return num_to_float(s->output[j].manual);
+}
+
+uint32_t commission_channels(const struct config *config)
+{
+    uint32_t sum = 0;
+    for (unsigned i = 0; i < CHANNEL_MAX; i++) {
+        const struct measurement_config *m = &config->measurement[i];
+        const struct output_config *o = &config->output[i];
+        float span[] = {m->lo, m->hi, o->lo, o->hi};
+        sum = crc32_update(sum, m->name, sizeof m->name);
+        sum = crc32_update(sum, o->name, sizeof o->name);
+        sum = crc32_update(sum, span, sizeof span);
+    }
+    return sum;
+}
+
+real_t commission_room(const struct supervisor *s, uint8_t j, real_t held)
+{
+    const struct output_config *o = &s->plan->config.output[j];
+    real_t lo = (o->min - o->lo) / (o->hi - o->lo), hi = (o->max - o->lo) / (o->hi - o->lo);
+    return held - lo < hi - held ? held - lo : hi - held;
+}
+
+bool commission_input_is_tested(const struct supervisor *s, uint8_t j)
+{
+    const struct output_config *o = &s->plan->config.output[j];
+    return o->name[0] && o->test && s->output[j].bound;
+}
+
+bool commission_measurement_is_tested(const struct supervisor *s, uint8_t i)
+{
+    const struct measurement_config *m = &s->plan->config.measurement[i];
+    return m->name[0] && m->test && s->measurement[i].bound;
+}
+
+static bool believed(const struct supervisor *s, uint8_t i)
+{
+    return s->measurement[i].seen && s->measurement[i].quality == QUALITY_GOOD;
+}
+
+/* A reading or two that are not believed are held, and change little; more are a lost measurement. */
+static bool is_lost(const struct supervisor *s, uint8_t i)
+{
+    const struct measurement_state *m = &s->measurement[i];
+    return !believed(s, i) && m->alarm &&
+           (m->lost || !quality_usable(m->quality) ||
+            elapsed_ms(s->time_ms, m->good_ms) > HELD_TICKS * REAL_C(1000.0) * s->plan->tick_s);
+}
+
+/* The loop that acts on output j, itself or through others, or PLAN_NONE. */
+static uint8_t acting(const struct supervisor *s, uint8_t j)
+{
+    uint8_t i = s->plan->owner[j];
+    return i != PLAN_NONE && s->loop[i].mode != LOOP_MANUAL ? i : PLAN_NONE;
+}
+
+static enum err refuse(const char **what, const char **wanted, const char *name, const char *text)
+{
+    *what = name;
+    *wanted = text;
+    return ERR_STATE;
+}
+
+static bool sequence_runs(const struct supervisor *s)
+{
+#if CONFIG_STEPS
+    return sequence_active(&s->sequence);
+#else
+    (void)s;
+    return false;
+#endif
+}
+
+enum err commission_may_begin(const struct supervisor *s, const char **what, const char **wanted)
+{
+    const struct config *config = &s->plan->config;
+    unsigned outputs = 0, inputs = 0;
+    *what = NULL;
+    if (sequence_runs(s))
+        return refuse(what, wanted, NULL, commission_why_text(WHY_SEQUENCE));
+    if (s->state == SUPERVISOR_SAFE)
+        return refuse(
+            what, wanted, NULL,
+            "the plant is in the safe state; bring it to its operating point by hand first");
+    for (uint8_t i = 0; i < CHANNEL_MAX; i++) {
+        if (!commission_measurement_is_tested(s, i))
+            continue;
+        outputs++;
+        if (!believed(s, i))
+            return refuse(what, wanted, config->measurement[i].name,
+                          "is not believed; wait for good readings, or set its test to off");
+    }
+    for (uint8_t j = 0; j < CHANNEL_MAX; j++) {
+        if (!commission_input_is_tested(s, j))
+            continue;
+        inputs++;
+        uint8_t loop = acting(s, j);
+        if (loop != PLAN_NONE)
+            return refuse(what, wanted, config->loop[loop].name, "acts; `mode NAME manual` first");
+        if (s->output[j].forced)
+            return refuse(what, wanted, config->output[j].name, "is held by an interlock");
+        if (commission_room(s, j, commission_held_at(s, j)) < ROOM_LEAST)
+            return refuse(what, wanted, config->output[j].name,
+                          "stands at its operating limit: no room to step both ways");
+    }
+    if (outputs == 0)
+        return refuse(what, wanted, NULL, "no measurement of the plant is configured for tests");
+    if (inputs == 0)
+        return refuse(what, wanted, NULL, "no manipulated variable is configured for tests");
+    return ERR_OK;
+}
+
+static uint8_t pair_measurement(const struct commission *c, uint8_t k)
+{
+    return c->measurement[c->work.analysis.pairs.output[k]];
+}
+
+static uint8_t pair_output(const struct commission *c, uint8_t k)
+{
+    return c->input[c->column[c->work.analysis.pairs.input[k]]].output;
+}
+
+/* The command has not been followed for longer than a valve needs. */
+static bool is_deaf(const struct supervisor *s, uint8_t j)
+{
+    return s->output[j].alarm && elapsed_ms(s->time_ms, s->output[j].differs_ms) >
+                                     FOLLOW_TICKS * REAL_C(1000.0) * s->plan->tick_s;
+}
+
+enum commission_why commission_hindrance(const struct commission *c, const struct supervisor *s,
+                                         const char **subject)
+{
+    const struct config *config = &s->plan->config;
+    *subject = NULL;
+    if (s->state == SUPERVISOR_SAFE)
+        return WHY_SAFE;
+    if (sequence_runs(s))
+        return WHY_SEQUENCE;
+    for (uint8_t k = 0; k < c->work.analysis.pairs.n; k++) {
+        uint8_t i = pair_measurement(c, k), j = pair_output(c, k);
+        *subject = config->measurement[i].name;
+        if (!s->measurement[i].seen || s->measurement[i].lost ||
+            !quality_usable(s->measurement[i].quality))
+            return WHY_LOST;
+        *subject = config->output[j].name;
+        if (s->output[j].forced)
+            return WHY_INTERLOCK;
+        if (is_deaf(s, j))
+            return WHY_ACTUATOR;
+    }
+    *subject = NULL;
+    return WHY_NOT;
+}
+
+enum err commission_may_try(const struct commission *c, const struct supervisor *s,
+                            const char **what, const char **wanted)
+{
+    enum commission_why why = commission_hindrance(c, s, what);
+    *wanted = commission_why_text(why);
+    return why == WHY_NOT ? ERR_OK : ERR_STATE;
+}
+
+enum commission_why commission_disturbance(const struct commission *c, const struct supervisor *s,
+                                           const char **subject)
+{
+    const struct config *config = &s->plan->config;
+    *subject = NULL;
+    if (s->plan->serial != c->plan_serial)
+        return WHY_CONFIG;
+    /* Somebody may have left it again within this very tick. */
+    if (s->state == SUPERVISOR_SAFE || s->safe_count != c->safe_count)
+        return WHY_SAFE;
+    for (uint8_t j = 0; j < c->outputs; j++) {
+        *subject = config->measurement[c->measurement[j]].name;
+        if (is_lost(s, c->measurement[j]))
+            return WHY_LOST;
+    }
+    for (uint8_t k = 0; k < c->inputs; k++) {
+        uint8_t j = c->input[k].output;
+        *subject = config->output[j].name;
+        if (s->output[j].forced)
+            return WHY_INTERLOCK;
+        if (is_deaf(s, j))
+            return WHY_ACTUATOR;
+        if (acting(s, j) != PLAN_NONE || num_to_float(s->output[j].manual) != c->input[k].held)
+            return WHY_HAND;
+    }
+    *subject = NULL;
+    return WHY_NOT;
+}
+
+#endif

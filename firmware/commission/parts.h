@@ -1,0 +1,63 @@
+/* What the files of commission.h share: channels.c, tests.c, results.c, on_trial.c, and commission.c, which puts them
+ * together. All of it runs in the tick. */
+#ifndef REFLUX_COMMISSION_PARTS_H
+#define REFLUX_COMMISSION_PARTS_H
+
+#include "commission/commission.h"
+#include "commission/model.h"
+
+/* ---- commission.c ---- */
+
+/* Somewhere between begin and the proposal: test signals may be on the outputs. */
+bool commission_is_testing(const struct commission *c);
+/* Takes the test signals away. */
+void commission_release(struct commission *c, struct supervisor *s);
+/* Ends it, or a trial, before its time; subject NULL: nobody's. */
+void commission_end(struct commission *c, struct supervisor *s, enum commission_why why,
+                    const char *subject, real_t value);
+
+/* ---- channels.c ---- */
+
+bool commission_input_is_tested(const struct supervisor *s, uint8_t j);
+bool commission_measurement_is_tested(const struct supervisor *s, uint8_t i);
+/* Where output j is held, fraction of span. */
+real_t commission_held_at(const struct supervisor *s, uint8_t j);
+/* Smaller of the ways from there to both operating limits, fraction of span. */
+real_t commission_room(const struct supervisor *s, uint8_t j, real_t held);
+/* Anything that is not a test's to decide; WHY_NOT: nothing. */
+enum commission_why commission_disturbance(const struct commission *c, const struct supervisor *s,
+                                           const char **subject);
+/* What stands in the way of a trial, whether it has begun or not. */
+enum commission_why commission_hindrance(const struct commission *c, const struct supervisor *s,
+                                         const char **subject);
+
+/* ---- tests.c ---- */
+
+void commission_begin(struct commission *c, struct supervisor *s);
+/* The test of the input at c->at, from its start. */
+void commission_start_input(struct commission *c, struct supervisor *s);
+/* A tick of it. */
+void commission_test(struct commission *c, struct supervisor *s);
+const char *commission_input_name(const struct commission *c, const struct supervisor *s);
+
+/* ---- results.c ---- */
+
+/* The next input that has not been skipped, or the analysis. */
+void commission_next_input(struct commission *c, struct supervisor *s);
+/* A tick of waiting for a fit or for the analysis, and what comes of them. */
+void commission_wait_for_job(struct commission *c, struct supervisor *s);
+/* From now on the background may work; the result is taken after so many ticks. */
+void commission_ask_for(struct commission *c, enum model_job job, uint32_t ticks);
+/* So many base ticks. */
+uint32_t commission_samples(const struct supervisor *s, real_t seconds);
+
+/* ---- on_trial.c ---- */
+
+void commission_begin_trial(struct commission *c, struct supervisor *s);
+void commission_trial(struct commission *c, struct supervisor *s);
+/* The loops go to manual and their outputs to where the trial found them; but what somebody has taken in hand stays
+ * there. The main loop puts the old configuration into force. */
+void commission_back_to_old(struct commission *c, struct supervisor *s, enum commission_why why,
+                            const char *subject, real_t value);
+
+#endif

@@ -1,0 +1,138 @@
+#include "supervise/config.h"
+#if COMMISSION_CHANNELS
+
+#include "commission/parts.h"
+
+#define CLIMBS      REAL_C(0.7) /* second half of a level over the first: 1 for an integrator */
+#define LONGER      3u          /* times the half before, where an output did not come to rest */
+#define LONGER_MOST 3u
+
+uint32_t commission_samples(const struct supervisor *s, real_t seconds)
+{
+    return (uint32_t)(seconds / s->plan->tick_s + REAL_C(0.5));
+}
+
+void commission_ask_for(struct commission *c, enum model_job job, uint32_t ticks)
+{
+    c->job_done = false;
+    c->job_ticks = 0;
+    c->job_due = ticks;
+    c->job_number = c->job_number + 1u;
+    c->job = (uint8_t)job; /* last: from here on the background may work */
+}
+
+/* The analysis of a large plant takes a small board some seconds; the plant is at rest meanwhile. */
+static void analyse(struct commission *c, const struct supervisor *s)
+{
+    c->phase = COMMISSION_ANALYSING;
+    c->phase_ms = s->time_ms;
+    model_begin_analysis(c, &s->plan->config, s->plan->tick_s);
+    commission_ask_for(c, JOB_ANALYSE, 1u + commission_samples(s, REAL_C(20.0)));
+}
+
+void commission_next_input(struct commission *c, struct supervisor *s)
+{
+    do
+        c->at++;
+    while (c->at < c->inputs && c->input[c->order[c->at]].skipped);
+    if (c->at < c->inputs)
+        commission_start_input(c, s);
+    else
+        analyse(c, s);
+}
+
+static void next_round(struct commission *c, struct supervisor *s)
+{
+    c->round++;
+    c->at = 0;
+    if (c->input[c->order[0]].skipped)
+        commission_next_input(c, s);
+    else
+        commission_start_input(c, s);
+}
+
+/* An output that looks like an integrator may only be slow: once more with three times the half, as long as that fits and
+ * no output was near its limit. */
+static bool test_longer(struct commission *c, struct supervisor *s)
+{
+    const struct experiment *x = &c->work.test.experiment;
+    struct tested_input *in = &c->input[c->order[c->at]];
+    if (x->cut || x->config.half > 0 || x->at_longest || in->longer == LONGER_MOST)
+        return false;
+    in->longer++;
+    in->half_wanted = LONGER * x->half;
+    event_put(c->events, s->time_ms, EVENT_TEST_LONGER, commission_input_name(c, s),
+              (real_t)in->half_wanted * x->config.h_s, in->longer);
+    commission_start_input(c, s);
+    return true;
+}
+
+static void take_fit(struct commission *c, struct supervisor *s)
+{
+    uint8_t k = c->order[c->at];
+    if (c->job_error) {
+        commission_end(c, s, WHY_NUMBERS, commission_input_name(c, s), (real_t)c->job_error);
+        return;
+    }
+    for (uint8_t j = 0; j < c->outputs; j++) {
+        if (c->climbs[j] < CLIMBS)
+            continue;
+        if (test_longer(c, s))
+            return;
+        /* A step that was cut short says less: there the fit must think so, too. */
+        if (c->work.test.experiment.cut && !(c->fitted[j].flags & IDENTIFIED_INTEGRATING))
+            continue;
+        commission_end(c, s, WHY_INTEGRATES, s->plan->config.measurement[c->measurement[j]].name,
+                       c->input[k].worst);
+        return;
+    }
+    model_keep(c);
+    c->input[k].rounds++;
+    commission_next_input(c, s);
+}
+
+/* Would more of the same tests help? Not when the gains are already as sure as a first-order model can be. */
+static bool noise_decides(const struct analysis *a)
+{
+    for (uint8_t j = 0; j < a->plant.outputs; j++)
+        for (uint8_t k = 0; k < a->plant.inputs; k++)
+            if (a->plant.gain_sd[j][k] > a->config.floor * real_abs(a->plant.element[j][k].gain))
+                return true;
+    return false;
+}
+
+static void take_analysis(struct commission *c, struct supervisor *s)
+{
+    const struct analysis *a = &c->work.analysis;
+    if (c->job_error) {
+        commission_end(c, s, c->job_error == ERR_EMPTY ? WHY_NO_INPUT : WHY_NUMBERS, NULL,
+                       (real_t)c->job_error);
+        return;
+    }
+    bool open = a->verdict != PAIRING_DETERMINED;
+    if (open && c->round < s->plan->config.test.rounds && noise_decides(a)) {
+        event_put(c->events, s->time_ms, EVENT_TEST_EXTENDED, NULL, a->probability,
+                  (uint8_t)(c->round + 1u));
+        next_round(c, s);
+        return;
+    }
+    c->phase = COMMISSION_READY;
+    c->analysed = true;
+    c->phase_ms = c->ended_ms = s->time_ms;
+    event_put(c->events, s->time_ms, open ? EVENT_NOT_DETERMINED : EVENT_PROPOSAL, NULL,
+              a->probability, a->designed);
+}
+
+void commission_wait_for_job(struct commission *c, struct supervisor *s)
+{
+    if (++c->job_ticks < c->job_due || !c->job_done)
+        return;
+    uint8_t job = c->job;
+    c->job = JOB_NONE;
+    if (job == JOB_FIT)
+        take_fit(c, s);
+    else
+        take_analysis(c, s);
+}
+
+#endif

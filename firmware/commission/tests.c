@@ -1,0 +1,219 @@
+#include "supervise/config.h"
+#if COMMISSION_CHANNELS
+
+#include "commission/parts.h"
+
+#include "base/elapsed.h"
+
+#define NOISE_FLOOR     REAL_C(7e-5) /* of span: what 12 bits of conversion leave */
+#define AMPLITUDE_MOST  REAL_C(0.25) /* of span, while it is being found */
+#define AMPLITUDE_FIRST REAL_C(0.02)
+#define MISSED_MOST     8u          /* samples in a row that a test can do without */
+#define HALF_MOST       1000u       /* samples */
+#define SHARE_LEAST     REAL_C(0.5) /* no half is shorter than this share of the longest before */
+
+const char *commission_input_name(const struct commission *c, const struct supervisor *s)
+{
+    return s->plan->config.output[c->input[c->order[c->at]].output].name;
+}
+
+/* What the operator, and earlier rounds, know of the times of this input. */
+static uint32_t least_half(const struct commission *c, const struct supervisor *s, uint8_t k,
+                           struct experiment_config *x)
+{
+    const struct config *config = &s->plan->config;
+    real_t longest_s = REAL_C(0.0);
+    for (unsigned p = 0; p < CONFIG_PAIRS; p++) {
+        const struct pair_config *pair = &config->pair[p];
+        if (!pair->measurement[0] || config_find_output(config, pair->output) != c->input[k].output)
+            continue;
+        uint8_t i = config_find_measurement(config, pair->measurement);
+        const struct measurement_config *m = &config->measurement[i];
+        const struct output_config *o = &config->output[c->input[k].output];
+        if (pair->time_s * REAL_C(4.0) > longest_s)
+            longest_s = pair->time_s * REAL_C(4.0);
+        real_t gain = real_abs(pair->gain) * (o->hi - o->lo) / (m->hi - m->lo);
+        /* A first amplitude that brings the output a quarter of the way to its limit. */
+        for (uint8_t j = 0; gain > REAL_C(0.0) && j < c->outputs; j++)
+            if (c->measurement[j] == i)
+                x->amplitude_first = x->limit[j] * REAL_C(0.25) / gain;
+    }
+    for (uint8_t j = 0; c->input[k].rounds > 0 && j < c->outputs; j++) {
+        const struct identified *e = &c->element[j][k].fit;
+        real_t time_s = e->dead_time_s + REAL_C(4.0) * e->time_constant_s;
+        if (!(e->flags & IDENTIFIED_NO_GAIN) && time_s > longest_s)
+            longest_s = time_s;
+    }
+    uint32_t known = commission_samples(s, longest_s);
+    if (known < c->input[k].half_wanted)
+        known = c->input[k].half_wanted;
+    uint32_t before = (uint32_t)(SHARE_LEAST * (real_t)c->half_least);
+    return known > before ? known : before;
+}
+
+static enum err begin_input(struct commission *c, const struct supervisor *s)
+{
+    const struct config *config = &s->plan->config;
+    uint8_t k = c->order[c->at];
+    const struct output_config *o = &config->output[c->input[k].output];
+    real_t ways = commission_room(s, c->input[k].output, c->input[k].held);
+    struct experiment_config x = {
+        .outputs = c->outputs,
+        .h_s = s->plan->tick_s,
+        .window = config->test.window < STEADY_BLOCKS ? STEADY_BLOCKS : config->test.window,
+        .noise_floor = NOISE_FLOOR,
+        .amplitude = o->test_step / (o->hi - o->lo),
+        .amplitude_first = AMPLITUDE_FIRST,
+        .amplitude_max = ways,
+        .noise_multiple = config->test.noise_multiple,
+        .half = commission_samples(s, o->test_time_s),
+        .blank_s = config->test.blank_s,
+        .line_guard = config->test.guard == TEST_GUARD_LINE};
+    for (uint8_t j = 0; j < c->outputs; j++) {
+        const struct measurement_config *m = &config->measurement[c->measurement[j]];
+        x.limit[j] = m->test_limit > 0.0f ? m->test_limit / (m->hi - m->lo) : TEST_LIMIT_DEFAULT;
+        if (m->test_critical)
+            x.limit[j] *= REAL_C(0.5);
+        if (c->input[k].rounds > 0)
+            x.dead_time_s[j] = c->element[j][k].fit.dead_time_s;
+    }
+    if (x.amplitude > x.amplitude_max)
+        x.amplitude = x.amplitude_max;
+    if (x.amplitude <= REAL_C(0.0)) {
+        if (c->input[k].rounds > 0)
+            x.amplitude_first = c->input[k].amplitude; /* it was large enough, or all there is */
+        if (x.amplitude_max > AMPLITUDE_MOST)
+            x.amplitude_max = AMPLITUDE_MOST;
+    }
+    x.half_most =
+        config->test.longest_s > 0.0f ? commission_samples(s, config->test.longest_s) : HALF_MOST;
+    if (x.half_most < x.half)
+        x.half_most = x.half;
+    if (x.half_most <= x.window)
+        x.half_most = x.window + 1u;
+    x.half_least = least_half(c, s, k, &x);
+    if (x.half_least < x.window)
+        x.half_least = x.window;
+    if (x.half_least > x.half_most)
+        x.half_least = x.half_most;
+    if (!(x.amplitude_first > NOISE_FLOOR))
+        x.amplitude_first = NOISE_FLOOR;
+    c->phase = COMMISSION_TESTING;
+    c->phase_ms = s->time_ms;
+    return experiment_begin(&c->work.test.experiment, &x);
+}
+
+void commission_start_input(struct commission *c, struct supervisor *s)
+{
+    enum err err = begin_input(c, s);
+    if (err)
+        commission_end(c, s, WHY_NUMBERS, commission_input_name(c, s), (real_t)err);
+}
+
+void commission_begin(struct commission *c, struct supervisor *s)
+{
+    const char *what, *wanted;
+    struct event_queue *events = c->events;
+    if (commission_may_begin(s, &what, &wanted) != ERR_OK) {
+        event_put(events, s->time_ms, EVENT_REQUEST_REFUSED, what, 0.0f, 0);
+        return;
+    }
+    commission_init(c, events);
+    c->plan_serial = s->plan->serial;
+    c->channels = commission_channels(&s->plan->config);
+    c->safe_count = s->safe_count;
+    c->began_ms = s->time_ms;
+    c->round = 1;
+    for (uint8_t i = 0; i < CHANNEL_MAX; i++)
+        if (commission_measurement_is_tested(s, i))
+            c->measurement[c->outputs++] = i;
+    for (uint8_t j = 0; j < CHANNEL_MAX; j++) {
+        if (!commission_input_is_tested(s, j))
+            continue;
+        c->input[c->inputs].output = j;
+        c->input[c->inputs++].held = commission_held_at(s, j);
+    }
+    uint8_t n = 0;
+    for (unsigned critical = 2; critical-- > 0;)
+        for (uint8_t k = 0; k < c->inputs; k++)
+            if (s->plan->config.output[c->input[k].output].test_critical == critical)
+                c->order[n++] = k;
+    event_put(events, s->time_ms, EVENT_COMMISSION_BEGUN, NULL, (float)c->inputs, 0);
+    commission_start_input(c, s);
+}
+
+static void end_test(struct commission *c, struct supervisor *s)
+{
+    const struct experiment *x = &c->work.test.experiment;
+    struct tested_input *in = &c->input[c->order[c->at]];
+    in->amplitude = x->amplitude;
+    in->half_s = (real_t)x->half * x->config.h_s;
+    in->cut = x->cut;
+    in->small = x->small;
+    if (x->worst > in->worst)
+        in->worst = x->worst;
+    if (x->half > c->half_least && !x->cut)
+        c->half_least = x->half;
+    for (uint8_t j = 0; j < c->outputs; j++)
+        c->noise_sd[j] = x->before[j].noise_sd;
+    event_put(c->events, s->time_ms, EVENT_TEST_DONE, commission_input_name(c, s), in->half_s,
+              c->round);
+    c->phase = COMMISSION_FITTING;
+    c->phase_ms = s->time_ms;
+    model_begin_fit(c);
+    commission_ask_for(c, JOB_FIT, 1u + commission_samples(s, REAL_C(2.0)));
+}
+
+void commission_test(struct commission *c, struct supervisor *s)
+{
+    struct experiment *x = &c->work.test.experiment;
+    uint8_t k = c->order[c->at];
+    real_t y[CHANNEL_MAX];
+    enum experiment_phase before = x->phase;
+    enum err err = ERR_OK;
+    uint32_t missed = commission_samples(s, elapsed_ms(s->time_ms, c->sample_ms) / REAL_C(1000.0));
+    c->sample_ms = s->time_ms;
+    if (x->begun && missed > MISSED_MOST + 1u) {
+        commission_end(c, s, WHY_SAMPLES, NULL, (real_t)(missed - 1u));
+        return;
+    }
+    for (; x->begun && missed > 1 && !err; missed--)
+        err = experiment_missed(x);
+    for (uint8_t j = 0; j < c->outputs; j++)
+        y[j] = num_to_float(s->measurement[c->measurement[j]].value);
+    if (c->job == JOB_LOOK && ++c->job_ticks >= c->job_due && c->job_done) {
+        c->job = JOB_NONE;
+        experiment_looked(x);
+    }
+    if (!err)
+        err = experiment_step(x, y);
+    if (err) {
+        commission_end(c, s, WHY_NUMBERS, commission_input_name(c, s), REAL_C(0.0));
+        return;
+    }
+    supervisor_excite(s, c->input[k].output, num_from_float(x->level));
+    if (x->looking && c->job == JOB_NONE && c->ask == COMMISSION_ASK_NONE)
+        commission_ask_for(c, JOB_LOOK, 1u + commission_samples(s, REAL_C(2.0)));
+    if (before == EXPERIMENT_REST && x->phase == EXPERIMENT_UP)
+        event_put(c->events, s->time_ms, EVENT_TEST_STEP, commission_input_name(c, s), x->amplitude,
+                  c->round);
+    if (before == EXPERIMENT_UP && x->phase == EXPERIMENT_DOWN && x->cut) {
+        c->input[k].cut_by = x->culprit;
+        c->input[k].cut_predicted = x->predicted;
+        event_put(c->events, s->time_ms, EVENT_TEST_CUT,
+                  s->plan->config.measurement[c->measurement[x->culprit]].name, x->predicted, 0);
+    }
+    if (x->phase == EXPERIMENT_FAILED) {
+        static const enum commission_why why[] = {[EXPERIMENT_FINE] = WHY_NUMBERS,
+                                                  [EXPERIMENT_RESTLESS] = WHY_RESTLESS,
+                                                  [EXPERIMENT_LIMIT] = WHY_LIMIT,
+                                                  [EXPERIMENT_AWAY] = WHY_AWAY};
+        c->input[k].worst = x->worst;
+        commission_end(c, s, why[x->failure],
+                       s->plan->config.measurement[c->measurement[x->culprit]].name, x->worst);
+    } else if (x->phase == EXPERIMENT_DONE) {
+        end_test(c, s);
+    }
+}
+
+#endif
