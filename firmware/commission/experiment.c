@@ -14,10 +14,14 @@
 #define GROWTH_MOST    REAL_C(4.0) /* of the amplitude in one go */
 #define LIMIT_SHARE    REAL_C(0.7) /* of a limit that a larger amplitude may aim at */
 #define TURN_SHARE     REAL_C(0.8) /* of a limit at which the negative half ends early */
-#define PATIENCE       20u         /* windows until rest is given up */
-#define WINDOW_MOST    (1u << 20)  /* samples; no sum of counts gets near the end of 32 bits */
-#define HALF_MOST      (1u << 28)
-#define BLANK_MOST     REAL_C(1e6) /* s, as the guard takes it */
+#define DRIFT_SDS      REAL_C(2.0) /* a drift seen before the step counts from here on */
+#define DRIFT_SHARE    REAL_C(0.5) /* of a limit that a drift may carry the line of rest at most */
+#define UNKNOWN_WAITS                                                                              \
+    REAL_C(1.5)                /* times as long, where a response too small to be known is left */
+#define PATIENCE    20u        /* windows until rest is given up */
+#define WINDOW_MOST (1u << 20) /* samples; no sum of counts gets near the end of 32 bits */
+#define HALF_MOST   (1u << 28)
+#define BLANK_MOST  REAL_C(1e6) /* s, as the guard takes it */
 
 static enum err watch_rest(struct experiment *e, uint32_t window)
 {
@@ -81,6 +85,17 @@ static void fail(struct experiment *e, enum experiment_failure failure, uint8_t 
     e->culprit = culprit;
 }
 
+/* How far output j is from rest. A drift that was seen before the step goes on under it, and is no response: the limit
+ * holds for what is left, but only while the drift has not used up a good part of it. */
+static real_t away_from_rest(const struct experiment *e, uint8_t j, const real_t *y)
+{
+    real_t most = DRIFT_SHARE * e->config.limit[j];
+    real_t carried = e->drift_per_s[j] * e->config.h_s * (real_t)e->samples;
+    if (real_abs(carried) > most)
+        carried = carried > REAL_C(0.0) ? most : -most;
+    return y[j] - e->rest[j] - carried;
+}
+
 /* The guard begins at the level where each output is now: after an earlier edge that is not where it rested. */
 static enum err arm_guard(struct experiment *e, const real_t *y)
 {
@@ -119,7 +134,7 @@ static bool all_at_rest(struct experiment *e, struct steady_result *at, uint32_t
         if (at[j].state == STEADY_SETTLED)
             continue;
         real_t carried =
-            real_abs(at[j].slope_per_s) * e->config.h_s * (real_t)e->config.window * REAL_C(4.0);
+            real_abs(at[j].slope_per_s) * e->config.h_s * (real_t)e->config.window * REAL_C(2.0);
         if (at[j].state == STEADY_MOVING && e->waited >= patience &&
             carried < e->config.limit[j] * REAL_C(0.3))
             continue;
@@ -147,8 +162,12 @@ static real_t first_amplitude(const struct experiment *e)
 static enum err begin_step(struct experiment *e, const real_t *y)
 {
     const struct experiment_config *c = &e->config;
-    for (unsigned j = 0; j < c->outputs; j++)
-        e->rest[j] = e->before[j].mean;
+    for (unsigned j = 0; j < c->outputs; j++) {
+        const struct steady_result *b = &e->before[j];
+        bool drifts = real_abs(b->slope_per_s) > DRIFT_SDS * b->slope_sd_per_s;
+        e->drift_per_s[j] = drifts ? b->slope_per_s : REAL_C(0.0);
+        e->rest[j] = b->mean + e->drift_per_s[j] * b->age_s;
+    }
     enum err err = moments_begin(&e->moments, e->rest);
     if (!err)
         err = record_begin(&e->record, e->rest);
@@ -247,8 +266,8 @@ static real_t larger(const struct experiment *e, const struct progress *p)
 
 static enum err turn_down(struct experiment *e, const real_t *y)
 {
-    for (unsigned j = 0; j < e->config.outputs; j++)
-        e->at_turn[j] = y[j] - e->rest[j];
+    for (uint8_t j = 0; j < e->config.outputs; j++)
+        e->at_turn[j] = away_from_rest(e, j, y);
     enter(e, EXPERIMENT_DOWN, e->level);
     return move(e, -e->amplitude);
 }
@@ -274,9 +293,10 @@ static bool model_trips(struct experiment *e, const real_t *y)
     const struct experiment_config *c = &e->config;
     for (uint8_t j = 0; j < c->outputs; j++) {
         const struct identified *f = &e->look.found[j];
-        real_t away = y[j] - e->rest[j], peak = away, noise = e->before[j].noise_sd;
+        real_t away = away_from_rest(e, j, y), peak = away, noise = e->before[j].noise_sd;
         if (e->looked && is_known(f) && f->time_constant_s > REAL_C(0.0)) {
-            real_t ends = f->gain * e->amplitude;
+            real_t sure = real_abs(f->gain) - f->gain_sd;
+            real_t ends = (f->gain < REAL_C(0.0) ? -sure : sure) * e->amplitude;
             real_t waits = f->dead_time_s + REAL_C(2.0) * c->h_s;
             peak = away + (ends - away) * (REAL_C(1.0) - real_exp(-waits / f->time_constant_s));
         }
@@ -293,12 +313,16 @@ static bool model_trips(struct experiment *e, const real_t *y)
 /* Everything known of each output apart from its response, before the step has ended. */
 static void baselines_before(const struct experiment *e, struct baseline *b)
 {
-    for (unsigned j = 0; j < e->config.outputs; j++)
-        b[j] = (struct baseline){.offset = e->before[j].mean - e->rest[j],
-                                 .slope_per_s = e->before[j].slope_per_s,
-                                 .offset_sd = e->before[j].mean_sd,
-                                 .slope_sd_per_s = e->before[j].slope_sd_per_s,
-                                 .noise_sd = e->before[j].noise_sd};
+    for (unsigned j = 0; j < e->config.outputs; j++) {
+        const struct steady_result *at = &e->before[j];
+        real_t turned = at->slope_sd_per_s * at->age_s;
+        b[j] =
+            (struct baseline){.offset = at->mean + at->slope_per_s * at->age_s - e->rest[j],
+                              .slope_per_s = at->slope_per_s,
+                              .offset_sd = real_sqrt(at->mean_sd * at->mean_sd + turned * turned),
+                              .slope_sd_per_s = at->slope_sd_per_s,
+                              .noise_sd = at->noise_sd};
+    }
 }
 
 static void ask_for_look(struct experiment *e)
@@ -358,7 +382,9 @@ static enum err decide(struct experiment *e, const real_t *y)
         if (!e->small)
             return ERR_OK;
     }
-    bool over = p.known && gone_s >= p.over_s && e->half >= c->half_least;
+    /* What cannot be told within a third is small beside the rest, or slower: it gets half as long again. */
+    real_t over_s = p.known ? p.over_s : UNKNOWN_WAITS * p.over_s;
+    bool over = p.any_known && gone_s >= over_s && e->half >= c->half_least;
     return over ? turn_down(e, y) : ERR_OK;
 }
 
@@ -394,13 +420,13 @@ static enum err going_up(struct experiment *e, const real_t *y)
 static bool far_enough(const struct experiment *e, const real_t *y)
 {
     const struct record *r = &e->record;
-    for (unsigned j = 0; j < e->config.outputs; j++) {
+    for (uint8_t j = 0; j < e->config.outputs; j++) {
         real_t apart_s = (real_t)r->block * e->config.h_s;
         real_t slope = r->points < 2
                            ? REAL_C(0.0)
                            : (r->y[j][r->points - 1u] - r->y[j][r->points - 2u]) / apart_s;
         real_t to_come = slope * e->config.dead_time_s[j];
-        real_t away = y[j] - e->rest[j];
+        real_t away = away_from_rest(e, j, y);
         /* Where it is still on its way from the other side it comes nearer. */
         bool other_side = away * e->at_turn[j] > REAL_C(0.0) && e->waited <= e->half / 2u;
         if (!other_side && real_abs(away + to_come) > TURN_SHARE * e->config.limit[j])
@@ -435,9 +461,9 @@ static enum err coming_back(struct experiment *e, const real_t *y)
     } else if (e->waited > 4u * e->half + 8u * e->config.window) {
         /* Away from where it began, and not on its way back. */
         for (uint8_t j = 0; j < e->config.outputs; j++)
-            if (real_abs(y[j] - e->rest[j]) > REAL_C(0.8) * e->config.limit[j])
+            if (real_abs(away_from_rest(e, j, y)) > REAL_C(0.8) * e->config.limit[j])
                 culprit = j;
-        if (real_abs(y[culprit] - e->rest[culprit]) > REAL_C(0.8) * e->config.limit[culprit])
+        if (real_abs(away_from_rest(e, culprit, y)) > REAL_C(0.8) * e->config.limit[culprit])
             fail(e, EXPERIMENT_AWAY, culprit);
         else
             enter(e, EXPERIMENT_DONE, REAL_C(0.0));
@@ -449,7 +475,7 @@ static enum err coming_back(struct experiment *e, const real_t *y)
 static bool past_limit(struct experiment *e, const real_t *y)
 {
     for (uint8_t j = 0; j < e->config.outputs; j++) {
-        real_t away = real_abs(y[j] - e->rest[j]), limit = e->config.limit[j];
+        real_t away = real_abs(away_from_rest(e, j, y)), limit = e->config.limit[j];
         if (away / limit > e->worst) {
             e->worst = away / limit;
             e->worst_output = j;
@@ -538,6 +564,17 @@ enum err experiment_baseline(const struct experiment *e, uint8_t j, struct basel
     baselines_before(e, all);
     *b = all[j];
     return ERR_OK;
+}
+
+real_t experiment_bend(const struct experiment *e, uint8_t j, real_t *sd)
+{
+    real_t a = e->before[j].slope_sd_per_s, b = e->after[j].slope_sd_per_s;
+    if (!e->returned) {
+        *sd = REAL_C(0.0);
+        return REAL_C(0.0);
+    }
+    *sd = real_sqrt(a * a + b * b);
+    return e->after[j].slope_per_s - e->before[j].slope_per_s;
 }
 
 #endif

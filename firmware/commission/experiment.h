@@ -74,6 +74,7 @@ struct experiment {
     real_t worst;                /* largest share of its limit any output has reached */
     uint8_t worst_output;
     real_t rest[CHANNEL_MAX]; /* level before the step */
+    real_t drift_per_s[CHANNEL_MAX]; /* ... and what it climbed then, where that stands out of the noise */
     struct steady_result before[CHANNEL_MAX], after[CHANNEL_MAX];
     bool returned; /* `after` is from outputs at rest */
 
@@ -104,5 +105,9 @@ MUST_CHECK enum err experiment_missed(struct experiment *e);
 
 /* What is known of output j apart from its response, once DONE: level, drift, noise; times from the first edge. */
 MUST_CHECK enum err experiment_baseline(const struct experiment *e, uint8_t j, struct baseline *b);
+
+/* How much faster output j drifts after the step than before it, span per second, and the standard deviation of that;
+ * 0 and 0 where it did not come to rest. */
+real_t experiment_bend(const struct experiment *e, uint8_t j, real_t *sd);
 
 #endif

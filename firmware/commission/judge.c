@@ -71,6 +71,11 @@ void judge_record(const struct record *r, uint8_t j, const struct baseline *b, r
     if (level_halves(r, j, b, &up, &up1, &up2) && level_halves(r, j, b, &down, &down1, &down2)) {
         real_t first = real_abs(up1 - down1), second = real_abs(up2 - down2);
         real_t noise = b->noise_sd / real_sqrt((real_t)r->block);
+        uint32_t shorter =
+            down.to - down.from < up.to - up.from ? down.to - down.from : up.to - up.from;
+        result->first = first;
+        result->second = second;
+        result->change_sd = REAL_C(2.0) * noise / real_sqrt((real_t)(shorter / 6u));
         result->moves = first + second > STANDS_OUT * noise;
         if (result->moves)
             result->climbs = second / (first > noise ? first : noise);

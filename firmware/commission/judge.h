@@ -11,6 +11,8 @@ struct judgement {
     real_t
         climbs; /* change in the second half of each level over that in the first: 1 for an integrator, 0.2 for a lag of
                        a third of the level; 0 where it does not move */
+    real_t first, second; /* the two changes, fraction of span, of both levels together */
+    real_t change_sd;     /* of the second, by the noise alone */
     real_t
         spread; /* largest less smallest gain of the three parts, output span per input span; 0 where they are too
                        short to tell */

@@ -12,6 +12,10 @@
 #define HOPELESS    REAL_C(1.0)  /* standard deviation over gain from which a fit says nothing */
 #define STEP        REAL_C(0.05) /* of the predicted setpoint steps, fraction of span */
 
+#define CLIMB_SDS  REAL_C(4.0) /* what goes on climbing stands out of the noise by so much */
+#define BEND_SDS   REAL_C(2.0)
+#define BEND_SHARE (REAL_C(1.0) / REAL_C(12.0)) /* docs/commissioning.md: what a bend leaves */
+
 static real_t weight(real_t sd, real_t size)
 {
     real_t floor = REAL_C(1e-4) * real_abs(size) + REAL_C(1e-9);
@@ -109,10 +113,23 @@ static void judge(struct commission *c, struct identified *fit)
     if (experiment_baseline(x, c->fit_at, &b) != ERR_OK)
         return;
     judge_record(&x->record, c->fit_at, &b, x->amplitude, &verdict);
-    c->climbs[c->fit_at] = verdict.climbs;
-    real_t more = verdict.spread - SPREAD_LEFT * real_abs(fit->gain);
+    real_t bend_sd, bend = real_abs(experiment_bend(x, c->fit_at, &bend_sd));
+    real_t half_s = (real_t)x->half * x->config.h_s;
+    /* A drift that is the same in both halves cancels in the changes; one that bends does not. */
+    real_t explained = CLIMB_SDS * verdict.change_sd + bend * half_s;
+    bool slow = (fit->flags & (IDENTIFIED_INTEGRATING | IDENTIFIED_SHORT)) ||
+                fit->dead_time_s + fit->time_constant_s > REAL_C(0.5) * half_s;
+    c->climbs[c->fit_at] = slow && verdict.second > explained ? verdict.climbs : REAL_C(0.0);
+    real_t more = REAL_C(0.5) * (verdict.spread - SPREAD_LEFT * real_abs(fit->gain));
+    real_t variance = fit->gain_sd * fit->gain_sd;
     if (more > REAL_C(0.0))
-        fit->gain_sd = real_sqrt(fit->gain_sd * fit->gain_sd + REAL_C(0.25) * more * more);
+        variance += more * more;
+    if (bend > BEND_SDS * bend_sd) {
+        real_t duration_s = (real_t)x->samples * x->config.h_s;
+        real_t left = BEND_SHARE * bend * duration_s / x->amplitude;
+        variance += left * left;
+    }
+    fit->gain_sd = real_sqrt(variance);
 }
 
 /* A fit that says nothing of the gain, because the response is not that of a lag: the moments' answer, which weighs the

@@ -9,6 +9,8 @@
 #define AMPLITUDE_MOST  REAL_C(0.25) /* of span, while it is being found */
 #define AMPLITUDE_FIRST REAL_C(0.02)
 #define MISSED_MOST     8u          /* samples in a row that a test can do without */
+#define AGAIN_SHARE     REAL_C(0.6) /* of a limit, in later rounds */
+#define AGAIN_MOST      REAL_C(3.0) /* times the amplitude of the round before */
 #define HALF_MOST       1000u       /* samples */
 #define SHARE_LEAST     REAL_C(0.5) /* no half is shorter than this share of the longest before */
 
@@ -51,6 +53,21 @@ static uint32_t least_half(const struct commission *c, const struct supervisor *
     return known > before ? known : before;
 }
 
+/* From the second round on the gains are known: as much as the limits leave room for. */
+static real_t amplitude_by_model(const struct commission *c, uint8_t k,
+                                 const struct experiment_config *x)
+{
+    real_t a = x->amplitude_max < AMPLITUDE_MOST ? x->amplitude_max : AMPLITUDE_MOST;
+    for (uint8_t j = 0; j < c->outputs; j++) {
+        const struct identified *f = &c->element[j][k].fit;
+        real_t most = real_abs(f->gain) + REAL_C(2.0) * f->gain_sd;
+        if (most * a > AGAIN_SHARE * x->limit[j])
+            a = AGAIN_SHARE * x->limit[j] / most;
+    }
+    real_t before = c->input[k].amplitude * AGAIN_MOST;
+    return a < before ? a : before;
+}
+
 static enum err begin_input(struct commission *c, const struct supervisor *s)
 {
     const struct config *config = &s->plan->config;
@@ -77,11 +94,15 @@ static enum err begin_input(struct commission *c, const struct supervisor *s)
         if (c->input[k].rounds > 0)
             x.dead_time_s[j] = c->element[j][k].fit.dead_time_s;
     }
+    /* A drift is seen over a window as long as the responses are. */
+    uint32_t wider = c->half_least / 3u;
+    if (wider > x.window)
+        x.window = wider;
     if (x.amplitude > x.amplitude_max)
         x.amplitude = x.amplitude_max;
     if (x.amplitude <= REAL_C(0.0)) {
         if (c->input[k].rounds > 0)
-            x.amplitude_first = c->input[k].amplitude; /* it was large enough, or all there is */
+            x.amplitude_first = amplitude_by_model(c, k, &x);
         if (x.amplitude_max > AMPLITUDE_MOST)
             x.amplitude_max = AMPLITUDE_MOST;
     }
