@@ -118,8 +118,10 @@ static bool version_line(struct console *c, unsigned n, struct text *line)
         pair(line, "events", EVENT_HISTORY);
         pair(line, "alarms", CONFIG_ALARMS);
         pair(line, "dead-time bytes", PLAN_ARENA_BYTES);
-        pair(line, "steps", CONFIG_STEPS);
-        text_str(line, CONFIG_STEPS ? "" : ", no sequences");
+        if (CONFIG_STEPS)
+            pair(line, "steps", CONFIG_STEPS);
+        else
+            text_str(line, ", no sequences");
         text_str(line, COMMISSION_CHANNELS ? "" : ", no automatic start-up");
         return true;
     case 4:

@@ -86,6 +86,8 @@ void sequence_safe(struct supervisor *s, const char *why)
 
 void sequence_interrupted(struct supervisor *s, uint8_t kind, uint8_t step)
 {
+    if (sequence_active(&s->sequence) || step >= CONFIG_STEPS)
+        return; /* somebody has begun anew already */
     s->sequence.kind = kind;
     s->sequence.step = step;
     stop_at(s, SEQUENCE_ABORTED, SEQUENCE_RESTART, "");
