@@ -2,7 +2,7 @@
 
     python3 tests/reference/pilot_reference.py
 
-writes pilot_steady.csv, pilot_gains.csv, pilot_steps.csv and column_points.csv next to this file. The equations
+writes pilot_steady.csv, pilot_gains.csv, pilot_steps.csv, pilot_day.csv and column_points.csv next to this file. The equations
 are written here a second time, with numpy and scipy (Radau at tight tolerances), from the balances themselves:
 nothing of the C sources is called. The property constants alone are shared: they are read from
 host_sim/plants/pilot_properties.inc, frozen handbook data.
@@ -199,6 +199,26 @@ def column_points(rng):
                                                    + ["T%d" % i for i in range(10)]) + ",D,B", rows)
 
 
+# A day: heater, reflux and feed move one after the other, far enough to bend every gain.
+DAY = ({}, {"Qrb": 0.84}, {"Lr": 5.0}, {"F": 5.6}, {"xF": 31.0}, {"Qrb": 0.76, "Lr": 4.2}, {"F": 4.5, "xF": 42.0}, {"Qrb": 0.80})
+STRETCH = 3 * 3600.0
+
+
+def day(x):
+    """One row for each reading: time, the inputs that led there, temperatures."""
+    rows, values = [], dict(NOMINAL)
+    for k, change in enumerate(DAY):
+        values.update(change)
+        u = drive(values)
+        times = [300.0, 1800.0, STRETCH]
+        run = solve_ivp(lambda t, y: PILOT.evaluate(y, u)[0], [0, STRETCH], x, method="Radau", t_eval=times, rtol=1e-9,
+                        atol=1e-11)
+        x = run.y[:, -1]
+        for time, y in zip(times, run.y.T):
+            rows.append([k * STRETCH + time, *(values[name] for name in CODES), *trays(y, values)])
+    return rows
+
+
 def main():
     x0 = solve_ivp(lambda t, x: PILOT.evaluate(x, drive(NOMINAL))[0], [0, 40000], np.linspace(0.05, 0.95, 12),
                    method="BDF", rtol=1e-5, atol=1e-7).y[:, -1]
@@ -228,6 +248,7 @@ def main():
         for k, time in enumerate(times):
             rows.append([CODES.index(name), step, time, *trays(run.y[:, k], values)])
     write("pilot_steps.csv", INPUTS + "step,t_s," + HEAD, rows)
+    write("pilot_day.csv", "t_s," + ",".join(CODES) + "," + HEAD, day(x0))
     column_points(np.random.default_rng(20))
 
 

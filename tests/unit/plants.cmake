@@ -6,6 +6,8 @@ reflux_test(column_config LABEL unit SOURCES ${CMAKE_CURRENT_LIST_DIR}/test_colu
 reflux_test(column_solver LABEL unit SOURCES ${CMAKE_CURRENT_LIST_DIR}/test_column_solver.c LIBS reflux_plants)
 reflux_test(column_newton LABEL unit SOURCES ${CMAKE_CURRENT_LIST_DIR}/test_column_newton.c LIBS reflux_plants)
 reflux_test(rosenbrock LABEL unit SOURCES ${CMAKE_CURRENT_LIST_DIR}/test_rosenbrock.c LIBS reflux_plants)
+reflux_test(column_balances LABEL unit SOURCES ${CMAKE_CURRENT_LIST_DIR}/test_column_balances.c
+            LIBS reflux_plants)
 reflux_test(input_jumps LABEL unit SOURCES ${CMAKE_CURRENT_LIST_DIR}/test_input_jumps.c LIBS reflux_plants)
 reflux_test(pilot LABEL unit SOURCES ${CMAKE_CURRENT_LIST_DIR}/test_pilot.c LIBS reflux_plants)
 reflux_test(splitter LABEL unit SOURCES ${CMAKE_CURRENT_LIST_DIR}/test_splitter.c LIBS reflux_plants)

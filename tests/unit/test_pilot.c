@@ -96,6 +96,26 @@ static void step_responses_of_every_tray_are_those_of_the_reference(void)
     TEST_ASSERT_DOUBLE_WITHIN(2e-3, 0, worst);
 }
 
+static void a_day_of_changes_runs_as_that_of_the_reference(void)
+{
+    double row[16], worst = 0, now = 0;
+    FILE *f = csv_open("reference/pilot_day.csv");
+    int rows = 0;
+    for (; csv_row(f, row, 16); rows++) {
+        for (int i = 0; i < 4; i++)
+            set(inputs[i], row[1 + i]);
+        for (; now < row[0]; now += 30)
+            run_to(now + 30);
+        for (int k = 1; k <= 11; k++)
+            worst = fmax(worst, fabs(tray(k) - row[4 + k]));
+    }
+    fclose(f);
+    TEST_ASSERT_EQUAL(24, rows);
+    TEST_ASSERT_TRUE(now == 86400);
+    printf("worst deviation in a day: %.2g K\n", worst);
+    TEST_ASSERT_DOUBLE_WITHIN(0.01, 0, worst);
+}
+
 static void gains_are_within_a_factor_of_one_and_a_half_of_folamis(void)
 {
     double g[2][2] = {{gain("Lr", 1, 0.002), gain("Qrb", 1, 0.0002)},
@@ -304,6 +324,7 @@ int main(void)
     RUN_TEST(the_nominal_profile_is_that_of_the_reference);
     RUN_TEST(steady_state_gains_of_every_tray_are_those_of_the_reference);
     RUN_TEST(step_responses_of_every_tray_are_those_of_the_reference);
+    RUN_TEST(a_day_of_changes_runs_as_that_of_the_reference);
     RUN_TEST(gains_are_within_a_factor_of_one_and_a_half_of_folamis);
     RUN_TEST(the_operating_point_lies_in_folamis_ranges);
     RUN_TEST(the_slow_time_constant_is_between_ten_and_forty_minutes);

@@ -11,7 +11,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Callable
 
-from reflux_tools import build, launch, runner, scenario, table
+from reflux_tools import bench_plants, build, launch, runner, scenario, table
 from reflux_tools.errors import RunFailed, UserError
 from reflux_tools.paths import ROOT, SCENARIOS, build_dir, named, shown
 
@@ -26,20 +26,28 @@ def main(arguments: list[str]) -> int:
         description="Measures speed, instructions per tick and memory, prints the tables and writes them to "
         "tests/bench/results.md. What cannot be measured here is left out with its reason.")
     p.add_argument("--ticks", type=int, default=4000, metavar="N", help="ticks of each speed run (default 4000)")
+    p.add_argument("--plants", action="store_true", help="only the simulated plants, printed and not written")
     p.add_argument("--out", type=named, default=RESULTS, metavar="FILE")
     options = p.parse_args(arguments)
     if options.ticks < 10:
         raise UserError("--ticks must be 10 or more")
     launch.build_for("memory")
+    build.build("host", ("plant_cost",))
+    if options.plants:
+        for title, header, rows in bench_plants.parts():
+            print(f"\n{title}\n{table.columns(header, rows)}", flush=True)
+        return 0
     build.build("stm32f405")
     build.build("stm32f100")
     parts = [
+        *bench_plants.parts(),
         ("Lockstep ticks per second", ["way", "ticks", "ticks per second"], speed_rows(options.ticks)),
         ("Instructions per tick", ["where", "how", "least", "mean", "most"], instruction_rows()),
         ("The image, bytes", ["part", "text", "data", "bss"], size_rows()),
         ("Largest stack frames of the image, bytes", ["function", "frame"], stack_rows()),
     ]
-    text = ["# Speed and size\n", f"Written by `tools/bench` on {machine()}. Plant `pilot`, scenario `smoke`.\n"]
+    text = ["# Speed and size\n", f"Written by `tools/bench` on {machine()}. The firmware is measured with the "
+            "plant `pilot` and the scenario `smoke`.\n"]
     for title, header, rows in parts:
         print(f"\n{title}\n{table.columns(header, rows)}" if rows else f"\n{title}: nothing", flush=True)
         text.append(f"## {title}\n\n{table.markdown(header, rows)}\n")

@@ -1,0 +1,78 @@
+"""What the simulated columns cost: the part of tools/bench about host_sim, from tests/bench/plant_cost.c."""
+
+from __future__ import annotations
+
+import math
+import re
+import subprocess
+import sys
+
+from reflux_tools import build
+from reflux_tools.errors import RunFailed
+from reflux_tools.paths import ROOT
+
+Part = tuple[str, list[str], list[list[str]]]
+SCIPY_MINUTES = "15"
+
+
+def parts() -> list[Part]:
+    """The tables, each with its title and header."""
+    program = str(build.find_program("host", "tests/unit/plant_cost"))
+    return [
+        ("Plant time per wall time, both inputs at rest or moving by up to 1 % every tick",
+         ["plant", "inputs", "30 s ticks", "10 s ticks", "1 s ticks"], speed_rows(program)),
+        ("A day of the splitter beside scipy's BDF, inputs changing every 15 minutes, 30 s ticks",
+         ["by", "tolerances", "s of processor time", "times faster", "apart at most"], scipy_rows(program)),
+        ("Cost of an integration step against the size of a column",
+         ["varied", "microseconds per step", "exponent fitted"], size_rows(program)),
+    ]
+
+
+def facts(command: list[str]) -> list[str]:
+    done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False)
+    if done.returncode != 0:
+        raise RunFailed(f"{command[0]}: {(done.stderr.strip().splitlines() or ['failed'])[-1]}")
+    return done.stdout.splitlines()
+
+
+def speed_rows(program: str) -> list[list[str]]:
+    rows = []
+    for plant in ("pilot", "splitter"):
+        found: dict[str, list[str]] = {}
+        for line in facts([program, plant]):
+            words = line.split()
+            found.setdefault(words[1], []).append(f"{int(words[-1]):,}")
+        rows += [[plant, inputs, *found[inputs]] for inputs in ("steady", "moving")]
+    return rows
+
+
+def scipy_rows(program: str) -> list[list[str]]:
+    script = str(ROOT / "tests" / "bench" / "splitter_scipy.py")
+    text = facts([sys.executable, script, program, SCIPY_MINUTES])[-1]
+    value = dict(zip(text.split()[::2], text.split()[1::2]))
+    tolerances = f"relative {value['relative']}, absolute {value['absolute']}"
+    return [["this simulator", tolerances, value["plant_s"], value["ratio"], ""],
+            ["scipy's BDF, equations of tests/reference/splitter_reference.py, Jacobian by differences", tolerances,
+             value["scipy_s"], "1", f"{value['worst_K']} K"]]
+
+
+def size_rows(program: str) -> list[list[str]]:
+    points = []
+    for line in facts([program, "--sizes"]):
+        found = re.fullmatch(r"stages (\d+) components (\d+) us_per_step ([\d.]+) .*", line)
+        if found is None:
+            raise RunFailed(f"plant_cost --sizes said: {line}")
+        points.append((int(found[1]), int(found[2]), float(found[3])))
+    stages = [(n, us) for n, c, us in points[:5]]
+    components = [(c, us) for n, c, us in points[5:]]
+    return [[f"{what}: {', '.join(str(n) for n, _ in curve)}", ", ".join(f"{us:.1f}" for _, us in curve),
+             f"{exponent(curve):.2f}"]
+            for what, curve in (("stages, 5 components", stages), ("components, 40 stages", components))]
+
+
+def exponent(curve: list[tuple[int, float]]) -> float:
+    """Slope of the straight line through the logarithms."""
+    x = [math.log(n) for n, _ in curve]
+    y = [math.log(us) for _, us in curve]
+    mx, my = sum(x) / len(x), sum(y) / len(y)
+    return sum((a - mx) * (b - my) for a, b in zip(x, y)) / sum((a - mx) ** 2 for a in x)
