@@ -44,9 +44,7 @@ def spoken(program, minutes):
 def main():
     program, minutes = sys.argv[1], sys.argv[2] if len(sys.argv) > 2 else "15"
     changes, temperatures, ours = spoken(program, minutes)
-    up = np.linspace(0, 1, reference.STAGES)[:, None]
-    start = (1 - up) * [0.0, 0.05, 0.3, 0.01, 0.002] + up * [0.01, 0.96, 0.02, 0.001, 0.001]
-    x = reference.steady(reference.NOMINAL, start.ravel())
+    x = reference.steady(reference.NOMINAL, reference.start())
     worst, evaluations = 0.0, 0
     ends = [t for t, _ in changes[1:]] + [86400.0]
     began = time.process_time()

@@ -150,12 +150,17 @@ class Plant:
         rank = np.linalg.matrix_rank(G, tol=1e-9 * np.linalg.norm(G, 2))
         if rank < min(G.shape):
             return f"rank {rank} of {min(G.shape)}: undetermined"
-        sums = (G * np.linalg.pinv(G).T).sum(axis=1)  # of a square plant all 1
-        kept = np.sort(np.argsort(-np.round(sums, 9), kind="stable")[:m])
-        rga = G[kept] * np.linalg.inv(G[kept]).T
-        cost = np.where(rga > 0.0, np.abs(np.log(np.maximum(rga, 1e-9))), 1e3)  # 0.05 is as far from 1 as 20
-        pairs = zip(*scipy.optimize.linear_sum_assignment(cost))
-        return [(int(kept[i]), int(j), float(rga[i, j])) for i, j in pairs]
+        return assignment(G)
+
+
+def assignment(G):
+    """[(output, input, relative gain)] of gains in spans: outputs by the non-square RGA, then the square rest."""
+    sums = (G * np.linalg.pinv(G).T).sum(axis=1)  # of a square plant all 1
+    kept = np.sort(np.argsort(-np.round(sums, 9), kind="stable")[:G.shape[1]])
+    rga = G[kept] * np.linalg.inv(G[kept]).T
+    cost = np.where(rga > 0.0, np.abs(np.log(np.maximum(rga, 1e-9))), 1e3)  # 0.05 is as far from 1 as 20
+    pairs = zip(*scipy.optimize.linear_sum_assignment(cost))
+    return [(int(kept[i]), int(j), float(rga[i, j])) for i, j in pairs]
 
 
 def table(name, header, rows, remark):

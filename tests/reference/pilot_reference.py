@@ -219,10 +219,14 @@ def day(x):
     return rows
 
 
+def start():
+    """A state near the nominal steady state."""
+    return solve_ivp(lambda t, x: PILOT.evaluate(x, drive(NOMINAL))[0], [0, 40000], np.linspace(0.05, 0.95, 12),
+                     method="BDF", rtol=1e-5, atol=1e-7).y[:, -1]
+
+
 def main():
-    x0 = solve_ivp(lambda t, x: PILOT.evaluate(x, drive(NOMINAL))[0], [0, 40000], np.linspace(0.05, 0.95, 12),
-                   method="BDF", rtol=1e-5, atol=1e-7).y[:, -1]
-    x0 = steady(NOMINAL, x0)
+    x0 = steady(NOMINAL, start())
     _, _, d, b = PILOT.evaluate(x0, drive(NOMINAL))
     t0 = trays(x0, NOMINAL)
     write("pilot_steady.csv", HEAD + ",xD,xB,D_mol_h,B_mol_h",

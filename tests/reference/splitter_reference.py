@@ -110,11 +110,15 @@ def write(name, rows, head):
     print(name, len(rows), "rows")
 
 
+def start():
+    """A profile to begin with."""
+    up = np.linspace(0, 1, STAGES)[:, None]
+    return ((1 - up) * [0.0, 0.05, 0.3, 0.01, 0.002] + up * [0.01, 0.96, 0.02, 0.001, 0.001]).ravel()
+
+
 def main():
     heads = ",".join("T%d" % (i + 1) for i in range(STAGES)) + ",iC4_D,C3_B,D,B"
-    up = np.linspace(0, 1, STAGES)[:, None]
-    start = (1 - up) * [0.0, 0.05, 0.3, 0.01, 0.002] + up * [0.01, 0.96, 0.02, 0.001, 0.001]
-    first = steady(NOMINAL, start.ravel())
+    first = steady(NOMINAL, start())
     second = steady(SS2, first)
     write("splitter_steady.csv",
           [[v["R"], v["Q"], *outputs(x, v)] for x, v in ((first, NOMINAL), (second, SS2))], "# R,Q," + heads)
