@@ -118,11 +118,7 @@ static bool version_line(struct console *c, unsigned n, struct text *line)
         pair(line, "events", EVENT_HISTORY);
         pair(line, "alarms", CONFIG_ALARMS);
         pair(line, "dead-time bytes", PLAN_ARENA_BYTES);
-        if (CONFIG_STEPS)
-            pair(line, "steps", CONFIG_STEPS);
-        else
-            text_str(line, ", no sequences");
-        text_str(line, COMMISSION_CHANNELS ? "" : ", no automatic start-up");
+        pair(line, "steps", CONFIG_STEPS);
         return true;
     case 4:
         text_str(line, "limits: plant");
@@ -154,6 +150,12 @@ static bool version_line(struct console *c, unsigned n, struct text *line)
     case 9:
         text_str(line, "storage: ");
         storage_text(c->service->storage, line);
+        return true;
+    case 10:
+        if (!CONFIG_STEPS || !COMMISSION_CHANNELS)
+            text_str(line, "left out of this build:");
+        text_str(line, CONFIG_STEPS ? "" : " sequences");
+        text_str(line, COMMISSION_CHANNELS ? "" : " automatic-start-up");
         return true;
     default:
         return false;

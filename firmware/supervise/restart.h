@@ -24,8 +24,8 @@ struct restart_record {
     uint32_t magic; /* format, and that of num_t */
     uint32_t crc;   /* of all that follows */
     uint32_t identity;
-    uint8_t acting;
-    uint8_t testing; /* automatic start-up was under way: it does not go on */
+    uint8_t acting : 1;
+    uint8_t testing : 1; /* automatic start-up was under way: it does not go on */
     uint8_t attempts;
     uint8_t mode[CONFIG_LOOPS];
     uint64_t time_ms;
