@@ -12,6 +12,7 @@ import signal
 import subprocess
 import sys
 import tempfile
+import threading
 import time
 import unittest
 from pathlib import Path
@@ -25,9 +26,9 @@ FAST = "120000"  # 2000 samples of a minute a second
 BAD_FILES = {
     "limit is NaN": ("[measurement.xD]\nlimit = nan\n", "measurement.xD: xD limit is nan; a number in %w is wanted"),
     "limit past the span": ("[measurement.xD]\nlimit = 33\n", "more than 0 and up to its span, 32 %w, is wanted"),
-    "no such measurement": ("[measurement.xQ]\nlimit = 1\n", "measurement.xQ: there is no such measurement; there are xD, xB"),
+    "no such measurement": ("[measurement.xQ]\nlimit = 1\n", "measurement.xQ: there is no such measurement; there are"),
     "no such field": ("[input.R]\nstride = 1\n", "R has no stride; there is lo, hi, safe, min, max, at, tested"),
-    "step past the limits": ("[input.R]\nat = 1.95\nstep = 2.5\n", "R step is 2.5; more than 0 and up to 1.95 lb/min is wanted"),
+    "step past the limits": ("[input.R]\nat = 1.95\nstep = 2.5\n", "R step is 2.5; more than 0 and up to 1.95 lb/min"),
     "no room": ("[input.R]\nat = 4.0\n", "R at 4 lb/min leaves no room to step both ways"),
     "limits crossed": ("[input.R]\nmin = 3\nmax = 2\n", "R min is 3 and max is 2; min must be below max"),
     "known twice wrong": ('[[known]]\nmeasurement = "R"\ninput = "xD"\ntime_s = 9\n', "R is no measurement"),
@@ -47,7 +48,7 @@ TWINS = {
     "inputs": [{"name": f"u{k}", "unit": "%", "lo": 0, "hi": 100, "nominal": 50, "safe": 50} for k in (1, 2)],
     "outputs": [{"name": f"y{k}", "unit": "%", "lo": 0, "hi": 100, "nominal": 50, "noise": 0.1} for k in (1, 2)],
     "model": "transfer",
-    "elements": [[{"gain": 1, "lags": 100}, {"gain": 1, "lags": 100}], [{"gain": 0.8, "lags": 150}, {"gain": 0.8, "lags": 150}]],
+    "elements": [[{"gain": 1, "lags": 100}] * 2, [{"gain": 0.8, "lags": 150}] * 2],
 }
 
 
@@ -76,7 +77,8 @@ class Alone(Tool):
 
     def test_questions_answered_to_the_end_then_again_from_the_file_they_made(self) -> None:
         answers = self.folder / "given.toml"
-        lines = ["xD limit abc", "xD limit -inf", "xQ limit 3", "xD limit", "xD limit 5 critical maybe", "xD limit 5", "?", "",
+        lines = ["xD limit abc", "xD limit -inf", "xQ limit 3", "xD limit", "xD limit 5 critical maybe", "xD limit 5", "?",
+                 "",
                  "R step 3", "S min 0.5 max 3", "S critical yes", "",
                  "xD R time 900 gain", "xD R time 900", "xB Q gain 2", "xB S gain -20", "",
                  "rounds 2.5", "guard circle", "rounds 2 guard line", "",
@@ -153,7 +155,11 @@ class OnABoard(Tool):
 
     def start(self, *arguments: str, **more: object) -> subprocess.Popen[str]:
         process = subprocess.Popen([str(TOOL), self.firmware.console, "--out", str(self.out), "--no-report", *arguments],
-                                   text=True, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, **more)  # type: ignore[call-overload]
+                                   text=True, stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
+                                   **more)  # type: ignore[call-overload]
+        patience = threading.Timer(60, process.kill)
+        patience.start()
+        self.addCleanup(patience.cancel)
         self.addCleanup(process.stdout.close)
         self.addCleanup(process.wait)
         self.addCleanup(process.kill)
@@ -167,7 +173,8 @@ class OnABoard(Tool):
                 return said
         self.fail(f"ended before {wanted!r}: {said}")
 
-    OPERATING = "[input.R]\nat = 1.95\n[input.S]\nat = 1.71\n"
+    # Steps of 500 samples: long beside whatever holds a test up.
+    OPERATING = "[input.R]\nat = 1.95\ntime = 30000\n[input.S]\nat = 1.71\n"
 
     def test_no_plant(self) -> None:
         _out, err = self.tool(self.firmware.console, "--yes", expect=1)
@@ -221,7 +228,7 @@ class OnABoard(Tool):
     def test_lines_while_it_is_tested(self) -> None:
         self.plant("--speed", "12000")
         process = self.start(stdin=subprocess.PIPE)
-        for line in ("", "R at 1.95", "S at 1.71", "", "", ""):
+        for line in ("", "R at 1.95 time 30000", "S at 1.71", "", "", ""):
             process.stdin.write(line + "\n")
         process.stdin.flush()
         self.read_until(process, "R: at rest; step of")

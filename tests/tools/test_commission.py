@@ -77,14 +77,15 @@ class Lines(unittest.TestCase):
         self.assertIsNone(board.plant_of(["no plant is connected"]))
 
     def test_status(self) -> None:
-        state = board.state_of(["state run, plant link ready oven, plant time 240.000 s, base tick 60 s ticks 5, transaction "
-                                "open, storage empty", "T = 20.5 degC good", "x = nan - missing", "h = 1 kW"])
+        state = board.state_of(["state run, plant link ready oven, plant time 240.000 s, base tick 60 s ticks 5, "
+                                "transaction open, storage empty", "T = 20.5 degC good", "x = nan - missing", "h = 1 kW"])
         self.assertEqual((state.safe, state.link, state.plant_s, state.open_transaction), (False, "ready", 240.0, True))
         self.assertEqual((state.values["h"], state.good["T"], state.good["x"]), (1.0, True, False))
 
     def test_progress(self) -> None:
         p = board.progress_of(["phase testing, outputs 2, inputs 2, plant time s 1140.000",
-                               "input h (1 of 2), round 1: back, waits for rest, amplitude 0.2 kW, worst T at 0.25 of its limit"])
+                               "input h (1 of 2), round 1: back, waits for rest, amplitude 0.2 kW, worst T at 0.25 of "
+                               "its limit"])
         self.assertEqual((p.phase, p.plant_s, p.input, p.at, p.of, p.round), ("testing", 1140.0, "h", 1, 2, 1))
         self.assertEqual((p.stage, p.amplitude, p.worst), ("back, waits for rest", "0.2 kW", ("T", 0.25)))
         self.assertEqual(board.progress_of(["phase idle"]).phase, "idle")
@@ -108,7 +109,8 @@ class Lines(unittest.TestCase):
                                                               [("y", 0.4, "b")]))
         self.assertFalse(p.determined)
         s = results.structure_of(["structure parts 1 blocks 2", "block number 1 part 1 pairs 1 worst_lambda 1 driven_by -",
-                                  "block number 2 part 1 pairs 1 worst_lambda 1 driven_by 1", "member y a block 1 single_loop yes",
+                                  "block number 2 part 1 pairs 1 worst_lambda 1 driven_by 1",
+                                  "member y a block 1 single_loop yes",
                                   "member z b block 2 single_loop no",
                                   "way from y a to z b gain -0.5 lead 100 lag 50 dead 3 late 0"])
         words = " ".join(results.structure_words(s))
@@ -117,21 +119,26 @@ class Lines(unittest.TestCase):
             self.assertIn(told, words)
         self.assertEqual(results.trial_of(LISTINGS["trial"]), [results.TrialLoop("T", "h", -10.0, 520.0, 500.0, 0.08, 0.1)])
 
-    def test_the_key_is_kept_nowhere(self) -> None:
-        self.assertNotIn("secret", self.written("> unlock secret\n"))
-        self.assertIn("90.000 < ! 90.000 info", self.written("< ! 90.000 info OUTPUT h 1 manual output is now\n"))
 
-    def written(self, note: str) -> str:
-        import tempfile
-        from pathlib import Path
-        with tempfile.TemporaryDirectory() as folder:
-            transcript = board.Transcript(Path(folder))
-            transcript.write(note)
-            transcript.close()
-            return (Path(folder) / "transcript.txt").read_text()
+class Kept(FolderTest):
+    def written(self, *notes: str) -> tuple[str, str]:
+        transcript = board.Transcript(self.folder)
+        for note in notes:
+            transcript.write(note + "\n")
+        transcript.close()
+        return (self.folder / "transcript.txt").read_text(), (self.folder / "telemetry.csv").read_text()
+
+    def test_the_key_is_not(self) -> None:
+        said, _rows = self.written("> unlock secret", "< ! 90.000 info OUTPUT h 1 manual output is now", "> status")
+        self.assertEqual(said, "0.000 > unlock ***\n90.000 < ! 90.000 info OUTPUT h 1 manual output is now\n90.000 > status\n")
+
+    def test_rows_that_came_damaged_are_not(self) -> None:
+        header, row = "H,1,number,time[s],T[degC]", "T,1,7,70.000,20.5"
+        _said, rows = self.written(f"< {row}", f"< {header}", f"< {row}", "< T,1,8,80.0", "< T,1,9,9x.000,20.5", "< T,", "< T,1,,,")
+        self.assertEqual(rows, f"{header}\n{row}\n")
 
 
-class Answers(unittest.TestCase):
+class Answers(FolderTest):
     def test_defaults_follow_what_is_announced(self) -> None:
         a = oven()
         self.assertEqual((a.channel("T").values["limit"], a.channel("h").values["max"], a.channel("h").values["at"]),
@@ -146,10 +153,12 @@ class Answers(unittest.TestCase):
     def test_what_cannot_be_is_refused_and_changes_nothing(self) -> None:
         a = oven()
         for name, given, told in (
-            ("T", {"limit": math.nan}, "a finite one"), ("T", {"limit": 0.0}, "more than 0"), ("T", {"lo": 200.0}, "lo must be below hi"),
+            ("T", {"limit": math.nan}, "a finite one"), ("T", {"limit": 0.0}, "more than 0"),
+            ("T", {"lo": 200.0}, "lo must be below hi"),
             ("T", {"hi": 1e10}, "-1e+09 .. 1e+09"), ("T", {"tested": "perhaps"}, "yes or no"),
             ("h", {"at": 4.0}, "leaves no room to step both ways"), ("h", {"step": 1.5}, "up to 1 kW"),
-            ("h", {"min": -1.0}, "0 .. 4 kW"), ("h", {"time": 0.0}, "more than 0"), ("h", {"time": True}, "a number in s or auto"),
+            ("h", {"min": -1.0}, "0 .. 4 kW"), ("h", {"time": 0.0}, "more than 0"),
+            ("h", {"time": True}, "a number in s or auto"),
             ("h", {"max": 3.0, "min": 3.0}, "min must be below max"), ("h", {"safe": 9}, "0 .. 4 kW is wanted"),
             ("h", {"limit": 1}, "h has no limit"), ("x", {"limit": 2}, "up to its span, 1 -"),
         ):
@@ -184,18 +193,13 @@ class Answers(unittest.TestCase):
         self.assertEqual(lines.count("set mv1.test_step 0"), 1)
 
     def test_a_file_gives_the_same_answers_again(self) -> None:
-        import tempfile
-        from pathlib import Path
         a, b = oven(), oven()
         a.channel("T").change({"limit": 5.0, "critical": True})
         a.channel("h").change({"step": 0.3, "min": 0.25})
         a.add_known("T", "c", 30.0, -2.0)
         a.change_test("guard", "line")
         a.edits["loop1.gain"] = "0.5"
-        with tempfile.TemporaryDirectory() as folder:
-            path = Path(folder) / "answers.toml"
-            path.write_text(answers.text(a))
-            answers.read(path, b)
+        answers.read(self.file("answers.toml", answers.text(a)), b)
         self.assertEqual(answers.text(b), answers.text(a))
 
 
@@ -215,7 +219,8 @@ class Reports(FolderTest):
             y += (20.0 + 20.0 * (u - 1.0) - y) * (1 - math.exp(-0.1))
         (self.folder / "telemetry.csv").write_text("\n".join(rows) + "\n")
         lines = ["0.000 > list", "0.000 < meas1.name = T", "0.000 < meas1.unit = degC", "0.000 < meas1.lo = 0 EU",
-                 "0.000 < meas1.hi = 200 EU", "0.000 < meas1.test_limit = 8 EU", "0.000 < mv1.name = h", "0.000 < mv1.unit = kW",
+                 "0.000 < meas1.hi = 200 EU", "0.000 < meas1.test_limit = 8 EU", "0.000 < mv1.name = h",
+                 "0.000 < mv1.unit = kW",
                  "0.000 < mv1.lo = 0 EU", "0.000 < mv1.hi = 4 EU", "0.000 < ok",
                  "0.000 > commission plant", *(f"0.000 < {line}" for line in PLANT), "0.000 < ok"]
         lines += [f"{event.split()[1]} < {event}" for event in events]
@@ -258,7 +263,7 @@ class Reports(FolderTest):
             (self.KEPT, "kept", True, "1 loops kept"),
             (self.TESTED, "idle", False, "the proposal was rejected"),
             (self.TESTED, "ready", False, "the proposal was not accepted"),
-            ((*self.TESTED, "! 1420.000 alarm TRIAL_FAILED T 0.5 proposed loops are taken back: overshot"), "returned", False,
+            ((*self.TESTED, "! 1420.000 alarm TRIAL_FAILED T 0.5 loops are taken back: overshot"), "returned", False,
              "taken back: T overshot"),
             ((*self.STEPPED, "! 700.000 alarm COMMISSION_ENDED - 0 given up, inputs as before: asked for"), "ended", False,
              "ended: asked for"),

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import math
 import re
 import signal
 import time
@@ -157,21 +158,31 @@ class Transcript:
         self.time_s = 0.0
         self.text = (folder / "transcript.txt").open("w", encoding="utf-8")
         self.telemetry = (folder / "telemetry.csv").open("w", encoding="utf-8")
-        self.rows = 0
+        self.rows = self.damaged = 0
+        self.fields = -1  # of a row, by the header
 
     def write(self, note: str) -> None:
         sign, line = note[0], note[2:].rstrip("\n")
         if sign == "<" and line.startswith(("H,", "T,")):
-            if line.startswith("T,"):
-                self.rows += 1
-                self.time_s = number(line.split(",", 4)[3])
-            self.telemetry.write(line + "\n")
+            self._telemetry(line)
             return
         event = event_of(line) if sign == "<" and line.startswith("!") else None
         if event:
             self.time_s = max(self.time_s, event.at_s)
         line = re.sub(r"unlock \S+", "unlock ***", line) if sign == ">" else line
         self.text.write(f"{self.time_s:.3f} {sign} {line}\n")
+
+    def _telemetry(self, line: str) -> None:
+        """Rows that have lost something on the way, or whose header nobody has heard, are left out."""
+        if line.startswith("H,"):
+            self.fields = line.count(",")
+        elif line.count(",") != self.fields or not math.isfinite(number(line.split(",", 4)[3])):
+            self.damaged += 1
+            return
+        else:
+            self.rows += 1
+            self.time_s = number(line.split(",", 4)[3])
+        self.telemetry.write(line + "\n")
 
     def flush(self) -> None:
         self.text.flush()

@@ -7,7 +7,7 @@ import textwrap
 from typing import Any, Callable
 
 from reflux_tools import table
-from reflux_tools.commission.answers import AUTO, INPUT, MEASUREMENT, TEST, Answers, Field, Values, Wrong
+from reflux_tools.commission.answers import INPUT, MEASUREMENT, TEST, Answers, Field, Values, Wrong
 from reflux_tools.commission.board import Plant, State
 from reflux_tools.commission.keyboard import Keyboard
 from reflux_tools.errors import UserError
@@ -183,7 +183,7 @@ def decide(keyboard: Keyboard) -> str:
         word = keyboard.ask("accept (it is tried on the plant), edit, or reject? > ").lower()
         if word in ("accept", "edit", "reject"):
             return word
-        say(f"  {word or 'an empty line'} is no answer; accept, edit or reject is wanted" if word else
+        say(f"  {word} is no answer; accept, edit or reject is wanted" if word else
             "  loops are put into automatic by it: the word itself is wanted")
 
 
@@ -195,6 +195,3 @@ def check_edit(line: str) -> str:
     if len(words) != 2 or "." not in words[0]:
         raise UserError(f"{line}: a parameter and its value are wanted, such as `loop1.gain 1.2`")
     return f"set {words[0]} {words[1]}"
-
-
-__all__ = ["AUTO", "ask_all", "check_edit", "decide", "heading", "interval_advice", "plant_lines", "say", "summary"]

@@ -9,7 +9,7 @@ import numpy as np
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
 from reflux_tools.commission import frequency
-from reflux_tools.commission.record import CONTEXT_SAMPLES, Experiment, Record
+from reflux_tools.commission.record import Experiment, Record
 from reflux_tools.commission.results import Element
 from reflux_tools.plots import BLUE, GREEN, GREY, ORANGE, STYLE, Plot, finish, plt
 
@@ -42,7 +42,8 @@ def scale(seconds: float) -> tuple[float, str]:
 
 def rest(r: Record, e: Experiment, name: str) -> float:
     """Mean before the step: what the limits count from."""
-    return float(np.nanmean(np.array(r.column(name))[e.first:e.step + 1]))
+    y = np.array(r.column(name))[e.first:e.step + 1]
+    return float(np.mean(y[np.isfinite(y)])) if np.isfinite(y).any() else math.nan
 
 
 def baseline(t: np.ndarray, left: np.ndarray) -> np.ndarray:
@@ -139,13 +140,15 @@ def _fit(ax: Any, r: Record, e: Experiment, name: str, x: np.ndarray, t: np.ndar
         model = response(t, u, element) if element.has_gain else np.zeros(len(t))
         model += baseline(t, y - model)
         ax.plot(x, model, color=ORANGE, linewidth=1.2)
-        left = float(np.sqrt(np.nanmean((y - model)[e.step - e.first:] ** 2)))
+        left = (y - model)[e.step - e.first:]
+        left = float(np.sqrt(np.mean(left[np.isfinite(left)] ** 2))) if np.isfinite(left).any() else math.nan
         noise = r.model.noise.get(name, (0.0, ""))[0]
         what = f"left over {left:.2g} {channel.unit}"
         text = what + (f", {left / noise:.2g} x noise" if noise > 0 else "")
         if not element.has_gain:
             text = "no gain to be seen; " + text
-    worst = float(np.nanmax(np.abs(y - level))) / channel.limit if channel.limit > 0 else 0.0
+    away = np.abs(y - level)
+    worst = float(np.max(away[np.isfinite(away)], initial=0.0)) / channel.limit if channel.limit > 0 else 0.0
     if worst > SHOW_LIMIT:
         for sign in (1, -1):
             ax.axhline(level + sign * channel.limit, color=ORANGE, linewidth=0.9, linestyle="--")

@@ -81,6 +81,8 @@ class Startup:
     def meet(self) -> Plant:
         plant = self.board.plant(GREETING_S)
         self.tick_s = plant.tick_s
+        if not plant.measurements or not plant.inputs:
+            raise RunFailed(f"{plant.name} announces no {'input' if plant.measurements else 'measurement'}")
         state = self.board.state()
         if state.locked:
             raise UserError("the board's engineer level is locked; --key KEY opens it")
