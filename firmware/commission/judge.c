@@ -3,7 +3,7 @@
 
 #include "commission/judge.h"
 
-#define PART_POINTS 3u          /* at least, in each part that is averaged */
+#define PART_POINTS 2u          /* at least, in each part that is averaged */
 #define STANDS_OUT  REAL_C(6.0) /* standard deviations of the changes */
 
 /* One level between two edges, in points. */

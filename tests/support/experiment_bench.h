@@ -15,7 +15,8 @@ struct experiment_bench {
     double extra[CHANNEL_MAX];
     double (*other)(unsigned j, uint32_t k); /* instead of the elements */
     struct random_source random;
-    uint32_t k; /* samples taken */
+    uint32_t k;                    /* samples taken */
+    uint32_t look_takes, look_age; /* samples */
     unsigned edges;
     double level, at[BENCH_EDGES], change[BENCH_EDGES];
     real_t last[CHANNEL_MAX];
@@ -29,6 +30,7 @@ static inline void bench_begin(uint64_t seed)
 {
     memset(&bench, 0, sizeof bench);
     bench.random.state = seed;
+    bench.look_takes = 2;
     config = (struct experiment_config){.outputs = 1,
                                         .h_s = 1,
                                         .window = 30,
@@ -52,6 +54,20 @@ static inline double bench_output(unsigned j)
     return y;
 }
 
+/* The background, which takes as long as it takes. */
+static inline void bench_look(void)
+{
+    if (!experiment.looking) {
+        bench.look_age = 0;
+        return;
+    }
+    if (bench.look_age++ < bench.look_takes)
+        return;
+    while (look_run(&experiment.look))
+        ;
+    experiment_looked(&experiment);
+}
+
 /* The next sample of every output, given to the experiment or lost on the way. */
 static inline enum err bench_sample(bool lost)
 {
@@ -62,6 +78,7 @@ static inline enum err bench_sample(bool lost)
                         (bench.noise > 0.0 ? bench.noise * normal(&bench.random) : 0.0));
     err = lost ? experiment_missed(&experiment) : experiment_step(&experiment, y);
     memcpy(bench.last, y, sizeof y);
+    bench_look();
     if ((double)experiment.level != bench.level) {
         TEST_ASSERT_FALSE_MESSAGE(lost, "the output was moved where it could not be");
         TEST_ASSERT_TRUE(bench.edges < BENCH_EDGES);
