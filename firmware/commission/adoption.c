@@ -125,18 +125,29 @@ static void look(struct adoption *a, const struct supervisor *s)
     }
 }
 
+/* What the drift keeps a loop away from its setpoint. Its controller has to climb as fast as the drift, for which the
+ * error is the drift times the integral of the error after a step of one: both are Ti / (K Kc). The other loops drift,
+ * too. */
+static real_t lag_behind_drift(const struct adoption_loop *l)
+{
+    return REAL_C(2.0) * l->drift_per_s * l->predicted.iae / real_abs(l->size);
+}
+
 static enum adoption_result judge(struct adoption *a, const struct supervisor *s)
 {
     struct adoption_loop *l = &a->loop[a->at];
     real_t scale = real_abs(l->step / l->size), step = real_abs(l->step);
     real_t ran_s = (real_t)a->stage_ticks * s->plan->tick_s;
     /* What noise alone integrates to: its mean magnitude is 0.8 of its standard deviation. */
-    real_t iae_most = ADOPTION_IAE * l->predicted.iae * scale + REAL_C(1.5) * l->noise_sd * ran_s;
-    real_t peak_most = l->predicted.peak + ADOPTION_PEAK + NOISE_MULTIPLE * l->noise_sd / step;
+    real_t lag = lag_behind_drift(l);
+    real_t iae_most =
+        ADOPTION_IAE * l->predicted.iae * scale + (REAL_C(1.5) * l->noise_sd + lag) * ran_s;
+    real_t peak_most =
+        l->predicted.peak + ADOPTION_PEAK + (NOISE_MULTIPLE * l->noise_sd + lag) / step;
     real_t left = a->error_n ? real_abs(a->error_sum) / (real_t)a->error_n : REAL_C(0.0);
     if (l->peak > peak_most)
         return fail(a, ADOPTION_OVERSHOOT, a->at);
-    if (left > REST_SHARE * step + l->noise_sd)
+    if (left > REST_SHARE * step + l->noise_sd + lag)
         return fail(a, ADOPTION_RESTLESS, a->at);
     if (l->iae > iae_most)
         return fail(a, ADOPTION_SLOW, a->at);

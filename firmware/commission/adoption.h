@@ -15,6 +15,7 @@ struct adoption_loop {
     uint8_t loop;                /* index in the plan */
     real_t step;                 /* of its setpoint, fraction of span, either sign */
     real_t noise_sd;             /* fraction of span */
+    real_t drift_per_s;          /* to be reckoned with, fraction of span per second */
     real_t limit;                /* farthest from the setpoint, fraction of span */
     struct trial_loop predicted; /* per unit of `size` */
     real_t size;                 /* step of the prediction */

@@ -15,7 +15,11 @@
 #define LIMIT_SHARE    REAL_C(0.7) /* of a limit that a larger amplitude may aim at */
 #define TURN_SHARE     REAL_C(0.8) /* of a limit at which the negative half ends early */
 #define DRIFT_SDS      REAL_C(2.0) /* a drift seen before the step counts from here on */
-#define DRIFT_SHARE    REAL_C(0.5) /* of a limit that a drift may carry the line of rest at most */
+#define DRIFT_SHARE    REAL_C(1.0) /* of a limit that a drift may carry the line of rest at most */
+#define MOTION_SHARE   REAL_C(0.5) /* of a limit that a larger amplitude may aim at without a model */
+#define SMALL          REAL_C(5.0) /* noise standard deviations: how long it takes cannot be told */
+#define BACK_SHARE                                                                                 \
+    REAL_C(1.5) /* of a limit, once the input is back: there is nothing left to restore */
 #define UNKNOWN_WAITS                                                                              \
     REAL_C(1.5)                /* times as long, where a response too small to be known is left */
 #define PATIENCE    20u        /* windows until rest is given up */
@@ -133,8 +137,7 @@ static bool all_at_rest(struct experiment *e, struct steady_result *at, uint32_t
             return false;
         if (at[j].state == STEADY_SETTLED)
             continue;
-        real_t carried =
-            real_abs(at[j].slope_per_s) * e->config.h_s * (real_t)e->config.window * REAL_C(2.0);
+        real_t carried = real_abs(at[j].slope_per_s) * e->config.h_s * (real_t)e->config.window;
         if (at[j].state == STEADY_MOVING && e->waited >= patience &&
             carried < e->config.limit[j] * REAL_C(0.3))
             continue;
@@ -198,7 +201,7 @@ static enum err at_rest(struct experiment *e, const real_t *y)
     if (err)
         return err;
     e->waited++;
-    if (all_at_rest(e, e->before, 4u * e->config.window, &culprit))
+    if (all_at_rest(e, e->before, e->config.window + e->config.window / 2u, &culprit))
         return begin_step(e, y);
     if (e->waited > PATIENCE * e->config.window + e->config.half_most)
         fail(e, EXPERIMENT_RESTLESS, culprit);
@@ -234,7 +237,8 @@ static void look_at_models(const struct experiment *e, struct progress *p)
         p->seen = true;
         real_t ends = real_abs(f->gain) * e->amplitude;
         real_t most = ends + REAL_C(2.0) * f->gain_sd * e->amplitude + e->before[j].noise_sd;
-        if (!is_known(f)) {
+        bool timed = f->time_constant_sd_s < REAL_C(0.5) * f->time_constant_s;
+        if (!is_known(f) || !timed || ends < SMALL * e->before[j].noise_sd) {
             p->known = false;
             continue;
         }
@@ -259,6 +263,26 @@ static real_t larger(const struct experiment *e, const struct progress *p)
     if (want > p->growth)
         want = p->growth;
     real_t a = e->amplitude * want;
+    if (a > c->amplitude_max)
+        a = c->amplitude_max;
+    return a > REAL_C(1.1) * e->amplitude ? a : e->amplitude;
+}
+
+/* Nothing is known of any response for long: then a larger amplitude by what the outputs have moved at most. */
+static real_t larger_by_motion(const struct experiment *e, const real_t *y)
+{
+    const struct experiment_config *c = &e->config;
+    real_t factor = GROWTH_MOST;
+    for (uint8_t j = 0; j < c->outputs; j++) {
+        real_t noise = e->before[j].noise_sd;
+        real_t most = real_abs(away_from_rest(e, j, y)) + REAL_C(3.0) * noise;
+        real_t wanted = REAL_C(1.2) * c->noise_multiple * noise;
+        if (wanted > MOTION_SHARE * c->limit[j])
+            wanted = MOTION_SHARE * c->limit[j];
+        if (most * factor > wanted)
+            factor = wanted / most;
+    }
+    real_t a = e->amplitude * factor;
     if (a > c->amplitude_max)
         a = c->amplitude_max;
     return a > REAL_C(1.1) * e->amplitude ? a : e->amplitude;
@@ -333,7 +357,7 @@ static void ask_for_look(struct experiment *e)
     baselines_before(e, b);
     look_begin(&e->look, &e->record, b);
     e->looking = true;
-    e->next_look = e->samples + e->samples / 4u + 1u;
+    e->next_look = e->samples + e->half / 8u + 1u;
 }
 
 void experiment_looked(struct experiment *e)
@@ -364,20 +388,19 @@ static enum err decide(struct experiment *e, const real_t *y)
     bool found = c->amplitude > REAL_C(0.0) || p.stand_out >= c->noise_multiple ||
                  e->record.input.edges + 3u > EXCITATION_EDGES_MAX;
     if (!p.seen) { /* nothing yet: in time, more of it */
-        if (e->half < c->half_least + 2u * c->window)
+        if (e->half < c->half_least)
             return ERR_OK;
-        real_t a = found ? e->amplitude : larger(e, &p);
+        real_t a = found ? e->amplitude : larger_by_motion(e, y);
         e->small = a <= e->amplitude;
         if (!e->small)
             return grow(e, y, a);
         return e->half < c->half_least + 6u * c->window ? ERR_OK : turn_down(e, y);
     }
     if (!found) {
-        real_t a = larger(e, &p);
+        real_t a = p.any_known ? larger(e, &p) : larger_by_motion(e, y);
         e->small = a <= e->amplitude;
         /* As soon as it can be told; what cannot be told yet may just be small. */
-        if (!e->small && e->half >= c->window &&
-            (p.any_known || e->half >= c->half_least + 2u * c->window))
+        if (!e->small && e->half >= c->window / 2u && (p.any_known || e->half >= c->window))
             return grow(e, y, a);
         if (!e->small)
             return ERR_OK;
@@ -453,7 +476,7 @@ static enum err coming_back(struct experiment *e, const real_t *y)
     enum err err = steady_step(&e->steady, y);
     if (err)
         return err;
-    bool rest = all_at_rest(e, e->after, e->half + 4u * e->config.window, &culprit);
+    bool rest = all_at_rest(e, e->after, e->half + e->config.window, &culprit);
     /* Not sooner than the way there took: in a dead time everything is at rest, where it was. */
     if (rest && e->waited >= e->half) {
         e->returned = true;
@@ -476,6 +499,8 @@ static bool past_limit(struct experiment *e, const real_t *y)
 {
     for (uint8_t j = 0; j < e->config.outputs; j++) {
         real_t away = real_abs(away_from_rest(e, j, y)), limit = e->config.limit[j];
+        if (e->phase == EXPERIMENT_BACK)
+            limit *= BACK_SHARE;
         if (away / limit > e->worst) {
             e->worst = away / limit;
             e->worst_output = j;

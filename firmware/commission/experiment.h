@@ -74,7 +74,8 @@ struct experiment {
     real_t worst;                /* largest share of its limit any output has reached */
     uint8_t worst_output;
     real_t rest[CHANNEL_MAX]; /* level before the step */
-    real_t drift_per_s[CHANNEL_MAX]; /* ... and what it climbed then, where that stands out of the noise */
+    real_t drift_per_s
+        [CHANNEL_MAX]; /* ... and what it climbed then, where that stands out of the noise */
     struct steady_result before[CHANNEL_MAX], after[CHANNEL_MAX];
     bool returned; /* `after` is from outputs at rest */
 

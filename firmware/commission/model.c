@@ -28,12 +28,18 @@ static real_t mean_of(real_t a, real_t wa, real_t b, real_t wb)
     return (wa * a + wb * b) / (wa + wb);
 }
 
+/* Without a lag to be seen the deviations of the times say nothing, however small. */
+static bool has_times(const struct identified *e)
+{
+    return !(e->flags & IDENTIFIED_NO_GAIN) && e->time_constant_s > REAL_C(0.0) &&
+           e->time_constant_sd_s > REAL_C(0.0);
+}
+
 void model_combine(struct identified *sum, const struct identified *next)
 {
     real_t ws = weight(sum->gain_sd, sum->gain), wn = weight(next->gain_sd, next->gain);
     real_t sd = REAL_C(1.0) / real_sqrt(ws + wn);
-    bool times_s = !(sum->flags & IDENTIFIED_NO_GAIN),
-         times_n = !(next->flags & IDENTIFIED_NO_GAIN);
+    bool times_s = has_times(sum), times_n = has_times(next);
     real_t gain = mean_of(sum->gain, ws, next->gain, wn);
     if (times_s && times_n) {
         real_t wt = weight(sum->time_constant_sd_s, sum->time_constant_s);
@@ -118,7 +124,7 @@ static void judge(struct commission *c, struct identified *fit)
     /* A drift that is the same in both halves cancels in the changes; one that bends does not. */
     real_t explained = CLIMB_SDS * verdict.change_sd + bend * half_s;
     bool slow = (fit->flags & (IDENTIFIED_INTEGRATING | IDENTIFIED_SHORT)) ||
-                fit->dead_time_s + fit->time_constant_s > REAL_C(0.5) * half_s;
+                fit->dead_time_s + fit->time_constant_s > REAL_C(0.75) * half_s;
     c->climbs[c->fit_at] = slow && verdict.second > explained ? verdict.climbs : REAL_C(0.0);
     real_t more = REAL_C(0.5) * (verdict.spread - SPREAD_LEFT * real_abs(fit->gain));
     real_t variance = fit->gain_sd * fit->gain_sd;

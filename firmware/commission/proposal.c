@@ -179,6 +179,7 @@ enum err proposal_prepare_trial(struct commission *c, const struct supervisor *s
             &config->measurement[c->measurement[a->pairs.output[k]]];
         l->loop = i;
         l->noise_sd = c->noise_sd[a->pairs.output[k]];
+        l->drift_per_s = c->drift_per_s[a->pairs.output[k]];
         l->limit = m->test_limit > 0.0f ? m->test_limit / (m->hi - m->lo) : TEST_LIMIT_DEFAULT;
         l->predicted = a->predicted[k];
         l->size = a->config.step;

@@ -42,8 +42,11 @@ static uint32_t least_half(const struct commission *c, const struct supervisor *
     }
     for (uint8_t j = 0; c->input[k].rounds > 0 && j < c->outputs; j++) {
         const struct identified *e = &c->element[j][k].fit;
-        real_t time_s = e->dead_time_s + REAL_C(4.0) * e->time_constant_s;
-        if (!(e->flags & IDENTIFIED_NO_GAIN) && time_s > longest_s)
+        real_t time_s = e->dead_time_s + REAL_C(3.0) * e->time_constant_s;
+        bool known = !(e->flags & IDENTIFIED_NO_GAIN) &&
+                     e->gain_sd < REAL_C(0.2) * real_abs(e->gain) &&
+                     e->time_constant_sd_s < REAL_C(0.3) * e->time_constant_s;
+        if (known && time_s > longest_s)
             longest_s = time_s;
     }
     uint32_t known = commission_samples(s, longest_s);
@@ -95,7 +98,7 @@ static enum err begin_input(struct commission *c, const struct supervisor *s)
             x.dead_time_s[j] = c->element[j][k].fit.dead_time_s;
     }
     /* A drift is seen over a window as long as the responses are. */
-    uint32_t wider = c->half_least / 3u;
+    uint32_t wider = c->half_least / 4u;
     if (wider > x.window)
         x.window = wider;
     if (x.amplitude > x.amplitude_max)
@@ -175,8 +178,13 @@ static void end_test(struct commission *c, struct supervisor *s)
         in->worst = x->worst;
     if (x->half > c->half_least && !x->cut)
         c->half_least = x->half;
-    for (uint8_t j = 0; j < c->outputs; j++)
-        c->noise_sd[j] = x->before[j].noise_sd;
+    for (uint8_t j = 0; j < c->outputs; j++) {
+        const struct steady_result *b = &x->before[j];
+        real_t drift = real_abs(b->slope_per_s);
+        c->noise_sd[j] = b->noise_sd;
+        if (drift > REAL_C(2.0) * b->slope_sd_per_s && drift > c->drift_per_s[j])
+            c->drift_per_s[j] = drift;
+    }
     event_put(c->events, s->time_ms, EVENT_TEST_DONE, commission_input_name(c, s), in->half_s,
               c->round);
     c->phase = COMMISSION_FITTING;

@@ -267,7 +267,7 @@ static const struct parameter_field test_fields[] = {
       "a pairing less probable than this is not determined"),
     ROW(5, PARAMETER_U16, offsetof(struct config, test.rounds), "rounds", "-", 1, 16, 4,
         "tests are repeated, up to so many of each input, until the pairing is determined"),
-    ROW(6, PARAMETER_U16, offsetof(struct config, test.window), "window", "ticks", 10, 1000, 30,
+    ROW(6, PARAMETER_U16, offsetof(struct config, test.window), "window", "ticks", 10, 1000, 60,
         "base ticks over which rest is judged"),
     W(config, test.guard, 7, "guard", "line|model", TEST_GUARD_MODEL,
       "how the peak of a response is predicted: by a straight line, or by a model of it so far"),
