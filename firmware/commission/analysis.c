@@ -5,9 +5,18 @@
 
 #include <string.h>
 
+#include "control/decoupler.h"
+
 #define SIGN_SDS   REAL_C(3.0) /* a gain nearer to 0 may have the other sign: no loop for it */
 #define EXTENSIONS 2u
 #define LONGER     REAL_C(4.0) /* times the duration in which a step did not settle */
+#define LONGEST_S  REAL_C(1e7) /* that a trial can be */
+
+/* What a loop of the firmware takes; detuning keeps to the largest gain. */
+#define GAIN_LEAST REAL_C(1e-6)
+#define TI_LEAST_S REAL_C(0.01)
+#define TI_MOST_S  REAL_C(1e6)
+_Static_assert(STATIC_DECOUPLER_LOOPS <= DECOUPLER_MAX, "a decoupler of ours fits");
 
 enum err analysis_begin(struct analysis *a, const struct analysis_config *config)
 {
@@ -131,6 +140,17 @@ static void decouple_block(struct analysis *a, const struct block *block)
             a->d.at[place[i]][place[j]] = a->work.decoupler.result.d.at[i][j];
 }
 
+/* The firmware takes a decoupler whose every part has an inverse: any loop may go to manual. */
+static bool firmware_takes(const struct matrix *d)
+{
+    float matrix[DECOUPLER_MAX][DECOUPLER_MAX] = {{0.0f}};
+    uint8_t worst;
+    for (unsigned i = 0; i < d->rows; i++)
+        for (unsigned j = 0; j < d->cols; j++)
+            matrix[i][j] = (float)d->at[i][j];
+    return decoupler_check(matrix, (uint8_t)((1u << d->rows) - 1u), &worst) == ERR_OK;
+}
+
 static enum err begin_settings(struct analysis *a)
 {
     struct detune_config c;
@@ -150,6 +170,10 @@ static enum err do_decoupler(struct analysis *a)
     if (a->pairs.n > STATIC_DECOUPLER_LOOPS && a->decoupler == DECOUPLER_USED) {
         /* The firmware's matrix spans so many loops, whichever they are. */
         a->decoupler = DECOUPLER_TOO_MANY;
+        identity(&a->d, a->pairs.n);
+    }
+    if (a->decoupler == DECOUPLER_USED && !firmware_takes(&a->d)) {
+        a->decoupler = DECOUPLER_ILL;
         identity(&a->d, a->pairs.n);
     }
     return begin_settings(a);
@@ -175,9 +199,14 @@ static enum err end_settings(struct analysis *a, enum err err)
         return begin_settings(a);
     }
     a->design_error = err;
-    if (err || a->pairs.n > a->config.loops_max) {
-        if (!err)
-            a->design_error = ERR_FULL;
+    if (!err && a->pairs.n > a->config.loops_max)
+        a->design_error = ERR_FULL;
+    for (uint8_t k = 0; !a->design_error && k < a->pairs.n; k++) {
+        const struct tuning *t = &a->work.detune.loops.tuning[k];
+        if (t->gain < GAIN_LEAST || t->ti_s < TI_LEAST_S || t->ti_s > TI_MOST_S)
+            a->design_error = ERR_UNSUPPORTED;
+    }
+    if (a->design_error) {
         a->stage = ANALYSIS_DONE;
         return ERR_OK;
     }
@@ -193,10 +222,13 @@ static enum err end_settings(struct analysis *a, enum err err)
 static enum err end_prediction(struct analysis *a)
 {
     const struct trial *t = &a->work.trial;
+    real_t longer_s = LONGER * t->duration_s;
+    if (longer_s > LONGEST_S)
+        longer_s = LONGEST_S;
     if (t->bounded && t->loop[a->at].settled_s >= REAL_C(0.95) * t->duration_s &&
-        a->extended < EXTENSIONS) {
+        a->extended < EXTENSIONS && t->duration_s < longer_s) {
         a->extended++;
-        return begin_prediction(a, LONGER * t->duration_s);
+        return begin_prediction(a, longer_s);
     }
     a->extended = 0;
     a->predicted[a->at] = a->work.trial.loop[a->at];

@@ -281,6 +281,8 @@ static void why_not(const struct analysis *a, struct text *line)
         text_str(line, verdict(a));
     } else {
         text_str(line, a->design_error == ERR_FULL ? "more loops than this board runs"
+                       : a->design_error == ERR_UNSUPPORTED
+                           ? "the settings are outside of what a loop takes: other spans are needed"
                        : a->design_error == ERR_TIMEOUT
                            ? "no settings are slow enough to be stable"
                            : "the settings are not stable on the model");

@@ -11,7 +11,7 @@
 #define VALUES(V, x)                                                                                \
     V(0, 0.0f, x) V(1, BIG, x) V(2, -BIG, x) V(3, 1.0f, x) V(4, -1.0f, x) V(5, 100.0f, x)           \
     V(6, -100.0f, x) V(7, 1e5f, x) V(8, 1e6f, x) V(9, 2.0f, x) V(10, 60.0f, x) V(11, 0.01f, x)      \
-    V(12, 65535.0f, x) V(13, 9999.0f, x) V(14, 10000.0f, x) V(15, 0.0001f, x) V(16, 8.0f, x)        \
+    V(12, 65535.0f, x) V(13, 9999.0f, x) V(14, 10000.0f, x) V(15, 1e-6f, x)   V(16, 8.0f, x)        \
     V(17, 3600.0f, x) V(18, 86400.0f, x) V(19, 900.0f, x) V(20, 1000.0f, x) V(21, 4.0f, x)          \
     V(22, 5.0f, x) V(23, 10.0f, x) V(24, 16.0f, x) V(25, 20.0f, x) V(26, 30.0f, x) V(27, 0.5f, x)   \
     V(28, 0.95f, x) V(29, 0.9999f, x)
@@ -122,7 +122,7 @@ static const struct parameter_field loop_fields[] = {
     N(loop_config, name, 1, "name", "name of the loop; - = unused"),
     N(loop_config, pv, 2, "pv", "measurement to control"),
     N(loop_config, out, 3, "out", "manipulated variable, or loop whose setpoint it drives"),
-    F(loop_config, gain, 4, "gain", "fraction/fraction", 0.0001f, 100, 1,
+    F(loop_config, gain, 4, "gain", "fraction/fraction", 1e-6f, 100, 1,
       "proportional gain, output span per measurement span"),
     F(loop_config, ti_s, 5, "ti", "s", 0, 1e6f, 0, "integral time; 0 = no integral action"),
     F(loop_config, td_s, 6, "td", "s", 0, 1e5f, 0, "derivative time; 0 = no derivative action"),
