@@ -1,6 +1,15 @@
 # Automatic start-up, below the console.
-foreach(part experiment model analysis proposal adoption)
+foreach(part experiment model analysis)
+  reflux_test(${part} LABEL unit SOURCES ${CMAKE_CURRENT_LIST_DIR}/test_${part}.c LIBS reflux_commission)
+endforeach()
+foreach(part proposal adoption)
   if(EXISTS "${CMAKE_CURRENT_LIST_DIR}/test_${part}.c")
-    reflux_test(${part} LABEL unit SOURCES ${CMAKE_CURRENT_LIST_DIR}/test_${part}.c LIBS reflux_commission)
+    reflux_test(${part} LABEL unit SOURCES ${CMAKE_CURRENT_LIST_DIR}/test_${part}.c
+                                           ${PROJECT_SOURCE_DIR}/firmware/service/parameters.c
+                                           ${PROJECT_SOURCE_DIR}/firmware/service/parameter_table.c
+                                           ${PROJECT_SOURCE_DIR}/firmware/service/text.c
+                                           ${PROJECT_SOURCE_DIR}/firmware/service/decimal.c
+                LIBS reflux_commission)
+    target_include_directories(test_${part} PRIVATE "${CMAKE_BINARY_DIR}/layers/service")
   endif()
 endforeach()

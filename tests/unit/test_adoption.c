@@ -1,0 +1,268 @@
+/* commission/adoption.[ch]: accepted loops on trial, on the supervisor, with a plant of two by two that may be another than
+ * the one predicted with. In the number format of the preset. */
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "commission/adoption.h"
+#include "fopdt_plant.h"
+#include "step_records.h"
+#include "supervisor_bench.h"
+
+#define SEED 20240714u
+
+static struct adoption a;
+static struct fopdt_plant element[2][2];
+static struct random_source noise;
+static double noise_sd, load; /* fractions of span */
+
+/* The plant as it is predicted with. */
+static const double gains[2][2] = {{0.8, 0.2}, {0.15, 1.0}};
+#define LAG_S  60.0
+#define DEAD_S 10
+
+static void loops(void)
+{
+    static const char *const pairs[] = {"loop1.action", "reverse", "loop1.gain", "2.5",
+                                        "loop1.ti",     "60",      "loop2.gain", "2",
+                                        "loop2.ti",     "60",      NULL};
+    put_all(pairs);
+}
+
+static void predict(void)
+{
+    static struct interact_plant plant;
+    static struct loops proposed;
+    static struct trial trial;
+    memset(&plant, 0, sizeof plant);
+    memset(&proposed, 0, sizeof proposed);
+    plant.outputs = plant.inputs = 2;
+    for (unsigned j = 0; j < 2; j++)
+        for (unsigned i = 0; i < 2; i++)
+            plant.element[j][i] = (struct fopdt){.gain = (real_t)gains[j][i],
+                                                 .time_constant_s = (real_t)LAG_S,
+                                                 .dead_time_s = DEAD_S};
+    proposed.interval_s = 1;
+    proposed.derivative_filter = 8;
+    proposed.pairs.n = 2;
+    for (uint8_t k = 0; k < 2; k++) {
+        proposed.pairs.output[k] = proposed.pairs.input[k] = k;
+        proposed.tuning[k] =
+            (struct tuning){.gain = k ? 2 : REAL_C(2.5), .ti_s = 60, .action = TUNING_REVERSE};
+    }
+    memset(&a, 0, sizeof a);
+    a.n = 2;
+    for (uint8_t k = 0; k < 2; k++) {
+        struct trial_config c = {.loop = k, .size = REAL_C(0.05), .setpoint_weight = 1};
+        TEST_ASSERT_EQUAL_INT(ERR_OK, trial_begin(&trial, &plant, &proposed, &c));
+        while (trial_step(&trial) == ERR_BUSY)
+            ;
+        TEST_ASSERT_TRUE(trial.bounded);
+        a.loop[k] = (struct adoption_loop){.loop = k,
+                                           .step = k ? -REAL_C(0.04) : REAL_C(0.03),
+                                           .noise_sd = (real_t)noise_sd,
+                                           .limit = REAL_C(0.1),
+                                           .predicted = trial.loop[k],
+                                           .size = REAL_C(0.05)};
+    }
+}
+
+/* times: of every gain, slower: of every lag. */
+static void plant_is(double times, double slower)
+{
+    for (unsigned j = 0; j < 2; j++)
+        for (unsigned i = 0; i < 2; i++)
+            fopdt_plant_init(&element[j][i], times * gains[j][i], slower * LAG_S, DEAD_S, 1.0, 0.5,
+                             0.0);
+}
+
+static void measure(void)
+{
+    for (unsigned j = 0; j < 2; j++) {
+        double y = 0.45 + element[j][0].y + element[j][1].y + (j == 0 ? load : 0.0);
+        if (noise_sd > 0.0)
+            y += noise_sd * normal(&noise);
+        reading(j, 60.0 + 100.0 * y);
+    }
+}
+
+static void go_on(void)
+{
+    supervisor_control(&bench.s);
+    for (unsigned j = 0; j < 2; j++)
+        for (unsigned i = 0; i < 2; i++)
+            fopdt_plant_step(&element[j][i], sent(i));
+    bench_events();
+}
+
+/* At rest with both outputs at half, in manual. */
+static void begin(double times, double slower)
+{
+    bench_start_with(loops);
+    plant_is(times, slower);
+    out(TOP, 5);
+    out(BOTTOM, 1);
+    for (int n = 0; n < 5; n++) {
+        measure();
+        validate();
+        go_on();
+    }
+    predict();
+    adoption_hold(&a, &bench.s);
+    adoption_begin(&a, &bench.s);
+}
+
+static enum adoption_result one_tick(void)
+{
+    measure();
+    validate();
+    enum adoption_result r = adoption_tick(&a, &bench.s);
+    go_on();
+    return r;
+}
+
+static enum adoption_result run(void)
+{
+    enum adoption_result r = ADOPTION_RUNNING;
+    for (unsigned n = 0; r == ADOPTION_RUNNING && n < 100000; n++)
+        r = one_tick();
+    return r;
+}
+
+static void ticks_on_trial(unsigned n)
+{
+    while (n--)
+        TEST_ASSERT_EQUAL_INT(ADOPTION_RUNNING, one_tick());
+}
+
+void setUp(void)
+{
+    noise.state = SEED;
+    noise_sd = load = 0.0;
+}
+void tearDown(void) {}
+
+static void the_plant_that_was_predicted_passes_and_is_where_it_was(void)
+{
+    begin(1, 1);
+    TEST_ASSERT_EQUAL_INT(ADOPTION_PASSED, run());
+    TEST_ASSERT_EQUAL_INT(ADOPTION_PASSED, a.result);
+    for (unsigned k = 0; k < 2; k++) {
+        const struct adoption_loop *l = &a.loop[k];
+        double scale = fabs((double)l->step) / (double)l->size;
+        TEST_ASSERT_DOUBLE_WITHIN(0.15, 1.0, (double)l->iae / (scale * (double)l->predicted.iae));
+        TEST_ASSERT_DOUBLE_WITHIN(0.05, (double)l->predicted.peak, (double)l->peak);
+        TEST_ASSERT_DOUBLE_WITHIN(1e-3, 0.45, setpoint_of(k));
+        TEST_ASSERT_DOUBLE_WITHIN(2e-3, 0.5, sent(k));
+        TEST_ASSERT_DOUBLE_WITHIN(1e-6, 0.5, (double)l->held);
+        TEST_ASSERT_EQUAL_INT(LOOP_AUTO, bench.s.loop[k].mode);
+    }
+}
+
+static void noise_alone_fails_nothing(void)
+{
+    noise_sd = 0.003;
+    for (unsigned seed = 0; seed < 20; seed++) {
+        noise.state = SEED + seed;
+        begin(1, 1);
+        TEST_ASSERT_EQUAL_INT(ADOPTION_PASSED, run());
+    }
+}
+
+static void a_plant_a_fifth_stronger_or_weaker_still_passes(void)
+{
+    for (double times = 0.8; times < 1.3; times += 0.4) {
+        begin(times, 1);
+        TEST_ASSERT_EQUAL_INT(ADOPTION_PASSED, run());
+    }
+}
+
+static void a_plant_four_times_as_strong_does_not(void)
+{
+    begin(4, 1);
+    enum adoption_result r = run();
+    TEST_ASSERT_TRUE(r == ADOPTION_OVERSHOOT || r == ADOPTION_RESTLESS || r == ADOPTION_PAST_LIMIT);
+    TEST_ASSERT_EQUAL_INT(r, a.result);
+}
+
+static void a_plant_that_has_turned_round_is_stopped_at_a_limit(void)
+{
+    begin(-1, 1);
+    TEST_ASSERT_EQUAL_INT(ADOPTION_PAST_LIMIT, run());
+}
+
+static void a_plant_a_tenth_as_strong_takes_too_long(void)
+{
+    begin(0.1, 1);
+    enum adoption_result r = run();
+    TEST_ASSERT_TRUE(r == ADOPTION_SLOW || r == ADOPTION_RESTLESS);
+}
+
+static void a_load_that_carries_it_past_its_limit_ends_it(void)
+{
+    begin(1, 1);
+    ticks_on_trial(20);
+    load = 0.25;
+    TEST_ASSERT_EQUAL_INT(ADOPTION_PAST_LIMIT, run());
+    TEST_ASSERT_EQUAL_UINT8(0, a.culprit);
+}
+
+static void a_small_load_in_the_middle_is_outlived(void)
+{
+    begin(1, 1);
+    ticks_on_trial(5);
+    load = 0.005;
+    TEST_ASSERT_EQUAL_INT(ADOPTION_PASSED, run());
+}
+
+static void a_loop_taken_to_manual_ends_it(void)
+{
+    begin(1, 1);
+    ticks_on_trial(20);
+    mode(BOTTOM, LOOP_MANUAL);
+    TEST_ASSERT_EQUAL_INT(ADOPTION_NOT_AUTO, run());
+    TEST_ASSERT_EQUAL_UINT8(1, a.culprit);
+}
+
+static void a_loop_that_does_not_go_to_automatic_ends_it(void)
+{
+    begin(1, 1);
+    mode(TOP, LOOP_MANUAL); /* before its first tick */
+    TEST_ASSERT_EQUAL_INT(ADOPTION_RUNNING, one_tick());
+    TEST_ASSERT_EQUAL_INT(ADOPTION_NOT_AUTO, run());
+    TEST_ASSERT_EQUAL_UINT8(0, a.culprit);
+}
+
+static void one_loop_after_the_other_is_stepped(void)
+{
+    unsigned first = 0, second = 0;
+    begin(1, 1);
+    for (enum adoption_result r = ADOPTION_RUNNING; r == ADOPTION_RUNNING;) {
+        r = one_tick();
+        bool away0 = fabs(setpoint_of(TOP) - 0.45) > 0.01,
+             away1 = fabs(setpoint_of(BOTTOM) - 0.45) > 0.01;
+        TEST_ASSERT_FALSE(away0 && away1);
+        TEST_ASSERT_FALSE(away0 && second > 0);
+        first += away0;
+        second += away1;
+    }
+    TEST_ASSERT_TRUE(first > 20 && second > 20);
+}
+
+int main(void)
+{
+    printf("seed %u\n", SEED);
+    UNITY_BEGIN();
+    RUN_TEST(the_plant_that_was_predicted_passes_and_is_where_it_was);
+    RUN_TEST(noise_alone_fails_nothing);
+    RUN_TEST(a_plant_a_fifth_stronger_or_weaker_still_passes);
+    RUN_TEST(a_plant_four_times_as_strong_does_not);
+    RUN_TEST(a_plant_that_has_turned_round_is_stopped_at_a_limit);
+    RUN_TEST(a_plant_a_tenth_as_strong_takes_too_long);
+    RUN_TEST(a_load_that_carries_it_past_its_limit_ends_it);
+    RUN_TEST(a_small_load_in_the_middle_is_outlived);
+    RUN_TEST(a_loop_taken_to_manual_ends_it);
+    RUN_TEST(a_loop_that_does_not_go_to_automatic_ends_it);
+    RUN_TEST(one_loop_after_the_other_is_stepped);
+    return UNITY_END();
+}

@@ -1,0 +1,318 @@
+/* commission/analysis.[ch]: from the elements of a plant to a set of loops.
+ *
+ * Contract
+ *   every plant           the committed pairing (tests/reference/interact_plants.csv) with gains known to 0.5 %, settings that
+ *                         stay bounded on the model, every predicted step settled
+ *   paper machine         exact gains or not: rank 4, its null vectors, not determined, nothing designed
+ *   a piece of work       for plants of 16 x 16 no piece takes the whole; the number of pieces is bounded
+ */
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "commission/analysis.h"
+#include "interact_plants.h"
+#include "random_source.h"
+#include "unity.h"
+
+#define SEED 4711u
+
+static struct known_plant known;
+static struct analysis a;
+static struct analysis_config config;
+static unsigned pieces;
+
+void setUp(void)
+{
+    config = (struct analysis_config){.h_s = 60,
+                                      .confidence = REAL_C(0.95),
+                                      .floor = REAL_C(0.01),
+                                      .step = REAL_C(0.05),
+                                      .loops_max = 8};
+}
+void tearDown(void) {}
+
+/* The reference tells no unit of time: its seconds are the plant's own unit. */
+static void take_plant(unsigned number, double sd, double unit_s)
+{
+    known_plant(number, &known);
+    memset(&a, 0xA5, sizeof a);
+    a.plant = known.plant;
+    for (unsigned j = 0; j < known.plant.outputs; j++)
+        for (unsigned i = 0; i < known.plant.inputs; i++) {
+            struct fopdt *e = &a.plant.element[j][i];
+            e->time_constant_s *= (real_t)unit_s;
+            e->dead_time_s *= (real_t)unit_s;
+            a.plant.gain_sd[j][i] = (real_t)sd * real_abs(e->gain);
+        }
+}
+
+static enum err run(void)
+{
+    enum err err = analysis_begin(&a, &config);
+    TEST_ASSERT_EQUAL_INT(ERR_OK, err);
+    for (pieces = 0; pieces < 2000000; pieces++) {
+        err = analysis_step(&a);
+        if (err != ERR_BUSY)
+            return err;
+    }
+    TEST_FAIL_MESSAGE("it never ends");
+    return err;
+}
+
+static void same_pairs(void)
+{
+    TEST_ASSERT_EQUAL_UINT8(known.pairs.n, a.pairs.n);
+    TEST_ASSERT_EQUAL_UINT8_ARRAY(known.pairs.output, a.pairs.output, known.pairs.n);
+    TEST_ASSERT_EQUAL_UINT8_ARRAY(known.pairs.input, a.pairs.input, known.pairs.n);
+}
+
+static void every_plant_gets_its_pairing_and_settings_that_settle(void)
+{
+    /* Seconds in the plant's unit of time, and its tick. */
+    static const struct {
+        unsigned number;
+        double unit_s, h_s;
+    } plants[] = {{PLANT_AIR_COMPRESSOR, 1, 0.1}, {PLANT_FOLAMI, 60, 30},
+                  {PLANT_FURNACE, 60, 10},        {PLANT_KOTYK, 60, 60},
+                  {PLANT_LIME_KILN, 60, 30},      {PLANT_LUYBEN_4X4, 60, 30},
+                  {PLANT_LUYBEN_VINANTE, 60, 15}, {PLANT_PACKED_BED, 60, 3},
+                  {PLANT_SHELL, 60, 60},          {PLANT_WOOD_BERRY, 60, 60}};
+    for (unsigned k = 0; k < sizeof plants / sizeof plants[0]; k++) {
+        char where[80];
+        snprintf(where, sizeof where, "plant %u", plants[k].number);
+        take_plant(plants[k].number, 0.005, plants[k].unit_s);
+        config.h_s = (real_t)plants[k].h_s;
+        TEST_ASSERT_EQUAL_INT_MESSAGE(ERR_OK, run(), where);
+        TEST_ASSERT_EQUAL_INT_MESSAGE(PAIRING_DETERMINED, a.verdict, where);
+        same_pairs();
+        TEST_ASSERT_EQUAL_UINT8_MESSAGE(known.rank, a.rank, where);
+        TEST_ASSERT_TRUE_MESSAGE(a.designed, where);
+        TEST_ASSERT_EQUAL_INT_MESSAGE(ERR_OK, a.design_error, where);
+        TEST_ASSERT_TRUE_MESSAGE(a.log_modulus_db < REAL_C(6.5), where);
+        for (unsigned n = 0; n < a.pairs.n; n++) {
+            const struct tuning *t = &a.loops.tuning[n];
+            const struct trial_loop *p = &a.predicted[n];
+            TEST_ASSERT_TRUE_MESSAGE(t->gain > 0 && t->ti_s > 0 && t->td_s == 0, where);
+            TEST_ASSERT_TRUE_MESSAGE(p->iae > 0 && p->peak >= 0 && p->peak < REAL_C(0.6), where);
+            TEST_ASSERT_TRUE_MESSAGE(p->settled_s > 0 && p->moved > 0, where);
+        }
+    }
+}
+
+static void wood_berry_is_what_the_books_say(void)
+{
+    take_plant(PLANT_WOOD_BERRY, 0.005, 60);
+    TEST_ASSERT_EQUAL_INT(ERR_OK, run());
+    TEST_ASSERT_TRUE(a.has_lambda);
+    TEST_ASSERT_DOUBLE_WITHIN(0.002, 2.009, (double)a.lambda.at[0][0]);
+    TEST_ASSERT_DOUBLE_WITHIN(0.002, 2.009, (double)a.pair_lambda[0]);
+    TEST_ASSERT_DOUBLE_WITHIN(0.001, 1.0 / 2.009, (double)a.niederlinski);
+    TEST_ASSERT_EQUAL_INT(TUNING_REVERSE, a.loops.tuning[0].action); /* reflux raises xD */
+    TEST_ASSERT_EQUAL_INT(TUNING_DIRECT, a.loops.tuning[1].action);  /* steam lowers xB */
+    TEST_ASSERT_EQUAL_UINT8(1, a.structure.blocks);
+    TEST_ASSERT_EQUAL_UINT8(0, a.n_null);
+}
+
+static void luyben_vinante_has_its_relative_gain(void)
+{
+    take_plant(PLANT_LUYBEN_VINANTE, 0.005, 60);
+    TEST_ASSERT_EQUAL_INT(ERR_OK, run());
+    TEST_ASSERT_DOUBLE_WITHIN(0.005, 1.60, (double)a.pair_lambda[0]);
+    TEST_ASSERT_DOUBLE_WITHIN(0.005, 1.60, (double)a.pair_lambda[1]);
+}
+
+static void the_furnace_is_one_block_of_four_on_its_diagonal(void)
+{
+    take_plant(PLANT_FURNACE, 0.005, 60);
+    TEST_ASSERT_EQUAL_INT(ERR_OK, run());
+    TEST_ASSERT_EQUAL_UINT8(1, a.structure.parts);
+    for (unsigned n = 0; n < 4; n++) {
+        TEST_ASSERT_EQUAL_UINT8(n, a.pairs.output[n]);
+        TEST_ASSERT_EQUAL_UINT8(n, a.pairs.input[n]);
+    }
+}
+
+static void the_paper_machine_is_not_determined_however_well_its_gains_are_known(void)
+{
+    static const double sds[] = {0.0, 1e-6, 1e-3, 0.02};
+    for (unsigned k = 0; k < sizeof sds / sizeof sds[0]; k++) {
+        take_plant(PLANT_PAPER_MACHINE, sds[k], 1);
+        config.h_s = 1;
+        TEST_ASSERT_EQUAL_INT(ERR_OK, run());
+        TEST_ASSERT_NOT_EQUAL_INT(PAIRING_DETERMINED, a.verdict);
+        TEST_ASSERT_FALSE(a.designed);
+        TEST_ASSERT_TRUE(a.rank < 5);
+        if (sds[k] > 0.01)
+            continue; /* a second direction is lost in that */
+        TEST_ASSERT_EQUAL_UINT8(4, a.rank);
+        TEST_ASSERT_EQUAL_UINT8(1, a.n_null);
+        /* Inputs that do nothing together, outputs that cannot be told apart. */
+        for (unsigned j = 0; j < 5; j++) {
+            double sum = 0.0, most = 0.0;
+            for (unsigned i = 0; i < 5; i++) {
+                double part = known.gain[j][i] * (double)a.null_input[i];
+                sum += part;
+                most = fmax(most, fabs(part));
+            }
+            TEST_ASSERT_DOUBLE_WITHIN(0.01 * (most + 0.1), 0.0, sum);
+        }
+        for (unsigned i = 0; i < 5; i++) {
+            double sum = 0.0;
+            for (unsigned j = 0; j < 5; j++)
+                sum += known.gain[j][i] * (double)a.null_output[j];
+            TEST_ASSERT_DOUBLE_WITHIN(0.02, 0.0, sum);
+        }
+        TEST_ASSERT_TRUE((a.ambiguous_outputs & 0x0Cu) != 0); /* y3, y4 */
+    }
+}
+
+static void of_more_outputs_than_inputs_as_many_are_chosen(void)
+{
+    take_plant(PLANT_SHELL, 0.005, 60);
+    TEST_ASSERT_EQUAL_INT(ERR_OK, run());
+    TEST_ASSERT_EQUAL_UINT8(3, a.pairs.n);
+    same_pairs();
+    TEST_ASSERT_EQUAL_UINT8(3, a.loops.pairs.n);
+}
+
+static void a_gain_of_unsure_sign_gets_no_loop(void)
+{
+    memset(&a, 0, sizeof a);
+    a.plant.outputs = a.plant.inputs = 2;
+    a.plant.element[0][0] = (struct fopdt){.gain = 1, .time_constant_s = 600};
+    a.plant.element[1][1] = (struct fopdt){.gain = REAL_C(0.1), .time_constant_s = 600};
+    a.plant.gain_sd[0][0] = REAL_C(0.01);
+    a.plant.gain_sd[1][1] = REAL_C(0.1);
+    TEST_ASSERT_EQUAL_INT(ERR_OK, run());
+    TEST_ASSERT_EQUAL_INT(PAIRING_UNDETERMINED, a.verdict);
+    TEST_ASSERT_EQUAL_HEX16(0x2, a.ambiguous_outputs);
+    TEST_ASSERT_FALSE(a.designed);
+    a.plant.gain_sd[1][1] = REAL_C(0.01);
+    TEST_ASSERT_EQUAL_INT(ERR_OK, run());
+    TEST_ASSERT_EQUAL_INT(PAIRING_DETERMINED, a.verdict);
+}
+
+static void gains_hardly_known_leave_the_pairing_open(void)
+{
+    take_plant(PLANT_PACKED_BED, 0.2, 60);
+    config.h_s = 3;
+    TEST_ASSERT_EQUAL_INT(ERR_OK, run());
+    TEST_ASSERT_EQUAL_INT(PAIRING_UNDETERMINED, a.verdict);
+    TEST_ASSERT_TRUE(a.probability < REAL_C(0.95));
+    TEST_ASSERT_FALSE(a.designed);
+}
+
+static void more_loops_than_the_board_runs_are_said_to_be_too_many(void)
+{
+    take_plant(PLANT_FURNACE, 0.005, 60);
+    config.loops_max = 3;
+    TEST_ASSERT_EQUAL_INT(ERR_OK, run());
+    TEST_ASSERT_EQUAL_INT(PAIRING_DETERMINED, a.verdict);
+    TEST_ASSERT_FALSE(a.designed);
+    TEST_ASSERT_EQUAL_INT(ERR_FULL, a.design_error);
+}
+
+static void independent_parts_are_told_apart(void)
+{
+    memset(&a, 0, sizeof a);
+    a.plant.outputs = a.plant.inputs = 4;
+    for (unsigned j = 0; j < 4; j++)
+        for (unsigned i = 0; i < 4; i++) {
+            bool same = (j < 2) == (i < 2);
+            a.plant.element[j][i] = (struct fopdt){.gain = same ? i == j ? 1 : REAL_C(0.4) : 0,
+                                                   .time_constant_s = same ? 600 : 0,
+                                                   .dead_time_s = same ? 60 : 0};
+            a.plant.gain_sd[j][i] = REAL_C(0.005);
+        }
+    TEST_ASSERT_EQUAL_INT(ERR_OK, run());
+    TEST_ASSERT_TRUE(a.has_structure);
+    TEST_ASSERT_EQUAL_UINT8(2, a.structure.parts);
+    TEST_ASSERT_TRUE(a.designed);
+}
+
+/* What a large plant asks of the background. */
+static void a_plant_of_16_by_16_comes_to_an_end(void)
+{
+    struct random_source r = {SEED};
+    memset(&a, 0, sizeof a);
+    a.plant.outputs = a.plant.inputs = 16;
+    for (unsigned j = 0; j < 16; j++)
+        for (unsigned i = 0; i < 16; i++) {
+            double gain = i == j ? 1.0 : 0.1 * ((double)random_below(&r, 1000) / 500.0 - 1.0);
+            a.plant.element[j][i] =
+                (struct fopdt){.gain = (real_t)gain,
+                               .time_constant_s = (real_t)(300 + random_below(&r, 600)),
+                               .dead_time_s = (real_t)random_below(&r, 120)};
+            a.plant.gain_sd[j][i] = REAL_C(0.005);
+        }
+    config.loops_max = 16;
+    TEST_ASSERT_EQUAL_INT(ERR_OK, run());
+    TEST_ASSERT_EQUAL_INT(PAIRING_DETERMINED, a.verdict);
+    TEST_ASSERT_TRUE(a.designed);
+    TEST_ASSERT_NOT_EQUAL_INT(DECOUPLER_USED, a.decoupler); /* more than it spans */
+    for (unsigned n = 0; n < 16; n++)
+        TEST_ASSERT_EQUAL_UINT8(n, a.pairs.input[n]);
+    char text[60];
+    snprintf(text, sizeof text, "16 x 16: %u pieces of work", pieces);
+    TEST_MESSAGE(text);
+}
+
+static void the_same_plant_gives_the_same_answer(void)
+{
+    static struct analysis before;
+    take_plant(PLANT_SHELL, 0.02, 60);
+    TEST_ASSERT_EQUAL_INT(ERR_OK, run());
+    before = a;
+    take_plant(PLANT_SHELL, 0.02, 60);
+    TEST_ASSERT_EQUAL_INT(ERR_OK, run());
+    TEST_ASSERT_EQUAL_MEMORY(&before.predicted, &a.predicted, sizeof a.predicted);
+    TEST_ASSERT_EQUAL_FLOAT((float)before.probability, (float)a.probability);
+}
+
+static void what_is_no_plant_or_no_setting_is_refused(void)
+{
+#define REFUSED(what)                                                                              \
+    do {                                                                                           \
+        setUp();                                                                                   \
+        take_plant(PLANT_WOOD_BERRY, 0.005, 60);                                                   \
+        what;                                                                                      \
+        TEST_ASSERT_NOT_EQUAL_INT_MESSAGE(ERR_OK, analysis_begin(&a, &config), #what);             \
+    } while (0)
+    REFUSED(config.h_s = 0);
+    REFUSED(config.h_s = (real_t)NAN);
+    REFUSED(config.confidence = REAL_C(0.5));
+    REFUSED(config.confidence = 1);
+    REFUSED(config.confidence = (real_t)NAN);
+    REFUSED(config.step = 0);
+    REFUSED(config.step = (real_t)NAN);
+    REFUSED(a.plant.outputs = 0);
+    REFUSED(a.plant.inputs = INTERACT_MAX + 1);
+    REFUSED(a.plant.element[1][1].gain = (real_t)NAN);
+    REFUSED(a.plant.element[0][1].gain = (real_t)INFINITY);
+    REFUSED(a.plant.element[0][1].time_constant_s = -1);
+    REFUSED(a.plant.element[0][1].dead_time_s = (real_t)NAN);
+    REFUSED(a.plant.gain_sd[0][0] = -1);
+    REFUSED(a.plant.gain_sd[0][0] = (real_t)NAN);
+#undef REFUSED
+}
+
+int main(void)
+{
+    printf("seed %u\n", SEED);
+    UNITY_BEGIN();
+    RUN_TEST(every_plant_gets_its_pairing_and_settings_that_settle);
+    RUN_TEST(wood_berry_is_what_the_books_say);
+    RUN_TEST(luyben_vinante_has_its_relative_gain);
+    RUN_TEST(the_furnace_is_one_block_of_four_on_its_diagonal);
+    RUN_TEST(the_paper_machine_is_not_determined_however_well_its_gains_are_known);
+    RUN_TEST(of_more_outputs_than_inputs_as_many_are_chosen);
+    RUN_TEST(a_gain_of_unsure_sign_gets_no_loop);
+    RUN_TEST(gains_hardly_known_leave_the_pairing_open);
+    RUN_TEST(more_loops_than_the_board_runs_are_said_to_be_too_many);
+    RUN_TEST(independent_parts_are_told_apart);
+    RUN_TEST(a_plant_of_16_by_16_comes_to_an_end);
+    RUN_TEST(the_same_plant_gives_the_same_answer);
+    RUN_TEST(what_is_no_plant_or_no_setting_is_refused);
+    return UNITY_END();
+}

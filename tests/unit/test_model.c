@@ -1,0 +1,262 @@
+/* commission/model.[ch]: from finished tests to the elements of the plant. */
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "commission/model.h"
+#include "experiment_bench.h"
+
+#define SEED 20240713u
+
+static struct commission c;
+
+void setUp(void)
+{
+    memset(&c, 0, sizeof c);
+    bench_begin(SEED);
+}
+void tearDown(void) {}
+
+static struct identified element(double gain, double sd, double lag, double dead)
+{
+    return (struct identified){.gain = (real_t)gain,
+                               .gain_sd = (real_t)sd,
+                               .time_constant_s = (real_t)lag,
+                               .time_constant_sd_s = (real_t)(0.1 * lag),
+                               .dead_time_s = (real_t)dead,
+                               .dead_time_sd_s = (real_t)(0.1 * dead)};
+}
+
+/* ---- several tests of one element ---- */
+
+static void two_tests_count_by_how_well_they_know(void)
+{
+    struct identified sum = element(1.0, 0.1, 100, 20), next = element(1.3, 0.2, 130, 26);
+    next.time_constant_sd_s = 20;
+    next.dead_time_sd_s = 4;
+    model_combine(&sum, &next);
+    /* weights 100 and 25 */
+    TEST_ASSERT_DOUBLE_WITHIN(1e-5, (100 * 1.0 + 25 * 1.3) / 125, (double)sum.gain);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-5, sqrt(1.0 / 125), (double)sum.gain_sd);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-3, (100 * 4 + 130) / 5.0, (double)sum.time_constant_s);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-3, (20 * 4 + 26) / 5.0, (double)sum.dead_time_s);
+}
+
+static void more_tests_make_an_element_surer_and_their_order_does_not_matter(void)
+{
+    struct identified tests[4], sum[2];
+    struct random_source r = {SEED};
+    for (int i = 0; i < 4; i++)
+        tests[i] = element(1.0 + 0.1 * normal(&r), 0.05 + 0.02 * i, 100 + 5 * normal(&r), 20);
+    for (int order = 0; order < 2; order++) {
+        sum[order] = tests[order ? 3 : 0];
+        for (int i = 1; i < 4; i++) {
+            double before = (double)sum[order].gain_sd;
+            model_combine(&sum[order], &tests[order ? 3 - i : i]);
+            TEST_ASSERT_TRUE((double)sum[order].gain_sd < before);
+        }
+    }
+    TEST_ASSERT_DOUBLE_WITHIN(1e-5, (double)sum[0].gain, (double)sum[1].gain);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-3, (double)sum[0].time_constant_s, (double)sum[1].time_constant_s);
+}
+
+static void a_test_that_saw_no_gain_brings_no_times(void)
+{
+    struct identified sum = element(1.0, 0.1, 100, 20), none = element(0.05, 0.3, 0, 0);
+    none.flags = IDENTIFIED_NO_GAIN;
+    model_combine(&sum, &none);
+    TEST_ASSERT_EQUAL_FLOAT(100.0f, (float)sum.time_constant_s);
+    TEST_ASSERT_EQUAL_FLOAT(20.0f, (float)sum.dead_time_s);
+    TEST_ASSERT_TRUE(sum.gain < 1 && sum.gain > REAL_C(0.85));
+    TEST_ASSERT_FALSE(sum.flags & IDENTIFIED_NO_GAIN);
+}
+
+static void times_come_from_the_test_that_first_saw_a_gain(void)
+{
+    struct identified sum = element(0.05, 0.3, 0, 0), next = element(1.0, 0.05, 100, 20);
+    sum.flags = IDENTIFIED_NO_GAIN;
+    model_combine(&sum, &next);
+    TEST_ASSERT_EQUAL_FLOAT(100.0f, (float)sum.time_constant_s);
+    TEST_ASSERT_EQUAL_FLOAT(20.0f, (float)sum.dead_time_s);
+    TEST_ASSERT_DOUBLE_WITHIN(0.03, 0.975, (double)sum.gain);
+    TEST_ASSERT_FALSE(sum.flags & IDENTIFIED_NO_GAIN);
+}
+
+static void two_tests_that_saw_nothing_still_see_nothing(void)
+{
+    struct identified sum = element(0.01, 0.3, 0, 0), next = element(-0.02, 0.2, 0, 0);
+    sum.flags = next.flags = IDENTIFIED_NO_GAIN;
+    model_combine(&sum, &next);
+    TEST_ASSERT_TRUE(sum.flags & IDENTIFIED_NO_GAIN);
+    TEST_ASSERT_EQUAL_FLOAT(0.0f, (float)sum.time_constant_s);
+}
+
+static void a_deviation_of_nothing_does_not_divide_by_it(void)
+{
+    struct identified sum = element(1.0, 0.0, 100, 0), next = element(1.0, 0.0, 100, 0);
+    sum.time_constant_sd_s = next.time_constant_sd_s = 0;
+    model_combine(&sum, &next);
+    TEST_ASSERT_EQUAL_FLOAT(1.0f, (float)sum.gain);
+    TEST_ASSERT_EQUAL_FLOAT(100.0f, (float)sum.time_constant_s);
+    TEST_ASSERT_TRUE(real_is_finite(sum.gain_sd) && real_is_finite(sum.dead_time_s));
+    memset(&sum, 0, sizeof sum);
+    memset(&next, 0, sizeof next);
+    model_combine(&sum, &next);
+    TEST_ASSERT_TRUE(real_is_finite(sum.gain) && real_is_finite(sum.gain_sd));
+}
+
+/* ---- from a test ---- */
+
+/* Input k of a plant of two inputs has just been tested on the bench. */
+static void tested(uint8_t k)
+{
+    bench_run();
+    TEST_ASSERT_EQUAL_INT(EXPERIMENT_DONE, experiment.phase);
+    c.outputs = config.outputs;
+    c.inputs = 2;
+    c.order[0] = 0;
+    c.order[1] = 1;
+    c.at = k;
+    c.work.test.experiment = experiment;
+    model_begin_fit(&c);
+    for (unsigned n = 0; model_work(&c, JOB_FIT); n++)
+        TEST_ASSERT_TRUE(n < 10000);
+    TEST_ASSERT_EQUAL_INT(ERR_OK, c.job_error);
+}
+
+static void a_test_gives_every_output_its_element(void)
+{
+    config.outputs = 3;
+    bench.element[0] = (struct test_element){0.8, 40, 10};
+    bench.element[1] = (struct test_element){-2.0, 15, 3};
+    bench.element[2] = (struct test_element){0.0, 1, 0};
+    tested(1);
+    model_keep(&c);
+    for (uint8_t j = 0; j < 2; j++) {
+        const struct element *e = &c.element[j][1];
+        const struct test_element *is = &bench.element[j];
+        TEST_ASSERT_DOUBLE_WITHIN(0.01 * fabs(is->gain), is->gain, (double)e->fit.gain);
+        TEST_ASSERT_DOUBLE_WITHIN(0.02 * (is->lag + is->dead), is->lag,
+                                  (double)e->fit.time_constant_s);
+        TEST_ASSERT_DOUBLE_WITHIN(0.02 * (is->lag + is->dead), is->dead,
+                                  (double)e->fit.dead_time_s);
+        /* second opinions on the same test */
+        TEST_ASSERT_DOUBLE_WITHIN(0.03 * fabs(is->gain), is->gain, (double)e->moments.gain);
+        if (real_abs(e->plateau_gain) > 0) /* where the levels were long enough */
+            TEST_ASSERT_DOUBLE_WITHIN(0.03 * fabs(is->gain), is->gain, (double)e->plateau_gain);
+    }
+    TEST_ASSERT_TRUE(c.element[2][1].fit.flags & IDENTIFIED_NO_GAIN);
+    TEST_ASSERT_EQUAL_FLOAT(0.0f, (float)c.element[0][0].fit.gain); /* the other input's */
+}
+
+static void a_second_round_joins_the_first(void)
+{
+    bench.noise = 0.002;
+    bench.element[0] = (struct test_element){0.8, 40, 10};
+    config.amplitude = REAL_C(0.03);
+    tested(0);
+    model_keep(&c);
+    c.input[0].rounds = 1;
+    double sd = (double)c.element[0][0].fit.gain_sd;
+    bench.k = bench.edges = 0;
+    tested(0);
+    model_keep(&c);
+    TEST_ASSERT_TRUE((double)c.element[0][0].fit.gain_sd < 0.85 * sd);
+    TEST_ASSERT_DOUBLE_WITHIN(0.08, 0.8, (double)c.element[0][0].fit.gain);
+}
+
+/* Goes up at once and dies away again: no lag fits that. */
+static double washed_out(unsigned j, uint32_t k)
+{
+    double y = 0.0;
+    for (unsigned i = 0; i < bench.edges; i++)
+        if (k > bench.at[i])
+            y += 2.0 * bench.change[i] * exp(-(k - bench.at[i] - 1.0) / 12.0);
+    (void)j;
+    return y;
+}
+
+static void what_is_no_lag_is_not_believed_to_be_one(void)
+{
+    bench.other = washed_out;
+    config.amplitude = REAL_C(0.02);
+    config.half = 80;
+    tested(0);
+    const struct identified *e = &c.fitted[0];
+    /* nothing there, or a gain that is no surer than its own size */
+    TEST_ASSERT_TRUE((e->flags & IDENTIFIED_NO_GAIN) ||
+                     e->gain_sd > REAL_C(0.3) * real_abs(e->gain));
+    TEST_ASSERT_TRUE(real_is_finite(e->gain) && real_is_finite(e->gain_sd));
+}
+
+static void an_output_of_noise_has_no_gain(void)
+{
+    unsigned seen = 0;
+    for (unsigned seed = 0; seed < 30; seed++) {
+        bench_begin(SEED + seed);
+        memset(&c, 0, sizeof c);
+        bench.noise = 0.005;
+        config.amplitude = REAL_C(0.05);
+        config.half = 150;
+        bench.element[0] = (struct test_element){0.0, 1, 0};
+        tested(0);
+        seen += !(c.fitted[0].flags & IDENTIFIED_NO_GAIN) &&
+                real_abs(c.fitted[0].gain) > 4 * c.fitted[0].gain_sd;
+    }
+    TEST_ASSERT_TRUE(seen <= 1);
+}
+
+/* ---- into the analysis ---- */
+
+static void inputs_that_were_skipped_are_no_columns(void)
+{
+    static struct config settings;
+    settings.test.confidence = 0.95f;
+    c.outputs = 2;
+    c.inputs = 3;
+    for (uint8_t j = 0; j < 2; j++)
+        for (uint8_t k = 0; k < 3; k++) {
+            c.element[j][k].fit = element(1.0 + j + 10.0 * k, 0.01, 100 + k, 5);
+            c.input[k].rounds = 1;
+        }
+    c.input[1].skipped = true;
+    model_begin_analysis(&c, &settings, 1);
+    TEST_ASSERT_EQUAL_INT(ERR_OK, c.job_error);
+    const struct interact_plant *p = &c.work.analysis.plant;
+    TEST_ASSERT_EQUAL_UINT8(2, p->outputs);
+    TEST_ASSERT_EQUAL_UINT8(2, p->inputs);
+    TEST_ASSERT_EQUAL_UINT8(0, c.column[0]);
+    TEST_ASSERT_EQUAL_UINT8(2, c.column[1]);
+    TEST_ASSERT_EQUAL_FLOAT(22.0f, (float)p->element[1][1].gain);
+    TEST_ASSERT_EQUAL_FLOAT(102.0f, (float)p->element[1][1].time_constant_s);
+}
+
+static void nothing_is_analysed_where_every_input_was_skipped(void)
+{
+    static struct config settings;
+    settings.test.confidence = 0.95f;
+    c.outputs = c.inputs = 1;
+    c.input[0].skipped = true;
+    model_begin_analysis(&c, &settings, 1);
+    TEST_ASSERT_EQUAL_INT(ERR_EMPTY, c.job_error);
+    TEST_ASSERT_FALSE(model_work(&c, JOB_ANALYSE));
+}
+
+int main(void)
+{
+    printf("seed %u\n", SEED);
+    UNITY_BEGIN();
+    RUN_TEST(two_tests_count_by_how_well_they_know);
+    RUN_TEST(more_tests_make_an_element_surer_and_their_order_does_not_matter);
+    RUN_TEST(a_test_that_saw_no_gain_brings_no_times);
+    RUN_TEST(times_come_from_the_test_that_first_saw_a_gain);
+    RUN_TEST(two_tests_that_saw_nothing_still_see_nothing);
+    RUN_TEST(a_deviation_of_nothing_does_not_divide_by_it);
+    RUN_TEST(a_test_gives_every_output_its_element);
+    RUN_TEST(a_second_round_joins_the_first);
+    RUN_TEST(what_is_no_lag_is_not_believed_to_be_one);
+    RUN_TEST(an_output_of_noise_has_no_gain);
+    RUN_TEST(inputs_that_were_skipped_are_no_columns);
+    RUN_TEST(nothing_is_analysed_where_every_input_was_skipped);
+    return UNITY_END();
+}
