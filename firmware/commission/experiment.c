@@ -89,15 +89,16 @@ static void fail(struct experiment *e, enum experiment_failure failure, uint8_t 
     e->culprit = culprit;
 }
 
-/* How far output j is from rest. A drift that was seen before the step goes on under it, and is no response: the limit
- * holds for what is left, but only while the drift has not used up a good part of it. */
+/* How far output j is from rest: from where it was, or from the line of the drift seen before the step, whichever is
+ * nearer. A drift that goes on is no response; one that turns carries the output back to where it was. */
 static real_t away_from_rest(const struct experiment *e, uint8_t j, const real_t *y)
 {
     real_t most = DRIFT_SHARE * e->config.limit[j];
     real_t carried = e->drift_per_s[j] * e->config.h_s * (real_t)e->samples;
     if (real_abs(carried) > most)
         carried = carried > REAL_C(0.0) ? most : -most;
-    return y[j] - e->rest[j] - carried;
+    real_t away = y[j] - e->rest[j];
+    return real_abs(away - carried) < real_abs(away) ? away - carried : away;
 }
 
 /* The guard begins at the level where each output is now: after an earlier edge that is not where it rested. */
@@ -444,10 +445,13 @@ static bool far_enough(const struct experiment *e, const real_t *y)
 {
     const struct record *r = &e->record;
     for (uint8_t j = 0; j < e->config.outputs; j++) {
+        /* The slope over half a dead time: over less it is noise. */
         real_t apart_s = (real_t)r->block * e->config.h_s;
-        real_t slope = r->points < 2
-                           ? REAL_C(0.0)
-                           : (r->y[j][r->points - 1u] - r->y[j][r->points - 2u]) / apart_s;
+        uint32_t apart = (uint32_t)(e->config.dead_time_s[j] / (REAL_C(2.0) * apart_s)) + 1u;
+        real_t slope = REAL_C(0.0);
+        if (r->points > apart)
+            slope = (r->y[j][r->points - 1u] - r->y[j][r->points - 1u - apart]) /
+                    (apart_s * (real_t)apart);
         real_t to_come = slope * e->config.dead_time_s[j];
         real_t away = away_from_rest(e, j, y);
         /* Where it is still on its way from the other side it comes nearer. */

@@ -80,6 +80,9 @@ void judge_record(const struct record *r, uint8_t j, const struct baseline *b, r
         if (result->moves)
             result->climbs = second / (first > noise ? first : noise);
     }
+    /* Cut short on the way down: its end is no level. */
+    if (down.to - down.from + 2u < up.to - up.from)
+        return;
     if (!long_enough(&up) || !long_enough(&down) || !long_enough(&back))
         return;
     real_t u = end_of(r, j, b, &up), d = end_of(r, j, b, &down), rest = end_of(r, j, b, &back);
