@@ -16,6 +16,7 @@
 #define TURN_SHARE     REAL_C(0.8) /* of a limit at which the negative half ends early */
 #define DRIFT_SDS      REAL_C(2.0) /* a drift seen before the step counts from here on */
 #define DRIFT_SHARE    REAL_C(1.0) /* of a limit that a drift may carry the line of rest at most */
+#define HOPELESS       4u          /* least halves, after which nothing is known still */
 #define MOTION_SHARE   REAL_C(0.5) /* of a limit that a larger amplitude may aim at without a model */
 #define SMALL          REAL_C(5.0) /* noise standard deviations: how long it takes cannot be told */
 #define BACK_SHARE                                                                                 \
@@ -409,6 +410,9 @@ static enum err decide(struct experiment *e, const real_t *y)
     /* What cannot be told within a third is small beside the rest, or slower: it gets half as long again. */
     real_t over_s = p.known ? p.over_s : UNKNOWN_WAITS * p.over_s;
     bool over = p.any_known && gone_s >= over_s && e->half >= c->half_least;
+    if (!p.any_known && e->half >= HOPELESS * c->half_least)
+        over =
+            true; /* a bent drift, or noise: what there is to be had comes from the way down, too */
     return over ? turn_down(e, y) : ERR_OK;
 }
 
