@@ -14,7 +14,7 @@
 
 #define CLIMB_SDS  REAL_C(4.0) /* what goes on climbing stands out of the noise by so much */
 #define BEND_SDS   REAL_C(2.0)
-#define BEND_SHARE (REAL_C(1.0) / REAL_C(12.0)) /* docs/commissioning.md: what a bend leaves */
+#define BEND_SHARE (REAL_C(1.0) / REAL_C(8.0)) /* docs/commissioning.md: what a bend leaves */
 
 static real_t weight(real_t sd, real_t size)
 {
@@ -39,6 +39,11 @@ void model_combine(struct identified *sum, const struct identified *next)
 {
     real_t ws = weight(sum->gain_sd, sum->gain), wn = weight(next->gain_sd, next->gain);
     real_t sd = REAL_C(1.0) / real_sqrt(ws + wn);
+    /* Rounds that disagree by more than their deviations allow are less sure than they say (Birge 1932). */
+    real_t apart = sum->gain - next->gain;
+    real_t allowed = sum->gain_sd * sum->gain_sd + next->gain_sd * next->gain_sd;
+    if (apart * apart > allowed && allowed > REAL_C(0.0))
+        sd *= real_abs(apart) / real_sqrt(allowed);
     bool times_s = has_times(sum), times_n = has_times(next);
     real_t gain = mean_of(sum->gain, ws, next->gain, wn);
     if (times_s && times_n) {
