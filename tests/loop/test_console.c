@@ -112,7 +112,7 @@ static void help_knows_every_command_and_parameter_by_name(void)
     ask_ok("help sp");
     TEST_ASSERT_TRUE(said("sp LOOP VALUE"));
     ask_ok("help loop1.gain");
-    TEST_ASSERT_TRUE(said("allowed: 0.0001 .. 100"));
+    TEST_ASSERT_TRUE(said("allowed: 1e-06 .. 100"));
     TEST_ASSERT_TRUE(said("default: 1"));
     ask_refused("help me", "UNKNOWN");
 }
