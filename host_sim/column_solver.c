@@ -9,8 +9,8 @@
 /* After a jump of inputs or state the one-step method integrates, which loses nothing by it. A stretch that stays
  * smooth for so many of its steps is handed over to CVODE, whose restart costs about as much as that. */
 #define ONE_STEP_MAX 40
-/* The embedded solution is one order lower than the result, so its error is an upper bound: the same true error is
- * met with tolerances this much wider than CVODE's (tests/bench/column_accuracy prints both). */
+/* The embedded solution is one order lower than the result, so its error lies above the result's: with tolerances this
+ * much wider than CVODE's the temperatures of the reference runs come out as near. */
 #define ONE_STEP_WIDER 3.0
 
 bool column_solver_fail(char *err, size_t size, const char *what, const char *why)

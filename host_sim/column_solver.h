@@ -1,4 +1,5 @@
-/* Integration and steady state of a column (model/column.h, in double) with SUNDIALS.
+/* Integration and steady state of a column (model/column.h, in double). After a jump of the inputs or the state a
+ * one-step method (rosenbrock.h) integrates; smooth stretches are CVODE's. See docs/column-model.md.
  *
  * Rules
  *  1. Inputs are piecewise constant: those set last hold over the next advance.
@@ -25,8 +26,8 @@ struct column_solver_options {
 struct column_solver_work {
     long steps;
     long rates;     /* evaluations of the right-hand side */
-    long jacobians; /* analytic band Jacobians */
-    long restarts;
+    long jacobians; /* analytic ones taken */
+    long restarts;  /* of CVODE */
 };
 
 /* config and its components must outlive the solver. options may be NULL. The state starts as a straight
@@ -46,12 +47,12 @@ bool column_solver_set_inputs(struct column_solver *s, const struct column_input
 bool column_solver_set_state(struct column_solver *s, const double *x, char *err, size_t err_size);
 const double *column_solver_state(const struct column_solver *s);
 
-/* Integrates to t (s), not before the present time. CVODE: BDF, Newton, analytic band Jacobian. */
+/* Integrates to t (s), not before the present time. */
 bool column_solver_advance(struct column_solver *s, double t, char *err, size_t err_size);
 double column_solver_time(const struct column_solver *s);
 
-/* Moves the state to the steady state of the present inputs: KINSOL from where it is, and when that fails
- * from the end of a long transient. Time is left alone. */
+/* Moves the state to the steady state of the present inputs: KINSOL's Newton from where it is, and when that fails from
+ * the end of ever longer transients. Time is left alone. When there is none err says so, and which product dried up. */
 bool column_solver_settle(struct column_solver *s, char *err, size_t err_size);
 
 /* The column at the present state and inputs: temperatures, vapour compositions, flows. */

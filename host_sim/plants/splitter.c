@@ -18,9 +18,8 @@
  *                   temperatures settle about as fast as the source says (4 h in the enriching section)
  *   volumes         the feed's is taken at its own temperature, the reflux's at the drum's bubble point less
  *                   the subcooling, both at their own composition: as the stream passes the meter
- *   conservation    the conservative form of the model, where Frau's own closes the balances at rest only
- *                   (its price: with no reflux at all, extreme jumps of the feed can ask a tray for liquid it
- *                   does not have; the tick is then refused in words)
+ *   conservation    the conservative form of the model, where Frau's own closes the balances at rest only (its
+ *                   price: when inputs jump far, B can turn negative for a moment, see docs/column-model.md)
  *   feed fractions  the six zXX are divided by their sum, so that each can be moved alone and her second
  *                   scenario, whose steps do not add up to zero, can be run
  *   duty            in Mcal/h, 1 cal = 4.184 J, all of it boiling: V = Q / heat of vaporisation in the reboiler

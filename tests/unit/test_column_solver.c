@@ -125,7 +125,47 @@ static void wrong_configs_inputs_states_and_times_are_refused_in_words(void)
     column_solver_destroy(s);
 }
 
-/* Far past the DENSE_MAX of the steady state: band matrices only. */
+static void inputs_without_bubble_points_are_refused_and_the_old_ones_stay(void)
+{
+    struct column_solver *s = make(NULL), *untouched = make(NULL);
+    struct column_inputs high = inputs;
+    high.pressure_top = 9e6;
+    TEST_ASSERT_FALSE(column_solver_set_inputs(s, &high, err, sizeof err));
+    TEST_ASSERT_EQUAL_STRING(
+        "column: outputs at the present state: number outside its allowed range", err);
+    TEST_ASSERT_TRUE(column_solver_column(s)->inputs.pressure_top == inputs.pressure_top);
+    TEST_ASSERT_TRUE_MESSAGE(column_solver_advance(s, 300, err, sizeof err), err);
+    TEST_ASSERT_TRUE_MESSAGE(column_solver_advance(untouched, 300, err, sizeof err), err);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-8, 0, distance(s, untouched));
+    column_solver_destroy(s);
+    column_solver_destroy(untouched);
+}
+
+/* One call over the stretch, ticks of 30 s and ticks of 1 s, past the point where CVODE takes over. */
+static void the_way_is_the_same_whatever_the_ticks(void)
+{
+    static const double ticks[] = {7200, 30, 1};
+    struct column_solver *s[3];
+    for (int i = 0; i < 3; i++) {
+        s[i] = make(NULL);
+        TEST_ASSERT_TRUE(column_solver_settle(s[i], err, sizeof err));
+        for (int jump = 0; jump < 3; jump++) {
+            struct column_inputs u = inputs;
+            u.heat *= 1 + 0.05 * jump;
+            u.reflux_flow *= 1 - 0.05 * jump;
+            TEST_ASSERT_TRUE(column_solver_set_inputs(s[i], &u, err, sizeof err));
+            for (double t = 0; t < 7200; t += ticks[i])
+                TEST_ASSERT_TRUE_MESSAGE(
+                    column_solver_advance(s[i], 7200 * jump + t + ticks[i], err, sizeof err), err);
+        }
+    }
+    TEST_ASSERT_TRUE_MESSAGE(column_solver_work(s[1]).restarts >= 3, "CVODE took over");
+    TEST_ASSERT_DOUBLE_WITHIN(1e-5, 0, distance(s[0], s[1]));
+    TEST_ASSERT_DOUBLE_WITHIN(1e-5, 0, distance(s[0], s[2]));
+    for (int i = 0; i < 3; i++)
+        column_solver_destroy(s[i]);
+}
+
 static void a_large_column_settles_and_runs(void)
 {
     config.stages = 150;
@@ -155,6 +195,8 @@ int main(void)
     RUN_TEST(default_tolerances_agree_with_tight_ones);
     RUN_TEST(same_calls_give_the_same_bits);
     RUN_TEST(wrong_configs_inputs_states_and_times_are_refused_in_words);
+    RUN_TEST(inputs_without_bubble_points_are_refused_and_the_old_ones_stay);
+    RUN_TEST(the_way_is_the_same_whatever_the_ticks);
     RUN_TEST(a_large_column_settles_and_runs);
     return UNITY_END();
 }
