@@ -75,7 +75,8 @@ static void take_fit(struct commission *c, struct supervisor *s)
         return;
     }
     for (uint8_t j = 0; j < c->outputs; j++) {
-        if (c->climbs[j] < CLIMBS)
+        if (c->climbs[j] < CLIMBS ||
+            c->input[k].rounds > 0) /* it came to rest in an earlier round */
             continue;
         if (test_longer(c, s))
             return;
