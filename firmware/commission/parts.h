@@ -60,4 +60,9 @@ void commission_trial(struct commission *c, struct supervisor *s);
 void commission_back_to_old(struct commission *c, struct supervisor *s, enum commission_why why,
                             const char *subject, real_t value);
 
+#define COMMISSION_HALF_MOST 1000u /* samples, unless test.longest says otherwise */
+
+/* When every response to input k is over but for a twentieth, s, as far as it is surely known. */
+real_t commission_lasts(const struct commission *c, uint8_t k);
+
 #endif

@@ -57,7 +57,8 @@ static bool test_longer(struct commission *c, struct supervisor *s)
 {
     const struct experiment *x = &c->work.test.experiment;
     struct tested_input *in = &c->input[c->order[c->at]];
-    if (x->cut || x->config.half > 0 || x->at_longest || in->longer == LONGER_MOST)
+    if (x->cut || x->config.half > 0 || (x->at_longest && x->half >= COMMISSION_HALF_MOST) ||
+        in->longer == LONGER_MOST)
         return false;
     in->longer++;
     in->half_wanted = LONGER * x->half;
@@ -89,6 +90,9 @@ static void take_fit(struct commission *c, struct supervisor *s)
     }
     model_keep(c);
     c->input[k].rounds++;
+    uint32_t lasts = commission_samples(s, commission_lasts(c, k));
+    if (lasts > c->half_least && c->round == 1)
+        c->half_least = lasts;
     commission_next_input(c, s);
 }
 

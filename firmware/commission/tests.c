@@ -11,12 +11,28 @@
 #define MISSED_MOST     8u          /* samples in a row that a test can do without */
 #define AGAIN_SHARE     REAL_C(0.6) /* of a limit, in later rounds */
 #define AGAIN_MOST      REAL_C(3.0) /* times the amplitude of the round before */
-#define HALF_MOST       1000u       /* samples */
+#define LONGEST_SHARE   3u /* times what the inputs before have taken: no half is longer at first */
 #define SHARE_LEAST     REAL_C(0.5) /* no half is shorter than this share of the longest before */
 
 const char *commission_input_name(const struct commission *c, const struct supervisor *s)
 {
     return s->plan->config.output[c->input[c->order[c->at]].output].name;
+}
+
+/* When every response to input k is over but for a twentieth, s, as far as it is surely known. */
+real_t commission_lasts(const struct commission *c, uint8_t k)
+{
+    real_t longest_s = REAL_C(0.0);
+    for (uint8_t j = 0; j < c->outputs; j++) {
+        const struct identified *e = &c->element[j][k].fit;
+        real_t time_s = e->dead_time_s + REAL_C(3.0) * e->time_constant_s;
+        bool known = !(e->flags & IDENTIFIED_NO_GAIN) &&
+                     e->gain_sd < REAL_C(0.2) * real_abs(e->gain) &&
+                     e->time_constant_sd_s < REAL_C(0.3) * e->time_constant_s;
+        if (known && time_s > longest_s)
+            longest_s = time_s;
+    }
+    return longest_s;
 }
 
 /* What the operator, and earlier rounds, know of the times of this input. */
@@ -40,15 +56,9 @@ static uint32_t least_half(const struct commission *c, const struct supervisor *
             if (c->measurement[j] == i)
                 x->amplitude_first = x->limit[j] * REAL_C(0.25) / gain;
     }
-    for (uint8_t j = 0; c->input[k].rounds > 0 && j < c->outputs; j++) {
-        const struct identified *e = &c->element[j][k].fit;
-        real_t time_s = e->dead_time_s + REAL_C(3.0) * e->time_constant_s;
-        bool known = !(e->flags & IDENTIFIED_NO_GAIN) &&
-                     e->gain_sd < REAL_C(0.2) * real_abs(e->gain) &&
-                     e->time_constant_sd_s < REAL_C(0.3) * e->time_constant_s;
-        if (known && time_s > longest_s)
-            longest_s = time_s;
-    }
+    real_t found_s = c->input[k].rounds > 0 ? commission_lasts(c, k) : REAL_C(0.0);
+    if (found_s > longest_s)
+        longest_s = found_s;
     uint32_t known = commission_samples(s, longest_s);
     /* What the round before has found out holds: a half that goes on for longer only gathers drift. */
     if (c->input[k].rounds > 0 && known > x->window) {
@@ -115,8 +125,15 @@ static enum err begin_input(struct commission *c, const struct supervisor *s)
         if (x.amplitude_max > AMPLITUDE_MOST)
             x.amplitude_max = AMPLITUDE_MOST;
     }
-    x.half_most =
-        config->test.longest_s > 0.0f ? commission_samples(s, config->test.longest_s) : HALF_MOST;
+    x.half_most = config->test.longest_s > 0.0f ? commission_samples(s, config->test.longest_s)
+                                                : COMMISSION_HALF_MOST;
+    /* Nothing that is surely known was so slow; if this is, the next try takes longer. */
+    uint32_t all = x.half_most;
+    uint32_t most = LONGEST_SHARE * c->half_least;
+    if (most > x.window && most < x.half_most)
+        x.half_most = most;
+    if (x.half_most < c->input[k].half_wanted)
+        x.half_most = c->input[k].half_wanted < all ? c->input[k].half_wanted : all;
     if (x.half_most < x.half)
         x.half_most = x.half;
     if (x.half_most <= x.window)
@@ -182,8 +199,6 @@ static void end_test(struct commission *c, struct supervisor *s)
     in->small = x->small;
     if (x->worst > in->worst)
         in->worst = x->worst;
-    if (x->half > c->half_least && !x->cut && c->round == 1)
-        c->half_least = x->half;
     for (uint8_t j = 0; j < c->outputs; j++) {
         const struct steady_result *b = &x->before[j];
         real_t drift = real_abs(b->slope_per_s);
