@@ -16,7 +16,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from reflux_tools import build, launch, runner, table
+from reflux_tools import build, commissioning, launch, runner, table
 from reflux_tools import scenario as scenarios
 from reflux_tools.errors import RunFailed, UserError
 from reflux_tools.paths import CAMPAIGNS, build_root, shown
@@ -61,7 +61,8 @@ def main(arguments: list[str]) -> int:
         raise UserError("--jobs must be 1 or more")
     campaign = load(options.name)
     if not options.no_build:
-        launch.build_for(campaign.scenario.firmware)
+        launch.build_for(campaign.firmware if isinstance(campaign, commissioning.Start) else
+                         campaign.scenario.firmware)
     return execute(campaign, options)
 
 
@@ -69,11 +70,15 @@ def known() -> list[str]:
     return sorted(f.stem for f in CAMPAIGNS.glob("*.toml"))
 
 
-def load(name: str) -> Campaign:
+def load(name: str) -> Campaign | commissioning.Start:
     path = CAMPAIGNS / f"{name}.toml"
     if name not in known():
         raise UserError(f'no campaign "{name}"; there are: {", ".join(known()) or "none"}')
     top = Table(load_toml(path), path)
+    if top.text("name") != name:
+        raise UserError(f"{top.path('name')} must be the file's own name, {name}")
+    if top.text("kind", "scenario", choices=("scenario", "commissioning")) == "commissioning":
+        return commissioning.load(top, name)
     scenario = scenarios.load((path.parent / top.text("scenario")).resolve())
     scenario = scenario.with_options(firmware=top.text("firmware", "memory", choices=scenarios.FIRMWARES[:-1]))
     first = top.integer("first_seed", 1)
@@ -86,8 +91,6 @@ def load(name: str) -> Campaign:
                 vary[key] = [float(x) for x in inner.list(key)]
         inner.known = list(VARIED)
         inner.done()
-    if top.text("name") != name:
-        raise UserError(f"{top.path('name')} must be the file's own name, {name}")
     campaign = Campaign(name, top.text("title", name), scenario, seeds, vary)
     top.done()
     return campaign
@@ -107,14 +110,18 @@ def fingerprint(campaign: Campaign) -> str:
     return digest.hexdigest()
 
 
-def execute(campaign: Campaign, options: argparse.Namespace) -> int:
+def execute(campaign: Campaign | commissioning.Start, options: argparse.Namespace) -> int:
+    starts = isinstance(campaign, commissioning.Start)
     jobs = campaign.jobs(options.fraction)
-    state = State(build_root() / "campaign" / f"{campaign.name}.jsonl", fingerprint(campaign), options.again)
+    mark = commissioning.fingerprint(campaign) if starts else fingerprint(campaign)
+    state = State(build_root() / "campaign" / f"{campaign.name}.jsonl", mark, options.again)
     missing = [job for job in jobs if state.get(job) is None]
     if len(missing) < len(jobs):
         print(f"{campaign.name}: {len(jobs) - len(missing)} of {len(jobs)} runs are finished already")
     run_missing(campaign, missing, state, options.jobs)
     results = [state.get(job) for job in jobs]
+    if starts:
+        return judge_starts(campaign, results, options)
     if not options.check and options.fraction == 1.0:
         write_results(campaign, results)
     print("\n" + table.columns(*distribution(campaign, results)))
@@ -123,6 +130,16 @@ def execute(campaign: Campaign, options: argparse.Namespace) -> int:
         print(f"FAILED  {label(r['job'])}: {r['failures'][0]}")
     print(f"\n{len(results)} runs, {len(bad)} failed or missed limits")
     return 1 if bad else 0
+
+
+def judge_starts(campaign: commissioning.Start, results: list[dict[str, Any]], options: argparse.Namespace) -> int:
+    if not options.check and options.fraction == 1.0:
+        commissioning.write_results(campaign, results)
+    print("\n" + table.columns(*commissioning.distribution(campaign, results)))
+    missed = commissioning.shortfalls(campaign, results)
+    for text in missed:
+        print(f"NOT REACHED  {text}")
+    return 1 if missed else 0
 
 
 class State:
@@ -153,16 +170,19 @@ class State:
 
 
 def label(job: dict[str, float]) -> str:
-    return ", ".join(f"{key} {value:g}" for key, value in job.items())
+    return ", ".join(f"{key} {value}" if isinstance(value, str) else f"{key} {value:g}" for key, value in job.items())
 
 
-def run_missing(campaign: Campaign, jobs: list[dict[str, float]], state: State, workers: int) -> None:
+def run_missing(campaign: Campaign | commissioning.Start, jobs: list[dict[str, Any]], state: State, workers: int) -> None:
     if not jobs:
         return
     progress = build.Progress(campaign.name)
     started = time.monotonic()
     with ProcessPoolExecutor(workers) as pool:
-        waiting = [pool.submit(run_one, campaign.scenario, job) for job in jobs]
+        if isinstance(campaign, commissioning.Start):
+            waiting = [pool.submit(commissioning.run_one, campaign, job) for job in jobs]
+        else:
+            waiting = [pool.submit(run_one, campaign.scenario, job) for job in jobs]
         try:
             for count, future in enumerate(as_completed(waiting), 1):
                 state.add(future.result())
