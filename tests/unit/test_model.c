@@ -31,15 +31,23 @@ static struct identified element(double gain, double sd, double lag, double dead
 
 static void two_tests_count_by_how_well_they_know(void)
 {
-    struct identified sum = element(1.0, 0.1, 100, 20), next = element(1.3, 0.2, 130, 26);
+    struct identified sum = element(1.0, 0.1, 100, 20), next = element(1.2, 0.2, 130, 26);
     next.time_constant_sd_s = 20;
     next.dead_time_sd_s = 4;
     model_combine(&sum, &next);
     /* weights 100 and 25 */
-    TEST_ASSERT_DOUBLE_WITHIN(1e-5, (100 * 1.0 + 25 * 1.3) / 125, (double)sum.gain);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-5, (100 * 1.0 + 25 * 1.2) / 125, (double)sum.gain);
     TEST_ASSERT_DOUBLE_WITHIN(1e-5, sqrt(1.0 / 125), (double)sum.gain_sd);
     TEST_ASSERT_DOUBLE_WITHIN(1e-3, (100 * 4 + 130) / 5.0, (double)sum.time_constant_s);
     TEST_ASSERT_DOUBLE_WITHIN(1e-3, (20 * 4 + 26) / 5.0, (double)sum.dead_time_s);
+}
+
+static void tests_that_disagree_are_less_sure_than_they_say(void)
+{
+    struct identified sum = element(1.0, 0.1, 100, 20), next = element(1.6, 0.1, 100, 20);
+    model_combine(&sum, &next);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-5, 1.3, (double)sum.gain);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-5, 0.3, (double)sum.gain_sd); /* Birge: by what they differ */
 }
 
 static void more_tests_make_an_element_surer_and_their_order_does_not_matter(void)
@@ -47,7 +55,7 @@ static void more_tests_make_an_element_surer_and_their_order_does_not_matter(voi
     struct identified tests[4], sum[2];
     struct random_source r = {SEED};
     for (int i = 0; i < 4; i++)
-        tests[i] = element(1.0 + 0.1 * normal(&r), 0.05 + 0.02 * i, 100 + 5 * normal(&r), 20);
+        tests[i] = element(1.0 + 0.02 * normal(&r), 0.05 + 0.02 * i, 100 + 5 * normal(&r), 20);
     for (int order = 0; order < 2; order++) {
         sum[order] = tests[order ? 3 : 0];
         for (int i = 1; i < 4; i++) {
@@ -247,6 +255,7 @@ int main(void)
     printf("seed %u\n", SEED);
     UNITY_BEGIN();
     RUN_TEST(two_tests_count_by_how_well_they_know);
+    RUN_TEST(tests_that_disagree_are_less_sure_than_they_say);
     RUN_TEST(more_tests_make_an_element_surer_and_their_order_does_not_matter);
     RUN_TEST(a_test_that_saw_no_gain_brings_no_times);
     RUN_TEST(times_come_from_the_test_that_first_saw_a_gain);
