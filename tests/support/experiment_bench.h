@@ -33,12 +33,12 @@ static inline void bench_begin(uint64_t seed)
     bench.look_takes = 2;
     config = (struct experiment_config){.outputs = 1,
                                         .h_s = 1,
-                                        .window = 30,
+                                        .window = 60,
                                         .noise_floor = REAL_C(7e-5),
                                         .amplitude_first = REAL_C(0.02),
                                         .amplitude_max = REAL_C(0.25),
                                         .noise_multiple = 20,
-                                        .half_least = 30,
+                                        .half_least = 60,
                                         .half_most = 5000};
     for (unsigned j = 0; j < CHANNEL_MAX; j++)
         config.limit[j] = REAL_C(0.2);

@@ -326,7 +326,7 @@ static void the_way_down_after_a_staircase_ends_before_a_limit(void)
 static double wave(unsigned j, uint32_t k)
 {
     (void)j;
-    return 0.02 * sin(0.05 * k);
+    return 0.02 * sin(0.3 * k);
 }
 
 static void a_plant_that_does_not_rest_is_not_tested(void)
