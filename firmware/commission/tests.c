@@ -9,6 +9,7 @@
 #define AMPLITUDE_MOST  REAL_C(0.25) /* of span, while it is being found */
 #define AMPLITUDE_FIRST REAL_C(0.02)
 #define MISSED_MOST     8u          /* samples in a row that a test can do without */
+#define AGAIN_NOISE     REAL_C(2.0) /* times the noise multiple, in later rounds */
 #define AGAIN_SHARE     REAL_C(0.6) /* of a limit, in later rounds */
 #define AGAIN_MOST      REAL_C(3.0) /* times the amplitude of the round before */
 #define LONGEST_SHARE   3u /* times what the inputs before have taken: no half is longer at first */
@@ -77,11 +78,20 @@ static real_t amplitude_by_model(const struct commission *c, uint8_t k,
                                  const struct experiment_config *x)
 {
     real_t a = x->amplitude_max < AMPLITUDE_MOST ? x->amplitude_max : AMPLITUDE_MOST;
+    real_t stands_out = REAL_C(0.0); /* largest response to 1, in noise standard deviations */
     for (uint8_t j = 0; j < c->outputs; j++) {
         const struct identified *f = &c->element[j][k].fit;
         real_t most = real_abs(f->gain) + REAL_C(2.0) * f->gain_sd;
         if (most * a > AGAIN_SHARE * x->limit[j])
             a = AGAIN_SHARE * x->limit[j] / most;
+        if (real_abs(f->gain) > stands_out * c->noise_sd[j])
+            stands_out = real_abs(f->gain) / c->noise_sd[j];
+    }
+    /* More than stands out well is asked of no plant: it is not linear. */
+    real_t enough = AGAIN_NOISE * x->noise_multiple;
+    if (a * stands_out > enough) {
+        real_t least = c->input[k].amplitude < a ? c->input[k].amplitude : a;
+        a = enough / stands_out > least ? enough / stands_out : least;
     }
     real_t before = c->input[k].amplitude * AGAIN_MOST;
     return a < before ? a : before;
