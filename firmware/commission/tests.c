@@ -149,6 +149,8 @@ static enum err begin_input(struct commission *c, const struct supervisor *s)
     if (x.half_most <= x.window)
         x.half_most = x.window + 1u;
     x.half_least = least_half(c, s, k, &x);
+    if (x.half_most < x.half)
+        x.half_most = x.half;
     if (x.half_least < x.window)
         x.half_least = x.window;
     if (x.half_least > x.half_most)

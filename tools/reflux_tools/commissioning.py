@@ -18,7 +18,7 @@ from typing import Any
 
 import numpy as np
 
-from reflux_tools import build, table
+from reflux_tools import build, commissioning_columns, table
 from reflux_tools.errors import UserError
 from reflux_tools.paths import CAMPAIGNS, ROOT, shown
 from reflux_tools.schema import Table
@@ -356,6 +356,8 @@ of the true gain, T and L of the true L + T.
 {table.markdown(*error_table(start, results))}
 
 """
+    text += commissioning_columns.text() + "\n"
+    text += "## What was asked for\n\n"
     text += "Not reached:\n\n" + "\n".join(f"- {m}" for m in missed) + "\n" if missed else "Everything asked for is reached.\n"
     (folder / f"{start.name}.md").write_text(text, encoding="utf-8")
     with (folder / f"{start.name}.csv").open("w", encoding="utf-8", newline="") as out:
