@@ -89,9 +89,9 @@ static void note_event(struct console *c, const char *line)
     }
     char wrapped[42];
     (void)snprintf(wrapped, sizeof(wrapped), "|%s|", code);
-    if (strstr(c->events, wrapped) == NULL &&
-        strlen(c->events) + strlen(code) + 2 <= sizeof(c->events)) {
-        (void)strcat(strcat(c->events, code), "|");
+    size_t n = strlen(c->events);
+    if (strstr(c->events, wrapped) == NULL && n + strlen(code) + 2 <= sizeof(c->events)) {
+        (void)snprintf(c->events + n, sizeof(c->events) - n, "%s|", code);
     }
 }
 

@@ -73,9 +73,10 @@ void judge_record(const struct record *r, uint8_t j, const struct baseline *b, r
         real_t noise = b->noise_sd / real_sqrt((real_t)r->block);
         uint32_t shorter =
             down.to - down.from < up.to - up.from ? down.to - down.from : up.to - up.from;
+        uint32_t averaged = shorter / 6u;
         result->first = first;
         result->second = second;
-        result->change_sd = REAL_C(2.0) * noise / real_sqrt((real_t)(shorter / 6u));
+        result->change_sd = REAL_C(2.0) * noise / real_sqrt((real_t)averaged);
         result->moves = first + second > STANDS_OUT * noise;
         if (result->moves)
             result->climbs = second / (first > noise ? first : noise);
