@@ -139,7 +139,8 @@ static bool all_at_rest(struct experiment *e, struct steady_result *at, uint32_t
             return false;
         if (at[j].state == STEADY_SETTLED)
             continue;
-        real_t carried = real_abs(at[j].slope_per_s) * e->config.h_s * (real_t)e->config.window;
+        real_t carried =
+            real_abs(at[j].slope_per_s) * e->config.h_s * REAL_C(2.25) * (real_t)e->config.window;
         if (at[j].state == STEADY_MOVING && e->waited >= patience &&
             carried < e->config.limit[j] * REAL_C(0.3))
             continue;
@@ -380,6 +381,14 @@ static enum err grow(struct experiment *e, const real_t *y, real_t amplitude)
     return err ? err : move(e, amplitude);
 }
 
+static bool drifts(const struct experiment *e)
+{
+    for (unsigned j = 0; j < e->config.outputs; j++)
+        if (real_abs(e->drift_per_s[j]) > REAL_C(0.0))
+            return true;
+    return false;
+}
+
 /* The models of the step so far are there. */
 static enum err decide(struct experiment *e, const real_t *y)
 {
@@ -390,7 +399,9 @@ static enum err decide(struct experiment *e, const real_t *y)
     bool found = c->amplitude > REAL_C(0.0) || p.stand_out >= c->noise_multiple ||
                  e->record.input.edges + 3u > EXCITATION_EDGES_MAX;
     if (!p.seen) { /* nothing yet: in time, more of it */
-        if (e->half < c->half_least)
+        /* Where noise has not made the step large from the beginning, nothing to be seen may be dead time. */
+        uint32_t quiet = c->amplitude_first < e->amplitude ? 0 : 3u * c->window;
+        if (e->half < c->half_least + quiet)
             return ERR_OK;
         real_t a = found ? e->amplitude : larger_by_motion(e, y);
         e->small = a <= e->amplitude;
@@ -410,7 +421,7 @@ static enum err decide(struct experiment *e, const real_t *y)
     /* What cannot be told within a third is small beside the rest, or slower: it gets half as long again. */
     real_t over_s = p.known ? p.over_s : UNKNOWN_WAITS * p.over_s;
     bool over = p.any_known && gone_s >= over_s && e->half >= c->half_least;
-    if (!p.any_known && e->half >= HOPELESS * c->half_least)
+    if (drifts(e) && !p.any_known && e->half >= HOPELESS * c->half_least)
         over =
             true; /* a bent drift, or noise: what there is to be had comes from the way down, too */
     return over ? turn_down(e, y) : ERR_OK;
@@ -484,7 +495,7 @@ static enum err coming_back(struct experiment *e, const real_t *y)
     enum err err = steady_step(&e->steady, y);
     if (err)
         return err;
-    bool rest = all_at_rest(e, e->after, e->half + e->config.window, &culprit);
+    bool rest = all_at_rest(e, e->after, e->half + e->half / 2u + e->config.window, &culprit);
     /* Not sooner than the way there took: in a dead time everything is at rest, where it was. */
     if (rest && e->waited >= e->half) {
         e->returned = true;
