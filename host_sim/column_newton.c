@@ -134,8 +134,7 @@ bool column_newton_factor(struct column_newton *n, double a, double c)
 {
     enum { BLOCK = COLUMN_COMPONENTS_MAX * COLUMN_COMPONENTS_MAX };
     size_t m = n->m, top = n->stages - 1;
-    double carried[BLOCK] = {0.0}, own[BLOCK] = {0.0},
-           e = n->efficiency; /* nothing comes up into the reboiler */
+    double carried[BLOCK] = {0}, own[BLOCK] = {0}, e = n->efficiency;
 
     n->c = c;
     for (size_t s = 0; s <= top; s++) {
@@ -144,7 +143,7 @@ bool column_newton_factor(struct column_newton *n, double a, double c)
         double *up = &n->up[s * m * m], *inverse = &n->inverse[s * m * m];
 
         for (size_t i = 0; i < m * m; i++) {
-            double below = carried[i];
+            double below = s == 0 ? 0.0 : carried[i];
             up[i] = s == top ? 0.0 : s == 0 ? slopes[i] : (1.0 - e) * below + e * slopes[i];
             own[i] = at->vapour_in * below - at->vapour_out * up[i];
         }

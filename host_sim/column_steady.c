@@ -152,7 +152,6 @@ static bool search(struct column_solver *s, double *guess, char *err, size_t siz
 
 bool column_solver_settle(struct column_solver *s, char *err, size_t err_size)
 {
-    double start = s->t;
     double *keep = malloc(2 * s->n * sizeof *keep);
     char ignored[80];
 
@@ -163,7 +162,6 @@ bool column_solver_settle(struct column_solver *s, char *err, size_t err_size)
     if (!settled)
         memcpy(NV_DATA_S(s->y), keep, s->n * sizeof *keep);
     free(keep);
-    s->t = start;
     s->jumped = true;
     bool fresh = column_solver_refresh(s, false, settled ? err : ignored,
                                        settled ? err_size : sizeof ignored);

@@ -2,7 +2,7 @@
 
     python3 tests/reference/splitter_reference.py
 
-writes splitter_steady.csv and splitter_steps.csv next to this file. The balances are those of
+writes splitter_steady.csv, splitter_steps.csv and splitter_day.csv next to this file. The balances are those of
 pilot_reference.Column, written with numpy from the streams and integrated by scipy's BDF at tight tolerances:
 nothing of the C sources is called. The property constants alone are shared, frozen handbook data.
 """
@@ -23,6 +23,12 @@ SS2 = dict(NOMINAL, R=32.2787, Q=2804.458)
 STEPS = (dict(NOMINAL, F=95.0, TF=317.0, z=np.array([0.002, 0.27, 0.2232, 0.004, 0.0008, 0.5])),
          dict(NOMINAL, Q=4200.0))
 HOURS = (0.05, 0.1, 0.25, 0.5, 1.0, 2.0, 4.0, 8.0, 16.0, 24.0)
+
+
+# A day: one thing after the other, each for three hours.
+DAY = ({"Q": 4180.0}, {"R": 62.4}, {"F": 92.0}, {"TF": 325.0}, {"z": np.array([0.002, 0.27, 0.2232, 0.004, 0.0008, 0.5])},
+       {"Q": 4250.0, "R": 61.0}, {"F": 84.0, "z": FEED}, NOMINAL)
+STRETCH = 3.0
 
 
 class Dippr(Mixture):
@@ -102,6 +108,18 @@ def outputs(x, values):
     return [*t, full[-1, 2], full[0, 1], 3.6 * d, 3.6 * b]
 
 
+def day(x):
+    """One row for each reading: hours, the inputs that led there, outputs."""
+    rows, values, times = [], dict(NOMINAL), [0.1, 0.5, STRETCH]
+    for n, change in enumerate(DAY):
+        values.update(change)
+        run = integrate(x, values, times)
+        x = run[-1]
+        given = [values["R"], values["Q"], values["F"], values["TF"], *values["z"]]
+        rows += [[n * STRETCH + t, *given, *outputs(y, values)] for t, y in zip(times, run)]
+    return rows
+
+
 def write(name, rows, head):
     with open(os.path.join(HERE, name), "w", encoding="utf-8") as file:
         file.write(head + "\n")
@@ -127,6 +145,7 @@ def main():
         for hours, x in zip(HOURS, integrate(first, values, HOURS)):
             rows.append([n, hours, *outputs(x, values)])
     write("splitter_steps.csv", rows, "# step,hours," + heads)
+    write("splitter_day.csv", day(first), "# hours,R,Q,F,TF,zC2,zC3,ziC4,ziC5,znC5,znC4," + heads)
 
 
 if __name__ == "__main__":

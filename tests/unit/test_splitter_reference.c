@@ -1,5 +1,5 @@
 /* The C3-C4 splitter against its committed, independent reference (tests/reference/splitter_reference.py):
- * both steady states, and 24 h after steps of the feed and of the duty, run tick by tick. */
+ * both steady states, 24 h after steps of the feed and of the duty, and a day of changes, run tick by tick. */
 #include "csv.h"
 #include "plant_bench.h"
 #include "unity.h"
@@ -96,10 +96,35 @@ static void a_day_after_a_step_every_temperature_is_that_of_the_reference(void)
     TEST_ASSERT_DOUBLE_WITHIN(0.01, 0, relative);
 }
 
+static void a_day_of_changes_runs_as_that_of_the_reference(void)
+{
+    static const char *const input[] = {"R",   "Q",    "F",    "TF",   "zC2",
+                                        "zC3", "ziC4", "ziC5", "znC5", "znC4"};
+    double row[11 + OUTPUTS], kelvin = 0, relative = 0;
+    FILE *f = csv_open("reference/splitter_day.csv");
+    int rows = 0, ticks = 0;
+    for (; csv_row(f, row, 11 + OUTPUTS); rows++) {
+        for (int i = 0; i < 10; i++)
+            set(input[i], row[1 + i]);
+        for (; ticks < (int)lround(row[0] * 120); ticks++)
+            TEST_ASSERT_TRUE_MESSAGE(splitter->advance(plant, 30.0 * (ticks + 1), err, sizeof err),
+                                     err);
+        deviations(row + 11, &kelvin, &relative);
+    }
+    fclose(f);
+    printf("24 h of changes: within %.2g K, impurities within %.2g of their value\n", kelvin,
+           relative);
+    TEST_ASSERT_EQUAL(24, rows);
+    TEST_ASSERT_EQUAL(24 * 120, ticks);
+    TEST_ASSERT_DOUBLE_WITHIN(0.01, 0, kelvin);
+    TEST_ASSERT_DOUBLE_WITHIN(0.01, 0, relative);
+}
+
 int main(void)
 {
     UNITY_BEGIN();
     RUN_TEST(both_steady_states_are_those_of_the_reference);
     RUN_TEST(a_day_after_a_step_every_temperature_is_that_of_the_reference);
+    RUN_TEST(a_day_of_changes_runs_as_that_of_the_reference);
     return UNITY_END();
 }

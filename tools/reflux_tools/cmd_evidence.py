@@ -58,7 +58,7 @@ SECTIONS = (
             "tests", r"((fault|sequence) matrix|watchdog|restart)\b.*: .*\d.*"),
     Section("Columns", "All inputs jumping over their whole spans, ticks of 1 to 300 s; balances in motion. "
             "`test_input_jumps 200` runs all seeds.", "tests",
-            r"(input jumps \w+: \d.*|\w+: contents moved by .*|24 h after steps: .*|worst deviation in a day: .*)"),
+            r"(input jumps \w+: \d.*|\w+: contents moved by .*|24 h (after steps|of changes): .*|worst deviation.*)"),
     Section("Console", "A configuration pasted at 115200 baud through a lossy line.", "tests",
             r".*: \d+ bytes, \d+ lines, \d+ dropped.*"),
     Section("Fuzzing", "libFuzzer with address and undefined-behaviour sanitizers.", "fuzz", r"fuzz \w+: .*\d.*"),
