@@ -107,7 +107,7 @@ static void a_day_of_changes_runs_as_that_of_the_reference(void)
         for (int i = 0; i < 10; i++)
             set(input[i], row[1 + i]);
         for (; ticks < (int)lround(row[0] * 120); ticks++)
-            TEST_ASSERT_TRUE_MESSAGE(splitter->advance(plant, 30.0 * (ticks + 1), err, sizeof err),
+            TEST_ASSERT_TRUE_MESSAGE(kind->advance(plant, 30.0 * (ticks + 1), err, sizeof err),
                                      err);
         deviations(row + 11, &kelvin, &relative);
     }
