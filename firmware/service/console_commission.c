@@ -178,6 +178,11 @@ static void accept(struct console *c)
     struct config_fault fault;
     if (!may_try(c))
         return;
+    if (s->staging && !s->staged_proposal) {
+        console_err(c, ERR_STATE,
+                    "a transaction is open that the proposal is not in: apply or abandon it");
+        return;
+    }
     struct config *config = proposed(c);
     if (!config)
         return;
@@ -211,7 +216,7 @@ static void edit(struct console *c)
     }
     if (!proposed(c))
         return;
-    s->staging = true;
+    s->staging = s->staged_proposal = true;
     console_ok(c);
 }
 

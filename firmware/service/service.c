@@ -74,6 +74,7 @@ struct config *service_stage(struct service *s)
         return NULL;
     forget_rows(s, &s->plan[s->scratch]);
     *service_staged(s) = service_plan(s)->config;
+    s->staged_proposal = false;
     return service_staged(s);
 }
 

@@ -51,7 +51,8 @@ struct service {
     bool has_pending;
     uint32_t serial; /* of the newest plan */
 
-    bool staging; /* between begin and apply: service_staged() is the transaction's */
+    bool staging;         /* between begin and apply: service_staged() is the transaction's */
+    bool staged_proposal; /* ... and automatic start-up's proposal was put into it */
     uint8_t expected_mode[CONFIG_LOOPS]; /* once all queued requests are carried out */
 
     struct event_log history;

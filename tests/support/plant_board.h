@@ -7,6 +7,7 @@
 #include "events.h"
 #include "instruments.h"
 #include "plant.h"
+#include "plant_library.h"
 
 static const struct plant_class *kind;
 static struct plant *plant;
@@ -46,9 +47,9 @@ static inline void plant_connect(void)
 static inline void plant_power_on(const char *name, uint32_t tick_ms, uint64_t seed, double noise)
 {
     power_on();
-    kind = plant_find(name);
-    TEST_ASSERT_NOT_NULL_MESSAGE(kind, name);
-    plant = kind->create(plant_err, sizeof plant_err);
+    kind = plant_open(name, plant_err, sizeof plant_err);
+    TEST_ASSERT_NOT_NULL_MESSAGE(kind, plant_err);
+    plant = plant_create(kind, plant_err, sizeof plant_err);
     TEST_ASSERT_NOT_NULL_MESSAGE(plant, plant_err);
     TEST_ASSERT_TRUE_MESSAGE(
         instruments_init(&instruments, kind, seed, noise, plant_err, sizeof plant_err), plant_err);
