@@ -10,8 +10,7 @@ static int jacobian(realtype t, N_Vector y, N_Vector fy, SUNMatrix matrix, void 
 {
     struct column_solver *s = user;
     (void)t, (void)a, (void)b, (void)c;
-    if (column_solver_rates(
-            t, y, fy, s)) /* fy is the same again: liquid flows of the conservative form need it */
+    if (column_solver_rates(t, y, fy, s)) /* once more: the flows inside must be those at y */
         return 1;
     s->work.jacobians++;
     column_matrix_read(matrix, &s->column, NV_DATA_S(y), 1.0);

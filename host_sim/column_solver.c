@@ -312,9 +312,9 @@ bool column_solver_advance(struct column_solver *s, double t, char *err, size_t 
     if (t == s->t)
         return true;
     N_VScale(1.0, s->y, s->saved);
-    if (integrate(s, t, err, err_size)) {
+    if (integrate(s, t, err, err_size) && column_solver_refresh(s, false, err, err_size)) {
         s->t = t;
-        return column_solver_refresh(s, false, err, err_size);
+        return true;
     }
     N_VScale(1.0, s->saved, s->y);
     s->t = before;

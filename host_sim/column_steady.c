@@ -6,15 +6,16 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sunlinsol/sunlinsol_spgmr.h>
-#define KRYLOV_MAX                                                                                 \
-    60 /* directions; what the preconditioner holds fixed, three flows and holdups, needs fewer */
+
+/* Directions of GMRES: what the preconditioner holds fixed, three flows and the holdups, needs fewer. */
+#define KRYLOV_MAX 60
 #define NEWTON_MAX 60
+/* Rates in one search by Newton: KINSOL's line search may turn round for ever on rounding errors. */
+#define RATES_MAX  2000
 #define DAMPING    1e-3 /* 1/h, of the preconditioner: without vapour the Jacobian is singular */
 #define ROUGH      1e-3 /* tolerance of a transient that only has to end near the steady state */
 #define STEPS_MAX  2000 /* of one such transient */
 #define ROUNDS_MAX 14
-#define RATES_MAX                                                                                  \
-    2000 /* of one search by Newton: KINSOL's line search may turn round for ever on rounding errors */
 
 /* Change per hour of every mole fraction is zero. */
 static int residual(N_Vector y, N_Vector f, void *user)

@@ -127,6 +127,19 @@ static double attempt(struct rosenbrock *r, double h, const double *y, const dou
     return isfinite(size) ? size : hopeless;
 }
 
+/* What the next step begins with: rates and Jacobian at the result. */
+static bool prepare(struct rosenbrock *r)
+{
+    const struct rosenbrock_problem *p = &r->problem;
+    double *new = part(r, NEW), *rates = part(r, RATES);
+
+    if (!p->rates(p->context, new, rates))
+        return false;
+    memcpy(part(r, OWN), rates, p->n * sizeof *rates);
+    p->linearise(p->context, new);
+    return true;
+}
+
 /* The step that would just meet the tolerance, relative to the one that left this error. */
 static double factor_of(double error)
 {
@@ -158,7 +171,8 @@ double rosenbrock_run(struct rosenbrock *r, double t, double end, double *y, con
         double error = attempt(r, now, y, own);
         double better = now * factor_of(error);
 
-        if (error > 1.0) {
+        if (error > 1.0 || (!last && !prepare(r))) {
+            better = fmin(better, 0.5 * now);
             r->rejected++;
             rejected = true;
             h = better;
@@ -173,16 +187,12 @@ double rosenbrock_run(struct rosenbrock *r, double t, double end, double *y, con
         if (rejected)
             better = fmin(better, now);
         rejected = false;
-        h = now < h ? fmax(better, h)
-                    : better; /* cut short by the end: what was known still holds */
+        if (now < h) /* cut short by the end: what was known still holds */
+            better = fmax(better, h);
+        h = better;
         if (r->jumped)
             r->first = h;
         r->jumped = false;
-        if (t < end) {
-            if (!p->rates(p->context, y, own))
-                break;
-            p->linearise(p->context, y);
-        }
     }
     r->next = h;
     return t;

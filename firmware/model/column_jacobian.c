@@ -28,6 +28,12 @@ static real_t murphree_weight(const struct column_config *config, size_t s, size
     return weight;
 }
 
+/* Liquid that a tray draws from the one below it (negative) carries nothing down; its own small entry is left out. */
+static real_t downwards(real_t liquid)
+{
+    return liquid > ZERO ? liquid : ZERO;
+}
+
 void column_jacobian(const struct column *column, const real_t *x, real_t *band, size_t stride,
                      size_t diagonal)
 {
@@ -44,7 +50,7 @@ void column_jacobian(const struct column *column, const real_t *x, real_t *band,
 
     for (size_t r = 0; r <= top; r++) { /* r: the stage whose liquid changes */
         real_t vapour_in = r == 0 ? ZERO : column->vapour_flow[r - 1];
-        real_t liquid_in = r == top ? ZERO : column->liquid[r + 1];
+        real_t liquid_in = r == top ? ZERO : downwards(column->liquid[r + 1]);
         real_t feed_in = r + 1 == config->feed_stage ? column->flows.feed : ZERO;
 
         /* through the liquid itself, on this stage and the one below */
@@ -53,7 +59,7 @@ void column_jacobian(const struct column *column, const real_t *x, real_t *band,
             entry[0] +=
                 (column->vapour_flow[r] - liquid_in - vapour_in - feed_in) / column->holdup[r];
             if (r > 0)
-                *(entry - m) += column->liquid[r] / column->holdup[r - 1];
+                *(entry - m) += downwards(column->liquid[r]) / column->holdup[r - 1];
         }
         if (r == top)
             continue;
