@@ -151,31 +151,46 @@ static bool firmware_takes(const struct matrix *d)
     return decoupler_check(matrix, (uint8_t)((1u << d->rows) - 1u), &worst) == ERR_OK;
 }
 
+static void without_decoupler(struct analysis *a, enum analysis_decoupler why)
+{
+    a->decoupler = why;
+    identity(&a->d, a->pairs.n);
+}
+
+/* There is a pairing, and no proposal. */
+static enum err no_design(struct analysis *a, enum err why)
+{
+    a->design_error = why;
+    a->stage = ANALYSIS_DONE;
+    return ERR_OK;
+}
+
 static enum err begin_settings(struct analysis *a)
 {
     struct detune_config c;
     detune_config_default(&c);
     a->stage = ANALYSIS_SETTINGS;
-    return detune_begin(&a->work.detune, &a->plant, &a->pairs, a->config.h_s,
-                        a->decoupler == DECOUPLER_USED ? &a->d : NULL, &c, NULL);
+    bool decoupled = a->decoupler == DECOUPLER_USED;
+    enum err err = detune_begin(&a->work.detune, &a->plant, &a->pairs, a->config.h_s,
+                                decoupled ? &a->d : NULL, &c, NULL);
+    if (err && decoupled) {
+        without_decoupler(a, DECOUPLER_ILL);
+        err = detune_begin(&a->work.detune, &a->plant, &a->pairs, a->config.h_s, NULL, &c, NULL);
+    }
+    return err ? no_design(a, ERR_UNSUPPORTED) : ERR_OK; /* gains or times no rule is for */
 }
 
 static enum err do_decoupler(struct analysis *a)
 {
-    a->decoupler = DECOUPLER_NOT_NEEDED;
-    identity(&a->d, a->pairs.n);
+    without_decoupler(a, DECOUPLER_NOT_NEEDED);
     for (uint8_t b = 0; a->has_structure && b < a->structure.blocks; b++)
         if (a->structure.block[b].mimo)
             decouple_block(a, &a->structure.block[b]);
-    if (a->pairs.n > STATIC_DECOUPLER_LOOPS && a->decoupler == DECOUPLER_USED) {
-        /* The firmware's matrix spans so many loops, whichever they are. */
-        a->decoupler = DECOUPLER_TOO_MANY;
-        identity(&a->d, a->pairs.n);
-    }
-    if (a->decoupler == DECOUPLER_USED && !firmware_takes(&a->d)) {
-        a->decoupler = DECOUPLER_ILL;
-        identity(&a->d, a->pairs.n);
-    }
+    /* The firmware's matrix spans so many loops, whichever they are. */
+    if (a->pairs.n > STATIC_DECOUPLER_LOOPS && a->decoupler == DECOUPLER_USED)
+        without_decoupler(a, DECOUPLER_TOO_MANY);
+    if (a->decoupler == DECOUPLER_USED && !firmware_takes(&a->d))
+        without_decoupler(a, DECOUPLER_ILL);
     return begin_settings(a);
 }
 
@@ -187,28 +202,25 @@ static enum err begin_prediction(struct analysis *a, real_t duration_s)
                              .duration_s = duration_s,
                              .setpoint_weight = REAL_C(1.0)};
     a->stage = ANALYSIS_PREDICTION;
-    return trial_begin(&a->work.trial, &a->plant, &a->loops, &c);
+    enum err err = trial_begin(&a->work.trial, &a->plant, &a->loops, &c);
+    return err ? no_design(a, ERR_UNSUPPORTED) : ERR_OK;
 }
 
 /* A decoupled design that cannot be had gives way to one without. */
 static enum err end_settings(struct analysis *a, enum err err)
 {
     if (err && a->decoupler == DECOUPLER_USED) {
-        a->decoupler = DECOUPLER_ILL;
-        identity(&a->d, a->pairs.n);
+        without_decoupler(a, DECOUPLER_ILL);
         return begin_settings(a);
     }
-    a->design_error = err;
-    if (!err && a->pairs.n > a->config.loops_max)
-        a->design_error = ERR_FULL;
-    for (uint8_t k = 0; !a->design_error && k < a->pairs.n; k++) {
+    if (err)
+        return no_design(a, err);
+    if (a->pairs.n > a->config.loops_max)
+        return no_design(a, ERR_FULL);
+    for (uint8_t k = 0; k < a->pairs.n; k++) {
         const struct tuning *t = &a->work.detune.loops.tuning[k];
         if (t->gain < GAIN_LEAST || t->ti_s < TI_LEAST_S || t->ti_s > TI_MOST_S)
-            a->design_error = ERR_UNSUPPORTED;
-    }
-    if (a->design_error) {
-        a->stage = ANALYSIS_DONE;
-        return ERR_OK;
+            return no_design(a, ERR_UNSUPPORTED);
     }
     a->loops = a->work.detune.loops;
     a->loops.decoupler = a->decoupler == DECOUPLER_USED ? &a->d : NULL;
@@ -235,17 +247,17 @@ static enum err end_prediction(struct analysis *a)
     a->bounded = a->bounded && a->work.trial.bounded;
     if (++a->at < a->pairs.n)
         return begin_prediction(a, REAL_C(0.0));
-    a->designed = a->bounded;
     if (!a->bounded)
-        a->design_error = ERR_RANGE;
+        return no_design(a, ERR_RANGE);
+    a->designed = true;
     a->stage = ANALYSIS_DONE;
     return ERR_OK;
 }
 
-/* What a stage that has begun another answers: there is more to do. */
-static enum err more(enum err err)
+/* What a stage answers that may have begun another: there is more to do. */
+static enum err more(const struct analysis *a, enum err err)
 {
-    return err ? err : ERR_BUSY;
+    return err || a->stage == ANALYSIS_DONE ? err : ERR_BUSY;
 }
 
 enum err analysis_step(struct analysis *a)
@@ -254,26 +266,24 @@ enum err analysis_step(struct analysis *a)
     switch (a->stage) {
     case ANALYSIS_GAINS:
         err = gains_step(&a->work.gains);
-        return err ? err : more(end_gains(a));
+        return err ? err : more(a, end_gains(a));
     case ANALYSIS_PAIRING:
         err = pairing_step(&a->work.pairing);
         return err ? err : end_pairing(a);
     case ANALYSIS_STRUCTURE:
         return do_structure(a);
     case ANALYSIS_DECOUPLER:
-        return more(do_decoupler(a));
+        return more(a, do_decoupler(a));
     case ANALYSIS_SETTINGS:
         err = detune_step(&a->work.detune);
         if (err == ERR_BUSY)
             return err;
-        err = end_settings(a, err);
-        return a->stage == ANALYSIS_DONE ? err : more(err);
+        return more(a, end_settings(a, err));
     case ANALYSIS_PREDICTION:
         err = trial_step(&a->work.trial);
         if (err)
             return err;
-        err = end_prediction(a);
-        return a->stage == ANALYSIS_DONE ? err : more(err);
+        return more(a, end_prediction(a));
     default:
         return ERR_OK;
     }

@@ -324,5 +324,8 @@ int main(void)
     RUN_TEST(a_frozen_measurement_ends_it);
     RUN_TEST(samples_that_are_missing_longer_than_a_test_can_bear_end_it);
     RUN_TEST(everything_that_can_happen_while_it_works_something_out);
-    return UNITY_END();
+    int failed = UNITY_END();
+    plant_power_off();
+    plant_library_free();
+    return failed;
 }

@@ -260,5 +260,8 @@ int main(void)
     RUN_TEST(everything_people_can_do_in_a_test);
     RUN_TEST(nothing_skipped_twice_over_is_analysed);
     RUN_TEST(it_says_why_it_does_not_begin);
-    return UNITY_END();
+    int failed = UNITY_END();
+    plant_power_off();
+    plant_library_free();
+    return failed;
 }

@@ -360,5 +360,8 @@ int main(void)
     RUN_TEST(left_alone_it_is_tested_tried_and_kept);
     RUN_TEST(everything_that_can_happen_to_a_proposal);
     RUN_TEST(everything_that_can_happen_on_trial);
-    return UNITY_END();
+    int failed = UNITY_END();
+    plant_power_off();
+    plant_library_free();
+    return failed;
 }

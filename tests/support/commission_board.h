@@ -72,6 +72,8 @@ static inline void commission_outputs_nominal(void)
 static inline void commission_plant(const char *name, uint32_t tick_ms, double noise,
                                     const char *const *lines)
 {
+    if (plant)
+        plant_power_off();
     plant_power_on(name, tick_ms, 1, noise);
     commission_configure(lines);
     plant_connect();

@@ -1,7 +1,7 @@
 /* commission/proposal.[ch]: a proposal as a configuration.
  *
  * Contract
- *   random plants (400)   whatever is written is accepted by plan_build, within the ranges of the parameters, and survives
+ *   random plants (200)   whatever is written is accepted by plan_build, within the ranges of the parameters, and survives
  *                         being printed and read back; other loops and channels stay as they are
  */
 #include <math.h>
@@ -141,9 +141,13 @@ void tearDown(void) {}
 
 static void random_plant(struct random_source *r)
 {
-    unsigned outputs = 1 + random_below(r, 9), inputs = 1 + random_below(r, 9);
+    unsigned most = random_below(r, 20) ? 5 : 9; /* more loops than places, now and then */
+    unsigned outputs = 1 + random_below(r, most), inputs = 1 + random_below(r, most);
     double speed = pow(10.0, (double)random_below(r, 700) / 100.0 - 2.0); /* 0.01 to 1e5 s */
     double size = pow(10.0, (double)random_below(r, 800) / 100.0 - 5.0);  /* 1e-5 to 1e3 */
+    bool strong = random_below(r, 3) == 0; /* as two temperatures of a column */
+    if (strong)
+        outputs = inputs = 2;
     channels(outputs, inputs);
     begin(outputs, inputs);
     for (unsigned j = 0; j < outputs; j++)
@@ -151,13 +155,15 @@ static void random_plant(struct random_source *r)
             double gain = size * ((double)random_below(r, 2000) / 1000.0 - 1.0);
             if (random_below(r, 8) == 0)
                 gain = 0.0;
-            if (i == j)
+            if (strong)
+                gain = size * (i == j ? 1.0 : 0.9 + 0.03 * fabs(gain / size));
+            else if (i == j)
                 gain += gain < 0 ? -1.5 * size : 1.5 * size;
             double lag = random_below(r, 6) ? speed * (0.2 + random_below(r, 1000) / 250.0) : 0.0;
             double dead = random_below(r, 3) ? speed * random_below(r, 1000) / 500.0 : 0.0;
             c.work.analysis.plant.element[j][i] = (struct fopdt){
                 .gain = (real_t)gain, .time_constant_s = (real_t)lag, .dead_time_s = (real_t)dead};
-            c.work.analysis.plant.gain_sd[j][i] = (real_t)(0.005 * fabs(gain));
+            c.work.analysis.plant.gain_sd[j][i] = (real_t)(0.002 * fabs(gain));
         }
     tick_s = 0.05 * pow(10.0, (double)random_below(r, 450) / 100.0); /* to 1600 s */
     analyse(tick_s);
@@ -167,7 +173,7 @@ static void whatever_is_proposed_is_a_configuration(void)
 {
     struct random_source r = {SEED};
     unsigned proposed = 0, decoupled = 0;
-    for (int n = 0; n < 400; n++) {
+    for (int n = 0; n < 200; n++) {
         random_plant(&r);
         config = bench.config;
         if (!commission_has_proposal(&c)) {
@@ -184,10 +190,10 @@ static void whatever_is_proposed_is_a_configuration(void)
         decoupled += c.work.analysis.decoupler == DECOUPLER_USED;
     }
     char text[80];
-    snprintf(text, sizeof text, "400 plants: %u proposals, %u with a decoupler", proposed,
+    snprintf(text, sizeof text, "200 plants: %u proposals, %u with a decoupler", proposed,
              decoupled);
     TEST_MESSAGE(text);
-    TEST_ASSERT_TRUE(proposed >= 100 && decoupled >= 5);
+    TEST_ASSERT_TRUE(proposed >= 100 && decoupled >= 10);
 }
 
 /* ---- what was there ---- */
