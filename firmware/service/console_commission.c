@@ -80,7 +80,7 @@ static bool commission_status_line(struct console *c, unsigned n, struct text *l
             text_u32(line, m->inputs);
             uint64_t to = m->ended_ms ? m->ended_ms : service_time_ms(c->service);
             text_str(line, ", plant time s ");
-            text_seconds(line, to - m->began_ms);
+            text_seconds(line, to > m->began_ms ? to - m->began_ms : 0); /* time may be set back */
         }
         return true;
     }
