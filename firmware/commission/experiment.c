@@ -18,6 +18,7 @@
 #define DRIFT_SHARE    REAL_C(1.0) /* of a limit that a drift may carry the line of rest at most */
 #define HOPELESS       4u          /* least halves, after which nothing is known still */
 #define MOTION_SHARE   REAL_C(0.5) /* of a limit that a larger amplitude may aim at without a model */
+#define NOISY_SHARE    REAL_C(0.25) /* of a limit, that the response wanted for the noise takes */
 #define SMALL          REAL_C(5.0) /* noise standard deviations: how long it takes cannot be told */
 #define BACK_SHARE                                                                                 \
     REAL_C(1.5) /* of a limit, once the input is back: there is nothing left to restore */
@@ -128,6 +129,16 @@ static enum err move(struct experiment *e, real_t level)
     return record_move(&e->record, level);
 }
 
+/* Does noise hide what is small beside a limit? Then time is better spent on another test than on the end of this one,
+ * which drift spoils. Of the measurements before the step; until then by the rest under watch. */
+static bool noisy(const struct experiment *e)
+{
+    for (unsigned j = 0; j < e->config.outputs; j++)
+        if (e->before[j].noise_sd * e->config.noise_multiple > NOISY_SHARE * e->config.limit[j])
+            return true;
+    return false;
+}
+
 /* Every output at rest? Where one climbs steadily for longer than the patience it counts as a drift, which is known
  * then and taken off; but not one that would carry it over a good part of its limit. */
 static bool all_at_rest(struct experiment *e, struct steady_result *at, uint32_t patience,
@@ -139,8 +150,8 @@ static bool all_at_rest(struct experiment *e, struct steady_result *at, uint32_t
             return false;
         if (at[j].state == STEADY_SETTLED)
             continue;
-        real_t carried =
-            real_abs(at[j].slope_per_s) * e->config.h_s * REAL_C(2.25) * (real_t)e->config.window;
+        real_t carried = real_abs(at[j].slope_per_s) * e->config.h_s *
+                         (noisy(e) ? REAL_C(1.0) : REAL_C(2.25)) * (real_t)e->config.window;
         if (at[j].state == STEADY_MOVING && e->waited >= patience &&
             carried < e->config.limit[j] * REAL_C(0.3))
             continue;
@@ -381,6 +392,14 @@ static enum err grow(struct experiment *e, const real_t *y, real_t amplitude)
     return err ? err : move(e, amplitude);
 }
 
+static bool has_moved(const struct experiment *e, const real_t *y)
+{
+    for (uint8_t j = 0; j < e->config.outputs; j++)
+        if (real_abs(away_from_rest(e, j, y)) > SMALL * e->before[j].noise_sd)
+            return true;
+    return false;
+}
+
 static bool drifts(const struct experiment *e)
 {
     for (unsigned j = 0; j < e->config.outputs; j++)
@@ -399,15 +418,16 @@ static enum err decide(struct experiment *e, const real_t *y)
     bool found = c->amplitude > REAL_C(0.0) || p.stand_out >= c->noise_multiple ||
                  e->record.input.edges + 3u > EXCITATION_EDGES_MAX;
     if (!p.seen) { /* nothing yet: in time, more of it */
-        /* Where noise has not made the step large from the beginning, nothing to be seen may be dead time. */
-        uint32_t quiet = c->amplitude_first < e->amplitude ? 0 : 3u * c->window;
+        /* Where little is hidden by noise, nothing to be seen may be dead time. */
+        uint32_t quiet = noisy(e) ? 0 : 3u * c->window;
         if (e->half < c->half_least + quiet)
             return ERR_OK;
         real_t a = found ? e->amplitude : larger_by_motion(e, y);
         e->small = a <= e->amplitude;
         if (!e->small)
             return grow(e, y, a);
-        return e->half < c->half_least + 6u * c->window ? ERR_OK : turn_down(e, y);
+        bool still = e->half < c->half_least + 6u * c->window || (!noisy(e) && has_moved(e, y));
+        return still ? ERR_OK : turn_down(e, y);
     }
     if (!found) {
         real_t a = p.any_known ? larger(e, &p) : larger_by_motion(e, y);
@@ -495,7 +515,8 @@ static enum err coming_back(struct experiment *e, const real_t *y)
     enum err err = steady_step(&e->steady, y);
     if (err)
         return err;
-    bool rest = all_at_rest(e, e->after, e->half + e->half / 2u + e->config.window, &culprit);
+    bool rest = all_at_rest(e, e->after, e->half + (noisy(e) ? 0 : e->half / 2u) + e->config.window,
+                            &culprit);
     /* Not sooner than the way there took: in a dead time everything is at rest, where it was. */
     if (rest && e->waited >= e->half) {
         e->returned = true;
