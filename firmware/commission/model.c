@@ -114,6 +114,18 @@ static void begin_output(struct commission *c)
     c->fit_running = !err;
 }
 
+/* What is left of the response itself in the slope after the test: fraction of span per second. */
+static real_t tail_slope(const struct experiment *x, uint8_t j, const struct identified *fit)
+{
+    const struct excitation *u = &x->record.input;
+    if (u->edges == 0 || !(fit->time_constant_s > REAL_C(0.0)))
+        return REAL_C(0.0);
+    real_t since_s = (real_t)(x->samples - u->edge[u->edges - 1u].sample) * x->config.h_s;
+    real_t gone_s = since_s - x->after[j].age_s - fit->dead_time_s;
+    real_t share = gone_s > REAL_C(0.0) ? real_exp(-gone_s / fit->time_constant_s) : REAL_C(1.0);
+    return real_abs(fit->gain) * x->amplitude * share / fit->time_constant_s;
+}
+
 /* What the record says by itself: a bent drift makes the three parts of a double step disagree about the gain, and the
  * fit cannot know. */
 static void judge(struct commission *c, struct identified *fit)
@@ -125,6 +137,8 @@ static void judge(struct commission *c, struct identified *fit)
         return;
     judge_record(&x->record, c->fit_at, &b, x->amplitude, &verdict);
     real_t bend_sd, bend = real_abs(experiment_bend(x, c->fit_at, &bend_sd));
+    real_t tail = REAL_C(2.0) * tail_slope(x, c->fit_at, fit);
+    bend = bend > tail ? bend - tail : REAL_C(0.0);
     real_t half_s = (real_t)x->half * x->config.h_s;
     /* A drift that is the same in both halves cancels in the changes; one that bends does not. */
     real_t explained = CLIMB_SDS * verdict.change_sd + bend * half_s;
