@@ -173,7 +173,8 @@ def label(job: dict[str, float]) -> str:
     return ", ".join(f"{key} {value}" if isinstance(value, str) else f"{key} {value:g}" for key, value in job.items())
 
 
-def run_missing(campaign: Campaign | commissioning.Start, jobs: list[dict[str, Any]], state: State, workers: int) -> None:
+def run_missing(campaign: Campaign | commissioning.Start, jobs: list[dict[str, Any]], state: State,
+                workers: int) -> None:
     if not jobs:
         return
     progress = build.Progress(campaign.name)

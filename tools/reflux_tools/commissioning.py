@@ -1,4 +1,4 @@
-"""A campaign of automatic start-ups: linear plants, noise, drift and converter steps, many seeds (docs/commissioning.md)."""
+"""A campaign of automatic start-ups: linear plants, noise, drift and converter steps, many seeds."""
 
 from __future__ import annotations
 
@@ -226,7 +226,7 @@ def reference() -> dict[str, list[tuple[str, str]]]:
 
 
 def pair(gains: np.ndarray) -> list[tuple[int, int]] | None:
-    """As the committed pairings were made: outputs by the row sums of the RGA, then least sum of |ln|, none negative."""
+    """As the committed pairings: outputs by the row sums of the RGA, then the least sum of |ln|, none negative."""
     def rga(k: np.ndarray) -> np.ndarray:
         return k * np.linalg.pinv(k).T
     try:
@@ -249,8 +249,8 @@ def pair(gains: np.ndarray) -> list[tuple[int, int]] | None:
 
 # ---- results ----
 
-HEADER = ["plant", "seeds", "right", "not determined", "wrong", "ended early", "rounds", "time", "time 95 %", "worst limit",
-          "kept", "taken back", "moments wrong"]
+HEADER = ["plant", "seeds", "right", "not determined", "wrong", "ended early", "rounds", "time", "time 95 %",
+          "worst limit", "kept", "taken back", "moments wrong"]
 ERROR_HEADER = ["plant", "K", "K 95 %", "T", "T 95 %", "L", "L 95 %"]
 
 
@@ -319,6 +319,9 @@ def shortfalls(start: Start, results: list[dict[str, Any]]) -> list[str]:
         asked = plant.determined if len(chosen) == len(start.seeds) else min(plant.determined, FEW_LEAST)
         if chosen and right < asked * len(chosen):
             out.append(f"{plant.name}: {right} of {len(chosen)} determined rightly, {asked:.0%} asked for")
+        endless = sum(r["verdict"] in ("right", "wrong") and r["trial"] == "-" for r in chosen)
+        if endless:
+            out.append(f"{plant.name}: {endless} trials without an end")
         if chosen and max(r.get("worst", 0.0) for r in chosen) > 1.0:
             out.append(f"{plant.name}: the plant went past a limit")
     return out
@@ -358,7 +361,10 @@ of the true gain, T and L of the true L + T.
 """
     text += commissioning_columns.text() + "\n"
     text += "## What was asked for\n\n"
-    text += "Not reached:\n\n" + "\n".join(f"- {m}" for m in missed) + "\n" if missed else "Everything asked for is reached.\n"
+    if missed:
+        text += "Not reached:\n\n" + "\n".join(f"- {m}" for m in missed) + "\n"
+    else:
+        text += "Everything asked for is reached.\n"
     (folder / f"{start.name}.md").write_text(text, encoding="utf-8")
     with (folder / f"{start.name}.csv").open("w", encoding="utf-8", newline="") as out:
         writer = csv.writer(out, lineterminator="\n")
