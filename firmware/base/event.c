@@ -63,7 +63,7 @@ static const char *const table[] = {
     E("SEQUENCE_ABORTED", "sequence aborted into the safe state at step", ALARM),
     E("OFFSET", "subtracted from the readings from now on", INFO),
     E("COMMISSION_BEGUN", "automatic start-up has begun; inputs to test", INFO),
-    E("COMMISSION_ENDED", "automatic start-up given up, inputs as before", ALARM),
+    E("COMMISSION_ENDED", "automatic start-up given up", ALARM),
     E("TEST_STEP", "test of this input; amplitude, fraction of span", INFO),
     E("TEST_CUT", "test cut short, this would pass its limit; peak seen coming, fraction of span",
       INFO),

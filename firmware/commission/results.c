@@ -109,9 +109,12 @@ static bool noise_decides(const struct analysis *a)
 static void take_analysis(struct commission *c, struct supervisor *s)
 {
     const struct analysis *a = &c->work.analysis;
+    if (c->job_error == ERR_EMPTY) {
+        commission_end(c, s, WHY_NO_INPUT, NULL, REAL_C(0.0));
+        return;
+    }
     if (c->job_error) {
-        commission_end(c, s, c->job_error == ERR_EMPTY ? WHY_NO_INPUT : WHY_NUMBERS, NULL,
-                       (real_t)c->job_error);
+        commission_end(c, s, WHY_NUMBERS, NULL, (real_t)c->job_error);
         return;
     }
     bool open = a->verdict != PAIRING_DETERMINED;

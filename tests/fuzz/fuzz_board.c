@@ -16,6 +16,7 @@ static struct {
     uint32_t number;
     uint64_t time_ms;
     uint8_t readings[5 * 6];
+    float drive[2], level[2]; /* of the plant that answers: reflux and heat, T1 and T10 */
     struct frame_decoder from_firmware, from_plant;
     struct {
         uint32_t number;
@@ -109,6 +110,8 @@ static void plant_hears(const struct frame *f)
     case LINK_COMMAND:
         DEMAND(unpack_command(f, &command) == ERR_OK);
         command_answers_a_sample(&command);
+        for (unsigned i = 0; i < 2 && i < command.n_outputs; i++)
+            b.drive[i] = command.output[i].value;
         break;
     default:
         DEMAND(f->type == LINK_KEEP_ALIVE);
@@ -231,6 +234,35 @@ void fuzz_sample(struct feed *f, bool again)
     run();
 }
 
+/* At 100 and 110 degC with reflux 4 l/h and heat 1 kW, within seconds. */
+static void answer_to_the_outputs(void)
+{
+    float reflux = b.drive[0] - 4.0f, heat = b.drive[1] - 1.0f;
+    float rest[2] = {100.0f + 5.0f * heat - 2.0f * reflux, 110.0f + 20.0f * heat - reflux};
+    for (unsigned i = 0; i < 2; i++) {
+        b.level[i] += 0.3f * (rest[i] - b.level[i]);
+        DEMAND(b.level[i] > -1e9f && b.level[i] < 1e9f); /* commands are numbers */
+    }
+}
+
+void fuzz_stretch(unsigned n)
+{
+    struct link_sample m = {.n_measurements = 4, .n_readback = 2};
+    struct frame frame;
+    while (n--) {
+        answer_to_the_outputs();
+        m.number = ++b.number;
+        m.time_ms = b.time_ms += 1000;
+        for (unsigned i = 0; i < 4; i++)
+            m.measurement[i].value = i < 2 ? b.level[i] : 5.0f;
+        for (unsigned i = 0; i < 2; i++)
+            m.readback[i].value = b.drive[i];
+        pack_sample(&m, &frame);
+        fuzz_frame(&frame);
+        run();
+    }
+}
+
 void fuzz_pass(uint64_t ms)
 {
     b.clock_ms += ms;
@@ -294,6 +326,8 @@ void fuzz_power_on(void)
     memset(&b, 0, sizeof b);
     frame_decoder_reset(&b.from_firmware);
     frame_decoder_reset(&b.from_plant);
+    b.level[0] = 100.0f;
+    b.level[1] = 110.0f;
     memory_port_start();
     run();
     type_line("mode machine\n");

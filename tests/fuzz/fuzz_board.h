@@ -18,6 +18,8 @@ void fuzz_type(const void *text, size_t n); /* bytes into the console, as fast a
 void fuzz_link(const void *bytes, size_t n);
 void fuzz_frame(struct frame *f); /* sequence and CRC as they should be */
 void fuzz_sample(struct feed *f, bool again);
+/* So many samples of a plant that answers to its outputs. */
+void fuzz_stretch(unsigned n);
 void fuzz_pass(uint64_t ms);
 unsigned fuzz_reboots(void); /* since fuzz_start() */
 

@@ -35,6 +35,48 @@ static const char *const commands[] = {
     "diff defaults",
 };
 
+/* Automatic start-up, which needs a plant that answers: stretches of samples, too. */
+static const char *const start_up[] = {
+    "commission begin",
+    "commission accept",
+    "commission",
+    "commission model",
+    "commission gains",
+    "commission pairing",
+    "commission structure",
+    "commission proposal",
+    "commission trial",
+    "commission plant",
+    "commission pause",
+    "commission resume",
+    "commission skip",
+    "commission repeat",
+    "commission abort",
+    "commission edit",
+    "commission reject",
+    "out bottom 1",
+    "mode bottom manual",
+    "set test.rounds 1",
+    "set mv1.test off",
+    "set mv2.test_step 0.4",
+    "set meas2.test_limit 8",
+    "set loop2.gain 100",
+    "reboot",
+};
+#define START_UP (sizeof start_up / sizeof start_up[0])
+#define STRETCH  (START_UP + 7u) /* a few more chances than one */
+
+static void start_up_step(struct feed *f)
+{
+    unsigned k = feed_byte(f) % STRETCH;
+    if (k < START_UP) {
+        fuzz_type(start_up[k], strlen(start_up[k]));
+        fuzz_type("\n", 1);
+        return;
+    }
+    fuzz_stretch(feed_byte(f));
+}
+
 static void step(struct feed *f)
 {
     uint8_t what = feed_byte(f);
@@ -47,7 +89,11 @@ static void step(struct feed *f)
         fuzz_type(text, n);
         break;
     case 1: {
-        const char *command = commands[(what >> 3) % (sizeof commands / sizeof commands[0])];
+        if (what >> 3 >= sizeof commands / sizeof commands[0]) {
+            start_up_step(f);
+            break;
+        }
+        const char *command = commands[what >> 3];
         fuzz_type(command, strlen(command));
         fuzz_type("\n", 1);
         break;
