@@ -384,12 +384,28 @@ void app_tick(struct app *app)
 
 /* ---- the main loop ---- */
 
+#if COMMISSION_CHANNELS
+static bool commission_piece(struct app *app)
+{
+    struct service *s = &app->service;
+    uint32_t ticks = s->cost.n, start = hal_cycles();
+    bool worked = commission_work(&app->commission);
+    uint32_t cost = hal_cycles() - start;
+    if (worked && ticks == s->cost.n) {
+        s->work_cost.n++;
+        if (cost > s->work_cost.highest)
+            s->work_cost.highest = cost;
+    }
+    return worked;
+}
+#endif
+
 void app_background(struct app *app)
 {
     app->main_turns++;
     bool busy = console_poll(&app->console);
 #if COMMISSION_CHANNELS
-    busy = commission_work(&app->commission) || busy;
+    busy = commission_piece(app) || busy;
     busy = console_commission_poll(&app->console) || busy;
 #endif
     busy = storage_poll(&app->storage) || busy;

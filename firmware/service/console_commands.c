@@ -409,6 +409,13 @@ static bool stats_line(struct console *c, unsigned n, struct text *line)
         text_str(line, "board");
         pair(line, "up_ms", (uint32_t)hal_clock_ms());
         return true;
+#if COMMISSION_CHANNELS
+    case 8: /* the unit is that of the ticks */
+        text_str(line, "work");
+        pair(line, "n", s->work_cost.n);
+        pair(line, "max", s->work_cost.highest);
+        return true;
+#endif
     default:
         return false;
     }

@@ -30,6 +30,11 @@ struct tick_cost {
 #endif
 _Static_assert(PLAN_BUFFERS == 2 || PLAN_BUFFERS == 3, "in force, pending, scratch");
 
+/* Pieces of work between ticks; one in which a tick came is not measured. Written by the main loop. */
+struct work_cost {
+    uint32_t n, highest;
+};
+
 struct storage;
 struct commission;
 
@@ -42,6 +47,7 @@ struct service {
     struct event_queue tick_events;
     uint32_t tick_event_count; /* events the tick has put since start */
     struct tick_cost cost;
+    struct work_cost work_cost; /* of automatic start-up */
     bool watchdog;
     struct storage *storage;       /* service/storage.h; set by storage_init() */
     struct commission *commission; /* NULL where the board leaves it out */
