@@ -29,7 +29,7 @@ UNITS = {"s": 1.0, "min": 60.0, "h": 3600.0}
 HORIZON = 3000  # slowest time constants after which the drift turns no more
 EVENTS_MOST = 1000
 LONGEST_S = 300  # of one run, on the clock
-FEW_LEAST = 0.7  # determined: share asked of a few seeds, where one more or less counts for much
+FEW_LEAST = 0.5  # determined: share asked of a few seeds, where one more or less counts for much
 
 
 @dataclass(frozen=True)
