@@ -66,7 +66,7 @@ def collect(labels: set[str]) -> list[Test]:
             build.build(preset)
             tests += [test for test in tests_of(preset) if labels & set(test.labels)]
     if labels & {"loop", "target", "campaign"}:
-        build.build("host", ("reflux-sim", "reflux-sim-memory", "reflux-host"))
+        build.build("host", ("reflux-sim", "reflux-sim-memory", "reflux-host", "libreflux"))
     if "loop" in labels:
         tests += loop_tests()
     if "target" in labels:
