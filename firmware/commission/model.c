@@ -217,12 +217,26 @@ void model_begin_analysis(struct commission *c, const struct config *config, rea
         c->column[n++] = k;
     }
     a->plant.inputs = n;
-    struct analysis_config settings = {.h_s = h_s,
-                                       .confidence = config->test.confidence,
-                                       .floor = GAIN_FLOOR,
-                                       .step = STEP,
-                                       .loops_max = CONFIG_LOOPS};
-    c->job_error = n == 0 ? ERR_EMPTY : analysis_begin(a, &settings);
+    c->settings = (struct analysis_config){.h_s = h_s,
+                                           .confidence = config->test.confidence,
+                                           .floor = GAIN_FLOOR,
+                                           .step = STEP,
+                                           .loops_max = CONFIG_LOOPS};
+    c->analysis_begun = false;
+    c->job_error = n == 0 ? ERR_EMPTY : ERR_OK;
+}
+
+static bool analysis_piece(struct commission *c)
+{
+    if (c->job_error)
+        return false;
+    enum err err = c->analysis_begun ? analysis_step(&c->work.analysis)
+                                     : analysis_begin(&c->work.analysis, &c->settings);
+    if (err && err != ERR_BUSY)
+        c->job_error = err;
+    bool more = err == ERR_BUSY || (!c->analysis_begun && !err);
+    c->analysis_begun = true;
+    return more;
 }
 
 bool model_work(struct commission *c, enum model_job job)
@@ -231,12 +245,7 @@ bool model_work(struct commission *c, enum model_job job)
         return look_run(&c->work.test.experiment.look);
     if (job == JOB_FIT)
         return fit_piece(c);
-    if (c->job_error)
-        return false;
-    enum err err = analysis_step(&c->work.analysis);
-    if (err && err != ERR_BUSY)
-        c->job_error = err;
-    return err == ERR_BUSY;
+    return analysis_piece(c);
 }
 
 #endif

@@ -3,6 +3,9 @@
 
 #include "commission/parts.h"
 
+#include <stddef.h>
+#include <string.h>
+
 #include "base/elapsed.h"
 
 #define NOISE_FLOOR     REAL_C(7e-5) /* of span: what 12 bits of conversion leave */
@@ -169,6 +172,15 @@ void commission_start_input(struct commission *c, struct supervisor *s)
         commission_end(c, s, WHY_NUMBERS, commission_input_name(c, s), (real_t)err);
 }
 
+/* All but the large parts, which whoever uses them next clears: this is a tick. */
+static void forget_results(struct commission *c)
+{
+    struct event_queue *events = c->events;
+    memset(c, 0, offsetof(struct commission, work));
+    memset(&c->adoption, 0, sizeof c->adoption);
+    c->events = events;
+}
+
 void commission_begin(struct commission *c, struct supervisor *s)
 {
     const char *what, *wanted;
@@ -177,7 +189,7 @@ void commission_begin(struct commission *c, struct supervisor *s)
         event_put(events, s->time_ms, EVENT_REQUEST_REFUSED, what, 0.0f, 0);
         return;
     }
-    commission_init(c, events);
+    forget_results(c);
     c->plan_serial = s->plan->serial;
     c->channels = commission_channels(&s->plan->config);
     c->safe_count = s->safe_count;
