@@ -1,0 +1,68 @@
+/* What `commission` shows before anything is known, with a proposal, and after the trial. */
+#include "commission_wood_berry.h"
+
+void setUp(void) {}
+void tearDown(void) {}
+
+static void shows(const char *command, const char *const *words)
+{
+    ask_ok(command);
+    for (; *words; words++)
+        TEST_ASSERT_TRUE_MESSAGE(said(*words), *words);
+}
+
+#define SHOWS(command, ...) shows(command, (const char *const[]){__VA_ARGS__, NULL})
+
+static void before_the_tests_there_is_nothing_but_the_plant(void)
+{
+    wood_berry(NULL);
+    SHOWS("commission", "phase idle");
+    SHOWS("commission plant", "plant tick s 60", "output xD unit %w lo 80 hi 112",
+          "input R unit lb/min");
+    ask_ok("commission model");
+    TEST_ASSERT_FALSE(said("element"));
+    SHOWS("commission gains", "nothing yet");
+    SHOWS("commission pairing", "nothing yet");
+    SHOWS("commission proposal", "nothing yet");
+    ask_refused("commission nonsense", "PARSE");
+    ask_refused("commission accept", "STATE");
+    ask_refused("commission resume", "STATE");
+}
+
+static void a_proposal_is_shown_with_what_it_rests_on(void)
+{
+    ask_ok("commission begin");
+    until("TEST_STEP R", 300);
+    SHOWS("commission", "phase testing", "input R (1 of 2), round 1: positive half");
+    until("PROPOSAL", 3000);
+    SHOWS("commission", "phase ready", "a proposal waits");
+    SHOWS("commission model", "input R held 1.95", "output xD noise", "element xD R gain 12.",
+          "element xB S gain -19.", "moments xD R");
+    SHOWS("commission gains", "rank 2", "singular", "rga R S", "rga xD 2.0");
+    SHOWS("commission pairing", "pairing determined", "pair xD R lambda 2.0", "pair xB S");
+    SHOWS("commission structure", "block");
+    SHOWS("commission proposal", "settings SIMC", "decoupler none", "loop xD R gain",
+          "loop xB S gain");
+}
+
+static void a_trial_is_shown_beside_what_was_predicted(void)
+{
+    ask_ok("commission accept");
+    until("TRIAL_BEGUN", 5);
+    SHOWS("commission", "phase trial", "loop 1 of 2 on trial");
+    until("TRIAL_KEPT", 4000);
+    SHOWS("commission trial", "xD", "xB");
+    SHOWS("commission", "phase kept");
+}
+
+int main(void)
+{
+    UNITY_BEGIN();
+    RUN_TEST(before_the_tests_there_is_nothing_but_the_plant);
+    RUN_TEST(a_proposal_is_shown_with_what_it_rests_on);
+    RUN_TEST(a_trial_is_shown_beside_what_was_predicted);
+    int failed = UNITY_END();
+    plant_power_off();
+    plant_library_free();
+    return failed;
+}
