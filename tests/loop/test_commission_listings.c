@@ -55,12 +55,29 @@ static void a_trial_is_shown_beside_what_was_predicted(void)
     SHOWS("commission", "phase kept");
 }
 
+static void what_cannot_be_told_is_shown_as_open(void)
+{
+    static const char *const once[] = {"set test.rounds 1", NULL};
+    commission_plant("paper-machine", 1000, 0.0, once);
+    ask_ok("commission begin");
+    until("NOT_DETERMINED", 12000);
+    SHOWS("commission", "no proposal");
+    SHOWS("commission gains", "rank 4", "null inputs u1", "null outputs y1");
+    SHOWS("commission pairing", "pairing not determined", "open y");
+    SHOWS("commission proposal", "no proposal: pairing not determined");
+    ask_ok("commission structure");
+    ask_ok("commission model");
+    ask_refused("commission accept", "STATE");
+    ask_refused("commission edit", "STATE");
+}
+
 int main(void)
 {
     UNITY_BEGIN();
     RUN_TEST(before_the_tests_there_is_nothing_but_the_plant);
     RUN_TEST(a_proposal_is_shown_with_what_it_rests_on);
     RUN_TEST(a_trial_is_shown_beside_what_was_predicted);
+    RUN_TEST(what_cannot_be_told_is_shown_as_open);
     int failed = UNITY_END();
     plant_power_off();
     plant_library_free();
