@@ -166,7 +166,7 @@ static const struct parameter_field decoupler_fields[] = {
 };
 
 static const struct parameter_field feedforward_fields[] = {
-    N(ff_config, from, 1, "from", "measured disturbance; - = unused"),
+    N(ff_config, from, 1, "from", "disturbance, measured or manipulated variable; - = unused"),
     N(ff_config, to, 2, "to", "manipulated variable that is corrected"),
     F(ff_config, gain, 3, "gain", "fraction/fraction", -100, 100, 0,
       "correction, output span per measurement span"),

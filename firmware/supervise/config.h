@@ -112,11 +112,11 @@ struct loop_config {
 };
 
 struct ff_config {
-    char from[CHANNEL_NAME_SIZE]; /* measurement */
+    char from[CHANNEL_NAME_SIZE]; /* measurement, or another manipulated variable */
     char to[CHANNEL_NAME_SIZE];   /* manipulated variable, driven by a loop */
-    float gain;                   /* fraction of output span per fraction of measurement span */
+    float gain;                   /* fraction of output span per fraction of the source's span */
     float lead_s, lag_s, dead_s;
-    float reference; /* measurement value that gives no correction, EU */
+    float reference; /* value of the source that gives no correction, EU */
     float lo, hi;    /* limits of the correction, fraction of output span */
 };
 

@@ -9,6 +9,8 @@
 #include "signal/ramp.h"
 #include "supervise/sequence.h"
 
+_Static_assert(CONFIG_FEEDFORWARDS <= 8, "a bit for each in check_feedforward_rings");
+
 #define TICK_SHORTEST_S      0.05f
 #define BLOCK_INTERVAL_MAX_S 1e5f
 
@@ -123,16 +125,27 @@ struct two_position_config plan_two_position(const struct plan *plan, uint8_t lo
     };
 }
 
+void plan_feedforward_span(const struct plan *plan, uint8_t element, float *lo, float *hi)
+{
+    uint8_t from = plan->feedforward[element].from;
+    bool output = plan->feedforward[element].from_output;
+    const struct measurement_config *m = &plan->config.measurement[from];
+    const struct output_config *o = &plan->config.output[from];
+    *lo = output ? o->lo : m->lo;
+    *hi = output ? o->hi : m->hi;
+}
+
 struct feedforward_config plan_feedforward(const struct plan *plan, uint8_t element)
 {
     const struct ff_config *f = &plan->config.feedforward[element];
-    const struct measurement_config *m = &plan->config.measurement[plan->feedforward[element].from];
+    float lo, hi;
+    plan_feedforward_span(plan, element, &lo, &hi);
     return (struct feedforward_config){
         .gain = f->gain,
         .lead_s = f->lead_s,
         .lag_s = f->lag_s,
         .dead_time_s = f->dead_s,
-        .reference = (f->reference - m->lo) / (m->hi - m->lo),
+        .reference = (f->reference - lo) / (hi - lo),
         .out_lo = f->lo,
         .out_hi = f->hi,
     };
@@ -310,6 +323,39 @@ static enum err check_decoupler(const struct plan *plan, struct config_fault *fa
                   "needs a matrix whose every part (with other loops in manual) has an inverse");
 }
 
+/* Feedforwards that pass a manipulated variable on, in a ring, would drive themselves; one onto its own source is the
+ * shortest ring. What each reaches, through any number of others: */
+static enum err check_feedforward_rings(const struct plan *plan, struct config_fault *fault)
+{
+    uint8_t reach[CONFIG_FEEDFORWARDS];
+    for (uint8_t i = 0; i < CONFIG_FEEDFORWARDS; i++) {
+        reach[i] = 0;
+        for (uint8_t k = 0; k < CONFIG_FEEDFORWARDS; k++)
+            if (plan->feedforward[i].from != PLAN_NONE && plan->feedforward[k].from_output &&
+                plan->feedforward[k].from == plan->feedforward[i].to)
+                reach[i] = (uint8_t)(reach[i] | 1u << k);
+    }
+    for (uint8_t through = 0; through < CONFIG_FEEDFORWARDS; through++)
+        for (uint8_t i = 0; i < CONFIG_FEEDFORWARDS; i++)
+            if (reach[i] >> through & 1u)
+                reach[i] = (uint8_t)(reach[i] | reach[through]);
+    for (uint8_t i = 0; i < CONFIG_FEEDFORWARDS; i++)
+        if (reach[i] >> i & 1u)
+            return refuse(fault, ERR_CYCLE, "ff", i + 1u, "from", plan->config.feedforward[i].from,
+                          "makes a ring of feedforwards");
+    return ERR_OK;
+}
+
+/* A measurement of that name, or else a manipulated variable. */
+static void resolve_source(struct plan *plan, uint8_t i)
+{
+    const char *from = plan->config.feedforward[i].from;
+    plan->feedforward[i].from = config_find_measurement(&plan->config, from);
+    plan->feedforward[i].from_output = plan->feedforward[i].from == PLAN_NONE;
+    if (plan->feedforward[i].from_output)
+        plan->feedforward[i].from = config_find_output(&plan->config, from);
+}
+
 static enum err resolve_feedforwards(struct plan *plan, struct config_fault *fault)
 {
     uint32_t used = 0;
@@ -318,10 +364,10 @@ static enum err resolve_feedforwards(struct plan *plan, struct config_fault *fau
         plan->feedforward[i].from = PLAN_NONE;
         if (!f->from[0])
             continue;
-        plan->feedforward[i].from = config_find_measurement(&plan->config, f->from);
+        resolve_source(plan, i);
         if (plan->feedforward[i].from == PLAN_NONE)
             return refuse(fault, ERR_UNKNOWN, "ff", i + 1u, "from", f->from,
-                          "must be the name of a configured measurement");
+                          "must be a configured measurement or manipulated variable");
         plan->feedforward[i].to = config_find_output(&plan->config, f->to);
         if (plan->feedforward[i].to == PLAN_NONE ||
             plan->owner[plan->feedforward[i].to] == PLAN_NONE)
@@ -348,7 +394,7 @@ static enum err resolve_feedforwards(struct plan *plan, struct config_fault *fau
             return err;
         }
     }
-    return ERR_OK;
+    return check_feedforward_rings(plan, fault);
 }
 
 static enum err resolve_interlocks(struct plan *plan, struct config_fault *fault)

@@ -46,7 +46,8 @@ struct plan {
     uint8_t n_order;
     uint8_t owner[CHANNEL_MAX]; /* loop that drives output i directly, or PLAN_NONE */
     struct {
-        uint8_t from, to;     /* measurement and output index; PLAN_NONE = unused */
+        uint8_t from, to;     /* measurement (or output) and output index; PLAN_NONE = unused */
+        bool from_output;     /* `from` is a manipulated variable */
         uint32_t line, bytes; /* place in the arena: first num_t, and size */
     } feedforward[CONFIG_FEEDFORWARDS];
     struct {
@@ -79,8 +80,10 @@ static inline bool plan_is_two_position(const struct plan *plan, uint8_t loop)
 {
     return plan->config.loop[loop].algorithm == LOOP_TWO_POSITION;
 }
-/* Settings of feedforward element i, whose measurement is resolved. */
+/* Settings of feedforward element i, whose source is resolved. */
 struct feedforward_config plan_feedforward(const struct plan *plan, uint8_t element);
+/* Span of its source, EU. */
+void plan_feedforward_span(const struct plan *plan, uint8_t element, float *lo, float *hi);
 /* Setpoint limits in force, EU. */
 void plan_setpoint_limits(const struct plan *plan, uint8_t loop, float *lo, float *hi);
 

@@ -175,6 +175,7 @@ static bool same_feedforward(const struct plan *plan, const struct plan *old, ui
            a->lead_s == b->lead_s && a->lag_s == b->lag_s && a->dead_s == b->dead_s &&
            a->reference == b->reference && a->lo == b->lo && a->hi == b->hi &&
            plan->feedforward[i].from == old->feedforward[i].from &&
+           plan->feedforward[i].from_output == old->feedforward[i].from_output &&
            plan->feedforward[i].to == old->feedforward[i].to &&
            plan->feedforward[i].line == old->feedforward[i].line &&
            plan->feedforward[i].bytes == old->feedforward[i].bytes;
@@ -185,13 +186,13 @@ static void place_feedforward(struct supervisor *s, const struct plan *old, uint
     const struct plan *plan = s->plan;
     const struct ff_config *f = &plan->config.feedforward[i];
     const struct ff_config *before = old ? &old->config.feedforward[i] : NULL;
-    uint8_t from = plan->feedforward[i].from;
     if (!f->from[0] && !(before && before->from[0]))
         return;
     if (before && f->from[0] && same_feedforward(plan, old, i) && plan->tick_s == s->tick_s) {
-        const struct measurement_config *m = &plan->config.measurement[from];
-        const struct measurement_config *m_before = &old->config.measurement[from];
-        if (strcmp(m->name, m_before->name) == 0 && m->lo == m_before->lo && m->hi == m_before->hi)
+        float lo, hi, lo_before, hi_before;
+        plan_feedforward_span(plan, i, &lo, &hi);
+        plan_feedforward_span(old, i, &lo_before, &hi_before);
+        if (lo == lo_before && hi == hi_before)
             return;
     }
     if (before)

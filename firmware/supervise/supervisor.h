@@ -170,7 +170,7 @@ struct supervisor {
     struct sequence sequence;
 #endif
     struct feedforward feedforward[CONFIG_FEEDFORWARDS];
-    bool ff_running[CONFIG_FEEDFORWARDS]; /* has begun on a usable measurement */
+    bool ff_running[CONFIG_FEEDFORWARDS]; /* has begun on a usable value */
     struct decoupler decoupler;
     uint8_t decoupler_mask; /* selection the decoupler holds */
     num_t arena[PLAN_ARENA_BYTES / sizeof(num_t)];

@@ -68,25 +68,35 @@ static void law_back(struct supervisor *s, uint8_t i, num_t applied, uint8_t hol
         pid_back(&s->loop[i].pid, applied, hold);
 }
 
+/* What feedforward k looks at, fraction of span; false: there is nothing to look at yet. Of a manipulated variable it is
+ * what the tick before has made of it, whatever moved it: limits, interlocks and hands included. So no correction depends
+ * on the order in which loops or corrections are computed. */
+static bool feedforward_input(const struct supervisor *s, uint8_t k, num_t *d)
+{
+    uint8_t from = s->plan->feedforward[k].from;
+    if (!s->plan->config.feedforward[k].from[0] || from == PLAN_NONE)
+        return false;
+    bool output = s->plan->feedforward[k].from_output;
+    *d = output ? s->output[from].applied : s->measurement[from].value;
+    return output ? s->output[from].bound : s->measurement[from].seen;
+}
+
 static void feed_forward(struct supervisor *s)
 {
     for (uint8_t i = 0; i < CONFIG_LOOPS; i++)
         s->loop[i].feedforward = num_zero();
     for (uint8_t k = 0; k < CONFIG_FEEDFORWARDS; k++) {
-        uint8_t from = s->plan->feedforward[k].from;
-        if (!s->plan->config.feedforward[k].from[0] || from == PLAN_NONE)
-            continue;
-        if (!s->measurement[from].seen)
+        num_t d;
+        if (!feedforward_input(s, k, &d))
             continue; /* no number yet: no correction */
         struct loop_state *l = &s->loop[s->plan->owner[s->plan->feedforward[k].to]];
         if (!s->ff_running[k]) {
-            /* New, or its measurement is: it begins at rest, and the loop makes room for it. */
+            /* New, or what it looks at is: it begins at rest, and the loop makes room for it. */
             s->ff_running[k] = true;
-            feedforward_reset(&s->feedforward[k], s->measurement[from].value);
+            feedforward_reset(&s->feedforward[k], d);
             l->join = true;
         }
-        num_t c = feedforward_step(&s->feedforward[k], s->measurement[from].value);
-        l->feedforward = num_add(l->feedforward, c);
+        l->feedforward = num_add(l->feedforward, feedforward_step(&s->feedforward[k], d));
     }
 }
 

@@ -119,6 +119,32 @@ static void a_feedforward_needs_an_output_that_a_loop_drives(void)
     refused(ERR_UNKNOWN, "ff", 1, "to", "spare");
 }
 
+static void a_feedforward_takes_a_measurement_or_an_input_the_measurement_first(void)
+{
+    put_all((const char *const[]){"ff1.from", "reflux", "ff1.to", "heat", NULL});
+    TEST_ASSERT_EQUAL(ERR_OK, build());
+    TEST_ASSERT_TRUE(plan.feedforward[0].from_output);
+    TEST_ASSERT_EQUAL_UINT8(REFLUX, plan.feedforward[0].from);
+    put("meas3.name", "reflux");
+    TEST_ASSERT_EQUAL(ERR_OK, build());
+    TEST_ASSERT_FALSE(plan.feedforward[0].from_output);
+    TEST_ASSERT_EQUAL_UINT8(FEED, plan.feedforward[0].from);
+}
+
+static void feedforwards_must_not_lead_back_to_where_they_come_from(void)
+{
+    put_all((const char *const[]){"ff1.from", "heat", "ff1.to", "heat", NULL});
+    refused(ERR_CYCLE, "ff", 1, "from", "heat");
+    put("ff1.from", "reflux");
+    put_all((const char *const[]){"ff3.from", "heat", "ff3.to", "reflux", NULL});
+    refused(ERR_CYCLE, "ff", 1, "from", "reflux");
+    put_all((const char *const[]){"loop3.name", "more", "loop3.pv", "T5", "loop3.out", "spare",
+                                  "ff3.to", "spare", "ff4.from", "feed", "ff4.to", "reflux", NULL});
+    TEST_ASSERT_EQUAL(ERR_OK, build()); /* feed to reflux to heat to spare */
+    put_all((const char *const[]){"ff4.from", "spare", "ff4.to", "reflux", NULL});
+    refused(ERR_CYCLE, "ff", 1, "from", "reflux");
+}
+
 static void an_output_has_one_loop_and_a_loop_one_outer_loop(void)
 {
     put("loop2.out", "reflux");
@@ -326,6 +352,8 @@ int main(void)
     RUN_TEST(words_of_the_console_are_no_names);
     RUN_TEST(names_of_nothing_are_refused);
     RUN_TEST(a_feedforward_needs_an_output_that_a_loop_drives);
+    RUN_TEST(a_feedforward_takes_a_measurement_or_an_input_the_measurement_first);
+    RUN_TEST(feedforwards_must_not_lead_back_to_where_they_come_from);
     RUN_TEST(an_output_has_one_loop_and_a_loop_one_outer_loop);
     RUN_TEST(loops_that_drive_each_other_in_a_ring_are_refused);
     RUN_TEST(spans_and_limits_must_be_in_order);
