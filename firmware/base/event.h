@@ -107,7 +107,7 @@ enum event_level event_level(uint8_t code);
 const char *event_level_name(enum event_level level);
 
 #ifndef EVENT_QUEUE_SIZE
-#define EVENT_QUEUE_SIZE 32 /* power of two */
+#define EVENT_QUEUE_SIZE 64 /* power of two: all that one tick can say */
 #endif
 
 struct event_queue {

@@ -182,13 +182,12 @@ static enum err begin_settings(struct analysis *a)
 
 static enum err do_decoupler(struct analysis *a)
 {
-    without_decoupler(a, DECOUPLER_NOT_NEEDED);
-    for (uint8_t b = 0; a->has_structure && b < a->structure.blocks; b++)
+    /* The firmware's matrix spans so many loops, whichever they are. */
+    bool spanned = a->pairs.n <= STATIC_DECOUPLER_LOOPS;
+    without_decoupler(a, spanned ? DECOUPLER_NOT_NEEDED : DECOUPLER_TOO_MANY);
+    for (uint8_t b = 0; spanned && a->has_structure && b < a->structure.blocks; b++)
         if (a->structure.block[b].mimo)
             decouple_block(a, &a->structure.block[b]);
-    /* The firmware's matrix spans so many loops, whichever they are. */
-    if (a->pairs.n > STATIC_DECOUPLER_LOOPS && a->decoupler == DECOUPLER_USED)
-        without_decoupler(a, DECOUPLER_TOO_MANY);
     if (a->decoupler == DECOUPLER_USED && !firmware_takes(&a->d))
         without_decoupler(a, DECOUPLER_ILL);
     return begin_settings(a);

@@ -40,7 +40,7 @@ static bool is_tested_output(const struct commission *c, const struct config *co
 /* Place i of the decoupler belongs to no other loop. */
 static void decouple_alone(struct config *config, uint8_t i)
 {
-    for (uint8_t k = 0; k < CONFIG_LOOPS; k++)
+    for (uint8_t k = 0; i < DECOUPLER_MAX && k < DECOUPLER_MAX; k++)
         config->decoupler[i][k] = config->decoupler[k][i] = i == k ? 1.0f : 0.0f;
 }
 
@@ -101,7 +101,9 @@ enum err proposal_write(const struct commission *c, struct config *config)
     make_room(c, config);
     uint8_t place[CONFIG_LOOPS];
     uint8_t n = 0;
-    for (uint8_t i = 0; i < CONFIG_LOOPS && n < a->pairs.n; i++)
+    bool decoupled = a->decoupler == DECOUPLER_USED;
+    unsigned places = decoupled ? DECOUPLER_MAX : CONFIG_LOOPS; /* the matrix has the first loops */
+    for (uint8_t i = 0; i < places && n < a->pairs.n; i++)
         if (!config->loop[i].name[0])
             place[n++] = i;
     if (n < a->pairs.n)
@@ -121,13 +123,13 @@ enum err proposal_write(const struct commission *c, struct config *config)
             .out_hi = 1.0f,
             .action = t->action == TUNING_DIRECT ? LOOP_DIRECT : LOOP_REVERSE,
             .sp_track = 1,
-            .decouple = a->decoupler == DECOUPLER_USED,
+            .decouple = decoupled,
             .divisor = 1,
         };
         strncpy(l->pv, pv, sizeof l->pv - 1);
         strncpy(l->out, out, sizeof l->out - 1);
         name_loop(config, place[k], pv, out);
-        for (uint8_t j = 0; j < n && a->decoupler == DECOUPLER_USED; j++)
+        for (uint8_t j = 0; j < n && decoupled; j++)
             config->decoupler[place[k]][place[j]] = (float)a->d.at[k][j];
     }
     return ERR_OK;

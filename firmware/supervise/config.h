@@ -8,10 +8,8 @@
 #include <stdint.h>
 
 #include "base/channel.h"
+#include "control/decoupler.h"
 
-#ifndef CONFIG_LOOPS
-#define CONFIG_LOOPS 8
-#endif
 #ifndef CONFIG_FEEDFORWARDS
 #define CONFIG_FEEDFORWARDS 4
 #endif
@@ -27,6 +25,13 @@
 
 #ifndef COMMISSION_CHANNELS
 #define COMMISSION_CHANNELS CHANNEL_MAX /* 0: the board leaves automatic start-up out */
+#endif
+#ifndef CONFIG_LOOPS
+#if COMMISSION_CHANNELS
+#define CONFIG_LOOPS 16 /* automatic start-up may propose one for every channel */
+#else
+#define CONFIG_LOOPS 8
+#endif
 #endif
 #ifndef CONFIG_PAIRS
 #if COMMISSION_CHANNELS
@@ -107,7 +112,7 @@ struct loop_config {
     uint8_t action;          /* enum loop_action */
     uint8_t algorithm;       /* enum loop_algorithm */
     uint8_t sp_track;        /* in manual the setpoint follows the measurement */
-    uint8_t decouple;        /* takes part in the static decoupler */
+    uint8_t decouple;        /* takes part in the static decoupler; of the first DECOUPLER_MAX */
     uint16_t divisor, phase; /* runs in base ticks t with t mod divisor = phase */
 };
 
@@ -213,7 +218,8 @@ struct config {
     struct measurement_config measurement[CHANNEL_MAX];
     struct output_config output[CHANNEL_MAX];
     struct loop_config loop[CONFIG_LOOPS];
-    float decoupler[CONFIG_LOOPS][CONFIG_LOOPS]; /* D: u_i = sum over j of D[i][j] v_j, fractions */
+    /* D of the first loops: u_i = sum over j of D[i][j] v_j, fractions. The others have none. */
+    float decoupler[DECOUPLER_MAX][DECOUPLER_MAX];
     struct ff_config feedforward[CONFIG_FEEDFORWARDS];
     struct interlock_config interlock[CONFIG_INTERLOCKS];
     struct alarm_config alarm[CONFIG_ALARMS];

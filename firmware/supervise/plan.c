@@ -18,7 +18,7 @@ _Static_assert(CONFIG_FEEDFORWARDS <= 8, "a bit for each in check_feedforward_ri
  * limits hold for u (tick.c); v is only kept where num_t can hold it. */
 #define DECOUPLED_LIMIT 100.0f
 
-_Static_assert(CONFIG_LOOPS <= DECOUPLER_MAX, "the decoupler holds every loop");
+_Static_assert(DECOUPLER_MAX <= CONFIG_LOOPS && DECOUPLER_MAX <= 8, "a bit of a byte for each");
 
 static enum err refuse(struct config_fault *fault, enum err code, const char *group, unsigned index,
                        const char *field, const char *subject, const char *wanted)
@@ -247,6 +247,9 @@ static enum err resolve_loop(struct plan *plan, uint8_t i, struct config_fault *
     if (p->decouple && p->output == PLAN_NONE)
         return refuse(fault, ERR_CONFLICT, "loop", i + 1u, "decouple", l->name,
                       "is for loops that drive a manipulated variable themselves");
+    if (p->decouple && i >= DECOUPLER_MAX)
+        return refuse(fault, ERR_RANGE, "loop", i + 1u, "decouple", l->name,
+                      "is for the loops that have a row of `decouple`");
     float h = plan->tick_s * (float)l->divisor;
     struct ramp ramp;
     if (!(h <= BLOCK_INTERVAL_MAX_S))
@@ -311,7 +314,7 @@ static enum err order_loops(struct plan *plan, struct config_fault *fault)
 static enum err check_decoupler(const struct plan *plan, struct config_fault *fault)
 {
     uint8_t mask = 0, worst = 0;
-    for (uint8_t i = 0; i < CONFIG_LOOPS; i++)
+    for (uint8_t i = 0; i < DECOUPLER_MAX; i++)
         if (plan->loop[i].used && plan->loop[i].decouple)
             mask = (uint8_t)(mask | (1u << i));
     if (decoupler_check(plan->config.decoupler, mask, &worst) == ERR_OK)

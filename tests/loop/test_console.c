@@ -203,7 +203,7 @@ static void a_refused_set_changes_nothing_and_says_what_is_allowed(void)
         {"set loop1.action up", "PARSE"},     {"set loop1.name a-b", "PARSE"},
         {"set config.schema 2", "READ_ONLY"}, {"set loop1.pv nothing", "UNKNOWN"},
         {"set loop2.out reflux", "CONFLICT"}, {"set loop1.phase 1", "RANGE"},
-        {"set mv1.lo 20", "RANGE"},           {"set loop9.gain 1", "UNKNOWN"},
+        {"set mv1.lo 20", "RANGE"},           {"set loop17.gain 1", "UNKNOWN"},
         {"set loop1.ti 0.001", "RANGE"},      {"set loop1.divisor 0", "RANGE"}};
     remember_settings();
     for (unsigned i = 0; i < sizeof bad / sizeof bad[0]; i++) {

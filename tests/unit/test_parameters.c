@@ -199,12 +199,24 @@ static void the_schema_cannot_be_changed(void)
 
 static void names_of_no_parameter_are_not_found(void)
 {
-    static const char *const none[] = {"",           "loop",        "loop1",
-                                       "loop1.",     "loop.gain",   "loop0.gain",
-                                       "loop9.gain", "loop1.gainx", "loop01.gain",
-                                       "loop1.gai",  "tick1.base",  "loop99999999999.gain",
-                                       "LOOP1.gain", "meas17.lo",   "decouple1.d9",
-                                       ".",          "tick.",       "loop1.gain "};
+    static const char *const none[] = {"",
+                                       "loop",
+                                       "loop1",
+                                       "loop1.",
+                                       "loop.gain",
+                                       "loop0.gain",
+                                       "loop17.gain",
+                                       "loop1.gainx",
+                                       "loop01.gain",
+                                       "loop1.gai",
+                                       "tick1.base",
+                                       "loop99999999999.gain",
+                                       "LOOP1.gain",
+                                       "meas17.lo",
+                                       "decouple1.d9",
+                                       ".",
+                                       "tick.",
+                                       "loop1.gain "};
     struct parameter p;
     for (unsigned i = 0; i < sizeof none / sizeof none[0]; i++)
         TEST_ASSERT_EQUAL_MESSAGE(ERR_UNKNOWN, parameter_find(none[i], &p), none[i]);
@@ -212,8 +224,8 @@ static void names_of_no_parameter_are_not_found(void)
 
 static void the_decoupler_is_the_identity_by_default(void)
 {
-    for (unsigned i = 0; i < CONFIG_LOOPS; i++)
-        for (unsigned j = 0; j < CONFIG_LOOPS; j++)
+    for (unsigned i = 0; i < DECOUPLER_MAX; i++)
+        for (unsigned j = 0; j < DECOUPLER_MAX; j++)
             TEST_ASSERT_EQUAL_FLOAT(i == j ? 1 : 0, config.decoupler[i][j]);
 }
 

@@ -308,6 +308,15 @@ static void only_loops_with_an_output_of_their_own_can_be_decoupled(void)
     refused(ERR_CONFLICT, "loop", 3, "decouple", "outer");
 }
 
+static void loops_beyond_the_matrix_cannot_be_decoupled(void)
+{
+    put_all((const char *const[]){"loop9.name", "ninth", "loop9.pv", "T5", "loop9.out", "spare",
+                                  "loop9.decouple", "on", NULL});
+    refused(ERR_RANGE, "loop", 9, "decouple", "ninth");
+    put("loop9.decouple", "off");
+    TEST_ASSERT_EQUAL(ERR_OK, build());
+}
+
 static void dead_times_that_do_not_fit_say_how_many_bytes_they_need(void)
 {
     put_all((const char *const[]){"ff1.from", "feed", "ff1.to", "heat", "ff1.dead", "3000",
@@ -368,6 +377,7 @@ int main(void)
     RUN_TEST(a_decoupler_must_have_an_inverse_also_with_some_loops_in_manual);
     RUN_TEST(rows_of_loops_outside_the_decoupler_do_not_matter);
     RUN_TEST(only_loops_with_an_output_of_their_own_can_be_decoupled);
+    RUN_TEST(loops_beyond_the_matrix_cannot_be_decoupled);
     RUN_TEST(dead_times_that_do_not_fit_say_how_many_bytes_they_need);
     RUN_TEST(an_interlock_forces_within_the_span);
     RUN_TEST(a_test_step_wider_than_half_the_span_and_unknown_pairs_are_refused);

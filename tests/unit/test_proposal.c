@@ -114,7 +114,8 @@ static void survives_being_written_down(void)
     char name[32], value[64];
     again = config;
     for (unsigned i = 1; i <= CONFIG_LOOPS; i++) {
-        for (unsigned k = 0; k < sizeof fields / sizeof fields[0] + CONFIG_LOOPS; k++) {
+        unsigned row = i <= DECOUPLER_MAX ? DECOUPLER_MAX : 0;
+        for (unsigned k = 0; k < sizeof fields / sizeof fields[0] + row; k++) {
             struct parameter p;
             bool loop = k < sizeof fields / sizeof fields[0];
             if (loop)
@@ -141,7 +142,8 @@ void tearDown(void) {}
 
 static void random_plant(struct random_source *r)
 {
-    unsigned most = random_below(r, 20) ? 5 : 9; /* more loops than places, now and then */
+    unsigned most =
+        random_below(r, 20) ? 5 : 12; /* more loops than a decoupler spans, now and then */
     unsigned outputs = 1 + random_below(r, most), inputs = 1 + random_below(r, most);
     double speed = pow(10.0, (double)random_below(r, 700) / 100.0 - 2.0); /* 0.01 to 1e5 s */
     double size = pow(10.0, (double)random_below(r, 800) / 100.0 - 5.0);  /* 1e-5 to 1e3 */
@@ -305,26 +307,76 @@ static void longest_names_are_cut_to_different_ones(void)
     builds(&config);
 }
 
-static void more_loops_than_places_are_refused(void)
+/* The first n loops are others': on u3 and up, the last one on another loop. */
+static void taken(unsigned n)
 {
-    static const char *const more[] = {"loop1", "loop2", "loop3", "loop4",
-                                       "loop5", "loop6", "loop7"};
     char name[24], value[24];
-    channels(9, 9);
-    for (unsigned i = 0; i < 7; i++) {
-        snprintf(name, sizeof name, "%s.name", more[i]);
+    channels(9, 16);
+    for (unsigned i = 1; i <= n; i++) {
+        snprintf(name, sizeof name, "loop%u.name", i);
         snprintf(value, sizeof value, "l%u", i);
         put(name, value);
-        snprintf(name, sizeof name, "%s.pv", more[i]);
+        snprintf(name, sizeof name, "loop%u.pv", i);
         put(name, "y9");
-        snprintf(name, sizeof name, "%s.out", more[i]);
-        snprintf(value, sizeof value, "u%u", i + 3);
+        snprintf(name, sizeof name, "loop%u.out", i);
+        snprintf(value, sizeof value, i == n ? "l1" : "u%u", i + 2);
         put(name, value);
     }
     builds(&bench.config);
+}
+
+static void more_loops_than_places_are_refused(void)
+{
+    taken(CONFIG_LOOPS - 1);
     simple(2);
     config = bench.config;
     TEST_ASSERT_EQUAL_INT(ERR_FULL, proposal_write(&c, &config));
+}
+
+static void as_strong_as_two_temperatures_of_a_column(void)
+{
+    begin(2, 2);
+    for (unsigned j = 0; j < 2; j++)
+        for (unsigned i = 0; i < 2; i++) {
+            c.work.analysis.plant.element[j][i] =
+                (struct fopdt){.gain = i == j ? REAL_C(1.0) : REAL_C(0.9),
+                               .time_constant_s = 300,
+                               .dead_time_s = 30};
+            c.work.analysis.plant.gain_sd[j][i] = REAL_C(0.001);
+        }
+    analyse(1);
+    TEST_ASSERT_EQUAL_INT(DECOUPLER_USED, c.work.analysis.decoupler);
+}
+
+static void decoupled_loops_take_places_that_the_decoupler_spans(void)
+{
+    taken(DECOUPLER_MAX - 2);
+    as_strong_as_two_temperatures_of_a_column();
+    config = bench.config;
+    TEST_ASSERT_EQUAL_INT(ERR_OK, proposal_write(&c, &config));
+    builds(&config);
+    TEST_ASSERT_EQUAL_UINT8(DECOUPLER_MAX - 2, proposal_loop(&c, &config, 0));
+    TEST_ASSERT_EQUAL_UINT8(DECOUPLER_MAX - 1, proposal_loop(&c, &config, 1));
+    taken(DECOUPLER_MAX - 1);
+    as_strong_as_two_temperatures_of_a_column();
+    config = bench.config;
+    TEST_ASSERT_EQUAL_INT(ERR_FULL, proposal_write(&c, &config));
+}
+
+static void sixteen_loops_are_proposed_without_a_decoupler(void)
+{
+    channels(16, 16);
+    simple(16);
+    config = bench.config;
+    TEST_ASSERT_EQUAL_INT(DECOUPLER_TOO_MANY, c.work.analysis.decoupler);
+    TEST_ASSERT_EQUAL_INT(ERR_OK, proposal_write(&c, &config));
+    builds(&config);
+    survives_being_written_down();
+    for (uint8_t k = 0; k < 16; k++) {
+        uint8_t i = proposal_loop(&c, &config, k);
+        TEST_ASSERT_NOT_EQUAL(PLAN_NONE, i);
+        TEST_ASSERT_EQUAL_UINT8(0, config.loop[i].decouple);
+    }
 }
 
 static void a_decoupler_leaves_nothing_of_the_old_one_in_its_places(void)
@@ -462,6 +514,8 @@ int main(void)
     RUN_TEST(names_that_are_taken_are_not_taken_again);
     RUN_TEST(longest_names_are_cut_to_different_ones);
     RUN_TEST(more_loops_than_places_are_refused);
+    RUN_TEST(decoupled_loops_take_places_that_the_decoupler_spans);
+    RUN_TEST(sixteen_loops_are_proposed_without_a_decoupler);
     RUN_TEST(a_decoupler_leaves_nothing_of_the_old_one_in_its_places);
     RUN_TEST(other_channels_than_those_tested_get_no_proposal);
     RUN_TEST(nothing_is_written_without_a_proposal);

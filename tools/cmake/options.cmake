@@ -15,7 +15,7 @@ endif()
 # The base image: regulatory control alone, without sequences and automatic start-up.
 option(REFLUX_BASE "Leave sequences and automatic start-up out" OFF)
 if(REFLUX_BASE)
-  target_compile_definitions(reflux_options INTERFACE CONFIG_STEPS=0 COMMISSION_CHANNELS=0)
+  target_compile_definitions(reflux_options INTERFACE CONFIG_STEPS=0 COMMISSION_CHANNELS=0 EVENT_QUEUE_SIZE=32)
 endif()
 # A board smaller than the headers assume. On the host, -DREFLUX_LIMITS=stm32f100 tries such limits under sanitizers.
 set(REFLUX_LIMITS "${REFLUX_BOARD}" CACHE STRING "Which folder of hal/ gives the limits, where it has a limits.h")
