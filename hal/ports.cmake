@@ -18,7 +18,11 @@ if(REFLUX_BOARD MATCHES "^stm32")
   set(image "reflux-${REFLUX_BOARD}")
   add_executable(${image}
     ${shared}/main.c ${shared}/startup.c ${shared}/uart.c ${shared}/tick.c ${shared}/watchdog.c ${shared}/identity.c
+    ${shared}/memory.c
     ${port}/clock.c ${port}/pins.c ${port}/nvm.c)
+  # Its loops are what memset and memcpy are made of, not calls of them.
+  set_source_files_properties(${shared}/memory.c PROPERTIES COMPILE_OPTIONS
+    "-fno-builtin;-fno-tree-loop-distribute-patterns")
   target_include_directories(${image} PRIVATE ${port} ${shared})
   target_link_libraries(${image} PRIVATE reflux_app reflux_hal reflux_firmware_options)
   target_link_options(${image} PRIVATE -nostartfiles -L${shared} -T${port}/${REFLUX_BOARD}.ld -Wl,--gc-sections

@@ -22,6 +22,11 @@ if(CMAKE_SYSTEM_PROCESSOR MATCHES "x86_64|AMD64")
     "SHELL:-include ${PROJECT_SOURCE_DIR}/tests/support/stm32_on_host.h")
 endif()
 
+reflux_test(stm32_memory LABEL unit SOURCES "${CMAKE_CURRENT_LIST_DIR}/test_stm32_memory.c"
+  "${PROJECT_SOURCE_DIR}/hal/stm32/memory.c")
+set_source_files_properties("${PROJECT_SOURCE_DIR}/hal/stm32/memory.c" PROPERTIES COMPILE_OPTIONS
+  "-fno-builtin;-Dmemset=by_words_memset;-Dmemcpy=by_words_memcpy")
+
 find_program(PYTHON3 NAMES python3 PATHS /usr/bin NO_DEFAULT_PATH)
 find_program(PYTHON3 NAMES python3)
 add_test(NAME reflux_host COMMAND "${PYTHON3}" "${CMAKE_CURRENT_LIST_DIR}/test_reflux_host.py"
