@@ -9,6 +9,7 @@ import os
 import re
 import shlex
 import subprocess
+import sys
 import time
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
@@ -66,6 +67,9 @@ SECTIONS = (
     Section("The linked image", "No heap, no double precision, no streams, no recursion; every call through a pointer "
             "listed; worst-case stack with all interrupts on top. Limits by layer: `tests/target/budget.toml`.",
             "image", r"(image|flash|ram|stack|calls) ?[\w-]*: .*\d.*"),
+    Section("Automatic start-up on the board", "The image that is flashed, in the emulator, beside the host's firmware: "
+            "every number of the model, compared as floats; what a plant of 16 x 16 costs the processor. Its memory is "
+            "`commission` above.", "board", r"commission .*: .*\d.*"),
     Section("Logarithm and exponential", "Against double; `REFLUX_MATH_STEP=1` tries every float there is.",
             "tests", r"float_\w+( near 1)?: \d+ arguments.*"),
     Section("Coverage of `firmware/`", "", "coverage", r"coverage: .*\d.*"),
@@ -180,6 +184,20 @@ def of_tests() -> Result:
     return filtered(out, "tests")
 
 
+def of_board() -> Result:
+    """Lines of the test that runs automatic start-up on the image."""
+    for preset, targets in (("host", ("reflux-sim", "reflux-host")), ("host-fixed", ("reflux-host",)),
+                            ("stm32f405", ()), ("stm32f405-fixed", ())):
+        build.build(preset, targets)
+    test = "tests/target/test_commission.py"
+    status, lines = follow("board", [sys.executable, str(ROOT / test)])
+    # The summary of the tests before is a dot in front of a line.
+    out = Result([Line(line.lstrip(".").strip(), f"python3 {test}") for line in lines])
+    if status != 0:
+        out.problem = f"`python3 {test}` ended with {status}"
+    return filtered(out, "board")
+
+
 def of_time() -> Result:
     """How long the last run of all tests took, from ctest's own log."""
     log = build_dir("test") / "Testing" / "Temporary" / "LastTest.log"
@@ -204,6 +222,7 @@ SOURCES: dict[str, Callable[[], Result]] = {
     "tests": of_tests,
     "fuzz": lambda: of_tool("fuzz"),
     "prove": lambda: of_tool("prove"),
+    "board": of_board,
     "image": lambda: of_tool("image"),
     "coverage": lambda: of_tool("coverage"),
     "mutate": lambda: of_tool("mutate"),

@@ -74,12 +74,13 @@ def show(preset: str, report: Report, options: argparse.Namespace) -> None:
 def ram_by_owner(report: Report) -> str:
     """Where the RAM without arena and stack goes: the parts of struct app, then what the port keeps."""
     size = report.image.struct_bytes()
-    parts = [("supervisor", size["supervisor"] - report.arena), ("service", size["service"]),
-             ("plant link", size["plant_link"]), ("console", size["console"]), ("storage", size["storage"]),
-             ("rest of app", size["app"] - sum(size[n] for n in ("supervisor", "service", "plant_link", "console",
-                                                                   "storage")))]
+    startup = "commission" in report.layers
+    owners = ["supervisor", "service", "plant_link", "console", "storage", *(["commission"] if startup else [])]
+    parts = [(n.replace("_", " "), size[n] - (report.arena if n == "supervisor" else 0)) for n in owners]
+    parts.append(("rest of app", size["app"] - sum(size[n] for n in owners)))
     parts.append(("port and libraries", report.ram() - report.arena - sum(n for _, n in parts)))
-    return ", ".join(f"{name} {n}" for name, n in parts) + f"; a plan is {size['plan']} of service"
+    turns = f", tests {size['experiment']} and analysis {size['analysis']} by turns of commission" if startup else ""
+    return ", ".join(f"{name} {n}" for name, n in parts) + f"; a plan is {size['plan']} of service{turns}"
 
 
 def biggest(preset: str, report: Report, count: int) -> None:
