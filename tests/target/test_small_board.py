@@ -55,7 +55,7 @@ class SmallBoardTest(unittest.TestCase):
         self.assertRegex(self.console.ask("set step1.hold 1")[-1],
                          r"^err UNSUPPORTED step1.hold: this board has 0, bytes needed for each more: 96$")
         self.assertTrue(self.console.ask("seq start")[-1].startswith("err UNSUPPORTED sequences are left out"))
-        self.assertTrue(self.console.ask("set loop9.gain 1")[-1].startswith("err UNKNOWN"))
+        self.assertTrue(self.console.ask("set loop17.gain 1")[-1].startswith("err UNKNOWN"))
 
     def test_a_dead_time_too_long_for_the_arena_is_refused_with_the_bytes_it_needs(self) -> None:
         self.control_pilot()
