@@ -82,14 +82,14 @@ class Alone(Tool):
                  "R step 3", "S min 0.5 max 3", "S critical yes", "",
                  "xD R time 900 gain", "xD R time 900", "xB Q gain 2", "xB S gain -20", "",
                  "rounds 2.5", "guard circle", "rounds 2 guard line", "",
-                 "accpt", "", "edit", "loop1.gain x", "loop9.gain 1", "loop1.b 0.9", "", "accept"]
+                 "accpt", "", "edit", "loop1.gain x", "loop17.gain 1", "loop1.b 0.9", "", "accept"]
         out, _err = self.simulated("--write-file", str(answers), text="\n".join(lines) + "\n")
         for told in ("xD limit is abc; a number in %w is wanted", "xD limit is -inf; a number in %w is wanted, a finite one",
                      "there is no xQ here; there are xD, xB", "names and values in turn are wanted",
                      "xD critical is maybe; yes or no is wanted", "R step is 3; more than 0 and up to 1.95 lb/min is wanted",
                      "Q is no input; there are R, S", "rounds is 2.5; a whole number is wanted",
                      "guard is circle; model or line is wanted", "accpt is no answer", "the word itself is wanted",
-                     "loop1.gain: 'x' refused", "loop9.gain: no such parameter", "2 loops did as predicted and stay",
+                     "loop1.gain: 'x' refused", "loop17.gain: no such parameter", "2 loops did as predicted and stay",
                      "Nothing is stored: `save`"):
             self.assertIn(told, out)
         # The critical input comes first.
