@@ -348,19 +348,15 @@ static bool model_trips(struct experiment *e, const real_t *y)
     return false;
 }
 
-/* Everything known of each output apart from its response, before the step has ended. */
-static void baselines_before(const struct experiment *e, struct baseline *b)
+void experiment_baseline_before(const struct experiment *e, uint8_t j, struct baseline *b)
 {
-    for (unsigned j = 0; j < e->config.outputs; j++) {
-        const struct steady_result *at = &e->before[j];
-        real_t turned = at->slope_sd_per_s * at->age_s;
-        b[j] =
-            (struct baseline){.offset = at->mean + at->slope_per_s * at->age_s - e->rest[j],
-                              .slope_per_s = at->slope_per_s,
-                              .offset_sd = real_sqrt(at->mean_sd * at->mean_sd + turned * turned),
-                              .slope_sd_per_s = at->slope_sd_per_s,
-                              .noise_sd = at->noise_sd};
-    }
+    const struct steady_result *at = &e->before[j];
+    real_t turned = at->slope_sd_per_s * at->age_s;
+    *b = (struct baseline){.offset = at->mean + at->slope_per_s * at->age_s - e->rest[j],
+                           .slope_per_s = at->slope_per_s,
+                           .offset_sd = real_sqrt(at->mean_sd * at->mean_sd + turned * turned),
+                           .slope_sd_per_s = at->slope_sd_per_s,
+                           .noise_sd = at->noise_sd};
 }
 
 static void ask_for_look(struct experiment *e)
@@ -368,7 +364,8 @@ static void ask_for_look(struct experiment *e)
     struct baseline b[CHANNEL_MAX];
     if (e->looking || e->samples < e->next_look || e->record.points < FOPDT_FIT_POINTS_MIN)
         return;
-    baselines_before(e, b);
+    for (uint8_t j = 0; j < e->config.outputs; j++)
+        experiment_baseline_before(e, j, &b[j]);
     look_begin(&e->look, &e->record, b);
     e->looking = true;
     e->next_look = e->samples + e->half / 8u + 1u;
@@ -625,9 +622,7 @@ enum err experiment_baseline(const struct experiment *e, uint8_t j, struct basel
         return baseline_from_means(before_s, before->mean - e->rest[j], before->mean_sd, after_s,
                                    after->mean - e->rest[j], sd, before->noise_sd, b);
     }
-    struct baseline all[CHANNEL_MAX];
-    baselines_before(e, all);
-    *b = all[j];
+    experiment_baseline_before(e, j, b);
     return ERR_OK;
 }
 

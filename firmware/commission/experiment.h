@@ -107,6 +107,9 @@ MUST_CHECK enum err experiment_missed(struct experiment *e);
 /* What is known of output j apart from its response, once DONE: level, drift, noise; times from the first edge. */
 MUST_CHECK enum err experiment_baseline(const struct experiment *e, uint8_t j, struct baseline *b);
 
+/* ... before the step alone, where the drift after it is another. */
+void experiment_baseline_before(const struct experiment *e, uint8_t j, struct baseline *b);
+
 /* How much faster output j drifts after the step than before it, span per second, and the standard deviation of that;
  * 0 and 0 where it did not come to rest. */
 real_t experiment_bend(const struct experiment *e, uint8_t j, real_t *sd);

@@ -12,8 +12,11 @@
 #define HOPELESS    REAL_C(1.0)  /* standard deviation over gain from which a fit says nothing */
 #define STEP        REAL_C(0.05) /* of the predicted setpoint steps, fraction of span */
 
-#define CLIMB_SDS  REAL_C(4.0) /* what goes on climbing stands out of the noise by so much */
-#define BEND_SDS   REAL_C(2.0)
+#define CLIMB_SDS REAL_C(4.0) /* what goes on climbing stands out of the noise by so much */
+#define SLOW_LAGS REAL_C(0.7) /* that a level has lasted: half of the response is still to come */
+#define BEND_SDS  REAL_C(2.0)
+#define BENT_BETTER                                                                                \
+    REAL_C(12.0) /* variances of a point that a bend must explain: instant, slope and step of it */
 #define BEND_SHARE (REAL_C(1.0) / REAL_C(8.0)) /* docs/commissioning.md: what a bend leaves */
 
 static real_t weight(real_t sd, real_t size)
@@ -108,6 +111,7 @@ static void begin_output(struct commission *c)
     struct fopdt_fit_options o = {
         .baseline = b,
         .start = have_moments && !(moments.flags & IDENTIFIED_NO_GAIN) ? &moments : NULL};
+    c->fit_bent = false;
     err = fopdt_fit_begin(&c->work.test.experiment.look.fit, &x->record, j, &o);
     if (err)
         c->job_error = err;
@@ -126,34 +130,50 @@ static real_t tail_slope(const struct experiment *x, uint8_t j, const struct ide
     return real_abs(fit->gain) * x->amplitude * share / fit->time_constant_s;
 }
 
-/* What the record says by itself: a bent drift makes the three parts of a double step disagree about the gain, and the
- * fit cannot know. */
-static void judge(struct commission *c, struct identified *fit)
+/* How much the drift has changed its slope over the test beyond what the response's own tail explains, fraction of span per
+ * second; 0 where that is not significant. */
+static real_t drift_bend(const struct experiment *x, uint8_t j, const struct identified *fit)
+{
+    real_t sd, bend = real_abs(experiment_bend(x, j, &sd));
+    bend -= REAL_C(2.0) * tail_slope(x, j, fit);
+    return bend > BEND_SDS * sd ? bend : REAL_C(0.0);
+}
+
+/* Does the output go on climbing? */
+static void judge_climb(struct commission *c, const struct identified *fit)
 {
     const struct experiment *x = &c->work.test.experiment;
     struct judgement verdict;
     struct baseline b;
+    c->climbs[c->fit_at] = REAL_C(0.0);
     if (experiment_baseline(x, c->fit_at, &b) != ERR_OK)
         return;
     judge_record(&x->record, c->fit_at, &b, x->amplitude, &verdict);
-    real_t bend_sd, bend = real_abs(experiment_bend(x, c->fit_at, &bend_sd));
-    real_t tail = REAL_C(2.0) * tail_slope(x, c->fit_at, fit);
-    bend = bend > tail ? bend - tail : REAL_C(0.0);
     real_t half_s = (real_t)x->half * x->config.h_s;
     /* A drift that is the same in both halves cancels in the changes; one that bends does not. */
-    real_t explained = CLIMB_SDS * verdict.change_sd + bend * half_s;
+    real_t explained = CLIMB_SDS * verdict.change_sd + drift_bend(x, c->fit_at, fit) * half_s;
+    real_t lag_s = fit->time_constant_s + REAL_C(2.0) * fit->time_constant_sd_s;
     bool slow = (fit->flags & (IDENTIFIED_INTEGRATING | IDENTIFIED_SHORT)) ||
-                fit->dead_time_s + fit->time_constant_s > REAL_C(0.75) * half_s;
-    c->climbs[c->fit_at] = slow && verdict.second > explained ? verdict.climbs : REAL_C(0.0);
+                fit->dead_time_s + SLOW_LAGS * lag_s > half_s;
+    if (slow && verdict.second > explained)
+        c->climbs[c->fit_at] = verdict.climbs;
+}
+
+/* What the record says by itself: a drift that no line explains makes the three parts of a double step disagree about the
+ * gain, and the fit cannot know. */
+static void judge_gain(struct commission *c, const struct baseline *b, real_t bend,
+                       struct identified *fit)
+{
+    const struct experiment *x = &c->work.test.experiment;
+    struct judgement verdict;
+    judge_record(&x->record, c->fit_at, b, x->amplitude, &verdict);
     real_t more = REAL_C(0.5) * (verdict.spread - SPREAD_LEFT * real_abs(fit->gain));
     real_t variance = fit->gain_sd * fit->gain_sd;
     if (more > REAL_C(0.0))
         variance += more * more;
-    if (bend > BEND_SDS * bend_sd) {
-        real_t duration_s = (real_t)x->samples * x->config.h_s;
-        real_t left = BEND_SHARE * bend * duration_s / x->amplitude;
-        variance += left * left;
-    }
+    real_t duration_s = (real_t)x->samples * x->config.h_s;
+    real_t left = BEND_SHARE * bend * duration_s / x->amplitude;
+    variance += left * left;
     fit->gain_sd = real_sqrt(variance);
 }
 
@@ -169,6 +189,85 @@ static void use_moments(const struct element *e, struct identified *fit)
         fit->gain_sd = size;
     fit->time_constant_sd_s = fit->time_constant_s;
     fit->dead_time_sd_s = fit->dead_time_s;
+}
+
+/* The record of output j without the bend that the fit has found in its drift. */
+static void straighten(struct record *r, uint8_t j, const struct fopdt_fit_result *f)
+{
+    for (uint32_t i = 0; i < r->points; i++) {
+        real_t since_s = record_time(r, i) + REAL_C(0.5) * r->h_s - f->bend_at_s;
+        if (since_s > REAL_C(0.0))
+            r->y[j][i] -= f->bend_step + f->bend_per_s * since_s;
+    }
+}
+
+/* The fit of a straight drift is there. Where the drift has turned, once more, with a drift that does. */
+static bool fit_again(struct commission *c, const struct fopdt_fit_result *straight)
+{
+    struct experiment *x = &c->work.test.experiment;
+    struct fopdt_fit_options o = {.bent = true, .start = &c->fitted[c->fit_at]};
+    if (drift_bend(x, c->fit_at, &straight->element) <= REAL_C(0.0))
+        return false;
+    experiment_baseline_before(x, c->fit_at, &o.baseline);
+    c->fit_squares = straight->squares;
+    c->fit_bent = c->fit_running =
+        fopdt_fit_begin(&x->look.fit, &x->record, c->fit_at, &o) == ERR_OK;
+    return c->fit_bent;
+}
+
+/* Is a drift that turns so much better an explanation? */
+static bool bent_is_better(const struct commission *c, const struct fopdt_fit_result *bent)
+{
+    real_t r = bent->correlation, variance = bent->residual_sd * bent->residual_sd;
+    variance *= (REAL_C(1.0) + r) / (REAL_C(1.0) - r);
+    return c->fit_squares - bent->squares > BENT_BETTER * variance;
+}
+
+/* The fits of an output are there; bent is NULL where its drift has not turned. */
+static void take_fits(struct commission *c, const struct fopdt_fit_result *bent)
+{
+    struct experiment *x = &c->work.test.experiment;
+    uint8_t j = c->fit_at;
+    struct identified *kept = &c->fitted[j];
+    struct element *e = &c->element[j][c->order[c->at]];
+    struct baseline b;
+    bool usable = bent && !(bent->element.flags & (IDENTIFIED_NO_GAIN | IDENTIFIED_INTEGRATING));
+    if (usable && bent_is_better(c, bent)) {
+        e->plateau_gain = bent->plateau_gain;
+        *kept = bent->element;
+        straighten(&x->record, j, bent);
+        b = (struct baseline){.offset = bent->offset,
+                              .slope_per_s = bent->slope_per_s,
+                              .noise_sd = x->before[j].noise_sd};
+        judge_gain(c, &b, REAL_C(0.0), kept);
+        return;
+    }
+    real_t bend = usable ? REAL_C(0.0) : drift_bend(x, j, kept);
+    if (usable) { /* it turned before the step, or after all was over; how much else it could be is known */
+        real_t apart = bent->element.gain - kept->gain;
+        kept->gain_sd = real_sqrt(kept->gain_sd * kept->gain_sd + apart * apart);
+    }
+    if (kept->gain_sd > HOPELESS * real_abs(kept->gain) && !(kept->flags & IDENTIFIED_NO_GAIN))
+        use_moments(e, kept);
+    if (experiment_baseline(x, j, &b) == ERR_OK)
+        judge_gain(c, &b, bend, kept);
+}
+
+/* A fit has ended. True while another is to come for this output. */
+static bool end_fit(struct commission *c, const struct fopdt_fit_result *r)
+{
+    uint8_t j = c->fit_at;
+    if (c->fit_bent) {
+        take_fits(c, r);
+        return false;
+    }
+    c->element[j][c->order[c->at]].plateau_gain = r->plateau_gain;
+    c->fitted[j] = r->element;
+    judge_climb(c, &c->fitted[j]);
+    if (fit_again(c, r))
+        return true;
+    take_fits(c, NULL);
+    return false;
 }
 
 static bool fit_piece(struct commission *c)
@@ -187,13 +286,9 @@ static bool fit_piece(struct commission *c)
         c->job_error = err;
         return false;
     }
-    c->element[c->fit_at][c->order[c->at]].plateau_gain = r.plateau_gain;
-    if (r.element.gain_sd > HOPELESS * real_abs(r.element.gain) &&
-        !(r.element.flags & IDENTIFIED_NO_GAIN))
-        use_moments(&c->element[c->fit_at][c->order[c->at]], &r.element);
-    judge(c, &r.element);
-    c->fitted[c->fit_at] = r.element;
     c->fit_running = false;
+    if (end_fit(c, &r))
+        return true;
     c->fit_at++;
     return c->fit_at < c->outputs;
 }

@@ -15,7 +15,11 @@
 #define LAG_STEP      REAL_C(0.01) /* of ln T, for its difference quotient */
 #define STRENGTH_MIN  REAL_C(1e-20)
 
-_Static_assert(GRID_TIMES *GRID_SHARES + 1 + 3 * TRIES + 8 <= FOPDT_FIT_UNITS_MAX,
+#define BEND_TRIES 5u /* steps with a bend in each of the places */
+
+_Static_assert(GRID_TIMES *GRID_SHARES + 1 + 3 * TRIES + 8 + FOPDT_FIT_PLACES * 3 * BEND_TRIES +
+                       2 * RECORD_POINTS / (FOPDT_FIT_PLACES - 1) + 4 + 3 * TRIES <=
+                   FOPDT_FIT_UNITS_MAX,
                "the search is bounded");
 
 enum phase {
@@ -24,6 +28,7 @@ enum phase {
     PHASE_SLOPES,
     PHASE_TRY,
     PHASE_PLAIN,
+    PHASE_BEND,
     PHASE_JUDGE,
     PHASE_DONE
 };
@@ -105,6 +110,10 @@ enum err fopdt_fit_begin(struct fopdt_fit *f, const struct record *r, uint32_t o
     f->squares = f->total;
     f->damping = DAMPING_FIRST;
     f->phase = PHASE_GRID;
+    f->bend.on = false;
+    f->bend_part[0] = f->bend_part[1] = ZERO;
+    f->bent = o->bent;
+    f->bend_place = 0;
     f->result = (struct fopdt_fit_result){.points = r->points};
     return ERR_OK;
 }
@@ -114,15 +123,21 @@ static real_t clip(real_t x, real_t lo, real_t hi)
     return x < lo ? lo : (x > hi ? hi : x);
 }
 
+void fopdt_fit_take_out(const struct fopdt_fit *f, real_t *column)
+{
+    fit_line_remove(&f->line, column, NULL, NULL);
+    fit_bend_remove(&f->bend, &f->line, column, NULL);
+}
+
 /* Model of gain 1 at lag and dead, line taken out, into a column; its derivative by the dead time into another. */
 static void evaluate(struct fopdt_fit *f, real_t lag, real_t dead, real_t *model, real_t *by_dead)
 {
     response_model(&f->input, lag, dead, f->block, f->points, model, by_dead);
     model[f->points] = model[f->points + 1] = ZERO;
-    fit_line_remove(&f->line, model, NULL, NULL);
+    fopdt_fit_take_out(f, model);
     if (by_dead) {
         by_dead[f->points] = by_dead[f->points + 1] = ZERO;
-        fit_line_remove(&f->line, by_dead, NULL, NULL);
+        fopdt_fit_take_out(f, by_dead);
     }
     f->evaluations++;
 }
@@ -201,6 +216,77 @@ static void slopes(struct fopdt_fit *f)
     f->right[1] = fit_line_dot(&f->line, f->column[2], f->y);
 }
 
+/* Another bend takes the place of the one before, which goes back into y. */
+static void place_bend(struct fopdt_fit *f, uint32_t at)
+{
+    for (uint8_t k = 0; f->bend.on && k < f->bend.used; k++)
+        for (uint32_t i = 0; i < f->points + FIT_LINE_ROWS; i++)
+            f->y[i] += f->bend_part[k] * f->bend.basis[k][i];
+    f->bend.on = false;
+    f->bend_part[0] = f->bend_part[1] = ZERO;
+    if (at > 0) {
+        fit_bend_place(&f->bend, &f->line, at);
+        fit_bend_remove(&f->bend, &f->line, f->y, f->bend_part);
+    }
+    f->total = fit_line_dot(&f->line, f->y, f->y);
+}
+
+/* A search for the times has ended. Where the drift turns nobody knows: the search goes on from the times without a bend
+ * with one in each of some places, then point by point about the best of them. */
+static void end_search(struct fopdt_fit *f)
+{
+    uint32_t apart = f->points / (FOPDT_FIT_PLACES - 1u);
+    f->place_squares[f->bend_place] = f->squares;
+    f->place_gain[f->bend_place] = f->gain;
+    if (f->bend_place == 0) {
+        f->straight_lag = f->lag;
+        f->straight_dead = f->dead;
+    }
+    if (f->bend_place <= 1u || f->squares < f->bend_squares) {
+        f->bend_squares = f->squares;
+        f->bend_best = f->bend.at;
+        f->bend_lag = f->lag;
+        f->bend_dead = f->dead;
+    }
+    if (f->bend_place + 1u < FOPDT_FIT_PLACES) {
+        /* The first is at the beginning: it may have turned before the step, unseen. */
+        place_bend(f, f->bend_place * apart + 1u);
+        f->bend_place++;
+        f->lag = f->straight_lag;
+        f->dead = f->straight_dead;
+        f->tries = TRIES - BEND_TRIES;
+        f->damping = DAMPING_FIRST;
+        f->phase = PHASE_SLOPES;
+        return;
+    }
+    f->lag = f->bend_lag;
+    f->dead = f->bend_dead;
+    f->bend_next = f->bend_best > apart ? f->bend_best - apart + 1u : 1u;
+    f->bend_last = f->bend_best + apart < f->points ? f->bend_best + apart : f->points - 1u;
+    f->bend_squares = REAL_C(1e38);
+    place_bend(f, 0);
+    evaluate(f, f->lag, f->dead, f->column[0], NULL);
+    f->phase = PHASE_BEND;
+}
+
+/* The instant of the bend, with the times as they are. column[0] is the model, column[1] is free. */
+static void look_for_bend(struct fopdt_fit *f)
+{
+    real_t squares = fit_bend_squares(&f->line, f->bend_next, f->y, f->column[0], f->column[1]);
+    f->evaluations++;
+    if (squares < f->bend_squares) {
+        f->bend_squares = squares;
+        f->bend_best = f->bend_next;
+    }
+    if (f->bend_next++ < f->bend_last)
+        return;
+    place_bend(f, f->bend_best);
+    f->bent = false; /* found */
+    f->tries = 0;
+    f->damping = DAMPING_FIRST;
+    f->phase = PHASE_SLOPES;
+}
+
 /* A damped step; a parameter that would leave its range stays, and the other moves alone. */
 static void attempt(struct fopdt_fit *f)
 {
@@ -240,10 +326,12 @@ static void attempt(struct fopdt_fit *f)
     } else {
         f->damping *= REAL_C(8.0);
     }
-    if (small || f->tries >= TRIES || f->damping > DAMPING_MOST)
-        f->phase = f->lag < ONE ? PHASE_PLAIN : PHASE_JUDGE;
-    else
+    if (!small && f->tries < TRIES && f->damping <= DAMPING_MOST)
         f->phase = better ? PHASE_SLOPES : PHASE_TRY;
+    else if (f->bent)
+        end_search(f);
+    else
+        f->phase = f->lag < ONE ? PHASE_PLAIN : PHASE_JUDGE;
 }
 
 bool fopdt_fit_run(struct fopdt_fit *f, uint32_t units)
@@ -267,6 +355,9 @@ bool fopdt_fit_run(struct fopdt_fit *f, uint32_t units)
             break;
         case PHASE_TRY:
             attempt(f);
+            break;
+        case PHASE_BEND:
+            look_for_bend(f);
             break;
         case PHASE_PLAIN: {
             /* no lag at all: a valley without slope, between two samples, where no step leads */

@@ -18,11 +18,13 @@
 
 #include "base/error.h"
 #include "identify/excitation.h"
+#include "identify/fit_bend.h"
 #include "identify/fit_line.h"
 #include "identify/identified.h"
 #include "identify/record.h"
 #include "num/real.h"
 
+#define FOPDT_FIT_PLACES     11 /* where a bend is tried; none is the first */
 #define FOPDT_FIT_POINTS_MIN 12 /* fewer points are refused */
 
 struct fopdt_fit_options {
@@ -32,6 +34,8 @@ struct fopdt_fit_options {
      * is the least the residuals are taken to have. */
     struct baseline baseline;
     bool free_offset, free_slope; /* nothing is known of it: baseline's is not looked at */
+    bool
+        bent; /* the drift turns once, nobody knows when: baseline's is the line before (fit_bend.h) */
     real_t
         time_max_s; /* largest L + T looked for; 0: 4 times the time from the first edge to the end */
     const struct identified
@@ -42,8 +46,11 @@ struct fopdt_fit_result {
     struct identified element;  /* NO_GAIN: the gain is that of a plain proportion, T and L are 0 */
     real_t covariance[6];       /* KK KT TT KL TL LL, seconds for the times */
     real_t offset, slope_per_s; /* against the record's reference, time from sample 0 */
-    real_t residual_sd;         /* of one point */
-    real_t correlation;         /* lag one, of the residuals */
+    real_t bend_at_s, bend_per_s,
+        bend_step;      /* when the drift turned, how much steeper it is then, how much higher */
+    real_t squares;     /* sum that is left, of points and of what was known beforehand */
+    real_t residual_sd; /* of one point */
+    real_t correlation; /* lag one, of the residuals */
     real_t
         significance; /* of the response: what it explains over what one point of noise has; 16 is the least */
     real_t
@@ -62,7 +69,13 @@ struct fopdt_fit {
     uint32_t block, points;
     /* the search; times in samples */
     struct fit_line line;
+    struct fit_bend bend;
+    real_t bend_part[2]; /* of y */
     uint8_t phase;
+    bool bent; /* a bend is still to be found */
+    uint32_t bend_place, bend_next, bend_last, bend_best;
+    real_t bend_squares, bend_lag, bend_dead, straight_lag, straight_dead;
+    real_t place_squares[FOPDT_FIT_PLACES], place_gain[FOPDT_FIT_PLACES]; /* left and found there */
     bool has_start;
     uint32_t next, tries, evaluations;
     real_t start_lag, start_dead, lag_max, dead_max, shortest;
@@ -84,7 +97,7 @@ MUST_CHECK enum err fopdt_fit_begin(struct fopdt_fit *f, const struct record *r,
 
 /* Goes on for units evaluations of the model over the record (each some 10 products a point and edge, and 5 exponentials
  * an edge; a stage once begun is ended, at most 3 more); true when it is finished. Finished after FOPDT_FIT_UNITS_MAX. */
-#define FOPDT_FIT_UNITS_MAX 200
+#define FOPDT_FIT_UNITS_MAX 480
 bool fopdt_fit_run(struct fopdt_fit *f, uint32_t units);
 
 /* ERR_STATE while it is not finished. */
@@ -92,5 +105,7 @@ MUST_CHECK enum err fopdt_fit_result(const struct fopdt_fit *f, struct fopdt_fit
 
 /* The parts of fopdt_fit_run() that judge (fopdt_judge.c): covariance, significance, flags, plateau. */
 void fopdt_fit_judge(struct fopdt_fit *f);
+/* Line and bend out of a column. */
+void fopdt_fit_take_out(const struct fopdt_fit *f, real_t *column);
 
 #endif

@@ -88,12 +88,31 @@ static real_t residual_variance(const struct fopdt_fit *f, real_t *correlation)
         product += r * before;
         before = r;
     }
-    uint32_t parameters = 3u + f->line.offset + f->line.slope;
+    uint32_t parameters = 3u + f->line.offset + f->line.slope + (f->bend.on ? f->bend.used : 0u);
     real_t own = f->squares / (real_t)(f->points - parameters);
     real_t known = f->baseline.noise_sd * f->baseline.noise_sd / (real_t)f->block;
     real_t rho = square > ZERO ? product / square : ZERO;
     *correlation = rho < ZERO ? ZERO : (rho > CORRELATION_MAX ? CORRELATION_MAX : rho);
     return larger(own, known);
+}
+
+/* A bend in other places may explain the record as well, with other gains: by so much they stray about the one found,
+ * each weighted with its likelihood. */
+static real_t variance_of_places(const struct fopdt_fit *f, real_t variance)
+{
+    real_t weights = ONE, sum = ZERO, least = f->squares;
+    if (!f->bend.on || !(variance > ZERO))
+        return ZERO;
+    for (unsigned k = 0; k < FOPDT_FIT_PLACES; k++)
+        least = f->place_squares[k] < least ? f->place_squares[k] : least;
+    for (unsigned k = 0; k < FOPDT_FIT_PLACES; k++) {
+        real_t worse = REAL_C(0.5) * (f->place_squares[k] - least) / variance;
+        real_t weight = worse < REAL_C(30.0) ? real_exp(-worse) : ZERO;
+        real_t apart = f->place_gain[k] - f->gain;
+        weights += weight;
+        sum += weight * apart * apart;
+    }
+    return sum / weights;
 }
 
 /* Covariance of K, ln T and L by the inverse of the normal equations, into K, T, L in seconds. */
@@ -115,7 +134,7 @@ static void covariance(struct fopdt_fit *f, real_t variance)
     if (f->strength > ZERO)
         kk += ONE / f->strength;
     real_t t = f->lag * f->h_s; /* dT = T d ln T */
-    r->covariance[0] = variance * kk;
+    r->covariance[0] = variance * kk + variance_of_places(f, variance);
     r->covariance[1] = -variance * (k1 * tt + k2 * tl) * t;
     r->covariance[2] = variance * tt * t * t;
     r->covariance[3] = -variance * (k1 * tl + k2 * ll) * f->h_s;
@@ -130,18 +149,26 @@ static void covariance(struct fopdt_fit *f, real_t variance)
 static void response(struct fopdt_fit *f)
 {
     real_t *raw = f->column[1], *seen = f->column[2], offset, slope;
+    real_t part[2], change, step, more_offset, more_slope;
     response_model(&f->input, f->lag, f->dead, f->block, f->points, seen, NULL);
     for (uint32_t i = 0; i < f->points; i++)
         raw[i] = seen[i];
     seen[f->points] = seen[f->points + 1] = ZERO;
     fit_line_remove(&f->line, seen, &offset, &slope);
+    fit_bend_remove(&f->bend, &f->line, seen, part);
     f->evaluations++;
-    offset = f->line_offset - f->gain * offset;
-    slope = f->line_slope - f->gain * slope;
+    for (unsigned k = 0; k < 2; k++)
+        part[k] = f->bend_part[k] - f->gain * part[k];
+    fit_bend_explain(&f->bend, part, &change, &step, &more_offset, &more_slope);
+    offset = f->line_offset - f->gain * offset + more_offset;
+    slope = f->line_slope - f->gain * slope + more_slope;
     /* fit_line_time() of a point is (samples to its middle + 1/2)/(all samples) */
     real_t all = (real_t)(f->points * f->block);
     f->result.offset = f->baseline.offset + offset + REAL_C(0.5) * slope / all;
     f->result.slope_per_s = f->baseline.slope_per_s + slope / (all * f->h_s);
+    f->result.bend_at_s = f->bend.on ? (real_t)(f->bend.at * f->block) * f->h_s : ZERO;
+    f->result.bend_per_s = change / (all * f->h_s);
+    f->result.bend_step = step;
     for (uint32_t i = 0; i < f->points; i++) {
         seen[i] = f->y[i] - f->gain * seen[i] + f->gain * raw[i];
         if (real_abs(seen[i]) > real_abs(f->result.moved))
@@ -192,6 +219,22 @@ static uint16_t shape(const struct fopdt_fit *f, real_t sd, real_t rough)
     return flags;
 }
 
+/* Of the bend found, at point i, what is not in f->y and its line already. */
+static real_t bend_beyond_line(const struct fopdt_fit *f, uint32_t i)
+{
+    const struct fit_bend *b = &f->bend;
+    real_t since = (real_t)i + REAL_C(0.5) - (real_t)b->at, all = (real_t)(f->points * f->block);
+    if (!b->on)
+        return ZERO;
+    real_t value = ZERO;
+    if (since > ZERO)
+        value =
+            f->result.bend_step + f->result.bend_per_s * all * f->h_s * since / (real_t)f->points;
+    for (uint8_t k = 0; k < b->used; k++)
+        value -= f->bend_part[k] * b->basis[k][i];
+    return value;
+}
+
 /* Regression on the input's level where the response has had L + 4 T to arrive. Uses all three columns. */
 static void plateau(struct fopdt_fit *f, real_t inflation)
 {
@@ -201,7 +244,8 @@ static void plateau(struct fopdt_fit *f, real_t inflation)
     for (uint32_t i = 0; i < f->points; i++) {
         uint32_t from = i * f->block, to = from + f->block - 1;
         level[i] = weight[i] = ZERO;
-        y[i] = f->y[i] + f->line_offset + f->line_slope * fit_line_time(&f->line, i);
+        y[i] = f->y[i] + f->line_offset + f->line_slope * fit_line_time(&f->line, i) -
+               bend_beyond_line(f, i);
         bool settled = true;
         for (uint32_t j = 0; j < f->input.edges && to > f->input.edge[j].sample; j++) {
             real_t since = (real_t)from - (real_t)f->input.edge[j].sample;
@@ -242,7 +286,7 @@ static void proportion(struct fopdt_fit *f, real_t variance)
     f->lag = f->dead = ZERO;
     response_model(&f->input, ZERO, ZERO, f->block, f->points, f->column[0], NULL);
     f->column[0][f->points] = f->column[0][f->points + 1] = ZERO;
-    fit_line_remove(&f->line, f->column[0], NULL, NULL);
+    fopdt_fit_take_out(f, f->column[0]);
     f->evaluations++;
     f->strength = fit_line_dot(&f->line, f->column[0], f->column[0]);
     f->gain = f->strength > ZERO ? fit_line_dot(&f->line, f->column[0], f->y) / f->strength : ZERO;
@@ -258,6 +302,7 @@ void fopdt_fit_judge(struct fopdt_fit *f)
     real_t inflation = (ONE + r->correlation) / (ONE - r->correlation);
     real_t variance = white * inflation, gained = f->total - f->squares;
     r->residual_sd = real_sqrt(white);
+    r->squares = f->squares;
     r->significance = variance > ZERO ? gained / variance : REAL_C(1e30);
     if (!(gained > ZERO) || r->significance < SIGNIFICANT) {
         r->element.flags = IDENTIFIED_NO_GAIN;
