@@ -135,7 +135,7 @@ struct commission {
     real_t climbs[CHANNEL_MAX];            /* ... and how it went on climbing: judge.h */
     uint8_t fit_at;                        /* output under work */
     bool fit_running, fit_bent, analysis_begun;
-    real_t fit_squares;              /* left by the fit without a bend */
+    real_t fit_squares, fit_misfit; /* left by the fit without a bend */
     struct analysis_config settings; /* of the analysis */
     union {
         struct {

@@ -6,15 +6,16 @@
 
 #include <string.h>
 
-#define FIT_UNITS   4u           /* evaluations in one piece */
-#define GAIN_FLOOR  REAL_C(0.01) /* a first-order model is not the plant: no gain is known better */
-#define SPREAD_LEFT REAL_C(0.1)  /* of the gain: what levels of three time constants leave */
-#define HOPELESS    REAL_C(1.0)  /* standard deviation over gain from which a fit says nothing */
-#define STEP        REAL_C(0.05) /* of the predicted setpoint steps, fraction of span */
+#define FIT_UNITS   4u            /* evaluations in one piece */
+#define GAIN_FLOOR  REAL_C(0.005) /* a first-order model is not the plant: no gain is known better */
+#define SPREAD_LEFT REAL_C(0.1)   /* of the gain: what levels of three time constants leave */
+#define HOPELESS    REAL_C(1.0)   /* standard deviation over gain from which a fit says nothing */
+#define STEP        REAL_C(0.05)  /* of the predicted setpoint steps, fraction of span */
 
-#define CLIMB_SDS REAL_C(4.0) /* what goes on climbing stands out of the noise by so much */
-#define SLOW_LAGS REAL_C(0.7) /* that a level has lasted: half of the response is still to come */
-#define BEND_SDS  REAL_C(2.0)
+#define CLIMB_SDS    REAL_C(4.0) /* what goes on climbing stands out of the noise by so much */
+#define MISFIT_SHARE REAL_C(1.0) /* of what a first-order model leaves: so wrong may its gain be */
+#define SLOW_LAGS    REAL_C(0.7) /* that a level has lasted: half of the response is still to come */
+#define BEND_SDS     REAL_C(2.0)
 #define BENT_BETTER                                                                                \
     REAL_C(12.0) /* variances of a point that a bend must explain: instant, slope and step of it */
 #define BEND_SHARE (REAL_C(1.0) / REAL_C(8.0)) /* docs/commissioning.md: what a bend leaves */
@@ -139,29 +140,25 @@ static real_t drift_bend(const struct experiment *x, uint8_t j, const struct ide
     return bend > BEND_SDS * sd ? bend : REAL_C(0.0);
 }
 
-/* Does the output go on climbing? */
-static void judge_climb(struct commission *c, const struct identified *fit)
+/* Does the output go on climbing? bend: of its drift, not taken off. */
+static void judge_climb(struct commission *c, const struct baseline *b, real_t bend,
+                        const struct identified *fit)
 {
     const struct experiment *x = &c->work.test.experiment;
     struct judgement verdict;
-    struct baseline b;
-    c->climbs[c->fit_at] = REAL_C(0.0);
-    if (experiment_baseline(x, c->fit_at, &b) != ERR_OK)
-        return;
-    judge_record(&x->record, c->fit_at, &b, x->amplitude, &verdict);
+    judge_record(&x->record, c->fit_at, b, x->amplitude, &verdict);
     real_t half_s = (real_t)x->half * x->config.h_s;
     /* A drift that is the same in both halves cancels in the changes; one that bends does not. */
-    real_t explained = CLIMB_SDS * verdict.change_sd + drift_bend(x, c->fit_at, fit) * half_s;
+    real_t explained = CLIMB_SDS * verdict.change_sd + bend * half_s;
     real_t lag_s = fit->time_constant_s + REAL_C(2.0) * fit->time_constant_sd_s;
     bool slow = (fit->flags & (IDENTIFIED_INTEGRATING | IDENTIFIED_SHORT)) ||
                 fit->dead_time_s + SLOW_LAGS * lag_s > half_s;
-    if (slow && verdict.second > explained)
-        c->climbs[c->fit_at] = verdict.climbs;
+    c->climbs[c->fit_at] = slow && verdict.second > explained ? verdict.climbs : REAL_C(0.0);
 }
 
 /* What the record says by itself: a drift that no line explains makes the three parts of a double step disagree about the
  * gain, and the fit cannot know. */
-static void judge_gain(struct commission *c, const struct baseline *b, real_t bend,
+static void judge_gain(struct commission *c, const struct baseline *b, real_t bend, real_t misfit,
                        struct identified *fit)
 {
     const struct experiment *x = &c->work.test.experiment;
@@ -174,6 +171,8 @@ static void judge_gain(struct commission *c, const struct baseline *b, real_t be
     real_t duration_s = (real_t)x->samples * x->config.h_s;
     real_t left = BEND_SHARE * bend * duration_s / x->amplitude;
     variance += left * left;
+    real_t wrong = MISFIT_SHARE * misfit / x->amplitude;
+    variance += wrong * wrong;
     fit->gain_sd = real_sqrt(variance);
 }
 
@@ -206,7 +205,9 @@ static bool fit_again(struct commission *c, const struct fopdt_fit_result *strai
 {
     struct experiment *x = &c->work.test.experiment;
     struct fopdt_fit_options o = {.bent = true, .start = &c->fitted[c->fit_at]};
-    if (drift_bend(x, c->fit_at, &straight->element) <= REAL_C(0.0))
+    real_t sd, bend = real_abs(experiment_bend(x, c->fit_at, &sd));
+    if (!(bend >
+          BEND_SDS * sd)) /* how much of it is the response's tail is known only afterwards */
         return false;
     experiment_baseline_before(x, c->fit_at, &o.baseline);
     c->fit_squares = straight->squares;
@@ -231,7 +232,8 @@ static void take_fits(struct commission *c, const struct fopdt_fit_result *bent)
     struct identified *kept = &c->fitted[j];
     struct element *e = &c->element[j][c->order[c->at]];
     struct baseline b;
-    bool usable = bent && !(bent->element.flags & (IDENTIFIED_NO_GAIN | IDENTIFIED_INTEGRATING));
+    bool usable = bent && !(bent->element.flags & (IDENTIFIED_NO_GAIN | IDENTIFIED_INTEGRATING)) &&
+                  drift_bend(x, j, &bent->element) > REAL_C(0.0);
     if (usable && bent_is_better(c, bent)) {
         e->plateau_gain = bent->plateau_gain;
         *kept = bent->element;
@@ -239,18 +241,25 @@ static void take_fits(struct commission *c, const struct fopdt_fit_result *bent)
         b = (struct baseline){.offset = bent->offset,
                               .slope_per_s = bent->slope_per_s,
                               .noise_sd = x->before[j].noise_sd};
-        judge_gain(c, &b, REAL_C(0.0), kept);
+        judge_climb(c, &b, REAL_C(0.0), kept);
+        judge_gain(c, &b, REAL_C(0.0), bent->misfit, kept);
         return;
     }
-    real_t bend = usable ? REAL_C(0.0) : drift_bend(x, j, kept);
+    real_t bend = drift_bend(x, j, kept);
+    bool straight = experiment_baseline(x, j, &b) == ERR_OK;
+    c->climbs[j] = REAL_C(0.0);
+    if (straight)
+        judge_climb(c, &b, bend, kept);
     if (usable) { /* it turned before the step, or after all was over; how much else it could be is known */
         real_t apart = bent->element.gain - kept->gain;
         kept->gain_sd = real_sqrt(kept->gain_sd * kept->gain_sd + apart * apart);
     }
     if (kept->gain_sd > HOPELESS * real_abs(kept->gain) && !(kept->flags & IDENTIFIED_NO_GAIN))
         use_moments(e, kept);
-    if (experiment_baseline(x, j, &b) == ERR_OK)
-        judge_gain(c, &b, bend, kept);
+    if (straight && usable)
+        judge_gain(c, &b, REAL_C(0.0), bent->misfit, kept);
+    else if (straight)
+        judge_gain(c, &b, bend, c->fit_misfit, kept);
 }
 
 /* A fit has ended. True while another is to come for this output. */
@@ -263,7 +272,7 @@ static bool end_fit(struct commission *c, const struct fopdt_fit_result *r)
     }
     c->element[j][c->order[c->at]].plateau_gain = r->plateau_gain;
     c->fitted[j] = r->element;
-    judge_climb(c, &c->fitted[j]);
+    c->fit_misfit = r->misfit;
     if (fit_again(c, r))
         return true;
     take_fits(c, NULL);

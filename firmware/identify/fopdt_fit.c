@@ -17,7 +17,8 @@
 
 #define BEND_TRIES 5u /* steps with a bend in each of the places */
 
-_Static_assert(GRID_TIMES *GRID_SHARES + 1 + 3 * TRIES + 8 + FOPDT_FIT_PLACES * 3 * BEND_TRIES +
+_Static_assert(GRID_TIMES *GRID_SHARES + 1 + 3 * TRIES + 8 +
+                       (FOPDT_FIT_PLACES - 1) * 3 * (BEND_TRIES + 1) +
                        2 * RECORD_POINTS / (FOPDT_FIT_PLACES - 1) + 4 + 3 * TRIES <=
                    FOPDT_FIT_UNITS_MAX,
                "the search is bounded");
@@ -231,6 +232,18 @@ static void place_bend(struct fopdt_fit *f, uint32_t at)
     f->total = fit_line_dot(&f->line, f->y, f->y);
 }
 
+/* With the bend where it is now: from the times without one, which it may have spoilt, from the best so far, or from the
+ * middle of what a record can show, whichever is nearest. */
+static void begin_from_best(struct fopdt_fit *f)
+{
+    real_t horizon = (real_t)(f->points * f->block);
+    f->squares = REAL_C(1e38);
+    consider(f, f->straight_lag, f->straight_dead);
+    consider(f, f->bend_lag, f->bend_dead);
+    consider(f, clip(horizon / REAL_C(16.0), shortest_to_begin_from(f), f->lag_max),
+             horizon / REAL_C(40.0));
+}
+
 /* A search for the times has ended. Where the drift turns nobody knows: the search goes on from the times without a bend
  * with one in each of some places, then point by point about the best of them. */
 static void end_search(struct fopdt_fit *f)
@@ -252,8 +265,7 @@ static void end_search(struct fopdt_fit *f)
         /* The first is at the beginning: it may have turned before the step, unseen. */
         place_bend(f, f->bend_place * apart + 1u);
         f->bend_place++;
-        f->lag = f->straight_lag;
-        f->dead = f->straight_dead;
+        begin_from_best(f);
         f->tries = TRIES - BEND_TRIES;
         f->damping = DAMPING_FIRST;
         f->phase = PHASE_SLOPES;

@@ -50,6 +50,8 @@ struct fopdt_fit_result {
         bend_step;      /* when the drift turned, how much steeper it is then, how much higher */
     real_t squares;     /* sum that is left, of points and of what was known beforehand */
     real_t residual_sd; /* of one point */
+    real_t
+        misfit; /* of a point: what is left beyond the noise, since the plant is not of first order */
     real_t correlation; /* lag one, of the residuals */
     real_t
         significance; /* of the response: what it explains over what one point of noise has; 16 is the least */

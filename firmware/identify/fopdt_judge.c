@@ -8,6 +8,7 @@
 
 #define SIGNIFICANT                                                                                \
     REAL_C(16.0) /* of what the response explains, in variances of a point: 3 parameters, 0.1 % */
+#define EXCESS          REAL_C(1.5) /* variance of 128 points, of noise alone: +- 0.13 */
 #define CORRELATION_MAX REAL_C(0.9)
 #define LAG_UNSURE                                                                                 \
     REAL_C(0.4) /* sd of ln T from which on a slow lag may as well be an integrator */
@@ -94,6 +95,15 @@ static real_t residual_variance(const struct fopdt_fit *f, real_t *correlation)
     real_t rho = square > ZERO ? product / square : ZERO;
     *correlation = rho < ZERO ? ZERO : (rho > CORRELATION_MAX ? CORRELATION_MAX : rho);
     return larger(own, known);
+}
+
+/* What the residuals have beyond the noise, whether that is known or read from the record itself, and beyond what their
+ * own scatter may add. */
+static real_t misfit(const struct fopdt_fit *f, real_t white, real_t rough)
+{
+    real_t known = f->baseline.noise_sd * f->baseline.noise_sd / (real_t)f->block;
+    real_t beyond = white - EXCESS * larger(known, rough * rough);
+    return beyond > ZERO ? real_sqrt(beyond) : ZERO;
 }
 
 /* A bend in other places may explain the record as well, with other gains: by so much they stray about the one found,
@@ -318,7 +328,9 @@ void fopdt_fit_judge(struct fopdt_fit *f)
     covariance(f, variance);
     real_t level = longest_level(f), sd_ln = r->element.time_constant_sd_s / (f->lag * f->h_s);
     response(f);
-    r->element.flags = shape(f, r->residual_sd, rough_noise(f));
+    real_t rough = rough_noise(f);
+    r->misfit = misfit(f, white, rough);
+    r->element.flags = shape(f, r->residual_sd, rough);
     if (f->lag + f->dead > level)
         r->element.flags |= IDENTIFIED_SHORT;
     if (f->lag >= REAL_C(0.95) * f->lag_max || (f->lag > level && sd_ln > LAG_UNSURE))
