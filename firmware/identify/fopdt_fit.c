@@ -18,7 +18,7 @@
 #define BEND_TRIES 5u /* steps with a bend in each of the places */
 
 _Static_assert(GRID_TIMES *GRID_SHARES + 1 + 3 * TRIES + 8 +
-                       (FOPDT_FIT_PLACES - 1) * 3 * (BEND_TRIES + 1) +
+                       (FOPDT_FIT_PLACES - 1) * (5 + 3 * BEND_TRIES) +
                        2 * RECORD_POINTS / (FOPDT_FIT_PLACES - 1) + 4 + 3 * TRIES <=
                    FOPDT_FIT_UNITS_MAX,
                "the search is bounded");
@@ -232,16 +232,19 @@ static void place_bend(struct fopdt_fit *f, uint32_t at)
     f->total = fit_line_dot(&f->line, f->y, f->y);
 }
 
-/* With the bend where it is now: from the times without one, which it may have spoilt, from the best so far, or from the
- * middle of what a record can show, whichever is nearest. */
+/* With the bend where it is now: from the best times so far, from those without a bend, unless it has made them look
+ * like an integrator's, or from some that a record can show, whichever are nearest. */
 static void begin_from_best(struct fopdt_fit *f)
 {
-    real_t horizon = (real_t)(f->points * f->block);
+    static const real_t parts[] = {REAL_C(12.0), REAL_C(32.0), REAL_C(96.0)};
+    real_t horizon = (real_t)(f->points * f->block), longest = REAL_C(0.25) * horizon;
     f->squares = REAL_C(1e38);
-    consider(f, f->straight_lag, f->straight_dead);
-    consider(f, f->bend_lag, f->bend_dead);
-    consider(f, clip(horizon / REAL_C(16.0), shortest_to_begin_from(f), f->lag_max),
-             horizon / REAL_C(40.0));
+    consider(f, f->bend_lag < longest ? f->bend_lag : longest, f->bend_dead);
+    consider(f, f->straight_lag < longest ? f->straight_lag : longest, f->straight_dead);
+    for (unsigned k = 0; k < sizeof parts / sizeof *parts; k++) {
+        real_t lag = clip(horizon / parts[k], shortest_to_begin_from(f), f->lag_max);
+        consider(f, lag, clip(REAL_C(0.3) * lag, ZERO, f->dead_max));
+    }
 }
 
 /* A search for the times has ended. Where the drift turns nobody knows: the search goes on from the times without a bend

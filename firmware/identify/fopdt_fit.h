@@ -99,7 +99,7 @@ MUST_CHECK enum err fopdt_fit_begin(struct fopdt_fit *f, const struct record *r,
 
 /* Goes on for units evaluations of the model over the record (each some 10 products a point and edge, and 5 exponentials
  * an edge; a stage once begun is ended, at most 3 more); true when it is finished. Finished after FOPDT_FIT_UNITS_MAX. */
-#define FOPDT_FIT_UNITS_MAX 480
+#define FOPDT_FIT_UNITS_MAX 500
 bool fopdt_fit_run(struct fopdt_fit *f, uint32_t units);
 
 /* ERR_STATE while it is not finished. */
