@@ -18,7 +18,7 @@ from typing import Any
 
 import numpy as np
 
-from reflux_tools import build, commissioning_columns, table
+from reflux_tools import build, commissioning_columns, commissioning_stability, table
 from reflux_tools.errors import UserError
 from reflux_tools.paths import CAMPAIGNS, ROOT, shown
 from reflux_tools.schema import Table
@@ -105,6 +105,7 @@ def script(plant: dict[str, Any], start: Start) -> str:
     at = 5 * plant["tick_s"]
     lines += [f"{at} commission begin", f"{at} ~until PROPOSAL|NOT_DETERMINED|COMMISSION_ENDED"]
     lines += [f"{at} commission{what}" for what in ("", " model", " pairing")]
+    lines += [f"{at} ?commission edit", f"{at} diff"]
     lines += [f"{at} ?commission accept", f"{at} ~until TRIAL_KEPT|TRIAL_FAILED 3000000", f"{at} ~end"]
     return "\n".join(lines) + "\n"
 
@@ -165,7 +166,9 @@ def read(said: str, plant: dict[str, Any], known: Known, start: Start, log: Path
     out["trial"] = "kept" if "TRIAL_KEPT" in said else "back" if failed else "-"
     if failed:
         out["trial_why"] = failed.group(1)
-    elif out["verdict"] in ("right", "wrong") and out["trial"] == "-":
+    if out["verdict"] in ("right", "wrong"):
+        out["radius"] = commissioning_stability.radius(said, known.name)
+    if out["verdict"] in ("right", "wrong") and out["trial"] == "-":
         out["trial_why"] = last[0][-120:] if last else ""
     found = [int(n) for n in re.findall(r"< input .* rounds (\d+)", said)]
     out["rounds"] = max(found, default=0)
@@ -250,7 +253,7 @@ def pair(gains: np.ndarray) -> list[tuple[int, int]] | None:
 # ---- results ----
 
 HEADER = ["plant", "seeds", "right", "not determined", "wrong", "ended early", "rounds", "time", "time 95 %",
-          "worst limit", "kept", "taken back", "moments wrong"]
+          "worst limit", "kept", "taken back", "stable", "moments wrong"]
 ERROR_HEADER = ["plant", "K", "K 95 %", "T", "T 95 %", "L", "L 95 %"]
 
 
@@ -261,6 +264,16 @@ def of_plant(plant: Known, results: list[dict[str, Any]]) -> list[dict[str, Any]
 def high(values: list[float], share: float = 0.95) -> float:
     values = sorted(values)
     return values[min(len(values) - 1, int(share * len(values)))]
+
+
+def unstable(results: list[dict[str, Any]]) -> list[dict[str, Any]]:
+    return [r for r in results if r.get("radius") is not None and not r["radius"] < 1.0]
+
+
+def stable(results: list[dict[str, Any]]) -> str:
+    """Of the proposals that were accepted, whatever their trial said of them."""
+    accepted = sum(r.get("radius") is not None for r in results)
+    return f"{accepted - len(unstable(results))} of {accepted}"
 
 
 def distribution(start: Start, results: list[dict[str, Any]]) -> tuple[list[str], list[list[str]]]:
@@ -279,7 +292,8 @@ def distribution(start: Start, results: list[dict[str, Any]]) -> tuple[list[str]
                      table.figure(statistics.fmean(times) if times else None),
                      table.figure(high(times) if times else None),
                      table.figure(max(r.get("worst", 0.0) for r in chosen)), count("trial", "kept"),
-                     count("trial", "back"), f"{count('moments', 'wrong')} of {sum('moments' in r for r in chosen)}"])
+                     count("trial", "back"), stable(chosen),
+                     f"{count('moments', 'wrong')} of {sum('moments' in r for r in chosen)}"])
     return HEADER, rows
 
 
@@ -319,6 +333,9 @@ def shortfalls(start: Start, results: list[dict[str, Any]]) -> list[str]:
         asked = plant.determined if len(chosen) == len(start.seeds) else min(plant.determined, FEW_LEAST)
         if chosen and right < asked * len(chosen):
             out.append(f"{plant.name}: {right} of {len(chosen)} determined rightly, {asked:.0%} asked for")
+        for r in unstable(chosen):
+            out.append(f"{plant.name}: seed {r['job']['seed']}: the accepted loops are unstable on the plant, trial "
+                       f"{r['trial']}, largest eigenvalue {r['radius']:.6f}")
         endless = sum(r["verdict"] in ("right", "wrong") and r["trial"] == "-" for r in chosen)
         if endless:
             out.append(f"{plant.name}: {endless} trials without an end")
@@ -345,7 +362,8 @@ Time is plant time of the tests in slowest time constants, for start-ups that ca
 largest share of a limit that the plant itself (without noise and drift of the instruments) has reached during the
 tests; *moments wrong* counts how often the moments of the last round alone, paired by the same rule, give another
 pairing than the right one. Kept and taken back: the trial of what was accepted; a plant whose proposal is taken back
-is in manual again, as it was before.
+is in manual again, as it was before. *Stable* counts the accepted proposals, kept or not, whose sampled loops are stable
+on the plant itself with its own orders and dead times: all eigenvalues of the closed loop are inside the unit circle.
 
 {table.markdown(*distribution(start, results))}
 
@@ -368,9 +386,11 @@ of the true gain, T and L of the true L + T.
     (folder / f"{start.name}.md").write_text(text, encoding="utf-8")
     with (folder / f"{start.name}.csv").open("w", encoding="utf-8", newline="") as out:
         writer = csv.writer(out, lineterminator="\n")
-        writer.writerow(["plant", "seed", "verdict", "rounds", "time", "worst", "moments", "trial", "why"])
+        writer.writerow(["plant", "seed", "verdict", "rounds", "time", "worst", "moments", "trial", "radius", "why"])
         for r in results:
             numbers = ["" if r.get(k) is None else f"{r[k]:.4g}" for k in ("rounds", "time", "worst")]
+            radius = "" if r.get("radius") is None else f"{r['radius']:.6f}"
             writer.writerow([r["job"]["plant"], r["job"]["seed"], r["verdict"], *numbers, r.get("moments", ""),
-                             r.get("trial", ""), r.get("why") or r.get("trial_why") or "; ".join(r["failures"])])
+                             r.get("trial", ""), radius,
+                             r.get("why") or r.get("trial_why") or "; ".join(r["failures"])])
     print(f"results: {shown(folder / start.name)}.md and .csv")
