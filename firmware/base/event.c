@@ -71,6 +71,9 @@ static const char *const table[] = {
     E("TEST_LONGER", "an output did not come to rest, test done again; half of a double step, s",
       INFO),
     E("TEST_EXTENDED", "pairing not determined yet, tests are repeated; probability", INFO),
+#if !defined COMMISSION_CHANNELS || COMMISSION_CHANNELS
+    E("RELAY_DONE", "relay test done, see `commission relay`; ultimate period, s", INFO),
+#endif
     E("PROPOSAL", "pairing determined, see `commission proposal`; probability", INFO),
     E("NOT_DETERMINED", "pairing not determined, see `commission pairing`; probability", WARNING),
     E("TRIAL_BEGUN", "proposed loops in automatic, on trial; loops", INFO),

@@ -89,10 +89,9 @@ static bool sequence_runs(const struct supervisor *s)
 #endif
 }
 
-enum err commission_may_begin(const struct supervisor *s, const char **what, const char **wanted)
+/* Whatever is tested. */
+static enum err may_test(const struct supervisor *s, const char **what, const char **wanted)
 {
-    const struct config *config = &s->plan->config;
-    unsigned outputs = 0, inputs = 0;
     *what = NULL;
     if (sequence_runs(s))
         return refuse(what, wanted, NULL, commission_why_text(WHY_SEQUENCE));
@@ -100,6 +99,16 @@ enum err commission_may_begin(const struct supervisor *s, const char **what, con
         return refuse(
             what, wanted, NULL,
             "the plant is in the safe state; bring it to its operating point by hand first");
+    return ERR_OK;
+}
+
+enum err commission_may_begin(const struct supervisor *s, const char **what, const char **wanted)
+{
+    const struct config *config = &s->plan->config;
+    unsigned outputs = 0, inputs = 0;
+    enum err err = may_test(s, what, wanted);
+    if (err)
+        return err;
     for (uint8_t i = 0; i < CHANNEL_MAX; i++) {
         if (!commission_measurement_is_tested(s, i))
             continue;
@@ -125,6 +134,35 @@ enum err commission_may_begin(const struct supervisor *s, const char **what, con
         return refuse(what, wanted, NULL, "no measurement of the plant is configured for tests");
     if (inputs == 0)
         return refuse(what, wanted, NULL, "no manipulated variable is configured for tests");
+    return ERR_OK;
+}
+
+enum err commission_may_relay(const struct supervisor *s, uint8_t loop, const char **what,
+                              const char **wanted)
+{
+    const struct loop_plan *l = &s->plan->loop[loop];
+    const struct loop_config *config = &s->plan->config.loop[loop];
+    enum err err = may_test(s, what, wanted);
+    if (err)
+        return err;
+    if (l->output == PLAN_NONE)
+        return refuse(what, wanted, config->name, "drives a loop; test that one");
+    if (config->algorithm == LOOP_TWO_POSITION)
+        return refuse(what, wanted, config->name, "has two positions and no settings to find");
+    if (s->loop[loop].mode != LOOP_MANUAL)
+        return refuse(what, wanted, config->name, "acts; `mode NAME manual` first");
+    if (!s->output[l->output].bound)
+        return refuse(what, wanted, s->plan->config.output[l->output].name,
+                      "is not there: the plant does not announce it");
+    if (s->output[l->output].forced)
+        return refuse(what, wanted, s->plan->config.output[l->output].name,
+                      "is held by an interlock");
+    if (!believed(s, l->pv))
+        return refuse(what, wanted, s->plan->config.measurement[l->pv].name,
+                      "is not believed; wait for good readings");
+    if (commission_room(s, l->output, commission_held_at(s, l->output)) < ROOM_LEAST)
+        return refuse(what, wanted, s->plan->config.output[l->output].name,
+                      "stands at its operating limit: no room to step both ways");
     return ERR_OK;
 }
 

@@ -28,6 +28,8 @@ static const char *const why_texts[WHY_COUNT] = {
     [WHY_TRIAL_PEAK] = "overshot far more than predicted on trial",
     [WHY_TRIAL_REST] = "did not come to rest on trial",
     [WHY_SEQUENCE] = "a sequence is under way; `seq` shows it",
+    [WHY_NO_ANSWER] = "its measurement does not answer to the relay",
+    [WHY_NO_CYCLE] = "no steady cycle under the relay",
 };
 
 const char *commission_why_text(enum commission_why why)
@@ -50,8 +52,9 @@ void commission_was_reset(struct commission *c)
 
 bool commission_is_testing(const struct commission *c)
 {
-    return c->phase == COMMISSION_TESTING || c->phase == COMMISSION_FITTING ||
-           c->phase == COMMISSION_ANALYSING || c->phase == COMMISSION_PAUSED;
+    return c->phase == COMMISSION_TESTING || c->phase == COMMISSION_RELAY ||
+           c->phase == COMMISSION_FITTING || c->phase == COMMISSION_ANALYSING ||
+           c->phase == COMMISSION_PAUSED;
 }
 
 bool commission_has_proposal(const struct commission *c)
@@ -64,6 +67,7 @@ enum err commission_may(const struct commission *c, enum commission_ask ask, con
     bool possible;
     switch (ask) {
     case COMMISSION_ASK_BEGIN:
+    case COMMISSION_ASK_RELAY:
         *wanted = c->wants_old
                       ? "the old settings are on their way back; an open transaction holds "
                         "them up: apply or abandon it"
@@ -71,6 +75,9 @@ enum err commission_may(const struct commission *c, enum commission_ask ask, con
         possible = !commission_is_testing(c) && c->phase != COMMISSION_TRIAL && !c->wants_old;
         break;
     case COMMISSION_ASK_PAUSE:
+        *wanted = "only while an input is tested";
+        possible = c->phase == COMMISSION_TESTING || c->phase == COMMISSION_RELAY;
+        break;
     case COMMISSION_ASK_SKIP:
         *wanted = "only while an input is tested";
         possible = c->phase == COMMISSION_TESTING;
@@ -106,7 +113,8 @@ enum err commission_put(struct commission *c, enum commission_ask ask, const cha
         *wanted = "what was asked before waits for the next sample";
         return ERR_BUSY;
     }
-    if (before == COMMISSION_ASK_BEGIN || before == COMMISSION_ASK_TRIAL) {
+    if (before == COMMISSION_ASK_BEGIN || before == COMMISSION_ASK_RELAY ||
+        before == COMMISSION_ASK_TRIAL) {
         c->ask = COMMISSION_ASK_NONE; /* not begun, so there is nothing to end */
         c->wants_old = before == COMMISSION_ASK_TRIAL;
         return ERR_OK;
@@ -120,7 +128,7 @@ enum err commission_put(struct commission *c, enum commission_ask ask, const cha
 /* Only a new beginning overwrites them, and only the main loop asks for one. */
 bool commission_has_results(const struct commission *c)
 {
-    return c->analysed && c->ask != COMMISSION_ASK_BEGIN;
+    return c->analysed && c->ask != COMMISSION_ASK_BEGIN && c->ask != COMMISSION_ASK_RELAY;
 }
 
 void commission_release(struct commission *c, struct supervisor *s)
@@ -161,8 +169,9 @@ static void pause_test(struct commission *c, struct supervisor *s)
 /* Does it put something else into the memory that the background works on? */
 static bool overwrites(enum commission_ask ask)
 {
-    return ask == COMMISSION_ASK_BEGIN || ask == COMMISSION_ASK_RESUME ||
-           ask == COMMISSION_ASK_SKIP || ask == COMMISSION_ASK_REPEAT;
+    return ask == COMMISSION_ASK_BEGIN || ask == COMMISSION_ASK_RELAY ||
+           ask == COMMISSION_ASK_RESUME || ask == COMMISSION_ASK_SKIP ||
+           ask == COMMISSION_ASK_REPEAT;
 }
 
 /* What was asked for may not make sense any more. */
@@ -185,11 +194,17 @@ static void take_ask(struct commission *c, struct supervisor *s)
     case COMMISSION_ASK_BEGIN:
         commission_begin(c, s);
         break;
+    case COMMISSION_ASK_RELAY:
+        commission_begin_relay(c, s);
+        break;
     case COMMISSION_ASK_PAUSE:
         pause_test(c, s);
         break;
     case COMMISSION_ASK_RESUME:
-        commission_start_input(c, s);
+        if (c->by_relay.on)
+            commission_start_relay(c, s);
+        else
+            commission_start_input(c, s);
         break;
     case COMMISSION_ASK_SKIP:
         commission_release(c, s);
@@ -232,6 +247,8 @@ static void go_on(struct commission *c, struct supervisor *s)
     }
     if (c->phase == COMMISSION_TESTING)
         commission_test(c, s);
+    else if (c->phase == COMMISSION_RELAY)
+        commission_relay(c, s);
     else if (c->phase == COMMISSION_FITTING || c->phase == COMMISSION_ANALYSING)
         commission_wait_for_job(c, s);
     else if (c->phase == COMMISSION_TRIAL)

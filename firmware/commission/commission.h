@@ -17,6 +17,7 @@
 
 #include "commission/adoption.h"
 #include "commission/analysis.h"
+#include "commission/by_relay.h"
 #include "commission/experiment.h"
 #include "identify/fopdt_fit.h"
 #include "supervise/supervisor.h"
@@ -26,6 +27,7 @@
 enum commission_phase {
     COMMISSION_IDLE,
     COMMISSION_TESTING,
+    COMMISSION_RELAY, /* one loop, by a relay test: by_relay.h */
     COMMISSION_FITTING,
     COMMISSION_ANALYSING,
     COMMISSION_PAUSED,
@@ -59,12 +61,15 @@ enum commission_why {
     WHY_TRIAL_PEAK, /* overshoot beyond what was predicted */
     WHY_TRIAL_REST, /* does not come to rest */
     WHY_SEQUENCE,
+    WHY_NO_ANSWER, /* to a relay */
+    WHY_NO_CYCLE,
     WHY_COUNT
 };
 
 enum commission_ask {
     COMMISSION_ASK_NONE,
     COMMISSION_ASK_BEGIN,
+    COMMISSION_ASK_RELAY, /* of loop `relay_asked` */
     COMMISSION_ASK_PAUSE,
     COMMISSION_ASK_RESUME,
     COMMISSION_ASK_SKIP,
@@ -104,6 +109,7 @@ struct commission {
     char subject[CHANNEL_NAME_SIZE]; /* what `why` is about */
     real_t value;                    /* ... and its number, fraction of span */
     volatile uint8_t ask; /* enum commission_ask; the main loop writes it under hal_tick_lock */
+    volatile uint8_t relay_asked; /* loop; likewise */
 
     volatile bool analysed; /* work.analysis holds a result */
     uint32_t plan_serial;   /* the tests belong to this plan */
@@ -137,10 +143,12 @@ struct commission {
     bool fit_running, fit_bent, analysis_begun;
     real_t fit_squares, fit_misfit; /* left by the fit without a bend */
     struct analysis_config settings; /* of the analysis */
+    struct by_relay by_relay;
     union {
         struct {
             struct experiment experiment;
         } test;
+        struct relay_test relay;
         struct analysis analysis;
     } work;
 

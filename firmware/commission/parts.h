@@ -1,4 +1,4 @@
-/* What the files of commission.h share: channels.c, tests.c, results.c, on_trial.c, and commission.c, which puts them
+/* What the files of commission.h share: channels.c, tests.c, by_relay.c, results.c, on_trial.c, and commission.c, which puts them
  * together. All of it runs in the tick. */
 #ifndef REFLUX_COMMISSION_PARTS_H
 #define REFLUX_COMMISSION_PARTS_H
@@ -39,6 +39,17 @@ void commission_start_input(struct commission *c, struct supervisor *s);
 /* A tick of it. */
 void commission_test(struct commission *c, struct supervisor *s);
 const char *commission_input_name(const struct commission *c, const struct supervisor *s);
+
+/* Everything found before, and remembers what the tests belong to. */
+void commission_forget(struct commission *c, const struct supervisor *s);
+
+/* ---- by_relay.c ---- */
+
+void commission_begin_relay(struct commission *c, struct supervisor *s);
+/* From its start. */
+void commission_start_relay(struct commission *c, struct supervisor *s);
+/* A tick of it. */
+void commission_relay(struct commission *c, struct supervisor *s);
 
 /* ---- results.c ---- */
 

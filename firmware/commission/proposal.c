@@ -98,6 +98,8 @@ enum err proposal_write(const struct commission *c, struct config *config)
         return ERR_STATE;
     if (commission_channels(config) != c->channels)
         return ERR_CONFLICT;
+    if (c->by_relay.on)
+        return by_relay_write(c, config);
     make_room(c, config);
     uint8_t place[CONFIG_LOOPS];
     uint8_t n = 0;

@@ -173,12 +173,16 @@ void commission_start_input(struct commission *c, struct supervisor *s)
 }
 
 /* All but the large parts, which whoever uses them next clears: this is a tick. */
-static void forget_results(struct commission *c)
+void commission_forget(struct commission *c, const struct supervisor *s)
 {
     struct event_queue *events = c->events;
     memset(c, 0, offsetof(struct commission, work));
     memset(&c->adoption, 0, sizeof c->adoption);
     c->events = events;
+    c->plan_serial = s->plan->serial;
+    c->channels = commission_channels(&s->plan->config);
+    c->safe_count = s->safe_count;
+    c->began_ms = s->time_ms;
 }
 
 void commission_begin(struct commission *c, struct supervisor *s)
@@ -189,11 +193,7 @@ void commission_begin(struct commission *c, struct supervisor *s)
         event_put(events, s->time_ms, EVENT_REQUEST_REFUSED, what, 0.0f, 0);
         return;
     }
-    forget_results(c);
-    c->plan_serial = s->plan->serial;
-    c->channels = commission_channels(&s->plan->config);
-    c->safe_count = s->safe_count;
-    c->began_ms = s->time_ms;
+    commission_forget(c, s);
     c->round = 1;
     for (uint8_t i = 0; i < CHANNEL_MAX; i++)
         if (commission_measurement_is_tested(s, i))

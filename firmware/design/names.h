@@ -7,6 +7,7 @@
 #define tuning_cohen_coon_pid           tuning_cohen_coon_pid_double
 #define tuning_simc_pi                  tuning_simc_pi_double
 #define tuning_simc_pid                 tuning_simc_pid_double
+#define tuning_tyreus_luyben_pi         tuning_tyreus_luyben_pi_double
 #define loops_check                     loops_check_double
 #define loops_z_less_1                  loops_z_less_1_double
 #define loops_sample                    loops_sample_double

@@ -115,3 +115,23 @@ enum err tuning_simc_pi(const struct fopdt *model, real_t tau_c_s, struct tuning
 {
     return tuning_simc_pid(model, REAL_C(0.0), tau_c_s, result, why);
 }
+
+enum err tuning_tyreus_luyben_pi(real_t gain, real_t period_s, struct tuning *result,
+                                 struct tuning_refusal *why)
+{
+    const char *either = "1e-6 to 1e6, of either sign", *period = "1e-6 to 1e6 s";
+    if (!real_is_finite(gain))
+        return refuse(why, "gain", either, ERR_NOT_FINITE);
+    if (!(real_abs(gain) >= REAL_C(1e-6) && real_abs(gain) <= REAL_C(1e6)))
+        return refuse(why, "gain", either, ERR_RANGE);
+    if (!real_is_finite(period_s))
+        return refuse(why, "period_s", period, ERR_NOT_FINITE);
+    if (!(period_s >= REAL_C(1e-6) && period_s <= REAL_C(1e6)))
+        return refuse(why, "period_s", period, ERR_RANGE);
+    *result = (struct tuning){
+        .gain = real_abs(gain) / REAL_C(3.2),
+        .ti_s = REAL_C(2.2) * period_s,
+        .action = gain < REAL_C(0.0) ? TUNING_DIRECT : TUNING_REVERSE,
+    };
+    return ERR_OK;
+}

@@ -56,4 +56,11 @@ MUST_CHECK enum err tuning_simc_pi(const struct fopdt *model, real_t tau_c_s, st
 MUST_CHECK enum err tuning_simc_pid(const struct fopdt *model, real_t tau2_s, real_t tau_c_s,
                                     struct tuning *result, struct tuning_refusal *why);
 
+/* B. D. Tyreus and W. L. Luyben, Ind. Eng. Chem. Res. 31 (1992) 2625, PI from the ultimate gain and period:
+ *     K = Ku/3.2, Ti = 2.2 Pu
+ * gain: Ku, its sign that of the process, 1e-6 to 1e6 in magnitude; period_s: Pu, 1e-6 to 1e6 s. Meant for processes near
+ * an integrator with dead time, as most of a column's are; slow where the dead time is as long as the lag. */
+MUST_CHECK enum err tuning_tyreus_luyben_pi(real_t gain, real_t period_s, struct tuning *result,
+                                            struct tuning_refusal *why);
+
 #endif

@@ -479,10 +479,10 @@ const struct console_command console_commands[] = {
     {"log", "on|off [TICKS]", "telemetry rows on this console", 1, 2, command_log, ACCESS_OPERATOR,
      NOT_AN_ACTION},
     {"commission",
-     "[begin|pause|resume|skip|repeat|abort|accept|edit|reject|"
-     "plant|model|gains|pairing|structure|proposal|trial]",
-     "automatic start-up: how far it is, or what it is told to do or show", 0, 1,
-     command_commission, ACCESS_OPERATOR, EVENT_DO_COMMISSION},
+     "[begin|pause|resume|skip|repeat|abort|accept|edit|reject|relay|"
+     "plant|model|gains|pairing|structure|proposal|trial] [LOOP]",
+     "automatic start-up: how far it is, or what it is told", 0, 2, command_commission,
+     ACCESS_OPERATOR, EVENT_DO_COMMISSION},
     {"alarm", "[ack|shelve] [ALARM|all] [SECONDS]",
      "what is wrong now; acknowledge, or silence for a time", 0, 3, command_alarm, ACCESS_OPERATOR,
      EVENT_DO_ALARM},

@@ -8,11 +8,12 @@
 #if COMMISSION_CHANNELS
 
 static const char *const phases[] = {
-    [COMMISSION_IDLE] = "idle",         [COMMISSION_TESTING] = "testing",
-    [COMMISSION_FITTING] = "fitting",   [COMMISSION_ANALYSING] = "analysing",
-    [COMMISSION_PAUSED] = "paused",     [COMMISSION_READY] = "ready",
-    [COMMISSION_TRIAL] = "trial",       [COMMISSION_KEPT] = "kept",
-    [COMMISSION_RETURNED] = "returned", [COMMISSION_ENDED] = "ended",
+    [COMMISSION_IDLE] = "idle",           [COMMISSION_TESTING] = "testing",
+    [COMMISSION_RELAY] = "relay",         [COMMISSION_FITTING] = "fitting",
+    [COMMISSION_ANALYSING] = "analysing", [COMMISSION_PAUSED] = "paused",
+    [COMMISSION_READY] = "ready",         [COMMISSION_TRIAL] = "trial",
+    [COMMISSION_KEPT] = "kept",           [COMMISSION_RETURNED] = "returned",
+    [COMMISSION_ENDED] = "ended",
 };
 
 static const char *const stages[] = {
@@ -88,6 +89,8 @@ static bool commission_status_line(struct console *c, unsigned n, struct text *l
         return false;
     if (m->phase == COMMISSION_TESTING) {
         test_line(m, config, line);
+    } else if (m->phase == COMMISSION_RELAY) {
+        commission_relay_now(c, line);
     } else if (m->phase == COMMISSION_READY) {
         text_str(line, commission_has_proposal(m)
                            ? "a proposal waits: `commission proposal`, then accept, edit or reject"
@@ -256,6 +259,15 @@ void command_commission(struct console *c, unsigned n, char **word)
 {
     if (n == 0) {
         console_list(c, commission_status_line, "");
+        return;
+    }
+    if (strcmp(word[0], "relay") == 0) {
+        if (n == 1 || may(c, true))
+            commission_relay_command(c, n, word);
+        return;
+    }
+    if (n > 1) {
+        console_err_about(c, ERR_PARSE, word[1], "only `commission relay` takes a loop");
         return;
     }
     for (unsigned i = 0; i < sizeof listings / sizeof listings[0]; i++) {

@@ -120,8 +120,10 @@ static void second_line(const struct console *c, unsigned j, unsigned k, struct 
 bool commission_model_line(struct console *c, unsigned n, struct text *line)
 {
     const struct commission *m = c->service->commission;
-    if (m->inputs == 0 || m->ask == COMMISSION_ASK_BEGIN)
+    if (m->inputs == 0 || m->ask == COMMISSION_ASK_BEGIN || m->ask == COMMISSION_ASK_RELAY)
         return false; /* or may be overwritten at any time */
+    if (m->by_relay.on)
+        return commission_relay_line(c, n, line); /* of one loop, and no model */
     if (n < m->inputs)
         return input_line(c, n, line);
     n -= m->inputs;
@@ -149,10 +151,12 @@ bool commission_model_line(struct console *c, unsigned n, struct text *line)
 
 static bool nothing(const struct console *c, unsigned n, struct text *line)
 {
-    if (commission_has_results(c->service->commission))
+    const struct commission *m = c->service->commission;
+    if (commission_has_results(m) && !m->by_relay.on)
         return false;
     if (n == 0)
-        text_str(line, "nothing yet: `commission begin` first");
+        text_str(line, m->by_relay.on ? "the latest test was by relay: `commission relay`"
+                                      : "nothing yet: `commission begin` first");
     return true;
 }
 
@@ -324,6 +328,8 @@ static void loop_line(const struct console *c, unsigned k, struct text *line)
 bool commission_proposal_line(struct console *c, unsigned n, struct text *line)
 {
     const struct analysis *a = &c->service->commission->work.analysis;
+    if (c->service->commission->by_relay.on)
+        return commission_relay_line(c, n, line);
     if (nothing(c, n, line))
         return n == 0;
     if (!a->designed) {

@@ -1,0 +1,318 @@
+#include "supervise/config.h"
+#if COMMISSION_CHANNELS
+
+#include "commission/by_relay.h"
+
+#include <stddef.h>
+#include <string.h>
+
+#include "base/elapsed.h"
+#include "commission/parts.h"
+#include "commission/proposal.h"
+
+#define NOISE_FLOOR    REAL_C(7e-5) /* of span: what 12 bits of conversion leave */
+#define HYSTERESIS     REAL_C(3.0)  /* noise deviations */
+#define AMPLITUDE_MOST REAL_C(0.25) /* of span, while it is being found */
+#define FIRST          REAL_C(0.02)
+#define WANTED_SHARE   REAL_C(0.5) /* of its limit that the measurement is asked to swing at most */
+#define WANTED_LEAST   REAL_C(2.0) /* hystereses that it swings at least */
+#define PATIENCE       4u          /* windows without an answer: a larger amplitude */
+#define REST_PATIENCE  20u         /* windows until rest is given up */
+#define DRIFT_SHARE    REAL_C(0.3) /* of a limit, that a drift may take in a window */
+#define PAST_NOISE     REAL_C(3.0) /* deviations, and past the limit */
+#define MISSED_MOST    8u          /* samples in a row that a test can do without */
+#define GAIN_MOST      REAL_C(100.0) /* of a loop: loopN.gain */
+
+/* Of a setpoint step under these settings, on any process of first order with dead time from 0.02 to 2 of the time constant
+ * (tests/reference/relay_family.csv); the trial adds its own margins. */
+#define TRIAL_STEP    REAL_C(0.05) /* of span */
+#define TRIAL_IAE     REAL_C(2.0)  /* Pu times the step */
+#define TRIAL_PEAK    REAL_C(0.22) /* overshoot */
+#define TRIAL_SETTLES REAL_C(8.0)  /* Pu */
+#define TRIAL_MOVES   REAL_C(0.66) /* Ku times the step */
+
+static const struct test_config *settings(const struct supervisor *s)
+{
+    return &s->plan->config.test;
+}
+
+static uint32_t window(const struct supervisor *s)
+{
+    uint16_t n = settings(s)->window;
+    return n < STEADY_BLOCKS ? STEADY_BLOCKS : n;
+}
+
+void commission_start_relay(struct commission *c, struct supervisor *s)
+{
+    struct relay_test *t = &c->work.relay;
+    memset(t, 0, sizeof *t);
+    t->resting = true;
+    for (uint8_t j = 0; j < c->outputs; j++) {
+        const struct measurement_config *m = &s->plan->config.measurement[c->measurement[j]];
+        t->limit[j] = m->test_limit > 0.0f ? m->test_limit / (m->hi - m->lo) : TEST_LIMIT_DEFAULT;
+        if (m->test_critical)
+            t->limit[j] *= REAL_C(0.5);
+    }
+    for (uint8_t i = 0; i < CONFIG_LOOPS; i++)
+        c->by_relay.mode[i] = s->loop[i].mode;
+    struct steady_config rest = {.outputs = c->outputs,
+                                 .block = window(s) / STEADY_BLOCKS,
+                                 .h_s = s->plan->tick_s,
+                                 .noise_floor = NOISE_FLOOR,
+                                 .motion_limit = REAL_C(3.0),
+                                 .variance_limit = REAL_C(4.0)};
+    c->phase = COMMISSION_RELAY;
+    c->phase_ms = c->sample_ms = s->time_ms;
+    enum err err = steady_init(&t->steady, &rest);
+    if (err)
+        commission_end(c, s, WHY_NUMBERS, commission_input_name(c, s), (real_t)err);
+}
+
+void commission_begin_relay(struct commission *c, struct supervisor *s)
+{
+    const char *what, *wanted;
+    uint8_t loop = c->relay_asked;
+    if (loop >= CONFIG_LOOPS || !s->plan->loop[loop].used ||
+        commission_may_relay(s, loop, &what, &wanted) != ERR_OK) {
+        event_put(c->events, s->time_ms, EVENT_REQUEST_REFUSED, NULL, 0.0f, 0);
+        return;
+    }
+    commission_forget(c, s);
+    c->by_relay.on = true;
+    c->by_relay.loop = loop;
+    c->round = 1;
+    c->measurement[c->outputs++] = s->plan->loop[loop].pv;
+    for (uint8_t i = 0; i < CHANNEL_MAX; i++)
+        if (i != s->plan->loop[loop].pv && commission_measurement_is_tested(s, i))
+            c->measurement[c->outputs++] = i;
+    c->inputs = 1;
+    c->input[0].output = s->plan->loop[loop].output;
+    c->input[0].held = commission_held_at(s, c->input[0].output);
+    event_put(c->events, s->time_ms, EVENT_COMMISSION_BEGUN, s->plan->config.loop[loop].name, 1.0f,
+              0);
+    commission_start_relay(c, s);
+}
+
+/* As for the steps of the whole plant: what climbs steadily for longer than a window and a half is a drift. */
+static bool at_rest(struct commission *c, const struct supervisor *s, struct steady_result *at,
+                    uint8_t *culprit)
+{
+    const struct relay_test *t = &c->work.relay;
+    uint32_t n = window(s);
+    for (uint8_t j = 0; j < c->outputs; j++) {
+        *culprit = j;
+        if (steady_look(&t->steady, j, &at[j]) != ERR_OK)
+            return false;
+        if (at[j].state == STEADY_SETTLED)
+            continue;
+        real_t carried = real_abs(at[j].slope_per_s) * s->plan->tick_s * (real_t)n;
+        if (at[j].state != STEADY_MOVING || t->waited < n + n / 2u ||
+            carried > DRIFT_SHARE * t->limit[j])
+            return false;
+    }
+    return true;
+}
+
+static enum err begin_cycle(struct commission *c, const struct supervisor *s,
+                            const struct steady_result *at)
+{
+    struct relay_test *t = &c->work.relay;
+    const struct output_config *o = &s->plan->config.output[c->input[0].output];
+    real_t room = commission_room(s, c->input[0].output, c->input[0].held);
+    real_t longest_s = settings(s)->longest_s;
+    for (uint8_t j = 0; j < c->outputs; j++) {
+        bool drifts = real_abs(at[j].slope_per_s) > REAL_C(2.0) * at[j].slope_sd_per_s;
+        c->noise_sd[j] = at[j].noise_sd;
+        c->drift_per_s[j] = drifts ? real_abs(at[j].slope_per_s) : REAL_C(0.0);
+        t->rest[j] = at[j].mean + (drifts ? at[j].slope_per_s * at[j].age_s : REAL_C(0.0));
+    }
+    struct relay_config x = {
+        .h_s = s->plan->tick_s,
+        .reference = t->rest[0],
+        .drift_per_s = c->drift_per_s[0] > REAL_C(0.0) ? at[0].slope_per_s : REAL_C(0.0),
+        .noise_sd = at[0].noise_sd,
+        .hysteresis = HYSTERESIS * at[0].noise_sd,
+        .amplitude = o->test_step / (o->hi - o->lo),
+        .most = room < AMPLITUDE_MOST || o->test_step > 0.0f ? room : AMPLITUDE_MOST,
+        .wanted = settings(s)->noise_multiple * at[0].noise_sd,
+        .patience = PATIENCE * window(s),
+        .half_most = longest_s > 0.0f ? commission_samples(s, longest_s) : COMMISSION_HALF_MOST,
+    };
+    if (x.amplitude > x.most)
+        x.amplitude = x.most;
+    x.first = FIRST < x.most ? FIRST : x.most;
+    if (x.wanted > WANTED_SHARE * t->limit[0])
+        x.wanted = WANTED_SHARE * t->limit[0];
+    if (x.wanted < WANTED_LEAST * x.hysteresis)
+        x.wanted = WANTED_LEAST * x.hysteresis;
+    if (x.half_most <= x.patience)
+        x.half_most = x.patience + 1u;
+    t->resting = false;
+    return relay_begin(&t->relay, &x);
+}
+
+/* Largest share of its limit that a measurement is at. False: one has been past it for two samples, noise apart. */
+static bool within_limits(struct commission *c, const real_t *y, real_t *share, uint8_t *culprit)
+{
+    struct relay_test *t = &c->work.relay;
+    *share = REAL_C(0.0);
+    for (uint8_t j = 0; j < c->outputs; j++) {
+        real_t away = real_abs(y[j] - t->rest[j]);
+        if (away > *share * t->limit[j])
+            *share = away / t->limit[j];
+        bool over = away > t->limit[j] + PAST_NOISE * c->noise_sd[j];
+        t->over[j] = over ? (uint8_t)(t->over[j] + 1u) : 0;
+        if (t->over[j] >= 2) {
+            *culprit = j;
+            return false;
+        }
+    }
+    return true;
+}
+
+/* The proposal, where the analysis of a whole plant would be: one pair. The relay is in the same memory. */
+static void propose(struct commission *c, const struct relay_result *found,
+                    const struct tuning *tuning)
+{
+    struct analysis *a = &c->work.analysis;
+    memset(a, 0, offsetof(struct analysis, work));
+    real_t step = TRIAL_STEP, ku = real_abs(found->gain);
+    a->stage = ANALYSIS_DONE;
+    a->config.step = step;
+    a->plant.outputs = a->plant.inputs = 1;
+    a->verdict = PAIRING_DETERMINED;
+    a->probability = REAL_C(1.0);
+    a->pairs.n = 1;
+    a->loops.pairs = a->pairs;
+    a->loops.tuning[0] = *tuning;
+    a->loops.derivative_filter = REAL_C(8.0);
+    a->decoupler = DECOUPLER_NOT_NEEDED;
+    a->factor = REAL_C(1.0);
+    a->predicted[0] = (struct trial_loop){.iae = TRIAL_IAE * found->period_s * step,
+                                          .peak = TRIAL_PEAK,
+                                          .settled_s = TRIAL_SETTLES * found->period_s,
+                                          .moved = TRIAL_MOVES * ku * step};
+    a->designed = true;
+}
+
+static void done(struct commission *c, struct supervisor *s)
+{
+    const char *name = s->plan->config.loop[c->by_relay.loop].name;
+    struct relay_result found;
+    struct tuning tuning;
+    if (relay_look(&c->work.relay.relay, &found) != ERR_OK ||
+        tuning_tyreus_luyben_pi(found.gain, found.period_s, &tuning, NULL) != ERR_OK) {
+        commission_end(c, s, WHY_NO_CYCLE, name, c->input[0].worst);
+        return;
+    }
+    if (tuning.gain > GAIN_MOST) { /* and the integral action goes with it */
+        tuning.ti_s *= tuning.gain / GAIN_MOST;
+        tuning.gain = GAIN_MOST;
+    }
+    c->input[0].amplitude = found.amplitude;
+    c->by_relay.result = found;
+    c->by_relay.gain = tuning.action == TUNING_DIRECT ? -tuning.gain : tuning.gain;
+    c->by_relay.ti_s = tuning.ti_s;
+    c->by_relay.found = true;
+    propose(c, &found, &tuning);
+    c->phase = COMMISSION_READY;
+    c->analysed = true;
+    c->phase_ms = c->ended_ms = s->time_ms;
+    event_put(c->events, s->time_ms, EVENT_RELAY_DONE, name, (float)found.period_s, 0);
+}
+
+static void cycle(struct commission *c, struct supervisor *s, const real_t *y)
+{
+    struct relay *r = &c->work.relay.relay;
+    const char *loop = s->plan->config.loop[c->by_relay.loop].name;
+    uint8_t culprit;
+    real_t share, before = r->amplitude;
+    uint32_t gone = commission_samples(s, elapsed_ms(s->time_ms, c->sample_ms) / REAL_C(1000.0));
+    c->sample_ms = s->time_ms;
+    if (gone > MISSED_MOST + 1u) {
+        commission_end(c, s, WHY_SAMPLES, NULL, (real_t)(gone - 1u));
+        return;
+    }
+    bool inside = within_limits(c, y, &share, &culprit);
+    if (share > c->input[0].worst)
+        c->input[0].worst = share;
+    if (!inside) {
+        commission_end(c, s, WHY_LIMIT, s->plan->config.measurement[c->measurement[culprit]].name,
+                       share);
+        return;
+    }
+    enum err err = ERR_OK;
+    for (; gone > 1 && !err && r->started > 0; gone--)
+        err = relay_missed(r);
+    if (!err)
+        err = relay_step(r, y[0], share);
+    if (err) {
+        commission_end(c, s, WHY_NUMBERS, loop, (real_t)err);
+        return;
+    }
+    supervisor_excite(s, c->input[0].output, num_from_float(r->level));
+    if (r->phase == RELAY_START && (r->started == 1 || r->amplitude > before))
+        event_put(c->events, s->time_ms, EVENT_TEST_STEP, commission_input_name(c, s), r->amplitude,
+                  1);
+    if (r->phase == RELAY_FAILED)
+        commission_end(c, s, r->failure == RELAY_NO_ANSWER ? WHY_NO_ANSWER : WHY_NO_CYCLE, loop,
+                       c->input[0].worst);
+    else if (r->phase == RELAY_DONE)
+        done(c, s);
+}
+
+/* A loop that did something else when the test began: somebody's hand, or a fall-back. */
+static uint8_t changed_loop(const struct commission *c, const struct supervisor *s)
+{
+    for (uint8_t i = 0; i < CONFIG_LOOPS; i++)
+        if (s->plan->loop[i].used && s->loop[i].mode != c->by_relay.mode[i])
+            return i;
+    return PLAN_NONE;
+}
+
+void commission_relay(struct commission *c, struct supervisor *s)
+{
+    struct relay_test *t = &c->work.relay;
+    struct steady_result at[CHANNEL_MAX];
+    real_t y[CHANNEL_MAX];
+    uint8_t culprit, other = changed_loop(c, s);
+    if (other != PLAN_NONE) {
+        commission_end(c, s, WHY_HAND, s->plan->config.loop[other].name, REAL_C(0.0));
+        return;
+    }
+    for (uint8_t j = 0; j < c->outputs; j++)
+        y[j] = num_to_float(s->measurement[c->measurement[j]].value);
+    if (!t->resting) {
+        cycle(c, s, y);
+        return;
+    }
+    c->sample_ms = s->time_ms;
+    enum err err = steady_step(&t->steady, y);
+    t->waited++;
+    if (!err && at_rest(c, s, at, &culprit)) {
+        err = begin_cycle(c, s, at);
+        if (!err)
+            cycle(c, s, y);
+    } else if (!err && t->waited > REST_PATIENCE * window(s) + COMMISSION_HALF_MOST) {
+        commission_end(c, s, WHY_RESTLESS,
+                       s->plan->config.measurement[c->measurement[culprit]].name, REAL_C(0.0));
+        return;
+    }
+    if (err)
+        commission_end(c, s, WHY_NUMBERS, commission_input_name(c, s), (real_t)err);
+}
+
+enum err by_relay_write(const struct commission *c, struct config *config)
+{
+    uint8_t i = proposal_loop(c, config, 0);
+    if (i == PLAN_NONE)
+        return ERR_UNKNOWN;
+    struct loop_config *l = &config->loop[i];
+    l->gain = (float)real_abs(c->by_relay.gain);
+    l->ti_s = (float)c->by_relay.ti_s;
+    l->td_s = 0.0f;
+    l->action = c->by_relay.gain < REAL_C(0.0) ? LOOP_DIRECT : LOOP_REVERSE;
+    return ERR_OK;
+}
+
+#endif

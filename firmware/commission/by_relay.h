@@ -1,0 +1,49 @@
+/* Settings for one loop of a given pairing by a relay test (identify/relay.h), in place of tests of the whole plant. The
+ * other loops stay as they are: in manual, or those that have been tuned already in automatic (sequential tuning: A. P. Loh,
+ * C. C. Hang, C. K. Quek and V. U. Vasnani, Ind. Eng. Chem. Res. 32 (1993) 1102).
+ *
+ *     rest   until every measurement is at rest, against its own noise
+ *     relay  until the limit cycle repeats itself; then the output is where it was held, and there is a proposal for this
+ *            one loop: PI by Tyreus and Luyben (design/tuning.h), to be accepted, edited or rejected like any other
+ *
+ * docs/relay.md. */
+#ifndef REFLUX_COMMISSION_BY_RELAY_H
+#define REFLUX_COMMISSION_BY_RELAY_H
+
+#include "identify/relay.h"
+#include "identify/steady.h"
+#include "supervise/supervisor.h"
+
+struct commission;
+
+/* While it goes on; in the memory of the tests. */
+struct relay_test {
+    bool resting;
+    uint32_t waited; /* samples, for rest */
+    struct steady steady;
+    struct relay relay;
+    struct relay_config config;
+    real_t rest[CHANNEL_MAX], limit[CHANNEL_MAX]; /* fraction of span */
+    uint8_t over[CHANNEL_MAX];                    /* samples in a row past the limit */
+};
+
+/* What stays of it. */
+struct by_relay {
+    bool on;                    /* the results are those of a relay test */
+    bool found;                 /* there is one */
+    uint8_t loop;               /* index in the plan of the test */
+    uint8_t mode[CONFIG_LOOPS]; /* of all loops when it began */
+    struct relay_result result;
+    real_t gain, ti_s; /* proposed; gain with the sign of the process */
+};
+
+/* Whether the test of that loop could begin. *what gets a channel's or loop's name, or NULL. Main loop, under
+ * hal_tick_lock. */
+MUST_CHECK enum err commission_may_relay(const struct supervisor *s, uint8_t loop,
+                                         const char **what, const char **wanted);
+
+/* The proposal of a relay test into *config: the settings of its loop and nothing else. ERR_UNKNOWN: the loop is not
+ * there any more, with its measurement and output. */
+MUST_CHECK enum err by_relay_write(const struct commission *c, struct config *config);
+
+#endif
