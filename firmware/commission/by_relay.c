@@ -10,18 +10,19 @@
 #include "commission/parts.h"
 #include "commission/proposal.h"
 
-#define NOISE_FLOOR    REAL_C(7e-5) /* of span: what 12 bits of conversion leave */
-#define HYSTERESIS     REAL_C(3.0)  /* noise deviations */
-#define AMPLITUDE_MOST REAL_C(0.25) /* of span, while it is being found */
-#define FIRST          REAL_C(0.02)
-#define WANTED_SHARE   REAL_C(0.5) /* of its limit that the measurement is asked to swing at most */
-#define WANTED_LEAST   REAL_C(2.0) /* hystereses that it swings at least */
-#define PATIENCE       4u          /* windows without an answer: a larger amplitude */
-#define REST_PATIENCE  20u         /* windows until rest is given up */
-#define DRIFT_SHARE    REAL_C(0.3) /* of a limit, that a drift may take in a window */
-#define PAST_NOISE     REAL_C(3.0) /* deviations, and past the limit */
-#define MISSED_MOST    8u          /* samples in a row that a test can do without */
-#define GAIN_MOST      REAL_C(100.0) /* of a loop: loopN.gain */
+#define NOISE_FLOOR      REAL_C(7e-5)  /* of span: what 12 bits of conversion leave */
+#define HYSTERESIS       REAL_C(3.0)   /* noise deviations */
+#define HYSTERESIS_LEAST REAL_C(0.001) /* of span: what is left of earlier motions is no answer */
+#define AMPLITUDE_MOST   REAL_C(0.25)  /* of span, while it is being found */
+#define FIRST            REAL_C(0.02)
+#define WANTED_SHARE     REAL_C(0.5) /* of its limit that the measurement is asked to swing at most */
+#define WANTED_LEAST     REAL_C(5.0) /* hystereses that it swings at least, its limit permitting */
+#define PATIENCE         4u          /* windows without an answer: a larger amplitude */
+#define REST_PATIENCE    20u         /* windows until rest is given up */
+#define DRIFT_SHARE      REAL_C(0.3) /* of a limit, that a drift may take in a window */
+#define PAST_NOISE       REAL_C(3.0) /* deviations, and past the limit */
+#define MISSED_MOST      8u          /* samples in a row that a test can do without */
+#define GAIN_MOST        REAL_C(100.0) /* of a loop: loopN.gain */
 
 /* Of a setpoint step under these settings, on any process of first order with dead time from 0.02 to 2 of the time constant
  * (tests/reference/relay_family.csv); the trial adds its own margins. */
@@ -141,10 +142,12 @@ static enum err begin_cycle(struct commission *c, const struct supervisor *s,
     if (x.amplitude > x.most)
         x.amplitude = x.most;
     x.first = FIRST < x.most ? FIRST : x.most;
-    if (x.wanted > WANTED_SHARE * t->limit[0])
-        x.wanted = WANTED_SHARE * t->limit[0];
+    if (x.hysteresis < HYSTERESIS_LEAST)
+        x.hysteresis = HYSTERESIS_LEAST;
     if (x.wanted < WANTED_LEAST * x.hysteresis)
         x.wanted = WANTED_LEAST * x.hysteresis;
+    if (x.wanted > WANTED_SHARE * t->limit[0])
+        x.wanted = WANTED_SHARE * t->limit[0];
     if (x.half_most <= x.patience)
         x.half_most = x.patience + 1u;
     t->resting = false;
