@@ -18,6 +18,7 @@
 #define WANTED_SHARE     REAL_C(0.5) /* of its limit that the measurement is asked to swing at most */
 #define WANTED_LEAST     REAL_C(5.0) /* hystereses that it swings at least, its limit permitting */
 #define PATIENCE         4u          /* windows without an answer: a larger amplitude */
+#define DRIFT_PATIENCE   8u          /* windows until a faster drift is believed to be one */
 #define REST_PATIENCE    20u         /* windows until rest is given up */
 #define DRIFT_SHARE      REAL_C(0.3) /* of a limit, that a drift may take in a window */
 #define PAST_NOISE       REAL_C(3.0) /* deviations, and past the limit */
@@ -94,7 +95,14 @@ void commission_begin_relay(struct commission *c, struct supervisor *s)
     commission_start_relay(c, s);
 }
 
-/* As for the steps of the whole plant: what climbs steadily for longer than a window and a half is a drift. */
+static real_t hysteresis(const struct steady_result *at)
+{
+    real_t h = HYSTERESIS * at->noise_sd;
+    return h > HYSTERESIS_LEAST ? h : HYSTERESIS_LEAST;
+}
+
+/* What climbs steadily is a drift: at once where it is no more than the hysteresis, in the end where it is less than a good
+ * part of a limit. */
 static bool at_rest(struct commission *c, const struct supervisor *s, struct steady_result *at,
                     uint8_t *culprit)
 {
@@ -107,8 +115,9 @@ static bool at_rest(struct commission *c, const struct supervisor *s, struct ste
         if (at[j].state == STEADY_SETTLED)
             continue;
         real_t carried = real_abs(at[j].slope_per_s) * s->plan->tick_s * (real_t)n;
+        bool long_since = t->waited > DRIFT_PATIENCE * n;
         if (at[j].state != STEADY_MOVING || t->waited < n + n / 2u ||
-            carried > DRIFT_SHARE * t->limit[j])
+            carried > (long_since ? DRIFT_SHARE * t->limit[j] : hysteresis(&at[j])))
             return false;
     }
     return true;
@@ -132,7 +141,7 @@ static enum err begin_cycle(struct commission *c, const struct supervisor *s,
         .reference = t->rest[0],
         .drift_per_s = c->drift_per_s[0] > REAL_C(0.0) ? at[0].slope_per_s : REAL_C(0.0),
         .noise_sd = at[0].noise_sd,
-        .hysteresis = HYSTERESIS * at[0].noise_sd,
+        .hysteresis = hysteresis(&at[0]),
         .amplitude = o->test_step / (o->hi - o->lo),
         .most = room < AMPLITUDE_MOST || o->test_step > 0.0f ? room : AMPLITUDE_MOST,
         .wanted = settings(s)->noise_multiple * at[0].noise_sd,
@@ -142,8 +151,6 @@ static enum err begin_cycle(struct commission *c, const struct supervisor *s,
     if (x.amplitude > x.most)
         x.amplitude = x.most;
     x.first = FIRST < x.most ? FIRST : x.most;
-    if (x.hysteresis < HYSTERESIS_LEAST)
-        x.hysteresis = HYSTERESIS_LEAST;
     if (x.wanted < WANTED_LEAST * x.hysteresis)
         x.wanted = WANTED_LEAST * x.hysteresis;
     if (x.wanted > WANTED_SHARE * t->limit[0])

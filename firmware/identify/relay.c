@@ -9,6 +9,7 @@
 #define OUT_SAMPLES 2u           /* in a row out of the hysteresis: noise is not */
 #define SAME_HALF   REAL_C(0.1)  /* of a half: two that agree */
 #define SAME_PEAK   REAL_C(0.03) /* of the way between the peaks */
+#define SAME_GAIN   REAL_C(0.2)  /* of the gain */
 #define PEAK_NOISE  REAL_C(3.0)  /* deviations: and of its noise */
 #define UNEVEN                                                                                     \
     REAL_C(0.15)        /* of the period: halves differ by more than this, and the bias is moved */
@@ -113,7 +114,9 @@ static bool agree(uint32_t a, uint32_t b)
 static bool is_same(const struct relay *r, const struct relay_period *a,
                     const struct relay_period *b)
 {
-    real_t most = SAME_PEAK * (b->top - b->bottom) + PEAK_NOISE * r->config.noise_sd;
+    /* Samples are where they are: a peak may be missed by the way of one. */
+    real_t way = b->top - b->bottom, sample = TWO * way / (real_t)b->samples;
+    real_t most = SAME_PEAK * way + PEAK_NOISE * r->config.noise_sd + sample;
     return agree(a->high, b->high) && agree(a->samples - a->high, b->samples - b->high) &&
            real_abs(a->top - b->top) <= most && real_abs(a->bottom - b->bottom) <= most;
 }
@@ -158,6 +161,43 @@ static bool change_amplitude(struct relay *r, const struct relay_period *p)
     return true;
 }
 
+/* G at the frequency of a period, real and imaginary part: output over input. ERR_RANGE: there is no input. */
+static enum err ratio(const struct relay_period *p, real_t g[2])
+{
+    real_t size = p->input[0] * p->input[0] + p->input[1] * p->input[1];
+    if (!(size > ZERO))
+        return ERR_RANGE;
+    g[0] = (p->output[0] * p->input[0] + p->output[1] * p->input[1]) / size;
+    g[1] = (p->output[0] * p->input[1] - p->output[1] * p->input[0]) / size;
+    return ERR_OK;
+}
+
+/* The gains of the latest periods, and how far the last two are apart. ERR_RANGE: there are none. */
+static enum err spread_of(const struct relay *r, real_t g[2], real_t *spread)
+{
+    real_t size[RELAY_PERIODS];
+    g[0] = g[1] = ZERO;
+    for (unsigned i = 0; i < RELAY_PERIODS; i++) {
+        real_t of[2];
+        if (ratio(&r->period[i], of) != ERR_OK)
+            return ERR_RANGE;
+        size[i] = real_sqrt(of[0] * of[0] + of[1] * of[1]);
+        g[0] += of[0] / (real_t)RELAY_PERIODS;
+        g[1] += of[1] / (real_t)RELAY_PERIODS;
+    }
+    real_t latest = size[RELAY_PERIODS - 1];
+    if (!(latest > ZERO))
+        return ERR_RANGE;
+    *spread = real_abs(latest - size[RELAY_PERIODS - 2]) / latest;
+    return ERR_OK;
+}
+
+static bool is_settled(const struct relay *r)
+{
+    real_t g[2], spread;
+    return r->same >= RELAY_PERIODS && spread_of(r, g, &spread) == ERR_OK && spread <= SAME_GAIN;
+}
+
 static void end_period(struct relay *r)
 {
     struct relay_period *last = &r->period[RELAY_PERIODS - 1], *p = &r->now;
@@ -175,10 +215,10 @@ static void end_period(struct relay *r)
     for (unsigned i = 1; i < RELAY_PERIODS; i++)
         r->period[i - 1] = r->period[i];
     *last = *p;
-    if (r->same < RELAY_PERIODS) {
+    if (!is_settled(r)) {
+        begin_period(r, last->samples);
         if (r->periods >= PERIODS_MOST)
             fail(r, RELAY_UNSETTLED);
-        begin_period(r, last->samples);
     } else if (last->top - last->bottom < TWO * HARDLY * r->config.hysteresis) {
         fail(r, RELAY_NO_ANSWER);
     } else {
@@ -191,9 +231,13 @@ static void end_period(struct relay *r)
 static void start(struct relay *r, real_t y)
 {
     const struct relay_config *c = &r->config;
-    real_t away = y - r->reference;
-    r->outside = (uint8_t)(real_abs(away) > c->hysteresis ? r->outside + 1 : 0);
+    /* A drift may go on or may have been the end of something: an answer is away from both. */
+    real_t away = y - r->reference, still = y - c->reference;
+    real_t nearer = real_abs(still) < real_abs(away) ? still : away;
+    bool is_out = real_abs(nearer) > c->hysteresis && away * still > ZERO;
+    r->outside = (uint8_t)(is_out ? r->outside + 1 : 0);
     if (r->outside >= OUT_SAMPLES) {
+        r->reference = y - nearer;
         r->sign = away > ZERO ? 1 : -1;
         r->phase = RELAY_CYCLE;
         r->high = r->sign < 0; /* the input is up; back from here */
@@ -267,31 +311,17 @@ enum err relay_missed(struct relay *r)
     return ERR_OK;
 }
 
-/* G at the frequency of a period, real and imaginary part: output over input. ERR_RANGE: there is no input. */
-static enum err ratio(const struct relay_period *p, real_t g[2])
-{
-    real_t size = p->input[0] * p->input[0] + p->input[1] * p->input[1];
-    if (!(size > ZERO))
-        return ERR_RANGE;
-    g[0] = (p->output[0] * p->input[0] + p->output[1] * p->input[1]) / size;
-    g[1] = (p->output[0] * p->input[1] - p->output[1] * p->input[0]) / size;
-    return ERR_OK;
-}
-
 enum err relay_look(const struct relay *r, struct relay_result *result)
 {
     if (r->phase != RELAY_DONE)
         return ERR_EMPTY;
     struct relay_result x = {.amplitude = r->amplitude, .periods = r->periods};
-    real_t g[2] = {ZERO, ZERO}, each[RELAY_PERIODS], samples = ZERO, high = ZERO;
+    real_t g[2], samples = ZERO, high = ZERO;
+    enum err err = spread_of(r, g, &x.spread);
+    if (err)
+        return err;
     for (unsigned i = 0; i < RELAY_PERIODS; i++) {
         const struct relay_period *p = &r->period[i];
-        real_t of[2];
-        if (ratio(p, of) != ERR_OK)
-            return ERR_RANGE;
-        each[i] = real_sqrt(of[0] * of[0] + of[1] * of[1]);
-        g[0] += of[0] / (real_t)RELAY_PERIODS;
-        g[1] += of[1] / (real_t)RELAY_PERIODS;
         x.peak += (p->top - p->bottom) / (TWO * (real_t)RELAY_PERIODS);
         samples += (real_t)p->samples;
         high += (real_t)p->high;
@@ -307,7 +337,6 @@ enum err relay_look(const struct relay *r, struct relay_result *result)
     x.described = sign * REAL_C(4.0) * r->amplitude / (PI * real_sqrt(sine));
     x.period_s = samples / (real_t)RELAY_PERIODS * r->config.h_s;
     x.bias = r->bias + sign * r->amplitude * (TWO * high / samples - ONE);
-    x.spread = real_abs(each[1] - each[0]) / each[1];
     if (!real_is_finite(x.gain) || !real_is_finite(x.described) || !real_is_finite(x.period_s))
         return ERR_RANGE;
     *result = x;

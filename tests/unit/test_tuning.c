@@ -164,6 +164,47 @@ static void simc_refuses_bad_tuning_constants(void)
     TEST_ASSERT_EQUAL_INT(ERR_NOT_FINITE, tuning_simc_pid(&m, nanf(""), 1.0f, &t, &why));
 }
 
+/* Tyreus and Luyben (1992) print K = 0.487/(k L), Ti = 8.75 L for k exp(-L s)/s, of which Ku = pi/(2 k L), Pu = 4 L. */
+static void tyreus_and_luyben_on_an_integrator_with_dead_time_gives_what_they_print(void)
+{
+    double k = 0.05, dead = 7.0;
+    struct tuning t;
+    TEST_ASSERT_EQUAL_INT(ERR_OK, tuning_tyreus_luyben_pi((real_t)(3.14159265 / 2.0 / k / dead),
+                                                          (real_t)(4.0 * dead), &t, NULL));
+    TEST_ASSERT_DOUBLE_WITHIN(0.01 * 0.487 / k / dead, 0.487 / k / dead, (double)t.gain);
+    TEST_ASSERT_DOUBLE_WITHIN(0.01 * 8.75 * dead, 8.75 * dead, (double)t.ti_s);
+    TEST_ASSERT_EQUAL_INT(TUNING_REVERSE, t.action);
+    TEST_ASSERT_EQUAL_INT(ERR_OK, tuning_tyreus_luyben_pi(-3.2f, 10.0f, &t, NULL));
+    near(1.0, t.gain);
+    near(22.0, t.ti_s);
+    near(0.0, t.td_s);
+    TEST_ASSERT_EQUAL_INT(TUNING_DIRECT, t.action);
+}
+
+static void an_ultimate_point_that_is_none_is_refused(void)
+{
+    static const struct {
+        real_t gain, period_s;
+        enum err err;
+        const char *field;
+    } cases[] = {{(real_t)NAN, 1.0f, ERR_NOT_FINITE, "gain"},
+                 {(real_t)INFINITY, 1.0f, ERR_NOT_FINITE, "gain"},
+                 {0.0f, 1.0f, ERR_RANGE, "gain"},
+                 {-1e7f, 1.0f, ERR_RANGE, "gain"},
+                 {1.0f, (real_t)NAN, ERR_NOT_FINITE, "period_s"},
+                 {1.0f, 0.0f, ERR_RANGE, "period_s"},
+                 {1.0f, -1.0f, ERR_RANGE, "period_s"},
+                 {1.0f, 1e7f, ERR_RANGE, "period_s"}};
+    for (unsigned i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        struct tuning t = {.gain = 7.0f};
+        struct tuning_refusal why;
+        TEST_ASSERT_EQUAL_INT(cases[i].err,
+                              tuning_tyreus_luyben_pi(cases[i].gain, cases[i].period_s, &t, &why));
+        TEST_ASSERT_EQUAL_STRING(cases[i].field, why.field);
+        TEST_ASSERT_EQUAL_FLOAT(7.0f, t.gain);
+    }
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -174,5 +215,7 @@ int main(void)
     RUN_TEST(simc_takes_a_model_without_dead_time_and_cohen_coon_says_why_not);
     RUN_TEST(every_rule_refuses_a_model_that_cannot_be_tuned);
     RUN_TEST(simc_refuses_bad_tuning_constants);
+    RUN_TEST(tyreus_and_luyben_on_an_integrator_with_dead_time_gives_what_they_print);
+    RUN_TEST(an_ultimate_point_that_is_none_is_refused);
     return UNITY_END();
 }
