@@ -35,6 +35,7 @@ struct app {
     uint32_t bound_generation; /* channel table the supervisor is bound to */
     enum io_state io_state;
     uint8_t measurement_at[CHANNEL_MAX], output_at[CHANNEL_MAX]; /* index in the plant's table */
+    bool untold; /* the plan in force has not been told of, nor its channels bound */
     bool have_sample;
     uint64_t sample_ms;           /* plant time of the last tick */
     uint64_t safe_tick_ms;        /* board time of the last tick in silence */
@@ -60,6 +61,8 @@ struct app *app_instance(void)
     return &instance;
 }
 
+static void settle_plan(void *context);
+
 void app_init(struct app *app)
 {
     memset(app, 0, sizeof *app);
@@ -68,6 +71,9 @@ void app_init(struct app *app)
     plant_link_init(&app->link, &app->service.tick_events, &app->supervisor.time_ms);
     app->service.io = plant_link_port(&app->link);
     supervisor_take_plan(&app->supervisor, &app->service.plan[app->service.in_force]);
+    supervisor_tell_plan(&app->supervisor);
+    app->service.settle = settle_plan;
+    app->service.settle_context = app;
     console_init(&app->console, &app->service);
 #if COMMISSION_CHANNELS
     commission_init(&app->commission, &app->service.tick_events);
@@ -139,6 +145,17 @@ static void bind_channels(struct app *app)
     }
 }
 
+/* A plan has come into force: whoever is next to act meets it with its channels bound. Several that came between two
+ * ticks are told once. */
+static void meet_plan(struct app *app)
+{
+    if (!app->untold)
+        return;
+    app->untold = false;
+    supervisor_tell_plan(&app->supervisor);
+    bind_channels(app);
+}
+
 /* The plant has come, gone or changed: everything bound to the old one is void. */
 static void follow_plant(struct app *app)
 {
@@ -157,9 +174,14 @@ static void follow_plant(struct app *app)
     memset(app->driven, 0, sizeof app->driven);
     supervisor_go_safe(&app->supervisor, state == IO_READY ? "plant" : "link");
     struct plan *plan = &s->plan[s->in_force];
-    if (state == IO_READY && service_follow_tick(s, plan))
+    if (state == IO_READY && service_follow_tick(s, plan)) {
         supervisor_take_plan(&app->supervisor, plan);
-    bind_channels(app);
+        app->untold = true;
+    }
+    if (app->untold)
+        meet_plan(app);
+    else
+        bind_channels(app);
 }
 
 /* Requests wait for the tick. A new plan is put into force before the sample is looked at, with all that was
@@ -177,11 +199,24 @@ static void take_requests(struct app *app, bool up_to_last_plan)
         spsc_read_done(&q->index);
         if (r.kind == REQUEST_APPLY) {
             service_take_pending(&app->service);
-            bind_channels(app);
+            app->untold = true;
         } else {
+            meet_plan(app);
             supervisor_request(&app->supervisor, &r);
         }
     }
+}
+
+/* The main loop needs the buffer of the plan that waits: what the next tick would begin with is done now. */
+static void settle_plan(void *context)
+{
+    take_requests(context, true);
+}
+
+static void take_requests_in_tick(struct app *app, bool up_to_last_plan)
+{
+    take_requests(app, up_to_last_plan);
+    meet_plan(app);
 }
 
 /* The readings are needed no longer than that, and the stack is small: not part of a larger frame. */
@@ -294,9 +329,9 @@ static void tick(struct app *app, const struct io_sample *sample, uint64_t now_m
     app->have_sample = true;
     app->sample_ms = sample->time;
     app->sample_number = sample->number;
-    take_requests(app, true);
+    take_requests_in_tick(app, true);
     validate(app, sample);
-    take_requests(app, false);
+    take_requests_in_tick(app, false);
     restart_try(&app->restart, &app->supervisor);
 #if COMMISSION_CHANNELS
     commission_tick(&app->commission, &app->supervisor);
@@ -325,7 +360,7 @@ static void silent_tick(struct app *app, uint64_t now_ms)
     if (elapsed_ms(now_ms, app->safe_tick_ms) < period_ms)
         return;
     app->safe_tick_ms = now_ms;
-    take_requests(app, false);
+    take_requests_in_tick(app, false);
     supervisor_go_safe(&app->supervisor, "link");
     restart_keep(&app->restart, &app->supervisor);
 }

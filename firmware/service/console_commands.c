@@ -128,7 +128,6 @@ static bool version_line(struct console *c, unsigned n, struct text *line)
         pair(line, "rows", TELEMETRY_QUEUE_SIZE);
         pair(line, "line", CONSOLE_LINE_MAX);
         text_str(line, LINE_EDITOR_HISTORY > 1 ? ", recalls lines" : ", recalls no lines");
-        text_str(line, PLAN_BUFFERS > 2 ? "" : ", one change a tick");
         return true;
     case 5:
         hal_nvm_get_geometry(&nvm);

@@ -4,6 +4,7 @@
 #include "commission/proposal.h"
 #include "hal/tick.h"
 #include "service/console.h"
+#include "service/storage.h"
 
 #if COMMISSION_CHANNELS
 
@@ -134,10 +135,6 @@ static struct config *proposed(struct console *c)
 {
     struct service *s = c->service;
     struct config *config = s->staging ? service_staged(s) : service_stage(s);
-    if (!config) {
-        console_err(c, ERR_BUSY, "a configuration waits for the next tick, try again");
-        return NULL;
-    }
     if (s->staging)
         return config;
     enum err err = proposal_write(s->commission, config);
@@ -300,8 +297,10 @@ bool console_commission_poll(struct console *c)
 {
     struct service *s = c->service;
     struct config_fault fault;
-    /* Behind an open transaction it waits: that is somebody's work. So is a sequence. */
-    if (!s->commission->wants_old || s->staging)
+    /* Behind an open transaction it waits: that is somebody's work. So is a sequence, and a save, which has the
+     * scratch plan; and a line of telemetry under way needs the names of its plan. */
+    if (!s->commission->wants_old || s->staging || storage_saving(s->storage) || c->row ||
+        c->header_of)
         return false;
 #if CONFIG_STEPS
     if (sequence_active(&s->supervisor->sequence))

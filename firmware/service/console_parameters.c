@@ -4,12 +4,10 @@
 #include "service/console.h"
 #include "service/parameters.h"
 
-#define TICK_WANTED "the last configuration waits for its tick, try again after it"
-
 /* What the operator is looking at: the transaction under way, or the plan everything will meet. */
 static const struct config *view(const struct service *s)
 {
-    return s->staging ? &s->plan[s->scratch].config : &service_plan(s)->config;
+    return s->staging ? &s->plan[s->in_force ^ 1u].config : &service_plan(s)->config;
 }
 
 static void value_line(const struct parameter *p, const struct config *config, struct text *line)
@@ -121,10 +119,7 @@ void command_get(struct console *c, unsigned n, char **word)
 void console_refuse_config(struct console *c, const struct config_fault *fault)
 {
     if (!fault->group) {
-        console_err(c, fault->code,
-                    !service_may_stage(c->service)
-                        ? TICK_WANTED
-                        : "more requests waiting than the queue holds, try again");
+        console_err(c, fault->code, "more requests waiting than the queue holds, try again");
         return;
     }
     char line[CONSOLE_OUTPUT_MAX];
@@ -171,10 +166,6 @@ void command_set(struct console *c, unsigned n, char **word)
         return;
     /* Outside a transaction the staging copy serves for this one change. */
     struct config *staged = s->staging ? service_staged(s) : service_stage(s);
-    if (!staged) {
-        console_err(c, ERR_BUSY, TICK_WANTED);
-        return;
-    }
     enum err err = parameter_set(&p, staged, word[1]);
     if (err) {
         refuse_value(c, err, &p, word);
@@ -260,10 +251,7 @@ void command_begin(struct console *c, unsigned n, char **word)
         console_err(c, ERR_STATE, "a transaction is open already: apply or abandon it");
         return;
     }
-    if (!service_stage(s)) {
-        console_err(c, ERR_BUSY, TICK_WANTED);
-        return;
-    }
+    (void)service_stage(s);
     s->staging = true;
     console_ok(c);
 }

@@ -48,12 +48,9 @@ static void take_staged(struct console *c, const char *what)
         recorded_ok(c, what);
 }
 
-static bool stage(struct console *c)
+static struct config *stage(struct console *c)
 {
-    if (c->service->staging || service_stage(c->service))
-        return true;
-    console_err(c, ERR_BUSY, "the last configuration waits for its tick, try again after it");
-    return false;
+    return c->service->staging ? service_staged(c->service) : service_stage(c->service);
 }
 
 static void load(struct console *c)
@@ -61,9 +58,7 @@ static void load(struct console *c)
     struct service *s = c->service;
     const char *why = NULL;
     c->storage = NOTHING;
-    if (!stage(c))
-        return;
-    enum err err = storage_load(s->storage, service_staged(s), &why);
+    enum err err = storage_load(s->storage, stage(c), &why);
     if (err)
         console_err_about(c, err, "not loaded", why);
     else
@@ -98,14 +93,11 @@ void command_load(struct console *c, unsigned n, char **word)
 
 void command_defaults(struct console *c, unsigned n, char **word)
 {
-    struct service *s = c->service;
     char key[CHANNEL_NAME_SIZE];
     (void)n;
     (void)word;
-    if (!stage(c))
-        return;
     /* The key stays: nobody opens the console to everyone by asking for other settings. */
-    struct config *staged = service_staged(s);
+    struct config *staged = stage(c);
     memcpy(key, staged->console_key, sizeof key);
     parameters_defaults(staged);
     memcpy(staged->console_key, key, sizeof key);
@@ -116,7 +108,7 @@ static bool dump_line(struct console *c, unsigned n, struct text *line)
 {
     const struct service *s = c->service;
     const struct config *config =
-        s->staging ? &s->plan[s->scratch].config : &service_plan(s)->config;
+        s->staging ? &s->plan[s->in_force ^ 1u].config : &service_plan(s)->config;
     struct parameter p;
     if (n < 2) {
         text_str(line, n == 0 ? "begin" : "defaults");

@@ -22,9 +22,6 @@ void service_init(struct service *s, struct supervisor *supervisor, struct plant
                    hal_retained(HAL_RETAINED_EVENTS, EVENT_HISTORY * sizeof(struct event_record)),
                    hal_boot_id());
     s->announced = s->history.count; /* earlier starts have announced theirs */
-    s->in_force = 0;
-    s->pending = 1;
-    s->scratch = PLAN_BUFFERS - 1;
     struct config_fault fault;
     struct config *defaults = service_staged(s);
     parameters_defaults(defaults);
@@ -32,9 +29,14 @@ void service_init(struct service *s, struct supervisor *supervisor, struct plant
     (void)!plan_build(&s->plan[s->in_force], defaults, 0.0f, &fault);
 }
 
+static uint8_t other(const struct service *s)
+{
+    return s->in_force ^ 1u;
+}
+
 const struct plan *service_plan(const struct service *s)
 {
-    return &s->plan[s->has_pending ? s->pending : s->in_force];
+    return &s->plan[s->has_pending ? other(s) : s->in_force];
 }
 
 enum loop_mode service_mode(const struct service *s, uint8_t loop)
@@ -44,35 +46,39 @@ enum loop_mode service_mode(const struct service *s, uint8_t loop)
     return s->supervisor->loop[loop].mode;
 }
 
-/* Rows waiting to be printed that belong to the buffer about to be overwritten are given up. */
-static void forget_rows(struct service *s, const struct plan *plan)
+/* Before the scratch plan is written: rows that wait to be printed are of the plan in force from here on, where it has
+ * the same columns; else they are given up. */
+static void release_rows(struct service *s)
 {
     struct spsc *q = &s->telemetry.index;
-    bool found = false;
-    uint32_t read = spsc_read_index(q);
-    for (uint32_t k = 0; k < spsc_count(q); k++)
-        found = found || s->telemetry.slot[(read + k) & (TELEMETRY_QUEUE_SIZE - 1u)].plan == plan;
-    while (found && spsc_can_read(q)) {
-        s->telemetry.lost++;
-        spsc_read_done(q);
+    const struct plan *plan = &s->plan[s->in_force], *old = &s->plan[other(s)];
+    uint32_t n = spsc_count(q), read = spsc_read_index(q), stale = 0;
+    for (uint32_t k = 0; k < n; k++)
+        stale += s->telemetry.slot[(read + k) & (TELEMETRY_QUEUE_SIZE - 1u)].plan == old;
+    bool same = stale && telemetry_same_columns(old, plan);
+    /* A row of the old plan is never behind one of the new. */
+    for (; stale; stale--) {
+        if (same) {
+            s->telemetry.slot[read++ & (TELEMETRY_QUEUE_SIZE - 1u)].plan = plan;
+        } else {
+            s->telemetry.lost++;
+            spsc_read_done(q);
+        }
     }
 }
 
 struct config *service_staged(struct service *s)
 {
-    return &s->plan[s->scratch].config;
-}
-
-bool service_may_stage(const struct service *s)
-{
-    return PLAN_BUFFERS > 2 || !s->has_pending;
+    return &s->plan[other(s)].config;
 }
 
 struct config *service_stage(struct service *s)
 {
-    if (!service_may_stage(s))
-        return NULL;
-    forget_rows(s, &s->plan[s->scratch]);
+    hal_tick_lock();
+    if (s->has_pending)
+        s->settle(s->settle_context);
+    hal_tick_unlock();
+    release_rows(s);
     *service_staged(s) = service_plan(s)->config;
     s->staged_proposal = false;
     return service_staged(s);
@@ -94,15 +100,6 @@ enum err service_request(struct service *s, const struct request *request)
     s->requests.slot[spsc_write_index(&s->requests.index)] = *request;
     spsc_write_done(&s->requests.index);
     return ERR_OK;
-}
-
-/* Nothing has been asked since the last plan, which no tick has met yet: the new one can take its place. Holds
- * while the tick is locked out. */
-static bool last_is_apply(const struct service *s)
-{
-    const struct spsc *q = &s->requests.index;
-    uint32_t last = (spsc_write_index(q) + REQUEST_QUEUE_SIZE - 1u) & (REQUEST_QUEUE_SIZE - 1u);
-    return spsc_can_read(q) && s->requests.slot[last].kind == REQUEST_APPLY;
 }
 
 float service_plant_tick_s(const struct service *s)
@@ -130,10 +127,10 @@ enum err service_apply(struct service *s, const struct config *config, struct co
     memset(fault, 0, sizeof *fault);
     fault->code = ERR_BUSY;
     /* Room for one more, come what may. */
-    if (!spsc_can_write(&s->requests.index) || !service_may_stage(s))
+    if (!spsc_can_write(&s->requests.index) || s->has_pending)
         return ERR_BUSY;
-    struct plan *plan = &s->plan[s->scratch];
-    forget_rows(s, plan);
+    release_rows(s);
+    struct plan *plan = &s->plan[other(s)];
     enum err err = plan_build(plan, config, service_plant_tick_s(s), fault);
     if (err)
         return err;
@@ -159,16 +156,9 @@ enum err service_apply(struct service *s, const struct config *config, struct co
 #endif
     plan->serial = ++s->serial;
     /* The plan first, then the request: the tick that meets the request must find the plan. */
-    hal_tick_lock();
-    uint8_t free = s->pending;
-    s->pending = s->scratch;
-    s->scratch = free;
     s->has_pending = true;
-    bool on_its_way = last_is_apply(s);
-    hal_tick_unlock();
     struct request apply = {.kind = REQUEST_APPLY, .loop = PLAN_NONE, .output = PLAN_NONE};
-    if (!on_its_way)
-        err = service_request(s, &apply); /* there is room: this context alone writes the queue */
+    err = service_request(s, &apply); /* there is room: this context alone writes the queue */
     for (uint8_t i = 0; i < CONFIG_LOOPS; i++)
         if (strcmp(before->config.loop[i].name, config->loop[i].name) != 0)
             s->expected_mode[i] = LOOP_MANUAL;
@@ -193,15 +183,9 @@ bool service_follow_tick(struct service *s, struct plan *plan)
 
 void service_take_pending(struct service *s)
 {
-    if (!s->has_pending)
-        return; /* an earlier request has brought the newest plan already */
     /* The plant may have come, or changed, since the plan was made. */
-    (void)service_follow_tick(s, &s->plan[s->pending]);
-    uint8_t old = s->in_force;
-    s->in_force = s->pending;
-    s->pending = old;
-    if (PLAN_BUFFERS == 2)
-        s->scratch = old; /* the main loop has kept its hands off while a plan was pending */
+    (void)service_follow_tick(s, &s->plan[other(s)]);
+    s->in_force = other(s);
     s->has_pending = false;
     supervisor_take_plan(s->supervisor, &s->plan[s->in_force]);
 }

@@ -3,8 +3,9 @@
  *   requests     main -> tick   queue
  *   telemetry    tick -> main   queue
  *   tick_events  tick -> main   queue; events of the main loop go into the history at once
- *   plans        PLAN_BUFFERS: in force (tick reads), pending (handed over under hal_tick_lock), scratch
- *                (main writes); the tick swaps pending and in force when it meets a REQUEST_APPLY
+ *   plans        two: one is in force (tick reads), the other is scratch (main writes) until it is handed over by a
+ *                REQUEST_APPLY, at which the tick exchanges them. Who wants to edit while one waits has it put into
+ *                force first, with what was asked before it: that is what the next tick would begin with
  *
  * Everything else here belongs to the main loop. Supervisor and plant link belong to the tick; the main loop
  * reads single words of them, or copies under hal_tick_lock.
@@ -25,10 +26,7 @@ struct tick_cost {
     uint64_t sum;
 };
 
-#ifndef PLAN_BUFFERS
-#define PLAN_BUFFERS 3
-#endif
-_Static_assert(PLAN_BUFFERS == 2 || PLAN_BUFFERS == 3, "in force, pending, scratch");
+#define PLAN_BUFFERS 2
 
 /* Pieces of work between ticks; one in which a tick came is not measured. Written by the main loop. */
 struct work_cost {
@@ -53,8 +51,11 @@ struct service {
     struct commission *commission; /* NULL where the board leaves it out */
 
     struct plan plan[PLAN_BUFFERS];
-    uint8_t in_force, pending, scratch; /* indices into plan[] */
+    uint8_t in_force; /* index into plan[]; the other one is scratch, or pending */
     bool has_pending;
+    /* What the tick does first when a plan waits for it; called with the tick locked out. Set by app. */
+    void (*settle)(void *context);
+    void *settle_context;
     uint32_t serial; /* of the newest plan */
 
     bool staging;         /* between begin and apply: service_staged() is the transaction's */
@@ -72,15 +73,15 @@ void service_init(struct service *s, struct supervisor *supervisor, struct plant
 const struct plan *service_plan(const struct service *s);
 /* The configuration being edited, in the scratch plan. */
 struct config *service_staged(struct service *s);
-/* Begins with a copy of service_plan(). NULL on a board with two plan buffers while a plan waits for the tick. */
+/* Begins with a copy of service_plan(). A plan that waits for the tick comes into force now; telemetry rows that
+ * wait to be printed under other columns are given up, and counted. */
 struct config *service_stage(struct service *s);
-bool service_may_stage(const struct service *s);
 /* Mode a loop will have once the queued requests are carried out. */
 enum loop_mode service_mode(const struct service *s, uint8_t loop);
 
 /* Checks the configuration whole and queues it for the next tick. Errors as plan_build, ERR_STATE when it would
- * disturb a sequence under way, and ERR_BUSY when the request queue is full, or there is no scratch plan (*fault
- * then has no group). */
+ * disturb a sequence under way, and ERR_BUSY when the request queue is full or
+ * another plan waits that has come since service_stage() (*fault then has no group). */
 MUST_CHECK enum err service_apply(struct service *s, const struct config *config,
                                   struct config_fault *fault);
 /* Base tick the plant announces, s; 0 before one has come. */

@@ -52,8 +52,8 @@ static void take_stored(struct storage *st)
         storage_tell(st, EVENT_STORAGE_REFUSED, "configured", 0.0f);
         return;
     }
-    staged = service_stage(s); /* nothing has been applied: it is there */
-    if (!staged || storage_load(st, staged, &why) != ERR_OK)
+    staged = service_stage(s);
+    if (storage_load(st, staged, &why) != ERR_OK)
         return;
     enum err err = service_apply(s, staged, &fault);
     if (err == ERR_BUSY) {

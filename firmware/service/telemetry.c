@@ -119,6 +119,34 @@ bool telemetry_header(const struct plan *plan, unsigned n, struct text *piece)
     }
 }
 
+static bool same_channel(const char *name_a, const char *unit_a, const char *name_b,
+                         const char *unit_b)
+{
+    return strcmp(name_a, name_b) == 0 && strcmp(unit_a, unit_b) == 0;
+}
+
+bool telemetry_same_columns(const struct plan *a, const struct plan *b)
+{
+    const struct config *ca = &a->config, *cb = &b->config;
+    bool same = true;
+    for (unsigned i = 0; i < CHANNEL_MAX; i++) {
+        const struct measurement_config *ma = &ca->measurement[i], *mb = &cb->measurement[i];
+        const struct output_config *oa = &ca->output[i], *ob = &cb->output[i];
+        same = same && same_channel(ma->name, ma->unit, mb->name, mb->unit) &&
+               same_channel(oa->name, oa->unit, ob->name, ob->unit);
+#if CONFIG_STEPS
+        same = same && ma->offset == mb->offset; /* a row says only whether one is subtracted */
+#endif
+    }
+    for (unsigned i = 0; i < CONFIG_LOOPS; i++)
+        same = same && a->loop[i].pv == b->loop[i].pv &&
+               strcmp(ca->loop[i].name, cb->loop[i].name) == 0;
+#if CONFIG_STEPS
+    same = same && a->has_steps == b->has_steps;
+#endif
+    return same;
+}
+
 static void number(struct text *line, float x)
 {
     text_char(line, ',');

@@ -55,6 +55,9 @@ void telemetry_init(struct telemetry *t);
 void telemetry_capture(struct telemetry *t, const struct supervisor *s, uint32_t number,
                        uint32_t events, uint32_t cycles);
 
+/* Rows captured under one plan read the same under the other. */
+bool telemetry_same_columns(const struct plan *a, const struct plan *b);
+
 /* Main loop: puts piece n of the header for a plan, or of a row, into *piece (empty where a channel is not
  * used); false past the end of the line. */
 bool telemetry_header(const struct plan *plan, unsigned n, struct text *piece);

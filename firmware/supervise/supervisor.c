@@ -235,10 +235,14 @@ void supervisor_take_plan(struct supervisor *s, const struct plan *plan)
     s->tick_s = plan->tick_s;
     s->decoupler_mask = 0; /* the matrix may have changed: select again at the next tick */
     s->decoupler.n = 0;
-    event_put(s->events, s->time_ms, EVENT_CONFIG_APPLIED, NULL, plan->tick_s, 0);
 #if CONFIG_STEPS
     sequence_place(s, old);
 #endif
+}
+
+void supervisor_tell_plan(struct supervisor *s)
+{
+    event_put(s->events, s->time_ms, EVENT_CONFIG_APPLIED, NULL, s->plan->tick_s, 0);
 }
 
 void supervisor_unbind(struct supervisor *s)

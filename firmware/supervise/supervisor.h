@@ -182,6 +182,8 @@ void supervisor_init(struct supervisor *s, struct event_queue *events);
 /* Puts a new plan into force; it must live until the next one. Loops keep mode and state where name,
  * measurement and output are the same (settings change without a bump), others start in manual. */
 void supervisor_take_plan(struct supervisor *s, const struct plan *plan);
+/* CONFIG_APPLIED: once for all plans of one tick. */
+void supervisor_tell_plan(struct supervisor *s);
 
 /* Which configured channels the plant has. Cleared by supervisor_unbind, then told one by one. */
 void supervisor_unbind(struct supervisor *s);

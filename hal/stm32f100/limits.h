@@ -2,8 +2,7 @@
  * The headers that own these names say what they mean; `version` prints those that a user meets.
  *
  * Shortened against the larger boards: channels, loops, feedforwards, interlocks, alarms, dead times, history of
- * events, queues, console lines. Left out: history of console lines, sequences and measurement offsets. With two
- * plan buffers a new configuration cannot be begun while another one waits for its tick (ERR_BUSY).
+ * events, queues, console lines. Left out: history of console lines, sequences and measurement offsets.
  */
 #ifndef REFLUX_STM32F100_LIMITS_H
 #define REFLUX_STM32F100_LIMITS_H
@@ -17,7 +16,6 @@
 #define COMMISSION_CHANNELS 0
 #define CONFIG_STEPS        0
 #define PLAN_ARENA_BYTES    64
-#define PLAN_BUFFERS        2
 
 /* A plant may have more channels than can be configured; their names must fit. */
 #define IO_CHANNELS_MAX    6

@@ -306,6 +306,42 @@ static void a_full_queue_of_requests_says_busy_and_loses_nothing(void)
     ask_ok("set loop1.gain 2");
 }
 
+/* The second change needs the buffer in which the first one waits for its sample. */
+static void what_was_asked_before_a_change_is_done_before_the_next_one_is_edited(void)
+{
+    board_forget();
+    ask_ok("mode bottom auto");
+    ask_ok("sp bottom 117");
+    ask_ok("set loop1.name sump");
+    ask_ok("mode sump manual");
+    ask_ok("out sump 4");
+    ask_ok("set loop1.name foot");
+    ask_ok("begin");
+    ask_ok("set loop1.gain 7");
+    TEST_ASSERT_EQUAL(0, times_said("CONFIG_APPLIED")); /* while all of that is edited */
+    board_forget();
+    samples(1);
+    TEST_ASSERT_EQUAL(1, times_said("CONFIG_APPLIED"));
+    ask_ok("loop foot");
+    TEST_ASSERT_TRUE_MESSAGE(said("manual"), board.said);
+    ask_ok("abandon");
+    ask_ok("get loop1.gain");
+    TEST_ASSERT_FALSE(said("= 7 "));
+    ask_ok("events");
+    TEST_ASSERT_TRUE_MESSAGE(said("SETPOINT bottom 117"), board.said);
+    TEST_ASSERT_TRUE_MESSAGE(said("OUTPUT sump 4"), board.said);
+}
+
+static void a_refused_change_leaves_the_one_before_it_in_force(void)
+{
+    ask_ok("set loop1.gain 3");
+    ask_refused("set loop1.pv nothing", "UNKNOWN");
+    ask_refused("set loop1.gain nan", "PARSE");
+    samples(1);
+    ask_ok("get loop1.gain");
+    TEST_ASSERT_TRUE(said("loop1.gain = 3 "));
+}
+
 static void a_remark_is_answered_and_does_nothing(void)
 {
     ask_ok("# a line of a pasted file");
@@ -440,6 +476,8 @@ int main(void)
     RUN_TEST(diff_defaults_can_be_pasted_back_and_restores_the_settings);
     RUN_TEST(three_hundred_lines_pasted_at_once_are_all_answered);
     RUN_TEST(a_full_queue_of_requests_says_busy_and_loses_nothing);
+    RUN_TEST(what_was_asked_before_a_change_is_done_before_the_next_one_is_edited);
+    RUN_TEST(a_refused_change_leaves_the_one_before_it_in_force);
     RUN_TEST(a_remark_is_answered_and_does_nothing);
     RUN_TEST(a_line_that_lost_bytes_is_refused_whole);
     RUN_TEST(many_settings_between_two_ticks_are_one_plan);

@@ -129,6 +129,7 @@ static inline void apply(void)
     }
     bench.current = 1 - bench.current;
     supervisor_take_plan(&bench.s, next);
+    supervisor_tell_plan(&bench.s);
     for (uint8_t i = 0; i < CHANNEL_MAX; i++) {
         if (bench.config.measurement[i].name[0])
             supervisor_bind_measurement(&bench.s, i);

@@ -1,5 +1,5 @@
-# Parameter storage: format and old images, and power cut everywhere.
-foreach(part storage storage_power)
+# Parameter storage: format and old images, and power cut everywhere. The two plans of the service.
+foreach(part storage storage_power service_plans)
   reflux_test(${part} LABEL unit SOURCES ${CMAKE_CURRENT_LIST_DIR}/test_${part}.c
               LIBS reflux_hal_memory reflux_app reflux_link)
   target_include_directories(test_${part} PRIVATE "${PROJECT_SOURCE_DIR}/hal/host")
