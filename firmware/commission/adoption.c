@@ -19,7 +19,6 @@ static void ask(struct supervisor *s, uint8_t i, enum request_kind kind, real_t 
 {
     struct request r = {
         .kind = kind, .loop = i, .output = PLAN_NONE, .mode = LOOP_AUTO, .value = value};
-    memcpy(r.name, s->plan->config.loop[i].name, sizeof r.name);
     supervisor_request(s, &r);
 }
 

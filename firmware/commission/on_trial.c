@@ -16,7 +16,6 @@ void commission_back_to_old(struct commission *c, struct supervisor *s, enum com
             continue;
         struct request r = {
             .kind = REQUEST_MODE, .loop = i, .output = PLAN_NONE, .mode = LOOP_MANUAL};
-        memcpy(r.name, s->plan->config.loop[i].name, sizeof r.name);
         supervisor_request(s, &r);
         s->output[s->plan->loop[i].output].manual = num_from_float(a->loop[k].held);
     }

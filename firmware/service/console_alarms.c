@@ -113,7 +113,6 @@ void command_alarm(struct console *c, unsigned n, char **word)
                               "no such alarm; `list alarm` shows those configured");
             return;
         }
-        memcpy(r.name, config->alarm[r.output].on, sizeof r.name);
     }
     if (!ack) {
         r.kind = REQUEST_SHELVE;

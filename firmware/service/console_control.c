@@ -50,10 +50,6 @@ static bool in_range(struct console *c, float x, float lo, float hi, const char 
 
 static void ask(struct console *c, struct request *request)
 {
-    const struct config *config = &service_plan(c->service)->config;
-    const char *name = request->output != PLAN_NONE ? config->output[request->output].name
-                                                    : config->loop[request->loop].name;
-    memcpy(request->name, name, sizeof request->name);
     enum err err = service_request(c->service, request);
     if (err)
         console_err(c, err, "more requests waiting than the queue holds, try again");

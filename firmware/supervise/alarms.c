@@ -174,9 +174,8 @@ void alarms_request(struct supervisor *s, const struct request *r)
                 acknowledge(s, i);
         return;
     }
-    if (r->output >= CONFIG_ALARMS || !c->alarm[r->output].on[0] ||
-        strcmp(c->alarm[r->output].on, r->name) != 0)
-        event_put(s->events, s->time_ms, EVENT_REQUEST_REFUSED, r->name, r->value, 0);
+    if (r->output >= CONFIG_ALARMS || !c->alarm[r->output].on[0])
+        event_put(s->events, s->time_ms, EVENT_REQUEST_REFUSED, "alarm", r->value, 0);
     else if (r->kind == REQUEST_ACK)
         acknowledge(s, r->output);
     else

@@ -112,7 +112,6 @@ static void loop_back(struct supervisor *s, const struct restart_record *record,
     struct loop_state *l = &s->loop[i];
     struct request mode = {
         .kind = REQUEST_MODE, .loop = i, .output = PLAN_NONE, .mode = record->mode[i]};
-    memcpy(mode.name, s->plan->config.loop[i].name, sizeof mode.name);
     l->v = record->v[i];
     if (record->mode[i] == LOOP_MANUAL)
         return;

@@ -1,6 +1,4 @@
 /* What a row of a sequence does, as if an operator had asked for it. */
-#include <string.h>
-
 #include "supervise/sequence.h"
 #include "supervise/supervisor.h"
 
@@ -11,7 +9,6 @@ static bool ask_loop(struct supervisor *s, enum request_kind kind, uint8_t loop,
 {
     struct request r = {
         .kind = kind, .loop = loop, .output = PLAN_NONE, .mode = (uint8_t)mode, .value = value};
-    memcpy(r.name, s->plan->config.loop[loop].name, sizeof r.name);
     return supervisor_request(s, &r);
 }
 
@@ -35,7 +32,6 @@ static bool drive(struct supervisor *s, uint8_t output, float value)
     } else {
         struct request r = {
             .kind = REQUEST_OUTPUT, .loop = PLAN_NONE, .output = output, .value = value};
-        memcpy(r.name, s->plan->config.output[output].name, sizeof r.name);
         done = supervisor_request(s, &r);
     }
     if (done)

@@ -405,13 +405,8 @@ static bool request_output(struct supervisor *s, const struct request *r)
 
 bool supervisor_request(struct supervisor *s, const struct request *r)
 {
-    /* A plan taken between the question and now may have removed the loop or channel, or put another in
-     * its place. */
-    const struct config *c = &s->plan->config;
-    bool loop_ok = r->loop < CONFIG_LOOPS && s->plan->loop[r->loop].used &&
-                   strcmp(c->loop[r->loop].name, r->name) == 0;
-    bool output_ok = r->output < CHANNEL_MAX && c->output[r->output].name[0] &&
-                     strcmp(c->output[r->output].name, r->name) == 0;
+    bool loop_ok = r->loop < CONFIG_LOOPS && s->plan->loop[r->loop].used;
+    bool output_ok = r->output < CHANNEL_MAX && s->plan->config.output[r->output].name[0];
     if (r->kind == REQUEST_MODE && loop_ok)
         return request_mode(s, r);
     if (r->kind == REQUEST_SETPOINT && loop_ok)
@@ -425,6 +420,6 @@ bool supervisor_request(struct supervisor *s, const struct request *r)
         sequence_request(s, r);
 #endif
     else
-        event_put(s->events, s->time_ms, EVENT_REQUEST_REFUSED, r->name, r->value, 0);
+        event_put(s->events, s->time_ms, EVENT_REQUEST_REFUSED, NULL, r->value, 0);
     return false;
 }

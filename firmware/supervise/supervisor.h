@@ -40,19 +40,19 @@ enum request_kind {
     REQUEST_SETPOINT,
     REQUEST_OUTPUT,
     REQUEST_APPLY,
-    REQUEST_ACK,     /* output: index of the alarm, PLAN_NONE all; name: what it is on */
+    REQUEST_ACK,     /* output: index of the alarm, PLAN_NONE all */
     REQUEST_SHELVE,  /* the same, for `value` seconds; 0 ends it */
     REQUEST_SEQUENCE /* mode: enum sequence_command; output: row that was shown */
 };
 
+/* Indices are those of the plan it was checked with. That is in force when it is carried out, since plans and requests
+ * wait in one queue. */
 struct request {
     enum request_kind kind;
     uint8_t loop;   /* MODE, SETPOINT, OUTPUT of a loop */
     uint8_t output; /* OUTPUT of a manipulated variable without a loop; else PLAN_NONE */
     uint8_t mode;   /* enum loop_mode */
     float value;    /* EU, checked by whoever asks */
-    char name
-        [CHANNEL_NAME_SIZE]; /* of that loop or output: the index may be another's by the time */
 };
 
 #ifndef REQUEST_QUEUE_SIZE

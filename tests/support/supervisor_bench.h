@@ -178,9 +178,6 @@ static inline void request(enum request_kind kind, uint8_t loop, uint8_t output,
 {
     struct request r = {
         .kind = kind, .loop = loop, .output = output, .mode = mode, .value = (float)value};
-    const char *name =
-        output != PLAN_NONE ? bench.config.output[output].name : bench.config.loop[loop].name;
-    memcpy(r.name, name, sizeof r.name);
     supervisor_request(&bench.s, &r);
     bench_events();
 }
