@@ -84,10 +84,16 @@ void model_keep(struct commission *c)
     uint8_t k = c->order[c->at];
     for (uint8_t j = 0; j < c->outputs; j++) {
         struct element *e = &c->element[j][k];
-        if (c->input[k].rounds == 0)
+        bool first = c->input[k].rounds == 0;
+        if (first)
             e->fit = c->fitted[j];
         else
             model_combine(&e->fit, &c->fitted[j]);
+        if (first || c->misfit[j] < e->misfit)
+            e->misfit = c->misfit[j];
+        /* Another shape than that of a lag is the same in every round. */
+        if (e->fit.gain_sd < e->misfit)
+            e->fit.gain_sd = e->misfit;
     }
 }
 
@@ -173,6 +179,7 @@ static void judge_gain(struct commission *c, const struct baseline *b, real_t be
     variance += left * left;
     real_t wrong = MISFIT_SHARE * misfit / x->amplitude;
     variance += wrong * wrong;
+    c->misfit[c->fit_at] = wrong;
     fit->gain_sd = real_sqrt(variance);
 }
 
@@ -247,7 +254,7 @@ static void take_fits(struct commission *c, const struct fopdt_fit_result *bent)
     }
     real_t bend = drift_bend(x, j, kept);
     bool straight = experiment_baseline(x, j, &b) == ERR_OK;
-    c->climbs[j] = REAL_C(0.0);
+    c->climbs[j] = c->misfit[j] = REAL_C(0.0);
     if (straight)
         judge_climb(c, &b, bend, kept);
     if (usable) { /* it turned before the step, or after all was over; how much else it could be is known */

@@ -4,6 +4,7 @@
 #include "commission/parts.h"
 
 #define CLIMBS      REAL_C(0.7) /* second half of a level over the first: 1 for an integrator */
+#define CLIMBS_TOO  REAL_C(0.5) /* ... where the fit thinks so, too */
 #define LONGER      3u          /* times the half before, where an output did not come to rest */
 #define LONGER_MOST 3u
 
@@ -68,6 +69,15 @@ static bool test_longer(struct commission *c, struct supervisor *s)
     return true;
 }
 
+/* Does output j look like an integrator of the input just tested? Not where it came to rest in an earlier round. */
+static bool looks_integrating(const struct commission *c, uint8_t j, uint8_t k)
+{
+    bool fit_says = c->fitted[j].flags & IDENTIFIED_INTEGRATING;
+    if (c->input[k].rounds > 0 && !(c->element[j][k].fit.flags & IDENTIFIED_INTEGRATING))
+        return false;
+    return c->climbs[j] >= (fit_says ? CLIMBS_TOO : CLIMBS);
+}
+
 static void take_fit(struct commission *c, struct supervisor *s)
 {
     uint8_t k = c->order[c->at];
@@ -76,8 +86,7 @@ static void take_fit(struct commission *c, struct supervisor *s)
         return;
     }
     for (uint8_t j = 0; j < c->outputs; j++) {
-        if (c->climbs[j] < CLIMBS ||
-            c->input[k].rounds > 0) /* it came to rest in an earlier round */
+        if (!looks_integrating(c, j, k))
             continue;
         if (test_longer(c, s))
             return;

@@ -11,10 +11,11 @@
 #define NOISE_FLOOR     REAL_C(7e-5) /* of span: what 12 bits of conversion leave */
 #define AMPLITUDE_MOST  REAL_C(0.25) /* of span, while it is being found */
 #define AMPLITUDE_FIRST REAL_C(0.02)
-#define MISSED_MOST     8u          /* samples in a row that a test can do without */
-#define AGAIN_NOISE     REAL_C(2.0) /* times the noise multiple, in later rounds */
-#define AGAIN_SHARE     REAL_C(0.6) /* of a limit, in later rounds */
-#define AGAIN_MOST      REAL_C(3.0) /* times the amplitude of the round before */
+#define MISSED_MOST     8u           /* samples in a row that a test can do without */
+#define AGAIN_NOISE     REAL_C(2.0)  /* times the noise multiple, in later rounds */
+#define AGAIN_SHARE     REAL_C(0.6)  /* of a limit, in later rounds */
+#define AGAIN_MOST      REAL_C(3.0)  /* times the amplitude of the round before */
+#define SHAPE_COUNTS    REAL_C(0.02) /* of a gain */
 #define LONGEST_SHARE   3u /* times what the inputs before have taken: no half is longer at first */
 #define SHARE_LEAST     REAL_C(0.5) /* no half is shorter than this share of the longest before */
 
@@ -37,6 +38,19 @@ real_t commission_lasts(const struct commission *c, uint8_t k)
             longest_s = time_s;
     }
     return longest_s;
+}
+
+/* Is some response to input k no lag's, and that, not noise, what its gain is unsure by? A shorter half would see
+ * less of what comes late, and be wrong by more. */
+static bool shape_decides(const struct commission *c, uint8_t k)
+{
+    for (uint8_t j = 0; j < c->outputs; j++) {
+        const struct element *e = &c->element[j][k];
+        if (e->misfit > REAL_C(0.5) * e->fit.gain_sd &&
+            e->misfit > SHAPE_COUNTS * real_abs(e->fit.gain))
+            return true;
+    }
+    return false;
 }
 
 /* What the operator, and earlier rounds, know of the times of this input. */
@@ -63,6 +77,8 @@ static uint32_t least_half(const struct commission *c, const struct supervisor *
     real_t found_s = c->input[k].rounds > 0 ? commission_lasts(c, k) : REAL_C(0.0);
     if (found_s > longest_s)
         longest_s = found_s;
+    if (c->input[k].rounds > 0 && shape_decides(c, k) && c->input[k].half_s > longest_s)
+        longest_s = c->input[k].half_s;
     uint32_t known = commission_samples(s, longest_s);
     /* What the round before has found out holds: a half that goes on for longer only gathers drift. */
     if (c->input[k].rounds > 0 && known > x->window) {
