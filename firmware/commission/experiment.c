@@ -1,30 +1,19 @@
 #include "supervise/config.h"
 #if COMMISSION_CHANNELS
 
-#include "commission/experiment.h"
+#include "commission/progress.h"
 
 #include <string.h>
 
 #define MOTION_LIMIT   REAL_C(3.0) /* noise standard deviations over the window */
 #define VARIANCE_LIMIT REAL_C(4.0)
 #define FIRST_MOST     REAL_C(0.05) /* of span: largest amplitude to begin with */
-#define KNOWN          REAL_C(0.33) /* of a gain: standard deviation of one to be believed */
-#define OVER           REAL_C(3.0)  /* time constants: a twentieth is left */
 #define GUARD_NOISE    REAL_C(0.05)
-#define GROWTH_MOST    REAL_C(4.0) /* of the amplitude in one go */
-#define LIMIT_SHARE    REAL_C(0.7) /* of a limit that a larger amplitude may aim at */
 #define TURN_SHARE     REAL_C(0.8) /* of a limit at which the negative half ends early */
 #define DRIFT_SDS      REAL_C(2.0) /* a drift seen before the step counts from here on */
-#define DRIFT_SHARE    REAL_C(1.0) /* of a limit that a drift may carry the line of rest at most */
-#define HOPELESS       4u          /* least halves, after which nothing is known still */
-#define MOTION_SHARE   REAL_C(0.5) /* of a limit that a larger amplitude may aim at without a model */
-#define NOISY_SHARE    REAL_C(0.25) /* of a limit, that the response wanted for the noise takes */
-#define SMALL          REAL_C(5.0) /* noise standard deviations: how long it takes cannot be told */
 #define BACK_SHARE                                                                                 \
-    REAL_C(1.5) /* of a limit, once the input is back: there is nothing left to restore */
-#define UNKNOWN_WAITS                                                                              \
-    REAL_C(1.5)                /* times as long, where a response too small to be known is left */
-#define PATIENCE    20u        /* windows until rest is given up */
+    REAL_C(1.5)         /* of a limit, once the input is back: there is nothing left to restore */
+#define PATIENCE    20u /* windows until rest is given up */
 #define WINDOW_MOST (1u << 20) /* samples; no sum of counts gets near the end of 32 bits */
 #define HALF_MOST   (1u << 28)
 #define BLANK_MOST  REAL_C(1e6) /* s, as the guard takes it */
@@ -91,18 +80,6 @@ static void fail(struct experiment *e, enum experiment_failure failure, uint8_t 
     e->culprit = culprit;
 }
 
-/* How far output j is from rest: from where it was, or from the line of the drift seen before the step, whichever is
- * nearer. A drift that goes on is no response; one that turns carries the output back to where it was. */
-static real_t away_from_rest(const struct experiment *e, uint8_t j, const real_t *y)
-{
-    real_t most = DRIFT_SHARE * e->config.limit[j];
-    real_t carried = e->drift_per_s[j] * e->config.h_s * (real_t)e->samples;
-    if (real_abs(carried) > most)
-        carried = carried > REAL_C(0.0) ? most : -most;
-    real_t away = y[j] - e->rest[j];
-    return real_abs(away - carried) < real_abs(away) ? away - carried : away;
-}
-
 /* The guard begins at the level where each output is now: after an earlier edge that is not where it rested. */
 static enum err arm_guard(struct experiment *e, const real_t *y)
 {
@@ -129,16 +106,6 @@ static enum err move(struct experiment *e, real_t level)
     return record_move(&e->record, level);
 }
 
-/* Does noise hide what is small beside a limit? Then time is better spent on another test than on the end of this one,
- * which drift spoils. Of the measurements before the step; until then by the rest under watch. */
-static bool noisy(const struct experiment *e)
-{
-    for (unsigned j = 0; j < e->config.outputs; j++)
-        if (e->before[j].noise_sd * e->config.noise_multiple > NOISY_SHARE * e->config.limit[j])
-            return true;
-    return false;
-}
-
 /* Every output at rest? Where one climbs steadily for longer than the patience it counts as a drift, which is known
  * then and taken off; but not one that would carry it over a good part of its limit. */
 static bool all_at_rest(struct experiment *e, struct steady_result *at, uint32_t patience,
@@ -151,7 +118,8 @@ static bool all_at_rest(struct experiment *e, struct steady_result *at, uint32_t
         if (at[j].state == STEADY_SETTLED)
             continue;
         real_t carried = real_abs(at[j].slope_per_s) * e->config.h_s *
-                         (noisy(e) ? REAL_C(1.0) : REAL_C(2.25)) * (real_t)e->config.window;
+                         (progress_is_noisy(e) ? REAL_C(1.0) : REAL_C(2.25)) *
+                         (real_t)e->config.window;
         if (at[j].state == STEADY_MOVING && e->waited >= patience &&
             carried < e->config.limit[j] * REAL_C(0.3))
             continue;
@@ -222,90 +190,10 @@ static enum err at_rest(struct experiment *e, const real_t *y)
     return ERR_OK;
 }
 
-/* A model to be believed: its gain is known within a third. */
-static bool is_known(const struct identified *f)
-{
-    return !(f->flags & (IDENTIFIED_NO_GAIN | IDENTIFIED_INTEGRATING)) &&
-           f->gain_sd < KNOWN * real_abs(f->gain);
-}
-
-/* What the models say of the step. */
-struct progress {
-    bool seen;  /* a response at all */
-    bool known; /* every output that responds is */
-    bool any_known;
-    real_t over_s;    /* since the last edge: when every response is over but for a twentieth */
-    real_t stand_out; /* largest response to the amplitude, in noise standard deviations */
-    real_t
-        growth; /* factor by which the amplitude may grow before an output comes near its limit */
-};
-
-static void look_at_models(const struct experiment *e, struct progress *p)
-{
-    const struct experiment_config *c = &e->config;
-    *p = (struct progress){.known = true, .growth = GROWTH_MOST};
-    for (unsigned j = 0; j < c->outputs; j++) {
-        const struct identified *f = &e->look.found[j];
-        if (f->flags & IDENTIFIED_NO_GAIN)
-            continue;
-        p->seen = true;
-        real_t ends = real_abs(f->gain) * e->amplitude;
-        real_t most = ends + REAL_C(2.0) * f->gain_sd * e->amplitude + e->before[j].noise_sd;
-        bool timed = f->time_constant_sd_s < REAL_C(0.5) * f->time_constant_s;
-        if (!is_known(f) || !timed || ends < SMALL * e->before[j].noise_sd) {
-            p->known = false;
-            continue;
-        }
-        p->any_known = true;
-        real_t over_s = f->dead_time_s + OVER * f->time_constant_s;
-        if (over_s > p->over_s)
-            p->over_s = over_s;
-        if (ends > p->stand_out * e->before[j].noise_sd)
-            p->stand_out = ends / e->before[j].noise_sd;
-        if (most * p->growth > LIMIT_SHARE * c->limit[j])
-            p->growth = LIMIT_SHARE * c->limit[j] / most;
-    }
-}
-
-/* A larger amplitude that would make the response stand out; the present one where there is no room. */
-static real_t larger(const struct experiment *e, const struct progress *p)
-{
-    const struct experiment_config *c = &e->config;
-    real_t want = GROWTH_MOST;
-    if (p->stand_out * GROWTH_MOST > REAL_C(1.2) * c->noise_multiple)
-        want = REAL_C(1.2) * c->noise_multiple / p->stand_out;
-    if (want > p->growth)
-        want = p->growth;
-    real_t a = e->amplitude * want;
-    if (a > c->amplitude_max)
-        a = c->amplitude_max;
-    return a > REAL_C(1.1) * e->amplitude ? a : e->amplitude;
-}
-
-/* Nothing is known of any response for long: then a larger amplitude by what the outputs have moved at most. */
-static real_t larger_by_motion(const struct experiment *e, const real_t *y)
-{
-    const struct experiment_config *c = &e->config;
-    real_t factor = GROWTH_MOST;
-    for (uint8_t j = 0; j < c->outputs; j++) {
-        real_t noise = e->before[j].noise_sd;
-        real_t most = real_abs(away_from_rest(e, j, y)) + REAL_C(3.0) * noise;
-        real_t wanted = REAL_C(1.2) * c->noise_multiple * noise;
-        if (wanted > MOTION_SHARE * c->limit[j])
-            wanted = MOTION_SHARE * c->limit[j];
-        if (most * factor > wanted)
-            factor = wanted / most;
-    }
-    real_t a = e->amplitude * factor;
-    if (a > c->amplitude_max)
-        a = c->amplitude_max;
-    return a > REAL_C(1.1) * e->amplitude ? a : e->amplitude;
-}
-
 static enum err turn_down(struct experiment *e, const real_t *y)
 {
     for (uint8_t j = 0; j < e->config.outputs; j++)
-        e->at_turn[j] = away_from_rest(e, j, y);
+        e->at_turn[j] = progress_away(e, j, y);
     enter(e, EXPERIMENT_DOWN, e->level);
     return move(e, -e->amplitude);
 }
@@ -331,8 +219,8 @@ static bool model_trips(struct experiment *e, const real_t *y)
     const struct experiment_config *c = &e->config;
     for (uint8_t j = 0; j < c->outputs; j++) {
         const struct identified *f = &e->look.found[j];
-        real_t away = away_from_rest(e, j, y), peak = away, noise = e->before[j].noise_sd;
-        if (e->looked && is_known(f) && f->time_constant_s > REAL_C(0.0)) {
+        real_t away = progress_away(e, j, y), peak = away, noise = e->before[j].noise_sd;
+        if (e->looked && progress_is_known(f) && f->time_constant_s > REAL_C(0.0)) {
             real_t sure = real_abs(f->gain) - f->gain_sd;
             real_t ends = (f->gain < REAL_C(0.0) ? -sure : sure) * e->amplitude;
             real_t waits = f->dead_time_s + REAL_C(2.0) * c->h_s;
@@ -389,61 +277,6 @@ static enum err grow(struct experiment *e, const real_t *y, real_t amplitude)
     return err ? err : move(e, amplitude);
 }
 
-static bool has_moved(const struct experiment *e, const real_t *y)
-{
-    for (uint8_t j = 0; j < e->config.outputs; j++)
-        if (real_abs(away_from_rest(e, j, y)) > SMALL * e->before[j].noise_sd)
-            return true;
-    return false;
-}
-
-static bool drifts(const struct experiment *e)
-{
-    for (unsigned j = 0; j < e->config.outputs; j++)
-        if (real_abs(e->drift_per_s[j]) > REAL_C(0.0))
-            return true;
-    return false;
-}
-
-/* The models of the step so far are there. */
-static enum err decide(struct experiment *e, const real_t *y)
-{
-    const struct experiment_config *c = &e->config;
-    struct progress p;
-    look_at_models(e, &p);
-    real_t gone_s = (real_t)e->half * c->h_s;
-    bool found = c->amplitude > REAL_C(0.0) || p.stand_out >= c->noise_multiple ||
-                 e->record.input.edges + 3u > EXCITATION_EDGES_MAX;
-    if (!p.seen) { /* nothing yet: in time, more of it */
-        /* Where little is hidden by noise, nothing to be seen may be dead time. */
-        uint32_t quiet = noisy(e) ? 0 : 3u * c->window;
-        if (e->half < c->half_least + quiet)
-            return ERR_OK;
-        real_t a = found ? e->amplitude : larger_by_motion(e, y);
-        e->small = a <= e->amplitude;
-        if (!e->small)
-            return grow(e, y, a);
-        bool still = e->half < c->half_least + 6u * c->window || (!noisy(e) && has_moved(e, y));
-        return still ? ERR_OK : turn_down(e, y);
-    }
-    if (!found) {
-        real_t a = p.any_known ? larger(e, &p) : larger_by_motion(e, y);
-        e->small = a <= e->amplitude;
-        /* As soon as it can be told; what cannot be told yet may just be small. */
-        if (!e->small && e->half >= c->window / 2u && (p.any_known || e->half >= c->window))
-            return grow(e, y, a);
-        if (!e->small)
-            return ERR_OK;
-    }
-    /* What cannot be told within a third is small beside the rest, or slower: it gets half as long again. */
-    real_t over_s = p.known ? p.over_s : UNKNOWN_WAITS * p.over_s;
-    bool over = p.any_known && gone_s >= over_s && e->half >= c->half_least;
-    if (drifts(e) && !p.any_known && e->half >= HOPELESS * c->half_least)
-        over =
-            true; /* a bent drift, or noise: what there is to be had comes from the way down, too */
-    return over ? turn_down(e, y) : ERR_OK;
-}
-
 static enum err going_up(struct experiment *e, const real_t *y)
 {
     const struct experiment_config *c = &e->config;
@@ -464,7 +297,12 @@ static enum err going_up(struct experiment *e, const real_t *y)
     }
     if (e->fresh && c->half == 0) {
         e->fresh = false;
-        err = decide(e, y);
+        struct progress_advice to_do = progress_judge(e, y);
+        e->small = to_do.small;
+        if (to_do.what == PROGRESS_TURN)
+            return turn_down(e, y);
+        if (to_do.what == PROGRESS_GROW)
+            err = grow(e, y, to_do.amplitude);
     }
     if (!err && e->phase == EXPERIMENT_UP)
         ask_for_look(e);
@@ -485,10 +323,12 @@ static bool far_enough(const struct experiment *e, const real_t *y)
             slope = (r->y[j][r->points - 1u] - r->y[j][r->points - 1u - apart]) /
                     (apart_s * (real_t)apart);
         real_t to_come = slope * e->config.dead_time_s[j];
-        real_t away = away_from_rest(e, j, y);
-        /* Where it is still on its way from the other side it comes nearer. */
+        real_t away = progress_away(e, j, y);
+        /* Where it is still on its way from the other side it comes nearer; but a drift may carry it on. */
         bool other_side = away * e->at_turn[j] > REAL_C(0.0) && e->waited <= e->half / 2u;
-        if (!other_side && real_abs(away + to_come) > TURN_SHARE * e->config.limit[j])
+        real_t noise = REAL_C(2.0) * e->before[j].noise_sd;
+        if (other_side ? real_abs(away) > e->config.limit[j] + noise
+                       : real_abs(away + to_come) > TURN_SHARE * e->config.limit[j])
             return true;
     }
     return false;
@@ -512,7 +352,8 @@ static enum err coming_back(struct experiment *e, const real_t *y)
     enum err err = steady_step(&e->steady, y);
     if (err)
         return err;
-    bool rest = all_at_rest(e, e->after, e->half + (noisy(e) ? 0 : e->half / 2u) + e->config.window,
+    bool rest = all_at_rest(e, e->after,
+                            e->half + (progress_is_noisy(e) ? 0 : e->half / 2u) + e->config.window,
                             &culprit);
     /* Not sooner than the way there took: in a dead time everything is at rest, where it was. */
     if (rest && e->waited >= e->half) {
@@ -521,9 +362,9 @@ static enum err coming_back(struct experiment *e, const real_t *y)
     } else if (e->waited > 4u * e->half + 8u * e->config.window) {
         /* Away from where it began, and not on its way back. */
         for (uint8_t j = 0; j < e->config.outputs; j++)
-            if (real_abs(away_from_rest(e, j, y)) > REAL_C(0.8) * e->config.limit[j])
+            if (real_abs(progress_away(e, j, y)) > REAL_C(0.8) * e->config.limit[j])
                 culprit = j;
-        if (real_abs(away_from_rest(e, culprit, y)) > REAL_C(0.8) * e->config.limit[culprit])
+        if (real_abs(progress_away(e, culprit, y)) > REAL_C(0.8) * e->config.limit[culprit])
             fail(e, EXPERIMENT_AWAY, culprit);
         else
             enter(e, EXPERIMENT_DONE, REAL_C(0.0));
@@ -535,7 +376,7 @@ static enum err coming_back(struct experiment *e, const real_t *y)
 static bool past_limit(struct experiment *e, const real_t *y)
 {
     for (uint8_t j = 0; j < e->config.outputs; j++) {
-        real_t away = real_abs(away_from_rest(e, j, y)), limit = e->config.limit[j];
+        real_t away = real_abs(progress_away(e, j, y)), limit = e->config.limit[j];
         if (e->phase == EXPERIMENT_BACK)
             limit *= BACK_SHARE;
         if (away / limit > e->worst) {

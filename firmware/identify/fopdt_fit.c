@@ -15,10 +15,11 @@
 #define LAG_STEP      REAL_C(0.01) /* of ln T, for its difference quotient */
 #define STRENGTH_MIN  REAL_C(1e-20)
 
-#define BEND_TRIES 5u /* steps with a bend in each of the places */
+#define BEND_STARTS 5u /* times to begin from */
+#define BEND_TRIES  5u /* steps with a bend in each of the places */
 
 _Static_assert(GRID_TIMES *GRID_SHARES + 1 + 3 * TRIES + 8 +
-                       (FOPDT_FIT_PLACES - 1) * (5 + 3 * BEND_TRIES) +
+                       (FOPDT_FIT_PLACES - 1) * (BEND_STARTS + 3 * BEND_TRIES) +
                        2 * RECORD_POINTS / (FOPDT_FIT_PLACES - 1) + 4 + 3 * TRIES <=
                    FOPDT_FIT_UNITS_MAX,
                "the search is bounded");
@@ -29,6 +30,7 @@ enum phase {
     PHASE_SLOPES,
     PHASE_TRY,
     PHASE_PLAIN,
+    PHASE_PLACE,
     PHASE_BEND,
     PHASE_JUDGE,
     PHASE_DONE
@@ -232,19 +234,28 @@ static void place_bend(struct fopdt_fit *f, uint32_t at)
     f->total = fit_line_dot(&f->line, f->y, f->y);
 }
 
-/* With the bend where it is now: from the best times so far, from those without a bend, unless it has made them look
- * like an integrator's, or from some that a record can show, whichever are nearest. */
-static void begin_from_best(struct fopdt_fit *f)
+/* Where to begin from with the bend where it is now, one place a time: from the best times so far, from those without a
+ * bend, unless it has made them look like an integrator's, or from some that a record can show. The nearest stays. */
+static void begin_with_bend(struct fopdt_fit *f)
 {
-    static const real_t parts[] = {REAL_C(12.0), REAL_C(32.0), REAL_C(96.0)};
-    real_t horizon = (real_t)(f->points * f->block), longest = REAL_C(0.25) * horizon;
-    f->squares = REAL_C(1e38);
-    consider(f, f->bend_lag < longest ? f->bend_lag : longest, f->bend_dead);
-    consider(f, f->straight_lag < longest ? f->straight_lag : longest, f->straight_dead);
-    for (unsigned k = 0; k < sizeof parts / sizeof *parts; k++) {
-        real_t lag = clip(horizon / parts[k], shortest_to_begin_from(f), f->lag_max);
-        consider(f, lag, clip(REAL_C(0.3) * lag, ZERO, f->dead_max));
+    static const real_t parts[BEND_STARTS] = {REAL_C(4.0), REAL_C(4.0), REAL_C(12.0), REAL_C(32.0),
+                                              REAL_C(96.0)};
+    real_t lag = clip((real_t)(f->points * f->block) / parts[f->next], shortest_to_begin_from(f),
+                      f->lag_max);
+    real_t dead = REAL_C(0.3) * lag;
+    if (f->next == 0) {
+        dead = f->bend_dead;
+        lag = f->bend_lag < lag ? f->bend_lag : lag;
+    } else if (f->next == 1) {
+        dead = f->straight_dead;
+        lag = f->straight_lag < lag ? f->straight_lag : lag;
     }
+    consider(f, lag, clip(dead, ZERO, f->dead_max));
+    if (++f->next < BEND_STARTS)
+        return;
+    f->tries = TRIES - BEND_TRIES;
+    f->damping = DAMPING_FIRST;
+    f->phase = PHASE_SLOPES;
 }
 
 /* A search for the times has ended. Where the drift turns nobody knows: the search goes on from the times without a bend
@@ -268,10 +279,9 @@ static void end_search(struct fopdt_fit *f)
         /* The first is at the beginning: it may have turned before the step, unseen. */
         place_bend(f, f->bend_place * apart + 1u);
         f->bend_place++;
-        begin_from_best(f);
-        f->tries = TRIES - BEND_TRIES;
-        f->damping = DAMPING_FIRST;
-        f->phase = PHASE_SLOPES;
+        f->squares = REAL_C(1e38);
+        f->next = 0;
+        f->phase = PHASE_PLACE;
         return;
     }
     f->lag = f->bend_lag;
@@ -370,6 +380,9 @@ bool fopdt_fit_run(struct fopdt_fit *f, uint32_t units)
             break;
         case PHASE_TRY:
             attempt(f);
+            break;
+        case PHASE_PLACE:
+            begin_with_bend(f);
             break;
         case PHASE_BEND:
             look_for_bend(f);

@@ -1,0 +1,186 @@
+#include "supervise/config.h"
+#if COMMISSION_CHANNELS
+
+#include "commission/progress.h"
+
+#define KNOWN        REAL_C(0.33) /* of a gain: standard deviation of one to be believed */
+#define OVER         REAL_C(3.0)  /* time constants: a twentieth is left */
+#define GROWTH_MOST  REAL_C(4.0)  /* of the amplitude in one go */
+#define LIMIT_SHARE  REAL_C(0.7)  /* of a limit that a larger amplitude may aim at */
+#define DRIFT_SHARE  REAL_C(1.0)  /* of a limit that a drift may carry the line of rest at most */
+#define HOPELESS     4u           /* least halves, after which nothing is known still */
+#define MOTION_SHARE REAL_C(0.5) /* of a limit that a larger amplitude may aim at without a model */
+#define NOISY_SHARE  REAL_C(0.25) /* of a limit, that the response wanted for the noise takes */
+#define SMALL        REAL_C(5.0)  /* noise standard deviations: how long it takes cannot be told */
+#define UNKNOWN_WAITS                                                                              \
+    REAL_C(1.5) /* times as long, where a response too small to be known is left */
+
+/* How far output j is from rest: from where it was, or from the line of the drift seen before the step, whichever is
+ * nearer. A drift that goes on is no response; one that turns carries the output back to where it was. */
+real_t progress_away(const struct experiment *e, uint8_t j, const real_t *y)
+{
+    real_t most = DRIFT_SHARE * e->config.limit[j];
+    real_t carried = e->drift_per_s[j] * e->config.h_s * (real_t)e->samples;
+    if (real_abs(carried) > most)
+        carried = carried > REAL_C(0.0) ? most : -most;
+    real_t away = y[j] - e->rest[j];
+    return real_abs(away - carried) < real_abs(away) ? away - carried : away;
+}
+
+/* Does noise hide what is small beside a limit? Then time is better spent on another test than on the end of this one,
+ * which drift spoils. Of the measurements before the step; until then by the rest under watch. */
+bool progress_is_noisy(const struct experiment *e)
+{
+    for (unsigned j = 0; j < e->config.outputs; j++)
+        if (e->before[j].noise_sd * e->config.noise_multiple > NOISY_SHARE * e->config.limit[j])
+            return true;
+    return false;
+}
+
+/* A model to be believed: its gain is known within a third. */
+bool progress_is_known(const struct identified *f)
+{
+    return !(f->flags & (IDENTIFIED_NO_GAIN | IDENTIFIED_INTEGRATING)) &&
+           f->gain_sd < KNOWN * real_abs(f->gain);
+}
+
+/* What the models say of the step. */
+struct progress {
+    bool seen;  /* a response at all */
+    bool known; /* every output that responds is */
+    bool any_known;
+    real_t over_s;    /* since the last edge: when every response is over but for a twentieth */
+    real_t stand_out; /* largest response to the amplitude, in noise standard deviations */
+    real_t
+        growth; /* factor by which the amplitude may grow before an output comes near its limit */
+};
+
+static void look_at_models(const struct experiment *e, struct progress *p)
+{
+    const struct experiment_config *c = &e->config;
+    *p = (struct progress){.known = true, .growth = GROWTH_MOST};
+    for (unsigned j = 0; j < c->outputs; j++) {
+        const struct identified *f = &e->look.found[j];
+        if (f->flags & IDENTIFIED_NO_GAIN)
+            continue;
+        p->seen = true;
+        real_t ends = real_abs(f->gain) * e->amplitude;
+        real_t most = ends + REAL_C(2.0) * f->gain_sd * e->amplitude + e->before[j].noise_sd;
+        bool timed = f->time_constant_sd_s < REAL_C(0.5) * f->time_constant_s;
+        if (!progress_is_known(f) || !timed || ends < SMALL * e->before[j].noise_sd) {
+            p->known = false;
+            continue;
+        }
+        p->any_known = true;
+        real_t over_s = f->dead_time_s + OVER * f->time_constant_s;
+        if (over_s > p->over_s)
+            p->over_s = over_s;
+        if (ends > p->stand_out * e->before[j].noise_sd)
+            p->stand_out = ends / e->before[j].noise_sd;
+        if (most * p->growth > LIMIT_SHARE * c->limit[j])
+            p->growth = LIMIT_SHARE * c->limit[j] / most;
+    }
+}
+
+/* A larger amplitude that would make the response stand out; the present one where there is no room. */
+static real_t larger(const struct experiment *e, const struct progress *p)
+{
+    const struct experiment_config *c = &e->config;
+    real_t want = GROWTH_MOST;
+    if (p->stand_out * GROWTH_MOST > REAL_C(1.2) * c->noise_multiple)
+        want = REAL_C(1.2) * c->noise_multiple / p->stand_out;
+    if (want > p->growth)
+        want = p->growth;
+    real_t a = e->amplitude * want;
+    if (a > c->amplitude_max)
+        a = c->amplitude_max;
+    return a > REAL_C(1.1) * e->amplitude ? a : e->amplitude;
+}
+
+/* Nothing is known of any response for long: then a larger amplitude by what the outputs have moved at most. */
+static real_t larger_by_motion(const struct experiment *e, const real_t *y)
+{
+    const struct experiment_config *c = &e->config;
+    real_t factor = GROWTH_MOST;
+    for (uint8_t j = 0; j < c->outputs; j++) {
+        real_t noise = e->before[j].noise_sd;
+        real_t most = real_abs(progress_away(e, j, y)) + REAL_C(3.0) * noise;
+        real_t wanted = REAL_C(1.2) * c->noise_multiple * noise;
+        if (wanted > MOTION_SHARE * c->limit[j])
+            wanted = MOTION_SHARE * c->limit[j];
+        if (most * factor > wanted)
+            factor = wanted / most;
+    }
+    real_t a = e->amplitude * factor;
+    if (a > c->amplitude_max)
+        a = c->amplitude_max;
+    return a > REAL_C(1.1) * e->amplitude ? a : e->amplitude;
+}
+
+static bool has_moved(const struct experiment *e, const real_t *y)
+{
+    for (uint8_t j = 0; j < e->config.outputs; j++)
+        if (real_abs(progress_away(e, j, y)) > SMALL * e->before[j].noise_sd)
+            return true;
+    return false;
+}
+
+static bool drifts(const struct experiment *e)
+{
+    for (unsigned j = 0; j < e->config.outputs; j++)
+        if (real_abs(e->drift_per_s[j]) > REAL_C(0.0))
+            return true;
+    return false;
+}
+
+/* What to do now: nothing, turn, or go on with another amplitude than the present one. */
+static struct progress_advice advise(const struct experiment *e, enum progress_verdict verdict,
+                                     bool small)
+{
+    return (struct progress_advice){verdict, e->amplitude, small};
+}
+
+/* Nothing yet: in time, more of it. */
+static struct progress_advice nothing_seen(const struct experiment *e, const real_t *y, bool found)
+{
+    const struct experiment_config *c = &e->config;
+    bool noisy = progress_is_noisy(e);
+    /* Where little is hidden by noise, nothing to be seen may be dead time. */
+    uint32_t quiet = noisy ? 0 : 3u * c->window;
+    if (e->half < c->half_least + quiet)
+        return advise(e, PROGRESS_WAIT, e->small);
+    real_t a = found ? e->amplitude : larger_by_motion(e, y);
+    if (a > e->amplitude)
+        return (struct progress_advice){PROGRESS_GROW, a, false};
+    bool still = e->half < c->half_least + 6u * c->window || (!noisy && has_moved(e, y));
+    return advise(e, still ? PROGRESS_WAIT : PROGRESS_TURN, true);
+}
+
+struct progress_advice progress_judge(const struct experiment *e, const real_t *y)
+{
+    const struct experiment_config *c = &e->config;
+    struct progress p;
+    look_at_models(e, &p);
+    bool small = e->small;
+    bool found = c->amplitude > REAL_C(0.0) || p.stand_out >= c->noise_multiple ||
+                 e->record.input.edges + 3u > EXCITATION_EDGES_MAX;
+    if (!p.seen)
+        return nothing_seen(e, y, found);
+    if (!found) {
+        real_t a = p.any_known ? larger(e, &p) : larger_by_motion(e, y);
+        small = a <= e->amplitude;
+        /* As soon as it can be told; what cannot be told yet may just be small. */
+        if (!small && e->half >= c->window / 2u && (p.any_known || e->half >= c->window))
+            return (struct progress_advice){PROGRESS_GROW, a, false};
+        if (!small)
+            return advise(e, PROGRESS_WAIT, false);
+    }
+    /* What cannot be told within a third is small beside the rest, or slower: it gets half as long again. */
+    real_t over_s = p.known ? p.over_s : UNKNOWN_WAITS * p.over_s;
+    bool over = p.any_known && (real_t)e->half * c->h_s >= over_s && e->half >= c->half_least;
+    /* A bent drift, or noise: what there is to be had comes from the way down, too. */
+    bool hopeless = drifts(e) && !p.any_known && e->half >= HOPELESS * c->half_least;
+    return advise(e, over || hopeless ? PROGRESS_TURN : PROGRESS_WAIT, small);
+}
+
+#endif

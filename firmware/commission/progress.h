@@ -1,0 +1,26 @@
+/* What a step still under way says of itself: how far its outputs are from rest, and, by the models of the latest look,
+ * whether it has gone on for long enough and is large enough. Decides nothing: experiment.c does. */
+#ifndef REFLUX_COMMISSION_PROGRESS_H
+#define REFLUX_COMMISSION_PROGRESS_H
+
+#include "commission/experiment.h"
+
+enum progress_verdict { PROGRESS_WAIT, PROGRESS_GROW, PROGRESS_TURN };
+
+struct progress_advice {
+    enum progress_verdict what;
+    real_t amplitude; /* to go on with */
+    bool
+        small; /* the response does not stand out of the noise as it should, and there is no room for more */
+};
+
+/* How far output j is from rest, fraction of span; y: the latest sample of every output. */
+real_t progress_away(const struct experiment *e, uint8_t j, const real_t *y);
+/* Does noise hide what is small beside a limit? */
+bool progress_is_noisy(const struct experiment *e);
+/* Is its gain known within a third? */
+bool progress_is_known(const struct identified *f);
+/* With fresh models (e->look), in the positive half. */
+struct progress_advice progress_judge(const struct experiment *e, const real_t *y);
+
+#endif
