@@ -199,6 +199,75 @@ static void what_is_no_lag_is_not_believed_to_be_one(void)
     TEST_ASSERT_TRUE(real_is_finite(e->gain) && real_is_finite(e->gain_sd));
 }
 
+/* A lag of 40, dead time 10, under a drift that turns once. */
+static uint32_t turns_at;
+static double under_a_drift_that_turns(unsigned j, uint32_t k)
+{
+    const struct test_element e = {0.8, 40, 10};
+    double y = 2e-4 * k - (k > turns_at ? 4e-4 * (k - turns_at) : 0.0);
+    for (unsigned i = 0; i < bench.edges; i++)
+        y += bench.change[i] * step_response(&e, k - bench.at[i]);
+    (void)j;
+    return y;
+}
+
+static void a_drift_that_turns_within_the_test_spoils_no_gain(void)
+{
+    for (turns_at = 150; turns_at < 800; turns_at += 50) {
+        bench_begin(SEED + turns_at);
+        memset(&c, 0, sizeof c);
+        bench.other = under_a_drift_that_turns;
+        bench.noise = 0.002;
+        config.amplitude = REAL_C(0.05);
+        config.half = 200;
+        tested(0);
+        const struct identified *e = &c.fitted[0];
+        TEST_ASSERT_DOUBLE_WITHIN(3.5 * (double)e->gain_sd, 0.8, (double)e->gain);
+        TEST_ASSERT_TRUE((double)e->gain_sd <
+                         0.08); /* it would be 0.4 without a model of the turn */
+        TEST_ASSERT_TRUE((double)c.climbs[0] < 0.5);
+    }
+}
+
+/* Two lags, one of them slow: no first-order model is that. */
+static double fast_and_slow(unsigned j, uint32_t k)
+{
+    const struct test_element fast = {0.5, 8, 0}, slow = {0.5, 120, 0};
+    double y = 0.0;
+    for (unsigned i = 0; i < bench.edges; i++)
+        y += bench.change[i] *
+             (step_response(&fast, k - bench.at[i]) + step_response(&slow, k - bench.at[i]));
+    (void)j;
+    return y;
+}
+
+static void a_response_of_another_shape_is_doubted_in_every_round(void)
+{
+    bench.other = fast_and_slow;
+    config.amplitude = REAL_C(0.05);
+    config.half = 400;
+    tested(0);
+    double misfit = (double)c.misfit[0];
+    TEST_ASSERT_TRUE(misfit > 0.02);
+    for (uint8_t round = 0; round < 8; round++) {
+        model_keep(&c);
+        c.input[0].rounds = (uint8_t)(round + 1u);
+        TEST_ASSERT_TRUE((double)c.element[0][0].fit.gain_sd >= misfit);
+    }
+    TEST_ASSERT_DOUBLE_WITHIN(4.0 * misfit, 1.0, (double)c.element[0][0].fit.gain);
+}
+
+static void a_dead_time_of_most_of_a_level_is_no_integrator(void)
+{
+    bench.noise = 0.005;
+    bench.element[0] = (struct test_element){0.25, 2, 50};
+    config.amplitude = REAL_C(0.2);
+    config.half = 67;
+    config.half_least = 60;
+    tested(0);
+    TEST_ASSERT_EQUAL_FLOAT(0.0f, (float)c.climbs[0]);
+}
+
 static void an_output_of_noise_has_no_gain(void)
 {
     unsigned seen = 0;
@@ -266,6 +335,9 @@ int main(void)
     RUN_TEST(a_test_gives_every_output_its_element);
     RUN_TEST(a_second_round_joins_the_first);
     RUN_TEST(what_is_no_lag_is_not_believed_to_be_one);
+    RUN_TEST(a_drift_that_turns_within_the_test_spoils_no_gain);
+    RUN_TEST(a_response_of_another_shape_is_doubted_in_every_round);
+    RUN_TEST(a_dead_time_of_most_of_a_level_is_no_integrator);
     RUN_TEST(an_output_of_noise_has_no_gain);
     RUN_TEST(inputs_that_were_skipped_are_no_columns);
     RUN_TEST(nothing_is_analysed_where_every_input_was_skipped);
