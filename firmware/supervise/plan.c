@@ -340,10 +340,10 @@ static enum err check_feedforward_rings(const struct plan *plan, struct config_f
     }
     for (uint8_t through = 0; through < CONFIG_FEEDFORWARDS; through++)
         for (uint8_t i = 0; i < CONFIG_FEEDFORWARDS; i++)
-            if (reach[i] >> through & 1u)
+            if (reach[i] & 1u << through)
                 reach[i] = (uint8_t)(reach[i] | reach[through]);
     for (uint8_t i = 0; i < CONFIG_FEEDFORWARDS; i++)
-        if (reach[i] >> i & 1u)
+        if (reach[i] & 1u << i)
             return refuse(fault, ERR_CYCLE, "ff", i + 1u, "from", plan->config.feedforward[i].from,
                           "makes a ring of feedforwards");
     return ERR_OK;
