@@ -14,11 +14,13 @@ enum stage {
 #define NOISE_MULTIPLE REAL_C(4.0)
 #define REST_SHARE     REAL_C(0.15) /* of the step: error left at the end of it */
 #define AUTO_TICKS     3u           /* a mode asked for is there by then */
+#define LISTEN_TICK    2u           /* the first may be that of the beginning itself */
 
-static void ask(struct supervisor *s, uint8_t i, enum request_kind kind, real_t value)
+static void ask(struct supervisor *s, uint8_t i, enum request_kind kind, enum loop_mode mode,
+                real_t value)
 {
     struct request r = {
-        .kind = kind, .loop = i, .output = PLAN_NONE, .mode = LOOP_AUTO, .value = value};
+        .kind = kind, .loop = i, .output = PLAN_NONE, .mode = (uint8_t)mode, .value = value};
     supervisor_request(s, &r);
 }
 
@@ -31,7 +33,7 @@ static void setpoint(const struct adoption *a, struct supervisor *s, uint8_t k, 
 {
     uint8_t i = a->loop[k].loop;
     const struct measurement_config *m = &s->plan->config.measurement[s->plan->loop[i].pv];
-    ask(s, i, REQUEST_SETPOINT, m->lo + fraction * (m->hi - m->lo));
+    ask(s, i, REQUEST_SETPOINT, LOOP_AUTO, m->lo + fraction * (m->hi - m->lo));
 }
 
 static uint32_t duration(const struct adoption_loop *l, const struct supervisor *s)
@@ -61,8 +63,11 @@ static void enter(struct adoption *a, enum stage stage, uint32_t ticks)
 
 void adoption_hold(struct adoption *a, const struct supervisor *s)
 {
-    for (uint8_t k = 0; k < a->n; k++)
-        a->loop[k].held = num_to_float(s->output[s->plan->loop[a->loop[k].loop].output].manual);
+    for (uint8_t k = 0; k < a->n + a->n_inner; k++) {
+        uint8_t j = s->plan->loop[a->loop[k].loop].output;
+        if (j != PLAN_NONE)
+            a->loop[k].held = num_to_float(s->output[j].manual);
+    }
 }
 
 void adoption_begin(struct adoption *a, struct supervisor *s)
@@ -71,9 +76,16 @@ void adoption_begin(struct adoption *a, struct supervisor *s)
     a->at = a->culprit = 0;
     for (uint8_t k = 0; k < a->n; k++) {
         a->loop[k].iae = a->loop[k].peak = REAL_C(0.0);
-        ask(s, a->loop[k].loop, REQUEST_MODE, REAL_C(0.0));
+        ask(s, a->loop[k].loop, REQUEST_MODE, LOOP_AUTO, REAL_C(0.0));
     }
     enter(a, STAGE_SETTLE, longest(a, s) / 4u + AUTO_TICKS);
+}
+
+/* A tick later than the others: by then the outer loops, which may be new, have followed the inner measurements. */
+static void listen(const struct adoption *a, struct supervisor *s)
+{
+    for (uint8_t k = a->n; k < a->n + a->n_inner; k++)
+        ask(s, a->loop[k].loop, REQUEST_MODE, LOOP_CASCADE, REAL_C(0.0));
 }
 
 static enum adoption_result fail(struct adoption *a, enum adoption_result why, uint8_t k)
@@ -86,9 +98,9 @@ static enum adoption_result fail(struct adoption *a, enum adoption_result why, u
 /* Every loop acts, and none is past its limit. */
 static enum adoption_result watch(struct adoption *a, const struct supervisor *s)
 {
-    for (uint8_t k = 0; k < a->n; k++) {
+    for (uint8_t k = 0; k < a->n + a->n_inner; k++) {
         uint8_t i = a->loop[k].loop;
-        if (s->loop[i].mode != LOOP_AUTO) {
+        if (s->loop[i].mode != (k < a->n ? LOOP_AUTO : LOOP_CASCADE)) {
             if (a->stage == STAGE_SETTLE && a->ticks < AUTO_TICKS)
                 continue;
             return fail(a, ADOPTION_NOT_AUTO, k);
@@ -156,6 +168,8 @@ static enum adoption_result judge(struct adoption *a, const struct supervisor *s
 enum adoption_result adoption_tick(struct adoption *a, struct supervisor *s)
 {
     a->ticks++;
+    if (a->stage == STAGE_SETTLE && a->ticks == LISTEN_TICK)
+        listen(a, s);
     enum adoption_result r = watch(a, s);
     if (r != ADOPTION_RUNNING)
         return r;

@@ -34,7 +34,8 @@ enum adoption_result {
 };
 
 struct adoption {
-    uint8_t n, at; /* loops; the one under trial */
+    uint8_t n, at;   /* loops; the one under trial */
+    uint8_t n_inner; /* behind them in loop[]: inner loops, which have no setpoint to step */
     struct adoption_loop loop[CONFIG_LOOPS];
     enum adoption_result result;
     uint8_t culprit; /* in loop[] */

@@ -1,7 +1,7 @@
 #include "supervise/config.h"
 #if COMMISSION_CHANNELS
 
-#include "commission/analysis.h"
+#include "commission/analysis_structure.h"
 
 #include <string.h>
 
@@ -38,6 +38,7 @@ static enum err begin_pairing(struct analysis *a)
     pairing_config_default(&c);
     c.confidence = a->config.confidence;
     c.floor = a->config.floor;
+    c.outputs_out = a->inner_outputs;
     a->stage = ANALYSIS_PAIRING;
     return pairing_begin(&a->work.pairing, &a->plant, &c, NULL);
 }
@@ -58,7 +59,8 @@ static enum err end_gains(struct analysis *a)
         memset(a->null_output, 0, sizeof a->null_output);
     interact_gains(&a->plant, NULL, &a->work.rga.gains);
     a->has_lambda = rga_compute(&a->work.rga.gains, &a->work.rga.work, &a->lambda) == ERR_OK;
-    return begin_pairing(a);
+    a->stage = ANALYSIS_CASCADES;
+    return ERR_OK;
 }
 
 /* A relative gain may be sure where the gain is not: of an output that one input alone seems to move, and that hardly. */
@@ -91,7 +93,7 @@ static enum err end_pairing(struct analysis *a)
         a->stage = ANALYSIS_DONE;
         return ERR_OK;
     }
-    a->stage = ANALYSIS_STRUCTURE;
+    a->stage = ANALYSIS_SECOND;
     return ERR_BUSY;
 }
 
@@ -101,6 +103,7 @@ static enum err do_structure(struct analysis *a)
     structure_config_default(&c);
     a->has_structure =
         structure_detect(&a->plant, &a->pairs, &c, &a->work.structure, &a->structure) == ERR_OK;
+    analysis_close_inner_loops(a);
     a->stage = ANALYSIS_DECOUPLER;
     return ERR_BUSY;
 }
@@ -214,7 +217,7 @@ static enum err end_settings(struct analysis *a, enum err err)
     }
     if (err)
         return no_design(a, err);
-    if (a->pairs.n > a->config.loops_max)
+    if (analysis_loops(a) > a->config.loops_max)
         return no_design(a, ERR_FULL);
     for (uint8_t k = 0; k < a->pairs.n; k++) {
         const struct tuning *t = &a->work.detune.loops.tuning[k];
@@ -266,9 +269,16 @@ enum err analysis_step(struct analysis *a)
     case ANALYSIS_GAINS:
         err = gains_step(&a->work.gains);
         return err ? err : more(a, end_gains(a));
+    case ANALYSIS_CASCADES:
+        analysis_find_cascades(a);
+        return more(a, begin_pairing(a));
     case ANALYSIS_PAIRING:
         err = pairing_step(&a->work.pairing);
         return err ? err : end_pairing(a);
+    case ANALYSIS_SECOND:
+        analysis_ask_second(a);
+        a->stage = ANALYSIS_STRUCTURE;
+        return ERR_BUSY;
     case ANALYSIS_STRUCTURE:
         return do_structure(a);
     case ANALYSIS_DECOUPLER:

@@ -6,13 +6,17 @@
 #include "design/detune.h"
 #include "design/static_decoupler.h"
 #include "design/trial.h"
+#include "interact/cascade.h"
 #include "interact/gains.h"
+#include "interact/measure.h"
 #include "interact/pairing.h"
 #include "interact/structure.h"
 
 enum analysis_stage {
     ANALYSIS_GAINS,
+    ANALYSIS_CASCADES,
     ANALYSIS_PAIRING,
+    ANALYSIS_SECOND,
     ANALYSIS_STRUCTURE,
     ANALYSIS_DECOUPLER,
     ANALYSIS_SETTINGS,
@@ -36,6 +40,9 @@ enum analysis_decoupler {
     DECOUPLER_ILL       /* the inverse would amplify the errors of the gains */
 };
 
+/* What gains and residence times together (interact/measure.h) make of the pairing by gains alone. */
+enum analysis_second { SECOND_NONE, SECOND_AGREES, SECOND_DIFFERS };
+
 struct analysis {
     struct interact_plant plant; /* first: what follows begins anew with every analysis */
     struct analysis_config config;
@@ -55,13 +62,20 @@ struct analysis {
     real_t share[INTERACT_MAX];
     uint8_t rival[INTERACT_MAX];
     uint16_t ambiguous_outputs;
+    enum analysis_second second; /* SECOND_NONE: not determined, or no such gains */
+    real_t pair_phi[INTERACT_MAX];
+
+    uint8_t n_cascades;
+    struct cascade cascade[INTERACT_MAX];
+    uint16_t inner_outputs; /* of the cascades that are used: bits of outputs without a pair */
 
     struct structure structure; /* where there are pairs */
     bool has_structure;
 
     /* design; only of a determined pairing */
-    bool designed;         /* the settings below are to be used */
-    enum err design_error; /* why not */
+    struct tuning inner_tuning[INTERACT_MAX]; /* of the loop below pair k, where there is one */
+    bool designed;                            /* the settings below are to be used */
+    enum err design_error;                    /* why not */
     enum analysis_decoupler decoupler;
     struct matrix d; /* identity where there is none */
     struct loops loops;
@@ -80,6 +94,12 @@ struct analysis {
         } rga;
         struct pairing pairing;
         struct structure_work structure;
+        struct {
+            struct interact_plant plant;
+            struct measure result;
+            struct measure_work work;
+            struct assignment assignment;
+        } second;
         struct {
             struct static_decoupler_work work;
             struct static_decoupler_result result;

@@ -1,6 +1,7 @@
 #include "supervise/config.h"
 #if COMMISSION_CHANNELS
 
+#include "commission/analysis_structure.h"
 #include "commission/parts.h"
 
 #include <string.h>
@@ -191,6 +192,12 @@ static bool is_far_off(const struct supervisor *s, uint8_t j)
     return real_abs(apart) > FAR_OFF;
 }
 
+static bool is_gone(const struct supervisor *s, uint8_t i)
+{
+    const struct measurement_state *m = &s->measurement[i];
+    return !m->seen || m->lost || !quality_usable(m->quality);
+}
+
 enum commission_why commission_hindrance(const struct commission *c, const struct supervisor *s,
                                          const char **subject)
 {
@@ -202,10 +209,15 @@ enum commission_why commission_hindrance(const struct commission *c, const struc
         return WHY_SEQUENCE;
     for (uint8_t k = 0; k < c->work.analysis.pairs.n; k++) {
         uint8_t i = pair_measurement(c, k), j = pair_output(c, k);
+        uint8_t inner = analysis_inner_of(&c->work.analysis, k);
         *subject = config->measurement[i].name;
-        if (!s->measurement[i].seen || s->measurement[i].lost ||
-            !quality_usable(s->measurement[i].quality))
+        if (is_gone(s, i))
             return WHY_LOST;
+        if (inner != INTERACT_NONE) {
+            *subject = config->measurement[c->measurement[inner]].name;
+            if (is_gone(s, c->measurement[inner]))
+                return WHY_LOST;
+        }
         *subject = config->output[j].name;
         if (s->output[j].forced)
             return WHY_INTERLOCK;

@@ -10,14 +10,15 @@ void commission_back_to_old(struct commission *c, struct supervisor *s, enum com
 {
     const struct adoption *a = &c->adoption;
     commission_end(c, s, why, subject, value);
-    for (uint8_t k = 0; k < a->n; k++) {
-        uint8_t i = a->loop[k].loop;
-        if (why == WHY_HAND && s->loop[i].mode != LOOP_AUTO)
+    for (uint8_t k = 0; k < a->n + a->n_inner; k++) {
+        uint8_t i = a->loop[k].loop, j = s->plan->loop[i].output;
+        if (why == WHY_HAND && s->loop[i].mode == LOOP_MANUAL)
             continue;
         struct request r = {
             .kind = REQUEST_MODE, .loop = i, .output = PLAN_NONE, .mode = LOOP_MANUAL};
         supervisor_request(s, &r);
-        s->output[s->plan->loop[i].output].manual = num_from_float(a->loop[k].held);
+        if (j != PLAN_NONE)
+            s->output[j].manual = num_from_float(a->loop[k].held);
     }
     c->phase = COMMISSION_RETURNED;
     c->wants_old = true;

@@ -1,18 +1,18 @@
 #include "supervise/config.h"
 #if COMMISSION_CHANNELS
 
-#include "commission/proposal.h"
+#include "commission/proposal_structure.h"
 
 #include <string.h>
 
-static const char *measurement_name(const struct commission *c, const struct config *config,
-                                    uint8_t k)
+const char *proposal_measurement_name(const struct commission *c, const struct config *config,
+                                      uint8_t k)
 {
     const struct analysis *a = &c->work.analysis;
     return config->measurement[c->measurement[a->pairs.output[k]]].name;
 }
 
-static const char *output_name(const struct commission *c, const struct config *config, uint8_t k)
+const char *proposal_output_name(const struct commission *c, const struct config *config, uint8_t k)
 {
     const struct analysis *a = &c->work.analysis;
     return config->output[c->input[c->column[a->pairs.input[k]]].output].name;
@@ -20,12 +20,14 @@ static const char *output_name(const struct commission *c, const struct config *
 
 uint8_t proposal_loop(const struct commission *c, const struct config *config, uint8_t k)
 {
-    for (uint8_t i = 0; i < CONFIG_LOOPS; i++)
-        if (config->loop[i].name[0] &&
-            strcmp(config->loop[i].pv, measurement_name(c, config, k)) == 0 &&
-            strcmp(config->loop[i].out, output_name(c, config, k)) == 0)
-            return i;
-    return PLAN_NONE;
+    const char *drives = proposal_output_name(c, config, k);
+    if (analysis_inner_of(&c->work.analysis, k) != INTERACT_NONE) {
+        uint8_t inner = proposal_inner_loop(c, config, k);
+        if (inner == PLAN_NONE)
+            return PLAN_NONE;
+        drives = config->loop[inner].name;
+    }
+    return proposal_find_loop(config, proposal_measurement_name(c, config, k), drives);
 }
 
 static bool is_tested_output(const struct commission *c, const struct config *config,
@@ -37,8 +39,7 @@ static bool is_tested_output(const struct commission *c, const struct config *co
     return false;
 }
 
-/* Place i of the decoupler belongs to no other loop. */
-static void decouple_alone(struct config *config, uint8_t i)
+void proposal_decouple_alone(struct config *config, uint8_t i)
 {
     for (uint8_t k = 0; i < DECOUPLER_MAX && k < DECOUPLER_MAX; k++)
         config->decoupler[i][k] = config->decoupler[k][i] = i == k ? 1.0f : 0.0f;
@@ -61,7 +62,7 @@ static void make_room(const struct commission *c, struct config *config)
                     strcmp(config->alarm[k].on, l->name) == 0)
                     config->alarm[k].on[0] = '\0';
             memset(l->name, 0, sizeof l->name);
-            decouple_alone(config, i);
+            proposal_decouple_alone(config, i);
             drops = true;
         }
     }
@@ -76,8 +77,7 @@ static bool is_taken(const struct config *config, const char *name)
            config_find_loop(config, name) != PLAN_NONE;
 }
 
-/* The loop is called after its measurement; where that name is taken, after its output as well. */
-static void name_loop(struct config *config, uint8_t i, const char *pv, const char *out)
+void proposal_name_loop(struct config *config, uint8_t i, const char *pv, const char *out)
 {
     char name[CHANNEL_NAME_SIZE] = {0};
     strncpy(name, pv, sizeof name - 1);
@@ -89,6 +89,21 @@ static void name_loop(struct config *config, uint8_t i, const char *pv, const ch
         strncpy(name + 2, out, sizeof name - 3);
     }
     memcpy(config->loop[i].name, name, sizeof name);
+}
+
+struct loop_config proposal_settings(const struct tuning *t, real_t derivative_filter)
+{
+    return (struct loop_config){
+        .gain = (float)t->gain,
+        .ti_s = (float)t->ti_s,
+        .td_s = (float)t->td_s,
+        .n = (float)derivative_filter,
+        .b = 1.0f,
+        .out_hi = 1.0f,
+        .action = t->action == TUNING_DIRECT ? LOOP_DIRECT : LOOP_REVERSE,
+        .sp_track = 1,
+        .divisor = 1,
+    };
 }
 
 enum err proposal_write(const struct commission *c, struct config *config)
@@ -111,30 +126,20 @@ enum err proposal_write(const struct commission *c, struct config *config)
     if (n < a->pairs.n)
         return ERR_FULL;
     for (uint8_t k = 0; k < n; k++)
-        decouple_alone(config, place[k]);
+        proposal_decouple_alone(config, place[k]);
     for (uint8_t k = 0; k < n; k++) {
         struct loop_config *l = &config->loop[place[k]];
-        const char *pv = measurement_name(c, config, k), *out = output_name(c, config, k);
-        const struct tuning *t = &a->loops.tuning[k];
-        *l = (struct loop_config){
-            .gain = (float)t->gain,
-            .ti_s = (float)t->ti_s,
-            .td_s = (float)t->td_s,
-            .n = (float)a->loops.derivative_filter,
-            .b = 1.0f,
-            .out_hi = 1.0f,
-            .action = t->action == TUNING_DIRECT ? LOOP_DIRECT : LOOP_REVERSE,
-            .sp_track = 1,
-            .decouple = decoupled,
-            .divisor = 1,
-        };
+        const char *pv = proposal_measurement_name(c, config, k);
+        const char *out = proposal_output_name(c, config, k);
+        *l = proposal_settings(&a->loops.tuning[k], a->loops.derivative_filter);
+        l->decouple = decoupled;
         strncpy(l->pv, pv, sizeof l->pv - 1);
         strncpy(l->out, out, sizeof l->out - 1);
-        name_loop(config, place[k], pv, out);
+        proposal_name_loop(config, place[k], pv, out);
         for (uint8_t j = 0; j < n && decoupled; j++)
             config->decoupler[place[k]][place[j]] = (float)a->d.at[k][j];
     }
-    return ERR_OK;
+    return proposal_add_structure(c, config, place);
 }
 
 #define STEP_IN_NOISE REAL_C(8.0)
@@ -190,7 +195,7 @@ enum err proposal_prepare_trial(struct commission *c, const struct supervisor *s
         choose_step(c, s, k, l);
     }
     t->n = a->pairs.n;
-    return ERR_OK;
+    return proposal_prepare_inner(c, s, config);
 }
 
 #endif

@@ -162,5 +162,7 @@ bool commission_model_line(struct console *c, unsigned n, struct text *line);
 bool commission_gains_line(struct console *c, unsigned n, struct text *line);
 bool commission_pairing_line(struct console *c, unsigned n, struct text *line);
 bool commission_proposal_line(struct console *c, unsigned n, struct text *line);
+/* The last lines of the proposal: inner loops and feedforwards. */
+bool commission_structural_line(struct console *c, unsigned n, struct text *line);
 
 #endif

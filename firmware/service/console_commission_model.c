@@ -260,9 +260,21 @@ bool commission_pairing_line(struct console *c, unsigned n, struct text *line)
         text_str(line, output(c, m->column[a->pairs.input[n]])->name);
         number(line, "lambda", (float)a->pair_lambda[n]);
         number(line, "share", (float)a->share[j]);
+        if (a->second != SECOND_NONE)
+            number(line, "phi", (float)a->pair_phi[n]);
         return true;
     }
     n -= a->pairs.n;
+    if (n == 0) {
+        if (a->second != SECOND_NONE)
+            text_str(line,
+                     a->second == SECOND_AGREES
+                         ? "second_opinion agrees: gains over residence times give the same pairs"
+                         : "second_opinion differs: gains over residence times give other "
+                           "pairs; see the dynamic relative gains");
+        return true;
+    }
+    n--;
     if (n >= a->plant.outputs)
         return false;
     if (a->ambiguous_outputs >> n & 1u) {
@@ -351,7 +363,7 @@ bool commission_proposal_line(struct console *c, unsigned n, struct text *line)
         return true;
     }
     if (n - 2u >= a->pairs.n)
-        return false;
+        return commission_structural_line(c, n - 2u - a->pairs.n, line);
     loop_line(c, n - 2u, line);
     return true;
 }

@@ -1,5 +1,5 @@
-/* What automatic start-up begins with (`commission plant`), how the plant hangs together (`structure`), and what the
- * accepted loops did on trial (`trial`). Listings like those of console_commission_model.c. */
+/* What automatic start-up begins with (`commission plant`), and what the accepted loops did on trial (`trial`). Listings like
+ * those of console_commission_model.c. */
 #include "commission/commission.h"
 #include "hal/tick.h"
 #include "service/console.h"
@@ -21,14 +21,6 @@ static void word(struct text *t, const char *name, const char *value)
     text_str(t, name);
     text_char(t, ' ');
     text_str(t, value[0] ? value : "-");
-}
-
-static void whole(struct text *t, const char *name, uint32_t x)
-{
-    text_char(t, ' ');
-    text_str(t, name);
-    text_char(t, ' ');
-    text_u32(t, x);
 }
 
 /* As the plant announces them, configured or not. The tick may be told of another plant meanwhile. */
@@ -77,79 +69,6 @@ static void pair(const struct console *c, unsigned k, struct text *line)
     text_str(line, settings(c)->measurement[m->measurement[p->output[k]]].name);
     text_char(line, ' ');
     text_str(line, settings(c)->output[m->input[m->column[p->input[k]]].output].name);
-}
-
-static void block_line(const struct structure *s, unsigned b, struct text *line)
-{
-    text_str(line, "block");
-    whole(line, "number", b + 1u);
-    whole(line, "part", s->block[b].part + 1u);
-    whole(line, "pairs", s->block[b].size);
-    number(line, "worst_lambda", (float)s->block[b].worst_lambda);
-    text_str(line, " driven_by");
-    if (!s->block[b].driven_by)
-        text_str(line, " -");
-    for (unsigned i = 0; i < s->blocks; i++) {
-        if (!(s->block[b].driven_by >> i & 1u))
-            continue;
-        text_char(line, ' ');
-        text_u32(line, i + 1u);
-    }
-}
-
-static void way_line(const struct console *c, unsigned from, unsigned to, struct text *line)
-{
-    const struct analysis *a = &c->service->commission->work.analysis;
-    struct cross_way way;
-    if (from == to || structure_cross_way(&a->plant, &a->pairs, &a->structure, (uint8_t)from,
-                                          (uint8_t)to, &way) != ERR_OK)
-        return;
-    text_str(line, "way from");
-    pair(c, from, line);
-    text_str(line, " to");
-    pair(c, to, line);
-    number(line, "gain", (float)way.gain);
-    number(line, "lead", (float)way.lead_s);
-    number(line, "lag", (float)way.lag_s);
-    number(line, "dead", (float)way.dead_s);
-    number(line, "late", (float)way.late_s);
-}
-
-bool commission_structure_line(struct console *c, unsigned n, struct text *line)
-{
-    const struct commission *m = c->service->commission;
-    const struct analysis *a = &m->work.analysis;
-    if (!commission_has_results(m) || !a->has_structure) {
-        if (n == 0)
-            text_str(line, "structure none: it is looked for once the pairing is determined");
-        return n == 0;
-    }
-    const struct structure *s = &a->structure;
-    if (n == 0) {
-        text_str(line, "structure");
-        whole(line, "parts", s->parts);
-        whole(line, "blocks", s->blocks);
-        return true;
-    }
-    n--;
-    if (n < s->blocks) {
-        block_line(s, n, line);
-        return true;
-    }
-    n -= s->blocks;
-    if (n < a->pairs.n) {
-        unsigned b = s->pair_block[n];
-        text_str(line, "member");
-        pair(c, n, line);
-        whole(line, "block", b + 1u);
-        word(line, "single_loop", s->block[b].mimo >> n & 1u ? "no" : "yes");
-        return true;
-    }
-    n -= a->pairs.n;
-    if (n >= (unsigned)a->pairs.n * a->pairs.n)
-        return false;
-    way_line(c, n / a->pairs.n, n % a->pairs.n, line);
-    return true;
 }
 
 bool commission_trial_line(struct console *c, unsigned n, struct text *line)

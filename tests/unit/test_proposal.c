@@ -16,7 +16,7 @@
 
 static struct commission c;
 static struct supervisor supervisor;
-static struct config config, before;
+static struct config config, before, again;
 static struct plan plan;
 
 static void channels(unsigned outputs, unsigned inputs)
@@ -104,31 +104,43 @@ static void builds(const struct config *settings)
     TEST_FAIL_MESSAGE(text);
 }
 
-/* Every parameter of the proposed loops, as a saved configuration would be read back. */
+static void survives(const char *name)
+{
+    static char value[64];
+    struct parameter p;
+    TEST_ASSERT_EQUAL_INT_MESSAGE(ERR_OK, parameter_find(name, &p), name);
+    struct text t = text_on(value, sizeof value);
+    parameter_value(&p, &config, &t);
+    TEST_ASSERT_EQUAL_INT_MESSAGE(ERR_OK, parameter_set(&p, &again, value), name);
+}
+
+/* Every parameter of the proposed loops and feedforwards, as a saved configuration would be read back. */
 static void survives_being_written_down(void)
 {
+    static const char *const fed[] = {"from", "to",        "gain", "lead", "lag",
+                                      "dead", "reference", "lo",   "hi"};
     static const char *const fields[] = {"name",   "pv",     "out",      "gain",     "ti",
                                          "td",     "n",      "b",        "c",        "out_lo",
                                          "out_hi", "action", "sp_track", "decouple", "divisor"};
-    static struct config again;
-    char name[32], value[64];
+    char name[32];
     again = config;
     for (unsigned i = 1; i <= CONFIG_LOOPS; i++) {
         unsigned row = i <= DECOUPLER_MAX ? DECOUPLER_MAX : 0;
         for (unsigned k = 0; k < sizeof fields / sizeof fields[0] + row; k++) {
-            struct parameter p;
             bool loop = k < sizeof fields / sizeof fields[0];
             if (loop)
                 snprintf(name, sizeof name, "loop%u.%s", i, fields[k]);
             else
                 snprintf(name, sizeof name, "decouple%u.d%u", i,
                          k - (unsigned)(sizeof fields / sizeof fields[0]) + 1u);
-            TEST_ASSERT_EQUAL_INT_MESSAGE(ERR_OK, parameter_find(name, &p), name);
-            struct text t = text_on(value, sizeof value);
-            parameter_value(&p, &config, &t);
-            TEST_ASSERT_EQUAL_INT_MESSAGE(ERR_OK, parameter_set(&p, &again, value), name);
+            survives(name);
         }
     }
+    for (unsigned i = 1; i <= CONFIG_FEEDFORWARDS; i++)
+        for (unsigned k = 0; k < sizeof fed / sizeof fed[0]; k++) {
+            snprintf(name, sizeof name, "ff%u.%s", i, fed[k]);
+            survives(name);
+        }
     TEST_ASSERT_EQUAL_MEMORY(&config, &again, sizeof config);
 }
 
@@ -174,7 +186,7 @@ static void random_plant(struct random_source *r)
 static void whatever_is_proposed_is_a_configuration(void)
 {
     struct random_source r = {SEED};
-    unsigned proposed = 0, decoupled = 0;
+    unsigned proposed = 0, decoupled = 0, fed = 0, inner = 0;
     for (int n = 0; n < 200; n++) {
         random_plant(&r);
         config = bench.config;
@@ -190,12 +202,15 @@ static void whatever_is_proposed_is_a_configuration(void)
             TEST_ASSERT_TRUE(proposal_loop(&c, &config, k) != PLAN_NONE);
         proposed++;
         decoupled += c.work.analysis.decoupler == DECOUPLER_USED;
+        fed += config.feedforward[0].from[0] != '\0';
+        inner += c.work.analysis.inner_outputs != 0;
     }
-    char text[80];
-    snprintf(text, sizeof text, "200 plants: %u proposals, %u with a decoupler", proposed,
-             decoupled);
+    char text[120];
+    snprintf(text, sizeof text,
+             "200 plants: %u proposals, %u with a decoupler, %u feedforward, %u a cascade",
+             proposed, decoupled, fed, inner);
     TEST_MESSAGE(text);
-    TEST_ASSERT_TRUE(proposed >= 100 && decoupled >= 10);
+    TEST_ASSERT_TRUE(proposed >= 100 && decoupled >= 10 && fed >= 5 && inner >= 1);
 }
 
 /* ---- what was there ---- */

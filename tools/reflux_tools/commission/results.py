@@ -76,6 +76,7 @@ class Pairing:
     niederlinski: float = float("nan")
     pairs: list[tuple[str, str, float, float]] = field(default_factory=list)  # lambda, share of draws
     open: list[tuple[str, float, str]] = field(default_factory=list)  # measurement, share, rival
+    second_opinion: str = ""  # of gains over residence times
 
     @property
     def determined(self) -> bool:
@@ -97,6 +98,26 @@ class Loop:
 
 
 @dataclass
+class InnerLoop:
+    """Below the loop on `below`, which drives its setpoint."""
+
+    measurement: str
+    input: str
+    gain: float
+    ti_s: float
+    action: str
+    below: str
+
+
+@dataclass
+class Feedforward:
+    source: str
+    to: str
+    numbers: dict[str, float]  # gain in spans; lead, lag, dead, late in s; left: of the integral of the error
+    used: str  # yes, or why not
+
+
+@dataclass
 class Proposal:
     why_not: str = ""
     rule: str = ""
@@ -105,6 +126,8 @@ class Proposal:
     decoupler: str = ""
     others: list[str] = field(default_factory=list)  # lines that this tool has no table for
     loops: list[Loop] = field(default_factory=list)
+    inner: list[InnerLoop] = field(default_factory=list)
+    feedforwards: list[Feedforward] = field(default_factory=list)
 
 
 @dataclass
@@ -181,6 +204,8 @@ def pairing_of(lines: list[str]) -> Pairing:
         elif words[0] == "open":
             v = pairs_of(words[2:])
             p.open.append((words[1], number(v["share"]), v.get("rival", "-")))
+        elif words[0] == "second_opinion":
+            p.second_opinion = line.removeprefix("second_opinion ")
     return p
 
 
@@ -201,6 +226,13 @@ def proposal_of(lines: list[str]) -> Proposal:
             v = pairs_of([*words[3:9], *words[10:]])
             p.loops.append(Loop(words[1], words[2], number(v["gain"]), number(v["ti"]), number(v["td"]), words[9],
                                 number(v["step"]), number(v["iae"]), number(v["overshoot"]), number(v["settles"])))
+        elif words[0] == "inner" and len(words) >= 12:
+            v = pairs_of(words[3:9])
+            p.inner.append(InnerLoop(words[1], words[2], number(v["gain"]), number(v["ti"]), words[9], words[11]))
+        elif words[0] == "feedforward" and " used " in line:
+            v = pairs_of(words[7:19])
+            p.feedforwards.append(Feedforward(words[3], words[6], {k: number(x) for k, x in v.items()},
+                                              line.partition(" used ")[2]))
         else:
             p.others.append(line)
     return p
@@ -219,6 +251,8 @@ class Structure:
     parts: int = 0
     blocks: list[Block] = field(default_factory=list)
     ways: list[tuple[str, str, dict[str, float]]] = field(default_factory=list)  # from input, to input
+    cascades: list[tuple[str, str, dict[str, float], str]] = field(default_factory=list)  # inner, outer, how, used
+    multivariable: dict[int, str] = field(default_factory=dict)  # block: what it gets
 
 
 def structure_of(lines: list[str]) -> Structure:
@@ -235,6 +269,11 @@ def structure_of(lines: list[str]) -> Structure:
             s.blocks[int(words[4]) - 1].members.append((words[1], words[2], words[6] == "yes"))
         elif words[0] == "way" and len(words) >= 8:
             s.ways.append((words[3], words[6], {k: number(v) for k, v in pairs_of(words[7:]).items()}))
+        elif words[0] == "cascade" and len(words) >= 15:
+            s.cascades.append((words[2], words[4], {k: number(v) for k, v in pairs_of(words[5:13]).items()},
+                               line.partition(" used ")[2]))
+        elif words[0] == "multivariable" and words[1:2] == ["block"]:
+            s.multivariable[int(words[2])] = line.partition(" gets ")[2]
     return s
 
 
@@ -310,7 +349,7 @@ def pairing_words(p: Pairing) -> list[str]:
     out = [f"pairing {p.verdict}; probability {p.probability:.3g}, Niederlinski index {table.figure(p.niederlinski)}"]
     out += [f"open: {name} keeps its input in {100 * share:.0f} % of draws{f', else {rival}' if rival != '-' else ''}"
             for name, share, rival in p.open]
-    return out
+    return out + ([f"second opinion {p.second_opinion}"] if p.second_opinion else [])
 
 
 def reasons(p: Pairing) -> list[str]:
@@ -329,9 +368,15 @@ def structure_words(s: Structure) -> list[str]:
         poor = [m for m, _, served in b.members if not served]
         words = f"block {k}: {loops}; relative gain furthest from 1 {table.figure(b.worst_lambda)}"
         words += f"; single loops will not serve {', '.join(poor)} well" if poor else "; single loops serve"
+        if k in s.multivariable:
+            words += f": it wants a multivariable controller, and gets {s.multivariable[k]}"
         if b.driven_by:
             words += f"; disturbed by block {' and '.join(map(str, b.driven_by))} but not the other way round"
         out.append(words)
+    for inner, outer, v, used in s.cascades:
+        out.append(f"cascade: {outer} follows {inner} as {table.figure(v['gain'])} of span per span, lag "
+                   f"{table.figure(v['lag'])} s, dead time {table.figure(v['dead'])} s, misfit {table.figure(v['misfit'])} "
+                   f"standard deviations; used: {used}")
     for source, to, v in s.ways:
         words = (f"feedforward from {source} to {to} would be {table.figure(v['gain'])} of span per span, lead "
                  f"{table.figure(v['lead'])} s, lag {table.figure(v['lag'])} s, dead time {table.figure(v['dead'])} s")
@@ -344,4 +389,19 @@ def proposal_words(p: Proposal) -> list[str]:
         return [f"no proposal: {p.why_not}"]
     return [f"settings {p.rule}, slowed by a factor of {table.figure(p.factor)} so that the loops stay apart from "
             f"instability together (largest log modulus {table.figure(p.log_modulus_db)} dB)", f"decoupler {p.decoupler}",
-            *p.others]
+            *map(inner_words, p.inner), *map(feedforward_words, p.feedforwards), *p.others]
+
+
+def inner_words(x: InnerLoop) -> str:
+    return (f"cascade: the loop on {x.below} drives the setpoint of one on {x.measurement} by {x.input}, gain "
+            f"{table.figure(x.gain)}, ti {table.figure(x.ti_s)} s, {x.action}, which is faster and meets what disturbs "
+            f"{x.input} first")
+
+
+def feedforward_words(x: Feedforward) -> str:
+    f, v = table.figure, x.numbers
+    words = (f"feedforward from {x.source} to {x.to}: gain {f(v['gain'])}, lead {f(v['lead'])} s, lag {f(v['lag'])} s, dead "
+             f"time {f(v['dead'])} s")
+    if x.used != "yes":
+        return f"{words}; {x.used}"
+    return f"{words}; it leaves about {100 * v['left']:.0f} % of what {x.source} does to that loop"

@@ -1,0 +1,200 @@
+#include "supervise/config.h"
+#if COMMISSION_CHANNELS
+
+#include "commission/analysis_structure.h"
+
+#include <string.h>
+
+#include "interact/measure.h"
+#include "supervise/plan.h"
+
+#define SHARPEST REAL_C(5.0) /* lead over lag of a feedforward: its input carries a loop's noise */
+#define LEFT_MOST                                                                                  \
+    REAL_C(0.5) /* of the integral of the error: with less to gain it is not worth an element */
+#define GAIN_MOST  REAL_C(100.0)
+#define TIME_MOST  REAL_C(1e5) /* s: gain and times that an element of the firmware takes */
+#define INNER_GAIN REAL_C(100.0)
+/* Samples of dead time: every element gets its share of the memory there is. */
+#define SAMPLES_MOST                                                                               \
+    ((real_t)(PLAN_ARENA_BYTES / sizeof(num_t) / CONFIG_FEEDFORWARDS) - REAL_C(4.0))
+
+/* ---- cascades ---- */
+
+/* An inner loop is made as if it were alone: SIMC, tau_c = max(theta, T/8), as the others begin in design/detune.h. */
+static enum err tune_inner(const struct analysis *a, const struct fopdt *e, struct tuning *t,
+                           real_t *tau_c_s)
+{
+    struct fopdt model = *e;
+    model.dead_time_s += REAL_C(0.5) * a->config.h_s;
+    real_t eighth = REAL_C(0.125) * model.time_constant_s;
+    *tau_c_s = model.dead_time_s > eighth ? model.dead_time_s : eighth;
+    enum err err = tuning_simc_pi(&model, *tau_c_s, t, NULL);
+    return err || t->gain <= INNER_GAIN ? err : ERR_RANGE;
+}
+
+static unsigned members(uint16_t mask)
+{
+    unsigned n = 0;
+    for (; mask; mask = (uint16_t)(mask & (mask - 1u)))
+        n++;
+    return n;
+}
+
+/* Johansson's case: a part of the plant with one input and two outputs, (G1, G2 G1). Where an input moves more than these
+ * two, or another moves them as well, a loop on the inner output would not have it to itself. */
+static bool usable(const struct analysis *a, const struct cascade *c)
+{
+    uint16_t both = (uint16_t)(1u << c->inner | 1u << c->outer);
+    for (uint8_t p = 0; p < a->structure.parts; p++) {
+        if (a->structure.part_outputs[p] != both || members(a->structure.part_inputs[p]) != 1u)
+            continue;
+        struct tuning t;
+        real_t tau_c_s;
+        uint8_t j = 0;
+        while (!(a->structure.part_inputs[p] >> j & 1u))
+            j++;
+        return tune_inner(a, &a->plant.element[c->inner][j], &t, &tau_c_s) == ERR_OK;
+    }
+    return false;
+}
+
+void analysis_find_cascades(struct analysis *a)
+{
+    static const struct pairs none = {0};
+    struct cascade_config cascades;
+    struct structure_config structure;
+    cascade_config_default(&cascades);
+    structure_config_default(&structure);
+    if (cascade_detect(&a->plant, &cascades, a->cascade, &a->n_cascades) != ERR_OK ||
+        structure_detect(&a->plant, &none, &structure, &a->work.structure, &a->structure) != ERR_OK)
+        a->n_cascades = 0;
+    for (uint8_t n = 0; n < a->n_cascades; n++)
+        if (usable(a, &a->cascade[n]))
+            a->inner_outputs = (uint16_t)(a->inner_outputs | 1u << a->cascade[n].inner);
+}
+
+static const struct cascade *cascade_of(const struct analysis *a, uint8_t k)
+{
+    for (uint8_t n = 0; n < a->n_cascades; n++)
+        if (a->cascade[n].outer == a->pairs.output[k] &&
+            (a->inner_outputs >> a->cascade[n].inner & 1u))
+            return &a->cascade[n];
+    return NULL;
+}
+
+uint8_t analysis_inner_of(const struct analysis *a, uint8_t k)
+{
+    const struct cascade *c = cascade_of(a, k);
+    return c ? c->inner : INTERACT_NONE;
+}
+
+uint8_t analysis_loops(const struct analysis *a)
+{
+    return (uint8_t)(a->pairs.n + members(a->inner_outputs));
+}
+
+/* G2 behind the closed inner loop, exp(-L1 s)/(tau_c s + 1), as a first order again by the half rule (Skogestad 2003):
+ * half of the smaller lag goes to the larger one, half to the dead time. */
+static void close_inner(struct analysis *a, uint8_t k, const struct cascade *c)
+{
+    uint8_t j = a->pairs.input[k];
+    const struct fopdt inner = a->plant.element[c->inner][j];
+    real_t part = a->plant.gain_sd[c->inner][j] / inner.gain, tau_c_s;
+    if (tune_inner(a, &inner, &a->inner_tuning[k], &tau_c_s) != ERR_OK)
+        return; /* usable() has tried it */
+    for (uint8_t i = 0; i < a->plant.outputs; i++) {
+        real_t *gain = &a->plant.element[i][j].gain, *sd = &a->plant.gain_sd[i][j];
+        *gain /= inner.gain;
+        *sd = real_abs(*sd / inner.gain);
+    }
+    struct fopdt *e = &a->plant.element[c->outer][j];
+    real_t *sd = &a->plant.gain_sd[c->outer][j];
+    *sd = real_sqrt(*sd * *sd + e->gain * e->gain * part * part);
+    real_t lag = c->between.time_constant_s;
+    real_t large = lag > tau_c_s ? lag : tau_c_s, small = lag > tau_c_s ? tau_c_s : lag;
+    e->time_constant_s = large + REAL_C(0.5) * small;
+    e->dead_time_s = c->between.dead_time_s + inner.dead_time_s + REAL_C(0.5) * small;
+}
+
+void analysis_close_inner_loops(struct analysis *a)
+{
+    for (uint8_t k = 0; k < a->pairs.n; k++) {
+        const struct cascade *c = cascade_of(a, k);
+        if (c)
+            close_inner(a, k, c);
+    }
+}
+
+/* ---- second opinion ---- */
+
+/* A gain that is not there has no times either, and would count for much divided by none. */
+void analysis_ask_second(struct analysis *a)
+{
+    struct interact_plant *plant = &a->work.second.plant;
+    struct measure *m = &a->work.second.result;
+    *plant = a->plant;
+    for (uint8_t i = 0; i < plant->outputs; i++)
+        for (uint8_t j = 0; j < plant->inputs; j++)
+            if (real_abs(plant->element[i][j].gain) <= REAL_C(3.0) * plant->gain_sd[i][j])
+                plant->element[i][j].gain = REAL_C(0.0);
+    a->second = SECOND_NONE;
+    if (measure_compute(plant, &a->pairs, a->config.h_s, &a->work.second.work, m) != ERR_OK)
+        return;
+    for (uint8_t k = 0; k < a->pairs.n; k++)
+        a->pair_phi[k] = m->phi.at[k][k];
+    a->second = measure_agrees(m, &a->work.second.assignment) ? SECOND_AGREES : SECOND_DIFFERS;
+}
+
+/* ---- feedforward ---- */
+
+/* How late the correction comes, of the time that the loop's own controller takes: after a load that comes with the lag of
+ * the plant the integral of the error is K_ij Ti/(K_ii Kc) without feedforward, and K_ij late with it. */
+static struct feed judge(const struct analysis *a, uint8_t from, uint8_t to)
+{
+    struct feed f = {.verdict = FEED_NONE};
+    if (!a->designed || from == to ||
+        structure_cross_way(&a->plant, &a->pairs, &a->structure, from, to, &f.way) != ERR_OK)
+        return f;
+    const struct tuning *t = &a->loops.tuning[to];
+    const struct fopdt *own = &a->plant.element[a->pairs.output[to]][a->pairs.input[to]];
+    real_t h = a->config.h_s, late = f.way.late_s + h - f.way.dead_s;
+    f.way.dead_s = late < REAL_C(0.0) ? -late : REAL_C(0.0);
+    late = late > REAL_C(0.0) ? late : REAL_C(0.0);
+    real_t longer = f.way.lead_s / SHARPEST - h;
+    if (longer > f.way.lag_s) {
+        late += longer - f.way.lag_s;
+        f.way.lag_s = longer;
+    }
+    f.way.late_s = late;
+    f.left = late * t->gain * real_abs(own->gain) / t->ti_s;
+    if (a->structure.block[a->structure.pair_block[to]].size > 1)
+        f.verdict = FEED_COMPANY;
+    else if (!(real_abs(f.way.gain) <= GAIN_MOST) || !(f.way.lead_s <= TIME_MOST) ||
+             !(f.way.lag_s <= TIME_MOST) || !(f.way.dead_s <= TIME_MOST) ||
+             !(f.way.dead_s <= SAMPLES_MOST * h))
+        f.verdict = FEED_LARGE;
+    else
+        f.verdict = f.left <= LEFT_MOST ? FEED_USED : FEED_LATE;
+    return f;
+}
+
+/* The strongest go first. */
+struct feed analysis_feed(const struct analysis *a, uint8_t from, uint8_t to)
+{
+    struct feed f = judge(a, from, to);
+    unsigned before = 0;
+    for (uint8_t k = 0; k < a->pairs.n && f.verdict == FEED_USED; k++)
+        for (uint8_t l = 0; l < a->pairs.n; l++) {
+            struct feed other = judge(a, k, l);
+            if (other.verdict != FEED_USED)
+                continue;
+            real_t more = real_abs(other.way.gain) - real_abs(f.way.gain);
+            bool first = k < from || (k == from && l < to);
+            before += more > REAL_C(0.0) || (!(more < REAL_C(0.0)) && first);
+        }
+    if (f.verdict == FEED_USED && before >= CONFIG_FEEDFORWARDS)
+        f.verdict = FEED_FULL;
+    return f;
+}
+
+#endif
