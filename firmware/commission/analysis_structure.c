@@ -15,8 +15,7 @@
 #define TIME_MOST  REAL_C(1e5) /* s: gain and times that an element of the firmware takes */
 #define INNER_GAIN REAL_C(100.0)
 /* Samples of dead time: every element gets its share of the memory there is. */
-#define SAMPLES_MOST                                                                               \
-    ((real_t)(PLAN_ARENA_BYTES / sizeof(num_t) / CONFIG_FEEDFORWARDS) - REAL_C(4.0))
+static const uint32_t samples_most = PLAN_ARENA_BYTES / sizeof(num_t) / CONFIG_FEEDFORWARDS - 4u;
 
 /* ---- cascades ---- */
 
@@ -171,7 +170,7 @@ static struct feed judge(const struct analysis *a, uint8_t from, uint8_t to)
         f.verdict = FEED_COMPANY;
     else if (!(real_abs(f.way.gain) <= GAIN_MOST) || !(f.way.lead_s <= TIME_MOST) ||
              !(f.way.lag_s <= TIME_MOST) || !(f.way.dead_s <= TIME_MOST) ||
-             !(f.way.dead_s <= SAMPLES_MOST * h))
+             !(f.way.dead_s <= (real_t)samples_most * h))
         f.verdict = FEED_LARGE;
     else
         f.verdict = f.left <= LEFT_MOST ? FEED_USED : FEED_LATE;

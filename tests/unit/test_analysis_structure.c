@@ -204,8 +204,13 @@ static void a_loop_in_a_block_of_several_is_not_fed(void)
     TEST_ASSERT_EQUAL_INT(FEED_COMPANY, analysis_feed(&a, 0, 1).verdict);
 }
 
-static void gains_beyond_an_element_are_not_used(void)
+static void what_is_beyond_an_element_is_not_used(void)
 {
+    triangle(14 + 2100, 14); /* more samples of dead time than its share of the memory */
+    run();
+    TEST_ASSERT_TRUE(a.designed);
+    TEST_ASSERT_EQUAL_INT(FEED_LARGE, analysis_feed(&a, 0, 1).verdict);
+    memset(&a, 0, sizeof a);
     triangle(24, 14);
     element(1, 0, 150, 100, 24);
     run();
@@ -317,7 +322,7 @@ int main(void)
     RUN_TEST(a_little_late_is_told_and_too_late_is_not_used);
     RUN_TEST(a_lead_without_a_lag_gets_one_and_is_late_by_it);
     RUN_TEST(a_loop_in_a_block_of_several_is_not_fed);
-    RUN_TEST(gains_beyond_an_element_are_not_used);
+    RUN_TEST(what_is_beyond_an_element_is_not_used);
     RUN_TEST(of_more_ways_than_places_the_strongest_are_used);
     RUN_TEST(without_a_design_there_is_no_feedforward);
     RUN_TEST(gains_over_residence_times_agree_on_the_books_plants);
