@@ -129,7 +129,7 @@ static void way_line(const struct console *c, uint8_t from, uint8_t to, struct t
 
 static void cascade_line(const struct console *c, const struct cascade *found, struct text *line)
 {
-    bool used = analysis(c)->inner_outputs >> found->inner & 1u;
+    bool used = (analysis(c)->inner_outputs & (1u << found->inner)) != 0u;
     text_str(line, "cascade");
     word(line, "inner", measurement(c, found->inner));
     word(line, "outer", measurement(c, found->outer));

@@ -340,10 +340,10 @@ static enum err check_feedforward_rings(const struct plan *plan, struct config_f
     }
     for (uint8_t through = 0; through < CONFIG_FEEDFORWARDS; through++)
         for (uint8_t i = 0; i < CONFIG_FEEDFORWARDS; i++)
-            if (reach[i] & 1u << through)
+            if ((reach[i] & (1u << through)) != 0u)
                 reach[i] = (uint8_t)(reach[i] | reach[through]);
     for (uint8_t i = 0; i < CONFIG_FEEDFORWARDS; i++)
-        if (reach[i] & 1u << i)
+        if ((reach[i] & (1u << i)) != 0u)
             return refuse(fault, ERR_CYCLE, "ff", i + 1u, "from", plan->config.feedforward[i].from,
                           "makes a ring of feedforwards");
     return ERR_OK;
