@@ -177,22 +177,34 @@ static struct feed judge(const struct analysis *a, uint8_t from, uint8_t to)
     return f;
 }
 
-/* The strongest go first. */
+uint8_t analysis_feeds(const struct analysis *a, struct feed feeds[CONFIG_FEEDFORWARDS])
+{
+    uint8_t n = 0;
+    for (uint8_t k = 0; k < a->pairs.n; k++)
+        for (uint8_t l = 0; l < a->pairs.n; l++) {
+            struct feed f = judge(a, k, l);
+            uint8_t at = n;
+            while (at > 0 && real_abs(feeds[at - 1u].way.gain) < real_abs(f.way.gain))
+                at--;
+            if (f.verdict != FEED_USED || at == CONFIG_FEEDFORWARDS)
+                continue;
+            n = n < CONFIG_FEEDFORWARDS ? (uint8_t)(n + 1u) : n;
+            for (uint8_t m = (uint8_t)(n - 1u); m > at; m--)
+                feeds[m] = feeds[m - 1u];
+            feeds[at] = f;
+        }
+    return n;
+}
+
 struct feed analysis_feed(const struct analysis *a, uint8_t from, uint8_t to)
 {
-    struct feed f = judge(a, from, to);
-    unsigned before = 0;
-    for (uint8_t k = 0; k < a->pairs.n && f.verdict == FEED_USED; k++)
-        for (uint8_t l = 0; l < a->pairs.n; l++) {
-            struct feed other = judge(a, k, l);
-            if (other.verdict != FEED_USED)
-                continue;
-            real_t more = real_abs(other.way.gain) - real_abs(f.way.gain);
-            bool first = k < from || (k == from && l < to);
-            before += more > REAL_C(0.0) || (!(more < REAL_C(0.0)) && first);
-        }
-    if (f.verdict == FEED_USED && before >= CONFIG_FEEDFORWARDS)
-        f.verdict = FEED_FULL;
+    struct feed f = judge(a, from, to), feeds[CONFIG_FEEDFORWARDS];
+    if (f.verdict != FEED_USED)
+        return f;
+    f.verdict = FEED_FULL;
+    for (uint8_t n = analysis_feeds(a, feeds); n > 0; n--)
+        if (feeds[n - 1u].way.from == from && feeds[n - 1u].way.to == to)
+            f.verdict = FEED_USED;
     return f;
 }
 

@@ -3,6 +3,7 @@
 #define REFLUX_COMMISSION_ANALYSIS_STRUCTURE_H
 
 #include "commission/analysis.h"
+#include "supervise/config.h"
 
 /* Cascades, and which of them are to be used: a->cascade, a->inner_outputs. Before the pairing. */
 void analysis_find_cascades(struct analysis *a);
@@ -32,7 +33,8 @@ struct feed {
     real_t left; /* of the integral of the error without it, about: 0 to 1 */
     enum feed_verdict verdict;
 };
-/* Only where there is a design. */
+/* Those that are to be used, the strongest first, and how many. None without a design. */
+uint8_t analysis_feeds(const struct analysis *a, struct feed feeds[CONFIG_FEEDFORWARDS]);
 struct feed analysis_feed(const struct analysis *a, uint8_t from, uint8_t to);
 
 #endif

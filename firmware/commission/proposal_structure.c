@@ -80,23 +80,6 @@ static void add_feed(const struct commission *c, struct config *config, const st
     strncpy(ff->to, proposal_output_name(c, config, f->way.to), sizeof ff->to - 1);
 }
 
-/* At most so many are to be used. */
-static uint8_t strongest_first(const struct analysis *a, struct feed feeds[CONFIG_FEEDFORWARDS])
-{
-    uint8_t n = 0;
-    for (uint8_t k = 0; k < a->pairs.n; k++)
-        for (uint8_t l = 0; l < a->pairs.n && n < CONFIG_FEEDFORWARDS; l++) {
-            struct feed f = analysis_feed(a, k, l);
-            if (f.verdict != FEED_USED)
-                continue;
-            uint8_t at = n++;
-            for (; at > 0 && real_abs(feeds[at - 1u].way.gain) < real_abs(f.way.gain); at--)
-                feeds[at] = feeds[at - 1u];
-            feeds[at] = f;
-        }
-    return n;
-}
-
 enum err proposal_add_structure(const struct commission *c, struct config *config,
                                 const uint8_t *place)
 {
@@ -109,7 +92,7 @@ enum err proposal_add_structure(const struct commission *c, struct config *confi
             return err;
     }
     struct feed feeds[CONFIG_FEEDFORWARDS];
-    uint8_t n = strongest_first(a, feeds);
+    uint8_t n = analysis_feeds(a, feeds);
     for (uint8_t k = 0; k < n; k++)
         add_feed(c, config, &feeds[k]);
     return ERR_OK;
