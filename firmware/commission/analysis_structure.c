@@ -146,8 +146,9 @@ void analysis_ask_second(struct analysis *a)
 
 /* ---- feedforward ---- */
 
-/* How late the correction comes, of the time that the loop's own controller takes: after a load that comes with the lag of
- * the plant the integral of the error is K_ij Ti/(K_ii Kc) without feedforward, and K_ij late with it. */
+/* How late the correction comes, of the time that the loop's own controller takes: without feedforward the integral of the
+ * error is K_ij Ti/(K_ii Kc), with it what comes through before is K_ij late. (The loop answers to that, too, so it is a
+ * measure and no more.) */
 static struct feed judge(const struct analysis *a, uint8_t from, uint8_t to)
 {
     struct feed f = {.verdict = FEED_NONE};

@@ -5,7 +5,9 @@ both its lines. What is proposed because of it, whether it is kept, and what it 
 usage: test_commission_structure.py      (needs reflux-sim-memory of the host build; nothing is built here)
 """
 
+import json
 import sys
+import tempfile
 import unittest
 from pathlib import Path
 
@@ -107,19 +109,19 @@ class Triangular(unittest.TestCase):
     def setUpClass(cls):
         cls.of = Plant(DATA / "triangular.json")
 
-    def stepped(self, *, fed: bool, noise: float = 0.0, seed: int = 1) -> tuple[Run, float]:
+    def stepped(self, *, fed: bool, noise: float = 0.0, seed: int = 1, of: Plant | None = None) -> tuple[Run, float]:
         """The loops as they were kept, and IAE of y2 (% s) after a step of y1's setpoint."""
+        of = of or self.of
         after = [STRUCTURE, "dump", *([] if fed else ["set ff1.gain 0"])]
-        script = whole(self.of, after=after, extra_s=1.0)
+        script = whole(of, after=after, extra_s=1.0)
         script += [(self.STEP_S, "sp y1 58"), (self.END_S, "~end")]
-        run = Run(self.of, script, noise=noise, seed=seed, log=True,
-                  events=[] if noise else self.of.perfect_sensors())
+        run = Run(of, script, noise=noise, seed=seed, log=True, events=[] if noise else of.perfect_sensors())
         self.assertIsNotNone(run.first("TRIAL_KEPT"), (seed, run.events[-3:]))
         self.assertLess(run.first("TRIAL_KEPT").time_s, self.STEP_S)
         rows = [r for r in run.rows if r["time"] >= self.STEP_S]
         target = float(np.mean([r["y2.true"] for r in run.rows if self.STEP_S - 200.0 <= r["time"] < self.STEP_S]))
         self.assertGreater(max(r["y1.true"] for r in rows), 57.0)
-        return run, self.of.tick_s * sum(abs(r["y2.true"] - target) for r in rows)
+        return run, of.tick_s * sum(abs(r["y2.true"] - target) for r in rows)
 
     def test_the_input_of_the_first_loop_is_fed_forward_to_the_second_and_kept(self):
         run, _ = self.stepped(fed=True)
@@ -138,6 +140,37 @@ class Triangular(unittest.TestCase):
         self.assertLess(fed, 0.05 * alone)
         print(f"commission triangular: IAE of y2 after a step of y1's setpoint {fed:.1f} % s with feedforward, "
               f"{alone:.1f} without")
+
+    def with_dead_times(self, folder: str, cross: float, own: float) -> Plant:
+        data = json.loads(json.dumps(self.of.data))
+        data["elements"][1][0]["dead_time"], data["elements"][1][1]["dead_time"] = cross, own
+        path = Path(folder) / "late.json"
+        path.write_text(json.dumps(data))
+        return Plant(path)
+
+    def feedforward_of(self, run: Run) -> dict[str, str]:
+        line = next(x for x in run.reply("commission proposal") if x.startswith("feedforward "))
+        return facts(line.partition(" gain ")[2]) | {"used": line.partition(" used ")[2]}
+
+    def test_one_that_comes_late_leaves_about_as_much_as_it_says(self):
+        with tempfile.TemporaryDirectory() as folder:
+            of = self.with_dead_times(folder, 4.0, 14.0)
+            run, fed = self.stepped(fed=True, of=of)
+            _, alone = self.stepped(fed=False, of=of)
+        said = self.feedforward_of(run)
+        self.assertEqual(said["used"], "yes")
+        left = float(said["left"])
+        self.assertGreater(left, 0.1)
+        self.assertTrue(0.3 * left < fed / alone < 1.6 * left, (left, fed / alone))
+        print(f"commission triangular, {float(said['late']):.0f} s late: {fed / alone:.2f} left of the IAE, {left:.2f} said")
+
+    def test_one_that_comes_too_late_is_not_proposed(self):
+        with tempfile.TemporaryDirectory() as folder:
+            of = self.with_dead_times(folder, 0.0, 120.0)
+            run = Run(of, whole(of, after=["dump"]), events=of.perfect_sensors())
+        self.assertIsNotNone(run.first("TRIAL_KEPT"), run.events[-3:])
+        self.assertEqual(self.feedforward_of(run)["used"], "no: it would come too late")
+        self.assertNotIn("ff1.from", settings(run))
 
     def test_under_noise_it_is_worth_having_too(self):
         for seed in (1, 2, 3):
