@@ -222,17 +222,18 @@ static void take_requests_in_tick(struct app *app, bool up_to_last_plan)
 /* The readings are needed no longer than that, and the stack is small: not part of a larger frame. */
 NOT_INLINE static void validate(struct app *app, const struct io_sample *sample)
 {
+    const struct supervisor *s = &app->supervisor;
     struct tick_input input;
     memset(&input, 0, sizeof input);
     input.time_ms = sample->time;
     for (unsigned i = 0; i < CHANNEL_MAX; i++) {
         input.measurement[i].quality = QUALITY_MISSING;
         input.readback[i].quality = QUALITY_MISSING;
-        if (app->supervisor.measurement[i].bound) {
+        if (i < s->placed[PLACED_MEASUREMENTS] && s->measurement[i].bound) {
             const struct io_reading *r = &sample->measurement[app->measurement_at[i]];
             input.measurement[i] = (struct reading){r->value, r->quality};
         }
-        if (app->supervisor.output[i].bound && sample->n_readback) {
+        if (i < s->placed[PLACED_OUTPUTS] && s->output[i].bound && sample->n_readback) {
             const struct io_reading *r = &sample->readback[app->output_at[i]];
             input.readback[i] = (struct reading){r->value, r->quality};
         }
@@ -256,7 +257,7 @@ static void fill_command(struct app *app)
     memset(&app->command, 0, sizeof app->command);
     app->command.safe = app->supervisor.state == SUPERVISOR_SAFE;
     app->command.n_outputs = s->io.count(s->io.context, true);
-    for (unsigned j = 0; j < CHANNEL_MAX; j++) {
+    for (unsigned j = 0; j < app->supervisor.placed[PLACED_OUTPUTS]; j++) {
         if (!app->supervisor.output[j].bound)
             continue;
         const struct output_config *o = &c->output[j];

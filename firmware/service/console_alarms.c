@@ -11,7 +11,8 @@ static void entry_line(const struct service *s, uint8_t i, struct text *line)
     const struct alarm_config *c = &config->alarm[i];
     const struct alarm_state *a = &s->supervisor->alarm[i];
     char name[CHANNEL_NAME_SIZE];
-    if (!c->on[0] || !(a->listed || a->first || a->shelved_until_ms))
+    if (i >= s->supervisor->placed[PLACED_ALARMS] ||
+        !(a->listed || a->first || a->shelved_until_ms))
         return;
     alarm_name(config, i, name);
     text_str(line, a->shelved_until_ms ? "SHELVED " : a->condition ? "ALARM_ON " : "ALARM_OFF ");
@@ -47,7 +48,7 @@ static bool alarm_line(struct console *c, unsigned n, struct text *line)
     }
     n -= 1;
     if (n < CHANNEL_MAX) {
-        if (sup->measurement[n].alarm) {
+        if (n < sup->placed[PLACED_MEASUREMENTS] && sup->measurement[n].alarm) {
             text_str(line, "MEASUREMENT_BAD ");
             text_str(line, plan->config.measurement[n].name);
             text_char(line, ' ');
@@ -57,7 +58,7 @@ static bool alarm_line(struct console *c, unsigned n, struct text *line)
     }
     n -= CHANNEL_MAX;
     if (n < CHANNEL_MAX) {
-        if (sup->output[n].alarm) {
+        if (n < sup->placed[PLACED_OUTPUTS] && sup->output[n].alarm) {
             text_str(line, "NOT_FOLLOWING ");
             text_str(line, plan->config.output[n].name);
         }
@@ -65,7 +66,7 @@ static bool alarm_line(struct console *c, unsigned n, struct text *line)
     }
     n -= CHANNEL_MAX;
     if (n < CONFIG_INTERLOCKS) {
-        if (sup->interlock[n].active) {
+        if (n < sup->placed[PLACED_INTERLOCKS] && sup->interlock[n].active) {
             text_str(line, "INTERLOCK_ON lock");
             text_u32(line, n + 1u);
             text_str(line, " forces ");

@@ -117,7 +117,7 @@ static bool version_line(struct console *c, unsigned n, struct text *line)
         pair(line, "interlocks", CONFIG_INTERLOCKS);
         pair(line, "events", EVENT_HISTORY);
         pair(line, "alarms", CONFIG_ALARMS);
-        pair(line, "dead-time bytes", PLAN_ARENA_BYTES);
+        pair(line, "arena bytes", PLAN_ARENA_BYTES);
         pair(line, "steps", CONFIG_STEPS);
         return true;
     case 4:

@@ -43,7 +43,7 @@ enum loop_mode service_mode(const struct service *s, uint8_t loop)
 {
     if (spsc_can_read(&s->requests.index))
         return (enum loop_mode)s->expected_mode[loop];
-    return s->supervisor->loop[loop].mode;
+    return supervisor_mode(s->supervisor, loop);
 }
 
 /* Before the scratch plan is written: rows that wait to be printed are of the plan in force from here on, where it has
@@ -72,12 +72,17 @@ struct config *service_staged(struct service *s)
     return &s->plan[other(s)].config;
 }
 
-struct config *service_stage(struct service *s)
+void service_settle(struct service *s)
 {
     hal_tick_lock();
     if (s->has_pending)
         s->settle(s->settle_context);
     hal_tick_unlock();
+}
+
+struct config *service_stage(struct service *s)
+{
+    service_settle(s);
     release_rows(s);
     *service_staged(s) = service_plan(s)->config;
     s->staged_proposal = false;

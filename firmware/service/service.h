@@ -71,6 +71,9 @@ void service_init(struct service *s, struct supervisor *supervisor, struct plant
 
 /* The plan everything asked now will meet: the pending one if there is one. Main loop. */
 const struct plan *service_plan(const struct service *s);
+/* A plan that waits for the tick comes into force now. Until the main loop makes the next one, the states of supervisor
+ * and plan in force stay where they are. */
+void service_settle(struct service *s);
 /* The configuration being edited, in the scratch plan. */
 struct config *service_staged(struct service *s);
 /* Begins with a copy of service_plan(). A plan that waits for the tick comes into force now; telemetry rows that

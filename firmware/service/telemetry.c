@@ -26,15 +26,17 @@ void telemetry_capture(struct telemetry *t, const struct supervisor *s, uint32_t
     row->state = (uint8_t)s->state;
     row->events = events;
     row->cycles = cycles;
-    for (unsigned i = 0; i < CHANNEL_MAX; i++) {
+    for (unsigned i = 0; i < s->placed[PLACED_MEASUREMENTS]; i++) {
         const struct measurement_config *m = &c->measurement[i];
         row->measurement[i] = span_to_eu(s->measurement[i].value, m->lo, m->hi);
         row->quality[i] = (uint8_t)s->measurement[i].quality;
+    }
+    for (unsigned i = 0; i < s->placed[PLACED_OUTPUTS]; i++) {
         const struct output_config *o = &c->output[i];
         row->commanded[i] = span_to_eu(s->output[i].commanded, o->lo, o->hi);
         row->applied[i] = span_to_eu(s->output[i].applied, o->lo, o->hi);
     }
-    for (unsigned i = 0; i < CONFIG_LOOPS; i++) {
+    for (unsigned i = 0; i < s->placed[PLACED_LOOPS]; i++) {
         row->mode[i] = (uint8_t)s->loop[i].mode;
         if (!s->plan->loop[i].used)
             continue;
@@ -45,7 +47,7 @@ void telemetry_capture(struct telemetry *t, const struct supervisor *s, uint32_t
     row->sequence = s->sequence.state;
     row->step = s->sequence.state == SEQUENCE_IDLE ? 0 : (uint8_t)(s->sequence.step + 1u);
     row->offsets = 0;
-    for (unsigned i = 0; i < CHANNEL_MAX; i++)
+    for (unsigned i = 0; i < s->placed[PLACED_MEASUREMENTS]; i++)
         row->offsets = (uint16_t)(row->offsets | (s->measurement[i].offset_on ? 1u << i : 0u));
 #endif
     spsc_write_done(&t->index);

@@ -84,7 +84,7 @@ static bool first_of_group(const struct supervisor *s, uint8_t i)
     const struct config *c = &s->plan->config;
     if (c->alarm[i].group == 0)
         return false;
-    for (uint8_t k = 0; k < CONFIG_ALARMS; k++)
+    for (uint8_t k = 0; k < s->placed[PLACED_ALARMS]; k++)
         if (k != i && c->alarm[k].on[0] && c->alarm[k].group == c->alarm[i].group &&
             s->alarm[k].listed)
             return false;
@@ -125,14 +125,14 @@ static void run_one(struct supervisor *s, uint8_t i)
 /* The mark outlives its alarm, until the whole group is off the list. */
 static void forget_firsts(struct supervisor *s)
 {
-    for (uint8_t i = 0; i < CONFIG_ALARMS; i++)
+    for (uint8_t i = 0; i < s->placed[PLACED_ALARMS]; i++)
         if (s->alarm[i].first && !s->alarm[i].listed && first_of_group(s, i))
             s->alarm[i].first = false;
 }
 
 void alarms_run(struct supervisor *s)
 {
-    for (uint8_t i = 0; i < CONFIG_ALARMS; i++)
+    for (uint8_t i = 0; i < s->placed[PLACED_ALARMS]; i++)
         if (s->plan->config.alarm[i].on[0] && s->plan->alarm[i] != PLAN_NONE)
             run_one(s, i);
     forget_firsts(s);
@@ -140,7 +140,7 @@ void alarms_run(struct supervisor *s)
 
 void alarms_time_back(struct supervisor *s)
 {
-    for (uint8_t i = 0; i < CONFIG_ALARMS; i++) {
+    for (uint8_t i = 0; i < s->placed[PLACED_ALARMS]; i++) {
         s->alarm[i].pending = false;
         s->alarm[i].shelved_until_ms = 0;
     }
@@ -169,12 +169,12 @@ void alarms_request(struct supervisor *s, const struct request *r)
 {
     const struct config *c = &s->plan->config;
     if (r->output == PLAN_NONE && r->kind == REQUEST_ACK) {
-        for (uint8_t i = 0; i < CONFIG_ALARMS; i++)
+        for (uint8_t i = 0; i < s->placed[PLACED_ALARMS]; i++)
             if (c->alarm[i].on[0])
                 acknowledge(s, i);
         return;
     }
-    if (r->output >= CONFIG_ALARMS || !c->alarm[r->output].on[0])
+    if (r->output >= s->placed[PLACED_ALARMS] || !c->alarm[r->output].on[0])
         event_put(s->events, s->time_ms, EVENT_REQUEST_REFUSED, "alarm", r->value, 0);
     else if (r->kind == REQUEST_ACK)
         acknowledge(s, r->output);

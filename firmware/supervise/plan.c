@@ -7,6 +7,7 @@
 #include "control/decoupler.h"
 #include "control/feedforward.h"
 #include "signal/ramp.h"
+#include "supervise/arena.h"
 #include "supervise/sequence.h"
 
 _Static_assert(CONFIG_FEEDFORWARDS <= 8, "a bit for each in check_feedforward_rings");
@@ -361,7 +362,10 @@ static void resolve_source(struct plan *plan, uint8_t i)
 
 static enum err resolve_feedforwards(struct plan *plan, struct config_fault *fault)
 {
-    uint32_t used = 0;
+    uint8_t placed[PLACED_KINDS];
+    arena_count(plan, placed);
+    uint32_t used = arena_state_bytes(placed) / (uint32_t)sizeof(num_t);
+    uint32_t end = PLAN_ARENA_BYTES / (uint32_t)sizeof(num_t);
     for (uint8_t i = 0; i < CONFIG_FEEDFORWARDS; i++) {
         const struct ff_config *f = &plan->config.feedforward[i];
         plan->feedforward[i].from = PLAN_NONE;
@@ -387,15 +391,17 @@ static enum err resolve_feedforwards(struct plan *plan, struct config_fault *fau
                           : strcmp(field, "out_hi") == 0 ? "hi"
                                                          : parameter_field(field),
                           f->from, wanted);
-        plan->feedforward[i].line = used;
         plan->feedforward[i].bytes = (uint32_t)feedforward_bytes(&element, plan->tick_s);
-        used += plan->feedforward[i].bytes / (uint32_t)sizeof(num_t);
+        uint32_t length = plan->feedforward[i].bytes / (uint32_t)sizeof(num_t);
+        used += length;
         if (used * sizeof(num_t) > PLAN_ARENA_BYTES) {
             err = refuse(fault, ERR_MEMORY, "ff", i + 1u, "dead", f->from,
                          "dead times need more memory than this board has");
             fault->bytes = used * (uint32_t)sizeof(num_t);
             return err;
         }
+        end -= length;
+        plan->feedforward[i].line = end;
     }
     return check_feedforward_rings(plan, fault);
 }

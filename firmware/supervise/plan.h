@@ -12,7 +12,7 @@
 #include "supervise/config.h"
 
 #ifndef PLAN_ARENA_BYTES
-#define PLAN_ARENA_BYTES 16384 /* dead-time lines of the feedforward elements */
+#define PLAN_ARENA_BYTES 16384 /* states, and dead-time lines of the feedforward elements */
 #endif
 
 #define PLAN_NONE 0xFFu

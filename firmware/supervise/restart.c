@@ -57,7 +57,7 @@ static void keep_sequence(struct restart_record *record, const struct supervisor
 {
     record->offsets = 0;
     for (uint8_t i = 0; i < CHANNEL_MAX; i++)
-        if (s->measurement[i].offset_on)
+        if (i < s->placed[PLACED_MEASUREMENTS] && s->measurement[i].offset_on)
             record->offsets = (uint16_t)(record->offsets | 1u << i);
     record->sequence_kind = sequence_active(&s->sequence) ? s->sequence.kind : SEQUENCE_NONE;
     record->sequence_step = s->sequence.step;
@@ -97,7 +97,7 @@ static void give_up(struct restart *r, struct supervisor *s, const char *why)
 
 static void outputs_back(struct supervisor *s, const struct restart_record *record)
 {
-    for (uint8_t j = 0; j < CHANNEL_MAX; j++) {
+    for (uint8_t j = 0; j < s->placed[PLACED_OUTPUTS]; j++) {
         struct output_state *o = &s->output[j];
         if (!s->plan->config.output[j].name[0] || !o->bound)
             continue;
@@ -169,13 +169,13 @@ void restart_keep(struct restart *r, const struct supervisor *s)
     record->testing = s->testing;
     record->attempts = r->ticks < RESTART_LASTED ? r->attempts : 0;
     record->time_ms = s->time_ms;
-    for (uint8_t i = 0; i < CONFIG_LOOPS; i++) {
+    for (uint8_t i = 0; i < s->placed[PLACED_LOOPS]; i++) {
         record->mode[i] = (uint8_t)s->loop[i].mode;
         record->target[i] = s->loop[i].target;
         record->setpoint[i] = s->loop[i].setpoint;
         record->v[i] = s->loop[i].v;
     }
-    for (uint8_t j = 0; j < CHANNEL_MAX; j++)
+    for (uint8_t j = 0; j < s->placed[PLACED_OUTPUTS]; j++)
         /* A test signal does not come back. */
         record->output[j] = num_eq(s->output[j].excitation, num_zero()) ? s->output[j].constrained
                                                                         : s->output[j].manual;

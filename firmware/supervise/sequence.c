@@ -382,7 +382,7 @@ static void go_on(struct supervisor *s)
     struct sequence *q = &s->sequence;
     bool again = q->why != SEQUENCE_OPERATOR;
     for (uint8_t i = 0; i < CONFIG_LOOPS; i++)
-        if (s->loop[i].mode == LOOP_MANUAL)
+        if (supervisor_mode(s, i) == LOOP_MANUAL)
             q->working = (uint16_t)(q->working & ~(1u << i));
     memset(q->violated_ms, 0, sizeof q->violated_ms);
     q->last_ms = s->time_ms;

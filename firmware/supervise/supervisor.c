@@ -219,22 +219,31 @@ static void place_interlock(struct supervisor *s, const struct plan *old, uint8_
 void supervisor_take_plan(struct supervisor *s, const struct plan *plan)
 {
     const struct plan *old = s->plan;
+    uint8_t n[PLACED_KINDS];
     s->plan = plan;
-    for (uint8_t i = 0; i < CHANNEL_MAX; i++) {
+    arena_count(plan, n);
+    /* Those that lose their places have something to say before. */
+    for (uint8_t i = n[PLACED_MEASUREMENTS]; i < s->placed[PLACED_MEASUREMENTS]; i++)
         place_measurement(s, old, i);
+    for (uint8_t i = n[PLACED_LOOPS]; i < s->placed[PLACED_LOOPS]; i++)
+        place_loop(s, old, i);
+    arena_place(s, n);
+    for (uint8_t i = 0; i < n[PLACED_MEASUREMENTS]; i++)
+        place_measurement(s, old, i);
+    for (uint8_t i = 0; i < n[PLACED_OUTPUTS]; i++)
         place_output(s, old, i);
-    }
-    for (uint8_t i = 0; i < CONFIG_LOOPS; i++)
+    for (uint8_t i = 0; i < n[PLACED_LOOPS]; i++)
         place_loop(s, old, i);
     for (uint8_t i = 0; i < CONFIG_FEEDFORWARDS; i++)
         place_feedforward(s, old, i);
-    for (uint8_t i = 0; i < CONFIG_INTERLOCKS; i++)
+    for (uint8_t i = 0; i < n[PLACED_INTERLOCKS]; i++)
         place_interlock(s, old, i);
-    for (uint8_t i = 0; i < CONFIG_ALARMS; i++)
+    for (uint8_t i = 0; i < n[PLACED_ALARMS]; i++)
         alarms_place(s, old, i);
     s->tick_s = plan->tick_s;
     s->decoupler_mask = 0; /* the matrix may have changed: select again at the next tick */
-    s->decoupler.n = 0;
+    if (n[PLACED_DECOUPLER])
+        s->decoupler->n = 0;
 #if CONFIG_STEPS
     sequence_place(s, old);
 #endif
@@ -247,8 +256,10 @@ void supervisor_tell_plan(struct supervisor *s)
 
 void supervisor_unbind(struct supervisor *s)
 {
-    for (unsigned i = 0; i < CHANNEL_MAX; i++)
-        s->measurement[i].bound = s->output[i].bound = false;
+    for (unsigned i = 0; i < s->placed[PLACED_MEASUREMENTS]; i++)
+        s->measurement[i].bound = false;
+    for (unsigned j = 0; j < s->placed[PLACED_OUTPUTS]; j++)
+        s->output[j].bound = false;
 }
 
 void supervisor_bind_measurement(struct supervisor *s, uint8_t index)
@@ -266,9 +277,9 @@ void supervisor_outputs_safe(struct supervisor *s, const char *why)
 #if CONFIG_STEPS
     sequence_safe(s, why);
 #endif
-    for (unsigned i = 0; i < CONFIG_LOOPS; i++)
+    for (unsigned i = 0; i < s->placed[PLACED_LOOPS]; i++)
         s->loop[i].mode = LOOP_MANUAL;
-    for (unsigned j = 0; j < CHANNEL_MAX; j++) {
+    for (unsigned j = 0; j < s->placed[PLACED_OUTPUTS]; j++) {
         struct output_state *o = &s->output[j];
         if (!s->plan->config.output[j].name[0])
             continue;
@@ -288,7 +299,7 @@ void supervisor_outputs_safe(struct supervisor *s, const char *why)
 
 void supervisor_go_safe(struct supervisor *s, const char *why)
 {
-    for (unsigned i = 0; i < CHANNEL_MAX; i++) {
+    for (unsigned i = 0; i < s->placed[PLACED_MEASUREMENTS]; i++) {
         /* What comes next may come from another plant, or hours later: filters begin anew. */
         s->measurement[i].seen = s->measurement[i].believed = s->measurement[i].delivered = false;
         s->measurement[i].quality = QUALITY_MISSING;
@@ -300,7 +311,13 @@ void supervisor_go_safe(struct supervisor *s, const char *why)
 
 void supervisor_excite(struct supervisor *s, uint8_t j, num_t fraction)
 {
-    s->output[j].excitation = fraction;
+    if (j < s->placed[PLACED_OUTPUTS]) /* another plan may have taken it away */
+        s->output[j].excitation = fraction;
+}
+
+enum loop_mode supervisor_mode(const struct supervisor *s, uint8_t loop)
+{
+    return loop < s->placed[PLACED_LOOPS] ? s->loop[loop].mode : LOOP_MANUAL;
 }
 
 /* Both channels of a loop, and of every loop below it, are there. */

@@ -24,6 +24,7 @@
 #include "signal/lag.h"
 #include "signal/ramp.h"
 #include "supervise/alarms.h"
+#include "supervise/arena.h"
 #include "supervise/plan.h"
 #include "supervise/sequence.h"
 
@@ -161,19 +162,21 @@ struct supervisor {
     uint64_t time_ms;     /* of the last tick */
     uint32_t ticks;
     float tick_s; /* base tick the states were placed for */
-    struct measurement_state measurement[CHANNEL_MAX];
-    struct output_state output[CHANNEL_MAX];
-    struct loop_state loop[CONFIG_LOOPS];
-    struct interlock_state interlock[CONFIG_INTERLOCKS];
-    struct alarm_state alarm[CONFIG_ALARMS];
+    /* In the arena. Index i, below placed[], is that of the plan; what the plan does not use is zero or not there. */
+    uint8_t placed[PLACED_KINDS];
+    struct measurement_state *measurement;
+    struct output_state *output;
+    struct loop_state *loop;
+    struct interlock_state *interlock;
+    struct alarm_state *alarm;
+    struct feedforward *feedforward;
+    struct decoupler *decoupler; /* there is one where a loop takes part in it */
 #if CONFIG_STEPS
     struct sequence sequence;
 #endif
-    struct feedforward feedforward[CONFIG_FEEDFORWARDS];
     bool ff_running[CONFIG_FEEDFORWARDS]; /* has begun on a usable value */
-    struct decoupler decoupler;
-    uint8_t decoupler_mask; /* selection the decoupler holds */
-    num_t arena[PLAN_ARENA_BYTES / sizeof(num_t)];
+    uint8_t decoupler_mask;               /* selection the decoupler holds */
+    _Alignas(8) num_t arena[PLAN_ARENA_BYTES / sizeof(num_t)];
 };
 
 /* Safe state, no plan yet: supervisor_take_plan comes before anything else. */
@@ -184,6 +187,9 @@ void supervisor_init(struct supervisor *s, struct event_queue *events);
 void supervisor_take_plan(struct supervisor *s, const struct plan *plan);
 /* CONFIG_APPLIED: once for all plans of one tick. */
 void supervisor_tell_plan(struct supervisor *s);
+
+/* LOOP_MANUAL for one that is not there. */
+enum loop_mode supervisor_mode(const struct supervisor *s, uint8_t loop);
 
 /* Which configured channels the plant has. Cleared by supervisor_unbind, then told one by one. */
 void supervisor_unbind(struct supervisor *s);

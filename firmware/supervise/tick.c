@@ -83,7 +83,7 @@ static bool feedforward_input(const struct supervisor *s, uint8_t k, num_t *d)
 
 static void feed_forward(struct supervisor *s)
 {
-    for (uint8_t i = 0; i < CONFIG_LOOPS; i++)
+    for (uint8_t i = 0; i < s->placed[PLACED_LOOPS]; i++)
         s->loop[i].feedforward = num_zero();
     for (uint8_t k = 0; k < CONFIG_FEEDFORWARDS; k++) {
         num_t d;
@@ -165,7 +165,7 @@ static void take_over(struct supervisor *s)
         rejoin = rejoin || s->loop[i].join;
     }
     num_t v[CONFIG_LOOPS], u[CONFIG_LOOPS];
-    for (uint8_t i = 0; i < CONFIG_LOOPS; i++) {
+    for (uint8_t i = 0; i < s->placed[PLACED_LOOPS]; i++) {
         const struct loop_plan *p = &s->plan->loop[i];
         v[i] = s->loop[i].v;
         if (p->used && p->output != PLAN_NONE)
@@ -175,14 +175,14 @@ static void take_over(struct supervisor *s)
         u[i] = v[i];
     }
     if (mask != s->decoupler_mask) {
-        if (decoupler_select(&s->decoupler, s->plan->config.decoupler, mask) != ERR_OK)
-            s->decoupler.n = 0; /* every part was checked with the plan */
+        if (decoupler_select(s->decoupler, s->plan->config.decoupler, mask) != ERR_OK)
+            s->decoupler->n = 0; /* every part was checked with the plan */
         s->decoupler_mask = mask;
         rejoin = true;
     }
     if (rejoin)
-        decoupler_back(&s->decoupler, u, v);
-    for (uint8_t i = 0; i < CONFIG_LOOPS; i++) {
+        decoupler_back(s->decoupler, u, v);
+    for (uint8_t i = 0; i < s->placed[PLACED_LOOPS]; i++) {
         struct loop_state *l = &s->loop[i];
         if (!loop_drives(s, i) || !(l->join || (rejoin && (mask & (1u << i)))))
             continue;
@@ -210,10 +210,11 @@ static void run_loops(struct supervisor *s)
 static void command_outputs(struct supervisor *s)
 {
     num_t v[CONFIG_LOOPS], u[CONFIG_LOOPS];
-    for (uint8_t i = 0; i < CONFIG_LOOPS; i++)
+    for (uint8_t i = 0; i < s->placed[PLACED_LOOPS]; i++)
         v[i] = u[i] = s->loop[i].v;
-    decoupler_forward(&s->decoupler, v, u);
-    for (uint8_t j = 0; j < CHANNEL_MAX; j++) {
+    if (s->placed[PLACED_DECOUPLER])
+        decoupler_forward(s->decoupler, v, u);
+    for (uint8_t j = 0; j < s->placed[PLACED_OUTPUTS]; j++) {
         if (!s->plan->config.output[j].name[0])
             continue;
         uint8_t i = s->plan->owner[j];
@@ -242,7 +243,7 @@ static bool interlock_condition(const struct supervisor *s, uint8_t k)
 static void run_interlocks(struct supervisor *s)
 {
     bool forced[CHANNEL_MAX] = {false};
-    for (uint8_t k = 0; k < CONFIG_INTERLOCKS; k++) {
+    for (uint8_t k = 0; k < s->placed[PLACED_INTERLOCKS]; k++) {
         const struct interlock_config *c = &s->plan->config.interlock[k];
         struct interlock_state *state = &s->interlock[k];
         if (!c->measurement[0] || s->plan->interlock[k].measurement == PLAN_NONE)
@@ -265,7 +266,7 @@ static void run_interlocks(struct supervisor *s)
         const struct output_config *o = &s->plan->config.output[j];
         s->output[j].constrained = span_to_fraction(c->value, o->lo, o->hi);
     }
-    for (uint8_t j = 0; j < CHANNEL_MAX; j++)
+    for (uint8_t j = 0; j < s->placed[PLACED_OUTPUTS]; j++)
         s->output[j].forced = forced[j];
 }
 
@@ -299,11 +300,11 @@ static void constrain_output(struct supervisor *s, uint8_t j)
 
 static void constrain(struct supervisor *s)
 {
-    for (uint8_t j = 0; j < CHANNEL_MAX; j++)
+    for (uint8_t j = 0; j < s->placed[PLACED_OUTPUTS]; j++)
         if (s->plan->config.output[j].name[0])
             constrain_output(s, j);
     run_interlocks(s);
-    for (uint8_t j = 0; j < CHANNEL_MAX; j++) {
+    for (uint8_t j = 0; j < s->placed[PLACED_OUTPUTS]; j++) {
         struct output_state *o = &s->output[j];
         uint8_t i = s->plan->owner[j];
         if (!s->plan->config.output[j].name[0])
@@ -388,7 +389,8 @@ static void way_back(struct supervisor *s)
             du[i] = num_sub(s->output[p->output].applied, s->output[p->output].commanded);
         dv[i] = du[i];
     }
-    decoupler_back(&s->decoupler, du, dv);
+    if (s->placed[PLACED_DECOUPLER])
+        decoupler_back(s->decoupler, du, dv);
     /* Inner loops first: what an outer loop may do depends on them. */
     for (uint8_t k = s->plan->n_order; k > 0; k--) {
         uint8_t i = s->plan->order[k - 1u];

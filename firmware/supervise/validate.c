@@ -83,7 +83,7 @@ static bool infer(struct supervisor *s, uint8_t i)
 
 static void loops_to_manual(struct supervisor *s, uint8_t measurement)
 {
-    for (uint8_t k = 0; k < CONFIG_LOOPS; k++) {
+    for (uint8_t k = 0; k < s->placed[PLACED_LOOPS]; k++) {
         struct loop_state *l = &s->loop[k];
         if (!s->plan->loop[k].used || s->plan->loop[k].pv != measurement || l->mode == LOOP_MANUAL)
             continue;

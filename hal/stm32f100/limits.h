@@ -15,7 +15,7 @@
 #define CONFIG_ALARMS       1
 #define COMMISSION_CHANNELS 0
 #define CONFIG_STEPS        0
-#define PLAN_ARENA_BYTES    64
+#define PLAN_ARENA_BYTES    1264
 
 /* A plant may have more channels than can be configured; their names must fit. */
 #define IO_CHANNELS_MAX    6

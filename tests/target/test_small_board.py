@@ -35,7 +35,7 @@ class SmallBoardTest(unittest.TestCase):
         self.assertIn("on stm32f100, numbers Q7.24", version)
         self.assertIn("in an emulator", version)
         for limit in ("channels 4", "loops 2", "feedforwards 1", "interlocks 2", "alarms 1",
-                      "dead-time bytes 64 steps 0", "left out of this build: sequences automatic-start-up",
+                      "arena bytes 1264 steps 0", "left out of this build: sequences automatic-start-up",
                       "recalls no lines"):
             self.assertIn(limit, version)
 

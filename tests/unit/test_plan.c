@@ -323,10 +323,16 @@ static void dead_times_that_do_not_fit_say_how_many_bytes_they_need(void)
                                   "ff2.from", "feed", "ff2.to", "reflux", "ff2.dead", "2000",
                                   NULL});
     refused(ERR_MEMORY, "ff", 2, "dead", "feed");
-    TEST_ASSERT_UINT32_WITHIN(16, 4 * (3002 + 2002), fault.bytes);
-    put("ff2.dead", "1000");
+    uint8_t placed[PLACED_KINDS];
+    arena_count(&plan, placed);
+    TEST_ASSERT_UINT32_WITHIN(16, arena_state_bytes(placed) + 4 * (3002 + 2002), fault.bytes);
+    put("ff2.dead", "700");
     TEST_ASSERT_EQUAL(ERR_OK, build());
-    TEST_ASSERT_EQUAL(plan.feedforward[0].bytes / 4, plan.feedforward[1].line);
+    /* From the end of the arena, behind one another. */
+    TEST_ASSERT_EQUAL(PLAN_ARENA_BYTES, 4 * plan.feedforward[0].line + plan.feedforward[0].bytes);
+    TEST_ASSERT_EQUAL(4 * plan.feedforward[0].line,
+                      4 * plan.feedforward[1].line + plan.feedforward[1].bytes);
+    TEST_ASSERT_TRUE(4 * plan.feedforward[1].line >= arena_state_bytes(placed));
 }
 
 static void an_interlock_forces_within_the_span(void)

@@ -489,6 +489,7 @@ static void prepared(double held, double y, double limit)
     builds(&config);
     memset(&supervisor, 0, sizeof supervisor);
     supervisor.plan = &plan;
+    arena_place(&supervisor, (const uint8_t[PLACED_KINDS]){2, 2});
     supervisor.output[0].manual = supervisor.output[1].manual = N(held);
     supervisor.measurement[0].value = supervisor.measurement[1].value = N(y);
     TEST_ASSERT_EQUAL_INT(ERR_OK, proposal_prepare_trial(&c, &supervisor, &config));
