@@ -16,7 +16,7 @@
 #define HAL_RETAINED_RESTART_BYTES 320 /* modes, setpoints, outputs: supervise/restart.h */
 #endif
 #ifndef HAL_RETAINED_EVENTS_BYTES
-#define HAL_RETAINED_EVENTS_BYTES 4000 /* 40 for each of EVENT_HISTORY (service/event_log.h) */
+#define HAL_RETAINED_EVENTS_BYTES 3200 /* 32 for each of EVENT_HISTORY (service/event_log.h) */
 #endif
 
 enum hal_retained_area { HAL_RETAINED_RESTART, HAL_RETAINED_EVENTS };

@@ -307,16 +307,16 @@ static bool history_line(struct console *c, unsigned n, struct text *line)
     uint32_t sequence = event_log_oldest(log) + n;
     if (sequence >= log->count)
         return false;
-    const struct event *e = event_log_get(log, sequence);
-    if (!e)
+    struct event e;
+    if (!event_log_get(log, sequence, &e))
         return true; /* a reset came while it was written */
     text_str(line, "  ");
-    if (e->boot != log->boot) {
+    if (e.boot != log->boot) {
         text_str(line, "boot ");
-        text_u32(line, hal_boot_id() - (uint16_t)(log->boot - e->boot));
+        text_u32(line, hal_boot_id() - (uint16_t)(log->boot - e.boot));
         text_char(line, ' ');
     }
-    event_line(e, line);
+    event_line(&e, line);
     return true;
 }
 

@@ -14,9 +14,16 @@
 #define EVENT_HISTORY 100
 #endif
 
+/* An event in 32 bytes. */
 struct event_record {
-    struct event event;
-    uint32_t sequence; /* counts events since the last loss of power */
+    uint32_t subject[3]; /* five characters each */
+    float value;
+    uint32_t time_low; /* plant time, ms: 48 bits */
+    uint16_t time_high;
+    uint16_t boot;
+    uint16_t
+        round; /* sequence / EVENT_HISTORY, low bits; sequence counts events since the last loss of power */
+    uint8_t code, detail;
     uint32_t checksum;
 };
 
@@ -29,8 +36,9 @@ struct event_log {
 /* Takes over what the records hold of earlier starts. */
 void event_log_init(struct event_log *log, struct event_record *record, uint32_t boot);
 void event_log_put(struct event_log *log, const struct event *event);
-/* The event with that sequence number; NULL when it is not there (any more). */
-const struct event *event_log_get(const struct event_log *log, uint32_t sequence);
+/* The event with that sequence number; false when it is not there (any more). Characters that are in no name and in no
+ * word of an event come back as '?'. */
+bool event_log_get(const struct event_log *log, uint32_t sequence, struct event *event);
 /* Sequence of the oldest one that may still be there. */
 uint32_t event_log_oldest(const struct event_log *log);
 

@@ -298,11 +298,9 @@ bool service_next_event(struct service *s, struct event *event)
         s->announced = oldest;
     }
     while (s->announced < s->history.count) {
-        const struct event *e = event_log_get(&s->history, s->announced++);
-        if (e && event_level(e->code) != EVENT_ACTION) {
-            *event = *e;
+        bool there = event_log_get(&s->history, s->announced++, event);
+        if (there && event_level(event->code) != EVENT_ACTION)
             return true;
-        }
     }
     return false;
 }

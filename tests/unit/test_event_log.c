@@ -21,11 +21,11 @@ static void put(unsigned n)
 
 static void holds(uint32_t sequence, float value, uint16_t boot)
 {
-    const struct event *e = event_log_get(&event_log, sequence);
-    TEST_ASSERT_NOT_NULL(e);
-    TEST_ASSERT_EQUAL_FLOAT(value, e->value);
-    TEST_ASSERT_EQUAL_STRING("top", e->subject);
-    TEST_ASSERT_EQUAL(boot, e->boot);
+    struct event e;
+    TEST_ASSERT_TRUE(event_log_get(&event_log, sequence, &e));
+    TEST_ASSERT_EQUAL_FLOAT(value, e.value);
+    TEST_ASSERT_EQUAL_STRING("top", e.subject);
+    TEST_ASSERT_EQUAL(boot, e.boot);
 }
 
 void setUp(void)
@@ -59,10 +59,11 @@ static void the_last_ones_are_kept(void)
     for (unsigned n = 0; n < EVENT_HISTORY * 3u + 5u; n++)
         put(n);
     TEST_ASSERT_EQUAL(EVENT_HISTORY * 2u + 5u, event_log_oldest(&event_log));
-    TEST_ASSERT_NULL(event_log_get(&event_log, event_log_oldest(&event_log) - 1u));
+    struct event e;
+    TEST_ASSERT_FALSE(event_log_get(&event_log, event_log_oldest(&event_log) - 1u, &e));
     for (uint32_t n = event_log_oldest(&event_log); n < event_log.count; n++)
         holds(n, (float)n, 7);
-    TEST_ASSERT_NULL(event_log_get(&event_log, event_log.count));
+    TEST_ASSERT_FALSE(event_log_get(&event_log, event_log.count, &e));
 }
 
 static void a_reset_keeps_them_and_marks_them_by_their_boot(void)
@@ -88,7 +89,7 @@ static void a_reset_in_the_middle_of_any_write_costs_that_one_event(void)
         memcpy((uint8_t *)&memory[3] + written, (const uint8_t *)&old + written,
                sizeof new - written);
         start(8);
-        bool complete = memory[3].sequence == new.sequence &&memory[3].checksum == new.checksum;
+        bool complete = memcmp(&memory[3], &new, sizeof new) == 0;
         TEST_ASSERT_EQUAL(EVENT_HISTORY + (complete ? 4u : 3u), event_log.count);
         for (uint32_t n = 4; n < EVENT_HISTORY + 3u; n++)
             holds(n, (float)n, 7);
@@ -104,11 +105,49 @@ static void a_flipped_bit_costs_one_event_and_no_other(void)
         unsigned hit = (unsigned)(bit / 8u / sizeof memory[0]);
         *byte ^= (uint8_t)(1u << bit % 8u);
         start(8);
-        TEST_ASSERT_NULL(event_log_get(&event_log, hit));
+        struct event e;
+        TEST_ASSERT_FALSE(event_log_get(&event_log, hit, &e));
         TEST_ASSERT_EQUAL(hit == EVENT_HISTORY - 1u ? EVENT_HISTORY - 1u : EVENT_HISTORY,
                           event_log.count);
         *byte ^= (uint8_t)(1u << bit % 8u);
     }
+}
+
+static void comes_back(uint64_t time_ms, uint8_t code, const char *subject, float value,
+                       uint8_t detail)
+{
+    struct event e = event_make(time_ms, (enum event_code)code, subject, value, detail), back;
+    uint32_t at = event_log.count;
+    event_log_put(&event_log, &e);
+    e.boot = 7;
+    TEST_ASSERT_TRUE(event_log_get(&event_log, at, &back));
+    TEST_ASSERT_EQUAL_MEMORY(&e, &back, sizeof e);
+}
+
+static void everything_an_event_says_comes_back(void)
+{
+    comes_back(0, EVENT_STARTED, "power-on", 0.0f, 0);
+    comes_back((UINT64_C(1) << 48) - 1u, EVENT_DO_REBOOT, "", -1e9f, 255);
+    comes_back(1753000000123u, EVENT_COUNT - 1, "alarm16.hi_hi~,", 1e-6f, 1);
+    comes_back(1, 255, "zzzzzzzzzzzzzzz", 5.0f, 3);
+    struct random_source r = {.state = 5};
+    for (unsigned turn = 0; turn < 1000; turn++) {
+        char subject[CHANNEL_NAME_SIZE] = "";
+        unsigned n = random_below(&r, CHANNEL_NAME_SIZE);
+        for (unsigned i = 0; i < n; i++)
+            subject[i] = (char)(',' + random_below(&r, '~' - ',' + 1));
+        comes_back(random_next(&r) >> 16, (uint8_t)random_below(&r, EVENT_COUNT), subject,
+                   (float)turn, (uint8_t)turn);
+    }
+}
+
+static void what_a_record_cannot_hold_is_told_from_what_it_can(void)
+{
+    struct event e = event_make(UINT64_MAX, EVENT_MODE, "a b\x7f\xff+!", 0.0f, 0);
+    event_log_put(&event_log, &e);
+    TEST_ASSERT_TRUE(event_log_get(&event_log, event_log.count - 1u, &e));
+    TEST_ASSERT_EQUAL_STRING("a?b????", e.subject);
+    TEST_ASSERT_TRUE(e.time_ms == (UINT64_C(1) << 48) - 1u);
 }
 
 int main(void)
@@ -116,6 +155,8 @@ int main(void)
     UNITY_BEGIN();
     RUN_TEST(memory_after_a_loss_of_power_holds_no_events);
     RUN_TEST(the_last_ones_are_kept);
+    RUN_TEST(everything_an_event_says_comes_back);
+    RUN_TEST(what_a_record_cannot_hold_is_told_from_what_it_can);
     RUN_TEST(a_reset_keeps_them_and_marks_them_by_their_boot);
     RUN_TEST(a_reset_in_the_middle_of_any_write_costs_that_one_event);
     RUN_TEST(a_flipped_bit_costs_one_event_and_no_other);

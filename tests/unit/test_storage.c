@@ -245,10 +245,8 @@ static void test_clipping_names_parameter_and_value(void)
     struct event e;
     bool found = false;
     for (uint32_t i = 0; i < fw.service.history.count; i++) {
-        const struct event *at = event_log_get(&fw.service.history, i);
-        if (!at || at->code != EVENT_STORAGE_CLIPPED)
+        if (!event_log_get(&fw.service.history, i, &e) || e.code != EVENT_STORAGE_CLIPPED)
             continue;
-        e = *at;
         if (strcmp(e.subject, "loop1.gain") == 0) {
             found = true;
             TEST_ASSERT_EQUAL_FLOAT(100.0f, e.value);
