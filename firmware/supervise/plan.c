@@ -391,17 +391,17 @@ static enum err resolve_feedforwards(struct plan *plan, struct config_fault *fau
                           : strcmp(field, "out_hi") == 0 ? "hi"
                                                          : parameter_field(field),
                           f->from, wanted);
-        plan->feedforward[i].bytes = (uint32_t)feedforward_bytes(&element, plan->tick_s);
-        uint32_t length = plan->feedforward[i].bytes / (uint32_t)sizeof(num_t);
-        used += length;
+        uint32_t bytes = (uint32_t)feedforward_bytes(&element, plan->tick_s);
+        used += bytes / (uint32_t)sizeof(num_t);
         if (used * sizeof(num_t) > PLAN_ARENA_BYTES) {
             err = refuse(fault, ERR_MEMORY, "ff", i + 1u, "dead", f->from,
                          "dead times need more memory than this board has");
             fault->bytes = used * (uint32_t)sizeof(num_t);
             return err;
         }
-        end -= length;
-        plan->feedforward[i].line = end;
+        end -= bytes / (uint32_t)sizeof(num_t);
+        plan->feedforward[i].line = (uint16_t)end;
+        plan->feedforward[i].bytes = (uint16_t)bytes;
     }
     return check_feedforward_rings(plan, fault);
 }

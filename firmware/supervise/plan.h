@@ -15,6 +15,8 @@
 #define PLAN_ARENA_BYTES 16384 /* states, and dead-time lines of the feedforward elements */
 #endif
 
+_Static_assert(PLAN_ARENA_BYTES <= UINT16_MAX, "places in the arena have 16 bits");
+
 #define PLAN_NONE 0xFFu
 
 /* Why a configuration was refused: "<group><index>.<field>: <subject> <wanted>". */
@@ -48,7 +50,7 @@ struct plan {
     struct {
         uint8_t from, to;     /* measurement (or output) and output index; PLAN_NONE = unused */
         bool from_output;     /* `from` is a manipulated variable */
-        uint32_t line, bytes; /* place in the arena: first num_t, and size */
+        uint16_t line, bytes; /* place in the arena: first num_t, and size */
     } feedforward[CONFIG_FEEDFORWARDS];
     struct {
         uint8_t measurement, output; /* PLAN_NONE = unused */
