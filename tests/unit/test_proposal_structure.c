@@ -149,6 +149,7 @@ static void a_trial_steps_the_outer_loop_no_farther_than_the_inner_one_may_go(vo
                 writes();
                 memset(&supervisor, 0, sizeof supervisor);
                 supervisor.plan = &plan;
+                arena_place(&supervisor, (const uint8_t[PLACED_KINDS]){2, 2});
                 supervisor.output[0].manual = N(held);
                 supervisor.measurement[0].value = N(y);
                 supervisor.measurement[1].value = N(0.4);
