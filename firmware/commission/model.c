@@ -12,7 +12,9 @@
 #define HOPELESS    REAL_C(1.0)   /* standard deviation over gain from which a fit says nothing */
 #define STEP        REAL_C(0.05)  /* of the predicted setpoint steps, fraction of span */
 
-#define CLIMB_SDS    REAL_C(4.0) /* what goes on climbing stands out of the noise by so much */
+#define CLIMB_SDS REAL_C(4.0) /* what goes on climbing stands out of the noise by so much */
+#define BENT_LEAVES                                                                                \
+    REAL_C(0.3) /* of the misfit: then it was the drift, and not the shape of the response */
 #define MISFIT_SHARE REAL_C(1.0) /* of what a first-order model leaves: so wrong may its gain be */
 #define SLOW_LAGS    REAL_C(0.7) /* that a level has lasted: half of the response is still to come */
 #define BEND_SDS     REAL_C(2.0)
@@ -240,7 +242,8 @@ static void take_fits(struct commission *c, const struct fopdt_fit_result *bent)
     struct element *e = &c->element[j][c->order[c->at]];
     struct baseline b;
     bool usable = bent && !(bent->element.flags & (IDENTIFIED_NO_GAIN | IDENTIFIED_INTEGRATING)) &&
-                  drift_bend(x, j, &bent->element) > REAL_C(0.0);
+                  (drift_bend(x, j, &bent->element) > REAL_C(0.0) ||
+                   bent->misfit < BENT_LEAVES * c->fit_misfit);
     if (usable && bent_is_better(c, bent)) {
         e->plateau_gain = bent->plateau_gain;
         *kept = bent->element;

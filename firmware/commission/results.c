@@ -73,9 +73,7 @@ static bool test_longer(struct commission *c, struct supervisor *s)
 static bool looks_integrating(const struct commission *c, uint8_t j, uint8_t k)
 {
     bool fit_says = c->fitted[j].flags & IDENTIFIED_INTEGRATING;
-    if (c->input[k].rounds > 0 && !(c->element[j][k].fit.flags & IDENTIFIED_INTEGRATING))
-        return false;
-    return c->climbs[j] >= (fit_says ? CLIMBS_TOO : CLIMBS);
+    return c->input[k].rounds == 0 && c->climbs[j] >= (fit_says ? CLIMBS_TOO : CLIMBS);
 }
 
 static void take_fit(struct commission *c, struct supervisor *s)

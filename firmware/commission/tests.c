@@ -86,6 +86,10 @@ static uint32_t least_half(const struct commission *c, const struct supervisor *
         x->half_most = most < x->half_most ? most : x->half_most;
         return known;
     }
+    /* Nothing is: then it is noise that hides it, and a longer half hides it no less. */
+    uint32_t took = commission_samples(s, c->input[k].half_s);
+    if (c->input[k].rounds > 0 && took > x->window && took < x->half_most)
+        x->half_most = took;
     if (known < c->input[k].half_wanted)
         known = c->input[k].half_wanted;
     uint32_t before = (uint32_t)(SHARE_LEAST * (real_t)c->half_least);
