@@ -90,6 +90,18 @@ class Cascade(unittest.TestCase):
         self.assertEqual(len(after), 1)
         self.assertGreater(abs(after.pop() - 50.0), 0.1)
 
+    def test_a_sensor_of_either_loop_that_is_lost_ends_the_trial(self):
+        for sensor in ("steam", "heated"):
+            script = whole(self.of, accept=False, extra_s=1.0)
+            begin = script[-1][0]
+            script += [(begin, "commission accept"), (begin, "~until TRIAL_KEPT|TRIAL_FAILED"), (6000.0, "~end")]
+            # the trial lasts from 3422 to 3794 s
+            run = Run(self.of, script, events=[*self.of.perfect_sensors(), f"3480:{sensor}.nan=1"], log=True)
+            end = run.first("TRIAL_KEPT", "TRIAL_FAILED")
+            self.assertEqual((end.code, end.subject), ("TRIAL_FAILED", sensor))
+            self.assertIn("not believed", end.text)
+            self.assertAlmostEqual(run.rows[-1]["valve.cmd"], 50.0, delta=0.01)
+
     def test_a_cascade_that_shares_its_inputs_is_shown_and_not_proposed(self):
         of = plant("shell-fractionator")
         run = Run(of, whole(of, accept=False, after=[STRUCTURE]), events=of.perfect_sensors())
