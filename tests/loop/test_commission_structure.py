@@ -15,6 +15,7 @@ import numpy as np
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
 from commissioning import Plant, Run, plant, whole  # noqa: E402
+from reflux_tools.commission import results  # noqa: E402
 
 DATA = Path(__file__).resolve().parent / "data"
 STRUCTURE = "commission structure"
@@ -49,6 +50,13 @@ class Cascade(unittest.TestCase):
         self.assertEqual(loops, {"heated": ("heated", "steam"), "steam": ("steam", "valve"), "flow": ("flow", "pump")})
         modes = {e.subject: e.value for e in run.all("MODE")}
         self.assertEqual(modes, {"heated": 1.0, "steam": 2.0, "flow": 1.0})
+        proposal = results.proposal_of(run.reply("commission proposal"))
+        self.assertEqual([(x.measurement, x.input, x.below) for x in proposal.inner], [("steam", "valve", "heated")])
+        self.assertEqual(proposal.others, [])
+        words = " ".join([*results.structure_words(results.structure_of(run.reply(STRUCTURE))),
+                          *results.proposal_words(proposal)])
+        self.assertIn("cascade: heated follows steam", words)
+        self.assertIn("drives the setpoint of one on steam by valve", words)
         tried = next(line for line in run.reply("commission trial") if " heated " in line).split()
         iae, predicted = float(tried[6]), float(tried[8])
         self.assertLess(abs(iae / predicted - 1.0), 0.2)
@@ -139,6 +147,9 @@ class Triangular(unittest.TestCase):
         run, _ = self.stepped(fed=True)
         line = next(x for x in run.reply("commission proposal") if x.startswith("feedforward "))
         self.assertTrue(line.startswith("feedforward from y1 u1 to y2 u2 ") and line.endswith("used yes"), line)
+        proposal = results.proposal_of(run.reply("commission proposal"))
+        self.assertEqual([(x.source, x.to, x.used) for x in proposal.feedforwards], [("u1", "u2", "yes")])
+        self.assertIn("feedforward from u1 to u2: gain 0.8", " ".join(results.proposal_words(proposal)))
         have = settings(run)
         self.assertEqual((have["ff1.from"], have["ff1.to"]), ("u1", "u2"))
         # -0.8/-1.0; the plant's lags and the difference of its dead times, less the tick by which the element is late
@@ -199,12 +210,15 @@ class Blocks(unittest.TestCase):
         said = [line for line in run.reply(STRUCTURE) if line.startswith("multivariable ")]
         self.assertEqual(len(said), 1, said)
         self.assertIn("block 1 wants a multivariable controller", said[0])
+        words = " ".join(results.structure_words(results.structure_of(run.reply(STRUCTURE))))
+        self.assertIn("it wants a multivariable controller, and gets single loops", words)
 
     def test_wood_berry_gets_a_second_opinion_that_agrees(self):
         of = plant("wood-berry")
         run = Run(of, whole(of, accept=False, after=[STRUCTURE]), events=of.perfect_sensors())
         said = run.reply("commission pairing")
         self.assertTrue(any(line.startswith("second_opinion agrees") for line in said), said)
+        self.assertIn("second opinion agrees", " ".join(results.pairing_words(results.pairing_of(said))))
         # docs/interaction.md
         self.assertAlmostEqual(float(facts(next(x for x in said if x.startswith("pair ")))["phi"]), 1.56, delta=0.03)
 
