@@ -12,10 +12,6 @@
 #define LONGER     REAL_C(4.0) /* times the duration in which a step did not settle */
 #define LONGEST_S  REAL_C(1e7) /* that a trial can be */
 
-/* What a loop of the firmware takes; detuning keeps to the largest gain. */
-#define GAIN_LEAST REAL_C(1e-6)
-#define TI_LEAST_S REAL_C(0.01)
-#define TI_MOST_S  REAL_C(1e6)
 _Static_assert(STATIC_DECOUPLER_LOOPS <= DECOUPLER_MAX, "a decoupler of ours fits");
 
 enum err analysis_begin(struct analysis *a, const struct analysis_config *config)
@@ -220,8 +216,7 @@ static enum err end_settings(struct analysis *a, enum err err)
     if (analysis_loops(a) > a->config.loops_max)
         return no_design(a, ERR_FULL);
     for (uint8_t k = 0; k < a->pairs.n; k++) {
-        const struct tuning *t = &a->work.detune.loops.tuning[k];
-        if (t->gain < GAIN_LEAST || t->ti_s < TI_LEAST_S || t->ti_s > TI_MOST_S)
+        if (!analysis_loop_takes(&a->work.detune.loops.tuning[k]))
             return no_design(a, ERR_UNSUPPORTED);
     }
     a->loops = a->work.detune.loops;

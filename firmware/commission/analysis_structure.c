@@ -11,11 +11,23 @@
 #define SHARPEST REAL_C(5.0) /* lead over lag of a feedforward: its input carries a loop's noise */
 #define LEFT_MOST                                                                                  \
     REAL_C(0.5) /* of the integral of the error: with less to gain it is not worth an element */
-#define GAIN_MOST  REAL_C(100.0)
-#define TIME_MOST  REAL_C(1e5) /* s: gain and times that an element of the firmware takes */
-#define INNER_GAIN REAL_C(100.0)
+#define GAIN_MOST REAL_C(100.0)
+#define TIME_MOST REAL_C(1e5) /* s: gain and times that an element of the firmware takes */
+
+/* What a loop of the firmware takes. */
+#define LOOP_GAIN_LEAST REAL_C(1e-6)
+#define LOOP_GAIN_MOST  REAL_C(100.0)
+#define LOOP_TI_LEAST_S REAL_C(0.01)
+#define LOOP_TI_MOST_S  REAL_C(1e6)
+
 /* Samples of dead time: every element gets its share of the memory there is. */
 static const uint32_t samples_most = PLAN_ARENA_BYTES / sizeof(num_t) / CONFIG_FEEDFORWARDS - 4u;
+
+bool analysis_loop_takes(const struct tuning *t)
+{
+    return t->gain >= LOOP_GAIN_LEAST && t->gain <= LOOP_GAIN_MOST && t->ti_s >= LOOP_TI_LEAST_S &&
+           t->ti_s <= LOOP_TI_MOST_S; /* false for NaN */
+}
 
 /* ---- cascades ---- */
 
@@ -28,7 +40,7 @@ static enum err tune_inner(const struct analysis *a, const struct fopdt *e, stru
     real_t eighth = REAL_C(0.125) * model.time_constant_s;
     *tau_c_s = model.dead_time_s > eighth ? model.dead_time_s : eighth;
     enum err err = tuning_simc_pi(&model, *tau_c_s, t, NULL);
-    return err || t->gain <= INNER_GAIN ? err : ERR_RANGE;
+    return err || analysis_loop_takes(t) ? err : ERR_RANGE;
 }
 
 static unsigned members(uint16_t mask)

@@ -13,6 +13,9 @@ void analysis_ask_second(struct analysis *a);
  * inner loop. After everything that looks at the plant as it is. */
 void analysis_close_inner_loops(struct analysis *a);
 
+/* Whether a loop of the firmware takes these settings. */
+bool analysis_loop_takes(const struct tuning *t);
+
 /* A loop that an input of the plant has to itself, on output `inner`, below the loop of pair k; INTERACT_NONE: none. */
 uint8_t analysis_inner_of(const struct analysis *a, uint8_t k);
 /* Loops that the proposal has: pairs and inner loops. */

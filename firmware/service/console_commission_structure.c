@@ -137,7 +137,8 @@ static void cascade_line(const struct console *c, const struct cascade *found, s
     number(line, "lag", found->between.time_constant_s);
     number(line, "dead", found->between.dead_time_s);
     number(line, "misfit", found->misfit_sd);
-    word(line, "used", used ? "yes" : "no: they do not have an input to themselves");
+    word(line, "used",
+         used ? "yes" : "no: no input to themselves, or no settings for the inner loop");
 }
 
 static bool structure_lines(const struct console *c, unsigned n, struct text *line)

@@ -22,8 +22,9 @@ STRUCTURE = "commission structure"
 
 
 def facts(line: str) -> dict[str, str]:
+    """What follows each word where it comes first."""
     words = line.split()
-    return dict(zip(words, words[1:]))
+    return dict(reversed(list(zip(words, words[1:]))))
 
 
 def settings(run: Run) -> dict[str, str]:

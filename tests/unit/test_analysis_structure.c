@@ -120,6 +120,10 @@ static void not_where_no_settings_are_for_the_inner_loop(void)
     run();
     TEST_ASSERT_EQUAL_UINT16(0, a.inner_outputs);
     flow_and_temperature();
+    element(0, 0, 1.5, 0.005, 0); /* too short a lag for an integral time */
+    run();
+    TEST_ASSERT_EQUAL_UINT16(0, a.inner_outputs);
+    flow_and_temperature();
     element(0, 0, 0.01, 12, 0); /* gain of more than 100 */
     run();
     TEST_ASSERT_EQUAL_UINT16(0, a.inner_outputs);
