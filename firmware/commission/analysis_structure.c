@@ -20,8 +20,9 @@
 #define LOOP_TI_LEAST_S REAL_C(0.01)
 #define LOOP_TI_MOST_S  REAL_C(1e6)
 
-/* Samples of dead time: every element gets its share of the memory there is. */
-static const uint32_t samples_most = PLAN_ARENA_BYTES / sizeof(num_t) / CONFIG_FEEDFORWARDS - 4u;
+/* Samples of dead time: every element gets its share of half of the memory there is; states have the other half. */
+static const uint32_t samples_most =
+    PLAN_ARENA_BYTES / 2u / sizeof(num_t) / CONFIG_FEEDFORWARDS - 4u;
 
 bool analysis_loop_takes(const struct tuning *t)
 {
