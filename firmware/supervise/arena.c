@@ -78,7 +78,7 @@ static void move(struct supervisor *s, const uint8_t n[PLACED_KINDS], unsigned k
         to += bytes_of(j, n[j]);
     }
     uint8_t kept = s->placed[k] < n[k] ? s->placed[k] : n[k];
-    if (down == (to <= from))
+    if (to != from && down == (to < from))
         memmove(arena + to, arena + from, (uint32_t)kept * kinds[k].state);
 }
 
