@@ -85,7 +85,7 @@ struct element {
     struct fopdt moments;  /* of the last round: a second opinion */
     uint16_t moments_flags;
     real_t plateau_gain; /* of the last round; 0: none */
-    real_t misfit; /* standard deviation of the gain by what is not noise, least of all rounds */
+    real_t misfit; /* standard deviation of the gain by what is not noise, weighted likewise */
 };
 
 struct tested_input {
@@ -143,8 +143,8 @@ struct commission {
     real_t climbs[CHANNEL_MAX];            /* ... and how it went on climbing: judge.h */
     uint8_t fit_at;                        /* output under work */
     bool fit_running, fit_bent, analysis_begun;
-    real_t fit_squares, fit_misfit;  /* left by the fit without a bend */
-    struct analysis_config settings; /* of the analysis */
+    real_t fit_squares, fit_misfit, fit_share; /* of the fit without a bend: what it leaves */
+    struct analysis_config settings;           /* of the analysis */
     struct by_relay by_relay;
     union {
         struct {

@@ -15,7 +15,7 @@
 #define CLIMB_SDS REAL_C(4.0) /* what goes on climbing stands out of the noise by so much */
 #define BENT_LEAVES                                                                                \
     REAL_C(0.3) /* of the misfit: then it was the drift, and not the shape of the response */
-#define MISFIT_SHARE REAL_C(1.0) /* of what a first-order model leaves: so wrong may its gain be */
+#define MISFIT_SHARE REAL_C(1.2) /* of what a first-order model leaves: so wrong may its gain be */
 #define SLOW_LAGS    REAL_C(0.7) /* that a level has lasted: half of the response is still to come */
 #define BEND_SDS     REAL_C(2.0)
 #define BENT_BETTER                                                                                \
@@ -86,13 +86,15 @@ void model_keep(struct commission *c)
     uint8_t k = c->order[c->at];
     for (uint8_t j = 0; j < c->outputs; j++) {
         struct element *e = &c->element[j][k];
-        bool first = c->input[k].rounds == 0;
-        if (first)
+        if (c->input[k].rounds == 0) {
             e->fit = c->fitted[j];
-        else
-            model_combine(&e->fit, &c->fitted[j]);
-        if (first || c->misfit[j] < e->misfit)
             e->misfit = c->misfit[j];
+        } else {
+            real_t ws = weight(e->fit.gain_sd, e->fit.gain);
+            real_t wn = weight(c->fitted[j].gain_sd, c->fitted[j].gain);
+            model_combine(&e->fit, &c->fitted[j]);
+            e->misfit = mean_of(e->misfit, ws, c->misfit[j], wn);
+        }
         /* Another shape than that of a lag is the same in every round. */
         if (e->fit.gain_sd < e->misfit)
             e->fit.gain_sd = e->misfit;
@@ -167,7 +169,7 @@ static void judge_climb(struct commission *c, const struct baseline *b, real_t b
 /* What the record says by itself: a drift that no line explains makes the three parts of a double step disagree about the
  * gain, and the fit cannot know. */
 static void judge_gain(struct commission *c, const struct baseline *b, real_t bend, real_t misfit,
-                       struct identified *fit)
+                       real_t share, struct identified *fit)
 {
     const struct experiment *x = &c->work.test.experiment;
     struct judgement verdict;
@@ -180,8 +182,10 @@ static void judge_gain(struct commission *c, const struct baseline *b, real_t be
     real_t left = BEND_SHARE * bend * duration_s / x->amplitude;
     variance += left * left;
     real_t wrong = MISFIT_SHARE * misfit / x->amplitude;
+    /* So is the part of the fit's own deviation that those residuals make: more rounds have it again. */
+    real_t again = share * fit->gain_sd * fit->gain_sd + wrong * wrong;
     variance += wrong * wrong;
-    c->misfit[c->fit_at] = wrong;
+    c->misfit[c->fit_at] = real_sqrt(again);
     fit->gain_sd = real_sqrt(variance);
 }
 
@@ -233,6 +237,13 @@ static bool bent_is_better(const struct commission *c, const struct fopdt_fit_re
     return c->fit_squares - bent->squares > BENT_BETTER * variance;
 }
 
+/* Of the variance that is left the part that is no noise. */
+static real_t misfit_share(const struct fopdt_fit_result *r)
+{
+    real_t all = r->residual_sd * r->residual_sd, part = r->misfit * r->misfit;
+    return part < all ? part / all : REAL_C(1.0);
+}
+
 /* The fits of an output are there; bent is NULL where its drift has not turned. */
 static void take_fits(struct commission *c, const struct fopdt_fit_result *bent)
 {
@@ -252,7 +263,7 @@ static void take_fits(struct commission *c, const struct fopdt_fit_result *bent)
                               .slope_per_s = bent->slope_per_s,
                               .noise_sd = x->before[j].noise_sd};
         judge_climb(c, &b, REAL_C(0.0), kept);
-        judge_gain(c, &b, REAL_C(0.0), bent->misfit, kept);
+        judge_gain(c, &b, REAL_C(0.0), bent->misfit, misfit_share(bent), kept);
         return;
     }
     real_t bend = drift_bend(x, j, kept);
@@ -267,9 +278,9 @@ static void take_fits(struct commission *c, const struct fopdt_fit_result *bent)
     if (kept->gain_sd > HOPELESS * real_abs(kept->gain) && !(kept->flags & IDENTIFIED_NO_GAIN))
         use_moments(e, kept);
     if (straight && usable)
-        judge_gain(c, &b, REAL_C(0.0), bent->misfit, kept);
+        judge_gain(c, &b, REAL_C(0.0), bent->misfit, misfit_share(bent), kept);
     else if (straight)
-        judge_gain(c, &b, bend, c->fit_misfit, kept);
+        judge_gain(c, &b, bend, c->fit_misfit, c->fit_share, kept);
 }
 
 /* A fit has ended. True while another is to come for this output. */
@@ -283,6 +294,7 @@ static bool end_fit(struct commission *c, const struct fopdt_fit_result *r)
     c->element[j][c->order[c->at]].plateau_gain = r->plateau_gain;
     c->fitted[j] = r->element;
     c->fit_misfit = r->misfit;
+    c->fit_share = misfit_share(r);
     if (fit_again(c, r))
         return true;
     take_fits(c, NULL);

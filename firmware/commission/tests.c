@@ -41,7 +41,7 @@ real_t commission_lasts(const struct commission *c, uint8_t k)
 }
 
 /* Is some response to input k no lag's, and that, not noise, what its gain is unsure by? A shorter half would see
- * less of what comes late, and be wrong by more. */
+ * less of what comes late, and be wrong by more; and what is slow by one input is mostly so by another, too. */
 static bool shape_decides(const struct commission *c, uint8_t k)
 {
     for (uint8_t j = 0; j < c->outputs; j++) {
@@ -77,8 +77,14 @@ static uint32_t least_half(const struct commission *c, const struct supervisor *
     real_t found_s = c->input[k].rounds > 0 ? commission_lasts(c, k) : REAL_C(0.0);
     if (found_s > longest_s)
         longest_s = found_s;
-    if (c->input[k].rounds > 0 && shape_decides(c, k) && c->input[k].half_s > longest_s)
-        longest_s = c->input[k].half_s;
+    if (c->input[k].rounds > 0 && shape_decides(c, k)) {
+        real_t slowest_s = (real_t)c->half_least * x->h_s;
+        real_t took_s = c->input[k].half_s;
+        if (slowest_s > took_s)
+            took_s = slowest_s;
+        if (took_s > longest_s)
+            longest_s = took_s;
+    }
     uint32_t known = commission_samples(s, longest_s);
     /* What the round before has found out holds: a half that goes on for longer only gathers drift. */
     if (c->input[k].rounds > 0 && known > x->window) {

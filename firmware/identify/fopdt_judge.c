@@ -316,7 +316,9 @@ void fopdt_fit_judge(struct fopdt_fit *f)
     r->significance = variance > ZERO ? gained / variance : REAL_C(1e30);
     if (!(gained > ZERO) || r->significance < SIGNIFICANT) {
         r->element.flags = IDENTIFIED_NO_GAIN;
-        proportion(f, larger(variance, f->total / (real_t)f->points));
+        real_t left = f->total / (real_t)f->points;
+        proportion(f, larger(variance, left));
+        r->misfit = misfit(f, left, rough_noise(f));
         response(f);
         return;
     }
