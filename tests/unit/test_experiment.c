@@ -594,6 +594,32 @@ static void settings_that_cannot_work_are_refused(void)
 #undef REFUSED
 }
 
+/* A drift that sets in during the test, and ends 10 % beyond the limit. */
+static double carried_away(unsigned j, uint32_t k)
+{
+    const struct test_element e = {0.4, 30, 5};
+    double y = k > 350 ? 1e-3 * (k - 350) : 0.0;
+    y = y > 0.215 ? 0.215 : y;
+    for (unsigned i = 0; i < bench.edges; i++)
+        y += bench.change[i] * step_response(&e, k - bench.at[i]);
+    (void)j;
+    return y;
+}
+
+static void a_drift_past_the_limit_ends_the_way_down_and_not_the_test(void)
+{
+    bench.other = carried_away;
+    config.amplitude = REAL_C(0.02);
+    config.half = 450;
+    bench_run();
+    TEST_ASSERT_EQUAL_INT(EXPERIMENT_DONE, experiment.phase);
+    TEST_ASSERT_TRUE((double)experiment.worst > 1.0 && (double)experiment.worst < 1.2);
+    double least = 0.0;
+    for (unsigned i = 0; i < bench.edges; i++)
+        least = bench.change[i] < least ? bench.change[i] : least;
+    TEST_ASSERT_DOUBLE_WITHIN(1e-6, -0.04, least); /* there was a way down */
+}
+
 int main(void)
 {
     printf("seed %u\n", SEED);
@@ -628,5 +654,6 @@ int main(void)
     RUN_TEST(numbers_from_far_out_do_no_harm);
     RUN_TEST(it_takes_no_sample_after_its_end);
     RUN_TEST(settings_that_cannot_work_are_refused);
+    RUN_TEST(a_drift_past_the_limit_ends_the_way_down_and_not_the_test);
     return UNITY_END();
 }
