@@ -6,6 +6,7 @@
 #include <string.h>
 
 enum stage {
+    STAGE_REST,   /* all in manual, outputs held: lines of rest */
     STAGE_SETTLE, /* all in automatic, nothing asked yet */
     STAGE_STEP,   /* setpoint of loop `at` away */
     STAGE_RETURN  /* and back; also the end, where the others are looked at */
@@ -15,30 +16,42 @@ enum stage {
 #define REST_SHARE     REAL_C(0.15) /* of the step: error left at the end of it */
 #define AUTO_TICKS     3u           /* a mode asked for is there by then */
 #define LISTEN_TICK    2u           /* the first may be that of the beginning itself */
+#define DRIFT_SDS      REAL_C(3.0)  /* a slope so many of its standard deviations is a drift */
+#define DRIFT_SHARE                                                                                \
+    REAL_C(0.05) /* of a step: a drift that carries less in its time does not matter */
+#define DRIFT_MOST    REAL_C(0.5) /* of a limit: farther no setpoint goes with it */
+#define PATIENCE      3u          /* windows more, where the line is bent */
+#define BEND_SDS      REAL_C(4.0)
+#define BEND_SHARE    REAL_C(0.1)  /* of a step */
+#define BLOCKED_SHARE REAL_C(0.25) /* of a step's time that an output may stand at a limit */
+#define MOVED_LEAST   REAL_C(1e-5)
 
-static void ask(struct supervisor *s, uint8_t i, enum request_kind kind, enum loop_mode mode,
-                real_t value)
+static void ask(struct supervisor *s, uint8_t i, enum loop_mode mode)
 {
     struct request r = {
-        .kind = kind, .loop = i, .output = PLAN_NONE, .mode = (uint8_t)mode, .value = value};
+        .kind = REQUEST_MODE, .loop = i, .output = PLAN_NONE, .mode = (uint8_t)mode};
     supervisor_request(s, &r);
 }
 
-static real_t measured(const struct supervisor *s, uint8_t i)
+static real_t measured(const struct adoption *a, const struct supervisor *s, uint8_t k)
 {
-    return num_to_float(s->measurement[s->plan->loop[i].pv].value);
+    return num_to_float(s->measurement[a->channel[k].measurement].value);
 }
 
-static void setpoint(const struct adoption *a, struct supervisor *s, uint8_t k, real_t fraction)
+/* Manipulated variable of a loop; PLAN_NONE: it drives another loop. */
+static uint8_t output_of(const struct adoption *a, const struct supervisor *s, uint8_t k)
 {
-    uint8_t i = a->loop[k].loop;
-    const struct measurement_config *m = &s->plan->config.measurement[s->plan->loop[i].pv];
-    ask(s, i, REQUEST_SETPOINT, LOOP_AUTO, m->lo + fraction * (m->hi - m->lo));
+    return s->plan->loop[a->loop[k].loop].output;
+}
+
+static uint8_t loops_of(const struct adoption *a)
+{
+    return (uint8_t)(a->n + a->n_inner);
 }
 
 static uint32_t duration(const struct adoption_loop *l, const struct supervisor *s)
 {
-    real_t ticks = ADOPTION_DURATION * l->predicted.settled_s / s->plan->tick_s;
+    real_t ticks = l->duration_s / s->plan->tick_s;
     return ticks < REAL_C(20.0) ? 20u : ticks > REAL_C(1e6) ? 1000000u : (uint32_t)ticks;
 }
 
@@ -59,33 +72,52 @@ static void enter(struct adoption *a, enum stage stage, uint32_t ticks)
     a->stage_ticks = ticks;
     a->error_sum = REAL_C(0.0);
     a->error_n = 0;
+    memset(a->blocked, 0, sizeof a->blocked);
 }
 
 void adoption_hold(struct adoption *a, const struct supervisor *s)
 {
-    for (uint8_t k = 0; k < a->n + a->n_inner; k++) {
-        uint8_t j = s->plan->loop[a->loop[k].loop].output;
+    for (uint8_t k = 0; k < loops_of(a); k++)
+        if (output_of(a, s, k) != PLAN_NONE)
+            a->loop[k].held = num_to_float(s->output[output_of(a, s, k)].manual);
+}
+
+void adoption_put_back(const struct adoption *a, struct supervisor *s, bool but_hand)
+{
+    for (uint8_t k = 0; k < loops_of(a); k++) {
+        uint8_t i = a->loop[k].loop, j = output_of(a, s, k);
+        if (but_hand && s->loop[i].mode == LOOP_MANUAL)
+            continue;
+        ask(s, i, LOOP_MANUAL);
         if (j != PLAN_NONE)
-            a->loop[k].held = num_to_float(s->output[j].manual);
+            s->output[j].manual = num_from_float(a->loop[k].held);
     }
 }
 
-void adoption_begin(struct adoption *a, struct supervisor *s)
+/* Samples of rest: whole blocks. */
+static uint32_t rest_ticks(const struct adoption *a)
 {
-    a->result = ADOPTION_RUNNING;
-    a->at = a->culprit = 0;
-    for (uint8_t k = 0; k < a->n; k++) {
+    return a->window / STEADY_BLOCKS * STEADY_BLOCKS;
+}
+
+enum err adoption_begin(struct adoption *a, const struct supervisor *s, struct steady *work)
+{
+    struct steady_config c = {.outputs = a->channels,
+                              .block = a->window / STEADY_BLOCKS,
+                              .h_s = s->plan->tick_s,
+                              .noise_floor = REAL_C(1e-6),
+                              .motion_limit = REAL_C(3.0),
+                              .variance_limit = REAL_C(4.0)};
+    a->steady = work;
+    a->result = a->doubt = ADOPTION_RUNNING;
+    a->at = a->culprit = a->repeats = 0;
+    a->drifting = a->placed = false;
+    a->since = 0;
+    a->patience = PATIENCE;
+    for (uint8_t k = 0; k < a->n; k++)
         a->loop[k].iae = a->loop[k].peak = REAL_C(0.0);
-        ask(s, a->loop[k].loop, REQUEST_MODE, LOOP_AUTO, REAL_C(0.0));
-    }
-    enter(a, STAGE_SETTLE, longest(a, s) / 4u + AUTO_TICKS);
-}
-
-/* A tick later than the others: by then the outer loops, which may be new, have followed the inner measurements. */
-static void listen(const struct adoption *a, struct supervisor *s)
-{
-    for (uint8_t k = a->n; k < a->n + a->n_inner; k++)
-        ask(s, a->loop[k].loop, REQUEST_MODE, LOOP_CASCADE, REAL_C(0.0));
+    enter(a, STAGE_REST, rest_ticks(a));
+    return steady_init(work, &c);
 }
 
 static enum adoption_result fail(struct adoption *a, enum adoption_result why, uint8_t k)
@@ -95,37 +127,230 @@ static enum adoption_result fail(struct adoption *a, enum adoption_result why, u
     return why;
 }
 
-/* Every loop acts, and none is past its limit. */
+/* ---- at rest ---- */
+
+/* The measurement of a loop; that of an inner one comes after those of the pairs. */
+static uint8_t channel_of(const struct adoption *a, const struct supervisor *s, uint8_t k)
+{
+    uint8_t at = k < a->n ? k : a->n;
+    while (k >= a->n && at + 1u < a->channels &&
+           a->channel[at].measurement != s->plan->loop[a->loop[k].loop].pv)
+        at++;
+    return at;
+}
+
+static real_t hypotenuse(real_t x, real_t y)
+{
+    return real_sqrt(x * x + y * y);
+}
+
+/* Is the plant where its line led, and as steep? If not, what happened since is not the loops' doing. */
+static bool has_bent(const struct adoption *a, const struct supervisor *s, uint8_t k,
+                     const struct steady_result *now)
+{
+    const struct adoption_channel *c = &a->channel[k];
+    real_t h = s->plan->tick_s, step = real_abs(a->loop[a->at].step) * BEND_SHARE;
+    real_t since = (real_t)a->since * h - now->age_s, lasts = a->loop[a->at].duration_s;
+    real_t away = real_abs(now->mean - c->rest - c->slope_per_s * since);
+    real_t steeper = real_abs(now->slope_per_s - c->slope_per_s) * lasts;
+    real_t away_sd = hypotenuse(hypotenuse(now->mean_sd, c->rest_sd), c->slope_sd_per_s * since);
+    real_t steeper_sd = hypotenuse(now->slope_sd_per_s, c->slope_sd_per_s) * lasts;
+    return away > step + BEND_SDS * away_sd || steeper > step + BEND_SDS * steeper_sd;
+}
+
+/* From here on the line counts. */
+static void take_line(struct adoption *a, const struct supervisor *s, uint8_t k,
+                      const struct steady_result *now)
+{
+    struct adoption_channel *c = &a->channel[k];
+    real_t most = (real_t)longest(a, s) * s->plan->tick_s, least = INFINITY;
+    for (uint8_t i = 0; i < a->n; i++)
+        if (real_abs(a->loop[i].step) < least)
+            least = real_abs(a->loop[i].step);
+    c->slope_per_s = now->slope_per_s;
+    c->slope_sd_per_s = now->slope_sd_per_s;
+    c->rest_sd = now->mean_sd;
+    c->drifts = real_abs(now->slope_per_s) > DRIFT_SDS * now->slope_sd_per_s &&
+                real_abs(now->slope_per_s) * most > DRIFT_SHARE * least;
+    c->rest = c->drifts ? now->mean + now->slope_per_s * now->age_s : now->mean;
+    if (c->drifts)
+        a->drifting = true;
+}
+
+/* A line that is bent says nothing of what comes: it is looked for once more, a few times. */
+static bool is_restless(const struct adoption *a)
+{
+    for (uint8_t k = 0; k < a->channels; k++) {
+        struct steady_result now;
+        if (steady_look(a->steady, k, &now) == ERR_OK && now.state == STEADY_RESTLESS)
+            return true;
+    }
+    return false;
+}
+
+static enum adoption_result end_rest(struct adoption *a, struct supervisor *s)
+{
+    if (a->patience > 0 && is_restless(a)) {
+        a->patience--;
+        a->stage_ticks += rest_ticks(a);
+        return ADOPTION_RUNNING;
+    }
+    bool bent = false;
+    for (uint8_t k = 0; k < a->channels; k++) {
+        struct steady_result now;
+        if (steady_look(a->steady, k, &now) != ERR_OK)
+            return fail(a, ADOPTION_RESTLESS, k);
+        if (a->doubt != ADOPTION_RUNNING && has_bent(a, s, k, &now))
+            bent = true;
+        take_line(a, s, k, &now);
+    }
+    a->since = 0;
+    if (a->doubt != ADOPTION_RUNNING) {
+        if (!bent || a->repeats >= ADOPTION_REPEATS)
+            return fail(a, a->doubt, a->at);
+        a->repeats++;
+        a->drifting = true;
+        a->doubt = ADOPTION_RUNNING;
+    }
+    for (uint8_t k = 0; k < a->n; k++)
+        ask(s, a->loop[k].loop, LOOP_AUTO);
+    a->placed = false;
+    bool brief = a->drifting && a->at < a->n;
+    enter(a, STAGE_SETTLE, (brief ? 0u : longest(a, s) / 4u) + AUTO_TICKS);
+    return ADOPTION_RUNNING;
+}
+
+static void rest_again(struct adoption *a, struct supervisor *s)
+{
+    adoption_put_back(a, s, false);
+    steady_reset(a->steady);
+    a->patience = PATIENCE;
+    enter(a, STAGE_REST, a->back + rest_ticks(a));
+}
+
+static enum adoption_result rest(struct adoption *a, struct supervisor *s)
+{
+    for (uint8_t k = 0; a->ticks > AUTO_TICKS && k < loops_of(a); k++) {
+        uint8_t j = output_of(a, s, k);
+        real_t moved =
+            j == PLAN_NONE ? REAL_C(0.0) : num_to_float(s->output[j].manual) - a->loop[k].held;
+        if (s->loop[a->loop[k].loop].mode != LOOP_MANUAL || real_abs(moved) > MOVED_LEAST)
+            return fail(a, ADOPTION_HAND, channel_of(a, s, k));
+    }
+    bool first = a->patience == PATIENCE && a->ticks + rest_ticks(a) <= a->stage_ticks;
+    if (!first) { /* the response to what was before is over */
+        real_t y[CHANNEL_MAX];
+        for (uint8_t k = 0; k < a->channels; k++)
+            y[k] = measured(a, s, k);
+        if (steady_step(a->steady, y) != ERR_OK)
+            return fail(a, ADOPTION_RESTLESS, 0);
+    }
+    return a->ticks < a->stage_ticks ? ADOPTION_RUNNING : end_rest(a, s);
+}
+
+/* ---- in automatic ---- */
+
+/* How far the drift has carried it since. */
+static real_t carried(const struct adoption *a, const struct supervisor *s, uint8_t k)
+{
+    const struct adoption_channel *c = &a->channel[k];
+    if (!c->drifts)
+        return REAL_C(0.0);
+    real_t by = c->slope_per_s * (real_t)a->since * s->plan->tick_s, most = DRIFT_MOST * c->limit;
+    return by > most ? most : by < -most ? -most : by;
+}
+
+/* A tick later than the others: by then the outer loops, which may be new, have followed the inner measurements. */
+static void listen(const struct adoption *a, struct supervisor *s)
+{
+    for (uint8_t k = a->n; k < loops_of(a); k++)
+        ask(s, a->loop[k].loop, LOOP_CASCADE);
+}
+
+/* Every loop acts, no hand is on it, and nothing is past its limit. */
 static enum adoption_result watch(struct adoption *a, const struct supervisor *s)
 {
-    for (uint8_t k = 0; k < a->n + a->n_inner; k++) {
-        uint8_t i = a->loop[k].loop;
-        if (s->loop[i].mode != (k < a->n ? LOOP_AUTO : LOOP_CASCADE)) {
-            if (a->stage == STAGE_SETTLE && a->ticks < AUTO_TICKS)
-                continue;
-            return fail(a, ADOPTION_NOT_AUTO, k);
-        }
-        real_t away = real_abs(measured(s, i) - num_to_float(s->loop[i].target));
-        real_t step = a->stage == STAGE_SETTLE ? REAL_C(0.0) : real_abs(a->loop[k].step);
-        if (away > a->loop[k].limit + step + NOISE_MULTIPLE * a->loop[k].noise_sd)
+    bool early = a->stage == STAGE_SETTLE && a->ticks < AUTO_TICKS;
+    for (uint8_t k = 0; k < loops_of(a) && !early; k++) {
+        const struct loop_state *l = &s->loop[a->loop[k].loop];
+        bool outer = k < a->n;
+        if (l->mode != (outer ? LOOP_AUTO : LOOP_CASCADE) ||
+            (outer && a->placed && real_abs(num_to_float(l->target) - a->asked[k]) > MOVED_LEAST))
+            return fail(a, ADOPTION_HAND, channel_of(a, s, k));
+    }
+    for (uint8_t k = 0; k < a->channels; k++) {
+        const struct adoption_channel *c = &a->channel[k];
+        real_t away = measured(a, s, k) - c->rest, by = carried(a, s, k);
+        if (real_abs(away - by) < real_abs(away))
+            away = away - by;
+        bool stepped = k == a->at && a->stage != STAGE_SETTLE;
+        real_t step = stepped ? real_abs(a->loop[k].step) : REAL_C(0.0);
+        if (real_abs(away) > c->limit + step + NOISE_MULTIPLE * c->noise_sd)
             return fail(a, ADOPTION_PAST_LIMIT, k);
     }
     return ADOPTION_RUNNING;
 }
 
-static void begin_step(struct adoption *a, struct supervisor *s)
+static real_t within_limits(const struct supervisor *s, uint8_t i, real_t at)
 {
-    if (a->at == 0)
-        for (uint8_t k = 0; k < a->n; k++)
-            a->start[k] = num_to_float(s->loop[a->loop[k].loop].target);
-    setpoint(a, s, a->at, a->start[a->at] + a->loop[a->at].step);
-    enter(a, STAGE_STEP, duration(&a->loop[a->at], s));
+    const struct measurement_config *m = &s->plan->config.measurement[s->plan->loop[i].pv];
+    float lo, hi;
+    plan_setpoint_limits(s->plan, i, &lo, &hi);
+    real_t least = (lo - m->lo) / (m->hi - m->lo), most = (hi - m->lo) / (m->hi - m->lo);
+    return at < least ? least : at > most ? most : at;
+}
+
+/* The setpoints go with the drift; that of the loop under trial is a step away from it. */
+static void place_setpoints(struct adoption *a, struct supervisor *s)
+{
+    for (uint8_t k = 0; k < a->n; k++)
+        if (s->loop[a->loop[k].loop].mode != LOOP_AUTO)
+            return; /* not there yet */
+    for (uint8_t k = 0; k < a->n; k++) {
+        struct loop_state *l = &s->loop[a->loop[k].loop];
+        real_t at = a->channel[k].rest + carried(a, s, k);
+        if (k == a->at && a->stage == STAGE_STEP)
+            at += a->loop[k].step;
+        l->target = num_from_float(within_limits(s, a->loop[k].loop, at));
+        l->sp_given = true;
+        a->asked[k] = num_to_float(l->target);
+    }
+    a->placed = true;
+}
+
+static void say_setpoint(const struct adoption *a, const struct supervisor *s)
+{
+    const struct config *config = &s->plan->config;
+    const struct measurement_config *m = &config->measurement[a->channel[a->at].measurement];
+    event_put(s->events, s->time_ms, EVENT_SETPOINT, config->loop[a->loop[a->at].loop].name,
+              m->lo + a->asked[a->at] * (m->hi - m->lo), 0);
+}
+
+static void begin_stage(struct adoption *a, struct supervisor *s, enum stage stage)
+{
+    enter(a, stage, duration(&a->loop[a->at], s));
+    if (stage == STAGE_STEP)
+        a->loop[a->at].iae = a->loop[a->at].peak = REAL_C(0.0);
+    place_setpoints(a, s);
+    say_setpoint(a, s);
+}
+
+/* The step was chosen so that no output comes to its limit. */
+static bool is_blocked(const struct supervisor *s, uint8_t output)
+{
+    const struct output_config *o = &s->plan->config.output[output];
+    real_t at = num_to_float(s->output[output].constrained), span = o->hi - o->lo;
+    real_t lo = (o->min - o->lo) / span, hi = (o->max - o->lo) / span;
+    return at <= lo + MOVED_LEAST || at >= hi - MOVED_LEAST;
 }
 
 static void look(struct adoption *a, const struct supervisor *s)
 {
     struct adoption_loop *l = &a->loop[a->at];
-    real_t error = num_to_float(s->loop[l->loop].target) - measured(s, l->loop);
+    for (uint8_t k = 0; k < loops_of(a); k++)
+        if (output_of(a, s, k) != PLAN_NONE && is_blocked(s, output_of(a, s, k)))
+            a->blocked[k]++;
+    real_t error = a->asked[a->at] - measured(a, s, a->at);
     l->iae += real_abs(error) * s->plan->tick_s;
     real_t past = -error / l->step; /* in units of the step, above 0 beyond the setpoint */
     if (past > l->peak)
@@ -136,38 +361,74 @@ static void look(struct adoption *a, const struct supervisor *s)
     }
 }
 
-/* What the drift keeps a loop away from its setpoint. Its controller has to climb as fast as the drift, for which the
- * error is the drift times the integral of the error after a step of one: both are Ti / (K Kc). The other loops drift,
- * too. */
-static real_t lag_behind_drift(const struct adoption_loop *l)
+/* What of a drift the line may not have foreseen keeps a loop away from its setpoint. Its controller has to climb as fast as
+ * the drift, for which the error is the drift times the integral of the error after a step of one: both are Ti / (K Kc).
+ * The other loops drift, too. */
+static real_t lag_behind_drift(const struct adoption *a)
 {
-    return REAL_C(2.0) * l->drift_per_s * l->predicted.iae / real_abs(l->size);
+    const struct adoption_channel *c = &a->channel[a->at];
+    const struct adoption_loop *l = &a->loop[a->at];
+    real_t unforeseen = REAL_C(2.0) * c->slope_sd_per_s;
+    if (!c->drifts)
+        unforeseen += real_abs(c->slope_per_s);
+    return REAL_C(2.0) * unforeseen * l->predicted.iae / real_abs(l->size);
 }
 
-static enum adoption_result judge(struct adoption *a, const struct supervisor *s)
+static enum adoption_result judge(const struct adoption *a, const struct supervisor *s)
 {
-    struct adoption_loop *l = &a->loop[a->at];
+    const struct adoption_loop *l = &a->loop[a->at];
     real_t scale = real_abs(l->step / l->size), step = real_abs(l->step);
+    real_t noise_sd = a->channel[a->at].noise_sd;
     real_t ran_s = (real_t)a->stage_ticks * s->plan->tick_s;
     /* What noise alone integrates to: its mean magnitude is 0.8 of its standard deviation. */
-    real_t lag = lag_behind_drift(l);
+    real_t lag = lag_behind_drift(a);
     real_t iae_most =
-        ADOPTION_IAE * l->predicted.iae * scale + (REAL_C(1.5) * l->noise_sd + lag) * ran_s;
-    real_t peak_most =
-        l->predicted.peak + ADOPTION_PEAK + (NOISE_MULTIPLE * l->noise_sd + lag) / step;
-    real_t left = a->error_n ? real_abs(a->error_sum) / (real_t)a->error_n : REAL_C(0.0);
+        ADOPTION_IAE * l->predicted.iae * scale + (REAL_C(1.5) * noise_sd + lag) * ran_s;
+    real_t peak_most = l->predicted.peak + ADOPTION_PEAK + (NOISE_MULTIPLE * noise_sd + lag) / step;
+    real_t left = a->error_n ? a->error_sum / (real_t)a->error_n : REAL_C(0.0);
+    left = (l->step > REAL_C(0.0) ? left : -left) - l->left * scale;
+    for (uint8_t k = 0; k < loops_of(a); k++)
+        if ((real_t)a->blocked[k] > BLOCKED_SHARE * (real_t)a->stage_ticks)
+            return ADOPTION_BLOCKED;
     if (l->peak > peak_most)
-        return fail(a, ADOPTION_OVERSHOOT, a->at);
-    if (left > REST_SHARE * step + l->noise_sd + lag)
-        return fail(a, ADOPTION_RESTLESS, a->at);
+        return ADOPTION_OVERSHOOT;
+    if (real_abs(left) > REST_SHARE * step + noise_sd + lag)
+        return ADOPTION_RESTLESS;
     if (l->iae > iae_most)
-        return fail(a, ADOPTION_SLOW, a->at);
+        return ADOPTION_SLOW;
+    return ADOPTION_RUNNING;
+}
+
+/* The next loop's turn, or the end of it all. */
+static enum adoption_result go_on(struct adoption *a, struct supervisor *s)
+{
+    if (a->at < a->n) {
+        begin_stage(a, s, STAGE_STEP);
+        return ADOPTION_RUNNING;
+    }
+    a->result = ADOPTION_PASSED;
+    return ADOPTION_PASSED;
+}
+
+static enum adoption_result end_step(struct adoption *a, struct supervisor *s)
+{
+    a->doubt = judge(a, s);
+    if (a->doubt == ADOPTION_RUNNING && !a->drifting) {
+        begin_stage(a, s, STAGE_RETURN);
+        return ADOPTION_RUNNING;
+    }
+    if (a->doubt == ADOPTION_RUNNING)
+        a->at++;
+    rest_again(a, s);
     return ADOPTION_RUNNING;
 }
 
 enum adoption_result adoption_tick(struct adoption *a, struct supervisor *s)
 {
     a->ticks++;
+    a->since++;
+    if (a->stage == STAGE_REST)
+        return rest(a, s);
     if (a->stage == STAGE_SETTLE && a->ticks == LISTEN_TICK)
         listen(a, s);
     enum adoption_result r = watch(a, s);
@@ -175,22 +436,15 @@ enum adoption_result adoption_tick(struct adoption *a, struct supervisor *s)
         return r;
     if (a->stage == STAGE_STEP)
         look(a, s);
-    if (a->ticks < a->stage_ticks)
-        return ADOPTION_RUNNING;
-    if (a->stage == STAGE_STEP) {
-        r = judge(a, s);
-        setpoint(a, s, a->at, a->start[a->at]);
-        enter(a, STAGE_RETURN, duration(&a->loop[a->at], s));
-        return r;
+    if (a->ticks >= a->stage_ticks) {
+        if (a->stage == STAGE_STEP)
+            return end_step(a, s);
+        if (a->stage == STAGE_RETURN)
+            a->at++;
+        return go_on(a, s);
     }
-    if (a->stage == STAGE_RETURN)
-        a->at++;
-    if (a->at < a->n) {
-        begin_step(a, s);
-        return ADOPTION_RUNNING;
-    }
-    a->result = ADOPTION_PASSED;
-    return ADOPTION_PASSED;
+    place_setpoints(a, s);
+    return ADOPTION_RUNNING;
 }
 
 #endif

@@ -1,26 +1,48 @@
-/* An accepted set of loops on trial, on the plant: every loop's setpoint is stepped once, there and back, and what it
- * does is held against what was predicted. */
+/* An accepted set of loops on trial, on the plant: every loop's setpoint is stepped once, and what it does is held against
+ * what was predicted.
+ *
+ *     rest -> settle -> step -> return -> step (next loop) ... -> passed
+ *       ^                |                                            of a plant that stays where it is
+ *       |                +-> rest -> settle -> step (next loop) ... -> passed
+ *       +--- not as predicted: was it the plant?                      of one that drifts
+ *
+ * At rest the outputs are held in manual and a line is fitted to every measurement. A drift that is significant is taken off
+ * as in the tests: the setpoints go with it, and limits count from its line or from where it began, whichever is nearer. No
+ * controller can hold a measurement that goes on drifting for ever on the room of its output; and an ill-conditioned plant
+ * needs all of it soon. */
 #ifndef REFLUX_COMMISSION_ADOPTION_H
 #define REFLUX_COMMISSION_ADOPTION_H
 
 #include "design/trial.h"
+#include "identify/steady.h"
 #include "supervise/supervisor.h"
 
 /* How much worse than predicted is accepted. */
 #define ADOPTION_IAE      REAL_C(2.5)  /* times the predicted integral of the error */
 #define ADOPTION_PEAK     REAL_C(0.35) /* of the step, past the predicted overshoot */
-#define ADOPTION_DURATION REAL_C(1.5)  /* times the predicted settling time */
+#define ADOPTION_DURATION REAL_C(1.5)  /* times the predicted settling time, at most */
+#define ADOPTION_REPEATS  2u           /* of steps that the plant itself has spoilt */
+
+/* A measurement; that of loop k is the k-th, and after those come the ones that no loop holds. */
+struct adoption_channel {
+    uint8_t measurement; /* index in the configuration */
+    uint8_t output;      /* ... and in the tests */
+    real_t noise_sd;     /* fraction of span */
+    real_t limit;        /* farthest from rest, fraction of span */
+    /* At rest, while the outputs were held: the line at the end of it. */
+    real_t rest, rest_sd, slope_per_s, slope_sd_per_s;
+    bool drifts; /* significantly, and so much that it matters */
+};
 
 struct adoption_loop {
     uint8_t loop;                /* index in the plan */
     real_t step;                 /* of its setpoint, fraction of span, either sign */
-    real_t noise_sd;             /* fraction of span */
-    real_t drift_per_s;          /* to be reckoned with, fraction of span per second */
-    real_t limit;                /* farthest from the setpoint, fraction of span */
-    struct trial_loop predicted; /* per unit of `size` */
-    real_t size;                 /* step of the prediction */
-    real_t iae, peak;            /* as found; peak in units of the step */
-    real_t held;                 /* output before the trial, fraction of span */
+    real_t duration_s;           /* of its step */
+    struct trial_loop predicted; /* per unit of `size`; iae until duration_s */
+    real_t left; /* mean error predicted for the last quarter, in the step's direction, likewise */
+    real_t size; /* step of the prediction */
+    real_t iae, peak; /* as found; peak in units of the step */
+    real_t held;      /* output before the trial, fraction of span */
 };
 
 enum adoption_result {
@@ -30,27 +52,42 @@ enum adoption_result {
     ADOPTION_SLOW,
     ADOPTION_OVERSHOOT,
     ADOPTION_RESTLESS,
-    ADOPTION_NOT_AUTO /* a loop did not go to automatic, or left it */
+    ADOPTION_BLOCKED, /* an output stood at its limit */
+    ADOPTION_HAND /* a loop did not go to automatic, or somebody moved a mode, a setpoint or an output */
 };
 
 struct adoption {
     uint8_t n, at;   /* loops; the one under trial */
     uint8_t n_inner; /* behind them in loop[]: inner loops, which have no setpoint to step */
-    struct adoption_loop loop[CONFIG_LOOPS];
+    uint8_t channels;
+    uint32_t window,
+        back; /* samples: over which rest is judged, and that a response takes to be over */
+    struct adoption_channel channel[CHANNEL_MAX];
+    struct adoption_loop loop[CONFIG_LOOPS]; /* of inner ones only `loop` and `held` */
     enum adoption_result result;
-    uint8_t culprit; /* in loop[] */
-    uint8_t stage;
-    uint32_t ticks, stage_ticks;
-    real_t start[CONFIG_LOOPS]; /* setpoints before, fraction of span */
+    uint8_t culprit; /* in channel[] */
+    uint8_t stage, repeats, patience;
+    enum adoption_result doubt;         /* what the step before the rest came to */
+    bool drifting;                      /* something has drifted: rest between any two steps */
+    bool placed;                        /* setpoints */
+    uint32_t ticks, stage_ticks, since; /* since: the lines were fitted */
+    real_t asked[CONFIG_LOOPS];         /* setpoints, as written */
     real_t error_sum;
     uint32_t error_n;
+    uint32_t blocked[CONFIG_LOOPS]; /* samples of the step at a limit of the output */
+    struct steady *steady;          /* work */
 };
 
-/* Remembers where the outputs are. n and loop[].loop are filled in. */
+/* Remembers where the outputs are. n, n_inner and loop[].loop are filled in. */
 void adoption_hold(struct adoption *a, const struct supervisor *s);
-/* n and loop[] as far as `size` are filled in. Puts the loops into automatic where they are. */
-void adoption_begin(struct adoption *a, struct supervisor *s);
+/* n, n_inner, channels, window, back, channel[] as far as `limit` and loop[] as far as `size` are filled in; *work must live as
+ * long. The loops are in manual and stay there until the lines of rest are known. ERR_RANGE: channels or window. */
+MUST_CHECK enum err adoption_begin(struct adoption *a, const struct supervisor *s,
+                                   struct steady *work);
 /* A tick of it, after validate and before control. */
 enum adoption_result adoption_tick(struct adoption *a, struct supervisor *s);
+/* The loops go to manual, their outputs to where the trial found them. but_hand: those that somebody has taken to manual
+ * stay as they are. */
+void adoption_put_back(const struct adoption *a, struct supervisor *s, bool but_hand);
 
 #endif

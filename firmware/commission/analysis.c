@@ -8,6 +8,7 @@
 #include "control/decoupler.h"
 
 #define SIGN_SDS   REAL_C(3.0) /* a gain nearer to 0 may have the other sign: no loop for it */
+#define HORIZON    REAL_C(5.0) /* times integral and dead time: what a loop by itself takes */
 #define EXTENSIONS 2u
 #define LONGER     REAL_C(4.0) /* times the duration in which a step did not settle */
 #define LONGEST_S  REAL_C(1e7) /* that a trial can be */
@@ -192,12 +193,23 @@ static enum err do_decoupler(struct analysis *a)
     return begin_settings(a);
 }
 
-/* duration_s 0: ten times the slowest loop by itself, which interaction may make slower by far. */
+static void set_horizon(struct analysis *a)
+{
+    a->horizon_s = REAL_C(0.0);
+    for (uint8_t k = 0; k < a->pairs.n; k++) {
+        real_t dead = a->plant.element[a->pairs.output[k]][a->pairs.input[k]].dead_time_s;
+        real_t h = HORIZON * (a->loops.tuning[k].ti_s + dead);
+        a->horizon_s = h > a->horizon_s ? h : a->horizon_s;
+    }
+}
+
+/* duration_s 0: fifteen times the slowest loop by itself, which interaction may make slower by far. */
 static enum err begin_prediction(struct analysis *a, real_t duration_s)
 {
     struct trial_config c = {.loop = a->at,
                              .size = a->config.step,
                              .duration_s = duration_s,
+                             .mark_s = a->horizon_s,
                              .setpoint_weight = REAL_C(1.0)};
     a->stage = ANALYSIS_PREDICTION;
     enum err err = trial_begin(&a->work.trial, &a->plant, &a->loops, &c);
@@ -225,12 +237,15 @@ static enum err end_settings(struct analysis *a, enum err err)
     a->log_modulus_db = a->work.detune.log_modulus_db;
     a->bounded = true;
     a->at = 0;
+    set_horizon(a);
     return begin_prediction(a, REAL_C(0.0));
 }
 
 static enum err end_prediction(struct analysis *a)
 {
     const struct trial *t = &a->work.trial;
+    if (a->extended == 0) /* later ones may have longer samples */
+        a->tried[a->at] = t->mark;
     real_t longer_s = LONGER * t->duration_s;
     if (longer_s > LONGEST_S)
         longer_s = LONGEST_S;
@@ -240,7 +255,7 @@ static enum err end_prediction(struct analysis *a)
         return begin_prediction(a, longer_s);
     }
     a->extended = 0;
-    a->predicted[a->at] = a->work.trial.loop[a->at];
+    a->predicted[a->at] = t->loop[a->at];
     a->bounded = a->bounded && a->work.trial.bounded;
     if (++a->at < a->pairs.n)
         return begin_prediction(a, REAL_C(0.0));

@@ -6,6 +6,7 @@
 #include "design/detune.h"
 #include "design/static_decoupler.h"
 #include "design/trial.h"
+#include "identify/steady.h"
 #include "interact/cascade.h"
 #include "interact/gains.h"
 #include "interact/measure.h"
@@ -81,7 +82,9 @@ struct analysis {
     struct loops loops;
     real_t factor, log_modulus_db;
     struct trial_loop
-        predicted[INTERACT_MAX]; /* loop k after its own setpoint step of config.step */
+        predicted[INTERACT_MAX];           /* loop k after its own setpoint step of config.step */
+    struct trial_mark tried[INTERACT_MAX]; /* ... after horizon_s of it */
+    real_t horizon_s; /* five times the slowest loop's integral time and dead time */
     bool bounded;
     uint8_t at;       /* loop under prediction */
     uint8_t extended; /* times its prediction was made longer */
@@ -106,6 +109,7 @@ struct analysis {
         } decoupler;
         struct detune detune;
         struct trial trial;
+        struct steady rest; /* not of the analysis: of the trial on the plant that comes after it */
     } work;
 };
 

@@ -129,17 +129,18 @@ static enum err begin_cycle(struct commission *c, const struct supervisor *s,
     struct relay_test *t = &c->work.relay;
     const struct output_config *o = &s->plan->config.output[c->input[0].output];
     real_t room = commission_room(s, c->input[0].output, c->input[0].held);
-    real_t longest_s = settings(s)->longest_s;
+    real_t longest_s = settings(s)->longest_s, drift_per_s = REAL_C(0.0);
     for (uint8_t j = 0; j < c->outputs; j++) {
         bool drifts = real_abs(at[j].slope_per_s) > REAL_C(2.0) * at[j].slope_sd_per_s;
         c->noise_sd[j] = at[j].noise_sd;
-        c->drift_per_s[j] = drifts ? real_abs(at[j].slope_per_s) : REAL_C(0.0);
         t->rest[j] = at[j].mean + (drifts ? at[j].slope_per_s * at[j].age_s : REAL_C(0.0));
+        if (drifts && j == 0)
+            drift_per_s = at[j].slope_per_s;
     }
     struct relay_config x = {
         .h_s = s->plan->tick_s,
         .reference = t->rest[0],
-        .drift_per_s = c->drift_per_s[0] > REAL_C(0.0) ? at[0].slope_per_s : REAL_C(0.0),
+        .drift_per_s = drift_per_s,
         .noise_sd = at[0].noise_sd,
         .hysteresis = hysteresis(&at[0]),
         .amplitude = o->test_step / (o->hi - o->lo),
@@ -181,8 +182,8 @@ static bool within_limits(struct commission *c, const real_t *y, real_t *share, 
 }
 
 /* The proposal, where the analysis of a whole plant would be: one pair. The relay is in the same memory. */
-static void propose(struct commission *c, const struct relay_result *found,
-                    const struct tuning *tuning)
+static void propose(struct commission *c, const struct supervisor *s,
+                    const struct relay_result *found, const struct tuning *tuning)
 {
     struct analysis *a = &c->work.analysis;
     memset(a, 0, offsetof(struct analysis, work));
@@ -202,6 +203,10 @@ static void propose(struct commission *c, const struct relay_result *found,
                                           .peak = TRIAL_PEAK,
                                           .settled_s = TRIAL_SETTLES * found->period_s,
                                           .moved = TRIAL_MOVES * ku * step};
+    a->tried[0].iae = a->predicted[0].iae;
+    a->tried[0].moved[0] = a->predicted[0].moved;
+    a->horizon_s = ADOPTION_DURATION * a->predicted[0].settled_s;
+    c->half_least = commission_samples(s, a->predicted[0].settled_s);
     a->designed = true;
 }
 
@@ -224,7 +229,7 @@ static void done(struct commission *c, struct supervisor *s)
     c->by_relay.gain = tuning.action == TUNING_DIRECT ? -tuning.gain : tuning.gain;
     c->by_relay.ti_s = tuning.ti_s;
     c->by_relay.found = true;
-    propose(c, &found, &tuning);
+    propose(c, s, &found, &tuning);
     c->phase = COMMISSION_READY;
     c->analysed = true;
     c->phase_ms = c->ended_ms = s->time_ms;

@@ -40,6 +40,12 @@ real_t commission_room(const struct supervisor *s, uint8_t j, real_t held)
     return held - lo < hi - held ? held - lo : hi - held;
 }
 
+real_t commission_limit(const struct measurement_config *m)
+{
+    real_t limit = m->test_limit > 0.0f ? m->test_limit / (m->hi - m->lo) : TEST_LIMIT_DEFAULT;
+    return m->test_critical ? REAL_C(0.5) * limit : limit;
+}
+
 bool commission_input_is_tested(const struct supervisor *s, uint8_t j)
 {
     const struct output_config *o = &s->plan->config.output[j];

@@ -63,6 +63,7 @@ enum commission_why {
     WHY_SEQUENCE,
     WHY_NO_ANSWER, /* to a relay */
     WHY_NO_CYCLE,
+    WHY_TRIAL_ROOM, /* an output stood at its limit */
     WHY_COUNT
 };
 
@@ -127,7 +128,6 @@ struct commission {
     uint64_t sample_ms;                    /* ... of the last sample a test has seen */
     uint32_t half_least;                   /* samples: from the inputs before */
     real_t noise_sd[CHANNEL_MAX];
-    real_t drift_per_s[CHANNEL_MAX]; /* fastest seen at rest, fraction of span per second */
     struct element element[CHANNEL_MAX][CHANNEL_MAX]; /* [measurement][input] */
 
     /* The background's part; its while `job` is set and `job_done` is not. The tick may end a job in the midst of a

@@ -3,23 +3,11 @@
 
 #include "commission/parts.h"
 
-#include <string.h>
-
 void commission_back_to_old(struct commission *c, struct supervisor *s, enum commission_why why,
                             const char *subject, real_t value)
 {
-    const struct adoption *a = &c->adoption;
     commission_end(c, s, why, subject, value);
-    for (uint8_t k = 0; k < a->n + a->n_inner; k++) {
-        uint8_t i = a->loop[k].loop, j = s->plan->loop[i].output;
-        if (why == WHY_HAND && s->loop[i].mode == LOOP_MANUAL)
-            continue;
-        struct request r = {
-            .kind = REQUEST_MODE, .loop = i, .output = PLAN_NONE, .mode = LOOP_MANUAL};
-        supervisor_request(s, &r);
-        if (j != PLAN_NONE)
-            s->output[j].manual = num_from_float(a->loop[k].held);
-    }
+    adoption_put_back(&c->adoption, s, why == WHY_HAND);
     c->phase = COMMISSION_RETURNED;
     c->wants_old = true;
 }
@@ -57,7 +45,11 @@ void commission_begin_trial(struct commission *c, struct supervisor *s)
         adoption_hold(&c->adoption, s);
     if (trial_is_disturbed(c, s))
         return;
-    adoption_begin(&c->adoption, s);
+    enum err err = adoption_begin(&c->adoption, s, &c->work.analysis.work.rest);
+    if (err) {
+        commission_back_to_old(c, s, WHY_NUMBERS, NULL, (real_t)err);
+        return;
+    }
     event_put(c->events, s->time_ms, EVENT_TRIAL_BEGUN, NULL, (float)c->adoption.n, 0);
 }
 
@@ -70,7 +62,8 @@ void commission_trial(struct commission *c, struct supervisor *s)
         [ADOPTION_SLOW] = WHY_TRIAL_SLOW,
         [ADOPTION_OVERSHOOT] = WHY_TRIAL_PEAK,
         [ADOPTION_RESTLESS] = WHY_TRIAL_REST,
-        [ADOPTION_NOT_AUTO] = WHY_HAND,
+        [ADOPTION_BLOCKED] = WHY_TRIAL_ROOM,
+        [ADOPTION_HAND] = WHY_HAND,
     };
     if (trial_is_disturbed(c, s))
         return;
@@ -83,8 +76,12 @@ void commission_trial(struct commission *c, struct supervisor *s)
         event_put(c->events, s->time_ms, EVENT_TRIAL_KEPT, NULL, (float)c->adoption.n, 0);
         return;
     }
-    const struct adoption_loop *l = &c->adoption.loop[c->adoption.culprit];
-    commission_back_to_old(c, s, why[r], s->plan->config.loop[l->loop].name, l->peak);
+    const struct adoption *a = &c->adoption;
+    const struct config *config = &s->plan->config;
+    bool of_loop = a->culprit < a->n;
+    const char *subject = of_loop ? config->loop[a->loop[a->culprit].loop].name
+                                  : config->measurement[a->channel[a->culprit].measurement].name;
+    commission_back_to_old(c, s, why[r], subject, of_loop ? a->loop[a->culprit].peak : REAL_C(0.0));
 }
 
 #endif

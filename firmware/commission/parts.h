@@ -24,6 +24,8 @@ bool commission_measurement_is_tested(const struct supervisor *s, uint8_t i);
 real_t commission_held_at(const struct supervisor *s, uint8_t j);
 /* Smaller of the ways from there to both operating limits, fraction of span. */
 real_t commission_room(const struct supervisor *s, uint8_t j, real_t held);
+/* Farthest that a measurement may go from rest, fraction of span. */
+real_t commission_limit(const struct measurement_config *m);
 /* Anything that is not a test's to decide; WHY_NOT: nothing. */
 enum commission_why commission_disturbance(const struct commission *c, const struct supervisor *s,
                                            const char **subject);

@@ -1,6 +1,7 @@
 #include "supervise/config.h"
 #if COMMISSION_CHANNELS
 
+#include "commission/parts.h"
 #include "commission/proposal_structure.h"
 
 #include <string.h>
@@ -145,30 +146,85 @@ enum err proposal_write(const struct commission *c, struct config *config)
 #define STEP_IN_NOISE REAL_C(8.0)
 #define STEP_LEAST    REAL_C(0.01) /* fraction of span */
 #define STEP_SHARE    REAL_C(0.25) /* of the test limit */
+#define STEP_MOST     REAL_C(0.5)
 #define ROOM_SHARE    REAL_C(0.8)
+#define OTHERS_SHARE  REAL_C(0.7)  /* of a limit: how far a step may drive what it is not for */
+#define STEP_NEVER    REAL_C(1e-4) /* smaller than this no step is made */
+#define WINDOW_SHARE  2u           /* of what the responses have taken: window of rest on trial */
+#define WINDOW_MOST   10000u
 
-/* The step of a loop's setpoint on trial: out of the noise, inside the limit, and no farther than its output can go. */
+/* The largest step of loop k's setpoint for which, on the model, every input stays within its room, and what no loop holds
+ * within its limit. */
+static real_t step_by_model(const struct commission *c, const struct supervisor *s, uint8_t k)
+{
+    const struct analysis *a = &c->work.analysis;
+    const struct adoption *t = &c->adoption;
+    const struct trial_mark *by = &a->tried[k];
+    real_t most = REAL_C(1.0);
+    for (uint8_t l = 0; l < a->pairs.n; l++) {
+        if (analysis_inner_of(a, l) != INTERACT_NONE)
+            continue; /* proposal_prepare_inner() */
+        uint8_t j = c->input[c->column[a->pairs.input[l]]].output;
+        real_t room = ROOM_SHARE * commission_room(s, j, num_to_float(s->output[j].manual));
+        if (by->moved[l] * most > room * a->config.step)
+            most = room * a->config.step / by->moved[l];
+    }
+    for (uint8_t j = t->n; j < t->channels; j++) {
+        uint8_t output = t->channel[j].output;
+        real_t goes = REAL_C(0.0), limit = OTHERS_SHARE * t->channel[j].limit;
+        for (uint8_t l = 0; l < a->pairs.n; l++)
+            goes += a->plant.element[output][a->pairs.input[l]].gain * by->input[l];
+        if (real_abs(goes) * most > limit * a->config.step)
+            most = limit * a->config.step / real_abs(goes);
+    }
+    return most;
+}
+
+/* The step of a loop's setpoint on trial: out of the noise, inside the limit, and no farther than the model says that inputs
+ * and other measurements can go. */
 static void choose_step(const struct commission *c, const struct supervisor *s, uint8_t k,
                         struct adoption_loop *l)
 {
-    const struct analysis *a = &c->work.analysis;
-    const struct tested_input *in = &c->input[c->column[a->pairs.input[k]]];
-    const struct output_config *o = &s->plan->config.output[in->output];
-    uint8_t i = c->measurement[a->pairs.output[k]];
-    real_t lo = (o->min - o->lo) / (o->hi - o->lo), hi = (o->max - o->lo) / (o->hi - o->lo);
-    real_t held = num_to_float(s->output[in->output].manual);
-    real_t room = held - lo < hi - held ? held - lo : hi - held;
-    real_t step = STEP_IN_NOISE * l->noise_sd;
+    const struct adoption_channel *m = &c->adoption.channel[k];
+    real_t step = STEP_IN_NOISE * m->noise_sd;
     if (step < STEP_LEAST)
         step = STEP_LEAST;
-    if (step < STEP_SHARE * l->limit)
-        step = STEP_SHARE * l->limit;
-    if (step > REAL_C(0.5) * l->limit)
-        step = REAL_C(0.5) * l->limit;
-    if (l->predicted.moved * step > ROOM_SHARE * room * l->size)
-        step = ROOM_SHARE * room * l->size / l->predicted.moved;
-    real_t y = num_to_float(s->measurement[i].value);
+    if (step < STEP_SHARE * m->limit)
+        step = STEP_SHARE * m->limit;
+    if (step > STEP_MOST * m->limit)
+        step = STEP_MOST * m->limit;
+    real_t most = step_by_model(c, s, k);
+    if (step > most)
+        step = most;
+    if (step < STEP_NEVER)
+        step = STEP_NEVER;
+    real_t y = num_to_float(s->measurement[m->measurement].value);
     l->step = y > REAL_C(0.5) ? -step : step;
+}
+
+/* A measurement on trial, by its place in the tests. */
+static void take_channel(struct commission *c, const struct config *config, uint8_t output)
+{
+    struct adoption *t = &c->adoption;
+    struct adoption_channel *m = &t->channel[t->channels++];
+    m->measurement = c->measurement[output];
+    m->output = output;
+    m->noise_sd = c->noise_sd[output];
+    m->limit = commission_limit(&config->measurement[m->measurement]);
+}
+
+/* All measurements that were tested: those of the loops first, in their order. */
+static void take_channels(struct commission *c, const struct config *config)
+{
+    const struct analysis *a = &c->work.analysis;
+    uint32_t held = 0;
+    for (uint8_t k = 0; k < a->pairs.n; k++) {
+        take_channel(c, config, a->pairs.output[k]);
+        held |= 1u << a->pairs.output[k];
+    }
+    for (uint8_t j = 0; j < c->outputs; j++)
+        if (!(held >> j & 1u))
+            take_channel(c, config, j);
 }
 
 enum err proposal_prepare_trial(struct commission *c, const struct supervisor *s,
@@ -179,22 +235,31 @@ enum err proposal_prepare_trial(struct commission *c, const struct supervisor *s
     if (commission_channels(config) != c->channels)
         return ERR_CONFLICT;
     memset(t, 0, sizeof *t);
+    t->n = a->pairs.n;
+    take_channels(c, config);
+    t->back = c->half_least;
+    t->window = c->half_least / WINDOW_SHARE;
+    if (t->window < config->test.window)
+        t->window = config->test.window;
+    if (t->window < STEADY_BLOCKS)
+        t->window = STEADY_BLOCKS;
+    if (t->window > WINDOW_MOST)
+        t->window = WINDOW_MOST;
     for (uint8_t k = 0; k < a->pairs.n; k++) {
         struct adoption_loop *l = &t->loop[k];
         uint8_t i = proposal_loop(c, config, k);
         if (i == PLAN_NONE)
             return ERR_UNKNOWN;
-        const struct measurement_config *m =
-            &config->measurement[c->measurement[a->pairs.output[k]]];
         l->loop = i;
-        l->noise_sd = c->noise_sd[a->pairs.output[k]];
-        l->drift_per_s = c->drift_per_s[a->pairs.output[k]];
-        l->limit = m->test_limit > 0.0f ? m->test_limit / (m->hi - m->lo) : TEST_LIMIT_DEFAULT;
         l->predicted = a->predicted[k];
+        l->predicted.iae = a->tried[k].iae;
+        l->left = a->tried[k].left;
+        l->duration_s = ADOPTION_DURATION * l->predicted.settled_s;
+        if (l->duration_s > a->horizon_s)
+            l->duration_s = a->horizon_s;
         l->size = a->config.step;
         choose_step(c, s, k, l);
     }
-    t->n = a->pairs.n;
     return proposal_prepare_inner(c, s, config);
 }
 

@@ -1,6 +1,7 @@
 #include "supervise/config.h"
 #if COMMISSION_CHANNELS
 
+#include "commission/parts.h"
 #include "commission/proposal_structure.h"
 
 #include <string.h>
@@ -101,7 +102,7 @@ enum err proposal_add_structure(const struct commission *c, struct config *confi
 /* The outer loop's output is a setpoint: inside the inner measurement's limit and span, and no farther than the
  * manipulated variable can follow, at rest and at once. */
 static void keep_in_reach(const struct commission *c, const struct supervisor *s, uint8_t k,
-                          const struct adoption_loop *inner, struct adoption_loop *outer)
+                          real_t limit, struct adoption_loop *outer)
 {
     const struct analysis *a = &c->work.analysis;
     const struct tested_input *in = &c->input[c->column[a->pairs.input[k]]];
@@ -117,7 +118,7 @@ static void keep_in_reach(const struct commission *c, const struct supervisor *s
     real_t reach = room / moved;
     real_t y = num_to_float(s->measurement[c->measurement[analysis_inner_of(a, k)]].value);
     real_t span = y < REAL_C(0.5) ? y : REAL_C(1.0) - y;
-    reach = reach < inner->limit ? reach : inner->limit;
+    reach = reach < limit ? reach : limit;
     reach = ROOM_SHARE * (reach < span ? reach : span);
     if (outer->predicted.moved * real_abs(outer->step) > reach * outer->size) {
         real_t step = reach * outer->size / outer->predicted.moved;
@@ -137,14 +138,9 @@ enum err proposal_prepare_inner(struct commission *c, const struct supervisor *s
         uint8_t i = proposal_inner_loop(c, config, k);
         if (i == PLAN_NONE || t->n + t->n_inner >= CONFIG_LOOPS)
             return ERR_UNKNOWN;
-        const struct measurement_config *m = &config->measurement[c->measurement[inner]];
-        struct adoption_loop *l = &t->loop[t->n + t->n_inner++];
-        *l = (struct adoption_loop){.loop = i,
-                                    .noise_sd = c->noise_sd[inner],
-                                    .limit = m->test_limit > 0.0f ? m->test_limit / (m->hi - m->lo)
-                                                                  : TEST_LIMIT_DEFAULT,
-                                    .size = a->config.step};
-        keep_in_reach(c, s, k, l, &t->loop[k]);
+        t->loop[t->n + t->n_inner++] = (struct adoption_loop){.loop = i, .size = a->config.step};
+        real_t limit = commission_limit(&config->measurement[c->measurement[inner]]);
+        keep_in_reach(c, s, k, limit, &t->loop[k]);
     }
     return ERR_OK;
 }

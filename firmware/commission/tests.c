@@ -145,10 +145,7 @@ static enum err begin_input(struct commission *c, const struct supervisor *s)
         .blank_s = config->test.blank_s,
         .line_guard = config->test.guard == TEST_GUARD_LINE};
     for (uint8_t j = 0; j < c->outputs; j++) {
-        const struct measurement_config *m = &config->measurement[c->measurement[j]];
-        x.limit[j] = m->test_limit > 0.0f ? m->test_limit / (m->hi - m->lo) : TEST_LIMIT_DEFAULT;
-        if (m->test_critical)
-            x.limit[j] *= REAL_C(0.5);
+        x.limit[j] = commission_limit(&config->measurement[c->measurement[j]]);
         if (c->input[k].rounds > 0)
             x.dead_time_s[j] = c->element[j][k].fit.dead_time_s;
     }
@@ -249,13 +246,8 @@ static void end_test(struct commission *c, struct supervisor *s)
     in->small = x->small;
     if (x->worst > in->worst)
         in->worst = x->worst;
-    for (uint8_t j = 0; j < c->outputs; j++) {
-        const struct steady_result *b = &x->before[j];
-        real_t drift = real_abs(b->slope_per_s);
-        c->noise_sd[j] = b->noise_sd;
-        if (drift > REAL_C(2.0) * b->slope_sd_per_s && drift > c->drift_per_s[j])
-            c->drift_per_s[j] = drift;
-    }
+    for (uint8_t j = 0; j < c->outputs; j++)
+        c->noise_sd[j] = x->before[j].noise_sd;
     event_put(c->events, s->time_ms, EVENT_TEST_DONE, commission_input_name(c, s), in->half_s,
               c->round);
     c->phase = COMMISSION_FITTING;

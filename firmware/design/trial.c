@@ -20,7 +20,8 @@ static const struct fopdt *element(const struct trial *t, size_t k, size_t l)
 
 static enum err check_config(const struct loops *loops, const struct trial_config *c)
 {
-    if (c->loop >= loops->pairs.n || !within(real_abs(c->size), REAL_C(1e-6), REAL_C(1e6)) ||
+    if (c->loop >= loops->pairs.n || !within(c->mark_s, REAL_C(0.0), REAL_C(1e7)) ||
+        !within(real_abs(c->size), REAL_C(1e-6), REAL_C(1e6)) ||
         !within(c->setpoint_weight, REAL_C(0.0), REAL_C(1.0)))
         return ERR_RANGE;
     if (!within(c->duration_s, REAL_C(0.0), REAL_C(0.0)) &&
@@ -138,6 +139,26 @@ static void judge(struct trial *t)
     }
 }
 
+/* Before the sample is counted. */
+static void remember(struct trial *t)
+{
+    struct trial_mark *m = &t->mark;
+    uint8_t k = t->config.loop;
+    if (t->config.load || !(t->time_s < t->config.mark_s))
+        return;
+    real_t short_of = setpoint(t, k) - t->y[k];
+    m->iae = t->loop[k].iae;
+    if (t->time_s >= REAL_C(0.75) * t->config.mark_s) {
+        t->left_sum += t->config.size > REAL_C(0.0) ? short_of : -short_of;
+        t->left_n++;
+        m->left = t->left_sum / (real_t)t->left_n;
+    }
+    for (size_t l = 0; l < t->loops->pairs.n; l++) {
+        m->moved[l] = t->loop[l].moved;
+        m->input[l] = t->past[l][t->at % TRIAL_DELAY];
+    }
+}
+
 enum err trial_step(struct trial *t)
 {
     if (t->done)
@@ -146,6 +167,7 @@ enum err trial_step(struct trial *t)
         control(t);
         move(t);
         judge(t);
+        remember(t);
         t->at++;
         t->time_s = (real_t)t->at * t->step_s;
     }

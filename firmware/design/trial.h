@@ -19,6 +19,7 @@ struct trial_config {
     real_t size;       /* fraction of span, 1e-6 to 1e6, either sign */
     real_t duration_s; /* 1e-2 to 1e7; 0: fifteen times the largest integral time plus dead time */
     real_t setpoint_weight; /* b of the PID, 0 to 1 */
+    real_t mark_s;          /* how far it has come by then is remembered: 0, never, to 1e7 */
 };
 
 struct trial_loop {
@@ -30,8 +31,18 @@ struct trial_loop {
     real_t moved; /* largest |u| of its input, fraction of span */
 };
 
+/* At mark_s, or at the end where that is earlier. */
+struct trial_mark {
+    real_t iae; /* of the loop whose setpoint is stepped */
+    real_t
+        left; /* its mean error over the last quarter, in the direction of the step: above 0 short of it */
+    real_t moved[INTERACT_MAX]; /* largest |u| of every loop's input */
+    real_t input[INTERACT_MAX]; /* u */
+};
+
 struct trial {
     /* Results */
+    struct trial_mark mark;
     struct trial_loop loop[INTERACT_MAX];
     bool bounded; /* no output went past 100 times the step: it ended there otherwise */
     bool
@@ -50,6 +61,8 @@ struct trial {
     real_t state[INTERACT_MAX][INTERACT_MAX];
     real_t past[INTERACT_MAX][TRIAL_DELAY];
     real_t integral[INTERACT_MAX], y[INTERACT_MAX];
+    real_t left_sum;
+    uint32_t left_n;
     uint32_t at, steps;
     bool done;
 };

@@ -12,14 +12,23 @@
 #define SEED 20240714u
 
 static struct adoption a;
+static struct steady rest;
 static struct fopdt_plant element[2][2];
 static struct random_source noise;
-static double noise_sd, load; /* fractions of span */
+static double noise_sd, load;  /* fractions of span */
+static double drift[2], third; /* ... a sample, of the measurements; of T5, which no loop holds */
+static unsigned turn_at, now;  /* samples: the drift turns round there, if it is not 0 */
+static double drifted[2];
 
 /* The plant as it is predicted with. */
 static const double gains[2][2] = {{0.8, 0.2}, {0.15, 1.0}};
 #define LAG_S  60.0
 #define DEAD_S 10
+
+/* Of a step, and of the tests before: longest step, samples of rest, samples until a response is over. */
+#define HORIZON_S 350
+#define WINDOW    96
+#define BACK      250
 
 static void loops(void)
 {
@@ -52,18 +61,26 @@ static void predict(void)
     }
     memset(&a, 0, sizeof a);
     a.n = 2;
+    a.channels = 3;
+    a.channel[2] = (struct adoption_channel){.measurement = T5, .limit = REAL_C(0.05)};
+    a.window = WINDOW;
+    a.back = BACK;
     for (uint8_t k = 0; k < 2; k++) {
-        struct trial_config c = {.loop = k, .size = REAL_C(0.05), .setpoint_weight = 1};
+        struct trial_config c = {
+            .loop = k, .size = REAL_C(0.05), .setpoint_weight = 1, .mark_s = HORIZON_S};
         TEST_ASSERT_EQUAL_INT(ERR_OK, trial_begin(&trial, &plant, &proposed, &c));
         while (trial_step(&trial) == ERR_BUSY)
             ;
         TEST_ASSERT_TRUE(trial.bounded);
         a.loop[k] = (struct adoption_loop){.loop = k,
                                            .step = k ? -REAL_C(0.04) : REAL_C(0.03),
-                                           .noise_sd = (real_t)noise_sd,
-                                           .limit = REAL_C(0.1),
                                            .predicted = trial.loop[k],
+                                           .left = trial.mark.left,
                                            .size = REAL_C(0.05)};
+        a.loop[k].predicted.iae = trial.mark.iae;
+        a.loop[k].duration_s = (real_t)fmin(1.5 * (double)trial.loop[k].settled_s, HORIZON_S);
+        a.channel[k] = (struct adoption_channel){
+            .measurement = k, .noise_sd = (real_t)noise_sd, .limit = REAL_C(0.1)};
     }
 }
 
@@ -79,11 +96,14 @@ static void plant_is(double times, double slower)
 static void measure(void)
 {
     for (unsigned j = 0; j < 2; j++) {
-        double y = 0.45 + element[j][0].y + element[j][1].y + (j == 0 ? load : 0.0);
+        drifted[j] += turn_at && now >= turn_at ? -drift[j] : drift[j];
+        double y = 0.45 + element[j][0].y + element[j][1].y + (j == 0 ? load : 0.0) + drifted[j];
         if (noise_sd > 0.0)
             y += noise_sd * normal(&noise);
         reading(j, 60.0 + 100.0 * y);
     }
+    reading(T5, 60.0 + 100.0 * (0.5 + third * (element[0][0].y + element[0][1].y)));
+    now++;
 }
 
 static void go_on(void)
@@ -109,7 +129,7 @@ static void begin(double times, double slower)
     }
     predict();
     adoption_hold(&a, &bench.s);
-    adoption_begin(&a, &bench.s);
+    TEST_ASSERT_EQUAL_INT(ERR_OK, adoption_begin(&a, &bench.s, &rest));
 }
 
 static enum adoption_result one_tick(void)
@@ -131,6 +151,8 @@ static enum adoption_result run(void)
 
 static void ticks_on_trial(unsigned n)
 {
+    while (!happened(EVENT_SETPOINT, "top"))
+        TEST_ASSERT_EQUAL_INT(ADOPTION_RUNNING, one_tick());
     while (n--)
         TEST_ASSERT_EQUAL_INT(ADOPTION_RUNNING, one_tick());
 }
@@ -138,7 +160,9 @@ static void ticks_on_trial(unsigned n)
 void setUp(void)
 {
     noise.state = SEED;
-    noise_sd = load = 0.0;
+    noise_sd = load = third = 0.0;
+    drift[0] = drift[1] = drifted[0] = drifted[1] = 0.0;
+    turn_at = now = 0;
 }
 void tearDown(void) {}
 
@@ -220,17 +244,28 @@ static void a_loop_taken_to_manual_ends_it(void)
     begin(1, 1);
     ticks_on_trial(20);
     mode(BOTTOM, LOOP_MANUAL);
-    TEST_ASSERT_EQUAL_INT(ADOPTION_NOT_AUTO, run());
+    TEST_ASSERT_EQUAL_INT(ADOPTION_HAND, run());
     TEST_ASSERT_EQUAL_UINT8(1, a.culprit);
 }
 
 static void a_loop_that_does_not_go_to_automatic_ends_it(void)
 {
     begin(1, 1);
-    mode(TOP, LOOP_MANUAL); /* before its first tick */
-    TEST_ASSERT_EQUAL_INT(ADOPTION_RUNNING, one_tick());
-    TEST_ASSERT_EQUAL_INT(ADOPTION_NOT_AUTO, run());
+    while (bench.s.loop[BOTTOM].mode != LOOP_AUTO)
+        TEST_ASSERT_EQUAL_INT(ADOPTION_RUNNING, one_tick());
+    bench.s.loop[TOP].mode = LOOP_MANUAL; /* as if it had been refused */
+    TEST_ASSERT_EQUAL_INT(ADOPTION_HAND, run());
     TEST_ASSERT_EQUAL_UINT8(0, a.culprit);
+}
+
+static void a_loop_put_into_automatic_at_rest_ends_it(void)
+{
+    begin(1, 1);
+    for (unsigned n = 0; n < 10; n++)
+        TEST_ASSERT_EQUAL_INT(ADOPTION_RUNNING, one_tick());
+    mode(BOTTOM, LOOP_AUTO);
+    TEST_ASSERT_EQUAL_INT(ADOPTION_HAND, run());
+    TEST_ASSERT_EQUAL_UINT8(1, a.culprit);
 }
 
 static void one_loop_after_the_other_is_stepped(void)
@@ -249,6 +284,98 @@ static void one_loop_after_the_other_is_stepped(void)
     TEST_ASSERT_TRUE(first > 20 && second > 20);
 }
 
+static void a_drift_takes_the_setpoints_with_it_and_all_inputs_stay_where_they_were(void)
+{
+    noise_sd = 0.001;
+    for (unsigned seed = 0; seed < 20; seed++) {
+        setUp();
+        noise.state = SEED + seed;
+        noise_sd = 0.001;
+        drift[0] = 2e-4; /* 12 % of span and more until the end, where the limit is 10 % */
+        drift[1] = -2e-4;
+        begin(1, 1);
+        TEST_ASSERT_EQUAL_INT(ADOPTION_PASSED, run());
+        TEST_ASSERT_TRUE(a.drifting);
+        for (unsigned k = 0; k < 2; k++) {
+            TEST_ASSERT_DOUBLE_WITHIN(0.03, 0.5, sent(k));
+            TEST_ASSERT_DOUBLE_WITHIN(0.02, 0.45 + drifted[k], setpoint_of(k));
+            TEST_ASSERT_TRUE(fabs(drifted[k]) > 0.12);
+        }
+    }
+}
+
+static void a_drift_that_turns_in_the_middle_of_a_step_has_it_repeated(void)
+{
+    drift[0] = 2.5e-4;
+    drift[1] = -2.5e-4;
+    noise_sd = 0.001;
+    begin(1, 1);
+    ticks_on_trial(1);
+    turn_at = now + 5;
+    TEST_ASSERT_EQUAL_INT(ADOPTION_PASSED, run());
+    TEST_ASSERT_TRUE(a.repeats >= 1);
+}
+
+static void a_drift_saves_no_loop_that_is_unstable(void)
+{
+    for (unsigned seed = 0; seed < 20; seed++) {
+        setUp();
+        noise.state = SEED + seed;
+        noise_sd = 0.001;
+        drift[0] = 2e-4;
+        drift[1] = -2e-4;
+        begin(seed % 2 ? 4 : -1, 1);
+        enum adoption_result r = run();
+        TEST_ASSERT_TRUE(r != ADOPTION_PASSED && r != ADOPTION_RUNNING);
+    }
+}
+
+static void an_output_that_stands_at_its_limits_is_no_good_sign(void)
+{
+    begin(1, 1);
+    ticks_on_trial(1);
+    bench.plan[bench.current].config.output[0].max = 5.1f; /* it was thought to open to 10 */
+    TEST_ASSERT_EQUAL_INT(ADOPTION_BLOCKED, run());
+}
+
+static void a_measurement_that_no_loop_holds_has_its_limit_too(void)
+{
+    third = 3.0;
+    begin(1, 1);
+    TEST_ASSERT_EQUAL_INT(ADOPTION_PAST_LIMIT, run());
+    TEST_ASSERT_EQUAL_UINT8(2, a.culprit);
+    TEST_ASSERT_EQUAL_UINT8(T5, a.channel[a.culprit].measurement);
+}
+
+static void a_setpoint_moved_by_hand_ends_it(void)
+{
+    begin(1, 1);
+    ticks_on_trial(20);
+    setpoint(BOTTOM, 110);
+    TEST_ASSERT_EQUAL_INT(ADOPTION_HAND, run());
+    TEST_ASSERT_EQUAL_UINT8(1, a.culprit);
+}
+
+static void an_output_moved_by_hand_at_rest_ends_it(void)
+{
+    begin(1, 1);
+    for (unsigned n = 0; n < 10; n++)
+        TEST_ASSERT_EQUAL_INT(ADOPTION_RUNNING, one_tick());
+    out(BOTTOM, 1.2);
+    TEST_ASSERT_EQUAL_INT(ADOPTION_HAND, run());
+    TEST_ASSERT_EQUAL_UINT8(1, a.culprit);
+}
+
+static void as_many_channels_as_there_are_are_taken_and_no_more(void)
+{
+    begin(1, 1);
+    a.channels = CHANNEL_MAX + 1;
+    TEST_ASSERT_EQUAL_INT(ERR_RANGE, adoption_begin(&a, &bench.s, &rest));
+    a.channels = 2;
+    a.window = STEADY_BLOCKS - 1;
+    TEST_ASSERT_EQUAL_INT(ERR_RANGE, adoption_begin(&a, &bench.s, &rest));
+}
+
 int main(void)
 {
     printf("seed %u\n", SEED);
@@ -263,6 +390,15 @@ int main(void)
     RUN_TEST(a_small_load_in_the_middle_is_outlived);
     RUN_TEST(a_loop_taken_to_manual_ends_it);
     RUN_TEST(a_loop_that_does_not_go_to_automatic_ends_it);
+    RUN_TEST(a_loop_put_into_automatic_at_rest_ends_it);
     RUN_TEST(one_loop_after_the_other_is_stepped);
+    RUN_TEST(a_drift_takes_the_setpoints_with_it_and_all_inputs_stay_where_they_were);
+    RUN_TEST(a_drift_that_turns_in_the_middle_of_a_step_has_it_repeated);
+    RUN_TEST(a_drift_saves_no_loop_that_is_unstable);
+    RUN_TEST(an_output_that_stands_at_its_limits_is_no_good_sign);
+    RUN_TEST(a_measurement_that_no_loop_holds_has_its_limit_too);
+    RUN_TEST(a_setpoint_moved_by_hand_ends_it);
+    RUN_TEST(an_output_moved_by_hand_at_rest_ends_it);
+    RUN_TEST(as_many_channels_as_there_are_are_taken_and_no_more);
     return UNITY_END();
 }

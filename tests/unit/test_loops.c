@@ -232,6 +232,41 @@ static void steps_are_those_of_an_exact_simulation(void)
     TEST_ASSERT_EQUAL_UINT(40, rows);
 }
 
+/* One loop on 1/(60 s + 1), dead time 10 s, K = 2, Ti = 60 s, from a step downwards. */
+static void run_one_loop(real_t mark_s)
+{
+    memset(&known, 0, sizeof known);
+    known.plant.outputs = known.plant.inputs = known.pairs.n = 1;
+    known.plant.element[0][0] = (struct fopdt){1, 10, 60};
+    double gain = 2, ti = 60;
+    set_loops(&gain, &ti, 1.0);
+    struct trial_config c = {
+        .size = REAL_C(-0.01), .duration_s = 600, .setpoint_weight = 1, .mark_s = mark_s};
+    TEST_ASSERT_EQUAL_INT(ERR_OK, trial_begin(&trial, &known.plant, &loops, &c));
+    while (trial_step(&trial) == ERR_BUSY)
+        ;
+}
+
+static void a_mark_remembers_how_far_a_step_had_come(void)
+{
+    run_one_loop(0);
+    TEST_ASSERT_EQUAL_FLOAT(0.0f, (float)trial.mark.iae);
+    run_one_loop(8); /* in the dead time: nothing has moved but the input */
+    TEST_ASSERT_DOUBLE_WITHIN(1e-6, 0.08, (double)trial.mark.iae);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-6, 0.01, (double)trial.mark.left);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-5, 0.02 * (1 + 7.0 / 60), (double)trial.mark.moved[0]);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-5, -0.02 * (1 + 7.0 / 60), (double)trial.mark.input[0]);
+    run_one_loop(40);
+    double then = (double)trial.mark.iae;
+    TEST_ASSERT_TRUE(then > 0.1 && then < (double)trial.loop[0].iae);
+    TEST_ASSERT_TRUE(trial.mark.left > REAL_C(0.002) && trial.mark.left < REAL_C(0.009));
+    run_one_loop(600); /* the end */
+    TEST_ASSERT_EQUAL_FLOAT((float)trial.loop[0].iae, (float)trial.mark.iae);
+    TEST_ASSERT_EQUAL_FLOAT((float)trial.loop[0].moved, (float)trial.mark.moved[0]);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-4, 0.0, (double)trial.mark.left);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-4, -0.01, (double)trial.mark.input[0]);
+}
+
 static void an_unstable_trial_is_cut_off(void)
 {
     known_plant(PLANT_FURNACE, &known);
@@ -360,6 +395,7 @@ int main(void)
     RUN_TEST(sixteen_loops_are_followed);
     RUN_TEST(decoupled_loops_are_seen_with_their_decoupler);
     RUN_TEST(steps_are_those_of_an_exact_simulation);
+    RUN_TEST(a_mark_remembers_how_far_a_step_had_come);
     RUN_TEST(an_unstable_trial_is_cut_off);
     RUN_TEST(a_long_dead_time_lengthens_the_samples_and_is_said);
     RUN_TEST(the_controllers_response_is_that_of_the_ideal_form);

@@ -507,8 +507,67 @@ static void the_step_of_a_trial_stays_inside_limit_and_room(void)
                 TEST_ASSERT_TRUE(step > 0 && step <= 0.5 * limit + 1e-6);
                 TEST_ASSERT_TRUE(step * moved <= fmin(held, 1 - held) + 1e-6);
                 TEST_ASSERT_EQUAL(y > 0.5, (double)l->step < 0);
-                TEST_ASSERT_DOUBLE_WITHIN(1e-6, limit, (double)l->limit);
+                TEST_ASSERT_DOUBLE_WITHIN(1e-6, limit, (double)c.adoption.channel[0].limit);
             }
+}
+
+/* Of two outputs and one input, or of two inputs of which the second moves both outputs as much. */
+static void prepare(void)
+{
+    config = bench.config;
+    TEST_ASSERT_EQUAL_INT(ERR_OK, proposal_write(&c, &config));
+    builds(&config);
+    memset(&supervisor, 0, sizeof supervisor);
+    supervisor.plan = &plan;
+    supervisor.output[0].manual = supervisor.output[1].manual = N(0.5);
+    supervisor.measurement[0].value = supervisor.measurement[1].value = N(0.4);
+    TEST_ASSERT_EQUAL_INT(ERR_OK, proposal_prepare_trial(&c, &supervisor, &config));
+}
+
+static void a_step_leaves_room_to_the_inputs_of_the_other_loops(void)
+{
+    static const double gains[2][2] = {{1, 0.9}, {0.9, 1}};
+    channels(2, 2);
+    begin(2, 2);
+    for (unsigned j = 0; j < 2; j++)
+        for (unsigned i = 0; i < 2; i++)
+            c.work.analysis.plant.element[j][i] = (struct fopdt){
+                .gain = (real_t)gains[j][i], .time_constant_s = 300, .dead_time_s = 30};
+    analyse(1);
+    TEST_ASSERT_TRUE(commission_has_proposal(&c));
+    c.noise_sd[0] = REAL_C(0.1);
+    put("meas1.test_limit", "50");
+    put("mv2.min", "1.8"); /* 5 % below where it is held */
+    prepare();
+    const struct analysis *a = &c.work.analysis;
+    double step = fabs((double)c.adoption.loop[0].step) / (double)a->config.step;
+    TEST_ASSERT_TRUE(a->tried[0].moved[1] > REAL_C(0.01));
+    TEST_ASSERT_DOUBLE_WITHIN(1e-3, 0.8 * 0.05, step * (double)a->tried[0].moved[1]);
+    TEST_ASSERT_TRUE(step * (double)a->tried[0].moved[0] <= 0.4);
+}
+
+static void a_step_leaves_measurements_that_no_loop_holds_within_their_limits(void)
+{
+    channels(2, 1);
+    begin(2, 1);
+    for (unsigned j = 0; j < 2; j++) {
+        c.work.analysis.plant.element[j][0] = (struct fopdt){
+            .gain = j ? REAL_C(0.5) : REAL_C(1.0), .time_constant_s = 300, .dead_time_s = 30};
+        c.work.analysis.plant.gain_sd[j][0] = REAL_C(0.001);
+    }
+    analyse(1);
+    TEST_ASSERT_TRUE(commission_has_proposal(&c));
+    put("meas1.test_limit", "25");
+    put("meas2.test_limit", "2");
+    prepare();
+    TEST_ASSERT_EQUAL_UINT8(2, c.adoption.channels);
+    TEST_ASSERT_EQUAL_UINT8(1, c.adoption.channel[1].measurement);
+    double step = fabs((double)c.adoption.loop[0].step);
+    TEST_ASSERT_DOUBLE_WITHIN(3e-3, 0.7 * 0.04, 0.5 * step); /* 2 of 50 */
+    put("meas2.test_critical", "on");
+    prepare();
+    TEST_ASSERT_DOUBLE_WITHIN(1e-6, 0.02, (double)c.adoption.channel[1].limit);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-6, 0.5 * step, fabs((double)c.adoption.loop[0].step));
 }
 
 static void a_pair_without_a_loop_has_no_trial(void)
@@ -536,6 +595,8 @@ int main(void)
     RUN_TEST(other_channels_than_those_tested_get_no_proposal);
     RUN_TEST(nothing_is_written_without_a_proposal);
     RUN_TEST(the_step_of_a_trial_stays_inside_limit_and_room);
+    RUN_TEST(a_step_leaves_room_to_the_inputs_of_the_other_loops);
+    RUN_TEST(a_step_leaves_measurements_that_no_loop_holds_within_their_limits);
     RUN_TEST(a_pair_without_a_loop_has_no_trial);
     return UNITY_END();
 }

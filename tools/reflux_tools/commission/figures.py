@@ -233,7 +233,8 @@ def trial(r: Record) -> Plot | None:
     for ax in grid[-1]:
         ax.set_xlabel(f"since the trial began [{unit}]")
     figure.align_ylabels()
-    return picture(figure, "trial", "The trial: each loop's setpoint (orange) is stepped once, there and back.")
+    return picture(figure, "trial", "The trial: each loop's setpoint (orange) is stepped once; where nothing drifts "
+                   "there and back, else with rests in between.")
 
 
 def _setpoints(r: Record, measurement: str, input_name: str) -> list[str]:
