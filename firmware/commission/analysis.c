@@ -7,8 +7,10 @@
 
 #include "control/decoupler.h"
 
-#define SIGN_SDS   REAL_C(3.0) /* a gain nearer to 0 may have the other sign: no loop for it */
-#define HORIZON    REAL_C(5.0) /* times integral and dead time: what a loop by itself takes */
+#define SIGN_SDS REAL_C(3.0) /* a gain nearer to 0 may have the other sign: no loop for it */
+#define HORIZON  REAL_C(5.0) /* times integral and dead time: what a loop by itself takes */
+/* A decoupler makes the loops depend on each other: it must be better by a tenth in setpoints as in loads. */
+#define PAYS       REAL_C(0.81)
 #define EXTENSIONS 2u
 #define LONGER     REAL_C(4.0) /* times the duration in which a step did not settle */
 #define LONGEST_S  REAL_C(1e7) /* that a trial can be */
@@ -157,11 +159,11 @@ static void without_decoupler(struct analysis *a, enum analysis_decoupler why)
     identity(&a->d, a->pairs.n);
 }
 
-/* There is a pairing, and no proposal. */
+/* No settings, with the decoupler as it is. */
 static enum err no_design(struct analysis *a, enum err why)
 {
     a->design_error = why;
-    a->stage = ANALYSIS_DONE;
+    a->stage = ANALYSIS_ALTERNATIVE;
     return ERR_OK;
 }
 
@@ -170,13 +172,8 @@ static enum err begin_settings(struct analysis *a)
     struct detune_config c;
     detune_config_default(&c);
     a->stage = ANALYSIS_SETTINGS;
-    bool decoupled = a->decoupler == DECOUPLER_USED;
     enum err err = detune_begin(&a->work.detune, &a->plant, &a->pairs, a->config.h_s,
-                                decoupled ? &a->d : NULL, &c, NULL);
-    if (err && decoupled) {
-        without_decoupler(a, DECOUPLER_ILL);
-        err = detune_begin(&a->work.detune, &a->plant, &a->pairs, a->config.h_s, NULL, &c, NULL);
-    }
+                                a->decoupler == DECOUPLER_USED ? &a->d : NULL, &c, NULL);
     return err ? no_design(a, ERR_UNSUPPORTED) : ERR_OK; /* gains or times no rule is for */
 }
 
@@ -190,6 +187,7 @@ static enum err do_decoupler(struct analysis *a)
             decouple_block(a, &a->structure.block[b]);
     if (a->decoupler == DECOUPLER_USED && !firmware_takes(&a->d))
         without_decoupler(a, DECOUPLER_ILL);
+    a->compares = a->decoupler == DECOUPLER_USED;
     return begin_settings(a);
 }
 
@@ -207,6 +205,7 @@ static void set_horizon(struct analysis *a)
 static enum err begin_prediction(struct analysis *a, real_t duration_s)
 {
     struct trial_config c = {.loop = a->at,
+                             .load = a->load,
                              .size = a->config.step,
                              .duration_s = duration_s,
                              .mark_s = a->horizon_s,
@@ -216,13 +215,8 @@ static enum err begin_prediction(struct analysis *a, real_t duration_s)
     return err ? no_design(a, ERR_UNSUPPORTED) : ERR_OK;
 }
 
-/* A decoupled design that cannot be had gives way to one without. */
 static enum err end_settings(struct analysis *a, enum err err)
 {
-    if (err && a->decoupler == DECOUPLER_USED) {
-        without_decoupler(a, DECOUPLER_ILL);
-        return begin_settings(a);
-    }
     if (err)
         return no_design(a, err);
     if (analysis_loops(a) > a->config.loops_max)
@@ -236,9 +230,37 @@ static enum err end_settings(struct analysis *a, enum err err)
     a->factor = a->work.detune.factor;
     a->log_modulus_db = a->work.detune.log_modulus_db;
     a->bounded = true;
+    a->load = false;
     a->at = 0;
     set_horizon(a);
     return begin_prediction(a, REAL_C(0.0));
+}
+
+static enum err end_design(struct analysis *a)
+{
+    if (!a->bounded)
+        return no_design(a, ERR_RANGE);
+    a->designed = true;
+    a->stage = ANALYSIS_ALTERNATIVE;
+    return ERR_OK;
+}
+
+/* Adds what the step of one loop has cost all of them. */
+static void count(struct analysis *a)
+{
+    const struct trial *t = &a->work.trial;
+    struct analysis_figures *f = &a->figures[a->decoupler != DECOUPLER_USED];
+    real_t *sum = a->load ? &f->loads : &f->setpoints;
+    for (uint8_t k = 0; k < a->pairs.n; k++)
+        *sum += t->loop[k].iae / (a->config.step * (real_t)a->pairs.n);
+}
+
+static enum err end_load(struct analysis *a)
+{
+    count(a);
+    a->load = false;
+    a->bounded = a->bounded && a->work.trial.bounded;
+    return ++a->at < a->pairs.n ? begin_prediction(a, REAL_C(0.0)) : end_design(a);
 }
 
 static enum err end_prediction(struct analysis *a)
@@ -256,12 +278,64 @@ static enum err end_prediction(struct analysis *a)
     }
     a->extended = 0;
     a->predicted[a->at] = t->loop[a->at];
-    a->bounded = a->bounded && a->work.trial.bounded;
-    if (++a->at < a->pairs.n)
-        return begin_prediction(a, REAL_C(0.0));
-    if (!a->bounded)
-        return no_design(a, ERR_RANGE);
+    a->bounded = a->bounded && t->bounded;
+    if (a->compares) { /* its load next, for as long */
+        count(a);
+        a->load = true;
+        return begin_prediction(a, t->duration_s);
+    }
+    return ++a->at < a->pairs.n ? begin_prediction(a, REAL_C(0.0)) : end_design(a);
+}
+
+static void keep_decoupled(struct analysis *a)
+{
+    struct analysis_design *d = &a->decoupled;
+    d->loops = a->loops;
+    d->factor = a->factor;
+    d->log_modulus_db = a->log_modulus_db;
+    d->horizon_s = a->horizon_s;
+    memcpy(d->predicted, a->predicted, sizeof d->predicted);
+    memcpy(d->tried, a->tried, sizeof d->tried);
+    d->d = a->d;
+}
+
+static void take_decoupled(struct analysis *a)
+{
+    const struct analysis_design *d = &a->decoupled;
+    a->decoupler = DECOUPLER_USED;
+    a->d = d->d;
+    a->loops = d->loops;
+    a->factor = d->factor;
+    a->log_modulus_db = d->log_modulus_db;
+    a->horizon_s = d->horizon_s;
+    memcpy(a->predicted, d->predicted, sizeof a->predicted);
+    memcpy(a->tried, d->tried, sizeof a->tried);
     a->designed = true;
+    a->design_error = ERR_OK;
+}
+
+/* Is the decoupler worth its trouble, setpoints and loads together? The first is in its nature, the second often not. */
+static bool decoupler_pays(const struct analysis *a)
+{
+    const struct analysis_figures *with = &a->figures[0], *without = &a->figures[1];
+    return with->setpoints * with->loads < PAYS * without->setpoints * without->loads;
+}
+
+/* With a decoupler in view there are two designs: the one with it, then the one without. */
+static enum err choose(struct analysis *a)
+{
+    if (a->decoupler == DECOUPLER_USED) {
+        a->has_decoupled = a->designed;
+        if (a->designed)
+            keep_decoupled(a);
+        without_decoupler(a, a->designed ? DECOUPLER_NO_BETTER : DECOUPLER_ILL);
+        a->compares = a->designed;
+        a->designed = false;
+        a->design_error = ERR_OK;
+        return begin_settings(a);
+    }
+    if (a->has_decoupled && (!a->designed || decoupler_pays(a)))
+        take_decoupled(a);
     a->stage = ANALYSIS_DONE;
     return ERR_OK;
 }
@@ -302,7 +376,9 @@ enum err analysis_step(struct analysis *a)
         err = trial_step(&a->work.trial);
         if (err)
             return err;
-        return more(a, end_prediction(a));
+        return more(a, a->load ? end_load(a) : end_prediction(a));
+    case ANALYSIS_ALTERNATIVE:
+        return more(a, choose(a));
     default:
         return ERR_OK;
     }

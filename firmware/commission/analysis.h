@@ -22,6 +22,7 @@ enum analysis_stage {
     ANALYSIS_DECOUPLER,
     ANALYSIS_SETTINGS,
     ANALYSIS_PREDICTION,
+    ANALYSIS_ALTERNATIVE, /* with and without a decoupler: the better of the two */
     ANALYSIS_DONE
 };
 
@@ -38,7 +39,23 @@ enum analysis_decoupler {
     DECOUPLER_USED,
     DECOUPLER_NOT_NEEDED,
     DECOUPLER_TOO_MANY, /* loops: more than STATIC_DECOUPLER_LOOPS */
-    DECOUPLER_ILL       /* the inverse would amplify the errors of the gains */
+    DECOUPLER_ILL,      /* the inverse would amplify the errors of the gains */
+    DECOUPLER_NO_BETTER /* than single loops, by what is predicted of both */
+};
+
+/* Integrals of |e| of all loops together after a step of one, the mean over the loops: for a step of one at a setpoint, s,
+ * and at an input, s times spans of outputs over spans of inputs. 0: not predicted. */
+struct analysis_figures {
+    real_t setpoints, loads;
+};
+
+/* Settings and what is predicted of them. */
+struct analysis_design {
+    struct loops loops;
+    real_t factor, log_modulus_db, horizon_s;
+    struct trial_loop predicted[INTERACT_MAX];
+    struct trial_mark tried[INTERACT_MAX];
+    struct matrix d;
 };
 
 /* What gains and residence times together (interact/measure.h) make of the pairing by gains alone. */
@@ -85,6 +102,10 @@ struct analysis {
         predicted[INTERACT_MAX];           /* loop k after its own setpoint step of config.step */
     struct trial_mark tried[INTERACT_MAX]; /* ... after horizon_s of it */
     real_t horizon_s; /* five times the slowest loop's integral time and dead time */
+    struct analysis_figures
+        figures[2]; /* where there was a choice: with the decoupler, and without */
+    struct analysis_design decoupled;   /* while the one without is made */
+    bool has_decoupled, compares, load; /* the last: its load, not its setpoint, is stepped now */
     bool bounded;
     uint8_t at;       /* loop under prediction */
     uint8_t extended; /* times its prediction was made longer */

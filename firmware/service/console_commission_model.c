@@ -311,9 +311,19 @@ static void decoupler_words(const struct analysis *a, struct text *line)
         [DECOUPLER_USED] = "static, for the blocks that single loops would not serve",
         [DECOUPLER_NOT_NEEDED] = "none: single loops serve",
         [DECOUPLER_TOO_MANY] = "none: more loops than a decoupler spans",
-        [DECOUPLER_ILL] = "none: the inverse of the gains would amplify their errors"};
+        [DECOUPLER_ILL] = "none: the inverse of the gains would amplify their errors",
+        [DECOUPLER_NO_BETTER] = "none: single loops do as well"};
     text_str(line, "decoupler ");
     text_str(line, words[a->decoupler]);
+    const struct analysis_figures *with = &a->figures[0], *without = &a->figures[1];
+    if (!(with->setpoints > REAL_C(0.0)) || !(without->setpoints > REAL_C(0.0)))
+        return;
+    text_str(line, "; integral of the error, s, after setpoints");
+    number(line, "with", (float)with->setpoints);
+    number(line, "without", (float)without->setpoints);
+    text_str(line, ", after loads");
+    number(line, "with", (float)with->loads);
+    number(line, "without", (float)without->loads);
 }
 
 static void loop_line(const struct console *c, unsigned k, struct text *line)

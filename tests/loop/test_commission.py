@@ -5,6 +5,7 @@ its lines, by `commission` on its console. Sensors without noise; what noise doe
 usage: test_commission.py      (needs reflux-sim-memory of the host build; nothing is built here)
 """
 
+import re
 import sys
 import unittest
 from pathlib import Path
@@ -74,6 +75,20 @@ class WholePlants(unittest.TestCase):
 
     def test_shell_fractionator(self):
         self.whole_procedure("shell-fractionator")
+
+
+class Decoupler(unittest.TestCase):
+    def test_it_is_proposed_with_what_is_predicted_with_and_without_it(self):
+        of = plant("folami-gains")
+        script = whole(of, accept=False, extra_s=1.0)
+        begin = script[-1][0]
+        run = Run(of, script + [(begin, "commission proposal"), (begin + 5.0, "~end")], events=of.perfect_sensors())
+        line = next(line for line in run.reply("commission proposal") if line.startswith("decoupler "))
+        self.assertTrue(line.startswith("decoupler static"), line)
+        setpoints, without, loads, loads_without = (float(x) for x in re.findall(r"with(?:out)? ([\d.]+)", line))
+        self.assertLess(setpoints, without)  # of one's own outputs it takes the others away
+        self.assertLess(setpoints * loads, 0.81 * without * loads_without)
+        print(f"commission folami-gains: {line}")
 
 
 class HardPlants(unittest.TestCase):

@@ -258,6 +258,82 @@ static void a_plant_of_16_by_16_comes_to_an_end(void)
     TEST_MESSAGE(text);
 }
 
+/* The figure of the loops that are proposed, once more; NAN where a step does not settle in the first time that is tried. */
+static double figure(bool load)
+{
+    static struct trial t;
+    double sum = 0.0;
+    for (uint8_t k = 0; k < a.pairs.n; k++) {
+        struct trial_config c = {
+            .loop = k, .load = load, .size = config.step, .setpoint_weight = 1};
+        TEST_ASSERT_EQUAL_INT(ERR_OK, trial_begin(&t, &a.plant, &a.loops, &c));
+        while (trial_step(&t) == ERR_BUSY)
+            ;
+        if (a.predicted[k].settled_s >= REAL_C(0.95) * t.duration_s)
+            return NAN;
+        for (uint8_t i = 0; i < a.pairs.n; i++)
+            sum += (double)(t.loop[i].iae / config.step) / a.pairs.n;
+    }
+    return sum;
+}
+
+/* Two outputs that two inputs move nearly alike; or Folami's four by four, with other times. */
+static void take_interacting(struct random_source *r, bool two)
+{
+    if (!two)
+        take_plant(PLANT_FOLAMI, 0.005, 60);
+    else
+        memset(&a, 0, sizeof a);
+    for (unsigned j = 0; two && j < 2; j++)
+        for (unsigned i = 0; i < 2; i++)
+            a.plant.element[j][i] = (struct fopdt){
+                .gain = i == j ? 1 : REAL_C(0.75) + REAL_C(0.01) * (real_t)random_below(r, 21),
+                .time_constant_s = 600,
+                .dead_time_s = 150};
+    if (two)
+        a.plant.outputs = a.plant.inputs = 2;
+    for (unsigned j = 0; j < a.plant.outputs; j++)
+        for (unsigned i = 0; i < a.plant.inputs; i++) {
+            a.plant.element[j][i].time_constant_s *= (real_t)(500 + random_below(r, 1000)) / 1000;
+            a.plant.element[j][i].dead_time_s *= (real_t)(500 + random_below(r, 1000)) / 1000;
+        }
+}
+
+static void a_decoupler_is_proposed_only_where_it_is_predicted_to_be_better(void)
+{
+    struct random_source r = {SEED};
+    unsigned with = 0, without = 0, checked = 0;
+    for (unsigned n = 0; n < 60; n++) {
+        take_interacting(&r, n % 3 > 0);
+        config.h_s = 10;
+        TEST_ASSERT_EQUAL_INT(ERR_OK, run());
+        const struct analysis_figures *f = a.figures;
+        if (!a.designed || (a.decoupler != DECOUPLER_USED && a.decoupler != DECOUPLER_NO_BETTER))
+            continue;
+        bool used = a.decoupler == DECOUPLER_USED;
+        TEST_ASSERT_TRUE(f[0].setpoints > 0 && f[0].loads > 0);
+        if (f[1].setpoints > 0) {
+            bool better = f[0].setpoints * f[0].loads < REAL_C(0.81) * f[1].setpoints * f[1].loads;
+            TEST_ASSERT_EQUAL(better, used);
+        }
+        TEST_ASSERT_EQUAL(used, a.loops.decoupler == &a.d);
+        TEST_ASSERT_EQUAL(used, real_abs(a.d.at[0][1]) > 0);
+        double setpoints = figure(false), loads = figure(true);
+        if (isfinite(setpoints)) {
+            TEST_ASSERT_DOUBLE_WITHIN(1e-4 * setpoints, setpoints, (double)f[!used].setpoints);
+            TEST_ASSERT_DOUBLE_WITHIN(1e-4 * loads, loads, (double)f[!used].loads);
+            checked++;
+        }
+        with += used;
+        without += !used;
+    }
+    char text[60];
+    snprintf(text, sizeof text, "with a decoupler %u, without %u, %u again", with, without,
+             checked);
+    TEST_MESSAGE(text);
+    TEST_ASSERT_TRUE(with >= 5 && without >= 5 && checked >= 5);
+}
+
 static void the_same_plant_gives_the_same_answer(void)
 {
     static struct analysis before;
@@ -312,6 +388,7 @@ int main(void)
     RUN_TEST(more_loops_than_the_board_runs_are_said_to_be_too_many);
     RUN_TEST(independent_parts_are_told_apart);
     RUN_TEST(a_plant_of_16_by_16_comes_to_an_end);
+    RUN_TEST(a_decoupler_is_proposed_only_where_it_is_predicted_to_be_better);
     RUN_TEST(the_same_plant_gives_the_same_answer);
     RUN_TEST(what_is_no_plant_or_no_setting_is_refused);
     return UNITY_END();
