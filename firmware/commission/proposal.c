@@ -150,7 +150,6 @@ enum err proposal_write(const struct commission *c, struct config *config)
 #define ROOM_SHARE    REAL_C(0.8)
 #define OTHERS_SHARE  REAL_C(0.7)  /* of a limit: how far a step may drive what it is not for */
 #define STEP_NEVER    REAL_C(1e-4) /* smaller than this no step is made */
-#define WINDOW_SHARE  2u           /* of what the responses have taken: window of rest on trial */
 #define WINDOW_MOST   10000u
 
 /* The largest step of loop k's setpoint for which, on the model, every input stays within its room, and what no loop holds
@@ -238,7 +237,7 @@ enum err proposal_prepare_trial(struct commission *c, const struct supervisor *s
     t->n = a->pairs.n;
     take_channels(c, config);
     t->back = c->half_least;
-    t->window = c->half_least / WINDOW_SHARE;
+    t->window = c->half_least;
     if (t->window < config->test.window)
         t->window = config->test.window;
     if (t->window < STEADY_BLOCKS)
