@@ -13,12 +13,14 @@
 #define NOISE_FLOOR      REAL_C(7e-5)  /* of span: what 12 bits of conversion leave */
 #define HYSTERESIS       REAL_C(3.0)   /* noise deviations */
 #define HYSTERESIS_LEAST REAL_C(0.001) /* of span: what is left of earlier motions is no answer */
-#define AMPLITUDE_MOST   REAL_C(0.25)  /* of span, while it is being found */
+#define ROOM_MOST        REAL_C(0.5) /* of span, half of it for an amplitude that is to be found */
 #define FIRST            REAL_C(0.02)
+#define FIRST_MOST       REAL_C(0.05)
+#define WANTED_NOISE     REAL_C(0.5) /* of test.noise: a cycle repeats itself, a step does not */
 #define WANTED_SHARE     REAL_C(0.5) /* of its limit that the measurement is asked to swing at most */
-#define WANTED_LEAST     REAL_C(5.0) /* hystereses that it swings at least, its limit permitting */
-#define PATIENCE         4u          /* windows without an answer: a larger amplitude */
-#define DRIFT_PATIENCE   8u          /* windows until a faster drift is believed to be one */
+#define WANTED_LEAST     REAL_C(3.0) /* hystereses that it swings at least, its limit permitting */
+#define PATIENCE         2u          /* windows without an answer: a larger amplitude */
+#define DRIFT_PATIENCE   3u          /* windows until a faster drift is believed to be one */
 #define REST_PATIENCE    20u         /* windows until rest is given up */
 #define DRIFT_SHARE      REAL_C(0.3) /* of a limit, that a drift may take in a window */
 #define PAST_NOISE       REAL_C(3.0) /* deviations, and past the limit */
@@ -129,31 +131,32 @@ static enum err begin_cycle(struct commission *c, const struct supervisor *s,
     struct relay_test *t = &c->work.relay;
     const struct output_config *o = &s->plan->config.output[c->input[0].output];
     real_t room = commission_room(s, c->input[0].output, c->input[0].held);
-    real_t longest_s = settings(s)->longest_s, drift_per_s = REAL_C(0.0);
+    real_t longest_s = settings(s)->longest_s;
     for (uint8_t j = 0; j < c->outputs; j++) {
         bool drifts = real_abs(at[j].slope_per_s) > REAL_C(2.0) * at[j].slope_sd_per_s;
         c->noise_sd[j] = at[j].noise_sd;
-        t->rest[j] = at[j].mean + (drifts ? at[j].slope_per_s * at[j].age_s : REAL_C(0.0));
-        if (drifts && j == 0)
-            drift_per_s = at[j].slope_per_s;
+        t->slope_per_s[j] = drifts ? at[j].slope_per_s : REAL_C(0.0);
+        t->rest[j] = at[j].mean + t->slope_per_s[j] * at[j].age_s;
     }
     struct relay_config x = {
         .h_s = s->plan->tick_s,
         .reference = t->rest[0],
-        .drift_per_s = drift_per_s,
+        .sign = s->plan->config.loop[c->by_relay.loop].action == LOOP_DIRECT ? -1 : 1,
         .noise_sd = at[0].noise_sd,
         .hysteresis = hysteresis(&at[0]),
         .amplitude = o->test_step / (o->hi - o->lo),
-        .most = room < AMPLITUDE_MOST || o->test_step > 0.0f ? room : AMPLITUDE_MOST,
-        .wanted = settings(s)->noise_multiple * at[0].noise_sd,
+        .most = room < ROOM_MOST || o->test_step > 0.0f ? room : ROOM_MOST,
+        .wanted = WANTED_NOISE * settings(s)->noise_multiple * at[0].noise_sd,
         .patience = PATIENCE * window(s),
         .half_most = longest_s > 0.0f ? commission_samples(s, longest_s) : COMMISSION_HALF_MOST,
     };
     if (x.amplitude > x.most)
         x.amplitude = x.most;
-    x.first = FIRST < x.most ? FIRST : x.most;
     if (x.wanted < WANTED_LEAST * x.hysteresis)
         x.wanted = WANTED_LEAST * x.hysteresis;
+    x.first = x.wanted > FIRST_MOST ? FIRST_MOST : x.wanted < FIRST ? FIRST : x.wanted;
+    if (x.first > REAL_C(0.5) * x.most)
+        x.first = REAL_C(0.5) * x.most;
     if (x.wanted > WANTED_SHARE * t->limit[0])
         x.wanted = WANTED_SHARE * t->limit[0];
     if (x.half_most <= x.patience)
@@ -162,13 +165,24 @@ static enum err begin_cycle(struct commission *c, const struct supervisor *s,
     return relay_begin(&t->relay, &x);
 }
 
+/* From where it was, or from the line of its drift, whichever is nearer: a drift that goes on is no response. */
+static real_t away_from_rest(const struct relay_test *t, uint8_t j, const real_t *y, real_t h_s)
+{
+    real_t carried = t->slope_per_s[j] * h_s * (real_t)t->cycling, most = t->limit[j];
+    if (real_abs(carried) > most)
+        carried = carried > REAL_C(0.0) ? most : -most;
+    real_t away = y[j] - t->rest[j];
+    return real_abs(away - carried) < real_abs(away) ? away - carried : away;
+}
+
 /* Largest share of its limit that a measurement is at. False: one has been past it for two samples, noise apart. */
-static bool within_limits(struct commission *c, const real_t *y, real_t *share, uint8_t *culprit)
+static bool within_limits(struct commission *c, const struct supervisor *s, const real_t *y,
+                          real_t *share, uint8_t *culprit)
 {
     struct relay_test *t = &c->work.relay;
     *share = REAL_C(0.0);
     for (uint8_t j = 0; j < c->outputs; j++) {
-        real_t away = real_abs(y[j] - t->rest[j]);
+        real_t away = real_abs(away_from_rest(t, j, y, s->plan->tick_s));
         if (away > *share * t->limit[j])
             *share = away / t->limit[j];
         bool over = away > t->limit[j] + PAST_NOISE * c->noise_sd[j];
@@ -238,7 +252,8 @@ static void done(struct commission *c, struct supervisor *s)
 
 static void cycle(struct commission *c, struct supervisor *s, const real_t *y)
 {
-    struct relay *r = &c->work.relay.relay;
+    struct relay_test *t = &c->work.relay;
+    struct relay *r = &t->relay;
     const char *loop = s->plan->config.loop[c->by_relay.loop].name;
     uint8_t culprit;
     real_t share, before = r->amplitude;
@@ -248,7 +263,8 @@ static void cycle(struct commission *c, struct supervisor *s, const real_t *y)
         commission_end(c, s, WHY_SAMPLES, NULL, (real_t)(gone - 1u));
         return;
     }
-    bool inside = within_limits(c, y, &share, &culprit);
+    t->cycling += gone > 0 ? gone : 1u;
+    bool inside = within_limits(c, s, y, &share, &culprit);
     if (share > c->input[0].worst)
         c->input[0].worst = share;
     if (!inside) {

@@ -19,11 +19,11 @@ struct commission;
 /* While it goes on; in the memory of the tests. */
 struct relay_test {
     bool resting;
-    uint32_t waited; /* samples, for rest */
+    uint32_t waited, cycling; /* samples, for rest and since */
     struct steady steady;
     struct relay relay;
-    struct relay_config config;
     real_t rest[CHANNEL_MAX], limit[CHANNEL_MAX]; /* fraction of span */
+    real_t slope_per_s[CHANNEL_MAX];              /* of a drift before it, likewise */
     uint8_t over[CHANNEL_MAX];                    /* samples in a row past the limit */
 };
 

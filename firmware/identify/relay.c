@@ -19,7 +19,10 @@
 #define LIMIT_SHARE  REAL_C(0.7) /* of a limit that a new amplitude may aim at */
 #define SHRINK_SHARE REAL_C(0.9) /* of a limit from which on the amplitude is made smaller */
 #define HALF_LARGEST (1u << 28)
-#define HARDLY       REAL_C(1.3) /* hystereses: a cycle that is no more than its own hysteresis */
+#define FOUND_SHARE                                                                                \
+    REAL_C(0.5) /* of the room, for an amplitude that is to be found: the rest is for the bias */
+#define BACK_LEAST REAL_C(0.2) /* of |G|: what of the output comes back against the input */
+#define BACK_FULL  REAL_C(0.8)
 
 static bool positive(real_t x, real_t most)
 {
@@ -33,8 +36,6 @@ enum err relay_begin(struct relay *r, const struct relay_config *c)
     if (!err)
         err = check_real(c->reference, -VALUE_MAX, VALUE_MAX);
     if (!err)
-        err = check_real(c->drift_per_s, -VALUE_MAX, VALUE_MAX);
-    if (!err)
         err = check_real(c->noise_sd, ZERO, ONE);
     if (!err)
         err = check_real(c->amplitude, ZERO, ONE);
@@ -42,10 +43,11 @@ enum err relay_begin(struct relay *r, const struct relay_config *c)
         return err;
     if (!positive(c->hysteresis, ONE) || !positive(c->most, ONE) || !positive(c->wanted, ONE) ||
         !positive(c->first, c->most) || c->amplitude > c->most || c->patience == 0 ||
-        c->half_most <= c->patience || c->half_most > HALF_LARGEST)
+        c->half_most <= c->patience || c->half_most > HALF_LARGEST ||
+        (c->sign != 1 && c->sign != -1))
         return ERR_RANGE;
     r->config = *c;
-    r->reference = c->reference;
+    r->high = true;
     r->amplitude = c->amplitude > ZERO ? c->amplitude : c->first;
     return ERR_OK;
 }
@@ -65,28 +67,24 @@ static bool is_found(const struct relay *r)
 /* Input for the side that is asked for; upwards of the output is downwards of the input where the gain is below 0. */
 static void put_level(struct relay *r)
 {
-    bool up = r->high == (r->sign >= 0);
+    bool up = r->high == (r->config.sign > 0);
     r->level = r->bias + (up ? r->amplitude : -r->amplitude);
 }
 
-/* The wheel of the first harmonic turns once in the latest period. */
 static void begin_period(struct relay *r, uint32_t samples)
 {
     memset(&r->now, 0, sizeof r->now);
     r->share = ZERO;
-    r->wheel[0] = ONE;
-    r->wheel[1] = ZERO;
-    r->now.whole = samples > 0;
-    if (samples > 0)
-        real_sincos(TWO * PI / (real_t)samples, &r->turn[1], &r->turn[0]);
+    r->now.block = 1u + samples / (RELAY_POINTS * 3u / 4u);
+    r->now.whole = true;
 }
 
-/* The sample that has just begun, with the input that goes with it. The output is taken from the mean of the period
- * before: should this one be a sample longer, a mean would count for a harmonic. */
+/* The sample that has just begun, with the input that goes with it. */
 static void count(struct relay *r, real_t y)
 {
     struct relay_period *p = &r->now;
-    real_t away = y - r->reference, centre = r->period[RELAY_PERIODS - 1].mean;
+    real_t away = y - r->config.reference;
+    uint32_t point = p->samples / p->block;
     p->samples++;
     p->high += r->high;
     p->mean += away;
@@ -94,21 +92,16 @@ static void count(struct relay *r, real_t y)
         p->top = away;
     if (p->samples == 1 || away < p->bottom)
         p->bottom = away;
-    if (!p->whole)
-        return;
-    for (unsigned i = 0; i < 2; i++) {
-        p->output[i] += r->wheel[i] * (away - centre);
-        p->input[i] += r->wheel[i] * (r->level - r->bias);
-    }
-    real_t c = r->wheel[0] * r->turn[0] - r->wheel[1] * r->turn[1];
-    r->wheel[1] = r->wheel[1] * r->turn[0] + r->wheel[0] * r->turn[1];
-    r->wheel[0] = c;
+    if (point < RELAY_POINTS)
+        p->y[point] += away;
+    else
+        p->whole = false; /* much longer than the one before: nothing to go by */
 }
 
-static bool agree(uint32_t a, uint32_t b)
+static bool agree(uint32_t a, uint32_t b, real_t share)
 {
     real_t apart = (real_t)(a > b ? a - b : b - a);
-    return apart <= ONE + SAME_HALF * (real_t)b;
+    return apart <= ONE + share * (real_t)b;
 }
 
 static bool is_same(const struct relay *r, const struct relay_period *a,
@@ -117,7 +110,10 @@ static bool is_same(const struct relay *r, const struct relay_period *a,
     /* Samples are where they are: a peak may be missed by the way of one. */
     real_t way = b->top - b->bottom, sample = TWO * way / (real_t)b->samples;
     real_t most = SAME_PEAK * way + PEAK_NOISE * r->config.noise_sd + sample;
-    return agree(a->high, b->high) && agree(a->samples - a->high, b->samples - b->high) &&
+    /* Noise switches early or late by its share of the way. */
+    real_t half = SAME_HALF + PEAK_NOISE * r->config.noise_sd / way;
+    return agree(a->high, b->high, half) &&
+           agree(a->samples - a->high, b->samples - b->high, half) &&
            real_abs(a->top - b->top) <= most && real_abs(a->bottom - b->bottom) <= most;
 }
 
@@ -129,7 +125,7 @@ static bool move_bias(struct relay *r, const struct relay_period *p)
         return false;
     real_t uneven = more / (real_t)p->samples;
     real_t room = r->config.most - r->amplitude;
-    real_t bias = r->bias + (r->sign >= 0 ? uneven : -uneven) * r->amplitude;
+    real_t bias = r->bias + (r->config.sign > 0 ? uneven : -uneven) * r->amplitude;
     bias = bias > room ? room : bias < -room ? -room : bias;
     if (real_abs(bias - r->bias) < REAL_C(0.01) * r->amplitude)
         return false; /* no room left: what is uneven stays so */
@@ -152,7 +148,7 @@ static bool change_amplitude(struct relay *r, const struct relay_period *p)
         factor = LIMIT_SHARE / r->share;
     if (peak < r->config.wanted && factor < ONE && r->share < SHRINK_SHARE)
         factor = ONE; /* would grow, and has no room */
-    real_t amplitude = factor * r->amplitude, room = r->config.most - real_abs(r->bias);
+    real_t amplitude = factor * r->amplitude, room = FOUND_SHARE * r->config.most;
     if (amplitude > room)
         amplitude = room;
     if (real_abs(amplitude - r->amplitude) < REAL_C(0.1) * r->amplitude)
@@ -161,41 +157,70 @@ static bool change_amplitude(struct relay *r, const struct relay_period *p)
     return true;
 }
 
-/* G at the frequency of a period, real and imaginary part: output over input. ERR_RANGE: there is no input. */
-static enum err ratio(const struct relay_period *p, real_t g[2])
+/* sum[0] + i sum[1] of exp(-i angle n) over n from a to b - 1, times weight, on top of what is there. */
+static void turn(uint32_t a, uint32_t b, real_t angle, real_t weight, real_t sum[2])
 {
-    real_t size = p->input[0] * p->input[0] + p->input[1] * p->input[1];
+    real_t half, width, unused, c, s;
+    real_sincos(REAL_C(0.5) * angle, &half, &unused);
+    real_sincos(REAL_C(0.5) * angle * (real_t)(b - a), &width, &unused);
+    real_sincos(REAL_C(0.5) * angle * (real_t)(a + b - 1u), &s, &c);
+    sum[0] += weight * width / half * c;
+    sum[1] -= weight * width / half * s;
+}
+
+/* G at the frequency of two periods in a row: first harmonic of the output over that of the input, which is up for the first
+ * `high` samples. Two, because a cycle of few samples may have every other period a sample longer. */
+static enum err ratio(const struct relay *r, unsigned first, real_t g[2])
+{
+    const struct relay_period *p = &r->period[first];
+    if (!p[0].whole || !p[1].whole)
+        return ERR_RANGE;
+    real_t y[2] = {ZERO, ZERO}, u[2] = {ZERO, ZERO}, up = r->config.sign > 0 ? ONE : -ONE;
+    real_t all = (real_t)(p[0].samples + p[1].samples), angle = REAL_C(4.0) * PI / all;
+    real_t mean = (p[0].mean * (real_t)p[0].samples + p[1].mean * (real_t)p[1].samples) / all;
+    uint32_t start = 0;
+    for (unsigned k = 0; k < 2; k++, p++) {
+        for (uint32_t i = 0, a = 0; a < p->samples; i++) {
+            uint32_t b = a + p->block < p->samples ? a + p->block : p->samples;
+            real_t c, s, value = p->y[i] - mean * (real_t)(b - a);
+            real_sincos(angle * ((real_t)start + REAL_C(0.5) * (real_t)(a + b - 1u)), &s, &c);
+            y[0] += value * c;
+            y[1] -= value * s;
+            a = b;
+        }
+        turn(start, start + p->high, angle, up * r->amplitude, u);
+        turn(start + p->high, start + p->samples, angle, -up * r->amplitude, u);
+        start += p->samples;
+    }
+    real_t size = u[0] * u[0] + u[1] * u[1];
     if (!(size > ZERO))
         return ERR_RANGE;
-    g[0] = (p->output[0] * p->input[0] + p->output[1] * p->input[1]) / size;
-    g[1] = (p->output[0] * p->input[1] - p->output[1] * p->input[0]) / size;
+    g[0] = (y[0] * u[0] + y[1] * u[1]) / size;
+    g[1] = (y[1] * u[0] - y[0] * u[1]) / size;
     return ERR_OK;
 }
 
-/* The gains of the latest periods, and how far the last two are apart. ERR_RANGE: there are none. */
+/* G of the latest periods, and how far its first and last two are apart. ERR_RANGE: they are not whole. */
 static enum err spread_of(const struct relay *r, real_t g[2], real_t *spread)
 {
-    real_t size[RELAY_PERIODS];
-    g[0] = g[1] = ZERO;
-    for (unsigned i = 0; i < RELAY_PERIODS; i++) {
-        real_t of[2];
-        if (ratio(&r->period[i], of) != ERR_OK)
-            return ERR_RANGE;
-        size[i] = real_sqrt(of[0] * of[0] + of[1] * of[1]);
-        g[0] += of[0] / (real_t)RELAY_PERIODS;
-        g[1] += of[1] / (real_t)RELAY_PERIODS;
-    }
-    real_t latest = size[RELAY_PERIODS - 1];
-    if (!(latest > ZERO))
+    real_t before[2], after[2];
+    if (ratio(r, 0, before) != ERR_OK || ratio(r, RELAY_PERIODS - 2, after) != ERR_OK)
         return ERR_RANGE;
-    *spread = real_abs(latest - size[RELAY_PERIODS - 2]) / latest;
+    real_t x = before[0] - after[0], y = before[1] - after[1];
+    g[0] = REAL_C(0.5) * (before[0] + after[0]);
+    g[1] = REAL_C(0.5) * (before[1] + after[1]);
+    real_t size = g[0] * g[0] + g[1] * g[1];
+    if (!(size > ZERO))
+        return ERR_RANGE;
+    *spread = real_sqrt((x * x + y * y) / size);
     return ERR_OK;
 }
 
 static bool is_settled(const struct relay *r)
 {
     real_t g[2], spread;
-    return r->same >= RELAY_PERIODS && spread_of(r, g, &spread) == ERR_OK && spread <= SAME_GAIN;
+    return r->same >= RELAY_PERIODS - 1 && spread_of(r, g, &spread) == ERR_OK &&
+           spread <= SAME_GAIN;
 }
 
 static void end_period(struct relay *r)
@@ -211,6 +236,7 @@ static void end_period(struct relay *r)
     r->periods++;
     bool same = r->periods > 1 && is_same(r, p, last);
     bool changes = change_amplitude(r, p) || move_bias(r, p);
+    p->whole = p->whole && !changes;
     r->same = (uint8_t)(same && !changes ? r->same + 1 : 0);
     for (unsigned i = 1; i < RELAY_PERIODS; i++)
         r->period[i - 1] = r->period[i];
@@ -219,53 +245,67 @@ static void end_period(struct relay *r)
         begin_period(r, last->samples);
         if (r->periods >= PERIODS_MOST)
             fail(r, RELAY_UNSETTLED);
-    } else if (last->top - last->bottom < TWO * HARDLY * r->config.hysteresis) {
-        fail(r, RELAY_NO_ANSWER);
     } else {
         r->phase = RELAY_DONE;
         r->level = ZERO;
     }
 }
 
-/* The first answer to the input: it says which way the process goes. */
+/* Towards where the output is asked, as far as there is room. */
+static bool lean(struct relay *r)
+{
+    real_t room = r->config.most - r->amplitude;
+    real_t way = r->high == (r->config.sign > 0) ? r->amplitude : -r->amplitude;
+    real_t bias = r->bias + REAL_C(0.5) * way;
+    bias = bias > room ? room : bias < -room ? -room : bias;
+    if (real_abs(bias - r->bias) < REAL_C(0.01) * r->amplitude)
+        return false;
+    r->bias = bias;
+    return true;
+}
+
+/* No answer, or none that comes back: in time, twice the amplitude; then a load is against it. */
+static bool grows(struct relay *r, uint32_t patience)
+{
+    real_t room = FOUND_SHARE * r->config.most;
+    if (!is_found(r) || r->half < patience || TWO * r->share >= LIMIT_SHARE)
+        return false;
+    if (r->amplitude < room)
+        r->amplitude = TWO * r->amplitude < room ? TWO * r->amplitude : room;
+    else if (!lean(r))
+        return false;
+    r->half = 0;
+    r->same = 0;
+    r->now.whole = false;
+    return true;
+}
+
 static void start(struct relay *r, real_t y)
 {
-    const struct relay_config *c = &r->config;
-    /* A drift may go on or may have been the end of something: an answer is away from both. */
-    real_t away = y - r->reference, still = y - c->reference;
-    real_t nearer = real_abs(still) < real_abs(away) ? still : away;
-    bool is_out = real_abs(nearer) > c->hysteresis && away * still > ZERO;
+    bool is_out = y - r->config.reference > r->config.hysteresis;
     r->outside = (uint8_t)(is_out ? r->outside + 1 : 0);
-    if (r->outside >= OUT_SAMPLES) {
-        r->reference = y - nearer;
-        r->sign = away > ZERO ? 1 : -1;
-        r->phase = RELAY_CYCLE;
-        r->high = r->sign < 0; /* the input is up; back from here */
-        r->half = 0;
-        begin_period(r, 0);
-        put_level(r);
-        return;
-    }
-    r->reference += c->drift_per_s * c->h_s;
     r->half++;
     r->started++;
-    bool may_grow = is_found(r) && r->amplitude < c->most && TWO * r->share < LIMIT_SHARE;
-    if (r->half >= c->patience && may_grow) {
-        r->amplitude = TWO * r->amplitude < c->most ? TWO * r->amplitude : c->most;
+    if (r->outside >= OUT_SAMPLES) {
+        r->phase = RELAY_CYCLE;
+        r->high = false;
         r->half = 0;
-    } else if (r->half >= c->half_most) {
+        begin_period(r, 0);
+    } else if (!grows(r, r->config.patience) && r->half >= r->config.half_most) {
         fail(r, RELAY_NO_ANSWER);
         return;
     }
-    r->level = r->amplitude;
+    put_level(r);
 }
 
 static void cycle(struct relay *r, real_t y)
 {
-    real_t away = y - r->reference;
+    real_t away = y - r->config.reference;
     uint32_t most = r->longest > 0 ? STUCK * r->longest + 10u : r->config.half_most;
+    uint32_t patience = r->longest > 0 ? most / 2u : r->config.patience;
     bool crossed = r->high ? away > r->config.hysteresis : away < -r->config.hysteresis;
-    if (++r->half > most) {
+    r->half++;
+    if (!crossed && !grows(r, patience) && r->half > most) {
         fail(r, RELAY_STUCK);
         return;
     }
@@ -301,13 +341,11 @@ enum err relay_step(struct relay *r, real_t y, real_t share)
 
 enum err relay_missed(struct relay *r)
 {
-    if ((r->phase != RELAY_START && r->phase != RELAY_CYCLE) || (r->started == 0 && r->sign == 0))
+    if ((r->phase != RELAY_START && r->phase != RELAY_CYCLE) || r->started == 0)
         return ERR_STATE;
     r->half++;
     if (r->phase == RELAY_CYCLE)
         count(r, r->last);
-    else
-        r->reference += r->config.drift_per_s * r->config.h_s;
     return ERR_OK;
 }
 
@@ -326,14 +364,12 @@ enum err relay_look(const struct relay *r, struct relay_result *result)
         samples += (real_t)p->samples;
         high += (real_t)p->high;
     }
-    real_t size = g[0] * g[0] + g[1] * g[1], eps = r->config.hysteresis;
+    real_t sign = r->config.sign > 0 ? ONE : -ONE, eps = r->config.hysteresis;
+    real_t size = real_sqrt(g[0] * g[0] + g[1] * g[1]), back = -sign * g[0];
     real_t sine = x.peak * x.peak - eps * eps;
-    real_t against =
-        r->sign >= 0 ? -g[0] : g[0]; /* what of the output comes back against the input */
-    if (!(against * against > REAL_C(0.1) * size) || !(against > ZERO) || !(sine > ZERO))
+    if (!(back > BACK_LEAST * size) || !(sine > ZERO))
         return ERR_RANGE;
-    real_t sign = r->sign >= 0 ? ONE : -ONE;
-    x.gain = sign / against;
+    x.gain = sign / (back > BACK_FULL * size ? back : BACK_FULL * size);
     x.described = sign * REAL_C(4.0) * r->amplitude / (PI * real_sqrt(sine));
     x.period_s = samples / (real_t)RELAY_PERIODS * r->config.h_s;
     x.bias = r->bias + sign * r->amplitude * (TWO * high / samples - ONE);

@@ -1,8 +1,7 @@
 /* A relay experiment on one loop: the ultimate gain and period of a process, from the limit cycle that a relay with
  * hysteresis makes of it (K. J. Astrom and T. Hagglund, Automatica 20 (1984) 645).
  *
- *     start   the input goes up by the amplitude, and waits until the output has left the hysteresis: its direction tells
- *             the sign of the process's gain
+ *     start   the input goes to where the output rises, and waits until it has left the hysteresis
  *     cycle   from now on the input goes back whenever the output crosses to the other side of the hysteresis
  *     done    the latest periods agree in the lengths of their halves and in their peaks
  *
@@ -15,7 +14,10 @@
  * the same period are compared as well: their ratio is the sampled process's G at that frequency, whatever the shape, and
  * noise averages out of it:
  *
- *     Ku = -1/Re G
+ *     Ku = -1/Re G, but no more than 1.25/|G|
+ *
+ * (the second where the hysteresis is most of the cycle: it is then far below the ultimate frequency, and -1/Re G has no
+ * bound).
  *
  * A static load, or a drift, makes the halves unequal: the level about which the relay switches is moved by the mean that
  * the input had over the period (C. C. Hang, K. J. Astrom and W. K. Ho, IEE Proc. D 140 (1993) 307, who find it from the
@@ -31,28 +33,28 @@
 #include "base/error.h"
 #include "num/real.h"
 
-#define RELAY_PERIODS 2 /* that agree with the ones before, over which the result is taken */
+#define RELAY_PERIODS 3   /* that agree, and over which the result is taken */
+#define RELAY_POINTS  128 /* of a period's output that are kept: samples, or sums of several */
 
 struct relay_config {
     real_t h_s;         /* sample interval, s, [1e-3, 1e5] */
+    int8_t sign;        /* of the process's gain: 1 or -1 */
     real_t reference;   /* output at rest */
-    real_t drift_per_s; /* ... and how it climbs, until the output is seen to answer */
     real_t noise_sd;    /* of one sample, 0 and up */
     real_t hysteresis;  /* half of its width, (0, 1]; three noise deviations or so */
-    real_t amplitude;   /* [0, 1]; 0: to be found */
+    real_t amplitude;   /* [0, 1]; 0: to be found, up to half of the room */
     real_t first;       /* ... beginning with this, (0, most] */
     real_t most;        /* room of the input to either side, (0, 1]: amplitude and bias together */
     real_t wanted;      /* ... amplitude of the output wanted, (0, 1] */
     uint32_t patience;  /* ... samples without an answer after which it is doubled, from 1 */
-    uint32_t
-        half_most; /* samples: no half is longer while no period is known, above patience, to 2^28 */
+    uint32_t half_most; /* samples, no half is longer before a period is known; above patience */
 };
 
 enum relay_phase { RELAY_START, RELAY_CYCLE, RELAY_DONE, RELAY_FAILED };
 
 enum relay_failure {
     RELAY_FINE,
-    RELAY_NO_ANSWER, /* the output does not leave the hysteresis, or its cycle is hardly larger */
+    RELAY_NO_ANSWER, /* the output does not leave the hysteresis */
     RELAY_STUCK,     /* it does not come back to the other side */
     RELAY_UNSETTLED  /* no two periods are the same */
 };
@@ -61,43 +63,39 @@ struct relay_period {
     uint32_t samples, high; /* whole, and with the input up */
     real_t top, bottom;     /* peaks, from the reference */
     real_t mean;            /* of the output, from the reference */
-    real_t output[2];       /* first harmonics, sums: cosine and sine */
-    real_t input[2];
-    bool whole; /* the harmonics are: the period before was known */
+    uint32_t block;         /* samples in a point */
+    real_t y[RELAY_POINTS]; /* sums of the output, from the reference */
+    bool whole;             /* y is, and neither amplitude nor bias changed */
 };
 
 struct relay {
     struct relay_config config;
     enum relay_phase phase;
     enum relay_failure failure;
-    real_t level;             /* of the test signal from this sample to the next */
-    real_t reference;         /* moves with the drift until the output answers */
-    real_t amplitude;         /* of the relay */
-    real_t bias;              /* level about which it switches */
-    int8_t sign;              /* of the process's gain; 0: not known yet */
-    bool high;                /* output is asked upwards */
-    uint8_t outside;          /* samples in a row out of the hysteresis, while it starts */
-    uint8_t same;             /* periods in a row like the one before */
-    uint16_t periods;         /* since the start */
-    uint32_t half;            /* samples in this half */
-    uint32_t longest;         /* half of the latest period; 0: none yet */
-    uint32_t started;         /* samples until the output has left the hysteresis */
-    real_t share;             /* largest of a limit in this period */
-    real_t last;              /* output */
-    real_t wheel[2], turn[2]; /* cosine and sine, now and of one sample */
-    struct relay_period now;  /* under way */
+    real_t level;            /* of the test signal from this sample to the next */
+    real_t amplitude;        /* of the relay */
+    real_t bias;             /* level about which it switches */
+    bool high;               /* output is asked upwards */
+    uint8_t outside;         /* samples in a row out of the hysteresis, while it starts */
+    uint8_t same;            /* periods in a row like the one before */
+    uint16_t periods;        /* since the start */
+    uint32_t half;           /* samples in this half */
+    uint32_t longest;        /* half of the latest period; 0: none yet */
+    uint32_t started;        /* samples until the output has left the hysteresis */
+    real_t share;            /* largest of a limit in this period */
+    real_t last;             /* output */
+    struct relay_period now; /* under way */
     struct relay_period period[RELAY_PERIODS]; /* latest last */
 };
 
 struct relay_result {
-    real_t
-        gain; /* ultimate gain by the first harmonics, input span per output span; sign of the process */
+    real_t gain; /* Ku by the first harmonics, input over output; with the sign of the process */
     real_t described; /* ... by the describing function */
     real_t period_s;
     real_t amplitude; /* d */
     real_t peak;      /* a: half of the way between the peaks */
     real_t bias;      /* that the load has asked for, and the mean of the input that is left */
-    real_t spread;    /* of the gains of the two periods, relative */
+    real_t spread; /* how far the gains of the first and the last two periods are apart, relative */
     uint16_t periods; /* it has taken */
 };
 

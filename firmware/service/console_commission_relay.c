@@ -32,12 +32,15 @@ static const struct config *settings(const struct console *c)
 void commission_relay_now(struct console *c, struct text *line)
 {
     const struct commission *m = c->service->commission;
-    struct relay r;
+    const struct relay *relay = &m->work.relay.relay;
     hal_tick_lock();
     bool going_on = m->phase == COMMISSION_RELAY, resting = going_on && m->work.relay.resting;
     uint8_t loop = m->by_relay.loop;
-    if (going_on)
-        r = m->work.relay.relay;
+    struct {
+        enum relay_phase phase;
+        uint16_t periods;
+        real_t amplitude;
+    } r = {relay->phase, relay->periods, relay->amplitude};
     hal_tick_unlock();
     if (!going_on)
         return;

@@ -265,6 +265,17 @@ static void an_output_that_does_nothing_ends_it(void)
     ended_with_everything_held("does not answer");
 }
 
+static void a_loop_of_the_wrong_action_ends_it(void)
+{
+    static const char *const wrong[] = {"set loop1.action direct", "set test.longest 12000", NULL};
+    wood_berry(wrong);
+    ask_ok("commission relay old_R");
+    until("COMMISSION_ENDED", 1500);
+    ended_with_everything_held("");
+    TEST_ASSERT_TRUE(strstr(reply[1], "action is the wrong one") ||
+                     strstr(reply[1], "went past its test limit"));
+}
+
 /* ---- what is refused ---- */
 
 static void what_cannot_be_is_refused(void)
@@ -307,6 +318,7 @@ int main(void)
     RUN_TEST(everything_that_ends_it_leaves_the_output_where_it_was);
     RUN_TEST(a_measurement_past_its_limit_ends_it);
     RUN_TEST(an_output_that_does_nothing_ends_it);
+    RUN_TEST(a_loop_of_the_wrong_action_ends_it);
     RUN_TEST(what_cannot_be_is_refused);
     return UNITY_END();
 }
