@@ -27,13 +27,7 @@
 #define MISSED_MOST      8u          /* samples in a row that a test can do without */
 #define GAIN_MOST        REAL_C(100.0) /* of a loop: loopN.gain */
 
-/* Of a setpoint step under these settings, on any process of first order with dead time from 0.02 to 2 of the time constant
- * (tests/reference/relay_family.csv); the trial adds its own margins. */
-#define TRIAL_STEP    REAL_C(0.05) /* of span */
-#define TRIAL_IAE     REAL_C(2.0)  /* Pu times the step */
-#define TRIAL_PEAK    REAL_C(0.22) /* overshoot */
-#define TRIAL_SETTLES REAL_C(8.0)  /* Pu */
-#define TRIAL_MOVES   REAL_C(0.66) /* Ku times the step */
+#define TRIAL_STEP REAL_C(0.05) /* of span */
 
 static const struct test_config *settings(const struct supervisor *s)
 {
@@ -213,10 +207,10 @@ static void propose(struct commission *c, const struct supervisor *s,
     a->loops.derivative_filter = REAL_C(8.0);
     a->decoupler = DECOUPLER_NOT_NEEDED;
     a->factor = REAL_C(1.0);
-    a->predicted[0] = (struct trial_loop){.iae = TRIAL_IAE * found->period_s * step,
-                                          .peak = TRIAL_PEAK,
-                                          .settled_s = TRIAL_SETTLES * found->period_s,
-                                          .moved = TRIAL_MOVES * ku * step};
+    a->predicted[0] = (struct trial_loop){.iae = BY_RELAY_IAE * found->period_s * step,
+                                          .peak = BY_RELAY_PEAK,
+                                          .settled_s = BY_RELAY_SETTLES * found->period_s,
+                                          .moved = BY_RELAY_MOVES * ku * step};
     a->tried[0].iae = a->predicted[0].iae;
     a->tried[0].moved[0] = a->predicted[0].moved;
     a->horizon_s = ADOPTION_DURATION * a->predicted[0].settled_s;

@@ -5,6 +5,8 @@
 #include <string.h>
 
 #include "commission/adoption.h"
+#include "commission/by_relay.h"
+#include "csv.h"
 #include "fopdt_plant.h"
 #include "step_records.h"
 #include "supervisor_bench.h"
@@ -376,12 +378,30 @@ static void as_many_channels_as_there_are_are_taken_and_no_more(void)
     TEST_ASSERT_EQUAL_INT(ERR_RANGE, adoption_begin(&a, &bench.s, &rest));
 }
 
+/* reference/relay_family.csv: what settings by relay do to lags with dead time of 0.02 to 2 of them. */
+static void the_figures_for_settings_by_relay_let_every_process_of_their_family_pass(void)
+{
+    FILE *f = csv_open("reference/relay_family.csv");
+    double row[6];
+    int rows = 0;
+    for (; csv_row(f, row, 6); rows++) {
+        TEST_ASSERT_TRUE(row[1] <= (double)(ADOPTION_IAE * BY_RELAY_IAE));
+        TEST_ASSERT_TRUE(row[2] <= (double)(ADOPTION_PEAK + BY_RELAY_PEAK));
+        TEST_ASSERT_TRUE(row[4] <= (double)BY_RELAY_MOVES);
+        TEST_ASSERT_DOUBLE_WITHIN(1e-6, 12.0, (double)(ADOPTION_DURATION * BY_RELAY_SETTLES));
+        TEST_ASSERT_TRUE(row[5] <= 0.15); /* over the last quarter of that */
+    }
+    fclose(f);
+    TEST_ASSERT_EQUAL_INT(7, rows);
+}
+
 int main(void)
 {
     printf("seed %u\n", SEED);
     UNITY_BEGIN();
     RUN_TEST(the_plant_that_was_predicted_passes_and_is_where_it_was);
     RUN_TEST(noise_alone_fails_nothing);
+    RUN_TEST(the_figures_for_settings_by_relay_let_every_process_of_their_family_pass);
     RUN_TEST(a_plant_a_fifth_stronger_or_weaker_still_passes);
     RUN_TEST(a_plant_four_times_as_strong_does_not);
     RUN_TEST(a_plant_that_has_turned_round_is_stopped_at_a_limit);
