@@ -519,6 +519,7 @@ static void prepare(void)
     builds(&config);
     memset(&supervisor, 0, sizeof supervisor);
     supervisor.plan = &plan;
+    arena_place(&supervisor, (const uint8_t[PLACED_KINDS]){2, 2});
     supervisor.output[0].manual = supervisor.output[1].manual = N(0.5);
     supervisor.measurement[0].value = supervisor.measurement[1].value = N(0.4);
     TEST_ASSERT_EQUAL_INT(ERR_OK, proposal_prepare_trial(&c, &supervisor, &config));
