@@ -15,6 +15,7 @@
 #define AGAIN_NOISE     REAL_C(2.0)  /* times the noise multiple, in later rounds */
 #define AGAIN_SHARE     REAL_C(0.6)  /* of a limit, in later rounds */
 #define AGAIN_MOST      REAL_C(3.0)  /* times the amplitude of the round before */
+#define SHAPE_SMALLER   REAL_C(0.35) /* times the amplitude before, where the response is no lag's */
 #define SHAPE_COUNTS    REAL_C(0.02) /* of a gain */
 #define LONGEST_SHARE   3u /* times what the inputs before have taken: no half is longer at first */
 #define SHARE_LEAST     REAL_C(0.5) /* no half is shorter than this share of the longest before */
@@ -119,7 +120,10 @@ static real_t amplitude_by_model(const struct commission *c, uint8_t k,
     /* More than stands out well is asked of no plant: it is not linear. */
     real_t enough = AGAIN_NOISE * x->noise_multiple;
     if (a * stands_out > enough) {
-        real_t least = c->input[k].amplitude < a ? c->input[k].amplitude : a;
+        real_t least = c->input[k].amplitude;
+        if (shape_decides(c, k)) /* a smaller step sees less of what is not linear */
+            least *= SHAPE_SMALLER;
+        least = least < a ? least : a;
         a = enough / stands_out > least ? enough / stands_out : least;
     }
     real_t before = c->input[k].amplitude * AGAIN_MOST;
