@@ -56,7 +56,7 @@ struct fopdt_fit_result {
     real_t
         significance; /* of the response: what it explains over what one point of noise has; 16 is the least */
     real_t
-        plateau_gain; /* from the settled ends of the levels alone; 0 with sd 0: no two levels settled */
+        plateau_gain; /* from the settled ends of the levels alone; 0 with sd 0: no two levels settled, or a bend */
     real_t plateau_gain_sd;
     real_t moved; /* largest response seen, output unit, either sign */
     uint32_t points;

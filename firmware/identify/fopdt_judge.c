@@ -229,22 +229,6 @@ static uint16_t shape(const struct fopdt_fit *f, real_t sd, real_t rough)
     return flags;
 }
 
-/* Of the bend found, at point i, what is not in f->y and its line already. */
-static real_t bend_beyond_line(const struct fopdt_fit *f, uint32_t i)
-{
-    const struct fit_bend *b = &f->bend;
-    real_t since = (real_t)i + REAL_C(0.5) - (real_t)b->at, all = (real_t)(f->points * f->block);
-    if (!b->on)
-        return ZERO;
-    real_t value = ZERO;
-    if (since > ZERO)
-        value =
-            f->result.bend_step + f->result.bend_per_s * all * f->h_s * since / (real_t)f->points;
-    for (uint8_t k = 0; k < b->used; k++)
-        value -= f->bend_part[k] * b->basis[k][i];
-    return value;
-}
-
 /* Regression on the input's level where the response has had L + 4 T to arrive. Uses all three columns. */
 static void plateau(struct fopdt_fit *f, real_t inflation)
 {
@@ -254,8 +238,7 @@ static void plateau(struct fopdt_fit *f, real_t inflation)
     for (uint32_t i = 0; i < f->points; i++) {
         uint32_t from = i * f->block, to = from + f->block - 1;
         level[i] = weight[i] = ZERO;
-        y[i] = f->y[i] + f->line_offset + f->line_slope * fit_line_time(&f->line, i) -
-               bend_beyond_line(f, i);
+        y[i] = f->y[i] + f->line_offset + f->line_slope * fit_line_time(&f->line, i);
         bool settled = true;
         for (uint32_t j = 0; j < f->input.edges && to > f->input.edge[j].sample; j++) {
             real_t since = (real_t)from - (real_t)f->input.edge[j].sample;
@@ -337,5 +320,6 @@ void fopdt_fit_judge(struct fopdt_fit *f)
         r->element.flags |= IDENTIFIED_SHORT;
     if (f->lag >= REAL_C(0.95) * f->lag_max || (f->lag > level && sd_ln > LAG_UNSURE))
         r->element.flags |= IDENTIFIED_INTEGRATING;
-    plateau(f, inflation);
+    if (!f->bend.on) /* levels of a drift that turns are none */
+        plateau(f, inflation);
 }
