@@ -90,8 +90,9 @@ def inputs_of(plant: dict[str, Any]) -> list[dict[str, Any]]:
     return [u for u in plant["inputs"] if u.get("kind", "mv") == "mv" and not u.get("disturbance")]
 
 
-def script(plant: dict[str, Any], start: Start) -> str:
-    """The console's side of a start-up: the channels, the operating point by hand, all defaults but the limits."""
+def script(plant: dict[str, Any], start: Start, changes: list[str]) -> str:
+    """The console's side of a start-up: the channels, the operating point by hand, all defaults but the limits; and what
+    is changed of the proposal before it is accepted."""
     lines = ["0 begin"]
     for i, o in enumerate(plant["outputs"], 1):
         lines += [f"0 set meas{i}.{key} {o[key]}" for key in ("name", "unit", "lo", "hi")]
@@ -105,7 +106,7 @@ def script(plant: dict[str, Any], start: Start) -> str:
     at = 5 * plant["tick_s"]
     lines += [f"{at} commission begin", f"{at} ~until PROPOSAL|NOT_DETERMINED|COMMISSION_ENDED"]
     lines += [f"{at} commission{what}" for what in ("", " model", " pairing")]
-    lines += [f"{at} ?commission edit", f"{at} diff"]
+    lines += [f"{at} ?commission edit", f"{at} diff", *(f"{at} set {change}" for change in changes)]
     lines += [f"{at} ?commission accept", f"{at} ~until TRIAL_KEPT|TRIAL_FAILED 3000000", f"{at} ~end"]
     return "\n".join(lines) + "\n"
 
@@ -130,11 +131,17 @@ def events(plant: dict[str, Any], known: Known, start: Start, seed: int) -> list
 
 def run_one(start: Start, job: dict[str, Any]) -> dict[str, Any]:
     """In a process of its own. Whatever comes of it is a result."""
+    return start_up(start, job, [])[0]
+
+
+def start_up(start: Start, job: dict[str, Any], changes: list[str]) -> tuple[dict[str, Any], str]:
+    """One start-up of job's plant and seed, `set CHANGE` before the proposal is accepted: the result, and what went over
+    the console's line."""
     known = next(p for p in start.plants if p.name == job["plant"])
     plant = json.loads((PLANTS / f"{known.name}.json").read_text(encoding="utf-8"))
     with tempfile.TemporaryDirectory(prefix="reflux-") as folder:
         where = Path(folder)
-        (where / "script").write_text(script(plant, start), encoding="utf-8")
+        (where / "script").write_text(script(plant, start, changes), encoding="utf-8")
         command = [str(build.find_program("host", "reflux-sim-memory")), "--plant", known.name, "--port", "memory",
                    "--console", "memory", "--duration", "1e8", "--script", str(where / "script"), "--transcript",
                    str(where / "said"), "--log", str(where / "log"), "--seed", str(job["seed"]), "--noise", "1",
@@ -145,9 +152,9 @@ def run_one(start: Start, job: dict[str, Any]) -> dict[str, Any]:
             done = subprocess.run(command, capture_output=True, text=True, timeout=LONGEST_S)
             said = (where / "said").read_text(encoding="utf-8", errors="replace")
         except (subprocess.TimeoutExpired, OSError) as error:
-            return {"job": job, "verdict": "no end", "failures": [str(error)[:200]]}
+            return {"job": job, "verdict": "no end", "failures": [str(error)[:200]]}, ""
         return {"job": job, "failures": [], **read(said, plant, known, start, where / "log",
-                                                   done.stderr.strip().splitlines()[-1:])}
+                                                   done.stderr.strip().splitlines()[-1:])}, said
 
 
 def read(said: str, plant: dict[str, Any], known: Known, start: Start, log: Path, last: list[str]) -> dict[str, Any]:
@@ -180,15 +187,17 @@ def read(said: str, plant: dict[str, Any], known: Known, start: Start, log: Path
 
 def worst_fraction(log: Path, plant: dict[str, Any], start: Start, until_s: float | None) -> float:
     """Of a limit, by the plant itself: no noise, no drift of the instrument. From the operating point."""
-    worst, rows = 0.0, csv.reader(line for line in log.open(encoding="utf-8") if line[0] != "#")
-    head = [re.sub(r"\[.*", "", cell) for cell in next(rows)]
-    channels = [(head.index(f"{o['name']}.true"), o["nominal"], start.limit * (o["hi"] - o["lo"]))
-                for o in plant["outputs"]]
-    for row in rows:
-        if until_s is not None and float(row[1]) > until_s:
-            break
-        for column, rest, limit in channels:
-            worst = max(worst, abs(float(row[column]) - rest) / limit)
+    worst = 0.0
+    with log.open(encoding="utf-8") as lines:
+        rows = csv.reader(line for line in lines if line[0] != "#")
+        head = [re.sub(r"\[.*", "", cell) for cell in next(rows)]
+        channels = [(head.index(f"{o['name']}.true"), o["nominal"], start.limit * (o["hi"] - o["lo"]))
+                    for o in plant["outputs"]]
+        for row in rows:
+            if until_s is not None and float(row[1]) > until_s:
+                break
+            for column, rest, limit in channels:
+                worst = max(worst, abs(float(row[column]) - rest) / limit)
     return worst
 
 
@@ -223,8 +232,9 @@ def elements(said: str, plant: dict[str, Any], known: Known, out: dict[str, Any]
 @functools.cache
 def reference() -> dict[str, list[tuple[str, str]]]:
     out: dict[str, list[tuple[str, str]]] = {}
-    for row in csv.reader(line for line in PAIRINGS.open(encoding="utf-8") if line[0] != "#"):
-        out.setdefault(row[0], []).append((row[1], row[2]))
+    with PAIRINGS.open(encoding="utf-8") as lines:
+        for row in csv.reader(line for line in lines if line[0] != "#"):
+            out.setdefault(row[0], []).append((row[1], row[2]))
     return {name: sorted(pairs) for name, pairs in out.items()}
 
 

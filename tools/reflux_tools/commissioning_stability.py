@@ -10,6 +10,7 @@ from __future__ import annotations
 import functools
 import re
 import sys
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -43,8 +44,9 @@ def settings(said: str) -> tuple[dict[int, dict[str, str]], dict[tuple[int, int]
     return loops, decoupler
 
 
-def radius(said: str, name: str, gain_times: float = 1.0) -> float | None:
-    """Largest modulus of an eigenvalue of the accepted loops on the plant, below 1: stable. None: there is none."""
+def radius(said: str, name: str, gain_times: float = 1.0, changes: Sequence[str] = ()) -> float | None:
+    """Largest modulus of an eigenvalue of the accepted loops on the plant, below 1: stable. None: there is none.
+    changes: "loop1.gain 2", what was set after `diff`."""
     found = settings(said)
     if not found or not found[0]:
         return None
@@ -53,6 +55,9 @@ def radius(said: str, name: str, gain_times: float = 1.0) -> float | None:
         return None  # a plant with a period of its own
     outputs, inputs = ([c["name"] for c in channels] for channels in (plant.outputs, plant.j["inputs"]))
     loops, given = found
+    for change in changes:
+        number, key, value = re.fullmatch(r"loop(\d+)\.(\w+) (\S+)", change).groups()
+        loops[int(number)][key] = value
     order = sorted(loops)
     sign = [-1.0 if loops[n].get("action") == "direct" else 1.0 for n in order]
     decoupler = np.array([[given.get((i, j), float(i == j)) for j in order] for i in order])
