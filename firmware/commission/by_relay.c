@@ -298,8 +298,8 @@ static uint8_t changed_loop(const struct commission *c, const struct supervisor 
 void commission_relay(struct commission *c, struct supervisor *s)
 {
     struct relay_test *t = &c->work.relay;
-    struct steady_result at[CHANNEL_MAX];
-    real_t y[CHANNEL_MAX];
+    struct steady_result at[CHANNEL_MAX] = {{0}};
+    real_t y[CHANNEL_MAX] = {REAL_C(0.0)};
     uint8_t culprit, other = changed_loop(c, s);
     if (other != PLAN_NONE) {
         commission_end(c, s, WHY_HAND, s->plan->config.loop[other].name, REAL_C(0.0));

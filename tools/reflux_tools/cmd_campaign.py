@@ -16,7 +16,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from reflux_tools import build, commissioning, launch, runner, table
+from reflux_tools import build, commissioning, launch, relay_campaign, runner, table
 from reflux_tools import scenario as scenarios
 from reflux_tools.errors import RunFailed, UserError
 from reflux_tools.paths import CAMPAIGNS, build_root, shown
@@ -61,8 +61,11 @@ def main(arguments: list[str]) -> int:
         raise UserError("--jobs must be 1 or more")
     campaign = load(options.name)
     if not options.no_build:
-        launch.build_for(campaign.firmware if isinstance(campaign, commissioning.Start) else
-                         campaign.scenario.firmware)
+        launch.build_for(campaign.scenario.firmware if isinstance(campaign, Campaign) else "memory")
+    if isinstance(campaign, relay_campaign.Comparison):
+        state = State(build_root() / "campaign" / f"{campaign.name}.jsonl", relay_campaign.fingerprint(campaign),
+                      options.again)
+        return relay_campaign.execute(campaign, options, state)
     return execute(campaign, options)
 
 
@@ -70,14 +73,17 @@ def known() -> list[str]:
     return sorted(f.stem for f in CAMPAIGNS.glob("*.toml"))
 
 
-def load(name: str) -> Campaign | commissioning.Start:
+def load(name: str) -> Campaign | commissioning.Start | relay_campaign.Comparison:
     path = CAMPAIGNS / f"{name}.toml"
     if name not in known():
         raise UserError(f'no campaign "{name}"; there are: {", ".join(known()) or "none"}')
     top = Table(load_toml(path), path)
     if top.text("name") != name:
         raise UserError(f"{top.path('name')} must be the file's own name, {name}")
-    if top.text("kind", "scenario", choices=("scenario", "commissioning")) == "commissioning":
+    kind = top.text("kind", "scenario", choices=("scenario", "commissioning", "relay"))
+    if kind == "relay":
+        return relay_campaign.load(top, name)
+    if kind == "commissioning":
         return commissioning.load(top, name)
     scenario = scenarios.load((path.parent / top.text("scenario")).resolve())
     scenario = scenario.with_options(firmware=top.text("firmware", "memory", choices=scenarios.FIRMWARES[:-1]))
