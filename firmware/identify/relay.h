@@ -20,8 +20,8 @@
  * bound).
  *
  * A static load, or a drift, makes the halves unequal: the level about which the relay switches is moved by the mean that
- * the input had over the period (C. C. Hang, K. J. Astrom and W. K. Ho, IEE Proc. D 140 (1993) 307, who find it from the
- * first period), after every period that asks for it.
+ * the input had over the period (C. C. Hang, K. J. Astrom and W. K. Ho, Automatica 29 (1993) 563, on relays under static
+ * load), after every period that asks for it.
  *
  * Everything in fractions of span and in samples. */
 #ifndef REFLUX_IDENTIFY_RELAY_H

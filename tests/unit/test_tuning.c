@@ -164,8 +164,8 @@ static void simc_refuses_bad_tuning_constants(void)
     TEST_ASSERT_EQUAL_INT(ERR_NOT_FINITE, tuning_simc_pid(&m, nanf(""), 1.0f, &t, &why));
 }
 
-/* Tyreus and Luyben (1992) print K = 0.487/(k L), Ti = 8.75 L for k exp(-L s)/s, of which Ku = pi/(2 k L), Pu = 4 L. */
-static void tyreus_and_luyben_on_an_integrator_with_dead_time_gives_what_they_print(void)
+/* For k exp(-L s)/s, of which Ku = pi/(2 k L) and Pu = 4 L, the rule is quoted as K = 0.487/(k L), Ti = 8.75 L. */
+static void tyreus_and_luyben_on_an_integrator_with_dead_time_agrees_with_its_other_form(void)
 {
     double k = 0.05, dead = 7.0;
     struct tuning t;
@@ -215,7 +215,7 @@ int main(void)
     RUN_TEST(simc_takes_a_model_without_dead_time_and_cohen_coon_says_why_not);
     RUN_TEST(every_rule_refuses_a_model_that_cannot_be_tuned);
     RUN_TEST(simc_refuses_bad_tuning_constants);
-    RUN_TEST(tyreus_and_luyben_on_an_integrator_with_dead_time_gives_what_they_print);
+    RUN_TEST(tyreus_and_luyben_on_an_integrator_with_dead_time_agrees_with_its_other_form);
     RUN_TEST(an_ultimate_point_that_is_none_is_refused);
     return UNITY_END();
 }
