@@ -76,7 +76,7 @@ static const char *const table[] = {
 #endif
     E("PROPOSAL", "pairing determined, see `commission proposal`; probability", INFO),
     E("NOT_DETERMINED", "pairing not determined, see `commission pairing`; probability", WARNING),
-    E("TRIAL_BEGUN", "proposed loops in automatic, on trial; loops", INFO),
+    E("TRIAL_BEGUN", "proposed loops on trial; loops", INFO),
     E("TRIAL_KEPT", "proposed loops did as predicted and stay; loops", INFO),
     E("TRIAL_FAILED", "proposed loops are taken back, the old settings return", ALARM),
     E("DO_MODE", "mode asked for (0 manual, 1 auto, 2 cascade)", ACTION),

@@ -42,7 +42,7 @@ def in_words(event: Event, answers: Answers) -> str | None:
         "PROPOSAL": lambda: f"the pairing is determined, probability {x:.3g}",
         "NOT_DETERMINED": lambda: f"the pairing is not determined, probability {x:.3g}",
         "COMMISSION_ENDED": lambda: f"ended: {reason(event)}; the inputs are back where they were held",
-        "TRIAL_BEGUN": lambda: f"{x:g} proposed loops in automatic, on trial: each setpoint is stepped, there and back",
+        "TRIAL_BEGUN": lambda: f"{x:g} proposed loops on trial: at rest first, then each setpoint is stepped",
         "TRIAL_KEPT": lambda: f"{x:g} loops did as predicted and stay",
         "TRIAL_FAILED": lambda: f"taken back: {reason(event)}; the old settings return",
     }
