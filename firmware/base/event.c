@@ -70,6 +70,9 @@ static const char *const table[] = {
     E("TEST_DONE", "input tested; length of half a double step, s", INFO),
     E("TEST_LONGER", "an output did not come to rest, test done again; half of a double step, s",
       INFO),
+    E("TEST_SMALLER",
+      "an output is not linear, test done again with smaller steps; amplitude, fraction of span",
+      INFO),
     E("TEST_EXTENDED", "pairing not determined yet, tests are repeated; probability", INFO),
 #if !defined COMMISSION_CHANNELS || COMMISSION_CHANNELS
     E("RELAY_DONE", "relay test done, see `commission relay`; ultimate period, s", INFO),

@@ -386,7 +386,10 @@ static enum adoption_result judge(const struct adoption *a, const struct supervi
         ADOPTION_IAE * l->predicted.iae * scale + (REAL_C(1.5) * noise_sd + lag) * ran_s;
     real_t peak_most = l->predicted.peak + ADOPTION_PEAK + (NOISE_MULTIPLE * noise_sd + lag) / step;
     real_t left = a->error_n ? a->error_sum / (real_t)a->error_n : REAL_C(0.0);
-    left = (l->step > REAL_C(0.0) ? left : -left) - l->left * scale;
+    left = l->step > REAL_C(0.0) ? left : -left;
+    /* Nearer to the setpoint than predicted is no failure. */
+    real_t apart = left - l->left * scale;
+    left = real_abs(apart) < real_abs(left) ? apart : left;
     for (uint8_t k = 0; k < loops_of(a); k++)
         if ((real_t)a->blocked[k] > BLOCKED_SHARE * (real_t)a->stage_ticks)
             return ADOPTION_BLOCKED;

@@ -3,6 +3,7 @@
 
 #include "commission/analysis_structure.h"
 
+#include <stddef.h>
 #include <string.h>
 
 #include "control/decoupler.h"
@@ -12,10 +13,24 @@
 /* A decoupler makes the loops depend on each other: it must be better by a tenth in setpoints as in loads. */
 #define PAYS       REAL_C(0.81)
 #define EXTENSIONS 2u
-#define LONGER     REAL_C(4.0) /* times the duration in which a step did not settle */
-#define LONGEST_S  REAL_C(1e7) /* that a trial can be */
+#define LONGER     REAL_C(4.0)  /* times the duration in which a step did not settle */
+#define RESOLUTION REAL_C(1e-4) /* of a span: no noise, but what 12 bits of conversion leave */
+#define LONGEST_S  REAL_C(1e7)  /* that a trial can be */
 
 _Static_assert(STATIC_DECOUPLER_LOOPS <= DECOUPLER_MAX, "a decoupler of ours fits");
+
+static enum err check_beginnings(const struct analysis *a)
+{
+    for (uint8_t j = 0; j < a->plant.outputs; j++)
+        for (uint8_t i = 0; i < a->plant.inputs; i++) {
+            const struct beginning *b = &a->beginning[j][i];
+            if (!real_is_finite(b->time_constant_s) || !real_is_finite(b->dead_time_s))
+                return ERR_NOT_FINITE;
+            if (b->time_constant_s < REAL_C(0.0) || b->dead_time_s < REAL_C(0.0))
+                return ERR_RANGE;
+        }
+    return ERR_OK;
+}
 
 enum err analysis_begin(struct analysis *a, const struct analysis_config *config)
 {
@@ -23,9 +38,12 @@ enum err analysis_begin(struct analysis *a, const struct analysis_config *config
         !(config->confidence < REAL_C(1.0)) || !(config->step > REAL_C(0.0)))
         return ERR_RANGE;
     enum err err = interact_check(&a->plant, NULL);
+    if (!err)
+        err = check_beginnings(a);
     if (err)
         return err;
-    memset((char *)a + sizeof a->plant, 0, sizeof *a - sizeof a->plant);
+    memset((char *)a + offsetof(struct analysis, begins), 0,
+           sizeof *a - offsetof(struct analysis, begins));
     a->config = *config;
     a->stage = ANALYSIS_GAINS;
     return gains_begin(&a->work.gains, &a->plant, config->floor);
@@ -159,9 +177,29 @@ static void without_decoupler(struct analysis *a, enum analysis_decoupler why)
     identity(&a->d, a->pairs.n);
 }
 
+/* Settings are found for how the elements begin, all else for the whole of them. */
+static void exchange_beginnings(struct analysis *a, bool begins)
+{
+    if (a->begins == begins)
+        return;
+    a->begins = begins;
+    for (uint8_t j = 0; j < a->plant.outputs; j++)
+        for (uint8_t i = 0; i < a->plant.inputs; i++) {
+            struct beginning *b = &a->beginning[j][i];
+            struct fopdt *e = &a->plant.element[j][i];
+            if (!(b->time_constant_s > REAL_C(0.0)))
+                continue;
+            struct beginning other = {e->time_constant_s, e->dead_time_s};
+            e->time_constant_s = b->time_constant_s;
+            e->dead_time_s = b->dead_time_s;
+            *b = other;
+        }
+}
+
 /* No settings, with the decoupler as it is. */
 static enum err no_design(struct analysis *a, enum err why)
 {
+    exchange_beginnings(a, false);
     a->design_error = why;
     a->stage = ANALYSIS_ALTERNATIVE;
     return ERR_OK;
@@ -171,7 +209,14 @@ static enum err begin_settings(struct analysis *a)
 {
     struct detune_config c;
     detune_config_default(&c);
+    c.noise_sd = a->config.noise_sd;
+    c.noise_least = RESOLUTION;
     a->stage = ANALYSIS_SETTINGS;
+    exchange_beginnings(a, true);
+    bool decoupled = a->decoupler == DECOUPLER_USED;
+    for (uint8_t k = 0; k < a->pairs.n && !decoupled; k++)
+        if (a->beginning[a->pairs.output[k]][a->pairs.input[k]].time_constant_s > REAL_C(0.0))
+            c.begins = (uint16_t)(c.begins | 1u << k);
     enum err err = detune_begin(&a->work.detune, &a->plant, &a->pairs, a->config.h_s,
                                 a->decoupler == DECOUPLER_USED ? &a->d : NULL, &c, NULL);
     return err ? no_design(a, ERR_UNSUPPORTED) : ERR_OK; /* gains or times no rule is for */
@@ -211,6 +256,7 @@ static enum err begin_prediction(struct analysis *a, real_t duration_s)
                              .mark_s = a->horizon_s,
                              .setpoint_weight = REAL_C(1.0)};
     a->stage = ANALYSIS_PREDICTION;
+    exchange_beginnings(a, false);
     enum err err = trial_begin(&a->work.trial, &a->plant, &a->loops, &c);
     return err ? no_design(a, ERR_UNSUPPORTED) : ERR_OK;
 }

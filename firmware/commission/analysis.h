@@ -32,6 +32,8 @@ struct analysis_config {
     real_t floor;      /* relative standard deviation of a gain at least */
     real_t step;       /* setpoint step of the prediction, fraction of span */
     uint8_t loops_max; /* that the board can run */
+    const real_t *
+        noise_sd; /* of every output, fraction of span; NULL: none. It must live as long as the analysis */
 };
 
 /* Why there is no decoupler. */
@@ -61,8 +63,15 @@ struct analysis_design {
 /* What gains and residence times together (interact/measure.h) make of the pairing by gains alone. */
 enum analysis_second { SECOND_NONE, SECOND_AGREES, SECOND_DIFFERS };
 
+/* How an element begins where that is not as it goes on; time constant 0: it is. */
+struct beginning {
+    real_t time_constant_s, dead_time_s;
+};
+
 struct analysis {
-    struct interact_plant plant; /* first: what follows begins anew with every analysis */
+    struct interact_plant plant; /* these two first: what follows begins anew with every analysis */
+    struct beginning beginning[INTERACT_MAX][INTERACT_MAX]; /* settings are for this */
+    bool begins; /* plant and beginning have changed places, for the settings */
     struct analysis_config config;
     enum analysis_stage stage;
 

@@ -81,10 +81,17 @@ enum commission_ask {
 };
 
 /* One way from an input to an output, all rounds together. */
+#define ASYMMETRY_UNIT REAL_C(1000.0)
+
 struct element {
     struct identified fit; /* least squares, weighted over the rounds; used */
     struct fopdt moments;  /* of the last round: a second opinion */
     uint16_t moments_flags;
+    int16_t
+        asymmetry; /* gain up less gain down, in ASYMMETRY_UNITs of their mean, last round; 0: none that is sure */
+    /* How the response begins, where it is not that of one lag; last such round; slope 0: none. The slope of the response
+     * to a step of 1, 1/s, magnitude, and its dead time with one standard deviation. */
+    real_t early_slope, early_dead_s;
     real_t plateau_gain; /* of the last round; 0: none */
     real_t misfit; /* standard deviation of the gain by what is not noise, weighted likewise */
 };
@@ -97,7 +104,9 @@ struct tested_input {
     uint8_t rounds; /* tests that count */
     uint8_t
         longer; /* tests done again, with longer halves, because an output had not come to rest */
-    uint32_t half_wanted; /* samples: least half of the next test, 0 = no wish */
+    uint32_t half_wanted;    /* samples: least half of the next test, 0 = no wish */
+    real_t amplitude_wanted; /* fraction of span: the next test begins with it, 0 = no wish */
+    uint8_t smaller; /* tests done again, with smaller steps, because an output is not linear */
     bool skipped, cut, small;
     uint8_t cut_by;       /* index in measurement[] */
     real_t cut_predicted; /* fraction of span */

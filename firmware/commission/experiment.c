@@ -11,6 +11,7 @@
 #define GUARD_NOISE    REAL_C(0.05)
 #define TURN_SHARE     REAL_C(0.8) /* of a limit at which the negative half ends early */
 #define DRIFT_SDS      REAL_C(2.0) /* a drift seen before the step counts from here on */
+#define TAIL_WAITS     2u /* times as long for rest, where nothing drifted before the step */
 #define BACK_SHARE                                                                                 \
     REAL_C(1.5)         /* of a limit, once the input is back: there is nothing left to restore */
 #define PATIENCE    20u /* windows until rest is given up */
@@ -120,7 +121,12 @@ static bool all_at_rest(struct experiment *e, struct steady_result *at, uint32_t
         real_t carried = real_abs(at[j].slope_per_s) * e->config.h_s *
                          (progress_is_noisy(e) ? REAL_C(1.0) : REAL_C(2.25)) *
                          (real_t)e->config.window;
-        if (at[j].state == STEADY_MOVING && e->waited >= patience &&
+        /* Where little is hidden by noise and nothing drifted before the step, what climbs after it is the end of the
+         * response. */
+        bool tail = e->phase == EXPERIMENT_BACK && !progress_is_noisy(e) &&
+                    !(real_abs(e->drift_per_s[j]) > REAL_C(0.0));
+        if (at[j].state == STEADY_MOVING &&
+            e->waited >= (tail ? TAIL_WAITS * patience : patience) &&
             carried < e->config.limit[j] * REAL_C(0.3))
             continue;
         if (rest)
@@ -264,6 +270,17 @@ void experiment_looked(struct experiment *e)
     e->looking = false;
     e->looked = true;
     e->fresh = e->phase == EXPERIMENT_UP;
+    for (unsigned j = 0; e->fresh && j < e->config.outputs; j++) {
+        const struct identified *f = &e->look.found[j];
+        bool better =
+            !(e->early[j].slope > REAL_C(0.0)) || f->dead_time_sd_s < e->early[j].dead_sd_s;
+        if ((f->flags & IDENTIFIED_NO_GAIN) || !(f->time_constant_s > REAL_C(0.0)) ||
+            !(f->dead_time_sd_s > REAL_C(0.0)) || !better)
+            continue;
+        e->early[j].slope = real_abs(f->gain) / f->time_constant_s;
+        e->early[j].dead_s = f->dead_time_s;
+        e->early[j].dead_sd_s = f->dead_time_sd_s;
+    }
 }
 
 static enum err grow(struct experiment *e, const real_t *y, real_t amplitude)

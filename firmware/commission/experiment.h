@@ -85,6 +85,11 @@ struct experiment {
     uint32_t next_look; /* samples since the first edge */
     struct look look;
 
+    /* From the look that has known the dead time best, when the record was still fine: how the response begins. */
+    struct {
+        real_t slope, dead_s, dead_sd_s; /* slope: gain over time constant; 0: not known */
+    } early[CHANNEL_MAX];
+
     struct steady steady;
     struct record record;
     struct moments moments;

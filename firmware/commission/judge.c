@@ -3,8 +3,9 @@
 
 #include "commission/judge.h"
 
-#define PART_POINTS 2u          /* at least, in each part that is averaged */
-#define STANDS_OUT  REAL_C(6.0) /* standard deviations of the changes */
+#define PART_POINTS   2u /* at least, in each part that is averaged */
+#define ASYMMETRY_SDS REAL_C(3.0)
+#define STANDS_OUT    REAL_C(6.0) /* standard deviations of the changes */
 
 /* One level between two edges, in points. */
 struct level {
@@ -57,7 +58,7 @@ static bool long_enough(const struct level *l)
 }
 
 void judge_record(const struct record *r, uint8_t j, const struct baseline *b, real_t amplitude,
-                  struct judgement *result)
+                  real_t drift, struct judgement *result)
 {
     *result = (struct judgement){0};
     uint32_t edges = r->input.edges;
@@ -93,7 +94,42 @@ void judge_record(const struct record *r, uint8_t j, const struct baseline *b, r
         lo = gain[i] < lo ? gain[i] : lo;
         hi = gain[i] > hi ? gain[i] : hi;
     }
-    result->spread = hi - lo;
+    uint32_t n =
+        (down.to - down.from < up.to - up.from ? down.to - down.from : up.to - up.from) / 4u;
+    real_t noise = b->noise_sd / real_sqrt((real_t)r->block * (real_t)n); /* of a level */
+    real_t three = real_sqrt(REAL_C(3.0)) * noise; /* of both levels and the rest together */
+    /* What noise alone makes of it is in the deviation of any fit. */
+    real_t by_noise = REAL_C(2.0) * three / amplitude, spread = hi - lo;
+    if (spread > by_noise)
+        result->spread = real_sqrt(spread * spread - by_noise * by_noise);
+    result->level = gain[1];
+    result->level_sd = noise / (real_sqrt(REAL_C(2.0)) * amplitude);
+    result->left = real_abs(rest) / (REAL_C(2.0) * amplitude);
+    /* A drift that stopped, or turned, at the end of the first half. */
+    real_t half_s = record_time(r, up.to) - record_time(r, up.from);
+    real_t uncertain = real_sqrt(three * three + b->offset_sd * b->offset_sd);
+    real_t explained = ASYMMETRY_SDS * uncertain + real_abs(drift) * half_s;
+    real_t asymmetry = gain[0] - gain[2];
+    if (real_abs(asymmetry) * amplitude > explained)
+        result->asymmetry = asymmetry;
+}
+
+real_t judge_level_of(const struct record *r, real_t dead_time_s, real_t time_constant_s)
+{
+    const struct excitation *u = &r->input;
+    if (u->edges < 3u || !(time_constant_s > REAL_C(0.0)))
+        return REAL_C(1.0);
+    real_t up = (real_t)(u->edge[u->edges - 2u].sample - u->edge[u->edges - 3u].sample) * r->h_s;
+    real_t down = (real_t)(u->edge[u->edges - 1u].sample - u->edge[u->edges - 2u].sample) * r->h_s;
+    real_t end = REAL_C(0.875); /* the middle of the last quarter */
+    real_t left_up = end * up - dead_time_s, left_down = end * down - dead_time_s;
+    real_t turned = up - dead_time_s;
+    if (left_up <= REAL_C(0.0) || left_down <= REAL_C(0.0))
+        return REAL_C(0.0);
+    real_t high = REAL_C(1.0) - real_exp(-left_up / time_constant_s);
+    real_t from = REAL_C(1.0) - real_exp(-turned / time_constant_s);
+    real_t low = -REAL_C(1.0) + (REAL_C(1.0) + from) * real_exp(-left_down / time_constant_s);
+    return (high - low) * REAL_C(0.5);
 }
 
 #endif

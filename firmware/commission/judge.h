@@ -13,13 +13,22 @@ struct judgement {
                        a third of the level; 0 where it does not move */
     real_t first, second; /* the two changes, fraction of span, of both levels together */
     real_t change_sd;     /* of the second, by the noise alone */
+    /* Of the ends of the two levels and of what is left after them; 0 where they are too short to tell. Gains, output
+     * span per input span. */
+    real_t spread;   /* largest less smallest gain of the three parts, noise taken off */
+    real_t level;    /* from one level to the other */
+    real_t level_sd; /* ... by the noise alone */
     real_t
-        spread; /* largest less smallest gain of the three parts, output span per input span; 0 where they are too
-                       short to tell */
+        asymmetry; /* gain up less gain down, where noise and drift do not explain it: not linear, or disturbed */
+    real_t left; /* what is left, over both steps: magnitude */
 };
 
-/* Output j of a record whose last three edges are those of the double step: to +amplitude, to -amplitude, to 0. */
+/* What `level` would be of such a first-order element of gain 1: below 1 where the steps were too short for it. */
+real_t judge_level_of(const struct record *r, real_t dead_time_s, real_t time_constant_s);
+
+/* Output j of a record whose last three edges are those of the double step: to +amplitude, to -amplitude, to 0. drift: of
+ * the output before the step, as far as it is sure, span per second. */
 void judge_record(const struct record *r, uint8_t j, const struct baseline *baseline,
-                  real_t amplitude, struct judgement *result);
+                  real_t amplitude, real_t drift, struct judgement *result);
 
 #endif

@@ -2,7 +2,7 @@
 #if COMMISSION_CHANNELS
 
 #include "commission/judge.h"
-#include "commission/model.h"
+#include "commission/parts.h"
 
 #include <string.h>
 
@@ -20,6 +20,13 @@
 #define BEND_SDS     REAL_C(2.0)
 #define BENT_BETTER                                                                                \
     REAL_C(12.0) /* variances of a point that a bend must explain: instant, slope and step of it */
+#define LEVEL_LEAST     REAL_C(0.8) /* of a response that its levels show, to be used for the gain */
+#define LEVEL_DOUBT     REAL_C(0.25) /* of what fit and levels differ by */
+#define LEVEL_SURER     REAL_C(0.5)  /* times the deviation of the fit: the levels know better */
+#define BEGINNING_SURER REAL_C(0.5)  /* times the deviation of the dead time of the fit */
+#define ASYMMETRY_MOST  REAL_C(2000.0)
+#define ASYMMETRY_AGAIN REAL_C(2.5) /* factor between two tests of the same asymmetry */
+
 #define BEND_SHARE (REAL_C(1.0) / REAL_C(8.0)) /* docs/commissioning.md: what a bend leaves */
 
 static real_t weight(real_t sd, real_t size)
@@ -150,13 +157,70 @@ static real_t drift_bend(const struct experiment *x, uint8_t j, const struct ide
     return bend > BEND_SDS * sd ? bend : REAL_C(0.0);
 }
 
+static real_t sure_slope(const struct steady_result *at)
+{
+    real_t slope = real_abs(at->slope_per_s) - BEND_SDS * at->slope_sd_per_s;
+    return slope > REAL_C(0.0) ? slope : REAL_C(0.0);
+}
+
+/* The gain of an output whose response is not that of one lag (a fast part and a slow tail; another lag up than down):
+ * the fit, pulled by all of it, does not know where the response ends, and says so by its deviation. Then what the levels
+ * have come to is used, half way between as it is and what the fit says is still to come; the other half is left as
+ * standard deviation. */
+static bool take_level(const struct experiment *x, const struct judgement *v,
+                       struct identified *fit)
+{
+    real_t of = judge_level_of(&x->record, fit->dead_time_s, fit->time_constant_s);
+    if (!(v->level_sd > REAL_C(0.0)) || x->cut || of < LEVEL_LEAST ||
+        (fit->flags & IDENTIFIED_NO_GAIN))
+        return false;
+    real_t to_come = REAL_C(0.5) * (REAL_C(1.0) / of - REAL_C(1.0)) * v->level;
+    real_t gain = v->level + to_come, doubt = LEVEL_DOUBT * (gain - fit->gain);
+    real_t sd = real_sqrt(v->level_sd * v->level_sd + to_come * to_come + doubt * doubt);
+    if (!(sd < LEVEL_SURER * fit->gain_sd) || v->level * fit->gain <= REAL_C(0.0))
+        return false;
+    fit->gain = gain;
+    fit->gain_sd = sd;
+    return true;
+}
+
+/* Such a response begins faster than the lag that fits all of it, and a loop has to do with its beginning. The long record
+ * is too coarse for that; a look taken in time was not. */
+static void take_beginning(struct element *e, const struct experiment *x, uint8_t j,
+                           const struct identified *fit)
+{
+    real_t slope = x->early[j].slope;
+    if (!(slope * fit->time_constant_s > real_abs(fit->gain)) ||
+        !(x->early[j].dead_sd_s < BEGINNING_SURER * fit->dead_time_sd_s))
+        return;
+    e->early_slope = slope;
+    e->early_dead_s = x->early[j].dead_s + x->early[j].dead_sd_s;
+}
+
+/* An output that is not linear answers a step up and a step down differently, and every time in the same way; what has
+ * disturbed a test does not come again. The mean of both is then the gain, but for terms of third order. */
+static bool is_curved(struct commission *c, const struct judgement *v)
+{
+    struct element *e = &c->element[c->fit_at][c->order[c->at]];
+    real_t now = REAL_C(0.0), before = (real_t)e->asymmetry;
+    if (v->asymmetry > REAL_C(0.0) || v->asymmetry < REAL_C(0.0))
+        now = ASYMMETRY_UNIT * v->asymmetry / v->level;
+    if (!(real_abs(now) < ASYMMETRY_MOST)) /* no gain to speak of */
+        now = REAL_C(0.0);
+    e->asymmetry = (int16_t)now;
+    if (commission_small_step(c) > REAL_C(0.0))
+        return e->asymmetry != 0;
+    real_t ratio = before > REAL_C(0.0) || before < REAL_C(0.0) ? now / before : REAL_C(0.0);
+    return ratio > REAL_C(1.0) / ASYMMETRY_AGAIN && ratio < ASYMMETRY_AGAIN;
+}
+
 /* Does the output go on climbing? bend: of its drift, not taken off. */
 static void judge_climb(struct commission *c, const struct baseline *b, real_t bend,
                         const struct identified *fit)
 {
     const struct experiment *x = &c->work.test.experiment;
     struct judgement verdict;
-    judge_record(&x->record, c->fit_at, b, x->amplitude, &verdict);
+    judge_record(&x->record, c->fit_at, b, x->amplitude, REAL_C(0.0), &verdict);
     real_t half_s = (real_t)x->half * x->config.h_s;
     /* A drift that is the same in both halves cancels in the changes; one that bends does not. */
     real_t explained = CLIMB_SDS * verdict.change_sd + bend * half_s;
@@ -173,9 +237,22 @@ static void judge_gain(struct commission *c, const struct baseline *b, real_t be
 {
     const struct experiment *x = &c->work.test.experiment;
     struct judgement verdict;
-    judge_record(&x->record, c->fit_at, b, x->amplitude, &verdict);
-    real_t more = REAL_C(0.5) * (verdict.spread - SPREAD_LEFT * real_abs(fit->gain));
+    judge_record(&x->record, c->fit_at, b, x->amplitude, sure_slope(&x->before[c->fit_at]),
+                 &verdict);
+    if (take_level(x, &verdict, fit)) {
+        take_beginning(&c->element[c->fit_at][c->order[c->at]], x, c->fit_at, fit);
+        misfit =
+            REAL_C(0.0); /* what the fit leaves is no error of the levels; theirs comes again */
+        share = REAL_C(1.0);
+    }
+    real_t spread = verdict.spread;
     real_t variance = fit->gain_sd * fit->gain_sd;
+    if (is_curved(c, &verdict)) {
+        real_t third = verdict.asymmetry * verdict.asymmetry / (REAL_C(4.0) * verdict.level);
+        variance += third * third;
+        spread = verdict.left;
+    }
+    real_t more = REAL_C(0.5) * (spread - SPREAD_LEFT * real_abs(fit->gain));
     if (more > REAL_C(0.0))
         variance += more * more;
     real_t duration_s = (real_t)x->samples * x->config.h_s;
@@ -324,6 +401,21 @@ static bool fit_piece(struct commission *c)
     return c->fit_at < c->outputs;
 }
 
+/* What is known of the beginning: its dead time goes for the whole of the element, too, which takes as long as before. */
+static void take_early(const struct element *e, struct fopdt *whole, struct beginning *begins)
+{
+    *begins = (struct beginning){0};
+    if (!(e->early_slope > REAL_C(0.0)) || !(real_abs(whole->gain) > REAL_C(0.0)))
+        return;
+    real_t takes_s = whole->time_constant_s + whole->dead_time_s;
+    begins->time_constant_s = real_abs(whole->gain) / e->early_slope;
+    begins->dead_time_s = e->early_dead_s;
+    if (whole->dead_time_s > e->early_dead_s) {
+        whole->dead_time_s = e->early_dead_s;
+        whole->time_constant_s = takes_s - e->early_dead_s;
+    }
+}
+
 void model_begin_analysis(struct commission *c, const struct config *config, real_t h_s)
 {
     struct analysis *a = &c->work.analysis;
@@ -339,6 +431,7 @@ void model_begin_analysis(struct commission *c, const struct config *config, rea
                                                     .dead_time_s = e->dead_time_s,
                                                     .time_constant_s = e->time_constant_s};
             a->plant.gain_sd[j][n] = e->gain_sd;
+            take_early(&c->element[j][k], &a->plant.element[j][n], &a->beginning[j][n]);
         }
         c->column[n++] = k;
     }
@@ -347,7 +440,8 @@ void model_begin_analysis(struct commission *c, const struct config *config, rea
                                            .confidence = config->test.confidence,
                                            .floor = GAIN_FLOOR,
                                            .step = STEP,
-                                           .loops_max = CONFIG_LOOPS};
+                                           .loops_max = CONFIG_LOOPS,
+                                           .noise_sd = c->noise_sd};
     c->analysis_begun = false;
     c->job_error = n == 0 ? ERR_EMPTY : ERR_OK;
 }

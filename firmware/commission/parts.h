@@ -40,6 +40,9 @@ void commission_begin(struct commission *c, struct supervisor *s);
 void commission_start_input(struct commission *c, struct supervisor *s);
 /* A tick of it. */
 void commission_test(struct commission *c, struct supervisor *s);
+/* The smallest step that a test was done again with because an output was not linear, fraction of span; 0: every output is
+ * linear, as far as has been seen. */
+real_t commission_small_step(const struct commission *c);
 const char *commission_input_name(const struct commission *c, const struct supervisor *s);
 
 /* Everything found before, and remembers what the tests belong to. */

@@ -7,6 +7,10 @@
 #define CLIMBS_TOO  REAL_C(0.5) /* ... where the fit thinks so, too */
 #define LONGER      3u          /* times the half before, where an output did not come to rest */
 #define LONGER_MOST 3u
+#define ASYMMETRY_MUCH                                                                             \
+    REAL_C(0.5) /* gain up less gain down, of their mean: the step was too large */
+#define ASYMMETRY_WANTED REAL_C(0.2)
+#define SMALLER_MOST     1u
 
 uint32_t commission_samples(const struct supervisor *s, real_t seconds)
 {
@@ -76,6 +80,32 @@ static bool looks_integrating(const struct commission *c, uint8_t j, uint8_t k)
     return c->input[k].rounds == 0 && c->climbs[j] >= (fit_says ? CLIMBS_TOO : CLIMBS);
 }
 
+/* An output that answers a step up and a step down so differently is not linear over so much of its range: the gain is
+ * not that at the operating point, and no lag fits both ways. Once more with a smaller step, which grows again where
+ * the noise hides what it does. */
+static bool test_smaller(struct commission *c, struct supervisor *s)
+{
+    const struct experiment *x = &c->work.test.experiment;
+    uint8_t k = c->order[c->at];
+    struct tested_input *in = &c->input[k];
+    real_t worst = REAL_C(0.0);
+    for (uint8_t j = 0; j < c->outputs; j++) {
+        real_t asymmetry = real_abs((real_t)c->element[j][k].asymmetry) / ASYMMETRY_UNIT;
+        if (asymmetry > worst)
+            worst = asymmetry;
+    }
+    bool grown = x->record.input.edges > 3u; /* a smaller one did not stand out of the noise */
+    if (worst < ASYMMETRY_MUCH || grown || in->rounds > 0 || x->cut ||
+        x->config.amplitude > REAL_C(0.0) || in->smaller == SMALLER_MOST)
+        return false;
+    in->smaller++;
+    in->amplitude_wanted = x->amplitude * ASYMMETRY_WANTED / worst;
+    event_put(c->events, s->time_ms, EVENT_TEST_SMALLER, commission_input_name(c, s),
+              in->amplitude_wanted, in->smaller);
+    commission_start_input(c, s);
+    return true;
+}
+
 static void take_fit(struct commission *c, struct supervisor *s)
 {
     uint8_t k = c->order[c->at];
@@ -95,6 +125,8 @@ static void take_fit(struct commission *c, struct supervisor *s)
                        c->input[k].worst);
         return;
     }
+    if (test_smaller(c, s))
+        return;
     model_keep(c);
     c->input[k].rounds++;
     uint32_t lasts = commission_samples(s, commission_lasts(c, k));

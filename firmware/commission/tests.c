@@ -54,6 +54,17 @@ static bool shape_decides(const struct commission *c, uint8_t k)
     return false;
 }
 
+real_t commission_small_step(const struct commission *c)
+{
+    real_t least = REAL_C(0.0);
+    for (uint8_t k = 0; k < c->inputs; k++) {
+        real_t wanted = c->input[k].amplitude_wanted;
+        if (wanted > REAL_C(0.0) && (!(least > REAL_C(0.0)) || wanted < least))
+            least = wanted;
+    }
+    return least;
+}
+
 /* What the operator, and earlier rounds, know of the times of this input. */
 static uint32_t least_half(const struct commission *c, const struct supervisor *s, uint8_t k,
                            struct experiment_config *x)
@@ -99,7 +110,10 @@ static uint32_t least_half(const struct commission *c, const struct supervisor *
         x->half_most = took;
     if (known < c->input[k].half_wanted)
         known = c->input[k].half_wanted;
-    uint32_t before = (uint32_t)(SHARE_LEAST * (real_t)c->half_least);
+    real_t share = SHARE_LEAST;
+    if (commission_small_step(c) > REAL_C(0.0))
+        share = REAL_C(1.0); /* not linear: up may be over when down is not */
+    uint32_t before = (uint32_t)(share * (real_t)c->half_least);
     return known > before ? known : before;
 }
 
@@ -162,6 +176,8 @@ static enum err begin_input(struct commission *c, const struct supervisor *s)
     if (x.amplitude <= REAL_C(0.0)) {
         if (c->input[k].rounds > 0)
             x.amplitude_first = amplitude_by_model(c, k, &x);
+        else if (commission_small_step(c) > REAL_C(0.0))
+            x.amplitude_first = commission_small_step(c);
         if (x.amplitude_max > AMPLITUDE_MOST)
             x.amplitude_max = AMPLITUDE_MOST;
     }

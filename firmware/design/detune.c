@@ -13,7 +13,8 @@ void detune_config_default(struct detune_config *config)
                                      .db_most = REAL_C(6.0),
                                      .gain_margin = REAL_C(1.7),
                                      .factor_hi = REAL_C(200.0),
-                                     .gain_hi = REAL_C(100.0)};
+                                     .gain_hi = REAL_C(100.0),
+                                     .noise_times = REAL_C(2.0)};
 }
 
 static bool within(real_t x, real_t lo, real_t hi)
@@ -30,7 +31,9 @@ static enum err check_config(const struct detune_config *c, struct interact_refu
                   {c->db_most, REAL_C(0.1), REAL_C(40.0), "db_most", "0.1 to 40 dB"},
                   {c->gain_margin, REAL_C(1.0), REAL_C(10.0), "gain_margin", "1 to 10"},
                   {c->factor_hi, REAL_C(1.0), REAL_C(1e4), "factor_hi", "1 to 1e4"},
-                  {c->gain_hi, REAL_C(1e-6), REAL_C(1e6), "gain_hi", "1e-6 to 1e6"}};
+                  {c->gain_hi, REAL_C(1e-6), REAL_C(1e6), "gain_hi", "1e-6 to 1e6"},
+                  {c->noise_least, REAL_C(0.0), REAL_C(1.0), "noise_least", "0 to 1"},
+                  {c->noise_times, REAL_C(0.01), REAL_C(1e6), "noise_times", "0.01 to 1e6"}};
     for (size_t k = 0; k < sizeof fields / sizeof fields[0]; k++)
         if (!within(fields[k].value, fields[k].lo, fields[k].hi)) {
             *why = (struct interact_refusal){fields[k].field, fields[k].wanted, INTERACT_NONE,
@@ -96,21 +99,45 @@ static enum err set_models(struct detune *d, struct interact_refusal *why)
     return ERR_OK;
 }
 
+/* Largest gain of loop k. Noise s of its measurement moves its input by K_c s, from one sample to the next, and that moves
+ * output j through g/(T s + 1), held for h, by g K_c s sqrt((1 - a)/(1 + a)), a = exp(-h/T). */
+static real_t largest_gain(const struct detune *d, size_t k)
+{
+    const struct detune_config *c = &d->config;
+    real_t largest = c->gain_hi;
+    if (!c->noise_sd)
+        return largest;
+    real_t noise = c->noise_sd[d->loops.pairs.output[k]];
+    for (size_t j = 0; j < d->plant->outputs && noise > c->noise_least; j++) {
+        const struct fopdt *e = &d->plant->element[j][d->loops.pairs.input[k]];
+        real_t a = REAL_C(0.0);
+        if (e->time_constant_s > REAL_C(0.0))
+            a = real_exp(-d->loops.interval_s / e->time_constant_s);
+        real_t moves = real_abs(e->gain) * noise * real_sqrt((REAL_C(1.0) - a) / (REAL_C(1.0) + a));
+        real_t most = c->noise_times * c->noise_sd[j];
+        if (most > REAL_C(0.0) && moves * largest > most)
+            largest = most / moves;
+    }
+    return largest;
+}
+
 /* SIMC with tau_c = F max(theta, T/8) for every loop. */
 static enum err set_tuning(struct detune *d, real_t factor)
 {
     for (size_t k = 0; k < d->loops.pairs.n; k++) {
         const struct fopdt *m = &d->model[k];
-        real_t eighth = m->time_constant_s * REAL_C(0.125);
-        real_t tau_c = factor * (m->dead_time_s > eighth ? m->dead_time_s : eighth);
+        real_t least = m->time_constant_s * REAL_C(0.125);
+        if (((unsigned)d->config.begins >> k & 1u) && least > REAL_C(2.0) * m->dead_time_s)
+            least = REAL_C(2.0) * m->dead_time_s;
+        real_t tau_c = factor * (m->dead_time_s > least ? m->dead_time_s : least);
         struct tuning *t = &d->loops.tuning[k];
         enum err err = tuning_simc_pi(m, tau_c < REAL_C(1e6) ? tau_c : REAL_C(1e6), t, NULL);
         if (err)
             return err;
-        if (t->gain >
-            d->config.gain_hi) { /* as with the larger tau_c that would have given this gain */
-            real_t ti = t->ti_s * (t->gain / d->config.gain_hi);
-            t->gain = d->config.gain_hi;
+        real_t largest = largest_gain(d, k);
+        if (t->gain > largest) { /* as with the larger tau_c that would have given this gain */
+            real_t ti = t->ti_s * (t->gain / largest);
+            t->gain = largest;
             t->ti_s = ti < m->time_constant_s ? ti : m->time_constant_s;
         }
     }
@@ -146,6 +173,11 @@ enum err detune_begin(struct detune *d, const struct interact_plant *plant,
         err = check_config(config, why);
     if (err)
         return err;
+    for (uint8_t j = 0; config->noise_sd && j < plant->outputs; j++)
+        if (!within(config->noise_sd[j], REAL_C(0.0), REAL_C(1e3))) {
+            *why = (struct interact_refusal){"noise_sd", "0 to 1000", j, INTERACT_NONE};
+            return ERR_RANGE;
+        }
     memset(d, 0, sizeof *d);
     d->plant = plant;
     d->config = *config;

@@ -20,6 +20,14 @@ struct detune_config {
     real_t gain_margin; /* 1 to 10 */
     real_t factor_hi;   /* slowest that is tried: 1 to 1e4 */
     real_t gain_hi; /* largest controller gain: 1e-6 to 1e6; the PID of the firmware takes 100 */
+    /* Noise of every output of the plant, fraction of span, 0 to 1e3; NULL or 0: not known. What a loop makes of its noise
+     * moves no output by more than noise_times (0.01 to 1e6) that output's noise, standard deviations. */
+    const real_t *noise_sd;
+    real_t noise_times;
+    real_t
+        noise_least; /* 0 to 1: a loop of which the noise is no more has none: it is the resolution */
+    uint16_t
+        begins; /* bit k: of pair k the model is how it begins, with a dead time that is sure: tau_c <= 2 F theta */
 };
 
 struct detune {
@@ -44,7 +52,7 @@ struct detune {
     } work;
 };
 
-/* 2 dB, 6 dB, 1.7, 200, 100. */
+/* 2 dB, 6 dB, 1.7, 200, 100, no noise, 2. */
 void detune_config_default(struct detune_config *config);
 
 /* pairs, interval_s and decoupler as in struct loops; the decoupler must live as long. ERR_RANGE, ERR_NOT_FINITE: what is

@@ -114,6 +114,10 @@ static void second_line(const struct console *c, unsigned j, unsigned k, struct 
     number(line, "T", (float)e->moments.time_constant_s);
     number(line, "L", (float)e->moments.dead_time_s);
     number(line, "plateau", (float)e->plateau_gain * scale);
+    if (e->early_slope > REAL_C(0.0)) { /* what its loop is set for */
+        number(line, "begins_T", (float)(real_abs(e->fit.gain) / e->early_slope));
+        number(line, "begins_L", (float)e->early_dead_s);
+    }
     flags(line, e->moments_flags);
 }
 

@@ -37,6 +37,7 @@ static void take_plant(unsigned number, double sd, double unit_s)
 {
     known_plant(number, &known);
     memset(&a, 0xA5, sizeof a);
+    memset(a.beginning, 0, sizeof a.beginning);
     a.plant = known.plant;
     for (unsigned j = 0; j < known.plant.outputs; j++)
         for (unsigned i = 0; i < known.plant.inputs; i++) {
@@ -201,6 +202,52 @@ static void gains_hardly_known_leave_the_pairing_open(void)
     TEST_ASSERT_EQUAL_INT(PAIRING_UNDETERMINED, a.verdict);
     TEST_ASSERT_TRUE(a.probability < REAL_C(0.95));
     TEST_ASSERT_FALSE(a.designed);
+}
+
+/* The settings are for how it begins, the prediction for the whole of it, and the plant is what it was. */
+static void settings_are_for_the_beginning_of_an_element(void)
+{
+    take_plant(PLANT_WOOD_BERRY, 0.01, 60);
+    TEST_ASSERT_EQUAL_INT(ERR_OK, run());
+    TEST_ASSERT_TRUE(a.designed);
+    real_t ti_s = a.loops.tuning[0].ti_s, gain = a.loops.tuning[0].gain;
+    take_plant(PLANT_WOOD_BERRY, 0.01, 60);
+    struct fopdt own = a.plant.element[0][0];
+    a.beginning[0][0] = (struct beginning){own.time_constant_s * REAL_C(0.25), own.dead_time_s};
+    TEST_ASSERT_EQUAL_INT(ERR_OK, run());
+    TEST_ASSERT_TRUE(a.designed);
+    TEST_ASSERT_TRUE(a.loops.tuning[0].ti_s < REAL_C(0.5) * ti_s);
+    TEST_ASSERT_TRUE(a.loops.tuning[0].gain < REAL_C(0.5) * gain);
+    TEST_ASSERT_EQUAL_FLOAT((float)own.time_constant_s,
+                            (float)a.plant.element[0][0].time_constant_s);
+    TEST_ASSERT_EQUAL_FLOAT((float)own.dead_time_s, (float)a.plant.element[0][0].dead_time_s);
+}
+
+static void a_beginning_that_is_no_time_is_refused(void)
+{
+    static const real_t bad[] = {REAL_C(-1.0), NAN, INFINITY};
+    for (unsigned i = 0; i < 3; i++)
+        for (unsigned dead = 0; dead < 2; dead++) {
+            take_plant(PLANT_WOOD_BERRY, 0.01, 60);
+            a.beginning[1][0] =
+                (struct beginning){dead ? REAL_C(1.0) : bad[i], dead ? bad[i] : REAL_C(1.0)};
+            TEST_ASSERT_EQUAL_INT(i == 0 ? ERR_RANGE : ERR_NOT_FINITE, analysis_begin(&a, &config));
+        }
+}
+
+static void a_noisy_measurement_gets_a_smaller_gain(void)
+{
+    static real_t noise[INTERACT_MAX];
+    take_plant(PLANT_WOOD_BERRY, 0.01, 60);
+    TEST_ASSERT_EQUAL_INT(ERR_OK, run());
+    real_t gain = a.loops.tuning[0].gain;
+    config.noise_sd = noise;
+    noise[0] = REAL_C(0.01);
+    noise[1] = REAL_C(0.0001);
+    take_plant(PLANT_WOOD_BERRY, 0.01, 60);
+    TEST_ASSERT_EQUAL_INT(ERR_OK, run());
+    TEST_ASSERT_TRUE(a.designed);
+    TEST_ASSERT_TRUE(a.loops.tuning[0].gain < REAL_C(0.5) * gain);
 }
 
 static void more_loops_than_the_board_runs_are_said_to_be_too_many(void)
@@ -385,6 +432,9 @@ int main(void)
     RUN_TEST(of_more_outputs_than_inputs_as_many_are_chosen);
     RUN_TEST(a_gain_of_unsure_sign_gets_no_loop);
     RUN_TEST(gains_hardly_known_leave_the_pairing_open);
+    RUN_TEST(settings_are_for_the_beginning_of_an_element);
+    RUN_TEST(a_beginning_that_is_no_time_is_refused);
+    RUN_TEST(a_noisy_measurement_gets_a_smaller_gain);
     RUN_TEST(more_loops_than_the_board_runs_are_said_to_be_too_many);
     RUN_TEST(independent_parts_are_told_apart);
     RUN_TEST(a_plant_of_16_by_16_comes_to_an_end);

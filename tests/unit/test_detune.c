@@ -172,6 +172,64 @@ static void a_gain_at_its_limit_gets_the_integral_time_that_goes_with_it(void)
     TEST_ASSERT_DOUBLE_WITHIN(1e-2, 1000.0, (double)detune.loops.tuning[0].ti_s); /* min(T, 8000) */
 }
 
+static enum err design_one(void)
+{
+    TEST_ASSERT_EQUAL_INT(ERR_OK, detune_begin(&detune, &known.plant, &known.pairs, REAL_C(2.0),
+                                               NULL, &config, NULL));
+    enum err err;
+    while ((err = detune_step(&detune)) == ERR_BUSY)
+        ;
+    return err;
+}
+
+/* 0.5 exp(-9 s)/(1000 s + 1), theta 10, every 2 s; tau_c T/8: gain 1000/(0.5 135). */
+static void one_slow_element(void)
+{
+    memset(&known, 0, sizeof known);
+    known.plant.outputs = known.plant.inputs = known.pairs.n = 1;
+    known.plant.element[0][0] = (struct fopdt){REAL_C(0.5), REAL_C(9.0), REAL_C(1000.0)};
+}
+
+static void noise_of_a_loop_moves_no_output_more_than_twice_its_own_noise(void)
+{
+    static real_t noise[INTERACT_MAX];
+    one_slow_element();
+    TEST_ASSERT_EQUAL_INT(ERR_OK, design_one());
+    TEST_ASSERT_DOUBLE_WITHIN(1e-3, 1000.0 / (0.5 * 135.0), (double)detune.loops.tuning[0].gain);
+    config.noise_sd = noise; /* 0: not known */
+    TEST_ASSERT_EQUAL_INT(ERR_OK, design_one());
+    TEST_ASSERT_DOUBLE_WITHIN(1e-3, 1000.0 / (0.5 * 135.0), (double)detune.loops.tuning[0].gain);
+    /* Alone it is bound by its own gain only: 2/(0.5 sqrt((1 - a)/(1 + a))) = 126, whatever the noise. */
+    noise[0] = REAL_C(0.03);
+    TEST_ASSERT_EQUAL_INT(ERR_OK, design_one());
+    TEST_ASSERT_DOUBLE_WITHIN(1e-3, 1000.0 / (0.5 * 135.0), (double)detune.loops.tuning[0].gain);
+    config.noise_times = REAL_C(0.1);
+    TEST_ASSERT_EQUAL_INT(ERR_OK, design_one());
+    double a = exp(-2.0 / 1000.0), most = 0.1 / (0.5 * sqrt((1.0 - a) / (1.0 + a)));
+    TEST_ASSERT_DOUBLE_WITHIN(1e-3 * most, most, (double)detune.loops.tuning[0].gain);
+    TEST_ASSERT_TRUE(detune.loops.tuning[0].ti_s > REAL_C(540.0)); /* 4 135 */
+    /* Another output, quieter by ten and moved as much, has it smaller by ten. */
+    known.plant.outputs = 2;
+    known.plant.element[1][0] = known.plant.element[0][0];
+    noise[1] = REAL_C(0.003);
+    TEST_ASSERT_EQUAL_INT(ERR_OK, design_one());
+    TEST_ASSERT_DOUBLE_WITHIN(1e-3 * most, most / 10.0, (double)detune.loops.tuning[0].gain);
+    noise[1] = NAN;
+    TEST_ASSERT_NOT_EQUAL_INT(ERR_OK, detune_begin(&detune, &known.plant, &known.pairs, REAL_C(2.0),
+                                                   NULL, &config, &why));
+    TEST_ASSERT_EQUAL_STRING("noise_sd", why.field);
+    TEST_ASSERT_EQUAL_UINT8(1, why.output);
+}
+
+static void a_beginning_that_is_sure_may_be_as_fast_as_twice_its_dead_time(void)
+{
+    one_slow_element();
+    config.begins = 1;
+    TEST_ASSERT_EQUAL_INT(ERR_OK, design_one());
+    TEST_ASSERT_DOUBLE_WITHIN(1e-2, 1000.0 / (0.5 * 30.0), (double)detune.loops.tuning[0].gain);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-2, 120.0, (double)detune.loops.tuning[0].ti_s);
+}
+
 static void an_effect_without_lag_is_controlled_by_integral_action(void)
 {
     memset(&known, 0, sizeof known);
@@ -343,6 +401,8 @@ int main(void)
     RUN_TEST(a_gain_that_rises_when_other_loops_close_is_designed_for);
     RUN_TEST(loops_that_no_slowness_makes_stable_are_given_up);
     RUN_TEST(a_gain_at_its_limit_gets_the_integral_time_that_goes_with_it);
+    RUN_TEST(noise_of_a_loop_moves_no_output_more_than_twice_its_own_noise);
+    RUN_TEST(a_beginning_that_is_sure_may_be_as_fast_as_twice_its_dead_time);
     RUN_TEST(an_effect_without_lag_is_controlled_by_integral_action);
     RUN_TEST(a_decoupler_makes_the_gains_diagonal);
     RUN_TEST(loops_with_a_decoupler_keep_their_distance);

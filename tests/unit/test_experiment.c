@@ -359,13 +359,18 @@ static void an_output_that_does_not_come_back_is_named(void)
 
 /* ---- plants it is not for ---- */
 
-static struct judgement judged(uint8_t j)
+static struct judgement judged_with_drift(uint8_t j, real_t drift)
 {
     struct judgement verdict;
     struct baseline b;
     TEST_ASSERT_EQUAL_INT(ERR_OK, experiment_baseline(&experiment, j, &b));
-    judge_record(&experiment.record, j, &b, experiment.amplitude, &verdict);
+    judge_record(&experiment.record, j, &b, experiment.amplitude, drift, &verdict);
     return verdict;
+}
+
+static struct judgement judged(uint8_t j)
+{
+    return judged_with_drift(j, REAL_C(0.0));
 }
 
 static void an_integrator_stays_inside_its_limit_and_climbs_to_the_end(void)
@@ -427,6 +432,72 @@ static void a_bent_drift_makes_the_parts_of_a_step_disagree(void)
     }
     TEST_ASSERT_TRUE(spread[0] < 0.01);
     TEST_ASSERT_TRUE(spread[1] > 0.2);
+}
+
+/* Gain 1 at rest, 20 % more up than down for every 5 % that it moves. */
+static double curved(unsigned j, uint32_t k)
+{
+    double y = 0.0;
+    (void)k;
+    for (unsigned i = 0; i < bench.edges; i++)
+        y += bench.change[i] * step_response(&bench.element[j], bench.k - bench.at[i]);
+    return y + 2.0 * y * y;
+}
+
+static void what_is_not_linear_shows_in_the_asymmetry_and_not_in_the_level(void)
+{
+    for (int noisy = 0; noisy < 2; noisy++) {
+        bench_begin(SEED);
+        config.amplitude = REAL_C(0.05);
+        config.half = 300;
+        bench.element[0] = (struct test_element){1.0, 30.0, 0.0};
+        bench.other = curved;
+        bench.noise = noisy ? 0.002 : 0.0;
+        bench_run();
+        struct judgement v = judged(0);
+        TEST_ASSERT_DOUBLE_WITHIN(0.02, 0.2, (double)v.asymmetry);
+        TEST_ASSERT_DOUBLE_WITHIN(0.01, 1.0, (double)v.level);
+        TEST_ASSERT_TRUE(v.left < REAL_C(0.01));
+        TEST_ASSERT_DOUBLE_WITHIN(0.05, 0.2, (double)v.spread);
+        /* What a drift as fast as that could make of it is no asymmetry: 0.2 of 0.05 in a half. */
+        real_t half_s = REAL_C(300.0) * config.h_s;
+        TEST_ASSERT_TRUE(judged_with_drift(0, REAL_C(0.005) / half_s).asymmetry > REAL_C(0.0));
+        TEST_ASSERT_EQUAL_FLOAT(0.0f,
+                                (float)judged_with_drift(0, REAL_C(0.015) / half_s).asymmetry);
+    }
+}
+
+static void noise_is_no_asymmetry(void)
+{
+    for (unsigned seed = 1; seed <= 20; seed++) {
+        bench_begin(SEED + seed);
+        config.amplitude = REAL_C(0.05);
+        config.half = 300;
+        bench.element[0] = (struct test_element){1.0, 30.0, 0.0};
+        bench.noise = 0.005;
+        bench_run();
+        TEST_ASSERT_EQUAL_FLOAT(0.0f, (float)judged(0).asymmetry);
+    }
+}
+
+static void how_much_of_a_response_its_levels_show(void)
+{
+    static const double lag[] = {30.0, 100.0, 200.0};
+    for (unsigned i = 0; i < 3; i++) {
+        bench_begin(SEED);
+        config.amplitude = REAL_C(0.05);
+        config.half = 200;
+        bench.element[0] = (struct test_element){2.0, lag[i], 10.0};
+        bench_run();
+        real_t share = judge_level_of(&experiment.record, REAL_C(10.0) * config.h_s,
+                                      (real_t)lag[i] * config.h_s);
+        TEST_ASSERT_TRUE(share > REAL_C(0.0) && share <= REAL_C(1.0));
+        TEST_ASSERT_DOUBLE_WITHIN(0.005, (double)judged(0).level / 2.0, (double)share);
+    }
+    TEST_ASSERT_EQUAL_FLOAT(1.0f,
+                            (float)judge_level_of(&experiment.record, REAL_C(0.0), REAL_C(0.0)));
+    TEST_ASSERT_EQUAL_FLOAT(0.0f,
+                            (float)judge_level_of(&experiment.record, REAL_C(1e6), REAL_C(1.0)));
 }
 
 static void a_step_of_a_few_samples_says_nothing_by_itself(void)
@@ -647,6 +718,9 @@ int main(void)
     RUN_TEST(three_lags_leave_a_fifth_for_the_second_half);
     RUN_TEST(what_does_not_stand_out_does_not_climb);
     RUN_TEST(a_bent_drift_makes_the_parts_of_a_step_disagree);
+    RUN_TEST(what_is_not_linear_shows_in_the_asymmetry_and_not_in_the_level);
+    RUN_TEST(noise_is_no_asymmetry);
+    RUN_TEST(how_much_of_a_response_its_levels_show);
     RUN_TEST(a_step_of_a_few_samples_says_nothing_by_itself);
     RUN_TEST(an_unstable_output_is_stopped_at_its_limit);
     RUN_TEST(lost_samples_leave_the_model_where_it_is);

@@ -298,7 +298,8 @@ int32_t reflux_detune(const struct reflux_plant *plant, int32_t n, const int32_t
                                     .db_most = settings[1],
                                     .gain_margin = settings[2],
                                     .factor_hi = settings[3],
-                                    .gain_hi = settings[4]};
+                                    .gain_hi = settings[4],
+                                    .noise_times = REAL_C(1.0)};
     enum err err = take_plant(plant, &p);
     if (!err)
         err = take_pairs(n, output, input, &pairs);

@@ -387,7 +387,8 @@ of the true gain, T and L of the true L + T.
 {table.markdown(*error_table(start, results))}
 
 """
-    text += commissioning_columns.text() + "\n"
+    text += ("## The two columns\n\n`tools/figures/column_table.py` starts up the pilot column and the splitter at an operating "
+             f"point: [{commissioning_columns.RESULT.name}]({commissioning_columns.RESULT.name}).\n\n")
     text += "## What was asked for\n\n"
     if missed:
         text += "Not reached:\n\n" + "\n".join(f"- {m}" for m in missed) + "\n"

@@ -154,6 +154,8 @@ def experiments_of(r: Record) -> list[Experiment]:
             remarks.append(f"turned round: {event.subject} would have gone {far} from rest")
         elif event.code == "TEST_LONGER" and out:
             out[-1].remarks.append("not at rest at the end: tested again, longer")
+        elif event.code == "TEST_SMALLER" and out:
+            out[-1].remarks.append("not linear: tested again with smaller steps")
         elif step and event.code in ("TEST_DONE", "COMMISSION_ENDED"):
             at, end = row_at(r.time, step.at_s), row_at(r.time, event.at_s)
             if end - at > 1:

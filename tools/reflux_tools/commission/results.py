@@ -37,6 +37,7 @@ class Element:
     moments: tuple[float, float, float] | None = None  # gain, T, L: the second opinion
     moments_flags: list[str] = field(default_factory=list)
     plateau: float = 0.0
+    begins: tuple[float, float] | None = None  # T, L of its beginning, where that is not as it goes on
 
     @property
     def has_gain(self) -> bool:
@@ -161,6 +162,8 @@ def model_of(lines: list[str]) -> Model:
             e, v = m.elements[words[1], words[2]], pairs_of(words[3:11])
             e.moments = (number(v["gain"]), number(v["T"]), number(v["L"]))
             e.plateau, e.moments_flags = number(v["plateau"]), _flags(words)
+            if words[11] == "begins_T" and len(words) >= 16:
+                e.begins = number(words[12]), number(words[14])
     return m
 
 
@@ -297,7 +300,8 @@ def model_rows(m: Model) -> tuple[list[str], list[list[str]]]:
         f = table.figure
         times = [f(e.time_s), f(e.time_sd_s), f(e.dead_s), f(e.dead_sd_s)] if e.has_gain else ["-"] * 4
         second = [f(x) for x in e.moments] if e.moments else ["-"] * 3
-        rows.append([e.measurement, e.input, f(e.gain), f(e.gain_sd), e.unit, *times, ", ".join(e.flags) or "-", *second,
+        flags = e.flags + ([f"begins with T {f(e.begins[0])}, L {f(e.begins[1])}"] if e.begins else [])
+        rows.append([e.measurement, e.input, f(e.gain), f(e.gain_sd), e.unit, *times, ", ".join(flags) or "-", *second,
                      ", ".join(e.moments_flags) or "-", f(e.plateau) if e.plateau else "-"])
     return header, rows
 

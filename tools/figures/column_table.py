@@ -1,0 +1,21 @@
+#!/usr/bin/python3
+"""Starts both columns up at an operating point over thirty seeds, and writes what comes of it and how the loops do after a feed
+disturbance to tests/campaign/results/commissioning-columns.md.
+
+usage: column_table.py [SEEDS]      (needs reflux-sim-memory of the host build; nothing is built here)
+"""
+
+import sys
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+from reflux_tools import commissioning_columns  # noqa: E402
+
+SEEDS = 30
+
+if __name__ == "__main__":
+    seeds = int(sys.argv[1]) if len(sys.argv) > 1 else SEEDS
+    text = commissioning_columns.text(seeds)
+    if seeds == SEEDS:
+        commissioning_columns.RESULT.write_text(text, encoding="utf-8")
+    print(text)
