@@ -126,6 +126,7 @@ static void close_inner(struct analysis *a, uint8_t k, const struct cascade *c)
     real_t large = lag > tau_c_s ? lag : tau_c_s, small = lag > tau_c_s ? tau_c_s : lag;
     e->time_constant_s = large + REAL_C(0.5) * small;
     e->dead_time_s = c->between.dead_time_s + inner.dead_time_s + REAL_C(0.5) * small;
+    a->beginning[c->outer][j].time_constant_s = REAL_C(0.0); /* it was of another element */
 }
 
 void analysis_close_inner_loops(struct analysis *a)

@@ -20,6 +20,8 @@
 #define BEND_SDS     REAL_C(2.0)
 #define BENT_BETTER                                                                                \
     REAL_C(12.0) /* variances of a point that a bend must explain: instant, slope and step of it */
+#define NO_NOISE                                                                                   \
+    REAL_C(0.5) /* of the variance that the fit leaves: the response is not that of one lag */
 #define LEVEL_LEAST     REAL_C(0.8) /* of a response that its levels show, to be used for the gain */
 #define LEVEL_DOUBT     REAL_C(0.25) /* of what fit and levels differ by */
 #define LEVEL_SURER     REAL_C(0.5)  /* times the deviation of the fit: the levels know better */
@@ -239,7 +241,7 @@ static void judge_gain(struct commission *c, const struct baseline *b, real_t be
     struct judgement verdict;
     judge_record(&x->record, c->fit_at, b, x->amplitude, sure_slope(&x->before[c->fit_at]),
                  &verdict);
-    if (take_level(x, &verdict, fit)) {
+    if (share > NO_NOISE && take_level(x, &verdict, fit)) {
         take_beginning(&c->element[c->fit_at][c->order[c->at]], x, c->fit_at, fit);
         misfit =
             REAL_C(0.0); /* what the fit leaves is no error of the levels; theirs comes again */

@@ -99,8 +99,29 @@ static enum err set_models(struct detune *d, struct interact_refusal *why)
     return ERR_OK;
 }
 
-/* Largest gain of loop k. Noise s of its measurement moves its input by K_c s, from one sample to the next, and that moves
- * output j through g/(T s + 1), held for h, by g K_c s sqrt((1 - a)/(1 + a)), a = exp(-h/T). */
+/* Through g/(T s + 1), held for h, g sqrt((1 - a)/(1 + a)), a = exp(-h/T), of what changes from one sample to the next. */
+static real_t passes(const struct detune *d, size_t j, size_t i)
+{
+    const struct fopdt *e = &d->plant->element[j][i];
+    real_t a = REAL_C(0.0);
+    if (e->time_constant_s > REAL_C(0.0))
+        a = real_exp(-d->loops.interval_s / e->time_constant_s);
+    return e->gain * real_sqrt((REAL_C(1.0) - a) / (REAL_C(1.0) + a));
+}
+
+/* ... from controller k to output j. */
+static real_t passes_from(const struct detune *d, size_t j, size_t k)
+{
+    const struct pairs *p = &d->loops.pairs;
+    if (!d->loops.decoupler)
+        return passes(d, j, p->input[k]);
+    real_t sum = REAL_C(0.0);
+    for (size_t l = 0; l < p->n; l++)
+        sum += passes(d, j, p->input[l]) * d->loops.decoupler->at[l][k];
+    return sum;
+}
+
+/* Largest gain of loop k. Noise s of its measurement moves what the controller puts out by K_c s. */
 static real_t largest_gain(const struct detune *d, size_t k)
 {
     const struct detune_config *c = &d->config;
@@ -109,11 +130,7 @@ static real_t largest_gain(const struct detune *d, size_t k)
         return largest;
     real_t noise = c->noise_sd[d->loops.pairs.output[k]];
     for (size_t j = 0; j < d->plant->outputs && noise > c->noise_least; j++) {
-        const struct fopdt *e = &d->plant->element[j][d->loops.pairs.input[k]];
-        real_t a = REAL_C(0.0);
-        if (e->time_constant_s > REAL_C(0.0))
-            a = real_exp(-d->loops.interval_s / e->time_constant_s);
-        real_t moves = real_abs(e->gain) * noise * real_sqrt((REAL_C(1.0) - a) / (REAL_C(1.0) + a));
+        real_t moves = real_abs(passes_from(d, j, k)) * noise;
         real_t most = c->noise_times * c->noise_sd[j];
         if (most > REAL_C(0.0) && moves * largest > most)
             largest = most / moves;
