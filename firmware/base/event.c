@@ -10,6 +10,18 @@
 _Static_assert(EVENT_INFO == 0 && EVENT_WARNING == 1 && EVENT_ALARM == 2 && EVENT_ACTION == 3,
                "levels are as above");
 #define E(name, text, level) level name "\0" text
+/* What the limits of a board leave out (they are read before every file) does not happen there. */
+#define ABSENT INFO "?\0?"
+#if defined(CONFIG_STEPS) && CONFIG_STEPS == 0
+#define S(name, text, level) ABSENT
+#else
+#define S E
+#endif
+#if defined(COMMISSION_CHANNELS) && COMMISSION_CHANNELS == 0
+#define C(name, text, level) ABSENT
+#else
+#define C E
+#endif
 
 static const char *const table[] = {
     E("STARTED", "firmware started in its safe state; why it started", INFO),
@@ -53,35 +65,33 @@ static const char *const table[] = {
       WARNING),
     E("STORAGE_REFUSED", "stored settings are not in force; `load` says why", ALARM),
     E("STORAGE_DAMAGED", "no whole set is stored, defaults are in force", ALARM),
-    E("SEQUENCE_STEP", "sequence waits at step", INFO),
-    E("SEQUENCE_HELD", "sequence held at step", WARNING),
-    E("SEQUENCE_GOES_ON", "sequence goes on at step", INFO),
-    E("SEQUENCE_CONFIRMED", "step confirmed", INFO),
-    E("SEQUENCE_SKIPPED", "step no longer waited for", WARNING),
-    E("SEQUENCE_TIMEOUT", "step took longer than allowed", WARNING),
-    E("SEQUENCE_DONE", "sequence done, last step", INFO),
-    E("SEQUENCE_ABORTED", "sequence aborted into the safe state at step", ALARM),
-    E("OFFSET", "subtracted from the readings from now on", INFO),
-    E("COMMISSION_BEGUN", "automatic start-up has begun; inputs to test", INFO),
-    E("COMMISSION_ENDED", "automatic start-up given up", ALARM),
-    E("TEST_STEP", "test of this input; amplitude, fraction of span", INFO),
-    E("TEST_CUT", "test cut short, this would pass its limit; peak seen coming, fraction of span",
+    S("SEQUENCE_STEP", "sequence waits at step", INFO),
+    S("SEQUENCE_HELD", "sequence held at step", WARNING),
+    S("SEQUENCE_GOES_ON", "sequence goes on at step", INFO),
+    S("SEQUENCE_CONFIRMED", "step confirmed", INFO),
+    S("SEQUENCE_SKIPPED", "step no longer waited for", WARNING),
+    S("SEQUENCE_TIMEOUT", "step took longer than allowed", WARNING),
+    S("SEQUENCE_DONE", "sequence done, last step", INFO),
+    S("SEQUENCE_ABORTED", "sequence aborted into the safe state at step", ALARM),
+    S("OFFSET", "subtracted from the readings from now on", INFO),
+    C("COMMISSION_BEGUN", "automatic start-up has begun; inputs to test", INFO),
+    C("COMMISSION_ENDED", "automatic start-up given up", ALARM),
+    C("TEST_STEP", "test of this input; amplitude, fraction of span", INFO),
+    C("TEST_CUT", "test cut short, this would pass its limit; peak seen coming, fraction of span",
       INFO),
-    E("TEST_DONE", "input tested; length of half a double step, s", INFO),
-    E("TEST_LONGER", "an output did not come to rest, test done again; half of a double step, s",
+    C("TEST_DONE", "input tested; length of half a double step, s", INFO),
+    C("TEST_LONGER", "an output did not come to rest, test done again; half of a double step, s",
       INFO),
-    E("TEST_SMALLER",
+    C("TEST_SMALLER",
       "an output is not linear, test done again with smaller steps; amplitude, fraction of span",
       INFO),
-    E("TEST_EXTENDED", "pairing not determined yet, tests are repeated; probability", INFO),
-#if !defined COMMISSION_CHANNELS || COMMISSION_CHANNELS
-    E("RELAY_DONE", "relay test done, see `commission relay`; ultimate period, s", INFO),
-#endif
-    E("PROPOSAL", "pairing determined, see `commission proposal`; probability", INFO),
-    E("NOT_DETERMINED", "pairing not determined, see `commission pairing`; probability", WARNING),
-    E("TRIAL_BEGUN", "proposed loops on trial; loops", INFO),
-    E("TRIAL_KEPT", "proposed loops did as predicted and stay; loops", INFO),
-    E("TRIAL_FAILED", "proposed loops are taken back, the old settings return", ALARM),
+    C("TEST_EXTENDED", "pairing not determined yet, tests are repeated; probability", INFO),
+    C("RELAY_DONE", "relay test done, see `commission relay`; ultimate period, s", INFO),
+    C("PROPOSAL", "pairing determined, see `commission proposal`; probability", INFO),
+    C("NOT_DETERMINED", "pairing not determined, see `commission pairing`; probability", WARNING),
+    C("TRIAL_BEGUN", "proposed loops in automatic, on trial; loops", INFO),
+    C("TRIAL_KEPT", "proposed loops did as predicted and stay; loops", INFO),
+    C("TRIAL_FAILED", "proposed loops are taken back, the old settings return", ALARM),
     E("DO_MODE", "mode asked for (0 manual, 1 auto, 2 cascade)", ACTION),
     E("DO_SETPOINT", "setpoint asked for", ACTION),
     E("DO_OUTPUT", "output asked for", ACTION),
@@ -89,11 +99,11 @@ static const char *const table[] = {
     E("DO_APPLY", "transaction applied; parameters it changes", ACTION),
     E("DO_STORAGE", "stored settings saved, loaded or replaced", ACTION),
     E("DO_ALARM", "alarm acknowledged or shelved", ACTION),
-    E("DO_SEQUENCE", "sequence started, stopped or told what to do", ACTION),
+    S("DO_SEQUENCE", "sequence started, stopped or told what to do", ACTION),
     E("DO_KEY", "key changed", ACTION),
     E("DO_UNLOCK", "engineer level unlocked", ACTION),
     E("DO_LOCK", "engineer level locked", ACTION),
-    E("DO_COMMISSION", "automatic start-up told something", ACTION),
+    C("DO_COMMISSION", "automatic start-up told something", ACTION),
     E("DO_REBOOT", "restart asked for", ACTION),
 };
 _Static_assert(sizeof table / sizeof table[0] == EVENT_COUNT, "every event has a name and a text");
