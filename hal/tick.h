@@ -14,7 +14,8 @@
 /* Asks for the tick context as soon as possible. Callable from anywhere. */
 void hal_tick_request(void);
 
-/* Holds the tick context off while the main loop copies something it shares; keep it to microseconds.
+/* Holds the tick context off while the main loop copies something it shares; keep it to microseconds. The longest is
+ * a plan put into force (service_settle), which the tick would have to do otherwise.
  * Not nested. */
 void hal_tick_lock(void);
 void hal_tick_unlock(void);

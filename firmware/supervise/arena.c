@@ -79,7 +79,7 @@ static void move(struct supervisor *s, const uint8_t n[PLACED_KINDS], unsigned k
     }
     uint8_t kept = s->placed[k] < n[k] ? s->placed[k] : n[k];
     if (to != from && down == (to < from))
-        memmove(arena + to, arena + from, (uint32_t)kept * kinds[k].state);
+        memmove(arena + to, arena + from, (size_t)kept * kinds[k].state);
 }
 
 void arena_place(struct supervisor *s, const uint8_t n[PLACED_KINDS])
