@@ -7,7 +7,7 @@
 /* What the operator is looking at: the transaction under way, or the plan everything will meet. */
 static const struct config *view(const struct service *s)
 {
-    return s->staging ? &s->plan[s->in_force ^ 1u].config : &service_plan(s)->config;
+    return s->staging ? &s->plan[s->newest ^ 1u].config : &service_plan(s)->config;
 }
 
 static void value_line(const struct parameter *p, const struct config *config, struct text *line)

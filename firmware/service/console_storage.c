@@ -108,7 +108,7 @@ static bool dump_line(struct console *c, unsigned n, struct text *line)
 {
     const struct service *s = c->service;
     const struct config *config =
-        s->staging ? &s->plan[s->in_force ^ 1u].config : &service_plan(s)->config;
+        s->staging ? &s->plan[s->newest ^ 1u].config : &service_plan(s)->config;
     struct parameter p;
     if (n < 2) {
         text_str(line, n == 0 ? "begin" : "defaults");

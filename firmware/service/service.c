@@ -29,14 +29,15 @@ void service_init(struct service *s, struct supervisor *supervisor, struct plant
     (void)!plan_build(&s->plan[s->in_force], defaults, 0.0f, &fault);
 }
 
-static uint8_t other(const struct service *s)
-{
-    return s->in_force ^ 1u;
-}
-
 const struct plan *service_plan(const struct service *s)
 {
-    return &s->plan[s->has_pending ? other(s) : s->in_force];
+    return &s->plan[s->newest];
+}
+
+/* The scratch plan, when none waits. */
+static uint8_t other(const struct service *s)
+{
+    return s->newest ^ 1u;
 }
 
 enum loop_mode service_mode(const struct service *s, uint8_t loop)
@@ -51,7 +52,7 @@ enum loop_mode service_mode(const struct service *s, uint8_t loop)
 static void release_rows(struct service *s)
 {
     struct spsc *q = &s->telemetry.index;
-    const struct plan *plan = &s->plan[s->in_force], *old = &s->plan[other(s)];
+    const struct plan *plan = service_plan(s), *old = &s->plan[other(s)];
     uint32_t n = spsc_count(q), read = spsc_read_index(q), stale = 0;
     for (uint32_t k = 0; k < n; k++)
         stale += s->telemetry.slot[(read + k) & (TELEMETRY_QUEUE_SIZE - 1u)].plan == old;
@@ -75,7 +76,7 @@ struct config *service_staged(struct service *s)
 void service_settle(struct service *s)
 {
     hal_tick_lock();
-    if (s->has_pending)
+    if (s->newest != s->in_force)
         s->settle(s->settle_context);
     hal_tick_unlock();
 }
@@ -132,7 +133,7 @@ enum err service_apply(struct service *s, const struct config *config, struct co
     memset(fault, 0, sizeof *fault);
     fault->code = ERR_BUSY;
     /* Room for one more, come what may. */
-    if (!spsc_can_write(&s->requests.index) || s->has_pending)
+    if (!spsc_can_write(&s->requests.index) || s->newest != s->in_force)
         return ERR_BUSY;
     release_rows(s);
     struct plan *plan = &s->plan[other(s)];
@@ -161,7 +162,7 @@ enum err service_apply(struct service *s, const struct config *config, struct co
 #endif
     plan->serial = ++s->serial;
     /* The plan first, then the request: the tick that meets the request must find the plan. */
-    s->has_pending = true;
+    s->newest = other(s);
     struct request apply = {.kind = REQUEST_APPLY, .loop = PLAN_NONE, .output = PLAN_NONE};
     err = service_request(s, &apply); /* there is room: this context alone writes the queue */
     for (uint8_t i = 0; i < CONFIG_LOOPS; i++)
@@ -189,9 +190,8 @@ bool service_follow_tick(struct service *s, struct plan *plan)
 void service_take_pending(struct service *s)
 {
     /* The plant may have come, or changed, since the plan was made. */
-    (void)service_follow_tick(s, &s->plan[other(s)]);
-    s->in_force = other(s);
-    s->has_pending = false;
+    (void)service_follow_tick(s, &s->plan[s->newest]);
+    s->in_force = s->newest;
     supervisor_take_plan(s->supervisor, &s->plan[s->in_force]);
 }
 

@@ -51,8 +51,8 @@ struct service {
     struct commission *commission; /* NULL where the board leaves it out */
 
     struct plan plan[PLAN_BUFFERS];
-    uint8_t in_force; /* index into plan[]; the other one is scratch, or pending */
-    bool has_pending;
+    /* Indices into plan[]. The tick writes the one, the main loop the other; where they differ the newest waits. */
+    uint8_t in_force, newest;
     /* What the tick does first when a plan waits for it; called with the tick locked out. Set by app. */
     void (*settle)(void *context);
     void *settle_context;
