@@ -89,7 +89,7 @@ static const char *const table[] = {
     C("RELAY_DONE", "relay test done, see `commission relay`; ultimate period, s", INFO),
     C("PROPOSAL", "pairing determined, see `commission proposal`; probability", INFO),
     C("NOT_DETERMINED", "pairing not determined, see `commission pairing`; probability", WARNING),
-    C("TRIAL_BEGUN", "proposed loops in automatic, on trial; loops", INFO),
+    C("TRIAL_BEGUN", "proposed loops on trial; loops", INFO),
     C("TRIAL_KEPT", "proposed loops did as predicted and stay; loops", INFO),
     C("TRIAL_FAILED", "proposed loops are taken back, the old settings return", ALARM),
     E("DO_MODE", "mode asked for (0 manual, 1 auto, 2 cascade)", ACTION),
