@@ -98,10 +98,7 @@ void judge_record(const struct record *r, uint8_t j, const struct baseline *b, r
         (down.to - down.from < up.to - up.from ? down.to - down.from : up.to - up.from) / 4u;
     real_t noise = b->noise_sd / real_sqrt((real_t)r->block * (real_t)n); /* of a level */
     real_t three = real_sqrt(REAL_C(3.0)) * noise; /* of both levels and the rest together */
-    /* What noise alone makes of it is in the deviation of any fit. */
-    real_t by_noise = REAL_C(2.0) * three / amplitude, spread = hi - lo;
-    if (spread > by_noise)
-        result->spread = real_sqrt(spread * spread - by_noise * by_noise);
+    result->spread = hi - lo;
     result->level = gain[1];
     result->level_sd = noise / (real_sqrt(REAL_C(2.0)) * amplitude);
     result->left = real_abs(rest) / (REAL_C(2.0) * amplitude);

@@ -15,7 +15,7 @@ struct judgement {
     real_t change_sd;     /* of the second, by the noise alone */
     /* Of the ends of the two levels and of what is left after them; 0 where they are too short to tell. Gains, output
      * span per input span. */
-    real_t spread;   /* largest less smallest gain of the three parts, noise taken off */
+    real_t spread;   /* largest less smallest gain of the three parts */
     real_t level;    /* from one level to the other */
     real_t level_sd; /* ... by the noise alone */
     real_t
