@@ -213,6 +213,8 @@ static enum err begin_settings(struct analysis *a)
     c.noise_least = RESOLUTION;
     a->stage = ANALYSIS_SETTINGS;
     exchange_beginnings(a, true);
+    for (uint8_t k = 0; k < a->pairs.n && a->has_structure; k++)
+        c.part[k] = a->structure.block[a->structure.pair_block[k]].part;
     bool decoupled = a->decoupler == DECOUPLER_USED;
     for (uint8_t k = 0; k < a->pairs.n && !decoupled; k++)
         if (a->beginning[a->pairs.output[k]][a->pairs.input[k]].time_constant_s > REAL_C(0.0))
@@ -274,6 +276,7 @@ static enum err end_settings(struct analysis *a, enum err err)
     a->loops = a->work.detune.loops;
     a->loops.decoupler = a->decoupler == DECOUPLER_USED ? &a->d : NULL;
     a->factor = a->work.detune.factor;
+    a->factor_least = a->work.detune.factor_least;
     a->log_modulus_db = a->work.detune.log_modulus_db;
     a->bounded = true;
     a->load = false;
@@ -338,6 +341,7 @@ static void keep_decoupled(struct analysis *a)
     struct analysis_design *d = &a->decoupled;
     d->loops = a->loops;
     d->factor = a->factor;
+    d->factor_least = a->factor_least;
     d->log_modulus_db = a->log_modulus_db;
     d->horizon_s = a->horizon_s;
     memcpy(d->predicted, a->predicted, sizeof d->predicted);
@@ -352,6 +356,7 @@ static void take_decoupled(struct analysis *a)
     a->d = d->d;
     a->loops = d->loops;
     a->factor = d->factor;
+    a->factor_least = d->factor_least;
     a->log_modulus_db = d->log_modulus_db;
     a->horizon_s = d->horizon_s;
     memcpy(a->predicted, d->predicted, sizeof a->predicted);

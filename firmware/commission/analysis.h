@@ -54,7 +54,7 @@ struct analysis_figures {
 /* Settings and what is predicted of them. */
 struct analysis_design {
     struct loops loops;
-    real_t factor, log_modulus_db, horizon_s;
+    real_t factor, factor_least, log_modulus_db, horizon_s;
     struct trial_loop predicted[INTERACT_MAX];
     struct trial_mark tried[INTERACT_MAX];
     struct matrix d;
@@ -106,7 +106,7 @@ struct analysis {
     enum analysis_decoupler decoupler;
     struct matrix d; /* identity where there is none */
     struct loops loops;
-    real_t factor, log_modulus_db;
+    real_t factor, factor_least, log_modulus_db; /* of the parts of the plant: struct detune */
     struct trial_loop
         predicted[INTERACT_MAX];           /* loop k after its own setpoint step of config.step */
     struct trial_mark tried[INTERACT_MAX]; /* ... after horizon_s of it */

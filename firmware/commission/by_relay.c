@@ -206,7 +206,7 @@ static void propose(struct commission *c, const struct supervisor *s,
     a->loops.tuning[0] = *tuning;
     a->loops.derivative_filter = REAL_C(8.0);
     a->decoupler = DECOUPLER_NOT_NEEDED;
-    a->factor = REAL_C(1.0);
+    a->factor = a->factor_least = REAL_C(1.0);
     a->predicted[0] = (struct trial_loop){.iae = BY_RELAY_IAE * found->period_s * step,
                                           .peak = BY_RELAY_PEAK,
                                           .settled_s = BY_RELAY_SETTLES * found->period_s,

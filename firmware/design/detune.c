@@ -5,7 +5,14 @@
 
 #define REFINED REAL_C(1.05) /* F is found to 5 % */
 
-enum { STAGE_CHECK, STAGE_MARGIN, STAGE_FINAL, STAGE_DONE };
+enum {
+    STAGE_CHECK,
+    STAGE_MARGIN,
+    STAGE_FINAL,
+    STAGE_TOGETHER, /* parts that were found one by one */
+    STAGE_TOGETHER_MARGIN,
+    STAGE_DONE
+};
 
 void detune_config_default(struct detune_config *config)
 {
@@ -138,10 +145,11 @@ static real_t largest_gain(const struct detune *d, size_t k)
     return largest;
 }
 
-/* SIMC with tau_c = F max(theta, T/8) for every loop. */
+/* SIMC with tau_c = F max(theta, T/8) for every loop of the part. */
 static enum err set_tuning(struct detune *d, real_t factor)
 {
-    for (size_t k = 0; k < d->loops.pairs.n; k++) {
+    for (size_t i = 0; i < d->part.pairs.n; i++) {
+        size_t k = d->place[i];
         const struct fopdt *m = &d->model[k];
         real_t least = m->time_constant_s * REAL_C(0.125);
         if (((unsigned)d->config.begins >> k & 1u) && least > REAL_C(2.0) * m->dead_time_s)
@@ -157,15 +165,16 @@ static enum err set_tuning(struct detune *d, real_t factor)
             t->gain = largest;
             t->ti_s = ti < m->time_constant_s ? ti : m->time_constant_s;
         }
+        d->part.tuning[i] = *t;
     }
-    d->factor = factor;
+    d->now = factor;
     d->tried++;
     return ERR_OK;
 }
 
 static real_t limit_db(const struct detune *d)
 {
-    real_t db = d->config.db_per_loop * (real_t)d->loops.pairs.n;
+    real_t db = d->config.db_per_loop * (real_t)d->part.pairs.n;
     return db < d->config.db_most ? db : d->config.db_most;
 }
 
@@ -176,7 +185,47 @@ static enum err try_factor(struct detune *d, real_t factor)
     if (err)
         return err;
     d->stage = STAGE_CHECK;
-    return nyquist_begin(&d->work.nyquist, d->plant, &d->loops, REAL_C(1.0), limit_db(d));
+    return nyquist_begin(&d->work.nyquist, d->plant, &d->part, REAL_C(1.0), limit_db(d));
+}
+
+/* The loops that are in the part of the first that is in none yet; all of them where they are joint. */
+static enum err begin_part(struct detune *d)
+{
+    const struct loops *all = &d->loops;
+    struct loops *part = &d->part;
+    size_t first = 0;
+    while (((unsigned)d->done >> first & 1u) != 0u)
+        first++;
+    *part = *all;
+    part->pairs.n = 0;
+    for (size_t k = first; k < all->pairs.n; k++) {
+        if (!d->joint && d->config.part[k] != d->config.part[first])
+            continue;
+        d->place[part->pairs.n] = (uint8_t)k;
+        part->pairs.output[part->pairs.n] = all->pairs.output[k];
+        part->pairs.input[part->pairs.n++] = all->pairs.input[k];
+        d->done = (uint16_t)(d->done | 1u << k);
+    }
+    if (all->decoupler) {
+        d->part_decoupler.rows = d->part_decoupler.cols = part->pairs.n;
+        for (size_t i = 0; i < part->pairs.n; i++)
+            for (size_t j = 0; j < part->pairs.n; j++)
+                d->part_decoupler.at[i][j] = all->decoupler->at[d->place[i]][d->place[j]];
+        part->decoupler = &d->part_decoupler;
+    }
+    d->lo = REAL_C(1.0);
+    d->hi = REAL_C(0.0);
+    return try_factor(d, REAL_C(1.0));
+}
+
+/* From the first part on. */
+static enum err begin_parts(struct detune *d, bool joint)
+{
+    d->joint = joint;
+    d->failed = false;
+    d->done = 0;
+    d->factor = REAL_C(0.0);
+    return begin_part(d);
 }
 
 enum err detune_begin(struct detune *d, const struct interact_plant *plant,
@@ -211,8 +260,12 @@ enum err detune_begin(struct detune *d, const struct interact_plant *plant,
     if (err)
         return err;
     *why = (struct interact_refusal){"", "", INTERACT_NONE, INTERACT_NONE};
-    d->lo = REAL_C(1.0);
-    return try_factor(d, REAL_C(1.0));
+    return begin_parts(d, false);
+}
+
+static enum err more(enum err err)
+{
+    return err ? err : ERR_BUSY;
 }
 
 /* The next factor: twice as slow while none has been good, then between; the last one good is checked once more at the
@@ -220,9 +273,9 @@ enum err detune_begin(struct detune *d, const struct interact_plant *plant,
 static enum err go_on(struct detune *d, bool good)
 {
     if (good)
-        d->hi = d->factor;
+        d->hi = d->now;
     else
-        d->lo = d->factor;
+        d->lo = d->now;
     enum err err;
     if (d->hi <= REAL_C(0.0) && d->lo < d->config.factor_hi) {
         real_t next = d->lo * REAL_C(2.0);
@@ -234,9 +287,42 @@ static enum err go_on(struct detune *d, bool good)
         d->tried--;
         d->stage = STAGE_FINAL;
         if (!err)
-            err = nyquist_begin(&d->work.nyquist, d->plant, &d->loops, REAL_C(1.0), INFINITY);
+            err = nyquist_begin(&d->work.nyquist, d->plant, &d->part, REAL_C(1.0), INFINITY);
     }
-    return err ? err : ERR_BUSY;
+    return more(err);
+}
+
+static enum err look_at_all(struct detune *d, uint8_t stage, real_t gain_times)
+{
+    d->stage = stage;
+    return more(nyquist_begin(&d->work.nyquist, d->plant, &d->loops, gain_times, INFINITY));
+}
+
+static enum err end(struct detune *d)
+{
+    d->stage = STAGE_DONE;
+    return d->failed ? ERR_TIMEOUT : ERR_OK;
+}
+
+/* A part has its settings. */
+static enum err end_part(struct detune *d, bool good)
+{
+    const struct nyquist *n = &d->work.nyquist;
+    bool first = d->factor <= REAL_C(0.0);
+    if (first || n->log_modulus_db > d->log_modulus_db) {
+        d->log_modulus_db = n->log_modulus_db;
+        d->omega = n->omega;
+    }
+    if (first || d->now > d->factor)
+        d->factor = d->now;
+    if (first || d->now < d->factor_least)
+        d->factor_least = d->now;
+    d->failed = d->failed || !good || d->hi <= REAL_C(0.0);
+    if (d->done != (uint16_t)((1ul << d->loops.pairs.n) - 1u))
+        return more(begin_part(d));
+    if (d->failed || d->part.pairs.n == d->loops.pairs.n)
+        return end(d);
+    return look_at_all(d, STAGE_TOGETHER, REAL_C(1.0));
 }
 
 enum err detune_step(struct detune *d)
@@ -247,16 +333,18 @@ enum err detune_step(struct detune *d)
     if (err == ERR_BUSY)
         return err;
     bool good = err == ERR_OK && d->work.nyquist.stable;
-    if (d->stage == STAGE_FINAL) {
-        d->stage = STAGE_DONE;
-        d->log_modulus_db = d->work.nyquist.log_modulus_db;
-        d->omega = d->work.nyquist.omega;
-        return good && d->hi > REAL_C(0.0) ? ERR_OK : ERR_TIMEOUT;
-    }
+    if (d->stage == STAGE_FINAL)
+        return end_part(d, good);
+    if (d->stage == STAGE_TOGETHER && good)
+        return look_at_all(d, STAGE_TOGETHER_MARGIN, d->config.gain_margin);
+    if (d->stage == STAGE_TOGETHER_MARGIN && good)
+        return end(d);
+    if (d->stage == STAGE_TOGETHER || d->stage == STAGE_TOGETHER_MARGIN)
+        return more(begin_parts(d, true)); /* they do act on each other */
     if (d->stage == STAGE_CHECK && good) {
         d->stage = STAGE_MARGIN;
-        err = nyquist_begin(&d->work.nyquist, d->plant, &d->loops, d->config.gain_margin, INFINITY);
-        return err ? err : ERR_BUSY;
+        return more(
+            nyquist_begin(&d->work.nyquist, d->plant, &d->part, d->config.gain_margin, INFINITY));
     }
     return go_on(d, good);
 }

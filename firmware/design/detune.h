@@ -7,7 +7,12 @@
  * gain_margin times as large. (Luyben begins with Ziegler and Nichols' settings and takes K/F and F Ti.) theta includes
  * half a sample interval. The gain a loop is designed on is the larger of its own, K, and that with the other loops
  * closed, K/lambda (the gain of the equivalent transfer function of He et al. 2009); with a decoupler K/lambda, and the
- * mean dead time and lag of what then makes up the loop. */
+ * mean dead time and lag of what then makes up the loop.
+ *
+ * Parts of a plant that do not act on each other have a factor each, the limit is for each by itself: det(I + G C) is the
+ * product of theirs, stable where each of them is, and the log modulus of a product of n grows with n though no loop is
+ * nearer to instability. What is neglected between parts is not neglected at the end: all loops together must be stable,
+ * also with gain_margin; where they are not, all are slowed by one factor after all. */
 #ifndef REFLUX_DESIGN_DETUNE_H
 #define REFLUX_DESIGN_DETUNE_H
 
@@ -26,6 +31,7 @@ struct detune_config {
     real_t noise_times;
     real_t
         noise_least; /* 0 to 1: a loop of which the noise is no more has none: it is the resolution */
+    uint8_t part[INTERACT_MAX]; /* of pair k: pairs of different numbers do not act on each other */
     uint16_t
         begins; /* bit k: of pair k the model is how it begins, with a dead time that is sure: tau_c <= 2 F theta */
 };
@@ -33,15 +39,20 @@ struct detune_config {
 struct detune {
     /* Results */
     struct loops loops;           /* settings; pairs, interval and decoupler as given */
-    real_t factor;                /* F */
-    real_t log_modulus_db, omega; /* of them, and where, rad/s */
+    real_t factor, factor_least;  /* F: largest and smallest of the parts */
+    real_t log_modulus_db, omega; /* largest of the parts, and where, rad/s */
     uint8_t tried;                /* factors */
 
-    /* Work: 7 KiB (float) */
+    /* Work: 9 KiB (float) */
     const struct interact_plant *plant;
     struct detune_config config;
     struct fopdt model[INTERACT_MAX]; /* what each loop is designed on */
-    real_t lo, hi;                    /* F too small; F large enough, 0 while unknown */
+    uint16_t done;                    /* pairs of parts that are */
+    bool joint, failed;               /* one factor for all; a part keeps no distance */
+    uint8_t place[INTERACT_MAX];      /* loop k of `part` is this one of `loops` */
+    struct loops part;                /* those that are looked at now, */
+    struct matrix part_decoupler;
+    real_t now, lo, hi; /* their F; too small; large enough, 0 while unknown */
     uint8_t stage;
     union {
         struct nyquist nyquist;
@@ -52,13 +63,14 @@ struct detune {
     } work;
 };
 
-/* 2 dB, 6 dB, 1.7, 200, 100, no noise, 2. */
+/* 2 dB, 6 dB, 1.7, 200, 100, no noise, 2, all of one part. */
 void detune_config_default(struct detune_config *config);
 
 /* pairs, interval_s and decoupler as in struct loops; the decoupler must live as long. ERR_RANGE, ERR_NOT_FINITE: what is
  * not as there, config, or a pair without a gain (why, which may be NULL, says); ERR_SINGULAR: the gains have no inverse.
  * Then detune_step until it is not ERR_BUSY: about 1e5 instructions a call, about twenty times as many calls as one
- * nyquist. ERR_TIMEOUT from it: not even factor_hi keeps the distance; settings are those of factor_hi. */
+ * nyquist for each part. ERR_TIMEOUT from it: not even factor_hi keeps the distance of some part, which then has the
+ * settings of factor_hi. */
 MUST_CHECK enum err detune_begin(struct detune *d, const struct interact_plant *plant,
                                  const struct pairs *pairs, real_t interval_s,
                                  const struct matrix *decoupler, const struct detune_config *config,

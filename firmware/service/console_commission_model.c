@@ -367,6 +367,8 @@ bool commission_proposal_line(struct console *c, unsigned n, struct text *line)
         text_str(line, "settings SIMC, slowed by");
         text_char(line, ' ');
         text_float(line, (float)a->factor);
+        if (a->factor_least < a->factor) /* parts of the plant with a factor each */
+            number(line, "least", (float)a->factor_least);
         number(line, "log_modulus_dB", (float)a->log_modulus_db);
         number(line, "blocks", (float)a->structure.blocks);
         number(line, "parts", (float)a->structure.parts);

@@ -1,6 +1,7 @@
 #!/usr/bin/python3
-"""Automatic start-up of plants of any p x m up to 16 x 16: corners of a plant whose inputs each have an output of their own.
-The whole firmware, over the bytes of both its lines. Sensors without noise.
+"""Automatic start-up of plants of any p x m up to 16 x 16: corners of a plant whose inputs each have an output of their own,
+and columns side by side that do not act on each other. The whole firmware, over the bytes of both its lines. Sensors
+without noise where nothing else is said.
 
 usage: test_commission_sizes.py      (needs reflux-sim-memory of the host build; nothing is built here)
 """
@@ -14,6 +15,7 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
 from commissioning import Plant, Run, whole  # noqa: E402
+from reflux_tools.commission import results  # noqa: E402
 
 SIXTEEN = Path(__file__).resolve().parent / "data" / "sixteen.json"
 DECOUPLED = 8       # loops that the decoupler spans
@@ -72,6 +74,70 @@ class AnySize(unittest.TestCase):
         generator = random.Random(seed)
         for _ in range(6):
             self.started(generator.randint(1, 16), generator.randint(1, 16))
+
+
+# (gain in spans, lag, dead time): host_sim/plants/wood-berry.json, with seconds for its minutes
+COLUMN = (((1.6, 16.7, 1.0), (-2.3625, 21.0, 3.0)), ((0.66, 10.9, 7.0), (-1.94, 14.4, 3.0)))
+
+
+def columns(folder: str, times: list[float]) -> Plant:
+    """One column for each of times, that many times as slow."""
+    channel = {"unit": "%", "lo": 0, "hi": 100, "nominal": 50}
+    n = 2 * len(times)
+    elements = [[None] * n for _ in range(n)]
+    for b, slower in enumerate(times):
+        for j, row in enumerate(COLUMN):
+            for i, (gain, lag, dead) in enumerate(row):
+                elements[2 * b + j][2 * b + i] = {"gain": gain, "lags": [lag * slower], "dead_time": dead * slower}
+    plant = {"name": "columns", "title": f"{len(times)} columns side by side", "source": "Wood and Berry's, several times",
+             "ours": "everything but the elements", "time_unit": "s", "tick_s": 1,
+             "inputs": [{"name": f"u{k + 1}", **channel} for k in range(n)],
+             "outputs": [{"name": f"y{k + 1}", **channel, "noise": 0.02, "resolution": 0.01} for k in range(n)],
+             "model": "transfer", "elements": elements}
+    path = Path(folder) / "columns.json"
+    path.write_text(json.dumps(plant))
+    return Plant(path)
+
+
+class SideBySide(unittest.TestCase):
+    def started(self, times: list[float], **how) -> results.Proposal:
+        with tempfile.TemporaryDirectory(prefix="reflux-") as folder:
+            of = columns(folder, times)
+            run = Run(of, whole(of), **({"events": of.perfect_sensors()} | how))
+        self.assertIsNotNone(run.first("TRIAL_KEPT"), run.first("TRIAL_FAILED"))
+        self.assertEqual(run.first("TRIAL_KEPT").value, 2 * len(times))
+        proposal = results.proposal_of(run.reply("commission proposal"))
+        print(f"commission {len(times)} columns, times {times}: slowed by {proposal.factor:.2f}, least "
+              f"{proposal.factor_least:.2f}, log modulus {proposal.log_modulus_db:.2f} dB; "
+              f"IAE {sorted(round(x.iae) for x in proposal.loops)}")
+        return proposal
+
+    def test_columns_that_do_not_act_on_each_other_get_the_settings_of_one_alone(self):
+        one = self.started([1.0])
+        for n in (2, 4, 8):
+            several = self.started([1.0] * n)
+            self.assertAlmostEqual(several.factor / one.factor, 1.0, delta=0.001)
+            self.assertAlmostEqual(several.log_modulus_db, one.log_modulus_db, delta=0.01)
+            self.assertEqual(len(several.loops), 2 * n)
+            for x in several.loops:
+                alone = one.loops[(int(x.measurement[1:]) - 1) % 2]
+                for have, want in ((x.gain, alone.gain), (x.ti_s, alone.ti_s), (x.iae, alone.iae)):
+                    self.assertAlmostEqual(have / want, 1.0, delta=0.01, msg=x.measurement)
+
+    def test_noise_joins_no_columns(self):
+        one = self.started([1.0])
+        for seed in (1, 2, 3):
+            several = self.started([1.0] * 4, events=[], noise=1.0, seed=seed)
+            self.assertAlmostEqual(several.factor / one.factor, 1.0, delta=0.15)
+
+    def test_each_has_its_own_factor_and_the_console_says_the_largest_and_the_least(self):
+        """Sampled every second, half a second is dead time to the fast one and nothing to the slow one."""
+        alone = [self.started([t]).factor for t in (0.2, 4.0)]
+        self.assertNotEqual(*alone)
+        both = self.started([0.2, 4.0])
+        self.assertAlmostEqual(both.factor / max(alone), 1.0, delta=0.001)
+        self.assertAlmostEqual(both.factor_least / min(alone), 1.0, delta=0.001)
+        self.assertIn(" at most ", " ".join(results.proposal_words(both)))
 
 
 if __name__ == "__main__":

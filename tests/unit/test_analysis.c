@@ -260,22 +260,60 @@ static void more_loops_than_the_board_runs_are_said_to_be_too_many(void)
     TEST_ASSERT_EQUAL_INT(ERR_FULL, a.design_error);
 }
 
-static void independent_parts_are_told_apart(void)
+/* Columns like Wood and Berry's side by side, each second one ten times as slow. */
+static void take_columns(unsigned n)
 {
+    known_plant(PLANT_WOOD_BERRY, &known);
     memset(&a, 0, sizeof a);
-    a.plant.outputs = a.plant.inputs = 4;
-    for (unsigned j = 0; j < 4; j++)
-        for (unsigned i = 0; i < 4; i++) {
-            bool same = (j < 2) == (i < 2);
-            a.plant.element[j][i] = (struct fopdt){.gain = same ? i == j ? 1 : REAL_C(0.4) : 0,
-                                                   .time_constant_s = same ? 600 : 0,
-                                                   .dead_time_s = same ? 60 : 0};
-            a.plant.gain_sd[j][i] = REAL_C(0.005);
+    a.plant.outputs = a.plant.inputs = (uint8_t)(2u * n);
+    for (unsigned j = 0; j < 2u * n; j++)
+        for (unsigned i = 0; i < 2u * n; i++) {
+            a.plant.gain_sd[j][i] = REAL_C(0.01);
+            if (j / 2 != i / 2)
+                continue;
+            real_t unit_s = j / 2 % 2 != 0 ? 600 : 60;
+            a.plant.element[j][i] = known.plant.element[j % 2][i % 2];
+            a.plant.element[j][i].time_constant_s *= unit_s;
+            a.plant.element[j][i].dead_time_s *= unit_s;
         }
+    config.h_s = REAL_C(15.0);
+    config.loops_max = 16;
+}
+
+static void independent_parts_are_told_apart_and_have_settings_of_their_own(void)
+{
+    static struct analysis two;
+    take_columns(2);
     TEST_ASSERT_EQUAL_INT(ERR_OK, run());
     TEST_ASSERT_TRUE(a.has_structure);
     TEST_ASSERT_EQUAL_UINT8(2, a.structure.parts);
     TEST_ASSERT_TRUE(a.designed);
+    TEST_ASSERT_TRUE(a.factor < REAL_C(2.0));
+    two = a;
+    take_columns(8);
+    TEST_ASSERT_EQUAL_INT(ERR_OK, run());
+    TEST_ASSERT_EQUAL_UINT8(8, a.structure.parts);
+    TEST_ASSERT_TRUE(a.designed);
+    TEST_ASSERT_TRUE(a.factor >= two.factor && a.factor <= two.factor);
+    TEST_ASSERT_TRUE(a.factor_least >= two.factor_least && a.factor_least <= two.factor_least);
+    for (unsigned k = 0; k < 16; k++) {
+        double want = (double)two.loops.tuning[k % 4].gain;
+        TEST_ASSERT_DOUBLE_WITHIN(1e-4 * want, want, (double)a.loops.tuning[k].gain);
+    }
+}
+
+/* What is not seen between two columns, but is there in the estimates, parts them no less. */
+static void effects_within_the_noise_join_no_parts(void)
+{
+    take_columns(2);
+    for (unsigned j = 0; j < 4; j++)
+        for (unsigned i = 0; i < 4; i++)
+            if (j / 2 != i / 2)
+                a.plant.element[j][i] = (struct fopdt){REAL_C(0.02), REAL_C(60.0), REAL_C(600.0)};
+    TEST_ASSERT_EQUAL_INT(ERR_OK, run());
+    TEST_ASSERT_EQUAL_UINT8(2, a.structure.parts);
+    TEST_ASSERT_TRUE(a.designed);
+    TEST_ASSERT_TRUE(a.factor < REAL_C(2.0));
 }
 
 /* What a large plant asks of the background. */
@@ -436,7 +474,8 @@ int main(void)
     RUN_TEST(a_beginning_that_is_no_time_is_refused);
     RUN_TEST(a_noisy_measurement_gets_a_smaller_gain);
     RUN_TEST(more_loops_than_the_board_runs_are_said_to_be_too_many);
-    RUN_TEST(independent_parts_are_told_apart);
+    RUN_TEST(independent_parts_are_told_apart_and_have_settings_of_their_own);
+    RUN_TEST(effects_within_the_noise_join_no_parts);
     RUN_TEST(a_plant_of_16_by_16_comes_to_an_end);
     RUN_TEST(a_decoupler_is_proposed_only_where_it_is_predicted_to_be_better);
     RUN_TEST(the_same_plant_gives_the_same_answer);

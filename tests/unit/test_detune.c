@@ -3,6 +3,7 @@
  *
  * Contract, on every plant
  *   detuning                    keeps the log modulus and the gain margin asked for, with the least F to 5 %
+ *   independent parts           settings each would get alone to 1e-4; what acts together after all, one factor
  *   decoupler                   K D diagonal to 64 eps kappa of its diagonal; diagonal of D exactly 1
  */
 #include <math.h>
@@ -252,6 +253,176 @@ static void an_effect_without_lag_is_controlled_by_integral_action(void)
     TEST_ASSERT_DOUBLE_WITHIN(0.01, 1.0, (double)trial.y[0]);
 }
 
+/* ---- parts of a plant that do not act on each other ---- */
+
+/* Plants side by side, pair by pair of each in turn: first pair of the first, first of the second, ..., second of the
+ * first. part tells them apart. */
+static struct known_plant whole;
+static struct loops alone[4];
+static double factor_alone[4], largest_alone, least_alone, db_alone;
+static uint8_t which[INTERACT_MAX],
+    nth[INTERACT_MAX]; /* loop k of the whole is this one of that plant */
+
+static void put_side_by_side(const unsigned *numbers, unsigned n, double h)
+{
+    memset(&whole, 0, sizeof whole);
+    memset(config.part, 0, sizeof config.part);
+    uint8_t first_output[4], first_input[4];
+    static struct known_plant each[4];
+    largest_alone = db_alone = 0.0;
+    least_alone = 1e9;
+    for (unsigned p = 0; p < n; p++) {
+        known_plant(numbers[p], &each[p]);
+        TEST_ASSERT_EQUAL_INT(ERR_OK, detune_begin(&detune, &each[p].plant, &each[p].pairs,
+                                                   (real_t)h, NULL, &config, &why));
+        enum err err;
+        while ((err = detune_step(&detune)) == ERR_BUSY)
+            ;
+        TEST_ASSERT_EQUAL_INT(ERR_OK, err);
+        TEST_ASSERT_TRUE(detune.factor_least >= detune.factor);
+        alone[p] = detune.loops;
+        factor_alone[p] = (double)detune.factor;
+        largest_alone = fmax(largest_alone, factor_alone[p]);
+        least_alone = fmin(least_alone, factor_alone[p]);
+        db_alone = fmax(db_alone, (double)detune.log_modulus_db);
+        first_output[p] = whole.plant.outputs;
+        first_input[p] = whole.plant.inputs;
+        whole.plant.outputs = (uint8_t)(whole.plant.outputs + each[p].plant.outputs);
+        whole.plant.inputs = (uint8_t)(whole.plant.inputs + each[p].plant.inputs);
+        TEST_ASSERT_TRUE(whole.plant.outputs <= INTERACT_MAX && whole.plant.inputs <= INTERACT_MAX);
+        for (unsigned j = 0; j < each[p].plant.outputs; j++)
+            for (unsigned i = 0; i < each[p].plant.inputs; i++)
+                whole.plant.element[first_output[p] + j][first_input[p] + i] =
+                    each[p].plant.element[j][i];
+    }
+    for (unsigned k = 0; k < INTERACT_MAX; k++)
+        for (unsigned p = 0; p < n; p++)
+            if (k < each[p].pairs.n) {
+                uint8_t at = whole.pairs.n++;
+                whole.pairs.output[at] = (uint8_t)(first_output[p] + each[p].pairs.output[k]);
+                whole.pairs.input[at] = (uint8_t)(first_input[p] + each[p].pairs.input[k]);
+                which[at] = (uint8_t)p;
+                nth[at] = (uint8_t)k;
+                config.part[at] = (uint8_t)(7u * p);
+            }
+}
+
+static enum err design_whole(double h, const struct matrix *d)
+{
+    TEST_ASSERT_EQUAL_INT(
+        ERR_OK, detune_begin(&detune, &whole.plant, &whole.pairs, (real_t)h, d, &config, &why));
+    enum err err;
+    while ((err = detune_step(&detune)) == ERR_BUSY)
+        ;
+    return err;
+}
+
+static void as_alone(uint8_t k)
+{
+    const struct tuning *want = &alone[which[k]].tuning[nth[k]], *have = &detune.loops.tuning[k];
+    TEST_ASSERT_DOUBLE_WITHIN(1e-4 * (double)want->gain, (double)want->gain, (double)have->gain);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-4 * (double)want->ti_s, (double)want->ti_s, (double)have->ti_s);
+    TEST_ASSERT_EQUAL_INT(want->action, have->action);
+}
+
+static void independent_parts_get_the_settings_they_would_get_alone(void)
+{
+    static const unsigned sets[][4] = {
+        {PLANT_WOOD_BERRY, PLANT_WOOD_BERRY, PLANT_WOOD_BERRY, PLANT_WOOD_BERRY},
+        {PLANT_WOOD_BERRY, PLANT_LIME_KILN, PLANT_LUYBEN_VINANTE, PLANT_LUYBEN_4X4},
+        {PLANT_SHELL, PLANT_FURNACE, PLANT_WOOD_BERRY, PLANT_LIME_KILN}};
+    for (unsigned s = 0; s < sizeof sets / sizeof sets[0]; s++) {
+        put_side_by_side(sets[s], 4, 0.5);
+        TEST_ASSERT_EQUAL_INT(ERR_OK, design_whole(0.5, NULL));
+        for (uint8_t k = 0; k < whole.pairs.n; k++)
+            as_alone(k);
+        TEST_ASSERT_DOUBLE_WITHIN(1e-4 * largest_alone, largest_alone, (double)detune.factor);
+        TEST_ASSERT_DOUBLE_WITHIN(1e-4 * least_alone, least_alone, (double)detune.factor_least);
+        TEST_ASSERT_DOUBLE_WITHIN(0.01, db_alone, (double)detune.log_modulus_db);
+        unsigned tried = detune.tried;
+        memset(config.part, 0, sizeof config.part);
+        enum err err = design_whole(0.5, NULL);
+        printf(
+            "side by side, %u loops: F %.2f to %.2f, %u factors tried; with one for all %.2f%s\n",
+            whole.pairs.n, least_alone, largest_alone, tried, (double)detune.factor,
+            err ? ", and not kept" : "");
+        if (s == 0) /* all fastest at one frequency */
+            TEST_ASSERT_TRUE((double)detune.factor > 5.0 * largest_alone);
+    }
+}
+
+/* The decoupler of each plant alone, and those in one. */
+static void independent_parts_with_decouplers_get_the_settings_they_would_get_alone(void)
+{
+    static const unsigned two[] = {PLANT_WOOD_BERRY, PLANT_LIME_KILN};
+    static struct matrix d;
+    put_side_by_side(two, 2, 0.5);
+    struct detune_config one = config;
+    memset(one.part, 0, sizeof one.part);
+    memset(&d, 0, sizeof d);
+    d.rows = d.cols = whole.pairs.n;
+    for (unsigned p = 0; p < 2; p++) {
+        known_plant(two[p], &known);
+        TEST_ASSERT_EQUAL_INT(ERR_OK, static_decoupler(&known.plant, &known.pairs,
+                                                       &decoupler_config, &work, &result, &why));
+        TEST_ASSERT_EQUAL_INT(ERR_OK, detune_begin(&detune, &known.plant, &known.pairs, REAL_C(0.5),
+                                                   &result.d, &one, &why));
+        enum err err;
+        while ((err = detune_step(&detune)) == ERR_BUSY)
+            ;
+        TEST_ASSERT_EQUAL_INT(ERR_OK, err);
+        alone[p] = detune.loops;
+        for (unsigned k = 0; k < whole.pairs.n; k++)
+            for (unsigned l = 0; l < whole.pairs.n; l++)
+                if (which[k] == p && which[l] == p)
+                    d.at[k][l] = result.d.at[nth[k]][nth[l]];
+    }
+    TEST_ASSERT_EQUAL_INT(ERR_OK, design_whole(0.5, &d));
+    for (uint8_t k = 0; k < whole.pairs.n; k++)
+        as_alone(k);
+    TEST_ASSERT_TRUE(detune.loops.decoupler == &d);
+}
+
+/* Off the pairs fast, on them slow: with F = 1 and gains 1.7 times as large they are unstable together. */
+static void parts_that_act_on_each_other_after_all_get_one_factor(void)
+{
+    memset(&known, 0, sizeof known);
+    known.plant.outputs = known.plant.inputs = known.pairs.n = 2;
+    known.pairs = (struct pairs){2, {0, 1}, {0, 1}};
+    for (unsigned j = 0; j < 2; j++)
+        for (unsigned i = 0; i < 2; i++)
+            known.plant.element[j][i] =
+                i == j ? (struct fopdt){REAL_C(1.0), REAL_C(10.0), REAL_C(40.0)}
+                       : (struct fopdt){REAL_C(0.8), REAL_C(5.0), REAL_C(5.0)};
+    TEST_ASSERT_EQUAL_INT(ERR_OK, design(NULL));
+    real_t factor = detune.factor;
+    unsigned tried = detune.tried;
+    struct loops joint = detune.loops;
+    TEST_ASSERT_TRUE(factor > REAL_C(2.0));
+    config.part[1] = 1;
+    TEST_ASSERT_EQUAL_INT(ERR_OK, design(NULL));
+    TEST_ASSERT_TRUE(detune.tried > tried);
+    TEST_ASSERT_TRUE(detune.factor >= factor && detune.factor <= factor);
+    TEST_ASSERT_TRUE(detune.factor_least >= factor);
+    TEST_ASSERT_EQUAL_MEMORY(joint.tuning, detune.loops.tuning, sizeof joint.tuning);
+}
+
+/* Wood and Berry's column paired the wrong way round, beside one that is not. */
+static void a_part_that_no_slowness_makes_stable_is_not_covered_by_the_others(void)
+{
+    static const unsigned two[] = {PLANT_WOOD_BERRY, PLANT_WOOD_BERRY};
+    put_side_by_side(two, 2, 0.5);
+    for (uint8_t k = 0; k < whole.pairs.n; k++)
+        if (which[k] == 0)
+            whole.pairs.input[k] = (uint8_t)(1u - whole.pairs.input[k]);
+    TEST_ASSERT_EQUAL_INT(ERR_TIMEOUT, design_whole(0.5, NULL));
+    TEST_ASSERT_EQUAL_FLOAT(200.0f, (float)detune.factor);
+    for (uint8_t k = 0; k < whole.pairs.n; k++)
+        if (which[k] == 1)
+            as_alone(k);
+    TEST_ASSERT_EQUAL_INT(ERR_STATE, detune_step(&detune));
+}
+
 static void a_decoupler_makes_the_gains_diagonal(void)
 {
     unsigned made = 0;
@@ -404,6 +575,10 @@ int main(void)
     RUN_TEST(noise_of_a_loop_moves_no_output_more_than_twice_its_own_noise);
     RUN_TEST(a_beginning_that_is_sure_may_be_as_fast_as_twice_its_dead_time);
     RUN_TEST(an_effect_without_lag_is_controlled_by_integral_action);
+    RUN_TEST(independent_parts_get_the_settings_they_would_get_alone);
+    RUN_TEST(independent_parts_with_decouplers_get_the_settings_they_would_get_alone);
+    RUN_TEST(parts_that_act_on_each_other_after_all_get_one_factor);
+    RUN_TEST(a_part_that_no_slowness_makes_stable_is_not_covered_by_the_others);
     RUN_TEST(a_decoupler_makes_the_gains_diagonal);
     RUN_TEST(loops_with_a_decoupler_keep_their_distance);
     RUN_TEST(the_errors_left_by_a_decoupler_are_those_of_drawn_gains);

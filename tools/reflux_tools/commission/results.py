@@ -123,6 +123,7 @@ class Proposal:
     why_not: str = ""
     rule: str = ""
     factor: float = float("nan")
+    factor_least: float = float("nan")  # the same where no part of the plant has one of its own
     log_modulus_db: float = float("nan")
     decoupler: str = ""
     others: list[str] = field(default_factory=list)  # lines that this tool has no table for
@@ -222,6 +223,7 @@ def proposal_of(lines: list[str]) -> Proposal:
             head, _, rest = line.partition(", slowed by ")
             v = pairs_of(["factor", *rest.split()])
             p.rule, p.factor = head.removeprefix("settings "), number(v["factor"])
+            p.factor_least = number(v.get("least", v["factor"]))
             p.log_modulus_db = number(v.get("log_modulus_dB", "nan"))
         elif words[0] == "decoupler":
             p.decoupler = line.removeprefix("decoupler ")
@@ -391,7 +393,9 @@ def structure_words(s: Structure) -> list[str]:
 def proposal_words(p: Proposal) -> list[str]:
     if p.why_not:
         return [f"no proposal: {p.why_not}"]
-    return [f"settings {p.rule}, slowed by a factor of {table.figure(p.factor)} so that the loops stay apart from "
+    most = (f"at most {table.figure(p.factor)}, at least {table.figure(p.factor_least)}, each independent part by its own,"
+            if p.factor_least < p.factor else table.figure(p.factor))
+    return [f"settings {p.rule}, slowed by a factor of {most} so that the loops stay apart from "
             f"instability together (largest log modulus {table.figure(p.log_modulus_db)} dB)", f"decoupler {p.decoupler}",
             *map(inner_words, p.inner), *map(feedforward_words, p.feedforwards), *p.others]
 
