@@ -8,6 +8,7 @@ the eigenvalues. And: what the firmware says of stability, on random plants, aga
 usage: test_detuned_loops.py LIBRARY
 """
 import itertools
+import json
 import sys
 import unittest
 from pathlib import Path
@@ -109,6 +110,39 @@ class DetunedLoops(unittest.TestCase):
             y, _ = Loop(fopdt_parts(plant.gain, plant.dead_time, plant.time_constant, h), pairs, loops.gain, loops.ti,
                         h).simulate(400, setpoint)
             np.testing.assert_allclose(t["y"][:99], y[3:396:4][:, [a for a, _ in pairs]], atol=1e-12)
+
+
+class ManyLoops(unittest.TestCase):
+    """What the limit of 6 dB asks of sixteen loops that act on each other a little, tests/loop/data/sixteen.json, and what
+    Luyben's 2 dB a loop would: the largest singular value of the sensitivity (hold: half an interval)."""
+
+    @staticmethod
+    def sensitivity(plant: libreflux.Plant, loops: libreflux.Loops, h: float) -> float:
+        pairs, largest = np.array(loops.pairs), 0.0
+        g, L, T = (a[np.ix_(*pairs.T)] for a in (plant.gain, plant.dead_time, plant.time_constant))
+        c = np.sign(np.diag(g)) * np.abs(loops.gain)
+        for w in np.geomspace(1e-5, np.pi / h, 1500):
+            held = g * np.exp(-1j * w * (L + h / 2)) / (1 + 1j * w * T)
+            controller = np.diag(c * (1 + h / (loops.ti * (np.exp(1j * w * h) - 1))))
+            largest = max(largest, np.linalg.norm(np.linalg.inv(np.eye(len(c)) + held @ controller), 2))
+        return largest
+
+    def test_six_db_slow_many_loops_more_than_their_distance_from_instability_wants(self):
+        q, column, pairs, h = next(x for x in plants() if x[0].name == "wood-berry")
+        loops, said = libreflux.detune(column, pairs, h)
+        of_two = self.sensitivity(column, loops, h)
+        print(f"wood-berry: F {said['factor']:.2f}, largest singular value of the sensitivity {of_two:.2f}")
+        data = json.loads((HERE.parent / "loop" / "data" / "sixteen.json").read_text())
+        of = lambda what: np.array([[what(e) for e in row] for row in data["elements"]])
+        plant = libreflux.Plant(of(lambda e: e["gain"]), of(lambda e: e["dead_time"]), of(lambda e: e["lags"][0]))
+        factor, distance = {}, {}
+        for most in (6.0, 12.0, 24.0, 32.0):
+            loops, said = libreflux.detune(plant, [(k, k) for k in range(16)], data["tick_s"], db_most=most)
+            self.assertTrue(said["kept"])
+            factor[most], distance[most] = said["factor"], self.sensitivity(plant, loops, data["tick_s"])
+            print(f"sixteen, at most {most:g} dB: F {factor[most]:.2f}, {distance[most]:.2f}")
+        self.assertGreater(factor[6.0], 10.0 * factor[32.0])
+        self.assertLess(distance[32.0], of_two)
 
 
 class Shell(unittest.TestCase):
