@@ -10,7 +10,6 @@
 #include "commission/parts.h"
 #include "commission/proposal.h"
 
-#define NOISE_FLOOR      REAL_C(7e-5)  /* of span: what 12 bits of conversion leave */
 #define HYSTERESIS       REAL_C(3.0)   /* noise deviations */
 #define HYSTERESIS_LEAST REAL_C(0.001) /* of span: what is left of earlier motions is no answer */
 #define ROOM_MOST        REAL_C(0.5) /* of span, half of it for an amplitude that is to be found */
@@ -24,7 +23,6 @@
 #define REST_PATIENCE    20u         /* windows until rest is given up */
 #define DRIFT_SHARE      REAL_C(0.3) /* of a limit, that a drift may take in a window */
 #define PAST_NOISE       REAL_C(3.0) /* deviations, and past the limit */
-#define MISSED_MOST      8u          /* samples in a row that a test can do without */
 #define GAIN_MOST        REAL_C(100.0) /* of a loop: loopN.gain */
 
 #define TRIAL_STEP REAL_C(0.05) /* of span */
@@ -45,14 +43,10 @@ void commission_start_relay(struct commission *c, struct supervisor *s)
     struct relay_test *t = &c->work.relay;
     memset(t, 0, sizeof *t);
     t->resting = true;
-    for (uint8_t j = 0; j < c->outputs; j++) {
-        const struct measurement_config *m = &s->plan->config.measurement[c->measurement[j]];
-        t->limit[j] = m->test_limit > 0.0f ? m->test_limit / (m->hi - m->lo) : TEST_LIMIT_DEFAULT;
-        if (m->test_critical)
-            t->limit[j] *= REAL_C(0.5);
-    }
+    for (uint8_t j = 0; j < c->outputs; j++)
+        t->limit[j] = commission_limit(&s->plan->config.measurement[c->measurement[j]]);
     for (uint8_t i = 0; i < CONFIG_LOOPS; i++)
-        c->by_relay.mode[i] = s->loop[i].mode;
+        c->by_relay.mode[i] = (uint8_t)supervisor_mode(s, i);
     struct steady_config rest = {.outputs = c->outputs,
                                  .block = window(s) / STEADY_BLOCKS,
                                  .h_s = s->plan->tick_s,
@@ -70,7 +64,8 @@ void commission_begin_relay(struct commission *c, struct supervisor *s)
 {
     const char *what, *wanted;
     uint8_t loop = c->relay_asked;
-    if (loop >= CONFIG_LOOPS || !s->plan->loop[loop].used ||
+    /* In another plan the index may be another loop's. */
+    if (s->plan->serial != c->relay_serial || loop >= CONFIG_LOOPS || !s->plan->loop[loop].used ||
         commission_may_relay(s, loop, &what, &wanted) != ERR_OK) {
         event_put(c->events, s->time_ms, EVENT_REQUEST_REFUSED, NULL, 0.0f, 0);
         return;

@@ -235,18 +235,27 @@ static void take_ask(struct commission *c, struct supervisor *s)
     }
 }
 
+/* True: what was under way is over. */
+static bool is_disturbed(struct commission *c, struct supervisor *s)
+{
+    const char *subject;
+    if (c->phase == COMMISSION_TRIAL)
+        return commission_trial_is_disturbed(c, s);
+    if (!commission_is_testing(c))
+        return false;
+    enum commission_why why = commission_disturbance(c, s, &subject);
+    if (why != WHY_NOT)
+        commission_end(c, s, why, subject, REAL_C(0.0));
+    return why != WHY_NOT;
+}
+
 static void go_on(struct commission *c, struct supervisor *s)
 {
+    /* Before anything that was asked: in another plan the channels and loops that it is about may not be there. */
+    if (is_disturbed(c, s))
+        return;
     if (c->ask != COMMISSION_ASK_NONE)
         take_ask(c, s);
-    if (commission_is_testing(c)) {
-        const char *subject;
-        enum commission_why why = commission_disturbance(c, s, &subject);
-        if (why != WHY_NOT) {
-            commission_end(c, s, why, subject, REAL_C(0.0));
-            return;
-        }
-    }
     if (c->phase == COMMISSION_TESTING)
         commission_test(c, s);
     else if (c->phase == COMMISSION_RELAY)

@@ -120,7 +120,8 @@ struct commission {
     char subject[CHANNEL_NAME_SIZE]; /* what `why` is about */
     real_t value;                    /* ... and its number, fraction of span */
     volatile uint8_t ask; /* enum commission_ask; the main loop writes it under hal_tick_lock */
-    volatile uint8_t relay_asked; /* loop; likewise */
+    volatile uint8_t relay_asked;   /* loop; likewise */
+    volatile uint32_t relay_serial; /* ... of this plan */
 
     volatile bool analysed; /* work.analysis holds a result */
     uint32_t plan_serial;   /* the tests belong to this plan */

@@ -12,8 +12,7 @@ void commission_back_to_old(struct commission *c, struct supervisor *s, enum com
     c->wants_old = true;
 }
 
-/* What is not for the adoption to judge. True: the trial is over. */
-static bool trial_is_disturbed(struct commission *c, struct supervisor *s)
+bool commission_trial_is_disturbed(struct commission *c, struct supervisor *s)
 {
     const char *subject;
     if (s->plan->serial != c->plan_serial) {
@@ -43,7 +42,7 @@ void commission_begin_trial(struct commission *c, struct supervisor *s)
     c->phase_ms = s->time_ms;
     if (s->plan->serial == c->plan_serial)
         adoption_hold(&c->adoption, s);
-    if (trial_is_disturbed(c, s))
+    if (commission_trial_is_disturbed(c, s))
         return;
     enum err err = adoption_begin(&c->adoption, s, &c->work.analysis.work.rest);
     if (err) {
@@ -65,8 +64,6 @@ void commission_trial(struct commission *c, struct supervisor *s)
         [ADOPTION_BLOCKED] = WHY_TRIAL_ROOM,
         [ADOPTION_HAND] = WHY_HAND,
     };
-    if (trial_is_disturbed(c, s))
-        return;
     enum adoption_result r = adoption_tick(&c->adoption, s);
     if (r == ADOPTION_RUNNING)
         return;

@@ -71,12 +71,17 @@ uint32_t commission_samples(const struct supervisor *s, real_t seconds);
 
 void commission_begin_trial(struct commission *c, struct supervisor *s);
 void commission_trial(struct commission *c, struct supervisor *s);
+/* What is not for the adoption to judge. True: the trial is over. */
+bool commission_trial_is_disturbed(struct commission *c, struct supervisor *s);
 /* The loops go to manual and their outputs to where the trial found them; but what somebody has taken in hand stays
  * there. The main loop puts the old configuration into force. */
 void commission_back_to_old(struct commission *c, struct supervisor *s, enum commission_why why,
                             const char *subject, real_t value);
 
-#define COMMISSION_HALF_MOST 1000u /* samples, unless test.longest says otherwise */
+#define NOISE_FLOOR          REAL_C(7e-5) /* of span: what 12 bits of conversion leave */
+#define MISSED_MOST          8u           /* samples in a row that a test can do without */
+#define STEP_NEVER           REAL_C(1e-4) /* of span: smaller than this no step of a setpoint is made */
+#define COMMISSION_HALF_MOST 1000u        /* samples, unless test.longest says otherwise */
 
 /* When every response to input k is over but for a twentieth, s, as far as it is surely known. */
 real_t commission_lasts(const struct commission *c, uint8_t k);

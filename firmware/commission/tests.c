@@ -8,10 +8,8 @@
 
 #include "base/elapsed.h"
 
-#define NOISE_FLOOR     REAL_C(7e-5) /* of span: what 12 bits of conversion leave */
 #define AMPLITUDE_MOST  REAL_C(0.25) /* of span, while it is being found */
 #define AMPLITUDE_FIRST REAL_C(0.02)
-#define MISSED_MOST     8u           /* samples in a row that a test can do without */
 #define AGAIN_NOISE     REAL_C(2.0)  /* times the noise multiple, in later rounds */
 #define AGAIN_SHARE     REAL_C(0.6)  /* of a limit, in later rounds */
 #define AGAIN_MOST      REAL_C(3.0)  /* times the amplitude of the round before */

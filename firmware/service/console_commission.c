@@ -114,6 +114,7 @@ static void ask(struct console *c, enum commission_ask what)
 {
     struct commission *m = c->service->commission;
     const char *wanted = "", *subject = NULL;
+    service_settle(c->service); /* what was applied before counts */
     hal_tick_lock();
     enum err err = what == COMMISSION_ASK_BEGIN
                        ? commission_may_begin(c->service->supervisor, &subject, &wanted)
@@ -153,6 +154,8 @@ static bool may_try(struct console *c)
 {
     struct service *s = c->service;
     const char *wanted = "", *subject = NULL;
+    service_settle(s);
+    bool changed = commission_channels(&service_plan(s)->config) != s->commission->channels;
     hal_tick_lock();
     enum err err = commission_may(s->commission, COMMISSION_ASK_TRIAL, &wanted);
     if (!err && s->commission->ask != COMMISSION_ASK_NONE) {
@@ -162,6 +165,10 @@ static bool may_try(struct console *c)
     if (!err && s->io.state(s->io.context) != IO_READY) {
         err = ERR_STATE;
         wanted = "no plant is connected";
+    }
+    if (!err && changed) {
+        err = ERR_CONFLICT;
+        wanted = CHANNELS_CHANGED;
     }
     if (!err)
         err = commission_may_try(s->commission, s->supervisor, &subject, &wanted);

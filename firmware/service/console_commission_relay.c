@@ -112,6 +112,7 @@ void commission_relay_command(struct console *c, unsigned n, char **word)
         console_list(c, commission_relay_line, "");
         return;
     }
+    service_settle(c->service); /* what was applied before counts */
     hal_tick_lock();
     const struct supervisor *s = c->service->supervisor;
     uint8_t loop = config_find_loop(&s->plan->config, word[1]);
@@ -119,8 +120,10 @@ void commission_relay_command(struct console *c, unsigned n, char **word)
         loop == PLAN_NONE ? ERR_UNKNOWN : commission_may_relay(s, loop, &subject, &wanted);
     if (!err)
         err = commission_put(m, COMMISSION_ASK_RELAY, &wanted);
-    if (!err)
+    if (!err) {
         m->relay_asked = loop;
+        m->relay_serial = s->plan->serial;
+    }
     hal_tick_unlock();
     if (err)
         console_err_about(c, err, subject ? subject : "commission", wanted);

@@ -207,6 +207,14 @@ static void another_configuration(void)
     ASSERT_OUTPUT(1.95, "R");
 }
 
+static void defaults_and_an_abort_at_once(void)
+{
+    ask_ok("defaults"); /* the output tested is not there any more */
+    ask_ok("commission abort");
+    plant_steps(2);
+    ended("another configuration");
+}
+
 static void the_measurement_is_lost(void)
 {
     plant_event("xD.quality=3");
@@ -241,6 +249,7 @@ static void everything_that_ends_it_leaves_the_output_where_it_was(void)
     CASE(its_output_moved_by_hand);
     CASE(another_loop_put_into_automatic);
     CASE(another_configuration);
+    CASE(defaults_and_an_abort_at_once);
     CASE(the_measurement_is_lost);
     CASE(the_link_is_lost);
     CASE(reset);
@@ -311,6 +320,26 @@ static void what_cannot_be_is_refused(void)
     ask_refused("commission relay old_R", "STATE"); /* safe state */
 }
 
+/* The loops change places between the question and the tick. */
+static void what_was_applied_first_counts_and_what_comes_after_spoils_it(void)
+{
+    wood_berry(NULL);
+    ask_ok("set loop2.name bottom");
+    ask_refused("commission relay old_S", "UNKNOWN");
+    ask_ok("commission relay bottom");
+    ask_ok("begin");
+    ask_ok("set loop1.name old_S");
+    ask_ok("set loop2.name old_R");
+    ask_ok("apply");
+    plant_steps(2);
+    TEST_ASSERT_TRUE(phase_is("idle"));
+    ask_ok("commission relay old_S");
+    plant_step();
+    TEST_ASSERT_TRUE(phase_is("relay"));
+    ask_ok("commission");
+    TEST_ASSERT_TRUE(said("loop old_S"));
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -320,5 +349,6 @@ int main(void)
     RUN_TEST(an_output_that_does_nothing_ends_it);
     RUN_TEST(a_loop_of_the_wrong_action_ends_it);
     RUN_TEST(what_cannot_be_is_refused);
+    RUN_TEST(what_was_applied_first_counts_and_what_comes_after_spoils_it);
     return UNITY_END();
 }

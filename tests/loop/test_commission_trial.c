@@ -279,6 +279,16 @@ static void a_configuration_on_trial_stays(void)
     TEST_ASSERT_TRUE(said(" 0.7 "));
 }
 
+static void a_configuration_and_an_abort_at_once_leave_the_configuration(void)
+{
+    ask_ok("set loop1.gain 0.7");
+    ask_ok("commission abort");
+    plant_steps(3);
+    ended("another configuration");
+    ask_ok("get loop1.gain");
+    TEST_ASSERT_TRUE(said(" 0.7 "));
+}
+
 static void a_plant_that_leaves_on_trial_takes_it_back(void)
 {
     board.mute = true;
@@ -325,6 +335,7 @@ static void everything_that_can_happen_on_trial(void)
     CASE(a_hand_on_trial_keeps_what_it_holds);
     CASE(a_lost_measurement_on_trial_takes_it_back);
     CASE(a_configuration_on_trial_stays);
+    CASE(a_configuration_and_an_abort_at_once_leave_the_configuration);
     CASE(a_plant_that_leaves_on_trial_takes_it_back);
     CASE(behind_an_open_transaction_the_old_set_waits);
     CASE(a_sequence_does_not_begin_on_trial);
