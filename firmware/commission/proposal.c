@@ -148,8 +148,7 @@ enum err proposal_write(const struct commission *c, struct config *config)
 #define STEP_SHARE    REAL_C(0.25) /* of the test limit */
 #define STEP_MOST     REAL_C(0.5)
 #define ROOM_SHARE    REAL_C(0.8)
-#define OTHERS_SHARE  REAL_C(0.7)  /* of a limit: how far a step may drive what it is not for */
-#define STEP_NEVER    REAL_C(1e-4) /* smaller than this no step is made */
+#define OTHERS_SHARE  REAL_C(0.7) /* of a limit: how far a step may drive what it is not for */
 #define WINDOW_MOST   10000u
 
 /* The largest step of loop k's setpoint for which, on the model, every input stays within its room, and what no loop holds

@@ -114,7 +114,7 @@ static void keep_in_reach(const struct commission *c, const struct supervisor *s
     real_t a_step = real_abs(c->element[analysis_inner_of(a, k)][c->column[j]].fit.gain);
     real_t moved = a->inner_tuning[k].gain; /* of the manipulated variable for a setpoint of 1 */
     if (a_step * moved < REAL_C(1.0))
-        moved = REAL_C(1.0) / a_step;
+        moved = REAL_C(1.0) / a_step; /* without a gain infinite, and there is no room */
     real_t reach = room / moved;
     real_t y = num_to_float(s->measurement[c->measurement[analysis_inner_of(a, k)]].value);
     real_t span = y < REAL_C(0.5) ? y : REAL_C(1.0) - y;
@@ -122,6 +122,8 @@ static void keep_in_reach(const struct commission *c, const struct supervisor *s
     reach = ROOM_SHARE * (reach < span ? reach : span);
     if (outer->predicted.moved * real_abs(outer->step) > reach * outer->size) {
         real_t step = reach * outer->size / outer->predicted.moved;
+        if (!(step > STEP_NEVER)) /* no room at all, or the wrong side of a limit */
+            step = STEP_NEVER;
         outer->step = outer->step < REAL_C(0.0) ? -step : step;
     }
 }

@@ -167,6 +167,27 @@ static void a_trial_steps_the_outer_loop_no_farther_than_the_inner_one_may_go(vo
             }
 }
 
+/* Not a step of zero, or the other way: the trial divides by it, and then says what is wrong. */
+static void without_room_a_step_is_the_smallest(void)
+{
+    static const double places[][2] = {
+        {0.0, 0.5}, {-0.1, 0.5}, {1.0, 0.5}, {0.5, 0.0}, {0.5, -0.2}};
+    for (unsigned i = 0; i < sizeof places / sizeof places[0]; i++) {
+        cascade();
+        analyse();
+        writes();
+        memset(&supervisor, 0, sizeof supervisor);
+        supervisor.plan = &plan;
+        arena_place(&supervisor, (const uint8_t[PLACED_KINDS]){2, 2});
+        supervisor.output[0].manual = N(places[i][0]);
+        supervisor.measurement[0].value = N(places[i][1]);
+        supervisor.measurement[1].value = N(0.4);
+        TEST_ASSERT_EQUAL_INT(ERR_OK, proposal_prepare_trial(&c, &supervisor, &config));
+        TEST_ASSERT_TRUE(c.adoption.loop[0].step > REAL_C(0.0));
+        TEST_ASSERT_TRUE(c.adoption.loop[0].step < REAL_C(0.001));
+    }
+}
+
 static void a_cascade_that_was_edited_away_has_no_trial(void)
 {
     cascade();
@@ -229,6 +250,7 @@ int main(void)
     RUN_TEST(a_name_that_is_taken_gives_the_inner_loop_another);
     RUN_TEST(no_place_for_the_inner_loop_is_no_place_for_the_proposal);
     RUN_TEST(a_trial_steps_the_outer_loop_no_farther_than_the_inner_one_may_go);
+    RUN_TEST(without_room_a_step_is_the_smallest);
     RUN_TEST(a_cascade_that_was_edited_away_has_no_trial);
     RUN_TEST(a_feedforward_calls_for_nothing_where_the_input_was_held);
     RUN_TEST(without_a_place_left_it_is_left_out);
