@@ -5,12 +5,9 @@
 
 #include "base/crc32.h"
 #include "control/decoupler.h"
-#include "control/feedforward.h"
 #include "signal/ramp.h"
-#include "supervise/arena.h"
+#include "supervise/plan_parts.h"
 #include "supervise/sequence.h"
-
-_Static_assert(CONFIG_FEEDFORWARDS <= 8, "a bit for each in check_feedforward_rings");
 
 #define TICK_SHORTEST_S      0.05f
 #define BLOCK_INTERVAL_MAX_S 1e5f
@@ -21,8 +18,8 @@ _Static_assert(CONFIG_FEEDFORWARDS <= 8, "a bit for each in check_feedforward_ri
 
 _Static_assert(DECOUPLER_MAX <= CONFIG_LOOPS && DECOUPLER_MAX <= 8, "a bit of a byte for each");
 
-static enum err refuse(struct config_fault *fault, enum err code, const char *group, unsigned index,
-                       const char *field, const char *subject, const char *wanted)
+enum err plan_refuse(struct config_fault *fault, enum err code, const char *group, unsigned index,
+                     const char *field, const char *subject, const char *wanted)
 {
     memset(fault, 0, sizeof *fault);
     fault->code = code;
@@ -34,8 +31,7 @@ static enum err refuse(struct config_fault *fault, enum err code, const char *gr
     return code;
 }
 
-/* Blocks name the fields of their own settings; people know the parameters. */
-static const char *parameter_field(const char *field)
+const char *plan_parameter_field(const char *field)
 {
     static const struct {
         const char *block, *parameter;
@@ -126,32 +122,6 @@ struct two_position_config plan_two_position(const struct plan *plan, uint8_t lo
     };
 }
 
-void plan_feedforward_span(const struct plan *plan, uint8_t element, float *lo, float *hi)
-{
-    uint8_t from = plan->feedforward[element].from;
-    bool output = plan->feedforward[element].from_output;
-    const struct measurement_config *m = &plan->config.measurement[from];
-    const struct output_config *o = &plan->config.output[from];
-    *lo = output ? o->lo : m->lo;
-    *hi = output ? o->hi : m->hi;
-}
-
-struct feedforward_config plan_feedforward(const struct plan *plan, uint8_t element)
-{
-    const struct ff_config *f = &plan->config.feedforward[element];
-    float lo, hi;
-    plan_feedforward_span(plan, element, &lo, &hi);
-    return (struct feedforward_config){
-        .gain = f->gain,
-        .lead_s = f->lead_s,
-        .lag_s = f->lag_s,
-        .dead_time_s = f->dead_s,
-        .reference = (f->reference - lo) / (hi - lo),
-        .out_lo = f->lo,
-        .out_hi = f->hi,
-    };
-}
-
 void plan_setpoint_limits(const struct plan *plan, uint8_t loop, float *lo, float *hi)
 {
     const struct loop_config *l = &plan->config.loop[loop];
@@ -179,32 +149,34 @@ static enum err check_channels(const struct config *c, struct config_fault *faul
         if (!m->name[0])
             continue;
         if (config_find_measurement(c, m->name) != i)
-            return refuse(fault, ERR_CONFLICT, "meas", i + 1, "name", m->name, "is used twice");
+            return plan_refuse(fault, ERR_CONFLICT, "meas", i + 1, "name", m->name,
+                               "is used twice");
         if (reserved(m->name))
-            return refuse(fault, ERR_CONFLICT, "meas", i + 1, "name", m->name, NAME_RESERVED);
+            return plan_refuse(fault, ERR_CONFLICT, "meas", i + 1, "name", m->name, NAME_RESERVED);
         if (!span_possible(m->lo, m->hi))
-            return refuse(fault, ERR_RANGE, "meas", i + 1, "lo", m->name, SPAN_WANTED);
+            return plan_refuse(fault, ERR_RANGE, "meas", i + 1, "lo", m->name, SPAN_WANTED);
     }
     for (unsigned i = 0; i < CHANNEL_MAX; i++) {
         const struct output_config *o = &c->output[i];
         if (!o->name[0])
             continue;
         if (config_find_output(c, o->name) != i)
-            return refuse(fault, ERR_CONFLICT, "mv", i + 1, "name", o->name, "is used twice");
+            return plan_refuse(fault, ERR_CONFLICT, "mv", i + 1, "name", o->name, "is used twice");
         if (config_find_loop(c, o->name) != PLAN_NONE)
-            return refuse(fault, ERR_CONFLICT, "mv", i + 1, "name", o->name,
-                          "is also the name of a loop");
+            return plan_refuse(fault, ERR_CONFLICT, "mv", i + 1, "name", o->name,
+                               "is also the name of a loop");
         if (reserved(o->name))
-            return refuse(fault, ERR_CONFLICT, "mv", i + 1, "name", o->name, NAME_RESERVED);
+            return plan_refuse(fault, ERR_CONFLICT, "mv", i + 1, "name", o->name, NAME_RESERVED);
         if (!span_possible(o->lo, o->hi))
-            return refuse(fault, ERR_RANGE, "mv", i + 1, "lo", o->name, SPAN_WANTED);
+            return plan_refuse(fault, ERR_RANGE, "mv", i + 1, "lo", o->name, SPAN_WANTED);
         if (!(o->lo <= o->min && o->min < o->max && o->max <= o->hi))
-            return refuse(fault, ERR_RANGE, "mv", i + 1, "min", o->name,
-                          "needs lo <= min < max <= hi");
+            return plan_refuse(fault, ERR_RANGE, "mv", i + 1, "min", o->name,
+                               "needs lo <= min < max <= hi");
         if (!(o->lo <= o->safe && o->safe <= o->hi))
-            return refuse(fault, ERR_RANGE, "mv", i + 1, "safe", o->name, "must lie in lo..hi");
+            return plan_refuse(fault, ERR_RANGE, "mv", i + 1, "safe", o->name,
+                               "must lie in lo..hi");
         if (!rate_possible(o->rate_per_s, o->hi - o->lo))
-            return refuse(fault, ERR_RANGE, "mv", i + 1, "rate", o->name, RATE_WANTED);
+            return plan_refuse(fault, ERR_RANGE, "mv", i + 1, "rate", o->name, RATE_WANTED);
     }
     return ERR_OK;
 }
@@ -216,58 +188,58 @@ static enum err resolve_loop(struct plan *plan, uint8_t i, struct config_fault *
     struct loop_plan *p = &plan->loop[i];
     p->used = true;
     if (config_find_loop(c, l->name) != i)
-        return refuse(fault, ERR_CONFLICT, "loop", i + 1u, "name", l->name, "is used twice");
+        return plan_refuse(fault, ERR_CONFLICT, "loop", i + 1u, "name", l->name, "is used twice");
     if (reserved(l->name))
-        return refuse(fault, ERR_CONFLICT, "loop", i + 1u, "name", l->name, NAME_RESERVED);
+        return plan_refuse(fault, ERR_CONFLICT, "loop", i + 1u, "name", l->name, NAME_RESERVED);
     p->pv = config_find_measurement(c, l->pv);
     if (p->pv == PLAN_NONE)
-        return refuse(fault, ERR_UNKNOWN, "loop", i + 1u, "pv", l->pv,
-                      "must be the name of a configured measurement");
+        return plan_refuse(fault, ERR_UNKNOWN, "loop", i + 1u, "pv", l->pv,
+                           "must be the name of a configured measurement");
     p->output = config_find_output(c, l->out);
     p->inner = config_find_loop(c, l->out);
     if (p->output == PLAN_NONE && p->inner == PLAN_NONE)
-        return refuse(fault, ERR_UNKNOWN, "loop", i + 1u, "out", l->out,
-                      "must be the name of a configured manipulated variable or loop");
+        return plan_refuse(fault, ERR_UNKNOWN, "loop", i + 1u, "out", l->out,
+                           "must be the name of a configured manipulated variable or loop");
     if (p->output != PLAN_NONE) {
         if (plan->owner[p->output] != PLAN_NONE)
-            return refuse(fault, ERR_CONFLICT, "loop", i + 1u, "out", l->out,
-                          "is driven by another loop already");
+            return plan_refuse(fault, ERR_CONFLICT, "loop", i + 1u, "out", l->out,
+                               "is driven by another loop already");
         plan->owner[p->output] = i;
     }
     if (!(l->sp_lo == 0.0f && l->sp_hi == 0.0f) && !(l->sp_lo < l->sp_hi))
-        return refuse(fault, ERR_RANGE, "loop", i + 1u, "sp_lo", l->name,
-                      "must be below sp_hi (both 0: the span)");
+        return plan_refuse(fault, ERR_RANGE, "loop", i + 1u, "sp_lo", l->name,
+                           "must be below sp_hi (both 0: the span)");
     const struct measurement_config *m = &c->measurement[p->pv];
     if (!(l->sp_lo == 0.0f && l->sp_hi == 0.0f) && !(m->lo <= l->sp_lo && l->sp_hi <= m->hi))
-        return refuse(fault, ERR_RANGE, "loop", i + 1u, l->sp_lo < m->lo ? "sp_lo" : "sp_hi",
-                      l->name, "must lie in the span of the measurement");
+        return plan_refuse(fault, ERR_RANGE, "loop", i + 1u, l->sp_lo < m->lo ? "sp_lo" : "sp_hi",
+                           l->name, "must lie in the span of the measurement");
     if (l->phase >= l->divisor)
-        return refuse(fault, ERR_RANGE, "loop", i + 1u, "phase", l->name,
-                      "must be below the divisor");
+        return plan_refuse(fault, ERR_RANGE, "loop", i + 1u, "phase", l->name,
+                           "must be below the divisor");
     p->decouple = l->decouple != 0;
     if (p->decouple && p->output == PLAN_NONE)
-        return refuse(fault, ERR_CONFLICT, "loop", i + 1u, "decouple", l->name,
-                      "is for loops that drive a manipulated variable themselves");
+        return plan_refuse(fault, ERR_CONFLICT, "loop", i + 1u, "decouple", l->name,
+                           "is for loops that drive a manipulated variable themselves");
     if (p->decouple && i >= DECOUPLER_MAX)
-        return refuse(fault, ERR_RANGE, "loop", i + 1u, "decouple", l->name,
-                      "is for the loops that have a row of `decouple`");
+        return plan_refuse(fault, ERR_RANGE, "loop", i + 1u, "decouple", l->name,
+                           "is for the loops that have a row of `decouple`");
     float h = plan->tick_s * (float)l->divisor;
     struct ramp ramp;
     if (!(h <= BLOCK_INTERVAL_MAX_S))
-        return refuse(fault, ERR_RANGE, "loop", i + 1u, "divisor", l->name,
-                      "times the base tick must be at most 100000 s");
+        return plan_refuse(fault, ERR_RANGE, "loop", i + 1u, "divisor", l->name,
+                           "times the base tick must be at most 100000 s");
     if (ramp_init(&ramp, l->sp_ramp_per_min / 60.0f / (m->hi - m->lo), h) != ERR_OK)
-        return refuse(fault, ERR_RANGE, "loop", i + 1u, "sp_ramp", l->name,
-                      "must be 0 or at least 6e-8 of the span per minute");
+        return plan_refuse(fault, ERR_RANGE, "loop", i + 1u, "sp_ramp", l->name,
+                           "must be 0 or at least 6e-8 of the span per minute");
     const char *field, *wanted;
     if (plan_is_two_position(plan, i)) {
         struct two_position_config two = plan_two_position(plan, i);
         enum err wrong = two_position_validate(&two, &field, &wanted);
         if (wrong)
-            return refuse(fault, wrong, "loop", i + 1u, field, l->name, wanted);
+            return plan_refuse(fault, wrong, "loop", i + 1u, field, l->name, wanted);
         if (p->decouple)
-            return refuse(fault, ERR_CONFLICT, "loop", i + 1u, "decouple", l->name,
-                          "is not for two_position");
+            return plan_refuse(fault, ERR_CONFLICT, "loop", i + 1u, "decouple", l->name,
+                               "is not for two_position");
         return ERR_OK;
     }
     struct pid_config pid = plan_pid(plan, i);
@@ -278,7 +250,8 @@ static enum err resolve_loop(struct plan *plan, uint8_t i, struct config_fault *
         wanted = "below out_hi";
     }
     if (err)
-        return refuse(fault, err, "loop", i + 1u, parameter_field(field), l->name, wanted);
+        return plan_refuse(fault, err, "loop", i + 1u, plan_parameter_field(field), l->name,
+                           wanted);
     return ERR_OK;
 }
 
@@ -292,8 +265,8 @@ static enum err order_loops(struct plan *plan, struct config_fault *fault)
             continue;
         struct loop_plan *inner = &plan->loop[p->inner];
         if (inner->outer != PLAN_NONE)
-            return refuse(fault, ERR_CONFLICT, "loop", i + 1u, "out", plan->config.loop[i].out,
-                          "has its setpoint driven by another loop already");
+            return plan_refuse(fault, ERR_CONFLICT, "loop", i + 1u, "out", plan->config.loop[i].out,
+                               "has its setpoint driven by another loop already");
         inner->outer = i;
     }
     for (unsigned round = 0; round < CONFIG_LOOPS; round++) {
@@ -307,8 +280,8 @@ static enum err order_loops(struct plan *plan, struct config_fault *fault)
     }
     for (uint8_t i = 0; i < CONFIG_LOOPS; i++)
         if (plan->loop[i].used && !taken[i])
-            return refuse(fault, ERR_CYCLE, "loop", i + 1u, "out", plan->config.loop[i].out,
-                          "makes loops drive each other in a ring");
+            return plan_refuse(fault, ERR_CYCLE, "loop", i + 1u, "out", plan->config.loop[i].out,
+                               "makes loops drive each other in a ring");
     return ERR_OK;
 }
 
@@ -323,87 +296,9 @@ static enum err check_decoupler(const struct plan *plan, struct config_fault *fa
     uint8_t first = 0;
     while (!(worst & (1u << first)))
         first++;
-    return refuse(fault, ERR_SINGULAR, "decouple", first + 1u, "d1", plan->config.loop[first].name,
-                  "needs a matrix whose every part (with other loops in manual) has an inverse");
-}
-
-/* Feedforwards that pass a manipulated variable on, in a ring, would drive themselves; one onto its own source is the
- * shortest ring. What each reaches, through any number of others: */
-static enum err check_feedforward_rings(const struct plan *plan, struct config_fault *fault)
-{
-    uint8_t reach[CONFIG_FEEDFORWARDS];
-    for (uint8_t i = 0; i < CONFIG_FEEDFORWARDS; i++) {
-        reach[i] = 0;
-        for (uint8_t k = 0; k < CONFIG_FEEDFORWARDS; k++)
-            if (plan->feedforward[i].from != PLAN_NONE && plan->feedforward[k].from_output &&
-                plan->feedforward[k].from == plan->feedforward[i].to)
-                reach[i] = (uint8_t)(reach[i] | 1u << k);
-    }
-    for (uint8_t through = 0; through < CONFIG_FEEDFORWARDS; through++)
-        for (uint8_t i = 0; i < CONFIG_FEEDFORWARDS; i++)
-            if ((reach[i] & (1u << through)) != 0u)
-                reach[i] = (uint8_t)(reach[i] | reach[through]);
-    for (uint8_t i = 0; i < CONFIG_FEEDFORWARDS; i++)
-        if ((reach[i] & (1u << i)) != 0u)
-            return refuse(fault, ERR_CYCLE, "ff", i + 1u, "from", plan->config.feedforward[i].from,
-                          "makes a ring of feedforwards");
-    return ERR_OK;
-}
-
-/* A measurement of that name, or else a manipulated variable. */
-static void resolve_source(struct plan *plan, uint8_t i)
-{
-    const char *from = plan->config.feedforward[i].from;
-    plan->feedforward[i].from = config_find_measurement(&plan->config, from);
-    plan->feedforward[i].from_output = plan->feedforward[i].from == PLAN_NONE;
-    if (plan->feedforward[i].from_output)
-        plan->feedforward[i].from = config_find_output(&plan->config, from);
-}
-
-static enum err resolve_feedforwards(struct plan *plan, struct config_fault *fault)
-{
-    uint8_t placed[PLACED_KINDS];
-    arena_count(plan, placed);
-    uint32_t used = arena_state_bytes(placed) / (uint32_t)sizeof(num_t);
-    uint32_t end = PLAN_ARENA_BYTES / (uint32_t)sizeof(num_t);
-    for (uint8_t i = 0; i < CONFIG_FEEDFORWARDS; i++) {
-        const struct ff_config *f = &plan->config.feedforward[i];
-        plan->feedforward[i].from = PLAN_NONE;
-        if (!f->from[0])
-            continue;
-        resolve_source(plan, i);
-        if (plan->feedforward[i].from == PLAN_NONE)
-            return refuse(fault, ERR_UNKNOWN, "ff", i + 1u, "from", f->from,
-                          "must be a configured measurement or manipulated variable");
-        plan->feedforward[i].to = config_find_output(&plan->config, f->to);
-        if (plan->feedforward[i].to == PLAN_NONE ||
-            plan->owner[plan->feedforward[i].to] == PLAN_NONE)
-            return refuse(fault, ERR_UNKNOWN, "ff", i + 1u, "to", f->to,
-                          "must be a manipulated variable that a loop drives");
-        struct feedforward_config element = plan_feedforward(plan, i);
-        const char *field, *wanted;
-        enum err err = feedforward_validate(&element, plan->tick_s, &field, &wanted);
-        if (err && strcmp(field, "h_s") == 0)
-            return refuse(fault, err, "tick", 0, "base", f->from, wanted);
-        if (err)
-            return refuse(fault, err, "ff", i + 1u,
-                          strcmp(field, "out_lo") == 0   ? "lo"
-                          : strcmp(field, "out_hi") == 0 ? "hi"
-                                                         : parameter_field(field),
-                          f->from, wanted);
-        uint32_t bytes = (uint32_t)feedforward_bytes(&element, plan->tick_s);
-        used += bytes / (uint32_t)sizeof(num_t);
-        if (used * sizeof(num_t) > PLAN_ARENA_BYTES) {
-            err = refuse(fault, ERR_MEMORY, "ff", i + 1u, "dead", f->from,
-                         "dead times need more memory than this board has");
-            fault->bytes = used * (uint32_t)sizeof(num_t);
-            return err;
-        }
-        end -= bytes / (uint32_t)sizeof(num_t);
-        plan->feedforward[i].line = (uint16_t)end;
-        plan->feedforward[i].bytes = (uint16_t)bytes;
-    }
-    return check_feedforward_rings(plan, fault);
+    return plan_refuse(
+        fault, ERR_SINGULAR, "decouple", first + 1u, "d1", plan->config.loop[first].name,
+        "needs a matrix whose every part (with other loops in manual) has an inverse");
 }
 
 static enum err resolve_interlocks(struct plan *plan, struct config_fault *fault)
@@ -415,16 +310,16 @@ static enum err resolve_interlocks(struct plan *plan, struct config_fault *fault
             continue;
         plan->interlock[i].measurement = config_find_measurement(&plan->config, k->measurement);
         if (plan->interlock[i].measurement == PLAN_NONE)
-            return refuse(fault, ERR_UNKNOWN, "lock", i + 1u, "meas", k->measurement,
-                          "must be the name of a configured measurement");
+            return plan_refuse(fault, ERR_UNKNOWN, "lock", i + 1u, "meas", k->measurement,
+                               "must be the name of a configured measurement");
         plan->interlock[i].output = config_find_output(&plan->config, k->output);
         if (plan->interlock[i].output == PLAN_NONE)
-            return refuse(fault, ERR_UNKNOWN, "lock", i + 1u, "mv", k->output,
-                          "must be the name of a configured manipulated variable");
+            return plan_refuse(fault, ERR_UNKNOWN, "lock", i + 1u, "mv", k->output,
+                               "must be the name of a configured manipulated variable");
         const struct output_config *o = &plan->config.output[plan->interlock[i].output];
         if (!(o->lo <= k->value && k->value <= o->hi))
-            return refuse(fault, ERR_RANGE, "lock", i + 1u, "value", k->output,
-                          "must lie in the span of the manipulated variable");
+            return plan_refuse(fault, ERR_RANGE, "lock", i + 1u, "value", k->output,
+                               "must lie in the span of the manipulated variable");
     }
     return ERR_OK;
 }
@@ -437,12 +332,12 @@ static enum err resolve_inferences(struct plan *plan, struct config_fault *fault
         if (!m->name[0])
             continue;
         if (m->infer[0] && plan->infer[i] == PLAN_NONE)
-            return refuse(fault, ERR_UNKNOWN, "meas", i + 1u, "infer", m->infer,
-                          "must be the name of a configured manipulated variable");
+            return plan_refuse(fault, ERR_UNKNOWN, "meas", i + 1u, "infer", m->infer,
+                               "must be the name of a configured manipulated variable");
         if (m->fallback == FALLBACK_SUBSTITUTE &&
             !(m->lo <= m->substitute && m->substitute <= m->hi))
-            return refuse(fault, ERR_RANGE, "meas", i + 1u, "substitute", m->name,
-                          "must lie in the span of the measurement");
+            return plan_refuse(fault, ERR_RANGE, "meas", i + 1u, "substitute", m->name,
+                               "must lie in the span of the measurement");
     }
     return ERR_OK;
 }
@@ -455,9 +350,9 @@ static enum err resolve_alarms(struct plan *plan, struct config_fault *fault)
         plan->alarm[i] = deviation ? config_find_loop(&plan->config, a->on)
                                    : config_find_measurement(&plan->config, a->on);
         if (a->on[0] && plan->alarm[i] == PLAN_NONE)
-            return refuse(fault, ERR_UNKNOWN, "alarm", i + 1u, "on", a->on,
-                          deviation ? "must be the name of a configured loop"
-                                    : "must be the name of a configured measurement");
+            return plan_refuse(fault, ERR_UNKNOWN, "alarm", i + 1u, "on", a->on,
+                               deviation ? "must be the name of a configured loop"
+                                         : "must be the name of a configured measurement");
     }
     return ERR_OK;
 }
@@ -468,19 +363,19 @@ static enum err check_tests(const struct config *c, struct config_fault *fault)
     for (uint8_t i = 0; i < CHANNEL_MAX; i++) {
         const struct output_config *o = &c->output[i];
         if (o->name[0] && o->test_step > 0.5f * (o->hi - o->lo))
-            return refuse(fault, ERR_RANGE, "mv", i + 1u, "test_step", o->name,
-                          "must be half of the span at most");
+            return plan_refuse(fault, ERR_RANGE, "mv", i + 1u, "test_step", o->name,
+                               "must be half of the span at most");
     }
     for (uint8_t i = 0; i < CONFIG_PAIRS; i++) {
         const struct pair_config *p = &c->pair[i];
         if (!p->measurement[0] && !p->output[0])
             continue;
         if (config_find_measurement(c, p->measurement) == PLAN_NONE)
-            return refuse(fault, ERR_UNKNOWN, "pair", i + 1u, "meas", p->measurement,
-                          "must be the name of a configured measurement");
+            return plan_refuse(fault, ERR_UNKNOWN, "pair", i + 1u, "meas", p->measurement,
+                               "must be the name of a configured measurement");
         if (config_find_output(c, p->output) == PLAN_NONE)
-            return refuse(fault, ERR_UNKNOWN, "pair", i + 1u, "mv", p->output,
-                          "must be the name of a configured manipulated variable");
+            return plan_refuse(fault, ERR_UNKNOWN, "pair", i + 1u, "mv", p->output,
+                               "must be the name of a configured manipulated variable");
     }
     return ERR_OK;
 }
@@ -500,8 +395,8 @@ enum err plan_set_tick(struct plan *plan, float tick_s, struct config_fault *fau
         plan->loop[i].inner = plan->loop[i].outer = PLAN_NONE;
     }
     if (plan->tick_s < TICK_SHORTEST_S)
-        return refuse(fault, ERR_RANGE, "tick", 0, "base", "",
-                      "must be 0 or at least 0.05 s, the plant's own too");
+        return plan_refuse(fault, ERR_RANGE, "tick", 0, "base", "",
+                           "must be 0 or at least 0.05 s, the plant's own too");
     enum err err = check_channels(config, fault);
     for (uint8_t i = 0; !err && i < CONFIG_LOOPS; i++)
         if (config->loop[i].name[0])
@@ -511,7 +406,7 @@ enum err plan_set_tick(struct plan *plan, float tick_s, struct config_fault *fau
     if (!err)
         err = check_decoupler(plan, fault);
     if (!err)
-        err = resolve_feedforwards(plan, fault);
+        err = plan_resolve_feedforwards(plan, fault);
     if (!err)
         err = resolve_interlocks(plan, fault);
     if (!err)
