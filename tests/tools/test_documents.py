@@ -1,6 +1,7 @@
 """Pages of the methods: their tables have every field of the C struct, beside the parameter it is at the console."""
 
 import re
+import subprocess
 import unittest
 
 from support import ROOT
@@ -61,6 +62,17 @@ class Names(unittest.TestCase):
         named = {c: p for name, *_ in PAGES for row in table(name) for c, p in zip(*row)}
         for field, parameter in pairs.items():
             self.assertEqual(named[field], parameter)
+
+
+class Figures(unittest.TestCase):
+    def test_each_script_says_how_it_is_used_and_draws_nothing(self) -> None:
+        scripts = sorted((ROOT / "tools" / "figures").glob("*.py"))
+        self.assertTrue(scripts)
+        for script in scripts:
+            with self.subTest(script.name):
+                said = subprocess.run([str(script), "--help"], capture_output=True, text=True, check=False, cwd=ROOT)
+                self.assertEqual((said.returncode, said.stderr), (0, ""))
+                self.assertIn(script.name, said.stdout)
 
 
 if __name__ == "__main__":

@@ -71,6 +71,9 @@ def designs(p, pairs, h):
 
 
 def main():
+    if len(sys.argv) > 1:
+        print(__doc__)
+        return 0 if sys.argv[1] in ("--help", "-h") else 2
     wood, _ = plant("wood-berry")
     h = 15.0  # sample interval, s: a quarter of the plant file's
     print("Wood and Berry's column")
@@ -114,4 +117,4 @@ def main():
 
 
 if __name__ == "__main__":
-    main()
+    sys.exit(main())

@@ -13,7 +13,7 @@ BEGIN, END = "<!-- parameters: begin -->\n", "<!-- parameters: end -->"
 
 
 def main() -> int:
-    if len(sys.argv) > 2 or "--help" in sys.argv:
+    if len(sys.argv) > 2 or "--help" in sys.argv or "-h" in sys.argv:
         print(__doc__.strip())
         return 0
     build = pathlib.Path(sys.argv[1]) if len(sys.argv) == 2 else ROOT / "build" / "host"

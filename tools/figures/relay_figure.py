@@ -37,6 +37,9 @@ def script(of):
 
 
 def main() -> int:
+    if len(sys.argv) > 1:
+        print(__doc__)
+        return 0 if sys.argv[1] in ("--help", "-h") else 2
     of = plant("wood-berry")
     run = Run(of, script(of), noise=1.0, seed=1, log=True)
     for n, line in enumerate(run.said):
