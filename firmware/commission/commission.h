@@ -80,9 +80,9 @@ enum commission_ask {
     COMMISSION_ASK_REJECT
 };
 
-/* One way from an input to an output, all rounds together. */
 #define ASYMMETRY_UNIT REAL_C(1000.0)
 
+/* One way from an input to an output, all rounds together. */
 struct element {
     struct identified fit; /* least squares, weighted over the rounds; used */
     struct fopdt moments;  /* of the last round: a second opinion */
