@@ -62,6 +62,15 @@ static const char *const start_up[] = {
     "set meas2.test_limit 8",
     "set loop2.gain 100",
     "reboot",
+    "commission relay top",
+    "commission relay bottom",
+    "commission relay",
+    "defaults",
+    "load",
+    "save",
+    "set ff1.from heat",
+    "set ff1.to reflux",
+    "set ff1.dead 100",
 };
 #define START_UP (sizeof start_up / sizeof start_up[0])
 #define STRETCH  (START_UP + 7u) /* a few more chances than one */
