@@ -280,9 +280,7 @@ static enum adoption_result watch(struct adoption *a, const struct supervisor *s
     }
     for (uint8_t k = 0; k < a->channels; k++) {
         const struct adoption_channel *c = &a->channel[k];
-        real_t away = measured(a, s, k) - c->rest, by = carried(a, s, k);
-        if (real_abs(away - by) < real_abs(away))
-            away = away - by;
+        real_t away = steady_away(measured(a, s, k) - c->rest, carried(a, s, k), c->limit);
         bool stepped = k == a->at && a->stage != STAGE_SETTLE;
         real_t step = stepped ? real_abs(a->loop[k].step) : REAL_C(0.0);
         if (real_abs(away) > c->limit + step + NOISE_MULTIPLE * c->noise_sd)

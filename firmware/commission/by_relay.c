@@ -154,16 +154,6 @@ static enum err begin_cycle(struct commission *c, const struct supervisor *s,
     return relay_begin(&t->relay, &x);
 }
 
-/* From where it was, or from the line of its drift, whichever is nearer: a drift that goes on is no response. */
-static real_t away_from_rest(const struct relay_test *t, uint8_t j, const real_t *y, real_t h_s)
-{
-    real_t carried = t->slope_per_s[j] * h_s * (real_t)t->cycling, most = t->limit[j];
-    if (real_abs(carried) > most)
-        carried = carried > REAL_C(0.0) ? most : -most;
-    real_t away = y[j] - t->rest[j];
-    return real_abs(away - carried) < real_abs(away) ? away - carried : away;
-}
-
 /* Largest share of its limit that a measurement is at. False: one has been past it for two samples, noise apart. */
 static bool within_limits(struct commission *c, const struct supervisor *s, const real_t *y,
                           real_t *share, uint8_t *culprit)
@@ -171,7 +161,8 @@ static bool within_limits(struct commission *c, const struct supervisor *s, cons
     struct relay_test *t = &c->work.relay;
     *share = REAL_C(0.0);
     for (uint8_t j = 0; j < c->outputs; j++) {
-        real_t away = real_abs(away_from_rest(t, j, y, s->plan->tick_s));
+        real_t carried = t->slope_per_s[j] * s->plan->tick_s * (real_t)t->cycling;
+        real_t away = real_abs(steady_away(y[j] - t->rest[j], carried, t->limit[j]));
         if (away > *share * t->limit[j])
             *share = away / t->limit[j];
         bool over = away > t->limit[j] + PAST_NOISE * c->noise_sd[j];

@@ -15,16 +15,11 @@
 #define UNKNOWN_WAITS                                                                              \
     REAL_C(1.5) /* times as long, where a response too small to be known is left */
 
-/* How far output j is from rest: from where it was, or from the line of the drift seen before the step, whichever is
- * nearer. A drift that goes on is no response; one that turns carries the output back to where it was. */
+/* How far output j is from rest. */
 real_t progress_away(const struct experiment *e, uint8_t j, const real_t *y)
 {
-    real_t most = DRIFT_SHARE * e->config.limit[j];
     real_t carried = e->drift_per_s[j] * e->config.h_s * (real_t)e->samples;
-    if (real_abs(carried) > most)
-        carried = carried > REAL_C(0.0) ? most : -most;
-    real_t away = y[j] - e->rest[j];
-    return real_abs(away - carried) < real_abs(away) ? away - carried : away;
+    return steady_away(y[j] - e->rest[j], carried, DRIFT_SHARE * e->config.limit[j]);
 }
 
 /* Does noise hide what is small beside a limit? Then time is better spent on another test than on the end of this one,

@@ -125,3 +125,10 @@ enum err steady_look(const struct steady *s, uint32_t output, struct steady_resu
         result->state = STEADY_SETTLED;
     return ERR_OK;
 }
+
+real_t steady_away(real_t away, real_t carried, real_t most)
+{
+    if (real_abs(carried) > most)
+        carried = carried > ZERO ? most : -most;
+    return real_abs(away - carried) < real_abs(away) ? away - carried : away;
+}

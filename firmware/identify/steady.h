@@ -75,4 +75,9 @@ MUST_CHECK enum err steady_step(struct steady *s, const real_t *y);
 MUST_CHECK enum err steady_look(const struct steady *s, uint32_t output,
                                 struct steady_result *result);
 
+/* How far a measurement is from rest: `away` from where it was then, or from the line of a drift that would have carried it by
+ * `carried` since (at most by `most` either way), whichever is nearer. A drift that goes on is no response; one that turns
+ * carries it back to where it was. All in one unit. */
+real_t steady_away(real_t away, real_t carried, real_t most);
+
 #endif

@@ -193,6 +193,20 @@ static void what_cannot_be_is_refused(void)
     TEST_ASSERT_EQUAL_INT(ERR_RANGE, steady_look(&steady, 2, &r));
 }
 
+static void the_distance_from_rest_is_the_smaller_of_level_and_drift(void)
+{
+    static const double cases[][4] = {
+        /* away, carried, most, distance */
+        {0.3, 0.0, 1, 0.3},   {0.3, 0.3, 1, 0.0},      {0.3, 0.5, 1, -0.2},
+        {0.1, 0.5, 1, 0.1},   {-0.3, -0.2, 1, -0.1},   {-0.3, 0.2, 1, -0.3},
+        {0.9, 2.0, 0.4, 0.5}, {-0.9, -2.0, 0.4, -0.5}, {0.0, 0.5, 1, 0.0}};
+    for (unsigned i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        double found =
+            (double)steady_away((real_t)cases[i][0], (real_t)cases[i][1], (real_t)cases[i][2]);
+        TEST_ASSERT_TRUE(fabs(found - cases[i][3]) < 1e-6);
+    }
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -203,6 +217,7 @@ int main(void)
     RUN_TEST(a_climb_moves_and_a_bend_or_a_swing_is_restless);
     RUN_TEST(quantisation_is_not_taken_for_motion);
     RUN_TEST(the_ring_forgets_what_is_older_than_the_window);
+    RUN_TEST(the_distance_from_rest_is_the_smaller_of_level_and_drift);
     RUN_TEST(what_cannot_be_is_refused);
     return UNITY_END();
 }
