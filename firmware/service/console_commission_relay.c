@@ -107,7 +107,7 @@ bool commission_relay_line(struct console *c, unsigned n, struct text *line)
 void commission_relay_command(struct console *c, unsigned n, char **word)
 {
     struct commission *m = c->service->commission;
-    const char *wanted = "no such loop", *subject = word[n - 1];
+    const char *wanted = "no such loop; `loop` lists them", *subject = word[n - 1];
     if (n == 1) {
         console_list(c, commission_relay_line, "");
         return;
