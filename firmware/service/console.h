@@ -150,6 +150,8 @@ void sequence_headline(const struct service *s, struct text *line);
 void command_commission(struct console *c, unsigned n, char **word);
 /* Puts the old settings back where a trial has failed. Returns whether there was anything to do. */
 bool console_commission_poll(struct console *c);
+/* What is in force is on trial, or about to be taken back. */
+bool console_commission_on_trial(const struct console *c);
 /* `commission relay [LOOP]`, what it is about while it goes on, and what it has found */
 void commission_relay_command(struct console *c, unsigned n, char **word);
 void commission_relay_now(struct console *c, struct text *line);

@@ -322,7 +322,19 @@ bool console_commission_poll(struct console *c)
     return true;
 }
 
+bool console_commission_on_trial(const struct console *c)
+{
+    const struct commission *m = c->service->commission;
+    return m->phase == COMMISSION_TRIAL || m->ask == COMMISSION_ASK_TRIAL || m->wants_old;
+}
+
 #else
+
+bool console_commission_on_trial(const struct console *c)
+{
+    (void)c;
+    return false;
+}
 
 void command_commission(struct console *c, unsigned n, char **word)
 {

@@ -15,8 +15,10 @@ static void recorded_ok(struct console *c, const char *what)
 
 static void begin_save(struct console *c)
 {
-    const char *why = NULL;
-    enum err err = storage_save(c->service->storage, &why);
+    const char *why = "a proposal is on trial: save when it is kept, or after `commission abort`";
+    enum err err = ERR_STATE;
+    if (!console_commission_on_trial(c))
+        err = storage_save(c->service->storage, &why);
     c->storage = err ? NOTHING : SAVING;
     if (err)
         console_err_about(c, err, "not saved", why);

@@ -59,6 +59,7 @@ static void take_stored(struct storage *st)
     if (err == ERR_BUSY) {
         st->state = TAKING; /* again in the next turn */
     } else if (err) {
+        st->refused = true;
         service_fault_name(&fault, &t);
         storage_tell(st, EVENT_STORAGE_REFUSED, subject, (float)st->newest.sequence);
     } else {

@@ -41,6 +41,7 @@ struct storage {
     bool clocked;     /* born_ms is valid */
     bool remains;     /* there is something that is neither erased nor blank */
     bool failed;      /* the last write was not taken */
+    bool refused;     /* the newest set did not go into force after the start */
     bool prepared[2]; /* erased and marked: sets may be appended */
     uint32_t used[2]; /* bytes of the slot that cannot be written any more */
     uint32_t erases[2];
@@ -77,7 +78,8 @@ bool storage_poll(struct storage *st);
 bool storage_ready(struct storage *st);
 
 /* Begins to store service_plan(). The caller keeps service_staged() free until storage_saving() is false; then
- * storage_result() tells. ERR_UNSUPPORTED, ERR_STATE (needs an erase while a loop acts), ERR_FULL: nothing begun. */
+ * storage_result() tells. ERR_UNSUPPORTED, ERR_STATE (needs an erase while a loop acts; would replace a set that was refused by
+ * the defaults that run instead), ERR_FULL: nothing begun. */
 MUST_CHECK enum err storage_save(struct storage *st, const char **why);
 bool storage_saving(const struct storage *st);
 MUST_CHECK enum err storage_result(const struct storage *st, const char **why);

@@ -290,6 +290,11 @@ enum err storage_save(struct storage *st, const char **why)
         *why = s->staging ? "a transaction is open: apply or abandon it first" : NULL;
         return s->staging ? ERR_STATE : ERR_BUSY;
     }
+    if (st->refused && !s->serial) {
+        *why = "it would replace settings that were refused by defaults: `load` says why; or "
+               "`defaults` first";
+        return ERR_STATE;
+    }
     (void)service_stage(s);
     uint32_t length = count_records(st), bytes = set_size(length);
     if (length > UINT16_MAX || bytes > st->slot_size - STORAGE_GRAIN) {

@@ -197,6 +197,12 @@ static void results_about_to_be_overwritten_are_not_listed(void)
     TEST_ASSERT_TRUE(phase_is("testing"));
 }
 
+static void accepted_and_saved_at_once_it_is_not(void)
+{
+    ask_ok("commission accept");
+    ask_refused("save", "STATE");
+}
+
 static void everything_that_can_happen_to_a_proposal(void)
 {
     wood_berry(NULL);
@@ -212,6 +218,7 @@ static void everything_that_can_happen_to_a_proposal(void)
     CASE(other_channels_get_no_trial);
     CASE(moved_meanwhile_the_trial_begins_where_it_is);
     CASE(not_accepted_while_the_plant_is_gone_or_safe);
+    CASE(accepted_and_saved_at_once_it_is_not);
     CASE(accepted_and_gone_at_once_it_is_taken_back);
     CASE(accepted_and_aborted_at_once_it_is_taken_back);
     CASE(accepted_and_overtaken_by_another_configuration_there_is_no_trial);
@@ -314,6 +321,13 @@ static void behind_an_open_transaction_the_old_set_waits(void)
     ask_ok("commission begin");
 }
 
+static void what_is_on_trial_is_not_saved(void)
+{
+    ask_refused("save", "STATE");
+    until("TRIAL_KEPT", 6000);
+    TEST_ASSERT_NULL(strstr(ask("save"), "trial"));
+}
+
 static void a_sequence_does_not_begin_on_trial(void)
 {
     ask_refused("seq stop", "STATE");
@@ -338,6 +352,7 @@ static void everything_that_can_happen_on_trial(void)
     CASE(a_configuration_and_an_abort_at_once_leave_the_configuration);
     CASE(a_plant_that_leaves_on_trial_takes_it_back);
     CASE(behind_an_open_transaction_the_old_set_waits);
+    CASE(what_is_on_trial_is_not_saved);
     CASE(a_sequence_does_not_begin_on_trial);
     CASE(nothing_goes_on_after_a_reset);
     CASE(nothing_goes_on_after_power_was_lost);
