@@ -287,7 +287,8 @@ bool commission_pairing_line(struct console *c, unsigned n, struct text *line)
         number(line, "share", (float)a->share[n]);
         if (a->rival[n] != INTERACT_NONE) {
             text_str(line, " rival ");
-            text_str(line, output(c, m->column[a->rival[n]])->name);
+            text_str(line, a->rival[n] < a->plant.inputs ? output(c, m->column[a->rival[n]])->name
+                                                         : "-"); /* none of them */
         }
     }
     return true;
