@@ -29,7 +29,8 @@
 #define ASYMMETRY_MOST  REAL_C(2000.0)
 #define ASYMMETRY_AGAIN REAL_C(2.5) /* factor between two tests of the same asymmetry */
 
-#define BEND_SHARE (REAL_C(1.0) / REAL_C(8.0)) /* docs/commissioning-method.md: what a bend leaves */
+#define BEND_SHARE                                                                                 \
+    (REAL_C(1.0) / REAL_C(8.0)) /* docs/commissioning-method.md: what a bend leaves */
 
 static real_t weight(real_t sd, real_t size)
 {

@@ -74,7 +74,7 @@ def at_rest(plant: dict[str, Any]) -> list[str]:
 
 def tuning_script(plant: dict[str, Any], start: commissioning.Start, known: commissioning.Known, method: str) -> str:
     """The channels and the operating point as in the start-ups' campaign; for relays the loops of the right pairing."""
-    whole = commissioning.script(plant, start).splitlines()
+    whole = commissioning.script(plant, start, []).splitlines()
     at, patience_s = 5 * plant["tick_s"], 300 * known.slowest_s
     until_set = [line for line in whole if line.startswith("0 ") and not line.endswith(" apply")]
     until_set += at_rest(plant)
