@@ -112,7 +112,7 @@ static inline bool nothing_was_stored(void)
     TEST_ASSERT_DOUBLE_WITHIN_MESSAGE(1e-4 * (1.0 + fabs((double)(value))), value,                 \
                                       commanded(name), name)
 
-/* With coverage: what a child has counted is written before it leaves. */
+/* With coverage (its preset links this in): what a child has counted is written before it leaves. */
 extern void __gcov_dump(void) __attribute__((weak));
 
 static unsigned children_failed; /* for tearDown() to look at */
