@@ -146,6 +146,12 @@ void command_alarm(struct console *c, unsigned n, char **word);
 void command_seq(struct console *c, unsigned n, char **word);
 /* "start held at step 7: guard, CW"; nothing where none is under way, nor has been. */
 void sequence_headline(const struct service *s, struct text *line);
+/* What is in force: names by index are of this. */
+static inline const struct config *console_settings(const struct console *c)
+{
+    return &service_in_force(c->service)->config;
+}
+
 /* Automatic start-up */
 void command_commission(struct console *c, unsigned n, char **word);
 /* Puts the old settings back where a trial has failed. Returns whether there was anything to do. */

@@ -7,7 +7,7 @@
 static void entry_line(const struct service *s, uint8_t i, struct text *line)
 {
     static const char *const priorities[] = {"low", "medium", "high"};
-    const struct config *config = &s->plan[s->in_force].config;
+    const struct config *config = &service_in_force(s)->config;
     const struct alarm_config *c = &config->alarm[i];
     const struct alarm_state *a = &s->supervisor->alarm[i];
     char name[CHANNEL_NAME_SIZE];
@@ -36,7 +36,7 @@ static bool alarm_line(struct console *c, unsigned n, struct text *line)
 {
     const struct service *s = c->service;
     const struct supervisor *sup = s->supervisor;
-    const struct plan *plan = &s->plan[s->in_force];
+    const struct plan *plan = service_in_force(s);
     if (n == 0) {
         if (s->io.state(s->io.context) != IO_READY) {
             text_str(line, "LINK_DOWN no plant is connected");

@@ -54,21 +54,12 @@ static void command_help(struct console *c, unsigned n, char **word)
         console_err_about(c, ERR_UNKNOWN, word[0], "neither a command nor a parameter");
 }
 
-static void pair(struct text *line, const char *name, uint32_t value)
-{
-    text_char(line, ' ');
-    text_str(line, name);
-    text_char(line, ' ');
-    text_u32(line, value);
-}
-
 static void hex(struct text *line, const char *name, uint32_t value)
 {
     text_char(line, ' ');
     text_str(line, name);
     text_char(line, ' ');
-    for (unsigned shift = 32; shift; shift -= 4)
-        text_char(line, "0123456789abcdef"[(value >> (shift - 4u)) & 15u]);
+    text_hex(line, value, 8);
 }
 
 /* What is left of the last fault since power-on. */
@@ -86,8 +77,8 @@ static void fault_line(struct text *line)
     hex(line, "cfsr", f.status);
     hex(line, "hfsr", f.hard);
     hex(line, "address", f.address);
-    pair(line, "up_ms", f.up_ms);
-    pair(line, "boots_ago", f.boots_ago);
+    text_named_u32(line, "up_ms", f.up_ms);
+    text_named_u32(line, "boots_ago", f.boots_ago);
 }
 
 static bool version_line(struct console *c, unsigned n, struct text *line)
@@ -105,28 +96,28 @@ static bool version_line(struct console *c, unsigned n, struct text *line)
         return true;
     case 2:
         text_str(line, "clock");
-        pair(line, "Hz", hal_core_hz());
+        text_named_u32(line, "Hz", hal_core_hz());
         text_str(line, ", ");
         text_str(line, hal_clock_source());
         return true;
     case 3:
         text_str(line, "limits:");
-        pair(line, "channels", CHANNEL_MAX);
-        pair(line, "loops", CONFIG_LOOPS);
-        pair(line, "feedforwards", CONFIG_FEEDFORWARDS);
-        pair(line, "interlocks", CONFIG_INTERLOCKS);
-        pair(line, "events", EVENT_HISTORY);
-        pair(line, "alarms", CONFIG_ALARMS);
-        pair(line, "arena bytes", PLAN_ARENA_BYTES);
-        pair(line, "steps", CONFIG_STEPS);
+        text_named_u32(line, "channels", CHANNEL_MAX);
+        text_named_u32(line, "loops", CONFIG_LOOPS);
+        text_named_u32(line, "feedforwards", CONFIG_FEEDFORWARDS);
+        text_named_u32(line, "interlocks", CONFIG_INTERLOCKS);
+        text_named_u32(line, "events", EVENT_HISTORY);
+        text_named_u32(line, "alarms", CONFIG_ALARMS);
+        text_named_u32(line, "arena bytes", PLAN_ARENA_BYTES);
+        text_named_u32(line, "steps", CONFIG_STEPS);
         return true;
     case 4:
         text_str(line, "limits: plant");
-        pair(line, "channels", LINK_CHANNELS_ROOM);
-        pair(line, "name bytes", LINK_TEXT_BYTES);
-        pair(line, "requests", REQUEST_QUEUE_SIZE);
-        pair(line, "rows", TELEMETRY_QUEUE_SIZE);
-        pair(line, "line", CONSOLE_LINE_MAX);
+        text_named_u32(line, "channels", LINK_CHANNELS_ROOM);
+        text_named_u32(line, "name bytes", LINK_TEXT_BYTES);
+        text_named_u32(line, "requests", REQUEST_QUEUE_SIZE);
+        text_named_u32(line, "rows", TELEMETRY_QUEUE_SIZE);
+        text_named_u32(line, "line", CONSOLE_LINE_MAX);
         text_str(line, LINE_EDITOR_HISTORY > 1 ? ", recalls lines" : ", recalls no lines");
         return true;
     case 5:
@@ -138,7 +129,7 @@ static bool version_line(struct console *c, unsigned n, struct text *line)
     case 6:
         text_str(line, "started by: ");
         text_str(line, hal_reset_name(hal_reset_cause()));
-        pair(line, "boot", hal_boot_id());
+        text_named_u32(line, "boot", hal_boot_id());
         return true;
     case 7:
         fault_line(line);
@@ -172,7 +163,7 @@ static bool status_line(struct console *c, unsigned n, struct text *line)
 {
     static const char *const link_names[] = {"down", "greeting", "ready"};
     const struct service *s = c->service;
-    const struct plan *plan = &s->plan[s->in_force];
+    const struct plan *plan = service_in_force(s);
     if (n == 0) {
         text_str(line, s->supervisor->state == SUPERVISOR_RUN ? "state run" : "state safe");
         text_str(line, ", plant link ");
@@ -186,7 +177,7 @@ static bool status_line(struct console *c, unsigned n, struct text *line)
         text_str(line, " s, base tick ");
         text_float(line, plan->tick_s);
         text_str(line, " s");
-        pair(line, "ticks", s->supervisor->ticks);
+        text_named_u32(line, "ticks", s->supervisor->ticks);
         if (s->staging)
             text_str(line, ", transaction open");
         text_str(line, ", storage ");
@@ -332,10 +323,10 @@ static void uart_line(struct text *line, const char *name, enum hal_uart port)
     struct hal_uart_stats u;
     hal_uart_get_stats(port, &u);
     text_str(line, name);
-    pair(line, "received", u.received);
-    pair(line, "sent", u.sent);
-    pair(line, "dropped", u.rx_dropped);
-    pair(line, "line_errors", u.line_errors);
+    text_named_u32(line, "received", u.received);
+    text_named_u32(line, "sent", u.sent);
+    text_named_u32(line, "dropped", u.rx_dropped);
+    text_named_u32(line, "line_errors", u.line_errors);
 }
 
 /* Division bit by bit: the mean of numbers of 32 bits has no more of them. */
@@ -360,29 +351,29 @@ static bool stats_line(struct console *c, unsigned n, struct text *line)
     switch (n) {
     case 0:
         text_str(line, "tick");
-        pair(line, "n", cost->n);
-        pair(line, "min", cost->lowest);
-        pair(line, "mean", mean(cost));
-        pair(line, "max", cost->highest);
-        pair(line, "last", cost->last);
+        text_named_u32(line, "n", cost->n);
+        text_named_u32(line, "min", cost->lowest);
+        text_named_u32(line, "mean", mean(cost));
+        text_named_u32(line, "max", cost->highest);
+        text_named_u32(line, "last", cost->last);
         text_str(line, " unit ");
         text_str(line, hal_cycles_unit());
         return true;
     case 1:
         text_str(line, "link");
-        pair(line, "samples", link->stats.samples);
-        pair(line, "commands", link->stats.commands);
-        pair(line, "good", link->decoder.count.good);
-        pair(line, "bad_crc", link->decoder.count.bad_crc);
-        pair(line, "malformed", link->decoder.count.malformed);
-        pair(line, "overlong", link->decoder.count.overlong);
+        text_named_u32(line, "samples", link->stats.samples);
+        text_named_u32(line, "commands", link->stats.commands);
+        text_named_u32(line, "good", link->decoder.count.good);
+        text_named_u32(line, "bad_crc", link->decoder.count.bad_crc);
+        text_named_u32(line, "malformed", link->decoder.count.malformed);
+        text_named_u32(line, "overlong", link->decoder.count.overlong);
         return true;
     case 2:
         text_str(line, "link");
-        pair(line, "lost_frames", link->stats.lost_frames);
-        pair(line, "refused", link->stats.refused);
-        pair(line, "congested", link->stats.congested);
-        pair(line, "silences", link->stats.silences);
+        text_named_u32(line, "lost_frames", link->stats.lost_frames);
+        text_named_u32(line, "refused", link->stats.refused);
+        text_named_u32(line, "congested", link->stats.congested);
+        text_named_u32(line, "silences", link->stats.silences);
         return true;
     case 3:
         uart_line(line, "console_uart", HAL_UART_CONSOLE);
@@ -392,27 +383,27 @@ static bool stats_line(struct console *c, unsigned n, struct text *line)
         return true;
     case 5:
         text_str(line, "console");
-        pair(line, "lines", c->stats.lines);
-        pair(line, "errors", c->stats.errors);
-        pair(line, "dropped", c->stats.dropped);
-        pair(line, "telemetry_lost", s->telemetry.lost);
-        pair(line, "events_lost", s->tick_events.lost);
-        pair(line, "events_unannounced", s->unannounced);
+        text_named_u32(line, "lines", c->stats.lines);
+        text_named_u32(line, "errors", c->stats.errors);
+        text_named_u32(line, "dropped", c->stats.dropped);
+        text_named_u32(line, "telemetry_lost", s->telemetry.lost);
+        text_named_u32(line, "events_lost", s->tick_events.lost);
+        text_named_u32(line, "events_unannounced", s->unannounced);
         return true;
     case 6:
         text_str(line, "memory");
-        pair(line, "stack_bytes", hal_stack_size());
-        pair(line, "stack_unused", hal_stack_unused());
+        text_named_u32(line, "stack_bytes", hal_stack_size());
+        text_named_u32(line, "stack_unused", hal_stack_unused());
         return true;
     case 7:
         text_str(line, "board");
-        pair(line, "up_ms", (uint32_t)hal_clock_ms());
+        text_named_u32(line, "up_ms", (uint32_t)hal_clock_ms());
         return true;
 #if COMMISSION_CHANNELS
     case 8: /* the unit is that of the ticks */
         text_str(line, "work");
-        pair(line, "n", s->work_cost.n);
-        pair(line, "max", s->work_cost.highest);
+        text_named_u32(line, "n", s->work_cost.n);
+        text_named_u32(line, "max", s->work_cost.highest);
         return true;
 #endif
     default:

@@ -71,7 +71,7 @@ static void test_line(const struct commission *c, const struct config *config, s
 static bool commission_status_line(struct console *c, unsigned n, struct text *line)
 {
     const struct commission *m = c->service->commission;
-    const struct config *config = &c->service->plan[c->service->in_force].config;
+    const struct config *config = console_settings(c);
     if (n == 0) {
         text_str(line, "phase ");
         text_str(line, phases[m->phase]);

@@ -4,27 +4,14 @@
 
 #if COMMISSION_CHANNELS
 
-static const struct config *settings(const struct console *c)
-{
-    return &c->service->plan[c->service->in_force].config;
-}
-
 static const struct measurement_config *measurement(const struct console *c, unsigned j)
 {
-    return &settings(c)->measurement[c->service->commission->measurement[j]];
+    return &console_settings(c)->measurement[c->service->commission->measurement[j]];
 }
 
 static const struct output_config *output(const struct console *c, unsigned k)
 {
-    return &settings(c)->output[c->service->commission->input[k].output];
-}
-
-static void number(struct text *t, const char *name, float x)
-{
-    text_char(t, ' ');
-    text_str(t, name);
-    text_char(t, ' ');
-    text_float(t, x);
+    return &console_settings(c)->output[c->service->commission->input[k].output];
 }
 
 static void unit(struct text *t, const char *text)
@@ -55,14 +42,14 @@ static bool input_line(const struct console *c, unsigned k, struct text *line)
     float span = o->hi - o->lo;
     text_str(line, "input ");
     text_str(line, o->name);
-    number(line, "held", o->lo + (float)in->held * span);
-    number(line, "amplitude", (float)in->amplitude * span);
+    text_named_float(line, "held", o->lo + (float)in->held * span);
+    text_named_float(line, "amplitude", (float)in->amplitude * span);
     text_char(line, ' ');
     unit(line, o->unit);
-    number(line, "half", (float)in->half_s);
+    text_named_float(line, "half", (float)in->half_s);
     text_str(line, " s rounds ");
     text_u32(line, in->rounds);
-    number(line, "worst", (float)in->worst);
+    text_named_float(line, "worst", (float)in->worst);
     if (in->skipped)
         text_str(line, " skipped");
     if (in->cut) {
@@ -85,16 +72,16 @@ static void element_line(const struct console *c, unsigned j, unsigned k, struct
     text_str(line, y->name);
     text_char(line, ' ');
     text_str(line, u->name);
-    number(line, "gain", (float)e->fit.gain * scale);
-    number(line, "sd", (float)e->fit.gain_sd * scale);
+    text_named_float(line, "gain", (float)e->fit.gain * scale);
+    text_named_float(line, "sd", (float)e->fit.gain_sd * scale);
     text_char(line, ' ');
     unit(line, y->unit);
     text_char(line, '/');
     unit(line, u->unit);
-    number(line, "T", (float)e->fit.time_constant_s);
-    number(line, "sd", (float)e->fit.time_constant_sd_s);
-    number(line, "s L", (float)e->fit.dead_time_s);
-    number(line, "sd", (float)e->fit.dead_time_sd_s);
+    text_named_float(line, "T", (float)e->fit.time_constant_s);
+    text_named_float(line, "sd", (float)e->fit.time_constant_sd_s);
+    text_named_float(line, "s L", (float)e->fit.dead_time_s);
+    text_named_float(line, "sd", (float)e->fit.dead_time_sd_s);
     text_str(line, " s");
     flags(line, e->fit.flags);
 }
@@ -110,13 +97,13 @@ static void second_line(const struct console *c, unsigned j, unsigned k, struct 
     text_str(line, y->name);
     text_char(line, ' ');
     text_str(line, u->name);
-    number(line, "gain", (float)e->moments.gain * scale);
-    number(line, "T", (float)e->moments.time_constant_s);
-    number(line, "L", (float)e->moments.dead_time_s);
-    number(line, "plateau", (float)e->plateau_gain * scale);
+    text_named_float(line, "gain", (float)e->moments.gain * scale);
+    text_named_float(line, "T", (float)e->moments.time_constant_s);
+    text_named_float(line, "L", (float)e->moments.dead_time_s);
+    text_named_float(line, "plateau", (float)e->plateau_gain * scale);
     if (e->early_slope > REAL_C(0.0)) { /* what its loop is set for */
-        number(line, "begins_T", (float)(real_abs(e->fit.gain) / e->early_slope));
-        number(line, "begins_L", (float)e->early_dead_s);
+        text_named_float(line, "begins_T", (float)(real_abs(e->fit.gain) / e->early_slope));
+        text_named_float(line, "begins_L", (float)e->early_dead_s);
     }
     flags(line, e->moments_flags);
 }
@@ -135,7 +122,7 @@ bool commission_model_line(struct console *c, unsigned n, struct text *line)
         const struct measurement_config *y = measurement(c, n);
         text_str(line, "output ");
         text_str(line, y->name);
-        number(line, "noise", (float)m->noise_sd[n] * (y->hi - y->lo));
+        text_named_float(line, "noise", (float)m->noise_sd[n] * (y->hi - y->lo));
         text_char(line, ' ');
         unit(line, y->unit);
         return true;
@@ -171,8 +158,8 @@ static void gains_summary(const struct analysis *a, unsigned n, struct text *lin
         text_u32(line, a->rank);
         text_str(line, " exact ");
         text_u32(line, a->rank_exact);
-        number(line, "condition", (float)a->condition);
-        number(line, "scaled", (float)a->condition_scaled);
+        text_named_float(line, "condition", (float)a->condition);
+        text_named_float(line, "scaled", (float)a->condition_scaled);
         return;
     }
     text_str(line, "singular");
@@ -251,8 +238,8 @@ bool commission_pairing_line(struct console *c, unsigned n, struct text *line)
     if (n == 0) {
         text_str(line, "pairing ");
         text_str(line, verdict(a));
-        number(line, "probability", (float)a->probability);
-        number(line, "niederlinski", (float)a->niederlinski);
+        text_named_float(line, "probability", (float)a->probability);
+        text_named_float(line, "niederlinski", (float)a->niederlinski);
         return true;
     }
     n--;
@@ -262,10 +249,10 @@ bool commission_pairing_line(struct console *c, unsigned n, struct text *line)
         text_str(line, measurement(c, j)->name);
         text_char(line, ' ');
         text_str(line, output(c, m->column[a->pairs.input[n]])->name);
-        number(line, "lambda", (float)a->pair_lambda[n]);
-        number(line, "share", (float)a->share[j]);
+        text_named_float(line, "lambda", (float)a->pair_lambda[n]);
+        text_named_float(line, "share", (float)a->share[j]);
         if (a->second != SECOND_NONE)
-            number(line, "phi", (float)a->pair_phi[n]);
+            text_named_float(line, "phi", (float)a->pair_phi[n]);
         return true;
     }
     n -= a->pairs.n;
@@ -284,7 +271,7 @@ bool commission_pairing_line(struct console *c, unsigned n, struct text *line)
     if (a->ambiguous_outputs >> n & 1u) {
         text_str(line, "open ");
         text_str(line, measurement(c, n)->name);
-        number(line, "share", (float)a->share[n]);
+        text_named_float(line, "share", (float)a->share[n]);
         if (a->rival[n] != INTERACT_NONE) {
             text_str(line, " rival ");
             text_str(line, a->rival[n] < a->plant.inputs ? output(c, m->column[a->rival[n]])->name
@@ -324,11 +311,11 @@ static void decoupler_words(const struct analysis *a, struct text *line)
     if (!(with->setpoints > REAL_C(0.0)) || !(without->setpoints > REAL_C(0.0)))
         return;
     text_str(line, "; integral of the error, s, after setpoints");
-    number(line, "with", (float)with->setpoints);
-    number(line, "without", (float)without->setpoints);
+    text_named_float(line, "with", (float)with->setpoints);
+    text_named_float(line, "without", (float)without->setpoints);
     text_str(line, ", after loads");
-    number(line, "with", (float)with->loads);
-    number(line, "without", (float)without->loads);
+    text_named_float(line, "with", (float)with->loads);
+    text_named_float(line, "without", (float)without->loads);
 }
 
 static void loop_line(const struct console *c, unsigned k, struct text *line)
@@ -342,14 +329,14 @@ static void loop_line(const struct console *c, unsigned k, struct text *line)
     text_str(line, y->name);
     text_char(line, ' ');
     text_str(line, output(c, m->column[a->pairs.input[k]])->name);
-    number(line, "gain", (float)t->gain);
-    number(line, "ti", (float)t->ti_s);
-    number(line, "td", (float)t->td_s);
+    text_named_float(line, "gain", (float)t->gain);
+    text_named_float(line, "ti", (float)t->ti_s);
+    text_named_float(line, "td", (float)t->td_s);
     text_str(line, t->action == TUNING_DIRECT ? " direct" : " reverse");
-    number(line, "step", (float)a->config.step * (y->hi - y->lo));
-    number(line, "iae", (float)p->iae * (y->hi - y->lo));
-    number(line, "overshoot", (float)p->peak);
-    number(line, "settles", (float)p->settled_s);
+    text_named_float(line, "step", (float)a->config.step * (y->hi - y->lo));
+    text_named_float(line, "iae", (float)p->iae * (y->hi - y->lo));
+    text_named_float(line, "overshoot", (float)p->peak);
+    text_named_float(line, "settles", (float)p->settled_s);
 }
 
 bool commission_proposal_line(struct console *c, unsigned n, struct text *line)
@@ -369,10 +356,10 @@ bool commission_proposal_line(struct console *c, unsigned n, struct text *line)
         text_char(line, ' ');
         text_float(line, (float)a->factor);
         if (a->factor_least < a->factor) /* parts of the plant with a factor each */
-            number(line, "least", (float)a->factor_least);
-        number(line, "log_modulus_dB", (float)a->log_modulus_db);
-        number(line, "blocks", (float)a->structure.blocks);
-        number(line, "parts", (float)a->structure.parts);
+            text_named_float(line, "least", (float)a->factor_least);
+        text_named_float(line, "log_modulus_dB", (float)a->log_modulus_db);
+        text_named_float(line, "blocks", (float)a->structure.blocks);
+        text_named_float(line, "parts", (float)a->structure.parts);
         return true;
     }
     if (n == 1) {

@@ -7,14 +7,6 @@
 
 #if COMMISSION_CHANNELS
 
-static void number(struct text *t, const char *name, float x)
-{
-    text_char(t, ' ');
-    text_str(t, name);
-    text_char(t, ' ');
-    text_float(t, x);
-}
-
 /* The latest test; the tick may begin another at any time. */
 static struct by_relay latest(const struct console *c)
 {
@@ -22,11 +14,6 @@ static struct by_relay latest(const struct console *c)
     struct by_relay r = c->service->commission->by_relay;
     hal_tick_unlock();
     return r;
-}
-
-static const struct config *settings(const struct console *c)
-{
-    return &c->service->plan[c->service->in_force].config;
 }
 
 void commission_relay_now(struct console *c, struct text *line)
@@ -45,15 +32,15 @@ void commission_relay_now(struct console *c, struct text *line)
     if (!going_on)
         return;
     text_str(line, "loop ");
-    text_str(line, settings(c)->loop[loop].name);
+    text_str(line, console_settings(c)->loop[loop].name);
     if (resting) {
         text_str(line, " waits for rest");
     } else if (r.phase == RELAY_START) {
-        number(line, "waits for an answer to", (float)r.amplitude);
+        text_named_float(line, "waits for an answer to", (float)r.amplitude);
         text_str(line, " of the input's span");
     } else {
-        number(line, "cycles, period", (float)(r.periods + 1u));
-        number(line, "amplitude", (float)r.amplitude);
+        text_named_float(line, "cycles, period", (float)(r.periods + 1u));
+        text_named_float(line, "amplitude", (float)r.amplitude);
         text_str(line, " of the input's span");
     }
 }
@@ -61,23 +48,23 @@ void commission_relay_now(struct console *c, struct text *line)
 static void found_line(const struct console *c, const struct by_relay *r, struct text *line)
 {
     const struct commission *m = c->service->commission;
-    const struct measurement_config *y = &settings(c)->measurement[m->measurement[0]];
-    const struct output_config *u = &settings(c)->output[m->input[0].output];
+    const struct measurement_config *y = &console_settings(c)->measurement[m->measurement[0]];
+    const struct output_config *u = &console_settings(c)->output[m->input[0].output];
     const struct relay_result *x = &r->result;
     text_str(line, "relay ");
     text_str(line, y->name);
     text_char(line, ' ');
     text_str(line, u->name);
-    number(line, "ultimate", (float)x->gain);
-    number(line, "described", (float)x->described);
-    number(line, "period", (float)x->period_s);
-    number(line, "s amplitude", (float)x->amplitude * (u->hi - u->lo));
-    number(line, "bias", (float)x->bias * (u->hi - u->lo));
-    number(line, "peak", (float)x->peak * (y->hi - y->lo));
-    number(line, "spread", (float)x->spread);
+    text_named_float(line, "ultimate", (float)x->gain);
+    text_named_float(line, "described", (float)x->described);
+    text_named_float(line, "period", (float)x->period_s);
+    text_named_float(line, "s amplitude", (float)x->amplitude * (u->hi - u->lo));
+    text_named_float(line, "bias", (float)x->bias * (u->hi - u->lo));
+    text_named_float(line, "peak", (float)x->peak * (y->hi - y->lo));
+    text_named_float(line, "spread", (float)x->spread);
     text_str(line, " periods ");
     text_u32(line, x->periods);
-    number(line, "worst", (float)m->input[0].worst);
+    text_named_float(line, "worst", (float)m->input[0].worst);
 }
 
 bool commission_relay_line(struct console *c, unsigned n, struct text *line)
@@ -98,8 +85,8 @@ bool commission_relay_line(struct console *c, unsigned n, struct text *line)
     if (n > 1)
         return false;
     text_str(line, "settings Tyreus-Luyben");
-    number(line, "gain", (float)(r.gain < REAL_C(0.0) ? -r.gain : r.gain));
-    number(line, "ti", (float)r.ti_s);
+    text_named_float(line, "gain", (float)(r.gain < REAL_C(0.0) ? -r.gain : r.gain));
+    text_named_float(line, "ti", (float)r.ti_s);
     text_str(line, r.gain < REAL_C(0.0) ? " s direct" : " s reverse");
     return true;
 }

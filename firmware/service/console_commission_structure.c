@@ -6,49 +6,22 @@
 
 #if COMMISSION_CHANNELS
 
-static void number(struct text *t, const char *name, real_t x)
-{
-    text_char(t, ' ');
-    text_str(t, name);
-    text_char(t, ' ');
-    text_float(t, (float)x);
-}
-
-static void word(struct text *t, const char *name, const char *value)
-{
-    text_char(t, ' ');
-    text_str(t, name);
-    text_char(t, ' ');
-    text_str(t, value);
-}
-
-static void whole(struct text *t, const char *name, uint32_t x)
-{
-    text_char(t, ' ');
-    text_str(t, name);
-    text_char(t, ' ');
-    text_u32(t, x);
-}
-
 static const struct analysis *analysis(const struct console *c)
 {
     return &c->service->commission->work.analysis;
 }
 
-static const struct config *settings(const struct console *c)
-{
-    return &c->service->plan[c->service->in_force].config;
-}
-
 static const char *measurement(const struct console *c, uint8_t j)
 {
-    return settings(c)->measurement[c->service->commission->measurement[j]].name;
+    return console_settings(c)->measurement[c->service->commission->measurement[j]].name;
 }
 
 static const char *input(const struct console *c, uint8_t k)
 {
     const struct commission *m = c->service->commission;
-    return settings(c)->output[m->input[m->column[analysis(c)->pairs.input[k]]].output].name;
+    return console_settings(c)
+        ->output[m->input[m->column[analysis(c)->pairs.input[k]]].output]
+        .name;
 }
 
 /* Names of pair k. */
@@ -64,10 +37,10 @@ static void block_line(const struct analysis *a, unsigned b, struct text *line)
 {
     const struct structure *s = &a->structure;
     text_str(line, "block");
-    whole(line, "number", b + 1u);
-    whole(line, "part", s->block[b].part + 1u);
-    whole(line, "pairs", s->block[b].size);
-    number(line, "worst_lambda", s->block[b].worst_lambda);
+    text_named_u32(line, "number", b + 1u);
+    text_named_u32(line, "part", s->block[b].part + 1u);
+    text_named_u32(line, "pairs", s->block[b].size);
+    text_named_float(line, "worst_lambda", s->block[b].worst_lambda);
     text_str(line, " driven_by");
     if (!s->block[b].driven_by)
         text_str(line, " -");
@@ -85,12 +58,12 @@ static void multivariable_line(const struct analysis *a, unsigned b, struct text
     if (!a->structure.block[b].mimo)
         return;
     text_str(line, "multivariable");
-    whole(line, "block", b + 1u);
-    word(line, "wants", "a multivariable controller");
-    word(line, "gets",
-         a->decoupler == DECOUPLER_USED ? "single loops behind a static decoupler"
-         : a->designed                  ? "single loops, slowed"
-                                        : "nothing");
+    text_named_u32(line, "block", b + 1u);
+    text_named_str(line, "wants", "a multivariable controller");
+    text_named_str(line, "gets",
+                   a->decoupler == DECOUPLER_USED ? "single loops behind a static decoupler"
+                   : a->designed                  ? "single loops, slowed"
+                                                  : "nothing");
 }
 
 static void member_line(const struct console *c, uint8_t k, struct text *line)
@@ -99,8 +72,8 @@ static void member_line(const struct console *c, uint8_t k, struct text *line)
     unsigned b = s->pair_block[k];
     text_str(line, "member");
     pair(c, k, line);
-    whole(line, "block", b + 1u);
-    word(line, "single_loop", s->block[b].mimo >> k & 1u ? "no" : "yes");
+    text_named_u32(line, "block", b + 1u);
+    text_named_str(line, "single_loop", s->block[b].mimo >> k & 1u ? "no" : "yes");
 }
 
 static void way_of(const struct console *c, const struct cross_way *way, struct text *line)
@@ -109,11 +82,11 @@ static void way_of(const struct console *c, const struct cross_way *way, struct 
     pair(c, way->from, line);
     text_str(line, " to");
     pair(c, way->to, line);
-    number(line, "gain", way->gain);
-    number(line, "lead", way->lead_s);
-    number(line, "lag", way->lag_s);
-    number(line, "dead", way->dead_s);
-    number(line, "late", way->late_s);
+    text_named_float(line, "gain", way->gain);
+    text_named_float(line, "lead", way->lead_s);
+    text_named_float(line, "lag", way->lag_s);
+    text_named_float(line, "dead", way->dead_s);
+    text_named_float(line, "late", way->late_s);
 }
 
 static void way_line(const struct console *c, uint8_t from, uint8_t to, struct text *line)
@@ -131,14 +104,14 @@ static void cascade_line(const struct console *c, const struct cascade *found, s
 {
     bool used = (analysis(c)->inner_outputs & (1u << found->inner)) != 0u;
     text_str(line, "cascade");
-    word(line, "inner", measurement(c, found->inner));
-    word(line, "outer", measurement(c, found->outer));
-    number(line, "gain", found->between.gain);
-    number(line, "lag", found->between.time_constant_s);
-    number(line, "dead", found->between.dead_time_s);
-    number(line, "misfit", found->misfit_sd);
-    word(line, "used",
-         used ? "yes" : "no: no input to themselves, or no settings for the inner loop");
+    text_named_str(line, "inner", measurement(c, found->inner));
+    text_named_str(line, "outer", measurement(c, found->outer));
+    text_named_float(line, "gain", found->between.gain);
+    text_named_float(line, "lag", found->between.time_constant_s);
+    text_named_float(line, "dead", found->between.dead_time_s);
+    text_named_float(line, "misfit", found->misfit_sd);
+    text_named_str(line, "used",
+                   used ? "yes" : "no: no input to themselves, or no settings for the inner loop");
 }
 
 static bool structure_lines(const struct console *c, unsigned n, struct text *line)
@@ -147,8 +120,8 @@ static bool structure_lines(const struct console *c, unsigned n, struct text *li
     const struct structure *s = &a->structure;
     if (n == 0) {
         text_str(line, "structure");
-        whole(line, "parts", s->parts);
-        whole(line, "blocks", s->blocks);
+        text_named_u32(line, "parts", s->parts);
+        text_named_u32(line, "blocks", s->blocks);
         return true;
     }
     n--;
@@ -201,11 +174,11 @@ static void inner_line(const struct console *c, uint8_t k, struct text *line)
     text_str(line, measurement(c, inner));
     text_char(line, ' ');
     text_str(line, input(c, k));
-    number(line, "gain", t->gain);
-    number(line, "ti", t->ti_s);
-    number(line, "td", t->td_s);
+    text_named_float(line, "gain", t->gain);
+    text_named_float(line, "ti", t->ti_s);
+    text_named_float(line, "td", t->td_s);
     text_str(line, t->action == TUNING_DIRECT ? " direct" : " reverse");
-    word(line, "below", measurement(c, a->pairs.output[k]));
+    text_named_str(line, "below", measurement(c, a->pairs.output[k]));
 }
 
 static void feed_line(const struct console *c, uint8_t from, uint8_t to, struct text *line)
@@ -222,8 +195,8 @@ static void feed_line(const struct console *c, uint8_t from, uint8_t to, struct 
         return;
     text_str(line, "feedforward");
     way_of(c, &f.way, line);
-    number(line, "left", f.left);
-    word(line, "used", words[f.verdict]);
+    text_named_float(line, "left", f.left);
+    text_named_str(line, "used", words[f.verdict]);
 }
 
 bool commission_structural_line(struct console *c, unsigned n, struct text *line)

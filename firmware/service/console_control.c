@@ -186,7 +186,7 @@ static void eu(struct text *line, num_t x, float lo, float hi, const char *unit)
 
 static void loop_summary(const struct service *s, uint8_t i, struct text *line)
 {
-    const struct plan *plan = &s->plan[s->in_force];
+    const struct plan *plan = service_in_force(s);
     const struct loop_state *l = &s->supervisor->loop[i];
     const struct loop_plan *p = &plan->loop[i];
     const struct measurement_config *m = &plan->config.measurement[p->pv];
@@ -216,7 +216,7 @@ static void loop_summary(const struct service *s, uint8_t i, struct text *line)
 static bool loop_line(struct console *c, unsigned n, struct text *line)
 {
     const struct service *s = c->service;
-    const struct plan *plan = &s->plan[s->in_force];
+    const struct plan *plan = service_in_force(s);
     if (!c->argument[0]) { /* all loops, a line each */
         if (n >= CONFIG_LOOPS)
             return false;
@@ -247,7 +247,7 @@ static bool loop_line(struct console *c, unsigned n, struct text *line)
 
 void command_loop(struct console *c, unsigned n, char **word)
 {
-    const struct plan *plan = &c->service->plan[c->service->in_force];
+    const struct plan *plan = service_in_force(c->service);
     if (n && config_find_loop(&plan->config, word[0]) == PLAN_NONE) {
         console_err_about(c, ERR_UNKNOWN, word[0], "no such loop in force; `loop` lists them");
         return;

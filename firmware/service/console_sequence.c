@@ -114,7 +114,7 @@ static void row_text(const struct plan *plan, unsigned k, struct text *line)
 
 static void reading_text(const struct service *s, unsigned k, struct text *line)
 {
-    const struct plan *plan = &s->plan[s->in_force];
+    const struct plan *plan = service_in_force(s);
     uint8_t i = plan->step[k].measurement;
     float value;
     text_str(line, plan->config.measurement[i].name);
@@ -129,7 +129,7 @@ static void reading_text(const struct service *s, unsigned k, struct text *line)
 /* How far the step is. */
 static void progress_text(const struct service *s, struct text *line)
 {
-    const struct plan *plan = &s->plan[s->in_force];
+    const struct plan *plan = service_in_force(s);
     const struct sequence *q = &s->supervisor->sequence;
     const struct step_config *c = &plan->config.step[q->step];
     bool looks = plan->step[q->step].measurement != PLAN_NONE;
@@ -162,7 +162,7 @@ static void guard_text(const struct service *s, unsigned k, struct text *line)
 {
     const struct sequence *q = &s->supervisor->sequence;
     text_str(line, "  ");
-    row_text(&s->plan[s->in_force], k, line);
+    row_text(service_in_force(s), k, line);
     text_str(line, "; ");
     reading_text(s, k, line);
     if (q->violated_ms[k]) {
@@ -175,7 +175,7 @@ static bool seq_line(struct console *c, unsigned n, struct text *line)
 {
     const struct service *s = c->service;
     const struct sequence *q = &s->supervisor->sequence;
-    const struct plan *plan = &s->plan[s->in_force];
+    const struct plan *plan = service_in_force(s);
     bool active = sequence_active(q);
     if (n == 0) {
         sequence_headline(s, line);
@@ -201,7 +201,7 @@ static bool seq_line(struct console *c, unsigned n, struct text *line)
 /* All rows in words, those of one sequence behind each other. */
 static bool seq_row_line(struct console *c, unsigned n, struct text *line)
 {
-    const struct plan *plan = &c->service->plan[c->service->in_force];
+    const struct plan *plan = service_in_force(c->service);
     if (n >= 2u * CONFIG_STEPS)
         return false;
     uint8_t kind = n < CONFIG_STEPS ? SEQUENCE_START : SEQUENCE_STOP;

@@ -71,6 +71,12 @@ void service_init(struct service *s, struct supervisor *supervisor, struct plant
 
 /* The plan everything asked now will meet: the pending one if there is one. Main loop. */
 const struct plan *service_plan(const struct service *s);
+/* The plan the tick works with. */
+static inline const struct plan *service_in_force(const struct service *s)
+{
+    return &s->plan[s->in_force];
+}
+
 /* A plan that waits for the tick comes into force now. Until the main loop makes the next one, the states of supervisor
  * and plan in force stay where they are. */
 void service_settle(struct service *s);

@@ -207,3 +207,28 @@ enum err text_parse_u32(const char *s, uint32_t *x)
     *x = value;
     return ERR_OK;
 }
+
+static void name_of(struct text *t, const char *name)
+{
+    text_char(t, ' ');
+    text_str(t, name);
+    text_char(t, ' ');
+}
+
+void text_named_str(struct text *t, const char *name, const char *value)
+{
+    name_of(t, name);
+    text_str(t, value[0] ? value : "-");
+}
+
+void text_named_u32(struct text *t, const char *name, uint32_t value)
+{
+    name_of(t, name);
+    text_u32(t, value);
+}
+
+void text_named_float(struct text *t, const char *name, float value)
+{
+    name_of(t, name);
+    text_float(t, value);
+}

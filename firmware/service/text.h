@@ -29,6 +29,10 @@ void text_float(struct text *t, float x);
 void text_float9(struct text *t, float x);
 /* Milliseconds as seconds with three decimals: 1230.500 */
 void text_seconds(struct text *t, uint64_t ms);
+/* A name and its value with a blank before each; `-` for an empty text. */
+void text_named_str(struct text *t, const char *name, const char *value);
+void text_named_u32(struct text *t, const char *name, uint32_t value);
+void text_named_float(struct text *t, const char *name, float value);
 
 /* A decimal number and nothing else: [+-]digits[.digits][e[+-]digits], at most 40 characters. No hex, inf,
  * nan, blanks. Correctly rounded. ERR_PARSE, or ERR_RANGE where it exceeds a float. */
