@@ -218,42 +218,37 @@ static bool is_curved(struct commission *c, const struct judgement *v)
 }
 
 /* Does the output go on climbing? bend: of its drift, not taken off. */
-static void judge_climb(struct commission *c, const struct baseline *b, real_t bend,
+static void judge_climb(struct commission *c, const struct judgement *v, real_t bend,
                         const struct identified *fit)
 {
     const struct experiment *x = &c->work.test.experiment;
-    struct judgement verdict;
-    judge_record(&x->record, c->fit_at, b, x->amplitude, REAL_C(0.0), &verdict);
     real_t half_s = (real_t)x->half * x->config.h_s;
     /* A drift that is the same in both halves cancels in the changes; one that bends does not. */
-    real_t explained = CLIMB_SDS * verdict.change_sd + bend * half_s;
+    real_t explained = CLIMB_SDS * v->change_sd + bend * half_s;
     real_t lag_s = fit->time_constant_s + REAL_C(2.0) * fit->time_constant_sd_s;
     bool slow = (fit->flags & (IDENTIFIED_INTEGRATING | IDENTIFIED_SHORT)) ||
                 fit->dead_time_s + SLOW_LAGS * lag_s > half_s;
-    c->climbs[c->fit_at] = slow && verdict.second > explained ? verdict.climbs : REAL_C(0.0);
+    c->climbs[c->fit_at] = slow && v->second > explained ? v->climbs : REAL_C(0.0);
 }
 
 /* What the record says by itself: a drift that no line explains makes the three parts of a double step disagree about the
  * gain, and the fit cannot know. */
-static void judge_gain(struct commission *c, const struct baseline *b, real_t bend, real_t misfit,
+static void judge_gain(struct commission *c, const struct judgement *v, real_t bend, real_t misfit,
                        real_t share, struct identified *fit)
 {
     const struct experiment *x = &c->work.test.experiment;
-    struct judgement verdict;
-    judge_record(&x->record, c->fit_at, b, x->amplitude, sure_slope(&x->before[c->fit_at]),
-                 &verdict);
-    if (share > NO_NOISE && take_level(x, &verdict, fit)) {
+    if (share > NO_NOISE && take_level(x, v, fit)) {
         take_beginning(&c->element[c->fit_at][c->order[c->at]], x, c->fit_at, fit);
         misfit =
             REAL_C(0.0); /* what the fit leaves is no error of the levels; theirs comes again */
         share = REAL_C(1.0);
     }
-    real_t spread = verdict.spread;
+    real_t spread = v->spread;
     real_t variance = fit->gain_sd * fit->gain_sd;
-    if (is_curved(c, &verdict)) {
-        real_t third = verdict.asymmetry * verdict.asymmetry / (REAL_C(4.0) * verdict.level);
+    if (is_curved(c, v)) {
+        real_t third = v->asymmetry * v->asymmetry / (REAL_C(4.0) * v->level);
         variance += third * third;
-        spread = verdict.left;
+        spread = v->left;
     }
     real_t more = REAL_C(0.5) * (spread - SPREAD_LEFT * real_abs(fit->gain));
     if (more > REAL_C(0.0))
@@ -324,6 +319,12 @@ static real_t misfit_share(const struct fopdt_fit_result *r)
     return part < all ? part / all : REAL_C(1.0);
 }
 
+static void judge(const struct experiment *x, uint8_t j, const struct baseline *b,
+                  struct judgement *v)
+{
+    judge_record(&x->record, j, b, x->amplitude, sure_slope(&x->before[j]), v);
+}
+
 /* The fits of an output are there; bent is NULL where its drift has not turned. */
 static void take_fits(struct commission *c, const struct fopdt_fit_result *bent)
 {
@@ -332,6 +333,7 @@ static void take_fits(struct commission *c, const struct fopdt_fit_result *bent)
     struct identified *kept = &c->fitted[j];
     struct element *e = &c->element[j][c->order[c->at]];
     struct baseline b;
+    struct judgement v;
     bool usable = bent && !(bent->element.flags & (IDENTIFIED_NO_GAIN | IDENTIFIED_INTEGRATING)) &&
                   (drift_bend(x, j, &bent->element) > REAL_C(0.0) ||
                    bent->misfit < BENT_LEAVES * c->fit_misfit);
@@ -342,15 +344,18 @@ static void take_fits(struct commission *c, const struct fopdt_fit_result *bent)
         b = (struct baseline){.offset = bent->offset,
                               .slope_per_s = bent->slope_per_s,
                               .noise_sd = x->before[j].noise_sd};
-        judge_climb(c, &b, REAL_C(0.0), kept);
-        judge_gain(c, &b, REAL_C(0.0), bent->misfit, misfit_share(bent), kept);
+        judge(x, j, &b, &v);
+        judge_climb(c, &v, REAL_C(0.0), kept);
+        judge_gain(c, &v, REAL_C(0.0), bent->misfit, misfit_share(bent), kept);
         return;
     }
     real_t bend = drift_bend(x, j, kept);
     bool straight = experiment_baseline(x, j, &b) == ERR_OK;
     c->climbs[j] = c->misfit[j] = REAL_C(0.0);
-    if (straight)
-        judge_climb(c, &b, bend, kept);
+    if (straight) {
+        judge(x, j, &b, &v);
+        judge_climb(c, &v, bend, kept);
+    }
     if (usable) { /* it turned before the step, or after all was over; how much else it could be is known */
         real_t apart = bent->element.gain - kept->gain;
         kept->gain_sd = real_sqrt(kept->gain_sd * kept->gain_sd + apart * apart);
@@ -358,9 +363,9 @@ static void take_fits(struct commission *c, const struct fopdt_fit_result *bent)
     if (kept->gain_sd > HOPELESS * real_abs(kept->gain) && !(kept->flags & IDENTIFIED_NO_GAIN))
         use_moments(e, kept);
     if (straight && usable)
-        judge_gain(c, &b, REAL_C(0.0), bent->misfit, misfit_share(bent), kept);
+        judge_gain(c, &v, REAL_C(0.0), bent->misfit, misfit_share(bent), kept);
     else if (straight)
-        judge_gain(c, &b, bend, c->fit_misfit, c->fit_share, kept);
+        judge_gain(c, &v, bend, c->fit_misfit, c->fit_share, kept);
 }
 
 /* A fit has ended. True while another is to come for this output. */
