@@ -48,6 +48,7 @@ static void take_stored(struct storage *st)
     }
     if (storage_newer_broken(st))
         storage_tell(st, EVENT_STORAGE_OLDER, NULL, (float)st->newest.sequence);
+    st->refused = true;            /* until it is in force */
     if (s->staging || s->serial) { /* somebody was faster, and is not overruled */
         storage_tell(st, EVENT_STORAGE_REFUSED, "configured", 0.0f);
         return;
@@ -59,10 +60,10 @@ static void take_stored(struct storage *st)
     if (err == ERR_BUSY) {
         st->state = TAKING; /* again in the next turn */
     } else if (err) {
-        st->refused = true;
         service_fault_name(&fault, &t);
         storage_tell(st, EVENT_STORAGE_REFUSED, subject, (float)st->newest.sequence);
     } else {
+        st->refused = false;
         storage_tell(st, EVENT_STORAGE_LOADED, NULL, (float)st->newest.sequence);
     }
 }

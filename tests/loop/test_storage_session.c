@@ -247,6 +247,21 @@ static void test_inconsistent_set_is_explained_again_by_load(void)
     TEST_ASSERT_TRUE(said("STORAGE_LOADED"));
 }
 
+static void test_set_kept_back_by_a_transaction_is_not_replaced_by_defaults(void)
+{
+    running();
+    ask_ok("save");
+    power_on();
+    ask_ok("begin");
+    pass(2500);
+    TEST_ASSERT_TRUE(said("STORAGE_REFUSED configured"));
+    ask_ok("abandon");
+    ask_refused("save", "STATE");
+    ask_ok("load");
+    pass(1100);
+    ask_ok("save");
+}
+
 /* dump -> defaults -> replay gives the same configuration, whatever it is. */
 static void replay_dump(void)
 {
@@ -390,6 +405,7 @@ int main(void)
     RUN_TEST(test_load_and_defaults_in_a_transaction_wait_for_apply);
     RUN_TEST(test_nothing_to_load_is_said);
     RUN_TEST(test_flash_that_takes_no_write_is_said_in_one_line);
+    RUN_TEST(test_set_kept_back_by_a_transaction_is_not_replaced_by_defaults);
     RUN_TEST(test_save_that_needs_an_erase_waits_for_manual);
     RUN_TEST(test_rows_and_events_come_while_a_save_is_under_way);
     RUN_TEST(test_inconsistent_set_is_explained_again_by_load);
