@@ -91,6 +91,13 @@ static void simple(unsigned n)
     TEST_ASSERT_TRUE(commission_has_proposal(&c));
 }
 
+/* Onto what is configured. */
+static void writes(void)
+{
+    config = bench.config;
+    TEST_ASSERT_EQUAL_INT(ERR_OK, proposal_write(&c, &config));
+}
+
 static double tick_s;
 
 static void builds(const struct config *settings)
@@ -219,8 +226,7 @@ static void settings_come_from_the_design(void)
 {
     channels(2, 2);
     simple(2);
-    config = bench.config;
-    TEST_ASSERT_EQUAL_INT(ERR_OK, proposal_write(&c, &config));
+    writes();
     for (uint8_t k = 0; k < 2; k++) {
         const struct loop_config *l = &config.loop[proposal_loop(&c, &config, k)];
         const struct tuning *t = &c.work.analysis.loops.tuning[k];
@@ -275,8 +281,7 @@ static void a_skipped_input_keeps_its_loop(void)
     c.inputs = 2;
     c.input[1].output = 1;
     c.input[1].skipped = true;
-    config = bench.config;
-    TEST_ASSERT_EQUAL_INT(ERR_OK, proposal_write(&c, &config));
+    writes();
     TEST_ASSERT_EQUAL_STRING("old", config.loop[0].name);
     builds(&config);
 }
@@ -290,8 +295,7 @@ static void names_that_are_taken_are_not_taken_again(void)
     put_all(pairs);
     builds(&bench.config);
     simple(2);
-    config = bench.config;
-    TEST_ASSERT_EQUAL_INT(ERR_OK, proposal_write(&c, &config));
+    writes();
     builds(&config);
     uint8_t i = proposal_loop(&c, &config, 0);
     TEST_ASSERT_NOT_EQUAL(PLAN_NONE, i);
@@ -317,8 +321,7 @@ static void longest_names_are_cut_to_different_ones(void)
     put_all(pairs);
     builds(&bench.config);
     simple(2);
-    config = bench.config;
-    TEST_ASSERT_EQUAL_INT(ERR_OK, proposal_write(&c, &config));
+    writes();
     builds(&config);
 }
 
@@ -367,8 +370,7 @@ static void decoupled_loops_take_places_that_the_decoupler_spans(void)
 {
     taken(DECOUPLER_MAX - 2);
     as_strong_as_two_temperatures_of_a_column();
-    config = bench.config;
-    TEST_ASSERT_EQUAL_INT(ERR_OK, proposal_write(&c, &config));
+    writes();
     builds(&config);
     TEST_ASSERT_EQUAL_UINT8(DECOUPLER_MAX - 2, proposal_loop(&c, &config, 0));
     TEST_ASSERT_EQUAL_UINT8(DECOUPLER_MAX - 1, proposal_loop(&c, &config, 1));
@@ -425,8 +427,7 @@ static void a_decoupler_leaves_nothing_of_the_old_one_in_its_places(void)
     put_all(pairs);
     builds(&bench.config);
     simple(2);
-    config = bench.config;
-    TEST_ASSERT_EQUAL_INT(ERR_OK, proposal_write(&c, &config));
+    writes();
     builds(&config);
     for (uint8_t k = 0; k < 2; k++) {
         uint8_t i = proposal_loop(&c, &config, k);
@@ -452,8 +453,7 @@ static void other_channels_than_those_tested_get_no_proposal(void)
     simple(2);
     put("mv1.max", "3"); /* where it is operated is another matter */
     put("meas1.hold", "5");
-    config = bench.config;
-    TEST_ASSERT_EQUAL_INT(ERR_OK, proposal_write(&c, &config));
+    writes();
 }
 
 static void nothing_is_written_without_a_proposal(void)
@@ -484,8 +484,7 @@ static void prepared(double held, double y, double limit)
     put("meas1.test_limit", value);
     simple(2);
     c.noise_sd[0] = REAL_C(0.002);
-    config = bench.config;
-    TEST_ASSERT_EQUAL_INT(ERR_OK, proposal_write(&c, &config));
+    writes();
     builds(&config);
     memset(&supervisor, 0, sizeof supervisor);
     supervisor.plan = &plan;
@@ -514,8 +513,7 @@ static void the_step_of_a_trial_stays_inside_limit_and_room(void)
 /* Of two outputs and one input, or of two inputs of which the second moves both outputs as much. */
 static void prepare(void)
 {
-    config = bench.config;
-    TEST_ASSERT_EQUAL_INT(ERR_OK, proposal_write(&c, &config));
+    writes();
     builds(&config);
     memset(&supervisor, 0, sizeof supervisor);
     supervisor.plan = &plan;
