@@ -56,7 +56,7 @@ static const char *const table[] = {
     E("SAMPLE_OVERDUE", "the plant is there but sends no sample, s", ALARM),
     E("RESTART_DONE", "outputs as before the reset (1), modes and setpoints as well (2)", WARNING),
     E("RESTART_REFUSED", "the safe state stays after this reset", WARNING),
-    E("WRONG_KEY", "somebody tried to unlock the console with a wrong key", WARNING),
+    E("WRONG_KEY", "wrong keys at the console since then; how many", WARNING),
     E("PLANT_REFUSED",
       "plant has more channels of a kind, or bytes of their names, than this board takes", ALARM),
     E("STORAGE_LOADED", "stored settings are asked into force; set", INFO),

@@ -53,10 +53,10 @@ struct console {
     bool reboot;                     /* after the reply has gone out */
 
     bool unlocked;        /* the engineer level, where there is a key */
-    bool wrong_key;       /* a wrong one has been given, at wrong_ms of the board's clock */
     uint32_t engineer_ms; /* last command of the engineer level, board time, low bits */
-    uint32_t wrong_ms;
-    uint32_t changes; /* parameters the transaction changes, noted by `apply` for the history */
+    uint32_t wrong_ms,
+        wrong_wait_ms; /* last wrong key, and for how long none is looked at; 0: none */
+    uint32_t changes;  /* parameters the transaction changes, noted by `apply` for the history */
     struct {
         uint32_t lines, errors, dropped;
     } stats;

@@ -4,7 +4,9 @@
 #include "hal/clock.h"
 #include "service/console.h"
 
-#define WRONG_KEY_MS 2000 /* no other try meanwhile: a key is not found by trying them all */
+/* No other try meanwhile, and twice as long after each wrong key in a row: a key is not found by trying them all. */
+#define WRONG_KEY_MS      2000u
+#define WRONG_KEY_MOST_MS 60000u
 
 /* The low bits of the board's clock: what is compared lies less than 49 days apart. */
 static uint32_t now_ms(void)
@@ -66,22 +68,34 @@ bool console_line_is_secret(const char *line)
            strstr(line, "console.key") != NULL;
 }
 
+static void refuse_key(struct console *c, enum err err, const char *why, uint32_t wait_ms)
+{
+    char line[CONSOLE_OUTPUT_MAX];
+    struct text t = console_err_on(line, sizeof line, err);
+    text_str(&t, why);
+    text_str(&t, "; the next try is looked at in s ");
+    text_u32(&t, (wait_ms + 999u) / 1000u);
+    console_err_line(c, line);
+}
+
 void command_unlock(struct console *c, unsigned n, char **word)
 {
-    uint32_t now = now_ms();
+    uint32_t passed_ms = now_ms() - c->wrong_ms;
     (void)n;
-    if (c->wrong_key && now - c->wrong_ms < WRONG_KEY_MS) {
-        console_err(c, ERR_BUSY, "after a wrong key the next is looked at 2 s later");
+    if (passed_ms < c->wrong_wait_ms) {
+        refuse_key(c, ERR_BUSY, "after a wrong key none is looked at",
+                   c->wrong_wait_ms - passed_ms);
         return;
     }
     if (settings(c)->console_key[0] && strcmp(word[0], settings(c)->console_key) != 0) {
-        c->wrong_key = true;
-        c->wrong_ms = now;
-        service_record(c->service, EVENT_WRONG_KEY, NULL, 0.0f, 0);
-        console_err(c, ERR_LOCKED, "that is not the key; the next try is looked at 2 s later");
+        uint32_t wait_ms = c->wrong_wait_ms ? 2u * c->wrong_wait_ms : WRONG_KEY_MS;
+        c->wrong_wait_ms = wait_ms < WRONG_KEY_MOST_MS ? wait_ms : WRONG_KEY_MOST_MS;
+        c->wrong_ms = now_ms();
+        service_record_one_more(c->service, EVENT_WRONG_KEY, EVENT_DO_UNLOCK);
+        refuse_key(c, ERR_LOCKED, "that is not the key", c->wrong_wait_ms);
         return;
     }
-    c->wrong_key = false;
+    c->wrong_wait_ms = 0;
     console_engineer_acts(c);
     console_ok(c);
 }

@@ -187,6 +187,12 @@ static bool status_line(struct console *c, unsigned n, struct text *line)
         return true;
     }
     n -= 1;
+    if (n == 0) {
+        if (!console_settings(c)->console_key[0])
+            console_access_text(c, line);
+        return true;
+    }
+    n -= 1;
     if (n < CHANNEL_MAX) {
         static const char *const qualities[] = {"good", "uncertain", "bad", "missing"};
         const struct measurement_config *m = &plan->config.measurement[n];

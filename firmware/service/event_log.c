@@ -62,19 +62,24 @@ void event_log_init(struct event_log *log, struct event_record *record, uint32_t
     }
 }
 
-void event_log_put(struct event_log *log, const struct event *event)
+void event_log_replace(struct event_log *log, uint32_t sequence, const struct event *event)
 {
-    struct event_record *r = &log->record[log->count % EVENT_HISTORY];
+    struct event_record *r = &log->record[sequence % EVENT_HISTORY];
     uint64_t time_ms = event->time_ms < TIME_MOST ? event->time_ms : TIME_MOST;
     pack_subject(event->subject, r->subject);
     r->value = event->value;
     r->time_low = (uint32_t)time_ms;
     r->time_high = (uint16_t)(time_ms >> 32);
     r->boot = log->boot;
-    r->round = (uint16_t)(log->count / EVENT_HISTORY);
+    r->round = (uint16_t)(sequence / EVENT_HISTORY);
     r->code = event->code;
     r->detail = event->detail;
     r->checksum = checksum(r);
+}
+
+void event_log_put(struct event_log *log, const struct event *event)
+{
+    event_log_replace(log, log->count, event);
     log->count++;
 }
 

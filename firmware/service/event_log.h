@@ -36,6 +36,9 @@ struct event_log {
 /* Takes over what the records hold of earlier starts. */
 void event_log_init(struct event_log *log, struct event_record *record, uint32_t boot);
 void event_log_put(struct event_log *log, const struct event *event);
+/* Puts another event in the place of the one with that sequence number, which must still be there; it is then of this
+ * start. */
+void event_log_replace(struct event_log *log, uint32_t sequence, const struct event *event);
 /* The event with that sequence number; false when it is not there (any more). Characters that are in no name and in no
  * word of an event come back as '?'. */
 bool event_log_get(const struct event_log *log, uint32_t sequence, struct event *event);

@@ -320,3 +320,22 @@ void service_record(struct service *s, enum event_code code, const char *subject
     service_keep_events(s); /* what came before stands before */
     event_log_put(&s->history, &e);
 }
+
+void service_record_one_more(struct service *s, enum event_code code, enum event_code until)
+{
+    struct event_log *log = &s->history;
+    struct event e;
+    service_keep_events(s);
+    for (uint32_t k = log->count; k-- > event_log_oldest(log);) {
+        if (!event_log_get(log, k, &e))
+            continue;
+        if (e.code == until || e.boot != log->boot)
+            break;
+        if (e.code == code) {
+            e.value += 1.0f;
+            event_log_replace(log, k, &e);
+            return;
+        }
+    }
+    service_record(s, code, NULL, 1.0f, 0);
+}

@@ -127,6 +127,9 @@ bool service_next_event(struct service *s, struct event *event);
 /* Writes an event of the main loop, or an action (EVENT_DO_...), into the history, at the present plant time. */
 void service_record(struct service *s, enum event_code code, const char *subject, float value,
                     uint8_t detail);
+/* One more of an event whose value is how many there were: those of one start share an entry of the history, under the
+ * time of the first, so that many of them push nothing out. A new entry begins after an event `until`. */
+void service_record_one_more(struct service *s, enum event_code code, enum event_code until);
 /* Plant time, from the main loop. */
 uint64_t service_time_ms(const struct service *s);
 

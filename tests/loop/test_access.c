@@ -75,6 +75,56 @@ static void the_key_opens_and_a_wrong_one_does_not(void)
     ask_refused("set loop1.gain 3", "LOCKED");
 }
 
+static void after_each_wrong_key_in_a_row_the_wait_doubles_up_to_a_minute(void)
+{
+    static const unsigned waits_s[] = {2, 4, 8, 16, 32, 60, 60};
+    char told[40];
+    set_key_and_lock();
+    for (unsigned i = 0; i < sizeof waits_s / sizeof waits_s[0]; i++) {
+        ask_refused("unlock wrong", "LOCKED");
+        snprintf(told, sizeof told, "the next try is looked at in s %u", waits_s[i]);
+        TEST_ASSERT_TRUE_MESSAGE(said(told), told);
+        pass(1000u * waits_s[i] - 50);
+        ask_refused("unlock pot_still", "BUSY"); /* and makes the wait no longer */
+        TEST_ASSERT_TRUE(said("looked at in s 1"));
+        pass(50);
+    }
+    ask_ok("unlock pot_still");
+    ask_ok("lock");
+    ask_refused("unlock wrong", "LOCKED");
+    TEST_ASSERT_TRUE(said("in s 2")); /* from the beginning again */
+}
+
+/* Whoever wants to hide what was done must not be able to by typing keys. */
+static void a_hundred_wrong_keys_push_nothing_out_of_the_history(void)
+{
+    ask_ok("set loop1.gain 2.5");
+    set_key_and_lock();
+    for (unsigned i = 0; i < 100; i++) {
+        ask_refused("unlock wrong", "LOCKED");
+        pass(60000);
+    }
+    ask_ok("events");
+    TEST_ASSERT_TRUE(said("DO_SET loop1.gain 2.5 "));
+    TEST_ASSERT_EQUAL(1, times_said("WRONG_KEY"));
+    TEST_ASSERT_TRUE(said("WRONG_KEY - 100 "));
+    ask_ok("unlock pot_still");
+    ask_ok("lock");
+    ask_refused("unlock wrong", "LOCKED");
+    ask_ok("events"); /* those before and after somebody who knew the key are told apart */
+    TEST_ASSERT_TRUE(said("WRONG_KEY - 100 "));
+    TEST_ASSERT_TRUE(said("WRONG_KEY - 1 "));
+}
+
+static void status_says_that_no_key_is_set(void)
+{
+    ask_ok("status");
+    TEST_ASSERT_TRUE(said("engineer level open: no key is set"));
+    set_key_and_lock();
+    ask_ok("status");
+    TEST_ASSERT_FALSE(said("no key is set"));
+}
+
 static void whoever_sets_a_key_is_not_locked_out_by_it(void)
 {
     ask_ok("key pot_still");
@@ -168,6 +218,9 @@ int main(void)
     RUN_TEST(without_a_key_everything_is_open_and_said_to_be);
     RUN_TEST(operators_look_and_operate_while_the_rest_is_locked);
     RUN_TEST(the_key_opens_and_a_wrong_one_does_not);
+    RUN_TEST(after_each_wrong_key_in_a_row_the_wait_doubles_up_to_a_minute);
+    RUN_TEST(a_hundred_wrong_keys_push_nothing_out_of_the_history);
+    RUN_TEST(status_says_that_no_key_is_set);
     RUN_TEST(whoever_sets_a_key_is_not_locked_out_by_it);
     RUN_TEST(a_key_is_never_shown);
     RUN_TEST(what_diff_prints_can_be_pasted_and_leaves_the_key_as_it_is);
