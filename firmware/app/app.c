@@ -35,16 +35,10 @@ struct app {
     uint32_t bound_generation; /* channel table the supervisor is bound to */
     enum io_state io_state;
     uint8_t measurement_at[CHANNEL_MAX], output_at[CHANNEL_MAX]; /* index in the plant's table */
-    bool untold; /* the plan in force has not been told of, nor its channels bound */
-    bool have_sample;
-    uint64_t sample_ms;           /* plant time of the last tick */
-    uint64_t safe_tick_ms;        /* board time of the last tick in silence */
-    uint64_t sample_seen_ms;      /* board time of the last sample, or of the plant's coming */
-    bool overdue;                 /* no sample for too long, and that has been said */
-    struct io_command command;    /* last one sent */
+    bool untold;               /* the plan in force has not been told of, nor its channels bound */
+    uint64_t safe_tick_ms;     /* board time of the last tick in silence */
+    struct io_command command; /* last one sent */
     bool driven[IO_CHANNELS_MAX]; /* outputs of this plant that have been commanded */
-    uint32_t sample_number;       /* of the last tick */
-    uint32_t out_of_order;        /* other samples, in a row, whose time did not move on */
     struct restart restart;
     struct heartbeat heartbeat;
     struct storage storage;
@@ -166,11 +160,8 @@ static void follow_plant(struct app *app)
         return;
     app->io_state = state;
     app->bound_generation = generation;
-    app->have_sample = false;
-    app->overdue = false;
-    app->sample_seen_ms = hal_clock_ms();
+    samples_forget(&s->samples, hal_clock_ms());
     app->command.n_outputs = 0;
-    app->out_of_order = 0;
     memset(app->driven, 0, sizeof app->driven);
     supervisor_go_safe(&app->supervisor, state == IO_READY ? "plant" : "link");
     struct plan *plan = &s->plan[s->in_force];
@@ -282,55 +273,32 @@ static void fill_command(struct app *app)
     }
 }
 
-/* Early, late, twice and missing are judged on plant time alone. Returns whether a tick is due. */
-static bool judge_sample(struct app *app, const struct io_sample *sample)
+static enum sample_verdict judge_sample(struct app *app, const struct io_sample *sample,
+                                        uint64_t now_ms)
 {
-    const struct service *s = &app->service;
+    struct service *s = &app->service;
     const struct plan *plan = &s->plan[s->in_force];
-    if (!app->have_sample)
-        return true;
     /* With a plan for another tick nothing acts, and the plant's samples are as they should be. */
     float tick_s = service_tick_fits(s, plan) ? plan->tick_s : service_plant_tick_s(s);
-    float number = (float)sample->number;
-    if (sample->time <= app->sample_ms) {
-        tick_event(app, EVENT_SAMPLE_TWICE, NULL, number);
-        if (sample->number == app->sample_number || ++app->out_of_order <= plan->config.miss_limit)
-            return false;
-        /* Plant time has been set back. Without this, no tick would ever come again. */
-        app->out_of_order = 0;
-        supervisor_go_safe(&app->supervisor, "samples");
-        return true;
-    }
-    app->out_of_order = 0;
-    float passed_s = elapsed_ms(sample->time, app->sample_ms) / 1000.0f;
-    if (passed_s < 0.875f * tick_s) {
-        tick_event(app, EVENT_SAMPLE_EARLY, NULL, tick_s - passed_s);
-        return false;
-    }
-    if (passed_s >= 1.5f * tick_s) {
-        float missing = passed_s / tick_s - 0.5f;
-        uint32_t whole = missing < 1e9f ? (uint32_t)missing : 1000000000u;
-        tick_event(app, EVENT_SAMPLE_MISSING, NULL, (float)whole);
-        if (whole > plan->config.miss_limit)
-            supervisor_go_safe(&app->supervisor, "samples");
-    } else if (passed_s > 1.125f * tick_s) {
-        tick_event(app, EVENT_SAMPLE_LATE, NULL, passed_s - tick_s);
-    }
-    return true;
+    return samples_judge(&s->samples, sample, now_ms, tick_s, plan->config.miss_limit,
+                         &s->tick_events);
 }
 
 static void tick(struct app *app, const struct io_sample *sample, uint64_t now_ms)
 {
     struct service *s = &app->service;
     uint32_t start = hal_cycles();
-    if (!judge_sample(app, sample)) {
+    enum sample_verdict verdict = judge_sample(app, sample, now_ms);
+    if (verdict == SAMPLE_NO_TICK) {
         send_command(app, sample, now_ms); /* the plant gets an answer, but no new one */
         return;
     }
-    app->have_sample = true;
-    app->sample_ms = sample->time;
-    app->sample_number = sample->number;
-    take_requests_in_tick(app, true);
+    if (verdict == SAMPLE_TICK_LOST)
+        supervisor_go_safe(&app->supervisor, "samples");
+    /* Where plant time stands still nothing that was asked for may act. */
+    take_requests_in_tick(app, verdict != SAMPLE_TICK_STALLED);
+    if (verdict == SAMPLE_TICK_STALLED)
+        supervisor_go_safe(&app->supervisor, "plant_time");
     validate(app, sample);
     take_requests_in_tick(app, false);
     restart_try(&app->restart, &app->supervisor);
@@ -369,13 +337,10 @@ static void silent_tick(struct app *app, uint64_t now_ms)
 /* The plant is there, says so, and sends no samples. */
 static void watch_samples(struct app *app, uint64_t now_ms)
 {
-    const struct service *s = &app->service;
-    float timeout_ms = s->plan[s->in_force].config.sample_timeout_s * 1000.0f;
-    float waited_ms = elapsed_ms(now_ms, app->sample_seen_ms);
-    if (timeout_ms == 0.0f || waited_ms < timeout_ms || app->overdue)
+    struct service *s = &app->service;
+    if (!samples_overdue(&s->samples, now_ms, s->plan[s->in_force].config.sample_timeout_s,
+                         &s->tick_events))
         return;
-    app->overdue = true;
-    tick_event(app, EVENT_SAMPLE_OVERDUE, NULL, waited_ms / 1000.0f);
     supervisor_go_safe(&app->supervisor, "samples");
     restart_keep(&app->restart, &app->supervisor);
 }
@@ -397,15 +362,13 @@ void app_tick(struct app *app)
     for (unsigned n = 0; n < 64; n++) {
         if (sample_waits(app)) {
             io->wait(io->context, now_ms);
-            app->sample_seen_ms = now_ms; /* nobody has looked */
+            app->service.samples.seen_ms = now_ms; /* nobody has looked */
             break;
         }
         bool there = io->poll(io->context, now_ms, &sample);
         follow_plant(app);
         if (!there)
             break;
-        app->sample_seen_ms = now_ms;
-        app->overdue = false;
         heartbeat_tick_begins(&app->heartbeat, hal_clock_ms());
         tick(app, &sample, now_ms);
         heartbeat_tick_ends(&app->heartbeat, hal_clock_ms(), tick_deadline_ms(app));

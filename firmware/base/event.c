@@ -54,6 +54,8 @@ static const char *const table[] = {
     E("ALARM_ACK", "alarm acknowledged", INFO),
     E("ALARM_SHELVED", "alarm silent for, s; 0: no longer", INFO),
     E("SAMPLE_OVERDUE", "the plant is there but sends no sample, s", ALARM),
+    E("SAMPLE_STALLED",
+      "samples come, plant time stands still or was set back; without a tick for, s", ALARM),
     E("RESTART_DONE", "outputs as before the reset (1), modes and setpoints as well (2)", WARNING),
     E("RESTART_REFUSED", "the safe state stays after this reset", WARNING),
     E("WRONG_KEY", "wrong keys at the console since then; how many", WARNING),

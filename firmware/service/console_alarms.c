@@ -46,7 +46,12 @@ static bool alarm_line(struct console *c, unsigned n, struct text *line)
         }
         return true;
     }
-    n -= 1;
+    if (n == 1) {
+        if (s->samples.stalled)
+            text_str(line, "SAMPLE_STALLED samples come, but plant time does not move on");
+        return true;
+    }
+    n -= 2;
     if (n < CHANNEL_MAX) {
         if (n < sup->placed[PLACED_MEASUREMENTS] && sup->measurement[n].alarm) {
             text_str(line, "MEASUREMENT_BAD ");

@@ -174,7 +174,7 @@ static bool status_line(struct console *c, unsigned n, struct text *line)
         }
         text_str(line, ", plant time ");
         text_seconds(line, s->supervisor->time_ms);
-        text_str(line, " s, base tick ");
+        text_str(line, s->samples.stalled ? " s stands still, base tick " : " s, base tick ");
         text_float(line, plan->tick_s);
         text_str(line, " s");
         text_named_u32(line, "ticks", s->supervisor->ticks);

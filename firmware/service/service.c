@@ -220,6 +220,15 @@ static enum err channel_fault(const struct service *s, bool manipulated, const c
     return ERR_OK;
 }
 
+/* No plant whose time goes on. */
+static bool nobody_there(const struct service *s, const char **wanted)
+{
+    bool ready = s->io.state(s->io.context) == IO_READY;
+    *wanted = ready ? "cannot act while plant time stands still"
+                    : "cannot act while no plant is connected";
+    return !ready || s->samples.stalled;
+}
+
 static bool other_tick(const struct service *s, const char **what, const char **wanted)
 {
     if (service_tick_fits(s, service_plan(s)))
@@ -239,10 +248,8 @@ enum err service_may_act(struct service *s, uint8_t loop, enum loop_mode mode, c
         *wanted = "has no outer loop that drives its setpoint";
         return ERR_CONFLICT;
     }
-    if (s->io.state(s->io.context) != IO_READY) {
-        *wanted = "cannot act while no plant is connected";
+    if (nobody_there(s, wanted))
         return ERR_STATE;
-    }
     enum err err = ERR_OK;
     if (other_tick(s, what, wanted))
         return ERR_CONFLICT;
@@ -266,10 +273,8 @@ enum err service_output_there(struct service *s, uint8_t output, const char **wh
 {
     const struct output_config *o = &service_plan(s)->config.output[output];
     *what = o->name;
-    if (s->io.state(s->io.context) != IO_READY) {
-        *wanted = "cannot act while no plant is connected";
+    if (nobody_there(s, wanted))
         return ERR_STATE;
-    }
     if (other_tick(s, what, wanted))
         return ERR_CONFLICT;
     hal_tick_lock();

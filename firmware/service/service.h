@@ -7,7 +7,7 @@
  *                REQUEST_APPLY, at which the tick exchanges them. Who wants to edit while one waits has it put into
  *                force first, with what was asked before it: that is what the next tick would begin with
  *
- * Everything else here belongs to the main loop. Supervisor and plant link belong to the tick; the main loop
+ * Everything else here belongs to the main loop. Supervisor, plant link and samples belong to the tick; the main loop
  * reads single words of them, or copies under hal_tick_lock.
  */
 #ifndef REFLUX_SERVICE_SERVICE_H
@@ -17,6 +17,7 @@
 #include "hal/io.h"
 #include "service/event_log.h"
 #include "service/plant_link.h"
+#include "service/samples.h"
 #include "service/telemetry.h"
 #include "supervise/supervisor.h"
 
@@ -40,6 +41,7 @@ struct service {
     struct supervisor *supervisor;
     struct plant_link *link;
     struct io_port io;
+    struct samples samples;
     struct request_queue requests;
     struct telemetry telemetry;
     struct event_queue tick_events;
