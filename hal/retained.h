@@ -19,7 +19,9 @@
 #define HAL_RETAINED_EVENTS_BYTES 3200 /* 32 for each of EVENT_HISTORY (service/event_log.h) */
 #endif
 
-enum hal_retained_area { HAL_RETAINED_RESTART, HAL_RETAINED_EVENTS };
+#define HAL_RETAINED_STARTS_BYTES 8 /* service/early_resets.h */
+
+enum hal_retained_area { HAL_RETAINED_RESTART, HAL_RETAINED_EVENTS, HAL_RETAINED_STARTS };
 
 /* The area, aligned for anything; NULL when this board keeps fewer than n bytes for it. */
 void *hal_retained(enum hal_retained_area area, size_t n);
@@ -28,6 +30,7 @@ void *hal_retained(enum hal_retained_area area, size_t n);
 struct hal_retained_memory {
     uint64_t restart[(HAL_RETAINED_RESTART_BYTES + 7) / 8];
     uint64_t events[(HAL_RETAINED_EVENTS_BYTES + 7) / 8];
+    uint64_t starts[(HAL_RETAINED_STARTS_BYTES + 7) / 8];
 };
 
 static inline void *hal_retained_in(struct hal_retained_memory *memory, enum hal_retained_area area,
@@ -35,6 +38,8 @@ static inline void *hal_retained_in(struct hal_retained_memory *memory, enum hal
 {
     if (area == HAL_RETAINED_RESTART)
         return n <= sizeof memory->restart ? memory->restart : NULL;
+    if (area == HAL_RETAINED_STARTS)
+        return n <= sizeof memory->starts ? memory->starts : NULL;
     return n <= sizeof memory->events ? memory->events : NULL;
 }
 

@@ -12,6 +12,7 @@
 #include "hal/uart.h"
 #include "hal/watchdog.h"
 #include "service/console.h"
+#include "service/early_resets.h"
 #include "service/heartbeat.h"
 #include "service/storage.h"
 #include "supervise/restart.h"
@@ -41,6 +42,7 @@ struct app {
     bool driven[IO_CHANNELS_MAX]; /* outputs of this plant that have been commanded */
     struct restart restart;
     struct heartbeat heartbeat;
+    struct early_resets early_resets;
     struct storage storage;
 #if COMMISSION_CHANNELS
     struct commission commission;
@@ -77,6 +79,9 @@ void app_init(struct app *app)
     app->service.watchdog = hal_watchdog_start(WATCHDOG_MS);
     heartbeat_init(&app->heartbeat, WATCHDOG_MS);
     enum hal_reset cause = hal_reset_cause();
+    app->service.early_resets = early_resets_init(
+        &app->early_resets, hal_retained(HAL_RETAINED_STARTS, sizeof(struct early_resets_record)),
+        cause, (uint32_t)hal_clock_ms());
     restart_init(&app->restart, hal_retained(HAL_RETAINED_RESTART, sizeof(struct restart_record)),
                  cause != HAL_RESET_POWER_ON);
     service_record(&app->service, EVENT_STARTED, hal_reset_name(cause), 0.0f, 0);
@@ -402,6 +407,7 @@ static bool commission_piece(struct app *app)
 void app_background(struct app *app)
 {
     app->main_turns++;
+    early_resets_poll(&app->early_resets, (uint32_t)hal_clock_ms());
     bool busy = console_poll(&app->console);
 #if COMMISSION_CHANNELS
     busy = commission_piece(app) || busy;

@@ -67,6 +67,8 @@ static const char *const table[] = {
       WARNING),
     E("STORAGE_REFUSED", "stored settings are not in force; `load` says why", ALARM),
     E("STORAGE_DAMAGED", "no whole set is stored, defaults are in force", ALARM),
+    E("STORAGE_LEFT_OUT", "stored settings left out: resets in a row, each soon after its start",
+      ALARM),
     S("SEQUENCE_STEP", "sequence waits at step", INFO),
     S("SEQUENCE_HELD", "sequence held at step", WARNING),
     S("SEQUENCE_GOES_ON", "sequence goes on at step", INFO),

@@ -52,6 +52,7 @@ enum event_code {
     EVENT_STORAGE_CLIPPED,
     EVENT_STORAGE_REFUSED,
     EVENT_STORAGE_DAMAGED,
+    EVENT_STORAGE_LEFT_OUT,
     /* Sequences: value is the step; detail as supervise/sequence.h. */
     EVENT_SEQUENCE_STEP,
     EVENT_SEQUENCE_HELD,

@@ -130,6 +130,8 @@ static bool version_line(struct console *c, unsigned n, struct text *line)
         text_str(line, "started by: ");
         text_str(line, hal_reset_name(hal_reset_cause()));
         text_named_u32(line, "boot", hal_boot_id());
+        if (c->service->early_resets)
+            text_named_u32(line, "early_resets", c->service->early_resets);
         return true;
     case 7:
         fault_line(line);

@@ -4,6 +4,7 @@
 
 #include "hal/clock.h"
 #include "hal/nvm.h"
+#include "service/early_resets.h"
 #include "service/storage_parts.h"
 
 _Static_assert(STORAGE_PIECE % STORAGE_GRAIN == 0, "pieces are whole grains");
@@ -48,7 +49,11 @@ static void take_stored(struct storage *st)
     }
     if (storage_newer_broken(st))
         storage_tell(st, EVENT_STORAGE_OLDER, NULL, (float)st->newest.sequence);
-    st->refused = true;            /* until it is in force */
+    st->refused = true; /* until it is in force */
+    if (s->early_resets >= EARLY_RESETS_MOST) {
+        storage_tell(st, EVENT_STORAGE_LEFT_OUT, NULL, (float)s->early_resets);
+        return;
+    }
     if (s->staging || s->serial) { /* somebody was faster, and is not overruled */
         storage_tell(st, EVENT_STORAGE_REFUSED, "configured", 0.0f);
         return;

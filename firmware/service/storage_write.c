@@ -3,6 +3,7 @@
 
 #include "base/crc32.h"
 #include "hal/nvm.h"
+#include "service/early_resets.h"
 #include "service/storage_parts.h"
 
 #define NOT_TAKEN "the flash does not take the write (emulated, worn or protected)"
@@ -291,8 +292,11 @@ enum err storage_save(struct storage *st, const char **why)
         return s->staging ? ERR_STATE : ERR_BUSY;
     }
     if (st->refused && !s->serial) {
-        *why = "it would replace settings that were refused by defaults: `load` says why; or "
-               "`defaults` first";
+        *why = s->early_resets >= EARLY_RESETS_MOST
+                   ? "it would replace settings left out after resets in a row: `load` takes "
+                     "them; or `defaults` first"
+                   : "it would replace settings that were refused by defaults: `load` says why; or "
+                     "`defaults` first";
         return ERR_STATE;
     }
     (void)service_stage(s);

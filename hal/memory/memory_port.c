@@ -32,7 +32,8 @@ static jmp_buf reset_vector;
 static bool flash_ready;
 static struct hal_retained_memory retained;
 
-static void power_up(void)
+/* Whoever simulates around a board that is reset goes on counting: its clock does not begin anew. */
+static void power_up(uint64_t now)
 {
     for (unsigned i = 0; i < HAL_UART_COUNT; i++) {
         lines[i].rx = (struct ring){.bytes = bytes[i][0], .size = sizeof bytes[i][0]};
@@ -42,7 +43,7 @@ static void power_up(void)
     }
     lines[HAL_UART_CONSOLE].rx.size = console_rx_size;
     lines[HAL_UART_CONSOLE].tx.size = console_tx_size;
-    clock_ms = ticked_ms = 0;
+    clock_ms = ticked_ms = now;
     tick_asked = true;
     boot_id++;
     app_init(app_instance());
@@ -55,7 +56,7 @@ void memory_port_start(void)
     cause = HAL_RESET_POWER_ON;
     memset(&retained, 0xA5, sizeof retained);
     reboots = 0;
-    power_up();
+    power_up(0);
 }
 
 void memory_port_set_clock(uint64_t ms)
@@ -122,11 +123,9 @@ static void turn(void)
 
 static void restarted(void)
 {
-    uint64_t now = clock_ms;
     reboots++;
     cause = HAL_RESET_REQUESTED;
-    power_up();
-    clock_ms = ticked_ms = now; /* whoever simulates around goes on counting */
+    power_up(clock_ms);
 }
 
 void memory_port_turn(void)
@@ -154,10 +153,8 @@ unsigned memory_port_run(void)
 
 void memory_port_reset(enum hal_reset why)
 {
-    uint64_t now = clock_ms;
     cause = why;
-    power_up();
-    clock_ms = ticked_ms = now;
+    power_up(clock_ms);
 }
 
 unsigned memory_port_reboots(void)

@@ -394,9 +394,104 @@ static void test_history_keeps_who_saved(void)
     TEST_ASSERT_TRUE(said("DO_STORAGE defaults"));
 }
 
+/* A reset that something in the firmware caused, so many seconds after the start. */
+static void brought_down(enum hal_reset why, uint64_t after_s)
+{
+    pass(1000 * after_s);
+    memory_port_reset(why);
+    board.ready = false;
+    board_run();
+    type("mode machine\n");
+    board_forget();
+}
+
+static void saved_two_loops(void)
+{
+    running();
+    ask_ok("save");
+    power_on();
+    pass(2500);
+    TEST_ASSERT_TRUE(said("STORAGE_LOADED"));
+}
+
+static void test_settings_that_bring_the_board_down_three_times_are_left_out(void)
+{
+    static const enum hal_reset whys[] = {HAL_RESET_FAULT, HAL_RESET_WATCHDOG, HAL_RESET_FAULT};
+    saved_two_loops();
+    for (unsigned i = 0; i < 3; i++) {
+        board_forget();
+        brought_down(whys[i], 57); /* 2.5 s have passed before */
+        pass(2500);
+        TEST_ASSERT_EQUAL(i < 2, said("STORAGE_LOADED"));
+        ask_ok("loop");
+        TEST_ASSERT_EQUAL(i < 2, said("bottom"));
+    }
+    ask_ok("events");
+    TEST_ASSERT_TRUE(said("alarm STORAGE_LEFT_OUT - 3 "));
+    ask_ok("version");
+    TEST_ASSERT_TRUE(said("started by: fault"));
+    TEST_ASSERT_TRUE(said("early_resets 3"));
+    connect_plant();
+    samples(1); /* the first command drives everything to where the plant said it is safe */
+    TEST_ASSERT_TRUE(board.command.safe);
+    TEST_ASSERT_EQUAL_FLOAT(0.25f, board.command.output[1].value);
+    ask_refused("save", "STATE");
+    TEST_ASSERT_TRUE(said("left out after resets in a row"));
+    brought_down(HAL_RESET_WATCHDOG, 10); /* by something else, then */
+    pass(2500);
+    TEST_ASSERT_FALSE(said("STORAGE_LOADED"));
+    ask_ok("reboot"); /* somebody wants another try */
+    type("mode machine\n");
+    pass(5000);
+    TEST_ASSERT_TRUE(said("STORAGE_LOADED"));
+    ask_ok("version");
+    TEST_ASSERT_FALSE(said("early_resets"));
+}
+
+static void test_left_out_settings_can_be_loaded_or_given_up(void)
+{
+    saved_two_loops();
+    for (unsigned i = 0; i < 3; i++)
+        brought_down(HAL_RESET_FAULT, 1);
+    pass(2500);
+    ask_ok("load");
+    ask_ok("loop");
+    TEST_ASSERT_TRUE(said("bottom"));
+    ask_ok("save");
+    brought_down(HAL_RESET_FAULT, 1);
+    pass(2500);
+    ask_refused("save", "STATE");
+    ask_ok("defaults");
+    ask_ok("save");
+    power_on();
+    pass(2500);
+    ask_ok("loop");
+    TEST_ASSERT_FALSE(said("bottom"));
+}
+
+static void test_resets_that_are_far_apart_or_asked_for_leave_no_settings_out(void)
+{
+    static const struct {
+        enum hal_reset why;
+        uint64_t after_s;
+    } lives[] = {{HAL_RESET_FAULT, 61},    {HAL_RESET_FAULT, 61}, {HAL_RESET_WATCHDOG, 61},
+                 {HAL_RESET_FAULT, 61},    {HAL_RESET_FAULT, 1},  {HAL_RESET_FAULT, 1},
+                 {HAL_RESET_PIN, 1},       {HAL_RESET_FAULT, 1},  {HAL_RESET_FAULT, 1},
+                 {HAL_RESET_WATCHDOG, 61}, {HAL_RESET_FAULT, 1},  {HAL_RESET_FAULT, 1}};
+    saved_two_loops();
+    for (unsigned i = 0; i < sizeof lives / sizeof lives[0]; i++) {
+        brought_down(lives[i].why, lives[i].after_s);
+        pass(2500);
+        TEST_ASSERT_TRUE_MESSAGE(said("STORAGE_LOADED"), "settings were left out");
+    }
+}
+
 int main(void)
 {
     UNITY_BEGIN();
+    RUN_TEST(test_settings_that_bring_the_board_down_three_times_are_left_out);
+    RUN_TEST(test_left_out_settings_can_be_loaded_or_given_up);
+    RUN_TEST(test_resets_that_are_far_apart_or_asked_for_leave_no_settings_out);
     RUN_TEST(test_settings_are_back_after_power_on_with_loops_in_manual);
     RUN_TEST(test_first_command_goes_out_before_storage_is_touched);
     RUN_TEST(test_asking_ends_the_wait);
