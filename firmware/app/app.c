@@ -382,7 +382,7 @@ void app_tick(struct app *app)
         silent_tick(app, now_ms);
     else
         watch_samples(app, now_ms);
-    if (heartbeat_due(&app->heartbeat, now_ms, app->main_turns))
+    if (heartbeat_due(&app->heartbeat, hal_clock_ms(), app->main_turns))
         hal_watchdog_feed();
 }
 

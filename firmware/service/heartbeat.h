@@ -2,7 +2,8 @@
  *
  *     the tick context comes round (who stands still does not feed),
  *     the main loop has turned within half the time-out, and
- *     no tick is past its deadline: the last one took no longer than that.
+ *     ticks are not late one upon another: the last two took longer than their deadline, and since then less than a
+ *     quarter of the time-out has passed. One late tick, whatever comes after it, starves nobody.
  *
  * Plain arithmetic on the board's clock; knows no board.
  */
@@ -13,6 +14,7 @@
 #include <stdint.h>
 
 #define HEARTBEAT_RATE 8 /* feedings in a time-out */
+#define HEARTBEAT_LATE 2 /* ticks past their deadline, in a row, that stop the feeding */
 
 struct heartbeat {
     uint32_t timeout_ms;
@@ -20,15 +22,16 @@ struct heartbeat {
     bool fed;
     uint32_t turns; /* of the main loop, when last looked at */
     uint64_t turned_ms;
-    uint64_t began_ms; /* of the tick under way */
-    bool late;         /* the last tick ended past its deadline */
+    uint64_t tick_ms; /* when the tick under way began, or the last one ended */
+    uint8_t late;     /* ticks in a row that ended past their deadline, up to HEARTBEAT_LATE */
 };
 
 void heartbeat_init(struct heartbeat *h, uint32_t timeout_ms);
 /* Around the work of a tick; deadline_ms: longest it may take. */
 void heartbeat_tick_begins(struct heartbeat *h, uint64_t now_ms);
 void heartbeat_tick_ends(struct heartbeat *h, uint64_t now_ms, uint32_t deadline_ms);
-/* Feed now? turns: any number that changes with each turn of the main loop. */
+/* Feed now? now_ms: not before the end of the last tick; turns: any number that changes with each turn of the main
+ * loop. */
 bool heartbeat_due(struct heartbeat *h, uint64_t now_ms, uint32_t turns);
 
 #endif

@@ -24,6 +24,8 @@ static struct line {
 } lines[HAL_UART_COUNT];
 static uint32_t console_rx_size = sizeof bytes[0][0], console_tx_size = sizeof bytes[0][1];
 static uint64_t clock_ms, ticked_ms;
+static uint32_t frame_ms;
+static uint64_t fed_ms, unfed_ms; /* the last feeding; the longest time without one */
 static bool tick_asked;
 static uint32_t boot_id;
 static enum hal_reset cause = HAL_RESET_POWER_ON;
@@ -43,7 +45,8 @@ static void power_up(uint64_t now)
     }
     lines[HAL_UART_CONSOLE].rx.size = console_rx_size;
     lines[HAL_UART_CONSOLE].tx.size = console_tx_size;
-    clock_ms = ticked_ms = now;
+    clock_ms = ticked_ms = fed_ms = now;
+    unfed_ms = frame_ms = 0;
     tick_asked = true;
     boot_id++;
     app_init(app_instance());
@@ -162,6 +165,18 @@ unsigned memory_port_reboots(void)
     return reboots;
 }
 
+void memory_port_slow_frame(uint32_t ms)
+{
+    frame_ms = ms;
+}
+
+uint64_t memory_port_unfed_ms(void)
+{
+    uint64_t now = clock_ms - fed_ms, longest = unfed_ms > now ? unfed_ms : now;
+    unfed_ms = 0;
+    return longest;
+}
+
 uint8_t *memory_port_flash(void)
 {
     return flash_model;
@@ -196,6 +211,10 @@ bool hal_uart_write(enum hal_uart port, const void *data, size_t n)
 {
     if (!ring_write(&lines[port].tx, data, n))
         return false;
+    if (port == HAL_UART_LINK) {
+        clock_ms += frame_ms;
+        frame_ms = 0;
+    }
     lines[port].stats.sent += (uint32_t)n;
     return true;
 }
@@ -257,7 +276,11 @@ bool hal_watchdog_start(uint32_t timeout_ms)
     return false;
 }
 
-void hal_watchdog_feed(void) {}
+void hal_watchdog_feed(void)
+{
+    unfed_ms = clock_ms - fed_ms > unfed_ms ? clock_ms - fed_ms : unfed_ms;
+    fed_ms = clock_ms;
+}
 
 const char *hal_board_name(void)
 {

@@ -37,6 +37,11 @@ void memory_port_set_console_rings(uint32_t rx, uint32_t tx);
 
 unsigned memory_port_reboots(void);
 
+/* While the firmware sends the next frame on the link the clock goes on by so much, ms: its tick takes time. */
+void memory_port_slow_frame(uint32_t ms);
+/* The longest time without a feeding of the watchdog, ms, since the start or since it was last asked for. */
+uint64_t memory_port_unfed_ms(void);
+
 /* A reset from outside, as by a watchdog: flash and the retained memory are kept. */
 void memory_port_reset(enum hal_reset why);
 

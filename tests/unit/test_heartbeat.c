@@ -42,14 +42,46 @@ static void a_main_loop_that_hangs_starves_it_within_half_its_time(void)
     TEST_ASSERT_TRUE(fed(1000, true) >= 3); /* it has come back in time */
 }
 
-static void a_tick_past_its_deadline_starves_it_until_one_is_in_time(void)
+/* A tick of so many ms against a deadline of 300. */
+static void tick_of(unsigned ms)
 {
     heartbeat_tick_begins(&h, now);
-    heartbeat_tick_ends(&h, now + 301, 300);
-    TEST_ASSERT_EQUAL(0, fed(3000, true));
-    heartbeat_tick_begins(&h, now);
-    heartbeat_tick_ends(&h, now + 300, 300);
+    now += ms;
+    heartbeat_tick_ends(&h, now, 300);
+}
+
+static void ticks_that_are_late_one_upon_another_starve_it(void)
+{
+    unsigned n = 0;
+    for (unsigned k = 0; k < 20; k++) {
+        tick_of(301);
+        turns++;
+        n += heartbeat_due(&h, now, turns);
+        n += fed(100, true); /* the plant's next sample is not there at once */
+    }
+    TEST_ASSERT_EQUAL(1, n); /* after the first */
+    tick_of(300);
     TEST_ASSERT_TRUE(fed(3000, true) > 10);
+}
+
+static void one_late_tick_starves_nobody_whatever_comes_after_it(void)
+{
+    tick_of(301);
+    TEST_ASSERT_EQUAL(40, fed(10000, true)); /* silence */
+    tick_of(1700);
+    TEST_ASSERT_TRUE(heartbeat_due(&h, now, ++turns));
+    tick_of(10);
+    TEST_ASSERT_EQUAL(4, fed(1000, true));
+}
+
+static void late_ticks_followed_by_silence_starve_it_for_a_quarter_of_its_time(void)
+{
+    tick_of(301);
+    tick_of(301);
+    TEST_ASSERT_EQUAL(0, fed(490, true));
+    TEST_ASSERT_TRUE(fed(1000, true) >= 4);
+    tick_of(301); /* it counts from one again */
+    TEST_ASSERT_TRUE(heartbeat_due(&h, now, ++turns));
 }
 
 int main(void)
@@ -57,6 +89,8 @@ int main(void)
     UNITY_BEGIN();
     RUN_TEST(it_is_fed_at_a_fixed_rate);
     RUN_TEST(a_main_loop_that_hangs_starves_it_within_half_its_time);
-    RUN_TEST(a_tick_past_its_deadline_starves_it_until_one_is_in_time);
+    RUN_TEST(ticks_that_are_late_one_upon_another_starve_it);
+    RUN_TEST(one_late_tick_starves_nobody_whatever_comes_after_it);
+    RUN_TEST(late_ticks_followed_by_silence_starve_it_for_a_quarter_of_its_time);
     return UNITY_END();
 }

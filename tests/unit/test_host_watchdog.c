@@ -1,4 +1,5 @@
-/* The watchdog of the host port really resets: a firmware that hangs is started again. */
+/* The watchdog of the host port really resets: a firmware that hangs is started again; one that had a late tick and
+ * then no more to do is not. */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -10,9 +11,11 @@
 #include "hal/retained.h"
 #include "hal/watchdog.h"
 #include "host_port.h"
+#include "service/heartbeat.h"
 #include "unity.h"
 
-#define TIMEOUT_MS 200
+#define TIMEOUT_MS  400
+#define DEADLINE_MS 5
 
 /* A firmware that does what the test wants in each of its lives. */
 struct app {
@@ -20,7 +23,10 @@ struct app {
 };
 static struct app the_app;
 static unsigned starts;
-static enum { HANG_IN_MAIN, HANG_IN_TICK, HEALTHY } plan;
+static enum { HANG_IN_MAIN, HANG_IN_TICK, LATE_ONCE } plan;
+static struct heartbeat heartbeat;
+static uint32_t turns;
+static unsigned ticks;
 static uint64_t started_ms;
 static enum hal_reset causes[4];
 static uint32_t kept[4];
@@ -39,7 +45,9 @@ void app_init(struct app *app)
     causes[starts] = hal_reset_cause();
     kept[starts] = *memory;
     *memory = 0xBEEF0000u + starts;
-    plan = starts == 0 ? HANG_IN_MAIN : starts == 1 ? HANG_IN_TICK : HEALTHY;
+    plan = starts == 0 ? HANG_IN_MAIN : starts == 1 ? HANG_IN_TICK : LATE_ONCE;
+    heartbeat_init(&heartbeat, TIMEOUT_MS);
+    ticks = 0;
     starts++;
     started_ms = hal_clock_ms();
 }
@@ -49,22 +57,30 @@ void app_background(struct app *app)
     (void)app;
     while (plan == HANG_IN_MAIN)
         (void)usleep(1000);
-    if (plan == HEALTHY && hal_clock_ms() - started_ms > 4 * TIMEOUT_MS)
+    turns++;
+    (void)usleep(1000);
+    if (plan == LATE_ONCE && hal_clock_ms() - started_ms > 4 * TIMEOUT_MS)
         host_port_stop();
 }
 
 void app_tick(struct app *app)
 {
     (void)app;
-    for (volatile unsigned n = 0; plan == HANG_IN_TICK; n = n + 1)
-        continue;
-    hal_watchdog_feed();
+    while (plan == HANG_IN_TICK)
+        (void)usleep(1000);
+    if (plan == LATE_ONCE && ++ticks == 3) { /* the others have no sample */
+        heartbeat_tick_begins(&heartbeat, hal_clock_ms());
+        (void)usleep(2000 * DEADLINE_MS);
+        heartbeat_tick_ends(&heartbeat, hal_clock_ms(), DEADLINE_MS);
+    }
+    if (heartbeat_due(&heartbeat, hal_clock_ms(), turns))
+        hal_watchdog_feed();
 }
 
 void setUp(void) {}
 void tearDown(void) {}
 
-static void a_firmware_that_hangs_is_reset_and_a_healthy_one_is_not(void)
+static void a_firmware_that_hangs_is_reset_and_one_with_a_late_tick_is_not(void)
 {
     char folder[] = "/tmp/reflux-watchdog-XXXXXX", console[64], link[64], err[256];
     TEST_ASSERT_NOT_NULL(mkdtemp(folder));
@@ -88,6 +104,6 @@ static void a_firmware_that_hangs_is_reset_and_a_healthy_one_is_not(void)
 int main(void)
 {
     UNITY_BEGIN();
-    RUN_TEST(a_firmware_that_hangs_is_reset_and_a_healthy_one_is_not);
+    RUN_TEST(a_firmware_that_hangs_is_reset_and_one_with_a_late_tick_is_not);
     return UNITY_END();
 }
