@@ -7,9 +7,9 @@
 #include "base/elapsed.h"
 
 #ifdef REFLUX_FIXED_POINT
-#define MAGIC 0x52535133u
+#define MAGIC 0x52535134u
 #else
-#define MAGIC 0x52534633u
+#define MAGIC 0x52534634u
 #endif
 
 static uint32_t checksum(const struct restart_record *record)
@@ -102,9 +102,22 @@ static void outputs_back(struct supervisor *s, const struct restart_record *reco
         if (!s->plan->config.output[j].name[0] || !o->bound)
             continue;
         o->manual = o->commanded = o->constrained = o->applied = record->output[j];
+        o->beyond = true; /* where it was outside its limits, an interlock had left it there */
     }
     offsets_back(s, record);
     s->state = SUPERVISOR_RUN;
+}
+
+static void interlocks_back(struct supervisor *s, const struct restart_record *record)
+{
+    for (uint8_t k = 0; k < s->placed[PLACED_INTERLOCKS]; k++) {
+        struct interlock_state *state = &s->interlock[k];
+        if (state->active || !(record->interlocks & 1u << k))
+            continue;
+        state->active = state->pending = true;
+        event_put(s->events, s->time_ms, EVENT_INTERLOCK_ON, s->plan->config.interlock[k].output,
+                  s->measurement[s->plan->interlock[k].measurement].raw, k);
+    }
 }
 
 static void loop_back(struct supervisor *s, const struct restart_record *record, uint8_t i)
@@ -153,6 +166,7 @@ void restart_try(struct restart *r, struct supervisor *s)
     r->attempts++;
     r->ticks = 2;
     outputs_back(s, record);
+    interlocks_back(s, record);
     for (uint8_t k = 0; policy == RESTART_RESUME && k < s->plan->n_order; k++)
         loop_back(s, record, s->plan->order[k]);
     event_put(s->events, s->time_ms, EVENT_RESTART_DONE, NULL, (float)policy, (uint8_t)policy);
@@ -167,7 +181,11 @@ void restart_keep(struct restart *r, const struct supervisor *s)
     record->identity = s->plan->identity;
     record->acting = s->state == SUPERVISOR_RUN;
     record->testing = s->testing;
-    record->attempts = r->ticks < RESTART_LASTED ? r->attempts : 0;
+    record->attempts = (r->ticks < RESTART_LASTED ? r->attempts : 0) & 3u;
+    record->interlocks = 0;
+    for (uint8_t k = 0; k < s->placed[PLACED_INTERLOCKS]; k++)
+        if (s->interlock[k].active)
+            record->interlocks = (uint8_t)(record->interlocks | 1u << k);
     record->time_ms = s->time_ms;
     for (uint8_t i = 0; i < s->placed[PLACED_LOOPS]; i++) {
         record->mode[i] = (uint8_t)s->loop[i].mode;

@@ -8,7 +8,7 @@
  *     no sequence was under way,
  *     and this is not the fourth time in a row that it did not last,
  * outputs return to where they were, less a test signal: in manual (hold), or with modes and setpoints (resume). A loop whose
- * measurement is not usable stays in manual; offsets of measurements are switched on as they were. Otherwise the
+ * measurement is not usable stays in manual; interlocks that were active are so again, and end as always; offsets of measurements are switched on as they were. Otherwise the
  * safe state stays, and events say which offsets are off again. A sequence never goes on: it counts as aborted.
  */
 #ifndef REFLUX_SUPERVISE_RESTART_H
@@ -18,6 +18,7 @@
 
 #define RESTART_ATTEMPTS 3  /* resets in a row, each soon after the one before */
 #define RESTART_LASTED   20 /* ticks after which a restart counts as having lasted */
+_Static_assert(RESTART_ATTEMPTS <= 3 && CONFIG_INTERLOCKS <= 8, "as the record keeps them");
 
 /* In retained memory; looked at only when its checksum is right. */
 struct restart_record {
@@ -26,7 +27,8 @@ struct restart_record {
     uint32_t identity;
     uint8_t acting : 1;
     uint8_t testing : 1; /* automatic start-up was under way: it does not go on */
-    uint8_t attempts;
+    uint8_t attempts : 2;
+    uint8_t interlocks; /* active, a bit for each */
     uint8_t mode[CONFIG_LOOPS];
     uint64_t time_ms;
     num_t target[CONFIG_LOOPS], setpoint[CONFIG_LOOPS], v[CONFIG_LOOPS];

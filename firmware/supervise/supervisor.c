@@ -149,7 +149,8 @@ static void place_measurement(struct supervisor *s, const struct plan *old, uint
         event_put(s->events, s->time_ms, EVENT_OFFSET, before ? before->name : "", 0.0f, 0);
 #endif
     if (!same)
-        *state = (struct measurement_state){.quality = QUALITY_MISSING};
+        *state =
+            (struct measurement_state){.quality = QUALITY_MISSING, .fault = MEASUREMENT_MISSING};
     else if (m->lo != before->lo || m->hi != before->hi)
         state->value =
             span_to_fraction(span_to_eu(state->value, before->lo, before->hi), m->lo, m->hi);
@@ -287,6 +288,7 @@ void supervisor_outputs_safe(struct supervisor *s, const char *why)
         o->commanded = o->constrained = o->applied = o->manual;
         o->excitation = num_zero();
         o->sent = false;
+        o->forced = o->beyond = false; /* until the next tick says so */
         o->not_following = o->alarm = false;
     }
     if (s->state != SUPERVISOR_SAFE)

@@ -113,17 +113,18 @@ struct measurement_state {
 
 struct output_state {
     bool bound;
-    bool sent;           /* a command has gone out since the safe state was taken */
-    bool forced;         /* an interlock holds it */
-    bool not_following;  /* read-back differs from the command */
-    bool alarm;          /* ... and has been reported */
-    num_t manual;        /* value while nothing acts on it */
-    num_t excitation;    /* test signal in `commanded`; 0 where none is */
-    num_t commanded;     /* before constrain */
-    num_t constrained;   /* sent to the plant */
-    num_t applied;       /* constrained, or the read-back where the plant does something else */
-    num_t readback;      /* last good read-back, one sample late */
-    struct ramp rate;    /* where the rate limit is */
+    bool sent;          /* a command has gone out since the safe state was taken */
+    bool forced;        /* an interlock holds it */
+    bool beyond;        /* an interlock left it outside its limits, and nobody has moved it since */
+    bool not_following; /* read-back differs from the command */
+    bool alarm;         /* ... and has been reported */
+    num_t manual;       /* value while nothing acts on it */
+    num_t excitation;   /* test signal in `commanded`; 0 where none is */
+    num_t commanded;    /* before constrain */
+    num_t constrained;  /* sent to the plant */
+    num_t applied;      /* constrained, or the read-back where the plant does something else */
+    num_t readback;     /* last good read-back, one sample late */
+    struct ramp rate;   /* where the rate limit is */
     uint64_t differs_ms; /* plant time since when it does not follow */
 };
 
@@ -148,7 +149,8 @@ struct loop_state {
 
 struct interlock_state {
     bool active;
-    bool pending; /* condition holds, delay running */
+    bool pending;      /* condition holds, or did and nothing was heard since; delay running */
+    uint32_t heard_ms; /* low bits of the plant time at which it was last heard to hold */
     uint64_t since_ms;
 };
 
@@ -224,6 +226,13 @@ static inline float measurement_offset_in_force(const struct supervisor *s, uint
     (void)i;
     return 0.0f;
 #endif
+}
+
+/* The plant vouches for the last reading: it is a number, believed or not. After validation. */
+static inline bool measurement_vouched(const struct measurement_state *m)
+{
+    return m->bound && m->fault != MEASUREMENT_MISSING && m->fault != MEASUREMENT_FLAGGED &&
+           m->fault != MEASUREMENT_NOT_A_NUMBER;
 }
 
 /* The setpoint with which loop i leaves manual, for its mode. */

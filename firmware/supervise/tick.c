@@ -152,6 +152,14 @@ void supervisor_start_setpoint(struct supervisor *s, uint8_t i)
     lag_reset(&l->filter, l->setpoint);
 }
 
+/* Where a loop finds output j when it takes over: the limits of what acts count from here on. */
+static num_t found(const struct supervisor *s, uint8_t j)
+{
+    const struct output_config *c = &s->plan->config.output[j];
+    return num_clamp(s->output[j].manual, span_to_fraction(c->min, c->lo, c->hi),
+                     span_to_fraction(c->max, c->lo, c->hi));
+}
+
 /* Loops that act from this tick on, and all decoupled loops when their company changes, take over the
  * outputs they find: v = D^-1 (output - feedforward). */
 static void take_over(struct supervisor *s)
@@ -171,7 +179,7 @@ static void take_over(struct supervisor *s)
         if (p->used && p->output != PLAN_NONE)
             /* The value last sent, or just asked for by hand: a read-back is one sample old, and a valve
              * that still moves would start the loop from where it was. */
-            v[i] = num_sub(s->output[p->output].manual, s->loop[i].feedforward);
+            v[i] = num_sub(found(s, p->output), s->loop[i].feedforward);
         u[i] = v[i];
     }
     if (mask != s->decoupler_mask) {
@@ -224,19 +232,42 @@ static void command_outputs(struct supervisor *s)
     }
 }
 
-/* The condition of entry k now. It may begin on any number the plant vouches for, believed or not; it ends
- * only on a believed one. */
+static bool heard_within(const struct supervisor *s, uint8_t k, float seconds)
+{
+    return (float)((uint32_t)s->time_ms - s->interlock[k].heard_ms) <= seconds * 1000.0f;
+}
+
+/* The condition of entry k now. It begins on any number the plant vouches for, whatever came before it or stands in
+ * for it; it ends only on a believed one. */
 static bool interlock_condition(const struct supervisor *s, uint8_t k)
 {
     const struct interlock_config *c = &s->plan->config.interlock[k];
-    const struct measurement_state *m = &s->measurement[s->plan->interlock[k].measurement];
-    bool active = s->interlock[k].active;
-    float band = active ? c->hysteresis : 0.0f;
-    /* A substituted or inferred value is no evidence that all is well. */
-    if (!m->bound || !m->seen || m->lost || !quality_usable(m->quality))
-        return active || c->on_bad != 0;
+    const struct interlock_state *state = &s->interlock[k];
+    uint8_t i = s->plan->interlock[k].measurement;
+    const struct measurement_state *m = &s->measurement[i];
+    bool vouched = measurement_vouched(m);
+    float band = state->active ? c->hysteresis : 0.0f;
     bool outside = c->side == INTERLOCK_ABOVE ? m->raw > c->limit - band : m->raw < c->limit + band;
-    return outside || (active && m->alarm);
+    if (vouched && outside)
+        return true;
+    if (state->active)
+        return !vouched || m->fault != MEASUREMENT_FINE;
+    /* A substituted or inferred value is no evidence that all is well. */
+    bool bad = !m->bound || !m->seen || m->lost || !quality_usable(m->quality);
+    if (c->on_bad && bad)
+        return true;
+    /* The last number stands for as long as a value is held. */
+    return !vouched && m->bound && m->delivered && outside && state->pending &&
+           heard_within(s, k, s->plan->config.measurement[i].hold_s);
+}
+
+/* A missing sample does not begin the delay anew, when others are heard meanwhile; it takes one past the limit to end
+ * the delay. */
+static bool interlock_waits(const struct supervisor *s, uint8_t k)
+{
+    const struct measurement_state *m = &s->measurement[s->plan->interlock[k].measurement];
+    return s->interlock[k].pending && !measurement_vouched(m) &&
+           heard_within(s, k, s->plan->config.interlock[k].delay_s);
 }
 
 /* Nothing overrides an interlock: it is applied last, over limits, rates and manual alike. */
@@ -252,7 +283,9 @@ static void run_interlocks(struct supervisor *s)
         bool condition = interlock_condition(s, k);
         if (condition && !state->pending)
             state->since_ms = s->time_ms;
-        state->pending = condition;
+        if (condition && (!state->pending || measurement_vouched(m)))
+            state->heard_ms = (uint32_t)s->time_ms;
+        state->pending = condition || interlock_waits(s, k);
         bool active = condition && (state->active || elapsed_ms(s->time_ms, state->since_ms) >=
                                                          c->delay_s * 1000.0f);
         if (active != state->active)
@@ -260,7 +293,7 @@ static void run_interlocks(struct supervisor *s)
                       c->output, m->raw, k);
         state->active = active;
         uint8_t j = s->plan->interlock[k].output;
-        if (!active || forced[j])
+        if (!active || forced[j] || !s->output[j].bound)
             continue; /* the first entry of the table wins */
         forced[j] = true;
         const struct output_config *o = &s->plan->config.output[j];
@@ -270,23 +303,44 @@ static void run_interlocks(struct supervisor *s)
         s->output[j].forced = forced[j];
 }
 
+/* An interlock may have left the output outside lo..hi. In manual it stays there until somebody moves it; whatever moves
+ * it finds it at the nearest limit. Returns whether it stays. */
+static bool stays_beyond(struct output_state *o, num_t lo, num_t hi, bool acts)
+{
+    num_t nearest = num_clamp(o->constrained, lo, hi);
+    o->beyond = o->beyond && !num_eq(nearest, o->constrained);
+    if (o->beyond && !acts && num_eq(o->commanded, o->constrained))
+        return true;
+    if (o->beyond)
+        o->constrained = nearest;
+    o->beyond = false;
+    return false;
+}
+
 static void constrain_output(struct supervisor *s, uint8_t j)
 {
     struct output_state *o = &s->output[j];
     const struct output_config *c = &s->plan->config.output[j];
     num_t safe = span_to_fraction(c->safe, c->lo, c->hi);
-    if (s->state == SUPERVISOR_SAFE) {
-        o->constrained = safe;
+    if (s->state == SUPERVISOR_SAFE || !o->bound) {
+        /* What is not there waits at its safe value too, and begins there when it comes. */
+        o->constrained = o->manual = safe;
         return;
     }
     num_t lo = span_to_fraction(c->min, c->lo, c->hi);
     num_t hi = span_to_fraction(c->max, c->lo, c->hi);
     uint8_t i = s->plan->owner[j];
-    if (i == PLAN_NONE || !loop_drives(s, i)) {
+    bool acts = i != PLAN_NONE && loop_acts(s, i);
+    if (!acts) {
         /* The safe value may lie outside the operating limits; manual may stay there. */
         lo = num_min(lo, safe);
         hi = num_max(hi, safe);
-    } else if (s->plan->loop[i].decouple) {
+    }
+    if (stays_beyond(o, lo, hi, acts))
+        return;
+    /* What is not sent now is not sent later either, when the limits are wider again. */
+    o->manual = num_clamp(o->manual, lo, hi);
+    if (acts && loop_drives(s, i) && s->plan->loop[i].decouple) {
         /* The limits of a decoupled loop hold for what comes out of the decoupler. */
         const struct loop_config *l = &s->plan->config.loop[i];
         lo = num_min(num_max(lo, num_from_float(l->out_lo)), hi);
@@ -311,6 +365,7 @@ static void constrain(struct supervisor *s)
             continue;
         o->applied = o->not_following ? o->readback : o->constrained;
         o->sent = true;
+        o->beyond = o->beyond || o->forced;
         /* Manual begins where automatic or an interlock left the output. */
         if (o->forced || (i != PLAN_NONE && loop_drives(s, i)))
             o->manual = num_sub(o->constrained, o->excitation);

@@ -34,6 +34,7 @@ struct board_bench {
     uint32_t number;
     uint64_t time_ms;
     double values[4];
+    uint8_t quality[4]; /* enum quality of each; 0 = good */
     bool with_readback;
     double readback[2];
     struct frame_decoder decoder;
@@ -331,8 +332,10 @@ static inline void pack_present_sample(struct frame *f)
                             .time_ms = board.time_ms,
                             .n_measurements = 4,
                             .n_readback = board.with_readback ? 2 : 0};
-    for (unsigned i = 0; i < 4; i++)
+    for (unsigned i = 0; i < 4; i++) {
         m.measurement[i].value = (float)board.values[i];
+        m.measurement[i].quality = (enum quality)board.quality[i];
+    }
     for (unsigned i = 0; i < 2; i++)
         m.readback[i].value = (float)board.readback[i];
     pack_sample(&m, f);
