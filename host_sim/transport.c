@@ -49,7 +49,7 @@ static bool wait_again(struct transport *t, uint64_t until)
     }
     if (!t->waiting) {
         (void)fprintf(stderr, "reflux-sim: waiting for %s, %.3g s at most\n", t->where,
-                      (double)(until - now) / 1000.0);
+                      (double)t->patience_ms / 1000.0);
         t->waiting = true;
     }
     (void)nanosleep(&span, NULL);
@@ -256,7 +256,7 @@ static const char *after_scheme(const char *where, const char *scheme)
 bool transport_open(struct transport *t, const char *where, uint64_t patience_ms, char *err,
                     size_t err_size)
 {
-    *t = (struct transport){.fd = -1, .spare_fd = -1};
+    *t = (struct transport){.fd = -1, .spare_fd = -1, .patience_ms = patience_ms};
     (void)snprintf(t->where, sizeof(t->where), "%s", where);
     uint64_t until = sim_clock_ms() + patience_ms;
     const char *rest;

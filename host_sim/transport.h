@@ -40,6 +40,7 @@ struct transport {
     bool ready;   /* the last wait saw something to read */
     bool gone;    /* the peer has vanished */
     bool waiting; /* that it is not there yet has been said */
+    uint64_t patience_ms;
     char reason[128];
     char where[160]; /* as opened, for messages */
     char link[160];  /* newpty: the symbolic link to remove at the end */

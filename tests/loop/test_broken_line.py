@@ -4,7 +4,6 @@
 import random
 import subprocess
 import sys
-import time
 import unittest
 from pathlib import Path
 
@@ -27,7 +26,7 @@ class BrokenLineTest(unittest.TestCase):
 
     def run_loops(self) -> None:
         self.console.event("LINK_UP")
-        time.sleep(0.3)  # a few samples, so that there is something to control
+        self.console.samples()  # so that there is something to control
         self.console.do("out Qrb 0.8")
         self.console.do("mode bottom auto")
         self.console.event("MODE")
@@ -50,7 +49,7 @@ class BrokenLineTest(unittest.TestCase):
         self.console.event("LINK_DOWN")
         self.plant()
         self.console.event("LINK_UP")
-        time.sleep(0.3)
+        self.console.samples()
         status = "\n".join(self.console.do("status"))
         self.assertIn("state safe, plant link ready", status)
         self.assertIn("Qrb = 0 kW", status)

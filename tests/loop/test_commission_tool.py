@@ -64,7 +64,7 @@ class Tool(unittest.TestCase):
 
     def tool(self, *arguments: str, text: str = "", expect: int = 0) -> tuple[str, str]:
         answer = subprocess.run([str(TOOL), *arguments, "--out", str(self.out)], input=text, text=True, capture_output=True,
-                                timeout=60, check=False)
+                                timeout=board.PATIENCE_S, check=False)
         self.assertEqual(answer.returncode, expect, answer.stdout + answer.stderr)
         return answer.stdout, answer.stderr
 
@@ -153,11 +153,14 @@ class OnABoard(Tool):
         self.addCleanup(plant.wait)
         self.addCleanup(plant.kill)
 
+        with board.console(self.firmware) as console:  # how long it takes to start is the machine's affair
+            console.samples(1)
+
     def start(self, *arguments: str, **more: object) -> subprocess.Popen[str]:
         process = subprocess.Popen([str(TOOL), self.firmware.console, "--out", str(self.out), "--no-report", *arguments],
                                    text=True, stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
                                    **more)  # type: ignore[call-overload]
-        patience = threading.Timer(60, process.kill)
+        patience = threading.Timer(board.PATIENCE_S, process.kill)
         patience.start()
         self.addCleanup(patience.cancel)
         self.addCleanup(process.stdout.close)
@@ -203,7 +206,7 @@ class OnABoard(Tool):
             self.read_until(process, "R: at rest; step of")
             process.send_signal(ending)
             rest = process.stdout.read()
-            self.assertEqual(process.wait(timeout=20), status)
+            self.assertEqual(process.wait(timeout=board.PATIENCE_S), status)
             self.assertIn("aborted on the board (`commission abort`)", rest)
             self.assertIn("the inputs are back where they were held", rest)
             with board.console(self.firmware) as console:
@@ -214,7 +217,7 @@ class OnABoard(Tool):
         self.read_until(process, "begun")
         process.send_signal(signal.SIGINT)
         process.stdout.read()
-        self.assertEqual(process.wait(timeout=20), 130)
+        self.assertEqual(process.wait(timeout=board.PATIENCE_S), 130)
 
     def test_a_start_up_under_way_is_left_alone(self) -> None:
         self.plant("--speed", "6000")
@@ -241,7 +244,7 @@ class OnABoard(Tool):
             self.read_until(process, told)
         process.stdin.close()
         self.assertIn("the start-up ended: asked for", process.stdout.read())
-        self.assertEqual(process.wait(timeout=20), 1)
+        self.assertEqual(process.wait(timeout=board.PATIENCE_S), 1)
 
     def test_keys_at_a_terminal(self) -> None:
         self.plant("--speed", "12000")

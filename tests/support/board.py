@@ -20,7 +20,7 @@ sys.dont_write_bytecode = True
 
 from reflux_tools import build, launch  # noqa: E402
 
-PATIENCE_S = 20.0  # the emulator on a loaded machine; nothing here measures time
+PATIENCE_S = 600.0  # stops what hangs, on however busy a machine; nothing here measures time
 
 
 PROMPT = re.compile(r"^(?:> |\r|\x1b\[K)+")
@@ -101,6 +101,17 @@ class Console:
         self.until(ends)
         return reply
 
+    def samples(self, more: int = 3) -> None:
+        """Waits until the plant has had so many more samples answered."""
+        wanted, end = self._answered() + more, time.monotonic() + PATIENCE_S
+        while self._answered() < wanted:
+            if time.monotonic() > end:
+                raise TimeoutError(f"the plant sent no {more} samples within {PATIENCE_S:g} s")
+            time.sleep(0.01)
+
+    def _answered(self) -> int:
+        return int(" ".join(self.do("stats")).split("samples ")[1].split()[0])
+
     def do(self, command: str) -> list[str]:
         """Payload of a command that must succeed."""
         reply = self.ask(command)
@@ -138,7 +149,7 @@ def start(kind: str) -> Iterator[launch.Firmware]:
 
 def simulator(firmware: launch.Firmware, *arguments: str) -> list[str]:
     """Command line of a simulator at the plant link, without console."""
-    return [str(build.find_program("host", "reflux-sim")), "--port", firmware.link, *arguments]
+    return [str(build.find_program("host", "reflux-sim")), "--port", firmware.link, "--timeout", str(PATIENCE_S), *arguments]
 
 
 def configure(console: Console, name: str = "pilot.conf") -> None:

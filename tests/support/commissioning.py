@@ -144,12 +144,12 @@ class Run:
             script_file.write_text("".join(f"{t:g} {line}\n" for t, line in script))
             command = [str(program), "--plant", str(of.path), "--port", "memory", "--console", "memory", "--duration",
                        f"{duration_s:g}", "--noise", f"{noise:g}", "--seed", str(seed), "--script", str(script_file),
-                       "--transcript", str(said), "--timeout", "60"]
+                       "--transcript", str(said), "--timeout", "600"]
             if log:
                 command += ["--log", str(rows)]
             for e in events:
                 command += ["--event", e]
-            done = subprocess.run(command, capture_output=True, text=True, timeout=250)
+            done = subprocess.run(command, capture_output=True, text=True, timeout=900)
             self.message = done.stderr.strip()
             self.status = done.returncode
             self.said = said.read_text().splitlines() if said.exists() else []

@@ -34,7 +34,7 @@ def said(kind: str, of: Plant, script: list, *options: str, extra: tuple[str, ..
         lines.write_text("".join(f"{t:g} {line}\n" for t, line in script))
         done = subprocess.run(board.simulator(firmware, "--plant", str(of.path), "--console", firmware.console, "--script",
                                               str(lines), "--transcript", str(transcript), "--duration", "1e8",
-                                              "--timeout", "120", *options), capture_output=True, text=True, timeout=280)
+                                              "--timeout", "600", *options), capture_output=True, text=True, timeout=900)
         if done.returncode != 0:
             raise AssertionError(f"{kind}: {done.stderr.strip()[-300:]}")
         return transcript.read_text().splitlines()

@@ -64,7 +64,7 @@ class EmulatorTest(unittest.TestCase):
         plant = self.plant()
         self.console.event("LINK_UP")
         board.configure(self.console)
-        time.sleep(0.5)
+        self.console.samples()
         self.console.do("out Qrb 0.8")
         self.console.do("mode bottom auto")
         self.console.event("MODE")
@@ -73,9 +73,12 @@ class EmulatorTest(unittest.TestCase):
         self.console.event("SAFE_STATE")
         self.console.write("reboot\n")
         self.console.until(lambda line: line == "ok")
-        time.sleep(0.5)
-        self.console.machine_mode()
-        self.assertIn("started by: requested", " ".join(self.console.do("version")))
+        end = time.monotonic() + board.PATIENCE_S
+        said = ""
+        while "started by: requested" not in said and time.monotonic() < end:
+            self.console.machine_mode()
+            said = " ".join(self.console.ask("version"))
+        self.assertIn("started by: requested", said)
         self.assertTrue(self.console.do("status")[0].startswith("state safe"))
 
 

@@ -26,7 +26,7 @@ class Debugger:
 
     def __init__(self, path: str) -> None:
         self.socket = board.connect(path)
-        self.socket.settimeout(10)
+        self.socket.settimeout(board.PATIENCE_S)
         self.text = b""
 
     def send(self, packet: str) -> None:

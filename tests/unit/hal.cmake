@@ -31,4 +31,4 @@ find_program(PYTHON3 NAMES python3 PATHS /usr/bin NO_DEFAULT_PATH)
 find_program(PYTHON3 NAMES python3)
 add_test(NAME reflux_host COMMAND "${PYTHON3}" "${CMAKE_CURRENT_LIST_DIR}/test_reflux_host.py"
   $<TARGET_FILE:reflux-host>)
-set_tests_properties(reflux_host PROPERTIES LABELS unit TIMEOUT 60 ENVIRONMENT "PYTHONDONTWRITEBYTECODE=1")
+set_tests_properties(reflux_host PROPERTIES LABELS unit TIMEOUT ${REFLUX_HANG_S} ENVIRONMENT "PYTHONDONTWRITEBYTECODE=1")

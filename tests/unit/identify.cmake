@@ -11,4 +11,4 @@ find_program(PYTHON3 NAMES python3 PATHS /usr/bin NO_DEFAULT_PATH)
 find_program(PYTHON3 NAMES python3)
 add_test(NAME identification_noise COMMAND "${PYTHON3}" "${PROJECT_SOURCE_DIR}/tools/figures/identification_table.py"
   --program $<TARGET_FILE:identify_records> --seeds 10 --check)
-set_tests_properties(identification_noise PROPERTIES LABELS unit TIMEOUT 300 ENVIRONMENT "PYTHONDONTWRITEBYTECODE=1")
+set_tests_properties(identification_noise PROPERTIES LABELS unit TIMEOUT ${REFLUX_HANG_S} ENVIRONMENT "PYTHONDONTWRITEBYTECODE=1")

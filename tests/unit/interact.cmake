@@ -18,7 +18,7 @@ if(TARGET libreflux)
   find_program(PYTHON3 NAMES python3)
   add_test(NAME detuned_loops
     COMMAND "${PYTHON3}" "${CMAKE_CURRENT_LIST_DIR}/test_detuned_loops.py" $<TARGET_FILE:libreflux>)
-  set_tests_properties(detuned_loops PROPERTIES LABELS unit TIMEOUT 300 ENVIRONMENT "PYTHONDONTWRITEBYTECODE=1")
+  set_tests_properties(detuned_loops PROPERTIES LABELS unit TIMEOUT ${REFLUX_HANG_S} ENVIRONMENT "PYTHONDONTWRITEBYTECODE=1")
 endif()
 
 # Not a test: what the analysis of a 16 x 16 plant costs.

@@ -6,8 +6,8 @@ foreach(part storage storage_power service_plans)
   target_compile_definitions(test_${part} PRIVATE
     STORAGE_IMAGES="${PROJECT_SOURCE_DIR}/tests/reference/storage")
 endforeach()
-set_tests_properties(storage_power PROPERTIES TIMEOUT 300)
+set_tests_properties(storage_power PROPERTIES TIMEOUT ${REFLUX_HANG_S})
 
 # The old images are what the script of the documented format writes.
 add_test(NAME storage_images COMMAND "${PYTHON3}" "${CMAKE_CURRENT_LIST_DIR}/test_storage_images.py")
-set_tests_properties(storage_images PROPERTIES LABELS unit TIMEOUT 60 ENVIRONMENT "PYTHONDONTWRITEBYTECODE=1")
+set_tests_properties(storage_images PROPERTIES LABELS unit TIMEOUT ${REFLUX_HANG_S} ENVIRONMENT "PYTHONDONTWRITEBYTECODE=1")

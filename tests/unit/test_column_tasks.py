@@ -22,7 +22,7 @@ CASES = {"pilot": ("pilot", (), None), "pilot-2x2": ("pilot", (), ("T1", "T10"))
 
 
 def sim(*arguments):
-    return subprocess.run([SIM, *arguments], capture_output=True, text=True, timeout=60)
+    return subprocess.run([SIM, *arguments], capture_output=True, text=True, timeout=900)
 
 
 def settings(values):

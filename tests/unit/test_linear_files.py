@@ -29,7 +29,7 @@ STATES = {
 
 
 def sim(*arguments, **more):
-    return subprocess.run([SIM, *arguments], capture_output=True, text=True, timeout=60, **more)
+    return subprocess.run([SIM, *arguments], capture_output=True, text=True, timeout=900, **more)
 
 
 def table(name):

@@ -10,7 +10,7 @@ HOST = sys.argv.pop(1)
 
 class Options(unittest.TestCase):
     def ends(self, code, because, *arguments):
-        done = subprocess.run([HOST, *arguments], capture_output=True, text=True, stdin=subprocess.DEVNULL, timeout=20)
+        done = subprocess.run([HOST, *arguments], capture_output=True, text=True, stdin=subprocess.DEVNULL, timeout=900)
         self.assertEqual(done.returncode, code, done.stderr)
         self.assertIn(because, done.stderr)
         self.assertEqual(done.stderr.count("\n"), 1, done.stderr)

@@ -6,6 +6,7 @@ usage: test_reflux_sim.py REFLUX_SIM TEST_CONTROLLER PYTHON_PLANT
 import csv, os, signal, socket, subprocess, sys, tempfile, time, unittest
 
 SIM, CONTROLLER, PYTHON_PLANT = sys.argv[1:4]
+HANG_S = 900  # stops what hangs; nothing here takes long, but how long is the machine's affair
 
 
 def rows(path):
@@ -42,10 +43,28 @@ class Bench(unittest.TestCase):
                 "--console", self.path("console"), *more]
 
     def sim(self, *more):
-        return subprocess.run(self.arguments(*more), capture_output=True, text=True, timeout=60)
+        return subprocess.run(self.arguments(*more), capture_output=True, text=True, timeout=HANG_S)
+
+    def within(self, patience_s, wanted, *more, controller=()):
+        """A run that a time-out of its own ends. On a busy machine another wait can be the one that is too long:
+        then again, with more patience."""
+        for longer in (1, 4, 16, 64):
+            self.fresh(*controller)
+            done = self.sim("--timeout", f"{patience_s * longer}", *more)
+            if wanted.format(patience_s * longer) in done.stderr:
+                break
+        self.assertIn(wanted.format(patience_s * longer), done.stderr)
+        self.assertEqual(done.returncode, 1)
+
+    def fresh(self, *options, kind="socket"):
+        """A new controller; the lines of the one before are not to be taken for its."""
+        for left_over in ("link", "console"):
+            if os.path.lexists(self.path(left_over)):
+                os.remove(self.path(left_over))
+        return self.controller(*options, kind=kind)
 
     def refused(self, arguments, because):
-        done = subprocess.run([SIM, *arguments], capture_output=True, text=True, timeout=20)
+        done = subprocess.run([SIM, *arguments], capture_output=True, text=True, timeout=HANG_S)
         self.assertEqual(done.returncode, 2, done.stderr)
         self.assertIn(because, done.stderr)
         self.assertEqual(done.stderr.count("\n"), 1, done.stderr)
@@ -99,7 +118,7 @@ class Options(Bench):
 
     def test_help_and_list_are_printed(self):
         for option, text in [("--help", "exit status: 0 done"), ("--list", "two_by_two: two first-order")]:
-            done = subprocess.run([SIM, option], capture_output=True, text=True, timeout=20)
+            done = subprocess.run([SIM, option], capture_output=True, text=True, timeout=HANG_S)
             self.assertEqual(done.returncode, 0)
             self.assertIn(text, done.stdout)
 
@@ -108,10 +127,7 @@ class Runs(Bench):
     SCRIPT = "0 log on\n100 status\n200 ?nonsense\n500 log off\n"
 
     def run_once(self, name, *more, kind="socket", options=()):
-        for left_over in ("link", "console"):  # of the run before: not to be taken for the new one's
-            if os.path.lexists(self.path(left_over)):
-                os.remove(self.path(left_over))
-        self.controller(*options, kind=kind)
+        self.fresh(*options, kind=kind)
         if kind == "pty":
             while not os.path.exists(self.path("console")):
                 time.sleep(0.01)
@@ -153,10 +169,8 @@ class Runs(Bench):
         self.assertEqual(len(rows(self.path("log"))), 5)  # what came before is kept
 
     def test_a_console_line_that_is_never_answered_is_named(self):
-        self.controller()
-        done = self.sim("--duration", "1000", "--timeout", "1", "--script", self.write("s", "20 sleep\n"))
-        self.assertEqual(done.returncode, 1)
-        self.assertIn('no reply to console line 1, "sleep", within 1.000 s', done.stderr)
+        self.within(1, 'no reply to console line 1, "sleep", within {:.3f} s', "--duration", "1000", "--script",
+                    self.write("s", "20 sleep\n"))
 
     def test_a_rebooted_controller_is_taken_up_again_with_its_telemetry(self):
         self.controller()
@@ -170,23 +184,18 @@ class Runs(Bench):
 
     def test_a_vanished_controller_is_noticed_at_once(self):
         self.controller("die=20")
-        began = time.monotonic()
-        done = self.sim("--log", self.path("log"))
+        done = self.sim("--log", self.path("log"), "--timeout", f"{2 * HANG_S}")  # which it does not wait for
         self.assertEqual(done.returncode, 1)
         self.assertIn("closed the line", done.stderr)
-        self.assertLess(time.monotonic() - began, 2.0)
         self.assertGreaterEqual(len(rows(self.path("log"))), 19)
 
     def test_a_silent_controller_ends_the_run_after_the_timeout(self):
-        self.controller("mute=10")
-        done = self.sim("--timeout", "3", "--duration", "1000")
-        self.assertEqual(done.returncode, 1)
-        self.assertIn("no COMMAND for the sample within 3.000 s", done.stderr)
+        self.within(3, "no COMMAND for the sample within {:.3f} s", "--duration", "1000", controller=["mute=10"])
 
     def test_nobody_there_is_said(self):
         for port in (self.path("link"), "pty:" + self.path("link"), "socket:" + self.path("link")):
             done = subprocess.run([SIM, "--plant", "two_by_two", "--port", port, "--timeout", "0.2"],
-                                  capture_output=True, text=True, timeout=60)
+                                  capture_output=True, text=True, timeout=HANG_S)
             self.assertEqual(done.returncode, 1)
             waiting, why = done.stderr.splitlines()
             self.assertEqual(waiting, f"reflux-sim: waiting for {port}, 0.2 s at most")
@@ -194,31 +203,37 @@ class Runs(Bench):
 
     def test_another_version_is_said(self):
         self.controller("version")
-        done = self.sim("--timeout", "3")
+        done = self.sim("--timeout", f"{HANG_S}")
         self.assertEqual(done.returncode, 1)
         self.assertIn("plant link: the other side speaks version 2, this side 1", done.stderr)
 
     def test_an_interrupted_run_keeps_its_log_and_paces_by_the_clock(self):
         self.controller()
+        began = time.monotonic()
         process = subprocess.Popen(self.arguments("--log", self.path("log"), "--speed", "200", "--progress"),
                                    stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
-        time.sleep(2.0)
+        while time.monotonic() - began < HANG_S:  # progress is told a few times a second
+            time.sleep(0.2)
+            if os.path.exists(self.path("log")) and len(rows(self.path("log"))) > 20:
+                break
         process.send_signal(signal.SIGINT)
-        out, err = process.communicate(timeout=10)
+        out, err = process.communicate(timeout=HANG_S)
         self.assertEqual(process.returncode, 130)
         self.assertIn("samples", out)
         self.assertIn("plant time", err)
-        self.assertTrue(10 < len(rows(self.path("log"))) < 45)  # 20 a second, less starting up
+        took = time.monotonic() - began
+        self.assertTrue(20 < len(rows(self.path("log"))) < 20 * took + 2, took)  # 20 a second, never more
 
     def test_the_python_plant_speaks_the_same_protocol(self):
         self.controller("drop=7")
-        time.sleep(0.2)
+        while not os.path.exists(self.path("console")):  # it listens there last
+            time.sleep(0.01)
         # The controller waits for its console too; a connection is enough.
         process = subprocess.Popen([sys.executable, PYTHON_PLANT, self.path("link"), "20"],
                                    stdout=subprocess.PIPE, text=True)
         with socket.socket(socket.AF_UNIX) as console:
             console.connect(self.path("console"))
-            out, _ = process.communicate(timeout=30)
+            out, _ = process.communicate(timeout=HANG_S)
         self.assertEqual(process.returncode, 0)
         self.assertEqual(len(out.splitlines()), 20)
         self.assertGreater(float(out.splitlines()[-1].split(",")[1]), 25.0)

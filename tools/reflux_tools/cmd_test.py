@@ -21,6 +21,7 @@ from reflux_tools.paths import CAMPAIGNS, ROOT, build_dir
 
 LABELS = ("unit", "loop", "fuzz", "target", "style", "tools", "campaign")
 SANITIZED = ("asan", "asan-fixed")
+HANG_S = 1800.0  # stops a test that hangs, and is far longer than any takes on a busy machine
 COPIED = ("LABELS", "TIMEOUT", "WORKING_DIRECTORY", "ENVIRONMENT", "WILL_FAIL", "RUN_SERIAL", "PROCESSORS",
           "RESOURCE_LOCK", "SKIP_RETURN_CODE", "PASS_REGULAR_EXPRESSION", "FAIL_REGULAR_EXPRESSION")
 
@@ -125,18 +126,18 @@ def target_tests() -> list[Test]:
 def python_tests(label: str) -> list[Test]:
     """Every test_*.py of tests/LABEL."""
     files = sorted((ROOT / "tests" / label).glob("test_*.py"))
-    return [Test(f"{label}.{f.stem.removeprefix('test_')}", [python(), str(f)], [label], {"TIMEOUT": 300.0})
+    return [Test(f"{label}.{f.stem.removeprefix('test_')}", [python(), str(f)], [label], {"TIMEOUT": HANG_S})
             for f in files]
 
 
 def same_log(name: str, left: str, right: str, label: str) -> Test:
     command = [python(), str(ROOT / "tests" / "loop" / "same_log.py"), "host_sim/scenarios/smoke.toml", left, right]
-    return Test(name, command, [label], {"TIMEOUT": 600.0})
+    return Test(name, command, [label], {"TIMEOUT": HANG_S})
 
 
 def style_tests() -> list[Test]:
     command = [str(ROOT / "tools" / "style")]
-    return [Test(f"style.{what}", [*command, what], ["style"], {"TIMEOUT": 1800.0})
+    return [Test(f"style.{what}", [*command, what], ["style"], {"TIMEOUT": HANG_S})
             for what in ("clang-format", "clang-tidy")]
 
 
@@ -144,7 +145,7 @@ def campaign_tests() -> list[Test]:
     """A twentieth of each campaign's seeds; the campaign itself uses all processors."""
     command = str(ROOT / "tools" / "campaign")
     return [Test(f"campaign.{f.stem}", [command, f.stem, "--fraction", "0.05", "--check", "--no-build"],
-                 ["campaign"], {"TIMEOUT": 1800.0, "RUN_SERIAL": "ON"}) for f in sorted(CAMPAIGNS.glob("*.toml"))]
+                 ["campaign"], {"TIMEOUT": HANG_S, "RUN_SERIAL": "ON"}) for f in sorted(CAMPAIGNS.glob("*.toml"))]
 
 
 def write_tree(tests: list[Test]) -> Path:
