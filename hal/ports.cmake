@@ -16,9 +16,10 @@ if(REFLUX_BOARD MATCHES "^stm32")
   set(shared "${PROJECT_SOURCE_DIR}/hal/stm32")
   set(port "${PROJECT_SOURCE_DIR}/hal/${REFLUX_BOARD}")
   set(image "reflux-${REFLUX_BOARD}")
+  find_program(PYTHON3 NAMES python3 REQUIRED)
   add_executable(${image}
     ${shared}/main.c ${shared}/startup.c ${shared}/uart.c ${shared}/tick.c ${shared}/watchdog.c ${shared}/identity.c
-    ${shared}/memory.c
+    ${shared}/memory.c ${shared}/image.c
     ${port}/clock.c ${port}/pins.c ${port}/nvm.c)
   # Its loops are what memset and memcpy are made of, not calls of them.
   set_source_files_properties(${shared}/memory.c PROPERTIES COMPILE_OPTIONS
@@ -28,8 +29,9 @@ if(REFLUX_BOARD MATCHES "^stm32")
   target_link_options(${image} PRIVATE -nostartfiles -L${shared} -T${port}/${REFLUX_BOARD}.ld -Wl,--gc-sections
     -Wl,--fatal-warnings -Wl,-Map=${CMAKE_BINARY_DIR}/${image}.map)
   set_target_properties(${image} PROPERTIES SUFFIX ".elf"
-    LINK_DEPENDS "${port}/${REFLUX_BOARD}.ld;${shared}/sections.ld" RUNTIME_OUTPUT_DIRECTORY "${CMAKE_BINARY_DIR}")
+    LINK_DEPENDS "${port}/${REFLUX_BOARD}.ld;${shared}/sections.ld;${PROJECT_SOURCE_DIR}/tools/cmake/image_crc.py" RUNTIME_OUTPUT_DIRECTORY "${CMAKE_BINARY_DIR}")
   add_custom_command(TARGET ${image} POST_BUILD
-    COMMAND ${CMAKE_OBJCOPY} -O binary $<TARGET_FILE:${image}> ${CMAKE_BINARY_DIR}/${image}.bin
+    COMMAND ${PYTHON3} ${PROJECT_SOURCE_DIR}/tools/cmake/image_crc.py ${CMAKE_OBJCOPY} $<TARGET_FILE:${image}>
+            ${CMAKE_BINARY_DIR}/${image}.bin
     COMMAND arm-none-eabi-size $<TARGET_FILE:${image}>)
 endif()

@@ -7,6 +7,7 @@
 #include "commission/commission.h"
 #include "hal/clock.h"
 #include "hal/identity.h"
+#include "hal/image.h"
 #include "hal/retained.h"
 #include "hal/tick.h"
 #include "hal/uart.h"
@@ -85,6 +86,9 @@ void app_init(struct app *app)
     restart_init(&app->restart, hal_retained(HAL_RETAINED_RESTART, sizeof(struct restart_record)),
                  cause != HAL_RESET_POWER_ON);
     service_record(&app->service, EVENT_STARTED, hal_reset_name(cause), 0.0f, 0);
+    app->service.image = (uint8_t)hal_image_check();
+    if (app->service.image == HAL_IMAGE_DAMAGED)
+        service_record(&app->service, EVENT_IMAGE_DAMAGED, NULL, 0.0f, 0);
 #if COMMISSION_CHANNELS
     if (app->restart.was_testing)
         commission_was_reset(&app->commission);
@@ -306,7 +310,10 @@ static void tick(struct app *app, const struct io_sample *sample, uint64_t now_m
         supervisor_go_safe(&app->supervisor, "plant_time");
     validate(app, sample);
     take_requests_in_tick(app, false);
-    restart_try(&app->restart, &app->supervisor);
+    if (app->service.image == HAL_IMAGE_DAMAGED) /* whatever has been asked for */
+        supervisor_outputs_safe(&app->supervisor, "image");
+    else
+        restart_try(&app->restart, &app->supervisor);
 #if COMMISSION_CHANNELS
     commission_tick(&app->commission, &app->supervisor);
 #endif

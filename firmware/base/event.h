@@ -53,6 +53,7 @@ enum event_code {
     EVENT_STORAGE_REFUSED,
     EVENT_STORAGE_DAMAGED,
     EVENT_STORAGE_LEFT_OUT,
+    EVENT_IMAGE_DAMAGED,
     /* Sequences: value is the step; detail as supervise/sequence.h. */
     EVENT_SEQUENCE_STEP,
     EVENT_SEQUENCE_HELD,

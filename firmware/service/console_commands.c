@@ -4,6 +4,7 @@
 #include "commission/commission.h"
 #include "hal/clock.h"
 #include "hal/identity.h"
+#include "hal/image.h"
 #include "hal/memory_use.h"
 #include "hal/nvm.h"
 #include "hal/uart.h"
@@ -81,6 +82,17 @@ static void fault_line(struct text *line)
     text_named_u32(line, "boots_ago", f.boots_ago);
 }
 
+static void image_line(const struct console *c, struct text *line)
+{
+    static const char *const states[] = {"without a checksum", "whole", "DAMAGED"};
+    text_str(line, "image ");
+    text_str(line, states[c->service->image]);
+    if (!hal_image_bytes())
+        return;
+    hex(line, "crc", hal_image_crc());
+    text_named_u32(line, "bytes", hal_image_bytes());
+}
+
 static bool version_line(struct console *c, unsigned n, struct text *line)
 {
     struct hal_nvm_geometry nvm;
@@ -127,23 +139,26 @@ static bool version_line(struct console *c, unsigned n, struct text *line)
         text_u32(line, nvm.sectors * nvm.sector_size);
         return true;
     case 6:
+        image_line(c, line);
+        return true;
+    case 7:
         text_str(line, "started by: ");
         text_str(line, hal_reset_name(hal_reset_cause()));
         text_named_u32(line, "boot", hal_boot_id());
         if (c->service->early_resets)
             text_named_u32(line, "early_resets", c->service->early_resets);
         return true;
-    case 7:
+    case 8:
         fault_line(line);
         return true;
-    case 8:
+    case 9:
         console_access_text(c, line);
         return true;
-    case 9:
+    case 10:
         text_str(line, "storage: ");
         storage_text(c->service->storage, line);
         return true;
-    case 10:
+    case 11:
         if (!CONFIG_STEPS || !COMMISSION_CHANNELS)
             text_str(line, "left out of this build:");
         text_str(line, CONFIG_STEPS ? "" : " sequences");
@@ -192,6 +207,12 @@ static bool status_line(struct console *c, unsigned n, struct text *line)
     if (n == 0) {
         if (!console_settings(c)->console_key[0])
             console_access_text(c, line);
+        return true;
+    }
+    n -= 1;
+    if (n == 0) {
+        if (s->image == HAL_IMAGE_DAMAGED)
+            text_str(line, event_text(EVENT_IMAGE_DAMAGED));
         return true;
     }
     n -= 1;

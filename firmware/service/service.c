@@ -3,6 +3,7 @@
 #include <string.h>
 
 #include "hal/identity.h"
+#include "hal/image.h"
 #include "hal/retained.h"
 #include "hal/tick.h"
 #include "service/parameters.h"
@@ -223,6 +224,10 @@ static enum err channel_fault(const struct service *s, bool manipulated, const c
 /* No plant whose time goes on. */
 static bool nobody_there(const struct service *s, const char **wanted)
 {
+    if (s->image == HAL_IMAGE_DAMAGED) {
+        *wanted = "cannot act: the firmware is damaged; write it anew";
+        return true;
+    }
     bool ready = s->io.state(s->io.context) == IO_READY;
     *wanted = ready ? "cannot act while plant time stands still"
                     : "cannot act while no plant is connected";

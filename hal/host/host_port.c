@@ -17,6 +17,7 @@
 #include "flash_model.h"
 #include "hal/clock.h"
 #include "hal/identity.h"
+#include "hal/image.h"
 #include "hal/retained.h"
 #include "hal/tick.h"
 #include "hal/watchdog.h"
@@ -260,4 +261,9 @@ void *hal_retained(enum hal_retained_area area, size_t n)
 _Noreturn void hal_reboot(void)
 {
     siglongjmp(reset_vector, 1);
+}
+
+enum hal_image hal_image_check(void)
+{
+    return HAL_IMAGE_NO_CHECKSUM;
 }

@@ -1,6 +1,7 @@
 /* What a process cannot tell of itself as a board can: for the ports that run in one, the host's and the one in memory. */
 #include "hal/clock.h"
 #include "hal/identity.h"
+#include "hal/image.h"
 #include "hal/memory_use.h"
 
 uint32_t hal_core_hz(void)
@@ -20,6 +21,16 @@ uint32_t hal_stack_size(void)
 }
 
 uint32_t hal_stack_unused(void)
+{
+    return 0;
+}
+
+uint32_t hal_image_bytes(void)
+{
+    return 0;
+}
+
+uint32_t hal_image_crc(void)
 {
     return 0;
 }

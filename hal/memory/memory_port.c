@@ -8,6 +8,7 @@
 #include "hal/clock.h"
 #include "hal/flow.h"
 #include "hal/identity.h"
+#include "hal/image.h"
 #include "hal/retained.h"
 #include "hal/ring.h"
 #include "hal/tick.h"
@@ -33,6 +34,7 @@ static unsigned reboots;
 static jmp_buf reset_vector;
 static bool flash_ready;
 static struct hal_retained_memory retained;
+static enum hal_image image;
 
 /* Whoever simulates around a board that is reset goes on counting: its clock does not begin anew. */
 static void power_up(uint64_t now)
@@ -300,6 +302,16 @@ enum hal_reset hal_reset_cause(void)
 uint32_t hal_boot_id(void)
 {
     return boot_id;
+}
+
+void memory_port_set_image(enum hal_image state)
+{
+    image = state;
+}
+
+enum hal_image hal_image_check(void)
+{
+    return image;
 }
 
 void *hal_retained(enum hal_retained_area area, size_t n)

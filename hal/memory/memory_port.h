@@ -9,6 +9,7 @@
 #include <stdint.h>
 
 #include "hal/identity.h"
+#include "hal/image.h"
 #include "hal/uart.h"
 
 /* Powers the board on: rings empty, clock 0, next boot id, firmware initialised. Flash is kept, the retained
@@ -44,6 +45,9 @@ uint64_t memory_port_unfed_ms(void);
 
 /* A reset from outside, as by a watchdog: flash and the retained memory are kept. */
 void memory_port_reset(enum hal_reset why);
+
+/* What the check of the image finds from the next start on. */
+void memory_port_set_image(enum hal_image state);
 
 /* Flash as tests want it: contents (memory_port_flash_size() bytes), all erased by memory_port_erase_all(). */
 uint8_t *memory_port_flash(void);

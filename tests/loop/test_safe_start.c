@@ -93,9 +93,66 @@ static void a_restart_is_told_first(void)
     TEST_ASSERT_TRUE(said("STARTED"));
 }
 
+/* The plant meets a board that has been reset, and whose flash may have lost a bit meanwhile. */
+static void reset_with_image(enum hal_image image)
+{
+    memory_port_set_image(image);
+    memory_port_reset(HAL_RESET_PIN);
+    memory_port_set_image(HAL_IMAGE_NO_CHECKSUM);
+    board.ready = false;
+    board_forget();
+    type("mode machine\n");
+    pass(1000);
+    TEST_ASSERT_TRUE(board.ready);
+}
+
+static void with_a_damaged_image_nothing_acts_and_the_console_says_why(void)
+{
+    static const char *const requests[] = {"mode bottom auto", "mode bottom manual",
+                                           "out top 5",        "out heat 1.5",
+                                           "seq start",        "commission begin"};
+    ask_ok("set restart.policy resume");
+    ask_ok("save");
+    ask_ok("mode bottom auto");
+    samples(30);
+    reset_with_image(HAL_IMAGE_WHOLE);
+    samples(4); /* storage is read after the first */
+    TEST_ASSERT_FALSE(board.command.safe);
+    reset_with_image(HAL_IMAGE_DAMAGED);
+    TEST_ASSERT_TRUE(said("alarm IMAGE_DAMAGED"));
+    samples(10);
+    ask_ok("loop"); /* the settings are those that were stored: their safe values hold */
+    TEST_ASSERT_TRUE(said("bottom manual"));
+    for (unsigned i = 0; i < sizeof requests / sizeof requests[0]; i++) {
+        (void)ask(requests[i]);
+        TEST_ASSERT_TRUE_MESSAGE(said("ok\n") || said("err "), requests[i]);
+        samples(3);
+        TEST_ASSERT_TRUE_MESSAGE(board.command.safe, requests[i]);
+        TEST_ASSERT_EQUAL_FLOAT(0.0f, board.command.output[0].value);
+        TEST_ASSERT_EQUAL_FLOAT(0.5f, board.command.output[1].value);
+    }
+    ask_refused("mode bottom auto", "STATE");
+    TEST_ASSERT_TRUE(said("firmware is damaged"));
+    ask_refused("out top 5", "STATE");
+    TEST_ASSERT_TRUE(said("firmware is damaged"));
+    ask_ok("status");
+    TEST_ASSERT_TRUE(said("state safe"));
+    TEST_ASSERT_TRUE(said("firmware is not the one that was built"));
+    ask_ok("version");
+    TEST_ASSERT_TRUE(said("image DAMAGED"));
+    reset_with_image(HAL_IMAGE_WHOLE);
+    samples(4);
+    ask_ok("mode bottom auto");
+    samples(1);
+    TEST_ASSERT_FALSE(board.command.safe);
+    ask_ok("version");
+    TEST_ASSERT_TRUE(said("image whole"));
+}
+
 int main(void)
 {
     UNITY_BEGIN();
+    RUN_TEST(with_a_damaged_image_nothing_acts_and_the_console_says_why);
     RUN_TEST(the_first_command_after_power_on_is_the_safe_state);
     RUN_TEST(a_reboot_while_controlling_ends_in_the_safe_state);
     RUN_TEST(the_reply_to_reboot_comes_before_the_board_goes);

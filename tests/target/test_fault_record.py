@@ -99,6 +99,15 @@ class FaultRecordTest(unittest.TestCase):
         self.assertIn("started by: requested", version)
         self.assertIn("boots_ago 2", version)
 
+    def test_faults_in_a_row_soon_after_the_start_are_counted_until_somebody_reboots(self) -> None:
+        for n in (1, 2, 3):
+            self.crash()
+            self.assertIn(f"early_resets {n}", self.version())
+        self.console.write("reboot\n")
+        self.console.until(lambda line: " STARTED requested " in line)
+        self.console.machine_mode()
+        self.assertNotIn("early_resets", self.version())
+
 
 if __name__ == "__main__":
     if len(sys.argv) > 1 and not sys.argv[1].startswith("-"):

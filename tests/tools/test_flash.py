@@ -4,6 +4,7 @@ import os
 import struct
 import sys
 import unittest
+import zlib
 from pathlib import Path
 from unittest import mock
 
@@ -64,7 +65,8 @@ class FlashTest(FolderTest):
         for name in BODIES:
             self.install(name)
         self.image = self.folder / "image.bin"
-        self.image.write_bytes(struct.pack("<II", 0x20002000, 0x08000201) + os.urandom(5000))
+        body = struct.pack("<II", 0x20002000, 0x08000201) + os.urandom(4996)
+        self.image.write_bytes(body + zlib.crc32(body).to_bytes(4, "little"))
         clean = {k: v for k, v in os.environ.items() if not k.startswith("FAKE_")}
         self.enterContext(mock.patch.dict(os.environ, {**clean, "PATH": str(self.programs)}, clear=True))
 
@@ -154,6 +156,17 @@ class FlashTest(FolderTest):
             status, _, err = self.flash("--yes", FAKE_STLINK=STLINK)
             self.assertEqual(status, 2)
             self.assertIn(expected, err)
+        self.assertEqual(self.calls(), "")  # not even a look for a board
+
+    def test_an_image_whose_file_is_damaged_is_not_written(self) -> None:
+        data = bytearray(self.image.read_bytes())
+        data[1234] ^= 0x10
+        self.image.write_bytes(data)
+        status, _, err = self.flash("--yes", FAKE_STLINK=STLINK)
+        self.assertEqual((status, self.calls()), (2, ""))
+        self.assertIn("does not end with the checksum", err)
+
+    def test_a_file_that_is_not_there(self) -> None:
         self.image = Path("/nowhere/image.bin")
         self.assertIn("No such file", self.flash()[2])
 

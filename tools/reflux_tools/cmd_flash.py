@@ -8,6 +8,7 @@ import shlex
 import struct
 import sys
 import tempfile
+import zlib
 from pathlib import Path
 
 from reflux_tools import build, probes
@@ -61,7 +62,7 @@ def default_image() -> Path:
 
 
 def inspect(image: Path) -> str:
-    """Refuses what cannot be an image for this chip: its first words are stack and start."""
+    """Refuses what cannot be an image for this chip: its first words are stack and start, its last is its checksum."""
     try:
         data = image.read_bytes()
     except OSError as error:
@@ -72,6 +73,9 @@ def inspect(image: Path) -> str:
     if stack not in RAM or not start & 1 or not probes.FLASH < start < probes.FLASH + len(data):
         raise UserError(f"{shown(image)} does not begin with the vectors of an image linked for {probes.FLASH:#010x} "
                         "(the .bin file is wanted, not the .elf)")
+    if zlib.crc32(data[:-4]).to_bytes(4, "little") != data[-4:]:
+        raise UserError(f"{shown(image)} does not end with the checksum of what is before it: it is damaged, or not from "
+                        "a build of this firmware; the board would let nothing act")
     return f"{len(data)} bytes, sha256 {hashlib.sha256(data).hexdigest()[:16]}"
 
 
