@@ -233,14 +233,14 @@ static inline const char *ask(const char *command)
 static inline void ask_ok(const char *command)
 {
     const char *end = ask(command);
-    char message[256];
+    char message[512];
     snprintf(message, sizeof message, "%s -> %s", command, end);
     TEST_ASSERT_EQUAL_STRING_MESSAGE("ok", end, message);
 }
 
 static inline void ask_refused(const char *command, const char *code)
 {
-    char begin[32], message[256];
+    char begin[32], message[512];
     snprintf(begin, sizeof begin, "err %s ", code);
     const char *end = ask(command);
     snprintf(message, sizeof message, "%s -> %s", command, end);

@@ -10,6 +10,6 @@ foreach(part proposal proposal_structure adoption)
                                            ${PROJECT_SOURCE_DIR}/firmware/service/text.c
                                            ${PROJECT_SOURCE_DIR}/firmware/service/decimal.c
                 LIBS reflux_commission)
-    target_include_directories(test_${part} PRIVATE "${CMAKE_BINARY_DIR}/layers/service")
+    target_include_directories(test_${part} PRIVATE "${REFLUX_LAYERS}/service")
   endif()
 endforeach()

@@ -7,5 +7,5 @@ reflux_test(event_log LABEL unit SOURCES "${CMAKE_CURRENT_LIST_DIR}/test_event_l
             "${PROJECT_SOURCE_DIR}/firmware/service/event_log.c" LIBS reflux_base)
 reflux_test(flow LABEL unit SOURCES "${CMAKE_CURRENT_LIST_DIR}/test_flow.c" LIBS reflux_hal)
 foreach(part line_editor event_log)
-  target_include_directories(test_${part} PRIVATE "${CMAKE_BINARY_DIR}/layers/service")
+  target_include_directories(test_${part} PRIVATE "${REFLUX_LAYERS}/service")
 endforeach()

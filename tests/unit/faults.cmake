@@ -9,11 +9,11 @@ foreach(part supervisor_faults alarms)
                                          ${PROJECT_SOURCE_DIR}/firmware/service/text.c
                                          ${PROJECT_SOURCE_DIR}/firmware/service/decimal.c
               LIBS reflux_supervise)
-  target_include_directories(test_${part} PRIVATE "${CMAKE_BINARY_DIR}/layers/service")
+  target_include_directories(test_${part} PRIVATE "${REFLUX_LAYERS}/service")
 endforeach()
 reflux_test(heartbeat LABEL unit SOURCES ${CMAKE_CURRENT_LIST_DIR}/test_heartbeat.c
                                          ${PROJECT_SOURCE_DIR}/firmware/service/heartbeat.c)
-target_include_directories(test_heartbeat PRIVATE "${CMAKE_BINARY_DIR}/layers/service")
+target_include_directories(test_heartbeat PRIVATE "${REFLUX_LAYERS}/service")
 
 # The host port's watchdog, around a firmware that hangs.
 reflux_test(host_watchdog LABEL unit SOURCES
@@ -22,6 +22,6 @@ reflux_test(host_watchdog LABEL unit SOURCES
   "${PROJECT_SOURCE_DIR}/hal/host/process.c" "${PROJECT_SOURCE_DIR}/firmware/service/heartbeat.c"
   LIBS reflux_hal)
 target_include_directories(test_host_watchdog PRIVATE
-  "${PROJECT_SOURCE_DIR}/hal/host" "${CMAKE_BINARY_DIR}/layers/app" "${CMAKE_BINARY_DIR}/layers/service")
+  "${PROJECT_SOURCE_DIR}/hal/host" "${REFLUX_LAYERS}/app" "${REFLUX_LAYERS}/service")
 set_source_files_properties("${CMAKE_CURRENT_LIST_DIR}/test_host_watchdog.c"
   PROPERTIES COMPILE_DEFINITIONS _GNU_SOURCE)

@@ -2,7 +2,7 @@
 foreach(port memory host)
   reflux_test(hal_${port} LABEL unit SOURCES "${CMAKE_CURRENT_LIST_DIR}/test_hal_${port}.c" LIBS reflux_hal)
   target_include_directories(test_hal_${port} PRIVATE
-    "${PROJECT_SOURCE_DIR}/hal/memory" "${PROJECT_SOURCE_DIR}/hal/host" "${CMAKE_BINARY_DIR}/layers/app")
+    "${PROJECT_SOURCE_DIR}/hal/memory" "${PROJECT_SOURCE_DIR}/hal/host" "${REFLUX_LAYERS}/app")
   target_sources(test_hal_${port} PRIVATE "${PROJECT_SOURCE_DIR}/hal/host/flash_model.c"
     "${PROJECT_SOURCE_DIR}/hal/host/process.c")
 endforeach()

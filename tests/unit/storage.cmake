@@ -1,12 +1,15 @@
 # Parameter storage: format and old images, and power cut everywhere. The two plans of the service.
 foreach(part storage storage_power service_plans)
-  reflux_test(${part} LABEL unit SOURCES ${CMAKE_CURRENT_LIST_DIR}/test_${part}.c
+  set(once)
+  if(part STREQUAL "storage_power")
+    set(once ONCE)
+  endif()
+  reflux_test(${part} LABEL unit ${once} SOURCES ${CMAKE_CURRENT_LIST_DIR}/test_${part}.c
               LIBS reflux_hal_memory reflux_app reflux_link)
   target_include_directories(test_${part} PRIVATE "${PROJECT_SOURCE_DIR}/hal/host")
   target_compile_definitions(test_${part} PRIVATE
     STORAGE_IMAGES="${PROJECT_SOURCE_DIR}/tests/reference/storage")
 endforeach()
-set_tests_properties(storage_power PROPERTIES TIMEOUT ${REFLUX_HANG_S})
 
 # The old images are what the script of the documented format writes.
 add_test(NAME storage_images COMMAND "${PYTHON3}" "${CMAKE_CURRENT_LIST_DIR}/test_storage_images.py")

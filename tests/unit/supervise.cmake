@@ -11,7 +11,7 @@ foreach(part two_position arena plan supervisor_modes supervisor_cascade supervi
                                            ${PROJECT_SOURCE_DIR}/firmware/service/text.c
                                            ${PROJECT_SOURCE_DIR}/firmware/service/decimal.c
                 LIBS reflux_supervise)
-    target_include_directories(test_${part} PRIVATE "${CMAKE_BINARY_DIR}/layers/service")
+    target_include_directories(test_${part} PRIVATE "${REFLUX_LAYERS}/service")
   endif()
 endforeach()
 
@@ -22,7 +22,7 @@ add_executable(parameter_table "${PROJECT_SOURCE_DIR}/tests/support/parameter_ta
                ${PROJECT_SOURCE_DIR}/firmware/service/text.c
                ${PROJECT_SOURCE_DIR}/firmware/service/decimal.c)
 target_link_libraries(parameter_table PRIVATE reflux_supervise reflux_options)
-target_include_directories(parameter_table PRIVATE "${CMAKE_BINARY_DIR}/layers/service")
+target_include_directories(parameter_table PRIVATE "${REFLUX_LAYERS}/service")
 set_target_properties(parameter_table PROPERTIES RUNTIME_OUTPUT_DIRECTORY "${CMAKE_BINARY_DIR}")
 add_test(NAME parameter_document COMMAND parameter_table "${PROJECT_SOURCE_DIR}/docs/console.md")
 set_tests_properties(parameter_document PROPERTIES LABELS unit TIMEOUT ${REFLUX_HANG_S})

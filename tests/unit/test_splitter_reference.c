@@ -26,7 +26,7 @@ void tearDown(void)
 static void deviations(const double *row, double *kelvin, double *relative)
 {
     for (int s = 1; s <= STAGES; s++) {
-        char name[8];
+        char name[16];
         snprintf(name, sizeof name, "T%d", s);
         *kelvin = fmax(*kelvin, fabs(get(name) - row[s - 1]));
     }

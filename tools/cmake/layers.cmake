@@ -1,8 +1,13 @@
 # A layer is a folder under firmware/ (or the contract headers of hal/) built as one target that sees only
 # the layers it names. Each layer gets an include root of its own holding one link, so that
 # #include "supervise/loops.h" in a lower layer finds nothing and does not compile.
+#
+# The links stand in the build tree, or wherever REFLUX_LAYERS says: two trees that see the same headers under the same
+# paths make the same machine code from the same text (sanitizers write paths into programs), and tools/test runs it once.
+set(REFLUX_LAYERS "${CMAKE_BINARY_DIR}/layers" CACHE PATH "Folder of the layers' include roots")
+
 function(reflux_include_root name folder result)
-  set(root "${CMAKE_BINARY_DIR}/layers/${name}")
+  set(root "${REFLUX_LAYERS}/${name}")
   file(MAKE_DIRECTORY "${root}")
   file(CREATE_LINK "${folder}" "${root}/${name}" SYMBOLIC)
   set(${result} "${root}" PARENT_SCOPE)
@@ -34,7 +39,7 @@ function(reflux_double_layer name)
   endif()
   add_library(reflux_${name}_double STATIC ${arg_SOURCES})
   set_target_properties(reflux_${name}_double PROPERTIES POSITION_INDEPENDENT_CODE ON) # they go into libreflux.so
-  target_include_directories(reflux_${name}_double PUBLIC "${CMAKE_BINARY_DIR}/layers/${name}")
+  target_include_directories(reflux_${name}_double PUBLIC "${REFLUX_LAYERS}/${name}")
   target_compile_definitions(reflux_${name}_double PUBLIC REFLUX_REAL_DOUBLE=1)
   list(TRANSFORM arg_DEPENDS PREPEND reflux_ OUTPUT_VARIABLE below)
   target_link_libraries(reflux_${name}_double PUBLIC ${below} m PRIVATE reflux_options)

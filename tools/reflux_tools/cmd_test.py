@@ -15,7 +15,7 @@ import sys
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from reflux_tools import build
+from reflux_tools import build, machine_code
 from reflux_tools.errors import RunFailed, UserError
 from reflux_tools.paths import CAMPAIGNS, ROOT, build_dir
 
@@ -63,9 +63,7 @@ def collect(labels: set[str]) -> list[Test]:
     """Builds what these labels need and returns their tests."""
     tests: list[Test] = []
     if labels & {"unit", "loop", "fuzz"}:
-        for preset in SANITIZED:
-            build.build(preset)
-            tests += [test for test in tests_of(preset) if labels & set(test.labels)]
+        tests += sanitized_tests(labels)
     if labels & {"loop", "target", "campaign"}:
         build.build("host", ("reflux-sim", "reflux-sim-memory", "reflux-host", "libreflux"))
     if "loop" in labels:
@@ -87,6 +85,39 @@ def collect(labels: set[str]) -> list[Test]:
     if "campaign" in labels:
         tests += campaign_tests()
     return tests
+
+
+def sanitized_tests(labels: set[str]) -> list[Test]:
+    """Float and fixed point; of the second what is other machine code than the first. Where num_t does not occur a
+    program is the same one twice."""
+    first, second = SANITIZED
+    for preset in SANITIZED:
+        build.build(preset)
+    tests = [test for test in tests_of(first) if labels & set(test.labels)]
+    known = {test.name.removeprefix(f"{first}."): test for test in tests}
+    both = [test for test in tests_of(second) if labels & set(test.labels)]
+    for test in both:
+        twin = known.get(test.name.removeprefix(f"{second}."))
+        if twin is None or not same_test(twin, test):
+            tests.append(test)
+    print(f"{len(both) - (len(tests) - len(known))} of {len(both)} tests are the same machine code in {first} and {second}, "
+          "and run once", flush=True)
+    return tests
+
+
+def same_test(left: Test, right: Test) -> bool:
+    """The same command on programs that are the same machine code."""
+    folders = [str(build_dir(preset)) + os.sep for preset in SANITIZED]
+    if len(left.command) != len(right.command) or left.properties.get("ENVIRONMENT") != right.properties.get("ENVIRONMENT"):
+        return False
+    for a, b in zip(left.command, right.command):
+        if a == b:
+            continue
+        if not (a.startswith(folders[0]) and b.startswith(folders[1]) and a[len(folders[0]):] == b[len(folders[1]):]
+                and machine_code.is_program(Path(a)) and machine_code.is_program(Path(b))
+                and machine_code.same(Path(a), Path(b))):
+            return False
+    return True
 
 
 def tests_of(preset: str) -> list[Test]:
