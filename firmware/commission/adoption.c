@@ -28,8 +28,11 @@ enum stage {
 
 static void ask(struct supervisor *s, uint8_t i, enum loop_mode mode)
 {
-    struct request r = {
-        .kind = REQUEST_MODE, .loop = i, .output = PLAN_NONE, .mode = (uint8_t)mode};
+    struct request r = {.kind = REQUEST_MODE,
+                        .loop = i,
+                        .output = PLAN_NONE,
+                        .mode = (uint8_t)mode,
+                        .plan = s->plan->serial};
     supervisor_request(s, &r);
 }
 

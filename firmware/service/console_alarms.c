@@ -1,6 +1,7 @@
 /* Console commands on what is wrong: alarm, alarm ack, alarm shelve. */
 #include <string.h>
 
+#include "hal/tick.h"
 #include "service/console.h"
 #include "supervise/alarms.h"
 
@@ -40,9 +41,11 @@ static bool alarm_line(struct console *c, unsigned n, struct text *line)
     if (n == 0) {
         if (s->io.state(s->io.context) != IO_READY) {
             text_str(line, "LINK_DOWN no plant is connected");
-        } else if (sup->state == SUPERVISOR_SAFE && sup->safe_why) {
+        } else if (sup->state == SUPERVISOR_SAFE && sup->safe_why[0]) {
             text_str(line, "SAFE_STATE loops in manual, outputs at safe values since: ");
+            hal_tick_lock(); /* the tick may be about to say another */
             text_str(line, sup->safe_why);
+            hal_tick_unlock();
         }
         return true;
     }

@@ -104,7 +104,9 @@ enum err service_request(struct service *s, const struct request *request)
     if (!spsc_can_write(&s->requests.index))
         return ERR_BUSY;
     expect(s, request);
-    s->requests.slot[spsc_write_index(&s->requests.index)] = *request;
+    struct request *slot = &s->requests.slot[spsc_write_index(&s->requests.index)];
+    *slot = *request;
+    slot->plan = service_plan(s)->serial;
     spsc_write_done(&s->requests.index);
     return ERR_OK;
 }

@@ -108,7 +108,7 @@ void service_fault_name(const struct config_fault *fault, struct text *t);
  * that cannot be, CONFIG_REFUSED says why and the plan stays whole for the tick it was made for, which does not fit:
  * no setting is lost, and nothing acts. Returns whether the plan has been written. */
 bool service_follow_tick(struct service *s, struct plan *plan);
-/* Queues a request that has been checked. ERR_BUSY when the queue is full. */
+/* Queues a request that has been checked with service_plan(), and puts that plan's serial on it. ERR_BUSY when the queue is full. */
 MUST_CHECK enum err service_request(struct service *s, const struct request *request);
 
 /* Can the loop leave manual: are its channels announced, with the right unit? *what gets the channel's

@@ -123,8 +123,11 @@ static void interlocks_back(struct supervisor *s, const struct restart_record *r
 static void loop_back(struct supervisor *s, const struct restart_record *record, uint8_t i)
 {
     struct loop_state *l = &s->loop[i];
-    struct request mode = {
-        .kind = REQUEST_MODE, .loop = i, .output = PLAN_NONE, .mode = record->mode[i]};
+    struct request mode = {.kind = REQUEST_MODE,
+                           .loop = i,
+                           .output = PLAN_NONE,
+                           .mode = record->mode[i],
+                           .plan = s->plan->serial};
     l->v = record->v[i];
     if (record->mode[i] == LOOP_MANUAL)
         return;

@@ -7,8 +7,12 @@
 static bool ask_loop(struct supervisor *s, enum request_kind kind, uint8_t loop,
                      enum loop_mode mode, float value)
 {
-    struct request r = {
-        .kind = kind, .loop = loop, .output = PLAN_NONE, .mode = (uint8_t)mode, .value = value};
+    struct request r = {.kind = kind,
+                        .loop = loop,
+                        .output = PLAN_NONE,
+                        .mode = (uint8_t)mode,
+                        .plan = s->plan->serial,
+                        .value = value};
     return supervisor_request(s, &r);
 }
 
@@ -30,8 +34,11 @@ static bool drive(struct supervisor *s, uint8_t output, float value)
         done =
             set_mode(s, loop, LOOP_MANUAL) && ask_loop(s, REQUEST_OUTPUT, loop, LOOP_MANUAL, value);
     } else {
-        struct request r = {
-            .kind = REQUEST_OUTPUT, .loop = PLAN_NONE, .output = output, .value = value};
+        struct request r = {.kind = REQUEST_OUTPUT,
+                            .loop = PLAN_NONE,
+                            .output = output,
+                            .plan = s->plan->serial,
+                            .value = value};
         done = supervisor_request(s, &r);
     }
     if (done)

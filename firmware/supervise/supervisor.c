@@ -273,6 +273,13 @@ void supervisor_bind_output(struct supervisor *s, uint8_t index)
     s->output[index].bound = true;
 }
 
+/* It may be a name in a plan that is written over later. */
+static void keep_reason(struct supervisor *s, const char *why)
+{
+    memset(s->safe_why, 0, sizeof s->safe_why);
+    strncpy(s->safe_why, why, sizeof s->safe_why - 1);
+}
+
 void supervisor_outputs_safe(struct supervisor *s, const char *why)
 {
 #if CONFIG_STEPS
@@ -294,7 +301,7 @@ void supervisor_outputs_safe(struct supervisor *s, const char *why)
     if (s->state != SUPERVISOR_SAFE)
         event_put(s->events, s->time_ms, EVENT_SAFE_STATE, why, 0.0f, 0);
     if (s->state != SUPERVISOR_SAFE)
-        s->safe_why = why;
+        keep_reason(s, why);
     s->state = SUPERVISOR_SAFE;
     s->safe_count++;
 }
@@ -424,6 +431,10 @@ static bool request_output(struct supervisor *s, const struct request *r)
 
 bool supervisor_request(struct supervisor *s, const struct request *r)
 {
+    if (r->plan != s->plan->serial) { /* another may stand in that place */
+        event_put(s->events, s->time_ms, EVENT_REQUEST_REFUSED, "plan", r->value, 0);
+        return false;
+    }
     bool loop_ok = r->loop < CONFIG_LOOPS && s->plan->loop[r->loop].used;
     bool output_ok = r->output < CHANNEL_MAX && s->plan->config.output[r->output].name[0];
     if (r->kind == REQUEST_MODE && loop_ok)

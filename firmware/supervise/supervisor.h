@@ -46,13 +46,14 @@ enum request_kind {
     REQUEST_SEQUENCE /* mode: enum sequence_command; output: row that was shown */
 };
 
-/* Indices are those of the plan it was checked with. That is in force when it is carried out, since plans and requests
- * wait in one queue. */
+/* Loops, outputs and alarms are named by their places in the plan it was checked with. That is in force when its turn
+ * comes, since plans and requests wait in one queue; were it another, the request is refused. */
 struct request {
     enum request_kind kind;
     uint8_t loop;   /* MODE, SETPOINT, OUTPUT of a loop */
     uint8_t output; /* OUTPUT of a manipulated variable without a loop; else PLAN_NONE */
     uint8_t mode;   /* enum loop_mode */
+    uint32_t plan;  /* serial of that plan */
     float value;    /* EU, checked by whoever asks */
 };
 
@@ -158,10 +159,11 @@ struct supervisor {
     const struct plan *plan; /* NULL before the first */
     struct event_queue *events;
     enum supervisor_state state;
-    const char *safe_why; /* what the safe state was last taken for; NULL since the start */
-    uint32_t safe_count;  /* times it was taken, again and again in silence; wraps */
-    bool testing;         /* somebody tests the plant (commission): no sequence begins */
-    uint64_t time_ms;     /* of the last tick */
+    char safe_why
+        [CHANNEL_NAME_SIZE]; /* what the safe state was last taken for; empty since the start */
+    uint32_t safe_count;     /* times it was taken, again and again in silence; wraps */
+    bool testing;            /* somebody tests the plant (commission): no sequence begins */
+    uint64_t time_ms;        /* of the last tick */
     uint32_t ticks;
     float tick_s; /* base tick the states were placed for */
     /* In the arena. Index i, below placed[], is that of the plan; what the plan does not use is zero or not there. */

@@ -59,7 +59,7 @@ static void take(struct supervisor *s, uint8_t i, float value, enum quality qual
     struct measurement_state *m = &s->measurement[i];
     const struct measurement_config *c = &s->plan->config.measurement[i];
     num_t x = span_to_fraction(value, c->lo, c->hi);
-    if (!m->seen || m->quality == QUALITY_BAD)
+    if (!m->seen || !quality_usable(m->quality))
         lag_reset(&m->filter, x); /* nothing older is worth remembering */
     m->value = lag_step(&m->filter, x);
     m->seen = true;
@@ -124,7 +124,9 @@ static void validate_measurement(struct supervisor *s, uint8_t i, const struct r
     struct measurement_state *m = &s->measurement[i];
     const struct measurement_config *c = &s->plan->config.measurement[i];
     if (!m->bound) {
+        /* Nobody looks at it: what it was before says nothing of what comes when it is bound again. */
         m->quality = QUALITY_MISSING;
+        m->believed = m->delivered = false;
         return;
     }
     m->fault = (uint8_t)judge(s, i, r);

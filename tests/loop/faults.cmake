@@ -1,5 +1,5 @@
 # Faults, alarms and restarts on the whole firmware.
-foreach(part restart late_tick fault_matrix interlocks)
+foreach(part restart late_tick fault_matrix interlocks plan_changes)
   if(EXISTS "${CMAKE_CURRENT_LIST_DIR}/test_${part}.c")
     reflux_test(${part} LABEL loop SOURCES ${CMAKE_CURRENT_LIST_DIR}/test_${part}.c
                 LIBS reflux_hal_memory reflux_app reflux_link)

@@ -220,6 +220,38 @@ static void a_sensor_that_dies_during_the_delay_does_not_begin_it_where_bad_does
     TEST_ASSERT_TRUE(active());
 }
 
+/* Numbers past the limit before and after, and none between for less than the delay: nobody said it was over. */
+static void samples_that_are_missing_when_the_delay_ends_do_not_begin_it_anew(void)
+{
+    running();
+    SETTINGS("lock1.meas", "T10", "lock1.mv", "heat", "lock1.limit", "140", "lock1.value", "0",
+             "lock1.on_bad", "off", "meas2.hold", "0", "lock1.delay", "9");
+    reads(150);
+    samples(8);
+    board.quality[T10] = QUALITY_MISSING;
+    samples(5);
+    TEST_ASSERT_FALSE(active());
+    reads(150);
+    samples(1);
+    TEST_ASSERT_TRUE(active());
+}
+
+static void a_measurement_the_plant_no_longer_has_does_not_end_it(void)
+{
+    running();
+    SETTINGS("lock1.meas", "T10", "lock1.mv", "heat", "lock1.limit", "140", "lock1.value", "0",
+             "lock1.on_bad", "off");
+    reads(150);
+    samples(1);
+    reads(115);
+    set_to("meas2.unit", "K");
+    samples(10);
+    TEST_ASSERT_TRUE(active());
+    set_to("meas2.unit", "degC");
+    samples(1);
+    TEST_ASSERT_FALSE(active());
+}
+
 /* ---- what it leaves behind ---- */
 
 static void with_lock(void)
@@ -329,7 +361,7 @@ static void no_acting_loop_goes_past_the_operating_limits_once_it_has_let_go(voi
             /* and not further than it must */
             TEST_ASSERT_TRUE(heat() >= 1.5 - 0.001 * (n + 1) - 1e-5);
         }
-        reads(125); /* it is not wound up: it comes down as fast as it may */
+        reads(117); /* it is not wound up: it comes down as fast as it may */
         samples(7);
         double before = heat();
         samples(10);
@@ -437,6 +469,8 @@ int main(void)
     RUN_TEST(a_number_the_plant_vouches_for_begins_it_whatever_came_before_and_stands_in);
     RUN_TEST(what_the_plant_does_not_vouch_for_begins_nothing_where_bad_does_not_count);
     RUN_TEST(a_sensor_that_dies_during_the_delay_does_not_begin_it_where_bad_does_not_count);
+    RUN_TEST(samples_that_are_missing_when_the_delay_ends_do_not_begin_it_anew);
+    RUN_TEST(a_measurement_the_plant_no_longer_has_does_not_end_it);
     RUN_TEST(after_it_acted_in_the_safe_state_its_output_is_safe_and_stays_there);
     RUN_TEST(released_after_the_safe_state_has_ended_it_leaves_its_value);
     RUN_TEST(in_manual_an_output_stays_where_it_left_it_until_somebody_moves_it);

@@ -105,8 +105,11 @@ static inline void tank_ticks(unsigned n)
 
 static inline void seq_at(enum sequence_command what, uint8_t row)
 {
-    struct request r = {
-        .kind = REQUEST_SEQUENCE, .loop = PLAN_NONE, .output = row, .mode = (uint8_t)what};
+    struct request r = {.kind = REQUEST_SEQUENCE,
+                        .loop = PLAN_NONE,
+                        .output = row,
+                        .mode = (uint8_t)what,
+                        .plan = bench.s.plan->serial};
     (void)supervisor_request(&bench.s, &r);
     bench_events();
 }

@@ -121,6 +121,7 @@ static inline void apply(void)
 {
     struct config_fault fault;
     struct plan *next = &bench.plan[1 - bench.current];
+    uint32_t serial = bench.plan[bench.current].serial;
     if (plan_build(next, &bench.config, (float)bench.tick_ms / 1000.0f, &fault) != ERR_OK) {
         char text[160];
         snprintf(text, sizeof text, "refused: %s%u.%s '%s' %s", fault.group, fault.index,
@@ -128,6 +129,7 @@ static inline void apply(void)
         TEST_FAIL_MESSAGE(text);
     }
     bench.current = 1 - bench.current;
+    next->serial = serial + 1;
     supervisor_take_plan(&bench.s, next);
     supervisor_tell_plan(&bench.s);
     for (uint8_t i = 0; i < CHANNEL_MAX; i++) {
@@ -176,8 +178,12 @@ static inline void ticks(unsigned n)
 static inline void request(enum request_kind kind, uint8_t loop, uint8_t output, uint8_t mode,
                            double value)
 {
-    struct request r = {
-        .kind = kind, .loop = loop, .output = output, .mode = mode, .value = (float)value};
+    struct request r = {.kind = kind,
+                        .loop = loop,
+                        .output = output,
+                        .mode = mode,
+                        .plan = bench.s.plan->serial,
+                        .value = (float)value};
     supervisor_request(&bench.s, &r);
     bench_events();
 }

@@ -56,7 +56,11 @@ void tearDown(void) {}
 
 static void ask(enum request_kind kind, uint8_t alarm, double seconds)
 {
-    struct request r = {.kind = kind, .loop = PLAN_NONE, .output = alarm, .value = (float)seconds};
+    struct request r = {.kind = kind,
+                        .loop = PLAN_NONE,
+                        .output = alarm,
+                        .plan = bench.s.plan->serial,
+                        .value = (float)seconds};
     supervisor_request(&bench.s, &r);
     bench_events();
 }

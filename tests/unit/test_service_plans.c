@@ -73,6 +73,25 @@ static void test_a_waiting_plan_is_in_force_before_its_buffer_is_edited(void)
     TEST_ASSERT_EQUAL_PTR(in_force_plan(), service_plan(&fw.service));
 }
 
+/* Also while that plan still waits for the tick. */
+static void test_a_request_carries_the_plan_it_was_checked_with(void)
+{
+    struct config c = *in_force();
+    struct config_fault fault;
+    struct request r = {.kind = REQUEST_OUTPUT, .loop = 0, .output = PLAN_NONE};
+    struct request_queue *q = &fw.service.requests;
+    uint32_t before = in_force_plan()->serial;
+    uint32_t at = spsc_write_index(&q->index);
+    TEST_ASSERT_EQUAL(ERR_OK, service_request(&fw.service, &r));
+    TEST_ASSERT_EQUAL(before, q->slot[at].plan);
+    bench_set(&c, "loop1.gain", "2");
+    TEST_ASSERT_EQUAL(ERR_OK, service_apply(&fw.service, &c, &fault));
+    at = spsc_write_index(&q->index);
+    TEST_ASSERT_EQUAL(ERR_OK, service_request(&fw.service, &r));
+    TEST_ASSERT_TRUE(before != q->slot[at].plan);
+    TEST_ASSERT_EQUAL(service_plan(&fw.service)->serial, q->slot[at].plan);
+}
+
 #if CONFIG_STEPS
 static void test_rows_keep_the_offset_they_were_captured_with(void)
 {
@@ -95,6 +114,7 @@ int main(void)
     RUN_TEST(test_rows_that_wait_outlive_a_change_of_settings);
     RUN_TEST(test_rows_under_other_columns_are_given_up_and_counted);
     RUN_TEST(test_rows_of_the_plan_in_force_stay_as_they_are);
+    RUN_TEST(test_a_request_carries_the_plan_it_was_checked_with);
     RUN_TEST(test_a_waiting_plan_is_in_force_before_its_buffer_is_edited);
 #if CONFIG_STEPS
     RUN_TEST(test_rows_keep_the_offset_they_were_captured_with);

@@ -240,15 +240,46 @@ static void an_output_without_a_loop_can_be_moved_by_its_own_name(void)
 
 static void requests_to_what_is_not_there_are_refused(void)
 {
-    struct request r = {.kind = REQUEST_SETPOINT, .loop = CONFIG_LOOPS - 1, .output = PLAN_NONE};
-    supervisor_request(&bench.s, &r);
-    r = (struct request){.kind = REQUEST_OUTPUT, .loop = PLAN_NONE, .output = CHANNEL_MAX - 1};
-    supervisor_request(&bench.s, &r);
-    r = (struct request){.kind = REQUEST_MODE, .loop = 200, .output = PLAN_NONE};
-    supervisor_request(&bench.s, &r);
-    r = (struct request){.kind = REQUEST_OUTPUT, .loop = 0, .output = 100};
-    supervisor_request(&bench.s, &r);
+    request(REQUEST_SETPOINT, CONFIG_LOOPS - 1, PLAN_NONE, 0, 0);
+    request(REQUEST_OUTPUT, PLAN_NONE, CHANNEL_MAX - 1, 0, 0);
+    request(REQUEST_MODE, 200, PLAN_NONE, 0, 0);
+    request(REQUEST_OUTPUT, 0, 100, 0, 0);
     TEST_ASSERT_EQUAL(4, happened(EVENT_REQUEST_REFUSED, NULL));
+    TEST_ASSERT_EQUAL(0, happened(EVENT_REQUEST_REFUSED, "plan"));
+}
+
+/* Checked with one plan, its turn comes under another, in which something else stands in the same place. */
+static void a_request_that_meets_another_plan_is_refused_whatever_stands_in_its_place(void)
+{
+    struct request asked[] = {
+        {.kind = REQUEST_MODE, .loop = BOTTOM, .output = PLAN_NONE, .mode = LOOP_AUTO},
+        {.kind = REQUEST_SETPOINT, .loop = BOTTOM, .output = PLAN_NONE, .value = 120},
+        {.kind = REQUEST_OUTPUT, .loop = BOTTOM, .output = PLAN_NONE, .value = 1.8f},
+        {.kind = REQUEST_OUTPUT, .loop = PLAN_NONE, .output = SPARE, .value = 70},
+        {.kind = REQUEST_ACK, .loop = PLAN_NONE, .output = 0},
+        {.kind = REQUEST_SHELVE, .loop = PLAN_NONE, .output = 0, .value = 60}};
+    const unsigned n = sizeof asked / sizeof asked[0];
+    for (unsigned k = 0; k < n; k++)
+        asked[k].plan = bench.s.plan->serial;
+    put_all((const char *const[]){"alarm1.on", "T10", "alarm1.limit", "110", "loop2.name", "other",
+                                  "loop2.sp_track", "off", "mv3.name", "another", NULL});
+    apply();
+    tick();
+    bench_forget_events();
+    double heat = sent(HEAT), spare = sent(SPARE), sp = setpoint_of(BOTTOM);
+    for (unsigned k = 0; k < n; k++)
+        TEST_ASSERT_FALSE(supervisor_request(&bench.s, &asked[k]));
+    TEST_ASSERT_EQUAL(n, happened(EVENT_REQUEST_REFUSED, "plan"));
+    tick();
+    TEST_ASSERT_EQUAL(n, bench.n_seen);
+    TEST_ASSERT_EQUAL(LOOP_MANUAL, bench.s.loop[BOTTOM].mode);
+    TEST_ASSERT_DOUBLE_WITHIN(0, sp, setpoint_of(BOTTOM));
+    TEST_ASSERT_DOUBLE_WITHIN(0, heat, sent(HEAT));
+    TEST_ASSERT_DOUBLE_WITHIN(0, spare, sent(SPARE));
+    TEST_ASSERT_FALSE(bench.s.alarm[0].acknowledged);
+    TEST_ASSERT_EQUAL(0, bench.s.alarm[0].shelved_until_ms);
+    mode(BOTTOM, LOOP_AUTO); /* asked anew */
+    TEST_ASSERT_EQUAL(LOOP_AUTO, bench.s.loop[BOTTOM].mode);
 }
 
 static void a_loop_runs_only_in_the_ticks_of_its_divisor_and_phase(void)
@@ -292,6 +323,7 @@ int main(void)
     RUN_TEST(a_manual_output_is_refused_while_the_loop_acts);
     RUN_TEST(an_output_without_a_loop_can_be_moved_by_its_own_name);
     RUN_TEST(requests_to_what_is_not_there_are_refused);
+    RUN_TEST(a_request_that_meets_another_plan_is_refused_whatever_stands_in_its_place);
     RUN_TEST(a_loop_runs_only_in_the_ticks_of_its_divisor_and_phase);
     return UNITY_END();
 }
