@@ -27,6 +27,17 @@ static void acting(const char *policy)
     board_forget();
 }
 
+/* The same plant, whose heat is counted in another unit. */
+static void heat_in_watts(uint8_t index, struct link_page *m)
+{
+    *m = (struct link_page){.index = index, .manipulated = index >= 4, .hi = 200};
+    const char *name = index < 4 ? board.names[index] : index == 4 ? "reflux" : "heat";
+    const char *unit = index < 4 ? board.units[index] : index == 4 ? "l/h" : "W";
+    snprintf(m->name, sizeof m->name, "%s", name);
+    snprintf(m->unit, sizeof m->unit, "%s", unit);
+    m->safe = index == 4 ? 1.0f : index == 5 ? 0.25f : 0.0f;
+}
+
 /* A reset, the plant met again; configured as before when that is wanted (by hand: no storage here). */
 static void reset(enum hal_reset why)
 {
@@ -143,6 +154,47 @@ static void another_configuration_is_not_resumed(void)
     ask_ok("set loop2.gain 1.4");
     samples(1);
     TEST_ASSERT_TRUE(board.command.safe);
+}
+
+/* restart.limit is 60 s. The sample that brings the settings back is the second: the first command is the safe one. */
+static void it_comes_back_at_the_limit_of_time_and_not_after_it(void)
+{
+    static const uint32_t late_ms[] = {59000, 59001};
+    for (unsigned k = 0; k < 2; k++) {
+        acting("hold");
+        reset(HAL_RESET_WATCHDOG);
+        configured_as_before("hold");
+        sample_after(late_ms[k]);
+        TEST_ASSERT_TRUE(board.command.safe);
+        samples(1);
+        TEST_ASSERT_EQUAL_MESSAGE(k == 1, board.command.safe, "at the limit, then after it");
+    }
+}
+
+static void an_output_that_does_not_fit_the_plant_does_not_come_back_and_the_others_do(void)
+{
+    acting("hold");
+    memory_port_reset(HAL_RESET_WATCHDOG);
+    board.ready = false;
+    board.announce = heat_in_watts;
+    board.n_measurements = 4;
+    board.n_outputs = 2;
+    board_run();
+    type("mode machine\n");
+    pass(1000);
+    samples(1);
+    configured_as_before("hold");
+    board_forget();
+    samples(2);
+    TEST_ASSERT_TRUE(said("RESTART_DONE"));
+    TEST_ASSERT_TRUE(board.command.output[0].drive);
+    TEST_ASSERT_EQUAL_FLOAT(4.0f, board.command.output[0].value);
+    TEST_ASSERT_FALSE(board.command.output[1].drive); /* nobody's */
+    /* Once it fits it begins at the safe value, not where the heater was before the reset. */
+    ask_ok("set mv2.unit W");
+    samples(2);
+    TEST_ASSERT_EQUAL_FLOAT(4.0f, board.command.output[0].value);
+    TEST_ASSERT_EQUAL_FLOAT(0.5f, board.command.output[1].value);
 }
 
 static void a_plant_that_comes_late_or_was_restarted_is_not_resumed(void)
@@ -313,6 +365,8 @@ int main(void)
     RUN_TEST(resume_brings_modes_and_setpoints_back_without_a_bump);
     RUN_TEST(with_the_configuration_in_storage_nobody_has_to_do_anything);
     RUN_TEST(another_configuration_is_not_resumed);
+    RUN_TEST(it_comes_back_at_the_limit_of_time_and_not_after_it);
+    RUN_TEST(an_output_that_does_not_fit_the_plant_does_not_come_back_and_the_others_do);
     RUN_TEST(a_plant_that_comes_late_or_was_restarted_is_not_resumed);
     RUN_TEST(an_operator_who_acts_first_is_not_overruled);
     RUN_TEST(after_power_on_nothing_is_resumed_whatever_the_memory_holds);

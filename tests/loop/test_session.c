@@ -55,6 +55,33 @@ static void a_page_answered_twice_does_no_harm(void)
     ask_ok("mode bottom auto");
 }
 
+static void a_page_that_was_not_asked_for_is_not_taken_in_place_of_the_one_that_was(void)
+{
+    power_on();
+    board.mute = false;
+    board.deaf_to_pages = true;
+    pass(300);
+    for (uint8_t asked = 0; asked < 6; asked++) {
+        for (uint8_t other = 0; other < 6; other++)
+            if (other != asked)
+                plant_page(other);
+        board_run();
+        TEST_ASSERT_FALSE(board.ready);
+        plant_page(asked);
+        board_run();
+    }
+    TEST_ASSERT_TRUE(board.ready);
+    configure();
+    samples(2);
+    ask_ok("status");
+    TEST_ASSERT_TRUE(said("T1 = 85") && said("T10 = 115"));
+    ask_ok("out bottom 1.5");
+    ask_ok("out top 4");
+    samples(1);
+    TEST_ASSERT_EQUAL_FLOAT(4.0f, board.command.output[0].value);
+    TEST_ASSERT_EQUAL_FLOAT(1.5f, board.command.output[1].value);
+}
+
 static void a_plant_that_did_not_get_ready_is_told_again(void)
 {
     unsigned before = board.readies;
@@ -424,6 +451,7 @@ int main(void)
     RUN_TEST(it_asks_for_every_page_and_says_ready_once);
     RUN_TEST(a_page_that_is_lost_is_asked_for_again);
     RUN_TEST(a_page_answered_twice_does_no_harm);
+    RUN_TEST(a_page_that_was_not_asked_for_is_not_taken_in_place_of_the_one_that_was);
     RUN_TEST(a_plant_that_did_not_get_ready_is_told_again);
     RUN_TEST(a_restarted_plant_is_met_anew_in_the_safe_state);
     RUN_TEST(a_plant_of_another_version_gets_no_further_and_is_reported_once);

@@ -79,6 +79,40 @@ static void an_alarm_comes_at_its_limit_and_goes_inside_its_hysteresis(void)
     TEST_ASSERT_FALSE(bench.s.alarm[1].listed);
 }
 
+static void inside_its_hysteresis_it_does_not_come(void)
+{
+    static const double quiet[] = {118.5, 119.5, 120,
+                                   118.5}; /* 120 is the limit, and not beyond it */
+    for (unsigned k = 0; k < 4; k++) {
+        reading(T10, quiet[k]);
+        reading(T1, 80.5); /* the other side: 80 is the limit, 81 where it would go */
+        ticks(10);
+        TEST_ASSERT_EQUAL(0, happened(EVENT_ALARM_ON, NULL));
+    }
+    reading(T10, 120.01);
+    tick();
+    TEST_ASSERT_EQUAL(1, happened(EVENT_ALARM_ON, "T10.hi"));
+}
+
+static void the_hysteresis_does_not_count_while_it_waits_for_its_delay(void)
+{
+    reading(T1, 79);
+    ticks(3);
+    reading(T1, 80.5);
+    tick();
+    reading(T1, 79);
+    ticks(5);
+    TEST_ASSERT_EQUAL(0, happened(EVENT_ALARM_ON, NULL)); /* it began anew */
+    tick();
+    TEST_ASSERT_EQUAL(1, happened(EVENT_ALARM_ON, "T1.lo"));
+    reading(T1, 80.9);
+    ticks(10);
+    TEST_ASSERT_EQUAL(0, happened(EVENT_ALARM_OFF, NULL));
+    reading(T1, 81.1);
+    tick();
+    TEST_ASSERT_EQUAL(1, happened(EVENT_ALARM_OFF, "T1.lo"));
+}
+
 static void it_waits_for_its_delay_which_begins_anew_after_an_interruption(void)
 {
     for (unsigned n = 0; n < 30; n++) {
@@ -210,6 +244,30 @@ static void a_measurement_that_is_not_believed_changes_nothing(void)
     TEST_ASSERT_TRUE(bench.s.alarm[1].listed);
 }
 
+/* 125 degC where the heat is 1 kW, 100 where it is 0. */
+static void a_value_made_up_for_a_lost_one_neither_brings_it_nor_ends_it(void)
+{
+    put("meas2.infer", "heat");
+    put("meas2.infer_offset", "100");
+    set_and_apply("meas2.infer_gain", "25");
+    bad_reading(T10, QUALITY_BAD, 0);
+    ticks(3);
+    TEST_ASSERT_FLOAT_WITHIN(0.01f, 125, span_to_eu(bench.s.measurement[T10].value, 60, 160));
+    ticks(10);
+    TEST_ASSERT_EQUAL(0, happened(EVENT_ALARM_ON, NULL));
+    reading(T10, 121);
+    ticks(2);
+    TEST_ASSERT_EQUAL(1, happened(EVENT_ALARM_ON, "T10.hi"));
+    bad_reading(T10, QUALITY_BAD, 0);
+    out(BOTTOM, 0);
+    ticks(10);
+    TEST_ASSERT_FLOAT_WITHIN(0.01f, 100, span_to_eu(bench.s.measurement[T10].value, 60, 160));
+    TEST_ASSERT_EQUAL(0, happened(EVENT_ALARM_OFF, NULL));
+    reading(T10, 117.9);
+    tick();
+    TEST_ASSERT_EQUAL(1, happened(EVENT_ALARM_OFF, "T10.hi"));
+}
+
 static void what_is_asked_of_an_alarm_that_is_not_there_is_refused(void)
 {
     ask(REQUEST_ACK, CONFIG_ALARMS - 1, 0);
@@ -248,6 +306,8 @@ int main(void)
 {
     UNITY_BEGIN();
     RUN_TEST(an_alarm_comes_at_its_limit_and_goes_inside_its_hysteresis);
+    RUN_TEST(inside_its_hysteresis_it_does_not_come);
+    RUN_TEST(the_hysteresis_does_not_count_while_it_waits_for_its_delay);
     RUN_TEST(it_waits_for_its_delay_which_begins_anew_after_an_interruption);
     RUN_TEST(a_latched_one_stays_on_the_list_until_it_is_acknowledged);
     RUN_TEST(an_acknowledged_one_stays_while_its_condition_holds);
@@ -257,6 +317,7 @@ int main(void)
     RUN_TEST(a_shelved_one_is_silent_for_its_time_and_then_comes_anew);
     RUN_TEST(a_shelf_ends_when_that_is_asked_or_plant_time_is_set_back);
     RUN_TEST(a_measurement_that_is_not_believed_changes_nothing);
+    RUN_TEST(a_value_made_up_for_a_lost_one_neither_brings_it_nor_ends_it);
     RUN_TEST(what_is_asked_of_an_alarm_that_is_not_there_is_refused);
     RUN_TEST(names_are_found_and_long_ones_cut);
     RUN_TEST(a_plan_with_an_alarm_on_nothing_is_refused);

@@ -211,6 +211,19 @@ static void clamping_inside_the_limits_keeps_the_remainder(void)
     TEST_ASSERT_TRUE(num_eq(N(0.25), accumulator_get(&a)));
 }
 
+static void what_is_clamped_is_the_limit_and_no_remainder(void)
+{
+    static const double ranges[][3] = {{0.6, 1, 0.6}, {0, 0.25, 0.25}};
+    for (unsigned k = 0; k < 2; k++) {
+        struct accumulator a;
+        accumulator_set(&a, N(0.5));
+        accumulator_add_product(&a, coefficient_from_float(1e-10f), N(0.5));
+        TEST_ASSERT_TRUE(accumulated(&a) != 0.5); /* there is a remainder */
+        accumulator_clamp(&a, N(ranges[k][0]), N(ranges[k][1]));
+        TEST_ASSERT_TRUE(accumulated(&a) == D(N(ranges[k][2])));
+    }
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -229,5 +242,6 @@ int main(void)
     RUN_TEST(a_large_term_added_and_taken_away_leaves_the_small_remainder);
     RUN_TEST(a_value_set_is_the_value_read);
     RUN_TEST(clamping_inside_the_limits_keeps_the_remainder);
+    RUN_TEST(what_is_clamped_is_the_limit_and_no_remainder);
     return UNITY_END();
 }
