@@ -238,15 +238,12 @@ enum err unpack_hello(const struct frame *f, struct link_hello *m)
     x.n_measurements = get_u8(&r);
     x.n_outputs = get_u8(&r);
     x.tick_ms = get_u32(&r);
-    if (!get_text(&r, x.name, sizeof(x.name)) || x.n_measurements > LINK_CHANNELS_MAX ||
-        x.n_outputs > LINK_CHANNELS_MAX) {
+    if (!get_text(&r, x.name, sizeof(x.name))) {
         return ERR_FRAME;
     }
-    if (x.role == LINK_ROLE_PLANT && x.tick_ms == 0) {
-        return ERR_RANGE;
-    }
     *m = x;
-    return ERR_OK;
+    bool too_many = x.n_measurements > LINK_CHANNELS_MAX || x.n_outputs > LINK_CHANNELS_MAX;
+    return too_many || (x.role == LINK_ROLE_PLANT && x.tick_ms == 0) ? ERR_RANGE : ERR_OK;
 }
 
 enum err unpack_page_request(const struct frame *f, struct link_page_request *m)

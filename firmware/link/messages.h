@@ -5,9 +5,10 @@
  * to LINK_CHANNELS_ROOM.
  * unpack_*: ERR_FRAME when type, length, counts, flags, or texts (no terminating zero, bytes outside printable
  * ASCII, no channel name) are wrong; ERR_NOT_FINITE for a span, safe value or driven output that is no number;
- * ERR_RANGE for an empty span, a safe value outside it, a plant tick of 0. A reading that is not finite
+ * ERR_RANGE for an empty span, a safe value outside it, a plant tick of 0, more channels in a HELLO than
+ * LINK_CHANNELS_MAX. A reading that is not finite
  * passes as 0 with quality made QUALITY_BAD: a broken sensor is not a broken frame. On error *m is unchanged,
- * but for one case: a HELLO of another version gives ERR_VERSION with only m->version and m->role filled in.
+ * but for a HELLO: with ERR_VERSION m->version and m->role are filled in, the rest is 0; with ERR_RANGE all of it.
  */
 #ifndef REFLUX_LINK_MESSAGES_H
 #define REFLUX_LINK_MESSAGES_H
@@ -37,6 +38,8 @@ enum link_message {
     LINK_COMMAND = 6,      /* C->P */
     LINK_KEEP_ALIVE = 7    /* both, no payload */
 };
+
+#define SAMPLE_COUNT_AT 12 /* byte of a SAMPLE's payload that says how many measurements follow */
 
 enum link_role { LINK_ROLE_PLANT = 1, LINK_ROLE_CONTROLLER = 2 };
 

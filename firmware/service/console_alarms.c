@@ -39,7 +39,12 @@ static bool alarm_line(struct console *c, unsigned n, struct text *line)
     const struct supervisor *sup = s->supervisor;
     const struct plan *plan = service_in_force(s);
     if (n == 0) {
-        if (s->io.state(s->io.context) != IO_READY) {
+        if (s->link->refused) {
+            text_str(line, "PLANT_REFUSED ");
+            text_str(line, s->link->name[0] ? s->link->name : "-");
+            text_char(line, ' ');
+            text_str(line, plant_fault_text((uint8_t)s->link->refused));
+        } else if (s->io.state(s->io.context) != IO_READY) {
             text_str(line, "LINK_DOWN no plant is connected");
         } else if (sup->state == SUPERVISOR_SAFE && sup->safe_why[0]) {
             text_str(line, "SAFE_STATE loops in manual, outputs at safe values since: ");

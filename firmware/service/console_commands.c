@@ -303,6 +303,10 @@ void event_line(const struct event *e, struct text *line)
         text_str(line, ": ");
         text_str(line, measurement_fault_text(e->detail));
     }
+    if (e->code == EVENT_PLANT_REFUSED) {
+        text_str(line, ": ");
+        text_str(line, plant_fault_text(e->detail));
+    }
 #if CONFIG_STEPS
     if (e->code == EVENT_SEQUENCE_HELD || e->code == EVENT_SEQUENCE_ABORTED) {
         text_str(line, ": ");

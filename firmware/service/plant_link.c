@@ -2,9 +2,15 @@
 
 #include <string.h>
 
+#include "base/crc32.h"
 #include "base/elapsed.h"
 #include "hal/identity.h"
 #include "hal/uart.h"
+
+/* A page asked for so often, which takes as long as silence, is told as missing. */
+#define ASKS_TOLD (1 + LINK_SILENCE_MS / LINK_HELLO_MS)
+/* Board time between two refusals that are told: a line may bring any number of plants a second. */
+#define TOLD_APART_MS 1000u
 
 _Static_assert(LINK_CHANNELS_ROOM <= IO_CHANNELS_MAX, "the largest sample has room in hal/io.h");
 
@@ -45,13 +51,22 @@ static void send_hello(struct plant_link *link, uint64_t now_ms)
         link->asked_ms = now_ms;
 }
 
+static void tell_refused(struct plant_link *link, enum plant_fault fault, float value)
+{
+    event_put(link->events, *link->plant_time, EVENT_PLANT_REFUSED, link->name, value,
+              (uint8_t)fault);
+}
+
 static void send_page_request(struct plant_link *link, uint64_t now_ms)
 {
     struct link_page_request m = {.index = link->next_page};
     struct frame f;
     pack_page_request(&m, &f);
-    if (send(link, &f, now_ms))
-        link->asked_ms = now_ms;
+    if (!send(link, &f, now_ms))
+        return;
+    link->asked_ms = now_ms;
+    if (link->asks < ASKS_TOLD && ++link->asks == ASKS_TOLD)
+        tell_refused(link, PLANT_NO_PAGE, (float)link->next_page);
 }
 
 static void send_ready(struct plant_link *link, uint64_t now_ms)
@@ -94,48 +109,68 @@ static void other_version(struct plant_link *link, uint8_t version, uint64_t now
         send_hello(link, now_ms);
 }
 
-/* Said once: it goes on greeting. */
-static void refuse_plant(struct plant_link *link, float needed, uint8_t detail)
+/* Whatever it goes on saying, it stays refused until its HELLO is another, or it has been silent. Said once. */
+static void refuse_plant(struct plant_link *link, enum plant_fault fault, float value,
+                         uint64_t now_ms)
 {
-    event_put(link->events, *link->plant_time, EVENT_PLANT_REFUSED, link->name, needed, detail);
-    link->refused = true;
+    link->refused = fault;
     link->state = IO_DOWN;
     link->generation++;
+    if (link->told && (uint32_t)now_ms - link->told_ms < TOLD_APART_MS) {
+        link->hello = 0; /* looked at again, and told when there is time for it */
+        return;
+    }
+    link->told = true;
+    link->told_ms = (uint32_t)now_ms;
+    tell_refused(link, fault, value);
+}
+
+/* Notes what a plant announces with its HELLO; m is all zero where that could not be read. */
+static void meet_plant(struct plant_link *link, const struct link_hello *m)
+{
+    if (link->state == IO_READY)
+        link->generation++; /* the plant is another one now: what was bound is void */
+    link->state = IO_GREETING;
+    link->version_told = link->role_told = link->odd = link->odd_told = false;
+    link->refused = PLANT_FINE;
+    link->plant_session = m->session;
+    link->count[0] = m->n_measurements;
+    link->count[1] = m->n_outputs;
+    link->tick_ms = m->tick_ms;
+    memcpy(link->name, m->name, sizeof link->name);
+    link->next_page = link->asks = 0;
+    link->text_n = 0;
 }
 
 static void on_hello(struct plant_link *link, const struct frame *f, uint64_t now_ms)
 {
-    struct link_hello m;
+    struct link_hello m = {0};
     enum err err = unpack_hello(f, &m);
-    if (err == ERR_VERSION && m.role == LINK_ROLE_PLANT) {
+    if (err == ERR_VERSION) {
         other_version(link, m.version, now_ms);
         return;
     }
-    if (err || m.role != LINK_ROLE_PLANT || m.tick_ms == 0 ||
-        (link->refused && m.session == link->plant_session)) {
+    /* The same announcement in all it says; a plant that announces something else is another one. */
+    uint32_t hello = crc32_update(0, f->payload, f->n);
+    if (hello == link->hello && link->refused) {
         link->stats.refused++;
         return;
     }
-    if (link->state == IO_READY && m.session == link->plant_session) {
+    if (hello == link->hello && link->state == IO_READY) {
         send_ready(link, now_ms); /* ours was lost */
         return;
     }
-    if (link->state == IO_GREETING && m.session == link->plant_session)
+    if (hello == link->hello && link->state == IO_GREETING)
         return; /* questions are on their way */
-    if (link->state == IO_READY)
-        link->generation++; /* the plant is another one now: what was bound is void */
-    link->state = IO_GREETING;
-    link->version_told = link->refused = false;
-    link->plant_session = m.session;
-    link->count[0] = m.n_measurements;
-    link->count[1] = m.n_outputs;
-    link->tick_ms = m.tick_ms;
-    memcpy(link->name, m.name, sizeof link->name);
-    link->next_page = 0;
-    link->text_n = 0;
+    link->hello = hello;
+    meet_plant(link, &m);
     uint8_t most = m.n_measurements > m.n_outputs ? m.n_measurements : m.n_outputs;
-    if (most > LINK_CHANNELS_ROOM)
-        refuse_plant(link, (float)most, 0);
+    if (err == ERR_FRAME)
+        refuse_plant(link, PLANT_HELLO, (float)f->n, now_ms);
+    else if (most > LINK_CHANNELS_ROOM)
+        refuse_plant(link, PLANT_TOO_LARGE, (float)most, now_ms);
+    else if (m.tick_ms == 0)
+        refuse_plant(link, PLANT_NO_TICK, 0.0f, now_ms);
     else
         ask_or_finish(link, now_ms);
 }
@@ -149,18 +184,40 @@ static void keep_text(struct plant_link *link, const char *text)
     link->text_n = (uint16_t)(link->text_n + n);
 }
 
+/* An earlier page of the same kind has this name: a channel is bound by it. */
+static bool name_taken(const struct plant_link *link, const char *name, bool manipulated)
+{
+    for (uint8_t k = manipulated ? link->count[0] : 0; k < link->next_page; k++)
+        if (strcmp(&link->text[link->text_at[k]], name) == 0)
+            return true;
+    return false;
+}
+
+static enum plant_fault page_fault(const struct plant_link *link, enum err err,
+                                   const struct link_page *m, bool manipulated)
+{
+    if (err == ERR_RANGE || err == ERR_NOT_FINITE)
+        return PLANT_SPAN;
+    if (err || m->index != link->next_page || m->manipulated != manipulated)
+        return PLANT_PAGE;
+    return name_taken(link, m->name, manipulated) ? PLANT_SAME_NAME : PLANT_FINE;
+}
+
 static void on_page(struct plant_link *link, const struct frame *f, uint64_t now_ms)
 {
     struct link_page m;
     if (link->state != IO_GREETING)
         return;
     bool manipulated = link->next_page >= link->count[0];
-    if (unpack_page(f, &m) != ERR_OK || m.manipulated != manipulated) {
+    enum err err = unpack_page(f, &m);
+    if (!err && m.index < link->next_page)
+        return; /* answer to a question asked twice */
+    enum plant_fault fault = page_fault(link, err, &m, manipulated);
+    if (fault) {
         link->stats.refused++;
+        refuse_plant(link, fault, (float)link->next_page, now_ms);
         return;
     }
-    if (m.index != link->next_page)
-        return; /* answer to a question asked twice */
     link->text_at[link->next_page] = (link_place)link->text_n;
     keep_text(link, m.name);
     keep_text(link,
@@ -172,22 +229,42 @@ static void on_page(struct plant_link *link, const struct frame *f, uint64_t now
     link->hi[link->next_page] = m.hi;
 #endif
     link->next_page++;
+    link->asks = 0;
     if (link->text_n > sizeof link->text)
-        refuse_plant(link, (float)link->text_n, 1);
+        refuse_plant(link, PLANT_LONG_TEXT, (float)link->text_n, now_ms);
     else
         ask_or_finish(link, now_ms);
 }
 
-static bool on_sample(struct plant_link *link, const struct frame *f, struct io_sample *sample)
+/* Dropped. A plant that goes on like that is controlled by nobody, and hears our keep-alives all the same: after as
+ * long as silence lasts it is refused, and our HELLO takes it to its safe values. */
+static void odd_sample(struct plant_link *link, const struct frame *f, uint64_t now_ms)
+{
+    float measurements = f->n > SAMPLE_COUNT_AT ? (float)f->payload[SAMPLE_COUNT_AT] : 0.0f;
+    link->stats.refused++;
+    if (!link->odd_told)
+        event_put(link->events, *link->plant_time, EVENT_SAMPLE_REFUSED, link->name, measurements,
+                  0);
+    link->odd_told = true;
+    if (!link->odd)
+        link->odd_ms = (uint32_t)now_ms;
+    link->odd = true;
+    if ((uint32_t)now_ms - link->odd_ms >= LINK_SILENCE_MS)
+        refuse_plant(link, PLANT_SHAPE, measurements, now_ms);
+}
+
+static bool on_sample(struct plant_link *link, const struct frame *f, uint64_t now_ms,
+                      struct io_sample *sample)
 {
     struct link_sample m;
     if (link->state != IO_READY)
         return false; /* the plant will hear our hello */
     if (unpack_sample(f, &m) != ERR_OK || m.n_measurements != link->count[0] ||
         (m.n_readback != 0 && m.n_readback != link->count[1])) {
-        link->stats.refused++;
+        odd_sample(link, f, now_ms);
         return false;
     }
+    link->odd = false;
     link->stats.samples++;
     sample->number = m.number;
     sample->time = m.time_ms;
@@ -220,6 +297,12 @@ static void keep_time(struct plant_link *link, uint64_t now_ms)
         event_put(link->events, *link->plant_time, EVENT_LINK_DOWN, link->name,
                   elapsed_ms(now_ms, link->heard_ms) / 1000.0f, 0);
     }
+    if (link->refused && now_ms - link->heard_ms > LINK_SILENCE_MS) {
+        link->refused = PLANT_FINE; /* it has gone; who comes now is looked at anew */
+        link->hello = 0;
+        link->next_page = 0;
+        link->count[0] = link->count[1] = 0;
+    }
     bool ask_again = now_ms - link->asked_ms >= LINK_HELLO_MS;
     if (link->state == IO_DOWN && (ask_again || link->asked_ms == 0))
         send_hello(link, now_ms);
@@ -229,9 +312,24 @@ static void keep_time(struct plant_link *link, uint64_t now_ms)
         keep_alive(link, now_ms);
 }
 
+/* HELLO of its role, and none of what only controllers send. */
+static bool from_a_plant(const struct frame *f)
+{
+    if (f->type == LINK_HELLO)
+        return f->n < 2 || f->payload[1] == LINK_ROLE_PLANT;
+    return f->type != LINK_PAGE_REQUEST && f->type != LINK_READY && f->type != LINK_COMMAND;
+}
+
 static bool on_frame(struct plant_link *link, const struct frame *f, uint64_t now_ms,
                      struct io_sample *sample)
 {
+    if (!from_a_plant(f)) { /* no sign of life either: what is heard may be ourselves */
+        link->stats.refused++;
+        if (!link->role_told)
+            tell_refused(link, PLANT_ROLE, (float)f->type);
+        link->role_told = true;
+        return false;
+    }
     uint16_t gap = (uint16_t)(f->sequence - link->heard_sequence - 1u);
     if (link->state == IO_READY && gap < 0x8000u)
         link->stats.lost_frames += gap;
@@ -245,7 +343,7 @@ static bool on_frame(struct plant_link *link, const struct frame *f, uint64_t no
         on_page(link, f, now_ms);
         return false;
     case LINK_SAMPLE:
-        return on_sample(link, f, sample);
+        return on_sample(link, f, now_ms, sample);
     case LINK_KEEP_ALIVE:
         return false;
     default:

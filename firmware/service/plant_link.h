@@ -7,6 +7,7 @@
 #include "hal/io.h"
 #include "link/frame.h"
 #include "link/messages.h"
+#include "service/plant_fault.h"
 #include "supervise/config.h"
 
 #ifndef LINK_RX_BLOCK
@@ -28,6 +29,7 @@ struct plant_link {
     uint32_t generation;
     uint32_t session;       /* ours */
     uint32_t plant_session; /* the plant's, of the present or last exchange */
+    uint32_t hello;         /* checksum of its HELLO: what it announces */
     uint16_t sequence;
     uint64_t heard_ms, sent_ms,
         asked_ms; /* board time of the last good frame, any frame out, question out */
@@ -44,7 +46,13 @@ struct plant_link {
     float lo[2 * LINK_CHANNELS_ROOM], hi[2 * LINK_CHANNELS_ROOM]; /* by page: for people alone */
 #endif
     char text[LINK_TEXT_BYTES];
-    bool refused; /* plant_session is that of a plant too large for this board */
+    enum plant_fault refused; /* why the plant with this `hello` is not taken */
+    uint32_t told_ms,
+        odd_ms; /* board time, low word: of the last refusal told; of the first odd sample in a row */
+    uint8_t asks;       /* for next_page */
+    bool told;          /* there was one */
+    bool odd, odd_told; /* the last sample was not of the shape announced; that has been said */
+    bool role_told;
     struct frame_decoder decoder;
     uint8_t rx[LINK_RX_BLOCK];
     uint8_t rx_n, rx_at;
