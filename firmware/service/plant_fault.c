@@ -8,7 +8,7 @@ const char *plant_fault_text(uint8_t fault)
         [PLANT_LONG_TEXT] = "more bytes of names and units than this board takes",
         [PLANT_HELLO] = "HELLO of another length, or with a text that is none",
         [PLANT_NO_TICK] = "tick_ms is 0",
-        [PLANT_PAGE] = "PAGE malformed, or another than was asked for",
+        [PLANT_PAGE] = "PAGE malformed, or of the other kind",
         [PLANT_SPAN] = "PAGE with a span that is empty or no number, or safe outside it",
         [PLANT_SAME_NAME] = "PAGE with the name of another of its kind",
         [PLANT_NO_PAGE] = "PAGE does not come",

@@ -198,7 +198,7 @@ static enum plant_fault page_fault(const struct plant_link *link, enum err err,
 {
     if (err == ERR_RANGE || err == ERR_NOT_FINITE)
         return PLANT_SPAN;
-    if (err || m->index != link->next_page || m->manipulated != manipulated)
+    if (err || m->manipulated != manipulated)
         return PLANT_PAGE;
     return name_taken(link, m->name, manipulated) ? PLANT_SAME_NAME : PLANT_FINE;
 }
@@ -210,8 +210,8 @@ static void on_page(struct plant_link *link, const struct frame *f, uint64_t now
         return;
     bool manipulated = link->next_page >= link->count[0];
     enum err err = unpack_page(f, &m);
-    if (!err && m.index < link->next_page)
-        return; /* answer to a question asked twice */
+    if (!err && m.index != link->next_page)
+        return; /* answer to a question asked twice, or before the plant greeted anew */
     enum plant_fault fault = page_fault(link, err, &m, manipulated);
     if (fault) {
         link->stats.refused++;
