@@ -197,6 +197,45 @@ static void test_save_that_needs_an_erase_waits_for_manual(void)
     ask_ok("save");
 }
 
+/* Erases of both slots, as `version` tells them. */
+static unsigned erases_told(void)
+{
+    ask_ok("version");
+    const char *at = strstr(board.said, " erases ");
+    TEST_ASSERT_NOT_NULL(at);
+    return (unsigned)strtoul(at + 8, NULL, 10);
+}
+
+/* An erase stops the processor for seconds: the plant would wait for its first command. */
+static void test_nothing_is_erased_before_the_first_command(void)
+{
+    power_on(); /* with a new flash */
+    connect_plant();
+    ask_refused("save", "STATE");
+    TEST_ASSERT_EQUAL(0, erases_told());
+    samples(1);
+    ask_ok("save");
+    TEST_ASSERT_EQUAL(1, erases_told());
+}
+
+static void test_erases_are_counted_through_starts(void)
+{
+    running();
+    ask_ok("save");
+    for (unsigned so_far = 1; so_far < 5; so_far++) {
+        TEST_ASSERT_EQUAL(so_far, erases_told());
+        for (unsigned n = 0; erases_told() == so_far; n++) {
+            TEST_ASSERT_LESS_THAN(100, n);
+            ask_ok("save");
+        }
+        power_on();
+        pass(2500);
+        connect_plant();
+        samples(2);
+    }
+    TEST_ASSERT_EQUAL(5, erases_told());
+}
+
 static void test_rows_and_events_come_while_a_save_is_under_way(void)
 {
     running();
@@ -503,6 +542,8 @@ int main(void)
     RUN_TEST(test_flash_that_takes_no_write_is_said_in_one_line);
     RUN_TEST(test_set_kept_back_by_a_transaction_is_not_replaced_by_defaults);
     RUN_TEST(test_save_that_needs_an_erase_waits_for_manual);
+    RUN_TEST(test_nothing_is_erased_before_the_first_command);
+    RUN_TEST(test_erases_are_counted_through_starts);
     RUN_TEST(test_rows_and_events_come_while_a_save_is_under_way);
     RUN_TEST(test_inconsistent_set_is_explained_again_by_load);
     RUN_TEST(test_dump_restores_exactly);

@@ -3,19 +3,19 @@
 from __future__ import annotations
 
 import argparse
-import os
-import shutil
-import subprocess
 import tomllib
 from dataclasses import dataclass
 from pathlib import Path
 
 from reflux_tools import build
-from reflux_tools.errors import RunFailed, UserError
-from reflux_tools.paths import ROOT, build_root, shown
+from reflux_tools.errors import UserError
+from reflux_tools.mutation.random_round import Round
+from reflux_tools.mutation.reach import Costs, mutants_folder
+from reflux_tools.mutation.tree import Tree
+from reflux_tools.mutation.trial import Bench, NotCompiled
+from reflux_tools.paths import ROOT, shown
 
 LIST = ROOT / "tests" / "mutants.toml"
-COPIED = ("CMakeLists.txt", "CMakePresets.json", "firmware", "hal", "host_sim", "tests", "tools", "docs")
 
 
 @dataclass(frozen=True)
@@ -24,6 +24,7 @@ class Mutant:
     old: str
     new: str
     tests: tuple[str, ...]
+    format: str
 
     def title(self) -> str:
         return f"{self.file}: {' '.join(self.old.split())}  ->  {' '.join(self.new.split()) or '(nothing)'}"
@@ -32,11 +33,30 @@ class Mutant:
 def main(arguments: list[str]) -> int:
     p = argparse.ArgumentParser(
         prog="tools/mutate",
-        description="Builds a copy of the sources (build/mutants) with each fault of tests/mutants.toml in turn and runs "
-        "the tests named there. A fault no test notices is printed, and the exit status is 1.")
-    p.add_argument("files", nargs="*", metavar="FILE", help="only faults in source files whose path ends so")
-    p.add_argument("--list", action="store_true", help="print the faults, try none")
+        description="Without --random: each fault of tests/mutants.toml in turn, and the tests named there. With it: N "
+        "faults drawn from all code lines of firmware/ (a constant, a comparison, an arithmetic operator, a dropped "
+        "statement), each with the unit, loop and replay tests that reach its line, the cheapest first, until one "
+        "notices. Only faults count that change the object code; what is known to change nothing that could be observed "
+        "is in tests/mutants_equivalent.toml, with the reason. A fault no test notices is printed. Exit status 1: a "
+        "listed fault was not noticed, or less than 90 % of the drawn ones, or more than a tenth were equivalent. "
+        "Everything is built and kept in build/mutants; a round that was interrupted goes on where it was.")
+    p.add_argument("files", nargs="*", metavar="FILE",
+                   help="only faults in source files whose path ends so; with --random also a folder, like firmware/num")
+    p.add_argument("--list", action="store_true", help="print the faults of tests/mutants.toml, try none")
+    p.add_argument("--random", type=int, metavar="N", help="N faults drawn by chance")
+    p.add_argument("--seed", type=int, default=1, metavar="S", help="which ones (default 1)")
+    p.add_argument("--again", action="store_true",
+                   help="only those of the round with this seed that were not noticed, in the sources and tests of now")
+    p.add_argument("-j", "--jobs", type=int, default=1, metavar="J", help="how many drawn faults at a time (default 1)")
     options = p.parse_args(arguments)
+    if options.jobs < 1:
+        raise UserError("--jobs must be 1 or more")
+    if options.random is not None and options.random < 1:
+        raise UserError("--random must be 1 or more")
+    if options.again:
+        return Round(options.jobs).again(options.seed, options.files)
+    if options.random is not None:
+        return Round(options.jobs).run(options.random, options.seed, options.files)
     mutants = [m for m in load() if not options.files or any(m.file.endswith(f) for f in options.files)]
     if not mutants:
         raise UserError(f"{shown(LIST)} has no fault in {' or '.join(options.files)}")
@@ -44,24 +64,7 @@ def main(arguments: list[str]) -> int:
     if options.list:
         print("\n".join(m.title() for m in mutants))
         return 0
-    place = build_root() / "mutants"
-    source = copy(place)
-    programs = sorted({t for m in mutants for t in m.tests})
-    configure(source, place / "build")
-    if (failure := make_and_run(place / "build", programs)) is not None:
-        raise RunFailed(f"without any fault already: {failure}")
-    survivors = []
-    progress = build.Progress("mutants")
-    for n, mutant in enumerate(mutants, 1):
-        progress.show(f"{n} of {len(mutants)}, {mutant.file}")
-        noticed = attempt(source, place / "build", mutant)
-        if noticed is None:
-            survivors.append(mutant)
-    progress.end(f"{len(mutants)} tried")
-    for mutant in survivors:
-        print(f"not noticed: {mutant.title()}")
-    print(f"mutants: {len(mutants)}, caught: {len(mutants) - len(survivors)}")
-    return 1 if survivors else 0
+    return try_listed(mutants)
 
 
 def load() -> list[Mutant]:
@@ -70,7 +73,7 @@ def load() -> list[Mutant]:
     out = []
     for group in data["group"]:
         for fault in group["faults"]:
-            out.append(Mutant(group["file"], fault[0], fault[1], tuple(group["tests"])))
+            out.append(Mutant(group["file"], fault[0], fault[1], tuple(group["tests"]), group.get("format", "float")))
     return out
 
 
@@ -81,64 +84,44 @@ def check(mutants: list[Mutant]) -> None:
             raise UserError(f"{shown(LIST)}: in {m.file} the text {m.old!r} stands {n} times, it must stand once")
 
 
-def copy(place: Path) -> Path:
-    """Only what has changed, so that the build of last time is still worth something."""
-    source = place / "source"
-    source.mkdir(parents=True, exist_ok=True)
-    wanted = set()
-    for name in COPIED:
-        top = ROOT / name
-        for f in [top] if top.is_file() else (p for p in top.rglob("*") if p.is_file() and "__pycache__" not in p.parts):
-            to = source / f.relative_to(ROOT)
-            wanted.add(to)
-            if not to.is_file() or to.read_bytes() != f.read_bytes():
-                to.parent.mkdir(parents=True, exist_ok=True)
-                shutil.copy(f, to)
-    for old in [p for p in source.rglob("*") if p.is_file() and p not in wanted]:
-        old.unlink()
-    return source
+def try_listed(mutants: list[Mutant]) -> int:
+    survivors = []
+    done = 0
+    progress = build.Progress("mutants")
+    for number_format in sorted({m.format for m in mutants}):
+        mine = [m for m in mutants if m.format == number_format]
+        bench, tests = prepared(number_format, mine)
+        for mutant in mine:
+            done += 1
+            progress.show(f"{done} of {len(mutants)}, {mutant.file}")
+            if not noticed(bench, mutant, tests):
+                survivors.append(mutant)
+    progress.end(f"{len(mutants)} tried")
+    for mutant in survivors:
+        print(f"not noticed: {mutant.title()}")
+    print(f"mutants: {len(mutants)}, caught: {len(mutants) - len(survivors)}")
+    return 1 if survivors else 0
 
 
-def configure(source: Path, folder: Path) -> None:
-    command = ["cmake", "-S", str(source), "-B", str(folder), "-G", "Ninja", "-DCMAKE_BUILD_TYPE=Debug", "-DCMAKE_C_FLAGS=-w",
-               f"-DUNITY_DIR={unity()}"]
-    answer = subprocess.run(command, capture_output=True, text=True, check=False)
-    if answer.returncode != 0:
-        raise RunFailed(f"configuring {shown(folder)}: {answer.stderr.strip().splitlines()[-1]}")
+def prepared(number_format: str, mutants: list[Mutant]) -> tuple[Bench, dict]:
+    """The tree with the programs of these faults' tests, which pass where nothing is wrong."""
+    tree = Tree(number_format)
+    known = {t.name: t for t in tree.tests()}
+    wanted = sorted({name for m in mutants for name in m.tests})
+    unknown = [name for name in wanted if name not in known]
+    if unknown:
+        raise UserError(f'{shown(LIST)}: there is no test "{unknown[0]}" ({number_format})')
+    tests = {name: known[name] for name in wanted}
+    tree.build(tuple(sorted({tree.target_of(p) for t in tests.values() for p in t.programs})))
+    return Bench(tree, Costs(tree).measure(list(tests.values()))), tests
 
 
-def unity() -> Path:
-    folder = ROOT / "build" / "unity"
-    if not (folder / "unity.c").is_file():
-        build.configure("host")
-    return folder
-
-
-def make_and_run(folder: Path, tests: list[str]) -> str | None:
-    """What went wrong, or None when everything passed. A build that fails is a fault noticed too: by the compiler."""
-    targets = [f"test_{t}" for t in tests]
-    answer = subprocess.run(["cmake", "--build", str(folder), "--target", *targets], capture_output=True, text=True,
-                            errors="replace", check=False)
-    if answer.returncode != 0:
-        return "the build failed: " + next((x for x in answer.stdout.splitlines() if "error" in x), "?")
-    pattern = "^(" + "|".join(tests) + ")$"
-    answer = subprocess.run(["ctest", "--test-dir", str(folder), "-R", pattern, "--stop-on-failure", "--timeout", "60",
-                             "-j", str(os.cpu_count() or 2)], capture_output=True, text=True, errors="replace",
-                            check=False)
-    if answer.returncode != 0:
-        return "a test failed: " + next((x for x in answer.stdout.splitlines() if "***" in x), "?")
-    return None
-
-
-def attempt(source: Path, folder: Path, mutant: Mutant) -> str | None:
-    target = source / mutant.file
-    whole = target.read_text(encoding="utf-8")
-    target.write_text(whole.replace(mutant.old, mutant.new), encoding="utf-8")
+def noticed(bench: Bench, mutant: Mutant, tests: dict) -> bool:
+    path = ROOT / mutant.file
+    text = path.read_text(encoding="utf-8").replace(mutant.old, mutant.new)
+    place: Path = mutants_folder() / "work" / "listed"
     try:
-        noticed = make_and_run(folder, list(mutant.tests))
-    finally:
-        target.write_text(whole, encoding="utf-8")
-    if noticed and noticed.startswith("the build failed"):
-        raise UserError(f"{shown(LIST)}: this is no fault a test could notice, it does not compile: {mutant.title()}; "
-                        f"{noticed}")
-    return noticed
+        return bench.attempt(path, text, [tests[name] for name in mutant.tests], place).test is not None
+    except NotCompiled:
+        raise UserError(f"{shown(LIST)}: this is no fault a test could notice, it does not compile: "
+                        f"{mutant.title()}") from None
