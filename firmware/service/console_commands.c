@@ -250,6 +250,8 @@ static bool status_line(struct console *c, unsigned n, struct text *line)
         text_str(line, o->unit);
         if (s->supervisor->output[n].forced)
             text_str(line, " forced by interlock");
+        else if (s->supervisor->output[n].beyond)
+            text_str(line, " left past its limits by an interlock");
         if (s->supervisor->output[n].not_following)
             text_str(line, " not following its command");
         if (!s->supervisor->output[n].bound)

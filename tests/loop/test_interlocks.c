@@ -2,6 +2,7 @@
 #include <math.h>
 
 #include "board_bench.h"
+#include "random_source.h"
 
 #define TICK_MS 1000
 enum { T1, T10 };
@@ -317,6 +318,8 @@ static void in_manual_an_output_stays_where_it_left_it_until_somebody_moves_it(v
     reads(115);
     stays_at(2, 20);
     TEST_ASSERT_FALSE(active());
+    ask_ok("status");
+    TEST_ASSERT_TRUE(said("heat = 2 kW left past its limits by an interlock"));
     ask_ok("mode top auto");
     stays_at(2, 10);
     set_to("loop2.gain", "1.4"); /* nothing to do with it */
@@ -326,6 +329,8 @@ static void in_manual_an_output_stays_where_it_left_it_until_somebody_moves_it(v
     set_to("mv2.max", "1.5");
     ask_ok("out bottom 1.2");
     samples(1);
+    ask_ok("status");
+    TEST_ASSERT_FALSE(said("interlock"));
     TEST_ASSERT_FLOAT_WITHIN(1e-5f, 1.49f,
                              heat()); /* its limits count again, and its rate from there */
     samples(9);
@@ -463,6 +468,130 @@ static void a_restart_neither_ends_one_nor_moves_what_it_left(void)
     }
 }
 
+/* ---- whatever happens ---- */
+
+static struct {
+    double max, lock[2]; /* as set */
+    double before;       /* last command */
+    double asked;        /* by hand since; NaN: nothing */
+    bool limits;         /* have changed since */
+} now;
+
+static void set_number(const char *name, double value)
+{
+    char line[80];
+    snprintf(line, sizeof line, "set %s %g", name, value);
+    ask_ok(line);
+}
+
+static void silence(void)
+{
+    board.mute = true;
+    pass(2500);
+    board.mute = false;
+    plant_again();
+    samples(1);
+    now.before = heat();
+}
+
+static void something_happens(struct random_source *r)
+{
+    static const double T10s[] = {115, 120, 137, 145, 172, 172};
+    static const double T1s[] = {85, 95, 105};
+    static const char *const asks[] = {"mode bottom auto",   "mode bottom auto", "mode top auto",
+                                       "mode bottom manual", "mode top manual",  "out top 4"};
+    char line[80];
+    switch (random_below(r, 12)) {
+    case 0:
+    case 1:
+    case 2:
+        reads(T10s[random_below(r, 6)]);
+        break;
+    case 3:
+        board.quality[T10] = random_below(r, 2) ? QUALITY_BAD : QUALITY_MISSING;
+        break;
+    case 4:
+        board.values[T1] = T1s[random_below(r, 3)];
+        break;
+    case 5:
+    case 6:
+        (void)ask(asks[random_below(r, 6)]); /* refused where it is not possible */
+        break;
+    case 7:
+        snprintf(line, sizeof line, "out bottom %g", 0.5 + 0.1 * (double)random_below(r, 6));
+        if (strcmp(ask(line), "ok") == 0)
+            now.asked = strtod(line + 11, NULL);
+        break;
+    case 8:
+        now.max = 1.2 + 0.3 * (double)random_below(r, 3);
+        set_number("mv2.max", now.max);
+        now.limits = true;
+        break;
+    case 9:
+        now.lock[0] = 0.25 * (double)random_below(r, 9);
+        set_number("lock1.value", now.lock[0]);
+        break;
+    case 10:
+        set_number("lock1.delay", (double)random_below(r, 4));
+        break;
+    default:
+        if (random_below(r, 4) == 0)
+            silence();
+        else
+            set_number("loop2.gain", 1 + 0.1 * (double)random_below(r, 5));
+    }
+}
+
+/* One sample, and what must be true of the command that answers it. */
+static void is_as_it_must_be(const char *where)
+{
+    samples(1);
+    double u = heat(), expected = now.before;
+    ask_ok("alarm");
+    bool lock1 = said("INTERLOCK_ON lock1"), lock2 = said("INTERLOCK_ON lock2");
+    ask_ok("loop bottom");
+    bool manual = said("bottom manual");
+    if (lock1 || lock2)
+        expected = lock1 ? now.lock[0] : now.lock[1];
+    else if (board.command.safe)
+        expected = 0.4;
+    else if (!isnan(now.asked))
+        expected = now.asked;
+    else if (manual && now.limits && u != now.before)
+        expected = now.before > now.max ? now.max : 0.5;
+    else if (!manual)
+        expected = u < 0.5 ? 0.5 : u > now.max ? now.max : u;
+    TEST_ASSERT_DOUBLE_WITHIN_MESSAGE(1e-5, expected, u, where);
+    now.before = u;
+    now.asked = (double)NAN;
+    now.limits = false;
+}
+
+static void whatever_happens_its_output_moves_only_by_what_acts_on_it(void)
+{
+    const uint64_t seed = 10;
+    struct random_source r = {seed};
+    char where[60];
+    running();
+    SETTINGS("mv2.min", "0.5", "mv2.max", "1.5", "mv2.safe", "0.4", "meas2.hold", "2",
+             "loop1.decouple", "on", "loop2.decouple", "on", "decouple1.d2", "0.3", "decouple2.d1",
+             "0.2", "lock1.meas", "T10", "lock1.mv", "heat", "lock1.limit", "140",
+             "lock1.hysteresis", "5", "lock1.value", "0", "lock2.meas", "T1", "lock2.mv", "heat",
+             "lock2.limit", "100", "lock2.value", "2");
+    now.max = 1.5;
+    now.lock[0] = 0;
+    now.lock[1] = 2;
+    now.asked = (double)NAN;
+    now.limits = false;
+    samples(1);
+    now.before = heat();
+    for (unsigned n = 0; n < 4000; n++) {
+        snprintf(where, sizeof where, "seed %u, step %u", (unsigned)seed, n);
+        something_happens(&r);
+        is_as_it_must_be(where);
+    }
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -479,5 +608,6 @@ int main(void)
     RUN_TEST(an_output_the_plant_does_not_have_comes_back_at_its_safe_value);
     RUN_TEST(silence_ends_what_it_forces_and_the_way_back_begins_safe);
     RUN_TEST(a_restart_neither_ends_one_nor_moves_what_it_left);
+    RUN_TEST(whatever_happens_its_output_moves_only_by_what_acts_on_it);
     return UNITY_END();
 }
