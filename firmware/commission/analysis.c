@@ -168,7 +168,7 @@ static bool firmware_takes(const struct matrix *d)
     for (unsigned i = 0; i < d->rows; i++)
         for (unsigned j = 0; j < d->cols; j++)
             matrix[i][j] = (float)d->at[i][j];
-    return decoupler_check(matrix, (uint8_t)((1u << d->rows) - 1u), &worst) == ERR_OK;
+    return decoupler_check(matrix, (uint8_t)((1u << d->rows) - 1u), NULL, &worst) == ERR_OK;
 }
 
 static void without_decoupler(struct analysis *a, enum analysis_decoupler why)

@@ -70,14 +70,28 @@ enum err decoupler_select(struct decoupler *decoupler,
     return ERR_OK;
 }
 
+/* Whatever the outputs within their reach, v = D^-1 u is a number. */
+static bool reaches(const struct decoupler *k, const float *reach)
+{
+    for (uint8_t i = 0; i < k->n; i++) {
+        float sum = 0.0f;
+        for (uint8_t j = 0; j < k->n; j++)
+            sum += magnitude(num_to_float(k->inverse[i][j])) * (reach ? reach[k->member[j]] : 1.0f);
+        if (sum > NUM_MAX_MAGNITUDE)
+            return false;
+    }
+    return true;
+}
+
 enum err decoupler_check(const float matrix[DECOUPLER_MAX][DECOUPLER_MAX], uint8_t mask,
-                         uint8_t *worst)
+                         const float *reach, uint8_t *worst)
 {
     struct decoupler trial;
     for (unsigned selection = 1; selection < (1u << DECOUPLER_MAX); selection++) {
         if ((selection & ~(unsigned)mask) != 0u)
             continue;
-        if (decoupler_select(&trial, matrix, (uint8_t)selection) != ERR_OK) {
+        if (decoupler_select(&trial, matrix, (uint8_t)selection) != ERR_OK ||
+            !reaches(&trial, reach)) {
             *worst = (uint8_t)selection;
             return ERR_SINGULAR;
         }
@@ -89,10 +103,10 @@ static void multiply(const struct decoupler *k, const num_t m[DECOUPLER_MAX][DEC
                      const num_t *x, num_t *y)
 {
     for (uint8_t i = 0; i < k->n; i++) {
-        num_t sum = num_zero();
+        num_wide_t sum = num_wide_zero();
         for (uint8_t j = 0; j < k->n; j++)
-            sum = num_add(sum, num_mul(m[i][j], x[k->member[j]]));
-        y[k->member[i]] = sum;
+            sum = num_wide_add(sum, m[i][j], x[k->member[j]]);
+        y[k->member[i]] = num_from_wide(sum);
     }
 }
 

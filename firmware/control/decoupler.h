@@ -31,11 +31,13 @@ MUST_CHECK enum err decoupler_select(struct decoupler *decoupler,
                                      const float matrix[DECOUPLER_MAX][DECOUPLER_MAX],
                                      uint8_t mask);
 
-/* ERR_SINGULAR when any selection out of mask would be; *worst is then that selection. */
+/* ERR_SINGULAR when any selection out of mask would be, or its v = D^-1 u may exceed NUM_MAX_MAGNITUDE while every
+ * |u_j| <= reach[j], fractions, indexed by loop (NULL: 1 each); *worst is then that selection. */
 MUST_CHECK enum err decoupler_check(const float matrix[DECOUPLER_MAX][DECOUPLER_MAX], uint8_t mask,
-                                    uint8_t *worst);
+                                    const float *reach, uint8_t *worst);
 
-/* v and u are indexed by loop; only members are read and written. */
+/* v and u are indexed by loop; only members are read and written. Rows are summed wide: products may leave the range of
+ * num_t as long as their sum does not; that saturates. */
 void decoupler_forward(const struct decoupler *decoupler, const num_t *v, num_t *u);
 /* dv = D^-1 du for the members. */
 void decoupler_back(const struct decoupler *decoupler, const num_t *du, num_t *dv);

@@ -37,8 +37,8 @@ static const struct range ranges[] = {
     {"b", "0 to 1", 0.0f, 1.0f, AT(b), false},
     {"c", "0 to 1", 0.0f, 1.0f, AT(c), false},
     {"tt_s", "0 (automatic) or 0.01 to 1e6 s", 0.01f, 1e6f, AT(tt_s), true},
-    {"out_lo", "-100 to 100", -100.0f, 100.0f, AT(out_lo), false},
-    {"out_hi", "-100 to 100", -100.0f, 100.0f, AT(out_hi), false},
+    {"out_lo", "-127 to 127", -PID_OUTPUT_MAX, PID_OUTPUT_MAX, AT(out_lo), false},
+    {"out_hi", "-127 to 127", -PID_OUTPUT_MAX, PID_OUTPUT_MAX, AT(out_hi), false},
     {"rate_per_s", "0 (no limit) or 1e-9 to 1e6 per second", 1e-9f, 1e6f, AT(rate_per_s), true},
     {"inhibit_s", "0 (off) to 1e5 s", 0.0f, 1e5f, AT(inhibit_s), false},
 };
@@ -103,10 +103,12 @@ static float tracking_time(const struct pid_config *c)
 static enum err place(struct pid *pid, const struct pid_config *config, float h_s)
 {
     float signed_gain = config->action == PID_DIRECT ? -config->gain : config->gain;
-    enum err err =
-        washout_retune(&pid->derivative, signed_gain, config->td_s, config->td_s / config->n, h_s);
+    /* Without a derivative, what is left of an old one dies away as it was going to. */
+    float filter_s = config->td_s > 0.0f ? config->td_s / config->n : pid->derivative_filter_s;
+    enum err err = washout_retune(&pid->derivative, signed_gain, config->td_s, filter_s, h_s);
     if (err)
         return err;
+    pid->derivative_filter_s = filter_s;
     float inhibit_filter_s = config->inhibit_s / INHIBIT_FILTER_RATIO;
     err = washout_retune(&pid->prediction, 1.0f, config->inhibit_s, inhibit_filter_s, h_s);
     if (err)
@@ -153,6 +155,27 @@ static num_t derivative_in(const struct pid *pid, num_t r, num_t y)
     return num_sub(num_mul(pid->c, r), y);
 }
 
+/* The output at full width, before limits: of the last step, or after a back with what that added. */
+static struct accumulator whole_output(const struct pid *pid)
+{
+    struct accumulator whole = pid->sum;
+    if (pid->form == PID_POSITIONAL) {
+        accumulator_add_product(&whole, pid->gain, pid->proportional_in);
+        accumulator_add_sum(&whole, &pid->derivative.d);
+    }
+    return whole;
+}
+
+/* The integral part that makes the output so, with the other parts as they are. */
+static void set_whole_output(struct pid *pid, const struct accumulator *whole)
+{
+    pid->sum = *whole;
+    if (pid->form == PID_POSITIONAL) {
+        accumulator_add_product(&pid->sum, pid->gain, num_neg(pid->proportional_in));
+        accumulator_take_sum(&pid->sum, &pid->derivative.d);
+    }
+}
+
 enum err pid_retune(struct pid *pid, const struct pid_config *config, float h_s)
 {
     enum err err = pid_validate(config, NULL, NULL);
@@ -164,29 +187,17 @@ enum err pid_retune(struct pid *pid, const struct pid_config *config, float h_s)
     if (!pid->primed)
         return place(pid, config, h_s);
 
-    /* The output as a whole at full width, then split again with the new settings. */
-    struct accumulator whole = pid->sum;
-    if (pid->form == PID_POSITIONAL) {
-        accumulator_add_product(&whole, pid->gain, pid->proportional_in);
-        accumulator_add(&whole, washout_value(&pid->derivative));
-    }
+    /* The output as a whole at full width, then split again with the new settings. The derivative stays what it is. */
+    struct accumulator whole = whole_output(pid);
     bool was_blind = !pid->inhibits; /* the slope of y was not watched */
     err = place(pid, config, h_s);
     if (err)
         return err;
     pid->proportional_in = proportional_in(pid, pid->last_r, pid->last_y);
-    num_t derivative_input = derivative_in(pid, pid->last_r, pid->last_y);
-    if (config->td_s > 0.0f)
-        pid->derivative.last_x = derivative_input;
-    else
-        washout_reset(&pid->derivative, derivative_input);
+    pid->derivative.last_x = derivative_in(pid, pid->last_r, pid->last_y);
     if (was_blind || config->inhibit_s <= 0.0f)
         washout_reset(&pid->prediction, pid->last_y);
-    if (config->form == PID_POSITIONAL) {
-        accumulator_add_product(&whole, pid->gain, num_neg(pid->proportional_in));
-        accumulator_add(&whole, num_neg(washout_value(&pid->derivative)));
-    }
-    pid->sum = whole;
+    set_whole_output(pid, &whole);
     return ERR_OK;
 }
 
@@ -207,28 +218,34 @@ num_t pid_step(struct pid *pid, num_t setpoint, num_t measurement)
     if (!pid->primed) /* nobody told us the output in effect: start from the lowest, without a kick */
         pid_follow(pid, setpoint, measurement, pid->lo);
     num_t p = proportional_in(pid, setpoint, measurement);
-    num_t d_before = washout_value(&pid->derivative);
-    num_t d = d_before;
-    if (pid->derives)
-        d = washout_step(&pid->derivative, derivative_in(pid, setpoint, measurement));
-
-    struct accumulator whole = pid->sum;
     if (pid->form == PID_VELOCITY) {
-        accumulator_add_product(&whole, pid->gain, num_sub(p, pid->proportional_in));
-        accumulator_add(&whole, num_sub(d, d_before));
-        pid->sum = whole;
-    } else {
-        accumulator_add_product(&whole, pid->gain, p);
-        accumulator_add(&whole, d);
+        accumulator_add_product(&pid->sum, pid->gain, num_sub(p, pid->proportional_in));
+        accumulator_take_sum(&pid->sum, &pid->derivative.d);
     }
+    if (pid->derives || !num_eq(washout_value(&pid->derivative), num_zero()))
+        (void)washout_step(&pid->derivative, derivative_in(pid, setpoint, measurement));
+    if (pid->form == PID_VELOCITY)
+        accumulator_add_sum(&pid->sum, &pid->derivative.d);
     pid->error = num_sub(setpoint, measurement);
     pid->inhibited = overshoot_ahead(pid, measurement);
     pid->proportional_in = p;
     pid->last_r = setpoint;
     pid->last_y = measurement;
+    struct accumulator whole = whole_output(pid);
     pid->raw = accumulator_get(&whole);
     pid->output = ramp_step(&pid->rate, num_clamp(pid->raw, pid->lo, pid->hi));
     return pid->output;
+}
+
+/* From the whole output, not from raw: that ends with the range of num_t, and the way back must not. */
+static void track(struct pid *pid, num_t applied)
+{
+    if (num_eq(applied, pid->raw))
+        return; /* exactly nothing, whatever is finer than num_t */
+    struct accumulator whole = whole_output(pid), gap;
+    accumulator_set(&gap, applied);
+    accumulator_take_sum(&gap, &whole);
+    accumulator_add_scaled(&pid->sum, pid->tracking, &gap);
 }
 
 void pid_back(struct pid *pid, num_t applied, uint8_t hold)
@@ -236,7 +253,7 @@ void pid_back(struct pid *pid, num_t applied, uint8_t hold)
     if (!pid->primed)
         return;
     if (pid->form == PID_POSITIONAL)
-        accumulator_add_product(&pid->sum, pid->tracking, num_sub(applied, pid->raw));
+        track(pid, applied);
     else if (!num_eq(pid->output, pid->raw))
         accumulator_set(&pid->sum, applied);
     else /* as a difference, so that what is finer than num_t survives */
@@ -269,6 +286,21 @@ void pid_follow(struct pid *pid, num_t setpoint, num_t measurement, num_t applie
     pid->output = applied;
     pid->inhibited = false;
     pid->primed = true;
+}
+
+void pid_shift(struct pid *pid, num_t applied)
+{
+    if (num_eq(pid->raw, pid->output)) {
+        accumulator_add(&pid->sum, applied);
+        accumulator_add(&pid->sum, num_neg(pid->raw));
+    } else {
+        struct accumulator whole;
+        accumulator_set(&whole, applied);
+        set_whole_output(pid, &whole);
+    }
+    ramp_reset(&pid->rate, applied);
+    pid->raw = applied;
+    pid->output = applied;
 }
 
 static void block_step(void *state, const num_t *setpoint, const num_t *measurement, num_t *output)

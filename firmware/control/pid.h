@@ -26,6 +26,9 @@
 #include "signal/ramp.h"
 #include "signal/washout.h"
 
+/* The widest output limits: for a block whose output something downstream limits. */
+#define PID_OUTPUT_MAX 127.0f
+
 enum pid_action { PID_REVERSE = 0, PID_DIRECT = 1 };
 enum pid_form { PID_POSITIONAL = 0, PID_VELOCITY = 1 };
 
@@ -39,7 +42,7 @@ struct pid_config {
     float tt_s; /* tracking time constant, s, [0.01, 1e6]; 0 = automatic: Ti without derivative,
                  * sqrt(Ti Td) with; unused without integral action: there is nothing to wind up */
     float out_lo,
-        out_hi; /* output limits, fraction, -100 <= lo < hi <= 100 (beyond 1: a decoupler follows) */
+        out_hi;       /* output limits, fraction, -PID_OUTPUT_MAX <= lo < hi <= PID_OUTPUT_MAX */
     float rate_per_s; /* fastest change of the output, 1/s, [1e-9, 1e6]; 0 = no limit */
     float inhibit_s;  /* overshoot inhibitor: prediction time, s, [0, 1e5]; 0 = off */
     enum pid_action action;
@@ -58,7 +61,8 @@ MUST_CHECK enum err pid_validate(const struct pid_config *config, const char **f
 struct pid {
     enum pid_action action;
     enum pid_form form;
-    bool derives, inhibits; /* td_s, inhibit_s above 0 */
+    bool derives, inhibits;    /* td_s, inhibit_s above 0 */
+    float derivative_filter_s; /* Td/N, of the last derivative there was */
     num_t b, c, lo, hi;
     struct coefficient gain;     /* s K */
     struct coefficient integral; /* s K h / Ti, 0 without integral action */
@@ -78,9 +82,12 @@ struct pid {
  * Errors as pid_validate, and for h_s likewise. On error *pid is unchanged. */
 MUST_CHECK enum err pid_init(struct pid *pid, const struct pid_config *config, float h_s);
 
-/* New settings without a bump: the next step gives, for unchanged inputs, the output the old settings would
- * have given (integration under way is kept, so retuning every tick does not stop it). Call between back and
- * the next step. Errors as pid_init; on error *pid is unchanged. */
+/* New settings without a bump. Between a step and its back: the output of that step is the old settings', all after it
+ * the new ones'. Between a back and the next step: that step gives, for unchanged inputs, what the old settings would
+ * have given, but for what the derivative's transient dies away differently. Integration under way is kept, so retuning
+ * every tick does not stop it. A transient of the derivative is kept as it is and dies away with the new filter, with
+ * the old one where the new settings have no derivative; never does it become part of the integral. Errors as pid_init;
+ * on error *pid is unchanged. */
 MUST_CHECK enum err pid_retune(struct pid *pid, const struct pid_config *config, float h_s);
 
 /* Output for this setpoint and measurement, within the output and rate limits. */
@@ -93,6 +100,11 @@ void pid_back(struct pid *pid, num_t applied, uint8_t hold);
 /* Sets the state so that the next step with the same inputs gives applied. The derivative starts from
  * rest. */
 void pid_follow(struct pid *pid, num_t setpoint, num_t measurement, num_t applied);
+
+/* For a block that acts and whose output gets another meaning (another decoupler, another feedforward): the next step
+ * gives `applied` and what has changed since the last one. Derivative and integration under way go on; what the output
+ * was beyond a limit is forgotten. Call after a back. */
+void pid_shift(struct pid *pid, num_t applied);
 
 extern const struct block_ops
     pid_block; /* state: struct pid, one setpoint, one measurement, one output */

@@ -48,11 +48,9 @@ void accumulator_add(struct accumulator *a, num_t x)
     a->q48 = saturating_add(a->q48, (int64_t)x.q * ((int64_t)1 << EXTRA_BITS));
 }
 
-void accumulator_add_product(struct accumulator *a, struct coefficient c, num_t x)
+/* a += product * 2^-(48 + right); |product| <= 2^62 where right > 0. */
+static void add_shifted(struct accumulator *a, int64_t product, int32_t right)
 {
-    /* mantissa * q is the product scaled by 2^(shift + 24); we want it scaled by 2^48. */
-    int64_t product = (int64_t)c.mantissa * x.q;
-    int32_t right = c.shift + NUM_FRACTION_BITS - 48;
     if (right > 0) {
         if (right > 62)
             return;
@@ -67,6 +65,32 @@ void accumulator_add_product(struct accumulator *a, struct coefficient c, num_t 
     if (__builtin_mul_overflow(product, factor, &scaled))
         scaled = product < 0 ? INT64_MIN : INT64_MAX;
     a->q48 = saturating_add(a->q48, scaled);
+}
+
+void accumulator_add_product(struct accumulator *a, struct coefficient c, num_t x)
+{
+    /* mantissa * q is the product scaled by 2^(shift + 24); we want it scaled by 2^48. */
+    add_shifted(a, (int64_t)c.mantissa * x.q, c.shift + NUM_FRACTION_BITS - 48);
+}
+
+void accumulator_add_sum(struct accumulator *a, const struct accumulator *b)
+{
+    a->q48 = saturating_add(a->q48, b->q48);
+}
+
+void accumulator_take_sum(struct accumulator *a, const struct accumulator *b)
+{
+    a->q48 = saturating_add(a->q48, b->q48 == INT64_MIN ? INT64_MAX : -b->q48);
+}
+
+void accumulator_add_scaled(struct accumulator *a, struct coefficient c,
+                            const struct accumulator *b)
+{
+    /* In two halves, scaled by 2^16 and 2^47: either product has 62 bits at most. The last bit of b is not missed. */
+    int64_t high = b->q48 >> 32;
+    int64_t low = (b->q48 & UINT32_MAX) >> 1;
+    add_shifted(a, c.mantissa * high, c.shift + 16 - 48);
+    add_shifted(a, c.mantissa * low, c.shift + 47 - 48);
 }
 
 void accumulator_clamp(struct accumulator *a, num_t lo, num_t hi)
@@ -116,6 +140,24 @@ void accumulator_add(struct accumulator *a, num_t x)
 void accumulator_add_product(struct accumulator *a, struct coefficient c, num_t x)
 {
     accumulator_add(a, c.value * x);
+}
+
+void accumulator_add_sum(struct accumulator *a, const struct accumulator *b)
+{
+    accumulator_add(a, b->sum);
+    accumulator_add(a, -b->carry);
+}
+
+void accumulator_take_sum(struct accumulator *a, const struct accumulator *b)
+{
+    accumulator_add(a, -b->sum);
+    accumulator_add(a, b->carry);
+}
+
+void accumulator_add_scaled(struct accumulator *a, struct coefficient c,
+                            const struct accumulator *b)
+{
+    accumulator_add(a, c.value * b->sum); /* its carry is half a step of that at most */
 }
 
 void accumulator_clamp(struct accumulator *a, num_t lo, num_t hi)

@@ -44,6 +44,11 @@ num_t accumulator_get(const struct accumulator *a);
 void accumulator_add(struct accumulator *a, num_t x);
 /* a += c * x at full width. */
 void accumulator_add_product(struct accumulator *a, struct coefficient c, num_t x);
+/* a += b, a -= b, a += c * b, all at full width. */
+void accumulator_add_sum(struct accumulator *a, const struct accumulator *b);
+void accumulator_take_sum(struct accumulator *a, const struct accumulator *b);
+void accumulator_add_scaled(struct accumulator *a, struct coefficient c,
+                            const struct accumulator *b);
 /* Brings the sum inside [lo, hi]; unchanged, remainder included, when it is inside. */
 void accumulator_clamp(struct accumulator *a, num_t lo, num_t hi);
 

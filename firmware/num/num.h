@@ -93,6 +93,27 @@ static inline bool num_lt(num_t a, num_t b)
 {
     return a.q < b.q;
 }
+
+/* A sum of products that may leave the range of num_t on its way: steps of 2^-40, range +-2^23, so 512 products of any two
+ * numbers fit. */
+typedef struct {
+    int64_t q40;
+} num_wide_t;
+
+static inline num_wide_t num_wide_zero(void)
+{
+    return (num_wide_t){0};
+}
+/* sum + a * b */
+static inline num_wide_t num_wide_add(num_wide_t sum, num_t a, num_t b)
+{
+    return (num_wide_t){sum.q40 + (((int64_t)a.q * b.q + 128) >> 8)};
+}
+/* Nearest, saturating. */
+static inline num_t num_from_wide(num_wide_t sum)
+{
+    return num_from_q((sum.q40 + 32768) >> 16);
+}
 static inline bool num_eq(num_t a, num_t b)
 {
     return a.q == b.q;
@@ -139,6 +160,21 @@ static inline num_t num_div(num_t a, num_t b)
 static inline bool num_lt(num_t a, num_t b)
 {
     return a < b;
+}
+
+typedef float num_wide_t;
+
+static inline num_wide_t num_wide_zero(void)
+{
+    return 0.0f;
+}
+static inline num_wide_t num_wide_add(num_wide_t sum, num_t a, num_t b)
+{
+    return sum + a * b;
+}
+static inline num_t num_from_wide(num_wide_t sum)
+{
+    return sum;
 }
 static inline bool num_eq(num_t a, num_t b)
 {

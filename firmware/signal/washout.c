@@ -17,7 +17,7 @@ enum err washout_retune(struct washout *f, float scale, float td_s, float tf_s, 
     if (err)
         return err;
     f->gain = coefficient_from_float(scale * (td_s / (tf_s + h_s)));
-    f->leak = coefficient_from_float(h_s / (tf_s + h_s));
+    f->decay = coefficient_from_float(-h_s / (tf_s + h_s));
     return ERR_OK;
 }
 
@@ -38,7 +38,8 @@ void washout_reset(struct washout *f, num_t x)
 
 num_t washout_step(struct washout *f, num_t x)
 {
-    accumulator_add_product(&f->d, f->leak, num_neg(accumulator_get(&f->d)));
+    struct accumulator before = f->d;
+    accumulator_add_scaled(&f->d, f->decay, &before);
     accumulator_add_product(&f->d, f->gain, num_sub(x, f->last_x));
     f->last_x = x;
     return accumulator_get(&f->d);

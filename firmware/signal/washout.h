@@ -1,7 +1,8 @@
 /* Filtered derivative Td s/(Tf s + 1): what changes passes, what stays dies away.
  *
  * Backward Euler: d += Td/(Tf + h) (x - x') - h/(Tf + h) d. The state is wide: kept in num_t, the decay would
- * stop at h/(Tf + h) d < half a step of num_t and leave a false derivative for ever.
+ * stop at h/(Tf + h) d < half a step of num_t and leave a false derivative for ever. It decays at full width too, so a
+ * derivative beyond the range of num_t is forgotten as fast as any other.
  */
 #ifndef REFLUX_SIGNAL_WASHOUT_H
 #define REFLUX_SIGNAL_WASHOUT_H
@@ -11,8 +12,8 @@
 
 struct washout {
     struct accumulator d;
-    struct coefficient gain; /* scale * Td / (Tf + h) */
-    struct coefficient leak; /* h / (Tf + h) */
+    struct coefficient gain;  /* scale * Td / (Tf + h) */
+    struct coefficient decay; /* -h / (Tf + h) */
     num_t last_x;
 };
 
@@ -29,7 +30,7 @@ void washout_reset(struct washout *f, num_t x);
 
 num_t washout_step(struct washout *f, num_t x);
 
-/* Output of the last step. */
+/* Output of the last step, saturating; whole, it is in d. */
 num_t washout_value(const struct washout *f);
 
 #endif

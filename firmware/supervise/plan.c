@@ -12,10 +12,6 @@
 #define TICK_SHORTEST_S      0.05f
 #define BLOCK_INTERVAL_MAX_S 1e5f
 
-/* A decoupled loop's own output v = D^-1 u may lie far outside the span although u is inside. Its output
- * limits hold for u (tick.c); v is only kept where num_t can hold it. */
-#define DECOUPLED_LIMIT 100.0f
-
 _Static_assert(DECOUPLER_MAX <= CONFIG_LOOPS && DECOUPLER_MAX <= 8, "a bit of a byte for each");
 
 enum err plan_refuse(struct config_fault *fault, enum err code, const char *group, unsigned index,
@@ -101,8 +97,10 @@ struct pid_config plan_pid(const struct plan *plan, uint8_t loop)
         .b = l->b,
         .c = l->c,
         .tt_s = l->tt_s,
-        .out_lo = plan->loop[loop].decouple ? -DECOUPLED_LIMIT : l->out_lo,
-        .out_hi = plan->loop[loop].decouple ? DECOUPLED_LIMIT : l->out_hi,
+        /* What drives a manipulated variable is limited there (tick.c), with decoupler and feedforward in it: v alone may
+         * lie far outside the span. It is only kept where num_t can hold it. */
+        .out_lo = plan->loop[loop].decouple ? -PID_OUTPUT_MAX : l->out_lo,
+        .out_hi = plan->loop[loop].decouple ? PID_OUTPUT_MAX : l->out_hi,
         .rate_per_s = l->out_rate_per_s,
         .inhibit_s = l->inhibit_s,
         .action = l->action == LOOP_DIRECT ? PID_DIRECT : PID_REVERSE,
@@ -285,20 +283,39 @@ static enum err order_loops(struct plan *plan, struct config_fault *fault)
     return ERR_OK;
 }
 
+/* The largest |output - feedforward| of the output of loop i, fraction of span. */
+static float own_reach(const struct plan *plan, uint8_t i)
+{
+    float below = 0.0f, above = 1.0f;
+    for (uint8_t k = 0; k < CONFIG_FEEDFORWARDS; k++) {
+        const struct ff_config *f = &plan->config.feedforward[k];
+        if (!f->from[0] || strcmp(f->to, plan->config.loop[i].out) != 0)
+            continue;
+        below += f->hi > 0.0f ? f->hi : 0.0f;
+        above -= f->lo < 0.0f ? f->lo : 0.0f;
+    }
+    return below > above ? below : above;
+}
+
 static enum err check_decoupler(const struct plan *plan, struct config_fault *fault)
 {
     uint8_t mask = 0, worst = 0;
+    float reach[DECOUPLER_MAX] = {0};
     for (uint8_t i = 0; i < DECOUPLER_MAX; i++)
-        if (plan->loop[i].used && plan->loop[i].decouple)
+        if (plan->loop[i].used && plan->loop[i].decouple) {
             mask = (uint8_t)(mask | (1u << i));
-    if (decoupler_check(plan->config.decoupler, mask, &worst) == ERR_OK)
+            reach[i] = own_reach(plan, i);
+        }
+    if (decoupler_check(plan->config.decoupler, mask, reach, &worst) == ERR_OK)
         return ERR_OK;
     uint8_t first = 0;
     while (!(worst & (1u << first)))
         first++;
-    return plan_refuse(
-        fault, ERR_SINGULAR, "decouple", first + 1u, "d1", plan->config.loop[first].name,
-        "needs a matrix whose every part (with other loops in manual) has an inverse");
+    return plan_refuse(fault, ERR_SINGULAR, "decouple", first + 1u, "d1",
+                       plan->config.loop[first].name,
+                       "needs a matrix whose every part (with other loops in manual) has an "
+                       "inverse with rows that add "
+                       "up to 127 at most, signs and feedforward left aside");
 }
 
 static enum err resolve_interlocks(struct plan *plan, struct config_fault *fault)

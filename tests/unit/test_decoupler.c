@@ -119,7 +119,7 @@ static void the_check_finds_a_part_that_is_singular_although_the_whole_is_not(vo
     uint8_t worst = 0;
     matrix[0][0] = matrix[1][1] = 0.0f;
     matrix[0][1] = matrix[1][0] = 1.0f;
-    TEST_ASSERT_EQUAL(ERR_SINGULAR, decoupler_check(matrix, 0x03, &worst));
+    TEST_ASSERT_EQUAL(ERR_SINGULAR, decoupler_check(matrix, 0x03, NULL, &worst));
     TEST_ASSERT_EQUAL_HEX8(0x01, worst); /* loop 1 alone has nothing to act with */
 }
 
@@ -129,7 +129,7 @@ static void the_check_passes_a_diagonally_dominant_matrix_of_full_size(void)
     for (unsigned i = 0; i < 8; i++)
         for (unsigned j = 0; j < 8; j++)
             matrix[i][j] = i == j ? 1.0f : -0.1f;
-    TEST_ASSERT_EQUAL(ERR_OK, decoupler_check(matrix, 0xFF, &worst));
+    TEST_ASSERT_EQUAL(ERR_OK, decoupler_check(matrix, 0xFF, NULL, &worst));
 }
 
 static void nobody_selected_is_a_decoupler_that_does_nothing(void)

@@ -224,6 +224,38 @@ static void what_is_clamped_is_the_limit_and_no_remainder(void)
     }
 }
 
+static void sums_are_added_taken_away_and_scaled_at_full_width(void)
+{
+    static const float factors[] = {1.0f, -1.0f, 0.3f, -1e-3f, 2.5e-6f, 90.0f};
+    for (size_t i = 0; i < sizeof factors / sizeof factors[0]; i++) {
+        struct accumulator a, b = {0};
+        accumulator_set(&a, N(0.25));
+        for (int k = 0; k < 200; k++) /* 200.0002: beyond Q7.24, and finer than it */
+            accumulator_add_product(&b, coefficient_from_float(k % 2 ? 2.0f : 1e-9f),
+                                    N(k < 198 ? 1 : -1));
+        double sum = accumulated(&b);
+        accumulator_add_sum(&a, &b);
+        TEST_ASSERT_DOUBLE_WITHIN(1e-11, 0.25 + sum, accumulated(&a));
+        accumulator_take_sum(&a, &b);
+        TEST_ASSERT_DOUBLE_WITHIN(1e-11, 0.25, accumulated(&a));
+        accumulator_add_scaled(&a, coefficient_from_float(factors[i]), &b);
+        TEST_ASSERT_DOUBLE_WITHIN(3e-7 * fabs(factors[i] * sum), 0.25 + (double)factors[i] * sum,
+                                  accumulated(&a));
+    }
+}
+
+static void a_wide_sum_of_products_may_leave_the_range_and_come_back(void)
+{
+    static const double terms[][2] = {
+        {127, 127}, {100, 127}, {-127, 127}, {-100, 127}, {0.5, 0.25}};
+    num_wide_t sum = num_wide_zero();
+    for (size_t i = 0; i < 5; i++)
+        sum = num_wide_add(sum, N(terms[i][0]), N(terms[i][1]));
+    TEST_ASSERT_DOUBLE_WITHIN(6e-8, 0.125, D(num_from_wide(sum)));
+    sum = num_wide_add(num_wide_zero(), N(-0.3), N(0.7));
+    TEST_ASSERT_DOUBLE_WITHIN(6e-8, -0.21, D(num_from_wide(sum)));
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -243,5 +275,7 @@ int main(void)
     RUN_TEST(a_value_set_is_the_value_read);
     RUN_TEST(clamping_inside_the_limits_keeps_the_remainder);
     RUN_TEST(what_is_clamped_is_the_limit_and_no_remainder);
+    RUN_TEST(sums_are_added_taken_away_and_scaled_at_full_width);
+    RUN_TEST(a_wide_sum_of_products_may_leave_the_range_and_come_back);
     return UNITY_END();
 }

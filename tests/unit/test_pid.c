@@ -354,6 +354,55 @@ static void a_velocity_output_driven_beyond_the_number_range_comes_back_at_once(
     TEST_ASSERT_TRUE(tick(&pid, 0.5, -1.0) == 0.0); /* 50 back from the limit, not from 200.5 */
 }
 
+/* K 100 on an error of a whole span, tracking ten times as slow as the integral: the output before limits rests a thousand
+ * spans above the applied one. What Q7.24 cannot show it must still take back. */
+static void an_output_far_beyond_the_range_of_the_number_is_taken_back(void)
+{
+    for (int form = 0; form < 2; form++) {
+        struct pid_config c = pi_config(100.0f, 10.0f);
+        c.tt_s = 100.0f;
+        c.form = (enum pid_form)form;
+        struct pid pid = make_pid(c, 1.0f);
+        pid_follow(&pid, N(0), N(0), N(0.5));
+        double sum = 0.5, last_e = 0.0, worst = 0.0;
+        unsigned inside = 0;
+        for (int k = 0; k < 4000; k++) {
+            double e = k < 1500 ? 1.0 : k < 2500 ? -0.25 : 0.001 * sin(0.1 * k);
+            num_t u = pid_step(&pid, N(e), N(0));
+            double raw = form ? sum + 100.0 * (e - last_e) : sum + 100.0 * e;
+            double applied = fmin(1.0, fmax(0.0, raw));
+            inside += raw > 0.01 && raw < 0.99;
+            worst = fmax(worst, fabs(applied - D(u)));
+            pid_back(&pid, u, BLOCK_HOLD_NONE);
+            sum = form ? applied + 10.0 * e : sum + 10.0 * e + (applied - raw) / 100.0;
+            last_e = e;
+        }
+        printf("form %d: worst %.2g, inside %u\n", form, worst, inside);
+        TEST_ASSERT_TRUE(inside > 300);
+        TEST_ASSERT_TRUE(worst < 2e-3); /* 2e-6 of what was taken back */
+    }
+}
+
+/* Likewise of the derivative, at the largest gain and ratio: ten thousand spans for a step of one. */
+static void a_derivative_beyond_the_range_of_the_number_dies_away_in_its_time(void)
+{
+    struct pid_config c = pi_config(100.0f, 0.0f);
+    c.td_s = 200.0f;
+    c.n = 100.0f;
+    for (int form = 0; form < 2; form++) {
+        c.form = (enum pid_form)form;
+        struct pid pid = make_pid(c, 1.0f);
+        pid_follow(&pid, N(0), N(0), N(0.5));
+        pid_step(&pid, N(0), N(-1));
+        for (int k = 0; k < 40; k++)
+            pid_step(&pid, N(0), N(0));
+        /* a step up and one down: 100 * 200/3 (2/3 - 1) (2/3)^39, dying away with 2/3 a step */
+        double left = -100.0 * 200.0 / 3.0 / 3.0 * pow(2.0 / 3.0, 39);
+        TEST_ASSERT_DOUBLE_WITHIN(fabs(left) * 1e-3, left, D(washout_value(&pid.derivative)));
+        TEST_ASSERT_DOUBLE_WITHIN(2e-3, 0.5 + left, D(pid.raw));
+    }
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -378,5 +427,7 @@ int main(void)
     RUN_TEST(the_rate_limit_starts_from_what_was_really_applied);
     RUN_TEST(a_velocity_output_driven_beyond_the_number_range_comes_back_at_once);
     RUN_TEST(the_largest_settings_give_finite_limited_outputs);
+    RUN_TEST(an_output_far_beyond_the_range_of_the_number_is_taken_back);
+    RUN_TEST(a_derivative_beyond_the_range_of_the_number_dies_away_in_its_time);
     return UNITY_END();
 }

@@ -25,9 +25,9 @@ static const struct field {
     {"b", offsetof(struct pid_config, b), 0.0f, 1.0f, false},
     {"c", offsetof(struct pid_config, c), 0.0f, 1.0f, false},
     {"tt_s", offsetof(struct pid_config, tt_s), 0.01f, 1e6f, true},
-    {"out_lo", offsetof(struct pid_config, out_lo), -100.0f, 0.9999f,
+    {"out_lo", offsetof(struct pid_config, out_lo), -127.0f, 0.9999f,
      false},                                                               /* against out_hi = 1 */
-    {"out_hi", offsetof(struct pid_config, out_hi), 1e-6f, 100.0f, false}, /* against out_lo = 0 */
+    {"out_hi", offsetof(struct pid_config, out_hi), 1e-6f, 127.0f, false}, /* against out_lo = 0 */
     {"rate_per_s", offsetof(struct pid_config, rate_per_s), 1e-9f, 1e6f, true},
     {"inhibit_s", offsetof(struct pid_config, inhibit_s), 0.0f, 1e5f, false},
 };

@@ -5,10 +5,13 @@
  *   step after follow, same inputs                      exactly applied in both
  *   step after retune, same inputs, against the step
  *     the old settings would have made                  1.2e-7        1.2e-7   (two roundings of num_t)
+ *   random retunes between step and back, inputs that
+ *     move, limits: every output against double         1e-5          1e-5
  */
 #include <math.h>
 
 #include "pid_bench.h"
+#include "random_source.h"
 
 void setUp(void) {}
 void tearDown(void) {}
@@ -116,6 +119,7 @@ static void any_parameter_can_be_changed_without_a_bump(void)
     }
 }
 
+/* What is left of it dies away as it was going to; none of it stays. */
 static void switching_the_derivative_off_while_it_acts_makes_no_bump(void)
 {
     for (int form = 0; form < 2; form++) {
@@ -126,9 +130,14 @@ static void switching_the_derivative_off_while_it_acts_makes_no_bump(void)
         pid_follow(&pid, N(0.5), N(0.45), N(0.4));
         double last = tick(&pid, 0.5, 0.46);
         TEST_ASSERT_TRUE(last < 0.3); /* the derivative acts */
+        struct pid old = pid;
         c.td_s = 0.0f;
         TEST_ASSERT_EQUAL_INT(ERR_OK, pid_retune(&pid, &c, 1.0f));
-        TEST_ASSERT_DOUBLE_WITHIN(1.2e-7, last, tick(&pid, 0.5, 0.46));
+        for (int k = 0; k < 60; k++)
+            TEST_ASSERT_DOUBLE_WITHIN(1.2e-7, tick(&old, 0.5, 0.46), tick(&pid, 0.5, 0.46));
+        TEST_ASSERT_DOUBLE_WITHIN(3e-7, 0.4 - 3.0 * 0.01, tick(&pid, 0.5, 0.46));
+        TEST_ASSERT_DOUBLE_WITHIN(3e-7, 0.4 - 3.0 * 0.02,
+                                  tick(&pid, 0.5, 0.47)); /* and it is off */
     }
 }
 
@@ -168,6 +177,128 @@ static void retuning_every_tick_does_not_stop_integral_or_derivative(void)
         TEST_ASSERT_TRUE(u > 0.4025);
         printf("retuned 72000 times: %.2g\n", worst);
         TEST_ASSERT_TRUE(worst < 1e-6);
+    }
+}
+
+/* ---- retunes at random, against the law in double as docs/pid.md writes it ---- */
+
+struct described {
+    struct pid_config c;
+    double h, tf, d, sum, p, x, raw;
+};
+
+static double random_between(struct random_source *r, double lo, double hi)
+{
+    return lo + (hi - lo) * (double)random_below(r, 1000001) / 1e6;
+}
+
+static struct pid_config random_config(struct random_source *r)
+{
+    struct pid_config c = pid_default_config();
+    c.gain = (float)random_between(r, 0.05, 3);
+    c.ti_s = random_below(r, 4) ? (float)random_between(r, 20, 900) : 0.0f;
+    c.td_s = random_below(r, 4) ? (float)random_between(r, 0.5, 30) : 0.0f;
+    c.n = (float)random_between(r, 1, 20);
+    c.b = (float)random_between(r, 0, 1);
+    c.c = (float)random_between(r, 0, 1);
+    c.tt_s = random_below(r, 2) ? (float)random_between(r, 5, 300) : 0.0f;
+    c.action = random_below(r, 2) ? PID_DIRECT : PID_REVERSE;
+    c.form = random_below(r, 2) ? PID_VELOCITY : PID_POSITIONAL;
+    return c;
+}
+
+static double signed_gain(const struct described *m)
+{
+    return m->c.action == PID_DIRECT ? -(double)m->c.gain : (double)m->c.gain;
+}
+
+static double described_step(struct described *m, double r, double y)
+{
+    double p = (double)m->c.b * r - y, x = (double)m->c.c * r - y, before = m->d;
+    m->d = (m->tf * m->d + signed_gain(m) * (double)m->c.td_s * (x - m->x)) / (m->tf + m->h);
+    m->raw = m->c.form == PID_VELOCITY ? m->sum + signed_gain(m) * (p - m->p) + m->d - before
+                                       : m->sum + signed_gain(m) * p + m->d;
+    m->p = p, m->x = x;
+    return fmin(1, fmax(0, m->raw));
+}
+
+/* After a step: its output stays what it is, the derivative goes on from where it is, the rest is the integral's. */
+static void described_retune(struct described *m, struct pid_config c, double h, double r, double y)
+{
+    m->c = c, m->h = h;
+    m->tf = c.td_s > 0.0f ? (double)c.td_s / (double)c.n : m->tf;
+    m->p = (double)c.b * r - y, m->x = (double)c.c * r - y;
+    m->sum = c.form == PID_VELOCITY ? m->raw : m->raw - signed_gain(m) * m->p - m->d;
+}
+
+static void described_back(struct described *m, double applied, double e)
+{
+    double ti = (double)m->c.ti_s, td = (double)m->c.td_s, tt = (double)m->c.tt_s;
+    double track = ti <= 0 ? 0 : m->h / (tt > 0 ? tt : td > 0 ? sqrt(ti * td) : ti);
+    if (m->c.form == PID_VELOCITY)
+        m->sum = applied;
+    else
+        m->sum += fmin(1, track) * (applied - m->raw);
+    m->sum += ti > 0 ? signed_gain(m) * m->h / ti * e : 0;
+}
+
+static void retunes_at_random_follow_the_description(void)
+{
+    struct random_source random = {20261122};
+    printf("seed %llu\n", (unsigned long long)random.state);
+    double worst = 0.0;
+    unsigned limited = 0;
+    for (int n = 0; n < 300; n++) {
+        struct described m = {.c = random_config(&random), .h = random_between(&random, 0.2, 3)};
+        m.tf = (double)m.c.td_s / (double)m.c.n;
+        struct pid pid = make_pid(m.c, (float)m.h);
+        double r = 0.5, y = 0.5, swing = random_between(&random, 0.005, 0.1);
+        double period = random_between(&random, 2, 40);
+        pid_follow(&pid, N(r), N(y), N(0.5));
+        m.p = (double)m.c.b * r - y, m.x = (double)m.c.c * r - y;
+        m.sum = m.c.form == PID_VELOCITY ? 0.5 : 0.5 - signed_gain(&m) * m.p;
+        unsigned when = 5 + random_below(&random, 60), again = when + random_below(&random, 8);
+        for (unsigned k = 0; k < 150; k++) {
+            r = D(N(0.5 + 0.02 * sin(k / 17.0)));
+            y = D(N(0.5 + swing * sin(k / period)));
+            double want = described_step(&m, r, y);
+            num_t u = pid_step(&pid, N(r), N(y));
+            worst = fmax(worst, fabs(want - D(u)));
+            limited += want != m.raw;
+            if (k == when || k == again) {
+                struct pid_config c = random_config(&random);
+                double h = random_between(&random, 0.2, 3);
+                described_retune(&m, c, (double)(float)h, r, y);
+                TEST_ASSERT_EQUAL_INT(ERR_OK, pid_retune(&pid, &c, (float)h));
+            }
+            pid_back(&pid, u, BLOCK_HOLD_NONE);
+            described_back(&m, want, r - y);
+        }
+    }
+    printf("worst %.2g, limited %u\n", worst, limited);
+    TEST_ASSERT_TRUE(limited > 500);
+    TEST_ASSERT_TRUE(worst < 1e-5);
+}
+
+static void an_output_with_another_meaning_keeps_what_is_under_way(void)
+{
+    for (int form = 0; form < 2; form++) {
+        struct pid_config c = rich_config();
+        c.form = (enum pid_form)form;
+        struct pid pid = make_pid(c, 1.0f);
+        pid_follow(&pid, N(0.5), N(0.45), N(0.4));
+        tick(&pid, 0.5, 0.452);
+        tick(&pid, 0.5, 0.451);
+        struct pid old = pid;
+        pid_shift(&pid, N(D(pid.output) + 7.25));
+        for (int k = 0; k < 50; k++) {
+            num_t u = pid_step(&old, N(0.5), N(0.45));
+            num_t v = pid_step(&pid, N(0.5), N(0.45));
+            TEST_ASSERT_DOUBLE_WITHIN(2e-6, D(u) + 7.25, D(pid.raw));
+            pid_back(&old, u, BLOCK_HOLD_NONE);
+            pid_back(&pid, pid.raw, BLOCK_HOLD_NONE);
+            (void)v;
+        }
     }
 }
 
@@ -212,5 +343,7 @@ int main(void)
     RUN_TEST(retuning_every_tick_does_not_stop_integral_or_derivative);
     RUN_TEST(retuning_before_the_first_step_only_takes_the_settings);
     RUN_TEST(the_block_interface_drives_the_same_controller);
+    RUN_TEST(retunes_at_random_follow_the_description);
+    RUN_TEST(an_output_with_another_meaning_keeps_what_is_under_way);
     return UNITY_END();
 }

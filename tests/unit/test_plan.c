@@ -282,6 +282,23 @@ static void without_a_plant_and_a_base_tick_one_second_is_assumed(void)
     TEST_ASSERT_EQUAL(BOTTOM, plan.owner[HEAT]);
 }
 
+/* Rows of D^-1 that add up to 100 with this one: 127 is what a number holds, feedforward included. */
+static void a_decoupler_whose_own_outputs_would_leave_the_range_of_the_number_is_refused(void)
+{
+    put_all((const char *const[]){"loop1.decouple", "on", "loop2.decouple", "on", "decouple1.d1",
+                                  "1.5", "decouple1.d2", "-1.49", "decouple2.d1", "-1.49",
+                                  "decouple2.d2", "1.5", NULL});
+    TEST_ASSERT_EQUAL(ERR_OK, build());
+    put_all((const char *const[]){"ff1.from", "feed", "ff1.to", "heat", "ff1.lo", "-0.5", "ff1.hi",
+                                  "0.5", NULL});
+    TEST_ASSERT_EQUAL(ERR_OK, build()); /* 50.2 and 49.8 * 1.5 */
+    put("ff1.lo", "-1");
+    refused(ERR_SINGULAR, "decouple", 1, "d1", "top");
+    TEST_ASSERT_NOT_NULL(strstr(fault.wanted, "127"));
+    put_all((const char *const[]){"ff1.from", "-", "decouple1.d2", "-1.495", NULL});
+    refused(ERR_SINGULAR, "decouple", 1, "d1", "top");
+}
+
 static void a_decoupler_must_have_an_inverse_also_with_some_loops_in_manual(void)
 {
     put_all((const char *const[]){"loop1.decouple", "on", "loop2.decouple", "on", "decouple1.d2",
@@ -380,6 +397,7 @@ int main(void)
     RUN_TEST(a_divisor_that_makes_the_step_too_long_is_refused);
     RUN_TEST(a_base_tick_below_a_twentieth_second_is_refused);
     RUN_TEST(without_a_plant_and_a_base_tick_one_second_is_assumed);
+    RUN_TEST(a_decoupler_whose_own_outputs_would_leave_the_range_of_the_number_is_refused);
     RUN_TEST(a_decoupler_must_have_an_inverse_also_with_some_loops_in_manual);
     RUN_TEST(rows_of_loops_outside_the_decoupler_do_not_matter);
     RUN_TEST(only_loops_with_an_output_of_their_own_can_be_decoupled);
