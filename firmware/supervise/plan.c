@@ -99,8 +99,8 @@ struct pid_config plan_pid(const struct plan *plan, uint8_t loop)
         .tt_s = l->tt_s,
         /* What drives a manipulated variable is limited there (tick.c), with decoupler and feedforward in it: v alone may
          * lie far outside the span. It is only kept where num_t can hold it. */
-        .out_lo = plan->loop[loop].decouple ? -PID_OUTPUT_MAX : l->out_lo,
-        .out_hi = plan->loop[loop].decouple ? PID_OUTPUT_MAX : l->out_hi,
+        .out_lo = plan->loop[loop].output != PLAN_NONE ? -PID_OUTPUT_MAX : l->out_lo,
+        .out_hi = plan->loop[loop].output != PLAN_NONE ? PID_OUTPUT_MAX : l->out_hi,
         .rate_per_s = l->out_rate_per_s,
         .inhibit_s = l->inhibit_s,
         .action = l->action == LOOP_DIRECT ? PID_DIRECT : PID_REVERSE,

@@ -67,6 +67,48 @@ static void place_law(struct supervisor *s, uint8_t i, float h, bool anew)
         event_put(s->events, s->time_ms, EVENT_CONFIG_REFUSED, s->plan->config.loop[i].name, h, 0);
 }
 
+void supervisor_settle_law(struct supervisor *s, uint8_t i)
+{
+    struct loop_state *l = &s->loop[i];
+    if (!l->retune)
+        return;
+    l->retune = false;
+    place_law(s, i, s->plan->tick_s * (float)s->plan->config.loop[i].divisor, false);
+}
+
+static bool same_law(const struct supervisor *s, const struct plan *old, uint8_t i)
+{
+    const struct pid_config a = plan_pid(s->plan, i), b = plan_pid(old, i);
+    return !plan_is_two_position(s->plan, i) && memcmp(&a, &b, sizeof a) == 0 &&
+           s->plan->config.loop[i].divisor == old->config.loop[i].divisor &&
+           s->plan->tick_s == s->tick_s;
+}
+
+/* New settings of a loop that acts wait until the old ones have made the next step: only then is the next output, whatever
+ * has moved meanwhile, what they would have given. Settings that are the same touch nothing. */
+static void replace_law(struct supervisor *s, const struct plan *old, uint8_t i)
+{
+    struct loop_state *l = &s->loop[i];
+    l->retune = l->retune || !same_law(s, old, i);
+    if (l->mode == LOOP_MANUAL || l->join || plan_is_two_position(s->plan, i))
+        supervisor_settle_law(s, i);
+}
+
+static void place_setpoint(struct supervisor *s, const struct plan *old, uint8_t i, float h)
+{
+    struct loop_state *l = &s->loop[i];
+    const struct loop_config *c = &s->plan->config.loop[i];
+    const struct measurement_config *m = &s->plan->config.measurement[s->plan->loop[i].pv];
+    /* Both were checked with the plan: rates and times cannot be refused here. */
+    (void)!ramp_retune(&l->ramp, c->sp_ramp_per_min / 60.0f / (m->hi - m->lo), h);
+    (void)!lag_retune(&l->filter, c->sp_filter_s, h);
+    /* A loop's first setpoint; or where the filter ends from now on, the ramp has to go on from there. */
+    if (old && (c->sp_filter_s > 0.0f || !(old->config.loop[i].sp_filter_s > 0.0f)))
+        return;
+    ramp_reset(&l->ramp, l->setpoint);
+    lag_reset(&l->filter, l->setpoint);
+}
+
 static void place_loop(struct supervisor *s, const struct plan *old, uint8_t i)
 {
     const struct plan *plan = s->plan;
@@ -90,9 +132,12 @@ static void place_loop(struct supervisor *s, const struct plan *old, uint8_t i)
         memset(l, 0, sizeof *l);
         l->target = l->setpoint = pv_value;
     }
-    place_law(s, i, h, !same);
+    if (same)
+        replace_law(s, old, i);
+    else
+        place_law(s, i, h, true);
     if (same && plan->loop[i].decouple != old->loop[i].decouple)
-        l->join = true; /* its own output has another meaning now */
+        l->moved = true;
     uint8_t outer = plan->loop[i].outer;
     if (l->mode == LOOP_CASCADE && (outer == PLAN_NONE || !same_loop(plan, old, outer))) {
         l->mode = LOOP_AUTO; /* at the setpoint in force: the old outer loop is gone */
@@ -103,11 +148,7 @@ static void place_loop(struct supervisor *s, const struct plan *old, uint8_t i)
     if (l->mode != LOOP_MANUAL)
         l->target = num_clamp(l->target, span_to_fraction(lo, m->lo, m->hi),
                               span_to_fraction(hi, m->lo, m->hi));
-    /* Both were checked with the plan: rates and times cannot be refused here. */
-    (void)!ramp_init(&l->ramp, c->sp_ramp_per_min / 60.0f / (m->hi - m->lo), h);
-    (void)!lag_init(&l->filter, c->sp_filter_s, h);
-    ramp_reset(&l->ramp, l->setpoint);
-    lag_reset(&l->filter, l->setpoint);
+    place_setpoint(s, same ? old : NULL, i, h);
 }
 
 static void place_output(struct supervisor *s, const struct plan *old, uint8_t j)
@@ -156,16 +197,17 @@ static void place_measurement(struct supervisor *s, const struct plan *old, uint
             span_to_fraction(span_to_eu(state->value, before->lo, before->hi), m->lo, m->hi);
     if (!m->name[0])
         return;
-    (void)!lag_init(&state->filter, m->filter_s, s->plan->tick_s);
-    lag_reset(&state->filter, state->value);
+    (void)!lag_retune(&state->filter, m->filter_s, s->plan->tick_s);
+    if (!same || m->lo != before->lo || m->hi != before->hi)
+        lag_reset(&state->filter, state->value);
 }
 
-/* The loop on this output takes it over again at the next tick: what is added to it changes. */
+/* The loop on this output goes on from the output it finds at the next tick: what is added to it changes. */
 static void rejoin(struct supervisor *s, const char *output)
 {
     uint8_t j = config_find_output(&s->plan->config, output);
     if (j != PLAN_NONE && s->plan->owner[j] != PLAN_NONE)
-        s->loop[s->plan->owner[j]].join = true;
+        s->loop[s->plan->owner[j]].moved = true;
 }
 
 /* Same settings, same signals, same place for its dead time. */
@@ -207,6 +249,17 @@ static void place_feedforward(struct supervisor *s, const struct plan *old, uint
                             &s->arena[plan->feedforward[i].line], plan->feedforward[i].bytes);
 }
 
+/* Whether the rows and columns that the decoupler holds are the same. */
+static bool same_matrix(const struct supervisor *s, const struct plan *old)
+{
+    for (uint8_t i = 0; old && i < DECOUPLER_MAX; i++)
+        for (uint8_t j = 0; j < DECOUPLER_MAX; j++)
+            if ((s->decoupler_mask & (1u << i)) && (s->decoupler_mask & (1u << j)) &&
+                s->plan->config.decoupler[i][j] != old->config.decoupler[i][j])
+                return false;
+    return old != NULL;
+}
+
 /* An interlock that watches and forces the same as before goes on as it stands, with its new numbers. */
 static void place_interlock(struct supervisor *s, const struct plan *old, uint8_t i)
 {
@@ -242,9 +295,11 @@ void supervisor_take_plan(struct supervisor *s, const struct plan *plan)
     for (uint8_t i = 0; i < n[PLACED_ALARMS]; i++)
         alarms_place(s, old, i);
     s->tick_s = plan->tick_s;
-    s->decoupler_mask = 0; /* the matrix may have changed: select again at the next tick */
-    if (n[PLACED_DECOUPLER])
-        s->decoupler->n = 0;
+    if (!n[PLACED_DECOUPLER] || !same_matrix(s, old)) {
+        s->decoupler_mask = 0; /* select again at the next tick */
+        if (n[PLACED_DECOUPLER])
+            s->decoupler->n = 0;
+    }
 #if CONFIG_STEPS
     sequence_place(s, old);
 #endif

@@ -131,8 +131,11 @@ struct output_state {
 
 struct loop_state {
     enum loop_mode mode;
-    bool join; /* the block must take over the output it finds before it runs next */
-    bool open; /* its output reaches nothing: the loop below does not listen */
+    bool join;    /* the block must take over the output it finds before it runs next */
+    bool moved;   /* its own output has another meaning now: it goes on from the output it finds */
+    bool retune;  /* new settings wait for the step that the old ones still make */
+    bool stepped; /* the block has not been told yet what became of its last step */
+    bool open;    /* its output reaches nothing: the loop below does not listen */
     bool
         sp_given; /* the target is the operator's, or was in force: kept in manual unless sp_track */
     union {       /* by the algorithm of its configuration */
@@ -236,6 +239,9 @@ static inline bool measurement_vouched(const struct measurement_state *m)
     return m->bound && m->fault != MEASUREMENT_MISSING && m->fault != MEASUREMENT_FLAGGED &&
            m->fault != MEASUREMENT_NOT_A_NUMBER;
 }
+
+/* The settings of the plan in force reach the control law of loop i now, if they have waited. */
+void supervisor_settle_law(struct supervisor *s, uint8_t i);
 
 /* The setpoint with which loop i leaves manual, for its mode. */
 void supervisor_start_setpoint(struct supervisor *s, uint8_t i);

@@ -3,10 +3,13 @@
 #include "supervise/alarms.h"
 #include "supervise/supervisor.h"
 
-static bool loop_due(const struct supervisor *s, uint8_t i)
+/* A command beyond this, in spans, may have ended with the range of num_t. */
+#define COMMAND_MAX 100.0f
+
+static bool loop_due(const struct supervisor *s, uint8_t i, uint32_t tick)
 {
     const struct loop_config *c = &s->plan->config.loop[i];
-    return s->ticks % c->divisor == c->phase;
+    return tick % c->divisor == c->phase;
 }
 
 static bool loop_acts(const struct supervisor *s, uint8_t i)
@@ -49,13 +52,18 @@ static num_t law_step(struct supervisor *s, uint8_t i)
 {
     struct loop_state *l = &s->loop[i];
     num_t pv = s->measurement[s->plan->loop[i].pv].value;
-    return plan_is_two_position(s->plan, i) ? two_position_step(&l->two, l->setpoint, pv)
-                                            : pid_step(&l->pid, l->setpoint, pv);
+    num_t v = plan_is_two_position(s->plan, i) ? two_position_step(&l->two, l->setpoint, pv)
+                                               : pid_step(&l->pid, l->setpoint, pv);
+    l->stepped = true;
+    supervisor_settle_law(s, i);
+    return v;
 }
 
 static void law_follow(struct supervisor *s, uint8_t i)
 {
     struct loop_state *l = &s->loop[i];
+    supervisor_settle_law(s, i);
+    l->stepped = false;
     if (plan_is_two_position(s->plan, i))
         two_position_follow(&l->two, l->v);
     else
@@ -64,8 +72,35 @@ static void law_follow(struct supervisor *s, uint8_t i)
 
 static void law_back(struct supervisor *s, uint8_t i, num_t applied, uint8_t hold)
 {
+    s->loop[i].stepped = false;
     if (!plan_is_two_position(s->plan, i)) /* two positions have nothing to bring in line */
         pid_back(&s->loop[i].pid, applied, hold);
+}
+
+/* A step is told what became of it once: when the loop's next turn is due, or on the way there. */
+static bool law_closes(const struct supervisor *s, uint8_t i)
+{
+    return s->loop[i].stepped && loop_due(s, i, s->ticks + 1u);
+}
+
+/* Where a new plan has moved the loop's turn, nothing has told it yet. */
+static void law_close(struct supervisor *s, uint8_t i)
+{
+    struct loop_state *l = &s->loop[i];
+    if (l->stepped)
+        law_back(s, i, l->v, l->hold);
+}
+
+/* The output of a law that acts is v from now on; what it has under way goes on. */
+static void law_shift(struct supervisor *s, uint8_t i, num_t v)
+{
+    struct loop_state *l = &s->loop[i];
+    law_close(s, i);
+    l->v = v;
+    if (plan_is_two_position(s->plan, i))
+        two_position_follow(&l->two, v);
+    else
+        pid_shift(&l->pid, v);
 }
 
 /* What feedforward k looks at, fraction of span; false: there is nothing to look at yet. Of a manipulated variable it is
@@ -94,7 +129,7 @@ static void feed_forward(struct supervisor *s)
             /* New, or what it looks at is: it begins at rest, and the loop makes room for it. */
             s->ff_running[k] = true;
             feedforward_reset(&s->feedforward[k], d);
-            l->join = true;
+            l->moved = true;
         }
         l->feedforward = num_add(l->feedforward, feedforward_step(&s->feedforward[k], d));
     }
@@ -161,7 +196,8 @@ static num_t found(const struct supervisor *s, uint8_t j)
 }
 
 /* Loops that act from this tick on, and all decoupled loops when their company changes, take over the
- * outputs they find: v = D^-1 (output - feedforward). */
+ * outputs they find: v = D^-1 (output - feedforward). Those that acted before go on with what they have under way:
+ * a derivative that dies away must not become part of the integral because another loop comes or goes. */
 static void take_over(struct supervisor *s)
 {
     uint8_t mask = 0;
@@ -170,7 +206,7 @@ static void take_over(struct supervisor *s)
         if (!loop_drives(s, i) || !s->plan->loop[i].decouple)
             continue;
         mask = (uint8_t)(mask | (1u << i));
-        rejoin = rejoin || s->loop[i].join;
+        rejoin = rejoin || s->loop[i].join || s->loop[i].moved;
     }
     num_t v[CONFIG_LOOPS], u[CONFIG_LOOPS];
     for (uint8_t i = 0; i < s->placed[PLACED_LOOPS]; i++) {
@@ -192,11 +228,15 @@ static void take_over(struct supervisor *s)
         decoupler_back(s->decoupler, u, v);
     for (uint8_t i = 0; i < s->placed[PLACED_LOOPS]; i++) {
         struct loop_state *l = &s->loop[i];
-        if (!loop_drives(s, i) || !(l->join || (rejoin && (mask & (1u << i)))))
+        if (!loop_drives(s, i))
             continue;
-        l->v = v[i];
-        law_follow(s, i);
-        l->join = false;
+        if (l->join) {
+            l->v = v[i];
+            law_follow(s, i);
+        } else if (l->moved || (rejoin && (mask & (1u << i)))) {
+            law_shift(s, i, v[i]);
+        }
+        l->join = l->moved = false;
     }
 }
 
@@ -207,10 +247,12 @@ static void run_loops(struct supervisor *s)
         struct loop_state *l = &s->loop[i];
         if (l->mode == LOOP_MANUAL) {
             idle_setpoint(s, i);
-        } else if (loop_due(s, i)) {
+        } else if (loop_due(s, i, s->ticks)) {
             advance_setpoint(s, i);
-            if (loop_drives(s, i))
+            if (loop_drives(s, i)) {
+                law_close(s, i);
                 l->v = law_step(s, i);
+            }
         }
     }
 }
@@ -317,6 +359,23 @@ static bool stays_beyond(struct output_state *o, num_t lo, num_t hi, bool acts)
     return false;
 }
 
+/* The limits of a loop hold for what reaches its output, after decoupler and feedforward. An output found outside enters
+ * them at the loop's rate, at once where there is none. */
+static void loop_limits(const struct supervisor *s, uint8_t i, num_t at, num_t *lo, num_t *hi)
+{
+    const struct loop_config *l = &s->plan->config.loop[i];
+    num_t least = num_from_float(l->out_lo), most = num_from_float(l->out_hi);
+    if (l->out_rate_per_s > 0.0f) {
+        /* A step of num_t at least: it arrives. */
+        num_t reach = num_max(num_from_float(l->out_rate_per_s * s->plan->tick_s),
+                              num_from_float(1.0f / 16777216.0f));
+        least = num_min(least, num_add(at, reach));
+        most = num_max(most, num_sub(at, reach));
+    }
+    *lo = num_min(num_max(*lo, least), *hi);
+    *hi = num_max(num_min(*hi, most), *lo);
+}
+
 static void constrain_output(struct supervisor *s, uint8_t j)
 {
     struct output_state *o = &s->output[j];
@@ -340,12 +399,8 @@ static void constrain_output(struct supervisor *s, uint8_t j)
         return;
     /* What is not sent now is not sent later either, when the limits are wider again. */
     o->manual = num_clamp(o->manual, lo, hi);
-    if (acts && loop_drives(s, i) && s->plan->loop[i].decouple) {
-        /* The limits of a decoupled loop hold for what comes out of the decoupler. */
-        const struct loop_config *l = &s->plan->config.loop[i];
-        lo = num_min(num_max(lo, num_from_float(l->out_lo)), hi);
-        hi = num_max(num_min(hi, num_from_float(l->out_hi)), lo);
-    }
+    if (acts && loop_drives(s, i) && !plan_is_two_position(s->plan, i))
+        loop_limits(s, i, o->constrained, &lo, &hi);
     /* From where the output is, whatever put it there. The ramp is wide, so that slow rates do not stall. */
     if (!num_eq(accumulator_get(&o->rate.at), o->constrained))
         ramp_reset(&o->rate, o->constrained);
@@ -397,7 +452,7 @@ static uint8_t saturation(const struct supervisor *s, uint8_t i)
     return (uint8_t)((up ? BLOCK_HOLD_UP : 0) | (down ? BLOCK_HOLD_DOWN : 0));
 }
 
-static void back_direct(struct supervisor *s, uint8_t i, num_t correction)
+static void back_direct(struct supervisor *s, uint8_t i, num_t told)
 {
     struct loop_state *l = &s->loop[i];
     const struct loop_plan *p = &s->plan->loop[i];
@@ -405,8 +460,8 @@ static void back_direct(struct supervisor *s, uint8_t i, num_t correction)
     if (loop_forced(s, i))
         l->join = true; /* whenever the interlock lets go */
     if (l->mode != LOOP_MANUAL && !l->join) {
-        if (loop_due(s, i))
-            law_back(s, i, num_add(l->v, correction), BLOCK_HOLD_NONE);
+        if (law_closes(s, i))
+            law_back(s, i, told, BLOCK_HOLD_NONE);
         return;
     }
     const struct output_state *o = &s->output[p->output];
@@ -430,27 +485,48 @@ static void back_outer(struct supervisor *s, uint8_t i)
         return;
     }
     l->hold = saturation(s, p->inner);
-    if (loop_due(s, i))
-        law_back(s, i, loop_due(s, p->inner) ? inner->setpoint : l->v, l->hold);
+    /* What the inner loop makes of it does not depend on whose turn comes first. */
+    if (law_closes(s, i))
+        law_back(s, i, clamp_setpoint(s, p->inner, l->v), l->hold);
+}
+
+/* What decoupled loops are told: v + D^-1 (applied - commanded). Where the decoupler asks for more than num_t holds, the
+ * command does not say by how much the output falls short of it; then D^-1 of the output itself. */
+static void back_decoupled(const struct supervisor *s, num_t *told)
+{
+    const struct decoupler *d = s->decoupler;
+    num_t u[CONFIG_LOOPS];
+    bool whole = false;
+    for (uint8_t k = 0; k < d->n; k++)
+        whole = whole || num_lt(num_from_float(COMMAND_MAX),
+                                num_abs(s->output[s->plan->loop[d->member[k]].output].commanded));
+    for (uint8_t k = 0; k < d->n; k++) {
+        uint8_t i = d->member[k];
+        const struct output_state *o = &s->output[s->plan->loop[i].output];
+        num_t from = whole ? num_add(s->loop[i].feedforward, o->excitation) : o->commanded;
+        u[i] = num_sub(o->applied, from);
+    }
+    decoupler_back(d, u, told);
+    for (uint8_t k = 0; !whole && k < d->n; k++)
+        told[d->member[k]] = num_add(s->loop[d->member[k]].v, told[d->member[k]]);
 }
 
 static void way_back(struct supervisor *s)
 {
-    num_t du[CONFIG_LOOPS], dv[CONFIG_LOOPS];
-    for (uint8_t i = 0; i < CONFIG_LOOPS; i++) {
-        const struct loop_plan *p = &s->plan->loop[i];
-        du[i] = num_zero();
-        if (p->used && p->output != PLAN_NONE)
-            du[i] = num_sub(s->output[p->output].applied, s->output[p->output].commanded);
-        dv[i] = du[i];
+    num_t told[CONFIG_LOOPS];
+    for (uint8_t i = 0; i < s->placed[PLACED_LOOPS]; i++) {
+        uint8_t j = s->plan->loop[i].output;
+        told[i] = s->loop[i].v;
+        if (s->plan->loop[i].used && j != PLAN_NONE)
+            told[i] = num_add(told[i], num_sub(s->output[j].applied, s->output[j].commanded));
     }
     if (s->placed[PLACED_DECOUPLER])
-        decoupler_back(s->decoupler, du, dv);
+        back_decoupled(s, told);
     /* Inner loops first: what an outer loop may do depends on them. */
     for (uint8_t k = s->plan->n_order; k > 0; k--) {
         uint8_t i = s->plan->order[k - 1u];
         if (s->plan->loop[i].output != PLAN_NONE)
-            back_direct(s, i, dv[i]);
+            back_direct(s, i, told[i]);
         else
             back_outer(s, i);
     }

@@ -232,6 +232,46 @@ static void an_outer_loop_may_run_more_slowly_than_the_inner_one(void)
     TEST_ASSERT_EQUAL(10, moved);
 }
 
+/* Seconds until the setpoint leaves its upper limit once the error has turned. */
+static unsigned leaving_the_setpoint_limit(unsigned inner, unsigned inner_phase, unsigned outer,
+                                           unsigned outer_phase)
+{
+    char text[4][12];
+    snprintf(text[0], sizeof text[0], "%u", inner);
+    snprintf(text[1], sizeof text[1], "%u", inner_phase);
+    snprintf(text[2], sizeof text[2], "%u", outer);
+    snprintf(text[3], sizeof text[3], "%u", outer_phase);
+    bench_start_with(bench_cascade);
+    put_all((const char *const[]){"loop2.sp_lo", "60", "loop2.sp_hi", "120", "loop2.divisor",
+                                  text[0], "loop2.phase", text[1], "loop3.divisor", text[2],
+                                  "loop3.phase", text[3], NULL});
+    apply();
+    cascade();
+    reading(T5, 85);
+    ticks(3000);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-6, 0.6, setpoint_of(BOTTOM));
+    reading(T5, 105);
+    unsigned n = 0;
+    while (setpoint_of(BOTTOM) > 0.5999 && n < 5000) {
+        tick();
+        n++;
+    }
+    return n;
+}
+
+static void an_outer_loop_does_not_wind_up_whatever_the_divisors_and_phases(void)
+{
+    static const unsigned cases[][4] = {{1, 0, 1, 0}, {2, 0, 2, 1}, {2, 1, 2, 0}, {3, 2, 3, 0},
+                                        {5, 3, 1, 0}, {1, 0, 5, 3}, {4, 1, 6, 3}, {7, 5, 3, 1}};
+    for (unsigned k = 0; k < sizeof cases / sizeof cases[0]; k++) {
+        const unsigned *c = cases[k];
+        unsigned took = leaving_the_setpoint_limit(c[0], c[1], c[2], c[3]);
+        char what[60];
+        snprintf(what, sizeof what, "inner %u/%u, outer %u/%u: %u s", c[0], c[1], c[2], c[3], took);
+        TEST_ASSERT_TRUE_MESSAGE(took <= c[0] + c[2], what); /* each has had its turn */
+    }
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -252,5 +292,6 @@ int main(void)
     RUN_TEST(an_outer_loop_waits_while_an_interlock_holds_the_inner_ones_output);
     RUN_TEST(changing_the_outer_loop_leaves_the_inner_one_at_its_setpoint);
     RUN_TEST(an_outer_loop_may_run_more_slowly_than_the_inner_one);
+    RUN_TEST(an_outer_loop_does_not_wind_up_whatever_the_divisors_and_phases);
     return UNITY_END();
 }

@@ -130,6 +130,48 @@ static void a_rate_limited_loop_does_not_wind_up(void)
     TEST_ASSERT_TRUE(sent(HEAT) < at - 0.015);
 }
 
+/* Behind its rate, a loop is told where the output is when its turn comes again, not where it was one base tick after. */
+static void a_rate_the_output_keeps_up_with_between_turns_takes_nothing_from_the_integral(void)
+{
+    static const char *const forms[] = {"positional", "velocity"};
+    for (unsigned f = 0; f < 2; f++) {
+        double at[2];
+        for (unsigned limited = 0; limited < 2; limited++) {
+            bench_start();
+            put_all((const char *const[]){"loop2.divisor", "20", "loop2.tt", "20",
+                                          "loop2.algorithm", forms[f], "mv2.rate",
+                                          limited ? "0.02" : "0", NULL}); /* 0.2 of span a turn */
+            apply();
+            mode(BOTTOM, LOOP_AUTO);
+            ticks(40);
+            reading(T10, 107); /* asks for 0.12 at once */
+            ticks(199);
+            at[limited] = sent(HEAT);
+        }
+        TEST_ASSERT_DOUBLE_WITHIN(2e-6, at[0], at[1]);
+    }
+}
+
+static void a_rate_limited_loop_with_a_divisor_does_not_wind_up(void)
+{
+    static const char *const forms[] = {"positional", "velocity"};
+    for (unsigned f = 0; f < 2; f++) {
+        bench_start();
+        put_all((const char *const[]){"loop2.divisor", "10", "mv2.rate", "0.002", "loop2.tt", "30",
+                                      "loop2.algorithm", forms[f], NULL});
+        apply();
+        mode(BOTTOM, LOOP_AUTO);
+        ticks(10);
+        reading(T10, 75);
+        ticks(100);
+        double at = sent(HEAT);
+        TEST_ASSERT_DOUBLE_WITHIN(0.011, 0.6, at);
+        reading(T10, 125);
+        ticks(20); /* its turn, and then at the rate */
+        TEST_ASSERT_TRUE(sent(HEAT) < at - 0.005);
+    }
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -143,5 +185,7 @@ int main(void)
     RUN_TEST(a_rate_below_the_resolution_of_a_tick_does_not_freeze_the_output);
     RUN_TEST(new_limits_are_entered_at_the_rate);
     RUN_TEST(a_rate_limited_loop_does_not_wind_up);
+    RUN_TEST(a_rate_the_output_keeps_up_with_between_turns_takes_nothing_from_the_integral);
+    RUN_TEST(a_rate_limited_loop_with_a_divisor_does_not_wind_up);
     return UNITY_END();
 }
