@@ -1,5 +1,5 @@
 /* Requests, plans, the safe state: everything around the tick. The tick itself is in tick.c. */
-#include "supervise/supervisor.h"
+#include "supervise/law.h"
 
 #include <string.h>
 
@@ -51,49 +51,6 @@ static bool same_loop(const struct plan *plan, const struct plan *old, uint8_t i
     return o->lo == o_before->lo && o->hi == o_before->hi;
 }
 
-/* Settings were checked with the plan: what remains is an interval no block can keep. */
-static void place_law(struct supervisor *s, uint8_t i, float h, bool anew)
-{
-    struct loop_state *l = &s->loop[i];
-    enum err err;
-    if (plan_is_two_position(s->plan, i)) {
-        struct two_position_config two = plan_two_position(s->plan, i);
-        err = anew ? two_position_init(&l->two, &two) : two_position_retune(&l->two, &two);
-    } else {
-        struct pid_config pid = plan_pid(s->plan, i);
-        err = anew ? pid_init(&l->pid, &pid, h) : pid_retune(&l->pid, &pid, h);
-    }
-    if (err)
-        event_put(s->events, s->time_ms, EVENT_CONFIG_REFUSED, s->plan->config.loop[i].name, h, 0);
-}
-
-void supervisor_settle_law(struct supervisor *s, uint8_t i)
-{
-    struct loop_state *l = &s->loop[i];
-    if (!l->retune)
-        return;
-    l->retune = false;
-    place_law(s, i, s->plan->tick_s * (float)s->plan->config.loop[i].divisor, false);
-}
-
-static bool same_law(const struct supervisor *s, const struct plan *old, uint8_t i)
-{
-    const struct pid_config a = plan_pid(s->plan, i), b = plan_pid(old, i);
-    return !plan_is_two_position(s->plan, i) && memcmp(&a, &b, sizeof a) == 0 &&
-           s->plan->config.loop[i].divisor == old->config.loop[i].divisor &&
-           s->plan->tick_s == s->tick_s;
-}
-
-/* New settings of a loop that acts wait until the old ones have made the next step: only then is the next output, whatever
- * has moved meanwhile, what they would have given. Settings that are the same touch nothing. */
-static void replace_law(struct supervisor *s, const struct plan *old, uint8_t i)
-{
-    struct loop_state *l = &s->loop[i];
-    l->retune = l->retune || !same_law(s, old, i);
-    if (l->mode == LOOP_MANUAL || l->join || plan_is_two_position(s->plan, i))
-        supervisor_settle_law(s, i);
-}
-
 static void place_setpoint(struct supervisor *s, const struct plan *old, uint8_t i, float h)
 {
     struct loop_state *l = &s->loop[i];
@@ -133,9 +90,9 @@ static void place_loop(struct supervisor *s, const struct plan *old, uint8_t i)
         l->target = l->setpoint = pv_value;
     }
     if (same)
-        replace_law(s, old, i);
+        law_replace(s, old, i);
     else
-        place_law(s, i, h, true);
+        law_place(s, i);
     if (same && plan->loop[i].decouple != old->loop[i].decouple)
         l->moved = true;
     uint8_t outer = plan->loop[i].outer;

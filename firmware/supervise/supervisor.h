@@ -240,9 +240,6 @@ static inline bool measurement_vouched(const struct measurement_state *m)
            m->fault != MEASUREMENT_NOT_A_NUMBER;
 }
 
-/* The settings of the plan in force reach the control law of loop i now, if they have waited. */
-void supervisor_settle_law(struct supervisor *s, uint8_t i);
-
 /* The setpoint with which loop i leaves manual, for its mode. */
 void supervisor_start_setpoint(struct supervisor *s, uint8_t i);
 

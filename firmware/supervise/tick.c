@@ -1,35 +1,11 @@
 /* The tick behind validate.c: control, compensate, feed forward, excite, constrain, and the way back. */
 #include "base/elapsed.h"
 #include "supervise/alarms.h"
+#include "supervise/law.h"
 #include "supervise/supervisor.h"
 
 /* A command beyond this, in spans, may have ended with the range of num_t. */
 #define COMMAND_MAX 100.0f
-
-static bool loop_due(const struct supervisor *s, uint8_t i, uint32_t tick)
-{
-    const struct loop_config *c = &s->plan->config.loop[i];
-    return tick % c->divisor == c->phase;
-}
-
-static bool loop_acts(const struct supervisor *s, uint8_t i)
-{
-    return s->plan->loop[i].used && s->loop[i].mode != LOOP_MANUAL;
-}
-
-/* An interlock held the output of loop i at the end of the last tick. */
-static bool loop_forced(const struct supervisor *s, uint8_t i)
-{
-    uint8_t j = s->plan->loop[i].output;
-    return j != PLAN_NONE && s->output[j].forced;
-}
-
-/* The loop's block runs. While an interlock holds its output a loop keeps its mode and setpoint but waits as
- * in manual, so that it begins again, without a bump, at the output the interlock leaves. */
-static bool loop_drives(const struct supervisor *s, uint8_t i)
-{
-    return loop_acts(s, i) && !loop_forced(s, i);
-}
 
 /* A new plan may name channels the plant does not have, or with another unit: nothing acts on those. */
 static void drop_unbound(struct supervisor *s)
@@ -44,63 +20,6 @@ static void drop_unbound(struct supervisor *s)
         event_put(s->events, s->time_ms, EVENT_MODE, s->plan->config.loop[i].name,
                   (float)LOOP_MANUAL, LOOP_MANUAL);
     }
-}
-
-/* ---- the control law of a loop, by its algorithm ---- */
-
-static num_t law_step(struct supervisor *s, uint8_t i)
-{
-    struct loop_state *l = &s->loop[i];
-    num_t pv = s->measurement[s->plan->loop[i].pv].value;
-    num_t v = plan_is_two_position(s->plan, i) ? two_position_step(&l->two, l->setpoint, pv)
-                                               : pid_step(&l->pid, l->setpoint, pv);
-    l->stepped = true;
-    supervisor_settle_law(s, i);
-    return v;
-}
-
-static void law_follow(struct supervisor *s, uint8_t i)
-{
-    struct loop_state *l = &s->loop[i];
-    supervisor_settle_law(s, i);
-    l->stepped = false;
-    if (plan_is_two_position(s->plan, i))
-        two_position_follow(&l->two, l->v);
-    else
-        pid_follow(&l->pid, l->setpoint, s->measurement[s->plan->loop[i].pv].value, l->v);
-}
-
-static void law_back(struct supervisor *s, uint8_t i, num_t applied, uint8_t hold)
-{
-    s->loop[i].stepped = false;
-    if (!plan_is_two_position(s->plan, i)) /* two positions have nothing to bring in line */
-        pid_back(&s->loop[i].pid, applied, hold);
-}
-
-/* A step is told what became of it once: when the loop's next turn is due, or on the way there. */
-static bool law_closes(const struct supervisor *s, uint8_t i)
-{
-    return s->loop[i].stepped && loop_due(s, i, s->ticks + 1u);
-}
-
-/* Where a new plan has moved the loop's turn, nothing has told it yet. */
-static void law_close(struct supervisor *s, uint8_t i)
-{
-    struct loop_state *l = &s->loop[i];
-    if (l->stepped)
-        law_back(s, i, l->v, l->hold);
-}
-
-/* The output of a law that acts is v from now on; what it has under way goes on. */
-static void law_shift(struct supervisor *s, uint8_t i, num_t v)
-{
-    struct loop_state *l = &s->loop[i];
-    law_close(s, i);
-    l->v = v;
-    if (plan_is_two_position(s->plan, i))
-        two_position_follow(&l->two, v);
-    else
-        pid_shift(&l->pid, v);
 }
 
 /* What feedforward k looks at, fraction of span; false: there is nothing to look at yet. Of a manipulated variable it is
