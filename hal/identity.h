@@ -11,6 +11,7 @@ enum hal_reset {
     HAL_RESET_WATCHDOG,
     HAL_RESET_PIN,
     HAL_RESET_FAULT,
+    HAL_RESET_CRYSTAL, /* it failed: from now on the internal oscillator */
     HAL_RESET_UNKNOWN
 };
 
@@ -32,13 +33,15 @@ bool hal_last_fault(struct hal_fault *fault);
 /* "power-on", "watchdog", ... */
 static inline const char *hal_reset_name(enum hal_reset cause)
 {
-    static const char *const names[] = {"power-on",  "requested", "watchdog",
-                                        "reset-pin", "fault",     "unknown"};
+    static const char *const names[] = {"power-on", "requested", "watchdog", "reset-pin",
+                                        "fault",    "crystal",   "unknown"};
     return cause <= HAL_RESET_UNKNOWN ? names[cause] : "?";
 }
 
 const char *hal_board_name(void); /* "stm32f405", "host" */
 const char *hal_board_text(void); /* one line: processor, how recognised (chip or emulator) */
+/* How the supply is watched and how it stands, a few words for `version`. */
+const char *hal_supply_text(void);
 enum hal_reset hal_reset_cause(void);
 /* Differs from one start of the board to the next: a counter kept over resets, or anything else that does.
  * The plant link uses it to notice a restarted controller. */

@@ -5,11 +5,13 @@
  *  1. Addresses are offsets into the area, 0 .. sectors * sector_size - 1.
  *  2. program() needs an erased target, and address and length that are multiples of program_size.
  *  3. An erase may stall the processor (up to seconds): callers do it only at start or in manual.
- *  4. A port whose memory silently ignores writes (an emulator) reports ERR_IO: every write is read back.
+ *  4. With a supply too low for it nothing is programmed or erased: hal_nvm_supply_low().
+ *  5. A port whose memory silently ignores writes (an emulator) reports ERR_IO: every write is read back.
  */
 #ifndef REFLUX_HAL_NVM_H
 #define REFLUX_HAL_NVM_H
 
+#include <stdbool.h>
 #include <stdint.h>
 
 #include "base/error.h"
@@ -24,10 +26,13 @@ struct hal_nvm_geometry {
 void hal_nvm_get_geometry(struct hal_nvm_geometry *geometry);
 /* ERR_RANGE outside the area. */
 MUST_CHECK enum err hal_nvm_read(uint32_t address, void *data, uint32_t n);
-/* ERR_RANGE outside the area or misaligned, ERR_IO when the target is not erased (nothing is
+/* ERR_RANGE outside the area or misaligned, ERR_STATE with a low supply (as
+ * far as it has got), ERR_IO when the target is not erased (nothing is
  * written then) or the read-back differs, ERR_TIMEOUT. */
 MUST_CHECK enum err hal_nvm_program(uint32_t address, const void *data, uint32_t n);
-/* ERR_RANGE no such sector, ERR_IO when it does not read erased, ERR_TIMEOUT. */
+/* ERR_RANGE no such sector, ERR_STATE with a low supply, ERR_IO when it does not read erased, ERR_TIMEOUT. */
 MUST_CHECK enum err hal_nvm_erase(uint32_t sector);
+/* The supply is too low for a write, now. */
+bool hal_nvm_supply_low(void);
 
 #endif

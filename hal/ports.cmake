@@ -19,7 +19,7 @@ if(REFLUX_BOARD MATCHES "^stm32")
   find_program(PYTHON3 NAMES python3 REQUIRED)
   add_executable(${image}
     ${shared}/main.c ${shared}/startup.c ${shared}/uart.c ${shared}/tick.c ${shared}/watchdog.c ${shared}/identity.c
-    ${shared}/memory.c ${shared}/image.c
+    ${shared}/memory.c ${shared}/image.c ${shared}/supply.c ${shared}/guard.c
     ${port}/clock.c ${port}/pins.c ${port}/nvm.c)
   # Its loops are what memset and memcpy are made of, not calls of them.
   set_source_files_properties(${shared}/memory.c PROPERTIES COMPILE_OPTIONS

@@ -137,6 +137,8 @@ static bool version_line(struct console *c, unsigned n, struct text *line)
         text_str(line, c->service->watchdog ? "watchdog runs" : "no watchdog");
         text_str(line, ", flash for storage, bytes: ");
         text_u32(line, nvm.sectors * nvm.sector_size);
+        text_str(line, "; supply ");
+        text_str(line, hal_supply_text());
         return true;
     case 6:
         image_line(c, line);

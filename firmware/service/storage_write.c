@@ -62,7 +62,8 @@ static void not_taken(struct storage *st)
 {
     st->failed = true;
     if (st->saving)
-        saved(st, ERR_IO, NOT_TAKEN);
+        saved(st, ERR_IO,
+              hal_nvm_supply_low() ? "the supply is too low to write the flash" : NOT_TAKEN);
     else
         st->state = TAKING;
 }

@@ -6,6 +6,7 @@
 
 uint8_t flash_model[FLASH_MODEL_SIZE];
 bool (*flash_model_keep)(uint32_t address, uint32_t n);
+bool flash_model_supply_low;
 
 void flash_model_erase_all(void)
 {
@@ -47,6 +48,8 @@ enum err hal_nvm_program(uint32_t address, const void *data, uint32_t n)
     for (uint32_t i = 0; i < n; i++)
         if (flash_model[address + i] != 0xFF)
             return ERR_IO;
+    if (flash_model_supply_low)
+        return ERR_STATE;
     memcpy(flash_model + address, data, n);
     return kept(address, n) ? ERR_OK : ERR_IO;
 }
@@ -55,6 +58,13 @@ enum err hal_nvm_erase(uint32_t sector)
 {
     if (sector >= FLASH_MODEL_SECTORS)
         return ERR_RANGE;
+    if (flash_model_supply_low)
+        return ERR_STATE;
     memset(flash_model + (size_t)sector * FLASH_MODEL_SECTOR_SIZE, 0xFF, FLASH_MODEL_SECTOR_SIZE);
     return kept(sector * FLASH_MODEL_SECTOR_SIZE, FLASH_MODEL_SECTOR_SIZE) ? ERR_OK : ERR_IO;
+}
+
+bool hal_nvm_supply_low(void)
+{
+    return flash_model_supply_low;
 }

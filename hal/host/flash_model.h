@@ -15,5 +15,7 @@ extern uint8_t flash_model[FLASH_MODEL_SIZE];
 /* Called after each change of n bytes at address; false = the change could not be kept. NULL = keep nothing. */
 extern bool (*flash_model_keep)(uint32_t address, uint32_t n);
 void flash_model_erase_all(void); /* without keeping */
+/* As with a supply too low for a write. */
+extern bool flash_model_supply_low;
 
 #endif

@@ -34,3 +34,8 @@ uint32_t hal_image_crc(void)
 {
     return 0;
 }
+
+const char *hal_supply_text(void)
+{
+    return "not watched";
+}

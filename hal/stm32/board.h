@@ -22,7 +22,15 @@ bool clock_is_model(void); /* runs in the emulator: recognised by RCC_CR reading
 uint32_t clock_apb1_hz(void);
 uint32_t clock_apb2_hz(void);
 
-/* pins.c, each port's own: clocks and pins of the two serial ports; the watchdog stops with a halted core. */
+/* supply.c: the voltage detector; after clock_start(). A flash write below its level could be half a one. */
+void supply_start(void);
+bool supply_is_low(void);
+
+/* guard.c: what reaches through a null pointer is a fault, not the vector table. */
+void guard_start(void);
+
+/* pins.c, each port's own: clocks and pins of the two serial ports; the watchdog stops with a halted core in a debug build,
+ * and in no other. */
 void pins_start(void);
 void pins_freeze_watchdog(void);
 
@@ -39,6 +47,8 @@ struct watchdog_time watchdog_change(struct watchdog_time to);
 
 /* identity.c: after clock_start(). */
 void identity_start(void);
+/* Before identity_start(): the crystal has failed since power-on (the clock security system saw it). */
+bool identity_crystal_failed(void);
 _Noreturn void identity_fault(const uint32_t *frame, uint32_t exc_return);
 
 /* Raises BASEPRI to hold off everything of this priority and below; returns the mask to restore. */

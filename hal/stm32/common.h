@@ -40,6 +40,20 @@
 #define IWDG_RLR       REG32(0x40003008u)
 #define IWDG_SR        REG32(0x4000300Cu)
 
+/* RM0041 4.4, RM0090 5.4: power. The voltages of PWR_CR_PLS are the chip's own. */
+#define PWR_CR       REG32(0x40007000u)
+#define PWR_CR_PVDE  BIT(4)
+#define PWR_CR_PLS   (7u << 5)
+#define PWR_CR_DBP   BIT(8)
+#define PWR_CSR      REG32(0x40007004u)
+#define PWR_CSR_PVDO BIT(2)
+
+/* RM0041 6.2.7 and 6.3, RM0090 7.2.7 and 7.3: the clock security system; where RCC_CR and RCC_CIR are, the chip knows */
+#define RCC_CR_CSSON    BIT(19)
+#define RCC_CIR_CSSF    BIT(7)
+#define RCC_CIR_CSSC    BIT(23)
+#define RCC_APB1ENR_PWR BIT(28)
+
 /* RM0041 6.3.10, RM0090 7.3.21: why it started (RCC_CSR); BORRST is the F4's alone, reserved on the F1 */
 #define RCC_CSR_RMVF    BIT(24)
 #define RCC_CSR_BORRST  BIT(25)
@@ -70,16 +84,28 @@
 #define SCB_SHCSR          REG32(0xE000ED24u)
 #define SCB_SHCSR_FAULTS                                                                           \
     (BIT(16) | BIT(17) | BIT(18)) /* MemManage, BusFault, UsageFault on their own */
-#define SCB_CFSR           REG32(0xE000ED28u)
-#define SCB_CFSR_MMARVALID (1u << 7)
-#define SCB_CFSR_BFARVALID (1u << 15)
-#define SCB_HFSR           REG32(0xE000ED2Cu)
-#define SCB_MMFAR          REG32(0xE000ED34u)
-#define SCB_BFAR           REG32(0xE000ED38u)
-#define SCB_DEMCR          REG32(0xE000EDFCu)
-#define SCB_DEMCR_TRCENA   BIT(24)
-#define DWT_CTRL           REG32(0xE0001000u)
-#define DWT_CTRL_CYCCNTENA BIT(0)
-#define DWT_CYCCNT         REG32(0xE0001004u)
+#define SCB_CFSR            REG32(0xE000ED28u)
+#define SCB_CFSR_MMARVALID  (1u << 7)
+#define SCB_CFSR_BFARVALID  (1u << 15)
+#define SCB_HFSR            REG32(0xE000ED2Cu)
+#define SCB_MMFAR           REG32(0xE000ED34u)
+#define SCB_BFAR            REG32(0xE000ED38u)
+#define MPU_TYPE            REG32(0xE000ED90u) /* PM0214 4.2; no part of PM0056: the F1 has none */
+#define MPU_TYPE_DREGION    (255u << 8)
+#define MPU_CTRL            REG32(0xE000ED94u)
+#define MPU_CTRL_ENABLE     BIT(0)
+#define MPU_CTRL_PRIVDEFENA BIT(2)
+#define MPU_RNR             REG32(0xE000ED98u)
+#define MPU_RBAR            REG32(0xE000ED9Cu)
+#define MPU_RASR            REG32(0xE000EDA0u)
+#define MPU_RASR_ENABLE     BIT(0)
+#define MPU_RASR_SIZE(log2) (((log2)-1u) << 1)
+#define MPU_RASR_AP_NONE    (0u << 24)
+#define MPU_RASR_XN         BIT(28)
+#define SCB_DEMCR           REG32(0xE000EDFCu)
+#define SCB_DEMCR_TRCENA    BIT(24)
+#define DWT_CTRL            REG32(0xE0001000u)
+#define DWT_CTRL_CYCCNTENA  BIT(0)
+#define DWT_CYCCNT          REG32(0xE0001004u)
 
 #endif

@@ -5,9 +5,10 @@
 #include "hal/retained.h"
 #include "registers.h"
 
-#define MAGIC 0x52464C58u /* "RFLX" */
+#define MAGIC         0x52464C58u /* "RFLX" */
+#define EXCEPTION_NMI 2u
 
-enum intent { INTENT_NONE, INTENT_REBOOT, INTENT_FAULT };
+enum intent { INTENT_NONE, INTENT_REBOOT, INTENT_FAULT, INTENT_CRYSTAL };
 
 /* Lives through a reset, not through a loss of power. */
 static struct {
@@ -15,7 +16,8 @@ static struct {
     uint32_t boots;
     uint32_t boots_inverted; /* random bits do not pass for a record */
     uint32_t intent;
-    uint32_t fault_magic; /* there is a fault, of start number fault_boot */
+    uint32_t crystal_failed; /* MAGIC: since power-on */
+    uint32_t fault_magic;    /* there is a fault, of start number fault_boot */
     uint32_t fault_boot;
     struct hal_fault fault;
 } kept __attribute__((section(".noinit")));
@@ -35,6 +37,9 @@ static enum hal_reset find_cause(uint32_t flags, bool kept_valid, uint32_t inten
     if (intent == INTENT_FAULT) {
         return HAL_RESET_FAULT;
     }
+    if (intent == INTENT_CRYSTAL) {
+        return HAL_RESET_CRYSTAL;
+    }
     if (intent == INTENT_REBOOT || (flags & RCC_CSR_SFTRST) != 0) {
         return HAL_RESET_REQUESTED;
     }
@@ -42,9 +47,20 @@ static enum hal_reset find_cause(uint32_t flags, bool kept_valid, uint32_t inten
     return (flags & RCC_CSR_PINRST) != 0 ? HAL_RESET_PIN : HAL_RESET_UNKNOWN;
 }
 
+static bool kept_valid(void)
+{
+    return kept.magic == MAGIC && kept.boots == ~kept.boots_inverted;
+}
+
+bool identity_crystal_failed(void)
+{
+    return kept_valid() && kept.crystal_failed == MAGIC &&
+           (RCC_CSR & (RCC_CSR_PORRST | RCC_CSR_BORRST)) == 0;
+}
+
 void identity_start(void)
 {
-    bool valid = kept.magic == MAGIC && kept.boots == ~kept.boots_inverted;
+    bool valid = kept_valid();
     uint32_t flags = RCC_CSR; /* 0 in the emulator */
 
     cause = find_cause(flags, valid, kept.intent);
@@ -53,6 +69,9 @@ void identity_start(void)
         kept.magic = MAGIC;
         kept.boots = startup_noise;
         kept.fault_magic = 0;
+    }
+    if (cause == HAL_RESET_POWER_ON) {
+        kept.crystal_failed = 0;
     }
     kept.boots++;
     kept.boots_inverted = ~kept.boots;
@@ -74,11 +93,24 @@ _Noreturn void hal_reboot(void)
     reset(INTENT_REBOOT);
 }
 
+/* The clock security system has seen the crystal fail: the core runs on from the internal oscillator, and everything that was
+ * reckoned from the clock is wrong (baud rates, milliseconds, wait states). A fresh start reckons anew, without the
+ * crystal, until the next power-on. */
+static _Noreturn void crystal_failed(void)
+{
+    RCC_CIR |= RCC_CIR_CSSC;
+    kept.crystal_failed = MAGIC;
+    reset(INTENT_CRYSTAL);
+}
+
 _Noreturn void identity_fault(const uint32_t *frame, uint32_t exc_return)
 {
     struct hal_fault fault = {.status = SCB_CFSR, .hard = SCB_HFSR};
     (void)exc_return;
     __asm volatile("mrs %0, ipsr" : "=r"(fault.exception));
+    if (fault.exception == EXCEPTION_NMI && (RCC_CIR & RCC_CIR_CSSF) != 0) {
+        crystal_failed();
+    }
     if ((fault.status & SCB_CFSR_BFARVALID) != 0) {
         fault.address = SCB_BFAR;
     } else if ((fault.status & SCB_CFSR_MMARVALID) != 0) {

@@ -4,7 +4,9 @@
 
 int main(void)
 {
+    guard_start();
     clock_start();
+    supply_start();
     identity_start();
     tick_start_timebase();
     uart_start();

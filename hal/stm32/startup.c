@@ -33,11 +33,11 @@ union vector {
 __attribute__((section(".vectors"), used)) static const union vector vectors[VECTOR_COUNT] = {
     [0] = {.address = stack_top},
     [1] = {.handler = reset_entry},
-    [2] = {.handler = interrupt_unexpected}, /* NMI: the clock security system, not used */
-    [3] = {.handler = fault_entry},          /* HardFault */
-    [4] = {.handler = fault_entry},          /* MemManage */
-    [5] = {.handler = fault_entry},          /* BusFault */
-    [6] = {.handler = fault_entry},          /* UsageFault */
+    [2] = {.handler = fault_entry}, /* NMI: the clock security system */
+    [3] = {.handler = fault_entry}, /* HardFault */
+    [4] = {.handler = fault_entry}, /* MemManage */
+    [5] = {.handler = fault_entry}, /* BusFault */
+    [6] = {.handler = fault_entry}, /* UsageFault */
     [11] = {.handler = interrupt_unexpected},
     [12] = {.handler = interrupt_unexpected},
     [14] = {.handler = interrupt_pendsv},

@@ -1,5 +1,5 @@
 /* The independent watchdog (RM0041 chapter 18, RM0090 chapter 21): it has a clock of its own that is good to
- * some ten percent, so that a time-out may come a third early. It stops while a debugger halts the core. */
+ * some ten percent, so that a time-out may come a third early. In a debug build it stops while a debugger halts the core. */
 #include "hal/watchdog.h"
 #include "board.h"
 #include "hal/tick.h"

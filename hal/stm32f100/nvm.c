@@ -5,6 +5,7 @@
  * the flash. Flash is programmed by half-words, with the internal oscillator running (it always is).
  */
 #include "hal/nvm.h"
+#include "board.h"
 #include "hal/watchdog.h"
 #include "registers.h"
 
@@ -87,6 +88,10 @@ enum err hal_nvm_program(uint32_t address, const void *data, uint32_t n)
     if (result == ERR_OK) {
         FLASH_CR = FLASH_CR_PG;
         for (uint32_t i = 0; i < n && result == ERR_OK; i += HALF) {
+            if (supply_is_low()) {
+                result = ERR_STATE;
+                break;
+            }
             REG16(AREA + address + i) = half_of(from + i);
             __asm volatile("dsb" ::: "memory");
             result = wait_done(PROGRAM_TURNS);
@@ -108,6 +113,10 @@ enum err hal_nvm_erase(uint32_t sector)
     }
     enum err result = unlock();
     for (uint32_t page = 0; page < SECTOR_SIZE && result == ERR_OK; page += PAGE_SIZE) {
+        if (supply_is_low()) {
+            result = ERR_STATE;
+            break;
+        }
         hal_watchdog_feed(); /* nothing else runs until the page is done */
         FLASH_CR = FLASH_CR_PER;
         FLASH_AR = AREA + sector * SECTOR_SIZE + page;

@@ -19,7 +19,12 @@ void pins_start(void)
 
 void pins_freeze_watchdog(void)
 {
+#ifdef NDEBUG
+    DBGMCU_CR &=
+        ~DBGMCU_CR_IWDG_STOP; /* a debugger may have set it, and a reset does not clear it */
+#else
     DBGMCU_CR |= DBGMCU_CR_IWDG_STOP;
+#endif
 }
 
 const char *hal_board_name(void)

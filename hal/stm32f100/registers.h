@@ -14,6 +14,7 @@
 #define RCC_CR_HSERDY      BIT(17)
 #define RCC_CR_PLLON       BIT(24)
 #define RCC_CR_PLLRDY      BIT(25)
+#define RCC_CIR            REG32(0x40021008u)
 #define RCC_CFGR           REG32(0x40021004u)
 #define RCC_CFGR_SW        3u
 #define RCC_CFGR_SW_PLL    2u
@@ -26,8 +27,21 @@
 #define RCC_APB2ENR_USART1 BIT(14)
 #define RCC_APB1ENR        REG32(0x4002101Cu)
 #define RCC_APB1ENR_USART2 BIT(17)
+#define RCC_APB1ENR_BKP    BIT(27)
+#define RCC_BDCR           REG32(0x40021020u)
+#define RCC_BDCR_HSE_RTC   (3u << 8) /* the crystal's 128th */
+#define RCC_BDCR_RTCEN     BIT(15)
+#define RCC_BDCR_BDRST     BIT(16)
 #define RCC_CSR            REG32(0x40021024u)
 #define RCC_CFGR2          REG32(0x4002102Cu)
+
+/* RM0041 4.4.1: 2.4 V; the flash takes writes from 2.0 V on */
+#define PWR_CR_PLS_CHOSEN (2u << 5)
+
+/* RM0041 17.4: real-time clock, which measures the crystal */
+#define RTC_CRL     REG16(0x40002804u)
+#define RTC_CRL_RSF BIT(3)
+#define RTC_DIVL    REG16(0x40002814u) /* counts down */
 
 /* PM0063 3: flash interface */
 #define FLASH_KEYR      REG32(0x40022004u)

@@ -5,6 +5,7 @@
  */
 #include "hal/clock.h"
 #include "board.h"
+#include "crystal.h"
 #include "registers.h"
 
 #define WAIT_TURNS 200000u /* 0.1 s at 16 MHz: several times the slowest start of a crystal */
@@ -27,8 +28,7 @@ static bool wait_for(volatile uint32_t *reg, uint32_t mask, uint32_t value)
 
 /* Boards carry different crystals (8 MHz, 12 MHz, ...) and the same image is to run on all of them, so the
  * crystal is measured against the internal oscillator: TIM11 captures the crystal divided by 31 (the clock
- * offered to the RTC), every eighth edge. The internal oscillator is good to some percent, which tells these
- * apart. Returns whole megahertz, 0 when the count fits no crystal on the list. */
+ * offered to the RTC), every eighth edge. Returns whole megahertz, 0 when the count fits no crystal on the list. */
 static uint32_t measure_crystal_mhz(void)
 {
     static const uint8_t known[] = {8, 12, 16, 25};
@@ -55,13 +55,16 @@ static uint32_t measure_crystal_mhz(void)
     TIM11_CR1 = 0;
     TIM11_CCER = 0;
     RCC_APB2ENR &= ~RCC_APB2ENR_TIM11;
-    for (uint32_t i = 0; i < sizeof(known); i++) {
-        uint32_t expected = HSI_HZ / 1000u * 31u * 8u / (known[i] * 1000u);
-        if (ticks > expected - expected / 16u && ticks < expected + expected / 16u) {
-            return known[i];
-        }
-    }
-    return 0;
+    return crystal_mhz(known, sizeof(known), ticks, HSI_HZ / 1000000u * 31u * 8u);
+}
+
+/* Everything the flash interface has to make up for its wait states, but the prefetch on early silicon: revision A does
+ * not have it (errata sheet ES0182), and tells a wrong device (0x411), by which it is recognised as well. */
+static uint32_t flash_speed(void)
+{
+    uint32_t id = DBGMCU_IDCODE;
+    bool early = (id & DBGMCU_IDCODE_DEV) != DEV_F405 || (id & DBGMCU_IDCODE_REV) == REV_A;
+    return FLASH_ACR_ICEN | FLASH_ACR_DCEN | (early ? 0 : FLASH_ACR_PRFTEN);
 }
 
 static bool start_pll(uint32_t input_mhz, uint32_t from)
@@ -74,7 +77,7 @@ static bool start_pll(uint32_t input_mhz, uint32_t from)
         return false;
     }
     /* Five wait states at 168 MHz and 2.7 V to 3.6 V; must be in force before the clock rises. */
-    FLASH_ACR = 5u | FLASH_ACR_PRFTEN | FLASH_ACR_ICEN | FLASH_ACR_DCEN;
+    FLASH_ACR = 5u | flash_speed();
     if (!wait_for(&FLASH_ACR, 7u, 5u)) {
         return false;
     }
@@ -95,12 +98,19 @@ static void start_clock_tree(void)
     RCC_APB1ENR |= RCC_APB1ENR_PWR;
     (void)RCC_APB1ENR;
     PWR_CR |= PWR_CR_VOS;
-    FLASH_ACR = FLASH_ACR_PRFTEN | FLASH_ACR_ICEN | FLASH_ACR_DCEN;
+    FLASH_ACR = flash_speed();
 
+    if (identity_crystal_failed()) {
+        if (start_pll(HSI_HZ / 1000000u, 0)) {
+            source = "HSI 16 MHz, PLL: the crystal has failed";
+        }
+        return;
+    }
     RCC_CR |= RCC_CR_HSEON;
     if (wait_for(&RCC_CR, RCC_CR_HSERDY, RCC_CR_HSERDY)) {
         uint32_t mhz = measure_crystal_mhz();
         if (mhz != 0 && start_pll(mhz, RCC_PLLCFGR_HSE)) {
+            RCC_CR |= RCC_CR_CSSON; /* should it fail, the NMI starts the board anew without it */
             source = mhz == 8    ? "HSE 8 MHz, PLL"
                      : mhz == 12 ? "HSE 12 MHz, PLL"
                      : mhz == 16 ? "HSE 16 MHz, PLL"

@@ -100,6 +100,10 @@ enum err hal_nvm_program(uint32_t address, const void *data, uint32_t n)
     if (result == ERR_OK) {
         FLASH_CR = FLASH_CR_PSIZE32 | FLASH_CR_PG;
         for (uint32_t i = 0; i < n && result == ERR_OK; i += WORD) {
+            if (supply_is_low()) {
+                result = ERR_STATE;
+                break;
+            }
             uint32_t word;
             memcpy(&word, from + i, WORD);
             REG32(AREA + address + i) = word;
@@ -122,6 +126,9 @@ enum err hal_nvm_erase(uint32_t sector)
 {
     if (sector >= SECTORS) {
         return ERR_RANGE;
+    }
+    if (supply_is_low()) {
+        return ERR_STATE;
     }
     struct watchdog_time usual = watchdog_change(watchdog_time(ERASE_MS, LSI_PER_MS));
     enum err result = unlock();

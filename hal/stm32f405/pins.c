@@ -18,7 +18,12 @@ void pins_start(void)
 
 void pins_freeze_watchdog(void)
 {
+#ifdef NDEBUG
+    DBGMCU_APB1_FZ &=
+        ~DBGMCU_APB1_FZ_IWDG; /* a debugger may have set it, and a reset does not clear it */
+#else
     DBGMCU_APB1_FZ |= DBGMCU_APB1_FZ_IWDG;
+#endif
 }
 
 const char *hal_board_name(void)

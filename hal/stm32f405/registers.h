@@ -25,20 +25,22 @@
 #define RCC_CFGR_PPRE1_4   (5u << 10)
 #define RCC_CFGR_PPRE2_2   (4u << 13)
 #define RCC_CFGR_RTCPRE(n) ((uint32_t)(n) << 16)
+#define RCC_CIR            REG32(0x4002380Cu)
 #define RCC_AHB1ENR        REG32(0x40023830u)
 #define RCC_AHB1ENR_GPIOA  BIT(0)
 #define RCC_APB1ENR        REG32(0x40023840u)
 #define RCC_APB1ENR_TIM2   BIT(0)
 #define RCC_APB1ENR_USART2 BIT(17)
-#define RCC_APB1ENR_PWR    BIT(28)
 #define RCC_APB2ENR        REG32(0x40023844u)
 #define RCC_APB2ENR_USART1 BIT(4)
 #define RCC_APB2ENR_TIM11  BIT(18)
 #define RCC_CSR            REG32(0x40023874u)
 
-/* RM0090 5.4: power */
-#define PWR_CR     REG32(0x40007000u)
+/* RM0090 5.4.1: power */
 #define PWR_CR_VOS BIT(14) /* scale 1: needed above 144 MHz */
+/* 2.8 V, which is 2.85 V to 3.10 V over chips and directions (DS8626): above the 2.7 V that words need in the flash, below
+ * a supply of 3.3 V less 5 %. */
+#define PWR_CR_PLS_CHOSEN (6u << 5)
 
 /* RM0090 3.9: flash interface */
 #define FLASH_ACR        REG32(0x40023C00u)
@@ -60,6 +62,8 @@
 #define FLASH_CR_PSIZE32 (2u << 8)
 #define FLASH_CR_STRT    BIT(16)
 #define FLASH_CR_LOCK    BIT(31)
+#define FLASH_OPTCR      REG32(0x40023C14u)
+#define FLASH_OPTCR_BOR  (3u << 2) /* 0 level 3, which is 2.7 V and more; 1, 2: less; 3 off */
 
 /* RM0090 8.4: general-purpose pins */
 #define GPIOA_MODER REG32(0x40020000u)
@@ -90,6 +94,13 @@
 #define TIM11_CCR1        REG32(0x40014834u)
 #define TIM11_OR          REG32(0x40014850u)
 #define TIM11_OR_HSE_RTC  2u
+
+/* RM0090 38.6.1: which chip; revision A tells a wrong one (errata sheet ES0182) */
+#define DBGMCU_IDCODE     REG32(0xE0042000u)
+#define DBGMCU_IDCODE_DEV 0xFFFu
+#define DBGMCU_IDCODE_REV 0xFFFF0000u
+#define DEV_F405          0x413u
+#define REV_A             0x10000000u
 
 /* RM0090 38.16: a halted core also halts the watchdog */
 #define DBGMCU_APB1_FZ      REG32(0xE0042008u)

@@ -16,7 +16,7 @@ static bool keep(uint32_t address, uint32_t n)
 
 void setUp(void)
 {
-    take_no_write = false;
+    take_no_write = flash_model_supply_low = false;
     flash_model_keep = keep;
     memory_port_erase_all();
 }
@@ -175,6 +175,23 @@ static void test_flash_that_takes_no_write_is_said_in_one_line(void)
     TEST_ASSERT_TRUE(said("storage failed"));
     ask_ok("version");
     TEST_ASSERT_TRUE(said("storage: failed"));
+}
+
+static void test_nothing_is_written_while_the_supply_is_too_low(void)
+{
+    running();
+    ask_ok("save");
+    ask_ok("set loop1.gain 3");
+    samples(1);
+    flash_model_supply_low = true;
+    ask_refused("save", "IO");
+    TEST_ASSERT_TRUE(said("supply is too low"));
+    flash_model_supply_low = false;
+    ask_ok("save");
+    power_on();
+    pass(2500);
+    ask_ok("get loop1.gain");
+    TEST_ASSERT_TRUE(said("= 3 "));
 }
 
 static void test_save_that_needs_an_erase_waits_for_manual(void)
@@ -541,6 +558,7 @@ int main(void)
     RUN_TEST(test_nothing_to_load_is_said);
     RUN_TEST(test_flash_that_takes_no_write_is_said_in_one_line);
     RUN_TEST(test_set_kept_back_by_a_transaction_is_not_replaced_by_defaults);
+    RUN_TEST(test_nothing_is_written_while_the_supply_is_too_low);
     RUN_TEST(test_save_that_needs_an_erase_waits_for_manual);
     RUN_TEST(test_nothing_is_erased_before_the_first_command);
     RUN_TEST(test_erases_are_counted_through_starts);

@@ -18,6 +18,7 @@ import board  # noqa: E402
 from reflux_tools import launch  # noqa: E402
 
 IMAGE = board.ROOT / "build" / "stm32f405" / "reflux-stm32f405.bin"
+FLASH = 0x08000000
 NOWHERE = 0xA0000000  # no memory, and not executable
 
 
@@ -40,15 +41,18 @@ class Debugger:
         self.socket.sendall(b"+")
         return found[1].decode("latin-1")
 
-    def jump(self, address: int) -> None:
+    def jump(self, address: int, r0: int | None = None) -> None:
         """Stops the processor, which it finds in the main loop or a tick, and lets it go on at address."""
         for question in ("?", "qXfer:features:read:target.xml:0,ffb"):  # single registers only go with the second
             self.send(question)
             self.reply()
-        self.send("Pf=" + address.to_bytes(4, "little").hex())
-        # The stop itself may have been told once more in between.
-        if "OK" not in (self.reply() for _ in range(4)):
-            raise AssertionError("the debugger's port did not take the program counter")
+        for register, value in (("0", r0), ("f", address)):
+            if value is None:
+                continue
+            self.send(f"P{register}=" + value.to_bytes(4, "little").hex())
+            # The stop itself may have been told once more in between.
+            if "OK" not in (self.reply() for _ in range(4)):
+                raise AssertionError("the debugger's port did not take a register")
         self.send("c")
 
     def close(self) -> None:
@@ -70,9 +74,9 @@ class FaultRecordTest(unittest.TestCase):
     def version(self) -> str:
         return "\n".join(self.console.do("version"))
 
-    def crash(self) -> None:
+    def crash(self, address: int = NOWHERE, r0: int | None = None) -> None:
         with contextlib.closing(Debugger(self.debugger_path)) as debugger:
-            debugger.jump(NOWHERE)
+            debugger.jump(address, r0)
         self.console.until(lambda line: " STARTED fault " in line)
         self.console.machine_mode()
 
@@ -98,6 +102,23 @@ class FaultRecordTest(unittest.TestCase):
         version = self.version()
         self.assertIn("started by: requested", version)
         self.assertIn("boots_ago 2", version)
+
+    def test_a_null_pointer_is_a_fault_although_the_flash_lies_there(self) -> None:
+        image = IMAGE.read_bytes()
+        load, store = (next(k for k in range(0x400, len(image), 2) if image[k:k + 2] == code.to_bytes(2, "little"))
+                       for code in (0x6800, 0x6000))  # ldr r0, [r0] and str r0, [r0], wherever there is one
+        for what, address, r0, status, reached in (("a read", FLASH + load, 0x10, 0x82, 0x10),
+                                                   ("a write", FLASH + store, 0x0, 0x82, 0x0),
+                                                   ("a call", 0x100, None, 0x01, None)):
+            with self.subTest(what):
+                self.crash(address, r0)
+                version = self.version()
+                fault = re.search(r"last fault: (\w+) in .* cfsr (\w{8}) .* address (\w{8})", version)
+                self.assertIsNotNone(fault, version)
+                self.assertIn(fault[1], ("memory", "hard"))  # hard where interrupts were held off just then
+                self.assertEqual(int(fault[2], 16), status)
+                if reached is not None:
+                    self.assertEqual(int(fault[3], 16), reached)
 
     def test_faults_in_a_row_soon_after_the_start_are_counted_until_somebody_reboots(self) -> None:
         for n in (1, 2, 3):

@@ -20,6 +20,17 @@ if(CMAKE_SYSTEM_PROCESSOR MATCHES "x86_64|AMD64")
     "${PROJECT_SOURCE_DIR}/hal/stm32" "${PROJECT_SOURCE_DIR}/hal/stm32f405")
   target_compile_options(test_stm32_flash PRIVATE -Wno-int-to-pointer-cast -D_GNU_SOURCE
     "SHELL:-include ${PROJECT_SOURCE_DIR}/tests/support/stm32_on_host.h")
+  # Start, clocks, supply and faults of each chip, on a model of its registers; clock.c is part of the test's own file.
+  foreach(chip stm32f405 stm32f100)
+    set(shared "${PROJECT_SOURCE_DIR}/hal/stm32")
+    set(port "${PROJECT_SOURCE_DIR}/hal/${chip}")
+    reflux_test(${chip}_chip LABEL unit SOURCES "${CMAKE_CURRENT_LIST_DIR}/test_stm32_chip.c"
+      "${CMAKE_CURRENT_LIST_DIR}/stm32_release_pins.c" "${port}/pins.c" "${port}/nvm.c" "${shared}/identity.c"
+      "${shared}/supply.c" "${shared}/guard.c" "${shared}/watchdog.c" LIBS reflux_hal)
+    target_include_directories(test_${chip}_chip PRIVATE "${port}" "${shared}")
+    target_compile_options(test_${chip}_chip PRIVATE -UNDEBUG -Wno-int-to-pointer-cast
+      "SHELL:-include ${PROJECT_SOURCE_DIR}/tests/support/stm32_model.h")
+  endforeach()
 endif()
 
 reflux_test(stm32_memory LABEL unit SOURCES "${CMAKE_CURRENT_LIST_DIR}/test_stm32_memory.c"

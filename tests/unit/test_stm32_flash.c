@@ -59,6 +59,13 @@ volatile uint32_t *flash_status(void)
 
 void pins_freeze_watchdog(void) {}
 
+static bool supply_low;
+
+bool supply_is_low(void)
+{
+    return supply_low;
+}
+
 static void map(const volatile void *at, size_t size)
 {
     void *page = (void *)((uintptr_t)at & ~(uintptr_t)(PAGE - 1u));
@@ -78,7 +85,7 @@ void setUp(void)
     memset(AREA, 0xFF, AREA_SIZE);
     FLASH_CR = FLASH_CR_LOCK;
     status = 0;
-    worn = false;
+    worn = supply_low = false;
     IWDG_SR = 0;
     n_changes = locks = erases = 0;
 }
@@ -160,6 +167,23 @@ static void test_programming_writes_whole_words_to_erased_ones_and_locks(void)
     TEST_ASSERT_EQUAL(ERR_RANGE, hal_nvm_read(AREA_SIZE, back, 1));
 }
 
+/* RM0090 3.6.2 and table 7: words need 2.7 V. */
+static void test_with_a_low_supply_nothing_is_programmed_or_erased(void)
+{
+    static const uint8_t data[4] = {1, 2, 3, 4};
+    AREA[0x20000] = 0;
+    supply_low = true;
+    TEST_ASSERT_EQUAL(ERR_STATE, hal_nvm_program(0, data, sizeof data));
+    TEST_ASSERT_EQUAL_HEX8(0xFF, AREA[0]);
+    TEST_ASSERT_EQUAL_HEX32(FLASH_CR_LOCK, FLASH_CR);
+    TEST_ASSERT_EQUAL(ERR_STATE, hal_nvm_erase(1));
+    TEST_ASSERT_EQUAL_HEX8(0, AREA[0x20000]);
+    TEST_ASSERT_EQUAL(0, erases);
+    supply_low = false;
+    TEST_ASSERT_EQUAL(ERR_OK, hal_nvm_program(0, data, sizeof data));
+    TEST_ASSERT_EQUAL(ERR_OK, hal_nvm_erase(1));
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -167,5 +191,6 @@ int main(void)
     RUN_TEST(test_an_erase_has_a_longer_time_out_and_leaves_the_usual_one);
     RUN_TEST(test_an_erase_that_fails_leaves_the_usual_time_out);
     RUN_TEST(test_programming_writes_whole_words_to_erased_ones_and_locks);
+    RUN_TEST(test_with_a_low_supply_nothing_is_programmed_or_erased);
     return UNITY_END();
 }
