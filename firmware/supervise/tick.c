@@ -360,6 +360,10 @@ static uint8_t saturation(const struct supervisor *s, uint8_t i)
         const struct output_state *o = &s->output[p->output];
         up = up || num_lt(o->applied, o->commanded);
         down = down || num_lt(o->commanded, o->applied);
+    } else { /* whether or not it has been told already */
+        num_t taken = clamp_setpoint(s, p->inner, l->v);
+        up = up || num_lt(taken, l->v);
+        down = down || num_lt(l->v, taken);
     }
     up = up || (l->hold & BLOCK_HOLD_UP);
     down = down || (l->hold & BLOCK_HOLD_DOWN);

@@ -272,6 +272,34 @@ static void an_outer_loop_does_not_wind_up_whatever_the_divisors_and_phases(void
     }
 }
 
+/* Two levels up as well: outer's output is cut off by bottom's setpoint limit, so outest must not push outer's setpoint. */
+static void the_loop_two_levels_up_does_not_push_against_a_setpoint_limit_below(void)
+{
+    static const char *const cases[][6] = {{"1", "0", "1", "0", "1", "0"},
+                                           {"2", "0", "2", "1", "2", "0"},
+                                           {"2", "1", "4", "3", "8", "5"},
+                                           {"7", "6", "5", "1", "3", "0"},
+                                           {"1", "0", "10", "9", "3", "1"}};
+    for (unsigned k = 0; k < sizeof cases / sizeof cases[0]; k++) {
+        const char *const *c = cases[k];
+        bench_start_with(bench_cascade);
+        put_all((const char *const[]){"loop2.sp_lo", "60", "loop2.sp_hi", "120", "loop2.divisor",
+                                      c[0], "loop2.phase", c[1], "loop3.divisor", c[2],
+                                      "loop3.phase", c[3], "loop4.divisor", c[4], "loop4.phase",
+                                      c[5], NULL});
+        apply();
+        mode(BOTTOM, LOOP_CASCADE);
+        mode(OUTER, LOOP_CASCADE);
+        mode(OUTEST, LOOP_AUTO);
+        ticks(60);
+        reading(FEED, 3);
+        ticks(30); /* the proportional part has come to the limit */
+        double at = setpoint_of(OUTER);
+        ticks(1000);
+        TEST_ASSERT_DOUBLE_WITHIN(2e-3, at, setpoint_of(OUTER));
+    }
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -293,5 +321,6 @@ int main(void)
     RUN_TEST(changing_the_outer_loop_leaves_the_inner_one_at_its_setpoint);
     RUN_TEST(an_outer_loop_may_run_more_slowly_than_the_inner_one);
     RUN_TEST(an_outer_loop_does_not_wind_up_whatever_the_divisors_and_phases);
+    RUN_TEST(the_loop_two_levels_up_does_not_push_against_a_setpoint_limit_below);
     return UNITY_END();
 }
