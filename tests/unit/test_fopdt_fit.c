@@ -221,6 +221,27 @@ static void a_gain_that_is_lost_in_the_noise_has_no_times(void)
     TEST_ASSERT_DOUBLE_WITHIN(0.003, 0.0, sum / 300.0);
 }
 
+static void the_line_beside_a_plain_proportion_leaves_a_mean_of_nothing(void)
+{
+    struct random_source source = {SEED};
+    struct test_element none = {0.0, 10.0, 0.0};
+    struct test_record t = {40, 1000, 640, 0.05, 0.005, 0, 1e-5}; /* one step, at sample 41 */
+    int seen = 0;
+    for (int i = 0; i < 50; i++) {
+        take(of_element, &none, &t, &source);
+        struct fopdt_fit_result r = run(NULL);
+        if (!(r.element.flags & IDENTIFIED_NO_GAIN))
+            continue;
+        double mean = 0.0, level = 0.05 * (640 - 41) / 640.0;
+        for (uint32_t k = 0; k < record.points; k++)
+            mean += (double)record.y[0][k] / record.points;
+        TEST_ASSERT_DOUBLE_WITHIN(1e-6, mean - level * (double)r.element.gain,
+                                  (double)r.offset + 319.5 * (double)r.slope_per_s);
+        seen++;
+    }
+    TEST_ASSERT_GREATER_THAN_INT(40, seen);
+}
+
 static void a_small_gain_above_the_noise_is_found(void)
 {
     struct random_source source = {SEED};
@@ -447,6 +468,7 @@ int main(void)
     RUN_TEST(the_standard_deviations_are_those_of_the_scatter);
     RUN_TEST(noise_that_hangs_together_counts_for_less);
     RUN_TEST(a_gain_that_is_lost_in_the_noise_has_no_times);
+    RUN_TEST(the_line_beside_a_plain_proportion_leaves_a_mean_of_nothing);
     RUN_TEST(a_small_gain_above_the_noise_is_found);
     RUN_TEST(an_integrator_is_told_from_a_slow_lag);
     RUN_TEST(a_response_that_dips_or_swings_is_flagged_and_an_honest_one_is_not);

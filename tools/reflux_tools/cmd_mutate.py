@@ -48,15 +48,17 @@ def main(arguments: list[str]) -> int:
     p.add_argument("--again", action="store_true",
                    help="only those of the round with this seed that were not noticed, in the sources and tests of now")
     p.add_argument("-j", "--jobs", type=int, default=1, metavar="J", help="how many drawn faults at a time (default 1)")
+    p.add_argument("--longest", type=float, metavar="SECONDS",
+                   help="with --random or --again: leave out tests that take more processor time, for a first look")
     options = p.parse_args(arguments)
     if options.jobs < 1:
         raise UserError("--jobs must be 1 or more")
     if options.random is not None and options.random < 1:
         raise UserError("--random must be 1 or more")
     if options.again:
-        return Round(options.jobs).again(options.seed, options.files)
+        return Round(options.jobs, options.longest).again(options.seed, options.files)
     if options.random is not None:
-        return Round(options.jobs).run(options.random, options.seed, options.files)
+        return Round(options.jobs, options.longest).run(options.random, options.seed, options.files)
     mutants = [m for m in load() if not options.files or any(m.file.endswith(f) for f in options.files)]
     if not mutants:
         raise UserError(f"{shown(LIST)} has no fault in {' or '.join(options.files)}")

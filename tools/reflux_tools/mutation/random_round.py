@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import threading
 from collections import Counter, deque
 from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import dataclass, field
@@ -13,7 +14,7 @@ from reflux_tools.errors import UserError
 from reflux_tools.mutation import drawing
 from reflux_tools.mutation.drawing import Fault
 from reflux_tools.mutation.reach import Costs, Reach, mutants_folder
-from reflux_tools.mutation.tree import FORMATS, Tree
+from reflux_tools.mutation.tree import FORMATS, Test, Tree
 from reflux_tools.mutation.trial import Bench, NotCompiled, Verdict
 from reflux_tools.paths import shown
 
@@ -51,11 +52,14 @@ class Round:
     the float build's tests do not notice is tried in the fixed build too, where it exists there: tools/test runs both.
     """
 
-    def __init__(self, jobs: int):
-        self.jobs = jobs
+    def __init__(self, jobs: int, longest_s: float | None = None):
+        self.jobs, self.longest_s = jobs, longest_s
         self.benches: dict[str, Bench] = {}
         self.reaches: dict[str, Reach] = {}
-        self.tests: dict[str, list] = {}
+        self.tests: dict[str, list[Test]] = {}
+        self.costs: dict[str, Costs] = {}
+        self.built: set[str] = set()  # programs that are up to date
+        self.lock = threading.Lock()
         self.known = drawing.equivalents()
         self.work = mutants_folder() / "work"
 
@@ -66,16 +70,33 @@ class Round:
             self.benches[name] = Bench(tree, {})
         return self.benches[name]
 
-    def ready(self, name: str) -> None:
-        """Builds, measures costs and lines."""
-        bench = self.bench(name)
+    def reach(self, name: str) -> Reach:
         if name not in self.reaches:
-            if not bench.tree.built:
-                bench.tree.build()
-            bench.costs = Costs(bench.tree).measure(self.tests[name])
             reach = Reach(name)
             reach.measure()
             self.reaches[name] = reach
+        return self.reaches[name]
+
+    def tests_at(self, name: str, first: str, fault: Fault) -> list[Test]:
+        """Built, and with their costs. Lines that both builds compile (first is float) are reached by the same tests."""
+        bench = self.bench(name)
+        names = self.reach(first).tests_at(fault.file, fault.edit)
+        tests = [t for t in self.tests[name] if t.name in names]
+        with self.lock:
+            missing = sorted({p for t in tests for p in t.programs} - self.built)
+            if missing and not bench.tree.built:
+                bench.tree.build(tuple(bench.tree.target_of(p) for p in missing))
+            self.built.update(missing)
+            bench.costs.update(self.costs.setdefault(name, Costs(bench.tree)).measure(tests))
+        return [t for t in tests if self.longest_s is None or bench.costs[t.name] <= self.longest_s]
+
+    def prepare(self) -> None:
+        """What nearly every fault needs."""
+        bench = self.bench("float")
+        bench.tree.build()
+        self.costs["float"] = Costs(bench.tree)
+        bench.costs = self.costs["float"].measure(self.tests["float"])
+        self.reach("float")
 
     def format_of(self, fault: Fault, plain: str, changed: str) -> str | None:
         """The first number format whose object code differs; None: nowhere."""
@@ -92,12 +113,10 @@ class Round:
         for name in list(FORMATS)[list(FORMATS).index(first):]:
             if name != first and not self.bench(name).differs(fault.path, plain, changed, place / "compared"):
                 continue
-            self.ready(name)
-            names = self.reaches[name].tests_at(fault.file, e)
-            verdict: Verdict = self.benches[name].attempt(
-                fault.path, changed, [t for t in self.tests[name] if t.name in names], place)
+            tests = self.tests_at(name, first, fault)
+            verdict: Verdict = self.benches[name].attempt(fault.path, changed, tests, place)
             result.cpu_s += verdict.cpu_s
-            result.reach = sorted(set(result.reach) | names)
+            result.reach = sorted(set(result.reach) | {t.name for t in tests})
             if verdict.test is not None:
                 result.status, result.format, result.by, result.trouble = CAUGHT, name, verdict.test, verdict.trouble
                 result.reach = []
@@ -111,7 +130,7 @@ class Round:
         state.load(drawing.sources_digest())
         if len(state.results) > count:
             state.begin()
-        self.ready("float")
+        self.prepare()
         faults = drawing.draws(seed, drawing.faults_by_line(files))
         for _ in range(state.drawn):
             next(faults)
@@ -174,7 +193,7 @@ class Round:
         state.load(None)
         if not state.results:
             raise UserError(f"{shown(state.path)}: no results there; first --random N --seed {seed} without --again")
-        self.ready("float")
+        self.prepare()
         now = {f.key: f for faults in drawing.faults_by_line(files).values() for f in faults}
         progress = build.Progress("mutants")
         survivors = [i for i, r in enumerate(state.results) if r.status == SURVIVED]
