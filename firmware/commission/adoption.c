@@ -191,6 +191,12 @@ static bool is_restless(const struct adoption *a)
     return false;
 }
 
+/* What the tests, and the steps before, have left of channel k. */
+static real_t left_of(const struct adoption *a, uint8_t k)
+{
+    return real_abs(a->origin->channel[a->channel[k].output].left);
+}
+
 static enum adoption_result end_rest(struct adoption *a, struct supervisor *s)
 {
     if (a->patience > 0 && is_restless(a)) {
@@ -206,7 +212,11 @@ static enum adoption_result end_rest(struct adoption *a, struct supervisor *s)
         if (a->doubt != ADOPTION_RUNNING && has_bent(a, s, k, &now))
             bent = true;
         take_line(a, s, k, &now);
+        origin_take(a->origin, a->channel[k].output, &now, a->channel[k].rest);
+        if (origin_spent(a->origin, a->channel[k].output, a->channel[k].limit) > REAL_C(1.0))
+            return fail(a, ADOPTION_LEFT, k);
     }
+    origin_taken(a->origin);
     a->since = 0;
     if (a->doubt != ADOPTION_RUNNING) {
         if (!bent || a->repeats >= ADOPTION_REPEATS)
@@ -284,9 +294,7 @@ static enum adoption_result watch(struct adoption *a, const struct supervisor *s
     for (uint8_t k = 0; k < a->channels; k++) {
         const struct adoption_channel *c = &a->channel[k];
         real_t away = steady_away(measured(a, s, k) - c->rest, carried(a, s, k), c->limit);
-        bool stepped = k == a->at && a->stage != STAGE_SETTLE;
-        real_t step = stepped ? real_abs(a->loop[k].step) : REAL_C(0.0);
-        if (real_abs(away) > c->limit + step + NOISE_MULTIPLE * c->noise_sd)
+        if (real_abs(away) > c->limit - left_of(a, k) + NOISE_MULTIPLE * c->noise_sd)
             return fail(a, ADOPTION_PAST_LIMIT, k);
     }
     return ADOPTION_RUNNING;
@@ -431,6 +439,7 @@ enum adoption_result adoption_tick(struct adoption *a, struct supervisor *s)
 {
     a->ticks++;
     a->since++;
+    a->origin->since_s += s->plan->tick_s;
     if (a->stage == STAGE_REST)
         return rest(a, s);
     if (a->stage == STAGE_SETTLE && a->ticks == LISTEN_TICK)

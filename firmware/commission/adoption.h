@@ -7,12 +7,13 @@
  *       +--- not as predicted: was it the plant?                      of one that drifts
  *
  * At rest the outputs are held in manual and a line is fitted to every measurement. A drift that is significant is taken off
- * as in the tests: the setpoints go with it, and limits count from its line or from where it began, whichever is nearer. No
+ * as in the tests: the setpoints go with it, and limits count from its line or from where it began, whichever is nearer; what the tests have left comes off them. No
  * controller can hold a measurement that goes on drifting for ever on the room of its output; and an ill-conditioned plant
  * needs all of it soon. */
 #ifndef REFLUX_COMMISSION_ADOPTION_H
 #define REFLUX_COMMISSION_ADOPTION_H
 
+#include "commission/origin.h"
 #include "design/trial.h"
 #include "identify/steady.h"
 #include "supervise/supervisor.h"
@@ -28,7 +29,7 @@ struct adoption_channel {
     uint8_t measurement; /* index in the configuration */
     uint8_t output;      /* ... and in the tests */
     real_t noise_sd;     /* fraction of span */
-    real_t limit;        /* farthest from rest, fraction of span */
+    real_t limit;        /* farthest from the operating point, fraction of span */
     /* At rest, while the outputs were held: the line at the end of it. */
     real_t rest, rest_sd, slope_per_s, slope_sd_per_s;
     bool drifts; /* significantly, and so much that it matters */
@@ -53,6 +54,7 @@ enum adoption_result {
     ADOPTION_OVERSHOOT,
     ADOPTION_RESTLESS,
     ADOPTION_BLOCKED, /* an output stood at its limit */
+    ADOPTION_LEFT,    /* at rest too far from the operating point */
     ADOPTION_HAND /* a loop did not go to automatic, or somebody moved a mode, a setpoint or an output */
 };
 
@@ -76,11 +78,12 @@ struct adoption {
     uint32_t error_n;
     uint32_t blocked[CONFIG_LOOPS]; /* samples of the step at a limit of the output */
     struct steady *steady;          /* work */
+    struct origin *origin;          /* the operating point */
 };
 
 /* Remembers where the outputs are. n, n_inner and loop[].loop are filled in. */
 void adoption_hold(struct adoption *a, const struct supervisor *s);
-/* n, n_inner, channels, window, back, channel[] as far as `limit` and loop[] as far as `size` are filled in; *work must live as
+/* origin, n, n_inner, channels, window, back, channel[] as far as `limit` and loop[] as far as `size` are filled in; *work must live as
  * long. The loops are in manual and stay there until the lines of rest are known. ERR_RANGE: channels or window. */
 MUST_CHECK enum err adoption_begin(struct adoption *a, const struct supervisor *s,
                                    struct steady *work);

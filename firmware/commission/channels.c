@@ -12,7 +12,9 @@
 #define ROOM_LEAST   REAL_C(0.005) /* of span, to either side of where it is held */
 #define FOLLOW_TICKS REAL_C(5.0)   /* a valve on its way to a step is no fault */
 #define FAR_OFF      REAL_C(0.1)   /* of span, on trial */
-#define HELD_TICKS   REAL_C(3.5)   /* without a believed reading */
+#define END_SHARE    2.5e-4f       /* of a span, from its end: a step of a converter of 12 bits */
+#define END_SAMPLES  2u
+#define HELD_TICKS   REAL_C(3.5) /* without a believed reading */
 
 real_t commission_held_at(const struct supervisor *s, uint8_t j)
 {
@@ -61,6 +63,31 @@ bool commission_measurement_is_tested(const struct supervisor *s, uint8_t i)
 static bool believed(const struct supervisor *s, uint8_t i)
 {
     return s->measurement[i].seen && s->measurement[i].quality == QUALITY_GOOD;
+}
+
+/* There, or beyond: a sensor that is at its end shows nothing of what the plant does. */
+static bool at_end(const struct supervisor *s, uint8_t i)
+{
+    const struct measurement_config *m = &s->plan->config.measurement[i];
+    float margin = END_SHARE * (m->hi - m->lo), raw = s->measurement[i].raw;
+    return raw <= m->lo + margin || raw >= m->hi - margin;
+}
+
+void commission_watch_spans(struct commission *c, const struct supervisor *s)
+{
+    for (uint8_t j = 0; j < c->outputs; j++) {
+        uint8_t n = c->at_end[j];
+        bool now = s->measurement[c->measurement[j]].seen && at_end(s, c->measurement[j]);
+        c->at_end[j] = now ? (uint8_t)(n < END_SAMPLES ? n + 1u : n) : 0;
+    }
+}
+
+int commission_at_end(const struct commission *c)
+{
+    for (uint8_t j = 0; j < c->outputs; j++)
+        if (c->at_end[j] >= END_SAMPLES)
+            return j;
+    return -1;
 }
 
 /* A reading or two that are not believed are held, and change little; more are a lost measurement. */
@@ -123,6 +150,9 @@ enum err commission_may_begin(const struct supervisor *s, const char **what, con
         if (!believed(s, i))
             return refuse(what, wanted, config->measurement[i].name,
                           "is not believed; wait for good readings, or set its test to off");
+        if (at_end(s, i))
+            return refuse(what, wanted, config->measurement[i].name,
+                          "reads an end of its span; widen the span, or set its test to off");
     }
     for (uint8_t j = 0; j < CHANNEL_MAX; j++) {
         if (!commission_input_is_tested(s, j))
@@ -256,6 +286,11 @@ enum commission_why commission_disturbance(const struct commission *c, const str
         *subject = config->measurement[c->measurement[j]].name;
         if (is_lost(s, c->measurement[j]))
             return WHY_LOST;
+    }
+    int at = commission_at_end(c);
+    if (at >= 0) {
+        *subject = config->measurement[c->measurement[at]].name;
+        return WHY_SPAN;
     }
     for (uint8_t k = 0; k < c->inputs; k++) {
         uint8_t j = c->input[k].output;

@@ -64,6 +64,10 @@ enum commission_why {
     WHY_NO_ANSWER, /* to a relay */
     WHY_NO_CYCLE,
     WHY_TRIAL_ROOM, /* an output stood at its limit */
+    WHY_LEFT,       /* farther from the operating point than its drift explains */
+    WHY_SPAN,       /* reads an end of its span */
+    WHY_REVERSAL,   /* no double step is small enough */
+    WHY_TOO_SLOW,   /* for test.longest */
     WHY_COUNT
 };
 
@@ -107,6 +111,9 @@ struct tested_input {
     uint32_t half_wanted;    /* samples: least half of the next test, 0 = no wish */
     real_t amplitude_wanted; /* fraction of span: the next test begins with it, 0 = no wish */
     uint8_t smaller; /* tests done again, with smaller steps, because an output is not linear */
+    uint8_t gentler; /* ... because the guard has cut them */
+    real_t amplitude_most; /* fraction of span: the next test makes no larger step, 0 = no bound */
+    real_t reached;        /* share of a limit, in the last test */
     bool skipped, cut, small;
     uint8_t cut_by;       /* index in measurement[] */
     real_t cut_predicted; /* fraction of span */
@@ -137,6 +144,9 @@ struct commission {
     uint64_t began_ms, ended_ms, phase_ms; /* plant time */
     uint64_t sample_ms;                    /* ... of the last sample a test has seen */
     uint32_t half_least;                   /* samples: from the inputs before */
+    struct origin origin;                  /* from before the first test to the end of the trial */
+    uint8_t
+        at_end[CHANNEL_MAX]; /* samples in a row that a measurement has read an end of its span */
     real_t noise_sd[CHANNEL_MAX];
     struct element element[CHANNEL_MAX][CHANNEL_MAX]; /* [measurement][input] */
 

@@ -1,6 +1,7 @@
 #include "supervise/config.h"
 #if COMMISSION_CHANNELS
 
+#include "commission/limits.h"
 #include "commission/progress.h"
 
 #include <string.h>
@@ -8,16 +9,15 @@
 #define MOTION_LIMIT   REAL_C(3.0) /* noise standard deviations over the window */
 #define VARIANCE_LIMIT REAL_C(4.0)
 #define FIRST_MOST     REAL_C(0.05) /* of span: largest amplitude to begin with */
-#define GUARD_NOISE    REAL_C(0.05)
-#define TURN_SHARE     REAL_C(0.8) /* of a limit at which the negative half ends early */
-#define DRIFT_SDS      REAL_C(2.0) /* a drift seen before the step counts from here on */
+#define DRIFT_SDS      REAL_C(2.0)  /* a drift seen before the step counts from here on */
 #define TAIL_WAITS     2u /* times as long for rest, where nothing drifted before the step */
-#define BACK_SHARE                                                                                 \
-    REAL_C(1.5)         /* of a limit, once the input is back: there is nothing left to restore */
-#define PATIENCE    20u /* windows until rest is given up */
-#define WINDOW_MOST (1u << 20) /* samples; no sum of counts gets near the end of 32 bits */
-#define HALF_MOST   (1u << 28)
-#define BLANK_MOST  REAL_C(1e6) /* s, as the guard takes it */
+#define FIRST_WATCH    4u /* windows before the first test, where noise hides its drift */
+#define FIRST_SAMPLES  REAL_C(1000.0) /* that a test takes ... */
+#define FIRST_SHARE    REAL_C(0.01)   /* of a limit, that the slope's deviation may carry in them */
+#define PATIENCE       20u            /* windows until rest is given up */
+#define WINDOW_MOST    (1u << 20)     /* samples; no sum of counts gets near the end of 32 bits */
+#define HALF_MOST      (1u << 28)
+#define BLANK_MOST     REAL_C(1e6) /* s, as the guard takes it */
 
 static enum err watch_rest(struct experiment *e, uint32_t window)
 {
@@ -81,26 +81,6 @@ static void fail(struct experiment *e, enum experiment_failure failure, uint8_t 
     e->culprit = culprit;
 }
 
-/* The guard begins at the level where each output is now: after an earlier edge that is not where it rested. */
-static enum err arm_guard(struct experiment *e, const real_t *y)
-{
-    const struct experiment_config *c = &e->config;
-    struct guard_config g = {
-        .outputs = c->outputs, .h_s = c->h_s, .blanking_s = c->blank_s, .noise_share = GUARD_NOISE};
-    for (unsigned j = 0; j < c->outputs; j++) {
-        real_t spent = real_abs(y[j] - e->rest[j]);
-        real_t least = c->limit[j] * REAL_C(0.1);
-        bool first = e->samples == 0;
-        g.output[j].initial = first ? e->rest[j] : y[j];
-        g.output[j].limit = first ? c->limit[j] : c->limit[j] - spent;
-        if (g.output[j].limit < least)
-            g.output[j].limit = least;
-        g.output[j].noise_sd = e->before[j].noise_sd;
-        g.output[j].dead_time_s = c->dead_time_s[j];
-    }
-    return guard_init(&e->guard, &g);
-}
-
 static enum err move(struct experiment *e, real_t level)
 {
     e->level = level;
@@ -150,14 +130,34 @@ static real_t first_amplitude(const struct experiment *e)
     return a;
 }
 
+static real_t sure_drift(const struct steady_result *at)
+{
+    bool drifts = real_abs(at->slope_per_s) > DRIFT_SDS * at->slope_sd_per_s;
+    return drifts ? at->slope_per_s : REAL_C(0.0);
+}
+
+static void take_origin(struct experiment *e, const struct steady_result *rest, const real_t *level)
+{
+    if (!e->config.origin)
+        return;
+    for (uint8_t j = 0; j < e->config.outputs; j++)
+        origin_take(e->config.origin, j, &rest[j], level[j]);
+    origin_taken(e->config.origin);
+}
+
 static enum err begin_step(struct experiment *e, const real_t *y)
 {
     const struct experiment_config *c = &e->config;
     for (unsigned j = 0; j < c->outputs; j++) {
         const struct steady_result *b = &e->before[j];
-        bool drifts = real_abs(b->slope_per_s) > DRIFT_SDS * b->slope_sd_per_s;
-        e->drift_per_s[j] = drifts ? b->slope_per_s : REAL_C(0.0);
+        e->drift_per_s[j] = sure_drift(b);
         e->rest[j] = b->mean + e->drift_per_s[j] * b->age_s;
+    }
+    take_origin(e, e->before, e->rest);
+    int spent = limits_spent(e);
+    if (spent >= 0) {
+        fail(e, EXPERIMENT_LEFT, (uint8_t)spent);
+        return ERR_OK;
     }
     enum err err = moments_begin(&e->moments, e->rest);
     if (!err)
@@ -167,7 +167,7 @@ static enum err begin_step(struct experiment *e, const real_t *y)
     if (!err)
         err = record_step(&e->record, y);
     if (!err)
-        err = arm_guard(e, y);
+        err = limits_arm(e, y);
     int trip;
     if (!err)
         err = guard_step(&e->guard, y, &trip);
@@ -182,6 +182,18 @@ static enum err begin_step(struct experiment *e, const real_t *y)
     return move(e, e->amplitude);
 }
 
+/* The slope before the first test is what tells a drift from what the tests leave, all through them. */
+static bool slope_matters(const struct experiment *e)
+{
+    const struct origin *o = e->config.origin;
+    for (uint8_t j = 0; o && !o->fixed && j < e->config.outputs; j++) {
+        real_t carries = e->before[j].slope_sd_per_s * e->config.h_s * FIRST_SAMPLES;
+        if (carries > FIRST_SHARE * e->config.limit[j])
+            return true;
+    }
+    return false;
+}
+
 static enum err at_rest(struct experiment *e, const real_t *y)
 {
     uint8_t culprit = 0;
@@ -189,8 +201,19 @@ static enum err at_rest(struct experiment *e, const real_t *y)
     if (err)
         return err;
     e->waited++;
-    if (all_at_rest(e, e->before, e->config.window + e->config.window / 2u, &culprit))
-        return begin_step(e, y);
+    int strayed = limits_strayed(e, y);
+    if (strayed >= 0) {
+        fail(e, EXPERIMENT_LEFT, (uint8_t)strayed);
+        return ERR_OK;
+    }
+    if (all_at_rest(e, e->before, e->config.window + e->config.window / 2u, &culprit)) {
+        if (e->watched || !slope_matters(e))
+            return begin_step(e, y);
+        e->watched = true;
+        for (uint8_t j = 0; j < e->config.outputs; j++)
+            origin_look(e->config.origin, j, &e->before[j]);
+        return watch_rest(e, FIRST_WATCH * e->config.window);
+    }
     if (e->waited > PATIENCE * e->config.window + e->config.half_most)
         fail(e, EXPERIMENT_RESTLESS, culprit);
     return ERR_OK;
@@ -199,47 +222,24 @@ static enum err at_rest(struct experiment *e, const real_t *y)
 static enum err turn_down(struct experiment *e, const real_t *y)
 {
     for (uint8_t j = 0; j < e->config.outputs; j++)
-        e->at_turn[j] = progress_away(e, j, y);
+        e->at_turn[j] = limits_away(e, j, y);
     enter(e, EXPERIMENT_DOWN, e->level);
     return move(e, -e->amplitude);
 }
 
-/* The guard of the source: a straight line (Johansson 1994). */
-static bool line_trips(struct experiment *e, const real_t *y, enum err *err)
+static enum err go_back(struct experiment *e)
 {
-    struct guard_prediction peak;
-    int trip = -1;
-    *err = guard_step(&e->guard, y, &trip);
-    if (*err || trip < 0 || !e->config.line_guard ||
-        guard_predict(&e->guard, (uint32_t)trip, &peak) != ERR_OK)
-        return false;
-    e->culprit = (uint8_t)trip;
-    e->predicted = peak.predicted + e->guard.config.output[trip].initial - e->rest[trip];
-    return true;
+    enter(e, EXPERIMENT_BACK, e->level);
+    uint32_t third = e->half / 3u; /* a window that sees the slowest response */
+    enum err err = watch_rest(e, third > e->config.window ? third : e->config.window);
+    return err ? err : move(e, REAL_C(0.0));
 }
 
-/* The guard by the model: where the output goes while what is under way in dead time arrives. Without a model, and
- * whatever it says, nothing goes on that has used most of its limit. */
-static bool model_trips(struct experiment *e, const real_t *y)
+/* No negative half: it would take an output past its limit. */
+static enum err give_up(struct experiment *e)
 {
-    const struct experiment_config *c = &e->config;
-    for (uint8_t j = 0; j < c->outputs; j++) {
-        const struct identified *f = &e->look.found[j];
-        real_t away = progress_away(e, j, y), peak = away, noise = e->before[j].noise_sd;
-        if (e->looked && progress_is_known(f) && f->time_constant_s > REAL_C(0.0)) {
-            real_t sure = real_abs(f->gain) - f->gain_sd;
-            real_t ends = (f->gain < REAL_C(0.0) ? -sure : sure) * e->amplitude;
-            real_t waits = f->dead_time_s + REAL_C(2.0) * c->h_s;
-            peak = away + (ends - away) * (REAL_C(1.0) - real_exp(-waits / f->time_constant_s));
-        }
-        real_t share = c->line_guard ? REAL_C(1.0) : TURN_SHARE;
-        if (real_abs(peak) < share * c->limit[j] + noise)
-            continue;
-        e->culprit = j;
-        e->predicted = peak;
-        return true;
-    }
-    return false;
+    e->one_sided = true;
+    return go_back(e);
 }
 
 void experiment_baseline_before(const struct experiment *e, uint8_t j, struct baseline *b)
@@ -288,7 +288,7 @@ static enum err grow(struct experiment *e, const real_t *y, real_t amplitude)
     int trip;
     e->amplitude = amplitude;
     e->half = 0;
-    enum err err = arm_guard(e, y);
+    enum err err = limits_arm(e, y);
     if (!err)
         err = guard_step(&e->guard, y, &trip);
     return err ? err : move(e, amplitude);
@@ -299,12 +299,14 @@ static enum err going_up(struct experiment *e, const real_t *y)
     const struct experiment_config *c = &e->config;
     enum err err;
     e->half++;
-    bool trips = line_trips(e, y, &err);
+    enum limits_verdict verdict;
+    limits_watch(e, y);
+    err = limits_judge(e, y, &verdict);
     if (err)
         return err;
-    if (trips || model_trips(e, y)) {
+    if (verdict != LIMITS_FINE) {
         e->cut = true;
-        return turn_down(e, y);
+        return verdict == LIMITS_BACK ? give_up(e) : turn_down(e, y);
     }
     if (c->half > 0 && e->half >= c->half)
         return turn_down(e, y);
@@ -326,40 +328,12 @@ static enum err going_up(struct experiment *e, const real_t *y)
     return err;
 }
 
-/* After steps up the way down can be the longer one: it ends before an output gets to its limit, what is still under way
- * in dead time included. */
-static bool far_enough(const struct experiment *e, const real_t *y)
-{
-    const struct record *r = &e->record;
-    for (uint8_t j = 0; j < e->config.outputs; j++) {
-        /* The slope over half a dead time: over less it is noise. */
-        real_t apart_s = (real_t)r->block * e->config.h_s;
-        uint32_t apart = (uint32_t)(e->config.dead_time_s[j] / (REAL_C(2.0) * apart_s)) + 1u;
-        real_t slope = REAL_C(0.0);
-        if (r->points > apart)
-            slope = (r->y[j][r->points - 1u] - r->y[j][r->points - 1u - apart]) /
-                    (apart_s * (real_t)apart);
-        real_t to_come = slope * e->config.dead_time_s[j];
-        real_t away = progress_away(e, j, y);
-        /* Where it is still on its way from the other side it comes nearer; but a drift may carry it on. */
-        bool other_side = away * e->at_turn[j] > REAL_C(0.0) && e->waited <= e->half / 2u;
-        real_t noise = REAL_C(2.0) * e->before[j].noise_sd;
-        if (other_side ? real_abs(away) > e->config.limit[j] + noise
-                       : real_abs(away + to_come) > TURN_SHARE * e->config.limit[j])
-            return true;
-    }
-    return false;
-}
-
 static enum err going_down(struct experiment *e, const real_t *y)
 {
     e->waited++;
-    if (e->waited < e->half && !far_enough(e, y))
+    if (e->waited < e->half && !limits_far_enough(e, y))
         return ERR_OK;
-    enter(e, EXPERIMENT_BACK, e->level);
-    uint32_t third = e->half / 3u; /* a window that sees the slowest response */
-    enum err err = watch_rest(e, third > e->config.window ? third : e->config.window);
-    return err ? err : move(e, REAL_C(0.0));
+    return go_back(e);
 }
 
 static enum err coming_back(struct experiment *e, const real_t *y)
@@ -374,40 +348,25 @@ static enum err coming_back(struct experiment *e, const real_t *y)
                             &culprit);
     /* Not sooner than the way there took: in a dead time everything is at rest, where it was. */
     if (rest && e->waited >= e->half) {
+        real_t level[CHANNEL_MAX] = {REAL_C(0.0)};
+        for (unsigned j = 0; j < e->config.outputs; j++) {
+            real_t drift = sure_drift(&e->after[j]);
+            level[j] = e->after[j].mean + drift * e->after[j].age_s;
+        }
+        take_origin(e, e->after, level);
         e->returned = true;
         enter(e, EXPERIMENT_DONE, REAL_C(0.0));
     } else if (e->waited > 4u * e->half + 8u * e->config.window) {
         /* Away from where it began, and not on its way back. */
         for (uint8_t j = 0; j < e->config.outputs; j++)
-            if (real_abs(progress_away(e, j, y)) > REAL_C(0.8) * e->config.limit[j])
+            if (real_abs(limits_away(e, j, y)) > REAL_C(0.8) * e->config.limit[j])
                 culprit = j;
-        if (real_abs(progress_away(e, culprit, y)) > REAL_C(0.8) * e->config.limit[culprit])
+        if (real_abs(limits_away(e, culprit, y)) > REAL_C(0.8) * e->config.limit[culprit])
             fail(e, EXPERIMENT_AWAY, culprit);
         else
             enter(e, EXPERIMENT_DONE, REAL_C(0.0));
     }
     return ERR_OK;
-}
-
-/* Hard: two samples in a row past the limit, noise apart. */
-static bool past_limit(struct experiment *e, const real_t *y)
-{
-    for (uint8_t j = 0; j < e->config.outputs; j++) {
-        real_t away = real_abs(progress_away(e, j, y)), limit = e->config.limit[j];
-        if (e->phase == EXPERIMENT_BACK)
-            limit *= BACK_SHARE;
-        if (away / limit > e->worst) {
-            e->worst = away / limit;
-            e->worst_output = j;
-        }
-        bool over = away > limit + REAL_C(4.0) * e->before[j].noise_sd;
-        e->over[j] = over ? (uint8_t)(e->over[j] + 1u) : 0;
-        if (e->over[j] < 2)
-            continue;
-        fail(e, EXPERIMENT_LIMIT, j);
-        return true;
-    }
-    return false;
 }
 
 /* Into everything that keeps what it sees, after the first edge. */
@@ -420,11 +379,18 @@ static enum err keep(struct experiment *e, const real_t *y)
     return err;
 }
 
+static void grow_older(struct experiment *e)
+{
+    if (e->config.origin)
+        e->config.origin->since_s += e->config.h_s;
+}
+
 enum err experiment_missed(struct experiment *e)
 {
     int trip;
     if (!e->begun || e->phase >= EXPERIMENT_DONE)
         return ERR_STATE;
+    grow_older(e);
     e->waited++;
     if (e->phase == EXPERIMENT_REST)
         return steady_step(&e->steady, e->last);
@@ -445,12 +411,16 @@ enum err experiment_step(struct experiment *e, const real_t *y)
             return ERR_NOT_FINITE;
     memcpy(e->last, y, e->config.outputs * sizeof *y);
     e->begun = true;
+    grow_older(e);
     if (e->phase == EXPERIMENT_REST)
         return at_rest(e, y);
     if (e->phase >= EXPERIMENT_DONE)
         return ERR_STATE;
-    if (past_limit(e, y))
+    int past = limits_past(e, y);
+    if (past >= 0) {
+        fail(e, EXPERIMENT_LIMIT, (uint8_t)past);
         return ERR_OK;
+    }
     enum err err = keep(e, y);
     if (err)
         return err;

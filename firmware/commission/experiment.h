@@ -14,6 +14,7 @@
 #define REFLUX_COMMISSION_EXPERIMENT_H
 
 #include "commission/look.h"
+#include "commission/origin.h"
 #include "identify/guard.h"
 #include "identify/moments.h"
 #include "identify/record.h"
@@ -32,7 +33,8 @@ enum experiment_failure {
     EXPERIMENT_FINE,
     EXPERIMENT_RESTLESS, /* an output does not come to rest before the step */
     EXPERIMENT_LIMIT,    /* an output went past its limit all the same */
-    EXPERIMENT_AWAY      /* an output does not come back after it */
+    EXPERIMENT_AWAY,     /* an output does not come back after it */
+    EXPERIMENT_LEFT      /* the tests before have left an output too far from the operating point */
 };
 
 struct experiment_config {
@@ -49,8 +51,10 @@ struct experiment_config {
     uint32_t half_most;        /* no half is longer; above window */
     real_t blank_s;            /* the guard looks away for so long */
     bool line_guard;           /* believe the straight line; else only above half of the limit */
-    real_t limit[CHANNEL_MAX]; /* farthest from rest, fraction of span, above 0 */
+    real_t limit[CHANNEL_MAX]; /* farthest from the operating point, fraction of span, above 0 */
     real_t dead_time_s[CHANNEL_MAX]; /* as far as known, else 0 */
+    struct origin
+        *origin; /* the operating point, kept from test to test; NULL: the rest before this one */
 };
 
 struct experiment {
@@ -59,7 +63,9 @@ struct experiment {
     enum experiment_failure failure;
     uint8_t culprit;  /* output: of the failure, or that made the guard cut the step */
     bool begun;       /* there has been a sample */
+    bool watched;     /* the rest before the first test, for longer */
     bool cut;         /* by the guard */
+    bool one_sided;   /* ... and without a negative half, which would have gone past a limit */
     bool at_longest;  /* half_most ended it before it came to rest */
     bool small;       /* the largest amplitude was not enough for noise_multiple */
     real_t predicted; /* peak that the guard saw coming, fraction of span */
@@ -71,7 +77,11 @@ struct experiment {
     real_t last[CHANNEL_MAX];    /* sample */
     real_t at_turn[CHANNEL_MAX]; /* deviation from rest where the negative half began */
     uint8_t over[CHANNEL_MAX];   /* samples in a row past the limit */
-    real_t worst;                /* largest share of its limit any output has reached */
+    /* In the positive half: deviation from rest in the sample before, and the farthest to either side for an amplitude of
+     * 1, fraction of span, never on the other side of rest. */
+    real_t was[CHANNEL_MAX], low[CHANNEL_MAX], high[CHANNEL_MAX];
+    real_t
+        worst; /* largest share of its limit any output has used, by what is left of earlier tests, too */
     uint8_t worst_output;
     real_t rest[CHANNEL_MAX]; /* level before the step */
     real_t drift_per_s

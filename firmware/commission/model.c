@@ -25,6 +25,7 @@
 #define LEVEL_LEAST     REAL_C(0.8) /* of a response that its levels show, to be used for the gain */
 #define LEVEL_DOUBT     REAL_C(0.25) /* of what fit and levels differ by */
 #define LEVEL_SURER     REAL_C(0.5)  /* times the deviation of the fit: the levels know better */
+#define UNSEEN_DOUBT    REAL_C(0.5)  /* of what a cut test has not seen of a response */
 #define BEGINNING_SURER REAL_C(0.5)  /* times the deviation of the dead time of the fit */
 #define ASYMMETRY_MOST  REAL_C(2000.0)
 #define ASYMMETRY_AGAIN REAL_C(2.5) /* factor between two tests of the same asymmetry */
@@ -82,6 +83,15 @@ void model_combine(struct identified *sum, const struct identified *next)
     if (real_abs(gain) > REAL_C(3.0) * sd && (times_s || times_n))
         sum->flags &= (uint16_t)~IDENTIFIED_NO_GAIN;
     sum->flags |= (uint16_t)(next->flags & ~IDENTIFIED_NO_GAIN);
+}
+
+real_t model_unseen(const struct experiment *x, const struct identified *fit)
+{
+    real_t seen_s = (real_t)x->half * x->config.h_s - fit->dead_time_s;
+    if (seen_s <= REAL_C(0.0))
+        return REAL_C(1.0);
+    return fit->time_constant_s > REAL_C(0.0) ? real_exp(-seen_s / fit->time_constant_s)
+                                              : REAL_C(0.0);
 }
 
 void model_begin_fit(struct commission *c)
@@ -260,6 +270,14 @@ static void judge_gain(struct commission *c, const struct judgement *v, real_t b
     /* So is the part of the fit's own deviation that those residuals make: more rounds have it again. */
     real_t again = share * fit->gain_sd * fit->gain_sd + wrong * wrong;
     variance += wrong * wrong;
+    /* What a test that was cut short has not seen is the fit's word alone. */
+    if (x->cut) {
+        real_t unseen = UNSEEN_DOUBT * model_unseen(x, fit);
+        real_t gain_sd = unseen * fit->gain, lag_sd = unseen * fit->time_constant_s;
+        variance += gain_sd * gain_sd;
+        fit->time_constant_sd_s =
+            real_sqrt(fit->time_constant_sd_s * fit->time_constant_sd_s + lag_sd * lag_sd);
+    }
     c->misfit[c->fit_at] = real_sqrt(again);
     fit->gain_sd = real_sqrt(variance);
 }

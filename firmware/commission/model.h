@@ -8,6 +8,8 @@ enum model_job { JOB_NONE, JOB_LOOK, JOB_FIT, JOB_ANALYSE };
 
 /* Begins the job on what the tick has left in `c`. */
 void model_begin_fit(struct commission *c);
+/* Share of the response of a fitted output that was still to come when the positive half of the test ended, 0 to 1. */
+real_t model_unseen(const struct experiment *x, const struct identified *fit);
 /* The tick's part once it is done: the latest test joins those before it. */
 void model_keep(struct commission *c);
 /* The analysis takes the place of the last test in memory. */

@@ -22,6 +22,11 @@ bool commission_trial_is_disturbed(struct commission *c, struct supervisor *s)
     enum commission_why why = s->safe_count != c->safe_count ? WHY_SAFE : WHY_NOT;
     if (why == WHY_NOT)
         why = commission_hindrance(c, s, &subject);
+    int at = commission_at_end(c);
+    if (why == WHY_NOT && at >= 0) {
+        why = WHY_SPAN;
+        subject = s->plan->config.measurement[c->measurement[at]].name;
+    }
     if (why == WHY_SAFE) {
         commission_end(c, s, WHY_SAFE, NULL, REAL_C(0.0));
         c->phase = COMMISSION_RETURNED;
@@ -44,6 +49,8 @@ void commission_begin_trial(struct commission *c, struct supervisor *s)
         adoption_hold(&c->adoption, s);
     if (commission_trial_is_disturbed(c, s))
         return;
+    commission_age_origin(c, s);
+    c->adoption.origin = &c->origin;
     enum err err = adoption_begin(&c->adoption, s, &c->work.analysis.work.rest);
     if (err) {
         commission_back_to_old(c, s, WHY_NUMBERS, NULL, (real_t)err);
@@ -63,6 +70,7 @@ void commission_trial(struct commission *c, struct supervisor *s)
         [ADOPTION_RESTLESS] = WHY_TRIAL_REST,
         [ADOPTION_BLOCKED] = WHY_TRIAL_ROOM,
         [ADOPTION_HAND] = WHY_HAND,
+        [ADOPTION_LEFT] = WHY_LEFT,
     };
     enum adoption_result r = adoption_tick(&c->adoption, s);
     if (r == ADOPTION_RUNNING)

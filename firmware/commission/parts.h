@@ -26,6 +26,10 @@ real_t commission_held_at(const struct supervisor *s, uint8_t j);
 real_t commission_room(const struct supervisor *s, uint8_t j, real_t held);
 /* Farthest that a measurement may go from rest, fraction of span. */
 real_t commission_limit(const struct measurement_config *m);
+/* Counts for how many samples in a row each tested measurement has read an end of its span; once a tick. */
+void commission_watch_spans(struct commission *c, const struct supervisor *s);
+/* A measurement that has done so for two samples, index in measurement[]; negative: none. */
+int commission_at_end(const struct commission *c);
 /* Anything that is not a test's to decide; WHY_NOT: nothing. */
 enum commission_why commission_disturbance(const struct commission *c, const struct supervisor *s,
                                            const char **subject);
@@ -38,6 +42,10 @@ enum commission_why commission_hindrance(const struct commission *c, const struc
 void commission_begin(struct commission *c, struct supervisor *s);
 /* The test of the input at c->at, from its start. */
 void commission_start_input(struct commission *c, struct supervisor *s);
+/* No half is longer, samples. */
+uint32_t commission_longest(const struct supervisor *s);
+/* Time that has gone by without a sample for the tests belongs to the operating point's age. */
+void commission_age_origin(struct commission *c, const struct supervisor *s);
 /* A tick of it. */
 void commission_test(struct commission *c, struct supervisor *s);
 /* The smallest step that a test was done again with because an output was not linear, fraction of span; 0: every output is

@@ -3,24 +3,18 @@
 
 #include "commission/progress.h"
 
+#include "commission/limits.h"
+
 #define KNOWN        REAL_C(0.33) /* of a gain: standard deviation of one to be believed */
 #define OVER         REAL_C(3.0)  /* time constants: a twentieth is left */
 #define GROWTH_MOST  REAL_C(4.0)  /* of the amplitude in one go */
 #define LIMIT_SHARE  REAL_C(0.7)  /* of a limit that a larger amplitude may aim at */
-#define DRIFT_SHARE  REAL_C(1.0)  /* of a limit that a drift may carry the line of rest at most */
 #define HOPELESS     4u           /* least halves, after which nothing is known still */
 #define MOTION_SHARE REAL_C(0.5) /* of a limit that a larger amplitude may aim at without a model */
 #define NOISY_SHARE  REAL_C(0.25) /* of a limit, that the response wanted for the noise takes */
 #define SMALL        REAL_C(5.0)  /* noise standard deviations: how long it takes cannot be told */
 #define UNKNOWN_WAITS                                                                              \
     REAL_C(1.5) /* times as long, where a response too small to be known is left */
-
-/* How far output j is from rest. */
-real_t progress_away(const struct experiment *e, uint8_t j, const real_t *y)
-{
-    real_t carried = e->drift_per_s[j] * e->config.h_s * (real_t)e->samples;
-    return steady_away(y[j] - e->rest[j], carried, DRIFT_SHARE * e->config.limit[j]);
-}
 
 /* Does noise hide what is small beside a limit? Then time is better spent on another test than on the end of this one,
  * which drift spoils. Of the measurements before the step; until then by the rest under watch. */
@@ -50,17 +44,26 @@ struct progress {
         growth; /* factor by which the amplitude may grow before an output comes near its limit */
 };
 
+/* No growth that would take output j, which goes as far as `most` with the present amplitude, near its limit. */
+static void leave_room(const struct experiment *e, uint8_t j, real_t most, struct progress *p)
+{
+    if (most * p->growth > LIMIT_SHARE * limits_room(e, j))
+        p->growth = LIMIT_SHARE * limits_room(e, j) / most;
+}
+
 static void look_at_models(const struct experiment *e, struct progress *p)
 {
     const struct experiment_config *c = &e->config;
     *p = (struct progress){.known = true, .growth = GROWTH_MOST};
-    for (unsigned j = 0; j < c->outputs; j++) {
+    for (uint8_t j = 0; j < c->outputs; j++) {
         const struct identified *f = &e->look.found[j];
+        /* Known or not, what it has done it will do again, and at the reversal twice as far. */
+        leave_room(e, j, limits_reach(e, j, e->was[j] / e->amplitude) * e->amplitude, p);
         if (f->flags & IDENTIFIED_NO_GAIN)
             continue;
         p->seen = true;
         real_t ends = real_abs(f->gain) * e->amplitude;
-        real_t most = ends + REAL_C(2.0) * f->gain_sd * e->amplitude + e->before[j].noise_sd;
+        real_t reach = limits_reach(e, j, f->gain) + REAL_C(2.0) * f->gain_sd;
         bool timed = f->time_constant_sd_s < REAL_C(0.5) * f->time_constant_s;
         if (!progress_is_known(f) || !timed || ends < SMALL * e->before[j].noise_sd) {
             p->known = false;
@@ -72,8 +75,7 @@ static void look_at_models(const struct experiment *e, struct progress *p)
             p->over_s = over_s;
         if (ends > p->stand_out * e->before[j].noise_sd)
             p->stand_out = ends / e->before[j].noise_sd;
-        if (most * p->growth > LIMIT_SHARE * c->limit[j])
-            p->growth = LIMIT_SHARE * c->limit[j] / most;
+        leave_room(e, j, reach * e->amplitude + e->before[j].noise_sd, p);
     }
 }
 
@@ -99,10 +101,11 @@ static real_t larger_by_motion(const struct experiment *e, const real_t *y)
     real_t factor = GROWTH_MOST;
     for (uint8_t j = 0; j < c->outputs; j++) {
         real_t noise = e->before[j].noise_sd;
-        real_t most = real_abs(progress_away(e, j, y)) + REAL_C(3.0) * noise;
+        real_t reach = limits_reach(e, j, limits_away(e, j, y) / e->amplitude);
+        real_t most = reach * e->amplitude + REAL_C(3.0) * noise;
         real_t wanted = REAL_C(1.2) * c->noise_multiple * noise;
-        if (wanted > MOTION_SHARE * c->limit[j])
-            wanted = MOTION_SHARE * c->limit[j];
+        if (wanted > MOTION_SHARE * limits_room(e, j))
+            wanted = MOTION_SHARE * limits_room(e, j);
         if (most * factor > wanted)
             factor = wanted / most;
     }
@@ -115,7 +118,7 @@ static real_t larger_by_motion(const struct experiment *e, const real_t *y)
 static bool has_moved(const struct experiment *e, const real_t *y)
 {
     for (uint8_t j = 0; j < e->config.outputs; j++)
-        if (real_abs(progress_away(e, j, y)) > SMALL * e->before[j].noise_sd)
+        if (real_abs(limits_away(e, j, y)) > SMALL * e->before[j].noise_sd)
             return true;
     return false;
 }

@@ -14,8 +14,6 @@ struct progress_advice {
         small; /* the response does not stand out of the noise as it should, and there is no room for more */
 };
 
-/* How far output j is from rest, fraction of span; y: the latest sample of every output. */
-real_t progress_away(const struct experiment *e, uint8_t j, const real_t *y);
 /* Does noise hide what is small beside a limit? */
 bool progress_is_noisy(const struct experiment *e);
 /* Is its gain known within a third? */

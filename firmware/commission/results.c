@@ -1,6 +1,7 @@
 #include "supervise/config.h"
 #if COMMISSION_CHANNELS
 
+#include "commission/limits.h"
 #include "commission/parts.h"
 
 #define CLIMBS      REAL_C(0.7) /* second half of a level over the first: 1 for an integrator */
@@ -11,6 +12,12 @@
     REAL_C(0.5) /* gain up less gain down, of their mean: the step was too large */
 #define ASYMMETRY_WANTED REAL_C(0.2)
 #define SMALLER_MOST     1u
+#define GENTLER_TIMES    3u
+#define GENTLER_MOST     REAL_C(0.6) /* times the step that was cut */
+#define GENTLER_LEAST    REAL_C(0.2)
+#define GENTLER_SHARE    REAL_C(0.5) /* of the room, that the response to it may take */
+#define UNSEEN_MUCH      REAL_C(0.1) /* of a response that was still to come */
+#define SLOW_KNOWN       REAL_C(0.5) /* of a time constant: standard deviation of one that is known */
 
 uint32_t commission_samples(const struct supervisor *s, real_t seconds)
 {
@@ -62,7 +69,7 @@ static bool test_longer(struct commission *c, struct supervisor *s)
 {
     const struct experiment *x = &c->work.test.experiment;
     struct tested_input *in = &c->input[c->order[c->at]];
-    if (x->cut || x->config.half > 0 || (x->at_longest && x->half >= COMMISSION_HALF_MOST) ||
+    if (x->cut || x->config.half > 0 || x->half >= commission_longest(s) ||
         in->longer == LONGER_MOST)
         return false;
     in->longer++;
@@ -106,6 +113,47 @@ static bool test_smaller(struct commission *c, struct supervisor *s)
     return true;
 }
 
+/* The guard has cut the step before its responses were over: what would have come is not known. Once more with one that
+ * leaves room for them. An amplitude that is given stays. */
+static bool test_gentler(struct commission *c, struct supervisor *s)
+{
+    const struct experiment *x = &c->work.test.experiment;
+    uint8_t k = c->order[c->at];
+    struct tested_input *in = &c->input[k];
+    real_t a = GENTLER_MOST * x->amplitude;
+    bool missing = x->one_sided;
+    for (uint8_t j = 0; j < c->outputs; j++) {
+        const struct identified *f = &c->fitted[j];
+        real_t room = limits_room(x, j), most = real_abs(f->gain) + REAL_C(2.0) * f->gain_sd;
+        if (f->flags & IDENTIFIED_NO_GAIN)
+            continue;
+        if (model_unseen(x, f) > UNSEEN_MUCH)
+            missing = true;
+        if (!(most * a < GENTLER_SHARE * room))
+            a = GENTLER_SHARE * room / most;
+    }
+    if (!x->cut || !missing || x->config.amplitude > REAL_C(0.0) || in->gentler == GENTLER_TIMES)
+        return false;
+    if (a < GENTLER_LEAST * x->amplitude)
+        a = GENTLER_LEAST * x->amplitude;
+    in->gentler++;
+    in->amplitude_most = a;
+    event_put(c->events, s->time_ms, EVENT_TEST_SMALLER, commission_input_name(c, s), a,
+              in->gentler);
+    commission_start_input(c, s);
+    return true;
+}
+
+/* Output j goes on climbing to the end of the longest level: it is slow, where the fit knows its time constant, or it
+ * integrates. */
+static enum commission_why why_it_climbs(const struct commission *c, uint8_t j)
+{
+    const struct identified *f = &c->fitted[j];
+    bool timed = f->time_constant_sd_s > REAL_C(0.0) &&
+                 f->time_constant_sd_s < SLOW_KNOWN * f->time_constant_s;
+    return timed && !(f->flags & IDENTIFIED_INTEGRATING) ? WHY_TOO_SLOW : WHY_INTEGRATES;
+}
+
 static void take_fit(struct commission *c, struct supervisor *s)
 {
     uint8_t k = c->order[c->at];
@@ -121,12 +169,18 @@ static void take_fit(struct commission *c, struct supervisor *s)
         /* A step that was cut short says less: there the fit must think so, too. */
         if (c->work.test.experiment.cut && !(c->fitted[j].flags & IDENTIFIED_INTEGRATING))
             continue;
-        commission_end(c, s, WHY_INTEGRATES, s->plan->config.measurement[c->measurement[j]].name,
-                       c->input[k].worst);
+        commission_end(c, s, why_it_climbs(c, j),
+                       s->plan->config.measurement[c->measurement[j]].name, c->input[k].worst);
         return;
     }
-    if (test_smaller(c, s))
+    if (test_gentler(c, s) || test_smaller(c, s))
         return;
+    const struct experiment *x = &c->work.test.experiment;
+    if (x->one_sided) {
+        commission_end(c, s, WHY_REVERSAL,
+                       s->plan->config.measurement[c->measurement[x->culprit]].name, x->predicted);
+        return;
+    }
     model_keep(c);
     c->input[k].rounds++;
     uint32_t lasts = commission_samples(s, commission_lasts(c, k));

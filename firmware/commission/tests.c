@@ -10,13 +10,15 @@
 
 #define AMPLITUDE_MOST  REAL_C(0.25) /* of span, while it is being found */
 #define AMPLITUDE_FIRST REAL_C(0.02)
-#define AGAIN_NOISE     REAL_C(2.0)  /* times the noise multiple, in later rounds */
-#define AGAIN_SHARE     REAL_C(0.6)  /* of a limit, in later rounds */
-#define AGAIN_MOST      REAL_C(3.0)  /* times the amplitude of the round before */
-#define SHAPE_SMALLER   REAL_C(0.35) /* times the amplitude before, where the response is no lag's */
-#define SHAPE_COUNTS    REAL_C(0.02) /* of a gain */
-#define LONGEST_SHARE   3u /* times what the inputs before have taken: no half is longer at first */
-#define SHARE_LEAST     REAL_C(0.5) /* no half is shorter than this share of the longest before */
+#define AGAIN_NOISE     REAL_C(2.0) /* times the noise multiple, in later rounds */
+#define AGAIN_SHARE     REAL_C(0.6) /* of a limit, in later rounds */
+#define REACHED_SHARE                                                                              \
+    REAL_C(0.8) /* of a limit, that a later round may use by what the one before has */
+#define AGAIN_MOST    REAL_C(3.0)  /* times the amplitude of the round before */
+#define SHAPE_SMALLER REAL_C(0.35) /* times the amplitude before, where the response is no lag's */
+#define SHAPE_COUNTS  REAL_C(0.02) /* of a gain */
+#define LONGEST_SHARE 3u /* times what the inputs before have taken: no half is longer at first */
+#define SHARE_LEAST   REAL_C(0.5) /* no half is shorter than this share of the longest before */
 
 const char *commission_input_name(const struct commission *c, const struct supervisor *s)
 {
@@ -115,6 +117,13 @@ static uint32_t least_half(const struct commission *c, const struct supervisor *
     return known > before ? known : before;
 }
 
+/* Of test channel j, less what earlier tests have left. */
+static real_t room_of(const struct commission *c, const struct experiment_config *x, uint8_t j)
+{
+    real_t room = x->limit[j] - real_abs(c->origin.channel[j].left);
+    return room > REAL_C(0.0) ? room : REAL_C(0.0);
+}
+
 /* From the second round on the gains are known: as much as the limits leave room for. */
 static real_t amplitude_by_model(const struct commission *c, uint8_t k,
                                  const struct experiment_config *x)
@@ -124,12 +133,16 @@ static real_t amplitude_by_model(const struct commission *c, uint8_t k,
     for (uint8_t j = 0; j < c->outputs; j++) {
         const struct identified *f = &c->element[j][k].fit;
         real_t most = real_abs(f->gain) + REAL_C(2.0) * f->gain_sd;
-        if (most * a > AGAIN_SHARE * x->limit[j])
-            a = AGAIN_SHARE * x->limit[j] / most;
+        if (most * a > AGAIN_SHARE * room_of(c, x, j))
+            a = AGAIN_SHARE * room_of(c, x, j) / most;
         if (real_abs(f->gain) > stands_out * c->noise_sd[j])
             stands_out = real_abs(f->gain) / c->noise_sd[j];
     }
     /* More than stands out well is asked of no plant: it is not linear. */
+    /* What the model does not show, such as an overshoot, was there in the round before. */
+    const struct tested_input *in = &c->input[k];
+    if (in->reached * a > REACHED_SHARE * in->amplitude)
+        a = REACHED_SHARE * in->amplitude / in->reached;
     real_t enough = AGAIN_NOISE * x->noise_multiple;
     if (a * stands_out > enough) {
         real_t least = c->input[k].amplitude;
@@ -159,6 +172,7 @@ static enum err begin_input(struct commission *c, const struct supervisor *s)
         .noise_multiple = config->test.noise_multiple,
         .half = commission_samples(s, o->test_time_s),
         .blank_s = config->test.blank_s,
+        .origin = &c->origin,
         .line_guard = config->test.guard == TEST_GUARD_LINE};
     for (uint8_t j = 0; j < c->outputs; j++) {
         x.limit[j] = commission_limit(&config->measurement[c->measurement[j]]);
@@ -169,6 +183,8 @@ static enum err begin_input(struct commission *c, const struct supervisor *s)
     uint32_t wider = c->half_least / 4u;
     if (wider > x.window)
         x.window = wider;
+    if (c->input[k].amplitude_most > REAL_C(0.0) && c->input[k].amplitude_most < ways)
+        x.amplitude_max = c->input[k].amplitude_most;
     if (x.amplitude > x.amplitude_max)
         x.amplitude = x.amplitude_max;
     if (x.amplitude <= REAL_C(0.0)) {
@@ -179,8 +195,7 @@ static enum err begin_input(struct commission *c, const struct supervisor *s)
         if (x.amplitude_max > AMPLITUDE_MOST)
             x.amplitude_max = AMPLITUDE_MOST;
     }
-    x.half_most = config->test.longest_s > 0.0f ? commission_samples(s, config->test.longest_s)
-                                                : COMMISSION_HALF_MOST;
+    x.half_most = commission_longest(s);
     /* Nothing that is surely known was so slow; if this is, the next try takes longer. */
     uint32_t all = x.half_most;
     uint32_t most = LONGEST_SHARE * c->half_least;
@@ -201,9 +216,23 @@ static enum err begin_input(struct commission *c, const struct supervisor *s)
         x.half_least = x.half_most;
     if (!(x.amplitude_first > NOISE_FLOOR))
         x.amplitude_first = NOISE_FLOOR;
+    commission_age_origin(c, s);
     c->phase = COMMISSION_TESTING;
     c->phase_ms = s->time_ms;
     return experiment_begin(&c->work.test.experiment, &x);
+}
+
+uint32_t commission_longest(const struct supervisor *s)
+{
+    real_t longest_s = s->plan->config.test.longest_s;
+    return longest_s > REAL_C(0.0) ? commission_samples(s, longest_s) : COMMISSION_HALF_MOST;
+}
+
+void commission_age_origin(struct commission *c, const struct supervisor *s)
+{
+    if (c->origin.fixed)
+        c->origin.since_s += elapsed_ms(s->time_ms, c->sample_ms) / REAL_C(1000.0);
+    c->sample_ms = s->time_ms;
 }
 
 void commission_start_input(struct commission *c, struct supervisor *s)
@@ -262,6 +291,7 @@ static void end_test(struct commission *c, struct supervisor *s)
     in->half_s = (real_t)x->half * x->config.h_s;
     in->cut = x->cut;
     in->small = x->small;
+    in->reached = x->worst;
     if (x->worst > in->worst)
         in->worst = x->worst;
     for (uint8_t j = 0; j < c->outputs; j++)
@@ -307,7 +337,7 @@ void commission_test(struct commission *c, struct supervisor *s)
     if (before == EXPERIMENT_REST && x->phase == EXPERIMENT_UP)
         event_put(c->events, s->time_ms, EVENT_TEST_STEP, commission_input_name(c, s), x->amplitude,
                   c->round);
-    if (before == EXPERIMENT_UP && x->phase == EXPERIMENT_DOWN && x->cut) {
+    if (before == EXPERIMENT_UP && x->phase > EXPERIMENT_UP && x->cut) {
         c->input[k].cut_by = x->culprit;
         c->input[k].cut_predicted = x->predicted;
         event_put(c->events, s->time_ms, EVENT_TEST_CUT,
@@ -317,7 +347,8 @@ void commission_test(struct commission *c, struct supervisor *s)
         static const enum commission_why why[] = {[EXPERIMENT_FINE] = WHY_NUMBERS,
                                                   [EXPERIMENT_RESTLESS] = WHY_RESTLESS,
                                                   [EXPERIMENT_LIMIT] = WHY_LIMIT,
-                                                  [EXPERIMENT_AWAY] = WHY_AWAY};
+                                                  [EXPERIMENT_AWAY] = WHY_AWAY,
+                                                  [EXPERIMENT_LEFT] = WHY_LEFT};
         c->input[k].worst = x->worst;
         commission_end(c, s, why[x->failure],
                        s->plan->config.measurement[c->measurement[x->culprit]].name, x->worst);

@@ -125,6 +125,9 @@ bool commission_model_line(struct console *c, unsigned n, struct text *line)
         text_named_float(line, "noise", (float)m->noise_sd[n] * (y->hi - y->lo));
         text_char(line, ' ');
         unit(line, y->unit);
+        /* Its rest, from the operating point: all of it, and what no drift explains. */
+        text_named_float(line, "moved", (float)m->origin.channel[n].moved * (y->hi - y->lo));
+        text_named_float(line, "left", (float)m->origin.channel[n].left * (y->hi - y->lo));
         return true;
     }
     n -= m->outputs;

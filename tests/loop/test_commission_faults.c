@@ -44,11 +44,11 @@ static void a_measurement_that_is_no_number_ends_it(void)
     loses("xD.nan=1");
 }
 
-static void a_dead_measurement_is_past_its_limit(void)
+static void a_dead_measurement_reads_an_end_of_its_span(void)
 {
     plant_event("xD.dead=1"); /* the lower end of its span, and calls it good */
     plant_steps(4);
-    ended_with_everything_held("went past its test limit");
+    ended_with_everything_held("reads an end of its span");
 }
 
 static void single_readings_that_are_lost_are_outlived(void)
@@ -139,7 +139,7 @@ static void everything_that_can_fail_in_a_test(void)
     CASE(a_missing_measurement_ends_it);
     CASE(a_flagged_measurement_ends_it);
     CASE(a_measurement_that_is_no_number_ends_it);
-    CASE(a_dead_measurement_is_past_its_limit);
+    CASE(a_dead_measurement_reads_an_end_of_its_span);
     CASE(single_readings_that_are_lost_are_outlived);
     CASE(samples_that_are_lost_are_outlived);
     CASE(too_many_samples_lost_end_in_the_safe_state);

@@ -41,7 +41,8 @@ class Spoilt(unittest.TestCase):
                 if result["verdict"] == "right":
                     cls.proposals[name, seed] = result, said
 
-    def spoilt(self, what: str, changes, asked: bool = True) -> None:
+    def spoilt(self, what: str, changes, most: float = 0.0) -> None:
+        """most: share of the unstable ones that the trial may keep."""
         unstable, kept = 0, []
         for (name, seed), (_, said) in self.proposals.items():
             changed = changes(name, said)
@@ -54,8 +55,7 @@ class Spoilt(unittest.TestCase):
                 kept.append((name, seed))
         print(f"commission spoilt: {what}: {unstable} unstable of {len(self.proposals)}, kept {kept or 'none'}")
         self.assertGreaterEqual(unstable, len(self.proposals) // 2)
-        if asked:
-            self.assertEqual(kept, [])
+        self.assertLessEqual(len(kept), most * unstable, kept)
 
     def loops(self, said: str) -> dict:
         return commissioning_stability.settings(said)[0]
@@ -87,9 +87,9 @@ class Spoilt(unittest.TestCase):
         self.spoilt("one gain ten times", lambda name, said: gains(self.loops(said), 10.0, min(self.loops(said))))
 
     def test_gains_a_fifth_larger_than_is_stable(self):
-        """What grows so slowly need not show within the trial: counted, not asked."""
+        """What grows so slowly need not show within the trial; of most it does."""
         self.spoilt("all gains a fifth larger than is stable",
-                    lambda name, said: gains(self.loops(said), 1.2 * self.edge(name, said)), asked=False)
+                    lambda name, said: gains(self.loops(said), 1.2 * self.edge(name, said)), most=0.2)
 
 
 if __name__ == "__main__":

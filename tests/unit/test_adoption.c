@@ -15,6 +15,7 @@
 
 static struct adoption a;
 static struct steady rest;
+static struct origin operating;
 static struct fopdt_plant element[2][2];
 static struct random_source noise;
 static double noise_sd, load;  /* fractions of span */
@@ -64,8 +65,10 @@ static void predict(void)
     memset(&a, 0, sizeof a);
     a.n = 2;
     a.channels = 3;
-    a.channel[2] = (struct adoption_channel){.measurement = T5, .limit = REAL_C(0.05)};
+    a.channel[2] = (struct adoption_channel){.measurement = T5, .output = 2, .limit = REAL_C(0.05)};
     a.window = WINDOW;
+    operating = (struct origin){0};
+    a.origin = &operating;
     a.back = BACK;
     for (uint8_t k = 0; k < 2; k++) {
         struct trial_config c = {
@@ -82,7 +85,7 @@ static void predict(void)
         a.loop[k].predicted.iae = trial.mark.iae;
         a.loop[k].duration_s = (real_t)fmin(1.5 * (double)trial.loop[k].settled_s, HORIZON_S);
         a.channel[k] = (struct adoption_channel){
-            .measurement = k, .noise_sd = (real_t)noise_sd, .limit = REAL_C(0.1)};
+            .measurement = k, .output = k, .noise_sd = (real_t)noise_sd, .limit = REAL_C(0.1)};
     }
 }
 
@@ -306,6 +309,26 @@ static void a_drift_takes_the_setpoints_with_it_and_all_inputs_stay_where_they_w
     }
 }
 
+static void what_the_tests_have_left_comes_off_the_limits(void)
+{
+    begin(1, 1);
+    operating.fixed = true;
+    for (unsigned k = 0; k < 3; k++)
+        operating.channel[k].level = REAL_C(0.45);
+    operating.channel[1].left = REAL_C(-0.07); /* of 0.1; its step is 0.04 */
+    TEST_ASSERT_EQUAL_INT(ADOPTION_LEFT, run());
+    TEST_ASSERT_EQUAL_UINT8(1, a.culprit);
+    begin(1, 1);
+    operating.fixed = true;
+    operating.channel[1].level = REAL_C(0.45);
+    operating.channel[1].left = REAL_C(-0.045);
+    operating.channel[0].level = REAL_C(0.45);
+    operating.channel[2].level = REAL_C(0.5);
+    a.loop[1].step = REAL_C(-0.06); /* within 0.1, and not within what is left of it */
+    TEST_ASSERT_EQUAL_INT(ADOPTION_PAST_LIMIT, run());
+    TEST_ASSERT_EQUAL_UINT8(1, a.culprit);
+}
+
 static void a_drift_that_turns_in_the_middle_of_a_step_has_it_repeated(void)
 {
     drift[0] = 2.5e-4;
@@ -413,6 +436,7 @@ int main(void)
     RUN_TEST(a_loop_put_into_automatic_at_rest_ends_it);
     RUN_TEST(one_loop_after_the_other_is_stepped);
     RUN_TEST(a_drift_takes_the_setpoints_with_it_and_all_inputs_stay_where_they_were);
+    RUN_TEST(what_the_tests_have_left_comes_off_the_limits);
     RUN_TEST(a_drift_that_turns_in_the_middle_of_a_step_has_it_repeated);
     RUN_TEST(a_drift_saves_no_loop_that_is_unstable);
     RUN_TEST(an_output_that_stands_at_its_limits_is_no_good_sign);

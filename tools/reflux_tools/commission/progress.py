@@ -38,7 +38,7 @@ def in_words(event: Event, answers: Answers) -> str | None:
         "TEST_CUT": lambda: f"{name} would go {amount(x)} from rest: the step is turned round",
         "TEST_DONE": lambda: f"{name}: tested, half a double step took {span_of_time(x)}",
         "TEST_LONGER": lambda: f"{name}: an output had not come to rest; tested again, {span_of_time(x)} for each half",
-        "TEST_SMALLER": lambda: f"{name}: up and down differ too much; tested again with about {amount(x)}",
+        "TEST_SMALLER": lambda: f"{name}: too large a step; tested again with about {amount(x)}",
         "TEST_EXTENDED": lambda: f"the pairing is not determined yet (probability {x:.2g}): every input is tested again",
         "PROPOSAL": lambda: f"the pairing is determined, probability {x:.3g}",
         "NOT_DETERMINED": lambda: f"the pairing is not determined, probability {x:.3g}",

@@ -1,0 +1,86 @@
+#include "supervise/config.h"
+#if COMMISSION_CHANNELS
+
+#include "commission/origin.h"
+
+#define SURE_SDS   REAL_C(2.0) /* of a slope, and of a level */
+#define DRIFT_SDS  REAL_C(3.0) /* of the slope before the first test */
+#define DRIFT_MORE REAL_C(1.25)
+#define LEFT_MOST  REAL_C(0.5) /* of a limit, that may be left before another test or a trial */
+
+/* The fastest drift that has been seen, either way, for it may have turned more than once; of a slope that is not
+ * significant, no more than it shows. */
+static void see_drift(struct origin_channel *c, const struct steady_result *rest)
+{
+    real_t slope = real_abs(rest->slope_per_s), sure = SURE_SDS * rest->slope_sd_per_s;
+    slope += slope > sure ? sure : REAL_C(0.0);
+    slope = slope > c->slope_most ? c->slope_most : slope;
+    c->drift_per_s = slope > c->drift_per_s ? slope : c->drift_per_s;
+}
+
+static void follow(struct origin_channel *c, const struct steady_result *rest, real_t level,
+                   real_t dt_s)
+{
+    real_t change = level - c->level;
+    see_drift(c, rest);
+    real_t explained = c->drift_per_s * dt_s + SURE_SDS * rest->mean_sd;
+    c->moved += change;
+    if (real_abs(change) > explained)
+        c->left += change > REAL_C(0.0) ? change - explained : change + explained;
+}
+
+/* A drift as fast as this one, either way, is none of the tests' doing. */
+static void allow(struct origin_channel *c, const struct steady_result *rest, real_t sds)
+{
+    real_t most = DRIFT_MORE * (real_abs(rest->slope_per_s) + sds * rest->slope_sd_per_s);
+    c->slope_most = most > c->slope_most ? most : c->slope_most;
+}
+
+void origin_look(struct origin *o, uint32_t j, const struct steady_result *rest)
+{
+    if (real_abs(rest->slope_per_s) > DRIFT_SDS * rest->slope_sd_per_s)
+        allow(&o->channel[j], rest, REAL_C(0.0));
+    see_drift(&o->channel[j], rest);
+}
+
+void origin_take(struct origin *o, uint32_t j, const struct steady_result *rest, real_t level)
+{
+    struct origin_channel *c = &o->channel[j];
+    if (o->fixed) {
+        follow(c, rest, level, o->since_s);
+    } else {
+        allow(c, rest, DRIFT_SDS);
+        see_drift(c, rest);
+        c->left = c->moved = REAL_C(0.0);
+    }
+    c->slope_per_s = rest->slope_per_s;
+    c->slope_sd_per_s = rest->slope_sd_per_s;
+    c->level = level;
+}
+
+real_t origin_spent(const struct origin *o, uint32_t j, real_t limit)
+{
+    return real_abs(o->channel[j].left) / (LEFT_MOST * limit);
+}
+
+real_t origin_drift(const struct origin *o, uint32_t j, real_t slope_per_s)
+{
+    real_t most = o->channel[j].slope_most;
+    return slope_per_s > most ? most : slope_per_s < -most ? -most : slope_per_s;
+}
+
+real_t origin_away(const struct origin *o, uint32_t j, real_t y, real_t limit)
+{
+    const struct origin_channel *c = &o->channel[j];
+    bool drifts = real_abs(c->slope_per_s) > SURE_SDS * c->slope_sd_per_s;
+    real_t slope = drifts ? origin_drift(o, j, c->slope_per_s) : REAL_C(0.0);
+    return steady_away(y - c->level, slope * o->since_s, limit);
+}
+
+void origin_taken(struct origin *o)
+{
+    o->fixed = true;
+    o->since_s = REAL_C(0.0);
+}
+
+#endif

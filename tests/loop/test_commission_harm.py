@@ -1,0 +1,159 @@
+#!/usr/bin/python3
+"""Automatic start-up must not harm: plants that it was not made for - the wrong way first, hardly damped, integrating, running
+away, slower than it waits - and sensors at the end of their span. How far the plant itself goes, without noise, from
+the operating point, until the start-up has come to an end.
+
+usage: test_commission_harm.py      (needs reflux-sim-memory of the host build; nothing is built here)
+"""
+
+import json
+import sys
+import tempfile
+import unittest
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
+from commissioning import Plant, Run, whole  # noqa: E402
+
+LIMIT = 0.2  # of span, by default
+# A drift as fast as three deviations of the slope before the first test is none of the tests' doing.
+HIDDEN = 0.05
+
+
+def channel(name: str, **more: float) -> dict:
+    return {"name": name, "unit": "%", "lo": 0, "hi": 100, "nominal": 50, **more}
+
+
+def element(gain: float, lags, dead_time: float = 0.0, **more) -> dict:
+    return {"gain": gain, "lags": lags, "dead_time": dead_time, **more}
+
+
+FIRST, SECOND = element(0.4, 120, 20), element(1.5, 150, 20)
+
+
+class Harm(unittest.TestCase):
+    def setUp(self) -> None:
+        self.folder = Path(self.enterContext(tempfile.TemporaryDirectory()))
+
+    def plant(self, name: str, model: str, **more) -> Plant:
+        path = self.folder / f"{name}.json"
+        path.write_text(json.dumps({
+            "name": name, "title": name, "source": "made up for tests/loop/test_commission_harm.py", "ours": "everything",
+            "time_unit": "s", "tick_s": 10, "inputs": [channel("u1"), channel("u2")],
+            "outputs": [channel(y, noise=0.1, resolution=0.01) for y in ("y1", "y2")], "model": model, **more}))
+        return Plant(path)
+
+    def beside(self, name: str, first: dict) -> Plant:
+        """The element as y1 by u1 of a plant that is well behaved otherwise."""
+        return self.plant(name, "transfer", elements=[[first, element(0.3, 80)], [FIRST, SECOND]])
+
+    def runaway(self, name: str, time_s: float, gains: tuple[float, float]) -> Plant:
+        """A slow real pole to the right of the axis."""
+        rate = [g / time_s for g in gains]
+        return self.plant(name, "state_space", A=[[1.0 / time_s, 0], [0, -0.005]], B=[rate, [0.001, 0.004]],
+                          C=[[1, 0], [0, 1]])
+
+    def started(self, of: Plant, noise: float = 0.0, settings: list[str] = (), events: list[str] = ()) -> Run:
+        """... up to the proposal, or to the end."""
+        events = list(events) + ([] if noise else of.perfect_sensors())
+        run = Run(of, whole(of, accept=False, settings=settings), noise=noise, events=events, log=True)
+        run.end = run.first("PROPOSAL", "NOT_DETERMINED", "COMMISSION_ENDED")
+        self.assertIsNotNone(run.end, f"{of.path.stem}: {run.events[-2:]}")
+        return run
+
+    def excursion(self, of: Plant, run: Run, limit: float = LIMIT) -> float:
+        return max(abs(row[f"{y['name']}.true"] - y["nominal"]) / (limit * (y["hi"] - y["lo"]))
+                   for row in run.rows if row["time"] <= run.end.time_s for y in of.outputs)
+
+    def stays(self, of: Plant, most: float = 1.0, limit: float = LIMIT, settings: list[str] = (), **more) -> Run:
+        limits = [f"set meas{i}.test_limit {100 * limit:g}" for i in (1, 2)]
+        run = self.started(of, settings=[*limits, *settings], **more)
+        worst = self.excursion(of, run, limit)
+        print(f"harm {of.path.stem}: {worst:.2f} of a limit, {run.end.code} {run.end.subject} "
+              f"{run.end.text.split(': ')[-1]}")
+        self.assertLessEqual(worst, most, of.path.stem)
+        return run
+
+    # ---- how far ----
+
+    def test_what_goes_the_wrong_way_first_stays_within_its_limit_at_the_reversal_too(self):
+        for zero, noise in ((-100, 1.0), (-200, 0.0), (-200, 1.0)):
+            with self.subTest(zero=zero, noise=noise):
+                self.stays(self.beside(f"inverse{-zero}", element(2.0, [100, 100], 10, zero=zero)), noise=noise)
+
+    def test_what_is_hardly_damped_stays_within_its_limit(self):
+        for damping, noise in ((0.05, 1.0), (0.25, 0.0)):
+            with self.subTest(damping=damping, noise=noise):
+                e = {"gain": 1.5, "quadratic": [1e4, 200 * damping], "dead_time": 10}
+                self.stays(self.beside(f"damping{100 * damping:.0f}", e), noise=noise)
+
+    def test_an_integrator_stays_within_its_limit_over_all_tests(self):
+        for noise, limit in ((0.0, LIMIT), (1.0, 0.05)):
+            with self.subTest(noise=noise):
+                of = self.beside("integrator", {"gain": 5e-3, "integrator": True})
+                run = self.stays(of, noise=noise, limit=limit)
+                self.assertEqual((run.end.code, run.end.subject), ("COMMISSION_ENDED", "y1"))
+
+    def test_a_plant_that_runs_away_is_left_at_its_limit_and_not_taken_for_a_drift(self):
+        for time_s, gains, noise, limit in ((1200, (0.5, 0.2), 1.0, LIMIT), (5000, (10, 2.5), 0.0, LIMIT),
+                                            (5000, (10, 2.5), 0.0, 0.05), (20000, (0.5, 0.2), 1.0, LIMIT)):
+            with self.subTest(time_s=time_s, gains=gains, noise=noise):
+                of = self.runaway(f"runaway{time_s}", time_s, gains)
+                run = self.stays(of, 1.0 + HIDDEN, noise=noise, limit=limit)
+                self.assertEqual(run.end.code, "COMMISSION_ENDED")
+
+    # ---- sensors ----
+
+    def test_a_sensor_at_the_end_of_its_span_is_a_fault_and_no_rest(self):
+        of = self.beside("clipped", element(1.5, 100, 10))
+        run = self.started(of, events=["3000:y1.bias=60"])  # it reads 100 from there on
+        self.assertEqual((run.end.code, run.end.subject), ("COMMISSION_ENDED", "y1"))
+        self.assertIn("reads an end of its span", run.end.text)
+        self.assertLess(run.end.time_s, 3000 + 3 * of.tick_s)
+
+    def test_it_does_not_begin_where_a_sensor_is_at_the_end_of_its_span(self):
+        of = self.beside("ended", element(1.5, 100, 10))
+        script = [(t, line) for t, line in whole(of, accept=False) if not line.startswith(("~until", "commission "))]
+        begin = 5 * of.tick_s
+        run = Run(of, [*script[:-1], (begin, "?commission begin"), (begin, "~end")], events=["0:y1.dead=1"])
+        self.assertTrue(any("y1: reads an end of its span" in line for line in run.said), run.said[-5:])
+
+    # ---- words ----
+
+    def test_a_stable_plant_that_is_too_slow_does_not_integrate(self):
+        run = self.stays(self.beside("slow", element(2.0, 30000, 50)))
+        self.assertIn("is slower than `test.longest`", run.end.text)
+
+    def test_the_time_allowed_is_taken_at_its_word(self):
+        """No test is done again for as long as it took."""
+        run = self.stays(self.beside("slow", element(2.0, 30000, 50)), settings=["set test.longest 3000"])
+        self.assertIn("slower than `test.longest`", run.end.text)
+        halves = [e.value for e in run.all("TEST_DONE")]
+        self.assertEqual(len(halves), len(set(halves)), halves)
+
+    # ---- cut ----
+
+    def test_a_step_that_the_guard_cuts_is_made_again_with_a_smaller_one(self):
+        run = self.stays(self.beside("large", element(20.0, 300, 0)))
+        first, again = [e.value for e in run.all("TEST_STEP")][:2]
+        self.assertEqual(run.first("TEST_CUT").subject, "y1")
+        self.assertLess(again, 0.61 * first)
+        self.assertEqual(run.end.code, "PROPOSAL")
+        found = run.elements()["y1", "u1"]
+        self.assertLess(abs(found["gain"] / 20.0 - 1.0), 0.02)
+
+    def test_what_a_cut_test_has_not_seen_makes_its_gain_unsure(self):
+        """A step that is given stays as it is."""
+        of = self.beside("large", element(20.0, 300, 0))
+        run = self.stays(of, settings=["set mv1.test_step 2", "set test.rounds 1"])
+        self.assertIsNotNone(run.first("TEST_CUT"))
+        self.assertEqual(len([e for e in run.all("TEST_STEP") if e.subject == "u1"]), 1)
+        found = run.elements()["y1", "u1"]
+        half_s = next(e.value for e in run.all("TEST_DONE") if e.subject == "u1")
+        unseen = 2.718281828 ** (-half_s / 300)
+        self.assertGreater(unseen, 0.1)
+        self.assertGreater(found["gain_sd"] / found["gain"], 0.4 * unseen)
+
+
+if __name__ == "__main__":
+    unittest.main()
