@@ -5,4 +5,5 @@
 #define pins_freeze_watchdog release_pins_freeze_watchdog
 #define hal_board_name       release_board_name
 #define hal_board_text       release_board_text
+/* NOLINTNEXTLINE(bugprone-suspicious-include) */
 #include "pins.c"
