@@ -33,6 +33,7 @@ static enum hal_reset cause = HAL_RESET_POWER_ON;
 static unsigned reboots;
 static jmp_buf reset_vector;
 static bool flash_ready;
+static void (*tick_lock)(void), (*tick_unlock)(void);
 static struct hal_retained_memory retained;
 static enum hal_image image;
 
@@ -131,6 +132,12 @@ static void restarted(void)
     reboots++;
     cause = HAL_RESET_REQUESTED;
     power_up(clock_ms);
+}
+
+void memory_port_set_tick_lock(void (*lock)(void), void (*unlock)(void))
+{
+    tick_lock = lock;
+    tick_unlock = unlock;
 }
 
 void memory_port_turn(void)
@@ -263,9 +270,17 @@ void hal_tick_request(void)
     tick_asked = true;
 }
 
-void hal_tick_lock(void) {}
+void hal_tick_lock(void)
+{
+    if (tick_lock)
+        tick_lock();
+}
 
-void hal_tick_unlock(void) {}
+void hal_tick_unlock(void)
+{
+    if (tick_unlock)
+        tick_unlock();
+}
 
 void hal_idle(bool wait)
 {

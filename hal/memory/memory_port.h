@@ -30,6 +30,10 @@ size_t memory_port_take(enum hal_uart port, void *data, size_t size);
  * the real one: everything but flash starts again. Returns the turns it took. */
 unsigned memory_port_run(void);
 
+/* What hal_tick_lock and hal_tick_unlock do, for who lets the tick context interrupt the main loop (app_tick from a
+ * signal): NULL, as at the beginning, does nothing, which is right where both are called in turn. */
+void memory_port_set_tick_lock(void (*lock)(void), void (*unlock)(void));
+
 /* One turn of both contexts and no more: for who measures time by turns. */
 void memory_port_turn(void);
 

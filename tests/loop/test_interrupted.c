@@ -1,0 +1,360 @@
+/* The tick interrupts the main loop anywhere: it runs in the handler of a timer signal that comes a random time after the
+ * last one, or after the tick was locked out, and the tick lock blocks that signal. Whatever plan a tick finds in force is
+ * whole.
+ *
+ *     test_interrupted           a sample
+ *     test_interrupted 100000    so many applies
+ *
+ * Every `apply` gives the interlocks that hold the outputs of a plant one new common value, and adds or removes a
+ * measurement, so that all states change their places. Four more outputs stand by hand and must stay where they are. So
+ * in each COMMAND the values by hand are the same as ever, those held are all the same, and they never go back.
+ */
+#define _GNU_SOURCE /* NOLINT(bugprone-reserved-identifier): timer_create with strict headers */
+#include <signal.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/time.h>
+#include <sys/wait.h>
+#include <time.h>
+#include <unistd.h>
+
+#include "app/app.h"
+#include "link/frame.h"
+#include "link/messages.h"
+#include "memory_port.h"
+#include "random_source.h"
+#include "unity.h"
+
+#define SEED              0x7E4A1u
+#define MEASUREMENTS      2
+#define OUTPUTS           8
+#define BY_HAND           4 /* of them, the first; the others by interlocks */
+#define SAMPLE_OF_APPLIES 1000u
+
+static unsigned applies = SAMPLE_OF_APPLIES;
+static timer_t timer;
+static sigset_t the_signal;
+static struct random_source source;
+static volatile unsigned main_turns;
+
+/* ---- the tick context: nothing of this is touched by the main loop while the signal can come ---- */
+
+static struct {
+    struct frame_decoder decoder;
+    uint16_t sequence;
+    uint32_t number;
+    uint64_t clock_ms;
+    unsigned ticks, commands, torn, backwards;
+    float value;          /* of the last command */
+    float found[OUTPUTS]; /* of the first that was torn */
+} plant;
+
+static void give(struct frame *f)
+{
+    uint8_t wire[FRAME_WIRE_MAX];
+    f->sequence = plant.sequence++;
+    (void)memory_port_give(HAL_UART_LINK, wire, frame_encode(f, wire));
+}
+
+static void hello(void)
+{
+    struct link_hello m = {.version = LINK_VERSION,
+                           .role = LINK_ROLE_PLANT,
+                           .session = 1,
+                           .n_measurements = MEASUREMENTS,
+                           .n_outputs = OUTPUTS,
+                           .tick_ms = 1000,
+                           .name = "interrupting"};
+    struct frame f;
+    pack_hello(&m, &f);
+    give(&f);
+}
+
+static void page(uint8_t index)
+{
+    bool manipulated = index >= MEASUREMENTS;
+    struct link_page m = {
+        .index = index, .manipulated = manipulated, .hi = 1048576.0f, .unit = "-"};
+    struct frame f;
+    (void)snprintf(m.name, sizeof m.name, manipulated ? "u%u" : "y%u",
+                   index + 1u - (manipulated ? MEASUREMENTS : 0u));
+    pack_page(&m, &f);
+    give(&f);
+}
+
+static void next_sample(void)
+{
+    struct link_sample m = {.number = ++plant.number,
+                            .time_ms = 1000u * (uint64_t)plant.number,
+                            .n_measurements = MEASUREMENTS};
+    struct frame f;
+    m.measurement[0].value = 150.0f;
+    pack_sample(&m, &f);
+    give(&f);
+}
+
+/* Where output j stands by hand. */
+static unsigned by_hand(unsigned j)
+{
+    return 1000 + j; /* whole numbers are exact fractions of the span, which is a power of two */
+}
+
+static void look_at(const struct link_command *m)
+{
+    bool torn = false;
+    for (unsigned j = 0; j < OUTPUTS; j++)
+        torn = torn ||
+               m->output[j].value != (j < BY_HAND ? (float)by_hand(j) : m->output[BY_HAND].value);
+    for (unsigned j = 0; torn && plant.torn == 0 && j < OUTPUTS; j++)
+        plant.found[j] = m->output[j].value;
+    plant.torn += torn;
+    plant.backwards += m->output[BY_HAND].value < plant.value;
+    plant.value = m->output[BY_HAND].value;
+    plant.commands++;
+}
+
+static void answer(const struct frame *f)
+{
+    struct link_page_request request;
+    struct link_command command;
+    if (f->type == LINK_HELLO) {
+        hello();
+    } else if (f->type == LINK_PAGE_REQUEST && unpack_page_request(f, &request) == ERR_OK) {
+        page(request.index);
+    } else if (f->type == LINK_READY) {
+        next_sample();
+    } else if (f->type == LINK_COMMAND && unpack_command(f, &command) == ERR_OK) {
+        look_at(&command);
+        next_sample();
+    }
+}
+
+static void tick(void)
+{
+    uint8_t byte;
+    struct frame f;
+    plant.ticks++;
+    memory_port_set_clock(++plant.clock_ms);
+    app_tick(app_instance());
+    while (memory_port_take(HAL_UART_LINK, &byte, 1))
+        if (frame_decode(&plant.decoder, byte, &f))
+            answer(&f);
+}
+
+/* ---- the timer ---- */
+
+static void arm(uint32_t longest_ns)
+{
+    struct itimerspec soon = {.it_value.tv_nsec = 1 + (long)random_below(&source, longest_ns)};
+    (void)timer_settime(timer, 0, &soon, NULL);
+}
+
+static void on_timer(int number)
+{
+    (void)number;
+    tick();
+    arm(random_below(&source, 8) ? 80000 : 2000); /* what an apply takes, or a few instructions */
+}
+
+/* Without the tick lock a request is taken twice, and whoever takes them goes round for hours: five looks, each after
+ * 50 ms of processor time, without a turn of the main loop. */
+static void on_look(int number)
+{
+    static const char text[] = "\ninterrupted: the main loop does not go on\n";
+    static unsigned turns, looks;
+    (void)number;
+    looks = turns == main_turns ? looks + 1u : 0;
+    turns = main_turns;
+    if (looks < 5)
+        return;
+    (void)!write(STDERR_FILENO, text, sizeof text - 1);
+    _exit(2);
+}
+
+/* The tick likes to come where it is locked out. */
+static void empty_lock(void)
+{
+    sigset_t before;
+    (void)sigprocmask(SIG_BLOCK, &the_signal, &before);
+    if (random_below(&source, 2))
+        arm(3000);
+    (void)sigprocmask(SIG_SETMASK, &before, NULL);
+}
+
+static void lock(void)
+{
+    (void)sigprocmask(SIG_BLOCK, &the_signal, NULL);
+    empty_lock();
+}
+
+static void unlock(void)
+{
+    (void)sigprocmask(SIG_UNBLOCK, &the_signal, NULL);
+}
+
+static void begin_interrupting(void)
+{
+    struct sigaction action = {.sa_handler = on_timer, .sa_flags = SA_RESTART};
+    struct sigaction look = {.sa_handler = on_look, .sa_flags = SA_RESTART};
+    struct sigevent event = {.sigev_notify = SIGEV_SIGNAL, .sigev_signo = SIGALRM};
+    struct itimerval every = {.it_value.tv_usec = 50000, .it_interval.tv_usec = 50000};
+    source.state = SEED;
+    TEST_ASSERT_EQUAL(0, sigaction(SIGALRM, &action, NULL));
+    TEST_ASSERT_EQUAL(0, sigaction(SIGVTALRM, &look, NULL));
+    TEST_ASSERT_EQUAL(0, setitimer(ITIMER_VIRTUAL, &every, NULL));
+    TEST_ASSERT_EQUAL(0, timer_create(CLOCK_MONOTONIC, &event, &timer));
+    arm(40000);
+}
+
+static void end_interrupting(void)
+{
+    struct itimerval off = {.it_value = {0}};
+    (void)timer_delete(timer);
+    (void)signal(SIGALRM, SIG_IGN);
+    (void)setitimer(ITIMER_VIRTUAL, &off, NULL);
+}
+
+/* ---- the main loop ---- */
+
+/* Types a line; whether it was answered with ok. */
+static bool typed(const char *text)
+{
+    char said[4096];
+    size_t n = 0;
+    (void)memory_port_give(HAL_UART_CONSOLE, text, strlen(text));
+    (void)memory_port_give(HAL_UART_CONSOLE, "\n", 1);
+    for (unsigned turns = 0; turns < 100000; turns++) {
+        main_turns = main_turns + 1u;
+        app_background(app_instance());
+        n += memory_port_take(HAL_UART_CONSOLE, said + n, sizeof said - 1 - n);
+        said[n] = '\0';
+        if (n >= 3 && strcmp(said + n - 3, "ok\n") == 0 && (n == 3 || said[n - 4] == '\n'))
+            return true;
+        if (strstr(said, "err "))
+            break;
+        if (n > sizeof said / 2) /* events */
+            n = 0;
+    }
+    (void)printf("%s -> %s\n", text, said);
+    return false;
+}
+
+static bool apply(unsigned value)
+{
+    char line[64];
+    bool good = typed("begin") && typed(value % 2 ? "set meas2.name y2" : "set meas2.name -");
+    for (unsigned k = 1; k <= OUTPUTS - BY_HAND; k++) {
+        (void)snprintf(line, sizeof line, "set lock%u.value %u", k, value);
+        good = good && typed(line);
+    }
+    return good && typed("apply");
+}
+
+static void configured(void)
+{
+    char line[64];
+    memset(&plant, 0, sizeof plant);
+    memory_port_erase_all();
+    memory_port_start();
+    memory_port_set_tick_lock(NULL, NULL);
+    (void)memory_port_give(HAL_UART_CONSOLE, "mode machine\n", 13);
+    (void)memory_port_run();
+    TEST_ASSERT_TRUE(typed("begin"));
+    TEST_ASSERT_TRUE(typed("set meas1.name y1"));
+    TEST_ASSERT_TRUE(typed("set meas1.hi 200"));
+    for (unsigned j = 1; j <= OUTPUTS; j++) {
+        static const char *const settings[] = {"name u%u", "hi 1048576", "max 1048576"};
+        for (unsigned k = 0; k < 3; k++) {
+            int n = snprintf(line, sizeof line, "set mv%u.", j);
+            (void)snprintf(line + n, sizeof line - (size_t)n, settings[k], j);
+            TEST_ASSERT_TRUE(typed(line));
+        }
+    }
+    for (unsigned k = 1; k <= OUTPUTS - BY_HAND; k++) {
+        (void)snprintf(line, sizeof line, "set lock%u.meas y1", k);
+        TEST_ASSERT_TRUE(typed(line));
+        (void)snprintf(line, sizeof line, "set lock%u.mv u%u", k, k + BY_HAND);
+        TEST_ASSERT_TRUE(typed(line));
+        (void)snprintf(line, sizeof line, "set lock%u.limit 100", k);
+        TEST_ASSERT_TRUE(typed(line));
+    }
+    TEST_ASSERT_TRUE(typed("apply"));
+    for (unsigned n = 0; n < 2000 && plant.commands < 3; n++)
+        tick();
+    TEST_ASSERT_EQUAL(3, plant.commands);
+    for (unsigned j = 0; j < BY_HAND; j++) {
+        (void)snprintf(line, sizeof line, "out u%u %u", j + 1, by_hand(j));
+        TEST_ASSERT_TRUE(typed(line));
+    }
+    tick();
+    tick();
+    plant.torn = 0;
+}
+
+/* Whether every one of n applies was answered with ok, and every command whole. */
+static bool all_whole(unsigned n, void (*lock_with)(void))
+{
+    bool good = true;
+    memory_port_set_tick_lock(lock_with, unlock);
+    begin_interrupting();
+    for (unsigned k = 1; good && (k <= n || plant.commands < n); k++)
+        good = apply(k) && plant.torn == 0 && plant.backwards == 0;
+    end_interrupting();
+    tick(); /* what is on the line, and the last apply */
+    tick();
+    return good && plant.torn == 0 && plant.backwards == 0;
+}
+
+void setUp(void)
+{
+    configured();
+}
+void tearDown(void)
+{
+    memory_port_set_tick_lock(NULL, NULL);
+}
+
+static void no_tick_finds_a_torn_plan_wherever_it_comes(void)
+{
+    char message[200];
+    bool good = all_whole(applies, lock);
+    (void)snprintf(message, sizeof message,
+                   "seed 0x%x: torn %u, backwards %u of %u commands; the first: %g %g .. %g %g",
+                   SEED, plant.torn, plant.backwards, plant.commands, (double)plant.found[0],
+                   (double)plant.found[1], (double)plant.found[OUTPUTS - 2],
+                   (double)plant.found[OUTPUTS - 1]);
+    TEST_ASSERT_TRUE_MESSAGE(good, message);
+    TEST_ASSERT_TRUE(plant.value >= (float)applies);
+    (void)printf("interrupted: %u applies at least, %u ticks, %u commands, none torn\n", applies,
+                 plant.ticks, plant.commands);
+}
+
+/* This test would notice: the same in a process of its own with a lock that does nothing. */
+static void without_the_lock_it_shows(void)
+{
+    (void)fflush(NULL);
+    pid_t child = fork();
+    TEST_ASSERT_TRUE(child >= 0);
+    if (child == 0) {
+        (void)!freopen("/dev/null", "w", stdout);
+        (void)!freopen("/dev/null", "w", stderr);
+        _exit(all_whole(100000, empty_lock) ? 0 : 1); /* it ends with the first that is torn */
+    }
+    int status = 0;
+    TEST_ASSERT_EQUAL(child, waitpid(child, &status, 0));
+    TEST_ASSERT_FALSE_MESSAGE(WIFEXITED(status) && WEXITSTATUS(status) == 0,
+                              "an empty lock went unnoticed");
+}
+
+int main(int argc, char **argv)
+{
+    if (argc > 1)
+        applies = (unsigned)strtoul(argv[1], NULL, 10);
+    (void)sigemptyset(&the_signal);
+    (void)sigaddset(&the_signal, SIGALRM);
+    UNITY_BEGIN();
+    RUN_TEST(no_tick_finds_a_torn_plan_wherever_it_comes);
+    RUN_TEST(without_the_lock_it_shows);
+    return UNITY_END();
+}
