@@ -111,6 +111,8 @@ static void with_a_damaged_image_nothing_acts_and_the_console_says_why(void)
     static const char *const requests[] = {"mode bottom auto", "mode bottom manual",
                                            "out top 5",        "out heat 1.5",
                                            "seq start",        "commission begin"};
+    ask_ok("version"); /* a process has none, and says so */
+    TEST_ASSERT_TRUE(said("image without a checksum"));
     ask_ok("set restart.policy resume");
     ask_ok("save");
     ask_ok("mode bottom auto");
