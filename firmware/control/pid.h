@@ -103,7 +103,7 @@ void pid_follow(struct pid *pid, num_t setpoint, num_t measurement, num_t applie
 
 /* For a block that acts and whose output gets another meaning (another decoupler, another feedforward): the next step
  * gives `applied` and what has changed since the last one. Derivative and integration under way go on; what the output
- * was beyond a limit is forgotten. Call after a back. */
+ * was beyond a limit is forgotten. Call before a step. */
 void pid_shift(struct pid *pid, num_t applied);
 
 extern const struct block_ops

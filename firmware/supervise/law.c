@@ -103,7 +103,6 @@ void law_follow(struct supervisor *s, uint8_t i)
 void law_shift(struct supervisor *s, uint8_t i, num_t v)
 {
     struct loop_state *l = &s->loop[i];
-    law_close(s, i);
     l->v = v;
     if (plan_is_two_position(s->plan, i))
         two_position_follow(&l->two, v);

@@ -293,6 +293,25 @@ static void a_plan_that_concerns_nobody_changes_nothing_in_any_company(void)
     }
 }
 
+/* A loop whose turn is moved by plans runs, and integrates, as often as its turn comes: here in every tick. */
+static void plans_that_move_a_loops_turn_do_not_stop_its_integral(void)
+{
+    drive = NULL;
+    bench_start();
+    set_and_apply("loop2.divisor", "2");
+    mode(BOTTOM, LOOP_AUTO);
+    ticks(4);
+    reading(T10, 110);
+    ticks(2);
+    double at = sent(HEAT);
+    for (unsigned k = 0; k < 100; k++) {
+        set_and_apply("loop2.phase", bench.s.ticks % 2 ? "1" : "0");
+        tick();
+        bench_forget_events();
+    }
+    TEST_ASSERT_DOUBLE_WITHIN(1.1e-3, at + 100 * 1.5 * 2 / 300 * 0.05, sent(HEAT)); /* two steps */
+}
+
 static void a_new_interval_begins_with_the_output_the_old_one_would_have_given(void)
 {
     drive = moving;
@@ -321,6 +340,7 @@ int main(void)
     RUN_TEST(a_change_around_a_loop_keeps_no_transient_of_its_derivative);
     RUN_TEST(the_next_output_is_what_the_old_settings_would_have_given);
     RUN_TEST(a_plan_that_concerns_nobody_changes_nothing_in_any_company);
+    RUN_TEST(plans_that_move_a_loops_turn_do_not_stop_its_integral);
     RUN_TEST(a_new_interval_begins_with_the_output_the_old_one_would_have_given);
     return UNITY_END();
 }
