@@ -88,6 +88,8 @@ void commission_back_to_old(struct commission *c, struct supervisor *s, enum com
 
 #define NOISE_FLOOR          REAL_C(7e-5) /* of span: what 12 bits of conversion leave */
 #define MISSED_MOST          8u           /* samples in a row that a test can do without */
+#define AMPLITUDE_FIRST      REAL_C(0.02) /* of span: the first step, where it is to be found */
+#define AMPLITUDE_MOST       REAL_C(0.25) /* ... and the largest */
 #define STEP_NEVER           REAL_C(1e-4) /* of span: smaller than this no step of a setpoint is made */
 #define COMMISSION_HALF_MOST 1000u        /* samples, unless test.longest says otherwise */
 

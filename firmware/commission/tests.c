@@ -8,10 +8,8 @@
 
 #include "base/elapsed.h"
 
-#define AMPLITUDE_MOST  REAL_C(0.25) /* of span, while it is being found */
-#define AMPLITUDE_FIRST REAL_C(0.02)
-#define AGAIN_NOISE     REAL_C(2.0) /* times the noise multiple, in later rounds */
-#define AGAIN_SHARE     REAL_C(0.6) /* of a limit, in later rounds */
+#define AGAIN_NOISE REAL_C(2.0) /* times the noise multiple, in later rounds */
+#define AGAIN_SHARE REAL_C(0.6) /* of a limit, in later rounds */
 #define REACHED_SHARE                                                                              \
     REAL_C(0.8) /* of a limit, that a later round may use by what the one before has */
 #define AGAIN_MOST    REAL_C(3.0)  /* times the amplitude of the round before */

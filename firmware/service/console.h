@@ -162,7 +162,8 @@ bool console_commission_on_trial(const struct console *c);
 void commission_relay_command(struct console *c, unsigned n, char **word);
 void commission_relay_now(struct console *c, struct text *line);
 bool commission_relay_line(struct console *c, unsigned n, struct text *line);
-/* Listings of `commission plant|model|gains|pairing|structure|proposal|trial` */
+/* Listings of `commission plant|plan|model|gains|pairing|structure|proposal|trial` */
+bool commission_plan_line(struct console *c, unsigned n, struct text *line);
 bool commission_plant_line(struct console *c, unsigned n, struct text *line);
 bool commission_structure_line(struct console *c, unsigned n, struct text *line);
 bool commission_trial_line(struct console *c, unsigned n, struct text *line);

@@ -507,7 +507,7 @@ const struct console_command console_commands[] = {
      NOT_AN_ACTION},
     {"commission",
      "[begin|pause|resume|skip|repeat|abort|accept|edit|reject|relay|"
-     "plant|model|gains|pairing|structure|proposal|trial] [LOOP]",
+     "plant|plan|model|gains|pairing|structure|proposal|trial] [LOOP]",
      "automatic start-up: how far it is, or what it is told", 0, 2, command_commission,
      ACCESS_OPERATOR, EVENT_DO_COMMISSION},
     {"alarm", "[ack|shelve] [ALARM|all] [SECONDS]",

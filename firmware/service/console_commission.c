@@ -124,6 +124,9 @@ static void ask(struct console *c, enum commission_ask what)
     hal_tick_unlock();
     if (err)
         console_err_about(c, err, subject ? subject : "commission", wanted);
+    else if (what ==
+             COMMISSION_ASK_BEGIN) /* nothing moves before the plant has been at rest for a while */
+        console_list(c, commission_plan_line, "");
     else
         console_ok(c);
 }
@@ -242,10 +245,10 @@ static const struct {
     const char *word;
     console_listing listing;
 } listings[] = {
-    {"plant", commission_plant_line},         {"model", commission_model_line},
-    {"gains", commission_gains_line},         {"pairing", commission_pairing_line},
-    {"structure", commission_structure_line}, {"proposal", commission_proposal_line},
-    {"trial", commission_trial_line},
+    {"plant", commission_plant_line},       {"plan", commission_plan_line},
+    {"model", commission_model_line},       {"gains", commission_gains_line},
+    {"pairing", commission_pairing_line},   {"structure", commission_structure_line},
+    {"proposal", commission_proposal_line}, {"trial", commission_trial_line},
 };
 
 static bool may(struct console *c, bool engineer)

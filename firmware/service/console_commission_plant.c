@@ -1,6 +1,7 @@
-/* What automatic start-up begins with (`commission plant`), and what the accepted loops did on trial (`trial`). Listings like
+/* What automatic start-up begins with (`commission plant`, `plan`), and what the accepted loops did on trial (`trial`). Listings like
  * those of console_commission_model.c. */
 #include "commission/commission.h"
+#include "commission/expected.h"
 #include "hal/tick.h"
 #include "service/console.h"
 #include "service/plant_link.h"
@@ -37,6 +38,57 @@ bool commission_plant_line(struct console *c, unsigned n, struct text *line)
     }
     hal_tick_unlock();
     return there;
+}
+
+/* What `commission begin` would move, by how much and for about how long, in the settings in force. */
+bool commission_plan_line(struct console *c, unsigned n, struct text *line)
+{
+    const struct supervisor *s = c->service->supervisor;
+    const struct config *config = console_settings(c);
+    if (n == 0) {
+        hal_tick_lock();
+        struct expected all = expected_of(s);
+        hal_tick_unlock();
+        text_str(line, "plan");
+        text_named_u32(line, "inputs", all.inputs);
+        text_named_u32(line, "outputs", all.outputs);
+        text_named_u32(line, "rounds", config->test.rounds);
+        text_named_float(line, "hours at least", (float)(all.least_s / REAL_C(3600.0)));
+        text_named_float(line, "at most", (float)(all.most_s / REAL_C(3600.0)));
+        return true;
+    }
+    n--;
+    if (n < CHANNEL_MAX) {
+        hal_tick_lock();
+        struct expected_input e = expected_of_input(s, (uint8_t)n);
+        hal_tick_unlock();
+        const struct output_config *o = &config->output[n];
+        float span = o->hi - o->lo;
+        if (!e.tested)
+            return true;
+        text_str(line, "input ");
+        text_str(line, o->name);
+        text_named_float(line, "held", o->lo + (float)e.held * span);
+        text_named_float(line, "step", (float)e.first * span);
+        text_named_float(line, "at most", (float)e.most * span);
+        text_char(line, ' ');
+        text_str(line, o->unit[0] ? o->unit : "-");
+        return true;
+    }
+    n -= CHANNEL_MAX;
+    if (n >= CHANNEL_MAX)
+        return false;
+    const struct measurement_config *m = &config->measurement[n];
+    if (!m->name[0] || !m->test || !s->measurement[n].bound)
+        return true;
+    text_str(line, "output ");
+    text_str(line, m->name);
+    float limit =
+        m->test_limit > 0.0f ? m->test_limit : (float)TEST_LIMIT_DEFAULT * (m->hi - m->lo);
+    text_named_float(line, "limit", m->test_critical ? 0.5f * limit : limit);
+    text_char(line, ' ');
+    text_str(line, m->unit[0] ? m->unit : "-");
+    return true;
 }
 
 /* Names of pair k. */

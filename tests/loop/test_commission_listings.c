@@ -19,6 +19,9 @@ static void before_the_tests_there_is_nothing_but_the_plant(void)
     SHOWS("commission", "phase idle");
     SHOWS("commission plant", "plant tick s 60", "output xD unit %w lo 80 hi 112",
           "input R unit lb/min");
+    /* 60 samples of a minute in all that is known least, 1000 at most, both inputs, 4 rounds; nothing has moved. */
+    SHOWS("commission plan", "plan inputs 2 outputs 2 rounds 4 hours at least 10 at most 416",
+          "input R held 1.95 step 0.08 at most 1 lb/min", "output xD limit 6.4 %w");
     ask_ok("commission model");
     TEST_ASSERT_FALSE(said("element"));
     SHOWS("commission gains", "nothing yet");
@@ -31,7 +34,7 @@ static void before_the_tests_there_is_nothing_but_the_plant(void)
 
 static void a_proposal_is_shown_with_what_it_rests_on(void)
 {
-    ask_ok("commission begin");
+    SHOWS("commission begin", "plan inputs 2", "input R held 1.95 step 0.08", "output xB limit");
     until("TEST_STEP R", 300);
     SHOWS("commission", "phase testing", "input R (1 of 2), round 1: positive half");
     until("PROPOSAL", 3000);

@@ -81,7 +81,7 @@ class Alone(Tool):
                  "",
                  "R step 3", "S min 0.5 max 3", "S critical yes", "",
                  "xD R time 900 gain", "xD R time 900", "xB Q gain 2", "xB S gain -20", "",
-                 "rounds 2.5", "guard circle", "rounds 2 guard line", "",
+                 "rounds 2.5", "guard circle", "rounds 2 guard line", "", "maybe", "yes",
                  "accpt", "", "edit", "loop1.gain x", "loop17.gain 1", "loop1.b 0.9", "", "accept"]
         out, _err = self.simulated("--write-file", str(answers), text="\n".join(lines) + "\n")
         for told in ("xD limit is abc; a number in %w is wanted", "xD limit is -inf; a number in %w is wanted, a finite one",
@@ -134,6 +134,15 @@ class Alone(Tool):
         path = self.file("edit.toml", '[proposal.set]\n"loop1.gain" = -1\n')
         _out, err = self.simulated("--file", str(path), "--no-report", expect=2)
         self.assertIn("proposal.set.loop1.gain: err RANGE", err)
+
+    def test_before_anything_moves_it_says_how_far_and_how_long_and_asks(self) -> None:
+        out, err = self.simulated("--no-report", text="\n" * 4 + "no\n", expect=1)
+        self.assertIn("not begun: nothing has moved", err)
+        self.assertIn("R is moved from 1.95 lb/min by 0.08 both ways, up to 1 where it takes that", out)
+        self.assertIn("xD may go 6.4 %w from where it is", out)
+        self.assertRegex(out, r"about 10 h of plant time .* 416 h at most")
+        said = (self.out / "transcript.txt").read_text()
+        self.assertNotRegex(said, r"(?m)> (out|apply|commission begin)")
 
     def test_answers_that_end_early(self) -> None:
         _out, err = self.simulated("--no-report", text="xD limit 5\n\n", expect=2)
@@ -231,7 +240,7 @@ class OnABoard(Tool):
     def test_lines_while_it_is_tested(self) -> None:
         self.plant("--speed", "12000")
         process = self.start(stdin=subprocess.PIPE)
-        for line in ("", "R at 1.95 time 30000", "S at 1.71", "", "", ""):
+        for line in ("", "R at 1.95 time 30000", "S at 1.71", "", "", "", "yes"):
             process.stdin.write(line + "\n")
         process.stdin.flush()
         self.read_until(process, "R: at rest; step of")

@@ -7,7 +7,7 @@ import textwrap
 from typing import Any, Callable
 
 from reflux_tools import table
-from reflux_tools.commission.answers import INPUT, MEASUREMENT, TEST, Answers, Field, Values, Wrong
+from reflux_tools.commission.answers import AUTO, INPUT, MEASUREMENT, TEST, Answers, Field, Values, Wrong
 from reflux_tools.commission.board import Plant, State
 from reflux_tools.commission.keyboard import Keyboard
 from reflux_tools.errors import UserError
@@ -175,6 +175,53 @@ def summary(answers: Answers) -> str:
     out = ["Measurements", channel_table(answers.measurements, MEASUREMENT), "", "Inputs",
            channel_table(answers.inputs, INPUT), "", "Known", known_table(answers), "", "Test", test_table(answers)]
     return "\n".join(out)
+
+
+# As firmware/commission/expected.c has it: up, down and back, and rest before and after.
+HALVES, WINDOWS, KNOWN_TIMES, LONGEST_SAMPLES = 3, 2, 4, 1000
+FIRST_SHARE, MOST_SHARE = 0.02, 0.25  # of an input's span: the first step, and the largest, where it is to be found
+
+
+def test_hours(answers: Answers) -> tuple[float, float]:
+    """Of plant time, for all tests: at the least times known, once, and with the longest steps in all rounds."""
+    window = answers.test["window"] * answers.tick_s
+    longest = answers.test["longest"] or LONGEST_SAMPLES * answers.tick_s
+    least = most = 0.0
+    for v in tested(answers.inputs):
+        known = [KNOWN_TIMES * k.time_s for k in answers.known if k.input == v.channel.name]
+        half = (v.values["time"],) * 2 if v.values["time"] != AUTO else (min(max([window, *known]), longest), longest)
+        least += HALVES * half[0] + WINDOWS * window
+        most += (HALVES * half[1] + WINDOWS * window) * answers.test["rounds"]
+    return least / 3600, most / 3600
+
+
+def tested(all_values: list[Values]) -> list[Values]:
+    return [v for v in all_values if v.values["tested"]]
+
+
+def expectations(answers: Answers) -> list[str]:
+    """By how much the plant will be moved, and for about how long."""
+    lines = []
+    for v in tested(answers.inputs):
+        span, step = v.values["hi"] - v.values["lo"], v.values["step"]
+        first, most = (step, step) if step != AUTO else (min(share * span, v.room()) for share in (FIRST_SHARE, MOST_SHARE))
+        grows = f", up to {most:.3g} where it takes that" if most > first else ""
+        lines.append(f"{v.channel.name} is moved from {v.values['at']:g} {v.channel.unit} by {first:.3g} both ways{grows}")
+    lines += [f"{v.channel.name} may go {v.values['limit'] * (0.5 if v.values['critical'] else 1):.3g} {v.channel.unit} "
+              "from where it is" for v in tested(answers.measurements)]
+    least, most = test_hours(answers)
+    lines.append(f"All tests take about {least:.3g} h of plant time where it answers fast - each input eleven times its "
+                 f"slowest dead time and time constant together, where that is more - and {most:.3g} h at most. A test that is "
+                 "made again comes on top, and the trial.")
+    return lines
+
+
+def may_begin(keyboard: Keyboard) -> bool:
+    while True:
+        word = keyboard.ask("begin? yes or no > ").lower()
+        if word in ("yes", "no"):
+            return word == "yes"
+        say("  the plant is moved from then on: yes or no is wanted")
 
 
 def decide(keyboard: Keyboard) -> str:

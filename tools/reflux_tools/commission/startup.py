@@ -113,6 +113,11 @@ class Startup:
                 heading("Answers")
                 say(dialogue.summary(answers))
             self.keep(answers)
+            heading("What it will do to the plant")
+            for line in dialogue.expectations(answers):
+                say(line)
+            if self.keyboard and not self.options.unattended and not dialogue.may_begin(self.keyboard):
+                raise RunFailed("not begun: nothing has moved")
             try:
                 self.configure(asking.set_lines(answers, parameters, room.channels), answers)
                 return answers

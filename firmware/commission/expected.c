@@ -1,0 +1,66 @@
+#include "supervise/config.h"
+#if COMMISSION_CHANNELS
+
+#include "commission/expected.h"
+
+#include "commission/parts.h"
+
+#define KNOWN_TIMES REAL_C(4.0) /* the time given for a pair, that a half lasts at least */
+#define HALVES      REAL_C(3.0) /* of a test: up, down, and back to rest */
+#define WINDOWS     REAL_C(2.0) /* of rest before and after */
+
+static real_t least_of(real_t a, real_t b)
+{
+    return a < b ? a : b;
+}
+
+/* Least length of a half, s, by what is known of the input beforehand. */
+static real_t least_half_s(const struct config *config, uint8_t j, real_t window_s)
+{
+    real_t half_s = window_s;
+    for (unsigned p = 0; p < CONFIG_PAIRS; p++) {
+        const struct pair_config *pair = &config->pair[p];
+        bool of_it = pair->measurement[0] && config_find_output(config, pair->output) == j;
+        if (of_it && pair->time_s * KNOWN_TIMES > half_s)
+            half_s = pair->time_s * KNOWN_TIMES;
+    }
+    return half_s;
+}
+
+struct expected_input expected_of_input(const struct supervisor *s, uint8_t j)
+{
+    const struct config *config = &s->plan->config;
+    const struct output_config *o = &config->output[j];
+    struct expected_input e = {.tested = commission_input_is_tested(s, j)};
+    if (!e.tested)
+        return e;
+    e.held = commission_held_at(s, j);
+    real_t room = commission_room(s, j, e.held), given = o->test_step / (o->hi - o->lo);
+    bool found = !(given > REAL_C(0.0));
+    e.first = least_of(room, found ? AMPLITUDE_FIRST : given);
+    e.most = least_of(room, found ? AMPLITUDE_MOST : given);
+    real_t window_s = (real_t)config->test.window * s->plan->tick_s;
+    real_t longest_s = (real_t)commission_longest(s) * s->plan->tick_s;
+    real_t least_s = least_of(least_half_s(config, j, window_s), longest_s);
+    if (o->test_time_s > 0.0f)
+        least_s = longest_s = o->test_time_s;
+    e.least_s = HALVES * least_s + WINDOWS * window_s;
+    e.most_s = HALVES * longest_s + WINDOWS * window_s;
+    return e;
+}
+
+struct expected expected_of(const struct supervisor *s)
+{
+    struct expected all = {0};
+    for (uint8_t i = 0; i < CHANNEL_MAX; i++)
+        all.outputs = (uint8_t)(all.outputs + commission_measurement_is_tested(s, i));
+    for (uint8_t j = 0; j < CHANNEL_MAX; j++) {
+        struct expected_input e = expected_of_input(s, j);
+        all.inputs = (uint8_t)(all.inputs + e.tested);
+        all.least_s += e.least_s;
+        all.most_s += e.most_s * (real_t)s->plan->config.test.rounds;
+    }
+    return all;
+}
+
+#endif
