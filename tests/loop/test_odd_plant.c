@@ -29,6 +29,7 @@ static void a_good_one_is_met(void)
 {
     board.session++;
     board.announce = NULL;
+    board.ready = false;
     plant_hello();
     board_run();
     TEST_ASSERT_TRUE(board.ready);
@@ -86,6 +87,8 @@ static void a_plant_that_goes_on_with_another_shape_is_refused(void)
         pass(500);
         if (n == 3)
             TEST_ASSERT_EQUAL(0, board.hellos);
+        if (n == 5) /* 2 s after the first, and no later */
+            TEST_ASSERT_TRUE(board.hellos > 0);
     }
     TEST_ASSERT_EQUAL(1, times_said("SAMPLE_REFUSED"));
     TEST_ASSERT_EQUAL(1, times_said("SAFE_STATE"));
@@ -200,6 +203,32 @@ static void a_flood_of_bad_greetings_is_not_a_flood_of_events(void)
     a_good_one_is_met();
 }
 
+static void a_bad_plant_right_after_another_is_told_when_there_is_time(void)
+{
+    struct frame f = good_hello(), g = good_hello();
+    memset(f.payload + 8, 0, 4);
+    g.payload[6] = 200;
+    board_forget();
+    link_give(&f);
+    board_run();
+    TEST_ASSERT_EQUAL(1, times_said("PLANT_REFUSED handmade 0 "));
+    board.mute = true;
+    for (unsigned n = 0; n < 20; n++) {
+        struct frame again = g;
+        link_give(&again);
+        board_run();
+        pass(50);
+    }
+    TEST_ASSERT_EQUAL(0, times_said("PLANT_REFUSED handmade 200 "));
+    for (unsigned n = 0; n < 20; n++) {
+        struct frame again = g;
+        link_give(&again);
+        board_run();
+        pass(50);
+    }
+    TEST_ASSERT_EQUAL(1, times_said("PLANT_REFUSED handmade 200 "));
+}
+
 static void the_same_session_with_another_shape_is_another_plant(void)
 {
     ask_ok("mode bottom auto");
@@ -210,6 +239,7 @@ static void the_same_session_with_another_shape_is_another_plant(void)
     memcpy(f.payload + 2, &session, 4);
     f.payload[7] = 1; /* without its second output */
     board.page_requests = 0;
+    board.ready = false;
     link_give(&f);
     board_run();
     TEST_ASSERT_EQUAL(5, board.page_requests);
@@ -306,6 +336,7 @@ static void a_measurement_may_have_the_name_of_an_output(void)
     spoilt = (struct link_page){
         .index = 4, .manipulated = true, .lo = 0, .hi = 200, .name = "c0", .unit = "%"};
     spoilt_at = 4;
+    board.ready = false;
     plant_hello();
     board_run();
     TEST_ASSERT_TRUE(board.ready);
@@ -327,6 +358,21 @@ static void pages_that_never_come_are_told_once_and_asked_for_all_the_same(void)
     board.deaf_to_pages = false;
     pass(500);
     TEST_ASSERT_TRUE(board.ready);
+}
+
+static void pages_that_come_slowly_are_no_fault(void)
+{
+    board.session++;
+    board.deaf_to_pages = true;
+    board_forget();
+    plant_hello();
+    for (uint8_t index = 0; index < 6; index++) {
+        pass(1500);
+        plant_page(index);
+    }
+    board_run();
+    TEST_ASSERT_TRUE(said("LINK_UP"));
+    TEST_ASSERT_FALSE(said("PLANT_REFUSED"));
 }
 
 static void a_plant_that_counts_its_pages_from_one_is_told(void)
@@ -447,11 +493,13 @@ int main(void)
     RUN_TEST(seventeen_channels_are_told);
     RUN_TEST(a_hello_that_cannot_be_read_is_told);
     RUN_TEST(a_flood_of_bad_greetings_is_not_a_flood_of_events);
+    RUN_TEST(a_bad_plant_right_after_another_is_told_when_there_is_time);
     RUN_TEST(the_same_session_with_another_shape_is_another_plant);
     RUN_TEST(a_page_that_makes_no_sense_is_told);
     RUN_TEST(two_channels_of_one_name_are_told);
     RUN_TEST(a_measurement_may_have_the_name_of_an_output);
     RUN_TEST(pages_that_never_come_are_told_once_and_asked_for_all_the_same);
+    RUN_TEST(pages_that_come_slowly_are_no_fault);
     RUN_TEST(a_plant_that_counts_its_pages_from_one_is_told);
     RUN_TEST(a_refused_plant_that_is_unplugged_is_looked_at_anew);
     RUN_TEST(a_greeting_in_another_role_is_not_answered_and_told_once);
