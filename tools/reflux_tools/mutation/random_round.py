@@ -126,7 +126,7 @@ class Round:
     # --- a round -------------------------------------------------------------------------------------
 
     def run(self, count: int, seed: int, files: list[str]) -> int:
-        state = State(seed, files)
+        state = State(seed, files, self.longest_s)
         state.load(drawing.sources_digest())
         if len(state.results) > count:
             state.begin()
@@ -189,7 +189,7 @@ class Round:
 
     def again(self, seed: int, files: list[str]) -> int:
         """Those that survived last time, in the sources and tests of now."""
-        state = State(seed, files)
+        state = State(seed, files, self.longest_s)
         state.load(None)
         if not state.results:
             raise UserError(f"{shown(state.path)}: no results there; first --random N --seed {seed} without --again")
@@ -220,9 +220,10 @@ class Round:
 class State:
     """build/mutants/random-SEED.json: a round so far. Another state of the sources begins anew."""
 
-    def __init__(self, seed: int, files: list[str]):
+    def __init__(self, seed: int, files: list[str], longest_s: float | None):
         self.seed, self.files = seed, files
         mark = "".join("-" + f.strip("/").replace("/", "_") for f in files)
+        mark += f"-up-to-{longest_s:g}-s" if longest_s is not None else ""
         self.path = mutants_folder() / f"random-{seed}{mark}.json"
         self.digest = ""
         self.begin()
