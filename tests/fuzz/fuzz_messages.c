@@ -1,5 +1,6 @@
 /* The unpackers of the plant link on any payload. What one accepts keeps the promises of link/messages.h, packs
- * to a frame of the same length that unpacks and packs to itself; what it refuses leaves the message alone.
+ * to a frame of the same length that unpacks and packs to itself; what it refuses leaves the message alone, but for a
+ * HELLO of another version or with numbers out of range.
  *
  * Input: type, then the payload.
  */
@@ -36,7 +37,7 @@ static void is_text(const char *text, size_t size)
         struct frame packed = {0}, twice = {0};                                                    \
         memset(&m, 0xA5, sizeof m);                                                                \
         enum err err = unpack_##kind(f, &m);                                                       \
-        if (err == ERR_VERSION)                                                                    \
+        if (err == ERR_VERSION || (f->type == LINK_HELLO && err == ERR_RANGE))                     \
             return;                                                                                \
         if (err != ERR_OK) {                                                                       \
             untouched(&m, sizeof m);                                                               \
