@@ -323,7 +323,7 @@ static void tick(struct app *app, const struct io_sample *sample, uint64_t now_m
     restart_keep(&app->restart, &app->supervisor);
 
     struct tick_cost *cost = &s->cost;
-    cost->last = hal_cycles() - start;
+    cost->last = hal_cycles() - start + sample->reception;
     cost->lowest = cost->n == 0 || cost->last < cost->lowest ? cost->last : cost->lowest;
     cost->highest = cost->last > cost->highest ? cost->last : cost->highest;
     cost->sum += cost->last;

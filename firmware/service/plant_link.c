@@ -4,6 +4,7 @@
 
 #include "base/crc32.h"
 #include "base/elapsed.h"
+#include "hal/clock.h"
 #include "hal/identity.h"
 #include "hal/uart.h"
 
@@ -357,10 +358,18 @@ static bool poll(void *context, uint64_t now_ms, struct io_sample *sample)
     struct plant_link *link = context;
     struct frame f;
     for (;;) { /* ends when the receive ring is empty: it is finite, and a sample returns at once */
-        while (link->rx_at < link->rx_n)
-            if (frame_decode(&link->decoder, link->rx[link->rx_at++], &f) &&
-                on_frame(link, &f, now_ms, sample))
-                return true;
+        uint32_t begun = hal_cycles();
+        bool taken = link->rx_at < link->rx_n, complete = false;
+        while (link->rx_at < link->rx_n && !complete)
+            complete = frame_decode(&link->decoder, link->rx[link->rx_at++], &f) &&
+                       on_frame(link, &f, now_ms, sample);
+        if (taken) /* looking in vain is no reception */
+            link->reception += hal_cycles() - begun;
+        if (complete) {
+            sample->reception = link->reception;
+            link->reception = 0;
+            return true;
+        }
         link->rx_at = 0;
         link->rx_n = (uint8_t)hal_uart_read(HAL_UART_LINK, link->rx, sizeof link->rx);
         if (link->rx_n == 0)

@@ -21,7 +21,8 @@
 #include "service/telemetry.h"
 #include "supervise/supervisor.h"
 
-/* Cost of ticks in counts of hal_cycles(), written by the tick. */
+/* Cost of ticks in counts of hal_cycles(), written by the tick: from the first byte of what came on the line for it to its
+ * command handed to the line. The receive interrupts, which put bytes into a ring, count where they interrupt that. */
 struct tick_cost {
     uint32_t n, last, lowest, highest;
     uint64_t sum;

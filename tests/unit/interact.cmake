@@ -24,3 +24,5 @@ endif()
 # Not a test: what the analysis of a 16 x 16 plant costs.
 add_executable(interact_cost "${PROJECT_SOURCE_DIR}/tests/bench/interact_cost.c")
 target_link_libraries(interact_cost PRIVATE reflux_design reflux_options m)
+add_executable(matrix_cost "${PROJECT_SOURCE_DIR}/tests/bench/matrix_cost.c")
+target_link_libraries(matrix_cost PRIVATE reflux_num reflux_options m)

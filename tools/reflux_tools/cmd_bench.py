@@ -32,7 +32,7 @@ def main(arguments: list[str]) -> int:
     if options.ticks < 10:
         raise UserError("--ticks must be 10 or more")
     launch.build_for("memory")
-    build.build("host", ("plant_cost",))
+    build.build("host", ("plant_cost", "matrix_cost"))
     if options.plants:
         for title, header, rows in bench_plants.parts():
             print(f"\n{title}\n{table.columns(header, rows)}", flush=True)
@@ -43,6 +43,7 @@ def main(arguments: list[str]) -> int:
         *bench_plants.parts(),
         ("Lockstep ticks per second", ["way", "ticks", "ticks per second"], speed_rows(options.ticks)),
         ("Instructions per tick", ["where", "how", "least", "mean", "most"], instruction_rows()),
+        ("Instructions of matrices of 16 x 16, host", ["what", "instructions"], matrix_rows()),
         ("The image, bytes", ["part", "text", "data", "bss"], size_rows()),
         ("Largest stack frames of the image, bytes", ["function", "frame"], stack_rows()),
     ]
@@ -118,16 +119,14 @@ def pty_speed(ticks: int) -> list[str]:
 
 
 def instruction_rows() -> list[list[str]]:
-    return [guarded(["host, x86-64", "valgrind --tool=callgrind, app_tick and below"], 5, callgrind),
-            guarded(["STM32F405 image in the emulator", "TIM2 under -icount shift=0"], 5, lambda: icount("stm32f405")),
-            guarded(["STM32F100 image in the emulator, fixed point", "SysTick under -icount shift=0, to 42"], 5,
+    return [guarded(["host, x86-64", "valgrind --tool=callgrind, app_tick and below (turns between samples too)"], 5, callgrind),
+            guarded(["STM32F405 image in the emulator", "TIM2 under -icount shift=0, reception included"], 5, lambda: icount("stm32f405")),
+            guarded(["STM32F100 image in the emulator, fixed point", "SysTick under -icount shift=0, to 42, reception included"], 5,
                     lambda: icount("stm32f100"))]
 
 
 def callgrind() -> list[str]:
     """The firmware inside the simulator; only what app_tick calls is counted."""
-    if shutil.which("valgrind") is None:
-        raise RunFailed("there is no valgrind; tools/bootstrap test installs it")
     counts = []
     ticks = (60, 120)  # two runs, so that the start does not count
     for count in ticks:
@@ -139,16 +138,31 @@ def callgrind() -> list[str]:
             program = build.find_program("host", "reflux-sim-memory")
             inside = launch.Firmware("memory", "memory", "memory", "reflux-sim-memory", program)
             command = [c for c in runner.simulator_command(wanted, inside, place) if c != "--progress"]
-            answer = subprocess.run(["valgrind", "--tool=callgrind", "--toggle-collect=app_tick",
-                                     f"--callgrind-out-file={place / 'out'}", *command], capture_output=True,
-                                    text=True, check=False)
-            if answer.returncode != 0:
-                raise RunFailed(f"under valgrind: {(answer.stderr.strip().splitlines() or ['failed'])[-1]}")
-            found = re.search(r"^(?:summary|totals): (\d+)", (place / "out").read_text(), re.M)
-            if found is None:
-                raise RunFailed("callgrind wrote no totals")
-            counts.append(int(found.group(1)))
+            counts.append(counted("app_tick", command))
     return ["-", f"{(counts[1] - counts[0]) / (ticks[1] - ticks[0]):.0f}", "-"]
+
+
+def counted(function: str, command: list[str]) -> int:
+    """Instructions of one function and what it calls."""
+    if shutil.which("valgrind") is None:
+        raise RunFailed("there is no valgrind; tools/bootstrap test installs it")
+    with tempfile.TemporaryDirectory(prefix="reflux-") as folder:
+        out = Path(folder) / "out"
+        answer = subprocess.run(["valgrind", "--tool=callgrind", f"--toggle-collect={function}",
+                                 f"--callgrind-out-file={out}", *command], capture_output=True, text=True, check=False)
+        if answer.returncode != 0:
+            raise RunFailed(f"under valgrind: {(answer.stderr.strip().splitlines() or ['failed'])[-1]}")
+        found = re.search(r"^(?:summary|totals): (\d+)", out.read_text(), re.M)
+    if found is None:
+        raise RunFailed("callgrind wrote no totals")
+    return int(found.group(1))
+
+
+def matrix_rows() -> list[list[str]]:
+    program = str(build.find_program("host", "tests/unit/matrix_cost"))
+    names = (("product", "multiply"), ("equilibration", "equilibrate"), ("LU factors", "factor"), ("inverse from them", "inverse"),
+             ("pseudo-inverse of 16 x 16", "pseudo_inverse"), ("pseudo-inverse of 15 x 16", "wide"))
+    return [guarded([what], 2, lambda name=name: [f"{counted('measured', [program, name]):,}"]) for what, name in names]
 
 
 def icount(kind: str) -> list[str]:
