@@ -13,8 +13,7 @@
 #define FOLLOW_TICKS REAL_C(5.0)   /* a valve on its way to a step is no fault */
 #define FAR_OFF      REAL_C(0.1)   /* of span, on trial */
 #define END_SHARE    2.5e-4f       /* of a span, from its end: a step of a converter of 12 bits */
-#define END_SAMPLES  2u
-#define HELD_TICKS   REAL_C(3.5) /* without a believed reading */
+#define HELD_TICKS   REAL_C(3.5)   /* without a believed reading */
 
 real_t commission_held_at(const struct supervisor *s, uint8_t j)
 {
@@ -75,17 +74,18 @@ static bool at_end(const struct supervisor *s, uint8_t i)
 
 void commission_watch_spans(struct commission *c, const struct supervisor *s)
 {
-    for (uint8_t j = 0; j < c->outputs; j++) {
-        uint8_t n = c->at_end[j];
-        bool now = s->measurement[c->measurement[j]].seen && at_end(s, c->measurement[j]);
-        c->at_end[j] = now ? (uint8_t)(n < END_SAMPLES ? n + 1u : n) : 0;
-    }
+    uint32_t now = 0;
+    for (uint8_t j = 0; j < c->outputs; j++)
+        if (s->measurement[c->measurement[j]].seen && at_end(s, c->measurement[j]))
+            now |= UINT32_C(1) << j;
+    c->at_end_again = c->at_end & now;
+    c->at_end = now;
 }
 
 int commission_at_end(const struct commission *c)
 {
     for (uint8_t j = 0; j < c->outputs; j++)
-        if (c->at_end[j] >= END_SAMPLES)
+        if (c->at_end_again >> j & 1u)
             return j;
     return -1;
 }

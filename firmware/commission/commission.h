@@ -110,10 +110,9 @@ struct tested_input {
         longer; /* tests done again, with longer halves, because an output had not come to rest */
     uint32_t half_wanted;    /* samples: least half of the next test, 0 = no wish */
     real_t amplitude_wanted; /* fraction of span: the next test begins with it, 0 = no wish */
+    real_t amplitude_most; /* fraction of span: the next test makes no larger step, 0 = no bound */
     uint8_t smaller; /* tests done again, with smaller steps, because an output is not linear */
     uint8_t gentler; /* ... because the guard has cut them */
-    real_t amplitude_most; /* fraction of span: the next test makes no larger step, 0 = no bound */
-    real_t reached;        /* share of a limit, in the last test */
     bool skipped, cut, small;
     uint8_t cut_by;       /* index in measurement[] */
     real_t cut_predicted; /* fraction of span */
@@ -145,8 +144,8 @@ struct commission {
     uint64_t sample_ms;                    /* ... of the last sample a test has seen */
     uint32_t half_least;                   /* samples: from the inputs before */
     struct origin origin;                  /* from before the first test to the end of the trial */
-    uint8_t
-        at_end[CHANNEL_MAX]; /* samples in a row that a measurement has read an end of its span */
+    /* Bit j: measurement[j] reads an end of its span; and did so in the sample before, too. */
+    uint32_t at_end, at_end_again;
     real_t noise_sd[CHANNEL_MAX];
     struct element element[CHANNEL_MAX][CHANNEL_MAX]; /* [measurement][input] */
 

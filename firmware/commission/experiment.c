@@ -404,12 +404,9 @@ enum err experiment_missed(struct experiment *e)
     return e->phase == EXPERIMENT_BACK ? steady_step(&e->steady, e->last) : ERR_OK;
 }
 
-enum err experiment_step(struct experiment *e, const real_t *y)
+/* e->last is still the sample before. */
+static enum err take(struct experiment *e, const real_t *y)
 {
-    for (unsigned j = 0; j < e->config.outputs; j++)
-        if (!real_is_finite(y[j]))
-            return ERR_NOT_FINITE;
-    memcpy(e->last, y, e->config.outputs * sizeof *y);
     e->begun = true;
     grow_older(e);
     if (e->phase == EXPERIMENT_REST)
@@ -434,6 +431,16 @@ enum err experiment_step(struct experiment *e, const real_t *y)
     default:
         return ERR_STATE;
     }
+}
+
+enum err experiment_step(struct experiment *e, const real_t *y)
+{
+    for (unsigned j = 0; j < e->config.outputs; j++)
+        if (!real_is_finite(y[j]))
+            return ERR_NOT_FINITE;
+    enum err err = take(e, y);
+    memcpy(e->last, y, e->config.outputs * sizeof *y);
+    return err;
 }
 
 enum err experiment_baseline(const struct experiment *e, uint8_t j, struct baseline *b)

@@ -77,9 +77,9 @@ struct experiment {
     real_t last[CHANNEL_MAX];    /* sample */
     real_t at_turn[CHANNEL_MAX]; /* deviation from rest where the negative half began */
     uint8_t over[CHANNEL_MAX];   /* samples in a row past the limit */
-    /* In the positive half: deviation from rest in the sample before, and the farthest to either side for an amplitude of
-     * 1, fraction of span, never on the other side of rest. */
-    real_t was[CHANNEL_MAX], low[CHANNEL_MAX], high[CHANNEL_MAX];
+    /* In the positive half: the farthest from rest to either side for an amplitude of 1, fraction of span, never on the
+     * other side of it. */
+    real_t low[CHANNEL_MAX], high[CHANNEL_MAX];
     real_t
         worst; /* largest share of its limit any output has used, by what is left of earlier tests, too */
     uint8_t worst_output;

@@ -77,10 +77,9 @@ enum err limits_arm(struct experiment *e, const real_t *y)
 void limits_watch(struct experiment *e, const real_t *y)
 {
     for (uint8_t j = 0; j < e->config.outputs; j++) {
-        real_t now = limits_away(e, j, y), was = e->was[j];
+        real_t now = limits_away(e, j, y), was = limits_away(e, j, e->last);
         real_t noise = TWO_SAMPLES * e->before[j].noise_sd;
         real_t high = (now < was ? now : was) - noise, low = (now > was ? now : was) + noise;
-        e->was[j] = now;
         if (high > e->high[j] * e->amplitude)
             e->high[j] = high / e->amplitude;
         if (low < e->low[j] * e->amplitude)

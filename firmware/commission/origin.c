@@ -53,8 +53,8 @@ void origin_take(struct origin *o, uint32_t j, const struct steady_result *rest,
         see_drift(c, rest);
         c->left = c->moved = REAL_C(0.0);
     }
-    c->slope_per_s = rest->slope_per_s;
-    c->slope_sd_per_s = rest->slope_sd_per_s;
+    bool drifts = real_abs(rest->slope_per_s) > SURE_SDS * rest->slope_sd_per_s;
+    c->slope_per_s = drifts ? origin_drift(o, j, rest->slope_per_s) : REAL_C(0.0);
     c->level = level;
 }
 
@@ -72,9 +72,7 @@ real_t origin_drift(const struct origin *o, uint32_t j, real_t slope_per_s)
 real_t origin_away(const struct origin *o, uint32_t j, real_t y, real_t limit)
 {
     const struct origin_channel *c = &o->channel[j];
-    bool drifts = real_abs(c->slope_per_s) > SURE_SDS * c->slope_sd_per_s;
-    real_t slope = drifts ? origin_drift(o, j, c->slope_per_s) : REAL_C(0.0);
-    return steady_away(y - c->level, slope * o->since_s, limit);
+    return steady_away(y - c->level, c->slope_per_s * o->since_s, limit);
 }
 
 void origin_taken(struct origin *o)

@@ -11,8 +11,8 @@
 #include "identify/steady.h"
 
 struct origin_channel {
-    real_t level; /* at the latest rest */
-    real_t slope_per_s, slope_sd_per_s;
+    real_t level;       /* at the latest rest */
+    real_t slope_per_s; /* ... as far as it is a drift's */
     real_t slope_most;  /* of a drift, magnitude, by the rest before the first test */
     real_t drift_per_s; /* ... and the fastest that has been seen, magnitude */
     real_t left;        /* from the operating point, drifts apart, fraction of span, either sign */

@@ -51,14 +51,14 @@ static void leave_room(const struct experiment *e, uint8_t j, real_t most, struc
         p->growth = LIMIT_SHARE * limits_room(e, j) / most;
 }
 
-static void look_at_models(const struct experiment *e, struct progress *p)
+static void look_at_models(const struct experiment *e, const real_t *y, struct progress *p)
 {
     const struct experiment_config *c = &e->config;
     *p = (struct progress){.known = true, .growth = GROWTH_MOST};
     for (uint8_t j = 0; j < c->outputs; j++) {
         const struct identified *f = &e->look.found[j];
         /* Known or not, what it has done it will do again, and at the reversal twice as far. */
-        leave_room(e, j, limits_reach(e, j, e->was[j] / e->amplitude) * e->amplitude, p);
+        leave_room(e, j, limits_reach(e, j, limits_away(e, j, y) / e->amplitude) * e->amplitude, p);
         if (f->flags & IDENTIFIED_NO_GAIN)
             continue;
         p->seen = true;
@@ -158,7 +158,7 @@ struct progress_advice progress_judge(const struct experiment *e, const real_t *
 {
     const struct experiment_config *c = &e->config;
     struct progress p;
-    look_at_models(e, &p);
+    look_at_models(e, y, &p);
     bool small = e->small;
     bool found = c->amplitude > REAL_C(0.0) || p.stand_out >= c->noise_multiple ||
                  e->record.input.edges + 3u > EXCITATION_EDGES_MAX;

@@ -139,8 +139,8 @@ static real_t amplitude_by_model(const struct commission *c, uint8_t k,
     /* More than stands out well is asked of no plant: it is not linear. */
     /* What the model does not show, such as an overshoot, was there in the round before. */
     const struct tested_input *in = &c->input[k];
-    if (in->reached * a > REACHED_SHARE * in->amplitude)
-        a = REACHED_SHARE * in->amplitude / in->reached;
+    if (in->worst * a > REACHED_SHARE * in->amplitude)
+        a = REACHED_SHARE * in->amplitude / in->worst;
     real_t enough = AGAIN_NOISE * x->noise_multiple;
     if (a * stands_out > enough) {
         real_t least = c->input[k].amplitude;
@@ -289,7 +289,6 @@ static void end_test(struct commission *c, struct supervisor *s)
     in->half_s = (real_t)x->half * x->config.h_s;
     in->cut = x->cut;
     in->small = x->small;
-    in->reached = x->worst;
     if (x->worst > in->worst)
         in->worst = x->worst;
     for (uint8_t j = 0; j < c->outputs; j++)
