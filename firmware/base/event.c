@@ -71,6 +71,8 @@ static const char *const table[] = {
     E("STORAGE_DAMAGED", "no whole set is stored, defaults are in force", ALARM),
     E("STORAGE_LEFT_OUT", "stored settings left out: resets in a row, each soon after its start",
       ALARM),
+    E("STORAGE_NEWER",
+      "newer firmware has stored settings, nothing is written; format unknown here", ALARM),
     E("IMAGE_DAMAGED", "firmware is not the one that was built: nothing acts, outputs stay safe",
       ALARM),
     S("SEQUENCE_STEP", "sequence waits at step", INFO),

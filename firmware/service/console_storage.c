@@ -5,7 +5,7 @@
 #include "service/parameters.h"
 #include "service/storage.h"
 
-enum { NOTHING, SAVE_ASKED, SAVING, LOAD_ASKED };
+enum { NOTHING, SAVE_ASKED, REPLACE_ASKED, SAVING, LOAD_ASKED };
 
 static void recorded_ok(struct console *c, const char *what)
 {
@@ -18,7 +18,7 @@ static void begin_save(struct console *c)
     const char *why = "a proposal is on trial: save when it is kept, or after `commission abort`";
     enum err err = ERR_STATE;
     if (!console_commission_on_trial(c))
-        err = storage_save(c->service->storage, &why);
+        err = storage_save(c->service->storage, c->storage == REPLACE_ASKED, &why);
     c->storage = err ? NOTHING : SAVING;
     if (err)
         console_err_about(c, err, "not saved", why);
@@ -72,7 +72,7 @@ bool console_storage_poll(struct console *c)
     bool ready = storage_ready(c->service->storage);
     if (c->storage == SAVING)
         finish_save(c);
-    else if (ready && c->storage == SAVE_ASKED)
+    else if (ready && (c->storage == SAVE_ASKED || c->storage == REPLACE_ASKED))
         begin_save(c);
     else if (ready && c->storage == LOAD_ASKED)
         load(c);
@@ -81,9 +81,11 @@ bool console_storage_poll(struct console *c)
 
 void command_save(struct console *c, unsigned n, char **word)
 {
-    (void)n;
-    (void)word;
-    c->storage = SAVE_ASKED;
+    if (n && strcmp(word[0], "replace") != 0) {
+        console_err_about(c, ERR_PARSE, word[0], "only `save` or `save replace`");
+        return;
+    }
+    c->storage = n ? REPLACE_ASKED : SAVE_ASKED;
 }
 
 void command_load(struct console *c, unsigned n, char **word)

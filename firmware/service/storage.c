@@ -17,13 +17,15 @@ void storage_init(struct storage *st, struct service *service)
     service->storage = st;
     hal_nvm_get_geometry(&g);
     if (g.sectors < 2 || g.program_size == 0 || STORAGE_GRAIN % g.program_size != 0 ||
-        g.sector_size < 4u * STORAGE_GRAIN || g.sector_size % STORAGE_GRAIN != 0)
+        g.sector_size < 2u * SAVE_ROOM || g.sector_size % STORAGE_GRAIN != 0 ||
+        g.sectors > 0x10000u * STORAGE_GRAIN / g.sector_size)
         return;
     st->state = WAITING;
     st->slot_sectors = g.sectors / 2u;
     st->sector_size = g.sector_size;
     st->slot_size = st->slot_sectors * g.sector_size;
     st->erased = g.erased;
+    st->used[0] = st->used[1] = STORAGE_GRAIN; /* the mark's place, whatever it reads */
 }
 
 void storage_tell(struct storage *st, enum event_code code, const char *subject, float value)
@@ -42,13 +44,16 @@ static void take_stored(struct storage *st)
     char subject[CHANNEL_NAME_SIZE];
     struct text t = text_on(subject, sizeof subject);
     st->state = READY;
+    if (storage_blocked(st))
+        storage_tell(st, EVENT_STORAGE_NEWER, NULL,
+                     (float)(st->newer[0] ? st->newer[0] : st->newer[1]));
     if (!st->newest.sequence) {
-        if (st->remains)
+        if (st->remains && !storage_blocked(st))
             storage_tell(st, EVENT_STORAGE_DAMAGED, NULL, 0.0f);
         return;
     }
-    if (storage_newer_broken(st))
-        storage_tell(st, EVENT_STORAGE_OLDER, NULL, (float)st->newest.sequence);
+    if (st->older)
+        storage_tell(st, EVENT_STORAGE_OLDER, NULL, (float)st->older);
     st->refused = true; /* until it is in force */
     if (s->early_resets >= EARLY_RESETS_MOST) {
         storage_tell(st, EVENT_STORAGE_LEFT_OUT, NULL, (float)s->early_resets);
@@ -102,7 +107,6 @@ bool storage_poll(struct storage *st)
     case WAITING:
         if (!may_touch(st))
             return false;
-        st->below = UINT32_MAX;
         storage_begin_scan(st);
         break;
     case SCANNING:
@@ -115,8 +119,11 @@ bool storage_poll(struct storage *st)
         take_stored(st);
         break;
     case PREPARING:
+    case UNMARKING:
     case ERASING:
     case MARKING:
+    case RENEWING:
+    case CONFIRMING:
     case WRITING_HEAD:
     case WRITING_BODY:
     case WRITING_TAIL:
@@ -132,6 +139,8 @@ const char *storage_word(const struct storage *st)
         return "none";
     if (st->state < PREPARING && !st->saving)
         return "unread";
+    if (storage_blocked(st))
+        return "blocked";
     return st->failed ? "failed" : "ok";
 }
 

@@ -1,7 +1,9 @@
 /* Parameter storage: sets of keyed records in flash. Format and life of a save: docs/storage.md.
  *
- * Two slots, each a half of the area hal/nvm.h describes. A save appends a whole set to a slot that was erased before;
- * the newest whole set counts, and nothing that is needed to find it is ever written again.
+ * Two slots, each a half of the area hal/nvm.h describes. A save appends a whole set to a slot that was erased before,
+ * and confirms it; the newest whole set counts, and nothing that is needed to find it is ever written again. A cut of
+ * the power can leave words behind that read now so, now so: what a start decides on them it writes down, before
+ * anything else is done.
  *
  * Rules
  *  1. Main loop only, in small pieces: storage_poll() does at most one flash operation.
@@ -10,6 +12,8 @@
  *  3. Nothing is touched before the first command has gone out, or until no plant has come for STORAGE_WAIT_MS.
  *  4. What is stored is never given up because of one value: unknown ids are carried over by the next save, values
  *     out of range are clipped and told one by one.
+ *  5. Nothing is written while there is something in a format of newer firmware, until storage_save() is told to
+ *     replace it.
  */
 #ifndef REFLUX_SERVICE_STORAGE_H
 #define REFLUX_SERVICE_STORAGE_H
@@ -26,10 +30,15 @@
 #endif
 #define STORAGE_WAIT_MS 2000u /* for a plant, after a start */
 
+/* How well a set is closed, worst first: the order of sets that have the same sequence. */
+enum storage_closed { CLOSED_BY_TAIL, CLOSED_AGAIN, CLOSED_CONFIRMED };
+
 struct storage_set {
-    uint32_t address; /* of its head; sequence 0: there is none */
-    uint32_t sequence;
-    uint32_t length; /* bytes of records */
+    uint32_t sequence; /* 0: there is none */
+    uint32_t address;  /* of its head */
+    uint32_t tail;     /* address of what closes it: its tail, or a renewal */
+    uint16_t length;   /* bytes of records */
+    uint8_t closed;    /* enum storage_closed */
 };
 
 struct storage {
@@ -42,7 +51,11 @@ struct storage {
     bool remains;     /* there is something that is neither erased nor blank */
     bool failed;      /* the last write was not taken */
     bool refused;     /* the newest set did not go into force after the start */
+    bool again;       /* the candidate has been found wanting once */
     bool prepared[2]; /* erased and marked: sets may be appended */
+    bool sure[2];     /* holds a set that was confirmed */
+    uint8_t newer[2]; /* format of newer firmware that stands in the slot; 0 = none */
+    uint8_t tries;    /* of the present write that the flash did not take */
     uint32_t used[2]; /* bytes of the slot that cannot be written any more */
     uint32_t erases[2];
     uint64_t born_ms;
@@ -51,10 +64,13 @@ struct storage {
     uint8_t erased;
 
     struct storage_set newest, candidate;
-    uint32_t sequence; /* highest ever seen */
-    uint32_t below;    /* sets from this sequence on are not whole */
-    uint32_t at;       /* where the present work stands: offset in the slot, or address */
-    uint32_t crc;
+    struct storage_set limit; /* sets from this one on are not whole */
+    uint32_t origin;          /* first sequence seen: which of two is later is told from there */
+    uint32_t sequence, sure_sequence; /* latest one seen of all, and of those confirmed */
+    uint32_t
+        older;   /* of the newest set as it was found, where there is something newer not whole */
+    uint32_t at; /* where the present work stands: offset in the slot, or address */
+    uint32_t crc, newest_crc; /* that one of head and records of the newest set */
 
     enum err result; /* of the last save */
     const char *why;
@@ -78,17 +94,19 @@ bool storage_poll(struct storage *st);
 bool storage_ready(struct storage *st);
 
 /* Begins to store service_plan(). The caller keeps service_staged() free until storage_saving() is false; then
- * storage_result() tells. ERR_UNSUPPORTED, ERR_STATE (needs an erase while a loop acts; would replace a set that was refused by
- * the defaults that run instead), ERR_FULL: nothing begun. */
-MUST_CHECK enum err storage_save(struct storage *st, const char **why);
+ * storage_result() tells. `replace`: also where that erases what newer firmware has stored. ERR_UNSUPPORTED, ERR_VERSION
+ * (newer firmware has stored something), ERR_STATE (needs an erase while a loop acts; would replace a set that was
+ * refused by the defaults that run instead), ERR_FULL: nothing begun. */
+MUST_CHECK enum err storage_save(struct storage *st, bool replace, const char **why);
 bool storage_saving(const struct storage *st);
 MUST_CHECK enum err storage_result(const struct storage *st, const char **why);
 
-/* The stored set over the defaults; what had to be changed is told by events. ERR_UNSUPPORTED, ERR_EMPTY, ERR_CRC
- * where there is something but no whole set: *config is unchanged. */
+/* The stored set over the defaults; what had to be changed is told by events. ERR_UNSUPPORTED, ERR_EMPTY, ERR_VERSION
+ * where there is only something of newer firmware, ERR_CRC where there is something but no whole set: *config is
+ * unchanged. */
 MUST_CHECK enum err storage_load(struct storage *st, struct config *config, const char **why);
 
-/* "none", "unread", "ok", or "failed": the last write was not taken. */
+/* "none", "unread", "ok", "blocked": newer firmware has stored something, or "failed": the last write was not taken. */
 const char *storage_word(const struct storage *st);
 /* "ok, set 12 bytes 1304 room 14000 erases 1" */
 void storage_text(const struct storage *st, struct text *line);

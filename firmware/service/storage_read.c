@@ -18,16 +18,27 @@ static bool all_are(const uint8_t *grain, uint8_t byte)
     return grain[0] == byte && memcmp(grain, grain + 1, STORAGE_GRAIN - 1u) == 0;
 }
 
-/* What a grain says about the slot. All bytes erased, or all zero: memory that was never written, or a model of one. */
+static bool blank(const struct storage *st, const uint8_t *grain)
+{
+    for (unsigned i = 0; i < STORAGE_GRAIN; i++)
+        if (grain[i] != st->erased && grain[i] != 0)
+            return false;
+    return true;
+}
+
+/* What a grain says about the slot. Bytes erased or zero are nothing: memory that was never written, a model of one, or
+ * a mark that was to go. */
 static void look_at(struct storage *st, const uint8_t *grain)
 {
-    bool erased = all_are(grain, st->erased), zero = all_are(grain, 0);
-    if (!erased)
+    bool mark = st->at == 0 && checked_grain(grain, MARK_MAGIC);
+    if (!all_are(grain, st->erased) && st->used[st->slot] < st->at + STORAGE_GRAIN)
         st->used[st->slot] = st->at + STORAGE_GRAIN;
-    if (st->at == 0 && checked_grain(grain, MARK_MAGIC) && grain[8] == FORMAT) {
+    if (mark && grain[8] == FORMAT) {
         st->prepared[st->slot] = true;
         st->erases[st->slot] = get32(grain + 4);
-    } else if (!erased && !zero) {
+    } else if (mark && grain[8] > FORMAT) {
+        st->newer[st->slot] = grain[8];
+    } else if (!blank(st, grain)) {
         st->remains = true;
     }
 }
@@ -41,37 +52,175 @@ void storage_begin_check(struct storage *st)
 
 void storage_begin_scan(struct storage *st)
 {
-    st->candidate = (struct storage_set){0, 0, 0};
-    st->used[0] = st->used[1] = 0;
+    st->candidate = (struct storage_set){0};
     st->slot = 0;
     st->at = 0;
+    st->again = false;
     st->state = SCANNING;
 }
 
-/* The newest head so far of those not found wanting yet. */
-static void look_for_head(struct storage *st, const uint8_t *grain)
+static bool before(const struct storage *st, const struct storage_set *a,
+                   const struct storage_set *b)
 {
-    struct storage_set set = {slot_address(st, st->slot) + st->at, get32(grain + 4),
-                              get16(grain + 8)};
-    if (!checked_grain(grain, HEAD_MAGIC) || grain[10] != FORMAT)
+    if (a->sequence != b->sequence)
+        return later(st, b->sequence, a->sequence);
+    return a->closed != b->closed ? a->closed < b->closed : a->tail < b->tail;
+}
+
+/* The newest so far of those not found wanting yet, if it lies within its slot. */
+static void consider(struct storage *st, const struct storage_set *set)
+{
+    uint32_t begin = slot_address(st, st->slot), end = begin + st->slot_size;
+    if (set->sequence != 0 && set->address >= begin && set->address < end &&
+        set_size(set->length) <= end - set->address &&
+        (st->limit.sequence == 0 || before(st, set, &st->limit)) && before(st, &st->candidate, set))
+        st->candidate = *set;
+}
+
+static void see_sequence(struct storage *st, uint32_t sequence)
+{
+    if (st->origin == 0)
+        st->origin = sequence;
+    if (later(st, sequence, st->sequence))
+        st->sequence = sequence;
+}
+
+/* What a renewal, or a tail that is confirmed, says of its set. */
+static bool look_for_close(const struct storage *st, const uint8_t *grain, uint32_t address,
+                           struct storage_set *set)
+{
+    set->tail = address;
+    if (get32(grain) == RENEWAL_MAGIC) {
+        set->sequence = get32(grain + 4);
+        set->length = get16(grain + 8);
+        set->address = get16(grain + 10) * STORAGE_GRAIN;
+        set->closed = CLOSED_AGAIN;
+        return true;
+    }
+    set->sequence = get32(grain + 8);
+    set->length = get16(grain + 4);
+    set->address = address - (set_size(set->length) - STORAGE_GRAIN);
+    set->closed = CLOSED_BY_TAIL;
+    return get32(grain) == TAIL_MAGIC &&
+           address >= slot_address(st, st->slot) + set_size(set->length);
+}
+
+/* Heads, renewals and confirmations: each may lead to the newest set. */
+static void look_for_set(struct storage *st, const uint8_t *grain)
+{
+    uint32_t address = slot_address(st, st->slot) + st->at, sequence = get32(grain + 4);
+    uint8_t close[STORAGE_GRAIN];
+    struct storage_set set;
+    if (look_for_close(st, grain, address, &set) && set.closed == CLOSED_AGAIN)
+        consider(st, &set);
+    if (!checked_grain(grain, HEAD_MAGIC) || st->at == 0)
         return;
-    if (set.sequence > st->sequence)
-        st->sequence = set.sequence;
-    if (set.sequence > st->candidate.sequence && set.sequence < st->below &&
-        set_size(set.length) <= st->slot_size - st->at)
-        st->candidate = set;
+    if (grain[10] > FORMAT) {
+        st->newer[st->slot] = grain[10];
+        return;
+    }
+    see_sequence(st, sequence);
+    if (grain[10] == FORMAT) {
+        set = (struct storage_set){.sequence = sequence,
+                                   .address = address,
+                                   .length = get16(grain + 8),
+                                   .closed = CLOSED_BY_TAIL};
+        set.tail = address + set_size(set.length) - STORAGE_GRAIN;
+        uint32_t end = st->at + set_size(set.length) + STORAGE_GRAIN;
+        if (end > st->used[st->slot])
+            st->used[st->slot] = end < st->slot_size ? end : st->slot_size;
+        consider(st, &set);
+        return;
+    }
+    st->sure[st->slot] = true;
+    if (later(st, sequence, st->sure_sequence))
+        st->sure_sequence = sequence;
+    if (storage_read(address - STORAGE_GRAIN, close, sizeof close) == ERR_OK &&
+        look_for_close(st, close, address - STORAGE_GRAIN, &set) && set.sequence == sequence) {
+        set.closed = CLOSED_CONFIRMED;
+        consider(st, &set);
+    }
+}
+
+bool storage_blocked(const struct storage *st)
+{
+    return st->newer[0] || st->newer[1];
+}
+
+bool storage_unsettled(const struct storage *st)
+{
+    uint32_t newest = st->newest.sequence;
+    /* A later one that was confirmed is damaged, and may perhaps be read again: it is not put behind. */
+    return newest != 0 && !later(st, st->sure_sequence, newest) &&
+           (st->newest.closed != CLOSED_CONFIRMED || later(st, st->sequence, newest));
+}
+
+bool storage_can_renew(const struct storage *st)
+{
+    uint8_t slot = slot_in_use(st);
+    return st->prepared[slot] && st->slot_size - st->used[slot] >= RENEWAL_SIZE;
+}
+
+/* At that address, where a set would begin, there is something that is no head. */
+static bool broken_head(const struct storage *st, uint32_t address)
+{
+    uint8_t grain[STORAGE_GRAIN], confirmation[STORAGE_GRAIN];
+    unsigned of_it = 0;
+    if (!st->prepared[address >= st->slot_size] ||
+        storage_read(address, grain, sizeof grain) != ERR_OK || all_are(grain, st->erased) ||
+        checked_grain(grain, HEAD_MAGIC))
+        return false;
+    /* Nor what is left of a confirmation: three of its words, or erased ones. */
+    storage_confirmation(&st->newest, confirmation);
+    for (unsigned i = 0; i < STORAGE_GRAIN; i += 4)
+        of_it += memcmp(grain + i, confirmation + i, 4) == 0 || get32(grain + i) == UINT32_MAX;
+    return address != st->newest.tail + STORAGE_GRAIN || of_it < 3;
+}
+
+/* Behind the newest whole set, or first in the other slot, there is one that is not whole: by its head, which tells
+ * its sequence, or with a broken head. */
+static bool newer_broken(const struct storage *st)
+{
+    uint8_t slot = slot_in_use(st), other = (uint8_t)!slot;
+    uint32_t end = st->newest.tail + STORAGE_GRAIN;
+    if (st->newest.closed == CLOSED_CONFIRMED)
+        end += STORAGE_GRAIN;
+    return later(st, st->sequence, st->newest.sequence) ||
+           (end < slot_address(st, slot) + st->slot_size && broken_head(st, end)) ||
+           broken_head(st, slot_address(st, other) + STORAGE_GRAIN);
+}
+
+/* The newest whole set is known, or that there is none. */
+static void found(struct storage *st)
+{
+    uint8_t other = (uint8_t)!slot_in_use(st);
+    st->state = storage_blocked(st) ? TAKING : PREPARING;
+    if (!st->newest.sequence)
+        return;
+    if (st->older || newer_broken(st))
+        st->older = st->newest.sequence;
+    if (storage_blocked(st) || !storage_unsettled(st))
+        return;
+    if (storage_can_renew(st)) {
+        st->state = RENEWING;
+    } else if (st->newest.closed != CLOSED_CONFIRMED && st->sure[other]) {
+        /* It may not be there the next time, and cannot be closed again; the other slot holds one that will. */
+        st->limit = st->newest;
+        st->newest.sequence = 0;
+        storage_begin_scan(st);
+    }
 }
 
 void storage_scan(struct storage *st)
 {
     uint8_t grain[STORAGE_GRAIN];
     for (unsigned n = 0; n < STORAGE_TURN && st->at < st->slot_size; n++) {
-        if (hal_nvm_read(slot_address(st, st->slot) + st->at, grain, sizeof grain) != ERR_OK) {
+        if (storage_read(slot_address(st, st->slot) + st->at, grain, sizeof grain) != ERR_OK) {
             st->state = NO_STORAGE;
             return;
         }
         look_at(st, grain);
-        look_for_head(st, grain);
+        look_for_set(st, grain);
         st->at += STORAGE_GRAIN;
     }
     if (st->at < st->slot_size)
@@ -83,60 +232,66 @@ void storage_scan(struct storage *st)
     if (st->candidate.sequence)
         storage_begin_check(st);
     else
-        st->state = PREPARING;
+        found(st);
 }
 
 static void check_is_over(struct storage *st, bool whole)
 {
-    if (whole)
+    if (whole) {
         st->newest = st->candidate;
+        see_sequence(st, st->newest.sequence);
+    }
     if (st->saving) {
         storage_verified(st, whole);
     } else if (whole) {
-        st->state = PREPARING;
+        found(st);
+    } else if (!st->again) {
+        st->again = true;
+        storage_begin_check(st);
     } else {
-        st->below = st->candidate.sequence; /* an older one, perhaps */
+        st->limit = st->candidate; /* an older one, perhaps */
         storage_begin_scan(st);
     }
+}
+
+/* The first grain of a set is its head, and the last one closes it. */
+static bool is_its_head(const struct storage_set *set, const uint8_t *grain)
+{
+    return checked_grain(grain, HEAD_MAGIC) && grain[10] == FORMAT &&
+           get16(grain + 8) == set->length && (!own_tail(set) || get32(grain + 4) == set->sequence);
+}
+
+static bool closes(const struct storage_set *set, const uint8_t *grain)
+{
+    uint8_t renewal[STORAGE_GRAIN];
+    if (own_tail(set))
+        return get32(grain) == TAIL_MAGIC && get32(grain + 4) == set->length &&
+               get32(grain + 8) == set->sequence;
+    storage_renewal(set, renewal);
+    return memcmp(grain, renewal, 12) == 0;
 }
 
 void storage_check(struct storage *st)
 {
     const struct storage_set *set = &st->candidate;
-    uint32_t tail = set->address + set_size(set->length) - STORAGE_GRAIN;
+    uint32_t end = set->address + set_size(set->length) - STORAGE_GRAIN;
     uint8_t grain[STORAGE_GRAIN];
     for (unsigned n = 0; n < STORAGE_TURN; n++) {
-        if (hal_nvm_read(st->at, grain, sizeof grain) != ERR_OK) {
+        bool last = st->at == end;
+        if (storage_read(last ? set->tail : st->at, grain, sizeof grain) != ERR_OK ||
+            (st->at == set->address && !is_its_head(set, grain))) {
             check_is_over(st, false);
             return;
         }
-        if (st->at == tail) {
+        if (last) {
+            st->newest_crc = st->crc;
             st->crc = crc32_update(st->crc, grain, 12);
-            check_is_over(st, get32(grain) == TAIL_MAGIC && get32(grain + 4) == set->length &&
-                                  get32(grain + 8) == set->sequence &&
-                                  get32(grain + 12) == st->crc);
+            check_is_over(st, closes(set, grain) && get32(grain + 12) == st->crc);
             return;
         }
         st->crc = crc32_update(st->crc, grain, sizeof grain);
         st->at += STORAGE_GRAIN;
     }
-}
-
-/* At that offset of a slot, where a set would begin, there is something that is no head. */
-static bool broken_head(const struct storage *st, uint8_t slot, uint32_t at)
-{
-    uint8_t grain[STORAGE_GRAIN];
-    return st->prepared[slot] && at < st->slot_size &&
-           hal_nvm_read(slot_address(st, slot) + at, grain, sizeof grain) == ERR_OK &&
-           !all_are(grain, st->erased) && !checked_grain(grain, HEAD_MAGIC);
-}
-
-bool storage_newer_broken(const struct storage *st)
-{
-    uint8_t slot = slot_in_use(st);
-    uint32_t end = st->newest.address - slot_address(st, slot) + set_size(st->newest.length);
-    return st->sequence != st->newest.sequence || broken_head(st, slot, end) ||
-           broken_head(st, (uint8_t)!slot, STORAGE_GRAIN);
 }
 
 /* ---- values ---- */
@@ -179,6 +334,10 @@ enum err storage_load(struct storage *st, struct config *config, const char **wh
     if (st->state == NO_STORAGE) {
         *why = "this board has no storage";
         return ERR_UNSUPPORTED;
+    }
+    if (!st->newest.sequence && storage_blocked(st)) {
+        *why = "newer firmware has stored it, in a format this one does not know";
+        return ERR_VERSION;
     }
     if (!st->newest.sequence) {
         *why = st->remains ? "there is something in the flash, but no whole set"

@@ -4,10 +4,31 @@
 
 #include "hal/nvm.h"
 
+#define READ_AT_ONCE 16u
+#define READ_MOST    8u
+
+enum err storage_read(uint32_t address, void *data, uint32_t n)
+{
+    uint8_t *to = data, again[READ_AT_ONCE];
+    for (uint32_t at = 0; at < n; at += READ_AT_ONCE) {
+        uint32_t part = n - at < READ_AT_ONCE ? n - at : READ_AT_ONCE;
+        enum err err = hal_nvm_read(address + at, to + at, part);
+        for (unsigned i = 0; i < READ_MOST && err == ERR_OK; i++) {
+            err = hal_nvm_read(address + at, again, part);
+            if (memcmp(to + at, again, part) == 0)
+                break;
+            memcpy(to + at, again, part);
+        }
+        if (err)
+            return err;
+    }
+    return ERR_OK;
+}
+
 bool record_at(uint32_t address, uint32_t left, struct stored_record *r)
 {
     uint8_t head[RECORD_HEAD];
-    if (left < RECORD_HEAD || hal_nvm_read(address, head, sizeof head) != ERR_OK)
+    if (left < RECORD_HEAD || storage_read(address, head, sizeof head) != ERR_OK)
         return false;
     *r = (struct stored_record){address, get16(head), head[2], head[3]};
     return left - RECORD_HEAD >= r->size;
@@ -71,7 +92,7 @@ bool record_take(const struct stored_record *r, const struct parameter *p, struc
     uint8_t data[4] = {0};
     static const uint8_t sizes[] = {0, 4, 4, 2, 1};
     if (r->type == STORAGE_TEXT) {
-        if (r->size >= sizeof text || hal_nvm_read(r->address + RECORD_HEAD, text, r->size))
+        if (r->size >= sizeof text || storage_read(r->address + RECORD_HEAD, text, r->size))
             return false;
         if (parameter_is_secret(p) && strcmp(text, PARAMETER_SECRET) == 0)
             return false;
@@ -81,7 +102,7 @@ bool record_take(const struct stored_record *r, const struct parameter *p, struc
         return parameter_set(p, config, text[0] ? text : "-") == ERR_OK;
     }
     if (r->type == 0 || r->type > STORAGE_WORD || r->size != sizes[r->type] || is_text(p) ||
-        hal_nvm_read(r->address + RECORD_HEAD, data, r->size) != ERR_OK)
+        storage_read(r->address + RECORD_HEAD, data, r->size) != ERR_OK)
         return false;
     uint32_t u32 = get32(data);
     float f = (float)u32;

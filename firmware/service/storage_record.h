@@ -28,6 +28,10 @@ struct stored_record {
     uint8_t type, size; /* size of the value */
 };
 
+/* Reads as often as it takes until two readings in a row agree: that one reading goes wrong has no effect. Words that
+ * read differently each time, after a cut of the power, give what was read last. ERR_RANGE outside the flash. */
+MUST_CHECK enum err storage_read(uint32_t address, void *data, uint32_t n);
+
 /* The record at `address`, of which `left` bytes of the set are still there; false = there is none. */
 bool record_at(uint32_t address, uint32_t left, struct stored_record *r);
 /* The parameter a record belongs to today; false = this build knows of none. */

@@ -8,6 +8,8 @@
 
 #define NOT_TAKEN "the flash does not take the write (emulated, worn or protected)"
 
+#define TRIES_MOST 4u
+
 static void saved(struct storage *st, enum err err, const char *why)
 {
     st->result = err;
@@ -19,7 +21,10 @@ static void saved(struct storage *st, enum err err, const char *why)
 
 void storage_verified(struct storage *st, bool whole)
 {
-    saved(st, whole ? ERR_OK : ERR_IO, whole ? NULL : NOT_TAKEN);
+    if (whole)
+        st->state = CONFIRMING;
+    else
+        saved(st, ERR_IO, NOT_TAKEN);
 }
 
 /* ---- erasing ---- */
@@ -38,9 +43,10 @@ static bool has_room(const struct storage *st, uint8_t slot, uint32_t bytes)
     return st->prepared[slot] && st->slot_size - st->used[slot] >= bytes;
 }
 
-/* The slot to append to: the one in use as long as it has room. False: neither has. */
+/* The slot to append a set of that size to: the one in use as long as it has room. False: neither has. */
 static bool find_room(struct storage *st, uint32_t bytes)
 {
+    bytes += SAVE_ROOM;
     st->slot = slot_in_use(st);
     if (has_room(st, st->slot, bytes))
         return true;
@@ -55,7 +61,7 @@ static void begin_erase(struct storage *st)
     st->prepared[st->slot] = false;
     st->used[st->slot] = st->slot_size;
     st->at = 0;
-    st->state = ERASING;
+    st->state = UNMARKING;
 }
 
 static void not_taken(struct storage *st)
@@ -68,24 +74,44 @@ static void not_taken(struct storage *st)
         st->state = TAKING;
 }
 
+/* Somebody may have put a loop into auto since. */
+static bool still_may_erase(struct storage *st)
+{
+    if (may_erase(st))
+        return true;
+    if (st->saving)
+        saved(st, ERR_STATE, "an erase is needed, and a loop acts by now");
+    else
+        st->state = TAKING;
+    return false;
+}
+
+/* A slot with a mark has been erased to the end: cut in the middle of an erase it could look as if. */
+static void unmark(struct storage *st)
+{
+    static const uint8_t zeros[STORAGE_GRAIN];
+    if (!still_may_erase(st))
+        return;
+    if (hal_nvm_program(slot_address(st, st->slot), zeros, sizeof zeros) == ERR_OK)
+        st->state = ERASING;
+    else
+        not_taken(st);
+}
+
 static void erase(struct storage *st)
 {
-    uint32_t sector = st->slot * st->slot_sectors + st->at;
-    /* Somebody may have put a loop into auto since. */
-    if (!may_erase(st)) {
-        if (st->saving)
-            saved(st, ERR_STATE, "an erase is needed, and a loop acts by now");
-        else
-            st->state = TAKING;
+    if (!still_may_erase(st))
         return;
-    }
-    if (hal_nvm_erase(sector) != ERR_OK) {
+    if (hal_nvm_erase(st->slot * st->slot_sectors + st->at) != ERR_OK) {
         not_taken(st);
         return;
     }
     st->at++;
-    if (st->at == st->slot_sectors)
-        st->state = MARKING;
+    if (st->at < st->slot_sectors)
+        return;
+    st->newer[st->slot] = 0;
+    st->sure[st->slot] = false;
+    st->state = MARKING;
 }
 
 /* Room for the largest set this build can make, so that the next save needs no erase. */
@@ -100,19 +126,40 @@ static uint32_t largest_set(const struct storage *st)
         }
     }
     bytes = set_size(bytes);
-    return bytes < st->slot_size - STORAGE_GRAIN ? bytes : st->slot_size - STORAGE_GRAIN;
+    uint32_t most = st->slot_size - STORAGE_GRAIN - SAVE_ROOM;
+    return bytes < most ? bytes : most;
+}
+
+/* May the other slot go without being asked for? Not as long as only what may be read another time is to be had from
+ * there: nothing whole has been found, or the newest set may not be there the next time. */
+static bool other_is_spare(const struct storage *st)
+{
+    if (!st->newest.sequence)
+        return !st->remains;
+    return st->newest.closed == CLOSED_CONFIRMED || !st->sure[!slot_in_use(st)];
 }
 
 /* After a start: room for the next save, or on with what is stored. */
 static void prepare(struct storage *st)
 {
-    if (find_room(st, largest_set(st)) || !may_erase(st))
+    if (find_room(st, largest_set(st)) || !other_is_spare(st) || !may_erase(st))
         st->state = TAKING;
     else
         begin_erase(st);
 }
 
 /* ---- a set ---- */
+
+/* A save goes on to its set: what was there before is settled. */
+static void begin_set(struct storage *st)
+{
+    if (!storage_blocked(st) && find_room(st, set_size(st->candidate.length)))
+        st->state = WRITING_HEAD;
+    else if (!st->newest.sequence || storage_blocked(st) || other_is_spare(st))
+        begin_erase(st);
+    else
+        not_taken(st);
+}
 
 static void rewind_records(struct storage *st)
 {
@@ -173,7 +220,7 @@ static bool next_byte(struct storage *st, uint8_t *byte)
     if (st->record_at == st->record_n && !st->copy_left && next_record(st) == 0)
         return false;
     if (st->copy_left) {
-        if (hal_nvm_read(st->old, byte, 1) != ERR_OK)
+        if (storage_read(st->old, byte, 1) != ERR_OK)
             return false;
         st->old++;
         st->old_left--;
@@ -184,13 +231,20 @@ static bool next_byte(struct storage *st, uint8_t *byte)
     return true;
 }
 
-/* Programs the piece at the end of the slot; false = not taken. */
-static bool program(struct storage *st)
+/* Programs the piece at the end of the slot. What is not taken there may be taken behind it, so often as `tries` says:
+ * words that a cut has left may look erased for a while. */
+static bool program(struct storage *st, unsigned tries)
 {
-    uint32_t address = slot_address(st, st->slot) + st->used[st->slot];
-    st->used[st->slot] += st->piece_n; /* not again, whatever comes of it */
-    if (hal_nvm_program(address, st->piece, st->piece_n) == ERR_OK)
-        return true;
+    uint32_t at = st->used[st->slot];
+    if (st->slot_size - at >= st->piece_n) {
+        st->used[st->slot] += st->piece_n; /* not again, whatever comes of it */
+        bool taken =
+            hal_nvm_program(slot_address(st, st->slot) + at, st->piece, st->piece_n) == ERR_OK;
+        st->tries = taken ? 0 : (uint8_t)(st->tries + 1u);
+        if (taken || st->tries < tries)
+            return taken;
+    }
+    st->tries = 0;
     not_taken(st);
     return false;
 }
@@ -204,30 +258,105 @@ static void write_mark(struct storage *st)
     st->piece[8] = FORMAT;
     put32(st->piece + 12, crc32_update(0, st->piece, 12));
     st->piece_n = STORAGE_GRAIN;
-    if (!program(st))
+    if (!program(st, 1))
         return;
     st->erases[st->slot]++;
     st->prepared[st->slot] = true;
-    st->state = st->saving ? WRITING_HEAD : TAKING;
+    if (!st->saving)
+        st->state = TAKING;
+    else if (st->candidate.sequence)
+        saved(st, ERR_OK, NULL);
+    else
+        st->state = WRITING_HEAD;
+}
+
+void storage_confirmation(const struct storage_set *set, uint8_t *grain)
+{
+    memset(grain, 0, STORAGE_GRAIN);
+    put32(grain, HEAD_MAGIC);
+    put32(grain + 4, set->sequence);
+    put16(grain + 8, set->length);
+    grain[10] = CONFIRMATION;
+    put32(grain + 12, crc32_update(0, grain, 12));
+}
+
+void storage_renewal(const struct storage_set *set, uint8_t *grain)
+{
+    put32(grain, RENEWAL_MAGIC);
+    put32(grain + 4, set->sequence);
+    put16(grain + 8, set->length);
+    put16(grain + 10, (uint16_t)(set->address / STORAGE_GRAIN));
+}
+
+/* What a start has decided, for good: the newest set gets another tail, whose words are not those of a cut, under the
+ * latest sequence, before which nothing unconfirmed counts. */
+static void renew(struct storage *st)
+{
+    struct storage_set set = st->newest;
+    st->slot = slot_in_use(st);
+    set.tail = slot_address(st, st->slot) + st->used[st->slot];
+    set.sequence = st->sequence;
+    set.closed = CLOSED_AGAIN;
+    storage_renewal(&set, st->piece);
+    put32(st->piece + 12, crc32_update(st->newest_crc, st->piece, 12));
+    st->piece_n = STORAGE_GRAIN;
+    if (!program(st, TRIES_MOST))
+        return;
+    st->newest = set;
+    st->state = CONFIRMING;
+}
+
+/* The newest set is confirmed, by a start or a save. */
+static void confirmed(struct storage *st)
+{
+    st->newest.closed = CLOSED_CONFIRMED;
+    st->sequence = st->sure_sequence = st->newest.sequence;
+    st->sure[st->slot] = true;
+    if (!st->saving)
+        st->state = PREPARING;
+    else if (!st->candidate.sequence)
+        begin_set(st);
+    else if (st->newer[!st->slot])
+        begin_erase(st); /* it has been given up */
+    else
+        saved(st, ERR_OK, NULL);
+}
+
+/* That the tail before has been written to its end. Where it cannot stand there, both are written again. */
+static void confirm(struct storage *st)
+{
+    storage_confirmation(&st->newest, st->piece);
+    st->piece_n = STORAGE_GRAIN;
+    if (program(st, TRIES_MOST))
+        confirmed(st);
+    else if (st->state == CONFIRMING && storage_can_renew(st))
+        st->state = RENEWING;
+    else if (st->state == CONFIRMING)
+        not_taken(st);
 }
 
 static void write_head(struct storage *st)
 {
     struct storage_set *set = &st->candidate;
+    uint32_t sequence = next_sequence(st->sequence);
     set->address = slot_address(st, st->slot) + st->used[st->slot];
-    set->sequence = ++st->sequence;
+    set->tail = set->address + set_size(set->length) - STORAGE_GRAIN;
     memset(st->piece, 0, STORAGE_GRAIN);
     put32(st->piece, HEAD_MAGIC);
-    put32(st->piece + 4, set->sequence);
-    put16(st->piece + 8, (uint16_t)set->length);
+    put32(st->piece + 4, sequence);
+    put16(st->piece + 8, set->length);
     st->piece[10] = FORMAT;
     st->piece[11] = CONFIG_SCHEMA;
     put32(st->piece + 12, crc32_update(0, st->piece, 12));
     st->crc = crc32_update(0, st->piece, STORAGE_GRAIN);
     st->piece_n = STORAGE_GRAIN;
     st->body_left = whole_grains(set->length);
-    if (program(st))
-        st->state = st->body_left ? WRITING_BODY : WRITING_TAIL;
+    if (!program(st, TRIES_MOST))
+        return;
+    if (!st->origin)
+        st->origin = sequence;
+    set->sequence = st->sequence = sequence;
+    st->state = st->body_left ? WRITING_BODY : WRITING_TAIL;
 }
 
 static void write_body(struct storage *st)
@@ -238,7 +367,7 @@ static void write_body(struct storage *st)
             st->piece[i] = 0;
     st->crc = crc32_update(st->crc, st->piece, st->piece_n);
     st->body_left -= st->piece_n;
-    if (program(st) && !st->body_left)
+    if (program(st, 1) && !st->body_left)
         st->state = WRITING_TAIL;
 }
 
@@ -249,7 +378,7 @@ static void write_tail(struct storage *st)
     put32(st->piece + 8, st->candidate.sequence);
     put32(st->piece + 12, crc32_update(st->crc, st->piece, 12));
     st->piece_n = STORAGE_GRAIN;
-    if (program(st))
+    if (program(st, 1))
         storage_begin_check(st);
 }
 
@@ -259,11 +388,20 @@ void storage_write(struct storage *st)
     case PREPARING:
         prepare(st);
         break;
+    case UNMARKING:
+        unmark(st);
+        break;
     case ERASING:
         erase(st);
         break;
     case MARKING:
         write_mark(st);
+        break;
+    case RENEWING:
+        renew(st);
+        break;
+    case CONFIRMING:
+        confirm(st);
         break;
     case WRITING_HEAD:
         write_head(st);
@@ -281,7 +419,7 @@ void storage_write(struct storage *st)
 
 /* ---- a save ---- */
 
-enum err storage_save(struct storage *st, const char **why)
+enum err storage_save(struct storage *st, bool replace, const char **why)
 {
     struct service *s = st->service;
     if (st->state == NO_STORAGE) {
@@ -300,24 +438,28 @@ enum err storage_save(struct storage *st, const char **why)
                      "`defaults` first";
         return ERR_STATE;
     }
+    if (storage_blocked(st) && !replace) {
+        *why = "newer firmware has stored settings in a format this one does not know: go back to "
+               "it, or give them up with `save replace`";
+        return ERR_VERSION;
+    }
     (void)service_stage(s);
     uint32_t length = count_records(st), bytes = set_size(length);
-    if (length > UINT16_MAX || bytes > st->slot_size - STORAGE_GRAIN) {
+    if (length > UINT16_MAX || bytes > st->slot_size - STORAGE_GRAIN - SAVE_ROOM) {
         *why = "more than this board's flash for storage holds";
         return ERR_FULL;
     }
-    bool room = find_room(st, bytes);
-    if (!room && !may_erase(st)) {
+    if ((storage_blocked(st) || !find_room(st, bytes)) && !may_erase(st)) {
         *why = st->failed ? NOT_TAKEN
                           : "the flash must be erased first: put all loops into manual, or reboot";
         return st->failed ? ERR_IO : ERR_STATE;
     }
-    st->candidate = (struct storage_set){0, 0, length};
+    st->candidate = (struct storage_set){.length = (uint16_t)length};
     st->saving = true;
-    if (room)
-        st->state = WRITING_HEAD;
+    if (!storage_blocked(st) && storage_unsettled(st) && storage_can_renew(st))
+        st->state = RENEWING;
     else
-        begin_erase(st);
+        begin_set(st);
     return ERR_OK;
 }
 

@@ -6,6 +6,7 @@
 
 uint8_t flash_model[FLASH_MODEL_SIZE];
 bool (*flash_model_keep)(uint32_t address, uint32_t n);
+void (*flash_model_glance)(uint32_t address, uint8_t *data, uint32_t n);
 bool flash_model_supply_low;
 
 void flash_model_erase_all(void)
@@ -36,7 +37,27 @@ enum err hal_nvm_read(uint32_t address, void *data, uint32_t n)
     if (!inside(address, n))
         return ERR_RANGE;
     memcpy(data, flash_model + address, n);
+    if (flash_model_glance)
+        flash_model_glance(address, data, n);
     return ERR_OK;
+}
+
+/* May these bytes be programmed there? The chips' ports refuse as well, though one of them could clear more bits. */
+static bool may_program(uint32_t address, const uint8_t *data, uint32_t n)
+{
+    uint8_t there[FLASH_MODEL_PROGRAM_SIZE];
+    for (uint32_t i = 0; i < n; i += sizeof there) {
+        bool erased = true, zero = true;
+        if (hal_nvm_read(address + i, there, sizeof there) != ERR_OK)
+            return false;
+        for (uint32_t k = 0; k < sizeof there; k++) {
+            erased = erased && there[k] == 0xFF;
+            zero = zero && data[i + k] == 0;
+        }
+        if (!erased && !zero)
+            return false;
+    }
+    return true;
 }
 
 enum err hal_nvm_program(uint32_t address, const void *data, uint32_t n)
@@ -44,10 +65,8 @@ enum err hal_nvm_program(uint32_t address, const void *data, uint32_t n)
     if (!inside(address, n) || address % FLASH_MODEL_PROGRAM_SIZE != 0 ||
         n % FLASH_MODEL_PROGRAM_SIZE != 0)
         return ERR_RANGE;
-    /* The chip's port refuses this as well, though the silicon would clear more bits. */
-    for (uint32_t i = 0; i < n; i++)
-        if (flash_model[address + i] != 0xFF)
-            return ERR_IO;
+    if (!may_program(address, data, n))
+        return ERR_IO;
     if (flash_model_supply_low)
         return ERR_STATE;
     memcpy(flash_model + address, data, n);

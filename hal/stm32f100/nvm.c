@@ -2,7 +2,8 @@
  *
  * The emulator's flash silently ignores all of this, so that every operation there ends in ERR_IO.
  * The erase of a sector takes up to 160 ms, in which the core stands still whenever it needs an instruction from
- * the flash. Flash is programmed by half-words, with the internal oscillator running (it always is).
+ * the flash. Flash is programmed by half-words, with the internal oscillator running (it always is). A half-word that is
+ * not erased takes nothing but zero (PM0063, programming of the main memory).
  */
 #include "hal/nvm.h"
 #include "board.h"
@@ -80,7 +81,7 @@ enum err hal_nvm_program(uint32_t address, const void *data, uint32_t n)
         return ERR_RANGE;
     }
     for (uint32_t i = 0; i < n; i += HALF) {
-        if (half_at(address + i) != UINT16_MAX) {
+        if (half_at(address + i) != UINT16_MAX && half_of(from + i) != 0) {
             return ERR_IO;
         }
     }

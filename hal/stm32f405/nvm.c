@@ -79,9 +79,13 @@ enum err hal_nvm_read(uint32_t address, void *data, uint32_t n)
     }
     const volatile uint8_t *from = (const volatile uint8_t *)word_at(0) + address;
     uint8_t *to = data;
+    /* From the flash each time: a reading that went wrong would stay in the data cache. */
+    uint32_t acr = FLASH_ACR;
+    FLASH_ACR = acr & ~FLASH_ACR_DCEN;
     for (uint32_t i = 0; i < n; i++) {
         to[i] = from[i];
     }
+    FLASH_ACR = acr;
     return ERR_OK;
 }
 
@@ -92,7 +96,9 @@ enum err hal_nvm_program(uint32_t address, const void *data, uint32_t n)
         return ERR_RANGE;
     }
     for (uint32_t i = 0; i < n; i += WORD) {
-        if (*word_at(address + i) != UINT32_MAX) {
+        uint32_t word;
+        memcpy(&word, from + i, WORD);
+        if (*word_at(address + i) != UINT32_MAX && word != 0) {
             return ERR_IO;
         }
     }

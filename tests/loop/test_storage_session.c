@@ -274,12 +274,19 @@ static void test_rows_and_events_come_while_a_save_is_under_way(void)
     TEST_ASSERT_EQUAL_STRING("ok", reply[0]); /* of the save, before anything of the status */
 }
 
-static void test_inconsistent_set_is_explained_again_by_load(void)
+static void load_image(const char *name)
 {
-    FILE *file = fopen(STORAGE_IMAGES "/inconsistent.bin", "rb");
-    TEST_ASSERT_NOT_NULL(file);
+    char path[512];
+    snprintf(path, sizeof path, STORAGE_IMAGES "/%s.bin", name);
+    FILE *file = fopen(path, "rb");
+    TEST_ASSERT_NOT_NULL_MESSAGE(file, path);
     TEST_ASSERT_TRUE(fread(flash_model, 1, sizeof flash_model, file) > 0);
     fclose(file);
+}
+
+static void test_inconsistent_set_is_explained_again_by_load(void)
+{
+    load_image("inconsistent");
     power_on();
     pass(2500);
     TEST_ASSERT_TRUE(said("alarm STORAGE_REFUSED loop1.pv 3"));
@@ -440,6 +447,35 @@ static void test_restart_policy_finds_its_settings_in_storage(void)
     TEST_ASSERT_TRUE(said("bottom auto"));
 }
 
+static void test_newer_firmware_s_settings_are_replaced_only_when_asked_to(void)
+{
+    static uint8_t image[sizeof flash_model];
+    load_image("newer_slot");
+    memcpy(image, flash_model, sizeof image);
+    power_on();
+    pass(2500);
+    TEST_ASSERT_TRUE(said("alarm STORAGE_NEWER - 2"));
+    ask_ok("status");
+    TEST_ASSERT_TRUE(said("storage blocked"));
+    ask_ok("version");
+    TEST_ASSERT_TRUE(said("storage: blocked, set 40"));
+    ask_ok("set loop1.gain 6");
+    pass(1100);
+    ask_refused("save", "VERSION");
+    TEST_ASSERT_TRUE(said("`save replace`"));
+    ask_refused("save now", "PARSE");
+    TEST_ASSERT_EQUAL_MEMORY(image, flash_model, sizeof image);
+    ask_ok("save replace");
+    ask_ok("status");
+    TEST_ASSERT_TRUE(said("storage ok"));
+    power_on();
+    pass(2500);
+    TEST_ASSERT_TRUE(said("STORAGE_LOADED"));
+    TEST_ASSERT_FALSE(said("STORAGE_NEWER"));
+    ask_ok("get loop1.gain");
+    TEST_ASSERT_EQUAL_STRING("loop1.gain = 6 fraction/fraction", reply[0]);
+}
+
 static void test_history_keeps_who_saved(void)
 {
     running();
@@ -569,6 +605,7 @@ int main(void)
     RUN_TEST(test_dump_restores_random_settings);
     RUN_TEST(test_dump_before_and_after_a_reset_is_the_same);
     RUN_TEST(test_restart_policy_finds_its_settings_in_storage);
+    RUN_TEST(test_newer_firmware_s_settings_are_replaced_only_when_asked_to);
     RUN_TEST(test_history_keeps_who_saved);
     return UNITY_END();
 }

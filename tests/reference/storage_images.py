@@ -16,20 +16,43 @@ FLOAT, U32, U16, WORD, TEXT = 1, 2, 3, 4, 5
 SLOT = 16384
 
 
-def mark(erases, flip=0):
-    grain = b"RXSM" + struct.pack("<IB3x", erases, 1)
+def mark(erases, flip=0, form=1):
+    grain = b"RXSM" + struct.pack("<IB3x", erases, form)
     return grain + struct.pack("<I", zlib.crc32(grain) ^ flip)
 
 
-def stored_set(sequence, records, schema=1, flip=0, tail_length=0, tail_sequence=0):
+def stored_set(sequence, records, schema=1, flip=0, tail_length=0, tail_sequence=0, form=1):
     """`flip` spoils the checksum of the head, the others are added to what the tail says: the checksum of the set is
     right all the same."""
     body = b"".join(records)
-    head = b"RXSH" + struct.pack("<IHBB", sequence, len(body), 1, schema)
+    head = b"RXSH" + struct.pack("<IHBB", sequence, len(body), form, schema)
     head += struct.pack("<I", zlib.crc32(head) ^ flip)
     padded = body + bytes(-len(body) % 16)
     tail = b"RXST" + struct.pack("<II", len(body) + tail_length, sequence + tail_sequence)
     return head + padded + tail + struct.pack("<I", zlib.crc32(head + padded + tail))
+
+
+def confirmation(sequence, length):
+    grain = b"RXSH" + struct.pack("<IHBB", sequence, length, 0, 0)
+    return grain + struct.pack("<I", zlib.crc32(grain))
+
+
+def confirmed(sequence, records):
+    return stored_set(sequence, records) + confirmation(sequence, len(b"".join(records)))
+
+
+def renewal(sequence, image, address):
+    """Closes the set at that address of the image again."""
+    length = struct.unpack_from("<H", image, address + 8)[0]
+    grain = b"RXSR" + struct.pack("<IHH", sequence, length, address // 16)
+    whole = image[address:address + 16 + (length + 15) // 16 * 16] + grain
+    return grain + struct.pack("<I", zlib.crc32(whole)) + confirmation(sequence, length)
+
+
+def renewed():
+    """A set, one that was cut and reads whole after all, and what the start between them has decided."""
+    image = mark(1) + confirmed(1, plant(gain=2.5)) + stored_set(2, plant(gain=9.0)) + b"\xff" * 16
+    return image + renewal(2, image, 16)
 
 
 def identity(group, field, index=1):
@@ -122,6 +145,15 @@ IMAGES = {
     # A slot whose mark is not right: what it holds counts, but nothing is appended.
     "mark": mark(1, flip=0x80000000) + stored_set(1, plant(gain=2.5)),
     # The newest set is in the second slot.
+    # As this firmware leaves it: confirmed.
+    "confirmed": mark(1) + confirmed(1, plant()),
+    "renewed": renewed(),
+    # The sequence goes round.
+    "round": mark(1) + confirmed(0xFFFFFFFE, plant(gain=1.0)) + confirmed(0xFFFFFFFF, plant(gain=2.0)) + confirmed(1, plant(gain=3.0)),
+    # Newer firmware has begun to use the second slot, or has appended to the first.
+    "newer_slot": (mark(3) + confirmed(40, plant(gain=4.0))).ljust(SLOT, b"\xff") + mark(4, form=2) + b"newer firmware's",
+    "newer_set": mark(3) + confirmed(40, plant(gain=4.0)) + stored_set(41, plant(gain=5.0), form=2),
+    "newer_both": (mark(3, form=3) + b"newer firmware's").ljust(SLOT, b"\xff") + mark(4, form=2),
     "second": (mark(3) + stored_set(40, plant(gain=4.0))).ljust(SLOT, b"\xff") + mark(3) + stored_set(41, plant(gain=5.0)),
 }
 

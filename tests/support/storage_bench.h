@@ -125,7 +125,7 @@ static inline void bench_put(const struct config *config)
 static inline enum err bench_save(void)
 {
     save_why = NULL;
-    save_result = storage_save(&fw.storage, &save_why);
+    save_result = storage_save(&fw.storage, false, &save_why);
     if (save_result != ERR_OK)
         return save_result;
     bench_work();

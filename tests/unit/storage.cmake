@@ -1,7 +1,7 @@
-# Parameter storage: format and old images, and power cut everywhere. The two plans of the service.
-foreach(part storage storage_power service_plans)
+# Parameter storage: format and old images, other versions, and power cut everywhere. The two plans of the service.
+foreach(part storage storage_versions storage_power storage_unstable service_plans)
   set(once)
-  if(part STREQUAL "storage_power")
+  if(part MATCHES "storage_(power|unstable)")
     set(once ONCE)
   endif()
   reflux_test(${part} LABEL unit ${once} SOURCES ${CMAKE_CURRENT_LIST_DIR}/test_${part}.c

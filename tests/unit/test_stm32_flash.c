@@ -161,6 +161,13 @@ static void test_programming_writes_whole_words_to_erased_ones_and_locks(void)
     TEST_ASSERT_EQUAL(ERR_RANGE, hal_nvm_program(0x20009, data, 4));
     TEST_ASSERT_EQUAL(ERR_RANGE, hal_nvm_program(0x20010, data, 6));
     TEST_ASSERT_EQUAL(ERR_RANGE, hal_nvm_program(AREA_SIZE - 4, data, 8));
+    /* Zeros go over anything; beside them the target must be erased as ever. */
+    static const uint8_t zeros[8], half[8] = {0, 0, 0, 0, 5};
+    TEST_ASSERT_EQUAL(ERR_IO, hal_nvm_program(0x20000, half, sizeof half));
+    TEST_ASSERT_EQUAL_MEMORY(data, AREA + 0x20000, sizeof data);
+    TEST_ASSERT_EQUAL(ERR_OK, hal_nvm_program(0x20000, zeros, sizeof zeros));
+    TEST_ASSERT_EQUAL_MEMORY(zeros, AREA + 0x20000, sizeof zeros);
+    memcpy(AREA + 0x20000, data, sizeof data);
     uint8_t back[8];
     TEST_ASSERT_EQUAL(ERR_OK, hal_nvm_read(0x20000, back, sizeof back));
     TEST_ASSERT_EQUAL_MEMORY(data, back, sizeof back);

@@ -1,12 +1,5 @@
-/* Stored settings: the format on old images, what is kept and what is changed across versions, wear, refusals. */
-#include "storage_bench.h"
-
-/* What tests/reference/storage_images.py means by "renamed"; the firmware's own table is not linked. */
-const struct storage_rename storage_renames[] = {
-    {15u << 12 | 60u << 6, 4u << 12 | 4u << 6},
-    {(uint16_t)(15u << 12 | 61u << 6), 4u << 12 | 6u << 6},
-    {0, 0},
-};
+/* Stored settings: the format on old images, what is stored, wear, refusals. */
+#include "storage_images.h"
 
 static unsigned erases, programs;
 static bool take_no_write, worn_tail;
@@ -31,32 +24,6 @@ void setUp(void)
 }
 
 void tearDown(void) {}
-
-static void load_image(const char *name)
-{
-    char path[512];
-    snprintf(path, sizeof path, STORAGE_IMAGES "/%s.bin", name);
-    FILE *file = fopen(path, "rb");
-    TEST_ASSERT_NOT_NULL_MESSAGE(file, path);
-    flash_model_erase_all();
-    TEST_ASSERT_TRUE(fread(flash_model, 1, sizeof flash_model, file) > 0);
-    fclose(file);
-}
-
-/* What the images describe. */
-static void plant_of_images(struct config *c)
-{
-    bench_small(c, "1.5");
-    bench_set(c, "meas1.unit", "degC");
-    bench_set(c, "meas1.lo", "60");
-    bench_set(c, "meas1.hi", "160");
-    bench_set(c, "mv1.unit", "kW");
-    bench_set(c, "mv1.hi", "2");
-    bench_set(c, "mv1.max", "2");
-    bench_set(c, "mv1.safe", "0.5");
-    bench_set(c, "loop1.ti", "300");
-    bench_set(c, "loop1.divisor", "2");
-}
 
 /* ---- format ---- */
 
@@ -92,7 +59,8 @@ static void test_torn_set_leaves_the_one_before(void)
     TEST_ASSERT_EQUAL(1, seen[EVENT_STORAGE_OLDER]);
     /* The next save goes behind what is torn, under a number of its own. */
     TEST_ASSERT_EQUAL(ERR_OK, bench_save());
-    TEST_ASSERT_EQUAL(3, fw.storage.newest.sequence);
+    TEST_ASSERT_EQUAL(
+        3, fw.storage.newest.sequence); /* 2 was used, and is what the start settled under */
     bench_boot();
     TEST_ASSERT_EQUAL_FLOAT(2.5f, bench_get("loop1.gain"));
     TEST_ASSERT_EQUAL(0, seen[EVENT_STORAGE_OLDER]);
@@ -106,8 +74,8 @@ static void test_set_counts_only_if_head_and_tail_are_right_too(void)
         load_image(images[i]);
         bench_boot();
         TEST_ASSERT_EQUAL_FLOAT_MESSAGE(2.5f, bench_get("loop1.gain"), images[i]);
-        TEST_ASSERT_EQUAL_MESSAGE(1, fw.storage.newest.sequence, images[i]);
         TEST_ASSERT_EQUAL_MESSAGE(1, seen[EVENT_STORAGE_OLDER], images[i]);
+        TEST_ASSERT_EQUAL_FLOAT(1.0f, last_value[EVENT_STORAGE_OLDER]);
         /* The next save goes behind it, and counts. */
         TEST_ASSERT_EQUAL(ERR_OK, bench_save());
         bench_boot();
@@ -184,139 +152,79 @@ static void test_bytes_in_flash_are_those_of_the_document(void)
     TEST_ASSERT_EQUAL(4, flash_model[35]);
 }
 
-/* ---- across versions ---- */
-
-static unsigned times_in_flash(const void *bytes, size_t n)
+static void test_confirmed_set_is_left_as_it_is(void)
 {
-    unsigned times = 0;
-    for (size_t i = 0; i + n <= sizeof flash_model; i++)
-        times += memcmp(flash_model + i, bytes, n) == 0;
-    return times;
+    load_image("confirmed");
+    bench_boot(); /* which makes the other slot ready, where there is no room for the largest set */
+    TEST_ASSERT_EQUAL(1, fw.storage.newest.sequence);
+    TEST_ASSERT_EQUAL_FLOAT(1.5f, bench_get("loop1.gain"));
+    static uint8_t image[FLASH_MODEL_SIZE];
+    memcpy(image, flash_model, sizeof image);
+    programs = 0;
+    bench_boot();
+    TEST_ASSERT_EQUAL(0, programs);
+    TEST_ASSERT_EQUAL_MEMORY(image, flash_model, sizeof image);
+    TEST_ASSERT_EQUAL(0, seen[EVENT_STORAGE_OLDER]);
 }
 
-static void test_unknown_ids_are_carried_over_by_every_save(void)
+static void test_set_of_earlier_firmware_is_confirmed_once(void)
 {
-    uint8_t unknown[204] = {0x82, 0xFF, 9, 200};
-    static const uint8_t empty[4] = {0xC0, 0xFF, 77, 0};
-    static const uint8_t beyond[8] = {0x3B, 0x41, STORAGE_FLOAT, 4, 0, 0, 0xE0, 0x40};
-    for (unsigned i = 0; i < 200; i++)
-        unknown[4 + i] = (uint8_t)i;
-    struct config expected;
-    plant_of_images(&expected);
-    load_image("unknown");
+    load_image("plain");
     bench_boot();
-    TEST_ASSERT_TRUE(bench_is(&expected));
-    for (unsigned n = 2; n < 6; n++) {
-        TEST_ASSERT_EQUAL(ERR_OK, bench_save());
-        TEST_ASSERT_EQUAL(n, times_in_flash(unknown, sizeof unknown));
-        TEST_ASSERT_EQUAL(n, times_in_flash(empty, sizeof empty));
-        TEST_ASSERT_EQUAL(n, times_in_flash(beyond, sizeof beyond));
+    TEST_ASSERT_EQUAL(CLOSED_CONFIRMED, fw.storage.newest.closed);
+    programs = 0;
+    bench_boot();
+    TEST_ASSERT_EQUAL(0, programs);
+    TEST_ASSERT_EQUAL_FLOAT(1.5f, bench_get("loop1.gain"));
+}
+
+static void test_renewed_set_counts_before_one_that_was_cut(void)
+{
+    load_image("renewed");
+    bench_boot();
+    TEST_ASSERT_EQUAL_FLOAT(2.5f, bench_get("loop1.gain"));
+    TEST_ASSERT_EQUAL(2, fw.storage.newest.sequence);
+    TEST_ASSERT_EQUAL(0, seen[EVENT_STORAGE_OLDER]);
+    /* Writer and image agree: without the renewal the same one is written again, for the set that is whole now. */
+    uint32_t at = fw.storage.newest.tail;
+    uint8_t there[32];
+    memcpy(there, flash_model + at, sizeof there);
+    memset(flash_model + at, 0xFF, sizeof there);
+    flash_model[at - 20] = 0; /* of the tail */
+    bench_boot();
+    TEST_ASSERT_EQUAL_MEMORY(there, flash_model + at, sizeof there);
+}
+
+static void test_sequence_goes_round(void)
+{
+    load_image("round");
+    for (unsigned sequence = 1; sequence < 4; sequence++) {
         bench_boot();
-        TEST_ASSERT_TRUE(bench_is(&expected));
+        TEST_ASSERT_EQUAL_FLOAT(3.0f, bench_get("loop1.gain"));
+        TEST_ASSERT_EQUAL(sequence, fw.storage.newest.sequence);
+        TEST_ASSERT_EQUAL(0, seen[EVENT_STORAGE_OLDER]);
+        TEST_ASSERT_EQUAL(ERR_OK, bench_save());
     }
-    /* Also when everything else changes. */
-    parameters_defaults(&expected);
-    bench_put(&expected);
-    TEST_ASSERT_EQUAL(ERR_OK, bench_save());
-    TEST_ASSERT_EQUAL(6, times_in_flash(unknown, sizeof unknown));
 }
 
-static void test_values_out_of_range_are_clipped_one_by_one(void)
-{
-    struct config expected;
-    plant_of_images(&expected);
-    bench_set(&expected, "loop1.gain", "100");
-    bench_set(&expected, "loop1.b", "0");
-    bench_set(&expected, "loop1.n", "8");
-    bench_set(&expected, "loop1.divisor", "10000");
-    bench_set(&expected, "loop1.action", "direct");
-    bench_set(&expected, "tick.miss_limit", "1000000");
-    load_image("ranges");
-    bench_boot();
-    TEST_ASSERT_EQUAL(8, seen[EVENT_STORAGE_CLIPPED]);
-    TEST_ASSERT_TRUE(bench_is(&expected));
-}
-
-static void test_clipping_names_parameter_and_value(void)
-{
-    load_image("ranges");
-    bench_boot();
-    TEST_ASSERT_EQUAL_STRING("meas2.unit", last_subject[EVENT_STORAGE_CLIPPED]);
-    struct event e;
-    bool found = false;
-    for (uint32_t i = 0; i < fw.service.history.count; i++) {
-        if (!event_log_get(&fw.service.history, i, &e) || e.code != EVENT_STORAGE_CLIPPED)
-            continue;
-        if (strcmp(e.subject, "loop1.gain") == 0) {
-            found = true;
-            TEST_ASSERT_EQUAL_FLOAT(100.0f, e.value);
-        }
-    }
-    TEST_ASSERT_TRUE(found);
-}
-
-static void test_types_that_have_changed_are_converted(void)
-{
-    struct config expected;
-    plant_of_images(&expected);
-    bench_set(&expected, "loop1.gain", "1.25");
-    bench_set(&expected, "loop1.ti", "450");
-    bench_set(&expected, "loop1.divisor", "3");
-    bench_set(&expected, "loop1.action", "direct");
-    bench_set(&expected, "loop1.sp_track", "off");
-    bench_set(&expected, "tick.miss_limit", "12");
-    load_image("types");
-    bench_boot();
-    TEST_ASSERT_TRUE(bench_is(&expected));
-    TEST_ASSERT_EQUAL(2, seen[EVENT_STORAGE_CLIPPED]); /* what cannot be converted: the default */
-}
-
-static void test_renamed_fields_are_found_and_the_new_name_wins(void)
-{
-    struct config expected;
-    plant_of_images(&expected);
-    bench_set(&expected, "loop1.td", "25");
-    load_image("renamed");
-    bench_boot();
-    TEST_ASSERT_TRUE(bench_is(&expected));
-    /* The next save knows the new names only. */
-    TEST_ASSERT_EQUAL(ERR_OK, bench_save());
-    static const uint8_t head[4] = {0x00, 0xFF, STORAGE_FLOAT, 4};
-    TEST_ASSERT_EQUAL(1, times_in_flash(head, sizeof head));
-    bench_boot();
-    TEST_ASSERT_TRUE(bench_is(&expected));
-}
-
-static void test_records_that_end_in_nothing_end_the_reading(void)
-{
-    struct config expected;
-    plant_of_images(&expected);
-    load_image("overrun");
-    bench_boot();
-    TEST_ASSERT_TRUE(bench_is(&expected));
-    TEST_ASSERT_EQUAL(ERR_OK, bench_save());
-    bench_boot();
-    TEST_ASSERT_TRUE(bench_is(&expected));
-}
-
-static void test_inconsistent_set_stays_stored_and_defaults_run(void)
+static void test_start_that_finds_nothing_whole_erases_nothing(void)
 {
     static uint8_t image[FLASH_MODEL_SIZE];
-    struct config defaults, c;
-    struct config_fault fault;
-    const char *why;
-    parameters_defaults(&defaults);
-    load_image("inconsistent");
+    load_image("mark");
+    flash_model[100] ^= 1u;
     memcpy(image, flash_model, sizeof image);
     bench_boot();
-    TEST_ASSERT_TRUE(bench_is(&defaults));
-    TEST_ASSERT_EQUAL(1, seen[EVENT_STORAGE_REFUSED]);
-    TEST_ASSERT_EQUAL_STRING("loop1.pv", last_subject[EVENT_STORAGE_REFUSED]);
+    TEST_ASSERT_EQUAL(1, seen[EVENT_STORAGE_DAMAGED]);
     TEST_ASSERT_EQUAL_MEMORY(image, flash_model, sizeof image);
-    /* Asking again gives the reason again. */
-    TEST_ASSERT_EQUAL(ERR_OK, storage_load(&fw.storage, &c, &why));
-    TEST_ASSERT_EQUAL(ERR_UNKNOWN, service_apply(&fw.service, &c, &fault));
-    TEST_ASSERT_EQUAL_STRING("T1", fault.subject);
+    /* It was the weather. */
+    flash_model[100] ^= 1u;
+    bench_boot();
+    TEST_ASSERT_EQUAL_FLOAT(2.5f, bench_get("loop1.gain"));
+    /* Who saves over it wants to. */
+    load_image("mark");
+    flash_model[100] ^= 1u;
+    bench_boot();
+    TEST_ASSERT_EQUAL(ERR_OK, bench_save());
 }
 
 /* ---- what is stored ---- */
@@ -385,18 +293,18 @@ static void test_saves_append_until_the_slot_is_full_and_then_change_it(void)
     bench_boot();
     bench_small(&a, "1.5");
     bench_small(&b, "2.5");
-    unsigned saves = 0, turned = 0, bytes = 0;
+    unsigned saves = 0, turned = 0, bytes = 1;
     unsigned before = erases;
     for (; erases < before + 4; saves++) {
         unsigned were = erases;
         bench_put(saves % 2 ? &a : &b);
         TEST_ASSERT_EQUAL(ERR_OK, bench_save());
-        bytes = 32u + (fw.storage.newest.length + 15u) / 16u * 16u;
+        bytes = 48u + (fw.storage.newest.length + 15u) / 16u * 16u;
         turned += erases != were;
     }
     TEST_ASSERT_EQUAL(4, turned);
     /* The slots take turns, and each is filled to the last set that fits. */
-    unsigned a_slot = (FLASH_MODEL_SECTOR_SIZE - STORAGE_GRAIN) / bytes;
+    unsigned a_slot = (FLASH_MODEL_SECTOR_SIZE - STORAGE_GRAIN - 128u) / bytes;
     TEST_ASSERT_EQUAL(4 * a_slot + 1, saves);
     TEST_ASSERT_EQUAL(1 + 2, fw.storage.erases[0]);
     TEST_ASSERT_EQUAL(2, fw.storage.erases[1]);
@@ -416,7 +324,7 @@ static void fill(void)
         uint8_t slot = fw.storage.newest.address >= fw.storage.slot_size;
         TEST_ASSERT_EQUAL(ERR_OK, bench_save());
         uint32_t whole_grains = (fw.storage.newest.length + 15u) & ~15u;
-        if (fw.storage.slot_size - fw.storage.used[slot] < 32u + whole_grains)
+        if (fw.storage.slot_size - fw.storage.used[slot] < 32u + whole_grains + 16u + 128u)
             return;
     }
 }
@@ -446,7 +354,7 @@ static void test_loop_that_begins_to_act_stops_the_erase(void)
     bench_boot();
     fill();
     unsigned were = erases;
-    TEST_ASSERT_EQUAL(ERR_OK, storage_save(&fw.storage, &save_why));
+    TEST_ASSERT_EQUAL(ERR_OK, storage_save(&fw.storage, false, &save_why));
     fw.supervisor.loop[0].mode = LOOP_AUTO; /* between the promise and the deed */
     bench_work();
     TEST_ASSERT_EQUAL(ERR_STATE, storage_result(&fw.storage, &save_why));
@@ -474,7 +382,7 @@ static void test_at_most_one_flash_operation_a_turn(void)
 {
     bench_boot();
     fill();
-    TEST_ASSERT_EQUAL(ERR_OK, storage_save(&fw.storage, &save_why));
+    TEST_ASSERT_EQUAL(ERR_OK, storage_save(&fw.storage, false, &save_why));
     bool more = true;
     while (more) {
         unsigned before = erases + programs;
@@ -560,13 +468,11 @@ int main(void)
     RUN_TEST(test_nothing_whole_means_defaults_and_an_alarm);
     RUN_TEST(test_new_flash_is_prepared_without_an_alarm);
     RUN_TEST(test_bytes_in_flash_are_those_of_the_document);
-    RUN_TEST(test_unknown_ids_are_carried_over_by_every_save);
-    RUN_TEST(test_values_out_of_range_are_clipped_one_by_one);
-    RUN_TEST(test_clipping_names_parameter_and_value);
-    RUN_TEST(test_types_that_have_changed_are_converted);
-    RUN_TEST(test_renamed_fields_are_found_and_the_new_name_wins);
-    RUN_TEST(test_records_that_end_in_nothing_end_the_reading);
-    RUN_TEST(test_inconsistent_set_stays_stored_and_defaults_run);
+    RUN_TEST(test_confirmed_set_is_left_as_it_is);
+    RUN_TEST(test_set_of_earlier_firmware_is_confirmed_once);
+    RUN_TEST(test_renewed_set_counts_before_one_that_was_cut);
+    RUN_TEST(test_sequence_goes_round);
+    RUN_TEST(test_start_that_finds_nothing_whole_erases_nothing);
     RUN_TEST(test_every_parameter_comes_back);
     RUN_TEST(test_save_takes_the_pending_plan);
     RUN_TEST(test_saves_append_until_the_slot_is_full_and_then_change_it);
