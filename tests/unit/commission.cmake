@@ -1,5 +1,5 @@
 # Automatic start-up, below the console.
-foreach(part experiment model analysis analysis_structure)
+foreach(part experiment origin model analysis analysis_structure)
   reflux_test(${part} LABEL unit SOURCES ${CMAKE_CURRENT_LIST_DIR}/test_${part}.c LIBS reflux_commission)
 endforeach()
 foreach(part proposal proposal_structure adoption)

@@ -112,9 +112,10 @@ static void an_amplitude_is_found_that_stands_out_of_the_noise(void)
     bench_run();
     TEST_ASSERT_EQUAL_INT(EXPERIMENT_DONE, experiment.phase);
     TEST_ASSERT_FALSE(experiment.small);
-    /* 20 times the noise, as measured with it */
+    /* 1.2 times 20 times the noise are asked for, as measured with it: the noise is known within a tenth, the gain of
+     * the first small step within a third. */
     double response = 0.3 * (double)experiment.amplitude;
-    TEST_ASSERT_DOUBLE_WITHIN(0.017, 0.033, response);
+    TEST_ASSERT_TRUE(response > 0.9 * 0.02 && response < 1.1 * 1.5 * 0.024);
     TEST_ASSERT_TRUE(experiment.record.input.edges > 3); /* it grew on the way */
 }
 
@@ -286,6 +287,46 @@ static void a_limit_that_is_passed_all_the_same_ends_it(void)
     TEST_ASSERT_EQUAL_INT(EXPERIMENT_LIMIT, experiment.failure);
     TEST_ASSERT_EQUAL_UINT8(1, experiment.culprit);
     TEST_ASSERT_TRUE(experiment.worst > REAL_C(1.0));
+}
+
+static double wrong_way(unsigned j, uint32_t k)
+{
+    const struct test_element slow = {1.0, 60.0, 5.0}, fast = {-0.7, 15.0, 5.0};
+    double y = 0.0;
+    (void)j;
+    for (unsigned i = 0; i < bench.edges; i++)
+        y += 3.0 * bench.change[i] *
+             (step_response(&slow, k - bench.at[i]) + step_response(&fast, k - bench.at[i]));
+    return y;
+}
+
+static void what_goes_the_wrong_way_first_is_turned_round_before_the_reversal_has_no_room(void)
+{
+    static const double share[] = {0.15, 0.24, 0.35};
+    unsigned reversed = 0;
+    for (unsigned i = 0; i < 3; i++) {
+        bench_begin(SEED);
+        bench.other = wrong_way;
+        config.amplitude = REAL_C(0.05);
+        /* Of the limit, what the first step takes the wrong way; the reversal takes twice that, on top of the rest. */
+        double dip = 0.0;
+        bench.edges = 1;
+        bench.at[0] = 0;
+        bench.change[0] = 0.05;
+        for (uint32_t k = 0; k < 100; k++)
+            dip = fmin(dip, wrong_way(0, k));
+        bench.edges = 0;
+        config.limit[0] = (real_t)(-dip / share[i]);
+        config.half = 200;
+        bench_run();
+        char text[80];
+        snprintf(text, sizeof text, "share %g: phase %d, worst %g", share[i], experiment.phase,
+                 (double)experiment.worst);
+        TEST_ASSERT_EQUAL_INT_MESSAGE(EXPERIMENT_DONE, experiment.phase, text);
+        TEST_ASSERT_TRUE_MESSAGE(experiment.worst <= REAL_C(1.0), text);
+        reversed += experiment.cut;
+    }
+    TEST_ASSERT_TRUE(reversed > 0);
 }
 
 static void one_sample_past_a_limit_is_a_spike_two_are_not(void)
@@ -530,7 +571,8 @@ static void an_unstable_output_is_stopped_at_its_limit(void)
     TEST_ASSERT_EQUAL_INT(EXPERIMENT_FAILED, experiment.phase);
     TEST_ASSERT_TRUE(experiment.failure == EXPERIMENT_LIMIT ||
                      experiment.failure == EXPERIMENT_AWAY);
-    TEST_ASSERT_TRUE(experiment.worst < REAL_C(1.1));
+    /* Two samples have to agree, and in each it grows by an eightieth. */
+    TEST_ASSERT_TRUE((double)experiment.worst < exp(2.0 / 80.0));
 }
 
 /* ---- samples ---- */
@@ -707,6 +749,7 @@ int main(void)
     RUN_TEST(the_guard_cuts_a_step_before_the_limit_and_says_why);
     RUN_TEST(the_guard_looks_away_while_it_is_told_to);
     RUN_TEST(a_limit_that_is_passed_all_the_same_ends_it);
+    RUN_TEST(what_goes_the_wrong_way_first_is_turned_round_before_the_reversal_has_no_room);
     RUN_TEST(one_sample_past_a_limit_is_a_spike_two_are_not);
     RUN_TEST(the_way_down_after_a_staircase_ends_before_a_limit);
     RUN_TEST(a_plant_that_does_not_rest_is_not_tested);
