@@ -144,6 +144,7 @@ enum end {
 };
 
 #define LOST_READING "measurement is not believed"
+#define AT_END       "reads an end of its span"
 
 static const struct fault {
     const char *name;
@@ -166,9 +167,8 @@ static const struct fault {
     {"flagged bad", "T10.quality=2", NULL, "T10.quality=0", NULL, NULL, LOST, LOST_READING},
     {"missing", "T10.quality=3", NULL, "T10.quality=0", NULL, NULL, LOST, LOST_READING},
     {"not a number", "T10.nan=1", NULL, "T10.nan=0", NULL, NULL, LOST, LOST_READING},
-    {"burnt out, high", "T10.stuck=200", NULL, "T10.free=1", NULL, NULL, LOST,
-     "an interlock holds the output"},
-    {"burnt out, low", "T10.dead=1", NULL, "T10.free=1", NULL, NULL, LOST, LOST_READING},
+    {"burnt out, high", "T10.stuck=200", NULL, "T10.free=1", NULL, NULL, LOST, AT_END},
+    {"burnt out, low", "T10.dead=1", NULL, "T10.free=1", NULL, NULL, LOST, AT_END},
     {"safe channel missing", "T1.quality=3", NULL, "T1.quality=0", NULL, NULL, SAFE, LOST_READING},
     {"safe channel not a number", "T1.nan=1", NULL, "T1.nan=0", NULL, NULL, SAFE, LOST_READING},
     {"safe channel frozen", "T1.frozen=1", NULL, "T1.free=1", NULL, NULL, SAFE, LOST_READING},
@@ -176,7 +176,7 @@ static const struct fault {
      LOST_READING},
     {"outer measurement not a number", "T5.nan=1", NULL, "T5.nan=0", NULL, NULL, OUTER_LOST,
      LOST_READING},
-    {"flowmeter dead", "flow.dead=1", NULL, "flow.free=1", NULL, NULL, INFERRED, LOST_READING},
+    {"flowmeter dead", "flow.dead=1", NULL, "flow.free=1", NULL, NULL, INFERRED, AT_END},
     {"flowmeter missing", "flow.quality=3", NULL, "flow.quality=0", NULL, NULL, INFERRED,
      LOST_READING},
     {"flowmeter frozen", "flow.frozen=1", NULL, "flow.free=1", NULL, NULL, INFERRED, LOST_READING},
