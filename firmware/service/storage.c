@@ -18,7 +18,7 @@ void storage_init(struct storage *st, struct service *service)
     hal_nvm_get_geometry(&g);
     if (g.sectors < 2 || g.program_size == 0 || STORAGE_GRAIN % g.program_size != 0 ||
         g.sector_size < 2u * SAVE_ROOM || g.sector_size % STORAGE_GRAIN != 0 ||
-        g.sectors > 0x10000u * STORAGE_GRAIN / g.sector_size)
+        g.sectors * g.sector_size > 0x10000u * STORAGE_GRAIN)
         return;
     st->state = WAITING;
     st->slot_sectors = g.sectors / 2u;

@@ -20,6 +20,9 @@
 /* What a save needs behind its tail. */
 #define SAVE_ROOM (STORAGE_GRAIN + RENEWALS * RENEWAL_SIZE)
 
+#define OF_NEWER                                                                                   \
+    "newer firmware's settings are stored, in a format unknown here: `save replace` gives them up"
+
 enum storage_state {
     NO_STORAGE, /* there is none */
     WAITING,    /* for the first command, or no plant */
@@ -78,10 +81,10 @@ static inline bool own_tail(const struct storage_set *set)
     return set->tail == set->address + set_size(set->length) - STORAGE_GRAIN;
 }
 
-/* The grain that confirms a set, or what was to be one. */
-void storage_confirmation(const struct storage_set *set, uint8_t *grain);
-/* The grain that closes it again, but for the checksum in its last four bytes. */
-void storage_renewal(const struct storage_set *set, uint8_t *grain);
+/* Three numbers and the checksum of them, which goes on from `crc`; returns it. */
+uint32_t storage_grain(uint8_t *grain, uint32_t magic, uint32_t a, uint32_t b, uint32_t crc);
+/* The grain that closes a set again, after that checksum of head and records; returns its own. */
+uint32_t storage_renewal(const struct storage_set *set, uint8_t *grain, uint32_t crc);
 
 void storage_tell(struct storage *st, enum event_code code, const char *subject, float value);
 

@@ -161,20 +161,18 @@ bool storage_can_renew(const struct storage *st)
     return st->prepared[slot] && st->slot_size - st->used[slot] >= RENEWAL_SIZE;
 }
 
-/* At that address, where a set would begin, there is something that is no head. */
+/* At that address, where a set would begin, there is something that is no head; nor what is left of the newest set's
+ * confirmation, by its sequence or format, or without either. */
 static bool broken_head(const struct storage *st, uint32_t address)
 {
-    uint8_t grain[STORAGE_GRAIN], confirmation[STORAGE_GRAIN];
-    unsigned of_it = 0;
+    uint8_t grain[STORAGE_GRAIN];
     if (!st->prepared[address >= st->slot_size] ||
         storage_read(address, grain, sizeof grain) != ERR_OK || all_are(grain, st->erased) ||
         checked_grain(grain, HEAD_MAGIC))
         return false;
-    /* Nor what is left of a confirmation: three of its words, or erased ones. */
-    storage_confirmation(&st->newest, confirmation);
-    for (unsigned i = 0; i < STORAGE_GRAIN; i += 4)
-        of_it += memcmp(grain + i, confirmation + i, 4) == 0 || get32(grain + i) == UINT32_MAX;
-    return address != st->newest.tail + STORAGE_GRAIN || of_it < 3;
+    uint32_t sequence = get32(grain + 4);
+    return address != st->newest.tail + STORAGE_GRAIN ||
+           (sequence != st->newest.sequence && sequence != UINT32_MAX && grain[10] != CONFIRMATION);
 }
 
 /* Behind the newest whole set, or first in the other slot, there is one that is not whole: by its head, which tells
@@ -261,14 +259,15 @@ static bool is_its_head(const struct storage_set *set, const uint8_t *grain)
            get16(grain + 8) == set->length && (!own_tail(set) || get32(grain + 4) == set->sequence);
 }
 
-static bool closes(const struct storage_set *set, const uint8_t *grain)
+/* It is what a writer closes the set with, after that checksum of head and records. */
+static bool closes(const struct storage_set *set, const uint8_t *grain, uint32_t crc)
 {
-    uint8_t renewal[STORAGE_GRAIN];
+    uint8_t wanted[STORAGE_GRAIN];
     if (own_tail(set))
-        return get32(grain) == TAIL_MAGIC && get32(grain + 4) == set->length &&
-               get32(grain + 8) == set->sequence;
-    storage_renewal(set, renewal);
-    return memcmp(grain, renewal, 12) == 0;
+        (void)storage_grain(wanted, TAIL_MAGIC, set->length, set->sequence, crc);
+    else
+        (void)storage_renewal(set, wanted, crc);
+    return memcmp(grain, wanted, STORAGE_GRAIN) == 0;
 }
 
 void storage_check(struct storage *st)
@@ -285,8 +284,7 @@ void storage_check(struct storage *st)
         }
         if (last) {
             st->newest_crc = st->crc;
-            st->crc = crc32_update(st->crc, grain, 12);
-            check_is_over(st, closes(set, grain) && get32(grain + 12) == st->crc);
+            check_is_over(st, closes(set, grain, st->crc));
             return;
         }
         st->crc = crc32_update(st->crc, grain, sizeof grain);
@@ -336,7 +334,7 @@ enum err storage_load(struct storage *st, struct config *config, const char **wh
         return ERR_UNSUPPORTED;
     }
     if (!st->newest.sequence && storage_blocked(st)) {
-        *why = "newer firmware has stored it, in a format this one does not know";
+        *why = OF_NEWER;
         return ERR_VERSION;
     }
     if (!st->newest.sequence) {

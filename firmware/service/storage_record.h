@@ -56,8 +56,10 @@ static inline uint16_t get16(const uint8_t *p)
 
 static inline void put32(uint8_t *p, uint32_t x)
 {
-    for (unsigned i = 0; i < 4; i++)
-        p[i] = (uint8_t)(x >> (8u * i));
+    p[0] = (uint8_t)x;
+    p[1] = (uint8_t)(x >> 8);
+    p[2] = (uint8_t)(x >> 16);
+    p[3] = (uint8_t)(x >> 24);
 }
 
 static inline void put16(uint8_t *p, uint16_t x)

@@ -150,10 +150,12 @@ static void prepare(struct storage *st)
 
 /* ---- a set ---- */
 
-/* A save goes on to its set: what was there before is settled. */
+/* A save goes on to its set, as soon as what was there before is settled. */
 static void begin_set(struct storage *st)
 {
-    if (!storage_blocked(st) && find_room(st, set_size(st->candidate.length)))
+    if (!storage_blocked(st) && storage_unsettled(st) && storage_can_renew(st))
+        st->state = RENEWING;
+    else if (!storage_blocked(st) && find_room(st, set_size(st->candidate.length)))
         st->state = WRITING_HEAD;
     else if (!st->newest.sequence || storage_blocked(st) || other_is_spare(st))
         begin_erase(st);
@@ -252,11 +254,7 @@ static bool program(struct storage *st, unsigned tries)
 static void write_mark(struct storage *st)
 {
     st->used[st->slot] = 0;
-    memset(st->piece, 0, STORAGE_GRAIN);
-    put32(st->piece, MARK_MAGIC);
-    put32(st->piece + 4, st->erases[st->slot] + 1u);
-    st->piece[8] = FORMAT;
-    put32(st->piece + 12, crc32_update(0, st->piece, 12));
+    (void)storage_grain(st->piece, MARK_MAGIC, st->erases[st->slot] + 1u, FORMAT, 0);
     st->piece_n = STORAGE_GRAIN;
     if (!program(st, 1))
         return;
@@ -270,22 +268,20 @@ static void write_mark(struct storage *st)
         st->state = WRITING_HEAD;
 }
 
-void storage_confirmation(const struct storage_set *set, uint8_t *grain)
+uint32_t storage_grain(uint8_t *grain, uint32_t magic, uint32_t a, uint32_t b, uint32_t crc)
 {
-    memset(grain, 0, STORAGE_GRAIN);
-    put32(grain, HEAD_MAGIC);
-    put32(grain + 4, set->sequence);
-    put16(grain + 8, set->length);
-    grain[10] = CONFIRMATION;
-    put32(grain + 12, crc32_update(0, grain, 12));
+    put32(grain, magic);
+    put32(grain + 4, a);
+    put32(grain + 8, b);
+    crc = crc32_update(crc, grain, 12);
+    put32(grain + 12, crc);
+    return crc;
 }
 
-void storage_renewal(const struct storage_set *set, uint8_t *grain)
+uint32_t storage_renewal(const struct storage_set *set, uint8_t *grain, uint32_t crc)
 {
-    put32(grain, RENEWAL_MAGIC);
-    put32(grain + 4, set->sequence);
-    put16(grain + 8, set->length);
-    put16(grain + 10, (uint16_t)(set->address / STORAGE_GRAIN));
+    return storage_grain(grain, RENEWAL_MAGIC, set->sequence,
+                         set->length | set->address / STORAGE_GRAIN << 16, crc);
 }
 
 /* What a start has decided, for good: the newest set gets another tail, whose words are not those of a cut, under the
@@ -297,8 +293,7 @@ static void renew(struct storage *st)
     set.tail = slot_address(st, st->slot) + st->used[st->slot];
     set.sequence = st->sequence;
     set.closed = CLOSED_AGAIN;
-    storage_renewal(&set, st->piece);
-    put32(st->piece + 12, crc32_update(st->newest_crc, st->piece, 12));
+    (void)storage_renewal(&set, st->piece, st->newest_crc);
     st->piece_n = STORAGE_GRAIN;
     if (!program(st, TRIES_MOST))
         return;
@@ -325,7 +320,8 @@ static void confirmed(struct storage *st)
 /* That the tail before has been written to its end. Where it cannot stand there, both are written again. */
 static void confirm(struct storage *st)
 {
-    storage_confirmation(&st->newest, st->piece);
+    (void)storage_grain(st->piece, HEAD_MAGIC, st->newest.sequence,
+                        st->newest.length | CONFIRMATION << 16, 0);
     st->piece_n = STORAGE_GRAIN;
     if (program(st, TRIES_MOST))
         confirmed(st);
@@ -341,13 +337,8 @@ static void write_head(struct storage *st)
     uint32_t sequence = next_sequence(st->sequence);
     set->address = slot_address(st, st->slot) + st->used[st->slot];
     set->tail = set->address + set_size(set->length) - STORAGE_GRAIN;
-    memset(st->piece, 0, STORAGE_GRAIN);
-    put32(st->piece, HEAD_MAGIC);
-    put32(st->piece + 4, sequence);
-    put16(st->piece + 8, set->length);
-    st->piece[10] = FORMAT;
-    st->piece[11] = CONFIG_SCHEMA;
-    put32(st->piece + 12, crc32_update(0, st->piece, 12));
+    (void)storage_grain(st->piece, HEAD_MAGIC, sequence,
+                        set->length | FORMAT << 16 | (uint32_t)CONFIG_SCHEMA << 24, 0);
     st->crc = crc32_update(0, st->piece, STORAGE_GRAIN);
     st->piece_n = STORAGE_GRAIN;
     st->body_left = whole_grains(set->length);
@@ -373,10 +364,8 @@ static void write_body(struct storage *st)
 
 static void write_tail(struct storage *st)
 {
-    put32(st->piece, TAIL_MAGIC);
-    put32(st->piece + 4, st->candidate.length);
-    put32(st->piece + 8, st->candidate.sequence);
-    put32(st->piece + 12, crc32_update(st->crc, st->piece, 12));
+    (void)storage_grain(st->piece, TAIL_MAGIC, st->candidate.length, st->candidate.sequence,
+                        st->crc);
     st->piece_n = STORAGE_GRAIN;
     if (program(st, 1))
         storage_begin_check(st);
@@ -439,8 +428,7 @@ enum err storage_save(struct storage *st, bool replace, const char **why)
         return ERR_STATE;
     }
     if (storage_blocked(st) && !replace) {
-        *why = "newer firmware has stored settings in a format this one does not know: go back to "
-               "it, or give them up with `save replace`";
+        *why = OF_NEWER;
         return ERR_VERSION;
     }
     (void)service_stage(s);
@@ -456,10 +444,7 @@ enum err storage_save(struct storage *st, bool replace, const char **why)
     }
     st->candidate = (struct storage_set){.length = (uint16_t)length};
     st->saving = true;
-    if (!storage_blocked(st) && storage_unsettled(st) && storage_can_renew(st))
-        st->state = RENEWING;
-    else
-        begin_set(st);
+    begin_set(st);
     return ERR_OK;
 }
 

@@ -66,12 +66,12 @@ static void old_flash(uint32_t padding, uint32_t sequence)
 
 /* ---- one life of a board ---- */
 
-#define FIRST 10000u /* number before the first settings that are tried */
-
 static struct {
     uint32_t answered; /* the last one with `ok`, or what a start since then has found */
     uint32_t tried;    /* the last one asked for */
-    bool open;         /* that one may be found as well: a cut came before the answer */
+    uint32_t
+        first; /* with `open`: from this one on each may be found as well, as a cut came before the answer */
+    bool open;
     char what[160];
 } life;
 
@@ -96,16 +96,13 @@ static bool start(unsigned cut_at)
     if (seen[EVENT_STORAGE_DAMAGED] && life.answered)
         fail("damaged");
     uint32_t found = settings_now();
-    /* Before anything was answered each one that was tried may appear. */
-    bool tried = life.answered ? found == life.tried : found > FIRST && found <= life.tried;
-    /* Nor can a start decide where earlier firmware has left no room for it to say so. */
-    bool undecided = storage_unsettled(&fw.storage) && !storage_can_renew(&fw.storage);
-    if (found != life.answered && !(life.open && tried))
+    if (found != life.answered && !(life.open && found >= life.first && found <= life.tried))
         fail("lost");
-    if (life.answered || found != 0) {
-        life.open = life.open && ((life.answered == 0 && found == 0) || undecided);
-        life.answered = found;
-    }
+    /* A start cannot decide for nothing, nor where earlier firmware has left no room for it to say so. */
+    bool undecided =
+        found == 0 || (storage_unsettled(&fw.storage) && !storage_can_renew(&fw.storage));
+    life.open = life.open && undecided;
+    life.answered = found;
     return true;
 }
 
@@ -121,6 +118,7 @@ static bool save(unsigned cut_at)
         life.answered = life.tried;
         life.open = false;
     } else {
+        life.first = life.open ? life.first : life.tried;
         life.open = true;
         if (!cut.off)
             fail(save_why);
@@ -152,7 +150,7 @@ static void begin(uint64_t seed, enum cut_view view, unsigned turn, uint32_t wor
     cut.turn = turn;
     cut.word = word;
     life.answered = image_answered;
-    life.tried = FIRST;
+    life.tried = 10000;
     life.open = false;
     cases++;
 }
