@@ -223,6 +223,20 @@ static void settings_are_for_the_beginning_of_an_element(void)
     TEST_ASSERT_EQUAL_FLOAT((float)own.dead_time_s, (float)a.plant.element[0][0].dead_time_s);
 }
 
+static void where_no_settings_come_of_it_the_plant_is_what_it_was_too(void)
+{
+    take_plant(PLANT_WOOD_BERRY, 0.01, 60);
+    struct fopdt own = a.plant.element[0][0];
+    a.beginning[0][0] = (struct beginning){own.time_constant_s * REAL_C(0.25), own.dead_time_s};
+    config.loops_max = 1; /* two are needed */
+    TEST_ASSERT_EQUAL_INT(ERR_OK, run());
+    TEST_ASSERT_FALSE(a.designed);
+    TEST_ASSERT_EQUAL_INT(ERR_FULL, a.design_error);
+    TEST_ASSERT_EQUAL_FLOAT((float)own.time_constant_s,
+                            (float)a.plant.element[0][0].time_constant_s);
+    TEST_ASSERT_EQUAL_FLOAT((float)own.dead_time_s, (float)a.plant.element[0][0].dead_time_s);
+}
+
 static void a_beginning_that_is_no_time_is_refused(void)
 {
     static const real_t bad[] = {REAL_C(-1.0), NAN, INFINITY};
@@ -471,6 +485,7 @@ int main(void)
     RUN_TEST(a_gain_of_unsure_sign_gets_no_loop);
     RUN_TEST(gains_hardly_known_leave_the_pairing_open);
     RUN_TEST(settings_are_for_the_beginning_of_an_element);
+    RUN_TEST(where_no_settings_come_of_it_the_plant_is_what_it_was_too);
     RUN_TEST(a_beginning_that_is_no_time_is_refused);
     RUN_TEST(a_noisy_measurement_gets_a_smaller_gain);
     RUN_TEST(more_loops_than_the_board_runs_are_said_to_be_too_many);
