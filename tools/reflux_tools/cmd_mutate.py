@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from reflux_tools import build
-from reflux_tools.errors import UserError
+from reflux_tools.errors import RunFailed, UserError
 from reflux_tools.mutation.random_round import Round
 from reflux_tools.mutation.reach import Costs, mutants_folder
 from reflux_tools.mutation.tree import Tree
@@ -115,7 +115,11 @@ def prepared(number_format: str, mutants: list[Mutant]) -> tuple[Bench, dict]:
         raise UserError(f'{shown(LIST)}: there is no test "{unknown[0]}" ({number_format})')
     tests = {name: known[name] for name in wanted}
     tree.build(tuple(sorted({tree.target_of(p) for t in tests.values() for p in t.programs})))
-    return Bench(tree, Costs(tree).measure(list(tests.values()))), tests
+    costs = Costs(tree)
+    bench = Bench(tree, costs.measure(list(tests.values())))
+    if costs.failing:
+        raise RunFailed("without any fault already: " + ", ".join(costs.failing))
+    return bench, tests
 
 
 def noticed(bench: Bench, mutant: Mutant, tests: dict) -> bool:

@@ -88,7 +88,8 @@ class Round:
                 bench.tree.build(tuple(bench.tree.target_of(p) for p in missing))
             self.built.update(missing)
             bench.costs.update(self.costs.setdefault(name, Costs(bench.tree)).measure(tests))
-        return [t for t in tests if self.longest_s is None or bench.costs[t.name] <= self.longest_s]
+        passing = [t for t in tests if t.name in bench.costs]
+        return [t for t in passing if self.longest_s is None or bench.costs[t.name] <= self.longest_s]
 
     def prepare(self) -> None:
         """What nearly every fault needs."""
