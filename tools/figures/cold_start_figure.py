@@ -16,7 +16,7 @@ import matplotlib  # noqa: E402
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt  # noqa: E402
 
-from reflux_tools import logs  # noqa: E402
+from reflux_tools import logs, paths  # noqa: E402
 
 END_H = 4.0
 HAPPENINGS = [(1, "heater"), (20, "total\nreflux"), (32, "feed,\nproducts"), (52, "control"), (180, "shut\ndown")]
@@ -29,7 +29,7 @@ def main() -> int:
         print(__doc__.strip())
         return 0 if "--help" in sys.argv or "-h" in sys.argv else 2
     log = logs.read_csv(Path(sys.argv[1]) if len(sys.argv) > 1 else ROOT / "out" / "cold-start" / "log.csv")
-    picture = Path(sys.argv[2]) if len(sys.argv) > 2 else ROOT / "docs" / "figures" / "cold-start.png"
+    picture = Path(sys.argv[2]) if len(sys.argv) > 2 else paths.figures() / "cold-start.png"
     hours = [t / 3600 for t in log.numbers("time")]
     figure, axes = plt.subplots(3, 1, sharex=True, figsize=(9, 7), height_ratios=(4, 2.5, 2.5))
     for name, label, colour in TEMPERATURES:

@@ -13,6 +13,7 @@ sys.path.insert(0, str(ROOT / "tools"))
 
 import numpy as np  # noqa: E402
 
+from reflux_tools import paths  # noqa: E402
 from reflux_tools.commission import figures, record  # noqa: E402
 from reflux_tools.plots import BLUE, GREEN, GREY, ORANGE, STYLE, plt  # noqa: E402
 
@@ -61,7 +62,7 @@ def main() -> int:
         print(__doc__.strip())
         return 0 if "--help" in sys.argv or "-h" in sys.argv else 2
     r = record.load(Path(sys.argv[1]) if len(sys.argv) > 1 else ROOT / "out" / "commission-wood-berry")
-    picture = Path(sys.argv[2]) if len(sys.argv) > 2 else ROOT / "docs" / "figures" / "commissioning.png"
+    picture = Path(sys.argv[2]) if len(sys.argv) > 2 else paths.figures() / "commissioning.png"
     with plt.rc_context(STYLE):
         figure, axes = plt.subplots(3, 2, figsize=(9.6, 5.6), sharex="col")
         tests(r, [row[0] for row in axes])

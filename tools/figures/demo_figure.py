@@ -15,7 +15,7 @@ import matplotlib  # noqa: E402
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt  # noqa: E402
 
-from reflux_tools import logs  # noqa: E402
+from reflux_tools import logs, paths  # noqa: E402
 
 HAPPENINGS = [(0.25, "top\nsetpoint"), (0.75, "bottom\nsetpoint"), (1.25, "feed flow\n+10 %"),
               (1.75, "feed leaner\n36 to 33 %w"), (2.25, "heater weak"), (2.75, "heater whole")]
@@ -26,7 +26,7 @@ def main() -> int:
         print(__doc__.strip())
         return 0 if "--help" in sys.argv or "-h" in sys.argv else 2
     log = logs.read_csv(Path(sys.argv[1]) if len(sys.argv) > 1 else ROOT / "out" / "demo" / "log.csv")
-    picture = Path(sys.argv[2]) if len(sys.argv) > 2 else ROOT / "docs" / "figures" / "demo.png"
+    picture = Path(sys.argv[2]) if len(sys.argv) > 2 else paths.figures() / "demo.png"
     hours = [t / 3600 for t in log.numbers("time")]
     figure, axes = plt.subplots(3, 1, sharex=True, figsize=(9, 6.4), height_ratios=(3, 3, 2))
     for axis, pv, loop in ((axes[0], "T1", "top"), (axes[1], "T10", "bottom")):

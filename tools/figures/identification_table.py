@@ -25,6 +25,9 @@ ROOT = pathlib.Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "tests/reference"))
 import identify_reference as reference  # noqa: E402
 
+sys.path.insert(0, str(ROOT / "tools"))
+from reflux_tools import paths  # noqa: E402
+
 PAGE = ROOT / "docs/identification.md"
 NOISE, DRIFT, ANSWER, COUNT = 0.005, 0.01, 0.05, 1.0 / 4096
 WINDOW_BLOCKS, POINTS = 16, 128
@@ -258,7 +261,7 @@ def main():
         print(f"{options.program} does not exist: build the target identify_records first (--help)", file=sys.stderr)
         return 1
     if options.figure:
-        figure(options.program, ROOT / "docs/figures/identification.png")
+        figure(options.program, paths.figures() / "identification.png")
         return 0
     seeds = range(1, options.seeds + 1)
     results = {}

@@ -18,7 +18,7 @@ import numpy as np  # noqa: E402
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "tools"))
-from reflux_tools import libreflux  # noqa: E402
+from reflux_tools import libreflux, paths  # noqa: E402
 
 COLOURS = ("#b2182b", "#2166ac", "#4d9221")
 UNIT = {"s": 1.0, "min": 60.0, "h": 3600.0}
@@ -107,7 +107,7 @@ def main():
         axis.spines[["top", "right"]].set_visible(False)
         axis.title.set_size(10)
     fig.tight_layout()
-    fig.savefig(ROOT / "docs" / "figures" / "interaction.png", dpi=80, metadata={"Software": None})
+    fig.savefig(paths.figures() / "interaction.png", dpi=80, metadata={"Software": None})
 
     print("\nrank, and length of the last direction in its standard deviations, of gains known to 0.5, 1, 2, 5 %")
     for name in ("wood-berry", "luyben-vinante", "packed-bed", "furnace", "shell-fractionator"):

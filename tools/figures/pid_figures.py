@@ -17,6 +17,9 @@ matplotlib.use("Agg")
 import matplotlib.pyplot as plt  # noqa: E402
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
+sys.path.insert(0, str(ROOT / "tools"))
+from reflux_tools import paths  # noqa: E402
+
 COLOURS = ("#b2182b", "#2166ac", "#4d9221")
 
 
@@ -62,7 +65,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--program", default=ROOT / "build/host/tests/unit/pid_trace", type=pathlib.Path,
                         help="the built pid_trace (default: that of the host preset)")
-    parser.add_argument("--out", default=ROOT / "docs/figures", type=pathlib.Path)
+    parser.add_argument("--out", default=paths.figures(), type=pathlib.Path)
     options = parser.parse_args()
     if not options.program.exists():
         print(f"{options.program} does not exist: build the target pid_trace first (--help)", file=sys.stderr)

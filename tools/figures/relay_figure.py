@@ -16,6 +16,8 @@ import matplotlib.pyplot as plt  # noqa: E402
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "tests" / "support"))
+sys.path.insert(0, str(ROOT / "tools"))
+from reflux_tools import paths  # noqa: E402
 from commissioning import Run, configuration, plant  # noqa: E402
 
 PAIRS = (("xD", "R", "reverse"), ("xB", "S", "direct"))
@@ -70,7 +72,7 @@ def main() -> int:
             axes[0][column].axvline(e.time_s / HOUR, color="k", lw=0.5, ls=":")
     axes[0][0].set_xlim(0.0, done[0].time_s / HOUR + 0.3)
     figure.tight_layout()
-    figure.savefig(ROOT / "docs" / "figures" / "relay.png", dpi=110)
+    figure.savefig(paths.figures() / "relay.png", dpi=110)
     return 0
 
 

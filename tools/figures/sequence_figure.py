@@ -16,7 +16,7 @@ import matplotlib  # noqa: E402
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt  # noqa: E402
 
-from reflux_tools import logs  # noqa: E402
+from reflux_tools import logs, paths  # noqa: E402
 
 FIRMWARE = logs.FIRMWARE_PREFIX
 TEMPERATURES = [("T1.true", "T1", "#1f5fa8"), ("T10.true", "T10", "#d2691e"), ("TB.true", "reboiler", "#8e2d2d")]
@@ -31,7 +31,7 @@ def main() -> int:
         print(__doc__.strip())
         return 0 if "--help" in sys.argv or "-h" in sys.argv else 2
     log = logs.read_csv(Path(sys.argv[1]) if len(sys.argv) > 1 else ROOT / "out" / "cold-sequence" / "log.csv")
-    picture = Path(sys.argv[2]) if len(sys.argv) > 2 else ROOT / "docs" / "figures" / "sequence.png"
+    picture = Path(sys.argv[2]) if len(sys.argv) > 2 else paths.figures() / "sequence.png"
     minutes = [t / 60 for t in log.numbers("time")]
     steps = [int(s) for s in log.numbers(f"{FIRMWARE}step")]
     running = [int(s) in (1, 2, 3) for s in log.numbers(f"{FIRMWARE}seq")]

@@ -16,7 +16,7 @@ import matplotlib  # noqa: E402
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt  # noqa: E402
 
-from reflux_tools import logs  # noqa: E402
+from reflux_tools import logs, paths  # noqa: E402
 
 HAPPENINGS = [(1, "stage 30\n1.5 K colder"), (4, "feed of\nscenario 1"), (8, "nominal\nfeed")]
 
@@ -26,7 +26,7 @@ def main() -> int:
         print(__doc__.strip())
         return 0 if "--help" in sys.argv or "-h" in sys.argv else 2
     log = logs.read_csv(Path(sys.argv[1]) if len(sys.argv) > 1 else ROOT / "out" / "splitter" / "log.csv")
-    picture = Path(sys.argv[2]) if len(sys.argv) > 2 else ROOT / "docs" / "figures" / "splitter.png"
+    picture = Path(sys.argv[2]) if len(sys.argv) > 2 else paths.figures() / "splitter.png"
     hours = [t / 3600 for t in log.numbers("time")]
     figure, axes = plt.subplots(4, 1, sharex=True, figsize=(9, 7.6), height_ratios=(3, 3, 2, 2))
     for axis, pv, loop in ((axes[0], "T30", "top"), (axes[1], "T19", "bottom")):

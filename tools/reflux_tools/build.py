@@ -50,6 +50,7 @@ def _run(what: str, command: list[str], quiet: bool) -> None:
         if match:
             steps = int(match.group(2))
             progress.show(f"{match.group(1).decode()}/{match.group(2).decode()}")
+    process.stdout.close()
     if process.wait() != 0:
         progress.end("failed")
         sys.stderr.write(b"".join(lines[-LINES_SHOWN:]).decode(errors="replace"))

@@ -20,6 +20,11 @@ def build_dir(preset: str) -> Path:
     return build_root() / preset
 
 
+def figures() -> Path:
+    """docs/figures, or the folder that REFLUX_FIGURES names: where the scripts of tools/figures put their pictures."""
+    return Path(os.environ.get("REFLUX_FIGURES") or ROOT / "docs" / "figures").resolve()
+
+
 def shown(path: Path | str) -> str:
     """The path as a person would type it from where they stand."""
     path = Path(path)
