@@ -21,6 +21,7 @@ from reflux_tools.paths import ROOT, build_dir, build_root, named, shown
 
 PAGE = ROOT / "docs" / "evidence.md"
 START = re.compile(r"^\s*Start\s+(\d+): (\S+)")
+RANDOM_SEED = "2026"
 OF_TEST = re.compile(r"^(\d+): (.*)$")
 
 
@@ -53,6 +54,10 @@ SECTIONS = (
     Section("Storage", "The power is cut at every flash operation of a save, with every torn prefix and with random "
             "words after an interrupted erase, every bit is flipped, twice in a row: the old or the new set is found "
             "whole, or defaults and an alarm.", "tests", r"storage\b.*\d.*"),
+    Section("Storage and interrupted ticks, every case", "What `tools/test` runs a sample of. Words of an interrupted "
+            "operation read now so, now so: every set answered `ok` is found at ten further starts with saves between. A "
+            "timer's signal runs the tick anywhere in the main loop: no plan in force is torn.", "long",
+            r"(storage\b.*\d.*|.*\bapplies\b.*\d.*)"),
     Section("Link under attack", "A live run over a line that damages what passes: no bad frame is acted on.",
             "tests", r"attack\b.*\d.*"),
     Section("Faults", "Every fault of sensors, actuators and plant in every mode, each with the state it must end in.",
@@ -74,6 +79,8 @@ SECTIONS = (
             "tests", r"float_\w+( near 1)?: \d+ arguments.*"),
     Section("Coverage of `firmware/`", "", "coverage", r"coverage: .*\d.*"),
     Section("Mutants", "Faults put into PID, CRC, storage and interlocks on purpose.", "mutate", r"mutants: .*\d.*"),
+    Section("Random mutants", "Drawn from all code lines of `firmware/`, object code different, tried with the tests that reach "
+            "the line. Equivalent ones stand in `tests/mutants_equivalent.toml`.", "random", r"mutants: \d+ drawn with seed.*"),
     Section("Time of `tools/test`", "", "time", r"tools/test: .*\d.*"),
 )
 
@@ -184,6 +191,20 @@ def of_tests() -> Result:
     return filtered(out, "tests")
 
 
+def of_long() -> Result:
+    """Every case of what the tests run a sample of."""
+    out = Result()
+    for folder, name, argument in (("unit", "test_storage_power", "all"), ("unit", "test_storage_unstable", "all"),
+                                   ("loop", "test_interrupted", "100000")):
+        build.build("host", (name,))
+        program = f"build/host/tests/{folder}/{name}"
+        status, lines = follow(name, [str(build_dir("host") / "tests" / folder / name), argument])
+        out.lines += [Line(line.strip(), f"{program} {argument}") for line in lines]
+        if status != 0:
+            out.problem = f"`{program} {argument}` ended with {status}"
+    return filtered(out, "long")
+
+
 def of_board() -> Result:
     """Lines of the test that runs automatic start-up on the image."""
     for preset, targets in (("host", ("reflux-sim", "reflux-host")), ("host-fixed", ("reflux-host",)),
@@ -220,12 +241,14 @@ def of_time() -> Result:
 
 SOURCES: dict[str, Callable[[], Result]] = {
     "tests": of_tests,
+    "long": of_long,
     "fuzz": lambda: of_tool("fuzz"),
     "prove": lambda: of_tool("prove"),
     "board": of_board,
     "image": lambda: of_tool("image"),
     "coverage": lambda: of_tool("coverage"),
     "mutate": lambda: of_tool("mutate"),
+    "random": lambda: of_tool("mutate", "--random", "300", "--seed", RANDOM_SEED),
     "time": of_time,
 }
 
