@@ -36,7 +36,8 @@ static struct {
     uint8_t others[CUT_HALVES]; /* how many of them; 0 = stable */
     unsigned unstable;          /* half-words that are not */
     unsigned left;              /* operations until the cut */
-    unsigned operations;        /* that have been asked for, since the power is on */
+    unsigned fails;      /* operations until one that is done by half and reported as not done */
+    unsigned operations; /* that have been asked for, since the power is on */
     bool off;
     uint32_t word; /* 2 or 4 bytes */
     enum cut_view view;
@@ -85,8 +86,12 @@ static inline bool cut_keep(uint32_t address, uint32_t n)
         memcpy(flash_model + address, cut.known + address, n);
         return false;
     }
-    bool whole = true;
+    bool whole = cut.fails != 0;
     cut.operations++;
+    if (!whole)
+        memcpy(flash_model + address + n / 2u, cut.known + address + n / 2u, n - n / 2u);
+    if (cut.fails != CUT_NEVER)
+        cut.fails = cut.fails > 0 ? cut.fails - 1u : CUT_NEVER;
     cut.off = cut.left == 0;
     if (cut.left != CUT_NEVER && cut.left > 0)
         cut.left--;
@@ -148,7 +153,7 @@ static inline void cut_glance(uint32_t address, uint8_t *data, uint32_t n)
 static inline void cut_power_on(void)
 {
     cut.off = false;
-    cut.left = CUT_NEVER;
+    cut.left = cut.fails = CUT_NEVER;
     cut.operations = cut.readings = 0;
     cut.wrong = CUT_NEVER;
     cut.start++;

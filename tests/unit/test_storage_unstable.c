@@ -12,7 +12,7 @@
 #include "service/storage_parts.h"
 #include "storage_bench.h"
 
-static bool all;
+static bool all, may_fail;
 static unsigned long starts, cases;
 
 /* ---- settings: one number, and records nobody here knows, which make a set as long as wanted ---- */
@@ -69,9 +69,9 @@ static void old_flash(uint32_t padding, uint32_t sequence)
 static struct {
     uint32_t answered; /* the last one with `ok`, or what a start since then has found */
     uint32_t tried;    /* the last one asked for */
-    uint32_t
-        first; /* with `open`: from this one on each may be found as well, as a cut came before the answer */
-    bool open;
+    bool open;         /* a cut came before an answer: each may be found as well, */
+    uint32_t first;    /* from this one on */
+    unsigned fails;    /* operations of the next start until the flash fails */
     char what[160];
 } life;
 
@@ -89,6 +89,7 @@ static bool start(unsigned cut_at)
 {
     cut_power_on();
     cut.left = cut_at;
+    cut.fails = life.fails;
     bench_boot();
     starts++;
     if (cut.off)
@@ -98,9 +99,10 @@ static bool start(unsigned cut_at)
     uint32_t found = settings_now();
     if (found != life.answered && !(life.open && found >= life.first && found <= life.tried))
         fail("lost");
-    /* A start cannot decide for nothing, nor where earlier firmware has left no room for it to say so. */
-    bool undecided =
-        found == 0 || (storage_unsettled(&fw.storage) && !storage_can_renew(&fw.storage));
+    /* A start cannot decide for nothing, nor where it cannot write that down: earlier firmware has left no room, or the
+     * flash does not take it. */
+    bool undecided = found == 0 || (storage_unsettled(&fw.storage) &&
+                                    (!storage_can_renew(&fw.storage) || fw.storage.failed));
     life.open = life.open && undecided;
     life.answered = found;
     return true;
@@ -120,7 +122,7 @@ static bool save(unsigned cut_at)
     } else {
         life.first = life.open ? life.first : life.tried;
         life.open = true;
-        if (!cut.off)
+        if (!cut.off && !may_fail)
             fail(save_why);
     }
     return !cut.off;
@@ -152,6 +154,7 @@ static void begin(uint64_t seed, enum cut_view view, unsigned turn, uint32_t wor
     life.answered = image_answered;
     life.tried = 10000;
     life.open = false;
+    life.fails = CUT_NEVER;
     cases++;
 }
 
@@ -291,6 +294,31 @@ static void test_many_cuts_in_a_row(void)
     }
 }
 
+/* Cuts, and operations that the flash does by half and says so. */
+static void test_flash_that_fails_now_and_then(void)
+{
+    struct random_source random = {8};
+    for (unsigned n = 0; n < (all ? 5000u : 30u); n++) {
+        uint64_t own = random_next(&random);
+        if (n % 10 == 0)
+            prepare_image(random_below(&random, 4) * 1500u, 1 + random_below(&random, 9),
+                          1 + random_below(&random, 20));
+        begin(own, (enum cut_view)(own % CUT_VIEWS), (unsigned)(own >> 8) % 3000u, 4);
+        snprintf(life.what, sizeof life.what, "failing %u, seed %llu", n, (unsigned long long)own);
+        may_fail = true;
+        for (unsigned i = 0; i < 24; i++) {
+            life.fails = random_below(&random, 3) ? CUT_NEVER : random_below(&random, 6);
+            bool on = start(random_below(&random, 4) ? CUT_NEVER : random_below(&random, 10));
+            cut.fails = random_below(&random, 30);
+            if (on && random_below(&random, 2))
+                (void)save(random_below(&random, 4) ? CUT_NEVER : random_below(&random, 20));
+        }
+        may_fail = false;
+        life.fails = CUT_NEVER;
+        ten_starts();
+    }
+}
+
 /* ---- no cut: one reading is wrong ---- */
 
 static void test_one_wrong_reading_costs_nothing(void)
@@ -343,6 +371,7 @@ int main(int argc, char **argv)
     RUN_TEST(test_slot_of_earlier_firmware_without_room);
     RUN_TEST(test_sequence_that_goes_round);
     RUN_TEST(test_many_cuts_in_a_row);
+    RUN_TEST(test_flash_that_fails_now_and_then);
     RUN_TEST(test_one_wrong_reading_costs_nothing);
     RUN_TEST(test_newest_set_is_found_again_after_a_start_that_could_not_read_it);
     printf("storage unstable words: %lu cases, %lu starts\n", cases, starts);
