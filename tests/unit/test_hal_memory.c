@@ -138,7 +138,7 @@ static void a_reboot_starts_the_firmware_again_with_its_flash_and_another_boot_i
 static void flash_is_programmed_once_after_each_erase(void)
 {
     struct hal_nvm_geometry g;
-    uint32_t word = 0xA5A5F00Fu, other = 0, back = 0;
+    uint32_t word = 0xA5A5F00Fu, other = 0xA5A5F00Eu, zeros = 0, back = 0;
     hal_nvm_get_geometry(&g);
     uint32_t at = g.sector_size + 8;
     TEST_ASSERT_EQUAL(ERR_OK, hal_nvm_program(at, &word, 4));
@@ -150,6 +150,10 @@ static void flash_is_programmed_once_after_each_erase(void)
     TEST_ASSERT_EQUAL(ERR_OK, hal_nvm_read(at, &back, 4));
     TEST_ASSERT_EQUAL_HEX32(UINT32_MAX, back);
     TEST_ASSERT_EQUAL(ERR_OK, hal_nvm_program(at, &other, 4));
+    /* But for zeros, which go over anything. */
+    TEST_ASSERT_EQUAL(ERR_OK, hal_nvm_program(at, &zeros, 4));
+    TEST_ASSERT_EQUAL(ERR_OK, hal_nvm_read(at, &back, 4));
+    TEST_ASSERT_EQUAL_HEX32(zeros, back);
 }
 
 static void an_erase_leaves_the_other_sector_alone(void)
