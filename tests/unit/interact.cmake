@@ -10,6 +10,7 @@ foreach(kind "" _double)
     reflux_test(${part}${kind} LABEL unit SOURCES ${CMAKE_CURRENT_LIST_DIR}/test_${part}.c LIBS reflux_design${kind})
   endforeach()
 endforeach()
+reflux_test(ranges LABEL unit SOURCES ${CMAKE_CURRENT_LIST_DIR}/test_ranges.c LIBS reflux_design)
 reflux_test(assignment LABEL unit SOURCES ${CMAKE_CURRENT_LIST_DIR}/test_assignment.c LIBS reflux_interact)
 
 # Settings on the plants themselves, by eigenvalues; and the library for the host tools.

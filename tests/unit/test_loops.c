@@ -108,6 +108,29 @@ static void fast_sampling_of_a_slow_plant_loses_nothing(void)
     TEST_ASSERT_FALSE(nyquist.stable);
 }
 
+/* A loop with Skogestad's settings, in seconds and in milliseconds. */
+static void a_curve_is_the_same_in_another_unit_of_time(void)
+{
+    double gain = 20.0 / 2.0 / 6.0, db = 0.0;
+    uint16_t points = 0;
+    for (unsigned k = 0; k < 2; k++) {
+        double unit = k ? 1e-3 : 1.0, ti = 20.0 * unit;
+        memset(&known, 0, sizeof known);
+        known.plant.outputs = known.plant.inputs = known.pairs.n = 1;
+        known.plant.element[0][0] =
+            (struct fopdt){REAL_C(2.0), (real_t)(3.0 * unit), (real_t)(20.0 * unit)};
+        set_loops(&gain, &ti, unit);
+        TEST_ASSERT_EQUAL_INT(ERR_OK, follow(1.0));
+        TEST_ASSERT_TRUE(nyquist.stable);
+        if (k) {
+            TEST_ASSERT_UINT16_WITHIN(2, points, nyquist.points);
+            TEST_ASSERT_DOUBLE_WITHIN(1e-3, db, (double)nyquist.log_modulus_db);
+        }
+        points = nyquist.points;
+        db = (double)nyquist.log_modulus_db;
+    }
+}
+
 static void loops_on_a_negative_niederlinski_index_are_unstable_however_slow(void)
 {
     known_plant(PLANT_WOOD_BERRY, &known);
@@ -390,6 +413,7 @@ int main(void)
     RUN_TEST(loops_are_stable_where_their_eigenvalues_say_so);
     RUN_TEST(the_edge_of_stability_of_a_single_loop_is_where_theory_puts_it);
     RUN_TEST(fast_sampling_of_a_slow_plant_loses_nothing);
+    RUN_TEST(a_curve_is_the_same_in_another_unit_of_time);
     RUN_TEST(loops_on_a_negative_niederlinski_index_are_unstable_however_slow);
     RUN_TEST(a_limit_ends_the_search_early);
     RUN_TEST(sixteen_loops_are_followed);
