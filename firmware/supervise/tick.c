@@ -35,10 +35,13 @@ static bool feedforward_input(const struct supervisor *s, uint8_t k, num_t *d)
     return output ? s->output[from].bound : s->measurement[from].seen;
 }
 
-static void feed_forward(struct supervisor *s)
+/* `before`: what was added in the tick before, for each loop. */
+static void feed_forward(struct supervisor *s, num_t *before)
 {
-    for (uint8_t i = 0; i < s->placed[PLACED_LOOPS]; i++)
+    for (uint8_t i = 0; i < s->placed[PLACED_LOOPS]; i++) {
+        before[i] = s->loop[i].feedforward;
         s->loop[i].feedforward = num_zero();
+    }
     for (uint8_t k = 0; k < CONFIG_FEEDFORWARDS; k++) {
         num_t d;
         if (!feedforward_input(s, k, &d))
@@ -116,8 +119,9 @@ static num_t found(const struct supervisor *s, uint8_t j)
 
 /* Loops that act from this tick on, and all decoupled loops when their company changes, take over the
  * outputs they find: v = D^-1 (output - feedforward). Those that acted before go on with what they have under way:
- * a derivative that dies away must not become part of the integral because another loop comes or goes. */
-static void take_over(struct supervisor *s)
+ * a derivative that dies away must not become part of the integral because another loop comes or goes. Nor must what
+ * their feedforward calls for in this tick: the output they find has the one before in it. */
+static void take_over(struct supervisor *s, const num_t *before)
 {
     uint8_t mask = 0;
     bool rejoin = false; /* a change to one decoupled loop concerns them all */
@@ -134,7 +138,9 @@ static void take_over(struct supervisor *s)
         if (p->used && p->output != PLAN_NONE)
             /* The value last sent, or just asked for by hand: a read-back is one sample old, and a valve
              * that still moves would start the loop from where it was. */
-            v[i] = num_sub(found(s, p->output), s->loop[i].feedforward);
+            v[i] =
+                num_sub(found(s, p->output),
+                        s->loop[i].join || s->loop[i].moved ? s->loop[i].feedforward : before[i]);
         u[i] = v[i];
     }
     if (mask != s->decoupler_mask) {
@@ -461,8 +467,9 @@ void supervisor_control(struct supervisor *s)
     sequence_run(s);
 #endif
     drop_unbound(s);
-    feed_forward(s);
-    take_over(s);
+    num_t before[CONFIG_LOOPS];
+    feed_forward(s, before);
+    take_over(s, before);
     run_loops(s);
     command_outputs(s);
     constrain(s);

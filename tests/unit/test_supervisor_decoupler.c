@@ -283,6 +283,25 @@ static void a_decoupled_loop_takes_its_feedforward_into_account_on_the_way_in(vo
     ASSERT_NO_BUMP(0.5, sent(REFLUX));
 }
 
+/* The upset that trips an interlock, or makes somebody act, is the one the feedforward sees. */
+static void a_feedforward_that_moves_in_the_tick_in_which_the_company_changes_moves_its_output(void)
+{
+    with_feedforward();
+    apply();
+    mode(BOTTOM, LOOP_AUTO);
+    ticks(3);
+    reading(FEED, 6);
+    mode(TOP, LOOP_AUTO);
+    tick();
+    TEST_ASSERT_DOUBLE_WITHIN(OWN_MOVE, 0.54, sent(HEAT));
+    TEST_ASSERT_DOUBLE_WITHIN(OWN_MOVE, 0.5, sent(REFLUX));
+    reading(FEED, 8);
+    mode(TOP, LOOP_MANUAL);
+    tick();
+    TEST_ASSERT_DOUBLE_WITHIN(OWN_MOVE, 0.62, sent(HEAT));
+    TEST_ASSERT_DOUBLE_WITHIN(OWN_MOVE, 0.5, sent(REFLUX));
+}
+
 /* A correction of -0.3 from an output of 0.8: the loop's own part is 1.1 then. */
 static void automatic_begins_without_a_bump_and_reaches_both_ends_where_feedforward_takes_away(void)
 {
@@ -409,6 +428,7 @@ int main(void)
     RUN_TEST(a_feedforward_that_saturates_the_output_does_not_wind_the_loop_up);
     RUN_TEST(two_feedforwards_on_one_output_add_up);
     RUN_TEST(a_decoupled_loop_takes_its_feedforward_into_account_on_the_way_in);
+    RUN_TEST(a_feedforward_that_moves_in_the_tick_in_which_the_company_changes_moves_its_output);
     RUN_TEST(automatic_begins_without_a_bump_and_reaches_both_ends_where_feedforward_takes_away);
     RUN_TEST(output_limits_hold_for_what_reaches_the_manipulated_variable);
     RUN_TEST(an_output_found_outside_its_loops_limits_enters_them_at_the_loops_rate);
