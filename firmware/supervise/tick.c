@@ -44,15 +44,17 @@ static void feed_forward(struct supervisor *s, num_t *before)
     }
     for (uint8_t k = 0; k < CONFIG_FEEDFORWARDS; k++) {
         num_t d;
-        if (!feedforward_input(s, k, &d))
+        bool runs = feedforward_input(s, k, &d), ran = s->ff_running[k];
+        if (!runs && !ran)
             continue; /* no number yet: no correction */
         struct loop_state *l = &s->loop[s->plan->owner[s->plan->feedforward[k].to]];
-        if (!s->ff_running[k]) {
-            /* New, or what it looks at is: it begins at rest, and the loop makes room for it. */
-            s->ff_running[k] = true;
+        /* New or gone, or what it looks at is: it begins at rest, and the loop makes room for it or fills its place. */
+        l->moved = l->moved || runs != ran;
+        s->ff_running[k] = runs;
+        if (!runs)
+            continue;
+        if (!ran)
             feedforward_reset(&s->feedforward[k], d);
-            l->moved = true;
-        }
         l->feedforward = num_add(l->feedforward, feedforward_step(&s->feedforward[k], d));
     }
 }

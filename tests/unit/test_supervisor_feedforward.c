@@ -81,6 +81,23 @@ static void an_input_the_plant_does_not_have_calls_for_nothing(void)
     TEST_ASSERT_TRUE(num_eq(bench.s.loop[BOTTOM].feedforward, num_zero()));
 }
 
+static void it_goes_and_comes_without_a_bump_with_the_input_it_looks_at(void)
+{
+    bottom_in_automatic(from_reflux);
+    out(TOP, 9);
+    ticks(3);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-5, 0.7, sent(HEAT));
+    bench.s.output[REFLUX].bound = false;
+    ticks(2);
+    TEST_ASSERT_DOUBLE_WITHIN(BUMP, 0.7, sent(HEAT));
+    bench.s.output[REFLUX].bound = true; /* it has waited at its safe value, 0 */
+    ticks(2);
+    TEST_ASSERT_DOUBLE_WITHIN(BUMP, 0.7, sent(HEAT));
+    out(TOP, 2);
+    ticks(2);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-5, 0.8, sent(HEAT)); /* and works again */
+}
+
 static void it_begins_changes_and_goes_without_a_bump(void)
 {
     static const char *const changes[][2] = {
@@ -159,6 +176,7 @@ int main(void)
     RUN_TEST(a_read_back_that_differs_is_what_the_plant_got);
     RUN_TEST(an_input_without_a_loop_may_be_fed_forward_too);
     RUN_TEST(an_input_the_plant_does_not_have_calls_for_nothing);
+    RUN_TEST(it_goes_and_comes_without_a_bump_with_the_input_it_looks_at);
     RUN_TEST(it_begins_changes_and_goes_without_a_bump);
     RUN_TEST(automatic_begins_without_a_bump);
     RUN_TEST(corrections_go_on_from_input_to_input_a_tick_each);
