@@ -44,9 +44,9 @@ struct io_reading {
 };
 
 struct io_sample {
-    uint32_t number;                    /* counts samples; a gap is a lost sample */
-    plant_time_ms time;                 /* plant time of the sample */
-    uint32_t reception;                 /* counts of hal_cycles() that taking it from the line cost */
+    uint32_t number;    /* counts samples; a gap is a lost sample */
+    plant_time_ms time; /* plant time of the sample */
+    uint32_t reception; /* counts of hal_cycles() that taking it from the line cost */
     uint8_t n_measurements, n_readback; /* n_readback: 0 or the number of manipulated variables */
     struct io_reading measurement[IO_CHANNELS_MAX];
     struct io_reading
