@@ -57,8 +57,9 @@ static bool look(const struct supervisor *s, uint8_t i, float *value)
     uint8_t pv = c->side == ALARM_DEVIATION ? s->plan->loop[at].pv : at;
     const struct measurement_state *m = &s->measurement[pv];
     const struct measurement_config *mc = &s->plan->config.measurement[pv];
-    if (!m->bound || !m->seen || m->alarm)
-        return false;
+    bool idle = c->side == ALARM_DEVIATION && s->loop[at].mode == LOOP_MANUAL;
+    if (!idle && (!m->bound || !m->seen || m->alarm))
+        return false; /* of a loop that does not act there is nothing to believe */
     *value = span_to_eu(m->value, mc->lo, mc->hi);
     if (c->side == ALARM_DEVIATION) {
         float distance = *value - span_to_eu(s->loop[at].setpoint, mc->lo, mc->hi);
@@ -102,8 +103,12 @@ static void run_one(struct supervisor *s, uint8_t i)
         a->shelved_until_ms = 0;
         tell(s, i, EVENT_ALARM_SHELVED, 0.0f);
     }
-    if (!look(s, i, &value))
+    if (!look(s, i, &value)) {
+        /* Meanwhile the delay stands still. */
+        uint64_t since_ms = a->since_ms + (uint32_t)(s->plan->tick_s * 1000.0f);
+        a->since_ms = since_ms < s->time_ms ? since_ms : s->time_ms;
         return;
+    }
     bool now = beyond(s, i, value);
     if (now && !a->pending)
         a->since_ms = s->time_ms;

@@ -181,8 +181,12 @@ static void validate_readback(struct supervisor *s, uint8_t j, const struct read
 
 void supervisor_validate(struct supervisor *s, const struct tick_input *input)
 {
-    if (input->time_ms < s->time_ms)
+    if (input->time_ms < s->time_ms) {
         alarms_time_back(s);
+        /* Delays count in a time that is no more: they begin anew. */
+        for (uint8_t k = 0; k < s->placed[PLACED_INTERLOCKS]; k++)
+            s->interlock[k].pending = false;
+    }
     s->time_ms = input->time_ms;
     for (uint8_t i = 0; i < CHANNEL_MAX; i++) {
         if (s->plan->config.measurement[i].name[0])

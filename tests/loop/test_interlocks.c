@@ -237,6 +237,23 @@ static void samples_that_are_missing_when_the_delay_ends_do_not_begin_it_anew(vo
     TEST_ASSERT_TRUE(active());
 }
 
+static void its_delay_begins_anew_with_a_plant_whose_time_does(void)
+{
+    running();
+    SETTINGS("lock1.meas", "T10", "lock1.mv", "heat", "lock1.limit", "140", "lock1.value", "0",
+             "lock1.delay", "10");
+    samples(60);
+    reads(150);
+    samples(5);
+    board.number = 0;
+    board.time_ms = 0;
+    plant_again();
+    samples(10);
+    TEST_ASSERT_FALSE(active());
+    samples(1);
+    TEST_ASSERT_TRUE(active());
+}
+
 static void a_measurement_the_plant_no_longer_has_does_not_end_it(void)
 {
     running();
@@ -599,6 +616,7 @@ int main(void)
     RUN_TEST(what_the_plant_does_not_vouch_for_begins_nothing_where_bad_does_not_count);
     RUN_TEST(a_sensor_that_dies_during_the_delay_does_not_begin_it_where_bad_does_not_count);
     RUN_TEST(samples_that_are_missing_when_the_delay_ends_do_not_begin_it_anew);
+    RUN_TEST(its_delay_begins_anew_with_a_plant_whose_time_does);
     RUN_TEST(a_measurement_the_plant_no_longer_has_does_not_end_it);
     RUN_TEST(after_it_acted_in_the_safe_state_its_output_is_safe_and_stays_there);
     RUN_TEST(released_after_the_safe_state_has_ended_it_leaves_its_value);

@@ -244,6 +244,32 @@ static void a_measurement_that_is_not_believed_changes_nothing(void)
     TEST_ASSERT_TRUE(bench.s.alarm[1].listed);
 }
 
+static void its_delay_stands_still_while_the_measurement_is_not_believed(void)
+{
+    reading(T1, 79);
+    ticks(2);
+    bad_reading(T1, QUALITY_BAD, 79);
+    ticks(100);
+    reading(T1, 79);
+    ticks(3);
+    TEST_ASSERT_EQUAL(0, happened(EVENT_ALARM_ON, "T1.lo"));
+    tick();
+    TEST_ASSERT_EQUAL(1, happened(EVENT_ALARM_ON, "T1.lo"));
+}
+
+static void deviation_ends_with_the_loop_that_has_lost_its_measurement(void)
+{
+    mode(BOTTOM, LOOP_AUTO);
+    tick();
+    setpoint(BOTTOM, 118.5);
+    tick();
+    TEST_ASSERT_EQUAL(1, happened(EVENT_ALARM_ON, "bottom.dev"));
+    bad_reading(T10, QUALITY_BAD, 115);
+    ticks(100);
+    TEST_ASSERT_EQUAL(LOOP_MANUAL, bench.s.loop[BOTTOM].mode);
+    TEST_ASSERT_EQUAL(1, happened(EVENT_ALARM_OFF, "bottom.dev"));
+}
+
 /* 125 degC where the heat is 1 kW, 100 where it is 0. */
 static void a_value_made_up_for_a_lost_one_neither_brings_it_nor_ends_it(void)
 {
@@ -317,6 +343,8 @@ int main(void)
     RUN_TEST(a_shelved_one_is_silent_for_its_time_and_then_comes_anew);
     RUN_TEST(a_shelf_ends_when_that_is_asked_or_plant_time_is_set_back);
     RUN_TEST(a_measurement_that_is_not_believed_changes_nothing);
+    RUN_TEST(its_delay_stands_still_while_the_measurement_is_not_believed);
+    RUN_TEST(deviation_ends_with_the_loop_that_has_lost_its_measurement);
     RUN_TEST(a_value_made_up_for_a_lost_one_neither_brings_it_nor_ends_it);
     RUN_TEST(what_is_asked_of_an_alarm_that_is_not_there_is_refused);
     RUN_TEST(names_are_found_and_long_ones_cut);
