@@ -65,7 +65,9 @@ static bool alarm_line(struct console *c, unsigned n, struct text *line)
             text_str(line, "MEASUREMENT_BAD ");
             text_str(line, plan->config.measurement[n].name);
             text_char(line, ' ');
-            text_str(line, measurement_fault_text(sup->measurement[n].fault));
+            text_str(line, sup->measurement[n].bound
+                               ? measurement_fault_text(sup->measurement[n].fault)
+                               : "not announced by the plant");
         }
         return true;
     }

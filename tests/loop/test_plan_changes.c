@@ -45,6 +45,16 @@ static void a_filter_begins_anew_when_its_measurement_was_not_bound(void)
     is_believed_at("135");
 }
 
+static void what_is_wrong_with_a_measurement_that_is_no_longer_bound_is_that(void)
+{
+    board.quality[T10] = QUALITY_BAD;
+    samples(3);
+    (void)line_with("alarm", "MEASUREMENT_BAD T10 flagged bad");
+    ask_ok("set meas2.unit K");
+    samples(3);
+    (void)line_with("alarm", "MEASUREMENT_BAD T10 not announced by the plant");
+}
+
 static void a_filter_begins_anew_when_its_measurement_was_not_in_the_plan(void)
 {
     ask_ok("set meas2.filter 1000");
@@ -121,6 +131,7 @@ int main(void)
 {
     UNITY_BEGIN();
     RUN_TEST(a_filter_begins_anew_when_its_measurement_was_not_bound);
+    RUN_TEST(what_is_wrong_with_a_measurement_that_is_no_longer_bound_is_that);
     RUN_TEST(a_filter_begins_anew_when_its_measurement_was_not_in_the_plan);
     RUN_TEST(what_was_not_looked_at_is_neither_frozen_nor_too_fast);
     RUN_TEST(the_reason_of_the_safe_state_outlives_the_settings_it_was_taken_under);
