@@ -275,7 +275,7 @@ static void test_sequence_that_goes_round(void)
 static void test_many_cuts_in_a_row(void)
 {
     struct random_source random = {6};
-    for (unsigned n = 0; n < (all ? 20000u : 60u); n++) {
+    for (unsigned n = 0; n < (all ? 5000u : 60u); n++) {
         uint64_t own = random_next(&random);
         if (n % 12 == 0)
             prepare_image(random_below(&random, 5) * 1500u, 1 + random_below(&random, 9),
@@ -298,7 +298,7 @@ static void test_many_cuts_in_a_row(void)
 static void test_flash_that_fails_now_and_then(void)
 {
     struct random_source random = {8};
-    for (unsigned n = 0; n < (all ? 5000u : 30u); n++) {
+    for (unsigned n = 0; n < (all ? 2000u : 30u); n++) {
         uint64_t own = random_next(&random);
         if (n % 10 == 0)
             prepare_image(random_below(&random, 4) * 1500u, 1 + random_below(&random, 9),
