@@ -29,6 +29,9 @@ CHECKED = ("-O1", "-fstack-protector-strong", "-D_FORTIFY_SOURCE=2", "-fsanitize
 COMPARED = ("-O2", "-g0")
 FORMATS = {"float": "OFF", "fixed": "ON"}
 LONGEST_OUTPUT = 256 << 20
+ADDED = re.compile(r'^add_test\(\[=\[(.+?)\]=\] (.*)\)$', re.MULTILINE)
+PROPERTIES = re.compile(r'^set_tests_properties\(\[=\[(.+?)\]=\] PROPERTIES (.*)\)$', re.MULTILINE)
+PROPERTY = re.compile(r'(\w+) "([^"]*)"')
 STALLED_S = 60.0  # no processor time for so long: it waits for something that does not come
 
 
@@ -81,6 +84,7 @@ class Tree:
 
     def configure(self) -> None:
         if (self.folder / "build.ninja").is_file():
+            self._must(["ninja", "-C", str(self.folder), "build.ninja"], f"bringing {shown(self.folder)} up to date")
             return
         flags = ["--coverage"] if self.counts_lines else CHECKED
         command = ["cmake", "-S", str(ROOT), "-B", str(self.folder), "-G", "Ninja", f"-DCMAKE_C_FLAGS=-w {' '.join(flags)}",
@@ -113,17 +117,20 @@ class Tree:
     # --- what there is -------------------------------------------------------------------------------
 
     def tests(self) -> list[Test]:
-        """What ctest knows here and what runs something of this tree."""
+        """What ctest knows here and what runs something of this tree. Read from its files: of a program that is not
+        built yet ctest itself tells no command."""
         self.configure()
         out = []
-        listing = self._must(["ctest", "--test-dir", str(self.folder), "--show-only=json-v1"], "listing the tests")
-        for entry in json.loads(listing)["tests"]:
-            properties = {item["name"]: item["value"] for item in entry.get("properties", [])}
-            command = tuple(entry.get("command", ()))
-            programs = tuple(c for c in command if c.startswith(f"{self.folder}/"))
-            if programs:
-                out.append(Test(entry["name"], command, properties.get("WORKING_DIRECTORY", str(ROOT)),
-                                tuple(properties.get("ENVIRONMENT", ())), programs))
+        for listing in sorted(self.folder.rglob("CTestTestfile.cmake")):
+            text = listing.read_text(encoding="utf-8")
+            properties = {name: dict(PROPERTY.findall(rest)) for name, rest in PROPERTIES.findall(text)}
+            for name, rest in ADDED.findall(text):
+                command = tuple(re.findall(r'"([^"]*)"', rest))
+                programs = tuple(c for c in command if c.startswith(f"{self.folder}/"))
+                mine = properties.get(name, {})
+                environment = tuple(x for x in mine.get("ENVIRONMENT", "").split(";") if x)
+                if programs:
+                    out.append(Test(name, command, mine.get("WORKING_DIRECTORY", str(listing.parent)), environment, programs))
         return out
 
     def target_of(self, program: str) -> str:
