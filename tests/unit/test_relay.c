@@ -430,6 +430,28 @@ static void samples_that_are_lost_do_not_change_the_outcome_much(void)
     TEST_ASSERT_EQUAL_INT(ERR_STATE, relay_missed(&relay));
 }
 
+/* A sample alone is noise, or a jump of the sensor. */
+static void it_takes_two_samples_in_a_row_for_an_answer(void)
+{
+    struct relay_config c = {.h_s = 1,
+                             .sign = 1,
+                             .hysteresis = (real_t)0.01,
+                             .amplitude = (real_t)0.1,
+                             .first = (real_t)0.1,
+                             .most = (real_t)0.3,
+                             .wanted = (real_t)0.05,
+                             .patience = 100,
+                             .half_most = 1000};
+    TEST_ASSERT_EQUAL_INT(ERR_OK, relay_begin(&relay, &c));
+    for (int k = 0; k < 5; k++)
+        for (int n = 0; n < 2; n++) {
+            TEST_ASSERT_EQUAL_INT(ERR_OK, relay_step(&relay, n ? (real_t)0.02 : ZERO, 0));
+            TEST_ASSERT_EQUAL_INT(RELAY_START, relay.phase);
+        }
+    TEST_ASSERT_EQUAL_INT(ERR_OK, relay_step(&relay, (real_t)0.02, 0));
+    TEST_ASSERT_EQUAL_INT(RELAY_CYCLE, relay.phase);
+}
+
 static void what_is_no_number_is_refused(void)
 {
     const real_t bad[] = {(real_t)NAN, (real_t)INFINITY, -(real_t)INFINITY};
@@ -491,6 +513,7 @@ int main(void)
     RUN_TEST(an_output_that_does_not_come_back_ends_it_in_time);
     RUN_TEST(pure_noise_ends);
     RUN_TEST(samples_that_are_lost_do_not_change_the_outcome_much);
+    RUN_TEST(it_takes_two_samples_in_a_row_for_an_answer);
     RUN_TEST(what_is_no_number_is_refused);
     RUN_TEST(what_makes_no_sense_is_refused);
     return UNITY_END();
