@@ -159,6 +159,9 @@ static void record(struct console *c, uint8_t code, unsigned n, char **word, boo
     } else if (code == EVENT_DO_SEQUENCE) {
         if (n == 0 || strcmp(word[0], "list") == 0)
             return; /* only looked at */
+    } else if (code == EVENT_DO_COMMISSION) {
+        if (console_commission_looks(n, word))
+            return;
     } else if (code == EVENT_DO_ALARM) {
         if (n < 2)
             return; /* only looked at */

@@ -154,6 +154,8 @@ static inline const struct config *console_settings(const struct console *c)
 
 /* Automatic start-up */
 void command_commission(struct console *c, unsigned n, char **word);
+/* These n words after `commission` only show something: no action to be recorded. */
+bool console_commission_looks(unsigned n, char **word);
 /* Puts the old settings back where a trial has failed. Returns whether there was anything to do. */
 bool console_commission_poll(struct console *c);
 /* What is in force is on trial, or about to be taken back. */

@@ -262,6 +262,19 @@ static bool may(struct console *c, bool engineer)
     return false;
 }
 
+static console_listing listing_of(const char *word)
+{
+    for (unsigned i = 0; i < sizeof listings / sizeof listings[0]; i++)
+        if (strcmp(word, listings[i].word) == 0)
+            return listings[i].listing;
+    return NULL;
+}
+
+bool console_commission_looks(unsigned n, char **word)
+{
+    return n == 0 || (n == 1 && (listing_of(word[0]) || strcmp(word[0], "relay") == 0));
+}
+
 void command_commission(struct console *c, unsigned n, char **word)
 {
     if (n == 0) {
@@ -277,11 +290,10 @@ void command_commission(struct console *c, unsigned n, char **word)
         console_err_about(c, ERR_PARSE, word[1], "only `commission relay` takes a loop");
         return;
     }
-    for (unsigned i = 0; i < sizeof listings / sizeof listings[0]; i++) {
-        if (strcmp(word[0], listings[i].word) == 0) {
-            console_list(c, listings[i].listing, "");
-            return;
-        }
+    console_listing listing = listing_of(word[0]);
+    if (listing) {
+        console_list(c, listing, "");
+        return;
     }
     for (unsigned i = 0; i < sizeof asks / sizeof asks[0]; i++) {
         if (strcmp(word[0], asks[i].word) == 0) {
@@ -337,6 +349,13 @@ bool console_commission_on_trial(const struct console *c)
 {
     (void)c;
     return false;
+}
+
+bool console_commission_looks(unsigned n, char **word)
+{
+    (void)n;
+    (void)word;
+    return true;
 }
 
 void command_commission(struct console *c, unsigned n, char **word)

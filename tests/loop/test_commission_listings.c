@@ -74,9 +74,23 @@ static void what_cannot_be_told_is_shown_as_open(void)
     ask_refused("commission edit", "STATE");
 }
 
+static void show(const char *c){ ask(c); printf("--- %s\n", c); for(unsigned i=0;i<n_reply;i++) printf("%s\n", reply[i]); }
+static void probe(void)
+{
+    commission_plant("wood-berry", 60000, 0.0, NULL);
+    ask_ok("commission begin");
+    until("TEST_STEP R", 300); show("commission"); show("commission plan");
+    until("PROPOSAL", 3000); show("events"); printf("number %u\n", board.number);
+    show("commission"); show("commission plant"); show("commission plan"); show("commission model"); show("commission gains"); show("commission pairing"); show("commission structure"); show("commission proposal"); show("commission trial");
+    show("commission edit"); show("diff"); ask("abandon");
+    ask_ok("commission accept"); until("TRIAL_BEGUN",5); plant_steps(30); show("commission"); show("commission trial"); until("TRIAL_KEPT", 4000); show("commission trial"); show("commission");show("loop"); show("events");
+    commission_plant("wood-berry", 60000, 1.0, NULL);
+    ask_ok("commission begin");
+    until("PROPOSAL", 3000);  show("commission model"); show("commission gains"); show("commission pairing"); show("commission proposal"); 
+}
 int main(void)
 {
-    UNITY_BEGIN();
+    UNITY_BEGIN(); RUN_TEST(probe);
     RUN_TEST(before_the_tests_there_is_nothing_but_the_plant);
     RUN_TEST(a_proposal_is_shown_with_what_it_rests_on);
     RUN_TEST(a_trial_is_shown_beside_what_was_predicted);

@@ -339,6 +339,76 @@ static void rows_and_their_header_hold_every_channel_in_its_place(void)
     TEST_ASSERT_EQUAL_STRING(",85,1,110,0,0,85,1,122.5,0,2.5,0.8828125,0.8828125,0\n", rest);
 }
 
+/* ---- events ---- */
+
+static void what_is_only_looked_at_is_no_action(void)
+{
+    static const char *const looks[] = {"help",
+                                        "version",
+                                        "status",
+                                        "loop",
+                                        "loop top",
+                                        "list",
+                                        "get loop1.gain",
+                                        "diff",
+                                        "dump",
+                                        "log off",
+                                        "alarm",
+                                        "seq",
+                                        "seq list",
+                                        "events",
+                                        "stats",
+                                        "commission",
+                                        "commission plant",
+                                        "commission plan",
+                                        "commission gains",
+                                        "commission model",
+                                        "commission pairing",
+                                        "commission structure",
+                                        "commission proposal",
+                                        "commission trial",
+                                        "commission relay",
+                                        "tune bottom simc 50 20 600",
+                                        "mode machine"};
+    ask_ok("events");
+    unsigned before = n_reply;
+    for (unsigned i = 0; i < sizeof looks / sizeof looks[0]; i++)
+        ask_ok(looks[i]);
+    ask_ok("events");
+    TEST_ASSERT_EQUAL_MESSAGE(before, n_reply, board.said);
+}
+
+static void every_action_is_kept_with_its_subject_and_value(void)
+{
+    static const char *const done[][2] = {
+        {"mode bottom auto", "DO_MODE bottom 1 mode asked for (0 manual, 1 auto, 2 cascade)"},
+        {"sp bottom 112.5", "DO_SETPOINT bottom 112.5 setpoint asked for"},
+        {"out top 2", "DO_OUTPUT top 2 output asked for"},
+        {"set alarm1.on T10", "DO_SET alarm1.on 0 parameter set; 0 for a word"},
+        {"set alarm1.limit 120", "DO_SET alarm1.limit 120 parameter set; 0 for a word"},
+        {"alarm shelve T10.hi 60", "DO_ALARM T10.hi 60 alarm acknowledged or shelved"},
+        {"alarm ack all", "DO_ALARM all 0 alarm acknowledged or shelved"},
+        {"set step1.seq stop", "DO_SET step1.seq 0 parameter set; 0 for a word"},
+        {"seq stop", "DO_SEQUENCE stop 0 sequence started, stopped or told what to do"},
+        {"commission abort", NULL},
+        {"save", "DO_STORAGE save 0 stored settings saved, loaded or replaced"},
+        {"load", "DO_STORAGE load 0 stored settings saved, loaded or replaced"},
+        {"commission begin", NULL},
+        {"defaults", "DO_STORAGE defaults 0 stored settings saved, loaded or replaced"},
+        {"key pot_still", "DO_KEY - 0 key changed"},
+        {"lock", "DO_LOCK - 0 engineer level locked"},
+        {"unlock pot_still", "DO_UNLOCK - 0 engineer level unlocked"}};
+    char line[160];
+    for (unsigned i = 0; i < sizeof done / sizeof done[0]; i++) {
+        bool taken = strcmp(ask(done[i][0]), "ok") == 0;
+        TEST_ASSERT_EQUAL_MESSAGE(done[i][1] != NULL, taken, board.said);
+        samples(1);
+        ask_ok("events");
+        snprintf(line, sizeof line, "action %s, by engineer", done[i][1] ? done[i][1] : "");
+        TEST_ASSERT_EQUAL_MESSAGE(taken ? 1 : 0, times_said(line), line);
+    }
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -355,5 +425,7 @@ int main(void)
     RUN_TEST(tune_proposes_what_the_rules_say);
     RUN_TEST(tune_counts_the_span_of_the_inner_loop_for_an_outer_one);
     RUN_TEST(rows_and_their_header_hold_every_channel_in_its_place);
+    RUN_TEST(what_is_only_looked_at_is_no_action);
+    RUN_TEST(every_action_is_kept_with_its_subject_and_value);
     return UNITY_END();
 }
