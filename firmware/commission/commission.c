@@ -19,19 +19,14 @@ static const char *const why_texts[WHY_COUNT] = {
     [WHY_LIMIT] = "went past its test limit",
     [WHY_AWAY] = "does not come back after the test: unstable or integrating",
     [WHY_INTEGRATES] =
-        "integrates, or is many times slower than `test.longest`: only plants that come "
-        "to rest by themselves can be tested",
+        "integrates, or is many times slower than `test.longest`: it must come to rest by itself",
     [WHY_TOO_SLOW] =
         "is slower than `test.longest` or its `test_time` allows: set more, or leave it out",
     [WHY_LEFT] =
-        "is farther from where it was before the tests than its drift explains: bring it back, "
-        "and begin anew",
-    [WHY_SPAN] =
-        "reads an end of its span: what the plant does is not to be seen; widen the span, or "
-        "repair the sensor",
+        "is farther from where it was than its drift explains: bring it back, and begin anew",
+    [WHY_SPAN] = "reads an end of its span, not the plant: widen the span, or repair the sensor",
     [WHY_REVERSAL] =
-        "would go past its test limit at the reversal: a smaller `test_step`, or a wider "
-        "limit",
+        "would go past its test limit at the reversal: a smaller `test_step`, or a wider limit",
     [WHY_NO_INPUT] = "every input was skipped",
     [WHY_NUMBERS] = "the analysis refused the model",
     [WHY_SAMPLES] = "samples were missing",

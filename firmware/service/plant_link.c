@@ -360,9 +360,15 @@ static bool poll(void *context, uint64_t now_ms, struct io_sample *sample)
     for (;;) { /* ends when the receive ring is empty: it is finite, and a sample returns at once */
         uint32_t begun = hal_cycles();
         bool taken = link->rx_at < link->rx_n, complete = false;
-        while (link->rx_at < link->rx_n && !complete)
-            complete = frame_decode(&link->decoder, link->rx[link->rx_at++], &f) &&
-                       on_frame(link, &f, now_ms, sample);
+        while (link->rx_at < link->rx_n && !complete) {
+            if (!frame_decode(&link->decoder, link->rx[link->rx_at++], &f))
+                continue;
+            complete = on_frame(link, &f, now_ms, sample);
+            if (!complete) { /* what it was is no part of a sample's cost */
+                begun = hal_cycles();
+                link->reception = 0;
+            }
+        }
         if (taken) /* looking in vain is no reception */
             link->reception += hal_cycles() - begun;
         if (complete) {

@@ -56,7 +56,7 @@ struct plant_link {
     struct frame_decoder decoder;
     uint8_t rx[LINK_RX_BLOCK];
     uint8_t rx_n, rx_at;
-    uint32_t reception; /* counts of hal_cycles() spent on what has come since the last sample */
+    uint32_t reception; /* counts of hal_cycles() spent so far on the frame that is coming in */
     uint16_t heard_sequence;
     bool version_told;
     struct {
