@@ -76,6 +76,7 @@ static void enter(struct adoption *a, enum stage stage, uint32_t ticks)
     a->error_sum = REAL_C(0.0);
     a->error_n = 0;
     memset(a->blocked, 0, sizeof a->blocked);
+    memset(&a->swing, 0, sizeof a->swing);
 }
 
 void adoption_hold(struct adoption *a, const struct supervisor *s)
@@ -353,6 +354,28 @@ static bool is_blocked(const struct supervisor *s, uint8_t output)
     return at <= lo + MOVED_LEAST || at >= hi - MOVED_LEAST;
 }
 
+/* What of a drift the line may not have foreseen keeps a loop away from its setpoint. Its controller has to climb as fast as
+ * the drift, for which the error is the drift times the integral of the error after a step of one: both are Ti / (K Kc).
+ * The other loops drift, too. */
+static real_t lag_behind_drift(const struct adoption *a)
+{
+    const struct adoption_channel *c = &a->channel[a->at];
+    const struct adoption_loop *l = &a->loop[a->at];
+    real_t unforeseen = REAL_C(2.0) * c->slope_sd_per_s;
+    if (!c->drifts)
+        unforeseen += real_abs(c->slope_per_s);
+    return REAL_C(2.0) * unforeseen * l->predicted.iae / real_abs(l->size);
+}
+
+/* The setpoint has gone away, or back. */
+static void look_at_swing(struct adoption *a, const struct supervisor *s)
+{
+    real_t noise_sd = a->channel[a->at].noise_sd, lag = lag_behind_drift(a);
+    swing_step(&a->swing, a->asked[a->at] - measured(a, s, a->at), noise_sd, lag);
+    if (a->ticks >= a->stage_ticks)
+        swing_end(&a->swing, noise_sd, lag);
+}
+
 static void look(struct adoption *a, const struct supervisor *s)
 {
     struct adoption_loop *l = &a->loop[a->at];
@@ -368,19 +391,6 @@ static void look(struct adoption *a, const struct supervisor *s)
         a->error_sum += error;
         a->error_n++;
     }
-}
-
-/* What of a drift the line may not have foreseen keeps a loop away from its setpoint. Its controller has to climb as fast as
- * the drift, for which the error is the drift times the integral of the error after a step of one: both are Ti / (K Kc).
- * The other loops drift, too. */
-static real_t lag_behind_drift(const struct adoption *a)
-{
-    const struct adoption_channel *c = &a->channel[a->at];
-    const struct adoption_loop *l = &a->loop[a->at];
-    real_t unforeseen = REAL_C(2.0) * c->slope_sd_per_s;
-    if (!c->drifts)
-        unforeseen += real_abs(c->slope_per_s);
-    return REAL_C(2.0) * unforeseen * l->predicted.iae / real_abs(l->size);
 }
 
 static enum adoption_result judge(const struct adoption *a, const struct supervisor *s)
@@ -404,6 +414,8 @@ static enum adoption_result judge(const struct adoption *a, const struct supervi
             return ADOPTION_BLOCKED;
     if (l->peak > peak_most)
         return ADOPTION_OVERSHOOT;
+    if (a->swing.grows)
+        return ADOPTION_SWINGS;
     if (real_abs(left) > REST_SHARE * step + noise_sd + lag)
         return ADOPTION_RESTLESS;
     if (l->iae > iae_most)
@@ -435,6 +447,17 @@ static enum adoption_result end_step(struct adoption *a, struct supervisor *s)
     return ADOPTION_RUNNING;
 }
 
+static enum adoption_result end_return(struct adoption *a, struct supervisor *s)
+{
+    if (a->swing.grows) {
+        a->doubt = ADOPTION_SWINGS;
+        rest_again(a, s);
+        return ADOPTION_RUNNING;
+    }
+    a->at++;
+    return go_on(a, s);
+}
+
 enum adoption_result adoption_tick(struct adoption *a, struct supervisor *s)
 {
     a->ticks++;
@@ -449,12 +472,12 @@ enum adoption_result adoption_tick(struct adoption *a, struct supervisor *s)
         return r;
     if (a->stage == STAGE_STEP)
         look(a, s);
+    if (a->stage == STAGE_STEP || a->stage == STAGE_RETURN)
+        look_at_swing(a, s);
     if (a->ticks >= a->stage_ticks) {
         if (a->stage == STAGE_STEP)
             return end_step(a, s);
-        if (a->stage == STAGE_RETURN)
-            a->at++;
-        return go_on(a, s);
+        return a->stage == STAGE_RETURN ? end_return(a, s) : go_on(a, s);
     }
     place_setpoints(a, s);
     return ADOPTION_RUNNING;

@@ -14,6 +14,7 @@
 #define REFLUX_COMMISSION_ADOPTION_H
 
 #include "commission/origin.h"
+#include "commission/swing.h"
 #include "design/trial.h"
 #include "identify/steady.h"
 #include "supervise/supervisor.h"
@@ -53,6 +54,7 @@ enum adoption_result {
     ADOPTION_SLOW,
     ADOPTION_OVERSHOOT,
     ADOPTION_RESTLESS,
+    ADOPTION_SWINGS,  /* half cycles of the error that do not decay */
     ADOPTION_BLOCKED, /* an output stood at its limit */
     ADOPTION_LEFT,    /* at rest too far from the operating point */
     ADOPTION_HAND /* a loop did not go to automatic, or somebody moved a mode, a setpoint or an output */
@@ -76,6 +78,7 @@ struct adoption {
     real_t asked[CONFIG_LOOPS];         /* setpoints, as written */
     real_t error_sum;
     uint32_t error_n;
+    struct swing swing;             /* of the loop under trial */
     uint32_t blocked[CONFIG_LOOPS]; /* samples of the step at a limit of the output */
     struct steady *steady;          /* work */
     struct origin *origin;          /* the operating point */

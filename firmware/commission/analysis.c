@@ -2,14 +2,14 @@
 #if COMMISSION_CHANNELS
 
 #include "commission/analysis_structure.h"
+#include "commission/certainty.h"
 
 #include <stddef.h>
 #include <string.h>
 
 #include "control/decoupler.h"
 
-#define SIGN_SDS REAL_C(3.0) /* a gain nearer to 0 may have the other sign: no loop for it */
-#define HORIZON  REAL_C(5.0) /* times integral and dead time: what a loop by itself takes */
+#define HORIZON REAL_C(5.0) /* times integral and dead time: what a loop by itself takes */
 /* A decoupler makes the loops depend on each other: it must be better by a tenth in setpoints as in loads. */
 #define PAYS       REAL_C(0.81)
 #define EXTENSIONS 2u
@@ -80,18 +80,6 @@ static enum err end_gains(struct analysis *a)
     return ERR_OK;
 }
 
-/* A relative gain may be sure where the gain is not: of an output that one input alone seems to move, and that hardly. */
-static void doubt_signs(struct analysis *a)
-{
-    for (uint8_t k = 0; k < a->pairs.n; k++) {
-        uint8_t j = a->pairs.output[k], i = a->pairs.input[k];
-        if (real_abs(a->plant.element[j][i].gain) >= SIGN_SDS * a->plant.gain_sd[j][i])
-            continue;
-        a->verdict = PAIRING_UNDETERMINED;
-        a->ambiguous_outputs = (uint16_t)(a->ambiguous_outputs | 1u << j);
-    }
-}
-
 /* The pairs in the order of the outputs, and what single loops will make of them. */
 static enum err end_pairing(struct analysis *a)
 {
@@ -104,14 +92,23 @@ static enum err end_pairing(struct analysis *a)
     memcpy(a->pair_lambda, p->lambda, sizeof a->pair_lambda);
     memcpy(a->share, p->share, sizeof a->share);
     memcpy(a->rival, p->rival, sizeof a->rival);
-    if (a->verdict == PAIRING_DETERMINED)
-        doubt_signs(a);
-    if (a->verdict != PAIRING_DETERMINED) {
-        a->stage = ANALYSIS_DONE;
-        return ERR_OK;
-    }
-    a->stage = ANALYSIS_SECOND;
-    return ERR_BUSY;
+    a->determinant = p->determinant;
+    a->integrity = p->integrity;
+    a->negative = p->negative;
+    a->negative_index = p->negative_index;
+    certainty_of_gains(a);
+    bool asks = a->verdict == PAIRING_DETERMINED || a->verdict == PAIRING_UNDETERMINED;
+    a->stage = asks ? ANALYSIS_SECOND : ANALYSIS_DONE;
+    return asks ? ERR_BUSY : ERR_OK;
+}
+
+static enum err end_second(struct analysis *a)
+{
+    analysis_ask_second(a);
+    certainty_of_second(a);
+    bool determined = a->verdict == PAIRING_DETERMINED;
+    a->stage = determined ? ANALYSIS_STRUCTURE : ANALYSIS_DONE;
+    return determined ? ERR_BUSY : ERR_OK;
 }
 
 static enum err do_structure(struct analysis *a)
@@ -411,9 +408,7 @@ enum err analysis_step(struct analysis *a)
         err = pairing_step(&a->work.pairing);
         return err ? err : end_pairing(a);
     case ANALYSIS_SECOND:
-        analysis_ask_second(a);
-        a->stage = ANALYSIS_STRUCTURE;
-        return ERR_BUSY;
+        return end_second(a);
     case ANALYSIS_STRUCTURE:
         return do_structure(a);
     case ANALYSIS_DECOUPLER:

@@ -63,14 +63,30 @@ struct analysis_design {
 /* What gains and residence times together (interact/measure.h) make of the pairing by gains alone. */
 enum analysis_second { SECOND_NONE, SECOND_AGREES, SECOND_DIFFERS };
 
+/* What speaks against a pairing: certainty.h. */
+enum analysis_doubt {
+    DOUBT_DRAWS = 1 << 0,       /* gains drawn about the estimates give others too often */
+    DOUBT_DETERMINANT = 1 << 1, /* its sign is not sure */
+    DOUBT_RANK = 1 << 2,        /* fewer directions than pairs stand out of the errors */
+    DOUBT_SIGN = 1 << 3,        /* ... of the gain of a pair */
+    DOUBT_SHAPE = 1 << 4,       /* a response that a pair uses was not seen to its end */
+    DOUBT_SHAPE_FINAL = 1 << 5, /* ... is not that of a lag: more tests do not help */
+    DOUBT_SECOND = 1 << 6,      /* gains over residence times would pair otherwise */
+    DOUBT_INTEGRITY =
+        1 << 7 /* with some loops in manual the others may run away, for all that is known */
+};
+
 /* How an element begins where that is not as it goes on; time constant 0: it is. */
 struct beginning {
     real_t time_constant_s, dead_time_s;
 };
 
 struct analysis {
-    struct interact_plant plant; /* these two first: what follows begins anew with every analysis */
+    struct interact_plant
+        plant; /* these three first: what follows begins anew with every analysis */
     struct beginning beginning[INTERACT_MAX][INTERACT_MAX]; /* settings are for this */
+    /* Of each element what is unresolved: enum identified_flag. A loop is made of none with certainty.h's flags. */
+    uint16_t flags[INTERACT_MAX][INTERACT_MAX];
     bool begins; /* plant and beginning have changed places, for the settings */
     struct analysis_config config;
     enum analysis_stage stage;
@@ -89,7 +105,12 @@ struct analysis {
     real_t share[INTERACT_MAX];
     uint8_t rival[INTERACT_MAX];
     uint16_t ambiguous_outputs;
-    enum analysis_second second; /* SECOND_NONE: not determined, or no such gains */
+    enum analysis_second second; /* SECOND_NONE: no pairs, or no such gains */
+    uint8_t doubts;              /* bits of enum analysis_doubt: any, and it is not determined */
+    real_t determinant;          /* in its own standard deviations */
+    real_t integrity;            /* share of draws in which every subset of the loops holds */
+    uint16_t negative;           /* pairs that run away without the others: struct pairing */
+    real_t negative_index;
     real_t pair_phi[INTERACT_MAX];
 
     uint8_t n_cascades;

@@ -52,13 +52,26 @@ static unsigned members(uint16_t mask)
     return n;
 }
 
+/* A gain that is not seen is not therefore 0: its error may leave room for one. */
+static bool nothing_hides(const struct analysis *a, uint16_t outputs, uint16_t inputs)
+{
+    for (uint8_t j = 0; j < a->plant.outputs; j++) {
+        bool own = (outputs >> j & 1u) != 0u;
+        unsigned others = own ? ~(unsigned)inputs : inputs;
+        if (a->structure.uncertain[j] & others)
+            return false;
+    }
+    return true;
+}
+
 /* Johansson's case: a part of the plant with one input and two outputs, (G1, G2 G1). Where an input moves more than these
- * two, or another moves them as well, a loop on the inner output would not have it to itself. */
+ * two, or another moves them as well, or may for all that is known, a loop on the inner output would not have it to itself. */
 static bool usable(const struct analysis *a, const struct cascade *c)
 {
     uint16_t both = (uint16_t)(1u << c->inner | 1u << c->outer);
     for (uint8_t p = 0; p < a->structure.parts; p++) {
-        if (a->structure.part_outputs[p] != both || members(a->structure.part_inputs[p]) != 1u)
+        if (a->structure.part_outputs[p] != both || members(a->structure.part_inputs[p]) != 1u ||
+            !nothing_hides(a, both, a->structure.part_inputs[p]))
             continue;
         struct tuning t;
         real_t tau_c_s;

@@ -37,6 +37,7 @@ static const char *const why_texts[WHY_COUNT] = {
     [WHY_TRIAL_REST] = "did not come to rest on trial",
     [WHY_TRIAL_ROOM] = "an output stood at its limit on trial",
     [WHY_SEQUENCE] = "a sequence is under way; `seq` shows it",
+    [WHY_TRIAL_SWINGS] = "oscillated on trial without decaying fast enough",
     [WHY_NO_ANSWER] =
         "its measurement does not answer to the relay, or its action is the wrong one",
     [WHY_NO_CYCLE] = "no steady cycle under the relay",

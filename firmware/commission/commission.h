@@ -63,11 +63,12 @@ enum commission_why {
     WHY_SEQUENCE,
     WHY_NO_ANSWER, /* to a relay */
     WHY_NO_CYCLE,
-    WHY_TRIAL_ROOM, /* an output stood at its limit */
-    WHY_LEFT,       /* farther from the operating point than its drift explains */
-    WHY_SPAN,       /* reads an end of its span */
-    WHY_REVERSAL,   /* no double step is small enough */
-    WHY_TOO_SLOW,   /* for test.longest */
+    WHY_TRIAL_ROOM,   /* an output stood at its limit */
+    WHY_LEFT,         /* farther from the operating point than its drift explains */
+    WHY_SPAN,         /* reads an end of its span */
+    WHY_REVERSAL,     /* no double step is small enough */
+    WHY_TOO_SLOW,     /* for test.longest */
+    WHY_TRIAL_SWINGS, /* an oscillation that does not decay */
     WHY_COUNT
 };
 
@@ -114,6 +115,8 @@ struct tested_input {
     uint8_t smaller; /* tests done again, with smaller steps, because an output is not linear */
     uint8_t gentler; /* ... because the guard has cut them */
     bool skipped, cut, small;
+    bool
+        unsettled; /* the latest analysis wants a longer test: a response that a pair uses was not seen to its end */
     uint8_t cut_by;       /* index in measurement[] */
     real_t cut_predicted; /* fraction of span */
     real_t worst;         /* largest share of a limit reached */

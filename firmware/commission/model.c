@@ -1,6 +1,7 @@
 #include "supervise/config.h"
 #if COMMISSION_CHANNELS
 
+#include "commission/certainty.h"
 #include "commission/judge.h"
 #include "commission/parts.h"
 
@@ -83,6 +84,9 @@ void model_combine(struct identified *sum, const struct identified *next)
     if (real_abs(gain) > REAL_C(3.0) * sd && (times_s || times_n))
         sum->flags &= (uint16_t)~IDENTIFIED_NO_GAIN;
     sum->flags |= (uint16_t)(next->flags & ~IDENTIFIED_NO_GAIN);
+    /* A later test that has seen the end of the response resolves what an earlier one left open. */
+    if (!(next->flags & IDENTIFIED_NO_GAIN))
+        sum->flags &= (uint16_t)(next->flags | ~(unsigned)CERTAINTY_FLAGS | CERTAINTY_FINAL_FLAGS);
 }
 
 real_t model_unseen(const struct experiment *x, const struct identified *fit)
@@ -457,6 +461,7 @@ void model_begin_analysis(struct commission *c, const struct config *config, rea
                                                     .dead_time_s = e->dead_time_s,
                                                     .time_constant_s = e->time_constant_s};
             a->plant.gain_sd[j][n] = e->gain_sd;
+            a->flags[j][n] = e->flags;
             take_early(&c->element[j][k], &a->plant.element[j][n], &a->beginning[j][n]);
         }
         c->column[n++] = k;

@@ -68,6 +68,7 @@ void commission_trial(struct commission *c, struct supervisor *s)
         [ADOPTION_SLOW] = WHY_TRIAL_SLOW,
         [ADOPTION_OVERSHOOT] = WHY_TRIAL_PEAK,
         [ADOPTION_RESTLESS] = WHY_TRIAL_REST,
+        [ADOPTION_SWINGS] = WHY_TRIAL_SWINGS,
         [ADOPTION_BLOCKED] = WHY_TRIAL_ROOM,
         [ADOPTION_HAND] = WHY_HAND,
         [ADOPTION_LEFT] = WHY_LEFT,

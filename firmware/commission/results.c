@@ -1,6 +1,7 @@
 #include "supervise/config.h"
 #if COMMISSION_CHANNELS
 
+#include "commission/certainty.h"
 #include "commission/limits.h"
 #include "commission/parts.h"
 
@@ -53,8 +54,21 @@ void commission_next_input(struct commission *c, struct supervisor *s)
         analyse(c, s);
 }
 
+/* Of the inputs whose tests left something open that a longer one may resolve. */
+static void want_longer_tests(struct commission *c)
+{
+    const struct analysis *a = &c->work.analysis;
+    for (uint8_t i = 0; i < a->plant.inputs; i++) {
+        unsigned flags = 0;
+        for (uint8_t j = 0; j < a->plant.outputs; j++)
+            flags |= certainty_flags(a, j, i);
+        c->input[c->column[i]].unsettled = (flags & ~(unsigned)CERTAINTY_FINAL_FLAGS) != 0u;
+    }
+}
+
 static void next_round(struct commission *c, struct supervisor *s)
 {
+    want_longer_tests(c);
     c->round++;
     c->at = 0;
     if (c->input[c->order[0]].skipped)
@@ -189,9 +203,14 @@ static void take_fit(struct commission *c, struct supervisor *s)
     commission_next_input(c, s);
 }
 
-/* Would more of the same tests help? Not when the gains are already as sure as a first-order model can be. */
-static bool noise_decides(const struct analysis *a)
+/* Would more of the same tests help? Not when the gains are already as sure as a first-order model can be, nor where a response
+ * is not that of one at all. */
+static bool more_would_help(const struct analysis *a)
 {
+    if (certainty_is_final(a))
+        return false;
+    if (a->doubts & DOUBT_SHAPE)
+        return true;
     for (uint8_t j = 0; j < a->plant.outputs; j++)
         for (uint8_t k = 0; k < a->plant.inputs; k++)
             if (a->plant.gain_sd[j][k] > a->config.floor * real_abs(a->plant.element[j][k].gain))
@@ -211,7 +230,7 @@ static void take_analysis(struct commission *c, struct supervisor *s)
         return;
     }
     bool open = a->verdict != PAIRING_DETERMINED;
-    if (open && c->round < s->plan->config.test.rounds && noise_decides(a)) {
+    if (open && c->round < s->plan->config.test.rounds && more_would_help(a)) {
         event_put(c->events, s->time_ms, EVENT_TEST_EXTENDED, NULL, a->probability,
                   (uint8_t)(c->round + 1u));
         next_round(c, s);

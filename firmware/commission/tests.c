@@ -12,11 +12,12 @@
 #define AGAIN_SHARE REAL_C(0.6) /* of a limit, in later rounds */
 #define REACHED_SHARE                                                                              \
     REAL_C(0.8) /* of a limit, that a later round may use by what the one before has */
-#define AGAIN_MOST    REAL_C(3.0)  /* times the amplitude of the round before */
-#define SHAPE_SMALLER REAL_C(0.35) /* times the amplitude before, where the response is no lag's */
-#define SHAPE_COUNTS  REAL_C(0.02) /* of a gain */
-#define LONGEST_SHARE 3u /* times what the inputs before have taken: no half is longer at first */
-#define SHARE_LEAST   REAL_C(0.5) /* no half is shorter than this share of the longest before */
+#define AGAIN_MOST       REAL_C(3.0) /* times the amplitude of the round before */
+#define SHAPE_SMALLER    REAL_C(0.35) /* times the amplitude before, where the response is no lag's */
+#define SHAPE_COUNTS     REAL_C(0.02) /* of a gain */
+#define LONGEST_SHARE    3u /* times what the inputs before have taken: no half is longer at first */
+#define SHARE_LEAST      REAL_C(0.5) /* no half is shorter than this share of the longest before */
+#define UNSETTLED_LONGER REAL_C(2.0) /* times the half that did not show the end of a response */
 
 const char *commission_input_name(const struct commission *c, const struct supervisor *s)
 {
@@ -95,6 +96,9 @@ static uint32_t least_half(const struct commission *c, const struct supervisor *
         if (took_s > longest_s)
             longest_s = took_s;
     }
+    if (c->input[k].rounds > 0 && c->input[k].unsettled &&
+        longest_s < UNSETTLED_LONGER * c->input[k].half_s)
+        longest_s = UNSETTLED_LONGER * c->input[k].half_s;
     uint32_t known = commission_samples(s, longest_s);
     /* What the round before has found out holds: a half that goes on for longer only gathers drift. */
     if (c->input[k].rounds > 0 && known > x->window) {

@@ -13,6 +13,10 @@
 #define rga_number               rga_number_double
 #define rga_smallest_error       rga_smallest_error_double
 #define niederlinski_index       niederlinski_index_double
+#define rga_determinant_sds      rga_determinant_sds_double
+#define integrity_begin          integrity_begin_double
+#define integrity_step           integrity_step_double
+#define integrity_of_two         integrity_of_two_double
 #define gains_begin              gains_begin_double
 #define gains_step               gains_step_double
 #define gains_null_input         gains_null_input_double

@@ -8,14 +8,24 @@
     REAL_C(1e-3) /* relative errors drawn where the gains themselves give no relative gains */
 
 /* What is to be done next: relative gains of a matrix (the estimates, or a draw about them), then pairs by pairs until
- * their Niederlinski index is positive. */
-enum { STAGE_CHOOSE, STAGE_SQUARE, STAGE_BRANCH, STAGE_RESULT, STAGE_DONE };
+ * the Niederlinski index of every subset is positive. */
+enum {
+    STAGE_CHOOSE,
+    STAGE_SQUARE,
+    STAGE_BRANCH,
+    STAGE_RESULT,
+    STAGE_SUBSETS,
+    STAGE_DETERMINANT,
+    STAGE_DONE
+};
 
 void pairing_config_default(struct pairing_config *config)
 {
     *config = (struct pairing_config){.smallest_lambda = REAL_C(0.02),
                                       .floor = REAL_C(0.005),
                                       .confidence = REAL_C(0.95),
+                                      .determinant_sds = REAL_C(3.0),
+                                      .integrity = REAL_C(0.9),
                                       .draws = 400,
                                       .seed = 1};
 }
@@ -38,6 +48,12 @@ static enum err check_config(const struct pairing_config *c, struct interact_ref
     if (!err)
         err = check_field(c->confidence, REAL_C(0.5), REAL_C(0.9999), "confidence", "0.5 to 0.9999",
                           why);
+    if (!err)
+        err = check_field(c->determinant_sds, REAL_C(0.0), REAL_C(20.0), "determinant_sds",
+                          "0 to 20", why);
+    if (!err)
+        err =
+            check_field(c->integrity, REAL_C(0.0), REAL_C(0.9999), "integrity", "0 to 0.9999", why);
     if (!err)
         err = check_field((real_t)c->draws, REAL_C(20.0), REAL_C(10000.0), "draws", "20 to 10000",
                           why);
@@ -100,7 +116,7 @@ static enum err choose_square(struct pairing *p)
     take_allowed(p);
     uint8_t rows = p->square.rows, cols = p->square.cols;
     if (rows != cols) {
-        enum err err = rga_compute(&p->square, &p->rga, &p->lambda_all);
+        enum err err = rga_compute(&p->square, &p->work.rga, &p->lambda_all);
         if (err)
             return err;
         real_t sum[INTERACT_MAX];
@@ -141,7 +157,7 @@ static enum err relative_gains_of_square(struct pairing *p)
     for (size_t i = 0; i < n; i++)
         for (size_t j = 0; j < n; j++)
             p->square.at[i][j] = p->gains.at[p->kept.output[i]][p->kept.input[j]];
-    enum err err = rga_compute(&p->square, &p->rga, &p->lambda_all);
+    enum err err = rga_compute(&p->square, &p->work.rga, &p->lambda_all);
     if (!err)
         set_costs(p);
     return err;
@@ -210,14 +226,41 @@ static bool next_node(struct pairing *p)
     return true;
 }
 
-static bool index_is_positive(struct pairing *p, real_t *index)
+/* The node's pairs, by rows and columns of p->square. */
+static void pairs_of_node(const struct pairing *p, struct pairs *pairs)
 {
-    struct pairs pairs = {.n = p->kept.n};
-    for (uint8_t i = 0; i < pairs.n; i++) {
-        pairs.output[i] = i;
-        pairs.input[i] = p->parent.partner[i];
+    pairs->n = p->kept.n;
+    for (uint8_t i = 0; i < pairs->n; i++) {
+        pairs->output[i] = i;
+        pairs->input[i] = p->parent.partner[i];
     }
-    return !niederlinski_index(&p->square, &pairs, &p->rga, index) && *index > REAL_C(0.0);
+}
+
+static bool index_is_positive(struct pairing *p)
+{
+    struct pairs pairs;
+    pairs_of_node(p, &pairs);
+    return !niederlinski_index(&p->square, &pairs, &p->work.rga, &p->index) &&
+           p->index > REAL_C(0.0);
+}
+
+/* Takes the place of p->work.rga. */
+static bool begin_subsets(struct pairing *p)
+{
+    struct pairs pairs;
+    pairs_of_node(p, &pairs);
+    p->stage = STAGE_SUBSETS;
+    return !integrity_begin(&p->work.integrity, &p->square, &pairs);
+}
+
+/* The node's pairs, beside the estimates' own. */
+static bool is_as_estimated(const struct pairing *p)
+{
+    bool same = p->pairs.n == p->kept.n;
+    for (uint8_t k = 0; same && k < p->pairs.n; k++)
+        same = p->kept.output[k] == p->pairs.output[k] &&
+               p->kept.input[p->parent.partner[k]] == p->pairs.input[k];
+    return same;
 }
 
 static void count_draw(struct pairing *p, bool found)
@@ -230,20 +273,17 @@ static void count_draw(struct pairing *p, bool found)
     p->drawn++;
     if (!found)
         p->drawn_no_pair++;
-    bool same = found && p->pairs.n == p->kept.n;
     for (size_t i = 0; i < p->gains.rows; i++)
         p->count[i][input_of[i]]++;
-    for (uint8_t k = 0; same && k < p->pairs.n; k++)
-        same = input_of[p->pairs.output[k]] == p->pairs.input[k];
-    if (same)
+    if (found && is_as_estimated(p))
         p->agreed++;
 }
 
 /* The estimates' own pairs; what the draws are compared with. */
-static void keep_pairs(struct pairing *p, real_t index)
+static void keep_pairs(struct pairing *p)
 {
     p->pairs.n = p->kept.n;
-    p->niederlinski = index;
+    p->niederlinski = p->index;
     p->cost = (real_t)p->parent.total / COST_UNIT;
     for (uint8_t k = 0; k < p->kept.n; k++) {
         p->pairs.output[k] = p->kept.output[k];
@@ -259,6 +299,8 @@ static void conclude(struct pairing *p)
     for (uint8_t k = 0; k < p->pairs.n; k++)
         partner[p->pairs.output[k]] = p->pairs.input[k];
     p->probability = (real_t)p->agreed / (real_t)p->drawn;
+    if (p->agreed > 0)
+        p->integrity = (real_t)(p->agreed - p->fragile) / (real_t)p->agreed;
     for (uint8_t i = 0; i < p->gains.rows; i++) {
         uint8_t usual = partner[i], rival = INTERACT_NONE;
         for (uint8_t j = 0; j <= INTERACT_MAX && p->pairs.n == 0; j++)
@@ -278,29 +320,101 @@ static void conclude(struct pairing *p)
         if (rival < INTERACT_MAX)
             p->ambiguous_inputs = (uint16_t)(p->ambiguous_inputs | (1u << rival));
     }
-    if (p->verdict == PAIRING_DETERMINED && p->probability < p->config.confidence)
+    bool sure = p->probability >= p->config.confidence && p->integrity >= p->config.integrity &&
+                p->determinant >= p->config.determinant_sds;
+    if (p->verdict == PAIRING_DETERMINED && !sure)
         p->verdict = PAIRING_UNDETERMINED;
     p->stage = STAGE_DONE;
 }
 
+static void next_matrix(struct pairing *p)
+{
+    if (p->drawn >= p->config.draws)
+        conclude(p);
+    else
+        take_gains(p);
+}
+
+/* Of the estimates, once their pairs are known. */
+static void judge_determinant(struct pairing *p)
+{
+    struct matrix *sds = &p->lambda_all;
+    for (uint8_t i = 0; i < p->kept.n; i++)
+        for (uint8_t j = 0; j < p->kept.n; j++) {
+            real_t sd = p->plant->gain_sd[p->kept.output[i]][p->kept.input[j]];
+            real_t part = p->floor * p->square.at[i][j];
+            sds->at[i][j] = real_sqrt(sd * sd + part * part);
+        }
+    if (rga_determinant_sds(&p->square, sds, &p->work.rga, &p->determinant))
+        p->determinant = REAL_C(0.0);
+}
+
 /* A matrix is dealt with: found pairs or not. */
-static void finish_matrix(struct pairing *p, bool found, bool singular, real_t index)
+static void finish_matrix(struct pairing *p, bool found, bool singular)
 {
     if (p->drawing) {
         count_draw(p, found);
     } else {
         p->drawing = true;
-        if (found)
-            keep_pairs(p, index);
-        else
-            p->verdict = singular ? PAIRING_SINGULAR : PAIRING_IMPOSSIBLE;
+        if (found) {
+            keep_pairs(p);
+            p->negative = 0; /* of better ones that were refused */
+            p->stage = STAGE_DETERMINANT;
+            return;
+        }
+        p->verdict = singular ? PAIRING_SINGULAR : PAIRING_IMPOSSIBLE;
         if (singular && p->floor < TO_REVEAL)
             p->floor = TO_REVEAL;
     }
-    if (p->drawn >= p->config.draws)
-        conclude(p);
-    else
-        take_gains(p);
+    next_matrix(p);
+}
+
+/* The parent is not admissible; what differs from it is looked at next. */
+static void branch(struct pairing *p)
+{
+    p->row = p->parent.fixed;
+    p->stage = STAGE_BRANCH;
+}
+
+/* Of the estimates, these pairs would be the best, but for a subset of their loops. */
+static void refuse_subset(struct pairing *p)
+{
+    if (p->negative)
+        return;
+    keep_pairs(p);
+    p->negative = p->work.integrity.negative;
+    p->negative_index = p->work.integrity.index;
+}
+
+static void look_at_subsets(struct pairing *p)
+{
+    bool every = !p->drawing || p->kept.n <= PAIRING_SUBSETS, negative;
+    if (every) {
+        if (integrity_step(&p->work.integrity) == ERR_BUSY)
+            return;
+        negative = p->work.integrity.negative != 0u;
+    } else {
+        struct pairs pairs;
+        pairs_of_node(p, &pairs);
+        negative = !integrity_of_two(&p->square, &pairs);
+    }
+    if (!p->drawing && negative) {
+        refuse_subset(p);
+        branch(p);
+        return;
+    }
+    if (negative)
+        p->fragile++;
+    finish_matrix(p, true, false);
+}
+
+/* Pairs with a positive index: all of their subsets next, unless it is a draw that gives others. */
+static void take_node(struct pairing *p)
+{
+    if (p->drawing && !is_as_estimated(p))
+        finish_matrix(p, true, false);
+    else if (!begin_subsets(p))
+        branch(p);
 }
 
 enum err pairing_begin(struct pairing *p, const struct interact_plant *plant,
@@ -332,31 +446,35 @@ enum err pairing_begin(struct pairing *p, const struct interact_plant *plant,
 
 enum err pairing_step(struct pairing *p)
 {
-    real_t index = REAL_C(0.0);
     switch (p->stage) {
     case STAGE_CHOOSE:
         p->stage = STAGE_SQUARE;
         if (choose_square(p))
-            finish_matrix(p, false, true, index);
+            finish_matrix(p, false, true);
         break;
     case STAGE_SQUARE:
         p->nodes = p->tries = 0;
         if (relative_gains_of_square(p)) {
-            finish_matrix(p, false, true, index);
+            finish_matrix(p, false, true);
             break;
         }
         solve_node(p, 0, 0);
         p->stage = STAGE_RESULT;
         break;
     case STAGE_RESULT:
-        if (!next_node(p)) {
-            finish_matrix(p, false, false, index);
-        } else if (index_is_positive(p, &index)) {
-            finish_matrix(p, true, false, index);
-        } else {
-            p->row = p->parent.fixed;
-            p->stage = STAGE_BRANCH;
-        }
+        if (!next_node(p))
+            finish_matrix(p, false, false);
+        else if (index_is_positive(p))
+            take_node(p);
+        else
+            branch(p);
+        break;
+    case STAGE_SUBSETS:
+        look_at_subsets(p);
+        break;
+    case STAGE_DETERMINANT:
+        judge_determinant(p);
+        next_matrix(p);
         break;
     case STAGE_BRANCH: /* the parent is out: everything else there is differs from it first in some row */
         if (p->row + 1u < p->kept.n) {

@@ -4,10 +4,17 @@
  *    relative gains over their row (Chang and Yu 1990; the sum is the squared length of the output's projection on what
  *    the inputs can reach); with more inputs, inputs by their columns.
  * 2. Of the square rest, the assignment of least sum of |ln lambda|: 0.5 is as far from 1 as 2. A pair needs a relative
- *    gain of at least smallest_lambda, so never a negative one or 0, and the whole a positive Niederlinski index; where
- *    the best has not, the next best is tried (Murty, Operations Research 16 (1968) 682), PAIRING_TRIES of them.
+ *    gain of at least smallest_lambda, so never a negative one or 0, and every subset of the loops a positive Niederlinski
+ *    index (interact/integrity.h); where the best has not, the next best is tried (Murty, Operations Research 16 (1968)
+ *    682), PAIRING_TRIES of them.
  * 3. The same is done with gains drawn at random about the estimates. The share of draws that give the same pairs is the
- *    pairing's probability; below the confidence wanted it is not determined, and the pairs that differ are named. */
+ *    pairing's probability; below the confidence wanted it is not determined, and the pairs that differ are named. Of a
+ *    draw only the index of all loops together has to be positive. Where the same pairs come out its subsets are looked at,
+ *    too (of more than PAIRING_SUBSETS loops every two): the share of draws without a negative one is the integrity,
+ *    and below the least of that it is not determined either. Less is asked of it, for less is at stake: the loops run
+ *    together, and only with some in manual would the others run away.
+ * 4. The determinant of the gains must stand out of its own error by determinant_sds: nearer to 0, its sign, and with it
+ *    every relative gain's, is not known, however the errors of the draws may be distributed. */
 #ifndef REFLUX_INTERACT_PAIRING_H
 #define REFLUX_INTERACT_PAIRING_H
 
@@ -15,16 +22,20 @@
 #include <stdint.h>
 
 #include "interact/assignment.h"
+#include "interact/integrity.h"
 #include "interact/rga.h"
 #include "num/random.h"
 
-#define PAIRING_TRIES 16
-#define PAIRING_NODES 40
+#define PAIRING_TRIES   16
+#define PAIRING_NODES   40
+#define PAIRING_SUBSETS 8
 
 struct pairing_config {
     real_t smallest_lambda; /* 0.001 to 1 */
     real_t floor;           /* relative standard deviation of a gain at least: 1e-4 to 0.5 */
     real_t confidence;      /* above 0.5, below 1 */
+    real_t determinant_sds; /* standard deviations: 0 to 20 */
+    real_t integrity;       /* 0 to 0.9999 */
     uint16_t draws;         /* 20 to 10000 */
     uint64_t seed;
     uint16_t outputs_out, inputs_out; /* bit i set: this one is not to be used */
@@ -36,7 +47,9 @@ enum pairing_verdict {
     /* No relative gains at the estimates: rank not full. No pairs; shares and rivals are about the most frequent pairs
      * of draws, which then have errors of at least 0.1 %. */
     PAIRING_SINGULAR,
-    PAIRING_IMPOSSIBLE /* no pairs with positive relative gains and a positive Niederlinski index */
+    /* No pairs with positive relative gains and positive Niederlinski indices of all subsets. Where only a part of the loops
+     * is in the way, `negative` says which, and pairs are those that would be the best otherwise. */
+    PAIRING_IMPOSSIBLE
 };
 
 struct pairing_node {
@@ -46,14 +59,19 @@ struct pairing_node {
     uint8_t partner[INTERACT_MAX];
 };
 
-/* 12 KiB (float). */
+/* 14 KiB (float). */
 struct pairing {
     /* Results */
     enum pairing_verdict verdict;
     struct pairs pairs; /* outputs ascending */
     real_t lambda[INTERACT_MAX], niederlinski;
-    real_t cost;        /* sum of |ln lambda|, to 1e-4 a pair */
-    real_t probability; /* share of draws that gave exactly these pairs */
+    real_t cost; /* sum of |ln lambda|, to 1e-4 a pair */
+    real_t
+        determinant; /* of the gains of the channels kept, magnitude, in its own standard deviations; 0: none */
+    uint16_t negative; /* bit k: pair k is in the subset of loops that is in the way; 0: none is */
+    real_t negative_index; /* its Niederlinski index */
+    real_t probability;    /* share of draws that gave exactly these pairs */
+    real_t integrity;      /* of those the share without a negative subset */
     /* By output: share of draws that gave it its input (or left it out, where the pairs do), and the input it got most
      * often otherwise; INTERACT_MAX: left out, INTERACT_NONE: it always got the same. */
     real_t share[INTERACT_MAX];
@@ -67,17 +85,21 @@ struct pairing {
     const struct interact_plant *plant;
     struct random random;
     struct matrix gains, square, lambda_all;
-    struct rga_work rga;
+    union {
+        struct rga_work rga;
+        struct integrity integrity;
+    } work;
+    real_t index;
     struct assignment assignment, rest;
     struct pairing_node node[PAIRING_NODES], parent;
-    uint16_t agreed, count[INTERACT_MAX][INTERACT_MAX + 1];
+    uint16_t agreed, fragile, count[INTERACT_MAX][INTERACT_MAX + 1];
     struct pairs kept; /* channels of the square plant, ascending; not paired */
     real_t floor;
     bool drawing;
     uint8_t stage, nodes, tries, row;
 };
 
-/* smallest_lambda 0.02, floor 0.005, confidence 0.95, 400 draws, seed 1, every channel. 400 draws settle a probability of
+/* smallest_lambda 0.02, floor 0.005, confidence 0.95, determinant_sds 3, integrity 0.9, 400 draws, seed 1, every channel. 400 draws settle a probability of
  * 0.95 to about 0.01 (one standard deviation). */
 void pairing_config_default(struct pairing_config *config);
 

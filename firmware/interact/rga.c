@@ -1,5 +1,6 @@
 #include "interact/rga.h"
 
+#include <math.h>
 #include <stddef.h>
 
 #define SUM_ERROR_MAX REAL_C(0.05)
@@ -35,21 +36,29 @@ static bool sums_are_one(const struct matrix *lambda)
     return true;
 }
 
-enum err rga_compute(const struct matrix *gains, struct rga_work *work, struct matrix *lambda)
+/* work->scaled = diag(r) gains diag(c), and its inverse. */
+static enum err invert_scaled(const struct matrix *gains, struct rga_work *work, real_t *r,
+                              real_t *c)
 {
-    enum err err = matrix_check(gains);
-    if (err)
-        return err;
-    real_t r[MATRIX_MAX], c[MATRIX_MAX];
     free_scales(gains, r, c);
     work->scaled.rows = gains->rows;
     work->scaled.cols = gains->cols;
     for (size_t i = 0; i < gains->rows; i++)
         for (size_t j = 0; j < gains->cols; j++)
             work->scaled.at[i][j] = gains->at[i][j] * r[i] * c[j];
-    err = matrix_pseudo_inverse(&work->scaled, &work->pseudo, &work->inverse);
+    enum err err = matrix_pseudo_inverse(&work->scaled, &work->pseudo, &work->inverse);
+    return err == ERR_NOT_FINITE ? ERR_SINGULAR : err;
+}
+
+enum err rga_compute(const struct matrix *gains, struct rga_work *work, struct matrix *lambda)
+{
+    enum err err = matrix_check(gains);
     if (err)
-        return err == ERR_NOT_FINITE ? ERR_SINGULAR : err;
+        return err;
+    real_t r[MATRIX_MAX], c[MATRIX_MAX];
+    err = invert_scaled(gains, work, r, c);
+    if (err)
+        return err;
     lambda->rows = gains->rows;
     lambda->cols = gains->cols;
     for (size_t i = 0; i < gains->rows; i++)
@@ -124,6 +133,27 @@ real_t rga_smallest_error(const struct matrix *lambda, uint8_t *output, uint8_t 
                 *input = (uint8_t)j;
             }
     return REAL_C(1.0) / most;
+}
+
+enum err rga_determinant_sds(const struct matrix *gains, const struct matrix *sd,
+                             struct rga_work *work, real_t *sds)
+{
+    if (gains->rows != gains->cols || sd->rows != gains->rows || sd->cols != gains->cols)
+        return ERR_RANGE;
+    enum err err = matrix_check(gains);
+    if (err)
+        return err;
+    real_t r[MATRIX_MAX], c[MATRIX_MAX], variance = REAL_C(0.0);
+    err = invert_scaled(gains, work, r, c);
+    if (err)
+        return err;
+    for (size_t i = 0; i < gains->rows; i++)
+        for (size_t j = 0; j < gains->cols; j++) {
+            real_t part = work->inverse.at[j][i] * r[i] * c[j] * sd->at[i][j];
+            variance += part * part;
+        }
+    *sds = variance > REAL_C(0.0) ? REAL_C(1.0) / real_sqrt(variance) : INFINITY;
+    return ERR_OK;
 }
 
 enum err niederlinski_index(const struct matrix *gains, const struct pairs *pairs,

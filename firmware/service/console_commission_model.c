@@ -19,7 +19,7 @@ static void unit(struct text *t, const char *text)
     text_str(t, text[0] ? text : "-");
 }
 
-static void flags(struct text *t, unsigned bits)
+void commission_flags(struct text *t, unsigned bits)
 {
     static const char *const names[] = {"no_gain",     "negative_T", "negative_radicand",
                                         "negative_L",  "short",      "not_settled",
@@ -83,7 +83,7 @@ static void element_line(const struct console *c, unsigned j, unsigned k, struct
     text_named_float(line, "s L", (float)e->fit.dead_time_s);
     text_named_float(line, "sd", (float)e->fit.dead_time_sd_s);
     text_str(line, " s");
-    flags(line, e->fit.flags);
+    commission_flags(line, e->fit.flags);
 }
 
 /* What the moments and the plateaus make of the same test. */
@@ -105,7 +105,7 @@ static void second_line(const struct console *c, unsigned j, unsigned k, struct 
         text_named_float(line, "begins_T", (float)(real_abs(e->fit.gain) / e->early_slope));
         text_named_float(line, "begins_L", (float)e->early_dead_s);
     }
-    flags(line, e->moments_flags);
+    commission_flags(line, e->moments_flags);
 }
 
 bool commission_model_line(struct console *c, unsigned n, struct text *line)
@@ -143,7 +143,7 @@ bool commission_model_line(struct console *c, unsigned n, struct text *line)
     return true;
 }
 
-static bool nothing(const struct console *c, unsigned n, struct text *line)
+bool commission_has_nothing(const struct console *c, unsigned n, struct text *line)
 {
     const struct commission *m = c->service->commission;
     if (commission_has_results(m) && !m->by_relay.on)
@@ -191,7 +191,7 @@ bool commission_gains_line(struct console *c, unsigned n, struct text *line)
 {
     const struct commission *m = c->service->commission;
     const struct analysis *a = &m->work.analysis;
-    if (nothing(c, n, line))
+    if (commission_has_nothing(c, n, line))
         return n == 0;
     if (n < 2) {
         gains_summary(a, n, line);
@@ -222,74 +222,12 @@ bool commission_gains_line(struct console *c, unsigned n, struct text *line)
     return true;
 }
 
-static const char *verdict(const struct analysis *a)
-{
-    static const char *const words[] = {
-        [PAIRING_DETERMINED] = "determined",
-        [PAIRING_UNDETERMINED] = "not determined: the gains are not known well enough",
-        [PAIRING_SINGULAR] = "not determined: fewer directions than channels",
-        [PAIRING_IMPOSSIBLE] = "impossible: no pairs with positive relative gains and index"};
-    return words[a->verdict];
-}
-
-bool commission_pairing_line(struct console *c, unsigned n, struct text *line)
-{
-    const struct commission *m = c->service->commission;
-    const struct analysis *a = &m->work.analysis;
-    if (nothing(c, n, line))
-        return n == 0;
-    if (n == 0) {
-        text_str(line, "pairing ");
-        text_str(line, verdict(a));
-        text_named_float(line, "probability", (float)a->probability);
-        text_named_float(line, "niederlinski", (float)a->niederlinski);
-        return true;
-    }
-    n--;
-    if (n < a->pairs.n) {
-        unsigned j = a->pairs.output[n];
-        text_str(line, "pair ");
-        text_str(line, measurement(c, j)->name);
-        text_char(line, ' ');
-        text_str(line, output(c, m->column[a->pairs.input[n]])->name);
-        text_named_float(line, "lambda", (float)a->pair_lambda[n]);
-        text_named_float(line, "share", (float)a->share[j]);
-        if (a->second != SECOND_NONE)
-            text_named_float(line, "phi", (float)a->pair_phi[n]);
-        return true;
-    }
-    n -= a->pairs.n;
-    if (n == 0) {
-        if (a->second != SECOND_NONE)
-            text_str(line,
-                     a->second == SECOND_AGREES
-                         ? "second_opinion agrees: gains over residence times give the same pairs"
-                         : "second_opinion differs: gains over residence times give other "
-                           "pairs; see the dynamic relative gains");
-        return true;
-    }
-    n--;
-    if (n >= a->plant.outputs)
-        return false;
-    if (a->ambiguous_outputs >> n & 1u) {
-        text_str(line, "open ");
-        text_str(line, measurement(c, n)->name);
-        text_named_float(line, "share", (float)a->share[n]);
-        if (a->rival[n] != INTERACT_NONE) {
-            text_str(line, " rival ");
-            text_str(line, a->rival[n] < a->plant.inputs ? output(c, m->column[a->rival[n]])->name
-                                                         : "-"); /* none of them */
-        }
-    }
-    return true;
-}
-
 static void why_not(const struct analysis *a, struct text *line)
 {
     text_str(line, "no proposal: ");
     if (a->verdict != PAIRING_DETERMINED) {
         text_str(line, "pairing ");
-        text_str(line, verdict(a));
+        text_str(line, commission_verdict(a));
     } else {
         text_str(line, a->design_error == ERR_FULL ? "more loops than this board runs"
                        : a->design_error == ERR_UNSUPPORTED
@@ -347,7 +285,7 @@ bool commission_proposal_line(struct console *c, unsigned n, struct text *line)
     const struct analysis *a = &c->service->commission->work.analysis;
     if (c->service->commission->by_relay.on)
         return commission_relay_line(c, n, line);
-    if (nothing(c, n, line))
+    if (commission_has_nothing(c, n, line))
         return n == 0;
     if (!a->designed) {
         if (n == 0)

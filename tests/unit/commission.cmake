@@ -1,8 +1,8 @@
 # Automatic start-up, below the console.
-foreach(part experiment origin model analysis analysis_structure)
+foreach(part experiment origin model analysis analysis_structure certainty swing)
   reflux_test(${part} LABEL unit SOURCES ${CMAKE_CURRENT_LIST_DIR}/test_${part}.c LIBS reflux_commission)
 endforeach()
-foreach(part proposal proposal_structure adoption)
+foreach(part proposal proposal_structure adoption adoption_bounds)
   if(EXISTS "${CMAKE_CURRENT_LIST_DIR}/test_${part}.c")
     reflux_test(${part} LABEL unit SOURCES ${CMAKE_CURRENT_LIST_DIR}/test_${part}.c
                                            ${PROJECT_SOURCE_DIR}/firmware/service/parameters.c

@@ -38,6 +38,7 @@ static void take_plant(unsigned number, double sd, double unit_s)
     known_plant(number, &known);
     memset(&a, 0xA5, sizeof a);
     memset(a.beginning, 0, sizeof a.beginning);
+    memset(a.flags, 0, sizeof a.flags);
     a.plant = known.plant;
     for (unsigned j = 0; j < known.plant.outputs; j++)
         for (unsigned i = 0; i < known.plant.inputs; i++) {

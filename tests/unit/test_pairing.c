@@ -5,6 +5,9 @@
  *   random 2 x 2 to 5 x 5      the pairing found by trying every permutation (500 matrices), also where the cheapest has a
  *                              Niederlinski index below 0
  *   probability                within 4 standard deviations of numpy's, with gains known to 3 %
+ *   subsets of the loops       whatever is the cheapest, one without a negative Niederlinski index of some loops is taken;
+ *                              where there is none the loops in the way are named
+ *   each bound                 just inside of it and just outside: relative gain, confidence, determinant
  *   paper machine              singular; outputs 1, 3 and 4, which alone are in the null vector, ambiguous
  */
 #include <math.h>
@@ -88,9 +91,10 @@ static void random_plants_get_the_pairing_that_trying_every_one_finds(void)
         rejected += v[7] > 0 && v[2] >= 0;
         if (v[2] < 0) {
             TEST_ASSERT_EQUAL_INT_MESSAGE(PAIRING_IMPOSSIBLE, pairing.verdict, seed);
-            TEST_ASSERT_EQUAL_UINT8(0, pairing.pairs.n);
+            TEST_ASSERT_EQUAL_INT_MESSAGE(pairing.pairs.n > 0, pairing.negative != 0, seed);
             continue;
         }
+        TEST_ASSERT_EQUAL_HEX16_MESSAGE(0, pairing.negative, seed);
         TEST_ASSERT_EQUAL_UINT8_MESSAGE(known.plant.outputs, pairing.pairs.n, seed);
         for (unsigned k = 0; k < pairing.pairs.n; k++) {
             TEST_ASSERT_EQUAL_UINT8(k, pairing.pairs.output[k]);
@@ -196,6 +200,100 @@ static void the_paper_machine_with_errors_is_not_determined_either(void)
         find(&pairing);
         TEST_ASSERT_NOT_EQUAL_INT(PAIRING_DETERMINED, pairing.verdict);
         TEST_ASSERT_EQUAL_HEX16(0xD, pairing.ambiguous_outputs);
+    }
+}
+
+static void two_by_two(double a, double b, double c, double d)
+{
+    memset(&known, 0, sizeof known);
+    known.plant.outputs = known.plant.inputs = 2;
+    known.plant.element[0][0].gain = (real_t)a;
+    known.plant.element[0][1].gain = (real_t)b;
+    known.plant.element[1][0].gain = (real_t)c;
+    known.plant.element[1][1].gain = (real_t)d;
+}
+
+/* All relative gains of the diagonal are positive, and the index of the whole is 1.9; but loops 1 and 2 alone have
+ * 1 - 1.5 x 0.8 = -0.2: with the others in manual they run away. (Of three loops relative gains would show it.) No other
+ * pairing has positive relative gains and index. */
+static void loops_that_run_away_without_the_others_are_no_pairing(void)
+{
+    static const double k[4][4] = {
+        {1, 1.5, -0.4, 0.6}, {0.8, 1, 1.2, -1.3}, {1, -1.1, 1, -1.5}, {-1.4, 0.8, -0.1, 1}};
+    memset(&known, 0, sizeof known);
+    known.plant.outputs = known.plant.inputs = 4;
+    for (unsigned i = 0; i < 4; i++)
+        for (unsigned j = 0; j < 4; j++)
+            known.plant.element[i][j].gain = (real_t)k[i][j];
+    find(&pairing);
+    TEST_ASSERT_EQUAL_INT(PAIRING_IMPOSSIBLE, pairing.verdict);
+    TEST_ASSERT_EQUAL_UINT8(4, pairing.pairs.n); /* which they would be */
+    TEST_ASSERT_DOUBLE_WITHIN(1e-3, 1.9492, (double)pairing.niederlinski);
+    TEST_ASSERT_EQUAL_HEX16(0x3, pairing.negative);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-5, -0.2, (double)pairing.negative_index);
+}
+
+/* Of loops 1 and 2 of the four alone, the index is 1 - 1.5 x 0.6 = 0.1, and that with a deviation of its own. */
+static void a_subset_of_unsure_sign_leaves_the_pairing_open(void)
+{
+    static const double k[4][4] = {
+        {1, 1.5, -0.4, 0.6}, {0.6, 1, 1.2, -1.3}, {1, -1.1, 1, -1.5}, {-1.4, 0.8, -0.1, 1}};
+    memset(&known, 0, sizeof known);
+    known.plant.outputs = known.plant.inputs = 4;
+    for (unsigned i = 0; i < 4; i++)
+        for (unsigned j = 0; j < 4; j++)
+            known.plant.element[i][j].gain = (real_t)k[i][j];
+    config.floor = REAL_C(1e-4);
+    for (double sds = 1.0; sds < 1.7; sds += 0.6) { /* 0.84 and 0.945 of a normal variable */
+        known.plant.gain_sd[0][1] = (real_t)(0.1 / 0.6 / sds);
+        find(&pairing);
+        TEST_ASSERT_TRUE(pairing.probability > REAL_C(0.99));
+        TEST_ASSERT_DOUBLE_WITHIN(0.04, 0.5 * erfc(-sds / sqrt(2.0)), (double)pairing.integrity);
+        TEST_ASSERT_EQUAL_INT(sds > 1.3 ? PAIRING_DETERMINED : PAIRING_UNDETERMINED,
+                              pairing.verdict);
+    }
+}
+
+/* Of [[1, b], [1, 1]] the determinant is 1 - b; with a single uncertain gain, b, its deviation is b's. */
+static void a_determinant_of_unsure_sign_leaves_the_pairing_open(void)
+{
+    for (double sds = 2.9; sds < 3.2; sds += 0.2) {
+        two_by_two(1, 0.7, 1, 1);
+        known.plant.gain_sd[0][1] = (real_t)(0.3 / sds);
+        config.floor = REAL_C(1e-4);
+        find(&pairing);
+        TEST_ASSERT_DOUBLE_WITHIN(0.01, sds, (double)pairing.determinant);
+        TEST_ASSERT_TRUE(pairing.probability > REAL_C(0.99));
+        TEST_ASSERT_EQUAL_INT(sds > 3.0 ? PAIRING_DETERMINED : PAIRING_UNDETERMINED,
+                              pairing.verdict);
+    }
+}
+
+static void a_relative_gain_below_the_least_is_no_pair(void)
+{
+    config.smallest_lambda = REAL_C(0.6);
+    for (double lambda = 0.59; lambda < 0.62; lambda += 0.02) {
+        two_by_two(1, 1, 1 - 1 / lambda, 1); /* 1 - lambda that of the other pairs */
+        find(&pairing);
+        TEST_ASSERT_EQUAL_INT(lambda > 0.6 ? PAIRING_DETERMINED : PAIRING_IMPOSSIBLE,
+                              pairing.verdict);
+    }
+}
+
+static void a_probability_below_the_confidence_leaves_it_open(void)
+{
+    two_by_two(1, 0.7, 1, 1);
+    known.plant.gain_sd[0][1] = REAL_C(0.16);
+    config.determinant_sds = 0;
+    find(&pairing);
+    real_t found = pairing.probability;
+    TEST_ASSERT_TRUE(found > REAL_C(0.9) && found < REAL_C(0.99));
+    for (int side = -1; side <= 1; side += 2) {
+        config.confidence = found + (real_t)side * REAL_C(0.001);
+        find(&pairing);
+        TEST_ASSERT_EQUAL_INT(side < 0 ? PAIRING_DETERMINED : PAIRING_UNDETERMINED,
+                              pairing.verdict);
+        TEST_ASSERT_EQUAL_HEX16(side < 0 ? 0 : 3, pairing.ambiguous_outputs);
     }
 }
 
@@ -327,6 +425,11 @@ int main(void)
     RUN_TEST(doubt_is_confined_to_the_outputs_it_concerns);
     RUN_TEST(the_paper_machine_is_singular_and_its_outputs_1_3_and_4_are_ambiguous);
     RUN_TEST(the_paper_machine_with_errors_is_not_determined_either);
+    RUN_TEST(loops_that_run_away_without_the_others_are_no_pairing);
+    RUN_TEST(a_subset_of_unsure_sign_leaves_the_pairing_open);
+    RUN_TEST(a_determinant_of_unsure_sign_leaves_the_pairing_open);
+    RUN_TEST(a_relative_gain_below_the_least_is_no_pair);
+    RUN_TEST(a_probability_below_the_confidence_leaves_it_open);
     RUN_TEST(a_wide_plant_leaves_the_inputs_over_that_reach_least);
     RUN_TEST(channels_left_out_are_not_paired);
     RUN_TEST(equal_choices_fall_to_the_first_channels);

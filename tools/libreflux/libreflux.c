@@ -163,13 +163,15 @@ int32_t reflux_pairing(const struct reflux_plant *plant, const double *settings,
             err = ERR_RANGE;
     if (err)
         return err;
-    struct pairing_config c = {.smallest_lambda = settings[0],
-                               .floor = settings[1],
-                               .confidence = settings[2],
-                               .draws = (uint16_t)settings[3],
-                               .seed = (uint64_t)settings[4],
-                               .outputs_out = (uint16_t)settings[5],
-                               .inputs_out = (uint16_t)settings[6]};
+    struct pairing_config c;
+    pairing_config_default(&c);
+    c.smallest_lambda = settings[0];
+    c.floor = settings[1];
+    c.confidence = settings[2];
+    c.draws = (uint16_t)settings[3];
+    c.seed = (uint64_t)settings[4];
+    c.outputs_out = (uint16_t)settings[5];
+    c.inputs_out = (uint16_t)settings[6];
     err = pairing_begin(&work, &p, &c, &refusal);
     if (err) {
         say_why(&refusal, why);

@@ -25,6 +25,7 @@ from reflux_tools.schema import check_number, load_toml
 
 FIRMWARES = ("host", "host-fixed", "stm32f405", "stm32f405-fixed")
 RATE, RATE_UNATTENDED = 200.0, 1000.0  # samples a second of a simulated plant: its console keeps up with that
+LEFT_OVER = 3  # exit status
 FILES = ("transcript.txt", "telemetry.csv", "answers.toml", "board.conf", "report.html")
 
 
@@ -34,7 +35,8 @@ def parser() -> argparse.ArgumentParser:
         description="Guided start-up (docs/commissioning.md): tests every input of the plant, finds a model, proposes "
         "loops and settings, tries them. PORT is the board's console: a serial device (/dev/ttyUSB0, "
         "/dev/ttyUSB0@115200), a pseudo-terminal, or socket:PATH. Exit status: 0 the loops are kept, 1 they are not "
-        "(the last line says why), 2 something was asked for wrongly.")
+        "(the last line says why), 2 something was asked for wrongly, 3 the loops are kept, and something that was tested has "
+        "none (the last lines say what and why).")
     p.add_argument("port", nargs="?", metavar="PORT")
     p.add_argument("--plant", metavar="NAME", help="instead of a board: firmware and a simulated plant on this computer, "
                    "a plant of reflux-sim --list or a plant file, .json")
@@ -82,13 +84,15 @@ def main(arguments: list[str]) -> int:
         port = stack.enter_context(contextlib.closing(Port(bench.console)))
         transcript = stack.enter_context(contextlib.closing(Transcript(out)))
         try:
-            start_up(bench, port, transcript, options, out)
+            left = start_up(bench, port, transcript, options, out)
         finally:
             transcript.flush()
             transcript.telemetry.flush()
             if transcript.rows and not options.no_report:
                 write_report(out)
-    return 0
+    for words in left:
+        print(words, flush=True)
+    return LEFT_OVER if left else 0
 
 
 def check(options: argparse.Namespace) -> None:
@@ -109,7 +113,8 @@ def check(options: argparse.Namespace) -> None:
         check_number("--noise", options.noise, low=0)
 
 
-def start_up(bench: Bench, port: Port, transcript: Transcript, options: argparse.Namespace, out: Path) -> None:
+def start_up(bench: Bench, port: Port, transcript: Transcript, options: argparse.Namespace, out: Path) -> list[str]:
+    """What is left over, where the loops are kept."""
     board = Board(port, transcript, options.key or "")
     unattended = options.yes or options.file is not None
     keyboard = Keyboard(board, listens=not unattended)
@@ -124,6 +129,7 @@ def start_up(bench: Bench, port: Port, transcript: Transcript, options: argparse
             board.ask("log off")
             run.note_end()
             board.ask("mode human")
+    return run.left
 
 
 # ---- a simulated plant ----

@@ -114,6 +114,8 @@ def load(folder: Path) -> Record:
     r.time = r.column("time")
     r.experiments = experiments_of(r)
     r.kept, r.outcome = outcome_of(r, last("commission"))
+    if r.kept and r.pairing.left:
+        r.outcome += f"; without a loop: {', '.join(name for _, name, _ in r.pairing.left)}"
     return r
 
 

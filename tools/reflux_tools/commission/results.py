@@ -78,6 +78,10 @@ class Pairing:
     pairs: list[tuple[str, str, float, float]] = field(default_factory=list)  # lambda, share of draws
     open: list[tuple[str, float, str]] = field(default_factory=list)  # measurement, share, rival
     second_opinion: str = ""  # of gains over residence times
+    determinant: float = float("nan")  # in its own standard deviations
+    integrity: float = float("nan")  # share of draws in which any of the loops can be in manual
+    doubts: list[str] = field(default_factory=list)  # what speaks against it, a sentence each
+    left: list[tuple[str, str, str]] = field(default_factory=list)  # measurement or input, name, why it has no loop
 
     @property
     def determined(self) -> bool:
@@ -202,6 +206,7 @@ def pairing_of(lines: list[str]) -> Pairing:
             p.verdict = head.removeprefix("pairing ")
             v = pairs_of(["probability", *rest.split()])
             p.probability, p.niederlinski = number(v["probability"]), number(v.get("niederlinski", "nan"))
+            p.determinant, p.integrity = number(v.get("determinant", "nan")), number(v.get("integrity", "nan"))
         elif words[0] == "pair":
             v = pairs_of(words[3:])
             p.pairs.append((words[1], words[2], number(v["lambda"]), number(v["share"])))
@@ -210,6 +215,15 @@ def pairing_of(lines: list[str]) -> Pairing:
             p.open.append((words[1], number(v["share"]), v.get("rival", "-")))
         elif words[0] == "second_opinion":
             p.second_opinion = line.removeprefix("second_opinion ")
+        elif words[0] == "doubt" and words[1] == "element":
+            p.doubts.append(f"{words[2]} by {words[3]} is {', '.join(_flags(words))}: no loop is made of it")
+        elif words[0] == "doubt":
+            p.doubts.append(line.removeprefix("doubt "))
+        elif words[0] == "subset":
+            p.doubts.append(f"the loops on {', '.join(words[4:])} run away while the others are in manual: their Niederlinski "
+                            f"index is {table.figure(number(words[2]))}")
+        elif words[0] == "left":
+            p.left.append((words[1], words[2].rstrip(":"), line.partition(": ")[2]))
     return p
 
 
@@ -352,10 +366,18 @@ def gains_words(g: Gains) -> list[str]:
 
 
 def pairing_words(p: Pairing) -> list[str]:
-    out = [f"pairing {p.verdict}; probability {p.probability:.3g}, Niederlinski index {table.figure(p.niederlinski)}"]
+    out = [f"pairing {p.verdict}; probability {p.probability:.3g}, Niederlinski index {table.figure(p.niederlinski)}; its "
+           f"determinant stands out of its error by {table.figure(p.determinant)} standard deviations; any of the loops can be "
+           f"in manual in {100 * p.integrity:.0f} % of draws"]
+    out += [f"against it: {words}" for words in p.doubts]
     out += [f"open: {name} keeps its input in {100 * share:.0f} % of draws{f', else {rival}' if rival != '-' else ''}"
             for name, share, rival in p.open]
-    return out + ([f"second opinion {p.second_opinion}"] if p.second_opinion else [])
+    out += [f"second opinion {p.second_opinion}"] if p.second_opinion else []
+    return out + left_words(p)
+
+
+def left_words(p: Pairing) -> list[str]:
+    return [f"left over: {what} {name}: {why}" for what, name, why in p.left]
 
 
 def reasons(p: Pairing) -> list[str]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import contextlib
 import signal
 import time
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Callable, Iterator
 
@@ -51,8 +51,10 @@ class Startup:
     tick_s: float = 1.0
     why: str = ""
 
+    left: list[str] = field(default_factory=list)  # what was tested and has no loop, in words
+
     def run(self) -> None:
-        """Returns where the loops are kept; RunFailed says why they are not."""
+        """Returns where the loops are kept; RunFailed says why they are not. left: what has none all the same."""
         plant = self.meet()
         answers = self.answers(plant)
         self.note_settings()
@@ -278,6 +280,7 @@ class Startup:
             say(table.columns(*results.pairing_rows(pairing)))
         for words in (*results.pairing_words(pairing), *results.structure_words(results.structure_of(said["structure"]))):
             say(words)
+        self.left = results.left_words(pairing)
         heading("Proposal")
         for words in results.proposal_words(proposal):
             say(words)
@@ -285,7 +288,8 @@ class Startup:
             say(table.columns(*results.loop_rows(proposal)))
         if not proposal.loops:
             why = proposal.why_not.removeprefix("pairing not determined: ") or "there is no proposal"
-            raise RunFailed(f"not determined: {why}")
+            more = "; ".join([*pairing.doubts, *self.left])
+            raise RunFailed(f"not determined: {why}{f' ({more})' if more else ''}")
 
     def decide(self, answers: Answers) -> None:
         if self.options.unattended:

@@ -1,0 +1,123 @@
+#include "supervise/config.h"
+#if COMMISSION_CHANNELS
+
+#include "commission/certainty.h"
+
+#include "commission/analysis_structure.h"
+
+#define SEEN_SDS REAL_C(3.0) /* a gain nearer to 0 may not be there, or have the other sign */
+
+static bool is_seen(const struct analysis *a, uint8_t j, uint8_t i)
+{
+    return real_abs(a->plant.element[j][i].gain) >= SEEN_SDS * a->plant.gain_sd[j][i] &&
+           real_abs(a->plant.element[j][i].gain) > REAL_C(0.0);
+}
+
+/* By a pair, or by the inner loop below one. */
+static bool is_used(const struct analysis *a, uint8_t j, uint8_t i)
+{
+    for (uint8_t k = 0; k < a->pairs.n; k++)
+        if (a->pairs.input[k] == i && (a->pairs.output[k] == j || analysis_inner_of(a, k) == j))
+            return true;
+    return false;
+}
+
+uint16_t certainty_flags(const struct analysis *a, uint8_t j, uint8_t i)
+{
+    unsigned flags = a->flags[j][i];
+    if (is_used(a, j, i))
+        return (uint16_t)(flags & CERTAINTY_FLAGS);
+    return (uint16_t)(is_seen(a, j, i) ? flags & IDENTIFIED_INTEGRATING : 0u);
+}
+
+/* A relative gain may be sure where the gain is not: of an output that one input alone seems to move, and that hardly. */
+bool certainty_sign_is_unsure(const struct analysis *a, uint8_t k)
+{
+    return !is_seen(a, a->pairs.output[k], a->pairs.input[k]);
+}
+
+static void doubt_output(struct analysis *a, unsigned why, uint8_t j)
+{
+    a->doubts = (uint8_t)(a->doubts | why);
+    a->ambiguous_outputs = (uint16_t)(a->ambiguous_outputs | 1u << j);
+}
+
+static void doubt_elements(struct analysis *a)
+{
+    for (uint8_t k = 0; k < a->pairs.n; k++)
+        if (certainty_sign_is_unsure(a, k))
+            doubt_output(a, DOUBT_SIGN, a->pairs.output[k]);
+    for (uint8_t j = 0; j < a->plant.outputs; j++)
+        for (uint8_t i = 0; i < a->plant.inputs; i++) {
+            unsigned flags = certainty_flags(a, j, i);
+            if (flags & CERTAINTY_FINAL_FLAGS)
+                doubt_output(a, DOUBT_SHAPE_FINAL, j);
+            if (flags & ~(unsigned)CERTAINTY_FINAL_FLAGS)
+                doubt_output(a, DOUBT_SHAPE, j);
+        }
+}
+
+/* Anything against it, and it is not determined. */
+static void conclude(struct analysis *a)
+{
+    if (a->doubts && a->verdict == PAIRING_DETERMINED)
+        a->verdict = PAIRING_UNDETERMINED;
+}
+
+void certainty_of_gains(struct analysis *a)
+{
+    const struct pairing *p = &a->work.pairing;
+    if (a->verdict != PAIRING_DETERMINED && a->verdict != PAIRING_UNDETERMINED)
+        return;
+    if (p->probability < p->config.confidence)
+        a->doubts |= DOUBT_DRAWS;
+    if (p->determinant < p->config.determinant_sds)
+        a->doubts |= DOUBT_DETERMINANT;
+    if (p->integrity < p->config.integrity)
+        a->doubts |= DOUBT_INTEGRITY;
+    if (a->rank < a->pairs.n)
+        a->doubts |= DOUBT_RANK;
+    doubt_elements(a);
+    conclude(a);
+}
+
+void certainty_of_second(struct analysis *a)
+{
+    if (a->second != SECOND_AGREES)
+        a->doubts |= DOUBT_SECOND;
+    conclude(a);
+}
+
+bool certainty_is_final(const struct analysis *a)
+{
+    return a->doubts == DOUBT_SHAPE_FINAL;
+}
+
+static enum left_over left(const struct analysis *a, bool seen, bool used)
+{
+    if (!seen && !(used && a->verdict == PAIRING_DETERMINED))
+        return LEFT_UNSEEN;
+    return used || a->verdict != PAIRING_DETERMINED ? LEFT_NOT : LEFT_OVER;
+}
+
+enum left_over certainty_output_left(const struct analysis *a, uint8_t j)
+{
+    bool seen = false, used = false;
+    for (uint8_t i = 0; i < a->plant.inputs; i++) {
+        seen = seen || is_seen(a, j, i);
+        used = used || is_used(a, j, i);
+    }
+    return left(a, seen, used);
+}
+
+enum left_over certainty_input_left(const struct analysis *a, uint8_t i)
+{
+    bool seen = false, used = false;
+    for (uint8_t j = 0; j < a->plant.outputs; j++) {
+        seen = seen || is_seen(a, j, i);
+        used = used || is_used(a, j, i);
+    }
+    return left(a, seen, used);
+}
+
+#endif

@@ -1,0 +1,62 @@
+#include "supervise/config.h"
+#if COMMISSION_CHANNELS
+
+#include "commission/swing.h"
+
+#define SWING_SDS                                                                                  \
+    REAL_C(4.0) /* an integral that has turned back by so much of its noise has turned */
+#define SWING_SHARE REAL_C(0.05) /* ... and of the largest half cycle: smaller ones do not matter */
+
+/* Is the half cycle of now, as far as it has come, not smaller than the one before? What noise and a constant part may have
+ * added to either is left out of the account. */
+static bool is_larger(const struct swing *w, real_t noise_sd, real_t constant)
+{
+    real_t area = real_abs(w->extreme - w->turned);
+    real_t samples = (real_t)(w->length + w->took);
+    real_t unsure = SWING_SDS * noise_sd * real_sqrt(samples) + constant * samples;
+    return w->area > REAL_C(0.0) && area > SWING_DECAY * w->area + unsure;
+}
+
+static void turn(struct swing *w, real_t noise_sd, real_t constant)
+{
+    real_t area = real_abs(w->extreme - w->turned);
+    w->grows = w->grows || is_larger(w, noise_sd, constant);
+    w->area = area;
+    w->took = w->length;
+    if (area > w->largest)
+        w->largest = area;
+    w->turned = w->extreme;
+    w->length = w->since;
+    w->direction = (int8_t)-w->direction;
+}
+
+void swing_step(struct swing *w, real_t error, real_t noise_sd, real_t constant)
+{
+    w->integral += error;
+    if (w->direction == 0)
+        w->direction = error < REAL_C(0.0) ? -1 : 1;
+    real_t beyond = (w->integral - w->extreme) * (real_t)w->direction;
+    w->since++;
+    if (beyond >= REAL_C(0.0)) {
+        w->length += w->since;
+        w->since = 0;
+        w->extreme = w->integral;
+        return;
+    }
+    real_t turns = SWING_SDS * noise_sd * real_sqrt((real_t)w->since);
+    real_t least = SWING_SHARE * w->largest;
+    real_t now = SWING_SHARE * real_abs(w->extreme - w->turned);
+    least = now > least ? now : least;
+    if (-beyond > turns + least + constant * (real_t)w->since) {
+        turn(w, noise_sd, constant);
+        w->extreme = w->integral;
+        w->since = 0;
+    }
+}
+
+void swing_end(struct swing *w, real_t noise_sd, real_t constant)
+{
+    w->grows = w->grows || is_larger(w, noise_sd, constant);
+}
+
+#endif

@@ -1,0 +1,32 @@
+/* Does an oscillation decay? Half cycles of an error, by its integral: that turns where the error changes its sign, and from one
+ * turn to the next it moves by the area of a half cycle. Noise, which peaks are full of, hardly shows in areas; of a damped
+ * oscillation areas decay as its peaks do, by exp(-pi zeta / sqrt(1 - zeta^2)). The way to the setpoint counts as the first. */
+#ifndef REFLUX_COMMISSION_SWING_H
+#define REFLUX_COMMISSION_SWING_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "num/real.h"
+
+#define SWING_DECAY REAL_C(0.7) /* times the half cycle before, at most: a damping of 0.11 */
+
+/* All 0 before the first sample. Areas in units of the error times a sample. */
+struct swing {
+    real_t integral;
+    real_t extreme;        /* farthest since the turn before, in the direction of now */
+    real_t turned;         /* where that turn was */
+    real_t area, largest;  /* of the half cycle before; of all before */
+    uint32_t since;        /* samples since the extreme */
+    uint32_t length, took; /* samples of the half cycle of now, to its extreme; of the one before */
+    int8_t direction;      /* of the integral; 0: before the first sample */
+    bool grows;            /* a half cycle was not smaller than the one before by that factor */
+};
+
+/* A sample. noise_sd: of the error; constant: what of it may be there all the time without being a swing (a drift nobody
+ * foresaw), magnitude. What these two may add to an area is left out of the account. */
+void swing_step(struct swing *w, real_t error, real_t noise_sd, real_t constant);
+/* After the last: the half cycle that has not ended counts as far as it has come. */
+void swing_end(struct swing *w, real_t noise_sd, real_t constant);
+
+#endif

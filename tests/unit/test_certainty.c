@@ -1,0 +1,245 @@
+/* commission/certainty.[ch]: what has to agree with the draws before a pairing is determined, on either side of each bound.
+ *
+ * Contract
+ *   flags          integrating, oscillatory, short, not settled: not determined where a pair uses the element; an integrator
+ *                  anywhere; other flags never
+ *   signs, rank    a gain, a determinant, a direction that does not stand out of its error: not determined
+ *   second opinion gains over residence times that pair otherwise: not determined
+ *   what is left   every channel without a loop, with the reason
+ */
+#include <string.h>
+
+#include "commission/analysis_structure.h"
+#include "commission/certainty.h"
+#include "unity.h"
+
+static struct analysis a;
+static struct analysis_config config;
+
+void setUp(void)
+{
+    config = (struct analysis_config){.h_s = 1,
+                                      .confidence = REAL_C(0.95),
+                                      .floor = REAL_C(0.005),
+                                      .step = REAL_C(0.05),
+                                      .loops_max = 8};
+    memset(&a, 0, sizeof a);
+}
+void tearDown(void) {}
+
+static void element(unsigned j, unsigned i, double gain, double sd, double lag_s)
+{
+    a.plant.element[j][i] = (struct fopdt){.gain = (real_t)gain,
+                                           .time_constant_s = (real_t)lag_s,
+                                           .dead_time_s = (real_t)(0.1 * lag_s)};
+    a.plant.gain_sd[j][i] = (real_t)sd;
+}
+
+/* Diagonal pairs without a doubt. */
+static void good(void)
+{
+    a.plant.outputs = a.plant.inputs = 2;
+    element(0, 0, 1.0, 0.01, 100);
+    element(0, 1, 0.3, 0.01, 100);
+    element(1, 0, -0.2, 0.01, 100);
+    element(1, 1, 0.8, 0.01, 100);
+    memset(a.flags, 0, sizeof a.flags);
+}
+
+static void run(void)
+{
+    enum err err = analysis_begin(&a, &config);
+    TEST_ASSERT_EQUAL_INT(ERR_OK, err);
+    while ((err = analysis_step(&a)) == ERR_BUSY)
+        ;
+    TEST_ASSERT_EQUAL_INT(ERR_OK, err);
+    TEST_ASSERT_EQUAL_INT(a.doubts == 0, a.verdict == PAIRING_DETERMINED);
+    TEST_ASSERT_EQUAL_INT(a.doubts == 0, a.designed);
+}
+
+static void a_plant_without_doubts_is_determined(void)
+{
+    good();
+    run();
+    TEST_ASSERT_EQUAL_HEX8(0, a.doubts);
+    TEST_ASSERT_EQUAL_INT(SECOND_AGREES, a.second);
+    for (uint8_t k = 0; k < 2; k++) {
+        TEST_ASSERT_EQUAL_INT(LEFT_NOT, certainty_output_left(&a, k));
+        TEST_ASSERT_EQUAL_INT(LEFT_NOT, certainty_input_left(&a, k));
+    }
+}
+
+static void an_unresolved_flag_counts_where_a_pair_uses_the_element(void)
+{
+    static const struct {
+        uint16_t flag;
+        uint8_t paired, elsewhere;
+    } cases[] = {{IDENTIFIED_SHORT, DOUBT_SHAPE, 0},
+                 {IDENTIFIED_NOT_SETTLED, DOUBT_SHAPE, 0},
+                 {IDENTIFIED_INTEGRATING, DOUBT_SHAPE, DOUBT_SHAPE},
+                 {IDENTIFIED_OSCILLATORY, DOUBT_SHAPE_FINAL, 0},
+                 {IDENTIFIED_INVERSE, 0, 0},
+                 {IDENTIFIED_NEGATIVE_L | IDENTIFIED_NEGATIVE_T, 0, 0}};
+    for (unsigned n = 0; n < sizeof cases / sizeof cases[0]; n++) {
+        good();
+        a.flags[1][1] = cases[n].flag;
+        run();
+        TEST_ASSERT_EQUAL_HEX8(cases[n].paired, a.doubts);
+        TEST_ASSERT_EQUAL_HEX16(cases[n].paired ? 2 : 0, a.ambiguous_outputs);
+        TEST_ASSERT_EQUAL_HEX16(cases[n].paired ? cases[n].flag : 0, certainty_flags(&a, 1, 1));
+        TEST_ASSERT_EQUAL_INT(cases[n].paired == DOUBT_SHAPE_FINAL, certainty_is_final(&a));
+        good();
+        a.flags[0][1] = cases[n].flag;
+        run();
+        TEST_ASSERT_EQUAL_HEX8(cases[n].elsewhere, a.doubts);
+    }
+}
+
+static void an_integrator_that_is_not_seen_is_none(void)
+{
+    good();
+    element(0, 1, 0.029, 0.01, 100);
+    a.flags[0][1] = IDENTIFIED_INTEGRATING;
+    run();
+    TEST_ASSERT_EQUAL_HEX8(0, a.doubts);
+}
+
+static void a_flag_counts_for_the_inner_loop_of_a_cascade_too(void)
+{
+    a.plant.outputs = 2;
+    a.plant.inputs = 1;
+    element(0, 0, 1.0, 0.005, 10);
+    element(1, 0, 0.8, 0.005, 200);
+    run();
+    TEST_ASSERT_EQUAL_HEX16(1, a.inner_outputs);
+    TEST_ASSERT_EQUAL_HEX8(0, a.doubts);
+    TEST_ASSERT_EQUAL_INT(LEFT_NOT, certainty_output_left(&a, 0));
+    element(0, 0, 1.0, 0.005, 10); /* the loop above it is designed on another plant */
+    element(1, 0, 0.8, 0.005, 200);
+    a.flags[0][0] = IDENTIFIED_OSCILLATORY;
+    run();
+    TEST_ASSERT_EQUAL_HEX8(DOUBT_SHAPE_FINAL, a.doubts);
+}
+
+/* A gain of 0.3 between an input whose other gain is not known at all and the outputs of what looks like a cascade. */
+static void an_unknown_gain_is_not_none(void)
+{
+    a.plant.outputs = a.plant.inputs = 2;
+    element(0, 0, 1.0, 0.005, 10);
+    element(1, 0, 0.8, 0.005, 200);
+    element(0, 1, 0.001, 0.003, 100); /* at most 0.9 % of the row's largest: none */
+    element(1, 1, 0.001, 0.0025, 100);
+    run();
+    TEST_ASSERT_EQUAL_HEX16(1, a.inner_outputs);
+    TEST_ASSERT_EQUAL_HEX8(0, a.doubts);
+    TEST_ASSERT_EQUAL_INT(LEFT_UNSEEN, certainty_input_left(&a, 1));
+
+    element(0, 0, 1.0, 0.005, 10);
+    element(1, 0, 0.8, 0.005, 200);
+    element(0, 1, 0.001, 0.2, 100);
+    element(1, 1, 0.001, 0.0025, 100);
+    run();
+    TEST_ASSERT_EQUAL_HEX16(0, a.inner_outputs);
+    TEST_ASSERT_NOT_EQUAL_INT(PAIRING_DETERMINED, a.verdict);
+    TEST_ASSERT_EQUAL_INT(LEFT_UNSEEN, certainty_input_left(&a, 1));
+}
+
+static void a_sign_is_sure_from_three_standard_deviations_on(void)
+{
+    for (double sds = 2.9; sds < 3.2; sds += 0.2) {
+        good();
+        element(0, 1, 0.0, 0.001, 100);
+        element(1, 0, 0.0, 0.001, 100);
+        element(1, 1, 0.8, 0.8 / sds, 100);
+        run();
+        TEST_ASSERT_EQUAL_INT(sds < 3.0, (a.doubts & DOUBT_SIGN) != 0);
+        TEST_ASSERT_EQUAL_HEX16(sds < 3.0 ? 2 : 0, a.ambiguous_outputs);
+    }
+}
+
+/* 1 - b, b the only gain that is not sure: its sign by the determinant at 3, by the rank at 3.29 of its deviations. */
+static void determinant_and_rank_have_to_stand_out_of_the_errors(void)
+{
+    static const struct {
+        double sds;
+        unsigned doubts;
+    } cases[] = {{2.8, DOUBT_DETERMINANT | DOUBT_RANK}, {4.5, 0}};
+    for (unsigned n = 0; n < 2; n++) {
+        good();
+        config.floor = REAL_C(1e-4);
+        element(0, 0, 1.0, 0.0, 100);
+        element(0, 1, 0.7, 0.3 / cases[n].sds, 100);
+        element(1, 0, 1.0, 0.0, 100);
+        element(1, 1, 1.0, 0.0, 100);
+        run();
+        TEST_ASSERT_EQUAL_HEX8(cases[n].doubts, a.doubts);
+        TEST_ASSERT_EQUAL_INT(cases[n].doubts ? 1 : 2, a.rank);
+        TEST_ASSERT_TRUE(a.probability > REAL_C(0.98)); /* the draws alone would have taken it */
+        TEST_ASSERT_FALSE(certainty_is_final(&a));
+    }
+}
+
+static void another_second_opinion_leaves_it_open(void)
+{
+    for (unsigned fast = 0; fast < 2; fast++) {
+        good();
+        element(0, 0, 1.0, 0.01, 400);
+        element(0, 1, 0.9, 0.01, fast ? 20 : 400);
+        element(1, 0, -0.9, 0.01, fast ? 20 : 400);
+        element(1, 1, 1.0, 0.01, 400);
+        config.confidence = REAL_C(0.9);
+        run();
+        TEST_ASSERT_EQUAL_INT(fast ? SECOND_DIFFERS : SECOND_AGREES, a.second);
+        TEST_ASSERT_EQUAL_HEX8(fast ? DOUBT_SECOND : 0, a.doubts);
+    }
+}
+
+static void what_is_left_over_has_a_reason(void)
+{
+    a.plant.outputs = 2;
+    a.plant.inputs = 3;
+    element(0, 0, 1.0, 0.01, 100);
+    element(0, 1, 0.2, 0.01, 100);
+    element(0, 2, 0.3, 0.01, 100);
+    element(1, 0, 0.2, 0.01, 100);
+    element(1, 1, 1.0, 0.01, 100);
+    element(1, 2, 0.3, 0.01, 100);
+    run();
+    TEST_ASSERT_EQUAL_HEX8(0, a.doubts);
+    TEST_ASSERT_EQUAL_INT(LEFT_NOT, certainty_input_left(&a, 0));
+    TEST_ASSERT_EQUAL_INT(LEFT_OVER, certainty_input_left(&a, 2));
+    element(0, 2, 0.001, 0.01, 100);
+    element(1, 2, 0.029, 0.01, 100);
+    run();
+    TEST_ASSERT_EQUAL_INT(LEFT_UNSEEN, certainty_input_left(&a, 2));
+    element(1, 2, 0.031, 0.01, 100);
+    run();
+    TEST_ASSERT_EQUAL_INT(LEFT_OVER, certainty_input_left(&a, 2));
+
+    memset(&a, 0, sizeof a);
+    a.plant.outputs = 2;
+    a.plant.inputs = 1;
+    element(0, 0, 1.0, 0.01, 100);
+    element(1, 0, 0.001, 0.01, 100);
+    run();
+    TEST_ASSERT_EQUAL_HEX8(0, a.doubts);
+    TEST_ASSERT_EQUAL_INT(LEFT_UNSEEN, certainty_output_left(&a, 1));
+    element(1, 0, 0.5, 0.01, 110);
+    run();
+    TEST_ASSERT_EQUAL_INT(LEFT_OVER, certainty_output_left(&a, 1));
+}
+
+int main(void)
+{
+    UNITY_BEGIN();
+    RUN_TEST(a_plant_without_doubts_is_determined);
+    RUN_TEST(an_unresolved_flag_counts_where_a_pair_uses_the_element);
+    RUN_TEST(an_integrator_that_is_not_seen_is_none);
+    RUN_TEST(a_flag_counts_for_the_inner_loop_of_a_cascade_too);
+    RUN_TEST(an_unknown_gain_is_not_none);
+    RUN_TEST(a_sign_is_sure_from_three_standard_deviations_on);
+    RUN_TEST(determinant_and_rank_have_to_stand_out_of_the_errors);
+    RUN_TEST(another_second_opinion_leaves_it_open);
+    RUN_TEST(what_is_left_over_has_a_reason);
+    return UNITY_END();
+}

@@ -1,0 +1,104 @@
+/* commission/swing.[ch]: half cycles that decay, and such that do not. */
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "commission/swing.h"
+#include "step_records.h"
+#include "unity.h"
+
+#define SEED 20260731u
+#define TAU  6.283185307179586
+
+static struct swing w;
+static struct random_source noise;
+
+void setUp(void)
+{
+    memset(&w, 0, sizeof w);
+    noise.state = SEED;
+}
+void tearDown(void) {}
+
+/* A setpoint step of 1 answered by a second order of that damping after a dead time; samples of the period's fiftieth part. */
+static bool grows(double damping, double noise_sd, unsigned samples)
+{
+    memset(&w, 0, sizeof w);
+    double root = sqrt(1.0 - damping * damping), omega = TAU / 50.0 / root;
+    for (unsigned n = 0; n < samples; n++) {
+        double t = n > 10 ? omega * (n - 10.0) : 0.0;
+        double error = exp(-damping * t) * (cos(root * t) + damping / root * sin(root * t));
+        if (noise_sd > 0.0)
+            error += noise_sd * normal(&noise);
+        swing_step(&w, (real_t)error, (real_t)noise_sd, 0);
+    }
+    swing_end(&w, (real_t)noise_sd, 0);
+    return w.grows;
+}
+
+/* exp(-pi zeta / sqrt(1 - zeta^2)) = 0.7 at 0.1128 */
+static void the_damping_decides(void)
+{
+    TEST_ASSERT_TRUE(grows(-0.02, 0.0, 300));
+    TEST_ASSERT_TRUE(grows(0.0, 0.0, 300));
+    TEST_ASSERT_TRUE(grows(0.105, 0.0, 300));
+    TEST_ASSERT_FALSE(grows(0.12, 0.0, 300));
+    TEST_ASSERT_FALSE(grows(0.3, 0.0, 300));
+    TEST_ASSERT_FALSE(grows(0.9, 0.0, 300));
+}
+
+static void noise_alone_is_no_oscillation_and_hides_none(void)
+{
+    unsigned seen = 0;
+    printf("seed %u\n", SEED);
+    for (unsigned n = 0; n < 200; n++) {
+        TEST_ASSERT_FALSE(grows(0.4, 0.125, 400)); /* an eighth of the step: the most a trial has */
+        seen += grows(0.0, 0.125, 400);
+    }
+    TEST_ASSERT_TRUE(seen > 190);
+}
+
+/* Steady half cycles as given, 20 samples each; the last may be cut short. */
+static bool half_cycles(const double *height, unsigned n, unsigned last)
+{
+    memset(&w, 0, sizeof w);
+    for (unsigned k = 0; k < n; k++)
+        for (unsigned i = 0; i < (k + 1 < n ? 20u : last); i++)
+            swing_step(&w, (real_t)height[k], 0, 0);
+    swing_end(&w, 0, 0);
+    return w.grows;
+}
+
+static void each_half_cycle_is_held_against_the_one_before(void)
+{
+    TEST_ASSERT_FALSE(half_cycles((double[]){1, -0.69}, 2, 20));
+    TEST_ASSERT_TRUE(half_cycles((double[]){1, -0.71}, 2, 20));
+    TEST_ASSERT_FALSE(half_cycles((double[]){-1, 0.3, -0.2, 0.13}, 4, 20));
+    TEST_ASSERT_TRUE(half_cycles((double[]){-1, 0.3, -0.2, 0.15}, 4, 20));
+    TEST_ASSERT_FALSE(half_cycles((double[]){1, -0.5, 0.3, -0.3}, 4, 13)); /* not over yet */
+    TEST_ASSERT_TRUE(half_cycles((double[]){1, -0.5, 0.3, -0.3}, 4, 15));
+    /* What is below a twentieth of the largest does not matter. */
+    TEST_ASSERT_FALSE(half_cycles((double[]){1, -0.04, 0.04, -0.04}, 4, 20));
+    TEST_ASSERT_TRUE(half_cycles((double[]){1, -0.06, 0.06, -0.06}, 4, 20));
+}
+
+static void a_constant_part_that_may_be_there_is_left_out(void)
+{
+    memset(&w, 0, sizeof w);
+    for (unsigned i = 0; i < 20; i++)
+        swing_step(&w, REAL_C(1.0), 0, REAL_C(0.1));
+    for (unsigned i = 0; i < 20; i++)
+        swing_step(&w, REAL_C(-0.8), 0, REAL_C(0.1));
+    swing_end(&w, 0, REAL_C(0.1));
+    TEST_ASSERT_FALSE(w.grows); /* 0.8 20 - 0.1 40 < 0.7 20 */
+}
+
+int main(void)
+{
+    UNITY_BEGIN();
+    RUN_TEST(the_damping_decides);
+    RUN_TEST(noise_alone_is_no_oscillation_and_hides_none);
+    RUN_TEST(each_half_cycle_is_held_against_the_one_before);
+    RUN_TEST(a_constant_part_that_may_be_there_is_left_out);
+    return UNITY_END();
+}
