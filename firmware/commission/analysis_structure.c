@@ -11,8 +11,10 @@
 #define SHARPEST REAL_C(5.0) /* lead over lag of a feedforward: its input carries a loop's noise */
 #define LEFT_MOST                                                                                  \
     REAL_C(0.5) /* of the integral of the error: with less to gain it is not worth an element */
-#define GAIN_MOST REAL_C(100.0)
-#define TIME_MOST REAL_C(1e5) /* s: gain and times that an element of the firmware takes */
+#define GAIN_MOST   REAL_C(100.0)
+#define HIDES_SDS   REAL_C(3.0)
+#define HIDES_SHARE REAL_C(0.1)
+#define TIME_MOST   REAL_C(1e5) /* s: gain and times that an element of the firmware takes */
 
 /* What a loop of the firmware takes. */
 #define LOOP_GAIN_LEAST REAL_C(1e-6)
@@ -52,15 +54,22 @@ static unsigned members(uint16_t mask)
     return n;
 }
 
-/* A gain that is not seen is not therefore 0: its error may leave room for one. */
+/* A gain that is not seen is not therefore 0: could one that is not small beside the others of its row hide in its error? */
+static bool may_be_there(const struct analysis *a, uint8_t j, uint8_t i)
+{
+    real_t most = REAL_C(0.0);
+    for (uint8_t k = 0; k < a->plant.inputs; k++)
+        if (real_abs(a->plant.element[j][k].gain) > most)
+            most = real_abs(a->plant.element[j][k].gain);
+    return HIDES_SDS * a->plant.gain_sd[j][i] > HIDES_SHARE * most;
+}
+
 static bool nothing_hides(const struct analysis *a, uint16_t outputs, uint16_t inputs)
 {
-    for (uint8_t j = 0; j < a->plant.outputs; j++) {
-        bool own = (outputs >> j & 1u) != 0u;
-        unsigned others = own ? ~(unsigned)inputs : inputs;
-        if (a->structure.uncertain[j] & others)
-            return false;
-    }
+    for (uint8_t j = 0; j < a->plant.outputs; j++)
+        for (uint8_t i = 0; i < a->plant.inputs; i++)
+            if ((outputs >> j & 1u) != (inputs >> i & 1u) && may_be_there(a, j, i))
+                return false;
     return true;
 }
 

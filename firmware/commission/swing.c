@@ -5,16 +5,21 @@
 
 #define SWING_SDS                                                                                  \
     REAL_C(4.0) /* an integral that has turned back by so much of its noise has turned */
+#define SWING_TAIL                                                                                 \
+    2u /* times as long as the half cycle before: no half cycle of the same oscillation */
 #define SWING_SHARE REAL_C(0.05) /* ... and of the largest half cycle: smaller ones do not matter */
 
-/* Is the half cycle of now, as far as it has come, not smaller than the one before? What noise and a constant part may have
- * added to either is left out of the account. */
+/* Is the half cycle of now, as far as it has come, not smaller than the one before, by area and by mean height, and no tail? What noise and a
+ * constant part may have added to either area is left out of the account. */
 static bool is_larger(const struct swing *w, real_t noise_sd, real_t constant)
 {
     real_t area = real_abs(w->extreme - w->turned);
     real_t samples = (real_t)(w->length + w->took);
     real_t unsure = SWING_SDS * noise_sd * real_sqrt(samples) + constant * samples;
-    return w->area > REAL_C(0.0) && area > SWING_DECAY * w->area + unsure;
+    if (w->took == 0 || w->length == 0 || w->length > SWING_TAIL * w->took ||
+        !(area > SWING_DECAY * w->area + unsure))
+        return false;
+    return area / (real_t)w->length > SWING_DECAY * w->area / (real_t)w->took;
 }
 
 static void turn(struct swing *w, real_t noise_sd, real_t constant)
@@ -37,7 +42,7 @@ void swing_step(struct swing *w, real_t error, real_t noise_sd, real_t constant)
         w->direction = error < REAL_C(0.0) ? -1 : 1;
     real_t beyond = (w->integral - w->extreme) * (real_t)w->direction;
     w->since++;
-    if (beyond >= REAL_C(0.0)) {
+    if (beyond > REAL_C(0.0)) {
         w->length += w->since;
         w->since = 0;
         w->extreme = w->integral;

@@ -1,6 +1,8 @@
 /* Does an oscillation decay? Half cycles of an error, by its integral: that turns where the error changes its sign, and from one
  * turn to the next it moves by the area of a half cycle. Noise, which peaks are full of, hardly shows in areas; of a damped
- * oscillation areas decay as its peaks do, by exp(-pi zeta / sqrt(1 - zeta^2)). The way to the setpoint counts as the first. */
+ * oscillation areas decay as its peaks do, by exp(-pi zeta / sqrt(1 - zeta^2)). The way to the setpoint counts as the first.
+ * A half cycle is not smaller where its area and its mean height both are not. What lasts more than twice as long as the half
+ * cycle before is a slow tail, which may have any area. */
 #ifndef REFLUX_COMMISSION_SWING_H
 #define REFLUX_COMMISSION_SWING_H
 

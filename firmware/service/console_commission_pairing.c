@@ -40,21 +40,24 @@ static bool doubt_line(const struct analysis *a, unsigned n, struct text *line)
     switch (n) {
     case 0:
         if (a->doubts & DOUBT_RANK) {
-            text_named_u32(line, "doubt rank", a->rank);
-            text_str(line, " directions stand out of the errors of the gains, for");
-            text_named_u32(line, "pairs", a->pairs.n);
+            text_str(line, "doubt");
+            text_named_u32(line, "rank", a->rank);
+            text_str(line, ": fewer directions than pairs stand out of the errors of the gains");
         }
         return true;
     case 1:
         if (a->doubts & DOUBT_DETERMINANT) {
-            text_named_float(line, "doubt determinant", (float)a->determinant);
-            text_str(line, " of its standard deviations from 0, of which 3 are wanted");
+            text_str(line, "doubt");
+            text_named_float(line, "determinant", (float)a->determinant);
+            text_str(line, ": standard deviations from 0, where 2.5 are wanted");
         }
         return true;
     case 2:
         if (a->doubts & DOUBT_INTEGRITY) {
-            text_named_float(line, "doubt integrity", (float)a->integrity);
-            text_str(line, " of draws keep each group of loops stable without the others");
+            text_str(line, "doubt");
+            text_named_float(line, "integrity", (float)a->integrity);
+            text_str(line, ": share of draws in which any loops may be in manual, where 0.9 "
+                           "is wanted");
         }
         return true;
     default:
@@ -82,7 +85,8 @@ static void subset_line(const struct console *c, struct text *line)
     const struct analysis *a = &c->service->commission->work.analysis;
     if (a->negative == 0)
         return;
-    text_named_float(line, "subset niederlinski", (float)a->negative_index);
+    text_str(line, "subset");
+    text_named_float(line, "niederlinski", (float)a->negative_index);
     text_str(line, " of");
     for (unsigned k = 0; k < a->pairs.n; k++) {
         if (!(a->negative >> k & 1u))

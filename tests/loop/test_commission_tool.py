@@ -51,6 +51,10 @@ TWINS = {
     "elements": [[{"gain": 1, "lags": 100}] * 2, [{"gain": 0.8, "lags": 150}] * 2],
 }
 
+# One loop to be had: the second input moves nothing.
+SPARE = {**TWINS, "name": "spare", "title": "an input without effect", "outputs": TWINS["outputs"][:1],
+         "elements": [[{"gain": 1, "lags": 100, "dead_time": 20}, None]]}
+
 
 class Tool(unittest.TestCase):
     def setUp(self) -> None:
@@ -123,7 +127,17 @@ class Alone(Tool):
         plant = self.file("twins.json", json.dumps(TWINS))
         _out, err = self.tool("--plant", str(plant), "--no-build", "--speed", "20000", "--yes", "--no-report",
                               expect=1)
-        self.assertRegex(err.splitlines()[-1], r"^tools/commission: not determined: ")
+        self.assertRegex(err.splitlines()[-1], r"^tools/commission: not determined: .*\(rank 1: fewer directions than pairs ")
+
+    def test_what_is_left_over_is_named_with_the_reason_and_is_an_exit_status_of_its_own(self) -> None:
+        plant = self.file("spare.json", json.dumps(SPARE))
+        out, _err = self.tool("--plant", str(plant), "--no-build", "--speed", "20000", "--yes", expect=3)
+        self.assertIn("loops did as predicted and stay", out)
+        why = "left over: input u2: no gain of it stands out of its errors"
+        self.assertEqual(out.splitlines()[-1], why)
+        page = (self.out / "report.html").read_text()
+        self.assertIn(why, page)
+        self.assertIn("without a loop: u2", page)
 
     def test_a_rejected_proposal_changes_no_loop(self) -> None:
         path = self.file("reject.toml", '[proposal]\nanswer = "reject"\n')
