@@ -41,8 +41,7 @@ class Spoilt(unittest.TestCase):
                 if result["verdict"] == "right":
                     cls.proposals[name, seed] = result, said
 
-    def spoilt(self, what: str, changes, most: float = 0.0) -> None:
-        """most: share of the unstable ones that the trial may keep."""
+    def spoilt(self, what: str, changes) -> None:
         unstable, kept = 0, []
         for (name, seed), (_, said) in self.proposals.items():
             changed = changes(name, said)
@@ -55,7 +54,7 @@ class Spoilt(unittest.TestCase):
                 kept.append((name, seed))
         print(f"commission spoilt: {what}: {unstable} unstable of {len(self.proposals)}, kept {kept or 'none'}")
         self.assertGreaterEqual(unstable, len(self.proposals) // 2)
-        self.assertLessEqual(len(kept), most * unstable, kept)
+        self.assertEqual(kept, [])
 
     def loops(self, said: str) -> dict:
         return commissioning_stability.settings(said)[0]
@@ -86,10 +85,10 @@ class Spoilt(unittest.TestCase):
     def test_one_gain_ten_times_is_taken_back_where_it_is_unstable(self):
         self.spoilt("one gain ten times", lambda name, said: gains(self.loops(said), 10.0, min(self.loops(said))))
 
-    def test_gains_a_fifth_larger_than_is_stable(self):
-        """What grows so slowly need not show within the trial; of most it does."""
+    def test_gains_a_fifth_larger_than_is_stable_are_taken_back(self):
+        """What grows slowly is seen by its half cycles, which do not decay."""
         self.spoilt("all gains a fifth larger than is stable",
-                    lambda name, said: gains(self.loops(said), 1.2 * self.edge(name, said)), most=0.2)
+                    lambda name, said: gains(self.loops(said), 1.2 * self.edge(name, said)))
 
 
 if __name__ == "__main__":
