@@ -107,9 +107,12 @@ struct analysis {
     uint16_t ambiguous_outputs;
     enum analysis_second second; /* SECOND_NONE: no pairs, or no such gains */
     uint8_t doubts;              /* bits of enum analysis_doubt: any, and it is not determined */
-    real_t determinant;          /* in its own standard deviations */
-    real_t integrity;            /* share of draws in which every subset of the loops holds */
-    uint16_t negative;           /* pairs that run away without the others: struct pairing */
+    uint16_t
+        used[INTERACT_MAX]; /* output j: bit i, a pair, or the inner loop below one, uses input i */
+    uint16_t unsettled;     /* bit i: longer tests of input i may resolve a flag */
+    real_t determinant;     /* in its own standard deviations */
+    real_t integrity;       /* share of draws in which every subset of the loops holds */
+    uint16_t negative;      /* pairs that run away without the others: struct pairing */
     real_t negative_index;
     real_t pair_phi[INTERACT_MAX];
 

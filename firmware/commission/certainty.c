@@ -13,13 +13,21 @@ static bool is_seen(const struct analysis *a, uint8_t j, uint8_t i)
            real_abs(a->plant.element[j][i].gain) > REAL_C(0.0);
 }
 
-/* By a pair, or by the inner loop below one. */
 static bool is_used(const struct analysis *a, uint8_t j, uint8_t i)
 {
-    for (uint8_t k = 0; k < a->pairs.n; k++)
-        if (a->pairs.input[k] == i && (a->pairs.output[k] == j || analysis_inner_of(a, k) == j))
-            return true;
-    return false;
+    return (a->used[j] >> i & 1u) != 0u;
+}
+
+/* By a pair, or by the inner loop below one. */
+static void find_used(struct analysis *a)
+{
+    for (uint8_t k = 0; k < a->pairs.n; k++) {
+        uint8_t j = a->pairs.output[k], inner = analysis_inner_of(a, k);
+        uint16_t input = (uint16_t)(1u << a->pairs.input[k]);
+        a->used[j] = (uint16_t)(a->used[j] | input);
+        if (inner != INTERACT_NONE)
+            a->used[inner] = (uint16_t)(a->used[inner] | input);
+    }
 }
 
 uint16_t certainty_flags(const struct analysis *a, uint8_t j, uint8_t i)
@@ -52,8 +60,10 @@ static void doubt_elements(struct analysis *a)
             unsigned flags = certainty_flags(a, j, i);
             if (flags & CERTAINTY_FINAL_FLAGS)
                 doubt_output(a, DOUBT_SHAPE_FINAL, j);
-            if (flags & ~(unsigned)CERTAINTY_FINAL_FLAGS)
+            if (flags & ~(unsigned)CERTAINTY_FINAL_FLAGS) {
                 doubt_output(a, DOUBT_SHAPE, j);
+                a->unsettled = (uint16_t)(a->unsettled | 1u << i);
+            }
         }
 }
 
@@ -67,6 +77,7 @@ static void conclude(struct analysis *a)
 void certainty_of_gains(struct analysis *a)
 {
     const struct pairing *p = &a->work.pairing;
+    find_used(a);
     if (a->verdict != PAIRING_DETERMINED && a->verdict != PAIRING_UNDETERMINED)
         return;
     if (p->probability < p->config.confidence)

@@ -58,12 +58,8 @@ void commission_next_input(struct commission *c, struct supervisor *s)
 static void want_longer_tests(struct commission *c)
 {
     const struct analysis *a = &c->work.analysis;
-    for (uint8_t i = 0; i < a->plant.inputs; i++) {
-        unsigned flags = 0;
-        for (uint8_t j = 0; j < a->plant.outputs; j++)
-            flags |= certainty_flags(a, j, i);
-        c->input[c->column[i]].unsettled = (flags & ~(unsigned)CERTAINTY_FINAL_FLAGS) != 0u;
-    }
+    for (uint8_t i = 0; i < a->plant.inputs; i++)
+        c->input[c->column[i]].unsettled = (a->unsettled >> i & 1u) != 0u;
 }
 
 static void next_round(struct commission *c, struct supervisor *s)

@@ -3,7 +3,7 @@
 #include <stddef.h>
 
 #define FLOOR_MAX REAL_C(0.5)
-#define QUANTILE  REAL_C(2.3263) /* of the normal law, 99 % */
+#define QUANTILE  REAL_C(1.6449) /* of the normal law, 95 % */
 
 enum { STAGE_SPANS, STAGE_EQUILIBRATED, STAGE_WEIGHTED, STAGE_DONE };
 
@@ -47,7 +47,7 @@ enum err gains_begin(struct gains *g, const struct interact_plant *plant, real_t
     return svd_begin(&g->svd, &g->k);
 }
 
-/* Wilson and Hilferty's approximation to the 99 % point of chi-square. */
+/* Wilson and Hilferty's approximation to the 95 % point of chi-square. */
 static real_t chi_square_point(real_t freedom)
 {
     real_t a = REAL_C(2.0) / (REAL_C(9.0) * freedom);

@@ -28,7 +28,7 @@ struct gains {
  *
  * Rank: rows and columns are weighted so that the gains' errors have about unit variance; the rank is the least r for
  * which the energy of the singular values past r is no more than noise would leave in so many directions: sum of s^2
- * below the 99 % point of chi-square with (p - r)(m - r) degrees of freedom (Wilson and Hilferty 1931); idea of the
+ * below the 95 % point of chi-square with (p - r)(m - r) degrees of freedom (Wilson and Hilferty 1931); idea of the
  * test: Kleibergen and Paap, J. Econometrics 133 (2006) 97. Without errors (all 0): rank_exact. */
 MUST_CHECK enum err gains_begin(struct gains *g, const struct interact_plant *plant, real_t floor);
 MUST_CHECK enum err gains_step(struct gains *g);

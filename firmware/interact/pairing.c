@@ -24,7 +24,7 @@ void pairing_config_default(struct pairing_config *config)
     *config = (struct pairing_config){.smallest_lambda = REAL_C(0.02),
                                       .floor = REAL_C(0.005),
                                       .confidence = REAL_C(0.95),
-                                      .determinant_sds = REAL_C(2.5),
+                                      .determinant_sds = REAL_C(2.0),
                                       .integrity = REAL_C(0.9),
                                       .draws = 400,
                                       .seed = 1};

@@ -99,7 +99,7 @@ struct pairing {
     uint8_t stage, nodes, tries, row;
 };
 
-/* smallest_lambda 0.02, floor 0.005, confidence 0.95, determinant_sds 2.5, integrity 0.9, 400 draws, seed 1, every channel. 400 draws settle a probability of
+/* smallest_lambda 0.02, floor 0.005, confidence 0.95, determinant_sds 2, integrity 0.9, 400 draws, seed 1, every channel. 400 draws settle a probability of
  * 0.95 to about 0.01 (one standard deviation). */
 void pairing_config_default(struct pairing_config *config);
 

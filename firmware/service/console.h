@@ -173,11 +173,9 @@ bool commission_model_line(struct console *c, unsigned n, struct text *line);
 bool commission_gains_line(struct console *c, unsigned n, struct text *line);
 bool commission_pairing_line(struct console *c, unsigned n, struct text *line);
 bool commission_proposal_line(struct console *c, unsigned n, struct text *line);
-/* Shared by them: flags of an element, whether there is nothing to list (a line says why), and a verdict in words. */
-struct analysis;
+/* Shared by them: flags of an element, and whether there is nothing to list (a line says why). */
 void commission_flags(struct text *t, unsigned bits);
 bool commission_has_nothing(const struct console *c, unsigned n, struct text *line);
-const char *commission_verdict(const struct analysis *a);
 /* The last lines of the proposal: inner loops and feedforwards. */
 bool commission_structural_line(struct console *c, unsigned n, struct text *line);
 

@@ -1,5 +1,6 @@
 /* What automatic start-up has found, as listings: one fact a line, `name value unit`, for people and programs alike. */
 #include "commission/proposal.h"
+#include "commission/words.h"
 #include "service/console.h"
 
 #if COMMISSION_CHANNELS
@@ -227,27 +228,16 @@ static void why_not(const struct analysis *a, struct text *line)
     text_str(line, "no proposal: ");
     if (a->verdict != PAIRING_DETERMINED) {
         text_str(line, "pairing ");
-        text_str(line, commission_verdict(a));
+        text_str(line, words_of_verdict(a));
     } else {
-        text_str(line, a->design_error == ERR_FULL ? "more loops than this board runs"
-                       : a->design_error == ERR_UNSUPPORTED
-                           ? "the settings are outside of what a loop takes: other spans are needed"
-                       : a->design_error == ERR_TIMEOUT
-                           ? "no settings are slow enough to be stable"
-                           : "the settings are not stable on the model");
+        text_str(line, words_of_no_design(a->design_error));
     }
 }
 
 static void decoupler_words(const struct analysis *a, struct text *line)
 {
-    static const char *const words[] = {
-        [DECOUPLER_USED] = "static, for the blocks that single loops would not serve",
-        [DECOUPLER_NOT_NEEDED] = "none: single loops serve",
-        [DECOUPLER_TOO_MANY] = "none: more loops than a decoupler spans",
-        [DECOUPLER_ILL] = "none: the inverse of the gains would amplify their errors",
-        [DECOUPLER_NO_BETTER] = "none: single loops do as well"};
     text_str(line, "decoupler ");
-    text_str(line, words[a->decoupler]);
+    text_str(line, words_of_decoupler(a->decoupler));
     const struct analysis_figures *with = &a->figures[0], *without = &a->figures[1];
     if (!(with->setpoints > REAL_C(0.0)) || !(without->setpoints > REAL_C(0.0)))
         return;

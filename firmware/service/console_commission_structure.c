@@ -2,6 +2,7 @@
  * feedforwards. Listings like those of console_commission_model.c; gains are in spans. */
 #include "commission/analysis_structure.h"
 #include "commission/commission.h"
+#include "commission/words.h"
 #include "service/console.h"
 
 #if COMMISSION_CHANNELS
@@ -183,20 +184,13 @@ static void inner_line(const struct console *c, uint8_t k, struct text *line)
 
 static void feed_line(const struct console *c, uint8_t from, uint8_t to, struct text *line)
 {
-    static const char *const words[] = {[FEED_NONE] = "",
-                                        [FEED_USED] = "yes",
-                                        [FEED_COMPANY] = "no: its loop shares a block with others",
-                                        [FEED_LATE] = "no: it would come too late",
-                                        [FEED_LARGE] =
-                                            "no: gain or times are more than an element takes",
-                                        [FEED_FULL] = "no: stronger ones take all the places"};
     struct feed f = analysis_feed(analysis(c), from, to);
     if (f.verdict == FEED_NONE)
         return;
     text_str(line, "feedforward");
     way_of(c, &f.way, line);
     text_named_float(line, "left", f.left);
-    text_named_str(line, "used", words[f.verdict]);
+    text_named_str(line, "used", words_of_feed(f.verdict));
 }
 
 bool commission_structural_line(struct console *c, unsigned n, struct text *line)
