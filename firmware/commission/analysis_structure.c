@@ -68,7 +68,8 @@ static bool nothing_hides(const struct analysis *a, uint16_t outputs, uint16_t i
 {
     for (uint8_t j = 0; j < a->plant.outputs; j++)
         for (uint8_t i = 0; i < a->plant.inputs; i++)
-            if ((outputs >> j & 1u) != (inputs >> i & 1u) && may_be_there(a, j, i))
+            if (((outputs & (1u << j)) != 0u) != ((inputs & (1u << i)) != 0u) &&
+                may_be_there(a, j, i))
                 return false;
     return true;
 }

@@ -15,7 +15,7 @@ static bool is_seen(const struct analysis *a, uint8_t j, uint8_t i)
 
 static bool is_used(const struct analysis *a, uint8_t j, uint8_t i)
 {
-    return (a->used[j] >> i & 1u) != 0u;
+    return (a->used[j] & (1u << i)) != 0u;
 }
 
 /* By a pair, or by the inner loop below one. */

@@ -12,8 +12,7 @@
 #define SPREAD_LEFT REAL_C(0.1)   /* of the gain: what levels of three time constants leave */
 #define HOPELESS    REAL_C(1.0)   /* standard deviation over gain from which a fit says nothing */
 #define STEP        REAL_C(0.05)  /* of the predicted setpoint steps, fraction of span */
-
-#define CLIMB_SDS REAL_C(4.0) /* what goes on climbing stands out of the noise by so much */
+#define CLIMB_SDS   REAL_C(4.0)   /* what goes on climbing stands out of the noise by so much */
 #define BENT_LEAVES                                                                                \
     REAL_C(0.3) /* of the misfit: then it was the drift, and not the shape of the response */
 #define MISFIT_SHARE REAL_C(1.2) /* of what a first-order model leaves: so wrong may its gain be */
@@ -84,8 +83,7 @@ void model_combine(struct identified *sum, const struct identified *next)
     if (real_abs(gain) > REAL_C(3.0) * sd && (times_s || times_n))
         sum->flags &= (uint16_t)~IDENTIFIED_NO_GAIN;
     sum->flags |= (uint16_t)(next->flags & ~IDENTIFIED_NO_GAIN);
-    /* A later test that has seen the end of the response resolves what an earlier one left open. */
-    if (!(next->flags & IDENTIFIED_NO_GAIN))
+    if (!(next->flags & IDENTIFIED_NO_GAIN)) /* it resolves what an earlier test left open */
         sum->flags &= (uint16_t)(next->flags | ~(unsigned)CERTAINTY_FLAGS | CERTAINTY_FINAL_FLAGS);
 }
 

@@ -59,7 +59,7 @@ static void want_longer_tests(struct commission *c)
 {
     const struct analysis *a = &c->work.analysis;
     for (uint8_t i = 0; i < a->plant.inputs; i++)
-        c->input[c->column[i]].unsettled = (a->unsettled >> i & 1u) != 0u;
+        c->input[c->column[i]].unsettled = (a->unsettled & (1u << i)) != 0u;
 }
 
 static void next_round(struct commission *c, struct supervisor *s)

@@ -56,7 +56,7 @@ static void subset_line(const struct console *c, struct text *line)
     text_named_float(line, "niederlinski", (float)a->negative_index);
     text_str(line, " of");
     for (unsigned k = 0; k < a->pairs.n; k++) {
-        if (!(a->negative >> k & 1u))
+        if ((a->negative & (1u << k)) == 0u)
             continue;
         text_char(line, ' ');
         text_str(line, measurement(c, a->pairs.output[k])->name);

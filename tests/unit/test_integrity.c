@@ -70,7 +70,7 @@ static double index_of(uint16_t subset)
     double a[6][6];
     uint8_t member[6], n = 0;
     for (uint8_t k = 0; k < pairs.n; k++)
-        if (subset >> k & 1u)
+        if ((subset & (1u << k)) != 0u)
             member[n++] = k;
     double own = 1.0;
     for (unsigned i = 0; i < n; i++) {

@@ -322,10 +322,26 @@ static void nothing_is_analysed_where_every_input_was_skipped(void)
     TEST_ASSERT_FALSE(model_work(&c, JOB_ANALYSE));
 }
 
+static void a_later_test_resolves_what_an_earlier_one_left_open_but_no_oscillation(void)
+{
+    const unsigned open = IDENTIFIED_SHORT | IDENTIFIED_NOT_SETTLED | IDENTIFIED_INTEGRATING;
+    const unsigned stays = IDENTIFIED_OSCILLATORY | IDENTIFIED_INVERSE;
+    const unsigned later[] = {0, IDENTIFIED_NOT_SETTLED, IDENTIFIED_NO_GAIN};
+    const unsigned wanted[] = {stays, stays | IDENTIFIED_NOT_SETTLED, stays | open};
+    for (unsigned n = 0; n < 3; n++) {
+        struct identified sum = {.gain = 1, .gain_sd = REAL_C(0.1)}, next = sum;
+        sum.flags = (uint16_t)(open | stays);
+        next.flags = (uint16_t)later[n];
+        model_combine(&sum, &next);
+        TEST_ASSERT_EQUAL_HEX16(wanted[n], sum.flags);
+    }
+}
+
 int main(void)
 {
     printf("seed %u\n", SEED);
     UNITY_BEGIN();
+    RUN_TEST(a_later_test_resolves_what_an_earlier_one_left_open_but_no_oscillation);
     RUN_TEST(two_tests_count_by_how_well_they_know);
     RUN_TEST(tests_that_disagree_are_less_sure_than_they_say);
     RUN_TEST(more_tests_make_an_element_surer_and_their_order_does_not_matter);
