@@ -36,12 +36,12 @@ enum err integrity_begin(struct integrity *w, const struct matrix *gains, const 
 /* The level's own pair goes into the subset (its pivot is eliminated from those after it) or stays out. */
 static void descend(struct integrity *w, bool with)
 {
-    unsigned d = w->level, size = w->n - d;
+    size_t d = w->level, size = w->n - d;
     const real_t *m = &w->at[w->from[d]];
     real_t *next = &w->at[w->from[d + 1u]];
-    for (unsigned i = 1; i < size; i++) {
+    for (size_t i = 1; i < size; i++) {
         real_t factor = with ? m[i * size] / m[0] : REAL_C(0.0);
-        for (unsigned j = 1; j < size; j++)
+        for (size_t j = 1; j < size; j++)
             next[(i - 1u) * (size - 1u) + j - 1u] = m[i * size + j] - factor * m[j];
     }
     w->level++;
