@@ -43,7 +43,7 @@ static void feed_forward(struct supervisor *s, num_t *before)
         s->loop[i].feedforward = num_zero();
     }
     for (uint8_t k = 0; k < CONFIG_FEEDFORWARDS; k++) {
-        num_t d;
+        num_t d = num_zero();
         bool runs = feedforward_input(s, k, &d), ran = s->ff_running[k];
         if (!runs && !ran)
             continue; /* no number yet: no correction */
