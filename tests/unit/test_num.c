@@ -122,6 +122,9 @@ static void the_accumulator_saturates_and_comes_back(void)
     for (int i = 0; i < 5; i++)
         accumulator_add_product(&a, big, N(100));
     TEST_ASSERT_EQUAL_INT32(INT32_MAX, accumulator_get(&a).q);
+    a.q48 = INT64_MAX; /* one least step more */
+    accumulator_add_product(&a, coefficient_from_float(1.0f / 16777216.0f), (num_t){1});
+    TEST_ASSERT_EQUAL_INT32(INT32_MAX, accumulator_get(&a).q);
     for (int i = 0; i < 5; i++)
         accumulator_add_product(&a, big, N(-100));
     TEST_ASSERT_EQUAL_INT32(INT32_MIN, accumulator_get(&a).q);

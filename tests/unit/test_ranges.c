@@ -290,6 +290,39 @@ static void of_tuning_rules(void)
     TEST_ASSERT_EQUAL(ERR_OK, try_tyreus_luyben());
 }
 
+/* As their headers say. */
+static void defaults_are_those_the_headers_state(void)
+{
+    struct pairing_config p;
+    struct structure_config s;
+    struct cascade_config c;
+    struct detune_config d;
+    struct static_decoupler_config x;
+    pairing_config_default(&p);
+    structure_config_default(&s);
+    cascade_config_default(&c);
+    detune_config_default(&d);
+    static_decoupler_config_default(&x);
+    const struct {
+        real_t is;
+        double stated;
+    } all[] = {
+        {p.smallest_lambda, 0.02}, {p.floor, 0.005},    {p.confidence, 0.95},
+        {(real_t)p.draws, 400},    {(real_t)p.seed, 1}, {s.significance, 3},
+        {s.negligible, 0.03},      {s.lambda_lo, 0.5},  {s.lambda_hi, 5},
+        {s.grouped, 0.15},         {c.significance, 3}, {c.floor, 0.02},
+        {c.faster, 0.6},           {d.db_per_loop, 2},  {d.db_most, 6},
+        {d.gain_margin, 1.7},      {d.factor_hi, 200},  {d.gain_hi, 100},
+        {d.noise_times, 2},        {d.noise_least, 0},  {x.element_hi, 100},
+        {x.lambda_hi, 10},         {x.significance, 3}, {x.floor, 0.005},
+        {x.left_hi, 0.3},
+    };
+    for (unsigned k = 0; k < sizeof all / sizeof all[0]; k++)
+        TEST_ASSERT_EQUAL_FLOAT((float)all[k].stated, (float)all[k].is);
+    TEST_ASSERT_TRUE(d.noise_sd == NULL && d.begins == 0 && p.outputs_out == 0 &&
+                     p.inputs_out == 0);
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -304,5 +337,6 @@ int main(void)
     RUN_TEST(of_cascades);
     RUN_TEST(of_the_gains);
     RUN_TEST(of_tuning_rules);
+    RUN_TEST(defaults_are_those_the_headers_state);
     return UNITY_END();
 }

@@ -72,6 +72,15 @@ static void a_record_knows_when_the_input_moved(void)
     TEST_ASSERT_EQUAL_INT(ERR_NOT_FINITE, record_move(&record, (real_t)NAN));
 }
 
+static void a_record_looks_at_its_own_outputs_only(void)
+{
+    const real_t reference[2] = {REAL_C(3.0), (real_t)NAN};
+    start(1);
+    record.reference[1] = REAL_C(7.0);
+    TEST_ASSERT_EQUAL_INT(ERR_OK, record_begin(&record, reference));
+    TEST_ASSERT_TRUE(record.reference[0] == REAL_C(3.0) && record.reference[1] == REAL_C(7.0));
+}
+
 static void a_record_refuses_what_is_not_finite(void)
 {
     real_t y[2] = {1, (real_t)NAN};
@@ -135,6 +144,7 @@ int main(void)
     UNITY_BEGIN();
     RUN_TEST(a_record_keeps_the_mean_of_every_block);
     RUN_TEST(a_record_knows_when_the_input_moved);
+    RUN_TEST(a_record_looks_at_its_own_outputs_only);
     RUN_TEST(a_record_refuses_what_is_not_finite);
     RUN_TEST(the_model_of_a_block_is_the_mean_of_its_samples);
     RUN_TEST(differences_of_exponentials_do_not_cancel);
