@@ -30,7 +30,7 @@ struct integrity {
 };
 
 /* Row pairs->output[k] and column pairs->input[k] are pair k's. ERR_RANGE: no pairs, or more than the matrix has;
- * ERR_SINGULAR: the gain of a pair is 0. Then integrity_step() until it is not ERR_BUSY: at most 1e5 instructions a call, 100
+ * ERR_SINGULAR: the gain of a pair is 0. Then integrity_step() until it is not ERR_BUSY: at most 1e5 instructions a call, 280
  * calls for 16 pairs. */
 MUST_CHECK enum err integrity_begin(struct integrity *w, const struct matrix *gains,
                                     const struct pairs *pairs);
