@@ -53,6 +53,7 @@ static void noise_alone_is_no_oscillation_and_hides_none(void)
     printf("seed %u\n", SEED);
     for (unsigned n = 0; n < 200; n++) {
         TEST_ASSERT_FALSE(grows(0.4, 0.125, 400)); /* an eighth of the step: the most a trial has */
+        TEST_ASSERT_FALSE(grows(0.16, 0.125, 400)); /* half cycles of 0.6 */
         seen += grows(0.0, 0.125, 400);
     }
     TEST_ASSERT_TRUE(seen > 190);
