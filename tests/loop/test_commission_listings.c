@@ -32,23 +32,18 @@ static void before_the_tests_there_is_nothing_but_the_plant(void)
     ask_refused("commission resume", "STATE");
 }
 
-static void a_proposal_is_shown_with_what_it_rests_on(void)
+static void answers_with(const char *command, const char *const *lines)
 {
-    SHOWS("commission begin", "plan inputs 2", "input R held 1.95 step 0.08", "output xB limit");
-    until("TEST_STEP R", 300);
-    SHOWS("commission", "phase testing", "input R (1 of 2), round 1: positive half");
-    until("PROPOSAL", 3000);
-    SHOWS("commission", "phase ready", "a proposal waits");
-    SHOWS("commission model", "input R held 1.95", "output xD noise", "element xD R gain 12.",
-          "element xB S gain -19.", "moments xD R");
-    SHOWS("commission gains", "rank 2", "singular", "rga R S", "rga xD 2.0");
-    SHOWS("commission pairing", "pairing determined", "pair xD R lambda 2.0", "pair xB S");
-    SHOWS("commission structure", "block");
-    SHOWS("commission proposal", "settings SIMC", "decoupler none", "loop xD R gain",
-          "loop xB S gain");
+    ask_ok(command);
+    unsigned n = 0;
+    for (; lines[n]; n++) {
+        TEST_ASSERT_TRUE_MESSAGE(n + 1 < n_reply, lines[n]);
+        TEST_ASSERT_EQUAL_STRING_MESSAGE(lines[n], reply[n], command);
+    }
+    TEST_ASSERT_EQUAL_MESSAGE(n + 1, n_reply, board.said);
 }
 
-/* ---- the numbers, beside those of the plant ---- */
+#define ANSWERS(command, ...) answers_with(command, (const char *const[]){__VA_ARGS__, NULL})
 
 /* Number after `name`, the nth of that name, in the line of the last reply that begins so. */
 static double number(const char *begin, const char *name, unsigned nth)
@@ -71,6 +66,122 @@ static double number(const char *begin, const char *name, unsigned nth)
 #define NEAR(share, want, begin, name)                                                             \
     TEST_ASSERT_DOUBLE_WITHIN_MESSAGE((share)*fabs((double)(want)), want, number(begin, name, 0),  \
                                       name)
+
+static void before_it_begins_every_listing_says_so_and_no_more(void)
+{
+    static const char *const nothing[] = {"nothing yet: `commission begin` first", NULL};
+    static const char *const later[] = {"commission gains", "commission pairing",
+                                        "commission proposal"};
+    ANSWERS("commission", "phase idle");
+    ANSWERS("commission plant", "plant tick s 60 name handmade", "output xD unit %w lo 80 hi 112",
+            "output xB unit %w lo -20 hi 20", "input R unit lb/min lo 0 hi 4 safe 1.95",
+            "input S unit lb/min lo 0 hi 4 safe 0");
+    for (unsigned i = 0; i < sizeof later / sizeof later[0]; i++)
+        answers_with(later[i], nothing);
+    ANSWERS("commission structure",
+            "structure none: it is looked for once the pairing is determined");
+    ANSWERS("commission trial", "no trial yet: `commission accept` begins one");
+    ask_ok("commission model");
+    TEST_ASSERT_EQUAL(1, n_reply);
+}
+
+/* What is told beforehand counts for its input and its measurement, and for no other. */
+static void the_plan_counts_what_is_set_for_each_channel(void)
+{
+    ask_ok("begin");
+    ask_ok("set mv1.test_step 0.2");
+    ask_ok("set mv2.test_time 1800");
+    ask_ok("set meas1.test_limit 3");
+    ask_ok("set meas1.test_critical on");
+    ask_ok("set test.rounds 2");
+    ask_ok("set test.window 40");
+    ask_ok("apply");
+    plant_steps(2);
+    /* R: halves of 40 samples or of 1000, S of 1800 s, three each; and four windows of rest */
+    ask_ok("commission plan");
+    TEST_ASSERT_EQUAL_STRING("input R held 1.95 step 0.2 at most 0.2 lb/min", reply[1]);
+    TEST_ASSERT_EQUAL_STRING("input S held 1.71 step 0.08 at most 1 lb/min", reply[2]);
+    TEST_ASSERT_EQUAL_STRING("output xD limit 1.5 %w", reply[3]);
+    TEST_ASSERT_EQUAL_STRING("output xB limit 8 %w", reply[4]);
+    TEST_ASSERT_EQUAL_STRING("ok", reply[5]);
+    double least_h = (5 * 2400 + 3 * 1800 + 2 * 2400) / 3600.0;
+    double most_h = 2 * (3 * 60000 + 2 * 2400 + 3 * 1800 + 2 * 2400) / 3600.0;
+    NEAR(1e-5, least_h, "plan inputs 2 outputs 2 rounds 2 ", "hours at least");
+    NEAR(1e-5, most_h, "plan inputs 2 outputs 2 rounds 2 ", "at most");
+}
+
+static void a_pair_known_beforehand_counts_for_its_input_only(void)
+{
+    static const char *const known[] = {"set pair1.meas xB", "set pair1.mv S", "set pair1.gain 10",
+                                        "set pair1.time 1000", NULL};
+    wood_berry(known);
+    ask_ok("commission begin");
+    until("TEST_STEP R", 300);
+    TEST_ASSERT_TRUE(said("info TEST_STEP R 0.02 "));
+    /* A quarter of its limit of 8 %w: 0.2 lb/min. */
+    until("TEST_STEP S", 3000);
+    TEST_ASSERT_TRUE_MESSAGE(said("info TEST_STEP S 0.05 "), board.said);
+    ask_ok("commission abort");
+}
+
+static void each_half_of_a_test_is_shown_with_the_worst_so_far(void)
+{
+    wood_berry(NULL);
+    ask_ok("commission begin");
+    plant_step();
+    ask_ok("commission");
+    ANSWERS("commission", "phase testing, outputs 2, inputs 2, plant time s 0.000",
+            "input R (1 of 2), round 1: waits for rest, amplitude 0 lb/min");
+    until("TEST_STEP R", 300);
+    plant_steps(20);
+    ask_ok("commission");
+    double share = 12.8 * 0.08 / 6.4 * (1 - exp((60.0 - 20 * 60) / 1002));
+    static const char up[] = "input R (1 of 2), round 1: positive half, amplitude 0.08 lb/min, "
+                             "worst xD at ";
+    TEST_ASSERT_EQUAL_STRING_LEN(up, reply[1], strlen(up));
+    TEST_ASSERT_DOUBLE_WITHIN(0.02 * share, share, strtod(reply[1] + strlen(up), NULL));
+    TEST_ASSERT_TRUE(said(" of its limit\n"));
+    static const char *const after[] = {"negative half", "back, waits for rest"};
+    char line[80];
+    for (unsigned n = 0; n < 2; n++) {
+        snprintf(line, sizeof line, "input R (1 of 2), round 1: %s, amplitude 0.08 lb/min",
+                 after[n]);
+        unsigned ticks = 400;
+        do {
+            plant_step();
+            ask_ok("commission");
+        } while (ticks-- && strncmp(reply[1], line, strlen(line)) != 0);
+        TEST_ASSERT_EQUAL_STRING_LEN(line, reply[1], strlen(line));
+    }
+    until("TEST_STEP S", 3000);
+    ask_ok("commission");
+    TEST_ASSERT_EQUAL_STRING("input S (2 of 2), round 1: positive half, amplitude 0.08 lb/min",
+                             reply[1]);
+    ask_ok("commission abort");
+    plant_step();
+    ask_ok("commission");
+    TEST_ASSERT_EQUAL_STRING_LEN("phase ended, outputs 2, inputs 2, plant time s ", reply[0], 47);
+    TEST_ASSERT_EQUAL_STRING("- asked for", reply[1]);
+}
+
+static void a_proposal_is_shown_with_what_it_rests_on(void)
+{
+    wood_berry(NULL);
+    SHOWS("commission begin", "plan inputs 2", "input R held 1.95 step 0.08", "output xB limit");
+    until("TEST_STEP R", 300);
+    SHOWS("commission", "phase testing", "input R (1 of 2), round 1: positive half");
+    until("PROPOSAL", 3000);
+    SHOWS("commission", "phase ready", "a proposal waits");
+    SHOWS("commission model", "input R held 1.95", "output xD noise", "element xD R gain 12.",
+          "element xB S gain -19.", "moments xD R");
+    SHOWS("commission gains", "rank 2", "singular", "rga R S", "rga xD 2.0");
+    SHOWS("commission pairing", "pairing determined", "pair xD R lambda 2.0", "pair xB S");
+    SHOWS("commission structure", "block");
+    SHOWS("commission proposal", "settings SIMC", "decoupler none", "loop xD R gain",
+          "loop xB S gain");
+}
+
+/* ---- the numbers, beside those of the plant ---- */
 
 /* Wood and Berry 1973. Spans: xD 32, xB 40 %w, R and S 4 lb/min. */
 static const double gain_true[2][2] = {{12.8, -18.9}, {6.6, -19.4}};
@@ -247,6 +358,10 @@ int main(void)
 {
     UNITY_BEGIN();
     RUN_TEST(before_the_tests_there_is_nothing_but_the_plant);
+    RUN_TEST(before_it_begins_every_listing_says_so_and_no_more);
+    RUN_TEST(the_plan_counts_what_is_set_for_each_channel);
+    RUN_TEST(a_pair_known_beforehand_counts_for_its_input_only);
+    RUN_TEST(each_half_of_a_test_is_shown_with_the_worst_so_far);
     RUN_TEST(a_proposal_is_shown_with_what_it_rests_on);
     RUN_TEST(what_was_found_is_shown_in_units_of_the_plant);
     RUN_TEST(figures_of_the_gains_are_shown_as_defined);
