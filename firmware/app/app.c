@@ -302,14 +302,18 @@ static void tick(struct app *app, const struct io_sample *sample, uint64_t now_m
         send_command(app, sample, now_ms); /* the plant gets an answer, but no new one */
         return;
     }
+    /* What was asked before a safe state was asked by somebody who did not know of it: it meets it, and does not end it. */
+    take_requests_in_tick(app, verdict == SAMPLE_TICK);
     if (verdict == SAMPLE_TICK_LOST)
         supervisor_go_safe(&app->supervisor, "samples");
-    /* Where plant time stands still nothing that was asked for may act. */
-    take_requests_in_tick(app, verdict != SAMPLE_TICK_STALLED);
     if (verdict == SAMPLE_TICK_STALLED)
         supervisor_go_safe(&app->supervisor, "plant_time");
+    bool acted = app->supervisor.state != SUPERVISOR_SAFE;
     validate(app, sample);
+    bool fell_back = acted && app->supervisor.state == SUPERVISOR_SAFE;
     take_requests_in_tick(app, false);
+    if (fell_back)
+        supervisor_stay_safe(&app->supervisor);
     if (app->service.image == HAL_IMAGE_DAMAGED) /* whatever has been asked for */
         supervisor_outputs_safe(&app->supervisor, "image");
     else

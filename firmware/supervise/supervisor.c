@@ -292,6 +292,14 @@ static void keep_reason(struct supervisor *s, const char *why)
     strncpy(s->safe_why, why, sizeof s->safe_why - 1);
 }
 
+void supervisor_stay_safe(struct supervisor *s)
+{
+    char why[CHANNEL_NAME_SIZE];
+    memcpy(why, s->safe_why, sizeof why);
+    if (s->state != SUPERVISOR_SAFE)
+        supervisor_outputs_safe(s, why);
+}
+
 void supervisor_outputs_safe(struct supervisor *s, const char *why)
 {
 #if CONFIG_STEPS

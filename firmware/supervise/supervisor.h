@@ -209,6 +209,9 @@ void supervisor_go_safe(struct supervisor *s, const char *why);
 /* The same without forgetting the readings: in the midst of a run. */
 void supervisor_outputs_safe(struct supervisor *s, const char *why);
 
+/* Takes a safe state that something has ended once more, for the same reason. */
+void supervisor_stay_safe(struct supervisor *s);
+
 /* One request. Call before supervisor_control (after supervisor_validate, so that it meets this sample), or
  * while no plant is there. Whether mode, setpoint or output are now as asked; an event says so too. */
 bool supervisor_request(struct supervisor *s, const struct request *request);

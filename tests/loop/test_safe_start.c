@@ -60,6 +60,30 @@ static void the_safe_state_lasts_until_somebody_acts(void)
     TEST_ASSERT_EQUAL_FLOAT(0.5f, board.command.output[1].value);
 }
 
+/* Asked for while all was well; the very sample that meets it takes the safe state. */
+static void what_was_asked_before_the_safe_state_does_not_end_it(void)
+{
+    static const char *const asked[] = {"mode bottom auto", "out bottom 1.5"};
+    for (unsigned n = 0; n < 4; n++) {
+        running();
+        ask_ok("set meas1.fallback safe");
+        ask_ok("set meas1.hold 0");
+        ask_ok("out bottom 1");
+        samples(3);
+        TEST_ASSERT_FALSE(board.command.safe);
+        ask_ok(asked[n % 2]);
+        board.quality[0] = n < 2 ? 2 : 0; /* T1 is lost; or too many samples are */
+        sample_after(n < 2 ? board.tick_ms : 20 * board.tick_ms);
+        TEST_ASSERT_TRUE_MESSAGE(board.command.safe, asked[n % 2]);
+        TEST_ASSERT_EQUAL_FLOAT(0.5f, board.command.output[1].value);
+        samples(2);
+        TEST_ASSERT_TRUE(board.command.safe);
+        ask_ok(asked[n % 2]);
+        samples(1);
+        TEST_ASSERT_FALSE(board.command.safe); /* by somebody who knows */
+    }
+}
+
 static void nothing_can_act_before_there_is_a_plant(void)
 {
     power_on();
@@ -159,6 +183,7 @@ int main(void)
     RUN_TEST(a_reboot_while_controlling_ends_in_the_safe_state);
     RUN_TEST(the_reply_to_reboot_comes_before_the_board_goes);
     RUN_TEST(the_safe_state_lasts_until_somebody_acts);
+    RUN_TEST(what_was_asked_before_the_safe_state_does_not_end_it);
     RUN_TEST(nothing_can_act_before_there_is_a_plant);
     RUN_TEST(an_interlock_holds_from_the_first_command_on);
     RUN_TEST(a_restart_is_told_first);
