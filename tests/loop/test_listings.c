@@ -148,6 +148,32 @@ static void status_and_alarm_name_what_an_interlock_forces_and_has_left(void)
     TEST_ASSERT_EQUAL_STRING("heat = 0.5 kW", line_of("heat"));
 }
 
+/* ---- version ---- */
+
+static void version_says_what_runs_where_and_with_what_limits(void)
+{
+    ask_ok("save");
+    ask_ok("version");
+    TEST_ASSERT_EQUAL_STRING_LEN("reflux ", reply[0], 7);
+    TEST_ASSERT_NOT_NULL(strstr(reply[0], " on memory, numbers "));
+    TEST_ASSERT_NOT_NULL(strstr(reply[0], ", plant link version 1"));
+    TEST_ASSERT_EQUAL_STRING("in the bench's own process", reply[1]);
+    TEST_ASSERT_EQUAL_STRING("clock Hz 0, set by the bench", reply[2]);
+    TEST_ASSERT_EQUAL_STRING("limits: channels 16 loops 16 feedforwards 4 interlocks 8 events 100 "
+                             "alarms 8 arena bytes 16384 steps 32",
+                             reply[3]);
+    TEST_ASSERT_EQUAL_STRING("limits: plant channels 16 name bytes 896 requests 32 rows 8 line 200"
+                             ", recalls lines",
+                             reply[4]);
+    TEST_ASSERT_EQUAL_STRING("no watchdog, flash for storage, bytes: 32768; supply not watched",
+                             reply[5]);
+    TEST_ASSERT_EQUAL_STRING("image without a checksum", reply[6]);
+    TEST_ASSERT_EQUAL_STRING_LEN("started by: power-on boot ", reply[7], 26);
+    TEST_ASSERT_EQUAL_STRING(OPEN, reply[8]);
+    TEST_ASSERT_EQUAL_STRING_LEN("storage: ok, set 1 bytes ", reply[9], 25);
+    TEST_ASSERT_EQUAL(11, n_reply);
+}
+
 /* ---- loop ---- */
 
 static void loop_lists_all_loops_and_what_they_drive(void)
@@ -418,6 +444,7 @@ int main(void)
     RUN_TEST(status_names_channels_the_plant_does_not_announce);
     RUN_TEST(status_shows_an_output_that_does_not_follow_where_it_is);
     RUN_TEST(status_and_alarm_name_what_an_interlock_forces_and_has_left);
+    RUN_TEST(version_says_what_runs_where_and_with_what_limits);
     RUN_TEST(loop_lists_all_loops_and_what_they_drive);
     RUN_TEST(a_loop_is_shown_with_its_parts);
     RUN_TEST(stats_count_what_comes_over_the_link);

@@ -67,6 +67,21 @@ static void a_step_is_delayed_then_shaped(void)
     }
 }
 
+static void it_begins_as_if_the_disturbance_had_always_been_at_the_reference(void)
+{
+    struct feedforward_config c = feedforward_default_config();
+    c.gain = 2.0f;
+    c.reference = 0.5f;
+    c.lag_s = 10.0f;
+    c.dead_time_s = 4.0f;
+    memset(ring, 0x33, sizeof ring); /* whatever was there before */
+    struct feedforward ff = make(c, 1.0f);
+    TEST_ASSERT_DOUBLE_WITHIN(0, 0, D(ff.output));
+    for (int k = 0; k < 4; k++)
+        TEST_ASSERT_DOUBLE_WITHIN(0, 0, D(feedforward_step(&ff, N(0.75))));
+    TEST_ASSERT_TRUE(D(feedforward_step(&ff, N(0.75))) > 0.0);
+}
+
 static void the_output_stays_within_its_own_limits(void)
 {
     struct feedforward_config c = feedforward_default_config();
@@ -124,20 +139,21 @@ static void bad_settings_are_refused_by_name(void)
     const struct {
         float gain, lead, lag, dead, reference, lo, hi, h;
         enum err err;
-        const char *field;
+        const char *field, *wanted;
     } bad[] = {
-        {nanf(""), 0, 0, 0, 0, -1, 1, 1, ERR_NOT_FINITE, "gain"},
-        {101, 0, 0, 0, 0, -1, 1, 1, ERR_RANGE, "gain"},
-        {1, nanf(""), 0, 0, 0, -1, 1, 1, ERR_NOT_FINITE, "lead_s"},
-        {1, 101, 0, 0, 0, -1, 1, 1, ERR_RANGE, "lead_s"},
-        {1, 0, -1, 0, 0, -1, 1, 1, ERR_RANGE, "lag_s"},
-        {1, 0, 0, nanf(""), 0, -1, 1, 1, ERR_NOT_FINITE, "dead_time_s"},
-        {1, 0, 0, 1e6f, 0, -1, 1, 1, ERR_RANGE, "dead_time_s"},
-        {1, 0, 0, 0, 3, -1, 1, 1, ERR_RANGE, "reference"},
-        {1, 0, 0, 0, 0, -3, 1, 1, ERR_RANGE, "out_lo"},
-        {1, 0, 0, 0, 0, 1, 1, 1, ERR_RANGE, "out_hi"},
-        {1, 0, 0, 0, 0, -1, nanf(""), 1, ERR_NOT_FINITE, "out_hi"},
-        {1, 0, 0, 0, 0, -1, 1, 0, ERR_RANGE, "h_s"},
+        {nanf(""), 0, 0, 0, 0, -1, 1, 1, ERR_NOT_FINITE, "gain", "-100 to 100"},
+        {101, 0, 0, 0, 0, -1, 1, 1, ERR_RANGE, "gain", "-100 to 100"},
+        {1, nanf(""), 0, 0, 0, -1, 1, 1, ERR_NOT_FINITE, "lead_s", "0 to 1e6 s"},
+        {1, 101, 0, 0, 0, -1, 1, 1, ERR_RANGE, "lead_s",
+         "at most 100 times (lag_s + step interval)"},
+        {1, 0, -1, 0, 0, -1, 1, 1, ERR_RANGE, "lag_s", "0 to 1e6 s"},
+        {1, 0, 0, nanf(""), 0, -1, 1, 1, ERR_NOT_FINITE, "dead_time_s", "0 to 1e6 s"},
+        {1, 0, 0, 1e6f, 0, -1, 1, 1, ERR_RANGE, "dead_time_s", "at most 100000 step intervals"},
+        {1, 0, 0, 0, 3, -1, 1, 1, ERR_RANGE, "reference", "-1 to 2"},
+        {1, 0, 0, 0, 0, -3, 1, 1, ERR_RANGE, "out_lo", "-2 to 2"},
+        {1, 0, 0, 0, 0, 1, 1, 1, ERR_RANGE, "out_hi", "above out_lo, to 2"},
+        {1, 0, 0, 0, 0, -1, nanf(""), 1, ERR_NOT_FINITE, "out_hi", "-2 to 2"},
+        {1, 0, 0, 0, 0, -1, 1, 0, ERR_RANGE, "h_s", "0.001 to 1e5 s"},
     };
     for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++) {
         struct feedforward_config c = {bad[i].gain,      bad[i].lead, bad[i].lag, bad[i].dead,
@@ -148,7 +164,7 @@ static void bad_settings_are_refused_by_name(void)
         const char *field = "", *wanted = "";
         TEST_ASSERT_EQUAL_INT(bad[i].err, feedforward_validate(&c, bad[i].h, &field, &wanted));
         TEST_ASSERT_EQUAL_STRING(bad[i].field, field);
-        TEST_ASSERT_TRUE(strlen(wanted) > 3);
+        TEST_ASSERT_EQUAL_STRING(bad[i].wanted, wanted);
         TEST_ASSERT_EQUAL_INT(bad[i].err, feedforward_init(&ff, &c, bad[i].h, ring, sizeof ring));
         TEST_ASSERT_EQUAL_MEMORY(&was, &ff, sizeof ff);
         TEST_ASSERT_EQUAL_UINT(0, feedforward_bytes(&c, bad[i].h));
@@ -172,6 +188,7 @@ int main(void)
     RUN_TEST(at_rest_the_output_is_gain_times_the_deviation_from_the_reference);
     RUN_TEST(at_the_reference_nothing_is_called_for);
     RUN_TEST(a_step_is_delayed_then_shaped);
+    RUN_TEST(it_begins_as_if_the_disturbance_had_always_been_at_the_reference);
     RUN_TEST(the_output_stays_within_its_own_limits);
     RUN_TEST(a_gain_of_zero_is_off);
     RUN_TEST(a_disturbance_it_fits_is_cancelled);

@@ -240,6 +240,24 @@ static void setting_one_parameter_changes_no_other(void)
                           parameter_equal(&q, &before, &config));
 }
 
+static void only_its_default_is_taken_for_the_default(void)
+{
+    struct parameter p;
+    char text[40];
+    for (unsigned n = 0; parameter_at(n, &p); n++) {
+        texts(&p);
+        if (strcmp(p.group->name, "decouple") != 0) /* whose diagonal is 1 */
+            TEST_ASSERT_TRUE_MESSAGE(parameter_is_default(&p, &config), name);
+        if (!number(&p))
+            continue;
+        float there = field_hi(p.field) > field_initial(p.field) ? field_hi(p.field) : 0.0f;
+        snprintf(text, sizeof text, p.field->type == PARAMETER_FLOAT ? "%.9g" : "%.0f",
+                 (double)there);
+        TEST_ASSERT_EQUAL_MESSAGE(ERR_OK, parameter_set(&p, &config, text), name);
+        TEST_ASSERT_FALSE_MESSAGE(parameter_is_default(&p, &config), name);
+    }
+}
+
 static void zero_has_one_sign(void)
 {
     struct parameter p;
@@ -283,6 +301,7 @@ int main(void)
     RUN_TEST(names_of_no_parameter_are_not_found);
     RUN_TEST(the_decoupler_is_the_identity_by_default);
     RUN_TEST(setting_one_parameter_changes_no_other);
+    RUN_TEST(only_its_default_is_taken_for_the_default);
     RUN_TEST(zero_has_one_sign);
     return UNITY_END();
 }

@@ -248,6 +248,41 @@ static void requests_to_what_is_not_there_are_refused(void)
     TEST_ASSERT_EQUAL(0, happened(EVENT_REQUEST_REFUSED, "plan"));
 }
 
+/* Restart and sequences go on only with what was done. */
+static void whoever_asks_is_told_whether_it_was_done(void)
+{
+    put("loop1.sp_track", "off");
+    apply();
+    tick();
+    const struct {
+        struct request asked;
+        bool done;
+    } in_turn[] = {
+        {{.kind = REQUEST_MODE, .loop = TOP, .output = PLAN_NONE, .mode = LOOP_CASCADE}, false},
+        {{.kind = REQUEST_MODE, .loop = TOP, .output = PLAN_NONE, .mode = LOOP_MANUAL}, true},
+        {{.kind = REQUEST_SETPOINT, .loop = TOP, .output = PLAN_NONE, .value = 59}, false},
+        {{.kind = REQUEST_SETPOINT, .loop = TOP, .output = PLAN_NONE, .value = 161}, false},
+        {{.kind = REQUEST_SETPOINT, .loop = TOP, .output = PLAN_NONE, .value = 60}, true},
+        {{.kind = REQUEST_SETPOINT, .loop = TOP, .output = PLAN_NONE, .value = 160}, true},
+        {{.kind = REQUEST_SETPOINT, .loop = BOTTOM, .output = PLAN_NONE, .value = 100}, false},
+        {{.kind = REQUEST_OUTPUT, .loop = TOP, .output = PLAN_NONE, .value = 5}, true},
+        {{.kind = REQUEST_OUTPUT, .loop = PLAN_NONE, .output = SPARE, .value = 50}, true},
+        {{.kind = REQUEST_OUTPUT, .loop = PLAN_NONE, .output = REFLUX, .value = 5}, false},
+        {{.kind = REQUEST_MODE, .loop = TOP, .output = PLAN_NONE, .mode = LOOP_AUTO}, true},
+        {{.kind = REQUEST_MODE, .loop = TOP, .output = PLAN_NONE, .mode = LOOP_AUTO}, true},
+        {{.kind = REQUEST_OUTPUT, .loop = TOP, .output = PLAN_NONE, .value = 5}, false},
+        {{.kind = REQUEST_SETPOINT, .loop = TOP, .output = PLAN_NONE, .value = 90}, true},
+        {{.kind = REQUEST_MODE, .loop = 200, .output = PLAN_NONE, .mode = LOOP_AUTO}, false},
+    };
+    for (unsigned k = 0; k < sizeof in_turn / sizeof in_turn[0]; k++) {
+        struct request r = in_turn[k].asked;
+        char message[20];
+        snprintf(message, sizeof message, "request %u", k);
+        r.plan = bench.s.plan->serial;
+        TEST_ASSERT_EQUAL_MESSAGE(in_turn[k].done, supervisor_request(&bench.s, &r), message);
+    }
+}
+
 /* Checked with one plan, its turn comes under another, in which something else stands in the same place. */
 static void a_request_that_meets_another_plan_is_refused_whatever_stands_in_its_place(void)
 {
@@ -323,6 +358,7 @@ int main(void)
     RUN_TEST(a_manual_output_is_refused_while_the_loop_acts);
     RUN_TEST(an_output_without_a_loop_can_be_moved_by_its_own_name);
     RUN_TEST(requests_to_what_is_not_there_are_refused);
+    RUN_TEST(whoever_asks_is_told_whether_it_was_done);
     RUN_TEST(a_request_that_meets_another_plan_is_refused_whatever_stands_in_its_place);
     RUN_TEST(a_loop_runs_only_in_the_ticks_of_its_divisor_and_phase);
     return UNITY_END();
