@@ -110,7 +110,7 @@ class Tree:
         answer = subprocess.run(command, capture_output=True, text=True, errors="replace", check=False)
         if answer.returncode != 0:
             lines = [x for x in (answer.stdout + answer.stderr).splitlines() if x.strip()]
-            told = next((x for x in lines if "error" in x.lower()), lines[-1] if lines else "?")
+            told = next((x for x in lines if "error:" in x.lower()), lines[-1] if lines else "?")
             raise RunFailed(f"{what}: {told}")
         return answer.stdout
 
