@@ -338,6 +338,57 @@ static void a_trial_is_shown_beside_what_was_predicted(void)
     SHOWS("commission", "phase kept, outputs 2, inputs 2, plant time s ");
 }
 
+/* y2 over u1: 0.8, lag 100 s, dead time 24 s; over u2: -1, 70 s, 14 s. What u1 does is there one sample of 10 s late. */
+static void a_block_that_another_drives_is_shown_with_the_way_across(void)
+{
+    commission_plant("loop/data/triangular.json", 10000, 0.0, NULL);
+    ask_ok("commission begin");
+    until("PROPOSAL", 3000);
+    ask_ok("commission structure");
+    TEST_ASSERT_EQUAL_STRING("structure parts 1 blocks 2", reply[0]);
+    TEST_ASSERT_EQUAL_STRING("block number 1 part 1 pairs 1 worst_lambda 1 driven_by -", reply[1]);
+    TEST_ASSERT_EQUAL_STRING("block number 2 part 1 pairs 1 worst_lambda 1 driven_by 1", reply[2]);
+    TEST_ASSERT_EQUAL_STRING("member y1 u1 block 1 single_loop yes", reply[3]);
+    TEST_ASSERT_EQUAL_STRING("member y2 u2 block 2 single_loop yes", reply[4]);
+    static const char way[] = "way from y1 u1 to y2 u2 ";
+    static const char feed[] = "feedforward from y1 u1 to y2 u2 ";
+    NEAR(0.005, 0.8, way, "gain");
+    NEAR(0.01, 70.0, way, "lead");
+    NEAR(0.01, 100.0, way, "lag");
+    TEST_ASSERT_DOUBLE_WITHIN(1, 10, number(way, "dead", 0));
+    NEAR(0, 0.0, way, "late");
+    ask_ok("commission proposal");
+    NEAR(0.005, 0.8, feed, "gain");
+    NEAR(0.01, 70.0, feed, "lead");
+    NEAR(0.01, 100.0, feed, "lag");
+    TEST_ASSERT_DOUBLE_WITHIN(1, 0, number(feed, "dead", 0));
+    TEST_ASSERT_EQUAL(1, times_said(" late 0 left 0 used yes\n"));
+}
+
+/* 0.9 degC/% over 2.2 kg/h/% in spans of 100 degC and 200 kg/h; 180 s of lag and 10 s of dead time between them. */
+static void a_cascade_is_shown_with_what_lies_between_its_measurements(void)
+{
+    commission_plant("loop/data/cascade.json", 10000, 0.0, NULL);
+    ask_ok("commission begin");
+    until("PROPOSAL", 3000);
+    ask_ok("commission structure");
+    static const char begin[] = "cascade inner steam outer heated ";
+    NEAR(0.005, 0.9 / 2.2 * 2, begin, "gain");
+    TEST_ASSERT_DOUBLE_WITHIN(4, 190, number(begin, "lag", 0) + number(begin, "dead", 0));
+    TEST_ASSERT_EQUAL(1, times_said(" misfit 0 used yes\n"));
+    TEST_ASSERT_EQUAL_STRING("structure parts 2 blocks 2", reply[1]);
+    TEST_ASSERT_EQUAL_STRING("block number 2 part 2 pairs 1 worst_lambda 1 driven_by -", reply[3]);
+    TEST_ASSERT_EQUAL_STRING("member heated valve block 1 single_loop yes", reply[4]);
+    TEST_ASSERT_EQUAL_STRING("member flow pump block 2 single_loop yes", reply[5]);
+    TEST_ASSERT_EQUAL(7, n_reply);
+    ask_ok("commission proposal");
+    NEAR(0.01, 12.0, "inner steam valve ", "ti"); /* its lag */
+    TEST_ASSERT_EQUAL(1, times_said(" td 0 reverse below heated\n"));
+    ask_ok("commission model");
+    TEST_ASSERT_TRUE(said("element flow valve gain 0 "));
+    TEST_ASSERT_EQUAL(6, times_said(" flags no_gain\n"));
+}
+
 static void what_cannot_be_told_is_shown_as_open(void)
 {
     static const char *const once[] = {"set test.rounds 1", NULL};
@@ -367,6 +418,8 @@ int main(void)
     RUN_TEST(figures_of_the_gains_are_shown_as_defined);
     RUN_TEST(the_proposal_is_shown_as_it_is_put_in);
     RUN_TEST(a_trial_is_shown_beside_what_was_predicted);
+    RUN_TEST(a_block_that_another_drives_is_shown_with_the_way_across);
+    RUN_TEST(a_cascade_is_shown_with_what_lies_between_its_measurements);
     RUN_TEST(what_cannot_be_told_is_shown_as_open);
     int failed = UNITY_END();
     plant_power_off();
