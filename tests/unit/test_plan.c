@@ -200,6 +200,11 @@ static void a_span_that_float_cannot_resolve_is_refused(void)
     put("meas1.lo", "0");
     put("meas1.hi", "1e-30");
     refused(ERR_RANGE, "meas", 1, "lo", "T1");
+    put("meas1.hi", "9.9e-7"); /* 1e-6 at least, and a ten thousandth of its ends */
+    refused(ERR_RANGE, "meas", 1, "lo", "T1");
+    put("meas1.lo", "999901");
+    put("meas1.hi", "1000000");
+    refused(ERR_RANGE, "meas", 1, "lo", "T1");
     bench_config();
     put("mv1.lo", "1000000");
     put("mv1.hi", "1000001");

@@ -209,6 +209,7 @@ static void a_loop_whose_channel_is_no_longer_bound_goes_to_manual(void)
     mode(BOTTOM, LOOP_AUTO);
     mode(TOP, LOOP_AUTO);
     tick();
+    bench_forget_events();
     supervisor_unbind(&bench.s);
     supervisor_bind_measurement(&bench.s, T1);
     supervisor_bind_measurement(&bench.s, T10);
@@ -216,10 +217,14 @@ static void a_loop_whose_channel_is_no_longer_bound_goes_to_manual(void)
     tick();
     TEST_ASSERT_EQUAL(LOOP_MANUAL, bench.s.loop[BOTTOM].mode);
     TEST_ASSERT_EQUAL(LOOP_AUTO, bench.s.loop[TOP].mode);
+    TEST_ASSERT_EQUAL(1, happened(EVENT_MODE, "bottom")); /* and says so */
+    TEST_ASSERT_EQUAL(0, happened(EVENT_MODE, "top"));
     supervisor_unbind(&bench.s);
     supervisor_bind_output(&bench.s, REFLUX); /* and now T1 */
     tick();
     TEST_ASSERT_EQUAL(LOOP_MANUAL, bench.s.loop[TOP].mode);
+    TEST_ASSERT_EQUAL(1, happened(EVENT_MODE, "bottom"));
+    TEST_ASSERT_EQUAL(1, happened(EVENT_MODE, "top"));
 }
 
 static void a_manual_output_is_refused_while_the_loop_acts(void)
