@@ -3,3 +3,6 @@ foreach(part people faults trial listings relay)
   reflux_test(commission_${part} LABEL loop SOURCES ${CMAKE_CURRENT_LIST_DIR}/test_commission_${part}.c
               LIBS reflux_hal_memory reflux_app reflux_link reflux_bench reflux_plants)
 endforeach()
+# Every listing, beside tests/reference/listings.txt.
+reflux_test(transcript LABEL loop SOURCES ${CMAKE_CURRENT_LIST_DIR}/test_transcript.c
+            LIBS reflux_hal_memory reflux_app reflux_link reflux_bench reflux_plants)
