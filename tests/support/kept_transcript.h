@@ -1,0 +1,69 @@
+/* Numbers that a person has looked at once and that are kept, line by line: a change of any of them is seen, whichever line
+ * of the firmware it came from. What is right about them other tests say.
+ *
+ * Where a change is meant, the kept file is made anew by running the test with REFLUX_KEEP=1 in the environment, in the
+ * folder tests/; what then differs is to be read, number by number, before it is committed. */
+#ifndef REFLUX_TESTS_KEPT_TRANSCRIPT_H
+#define REFLUX_TESTS_KEPT_TRANSCRIPT_H
+
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "unity.h"
+
+#define TRANSCRIPT_LINE 400
+
+static struct {
+    FILE *file;
+    const char *path;
+    char section[TRANSCRIPT_LINE]; /* where a difference is */
+    unsigned line;
+    bool anew;
+} kept;
+
+static inline void kept_open(const char *path)
+{
+    const char *keep = getenv("REFLUX_KEEP");
+    kept.anew = keep && keep[0] == '1';
+    kept.path = path;
+    kept.line = 0;
+    kept.file = fopen(path, kept.anew ? "w" : "r");
+    TEST_ASSERT_NOT_NULL_MESSAGE(kept.file, path);
+}
+
+/* The next line, without its end. */
+__attribute__((format(printf, 1, 2))) static inline void kept_line(const char *format, ...)
+{
+    char is[TRANSCRIPT_LINE], was[TRANSCRIPT_LINE + 2], text[5 * TRANSCRIPT_LINE];
+    va_list arguments;
+    va_start(arguments, format);
+    vsnprintf(is, sizeof is, format, arguments);
+    va_end(arguments);
+    kept.line++;
+    if (strncmp(is, "# ", 2) == 0)
+        memcpy(kept.section, is, sizeof is);
+    if (kept.anew) {
+        fprintf(kept.file, "%s\n", is);
+        return;
+    }
+    TEST_ASSERT_NOT_NULL_MESSAGE(fgets(was, sizeof was, kept.file), "the kept file is shorter");
+    was[strcspn(was, "\n")] = '\0';
+    if (strcmp(is, was) == 0)
+        return;
+    snprintf(text, sizeof text, "%s:%u %s\n  kept  %s\n  now   %s", kept.path, kept.line,
+             kept.section, was, is);
+    fclose(kept.file);
+    TEST_FAIL_MESSAGE(text);
+}
+
+static inline void kept_close(void)
+{
+    char more[4];
+    bool ends = kept.anew || !fgets(more, sizeof more, kept.file);
+    TEST_ASSERT_EQUAL_INT(0, fclose(kept.file));
+    TEST_ASSERT_TRUE_MESSAGE(ends, "the kept file goes on");
+}
+
+#endif

@@ -1,0 +1,361 @@
+/* Every number that identification and the model of automatic start-up find on small plants, to six digits: a double step
+ * from rest to rest on first-order and other plants, without noise and with one seed of it, drifts, limits that are
+ * near, amplitudes and halves that are given, samples that are lost; then the fit, and a second test joined to the first.
+ *
+ * Kept in reference/identified_numbers.txt; how it is made anew: support/kept_transcript.h.
+ *
+ * What is found is beside the plant's own numbers, so that a person sees whether it is right; how right it has to be say
+ * test_experiment.c, test_model.c, test_moments.c and test_fopdt_fit.c.
+ */
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "commission/limits.h"
+#include "commission/model.h"
+#include "experiment_bench.h"
+#include "kept_transcript.h"
+
+#define SEED 20261122u
+
+static struct commission c;
+
+void setUp(void)
+{
+    memset(&c, 0, sizeof c);
+}
+void tearDown(void) {}
+
+struct plant_case {
+    const char *name;
+    uint8_t outputs;
+    struct test_element element[3];
+    double noise, drift;
+    double (*other)(unsigned j, uint32_t k); /* instead of the elements */
+    unsigned lost;                           /* of so many samples one; 0: none */
+    /* 0: those of the bench */
+    double amplitude, limit, blank, dead;
+    uint32_t half, half_most;
+    bool line_guard;
+};
+
+/* The steps so far, as the bench has put them in. */
+static double stepped(const struct test_element *e, uint32_t k)
+{
+    double y = 0.0;
+    for (unsigned i = 0; i < bench.edges; i++)
+        y += bench.change[i] * step_response(e, k - bench.at[i]);
+    return y;
+}
+
+/* A fast part and a slow tail. */
+static double tailed(unsigned j, uint32_t k)
+{
+    static const struct test_element fast = {0.5, 15, 4}, slow = {0.3, 150, 4};
+    return (j ? -1.0 : 1.0) * (stepped(&fast, k) + stepped(&slow, k));
+}
+
+/* A gain that is larger up than down. */
+static double curved(unsigned j, uint32_t k)
+{
+    static const struct test_element e = {1.0, 30, 8};
+    double y = stepped(&e, k);
+    return j ? 0.5 * y : y + 8.0 * y * y;
+}
+
+static double integrating(unsigned j, uint32_t k)
+{
+    static const struct test_element slow = {40.0, 20000, 5}, lag = {0.6, 30, 5};
+    return stepped(j ? &lag : &slow, k);
+}
+
+/* Wrong way first. */
+static double inverse(unsigned j, uint32_t k)
+{
+    static const struct test_element fast = {-0.4, 8, 2}, slow = {1.2, 40, 2};
+    return (j ? 0.3 : 1.0) * (stepped(&fast, k) + stepped(&slow, k));
+}
+
+/* A drift that turns in the middle of the test. */
+static double turning(unsigned j, uint32_t k)
+{
+    static const struct test_element e = {0.8, 40, 10};
+    double after = k > 700 ? k - 700.0 : 0.0;
+    return (j ? -0.5 : 1.0) * stepped(&e, k) + 4e-6 * after;
+}
+
+static double swinging(unsigned j, uint32_t k)
+{
+    double y = 0.0;
+    for (unsigned i = 0; i < bench.edges; i++) {
+        double t = k - bench.at[i] - 3.0;
+        if (t > 0)
+            y += bench.change[i] * (1.0 - exp(-t / 60.0) * cos(t / 12.0));
+    }
+    return j ? 0.4 * y : y;
+}
+
+/* Time in samples of one second; Wood and Berry 1973 in tenths of a minute. */
+#define WOOD_BERRY_R                                                                               \
+    {                                                                                              \
+        {1.6, 167, 10},                                                                            \
+        {                                                                                          \
+            0.66, 109, 70                                                                          \
+        }                                                                                          \
+    }
+#define WOOD_BERRY_S                                                                               \
+    {                                                                                              \
+        {-2.3625, 210, 30},                                                                        \
+        {                                                                                          \
+            -1.94, 144, 30                                                                         \
+        }                                                                                          \
+    }
+
+static const struct plant_case cases[] = {
+    {"Wood-Berry R", 2, WOOD_BERRY_R, .noise = 0},
+    {"Wood-Berry S", 2, WOOD_BERRY_S, .noise = 0},
+    {"Wood-Berry R with noise", 2, WOOD_BERRY_R, .noise = 3e-4},
+    {"Wood-Berry S with noise", 2, WOOD_BERRY_S, .noise = 3e-4},
+    {"Wood-Berry S, noise and drift", 2, WOOD_BERRY_S, .noise = 1e-3, .drift = 2e-6},
+    {"fast and slow", 3, {{0.8, 4, 1}, {-0.5, 90, 20}, {0.002, 30, 0}}, .noise = 2e-4},
+    {"no lag and no response", 3, {{0.5, 0, 3}, {0, 1, 0}, {0.3, 2, 12}}, .noise = 1e-4},
+    {"large gain near its limit", 2, {{3.5, 60, 15}, {0.6, 30, 5}}, .limit = 0.1},
+    {"cut by the model's guard", 2, {{20, 80, 25}, {0.6, 40, 5}}, .limit = 0.15, .noise = 1e-4},
+    {"cut by the line's guard", 2, {{20, 80, 25}, {0.6, 40, 5}}, .limit = 0.15, .line_guard = true},
+    {"blanked, with a dead time known",
+     2,
+     {{12, 80, 25}, {0.6, 40, 5}},
+     .limit = 0.15,
+     .line_guard = true,
+     .blank = 20,
+     .dead = 25,
+     .noise = 2e-4},
+    {"past its limit at once", 2, {{40, 6, 0}, {0.6, 40, 5}}, .limit = 0.1},
+    {"an amplitude given", 2, {{0.4, 30, 5}, {-0.2, 50, 9}}, .amplitude = 0.04, .noise = 3e-4},
+    {"a half given", 2, {{0.4, 30, 5}, {-0.9, 80, 9}}, .half = 120, .noise = 2e-4},
+    {"halves too short", 2, {{0.4, 300, 5}, {-0.9, 500, 40}}, .half_most = 150, .noise = 1e-4},
+    {"one sample in ten lost", 2, {{0.9, 50, 12}, {-0.3, 25, 4}}, .lost = 10, .noise = 1e-4},
+    {"grows out of the noise", 2, {{0.3, 20, 5}, {0.1, 40, 2}}, .noise = 1e-3},
+    {"hidden by the noise", 2, {{0.02, 20, 5}, {0.01, 40, 2}}, .noise = 4e-3},
+    {"fast drift", 2, {{0.8, 40, 10}, {-0.5, 20, 3}}, .noise = 2e-4, .drift = 1e-5},
+    {"turning drift", 2, .other = turning, .noise = 1e-4},
+    {"fast part and slow tail", 2, .other = tailed, .noise = 1e-4},
+    {"curved", 2, .other = curved, .noise = 1e-4},
+    {"integrating", 2, .other = integrating, .half_most = 600, .noise = 1e-4},
+    {"wrong way first", 2, .other = inverse, .noise = 1e-4},
+    {"swinging", 2, .other = swinging, .noise = 1e-4},
+};
+
+#define CASES (sizeof cases / sizeof cases[0])
+
+static void set_up(const struct plant_case *p, unsigned seed)
+{
+    bench_begin(SEED + seed);
+    memcpy(bench.element, p->element, sizeof p->element);
+    bench.noise = p->noise;
+    bench.drift = p->drift;
+    bench.other = p->other;
+    config.outputs = p->outputs;
+    config.amplitude = (real_t)p->amplitude;
+    config.blank_s = (real_t)p->blank;
+    config.line_guard = p->line_guard;
+    config.half = p->half;
+    if (p->half_most > 0)
+        config.half_most = p->half_most;
+    for (unsigned j = 0; j < p->outputs; j++) {
+        config.dead_time_s[j] = (real_t)p->dead;
+        if (p->limit > 0)
+            config.limit[j] = (real_t)p->limit;
+    }
+}
+
+static void says(const char *what, const struct identified *i)
+{
+    kept_line("%s gain %.6g sd %.6g T %.6g sd %.6g L %.6g sd %.6g flags %x", what, (double)i->gain,
+              (double)i->gain_sd, (double)i->time_constant_s, (double)i->time_constant_sd_s,
+              (double)i->dead_time_s, (double)i->dead_time_sd_s, i->flags);
+}
+
+static void says_rest(const char *what, const struct steady_result *r)
+{
+    kept_line(
+        "%s %d mean %.6g sd %.6g level %.6g slope %.6g sd %.6g noise %.6g ratio %.6g age %.6g",
+        what, r->state, (double)r->mean, (double)r->mean_sd, (double)r->level,
+        (double)r->slope_per_s, (double)r->slope_sd_per_s, (double)r->noise_sd,
+        (double)r->variance_ratio, (double)r->age_s);
+}
+
+/* What the experiment itself has to say. */
+static void says_experiment(void)
+{
+    const struct experiment *x = &experiment;
+    const struct excitation *u = &x->record.input;
+    kept_line("phase %d failure %d culprit %u flags %d%d%d%d%d worst %.6g of %u predicted %.6g",
+              x->phase, x->failure, x->culprit, x->cut, x->one_sided, x->at_longest, x->small,
+              x->returned, (double)x->worst, x->worst_output, (double)x->predicted);
+    kept_line("amplitude %.6g half %u samples %u points %u of %u edges %u", (double)x->amplitude,
+              (unsigned)x->half, (unsigned)x->samples, (unsigned)x->record.points,
+              (unsigned)x->record.block, (unsigned)u->edges);
+    for (unsigned i = 0; i < u->edges; i++)
+        kept_line("edge at %u by %.6g", (unsigned)u->edge[i].sample, (double)u->edge[i].change);
+    for (uint8_t j = 0; j < x->config.outputs; j++) {
+        real_t sd, bend = experiment_bend(x, j, &sd);
+        says_rest("before", &x->before[j]);
+        says_rest("after", &x->after[j]);
+        kept_line("seen %.6g to %.6g drift %.6g bend %.6g sd %.6g early %.6g %.6g sd %.6g",
+                  (double)x->low[j], (double)x->high[j], (double)x->drift_per_s[j], (double)bend,
+                  (double)sd, (double)x->early[j].slope, (double)x->early[j].dead_s,
+                  (double)x->early[j].dead_sd_s);
+        says("look", &x->look.found[j]);
+    }
+}
+
+/* Every alpha of the moments, and the guards' word at the end. */
+static void says_of_the_record(uint8_t j)
+{
+    struct identified at;
+    struct baseline b;
+    struct guard_prediction g;
+    real_t raw;
+    bool known = experiment_baseline(&experiment, j, &b) == ERR_OK;
+    if (known)
+        kept_line("baseline %.6g sd %.6g slope %.6g sd %.6g", (double)b.offset, (double)b.offset_sd,
+                  (double)b.slope_per_s, (double)b.slope_sd_per_s);
+    for (uint32_t i = 0; i < experiment.moments.alphas; i += 3) {
+        enum err err = moments_at(&experiment.moments, i, j, &experiment.record.input,
+                                  known ? &b : NULL, &at, &raw);
+        kept_line("alpha %.6g %s", (double)moments_alpha(&experiment.moments, i),
+                  err ? "none" : "says");
+        if (!err)
+            says("moments", &at);
+    }
+    if (guard_predict(&experiment.guard, j, &g) == ERR_OK)
+        kept_line("guard %.6g %.6g slope %.6g sd %.6g window %u", (double)g.source,
+                  (double)g.predicted, (double)g.slope_per_s, (double)g.sd, (unsigned)g.window);
+}
+
+/* Everything that a fit says, of a straight drift or of one that turns, with and without what is known of the level; and
+ * how far the reversal would take the output then. */
+static void says_of_the_fit(uint8_t j, bool bent, bool with_baseline)
+{
+    static struct fopdt_fit fit;
+    struct fopdt_fit_result r;
+    struct fopdt_fit_options o = {.bent = bent};
+    if (bent)
+        experiment_baseline_before(&experiment, j, &o.baseline);
+    else if (experiment_baseline(&experiment, j, &o.baseline) != ERR_OK)
+        return;
+    enum err err = fopdt_fit_begin(&fit, &experiment.record, j, with_baseline ? &o : NULL);
+    kept_line("fit bent %d baseline %d error %d", bent, with_baseline, err);
+    if (err)
+        return;
+    while (!fopdt_fit_run(&fit, 4))
+        ;
+    TEST_ASSERT_EQUAL_INT(ERR_OK, fopdt_fit_result(&fit, &r));
+    const real_t *v = r.covariance;
+    says("element", &r.element);
+    kept_line("covariance %.6g %.6g %.6g %.6g %.6g %.6g", (double)v[0], (double)v[1], (double)v[2],
+              (double)v[3], (double)v[4], (double)v[5]);
+    kept_line("offset %.6g slope %.6g bend at %.6g by %.6g step %.6g squares %.6g sd %.6g",
+              (double)r.offset, (double)r.slope_per_s, (double)r.bend_at_s, (double)r.bend_per_s,
+              (double)r.bend_step, (double)r.squares, (double)r.residual_sd);
+    kept_line("misfit %.6g correlation %.6g significance %.6g plateau %.6g sd %.6g moved %.6g "
+              "points %u evaluations %u",
+              (double)r.misfit, (double)r.correlation, (double)r.significance,
+              (double)r.plateau_gain, (double)r.plateau_gain_sd, (double)r.moved,
+              (unsigned)r.points, (unsigned)r.evaluations);
+    real_t half_s = (real_t)experiment.half * experiment.config.h_s;
+    for (unsigned i = 1; i <= 4; i++) {
+        real_t peak, sd, after_s = half_s * (real_t)i / REAL_C(3.0);
+        if (guard_model_peak(&r, experiment.amplitude, after_s, &peak, &sd) == ERR_OK)
+            kept_line("peak after %.6g s %.6g sd %.6g", (double)after_s, (double)peak, (double)sd);
+    }
+}
+
+static void fit_of_the_test(const struct plant_case *p, unsigned round)
+{
+    c.outputs = config.outputs;
+    c.inputs = 1;
+    c.work.test.experiment = experiment;
+    model_begin_fit(&c);
+    while (model_work(&c, JOB_FIT))
+        ;
+    kept_line("# %s, fit %u", p->name, round);
+    kept_line("error %d", c.job_error);
+    if (c.job_error)
+        return;
+    for (uint8_t j = 0; j < c.outputs; j++) {
+        kept_line("output %u is gain %.6g T %.6g L %.6g", j, p->element[j].gain, p->element[j].lag,
+                  p->element[j].dead);
+        says("fitted", &c.fitted[j]);
+        kept_line("misfit %.6g climbs %.6g unseen %.6g", (double)c.misfit[j], (double)c.climbs[j],
+                  (double)model_unseen(&experiment, &c.fitted[j]));
+        says_of_the_record(j);
+        if (round == 1)
+            for (unsigned way = 0; way < 3; way++)
+                says_of_the_fit(j, way == 1, way < 2);
+    }
+    model_keep(&c);
+    c.input[0].rounds++;
+    for (uint8_t j = 0; j < c.outputs; j++) {
+        const struct element *e = &c.element[j][0];
+        says("kept", &e->fit);
+        kept_line("moments %.6g %.6g %.6g flags %x asymmetry %d early %.6g %.6g plateau %.6g "
+                  "misfit %.6g",
+                  (double)e->moments.gain, (double)e->moments.time_constant_s,
+                  (double)e->moments.dead_time_s, e->moments_flags, e->asymmetry,
+                  (double)e->early_slope, (double)e->early_dead_s, (double)e->plateau_gain,
+                  (double)e->misfit);
+    }
+}
+
+static void analysis_of_the_tests(void)
+{
+    static struct config settings;
+    settings.test.confidence = 0.95f;
+    model_begin_analysis(&c, &settings, REAL_C(1.0));
+    const struct analysis *a = &c.work.analysis;
+    kept_line("plant %u by %u", a->plant.outputs, a->plant.inputs);
+    for (uint8_t j = 0; j < c.outputs; j++) {
+        const struct fopdt *e = &a->plant.element[j][0];
+        kept_line("element %.6g T %.6g L %.6g sd %.6g flags %x begins T %.6g L %.6g",
+                  (double)e->gain, (double)e->time_constant_s, (double)e->dead_time_s,
+                  (double)a->plant.gain_sd[j][0], a->flags[j][0],
+                  (double)a->beginning[j][0].time_constant_s,
+                  (double)a->beginning[j][0].dead_time_s);
+    }
+}
+
+static void run(const struct plant_case *p)
+{
+    bench_start();
+    for (uint32_t n = 0; n < 60000 && experiment.phase < EXPERIMENT_DONE; n++) {
+        bool lost = p->lost > 0 && n > 300 && n % p->lost == 0;
+        TEST_ASSERT_EQUAL_INT(ERR_OK, bench_sample(lost));
+    }
+}
+
+static void the_numbers_of_small_plants_are_the_ones_kept(void)
+{
+    kept_open("reference/identified_numbers.txt");
+    for (unsigned i = 0; i < CASES; i++) {
+        memset(&c, 0, sizeof c);
+        for (unsigned round = 1; round <= 2; round++) {
+            set_up(&cases[i], 100 * i + round);
+            run(&cases[i]);
+            kept_line("# %s, test %u", cases[i].name, round);
+            says_experiment();
+            if (experiment.phase == EXPERIMENT_DONE)
+                fit_of_the_test(&cases[i], round);
+        }
+        analysis_of_the_tests();
+    }
+    kept_close();
+}
+
+int main(void)
+{
+    UNITY_BEGIN();
+    RUN_TEST(the_numbers_of_small_plants_are_the_ones_kept);
+    return UNITY_END();
+}
