@@ -23,10 +23,11 @@ struct start_up {
     const char *name, *plant, *command; /* plant NULL: wood-berry with its two old loops */
     const char *settings[SETTINGS];
     double noise;
-    const char *event; /* of the plant, `at` ticks after the command */
-    const char *typed; /* by a hand, then */
-    unsigned at, lost; /* lost: samples from then on */
-    bool accepted;     /* and the proposal tried */
+    const char *event;       /* of the plant, `at` ticks after the command */
+    const char *typed;       /* by a hand, then */
+    unsigned at, lost;       /* lost: samples from then on */
+    const char *on_trial[2]; /* events of the plant once it is on trial */
+    bool accepted;           /* and the proposal tried */
 };
 
 /* The events since. */
@@ -106,6 +107,10 @@ static void runs(const struct start_up *s)
         return;
     static const struct start_up nothing = {.at = 1000000};
     says_answer("commission accept");
+    for (unsigned i = 0; i < 2 && s->on_trial[i]; i++) {
+        plant_steps(2);
+        plant_event(s->on_trial[i]);
+    }
     goes_on(&nothing, 6000);
     says_answer("commission");
     says_answer("commission trial");
@@ -114,6 +119,14 @@ static void runs(const struct start_up *s)
 static const struct start_up cases[] = {
     {"as it comes", .command = "commission begin", .accepted = true},
     {"with noise", .command = "commission begin", .noise = 1, .accepted = true},
+    {"a valve that hangs on trial", .command = "commission begin",
+     .on_trial = {"R.readback=2", "R.stuck=1.95"}, .accepted = true},
+    {"a sluggish valve on trial", .command = "commission begin",
+     .on_trial = {"S.readback=2", "S.lag=20000"}, .accepted = true},
+    {"a disturbance on trial", .command = "commission begin", .on_trial = {"xB.bias=12"},
+     .accepted = true},
+    {"a measurement lost on trial", .command = "commission begin", .on_trial = {"xB.quality=3"},
+     .accepted = true},
     {"with much noise, two rounds", .command = "commission begin",
      .settings = {"set test.rounds 2"}, .noise = 8},
     {"amplitudes and times that are set", .command = "commission begin",
@@ -164,6 +177,14 @@ static const struct start_up cases[] = {
     {"a relay and a hand", .command = "commission relay old_R", .typed = "out old_R 2.1", .at = 60},
     {"a relay and nine lost samples", .command = "commission relay old_R",
      .settings = {"set tick.miss_limit 1000"}, .lost = 9, .at = 60},
+    {"Siddha's rig", .plant = "siddha-rig", .command = "commission begin",
+     .settings = {"set test.rounds 1"}},
+    {"a furnace", .plant = "furnace", .command = "commission begin",
+     .settings = {"set test.rounds 1"}},
+    {"Luyben and Vinante's column", .plant = "luyben-vinante", .command = "commission begin",
+     .settings = {"set test.rounds 2"}},
+    {"a packed bed", .plant = "packed-bed", .command = "commission begin",
+     .settings = {"set test.rounds 1", "set test.longest 4000"}},
     {"a paper machine", .plant = "paper-machine", .command = "commission begin",
      .settings = {"set test.rounds 1"}},
 };
