@@ -22,7 +22,6 @@ void storage_init(struct storage *st, struct service *service)
         return;
     st->state = WAITING;
     st->slot_sectors = g.sectors / 2u;
-    st->sector_size = g.sector_size;
     st->slot_size = st->slot_sectors * g.sector_size;
     st->erased = g.erased;
     st->used[0] = st->used[1] = STORAGE_GRAIN; /* the mark's place, whatever it reads */

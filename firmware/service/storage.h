@@ -60,7 +60,7 @@ struct storage {
     uint32_t erases[2];
     uint64_t born_ms;
 
-    uint32_t slot_size, sector_size, slot_sectors;
+    uint32_t slot_size, slot_sectors;
     uint8_t erased;
 
     struct storage_set newest, candidate;

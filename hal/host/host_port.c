@@ -243,6 +243,12 @@ const char *hal_board_text(void)
     return "POSIX process";
 }
 
+bool hal_last_fault(struct hal_fault *fault)
+{
+    (void)fault;
+    return false; /* the operating system ends the process */
+}
+
 enum hal_reset hal_reset_cause(void)
 {
     return cause;

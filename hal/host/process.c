@@ -9,12 +9,6 @@ uint32_t hal_core_hz(void)
     return 0;
 }
 
-bool hal_last_fault(struct hal_fault *fault)
-{
-    (void)fault;
-    return false; /* the operating system ends the process */
-}
-
 uint32_t hal_stack_size(void)
 {
     return 0;

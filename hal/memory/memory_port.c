@@ -36,6 +36,8 @@ static bool flash_ready;
 static void (*tick_lock)(void), (*tick_unlock)(void);
 static struct hal_retained_memory retained;
 static enum hal_image image;
+static struct hal_fault fault;
+static bool faulted;
 
 /* Whoever simulates around a board that is reset goes on counting: its clock does not begin anew. */
 static void power_up(uint64_t now)
@@ -307,6 +309,19 @@ const char *hal_board_name(void)
 const char *hal_board_text(void)
 {
     return "in the bench's own process";
+}
+
+void memory_port_set_fault(const struct hal_fault *what)
+{
+    faulted = what != NULL;
+    fault = what ? *what : (struct hal_fault){0};
+}
+
+bool hal_last_fault(struct hal_fault *last)
+{
+    if (faulted)
+        *last = fault;
+    return faulted;
 }
 
 enum hal_reset hal_reset_cause(void)

@@ -50,6 +50,9 @@ uint64_t memory_port_unfed_ms(void);
 /* A reset from outside, as by a watchdog: flash and the retained memory are kept. */
 void memory_port_reset(enum hal_reset why);
 
+/* What is left of a fault, from now on, as the boards keep it; NULL = nothing. */
+void memory_port_set_fault(const struct hal_fault *what);
+
 /* What the check of the image finds from the next start on. */
 void memory_port_set_image(enum hal_image state);
 

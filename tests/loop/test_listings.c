@@ -435,6 +435,18 @@ static void every_action_is_kept_with_its_subject_and_value(void)
     }
 }
 
+/* ---- room ---- */
+
+static void a_listing_that_waits_for_room_lets_the_board_sleep(void)
+{
+    (void)memory_port_give(HAL_UART_CONSOLE, "list all\n", 9);
+    (void)memory_port_run();
+    TEST_ASSERT_EQUAL(2, memory_port_run()); /* nothing moves, and nobody is busy */
+    board_forget();
+    board_run();
+    TEST_ASSERT_TRUE(said("\nok\n"));
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -454,5 +466,6 @@ int main(void)
     RUN_TEST(rows_and_their_header_hold_every_channel_in_its_place);
     RUN_TEST(what_is_only_looked_at_is_no_action);
     RUN_TEST(every_action_is_kept_with_its_subject_and_value);
+    RUN_TEST(a_listing_that_waits_for_room_lets_the_board_sleep);
     return UNITY_END();
 }

@@ -5,6 +5,7 @@
  *
  * What a start-up finds is kept as the float build has it; the rest is the same in both formats. */
 #include "commission_wood_berry.h"
+#include "hal/retained.h"
 #include "transcript.h"
 
 #define KEPT "reference/listings.txt"
@@ -54,8 +55,22 @@ static void quietly(const char *const *commands)
 
 #define QUIETLY(...) quietly((const char *const[]){__VA_ARGS__, NULL})
 
+/* Whoever holds off the tick lets it go on, and at no time twice: a board's lock does not count. */
+static unsigned held;
+
+static void hold(void)
+{
+    TEST_ASSERT_EQUAL_MESSAGE(0, held++, "the tick is held off twice");
+}
+
+static void let_go(void)
+{
+    TEST_ASSERT_EQUAL_MESSAGE(1, held--, "the tick is let go, and was not held off");
+}
+
 static void is_as_kept(void)
 {
+    TEST_ASSERT_EQUAL_MESSAGE(0, held, "the tick is held off for good");
     if (!writing)
         transcript_compare(title, begun);
 }
@@ -197,6 +212,41 @@ static void stored_settings_are_told_over_resets(void)
     board.clock_ms = 0;
     type("mode machine\n");
     RECORD("version");
+    is_as_kept();
+}
+
+static void an_event_cut_by_a_reset_is_left_out_and_no_other(void)
+{
+    part("an event cut by a reset");
+    running();
+    uint8_t *kept = hal_retained(HAL_RETAINED_EVENTS, HAL_RETAINED_EVENTS_BYTES);
+    TEST_ASSERT_NOT_NULL(kept);
+    RECORD("events");
+    kept[2 * 32 + 4] ^= 1u; /* of the third, by its size in hal/retained.h */
+    RECORD("events");
+    board_resets(HAL_RESET_PIN);
+    RECORD("events");
+    is_as_kept();
+}
+
+static void what_is_left_of_a_fault_is_told(void)
+{
+    struct hal_fault f = {.pc = 0x08001234,
+                          .lr = 0x0800ABCD,
+                          .psr = 0x21000000,
+                          .status = 0x00008200,
+                          .hard = 0x40000000,
+                          .address = 0x20030000,
+                          .up_ms = 987654321,
+                          .boots_ago = 3};
+    part("faults");
+    power_on();
+    for (f.exception = 2; f.exception <= 7; f.exception++) {
+        f.in_tick = f.exception % 2 != 0;
+        memory_port_set_fault(&f);
+        RECORD("version");
+    }
+    memory_port_set_fault(NULL);
     is_as_kept();
 }
 
@@ -357,6 +407,7 @@ int main(int argc, char **argv)
         printf("%s cannot be read; it is found from tests/\n", KEPT);
         return 1;
     }
+    memory_port_set_tick_lock(hold, let_go);
     UNITY_BEGIN();
     RUN_TEST(a_board_without_settings_lists_what_it_is);
     RUN_TEST(parameters_are_shown_with_value_unit_and_range);
@@ -365,6 +416,8 @@ int main(int argc, char **argv)
     RUN_TEST(what_is_asked_in_vain_is_refused_in_words);
     RUN_TEST(a_key_locks_what_an_operator_may_not_do);
     RUN_TEST(stored_settings_are_told_over_resets);
+    RUN_TEST(an_event_cut_by_a_reset_is_left_out_and_no_other);
+    RUN_TEST(what_is_left_of_a_fault_is_told);
     RUN_TEST(a_damaged_image_and_worn_settings_are_told);
     RUN_TEST(rows_of_a_sequence_are_listed_as_they_are_done);
 #ifndef REFLUX_FIXED_POINT

@@ -216,7 +216,10 @@ static void names_of_no_parameter_are_not_found(void)
                                        "decouple1.d9",
                                        ".",
                                        "tick.",
-                                       "loop1.gain "};
+                                       "loop1.gain ",
+                                       "loop1xgain",
+                                       "loop1:gain",
+                                       "tickxbase"};
     struct parameter p;
     for (unsigned i = 0; i < sizeof none / sizeof none[0]; i++)
         TEST_ASSERT_EQUAL_MESSAGE(ERR_UNKNOWN, parameter_find(none[i], &p), none[i]);
@@ -255,6 +258,25 @@ static void only_its_default_is_taken_for_the_default(void)
                  (double)there);
         TEST_ASSERT_EQUAL_MESSAGE(ERR_OK, parameter_set(&p, &config, text), name);
         TEST_ASSERT_FALSE_MESSAGE(parameter_is_default(&p, &config), name);
+    }
+}
+
+static void only_numbers_and_words_have_an_initial_value_and_only_numbers_a_range(void)
+{
+    struct parameter p;
+    for (unsigned n = 0; parameter_at(n, &p); n++) {
+        bool text = p.field->type == PARAMETER_NAME || p.field->type == PARAMETER_UNIT;
+        texts(&p);
+        if (number(&p))
+            TEST_ASSERT_TRUE_MESSAGE(field_lo(p.field) <= field_initial(p.field) &&
+                                         field_initial(p.field) <= field_hi(p.field),
+                                     name);
+        else if (text)
+            TEST_ASSERT_TRUE_MESSAGE(field_lo(p.field) == 0.0f && field_hi(p.field) == 0.0f &&
+                                         field_initial(p.field) == 0.0f,
+                                     name);
+        else if (p.field->type == PARAMETER_WORD)
+            TEST_ASSERT_TRUE_MESSAGE(field_initial(p.field) < (float)parameter_words(&p), name);
     }
 }
 
@@ -302,6 +324,7 @@ int main(void)
     RUN_TEST(the_decoupler_is_the_identity_by_default);
     RUN_TEST(setting_one_parameter_changes_no_other);
     RUN_TEST(only_its_default_is_taken_for_the_default);
+    RUN_TEST(only_numbers_and_words_have_an_initial_value_and_only_numbers_a_range);
     RUN_TEST(zero_has_one_sign);
     return UNITY_END();
 }
