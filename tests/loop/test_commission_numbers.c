@@ -163,6 +163,8 @@ static const struct start_up cases[] = {
      .lost = 20, .at = 120},
     {"a relay on the first loop", .command = "commission relay old_R", .accepted = true},
     {"a relay on the second loop", .command = "commission relay old_S", .accepted = true},
+    {"a relay's loop on a valve that hangs", .command = "commission relay old_R",
+     .on_trial = {"R.readback=2", "R.stuck=1.95"}, .accepted = true},
     {"a relay of a given step", .command = "commission relay old_R",
      .settings = {"set mv1.test_step 0.3", "set test.noise 40"}},
     {"a relay past a limit", .command = "commission relay old_R",
