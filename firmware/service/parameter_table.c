@@ -14,7 +14,7 @@
     V(12, 65535.0f, x) V(13, 9999.0f, x) V(14, 10000.0f, x) V(15, 1e-6f, x)   V(16, 8.0f, x)        \
     V(17, 3600.0f, x) V(18, 86400.0f, x) V(19, 900.0f, x) V(20, 1000.0f, x) V(21, 4.0f, x)          \
     V(22, 5.0f, x) V(23, 10.0f, x) V(24, 16.0f, x) V(25, 20.0f, x) V(26, 30.0f, x) V(27, 0.5f, x)   \
-    V(28, 0.95f, x) V(29, 0.9999f, x)
+    V(28, 0.975f, x) V(29, 0.9999f, x)
 /* clang-format on */
 
 #define ENTRY(place, value, x) [place] = (value),
@@ -263,7 +263,7 @@ static const struct parameter_field test_fields[] = {
       "the guard looks away for so long after a step: inverse responses"),
     F(config, test.longest_s, 3, "longest", "s", 0, 1e6f, 0,
       "no half of a double step is longer; 0 = 1000 base ticks"),
-    F(config, test.confidence, 4, "confidence", "-", 0.5f, 0.9999f, 0.95f,
+    F(config, test.confidence, 4, "confidence", "-", 0.5f, 0.9999f, 0.975f,
       "a pairing less probable than this is not determined"),
     ROW(5, PARAMETER_U16, offsetof(struct config, test.rounds), "rounds", "-", 1, 16, 4,
         "tests are repeated, up to so many of each input, until the pairing is determined"),
