@@ -32,19 +32,6 @@ static void before_the_tests_there_is_nothing_but_the_plant(void)
     ask_refused("commission resume", "STATE");
 }
 
-static void answers_with(const char *command, const char *const *lines)
-{
-    ask_ok(command);
-    unsigned n = 0;
-    for (; lines[n]; n++) {
-        TEST_ASSERT_TRUE_MESSAGE(n + 1 < n_reply, lines[n]);
-        TEST_ASSERT_EQUAL_STRING_MESSAGE(lines[n], reply[n], command);
-    }
-    TEST_ASSERT_EQUAL_MESSAGE(n + 1, n_reply, board.said);
-}
-
-#define ANSWERS(command, ...) answers_with(command, (const char *const[]){__VA_ARGS__, NULL})
-
 /* Number after `name`, the nth of that name, in the line of the last reply that begins so. */
 static double number(const char *begin, const char *name, unsigned nth)
 {

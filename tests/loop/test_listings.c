@@ -23,19 +23,7 @@ static void with(const char *const *settings)
     samples(1);
 }
 
-static void answers_with(const char *command, const char *const *lines)
-{
-    ask_ok(command);
-    unsigned n = 0;
-    for (; lines[n]; n++) {
-        TEST_ASSERT_TRUE_MESSAGE(n + 1 < n_reply, lines[n]);
-        TEST_ASSERT_EQUAL_STRING_MESSAGE(lines[n], reply[n], command);
-    }
-    TEST_ASSERT_EQUAL_MESSAGE(n + 1, n_reply, board.said);
-}
-
-#define ANSWERS(command, ...) answers_with(command, (const char *const[]){__VA_ARGS__, NULL})
-#define WITH(...)             with((const char *const[]){__VA_ARGS__, NULL})
+#define WITH(...) with((const char *const[]){__VA_ARGS__, NULL})
 
 #define OPEN "engineer level open: no key is set (`key NEW` sets one)"
 

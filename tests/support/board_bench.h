@@ -238,6 +238,20 @@ static inline void ask_ok(const char *command)
     TEST_ASSERT_EQUAL_STRING_MESSAGE("ok", end, message);
 }
 
+/* The lines of the reply before its `ok` are these, to the letter; the list ends with NULL. */
+static inline void answers_with(const char *command, const char *const *lines)
+{
+    ask_ok(command);
+    unsigned n = 0;
+    for (; lines[n]; n++) {
+        TEST_ASSERT_TRUE_MESSAGE(n + 1 < n_reply, lines[n]);
+        TEST_ASSERT_EQUAL_STRING_MESSAGE(lines[n], reply[n], command);
+    }
+    TEST_ASSERT_EQUAL_MESSAGE(n + 1, n_reply, board.said);
+}
+
+#define ANSWERS(command, ...) answers_with(command, (const char *const[]){__VA_ARGS__, NULL})
+
 static inline void ask_refused(const char *command, const char *code)
 {
     char begin[32], message[512];
