@@ -141,6 +141,7 @@ void command_sp(struct console *c, unsigned n, char **word);
 void command_out(struct console *c, unsigned n, char **word);
 void command_tune(struct console *c, unsigned n, char **word);
 void command_alarm(struct console *c, unsigned n, char **word);
+void command_stats(struct console *c, unsigned n, char **word);
 
 /* Sequences: console_sequence.c */
 void command_seq(struct console *c, unsigned n, char **word);
