@@ -1,5 +1,5 @@
 /* The plant as the firmware sees it: a named set of measurements and manipulated variables, complete
- * samples with plant time, and commands. The plant link is the first implementation (service/plant_link.h);
+ * samples with plant time, and commands. The plant link is the first implementation (io/plant_link.h);
  * a board's own analogue, pulse, digital and time-proportioned inputs and outputs are another.
  *
  * Rules

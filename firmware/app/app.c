@@ -12,7 +12,7 @@
 #include "hal/tick.h"
 #include "hal/uart.h"
 #include "hal/watchdog.h"
-#include "service/console.h"
+#include "console/console.h"
 #include "service/early_resets.h"
 #include "service/heartbeat.h"
 #include "service/storage.h"

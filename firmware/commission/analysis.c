@@ -7,7 +7,7 @@
 #include <stddef.h>
 #include <string.h>
 
-#include "control/decoupler.h"
+#include "compensate/decoupler.h"
 
 #define HORIZON REAL_C(5.0) /* times integral and dead time: what a loop by itself takes */
 /* A decoupler makes the loops depend on each other: it must be better by a tenth in setpoints as in loads. */

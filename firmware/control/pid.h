@@ -21,7 +21,7 @@
 #include <stdbool.h>
 
 #include "base/error.h"
-#include "control/block.h"
+#include "block/block.h"
 #include "num/accumulator.h"
 #include "signal/ramp.h"
 #include "signal/washout.h"

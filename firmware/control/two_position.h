@@ -15,7 +15,7 @@
 #include <stdbool.h>
 
 #include "base/error.h"
-#include "control/block.h"
+#include "block/block.h"
 
 struct two_position_config {
     float band; /* half the gap, fraction of the measurement's span, above 0, at most 10 */

@@ -10,7 +10,7 @@
 #include <stdbool.h>
 
 #include "base/error.h"
-#include "service/text.h"
+#include "base/text.h"
 #include "supervise/config.h"
 
 enum parameter_type {

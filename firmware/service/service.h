@@ -16,8 +16,8 @@
 #include "base/event.h"
 #include "hal/io.h"
 #include "service/event_log.h"
-#include "service/plant_link.h"
-#include "service/samples.h"
+#include "io/plant_link.h"
+#include "io/samples.h"
 #include "service/telemetry.h"
 #include "supervise/supervisor.h"
 

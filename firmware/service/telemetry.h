@@ -14,7 +14,7 @@
 #ifndef REFLUX_SERVICE_TELEMETRY_H
 #define REFLUX_SERVICE_TELEMETRY_H
 
-#include "service/text.h"
+#include "base/text.h"
 #include "supervise/supervisor.h"
 
 #define TELEMETRY_FORMAT 1

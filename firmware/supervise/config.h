@@ -8,7 +8,7 @@
 #include <stdint.h>
 
 #include "base/channel.h"
-#include "control/decoupler.h"
+#include "compensate/decoupler.h"
 
 #ifndef CONFIG_FEEDFORWARDS
 #define CONFIG_FEEDFORWARDS 4

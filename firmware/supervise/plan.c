@@ -4,7 +4,7 @@
 #include <string.h>
 
 #include "base/crc32.h"
-#include "control/decoupler.h"
+#include "compensate/decoupler.h"
 #include "signal/ramp.h"
 #include "supervise/plan_parts.h"
 #include "supervise/sequence.h"

@@ -6,7 +6,7 @@
 #include <stdbool.h>
 
 #include "base/error.h"
-#include "control/feedforward.h"
+#include "feedforward/feedforward.h"
 #include "control/pid.h"
 #include "control/two_position.h"
 #include "supervise/config.h"

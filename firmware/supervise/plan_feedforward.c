@@ -1,7 +1,7 @@
 /* Feedforwards of a plan: what they look at, their places in the arena, and that none drives itself. */
 #include <string.h>
 
-#include "control/feedforward.h"
+#include "feedforward/feedforward.h"
 #include "supervise/arena.h"
 #include "supervise/plan_parts.h"
 

@@ -18,8 +18,8 @@
 #define REFLUX_SUPERVISE_SUPERVISOR_H
 
 #include "base/event.h"
-#include "control/decoupler.h"
-#include "control/feedforward.h"
+#include "compensate/decoupler.h"
+#include "feedforward/feedforward.h"
 #include "control/pid.h"
 #include "signal/lag.h"
 #include "signal/ramp.h"

@@ -7,7 +7,7 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "control/feedforward.h"
+#include "feedforward/feedforward.h"
 #include "control/pid.h"
 #include "fopdt_plant.h"
 

@@ -8,7 +8,7 @@
 
 #include "fuzz.h"
 #include "fuzz_board.h"
-#include "service/line_editor.h"
+#include "console/line_editor.h"
 
 /* The line editor as docs/console.md describes it, with the board's length of a line. */
 static struct {

@@ -7,8 +7,6 @@ foreach(part proposal proposal_structure adoption adoption_bounds)
     reflux_test(${part} LABEL unit SOURCES ${CMAKE_CURRENT_LIST_DIR}/test_${part}.c
                                            ${PROJECT_SOURCE_DIR}/firmware/service/parameters.c
                                            ${PROJECT_SOURCE_DIR}/firmware/service/parameter_table.c
-                                           ${PROJECT_SOURCE_DIR}/firmware/service/text.c
-                                           ${PROJECT_SOURCE_DIR}/firmware/service/decimal.c
                 LIBS reflux_commission)
     target_include_directories(test_${part} PRIVATE "${REFLUX_LAYERS}/service")
   endif()

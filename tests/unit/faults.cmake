@@ -6,8 +6,6 @@ foreach(part supervisor_faults alarms)
   reflux_test(${part} LABEL unit SOURCES ${CMAKE_CURRENT_LIST_DIR}/test_${part}.c
                                          ${PROJECT_SOURCE_DIR}/firmware/service/parameters.c
                                          ${PROJECT_SOURCE_DIR}/firmware/service/parameter_table.c
-                                         ${PROJECT_SOURCE_DIR}/firmware/service/text.c
-                                         ${PROJECT_SOURCE_DIR}/firmware/service/decimal.c
               LIBS reflux_supervise)
   target_include_directories(test_${part} PRIVATE "${REFLUX_LAYERS}/service")
 endforeach()

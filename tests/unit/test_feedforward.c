@@ -9,7 +9,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "control/feedforward.h"
+#include "feedforward/feedforward.h"
 #include "fopdt_plant.h"
 #include "formats.h"
 #include "unity.h"

@@ -4,7 +4,7 @@
 #include <string.h>
 
 #include "random_source.h"
-#include "service/line_editor.h"
+#include "console/line_editor.h"
 #include "unity.h"
 
 #define UP    "\033[A"

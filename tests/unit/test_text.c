@@ -6,7 +6,7 @@
 #include <string.h>
 
 #include "random_source.h"
-#include "service/text.h"
+#include "base/text.h"
 #include "unity.h"
 
 #define SEED 0x5EED0001u

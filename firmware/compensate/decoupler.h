@@ -1,0 +1,45 @@
+/* Static decoupler: u = D v over the loops that are acting, and its way back v = D^-1 u.
+ *
+ * D is given for all loops; only the rows and columns of the loops in automatic or cascade take part, so a
+ * loop in manual neither moves nor is moved by the others. Fractions of output span throughout.
+ * Only differences go back (D^-1 of applied - commanded): where nothing was limited the correction is
+ * exactly zero, whatever the rounding of D^-1.
+ */
+#ifndef REFLUX_COMPENSATE_DECOUPLER_H
+#define REFLUX_COMPENSATE_DECOUPLER_H
+
+#include <stdint.h>
+
+#include "base/error.h"
+#include "num/num.h"
+
+#ifndef DECOUPLER_MAX
+#define DECOUPLER_MAX 8
+#endif
+
+struct decoupler {
+    uint8_t n;                     /* loops taking part */
+    uint8_t member[DECOUPLER_MAX]; /* their indices, ascending */
+    num_t d[DECOUPLER_MAX][DECOUPLER_MAX];
+    num_t inverse[DECOUPLER_MAX][DECOUPLER_MAX];
+};
+
+/* Selects the loops whose bit is set in mask. matrix: row i, column j for loops i, j, finite, magnitudes
+ * up to 100. ERR_SINGULAR when that part of D has no inverse with entries below NUM_MAX_MAGNITUDE:
+ * *decoupler is then unchanged. Gauss-Jordan with partial pivoting in float. */
+MUST_CHECK enum err decoupler_select(struct decoupler *decoupler,
+                                     const float matrix[DECOUPLER_MAX][DECOUPLER_MAX],
+                                     uint8_t mask);
+
+/* ERR_SINGULAR when any selection out of mask would be, or its v = D^-1 u may exceed NUM_MAX_MAGNITUDE while every
+ * |u_j| <= reach[j], fractions, indexed by loop (NULL: 1 each); *worst is then that selection. */
+MUST_CHECK enum err decoupler_check(const float matrix[DECOUPLER_MAX][DECOUPLER_MAX], uint8_t mask,
+                                    const float *reach, uint8_t *worst);
+
+/* v and u are indexed by loop; only members are read and written. Rows are summed wide: products may leave the range of
+ * num_t as long as their sum does not; that saturates. */
+void decoupler_forward(const struct decoupler *decoupler, const num_t *v, num_t *u);
+/* dv = D^-1 du for the members. */
+void decoupler_back(const struct decoupler *decoupler, const num_t *du, num_t *dv);
+
+#endif

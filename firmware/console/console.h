@@ -1,0 +1,183 @@
+/* The console: a line of text in, lines of text out, on the main loop.
+ *
+ * For people: echo, editing (line_editor.h), a prompt. For scripts (`mode machine`): no echo, and every command
+ * is answered by zero or more lines and then exactly one `ok` or `err CODE text`. Asynchronous lines are whole
+ * and tagged, so that they never break a reply: `H,` telemetry header, `T,` telemetry row, `!` event.
+ *
+ * Nothing here waits: long listings go out line by line as the transmit ring takes them, and input is left
+ * in the receive ring meanwhile.
+ */
+#ifndef REFLUX_CONSOLE_CONSOLE_H
+#define REFLUX_CONSOLE_CONSOLE_H
+
+#include "console/line_editor.h"
+#include "service/service.h"
+
+#define CONSOLE_LINE_MAX LINE_EDITOR_MAX /* characters of input */
+#ifndef CONSOLE_OUTPUT_MAX
+#define CONSOLE_OUTPUT_MAX 240 /* characters of an ordinary line of output */
+#endif
+#ifndef CONSOLE_RX_BLOCK
+#define CONSOLE_RX_BLOCK 32 /* bytes taken from the port at a time */
+#endif
+#define CONSOLE_WORDS        10
+#define CONSOLE_ARGUMENT_MAX 39 /* characters: longer than any name */
+#ifndef CONSOLE_REPLY_ROOM
+#define CONSOLE_REPLY_ROOM (3 * CONSOLE_OUTPUT_MAX) /* a reply is at most a few lines */
+#endif
+
+struct console;
+
+/* Puts the n-th line of a listing into *line; false past the end. A line left empty is not printed. */
+typedef bool (*console_listing)(struct console *c, unsigned n, struct text *line);
+
+struct console {
+    struct service *service;
+    bool machine;
+    struct line_editor editor;
+    uint8_t rx[CONSOLE_RX_BLOCK];
+    unsigned rx_n, rx_at;
+
+    console_listing listing; /* under way */
+    unsigned listing_at;
+    char argument[CONSOLE_ARGUMENT_MAX + 1]; /* of the listing */
+    uint8_t storage; /* a save or load not answered yet: console_storage.c */
+
+    uint32_t header;              /* serial of the plan whose telemetry header was printed last */
+    const struct plan *header_of; /* telemetry header being written, or NULL */
+    const struct telemetry_row *row; /* row being written, or NULL */
+    unsigned piece;                  /* of either, next */
+    bool header_asked;               /* `log on` is answered once the header is out */
+    uint32_t lost_told;              /* telemetry rows reported as lost */
+    uint32_t bytes_lost;             /* on the line, before the line under way */
+    bool reboot;                     /* after the reply has gone out */
+
+    bool unlocked;        /* the engineer level, where there is a key */
+    uint32_t engineer_ms; /* last command of the engineer level, board time, low bits */
+    uint32_t wrong_ms,
+        wrong_wait_ms; /* last wrong key, and for how long none is looked at; 0: none */
+    uint32_t changes;  /* parameters the transaction changes, noted by `apply` for the history */
+    struct {
+        uint32_t lines, errors, dropped;
+    } stats;
+};
+
+void console_init(struct console *c, struct service *service);
+/* One turn. Returns whether there was anything to do. */
+bool console_poll(struct console *c);
+
+/* For the commands */
+void console_list(struct console *c, console_listing listing, const char *argument);
+void console_ok(struct console *c);
+/* err CODE text */
+void console_err(struct console *c, enum err code, const char *text);
+/* err CODE subject: text; either part may be NULL */
+void console_err_about(struct console *c, enum err code, const char *subject, const char *text);
+/* The same, composed by the caller: begun with `err CODE `, then printed. */
+struct text console_err_on(char *line, size_t size, enum err code);
+void console_err_line(struct console *c, const char *line);
+/* One whole line. */
+void console_print(struct console *c, const char *text);
+
+struct console_command {
+    const char *name;
+    const char *arguments;
+    const char *help;
+    unsigned lowest, highest; /* words after the name */
+    void (*run)(struct console *c, unsigned n, char **word);
+    uint8_t access; /* enum access */
+    uint8_t action; /* enum event_code of what is written into the history, or NOT_AN_ACTION */
+};
+
+enum access { ACCESS_OPERATOR, ACCESS_ENGINEER };
+#define NOT_AN_ACTION 0
+
+extern const struct console_command console_commands[];
+extern const unsigned console_command_count;
+
+/* An event as text: time, level, code, subject, value, words. */
+void event_line(const struct event *e, struct text *line);
+
+/* Commands by subject */
+void command_list(struct console *c, unsigned n, char **word);
+void command_get(struct console *c, unsigned n, char **word);
+void command_set(struct console *c, unsigned n, char **word);
+void command_diff(struct console *c, unsigned n, char **word);
+void command_begin(struct console *c, unsigned n, char **word);
+void command_apply(struct console *c, unsigned n, char **word);
+void command_abandon(struct console *c, unsigned n, char **word);
+/* Answers with the reason plan_build gave. */
+void console_refuse_config(struct console *c, const struct config_fault *fault);
+
+/* Storage */
+void command_save(struct console *c, unsigned n, char **word);
+void command_load(struct console *c, unsigned n, char **word);
+void command_defaults(struct console *c, unsigned n, char **word);
+void command_dump(struct console *c, unsigned n, char **word);
+/* Goes on with the save or load that has not been answered yet. Returns whether there was anything to do. */
+bool console_storage_poll(struct console *c);
+bool parameter_help(struct console *c, unsigned n, struct text *line);
+
+/* Access levels */
+bool console_is_engineer(const struct console *c);
+/* Notes that the engineer level is in use. */
+void console_engineer_acts(struct console *c);
+/* Locks when nobody has used it for long enough. */
+void console_relock(struct console *c);
+/* "engineer level open, no key is set" */
+void console_access_text(const struct console *c, struct text *line);
+/* Would the history of lines show a key? */
+bool console_line_is_secret(const char *line);
+void command_unlock(struct console *c, unsigned n, char **word);
+void command_lock(struct console *c, unsigned n, char **word);
+void command_key(struct console *c, unsigned n, char **word);
+
+/* For the line editor: what may be typed next, by the arguments of the command's row. */
+bool console_choice(void *console, const char *line, unsigned n, struct text *word);
+
+void command_loop(struct console *c, unsigned n, char **word);
+void command_mode(struct console *c, unsigned n, char **word);
+void command_sp(struct console *c, unsigned n, char **word);
+void command_out(struct console *c, unsigned n, char **word);
+void command_tune(struct console *c, unsigned n, char **word);
+void command_alarm(struct console *c, unsigned n, char **word);
+void command_stats(struct console *c, unsigned n, char **word);
+
+/* Sequences: console_sequence.c */
+void command_seq(struct console *c, unsigned n, char **word);
+/* "start held at step 7: guard, CW"; nothing where none is under way, nor has been. */
+void sequence_headline(const struct service *s, struct text *line);
+/* What is in force: names by index are of this. */
+static inline const struct config *console_settings(const struct console *c)
+{
+    return &service_in_force(c->service)->config;
+}
+
+/* Automatic start-up */
+void command_commission(struct console *c, unsigned n, char **word);
+/* These n words after `commission` only show something: no action to be recorded. */
+bool console_commission_looks(unsigned n, char **word);
+/* Puts the old settings back where a trial has failed. Returns whether there was anything to do. */
+bool console_commission_poll(struct console *c);
+/* What is in force is on trial, or about to be taken back. */
+bool console_commission_on_trial(const struct console *c);
+/* `commission relay [LOOP]`, what it is about while it goes on, and what it has found */
+void commission_relay_command(struct console *c, unsigned n, char **word);
+void commission_relay_now(struct console *c, struct text *line);
+bool commission_relay_line(struct console *c, unsigned n, struct text *line);
+/* Listings of `commission plant|plan|model|gains|pairing|structure|proposal|trial` */
+bool commission_plan_line(struct console *c, unsigned n, struct text *line);
+bool commission_plant_line(struct console *c, unsigned n, struct text *line);
+bool commission_structure_line(struct console *c, unsigned n, struct text *line);
+bool commission_trial_line(struct console *c, unsigned n, struct text *line);
+bool commission_model_line(struct console *c, unsigned n, struct text *line);
+bool commission_gains_line(struct console *c, unsigned n, struct text *line);
+bool commission_pairing_line(struct console *c, unsigned n, struct text *line);
+bool commission_proposal_line(struct console *c, unsigned n, struct text *line);
+/* Shared by them: flags of an element, and whether there is nothing to list (a line says why). */
+void commission_flags(struct text *t, unsigned bits);
+bool commission_has_nothing(const struct console *c, unsigned n, struct text *line);
+/* The last lines of the proposal: inner loops and feedforwards. */
+bool commission_structural_line(struct console *c, unsigned n, struct text *line);
+
+#endif

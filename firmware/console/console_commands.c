@@ -1,0 +1,429 @@
+/* The table of commands, and those about the board as a whole. */
+#include <string.h>
+
+#include "commission/commission.h"
+#include "hal/clock.h"
+#include "hal/identity.h"
+#include "hal/image.h"
+#include "hal/nvm.h"
+#include "console/console.h"
+#include "service/parameters.h"
+#include "service/storage.h"
+
+static bool help_line(struct console *c, unsigned n, struct text *line)
+{
+    (void)c;
+    if (n >= console_command_count)
+        return false;
+    const struct console_command *command = &console_commands[n];
+    text_str(line, command->name);
+    text_char(line, ' ');
+    text_str(line, command->arguments);
+    while (line->n < 34)
+        text_char(line, ' ');
+    text_char(line, ' ');
+    text_str(line, command->help);
+    return true;
+}
+
+static bool one_command_line(struct console *c, unsigned n, struct text *line)
+{
+    for (unsigned i = 0; i < console_command_count; i++)
+        if (strcmp(console_commands[i].name, c->argument) == 0)
+            return n == 0 && help_line(c, i, line);
+    return false;
+}
+
+static void command_help(struct console *c, unsigned n, char **word)
+{
+    struct parameter p;
+    if (n == 0) {
+        console_list(c, help_line, "");
+        return;
+    }
+    for (unsigned i = 0; i < console_command_count; i++) {
+        if (strcmp(console_commands[i].name, word[0]) == 0) {
+            console_list(c, one_command_line, word[0]);
+            return;
+        }
+    }
+    if (parameter_find(word[0], &p) == ERR_OK)
+        console_list(c, parameter_help, word[0]);
+    else
+        console_err_about(c, ERR_UNKNOWN, word[0], "neither a command nor a parameter");
+}
+
+static void hex(struct text *line, const char *name, uint32_t value)
+{
+    text_char(line, ' ');
+    text_str(line, name);
+    text_char(line, ' ');
+    text_hex(line, value, 8);
+}
+
+/* What is left of the last fault since power-on. */
+static void fault_line(struct text *line)
+{
+    static const char *const names[] = {"hard", "memory", "bus", "usage"};
+    struct hal_fault f;
+    if (!hal_last_fault(&f))
+        return;
+    text_str(line, "last fault: ");
+    text_str(line, f.exception >= 3 && f.exception <= 6 ? names[f.exception - 3] : "unexpected");
+    text_str(line, f.in_tick ? " in the tick," : " in the main loop,");
+    hex(line, "pc", f.pc);
+    hex(line, "lr", f.lr);
+    hex(line, "cfsr", f.status);
+    hex(line, "hfsr", f.hard);
+    hex(line, "address", f.address);
+    text_named_u32(line, "up_ms", f.up_ms);
+    text_named_u32(line, "boots_ago", f.boots_ago);
+}
+
+static void image_line(const struct console *c, struct text *line)
+{
+    static const char *const states[] = {"without a checksum", "whole", "DAMAGED"};
+    text_str(line, "image ");
+    text_str(line, states[c->service->image]);
+    if (!hal_image_bytes())
+        return;
+    hex(line, "crc", hal_image_crc());
+    text_named_u32(line, "bytes", hal_image_bytes());
+}
+
+static bool version_line(struct console *c, unsigned n, struct text *line)
+{
+    struct hal_nvm_geometry nvm;
+    switch (n) {
+    case 0:
+        text_str(line, "reflux " REFLUX_VERSION " on ");
+        text_str(line, hal_board_name());
+        text_str(line, ", numbers " NUM_FORMAT ", plant link version ");
+        text_u32(line, LINK_VERSION);
+        return true;
+    case 1:
+        text_str(line, hal_board_text());
+        return true;
+    case 2:
+        text_str(line, "clock");
+        text_named_u32(line, "Hz", hal_core_hz());
+        text_str(line, ", ");
+        text_str(line, hal_clock_source());
+        return true;
+    case 3:
+        text_str(line, "limits:");
+        text_named_u32(line, "channels", CHANNEL_MAX);
+        text_named_u32(line, "loops", CONFIG_LOOPS);
+        text_named_u32(line, "feedforwards", CONFIG_FEEDFORWARDS);
+        text_named_u32(line, "interlocks", CONFIG_INTERLOCKS);
+        text_named_u32(line, "events", EVENT_HISTORY);
+        text_named_u32(line, "alarms", CONFIG_ALARMS);
+        text_named_u32(line, "arena bytes", PLAN_ARENA_BYTES);
+        text_named_u32(line, "steps", CONFIG_STEPS);
+        return true;
+    case 4:
+        text_str(line, "limits: plant");
+        text_named_u32(line, "channels", LINK_CHANNELS_ROOM);
+        text_named_u32(line, "name bytes", LINK_TEXT_BYTES);
+        text_named_u32(line, "requests", REQUEST_QUEUE_SIZE);
+        text_named_u32(line, "rows", TELEMETRY_QUEUE_SIZE);
+        text_named_u32(line, "line", CONSOLE_LINE_MAX);
+        text_str(line, LINE_EDITOR_HISTORY > 1 ? ", recalls lines" : ", recalls no lines");
+        return true;
+    case 5:
+        hal_nvm_get_geometry(&nvm);
+        text_str(line, c->service->watchdog ? "watchdog runs" : "no watchdog");
+        text_str(line, ", flash for storage, bytes: ");
+        text_u32(line, nvm.sectors * nvm.sector_size);
+        text_str(line, "; supply ");
+        text_str(line, hal_supply_text());
+        return true;
+    case 6:
+        image_line(c, line);
+        return true;
+    case 7:
+        text_str(line, "started by: ");
+        text_str(line, hal_reset_name(hal_reset_cause()));
+        text_named_u32(line, "boot", hal_boot_id());
+        if (c->service->early_resets)
+            text_named_u32(line, "early_resets", c->service->early_resets);
+        return true;
+    case 8:
+        fault_line(line);
+        return true;
+    case 9:
+        console_access_text(c, line);
+        return true;
+    case 10:
+        text_str(line, "storage: ");
+        storage_text(c->service->storage, line);
+        return true;
+    case 11:
+        if (!CONFIG_STEPS || !COMMISSION_CHANNELS)
+            text_str(line, "left out of this build:");
+        text_str(line, CONFIG_STEPS ? "" : " sequences");
+        text_str(line, COMMISSION_CHANNELS ? "" : " automatic-start-up");
+        return true;
+    default:
+        return false;
+    }
+}
+
+static void command_version(struct console *c, unsigned n, char **word)
+{
+    (void)n;
+    (void)word;
+    console_list(c, version_line, "");
+}
+
+static bool status_line(struct console *c, unsigned n, struct text *line)
+{
+    static const char *const link_names[] = {"down", "greeting", "ready"};
+    const struct service *s = c->service;
+    const struct plan *plan = service_in_force(s);
+    if (n == 0) {
+        text_str(line, s->supervisor->state == SUPERVISOR_RUN ? "state run" : "state safe");
+        text_str(line, ", plant link ");
+        text_str(line, link_names[s->io.state(s->io.context)]);
+        if (s->io.state(s->io.context) == IO_READY) {
+            text_char(line, ' ');
+            text_str(line, s->link->name);
+        }
+        text_str(line, ", plant time ");
+        text_seconds(line, s->supervisor->time_ms);
+        text_str(line, s->samples.stalled ? " s stands still, base tick " : " s, base tick ");
+        text_float(line, plan->tick_s);
+        text_str(line, " s");
+        text_named_u32(line, "ticks", s->supervisor->ticks);
+        if (s->staging)
+            text_str(line, ", transaction open");
+        text_str(line, ", storage ");
+        text_str(line, storage_word(s->storage));
+        if (!console_is_engineer(c))
+            text_str(line, ", console locked");
+        return true;
+    }
+    n -= 1;
+    if (n == 0) {
+        if (!console_settings(c)->console_key[0])
+            console_access_text(c, line);
+        return true;
+    }
+    n -= 1;
+    if (n == 0) {
+        if (s->image == HAL_IMAGE_DAMAGED)
+            text_str(line, event_text(EVENT_IMAGE_DAMAGED));
+        return true;
+    }
+    n -= 1;
+    if (n < CHANNEL_MAX) {
+        static const char *const qualities[] = {"good", "uncertain", "bad", "missing"};
+        const struct measurement_config *m = &plan->config.measurement[n];
+        if (!m->name[0])
+            return true;
+        text_str(line, m->name);
+        text_str(line, " = ");
+        text_float(line, span_to_eu(s->supervisor->measurement[n].value, m->lo, m->hi));
+        text_char(line, ' ');
+        text_str(line, m->unit);
+        text_char(line, ' ');
+        text_str(line, s->supervisor->measurement[n].bound
+                           ? qualities[s->supervisor->measurement[n].quality]
+                           : "not announced by the plant");
+#if CONFIG_STEPS
+        if (s->supervisor->measurement[n].offset_on) {
+            text_str(line, ", less its offset ");
+            text_float(line, m->offset);
+        }
+#endif
+        return true;
+    }
+    n -= CHANNEL_MAX;
+    if (n < CHANNEL_MAX) {
+        const struct output_config *o = &plan->config.output[n];
+        if (!o->name[0])
+            return true;
+        text_str(line, o->name);
+        text_str(line, " = ");
+        text_float(line, span_to_eu(s->supervisor->output[n].applied, o->lo, o->hi));
+        text_char(line, ' ');
+        text_str(line, o->unit);
+        if (s->supervisor->output[n].forced)
+            text_str(line, " forced by interlock");
+        else if (s->supervisor->output[n].beyond)
+            text_str(line, " left past its limits by an interlock");
+        if (s->supervisor->output[n].not_following)
+            text_str(line, " not following its command");
+        if (!s->supervisor->output[n].bound)
+            text_str(line, " not announced by the plant");
+        return true;
+    }
+    return false;
+}
+
+static void command_status(struct console *c, unsigned n, char **word)
+{
+    (void)n;
+    (void)word;
+    console_list(c, status_line, "");
+}
+
+static void command_log(struct console *c, unsigned n, char **word)
+{
+    uint32_t every = 1;
+    if (n == 1 && strcmp(word[0], "off") == 0) {
+        c->service->telemetry.every = 0;
+        console_ok(c);
+        return;
+    }
+    if (strcmp(word[0], "on") != 0) {
+        console_err_about(c, ERR_PARSE, word[0], "wanted: log on [TICKS] or log off");
+        return;
+    }
+    if (n == 2 && (text_parse_u32(word[1], &every) != ERR_OK || every < 1 || every > 1000000)) {
+        console_err_about(c, ERR_RANGE, word[1], "ticks between rows, 1 .. 1000000, are wanted");
+        return;
+    }
+    c->service->telemetry.every = every;
+    c->header_asked = true; /* `ok` follows the header */
+}
+
+void event_line(const struct event *e, struct text *line)
+{
+    text_seconds(line, e->time_ms);
+    text_char(line, ' ');
+    text_str(line, event_level_name(event_level(e->code)));
+    text_char(line, ' ');
+    text_str(line, event_name(e->code));
+    text_char(line, ' ');
+    text_str(line, e->subject[0] ? e->subject : "-");
+    text_char(line, ' ');
+    text_float(line, e->value);
+    text_char(line, ' ');
+    text_str(line, event_text(e->code));
+    if (e->code == EVENT_MEASUREMENT_BAD) {
+        text_str(line, ": ");
+        text_str(line, measurement_fault_text(e->detail));
+    }
+    if (e->code == EVENT_PLANT_REFUSED) {
+        text_str(line, ": ");
+        text_str(line, plant_fault_text(e->detail));
+    }
+#if CONFIG_STEPS
+    if (e->code == EVENT_SEQUENCE_HELD || e->code == EVENT_SEQUENCE_ABORTED) {
+        text_str(line, ": ");
+        text_str(line, sequence_kind_text(e->detail >> 4));
+        text_str(line, ", ");
+        text_str(line, sequence_reason_text(e->detail & 15u));
+    }
+#endif
+#if COMMISSION_CHANNELS
+    if (e->code == EVENT_COMMISSION_ENDED || e->code == EVENT_TRIAL_FAILED) {
+        text_str(line, ": ");
+        text_str(line, commission_why_text((enum commission_why)e->detail));
+    }
+#endif
+    if (event_level(e->code) == EVENT_ACTION)
+        text_str(line, e->detail & EVENT_ENGINEER ? ", by engineer" : ", by operator");
+}
+
+static bool history_line(struct console *c, unsigned n, struct text *line)
+{
+    const struct event_log *log = &c->service->history;
+    uint32_t sequence = event_log_oldest(log) + n;
+    if (sequence >= log->count)
+        return false;
+    struct event e;
+    if (!event_log_get(log, sequence, &e))
+        return true; /* a reset came while it was written */
+    text_str(line, "  ");
+    if (e.boot != log->boot) {
+        text_str(line, "boot ");
+        text_u32(line, hal_boot_id() - (uint16_t)(log->boot - e.boot));
+        text_char(line, ' ');
+    }
+    event_line(&e, line);
+    return true;
+}
+
+static void command_events(struct console *c, unsigned n, char **word)
+{
+    (void)n;
+    (void)word;
+    console_list(c, history_line, "");
+}
+
+static void command_reboot(struct console *c, unsigned n, char **word)
+{
+    (void)n;
+    (void)word;
+    console_ok(c);
+    c->reboot = true;
+}
+
+const struct console_command console_commands[] = {
+    {"help", "[COMMAND|PARAMETER]", "this list, or one command or parameter", 0, 1, command_help,
+     ACCESS_OPERATOR, NOT_AN_ACTION},
+    {"version", "", "firmware, board, limits, why it started", 0, 0, command_version,
+     ACCESS_OPERATOR, NOT_AN_ACTION},
+    {"status", "", "state, measurements, outputs", 0, 0, command_status, ACCESS_OPERATOR,
+     NOT_AN_ACTION},
+    {"loop", "[LOOP]", "all loops, or one with its insides", 0, 1, command_loop, ACCESS_OPERATOR,
+     NOT_AN_ACTION},
+    {"mode", "LOOP|machine|human [manual|auto|cascade]",
+     "change the mode; `mode machine|human` for this console", 1, 2, command_mode, ACCESS_OPERATOR,
+     EVENT_DO_MODE},
+    {"sp", "LOOP VALUE", "setpoint, in the measurement's unit", 2, 2, command_sp, ACCESS_OPERATOR,
+     EVENT_DO_SETPOINT},
+    {"out", "LOOP|MV VALUE", "output in manual, in the output's unit", 2, 2, command_out,
+     ACCESS_OPERATOR, EVENT_DO_OUTPUT},
+    {"list", "[PREFIX|all]", "parameters in use, those beginning with PREFIX, or all", 0, 1,
+     command_list, ACCESS_OPERATOR, NOT_AN_ACTION},
+    {"get", "PARAMETER", "one parameter", 1, 1, command_get, ACCESS_OPERATOR, NOT_AN_ACTION},
+    {"set", "PARAMETER VALUE", "change a parameter, at once or within begin ... apply", 2, 2,
+     command_set, ACCESS_ENGINEER, EVENT_DO_SET},
+    {"diff", "[defaults]", "what the transaction changes, or differs from the defaults", 0, 1,
+     command_diff, ACCESS_OPERATOR, NOT_AN_ACTION},
+    {"begin", "", "open a transaction: changes wait for apply", 0, 0, command_begin,
+     ACCESS_ENGINEER, NOT_AN_ACTION},
+    {"apply", "", "check the changes whole and take them at the next tick", 0, 0, command_apply,
+     ACCESS_ENGINEER, EVENT_DO_APPLY},
+    {"abandon", "", "close the transaction without changes", 0, 0, command_abandon, ACCESS_ENGINEER,
+     NOT_AN_ACTION},
+    {"save", "[replace]", "store the settings in force; replace: also over newer firmware's", 0, 1,
+     command_save, ACCESS_ENGINEER, NOT_AN_ACTION},
+    {"load", "", "the stored settings at the next tick; in a transaction, with apply", 0, 0,
+     command_load, ACCESS_ENGINEER, NOT_AN_ACTION},
+    {"defaults", "", "every parameter at its default, but the key, like load", 0, 0,
+     command_defaults, ACCESS_ENGINEER, NOT_AN_ACTION},
+    {"dump", "", "the settings as commands that restore them", 0, 0, command_dump, ACCESS_OPERATOR,
+     NOT_AN_ACTION},
+    {"tune", "LOOP RULE GAIN DEAD LAG [LAMBDA]",
+     "settings from a model (EU/EU, s, s); RULE simc, cohen-coon, cohen-coon-pid", 5, 6,
+     command_tune, ACCESS_OPERATOR, NOT_AN_ACTION},
+    {"log", "on|off [TICKS]", "telemetry rows on this console", 1, 2, command_log, ACCESS_OPERATOR,
+     NOT_AN_ACTION},
+    {"commission",
+     "[begin|pause|resume|skip|repeat|abort|accept|edit|reject|relay|"
+     "plant|plan|model|gains|pairing|structure|proposal|trial] [LOOP]",
+     "automatic start-up: how far it is, or what it is told", 0, 2, command_commission,
+     ACCESS_OPERATOR, EVENT_DO_COMMISSION},
+    {"alarm", "[ack|shelve] [ALARM|all] [SECONDS]",
+     "what is wrong now; acknowledge, or silence for a time", 0, 3, command_alarm, ACCESS_OPERATOR,
+     EVENT_DO_ALARM},
+    {"seq", "[start|stop|hold|go|confirm|skip|abort|list]",
+     "where the sequence is; start it, stop the plant, ...; list: its rows", 0, 1, command_seq,
+     ACCESS_OPERATOR, EVENT_DO_SEQUENCE},
+    {"events", "", "the latest events and actions, also of earlier starts", 0, 0, command_events,
+     ACCESS_OPERATOR, NOT_AN_ACTION},
+    {"stats", "", "cost of ticks, link and console counters", 0, 0, command_stats, ACCESS_OPERATOR,
+     NOT_AN_ACTION},
+    {"unlock", "KEY", "open the engineer level", 1, 1, command_unlock, ACCESS_OPERATOR,
+     EVENT_DO_UNLOCK},
+    {"lock", "", "close the engineer level", 0, 0, command_lock, ACCESS_OPERATOR, EVENT_DO_LOCK},
+    {"key", "NEW", "change the key of the engineer level; - for none", 1, 1, command_key,
+     ACCESS_ENGINEER, EVENT_DO_KEY},
+    {"reboot", "", "start again in the safe state", 0, 0, command_reboot, ACCESS_ENGINEER,
+     EVENT_DO_REBOOT},
+};
+const unsigned console_command_count = sizeof console_commands / sizeof console_commands[0];

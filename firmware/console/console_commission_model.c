@@ -1,0 +1,306 @@
+/* What automatic start-up has found, as listings: one fact a line, `name value unit`, for people and programs alike. */
+#include "commission/proposal.h"
+#include "commission/words.h"
+#include "console/console.h"
+
+#if COMMISSION_CHANNELS
+
+static const struct measurement_config *measurement(const struct console *c, unsigned j)
+{
+    return &console_settings(c)->measurement[c->service->commission->measurement[j]];
+}
+
+static const struct output_config *output(const struct console *c, unsigned k)
+{
+    return &console_settings(c)->output[c->service->commission->input[k].output];
+}
+
+static void unit(struct text *t, const char *text)
+{
+    text_str(t, text[0] ? text : "-");
+}
+
+void commission_flags(struct text *t, unsigned bits)
+{
+    static const char *const names[] = {"no_gain",     "negative_T", "negative_radicand",
+                                        "negative_L",  "short",      "not_settled",
+                                        "integrating", "inverse",    "oscillatory"};
+    text_str(t, " flags");
+    if (bits == 0)
+        text_str(t, " -");
+    for (unsigned i = 0; i < sizeof names / sizeof names[0]; i++) {
+        if (!(bits >> i & 1u))
+            continue;
+        text_char(t, ' ');
+        text_str(t, names[i]);
+    }
+}
+
+static bool input_line(const struct console *c, unsigned k, struct text *line)
+{
+    const struct tested_input *in = &c->service->commission->input[k];
+    const struct output_config *o = output(c, k);
+    float span = o->hi - o->lo;
+    text_str(line, "input ");
+    text_str(line, o->name);
+    text_named_float(line, "held", o->lo + (float)in->held * span);
+    text_named_float(line, "amplitude", (float)in->amplitude * span);
+    text_char(line, ' ');
+    unit(line, o->unit);
+    text_named_float(line, "half", (float)in->half_s);
+    text_str(line, " s rounds ");
+    text_u32(line, in->rounds);
+    text_named_float(line, "worst", (float)in->worst);
+    if (in->skipped)
+        text_str(line, " skipped");
+    if (in->cut) {
+        text_str(line, " cut by ");
+        text_str(line, measurement(c, in->cut_by)->name);
+    }
+    if (in->small)
+        text_str(line, " small");
+    return true;
+}
+
+/* Gains in engineering units: what a person would measure. */
+static void element_line(const struct console *c, unsigned j, unsigned k, struct text *line)
+{
+    const struct element *e = &c->service->commission->element[j][k];
+    const struct measurement_config *y = measurement(c, j);
+    const struct output_config *u = output(c, k);
+    float scale = (y->hi - y->lo) / (u->hi - u->lo);
+    text_str(line, "element ");
+    text_str(line, y->name);
+    text_char(line, ' ');
+    text_str(line, u->name);
+    text_named_float(line, "gain", (float)e->fit.gain * scale);
+    text_named_float(line, "sd", (float)e->fit.gain_sd * scale);
+    text_char(line, ' ');
+    unit(line, y->unit);
+    text_char(line, '/');
+    unit(line, u->unit);
+    text_named_float(line, "T", (float)e->fit.time_constant_s);
+    text_named_float(line, "sd", (float)e->fit.time_constant_sd_s);
+    text_named_float(line, "s L", (float)e->fit.dead_time_s);
+    text_named_float(line, "sd", (float)e->fit.dead_time_sd_s);
+    text_str(line, " s");
+    commission_flags(line, e->fit.flags);
+}
+
+/* What the moments and the plateaus make of the same test. */
+static void second_line(const struct console *c, unsigned j, unsigned k, struct text *line)
+{
+    const struct element *e = &c->service->commission->element[j][k];
+    const struct measurement_config *y = measurement(c, j);
+    const struct output_config *u = output(c, k);
+    float scale = (y->hi - y->lo) / (u->hi - u->lo);
+    text_str(line, "moments ");
+    text_str(line, y->name);
+    text_char(line, ' ');
+    text_str(line, u->name);
+    text_named_float(line, "gain", (float)e->moments.gain * scale);
+    text_named_float(line, "T", (float)e->moments.time_constant_s);
+    text_named_float(line, "L", (float)e->moments.dead_time_s);
+    text_named_float(line, "plateau", (float)e->plateau_gain * scale);
+    if (e->early_slope > REAL_C(0.0)) { /* what its loop is set for */
+        text_named_float(line, "begins_T", (float)(real_abs(e->fit.gain) / e->early_slope));
+        text_named_float(line, "begins_L", (float)e->early_dead_s);
+    }
+    commission_flags(line, e->moments_flags);
+}
+
+bool commission_model_line(struct console *c, unsigned n, struct text *line)
+{
+    const struct commission *m = c->service->commission;
+    if (m->inputs == 0 || m->ask == COMMISSION_ASK_BEGIN || m->ask == COMMISSION_ASK_RELAY)
+        return false; /* or may be overwritten at any time */
+    if (m->by_relay.on)
+        return commission_relay_line(c, n, line); /* of one loop, and no model */
+    if (n < m->inputs)
+        return input_line(c, n, line);
+    n -= m->inputs;
+    if (n < m->outputs) {
+        const struct measurement_config *y = measurement(c, n);
+        text_str(line, "output ");
+        text_str(line, y->name);
+        text_named_float(line, "noise", (float)m->noise_sd[n] * (y->hi - y->lo));
+        text_char(line, ' ');
+        unit(line, y->unit);
+        /* Its rest, from the operating point: all of it, and what no drift explains. */
+        text_named_float(line, "moved", (float)m->origin.channel[n].moved * (y->hi - y->lo));
+        text_named_float(line, "left", (float)m->origin.channel[n].left * (y->hi - y->lo));
+        return true;
+    }
+    n -= m->outputs;
+    unsigned j = n / 2u % m->outputs, k = n / 2u / m->outputs;
+    if (k >= m->inputs)
+        return false;
+    if (m->input[k].rounds == 0)
+        return true;
+    if (n % 2u == 0)
+        element_line(c, j, k, line);
+    else
+        second_line(c, j, k, line);
+    return true;
+}
+
+bool commission_has_nothing(const struct console *c, unsigned n, struct text *line)
+{
+    const struct commission *m = c->service->commission;
+    if (commission_has_results(m) && !m->by_relay.on)
+        return false;
+    if (n == 0)
+        text_str(line, m->by_relay.on ? "the latest test was by relay: `commission relay`"
+                                      : "nothing yet: `commission begin` first");
+    return true;
+}
+
+static void gains_summary(const struct analysis *a, unsigned n, struct text *line)
+{
+    if (n == 0) {
+        text_str(line, "rank ");
+        text_u32(line, a->rank);
+        text_str(line, " exact ");
+        text_u32(line, a->rank_exact);
+        text_named_float(line, "condition", (float)a->condition);
+        text_named_float(line, "scaled", (float)a->condition_scaled);
+        return;
+    }
+    text_str(line, "singular");
+    unsigned most = a->plant.outputs < a->plant.inputs ? a->plant.outputs : a->plant.inputs;
+    for (unsigned i = 0; i < most; i++) {
+        text_char(line, ' ');
+        text_float(line, (float)a->singular[i]);
+    }
+}
+
+static void null_line(const struct console *c, bool outputs, struct text *line)
+{
+    const struct commission *m = c->service->commission;
+    const struct analysis *a = &m->work.analysis;
+    unsigned n = outputs ? a->plant.outputs : a->plant.inputs;
+    text_str(line, outputs ? "null outputs" : "null inputs");
+    for (unsigned i = 0; i < n; i++) {
+        text_char(line, ' ');
+        text_str(line, outputs ? measurement(c, i)->name : output(c, m->column[i])->name);
+        text_char(line, ' ');
+        text_float(line, (float)(outputs ? a->null_output[i] : a->null_input[i]));
+    }
+}
+
+bool commission_gains_line(struct console *c, unsigned n, struct text *line)
+{
+    const struct commission *m = c->service->commission;
+    const struct analysis *a = &m->work.analysis;
+    if (commission_has_nothing(c, n, line))
+        return n == 0;
+    if (n < 2) {
+        gains_summary(a, n, line);
+        return true;
+    }
+    if (n < 4) {
+        if (a->n_null)
+            null_line(c, n == 3, line);
+        return true;
+    }
+    n -= 4;
+    if (n > a->plant.outputs || (n > 0 && !a->has_lambda))
+        return false;
+    if (n == 0) {
+        text_str(line, a->has_lambda ? "rga" : "rga none: the gains have no inverse");
+        for (unsigned k = 0; a->has_lambda && k < a->plant.inputs; k++) {
+            text_char(line, ' ');
+            text_str(line, output(c, m->column[k])->name);
+        }
+        return true;
+    }
+    text_str(line, "rga ");
+    text_str(line, measurement(c, n - 1u)->name);
+    for (unsigned k = 0; k < a->plant.inputs; k++) {
+        text_char(line, ' ');
+        text_float(line, (float)a->lambda.at[n - 1u][k]);
+    }
+    return true;
+}
+
+static void why_not(const struct analysis *a, struct text *line)
+{
+    text_str(line, "no proposal: ");
+    if (a->verdict != PAIRING_DETERMINED) {
+        text_str(line, "pairing ");
+        text_str(line, words_of_verdict(a));
+    } else {
+        text_str(line, words_of_no_design(a->design_error));
+    }
+}
+
+static void decoupler_words(const struct analysis *a, struct text *line)
+{
+    text_str(line, "decoupler ");
+    text_str(line, words_of_decoupler(a->decoupler));
+    const struct analysis_figures *with = &a->figures[0], *without = &a->figures[1];
+    if (!(with->setpoints > REAL_C(0.0)) || !(without->setpoints > REAL_C(0.0)))
+        return;
+    text_str(line, "; integral of the error, s, after setpoints");
+    text_named_float(line, "with", (float)with->setpoints);
+    text_named_float(line, "without", (float)without->setpoints);
+    text_str(line, ", after loads");
+    text_named_float(line, "with", (float)with->loads);
+    text_named_float(line, "without", (float)without->loads);
+}
+
+static void loop_line(const struct console *c, unsigned k, struct text *line)
+{
+    const struct commission *m = c->service->commission;
+    const struct analysis *a = &m->work.analysis;
+    const struct tuning *t = &a->loops.tuning[k];
+    const struct trial_loop *p = &a->predicted[k];
+    const struct measurement_config *y = measurement(c, a->pairs.output[k]);
+    text_str(line, "loop ");
+    text_str(line, y->name);
+    text_char(line, ' ');
+    text_str(line, output(c, m->column[a->pairs.input[k]])->name);
+    text_named_float(line, "gain", (float)t->gain);
+    text_named_float(line, "ti", (float)t->ti_s);
+    text_named_float(line, "td", (float)t->td_s);
+    text_str(line, t->action == TUNING_DIRECT ? " direct" : " reverse");
+    text_named_float(line, "step", (float)a->config.step * (y->hi - y->lo));
+    text_named_float(line, "iae", (float)p->iae * (y->hi - y->lo));
+    text_named_float(line, "overshoot", (float)p->peak);
+    text_named_float(line, "settles", (float)p->settled_s);
+}
+
+bool commission_proposal_line(struct console *c, unsigned n, struct text *line)
+{
+    const struct analysis *a = &c->service->commission->work.analysis;
+    if (c->service->commission->by_relay.on)
+        return commission_relay_line(c, n, line);
+    if (commission_has_nothing(c, n, line))
+        return n == 0;
+    if (!a->designed) {
+        if (n == 0)
+            why_not(a, line);
+        return n == 0;
+    }
+    if (n == 0) {
+        text_str(line, "settings SIMC, slowed by");
+        text_char(line, ' ');
+        text_float(line, (float)a->factor);
+        if (a->factor_least < a->factor) /* parts of the plant with a factor each */
+            text_named_float(line, "least", (float)a->factor_least);
+        text_named_float(line, "log_modulus_dB", (float)a->log_modulus_db);
+        text_named_float(line, "blocks", (float)a->structure.blocks);
+        text_named_float(line, "parts", (float)a->structure.parts);
+        return true;
+    }
+    if (n == 1) {
+        decoupler_words(a, line);
+        return true;
+    }
+    if (n - 2u >= a->pairs.n)
+        return commission_structural_line(c, n - 2u - a->pairs.n, line);
+    loop_line(c, n - 2u, line);
+    return true;
+}
+
+#endif

@@ -1,0 +1,169 @@
+/* `commission pairing`: the pairs, how sure they are, what speaks against them, and what they leave over. */
+#include "commission/commission.h"
+#include "commission/words.h"
+#include "console/console.h"
+
+#if COMMISSION_CHANNELS
+
+static const struct measurement_config *measurement(const struct console *c, unsigned j)
+{
+    return &console_settings(c)->measurement[c->service->commission->measurement[j]];
+}
+
+static const struct output_config *output(const struct console *c, unsigned k)
+{
+    return &console_settings(c)->output[c->service->commission->input[k].output];
+}
+
+/* What speaks against the pairing as a whole. */
+static void doubt_line(const struct analysis *a, unsigned n, struct text *line)
+{
+    struct words_doubt doubt;
+    if (!words_of_doubt(a, n, &doubt))
+        return;
+    text_str(line, "doubt");
+    text_named_float(line, doubt.what, (float)doubt.value);
+    text_str(line, ": ");
+    text_str(line, doubt.text);
+}
+
+static void names(const struct console *c, unsigned j, unsigned i, struct text *line)
+{
+    text_str(line, measurement(c, j)->name);
+    text_char(line, ' ');
+    text_str(line, output(c, c->service->commission->column[i])->name);
+}
+
+/* Of an element: what its tests left open. */
+static void doubt_element_line(const struct console *c, unsigned j, unsigned i, struct text *line)
+{
+    const struct commission *m = c->service->commission;
+    unsigned bits = certainty_flags(&m->work.analysis, (uint8_t)j, (uint8_t)i);
+    if (bits == 0)
+        return;
+    text_str(line, "doubt element ");
+    names(c, j, i, line);
+    commission_flags(line, bits);
+}
+
+/* Loops that run away where the others are in manual. */
+static void subset_line(const struct console *c, struct text *line)
+{
+    const struct analysis *a = &c->service->commission->work.analysis;
+    if (a->negative == 0)
+        return;
+    text_str(line, "subset");
+    text_named_float(line, "niederlinski", (float)a->negative_index);
+    text_str(line, " of");
+    for (unsigned k = 0; k < a->pairs.n; k++) {
+        if ((a->negative & (1u << k)) == 0u)
+            continue;
+        text_char(line, ' ');
+        text_str(line, measurement(c, a->pairs.output[k])->name);
+    }
+}
+
+static void left_line(const char *what, const char *name, const char *why, struct text *line)
+{
+    text_str(line, "left");
+    text_named_str(line, what, name);
+    text_str(line, ": ");
+    text_str(line, why);
+}
+
+/* What was tested and has no loop; false past the last. */
+static bool left_over_line(const struct console *c, unsigned n, struct text *line)
+{
+    const struct commission *m = c->service->commission;
+    const struct analysis *a = &m->work.analysis;
+    if (n < a->plant.outputs) {
+        const char *why = words_of_left(certainty_output_left(a, (uint8_t)n));
+        if (why[0])
+            left_line("measurement", measurement(c, n)->name, why, line);
+        return true;
+    }
+    n -= a->plant.outputs;
+    if (n >= m->inputs)
+        return false;
+    const char *why = m->input[n].skipped ? "its test was skipped" : "";
+    for (uint8_t i = 0; i < a->plant.inputs; i++)
+        if (m->column[i] == n)
+            why = words_of_left(certainty_input_left(a, i));
+    if (why[0])
+        left_line("input", output(c, n)->name, why, line);
+    return true;
+}
+
+/* After the pairs: what speaks against them, and what they leave over. */
+static bool remarks_line(const struct console *c, unsigned n, struct text *line)
+{
+    const struct analysis *a = &c->service->commission->work.analysis;
+    if (n < WORDS_DOUBTS) {
+        doubt_line(a, n, line);
+        return true;
+    }
+    n -= WORDS_DOUBTS;
+    unsigned elements = (unsigned)a->plant.outputs * a->plant.inputs;
+    if (n < elements) {
+        doubt_element_line(c, n / a->plant.inputs, n % a->plant.inputs, line);
+        return true;
+    }
+    n -= elements;
+    if (n == 0) {
+        subset_line(c, line);
+        return true;
+    }
+    return left_over_line(c, n - 1u, line);
+}
+
+bool commission_pairing_line(struct console *c, unsigned n, struct text *line)
+{
+    const struct commission *m = c->service->commission;
+    const struct analysis *a = &m->work.analysis;
+    if (commission_has_nothing(c, n, line))
+        return n == 0;
+    if (n == 0) {
+        text_str(line, "pairing ");
+        text_str(line, words_of_verdict(a));
+        text_named_float(line, "probability", (float)a->probability);
+        text_named_float(line, "niederlinski", (float)a->niederlinski);
+        text_named_float(line, "determinant", (float)a->determinant);
+        text_named_float(line, "integrity", (float)a->integrity);
+        return true;
+    }
+    n--;
+    if (n < a->pairs.n) {
+        unsigned j = a->pairs.output[n];
+        text_str(line, "pair ");
+        names(c, j, a->pairs.input[n], line);
+        text_named_float(line, "lambda", (float)a->pair_lambda[n]);
+        text_named_float(line, "share", (float)a->share[j]);
+        if (a->second != SECOND_NONE)
+            text_named_float(line, "phi", (float)a->pair_phi[n]);
+        return true;
+    }
+    n -= a->pairs.n;
+    if (n == 0) {
+        if (a->second != SECOND_NONE) {
+            text_str(line, "second_opinion ");
+            text_str(line, words_of_second(a->second));
+        }
+        return true;
+    }
+    n--;
+    if (n >= a->plant.outputs)
+        return remarks_line(c, n - a->plant.outputs, line);
+    if (a->ambiguous_outputs >> n & 1u) {
+        text_str(line, "open ");
+        text_str(line, measurement(c, n)->name);
+        text_named_float(line, "share", (float)a->share[n]);
+        if (a->rival[n] != INTERACT_NONE) {
+            text_str(line, " rival ");
+            text_str(line, a->rival[n] < a->plant.inputs ? output(c, m->column[a->rival[n]])->name
+                                                         : "-"); /* none of them */
+        }
+    }
+    return true;
+}
+
+#endif

@@ -1,0 +1,134 @@
+/* What automatic start-up begins with (`commission plant`, `plan`), and what the accepted loops did on trial (`trial`). Listings like
+ * those of console_commission_model.c. */
+#include "commission/commission.h"
+#include "commission/expected.h"
+#include "hal/tick.h"
+#include "console/console.h"
+#include "io/plant_link.h"
+
+#if COMMISSION_CHANNELS
+
+/* As the plant announces them, configured or not. The tick may be told of another plant meanwhile. */
+bool commission_plant_line(struct console *c, unsigned n, struct text *line)
+{
+    const struct service *s = c->service;
+    bool there = true;
+    hal_tick_lock();
+    unsigned outputs = s->io.count(s->io.context, false);
+    unsigned inputs = s->io.count(s->io.context, true);
+    if (n == 0 && outputs + inputs == 0) {
+        text_str(line, "no plant is connected");
+    } else if (n == 0) {
+        text_str(line, "plant tick");
+        text_named_float(line, "s", (float)s->io.tick_ms(s->io.context) / 1000.0f);
+        text_named_str(line, "name", s->link->name);
+    } else if (n <= outputs + inputs) {
+        bool manipulated = n > outputs;
+        uint8_t i = (uint8_t)(n - 1u - (manipulated ? outputs : 0u));
+        struct io_channel channel = s->io.channel(s->io.context, manipulated, i);
+        text_str(line, manipulated ? "input " : "output ");
+        text_str(line, channel.name);
+        text_named_str(line, "unit", channel.unit);
+        text_named_float(line, "lo", channel.lo);
+        text_named_float(line, "hi", channel.hi);
+        if (manipulated)
+            text_named_float(line, "safe", channel.safe);
+    } else {
+        there = false;
+    }
+    hal_tick_unlock();
+    return there;
+}
+
+/* What `commission begin` would move, by how much and for about how long, in the settings in force. */
+bool commission_plan_line(struct console *c, unsigned n, struct text *line)
+{
+    const struct supervisor *s = c->service->supervisor;
+    const struct config *config = console_settings(c);
+    if (n == 0) {
+        hal_tick_lock();
+        struct expected all = expected_of(s);
+        hal_tick_unlock();
+        text_str(line, "plan");
+        text_named_u32(line, "inputs", all.inputs);
+        text_named_u32(line, "outputs", all.outputs);
+        text_named_u32(line, "rounds", config->test.rounds);
+        text_named_float(line, "hours at least", (float)(all.least_s / REAL_C(3600.0)));
+        text_named_float(line, "at most", (float)(all.most_s / REAL_C(3600.0)));
+        return true;
+    }
+    n--;
+    if (n < CHANNEL_MAX) {
+        hal_tick_lock();
+        struct expected_input e = expected_of_input(s, (uint8_t)n);
+        hal_tick_unlock();
+        const struct output_config *o = &config->output[n];
+        float span = o->hi - o->lo;
+        if (!e.tested)
+            return true;
+        text_str(line, "input ");
+        text_str(line, o->name);
+        text_named_float(line, "held", o->lo + (float)e.held * span);
+        text_named_float(line, "step", (float)e.first * span);
+        text_named_float(line, "at most", (float)e.most * span);
+        text_char(line, ' ');
+        text_str(line, o->unit[0] ? o->unit : "-");
+        return true;
+    }
+    n -= CHANNEL_MAX;
+    if (n >= CHANNEL_MAX)
+        return false;
+    const struct measurement_config *m = &config->measurement[n];
+    if (!m->name[0] || !m->test || !s->measurement[n].bound)
+        return true;
+    text_str(line, "output ");
+    text_str(line, m->name);
+    float limit =
+        m->test_limit > 0.0f ? m->test_limit : (float)TEST_LIMIT_DEFAULT * (m->hi - m->lo);
+    text_named_float(line, "limit", m->test_critical ? 0.5f * limit : limit);
+    text_char(line, ' ');
+    text_str(line, m->unit[0] ? m->unit : "-");
+    return true;
+}
+
+/* Names of pair k. */
+static void pair(const struct console *c, unsigned k, struct text *line)
+{
+    const struct commission *m = c->service->commission;
+    const struct pairs *p = &m->work.analysis.pairs;
+    text_char(line, ' ');
+    text_str(line, console_settings(c)->measurement[m->measurement[p->output[k]]].name);
+    text_char(line, ' ');
+    text_str(line, console_settings(c)->output[m->input[m->column[p->input[k]]].output].name);
+}
+
+bool commission_trial_line(struct console *c, unsigned n, struct text *line)
+{
+    const struct commission *m = c->service->commission;
+    const struct adoption *t = &m->adoption;
+    bool was = m->phase == COMMISSION_TRIAL || m->phase == COMMISSION_KEPT ||
+               m->phase == COMMISSION_RETURNED || m->phase == COMMISSION_ENDED;
+    if (!was || t->n == 0 || !commission_has_results(m)) {
+        if (n == 0)
+            text_str(line, "no trial yet: `commission accept` begins one");
+        return n == 0;
+    }
+    if (n >= t->n)
+        return false;
+    const struct adoption_loop *l = &t->loop[n];
+    const struct measurement_config *y =
+        &console_settings(c)->measurement[m->measurement[m->work.analysis.pairs.output[n]]];
+    float span = y->hi - y->lo;
+    bool back = l->step < REAL_C(0.0);
+    float scale = (float)(back ? -l->step : l->step) / (float)l->size;
+    text_str(line, "trial");
+    pair(c, n, line);
+    text_named_float(line, "step", (float)l->step * span);
+    text_named_float(line, "iae", (float)l->iae * span);
+    text_named_float(line, "predicted", (float)l->predicted.iae * scale * span);
+    text_named_float(line, "overshoot", (float)l->peak);
+    text_named_float(line, "predicted", (float)l->predicted.peak);
+    return true;
+}
+
+#endif

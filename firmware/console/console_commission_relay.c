@@ -1,0 +1,121 @@
+/* `commission relay`: settings for one loop by a relay test, and what it has found. */
+#include <string.h>
+
+#include "commission/commission.h"
+#include "hal/tick.h"
+#include "console/console.h"
+
+#if COMMISSION_CHANNELS
+
+/* The latest test; the tick may begin another at any time. */
+static struct by_relay latest(const struct console *c)
+{
+    hal_tick_lock();
+    struct by_relay r = c->service->commission->by_relay;
+    hal_tick_unlock();
+    return r;
+}
+
+void commission_relay_now(struct console *c, struct text *line)
+{
+    const struct commission *m = c->service->commission;
+    const struct relay *relay = &m->work.relay.relay;
+    hal_tick_lock();
+    bool going_on = m->phase == COMMISSION_RELAY, resting = going_on && m->work.relay.resting;
+    uint8_t loop = m->by_relay.loop;
+    struct {
+        enum relay_phase phase;
+        uint16_t periods;
+        real_t amplitude;
+    } r = {relay->phase, relay->periods, relay->amplitude};
+    hal_tick_unlock();
+    if (!going_on)
+        return;
+    text_str(line, "loop ");
+    text_str(line, console_settings(c)->loop[loop].name);
+    if (resting) {
+        text_str(line, " waits for rest");
+    } else if (r.phase == RELAY_START) {
+        text_named_float(line, "waits for an answer to", (float)r.amplitude);
+        text_str(line, " of the input's span");
+    } else {
+        text_named_float(line, "cycles, period", (float)(r.periods + 1u));
+        text_named_float(line, "amplitude", (float)r.amplitude);
+        text_str(line, " of the input's span");
+    }
+}
+
+static void found_line(const struct console *c, const struct by_relay *r, struct text *line)
+{
+    const struct commission *m = c->service->commission;
+    const struct measurement_config *y = &console_settings(c)->measurement[m->measurement[0]];
+    const struct output_config *u = &console_settings(c)->output[m->input[0].output];
+    const struct relay_result *x = &r->result;
+    text_str(line, "relay ");
+    text_str(line, y->name);
+    text_char(line, ' ');
+    text_str(line, u->name);
+    text_named_float(line, "ultimate", (float)x->gain);
+    text_named_float(line, "described", (float)x->described);
+    text_named_float(line, "period", (float)x->period_s);
+    text_named_float(line, "s amplitude", (float)x->amplitude * (u->hi - u->lo));
+    text_named_float(line, "bias", (float)x->bias * (u->hi - u->lo));
+    text_named_float(line, "peak", (float)x->peak * (y->hi - y->lo));
+    text_named_float(line, "spread", (float)x->spread);
+    text_str(line, " periods ");
+    text_u32(line, x->periods);
+    text_named_float(line, "worst", (float)m->input[0].worst);
+}
+
+bool commission_relay_line(struct console *c, unsigned n, struct text *line)
+{
+    const struct commission *m = c->service->commission;
+    struct by_relay r = latest(c);
+    if (!r.on || !r.found || !commission_has_results(m)) {
+        if (n == 0 && m->phase == COMMISSION_RELAY)
+            commission_relay_now(c, line);
+        else if (n == 0)
+            text_str(line, "no relay test has been done: `commission relay LOOP`");
+        return n == 0;
+    }
+    if (n == 0) {
+        found_line(c, &r, line);
+        return true;
+    }
+    if (n > 1)
+        return false;
+    text_str(line, "settings Tyreus-Luyben");
+    text_named_float(line, "gain", (float)(r.gain < REAL_C(0.0) ? -r.gain : r.gain));
+    text_named_float(line, "ti", (float)r.ti_s);
+    text_str(line, r.gain < REAL_C(0.0) ? " s direct" : " s reverse");
+    return true;
+}
+
+void commission_relay_command(struct console *c, unsigned n, char **word)
+{
+    struct commission *m = c->service->commission;
+    const char *wanted = "no such loop; `loop` lists them", *subject = word[n - 1];
+    if (n == 1) {
+        console_list(c, commission_relay_line, "");
+        return;
+    }
+    service_settle(c->service); /* what was applied before counts */
+    hal_tick_lock();
+    const struct supervisor *s = c->service->supervisor;
+    uint8_t loop = config_find_loop(&s->plan->config, word[1]);
+    enum err err =
+        loop == PLAN_NONE ? ERR_UNKNOWN : commission_may_relay(s, loop, &subject, &wanted);
+    if (!err)
+        err = commission_put(m, COMMISSION_ASK_RELAY, &wanted);
+    if (!err) {
+        m->relay_asked = loop;
+        m->relay_serial = s->plan->serial;
+    }
+    hal_tick_unlock();
+    if (err)
+        console_err_about(c, err, subject ? subject : "commission", wanted);
+    else
+        console_ok(c);
+}
+
+#endif

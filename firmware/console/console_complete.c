@@ -1,0 +1,196 @@
+/* What may be typed next. The row of each command says it: capital words of its arguments stand for names of a
+ * kind, the others for themselves. */
+#include <string.h>
+
+#include "console/console.h"
+#include "service/parameters.h"
+#include "supervise/alarms.h"
+
+#define WORD_SIZE 32
+
+struct typed {
+    unsigned position; /* of the word under way; 0 is the command */
+    char command[WORD_SIZE], before[WORD_SIZE];
+    const char *begun;
+};
+
+static void copy(char *to, const char *from, size_t n)
+{
+    if (n >= WORD_SIZE)
+        n = WORD_SIZE - 1;
+    memcpy(to, from, n);
+    to[n] = '\0';
+}
+
+static struct typed look(const char *line)
+{
+    struct typed t = {.begun = line};
+    while (*line) {
+        while (*line == ' ')
+            line++;
+        t.begun = line;
+        while (*line && *line != ' ')
+            line++;
+        if (!*line)
+            break;
+        copy(t.position ? t.before : t.command, t.begun, (size_t)(line - t.begun));
+        t.begun = line;
+        t.position++;
+    }
+    while (*t.begun == ' ')
+        t.begun++;
+    return t;
+}
+
+static bool is(const char *kind, size_t n, const char *name)
+{
+    return strlen(name) == n && memcmp(kind, name, n) == 0;
+}
+
+/* Without a dot so far: "loop1." for all its fields. */
+static void parameter_choice(unsigned n, const char *begun, struct text *word)
+{
+    struct parameter p;
+    if (!parameter_at(n, &p))
+        return;
+    if (strchr(begun, '.')) {
+        parameter_name(&p, word);
+        return;
+    }
+    if (p.field != p.group->fields)
+        return;
+    text_str(word, p.group->name);
+    if (p.group->indexed)
+        text_u32(word, p.index + 1u);
+    text_char(word, '.');
+}
+
+static unsigned parameter_count(void)
+{
+    unsigned n = 0;
+    for (unsigned g = 0; g < parameter_group_count; g++)
+        n += (unsigned)parameter_groups[g].count * parameter_groups[g].n_fields;
+    return n;
+}
+
+/* Words between bars; true when there is an n-th one. */
+static bool word_choice(const char *words, size_t size, unsigned n, struct text *word)
+{
+    for (size_t i = 0; i < size; i++) {
+        if (words[i] == '|') {
+            if (n == 0)
+                return true;
+            n--;
+        } else if (n == 0) {
+            text_char(word, words[i]);
+        }
+    }
+    return n == 0;
+}
+
+enum names { NAMES_LOOP = 1, NAMES_MV = 2, NAMES_MEASUREMENT = 4 };
+
+static unsigned name_choice(const struct config *config, unsigned kinds, unsigned n,
+                            struct text *word)
+{
+    if (n < CONFIG_LOOPS && (kinds & NAMES_LOOP) != 0)
+        text_str(word, config->loop[n].name);
+    if (n >= CONFIG_LOOPS && n - CONFIG_LOOPS < CHANNEL_MAX && (kinds & NAMES_MV) != 0)
+        text_str(word, config->output[n - CONFIG_LOOPS].name);
+    n -= CONFIG_LOOPS + CHANNEL_MAX;
+    if (n < CHANNEL_MAX && (kinds & NAMES_MEASUREMENT) != 0)
+        text_str(word, config->measurement[n].name);
+    return CONFIG_LOOPS + 2u * CHANNEL_MAX;
+}
+
+/* Puts the n-th choice of a kind into *word; returns how many there are. */
+static unsigned kind_choice(const struct console *c, const char *kind, size_t size,
+                            const struct typed *t, unsigned n, struct text *word)
+{
+    const struct config *config = &service_plan(c->service)->config;
+    struct parameter p;
+    if (is(kind, size, "LOOP"))
+        return name_choice(config, NAMES_LOOP, n, word);
+    if (is(kind, size, "MV"))
+        return name_choice(config, NAMES_MV, n, word);
+    if (is(kind, size, "NAME"))
+        return name_choice(config, NAMES_LOOP | NAMES_MV | NAMES_MEASUREMENT, n, word);
+    if (is(kind, size, "ALARM")) {
+        char name[CHANNEL_NAME_SIZE] = "";
+        if (n < CONFIG_ALARMS && config->alarm[n].on[0])
+            alarm_name(config, (uint8_t)n, name);
+        text_str(word, name);
+        return CONFIG_ALARMS;
+    }
+    if (is(kind, size, "COMMAND")) {
+        if (n < console_command_count)
+            text_str(word, console_commands[n].name);
+        return console_command_count;
+    }
+    if (is(kind, size, "PARAMETER") || is(kind, size, "PREFIX")) {
+        parameter_choice(n, t->begun, word);
+        return parameter_count();
+    }
+    if (is(kind, size, "VALUE") && parameter_find(t->before, &p) == ERR_OK) {
+        if (p.field->type == PARAMETER_NAME && !parameter_is_secret(&p))
+            return name_choice(config, NAMES_LOOP | NAMES_MV | NAMES_MEASUREMENT, n, word);
+        if (p.field->type != PARAMETER_WORD)
+            return 0;
+        return word_choice(field_words(p.field), strlen(field_words(p.field)), n, word) ? n + 1u
+                                                                                        : n;
+    }
+    if (kind[0] < 'a' || kind[0] > 'z')
+        return 0;
+    if (n == 0)
+        (void)word_choice(kind, size, 0, word);
+    return 1;
+}
+
+/* The token of the arguments that belongs to the word under way, without its brackets. */
+static const char *argument_at(const char *arguments, unsigned position, size_t *size)
+{
+    for (;; position--) {
+        const char *end = strchr(arguments, ' ');
+        *size = end ? (size_t)(end - arguments) : strlen(arguments);
+        if (position == 1 || !end)
+            break;
+        arguments = end + 1;
+    }
+    if (position > 1)
+        *size = 0;
+    if (*size >= 2 && arguments[0] == '[') {
+        arguments++;
+        *size -= 2;
+    }
+    return arguments;
+}
+
+bool console_choice(void *console, const char *line, unsigned n, struct text *word)
+{
+    const struct console *c = console;
+    struct typed t = look(line);
+    const struct console_command *command = NULL;
+    if (t.position == 0)
+        return kind_choice(c, "COMMAND", 7, &t, n, word) > n;
+    for (unsigned i = 0; i < console_command_count; i++)
+        if (strcmp(console_commands[i].name, t.command) == 0)
+            command = &console_commands[i];
+    if (!command)
+        return false;
+    size_t size;
+    const char *kinds = argument_at(command->arguments, t.position, &size);
+    /* "LOOP|MV": the choices of one kind after those of the other. */
+    while (size) {
+        size_t width = 0;
+        while (width < size && kinds[width] != '|')
+            width++;
+        unsigned there = kind_choice(c, kinds, width, &t, n, word);
+        if (n < there)
+            return true;
+        n -= there;
+        width += width < size; /* past the bar */
+        kinds += width;
+        size -= width;
+    }
+    return false;
+}

@@ -1,0 +1,302 @@
+/* Console command on sequences: seq. */
+#include <string.h>
+
+#include "console/console.h"
+
+#if CONFIG_STEPS
+
+static const char *const words[SEQUENCE_COMMANDS] = {
+    [SEQUENCE_DO_START] = "start",     [SEQUENCE_DO_STOP] = "stop", [SEQUENCE_DO_HOLD] = "hold",
+    [SEQUENCE_DO_GO] = "go",           [SEQUENCE_DO_SKIP] = "skip", [SEQUENCE_DO_ABORT] = "abort",
+    [SEQUENCE_DO_CONFIRM] = "confirm",
+};
+
+static void seconds(struct text *line, uint32_t ms)
+{
+    text_u32(line, ms / 1000u);
+    text_str(line, " s");
+}
+
+static void amount(struct text *line, float x, const char *unit)
+{
+    text_char(line, ' ');
+    text_float(line, x);
+    text_char(line, ' ');
+    text_str(line, unit);
+}
+
+static void step_number(struct text *line, unsigned k)
+{
+    text_str(line, "step ");
+    text_u32(line, k + 1u);
+}
+
+void sequence_headline(const struct service *s, struct text *line)
+{
+    const struct sequence *q = &s->supervisor->sequence;
+    if (q->state == SEQUENCE_IDLE)
+        return;
+    text_str(line, sequence_kind_text(q->kind));
+    text_char(line, ' ');
+    text_str(line, sequence_state_text(q->state));
+    text_str(line, " at ");
+    step_number(line, q->step);
+    if (q->state != SEQUENCE_HELD && q->state != SEQUENCE_ABORTED)
+        return;
+    text_str(line, ": ");
+    text_str(line, sequence_reason_text(q->why));
+    text_str(line, q->about[0] ? ", " : "");
+    text_str(line, q->about);
+}
+
+/* "TB above 85 degC for 60 s" */
+static void condition_text(const struct plan *plan, unsigned k, struct text *line)
+{
+    static const char *const how[] = {"at once", "above", "below", "steady within"};
+    const struct step_config *c = &plan->config.step[k];
+    if (c->until == STEP_TIME) {
+        seconds(line, c->hold_s * UINT32_C(1000));
+        text_str(line, " have passed");
+        return;
+    }
+    if (c->until == STEP_CONFIRM) {
+        text_str(line, "somebody confirms");
+        return;
+    }
+    text_str(line, c->measurement);
+    text_char(line, ' ');
+    text_str(line, how[c->until]);
+    amount(line, c->limit, plan->config.measurement[plan->step[k].measurement].unit);
+    if (c->hold_s && c->action != STEP_GUARD) {
+        text_str(line, " for ");
+        seconds(line, c->hold_s * UINT32_C(1000));
+    }
+}
+
+static void action_text(const struct plan *plan, unsigned k, struct text *line)
+{
+    static const char *const names[] = {"wait", "out",       "manual",     "auto",  "cascade",
+                                        "sp",   "offset on", "offset off", "guard", "drop"};
+    const struct step_config *c = &plan->config.step[k];
+    uint8_t what = plan->step[k].what;
+    text_str(line, names[c->action]);
+    text_char(line, ' ');
+    if (what != PLAN_NONE)
+        text_str(line, c->what);
+    if (c->action == STEP_OUT)
+        amount(line, c->value, plan->config.output[what].unit);
+    else if (c->action == STEP_SETPOINT)
+        amount(line, c->value, plan->config.measurement[plan->loop[what].pv].unit);
+}
+
+/* A row in words. */
+static void row_text(const struct plan *plan, unsigned k, struct text *line)
+{
+    static const char *const otherwise[] = {"abort", "go on", "hold"};
+    const struct step_config *c = &plan->config.step[k];
+    step_number(line, k);
+    text_str(line, ": ");
+    action_text(plan, k, line);
+    if (c->action == STEP_GUARD) {
+        condition_text(plan, k, line);
+    } else if (c->until != STEP_AT_ONCE) {
+        text_str(line, c->action == STEP_NOTHING ? "until " : ", until ");
+        condition_text(plan, k, line);
+    }
+    uint32_t longest_s = c->action == STEP_GUARD ? c->hold_s : c->timeout_s;
+    if (c->action != STEP_GUARD && !longest_s)
+        return;
+    text_str(line, "; after ");
+    seconds(line, longest_s * UINT32_C(1000));
+    text_str(line, c->action == STEP_GUARD ? " without " : " ");
+    text_str(line, otherwise[c->otherwise]);
+}
+
+static void reading_text(const struct service *s, unsigned k, struct text *line)
+{
+    const struct plan *plan = service_in_force(s);
+    uint8_t i = plan->step[k].measurement;
+    float value;
+    text_str(line, plan->config.measurement[i].name);
+    if (!sequence_reading(s->supervisor, i, &value)) {
+        text_str(line, " is not believed");
+        return;
+    }
+    text_str(line, " =");
+    amount(line, value, plan->config.measurement[i].unit);
+}
+
+/* How far the step is. */
+static void progress_text(const struct service *s, struct text *line)
+{
+    const struct plan *plan = service_in_force(s);
+    const struct sequence *q = &s->supervisor->sequence;
+    const struct step_config *c = &plan->config.step[q->step];
+    bool looks = plan->step[q->step].measurement != PLAN_NONE;
+    text_str(line, "  ");
+    if (q->state == SEQUENCE_HELD)
+        text_str(line, "waits for `seq go`; ");
+    else if (q->state == SEQUENCE_CONFIRM)
+        text_str(line, "waits for `seq confirm`; ");
+    if (looks) {
+        reading_text(s, q->step, line);
+        text_str(line, "; ");
+    }
+    if (looks || c->until == STEP_TIME) {
+        text_str(line, looks ? "has held " : "waited ");
+        seconds(line, q->met_ms);
+        text_str(line, " of ");
+        seconds(line, c->hold_s * UINT32_C(1000));
+        text_str(line, "; ");
+    }
+    text_str(line, "in step ");
+    seconds(line, q->elapsed_ms);
+    if (!c->timeout_s)
+        return;
+    uint32_t limit_ms = c->timeout_s * UINT32_C(1000);
+    text_str(line, ", time-out in ");
+    seconds(line, limit_ms > q->elapsed_ms ? limit_ms - q->elapsed_ms : 0);
+}
+
+static void guard_text(const struct service *s, unsigned k, struct text *line)
+{
+    const struct sequence *q = &s->supervisor->sequence;
+    text_str(line, "  ");
+    row_text(service_in_force(s), k, line);
+    text_str(line, "; ");
+    reading_text(s, k, line);
+    if (q->violated_ms[k]) {
+        text_str(line, ", broken for ");
+        seconds(line, q->violated_ms[k]);
+    }
+}
+
+static bool seq_line(struct console *c, unsigned n, struct text *line)
+{
+    const struct service *s = c->service;
+    const struct sequence *q = &s->supervisor->sequence;
+    const struct plan *plan = service_in_force(s);
+    bool active = sequence_active(q);
+    if (n == 0) {
+        sequence_headline(s, line);
+        text_str(line, q->state == SEQUENCE_IDLE ? "idle" : "");
+    } else if (n == 1) {
+        /* After a reset the rows may have come from elsewhere. */
+        if (q->state != SEQUENCE_IDLE && plan->config.step[q->step].sequence == q->kind) {
+            text_str(line, "  ");
+            row_text(plan, q->step, line);
+        }
+    } else if (n == 2) {
+        if (active)
+            progress_text(s, line);
+    } else if (n - 3u < CONFIG_STEPS) {
+        if (active && (q->guards & UINT32_C(1) << (n - 3u)))
+            guard_text(s, n - 3u, line);
+    } else {
+        return false;
+    }
+    return true;
+}
+
+/* All rows in words, those of one sequence behind each other. */
+static bool seq_row_line(struct console *c, unsigned n, struct text *line)
+{
+    const struct plan *plan = service_in_force(c->service);
+    if (n >= 2u * CONFIG_STEPS)
+        return false;
+    uint8_t kind = n < CONFIG_STEPS ? SEQUENCE_START : SEQUENCE_STOP;
+    unsigned k = n % CONFIG_STEPS;
+    if (plan->config.step[k].sequence == kind) {
+        text_str(line, sequence_kind_text(kind));
+        text_char(line, ' ');
+        row_text(plan, k, line);
+    }
+    return true;
+}
+
+/* Why not, or NULL. What happens until the tick is told by an event. */
+static const char *objection(const struct service *s, enum sequence_command what)
+{
+    const struct sequence *q = &s->supervisor->sequence;
+    const struct plan *plan = service_plan(s);
+    bool active = sequence_active(q);
+    switch (what) {
+    case SEQUENCE_DO_START:
+    case SEQUENCE_DO_STOP:
+        if (sequence_next(&plan->config, what == SEQUENCE_DO_START ? SEQUENCE_START : SEQUENCE_STOP,
+                          -1) == PLAN_NONE)
+            return "no row is configured for it; `help step1.seq`";
+        if (s->io.state(s->io.context) != IO_READY)
+            return "no plant is connected";
+        if (s->supervisor->testing)
+            return "automatic start-up is under way; `commission abort` ends it";
+        if (active && (what == SEQUENCE_DO_START || q->kind == SEQUENCE_STOP))
+            return "a sequence is under way; `seq` shows it";
+        for (uint8_t i = 0; i < CONFIG_LOOPS && what == SEQUENCE_DO_START; i++)
+            if (plan->loop[i].used && service_mode(s, i) != LOOP_MANUAL)
+                return "a start-up begins with all loops in manual; `loop` shows them";
+        return NULL;
+    case SEQUENCE_DO_GO:
+        return q->state == SEQUENCE_HELD ? NULL : "no sequence is held";
+    case SEQUENCE_DO_CONFIRM:
+        return q->state == SEQUENCE_CONFIRM ? NULL : "nothing waits to be confirmed";
+    case SEQUENCE_DO_HOLD:
+        if (q->state == SEQUENCE_HELD)
+            return "is held already";
+        /* fall through */
+    default:
+        return active ? NULL : "no sequence is under way";
+    }
+}
+
+void command_seq(struct console *c, unsigned n, char **word)
+{
+    struct service *s = c->service;
+    struct request r = {.kind = REQUEST_SEQUENCE, .loop = PLAN_NONE};
+    unsigned what = 0;
+    if (n == 0) {
+        console_list(c, seq_line, "");
+        return;
+    }
+    if (strcmp(word[0], "list") == 0) {
+        console_list(c, seq_row_line, "");
+        return;
+    }
+    while (what < SEQUENCE_COMMANDS && strcmp(word[0], words[what]) != 0)
+        what++;
+    if (what == SEQUENCE_COMMANDS) {
+        console_err_about(c, ERR_PARSE, word[0],
+                          "wanted: start, stop, hold, go, confirm, skip, abort or list");
+        return;
+    }
+    if (what == SEQUENCE_DO_SKIP) {
+        if (!console_is_engineer(c)) {
+            console_err_about(c, ERR_LOCKED, "seq skip", NULL);
+            return;
+        }
+        console_engineer_acts(c);
+    }
+    const char *why = objection(s, (enum sequence_command)what);
+    if (why) {
+        console_err_about(c, ERR_STATE, word[0], why);
+        return;
+    }
+    r.mode = (uint8_t)what;
+    r.output = s->supervisor->sequence.step;
+    enum err err = service_request(s, &r);
+    if (err)
+        console_err(c, err, "more requests waiting than the queue holds, try again");
+    else
+        console_ok(c);
+}
+
+#else
+
+void command_seq(struct console *c, unsigned n, char **word)
+{
+    (void)n;
+    (void)word;
+    console_err(c, ERR_UNSUPPORTED, "sequences are left out of this board's build");
+}
+
+#endif
