@@ -62,7 +62,6 @@ static void stop_at(struct supervisor *s, enum sequence_state state, enum sequen
     struct sequence *q = &s->sequence;
     q->state = (uint8_t)state;
     q->why = (uint8_t)why;
-    memset(q->about, 0, sizeof q->about);
     strncpy(q->about, about, sizeof q->about - 1);
     tell(s, state == SEQUENCE_HELD ? EVENT_SEQUENCE_HELD : EVENT_SEQUENCE_ABORTED, about);
 }

@@ -288,7 +288,6 @@ void supervisor_bind_output(struct supervisor *s, uint8_t index)
 /* It may be a name in a plan that is written over later. */
 static void keep_reason(struct supervisor *s, const char *why)
 {
-    memset(s->safe_why, 0, sizeof s->safe_why);
     strncpy(s->safe_why, why, sizeof s->safe_why - 1);
 }
 

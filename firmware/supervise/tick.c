@@ -387,7 +387,6 @@ static void back_direct(struct supervisor *s, uint8_t i, num_t told)
 {
     struct loop_state *l = &s->loop[i];
     const struct loop_plan *p = &s->plan->loop[i];
-    l->open = false;
     if (loop_forced(s, i))
         l->join = true; /* whenever the interlock lets go */
     if (l->mode != LOOP_MANUAL && !l->join) {
@@ -407,7 +406,6 @@ static void back_outer(struct supervisor *s, uint8_t i)
     const struct loop_state *inner = &s->loop[p->inner];
     /* Nobody takes this loop's output: the inner loop is not in cascade, or is but speaks to nobody itself. */
     l->open = inner->mode != LOOP_CASCADE || inner->open;
-    l->hold = BLOCK_HOLD_NONE;
     if (l->open)
         l->v = inner->mode == LOOP_AUTO ? inner->setpoint
                                         : s->measurement[s->plan->loop[p->inner].pv].value;
