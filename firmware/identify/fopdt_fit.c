@@ -328,13 +328,10 @@ static void attempt(struct fopdt_fit *f)
         (f->dead <= ZERO && by_dead < ZERO) || (f->dead >= f->dead_max && by_dead > ZERO);
     bool stuck_lag =
         (f->lag <= f->shortest && by_lag < ZERO) || (f->lag >= f->lag_max && by_lag > ZERO);
-    if (stuck_dead) {
-        by_dead = ZERO;
+    if (stuck_dead) /* the other moves alone; the clip below keeps this one */
         by_lag = a > ZERO ? f->right[0] / a : ZERO;
-    } else if (stuck_lag) {
-        by_lag = ZERO;
+    else if (stuck_lag)
         by_dead = c > ZERO ? f->right[1] / c : ZERO;
-    }
     by_lag = clip(by_lag, -ONE, ONE);
     real_t lag = clip(f->lag * real_exp(by_lag), f->shortest, f->lag_max);
     real_t dead = clip(f->dead + by_dead, ZERO, f->dead_max);

@@ -3,6 +3,9 @@ foreach(part moments record fopdt_fit fit_bend steady guard settling relay range
   reflux_test(${part} LABEL unit SOURCES ${CMAKE_CURRENT_LIST_DIR}/test_${part}.c LIBS reflux_identify)
   reflux_test(${part}_double LABEL unit SOURCES ${CMAKE_CURRENT_LIST_DIR}/test_${part}.c LIBS reflux_identify_double)
 endforeach()
+foreach(part fit_cases identify_cases)
+  reflux_test(${part} LABEL unit SOURCES ${CMAKE_CURRENT_LIST_DIR}/test_${part}.c LIBS reflux_identify)
+endforeach()
 
 # Not a test: identifies the records of tools/figures/identification_table.py.
 add_executable(identify_records "${PROJECT_SOURCE_DIR}/tests/bench/identify_records.c")
