@@ -205,8 +205,6 @@ static enum err begin_input(struct commission *c, const struct supervisor *s)
         x.half_most = most;
     if (x.half_most < c->input[k].half_wanted)
         x.half_most = c->input[k].half_wanted < all ? c->input[k].half_wanted : all;
-    if (x.half_most < x.half)
-        x.half_most = x.half;
     if (x.half_most <= x.window)
         x.half_most = x.window + 1u;
     x.half_least = least_half(c, s, k, &x);

@@ -1,0 +1,654 @@
+/* commission/tests.c and expected.[ch]: with what the next test of an input is made, on either side of each bound, from what
+ * is configured and what the tests before have found. All of that is made up. */
+#include <string.h>
+
+#include "commission/expected.h"
+#include "commission/parts.h"
+#include "supervisor_bench.h"
+
+static struct commission c;
+static struct config *cf;
+static const struct experiment_config *x;
+
+#define NEAR(wanted, value) TEST_ASSERT_DOUBLE_WITHIN(2e-6, wanted, (double)(value))
+
+/* Two measurements and two inputs that are tested, ticks of 2 s, windows of 40; reflux at half, heat at a tenth. */
+void setUp(void)
+{
+    bench_start();
+    bench.plan[bench.current].tick_s = 2;
+    cf = &bench.plan[bench.current].config;
+    memset(cf->pair, 0, sizeof cf->pair);
+    cf->test = (struct test_config){.noise_multiple = 20,
+                                    .blank_s = 3,
+                                    .confidence = 0.95f,
+                                    .rounds = 3,
+                                    .window = 40,
+                                    .guard = TEST_GUARD_MODEL};
+    for (unsigned i = 0; i < CHANNEL_MAX; i++) {
+        cf->measurement[i].test = cf->output[i].test = i < 2;
+        cf->measurement[i].test_critical = cf->output[i].test_critical = 0;
+        cf->measurement[i].test_limit = cf->output[i].test_step = cf->output[i].test_time_s = 0;
+    }
+    commission_init(&c, &bench.events);
+    c.outputs = c.inputs = 2;
+    c.measurement[1] = c.input[1].output = c.order[1] = 1;
+    c.input[0].held = REAL_C(0.5);
+    c.input[1].held = REAL_C(0.1);
+    x = &c.work.test.experiment.config;
+}
+void tearDown(void) {}
+
+static void start(uint8_t k)
+{
+    c.at = k;
+    commission_start_input(&c, &bench.s);
+    TEST_ASSERT_EQUAL_INT(COMMISSION_TESTING, c.phase);
+}
+
+/* Input 0 has had a test, of so much for 200 s. Its responses are over after 310 s. */
+static void tested(double amplitude, double gain, double sd)
+{
+    c.input[0].rounds = 1;
+    c.input[0].amplitude = (real_t)amplitude;
+    c.input[0].half_s = 200;
+    c.element[2][0].fit = (struct identified){.gain = 9, .dead_time_s = 999}; /* of no output */
+    c.element[2][0].misfit = 9;
+    c.noise_sd[2] = REAL_C(1e-6);
+    c.element[0][0].fit = (struct identified){.gain = (real_t)gain,
+                                              .gain_sd = (real_t)sd,
+                                              .time_constant_s = 100,
+                                              .time_constant_sd_s = 1,
+                                              .dead_time_s = 10};
+    c.element[1][0].fit = (struct identified){.flags = IDENTIFIED_NO_GAIN, .gain_sd = 1e-6f};
+    c.noise_sd[0] = REAL_C(0.002);
+    c.noise_sd[1] = REAL_C(0.001);
+}
+
+/* ---- nothing known ---- */
+
+static void a_first_test_has_the_settings_and_finds_its_amplitude(void)
+{
+    start(0);
+    TEST_ASSERT_EQUAL_UINT8(2, x->outputs);
+    NEAR(2.0, x->h_s);
+    TEST_ASSERT_EQUAL_UINT32(40, x->window);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-9, 7e-5, (double)x->noise_floor);
+    NEAR(0.0, x->amplitude);
+    NEAR(0.02, x->amplitude_first);
+    NEAR(0.25, x->amplitude_max);
+    NEAR(20.0, x->noise_multiple);
+    NEAR(3.0, x->blank_s);
+    TEST_ASSERT_EQUAL_UINT32(0, x->half);
+    TEST_ASSERT_EQUAL_UINT32(40, x->half_least);
+    TEST_ASSERT_EQUAL_UINT32(1000, x->half_most);
+    TEST_ASSERT_FALSE(x->line_guard);
+    TEST_ASSERT_EQUAL_PTR(&c.origin, x->origin);
+    for (unsigned j = 0; j < 2; j++) {
+        NEAR(0.2, x->limit[j]);
+        NEAR(0.0, x->dead_time_s[j]);
+    }
+    start(1);
+    NEAR(0.1, x->amplitude_max); /* as far as to its nearer limit */
+}
+
+static void what_is_configured_is_taken(void)
+{
+    cf->measurement[0].test_limit = 10;   /* of 100 */
+    cf->measurement[1].test_critical = 1; /* half of it */
+    cf->test.guard = TEST_GUARD_LINE;
+    cf->test.window = 15; /* of rest, 16 blocks at least */
+    start(0);
+    NEAR(0.1, x->limit[0]);
+    NEAR(0.1, x->limit[1]);
+    TEST_ASSERT_TRUE(x->line_guard);
+    TEST_ASSERT_EQUAL_UINT32(16, x->window);
+    TEST_ASSERT_EQUAL_UINT32(16, x->half_least);
+    cf->test.window = 17;
+    start(0);
+    TEST_ASSERT_EQUAL_UINT32(17, x->window);
+}
+
+static void an_amplitude_and_a_half_that_are_given_hold(void)
+{
+    cf->output[0].test_step = 1; /* of 10 */
+    cf->output[0].test_time_s = 101;
+    start(0);
+    NEAR(0.1, x->amplitude);
+    NEAR(0.5, x->amplitude_max);
+    TEST_ASSERT_EQUAL_UINT32(51, x->half); /* to the nearest tick */
+    TEST_ASSERT_EQUAL_UINT32(1000, x->half_most);
+    c.input[0].held = REAL_C(0.06);
+    start(0);
+    NEAR(0.06, x->amplitude);
+    c.input[0].amplitude_most = REAL_C(0.05);
+    start(0);
+    NEAR(0.05, x->amplitude);
+    NEAR(0.05, x->amplitude_max);
+    c.input[0].amplitude_most = 0;
+    cf->output[0].test_step = 0.6f;
+    start(0);
+    NEAR(0.06, x->amplitude);
+    c.input[0].amplitude_most = REAL_C(0.07); /* no room for it */
+    start(0);
+    NEAR(0.06, x->amplitude_max);
+    cf->test.longest_s = 90; /* what is given for the input counts more */
+    start(0);
+    TEST_ASSERT_EQUAL_UINT32(51, x->half_most);
+}
+
+static void no_half_is_longer_than_set(void)
+{
+    cf->test.longest_s = 300;
+    start(0);
+    TEST_ASSERT_EQUAL_UINT32(150, x->half_most);
+    cf->test.longest_s = 300.8f;
+    start(0);
+    TEST_ASSERT_EQUAL_UINT32(150, x->half_most);
+    cf->test.longest_s = 301.2f;
+    start(0);
+    TEST_ASSERT_EQUAL_UINT32(151, x->half_most);
+    cf->test.longest_s = 0.5f; /* a window and one at least */
+    start(0);
+    TEST_ASSERT_EQUAL_UINT32(41, x->half_most);
+    TEST_ASSERT_EQUAL_UINT32(40, x->half_least);
+    TEST_ASSERT_EQUAL_UINT32(0, commission_longest(&bench.s));
+    cf->test.longest_s = 0;
+    TEST_ASSERT_EQUAL_UINT32(1000, commission_longest(&bench.s));
+}
+
+static void what_the_inputs_before_have_taken_is_a_measure(void)
+{
+    static const struct {
+        uint32_t before, window, least, most;
+    } cases[] = {{100, 40, 50, 300},   {13, 40, 40, 1000},     {14, 40, 40, 42},
+                 {163, 40, 81, 489},   {164, 41, 82, 492},     {333, 83, 166, 999},
+                 {334, 83, 167, 1000}, {1900, 475, 950, 1000}, {4000, 1000, 1001, 1001}};
+    for (unsigned n = 0; n < sizeof cases / sizeof cases[0]; n++) {
+        c.half_least = cases[n].before;
+        start(0);
+        TEST_ASSERT_EQUAL_UINT32(cases[n].window, x->window);
+        TEST_ASSERT_EQUAL_UINT32(cases[n].least, x->half_least);
+        TEST_ASSERT_EQUAL_UINT32(cases[n].most, x->half_most);
+    }
+    c.half_least = 100;
+    c.input[1].amplitude_wanted = REAL_C(0.01); /* not linear: all of it */
+    start(0);
+    TEST_ASSERT_EQUAL_UINT32(100, x->half_least);
+}
+
+static void a_longer_half_that_is_wished_for_comes_true(void)
+{
+    c.half_least = 100;
+    c.input[0].half_wanted = 301;
+    start(0);
+    TEST_ASSERT_EQUAL_UINT32(301, x->half_least);
+    TEST_ASSERT_EQUAL_UINT32(301, x->half_most);
+    c.input[0].half_wanted = 1001;
+    start(0);
+    TEST_ASSERT_EQUAL_UINT32(1000, x->half_least);
+    TEST_ASSERT_EQUAL_UINT32(1000, x->half_most);
+    c.input[0].half_wanted = 299;
+    start(0);
+    TEST_ASSERT_EQUAL_UINT32(299, x->half_least);
+    TEST_ASSERT_EQUAL_UINT32(300, x->half_most);
+    c.input[0].half_wanted = 49;
+    start(0);
+    TEST_ASSERT_EQUAL_UINT32(50, x->half_least);
+}
+
+static void the_smallest_step_that_was_wanted_is_the_first_of_all_inputs(void)
+{
+    NEAR(0.0, commission_small_step(&c));
+    c.input[1].amplitude_wanted = REAL_C(0.01);
+    NEAR(0.01, commission_small_step(&c));
+    start(0);
+    NEAR(0.01, x->amplitude_first);
+    c.input[0].amplitude_wanted = REAL_C(0.015);
+    NEAR(0.01, commission_small_step(&c));
+    c.input[0].amplitude_wanted = REAL_C(0.005);
+    start(0);
+    NEAR(0.005, x->amplitude_first);
+    c.input[0].amplitude_wanted = REAL_C(0.00006); /* the floor of the noise is the least */
+    start(0);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-9, 7e-5, (double)x->amplitude_first);
+    c.inputs = 0;
+    NEAR(0.0, commission_small_step(&c));
+}
+
+static void pair(unsigned n, const char *measurement, const char *output, double time_s,
+                 double gain)
+{
+    struct pair_config *p = &cf->pair[n];
+    memset(p, 0, sizeof *p);
+    strcpy(p->measurement, measurement);
+    strcpy(p->output, output);
+    p->time_s = (float)time_s;
+    p->gain = (float)gain;
+}
+
+static void what_is_known_of_a_pair_beforehand_is_taken(void)
+{
+    pair(0, "T10", "reflux", 100, -5); /* 10 l/h by 100 degC: -0.5 in spans */
+    pair(CONFIG_PAIRS - 1, "T1", "heat", 120, 0);
+    start(0);
+    TEST_ASSERT_EQUAL_UINT32(200, x->half_least); /* four times that */
+    NEAR(0.1, x->amplitude_first);                /* a quarter of 0.2 */
+    cf->measurement[1].test_limit = 10;
+    start(0);
+    NEAR(0.05, x->amplitude_first);
+    start(1);
+    TEST_ASSERT_EQUAL_UINT32(240, x->half_least);
+    NEAR(0.02, x->amplitude_first);
+    pair(1, "T1", "reflux", 99, 0); /* the slowest of an input */
+    start(0);
+    TEST_ASSERT_EQUAL_UINT32(200, x->half_least);
+    pair(1, "T1", "reflux", 101, 0);
+    start(0);
+    TEST_ASSERT_EQUAL_UINT32(202, x->half_least);
+    pair(0, "feed", "reflux", 100, 5); /* of no measurement that is tested */
+    start(0);
+    NEAR(0.02, x->amplitude_first);
+    strcpy(cf->measurement[0].name, "T"); /* a short name is one, too */
+    pair(0, "T", "reflux", 100, 5);
+    start(0);
+    TEST_ASSERT_EQUAL_UINT32(202, x->half_least);
+    NEAR(0.1, x->amplitude_first);
+    cf->output[0].lo = cf->output[0].min = -10; /* of a span of 20 */
+    start(0);
+    NEAR(0.05, x->amplitude_first);
+    cf->output[0].test_step = 2;
+    start(0);
+    NEAR(0.1, x->amplitude);
+}
+
+static void what_is_not_known_takes_no_time(void)
+{
+    bench.plan[bench.current].tick_s = 0.001f; /* a window is 0.04 s */
+    tested(0.02, 0.5, 0.01);
+    c.input[0].rounds = 0; /* the test was thrown away: nothing of it counts */
+    c.input[0].unsettled = true;
+    start(0);
+    TEST_ASSERT_EQUAL_UINT32(40, x->half_least);
+    TEST_ASSERT_EQUAL_UINT32(1000, x->half_most);
+    NEAR(0.0, x->dead_time_s[0]);
+    bench.plan[bench.current].tick_s = 2;
+    start(0);
+    TEST_ASSERT_EQUAL_UINT32(40, x->half_least);
+    TEST_ASSERT_EQUAL_UINT32(1000, x->half_most);
+}
+
+/* ---- from the second round on ---- */
+
+static void the_times_that_are_known_are_the_length(void)
+{
+    tested(0.02, 0.5, 0.01);
+    start(0);
+    TEST_ASSERT_EQUAL_UINT32(155, x->half_least); /* 10 and three times 100 s */
+    TEST_ASSERT_EQUAL_UINT32(193, x->half_most);  /* and a quarter */
+    NEAR(10.0, x->dead_time_s[0]);
+    NEAR(0.0, x->dead_time_s[2]);
+    struct identified *e = &c.element[0][0].fit;
+    NEAR(310.0, commission_lasts(&c, 0));
+    e->gain_sd = REAL_C(0.099); /* a fifth of the gain */
+    NEAR(310.0, commission_lasts(&c, 0));
+    e->gain = -e->gain;
+    NEAR(310.0, commission_lasts(&c, 0));
+    e->gain_sd = REAL_C(0.101);
+    NEAR(0.0, commission_lasts(&c, 0));
+    e->gain_sd = REAL_C(0.01);
+    e->time_constant_sd_s = REAL_C(29.9);
+    NEAR(310.0, commission_lasts(&c, 0));
+    e->time_constant_sd_s = REAL_C(30.1);
+    NEAR(0.0, commission_lasts(&c, 0));
+    e->time_constant_sd_s = 1;
+    c.element[1][0].fit = *e;
+    c.element[1][0].fit.dead_time_s = 20;
+    NEAR(320.0, commission_lasts(&c, 0));
+    c.element[1][0].fit.dead_time_s = 5;
+    NEAR(310.0, commission_lasts(&c, 0));
+    e->flags = IDENTIFIED_NO_GAIN;
+    NEAR(305.0, commission_lasts(&c, 0));
+    c.outputs = 1;
+    NEAR(0.0, commission_lasts(&c, 0));
+}
+
+static void what_was_not_known_takes_no_longer_than_it_did(void)
+{
+    tested(0.02, 0.5, 0.2);
+    c.half_least = 60;
+    start(0);
+    TEST_ASSERT_EQUAL_UINT32(100, x->half_most); /* 200 s */
+    TEST_ASSERT_EQUAL_UINT32(40, x->half_least); /* half of 60, or a window */
+    c.half_least = 90;
+    start(0);
+    TEST_ASSERT_EQUAL_UINT32(45, x->half_least);
+    c.half_least = 32;
+    start(0);
+    TEST_ASSERT_EQUAL_UINT32(96, x->half_most); /* three times what the others take */
+    c.half_least = 0;
+    c.input[0].half_s = 80; /* a window */
+    start(0);
+    TEST_ASSERT_EQUAL_UINT32(1000, x->half_most);
+    c.input[0].half_s = 82;
+    start(0);
+    TEST_ASSERT_EQUAL_UINT32(41, x->half_most);
+    tested(0.02, 0.5, 0.01); /* known, but faster than a window */
+    c.element[0][0].fit.time_constant_s = 23;
+    start(0);
+    TEST_ASSERT_EQUAL_UINT32(100, x->half_most);
+    c.element[0][0].fit.time_constant_s = 24; /* 82 s */
+    start(0);
+    TEST_ASSERT_EQUAL_UINT32(51, x->half_most);
+    TEST_ASSERT_EQUAL_UINT32(41, x->half_least);
+}
+
+static void what_an_analysis_left_open_gets_twice_as_long(void)
+{
+    tested(0.02, 0.5, 0.01);
+    c.input[0].half_s = 300;
+    c.input[0].unsettled = true;
+    start(0);
+    TEST_ASSERT_EQUAL_UINT32(300, x->half_least);
+    TEST_ASSERT_EQUAL_UINT32(375, x->half_most);
+    c.input[0].half_s = 150; /* it is longer by itself */
+    start(0);
+    TEST_ASSERT_EQUAL_UINT32(155, x->half_least);
+}
+
+/* Is its response no lag's? Then a half takes what it took. */
+static void shape(bool decides)
+{
+    start(0);
+    TEST_ASSERT_EQUAL_UINT32(decides ? 175 : 155, x->half_least);
+}
+
+static void a_response_of_another_shape_takes_what_it_took(void)
+{
+    tested(0.02, -0.5, 0.04);
+    c.input[0].half_s = 350;
+    shape(false);
+    c.element[0][0].misfit = REAL_C(0.0199); /* half of its deviation */
+    shape(false);
+    c.element[0][0].misfit = REAL_C(0.0201);
+    shape(true);
+    c.element[0][0].fit.gain_sd = REAL_C(0.001);
+    c.element[0][0].misfit = REAL_C(0.0099); /* a fiftieth of the gain */
+    shape(false);
+    c.element[0][0].misfit = REAL_C(0.0101);
+    shape(true);
+    c.half_least = 174; /* or what is slow by another input */
+    shape(true);
+    c.half_least = 176;
+    start(0);
+    TEST_ASSERT_EQUAL_UINT32(176, x->half_least);
+    c.half_least = 0;
+    c.input[0].half_s = 300;
+    shape(false);
+    c.input[0].half_s = 350;
+    c.element[1][0].misfit = c.element[0][0].misfit; /* of any output */
+    c.element[0][0].misfit = 0;
+    shape(true);
+    c.input[0].rounds = 0; /* nothing was tested before */
+    start(0);
+    TEST_ASSERT_EQUAL_UINT32(40, x->half_least);
+}
+
+static double first(void)
+{
+    start(0);
+    return (double)x->amplitude_first;
+}
+
+static void a_later_step_takes_06_of_the_room_and_stands_out_forty_times(void)
+{
+    tested(0.05, 2, 0.1);
+    NEAR(0.05, first()); /* 0.04 would do, and 0.0545 would fit; a smaller one is not asked for */
+    tested(0.03, 2, 0.1);
+    NEAR(0.04, first());
+    tested(0.06, -2, 0.1);
+    NEAR(0.12 / 2.2, first());
+    c.noise_sd[0] = REAL_C(0.004);
+    tested(0.05, 2, 0.1);
+    c.noise_sd[0] = REAL_C(0.004); /* it does not stand out so far */
+    NEAR(0.12 / 2.2, first());
+    tested(0.01, 2, 0.1);
+    NEAR(0.03, first()); /* three times the one before */
+    tested(0.05, 2, 0.1);
+    c.noise_sd[0] = REAL_C(0.004);
+    c.origin.channel[0].left = REAL_C(-0.1);
+    NEAR(0.06 / 2.2, first());
+    c.origin.channel[0].left = REAL_C(0.25); /* nothing is left */
+    NEAR(7e-5, first());
+    c.origin.channel[0].left = 0;
+    c.element[1][0].fit.gain_sd = REAL_C(1.2); /* nor by what is not known of the others */
+    NEAR(0.05, first());
+    tested(0.2, 0.01, 0.001);
+    NEAR(0.25, first());
+    c.input[0].held = REAL_C(0.22);
+    NEAR(0.22, first());
+    tested(0.2, 0.01, 0.001);
+    c.element[1][0].fit = c.element[0][0].fit; /* by the one that stands out most */
+    c.element[1][0].fit.gain = REAL_C(-0.41);
+    c.noise_sd[1] = REAL_C(0.001);
+    c.input[0].held = REAL_C(0.5);
+    NEAR(0.2, first());
+    c.input[0].amplitude = REAL_C(0.05);
+    NEAR(40.0 * 0.001 / 0.41, first());
+}
+
+static void what_a_round_has_reached_a_later_one_does_not_exceed(void)
+{
+    tested(0.05, 2, 0.1);
+    c.noise_sd[0] = REAL_C(0.004);
+    c.input[0].worst = REAL_C(0.73); /* of 0.8 at 0.05 */
+    NEAR(0.12 / 2.2, first());
+    c.input[0].worst = REAL_C(0.74);
+    NEAR(0.04 / 0.74, first());
+    c.input[0].worst = REAL_C(0.9);
+    NEAR(0.04 / 0.9, first());
+}
+
+static void a_response_of_another_shape_gets_a_smaller_step(void)
+{
+    tested(0.12, 0.8, 0.02); /* 40 deviations are 0.1; 0.142 would fit */
+    NEAR(0.12, first());
+    c.element[0][0].misfit = REAL_C(0.05);
+    NEAR(0.1, first());
+    c.noise_sd[0] = REAL_C(0.0004); /* 0.02, but no less than 0.35 times the one before */
+    NEAR(0.042, first());
+}
+
+static void a_given_amplitude_stays_in_later_rounds(void)
+{
+    tested(0.05, 2, 0.1);
+    cf->output[0].test_step = 1;
+    start(0);
+    NEAR(0.1, x->amplitude);
+}
+
+/* ---- time ---- */
+
+static void time_without_a_sample_ages_the_operating_point(void)
+{
+    c.origin.fixed = true;
+    c.sample_ms = bench.s.time_ms;
+    bench.s.time_ms += 5000;
+    start(0);
+    NEAR(5.0, c.origin.since_s);
+    TEST_ASSERT_EQUAL_UINT64(bench.s.time_ms, c.phase_ms);
+    start(0);
+    NEAR(5.0, c.origin.since_s);
+    bench.s.time_ms += 250;
+    commission_age_origin(&c, &bench.s);
+    NEAR(5.25, c.origin.since_s);
+    c.origin.fixed = false;
+    bench.s.time_ms += 1000;
+    commission_age_origin(&c, &bench.s);
+    NEAR(5.25, c.origin.since_s);
+    TEST_ASSERT_EQUAL_UINT64(bench.s.time_ms, c.sample_ms);
+}
+
+/* So many ticks later. */
+static void sample_after(unsigned n)
+{
+    bench.s.time_ms += 2000u * n;
+    commission_test(&c, &bench.s);
+}
+
+static void eight_samples_may_be_missing_in_a_row(void)
+{
+    c.sample_ms = bench.s.time_ms;
+    start(0);
+    sample_after(30); /* nothing has begun before the first */
+    TEST_ASSERT_EQUAL_INT(COMMISSION_TESTING, c.phase);
+    TEST_ASSERT_EQUAL_UINT32(1, c.work.test.experiment.waited);
+    sample_after(1);
+    TEST_ASSERT_EQUAL_UINT32(2, c.work.test.experiment.waited);
+    sample_after(9);
+    TEST_ASSERT_EQUAL_INT(COMMISSION_TESTING, c.phase);
+    TEST_ASSERT_EQUAL_UINT32(11, c.work.test.experiment.waited);
+    NEAR(11 * 2.0, c.origin.since_s);
+    sample_after(10);
+    TEST_ASSERT_EQUAL_INT(COMMISSION_ENDED, c.phase);
+    TEST_ASSERT_EQUAL_INT(WHY_SAMPLES, c.why);
+    NEAR(9.0, c.value);
+    TEST_ASSERT_EQUAL_STRING("", c.subject);
+}
+
+static void a_number_that_is_none_ends_it(void)
+{
+    cf->test.noise_multiple = 0;
+    c.at = 1;
+    commission_start_input(&c, &bench.s);
+    TEST_ASSERT_EQUAL_INT(COMMISSION_ENDED, c.phase);
+    TEST_ASSERT_EQUAL_INT(WHY_NUMBERS, c.why);
+    TEST_ASSERT_EQUAL_STRING("heat", c.subject);
+    NEAR((double)ERR_RANGE, c.value);
+}
+
+/* ---- the beginning ---- */
+
+static void critical_inputs_come_first(void)
+{
+    bench.config = *cf;
+    strcpy(bench.config.output[2].name, "spare");
+    bench.config.output[2].test = bench.config.output[2].test_critical = 1;
+    apply();
+    cf = &bench.plan[bench.current].config;
+    bench.s.output[2].manual = N(0.3);
+    bench.s.time_ms = 123000;
+    c.round = 7;
+    c.job = JOB_FIT;
+    bench.s.safe_count = 5;
+    c.adoption.n = 3;
+    commission_begin(&c, &bench.s);
+    TEST_ASSERT_EQUAL_INT(COMMISSION_TESTING, c.phase);
+    TEST_ASSERT_EQUAL_UINT8(2, c.outputs);
+    TEST_ASSERT_EQUAL_UINT8(3, c.inputs);
+    TEST_ASSERT_EQUAL_UINT8_ARRAY(((uint8_t[]){2, 0, 1}), c.order, 3);
+    TEST_ASSERT_EQUAL_UINT8_ARRAY(((uint8_t[]){0, 1}), c.measurement, 2);
+    TEST_ASSERT_EQUAL_UINT8(2, c.input[2].output);
+    NEAR(0.5, c.input[0].held);
+    NEAR(0.3, c.input[2].held);
+    TEST_ASSERT_EQUAL_UINT8(1, c.round);
+    TEST_ASSERT_EQUAL_UINT8(JOB_NONE, c.job);
+    TEST_ASSERT_EQUAL_UINT8(0, c.adoption.n);
+    TEST_ASSERT_EQUAL_UINT64(123000, c.began_ms);
+    TEST_ASSERT_EQUAL_UINT32(bench.s.plan->serial, c.plan_serial);
+    TEST_ASSERT_EQUAL_UINT32(bench.s.safe_count, c.safe_count);
+    TEST_ASSERT_EQUAL_UINT32(commission_channels(cf), c.channels);
+    TEST_ASSERT_EQUAL_PTR(&bench.events, c.events);
+    TEST_ASSERT_EQUAL_STRING("spare", commission_input_name(&c, &bench.s));
+    TEST_ASSERT_EQUAL_UINT(1, happened(EVENT_COMMISSION_BEGUN, NULL));
+}
+
+static void what_cannot_begin_is_refused_and_leaves_what_was_found(void)
+{
+    c.round = 7;
+    mode(TOP, LOOP_AUTO);
+    bench_forget_events();
+    commission_begin(&c, &bench.s);
+    TEST_ASSERT_EQUAL_INT(COMMISSION_IDLE, c.phase);
+    TEST_ASSERT_EQUAL_UINT8(7, c.round);
+    TEST_ASSERT_EQUAL_UINT(1, happened(EVENT_REQUEST_REFUSED, "top"));
+}
+
+/* ---- what is said beforehand ---- */
+
+static void what_a_test_would_do_is_told_beforehand(void)
+{
+    struct expected_input e = expected_of_input(&bench.s, 0);
+    TEST_ASSERT_TRUE(e.tested);
+    NEAR(0.5, e.held);
+    NEAR(0.02, e.first);
+    NEAR(0.25, e.most);
+    NEAR(3 * 80.0 + 2 * 80.0, e.least_s); /* three halves of a window, and two of rest */
+    NEAR(3 * 2000.0 + 2 * 80.0, e.most_s);
+    bench.s.output[0].manual = N(0.015625);
+    e = expected_of_input(&bench.s, 0);
+    NEAR(0.015625, e.first);
+    NEAR(0.015625, e.most);
+    bench.s.output[0].manual = N(0.5);
+    cf->output[0].test_step = 3;
+    e = expected_of_input(&bench.s, 0);
+    NEAR(0.3, e.first);
+    NEAR(0.3, e.most);
+    cf->output[0].test_time_s = 100;
+    e = expected_of_input(&bench.s, 0);
+    NEAR(460.0, e.least_s);
+    NEAR(460.0, e.most_s);
+    TEST_ASSERT_FALSE(expected_of_input(&bench.s, 2).tested);
+    NEAR(0.0, expected_of_input(&bench.s, 2).least_s);
+}
+
+static void times_that_are_given_are_told_four_times_three_halves(void)
+{
+    pair(0, "T1", "reflux", 19, 0); /* four of them are less than a window of 80 s */
+    NEAR(400.0, expected_of_input(&bench.s, 0).least_s);
+    pair(1, "T10", "reflux", 21, 0);
+    NEAR(3 * 84.0 + 160.0, expected_of_input(&bench.s, 0).least_s);
+    pair(2, "T10", "heat", 50, 0);
+    NEAR(3 * 84.0 + 160.0, expected_of_input(&bench.s, 0).least_s);
+    cf->test.longest_s = 82; /* no longer than that */
+    NEAR(3 * 82.0 + 160.0, expected_of_input(&bench.s, 0).least_s);
+    NEAR(3 * 82.0 + 160.0, expected_of_input(&bench.s, 0).most_s);
+    cf->test.longest_s = 0;
+    struct expected all = expected_of(&bench.s);
+    TEST_ASSERT_EQUAL_UINT8(2, all.outputs);
+    TEST_ASSERT_EQUAL_UINT8(2, all.inputs);
+    NEAR(3 * 84.0 + 160.0 + 3 * 200.0 + 160.0, all.least_s);
+    NEAR(2 * 3 * 6160.0, all.most_s); /* of both inputs, three rounds */
+    cf->pair[0].measurement[0] = cf->pair[1].measurement[0] = '\0'; /* not used */
+    NEAR(400.0, expected_of_input(&bench.s, 0).least_s);
+}
+
+int main(void)
+{
+    UNITY_BEGIN();
+    RUN_TEST(a_first_test_has_the_settings_and_finds_its_amplitude);
+    RUN_TEST(what_is_configured_is_taken);
+    RUN_TEST(an_amplitude_and_a_half_that_are_given_hold);
+    RUN_TEST(no_half_is_longer_than_set);
+    RUN_TEST(what_the_inputs_before_have_taken_is_a_measure);
+    RUN_TEST(a_longer_half_that_is_wished_for_comes_true);
+    RUN_TEST(the_smallest_step_that_was_wanted_is_the_first_of_all_inputs);
+    RUN_TEST(what_is_known_of_a_pair_beforehand_is_taken);
+    RUN_TEST(what_is_not_known_takes_no_time);
+    RUN_TEST(the_times_that_are_known_are_the_length);
+    RUN_TEST(what_was_not_known_takes_no_longer_than_it_did);
+    RUN_TEST(what_an_analysis_left_open_gets_twice_as_long);
+    RUN_TEST(a_response_of_another_shape_takes_what_it_took);
+    RUN_TEST(a_later_step_takes_06_of_the_room_and_stands_out_forty_times);
+    RUN_TEST(what_a_round_has_reached_a_later_one_does_not_exceed);
+    RUN_TEST(a_response_of_another_shape_gets_a_smaller_step);
+    RUN_TEST(a_given_amplitude_stays_in_later_rounds);
+    RUN_TEST(time_without_a_sample_ages_the_operating_point);
+    RUN_TEST(eight_samples_may_be_missing_in_a_row);
+    RUN_TEST(a_number_that_is_none_ends_it);
+    RUN_TEST(critical_inputs_come_first);
+    RUN_TEST(what_cannot_begin_is_refused_and_leaves_what_was_found);
+    RUN_TEST(what_a_test_would_do_is_told_beforehand);
+    RUN_TEST(times_that_are_given_are_told_four_times_three_halves);
+    return UNITY_END();
+}
