@@ -12,7 +12,6 @@
 
 #define HYSTERESIS       REAL_C(3.0)   /* noise deviations */
 #define HYSTERESIS_LEAST REAL_C(0.001) /* of span: what is left of earlier motions is no answer */
-#define ROOM_MOST        REAL_C(0.5) /* of span, half of it for an amplitude that is to be found */
 #define FIRST            REAL_C(0.02)
 #define FIRST_MOST       REAL_C(0.05)
 #define WANTED_NOISE     REAL_C(0.5) /* of test.noise: a cycle repeats itself, a step does not */
@@ -134,7 +133,7 @@ static enum err begin_cycle(struct commission *c, const struct supervisor *s,
         .noise_sd = at[0].noise_sd,
         .hysteresis = hysteresis(&at[0]),
         .amplitude = o->test_step / (o->hi - o->lo),
-        .most = room < ROOM_MOST || o->test_step > 0.0f ? room : ROOM_MOST,
+        .most = room, /* half of the span at most, since it is to the nearer limit */
         .wanted = WANTED_NOISE * settings(s)->noise_multiple * at[0].noise_sd,
         .patience = PATIENCE * window(s),
         .half_most = longest_s > 0.0f ? commission_samples(s, longest_s) : COMMISSION_HALF_MOST,

@@ -594,6 +594,12 @@ static void what_a_test_would_do_is_told_beforehand(void)
     e = expected_of_input(&bench.s, 0);
     NEAR(0.3, e.first);
     NEAR(0.3, e.most);
+    cf->output[0].test_time_s = 0.5f;
+    e = expected_of_input(&bench.s, 0);
+    NEAR(161.5, e.most_s);
+    cf->output[0].lo = cf->output[0].min = -10; /* of a span of 20 */
+    bench.s.output[0].manual = N(0.5);
+    NEAR(0.15, expected_of_input(&bench.s, 0).first);
     cf->output[0].test_time_s = 100;
     e = expected_of_input(&bench.s, 0);
     NEAR(460.0, e.least_s);
@@ -604,6 +610,11 @@ static void what_a_test_would_do_is_told_beforehand(void)
 
 static void times_that_are_given_are_told_four_times_three_halves(void)
 {
+    pair(1, "T1", "reflux", 50, 0);
+    NEAR(3 * 200.0 + 160.0, expected_of_input(&bench.s, 0).least_s);
+    pair(1, "T1", "heat", 0, 0);
+    pair(0, "T1", "reflux", 22, 0);
+    NEAR(3 * 88.0 + 160.0, expected_of_input(&bench.s, 0).least_s);
     pair(0, "T1", "reflux", 19, 0); /* four of them are less than a window of 80 s */
     NEAR(400.0, expected_of_input(&bench.s, 0).least_s);
     pair(1, "T10", "reflux", 21, 0);

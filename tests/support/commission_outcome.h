@@ -1,0 +1,80 @@
+/* A test that has just been made, with what is found of it made up: for the tests of what becomes of it. */
+#ifndef REFLUX_TESTS_COMMISSION_OUTCOME_H
+#define REFLUX_TESTS_COMMISSION_OUTCOME_H
+
+#include <string.h>
+
+#include "commission/parts.h"
+#include "supervisor_bench.h"
+
+static struct commission c;
+static struct config *cf;
+static struct experiment *x;
+
+#define NEAR(wanted, value) TEST_ASSERT_DOUBLE_WITHIN(2e-6, wanted, (double)(value))
+
+/* Input 0 of two has just been tested, by 0.1 for 100 ticks of 2 s, and fitted. */
+static inline void fitted(void)
+{
+    commission_init(&c, &bench.events);
+    c.plan_serial = bench.s.plan->serial;
+    c.safe_count = bench.s.safe_count;
+    c.outputs = c.inputs = 2;
+    c.measurement[1] = c.input[1].output = c.order[1] = 1;
+    c.input[0].held = REAL_C(0.5);
+    c.input[1].held = REAL_C(0.5);
+    c.round = 1;
+    c.phase = COMMISSION_FITTING;
+    for (unsigned j = 0; j < 2; j++)
+        c.fitted[j] = (struct identified){.gain = REAL_C(0.5),
+                                          .gain_sd = REAL_C(0.01),
+                                          .time_constant_s = 20,
+                                          .time_constant_sd_s = 1,
+                                          .dead_time_s = 10};
+    c.fitted[2] = (struct identified){.gain = 50, .time_constant_s = 1000}; /* of no output */
+    c.climbs[2] = 9;
+    c.element[2][0].asymmetry = 5000;
+    x = &c.work.test.experiment;
+    x->config.outputs = 2;
+    x->config.h_s = 2;
+    x->config.limit[0] = x->config.limit[1] = REAL_C(0.2);
+    x->half = 100;
+    x->amplitude = REAL_C(0.1);
+    x->record.input.edges = 3;
+    c.job = JOB_FIT;
+    c.job_done = true;
+    c.job_due = 1;
+    bench_forget_events();
+}
+
+static inline void outcome_begin(void)
+{
+    bench_start();
+    bench.plan[bench.current].tick_s = 2;
+    cf = &bench.plan[bench.current].config;
+    cf->test =
+        (struct test_config){.noise_multiple = 20, .confidence = 0.95f, .rounds = 3, .window = 40};
+    for (unsigned i = 0; i < CHANNEL_MAX; i++) {
+        cf->measurement[i].test = cf->output[i].test = i < 2;
+        cf->measurement[i].test_limit = cf->output[i].test_step = 0;
+    }
+    fitted();
+}
+
+static inline void goes_on(void)
+{
+    commission_wait_for_job(&c, &bench.s);
+}
+
+/* The event of that code that came last. */
+static inline const struct event *said(enum event_code code)
+{
+    bench_events();
+    for (unsigned i = bench.n_seen; i-- > 0;)
+        if (bench.seen[i].code == code)
+            return &bench.seen[i];
+    TEST_FAIL_MESSAGE("it was not said");
+    return NULL;
+}
+
+#endif
