@@ -250,7 +250,8 @@ static void what_is_known_of_a_pair_beforehand_is_taken(void)
     start(0);
     NEAR(0.02, x->amplitude_first);
     strcpy(cf->measurement[0].name, "T"); /* a short name is one, too */
-    pair(0, "T", "reflux", 100, 5);
+    memset(cf->pair, 0, sizeof cf->pair);
+    pair(0, "T", "reflux", 101, 5);
     start(0);
     TEST_ASSERT_EQUAL_UINT32(202, x->half_least);
     NEAR(0.1, x->amplitude_first);
