@@ -8,6 +8,9 @@
  *  3. Plant time is 64-bit milliseconds and comes with the sample. With real inputs the port stamps samples
  *     from the board's timer.
  *  4. All functions are called from the tick context and do not wait.
+ *     The caller may have to let a sample wait for work that is due (base/job.h). It goes on calling poll(), so that the
+ *     other side is not taken for silent: a plant that waits for its command sends nothing new, or the same number again.
+ *     Another number shows that this plant does not wait, and then neither does the sample.
  *  5. A reading that does not come is asked for again by the port itself, from poll() to poll(), until it has come
  *     or IO_READ_TIMEOUT_MS of the board's clock (or half a tick, if that is shorter) have passed since the sample
  *     was due. Then the sample is complete without it: QUALITY_MISSING, and supervise falls back as declared. On
@@ -75,8 +78,6 @@ struct io_port {
     void *context;
     /* Looks for input. Fills *sample and returns true when a complete one is there; call until false. */
     bool (*poll)(void *context, uint64_t now_ms, struct io_sample *sample);
-    /* Instead of poll() while the next sample must wait: says that the firmware is there, takes nothing. */
-    void (*wait)(void *context, uint64_t now_ms);
     enum io_state (*state)(const void *context);
     /* Rises by one whenever the channel table may have changed (new plant, restarted plant). */
     uint32_t (*generation)(const void *context);

@@ -4,7 +4,9 @@
 #include <string.h>
 
 #include "base/elapsed.h"
+#include "base/job.h"
 #include "commission/commission.h"
+#include "console/console.h"
 #include "hal/clock.h"
 #include "hal/identity.h"
 #include "hal/image.h"
@@ -12,7 +14,6 @@
 #include "hal/tick.h"
 #include "hal/uart.h"
 #include "hal/watchdog.h"
-#include "console/console.h"
 #include "service/early_resets.h"
 #include "service/heartbeat.h"
 #include "service/storage.h"
@@ -45,6 +46,11 @@ struct app {
     struct heartbeat heartbeat;
     struct early_resets early_resets;
     struct storage storage;
+#if JOBS_MAX
+    struct jobs jobs;
+    struct io_sample held; /* waits for a job, where `holds` */
+    bool holds;
+#endif
 #if COMMISSION_CHANNELS
     struct commission commission;
 #endif
@@ -75,6 +81,7 @@ void app_init(struct app *app)
 #if COMMISSION_CHANNELS
     commission_init(&app->commission, &app->service.tick_events);
     app->service.commission = &app->commission;
+    (void)!jobs_add(&app->jobs, &app->commission.job); /* the first, and there is room for more */
 #endif
     storage_init(&app->storage, &app->service);
     app->service.watchdog = hal_watchdog_start(WATCHDOG_MS);
@@ -92,18 +99,6 @@ void app_init(struct app *app)
 #if COMMISSION_CHANNELS
     if (app->restart.was_testing)
         commission_was_reset(&app->commission);
-#endif
-}
-
-/* Automatic start-up works out what the next tick needs: the sample waits, so that a run is the same run on every
- * processor. */
-static bool sample_waits(const struct app *app)
-{
-#if COMMISSION_CHANNELS
-    return commission_waits(&app->commission);
-#else
-    (void)app;
-    return false;
 #endif
 }
 
@@ -169,6 +164,9 @@ static void follow_plant(struct app *app)
         return;
     app->io_state = state;
     app->bound_generation = generation;
+#if JOBS_MAX
+    app->holds = false;
+#endif
     samples_forget(&s->samples, hal_clock_ms());
     app->command.n_outputs = 0;
     memset(app->driven, 0, sizeof app->driven);
@@ -369,19 +367,50 @@ static uint32_t tick_deadline_ms(const struct app *app)
     return tick_ms < (float)longest_ms ? (uint32_t)tick_ms : longest_ms;
 }
 
-void app_tick(struct app *app)
+#if JOBS_MAX
+/* While a job is due that is not done the sample that would meet it waits. A plant in lockstep stops its time meanwhile, and
+ * at most sends it again. One that sends the next does not wait: then that before is looked at without the result. */
+NOT_INLINE static bool hold_samples(struct app *app, uint64_t now_ms, struct io_sample *sample)
 {
     struct io_port *io = &app->service.io;
+    app->service.samples.seen_ms = now_ms; /* nobody has looked */
+    for (unsigned n = 0; n < 64 && io->poll(io->context, now_ms, sample); n++) {
+        bool goes_on = app->holds && sample->number != app->held.number;
+        struct io_sample before = app->held;
+        app->held = *sample;
+        app->holds = true;
+        if (goes_on) {
+            *sample = before;
+            return true;
+        }
+    }
+    return false;
+}
+#endif
+
+/* The next sample that is to be looked at now, where there is one. */
+static bool next_sample(struct app *app, uint64_t now_ms, struct io_sample *sample)
+{
+    struct io_port *io = &app->service.io;
+#if JOBS_MAX
+    if (jobs_wait(&app->jobs))
+        return hold_samples(app, now_ms, sample);
+    if (app->holds) {
+        *sample = app->held;
+        app->holds = false;
+        return true;
+    }
+#endif
+    return io->poll(io->context, now_ms, sample);
+}
+
+void app_tick(struct app *app)
+{
     struct io_sample sample;
     uint64_t now_ms = hal_clock_ms();
     /* Bounded: a sample costs the line milliseconds, a turn here microseconds. */
     for (unsigned n = 0; n < 64; n++) {
-        if (sample_waits(app)) {
-            io->wait(io->context, now_ms);
-            app->service.samples.seen_ms = now_ms; /* nobody has looked */
-            break;
-        }
-        bool there = io->poll(io->context, now_ms, &sample);
+        bool there = next_sample(app, now_ms, &sample);
         follow_plant(app);
         if (!there)
             break;
@@ -399,18 +428,20 @@ void app_tick(struct app *app)
 
 /* ---- the main loop ---- */
 
-#if COMMISSION_CHANNELS
-static bool commission_piece(struct app *app)
+#if JOBS_MAX
+static bool do_work(struct app *app)
 {
     struct service *s = &app->service;
     uint32_t ticks = s->cost.n, start = hal_cycles();
-    bool worked = commission_work(&app->commission);
+    bool worked = jobs_work(&app->jobs);
     uint32_t cost = hal_cycles() - start;
     if (worked && ticks == s->cost.n) {
         s->work_cost.n++;
         if (cost > s->work_cost.highest)
             s->work_cost.highest = cost;
     }
+    if (app->holds && !jobs_wait(&app->jobs))
+        hal_tick_request();
     return worked;
 }
 #endif
@@ -420,8 +451,10 @@ void app_background(struct app *app)
     app->main_turns++;
     early_resets_poll(&app->early_resets, (uint32_t)hal_clock_ms());
     bool busy = console_poll(&app->console);
+#if JOBS_MAX
+    busy = do_work(app) || busy;
+#endif
 #if COMMISSION_CHANNELS
-    busy = commission_piece(app) || busy;
     busy = console_commission_poll(&app->console) || busy;
 #endif
     busy = storage_poll(&app->storage) || busy;

@@ -22,6 +22,11 @@ _Static_assert(EVENT_INFO == 0 && EVENT_WARNING == 1 && EVENT_ALARM == 2 && EVEN
 #else
 #define C E
 #endif
+#if defined(JOBS_MAX) && JOBS_MAX == 0
+#define J(name, text, level) ABSENT
+#else
+#define J E
+#endif
 
 static const char *const table[] = {
     E("STARTED", "firmware started in its safe state; why it started", INFO),
@@ -100,6 +105,7 @@ static const char *const table[] = {
     C("TRIAL_BEGUN", "proposed loops on trial; loops", INFO),
     C("TRIAL_KEPT", "proposed loops did as predicted and stay; loops", INFO),
     C("TRIAL_FAILED", "proposed loops are taken back, the old settings return", ALARM),
+    J("JOB_LATE", "the result of this work is not there at its tick; ticks it was given", WARNING),
     E("DO_MODE", "mode asked for (0 manual, 1 auto, 2 cascade)", ACTION),
     E("DO_SETPOINT", "setpoint asked for", ACTION),
     E("DO_OUTPUT", "output asked for", ACTION),

@@ -80,6 +80,7 @@ enum event_code {
     EVENT_TRIAL_BEGUN,
     EVENT_TRIAL_KEPT,
     EVENT_TRIAL_FAILED,
+    EVENT_JOB_LATE,
     /* Actions: what was asked for at the console. Kept in the history, not announced. */
     EVENT_DO_MODE,
     EVENT_DO_SETPOINT,

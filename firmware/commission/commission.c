@@ -3,7 +3,6 @@
 
 #include "commission/parts.h"
 
-#include <stdatomic.h>
 #include <string.h>
 
 static const char *const why_texts[WHY_COUNT] = {
@@ -52,6 +51,7 @@ void commission_init(struct commission *c, struct event_queue *events)
 {
     memset(c, 0, sizeof *c);
     c->events = events;
+    job_init(&c->job, "start-up", model_work, c);
 }
 
 void commission_was_reset(struct commission *c)
@@ -163,7 +163,7 @@ void commission_end(struct commission *c, struct supervisor *s, enum commission_
     memset(c->subject, 0, sizeof c->subject);
     for (unsigned i = 0; subject && subject[i] && i + 1 < sizeof c->subject; i++)
         c->subject[i] = subject[i];
-    c->job = JOB_NONE;
+    job_give_up(&c->job);
     c->ended_ms = s->time_ms;
     event_put(c->events, s->time_ms, on_trial ? EVENT_TRIAL_FAILED : EVENT_COMMISSION_ENDED,
               subject, value, (uint8_t)why);
@@ -172,7 +172,7 @@ void commission_end(struct commission *c, struct supervisor *s, enum commission_
 static void pause_test(struct commission *c, struct supervisor *s)
 {
     commission_release(c, s);
-    c->job = JOB_NONE;
+    job_give_up(&c->job);
     c->phase = COMMISSION_PAUSED;
     c->phase_ms = s->time_ms;
 }
@@ -194,8 +194,8 @@ static void take_ask(struct commission *c, struct supervisor *s)
         return; /* its plan comes with a later tick */
     bool possible = commission_may(c, ask, &wanted) == ERR_OK;
     if (possible && overwrites(ask)) {
-        c->job = JOB_NONE;
-        if (c->working)
+        job_give_up(&c->job);
+        if (job_is_working(&c->job))
             return; /* a piece of the job that is given up still runs under this tick: next time */
     }
     c->ask = COMMISSION_ASK_NONE;
@@ -280,26 +280,6 @@ void commission_tick(struct commission *c, struct supervisor *s)
 {
     go_on(c, s);
     s->testing = commission_is_testing(c) || c->phase == COMMISSION_TRIAL;
-}
-
-bool commission_waits(const struct commission *c)
-{
-    return c->job != JOB_NONE && !c->job_done && c->job_ticks + 1u >= c->job_due;
-}
-
-bool commission_work(struct commission *c)
-{
-    c->working = true;
-    uint32_t number = c->job_number;
-    atomic_signal_fence(memory_order_seq_cst);
-    enum model_job job = (enum model_job)c->job; /* the tick may end it from here on */
-    bool work = job != JOB_NONE && !c->job_done;
-    bool done = work && !model_work(c, job);
-    atomic_signal_fence(memory_order_seq_cst);
-    if (done && c->job_number == number)
-        c->job_done = true;
-    c->working = false;
-    return work;
 }
 
 #endif

@@ -4,9 +4,8 @@
  *                 ^                                        |                                 \--> old set returns
  *                 +--- another round, while not determined-+
  *
- * The tick moves everything: it asks for a job when there is something to work out, the background does it in pieces
- * (commission_work), and its result is taken `due` ticks later whatever the processor's speed: a sample that comes
- * earlier than the result waits (commission_waits).
+ * The tick moves everything: it asks for a job (base/job.h) when there is something to work out, the main loop does it in
+ * pieces, and its result is taken a declared number of ticks later whatever the processor's speed.
  *
  * While it tests, the loops on the tested manipulated variables stay in manual. Whatever else happens - safe state,
  * interlock, lost measurement, an operator's hand, a new configuration - ends the test, and the manipulated variables
@@ -15,6 +14,7 @@
 #ifndef REFLUX_COMMISSION_COMMISSION_H
 #define REFLUX_COMMISSION_COMMISSION_H
 
+#include "base/job.h"
 #include "commission/adoption.h"
 #include "commission/analysis.h"
 #include "commission/by_relay.h"
@@ -124,6 +124,7 @@ struct tested_input {
 
 struct commission {
     struct event_queue *events;
+    struct job job;
     enum commission_phase phase;
     enum commission_why why;
     char subject[CHANNEL_NAME_SIZE]; /* what `why` is about */
@@ -152,14 +153,9 @@ struct commission {
     real_t noise_sd[CHANNEL_MAX];
     struct element element[CHANNEL_MAX][CHANNEL_MAX]; /* [measurement][input] */
 
-    /* The background's part; its while `job` is set and `job_done` is not. The tick may end a job in the midst of a
-     * piece, but begins nothing new before `working` is over. */
-    volatile uint8_t job;
-    volatile bool job_done;
-    volatile uint32_t job_number; /* counts jobs: an abandoned one cannot end the next */
-    volatile bool working;        /* in the midst of a piece */
+    /* The background's part; its while the job is asked for and not done. */
+    volatile uint8_t doing; /* enum model_job */
     enum err job_error;
-    uint32_t job_ticks, job_due;
     struct identified fitted[CHANNEL_MAX]; /* of the latest test, by output */
     real_t misfit[CHANNEL_MAX];            /* ... and of its gain, by what is not noise */
     real_t climbs[CHANNEL_MAX];            /* ... and how it went on climbing: judge.h */
@@ -205,12 +201,8 @@ bool commission_has_results(const struct commission *c);
 /* After commission_init(), where it was under way when the board was reset: it says so. */
 void commission_was_reset(struct commission *c);
 
-/* Tick context, between validate and control. */
+/* Tick context, between validate and control. c->job is to be among the firmware's jobs. */
 void commission_tick(struct commission *c, struct supervisor *s);
-/* The next sample must wait for the background. */
-bool commission_waits(const struct commission *c);
-/* Main loop: a piece of work, a millisecond or so. False: there is none. */
-bool commission_work(struct commission *c);
 
 /* Checksum of the names, spans and order of a configuration's channels, which results refer to by index. */
 uint32_t commission_channels(const struct config *config);

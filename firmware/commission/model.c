@@ -488,8 +488,10 @@ static bool analysis_piece(struct commission *c)
     return more;
 }
 
-bool model_work(struct commission *c, enum model_job job)
+bool model_work(void *commission)
 {
+    struct commission *c = commission;
+    enum model_job job = (enum model_job)c->doing;
     if (job == JOB_LOOK)
         return look_run(&c->work.test.experiment.look);
     if (job == JOB_FIT)

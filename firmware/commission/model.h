@@ -4,7 +4,7 @@
 
 #include "commission/commission.h"
 
-enum model_job { JOB_NONE, JOB_LOOK, JOB_FIT, JOB_ANALYSE };
+enum model_job { JOB_LOOK, JOB_FIT, JOB_ANALYSE };
 
 /* Begins the job on what the tick has left in `c`. */
 void model_begin_fit(struct commission *c);
@@ -14,8 +14,8 @@ real_t model_unseen(const struct experiment *x, const struct identified *fit);
 void model_keep(struct commission *c);
 /* The analysis takes the place of the last test in memory. */
 void model_begin_analysis(struct commission *c, const struct config *config, real_t h_s);
-/* A piece of the job. True while there is more to do. */
-bool model_work(struct commission *c, enum model_job job);
+/* A piece of the job that `commission` (a struct commission) is doing. True while there is more to do. */
+bool model_work(void *commission);
 
 /* Element with several tests behind it: gains and times weighted by how well each test knew them. */
 void model_combine(struct identified *sum, const struct identified *next);

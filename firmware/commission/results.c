@@ -27,11 +27,9 @@ uint32_t commission_samples(const struct supervisor *s, real_t seconds)
 
 void commission_ask_for(struct commission *c, enum model_job job, uint32_t ticks)
 {
-    c->job_done = false;
-    c->job_ticks = 0;
-    c->job_due = ticks;
-    c->job_number = c->job_number + 1u;
-    c->job = (uint8_t)job; /* last: from here on the background may work */
+    job_give_up(&c->job); /* a look that the end of its test has overtaken */
+    c->doing = (uint8_t)job;
+    job_ask(&c->job, ticks);
 }
 
 /* The analysis of a large plant takes a small board some seconds; the plant is at rest meanwhile. */
@@ -241,11 +239,9 @@ static void take_analysis(struct commission *c, struct supervisor *s)
 
 void commission_wait_for_job(struct commission *c, struct supervisor *s)
 {
-    if (++c->job_ticks < c->job_due || !c->job_done)
+    if (!job_take(&c->job, c->events, s->time_ms))
         return;
-    uint8_t job = c->job;
-    c->job = JOB_NONE;
-    if (job == JOB_FIT)
+    if (c->doing == JOB_FIT)
         take_fit(c, s);
     else
         take_analysis(c, s);

@@ -246,9 +246,11 @@ void commission_start_input(struct commission *c, struct supervisor *s)
 void commission_forget(struct commission *c, const struct supervisor *s)
 {
     struct event_queue *events = c->events;
+    struct job job = c->job;
     memset(c, 0, offsetof(struct commission, work));
     memset(&c->adoption, 0, sizeof c->adoption);
     c->events = events;
+    c->job = job;
     c->plan_serial = s->plan->serial;
     c->channels = commission_channels(&s->plan->config);
     c->safe_count = s->safe_count;
@@ -320,10 +322,8 @@ void commission_test(struct commission *c, struct supervisor *s)
         err = experiment_missed(x);
     for (uint8_t j = 0; j < c->outputs; j++)
         y[j] = num_to_float(s->measurement[c->measurement[j]].value);
-    if (c->job == JOB_LOOK && ++c->job_ticks >= c->job_due && c->job_done) {
-        c->job = JOB_NONE;
+    if (job_take(&c->job, c->events, s->time_ms))
         experiment_looked(x);
-    }
     if (!err)
         err = experiment_step(x, y);
     if (err) {
@@ -331,7 +331,7 @@ void commission_test(struct commission *c, struct supervisor *s)
         return;
     }
     supervisor_excite(s, c->input[k].output, num_from_float(x->level));
-    if (x->looking && c->job == JOB_NONE && c->ask == COMMISSION_ASK_NONE)
+    if (x->looking && !job_is_asked(&c->job) && c->ask == COMMISSION_ASK_NONE)
         commission_ask_for(c, JOB_LOOK, 1u + commission_samples(s, REAL_C(2.0)));
     if (before == EXPERIMENT_REST && x->phase == EXPERIMENT_UP)
         event_put(c->events, s->time_ms, EVENT_TEST_STEP, commission_input_name(c, s), x->amplitude,

@@ -386,14 +386,6 @@ static bool poll(void *context, uint64_t now_ms, struct io_sample *sample)
     return false;
 }
 
-/* Whether the other side is still there shows when its bytes are read again. */
-static void wait(void *context, uint64_t now_ms)
-{
-    struct plant_link *link = context;
-    keep_alive(link, now_ms);
-    (void)hal_uart_pump(HAL_UART_LINK);
-}
-
 static enum io_state state(const void *context)
 {
     return ((const struct plant_link *)context)->state;
@@ -454,7 +446,6 @@ struct io_port plant_link_port(struct plant_link *link)
 {
     return (struct io_port){.context = link,
                             .poll = poll,
-                            .wait = wait,
                             .state = state,
                             .generation = generation,
                             .count = count,

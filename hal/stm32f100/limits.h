@@ -14,6 +14,8 @@
 #define CONFIG_INTERLOCKS   2
 #define CONFIG_ALARMS       1
 #define COMMISSION_CHANNELS 0
+#define JOBS_MAX            0
+#define WORKSPACE_BYTES     0
 #define CONFIG_STEPS        0
 #define PLAN_ARENA_BYTES    1264
 

@@ -9,6 +9,8 @@
 
 #define CONFIG_STEPS        0
 #define COMMISSION_CHANNELS 0
+#define JOBS_MAX            0
+#define WORKSPACE_BYTES     0
 #define CHANNEL_MAX         8
 
 /* The plant may have twice as many channels as can be configured, if their names fit. */

@@ -6,3 +6,6 @@ endforeach()
 # Every listing, beside tests/reference/listings.txt.
 reflux_test(transcript LABEL loop SOURCES ${CMAKE_CURRENT_LIST_DIR}/test_transcript.c
             LIBS reflux_hal_memory reflux_app reflux_link reflux_bench reflux_plants)
+# What a sample waits for, and what large memory is leased for.
+reflux_test(jobs LABEL loop SOURCES ${CMAKE_CURRENT_LIST_DIR}/test_jobs.c
+            LIBS reflux_hal_memory reflux_app reflux_link reflux_bench reflux_plants)

@@ -1,6 +1,8 @@
 # Supervision (modes, limits, plans) and the parts of service that need no board.
 reflux_test(decoupler LABEL unit SOURCES ${CMAKE_CURRENT_LIST_DIR}/test_decoupler.c LIBS reflux_compensate)
 reflux_test(event LABEL unit SOURCES ${CMAKE_CURRENT_LIST_DIR}/test_event.c LIBS reflux_base)
+reflux_test(job LABEL unit SOURCES ${CMAKE_CURRENT_LIST_DIR}/test_job.c LIBS reflux_base)
+reflux_test(workspace LABEL unit SOURCES ${CMAKE_CURRENT_LIST_DIR}/test_workspace.c LIBS reflux_base)
 foreach(part two_position arena plan supervisor_modes supervisor_cascade supervisor_bumpless supervisor_decoupler supervisor_feedforward
              supervisor_constrain sequence sequence_faults sequence_rows supervisor_excite supervisor_retune supervisor_interlock supervisor_measurement supervisor_plan
              parameters text)

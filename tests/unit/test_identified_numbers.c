@@ -278,7 +278,8 @@ static void fit_of_the_test(const struct plant_case *p, unsigned round)
     c.inputs = 1;
     c.work.test.experiment = experiment;
     model_begin_fit(&c);
-    while (model_work(&c, JOB_FIT))
+    c.doing = JOB_FIT;
+    while (model_work(&c))
         ;
     kept_line("# %s, fit %u", p->name, round);
     kept_line("error %d", c.job_error);

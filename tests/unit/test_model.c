@@ -127,7 +127,8 @@ static void tested(uint8_t k)
     c.at = k;
     c.work.test.experiment = experiment;
     model_begin_fit(&c);
-    for (unsigned n = 0; model_work(&c, JOB_FIT); n++)
+    c.doing = JOB_FIT;
+    for (unsigned n = 0; model_work(&c); n++)
         TEST_ASSERT_TRUE(n < 10000);
     TEST_ASSERT_EQUAL_INT(ERR_OK, c.job_error);
 }
@@ -319,7 +320,8 @@ static void nothing_is_analysed_where_every_input_was_skipped(void)
     c.input[0].skipped = true;
     model_begin_analysis(&c, &settings, 1);
     TEST_ASSERT_EQUAL_INT(ERR_EMPTY, c.job_error);
-    TEST_ASSERT_FALSE(model_work(&c, JOB_ANALYSE));
+    c.doing = JOB_ANALYSE;
+    TEST_ASSERT_FALSE(model_work(&c));
 }
 
 static void a_later_test_resolves_what_an_earlier_one_left_open_but_no_oscillation(void)

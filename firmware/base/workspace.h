@@ -1,0 +1,44 @@
+/* Large memory for a while: one region that the board sets aside, leased whole and by name (start-up's tests and analysis,
+ * covariances, searches).
+ *
+ * Whoever holds it says which command frees it, and changes that as it goes on; who asks meanwhile is told both. Without such a
+ * command the lease has ended: what is in the region may still be read, and shown, by its last holder, until it is leased
+ * for something else.
+ *
+ * Leased in the main loop alone, under hal_tick_lock, so that nobody loses what he is printing; the holder may change the
+ * command in the tick, too. */
+#ifndef REFLUX_BASE_WORKSPACE_H
+#define REFLUX_BASE_WORKSPACE_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "base/error.h"
+#include "base/text.h"
+
+#ifndef WORKSPACE_BYTES
+#define WORKSPACE_BYTES 58368 /* 57 KiB; 0: the board has none */
+#endif
+
+struct workspace {
+    void *memory; /* aligned for everything */
+    uint32_t bytes;
+    const char *holder; /* NULL: nobody has had it yet */
+    const char *frees;  /* the command that frees it; NULL: the lease has ended */
+};
+
+void workspace_init(struct workspace *w, void *memory, uint32_t bytes);
+
+/* *memory gets the region, for a holder of that name, which goes on living. Who holds it already goes on with it. ERR_BUSY: somebody
+ * else does (workspace_refusal() says who); ERR_MEMORY: it is smaller than `bytes`. */
+MUST_CHECK enum err workspace_lease(struct workspace *w, const char *holder, const char *frees,
+                                    uint32_t bytes, void **memory);
+/* From now on that command frees it; NULL: the lease has ended, and what is there may be overwritten by the next. Nothing
+ * where another holds it. */
+void workspace_frees(struct workspace *w, const char *holder, const char *frees);
+/* Is what is in it still this holder's? */
+bool workspace_holds(const struct workspace *w, const char *holder);
+/* After ERR_BUSY: "start-up has it; `commission abort` frees it". */
+void workspace_refusal(const struct workspace *w, struct text *t);
+
+#endif

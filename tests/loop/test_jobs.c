@@ -1,0 +1,165 @@
+/* Work of start-up that a tick waits for: with a plant that waits too, as in lockstep, and with one that does not. */
+#include "commission_wood_berry.h"
+
+static char expected[40000];
+
+void setUp(void) {}
+void tearDown(void) {}
+
+/* Bytes for whom they are for, with the board standing still. */
+static void hear(void)
+{
+    uint8_t byte;
+    struct frame f;
+    size_t n;
+    while ((n = memory_port_take(HAL_UART_CONSOLE, board.said + board.n_said,
+                                 SAID_MAX - 1 - board.n_said)) != 0) {
+        board.n_said += n;
+        board.said[board.n_said] = '\0';
+    }
+    while (memory_port_take(HAL_UART_LINK, &byte, 1))
+        if (frame_decode(&board.decoder, byte, &f))
+            plant_answers(&f);
+}
+
+static struct frame measured(void)
+{
+    struct frame f;
+    struct link_sample sample;
+    instruments_measure(&instruments, plant, board.tick_ms / 1000.0, &sample);
+    sample.number = ++board.number;
+    sample.time_ms = board.time_ms;
+    pack_sample(&sample, &f);
+    return f;
+}
+
+/* The plant goes on under the last command. */
+static void advance(void)
+{
+    double tick_s = board.tick_ms / 1000.0;
+    instruments_command(&instruments, &board.command);
+    TEST_ASSERT_TRUE(instruments_drive(&instruments, plant, tick_s, plant_err, sizeof plant_err));
+    board.time_ms += board.tick_ms;
+    TEST_ASSERT_TRUE(
+        kind->advance(plant, (double)board.time_ms / 1000.0, plant_err, sizeof plant_err));
+}
+
+static void keep_results(char *text)
+{
+    static const char *const listings[] = {"commission model", "commission pairing",
+                                           "commission proposal"};
+    text[0] = '\0';
+    for (unsigned k = 0; k < 3; k++) {
+        ask_ok(listings[k]);
+        for (unsigned i = 0; i < n_reply; i++)
+            strcat(text, reply[i]);
+    }
+}
+
+/* As hardware does: n samples in their time, whether the board gets to answer or not. */
+static void goes_on(unsigned n)
+{
+    unsigned before = board.commands;
+    for (unsigned k = 0; k < n; k++) {
+        struct frame f = measured();
+        link_give(&f);
+        advance();
+    }
+    board_run();
+    TEST_ASSERT_EQUAL_MESSAGE(before + n, board.commands, "a sample was not answered");
+}
+
+/* A sample from a plant that waits for its answer: the main loop gets a turn for each of the tick's, and the sample is sent
+ * again meanwhile. Whether it had to wait. */
+static bool waits_for_its_answer(void)
+{
+    unsigned before = board.commands;
+    struct frame f = measured();
+    link_give(&f);
+    memory_port_turn();
+    hear();
+    bool waited = board.commands == before;
+    if (waited)
+        link_give(&f);
+    for (unsigned n = 0; board.commands == before; n++) {
+        TEST_ASSERT_TRUE_MESSAGE(n < 100000, "a sample was not answered");
+        memory_port_turn();
+        hear();
+    }
+    TEST_ASSERT_EQUAL(before + 1, board.commands);
+    advance();
+    return waited;
+}
+
+static void a_plant_that_waits_notices_nothing_of_the_work(void)
+{
+    static char found[sizeof expected];
+    unsigned waited = 0;
+    wood_berry(NULL);
+    proposal();
+    keep_results(expected);
+    wood_berry(NULL);
+    ask_ok("commission begin");
+    board_forget();
+    for (unsigned n = 0; n < 3000 && !said("PROPOSAL"); n++)
+        waited += waits_for_its_answer();
+    TEST_ASSERT_TRUE(said("PROPOSAL"));
+    TEST_ASSERT_TRUE_MESSAGE(waited > 2, "no sample ever met work under way");
+    TEST_ASSERT_FALSE(said("JOB_LATE"));
+    TEST_ASSERT_FALSE(said("SAMPLE_"));
+    keep_results(found);
+    TEST_ASSERT_EQUAL_STRING(expected, found);
+}
+
+static void one_that_goes_on_is_not_kept_waiting_and_the_work_is_late(void)
+{
+    wood_berry(NULL);
+    ask_ok("commission begin");
+    until("TEST_STEP R", 300);
+    board_forget();
+    for (unsigned n = 0; n < 500 && !said("TEST_DONE R"); n++)
+        goes_on(6);
+    TEST_ASSERT_TRUE(said("warning JOB_LATE start-up "));
+    TEST_ASSERT_FALSE(said("SAMPLE_"));
+    TEST_ASSERT_FALSE(said("COMMISSION_ENDED"));
+    until("PROPOSAL", 3000);
+    ask_ok("commission accept");
+    until("TRIAL_KEPT", 4000);
+}
+
+static void the_sample_that_waits_goes_with_a_plant_that_goes(void)
+{
+    wood_berry(NULL);
+    ask_ok("commission begin");
+    until("TEST_STEP R", 300);
+    board_forget();
+    struct frame f;
+    unsigned before;
+    do { /* to the first that waits */
+        f = measured();
+        before = board.commands;
+        link_give(&f);
+        memory_port_turn();
+        hear();
+        if (board.commands != before)
+            advance();
+    } while (board.commands != before && board.number < 3000);
+    TEST_ASSERT_EQUAL(before, board.commands);
+    board.session++; /* another plant: the sample was not its own */
+    plant_hello();
+    memory_port_turn();
+    plant_connect();
+    TEST_ASSERT_EQUAL(before, board.commands);
+    TEST_ASSERT_TRUE(said("SAFE_STATE"));
+    plant_steps(2);
+    TEST_ASSERT_TRUE(phase_is("ended"));
+}
+
+int main(void)
+{
+    UNITY_BEGIN();
+    RUN_TEST(a_plant_that_waits_notices_nothing_of_the_work);
+    RUN_TEST(one_that_goes_on_is_not_kept_waiting_and_the_work_is_late);
+    RUN_TEST(the_sample_that_waits_goes_with_a_plant_that_goes);
+    return UNITY_END();
+}
