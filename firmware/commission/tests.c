@@ -246,6 +246,7 @@ void commission_start_input(struct commission *c, struct supervisor *s)
 void commission_forget(struct commission *c, const struct supervisor *s)
 {
     struct event_queue *events = c->events;
+    job_give_up(&c->job);
     struct job job = c->job;
     memset(c, 0, offsetof(struct commission, work));
     memset(&c->adoption, 0, sizeof c->adoption);

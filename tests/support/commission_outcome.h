@@ -13,6 +13,22 @@ static struct experiment *x;
 
 #define NEAR(wanted, value) TEST_ASSERT_DOUBLE_WITHIN(2e-6, wanted, (double)(value))
 
+/* The main loop has, and the next tick takes it. */
+static inline void has_done(enum model_job what)
+{
+    c.doing = (uint8_t)what;
+    job_ask(&c.job, 1);
+    c.job.done = true;
+}
+
+/* The firmware's jobs: start-up's alone. */
+static inline struct jobs jobs_of_it(void)
+{
+    struct jobs jobs = {0};
+    TEST_ASSERT_EQUAL_INT(ERR_OK, jobs_add(&jobs, &c.job));
+    return jobs;
+}
+
 /* Input 0 of two has just been tested, by 0.1 for 100 ticks of 2 s, and fitted. */
 static inline void fitted(void)
 {
@@ -41,9 +57,7 @@ static inline void fitted(void)
     x->half = 100;
     x->amplitude = REAL_C(0.1);
     x->record.input.edges = 3;
-    c.job = JOB_FIT;
-    c.job_done = true;
-    c.job_due = 1;
+    has_done(JOB_FIT);
     bench_forget_events();
 }
 

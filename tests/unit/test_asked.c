@@ -15,8 +15,7 @@ static void asked(enum commission_ask ask)
     c.phase = ask == COMMISSION_ASK_RESUME                                 ? COMMISSION_PAUSED
               : ask == COMMISSION_ASK_BEGIN || ask == COMMISSION_ASK_RELAY ? COMMISSION_IDLE
                                                                            : COMMISSION_TESTING;
-    c.job = JOB_NONE;
-    c.job_done = false;
+    job_give_up(&c.job);
     c.at = 1;
     c.input[0].rounds = 2;
     c.input[0].skipped = ask == COMMISSION_ASK_REPEAT;
@@ -38,7 +37,7 @@ static void nothing_is_put_over_what_the_background_is_at(void)
     for (unsigned n = 0; n < sizeof cases / sizeof cases[0]; n++)
         for (unsigned working = 0; working < 2; working++) {
             asked(cases[n].ask);
-            c.working = working != 0;
+            c.job.working = working != 0;
             commission_tick(&c, &bench.s);
             TEST_ASSERT_EQUAL_UINT8(working && cases[n].waits ? cases[n].ask : COMMISSION_ASK_NONE,
                                     c.ask);
@@ -89,11 +88,11 @@ static void a_pause_gives_the_outputs_back(void)
 {
     asked(COMMISSION_ASK_PAUSE);
     supervisor_excite(&bench.s, 1, N(0.1));
-    c.job = JOB_LOOK;
+    has_done(JOB_LOOK);
     bench.s.time_ms = 44000;
     commission_tick(&c, &bench.s);
     TEST_ASSERT_EQUAL_INT(COMMISSION_PAUSED, c.phase);
-    TEST_ASSERT_EQUAL_UINT8(JOB_NONE, c.job);
+    TEST_ASSERT_FALSE(job_is_asked(&c.job));
     TEST_ASSERT_EQUAL_UINT64(44000, c.phase_ms);
     NEAR(0.0, D(bench.s.output[1].excitation));
     TEST_ASSERT_TRUE(bench.s.testing);
@@ -128,7 +127,7 @@ static void an_end_puts_the_outputs_back_unless_somebody_else_decides(void)
             NEAR(0.0, D(bench.s.output[1].excitation));
             for (unsigned k = 0; k < 2; k++)
                 NEAR(cases[n].back && !trial ? 0.5 : 0.75, D(bench.s.output[k].manual));
-            TEST_ASSERT_EQUAL_UINT8(JOB_NONE, c.job);
+            TEST_ASSERT_FALSE(job_is_asked(&c.job));
             NEAR(0.125, said(trial ? EVENT_TRIAL_FAILED : EVENT_COMMISSION_ENDED)->value);
             commission_end(&c, &bench.s, WHY_ASKED, "T1", 0); /* nothing is left of the first */
             TEST_ASSERT_EACH_EQUAL_UINT8(0, c.subject + 2, CHANNEL_NAME_SIZE - 2);
@@ -204,16 +203,17 @@ static void a_trial_waits_for_its_plan(void)
 static void a_piece_of_work_that_was_given_up_ends_no_other(void)
 {
     fitted();
-    c.job_done = false;
+    c.job.done = false;
+    struct jobs jobs = jobs_of_it();
     c.fit_at = c.outputs; /* nothing is left to be fitted */
-    TEST_ASSERT_TRUE(commission_work(&c));
-    TEST_ASSERT_TRUE(c.job_done);
-    TEST_ASSERT_FALSE(c.working);
-    TEST_ASSERT_FALSE(commission_work(&c));
-    c.job = JOB_NONE;
-    c.job_done = false;
-    TEST_ASSERT_FALSE(commission_work(&c));
-    TEST_ASSERT_FALSE(c.job_done);
+    TEST_ASSERT_TRUE(jobs_work(&jobs));
+    TEST_ASSERT_TRUE(c.job.done);
+    TEST_ASSERT_FALSE(c.job.working);
+    TEST_ASSERT_FALSE(jobs_work(&jobs));
+    job_give_up(&c.job);
+    c.job.done = false;
+    TEST_ASSERT_FALSE(jobs_work(&jobs));
+    TEST_ASSERT_FALSE(c.job.done);
 }
 
 static void one_thing_at_a_time_is_asked(void)

@@ -540,7 +540,7 @@ static void critical_inputs_come_first(void)
     bench.s.output[2].manual = N(0.3);
     bench.s.time_ms = 123000;
     c.round = 7;
-    c.job = JOB_FIT;
+    job_ask(&c.job, 1);
     bench.s.safe_count = 5;
     c.adoption.n = 3;
     commission_begin(&c, &bench.s);
@@ -553,7 +553,7 @@ static void critical_inputs_come_first(void)
     NEAR(0.5, c.input[0].held);
     NEAR(0.3, c.input[2].held);
     TEST_ASSERT_EQUAL_UINT8(1, c.round);
-    TEST_ASSERT_EQUAL_UINT8(JOB_NONE, c.job);
+    TEST_ASSERT_FALSE(job_is_asked(&c.job));
     TEST_ASSERT_EQUAL_UINT8(0, c.adoption.n);
     TEST_ASSERT_EQUAL_UINT64(123000, c.began_ms);
     TEST_ASSERT_EQUAL_UINT32(bench.s.plan->serial, c.plan_serial);

@@ -39,32 +39,33 @@ static void ends(enum commission_why why, const char *subject, double value)
 
 static void a_result_is_taken_when_it_is_due_and_done(void)
 {
-    c.job_due = 3;
+    c.job.due = 3;
     goes_on();
     goes_on();
     TEST_ASSERT_EQUAL_INT(COMMISSION_FITTING, c.phase);
-    c.job_done = false;
+    c.job.done = false;
     goes_on();
     goes_on();
     TEST_ASSERT_EQUAL_INT(COMMISSION_FITTING, c.phase);
-    c.job_done = true;
+    c.job.done = true;
     is_kept();
-    TEST_ASSERT_EQUAL_UINT8(JOB_NONE, c.job);
+    TEST_ASSERT_FALSE(job_is_asked(&c.job));
 }
 
 static void the_next_sample_waits_for_what_is_due_then(void)
 {
-    c.job_due = 3;
-    c.job_done = false;
-    c.job_ticks = 1;
-    TEST_ASSERT_FALSE(commission_waits(&c));
-    c.job_ticks = 2;
-    TEST_ASSERT_TRUE(commission_waits(&c));
-    c.job_done = true;
-    TEST_ASSERT_FALSE(commission_waits(&c));
-    c.job_done = false;
-    c.job = JOB_NONE;
-    TEST_ASSERT_FALSE(commission_waits(&c));
+    struct jobs jobs = jobs_of_it();
+    c.job.due = 3;
+    c.job.done = false;
+    c.job.ticks = 1;
+    TEST_ASSERT_FALSE(jobs_wait(&jobs));
+    c.job.ticks = 2;
+    TEST_ASSERT_TRUE(jobs_wait(&jobs));
+    c.job.done = true;
+    TEST_ASSERT_FALSE(jobs_wait(&jobs));
+    c.job.done = false;
+    job_give_up(&c.job);
+    TEST_ASSERT_FALSE(jobs_wait(&jobs));
 }
 
 static void a_fit_that_fails_ends_it(void)
@@ -296,11 +297,12 @@ static void after_the_last_input_all_is_analysed(void)
     bench.s.time_ms = 77000;
     goes_on();
     TEST_ASSERT_EQUAL_INT(COMMISSION_ANALYSING, c.phase);
-    TEST_ASSERT_EQUAL_UINT8(JOB_ANALYSE, c.job);
-    TEST_ASSERT_EQUAL_UINT32(11, c.job_due); /* 20 s, and one */
-    TEST_ASSERT_EQUAL_UINT32(0, c.job_ticks);
-    TEST_ASSERT_FALSE(c.job_done);
-    TEST_ASSERT_EQUAL_UINT32(1, c.job_number);
+    TEST_ASSERT_TRUE(job_is_asked(&c.job));
+    TEST_ASSERT_EQUAL_UINT8(JOB_ANALYSE, c.doing);
+    TEST_ASSERT_EQUAL_UINT32(11, c.job.due); /* 20 s, and one */
+    TEST_ASSERT_EQUAL_UINT32(0, c.job.ticks);
+    TEST_ASSERT_FALSE(c.job.done);
+    TEST_ASSERT_EQUAL_UINT32(2, c.job.number);
     TEST_ASSERT_EQUAL_UINT64(77000, c.phase_ms);
     TEST_ASSERT_EQUAL_UINT8(1, c.work.analysis.plant.inputs);
 }
@@ -314,7 +316,7 @@ static struct analysis *analysed(void)
     c.at = 2;
     c.input[0].rounds = c.input[1].rounds = 1;
     c.column[1] = 1;
-    c.job = JOB_ANALYSE;
+    has_done(JOB_ANALYSE);
     c.phase = COMMISSION_ANALYSING;
     a->verdict = PAIRING_UNDETERMINED;
     a->doubts = DOUBT_DRAWS;
