@@ -88,9 +88,9 @@ static void count(struct relay *r, real_t y)
     p->samples++;
     p->high += r->high;
     p->mean += away;
-    if (p->samples == 1 || away > p->top)
+    if (away > p->top) /* 0 at first: every whole period goes beyond it on both sides */
         p->top = away;
-    if (p->samples == 1 || away < p->bottom)
+    if (away < p->bottom)
         p->bottom = away;
     if (point < RELAY_POINTS)
         p->y[point] += away;

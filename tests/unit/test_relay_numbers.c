@@ -32,6 +32,7 @@ struct relay_case {
     double amplitude, most, wanted, hyst; /* 0: as below */
     double share;                         /* of its limit for a deviation of 1 */
     unsigned patience, half_most, lost;
+    unsigned load_at; /* 0: 60 */
 };
 
 static const struct relay_case cases[] = {
@@ -74,7 +75,8 @@ static void says_period(const struct relay_period *p)
               (double)p->mean, (unsigned)p->block, p->whole, (double)p->y[0], (double)p->y[5]);
 }
 
-static void run(const struct relay_case *p, unsigned number)
+/* brief: how it ended alone. */
+static void run(const struct relay_case *p, unsigned number, bool brief)
 {
     struct random_source random = {SEED + number};
     double past[DELAYS] = {0}, state[2] = {0}, level = 0;
@@ -92,10 +94,11 @@ static void run(const struct relay_case *p, unsigned number)
         .patience = p->patience > 0 ? p->patience : 100,
         .half_most = p->half_most > 0 ? p->half_most : 5000,
     };
-    kept_line("# %s", p->name);
+    if (!brief)
+        kept_line("# %s", p->name);
     TEST_ASSERT_EQUAL_INT(ERR_OK, relay_begin(&relay, &c));
     for (unsigned k = 0; k < 20000 && relay.phase < RELAY_DONE; k++) {
-        double u = level + (k > 60 ? p->load : 0.0);
+        double u = level + (k > (p->load_at > 0 ? p->load_at : 60) ? p->load : 0.0);
         double y = REST + p->drift * k, out;
         past[k % DELAYS] = u;
         out = k >= p->dead ? past[(k - p->dead) % DELAYS] : 0.0;
@@ -115,7 +118,7 @@ static void run(const struct relay_case *p, unsigned number)
         if ((double)relay.level == level)
             continue;
         level = (double)relay.level;
-        if (changes++ < 12)
+        if (changes++ < 12 && !brief)
             kept_line("at %u level %.6g amplitude %.6g bias %.6g half %u periods %u same %u", k,
                       level, (double)relay.amplitude, (double)relay.bias, (unsigned)relay.half,
                       relay.periods, relay.same);
@@ -123,7 +126,9 @@ static void run(const struct relay_case *p, unsigned number)
     kept_line("phase %d failure %d changes %u periods %u same %u started %u longest %u share %.6g",
               relay.phase, relay.failure, changes, relay.periods, relay.same,
               (unsigned)relay.started, (unsigned)relay.longest, (double)relay.share);
-    for (unsigned i = 0; i < RELAY_PERIODS; i++)
+    kept_line("half %u amplitude %.6g bias %.6g", (unsigned)relay.half, (double)relay.amplitude,
+              (double)relay.bias);
+    for (unsigned i = 0; i < RELAY_PERIODS && !brief; i++)
         says_period(&relay.period[i]);
     struct relay_result r;
     if (relay_look(&relay, &r) == ERR_OK)
@@ -133,11 +138,89 @@ static void run(const struct relay_case *p, unsigned number)
                   (double)r.peak, (double)r.bias, (double)r.spread, r.periods);
 }
 
+static struct relay_case of;
+
+static void plain(void)
+{
+    of = (struct relay_case){"", 1, {30, 12}, 6, .amplitude = 0.1};
+}
+
+static void grows(const char *what, double *number, double from, double times, unsigned n)
+{
+    kept_line("# %s", what);
+    for (double x = from; n > 0; n--, x *= times) {
+        *number = x;
+        kept_line("%.4g", x);
+        run(&of, 100, true);
+    }
+}
+
+/* One number grows through the place where the outcome changes. */
+static void families(void)
+{
+    plain();
+    grows("noises", &of.noise, 2e-4, 1.5, 8);
+    of.noise = 5e-3;
+    of.hyst = 6e-3;
+    grows("noises and little hysteresis", &of.noise, 2e-3, 1.4, 5);
+    plain();
+    of.gain = 0.05;
+    of.lag[0] = 2;
+    of.lag[1] = 0;
+    of.dead = 3;
+    of.hyst = 3e-3;
+    grows("noises on a short period", &of.noise, 1e-3, 1.5, 8);
+    plain();
+    of.gain = -1;
+    grows("loads", &of.load, 0.005, 1.5, 9);
+    plain();
+    of.most = 0.12;
+    grows("loads with little room", &of.load, -0.01, 1.25, 6);
+    plain();
+    of.load_at = 105;
+    grows("loads that come late", &of.load, 0.05, 1.6, 5);
+    of.load_at = 165;
+    of.amplitude = 0;
+    of.gain = -1;
+    of.noise = 1e-4;
+    grows("late, an amplitude to be found", &of.load, -0.02, 1.8, 6);
+    of.lost = 5;
+    grows("late, samples lost", &of.load, 0.03, 1.8, 5);
+    of.share = 4;
+    grows("late, with a limit", &of.load, 0.03, 1.6, 5);
+    plain();
+    of.amplitude = 0;
+    of.noise = 1e-4;
+    of.wanted = 0.03;
+    grows("limits", &of.share, 20, 1.17, 11);
+    of.gain = 5;
+    of.wanted = 0.005;
+    grows("limits it begins beyond", &of.share, 40, 1.15, 7);
+    of.wanted = 0.03;
+    of.share = 0;
+    grows("gains", &of.gain, 0.02, 1.5, 12);
+    of.gain = 1;
+    grows("amplitudes wanted", &of.wanted, 0.004, 1.4, 6);
+    plain();
+    of.gain = 0.001;
+    of.amplitude = 0;
+    of.patience = 50;
+    of.half_most = 400;
+    of.drift = 1e-6;
+    grows("no answer, with a limit", &of.share, 100, 2, 6);
+    plain();
+    of.lag[0] = 100;
+    of.lag[1] = 0;
+    of.dead = 4;
+    grows("hysteresis", &of.hyst, 0.004, 1.25, 10);
+}
+
 static void the_numbers_of_relay_tests_are_the_ones_kept(void)
 {
     kept_open("reference/relay_numbers.txt");
     for (unsigned i = 0; i < CASES; i++)
-        run(&cases[i], i);
+        run(&cases[i], i, false);
+    families();
     kept_close();
 }
 
