@@ -7,6 +7,7 @@
 #define REFLUX_TESTS_KEPT_TRANSCRIPT_H
 
 #include <stdarg.h>
+#include <stdbool.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>

@@ -1,6 +1,7 @@
 # The column model in both scalar types (one source, two programs), its solver, and the plants.
 reflux_test(column LABEL unit SOURCES ${CMAKE_CURRENT_LIST_DIR}/test_column.c LIBS reflux_model_double)
 reflux_test(column_float LABEL unit SOURCES ${CMAKE_CURRENT_LIST_DIR}/test_column.c LIBS reflux_model)
+reflux_test(column_numbers LABEL unit SOURCES ${CMAKE_CURRENT_LIST_DIR}/test_column_numbers.c LIBS reflux_model)
 reflux_test(column_config LABEL unit SOURCES ${CMAKE_CURRENT_LIST_DIR}/test_column_config.c
             LIBS reflux_model_double)
 reflux_test(column_solver LABEL unit SOURCES ${CMAKE_CURRENT_LIST_DIR}/test_column_solver.c LIBS reflux_plants)
