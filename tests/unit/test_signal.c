@@ -15,6 +15,7 @@
 
 #include "csv.h"
 #include "formats.h"
+#include "ranges.h"
 #include "signal/dead_time.h"
 #include "signal/lag.h"
 #include "signal/lead_lag.h"
@@ -284,6 +285,58 @@ static void bad_arguments_are_refused_and_change_nothing(void)
     TEST_ASSERT_EQUAL_UINT(0, dead_time_bytes(1.0f, nan));
 }
 
+/* ---- ranges ---- */
+
+static struct {
+    real_t first, second, third, interval;
+} given;
+
+static enum err try_lag(void)
+{
+    struct lag lag;
+    return lag_init(&lag, given.first, given.interval);
+}
+
+static enum err try_lead_lag(void)
+{
+    struct lead_lag filter;
+    return lead_lag_init(&filter, given.first, given.second, given.interval);
+}
+
+static enum err try_washout(void)
+{
+    struct washout washout;
+    return washout_init(&washout, given.third, given.first, given.second, given.interval);
+}
+
+static enum err try_ramp(void)
+{
+    struct ramp ramp;
+    return ramp_init(&ramp, given.first, given.interval);
+}
+
+static enum err try_dead_time(void)
+{
+    return dead_time_bytes(given.first, given.interval) > 0 ? ERR_OK : ERR_RANGE;
+}
+
+static void arguments_have_the_ranges_that_are_stated(void)
+{
+    static const struct range one[] = {{"first", 0, 0, 1e6, FROM}};
+    static const struct range two[] = {{"first", 0, 0, 1e6, FROM},
+                                       {"second", sizeof(real_t), 0, 1e6, FROM}};
+    static const struct range scale[] = {{"third", 2 * sizeof(real_t), -1e6, 1e6, FROM}};
+    static const struct range rate[] = {{"first", 0, 1e-9, 1e6, FROM}};
+    given.first = given.second = given.third = given.interval = REAL_C(1e5);
+    CHECK(given, one, try_lag);
+    CHECK(given, two, try_lead_lag);
+    CHECK(given, two, try_washout);
+    CHECK(given, scale, try_washout);
+    CHECK(given, rate, try_ramp);
+    given.interval = REAL_C(1e3);
+    CHECK(given, one, try_dead_time);
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -302,5 +355,6 @@ int main(void)
     RUN_TEST(a_ramp_of_a_millionth_per_second_does_not_stall);
     RUN_TEST(a_ramp_without_rate_jumps);
     RUN_TEST(bad_arguments_are_refused_and_change_nothing);
+    RUN_TEST(arguments_have_the_ranges_that_are_stated);
     return UNITY_END();
 }
