@@ -1,8 +1,8 @@
 /* Console commands on loops: loop, mode, sp, out, tune. */
 #include <string.h>
 
-#include "design/tuning.h"
 #include "console/console.h"
+#include "design/tuning.h"
 #include "service/parameters.h"
 
 static const char *const mode_names[] = {"manual", "auto", "cascade"};
@@ -161,10 +161,8 @@ void command_out(struct console *c, unsigned n, char **word)
         return;
     }
     if (j != PLAN_NONE) {
-        const struct output_config *o = &config->output[j];
-        lo = o->min < o->safe ? o->min : o->safe;
-        hi = o->max > o->safe ? o->max : o->safe;
-        unit = o->unit;
+        plan_manual_limits(plan, j, &lo, &hi);
+        unit = config->output[j].unit;
     } else {
         plan_setpoint_limits(plan, plan->loop[loop].inner, &lo, &hi);
         unit = config->measurement[plan->loop[plan->loop[loop].inner].pv].unit;

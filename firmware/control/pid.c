@@ -181,9 +181,6 @@ enum err pid_retune(struct pid *pid, const struct pid_config *config, float h_s)
     enum err err = pid_validate(config, NULL, NULL);
     if (err)
         return err;
-    err = check_interval(h_s);
-    if (err)
-        return err;
     if (!pid->primed)
         return place(pid, config, h_s);
 

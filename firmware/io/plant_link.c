@@ -96,8 +96,8 @@ static void ask_or_finish(struct plant_link *link, uint64_t now_ms)
               (float)link->tick_ms / 1000.0f, 0);
 }
 
-/* Said once, answered at the pace of greeting (both sides answering at once would never end). */
-static void other_version(struct plant_link *link, uint8_t version, uint64_t now_ms)
+/* Said once, answered by keep_time() at the pace of greeting (both sides answering at once would never end). */
+static void other_version(struct plant_link *link, uint8_t version)
 {
     if (!link->version_told)
         event_put(link->events, *link->plant_time, EVENT_LINK_VERSION, NULL, (float)version, 0);
@@ -106,8 +106,6 @@ static void other_version(struct plant_link *link, uint8_t version, uint64_t now
         link->state = IO_DOWN;
         link->generation++;
     }
-    if (now_ms - link->asked_ms >= LINK_HELLO_MS)
-        send_hello(link, now_ms);
 }
 
 /* Whatever it goes on saying, it stays refused until its HELLO is another, or it has been silent. Said once. */
@@ -148,7 +146,7 @@ static void on_hello(struct plant_link *link, const struct frame *f, uint64_t no
     struct link_hello m = {0};
     enum err err = unpack_hello(f, &m);
     if (err == ERR_VERSION) {
-        other_version(link, m.version, now_ms);
+        other_version(link, m.version);
         return;
     }
     /* The same announcement in all it says; a plant that announces something else is another one. */
@@ -300,8 +298,6 @@ static void keep_time(struct plant_link *link, uint64_t now_ms)
     }
     if (link->refused && now_ms - link->heard_ms > LINK_SILENCE_MS) {
         link->refused = PLANT_FINE; /* it has gone; who comes now is looked at anew */
-        link->hello = 0;
-        link->next_page = 0;
         link->count[0] = link->count[1] = 0;
     }
     bool ask_again = now_ms - link->asked_ms >= LINK_HELLO_MS;

@@ -9,3 +9,6 @@ if(NOT REFLUX_FIXED_POINT)
   reflux_test(days LABEL loop SOURCES ${CMAKE_CURRENT_LIST_DIR}/test_days.c
               LIBS reflux_hal_memory reflux_app reflux_link)
 endif()
+# Plants that come and go, beside tests/reference/plants.txt.
+reflux_test(plants_come_and_go LABEL loop SOURCES ${CMAKE_CURRENT_LIST_DIR}/test_plants_come_and_go.c
+            LIBS reflux_hal_memory reflux_app reflux_link)

@@ -40,6 +40,7 @@ struct board_bench {
     struct frame_decoder decoder;
     unsigned hellos, page_requests, readies, keep_alives, commands;
     struct link_command command; /* the last one */
+    struct link_hello greeted;   /* the last one */
 };
 
 static struct board_bench board;
@@ -98,6 +99,7 @@ static inline void plant_answers(const struct frame *f)
         board.hellos++;
         TEST_ASSERT_EQUAL(ERR_OK, unpack_hello(f, &hello));
         TEST_ASSERT_EQUAL(LINK_ROLE_CONTROLLER, hello.role);
+        board.greeted = hello;
         board.ready = false;
         if (!board.mute)
             plant_hello();

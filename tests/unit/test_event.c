@@ -67,6 +67,7 @@ static void an_event_carries_its_subject_cut_to_its_size(void)
     TEST_ASSERT_EQUAL_UINT64(5000, e->time_ms);
     TEST_ASSERT_EQUAL(EVENT_MODE, e->code);
     TEST_ASSERT_EQUAL_STRING("a_name_that_is_", e->subject);
+    TEST_ASSERT_EQUAL(3, e->detail);
     TEST_ASSERT_EQUAL_FLOAT(1.5f, e->value);
     event_put(&queue, 0, EVENT_STARTED, NULL, 0, 0);
     TEST_ASSERT_EQUAL_STRING("", queue.slot[1].subject);
@@ -92,6 +93,10 @@ static void every_event_has_a_name_of_its_own_and_words(void)
     TEST_ASSERT_EQUAL_STRING("?", event_name(EVENT_COUNT));
     TEST_ASSERT_EQUAL_STRING("?", event_text(255));
     TEST_ASSERT_EQUAL(EVENT_ALARM, event_level(255));
+    TEST_ASSERT_EQUAL_STRING("?", event_text(EVENT_COUNT));
+    TEST_ASSERT_EQUAL(EVENT_ALARM, event_level(EVENT_COUNT));
+    TEST_ASSERT_EQUAL_STRING("action", event_level_name(EVENT_ACTION));
+    TEST_ASSERT_EQUAL_STRING("?", event_level_name((enum event_level)(EVENT_ACTION + 1)));
 }
 
 int main(void)

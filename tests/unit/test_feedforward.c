@@ -147,6 +147,18 @@ static void bad_settings_are_refused_by_name(void)
         {1, 101, 0, 0, 0, -1, 1, 1, ERR_RANGE, "lead_s",
          "at most 100 times (lag_s + step interval)"},
         {1, 0, -1, 0, 0, -1, 1, 1, ERR_RANGE, "lag_s", "0 to 1e6 s"},
+        {-100.5f, 0, 0, 0, 0, -1, 1, 1, ERR_RANGE, "gain", "-100 to 100"},
+        {1, 1.01e6f, 1e6f, 0, 0, -1, 1, 1, ERR_RANGE, "lead_s", "0 to 1e6 s"},
+        {1, -0.5f, 0, 0, 0, -1, 1, 1, ERR_RANGE, "lead_s", "0 to 1e6 s"},
+        {1, 0, 1.01e6f, 0, 0, -1, 1, 1, ERR_RANGE, "lag_s", "0 to 1e6 s"},
+        {1, 0, 0, 1.01e6f, 0, -1, 1, 1e5f, ERR_RANGE, "dead_time_s", "0 to 1e6 s"},
+        {1, 0, 0, -0.5f, 0, -1, 1, 1, ERR_RANGE, "dead_time_s", "0 to 1e6 s"},
+        {1, 0, 0, 0, -1.01f, -1, 1, 1, ERR_RANGE, "reference", "-1 to 2"},
+        {1, 0, 0, 0, 2.01f, -1, 1, 1, ERR_RANGE, "reference", "-1 to 2"},
+        {1, 0, 0, 0, 0, -2.01f, 1, 1, ERR_RANGE, "out_lo", "-2 to 2"},
+        {1, 0, 0, 0, 0, 2.01f, 3, 1, ERR_RANGE, "out_lo", "-2 to 2"},
+        {1, 0, 0, 0, 0, -1, 2.01f, 1, ERR_RANGE, "out_hi", "-2 to 2"},
+        {1, 0, 0, 0, 0, -1, -2.01f, 1, ERR_RANGE, "out_hi", "-2 to 2"},
         {1, 0, 0, nanf(""), 0, -1, 1, 1, ERR_NOT_FINITE, "dead_time_s", "0 to 1e6 s"},
         {1, 0, 0, 1e6f, 0, -1, 1, 1, ERR_RANGE, "dead_time_s", "at most 100000 step intervals"},
         {1, 0, 0, 0, 3, -1, 1, 1, ERR_RANGE, "reference", "-1 to 2"},
@@ -171,6 +183,36 @@ static void bad_settings_are_refused_by_name(void)
     }
 }
 
+static void settings_at_the_ends_of_their_ranges_are_taken(void)
+{
+    static const float ends[][8] = {
+        /* gain, lead, lag, dead, reference, lo, hi, h */
+        {-100, 100, 0, 0, 0, -1, 1, 1},    {100, 300, 2, 0, 0, -1, 1, 1},
+        {1, 0, 1e6f, 0, -1, -2, 2, 1},     {1, 1e6f, 1e4f, 0, 2, 1.99f, 2, 1},
+        {1, 0, 0, 1e5f, 0, -2, -1.99f, 1}, {1, 0, 0, 100, 0, -1, 1, 1e-3f},
+        {1, 0, 0, 1e6f, 0, -1, 1, 1e5f},
+    };
+    for (size_t i = 0; i < sizeof ends / sizeof ends[0]; i++) {
+        const float *e = ends[i];
+        const struct feedforward_config c = {e[0], e[1], e[2], e[3], e[4], e[5], e[6]};
+        const char *field = "";
+        TEST_ASSERT_EQUAL_INT_MESSAGE(ERR_OK, feedforward_validate(&c, e[7], &field, NULL), field);
+        TEST_ASSERT_TRUE(feedforward_bytes(&c, e[7]) > 0);
+    }
+}
+
+static void it_begins_at_rest_at_its_reference(void)
+{
+    struct feedforward_config c = feedforward_default_config();
+    TEST_ASSERT_EQUAL_FLOAT(-1.0f, c.out_lo);
+    TEST_ASSERT_EQUAL_FLOAT(1.0f, c.out_hi);
+    c.gain = 2.0f;
+    c.reference = 0.25f;
+    c.out_lo = 0.125f; /* not even where that is against its limits */
+    struct feedforward ff = make(c, 1.0f);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-7, 0.125, D(ff.output));
+}
+
 static void a_ring_that_is_too_small_is_refused(void)
 {
     struct feedforward_config c = feedforward_default_config();
@@ -193,6 +235,8 @@ int main(void)
     RUN_TEST(a_gain_of_zero_is_off);
     RUN_TEST(a_disturbance_it_fits_is_cancelled);
     RUN_TEST(bad_settings_are_refused_by_name);
+    RUN_TEST(settings_at_the_ends_of_their_ranges_are_taken);
+    RUN_TEST(it_begins_at_rest_at_its_reference);
     RUN_TEST(a_ring_that_is_too_small_is_refused);
     return UNITY_END();
 }

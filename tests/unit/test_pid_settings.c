@@ -141,6 +141,19 @@ static void a_bad_step_interval_is_refused(void)
     TEST_ASSERT_EQUAL_INT(ERR_NOT_FINITE, pid_init(&pid, &c, nanf("")));
 }
 
+static void a_refused_start_leaves_the_controller_as_it_was(void)
+{
+    struct pid_config c = pid_default_config();
+    struct pid pid = make_pid(c, 1.0f), was;
+    pid_follow(&pid, N(0.5), N(0.25), N(0.75));
+    memcpy(&was, &pid, sizeof was);
+    TEST_ASSERT_EQUAL_INT(ERR_RANGE, pid_init(&pid, &c, 0.0f));
+    TEST_ASSERT_EQUAL_MEMORY(&was, &pid, sizeof was);
+    c.gain = -1.0f;
+    TEST_ASSERT_EQUAL_INT(ERR_RANGE, pid_init(&pid, &c, 1.0f));
+    TEST_ASSERT_EQUAL_MEMORY(&was, &pid, sizeof was);
+}
+
 static void a_refused_retune_leaves_the_controller_as_it_was(void)
 {
     struct pid_config c = pid_default_config();
@@ -211,6 +224,7 @@ int main(void)
     RUN_TEST(output_limits_that_meet_or_cross_are_refused);
     RUN_TEST(an_unknown_action_or_form_is_refused);
     RUN_TEST(a_bad_step_interval_is_refused);
+    RUN_TEST(a_refused_start_leaves_the_controller_as_it_was);
     RUN_TEST(a_refused_retune_leaves_the_controller_as_it_was);
     RUN_TEST(the_block_describes_its_inner_values_by_name);
     return UNITY_END();

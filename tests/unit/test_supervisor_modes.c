@@ -112,6 +112,20 @@ static void a_setpoint_never_given_is_the_measurement_also_without_tracking(void
     TEST_ASSERT_DOUBLE_WITHIN(1e-6, 0.63, setpoint_of(BOTTOM));
 }
 
+static void the_setpoint_automatic_had_is_kept_in_manual_without_tracking(void)
+{
+    set_and_apply("loop2.name", "fresh");
+    set_and_apply("loop2.sp_track", "off");
+    reading(T10, 123);
+    tick();
+    mode(BOTTOM, LOOP_AUTO);
+    tick();
+    mode(BOTTOM, LOOP_MANUAL);
+    reading(T10, 130);
+    ticks(2);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-6, 0.63, setpoint_of(BOTTOM));
+}
+
 static void a_loop_may_enter_automatic_in_the_tick_that_brought_its_plan(void)
 {
     set_and_apply("loop2.name", "fresh");
@@ -352,6 +366,7 @@ int main(void)
     RUN_TEST(a_setpoint_in_manual_follows_the_measurement);
     RUN_TEST(a_setpoint_of_ones_own_is_kept_in_manual_where_that_is_chosen);
     RUN_TEST(a_setpoint_never_given_is_the_measurement_also_without_tracking);
+    RUN_TEST(the_setpoint_automatic_had_is_kept_in_manual_without_tracking);
     RUN_TEST(a_loop_may_enter_automatic_in_the_tick_that_brought_its_plan);
     RUN_TEST(a_setpoint_outside_its_limits_is_refused);
     RUN_TEST(automatic_begins_inside_the_setpoint_limits_without_a_bump);

@@ -56,6 +56,27 @@ static void new_positions_take_along_an_output_that_was_at_one(void)
     ASSERT_OUT(0.37, 0.5);
 }
 
+static void every_field_is_taken_at_its_ends(void)
+{
+    static const float ends[][3] = {
+        {1e-6f, -100.0f, 100.0f}, {10.0f, 99.0f, 100.0f}, {0.1f, -100.0f, -99.0f}};
+    for (unsigned i = 0; i < sizeof ends / sizeof ends[0]; i++) {
+        struct two_position_config c = {ends[i][0], ends[i][1], ends[i][2], true};
+        TEST_ASSERT_EQUAL(ERR_OK, two_position_validate(&c, NULL, NULL));
+    }
+}
+
+static void at_the_very_edge_of_its_band_it_stays(void)
+{
+    const struct two_position_config c = {
+        .band = 0.125f, .out_lo = 0.25f, .out_hi = 0.75f, .direct = true};
+    TEST_ASSERT_EQUAL(ERR_OK, two_position_init(&block, &c));
+    ASSERT_OUT(0.25, 0.625);
+    ASSERT_OUT(0.75, 0.6251);
+    ASSERT_OUT(0.75, 0.375);
+    ASSERT_OUT(0.25, 0.3749);
+}
+
 static void every_field_is_refused_beyond_its_ends_by_name(void)
 {
     static const struct {
@@ -228,6 +249,8 @@ int main(void)
     RUN_TEST(reverse_acting_it_is_the_other_way_round);
     RUN_TEST(an_output_it_finds_stays_until_the_band_is_left);
     RUN_TEST(new_positions_take_along_an_output_that_was_at_one);
+    RUN_TEST(every_field_is_taken_at_its_ends);
+    RUN_TEST(at_the_very_edge_of_its_band_it_stays);
     RUN_TEST(every_field_is_refused_beyond_its_ends_by_name);
     RUN_TEST(it_says_what_it_holds);
     RUN_TEST(through_its_table_it_does_the_same);
