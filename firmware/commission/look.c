@@ -11,7 +11,6 @@ void look_begin(struct look *l, const struct record *record, const struct baseli
 {
     l->seen = *record;
     memcpy(l->baseline, baseline, record->outputs * sizeof *baseline);
-    l->samples = record->samples;
     l->at = 0;
     l->running = false;
 }

@@ -9,7 +9,6 @@
 struct look {
     /* Results, once look_run has said that there is no more */
     struct identified found[CHANNEL_MAX];
-    uint32_t samples; /* of the record they belong to */
 
     /* Work */
     struct record seen; /* as it was: the record itself goes on */

@@ -1,0 +1,380 @@
+/* commission/channels.c: what stands in the way of a test and of a trial, one thing after the other, on either side of each
+ * bound. */
+#include <string.h>
+
+#include "commission/parts.h"
+#include "supervisor_bench.h"
+
+static struct commission c;
+static struct config *cf;
+static const char *what, *wanted;
+
+#define NEAR(wanted, value) TEST_ASSERT_DOUBLE_WITHIN(2e-6, wanted, (double)(value))
+
+/* T1 and T10 tested, by reflux at half and heat at half; ticks of 2 s. */
+void setUp(void)
+{
+    bench_start();
+    bench.plan[bench.current].tick_s = 2;
+    cf = &bench.plan[bench.current].config;
+    for (unsigned i = 0; i < CHANNEL_MAX; i++) {
+        cf->measurement[i].test = cf->output[i].test = i < 2;
+        cf->measurement[i].test_critical = 0;
+        cf->measurement[i].test_limit = 0;
+    }
+    bench.s.time_ms = 1000000;
+    commission_init(&c, &bench.events);
+    c.plan_serial = bench.s.plan->serial;
+    c.safe_count = bench.s.safe_count;
+    c.outputs = c.inputs = 2;
+    c.measurement[1] = c.input[1].output = 1;
+    c.input[0].held = c.input[1].held = REAL_C(0.5);
+    what = wanted = NULL;
+}
+void tearDown(void) {}
+
+/* ---- how far ---- */
+
+static void the_room_is_the_way_to_the_nearer_operating_limit(void)
+{
+    struct output_config *o = &cf->output[0];
+    o->lo = -10;
+    o->hi = 30;
+    o->min = -2; /* 0.2 */
+    o->max = 26; /* 0.9 */
+    NEAR(0.1, commission_room(&bench.s, 0, REAL_C(0.3)));
+    NEAR(0.15, commission_room(&bench.s, 0, REAL_C(0.75)));
+    NEAR(-0.05, commission_room(&bench.s, 0, REAL_C(0.95)));
+    bench.s.output[0].manual = N(0.375);
+    NEAR(0.375, commission_held_at(&bench.s, 0));
+}
+
+static void a_limit_is_a_fifth_of_the_span_or_what_is_set_and_half_where_it_is_critical(void)
+{
+    struct measurement_config m = {.lo = 60, .hi = 160};
+    NEAR(0.2, commission_limit(&m));
+    m.test_limit = 0.5f;
+    NEAR(0.005, commission_limit(&m));
+    m.test_critical = 1;
+    NEAR(0.0025, commission_limit(&m));
+    m.test_limit = 0;
+    NEAR(0.1, commission_limit(&m));
+}
+
+static void names_and_spans_of_all_channels_are_what_results_belong_to(void)
+{
+    struct config other = *cf;
+    uint32_t sum = commission_channels(cf);
+    TEST_ASSERT_EQUAL_UINT32(sum, commission_channels(&other));
+    other.output[CHANNEL_MAX - 1].hi += 1;
+    TEST_ASSERT_NOT_EQUAL(sum, commission_channels(&other));
+    other = *cf;
+    other.measurement[0].lo += 1;
+    TEST_ASSERT_NOT_EQUAL(sum, commission_channels(&other));
+    other = *cf;
+    other.measurement[1].name[0] = 'X';
+    TEST_ASSERT_NOT_EQUAL(sum, commission_channels(&other));
+    other = *cf;
+    other.output[0].name[0] = 'X';
+    TEST_ASSERT_NOT_EQUAL(sum, commission_channels(&other));
+}
+
+/* ---- at the end of a span ---- */
+
+static void a_measurement_at_the_end_of_its_span_for_two_samples_is_told(void)
+{
+    static const struct {
+        double raw;
+        bool end;
+    } cases[] = {{60.0, true},     {60.024, true},  {60.026, false}, {50.0, true},
+                 {159.974, false}, {159.976, true}, {170.0, true}};
+    for (unsigned j = 0; j < 2; j++)
+        for (unsigned n = 0; n < sizeof cases / sizeof cases[0]; n++) {
+            setUp();
+            bench.s.measurement[j].raw = (float)cases[n].raw;
+            commission_watch_spans(&c, &bench.s);
+            TEST_ASSERT_EQUAL_INT(-1, commission_at_end(&c));
+            commission_watch_spans(&c, &bench.s);
+            TEST_ASSERT_EQUAL_INT(cases[n].end ? (int)j : -1, commission_at_end(&c));
+            bench.s.measurement[j].raw = 100;
+            commission_watch_spans(&c, &bench.s);
+            TEST_ASSERT_EQUAL_INT(-1, commission_at_end(&c));
+            bench.s.measurement[j].raw = (float)cases[n].raw;
+            commission_watch_spans(&c, &bench.s);
+            TEST_ASSERT_EQUAL_INT(-1, commission_at_end(&c));
+            bench.s.measurement[j].seen = false;
+            commission_watch_spans(&c, &bench.s);
+            TEST_ASSERT_EQUAL_INT(-1, commission_at_end(&c));
+        }
+    c.measurement[2] = T5; /* of no test */
+    bench.s.measurement[T5].raw = 60;
+    commission_watch_spans(&c, &bench.s);
+    commission_watch_spans(&c, &bench.s);
+    TEST_ASSERT_EQUAL_INT(-1, commission_at_end(&c));
+    c.at_end_again = 4;
+    TEST_ASSERT_EQUAL_INT(-1, commission_at_end(&c));
+}
+
+/* ---- before the tests ---- */
+
+static void begins(bool may, const char *name, const char *text)
+{
+    TEST_ASSERT_EQUAL_INT(may ? ERR_OK : ERR_STATE, commission_may_begin(&bench.s, &what, &wanted));
+    if (may)
+        return;
+    if (name)
+        TEST_ASSERT_EQUAL_STRING(name, what);
+    else
+        TEST_ASSERT_NULL(what);
+    TEST_ASSERT_NOT_NULL_MESSAGE(strstr(wanted, text), wanted);
+}
+
+static void tests_begin_where_all_is_in_hand(void)
+{
+    begins(true, NULL, NULL);
+    bench.s.measurement[T10].quality = QUALITY_UNCERTAIN;
+    begins(false, "T10", "not believed");
+    bench.s.measurement[T10].quality = QUALITY_GOOD;
+    bench.s.measurement[T10].seen = false;
+    begins(false, "T10", "not believed");
+    bench.s.measurement[T10].seen = true;
+    bench.s.measurement[T10].raw = 160;
+    begins(false, "T10", "end of its span");
+    bench.s.measurement[T10].raw = 100;
+    bench.s.loop[BOTTOM].mode = LOOP_AUTO;
+    begins(false, "bottom", "acts");
+    bench.s.loop[BOTTOM].mode = LOOP_MANUAL;
+    bench.s.output[HEAT].forced = true;
+    begins(false, "heat", "interlock");
+    bench.s.output[HEAT].forced = false;
+    bench.s.output[HEAT].manual = N(0.0049);
+    begins(false, "heat", "no room");
+    bench.s.output[HEAT].manual = N(0.0051);
+    begins(true, NULL, NULL);
+    bench.s.output[HEAT].manual = N(0.9951);
+    begins(false, "heat", "no room");
+    cf->output[HEAT].test = 0; /* what is not tested does not matter */
+    begins(true, NULL, NULL);
+    cf->measurement[T10].test = 0;
+    bench.s.measurement[T10].quality = QUALITY_BAD;
+    begins(true, NULL, NULL);
+    bench.s.output[REFLUX].bound = false;
+    begins(false, NULL, "no manipulated variable");
+    bench.s.measurement[T1].bound = false;
+    begins(false, NULL, "no measurement");
+    bench.s.state = SUPERVISOR_SAFE;
+    begins(false, NULL, "safe state");
+}
+
+static void channels_that_are_there_and_named_are_tested(void)
+{
+    for (unsigned n = 0; n < 4; n++) {
+        setUp();
+        if (n == 1)
+            cf->output[1].name[0] = cf->measurement[1].name[0] = '\0';
+        else if (n == 2)
+            cf->output[1].test = cf->measurement[1].test = 0;
+        else if (n == 3)
+            bench.s.output[1].bound = bench.s.measurement[1].bound = false;
+        TEST_ASSERT_EQUAL(n == 0, commission_input_is_tested(&bench.s, 1));
+        TEST_ASSERT_EQUAL(n == 0, commission_measurement_is_tested(&bench.s, 1));
+    }
+}
+
+static void relays(uint8_t loop, const char *name, const char *text)
+{
+    TEST_ASSERT_EQUAL_INT(ERR_STATE, commission_may_relay(&bench.s, loop, &what, &wanted));
+    if (name)
+        TEST_ASSERT_EQUAL_STRING(name, what);
+    else
+        TEST_ASSERT_NULL(what);
+    TEST_ASSERT_NOT_NULL_MESSAGE(strstr(wanted, text), wanted);
+}
+
+static void a_relay_test_begins_where_its_loop_is_in_hand(void)
+{
+    bench.s.loop[BOTTOM].mode = LOOP_AUTO; /* of the other loop no matter */
+    TEST_ASSERT_EQUAL_INT(ERR_OK, commission_may_relay(&bench.s, TOP, &what, &wanted));
+    relays(BOTTOM, "bottom", "acts");
+    bench.s.output[REFLUX].manual = N(0.0049);
+    relays(TOP, "reflux", "no room");
+    bench.s.output[REFLUX].manual = N(0.0051);
+    TEST_ASSERT_EQUAL_INT(ERR_OK, commission_may_relay(&bench.s, TOP, &what, &wanted));
+    bench.s.measurement[T1].quality = QUALITY_UNCERTAIN;
+    relays(TOP, "T1", "not believed");
+    bench.s.output[REFLUX].forced = true;
+    relays(TOP, "reflux", "interlock");
+    bench.s.output[REFLUX].bound = false;
+    relays(TOP, "reflux", "not there");
+    bench.s.loop[TOP].mode = LOOP_CASCADE;
+    relays(TOP, "top", "acts");
+    cf->loop[TOP].algorithm = LOOP_TWO_POSITION;
+    relays(TOP, "top", "two positions");
+    bench.plan[bench.current].loop[TOP].output = PLAN_NONE;
+    relays(TOP, "top", "drives a loop");
+    bench.s.state = SUPERVISOR_SAFE;
+    relays(TOP, NULL, "safe state");
+}
+
+/* ---- while they go on ---- */
+
+static void disturbs(enum commission_why why, const char *name)
+{
+    TEST_ASSERT_EQUAL_INT(why, commission_disturbance(&c, &bench.s, &what));
+    if (name)
+        TEST_ASSERT_EQUAL_STRING(name, what);
+    else
+        TEST_ASSERT_NULL(what);
+}
+
+static void a_measurement_that_is_held_for_longer_than_three_samples_and_a_half_is_lost(void)
+{
+    struct measurement_state *m = &bench.s.measurement[T10];
+    disturbs(WHY_NOT, NULL);
+    m->quality = QUALITY_UNCERTAIN;
+    m->alarm = true;
+    m->good_ms = bench.s.time_ms - 7000;
+    disturbs(WHY_NOT, NULL);
+    m->good_ms--;
+    disturbs(WHY_LOST, "T10");
+    m->alarm = false;
+    disturbs(WHY_NOT, NULL);
+    m->alarm = true;
+    m->quality = QUALITY_GOOD; /* it is believed again */
+    disturbs(WHY_NOT, NULL);
+    m->good_ms = bench.s.time_ms;
+    m->quality = QUALITY_BAD;
+    disturbs(WHY_LOST, "T10");
+    m->quality = QUALITY_UNCERTAIN;
+    disturbs(WHY_NOT, NULL);
+    m->lost = true;
+    disturbs(WHY_LOST, "T10");
+}
+
+static void an_output_may_take_five_ticks_to_follow(void)
+{
+    struct output_state *o = &bench.s.output[HEAT];
+    o->alarm = true;
+    o->differs_ms = bench.s.time_ms - 10000;
+    disturbs(WHY_NOT, NULL);
+    o->differs_ms--;
+    disturbs(WHY_ACTUATOR, "heat");
+    o->alarm = false;
+    disturbs(WHY_NOT, NULL);
+}
+
+static void whatever_else_happens_ends_a_test(void)
+{
+    bench.s.output[HEAT].manual = N(0.50390625);
+    disturbs(WHY_HAND, "heat");
+    bench.s.output[HEAT].manual = N(0.5);
+    bench.s.loop[BOTTOM].mode = LOOP_AUTO;
+    disturbs(WHY_HAND, "heat");
+    bench.s.output[HEAT].forced = true;
+    disturbs(WHY_INTERLOCK, "heat");
+    c.at_end_again = 1;
+    disturbs(WHY_SPAN, "T1");
+    bench.s.safe_count++;
+    disturbs(WHY_SAFE, NULL);
+    bench.s.safe_count--;
+    bench.s.state = SUPERVISOR_SAFE;
+    disturbs(WHY_SAFE, NULL);
+    c.plan_serial++;
+    disturbs(WHY_CONFIG, NULL);
+}
+
+/* ---- a trial ---- */
+
+static void hinders(enum commission_why why, const char *name)
+{
+    TEST_ASSERT_EQUAL_INT(why, commission_hindrance(&c, &bench.s, &what));
+    if (name)
+        TEST_ASSERT_EQUAL_STRING(name, what);
+    else
+        TEST_ASSERT_NULL(what);
+    TEST_ASSERT_EQUAL_INT(why ? ERR_STATE : ERR_OK,
+                          commission_may_try(&c, &bench.s, &what, &wanted));
+    TEST_ASSERT_EQUAL_STRING(commission_why_text(why), wanted);
+}
+
+/* Two pairs, crosswise: T1 by heat, T10 by reflux; behind T10 an inner loop on T5. */
+static void pairs(void)
+{
+    struct analysis *a = &c.work.analysis;
+    c.outputs = 3;
+    c.measurement[2] = T5;
+    c.column[0] = 1;
+    c.column[1] = 0;
+    a->pairs.n = 2;
+    a->pairs.output[1] = 1;
+    a->pairs.input[1] = 1;
+    a->n_cascades = 1;
+    a->cascade[0].inner = 2;
+    a->cascade[0].outer = 1;
+    a->inner_outputs = 4;
+}
+
+static void what_stands_in_the_way_of_a_trial(void)
+{
+    pairs();
+    hinders(WHY_NOT, NULL);
+    struct output_state *o = &bench.s.output[HEAT];
+    o->alarm = true;
+    o->differs_ms = bench.s.time_ms - 10001;
+    hinders(WHY_ACTUATOR, "heat");
+    c.phase = COMMISSION_TRIAL; /* its loops move it all the time: it must be far off as well */
+    o->constrained = N(0.5);
+    o->readback = N(0.599);
+    hinders(WHY_NOT, NULL);
+    o->readback = N(0.601);
+    hinders(WHY_ACTUATOR, "heat");
+    o->readback = N(0.399);
+    hinders(WHY_ACTUATOR, "heat");
+    o->forced = true;
+    hinders(WHY_INTERLOCK, "heat");
+    *o = bench.s.output[REFLUX];
+    o = &bench.s.output[REFLUX];
+    o->forced = true;
+    hinders(WHY_INTERLOCK, "reflux");
+    bench.s.measurement[T5].lost = true;
+    hinders(WHY_LOST, "T5");
+    bench.s.measurement[T10].quality = QUALITY_UNCERTAIN; /* usable */
+    hinders(WHY_LOST, "T5");
+    bench.s.measurement[T10].quality = QUALITY_BAD;
+    hinders(WHY_LOST, "T10");
+    bench.s.measurement[T1].seen = false;
+    hinders(WHY_LOST, "T1");
+    bench.s.state = SUPERVISOR_SAFE;
+    hinders(WHY_SAFE, NULL);
+}
+
+#if CONFIG_STEPS
+static void no_test_and_no_trial_begins_while_a_sequence_runs(void)
+{
+    bench.s.sequence.state = SEQUENCE_RUNNING;
+    TEST_ASSERT_TRUE(sequence_active(&bench.s.sequence));
+    begins(false, NULL, "sequence");
+    relays(TOP, NULL, "sequence");
+    hinders(WHY_SEQUENCE, NULL);
+}
+#endif
+
+int main(void)
+{
+    UNITY_BEGIN();
+    RUN_TEST(the_room_is_the_way_to_the_nearer_operating_limit);
+    RUN_TEST(a_limit_is_a_fifth_of_the_span_or_what_is_set_and_half_where_it_is_critical);
+    RUN_TEST(names_and_spans_of_all_channels_are_what_results_belong_to);
+    RUN_TEST(a_measurement_at_the_end_of_its_span_for_two_samples_is_told);
+    RUN_TEST(tests_begin_where_all_is_in_hand);
+    RUN_TEST(channels_that_are_there_and_named_are_tested);
+    RUN_TEST(a_relay_test_begins_where_its_loop_is_in_hand);
+    RUN_TEST(a_measurement_that_is_held_for_longer_than_three_samples_and_a_half_is_lost);
+    RUN_TEST(an_output_may_take_five_ticks_to_follow);
+    RUN_TEST(whatever_else_happens_ends_a_test);
+    RUN_TEST(what_stands_in_the_way_of_a_trial);
+#if CONFIG_STEPS
+    RUN_TEST(no_test_and_no_trial_begins_while_a_sequence_runs);
+#endif
+    return UNITY_END();
+}
