@@ -355,6 +355,66 @@ static void a_drift_saves_no_loop_that_is_unstable(void)
     }
 }
 
+/* Some 0.0005 in the longest step: more than a twentieth of a step of 0.005, and less than of those there are. */
+static void a_drift_matters_beside_the_smallest_step(void)
+{
+    for (unsigned k = 0; k < 3; k++) {
+        setUp();
+        drift[0] = 2e-6;
+        begin(1, 1);
+        if (k < 2)
+            a.loop[k].step = REAL_C(0.005);
+        while (a.stage == 0)
+            TEST_ASSERT_EQUAL_INT(ADOPTION_RUNNING, one_tick());
+        TEST_ASSERT_EQUAL(k < 2, a.channel[0].drifts);
+        TEST_ASSERT_EQUAL(k < 2, a.drifting);
+    }
+}
+
+static void a_trial_begins_with_nothing_found_of_any_loop(void)
+{
+    begin(1, 1);
+    for (unsigned k = 0; k < 2; k++)
+        a.loop[k].iae = a.loop[k].peak = 9;
+    a.at = a.culprit = a.repeats = 1;
+    a.drifting = a.placed = true;
+    a.since = 77;
+    a.result = a.doubt = ADOPTION_SLOW;
+    TEST_ASSERT_EQUAL_INT(ERR_OK, adoption_begin(&a, &bench.s, &rest));
+    for (unsigned k = 0; k < 2; k++) {
+        TEST_ASSERT_EQUAL_FLOAT(0.0f, (float)a.loop[k].iae);
+        TEST_ASSERT_EQUAL_FLOAT(0.0f, (float)a.loop[k].peak);
+    }
+    TEST_ASSERT_EQUAL_UINT8(0, a.at + a.culprit + a.repeats);
+    TEST_ASSERT_FALSE(a.drifting || a.placed);
+    TEST_ASSERT_EQUAL_UINT32(0, a.since);
+    TEST_ASSERT_EQUAL_UINT8(3, a.patience);
+    TEST_ASSERT_EQUAL_INT(ADOPTION_RUNNING, a.result);
+    TEST_ASSERT_EQUAL_INT(ADOPTION_RUNNING, a.doubt);
+    TEST_ASSERT_EQUAL_UINT32(WINDOW, a.stage_ticks);
+}
+
+static void a_step_lasts_twenty_ticks_at_least_and_a_million_at_most(void)
+{
+    static const struct {
+        double lasts;
+        uint32_t ticks;
+    } cases[] = {{15, 20}, {19.9, 20}, {25.5, 25}, {999999, 999999}, {2e6, 1000000}};
+    for (unsigned n = 0; n < sizeof cases / sizeof cases[0]; n++) {
+        begin(1, 1);
+        a.loop[0].duration_s = (real_t)cases[n].lasts;
+        a.loop[1].duration_s = 20;
+        unsigned settles = 0;
+        while (a.stage != 2) { /* the step */
+            settles += a.stage == 1;
+            TEST_ASSERT_EQUAL_INT(ADOPTION_RUNNING, one_tick());
+            if (settles > 1)
+                a.ticks = a.stage_ticks;
+        }
+        TEST_ASSERT_EQUAL_UINT32(cases[n].ticks, a.stage_ticks);
+    }
+}
+
 static void an_output_that_stands_at_its_limits_is_no_good_sign(void)
 {
     begin(1, 1);
@@ -439,6 +499,9 @@ int main(void)
     RUN_TEST(what_the_tests_have_left_comes_off_the_limits);
     RUN_TEST(a_drift_that_turns_in_the_middle_of_a_step_has_it_repeated);
     RUN_TEST(a_drift_saves_no_loop_that_is_unstable);
+    RUN_TEST(a_drift_matters_beside_the_smallest_step);
+    RUN_TEST(a_trial_begins_with_nothing_found_of_any_loop);
+    RUN_TEST(a_step_lasts_twenty_ticks_at_least_and_a_million_at_most);
     RUN_TEST(an_output_that_stands_at_its_limits_is_no_good_sign);
     RUN_TEST(a_measurement_that_no_loop_holds_has_its_limit_too);
     RUN_TEST(a_setpoint_moved_by_hand_ends_it);

@@ -43,6 +43,7 @@ static void the_room_is_the_way_to_the_nearer_operating_limit(void)
     o->min = -2; /* 0.2 */
     o->max = 26; /* 0.9 */
     NEAR(0.1, commission_room(&bench.s, 0, REAL_C(0.3)));
+    NEAR(0.3, commission_room(&bench.s, 0, REAL_C(0.5)));
     NEAR(0.15, commission_room(&bench.s, 0, REAL_C(0.75)));
     NEAR(-0.05, commission_room(&bench.s, 0, REAL_C(0.95)));
     bench.s.output[0].manual = N(0.375);
@@ -106,10 +107,22 @@ static void a_measurement_at_the_end_of_its_span_for_two_samples_is_told(void)
             commission_watch_spans(&c, &bench.s);
             TEST_ASSERT_EQUAL_INT(-1, commission_at_end(&c));
         }
+    for (int side = -1; side <= 1;
+         side += 2) { /* there, or beyond: a 4000th of the span, on both at once */
+        setUp();
+        float margin = 2.5e-4f * 100.0f;
+        bench.s.measurement[0].raw = bench.s.measurement[1].raw =
+            side < 0 ? 60.0f + margin : 160.0f - margin;
+        commission_watch_spans(&c, &bench.s);
+        commission_watch_spans(&c, &bench.s);
+        TEST_ASSERT_EQUAL_HEX32(3, c.at_end_again);
+    }
+    setUp();
     c.measurement[2] = T5; /* of no test */
     bench.s.measurement[T5].raw = 60;
     commission_watch_spans(&c, &bench.s);
     commission_watch_spans(&c, &bench.s);
+    TEST_ASSERT_EQUAL_HEX32(0, c.at_end);
     TEST_ASSERT_EQUAL_INT(-1, commission_at_end(&c));
     c.at_end_again = 4;
     TEST_ASSERT_EQUAL_INT(-1, commission_at_end(&c));
@@ -119,6 +132,7 @@ static void a_measurement_at_the_end_of_its_span_for_two_samples_is_told(void)
 
 static void begins(bool may, const char *name, const char *text)
 {
+    what = "of before";
     TEST_ASSERT_EQUAL_INT(may ? ERR_OK : ERR_STATE, commission_may_begin(&bench.s, &what, &wanted));
     if (may)
         return;
@@ -249,6 +263,10 @@ static void a_measurement_that_is_held_for_longer_than_three_samples_and_a_half_
     disturbs(WHY_NOT, NULL);
     m->lost = true;
     disturbs(WHY_LOST, "T10");
+    bench.s.measurement[T1] = *m;
+    disturbs(WHY_LOST, "T1");
+    c.outputs = 0; /* of no test */
+    disturbs(WHY_NOT, NULL);
 }
 
 static void an_output_may_take_five_ticks_to_follow(void)
@@ -272,6 +290,8 @@ static void whatever_else_happens_ends_a_test(void)
     disturbs(WHY_HAND, "heat");
     bench.s.output[HEAT].forced = true;
     disturbs(WHY_INTERLOCK, "heat");
+    bench.s.output[REFLUX].forced = true;
+    disturbs(WHY_INTERLOCK, "reflux");
     c.at_end_again = 1;
     disturbs(WHY_SPAN, "T1");
     bench.s.safe_count++;

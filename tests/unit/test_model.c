@@ -299,6 +299,7 @@ static void inputs_that_were_skipped_are_no_columns(void)
         for (uint8_t k = 0; k < 3; k++) {
             c.element[j][k].fit = element(1.0 + j + 10.0 * k, 0.01, 100 + k, 5);
             c.input[k].rounds = 1;
+            c.element[2][k].fit = element(9.0, 0.01, 9, 9); /* of no output */
         }
     c.input[1].skipped = true;
     model_begin_analysis(&c, &settings, 1);
@@ -310,6 +311,146 @@ static void inputs_that_were_skipped_are_no_columns(void)
     TEST_ASSERT_EQUAL_UINT8(2, c.column[1]);
     TEST_ASSERT_EQUAL_FLOAT(22.0f, (float)p->element[1][1].gain);
     TEST_ASSERT_EQUAL_FLOAT(102.0f, (float)p->element[1][1].time_constant_s);
+    TEST_ASSERT_EQUAL_FLOAT(0.0f, (float)p->element[2][0].gain);
+    TEST_ASSERT_EQUAL_FLOAT(0.005f, (float)c.settings.floor);
+    TEST_ASSERT_EQUAL_FLOAT(0.05f, (float)c.settings.step);
+    TEST_ASSERT_EQUAL_FLOAT(0.95f, (float)c.settings.confidence);
+    TEST_ASSERT_EQUAL_UINT8(CONFIG_LOOPS, c.settings.loops_max);
+    TEST_ASSERT_EQUAL_PTR(c.noise_sd, c.settings.noise_sd);
+}
+
+/* ---- the beginning of a response ---- */
+
+static void begins(double slope, double dead, double gain)
+{
+    static struct config settings;
+    memset(&c, 0, sizeof c);
+    c.outputs = c.inputs = 1;
+    c.element[0][0].fit = element(gain, 0.01, 100, 10);
+    c.element[0][0].early_slope = (real_t)slope;
+    c.element[0][0].early_dead_s = (real_t)dead;
+    model_begin_analysis(&c, &settings, 1);
+}
+
+static void what_is_known_of_the_beginning_goes_into_the_analysis(void)
+{
+    const struct analysis *a = &c.work.analysis;
+    const struct fopdt *whole = &a->plant.element[0][0];
+    for (int sign = -1; sign <= 1; sign += 2) {
+        begins(0.02, 6, sign * 0.8);
+        TEST_ASSERT_EQUAL_FLOAT(40.0f, (float)a->beginning[0][0].time_constant_s);
+        TEST_ASSERT_EQUAL_FLOAT(6.0f, (float)a->beginning[0][0].dead_time_s);
+        TEST_ASSERT_EQUAL_FLOAT(6.0f, (float)whole->dead_time_s); /* and takes as long */
+        TEST_ASSERT_EQUAL_FLOAT(104.0f, (float)whole->time_constant_s);
+    }
+    begins(0.02, 12, 0.8);
+    TEST_ASSERT_EQUAL_FLOAT(12.0f, (float)a->beginning[0][0].dead_time_s);
+    TEST_ASSERT_EQUAL_FLOAT(10.0f, (float)whole->dead_time_s);
+    TEST_ASSERT_EQUAL_FLOAT(100.0f, (float)whole->time_constant_s);
+    begins(0, 6, 0.8);
+    TEST_ASSERT_EQUAL_FLOAT(0.0f, (float)a->beginning[0][0].time_constant_s);
+    TEST_ASSERT_EQUAL_FLOAT(0.0f, (float)a->beginning[0][0].dead_time_s);
+    TEST_ASSERT_EQUAL_FLOAT(10.0f, (float)whole->dead_time_s);
+    begins(0.02, 6, 0);
+    TEST_ASSERT_EQUAL_FLOAT(0.0f, (float)a->beginning[0][0].dead_time_s);
+}
+
+/* The fit of what the bench has just done, with another word of the look that came in time. */
+static void with_a_look(double slope, double dead, double dead_sd)
+{
+    memset(&c, 0, sizeof c);
+    c.outputs = c.inputs = 1;
+    c.work.test.experiment = experiment;
+    c.work.test.experiment.early[0].slope = (real_t)slope;
+    c.work.test.experiment.early[0].dead_s = (real_t)dead;
+    c.work.test.experiment.early[0].dead_sd_s = (real_t)dead_sd;
+    model_begin_fit(&c);
+    while (model_work(&c, JOB_FIT))
+        ;
+}
+
+static void a_beginning_is_taken_where_it_is_steeper_and_its_dead_time_twice_as_sure(void)
+{
+    bench.other = fast_and_slow;
+    config.amplitude = REAL_C(0.05);
+    config.half = 400;
+    tested(0);
+    double sd = (double)c.fitted[0].dead_time_sd_s;
+    double slope = fabs((double)c.fitted[0].gain / (double)c.fitted[0].time_constant_s);
+    const struct element *e = &c.element[0][0];
+    with_a_look(1.01 * slope, 3, 0.49 * sd);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-6, 1.01 * slope, (double)e->early_slope);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-5, 3 + 0.49 * sd, (double)e->early_dead_s);
+    with_a_look(0.99 * slope, 3, 0.49 * sd);
+    TEST_ASSERT_EQUAL_FLOAT(0.0f, (float)e->early_slope);
+    with_a_look(1.01 * slope, 3, 0.51 * sd);
+    TEST_ASSERT_EQUAL_FLOAT(0.0f, (float)e->early_slope);
+}
+
+/* Gain 1 at rest; for a step of 0.05 so much more of it up than down. */
+static double more_up;
+static double curved(unsigned j, uint32_t k)
+{
+    const struct test_element e = {1.0, 30, 5};
+    double y = 0.0;
+    for (unsigned i = 0; i < bench.edges; i++)
+        y += bench.change[i] * step_response(&e, k - bench.at[i]);
+    (void)j;
+    return y + more_up / 0.1 * y * y;
+}
+
+static void an_asymmetry_of_twice_the_mean_gain_is_none(void)
+{
+    static const double shares[] = {0.3, 1.9, 2.1, -1.9, -2.1};
+    for (unsigned n = 0; n < 5; n++) {
+        bench_begin(SEED);
+        memset(&c, 0, sizeof c);
+        bench.other = curved;
+        more_up = shares[n];
+        config.amplitude = REAL_C(0.05);
+        config.half = 300;
+        tested(0);
+        double wanted = fabs(more_up) < 2.0 ? 1000.0 * more_up : 0.0;
+        TEST_ASSERT_DOUBLE_WITHIN(15.0, wanted, c.element[0][0].asymmetry);
+    }
+}
+
+static void what_a_half_has_not_seen_of_a_response(void)
+{
+    static struct experiment x;
+    struct identified f = {.time_constant_s = 100, .dead_time_s = 20};
+    x.config.h_s = 2;
+    x.half = 60;
+    TEST_ASSERT_DOUBLE_WITHIN(1e-6, exp(-1.0), (double)model_unseen(&x, &f));
+    f.time_constant_s = 0;
+    TEST_ASSERT_EQUAL_FLOAT(0.0f, (float)model_unseen(&x, &f));
+    f.dead_time_s = 120;
+    TEST_ASSERT_EQUAL_FLOAT(1.0f, (float)model_unseen(&x, &f));
+    f.dead_time_s = 119;
+    f.time_constant_s = REAL_C(0.5);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-6, exp(-2.0), (double)model_unseen(&x, &f));
+}
+
+static void misfits_of_several_rounds_count_by_how_well_each_knows_the_gain(void)
+{
+    c.outputs = c.inputs = 2;
+    c.fitted[1] = element(1.0, 0.1, 100, 20);
+    c.misfit[1] = REAL_C(0.04);
+    c.misfit[2] = 9;
+    model_keep(&c);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-6, 0.04, (double)c.element[1][0].misfit);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-6, 0.1, (double)c.element[1][0].fit.gain_sd);
+    c.input[0].rounds = 1;
+    c.fitted[1].gain_sd = REAL_C(0.2); /* weights 100 and 25 */
+    c.misfit[1] = REAL_C(0.09);
+    model_keep(&c);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-6, 0.05, (double)c.element[1][0].misfit);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-6, sqrt(1.0 / 125.0), (double)c.element[1][0].fit.gain_sd);
+    c.misfit[1] = REAL_C(0.9);
+    model_keep(&c); /* of 0.05 by 125 and 0.9 by 25 */
+    TEST_ASSERT_DOUBLE_WITHIN(1e-6, 115.0 / 600.0, (double)c.element[1][0].misfit);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-6, 115.0 / 600.0, (double)c.element[1][0].fit.gain_sd);
+    TEST_ASSERT_EQUAL_FLOAT(0.0f, (float)c.element[2][0].misfit);
 }
 
 static void nothing_is_analysed_where_every_input_was_skipped(void)
@@ -359,6 +500,11 @@ int main(void)
     RUN_TEST(a_dead_time_of_most_of_a_level_is_no_integrator);
     RUN_TEST(an_output_of_noise_has_no_gain);
     RUN_TEST(inputs_that_were_skipped_are_no_columns);
+    RUN_TEST(what_is_known_of_the_beginning_goes_into_the_analysis);
+    RUN_TEST(a_beginning_is_taken_where_it_is_steeper_and_its_dead_time_twice_as_sure);
+    RUN_TEST(an_asymmetry_of_twice_the_mean_gain_is_none);
+    RUN_TEST(what_a_half_has_not_seen_of_a_response);
+    RUN_TEST(misfits_of_several_rounds_count_by_how_well_each_knows_the_gain);
     RUN_TEST(nothing_is_analysed_where_every_input_was_skipped);
     return UNITY_END();
 }
