@@ -115,9 +115,10 @@ static void every_number_is_that_of_its_definition(void)
     for (unsigned n = 0; n < 400; n++) {
         setUp();
         r.block = 1u << random_below(&source, 3);
-        uint32_t up = random_below(&source, 20), half = 14 * r.block + random_below(&source, 80);
+        uint32_t up = random_below(&source, 20),
+                 half = (14 + random_below(&source, 10)) * r.block + random_below(&source, 4);
         uint32_t later = random_below(&source, 10); /* the way down may be longer */
-        edges(up, up + half, up + 2 * half + later, up + 2 * half + later + 12 * r.block + n % 50);
+        edges(up, up + half, up + 2 * half + later, up + 2 * half + later + 12 * r.block + n % 20);
         double levels[4] = {0, uniform(&source, -1, 1), uniform(&source, -1, 1),
                             uniform(&source, -0.1, 0.1)};
         for (uint32_t i = 0; i < r.points; i++) {

@@ -365,7 +365,8 @@ static void with_a_look(double slope, double dead, double dead_sd)
     c.work.test.experiment.early[0].dead_s = (real_t)dead;
     c.work.test.experiment.early[0].dead_sd_s = (real_t)dead_sd;
     model_begin_fit(&c);
-    while (model_work(&c, JOB_FIT))
+    c.doing = JOB_FIT;
+    while (model_work(&c))
         ;
 }
 
