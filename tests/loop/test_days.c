@@ -7,7 +7,7 @@
  * about it the other tests say. */
 #include "base/crc32.h"
 #include "board_bench.h"
-#include "hal/retained.h"
+#include "event_sum.h"
 #include "kept_transcript.h"
 #include "random_source.h"
 
@@ -59,14 +59,6 @@ static void says_event(const char *line)
     kept_line("%s %s %s %s", time, name, subject, value);
 }
 
-/* What is kept of events over a reset; not all of it is ever shown. */
-static void sums_events(void)
-{
-    const void *events = hal_retained(HAL_RETAINED_EVENTS, HAL_RETAINED_EVENTS_BYTES);
-    TEST_ASSERT_NOT_NULL(events);
-    day.sum = crc32_update(day.sum, events, HAL_RETAINED_EVENTS_BYTES);
-}
-
 static void says(void)
 {
     char *line = board.said;
@@ -78,7 +70,7 @@ static void says(void)
         else if (strncmp(line, "! ", 2) == 0 && !day.briefly)
             says_event(line);
         else if (strncmp(line, "T,", 2) == 0 && ++day.rows % ROWS == 0) {
-            sums_events();
+            day.sum = event_sum(day.sum);
             kept_line("%08x %s", (unsigned)day.sum, day.briefly ? "" : line);
         }
     }

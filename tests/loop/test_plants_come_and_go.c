@@ -6,7 +6,7 @@
  * tests of the link say. */
 #include "base/crc32.h"
 #include "board_bench.h"
-#include "hal/retained.h"
+#include "event_sum.h"
 #include "kept_transcript.h"
 #include "random_source.h"
 
@@ -39,14 +39,6 @@ static int from_to(int lo, int hi)
 static void sums(const char *text)
 {
     sum = crc32_update(sum, text, strlen(text));
-}
-
-/* What is kept of events over a reset; not all of it is ever shown. */
-static void sums_events(void)
-{
-    const void *events = hal_retained(HAL_RETAINED_EVENTS, HAL_RETAINED_EVENTS_BYTES);
-    TEST_ASSERT_NOT_NULL(events);
-    sum = crc32_update(sum, events, HAL_RETAINED_EVENTS_BYTES);
 }
 
 static void says(void)
@@ -315,7 +307,7 @@ static void lives_with(const char *name, const char *const *settings)
         if (step % 30 == 0) /* for the checksum */
             lists("commission plant", "nothing");
         if (step % WHOLE == WHOLE - 1) {
-            sums_events();
+            sum = event_sum(sum);
             kept_line("%08x", (unsigned)sum);
             lists("status", "state");
             lists("alarm", "");
