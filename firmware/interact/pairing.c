@@ -79,7 +79,6 @@ static void take_gains(struct pairing *p)
 /* Rows and columns of p->gains that may be used, into p->square; p->kept remembers which they were. */
 static void take_allowed(struct pairing *p)
 {
-    p->kept.n = 0;
     uint8_t rows = 0, cols = 0;
     for (uint8_t i = 0; i < p->gains.rows; i++)
         if ((p->config.outputs_out & (1u << i)) == 0u)

@@ -10,6 +10,7 @@
 
 #include "interact/cascade.h"
 #include "interact/gains.h"
+#include "interact/measure.h"
 #include "interact/pairing.h"
 #include "interact/rga.h"
 #include "interact/structure.h"
@@ -190,6 +191,115 @@ static void says_cascades(void)
     }
 }
 
+/* How far the relative gains of the pairs are from 1, the smallest error that makes the gains singular, and the dynamic
+ * measures. */
+static void says_measures(void)
+{
+    static struct rga_work rga;
+    static struct matrix values, sd, lambda;
+    static struct measure_work measure_work;
+    static struct measure m;
+    static struct assignment best;
+    uint8_t output = 99, input = 99;
+    real_t sds = REAL_C(0.0);
+    if (pairing.pairs.n != plant.outputs || pairing.pairs.n != plant.inputs)
+        return;
+    interact_gains(&plant, &pairing.pairs, &values);
+    sd.rows = sd.cols = pairing.pairs.n;
+    for (unsigned k = 0; k < pairing.pairs.n; k++)
+        for (unsigned l = 0; l < pairing.pairs.n; l++)
+            sd.at[k][l] = plant.gain_sd[pairing.pairs.output[k]][pairing.pairs.input[l]];
+    struct pairs own = {.n = pairing.pairs.n};
+    for (uint8_t k = 0; k < own.n; k++)
+        own.output[k] = own.input[k] = k;
+    enum err err = rga_compute(&values, &rga, &lambda);
+    if (err) {
+        kept_line("relative gains %d", err);
+        return;
+    }
+    real_t error = rga_smallest_error(&lambda, &output, &input), index = REAL_C(0.0);
+    enum err of_sds = rga_determinant_sds(&values, &sd, &rga, &sds);
+    enum err of_index = niederlinski_index(&values, &own, &rga, &index);
+    kept_line("number %.6g error %.6g at %u %u sds %d %.6g index %d %.6g",
+              (double)rga_number(&lambda, &own), (double)error, output, input, of_sds, (double)sds,
+              of_index, (double)index);
+    err = measure_compute(&plant, &pairing.pairs, REAL_C(60.0), &measure_work, &m);
+    kept_line("measure %d agrees %d", err, !err && measure_agrees(&m, &best));
+    for (uint8_t k = 0; !err && k < own.n; k++) {
+        struct fopdt e = {REAL_C(0.0), REAL_C(0.0), REAL_C(0.0)};
+        err = measure_equivalent(&m, &plant, &pairing.pairs, k, &e);
+        kept_line("phi %.6g gamma %.6g equivalent %d %.6g %.6g %.6g", (double)m.phi.at[k][k],
+                  (double)m.gamma.at[k][k], err, (double)e.gain, (double)e.dead_time_s,
+                  (double)e.time_constant_s);
+        err = ERR_OK;
+    }
+}
+
+/* Output 2 follows outputs 0 and 1, but for an error; each is sooner with some of the inputs. */
+static void says_followers(unsigned number, double error, double later, double sd)
+{
+    struct random_source r = {SEED + 7000 + number};
+    memset(&plant, 0, sizeof plant);
+    plant.outputs = 3;
+    plant.inputs = (uint8_t)(2 + number % 3);
+    for (unsigned j = 0; j < plant.inputs; j++) {
+        double gain = 0.5 + fraction(&r), sooner = 10 + 50 * fraction(&r);
+        double sooner_too = 10 + 50 * fraction(&r), off = 1.0 + error * (2.0 * fraction(&r) - 1.0);
+        if (number % 5 == 4 && j == 1)
+            gain = 0.01;
+        plant.element[0][j] = (struct fopdt){(real_t)gain, REAL_C(3.0), (real_t)sooner};
+        plant.element[1][j] =
+            (struct fopdt){(real_t)(-0.6 * gain), REAL_C(4.0), (real_t)sooner_too};
+        plant.element[2][j] = (struct fopdt){(real_t)(0.8 * gain * off),
+                                             (real_t)(number % 4 == 3 ? 4.1 : 9.0), (real_t)later};
+        for (unsigned i = 0; i < 3; i++)
+            plant.gain_sd[i][j] = (real_t)(sd * (1 + i));
+    }
+    kept_line("followers %u error %.4g later %.4g sd %.4g", number, error, later, sd);
+    says_cascades();
+}
+
+static void says_all_followers(void)
+{
+    kept_line("# followers");
+    for (unsigned k = 0; k < 12; k++)
+        says_followers(k, 0.005, 150.0, 0.01);
+    for (unsigned k = 0; k < 10; k++)
+        says_followers(2, 0.02 * pow(1.35, k), 150.0, 0.001);
+    for (unsigned k = 0; k < 8; k++)
+        says_followers(1, 0.03, 150.0, 2e-3 * pow(2.0, k));
+    for (unsigned k = 0; k < 10; k++)
+        says_followers(0, 0.005, 40.0 + 10.0 * k, 0.01);
+}
+
+/* Every output feels its own input and that of the one `step` on: all hang together, but only the whole way round; or, where
+ * it does not close, one after the other; or one outside the ring drives the first of it. */
+static void says_rings(void)
+{
+    for (unsigned number = 0; number < 18; number++) {
+        unsigned n = 3 + number % 3, step = number / 3 % 2 ? n - 1 : 1;
+        bool closed = number < 6, driven = number >= 12;
+        unsigned ring = driven ? n - 1 : n;
+        struct structure_config c;
+        structure_config_default(&c);
+        memset(&plant, 0, sizeof plant);
+        plant.outputs = plant.inputs = (uint8_t)n;
+        for (unsigned i = 0; i < n; i++)
+            for (unsigned j = 0; j < n; j++) {
+                bool next = i < ring && j == (i + (step == 1 ? 1 : ring - 1)) % ring &&
+                            (closed || driven || i + 1 < n);
+                next = next || (driven && i == 0 && j == ring);
+                double gain = i == j ? 1.0 : next ? 0.7 + 0.1 * i : 0.0;
+                plant.element[i][j] =
+                    (struct fopdt){(real_t)gain, REAL_C(3.0), (real_t)(30 + 7 * i + 3 * j)};
+                plant.gain_sd[i][j] = REAL_C(1e-3);
+            }
+        kept_line("# ring of %u, step %u, closed %d driven %d", n, step, closed, driven);
+        says_pairing(0);
+        says_structure(&c);
+    }
+}
+
 static void the_numbers_of_interaction_are_the_ones_kept(void)
 {
     kept_open("reference/interact_numbers.txt");
@@ -205,7 +315,10 @@ static void the_numbers_of_interaction_are_the_ones_kept(void)
         says_cascades();
         if (gains.rank_exact == plant.outputs)
             says_dynamic();
+        says_measures();
     }
+    says_all_followers();
+    says_rings();
     kept_close();
 }
 

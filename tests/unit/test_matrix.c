@@ -395,6 +395,54 @@ static void sizes_and_elements_out_of_range_are_refused(void)
     TEST_ASSERT_EQUAL_INT(ERR_RANGE, matrix_multiply(&x, &y, &z));
 }
 
+static void elements_of_up_to_1e15_are_taken(void)
+{
+    static const double sizes[] = {1e15, -1e15, 1.001e15, -1.001e15};
+    for (unsigned k = 0; k < 4; k++) {
+        enum err want = k < 2 ? ERR_OK : ERR_NOT_FINITE;
+        a = (struct matrix){1, 2, {{1, (real_t)sizes[k]}}};
+        TEST_ASSERT_EQUAL_INT(want, matrix_check(&a));
+        ca = (struct cmatrix){1, 2, {{{1, 0}, {(real_t)sizes[k], 0}}}};
+        TEST_ASSERT_EQUAL_INT(want, cmatrix_check(&ca));
+        ca = (struct cmatrix){2, 1, {{{1, 0}}, {{0, (real_t)sizes[k]}}}};
+        TEST_ASSERT_EQUAL_INT(want, cmatrix_check(&ca));
+    }
+}
+
+/* Of the largest sizes, and not square: what is beyond the last row or column is not the matrix's. */
+static void the_largest_matrices_stay_in_their_bounds(void)
+{
+    static const uint8_t sizes[][2] = {{MATRIX_MAX, 3}, {3, MATRIX_MAX}, {MATRIX_MAX, MATRIX_MAX}};
+    for (unsigned k = 0; k < 3; k++) {
+        struct random_source r = {77 + k};
+        a.rows = ca.rows = sizes[k][0];
+        a.cols = ca.cols = sizes[k][1];
+        for (unsigned i = 0; i < a.rows; i++)
+            for (unsigned j = 0; j < a.cols; j++) {
+                a.at[i][j] = (real_t)(random_fraction(&r) + (i == j ? 9.0 : 0.0));
+                ca.at[i][j] = cplx(a.at[i][j], (real_t)random_fraction(&r));
+            }
+        unsigned n = a.rows < a.cols ? a.rows : a.cols;
+        TEST_ASSERT_EQUAL_INT(ERR_OK, matrix_pseudo_inverse(&a, &work, &x));
+        TEST_ASSERT_EQUAL_INT(ERR_OK, cmatrix_pseudo_inverse(&ca, &cwork, &cx));
+        for (unsigned i = 0; i < n; i++)
+            for (unsigned j = 0; j < n; j++) { /* A+ A of a tall one, A A+ of a wide one */
+                double sum = 0.0;
+                struct cplx csum = cplx(0, 0);
+                for (unsigned l = 0; l < (a.rows > a.cols ? a.rows : a.cols); l++) {
+                    bool tall = a.rows >= a.cols;
+                    sum += (double)(tall ? x.at[i][l] : a.at[i][l]) *
+                           (double)(tall ? a.at[l][j] : x.at[l][j]);
+                    csum = cplx_add(csum, cplx_mul(tall ? cx.at[i][l] : ca.at[i][l],
+                                                   tall ? ca.at[l][j] : cx.at[l][j]));
+                }
+                TEST_ASSERT_DOUBLE_WITHIN(100 * EPS, i == j, sum);
+                TEST_ASSERT_DOUBLE_WITHIN(100 * EPS, i == j, (double)csum.re);
+                TEST_ASSERT_DOUBLE_WITHIN(100 * EPS, 0, (double)csum.im);
+            }
+    }
+}
+
 static void a_decomposition_is_made_of_single_sweeps(void)
 {
     random_matrix(5, &a);
@@ -443,6 +491,8 @@ int main(void)
     RUN_TEST(the_determinant_of_a_complex_permutation_has_its_angle);
     RUN_TEST(matrices_that_cannot_be_inverted_are_refused);
     RUN_TEST(sizes_and_elements_out_of_range_are_refused);
+    RUN_TEST(elements_of_up_to_1e15_are_taken);
+    RUN_TEST(the_largest_matrices_stay_in_their_bounds);
     RUN_TEST(a_decomposition_is_made_of_single_sweeps);
     RUN_TEST(extreme_scales_lose_no_accuracy);
     return UNITY_END();
