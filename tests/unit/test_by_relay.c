@@ -81,6 +81,10 @@ static void ended(enum commission_why why, const char *subject, double value)
 
 static void it_begins_with_its_own_measurement_and_the_tested_ones(void)
 {
+    memset(&c.work, 0xA5, sizeof c.work); /* whatever was there before */
+    c.outputs = c.inputs = 3;
+    c.analysed = true;
+    bench.s.loop[BOTTOM].mode = LOOP_AUTO; /* it is no hand that this one acts already */
     cf->measurement[T1].test = 1;
     cf->measurement[FEED].test = 1;
     commission_begin_relay(&c, &bench.s);
@@ -92,7 +96,14 @@ static void it_begins_with_its_own_measurement_and_the_tested_ones(void)
     TEST_ASSERT_EQUAL_UINT8(1, c.inputs);
     TEST_ASSERT_EQUAL_UINT8(REFLUX, c.input[0].output);
     NEAR(0.5, c.input[0].held);
+    TEST_ASSERT_FALSE(c.analysed);
+    TEST_ASSERT_EQUAL_UINT8(LOOP_MANUAL, c.by_relay.mode[TOP]);
+    TEST_ASSERT_EQUAL_UINT8(LOOP_AUTO, c.by_relay.mode[BOTTOM]);
     TEST_ASSERT_TRUE(t->resting);
+    TEST_ASSERT_EQUAL_UINT32(0, t->waited);
+    TEST_ASSERT_EQUAL_UINT32(0, t->cycling);
+    NEAR(0.0, t->slope_per_s[0]);
+    NEAR(0.0, t->limit[3]);
     NEAR(0.2, t->limit[2]);
     TEST_ASSERT_EQUAL_UINT64(bench.s.time_ms, c.phase_ms);
     TEST_ASSERT_EQUAL_UINT64(bench.s.time_ms, c.sample_ms);
@@ -109,6 +120,15 @@ static void it_begins_with_its_own_measurement_and_the_tested_ones(void)
     cf->test.window = STEADY_BLOCKS - 1;
     commission_begin_relay(&c, &bench.s);
     TEST_ASSERT_EQUAL_UINT32(1, t->steady.config.block);
+    setUp();
+    bench.plan[bench.current].tick_s = 0; /* no time at all */
+    commission_begin_relay(&c, &bench.s);
+    ended(WHY_NUMBERS, "reflux", (double)ERR_RANGE);
+    setUp();
+    bench.s.loop[BOTTOM].mode = LOOP_AUTO;
+    commission_begin_relay(&c, &bench.s);
+    sample(1);
+    TEST_ASSERT_EQUAL_INT(COMMISSION_RELAY, c.phase);
 }
 
 static void what_has_changed_since_it_was_asked_for_is_refused(void)
@@ -412,6 +432,13 @@ static void a_cycle_becomes_a_proposal_for_one_pair(void)
     TEST_ASSERT_EQUAL_UINT8(1, a->pairs.n);
     TEST_ASSERT_EQUAL_UINT8(1, a->loops.pairs.n);
     NEAR(1.0, a->probability);
+    TEST_ASSERT_EQUAL_UINT8(0, a->pairs.output[0]);
+    TEST_ASSERT_EQUAL_UINT8(0, a->pairs.input[0]);
+    TEST_ASSERT_EQUAL_UINT8(0, a->n_cascades);
+    TEST_ASSERT_EQUAL_HEX16(0, a->inner_outputs);
+    NEAR(ku / 3.2, a->loops.tuning[0].gain);
+    NEAR(2.2 * pu, a->loops.tuning[0].ti_s);
+    TEST_ASSERT_EQUAL_INT(TUNING_DIRECT, a->loops.tuning[0].action);
     NEAR(1.0, a->factor);
     NEAR(1.0, a->factor_least);
     NEAR(8.0, a->loops.derivative_filter);

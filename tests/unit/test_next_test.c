@@ -206,6 +206,8 @@ static void the_smallest_step_that_was_wanted_is_the_first_of_all_inputs(void)
     NEAR(0.01, x->amplitude_first);
     c.input[0].amplitude_wanted = REAL_C(0.015);
     NEAR(0.01, commission_small_step(&c));
+    c.input[1].amplitude_wanted = 0; /* none is wanted */
+    NEAR(0.015, commission_small_step(&c));
     c.input[0].amplitude_wanted = REAL_C(0.005);
     start(0);
     NEAR(0.005, x->amplitude_first);
