@@ -12,3 +12,6 @@ endif()
 # Plants that come and go, beside tests/reference/plants.txt.
 reflux_test(plants_come_and_go LABEL loop SOURCES ${CMAKE_CURRENT_LIST_DIR}/test_plants_come_and_go.c
             LIBS reflux_hal_memory reflux_app reflux_link)
+# What may be set and what may not, beside tests/reference/settings.txt.
+reflux_test(settings LABEL loop SOURCES ${CMAKE_CURRENT_LIST_DIR}/test_settings.c
+            LIBS reflux_hal_memory reflux_app reflux_link)
