@@ -188,6 +188,22 @@ static void the_engineer_level_locks_itself_when_nobody_uses_it(void)
     TEST_ASSERT_TRUE(said("DO_LOCK time"));
 }
 
+/* Also where it is refused, with nothing to be told: an engineer has acted. */
+static void telling_automatic_start_up_something_counts_as_use(void)
+{
+    ask_ok("set console.relock 60");
+    ask_ok("key pot_still");
+    samples(1);
+    pass(50000);
+    ask_ok("commission"); /* of the operator level: does not count */
+    ask_refused("commission accept", "STATE");
+    pass(50000);
+    ask_ok("version");
+    TEST_ASSERT_TRUE(said("locks itself in s 10"));
+    pass(11000);
+    ask_refused("commission accept", "LOCKED");
+}
+
 static void with_relock_zero_it_stays_open(void)
 {
     ask_ok("set console.relock 0");
@@ -226,6 +242,7 @@ int main(void)
     RUN_TEST(what_diff_prints_can_be_pasted_and_leaves_the_key_as_it_is);
     RUN_TEST(keys_are_not_kept_in_the_history_of_lines);
     RUN_TEST(the_engineer_level_locks_itself_when_nobody_uses_it);
+    RUN_TEST(telling_automatic_start_up_something_counts_as_use);
     RUN_TEST(with_relock_zero_it_stays_open);
     RUN_TEST(a_transaction_outlives_the_lock_but_is_not_applied_without_the_key);
     return UNITY_END();
