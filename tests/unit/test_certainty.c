@@ -143,6 +143,13 @@ static void an_unknown_gain_is_not_none(void)
     TEST_ASSERT_EQUAL_HEX16(0, a.inner_outputs);
     TEST_ASSERT_NOT_EQUAL_INT(PAIRING_DETERMINED, a.verdict);
     TEST_ASSERT_EQUAL_INT(LEFT_UNSEEN, certainty_input_left(&a, 1));
+
+    element(0, 0, 0.1, 0.0005, 10); /* nor is it where all gains are small */
+    element(1, 0, 0.08, 0.0005, 200);
+    element(0, 1, 0.0001, 0.0035, 100);
+    element(1, 1, 0.0001, 0.00025, 100);
+    run();
+    TEST_ASSERT_EQUAL_HEX16(0, a.inner_outputs);
 }
 
 static void a_sign_is_sure_from_three_standard_deviations_on(void)
