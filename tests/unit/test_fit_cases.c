@@ -177,6 +177,13 @@ static void dips(void)
     shape.edge[2] = -1;
     grows("slow after a short step, two levels", &shape.part[0].lag, 20, 4, 3);
     plain();
+    shape.part[0].lag = 60;
+    shape.part[1] = (struct test_element){-0.05, 5, 0};
+    shape.edge[1] = 110;
+    shape.edge[2] = 170;
+    shape.noise = 1e-5;
+    grows("dips after a short step", &shape.part[1].gain, -0.05, 1.5, 6);
+    plain();
     shape.part[1] = (struct test_element){-0.3, 2, 0};
     adds("a dip that is late", &shape.part[1].dead, 0, 8, 9);
 }

@@ -169,6 +169,13 @@ static void of_moments(void)
         m.t1 = m.t2 = lengths[i];
         says_moments(m.t1);
     }
+    kept_line("# short double steps and a guess that is long");
+    m.guess_s = 700;
+    m.best_only = true;
+    for (unsigned i = 0; i < sizeof lengths / sizeof lengths[0]; i++) {
+        m.t1 = m.t2 = lengths[i];
+        says_moments(m.t1);
+    }
     plain_moments();
     kept_line("# few samples");
     for (m.samples = 5; m.samples < 500; m.samples += m.samples)

@@ -115,6 +115,25 @@ static double coefficient_value(struct coefficient c)
     return ldexp((double)c.mantissa, -c.shift);
 }
 
+/* A sum scaled by almost 2^-32: its last word is half a unit of 2^-48 or more, and rounds up. */
+static void the_last_bit_of_a_scaled_sum_is_rounded(void)
+{
+    struct accumulator a = {.q48 = (1 << 23) - 1}, b = {.q48 = UINT32_MAX};
+    TEST_ASSERT_EQUAL_INT32(0, accumulator_get(&a).q);
+    accumulator_add_scaled(&a, (struct coefficient){.mantissa = INT32_MAX, .shift = 63}, &b);
+    TEST_ASSERT_EQUAL_INT32(1, accumulator_get(&a).q);
+    for (unsigned tenths = 4; tenths <= 6; tenths += 2) {
+        a.q48 = (1 << 23) - 1;
+        b.q48 = (int64_t)UINT32_MAX * tenths / 10;
+        accumulator_add_scaled(&a, (struct coefficient){.mantissa = INT32_MAX, .shift = 63}, &b);
+        TEST_ASSERT_EQUAL_INT32(tenths / 5, accumulator_get(&a).q);
+    }
+    b.q48 = UINT32_MAX;
+    a.q48 = (1 << 23) - 1;
+    accumulator_add_scaled(&a, (struct coefficient){.mantissa = INT32_MAX, .shift = 64}, &b);
+    TEST_ASSERT_EQUAL_INT32(0, accumulator_get(&a).q);
+}
+
 static void the_accumulator_saturates_and_comes_back(void)
 {
     struct accumulator a = {0};
@@ -270,6 +289,7 @@ int main(void)
     RUN_TEST(fixed_point_saturates_instead_of_wrapping);
     RUN_TEST(fixed_point_rounds_ties_away_from_zero_on_both_sides);
     RUN_TEST(the_accumulator_saturates_and_comes_back);
+    RUN_TEST(the_last_bit_of_a_scaled_sum_is_rounded);
     RUN_TEST(a_coefficient_out_of_range_is_clipped_or_zero);
 #endif
     RUN_TEST(a_coefficient_keeps_its_digits_however_small);
