@@ -34,6 +34,7 @@ struct app {
     struct supervisor supervisor;
     struct plant_link link;
     struct service service;
+    struct operate operate;
     struct console console;
     uint32_t bound_generation; /* channel table the supervisor is bound to */
     enum io_state io_state;
@@ -77,7 +78,8 @@ void app_init(struct app *app)
     supervisor_tell_plan(&app->supervisor);
     app->service.settle = settle_plan;
     app->service.settle_context = app;
-    console_init(&app->console, &app->service);
+    operate_init(&app->operate, &app->service);
+    console_init(&app->console, &app->operate);
 #if COMMISSION_CHANNELS
     commission_init(&app->commission, &app->service.tick_events);
     app->service.commission = &app->commission;
@@ -455,7 +457,7 @@ void app_background(struct app *app)
     busy = do_work(app) || busy;
 #endif
 #if COMMISSION_CHANNELS
-    busy = console_commission_poll(&app->console) || busy;
+    busy = operate_poll(&app->operate) || busy;
 #endif
     busy = storage_poll(&app->storage) || busy;
     busy = hal_uart_pump(HAL_UART_CONSOLE) != 0 || busy;

@@ -47,10 +47,11 @@ static void editor_prompt(void *console)
 
 static const struct line_editor_port editor_port = {editor_write, console_choice, editor_prompt};
 
-void console_init(struct console *c, struct service *service)
+void console_init(struct console *c, struct operate *door)
 {
     memset(c, 0, sizeof *c);
-    c->service = service;
+    c->service = door->service;
+    session_init(&c->session, door);
     line_editor_init(&c->editor, &editor_port, c);
 }
 
@@ -72,7 +73,7 @@ void console_ok(struct console *c)
     prompt(c);
 }
 
-struct text console_err_on(char *line, size_t size, enum err code)
+static struct text err_on(char *line, size_t size, enum err code)
 {
     struct text t = text_on(line, size);
     text_str(&t, "err ");
@@ -81,7 +82,7 @@ struct text console_err_on(char *line, size_t size, enum err code)
     return t;
 }
 
-void console_err_line(struct console *c, const char *line)
+static void print_err(struct console *c, const char *line)
 {
     c->stats.errors++;
     console_print(c, line);
@@ -91,13 +92,101 @@ void console_err_line(struct console *c, const char *line)
 void console_err_about(struct console *c, enum err code, const char *subject, const char *text)
 {
     char line[CONSOLE_OUTPUT_MAX];
-    struct text t = console_err_on(line, sizeof line, code);
+    struct text t = err_on(line, sizeof line, code);
     if (subject && subject[0]) {
         text_str(&t, subject);
         text_str(&t, ": ");
     }
     text_str(&t, text ? text : err_text(code));
-    console_err_line(c, line);
+    print_err(c, line);
+}
+
+/* Of a configuration that does not fit together. */
+static void config_words(const struct config_fault *fault, struct text *t)
+{
+    service_fault_name(fault, t);
+    text_str(t, ": ");
+    if (fault->subject[0]) {
+        text_char(t, '\'');
+        text_str(t, fault->subject);
+        text_str(t, "' ");
+    }
+    text_str(t, fault->wanted);
+    if (fault->bytes) {
+        text_str(t, ", bytes needed: ");
+        text_u32(t, fault->bytes);
+        text_str(t, ", there are: ");
+        text_u32(t, PLAN_ARENA_BYTES);
+    }
+}
+
+/* Of a parameter that does not take it. */
+static void value_words(enum err code, const struct parameter *p, const char *value, struct text *t)
+{
+    parameter_name(p, t);
+    text_str(t, ": '");
+    text_str(t, value ? value : "");
+    text_str(t, code == ERR_READ_ONLY ? "' refused, " : "' refused, allowed: ");
+    parameter_range(p, t);
+    if (field_unit(p->field)[0]) {
+        text_char(t, ' ');
+        text_str(t, field_unit(p->field));
+    }
+}
+
+static void range_words(const struct answer *a, struct text *t)
+{
+    text_float(t, a->range.value);
+    text_str(t, " refused, allowed: ");
+    text_float(t, a->range.lo);
+    text_str(t, " .. ");
+    text_float(t, a->range.hi);
+    text_char(t, ' ');
+    text_str(t, a->range.unit);
+}
+
+static void answer_words(enum err code, const struct answer *a, struct text *t)
+{
+    switch (a->more) {
+    case ANSWER_CONFIG:
+        config_words(&a->config, t);
+        return;
+    case ANSWER_VALUE:
+        value_words(code, &a->value.parameter, a->value.text, t);
+        return;
+    default:
+        break;
+    }
+    if (a->subject && a->subject[0]) {
+        text_str(t, a->subject);
+        text_str(t, ": ");
+    }
+    if (a->more == ANSWER_RANGE) {
+        range_words(a, t);
+    } else if (a->more == ANSWER_PLACES) {
+        text_str(t, "this board has ");
+        text_u32(t, a->value.parameter.group->count);
+        text_str(t, ", bytes needed for each more: ");
+        text_u32(t, (uint32_t)PLAN_BUFFERS * a->value.parameter.group->stride);
+    } else {
+        text_str(t, a->words ? a->words : err_text(code));
+    }
+    if (a->more == ANSWER_WAIT) {
+        text_str(t, "; the next try is looked at in s ");
+        text_u32(t, (a->wait_ms + 999u) / 1000u);
+    }
+}
+
+void console_answer(struct console *c, enum err code, const struct answer *answer)
+{
+    if (!code) {
+        console_ok(c);
+        return;
+    }
+    char line[CONSOLE_OUTPUT_MAX];
+    struct text t = err_on(line, sizeof line, code);
+    answer_words(code, answer, &t);
+    print_err(c, line);
 }
 
 void console_err(struct console *c, enum err code, const char *text)
@@ -141,63 +230,6 @@ static void usage(struct console *c, const struct console_command *command)
     console_err(c, ERR_PARSE, text);
 }
 
-/* What was asked for goes into the history: command by its code, subject and number by its arguments. */
-static void record(struct console *c, uint8_t code, unsigned n, char **word, bool engineer)
-{
-    static const char *const modes[] = {"manual", "auto", "cascade"};
-    float value = 0.0f;
-    struct parameter p;
-    bool plain = code != EVENT_DO_KEY && code != EVENT_DO_UNLOCK;
-    if (code == EVENT_DO_SET && parameter_find(word[0], &p) == ERR_OK)
-        plain = !parameter_is_secret(&p);
-    if (code == EVENT_DO_MODE) {
-        if (n < 2)
-            return; /* the console's own mode */
-        for (unsigned m = 0; m < 3; m++)
-            if (strcmp(word[1], modes[m]) == 0)
-                value = (float)m;
-    } else if (code == EVENT_DO_SEQUENCE) {
-        if (n == 0 || strcmp(word[0], "list") == 0)
-            return; /* only looked at */
-    } else if (code == EVENT_DO_COMMISSION) {
-        if (console_commission_looks(n, word))
-            return;
-    } else if (code == EVENT_DO_ALARM) {
-        if (n < 2)
-            return; /* only looked at */
-        word++;     /* past ack or shelve */
-        n--;
-        if (n >= 2 && text_parse_float(word[1], &value) != ERR_OK)
-            value = 0.0f;
-    } else if (code == EVENT_DO_APPLY) {
-        value = (float)c->changes;
-    } else if (plain && n >= 2 && text_parse_float(word[1], &value) != ERR_OK) {
-        value = 0.0f;
-    }
-    const char *subject = code == EVENT_DO_KEY || code == EVENT_DO_UNLOCK || !n ? NULL : word[0];
-    service_record(c->service, (enum event_code)code, subject, value,
-                   engineer ? EVENT_ENGINEER : 0);
-}
-
-static void run(struct console *c, const struct console_command *command, unsigned n, char **word)
-{
-    bool engineer = console_is_engineer(c), set_aside = c->service->staging;
-    uint32_t errors = c->stats.errors;
-    if (command->access == ACCESS_ENGINEER) {
-        if (!engineer) {
-            console_err_about(c, ERR_LOCKED, command->name, NULL);
-            return;
-        }
-        console_engineer_acts(c);
-    }
-    command->run(c, n, word);
-    /* Within a transaction only `apply` does anything. */
-    if (command->action == NOT_AN_ACTION || c->stats.errors != errors ||
-        (command->action == EVENT_DO_SET && set_aside))
-        return;
-    record(c, command->action, n, word, engineer || console_is_engineer(c));
-}
-
 static void dispatch(struct console *c)
 {
     char *word[CONSOLE_WORDS];
@@ -218,7 +250,7 @@ static void dispatch(struct console *c)
         if (n - 1 < command->lowest || n - 1 > command->highest)
             usage(c, command);
         else
-            run(c, command, n - 1, word + 1);
+            command->run(c, n - 1, word + 1);
         return;
     }
     console_err_about(c, ERR_UNKNOWN, word[0], "no such command; `help` lists them");
@@ -266,7 +298,7 @@ static void async_line(struct console *c, char *line, size_t n, size_t size)
         (void)write_text("\r\033[K", 4);
     if (!write_text(line, t.n))
         c->stats.dropped++;
-    if (!c->machine && !c->listing && !c->storage) {
+    if (!c->machine && !c->listing && !operate_waits(&c->session)) {
         prompt(c);
         line_editor_show(&c->editor);
     }
@@ -295,6 +327,7 @@ static bool line_under_way(const struct console *c)
 static void begin_line(struct console *c)
 {
     c->piece = 0;
+    c->service->telemetry.printing = true;
     if (!c->machine)
         (void)write_text("\r\033[K", 4);
 }
@@ -306,7 +339,8 @@ static void end_line(struct console *c)
         spsc_read_done(&c->service->telemetry.index);
     c->row = NULL;
     c->header_of = NULL;
-    if (!c->machine && !c->listing && !c->storage && !c->header_asked) {
+    c->service->telemetry.printing = false;
+    if (!c->machine && !c->listing && !operate_waits(&c->session) && !c->header_asked) {
         prompt(c);
         line_editor_show(&c->editor);
     }
@@ -393,7 +427,7 @@ static bool go_on_listing(struct console *c)
 static bool read_input(struct console *c)
 {
     bool any = false;
-    while (!c->listing && !c->storage && !c->header_asked &&
+    while (!c->listing && !operate_waits(&c->session) && !c->header_asked &&
            hal_uart_room(HAL_UART_CONSOLE) >= REPLY_ROOM) {
         if (c->rx_at == c->rx_n) {
             c->rx_at = 0;
@@ -423,14 +457,14 @@ static void finish_and_reboot(struct console *c)
 bool console_poll(struct console *c)
 {
     service_keep_events(c->service);
-    console_relock(c);
+    session_poll(&c->session);
     bool busy = !line_under_way(c) && print_event(c);
     busy = print_row(c) || busy;
     if (line_under_way(c))
         ; /* what else there is to say waits for its end */
     else if (c->listing)
         busy = go_on_listing(c) || busy;
-    else if (c->storage)
+    else if (operate_waits(&c->session))
         busy = console_storage_poll(c) || busy;
     else
         busy = read_input(c) || busy;

@@ -11,7 +11,7 @@
 #define REFLUX_CONSOLE_CONSOLE_H
 
 #include "console/line_editor.h"
-#include "service/service.h"
+#include "operate/operate.h"
 
 #define CONSOLE_LINE_MAX LINE_EDITOR_MAX /* characters of input */
 #ifndef CONSOLE_OUTPUT_MAX
@@ -32,7 +32,8 @@ struct console;
 typedef bool (*console_listing)(struct console *c, unsigned n, struct text *line);
 
 struct console {
-    struct service *service;
+    struct service *service; /* to look at; what is done goes through `session` */
+    struct session session;
     bool machine;
     struct line_editor editor;
     uint8_t rx[CONSOLE_RX_BLOCK];
@@ -41,7 +42,6 @@ struct console {
     console_listing listing; /* under way */
     unsigned listing_at;
     char argument[CONSOLE_ARGUMENT_MAX + 1]; /* of the listing */
-    uint8_t storage; /* a save or load not answered yet: console_storage.c */
 
     uint32_t header;              /* serial of the plan whose telemetry header was printed last */
     const struct plan *header_of; /* telemetry header being written, or NULL */
@@ -51,18 +51,12 @@ struct console {
     uint32_t lost_told;              /* telemetry rows reported as lost */
     uint32_t bytes_lost;             /* on the line, before the line under way */
     bool reboot;                     /* after the reply has gone out */
-
-    bool unlocked;        /* the engineer level, where there is a key */
-    uint32_t engineer_ms; /* last command of the engineer level, board time, low bits */
-    uint32_t wrong_ms,
-        wrong_wait_ms; /* last wrong key, and for how long none is looked at; 0: none */
-    uint32_t changes;  /* parameters the transaction changes, noted by `apply` for the history */
     struct {
         uint32_t lines, errors, dropped;
     } stats;
 };
 
-void console_init(struct console *c, struct service *service);
+void console_init(struct console *c, struct operate *door);
 /* One turn. Returns whether there was anything to do. */
 bool console_poll(struct console *c);
 
@@ -73,9 +67,8 @@ void console_ok(struct console *c);
 void console_err(struct console *c, enum err code, const char *text);
 /* err CODE subject: text; either part may be NULL */
 void console_err_about(struct console *c, enum err code, const char *subject, const char *text);
-/* The same, composed by the caller: begun with `err CODE `, then printed. */
-struct text console_err_on(char *line, size_t size, enum err code);
-void console_err_line(struct console *c, const char *line);
+/* What the door has answered: ok, or err CODE and the answer in words. */
+void console_answer(struct console *c, enum err code, const struct answer *answer);
 /* One whole line. */
 void console_print(struct console *c, const char *text);
 
@@ -85,12 +78,7 @@ struct console_command {
     const char *help;
     unsigned lowest, highest; /* words after the name */
     void (*run)(struct console *c, unsigned n, char **word);
-    uint8_t access; /* enum access */
-    uint8_t action; /* enum event_code of what is written into the history, or NOT_AN_ACTION */
 };
-
-enum access { ACCESS_OPERATOR, ACCESS_ENGINEER };
-#define NOT_AN_ACTION 0
 
 extern const struct console_command console_commands[];
 extern const unsigned console_command_count;
@@ -106,8 +94,6 @@ void command_diff(struct console *c, unsigned n, char **word);
 void command_begin(struct console *c, unsigned n, char **word);
 void command_apply(struct console *c, unsigned n, char **word);
 void command_abandon(struct console *c, unsigned n, char **word);
-/* Answers with the reason plan_build gave. */
-void console_refuse_config(struct console *c, const struct config_fault *fault);
 
 /* Storage */
 void command_save(struct console *c, unsigned n, char **word);
@@ -119,11 +105,6 @@ bool console_storage_poll(struct console *c);
 bool parameter_help(struct console *c, unsigned n, struct text *line);
 
 /* Access levels */
-bool console_is_engineer(const struct console *c);
-/* Notes that the engineer level is in use. */
-void console_engineer_acts(struct console *c);
-/* Locks when nobody has used it for long enough. */
-void console_relock(struct console *c);
 /* "engineer level open, no key is set" */
 void console_access_text(const struct console *c, struct text *line);
 /* Would the history of lines show a key? */
@@ -150,17 +131,11 @@ void sequence_headline(const struct service *s, struct text *line);
 /* What is in force: names by index are of this. */
 static inline const struct config *console_settings(const struct console *c)
 {
-    return &service_in_force(c->service)->config;
+    return operate_in_force(&c->session);
 }
 
 /* Automatic start-up */
 void command_commission(struct console *c, unsigned n, char **word);
-/* These n words after `commission` only show something: no action to be recorded. */
-bool console_commission_looks(unsigned n, char **word);
-/* Puts the old settings back where a trial has failed. Returns whether there was anything to do. */
-bool console_commission_poll(struct console *c);
-/* What is in force is on trial, or about to be taken back. */
-bool console_commission_on_trial(const struct console *c);
 /* `commission relay [LOOP]`, what it is about while it goes on, and what it has found */
 void commission_relay_command(struct console *c, unsigned n, char **word);
 void commission_relay_now(struct console *c, struct text *line);

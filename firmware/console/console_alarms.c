@@ -1,8 +1,8 @@
 /* Console commands on what is wrong: alarm, alarm ack, alarm shelve. */
 #include <string.h>
 
-#include "hal/tick.h"
 #include "console/console.h"
+#include "hal/tick.h"
 #include "supervise/alarms.h"
 
 static void entry_line(const struct service *s, uint8_t i, struct text *line)
@@ -111,7 +111,8 @@ static bool alarm_line(struct console *c, unsigned n, struct text *line)
 
 void command_alarm(struct console *c, unsigned n, char **word)
 {
-    struct request r = {.kind = REQUEST_ACK, .loop = PLAN_NONE, .output = PLAN_NONE};
+    struct answer a;
+    float seconds = 0.0f;
     if (n == 0) {
         console_list(c, alarm_line, "");
         return;
@@ -121,27 +122,18 @@ void command_alarm(struct console *c, unsigned n, char **word)
         console_err_about(c, ERR_PARSE, word[0], WANTED);
         return;
     }
-    const struct config *config = &service_plan(c->service)->config;
-    if (!ack || strcmp(word[1], "all") != 0) {
-        r.output = alarm_find(config, word[1]);
-        if (r.output == PLAN_NONE) {
-            console_err_about(c, ERR_UNKNOWN, word[1],
-                              "no such alarm; `list alarm` shows those configured");
-            return;
-        }
+    if (ack) {
+        const char *name = strcmp(word[1], "all") == 0 ? NULL : word[1];
+        console_answer(c, operate_acknowledge(&c->session, name, &a), &a);
+        return;
     }
-    if (!ack) {
-        r.kind = REQUEST_SHELVE;
-        enum err err = text_parse_float(word[2], &r.value);
-        if (err || r.value < 0.0f || r.value > 86400.0f) {
-            console_err_about(c, err ? err : ERR_RANGE, word[2],
-                              "seconds, 0 to 86400, are wanted; 0 takes it off the shelf");
-            return;
-        }
+    enum err number = text_parse_float(word[2], &seconds);
+    if (number)
+        seconds = -1.0f;
+    enum err err = operate_shelve(&c->session, word[1], seconds, &a);
+    if (err == ERR_RANGE) {
+        a.subject = word[2];
+        err = number ? number : err;
     }
-    enum err err = service_request(c->service, &r);
-    if (err)
-        console_err(c, err, "too many requests wait for the next tick");
-    else
-        console_ok(c);
+    console_answer(c, err, &a);
 }

@@ -2,11 +2,11 @@
 #include <string.h>
 
 #include "commission/commission.h"
+#include "console/console.h"
 #include "hal/clock.h"
 #include "hal/identity.h"
 #include "hal/image.h"
 #include "hal/nvm.h"
-#include "console/console.h"
 #include "service/parameters.h"
 #include "service/storage.h"
 
@@ -195,11 +195,11 @@ static bool status_line(struct console *c, unsigned n, struct text *line)
         text_float(line, plan->tick_s);
         text_str(line, " s");
         text_named_u32(line, "ticks", s->supervisor->ticks);
-        if (s->staging)
+        if (operate_is_open(&c->session))
             text_str(line, ", transaction open");
         text_str(line, ", storage ");
         text_str(line, storage_word(s->storage));
-        if (!console_is_engineer(c))
+        if (!operate_is_engineer(&c->session))
             text_str(line, ", console locked");
         return true;
     }
@@ -355,75 +355,57 @@ static void command_events(struct console *c, unsigned n, char **word)
 
 static void command_reboot(struct console *c, unsigned n, char **word)
 {
+    struct answer a;
     (void)n;
     (void)word;
-    console_ok(c);
-    c->reboot = true;
+    enum err err = operate_reboot(&c->session, &a);
+    c->reboot = !err;
+    console_answer(c, err, &a);
 }
 
 const struct console_command console_commands[] = {
-    {"help", "[COMMAND|PARAMETER]", "this list, or one command or parameter", 0, 1, command_help,
-     ACCESS_OPERATOR, NOT_AN_ACTION},
-    {"version", "", "firmware, board, limits, why it started", 0, 0, command_version,
-     ACCESS_OPERATOR, NOT_AN_ACTION},
-    {"status", "", "state, measurements, outputs", 0, 0, command_status, ACCESS_OPERATOR,
-     NOT_AN_ACTION},
-    {"loop", "[LOOP]", "all loops, or one with its insides", 0, 1, command_loop, ACCESS_OPERATOR,
-     NOT_AN_ACTION},
+    {"help", "[COMMAND|PARAMETER]", "this list, or one command or parameter", 0, 1, command_help},
+    {"version", "", "firmware, board, limits, why it started", 0, 0, command_version},
+    {"status", "", "state, measurements, outputs", 0, 0, command_status},
+    {"loop", "[LOOP]", "all loops, or one with its insides", 0, 1, command_loop},
     {"mode", "LOOP|machine|human [manual|auto|cascade]",
-     "change the mode; `mode machine|human` for this console", 1, 2, command_mode, ACCESS_OPERATOR,
-     EVENT_DO_MODE},
-    {"sp", "LOOP VALUE", "setpoint, in the measurement's unit", 2, 2, command_sp, ACCESS_OPERATOR,
-     EVENT_DO_SETPOINT},
-    {"out", "LOOP|MV VALUE", "output in manual, in the output's unit", 2, 2, command_out,
-     ACCESS_OPERATOR, EVENT_DO_OUTPUT},
+     "change the mode; `mode machine|human` for this console", 1, 2, command_mode},
+    {"sp", "LOOP VALUE", "setpoint, in the measurement's unit", 2, 2, command_sp},
+    {"out", "LOOP|MV VALUE", "output in manual, in the output's unit", 2, 2, command_out},
     {"list", "[PREFIX|all]", "parameters in use, those beginning with PREFIX, or all", 0, 1,
-     command_list, ACCESS_OPERATOR, NOT_AN_ACTION},
-    {"get", "PARAMETER", "one parameter", 1, 1, command_get, ACCESS_OPERATOR, NOT_AN_ACTION},
+     command_list},
+    {"get", "PARAMETER", "one parameter", 1, 1, command_get},
     {"set", "PARAMETER VALUE", "change a parameter, at once or within begin ... apply", 2, 2,
-     command_set, ACCESS_ENGINEER, EVENT_DO_SET},
+     command_set},
     {"diff", "[defaults]", "what the transaction changes, or differs from the defaults", 0, 1,
-     command_diff, ACCESS_OPERATOR, NOT_AN_ACTION},
-    {"begin", "", "open a transaction: changes wait for apply", 0, 0, command_begin,
-     ACCESS_ENGINEER, NOT_AN_ACTION},
-    {"apply", "", "check the changes whole and take them at the next tick", 0, 0, command_apply,
-     ACCESS_ENGINEER, EVENT_DO_APPLY},
-    {"abandon", "", "close the transaction without changes", 0, 0, command_abandon, ACCESS_ENGINEER,
-     NOT_AN_ACTION},
+     command_diff},
+    {"begin", "", "open a transaction: changes wait for apply", 0, 0, command_begin},
+    {"apply", "", "check the changes whole and take them at the next tick", 0, 0, command_apply},
+    {"abandon", "", "close the transaction without changes", 0, 0, command_abandon},
     {"save", "[replace]", "store the settings in force; replace: also over newer firmware's", 0, 1,
-     command_save, ACCESS_ENGINEER, NOT_AN_ACTION},
+     command_save},
     {"load", "", "the stored settings at the next tick; in a transaction, with apply", 0, 0,
-     command_load, ACCESS_ENGINEER, NOT_AN_ACTION},
+     command_load},
     {"defaults", "", "every parameter at its default, but the key, like load", 0, 0,
-     command_defaults, ACCESS_ENGINEER, NOT_AN_ACTION},
-    {"dump", "", "the settings as commands that restore them", 0, 0, command_dump, ACCESS_OPERATOR,
-     NOT_AN_ACTION},
+     command_defaults},
+    {"dump", "", "the settings as commands that restore them", 0, 0, command_dump},
     {"tune", "LOOP RULE GAIN DEAD LAG [LAMBDA]",
      "settings from a model (EU/EU, s, s); RULE simc, cohen-coon, cohen-coon-pid", 5, 6,
-     command_tune, ACCESS_OPERATOR, NOT_AN_ACTION},
-    {"log", "on|off [TICKS]", "telemetry rows on this console", 1, 2, command_log, ACCESS_OPERATOR,
-     NOT_AN_ACTION},
+     command_tune},
+    {"log", "on|off [TICKS]", "telemetry rows on this console", 1, 2, command_log},
     {"commission",
      "[begin|pause|resume|skip|repeat|abort|accept|edit|reject|relay|"
      "plant|plan|model|gains|pairing|structure|proposal|trial] [LOOP]",
-     "automatic start-up: how far it is, or what it is told", 0, 2, command_commission,
-     ACCESS_OPERATOR, EVENT_DO_COMMISSION},
+     "automatic start-up: how far it is, or what it is told", 0, 2, command_commission},
     {"alarm", "[ack|shelve] [ALARM|all] [SECONDS]",
-     "what is wrong now; acknowledge, or silence for a time", 0, 3, command_alarm, ACCESS_OPERATOR,
-     EVENT_DO_ALARM},
+     "what is wrong now; acknowledge, or silence for a time", 0, 3, command_alarm},
     {"seq", "[start|stop|hold|go|confirm|skip|abort|list]",
-     "where the sequence is; start it, stop the plant, ...; list: its rows", 0, 1, command_seq,
-     ACCESS_OPERATOR, EVENT_DO_SEQUENCE},
-    {"events", "", "the latest events and actions, also of earlier starts", 0, 0, command_events,
-     ACCESS_OPERATOR, NOT_AN_ACTION},
-    {"stats", "", "cost of ticks, link and console counters", 0, 0, command_stats, ACCESS_OPERATOR,
-     NOT_AN_ACTION},
-    {"unlock", "KEY", "open the engineer level", 1, 1, command_unlock, ACCESS_OPERATOR,
-     EVENT_DO_UNLOCK},
-    {"lock", "", "close the engineer level", 0, 0, command_lock, ACCESS_OPERATOR, EVENT_DO_LOCK},
-    {"key", "NEW", "change the key of the engineer level; - for none", 1, 1, command_key,
-     ACCESS_ENGINEER, EVENT_DO_KEY},
-    {"reboot", "", "start again in the safe state", 0, 0, command_reboot, ACCESS_ENGINEER,
-     EVENT_DO_REBOOT},
+     "where the sequence is; start it, stop the plant, ...; list: its rows", 0, 1, command_seq},
+    {"events", "", "the latest events and actions, also of earlier starts", 0, 0, command_events},
+    {"stats", "", "cost of ticks, link and console counters", 0, 0, command_stats},
+    {"unlock", "KEY", "open the engineer level", 1, 1, command_unlock},
+    {"lock", "", "close the engineer level", 0, 0, command_lock},
+    {"key", "NEW", "change the key of the engineer level; - for none", 1, 1, command_key},
+    {"reboot", "", "start again in the safe state", 0, 0, command_reboot},
 };
 const unsigned console_command_count = sizeof console_commands / sizeof console_commands[0];

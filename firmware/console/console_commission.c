@@ -1,10 +1,8 @@
 /* `commission`: automatic start-up from the console. */
 #include <string.h>
 
-#include "commission/proposal.h"
-#include "hal/tick.h"
 #include "console/console.h"
-#include "service/storage.h"
+#include "hal/tick.h"
 
 #if COMMISSION_CHANNELS
 
@@ -110,137 +108,6 @@ static bool commission_status_line(struct console *c, unsigned n, struct text *l
     return true;
 }
 
-static void ask(struct console *c, enum commission_ask what)
-{
-    struct commission *m = c->service->commission;
-    const char *wanted = "", *subject = NULL;
-    service_settle(c->service); /* what was applied before counts */
-    hal_tick_lock();
-    enum err err = what == COMMISSION_ASK_BEGIN
-                       ? commission_may_begin(c->service->supervisor, &subject, &wanted)
-                       : ERR_OK;
-    if (!err)
-        err = commission_put(m, what, &wanted);
-    hal_tick_unlock();
-    if (err)
-        console_err_about(c, err, subject ? subject : "commission", wanted);
-    else if (what ==
-             COMMISSION_ASK_BEGIN) /* nothing moves before the plant has been at rest for a while */
-        console_list(c, commission_plan_line, "");
-    else
-        console_ok(c);
-}
-
-#define CHANNELS_CHANGED "channels or spans are not those that were tested; begin anew"
-
-/* The configuration the proposal goes into: an open transaction's as it stands, where the proposal was put into it
- * before; else a copy of the one in force with the proposal in it. NULL: refused, and said so. */
-static struct config *proposed(struct console *c)
-{
-    struct service *s = c->service;
-    struct config *config = s->staging ? service_staged(s) : service_stage(s);
-    if (s->staging)
-        return config;
-    enum err err = proposal_write(s->commission, config);
-    if (!err)
-        return config;
-    console_err_about(c, err, "commission",
-                      err == ERR_FULL ? "the proposal has more loops than there are places"
-                      : err == ERR_CONFLICT
-                          ? CHANNELS_CHANGED
-                          : "there is no proposal; `commission` says how far it is");
-    return NULL;
-}
-
-/* May a proposal be put on trial now? Says so where not. */
-static bool may_try(struct console *c)
-{
-    struct service *s = c->service;
-    const char *wanted = "", *subject = NULL;
-    service_settle(s);
-    bool changed = commission_channels(&service_plan(s)->config) != s->commission->channels;
-    hal_tick_lock();
-    enum err err = commission_may(s->commission, COMMISSION_ASK_TRIAL, &wanted);
-    if (!err && s->commission->ask != COMMISSION_ASK_NONE) {
-        err = ERR_BUSY;
-        wanted = "what was asked before waits for the next sample";
-    }
-    if (!err && s->io.state(s->io.context) != IO_READY) {
-        err = ERR_STATE;
-        wanted = "no plant is connected";
-    }
-    if (!err && changed) {
-        err = ERR_CONFLICT;
-        wanted = CHANNELS_CHANGED;
-    }
-    if (!err)
-        err = commission_may_try(s->commission, s->supervisor, &subject, &wanted);
-    hal_tick_unlock();
-    if (err)
-        console_err_about(c, err, subject ? subject : "commission", wanted);
-    return err == ERR_OK;
-}
-
-static void accept(struct console *c)
-{
-    struct service *s = c->service;
-    struct commission *m = s->commission;
-    struct config_fault fault;
-    if (!may_try(c))
-        return;
-    if (s->staging && !s->staged_proposal) {
-        console_err(c, ERR_STATE,
-                    "a transaction is open that the proposal is not in: apply or abandon it");
-        return;
-    }
-    struct config *config = proposed(c);
-    if (!config)
-        return;
-    enum err err = proposal_prepare_trial(m, s->supervisor, config);
-    if (err) {
-        console_err_about(c, err, "commission",
-                          err == ERR_CONFLICT ? CHANNELS_CHANGED
-                                              : "a pair of the proposal has no loop in the open "
-                                                "transaction; `abandon` it, then accept or edit");
-        return;
-    }
-    m->old = service_plan(s)->config;
-    if (service_apply(s, config, &fault) != ERR_OK) {
-        console_refuse_config(c, &fault);
-        return;
-    }
-    s->staging = false;
-    hal_tick_lock();
-    m->trial_serial = service_plan(s)->serial;
-    m->ask = COMMISSION_ASK_TRIAL;
-    hal_tick_unlock();
-    console_ok(c);
-}
-
-static void edit(struct console *c)
-{
-    struct service *s = c->service;
-    if (s->staging) {
-        console_err(c, ERR_STATE, "a transaction is open already: apply or abandon it");
-        return;
-    }
-    if (!proposed(c))
-        return;
-    s->staging = s->staged_proposal = true;
-    console_ok(c);
-}
-
-static const struct {
-    const char *word;
-    enum commission_ask ask;
-    bool engineer;
-} asks[] = {
-    {"begin", COMMISSION_ASK_BEGIN, true},   {"pause", COMMISSION_ASK_PAUSE, false},
-    {"resume", COMMISSION_ASK_RESUME, true}, {"skip", COMMISSION_ASK_SKIP, true},
-    {"repeat", COMMISSION_ASK_REPEAT, true}, {"abort", COMMISSION_ASK_ABORT, false},
-    {"reject", COMMISSION_ASK_REJECT, true},
-};
-
 static const struct {
     const char *word;
     console_listing listing;
@@ -251,17 +118,6 @@ static const struct {
     {"proposal", commission_proposal_line}, {"trial", commission_trial_line},
 };
 
-static bool may(struct console *c, bool engineer)
-{
-    if (!engineer || console_is_engineer(c)) {
-        if (engineer)
-            console_engineer_acts(c);
-        return true;
-    }
-    console_err(c, ERR_LOCKED, "only for engineers: `unlock KEY` first");
-    return false;
-}
-
 static console_listing listing_of(const char *word)
 {
     for (unsigned i = 0; i < sizeof listings / sizeof listings[0]; i++)
@@ -270,20 +126,26 @@ static console_listing listing_of(const char *word)
     return NULL;
 }
 
-bool console_commission_looks(unsigned n, char **word)
+/* `begin` and so on; COMMISSION_ASK_NONE: something else. */
+static enum commission_ask ask_of(const char *word)
 {
-    return n == 0 || (n == 1 && (listing_of(word[0]) || strcmp(word[0], "relay") == 0));
+    for (unsigned i = COMMISSION_ASK_NONE; i <= COMMISSION_ASK_REJECT; i++) {
+        const char *known = operate_startup_word((enum commission_ask)i);
+        if (known && strcmp(word, known) == 0)
+            return (enum commission_ask)i;
+    }
+    return COMMISSION_ASK_NONE;
 }
 
 void command_commission(struct console *c, unsigned n, char **word)
 {
+    struct answer a;
     if (n == 0) {
         console_list(c, commission_status_line, "");
         return;
     }
     if (strcmp(word[0], "relay") == 0) {
-        if (n == 1 || may(c, true))
-            commission_relay_command(c, n, word);
+        commission_relay_command(c, n, word);
         return;
     }
     if (n > 1) {
@@ -291,72 +153,26 @@ void command_commission(struct console *c, unsigned n, char **word)
         return;
     }
     console_listing listing = listing_of(word[0]);
+    enum commission_ask what = ask_of(word[0]);
     if (listing) {
         console_list(c, listing, "");
-        return;
-    }
-    for (unsigned i = 0; i < sizeof asks / sizeof asks[0]; i++) {
-        if (strcmp(word[0], asks[i].word) == 0) {
-            if (may(c, asks[i].engineer))
-                ask(c, asks[i].ask);
-            return;
-        }
-    }
-    bool accepts = strcmp(word[0], "accept") == 0;
-    if (!accepts && strcmp(word[0], "edit") != 0) {
+    } else if (what != COMMISSION_ASK_NONE) {
+        enum err err = operate_startup(&c->session, what, &a);
+        if (!err && what == COMMISSION_ASK_BEGIN)
+            /* nothing moves before the plant has been at rest for a while */
+            console_list(c, commission_plan_line, "");
+        else
+            console_answer(c, err, &a);
+    } else if (strcmp(word[0], "accept") == 0) {
+        console_answer(c, operate_accept(&c->session, &a), &a);
+    } else if (strcmp(word[0], "edit") == 0) {
+        console_answer(c, operate_edit(&c->session, &a), &a);
+    } else {
         console_err_about(c, ERR_PARSE, word[0], "no such word; `help commission` lists them");
-        return;
     }
-    if (!may(c, true))
-        return;
-    if (accepts)
-        accept(c);
-    else
-        edit(c);
-}
-
-bool console_commission_poll(struct console *c)
-{
-    struct service *s = c->service;
-    struct config_fault fault;
-    /* Behind an open transaction it waits: that is somebody's work. So is a sequence, and a save, which has the
-     * scratch plan; and a line of telemetry under way needs the names of its plan. */
-    if (!s->commission->wants_old || s->staging || storage_saving(s->storage) || c->row ||
-        c->header_of)
-        return false;
-#if CONFIG_STEPS
-    if (sequence_active(&s->supervisor->sequence))
-        return false;
-#endif
-    enum err err = service_apply(s, &s->commission->old, &fault);
-    if (err && !fault.group)
-        return true; /* no room for it at the moment */
-    s->commission->wants_old = false;
-    if (err)
-        service_record(s, EVENT_CONFIG_REFUSED, fault.group, (float)err, 0);
-    return true;
-}
-
-bool console_commission_on_trial(const struct console *c)
-{
-    const struct commission *m = c->service->commission;
-    return m->phase == COMMISSION_TRIAL || m->ask == COMMISSION_ASK_TRIAL || m->wants_old;
 }
 
 #else
-
-bool console_commission_on_trial(const struct console *c)
-{
-    (void)c;
-    return false;
-}
-
-bool console_commission_looks(unsigned n, char **word)
-{
-    (void)n;
-    (void)word;
-    return true;
-}
 
 void command_commission(struct console *c, unsigned n, char **word)
 {

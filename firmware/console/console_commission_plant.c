@@ -2,8 +2,8 @@
  * those of console_commission_model.c. */
 #include "commission/commission.h"
 #include "commission/expected.h"
-#include "hal/tick.h"
 #include "console/console.h"
+#include "hal/tick.h"
 #include "io/plant_link.h"
 
 #if COMMISSION_CHANNELS

@@ -2,8 +2,8 @@
 #include <string.h>
 
 #include "commission/commission.h"
-#include "hal/tick.h"
 #include "console/console.h"
+#include "hal/tick.h"
 
 #if COMMISSION_CHANNELS
 
@@ -93,29 +93,16 @@ bool commission_relay_line(struct console *c, unsigned n, struct text *line)
 
 void commission_relay_command(struct console *c, unsigned n, char **word)
 {
-    struct commission *m = c->service->commission;
-    const char *wanted = "no such loop; `loop` lists them", *subject = word[n - 1];
+    struct answer a;
     if (n == 1) {
         console_list(c, commission_relay_line, "");
         return;
     }
-    service_settle(c->service); /* what was applied before counts */
-    hal_tick_lock();
-    const struct supervisor *s = c->service->supervisor;
-    uint8_t loop = config_find_loop(&s->plan->config, word[1]);
-    enum err err =
-        loop == PLAN_NONE ? ERR_UNKNOWN : commission_may_relay(s, loop, &subject, &wanted);
-    if (!err)
-        err = commission_put(m, COMMISSION_ASK_RELAY, &wanted);
-    if (!err) {
-        m->relay_asked = loop;
-        m->relay_serial = s->plan->serial;
-    }
-    hal_tick_unlock();
-    if (err)
-        console_err_about(c, err, subject ? subject : "commission", wanted);
-    else
-        console_ok(c);
+    uint8_t loop = config_find_loop(operate_settings(&c->session), word[1]);
+    enum err err = operate_relay(&c->session, loop, &a);
+    if (err == ERR_UNKNOWN)
+        a.subject = word[1];
+    console_answer(c, err, &a);
 }
 
 #endif

@@ -107,7 +107,7 @@ static unsigned name_choice(const struct config *config, unsigned kinds, unsigne
 static unsigned kind_choice(const struct console *c, const char *kind, size_t size,
                             const struct typed *t, unsigned n, struct text *word)
 {
-    const struct config *config = &service_plan(c->service)->config;
+    const struct config *config = operate_settings(&c->session);
     struct parameter p;
     if (is(kind, size, "LOOP"))
         return name_choice(config, NAMES_LOOP, n, word);

@@ -4,12 +4,6 @@
 #include "console/console.h"
 #include "service/parameters.h"
 
-/* What the operator is looking at: the transaction under way, or the plan everything will meet. */
-static const struct config *view(const struct service *s)
-{
-    return s->staging ? &s->plan[s->newest ^ 1u].config : &service_plan(s)->config;
-}
-
 static void value_line(const struct parameter *p, const struct config *config, struct text *line)
 {
     parameter_name(p, line);
@@ -43,7 +37,7 @@ static bool in_use(const struct parameter *p, const struct config *config)
 
 static bool list_line(struct console *c, unsigned n, struct text *line)
 {
-    const struct config *config = view(c->service);
+    const struct config *config = operate_view(&c->session);
     struct parameter p;
     char name[40];
     struct text t = text_on(name, sizeof name);
@@ -83,113 +77,39 @@ void command_list(struct console *c, unsigned n, char **word)
     console_list(c, list_line, prefix);
 }
 
-static bool find(struct console *c, const char *name, struct parameter *p)
-{
-    enum err err = parameter_find(name, p);
-    if (err == ERR_OK)
-        return true;
-    if (err == ERR_UNSUPPORTED) {
-        char line[CONSOLE_OUTPUT_MAX];
-        struct text t = console_err_on(line, sizeof line, err);
-        text_str(&t, name);
-        text_str(&t, ": this board has ");
-        text_u32(&t, p->group->count);
-        text_str(&t, ", bytes needed for each more: ");
-        text_u32(&t, (uint32_t)PLAN_BUFFERS * p->group->stride);
-        console_err_line(c, line);
-        return false;
-    }
-    console_err_about(c, ERR_UNKNOWN, name, "no such parameter; `list all` shows them");
-    return false;
-}
-
 void command_get(struct console *c, unsigned n, char **word)
 {
+    struct answer a;
     struct parameter p;
     char line[CONSOLE_OUTPUT_MAX];
     struct text t = text_on(line, sizeof line);
     (void)n;
-    if (!find(c, word[0], &p))
+    enum err err = operate_find_parameter(word[0], &p, &a);
+    if (err) {
+        console_answer(c, err, &a);
         return;
-    value_line(&p, view(c->service), &t);
+    }
+    value_line(&p, operate_view(&c->session), &t);
     console_print(c, line);
     console_ok(c);
 }
 
-void console_refuse_config(struct console *c, const struct config_fault *fault)
-{
-    if (!fault->group) {
-        console_err(c, fault->code, "more requests waiting than the queue holds, try again");
-        return;
-    }
-    char line[CONSOLE_OUTPUT_MAX];
-    struct text t = console_err_on(line, sizeof line, fault->code);
-    service_fault_name(fault, &t);
-    text_str(&t, ": ");
-    if (fault->subject[0]) {
-        text_char(&t, '\'');
-        text_str(&t, fault->subject);
-        text_str(&t, "' ");
-    }
-    text_str(&t, fault->wanted);
-    if (fault->bytes) {
-        text_str(&t, ", bytes needed: ");
-        text_u32(&t, fault->bytes);
-        text_str(&t, ", there are: ");
-        text_u32(&t, PLAN_ARENA_BYTES);
-    }
-    console_err_line(c, line);
-}
-
-static void refuse_value(struct console *c, enum err err, const struct parameter *p, char **word)
-{
-    char line[CONSOLE_OUTPUT_MAX];
-    struct text t = console_err_on(line, sizeof line, err);
-    text_str(&t, word[0]);
-    text_str(&t, ": '");
-    text_str(&t, word[1]);
-    text_str(&t, err == ERR_READ_ONLY ? "' refused, " : "' refused, allowed: ");
-    parameter_range(p, &t);
-    if (field_unit(p->field)[0]) {
-        text_char(&t, ' ');
-        text_str(&t, field_unit(p->field));
-    }
-    console_err_line(c, line);
-}
-
 void command_set(struct console *c, unsigned n, char **word)
 {
-    struct service *s = c->service;
-    struct parameter p;
+    struct answer a;
     (void)n;
-    if (!find(c, word[0], &p))
-        return;
-    /* Outside a transaction the staging copy serves for this one change. */
-    struct config *staged = s->staging ? service_staged(s) : service_stage(s);
-    enum err err = parameter_set(&p, staged, word[1]);
-    if (err) {
-        refuse_value(c, err, &p, word);
-        return;
-    }
-    if (!s->staging) {
-        struct config_fault fault;
-        if (service_apply(s, staged, &fault) != ERR_OK) {
-            console_refuse_config(c, &fault);
-            return;
-        }
-    }
-    console_ok(c);
+    console_answer(c, operate_set(&c->session, word[0], word[1], &a), &a);
 }
 
 static bool diff_line(struct console *c, unsigned n, struct text *line)
 {
     struct parameter p;
-    const struct config *config = view(c->service);
+    const struct config *config = operate_view(&c->session);
     if (!parameter_at(n, &p))
         return false;
     bool same;
     if (c->argument[0] == 's') { /* staged against the plan */
-        same = parameter_equal(&p, config, &service_plan(c->service)->config);
+        same = !operate_changes(&c->session, &p);
     } else {
         char a[40], b[40];
         struct text ta = text_on(a, sizeof a), tb = text_on(b, sizeof b);
@@ -213,7 +133,7 @@ void command_diff(struct console *c, unsigned n, char **word)
         return;
     }
     /* In a transaction: what it changes. Else: what differs from the defaults. As commands to paste. */
-    console_list(c, diff_line, c->service->staging && !n ? "staged" : "defaults");
+    console_list(c, diff_line, operate_is_open(&c->session) && !n ? "staged" : "defaults");
 }
 
 bool parameter_help(struct console *c, unsigned n, struct text *line)
@@ -222,7 +142,7 @@ bool parameter_help(struct console *c, unsigned n, struct text *line)
     if (n > 3 || parameter_find(c->argument, &p) != ERR_OK)
         return false;
     if (n == 0) {
-        value_line(&p, view(c->service), line);
+        value_line(&p, operate_view(&c->session), line);
     } else if (n == 1) {
         text_str(line, "  ");
         text_str(line, p.field->help);
@@ -244,48 +164,24 @@ bool parameter_help(struct console *c, unsigned n, struct text *line)
 
 void command_begin(struct console *c, unsigned n, char **word)
 {
-    struct service *s = c->service;
+    struct answer a;
     (void)n;
     (void)word;
-    if (s->staging) {
-        console_err(c, ERR_STATE, "a transaction is open already: apply or abandon it");
-        return;
-    }
-    (void)service_stage(s);
-    s->staging = true;
-    console_ok(c);
+    console_answer(c, operate_begin(&c->session, &a), &a);
 }
 
 void command_apply(struct console *c, unsigned n, char **word)
 {
-    struct service *s = c->service;
-    struct config_fault fault;
-    struct parameter p;
+    struct answer a;
     (void)n;
     (void)word;
-    if (!s->staging) {
-        console_err(c, ERR_STATE, "no transaction is open: begin one first");
-        return;
-    }
-    c->changes = 0;
-    for (unsigned i = 0; parameter_at(i, &p); i++)
-        c->changes += !parameter_equal(&p, service_staged(s), &service_plan(s)->config);
-    if (service_apply(s, service_staged(s), &fault) != ERR_OK) {
-        console_refuse_config(c, &fault); /* the transaction stays open to be mended */
-        return;
-    }
-    s->staging = false;
-    console_ok(c);
+    console_answer(c, operate_apply(&c->session, &a), &a);
 }
 
 void command_abandon(struct console *c, unsigned n, char **word)
 {
+    struct answer a;
     (void)n;
     (void)word;
-    if (!c->service->staging) {
-        console_err(c, ERR_STATE, "no transaction is open");
-        return;
-    }
-    c->service->staging = false;
-    console_ok(c);
+    console_answer(c, operate_abandon(&c->session, &a), &a);
 }

@@ -5,12 +5,6 @@
 
 #if CONFIG_STEPS
 
-static const char *const words[SEQUENCE_COMMANDS] = {
-    [SEQUENCE_DO_START] = "start",     [SEQUENCE_DO_STOP] = "stop", [SEQUENCE_DO_HOLD] = "hold",
-    [SEQUENCE_DO_GO] = "go",           [SEQUENCE_DO_SKIP] = "skip", [SEQUENCE_DO_ABORT] = "abort",
-    [SEQUENCE_DO_CONFIRM] = "confirm",
-};
-
 static void seconds(struct text *line, uint32_t ms)
 {
     text_u32(line, ms / 1000u);
@@ -214,45 +208,9 @@ static bool seq_row_line(struct console *c, unsigned n, struct text *line)
     return true;
 }
 
-/* Why not, or NULL. What happens until the tick is told by an event. */
-static const char *objection(const struct service *s, enum sequence_command what)
-{
-    const struct sequence *q = &s->supervisor->sequence;
-    const struct plan *plan = service_plan(s);
-    bool active = sequence_active(q);
-    switch (what) {
-    case SEQUENCE_DO_START:
-    case SEQUENCE_DO_STOP:
-        if (sequence_next(&plan->config, what == SEQUENCE_DO_START ? SEQUENCE_START : SEQUENCE_STOP,
-                          -1) == PLAN_NONE)
-            return "no row is configured for it; `help step1.seq`";
-        if (s->io.state(s->io.context) != IO_READY)
-            return "no plant is connected";
-        if (s->supervisor->testing)
-            return "automatic start-up is under way; `commission abort` ends it";
-        if (active && (what == SEQUENCE_DO_START || q->kind == SEQUENCE_STOP))
-            return "a sequence is under way; `seq` shows it";
-        for (uint8_t i = 0; i < CONFIG_LOOPS && what == SEQUENCE_DO_START; i++)
-            if (plan->loop[i].used && service_mode(s, i) != LOOP_MANUAL)
-                return "a start-up begins with all loops in manual; `loop` shows them";
-        return NULL;
-    case SEQUENCE_DO_GO:
-        return q->state == SEQUENCE_HELD ? NULL : "no sequence is held";
-    case SEQUENCE_DO_CONFIRM:
-        return q->state == SEQUENCE_CONFIRM ? NULL : "nothing waits to be confirmed";
-    case SEQUENCE_DO_HOLD:
-        if (q->state == SEQUENCE_HELD)
-            return "is held already";
-        /* fall through */
-    default:
-        return active ? NULL : "no sequence is under way";
-    }
-}
-
 void command_seq(struct console *c, unsigned n, char **word)
 {
-    struct service *s = c->service;
-    struct request r = {.kind = REQUEST_SEQUENCE, .loop = PLAN_NONE};
+    struct answer a;
     unsigned what = 0;
     if (n == 0) {
         console_list(c, seq_line, "");
@@ -262,32 +220,15 @@ void command_seq(struct console *c, unsigned n, char **word)
         console_list(c, seq_row_line, "");
         return;
     }
-    while (what < SEQUENCE_COMMANDS && strcmp(word[0], words[what]) != 0)
+    while (what < SEQUENCE_COMMANDS &&
+           strcmp(word[0], operate_sequence_word((enum sequence_command)what)) != 0)
         what++;
     if (what == SEQUENCE_COMMANDS) {
         console_err_about(c, ERR_PARSE, word[0],
                           "wanted: start, stop, hold, go, confirm, skip, abort or list");
         return;
     }
-    if (what == SEQUENCE_DO_SKIP) {
-        if (!console_is_engineer(c)) {
-            console_err_about(c, ERR_LOCKED, "seq skip", NULL);
-            return;
-        }
-        console_engineer_acts(c);
-    }
-    const char *why = objection(s, (enum sequence_command)what);
-    if (why) {
-        console_err_about(c, ERR_STATE, word[0], why);
-        return;
-    }
-    r.mode = (uint8_t)what;
-    r.output = s->supervisor->sequence.step;
-    enum err err = service_request(s, &r);
-    if (err)
-        console_err(c, err, "more requests waiting than the queue holds, try again");
-    else
-        console_ok(c);
+    console_answer(c, operate_sequence(&c->session, (enum sequence_command)what, &a), &a);
 }
 
 #else

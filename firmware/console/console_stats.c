@@ -1,8 +1,8 @@
 /* `stats`: what ticks cost, and the counters of link, lines, console and memory. */
+#include "console/console.h"
 #include "hal/clock.h"
 #include "hal/memory_use.h"
 #include "hal/uart.h"
-#include "console/console.h"
 #include "service/service.h"
 
 static void uart_line(struct text *line, const char *name, enum hal_uart port)

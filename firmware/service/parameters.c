@@ -369,3 +369,35 @@ enum err parameter_set(const struct parameter *p, struct config *config, const c
         return set_text(at, value, CHANNEL_UNIT_SIZE, unit_character);
     }
 }
+
+enum err parameter_set_number(const struct parameter *p, struct config *config, float value)
+{
+    uint8_t *at = parameter_place(p, config);
+    const struct parameter_field *field = p->field;
+    bool word = field->type == PARAMETER_WORD;
+    float lo = word ? 0.0f : field_lo(field);
+    float hi = word ? (float)(parameter_words(p) - 1u) : field_hi(field);
+    if (field->type == PARAMETER_FIXED)
+        return ERR_READ_ONLY;
+    if (field->type == PARAMETER_NAME || field->type == PARAMETER_UNIT)
+        return ERR_PARSE;
+    if (!(value >= lo && value <= hi)) /* nor what is no number */
+        return ERR_RANGE;
+    if (value == 0.0f)
+        value = 0.0f; /* no negative zero: equal settings have equal bits */
+    if (field->type == PARAMETER_FLOAT) {
+        memcpy(at, &value, sizeof value);
+        return ERR_OK;
+    }
+    uint32_t u32 = (uint32_t)value;
+    uint16_t u16 = (uint16_t)u32;
+    if ((float)u32 != value)
+        return ERR_RANGE;
+    if (word)
+        *at = (uint8_t)u32;
+    else if (field->type == PARAMETER_U16)
+        memcpy(at, &u16, sizeof u16);
+    else
+        memcpy(at, &u32, sizeof u32);
+    return ERR_OK;
+}

@@ -92,5 +92,8 @@ bool parameter_equal(const struct parameter *p, const struct config *a, const st
 /* ERR_PARSE, ERR_RANGE, ERR_READ_ONLY: *config is unchanged. */
 MUST_CHECK enum err parameter_set(const struct parameter *p, struct config *config,
                                   const char *value);
+/* The same from a number; of a PARAMETER_WORD its place in the list. ERR_PARSE: names and units are no numbers. */
+MUST_CHECK enum err parameter_set_number(const struct parameter *p, struct config *config,
+                                         float value);
 
 #endif

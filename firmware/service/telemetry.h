@@ -47,6 +47,8 @@ struct telemetry {
     struct spsc index;
     struct telemetry_row slot[TELEMETRY_QUEUE_SIZE];
     uint32_t lost;
+    /* A header or row is half printed: the plan it belongs to stays where it is. Main loop. */
+    bool printing;
 };
 
 void telemetry_init(struct telemetry *t);

@@ -1,0 +1,238 @@
+/* The one door: everything a client may ask of the controller is judged here, and what was done is written into the
+ * history as an action. The console is a client; so would be a field bus or a web page. Sequences run in the tick and do not
+ * pass it.
+ *
+ * Rules
+ *  1. Main loop only. Each client has a session; nothing here knows what kind of client it is.
+ *  2. A function answers with a code. ERR_OK: done, or queued for the next tick; an event then says what became of it. Else
+ *     nothing has changed, and *answer says what it is about and why.
+ *  3. Loops and manipulated variables are given by their places in operate_settings(); PLAN_NONE and what is not
+ *     configured are ERR_UNKNOWN.
+ *  4. save and load take longer than a turn of the main loop: operate_result(). How far a start-up or a sequence is can be
+ *     looked at any time.
+ *  5. Who opened a transaction has it: to others it is ERR_BUSY, but every engineer may abandon it.
+ */
+#ifndef REFLUX_OPERATE_OPERATE_H
+#define REFLUX_OPERATE_OPERATE_H
+
+#include "commission/commission.h"
+#include "design/tuning.h"
+#include "service/parameters.h"
+#include "service/service.h"
+
+struct session;
+
+struct operate {
+    struct service *service;
+    const struct session *editor; /* who opened the transaction; meaningless while none is open */
+    /* Last wrong key, board time, low bits, and for how long none is looked at; 0: none. Whoever tries. */
+    uint32_t wrong_ms, wrong_wait_ms;
+};
+
+/* A client. */
+struct session {
+    struct operate *door;
+    bool engineer;        /* has opened the engineer level, or used it while there was no key */
+    uint8_t waits_for;    /* enum operate_wait */
+    uint32_t engineer_ms; /* last act on the engineer level, board time, low bits */
+};
+
+enum operate_wait {
+    WAITS_FOR_NOTHING,
+    WAITS_TO_SAVE,
+    WAITS_TO_REPLACE,
+    WAITS_SAVING,
+    WAITS_TO_LOAD
+};
+
+/* What an answer holds beside subject and words. */
+enum answer_more {
+    ANSWER_PLAIN,
+    ANSWER_RANGE,  /* range: the value was refused, the allowed ones lie from lo to hi; no words */
+    ANSWER_CONFIG, /* config: the settings do not fit together; no words, no subject */
+    ANSWER_VALUE,  /* value: no value for that parameter; no words, no subject */
+    ANSWER_PLACES, /* value: larger boards have that parameter's place; no words */
+    ANSWER_WAIT    /* wait_ms: until the next try is looked at */
+};
+
+/* What is pointed to stays until something else is asked. */
+struct answer {
+    const char *subject; /* NULL: none */
+    const char *words;   /* NULL: err_text() of the code says all there is to say */
+    enum answer_more more;
+    union {
+        struct {
+            float value, lo, hi;
+            const char *unit;
+        } range;
+        struct config_fault config;
+        struct {
+            struct parameter parameter;
+            const char *text; /* NULL: it was given as a number */
+        } value;
+        uint32_t wait_ms;
+    };
+};
+
+void operate_init(struct operate *door, struct service *service);
+void session_init(struct session *session, struct operate *door);
+
+#if COMMISSION_CHANNELS
+/* Once a turn of the main loop: puts the old settings back where a trial has failed. Returns whether there was anything to do. */
+bool operate_poll(struct operate *door);
+#endif
+/* Once a turn, by each client: closes the engineer level when nobody has used it for long enough. */
+void session_poll(struct session *session);
+
+/* Settings in force: names by index of what is there now are of this. */
+static inline const struct config *operate_in_force(const struct session *session)
+{
+    return &service_in_force(session->door->service)->config;
+}
+/* Settings that everything asked now will meet. */
+static inline const struct config *operate_settings(const struct session *session)
+{
+    return &service_plan(session->door->service)->config;
+}
+
+/* ---- access: access.c ---- */
+
+bool operate_is_engineer(const struct session *session);
+/* What every act of the engineer level begins with; `act` is what the answer is about. ERR_LOCKED. */
+MUST_CHECK enum err operate_admit(struct session *session, const char *act, struct answer *answer);
+/* Of an engineer where there is a key: full seconds until the level closes by itself; false: it does not. */
+bool operate_closes_in_s(const struct session *session, uint32_t *left_s);
+static inline bool operate_has_key(const struct session *session)
+{
+    return operate_settings(session)->console_key[0] != '\0';
+}
+/* ERR_LOCKED: not the key. ERR_BUSY: so soon after a wrong one none is looked at, from whichever client. */
+MUST_CHECK enum err operate_unlock(struct session *session, const char *key, struct answer *answer);
+/* ERR_STATE: there is no key. */
+MUST_CHECK enum err operate_lock(struct session *session, struct answer *answer);
+/* "-": none. Engineer. Errors as operate_set(). */
+MUST_CHECK enum err operate_key(struct session *session, const char *key, struct answer *answer);
+/* Engineer. The client restarts the board when its answer is out. */
+MUST_CHECK enum err operate_reboot(struct session *session, struct answer *answer);
+
+/* ---- loops: loops.c ---- */
+
+/* A loop as an operator sees it, EU. */
+struct loop_reading {
+    enum loop_mode mode;
+    const struct measurement_config *pv;
+    const struct output_config *mv; /* NULL: it drives the setpoint of a loop */
+    uint8_t inner;                  /* ... this one */
+    float value, setpoint, output;
+    enum quality quality; /* of `value` */
+};
+
+/* In force now. False: there is no such loop. */
+bool operate_loop(const struct session *session, uint8_t loop, struct loop_reading *reading);
+MUST_CHECK enum err operate_find_loop(const struct session *session, const char *name,
+                                      uint8_t *loop, struct answer *answer);
+/* ERR_STATE, ERR_UNKNOWN, ERR_UNIT, ERR_CONFLICT as service_may_act(); ERR_BUSY: the queue is full. */
+MUST_CHECK enum err operate_mode(struct session *session, uint8_t loop, enum loop_mode mode,
+                                 struct answer *answer);
+/* EU. ERR_RANGE; ERR_STATE: not the operator's in this mode; ERR_BUSY. */
+MUST_CHECK enum err operate_setpoint(struct session *session, uint8_t loop, float value,
+                                     struct answer *answer);
+/* EU, of a manipulated variable or, where that is PLAN_NONE, of a loop; the loop in manual. Errors as both above. */
+MUST_CHECK enum err operate_output(struct session *session, uint8_t loop, uint8_t output,
+                                   float value, struct answer *answer);
+
+enum tuning_rule { TUNE_SIMC, TUNE_COHEN_COON, TUNE_COHEN_COON_PID, TUNING_RULES };
+/* Settings of a loop from a model of its process: gain in EU/EU, times in s. lambda_s: of TUNE_SIMC. Nothing is set.
+ * Errors as the rules (design/tuning.h). */
+MUST_CHECK enum err operate_tune(const struct session *session, uint8_t loop, enum tuning_rule rule,
+                                 const struct fopdt *process, float lambda_s, struct tuning *tuning,
+                                 struct answer *answer);
+
+/* ---- settings: settings.c ---- */
+
+/* The open transaction's, or those everything asked now will meet. */
+const struct config *operate_view(const struct session *session);
+static inline bool operate_is_open(const struct session *session)
+{
+    return session->door->service->staging;
+}
+/* ERR_UNKNOWN, ERR_UNSUPPORTED: larger boards have it. */
+MUST_CHECK enum err operate_find_parameter(const char *name, struct parameter *p,
+                                           struct answer *answer);
+/* Engineer, all of them. ERR_STATE: one is open already, or none is. */
+MUST_CHECK enum err operate_begin(struct session *session, struct answer *answer);
+MUST_CHECK enum err operate_abandon(struct session *session, struct answer *answer);
+/* The transaction whole; errors as service_apply(), and it stays open to be mended. */
+MUST_CHECK enum err operate_apply(struct session *session, struct answer *answer);
+/* One parameter, in words; within a transaction it waits for operate_apply(). Errors as operate_find_parameter(),
+ * parameter_set() and service_apply(). */
+MUST_CHECK enum err operate_set(struct session *session, const char *name, const char *value,
+                                struct answer *answer);
+/* The same as a number, of a word its place in the list. */
+MUST_CHECK enum err operate_set_number(struct session *session, const struct parameter *p,
+                                       float value, struct answer *answer);
+/* Does the open transaction change it? */
+bool operate_changes(const struct session *session, const struct parameter *p);
+
+/* ---- stored settings: stored.c. Engineer ---- */
+
+/* ERR_OK: begun; operate_result() tells how it ends. ERR_BUSY: this client waits for another. */
+MUST_CHECK enum err operate_save(struct session *session, bool replace, struct answer *answer);
+MUST_CHECK enum err operate_load(struct session *session, struct answer *answer);
+/* Once a turn of the main loop while operate_waits(); what was asked for is over when that is false, and then this is how it
+ * ended. Errors as storage_save(), storage_result(), storage_load(), service_apply(). */
+MUST_CHECK enum err operate_result(struct session *session, struct answer *answer);
+static inline bool operate_waits(const struct session *session)
+{
+    return session->waits_for != WAITS_FOR_NOTHING;
+}
+/* Every parameter at its default, but the key; within a transaction it waits for operate_apply(). */
+MUST_CHECK enum err operate_defaults(struct session *session, struct answer *answer);
+
+/* ---- alarms and sequences: requests.c ---- */
+
+/* By the name of its entry (alarm_name()), or "alarm3"; NULL: all of them. ERR_UNKNOWN, ERR_BUSY. */
+MUST_CHECK enum err operate_acknowledge(struct session *session, const char *name,
+                                        struct answer *answer);
+#define SHELVE_WANTED "seconds, 0 to 86400, are wanted; 0 takes it off the shelf"
+/* One of them, for 0 .. 86400 s; 0 takes it off the shelf. ERR_UNKNOWN, ERR_RANGE, ERR_BUSY. */
+MUST_CHECK enum err operate_shelve(struct session *session, const char *name, float seconds,
+                                   struct answer *answer);
+#if CONFIG_STEPS
+/* "start", as the history names it. */
+const char *operate_sequence_word(enum sequence_command what);
+/* ERR_STATE; ERR_LOCKED: skip is the engineer's; ERR_BUSY. */
+MUST_CHECK enum err operate_sequence(struct session *session, enum sequence_command what,
+                                     struct answer *answer);
+#endif
+
+/* ---- automatic start-up: startup.c ---- */
+
+/* What is in force is on trial, or about to be taken back. */
+bool operate_is_on_trial(const struct session *session);
+#if COMMISSION_CHANNELS
+/* "begin", as the history names it; NULL: nothing a client may ask for so. */
+const char *operate_startup_word(enum commission_ask what);
+/* BEGIN, PAUSE, RESUME, SKIP, REPEAT, ABORT, REJECT. Pause and abort are everybody's, the others the engineer's.
+ * ERR_LOCKED, ERR_STATE, ERR_BUSY, and those of commission_may_begin(). */
+MUST_CHECK enum err operate_startup(struct session *session, enum commission_ask what,
+                                    struct answer *answer);
+/* Engineer. A relay test of one loop. Errors as commission_may_relay(). */
+MUST_CHECK enum err operate_relay(struct session *session, uint8_t loop, struct answer *answer);
+/* Engineer. The proposal, or the open transaction it was put into, goes into force on trial. Errors as commission_may_try(),
+ * proposal_write(), service_apply(). */
+MUST_CHECK enum err operate_accept(struct session *session, struct answer *answer);
+/* Engineer. Opens a transaction with the proposal in it. */
+MUST_CHECK enum err operate_edit(struct session *session, struct answer *answer);
+
+/* How far it is. */
+struct startup_reading {
+    enum commission_phase phase;
+    bool proposal;                   /* one waits to be accepted, edited or rejected */
+    enum commission_why why;         /* it ended, or the trial failed */
+    char subject[CHANNEL_NAME_SIZE]; /* what `why` is about, or empty */
+};
+struct startup_reading operate_startup_reading(const struct session *session);
+#endif
+
+#endif

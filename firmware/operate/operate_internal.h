@@ -1,0 +1,28 @@
+/* What the files of operate.h share. */
+#ifndef REFLUX_OPERATE_OPERATE_INTERNAL_H
+#define REFLUX_OPERATE_OPERATE_INTERNAL_H
+
+#include "operate/operate.h"
+
+#define QUEUE_FULL   "more requests waiting than the queue holds, try again"
+#define NO_SUCH_LOOP "no such loop; `loop` lists them"
+#define OPEN_ALREADY "a transaction is open already: apply or abandon it"
+
+/* Puts subject and words into *answer; returns the code. */
+MUST_CHECK enum err operate_refuse(struct answer *answer, enum err code, const char *subject,
+                                   const char *words);
+/* Writes an action of this client into the history. */
+void operate_record(const struct session *session, enum event_code code, const char *subject,
+                    float value);
+/* Queues it for the next tick. */
+MUST_CHECK enum err operate_request(struct session *session, const struct request *request,
+                                    struct answer *answer);
+/* Where a client may write settings: the open transaction, which is its own, or else a copy of what everything asked
+ * now will meet. NULL: somebody else needs that place; ERR_BUSY. */
+struct config *operate_stage(struct session *session, struct answer *answer);
+/* What is there goes into force. */
+MUST_CHECK enum err operate_activate(struct session *session, struct answer *answer);
+/* ... unless a transaction is open: then it waits for operate_apply(). */
+MUST_CHECK enum err operate_activate_unless_open(struct session *session, struct answer *answer);
+
+#endif

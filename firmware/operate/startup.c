@@ -1,0 +1,242 @@
+/* Automatic start-up: what it is told, and the old settings' way back. */
+#include <string.h>
+
+#include "commission/proposal.h"
+#include "hal/tick.h"
+#include "operate/operate_internal.h"
+#include "service/storage.h"
+
+#if COMMISSION_CHANNELS
+
+#define CHANNELS_CHANGED "channels or spans are not those that were tested; begin anew"
+
+static const struct {
+    const char *word;
+    bool engineer;
+} asks[] = {
+    [COMMISSION_ASK_BEGIN] = {"begin", true},   [COMMISSION_ASK_PAUSE] = {"pause", false},
+    [COMMISSION_ASK_RESUME] = {"resume", true}, [COMMISSION_ASK_SKIP] = {"skip", true},
+    [COMMISSION_ASK_REPEAT] = {"repeat", true}, [COMMISSION_ASK_ABORT] = {"abort", false},
+    [COMMISSION_ASK_REJECT] = {"reject", true},
+};
+
+const char *operate_startup_word(enum commission_ask what)
+{
+    return (unsigned)what < sizeof asks / sizeof asks[0] ? asks[what].word : NULL;
+}
+
+static enum err admit_to_startup(struct session *session, bool engineer, struct answer *answer)
+{
+    enum err err = engineer ? operate_admit(session, NULL, answer) : ERR_OK;
+    if (err)
+        answer->words = "only for engineers: `unlock KEY` first";
+    return err;
+}
+
+/* About start-up itself where nothing else is named. */
+static enum err refuse_startup(struct answer *answer, enum err err, const char *subject,
+                               const char *words)
+{
+    return operate_refuse(answer, err, subject ? subject : "commission", words);
+}
+
+static enum err done(const struct session *session, const char *act)
+{
+    operate_record(session, EVENT_DO_COMMISSION, act, 0.0f);
+    return ERR_OK;
+}
+
+enum err operate_startup(struct session *session, enum commission_ask what, struct answer *answer)
+{
+    struct service *s = session->door->service;
+    const char *wanted = "", *subject = NULL;
+    if (!operate_startup_word(what))
+        return operate_refuse(answer, ERR_UNKNOWN, NULL, NULL);
+    enum err err = admit_to_startup(session, asks[what].engineer, answer);
+    if (err)
+        return err;
+    service_settle(s); /* what was applied before counts */
+    hal_tick_lock();
+    if (what == COMMISSION_ASK_BEGIN)
+        err = commission_may_begin(s->supervisor, &subject, &wanted);
+    if (!err)
+        err = commission_put(s->commission, what, &wanted);
+    hal_tick_unlock();
+    return err ? refuse_startup(answer, err, subject, wanted) : done(session, asks[what].word);
+}
+
+enum err operate_relay(struct session *session, uint8_t loop, struct answer *answer)
+{
+    struct service *s = session->door->service;
+    struct commission *m = s->commission;
+    const char *wanted = NO_SUCH_LOOP, *subject = NULL;
+    enum err err = admit_to_startup(session, true, answer);
+    if (err)
+        return err;
+    service_settle(s); /* what was applied before counts */
+    if (loop >= CONFIG_LOOPS || !service_plan(s)->loop[loop].used)
+        return operate_refuse(answer, ERR_UNKNOWN, NULL, wanted);
+    hal_tick_lock();
+    err = commission_may_relay(s->supervisor, loop, &subject, &wanted);
+    if (!err)
+        err = commission_put(m, COMMISSION_ASK_RELAY, &wanted);
+    if (!err) {
+        m->relay_asked = loop;
+        m->relay_serial = s->supervisor->plan->serial;
+    }
+    hal_tick_unlock();
+    return err ? refuse_startup(answer, err, subject, wanted) : done(session, "relay");
+}
+
+/* The configuration the proposal goes into: an open transaction's as it stands, where the proposal was put into it
+ * before; else a copy of the one in force with the proposal in it. NULL: *err says why not. */
+static struct config *proposed(struct session *session, enum err *err, struct answer *answer)
+{
+    struct service *s = session->door->service;
+    struct config *config = operate_stage(session, answer);
+    *err = config ? ERR_OK : ERR_BUSY;
+    if (*err || s->staging)
+        return config;
+    *err = proposal_write(s->commission, config);
+    if (!*err)
+        return config;
+    *err = refuse_startup(answer, *err, NULL,
+                          *err == ERR_FULL ? "the proposal has more loops than there are places"
+                          : *err == ERR_CONFLICT
+                              ? CHANNELS_CHANGED
+                              : "there is no proposal; `commission` says how far it is");
+    return NULL;
+}
+
+/* May a proposal be put on trial now? */
+static enum err may_try(struct service *s, struct answer *answer)
+{
+    const char *wanted = "", *subject = NULL;
+    service_settle(s);
+    bool changed = commission_channels(&service_plan(s)->config) != s->commission->channels;
+    hal_tick_lock();
+    enum err err = commission_may(s->commission, COMMISSION_ASK_TRIAL, &wanted);
+    if (!err && s->commission->ask != COMMISSION_ASK_NONE) {
+        err = ERR_BUSY;
+        wanted = "what was asked before waits for the next sample";
+    }
+    if (!err && s->io.state(s->io.context) != IO_READY) {
+        err = ERR_STATE;
+        wanted = "no plant is connected";
+    }
+    if (!err && changed) {
+        err = ERR_CONFLICT;
+        wanted = CHANNELS_CHANGED;
+    }
+    if (!err)
+        err = commission_may_try(s->commission, s->supervisor, &subject, &wanted);
+    hal_tick_unlock();
+    return err ? refuse_startup(answer, err, subject, wanted) : ERR_OK;
+}
+
+/* With the proposal staged: it goes into force on trial. */
+static enum err begin_trial(struct session *session, struct config *config, struct answer *answer)
+{
+    struct service *s = session->door->service;
+    struct commission *m = s->commission;
+    enum err err = proposal_prepare_trial(m, s->supervisor, config);
+    if (err)
+        return refuse_startup(answer, err, NULL,
+                              err == ERR_CONFLICT
+                                  ? CHANNELS_CHANGED
+                                  : "a pair of the proposal has no loop in the open "
+                                    "transaction; `abandon` it, then accept or edit");
+    m->old = service_plan(s)->config;
+    err = operate_activate(session, answer);
+    if (err)
+        return err;
+    s->staging = false;
+    hal_tick_lock();
+    m->trial_serial = service_plan(s)->serial;
+    m->ask = COMMISSION_ASK_TRIAL;
+    hal_tick_unlock();
+    return done(session, "accept");
+}
+
+enum err operate_accept(struct session *session, struct answer *answer)
+{
+    struct service *s = session->door->service;
+    enum err err = admit_to_startup(session, true, answer);
+    if (!err)
+        err = may_try(s, answer);
+    if (err)
+        return err;
+    if (s->staging && !s->staged_proposal)
+        return operate_refuse(
+            answer, ERR_STATE, NULL,
+            "a transaction is open that the proposal is not in: apply or abandon it");
+    struct config *config = proposed(session, &err, answer);
+    return err ? err : begin_trial(session, config, answer);
+}
+
+enum err operate_edit(struct session *session, struct answer *answer)
+{
+    struct service *s = session->door->service;
+    enum err err = admit_to_startup(session, true, answer);
+    if (err)
+        return err;
+    if (s->staging)
+        return operate_refuse(answer, ERR_STATE, NULL, OPEN_ALREADY);
+    (void)proposed(session, &err, answer);
+    if (err)
+        return err;
+    s->staging = s->staged_proposal = true;
+    session->door->editor = session;
+    return done(session, "edit");
+}
+
+struct startup_reading operate_startup_reading(const struct session *session)
+{
+    const struct commission *m = session->door->service->commission;
+    struct startup_reading r;
+    hal_tick_lock();
+    r.phase = m->phase;
+    r.proposal = commission_has_proposal(m);
+    r.why = m->why;
+    memcpy(r.subject, m->subject, sizeof r.subject);
+    hal_tick_unlock();
+    return r;
+}
+
+bool operate_poll(struct operate *door)
+{
+    struct service *s = door->service;
+    struct config_fault fault;
+    /* Behind an open transaction it waits: that is somebody's work. So is a sequence, and a save, which has the
+     * scratch plan; and a line of telemetry under way needs the names of its plan. */
+    if (!s->commission->wants_old || s->staging || storage_saving(s->storage) ||
+        s->telemetry.printing)
+        return false;
+#if CONFIG_STEPS
+    if (sequence_active(&s->supervisor->sequence))
+        return false;
+#endif
+    enum err err = service_apply(s, &s->commission->old, &fault);
+    if (err && !fault.group)
+        return true; /* no room for it at the moment */
+    s->commission->wants_old = false;
+    if (err)
+        service_record(s, EVENT_CONFIG_REFUSED, fault.group, (float)err, 0);
+    return true;
+}
+
+bool operate_is_on_trial(const struct session *session)
+{
+    const struct commission *m = session->door->service->commission;
+    return m->phase == COMMISSION_TRIAL || m->ask == COMMISSION_ASK_TRIAL || m->wants_old;
+}
+
+#else
+
+bool operate_is_on_trial(const struct session *session)
+{
+    (void)session;
+    return false;
+}
+
+#endif
