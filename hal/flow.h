@@ -58,6 +58,13 @@ static inline uint32_t flow_ready(const struct flow *f, const struct ring *tx)
     return (f->pending ? 1u : 0u) + (f->held ? 0u : ring_used(tx));
 }
 
+/* Bytes of the transmit ring that may go out now and lie in one piece; drop those that went with ring_skip. None while
+ * XON or XOFF is waiting: that goes first (flow_next). */
+static inline size_t flow_run(const struct flow *f, const struct ring *tx, const uint8_t **bytes)
+{
+    return f->pending || f->held ? 0 : ring_peek(tx, bytes);
+}
+
 /* The next byte to send; false when there is none. */
 static inline bool flow_next(struct flow *f, struct ring *tx, uint8_t *byte)
 {

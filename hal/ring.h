@@ -9,6 +9,7 @@
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
+#include <string.h> /* memcpy */
 
 struct ring {
     uint8_t *bytes;
@@ -58,30 +59,38 @@ static inline bool ring_get(struct ring *r, uint8_t *byte)
 /* All n bytes or none. */
 static inline bool ring_write(struct ring *r, const void *data, size_t n)
 {
-    const uint8_t *from = data;
-    uint32_t head = r->head;
+    uint32_t head = r->head, at = head & (r->size - 1u);
+    size_t first = r->size - at; /* up to the end of the ring; the rest goes to its beginning */
     if (n > ring_room(r)) {
         return false;
     }
-    for (size_t i = 0; i < n; i++) {
-        r->bytes[head++ & (r->size - 1u)] = from[i];
+    if (first > n) {
+        first = n;
     }
-    __atomic_store_n(&r->head, head, __ATOMIC_RELEASE);
+    memcpy(r->bytes + at, data, first);
+    if (n > first) {
+        memcpy(r->bytes, (const uint8_t *)data + first, n - first);
+    }
+    __atomic_store_n(&r->head, head + (uint32_t)n, __ATOMIC_RELEASE);
     return true;
 }
 
 /* Takes up to n bytes; returns how many. */
 static inline size_t ring_read(struct ring *r, void *data, size_t n)
 {
-    uint8_t *to = data;
-    uint32_t tail = r->tail, used = ring_used(r);
+    uint32_t tail = r->tail, at = tail & (r->size - 1u), used = ring_used(r);
+    size_t first = r->size - at;
     if (n > used) {
         n = used;
     }
-    for (size_t i = 0; i < n; i++) {
-        to[i] = r->bytes[tail++ & (r->size - 1u)];
+    if (first > n) {
+        first = n;
     }
-    __atomic_store_n(&r->tail, tail, __ATOMIC_RELEASE);
+    memcpy(data, r->bytes + at, first);
+    if (n > first) {
+        memcpy((uint8_t *)data + first, r->bytes, n - first);
+    }
+    __atomic_store_n(&r->tail, tail + (uint32_t)n, __ATOMIC_RELEASE);
     return n;
 }
 

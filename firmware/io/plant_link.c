@@ -357,7 +357,11 @@ static bool poll(void *context, uint64_t now_ms, struct io_sample *sample)
         uint32_t begun = hal_cycles();
         bool taken = link->rx_at < link->rx_n, complete = false;
         while (link->rx_at < link->rx_n && !complete) {
-            if (!frame_decode(&link->decoder, link->rx[link->rx_at++], &f))
+            bool delivered;
+            size_t size = frame_decode_bytes(&link->decoder, &link->rx[link->rx_at],
+                                             (size_t)(link->rx_n - link->rx_at), &f, &delivered);
+            link->rx_at = (uint8_t)(link->rx_at + size);
+            if (!delivered)
                 continue;
             complete = on_frame(link, &f, now_ms, sample);
             if (!complete) { /* what it was is no part of a sample's cost */
@@ -422,11 +426,14 @@ static uint32_t tick_ms(const void *context)
 static enum err command(void *context, const struct io_command *c, uint64_t now_ms)
 {
     struct plant_link *link = context;
-    struct link_command m = {
-        .number = c->number, .time_ms = c->time, .safe = c->safe, .n_outputs = c->n_outputs};
+    struct link_command m; /* not cleared: the outputs behind n_outputs are not looked at */
     struct frame f;
     if (link->state != IO_READY)
         return ERR_STATE;
+    m.number = c->number;
+    m.time_ms = c->time;
+    m.safe = c->safe;
+    m.n_outputs = c->n_outputs;
     for (unsigned i = 0; i < c->n_outputs; i++) {
         m.output[i].value = c->output[i].value;
         m.output[i].drive = c->output[i].drive;

@@ -7,75 +7,49 @@
 #define HEADER_SIZE 3 /* type, sequence */
 #define CRC_SIZE    4
 
-/* Bytes being stuffed as they come. Bodies are shorter than 254 bytes, so no group can reach the full length of
- * 0xFF and the overhead is always one byte. */
-struct stuffing {
-    uint8_t *wire;
-    size_t code_at; /* where the length of the group under way will be written */
-    size_t out;
-};
-
-/*@ requires \valid(s) && \valid(s->wire + (0 .. FRAME_BODY_MAX)) && \valid_read(bytes + (0 .. n - 1));
-  @ requires \separated(s, s->wire + (0 .. FRAME_BODY_MAX));
-  @ requires \separated(s, bytes + (0 .. n - 1));
-  @ requires \separated(s->wire + (0 .. FRAME_BODY_MAX), bytes + (0 .. n - 1));
-  @ requires s->code_at < s->out && s->out + n <= FRAME_BODY_MAX + 1;
-  @ assigns s->code_at, s->out, s->wire[0 .. FRAME_BODY_MAX];
-  @ ensures s->out == \old(s->out) + n && s->code_at < s->out;
+/* Stuffs in place: each zero of the body wire[1 .. n] becomes the distance to the next one, or to the delimiter behind
+ * the body; the first distance goes to wire[0]. Bodies are shorter than 254 bytes, so no distance can reach 0xFF and the
+ * overhead is always one byte. From the end, because what is written is a distance to what comes later. */
+/*@ requires 1 <= n <= FRAME_BODY_MAX && \valid(wire + (0 .. n));
+  @ assigns wire[0 .. n];
   @*/
-static void stuff(struct stuffing *s, const uint8_t *bytes, size_t n)
+static void stuff(uint8_t *wire, size_t n)
 {
-    /*@ loop invariant i <= n && s->out == \at(s->out, Pre) + i && s->code_at < s->out;
-      @ loop assigns i, s->code_at, s->out, s->wire[0 .. FRAME_BODY_MAX];
-      @ loop variant n - i;
+    size_t next = n + 1;
+    /*@ loop invariant 0 <= at <= n && at < next <= n + 1;
+      @ loop assigns at, next, wire[1 .. n];
+      @ loop variant at;
       @*/
-    for (size_t i = 0; i < n; i++) {
-        if (bytes[i] == 0) {
-            s->wire[s->code_at] = (uint8_t)(s->out - s->code_at);
-            s->code_at = s->out;
-        } else {
-            s->wire[s->out] = bytes[i];
+    for (size_t at = n; at > 0; at--) {
+        if (wire[at] == 0) {
+            wire[at] = (uint8_t)(next - at);
+            next = at;
         }
-        s->out++;
     }
+    wire[0] = (uint8_t)next;
 }
 
-/* Undoes stuff() in place (the result is never ahead of what is read). Returns the bytes of the body, or 0
- * when the group lengths do not add up to n. */
-/*@ requires n < FRAME_WIRE_MAX && \valid(buffer + (0 .. n - 1));
-  @ assigns buffer[0 .. n - 1];
-  @ ensures n > 0 ==> \result < n;
-  @ ensures n == 0 ==> \result == 0;
+/* Undoes stuff(): the distances among wire[0 .. n - 1] become zeros again, and the body is what stands behind wire[0].
+ * Returns whether they lead from the first byte to the end, as they must. */
+/*@ requires 0 < n < FRAME_WIRE_MAX && \valid(wire + (0 .. n - 1));
+  @ assigns wire[0 .. n - 1];
   @*/
-static size_t unstuff(uint8_t *buffer, size_t n)
+static bool unstuff(uint8_t *wire, size_t n)
 {
-    size_t in = 0;
-    size_t out = 0;
-    /*@ loop invariant in <= n && out <= in && (0 < in == n ==> out < n);
-      @ loop assigns in, out, buffer[0 .. n - 1];
-      @ loop variant n - in;
+    size_t at = 0;
+    /*@ loop invariant at <= n;
+      @ loop assigns at, wire[0 .. n - 1];
+      @ loop variant n - at;
       @*/
-    while (in < n) {
-        size_t group = buffer[in];
-        if (group == 0 || group > n - in) {
-            return 0;
+    while (at < n) {
+        size_t group = wire[at];
+        if (group == 0 || group > n - at) {
+            return false;
         }
-        in++;
-        /*@ loop invariant 1 <= i <= group && out < in && in == \at(in, LoopEntry) + (i - 1);
-          @ loop assigns i, in, out, buffer[0 .. n - 1];
-          @ loop variant group - i;
-          @*/
-        for (size_t i = 1; i < group; i++) {
-            buffer[out] = buffer[in];
-            out++;
-            in++;
-        }
-        if (in < n) {
-            buffer[out] = 0;
-            out++;
-        }
+        wire[at] = 0;
+        at += group;
     }
-    return out;
+    return true;
 }
 
 size_t frame_encode(const struct frame *frame, uint8_t *wire)
@@ -83,24 +57,21 @@ size_t frame_encode(const struct frame *frame, uint8_t *wire)
     if (frame->n > FRAME_PAYLOAD_MAX) {
         return 0;
     }
-    const uint8_t header[HEADER_SIZE] = {frame->type, (uint8_t)(frame->sequence & 0xFFu),
-                                         (uint8_t)(frame->sequence >> 8)};
-    uint8_t tail[CRC_SIZE];
-    uint32_t crc = crc32_update(crc32_update(0, header, HEADER_SIZE), frame->payload, frame->n);
-    /*@ loop invariant i <= CRC_SIZE;
-      @ loop assigns i, tail[0 .. CRC_SIZE - 1];
-      @ loop variant CRC_SIZE - i;
-      @*/
-    for (unsigned i = 0; i < CRC_SIZE; i++) {
-        tail[i] = (uint8_t)(crc >> (8u * i));
-    }
-    struct stuffing s = {.wire = wire, .code_at = 0, .out = 1};
-    stuff(&s, header, HEADER_SIZE);
-    stuff(&s, frame->payload, frame->n);
-    stuff(&s, tail, CRC_SIZE);
-    wire[s.code_at] = (uint8_t)(s.out - s.code_at);
-    wire[s.out] = 0;
-    return s.out + 1;
+    uint8_t *body = wire + 1;
+    size_t covered = HEADER_SIZE + (size_t)frame->n;
+    body[0] = frame->type;
+    body[1] = (uint8_t)(frame->sequence & 0xFFu);
+    body[2] = (uint8_t)(frame->sequence >> 8);
+    memcpy(body + HEADER_SIZE, frame->payload, frame->n);
+    uint32_t crc = crc32_update(0, body, covered);
+    body[covered] = (uint8_t)(crc & 0xFFu);
+    body[covered + 1] = (uint8_t)(crc >> 8 & 0xFFu);
+    body[covered + 2] = (uint8_t)(crc >> 16 & 0xFFu);
+    body[covered + 3] = (uint8_t)(crc >> 24);
+    size_t size = covered + CRC_SIZE;
+    stuff(wire, size);
+    wire[size + 1] = 0;
+    return size + 2;
 }
 
 void frame_decoder_reset(struct frame_decoder *decoder)
@@ -121,21 +92,15 @@ void frame_decoder_reset(struct frame_decoder *decoder)
   @*/
 static bool complete(struct frame_decoder *decoder, size_t n, struct frame *frame)
 {
-    uint8_t *body = decoder->buffer;
-    size_t size = unstuff(body, n);
-    if (size < HEADER_SIZE + CRC_SIZE || size > FRAME_BODY_MAX) {
+    const uint8_t *body = decoder->buffer + 1;
+    size_t size = n - 1;
+    if (!unstuff(decoder->buffer, n) || size < HEADER_SIZE + CRC_SIZE) {
         decoder->count.malformed++;
         return false;
     }
     size_t covered = size - CRC_SIZE;
-    uint32_t crc = 0;
-    /*@ loop invariant i <= CRC_SIZE;
-      @ loop assigns i, crc;
-      @ loop variant CRC_SIZE - i;
-      @*/
-    for (unsigned i = 0; i < CRC_SIZE; i++) {
-        crc |= (uint32_t)body[covered + i] << (8u * i);
-    }
+    uint32_t crc = body[covered] | (uint32_t)body[covered + 1] << 8 |
+                   (uint32_t)body[covered + 2] << 16 | (uint32_t)body[covered + 3] << 24;
     if (crc != crc32_update(0, body, covered)) {
         decoder->count.bad_crc++;
         return false;
@@ -148,17 +113,15 @@ static bool complete(struct frame_decoder *decoder, size_t n, struct frame *fram
     return true;
 }
 
-bool frame_decode(struct frame_decoder *decoder, uint8_t byte, struct frame *frame)
+/* A delimiter has come: what was collected is over. */
+/*@ requires \valid(decoder) && \valid(frame) && \separated(decoder, frame);
+  @ requires decoder->n < FRAME_WIRE_MAX;
+  @ assigns *decoder, *frame;
+  @ ensures decoder->n == 0;
+  @ ensures \result ==> frame->n <= FRAME_PAYLOAD_MAX;
+  @*/
+static bool delimited(struct frame_decoder *decoder, struct frame *frame)
 {
-    if (byte != 0) {
-        if (decoder->n < FRAME_WIRE_MAX - 1) {
-            decoder->buffer[decoder->n] = byte;
-            decoder->n++;
-        } else {
-            decoder->overlong = true; /* skipped until the next delimiter */
-        }
-        return false;
-    }
     size_t n = decoder->n;
     bool overlong = decoder->overlong;
     decoder->n = 0;
@@ -171,4 +134,43 @@ bool frame_decode(struct frame_decoder *decoder, uint8_t byte, struct frame *fra
         return false; /* delimiters in a row: a sender may begin with one to flush noise from the line */
     }
     return complete(decoder, n, frame);
+}
+
+size_t frame_decode_bytes(struct frame_decoder *decoder, const uint8_t *bytes, size_t n,
+                          struct frame *frame, bool *delivered)
+{
+    uint8_t *to = decoder->buffer + decoder->n;
+    size_t room = (size_t)(FRAME_WIRE_MAX - 1) - decoder->n;
+    size_t fits = n < room ? n : room;
+    size_t i = 0;
+    *delivered = false;
+    /*@ loop invariant i <= fits;
+      @ loop assigns i, decoder->buffer[0 .. FRAME_WIRE_MAX - 1];
+      @ loop variant fits - i;
+      @*/
+    while (i < fits && bytes[i] != 0) {
+        to[i] = bytes[i];
+        i++;
+    }
+    decoder->n = (uint16_t)(decoder->n + i);
+    /*@ loop invariant i <= n;
+      @ loop assigns i, decoder->overlong;
+      @ loop variant n - i;
+      @*/
+    while (i < n && bytes[i] != 0) {
+        decoder->overlong = true; /* skipped until the next delimiter */
+        i++;
+    }
+    if (i == n) {
+        return n;
+    }
+    *delivered = delimited(decoder, frame);
+    return i + 1;
+}
+
+bool frame_decode(struct frame_decoder *decoder, uint8_t byte, struct frame *frame)
+{
+    bool delivered;
+    (void)frame_decode_bytes(decoder, &byte, 1, frame, &delivered);
+    return delivered;
 }

@@ -57,8 +57,21 @@ struct frame_decoder {
   @*/
 void frame_decoder_reset(struct frame_decoder *decoder); /* counters too */
 
-/* Takes one byte. Returns true when it completed a good frame, which is then in *frame. Anything else is
+/* Takes bytes up to the end of the first frame, good or not, or all n, and returns how many it took: the caller comes
+ * back with the rest. *delivered: the last of them completed a good frame, which is then in *frame. Anything else is
  * dropped and counted; bytes after the next delimiter are in step again. */
+/*@ requires \valid(decoder) && \valid(frame) && \valid(delivered) && \valid_read(bytes + (0 .. n - 1));
+  @ requires \separated(decoder, frame, delivered, bytes + (0 .. n - 1));
+  @ requires decoder->n < FRAME_WIRE_MAX;
+  @ assigns *decoder, *frame, *delivered;
+  @ ensures decoder->n < FRAME_WIRE_MAX;
+  @ ensures \result <= n && (n > 0 ==> \result > 0);
+  @ ensures *delivered ==> frame->n <= FRAME_PAYLOAD_MAX;
+  @*/
+size_t frame_decode_bytes(struct frame_decoder *decoder, const uint8_t *bytes, size_t n,
+                          struct frame *frame, bool *delivered);
+
+/* The same for one byte; returns whether it completed a good frame. */
 /*@ requires \valid(decoder) && \valid(frame) && \separated(decoder, frame);
   @ requires decoder->n < FRAME_WIRE_MAX;
   @ assigns *decoder, *frame;

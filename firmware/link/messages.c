@@ -34,9 +34,11 @@ static void put_u8(struct cursor *c, uint8_t x)
 
 static void put_u32(struct cursor *c, uint32_t x)
 {
-    for (unsigned i = 0; i < 4; i++) {
-        put_u8(c, (uint8_t)(x >> (8u * i)));
-    }
+    c->at[0] = (uint8_t)(x & 0xFFu);
+    c->at[1] = (uint8_t)(x >> 8 & 0xFFu);
+    c->at[2] = (uint8_t)(x >> 16 & 0xFFu);
+    c->at[3] = (uint8_t)(x >> 24);
+    c->at += 4;
 }
 
 static void put_u64(struct cursor *c, uint64_t x)
@@ -72,11 +74,9 @@ static uint8_t get_u8(struct reader *r)
 
 static uint32_t get_u32(struct reader *r)
 {
-    uint32_t x = 0;
-    for (unsigned i = 0; i < 4; i++) {
-        x |= (uint32_t)get_u8(r) << (8u * i);
-    }
-    return x;
+    const uint8_t *at = r->at;
+    r->at += 4;
+    return at[0] | (uint32_t)at[1] << 8 | (uint32_t)at[2] << 16 | (uint32_t)at[3] << 24;
 }
 
 static uint64_t get_u64(struct reader *r)

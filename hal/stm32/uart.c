@@ -49,13 +49,22 @@ static uint32_t terminal_waits __attribute__((section(".noinit")));
 /* Gives the line what it takes at once; no more than a ring-full. The interrupt of this port must be held off. */
 static void transmit(struct uart *u)
 {
+    uint32_t base = u->base;
     uint8_t byte;
-    for (uint32_t i = 0; i < u->tx.size && (USART_SR(u->base) & USART_SR_TXE) != 0; i++) {
-        if (!flow_next(&u->flow, &u->tx, &byte)) {
-            break;
-        }
-        USART_DR(u->base) = byte;
+    if (u->flow.pending && (USART_SR(base) & USART_SR_TXE) != 0 &&
+        flow_next(&u->flow, &u->tx, &byte)) {
+        USART_DR(base) = byte;
         u->stats.sent++;
+    }
+    for (unsigned piece = 0; piece < 2;
+         piece++) { /* up to the end of the ring, then its beginning */
+        const uint8_t *bytes = NULL;
+        size_t n = flow_run(&u->flow, &u->tx, &bytes), given = 0;
+        while (given < n && (USART_SR(base) & USART_SR_TXE) != 0) {
+            USART_DR(base) = bytes[given++];
+        }
+        ring_skip(&u->tx, given);
+        u->stats.sent += (uint32_t)given;
     }
     if (flow_ready(&u->flow, &u->tx) > 0) {
         USART_CR1(u->base) |= USART_CR1_TXEIE;

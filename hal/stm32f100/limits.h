@@ -26,6 +26,11 @@
 #define LINK_RX_BLOCK      8
 #define FRAME_PAYLOAD_MAX  76
 
+/* Look-up table of the checksum: 64 bytes of flash instead of 1 KiB. */
+#ifndef CRC32_TABLE
+#define CRC32_TABLE 16
+#endif
+
 #define REQUEST_QUEUE_SIZE   4
 #define EVENT_QUEUE_SIZE     4
 #define TELEMETRY_QUEUE_SIZE 2

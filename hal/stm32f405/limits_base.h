@@ -16,6 +16,11 @@
 /* The plant may have twice as many channels as can be configured, if their names fit. */
 #define LINK_TEXT_BYTES 448
 
+/* Look-up table of the checksum: 64 bytes of flash instead of 1 KiB. */
+#ifndef CRC32_TABLE
+#define CRC32_TABLE 16
+#endif
+
 #define LINK_RX_BLOCK        32
 #define CONSOLE_RX_BLOCK     16
 #define LINE_EDITOR_HISTORY  192

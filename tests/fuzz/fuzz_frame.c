@@ -1,5 +1,5 @@
 /* The frame decoder against a second one written from docs/plant-link.md: same frames, same counts, and what is
- * delivered encodes to the very bytes it came from.
+ * delivered encodes to the very bytes it came from. The line in pieces gives the same as byte by byte.
  *
  * Input: a first byte; when it is even the rest goes on the line as it is, else the rest describes frames
  * (operation, type, sequence, length, payload), which are encoded and damaged as the operation says.
@@ -114,6 +114,35 @@ static enum verdict judge(const uint8_t *piece, size_t n, struct frame *frame)
     return GOOD;
 }
 
+static uint32_t mixed(uint32_t sum, const struct frame *f)
+{
+    sum = (sum ^ f->type ^ (uint32_t)f->sequence << 8 ^ (uint32_t)f->n << 24) * 0x01000193u;
+    for (unsigned i = 0; i < f->n; i++)
+        sum = (sum ^ f->payload[i]) * 0x01000193u;
+    return sum;
+}
+
+/* The line in pieces, whose sizes its own bytes give. */
+static uint32_t in_pieces(struct frame_decoder *decoder)
+{
+    uint32_t sum = 0;
+    frame_decoder_reset(decoder);
+    for (size_t from = 0, end = 0; from < n_line;) {
+        struct frame got;
+        bool delivered;
+        if (from == end)
+            end += 1u + line[from] % 97u;
+        if (end > n_line)
+            end = n_line;
+        size_t taken = frame_decode_bytes(decoder, line + from, end - from, &got, &delivered);
+        DEMAND(taken > 0 && taken <= end - from);
+        from += taken;
+        if (delivered)
+            sum = mixed(sum, &got);
+    }
+    return sum;
+}
+
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {
     struct feed f = {data, size};
@@ -123,8 +152,8 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     else
         put(f.data, f.left);
 
-    struct frame_decoder decoder;
-    uint32_t expected[5] = {0};
+    struct frame_decoder decoder, second;
+    uint32_t expected[5] = {0}, sum = 0;
     frame_decoder_reset(&decoder);
     size_t from = 0;
     for (size_t i = 0; i < n_line; i++) {
@@ -138,6 +167,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
         expected[verdict]++;
         DEMAND(delivered == (verdict == GOOD));
         if (delivered) {
+            sum = mixed(sum, &got);
             uint8_t wire[FRAME_WIRE_MAX];
             DEMAND(got.type == wanted.type && got.sequence == wanted.sequence);
             DEMAND(got.n == wanted.n && memcmp(got.payload, wanted.payload, got.n) == 0);
@@ -150,5 +180,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     DEMAND(decoder.count.bad_crc == expected[BAD_CRC]);
     DEMAND(decoder.count.malformed == expected[MALFORMED]);
     DEMAND(decoder.count.overlong == expected[OVERLONG]);
+    DEMAND(in_pieces(&second) == sum && second.n == decoder.n);
+    DEMAND(memcmp(&second.count, &decoder.count, sizeof decoder.count) == 0);
     return 0;
 }

@@ -68,6 +68,11 @@ class Console:
         # Before machine mode is answered, lines come with a prompt or the erasing of one.
         return PROMPT.sub("", line.decode("latin-1").strip("\r"))
 
+    def stays_silent(self, seconds: float) -> None:
+        """Nothing comes in that time: no test of a board that is slow."""
+        if self.rest or select.select([self.socket], [], [], seconds)[0]:
+            raise AssertionError(f"the console says {self.rest + self.socket.recv(65536)!r}")
+
     def until(self, wanted, patience_s: float = PATIENCE_S) -> str:
         """The next line that is wanted; asynchronous lines on the way are kept."""
         while True:

@@ -60,6 +60,16 @@ class EmulatorTest(unittest.TestCase):
         self.assertIn("console lines 20", counters)
         self.assertIn("errors 0", counters)
 
+    def test_nothing_is_sent_between_xoff_and_xon_and_nothing_is_lost(self) -> None:
+        expected = self.console.do("help")
+        self.assertGreater(sum(map(len, expected)), 1024)  # more than the transmit ring
+        self.console.write("\x13help\n")
+        self.console.stays_silent(0.3)
+        self.console.write("\x11")
+        reply = [self.console.line() for _ in expected]
+        self.assertEqual(reply, expected)
+        self.assertEqual(self.console.line(), "ok")
+
     def test_a_silent_plant_and_a_reboot_end_in_the_safe_state(self) -> None:
         plant = self.plant()
         self.console.event("LINK_UP")

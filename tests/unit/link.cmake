@@ -5,6 +5,14 @@ set_source_files_properties("${here}/test_transport.c" "${here}/test_transport_s
   "${support}/test_controller_main.c"
   PROPERTIES COMPILE_DEFINITIONS _GNU_SOURCE) # pseudo-terminals
 
+# The checksum with each size of its table, under names of their own.
+foreach(entries 0 16 256)
+  add_library(crc32_table_${entries} OBJECT "${PROJECT_SOURCE_DIR}/firmware/base/crc32.c")
+  target_compile_definitions(crc32_table_${entries} PRIVATE CRC32_TABLE=${entries} crc32_update=crc32_table_${entries})
+  target_link_libraries(crc32_table_${entries} PRIVATE reflux_base reflux_options)
+  list(APPEND crc32_tables "$<TARGET_OBJECTS:crc32_table_${entries}>")
+endforeach()
+reflux_test(crc32 LABEL unit SOURCES "${here}/test_crc32.c" ${crc32_tables} LIBS reflux_options)
 reflux_test(frame LABEL unit SOURCES "${here}/test_frame.c" LIBS reflux_link)
 reflux_test(messages LABEL unit SOURCES "${here}/test_messages.c" LIBS reflux_link)
 reflux_test(link_document LABEL unit SOURCES "${here}/test_link_document.c" LIBS reflux_link)

@@ -57,6 +57,37 @@ static void every_state_of_the_decoder_keeps_its_bounds_on_every_byte(void)
                 }
 }
 
+/* Several bytes at once: up to the end of the buffer, around it and past it, with and without a delimiter behind. */
+static void every_state_of_the_decoder_keeps_its_bounds_on_runs_around_its_end(void)
+{
+    static const int around[] = {-2, -1, 0, 1, 2, 40};
+    static uint8_t run[FRAME_WIRE_MAX + 42];
+    for (unsigned n = 0; n < FRAME_WIRE_MAX; n++)
+        for (unsigned k = 0; k < 4 * sizeof around / sizeof around[0]; k++) {
+            int length = (int)(FRAME_WIRE_MAX - 1 - n) + around[k / 4];
+            bool delimited = k & 1u, overlong = k & 2u, delivered;
+            if (length < 0)
+                continue;
+            memset(run, 1, sizeof run);
+            run[length] = delimited ? 0 : 1;
+            close_box();
+            memset(box.decoder.buffer, 1, sizeof box.decoder.buffer);
+            box.decoder.n = (uint16_t)n;
+            box.decoder.overlong = overlong;
+            size_t taken =
+                frame_decode_bytes(&box.decoder, run, (size_t)length + 1, &box.frame, &delivered);
+            TEST_ASSERT_TRUE(box_is_closed());
+            TEST_ASSERT_FALSE(delivered);
+            TEST_ASSERT_EQUAL((size_t)length + 1, taken);
+            unsigned held = n + (unsigned)length + 1;
+            if (held > FRAME_WIRE_MAX - 1)
+                held = FRAME_WIRE_MAX - 1;
+            TEST_ASSERT_EQUAL_UINT(delimited ? 0 : held, box.decoder.n);
+            TEST_ASSERT_EQUAL(!delimited && (overlong || n + (unsigned)length + 1 > held),
+                              box.decoder.overlong);
+        }
+}
+
 /* All inputs of up to seven bytes of an alphabet that holds every kind of group length for them. */
 static void every_short_input_keeps_the_bounds_and_makes_no_frame(void)
 {
@@ -202,6 +233,7 @@ int main(void)
 {
     UNITY_BEGIN();
     RUN_TEST(every_state_of_the_decoder_keeps_its_bounds_on_every_byte);
+    RUN_TEST(every_state_of_the_decoder_keeps_its_bounds_on_runs_around_its_end);
     RUN_TEST(every_short_input_keeps_the_bounds_and_makes_no_frame);
     RUN_TEST(every_pair_of_group_lengths_keeps_the_bounds);
     RUN_TEST(rings_keep_order_and_bounds_from_every_position_across_the_wrap);

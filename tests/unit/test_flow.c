@@ -65,6 +65,28 @@ static void nothing_goes_out_between_xoff_and_xon_and_neither_is_input(void)
     TEST_ASSERT_EQUAL('a', byte);
 }
 
+/* What goes out by the piece waits for the same as what goes out by the byte. */
+static void a_piece_goes_out_neither_while_the_other_side_holds_us_nor_ahead_of_xon_or_xoff(void)
+{
+    const uint8_t *bytes;
+    uint8_t byte;
+    tx.head = tx.tail = 60; /* four to the end of the ring */
+    TEST_ASSERT_TRUE(ring_write(&tx, "abcdefg", 7));
+    TEST_ASSERT_EQUAL(4, flow_run(&flow, &tx, &bytes));
+    TEST_ASSERT_EQUAL_MEMORY("abcd", bytes, 4);
+    (void)flow_received(&flow, FLOW_XOFF);
+    TEST_ASSERT_EQUAL(0, flow_run(&flow, &tx, &bytes));
+    (void)flow_received(&flow, FLOW_XON);
+    flow.pending = FLOW_XOFF;
+    TEST_ASSERT_EQUAL(0, flow_run(&flow, &tx, &bytes));
+    TEST_ASSERT_TRUE(flow_next(&flow, &tx, &byte));
+    TEST_ASSERT_EQUAL(FLOW_XOFF, byte);
+    TEST_ASSERT_EQUAL(4, flow_run(&flow, &tx, &bytes));
+    ring_skip(&tx, 4);
+    TEST_ASSERT_EQUAL(3, flow_run(&flow, &tx, &bytes));
+    TEST_ASSERT_EQUAL_MEMORY("efg", bytes, 3);
+}
+
 static void control_c_lets_output_go_on_and_is_input_as_well(void)
 {
     (void)flow_received(&flow, FLOW_XOFF);
@@ -86,6 +108,7 @@ int main(void)
     RUN_TEST(xoff_goes_out_past_three_quarters_and_xon_below_one_quarter_once_each);
     RUN_TEST(xoff_goes_out_ahead_of_what_waits_and_while_the_other_side_holds_us);
     RUN_TEST(nothing_goes_out_between_xoff_and_xon_and_neither_is_input);
+    RUN_TEST(a_piece_goes_out_neither_while_the_other_side_holds_us_nor_ahead_of_xon_or_xoff);
     RUN_TEST(control_c_lets_output_go_on_and_is_input_as_well);
     RUN_TEST(a_binary_line_takes_every_byte_for_input);
     return UNITY_END();

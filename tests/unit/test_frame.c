@@ -284,6 +284,83 @@ static void delimiters_in_a_row_are_harmless_and_not_counted(void)
     TEST_ASSERT_EQUAL_UINT32(0, d.count.malformed + d.count.overlong + d.count.bad_crc);
 }
 
+/* Appends up to `most` bytes of what a line may bring: frames, damaged ones, pieces, delimiters, noise without end. */
+static size_t put_anything(uint8_t *line, size_t most, struct random_source *r)
+{
+    uint8_t wire[FRAME_WIRE_MAX];
+    struct frame f = frame_of((uint8_t)random_next(r), (uint16_t)random_next(r),
+                              random_below(r, FRAME_PAYLOAD_MAX + 1));
+    size_t size = frame_encode(&f, wire);
+    switch (random_below(r, 6)) {
+    case 0:
+        wire[random_below(r, (uint32_t)size)] ^= (uint8_t)(1u << random_below(r, 8));
+        break;
+    case 1:
+        size = random_below(r, (uint32_t)size);
+        break;
+    case 2:
+        memset(wire, 0, size = 3);
+        break;
+    case 3:
+        memset(wire, 0x2A, size = sizeof wire);
+        break;
+    default:
+        break;
+    }
+    if (size > most) {
+        size = most;
+    }
+    memcpy(line, wire, size);
+    return size;
+}
+
+static void the_line_in_pieces_of_any_size_gives_the_frames_of_single_bytes(void)
+{
+    static uint8_t line[20000];
+    size_t n = 0;
+    struct random_source r = {SEED + 1};
+    printf("line in pieces, seed %u\n", SEED + 1);
+    while (n < sizeof line) {
+        n += put_anything(line + n, sizeof line - n, &r);
+    }
+    for (size_t most = 1; most <= FRAME_WIRE_MAX + 3; most = most < 12 ? most + 1 : most + 17) {
+        struct frame_decoder whole, pieces;
+        frame_decoder_reset(&whole);
+        frame_decoder_reset(&pieces);
+        for (size_t from = 0; from < n;) {
+            struct frame one = {0}, other = {0};
+            bool delivered;
+            size_t size = n - from < most ? n - from : most;
+            size_t taken = frame_decode_bytes(&pieces, line + from, size, &other, &delivered);
+            TEST_ASSERT_TRUE(taken > 0 && taken <= size);
+            TEST_ASSERT_TRUE(taken == size || line[from + taken - 1] == 0);
+            TEST_ASSERT_EQUAL(delivered ? 1 : 0, feed(&whole, line + from, taken, &one));
+            assert_same(&one, &other);
+            TEST_ASSERT_EQUAL_UINT16(whole.n, pieces.n);
+            TEST_ASSERT_EQUAL(whole.overlong, pieces.overlong);
+            TEST_ASSERT_EQUAL_MEMORY(&whole.count, &pieces.count, sizeof whole.count);
+            from += taken;
+        }
+        TEST_ASSERT_GREATER_THAN_UINT32(20, pieces.count.good);
+        TEST_ASSERT_GREATER_THAN_UINT32(5, pieces.count.bad_crc);
+        TEST_ASSERT_GREATER_THAN_UINT32(5, pieces.count.malformed);
+        TEST_ASSERT_GREATER_THAN_UINT32(5, pieces.count.overlong);
+    }
+}
+
+static void no_bytes_are_no_frame_and_change_nothing(void)
+{
+    struct frame_decoder d;
+    frame_decoder_reset(&d);
+    struct frame got = {0};
+    uint8_t byte = 0;
+    bool delivered = true;
+    TEST_ASSERT_EQUAL_UINT(0, feed(&d, (const uint8_t *)"abc", 3, &got));
+    TEST_ASSERT_EQUAL_size_t(0, frame_decode_bytes(&d, &byte, 0, &got, &delivered));
+    TEST_ASSERT_FALSE(delivered);
+    TEST_ASSERT_EQUAL_UINT16(3, d.n);
+}
+
 static void damage_is_counted_by_kind(void)
 {
     struct frame_decoder d;
@@ -322,6 +399,8 @@ int main(void)
     RUN_TEST(an_overlong_run_is_skipped_and_counted_once);
     RUN_TEST(a_piece_one_byte_longer_than_the_longest_frame_is_overlong);
     RUN_TEST(delimiters_in_a_row_are_harmless_and_not_counted);
+    RUN_TEST(the_line_in_pieces_of_any_size_gives_the_frames_of_single_bytes);
+    RUN_TEST(no_bytes_are_no_frame_and_change_nothing);
     RUN_TEST(damage_is_counted_by_kind);
     return UNITY_END();
 }
