@@ -33,6 +33,14 @@ def build(preset: str, targets: tuple[str, ...] = (), quiet: bool = False) -> Pa
     return folder
 
 
+def variant(preset: str, name: str, definitions: tuple[str, ...], quiet: bool = False) -> Path:
+    """A preset with other definitions (-DNAME=VALUE), in the build tree `name`: what they do not touch is built once."""
+    folder = build_dir(name)
+    _run(f"configuring {name}", ["cmake", "--preset", preset, "-B", str(folder), *definitions], quiet=True)
+    _run(f"building {name} {' '.join(definitions)}", ["cmake", "--build", str(folder)], quiet)
+    return folder
+
+
 def _run(what: str, command: list[str], quiet: bool) -> None:
     started = time.monotonic()
     lines: list[bytes] = []

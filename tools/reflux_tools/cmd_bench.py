@@ -11,12 +11,13 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Callable
 
-from reflux_tools import bench_plants, build, launch, runner, scenario, table
+from reflux_tools import bench_link, bench_plants, build, launch, runner, scenario, table
 from reflux_tools.errors import RunFailed, UserError
 from reflux_tools.paths import ROOT, SCENARIOS, build_dir, named, shown
 
 RESULTS = ROOT / "tests" / "bench" / "results.md"
 ICOUNT = ("-icount", "shift=0")
+LINK_TICKS = 40
 STATS_AT_END = "stats"
 
 
@@ -27,10 +28,15 @@ def main(arguments: list[str]) -> int:
         "tests/bench/results.md. What cannot be measured here is left out with its reason.")
     p.add_argument("--ticks", type=int, default=4000, metavar="N", help="ticks of each speed run (default 4000)")
     p.add_argument("--plants", action="store_true", help="only the simulated plants, printed and not written")
+    p.add_argument("--link", action="store_true", help="only the plant link's share of a tick, printed and not written")
     p.add_argument("--out", type=named, default=RESULTS, metavar="FILE")
     options = p.parse_args(arguments)
     if options.ticks < 10:
         raise UserError("--ticks must be 10 or more")
+    if options.link:
+        build.build("host", ("reflux-sim",))
+        print(f"\n{bench_link.TITLE}\n{table.columns(bench_link.HEADER, link_rows())}", flush=True)
+        return 0
     launch.build_for("memory")
     build.build("host", ("plant_cost", "matrix_cost"))
     if options.plants:
@@ -43,6 +49,7 @@ def main(arguments: list[str]) -> int:
         *bench_plants.parts(),
         ("Lockstep ticks per second", ["way", "ticks", "ticks per second"], speed_rows(options.ticks)),
         ("Instructions per tick", ["where", "how", "least", "mean", "most"], instruction_rows()),
+        (bench_link.TITLE, bench_link.HEADER, link_rows()),
         ("Instructions of matrices of 16 x 16, host", ["what", "instructions"], matrix_rows()),
         ("The image, bytes", ["part", "text", "data", "bss"], size_rows()),
         ("Largest stack frames of the image, bytes", ["function", "frame"], stack_rows()),
@@ -156,6 +163,10 @@ def counted(function: str, command: list[str]) -> int:
     if found is None:
         raise RunFailed("callgrind wrote no totals")
     return int(found.group(1))
+
+
+def link_rows() -> list[list[str]]:
+    return bench_link.rows(lambda kind, more: measured_run(LINK_TICKS, kind, more))
 
 
 def matrix_rows() -> list[list[str]]:

@@ -44,8 +44,19 @@ def layer_of(path: str) -> str:
     return "hal" if "/hal/" in path or path.startswith("hal/") else "other"
 
 
-def read(path: Path) -> dict[str, Sizes]:
-    """Layer -> bytes; `fill` is what alignment costs, `stack` what the linker script sets aside."""
+@dataclass(frozen=True)
+class Placed:
+    """What one object file gave to the image: an input section, or what alignment costs (no owner)."""
+
+    kind: str  # of KINDS' values
+    name: str
+    at: int
+    size: int
+    owner: str
+
+
+def placed(path: Path) -> tuple[list[Placed], dict[str, int]]:
+    """Every input section in the order of the map, and the whole of each kind."""
     try:
         lines = path.read_text(encoding="utf-8", errors="replace").splitlines()
     except OSError as error:
@@ -54,7 +65,7 @@ def read(path: Path) -> dict[str, Sizes]:
         lines = lines[lines.index("Linker script and memory map"):]
     except ValueError:
         raise RunFailed(f"{path} is no map file") from None
-    found: list[tuple[str, int, int, str]] = []  # kind, address, size, layer
+    found: list[Placed] = []
     whole = dict.fromkeys(set(KINDS.values()), 0)
     kind: str | None = None
     name = ""
@@ -78,16 +89,24 @@ def read(path: Path) -> dict[str, Sizes]:
         else:
             continue
         if size and (owner or name == "*fill*"):
-            found.append((kind, at, size, "fill" if name == "*fill*" else layer_of(owner)))
+            found.append(Placed(kind, name, at, size, owner))
         name = ""
+    return found, whole
+
+
+def read(path: Path) -> dict[str, Sizes]:
+    """Layer -> bytes; `fill` is what alignment costs, `stack` what the linker script sets aside."""
+    found, whole = placed(path)
     out: dict[str, Sizes] = {}
-    for k, (kind_, at, size, layer) in enumerate(found):
+    for k, part in enumerate(found):
+        size = part.size
         # Strings that were merged away are still listed, at the place of what follows them.
-        if k + 1 < len(found) and found[k + 1][0] == kind_ and at <= found[k + 1][1]:
-            size = min(size, found[k + 1][1] - at)
-        out.setdefault(layer, Sizes()).add(kind_, size)
-    for kind_, total in whole.items():  # room the script makes without an input section
-        rest = total - sum(getattr(s, kind_) for s in out.values())
+        if k + 1 < len(found) and found[k + 1].kind == part.kind and part.at <= found[k + 1].at:
+            size = min(size, found[k + 1].at - part.at)
+        layer = "fill" if part.name == "*fill*" else layer_of(part.owner)
+        out.setdefault(layer, Sizes()).add(part.kind, size)
+    for kind, total in whole.items():  # room the script makes without an input section
+        rest = total - sum(getattr(s, kind) for s in out.values())
         if rest:
-            out.setdefault("script", Sizes()).add(kind_, rest)
+            out.setdefault("script", Sizes()).add(kind, rest)
     return out
