@@ -1,10 +1,12 @@
 /* Composes the firmware: one context, the tick, the main loop. */
 #include "app/app.h"
 
+#include <stddef.h>
 #include <string.h>
 
 #include "base/elapsed.h"
 #include "base/job.h"
+#include "base/workspace.h"
 #include "commission/commission.h"
 #include "console/console.h"
 #include "hal/clock.h"
@@ -52,6 +54,9 @@ struct app {
     struct io_sample held; /* waits for a job, where `holds` */
     bool holds;
 #endif
+#if WORKSPACE_BYTES
+    struct workspace workspace;
+#endif
 #if COMMISSION_CHANNELS
     struct commission commission;
 #endif
@@ -60,9 +65,19 @@ struct app {
 
 static struct app instance;
 
+#if WORKSPACE_BYTES
+/* By itself, for tools/image: what all of the firmware owns for ever is apart from it. */
+static _Alignas(max_align_t) uint8_t workspace_memory[WORKSPACE_BYTES];
+#endif
+
 struct app *app_instance(void)
 {
     return &instance;
+}
+
+struct workspace *app_workspace(struct app *app)
+{
+    return app->service.workspace;
 }
 
 static void settle_plan(void *context);
@@ -80,8 +95,12 @@ void app_init(struct app *app)
     app->service.settle_context = app;
     operate_init(&app->operate, &app->service);
     console_init(&app->console, &app->operate);
+#if WORKSPACE_BYTES
+    workspace_init(&app->workspace, workspace_memory, sizeof workspace_memory);
+    app->service.workspace = &app->workspace;
+#endif
 #if COMMISSION_CHANNELS
-    commission_init(&app->commission, &app->service.tick_events);
+    commission_init(&app->commission, &app->service.tick_events, &app->workspace);
     app->service.commission = &app->commission;
     (void)!jobs_add(&app->jobs, &app->commission.job); /* the first, and there is room for more */
 #endif

@@ -22,4 +22,8 @@ void app_background(struct app *app);
 /* Link input, the tick when a sample is due, silence. Short and never waits. */
 void app_tick(struct app *app);
 
+/* The large memory that families lease (base/workspace.h), and tests that play one; NULL: the board has none. Main loop. */
+struct workspace;
+struct workspace *app_workspace(struct app *app);
+
 #endif

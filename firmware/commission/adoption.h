@@ -38,6 +38,7 @@ struct adoption_channel {
 
 struct adoption_loop {
     uint8_t loop;                /* index in the plan */
+    uint8_t output;              /* that it moves, itself or through others; in the configuration */
     real_t step;                 /* of its setpoint, fraction of span, either sign */
     real_t duration_s;           /* of its step */
     struct trial_loop predicted; /* per unit of `size`; iae until duration_s */

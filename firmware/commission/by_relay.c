@@ -39,7 +39,7 @@ static uint32_t window(const struct supervisor *s)
 
 void commission_start_relay(struct commission *c, struct supervisor *s)
 {
-    struct relay_test *t = &c->work.relay;
+    struct relay_test *t = &c->work->relay;
     memset(t, 0, sizeof *t);
     t->resting = true;
     for (uint8_t j = 0; j < c->outputs; j++)
@@ -96,7 +96,7 @@ static real_t hysteresis(const struct steady_result *at)
 static bool at_rest(struct commission *c, const struct supervisor *s, struct steady_result *at,
                     uint8_t *culprit)
 {
-    const struct relay_test *t = &c->work.relay;
+    const struct relay_test *t = &c->work->relay;
     uint32_t n = window(s);
     for (uint8_t j = 0; j < c->outputs; j++) {
         *culprit = j;
@@ -116,7 +116,7 @@ static bool at_rest(struct commission *c, const struct supervisor *s, struct ste
 static enum err begin_cycle(struct commission *c, const struct supervisor *s,
                             const struct steady_result *at)
 {
-    struct relay_test *t = &c->work.relay;
+    struct relay_test *t = &c->work->relay;
     const struct output_config *o = &s->plan->config.output[c->input[0].output];
     real_t room = commission_room(s, c->input[0].output, c->input[0].held);
     real_t longest_s = settings(s)->longest_s;
@@ -157,7 +157,7 @@ static enum err begin_cycle(struct commission *c, const struct supervisor *s,
 static bool within_limits(struct commission *c, const struct supervisor *s, const real_t *y,
                           real_t *share, uint8_t *culprit)
 {
-    struct relay_test *t = &c->work.relay;
+    struct relay_test *t = &c->work->relay;
     *share = REAL_C(0.0);
     for (uint8_t j = 0; j < c->outputs; j++) {
         real_t carried = t->slope_per_s[j] * s->plan->tick_s * (real_t)t->cycling;
@@ -178,7 +178,7 @@ static bool within_limits(struct commission *c, const struct supervisor *s, cons
 static void propose(struct commission *c, const struct supervisor *s,
                     const struct relay_result *found, const struct tuning *tuning)
 {
-    struct analysis *a = &c->work.analysis;
+    struct analysis *a = &c->work->analysis;
     memset(a, 0, offsetof(struct analysis, work));
     real_t step = TRIAL_STEP, ku = real_abs(found->gain);
     a->stage = ANALYSIS_DONE;
@@ -208,7 +208,7 @@ static void done(struct commission *c, struct supervisor *s)
     const char *name = s->plan->config.loop[c->by_relay.loop].name;
     struct relay_result found;
     struct tuning tuning;
-    if (relay_look(&c->work.relay.relay, &found) != ERR_OK ||
+    if (relay_look(&c->work->relay.relay, &found) != ERR_OK ||
         tuning_tyreus_luyben_pi(found.gain, found.period_s, &tuning, NULL) != ERR_OK) {
         commission_end(c, s, WHY_NO_CYCLE, name, c->input[0].worst);
         return;
@@ -224,14 +224,14 @@ static void done(struct commission *c, struct supervisor *s)
     c->by_relay.found = true;
     propose(c, s, &found, &tuning);
     c->phase = COMMISSION_READY;
-    c->analysed = true;
+    c->analysed = c->unseen = true;
     c->phase_ms = c->ended_ms = s->time_ms;
     event_put(c->events, s->time_ms, EVENT_RELAY_DONE, name, (float)found.period_s, 0);
 }
 
 static void cycle(struct commission *c, struct supervisor *s, const real_t *y)
 {
-    struct relay_test *t = &c->work.relay;
+    struct relay_test *t = &c->work->relay;
     struct relay *r = &t->relay;
     const char *loop = s->plan->config.loop[c->by_relay.loop].name;
     uint8_t culprit;
@@ -282,7 +282,7 @@ static uint8_t changed_loop(const struct commission *c, const struct supervisor 
 
 void commission_relay(struct commission *c, struct supervisor *s)
 {
-    struct relay_test *t = &c->work.relay;
+    struct relay_test *t = &c->work->relay;
     struct steady_result at[CHANNEL_MAX] = {{0}};
     real_t y[CHANNEL_MAX] = {REAL_C(0.0)};
     uint8_t culprit, other = changed_loop(c, s);

@@ -205,12 +205,12 @@ enum err commission_may_relay(const struct supervisor *s, uint8_t loop, const ch
 
 static uint8_t pair_measurement(const struct commission *c, uint8_t k)
 {
-    return c->measurement[c->work.analysis.pairs.output[k]];
+    return c->measurement[c->work->analysis.pairs.output[k]];
 }
 
 static uint8_t pair_output(const struct commission *c, uint8_t k)
 {
-    return c->input[c->column[c->work.analysis.pairs.input[k]]].output;
+    return c->input[c->column[c->work->analysis.pairs.input[k]]].output;
 }
 
 /* The command has not been followed for longer than a valve needs. */
@@ -243,9 +243,9 @@ enum commission_why commission_hindrance(const struct commission *c, const struc
         return WHY_SAFE;
     if (sequence_runs(s))
         return WHY_SEQUENCE;
-    for (uint8_t k = 0; k < c->work.analysis.pairs.n; k++) {
+    for (uint8_t k = 0; k < c->work->analysis.pairs.n; k++) {
         uint8_t i = pair_measurement(c, k), j = pair_output(c, k);
-        uint8_t inner = analysis_inner_of(&c->work.analysis, k);
+        uint8_t inner = analysis_inner_of(&c->work->analysis, k);
         *subject = config->measurement[i].name;
         if (is_gone(s, i))
             return WHY_LOST;

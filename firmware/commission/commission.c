@@ -47,11 +47,16 @@ const char *commission_why_text(enum commission_why why)
     return why < WHY_COUNT ? why_texts[why] : "";
 }
 
-void commission_init(struct commission *c, struct event_queue *events)
+_Static_assert(sizeof(struct commission_work) <= WORKSPACE_BYTES,
+               "the board's workspace holds tests, analysis and the way back");
+
+void commission_init(struct commission *c, struct event_queue *events, struct workspace *w)
 {
     memset(c, 0, sizeof *c);
     c->events = events;
-    job_init(&c->job, "start-up", model_work, c);
+    c->workspace = w;
+    c->work = w->memory;
+    job_init(&c->job, COMMISSION_HOLDER, model_work, c);
 }
 
 void commission_was_reset(struct commission *c)
@@ -68,9 +73,14 @@ bool commission_is_testing(const struct commission *c)
            c->phase == COMMISSION_PAUSED;
 }
 
+static bool holds(const struct commission *c)
+{
+    return !c->lost && workspace_holds(c->workspace, COMMISSION_HOLDER);
+}
+
 bool commission_has_proposal(const struct commission *c)
 {
-    return c->phase == COMMISSION_READY && c->work.analysis.designed;
+    return c->phase == COMMISSION_READY && holds(c) && c->work->analysis.designed;
 }
 
 enum err commission_may(const struct commission *c, enum commission_ask ask, const char **wanted)
@@ -117,6 +127,73 @@ enum err commission_may(const struct commission *c, enum commission_ask ask, con
     return possible ? ERR_OK : ERR_STATE;
 }
 
+/* Only a new beginning overwrites them, and only the main loop asks for one. */
+static bool begins(const struct commission *c)
+{
+    return c->ask == COMMISSION_ASK_BEGIN || c->ask == COMMISSION_ASK_RELAY;
+}
+
+bool commission_keeps(const struct commission *c)
+{
+    return !begins(c) && holds(c);
+}
+
+bool commission_had_results(const struct commission *c)
+{
+    return c->analysed && !begins(c);
+}
+
+bool commission_has_results(const struct commission *c)
+{
+    return commission_had_results(c) && holds(c);
+}
+
+static bool needs_workspace(const struct commission *c)
+{
+    bool on_trial = c->phase == COMMISSION_TRIAL || c->ask == COMMISSION_ASK_TRIAL;
+    return begins(c) || on_trial || c->wants_old || commission_is_testing(c);
+}
+
+/* What frees the workspace now; NULL: nobody needs what is there. */
+static const char *command_that_frees(const struct commission *c)
+{
+    if (c->wants_old)
+        return "abandon"; /* what holds the way back up is a transaction */
+    if (needs_workspace(c))
+        return "commission abort";
+    if (commission_has_proposal(c))
+        return "commission reject";
+    return c->unseen ? "commission discard" : NULL;
+}
+
+static void update_lease(struct commission *c)
+{
+    workspace_frees(c->workspace, COMMISSION_HOLDER, command_that_frees(c));
+}
+
+void commission_seen(struct commission *c)
+{
+    if (commission_is_testing(c))
+        return; /* it goes on */
+    c->unseen = false;
+    update_lease(c);
+}
+
+/* What was there is gone where somebody else has had it. */
+static enum err lease(struct commission *c, const char **wanted)
+{
+    void *memory;
+    bool held = holds(c);
+    enum err err = workspace_lease(c->workspace, COMMISSION_HOLDER, "commission abort",
+                                   sizeof *c->work, &memory);
+    *wanted = err ? NULL : *wanted;
+    if (!err) {
+        c->work = memory;
+        c->lost = !held;
+    }
+    return err;
+}
+
 enum err commission_put(struct commission *c, enum commission_ask ask, const char **wanted)
 {
     enum commission_ask before = (enum commission_ask)c->ask;
@@ -128,18 +205,28 @@ enum err commission_put(struct commission *c, enum commission_ask ask, const cha
         before == COMMISSION_ASK_TRIAL) {
         c->ask = COMMISSION_ASK_NONE; /* not begun, so there is nothing to end */
         c->wants_old = before == COMMISSION_ASK_TRIAL;
+        update_lease(c);
         return ERR_OK;
     }
     enum err err = commission_may(c, ask, wanted);
+    if (!err && (ask == COMMISSION_ASK_BEGIN || ask == COMMISSION_ASK_RELAY))
+        err = lease(c, wanted);
     if (!err)
         c->ask = (uint8_t)ask;
     return err;
 }
 
-/* Only a new beginning overwrites them, and only the main loop asks for one. */
-bool commission_has_results(const struct commission *c)
+enum err commission_discard(struct commission *c, const char **wanted)
 {
-    return c->analysed && c->ask != COMMISSION_ASK_BEGIN && c->ask != COMMISSION_ASK_RELAY;
+    bool proposes = commission_has_proposal(c);
+    *wanted = !holds(c)  ? "there is nothing to be given up"
+              : proposes ? "a proposal waits: `commission accept` or `commission reject`"
+                         : "is under way; `commission abort` first";
+    if (!holds(c) || proposes || needs_workspace(c))
+        return ERR_STATE;
+    c->unseen = false;
+    update_lease(c);
+    return ERR_OK;
 }
 
 void commission_release(struct commission *c, struct supervisor *s)
@@ -157,6 +244,8 @@ void commission_end(struct commission *c, struct supervisor *s, enum commission_
     bool others = on_trial || why == WHY_HAND || why == WHY_CONFIG || why == WHY_SAFE;
     for (uint8_t k = 0; k < c->inputs && !others; k++)
         s->output[c->input[k].output].manual = num_from_float(c->input[k].held);
+    for (uint8_t k = 0; k < c->inputs && !on_trial; k++)
+        c->unseen = c->unseen || c->input[k].rounds > 0; /* a part of the model */
     c->phase = COMMISSION_ENDED;
     c->why = why;
     c->value = value;
@@ -240,6 +329,7 @@ static void take_ask(struct commission *c, struct supervisor *s)
         break;
     default:
         c->phase = COMMISSION_IDLE;
+        c->unseen = false;
         break;
     }
 }
@@ -280,6 +370,7 @@ void commission_tick(struct commission *c, struct supervisor *s)
 {
     go_on(c, s);
     s->testing = commission_is_testing(c) || c->phase == COMMISSION_TRIAL;
+    update_lease(c);
 }
 
 #endif

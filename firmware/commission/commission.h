@@ -15,6 +15,7 @@
 #define REFLUX_COMMISSION_COMMISSION_H
 
 #include "base/job.h"
+#include "base/workspace.h"
 #include "commission/adoption.h"
 #include "commission/analysis.h"
 #include "commission/by_relay.h"
@@ -122,9 +123,15 @@ struct tested_input {
     real_t worst;         /* largest share of a limit reached */
 };
 
+struct commission_work;
+
 struct commission {
     struct event_queue *events;
     struct job job;
+    struct workspace *workspace;
+    struct commission_work *work; /* its memory */
+    bool lost;                    /* ... was another's since, and what is there now is nothing */
+    bool unseen;                  /* nobody has looked at what was found */
     enum commission_phase phase;
     enum commission_why why;
     char subject[CHANNEL_NAME_SIZE]; /* what `why` is about */
@@ -151,7 +158,6 @@ struct commission {
     /* Bit j: measurement[j] reads an end of its span; and did so in the sample before, too. */
     uint32_t at_end, at_end_again;
     real_t noise_sd[CHANNEL_MAX];
-    struct element element[CHANNEL_MAX][CHANNEL_MAX]; /* [measurement][input] */
 
     /* The background's part; its while the job is asked for and not done. */
     volatile uint8_t doing; /* enum model_job */
@@ -164,21 +170,31 @@ struct commission {
     real_t fit_squares, fit_misfit, fit_share; /* of the fit without a bend: what it leaves */
     struct analysis_config settings;           /* of the analysis */
     struct by_relay by_relay;
+
+    struct adoption adoption;
+    uint32_t trial_serial;
+    volatile bool wants_old; /* the main loop is to put work->old into force */
+};
+
+/* In the workspace, leased from the beginning until the proposal is kept, rolled back or rejected. What is left stays readable
+ * until the workspace is leased for something else: commission_keeps(). Then the trial's figures are still there, in
+ * struct commission, and how it ended. */
+#define COMMISSION_HOLDER "start-up"
+
+struct commission_work {
+    struct element element[CHANNEL_MAX][CHANNEL_MAX]; /* [measurement][input] */
     union {
         struct {
             struct experiment experiment;
         } test;
         struct relay_test relay;
         struct analysis analysis;
-    } work;
-
-    struct adoption adoption;
-    uint32_t trial_serial;
-    volatile bool wants_old; /* the main loop is to put `old` into force */
-    struct config old;
+    };
+    struct config old; /* what a trial that fails returns to */
 };
 
-void commission_init(struct commission *c, struct event_queue *events);
+/* w must live as long. */
+void commission_init(struct commission *c, struct event_queue *events, struct workspace *w);
 
 /* Whether `ask` makes sense now; *wanted gets the reason in words where not. Main loop, under hal_tick_lock. */
 MUST_CHECK enum err commission_may(const struct commission *c, enum commission_ask ask,
@@ -189,14 +205,22 @@ MUST_CHECK enum err commission_may_begin(const struct supervisor *s, const char 
 /* Whether a trial could. Likewise. */
 MUST_CHECK enum err commission_may_try(const struct commission *c, const struct supervisor *s,
                                        const char **what, const char **wanted);
-/* Puts it to the tick, one thing at a time; abort takes the place of what the tick has not taken yet. Likewise. ERR_STATE,
- * ERR_BUSY. */
+/* Puts it to the tick, one thing at a time; abort takes the place of what the tick has not taken yet. A beginning leases the
+ * workspace. Likewise. ERR_STATE, ERR_BUSY; *wanted is NULL where somebody else has the workspace (workspace_refusal()). */
 MUST_CHECK enum err commission_put(struct commission *c, enum commission_ask ask,
                                    const char **wanted);
 
-/* Do the results stand until the main loop next asks for something? While they do not, they may be overwritten in the
- * midst of a look at them. Main loop. */
+/* Are tests, model and analysis still in the workspace, and will they be until the main loop next asks for something? Else they
+ * are nothing, or may be overwritten in the midst of a look at them. Main loop. */
+bool commission_keeps(const struct commission *c);
+/* ... and is there a result of the analysis, or of a relay test, among them? */
 bool commission_has_results(const struct commission *c);
+/* ... or was there, and what is outside the workspace is of it? */
+bool commission_had_results(const struct commission *c);
+/* Somebody has looked at them. Main loop, under hal_tick_lock. */
+void commission_seen(struct commission *c);
+/* Gives them up: the workspace is free for others. Likewise. ERR_STATE: under way, or nothing to be given up. */
+MUST_CHECK enum err commission_discard(struct commission *c, const char **wanted);
 
 /* After commission_init(), where it was under way when the board was reset: it says so. */
 void commission_was_reset(struct commission *c);

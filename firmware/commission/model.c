@@ -107,7 +107,7 @@ void model_keep(struct commission *c)
 {
     uint8_t k = c->order[c->at];
     for (uint8_t j = 0; j < c->outputs; j++) {
-        struct element *e = &c->element[j][k];
+        struct element *e = &c->work->element[j][k];
         if (c->input[k].rounds == 0) {
             e->fit = c->fitted[j];
             e->misfit = c->misfit[j];
@@ -126,9 +126,9 @@ void model_keep(struct commission *c)
 /* One output of the test that has just ended: moments at once, then the fit in pieces. */
 static void begin_output(struct commission *c)
 {
-    const struct experiment *x = &c->work.test.experiment;
+    const struct experiment *x = &c->work->test.experiment;
     uint8_t j = c->fit_at;
-    struct element *e = &c->element[j][c->order[c->at]];
+    struct element *e = &c->work->element[j][c->order[c->at]];
     struct baseline b;
     struct identified moments;
     enum err err = experiment_baseline(x, j, &b);
@@ -145,7 +145,7 @@ static void begin_output(struct commission *c)
         .baseline = b,
         .start = have_moments && !(moments.flags & IDENTIFIED_NO_GAIN) ? &moments : NULL};
     c->fit_bent = false;
-    err = fopdt_fit_begin(&c->work.test.experiment.look.fit, &x->record, j, &o);
+    err = fopdt_fit_begin(&c->work->test.experiment.look.fit, &x->record, j, &o);
     if (err)
         c->job_error = err;
     c->fit_running = !err;
@@ -216,7 +216,7 @@ static void take_beginning(struct element *e, const struct experiment *x, uint8_
  * disturbed a test does not come again. The mean of both is then the gain, but for terms of third order. */
 static bool is_curved(struct commission *c, const struct judgement *v)
 {
-    struct element *e = &c->element[c->fit_at][c->order[c->at]];
+    struct element *e = &c->work->element[c->fit_at][c->order[c->at]];
     real_t now = REAL_C(0.0), before = (real_t)e->asymmetry;
     if (v->asymmetry > REAL_C(0.0) || v->asymmetry < REAL_C(0.0))
         now = ASYMMETRY_UNIT * v->asymmetry / v->level;
@@ -233,7 +233,7 @@ static bool is_curved(struct commission *c, const struct judgement *v)
 static void judge_climb(struct commission *c, const struct judgement *v, real_t bend,
                         const struct identified *fit)
 {
-    const struct experiment *x = &c->work.test.experiment;
+    const struct experiment *x = &c->work->test.experiment;
     real_t half_s = (real_t)x->half * x->config.h_s;
     /* A drift that is the same in both halves cancels in the changes; one that bends does not. */
     real_t explained = CLIMB_SDS * v->change_sd + bend * half_s;
@@ -248,9 +248,9 @@ static void judge_climb(struct commission *c, const struct judgement *v, real_t 
 static void judge_gain(struct commission *c, const struct judgement *v, real_t bend, real_t misfit,
                        real_t share, struct identified *fit)
 {
-    const struct experiment *x = &c->work.test.experiment;
+    const struct experiment *x = &c->work->test.experiment;
     if (share > NO_NOISE && take_level(x, v, fit)) {
-        take_beginning(&c->element[c->fit_at][c->order[c->at]], x, c->fit_at, fit);
+        take_beginning(&c->work->element[c->fit_at][c->order[c->at]], x, c->fit_at, fit);
         misfit =
             REAL_C(0.0); /* what the fit leaves is no error of the levels; theirs comes again */
         share = REAL_C(1.0);
@@ -311,7 +311,7 @@ static void straighten(struct record *r, uint8_t j, const struct fopdt_fit_resul
 /* The fit of a straight drift is there. Where the drift has turned, once more, with a drift that does. */
 static bool fit_again(struct commission *c, const struct fopdt_fit_result *straight)
 {
-    struct experiment *x = &c->work.test.experiment;
+    struct experiment *x = &c->work->test.experiment;
     struct fopdt_fit_options o = {.bent = true, .start = &c->fitted[c->fit_at]};
     real_t sd, bend = real_abs(experiment_bend(x, c->fit_at, &sd));
     if (!(bend >
@@ -348,10 +348,10 @@ static void judge(const struct experiment *x, uint8_t j, const struct baseline *
 /* The fits of an output are there; bent is NULL where its drift has not turned. */
 static void take_fits(struct commission *c, const struct fopdt_fit_result *bent)
 {
-    struct experiment *x = &c->work.test.experiment;
+    struct experiment *x = &c->work->test.experiment;
     uint8_t j = c->fit_at;
     struct identified *kept = &c->fitted[j];
-    struct element *e = &c->element[j][c->order[c->at]];
+    struct element *e = &c->work->element[j][c->order[c->at]];
     struct baseline b;
     struct judgement v;
     bool usable = bent && !(bent->element.flags & (IDENTIFIED_NO_GAIN | IDENTIFIED_INTEGRATING)) &&
@@ -396,7 +396,7 @@ static bool end_fit(struct commission *c, const struct fopdt_fit_result *r)
         take_fits(c, r);
         return false;
     }
-    c->element[j][c->order[c->at]].plateau_gain = r->plateau_gain;
+    c->work->element[j][c->order[c->at]].plateau_gain = r->plateau_gain;
     c->fitted[j] = r->element;
     c->fit_misfit = r->misfit;
     c->fit_share = misfit_share(r);
@@ -414,10 +414,10 @@ static bool fit_piece(struct commission *c)
         begin_output(c);
         return true;
     }
-    if (!fopdt_fit_run(&c->work.test.experiment.look.fit, FIT_UNITS))
+    if (!fopdt_fit_run(&c->work->test.experiment.look.fit, FIT_UNITS))
         return true;
     struct fopdt_fit_result r;
-    enum err err = fopdt_fit_result(&c->work.test.experiment.look.fit, &r);
+    enum err err = fopdt_fit_result(&c->work->test.experiment.look.fit, &r);
     if (err) {
         c->job_error = err;
         return false;
@@ -446,7 +446,7 @@ static void take_early(const struct element *e, struct fopdt *whole, struct begi
 
 void model_begin_analysis(struct commission *c, const struct config *config, real_t h_s)
 {
-    struct analysis *a = &c->work.analysis;
+    struct analysis *a = &c->work->analysis;
     memset(&a->plant, 0, sizeof a->plant);
     a->plant.outputs = c->outputs;
     uint8_t n = 0;
@@ -454,13 +454,13 @@ void model_begin_analysis(struct commission *c, const struct config *config, rea
         if (c->input[k].skipped)
             continue;
         for (uint8_t j = 0; j < c->outputs; j++) {
-            const struct identified *e = &c->element[j][k].fit;
+            const struct identified *e = &c->work->element[j][k].fit;
             a->plant.element[j][n] = (struct fopdt){.gain = e->gain,
                                                     .dead_time_s = e->dead_time_s,
                                                     .time_constant_s = e->time_constant_s};
             a->plant.gain_sd[j][n] = e->gain_sd;
             a->flags[j][n] = e->flags;
-            take_early(&c->element[j][k], &a->plant.element[j][n], &a->beginning[j][n]);
+            take_early(&c->work->element[j][k], &a->plant.element[j][n], &a->beginning[j][n]);
         }
         c->column[n++] = k;
     }
@@ -479,8 +479,8 @@ static bool analysis_piece(struct commission *c)
 {
     if (c->job_error)
         return false;
-    enum err err = c->analysis_begun ? analysis_step(&c->work.analysis)
-                                     : analysis_begin(&c->work.analysis, &c->settings);
+    enum err err = c->analysis_begun ? analysis_step(&c->work->analysis)
+                                     : analysis_begin(&c->work->analysis, &c->settings);
     if (err && err != ERR_BUSY)
         c->job_error = err;
     bool more = err == ERR_BUSY || (!c->analysis_begun && !err);
@@ -493,7 +493,7 @@ bool model_work(void *commission)
     struct commission *c = commission;
     enum model_job job = (enum model_job)c->doing;
     if (job == JOB_LOOK)
-        return look_run(&c->work.test.experiment.look);
+        return look_run(&c->work->test.experiment.look);
     if (job == JOB_FIT)
         return fit_piece(c);
     return analysis_piece(c);

@@ -9,20 +9,20 @@
 const char *proposal_measurement_name(const struct commission *c, const struct config *config,
                                       uint8_t k)
 {
-    const struct analysis *a = &c->work.analysis;
+    const struct analysis *a = &c->work->analysis;
     return config->measurement[c->measurement[a->pairs.output[k]]].name;
 }
 
 const char *proposal_output_name(const struct commission *c, const struct config *config, uint8_t k)
 {
-    const struct analysis *a = &c->work.analysis;
+    const struct analysis *a = &c->work->analysis;
     return config->output[c->input[c->column[a->pairs.input[k]]].output].name;
 }
 
 uint8_t proposal_loop(const struct commission *c, const struct config *config, uint8_t k)
 {
     const char *drives = proposal_output_name(c, config, k);
-    if (analysis_inner_of(&c->work.analysis, k) != INTERACT_NONE) {
+    if (analysis_inner_of(&c->work->analysis, k) != INTERACT_NONE) {
         uint8_t inner = proposal_inner_loop(c, config, k);
         if (inner == PLAN_NONE)
             return PLAN_NONE;
@@ -109,7 +109,7 @@ struct loop_config proposal_settings(const struct tuning *t, real_t derivative_f
 
 enum err proposal_write(const struct commission *c, struct config *config)
 {
-    const struct analysis *a = &c->work.analysis;
+    const struct analysis *a = &c->work->analysis;
     if (!commission_has_proposal(c) || !commission_has_results(c))
         return ERR_STATE;
     if (commission_channels(config) != c->channels)
@@ -155,7 +155,7 @@ enum err proposal_write(const struct commission *c, struct config *config)
  * within its limit. */
 static real_t step_by_model(const struct commission *c, const struct supervisor *s, uint8_t k)
 {
-    const struct analysis *a = &c->work.analysis;
+    const struct analysis *a = &c->work->analysis;
     const struct adoption *t = &c->adoption;
     const struct trial_mark *by = &a->tried[k];
     real_t most = REAL_C(1.0);
@@ -214,7 +214,7 @@ static void take_channel(struct commission *c, const struct config *config, uint
 /* All measurements that were tested: those of the loops first, in their order. */
 static void take_channels(struct commission *c, const struct config *config)
 {
-    const struct analysis *a = &c->work.analysis;
+    const struct analysis *a = &c->work->analysis;
     uint32_t held = 0;
     for (uint8_t k = 0; k < a->pairs.n; k++) {
         take_channel(c, config, a->pairs.output[k]);
@@ -228,7 +228,7 @@ static void take_channels(struct commission *c, const struct config *config)
 enum err proposal_prepare_trial(struct commission *c, const struct supervisor *s,
                                 const struct config *config)
 {
-    const struct analysis *a = &c->work.analysis;
+    const struct analysis *a = &c->work->analysis;
     struct adoption *t = &c->adoption;
     if (commission_channels(config) != c->channels)
         return ERR_CONFLICT;
@@ -249,6 +249,7 @@ enum err proposal_prepare_trial(struct commission *c, const struct supervisor *s
         if (i == PLAN_NONE)
             return ERR_UNKNOWN;
         l->loop = i;
+        l->output = c->input[c->column[a->pairs.input[k]]].output;
         l->predicted = a->predicted[k];
         l->predicted.iae = a->tried[k].iae;
         l->left = a->tried[k].left;

@@ -10,7 +10,7 @@
 
 const char *proposal_inner_name(const struct commission *c, const struct config *config, uint8_t k)
 {
-    uint8_t inner = analysis_inner_of(&c->work.analysis, k);
+    uint8_t inner = analysis_inner_of(&c->work->analysis, k);
     return inner == INTERACT_NONE ? "" : config->measurement[c->measurement[inner]].name;
 }
 
@@ -40,7 +40,7 @@ static uint8_t free_loop(const struct config *config)
 static enum err add_inner(const struct commission *c, struct config *config, uint8_t k,
                           struct loop_config *outer)
 {
-    const struct analysis *a = &c->work.analysis;
+    const struct analysis *a = &c->work->analysis;
     const char *pv = proposal_inner_name(c, config, k), *out = proposal_output_name(c, config, k);
     uint8_t i = free_loop(config);
     if (i == PLAN_NONE)
@@ -60,7 +60,7 @@ static enum err add_inner(const struct commission *c, struct config *config, uin
 /* At the operating point it calls for nothing. */
 static void add_feed(const struct commission *c, struct config *config, const struct feed *f)
 {
-    const struct analysis *a = &c->work.analysis;
+    const struct analysis *a = &c->work->analysis;
     const struct tested_input *in = &c->input[c->column[a->pairs.input[f->way.from]]];
     const struct output_config *o = &config->output[in->output];
     uint8_t i = 0;
@@ -84,7 +84,7 @@ static void add_feed(const struct commission *c, struct config *config, const st
 enum err proposal_add_structure(const struct commission *c, struct config *config,
                                 const uint8_t *place)
 {
-    const struct analysis *a = &c->work.analysis;
+    const struct analysis *a = &c->work->analysis;
     for (uint8_t k = 0; k < a->pairs.n; k++) {
         if (analysis_inner_of(a, k) == INTERACT_NONE)
             continue;
@@ -104,14 +104,14 @@ enum err proposal_add_structure(const struct commission *c, struct config *confi
 static void keep_in_reach(const struct commission *c, const struct supervisor *s, uint8_t k,
                           real_t limit, struct adoption_loop *outer)
 {
-    const struct analysis *a = &c->work.analysis;
+    const struct analysis *a = &c->work->analysis;
     const struct tested_input *in = &c->input[c->column[a->pairs.input[k]]];
     const struct output_config *o = &s->plan->config.output[in->output];
     uint8_t j = a->pairs.input[k];
     real_t lo = (o->min - o->lo) / (o->hi - o->lo), hi = (o->max - o->lo) / (o->hi - o->lo);
     real_t held = num_to_float(s->output[in->output].manual);
     real_t room = held - lo < hi - held ? held - lo : hi - held;
-    real_t a_step = real_abs(c->element[analysis_inner_of(a, k)][c->column[j]].fit.gain);
+    real_t a_step = real_abs(c->work->element[analysis_inner_of(a, k)][c->column[j]].fit.gain);
     real_t moved = a->inner_tuning[k].gain; /* of the manipulated variable for a setpoint of 1 */
     if (a_step * moved < REAL_C(1.0))
         moved = REAL_C(1.0) / a_step; /* without a gain infinite, and there is no room */
@@ -131,7 +131,7 @@ static void keep_in_reach(const struct commission *c, const struct supervisor *s
 enum err proposal_prepare_inner(struct commission *c, const struct supervisor *s,
                                 const struct config *config)
 {
-    const struct analysis *a = &c->work.analysis;
+    const struct analysis *a = &c->work->analysis;
     struct adoption *t = &c->adoption;
     for (uint8_t k = 0; k < a->pairs.n; k++) {
         uint8_t inner = analysis_inner_of(a, k);

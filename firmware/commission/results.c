@@ -55,7 +55,7 @@ void commission_next_input(struct commission *c, struct supervisor *s)
 /* Of the inputs whose tests left something open that a longer one may resolve. */
 static void want_longer_tests(struct commission *c)
 {
-    const struct analysis *a = &c->work.analysis;
+    const struct analysis *a = &c->work->analysis;
     for (uint8_t i = 0; i < a->plant.inputs; i++)
         c->input[c->column[i]].unsettled = (a->unsettled & (1u << i)) != 0u;
 }
@@ -75,7 +75,7 @@ static void next_round(struct commission *c, struct supervisor *s)
  * no output was near its limit. */
 static bool test_longer(struct commission *c, struct supervisor *s)
 {
-    const struct experiment *x = &c->work.test.experiment;
+    const struct experiment *x = &c->work->test.experiment;
     struct tested_input *in = &c->input[c->order[c->at]];
     if (x->cut || x->config.half > 0 || x->half >= commission_longest(s) ||
         in->longer == LONGER_MOST)
@@ -100,12 +100,12 @@ static bool looks_integrating(const struct commission *c, uint8_t j, uint8_t k)
  * the noise hides what it does. */
 static bool test_smaller(struct commission *c, struct supervisor *s)
 {
-    const struct experiment *x = &c->work.test.experiment;
+    const struct experiment *x = &c->work->test.experiment;
     uint8_t k = c->order[c->at];
     struct tested_input *in = &c->input[k];
     real_t worst = REAL_C(0.0);
     for (uint8_t j = 0; j < c->outputs; j++) {
-        real_t asymmetry = real_abs((real_t)c->element[j][k].asymmetry) / ASYMMETRY_UNIT;
+        real_t asymmetry = real_abs((real_t)c->work->element[j][k].asymmetry) / ASYMMETRY_UNIT;
         if (asymmetry > worst)
             worst = asymmetry;
     }
@@ -125,7 +125,7 @@ static bool test_smaller(struct commission *c, struct supervisor *s)
  * leaves room for them. An amplitude that is given stays. */
 static bool test_gentler(struct commission *c, struct supervisor *s)
 {
-    const struct experiment *x = &c->work.test.experiment;
+    const struct experiment *x = &c->work->test.experiment;
     uint8_t k = c->order[c->at];
     struct tested_input *in = &c->input[k];
     real_t a = GENTLER_MOST * x->amplitude;
@@ -175,7 +175,7 @@ static void take_fit(struct commission *c, struct supervisor *s)
         if (test_longer(c, s))
             return;
         /* A step that was cut short says less: there the fit must think so, too. */
-        if (c->work.test.experiment.cut && !(c->fitted[j].flags & IDENTIFIED_INTEGRATING))
+        if (c->work->test.experiment.cut && !(c->fitted[j].flags & IDENTIFIED_INTEGRATING))
             continue;
         commission_end(c, s, why_it_climbs(c, j),
                        s->plan->config.measurement[c->measurement[j]].name, c->input[k].worst);
@@ -183,7 +183,7 @@ static void take_fit(struct commission *c, struct supervisor *s)
     }
     if (test_gentler(c, s) || test_smaller(c, s))
         return;
-    const struct experiment *x = &c->work.test.experiment;
+    const struct experiment *x = &c->work->test.experiment;
     if (x->one_sided) {
         commission_end(c, s, WHY_REVERSAL,
                        s->plan->config.measurement[c->measurement[x->culprit]].name, x->predicted);
@@ -214,7 +214,7 @@ static bool more_would_help(const struct analysis *a)
 
 static void take_analysis(struct commission *c, struct supervisor *s)
 {
-    const struct analysis *a = &c->work.analysis;
+    const struct analysis *a = &c->work->analysis;
     if (c->job_error == ERR_EMPTY) {
         commission_end(c, s, WHY_NO_INPUT, NULL, REAL_C(0.0));
         return;
@@ -231,7 +231,7 @@ static void take_analysis(struct commission *c, struct supervisor *s)
         return;
     }
     c->phase = COMMISSION_READY;
-    c->analysed = true;
+    c->analysed = c->unseen = true;
     c->phase_ms = c->ended_ms = s->time_ms;
     event_put(c->events, s->time_ms, open ? EVENT_NOT_DETERMINED : EVENT_PROPOSAL, NULL,
               a->probability, a->designed);

@@ -3,7 +3,6 @@
 
 #include "commission/parts.h"
 
-#include <stddef.h>
 #include <string.h>
 
 #include "base/elapsed.h"
@@ -29,7 +28,7 @@ real_t commission_lasts(const struct commission *c, uint8_t k)
 {
     real_t longest_s = REAL_C(0.0);
     for (uint8_t j = 0; j < c->outputs; j++) {
-        const struct identified *e = &c->element[j][k].fit;
+        const struct identified *e = &c->work->element[j][k].fit;
         real_t time_s = e->dead_time_s + REAL_C(3.0) * e->time_constant_s;
         bool known = !(e->flags & IDENTIFIED_NO_GAIN) &&
                      e->gain_sd < REAL_C(0.2) * real_abs(e->gain) &&
@@ -45,7 +44,7 @@ real_t commission_lasts(const struct commission *c, uint8_t k)
 static bool shape_decides(const struct commission *c, uint8_t k)
 {
     for (uint8_t j = 0; j < c->outputs; j++) {
-        const struct element *e = &c->element[j][k];
+        const struct element *e = &c->work->element[j][k];
         if (e->misfit > REAL_C(0.5) * e->fit.gain_sd &&
             e->misfit > SHAPE_COUNTS * real_abs(e->fit.gain))
             return true;
@@ -133,7 +132,7 @@ static real_t amplitude_by_model(const struct commission *c, uint8_t k,
     real_t a = x->amplitude_max < AMPLITUDE_MOST ? x->amplitude_max : AMPLITUDE_MOST;
     real_t stands_out = REAL_C(0.0); /* largest response to 1, in noise standard deviations */
     for (uint8_t j = 0; j < c->outputs; j++) {
-        const struct identified *f = &c->element[j][k].fit;
+        const struct identified *f = &c->work->element[j][k].fit;
         real_t most = real_abs(f->gain) + REAL_C(2.0) * f->gain_sd;
         if (most * a > AGAIN_SHARE * room_of(c, x, j))
             a = AGAIN_SHARE * room_of(c, x, j) / most;
@@ -179,7 +178,7 @@ static enum err begin_input(struct commission *c, const struct supervisor *s)
     for (uint8_t j = 0; j < c->outputs; j++) {
         x.limit[j] = commission_limit(&config->measurement[c->measurement[j]]);
         if (c->input[k].rounds > 0)
-            x.dead_time_s[j] = c->element[j][k].fit.dead_time_s;
+            x.dead_time_s[j] = c->work->element[j][k].fit.dead_time_s;
     }
     /* A drift is seen over a window as long as the responses are. */
     uint32_t wider = c->half_least / 4u;
@@ -219,7 +218,7 @@ static enum err begin_input(struct commission *c, const struct supervisor *s)
     commission_age_origin(c, s);
     c->phase = COMMISSION_TESTING;
     c->phase_ms = s->time_ms;
-    return experiment_begin(&c->work.test.experiment, &x);
+    return experiment_begin(&c->work->test.experiment, &x);
 }
 
 uint32_t commission_longest(const struct supervisor *s)
@@ -245,13 +244,17 @@ void commission_start_input(struct commission *c, struct supervisor *s)
 /* All but the large parts, which whoever uses them next clears: this is a tick. */
 void commission_forget(struct commission *c, const struct supervisor *s)
 {
-    struct event_queue *events = c->events;
     job_give_up(&c->job);
+    struct event_queue *events = c->events;
     struct job job = c->job;
-    memset(c, 0, offsetof(struct commission, work));
-    memset(&c->adoption, 0, sizeof c->adoption);
+    struct workspace *workspace = c->workspace;
+    struct commission_work *work = c->work;
+    memset(c, 0, sizeof *c);
     c->events = events;
     c->job = job;
+    c->workspace = workspace;
+    c->work = work;
+    memset(c->work->element, 0, sizeof c->work->element);
     c->plan_serial = s->plan->serial;
     c->channels = commission_channels(&s->plan->config);
     c->safe_count = s->safe_count;
@@ -288,7 +291,7 @@ void commission_begin(struct commission *c, struct supervisor *s)
 
 static void end_test(struct commission *c, struct supervisor *s)
 {
-    const struct experiment *x = &c->work.test.experiment;
+    const struct experiment *x = &c->work->test.experiment;
     struct tested_input *in = &c->input[c->order[c->at]];
     in->amplitude = x->amplitude;
     in->half_s = (real_t)x->half * x->config.h_s;
@@ -308,7 +311,7 @@ static void end_test(struct commission *c, struct supervisor *s)
 
 void commission_test(struct commission *c, struct supervisor *s)
 {
-    struct experiment *x = &c->work.test.experiment;
+    struct experiment *x = &c->work->test.experiment;
     uint8_t k = c->order[c->at];
     real_t y[CHANNEL_MAX];
     enum experiment_phase before = x->phase;

@@ -168,6 +168,10 @@ static void answer_words(enum err code, const struct answer *a, struct text *t)
         text_u32(t, a->value.parameter.group->count);
         text_str(t, ", bytes needed for each more: ");
         text_u32(t, (uint32_t)PLAN_BUFFERS * a->value.parameter.group->stride);
+#if WORKSPACE_BYTES
+    } else if (a->more == ANSWER_TAKEN) {
+        workspace_refusal(a->workspace, t);
+#endif
     } else {
         text_str(t, a->words ? a->words : err_text(code));
     }

@@ -149,9 +149,11 @@ bool commission_model_line(struct console *c, unsigned n, struct text *line);
 bool commission_gains_line(struct console *c, unsigned n, struct text *line);
 bool commission_pairing_line(struct console *c, unsigned n, struct text *line);
 bool commission_proposal_line(struct console *c, unsigned n, struct text *line);
+#define COMMISSION_GONE                                                                            \
+    "what was found has made room: the workspace has been leased for something else since"
 /* Shared by them: flags of an element, and whether there is nothing to list (a line says why). */
 void commission_flags(struct text *t, unsigned bits);
-bool commission_has_nothing(const struct console *c, unsigned n, struct text *line);
+bool commission_has_nothing(struct console *c, unsigned n, struct text *line);
 /* The last lines of the proposal: inner loops and feedforwards. */
 bool commission_structural_line(struct console *c, unsigned n, struct text *line);
 

@@ -394,7 +394,7 @@ const struct console_command console_commands[] = {
      command_tune},
     {"log", "on|off [TICKS]", "telemetry rows on this console", 1, 2, command_log},
     {"commission",
-     "[begin|pause|resume|skip|repeat|abort|accept|edit|reject|relay|"
+     "[begin|pause|resume|skip|repeat|abort|accept|edit|reject|discard|relay|"
      "plant|plan|model|gains|pairing|structure|proposal|trial] [LOOP]",
      "automatic start-up: how far it is, or what it is told", 0, 2, command_commission},
     {"alarm", "[ack|shelve] [ALARM|all] [SECONDS]",

@@ -36,7 +36,7 @@ static float output_span(const struct output_config *o)
 /* The test may end, and its memory go to the analysis, at any time. */
 static void test_line(const struct commission *c, const struct config *config, struct text *line)
 {
-    const struct experiment *experiment = &c->work.test.experiment;
+    const struct experiment *experiment = &c->work->test.experiment;
     hal_tick_lock();
     bool testing = c->phase == COMMISSION_TESTING;
     uint8_t at = c->at;
@@ -167,6 +167,8 @@ void command_commission(struct console *c, unsigned n, char **word)
         console_answer(c, operate_accept(&c->session, &a), &a);
     } else if (strcmp(word[0], "edit") == 0) {
         console_answer(c, operate_edit(&c->session, &a), &a);
+    } else if (strcmp(word[0], "discard") == 0) {
+        console_answer(c, operate_discard(&c->session, &a), &a);
     } else {
         console_err_about(c, ERR_PARSE, word[0], "no such word; `help commission` lists them");
     }

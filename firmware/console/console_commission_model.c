@@ -65,7 +65,7 @@ static bool input_line(const struct console *c, unsigned k, struct text *line)
 /* Gains in engineering units: what a person would measure. */
 static void element_line(const struct console *c, unsigned j, unsigned k, struct text *line)
 {
-    const struct element *e = &c->service->commission->element[j][k];
+    const struct element *e = &c->service->commission->work->element[j][k];
     const struct measurement_config *y = measurement(c, j);
     const struct output_config *u = output(c, k);
     float scale = (y->hi - y->lo) / (u->hi - u->lo);
@@ -90,7 +90,7 @@ static void element_line(const struct console *c, unsigned j, unsigned k, struct
 /* What the moments and the plateaus make of the same test. */
 static void second_line(const struct console *c, unsigned j, unsigned k, struct text *line)
 {
-    const struct element *e = &c->service->commission->element[j][k];
+    const struct element *e = &c->service->commission->work->element[j][k];
     const struct measurement_config *y = measurement(c, j);
     const struct output_config *u = output(c, k);
     float scale = (y->hi - y->lo) / (u->hi - u->lo);
@@ -116,6 +116,13 @@ bool commission_model_line(struct console *c, unsigned n, struct text *line)
         return false; /* or may be overwritten at any time */
     if (m->by_relay.on)
         return commission_relay_line(c, n, line); /* of one loop, and no model */
+    if (!commission_keeps(m)) {
+        if (n == 0)
+            text_str(line, COMMISSION_GONE);
+        return n == 0;
+    }
+    if (n == 0)
+        operate_startup_shown(&c->session);
     if (n < m->inputs)
         return input_line(c, n, line);
     n -= m->inputs;
@@ -144,14 +151,18 @@ bool commission_model_line(struct console *c, unsigned n, struct text *line)
     return true;
 }
 
-bool commission_has_nothing(const struct console *c, unsigned n, struct text *line)
+bool commission_has_nothing(struct console *c, unsigned n, struct text *line)
 {
     const struct commission *m = c->service->commission;
-    if (commission_has_results(m) && !m->by_relay.on)
+    if (commission_has_results(m) && !m->by_relay.on) {
+        if (n == 0)
+            operate_startup_shown(&c->session);
         return false;
+    }
     if (n == 0)
         text_str(line, m->by_relay.on ? "the latest test was by relay: `commission relay`"
-                                      : "nothing yet: `commission begin` first");
+                       : commission_had_results(m) ? COMMISSION_GONE
+                                                   : "nothing yet: `commission begin` first");
     return true;
 }
 
@@ -177,7 +188,7 @@ static void gains_summary(const struct analysis *a, unsigned n, struct text *lin
 static void null_line(const struct console *c, bool outputs, struct text *line)
 {
     const struct commission *m = c->service->commission;
-    const struct analysis *a = &m->work.analysis;
+    const struct analysis *a = &m->work->analysis;
     unsigned n = outputs ? a->plant.outputs : a->plant.inputs;
     text_str(line, outputs ? "null outputs" : "null inputs");
     for (unsigned i = 0; i < n; i++) {
@@ -191,7 +202,7 @@ static void null_line(const struct console *c, bool outputs, struct text *line)
 bool commission_gains_line(struct console *c, unsigned n, struct text *line)
 {
     const struct commission *m = c->service->commission;
-    const struct analysis *a = &m->work.analysis;
+    const struct analysis *a = &m->work->analysis;
     if (commission_has_nothing(c, n, line))
         return n == 0;
     if (n < 2) {
@@ -252,7 +263,7 @@ static void decoupler_words(const struct analysis *a, struct text *line)
 static void loop_line(const struct console *c, unsigned k, struct text *line)
 {
     const struct commission *m = c->service->commission;
-    const struct analysis *a = &m->work.analysis;
+    const struct analysis *a = &m->work->analysis;
     const struct tuning *t = &a->loops.tuning[k];
     const struct trial_loop *p = &a->predicted[k];
     const struct measurement_config *y = measurement(c, a->pairs.output[k]);
@@ -272,7 +283,7 @@ static void loop_line(const struct console *c, unsigned k, struct text *line)
 
 bool commission_proposal_line(struct console *c, unsigned n, struct text *line)
 {
-    const struct analysis *a = &c->service->commission->work.analysis;
+    const struct analysis *a = &c->service->commission->work->analysis;
     if (c->service->commission->by_relay.on)
         return commission_relay_line(c, n, line);
     if (commission_has_nothing(c, n, line))

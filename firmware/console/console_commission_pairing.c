@@ -38,7 +38,7 @@ static void names(const struct console *c, unsigned j, unsigned i, struct text *
 static void doubt_element_line(const struct console *c, unsigned j, unsigned i, struct text *line)
 {
     const struct commission *m = c->service->commission;
-    unsigned bits = certainty_flags(&m->work.analysis, (uint8_t)j, (uint8_t)i);
+    unsigned bits = certainty_flags(&m->work->analysis, (uint8_t)j, (uint8_t)i);
     if (bits == 0)
         return;
     text_str(line, "doubt element ");
@@ -49,7 +49,7 @@ static void doubt_element_line(const struct console *c, unsigned j, unsigned i, 
 /* Loops that run away where the others are in manual. */
 static void subset_line(const struct console *c, struct text *line)
 {
-    const struct analysis *a = &c->service->commission->work.analysis;
+    const struct analysis *a = &c->service->commission->work->analysis;
     if (a->negative == 0)
         return;
     text_str(line, "subset");
@@ -75,7 +75,7 @@ static void left_line(const char *what, const char *name, const char *why, struc
 static bool left_over_line(const struct console *c, unsigned n, struct text *line)
 {
     const struct commission *m = c->service->commission;
-    const struct analysis *a = &m->work.analysis;
+    const struct analysis *a = &m->work->analysis;
     if (n < a->plant.outputs) {
         const char *why = words_of_left(certainty_output_left(a, (uint8_t)n));
         if (why[0])
@@ -97,7 +97,7 @@ static bool left_over_line(const struct console *c, unsigned n, struct text *lin
 /* After the pairs: what speaks against them, and what they leave over. */
 static bool remarks_line(const struct console *c, unsigned n, struct text *line)
 {
-    const struct analysis *a = &c->service->commission->work.analysis;
+    const struct analysis *a = &c->service->commission->work->analysis;
     if (n < WORDS_DOUBTS) {
         doubt_line(a, n, line);
         return true;
@@ -119,7 +119,7 @@ static bool remarks_line(const struct console *c, unsigned n, struct text *line)
 bool commission_pairing_line(struct console *c, unsigned n, struct text *line)
 {
     const struct commission *m = c->service->commission;
-    const struct analysis *a = &m->work.analysis;
+    const struct analysis *a = &m->work->analysis;
     if (commission_has_nothing(c, n, line))
         return n == 0;
     if (n == 0) {

@@ -91,24 +91,14 @@ bool commission_plan_line(struct console *c, unsigned n, struct text *line)
     return true;
 }
 
-/* Names of pair k. */
-static void pair(const struct console *c, unsigned k, struct text *line)
-{
-    const struct commission *m = c->service->commission;
-    const struct pairs *p = &m->work.analysis.pairs;
-    text_char(line, ' ');
-    text_str(line, console_settings(c)->measurement[m->measurement[p->output[k]]].name);
-    text_char(line, ' ');
-    text_str(line, console_settings(c)->output[m->input[m->column[p->input[k]]].output].name);
-}
-
 bool commission_trial_line(struct console *c, unsigned n, struct text *line)
 {
     const struct commission *m = c->service->commission;
+    const struct config *config = console_settings(c);
     const struct adoption *t = &m->adoption;
     bool was = m->phase == COMMISSION_TRIAL || m->phase == COMMISSION_KEPT ||
                m->phase == COMMISSION_RETURNED || m->phase == COMMISSION_ENDED;
-    if (!was || t->n == 0 || !commission_has_results(m)) {
+    if (!was || t->n == 0 || !commission_had_results(m)) {
         if (n == 0)
             text_str(line, "no trial yet: `commission accept` begins one");
         return n == 0;
@@ -116,13 +106,14 @@ bool commission_trial_line(struct console *c, unsigned n, struct text *line)
     if (n >= t->n)
         return false;
     const struct adoption_loop *l = &t->loop[n];
-    const struct measurement_config *y =
-        &console_settings(c)->measurement[m->measurement[m->work.analysis.pairs.output[n]]];
+    const struct measurement_config *y = &config->measurement[t->channel[n].measurement];
     float span = y->hi - y->lo;
     bool back = l->step < REAL_C(0.0);
     float scale = (float)(back ? -l->step : l->step) / (float)l->size;
-    text_str(line, "trial");
-    pair(c, n, line);
+    text_str(line, "trial ");
+    text_str(line, y->name);
+    text_char(line, ' ');
+    text_str(line, config->output[l->output].name);
     text_named_float(line, "step", (float)l->step * span);
     text_named_float(line, "iae", (float)l->iae * span);
     text_named_float(line, "predicted", (float)l->predicted.iae * scale * span);

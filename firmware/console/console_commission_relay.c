@@ -19,9 +19,9 @@ static struct by_relay latest(const struct console *c)
 void commission_relay_now(struct console *c, struct text *line)
 {
     const struct commission *m = c->service->commission;
-    const struct relay *relay = &m->work.relay.relay;
+    const struct relay *relay = &m->work->relay.relay;
     hal_tick_lock();
-    bool going_on = m->phase == COMMISSION_RELAY, resting = going_on && m->work.relay.resting;
+    bool going_on = m->phase == COMMISSION_RELAY, resting = going_on && m->work->relay.resting;
     uint8_t loop = m->by_relay.loop;
     struct {
         enum relay_phase phase;
@@ -71,7 +71,7 @@ bool commission_relay_line(struct console *c, unsigned n, struct text *line)
 {
     const struct commission *m = c->service->commission;
     struct by_relay r = latest(c);
-    if (!r.on || !r.found || !commission_has_results(m)) {
+    if (!r.on || !r.found || !commission_had_results(m)) {
         if (n == 0 && m->phase == COMMISSION_RELAY)
             commission_relay_now(c, line);
         else if (n == 0)
@@ -79,6 +79,7 @@ bool commission_relay_line(struct console *c, unsigned n, struct text *line)
         return n == 0;
     }
     if (n == 0) {
+        operate_startup_shown(&c->session);
         found_line(c, &r, line);
         return true;
     }

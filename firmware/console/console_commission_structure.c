@@ -9,7 +9,7 @@
 
 static const struct analysis *analysis(const struct console *c)
 {
-    return &c->service->commission->work.analysis;
+    return &c->service->commission->work->analysis;
 }
 
 static const char *measurement(const struct console *c, uint8_t j)
@@ -151,6 +151,8 @@ bool commission_structure_line(struct console *c, unsigned n, struct text *line)
 {
     const struct analysis *a = analysis(c);
     bool has = commission_has_results(c->service->commission);
+    if (n == 0 && has)
+        operate_startup_shown(&c->session);
     if (has && n < a->n_cascades) {
         cascade_line(c, &a->cascade[n], line);
         return true;
@@ -159,7 +161,9 @@ bool commission_structure_line(struct console *c, unsigned n, struct text *line)
     if (has && a->has_structure)
         return structure_lines(c, n, line);
     if (n == 0)
-        text_str(line, "structure none: it is looked for once the pairing is determined");
+        text_str(line, has || !commission_had_results(c->service->commission)
+                           ? "structure none: it is looked for once the pairing is determined"
+                           : COMMISSION_GONE);
     return n == 0;
 }
 

@@ -52,7 +52,8 @@ enum answer_more {
     ANSWER_CONFIG, /* config: the settings do not fit together; no words, no subject */
     ANSWER_VALUE,  /* value: no value for that parameter; no words, no subject */
     ANSWER_PLACES, /* value: larger boards have that parameter's place; no words */
-    ANSWER_WAIT    /* wait_ms: until the next try is looked at */
+    ANSWER_WAIT,   /* wait_ms: until the next try is looked at */
+    ANSWER_TAKEN   /* workspace: somebody else has it, and says what frees it; no words */
 };
 
 /* What is pointed to stays until something else is asked. */
@@ -71,6 +72,7 @@ struct answer {
             const char *text; /* NULL: it was given as a number */
         } value;
         uint32_t wait_ms;
+        const struct workspace *workspace;
     };
 };
 
@@ -214,7 +216,7 @@ bool operate_is_on_trial(const struct session *session);
 /* "begin", as the history names it; NULL: nothing a client may ask for so. */
 const char *operate_startup_word(enum commission_ask what);
 /* BEGIN, PAUSE, RESUME, SKIP, REPEAT, ABORT, REJECT. Pause and abort are everybody's, the others the engineer's.
- * ERR_LOCKED, ERR_STATE, ERR_BUSY, and those of commission_may_begin(). */
+ * ERR_LOCKED, ERR_STATE, ERR_BUSY (also: somebody else has the workspace), and those of commission_may_begin(). */
 MUST_CHECK enum err operate_startup(struct session *session, enum commission_ask what,
                                     struct answer *answer);
 /* Engineer. A relay test of one loop. Errors as commission_may_relay(). */
@@ -224,6 +226,11 @@ MUST_CHECK enum err operate_relay(struct session *session, uint8_t loop, struct 
 MUST_CHECK enum err operate_accept(struct session *session, struct answer *answer);
 /* Engineer. Opens a transaction with the proposal in it. */
 MUST_CHECK enum err operate_edit(struct session *session, struct answer *answer);
+
+/* Engineer. Gives up what was found: the workspace is free. ERR_STATE: under way, or nothing there. */
+MUST_CHECK enum err operate_discard(struct session *session, struct answer *answer);
+/* To be told whenever a client has shown something of what was found: others may have its place in the workspace then. */
+void operate_startup_shown(const struct session *session);
 
 /* How far it is. */
 struct startup_reading {

@@ -40,6 +40,18 @@ static enum err refuse_startup(struct answer *answer, enum err err, const char *
     return operate_refuse(answer, err, subject ? subject : "commission", words);
 }
 
+/* What commission_put() says of a beginning. */
+static enum err refuse_begin(const struct session *session, struct answer *answer, enum err err,
+                             const char *subject, const char *words)
+{
+    if (words)
+        return refuse_startup(answer, err, subject, words);
+    (void)!operate_refuse(answer, err, "workspace", NULL);
+    answer->more = ANSWER_TAKEN;
+    answer->workspace = session->door->service->workspace;
+    return err;
+}
+
 static enum err done(const struct session *session, const char *act)
 {
     operate_record(session, EVENT_DO_COMMISSION, act, 0.0f);
@@ -62,7 +74,8 @@ enum err operate_startup(struct session *session, enum commission_ask what, stru
     if (!err)
         err = commission_put(s->commission, what, &wanted);
     hal_tick_unlock();
-    return err ? refuse_startup(answer, err, subject, wanted) : done(session, asks[what].word);
+    return err ? refuse_begin(session, answer, err, subject, wanted)
+               : done(session, asks[what].word);
 }
 
 enum err operate_relay(struct session *session, uint8_t loop, struct answer *answer)
@@ -85,7 +98,7 @@ enum err operate_relay(struct session *session, uint8_t loop, struct answer *ans
         m->relay_serial = s->supervisor->plan->serial;
     }
     hal_tick_unlock();
-    return err ? refuse_startup(answer, err, subject, wanted) : done(session, "relay");
+    return err ? refuse_begin(session, answer, err, subject, wanted) : done(session, "relay");
 }
 
 /* The configuration the proposal goes into: an open transaction's as it stands, where the proposal was put into it
@@ -146,7 +159,7 @@ static enum err begin_trial(struct session *session, struct config *config, stru
                                   ? CHANNELS_CHANGED
                                   : "a pair of the proposal has no loop in the open "
                                     "transaction; `abandon` it, then accept or edit");
-    m->old = service_plan(s)->config;
+    m->work->old = service_plan(s)->config;
     err = operate_activate(session, answer);
     if (err)
         return err;
@@ -190,6 +203,25 @@ enum err operate_edit(struct session *session, struct answer *answer)
     return done(session, "edit");
 }
 
+enum err operate_discard(struct session *session, struct answer *answer)
+{
+    const char *wanted = "";
+    enum err err = admit_to_startup(session, true, answer);
+    if (err)
+        return err;
+    hal_tick_lock();
+    err = commission_discard(session->door->service->commission, &wanted);
+    hal_tick_unlock();
+    return err ? refuse_startup(answer, err, NULL, wanted) : done(session, "discard");
+}
+
+void operate_startup_shown(const struct session *session)
+{
+    hal_tick_lock();
+    commission_seen(session->door->service->commission);
+    hal_tick_unlock();
+}
+
 struct startup_reading operate_startup_reading(const struct session *session)
 {
     const struct commission *m = session->door->service->commission;
@@ -216,7 +248,7 @@ bool operate_poll(struct operate *door)
     if (sequence_active(&s->supervisor->sequence))
         return false;
 #endif
-    enum err err = service_apply(s, &s->commission->old, &fault);
+    enum err err = service_apply(s, &s->commission->work->old, &fault);
     if (err && !fault.group)
         return true; /* no room for it at the moment */
     s->commission->wants_old = false;

@@ -15,9 +15,9 @@
 
 #include "base/event.h"
 #include "hal/io.h"
-#include "service/event_log.h"
 #include "io/plant_link.h"
 #include "io/samples.h"
+#include "service/event_log.h"
 #include "service/telemetry.h"
 #include "supervise/supervisor.h"
 
@@ -37,6 +37,7 @@ struct work_cost {
 
 struct storage;
 struct commission;
+struct workspace;
 
 struct service {
     struct supervisor *supervisor;
@@ -54,6 +55,7 @@ struct service {
     uint8_t early_resets;          /* that led to this start: service/early_resets.h */
     struct storage *storage;       /* service/storage.h; set by storage_init() */
     struct commission *commission; /* NULL where the board leaves it out */
+    struct workspace *workspace;   /* likewise */
 
     struct plan plan[PLAN_BUFFERS];
     /* Indices into plan[]. The tick writes the one, the main loop the other; where they differ the newest waits. */

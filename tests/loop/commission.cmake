@@ -7,5 +7,7 @@ endforeach()
 reflux_test(transcript LABEL loop SOURCES ${CMAKE_CURRENT_LIST_DIR}/test_transcript.c
             LIBS reflux_hal_memory reflux_app reflux_link reflux_bench reflux_plants)
 # What a sample waits for, and what large memory is leased for.
-reflux_test(jobs LABEL loop SOURCES ${CMAKE_CURRENT_LIST_DIR}/test_jobs.c
-            LIBS reflux_hal_memory reflux_app reflux_link reflux_bench reflux_plants)
+foreach(part jobs workspace_lease)
+  reflux_test(${part} LABEL loop SOURCES ${CMAKE_CURRENT_LIST_DIR}/test_${part}.c
+              LIBS reflux_hal_memory reflux_app reflux_link reflux_bench reflux_plants)
+endforeach()

@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "commission/parts.h"
+#include "commission_space.h"
 #include "supervisor_bench.h"
 
 static struct commission c;
@@ -32,7 +33,8 @@ static inline struct jobs jobs_of_it(void)
 /* Input 0 of two has just been tested, by 0.1 for 100 ticks of 2 s, and fitted. */
 static inline void fitted(void)
 {
-    commission_init(&c, &bench.events);
+    commission_init(&c, &bench.events, commission_fresh_region());
+    commission_lease(&c);
     c.plan_serial = bench.s.plan->serial;
     c.safe_count = bench.s.safe_count;
     c.outputs = c.inputs = 2;
@@ -49,8 +51,8 @@ static inline void fitted(void)
                                           .dead_time_s = 10};
     c.fitted[2] = (struct identified){.gain = 50, .time_constant_s = 1000}; /* of no output */
     c.climbs[2] = 9;
-    c.element[2][0].asymmetry = 5000;
-    x = &c.work.test.experiment;
+    c.work->element[2][0].asymmetry = 5000;
+    x = &c.work->test.experiment;
     x->config.outputs = 2;
     x->config.h_s = 2;
     x->config.limit[0] = x->config.limit[1] = REAL_C(0.2);

@@ -155,7 +155,7 @@ static void what_may_be_asked_depends_on_the_phase(void)
                  {COMMISSION_ASK_TRIAL, 1u << COMMISSION_READY},
                  {COMMISSION_ASK_REJECT, 1u << COMMISSION_READY}};
     c.at = 1;
-    c.work.analysis.designed = true;
+    c.work->analysis.designed = true;
     for (unsigned n = 0; n < sizeof cases / sizeof cases[0]; n++)
         for (unsigned old = 0; old < 2; old++)
             for (unsigned phase = 0; phase <= COMMISSION_ENDED; phase++) {
@@ -172,7 +172,7 @@ static void what_may_be_asked_depends_on_the_phase(void)
                     TEST_ASSERT_EQUAL(old, strncmp(wanted, "the old settings", 16) == 0);
             }
     c.phase = COMMISSION_READY;
-    c.work.analysis.designed = false;
+    c.work->analysis.designed = false;
     const char *wanted;
     TEST_ASSERT_EQUAL_INT(ERR_STATE, commission_may(&c, COMMISSION_ASK_TRIAL, &wanted));
 }
@@ -191,7 +191,7 @@ static void a_trial_waits_for_its_plan(void)
     for (unsigned later = 0; later < 2; later++) {
         fitted();
         c.phase = COMMISSION_READY;
-        c.work.analysis.designed = true;
+        c.work->analysis.designed = true;
         c.ask = COMMISSION_ASK_TRIAL;
         c.trial_serial = bench.s.plan->serial + later;
         commission_tick(&c, &bench.s);
@@ -265,7 +265,7 @@ static void accepted(void)
 {
     struct adoption *a = &c.adoption;
     fitted();
-    memset(&c.work, 0, sizeof c.work);
+    commission_lease(&c);
     c.phase = COMMISSION_READY;
     c.trial_serial = bench.s.plan->serial;
     a->n = 1;

@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "commission/parts.h"
+#include "commission_space.h"
 #include "supervisor_bench.h"
 
 #define WINDOW 32
@@ -30,9 +31,10 @@ void setUp(void)
         cf->measurement[i].test_limit = cf->output[i].test_step = 0;
     }
     y[0] = y[1] = 0.25;
-    t = &c.work.relay;
-    r = &c.work.relay.relay.config;
-    commission_init(&c, &bench.events);
+    commission_init(&c, &bench.events, commission_fresh_region());
+    commission_lease(&c);
+    t = &c.work->relay;
+    r = &c.work->relay.relay.config;
     c.relay_serial = bench.s.plan->serial;
     c.relay_asked = TOP;
     bench_forget_events();
@@ -382,7 +384,7 @@ static void no_answer_within_its_patience_makes_the_relay_larger(void)
 static void numbers_that_are_none_end_it(void)
 {
     at_work();
-    c.work.relay.relay.phase = RELAY_DONE; /* takes no sample any more */
+    c.work->relay.relay.phase = RELAY_DONE; /* takes no sample any more */
     sample(1);
     ended(WHY_NUMBERS, "top", (double)ERR_STATE);
     begin();
@@ -415,7 +417,7 @@ static void cycles(double slope)
 static void a_cycle_becomes_a_proposal_for_one_pair(void)
 {
     cycles(0.02);
-    const struct analysis *a = &c.work.analysis;
+    const struct analysis *a = &c.work->analysis;
     const struct relay_result *found = &c.by_relay.result;
     double ku = fabs((double)found->gain), pu = (double)found->period_s;
     TEST_ASSERT_TRUE(c.by_relay.found && c.analysed && a->designed);

@@ -13,6 +13,7 @@
 
 #include "commission/limits.h"
 #include "commission/model.h"
+#include "commission_space.h"
 #include "experiment_bench.h"
 #include "kept_transcript.h"
 
@@ -23,6 +24,7 @@ static struct commission c;
 void setUp(void)
 {
     memset(&c, 0, sizeof c);
+    commission_lease(&c);
 }
 void tearDown(void) {}
 
@@ -276,7 +278,7 @@ static void fit_of_the_test(const struct plant_case *p, unsigned round)
 {
     c.outputs = config.outputs;
     c.inputs = 1;
-    c.work.test.experiment = experiment;
+    c.work->test.experiment = experiment;
     model_begin_fit(&c);
     c.doing = JOB_FIT;
     while (model_work(&c))
@@ -299,7 +301,7 @@ static void fit_of_the_test(const struct plant_case *p, unsigned round)
     model_keep(&c);
     c.input[0].rounds++;
     for (uint8_t j = 0; j < c.outputs; j++) {
-        const struct element *e = &c.element[j][0];
+        const struct element *e = &c.work->element[j][0];
         says("kept", &e->fit);
         kept_line("moments %.6g %.6g %.6g flags %x asymmetry %d early %.6g %.6g plateau %.6g "
                   "misfit %.6g",
@@ -315,7 +317,7 @@ static void analysis_of_the_tests(void)
     static struct config settings;
     settings.test.confidence = 0.95f;
     model_begin_analysis(&c, &settings, REAL_C(1.0));
-    const struct analysis *a = &c.work.analysis;
+    const struct analysis *a = &c.work->analysis;
     kept_line("plant %u by %u", a->plant.outputs, a->plant.inputs);
     for (uint8_t j = 0; j < c.outputs; j++) {
         const struct fopdt *e = &a->plant.element[j][0];
@@ -341,6 +343,7 @@ static void the_numbers_of_small_plants_are_the_ones_kept(void)
     kept_open("reference/identified_numbers.txt");
     for (unsigned i = 0; i < CASES; i++) {
         memset(&c, 0, sizeof c);
+        commission_lease(&c);
         for (unsigned round = 1; round <= 2; round++) {
             set_up(&cases[i], 100 * i + round);
             run(&cases[i]);

@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "commission/model.h"
+#include "commission_space.h"
 #include "experiment_bench.h"
 
 #define SEED 20240713u
@@ -13,6 +14,7 @@ static struct commission c;
 void setUp(void)
 {
     memset(&c, 0, sizeof c);
+    commission_lease(&c);
     bench_begin(SEED);
 }
 void tearDown(void) {}
@@ -125,7 +127,7 @@ static void tested(uint8_t k)
     c.order[0] = 0;
     c.order[1] = 1;
     c.at = k;
-    c.work.test.experiment = experiment;
+    c.work->test.experiment = experiment;
     model_begin_fit(&c);
     c.doing = JOB_FIT;
     for (unsigned n = 0; model_work(&c); n++)
@@ -142,7 +144,7 @@ static void a_test_gives_every_output_its_element(void)
     tested(1);
     model_keep(&c);
     for (uint8_t j = 0; j < 2; j++) {
-        const struct element *e = &c.element[j][1];
+        const struct element *e = &c.work->element[j][1];
         const struct test_element *is = &bench.element[j];
         TEST_ASSERT_DOUBLE_WITHIN(0.01 * fabs(is->gain), is->gain, (double)e->fit.gain);
         TEST_ASSERT_DOUBLE_WITHIN(0.02 * (is->lag + is->dead), is->lag,
@@ -154,8 +156,8 @@ static void a_test_gives_every_output_its_element(void)
         if (real_abs(e->plateau_gain) > 0) /* where the levels were long enough */
             TEST_ASSERT_DOUBLE_WITHIN(0.03 * fabs(is->gain), is->gain, (double)e->plateau_gain);
     }
-    TEST_ASSERT_TRUE(c.element[2][1].fit.flags & IDENTIFIED_NO_GAIN);
-    TEST_ASSERT_EQUAL_FLOAT(0.0f, (float)c.element[0][0].fit.gain); /* the other input's */
+    TEST_ASSERT_TRUE(c.work->element[2][1].fit.flags & IDENTIFIED_NO_GAIN);
+    TEST_ASSERT_EQUAL_FLOAT(0.0f, (float)c.work->element[0][0].fit.gain); /* the other input's */
 }
 
 static void a_second_round_joins_the_first(void)
@@ -166,14 +168,15 @@ static void a_second_round_joins_the_first(void)
     tested(0);
     model_keep(&c);
     c.input[0].rounds = 1;
-    double sd = (double)c.element[0][0].fit.gain_sd;
-    real_t first = c.element[0][0].fit.gain;
+    double sd = (double)c.work->element[0][0].fit.gain_sd;
+    real_t first = c.work->element[0][0].fit.gain;
     bench.k = bench.edges = 0;
     tested(0);
     model_keep(&c);
-    TEST_ASSERT_TRUE((double)c.element[0][0].fit.gain_sd < sd);
-    TEST_ASSERT_TRUE(c.element[0][0].fit.gain > first); /* towards the second, which is higher */
-    TEST_ASSERT_DOUBLE_WITHIN(0.08, 0.8, (double)c.element[0][0].fit.gain);
+    TEST_ASSERT_TRUE((double)c.work->element[0][0].fit.gain_sd < sd);
+    TEST_ASSERT_TRUE(c.work->element[0][0].fit.gain >
+                     first); /* towards the second, which is higher */
+    TEST_ASSERT_DOUBLE_WITHIN(0.08, 0.8, (double)c.work->element[0][0].fit.gain);
 }
 
 /* Goes up at once and dies away again: no lag fits that. */
@@ -217,6 +220,7 @@ static void a_drift_that_turns_within_the_test_spoils_no_gain(void)
     for (turns_at = 150; turns_at < 800; turns_at += 50) {
         bench_begin(SEED + turns_at);
         memset(&c, 0, sizeof c);
+        commission_lease(&c);
         bench.other = under_a_drift_that_turns;
         bench.noise = 0.002;
         config.amplitude = REAL_C(0.05);
@@ -253,10 +257,11 @@ static void a_response_of_another_shape_is_doubted_in_every_round(void)
     for (uint8_t round = 0; round < 8; round++) {
         model_keep(&c);
         c.input[0].rounds = (uint8_t)(round + 1u);
-        TEST_ASSERT_TRUE((double)c.element[0][0].fit.gain_sd >= misfit);
+        TEST_ASSERT_TRUE((double)c.work->element[0][0].fit.gain_sd >= misfit);
     }
-    TEST_ASSERT_DOUBLE_WITHIN(4.0 * misfit, 1.0, (double)c.element[0][0].fit.gain);
-    TEST_ASSERT_DOUBLE_WITHIN(0.06, 1.0, (double)c.element[0][0].fit.gain); /* of the levels */
+    TEST_ASSERT_DOUBLE_WITHIN(4.0 * misfit, 1.0, (double)c.work->element[0][0].fit.gain);
+    TEST_ASSERT_DOUBLE_WITHIN(0.06, 1.0,
+                              (double)c.work->element[0][0].fit.gain); /* of the levels */
 }
 
 static void a_dead_time_of_most_of_a_level_is_no_integrator(void)
@@ -276,6 +281,7 @@ static void an_output_of_noise_has_no_gain(void)
     for (unsigned seed = 0; seed < 30; seed++) {
         bench_begin(SEED + seed);
         memset(&c, 0, sizeof c);
+        commission_lease(&c);
         bench.noise = 0.005;
         config.amplitude = REAL_C(0.05);
         config.half = 150;
@@ -297,14 +303,14 @@ static void inputs_that_were_skipped_are_no_columns(void)
     c.inputs = 3;
     for (uint8_t j = 0; j < 2; j++)
         for (uint8_t k = 0; k < 3; k++) {
-            c.element[j][k].fit = element(1.0 + j + 10.0 * k, 0.01, 100 + k, 5);
+            c.work->element[j][k].fit = element(1.0 + j + 10.0 * k, 0.01, 100 + k, 5);
             c.input[k].rounds = 1;
             c.element[2][k].fit = element(9.0, 0.01, 9, 9); /* of no output */
         }
     c.input[1].skipped = true;
     model_begin_analysis(&c, &settings, 1);
     TEST_ASSERT_EQUAL_INT(ERR_OK, c.job_error);
-    const struct interact_plant *p = &c.work.analysis.plant;
+    const struct interact_plant *p = &c.work->analysis.plant;
     TEST_ASSERT_EQUAL_UINT8(2, p->outputs);
     TEST_ASSERT_EQUAL_UINT8(2, p->inputs);
     TEST_ASSERT_EQUAL_UINT8(0, c.column[0]);

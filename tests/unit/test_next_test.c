@@ -4,6 +4,7 @@
 
 #include "commission/expected.h"
 #include "commission/parts.h"
+#include "commission_space.h"
 #include "supervisor_bench.h"
 
 static struct commission c;
@@ -30,12 +31,13 @@ void setUp(void)
         cf->measurement[i].test_critical = cf->output[i].test_critical = 0;
         cf->measurement[i].test_limit = cf->output[i].test_step = cf->output[i].test_time_s = 0;
     }
-    commission_init(&c, &bench.events);
+    commission_init(&c, &bench.events, commission_fresh_region());
+    commission_lease(&c);
     c.outputs = c.inputs = 2;
     c.measurement[1] = c.input[1].output = c.order[1] = 1;
     c.input[0].held = REAL_C(0.5);
     c.input[1].held = REAL_C(0.1);
-    x = &c.work.test.experiment.config;
+    x = &c.work->test.experiment.config;
 }
 void tearDown(void) {}
 
@@ -52,15 +54,16 @@ static void tested(double amplitude, double gain, double sd)
     c.input[0].rounds = 1;
     c.input[0].amplitude = (real_t)amplitude;
     c.input[0].half_s = 200;
-    c.element[2][0].fit = (struct identified){.gain = 9, .dead_time_s = 999}; /* of no output */
-    c.element[2][0].misfit = 9;
+    c.work->element[2][0].fit =
+        (struct identified){.gain = 9, .dead_time_s = 999}; /* of no output */
+    c.work->element[2][0].misfit = 9;
     c.noise_sd[2] = REAL_C(1e-6);
-    c.element[0][0].fit = (struct identified){.gain = (real_t)gain,
-                                              .gain_sd = (real_t)sd,
-                                              .time_constant_s = 100,
-                                              .time_constant_sd_s = 1,
-                                              .dead_time_s = 10};
-    c.element[1][0].fit = (struct identified){.flags = IDENTIFIED_NO_GAIN, .gain_sd = 1e-6f};
+    c.work->element[0][0].fit = (struct identified){.gain = (real_t)gain,
+                                                    .gain_sd = (real_t)sd,
+                                                    .time_constant_s = 100,
+                                                    .time_constant_sd_s = 1,
+                                                    .dead_time_s = 10};
+    c.work->element[1][0].fit = (struct identified){.flags = IDENTIFIED_NO_GAIN, .gain_sd = 1e-6f};
     c.noise_sd[0] = REAL_C(0.002);
     c.noise_sd[1] = REAL_C(0.001);
 }
@@ -291,7 +294,7 @@ static void the_times_that_are_known_are_the_length(void)
     TEST_ASSERT_EQUAL_UINT32(193, x->half_most);  /* and a quarter */
     NEAR(10.0, x->dead_time_s[0]);
     NEAR(0.0, x->dead_time_s[2]);
-    struct identified *e = &c.element[0][0].fit;
+    struct identified *e = &c.work->element[0][0].fit;
     NEAR(310.0, commission_lasts(&c, 0));
     e->gain_sd = REAL_C(0.099); /* a fifth of the gain */
     NEAR(310.0, commission_lasts(&c, 0));
@@ -305,10 +308,10 @@ static void the_times_that_are_known_are_the_length(void)
     e->time_constant_sd_s = REAL_C(30.1);
     NEAR(0.0, commission_lasts(&c, 0));
     e->time_constant_sd_s = 1;
-    c.element[1][0].fit = *e;
-    c.element[1][0].fit.dead_time_s = 20;
+    c.work->element[1][0].fit = *e;
+    c.work->element[1][0].fit.dead_time_s = 20;
     NEAR(320.0, commission_lasts(&c, 0));
-    c.element[1][0].fit.dead_time_s = 5;
+    c.work->element[1][0].fit.dead_time_s = 5;
     NEAR(310.0, commission_lasts(&c, 0));
     e->flags = IDENTIFIED_NO_GAIN;
     NEAR(305.0, commission_lasts(&c, 0));
@@ -337,10 +340,10 @@ static void what_was_not_known_takes_no_longer_than_it_did(void)
     start(0);
     TEST_ASSERT_EQUAL_UINT32(41, x->half_most);
     tested(0.02, 0.5, 0.01); /* known, but faster than a window */
-    c.element[0][0].fit.time_constant_s = 23;
+    c.work->element[0][0].fit.time_constant_s = 23;
     start(0);
     TEST_ASSERT_EQUAL_UINT32(100, x->half_most);
-    c.element[0][0].fit.time_constant_s = 24; /* 82 s */
+    c.work->element[0][0].fit.time_constant_s = 24; /* 82 s */
     start(0);
     TEST_ASSERT_EQUAL_UINT32(51, x->half_most);
     TEST_ASSERT_EQUAL_UINT32(41, x->half_least);
@@ -371,14 +374,14 @@ static void a_response_of_another_shape_takes_what_it_took(void)
     tested(0.02, -0.5, 0.04);
     c.input[0].half_s = 350;
     shape(false);
-    c.element[0][0].misfit = REAL_C(0.0199); /* half of its deviation */
+    c.work->element[0][0].misfit = REAL_C(0.0199); /* half of its deviation */
     shape(false);
-    c.element[0][0].misfit = REAL_C(0.0201);
+    c.work->element[0][0].misfit = REAL_C(0.0201);
     shape(true);
-    c.element[0][0].fit.gain_sd = REAL_C(0.001);
-    c.element[0][0].misfit = REAL_C(0.0099); /* a fiftieth of the gain */
+    c.work->element[0][0].fit.gain_sd = REAL_C(0.001);
+    c.work->element[0][0].misfit = REAL_C(0.0099); /* a fiftieth of the gain */
     shape(false);
-    c.element[0][0].misfit = REAL_C(0.0101);
+    c.work->element[0][0].misfit = REAL_C(0.0101);
     shape(true);
     c.half_least = 174; /* or what is slow by another input */
     shape(true);
@@ -389,8 +392,8 @@ static void a_response_of_another_shape_takes_what_it_took(void)
     c.input[0].half_s = 300;
     shape(false);
     c.input[0].half_s = 350;
-    c.element[1][0].misfit = c.element[0][0].misfit; /* of any output */
-    c.element[0][0].misfit = 0;
+    c.work->element[1][0].misfit = c.work->element[0][0].misfit; /* of any output */
+    c.work->element[0][0].misfit = 0;
     shape(true);
     c.input[0].rounds = 0; /* nothing was tested before */
     start(0);
@@ -424,15 +427,15 @@ static void a_later_step_takes_06_of_the_room_and_stands_out_forty_times(void)
     c.origin.channel[0].left = REAL_C(0.25); /* nothing is left */
     NEAR(7e-5, first());
     c.origin.channel[0].left = 0;
-    c.element[1][0].fit.gain_sd = REAL_C(1.2); /* nor by what is not known of the others */
+    c.work->element[1][0].fit.gain_sd = REAL_C(1.2); /* nor by what is not known of the others */
     NEAR(0.05, first());
     tested(0.2, 0.01, 0.001);
     NEAR(0.25, first());
     c.input[0].held = REAL_C(0.22);
     NEAR(0.22, first());
     tested(0.2, 0.01, 0.001);
-    c.element[1][0].fit = c.element[0][0].fit; /* by the one that stands out most */
-    c.element[1][0].fit.gain = REAL_C(-0.41);
+    c.work->element[1][0].fit = c.work->element[0][0].fit; /* by the one that stands out most */
+    c.work->element[1][0].fit.gain = REAL_C(-0.41);
     c.noise_sd[1] = REAL_C(0.001);
     c.input[0].held = REAL_C(0.5);
     NEAR(0.2, first());
@@ -456,7 +459,7 @@ static void a_response_of_another_shape_gets_a_smaller_step(void)
 {
     tested(0.12, 0.8, 0.02); /* 40 deviations are 0.1; 0.142 would fit */
     NEAR(0.12, first());
-    c.element[0][0].misfit = REAL_C(0.05);
+    c.work->element[0][0].misfit = REAL_C(0.05);
     NEAR(0.1, first());
     c.noise_sd[0] = REAL_C(0.0004); /* 0.02, but no less than 0.35 times the one before */
     NEAR(0.042, first());
@@ -505,12 +508,12 @@ static void eight_samples_may_be_missing_in_a_row(void)
     start(0);
     sample_after(30); /* nothing has begun before the first */
     TEST_ASSERT_EQUAL_INT(COMMISSION_TESTING, c.phase);
-    TEST_ASSERT_EQUAL_UINT32(1, c.work.test.experiment.waited);
+    TEST_ASSERT_EQUAL_UINT32(1, c.work->test.experiment.waited);
     sample_after(1);
-    TEST_ASSERT_EQUAL_UINT32(2, c.work.test.experiment.waited);
+    TEST_ASSERT_EQUAL_UINT32(2, c.work->test.experiment.waited);
     sample_after(9);
     TEST_ASSERT_EQUAL_INT(COMMISSION_TESTING, c.phase);
-    TEST_ASSERT_EQUAL_UINT32(11, c.work.test.experiment.waited);
+    TEST_ASSERT_EQUAL_UINT32(11, c.work->test.experiment.waited);
     NEAR(11 * 2.0, c.origin.since_s);
     sample_after(10);
     TEST_ASSERT_EQUAL_INT(COMMISSION_ENDED, c.phase);

@@ -14,7 +14,7 @@ static void is_kept(void)
     TEST_ASSERT_EQUAL_INT(COMMISSION_TESTING, c.phase);
     TEST_ASSERT_EQUAL_UINT8(1, c.at); /* the next input's turn */
     TEST_ASSERT_EQUAL_UINT8(1, c.input[0].rounds);
-    NEAR(0.5, c.element[0][0].fit.gain);
+    NEAR(0.5, c.work->element[0][0].fit.gain);
 }
 
 static void is_again(void)
@@ -252,7 +252,7 @@ static void where_the_reversal_has_no_room_it_says_so_in_the_end(void)
 static void asymmetric(unsigned j, int asymmetry)
 {
     fitted();
-    c.element[j][0].asymmetry = (int16_t)asymmetry;
+    c.work->element[j][0].asymmetry = (int16_t)asymmetry;
 }
 
 static void what_is_not_linear_is_tried_with_less(void)
@@ -268,7 +268,7 @@ static void what_is_not_linear_is_tried_with_less(void)
             NEAR(0.04, said(EVENT_TEST_SMALLER)->value);
         }
     asymmetric(0, 800);
-    c.element[1][0].asymmetry = 700;
+    c.work->element[1][0].asymmetry = 700;
     is_again();
     NEAR(0.025, c.input[0].amplitude_wanted);
     asymmetric(0, 800);
@@ -304,15 +304,15 @@ static void after_the_last_input_all_is_analysed(void)
     TEST_ASSERT_FALSE(c.job.done);
     TEST_ASSERT_EQUAL_UINT32(2, c.job.number);
     TEST_ASSERT_EQUAL_UINT64(77000, c.phase_ms);
-    TEST_ASSERT_EQUAL_UINT8(1, c.work.analysis.plant.inputs);
+    TEST_ASSERT_EQUAL_UINT8(1, c.work->analysis.plant.inputs);
 }
 
 /* An analysis that leaves the pairing open, of gains known to a hundredth, where a two hundredth would be believed. */
 static struct analysis *analysed(void)
 {
-    struct analysis *a = &c.work.analysis;
+    struct analysis *a = &c.work->analysis;
     fitted();
-    memset(&c.work, 0, sizeof c.work);
+    commission_lease(&c);
     c.at = 2;
     c.input[0].rounds = c.input[1].rounds = 1;
     c.column[1] = 1;

@@ -9,6 +9,7 @@
 #include <string.h>
 
 #include "commission/proposal.h"
+#include "commission_space.h"
 #include "random_source.h"
 #include "supervisor_bench.h"
 
@@ -46,6 +47,7 @@ static void channels(unsigned outputs, unsigned inputs)
 static void begin(unsigned outputs, unsigned inputs)
 {
     memset(&c, 0, sizeof c);
+    commission_lease(&c);
     c.outputs = (uint8_t)outputs;
     c.inputs = (uint8_t)inputs;
     for (uint8_t i = 0; i < outputs; i++)
@@ -54,8 +56,8 @@ static void begin(unsigned outputs, unsigned inputs)
         c.input[i].output = c.column[i] = i;
         c.input[i].rounds = 1;
     }
-    c.work.analysis.plant.outputs = c.outputs;
-    c.work.analysis.plant.inputs = c.inputs;
+    c.work->analysis.plant.outputs = c.outputs;
+    c.work->analysis.plant.inputs = c.inputs;
     c.channels = commission_channels(&bench.config);
 }
 
@@ -66,9 +68,9 @@ static void analyse(double h_s)
                                        .floor = REAL_C(0.01),
                                        .step = REAL_C(0.05),
                                        .loops_max = CONFIG_LOOPS};
-    TEST_ASSERT_EQUAL_INT(ERR_OK, analysis_begin(&c.work.analysis, &settings));
+    TEST_ASSERT_EQUAL_INT(ERR_OK, analysis_begin(&c.work->analysis, &settings));
     enum err err;
-    while ((err = analysis_step(&c.work.analysis)) == ERR_BUSY)
+    while ((err = analysis_step(&c.work->analysis)) == ERR_BUSY)
         ;
     TEST_ASSERT_EQUAL_INT(ERR_OK, err);
     c.phase = COMMISSION_READY;
@@ -81,11 +83,11 @@ static void simple(unsigned n)
     begin(n, n);
     for (unsigned j = 0; j < n; j++)
         for (unsigned i = 0; i < n; i++) {
-            c.work.analysis.plant.element[j][i] =
+            c.work->analysis.plant.element[j][i] =
                 (struct fopdt){.gain = i == j ? REAL_C(1.0) : REAL_C(0.1),
                                .time_constant_s = 300,
                                .dead_time_s = 30};
-            c.work.analysis.plant.gain_sd[j][i] = REAL_C(0.001);
+            c.work->analysis.plant.gain_sd[j][i] = REAL_C(0.001);
         }
     analyse(1);
     TEST_ASSERT_TRUE(commission_has_proposal(&c));
@@ -182,9 +184,9 @@ static void random_plant(struct random_source *r)
                 gain += gain < 0 ? -1.5 * size : 1.5 * size;
             double lag = random_below(r, 6) ? speed * (0.2 + random_below(r, 1000) / 250.0) : 0.0;
             double dead = random_below(r, 3) ? speed * random_below(r, 1000) / 500.0 : 0.0;
-            c.work.analysis.plant.element[j][i] = (struct fopdt){
+            c.work->analysis.plant.element[j][i] = (struct fopdt){
                 .gain = (real_t)gain, .time_constant_s = (real_t)lag, .dead_time_s = (real_t)dead};
-            c.work.analysis.plant.gain_sd[j][i] = (real_t)(0.002 * fabs(gain));
+            c.work->analysis.plant.gain_sd[j][i] = (real_t)(0.002 * fabs(gain));
         }
     tick_s = 0.05 * pow(10.0, (double)random_below(r, 450) / 100.0); /* to 1600 s */
     analyse(tick_s);
@@ -205,12 +207,12 @@ static void whatever_is_proposed_is_a_configuration(void)
         TEST_ASSERT_EQUAL_INT(ERR_OK, proposal_write(&c, &config));
         builds(&config);
         survives_being_written_down();
-        for (uint8_t k = 0; k < c.work.analysis.pairs.n; k++)
+        for (uint8_t k = 0; k < c.work->analysis.pairs.n; k++)
             TEST_ASSERT_TRUE(proposal_loop(&c, &config, k) != PLAN_NONE);
         proposed++;
-        decoupled += c.work.analysis.decoupler == DECOUPLER_USED;
+        decoupled += c.work->analysis.decoupler == DECOUPLER_USED;
         fed += config.feedforward[0].from[0] != '\0';
-        inner += c.work.analysis.inner_outputs != 0;
+        inner += c.work->analysis.inner_outputs != 0;
     }
     char text[120];
     snprintf(text, sizeof text,
@@ -229,7 +231,7 @@ static void settings_come_from_the_design(void)
     writes();
     for (uint8_t k = 0; k < 2; k++) {
         const struct loop_config *l = &config.loop[proposal_loop(&c, &config, k)];
-        const struct tuning *t = &c.work.analysis.loops.tuning[k];
+        const struct tuning *t = &c.work->analysis.loops.tuning[k];
         TEST_ASSERT_EQUAL_FLOAT((float)t->gain, l->gain);
         TEST_ASSERT_EQUAL_FLOAT((float)t->ti_s, l->ti_s);
         TEST_ASSERT_EQUAL_UINT8(LOOP_REVERSE, l->action);
@@ -356,14 +358,14 @@ static void as_strong_as_two_temperatures_of_a_column(void)
     begin(2, 2);
     for (unsigned j = 0; j < 2; j++)
         for (unsigned i = 0; i < 2; i++) {
-            c.work.analysis.plant.element[j][i] =
+            c.work->analysis.plant.element[j][i] =
                 (struct fopdt){.gain = i == j ? REAL_C(1.0) : REAL_C(0.9),
                                .time_constant_s = 300,
                                .dead_time_s = 30};
-            c.work.analysis.plant.gain_sd[j][i] = REAL_C(0.001);
+            c.work->analysis.plant.gain_sd[j][i] = REAL_C(0.001);
         }
     analyse(1);
-    TEST_ASSERT_EQUAL_INT(DECOUPLER_USED, c.work.analysis.decoupler);
+    TEST_ASSERT_EQUAL_INT(DECOUPLER_USED, c.work->analysis.decoupler);
 }
 
 static void decoupled_loops_take_places_that_the_decoupler_spans(void)
@@ -385,7 +387,7 @@ static void sixteen_loops_are_proposed_without_a_decoupler(void)
     channels(16, 16);
     simple(16);
     config = bench.config;
-    TEST_ASSERT_EQUAL_INT(DECOUPLER_TOO_MANY, c.work.analysis.decoupler);
+    TEST_ASSERT_EQUAL_INT(DECOUPLER_TOO_MANY, c.work->analysis.decoupler);
     TEST_ASSERT_EQUAL_INT(ERR_OK, proposal_write(&c, &config));
     builds(&config);
     survives_being_written_down();
@@ -530,7 +532,7 @@ static void a_step_leaves_room_to_the_inputs_of_the_other_loops(void)
     begin(2, 2);
     for (unsigned j = 0; j < 2; j++)
         for (unsigned i = 0; i < 2; i++)
-            c.work.analysis.plant.element[j][i] = (struct fopdt){
+            c.work->analysis.plant.element[j][i] = (struct fopdt){
                 .gain = (real_t)gains[j][i], .time_constant_s = 300, .dead_time_s = 30};
     analyse(1);
     TEST_ASSERT_TRUE(commission_has_proposal(&c));
@@ -538,7 +540,7 @@ static void a_step_leaves_room_to_the_inputs_of_the_other_loops(void)
     put("meas1.test_limit", "50");
     put("mv2.min", "1.8"); /* 5 % below where it is held */
     prepare();
-    const struct analysis *a = &c.work.analysis;
+    const struct analysis *a = &c.work->analysis;
     double step = fabs((double)c.adoption.loop[0].step) / (double)a->config.step;
     TEST_ASSERT_TRUE(a->tried[0].moved[1] > REAL_C(0.01));
     TEST_ASSERT_DOUBLE_WITHIN(1e-3, 0.8 * 0.05, step * (double)a->tried[0].moved[1]);
@@ -550,9 +552,9 @@ static void a_step_leaves_measurements_that_no_loop_holds_within_their_limits(vo
     channels(2, 1);
     begin(2, 1);
     for (unsigned j = 0; j < 2; j++) {
-        c.work.analysis.plant.element[j][0] = (struct fopdt){
+        c.work->analysis.plant.element[j][0] = (struct fopdt){
             .gain = j ? REAL_C(0.5) : REAL_C(1.0), .time_constant_s = 300, .dead_time_s = 30};
-        c.work.analysis.plant.gain_sd[j][0] = REAL_C(0.001);
+        c.work->analysis.plant.gain_sd[j][0] = REAL_C(0.001);
     }
     analyse(1);
     TEST_ASSERT_TRUE(commission_has_proposal(&c));

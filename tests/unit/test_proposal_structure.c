@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "commission/proposal_structure.h"
+#include "commission_space.h"
 #include "supervisor_bench.h"
 
 static struct commission c;
@@ -14,11 +15,11 @@ static struct config_fault fault;
 
 static void element(unsigned i, unsigned j, double gain, double lag_s, double dead_s)
 {
-    struct fopdt *e = &c.work.analysis.plant.element[i][j];
+    struct fopdt *e = &c.work->analysis.plant.element[i][j];
     *e = (struct fopdt){
         .gain = (real_t)gain, .time_constant_s = (real_t)lag_s, .dead_time_s = (real_t)dead_s};
-    c.element[i][j].fit.gain = e->gain;
-    c.work.analysis.plant.gain_sd[i][j] = REAL_C(0.002);
+    c.work->element[i][j].fit.gain = e->gain;
+    c.work->analysis.plant.gain_sd[i][j] = REAL_C(0.002);
 }
 
 static void channels(unsigned outputs, unsigned inputs)
@@ -30,6 +31,7 @@ static void channels(unsigned outputs, unsigned inputs)
                                       NULL};
     memset(&bench, 0, sizeof bench);
     memset(&c, 0, sizeof c);
+    commission_lease(&c);
     parameters_defaults(&bench.config);
     put_all(all);
     c.outputs = (uint8_t)outputs;
@@ -39,8 +41,8 @@ static void channels(unsigned outputs, unsigned inputs)
         c.input[i].rounds = 1;
         c.input[i].held = REAL_C(0.25);
     }
-    c.work.analysis.plant.outputs = c.outputs;
-    c.work.analysis.plant.inputs = c.inputs;
+    c.work->analysis.plant.outputs = c.outputs;
+    c.work->analysis.plant.inputs = c.inputs;
 }
 
 static void analyse(void)
@@ -51,9 +53,9 @@ static void analyse(void)
                                        .step = REAL_C(0.05),
                                        .loops_max = CONFIG_LOOPS};
     c.channels = commission_channels(&bench.config);
-    TEST_ASSERT_EQUAL_INT(ERR_OK, analysis_begin(&c.work.analysis, &settings));
+    TEST_ASSERT_EQUAL_INT(ERR_OK, analysis_begin(&c.work->analysis, &settings));
     enum err err;
-    while ((err = analysis_step(&c.work.analysis)) == ERR_BUSY)
+    while ((err = analysis_step(&c.work->analysis)) == ERR_BUSY)
         ;
     TEST_ASSERT_EQUAL_INT(ERR_OK, err);
     c.phase = COMMISSION_READY;
@@ -100,7 +102,7 @@ static void the_outer_loop_drives_the_inner_one_and_that_the_input(void)
     TEST_ASSERT_EQUAL_UINT8(0, plan.loop[inner].output);
     TEST_ASSERT_EQUAL_STRING("heated", config.loop[outer].pv);
     TEST_ASSERT_EQUAL_STRING("steam", config.loop[inner].pv);
-    TEST_ASSERT_EQUAL_FLOAT((float)c.work.analysis.inner_tuning[0].gain, config.loop[inner].gain);
+    TEST_ASSERT_EQUAL_FLOAT((float)c.work->analysis.inner_tuning[0].gain, config.loop[inner].gain);
     TEST_ASSERT_EQUAL_FLOAT(0.0f, config.decoupler[0][1]);
     for (uint8_t i = 0; i < CONFIG_LOOPS; i++)
         TEST_ASSERT_TRUE(i == outer || i == inner || !config.loop[i].name[0]);
@@ -162,7 +164,7 @@ static void a_trial_steps_the_outer_loop_no_farther_than_the_inner_one_may_go(vo
                                fabs((double)t->loop[0].step);
                 TEST_ASSERT_TRUE((double)t->loop[0].step > 0);
                 TEST_ASSERT_TRUE(moved <= 0.81 * fmin(limit, fmin(y, 1 - y)));
-                double gain = fmax((double)c.work.analysis.inner_tuning[0].gain, 1 / 1.5);
+                double gain = fmax((double)c.work->analysis.inner_tuning[0].gain, 1 / 1.5);
                 TEST_ASSERT_TRUE(moved * gain <= 0.81 * fmin(held, 1 - held));
             }
 }
