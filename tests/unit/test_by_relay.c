@@ -83,7 +83,7 @@ static void ended(enum commission_why why, const char *subject, double value)
 
 static void it_begins_with_its_own_measurement_and_the_tested_ones(void)
 {
-    memset(&c.work, 0xA5, sizeof c.work); /* whatever was there before */
+    memset(c.work, 0xA5, sizeof *c.work); /* whatever was there before */
     c.outputs = c.inputs = 3;
     c.analysed = true;
     bench.s.loop[BOTTOM].mode = LOOP_AUTO; /* it is no hand that this one acts already */

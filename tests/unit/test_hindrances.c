@@ -3,6 +3,7 @@
 #include <string.h>
 
 #include "commission/parts.h"
+#include "commission_space.h"
 #include "supervisor_bench.h"
 
 static struct commission c;
@@ -23,7 +24,8 @@ void setUp(void)
         cf->measurement[i].test_limit = 0;
     }
     bench.s.time_ms = 1000000;
-    commission_init(&c, &bench.events);
+    commission_init(&c, &bench.events, commission_fresh_region());
+    commission_lease(&c);
     c.plan_serial = bench.s.plan->serial;
     c.safe_count = bench.s.safe_count;
     c.outputs = c.inputs = 2;
@@ -320,7 +322,7 @@ static void hinders(enum commission_why why, const char *name)
 /* Two pairs, crosswise: T1 by heat, T10 by reflux; behind T10 an inner loop on T5. */
 static void pairs(void)
 {
-    struct analysis *a = &c.work.analysis;
+    struct analysis *a = &c.work->analysis;
     c.outputs = 3;
     c.measurement[2] = T5;
     c.column[0] = 1;

@@ -305,7 +305,7 @@ static void inputs_that_were_skipped_are_no_columns(void)
         for (uint8_t k = 0; k < 3; k++) {
             c.work->element[j][k].fit = element(1.0 + j + 10.0 * k, 0.01, 100 + k, 5);
             c.input[k].rounds = 1;
-            c.element[2][k].fit = element(9.0, 0.01, 9, 9); /* of no output */
+            c.work->element[2][k].fit = element(9.0, 0.01, 9, 9); /* of no output */
         }
     c.input[1].skipped = true;
     model_begin_analysis(&c, &settings, 1);
@@ -331,16 +331,17 @@ static void begins(double slope, double dead, double gain)
 {
     static struct config settings;
     memset(&c, 0, sizeof c);
+    commission_lease(&c);
     c.outputs = c.inputs = 1;
-    c.element[0][0].fit = element(gain, 0.01, 100, 10);
-    c.element[0][0].early_slope = (real_t)slope;
-    c.element[0][0].early_dead_s = (real_t)dead;
+    c.work->element[0][0].fit = element(gain, 0.01, 100, 10);
+    c.work->element[0][0].early_slope = (real_t)slope;
+    c.work->element[0][0].early_dead_s = (real_t)dead;
     model_begin_analysis(&c, &settings, 1);
 }
 
 static void what_is_known_of_the_beginning_goes_into_the_analysis(void)
 {
-    const struct analysis *a = &c.work.analysis;
+    const struct analysis *a = &c.work->analysis;
     const struct fopdt *whole = &a->plant.element[0][0];
     for (int sign = -1; sign <= 1; sign += 2) {
         begins(0.02, 6, sign * 0.8);
@@ -365,11 +366,12 @@ static void what_is_known_of_the_beginning_goes_into_the_analysis(void)
 static void with_a_look(double slope, double dead, double dead_sd)
 {
     memset(&c, 0, sizeof c);
+    commission_lease(&c);
     c.outputs = c.inputs = 1;
-    c.work.test.experiment = experiment;
-    c.work.test.experiment.early[0].slope = (real_t)slope;
-    c.work.test.experiment.early[0].dead_s = (real_t)dead;
-    c.work.test.experiment.early[0].dead_sd_s = (real_t)dead_sd;
+    c.work->test.experiment = experiment;
+    c.work->test.experiment.early[0].slope = (real_t)slope;
+    c.work->test.experiment.early[0].dead_s = (real_t)dead;
+    c.work->test.experiment.early[0].dead_sd_s = (real_t)dead_sd;
     model_begin_fit(&c);
     c.doing = JOB_FIT;
     while (model_work(&c))
@@ -384,7 +386,7 @@ static void a_beginning_is_taken_where_it_is_steeper_and_its_dead_time_twice_as_
     tested(0);
     double sd = (double)c.fitted[0].dead_time_sd_s;
     double slope = fabs((double)c.fitted[0].gain / (double)c.fitted[0].time_constant_s);
-    const struct element *e = &c.element[0][0];
+    const struct element *e = &c.work->element[0][0];
     with_a_look(1.01 * slope, 3, 0.49 * sd);
     TEST_ASSERT_DOUBLE_WITHIN(1e-6, 1.01 * slope, (double)e->early_slope);
     TEST_ASSERT_DOUBLE_WITHIN(1e-5, 3 + 0.49 * sd, (double)e->early_dead_s);
@@ -412,13 +414,14 @@ static void an_asymmetry_of_twice_the_mean_gain_is_none(void)
     for (unsigned n = 0; n < 5; n++) {
         bench_begin(SEED);
         memset(&c, 0, sizeof c);
+        commission_lease(&c);
         bench.other = curved;
         more_up = shares[n];
         config.amplitude = REAL_C(0.05);
         config.half = 300;
         tested(0);
         double wanted = fabs(more_up) < 2.0 ? 1000.0 * more_up : 0.0;
-        TEST_ASSERT_DOUBLE_WITHIN(15.0, wanted, c.element[0][0].asymmetry);
+        TEST_ASSERT_DOUBLE_WITHIN(15.0, wanted, c.work->element[0][0].asymmetry);
     }
 }
 
@@ -445,19 +448,19 @@ static void misfits_of_several_rounds_count_by_how_well_each_knows_the_gain(void
     c.misfit[1] = REAL_C(0.04);
     c.misfit[2] = 9;
     model_keep(&c);
-    TEST_ASSERT_DOUBLE_WITHIN(1e-6, 0.04, (double)c.element[1][0].misfit);
-    TEST_ASSERT_DOUBLE_WITHIN(1e-6, 0.1, (double)c.element[1][0].fit.gain_sd);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-6, 0.04, (double)c.work->element[1][0].misfit);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-6, 0.1, (double)c.work->element[1][0].fit.gain_sd);
     c.input[0].rounds = 1;
     c.fitted[1].gain_sd = REAL_C(0.2); /* weights 100 and 25 */
     c.misfit[1] = REAL_C(0.09);
     model_keep(&c);
-    TEST_ASSERT_DOUBLE_WITHIN(1e-6, 0.05, (double)c.element[1][0].misfit);
-    TEST_ASSERT_DOUBLE_WITHIN(1e-6, sqrt(1.0 / 125.0), (double)c.element[1][0].fit.gain_sd);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-6, 0.05, (double)c.work->element[1][0].misfit);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-6, sqrt(1.0 / 125.0), (double)c.work->element[1][0].fit.gain_sd);
     c.misfit[1] = REAL_C(0.9);
     model_keep(&c); /* of 0.05 by 125 and 0.9 by 25 */
-    TEST_ASSERT_DOUBLE_WITHIN(1e-6, 115.0 / 600.0, (double)c.element[1][0].misfit);
-    TEST_ASSERT_DOUBLE_WITHIN(1e-6, 115.0 / 600.0, (double)c.element[1][0].fit.gain_sd);
-    TEST_ASSERT_EQUAL_FLOAT(0.0f, (float)c.element[2][0].misfit);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-6, 115.0 / 600.0, (double)c.work->element[1][0].misfit);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-6, 115.0 / 600.0, (double)c.work->element[1][0].fit.gain_sd);
+    TEST_ASSERT_EQUAL_FLOAT(0.0f, (float)c.work->element[2][0].misfit);
 }
 
 static void nothing_is_analysed_where_every_input_was_skipped(void)

@@ -4,6 +4,7 @@
 
 #include "commission/parts.h"
 #include "commission/proposal.h"
+#include "commission_space.h"
 #include "supervisor_bench.h"
 
 static struct commission c;
@@ -22,7 +23,8 @@ void setUp(void)
     for (unsigned i = 0; i < CHANNEL_MAX; i++)
         cf->measurement[i].test_limit = cf->measurement[i].test_critical = 0;
     memset(&c, 0, sizeof c);
-    a = &c.work.analysis;
+    commission_lease(&c);
+    a = &c.work->analysis;
     t = &c.adoption;
     c.channels = commission_channels(cf);
     c.outputs = 3;
