@@ -25,7 +25,8 @@ class ImageTest(unittest.TestCase):
     def setUpClass(cls) -> None:
         cls.reports = {preset: image_check.check(build_dir(preset)) for preset in PRESETS}
         for preset, r in cls.reports.items():
-            print(f"image {preset}: flash {r.flash()}, RAM {r.ram()} without stack, {r.ram() - r.arena} without arena")
+            print(f"image {preset}: flash {r.flash()}, RAM owned for ever {r.ram()} without stack, {r.ram() - r.arena} "
+                  f"without arena; workspace {r.workspace()}")
             print(f"stack {preset}: {r.stack_needed} of {r.stack_reserved} bytes in the worst case")
             print(f"calls {preset}: {r.functions} functions, {r.pointer_calls} calls through pointers")
 

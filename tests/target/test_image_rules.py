@@ -14,7 +14,8 @@ sys.dont_write_bytecode = True
 from reflux_tools import image_check, memory_map, stack_use  # noqa: E402
 
 FLAGS = ["-mcpu=cortex-m4", "-mthumb", "-mfloat-abi=hard", "-mfpu=fpv4-sp-d16", "-Os", "-g", "-fno-inline",
-         "-ffunction-sections", "-fno-optimize-sibling-calls", "-fstack-usage", "-nostartfiles", "-Wl,--gc-sections",
+         "-ffunction-sections", "-fdata-sections",
+         "-fno-optimize-sibling-calls", "-fstack-usage", "-nostartfiles", "-Wl,--gc-sections",
          "--specs=picolibc.specs"]
 HEAD = """
 #include <stdint.h>
@@ -127,6 +128,16 @@ class Rules(unittest.TestCase):
         self.finds("budget: bss of other is 8, 4 allowed", CALM, "", BUDGET.replace("[20000, 100, 4096]",
                                                                                   "[20000, 0, 4]"))
         self.finds("budget: flash is ", CALM, "", BUDGET.replace("flash = 20000", "flash = 10"))
+        leased = "uint8_t workspace_memory[1000]; void keep(void) { workspace_memory[seen] = 1; }" + CALM.replace(
+            "number = number", "keep(); number = number")
+        whole = BUDGET.replace("ram = 4096", "ram = 500\nworkspace = 1000\nram_and_workspace = 1500")
+        report = self.report(leased, "", whole)
+        self.assertEqual(report.findings, [])  # it is nobody's: neither in a layer nor owned for ever
+        self.assertEqual((report.workspace(), report.ram()), (1000, 8))
+        self.finds("budget: workspace is 1000, at least 1001 wanted", leased, "", whole.replace("= 1000", "= 1001"))
+        self.finds("budget: ram and workspace is 1008, 1007 allowed", leased, "", whole.replace("= 1500", "= 1007"))
+        self.finds("budget: ram is 8, 7 allowed", leased, "", whole.replace("ram = 500", "ram = 7"))
+        self.finds("budget: workspace is 0, at least 1000 wanted", CALM, "", whole)
         self.finds("budget: layer other has none", CALM, "", BUDGET.replace("other = ", "another = "))
 
 

@@ -50,9 +50,13 @@ def show(preset: str, report: Report, options: argparse.Namespace) -> None:
     sums = [str(sum(getattr(s, what) for _, s in layers)) for what in ("text", "data", "bss")]
     print(table.columns(["layer", "text", "data", "bss"], [*rows, ["all", *sums]]))
     budget = report.budget
-    print(f"\nimage {preset}: flash {report.flash()} of {budget['flash']} (aim {budget['aim_flash']}), RAM without "
-          f"stack {report.ram()} of {budget['ram']}, without arena {report.ram() - report.arena} "
-          f"(aim {budget['aim_ram']})\n")
+    print(f"\nimage {preset}: flash {report.flash()} of {budget['flash']} (aim {budget['aim_flash']}), RAM owned for "
+          f"ever, without stack, {report.ram()} of {budget['ram']}, without arena {report.ram() - report.arena} "
+          f"(aim {budget['aim_ram']})")
+    if report.workspace():
+        print(f"workspace {preset}: {report.workspace()}, at least {budget['workspace']}; with what is owned for ever "
+              f"{report.ram() + report.workspace()} of {budget['ram_and_workspace']}")
+    print()
     print(f"flash {preset}: " + ", ".join(f"{name} {s.flash()}" for name, s in layers if s.flash()))
     print(f"ram {preset}: {ram_by_owner(report)}\n")
     rows = [[" / ".join(dict.fromkeys(c.entries)), str(c.deepest), str(c.frame)] for c in report.contexts]
@@ -72,15 +76,16 @@ def show(preset: str, report: Report, options: argparse.Namespace) -> None:
 
 
 def ram_by_owner(report: Report) -> str:
-    """Where the RAM without arena and stack goes: the parts of struct app, then what the port keeps."""
+    """Where the RAM without arena, stack and workspace goes: the parts of struct app, then what the port keeps."""
     size = report.image.struct_bytes()
     startup = "commission" in report.layers
     owners = ["supervisor", "service", "plant_link", "console", "storage", *(["commission"] if startup else [])]
     parts = [(n.replace("_", " "), size[n] - (report.arena if n == "supervisor" else 0)) for n in owners]
     parts.append(("rest of app", size["app"] - sum(size[n] for n in owners)))
     parts.append(("port and libraries", report.ram() - report.arena - sum(n for _, n in parts)))
-    turns = f", tests {size['experiment']} and analysis {size['analysis']} by turns of commission" if startup else ""
-    return ", ".join(f"{name} {n}" for name, n in parts) + f"; a plan is {size['plan']} of service{turns}"
+    leased = (f"; start-up leases {size['commission_work']}, tests {size['experiment']} and analysis "
+              f"{size['analysis']} by turns") if startup else ""
+    return ", ".join(f"{name} {n}" for name, n in parts) + f"; a plan is {size['plan']} of service{leased}"
 
 
 def biggest(preset: str, report: Report, count: int) -> None:

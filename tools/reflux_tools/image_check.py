@@ -63,8 +63,11 @@ class Report:
         return sum(s.flash() for s in self.layers.values())
 
     def ram(self) -> int:
-        """Without stack."""
-        return sum(s.ram() for s in self.layers.values())
+        """Owned for ever: without stack and workspace."""
+        return sum(s.ram() for name, s in self.layers.items() if name != "workspace")
+
+    def workspace(self) -> int:
+        return self.layers["workspace"].ram() if "workspace" in self.layers else 0
 
 
 def presets() -> list[str]:
@@ -176,7 +179,7 @@ def over_budget(report: Report, budget: dict[str, object]) -> list[str]:
     out = []
     limits: dict[str, list[int]] = budget.get("layers", {})  # type: ignore[assignment]
     for layer, sizes in report.layers.items():
-        if layer in ("fill", "script"):
+        if layer in ("fill", "script", "workspace"):
             continue
         if layer not in limits:
             out.append(f"budget: layer {layer} has none")
@@ -184,9 +187,12 @@ def over_budget(report: Report, budget: dict[str, object]) -> list[str]:
         for what, have, limit in zip(("text", "data", "bss"), (sizes.text, sizes.data, sizes.bss), limits[layer]):
             if have > limit:
                 out.append(f"budget: {what} of {layer} is {have}, {limit} allowed")
-    for what, have in (("flash", report.flash()), ("ram", report.ram())):
-        if have > int(budget[what]):  # type: ignore[call-overload]
-            out.append(f"budget: {what} is {have}, {budget[what]} allowed")
+    for what, have in (("flash", report.flash()), ("ram", report.ram()),
+                       ("ram_and_workspace", report.ram() + report.workspace())):
+        if have > int(budget.get(what, have)):  # type: ignore[call-overload]
+            out.append(f"budget: {what.replace('_', ' ')} is {have}, {budget[what]} allowed")
+    if report.workspace() < int(budget.get("workspace", 0)):  # type: ignore[call-overload]
+        out.append(f"budget: workspace is {report.workspace()}, at least {budget['workspace']} wanted")
     return out
 
 

@@ -16,6 +16,9 @@ KINDS = {".text": "text", ".data": "data", ".tdata": "data", ".bss": "bss", ".tb
          ".stack": "stack"}
 
 
+WORKSPACE = ".bss.workspace_memory"  # what is leased: no layer owns it (firmware/base/workspace.h)
+
+
 @dataclass
 class Sizes:
     text: int = 0
@@ -95,7 +98,8 @@ def placed(path: Path) -> tuple[list[Placed], dict[str, int]]:
 
 
 def read(path: Path) -> dict[str, Sizes]:
-    """Layer -> bytes; `fill` is what alignment costs, `stack` what the linker script sets aside."""
+    """Layer -> bytes; `fill` is what alignment costs, `stack` what the linker script sets aside, `workspace` what is
+    leased."""
     found, whole = placed(path)
     out: dict[str, Sizes] = {}
     for k, part in enumerate(found):
@@ -103,7 +107,7 @@ def read(path: Path) -> dict[str, Sizes]:
         # Strings that were merged away are still listed, at the place of what follows them.
         if k + 1 < len(found) and found[k + 1].kind == part.kind and part.at <= found[k + 1].at:
             size = min(size, found[k + 1].at - part.at)
-        layer = "fill" if part.name == "*fill*" else layer_of(part.owner)
+        layer = {"*fill*": "fill", WORKSPACE: "workspace"}.get(part.name) or layer_of(part.owner)
         out.setdefault(layer, Sizes()).add(part.kind, size)
     for kind, total in whole.items():  # room the script makes without an input section
         rest = total - sum(getattr(s, kind) for s in out.values())
