@@ -82,6 +82,11 @@ struct workspace *app_workspace(struct app *app)
 
 static void settle_plan(void *context);
 
+struct operate *app_door(struct app *app)
+{
+    return &app->operate;
+}
+
 void app_init(struct app *app)
 {
     memset(app, 0, sizeof *app);

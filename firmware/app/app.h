@@ -9,6 +9,7 @@
 #define REFLUX_APP_APP_H
 
 struct app;
+struct operate;
 
 /* The one instance, placed statically by app.c. */
 struct app *app_instance(void);
@@ -18,6 +19,9 @@ void app_init(struct app *app);
 
 /* One turn of the main loop: console, telemetry, transmit rings, watchdog, idling. */
 void app_background(struct app *app);
+
+/* The door (operate/operate.h), for a client beside the console. */
+struct operate *app_door(struct app *app);
 
 /* Link input, the tick when a sample is due, silence. Short and never waits. */
 void app_tick(struct app *app);

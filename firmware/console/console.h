@@ -10,6 +10,7 @@
 #ifndef REFLUX_CONSOLE_CONSOLE_H
 #define REFLUX_CONSOLE_CONSOLE_H
 
+#include "console/commands.h"
 #include "console/line_editor.h"
 #include "operate/operate.h"
 
@@ -80,52 +81,28 @@ struct console_command {
     void (*run)(struct console *c, unsigned n, char **word);
 };
 
+/* One for each row of commands.h, in console_*.c by subject. */
+#define RUNS(name, ...) void command_##name(struct console *c, unsigned n, char **word);
+CONSOLE_COMMANDS(RUNS)
+#undef RUNS
 extern const struct console_command console_commands[];
 extern const unsigned console_command_count;
 
 /* An event as text: time, level, code, subject, value, words. */
 void event_line(const struct event *e, struct text *line);
 
-/* Commands by subject */
-void command_list(struct console *c, unsigned n, char **word);
-void command_get(struct console *c, unsigned n, char **word);
-void command_set(struct console *c, unsigned n, char **word);
-void command_diff(struct console *c, unsigned n, char **word);
-void command_begin(struct console *c, unsigned n, char **word);
-void command_apply(struct console *c, unsigned n, char **word);
-void command_abandon(struct console *c, unsigned n, char **word);
-
-/* Storage */
-void command_save(struct console *c, unsigned n, char **word);
-void command_load(struct console *c, unsigned n, char **word);
-void command_defaults(struct console *c, unsigned n, char **word);
-void command_dump(struct console *c, unsigned n, char **word);
 /* Goes on with the save or load that has not been answered yet. Returns whether there was anything to do. */
 bool console_storage_poll(struct console *c);
 bool parameter_help(struct console *c, unsigned n, struct text *line);
 
-/* Access levels */
 /* "engineer level open, no key is set" */
 void console_access_text(const struct console *c, struct text *line);
 /* Would the history of lines show a key? */
 bool console_line_is_secret(const char *line);
-void command_unlock(struct console *c, unsigned n, char **word);
-void command_lock(struct console *c, unsigned n, char **word);
-void command_key(struct console *c, unsigned n, char **word);
 
 /* For the line editor: what may be typed next, by the arguments of the command's row. */
 bool console_choice(void *console, const char *line, unsigned n, struct text *word);
 
-void command_loop(struct console *c, unsigned n, char **word);
-void command_mode(struct console *c, unsigned n, char **word);
-void command_sp(struct console *c, unsigned n, char **word);
-void command_out(struct console *c, unsigned n, char **word);
-void command_tune(struct console *c, unsigned n, char **word);
-void command_alarm(struct console *c, unsigned n, char **word);
-void command_stats(struct console *c, unsigned n, char **word);
-
-/* Sequences: console_sequence.c */
-void command_seq(struct console *c, unsigned n, char **word);
 /* "start held at step 7: guard, CW"; nothing where none is under way, nor has been. */
 void sequence_headline(const struct service *s, struct text *line);
 /* What is in force: names by index are of this. */
@@ -135,7 +112,6 @@ static inline const struct config *console_settings(const struct console *c)
 }
 
 /* Automatic start-up */
-void command_commission(struct console *c, unsigned n, char **word);
 /* `commission relay [LOOP]`, what it is about while it goes on, and what it has found */
 void commission_relay_command(struct console *c, unsigned n, char **word);
 void commission_relay_now(struct console *c, struct text *line);

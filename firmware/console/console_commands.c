@@ -1,4 +1,4 @@
-/* The table of commands, and those about the board as a whole. */
+/* Commands about the board as a whole, and the table of all of them (commands.h). */
 #include <string.h>
 
 #include "commission/commission.h"
@@ -34,7 +34,7 @@ static bool one_command_line(struct console *c, unsigned n, struct text *line)
     return false;
 }
 
-static void command_help(struct console *c, unsigned n, char **word)
+void command_help(struct console *c, unsigned n, char **word)
 {
     struct parameter p;
     if (n == 0) {
@@ -169,7 +169,7 @@ static bool version_line(struct console *c, unsigned n, struct text *line)
     }
 }
 
-static void command_version(struct console *c, unsigned n, char **word)
+void command_version(struct console *c, unsigned n, char **word)
 {
     (void)n;
     (void)word;
@@ -261,14 +261,14 @@ static bool status_line(struct console *c, unsigned n, struct text *line)
     return false;
 }
 
-static void command_status(struct console *c, unsigned n, char **word)
+void command_status(struct console *c, unsigned n, char **word)
 {
     (void)n;
     (void)word;
     console_list(c, status_line, "");
 }
 
-static void command_log(struct console *c, unsigned n, char **word)
+void command_log(struct console *c, unsigned n, char **word)
 {
     uint32_t every = 1;
     if (n == 1 && strcmp(word[0], "off") == 0) {
@@ -346,14 +346,14 @@ static bool history_line(struct console *c, unsigned n, struct text *line)
     return true;
 }
 
-static void command_events(struct console *c, unsigned n, char **word)
+void command_events(struct console *c, unsigned n, char **word)
 {
     (void)n;
     (void)word;
     console_list(c, history_line, "");
 }
 
-static void command_reboot(struct console *c, unsigned n, char **word)
+void command_reboot(struct console *c, unsigned n, char **word)
 {
     struct answer a;
     (void)n;
@@ -363,49 +363,8 @@ static void command_reboot(struct console *c, unsigned n, char **word)
     console_answer(c, err, &a);
 }
 
-const struct console_command console_commands[] = {
-    {"help", "[COMMAND|PARAMETER]", "this list, or one command or parameter", 0, 1, command_help},
-    {"version", "", "firmware, board, limits, why it started", 0, 0, command_version},
-    {"status", "", "state, measurements, outputs", 0, 0, command_status},
-    {"loop", "[LOOP]", "all loops, or one with its insides", 0, 1, command_loop},
-    {"mode", "LOOP|machine|human [manual|auto|cascade]",
-     "change the mode; `mode machine|human` for this console", 1, 2, command_mode},
-    {"sp", "LOOP VALUE", "setpoint, in the measurement's unit", 2, 2, command_sp},
-    {"out", "LOOP|MV VALUE", "output in manual, in the output's unit", 2, 2, command_out},
-    {"list", "[PREFIX|all]", "parameters in use, those beginning with PREFIX, or all", 0, 1,
-     command_list},
-    {"get", "PARAMETER", "one parameter", 1, 1, command_get},
-    {"set", "PARAMETER VALUE", "change a parameter, at once or within begin ... apply", 2, 2,
-     command_set},
-    {"diff", "[defaults]", "what the transaction changes, or differs from the defaults", 0, 1,
-     command_diff},
-    {"begin", "", "open a transaction: changes wait for apply", 0, 0, command_begin},
-    {"apply", "", "check the changes whole and take them at the next tick", 0, 0, command_apply},
-    {"abandon", "", "close the transaction without changes", 0, 0, command_abandon},
-    {"save", "[replace]", "store the settings in force; replace: also over newer firmware's", 0, 1,
-     command_save},
-    {"load", "", "the stored settings at the next tick; in a transaction, with apply", 0, 0,
-     command_load},
-    {"defaults", "", "every parameter at its default, but the key, like load", 0, 0,
-     command_defaults},
-    {"dump", "", "the settings as commands that restore them", 0, 0, command_dump},
-    {"tune", "LOOP RULE GAIN DEAD LAG [LAMBDA]",
-     "settings from a model (EU/EU, s, s); RULE simc, cohen-coon, cohen-coon-pid", 5, 6,
-     command_tune},
-    {"log", "on|off [TICKS]", "telemetry rows on this console", 1, 2, command_log},
-    {"commission",
-     "[begin|pause|resume|skip|repeat|abort|accept|edit|reject|discard|relay|"
-     "plant|plan|model|gains|pairing|structure|proposal|trial] [LOOP]",
-     "automatic start-up: how far it is, or what it is told", 0, 2, command_commission},
-    {"alarm", "[ack|shelve] [ALARM|all] [SECONDS]",
-     "what is wrong now; acknowledge, or silence for a time", 0, 3, command_alarm},
-    {"seq", "[start|stop|hold|go|confirm|skip|abort|list]",
-     "where the sequence is; start it, stop the plant, ...; list: its rows", 0, 1, command_seq},
-    {"events", "", "the latest events and actions, also of earlier starts", 0, 0, command_events},
-    {"stats", "", "cost of ticks, link and console counters", 0, 0, command_stats},
-    {"unlock", "KEY", "open the engineer level", 1, 1, command_unlock},
-    {"lock", "", "close the engineer level", 0, 0, command_lock},
-    {"key", "NEW", "change the key of the engineer level; - for none", 1, 1, command_key},
-    {"reboot", "", "start again in the safe state", 0, 0, command_reboot},
-};
+#define ROW(name, arguments, help, lowest, highest)                                                \
+    {#name, arguments, help, lowest, highest, command_##name},
+const struct console_command console_commands[] = {CONSOLE_COMMANDS(ROW)};
+#undef ROW
 const unsigned console_command_count = sizeof console_commands / sizeof console_commands[0];

@@ -11,3 +11,11 @@ foreach(part jobs workspace_lease)
   reflux_test(${part} LABEL loop SOURCES ${CMAKE_CURRENT_LIST_DIR}/test_${part}.c
               LIBS reflux_hal_memory reflux_app reflux_link reflux_bench reflux_plants)
 endforeach()
+# A client without text, beside the console. It sees the firmware's headers, the plant those of the bench.
+add_library(plant_side STATIC EXCLUDE_FROM_ALL "${PROJECT_SOURCE_DIR}/tests/support/plant_side.c")
+target_link_libraries(plant_side PRIVATE reflux_hal_memory reflux_link reflux_bench reflux_plants unity reflux_options)
+target_include_directories(plant_side PUBLIC "${PROJECT_SOURCE_DIR}/tests/support")
+foreach(part client clients)
+  reflux_test(${part} LABEL loop SOURCES ${CMAKE_CURRENT_LIST_DIR}/test_${part}.c
+              LIBS plant_side reflux_hal_memory reflux_app reflux_link)
+endforeach()

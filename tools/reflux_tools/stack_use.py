@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import re
 from dataclasses import dataclass, field
+from fnmatch import fnmatchcase
 from pathlib import Path
 
 from reflux_tools.elf_image import Function, Image
@@ -173,7 +174,12 @@ class Graph:
                                  f"{self.indirect.path.name}")
             return []
         self.indirect.used.add(caller)
-        return [start for name in names for start in self.by_name.get(name, [])]
+        return [start for name in names for start in self._starts(name)]
+
+    def _starts(self, name: str) -> list[int]:
+        if "*" not in name:
+            return self.by_name.get(name, [])
+        return [start for known, starts in self.by_name.items() if fnmatchcase(known, name) for start in starts]
 
     def _function(self, start: int) -> Function:
         if start in self.image.functions:
@@ -299,8 +305,7 @@ class Graph:
 
     def unlisted_addresses(self, handlers: set[int]) -> list[str]:
         """Functions whose address is kept somewhere though no line of the list says who calls them."""
-        listed = {start for names in self.indirect.targets.values() for name in names
-                  for start in self.by_name.get(name, [])}
+        listed = {start for names in self.indirect.targets.values() for name in names for start in self._starts(name)}
         return sorted(self.image.functions[start].name for start in self.image.address_taken() - listed - handlers)
 
 

@@ -1,0 +1,45 @@
+/* The commands, a row each: name, arguments, help, and how many words may follow the name. What a row says is run by
+ * command_NAME(), in one of console_*.c. In the arguments capital words stand for names of a kind, the others for
+ * themselves: console_complete.c. */
+#ifndef REFLUX_CONSOLE_COMMANDS_H
+#define REFLUX_CONSOLE_COMMANDS_H
+
+/* clang-format off */
+#define CONSOLE_COMMANDS(ROW) \
+    ROW(help, "[COMMAND|PARAMETER]", "this list, or one command or parameter", 0, 1) \
+    ROW(version, "", "firmware, board, limits, why it started", 0, 0) \
+    ROW(status, "", "state, measurements, outputs", 0, 0) \
+    ROW(loop, "[LOOP]", "all loops, or one with its insides", 0, 1) \
+    ROW(mode, "LOOP|machine|human [manual|auto|cascade]", \
+        "change the mode; `mode machine|human` for this console", 1, 2) \
+    ROW(sp, "LOOP VALUE", "setpoint, in the measurement's unit", 2, 2) \
+    ROW(out, "LOOP|MV VALUE", "output in manual, in the output's unit", 2, 2) \
+    ROW(list, "[PREFIX|all]", "parameters in use, those beginning with PREFIX, or all", 0, 1) \
+    ROW(get, "PARAMETER", "one parameter", 1, 1) \
+    ROW(set, "PARAMETER VALUE", "change a parameter, at once or within begin ... apply", 2, 2) \
+    ROW(diff, "[defaults]", "what the transaction changes, or differs from the defaults", 0, 1) \
+    ROW(begin, "", "open a transaction: changes wait for apply", 0, 0) \
+    ROW(apply, "", "check the changes whole and take them at the next tick", 0, 0) \
+    ROW(abandon, "", "close the transaction without changes", 0, 0) \
+    ROW(save, "[replace]", "store the settings in force; replace: also over newer firmware's", 0, 1) \
+    ROW(load, "", "the stored settings at the next tick; in a transaction, with apply", 0, 0) \
+    ROW(defaults, "", "every parameter at its default, but the key, like load", 0, 0) \
+    ROW(dump, "", "the settings as commands that restore them", 0, 0) \
+    ROW(tune, "LOOP RULE GAIN DEAD LAG [LAMBDA]", \
+        "settings from a model (EU/EU, s, s); RULE simc, cohen-coon, cohen-coon-pid", 5, 6) \
+    ROW(log, "on|off [TICKS]", "telemetry rows on this console", 1, 2) \
+    ROW(commission, "[begin|pause|resume|skip|repeat|abort|accept|edit|reject|discard|relay|" \
+        "plant|plan|model|gains|pairing|structure|proposal|trial] [LOOP]", \
+        "automatic start-up: how far it is, or what it is told", 0, 2) \
+    ROW(alarm, "[ack|shelve] [ALARM|all] [SECONDS]", "what is wrong now; acknowledge, or silence for a time", 0, 3) \
+    ROW(seq, "[start|stop|hold|go|confirm|skip|abort|list]", \
+        "where the sequence is; start it, stop the plant, ...; list: its rows", 0, 1) \
+    ROW(events, "", "the latest events and actions, also of earlier starts", 0, 0) \
+    ROW(stats, "", "cost of ticks, link and console counters", 0, 0) \
+    ROW(unlock, "KEY", "open the engineer level", 1, 1) \
+    ROW(lock, "", "close the engineer level", 0, 0) \
+    ROW(key, "NEW", "change the key of the engineer level; - for none", 1, 1) \
+    ROW(reboot, "", "start again in the safe state", 0, 0)
+/* clang-format on */
+
+#endif
