@@ -26,12 +26,6 @@
 _Static_assert(sizeof(struct restart_record) <= HAL_RETAINED_RESTART_BYTES,
                "what a restart returns to fits the memory kept for it");
 
-#if defined(__GNUC__)
-#define NOT_INLINE __attribute__((noinline))
-#else
-#define NOT_INLINE
-#endif
-
 struct app {
     struct supervisor supervisor;
     struct plant_link link;

@@ -1,32 +1,104 @@
-/* One interface for every regulatory control law, SISO or MIMO.
+/* A block is what computes: a controller, a compensator, a feedforward element, an estimator. Every family of blocks
+ * is one `struct block_kind`; the tick knows blocks only by it (docs/architecture.md).
  *
- * All values are num_t fractions of span. The order within a tick is
- *     step     setpoints and measurements in, commanded outputs out (limited by the block itself)
- *     back     the outputs that really took effect, in the coordinates step used; the block brings its state
- *              in line (anti-windup). Always called after step, also when nothing was limited.
- * and, while the block does not act (manual, initialisation, restart),
- *     follow   setpoints, measurements and the outputs in effect: the state is set so that the next step
- *              with the same inputs gives those outputs (bumpless transfer).
+ * All signals are num_t fractions of span. A block serves members: the loops whose outputs it gives. Arrays hold one
+ * entry per member, in the order of the members.
+ *
+ *     stage           step                                      back_calculate
+ *     control         setpoints and PVs in, outputs out         the outputs that took effect, as step gave them
+ *     compensate      outputs of the controllers in, MVs out    a difference of MVs in, of controllers' outputs out
+ *     feed forward    the disturbance in, what is added out     -
+ *
+ * Within a tick a controller that acts gets step, and back_calculate once what became of the step is known; one that
+ * does not act (manual, an interlock, a start) gets follow instead: its state is set so that the next step with the
+ * same inputs gives the outputs in effect (bumpless transfer).
  */
 #ifndef REFLUX_BLOCK_BLOCK_H
 #define REFLUX_BLOCK_BLOCK_H
 
+#include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 
+#include "base/error.h"
+#include "block/settings.h"
 #include "num/num.h"
 
-/* Directions in which output i may not integrate further, because what it drives is at a limit. */
-enum block_hold { BLOCK_HOLD_NONE = 0, BLOCK_HOLD_UP = 1, BLOCK_HOLD_DOWN = 2 };
+enum block_stage { STAGE_CONTROL, STAGE_COMPENSATE, STAGE_FEED_FORWARD };
 
-struct block_ops {
-    const char *kind; /* "pid" */
-    void (*step)(void *state, const num_t *setpoint, const num_t *measurement, num_t *output);
-    void (*back)(void *state, const num_t *applied, const uint8_t *hold);
-    void (*follow)(void *state, const num_t *setpoint, const num_t *measurement,
-                   const num_t *applied);
-    /* Number of named internal values, and the i-th (for `loop` on the console): NULL past the end. */
+/* Directions in which the integral of a member may not move, because what it drives is at a limit. */
+enum integral_clamp { INTEGRAL_FREE = 0, INTEGRAL_CLAMP_UP = 1, INTEGRAL_CLAMP_DOWN = 2 };
+
+/* What the configuration says of a member, beside the kind's own settings. */
+struct block_member {
+    uint8_t loop; /* its index */
+    bool
+        drives_mv; /* its output moves an MV, which keeps the limits of the loop; else it is a setpoint */
+    float pv_span;   /* EU */
+    float out_reach; /* the largest |MV less feedforward|, fraction of span */
+};
+
+struct block_setup {
+    const void *settings; /* of the kind: block/settings.h, or the struct its parameters fill */
+    float interval_s;     /* of its steps, [0.001, 1e5] s */
+    uint8_t members;      /* up to BLOCK_MEMBERS_MAX */
+    uint8_t there;        /* bit k: there is a member k */
+    struct block_member member[BLOCK_MEMBERS_MAX];
+};
+
+/* Why settings were refused. */
+struct block_fault {
+    uint8_t member;     /* the first that is concerned */
+    const char *field;  /* as the parameter is called; "" when it is the interval */
+    const char *wanted; /* what would be right, in words */
+};
+
+struct block_io {
+    uint8_t acting;        /* bit k: member k has the block's output */
+    const num_t *setpoint; /* [members], of controllers */
+    const num_t *in;       /* [members] PVs; what goes into a compensator; [1] the disturbance */
+    num_t *out; /* [members] outputs: given by step, told to back_calculate, follow and shift */
+    const uint8_t *clamp; /* [members] enum integral_clamp, back_calculate */
+    uint8_t *limited; /* [members] enum integral_clamp: limits of its own that its output is at */
+};
+
+struct block_kind {
+    const char *name; /* "pid" */
+    uint8_t stage;    /* enum block_stage */
+    /* Bit a: it is a loop's own controller where the parameter `algorithm` has its a-th word. */
+    uint8_t algorithms;
+    /* New settings of a controller that acts hold at once. Otherwise they wait until the old ones have made the next
+     * step: only then is that output, whatever moves meanwhile, what they would have given. */
+    bool retunes_at_once;
+    /* Its outputs are positions, not a range: an output found between or outside out_lo and out_hi stays until it acts. */
+    bool positions;
+    /* Why its outputs pass through no compensator, in words; NULL: they may. */
+    const char *uncompensated;
+
+    /* Bytes of state these settings need; settings that are refused need none. */
+    uint32_t (*bytes)(const struct block_setup *setup);
+    /* Checks everything. Where something is refused *fault says what. */
+    enum err (*check)(const struct block_setup *setup, struct block_fault *fault);
+    /* Settings that check() accepts. retune: new ones for the same members, without a bump; else the state begins
+     * without a past. */
+    enum err (*configure)(void *state, const struct block_setup *setup, bool retune);
+    /* Whether two setups of the same members and interval come to the same: then nothing is configured again. NULL: never. */
+    bool (*same)(const struct block_setup *before, const struct block_setup *now);
+    void (*step)(void *state, struct block_io *io);
+    void (*back_calculate)(void *state, struct block_io *io);
+    void (*follow)(void *state, struct block_io *io);
+    /* Controllers that act: `out` gets another meaning (another compensator, another feedforward). The next step gives
+     * io->out and what has changed since the last one; what is under way goes on. */
+    void (*shift)(void *state, struct block_io *io);
+    /* Compensators: only the acting members take part from now on. Returns whether that is a change, after which
+     * all of them need a bumpless transfer. */
+    bool (*select)(void *state, const void *settings, uint8_t acting);
+    /* The i-th named inner value, for the console: NULL past the end. */
     const char *(*describe)(const void *state, size_t i, float *value);
 };
+
+/* All kinds of this build: app/kinds.c. A kind is known by its place. */
+extern const struct block_kind *const block_kinds[];
+extern const uint8_t block_kind_count;
 
 #endif

@@ -7,7 +7,7 @@
 #include <stddef.h>
 #include <string.h>
 
-#include "compensate/decoupler.h"
+#include "supervise/plan.h"
 
 #define HORIZON REAL_C(5.0) /* times integral and dead time: what a loop by itself takes */
 /* A decoupler makes the loops depend on each other: it must be better by a tenth in setpoints as in loads. */
@@ -161,11 +161,10 @@ static void decouple_block(struct analysis *a, const struct block *block)
 static bool firmware_takes(const struct matrix *d)
 {
     float matrix[DECOUPLER_MAX][DECOUPLER_MAX] = {{0.0f}};
-    uint8_t worst;
     for (unsigned i = 0; i < d->rows; i++)
         for (unsigned j = 0; j < d->cols; j++)
             matrix[i][j] = (float)d->at[i][j];
-    return decoupler_check(matrix, (uint8_t)((1u << d->rows) - 1u), NULL, &worst) == ERR_OK;
+    return plan_accepts_matrix(matrix, (uint8_t)d->rows);
 }
 
 static void without_decoupler(struct analysis *a, enum analysis_decoupler why)

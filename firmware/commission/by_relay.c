@@ -129,7 +129,7 @@ static enum err begin_cycle(struct commission *c, const struct supervisor *s,
     struct relay_config x = {
         .h_s = s->plan->tick_s,
         .reference = t->rest[0],
-        .sign = s->plan->config.loop[c->by_relay.loop].action == LOOP_DIRECT ? -1 : 1,
+        .sign = s->plan->config.loop[c->by_relay.loop].own.action == LOOP_DIRECT ? -1 : 1,
         .noise_sd = at[0].noise_sd,
         .hysteresis = hysteresis(&at[0]),
         .amplitude = o->test_step / (o->hi - o->lo),
@@ -318,10 +318,10 @@ enum err by_relay_write(const struct commission *c, struct config *config)
     if (i == PLAN_NONE)
         return ERR_UNKNOWN;
     struct loop_config *l = &config->loop[i];
-    l->gain = (float)real_abs(c->by_relay.gain);
-    l->ti_s = (float)c->by_relay.ti_s;
-    l->td_s = 0.0f;
-    l->action = c->by_relay.gain < REAL_C(0.0) ? LOOP_DIRECT : LOOP_REVERSE;
+    l->own.gain = (float)real_abs(c->by_relay.gain);
+    l->own.ti_s = (float)c->by_relay.ti_s;
+    l->own.td_s = 0.0f;
+    l->own.action = c->by_relay.gain < REAL_C(0.0) ? LOOP_DIRECT : LOOP_REVERSE;
     return ERR_OK;
 }
 

@@ -161,7 +161,7 @@ enum err commission_may_begin(const struct supervisor *s, const char **what, con
         uint8_t loop = acting(s, j);
         if (loop != PLAN_NONE)
             return refuse(what, wanted, config->loop[loop].name, "acts; `mode NAME manual` first");
-        if (s->output[j].forced)
+        if (s->output[j].interlocked)
             return refuse(what, wanted, config->output[j].name, "is held by an interlock");
         if (commission_room(s, j, commission_held_at(s, j)) < ROOM_LEAST)
             return refuse(what, wanted, config->output[j].name,
@@ -184,14 +184,14 @@ enum err commission_may_relay(const struct supervisor *s, uint8_t loop, const ch
         return err;
     if (l->output == PLAN_NONE)
         return refuse(what, wanted, config->name, "drives a loop; test that one");
-    if (config->algorithm == LOOP_TWO_POSITION)
+    if (plan_kind(s->plan, loop)->positions)
         return refuse(what, wanted, config->name, "has two positions and no settings to find");
     if (s->loop[loop].mode != LOOP_MANUAL)
         return refuse(what, wanted, config->name, "acts; `mode NAME manual` first");
     if (!s->output[l->output].bound)
         return refuse(what, wanted, s->plan->config.output[l->output].name,
                       "is not there: the plant does not announce it");
-    if (s->output[l->output].forced)
+    if (s->output[l->output].interlocked)
         return refuse(what, wanted, s->plan->config.output[l->output].name,
                       "is held by an interlock");
     if (!believed(s, l->pv))
@@ -255,7 +255,7 @@ enum commission_why commission_hindrance(const struct commission *c, const struc
                 return WHY_LOST;
         }
         *subject = config->output[j].name;
-        if (s->output[j].forced)
+        if (s->output[j].interlocked)
             return WHY_INTERLOCK;
         if (is_deaf(s, j) && (c->phase != COMMISSION_TRIAL || is_far_off(s, j)))
             return WHY_ACTUATOR;
@@ -295,7 +295,7 @@ enum commission_why commission_disturbance(const struct commission *c, const str
     for (uint8_t k = 0; k < c->inputs; k++) {
         uint8_t j = c->input[k].output;
         *subject = config->output[j].name;
-        if (s->output[j].forced)
+        if (s->output[j].interlocked)
             return WHY_INTERLOCK;
         if (is_deaf(s, j))
             return WHY_ACTUATOR;

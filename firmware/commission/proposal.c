@@ -95,13 +95,13 @@ void proposal_name_loop(struct config *config, uint8_t i, const char *pv, const 
 struct loop_config proposal_settings(const struct tuning *t, real_t derivative_filter)
 {
     return (struct loop_config){
-        .gain = (float)t->gain,
-        .ti_s = (float)t->ti_s,
-        .td_s = (float)t->td_s,
-        .n = (float)derivative_filter,
-        .b = 1.0f,
-        .out_hi = 1.0f,
-        .action = t->action == TUNING_DIRECT ? LOOP_DIRECT : LOOP_REVERSE,
+        .own.gain = (float)t->gain,
+        .own.ti_s = (float)t->ti_s,
+        .own.td_s = (float)t->td_s,
+        .own.n = (float)derivative_filter,
+        .own.b = 1.0f,
+        .own.out_hi = 1.0f,
+        .own.action = t->action == TUNING_DIRECT ? LOOP_DIRECT : LOOP_REVERSE,
         .sp_track = 1,
         .divisor = 1,
     };

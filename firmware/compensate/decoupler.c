@@ -71,27 +71,27 @@ enum err decoupler_select(struct decoupler *decoupler,
 }
 
 /* Whatever the outputs within their reach, v = D^-1 u is a number. */
-static bool reaches(const struct decoupler *k, const float *reach)
+static bool reaches(const struct decoupler *k, const struct block_member *member)
 {
     for (uint8_t i = 0; i < k->n; i++) {
         float sum = 0.0f;
         for (uint8_t j = 0; j < k->n; j++)
-            sum += magnitude(num_to_float(k->inverse[i][j])) * (reach ? reach[k->member[j]] : 1.0f);
+            sum += magnitude(num_to_float(k->inverse[i][j])) * member[k->member[j]].out_reach;
         if (sum > NUM_MAX_MAGNITUDE)
             return false;
     }
     return true;
 }
 
-enum err decoupler_check(const float matrix[DECOUPLER_MAX][DECOUPLER_MAX], uint8_t mask,
-                         const float *reach, uint8_t *worst)
+enum err decoupler_check(const struct block_setup *setup, uint8_t *worst)
 {
+    const struct matrix_settings *matrix = setup->settings;
     struct decoupler trial;
     for (unsigned selection = 1; selection < (1u << DECOUPLER_MAX); selection++) {
-        if ((selection & ~(unsigned)mask) != 0u)
+        if ((selection & ~(unsigned)setup->there) != 0u)
             continue;
-        if (decoupler_select(&trial, matrix, (uint8_t)selection) != ERR_OK ||
-            !reaches(&trial, reach)) {
+        if (decoupler_select(&trial, matrix->d, (uint8_t)selection) != ERR_OK ||
+            !reaches(&trial, setup->member)) {
             *worst = (uint8_t)selection;
             return ERR_SINGULAR;
         }

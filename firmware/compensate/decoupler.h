@@ -1,4 +1,4 @@
-/* Static decoupler: u = D v over the loops that are acting, and its way back v = D^-1 u.
+/* Static decoupler: u = D v over the loops that are acting, and its back-calculation v = D^-1 u.
  *
  * D is given for all loops; only the rows and columns of the loops in automatic or cascade take part, so a
  * loop in manual neither moves nor is moved by the others. Fractions of output span throughout.
@@ -10,12 +10,7 @@
 
 #include <stdint.h>
 
-#include "base/error.h"
-#include "num/num.h"
-
-#ifndef DECOUPLER_MAX
-#define DECOUPLER_MAX 8
-#endif
+#include "block/block.h"
 
 struct decoupler {
     uint8_t n;                     /* loops taking part */
@@ -31,15 +26,19 @@ MUST_CHECK enum err decoupler_select(struct decoupler *decoupler,
                                      const float matrix[DECOUPLER_MAX][DECOUPLER_MAX],
                                      uint8_t mask);
 
-/* ERR_SINGULAR when any selection out of mask would be, or its v = D^-1 u may exceed NUM_MAX_MAGNITUDE while every
- * |u_j| <= reach[j], fractions, indexed by loop (NULL: 1 each); *worst is then that selection. */
-MUST_CHECK enum err decoupler_check(const float matrix[DECOUPLER_MAX][DECOUPLER_MAX], uint8_t mask,
-                                    const float *reach, uint8_t *worst);
+/* Settings are a struct matrix_settings. ERR_SINGULAR when any selection out of the members that are there would be, or its
+ * v = D^-1 u may exceed NUM_MAX_MAGNITUDE while every |u_j| is at most the out_reach of member j; *worst is then that
+ * selection. */
+MUST_CHECK enum err decoupler_check(const struct block_setup *setup, uint8_t *worst);
 
 /* v and u are indexed by loop; only members are read and written. Rows are summed wide: products may leave the range of
  * num_t as long as their sum does not; that saturates. */
 void decoupler_forward(const struct decoupler *decoupler, const num_t *v, num_t *u);
 /* dv = D^-1 du for the members. */
 void decoupler_back(const struct decoupler *decoupler, const num_t *du, num_t *dv);
+
+/* A compensator: settings are a struct matrix_settings; members are the first DECOUPLER_MAX loops. Between select and the
+ * next, only the members selected take part. */
+extern const struct block_kind decoupler_kind;
 
 #endif

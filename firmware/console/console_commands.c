@@ -248,7 +248,7 @@ static bool status_line(struct console *c, unsigned n, struct text *line)
         text_float(line, span_to_eu(s->supervisor->output[n].applied, o->lo, o->hi));
         text_char(line, ' ');
         text_str(line, o->unit);
-        if (s->supervisor->output[n].forced)
+        if (s->supervisor->output[n].interlocked)
             text_str(line, " forced by interlock");
         else if (s->supervisor->output[n].beyond)
             text_str(line, " left past its limits by an interlock");

@@ -127,10 +127,8 @@ static bool loop_line(struct console *c, unsigned n, struct text *line)
         return true;
     }
     float value;
-    const struct loop_state *l = &s->supervisor->loop[i];
-    const char *name = plan_is_two_position(plan, i)
-                           ? two_position_block.describe(&l->two, n - 1, &value)
-                           : pid_block.describe(&l->pid, n - 1, &value);
+    const struct block_kind *kind = plan_kind(plan, i);
+    const char *name = kind->describe(supervisor_block(s->supervisor, i), n - 1, &value);
     if (!name)
         return false;
     text_str(line, "  ");

@@ -155,7 +155,7 @@ static num_t derivative_in(const struct pid *pid, num_t r, num_t y)
     return num_sub(num_mul(pid->c, r), y);
 }
 
-/* The output at full width, before limits: of the last step, or after a back with what that added. */
+/* The output at full width, before limits: of the last step, or after a back-calculation with what that added. */
 static struct accumulator whole_output(const struct pid *pid)
 {
     struct accumulator whole = pid->sum;
@@ -234,7 +234,7 @@ num_t pid_step(struct pid *pid, num_t setpoint, num_t measurement)
     return pid->output;
 }
 
-/* From the whole output, not from raw: that ends with the range of num_t, and the way back must not. */
+/* From the whole output, not from raw: that ends with the range of num_t, and back-calculation must not. */
 static void track(struct pid *pid, num_t applied)
 {
     if (num_eq(applied, pid->raw))
@@ -245,7 +245,7 @@ static void track(struct pid *pid, num_t applied)
     accumulator_add_scaled(&pid->sum, pid->tracking, &gap);
 }
 
-void pid_back(struct pid *pid, num_t applied, uint8_t hold)
+void pid_back_calculate(struct pid *pid, num_t applied, uint8_t clamp)
 {
     if (!pid->primed)
         return;
@@ -257,8 +257,8 @@ void pid_back(struct pid *pid, num_t applied, uint8_t hold)
         accumulator_add(&pid->sum, num_sub(applied, pid->raw));
 
     bool up = num_lt(num_zero(), pid->error) == (pid->action == PID_REVERSE);
-    uint8_t against = up ? BLOCK_HOLD_UP : BLOCK_HOLD_DOWN;
-    if (!(hold & against) && !pid->inhibited)
+    uint8_t against = up ? INTEGRAL_CLAMP_UP : INTEGRAL_CLAMP_DOWN;
+    if (!(clamp & against) && !pid->inhibited)
         accumulator_add_product(&pid->sum, pid->integral, pid->error);
 
     if (!num_eq(applied, pid->output)) {
@@ -299,54 +299,3 @@ void pid_shift(struct pid *pid, num_t applied)
     pid->raw = applied;
     pid->output = applied;
 }
-
-static void block_step(void *state, const num_t *setpoint, const num_t *measurement, num_t *output)
-{
-    output[0] = pid_step(state, setpoint[0], measurement[0]);
-}
-
-static void block_back(void *state, const num_t *applied, const uint8_t *hold)
-{
-    pid_back(state, applied[0], hold[0]);
-}
-
-static void block_follow(void *state, const num_t *setpoint, const num_t *measurement,
-                         const num_t *applied)
-{
-    pid_follow(state, setpoint[0], measurement[0], applied[0]);
-}
-
-static const char *block_describe(const void *state, size_t i, float *value)
-{
-    static const char *const names[] = {"error",    "proportional", "integral", "derivative",
-                                        "computed", "output",       "inhibited"};
-    if (i >= sizeof(names) / sizeof(names[0]))
-        return NULL;
-    const struct pid *pid = state;
-    struct accumulator p = {0};
-    accumulator_add_product(&p, pid->gain, pid->proportional_in);
-    struct accumulator rest = pid->sum;
-    if (pid->form == PID_VELOCITY) { /* sum is the whole output: what the other parts leave */
-        accumulator_add(&rest, num_neg(washout_value(&pid->derivative)));
-        accumulator_add_product(&rest, pid->gain, num_neg(pid->proportional_in));
-    }
-    const float values[] = {
-        num_to_float(pid->error),
-        num_to_float(accumulator_get(&p)),
-        num_to_float(accumulator_get(&rest)),
-        num_to_float(washout_value(&pid->derivative)),
-        num_to_float(pid->raw),
-        num_to_float(pid->output),
-        pid->inhibited ? 1.0f : 0.0f,
-    };
-    *value = values[i];
-    return names[i];
-}
-
-const struct block_ops pid_block = {
-    .kind = "pid",
-    .step = block_step,
-    .back = block_back,
-    .follow = block_follow,
-    .describe = block_describe,
-};

@@ -10,8 +10,8 @@
  * time constant Tt by (applied - computed), where applied comes back from the whole output chain.
  * Source: Astrom and Hagglund, "Advanced PID Control" (2006), ch. 3; the inhibitor is ours (docs/pid.md).
  *
- * Order of calls: init, follow, then step and back in turn; follow again whenever the block does not act.
- * The integral takes the error of a step in the back that closes it, so the step after follow, with the same
+ * Order of calls: init, follow, then step and back_calculate in turn; follow again whenever the block does not act.
+ * The integral takes the error of a step in the back-calculation that closes it, so the step after follow, with the same
  * inputs, gives exactly the output followed. An output that starts outside its limits (manual, new limits)
  * enters them at the rate limit, at once if there is none.
  */
@@ -82,8 +82,8 @@ struct pid {
  * Errors as pid_validate, and for h_s likewise. On error *pid is unchanged. */
 MUST_CHECK enum err pid_init(struct pid *pid, const struct pid_config *config, float h_s);
 
-/* New settings without a bump. Between a step and its back: the output of that step is the old settings', all after it
- * the new ones'. Between a back and the next step: that step gives, for unchanged inputs, what the old settings would
+/* New settings without a bump. Between a step and its back-calculation: the output of that step is the old settings', all after it
+ * the new ones'. Between a back-calculation and the next step: that step gives, for unchanged inputs, what the old settings would
  * have given, but for what the derivative's transient dies away differently. Integration under way is kept, so retuning
  * every tick does not stop it. A transient of the derivative is kept as it is and dies away with the new filter, with
  * the old one where the new settings have no derivative; never does it become part of the integral. Errors as pid_init;
@@ -93,9 +93,9 @@ MUST_CHECK enum err pid_retune(struct pid *pid, const struct pid_config *config,
 /* Output for this setpoint and measurement, within the output and rate limits. */
 num_t pid_step(struct pid *pid, num_t setpoint, num_t measurement);
 
-/* applied: the output that took effect. hold: enum block_hold bits, directions of the output in which the
- * integral may not move. */
-void pid_back(struct pid *pid, num_t applied, uint8_t hold);
+/* applied: the output that took effect. clamp: enum integral_clamp, directions of the output in which
+ * the integral may not move. */
+void pid_back_calculate(struct pid *pid, num_t applied, uint8_t clamp);
 
 /* Sets the state so that the next step with the same inputs gives applied. The derivative starts from
  * rest. */
@@ -106,7 +106,7 @@ void pid_follow(struct pid *pid, num_t setpoint, num_t measurement, num_t applie
  * was beyond a limit is forgotten. Call before a step. */
 void pid_shift(struct pid *pid, num_t applied);
 
-extern const struct block_ops
-    pid_block; /* state: struct pid, one setpoint, one measurement, one output */
+/* A loop's own controller: settings are a struct loop_settings, one member. */
+extern const struct block_kind pid_kind;
 
 #endif

@@ -71,27 +71,56 @@ void two_position_follow(struct two_position *t, num_t applied)
     t->output = applied;
 }
 
-static void two_step(void *state, const num_t *setpoint, const num_t *measurement, num_t *output)
+/* ---- as a kind of block: a loop's own controller ---- */
+
+static uint32_t two_position_bytes(const struct block_setup *setup)
 {
-    output[0] = two_position_step(state, setpoint[0], measurement[0]);
+    (void)setup;
+    return sizeof(struct two_position);
 }
 
-static void two_back(void *state, const num_t *applied, const uint8_t *hold)
+static struct two_position_config two_position_settings(const struct block_setup *setup)
+{
+    const struct loop_settings *l = setup->settings;
+    return (struct two_position_config){
+        .band = l->band / setup->member[0].pv_span,
+        .out_lo = l->out_lo,
+        .out_hi = l->out_hi,
+        .direct = l->action == LOOP_DIRECT,
+    };
+}
+
+static enum err two_position_check(const struct block_setup *setup, struct block_fault *fault)
+{
+    struct two_position_config config = two_position_settings(setup);
+    fault->member = 0;
+    return two_position_validate(&config, &fault->field, &fault->wanted);
+}
+
+static enum err two_position_configure(void *state, const struct block_setup *setup, bool retune)
+{
+    struct two_position_config config = two_position_settings(setup);
+    return retune ? two_position_retune(state, &config) : two_position_init(state, &config);
+}
+
+static void two_position_kind_step(void *state, struct block_io *io)
+{
+    io->out[0] = two_position_step(state, io->setpoint[0], io->in[0]);
+}
+
+/* There is nothing to bring in line. */
+static void two_position_back_calculate(void *state, struct block_io *io)
 {
     (void)state;
-    (void)applied;
-    (void)hold;
+    (void)io;
 }
 
-static void two_follow(void *state, const num_t *setpoint, const num_t *measurement,
-                       const num_t *applied)
+static void two_position_kind_follow(void *state, struct block_io *io)
 {
-    (void)setpoint;
-    (void)measurement;
-    two_position_follow(state, applied[0]);
+    two_position_follow(state, io->out[0]);
 }
 
-static const char *two_describe(const void *state, size_t i, float *value)
+static const char *two_position_describe(const void *state, size_t i, float *value)
 {
     static const char *const names[] = {"output", "low", "high", "band"};
     if (i >= sizeof names / sizeof names[0])
@@ -102,10 +131,19 @@ static const char *two_describe(const void *state, size_t i, float *value)
     return names[i];
 }
 
-const struct block_ops two_position_block = {
-    .kind = "two_position",
-    .step = two_step,
-    .back = two_back,
-    .follow = two_follow,
-    .describe = two_describe,
+const struct block_kind two_position_kind = {
+    .name = "two_position",
+    .stage = STAGE_CONTROL,
+    .algorithms = 1u << LOOP_TWO_POSITION,
+    .retunes_at_once = true,
+    .positions = true,
+    .uncompensated = "is not for two_position",
+    .bytes = two_position_bytes,
+    .check = two_position_check,
+    .configure = two_position_configure,
+    .step = two_position_kind_step,
+    .back_calculate = two_position_back_calculate,
+    .follow = two_position_kind_follow,
+    .shift = two_position_kind_follow,
+    .describe = two_position_describe,
 };

@@ -47,7 +47,7 @@ num_t two_position_step(struct two_position *t, num_t setpoint, num_t measuremen
 /* The output that is there while the block does not act. */
 void two_position_follow(struct two_position *t, num_t applied);
 
-/* state: struct two_position, one setpoint, one measurement, one output. back does nothing. */
-extern const struct block_ops two_position_block;
+/* A loop's own controller: settings are a struct loop_settings, one member. */
+extern const struct block_kind two_position_kind;
 
 #endif

@@ -4,17 +4,17 @@
 
 #include "signal/check.h"
 
-struct feedforward_config feedforward_default_config(void)
+struct element_settings feedforward_default_config(void)
 {
-    return (struct feedforward_config){.out_lo = -1.0f, .out_hi = 1.0f};
+    return (struct element_settings){.out_lo = -1.0f, .out_hi = 1.0f};
 }
 
-#define AT(field) (uint8_t) offsetof(struct feedforward_config, field)
+#define AT(field) (uint8_t) offsetof(struct element_settings, field)
 
 static const struct {
     const char *field, *wanted;
     float lo, hi;
-    uint8_t offset; /* of a float in struct feedforward_config */
+    uint8_t offset; /* of a float in struct element_settings */
 } ranges[] = {
     {"gain", "-100 to 100", -100.0f, 100.0f, AT(gain)},
     {"lead_s", "0 to 1e6 s", 0.0f, 1e6f, AT(lead_s)},
@@ -25,8 +25,8 @@ static const struct {
     {"out_hi", "-2 to 2", -2.0f, 2.0f, AT(out_hi)},
 };
 
-enum err feedforward_validate(const struct feedforward_config *config, float h_s,
-                              const char **field, const char **wanted)
+enum err feedforward_validate(const struct element_settings *config, float h_s, const char **field,
+                              const char **wanted)
 {
     const char *unused;
     field = field ? field : &unused;
@@ -59,15 +59,15 @@ enum err feedforward_validate(const struct feedforward_config *config, float h_s
                                                                                   : ERR_RANGE;
 }
 
-size_t feedforward_bytes(const struct feedforward_config *config, float h_s)
+size_t feedforward_bytes(const struct element_settings *config, float h_s)
 {
     if (feedforward_validate(config, h_s, NULL, NULL))
         return 0;
     return dead_time_bytes(config->dead_time_s, h_s);
 }
 
-enum err feedforward_init(struct feedforward *ff, const struct feedforward_config *config,
-                          float h_s, num_t *ring, size_t bytes)
+enum err feedforward_init(struct feedforward *ff, const struct element_settings *config, float h_s,
+                          num_t *ring, size_t bytes)
 {
     enum err err = feedforward_validate(config, h_s, NULL, NULL);
     if (err)

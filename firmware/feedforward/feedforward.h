@@ -12,25 +12,16 @@
 
 #include <stddef.h>
 
-#include "base/error.h"
-#include "num/num.h"
+#include "block/block.h"
 #include "signal/dead_time.h"
 #include "signal/lead_lag.h"
 
-struct feedforward_config {
-    float gain;           /* output span per disturbance span, either sign, [-100, 100]; 0 = off */
-    float lead_s, lag_s;  /* s, [0, 1e6]; lead/(lag + h) at most 100 */
-    float dead_time_s;    /* s, [0, 1e6], at most 100000 steps */
-    float reference;      /* value of d that calls for nothing, fraction, [-1, 2] */
-    float out_lo, out_hi; /* limits of u_ff, fraction, -2 <= lo < hi <= 2 */
-};
-
 /* Gain 0, no dynamics, reference 0, limits -1..1. */
-struct feedforward_config feedforward_default_config(void);
+struct element_settings feedforward_default_config(void);
 
 /* First field that is wrong for step interval h_s (s, [0.001, 1e5]), or ERR_OK. *field gets its name, *wanted
  * the range in words (either may be NULL). NaN and infinity are ERR_NOT_FINITE, all else ERR_RANGE. */
-MUST_CHECK enum err feedforward_validate(const struct feedforward_config *config, float h_s,
+MUST_CHECK enum err feedforward_validate(const struct element_settings *config, float h_s,
                                          const char **field, const char **wanted);
 
 struct feedforward {
@@ -42,18 +33,20 @@ struct feedforward {
 };
 
 /* Bytes of ring (aligned for num_t) that feedforward_init will want; 0 if config is refused. */
-size_t feedforward_bytes(const struct feedforward_config *config, float h_s);
+size_t feedforward_bytes(const struct element_settings *config, float h_s);
 
 /* Errors as feedforward_validate, and ERR_MEMORY when ring is NULL or too small; then *ff is unchanged.
  * The element is at rest at d = reference: call reset before step. */
-MUST_CHECK enum err feedforward_init(struct feedforward *ff,
-                                     const struct feedforward_config *config, float h_s,
-                                     num_t *ring, size_t bytes);
+MUST_CHECK enum err feedforward_init(struct feedforward *ff, const struct element_settings *config,
+                                     float h_s, num_t *ring, size_t bytes);
 
 /* As if d had always been the disturbance: the next step with the same d gives the output at rest. */
 void feedforward_reset(struct feedforward *ff, num_t d);
 
 /* u_ff for the disturbance d, within the limits. */
 num_t feedforward_step(struct feedforward *ff, num_t d);
+
+/* An element that adds to an MV: settings are a struct element_settings, one member, whose `in` is the disturbance. */
+extern const struct block_kind feedforward_kind;
 
 #endif

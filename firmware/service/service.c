@@ -174,6 +174,16 @@ enum err service_apply(struct service *s, const struct config *config, struct co
     return err;
 }
 
+/* In a frame of its own: the stack below plan_set_tick() is deep. */
+NOT_INLINE static void tell_refusal(struct service *s, const struct config_fault *fault,
+                                    float value)
+{
+    char name[CHANNEL_NAME_SIZE];
+    struct text t = text_on(name, sizeof name);
+    service_fault_name(fault, &t);
+    event_put(&s->tick_events, s->supervisor->time_ms, EVENT_CONFIG_REFUSED, name, value, 0);
+}
+
 bool service_follow_tick(struct service *s, struct plan *plan)
 {
     struct config_fault fault = {.group = NULL};
@@ -182,10 +192,7 @@ bool service_follow_tick(struct service *s, struct plan *plan)
         return false;
     if (plan_set_tick(plan, tick_s, &fault) == ERR_OK)
         return true;
-    char name[CHANNEL_NAME_SIZE];
-    struct text t = text_on(name, sizeof name);
-    service_fault_name(&fault, &t);
-    event_put(&s->tick_events, s->supervisor->time_ms, EVENT_CONFIG_REFUSED, name, tick_s, 0);
+    tell_refusal(s, &fault, tick_s);
     (void)!plan_set_tick(plan, before_s, &fault); /* as it was: that fitted */
     return true;
 }

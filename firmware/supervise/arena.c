@@ -5,7 +5,7 @@
 
 #include "supervise/supervisor.h"
 
-/* By kind: its group in struct config, whose first field is the name that makes it exist, and its state. */
+/* By kind of state: its group in struct config, whose first field is the name that makes it exist, and its state. */
 static const struct {
     uint16_t offset, stride;
     uint16_t state;
@@ -20,27 +20,13 @@ static const struct {
     [PLACED_LOOPS] = KIND(loop, loop_config, loop_state, CONFIG_LOOPS),
     [PLACED_INTERLOCKS] = KIND(interlock, interlock_config, interlock_state, CONFIG_INTERLOCKS),
     [PLACED_ALARMS] = KIND(alarm, alarm_config, alarm_state, CONFIG_ALARMS),
-    [PLACED_FEEDFORWARDS] = KIND(feedforward, ff_config, feedforward, CONFIG_FEEDFORWARDS),
-    [PLACED_DECOUPLER] = {.state = sizeof(struct decoupler), .most = 0},
 };
 _Static_assert(offsetof(struct measurement_config, name) == 0 &&
                    offsetof(struct output_config, name) == 0 &&
                    offsetof(struct loop_config, name) == 0 &&
                    offsetof(struct interlock_config, measurement) == 0 &&
-                   offsetof(struct alarm_config, on) == 0 && offsetof(struct ff_config, from) == 0,
+                   offsetof(struct alarm_config, on) == 0,
                "the first byte of each tells whether it is there");
-
-/* Each kind begins where any state may. */
-#define GRAINS(bytes) (((bytes) + 7u) / 8u * 8u)
-_Static_assert(GRAINS(CHANNEL_MAX * sizeof(struct measurement_state)) +
-                       GRAINS(CHANNEL_MAX * sizeof(struct output_state)) +
-                       GRAINS(CONFIG_LOOPS * sizeof(struct loop_state)) +
-                       GRAINS(CONFIG_INTERLOCKS * sizeof(struct interlock_state)) +
-                       GRAINS(CONFIG_ALARMS * sizeof(struct alarm_state)) +
-                       GRAINS(CONFIG_FEEDFORWARDS * sizeof(struct feedforward)) +
-                       GRAINS(sizeof(struct decoupler)) <=
-                   PLAN_ARENA_BYTES,
-               "only dead times can fail to fit");
 
 void arena_count(const struct plan *plan, uint8_t n[PLACED_KINDS])
 {
@@ -51,59 +37,94 @@ void arena_count(const struct plan *plan, uint8_t n[PLACED_KINDS])
             if (*name)
                 n[k] = (uint8_t)(i + 1u);
     }
-    for (unsigned i = 0; i < CONFIG_LOOPS; i++)
-        if (plan->loop[i].used && plan->loop[i].decouple)
-            n[PLACED_DECOUPLER] = 1;
 }
 
-static uint32_t bytes_of(unsigned kind, uint8_t n)
+static uint32_t grains_of(unsigned kind, uint8_t n)
 {
-    return GRAINS((uint32_t)n * kinds[kind].state);
+    return ARENA_GRAINS((uint32_t)n * kinds[kind].state);
 }
 
 uint32_t arena_state_bytes(const uint8_t n[PLACED_KINDS])
 {
     uint32_t sum = 0;
     for (unsigned k = 0; k < PLACED_KINDS; k++)
-        sum += bytes_of(k, n[k]);
-    return sum;
+        sum += grains_of(k, n[k]);
+    return sum * ARENA_GRAIN;
 }
 
-static void move(struct supervisor *s, const uint8_t n[PLACED_KINDS], unsigned k, bool down)
+/* What has a place in the arena: the kinds above, then the blocks. Their order never changes. */
+#define PLACES (PLACED_KINDS + PLAN_BLOCKS)
+
+struct place {
+    uint32_t from, to;     /* grains */
+    uint32_t kept, grains; /* bytes of the state that stay; grains it has from now on */
+};
+
+static void find_place(const struct supervisor *s, const struct plan *plan,
+                       const uint8_t n[PLACED_KINDS], unsigned which, struct place *p)
+{
+    *p = (struct place){0};
+    if (which >= PLACED_KINDS) {
+        const struct block_state *before = &s->block[which - PLACED_KINDS];
+        const struct block_place *now = &plan->block[which - PLACED_KINDS];
+        p->from = before->at;
+        p->to = now->at;
+        p->grains = now->grains;
+        if (before->kind == now->kind && before->grains == now->grains)
+            p->kept = now->grains * ARENA_GRAIN;
+        return;
+    }
+    for (unsigned k = 0; k < which; k++) {
+        p->from += grains_of(k, s->placed[k]);
+        p->to += grains_of(k, n[k]);
+    }
+    p->kept =
+        (uint32_t)(s->placed[which] < n[which] ? s->placed[which] : n[which]) * kinds[which].state;
+    p->grains = grains_of(which, n[which]);
+}
+
+static void move_place(struct supervisor *s, const struct place *p, bool down)
 {
     uint8_t *arena = (uint8_t *)s->arena;
-    uint32_t from = 0, to = 0;
-    for (unsigned j = 0; j < k; j++) {
-        from += bytes_of(j, s->placed[j]);
-        to += bytes_of(j, n[j]);
-    }
-    uint8_t kept = s->placed[k] < n[k] ? s->placed[k] : n[k];
-    if (to != from && down == (to < from))
-        memmove(arena + to, arena + from, (size_t)kept * kinds[k].state);
+    if (p->to != p->from && down == (p->to < p->from))
+        memmove(arena + p->to * ARENA_GRAIN, arena + p->from * ARENA_GRAIN, p->kept);
 }
 
-void arena_place(struct supervisor *s, const uint8_t n[PLACED_KINDS])
+void arena_place(struct supervisor *s, const struct plan *plan)
 {
-    uint8_t *at = (uint8_t *)s->arena;
+    uint8_t *arena = (uint8_t *)s->arena;
+    uint8_t n[PLACED_KINDS];
+    struct place p;
     void *place[PLACED_KINDS];
+    arena_count(plan, n);
     /* What moves down goes first, the lowest before the others, then what moves up, the highest before the others: the
-     * order of the kinds never changes, so nothing is overwritten that has still to move. */
-    for (unsigned k = 0; k < PLACED_KINDS; k++)
-        move(s, n, k, true);
-    for (unsigned k = PLACED_KINDS; k-- > 0;)
-        move(s, n, k, false);
-    for (unsigned k = 0; k < PLACED_KINDS; k++) {
-        uint32_t kept = (uint32_t)(s->placed[k] < n[k] ? s->placed[k] : n[k]) * kinds[k].state;
-        memset(at + kept, 0, bytes_of(k, n[k]) - kept);
-        place[k] = at;
-        at += bytes_of(k, n[k]);
+     * order never changes, so nothing is overwritten that has still to move. */
+    for (unsigned k = 0; k < PLACES; k++) {
+        find_place(s, plan, n, k, &p);
+        move_place(s, &p, true);
+    }
+    for (unsigned k = PLACES; k-- > 0;) {
+        find_place(s, plan, n, k, &p);
+        move_place(s, &p, false);
+    }
+    for (unsigned k = 0; k < PLACES; k++) {
+        find_place(s, plan, n, k, &p);
+        memset(arena + p.to * ARENA_GRAIN + p.kept, 0, p.grains * ARENA_GRAIN - p.kept);
+        if (k < PLACED_KINDS)
+            place[k] = arena + p.to * ARENA_GRAIN;
     }
     memcpy(s->placed, n, PLACED_KINDS);
+    for (uint8_t b = 0; b < PLAN_BLOCKS; b++) {
+        const struct block_place *now = &plan->block[b];
+        struct block_state *state = &s->block[b];
+        if (state->kind != now->kind)
+            *state = (struct block_state){.kind = now->kind};
+        state->at = now->at;
+        state->grains = now->grains;
+    }
     s->measurement = place[PLACED_MEASUREMENTS];
     s->output = place[PLACED_OUTPUTS];
     s->loop = place[PLACED_LOOPS];
     s->interlock = place[PLACED_INTERLOCKS];
     s->alarm = place[PLACED_ALARMS];
-    s->feedforward = place[PLACED_FEEDFORWARDS];
-    s->decoupler = place[PLACED_DECOUPLER];
 }

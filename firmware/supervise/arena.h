@@ -1,6 +1,7 @@
-/* The arena: where the states of channels and blocks, and dead times, have their places while a plan is in force.
- * States stand from the beginning, kind by kind, as many of each as the configuration reaches (up to the last place it
- * uses); dead-time lines from the end. What does not fit is refused with the plan, with the bytes it needs. */
+/* The arena: where the states of channels, loops and blocks have their places while a plan is in force. Channels and the
+ * like come first, kind by kind, as many of each as the configuration reaches (up to the last place it uses); then the
+ * blocks, each with as much as its settings need, where the plan says. What does not fit is refused with the plan, with
+ * the bytes it needs. */
 #ifndef REFLUX_SUPERVISE_ARENA_H
 #define REFLUX_SUPERVISE_ARENA_H
 
@@ -14,8 +15,6 @@ enum placed {
     PLACED_LOOPS,
     PLACED_INTERLOCKS,
     PLACED_ALARMS,
-    PLACED_FEEDFORWARDS,
-    PLACED_DECOUPLER, /* one, or none */
     PLACED_KINDS
 };
 
@@ -23,7 +22,8 @@ enum placed {
 void arena_count(const struct plan *plan, uint8_t n[PLACED_KINDS]);
 /* Bytes of so many. */
 uint32_t arena_state_bytes(const uint8_t n[PLACED_KINDS]);
-/* The states move to where these counts put them; new ones are zero, those past the counts are gone. */
-void arena_place(struct supervisor *s, const uint8_t n[PLACED_KINDS]);
+/* The states move to where the plan puts them; new ones are zero, those it has no place for are gone. A block stays whole
+ * if it is of the same kind and size as before. */
+void arena_place(struct supervisor *s, const struct plan *plan);
 
 #endif

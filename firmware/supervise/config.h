@@ -8,7 +8,7 @@
 #include <stdint.h>
 
 #include "base/channel.h"
-#include "compensate/decoupler.h"
+#include "block/settings.h"
 
 #ifndef CONFIG_FEEDFORWARDS
 #define CONFIG_FEEDFORWARDS 4
@@ -89,31 +89,18 @@ struct output_config {
 #endif
 };
 
-enum loop_action { LOOP_REVERSE = 0, LOOP_DIRECT = 1 };
-enum loop_algorithm { LOOP_POSITIONAL = 0, LOOP_VELOCITY = 1, LOOP_TWO_POSITION = 2 };
-
 struct loop_config {
     char name[CHANNEL_NAME_SIZE];
     char pv[CHANNEL_NAME_SIZE]; /* name of a measurement */
     char out
         [CHANNEL_NAME_SIZE]; /* name of a manipulated variable, or of the loop whose setpoint it drives */
-    float gain;              /* fraction of output span per fraction of measurement span */
-    float ti_s, td_s;        /* 0 = no integral, no derivative action */
-    float n;                 /* derivative filter ratio */
-    float b, c;              /* setpoint weights */
-    float tt_s;              /* tracking time constant; 0 = automatic */
-    float inhibit_s;         /* overshoot inhibitor, prediction time; 0 = off */
-    float out_lo, out_hi;    /* output limits, fraction of span */
-    float out_rate_per_s;    /* fraction of span per second; 0 = none */
-    float sp_lo, sp_hi;      /* setpoint limits, EU; both 0 = the span */
-    float sp_ramp_per_min;   /* EU per minute; 0 = jump */
-    float sp_filter_s;       /* first-order setpoint filter, s */
-    float band;              /* two_position: distance from the setpoint that switches, EU */
-    uint8_t action;          /* enum loop_action */
-    uint8_t algorithm;       /* enum loop_algorithm */
-    uint8_t sp_track;        /* in manual the setpoint follows the measurement */
-    uint8_t decouple;        /* takes part in the static decoupler; of the first DECOUPLER_MAX */
-    uint16_t divisor, phase; /* runs in base ticks t with t mod divisor = phase */
+    struct loop_settings own; /* of its own controller */
+    float sp_lo, sp_hi;       /* setpoint limits, EU; both 0 = the span */
+    float sp_ramp_per_min;    /* EU per minute; 0 = jump */
+    float sp_filter_s;        /* first-order setpoint filter, s */
+    uint8_t sp_track;         /* in manual the setpoint follows the measurement */
+    uint8_t decouple;         /* takes part in the static decoupler; of the first DECOUPLER_MAX */
+    uint16_t divisor, phase;  /* runs in base ticks t with t mod divisor = phase */
 };
 
 struct ff_config {

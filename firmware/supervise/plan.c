@@ -4,7 +4,6 @@
 #include <string.h>
 
 #include "base/crc32.h"
-#include "compensate/decoupler.h"
 #include "signal/ramp.h"
 #include "supervise/plan_parts.h"
 #include "supervise/sequence.h"
@@ -25,21 +24,6 @@ enum err plan_refuse(struct config_fault *fault, enum err code, const char *grou
     fault->wanted = wanted;
     strncpy(fault->subject, subject, sizeof fault->subject - 1);
     return code;
-}
-
-const char *plan_parameter_field(const char *field)
-{
-    static const struct {
-        const char *block, *parameter;
-    } names[] = {
-        {"ti_s", "ti"},           {"td_s", "td"},     {"tt_s", "tt"},   {"rate_per_s", "out_rate"},
-        {"inhibit_s", "inhibit"}, {"lead_s", "lead"}, {"lag_s", "lag"}, {"dead_time_s", "dead"},
-        {"form", "algorithm"},
-    };
-    for (unsigned i = 0; i < sizeof names / sizeof names[0]; i++)
-        if (strcmp(field, names[i].block) == 0)
-            return names[i].parameter;
-    return field;
 }
 
 /* Words that begin or end a reply of the console. */
@@ -84,40 +68,6 @@ uint8_t config_find_loop(const struct config *config, const char *name)
         if (strcmp(config->loop[i].name, name) == 0)
             return i;
     return PLAN_NONE;
-}
-
-struct pid_config plan_pid(const struct plan *plan, uint8_t loop)
-{
-    const struct loop_config *l = &plan->config.loop[loop];
-    return (struct pid_config){
-        .gain = l->gain,
-        .ti_s = l->ti_s,
-        .td_s = l->td_s,
-        .n = l->n,
-        .b = l->b,
-        .c = l->c,
-        .tt_s = l->tt_s,
-        /* What drives a manipulated variable is limited there (tick.c), with decoupler and feedforward in it: v alone may
-         * lie far outside the span. It is only kept where num_t can hold it. */
-        .out_lo = plan->loop[loop].output != PLAN_NONE ? -PID_OUTPUT_MAX : l->out_lo,
-        .out_hi = plan->loop[loop].output != PLAN_NONE ? PID_OUTPUT_MAX : l->out_hi,
-        .rate_per_s = l->out_rate_per_s,
-        .inhibit_s = l->inhibit_s,
-        .action = l->action == LOOP_DIRECT ? PID_DIRECT : PID_REVERSE,
-        .form = l->algorithm == LOOP_VELOCITY ? PID_VELOCITY : PID_POSITIONAL,
-    };
-}
-
-struct two_position_config plan_two_position(const struct plan *plan, uint8_t loop)
-{
-    const struct loop_config *l = &plan->config.loop[loop];
-    const struct measurement_config *m = &plan->config.measurement[plan->loop[loop].pv];
-    return (struct two_position_config){
-        .band = l->band / (m->hi - m->lo),
-        .out_lo = l->out_lo,
-        .out_hi = l->out_hi,
-        .direct = l->action == LOOP_DIRECT,
-    };
 }
 
 void plan_setpoint_limits(const struct plan *plan, uint8_t loop, float *lo, float *hi)
@@ -229,27 +179,6 @@ static enum err resolve_loop(struct plan *plan, uint8_t i, struct config_fault *
     if (ramp_init(&ramp, l->sp_ramp_per_min / 60.0f / (m->hi - m->lo), h) != ERR_OK)
         return plan_refuse(fault, ERR_RANGE, "loop", i + 1u, "sp_ramp", l->name,
                            "must be 0 or at least 6e-8 of the span per minute");
-    const char *field, *wanted;
-    if (plan_is_two_position(plan, i)) {
-        struct two_position_config two = plan_two_position(plan, i);
-        enum err wrong = two_position_validate(&two, &field, &wanted);
-        if (wrong)
-            return plan_refuse(fault, wrong, "loop", i + 1u, field, l->name, wanted);
-        if (p->decouple)
-            return plan_refuse(fault, ERR_CONFLICT, "loop", i + 1u, "decouple", l->name,
-                               "is not for two_position");
-        return ERR_OK;
-    }
-    struct pid_config pid = plan_pid(plan, i);
-    enum err err = pid_validate(&pid, &field, &wanted);
-    if (!err && !(l->out_lo < l->out_hi)) { /* where the block was given wider ones */
-        err = ERR_RANGE;
-        field = "out_lo";
-        wanted = "below out_hi";
-    }
-    if (err)
-        return plan_refuse(fault, err, "loop", i + 1u, plan_parameter_field(field), l->name,
-                           wanted);
     return ERR_OK;
 }
 
@@ -281,41 +210,6 @@ static enum err order_loops(struct plan *plan, struct config_fault *fault)
             return plan_refuse(fault, ERR_CYCLE, "loop", i + 1u, "out", plan->config.loop[i].out,
                                "makes loops drive each other in a ring");
     return ERR_OK;
-}
-
-/* The largest |output - feedforward| of the output of loop i, fraction of span. */
-static float own_reach(const struct plan *plan, uint8_t i)
-{
-    float below = 0.0f, above = 1.0f;
-    for (uint8_t k = 0; k < CONFIG_FEEDFORWARDS; k++) {
-        const struct ff_config *f = &plan->config.feedforward[k];
-        if (!f->from[0] || strcmp(f->to, plan->config.loop[i].out) != 0)
-            continue;
-        below += f->hi > 0.0f ? f->hi : 0.0f;
-        above -= f->lo < 0.0f ? f->lo : 0.0f;
-    }
-    return below > above ? below : above;
-}
-
-static enum err check_decoupler(const struct plan *plan, struct config_fault *fault)
-{
-    uint8_t mask = 0, worst = 0;
-    float reach[DECOUPLER_MAX] = {0};
-    for (uint8_t i = 0; i < DECOUPLER_MAX; i++)
-        if (plan->loop[i].used && plan->loop[i].decouple) {
-            mask = (uint8_t)(mask | (1u << i));
-            reach[i] = own_reach(plan, i);
-        }
-    if (decoupler_check(plan->config.decoupler, mask, reach, &worst) == ERR_OK)
-        return ERR_OK;
-    uint8_t first = 0;
-    while (!(worst & (1u << first)))
-        first++;
-    return plan_refuse(fault, ERR_SINGULAR, "decouple", first + 1u, "d1",
-                       plan->config.loop[first].name,
-                       "needs a matrix whose every part (with other loops in manual) has an "
-                       "inverse with rows that add "
-                       "up to 127 at most, signs and feedforward left aside");
 }
 
 static enum err resolve_interlocks(struct plan *plan, struct config_fault *fault)
@@ -407,6 +301,8 @@ enum err plan_set_tick(struct plan *plan, float tick_s, struct config_fault *fau
     plan->identity = identity;
     plan->tick_s = config->tick_s > 0.0f ? config->tick_s : (tick_s > 0.0f ? tick_s : 1.0f);
     memset(plan->owner, PLAN_NONE, sizeof plan->owner);
+    for (uint8_t b = 0; b < PLAN_BLOCKS; b++)
+        plan->block[b].kind = PLAN_NONE;
     for (uint8_t i = 0; i < CONFIG_LOOPS; i++) {
         plan->loop[i].pv = plan->loop[i].output = PLAN_NONE;
         plan->loop[i].inner = plan->loop[i].outer = PLAN_NONE;
@@ -416,14 +312,19 @@ enum err plan_set_tick(struct plan *plan, float tick_s, struct config_fault *fau
                            "must be 0 or at least 0.05 s, the plant's own too");
     enum err err = check_channels(config, fault);
     for (uint8_t i = 0; !err && i < CONFIG_LOOPS; i++)
-        if (config->loop[i].name[0])
+        if (config->loop[i].name[0]) {
             err = resolve_loop(plan, i, fault);
+            if (!err)
+                err = plan_check_own(plan, i, fault);
+        }
     if (!err)
         err = order_loops(plan, fault);
     if (!err)
-        err = check_decoupler(plan, fault);
+        err = plan_check_matrix(plan, fault);
     if (!err)
         err = plan_resolve_feedforwards(plan, fault);
+    if (!err)
+        err = plan_place_blocks(plan, fault);
     if (!err)
         err = resolve_interlocks(plan, fault);
     if (!err)

@@ -6,16 +6,16 @@
 #include <stdbool.h>
 
 #include "base/error.h"
-#include "feedforward/feedforward.h"
-#include "control/pid.h"
-#include "control/two_position.h"
+#include "block/block.h"
 #include "supervise/config.h"
 
 #ifndef PLAN_ARENA_BYTES
-#define PLAN_ARENA_BYTES 16384 /* states, and dead-time lines of the feedforward elements */
+#define PLAN_ARENA_BYTES 16384 /* states of channels, loops and blocks */
 #endif
 
-_Static_assert(PLAN_ARENA_BYTES <= UINT16_MAX, "places in the arena have 16 bits");
+#define ARENA_GRAIN         8u /* places in the arena are multiples of it: any state may stand there */
+#define ARENA_GRAINS(bytes) (((bytes) + ARENA_GRAIN - 1u) / ARENA_GRAIN)
+_Static_assert(ARENA_GRAINS(PLAN_ARENA_BYTES) <= UINT16_MAX, "places in the arena have 16 bits");
 
 #define PLAN_NONE 0xFFu
 
@@ -39,6 +39,25 @@ struct loop_plan {
     bool decouple;
 };
 
+/* Blocks have fixed slots in a plan: the loops' own controllers, the static decoupler, the feedforward elements. */
+#define SLOT_MATRIX   CONFIG_LOOPS
+#define SLOT_ELEMENTS (CONFIG_LOOPS + 1)
+#define PLAN_BLOCKS   (SLOT_ELEMENTS + CONFIG_FEEDFORWARDS)
+
+struct block_place {
+    uint16_t at, grains; /* place of its state in the arena, and size, in grains */
+    uint8_t kind;        /* in block_kinds[]; PLAN_NONE = there is no block */
+};
+
+/* A block's setup, with room for what it points to. */
+struct block_instance {
+    struct block_setup setup;
+    union {
+        struct matrix_settings matrix;
+        struct element_settings element;
+    } settings;
+};
+
 struct plan {
     uint32_t serial;   /* differs between plans, whatever buffer they are in; set by the owner */
     uint32_t identity; /* checksum of the configuration */
@@ -47,10 +66,10 @@ struct plan {
     uint8_t order[CONFIG_LOOPS]; /* outer loops before the ones they drive */
     uint8_t n_order;
     uint8_t owner[CHANNEL_MAX]; /* loop that drives output i directly, or PLAN_NONE */
+    struct block_place block[PLAN_BLOCKS];
     struct {
-        uint8_t from, to;     /* measurement (or output) and output index; PLAN_NONE = unused */
-        bool from_output;     /* `from` is a manipulated variable */
-        uint16_t line, bytes; /* place in the arena: first num_t, and size */
+        uint8_t from, to; /* measurement (or output) and output index; PLAN_NONE = unused */
+        bool from_output; /* `from` is a manipulated variable */
     } feedforward[CONFIG_FEEDFORWARDS];
     struct {
         uint8_t measurement, output; /* PLAN_NONE = unused */
@@ -75,16 +94,15 @@ MUST_CHECK enum err plan_build(struct plan *plan, const struct config *config, f
 /* Resolves the plan again in place for another base tick. On error *plan is unusable. */
 MUST_CHECK enum err plan_set_tick(struct plan *plan, float tick_s, struct config_fault *fault);
 
-/* PID settings of loop i of the plan; those of a two-position loop. */
-struct pid_config plan_pid(const struct plan *plan, uint8_t loop);
-struct two_position_config plan_two_position(const struct plan *plan, uint8_t loop);
-static inline bool plan_is_two_position(const struct plan *plan, uint8_t loop)
+static inline const struct block_kind *plan_kind(const struct plan *plan, uint8_t slot)
 {
-    return plan->config.loop[loop].algorithm == LOOP_TWO_POSITION;
+    return block_kinds[plan->block[slot].kind];
 }
-/* Settings of feedforward element i, whose source is resolved. */
-struct feedforward_config plan_feedforward(const struct plan *plan, uint8_t element);
-/* Span of its source, EU. */
+/* The setup of the block in a slot; *instance must stay while it is used. Channels are resolved already. */
+void plan_block_setup(const struct plan *plan, uint8_t slot, struct block_instance *instance);
+/* Whether the compensator of this build takes such a matrix for the first `loops` loops. */
+bool plan_accepts_matrix(const float d[DECOUPLER_MAX][DECOUPLER_MAX], uint8_t loops);
+/* Span of what feedforward element i looks at, EU. Its source is resolved already. */
 void plan_feedforward_span(const struct plan *plan, uint8_t element, float *lo, float *hi);
 /* Setpoint limits in force, EU. */
 void plan_setpoint_limits(const struct plan *plan, uint8_t loop, float *lo, float *hi);

@@ -7,10 +7,15 @@
 /* Fills *fault, and returns `code`. */
 enum err plan_refuse(struct config_fault *fault, enum err code, const char *group, unsigned index,
                      const char *field, const char *subject, const char *wanted);
-/* Blocks name the fields of their own settings; people know the parameters. */
-const char *plan_parameter_field(const char *field);
-
-/* plan_feedforward.c. The loops are resolved already. */
+/* plan_feedforward.c: what each looks at. The loops are resolved already. */
 enum err plan_resolve_feedforwards(struct plan *plan, struct config_fault *fault);
+
+/* plan_blocks.c: which kind a loop's own controller, the decoupler, a feedforward element is, and whether that accepts its
+ * settings. Their channels are resolved already. */
+enum err plan_check_own(struct plan *plan, uint8_t loop, struct config_fault *fault);
+enum err plan_check_matrix(struct plan *plan, struct config_fault *fault);
+enum err plan_check_element(struct plan *plan, uint8_t element, struct config_fault *fault);
+/* Their places in the arena, when all have been checked. */
+enum err plan_place_blocks(struct plan *plan, struct config_fault *fault);
 
 #endif

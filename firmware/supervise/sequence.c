@@ -148,7 +148,8 @@ static bool kept_away(const struct supervisor *s, uint8_t j)
         if (row_of(s, k)->sequence == q->kind && row_of(s, k)->action == STEP_OUT &&
             s->plan->step[k].what == j && (k < q->step || q->acted))
             wanted = span_to_fraction(row_of(s, k)->value, c->lo, c->hi);
-    return o->forced && num_lt(num_from_float(THERE), num_abs(num_sub(wanted, o->constrained)));
+    return o->interlocked &&
+           num_lt(num_from_float(THERE), num_abs(num_sub(wanted, o->constrained)));
 }
 
 /* Holds the sequence when what its rows have set up has not stayed so. */
@@ -162,7 +163,7 @@ static void watch(struct supervisor *s)
         const char *name = s->plan->config.loop[i].name;
         if (s->loop[i].mode == LOOP_MANUAL)
             hold(s, SEQUENCE_LOOP, name);
-        else if (j != PLAN_NONE && s->output[j].forced)
+        else if (j != PLAN_NONE && s->output[j].interlocked)
             hold(s, SEQUENCE_INTERLOCK, s->plan->config.output[j].name);
         else if (j != PLAN_NONE && s->output[j].alarm)
             hold(s, SEQUENCE_NOT_FOLLOWING, s->plan->config.output[j].name);

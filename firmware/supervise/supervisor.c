@@ -1,5 +1,5 @@
 /* Requests, plans, the safe state: everything around the tick. The tick itself is in tick.c. */
-#include "supervise/law.h"
+#include "supervise/blocks.h"
 
 #include <string.h>
 
@@ -24,6 +24,8 @@ void supervisor_init(struct supervisor *s, struct event_queue *events)
     memset(s, 0, sizeof *s);
     s->events = events;
     s->state = SUPERVISOR_SAFE;
+    for (unsigned b = 0; b < PLAN_BLOCKS; b++)
+        s->block[b].kind = PLAN_NONE;
 }
 
 /* Whether loop i of both plans is the same loop; old may be NULL. The numbers inside are fractions: they only keep their
@@ -37,8 +39,7 @@ static bool same_loop(const struct plan *plan, const struct plan *old, uint8_t i
     uint8_t pv = plan->loop[i].pv, output = plan->loop[i].output;
     if (strcmp(c->name, before->name) != 0 || strcmp(c->pv, before->pv) != 0 ||
         strcmp(c->out, before->out) != 0 || old->loop[i].pv != pv ||
-        old->loop[i].output != output ||
-        plan_is_two_position(plan, i) != plan_is_two_position(old, i))
+        old->loop[i].output != output || old->block[i].kind != plan->block[i].kind)
         return false;
     const struct measurement_config *m = &plan->config.measurement[pv];
     const struct measurement_config *m_before = &old->config.measurement[pv];
@@ -90,9 +91,9 @@ static void place_loop(struct supervisor *s, const struct plan *old, uint8_t i)
         l->target = l->setpoint = pv_value;
     }
     if (same)
-        law_replace(s, old, i);
+        block_configure(s, old, i);
     else
-        law_place(s, i);
+        block_begin(s, i);
     if (same && plan->loop[i].decouple != old->loop[i].decouple)
         l->moved = true;
     uint8_t outer = plan->loop[i].outer;
@@ -167,7 +168,7 @@ static void rejoin(struct supervisor *s, const char *output)
         s->loop[s->plan->owner[j]].moved = true;
 }
 
-/* Same settings, same signals, same place for its dead time. */
+/* Same settings, same signals. */
 static bool same_feedforward(const struct plan *plan, const struct plan *old, uint8_t i)
 {
     const struct ff_config *a = &plan->config.feedforward[i], *b = &old->config.feedforward[i];
@@ -176,12 +177,10 @@ static bool same_feedforward(const struct plan *plan, const struct plan *old, ui
            a->reference == b->reference && a->lo == b->lo && a->hi == b->hi &&
            plan->feedforward[i].from == old->feedforward[i].from &&
            plan->feedforward[i].from_output == old->feedforward[i].from_output &&
-           plan->feedforward[i].to == old->feedforward[i].to &&
-           plan->feedforward[i].line == old->feedforward[i].line &&
-           plan->feedforward[i].bytes == old->feedforward[i].bytes;
+           plan->feedforward[i].to == old->feedforward[i].to;
 }
 
-static void place_feedforward(struct supervisor *s, const struct plan *old, uint8_t i)
+NOT_INLINE static void place_feedforward(struct supervisor *s, const struct plan *old, uint8_t i)
 {
     const struct plan *plan = s->plan;
     const struct ff_config *f = &plan->config.feedforward[i];
@@ -198,23 +197,23 @@ static void place_feedforward(struct supervisor *s, const struct plan *old, uint
     if (before)
         rejoin(s, before->to);
     rejoin(s, f->to);
-    s->ff_running[i] = false; /* begins at rest at the next tick */
+    uint8_t slot = (uint8_t)(SLOT_ELEMENTS + i);
+    s->block[slot].running = false; /* begins at rest at the next tick */
     if (!f->from[0])
         return;
-    struct feedforward_config settings = plan_feedforward(plan, i);
-    (void)!feedforward_init(&s->feedforward[i], &settings, plan->tick_s,
-                            &s->arena[plan->feedforward[i].line], plan->feedforward[i].bytes);
+    struct block_instance b;
+    plan_block_setup(plan, slot, &b);
+    (void)!block_kinds[s->block[slot].kind]->configure(supervisor_block(s, slot), &b.setup, false);
 }
 
-/* Whether the rows and columns that the decoupler holds are the same. */
-static bool same_matrix(const struct supervisor *s, const struct plan *old)
+NOT_INLINE static void place_matrix(struct supervisor *s)
 {
-    for (uint8_t i = 0; old && i < DECOUPLER_MAX; i++)
-        for (uint8_t j = 0; j < DECOUPLER_MAX; j++)
-            if ((s->decoupler_mask & (1u << i)) && (s->decoupler_mask & (1u << j)) &&
-                s->plan->config.decoupler[i][j] != old->config.decoupler[i][j])
-                return false;
-    return old != NULL;
+    struct block_instance b;
+    if (s->block[SLOT_MATRIX].kind == PLAN_NONE)
+        return;
+    plan_block_setup(s->plan, SLOT_MATRIX, &b);
+    (void)!block_kinds[s->block[SLOT_MATRIX].kind]->configure(supervisor_block(s, SLOT_MATRIX),
+                                                              &b.setup, true);
 }
 
 /* An interlock that watches and forces the same as before goes on as it stands, with its new numbers. */
@@ -238,7 +237,7 @@ void supervisor_take_plan(struct supervisor *s, const struct plan *plan)
         place_measurement(s, old, i);
     for (uint8_t i = n[PLACED_LOOPS]; i < s->placed[PLACED_LOOPS]; i++)
         place_loop(s, old, i);
-    arena_place(s, n);
+    arena_place(s, plan);
     for (uint8_t i = 0; i < n[PLACED_MEASUREMENTS]; i++)
         place_measurement(s, old, i);
     for (uint8_t i = 0; i < n[PLACED_OUTPUTS]; i++)
@@ -252,11 +251,7 @@ void supervisor_take_plan(struct supervisor *s, const struct plan *plan)
     for (uint8_t i = 0; i < n[PLACED_ALARMS]; i++)
         alarms_place(s, old, i);
     s->tick_s = plan->tick_s;
-    if (!n[PLACED_DECOUPLER] || !same_matrix(s, old)) {
-        s->decoupler_mask = 0; /* select again at the next tick */
-        if (n[PLACED_DECOUPLER])
-            s->decoupler->n = 0;
-    }
+    place_matrix(s);
 #if CONFIG_STEPS
     sequence_place(s, old);
 #endif
@@ -314,7 +309,7 @@ void supervisor_outputs_safe(struct supervisor *s, const char *why)
         o->commanded = o->constrained = o->applied = o->manual;
         o->excitation = num_zero();
         o->sent = false;
-        o->forced = o->beyond = false; /* until the next tick says so */
+        o->interlocked = o->beyond = false; /* until the next tick says so */
         o->not_following = o->alarm = false;
     }
     if (s->state != SUPERVISOR_SAFE)
@@ -333,7 +328,7 @@ void supervisor_go_safe(struct supervisor *s, const char *why)
         s->measurement[i].quality = QUALITY_MISSING;
     }
     for (unsigned i = 0; i < CONFIG_FEEDFORWARDS; i++)
-        s->ff_running[i] = false;
+        s->block[SLOT_ELEMENTS + i].running = false;
     supervisor_outputs_safe(s, why);
 }
 

@@ -12,15 +12,12 @@
  *     feed forward  added to the outputs of acting loops
  *     excite        a test signal on top, from whoever owns the excitation
  *     constrain     operating limits, rates, interlocks, safe state
- * and the way back with what was applied. Report and actuation are the caller's.
+ * and back-calculation with what was applied. Report and actuation are the caller's.
  */
 #ifndef REFLUX_SUPERVISE_SUPERVISOR_H
 #define REFLUX_SUPERVISE_SUPERVISOR_H
 
 #include "base/event.h"
-#include "compensate/decoupler.h"
-#include "feedforward/feedforward.h"
-#include "control/pid.h"
 #include "signal/lag.h"
 #include "signal/ramp.h"
 #include "supervise/alarms.h"
@@ -115,7 +112,7 @@ struct measurement_state {
 struct output_state {
     bool bound;
     bool sent;          /* a command has gone out since the safe state was taken */
-    bool forced;        /* an interlock holds it */
+    bool interlocked;   /* an interlock holds it */
     bool beyond;        /* an interlock left it outside its limits, and nobody has moved it since */
     bool not_following; /* read-back differs from the command */
     bool alarm;         /* ... and has been reported */
@@ -131,24 +128,29 @@ struct output_state {
 
 struct loop_state {
     enum loop_mode mode;
-    bool join;    /* the block must take over the output it finds before it runs next */
-    bool moved;   /* its own output has another meaning now: it goes on from the output it finds */
-    bool retune;  /* new settings wait for the step that the old ones still make */
-    bool stepped; /* the block has not been told yet what became of its last step */
-    bool open;    /* its output reaches nothing: the loop below does not listen */
+    bool join;  /* the block must take over the output it finds before it runs next */
+    bool moved; /* its own output has another meaning now: it goes on from the output it finds */
+    bool open;  /* its output reaches nothing: the loop below does not listen */
     bool
         sp_given; /* the target is the operator's, or was in force: kept in manual unless sp_track */
-    union {       /* by the algorithm of its configuration */
-        struct pid pid;
-        struct two_position two;
-    };
     num_t target;   /* setpoint asked for */
     num_t setpoint; /* in force, after limits, ramp and filter */
     struct ramp ramp;
     struct lag filter;
     num_t v; /* output of the block, before decoupler and feedforward */
     num_t feedforward;
-    uint8_t hold; /* enum block_hold, from the loop it drives */
+    uint8_t clamp;   /* enum integral_clamp, from the loop it drives */
+    uint8_t limited; /* the same: limits of its block that its output is at */
+};
+
+/* A block in force: where its state is, and what the tick remembers of it. */
+struct block_state {
+    uint16_t at, grains; /* in the arena */
+    uint8_t kind;        /* in block_kinds[]; PLAN_NONE = there is none */
+    bool retune : 1;     /* new settings wait for the step that the old ones still make */
+    bool stepped : 1;    /* it has not been told yet what became of its last step */
+    bool running : 1;    /* a feedforward element: has begun on a usable value */
+    uint8_t acting;      /* of a compensator: members that take part */
 };
 
 struct interlock_state {
@@ -176,13 +178,10 @@ struct supervisor {
     struct loop_state *loop;
     struct interlock_state *interlock;
     struct alarm_state *alarm;
-    struct feedforward *feedforward;
-    struct decoupler *decoupler; /* there is one where a loop takes part in it */
 #if CONFIG_STEPS
     struct sequence sequence;
 #endif
-    bool ff_running[CONFIG_FEEDFORWARDS]; /* has begun on a usable value */
-    uint8_t decoupler_mask;               /* selection the decoupler holds */
+    struct block_state block[PLAN_BLOCKS]; /* by slot, as in the plan */
     _Alignas(8) num_t arena[PLAN_ARENA_BYTES / sizeof(num_t)];
 };
 
@@ -194,6 +193,12 @@ void supervisor_init(struct supervisor *s, struct event_queue *events);
 void supervisor_take_plan(struct supervisor *s, const struct plan *plan);
 /* CONFIG_APPLIED: once for all plans of one tick. */
 void supervisor_tell_plan(struct supervisor *s);
+
+/* The state of the block in a slot of the plan in force. */
+static inline void *supervisor_block(const struct supervisor *s, uint8_t slot)
+{
+    return (uint8_t *)s->arena + s->block[slot].at * ARENA_GRAIN;
+}
 
 /* LOOP_MANUAL for one that is not there. */
 enum loop_mode supervisor_mode(const struct supervisor *s, uint8_t loop);
@@ -221,7 +226,7 @@ bool supervisor_request(struct supervisor *s, const struct request *request);
 void supervisor_excite(struct supervisor *s, uint8_t j, num_t fraction);
 
 void supervisor_validate(struct supervisor *s, const struct tick_input *input);
-/* Sequence, control, compensate, feed forward, constrain, and the way back. */
+/* Sequence, control, compensate, feed forward, constrain, and back-calculation. */
 void supervisor_control(struct supervisor *s);
 
 /* The offset subtracted from readings of measurement i now, EU. */

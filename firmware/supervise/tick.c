@@ -1,7 +1,9 @@
-/* The tick behind validate.c: control, compensate, feed forward, excite, constrain, and the way back. */
+/* The tick behind validate.c: control, compensate, feed forward, excite, constrain, and back-calculation. */
+#include <string.h>
+
 #include "base/elapsed.h"
 #include "supervise/alarms.h"
-#include "supervise/law.h"
+#include "supervise/blocks.h"
 #include "supervise/supervisor.h"
 
 /* A command beyond this, in spans, may have ended with the range of num_t. */
@@ -43,19 +45,24 @@ static void feed_forward(struct supervisor *s, num_t *before)
         s->loop[i].feedforward = num_zero();
     }
     for (uint8_t k = 0; k < CONFIG_FEEDFORWARDS; k++) {
-        num_t d = num_zero();
-        bool runs = feedforward_input(s, k, &d), ran = s->ff_running[k];
+        struct block_state *b = &s->block[SLOT_ELEMENTS + k];
+        num_t d = num_zero(), added;
+        bool runs = feedforward_input(s, k, &d), ran = b->running;
         if (!runs && !ran)
             continue; /* no number yet: no correction */
         struct loop_state *l = &s->loop[s->plan->owner[s->plan->feedforward[k].to]];
         /* New or gone, or what it looks at is: it begins at rest, and the loop makes room for it or fills its place. */
         l->moved = l->moved || runs != ran;
-        s->ff_running[k] = runs;
+        b->running = runs;
         if (!runs)
             continue;
+        const struct block_kind *kind = block_kinds[b->kind];
+        void *state = supervisor_block(s, (uint8_t)(SLOT_ELEMENTS + k));
+        struct block_io io = {.acting = 1, .in = &d, .out = &added};
         if (!ran)
-            feedforward_reset(&s->feedforward[k], d);
-        l->feedforward = num_add(l->feedforward, feedforward_step(&s->feedforward[k], d));
+            kind->follow(state, &io);
+        kind->step(state, &io);
+        l->feedforward = num_add(l->feedforward, added);
     }
 }
 
@@ -119,21 +126,41 @@ static num_t found(const struct supervisor *s, uint8_t j)
                      span_to_fraction(c->max, c->lo, c->hi));
 }
 
+/* Which loops take part in the compensator now; a change to one of them concerns them all: their outputs are worked out
+ * anew from the MVs in v[], in place. Returns those loops, or none where nothing has changed. */
+static uint8_t transfer_compensated(struct supervisor *s, num_t *v)
+{
+    struct block_state *b = &s->block[SLOT_MATRIX];
+    if (b->kind == PLAN_NONE)
+        return 0;
+    uint8_t acting = 0;
+    bool changed = false;
+    for (uint8_t i = 0; i < DECOUPLER_MAX; i++) {
+        if (!loop_drives(s, i) || !s->plan->loop[i].decouple)
+            continue;
+        acting = (uint8_t)(acting | (1u << i));
+        changed = changed || s->loop[i].join || s->loop[i].moved;
+    }
+    const struct matrix_settings matrix = {s->plan->config.decoupler};
+    const struct block_kind *kind = block_kinds[b->kind];
+    void *state = supervisor_block(s, SLOT_MATRIX);
+    b->acting = acting;
+    if (!kind->select(state, &matrix, acting) && !changed)
+        return 0;
+    num_t u[DECOUPLER_MAX];
+    memcpy(u, v, sizeof u);
+    struct block_io io = {.acting = acting, .in = u, .out = v};
+    kind->back_calculate(state, &io);
+    return acting;
+}
+
 /* Loops that act from this tick on, and all decoupled loops when their company changes, take over the
  * outputs they find: v = D^-1 (output - feedforward). Those that acted before go on with what they have under way:
  * a derivative that dies away must not become part of the integral because another loop comes or goes. Nor must what
  * their feedforward calls for in this tick: the output they find has the one before in it. */
 static void take_over(struct supervisor *s, const num_t *before)
 {
-    uint8_t mask = 0;
-    bool rejoin = false; /* a change to one decoupled loop concerns them all */
-    for (uint8_t i = 0; i < CONFIG_LOOPS; i++) {
-        if (!loop_drives(s, i) || !s->plan->loop[i].decouple)
-            continue;
-        mask = (uint8_t)(mask | (1u << i));
-        rejoin = rejoin || s->loop[i].join || s->loop[i].moved;
-    }
-    num_t v[CONFIG_LOOPS], u[CONFIG_LOOPS];
+    num_t v[CONFIG_LOOPS];
     for (uint8_t i = 0; i < s->placed[PLACED_LOOPS]; i++) {
         const struct loop_plan *p = &s->plan->loop[i];
         v[i] = s->loop[i].v;
@@ -143,25 +170,17 @@ static void take_over(struct supervisor *s, const num_t *before)
             v[i] =
                 num_sub(found(s, p->output),
                         s->loop[i].join || s->loop[i].moved ? s->loop[i].feedforward : before[i]);
-        u[i] = v[i];
     }
-    if (mask != s->decoupler_mask) {
-        if (decoupler_select(s->decoupler, s->plan->config.decoupler, mask) != ERR_OK)
-            s->decoupler->n = 0; /* every part was checked with the plan */
-        s->decoupler_mask = mask;
-        rejoin = true;
-    }
-    if (rejoin)
-        decoupler_back(s->decoupler, u, v);
+    uint8_t together = transfer_compensated(s, v);
     for (uint8_t i = 0; i < s->placed[PLACED_LOOPS]; i++) {
         struct loop_state *l = &s->loop[i];
         if (!loop_drives(s, i))
             continue;
         if (l->join) {
             l->v = v[i];
-            law_follow(s, i);
-        } else if (l->moved || (rejoin && (mask & (1u << i)))) {
-            law_shift(s, i, v[i]);
+            block_follow(s, i);
+        } else if (l->moved || (i < DECOUPLER_MAX && (together & (1u << i)))) {
+            block_shift(s, i, v[i]);
         }
         l->join = l->moved = false;
     }
@@ -177,8 +196,8 @@ static void run_loops(struct supervisor *s)
         } else if (loop_due(s, i, s->ticks)) {
             advance_setpoint(s, i);
             if (loop_drives(s, i)) {
-                law_close(s, i);
-                l->v = law_step(s, i);
+                block_close(s, i);
+                block_step(s, i);
             }
         }
     }
@@ -189,8 +208,11 @@ static void command_outputs(struct supervisor *s)
     num_t v[CONFIG_LOOPS], u[CONFIG_LOOPS];
     for (uint8_t i = 0; i < s->placed[PLACED_LOOPS]; i++)
         v[i] = u[i] = s->loop[i].v;
-    if (s->placed[PLACED_DECOUPLER])
-        decoupler_forward(s->decoupler, v, u);
+    const struct block_state *b = &s->block[SLOT_MATRIX];
+    if (b->kind != PLAN_NONE) {
+        struct block_io io = {.acting = b->acting, .in = v, .out = u};
+        block_kinds[b->kind]->step(supervisor_block(s, SLOT_MATRIX), &io);
+    }
     for (uint8_t j = 0; j < s->placed[PLACED_OUTPUTS]; j++) {
         if (!s->plan->config.output[j].name[0])
             continue;
@@ -242,7 +264,7 @@ static bool interlock_waits(const struct supervisor *s, uint8_t k)
 /* Nothing overrides an interlock: it is applied last, over limits, rates and manual alike. */
 static void run_interlocks(struct supervisor *s)
 {
-    bool forced[CHANNEL_MAX] = {false};
+    bool interlocked[CHANNEL_MAX] = {false};
     for (uint8_t k = 0; k < s->placed[PLACED_INTERLOCKS]; k++) {
         const struct interlock_config *c = &s->plan->config.interlock[k];
         struct interlock_state *state = &s->interlock[k];
@@ -262,14 +284,14 @@ static void run_interlocks(struct supervisor *s)
                       c->output, m->raw, k);
         state->active = active;
         uint8_t j = s->plan->interlock[k].output;
-        if (!active || forced[j] || !s->output[j].bound)
+        if (!active || interlocked[j] || !s->output[j].bound)
             continue; /* the first entry of the table wins */
-        forced[j] = true;
+        interlocked[j] = true;
         const struct output_config *o = &s->plan->config.output[j];
         s->output[j].constrained = span_to_fraction(c->value, o->lo, o->hi);
     }
     for (uint8_t j = 0; j < s->placed[PLACED_OUTPUTS]; j++)
-        s->output[j].forced = forced[j];
+        s->output[j].interlocked = interlocked[j];
 }
 
 /* An interlock may have left the output outside lo..hi. In manual it stays there until somebody moves it; whatever moves
@@ -291,10 +313,10 @@ static bool stays_beyond(struct output_state *o, num_t lo, num_t hi, bool acts)
 static void loop_limits(const struct supervisor *s, uint8_t i, num_t at, num_t *lo, num_t *hi)
 {
     const struct loop_config *l = &s->plan->config.loop[i];
-    num_t least = num_from_float(l->out_lo), most = num_from_float(l->out_hi);
-    if (l->out_rate_per_s > 0.0f) {
+    num_t least = num_from_float(l->own.out_lo), most = num_from_float(l->own.out_hi);
+    if (l->own.out_rate_per_s > 0.0f) {
         /* A step of num_t at least: it arrives. */
-        num_t reach = num_max(num_from_float(l->out_rate_per_s * s->plan->tick_s),
+        num_t reach = num_max(num_from_float(l->own.out_rate_per_s * s->plan->tick_s),
                               num_from_float(1.0f / 16777216.0f));
         least = num_min(least, num_add(at, reach));
         most = num_max(most, num_sub(at, reach));
@@ -326,7 +348,7 @@ static void constrain_output(struct supervisor *s, uint8_t j)
         return;
     /* What is not sent now is not sent later either, when the limits are wider again. */
     o->manual = num_clamp(o->manual, lo, hi);
-    if (acts && loop_drives(s, i) && !plan_is_two_position(s->plan, i))
+    if (acts && loop_drives(s, i) && !plan_kind(s->plan, i)->positions)
         loop_limits(s, i, o->constrained, &lo, &hi);
     /* From where the output is, whatever put it there. The ramp is wide, so that slow rates do not stall. */
     if (!num_eq(accumulator_get(&o->rate.at), o->constrained))
@@ -347,9 +369,9 @@ static void constrain(struct supervisor *s)
             continue;
         o->applied = o->not_following ? o->readback : o->constrained;
         o->sent = true;
-        o->beyond = o->beyond || o->forced;
+        o->beyond = o->beyond || o->interlocked;
         /* Manual begins where automatic or an interlock left the output. */
-        if (o->forced || (i != PLAN_NONE && loop_drives(s, i)))
+        if (o->interlocked || (i != PLAN_NONE && loop_drives(s, i)))
             o->manual = num_sub(o->constrained, o->excitation);
     }
 }
@@ -359,11 +381,10 @@ static uint8_t saturation(const struct supervisor *s, uint8_t i)
 {
     const struct loop_state *l = &s->loop[i];
     const struct loop_plan *p = &s->plan->loop[i];
-    if (loop_forced(s, i))
-        return BLOCK_HOLD_UP | BLOCK_HOLD_DOWN;
-    bool limits = !plan_is_two_position(s->plan, i);
-    bool up = limits && num_lt(l->pid.output, l->pid.raw);
-    bool down = limits && num_lt(l->pid.raw, l->pid.output);
+    if (loop_interlocked(s, i))
+        return INTEGRAL_CLAMP_UP | INTEGRAL_CLAMP_DOWN;
+    bool up = (l->limited & INTEGRAL_CLAMP_UP) != 0;
+    bool down = (l->limited & INTEGRAL_CLAMP_DOWN) != 0;
     if (p->output != PLAN_NONE) {
         const struct output_state *o = &s->output[p->output];
         up = up || num_lt(o->applied, o->commanded);
@@ -373,30 +394,30 @@ static uint8_t saturation(const struct supervisor *s, uint8_t i)
         up = up || num_lt(taken, l->v);
         down = down || num_lt(l->v, taken);
     }
-    up = up || (l->hold & BLOCK_HOLD_UP);
-    down = down || (l->hold & BLOCK_HOLD_DOWN);
-    if (s->plan->config.loop[i].action == LOOP_DIRECT) {
+    up = up || (l->clamp & INTEGRAL_CLAMP_UP);
+    down = down || (l->clamp & INTEGRAL_CLAMP_DOWN);
+    if (s->plan->config.loop[i].own.action == LOOP_DIRECT) {
         bool swap = up;
         up = down;
         down = swap;
     }
-    return (uint8_t)((up ? BLOCK_HOLD_UP : 0) | (down ? BLOCK_HOLD_DOWN : 0));
+    return (uint8_t)((up ? INTEGRAL_CLAMP_UP : 0) | (down ? INTEGRAL_CLAMP_DOWN : 0));
 }
 
 static void back_direct(struct supervisor *s, uint8_t i, num_t told)
 {
     struct loop_state *l = &s->loop[i];
     const struct loop_plan *p = &s->plan->loop[i];
-    if (loop_forced(s, i))
+    if (loop_interlocked(s, i))
         l->join = true; /* whenever the interlock lets go */
     if (l->mode != LOOP_MANUAL && !l->join) {
-        if (law_closes(s, i))
-            law_back(s, i, told, BLOCK_HOLD_NONE);
+        if (block_closes(s, i))
+            block_back_calculate(s, i, told, INTEGRAL_FREE);
         return;
     }
     const struct output_state *o = &s->output[p->output];
     l->v = num_sub(num_sub(o->applied, o->excitation), l->feedforward);
-    law_follow(s, i);
+    block_follow(s, i);
 }
 
 static void back_outer(struct supervisor *s, uint8_t i)
@@ -410,37 +431,41 @@ static void back_outer(struct supervisor *s, uint8_t i)
         l->v = inner->mode == LOOP_AUTO ? inner->setpoint
                                         : s->measurement[s->plan->loop[p->inner].pv].value;
     if (l->mode == LOOP_MANUAL || l->open) {
-        law_follow(s, i);
+        block_follow(s, i);
         return;
     }
-    l->hold = saturation(s, p->inner);
+    l->clamp = saturation(s, p->inner);
     /* What the inner loop makes of it does not depend on whose turn comes first. */
-    if (law_closes(s, i))
-        law_back(s, i, clamp_setpoint(s, p->inner, l->v), l->hold);
+    if (block_closes(s, i))
+        block_back_calculate(s, i, clamp_setpoint(s, p->inner, l->v), l->clamp);
 }
 
-/* What decoupled loops are told: v + D^-1 (applied - commanded). Where the decoupler asks for more than num_t holds, the
- * command does not say by how much the output falls short of it; then D^-1 of the output itself. */
-static void back_decoupled(const struct supervisor *s, num_t *told)
+/* What compensated loops are told: v and the way back of (applied - commanded). Where the compensator asks for more than
+ * num_t holds, the command does not say by how much the output falls short of it; then the way back of the output itself. */
+static void back_compensated(struct supervisor *s, num_t *told)
 {
-    const struct decoupler *d = s->decoupler;
-    num_t u[CONFIG_LOOPS];
+    const struct block_state *b = &s->block[SLOT_MATRIX];
+    num_t u[DECOUPLER_MAX];
     bool whole = false;
-    for (uint8_t k = 0; k < d->n; k++)
-        whole = whole || num_lt(num_from_float(COMMAND_MAX),
-                                num_abs(s->output[s->plan->loop[d->member[k]].output].commanded));
-    for (uint8_t k = 0; k < d->n; k++) {
-        uint8_t i = d->member[k];
+    for (uint8_t i = 0; i < DECOUPLER_MAX; i++)
+        if (b->acting & (1u << i))
+            whole = whole || num_lt(num_from_float(COMMAND_MAX),
+                                    num_abs(s->output[s->plan->loop[i].output].commanded));
+    for (uint8_t i = 0; i < DECOUPLER_MAX; i++) {
+        if (!(b->acting & (1u << i)))
+            continue;
         const struct output_state *o = &s->output[s->plan->loop[i].output];
         num_t from = whole ? num_add(s->loop[i].feedforward, o->excitation) : o->commanded;
         u[i] = num_sub(o->applied, from);
     }
-    decoupler_back(d, u, told);
-    for (uint8_t k = 0; !whole && k < d->n; k++)
-        told[d->member[k]] = num_add(s->loop[d->member[k]].v, told[d->member[k]]);
+    struct block_io io = {.acting = b->acting, .in = u, .out = told};
+    block_kinds[b->kind]->back_calculate(supervisor_block(s, SLOT_MATRIX), &io);
+    for (uint8_t i = 0; !whole && i < DECOUPLER_MAX; i++)
+        if (b->acting & (1u << i))
+            told[i] = num_add(s->loop[i].v, told[i]);
 }
 
-static void way_back(struct supervisor *s)
+static void back_calculate(struct supervisor *s)
 {
     num_t told[CONFIG_LOOPS];
     for (uint8_t i = 0; i < s->placed[PLACED_LOOPS]; i++) {
@@ -449,8 +474,8 @@ static void way_back(struct supervisor *s)
         if (s->plan->loop[i].used && j != PLAN_NONE)
             told[i] = num_add(told[i], num_sub(s->output[j].applied, s->output[j].commanded));
     }
-    if (s->placed[PLACED_DECOUPLER])
-        back_decoupled(s, told);
+    if (s->block[SLOT_MATRIX].kind != PLAN_NONE)
+        back_compensated(s, told);
     /* Inner loops first: what an outer loop may do depends on them. */
     for (uint8_t k = s->plan->n_order; k > 0; k--) {
         uint8_t i = s->plan->order[k - 1u];
@@ -473,7 +498,7 @@ void supervisor_control(struct supervisor *s)
     run_loops(s);
     command_outputs(s);
     constrain(s);
-    way_back(s);
+    back_calculate(s);
     alarms_run(s);
     s->ticks++;
 }

@@ -7,8 +7,8 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "feedforward/feedforward.h"
 #include "control/pid.h"
+#include "feedforward/feedforward.h"
 #include "fopdt_plant.h"
 
 #define CURVES_MAX 3
@@ -92,7 +92,7 @@ static struct loop loops[CURVES_MAX];
  * else the load adds to the plant's input. */
 static int start(struct loop *l, const struct curve *c)
 {
-    struct feedforward_config ff = feedforward_default_config();
+    struct element_settings ff = feedforward_default_config();
     ff.gain = c->feedforward_gain;
     ff.lead_s = 60.0f;
     ff.lag_s = 80.0f;
@@ -121,7 +121,7 @@ static void run(const struct scene *s, int curves)
             num_t ff = feedforward_step(&l->ff, num_from_float(measured_load ? (float)load : 0.0f));
             num_t u = num_clamp(num_add(v, ff), num_from_float((float)s->u_lo),
                                 num_from_float((float)s->u_hi));
-            pid_back(&l->pid, s->curves[i].windup ? v : num_sub(u, ff), BLOCK_HOLD_NONE);
+            pid_back_calculate(&l->pid, s->curves[i].windup ? v : num_sub(u, ff), INTEGRAL_FREE);
             double applied = (double)num_to_float(u);
             printf(",%.6f,%.6f", y, applied);
             fopdt_plant_step(&l->plant, applied + (measured_load ? 0.0 : load));

@@ -20,7 +20,7 @@ static inline struct pid make_pid(struct pid_config config, float h_s)
 static inline double tick(struct pid *pid, double r, double y)
 {
     num_t u = pid_step(pid, N(r), N(y));
-    pid_back(pid, u, BLOCK_HOLD_NONE);
+    pid_back_calculate(pid, u, INTEGRAL_FREE);
     return D(u);
 }
 

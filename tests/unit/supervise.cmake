@@ -14,6 +14,7 @@ foreach(part two_position arena plan supervisor_modes supervisor_cascade supervi
     target_include_directories(test_${part} PRIVATE "${REFLUX_LAYERS}/service")
   endif()
 endforeach()
+target_link_libraries(test_two_position PRIVATE reflux_control)
 
 # The table of parameters in docs/console.md, and whether it is current.
 add_executable(parameter_table "${PROJECT_SOURCE_DIR}/tests/support/parameter_table.c"

@@ -19,7 +19,7 @@ void tearDown(void) {}
 
 static num_t ring[2048];
 
-static struct feedforward make(struct feedforward_config c, float h_s)
+static struct feedforward make(struct element_settings c, float h_s)
 {
     struct feedforward ff;
     TEST_ASSERT_EQUAL_INT(ERR_OK, feedforward_init(&ff, &c, h_s, ring, sizeof ring));
@@ -28,7 +28,7 @@ static struct feedforward make(struct feedforward_config c, float h_s)
 
 static void at_rest_the_output_is_gain_times_the_deviation_from_the_reference(void)
 {
-    struct feedforward_config c = feedforward_default_config();
+    struct element_settings c = feedforward_default_config();
     c.gain = -0.8f;
     c.lead_s = 12.0f;
     c.lag_s = 40.0f;
@@ -42,7 +42,7 @@ static void at_rest_the_output_is_gain_times_the_deviation_from_the_reference(vo
 
 static void at_the_reference_nothing_is_called_for(void)
 {
-    struct feedforward_config c = feedforward_default_config();
+    struct element_settings c = feedforward_default_config();
     c.gain = 100.0f;
     c.reference = 0.37f;
     struct feedforward ff = make(c, 1.0f);
@@ -51,7 +51,7 @@ static void at_the_reference_nothing_is_called_for(void)
 
 static void a_step_is_delayed_then_shaped(void)
 {
-    struct feedforward_config c = feedforward_default_config();
+    struct element_settings c = feedforward_default_config();
     c.gain = 0.5f;
     c.lead_s = 30.0f;
     c.lag_s = 10.0f;
@@ -69,7 +69,7 @@ static void a_step_is_delayed_then_shaped(void)
 
 static void it_begins_as_if_the_disturbance_had_always_been_at_the_reference(void)
 {
-    struct feedforward_config c = feedforward_default_config();
+    struct element_settings c = feedforward_default_config();
     c.gain = 2.0f;
     c.reference = 0.5f;
     c.lag_s = 10.0f;
@@ -84,7 +84,7 @@ static void it_begins_as_if_the_disturbance_had_always_been_at_the_reference(voi
 
 static void the_output_stays_within_its_own_limits(void)
 {
-    struct feedforward_config c = feedforward_default_config();
+    struct element_settings c = feedforward_default_config();
     c.gain = 5.0f;
     c.lead_s = 50.0f;
     c.lag_s = 5.0f;
@@ -108,7 +108,7 @@ static void a_gain_of_zero_is_off(void)
 static double largest_deviation(float gain)
 {
     static struct fopdt_plant through_d, through_u;
-    struct feedforward_config c = feedforward_default_config();
+    struct element_settings c = feedforward_default_config();
     c.gain = gain;
     c.lead_s = 30.0f;
     c.lag_s = 50.0f;
@@ -168,8 +168,8 @@ static void bad_settings_are_refused_by_name(void)
         {1, 0, 0, 0, 0, -1, 1, 0, ERR_RANGE, "h_s", "0.001 to 1e5 s"},
     };
     for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++) {
-        struct feedforward_config c = {bad[i].gain,      bad[i].lead, bad[i].lag, bad[i].dead,
-                                       bad[i].reference, bad[i].lo,   bad[i].hi};
+        struct element_settings c = {bad[i].gain,      bad[i].lead, bad[i].lag, bad[i].dead,
+                                     bad[i].reference, bad[i].lo,   bad[i].hi};
         struct feedforward ff, was;
         memset(&ff, 0x33, sizeof ff);
         memcpy(&was, &ff, sizeof ff);
@@ -215,7 +215,7 @@ static void it_begins_at_rest_at_its_reference(void)
 
 static void a_ring_that_is_too_small_is_refused(void)
 {
-    struct feedforward_config c = feedforward_default_config();
+    struct element_settings c = feedforward_default_config();
     c.dead_time_s = 60.0f;
     struct feedforward ff;
     size_t bytes = feedforward_bytes(&c, 1.0f);

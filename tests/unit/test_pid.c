@@ -193,7 +193,7 @@ static void the_integral_does_not_wind_up_when_something_downstream_limits(void)
         pid_follow(&pid, N(0.5), N(0.5), N(0.5));
         for (int k = 0; k < 2000; k++) {
             num_t u = pid_step(&pid, N(0.6), N(0.5));
-            pid_back(&pid, num_min(u, N(0.55)), BLOCK_HOLD_NONE);
+            pid_back_calculate(&pid, num_min(u, N(0.55)), INTEGRAL_FREE);
         }
         /* positional: at rest the raw output stands K h/Ti e Tt/h = K e above the applied one */
         TEST_ASSERT_TRUE(D(pid.raw) < 0.55 + 2.0 * 0.1 + 1e-5);
@@ -211,7 +211,7 @@ static void tracking_drives_the_integral_with_its_own_time_constant(void)
     for (int k = 0; k < 30; k++) {
         num_t u = pid_step(&pid, N(0.5), N(0.5));
         TEST_ASSERT_DOUBLE_WITHIN(1e-6, 0.5 + gap, D(u));
-        pid_back(&pid, N(0.5), BLOCK_HOLD_NONE);
+        pid_back_calculate(&pid, N(0.5), INTEGRAL_FREE);
         gap *= 0.9;
     }
 }
@@ -229,7 +229,7 @@ static void tracking_adds_exactly_nothing_when_the_output_took_effect_as_compute
         num_t u = pid_step(&pid, N(0.47), N(0.47)); /* error 0: no integration either */
         TEST_ASSERT_TRUE(num_eq(u, pid.raw));
         struct accumulator before = pid.sum;
-        pid_back(&pid, u, BLOCK_HOLD_NONE);
+        pid_back_calculate(&pid, u, INTEGRAL_FREE);
         TEST_ASSERT_EQUAL_MEMORY(&before, &pid.sum, sizeof before);
     }
 }
@@ -242,16 +242,16 @@ static void hold_stops_integration_in_the_forbidden_direction_only(void)
         enum pid_action action;
         bool moves;
     } cases[] = {
-        {BLOCK_HOLD_UP, 0.1, PID_REVERSE, false},
-        {BLOCK_HOLD_UP, -0.1, PID_REVERSE, true},
-        {BLOCK_HOLD_DOWN, 0.1, PID_REVERSE, true},
-        {BLOCK_HOLD_DOWN, -0.1, PID_REVERSE, false},
-        {BLOCK_HOLD_UP, 0.1, PID_DIRECT, true},
-        {BLOCK_HOLD_UP, -0.1, PID_DIRECT, false},
-        {BLOCK_HOLD_DOWN, 0.1, PID_DIRECT, false},
-        {BLOCK_HOLD_DOWN, -0.1, PID_DIRECT, true},
-        {BLOCK_HOLD_UP | BLOCK_HOLD_DOWN, 0.1, PID_REVERSE, false},
-        {BLOCK_HOLD_NONE, 0.1, PID_REVERSE, true},
+        {INTEGRAL_CLAMP_UP, 0.1, PID_REVERSE, false},
+        {INTEGRAL_CLAMP_UP, -0.1, PID_REVERSE, true},
+        {INTEGRAL_CLAMP_DOWN, 0.1, PID_REVERSE, true},
+        {INTEGRAL_CLAMP_DOWN, -0.1, PID_REVERSE, false},
+        {INTEGRAL_CLAMP_UP, 0.1, PID_DIRECT, true},
+        {INTEGRAL_CLAMP_UP, -0.1, PID_DIRECT, false},
+        {INTEGRAL_CLAMP_DOWN, 0.1, PID_DIRECT, false},
+        {INTEGRAL_CLAMP_DOWN, -0.1, PID_DIRECT, true},
+        {INTEGRAL_CLAMP_UP | INTEGRAL_CLAMP_DOWN, 0.1, PID_REVERSE, false},
+        {INTEGRAL_FREE, 0.1, PID_REVERSE, true},
     };
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
         for (int form = 0; form < 2; form++) {
@@ -262,7 +262,7 @@ static void hold_stops_integration_in_the_forbidden_direction_only(void)
             pid_follow(&pid, N(0.5), N(0.5 - cases[i].error), N(0.5));
             for (int k = 0; k < 2; k++) {
                 num_t u = pid_step(&pid, N(0.5), N(0.5 - cases[i].error));
-                pid_back(&pid, u, cases[i].hold);
+                pid_back_calculate(&pid, u, cases[i].hold);
             }
             double moved = D(pid_step(&pid, N(0.5), N(0.5 - cases[i].error))) - 0.5;
             double want = cases[i].error * (cases[i].action == PID_DIRECT ? -0.2 : 0.2);
@@ -321,7 +321,7 @@ static void the_rate_limit_starts_from_what_was_really_applied(void)
     struct pid pid = make_pid(c, 1.0f);
     pid_follow(&pid, N(0.5), N(0.5), N(0.3));
     pid_step(&pid, N(0.9), N(0.5));
-    pid_back(&pid, N(0.1), BLOCK_HOLD_NONE); /* an interlock forced it */
+    pid_back_calculate(&pid, N(0.1), INTEGRAL_FREE); /* an interlock forced it */
     TEST_ASSERT_DOUBLE_WITHIN(2e-7, 0.12, tick(&pid, 0.9, 0.5));
 }
 
@@ -373,7 +373,7 @@ static void an_output_far_beyond_the_range_of_the_number_is_taken_back(void)
             double applied = fmin(1.0, fmax(0.0, raw));
             inside += raw > 0.01 && raw < 0.99;
             worst = fmax(worst, fabs(applied - D(u)));
-            pid_back(&pid, u, BLOCK_HOLD_NONE);
+            pid_back_calculate(&pid, u, INTEGRAL_FREE);
             sum = form ? applied + 10.0 * e : sum + 10.0 * e + (applied - raw) / 100.0;
             last_e = e;
         }

@@ -182,11 +182,14 @@ static void the_block_describes_its_inner_values_by_name(void)
         pid_follow(&pid, N(0.5), N(0.4), N(0.3));
         num_t u;
         num_t r = N(0.5), y = N(0.4);
-        pid_block.step(&pid, &r, &y, &u);
+        uint8_t limited;
+        struct block_io io = {
+            .acting = 1, .setpoint = &r, .in = &y, .out = &u, .limited = &limited};
+        pid_kind.step(&pid, &io);
         float value;
         size_t n = 0;
         bool seen = false;
-        for (const char *name; (name = pid_block.describe(&pid, n, &value)); n++) {
+        for (const char *name; (name = pid_kind.describe(&pid, n, &value)); n++) {
             if (strcmp(name, "proportional") == 0)
                 TEST_ASSERT_FLOAT_WITHIN(1e-6f, 0.2f, value);
             if (strcmp(name, "integral") == 0) {

@@ -271,7 +271,7 @@ static void retunes_at_random_follow_the_description(void)
                 described_retune(&m, c, (double)(float)h, r, y);
                 TEST_ASSERT_EQUAL_INT(ERR_OK, pid_retune(&pid, &c, (float)h));
             }
-            pid_back(&pid, u, BLOCK_HOLD_NONE);
+            pid_back_calculate(&pid, u, INTEGRAL_FREE);
             described_back(&m, want, r - y);
         }
     }
@@ -295,8 +295,8 @@ static void an_output_with_another_meaning_keeps_what_is_under_way(void)
             num_t u = pid_step(&old, N(0.5), N(0.45));
             num_t v = pid_step(&pid, N(0.5), N(0.45));
             TEST_ASSERT_DOUBLE_WITHIN(2e-6, D(u) + 7.25, D(pid.raw));
-            pid_back(&old, u, BLOCK_HOLD_NONE);
-            pid_back(&pid, pid.raw, BLOCK_HOLD_NONE);
+            pid_back_calculate(&old, u, INTEGRAL_FREE);
+            pid_back_calculate(&pid, pid.raw, INTEGRAL_FREE);
             (void)v;
         }
     }
@@ -318,17 +318,21 @@ static void the_block_interface_drives_the_same_controller(void)
     struct pid a = make_pid(rich_config(), 1.0f), b = a;
     num_t r = N(0.5), y = N(0.48), u = N(0.4), out;
     pid_follow(&a, r, y, u);
-    pid_block.follow(&b, &r, &y, &u);
+    uint8_t clamp = INTEGRAL_FREE, limited = INTEGRAL_CLAMP_UP;
+    struct block_io io = {1, &r, &y, &u, &clamp, &limited};
+    pid_kind.follow(&b, &io);
+    TEST_ASSERT_EQUAL_UINT8(INTEGRAL_FREE, limited);
+    io.out = &out;
     for (int k = 0; k < 50; k++) {
         y = N(0.48 + 0.001 * k);
-        uint8_t hold = k % 3 == 0 ? BLOCK_HOLD_UP : BLOCK_HOLD_NONE;
-        pid_block.step(&b, &r, &y, &out);
+        clamp = k % 3 == 0 ? INTEGRAL_CLAMP_UP : INTEGRAL_FREE;
+        pid_kind.step(&b, &io);
         num_t direct = pid_step(&a, r, y);
         TEST_ASSERT_TRUE(num_eq(direct, out));
-        pid_back(&a, direct, hold);
-        pid_block.back(&b, &out, &hold);
+        pid_back_calculate(&a, direct, clamp);
+        pid_kind.back_calculate(&b, &io);
     }
-    TEST_ASSERT_EQUAL_STRING("pid", pid_block.kind);
+    TEST_ASSERT_EQUAL_STRING("pid", pid_kind.name);
 }
 
 int main(void)

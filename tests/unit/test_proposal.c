@@ -232,9 +232,9 @@ static void settings_come_from_the_design(void)
     for (uint8_t k = 0; k < 2; k++) {
         const struct loop_config *l = &config.loop[proposal_loop(&c, &config, k)];
         const struct tuning *t = &c.work->analysis.loops.tuning[k];
-        TEST_ASSERT_EQUAL_FLOAT((float)t->gain, l->gain);
-        TEST_ASSERT_EQUAL_FLOAT((float)t->ti_s, l->ti_s);
-        TEST_ASSERT_EQUAL_UINT8(LOOP_REVERSE, l->action);
+        TEST_ASSERT_EQUAL_FLOAT((float)t->gain, l->own.gain);
+        TEST_ASSERT_EQUAL_FLOAT((float)t->ti_s, l->own.ti_s);
+        TEST_ASSERT_EQUAL_UINT8(LOOP_REVERSE, l->own.action);
     }
     TEST_ASSERT_EQUAL_STRING("y1", config.loop[0].name);
     TEST_ASSERT_EQUAL_STRING("u1", config.loop[0].out);
@@ -490,7 +490,7 @@ static void prepared(double held, double y, double limit)
     builds(&config);
     memset(&supervisor, 0, sizeof supervisor);
     supervisor.plan = &plan;
-    arena_place(&supervisor, (const uint8_t[PLACED_KINDS]){2, 2});
+    arena_place(&supervisor, &plan);
     supervisor.output[0].manual = supervisor.output[1].manual = N(held);
     supervisor.measurement[0].value = supervisor.measurement[1].value = N(y);
     TEST_ASSERT_EQUAL_INT(ERR_OK, proposal_prepare_trial(&c, &supervisor, &config));
@@ -519,7 +519,7 @@ static void prepare(void)
     builds(&config);
     memset(&supervisor, 0, sizeof supervisor);
     supervisor.plan = &plan;
-    arena_place(&supervisor, (const uint8_t[PLACED_KINDS]){2, 2});
+    arena_place(&supervisor, &plan);
     supervisor.output[0].manual = supervisor.output[1].manual = N(0.5);
     supervisor.measurement[0].value = supervisor.measurement[1].value = N(0.4);
     TEST_ASSERT_EQUAL_INT(ERR_OK, proposal_prepare_trial(&c, &supervisor, &config));

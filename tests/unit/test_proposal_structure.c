@@ -102,7 +102,8 @@ static void the_outer_loop_drives_the_inner_one_and_that_the_input(void)
     TEST_ASSERT_EQUAL_UINT8(0, plan.loop[inner].output);
     TEST_ASSERT_EQUAL_STRING("heated", config.loop[outer].pv);
     TEST_ASSERT_EQUAL_STRING("steam", config.loop[inner].pv);
-    TEST_ASSERT_EQUAL_FLOAT((float)c.work->analysis.inner_tuning[0].gain, config.loop[inner].gain);
+    TEST_ASSERT_EQUAL_FLOAT((float)c.work->analysis.inner_tuning[0].gain,
+                            config.loop[inner].own.gain);
     TEST_ASSERT_EQUAL_FLOAT(0.0f, config.decoupler[0][1]);
     for (uint8_t i = 0; i < CONFIG_LOOPS; i++)
         TEST_ASSERT_TRUE(i == outer || i == inner || !config.loop[i].name[0]);
@@ -151,7 +152,7 @@ static void a_trial_steps_the_outer_loop_no_farther_than_the_inner_one_may_go(vo
                 writes();
                 memset(&supervisor, 0, sizeof supervisor);
                 supervisor.plan = &plan;
-                arena_place(&supervisor, (const uint8_t[PLACED_KINDS]){2, 2});
+                arena_place(&supervisor, &plan);
                 supervisor.output[0].manual = N(held);
                 supervisor.measurement[0].value = N(y);
                 supervisor.measurement[1].value = N(0.4);
@@ -180,7 +181,7 @@ static void without_room_a_step_is_the_smallest(void)
         writes();
         memset(&supervisor, 0, sizeof supervisor);
         supervisor.plan = &plan;
-        arena_place(&supervisor, (const uint8_t[PLACED_KINDS]){2, 2});
+        arena_place(&supervisor, &plan);
         supervisor.output[0].manual = N(places[i][0]);
         supervisor.measurement[0].value = N(places[i][1]);
         supervisor.measurement[1].value = N(0.4);

@@ -253,7 +253,7 @@ static void an_interlock_on_an_output_nobody_has_moved_yet_does_not(void)
 {
     cutting("level", "below", "18"); /* holds the heater until the tank is filled */
     started_at(ROW_FILL);
-    TEST_ASSERT_TRUE(bench.s.output[HEAT].forced);
+    TEST_ASSERT_TRUE(bench.s.output[HEAT].interlocked);
     TEST_ASSERT_TRUE(reaches(ROW_HEAT, 300));
     tank_tick();
     TEST_ASSERT_DOUBLE_WITHIN(1e-6, 0.45, sent(HEAT));

@@ -108,22 +108,23 @@ static void it_says_what_it_holds(void)
     static const double values[] = {0.1, 0.1, 0.6, 0.05};
     float value;
     for (unsigned i = 0; i < 4; i++) {
-        TEST_ASSERT_EQUAL_STRING(names[i], two_position_block.describe(&block, i, &value));
+        TEST_ASSERT_EQUAL_STRING(names[i], two_position_kind.describe(&block, i, &value));
         TEST_ASSERT_DOUBLE_WITHIN(1e-6, values[i], (double)value);
     }
-    TEST_ASSERT_NULL(two_position_block.describe(&block, 4, &value));
+    TEST_ASSERT_NULL(two_position_kind.describe(&block, 4, &value));
 }
 
 static void through_its_table_it_does_the_same(void)
 {
     num_t r = N(0.5), y = N(0.7), u = N(0);
-    uint8_t hold = 0;
-    two_position_block.step(&block, &r, &y, &u);
+    uint8_t clamp = INTEGRAL_FREE, limited = INTEGRAL_FREE;
+    struct block_io io = {1, &r, &y, &u, &clamp, &limited};
+    two_position_kind.step(&block, &io);
     TEST_ASSERT_DOUBLE_WITHIN(1e-6, 0.6, D(u));
     u = N(0.2);
-    two_position_block.back(&block, &u, &hold); /* a slow valve changes nothing in it */
+    two_position_kind.back_calculate(&block, &io); /* a slow valve changes nothing in it */
     ASSERT_OUT(0.6, 0.5);
-    two_position_block.follow(&block, &r, &y, &u);
+    two_position_kind.follow(&block, &io);
     ASSERT_OUT(0.2, 0.5);
 }
 

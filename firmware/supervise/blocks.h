@@ -1,7 +1,7 @@
-/* The control law of a loop, whatever its algorithm: when it runs, its new settings, and what it is told. Within supervise
- * only; i is the index of a loop of the plan in force. */
-#ifndef REFLUX_SUPERVISE_LAW_H
-#define REFLUX_SUPERVISE_LAW_H
+/* The controller of a loop, whatever its kind: when it runs, its new settings, and what it is told. Within supervise only;
+ * i is the index of a loop of the plan in force. */
+#ifndef REFLUX_SUPERVISE_BLOCKS_H
+#define REFLUX_SUPERVISE_BLOCKS_H
 
 #include "supervise/supervisor.h"
 
@@ -10,29 +10,29 @@ bool loop_due(const struct supervisor *s, uint8_t i, uint32_t tick);
 /* In auto or cascade. */
 bool loop_acts(const struct supervisor *s, uint8_t i);
 /* An interlock held its output at the end of the last tick. */
-bool loop_forced(const struct supervisor *s, uint8_t i);
+bool loop_interlocked(const struct supervisor *s, uint8_t i);
 /* The block runs. While an interlock holds its output a loop keeps its mode and setpoint but waits as in manual, so that it
  * begins again, without a bump, at the output the interlock leaves. */
 bool loop_drives(const struct supervisor *s, uint8_t i);
 
 /* A block with the settings of the plan, without a past. */
-void law_place(struct supervisor *s, uint8_t i);
+void block_begin(struct supervisor *s, uint8_t i);
 /* The settings of the plan for a loop that `old` had too. Those of one that acts wait until the old ones have made the next
  * step: only then is the next output, whatever moves meanwhile, what they would have given. The same settings touch
  * nothing. */
-void law_replace(struct supervisor *s, const struct plan *old, uint8_t i);
+void block_configure(struct supervisor *s, const struct plan *old, uint8_t i);
 
-/* Its output, before decoupler and feedforward, fraction of span. */
-num_t law_step(struct supervisor *s, uint8_t i);
+/* Its output, before decoupler and feedforward: l->v, fraction of span. */
+void block_step(struct supervisor *s, uint8_t i);
 /* It does not act: its output is l->v. */
-void law_follow(struct supervisor *s, uint8_t i);
+void block_follow(struct supervisor *s, uint8_t i);
 /* It acts, and its output is v from now on; what it has under way goes on. */
-void law_shift(struct supervisor *s, uint8_t i, num_t v);
-/* What became of its last step: once for each. hold: enum block_hold. */
-void law_back(struct supervisor *s, uint8_t i, num_t applied, uint8_t hold);
+void block_shift(struct supervisor *s, uint8_t i, num_t v);
+/* What became of its last step: once for each. clamp: enum integral_clamp. */
+void block_back_calculate(struct supervisor *s, uint8_t i, num_t applied, uint8_t clamp);
 /* Now is the time for that: its next turn is in the next tick. */
-bool law_closes(const struct supervisor *s, uint8_t i);
+bool block_closes(const struct supervisor *s, uint8_t i);
 /* Where a new plan has moved its turn nobody has told it yet: then as if nothing had been in the way. */
-void law_close(struct supervisor *s, uint8_t i);
+void block_close(struct supervisor *s, uint8_t i);
 
 #endif

@@ -1,0 +1,16 @@
+/* The kinds of blocks this board has: the only place that names them all. A board leaves a family out by leaving its folder
+ * out of the build (firmware/CMakeLists.txt). */
+#include "block/block.h"
+#include "compensate/decoupler.h"
+#include "control/pid.h"
+#include "control/two_position.h"
+#include "feedforward/feedforward.h"
+
+const struct block_kind *const block_kinds[] = {
+    &pid_kind,
+    &two_position_kind,
+    &decoupler_kind,
+    &feedforward_kind,
+};
+
+const uint8_t block_kind_count = sizeof block_kinds / sizeof block_kinds[0];

@@ -1,0 +1,50 @@
+/* Settings of blocks that have parameters of their own in the configuration (loopN, decoupleN, ffN), as the supervisor
+ * hands them to the kinds: fractions of span where a number is not in seconds. */
+#ifndef REFLUX_BLOCK_SETTINGS_H
+#define REFLUX_BLOCK_SETTINGS_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#ifndef DECOUPLER_MAX
+#define DECOUPLER_MAX 8 /* loops, from the first on, that may take part in a static decoupler */
+#endif
+
+#ifndef BLOCK_MEMBERS_MAX
+#define BLOCK_MEMBERS_MAX DECOUPLER_MAX
+#endif
+_Static_assert(BLOCK_MEMBERS_MAX >= 1 && BLOCK_MEMBERS_MAX <= 8, "a bit of a byte for each");
+
+enum loop_action { LOOP_REVERSE = 0, LOOP_DIRECT = 1 };
+enum loop_algorithm { LOOP_POSITIONAL = 0, LOOP_VELOCITY = 1, LOOP_TWO_POSITION = 2 };
+
+/* A loop's own controller: the parameters loopN.gain and so on, as they are. */
+struct loop_settings {
+    float gain;           /* fraction of output span per fraction of measurement span */
+    float ti_s, td_s;     /* 0 = no integral, no derivative action */
+    float n;              /* derivative filter ratio */
+    float b, c;           /* setpoint weights */
+    float tt_s;           /* tracking time constant; 0 = automatic */
+    float inhibit_s;      /* overshoot inhibitor, prediction time; 0 = off */
+    float out_lo, out_hi; /* output limits, fraction of span */
+    float out_rate_per_s; /* fraction of span per second; 0 = none */
+    float band;           /* two_position: distance from the setpoint that switches, EU */
+    uint8_t action;       /* enum loop_action */
+    uint8_t algorithm;    /* enum loop_algorithm */
+};
+
+/* A static decoupler: row i, column j for the loops i and j of the configuration. */
+struct matrix_settings {
+    const float (*d)[DECOUPLER_MAX];
+};
+
+/* A feedforward element. */
+struct element_settings {
+    float gain;           /* output span per disturbance span, either sign, [-100, 100]; 0 = off */
+    float lead_s, lag_s;  /* s, [0, 1e6]; lead/(lag + h) at most 100 */
+    float dead_time_s;    /* s, [0, 1e6], at most 100000 steps */
+    float reference;      /* value of the disturbance that calls for nothing, fraction, [-1, 2] */
+    float out_lo, out_hi; /* limits of what is added, fraction, -2 <= lo < hi <= 2 */
+};
+
+#endif

@@ -1,0 +1,133 @@
+#include "supervise/blocks.h"
+
+bool loop_due(const struct supervisor *s, uint8_t i, uint32_t tick)
+{
+    const struct loop_config *c = &s->plan->config.loop[i];
+    return tick % c->divisor == c->phase;
+}
+
+bool loop_acts(const struct supervisor *s, uint8_t i)
+{
+    return s->plan->loop[i].used && s->loop[i].mode != LOOP_MANUAL;
+}
+
+bool loop_interlocked(const struct supervisor *s, uint8_t i)
+{
+    uint8_t j = s->plan->loop[i].output;
+    return j != PLAN_NONE && s->output[j].interlocked;
+}
+
+bool loop_drives(const struct supervisor *s, uint8_t i)
+{
+    return loop_acts(s, i) && !loop_interlocked(s, i);
+}
+
+static const struct block_kind *kind_of(const struct supervisor *s, uint8_t slot)
+{
+    return block_kinds[s->block[slot].kind];
+}
+
+/* ---- settings ---- */
+
+/* Settings were checked with the plan: what remains is an interval no block can keep. */
+static void give_settings(struct supervisor *s, uint8_t i, bool retune)
+{
+    struct block_instance b;
+    plan_block_setup(s->plan, i, &b);
+    if (kind_of(s, i)->configure(supervisor_block(s, i), &b.setup, retune) != ERR_OK)
+        event_put(s->events, s->time_ms, EVENT_CONFIG_REFUSED, s->plan->config.loop[i].name,
+                  b.setup.interval_s, 0);
+}
+
+void block_begin(struct supervisor *s, uint8_t i)
+{
+    give_settings(s, i, false);
+}
+
+/* Settings that have waited. */
+static void give_new_settings(struct supervisor *s, uint8_t i)
+{
+    if (s->block[i].retune)
+        give_settings(s, i, true);
+    s->block[i].retune = false;
+}
+
+static bool same_settings(const struct supervisor *s, const struct plan *old, uint8_t i)
+{
+    const struct block_kind *kind = kind_of(s, i);
+    struct block_instance now, before;
+    if (!kind->same || s->plan->tick_s != s->tick_s ||
+        s->plan->config.loop[i].divisor != old->config.loop[i].divisor)
+        return false;
+    plan_block_setup(s->plan, i, &now);
+    plan_block_setup(old, i, &before);
+    return kind->same(&now.setup, &before.setup);
+}
+
+void block_configure(struct supervisor *s, const struct plan *old, uint8_t i)
+{
+    struct loop_state *l = &s->loop[i];
+    struct block_state *b = &s->block[i];
+    b->retune = b->retune || !same_settings(s, old, i);
+    if (l->mode == LOOP_MANUAL || l->join || kind_of(s, i)->retunes_at_once)
+        give_new_settings(s, i);
+}
+
+/* ---- step, follow and back-calculation ---- */
+
+static struct block_io io_of(struct supervisor *s, uint8_t i)
+{
+    struct loop_state *l = &s->loop[i];
+    return (struct block_io){
+        .acting = 1,
+        .setpoint = &l->setpoint,
+        .in = &s->measurement[s->plan->loop[i].pv].value,
+        .out = &l->v,
+        .clamp = &l->clamp,
+        .limited = &l->limited,
+    };
+}
+
+void block_step(struct supervisor *s, uint8_t i)
+{
+    struct block_io io = io_of(s, i);
+    kind_of(s, i)->step(supervisor_block(s, i), &io);
+    s->block[i].stepped = true;
+    give_new_settings(s, i);
+}
+
+void block_follow(struct supervisor *s, uint8_t i)
+{
+    struct block_io io = io_of(s, i);
+    give_new_settings(s, i);
+    s->block[i].stepped = false;
+    kind_of(s, i)->follow(supervisor_block(s, i), &io);
+}
+
+void block_shift(struct supervisor *s, uint8_t i, num_t v)
+{
+    struct block_io io = io_of(s, i);
+    s->loop[i].v = v;
+    kind_of(s, i)->shift(supervisor_block(s, i), &io);
+}
+
+void block_back_calculate(struct supervisor *s, uint8_t i, num_t applied, uint8_t clamp)
+{
+    struct block_io io = io_of(s, i);
+    io.out = &applied;
+    io.clamp = &clamp;
+    s->block[i].stepped = false;
+    kind_of(s, i)->back_calculate(supervisor_block(s, i), &io);
+}
+
+bool block_closes(const struct supervisor *s, uint8_t i)
+{
+    return s->block[i].stepped && loop_due(s, i, s->ticks + 1u);
+}
+
+void block_close(struct supervisor *s, uint8_t i)
+{
+    struct loop_state *l = &s->loop[i];
+    if (s->block[i].stepped)
+        block_back_calculate(s, i, l->v, l->clamp);
+}

@@ -1,0 +1,198 @@
+/* Blocks of a plan: which kind each is, its setup from the configuration, whether the kind accepts it, and its place in the
+ * arena. */
+#include <string.h>
+
+#include "supervise/arena.h"
+#include "supervise/plan_parts.h"
+
+#define NOT_IN_BUILD "is not in this build"
+
+/* Groups of the configuration that are served by whatever kind the build has for their stage. */
+static uint8_t first_of_stage(enum block_stage stage)
+{
+    for (uint8_t k = 0; k < block_kind_count; k++)
+        if (block_kinds[k]->stage == stage)
+            return k;
+    return PLAN_NONE;
+}
+
+static uint8_t plan_find_kind(const struct plan *plan, uint8_t slot)
+{
+    if (slot >= SLOT_ELEMENTS)
+        return first_of_stage(STAGE_FEED_FORWARD);
+    if (slot == SLOT_MATRIX)
+        return first_of_stage(STAGE_COMPENSATE);
+    for (uint8_t k = 0; k < block_kind_count; k++)
+        if (block_kinds[k]->algorithms & (1u << plan->config.loop[slot].own.algorithm))
+            return k;
+    return PLAN_NONE;
+}
+
+/* The largest |MV - feedforward| of the MV of loop i, fraction of span. */
+static float own_reach(const struct plan *plan, uint8_t i)
+{
+    float below = 0.0f, above = 1.0f;
+    for (uint8_t k = 0; k < CONFIG_FEEDFORWARDS; k++) {
+        const struct ff_config *f = &plan->config.feedforward[k];
+        if (!f->from[0] || strcmp(f->to, plan->config.loop[i].out) != 0)
+            continue;
+        below += f->hi > 0.0f ? f->hi : 0.0f;
+        above -= f->lo < 0.0f ? f->lo : 0.0f;
+    }
+    return below > above ? below : above;
+}
+
+static void setup_own(const struct plan *plan, uint8_t i, struct block_instance *b)
+{
+    const struct loop_config *l = &plan->config.loop[i];
+    const struct measurement_config *m = &plan->config.measurement[plan->loop[i].pv];
+    b->setup.settings = &l->own;
+    b->setup.interval_s = plan->tick_s * (float)l->divisor;
+    b->setup.members = 1;
+    b->setup.there = 1;
+    b->setup.member[0] =
+        (struct block_member){i, plan->loop[i].output != PLAN_NONE, m->hi - m->lo, 1.0f};
+}
+
+static void setup_matrix(const struct plan *plan, struct block_setup *setup,
+                         struct matrix_settings *matrix)
+{
+    matrix->d = plan->config.decoupler;
+    setup->settings = matrix;
+    setup->interval_s = plan->tick_s;
+    setup->members = DECOUPLER_MAX;
+    setup->there = 0;
+    for (uint8_t i = 0; i < DECOUPLER_MAX; i++) {
+        bool there = plan->loop[i].used && plan->loop[i].decouple;
+        setup->there = (uint8_t)(setup->there | (there ? 1u << i : 0u));
+        setup->member[i] = (struct block_member){i, true, 0.0f, there ? own_reach(plan, i) : 0.0f};
+    }
+}
+
+bool plan_accepts_matrix(const float d[DECOUPLER_MAX][DECOUPLER_MAX], uint8_t loops)
+{
+    const struct matrix_settings matrix = {d};
+    struct block_setup setup = {.settings = &matrix, .interval_s = 1.0f, .members = DECOUPLER_MAX};
+    struct block_fault fault;
+    uint8_t kind = first_of_stage(STAGE_COMPENSATE);
+    for (uint8_t i = 0; i < loops; i++) {
+        setup.there = (uint8_t)(setup.there | (1u << i));
+        setup.member[i] = (struct block_member){i, true, 0.0f, 1.0f};
+    }
+    return kind != PLAN_NONE && block_kinds[kind]->check(&setup, &fault) == ERR_OK;
+}
+
+static void setup_element(const struct plan *plan, uint8_t k, struct block_instance *b)
+{
+    const struct ff_config *f = &plan->config.feedforward[k];
+    float lo, hi;
+    plan_feedforward_span(plan, k, &lo, &hi);
+    b->setup.settings = &b->settings;
+    b->settings.element = (struct element_settings){
+        .gain = f->gain,
+        .lead_s = f->lead_s,
+        .lag_s = f->lag_s,
+        .dead_time_s = f->dead_s,
+        .reference = (f->reference - lo) / (hi - lo),
+        .out_lo = f->lo,
+        .out_hi = f->hi,
+    };
+    b->setup.interval_s = plan->tick_s;
+    b->setup.members = 1;
+    b->setup.there = 1;
+    b->setup.member[0] = (struct block_member){PLAN_NONE, true, hi - lo, 0.0f};
+}
+
+void plan_block_setup(const struct plan *plan, uint8_t slot, struct block_instance *b)
+{
+    if (slot >= SLOT_ELEMENTS)
+        setup_element(plan, (uint8_t)(slot - SLOT_ELEMENTS), b);
+    else if (slot == SLOT_MATRIX)
+        setup_matrix(plan, &b->setup, &b->settings.matrix);
+    else
+        setup_own(plan, slot, b);
+}
+
+/* Three functions, not one: each takes the stack of its own kinds alone. */
+enum err plan_check_own(struct plan *plan, uint8_t i, struct config_fault *fault)
+{
+    struct block_instance b;
+    struct block_fault why;
+    const char *name = plan->config.loop[i].name;
+    plan->block[i].kind = plan_find_kind(plan, i);
+    if (plan->block[i].kind == PLAN_NONE)
+        return plan_refuse(fault, ERR_UNSUPPORTED, "loop", i + 1u, "algorithm", name, NOT_IN_BUILD);
+    setup_own(plan, i, &b);
+    enum err err = plan_kind(plan, i)->check(&b.setup, &why);
+    if (err)
+        return plan_refuse(fault, err, "loop", i + 1u, why.field, name, why.wanted);
+    const char *uncompensated = plan_kind(plan, i)->uncompensated;
+    if (plan->loop[i].decouple && uncompensated)
+        return plan_refuse(fault, ERR_CONFLICT, "loop", i + 1u, "decouple", name, uncompensated);
+    return ERR_OK;
+}
+
+enum err plan_check_matrix(struct plan *plan, struct config_fault *fault)
+{
+    struct block_setup setup;
+    struct matrix_settings matrix;
+    struct block_fault why;
+    setup_matrix(plan, &setup, &matrix);
+    if (!setup.there)
+        return ERR_OK;
+    plan->block[SLOT_MATRIX].kind = plan_find_kind(plan, SLOT_MATRIX);
+    if (plan->block[SLOT_MATRIX].kind == PLAN_NONE)
+        return plan_refuse(fault, ERR_UNSUPPORTED, "decouple", 1, "d1", "", NOT_IN_BUILD);
+    enum err err = plan_kind(plan, SLOT_MATRIX)->check(&setup, &why);
+    return err ? plan_refuse(fault, err, "decouple", why.member + 1u, why.field,
+                             plan->config.loop[why.member].name, why.wanted)
+               : ERR_OK;
+}
+
+enum err plan_check_element(struct plan *plan, uint8_t k, struct config_fault *fault)
+{
+    struct block_instance b;
+    struct block_fault why;
+    const char *from = plan->config.feedforward[k].from;
+    uint8_t slot = (uint8_t)(SLOT_ELEMENTS + k);
+    plan->block[slot].kind = plan_find_kind(plan, slot);
+    if (plan->block[slot].kind == PLAN_NONE)
+        return plan_refuse(fault, ERR_UNSUPPORTED, "ff", k + 1u, "from", from, NOT_IN_BUILD);
+    setup_element(plan, k, &b);
+    enum err err = plan_kind(plan, slot)->check(&b.setup, &why);
+    if (err && !why.field[0])
+        return plan_refuse(fault, err, "tick", 0, "base", from, why.wanted);
+    return err ? plan_refuse(fault, err, "ff", k + 1u, why.field, from, why.wanted) : ERR_OK;
+}
+
+enum err plan_place_blocks(struct plan *plan, struct config_fault *fault)
+{
+    uint8_t n[PLACED_KINDS];
+    arena_count(plan, n);
+    uint32_t at = arena_state_bytes(n) / ARENA_GRAIN;
+    for (uint8_t slot = 0; slot < PLAN_BLOCKS; slot++) {
+        struct block_place *place = &plan->block[slot];
+        uint32_t grains = 0;
+        if (place->kind != PLAN_NONE) {
+            struct block_instance b;
+            plan_block_setup(plan, slot, &b);
+            grains = ARENA_GRAINS(plan_kind(plan, slot)->bytes(&b.setup));
+        }
+        if (at + grains > PLAN_ARENA_BYTES / ARENA_GRAIN) {
+            uint8_t k = (uint8_t)(slot - SLOT_ELEMENTS);
+            enum err err = slot >= SLOT_ELEMENTS
+                               ? plan_refuse(fault, ERR_MEMORY, "ff", k + 1u, "dead",
+                                             plan->config.feedforward[k].from,
+                                             "dead times need more memory than this board has")
+                               : plan_refuse(fault, ERR_MEMORY, "loop", slot + 1u, "algorithm",
+                                             plan->config.loop[slot].name,
+                                             "needs more memory than this board has");
+            fault->bytes = (at + grains) * ARENA_GRAIN;
+            return err;
+        }
+        place->at = (uint16_t)at;
+        place->grains = (uint16_t)grains;
+        at += grains;
+    }
+    return ERR_OK;
+}
