@@ -8,7 +8,7 @@ from support import ROOT
 
 PAGES = (  # page, header, struct, group of docs/console.md
     ("pid.md", "control/pid.h", "pid_config", "loop<i>"),
-    ("feedforward.md", "feedforward/feedforward.h", "feedforward_config", "ff<i>"),
+    ("feedforward.md", "block/settings.h", "element_settings", "ff<i>"),
     ("tuning.md", "design/tuning.h", "tuning", "loop<i>"),
 )
 

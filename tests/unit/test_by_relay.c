@@ -254,7 +254,7 @@ static void the_relay_is_made_for_what_is_set(void)
     TEST_ASSERT_EQUAL_UINT32(66, r->half_most);
     begin();
     cf->output[REFLUX].test_step = 2; /* of 10 */
-    cf->loop[TOP].action = LOOP_REVERSE;
+    cf->loop[TOP].own.action = LOOP_REVERSE;
     rests(0, 0, 0, 100);
     NEAR(0.2, r->amplitude);
     TEST_ASSERT_EQUAL_INT(1, r->sign);
@@ -459,16 +459,16 @@ static void a_cycle_becomes_a_proposal_for_one_pair(void)
     NEAR(pu, bench.seen[bench.n_seen - 1].value);
     NEAR(0.0, D(bench.s.output[REFLUX].excitation));
     struct config written = *cf;
-    written.loop[TOP].td_s = 9;
-    written.loop[TOP].action = LOOP_REVERSE;
+    written.loop[TOP].own.td_s = 9;
+    written.loop[TOP].own.action = LOOP_REVERSE;
     TEST_ASSERT_EQUAL_INT(ERR_OK, by_relay_write(&c, &written));
-    NEAR(ku / 3.2, written.loop[TOP].gain);
-    NEAR(2.2 * pu, written.loop[TOP].ti_s);
-    NEAR(0.0, written.loop[TOP].td_s);
-    TEST_ASSERT_EQUAL_UINT8(LOOP_DIRECT, written.loop[TOP].action);
+    NEAR(ku / 3.2, written.loop[TOP].own.gain);
+    NEAR(2.2 * pu, written.loop[TOP].own.ti_s);
+    NEAR(0.0, written.loop[TOP].own.td_s);
+    TEST_ASSERT_EQUAL_UINT8(LOOP_DIRECT, written.loop[TOP].own.action);
     c.by_relay.gain = -c.by_relay.gain;
     TEST_ASSERT_EQUAL_INT(ERR_OK, by_relay_write(&c, &written));
-    TEST_ASSERT_EQUAL_UINT8(LOOP_REVERSE, written.loop[TOP].action);
+    TEST_ASSERT_EQUAL_UINT8(LOOP_REVERSE, written.loop[TOP].own.action);
     strcpy(written.loop[TOP].pv, "T10");
     TEST_ASSERT_EQUAL_INT(ERR_UNKNOWN, by_relay_write(&c, &written));
 }

@@ -53,7 +53,7 @@ __attribute__((format(printf, 2, 3))) static void says(bool whole, const char *f
 }
 
 /* What the block says of itself, all of it. */
-static void describes(const struct block_ops *ops, const void *state, bool whole)
+static void describes(const struct block_kind *ops, const void *state, bool whole)
 {
     char text[300] = "";
     float value;
@@ -98,8 +98,8 @@ static void controllers_do_as_they_did(void)
             u = num_to_float(pid_step(&pid, num_from_float(r), num_from_float(y)));
             if (once_in(4)) /* something else was applied */
                 u = once_in(2) ? grid(0, 16) : u / 2.0f;
-            uint8_t hold = (uint8_t)(once_in(5) ? random_below(&source, 4) : 0);
-            pid_block.back(&pid, (const num_t[]){num_from_float(u)}, &hold);
+            uint8_t clamp = (uint8_t)(once_in(5) ? random_below(&source, 4) : 0);
+            pid_back_calculate(&pid, num_from_float(u), clamp);
             if (once_in(24))
                 pid_follow(&pid, num_from_float(r), num_from_float(y), num_from_float(grid(0, 16)));
             if (once_in(24))
@@ -108,7 +108,7 @@ static void controllers_do_as_they_did(void)
                 c = some_settings();
                 TEST_ASSERT_EQUAL_INT(ERR_OK, pid_retune(&pid, &c, h_s));
             }
-            describes(&pid_block, &pid, step % 32 == 31);
+            describes(&pid_kind, &pid, step % 32 == 31);
         }
     }
 }
@@ -136,7 +136,7 @@ static void two_positions_do_as_they_did(void)
                 c.band = grid(1, 4) / 4.0f;
                 TEST_ASSERT_EQUAL_INT(ERR_OK, two_position_retune(&t, &c));
             }
-            describes(&two_position_block, &t, step % 48 == 47);
+            describes(&two_position_kind, &t, step % 48 == 47);
         }
     }
 }
@@ -145,7 +145,7 @@ static void feedforwards_do_as_they_did(void)
 {
     static num_t ring[64];
     for (unsigned number = 0; number < 12; number++) {
-        struct feedforward_config c;
+        struct element_settings c;
         c.gain = ONE_OF(-2.0f, 0.5f, 3.0f);
         c.lead_s = ONE_OF(0.0f, 4.0f, 30.0f);
         c.lag_s = ONE_OF(0.0f, 2.0f, 25.0f);
@@ -171,6 +171,16 @@ static void feedforwards_do_as_they_did(void)
 }
 
 /* Matrices near and far from those without an inverse, and what can still be reached through them. */
+static enum err decoupler_checks(const float (*m)[DECOUPLER_MAX], uint8_t mask, const float *reach,
+                                 uint8_t *worst)
+{
+    const struct matrix_settings settings = {m};
+    struct block_setup setup = {.settings = &settings, .members = DECOUPLER_MAX, .there = mask};
+    for (uint8_t i = 0; i < DECOUPLER_MAX; i++)
+        setup.member[i] = (struct block_member){.loop = i, .out_reach = reach ? reach[i] : 1.0f};
+    return decoupler_check(&setup, worst);
+}
+
 static void decouplers_do_as_they_did(void)
 {
     kept_line("# decouplers");
@@ -189,10 +199,10 @@ static void decouplers_do_as_they_did(void)
         }
         struct decoupler d = {.n = 0};
         enum err err = decoupler_select(&d, (const float(*)[DECOUPLER_MAX])m, mask);
-        enum err with = decoupler_check((const float(*)[DECOUPLER_MAX])m, mask, reach, &worst);
+        enum err with = decoupler_checks((const float(*)[DECOUPLER_MAX])m, mask, reach, &worst);
         uint8_t worst_with = worst;
         worst = 0;
-        enum err without = decoupler_check((const float(*)[DECOUPLER_MAX])m, mask, NULL, &worst);
+        enum err without = decoupler_checks((const float(*)[DECOUPLER_MAX])m, mask, NULL, &worst);
         decoupler_forward(&d, x, y);
         decoupler_back(&d, y, x);
         char text[200] = "";

@@ -194,7 +194,7 @@ static void settings_at_the_ends_of_their_ranges_are_taken(void)
     };
     for (size_t i = 0; i < sizeof ends / sizeof ends[0]; i++) {
         const float *e = ends[i];
-        const struct feedforward_config c = {e[0], e[1], e[2], e[3], e[4], e[5], e[6]};
+        const struct element_settings c = {e[0], e[1], e[2], e[3], e[4], e[5], e[6]};
         const char *field = "";
         TEST_ASSERT_EQUAL_INT_MESSAGE(ERR_OK, feedforward_validate(&c, e[7], &field, NULL), field);
         TEST_ASSERT_TRUE(feedforward_bytes(&c, e[7]) > 0);
@@ -203,7 +203,7 @@ static void settings_at_the_ends_of_their_ranges_are_taken(void)
 
 static void it_begins_at_rest_at_its_reference(void)
 {
-    struct feedforward_config c = feedforward_default_config();
+    struct element_settings c = feedforward_default_config();
     TEST_ASSERT_EQUAL_FLOAT(-1.0f, c.out_lo);
     TEST_ASSERT_EQUAL_FLOAT(1.0f, c.out_hi);
     c.gain = 2.0f;
