@@ -59,7 +59,7 @@ static void what_it_has_commissioned_is_saved_and_comes_back(void)
 {
     struct loop_reading top;
     uint8_t loop = loop_of("xD", &top);
-    double gain = (double)operate_in_force(&client)->loop[loop].gain;
+    double gain = (double)operate_in_force(&client)->loop[loop].own.gain;
     DO(operate_mode(&client, loop, LOOP_MANUAL, &answer));
     uint8_t below = loop_of("xB", &top);
     DO(operate_mode(&client, below, LOOP_MANUAL, &answer));
@@ -86,7 +86,7 @@ static void what_it_has_commissioned_is_saved_and_comes_back(void)
     DO(operate_result(&client, &answer));
     client_steps(1);
     TEST_ASSERT_EQUAL_UINT8(loop, loop_of("xD", &top));
-    TEST_ASSERT_EQUAL_DOUBLE(gain, (double)operate_in_force(&client)->loop[loop].gain);
+    TEST_ASSERT_EQUAL_DOUBLE(gain, (double)operate_in_force(&client)->loop[loop].own.gain);
     TEST_ASSERT_EQUAL_INT(LOOP_MANUAL, top.mode);
 }
 
@@ -111,7 +111,7 @@ static void what_it_gives_as_a_number_is_looked_at_like_a_word(void)
     DO(number(&client, "meas1.offset", -0.0));
     client_steps(1);
     TEST_ASSERT_EQUAL_DOUBLE(3, has("loop1.divisor"));
-    TEST_ASSERT_EQUAL_UINT8(1, operate_settings(&client)->loop[0].action);
+    TEST_ASSERT_EQUAL_UINT8(1, operate_settings(&client)->loop[0].own.action);
     TEST_ASSERT_FALSE(signbit(operate_settings(&client)->measurement[0].offset));
     TEST_ASSERT_EQUAL_DOUBLE(1500, has("loop1.ti"));
     /* Each may be right and all together wrong: said as the field and what would be right. */
