@@ -62,6 +62,21 @@ struct block_io {
     uint8_t *limited; /* [members] enum integral_clamp: limits of its own that its output is at */
 };
 
+enum block_value { BLOCK_FLOAT, BLOCK_U16, BLOCK_WORD };
+
+/* A parameter of a kind, `blockN.name` at the console: where it is in the struct of the kind's settings. With rows * cols
+ * above 1 it is a table, row by row, its rows called blockN.name.1 and so on. */
+struct block_parameter {
+    uint8_t id;      /* 1..63, unique in its kind, never used again for something else */
+    uint8_t type;    /* enum block_value: float, uint16_t, uint8_t */
+    uint16_t offset; /* in the struct of settings, a multiple of the value's size */
+    uint16_t rows, cols;
+    const char *name;
+    const char *unit; /* of a BLOCK_WORD the words, "off|on" */
+    const char *help;
+    float lo, hi, initial;
+};
+
 struct block_kind {
     const char *name; /* "pid" */
     uint8_t stage;    /* enum block_stage */
@@ -74,6 +89,13 @@ struct block_kind {
     bool positions;
     /* Why its outputs pass through no compensator, in words; NULL: they may. */
     const char *uncompensated;
+
+    /* What it may be given by blockN.kind; none where it has parameters of another group (block/settings.h). */
+    const struct block_parameter *parameter;
+    uint8_t parameters;
+    uint16_t settings_bytes; /* of the struct they fill, a multiple of 4 */
+    /* How many it may have. Inputs are further points it reads, points those it writes. */
+    uint8_t members_most, inputs_most, points_most;
 
     /* Bytes of state these settings need; settings that are refused need none. */
     uint32_t (*bytes)(const struct block_setup *setup);
