@@ -52,7 +52,7 @@ static enum err refuse_begin(const struct session *session, struct answer *answe
     return err;
 }
 
-static enum err done(const struct session *session, const char *act)
+static enum err startup_done(const struct session *session, const char *act)
 {
     operate_record(session, EVENT_DO_COMMISSION, act, 0.0f);
     return ERR_OK;
@@ -75,7 +75,7 @@ enum err operate_startup(struct session *session, enum commission_ask what, stru
         err = commission_put(s->commission, what, &wanted);
     hal_tick_unlock();
     return err ? refuse_begin(session, answer, err, subject, wanted)
-               : done(session, asks[what].word);
+               : startup_done(session, asks[what].word);
 }
 
 enum err operate_relay(struct session *session, uint8_t loop, struct answer *answer)
@@ -98,7 +98,8 @@ enum err operate_relay(struct session *session, uint8_t loop, struct answer *ans
         m->relay_serial = s->supervisor->plan->serial;
     }
     hal_tick_unlock();
-    return err ? refuse_begin(session, answer, err, subject, wanted) : done(session, "relay");
+    return err ? refuse_begin(session, answer, err, subject, wanted)
+               : startup_done(session, "relay");
 }
 
 /* The configuration the proposal goes into: an open transaction's as it stands, where the proposal was put into it
@@ -168,7 +169,7 @@ static enum err begin_trial(struct session *session, struct config *config, stru
     m->trial_serial = service_plan(s)->serial;
     m->ask = COMMISSION_ASK_TRIAL;
     hal_tick_unlock();
-    return done(session, "accept");
+    return startup_done(session, "accept");
 }
 
 enum err operate_accept(struct session *session, struct answer *answer)
@@ -200,7 +201,7 @@ enum err operate_edit(struct session *session, struct answer *answer)
         return err;
     s->staging = s->staged_proposal = true;
     session->door->editor = session;
-    return done(session, "edit");
+    return startup_done(session, "edit");
 }
 
 enum err operate_discard(struct session *session, struct answer *answer)
@@ -212,7 +213,7 @@ enum err operate_discard(struct session *session, struct answer *answer)
     hal_tick_lock();
     err = commission_discard(session->door->service->commission, &wanted);
     hal_tick_unlock();
-    return err ? refuse_startup(answer, err, NULL, wanted) : done(session, "discard");
+    return err ? refuse_startup(answer, err, NULL, wanted) : startup_done(session, "discard");
 }
 
 void operate_startup_shown(const struct session *session)
