@@ -401,3 +401,29 @@ enum err parameter_set_number(const struct parameter *p, struct config *config, 
         memcpy(at, &u32, sizeof u32);
     return ERR_OK;
 }
+
+enum err parameter_get_number(const struct parameter *p, const struct config *config, float *value)
+{
+    const uint8_t *at = place_const(p, config);
+    uint32_t u32;
+    uint16_t u16;
+    switch (p->field->type) {
+    case PARAMETER_FLOAT:
+        memcpy(value, at, sizeof *value);
+        return ERR_OK;
+    case PARAMETER_U32:
+    case PARAMETER_FIXED:
+        memcpy(&u32, at, sizeof u32);
+        *value = (float)u32;
+        return ERR_OK;
+    case PARAMETER_U16:
+        memcpy(&u16, at, sizeof u16);
+        *value = (float)u16;
+        return ERR_OK;
+    case PARAMETER_WORD:
+        *value = (float)*at;
+        return ERR_OK;
+    default:
+        return ERR_PARSE;
+    }
+}

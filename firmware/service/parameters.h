@@ -95,5 +95,8 @@ MUST_CHECK enum err parameter_set(const struct parameter *p, struct config *conf
 /* The same from a number; of a PARAMETER_WORD its place in the list. ERR_PARSE: names and units are no numbers. */
 MUST_CHECK enum err parameter_set_number(const struct parameter *p, struct config *config,
                                          float value);
+/* What it has, as such a number, as near as a float comes to it. ERR_PARSE: names and units. */
+MUST_CHECK enum err parameter_get_number(const struct parameter *p, const struct config *config,
+                                         float *value);
 
 #endif

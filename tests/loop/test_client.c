@@ -59,7 +59,7 @@ static void what_it_has_commissioned_is_saved_and_comes_back(void)
 {
     struct loop_reading top;
     uint8_t loop = loop_of("xD", &top);
-    double gain = (double)operate_in_force(&client)->loop[loop].own.gain;
+    double gain = loop_has(loop, "gain"), action = loop_has(loop, "action");
     DO(operate_mode(&client, loop, LOOP_MANUAL, &answer));
     uint8_t below = loop_of("xB", &top);
     DO(operate_mode(&client, below, LOOP_MANUAL, &answer));
@@ -86,7 +86,8 @@ static void what_it_has_commissioned_is_saved_and_comes_back(void)
     DO(operate_result(&client, &answer));
     client_steps(1);
     TEST_ASSERT_EQUAL_UINT8(loop, loop_of("xD", &top));
-    TEST_ASSERT_EQUAL_DOUBLE(gain, (double)operate_in_force(&client)->loop[loop].own.gain);
+    TEST_ASSERT_EQUAL_DOUBLE(gain, loop_has(loop, "gain"));
+    TEST_ASSERT_EQUAL_DOUBLE(action, loop_has(loop, "action"));
     TEST_ASSERT_EQUAL_INT(LOOP_MANUAL, top.mode);
 }
 
@@ -111,7 +112,11 @@ static void what_it_gives_as_a_number_is_looked_at_like_a_word(void)
     DO(number(&client, "meas1.offset", -0.0));
     client_steps(1);
     TEST_ASSERT_EQUAL_DOUBLE(3, has("loop1.divisor"));
-    TEST_ASSERT_EQUAL_UINT8(1, operate_settings(&client)->loop[0].own.action);
+    TEST_ASSERT_EQUAL_DOUBLE(1, has("loop1.action"));
+    TEST_ASSERT_EQUAL_DOUBLE(0, has("mv1.rate"));
+    struct parameter name = parameter("loop1.name");
+    float none;
+    REFUSED(ERR_PARSE, parameter_get_number(&name, operate_settings(&client), &none));
     TEST_ASSERT_FALSE(signbit(operate_settings(&client)->measurement[0].offset));
     TEST_ASSERT_EQUAL_DOUBLE(1500, has("loop1.ti"));
     /* Each may be right and all together wrong: said as the field and what would be right. */

@@ -76,10 +76,17 @@ static inline void names(const char *group, unsigned index, const char *field, c
 static inline double has(const char *name)
 {
     struct parameter p = parameter(name);
-    char text[40];
-    struct text t = text_on(text, sizeof text);
-    parameter_value(&p, operate_settings(&client), &t);
-    return atof(text);
+    float value;
+    is_done(parameter_get_number(&p, operate_settings(&client), &value), name);
+    return (double)value;
+}
+
+/* The same of loop i. */
+static inline double loop_has(unsigned i, const char *field)
+{
+    char name[40];
+    snprintf(name, sizeof name, "loop%u.%s", i + 1u, field);
+    return has(name);
 }
 
 /* ---- what it is about ---- */
