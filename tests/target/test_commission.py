@@ -3,6 +3,7 @@
 host's firmware finds, and what a plant of 16 x 16 costs. Instructions are counted by the processor's own timer, one
 instruction being one count (-icount shift=0)."""
 
+import contextlib
 import re
 import struct
 import subprocess
@@ -14,6 +15,7 @@ from pathlib import Path
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
 import board  # noqa: E402
 from commissioning import Plant, plant, whole  # noqa: E402
+from sram_guard import Guard  # noqa: E402
 
 from reflux_tools import launch  # noqa: E402
 
@@ -28,8 +30,11 @@ STACK_LEFT = 1024       # bytes never used
 
 
 def said(kind: str, of: Plant, script: list, *options: str, extra: tuple[str, ...] = ()) -> list[str]:
-    """Everything on the console of a run with that firmware."""
-    with tempfile.TemporaryDirectory(prefix="reflux-") as folder, launch.start(kind, extra=extra) as firmware:
+    """Everything on the console of a run with that firmware; on the emulator nothing may be written above the SRAM."""
+    with contextlib.ExitStack() as stack:
+        folder = stack.enter_context(tempfile.TemporaryDirectory(prefix="reflux-"))
+        guard = Guard(Path(folder)) if kind.startswith("stm32") else None
+        firmware = stack.enter_context(launch.start(kind, extra=(*extra, *guard.options()) if guard else extra))
         lines, transcript = Path(folder) / "script", Path(folder) / "said"
         lines.write_text("".join(f"{t:g} {line}\n" for t, line in script))
         done = subprocess.run(board.simulator(firmware, "--plant", str(of.path), "--console", firmware.console, "--script",
@@ -37,6 +42,8 @@ def said(kind: str, of: Plant, script: list, *options: str, extra: tuple[str, ..
                                               "--timeout", "600", *options), capture_output=True, text=True, timeout=900)
         if done.returncode != 0:
             raise AssertionError(f"{kind}: {done.stderr.strip()[-300:]}")
+        if guard and (touched := guard.touched()):
+            raise AssertionError(f"{kind}: written above the SRAM: {', '.join(map(hex, touched[:8]))}")
         return transcript.read_text().splitlines()
 
 

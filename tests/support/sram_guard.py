@@ -1,0 +1,75 @@
+"""A painted guard above the chip's memory.
+
+The STM32F405 has 128 KiB of SRAM at 0x20000000 and nothing behind: there an overrun is a fault. The emulated board goes
+on for 64 KiB, where it would pass unseen. So what lies there is painted before the start and looked at in the end, from
+outside, while the processor goes on.
+"""
+
+from __future__ import annotations
+
+import json
+import socket
+import struct
+from pathlib import Path
+
+CHIP_END = 0x20000000 + 128 * 1024
+GUARD_BYTES = 64 * 1024
+
+
+def paint() -> bytes:
+    """No two words alike, and none that a program is likely to write."""
+    return b"".join(struct.pack("<I", 0xA5000000 ^ (at * 2654435761 & 0xFFFFFF)) for at in range(GUARD_BYTES // 4))
+
+
+class Guard:
+    def __init__(self, folder: Path) -> None:
+        self.folder = folder
+        (folder / "paint").write_bytes(paint())
+
+    def options(self) -> tuple[str, ...]:
+        """For the emulator."""
+        return ("-device", f"loader,file={self.folder / 'paint'},addr={CHIP_END:#x},force-raw=on",
+                "-qmp", f"unix:{self.folder / 'qmp'},server=on,wait=off",
+                "-chardev", f"socket,id=poke,path={self.folder / 'poke'},server=on,wait=off", "-gdb", "chardev:poke")
+
+    def touched(self) -> list[int]:
+        """Addresses of words that are not as they were painted; the emulator is still there."""
+        found = self.folder / "found"
+        with socket.socket(socket.AF_UNIX) as line:
+            line.connect(str(self.folder / "qmp"))
+            with line.makefile("rw", encoding="utf-8") as qmp:
+                answer(qmp, "QMP", None)
+                answer(qmp, "return", {"execute": "qmp_capabilities"})
+                answer(qmp, "return", {"execute": "pmemsave", "arguments": {
+                    "val": CHIP_END, "size": GUARD_BYTES, "filename": str(found)}})
+        words = zip(struct.iter_unpack("<I", found.read_bytes()), struct.iter_unpack("<I", paint()), strict=True)
+        return [CHIP_END + 4 * n for n, (now, before) in enumerate(words) if now != before]
+
+    def poke(self, address: int, data: bytes) -> None:
+        """Writes as a program would, through the debugger's port, and lets the processor go on."""
+        with socket.socket(socket.AF_UNIX) as line:
+            line.settimeout(60)
+            line.connect(str(self.folder / "poke"))
+            for packet in (f"M{address:x},{len(data):x}:{data.hex()}", "D"):
+                line.sendall(f"${packet}#{sum(packet.encode()) % 256:02x}".encode())
+                heard = b""
+                while b"$OK#9a" not in heard:
+                    more = line.recv(4096)
+                    if not more:
+                        raise ConnectionError("the debugger's port was closed")
+                    heard += more
+                line.sendall(b"+")
+
+
+def answer(qmp, kind: str, command: object) -> object:
+    """What the emulator answers, events left out."""
+    if command is not None:
+        qmp.write(json.dumps(command) + "\n")
+        qmp.flush()
+    for line in qmp:
+        said = json.loads(line)
+        if "error" in said:
+            raise AssertionError(f"{command}: {said['error']['desc']}")
+        if kind in said:
+            return said[kind]
+    raise ConnectionError("the emulator closed its monitor")
