@@ -41,6 +41,17 @@
 #endif
 #endif
 
+#ifndef CONFIG_BLOCKS
+#if COMMISSION_CHANNELS
+#define CONFIG_BLOCKS 4 /* blocks of kinds that have settings of their own; 0 leaves them out */
+#else
+#define CONFIG_BLOCKS 0
+#endif
+#endif
+#ifndef CONFIG_POOL_BYTES
+#define CONFIG_POOL_BYTES 4608 /* for the settings of all of them, a multiple of 4 */
+#endif
+
 /* What a measurement does when it has no believable reading. */
 enum fallback {
     FALLBACK_HOLD = 0,       /* last value for hold_s, then its loops go to manual */
@@ -195,6 +206,21 @@ struct step_config {
 };
 _Static_assert(sizeof(struct step_config) == 48, "there are many rows, in every plan");
 
+#if CONFIG_BLOCKS
+#define BLOCK_LOOPS_SIZE 48 /* bytes of a list of names, with the terminating zero */
+#define BLOCK_NAMES_SIZE 64
+
+/* A block beside the loops' own controllers. Its settings are a record of its kind (supervise/records.h). */
+struct block_config {
+    char kind[CHANNEL_NAME_SIZE];  /* name of a row of block_kinds[]; empty = unused */
+    char loops[BLOCK_LOOPS_SIZE];  /* it serves: names with one blank between them */
+    char inputs[BLOCK_NAMES_SIZE]; /* further points it reads */
+    char points[BLOCK_NAMES_SIZE]; /* points it writes */
+    uint16_t at,
+        bytes; /* the record in the pool; no bytes: the kind is unknown here, or found no room */
+};
+#endif
+
 enum restart_policy { RESTART_SAFE, RESTART_HOLD, RESTART_RESUME };
 
 struct config {
@@ -222,6 +248,11 @@ struct config {
 #endif
     char console_key[CHANNEL_NAME_SIZE]; /* opens the engineer level; empty = it is open */
     float relock_s; /* without engineer commands for this long it locks again; 0 = never */
+#if CONFIG_BLOCKS
+    struct block_config block[CONFIG_BLOCKS];
+    /* Records of the blocks, in their order, one behind the other; the rest is 0. */
+    _Alignas(4) uint8_t pool[CONFIG_POOL_BYTES];
+#endif
 };
 
 #endif

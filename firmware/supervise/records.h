@@ -1,0 +1,45 @@
+/* Settings of blocks: each a record of the block's kind, the struct that its rows of parameters fill, in the pool of the
+ * configuration. Records stand there in the order of their blocks without gaps, so that equal settings have equal
+ * bytes whatever was set before. On boards without blocks there is nothing but block_kind_find().
+ */
+#ifndef REFLUX_SUPERVISE_RECORDS_H
+#define REFLUX_SUPERVISE_RECORDS_H
+
+#include "block/block.h"
+#include "supervise/config.h"
+
+#define RECORD_COLS_MAX 16 /* of a row of a table: it is set in one line, and stored in one piece */
+
+/* Place in block_kinds[], PLAN_NONE (0xFF) where this build has no such kind. */
+uint8_t block_kind_find(const char *name);
+
+#if CONFIG_BLOCKS
+/* May blockN.kind be that? Kinds without rows have their parameters elsewhere (loopN, decoupleN, ffN). */
+bool block_kind_has_record(uint8_t kind);
+/* Kind of block n: a place in block_kinds[]. PLAN_NONE: unused, unknown to this build, or its record found no room. */
+uint8_t config_block_kind(const struct config *config, uint8_t n);
+/* Settings of block n, the struct of its kind; NULL where config_block_kind() is PLAN_NONE. */
+const void *config_record(const struct config *config, uint8_t n);
+
+/* Block n gets that kind, with the kind's defaults; nothing changes where it has it already. "": none, and no names.
+ * ERR_UNKNOWN; ERR_FULL: *needed bytes, more than *free; nothing has changed then. */
+MUST_CHECK enum err record_make(struct config *config, uint8_t n, const char *kind,
+                                uint32_t *needed, uint32_t *free);
+/* As stored: a kind that is unknown, or finds no room, stays as a name without a record. False then. */
+bool record_restore(struct config *config, uint8_t n, const char *kind);
+
+/* Values of a parameter: more than one is a table. */
+static inline uint32_t block_value_count(const struct block_parameter *p)
+{
+    uint32_t count = (uint32_t)p->rows * p->cols;
+    return count ? count : 1u;
+}
+
+/* Bytes of one value. */
+static inline size_t block_value_size(uint8_t type)
+{
+    return type == BLOCK_FLOAT ? sizeof(float) : type == BLOCK_U16 ? sizeof(uint16_t) : 1u;
+}
+#endif
+
+#endif
