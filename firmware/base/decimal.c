@@ -114,7 +114,7 @@ void decimal_round(struct decimal *d, unsigned n)
 }
 
 /* The nearest whole number, of two the even one; below 10^9. */
-static uint32_t whole(const struct decimal *d)
+static uint32_t nearest_whole(const struct decimal *d)
 {
     uint32_t x = 0;
     if (d->point < 0)
@@ -141,7 +141,7 @@ float decimal_to_float(struct decimal *d)
         /* Very small floats have fewer bits. */
         k = exponent - MANTISSA_BITS < EXPONENT_MIN ? exponent - EXPONENT_MIN : MANTISSA_BITS;
         shift(d, k);
-        bits = whole(d);
+        bits = nearest_whole(d);
         if (k == MANTISSA_BITS)
             bits += (uint32_t)(exponent - MANTISSA_BITS - EXPONENT_MIN) << (MANTISSA_BITS - 1);
         if (bits > 0x7F800000u)

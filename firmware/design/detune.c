@@ -24,12 +24,7 @@ void detune_config_default(struct detune_config *config)
                                      .noise_times = REAL_C(2.0)};
 }
 
-static bool within(real_t x, real_t lo, real_t hi)
-{
-    return x >= lo && x <= hi; /* false for NaN */
-}
-
-static enum err check_config(const struct detune_config *c, struct interact_refusal *why)
+static enum err check_detuning(const struct detune_config *c, struct interact_refusal *why)
 {
     const struct {
         real_t value, lo, hi;
@@ -42,7 +37,7 @@ static enum err check_config(const struct detune_config *c, struct interact_refu
                   {c->noise_least, REAL_C(0.0), REAL_C(1.0), "noise_least", "0 to 1"},
                   {c->noise_times, REAL_C(0.01), REAL_C(1e6), "noise_times", "0.01 to 1e6"}};
     for (size_t k = 0; k < sizeof fields / sizeof fields[0]; k++)
-        if (!within(fields[k].value, fields[k].lo, fields[k].hi)) {
+        if (!real_within(fields[k].value, fields[k].lo, fields[k].hi)) {
             *why = (struct interact_refusal){fields[k].field, fields[k].wanted, INTERACT_NONE,
                                              INTERACT_NONE};
             return ERR_RANGE;
@@ -74,8 +69,8 @@ static struct fopdt decoupled(const struct detune *d, size_t k)
     }
     dead = dead / gain;
     lag = lag / gain;
-    return (struct fopdt){gain, within(dead, dead_lo, dead_hi) ? dead : own->dead_time_s,
-                          within(lag, lag_lo, lag_hi) ? lag : own->time_constant_s};
+    return (struct fopdt){gain, real_within(dead, dead_lo, dead_hi) ? dead : own->dead_time_s,
+                          real_within(lag, lag_lo, lag_hi) ? lag : own->time_constant_s};
 }
 
 static enum err set_models(struct detune *d, struct interact_refusal *why)
@@ -96,7 +91,7 @@ static enum err set_models(struct detune *d, struct interact_refusal *why)
             m->gain = m->gain / lambda;
         *why = (struct interact_refusal){"gain", "not 0: a loop needs an input that acts",
                                          loops->pairs.output[k], loops->pairs.input[k]};
-        if (!within(real_abs(m->gain), REAL_C(1e-9), REAL_C(1e9)))
+        if (!real_within(real_abs(m->gain), REAL_C(1e-9), REAL_C(1e9)))
             return ERR_RANGE;
         real_t half = loops->interval_s * REAL_C(0.5);
         m->dead_time_s = m->dead_time_s + half; /* the hold */
@@ -236,11 +231,11 @@ enum err detune_begin(struct detune *d, const struct interact_plant *plant,
     why = why ? why : &unused;
     enum err err = interact_check(plant, why);
     if (!err)
-        err = check_config(config, why);
+        err = check_detuning(config, why);
     if (err)
         return err;
     for (uint8_t j = 0; config->noise_sd && j < plant->outputs; j++)
-        if (!within(config->noise_sd[j], REAL_C(0.0), REAL_C(1e3))) {
+        if (!real_within(config->noise_sd[j], REAL_C(0.0), REAL_C(1e3))) {
             *why = (struct interact_refusal){"noise_sd", "0 to 1000", j, INTERACT_NONE};
             return ERR_RANGE;
         }
@@ -263,14 +258,14 @@ enum err detune_begin(struct detune *d, const struct interact_plant *plant,
     return begin_parts(d, false);
 }
 
-static enum err more(enum err err)
+static enum err busy_or_error(enum err err)
 {
     return err ? err : ERR_BUSY;
 }
 
 /* The next factor: twice as slow while none has been good, then between; the last one good is checked once more at the
  * end, without a limit, for its figures. */
-static enum err go_on(struct detune *d, bool good)
+static enum err next_factor(struct detune *d, bool good)
 {
     if (good)
         d->hi = d->now;
@@ -289,16 +284,17 @@ static enum err go_on(struct detune *d, bool good)
         if (!err)
             err = nyquist_begin(&d->work.nyquist, d->plant, &d->part, REAL_C(1.0), INFINITY);
     }
-    return more(err);
+    return busy_or_error(err);
 }
 
 static enum err look_at_all(struct detune *d, uint8_t stage, real_t gain_times)
 {
     d->stage = stage;
-    return more(nyquist_begin(&d->work.nyquist, d->plant, &d->loops, gain_times, INFINITY));
+    return busy_or_error(
+        nyquist_begin(&d->work.nyquist, d->plant, &d->loops, gain_times, INFINITY));
 }
 
-static enum err end(struct detune *d)
+static enum err close_search(struct detune *d)
 {
     d->stage = STAGE_DONE;
     return d->failed ? ERR_TIMEOUT : ERR_OK;
@@ -319,9 +315,9 @@ static enum err end_part(struct detune *d, bool good)
         d->factor_least = d->now;
     d->failed = d->failed || !good || d->hi <= REAL_C(0.0);
     if (d->done != (uint16_t)((1ul << d->loops.pairs.n) - 1u))
-        return more(begin_part(d));
+        return busy_or_error(begin_part(d));
     if (d->failed || d->part.pairs.n == d->loops.pairs.n)
-        return end(d);
+        return close_search(d);
     return look_at_all(d, STAGE_TOGETHER, REAL_C(1.0));
 }
 
@@ -338,13 +334,13 @@ enum err detune_step(struct detune *d)
     if (d->stage == STAGE_TOGETHER && good)
         return look_at_all(d, STAGE_TOGETHER_MARGIN, d->config.gain_margin);
     if (d->stage == STAGE_TOGETHER_MARGIN && good)
-        return end(d);
+        return close_search(d);
     if (d->stage == STAGE_TOGETHER || d->stage == STAGE_TOGETHER_MARGIN)
-        return more(begin_parts(d, true)); /* they do act on each other */
+        return busy_or_error(begin_parts(d, true)); /* they do act on each other */
     if (d->stage == STAGE_CHECK && good) {
         d->stage = STAGE_MARGIN;
-        return more(
+        return busy_or_error(
             nyquist_begin(&d->work.nyquist, d->plant, &d->part, d->config.gain_margin, INFINITY));
     }
-    return go_on(d, good);
+    return next_factor(d, good);
 }

@@ -5,13 +5,8 @@
 
 #include "num/real_trig.h"
 
-static bool within(real_t x, real_t lo, real_t hi)
-{
-    return x >= lo && x <= hi; /* false for NaN */
-}
-
-static enum err refuse(struct interact_refusal *why, const char *field, const char *wanted,
-                       uint8_t k, const struct pairs *pairs)
+static enum err refuse_pair(struct interact_refusal *why, const char *field, const char *wanted,
+                            uint8_t k, const struct pairs *pairs)
 {
     *why = (struct interact_refusal){field, wanted, INTERACT_NONE, INTERACT_NONE};
     if (k != INTERACT_NONE) {
@@ -31,24 +26,24 @@ enum err loops_check(const struct interact_plant *plant, const struct loops *loo
     if (err)
         return err;
     if (p->n < 1)
-        return refuse(why, "pairs", "at least one", INTERACT_NONE, p);
-    if (!within(loops->interval_s, REAL_C(1e-3), REAL_C(1e5)))
-        return refuse(why, "interval_s", "0.001 to 1e5 s", INTERACT_NONE, p);
-    if (!within(loops->derivative_filter, REAL_C(1.0), REAL_C(100.0)))
-        return refuse(why, "derivative_filter", "1 to 100", INTERACT_NONE, p);
+        return refuse_pair(why, "pairs", "at least one", INTERACT_NONE, p);
+    if (!real_within(loops->interval_s, REAL_C(1e-3), REAL_C(1e5)))
+        return refuse_pair(why, "interval_s", "0.001 to 1e5 s", INTERACT_NONE, p);
+    if (!real_within(loops->derivative_filter, REAL_C(1.0), REAL_C(100.0)))
+        return refuse_pair(why, "derivative_filter", "1 to 100", INTERACT_NONE, p);
     for (uint8_t k = 0; k < p->n; k++) {
         const struct tuning *t = &loops->tuning[k];
-        if (!within(t->gain, REAL_C(1e-9), REAL_C(1e9)))
-            return refuse(why, "gain", "1e-9 to 1e9", k, p);
-        if (!within(t->ti_s, REAL_C(1e-3), REAL_C(1e7)))
-            return refuse(why, "ti_s", "0.001 to 1e7 s", k, p);
-        if (!within(t->td_s, REAL_C(0.0), REAL_C(1e6)))
-            return refuse(why, "td_s", "0 to 1e6 s", k, p);
+        if (!real_within(t->gain, REAL_C(1e-9), REAL_C(1e9)))
+            return refuse_pair(why, "gain", "1e-9 to 1e9", k, p);
+        if (!real_within(t->ti_s, REAL_C(1e-3), REAL_C(1e7)))
+            return refuse_pair(why, "ti_s", "0.001 to 1e7 s", k, p);
+        if (!real_within(t->td_s, REAL_C(0.0), REAL_C(1e6)))
+            return refuse_pair(why, "td_s", "0 to 1e6 s", k, p);
     }
     if (!loops->decoupler)
         return ERR_OK;
     if (loops->decoupler->rows != p->n || loops->decoupler->cols != p->n)
-        return refuse(why, "decoupler", "a row and a column for every loop", INTERACT_NONE, p);
+        return refuse_pair(why, "decoupler", "a row and a column for every loop", INTERACT_NONE, p);
     return matrix_check(loops->decoupler);
 }
 

@@ -90,7 +90,7 @@ struct point {
     real_t dead_s;         /* longest that matters */
 };
 
-static enum err evaluate(struct nyquist *n, real_t w, struct point *p)
+static enum err evaluate_point(struct nyquist *n, real_t w, struct point *p)
 {
     loops_open(n->loops, &n->sampled, w, &n->open);
     size_t size = n->loops->pairs.n;
@@ -126,7 +126,7 @@ static enum err evaluate(struct nyquist *n, real_t w, struct point *p)
     return ERR_OK;
 }
 
-static void remember(struct nyquist *n, const struct point *p, real_t w)
+static void keep_point(struct nyquist *n, const struct point *p, real_t w)
 {
     n->w = w;
     n->last = p->direction;
@@ -137,7 +137,7 @@ static void remember(struct nyquist *n, const struct point *p, real_t w)
     }
 }
 
-static enum err end(struct nyquist *n, bool stable, enum err err)
+static enum err end_curve(struct nyquist *n, bool stable, enum err err)
 {
     n->stable = stable;
     n->stage = STAGE_DONE;
@@ -145,44 +145,44 @@ static enum err end(struct nyquist *n, bool stable, enum err err)
 }
 
 /* The first point: low enough that the curve still lies near F(0), which is real. */
-static enum err begin(struct nyquist *n)
+static enum err first_point(struct nyquist *n)
 {
     struct point p;
-    if (evaluate(n, n->w, &p))
-        return end(n, false, ERR_OK); /* K or its loops are singular: no steady state */
+    if (evaluate_point(n, n->w, &p))
+        return end_curve(n, false, ERR_OK); /* K or its loops are singular: no steady state */
     if (p.direction.re < STEP_COSINE && n->tries < LOWER_TRIES) {
         n->tries++;
         n->w = n->w * REAL_C(0.1);
         return ERR_BUSY;
     }
     if (p.direction.re < REAL_C(0.5))
-        return end(n, false, ERR_OK); /* F(0) < 0: the Niederlinski index is */
-    remember(n, &p, n->w);
+        return end_curve(n, false, ERR_OK); /* F(0) < 0: the Niederlinski index is */
+    keep_point(n, &p, n->w);
     n->stage = STAGE_FOLLOW;
     return ERR_BUSY;
 }
 
-static enum err follow(struct nyquist *n)
+static enum err follow_curve(struct nyquist *n)
 {
     struct point p;
     real_t w = n->w * n->ratio < n->w_end ? n->w * n->ratio : n->w_end;
-    if (evaluate(n, w, &p) || cplx_mul(p.direction, cplx_conj(n->last)).re < STEP_COSINE ||
+    if (evaluate_point(n, w, &p) || cplx_mul(p.direction, cplx_conj(n->last)).re < STEP_COSINE ||
         real_abs(p.size_log - n->last_log) > STEP_LOG) {
         n->ratio = real_sqrt(n->ratio);
         /* a curve that cannot be followed runs through 0: the edge of stability */
-        return n->ratio < RATIO_LEAST ? end(n, false, ERR_OK) : ERR_BUSY;
+        return n->ratio < RATIO_LEAST ? end_curve(n, false, ERR_OK) : ERR_BUSY;
     }
     /* The negative real axis, downwards with a left turn. */
     bool above = n->last.im >= REAL_C(0.0), now_above = p.direction.im >= REAL_C(0.0);
     if (above != now_above && n->last.re + p.direction.re < REAL_C(0.0))
         n->turns = (int16_t)(n->turns + (above ? 1 : -1));
-    remember(n, &p, w);
+    keep_point(n, &p, w);
     if (n->log_modulus_db > n->limit_db)
-        return end(n, false, ERR_OK);
+        return end_curve(n, false, ERR_OK);
     if (p.bound < NEGLIGIBLE) /* whatever is left turns about 1 */
-        return end(n, n->turns == 0, ERR_OK);
+        return end_curve(n, n->turns == 0, ERR_OK);
     if (w >= n->w_end) /* F(-1), real */
-        return end(n, n->turns == 0 && p.direction.re > REAL_C(0.0), ERR_OK);
+        return end_curve(n, n->turns == 0 && p.direction.re > REAL_C(0.0), ERR_OK);
     n->ratio = n->ratio * real_sqrt(n->ratio);
     if (n->ratio > RATIO_MOST)
         n->ratio = RATIO_MOST;
@@ -196,7 +196,7 @@ enum err nyquist_step(struct nyquist *n)
     if (n->stage == STAGE_DONE)
         return ERR_STATE;
     if (n->points >= NYQUIST_POINTS)
-        return end(n, false, ERR_TIMEOUT);
+        return end_curve(n, false, ERR_TIMEOUT);
     n->points++;
-    return n->stage == STAGE_BEGIN ? begin(n) : follow(n);
+    return n->stage == STAGE_BEGIN ? first_point(n) : follow_curve(n);
 }

@@ -12,38 +12,34 @@ void static_decoupler_config_default(struct static_decoupler_config *config)
                                                .left_hi = REAL_C(0.3)};
 }
 
-static bool within(real_t x, real_t lo, real_t hi)
-{
-    return x >= lo && x <= hi; /* false for NaN */
-}
-
-static enum err check_config(const struct static_decoupler_config *c, struct interact_refusal *why)
+static enum err check_decoupling(const struct static_decoupler_config *c,
+                                 struct interact_refusal *why)
 {
     *why = (struct interact_refusal){"element_hi", "1 to 1000", INTERACT_NONE, INTERACT_NONE};
-    if (!within(c->element_hi, REAL_C(1.0), REAL_C(1000.0)))
+    if (!real_within(c->element_hi, REAL_C(1.0), REAL_C(1000.0)))
         return ERR_RANGE;
     why->field = "lambda_hi";
-    if (!within(c->lambda_hi, REAL_C(1.0), REAL_C(1000.0)))
+    if (!real_within(c->lambda_hi, REAL_C(1.0), REAL_C(1000.0)))
         return ERR_RANGE;
     *why = (struct interact_refusal){"significance", "0 to 20", INTERACT_NONE, INTERACT_NONE};
-    if (!within(c->significance, REAL_C(0.0), REAL_C(20.0)))
+    if (!real_within(c->significance, REAL_C(0.0), REAL_C(20.0)))
         return ERR_RANGE;
     *why = (struct interact_refusal){"floor", "0 to 0.5", INTERACT_NONE, INTERACT_NONE};
-    if (!within(c->floor, REAL_C(0.0), REAL_C(0.5)))
+    if (!real_within(c->floor, REAL_C(0.0), REAL_C(0.5)))
         return ERR_RANGE;
     *why = (struct interact_refusal){"left_hi", "0.01 to 10", INTERACT_NONE, INTERACT_NONE};
-    return within(c->left_hi, REAL_C(0.01), REAL_C(10.0)) ? ERR_OK : ERR_RANGE;
+    return real_within(c->left_hi, REAL_C(0.01), REAL_C(10.0)) ? ERR_OK : ERR_RANGE;
 }
 
-static enum err refuse(struct interact_refusal *why, const char *field, const char *wanted,
-                       const struct pairs *pairs, size_t row, size_t col)
+static enum err refuse_element(struct interact_refusal *why, const char *field, const char *wanted,
+                               const struct pairs *pairs, size_t row, size_t col)
 {
     *why = (struct interact_refusal){field, wanted, pairs->output[row], pairs->input[col]};
     return ERR_SINGULAR;
 }
 
-static real_t variance(const struct interact_plant *plant, const struct pairs *pairs, real_t floor,
-                       size_t k, size_t l)
+static real_t gain_variance(const struct interact_plant *plant, const struct pairs *pairs,
+                            real_t floor, size_t k, size_t l)
 {
     size_t i = pairs->output[k], j = pairs->input[l];
     real_t sd = plant->gain_sd[i][j], part = floor * plant->element[i][j].gain;
@@ -57,15 +53,15 @@ static enum err check_bounds(const struct pairs *pairs, const struct static_deco
     for (size_t k = 0; k < n; k++)
         for (size_t l = 0; l < n; l++) {
             real_t lambda = work->gains.at[k][l] * work->inverse.at[l][k];
-            if (!within(real_abs(lambda), REAL_C(0.0), c->lambda_hi))
-                return refuse(why, "relative gain", "small enough that inputs need not be exact",
-                              pairs, k, l);
+            if (!real_within(real_abs(lambda), REAL_C(0.0), c->lambda_hi))
+                return refuse_element(why, "relative gain",
+                                      "small enough that inputs need not be exact", pairs, k, l);
         }
     for (size_t k = 0; k < n; k++)
         for (size_t l = 0; l < n; l++)
             if (!(real_abs(work->inverse.at[l][k]) <=
                   c->element_hi * real_abs(work->inverse.at[k][k])))
-                return refuse(why, "element", "within the firmware's range", pairs, k, l);
+                return refuse_element(why, "element", "within the firmware's range", pairs, k, l);
     return ERR_OK;
 }
 
@@ -80,7 +76,7 @@ enum err static_decoupler(const struct interact_plant *plant, const struct pairs
     if (!err)
         err = pairs_check(plant, pairs, why);
     if (!err)
-        err = check_config(config, why);
+        err = check_decoupling(config, why);
     if (err)
         return err;
     size_t n = pairs->n;
@@ -109,7 +105,7 @@ enum err static_decoupler(const struct interact_plant *plant, const struct pairs
         for (size_t l = 0; l < n; l++) {
             real_t sum = REAL_C(0.0);
             for (size_t j = 0; j < n; j++)
-                sum += variance(plant, pairs, config->floor, k, j) * result->d.at[j][l] *
+                sum += gain_variance(plant, pairs, config->floor, k, j) * result->d.at[j][l] *
                        result->d.at[j][l];
             real_t sd = real_sqrt(sum);
             if (l == k)
@@ -117,10 +113,11 @@ enum err static_decoupler(const struct interact_plant *plant, const struct pairs
             else if (sd > result->left_sd * real_abs(result->gain[k]))
                 result->left_sd = sd / real_abs(result->gain[k]);
             if (!(result->left_sd <= config->left_hi))
-                return refuse(why, "gains", "known well enough to decouple", pairs, k, l);
+                return refuse_element(why, "gains", "known well enough to decouple", pairs, k, l);
         }
         if (!(real_abs(result->gain[k]) >= config->significance * result->gain_sd[k]))
-            return refuse(why, "gain of the decoupled loop", "sure of its sign", pairs, k, k);
+            return refuse_element(why, "gain of the decoupled loop", "sure of its sign", pairs, k,
+                                  k);
     }
     *why = (struct interact_refusal){"", "", INTERACT_NONE, INTERACT_NONE};
     return ERR_OK;

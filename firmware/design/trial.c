@@ -8,24 +8,19 @@
 #define BAND           REAL_C(0.05)
 #define RUNAWAY        REAL_C(100.0)
 
-static bool within(real_t x, real_t lo, real_t hi)
-{
-    return x >= lo && x <= hi; /* false for NaN */
-}
-
-static const struct fopdt *element(const struct trial *t, size_t k, size_t l)
+static const struct fopdt *plant_element(const struct trial *t, size_t k, size_t l)
 {
     return &t->plant->element[t->loops->pairs.output[k]][t->loops->pairs.input[l]];
 }
 
-static enum err check_config(const struct loops *loops, const struct trial_config *c)
+static enum err check_trial(const struct loops *loops, const struct trial_config *c)
 {
-    if (c->loop >= loops->pairs.n || !within(c->mark_s, REAL_C(0.0), REAL_C(1e7)) ||
-        !within(real_abs(c->size), REAL_C(1e-6), REAL_C(1e6)) ||
-        !within(c->setpoint_weight, REAL_C(0.0), REAL_C(1.0)))
+    if (c->loop >= loops->pairs.n || !real_within(c->mark_s, REAL_C(0.0), REAL_C(1e7)) ||
+        !real_within(real_abs(c->size), REAL_C(1e-6), REAL_C(1e6)) ||
+        !real_within(c->setpoint_weight, REAL_C(0.0), REAL_C(1.0)))
         return ERR_RANGE;
-    if (!within(c->duration_s, REAL_C(0.0), REAL_C(0.0)) &&
-        !within(c->duration_s, REAL_C(1e-2), REAL_C(1e7)))
+    if (!real_within(c->duration_s, REAL_C(0.0), REAL_C(0.0)) &&
+        !real_within(c->duration_s, REAL_C(1e-2), REAL_C(1e7)))
         return ERR_RANGE;
     for (size_t k = 0; k < loops->pairs.n; k++)
         if (loops->tuning[k].td_s > REAL_C(0.0))
@@ -38,7 +33,7 @@ static void set_times(struct trial *t)
 {
     real_t slowest = REAL_C(0.0), fastest = REAL_C(1e9);
     for (size_t k = 0; k < t->loops->pairs.n; k++) {
-        real_t ti = t->loops->tuning[k].ti_s, whole = ti + element(t, k, k)->dead_time_s;
+        real_t ti = t->loops->tuning[k].ti_s, whole = ti + plant_element(t, k, k)->dead_time_s;
         slowest = whole > slowest ? whole : slowest;
         fastest = ti < fastest ? ti : fastest;
     }
@@ -60,7 +55,7 @@ enum err trial_begin(struct trial *t, const struct interact_plant *plant, const 
     if (!err)
         err = loops_check(plant, loops, NULL);
     if (!err)
-        err = check_config(loops, config);
+        err = check_trial(loops, config);
     if (err)
         return err;
     memset(t, 0, sizeof *t);
@@ -104,7 +99,7 @@ static void control(struct trial *t)
     }
 }
 
-static void move(struct trial *t)
+static void advance_plant(struct trial *t)
 {
     size_t n = t->loops->pairs.n;
     for (size_t k = 0; k < n; k++) {
@@ -120,7 +115,7 @@ static void move(struct trial *t)
     }
 }
 
-static void judge(struct trial *t)
+static void judge_point(struct trial *t)
 {
     real_t size = real_abs(t->config.size);
     for (size_t k = 0; k < t->loops->pairs.n; k++) {
@@ -140,7 +135,7 @@ static void judge(struct trial *t)
 }
 
 /* Before the sample is counted. */
-static void remember(struct trial *t)
+static void remember_mark(struct trial *t)
 {
     struct trial_mark *m = &t->mark;
     uint8_t k = t->config.loop;
@@ -165,9 +160,9 @@ enum err trial_step(struct trial *t)
         return ERR_STATE;
     for (int sample = 0; sample < SAMPLES_A_CALL && t->at < t->steps && t->bounded; sample++) {
         control(t);
-        move(t);
-        judge(t);
-        remember(t);
+        advance_plant(t);
+        judge_point(t);
+        remember_mark(t);
         t->at++;
         t->time_s = (real_t)t->at * t->step_s;
     }

@@ -1,7 +1,7 @@
 #include "design/tuning.h"
 
-static enum err refuse(struct tuning_refusal *why, const char *field, const char *wanted,
-                       enum err err)
+static enum err refuse_tuning(struct tuning_refusal *why, const char *field, const char *wanted,
+                              enum err err)
 {
     if (why)
         *why = (struct tuning_refusal){field, wanted};
@@ -12,8 +12,9 @@ static enum err check_time(const char *field, const char *wanted, real_t value, 
                            struct tuning_refusal *why)
 {
     if (!real_is_finite(value))
-        return refuse(why, field, wanted, ERR_NOT_FINITE);
-    return value < REAL_C(0.0) || value > hi ? refuse(why, field, wanted, ERR_RANGE) : ERR_OK;
+        return refuse_tuning(why, field, wanted, ERR_NOT_FINITE);
+    return value < REAL_C(0.0) || value > hi ? refuse_tuning(why, field, wanted, ERR_RANGE)
+                                             : ERR_OK;
 }
 
 static enum err check_model(const struct fopdt *model, struct tuning_refusal *why)
@@ -21,9 +22,10 @@ static enum err check_model(const struct fopdt *model, struct tuning_refusal *wh
     const char *field, *wanted;
     enum err err = fopdt_validate(model, &field, &wanted);
     if (err)
-        return refuse(why, field, wanted, err);
+        return refuse_tuning(why, field, wanted, err);
     if (model->gain <= REAL_C(0.0) && model->gain >= REAL_C(0.0))
-        return refuse(why, "gain", "not 0: an input without effect cannot control", ERR_RANGE);
+        return refuse_tuning(why, "gain", "not 0: an input without effect cannot control",
+                             ERR_RANGE);
     return ERR_OK;
 }
 
@@ -31,8 +33,8 @@ static enum err check_dead_time(const struct fopdt *model, struct tuning_refusal
 {
     if (model->dead_time_s > REAL_C(0.0))
         return ERR_OK;
-    return refuse(why, "dead_time_s", "above 0 s: the rule divides by it (SIMC takes 0)",
-                  ERR_RANGE);
+    return refuse_tuning(why, "dead_time_s", "above 0 s: the rule divides by it (SIMC takes 0)",
+                         ERR_RANGE);
 }
 
 /* Action from the sign of the model, and nothing given out that is not a positive finite number. */
@@ -41,10 +43,11 @@ static enum err hand_over(const struct fopdt *model, real_t gain, real_t ti_s, r
 {
     gain = real_abs(gain);
     if (!real_is_finite(gain) || gain <= REAL_C(0.0))
-        return refuse(why, "gain", "such that the controller gain can be represented", ERR_RANGE);
+        return refuse_tuning(why, "gain", "such that the controller gain can be represented",
+                             ERR_RANGE);
     if (!real_is_finite(ti_s) || ti_s <= REAL_C(0.0))
-        return refuse(why, "dead_time_s", "such that the integral time can be represented",
-                      ERR_RANGE);
+        return refuse_tuning(why, "dead_time_s", "such that the integral time can be represented",
+                             ERR_RANGE);
     *result = (struct tuning){
         .gain = gain,
         .ti_s = ti_s,
@@ -101,7 +104,8 @@ enum err tuning_simc_pid(const struct fopdt *model, real_t tau2_s, real_t tau_c_
         return err;
     real_t closed = tau_c_s + model->dead_time_s;
     if (closed <= REAL_C(0.0))
-        return refuse(why, "tau_c_s", "above 0 s where the model has no dead time", ERR_RANGE);
+        return refuse_tuning(why, "tau_c_s", "above 0 s where the model has no dead time",
+                             ERR_RANGE);
     real_t gain = model->time_constant_s / (model->gain * closed);
     real_t ti = REAL_C(4.0) * closed;
     if (model->time_constant_s < ti)
@@ -121,13 +125,13 @@ enum err tuning_tyreus_luyben_pi(real_t gain, real_t period_s, struct tuning *re
 {
     const char *either = "1e-6 to 1e6, of either sign", *period = "1e-6 to 1e6 s";
     if (!real_is_finite(gain))
-        return refuse(why, "gain", either, ERR_NOT_FINITE);
+        return refuse_tuning(why, "gain", either, ERR_NOT_FINITE);
     if (!(real_abs(gain) >= REAL_C(1e-6) && real_abs(gain) <= REAL_C(1e6)))
-        return refuse(why, "gain", either, ERR_RANGE);
+        return refuse_tuning(why, "gain", either, ERR_RANGE);
     if (!real_is_finite(period_s))
-        return refuse(why, "period_s", period, ERR_NOT_FINITE);
+        return refuse_tuning(why, "period_s", period, ERR_NOT_FINITE);
     if (!(period_s >= REAL_C(1e-6) && period_s <= REAL_C(1e6)))
-        return refuse(why, "period_s", period, ERR_RANGE);
+        return refuse_tuning(why, "period_s", period, ERR_RANGE);
     *result = (struct tuning){
         .gain = real_abs(gain) / REAL_C(3.2),
         .ti_s = REAL_C(2.2) * period_s,

@@ -4,7 +4,7 @@
 
 #include "identify/common.h"
 
-static real_t weight(const struct fit_line *l, uint32_t i)
+static real_t row_weight(const struct fit_line *l, uint32_t i)
 {
     return l->weight ? l->weight[i] : ONE;
 }
@@ -13,8 +13,8 @@ void fit_line_prepare(struct fit_line *l)
 {
     real_t count = ZERO, times = ZERO;
     for (uint32_t i = 0; i < l->points; i++) {
-        count += weight(l, i);
-        times += weight(l, i) * fit_line_time(l, i);
+        count += row_weight(l, i);
+        times += row_weight(l, i) * fit_line_time(l, i);
     }
     l->row_0 = l->offset ? l->row_0 : ZERO;
     l->row_1 = l->slope ? l->row_1 : ZERO;
@@ -23,7 +23,7 @@ void fit_line_prepare(struct fit_line *l)
     l->norm_1 = l->row_1 * l->row_1 + l->middle * l->middle * l->row_0 * l->row_0;
     for (uint32_t i = 0; i < l->points; i++) {
         real_t t = fit_line_time(l, i) - l->middle;
-        l->norm_1 += weight(l, i) * t * t;
+        l->norm_1 += row_weight(l, i) * t * t;
     }
     l->offset = l->offset && l->norm_0 > ZERO;
     l->slope = l->slope && l->norm_1 > REAL_C(1e-6);
@@ -35,7 +35,7 @@ void fit_line_remove(const struct fit_line *l, real_t *column, real_t *offset, r
     real_t *rows = column + l->points;
     if (l->offset) {
         for (uint32_t i = 0; i < l->points; i++)
-            c += weight(l, i) * column[i];
+            c += row_weight(l, i) * column[i];
         c = (c + l->row_0 * rows[0]) / l->norm_0;
         for (uint32_t i = 0; i < l->points; i++)
             column[i] -= c;
@@ -43,7 +43,7 @@ void fit_line_remove(const struct fit_line *l, real_t *column, real_t *offset, r
     }
     if (l->slope) {
         for (uint32_t i = 0; i < l->points; i++)
-            d += weight(l, i) * (fit_line_time(l, i) - l->middle) * column[i];
+            d += row_weight(l, i) * (fit_line_time(l, i) - l->middle) * column[i];
         d = (d - l->middle * l->row_0 * rows[0] + l->row_1 * rows[1]) / l->norm_1;
         for (uint32_t i = 0; i < l->points; i++)
             column[i] -= d * (fit_line_time(l, i) - l->middle);
@@ -60,6 +60,6 @@ real_t fit_line_dot(const struct fit_line *l, const real_t *a, const real_t *b)
 {
     real_t sum = ZERO;
     for (uint32_t i = 0; i < l->points; i++)
-        sum += weight(l, i) * a[i] * b[i];
+        sum += row_weight(l, i) * a[i] * b[i];
     return sum + a[l->points] * b[l->points] + a[l->points + 1] * b[l->points + 1];
 }

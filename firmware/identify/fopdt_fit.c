@@ -133,7 +133,8 @@ void fopdt_fit_take_out(const struct fopdt_fit *f, real_t *column)
 }
 
 /* Model of gain 1 at lag and dead, line taken out, into a column; its derivative by the dead time into another. */
-static void evaluate(struct fopdt_fit *f, real_t lag, real_t dead, real_t *model, real_t *by_dead)
+static void evaluate_model(struct fopdt_fit *f, real_t lag, real_t dead, real_t *model,
+                           real_t *by_dead)
 {
     response_model(&f->input, lag, dead, f->block, f->points, model, by_dead);
     model[f->points] = model[f->points + 1] = ZERO;
@@ -146,7 +147,7 @@ static void evaluate(struct fopdt_fit *f, real_t lag, real_t dead, real_t *model
 }
 
 /* Sum of squares that is left with the best gain for column 0; computed as such, without cancellation. */
-static real_t left(const struct fopdt_fit *f, real_t *gain)
+static real_t residual_squares(const struct fopdt_fit *f, real_t *gain)
 {
     real_t strength = fit_line_dot(&f->line, f->column[0], f->column[0]);
     *gain = ZERO;
@@ -161,11 +162,11 @@ static real_t left(const struct fopdt_fit *f, real_t *gain)
     return sum;
 }
 
-static void consider(struct fopdt_fit *f, real_t lag, real_t dead)
+static void consider_start(struct fopdt_fit *f, real_t lag, real_t dead)
 {
     real_t gain;
-    evaluate(f, lag, dead, f->column[0], NULL);
-    real_t squares = left(f, &gain);
+    evaluate_model(f, lag, dead, f->column[0], NULL);
+    real_t squares = residual_squares(f, &gain);
     if (squares < f->squares * REAL_C(0.99999)) {
         f->squares = squares;
         f->lag = lag;
@@ -188,7 +189,7 @@ static void grid(struct fopdt_fit *f)
     f->next++;
     real_t lag = clip(time * (ONE - share), REAL_C(0.5) * lo, f->lag_max);
     if (time * share <= f->dead_max)
-        consider(f, lag, time * share);
+        consider_start(f, lag, time * share);
     else
         f->evaluations++; /* a unit is a unit */
 }
@@ -196,11 +197,11 @@ static void grid(struct fopdt_fit *f)
 /* Normal equations of the step in ln T and L, by Kaufman: derivatives without their part along the model. */
 static void slopes(struct fopdt_fit *f)
 {
-    evaluate(f, f->lag, f->dead, f->column[0], f->column[2]);
-    evaluate(f, f->lag * (ONE + LAG_STEP), f->dead, f->column[1], NULL);
+    evaluate_model(f, f->lag, f->dead, f->column[0], f->column[2]);
+    evaluate_model(f, f->lag * (ONE + LAG_STEP), f->dead, f->column[1], NULL);
     for (uint32_t i = 0; i < f->points + FIT_LINE_ROWS; i++)
         f->column[1][i] = (f->column[1][i] - f->column[0][i]) / LAG_STEP;
-    f->squares = left(f, &f->gain);
+    f->squares = residual_squares(f, &f->gain);
     f->strength = fit_line_dot(&f->line, f->column[0], f->column[0]);
     for (int k = 0; k < 2; k++) {
         real_t *column = f->column[k + 1];
@@ -250,7 +251,7 @@ static void begin_with_bend(struct fopdt_fit *f)
         dead = f->straight_dead;
         lag = f->straight_lag < lag ? f->straight_lag : lag;
     }
-    consider(f, lag, clip(dead, ZERO, f->dead_max));
+    consider_start(f, lag, clip(dead, ZERO, f->dead_max));
     if (++f->next < BEND_STARTS)
         return;
     f->tries = TRIES - BEND_TRIES;
@@ -290,7 +291,7 @@ static void end_search(struct fopdt_fit *f)
     f->bend_last = f->bend_best + apart < f->points ? f->bend_best + apart : f->points - 1u;
     f->bend_squares = REAL_C(1e38);
     place_bend(f, 0);
-    evaluate(f, f->lag, f->dead, f->column[0], NULL);
+    evaluate_model(f, f->lag, f->dead, f->column[0], NULL);
     f->phase = PHASE_BEND;
 }
 
@@ -336,8 +337,8 @@ static void attempt(struct fopdt_fit *f)
     real_t lag = clip(f->lag * real_exp(by_lag), f->shortest, f->lag_max);
     real_t dead = clip(f->dead + by_dead, ZERO, f->dead_max);
     real_t moved = real_abs(lag - f->lag) + real_abs(dead - f->dead), gain;
-    evaluate(f, lag, dead, f->column[0], NULL);
-    real_t squares = left(f, &gain);
+    evaluate_model(f, lag, dead, f->column[0], NULL);
+    real_t squares = residual_squares(f, &gain);
     bool better = squares < f->squares;
     bool small = !(moved > REAL_C(1e-4) * (f->lag + f->dead));
     f->tries++;
@@ -367,8 +368,8 @@ bool fopdt_fit_run(struct fopdt_fit *f, uint32_t units)
                 f->phase = f->has_start ? PHASE_START : PHASE_SLOPES;
             break;
         case PHASE_START:
-            consider(f, clip(f->start_lag, shortest_to_begin_from(f), f->lag_max),
-                     clip(f->start_dead, ZERO, f->dead_max));
+            consider_start(f, clip(f->start_lag, shortest_to_begin_from(f), f->lag_max),
+                           clip(f->start_dead, ZERO, f->dead_max));
             f->phase = PHASE_SLOPES;
             break;
         case PHASE_SLOPES:
@@ -387,8 +388,8 @@ bool fopdt_fit_run(struct fopdt_fit *f, uint32_t units)
         case PHASE_PLAIN: {
             /* no lag at all: a valley without slope, between two samples, where no step leads */
             real_t middle = (real_t)(uint32_t)(f->dead + f->lag) + REAL_C(0.5);
-            consider(f, f->shortest, clip(middle, ZERO, f->dead_max));
-            consider(f, f->shortest, clip(middle - ONE, ZERO, f->dead_max));
+            consider_start(f, f->shortest, clip(middle, ZERO, f->dead_max));
+            consider_start(f, f->shortest, clip(middle - ONE, ZERO, f->dead_max));
             f->phase = PHASE_JUDGE;
             break;
         }

@@ -19,7 +19,7 @@
 #define SWING_PART   REAL_C(0.1)
 #define SWING_SDS    REAL_C(10.0)
 
-static real_t larger(real_t a, real_t b)
+static real_t larger_of(real_t a, real_t b)
 {
     return a > b ? a : b;
 }
@@ -44,7 +44,7 @@ static real_t rough_noise(const struct fopdt_fit *f)
 {
     real_t lo = ZERO, hi = ZERO;
     for (uint32_t i = 1; i + 1 < f->points; i++)
-        hi = larger(hi, real_abs(f->y[i - 1] - TWO * f->y[i] + f->y[i + 1]));
+        hi = larger_of(hi, real_abs(f->y[i - 1] - TWO * f->y[i] + f->y[i + 1]));
     for (int n = 0; n < 24; n++) {
         real_t middle = REAL_C(0.5) * (lo + hi);
         uint32_t below = 0;
@@ -65,7 +65,7 @@ static uint32_t turns(const real_t *curve, uint32_t points, real_t swing)
     int direction = 0;
     uint32_t n = 0;
     for (uint32_t i = 1; i < points; i++) {
-        highest = larger(highest, curve[i]);
+        highest = larger_of(highest, curve[i]);
         lowest = curve[i] < lowest ? curve[i] : lowest;
         bool up = direction <= 0 && curve[i] - lowest > swing;
         bool down = direction >= 0 && highest - curve[i] > swing;
@@ -94,7 +94,7 @@ static real_t residual_variance(const struct fopdt_fit *f, real_t *correlation)
     real_t known = f->baseline.noise_sd * f->baseline.noise_sd / (real_t)f->block;
     real_t rho = square > ZERO ? product / square : ZERO;
     *correlation = rho < ZERO ? ZERO : (rho > CORRELATION_MAX ? CORRELATION_MAX : rho);
-    return larger(own, known);
+    return larger_of(own, known);
 }
 
 /* What the residuals have beyond the noise, whether that is known or read from the record itself, and beyond what their
@@ -102,7 +102,7 @@ static real_t residual_variance(const struct fopdt_fit *f, real_t *correlation)
 static real_t misfit(const struct fopdt_fit *f, real_t white, real_t rough)
 {
     real_t known = f->baseline.noise_sd * f->baseline.noise_sd / (real_t)f->block;
-    real_t beyond = white - EXCESS * larger(known, rough * rough);
+    real_t beyond = white - EXCESS * larger_of(known, rough * rough);
     return beyond > ZERO ? real_sqrt(beyond) : ZERO;
 }
 
@@ -150,9 +150,9 @@ static void covariance(struct fopdt_fit *f, real_t variance)
     r->covariance[3] = -variance * (k1 * tl + k2 * ll) * f->h_s;
     r->covariance[4] = variance * tl * t * f->h_s;
     r->covariance[5] = variance * ll * f->h_s * f->h_s;
-    r->element.gain_sd = real_sqrt(larger(r->covariance[0], ZERO));
-    r->element.time_constant_sd_s = real_sqrt(larger(r->covariance[2], ZERO));
-    r->element.dead_time_sd_s = real_sqrt(larger(r->covariance[5], ZERO));
+    r->element.gain_sd = real_sqrt(larger_of(r->covariance[0], ZERO));
+    r->element.time_constant_sd_s = real_sqrt(larger_of(r->covariance[2], ZERO));
+    r->element.dead_time_sd_s = real_sqrt(larger_of(r->covariance[5], ZERO));
 }
 
 /* Column 1: the model with its line; column 2: the response as measured, offset and drift taken off. */
@@ -200,20 +200,20 @@ static bool climbs_at_end(const struct fopdt_fit *f, real_t sd, real_t peak)
     return climb > SETTLED_PART * peak && climb > REAL_C(4.0) * sd * (real_t)n / real_sqrt(spread);
 }
 
-static uint16_t shape(const struct fopdt_fit *f, real_t sd, real_t rough)
+static uint16_t shape_flags(const struct fopdt_fit *f, real_t sd, real_t rough)
 {
     uint16_t flags = 0;
     const real_t *raw = f->column[1], *seen = f->column[2];
     real_t peak = ZERO, top = real_abs(f->gain) * excitation_peak(&f->input);
     for (uint32_t i = 0; i < f->points; i++)
-        peak = larger(peak, real_abs(f->gain * raw[i]));
+        peak = larger_of(peak, real_abs(f->gain * raw[i]));
     real_t rest = real_abs(f->gain * (excitation_level(&f->input) - raw[f->points - 1]));
     if (rest > SETTLED_PART * peak || climbs_at_end(f, sd, peak))
         flags |= IDENTIFIED_NOT_SETTLED;
 
     /* The wrong way, before the time the model needs. */
     real_t sign = f->gain * f->input.edge[0].change < ZERO ? -ONE : ONE;
-    real_t limit = larger(DIP_SDS * rough, DIP_PART * larger(peak, REAL_C(0.2) * top));
+    real_t limit = larger_of(DIP_SDS * rough, DIP_PART * larger_of(peak, REAL_C(0.2) * top));
     uint32_t first = f->input.edge[0].sample;
     real_t until = (real_t)first + f->lag + f->dead;
     if (f->input.edges > 1 && until > (real_t)f->input.edge[1].sample)
@@ -222,7 +222,7 @@ static uint16_t shape(const struct fopdt_fit *f, real_t sd, real_t rough)
         if (sign * seen[i] < -limit)
             flags |= IDENTIFIED_INVERSE;
 
-    real_t swing = larger(SWING_SDS * rough, SWING_PART * peak);
+    real_t swing = larger_of(SWING_SDS * rough, SWING_PART * peak);
     real_t expected = REAL_C(0.5) * swing / real_abs(f->gain);
     if (turns(seen, f->points, swing) >= turns(raw, f->points, expected) + 2u)
         flags |= IDENTIFIED_OSCILLATORY;
@@ -268,7 +268,7 @@ static void plateau(struct fopdt_fit *f, real_t inflation)
         left += weight[i] * r * r;
     }
     real_t known = f->baseline.noise_sd * f->baseline.noise_sd / (real_t)f->block;
-    real_t variance = larger(left / (real_t)(used - parameters), known) * inflation;
+    real_t variance = larger_of(left / (real_t)(used - parameters), known) * inflation;
     f->result.plateau_gain = gain;
     f->result.plateau_gain_sd = real_sqrt(variance / strength);
 }
@@ -300,7 +300,7 @@ void fopdt_fit_judge(struct fopdt_fit *f)
     if (!(gained > ZERO) || r->significance < SIGNIFICANT) {
         r->element.flags = IDENTIFIED_NO_GAIN;
         real_t left = f->total / (real_t)f->points;
-        proportion(f, larger(variance, left));
+        proportion(f, larger_of(variance, left));
         r->misfit = misfit(f, left, rough_noise(f));
         response(f);
         return;
@@ -315,7 +315,7 @@ void fopdt_fit_judge(struct fopdt_fit *f)
     response(f);
     real_t rough = rough_noise(f);
     r->misfit = misfit(f, white, rough);
-    r->element.flags = shape(f, r->residual_sd, rough);
+    r->element.flags = shape_flags(f, r->residual_sd, rough);
     if (f->lag + f->dead > level)
         r->element.flags |= IDENTIFIED_SHORT;
     if (f->lag >= REAL_C(0.95) * f->lag_max || (f->lag > level && sd_ln > LAG_UNSURE))

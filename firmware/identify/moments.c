@@ -151,8 +151,8 @@ struct gradient {
     real_t ln_g[3], a[3], b[3];
 };
 
-static real_t variance(const real_t g[3], const real_t noise[5], const real_t line[4], real_t eta,
-                       real_t offset_sd, real_t slope_sd)
+static real_t propagated_variance(const real_t g[3], const real_t noise[5], const real_t line[4],
+                                  real_t eta, real_t offset_sd, real_t slope_sd)
 {
     real_t sum = ZERO, offset = ZERO, slope = ZERO;
     for (int i = 0; i < 3; i++) {
@@ -188,8 +188,8 @@ static real_t spread(real_t a, real_t eta, real_t lag, real_t *m, real_t *x)
     return *x * (ONE - *x) + tail / d;
 }
 
-static void finish(const struct view *g, real_t eta, real_t decay, real_t lag, real_t m, real_t x,
-                   struct element *e)
+static void finish_element(const struct view *g, real_t eta, real_t decay, real_t lag, real_t m,
+                           real_t x, struct element *e)
 {
     real_t big_p = one_less_exp(ONE / lag), share = decay + x * (ONE - decay);
     real_t first = decay * big_p * (ONE - x) / share; /* of the step, in sample m */
@@ -254,7 +254,7 @@ static uint16_t solve(const struct view *g, real_t eta, real_t decay, struct ele
     }
     *raw = hi;
     (void)spread(g->a, eta, hi, &m, &x);
-    finish(g, eta, decay, hi, m, x, e);
+    finish_element(g, eta, decay, hi, m, x, e);
     if (e->dead > REAL_C(-0.02)) { /* rounding */
         e->dead = e->dead > ZERO ? e->dead : ZERO;
         return flags;
@@ -303,12 +303,13 @@ static void deviations(const struct gradient *g, uint16_t flags, real_t a, real_
         }
     }
     real_t slope_sd = base->slope_sd_per_s * h_s, unit_s = h_s / eta;
-    result->gain_sd = real_abs(result->gain) *
-                      real_sqrt(variance(k, noise, line, eta, base->offset_sd, slope_sd));
+    result->gain_sd =
+        real_abs(result->gain) *
+        real_sqrt(propagated_variance(k, noise, line, eta, base->offset_sd, slope_sd));
     result->time_constant_sd_s =
-        unit_s * real_sqrt(variance(t, noise, line, eta, base->offset_sd, slope_sd));
+        unit_s * real_sqrt(propagated_variance(t, noise, line, eta, base->offset_sd, slope_sd));
     result->dead_time_sd_s =
-        unit_s * real_sqrt(variance(l, noise, line, eta, base->offset_sd, slope_sd));
+        unit_s * real_sqrt(propagated_variance(l, noise, line, eta, base->offset_sd, slope_sd));
 }
 
 enum err moments_at(const struct moments *m, uint32_t i, uint32_t output,
@@ -340,8 +341,8 @@ enum err moments_at(const struct moments *m, uint32_t i, uint32_t output,
                              s2 * REAL_C(0.75) / eta};
 
     const real_t only[3] = {ONE, ZERO, ZERO};
-    real_t y_sd =
-        real_sqrt(variance(only, noise, line, eta, base->offset_sd, base->slope_sd_per_s * m->h_s));
+    real_t y_sd = real_sqrt(propagated_variance(only, noise, line, eta, base->offset_sd,
+                                                base->slope_sd_per_s * m->h_s));
     *result = (struct identified){.flags = 0};
     if (!(real_abs(y[0]) > NO_GAIN_SDS * y_sd)) {
         result->gain = y[0] / input.value;
@@ -407,7 +408,7 @@ static uint32_t nearest(const struct moments *m, real_t samples)
 }
 
 /* Times that say where to look next. */
-static bool usable(enum err err, const struct identified *r)
+static bool usable_times(enum err err, const struct identified *r)
 {
     return !err && (r->flags & ~IDENTIFIED_SHORT) == 0 && r->time_constant_s > ZERO;
 }
@@ -442,10 +443,10 @@ enum err moments_element(const struct moments *m, uint32_t output, const struct 
     if (err)
         return err;
     struct identified now = first;
-    for (int i = 0; i < CHOICES && usable(ERR_OK, &now); i++) {
+    for (int i = 0; i < CHOICES && usable_times(ERR_OK, &now); i++) {
         uint32_t next = nearest(m, (now.time_constant_s + now.dead_time_s) / m->h_s);
         struct identified there;
-        if (next == at || !usable(moments_at(m, next, output, u, b, &there, NULL), &there))
+        if (next == at || !usable_times(moments_at(m, next, output, u, b, &there, NULL), &there))
             break;
         at = next;
         now = there;

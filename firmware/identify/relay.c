@@ -24,7 +24,7 @@
 #define BACK_LEAST REAL_C(0.2) /* of |G|: what of the output comes back against the input */
 #define BACK_FULL  REAL_C(0.8)
 
-static bool positive(real_t x, real_t most)
+static bool positive_up_to(real_t x, real_t most)
 {
     return x > ZERO && x <= most;
 }
@@ -41,10 +41,10 @@ enum err relay_begin(struct relay *r, const struct relay_config *c)
         err = check_real(c->amplitude, ZERO, ONE);
     if (err)
         return err;
-    if (!positive(c->hysteresis, ONE) || !positive(c->most, ONE) || !positive(c->wanted, ONE) ||
-        !positive(c->first, c->most) || c->amplitude > c->most || c->patience == 0 ||
-        c->half_most <= c->patience || c->half_most > HALF_LARGEST ||
-        (c->sign != 1 && c->sign != -1))
+    if (!positive_up_to(c->hysteresis, ONE) || !positive_up_to(c->most, ONE) ||
+        !positive_up_to(c->wanted, ONE) || !positive_up_to(c->first, c->most) ||
+        c->amplitude > c->most || c->patience == 0 || c->half_most <= c->patience ||
+        c->half_most > HALF_LARGEST || (c->sign != 1 && c->sign != -1))
         return ERR_RANGE;
     r->config = *c;
     r->high = true;
@@ -52,7 +52,7 @@ enum err relay_begin(struct relay *r, const struct relay_config *c)
     return ERR_OK;
 }
 
-static void fail(struct relay *r, enum relay_failure failure)
+static void fail_with(struct relay *r, enum relay_failure failure)
 {
     r->phase = RELAY_FAILED;
     r->failure = failure;
@@ -80,7 +80,7 @@ static void begin_period(struct relay *r, uint32_t samples)
 }
 
 /* The sample that has just begun, with the input that goes with it. */
-static void count(struct relay *r, real_t y)
+static void count_sample(struct relay *r, real_t y)
 {
     struct relay_period *p = &r->now;
     real_t away = y - r->config.reference;
@@ -158,7 +158,7 @@ static bool change_amplitude(struct relay *r, const struct relay_period *p)
 }
 
 /* sum[0] + i sum[1] of exp(-i angle n) over n from a to b - 1, times weight, on top of what is there. */
-static void turn(uint32_t a, uint32_t b, real_t angle, real_t weight, real_t sum[2])
+static void add_phasors(uint32_t a, uint32_t b, real_t angle, real_t weight, real_t sum[2])
 {
     real_t half, width, unused, c, s;
     real_sincos(REAL_C(0.5) * angle, &half, &unused);
@@ -188,8 +188,8 @@ static enum err ratio(const struct relay *r, unsigned first, real_t g[2])
             y[1] -= value * s;
             a = b;
         }
-        turn(start, start + p->high, angle, up * r->amplitude, u);
-        turn(start + p->high, start + p->samples, angle, -up * r->amplitude, u);
+        add_phasors(start, start + p->high, angle, up * r->amplitude, u);
+        add_phasors(start + p->high, start + p->samples, angle, -up * r->amplitude, u);
         start += p->samples;
     }
     real_t size = u[0] * u[0] + u[1] * u[1];
@@ -244,7 +244,7 @@ static void end_period(struct relay *r)
     if (!is_settled(r)) {
         begin_period(r, last->samples);
         if (r->periods >= PERIODS_MOST)
-            fail(r, RELAY_UNSETTLED);
+            fail_with(r, RELAY_UNSETTLED);
     } else {
         r->phase = RELAY_DONE;
         r->level = ZERO;
@@ -292,13 +292,13 @@ static void start(struct relay *r, real_t y)
         r->half = 0;
         begin_period(r, 0);
     } else if (!grows(r, r->config.patience) && r->half >= r->config.half_most) {
-        fail(r, RELAY_NO_ANSWER);
+        fail_with(r, RELAY_NO_ANSWER);
         return;
     }
     put_level(r);
 }
 
-static void cycle(struct relay *r, real_t y)
+static void advance_cycle(struct relay *r, real_t y)
 {
     real_t away = y - r->config.reference;
     uint32_t most = r->longest > 0 ? STUCK * r->longest + 10u : r->config.half_most;
@@ -306,7 +306,7 @@ static void cycle(struct relay *r, real_t y)
     bool crossed = r->high ? away > r->config.hysteresis : away < -r->config.hysteresis;
     r->half++;
     if (!crossed && !grows(r, patience) && r->half > most) {
-        fail(r, RELAY_STUCK);
+        fail_with(r, RELAY_STUCK);
         return;
     }
     if (crossed) {
@@ -318,7 +318,7 @@ static void cycle(struct relay *r, real_t y)
             return;
     }
     put_level(r);
-    count(r, y);
+    count_sample(r, y);
 }
 
 enum err relay_step(struct relay *r, real_t y, real_t share)
@@ -335,7 +335,7 @@ enum err relay_step(struct relay *r, real_t y, real_t share)
     if (r->phase == RELAY_START)
         start(r, y);
     else
-        cycle(r, y);
+        advance_cycle(r, y);
     return ERR_OK;
 }
 
@@ -345,7 +345,7 @@ enum err relay_missed(struct relay *r)
         return ERR_STATE;
     r->half++;
     if (r->phase == RELAY_CYCLE)
-        count(r, r->last);
+        count_sample(r, r->last);
     return ERR_OK;
 }
 

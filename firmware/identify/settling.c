@@ -10,7 +10,7 @@
 #define LN_50 REAL_C(3.912023005)
 
 /* Mean of the count points from at. */
-static real_t mean_of(const real_t *y, uint32_t at, uint32_t count)
+static real_t mean_of_points(const real_t *y, uint32_t at, uint32_t count)
 {
     real_t sum = ZERO;
     for (uint32_t i = 0; i < count; i++)
@@ -52,7 +52,7 @@ enum err settling_from_record(const struct record *r, uint32_t output, struct se
     if (before < 4 || r->points < before + 16)
         return ERR_EMPTY;
     uint32_t last = (r->points - before) / 4, from = r->points - last;
-    real_t initial = mean_of(y, 0, before), final = mean_of(y, from, last);
+    real_t initial = mean_of_points(y, 0, before), final = mean_of_points(y, from, last);
     real_t noise = real_sqrt((differences(y, 0, before) + differences(y, from, last)) /
                              (TWO * (real_t)(before + last - 2)));
     real_t change = real_abs(final - initial);
@@ -67,7 +67,7 @@ enum err settling_from_record(const struct record *r, uint32_t output, struct se
     real_t outside = ZERO, inside = ZERO, at = (real_t)edge;
     bool found = false;
     for (uint32_t i = from; i > before && !found; i--) {
-        real_t here = real_abs(mean_of(y, i - 1, n) - final);
+        real_t here = real_abs(mean_of_points(y, i - 1, n) - final);
         if (here > BAND * change) {
             outside = here;
             real_t part = (outside - BAND * change) / (outside - inside);

@@ -11,11 +11,6 @@ void cascade_config_default(struct cascade_config *config)
         .significance = REAL_C(3.0), .floor = REAL_C(0.02), .faster = REAL_C(0.6)};
 }
 
-static bool within(real_t x, real_t lo, real_t hi)
-{
-    return x >= lo && x <= hi; /* false for NaN */
-}
-
 static real_t residence(const struct fopdt *e)
 {
     return e->dead_time_s + e->time_constant_s;
@@ -27,8 +22,8 @@ static bool moves(const struct interact_plant *plant, const struct cascade_confi
     return real_abs(plant->element[i][j].gain) > c->significance * plant->gain_sd[i][j];
 }
 
-static real_t variance(const struct interact_plant *plant, const struct cascade_config *c, size_t i,
-                       size_t j)
+static real_t effect_variance(const struct interact_plant *plant, const struct cascade_config *c,
+                              size_t i, size_t j)
 {
     real_t part = c->floor * plant->element[i][j].gain, sd = plant->gain_sd[i][j];
     return sd * sd + part * part;
@@ -46,7 +41,8 @@ static real_t fit_gain(const struct interact_plant *plant, const struct cascade_
             if ((inputs & (1u << j)) == 0u)
                 continue;
             real_t x = plant->element[inner][j].gain, y = plant->element[outer][j].gain;
-            real_t v = variance(plant, c, outer, j) + g * g * variance(plant, c, inner, j);
+            real_t v =
+                effect_variance(plant, c, outer, j) + g * g * effect_variance(plant, c, inner, j);
             /* an outer gain of 0 without error must not divide by 0: a hundredth of the inner's says enough */
             real_t least = REAL_C(0.01) * x * c->floor;
             v += least * least;
@@ -126,9 +122,9 @@ enum err cascade_detect(const struct interact_plant *plant, const struct cascade
     enum err err = interact_check(plant, NULL);
     if (err)
         return err;
-    if (!within(config->significance, REAL_C(0.0), REAL_C(20.0)) ||
-        !within(config->floor, REAL_C(1e-4), REAL_C(0.5)) ||
-        !within(config->faster, REAL_C(0.05), REAL_C(1.0)))
+    if (!real_within(config->significance, REAL_C(0.0), REAL_C(20.0)) ||
+        !real_within(config->floor, REAL_C(1e-4), REAL_C(0.5)) ||
+        !real_within(config->faster, REAL_C(0.05), REAL_C(1.0)))
         return ERR_RANGE;
     *found = 0;
     for (uint8_t outer = 0; outer < plant->outputs; outer++) {

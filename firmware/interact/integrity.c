@@ -5,7 +5,7 @@
 
 #define PIECE 4000u /* elements computed in one call, about */
 
-static bool has(uint16_t mask, unsigned bit)
+static bool is_included(uint16_t mask, unsigned bit)
 {
     return (mask & (1u << bit)) != 0u;
 }
@@ -53,7 +53,7 @@ static real_t index_of(const struct integrity *w)
 {
     real_t product = REAL_C(1.0);
     for (unsigned d = 0; d <= w->level; d++)
-        if (has(w->included, d))
+        if (is_included(w->included, d))
             product *= w->at[w->from[d]];
     return product;
 }

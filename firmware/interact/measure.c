@@ -2,7 +2,7 @@
 
 #include <stddef.h>
 
-static real_t residence(const struct fopdt *e, real_t shortest_s)
+static real_t residence_at_least(const struct fopdt *e, real_t shortest_s)
 {
     real_t sum = e->dead_time_s + e->time_constant_s;
     return sum > shortest_s ? sum : shortest_s;
@@ -28,7 +28,7 @@ enum err measure_compute(const struct interact_plant *plant, const struct pairs 
         for (size_t l = 0; l < pairs->n; l++)
             work->gains.at[k][l] =
                 work->gains.at[k][l] /
-                residence(&plant->element[pairs->output[k]][pairs->input[l]], shortest_s);
+                residence_at_least(&plant->element[pairs->output[k]][pairs->input[l]], shortest_s);
     err = rga_compute(&work->gains, &work->rga, &result->phi);
     if (err)
         return err;

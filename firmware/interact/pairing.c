@@ -39,7 +39,7 @@ static enum err check_field(real_t value, real_t lo, real_t hi, const char *fiel
     return value < lo || value > hi ? ERR_RANGE : ERR_OK;
 }
 
-static enum err check_config(const struct pairing_config *c, struct interact_refusal *why)
+static enum err check_pairing(const struct pairing_config *c, struct interact_refusal *why)
 {
     enum err err = check_field(c->smallest_lambda, REAL_C(0.001), REAL_C(1.0), "smallest_lambda",
                                "0.001 to 1", why);
@@ -291,7 +291,7 @@ static void keep_pairs(struct pairing *p)
     }
 }
 
-static void conclude(struct pairing *p)
+static void conclude_pairing(struct pairing *p)
 {
     uint8_t partner[INTERACT_MAX];
     memset(partner, INTERACT_MAX, sizeof partner);
@@ -329,7 +329,7 @@ static void conclude(struct pairing *p)
 static void next_matrix(struct pairing *p)
 {
     if (p->drawn >= p->config.draws)
-        conclude(p);
+        conclude_pairing(p);
     else
         take_gains(p);
 }
@@ -423,7 +423,7 @@ enum err pairing_begin(struct pairing *p, const struct interact_plant *plant,
     why = why ? why : &unused;
     enum err err = interact_check(plant, why);
     if (!err)
-        err = check_config(config, why);
+        err = check_pairing(config, why);
     if (err)
         return err;
     *why = (struct interact_refusal){"outputs_out, inputs_out", "an output and an input left",

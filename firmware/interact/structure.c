@@ -12,18 +12,13 @@ void structure_config_default(struct structure_config *config)
                                         .grouped = REAL_C(0.15)};
 }
 
-static bool within(real_t x, real_t lo, real_t hi)
+static enum err check_structure(const struct structure_config *c)
 {
-    return x >= lo && x <= hi; /* false for NaN */
-}
-
-static enum err check_config(const struct structure_config *c)
-{
-    bool good = within(c->significance, REAL_C(0.0), REAL_C(20.0)) &&
-                within(c->negligible, REAL_C(0.0), REAL_C(0.5)) &&
-                within(c->lambda_lo, REAL_C(0.0), REAL_C(1.0)) &&
-                within(c->lambda_hi, REAL_C(1.0), REAL_C(100.0)) &&
-                within(c->grouped, REAL_C(0.01), REAL_C(1.0));
+    bool good = real_within(c->significance, REAL_C(0.0), REAL_C(20.0)) &&
+                real_within(c->negligible, REAL_C(0.0), REAL_C(0.5)) &&
+                real_within(c->lambda_lo, REAL_C(0.0), REAL_C(1.0)) &&
+                real_within(c->lambda_hi, REAL_C(1.0), REAL_C(100.0)) &&
+                real_within(c->grouped, REAL_C(0.01), REAL_C(1.0));
     return good ? ERR_OK : ERR_RANGE;
 }
 
@@ -193,7 +188,7 @@ static void judge_block(const struct pairs *pairs, const struct structure_config
                 group[k] = (uint16_t)(group[k] | group[through]);
     for (size_t k = 0; k < own.n; k++)
         for (size_t l = 0; l < own.n && group[k] != with(0, k); l++)
-            if (has(group[k], l) && !within(work->lambda.at[l][l], c->lambda_lo, c->lambda_hi))
+            if (has(group[k], l) && !real_within(work->lambda.at[l][l], c->lambda_lo, c->lambda_hi))
                 b->mimo = with(b->mimo, which[k]);
 }
 
@@ -205,7 +200,7 @@ enum err structure_detect(const struct interact_plant *plant, const struct pairs
     if (!err)
         err = pairs_check(plant, pairs, NULL);
     if (!err)
-        err = check_config(config);
+        err = check_structure(config);
     if (err)
         return err;
     memset(result, 0, sizeof *result);

@@ -397,7 +397,7 @@ static uint32_t generation(const void *context)
 }
 
 /* Only what has been heard of: in the midst of greeting, or of a refused plant, none. */
-static uint8_t count(const void *context, bool manipulated)
+static uint8_t port_count(const void *context, bool manipulated)
 {
     const struct plant_link *link = context;
     return link->next_page == pages(link) && !link->refused ? link->count[manipulated] : 0;
@@ -423,7 +423,7 @@ static uint32_t tick_ms(const void *context)
     return ((const struct plant_link *)context)->tick_ms;
 }
 
-static enum err command(void *context, const struct io_command *c, uint64_t now_ms)
+static enum err port_command(void *context, const struct io_command *c, uint64_t now_ms)
 {
     struct plant_link *link = context;
     struct link_command m; /* not cleared: the outputs behind n_outputs are not looked at */
@@ -451,8 +451,8 @@ struct io_port plant_link_port(struct plant_link *link)
                             .poll = poll,
                             .state = state,
                             .generation = generation,
-                            .count = count,
+                            .count = port_count,
                             .channel = channel,
                             .tick_ms = tick_ms,
-                            .command = command};
+                            .command = port_command};
 }

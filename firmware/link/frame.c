@@ -90,7 +90,7 @@ void frame_decoder_reset(struct frame_decoder *decoder)
   @ assigns decoder->buffer[0 .. FRAME_WIRE_MAX - 1], decoder->count, *frame;
   @ ensures \result ==> frame->n <= FRAME_PAYLOAD_MAX;
   @*/
-static bool complete(struct frame_decoder *decoder, size_t n, struct frame *frame)
+static bool complete_frame(struct frame_decoder *decoder, size_t n, struct frame *frame)
 {
     const uint8_t *body = decoder->buffer + 1;
     size_t size = n - 1;
@@ -133,7 +133,7 @@ static bool delimited(struct frame_decoder *decoder, struct frame *frame)
     if (n == 0) {
         return false; /* delimiters in a row: a sender may begin with one to flush noise from the line */
     }
-    return complete(decoder, n, frame);
+    return complete_frame(decoder, n, frame);
 }
 
 size_t frame_decode_bytes(struct frame_decoder *decoder, const uint8_t *bytes, size_t n,

@@ -111,14 +111,14 @@ static bool get_text(struct reader *r, char *text, size_t size)
     return ended && good;
 }
 
-static struct cursor begin(struct frame *f, enum link_message type)
+static struct cursor begin_message(struct frame *f, enum link_message type)
 {
     f->type = (uint8_t)type;
     f->n = 0;
     return (struct cursor){.at = f->payload};
 }
 
-static void end(struct frame *f, const struct cursor *c)
+static void end_message(struct frame *f, const struct cursor *c)
 {
     f->n = (uint8_t)(c->at - f->payload);
 }
@@ -130,7 +130,7 @@ static uint8_t at_most(uint8_t n, uint8_t limit)
 
 void pack_hello(const struct link_hello *m, struct frame *f)
 {
-    struct cursor c = begin(f, LINK_HELLO);
+    struct cursor c = begin_message(f, LINK_HELLO);
     put_u8(&c, m->version);
     put_u8(&c, m->role);
     put_u32(&c, m->session);
@@ -138,19 +138,19 @@ void pack_hello(const struct link_hello *m, struct frame *f)
     put_u8(&c, m->n_outputs);
     put_u32(&c, m->tick_ms);
     put_text(&c, m->name, LINK_PLANT_NAME_SIZE);
-    end(f, &c);
+    end_message(f, &c);
 }
 
 void pack_page_request(const struct link_page_request *m, struct frame *f)
 {
-    struct cursor c = begin(f, LINK_PAGE_REQUEST);
+    struct cursor c = begin_message(f, LINK_PAGE_REQUEST);
     put_u8(&c, m->index);
-    end(f, &c);
+    end_message(f, &c);
 }
 
 void pack_page(const struct link_page *m, struct frame *f)
 {
-    struct cursor c = begin(f, LINK_PAGE);
+    struct cursor c = begin_message(f, LINK_PAGE);
     put_u8(&c, m->index);
     put_u8(&c, m->manipulated ? 1 : 0);
     put_f32(&c, m->lo);
@@ -158,14 +158,14 @@ void pack_page(const struct link_page *m, struct frame *f)
     put_f32(&c, m->safe);
     put_text(&c, m->name, CHANNEL_NAME_SIZE);
     put_text(&c, m->unit, CHANNEL_UNIT_SIZE);
-    end(f, &c);
+    end_message(f, &c);
 }
 
 void pack_ready(const struct link_ready *m, struct frame *f)
 {
-    struct cursor c = begin(f, LINK_READY);
+    struct cursor c = begin_message(f, LINK_READY);
     put_u32(&c, m->session);
-    end(f, &c);
+    end_message(f, &c);
 }
 
 static void put_readings(struct cursor *c, const struct link_reading *reading, uint8_t n)
@@ -180,20 +180,20 @@ void pack_sample(const struct link_sample *m, struct frame *f)
 {
     uint8_t n_measurements = at_most(m->n_measurements, LINK_CHANNELS_ROOM);
     uint8_t n_readback = at_most(m->n_readback, LINK_CHANNELS_ROOM);
-    struct cursor c = begin(f, LINK_SAMPLE);
+    struct cursor c = begin_message(f, LINK_SAMPLE);
     put_u32(&c, m->number);
     put_u64(&c, m->time_ms);
     put_u8(&c, n_measurements);
     put_u8(&c, n_readback);
     put_readings(&c, m->measurement, n_measurements);
     put_readings(&c, m->readback, n_readback);
-    end(f, &c);
+    end_message(f, &c);
 }
 
 void pack_command(const struct link_command *m, struct frame *f)
 {
     uint8_t n_outputs = at_most(m->n_outputs, LINK_CHANNELS_ROOM);
-    struct cursor c = begin(f, LINK_COMMAND);
+    struct cursor c = begin_message(f, LINK_COMMAND);
     put_u32(&c, m->number);
     put_u64(&c, m->time_ms);
     put_u8(&c, m->safe ? COMMAND_SAFE : 0);
@@ -202,16 +202,16 @@ void pack_command(const struct link_command *m, struct frame *f)
         put_f32(&c, m->output[i].value);
         put_u8(&c, m->output[i].drive ? 1 : 0);
     }
-    end(f, &c);
+    end_message(f, &c);
 }
 
 void pack_keep_alive(struct frame *f)
 {
-    struct cursor c = begin(f, LINK_KEEP_ALIVE);
-    end(f, &c);
+    struct cursor c = begin_message(f, LINK_KEEP_ALIVE);
+    end_message(f, &c);
 }
 
-static bool shape(const struct frame *f, enum link_message type, size_t size)
+static bool has_shape(const struct frame *f, enum link_message type, size_t size)
 {
     return f->type == (uint8_t)type && f->n == size;
 }
@@ -248,7 +248,7 @@ enum err unpack_hello(const struct frame *f, struct link_hello *m)
 
 enum err unpack_page_request(const struct frame *f, struct link_page_request *m)
 {
-    if (!shape(f, LINK_PAGE_REQUEST, PAGE_REQUEST_SIZE)) {
+    if (!has_shape(f, LINK_PAGE_REQUEST, PAGE_REQUEST_SIZE)) {
         return ERR_FRAME;
     }
     m->index = f->payload[0];
@@ -257,7 +257,7 @@ enum err unpack_page_request(const struct frame *f, struct link_page_request *m)
 
 enum err unpack_page(const struct frame *f, struct link_page *m)
 {
-    if (!shape(f, LINK_PAGE, PAGE_SIZE)) {
+    if (!has_shape(f, LINK_PAGE, PAGE_SIZE)) {
         return ERR_FRAME;
     }
     struct reader r = {.at = f->payload};
@@ -284,7 +284,7 @@ enum err unpack_page(const struct frame *f, struct link_page *m)
 
 enum err unpack_ready(const struct frame *f, struct link_ready *m)
 {
-    if (!shape(f, LINK_READY, READY_SIZE)) {
+    if (!has_shape(f, LINK_READY, READY_SIZE)) {
         return ERR_FRAME;
     }
     struct reader r = {.at = f->payload};

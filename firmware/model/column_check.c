@@ -11,8 +11,8 @@ static enum err wrong(struct column_fault *fault, const char *field, const char 
     return ERR_RANGE;
 }
 
-static enum err check(struct column_fault *fault, const char *field, real_t value, real_t lo,
-                      real_t hi, const char *wanted)
+static enum err check_between(struct column_fault *fault, const char *field, real_t value,
+                              real_t lo, real_t hi, const char *wanted)
 {
     if (isfinite(value) && value >= lo && value <= hi)
         return ERR_OK;
@@ -30,32 +30,32 @@ static enum err check_component(const struct column_config *c, const struct comp
     real_t lo = c->temperature_min, hi = c->temperature_max;
 
     for (int i = 0; i < 7; i++)
-        if ((err = check(fault, "component.antoine", p->antoine[i], -HUGE_NUMBER, HUGE_NUMBER,
-                         "finite constants")))
+        if ((err = check_between(fault, "component.antoine", p->antoine[i], -HUGE_NUMBER,
+                                 HUGE_NUMBER, "finite constants")))
             return err;
     if (p->antoine[2] + lo <= REAL_C(0.0) && p->antoine[1] != REAL_C(0.0))
         return wrong(fault, "component.antoine", "C + T above 0 from temperature_min on");
-    if ((err = check(fault, "component.molar_mass", p->molar_mass, REAL_C(1e-4), REAL_C(10.0),
-                     "1e-4 to 10 kg/mol")))
+    if ((err = check_between(fault, "component.molar_mass", p->molar_mass, REAL_C(1e-4),
+                             REAL_C(10.0), "1e-4 to 10 kg/mol")))
         return err;
     for (int i = 0; i < 2; i++) {
         real_t density = p->density[0] + p->density[1] * (i ? hi : lo);
-        if ((err = check(fault, "component.density", density, REAL_C(1.0), REAL_C(30000.0),
-                         "1 to 30000 kg/m3 from temperature_min to temperature_max")))
+        if ((err = check_between(fault, "component.density", density, REAL_C(1.0), REAL_C(30000.0),
+                                 "1 to 30000 kg/m3 from temperature_min to temperature_max")))
             return err;
     }
-    if ((err = check(fault, "component.vaporisation_heat", p->vaporisation_heat, REAL_C(1.0),
-                     REAL_C(1e6), "1 to 1e6 J/mol")))
+    if ((err = check_between(fault, "component.vaporisation_heat", p->vaporisation_heat,
+                             REAL_C(1.0), REAL_C(1e6), "1 to 1e6 J/mol")))
         return err;
-    if ((err = check(fault, "component.boiling_point", p->boiling_point, REAL_C(1.0),
-                     REAL_C(2000.0), "1 to 2000 K")))
+    if ((err = check_between(fault, "component.boiling_point", p->boiling_point, REAL_C(1.0),
+                             REAL_C(2000.0), "1 to 2000 K")))
         return err;
     if (!(p->critical_temperature > p->boiling_point && p->critical_temperature > hi) ||
         !isfinite(p->critical_temperature))
         return wrong(fault, "component.critical_temperature",
                      "above boiling_point and temperature_max");
-    return check(fault, "component.heat_capacity", p->heat_capacity, REAL_C(1.0), REAL_C(1e5),
-                 "1 to 1e5 J/(mol K)");
+    return check_between(fault, "component.heat_capacity", p->heat_capacity, REAL_C(1.0),
+                         REAL_C(1e5), "1 to 1e5 J/(mol K)");
 }
 
 enum err column_validate(const struct column_config *c, struct column_fault *fault)
@@ -72,32 +72,36 @@ enum err column_validate(const struct column_config *c, struct column_fault *fau
         return wrong(fault, "feed_stage", "2 to stages - 2");
     if (!c->component)
         return wrong(fault, "component", "an array of as many entries as components says");
-    if ((err = check(fault, "efficiency", c->efficiency, REAL_C(0.01), REAL_C(1.0), "0.01 to 1")))
+    if ((err = check_between(fault, "efficiency", c->efficiency, REAL_C(0.01), REAL_C(1.0),
+                             "0.01 to 1")))
         return err;
-    if ((err = check(fault, "pressure_drop", c->pressure_drop, REAL_C(0.0), REAL_C(1e7),
-                     "0 to 1e7 Pa")))
+    if ((err = check_between(fault, "pressure_drop", c->pressure_drop, REAL_C(0.0), REAL_C(1e7),
+                             "0 to 1e7 Pa")))
         return err;
     if ((unsigned)c->holdup > COLUMN_HOLDUP_CONSERVATIVE)
         return wrong(fault, "holdup", "one of enum column_holdup");
-    if ((err = check(fault, "holdup_reboiler", c->holdup_reboiler, TINY, HUGE_NUMBER, "above 0")) ||
-        (err = check(fault, "holdup_tray", c->holdup_tray, TINY, HUGE_NUMBER, "above 0")) ||
-        (err = check(fault, "holdup_condenser", c->holdup_condenser, TINY, HUGE_NUMBER, "above 0")))
+    if ((err = check_between(fault, "holdup_reboiler", c->holdup_reboiler, TINY, HUGE_NUMBER,
+                             "above 0")) ||
+        (err = check_between(fault, "holdup_tray", c->holdup_tray, TINY, HUGE_NUMBER, "above 0")) ||
+        (err = check_between(fault, "holdup_condenser", c->holdup_condenser, TINY, HUGE_NUMBER,
+                             "above 0")))
         return err;
-    if ((err = check(fault, "temperature_min", c->temperature_min, REAL_C(50.0), REAL_C(1000.0),
-                     "50 to 1000 K")) ||
-        (err = check(fault, "temperature_max", c->temperature_max, c->temperature_min + REAL_C(1.0),
-                     REAL_C(1000.0), "temperature_min + 1 to 1000 K")))
+    if ((err = check_between(fault, "temperature_min", c->temperature_min, REAL_C(50.0),
+                             REAL_C(1000.0), "50 to 1000 K")) ||
+        (err = check_between(fault, "temperature_max", c->temperature_max,
+                             c->temperature_min + REAL_C(1.0), REAL_C(1000.0),
+                             "temperature_min + 1 to 1000 K")))
         return err;
     if (c->holdup != COLUMN_HOLDUP_MOLAR &&
-        ((err = check(fault, "holdup_temperature_bottom", c->holdup_temperature_bottom,
-                      c->temperature_min, c->temperature_max,
-                      "temperature_min to temperature_max")) ||
-         (err =
-              check(fault, "holdup_temperature_top", c->holdup_temperature_top, c->temperature_min,
-                    c->temperature_max, "temperature_min to temperature_max"))))
+        ((err = check_between(fault, "holdup_temperature_bottom", c->holdup_temperature_bottom,
+                              c->temperature_min, c->temperature_max,
+                              "temperature_min to temperature_max")) ||
+         (err = check_between(fault, "holdup_temperature_top", c->holdup_temperature_top,
+                              c->temperature_min, c->temperature_max,
+                              "temperature_min to temperature_max"))))
         return err;
-    if ((err = check(fault, "limit_softness", c->limit_softness, REAL_C(0.001), REAL_C(0.5),
-                     "0.001 to 0.5")))
+    if ((err = check_between(fault, "limit_softness", c->limit_softness, REAL_C(0.001), REAL_C(0.5),
+                             "0.001 to 0.5")))
         return err;
     for (size_t j = 0; j < c->components; j++)
         if ((err = check_component(c, &c->component[j], fault)))
@@ -117,20 +121,21 @@ enum err column_validate_inputs(const struct column_config *c, const struct colu
         return wrong(fault, "feed_basis", "one of enum column_basis");
     if ((unsigned)u->reflux_basis > COLUMN_FLOW_VOLUME)
         return wrong(fault, "reflux_basis", "one of enum column_basis");
-    if ((err = check(fault, "feed_flow", u->feed_flow, REAL_C(0.0), HUGE_NUMBER, "0 or more")) ||
-        (err = check(fault, "feed_temperature", u->feed_temperature, c->temperature_min,
-                     c->temperature_max, "temperature_min to temperature_max")) ||
-        (err =
-             check(fault, "reflux_flow", u->reflux_flow, REAL_C(0.0), HUGE_NUMBER, "0 or more")) ||
-        (err = check(fault, "reflux_subcooling", u->reflux_subcooling, REAL_C(0.0), REAL_C(100.0),
-                     "0 to 100 K")) ||
-        (err = check(fault, "heat", u->heat, REAL_C(0.0), HUGE_NUMBER, "0 or more")) ||
-        (err = check(fault, "pressure_top", u->pressure_top, REAL_C(100.0), REAL_C(1e7),
-                     "100 to 1e7 Pa")))
+    if ((err = check_between(fault, "feed_flow", u->feed_flow, REAL_C(0.0), HUGE_NUMBER,
+                             "0 or more")) ||
+        (err = check_between(fault, "feed_temperature", u->feed_temperature, c->temperature_min,
+                             c->temperature_max, "temperature_min to temperature_max")) ||
+        (err = check_between(fault, "reflux_flow", u->reflux_flow, REAL_C(0.0), HUGE_NUMBER,
+                             "0 or more")) ||
+        (err = check_between(fault, "reflux_subcooling", u->reflux_subcooling, REAL_C(0.0),
+                             REAL_C(100.0), "0 to 100 K")) ||
+        (err = check_between(fault, "heat", u->heat, REAL_C(0.0), HUGE_NUMBER, "0 or more")) ||
+        (err = check_between(fault, "pressure_top", u->pressure_top, REAL_C(100.0), REAL_C(1e7),
+                             "100 to 1e7 Pa")))
         return err;
     for (size_t j = 0; j < c->components; j++) {
-        if ((err = check(fault, "feed_fraction", u->feed_fraction[j], REAL_C(0.0), REAL_C(1.0),
-                         "0 to 1 each")))
+        if ((err = check_between(fault, "feed_fraction", u->feed_fraction[j], REAL_C(0.0),
+                                 REAL_C(1.0), "0 to 1 each")))
             return err;
         sum += u->feed_fraction[j];
     }

@@ -114,13 +114,13 @@ void clu_determinant(const struct clu *lu, struct cplx *direction, real_t *log_m
 }
 
 /* Element (i, j) of a, or of its conjugate transpose. */
-static struct cplx element(const struct cmatrix *a, bool transposed, size_t i, size_t j)
+static struct cplx conj_element(const struct cmatrix *a, bool transposed, size_t i, size_t j)
 {
     return transposed ? cplx_conj(a->at[j][i]) : a->at[i][j];
 }
 
 /* Takes the parts along columns 0 .. k-1 of q out of column k, and adds them to r. */
-static void orthogonalise(struct cmatrix *q, struct cmatrix *r, size_t k)
+static void orthogonalise_complex(struct cmatrix *q, struct cmatrix *r, size_t k)
 {
     for (size_t l = 0; l < k; l++) {
         struct cplx along = cplx(REAL_C(0.0), REAL_C(0.0));
@@ -132,7 +132,7 @@ static void orthogonalise(struct cmatrix *q, struct cmatrix *r, size_t k)
     }
 }
 
-static real_t column_norm(const struct cmatrix *q, size_t k)
+static real_t complex_column_norm(const struct cmatrix *q, size_t k)
 {
     real_t sum = REAL_C(0.0);
     for (size_t i = 0; i < q->rows; i++)
@@ -152,13 +152,13 @@ enum err cmatrix_pseudo_inverse(const struct cmatrix *a, struct cpseudo_inverse_
     q->cols = wide ? a->rows : a->cols;
     for (size_t k = 0; k < q->cols; k++) {
         for (size_t i = 0; i < q->rows; i++)
-            q->at[i][k] = element(a, wide, i, k);
+            q->at[i][k] = conj_element(a, wide, i, k);
         for (size_t l = 0; l < k; l++)
             r->at[l][k] = cplx(REAL_C(0.0), REAL_C(0.0));
-        real_t before = column_norm(q, k);
-        orthogonalise(q, r, k);
-        orthogonalise(q, r, k);
-        real_t norm = column_norm(q, k);
+        real_t before = complex_column_norm(q, k);
+        orthogonalise_complex(q, r, k);
+        orthogonalise_complex(q, r, k);
+        real_t norm = complex_column_norm(q, k);
         if (norm <= (real_t)q->rows * REAL_EPSILON * before)
             return ERR_SINGULAR;
         r->at[k][k] = cplx(norm, REAL_C(0.0));

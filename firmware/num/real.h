@@ -4,6 +4,7 @@
 #define REFLUX_NUM_REAL_H
 
 #include <math.h>
+#include <stdbool.h>
 
 #include "num/real_math.h"
 
@@ -26,5 +27,11 @@ typedef float real_t;
 #define real_sqrt(x)   sqrtf(x)
 #define REAL_EPSILON   1.1920929e-7f
 #endif
+
+/* lo <= x <= hi; false for NaN. */
+static inline bool real_within(real_t x, real_t lo, real_t hi)
+{
+    return x >= lo && x <= hi;
+}
 
 #endif

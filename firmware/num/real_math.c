@@ -45,7 +45,7 @@ static float float_of(uint32_t bits)
 }
 
 /* |x| = mantissa 2^(exponent - 23), mantissa in [2^23, 2^24). x finite and not 0. */
-static uint32_t split(float x, int32_t *exponent)
+static uint32_t split_float(float x, int32_t *exponent)
 {
     uint32_t bits = bits_of(x) & 0x7FFFFFFFu;
     uint32_t mantissa = bits & (HIDDEN_BIT - 1u);
@@ -76,7 +76,7 @@ static int64_t series(const int64_t *c, unsigned n, int64_t t_q31)
 static int64_t log2_of(float x, int32_t *bits)
 {
     int32_t exponent;
-    uint32_t mantissa = split(x, &exponent);
+    uint32_t mantissa = split_float(x, &exponent);
     int64_t t = (int64_t)mantissa * 2 - (1 << 24); /* units of 2^-24 */
     if (mantissa > SQRT_HALF_24) {
         exponent++;
@@ -158,7 +158,7 @@ float float_exp(float x)
     if (x == 0.0f)
         return 1.0f;
     int32_t exponent;
-    uint32_t mantissa = split(x, &exponent);
+    uint32_t mantissa = split_float(x, &exponent);
     return exp2_of(exponent_of_two(mantissa, exponent, x < 0.0f ? -LOG2_E_Q38 : LOG2_E_Q38, 38));
 }
 
@@ -183,10 +183,10 @@ float float_log(float x)
 }
 
 /* Whole numbers of float: 0 no, 1 odd, 2 even. */
-static int whole(float y)
+static int parity(float y)
 {
     int32_t exponent;
-    uint32_t mantissa = split(y, &exponent);
+    uint32_t mantissa = split_float(y, &exponent);
     if (exponent > MANTISSA)
         return 2;
     if (exponent < 0)
@@ -204,7 +204,7 @@ float float_pow(float x, float y)
     if (y == 0.0f || x == 1.0f)
         return 1.0f;
     bool infinite = isinf(y);
-    int kind = infinite ? 2 : whole(y);
+    int kind = infinite ? 2 : parity(y);
     float magnitude = fabsf(x);
     if (x < 0.0f && kind == 0)
         return NAN;
@@ -219,7 +219,7 @@ float float_pow(float x, float y)
         uint64_t size = (uint64_t)(log2 < 0 ? -log2 : log2);
         int32_t drop = 64 - __builtin_clzll(size) - 39;
         log2 = drop > 0 ? log2 >> drop : log2;
-        uint32_t mantissa = split(y, &exponent);
+        uint32_t mantissa = split_float(y, &exponent);
         result = exp2_of(exponent_of_two(mantissa, exponent, y < 0.0f ? -log2 : log2,
                                          drop > 0 ? bits - drop : bits));
     }

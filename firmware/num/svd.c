@@ -145,7 +145,7 @@ static void swap_sides(struct svd *svd)
     svd->v.rows = svd->v.cols = rows;
 }
 
-static void finish(struct svd *svd)
+static void order_and_scale(struct svd *svd)
 {
     size_t rows = svd->u.rows, cols = svd->v.cols;
     for (size_t k = 0; k < cols; k++)
@@ -186,7 +186,7 @@ enum err svd_step(struct svd *svd)
     svd->sweeps++;
     if (sweep(svd))
         return ERR_BUSY;
-    finish(svd);
+    order_and_scale(svd);
     svd->done = true;
     return ERR_OK;
 }
@@ -202,7 +202,7 @@ enum err svd_decompose(struct svd *svd, const struct matrix *a)
     return err;
 }
 
-static size_t count(const struct svd *svd)
+static size_t singular_values(const struct svd *svd)
 {
     return svd->rows < svd->cols ? svd->rows : svd->cols;
 }
@@ -212,21 +212,21 @@ unsigned svd_rank(const struct svd *svd, real_t tolerance)
     if (tolerance <= REAL_C(0.0))
         tolerance = (real_t)(svd->rows > svd->cols ? svd->rows : svd->cols) * REAL_EPSILON;
     unsigned rank = 0;
-    while (rank < count(svd) && svd->s[rank] > tolerance * svd->s[0])
+    while (rank < singular_values(svd) && svd->s[rank] > tolerance * svd->s[0])
         rank++;
     return rank;
 }
 
 real_t svd_condition(const struct svd *svd)
 {
-    if (svd_rank(svd, REAL_C(0.0)) < count(svd))
+    if (svd_rank(svd, REAL_C(0.0)) < singular_values(svd))
         return INFINITY;
-    return svd->s[0] / svd->s[count(svd) - 1];
+    return svd->s[0] / svd->s[singular_values(svd) - 1];
 }
 
 enum err svd_pseudo_inverse(const struct svd *svd, unsigned rank, struct matrix *inverse)
 {
-    if (rank < 1 || rank > count(svd) || svd->s[rank - 1] <= REAL_C(0.0))
+    if (rank < 1 || rank > singular_values(svd) || svd->s[rank - 1] <= REAL_C(0.0))
         return ERR_RANGE;
     inverse->rows = svd->cols;
     inverse->cols = svd->rows;

@@ -16,14 +16,14 @@
 _Static_assert(sizeof(struct event_record) == 32, "no gaps, which the checksum would cover");
 _Static_assert(CHANNEL_NAME_SIZE - 1 == 3 * FIVE, "a subject fills its words");
 
-static uint32_t checksum(const struct event_record *r)
+static uint32_t event_checksum(const struct event_record *r)
 {
     return crc32_update(SALT, r, offsetof(struct event_record, checksum));
 }
 
-static bool whole(const struct event_record *r)
+static bool event_is_whole(const struct event_record *r)
 {
-    return r->checksum == checksum(r);
+    return r->checksum == event_checksum(r);
 }
 
 static void pack_subject(const char *subject, uint32_t word[3])
@@ -57,7 +57,7 @@ void event_log_init(struct event_log *log, struct event_record *record, uint32_t
     *log = (struct event_log){.record = record, .count = 0, .boot = (uint16_t)boot};
     for (unsigned i = 0; i < EVENT_HISTORY; i++) {
         uint32_t sequence = (uint32_t)record[i].round * EVENT_HISTORY + i;
-        if (whole(&record[i]) && sequence >= log->count)
+        if (event_is_whole(&record[i]) && sequence >= log->count)
             log->count = sequence + 1u;
     }
 }
@@ -74,7 +74,7 @@ void event_log_replace(struct event_log *log, uint32_t sequence, const struct ev
     r->round = (uint16_t)(sequence / EVENT_HISTORY);
     r->code = event->code;
     r->detail = event->detail;
-    r->checksum = checksum(r);
+    r->checksum = event_checksum(r);
 }
 
 void event_log_put(struct event_log *log, const struct event *event)
@@ -86,7 +86,7 @@ void event_log_put(struct event_log *log, const struct event *event)
 bool event_log_get(const struct event_log *log, uint32_t sequence, struct event *event)
 {
     const struct event_record *r = &log->record[sequence % EVENT_HISTORY];
-    if (!whole(r) || r->round != (uint16_t)(sequence / EVENT_HISTORY))
+    if (!event_is_whole(r) || r->round != (uint16_t)(sequence / EVENT_HISTORY))
         return false;
     memset(event, 0, sizeof *event);
     unpack_subject(r->subject, event->subject);

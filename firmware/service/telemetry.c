@@ -149,13 +149,13 @@ bool telemetry_same_columns(const struct plan *a, const struct plan *b)
     return same;
 }
 
-static void number(struct text *line, float x)
+static void put_number(struct text *line, float x)
 {
     text_char(line, ',');
     text_float9(line, x);
 }
 
-static void whole(struct text *line, uint32_t x)
+static void put_whole(struct text *line, uint32_t x)
 {
     text_char(line, ',');
     text_u32(line, x);
@@ -169,42 +169,42 @@ bool telemetry_row(const struct telemetry_row *row, unsigned n, struct text *pie
     case PART_HEAD:
         text_str(piece, "T,");
         text_u32(piece, TELEMETRY_FORMAT);
-        whole(piece, row->number);
+        put_whole(piece, row->number);
         text_char(piece, ',');
         text_seconds(piece, row->time_ms);
-        whole(piece, row->state);
-        whole(piece, row->events);
+        put_whole(piece, row->state);
+        put_whole(piece, row->events);
 #if CONFIG_STEPS
         if (row->plan->has_steps) {
-            whole(piece, row->sequence);
-            whole(piece, row->step);
+            put_whole(piece, row->sequence);
+            put_whole(piece, row->step);
         }
 #endif
         return true;
     case PART_MEASUREMENT:
         if (!c->measurement[i].name[0])
             return true;
-        number(piece, row->measurement[i]);
-        whole(piece, row->quality[i]);
+        put_number(piece, row->measurement[i]);
+        put_whole(piece, row->quality[i]);
 #if CONFIG_STEPS
         if (c->measurement[i].offset != 0.0f)
-            number(piece, row->offsets & 1u << i ? c->measurement[i].offset : 0.0f);
+            put_number(piece, row->offsets & 1u << i ? c->measurement[i].offset : 0.0f);
 #endif
         return true;
     case PART_LOOP:
         if (!row->plan->loop[i].used)
             return true;
-        whole(piece, row->mode[i]);
-        number(piece, row->setpoint[i]);
+        put_whole(piece, row->mode[i]);
+        put_number(piece, row->setpoint[i]);
         return true;
     case PART_OUTPUT:
         if (!c->output[i].name[0])
             return true;
-        number(piece, row->commanded[i]);
-        number(piece, row->applied[i]);
+        put_number(piece, row->commanded[i]);
+        put_number(piece, row->applied[i]);
         return true;
     case PART_TAIL:
-        whole(piece, row->cycles);
+        put_whole(piece, row->cycles);
         return true;
     default:
         return false;

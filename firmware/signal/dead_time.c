@@ -2,7 +2,7 @@
 
 #include "signal/check.h"
 
-static enum err split(float dead_time_s, float h_s, uint32_t *whole, float *fraction)
+static enum err split_dead_time(float dead_time_s, float h_s, uint32_t *whole, float *fraction)
 {
     enum err err = check_range(dead_time_s, 0.0f, 1e6f);
     if (err)
@@ -29,7 +29,7 @@ size_t dead_time_bytes(float dead_time_s, float h_s)
 {
     uint32_t whole;
     float fraction;
-    if (split(dead_time_s, h_s, &whole, &fraction))
+    if (split_dead_time(dead_time_s, h_s, &whole, &fraction))
         return 0;
     return ((size_t)whole + 2u) * sizeof(num_t);
 }
@@ -39,7 +39,7 @@ enum err dead_time_init(struct dead_time *f, float dead_time_s, float h_s, num_t
 {
     uint32_t whole;
     float fraction;
-    enum err err = split(dead_time_s, h_s, &whole, &fraction);
+    enum err err = split_dead_time(dead_time_s, h_s, &whole, &fraction);
     if (err)
         return err;
     if (!ring || bytes < ((size_t)whole + 2u) * sizeof(num_t))
