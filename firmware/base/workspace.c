@@ -12,7 +12,7 @@ void workspace_init(struct workspace *w, void *memory, uint32_t bytes)
 
 bool workspace_holds(const struct workspace *w, const char *holder)
 {
-    return w->holder && strcmp(w->holder, holder) == 0;
+    return w->holder == holder || (w->holder && strcmp(w->holder, holder) == 0);
 }
 
 enum err workspace_lease(struct workspace *w, const char *holder, const char *frees, uint32_t bytes,

@@ -3,6 +3,8 @@
  * The whole firmware on the board in memory, its plant a small linear column behind the bench's own instruments,
  * which make the faults. To add a fault: a row of faults[]. To add a mode: a row of modes[].
  */
+#include "app/app.h"
+#include "base/workspace.h"
 #include "board_bench.h"
 #include "events.h"
 #include "instruments.h"
@@ -13,11 +15,15 @@ static char err[512];
 
 /* ---- one sample after the other ---- */
 
-static void step(void)
+#define AT_ONCE 6u
+
+static bool waits =
+    true; /* the plant, for its answer; else it sends so many samples at once before the board gets to run */
+
+static void sample_comes(void)
 {
     struct frame f;
     struct link_sample sample;
-    unsigned before = board.commands;
     instruments_measure(&instruments, &column, 1.0, &sample);
     board.number++;
     board.time_ms += 1000;
@@ -25,17 +31,32 @@ static void step(void)
     sample.time_ms = board.time_ms;
     pack_sample(&sample, &f);
     link_give(&f);
+}
+
+static void plant_goes_on(void)
+{
+    instruments_command(&instruments, &board.command);
+    TEST_ASSERT_TRUE(instruments_drive(&instruments, &column, 1.0, err, sizeof err));
+    TEST_ASSERT_TRUE(advance(&column, column.time_s + 1.0, err, sizeof err));
+}
+
+static void step(void)
+{
+    unsigned before = board.commands, n = waits ? 1u : AT_ONCE;
+    for (unsigned k = 1; k < n; k++) {
+        sample_comes();
+        plant_goes_on();
+    }
+    sample_comes();
     board_run();
     if (!board.ready || board.mute)
         return;
-    TEST_ASSERT_EQUAL(before + 1, board.commands); /* whatever comes, it is answered */
+    TEST_ASSERT_EQUAL(before + n, board.commands); /* whatever comes, it is answered */
     for (unsigned j = 0; j < 2; j++) {
         float u = board.command.output[j].value;
         TEST_ASSERT_TRUE(u >= (float)channels[j].lo && u <= (float)channels[j].hi);
     }
-    instruments_command(&instruments, &board.command);
-    TEST_ASSERT_TRUE(instruments_drive(&instruments, &column, 1.0, err, sizeof err));
-    TEST_ASSERT_TRUE(advance(&column, column.time_s + 1.0, err, sizeof err));
+    plant_goes_on();
 }
 
 static void steps(unsigned n)
@@ -132,6 +153,35 @@ static void lost_frame(void)
     board_run();
 }
 
+static void plant_that_does_not_wait(void)
+{
+    waits = false;
+}
+
+/* Somebody else wants it: whoever comes second is told who has it. */
+static void workspace_wanted_by_two(void)
+{
+#if WORKSPACE_BYTES
+    void *memory;
+    char text[120];
+    struct text refusal = text_on(text, sizeof text);
+    struct workspace *w = app_workspace(app_instance());
+    ask_ok("commission");
+    bool idle = said("phase idle");
+    ask_ok("loop");
+    bool at_rest = idle && !said(" auto ") && !said(" cascade ");
+    enum err got = workspace_lease(w, "covariances", "block est freeze", w->bytes, &memory);
+    TEST_ASSERT_EQUAL(idle ? ERR_OK : ERR_BUSY, got);
+    if (!idle) {
+        workspace_refusal(w, &refusal);
+        TEST_ASSERT_EQUAL_STRING("start-up has it; `commission abort` frees it", text);
+        return;
+    }
+    memset(memory, 0xFF, w->bytes);
+    ask_refused("commission begin", at_rest ? "BUSY" : "STATE");
+#endif
+}
+
 /* States to end in. Interlock lock1 cuts the heater when T10 is too hot, or lost for longer than its hold. */
 enum end {
     SAME,          /* modes as they were, nothing forced */
@@ -195,6 +245,9 @@ static const struct fault {
     {"one sample lost", NULL, NULL, NULL, NULL, one_sample_lost, SAME, NULL},
     {"many samples lost", NULL, NULL, NULL, NULL, many_samples_lost, SAFE, "safe state"},
     {"broken frames", NULL, NULL, NULL, NULL, lost_frame, SAME, NULL},
+    {"job late: the plant does not wait", NULL, NULL, NULL, NULL, plant_that_does_not_wait, SAME,
+     NULL},
+    {"workspace refused", NULL, NULL, NULL, NULL, workspace_wanted_by_two, SAME, NULL},
 };
 #define FAULTS (sizeof faults / sizeof faults[0])
 
@@ -374,7 +427,7 @@ static void one_combination(const struct fault *fault, const struct mode *mode)
     event(fault->begin_too);
     if (fault->act)
         fault->act();
-    for (unsigned n = 0; n < 150; n++) {
+    for (unsigned n = 0; n < (waits ? 150u : 150u / AT_ONCE); n++) {
         step();
         if (mode->command && n % 10 == 0)
             (void)ask(mode->command);
@@ -382,6 +435,11 @@ static void one_combination(const struct fault *fault, const struct mode *mode)
     check_end(fault, mode, where);
     if (mode->enter == commissioning)
         check_test(fault, where);
+    if (mode->enter == commissioning) {
+        ask_ok("events");
+        TEST_ASSERT_EQUAL_MESSAGE(!waits, said("JOB_LATE start-up"), where);
+    }
+    waits = true;
     /* Repaired: alarms go, and nothing begins to act of itself. */
     remember_loops();
     event(fault->end);
@@ -437,10 +495,12 @@ static void row(const struct fault *fault, char *line, size_t size)
         [TRIPPED] = "interlock commands 0, reported",
     };
     snprintf(line, size, "| %s | %s%s%s%s%s%s | %s | %s |\n", fault->name, fault->begin ? "`" : "",
-             fault->begin ? fault->begin : "on the link", fault->begin ? "`" : "",
-             fault->begin_too ? " `" : "", fault->begin_too ? fault->begin_too : "",
-             fault->begin_too ? "`" : "", ends[fault->state],
-             fault->ends_test ? fault->ends_test : "goes on");
+             fault->begin                            ? fault->begin
+             : fault->act == workspace_wanted_by_two ? "two who ask for it"
+                                                     : "on the link",
+             fault->begin ? "`" : "", fault->begin_too ? " `" : "",
+             fault->begin_too ? fault->begin_too : "", fault->begin_too ? "`" : "",
+             ends[fault->state], fault->ends_test ? fault->ends_test : "goes on");
 }
 
 static void the_table_in_the_document_is_this_one(void)
