@@ -105,6 +105,8 @@ class Rules(unittest.TestCase):
         report = self.report(code, "tick: one two  # hook\n")
         self.assertEqual(report.findings, [])
         self.assertEqual(report.pointer_calls, 1)
+        self.finds("the address of two is kept", code, "tick: o*  # a pattern, which two is not of\n")
+        self.assertEqual(self.report(code, "tick: o* *wo  # hook\n").findings, [])
 
     def test_stack_too_small(self) -> None:
         code = ("void use(volatile char *); void use(volatile char *p) { p[seen] = 1; }"
