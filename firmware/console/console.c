@@ -206,7 +206,7 @@ void console_list(struct console *c, console_listing listing, const char *argume
     c->listing_at = 0;
 }
 
-static unsigned split(char *line, char **word)
+static unsigned split_words(char *line, char **word)
 {
     unsigned n = 0;
     while (*line) {
@@ -237,7 +237,7 @@ static void usage(struct console *c, const struct console_command *command)
 static void dispatch(struct console *c)
 {
     char *word[CONSOLE_WORDS];
-    unsigned n = split(c->editor.line, word);
+    unsigned n = split_words(c->editor.line, word);
     c->stats.lines++;
     if (n == 0) {
         prompt(c);

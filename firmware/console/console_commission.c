@@ -21,7 +21,7 @@ static const char *const stages[] = {
     [EXPERIMENT_DONE] = "done",           [EXPERIMENT_FAILED] = "failed",
 };
 
-static void number(struct text *t, const char *before, float x, const char *unit)
+static void text_quantity(struct text *t, const char *before, float x, const char *unit)
 {
     text_str(t, before);
     text_float(t, x);
@@ -51,18 +51,18 @@ static void test_line(const struct commission *c, const struct config *config, s
     const struct output_config *o = &config->output[c->input[c->order[at]].output];
     text_str(line, "input ");
     text_str(line, o->name);
-    number(line, " (", (float)(at + 1u), " of ");
+    text_quantity(line, " (", (float)(at + 1u), " of ");
     text_u32(line, c->inputs);
     text_str(line, "), round ");
     text_u32(line, c->round);
     text_str(line, ": ");
     text_str(line, stages[now.phase]);
-    number(line, ", amplitude ", (float)now.amplitude * output_span(o), " ");
+    text_quantity(line, ", amplitude ", (float)now.amplitude * output_span(o), " ");
     text_str(line, o->unit);
     if (now.worst > REAL_C(0.0)) {
         text_str(line, ", worst ");
         text_str(line, config->measurement[c->measurement[now.worst_output]].name);
-        number(line, " at ", (float)now.worst, " of its limit");
+        text_quantity(line, " at ", (float)now.worst, " of its limit");
     }
 }
 

@@ -5,12 +5,12 @@
 
 #if COMMISSION_CHANNELS
 
-static const struct measurement_config *measurement(const struct console *c, unsigned j)
+const struct measurement_config *commission_measurement(const struct console *c, unsigned j)
 {
     return &console_settings(c)->measurement[c->service->commission->measurement[j]];
 }
 
-static const struct output_config *output(const struct console *c, unsigned k)
+const struct output_config *commission_output(const struct console *c, unsigned k)
 {
     return &console_settings(c)->output[c->service->commission->input[k].output];
 }
@@ -39,7 +39,7 @@ void commission_flags(struct text *t, unsigned bits)
 static bool input_line(const struct console *c, unsigned k, struct text *line)
 {
     const struct tested_input *in = &c->service->commission->input[k];
-    const struct output_config *o = output(c, k);
+    const struct output_config *o = commission_output(c, k);
     float span = o->hi - o->lo;
     text_str(line, "input ");
     text_str(line, o->name);
@@ -55,7 +55,7 @@ static bool input_line(const struct console *c, unsigned k, struct text *line)
         text_str(line, " skipped");
     if (in->cut) {
         text_str(line, " cut by ");
-        text_str(line, measurement(c, in->cut_by)->name);
+        text_str(line, commission_measurement(c, in->cut_by)->name);
     }
     if (in->small)
         text_str(line, " small");
@@ -66,8 +66,8 @@ static bool input_line(const struct console *c, unsigned k, struct text *line)
 static void element_line(const struct console *c, unsigned j, unsigned k, struct text *line)
 {
     const struct element *e = &c->service->commission->work->element[j][k];
-    const struct measurement_config *y = measurement(c, j);
-    const struct output_config *u = output(c, k);
+    const struct measurement_config *y = commission_measurement(c, j);
+    const struct output_config *u = commission_output(c, k);
     float scale = (y->hi - y->lo) / (u->hi - u->lo);
     text_str(line, "element ");
     text_str(line, y->name);
@@ -91,8 +91,8 @@ static void element_line(const struct console *c, unsigned j, unsigned k, struct
 static void second_line(const struct console *c, unsigned j, unsigned k, struct text *line)
 {
     const struct element *e = &c->service->commission->work->element[j][k];
-    const struct measurement_config *y = measurement(c, j);
-    const struct output_config *u = output(c, k);
+    const struct measurement_config *y = commission_measurement(c, j);
+    const struct output_config *u = commission_output(c, k);
     float scale = (y->hi - y->lo) / (u->hi - u->lo);
     text_str(line, "moments ");
     text_str(line, y->name);
@@ -127,7 +127,7 @@ bool commission_model_line(struct console *c, unsigned n, struct text *line)
         return input_line(c, n, line);
     n -= m->inputs;
     if (n < m->outputs) {
-        const struct measurement_config *y = measurement(c, n);
+        const struct measurement_config *y = commission_measurement(c, n);
         text_str(line, "output ");
         text_str(line, y->name);
         text_named_float(line, "noise", (float)m->noise_sd[n] * (y->hi - y->lo));
@@ -193,7 +193,8 @@ static void null_line(const struct console *c, bool outputs, struct text *line)
     text_str(line, outputs ? "null outputs" : "null inputs");
     for (unsigned i = 0; i < n; i++) {
         text_char(line, ' ');
-        text_str(line, outputs ? measurement(c, i)->name : output(c, m->column[i])->name);
+        text_str(line, outputs ? commission_measurement(c, i)->name
+                               : commission_output(c, m->column[i])->name);
         text_char(line, ' ');
         text_float(line, (float)(outputs ? a->null_output[i] : a->null_input[i]));
     }
@@ -221,12 +222,12 @@ bool commission_gains_line(struct console *c, unsigned n, struct text *line)
         text_str(line, a->has_lambda ? "rga" : "rga none: the gains have no inverse");
         for (unsigned k = 0; a->has_lambda && k < a->plant.inputs; k++) {
             text_char(line, ' ');
-            text_str(line, output(c, m->column[k])->name);
+            text_str(line, commission_output(c, m->column[k])->name);
         }
         return true;
     }
     text_str(line, "rga ");
-    text_str(line, measurement(c, n - 1u)->name);
+    text_str(line, commission_measurement(c, n - 1u)->name);
     for (unsigned k = 0; k < a->plant.inputs; k++) {
         text_char(line, ' ');
         text_float(line, (float)a->lambda.at[n - 1u][k]);
@@ -260,17 +261,17 @@ static void decoupler_words(const struct analysis *a, struct text *line)
     text_named_float(line, "without", (float)without->loads);
 }
 
-static void loop_line(const struct console *c, unsigned k, struct text *line)
+static void proposed_loop_line(const struct console *c, unsigned k, struct text *line)
 {
     const struct commission *m = c->service->commission;
     const struct analysis *a = &m->work->analysis;
     const struct tuning *t = &a->loops.tuning[k];
     const struct trial_loop *p = &a->predicted[k];
-    const struct measurement_config *y = measurement(c, a->pairs.output[k]);
+    const struct measurement_config *y = commission_measurement(c, a->pairs.output[k]);
     text_str(line, "loop ");
     text_str(line, y->name);
     text_char(line, ' ');
-    text_str(line, output(c, m->column[a->pairs.input[k]])->name);
+    text_str(line, commission_output(c, m->column[a->pairs.input[k]])->name);
     text_named_float(line, "gain", (float)t->gain);
     text_named_float(line, "ti", (float)t->ti_s);
     text_named_float(line, "td", (float)t->td_s);
@@ -310,7 +311,7 @@ bool commission_proposal_line(struct console *c, unsigned n, struct text *line)
     }
     if (n - 2u >= a->pairs.n)
         return commission_structural_line(c, n - 2u - a->pairs.n, line);
-    loop_line(c, n - 2u, line);
+    proposed_loop_line(c, n - 2u, line);
     return true;
 }
 

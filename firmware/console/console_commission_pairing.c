@@ -5,16 +5,6 @@
 
 #if COMMISSION_CHANNELS
 
-static const struct measurement_config *measurement(const struct console *c, unsigned j)
-{
-    return &console_settings(c)->measurement[c->service->commission->measurement[j]];
-}
-
-static const struct output_config *output(const struct console *c, unsigned k)
-{
-    return &console_settings(c)->output[c->service->commission->input[k].output];
-}
-
 /* What speaks against the pairing as a whole. */
 static void doubt_line(const struct analysis *a, unsigned n, struct text *line)
 {
@@ -29,9 +19,9 @@ static void doubt_line(const struct analysis *a, unsigned n, struct text *line)
 
 static void names(const struct console *c, unsigned j, unsigned i, struct text *line)
 {
-    text_str(line, measurement(c, j)->name);
+    text_str(line, commission_measurement(c, j)->name);
     text_char(line, ' ');
-    text_str(line, output(c, c->service->commission->column[i])->name);
+    text_str(line, commission_output(c, c->service->commission->column[i])->name);
 }
 
 /* Of an element: what its tests left open. */
@@ -59,7 +49,7 @@ static void subset_line(const struct console *c, struct text *line)
         if ((a->negative & (1u << k)) == 0u)
             continue;
         text_char(line, ' ');
-        text_str(line, measurement(c, a->pairs.output[k])->name);
+        text_str(line, commission_measurement(c, a->pairs.output[k])->name);
     }
 }
 
@@ -79,7 +69,7 @@ static bool left_over_line(const struct console *c, unsigned n, struct text *lin
     if (n < a->plant.outputs) {
         const char *why = words_of_left(certainty_output_left(a, (uint8_t)n));
         if (why[0])
-            left_line("measurement", measurement(c, n)->name, why, line);
+            left_line("measurement", commission_measurement(c, n)->name, why, line);
         return true;
     }
     n -= a->plant.outputs;
@@ -90,7 +80,7 @@ static bool left_over_line(const struct console *c, unsigned n, struct text *lin
         if (m->column[i] == n)
             why = words_of_left(certainty_input_left(a, i));
     if (why[0])
-        left_line("input", output(c, n)->name, why, line);
+        left_line("input", commission_output(c, n)->name, why, line);
     return true;
 }
 
@@ -155,12 +145,13 @@ bool commission_pairing_line(struct console *c, unsigned n, struct text *line)
         return remarks_line(c, n - a->plant.outputs, line);
     if (a->ambiguous_outputs >> n & 1u) {
         text_str(line, "open ");
-        text_str(line, measurement(c, n)->name);
+        text_str(line, commission_measurement(c, n)->name);
         text_named_float(line, "share", (float)a->share[n]);
         if (a->rival[n] != INTERACT_NONE) {
             text_str(line, " rival ");
-            text_str(line, a->rival[n] < a->plant.inputs ? output(c, m->column[a->rival[n]])->name
-                                                         : "-"); /* none of them */
+            text_str(line, a->rival[n] < a->plant.inputs
+                               ? commission_output(c, m->column[a->rival[n]])->name
+                               : "-"); /* none of them */
         }
     }
     return true;

@@ -12,11 +12,6 @@ static const struct analysis *analysis(const struct console *c)
     return &c->service->commission->work->analysis;
 }
 
-static const char *measurement(const struct console *c, uint8_t j)
-{
-    return console_settings(c)->measurement[c->service->commission->measurement[j]].name;
-}
-
 static const char *input(const struct console *c, uint8_t k)
 {
     const struct commission *m = c->service->commission;
@@ -29,7 +24,7 @@ static const char *input(const struct console *c, uint8_t k)
 static void pair(const struct console *c, uint8_t k, struct text *line)
 {
     text_char(line, ' ');
-    text_str(line, measurement(c, analysis(c)->pairs.output[k]));
+    text_str(line, commission_measurement(c, analysis(c)->pairs.output[k])->name);
     text_char(line, ' ');
     text_str(line, input(c, k));
 }
@@ -105,8 +100,8 @@ static void cascade_line(const struct console *c, const struct cascade *found, s
 {
     bool used = (analysis(c)->inner_outputs & (1u << found->inner)) != 0u;
     text_str(line, "cascade");
-    text_named_str(line, "inner", measurement(c, found->inner));
-    text_named_str(line, "outer", measurement(c, found->outer));
+    text_named_str(line, "inner", commission_measurement(c, found->inner)->name);
+    text_named_str(line, "outer", commission_measurement(c, found->outer)->name);
     text_named_float(line, "gain", found->between.gain);
     text_named_float(line, "lag", found->between.time_constant_s);
     text_named_float(line, "dead", found->between.dead_time_s);
@@ -176,14 +171,14 @@ static void inner_line(const struct console *c, uint8_t k, struct text *line)
         return;
     text_str(line, "inner");
     text_char(line, ' ');
-    text_str(line, measurement(c, inner));
+    text_str(line, commission_measurement(c, inner)->name);
     text_char(line, ' ');
     text_str(line, input(c, k));
     text_named_float(line, "gain", t->gain);
     text_named_float(line, "ti", t->ti_s);
     text_named_float(line, "td", t->td_s);
     text_str(line, t->action == TUNING_DIRECT ? " direct" : " reverse");
-    text_named_str(line, "below", measurement(c, a->pairs.output[k]));
+    text_named_str(line, "below", commission_measurement(c, a->pairs.output[k])->name);
 }
 
 static void feed_line(const struct console *c, uint8_t from, uint8_t to, struct text *line)

@@ -22,7 +22,7 @@ static void copy(char *to, const char *from, size_t n)
     to[n] = '\0';
 }
 
-static struct typed look(const char *line)
+static struct typed look_at_line(const char *line)
 {
     struct typed t = {.begun = line};
     while (*line) {
@@ -168,7 +168,7 @@ static const char *argument_at(const char *arguments, unsigned position, size_t 
 bool console_choice(void *console, const char *line, unsigned n, struct text *word)
 {
     const struct console *c = console;
-    struct typed t = look(line);
+    struct typed t = look_at_line(line);
     const struct console_command *command = NULL;
     if (t.position == 0)
         return kind_choice(c, "COMMAND", 7, &t, n, word) > n;

@@ -148,8 +148,8 @@ void command_loop(struct console *c, unsigned n, char **word)
     console_list(c, loop_line, n ? word[0] : "");
 }
 
-static void propose(struct console *c, uint8_t loop, const char *field, const char *word,
-                    float value)
+static void print_setting(struct console *c, uint8_t loop, const char *field, const char *word,
+                          float value)
 {
     char line[CONSOLE_OUTPUT_MAX];
     struct text t = text_on(line, sizeof line);
@@ -192,10 +192,11 @@ void command_tune(struct console *c, unsigned n, char **word)
     enum err err = operate_tune(&c->session, loop, (enum tuning_rule)rule, &model,
                                 n == 6 ? lambda_s : model.dead_time_s, &result, &a);
     if (!err) {
-        propose(c, loop, "gain", NULL, result.gain);
-        propose(c, loop, "ti", NULL, result.ti_s);
-        propose(c, loop, "td", NULL, result.td_s);
-        propose(c, loop, "action", result.action == TUNING_DIRECT ? "direct" : "reverse", 0.0f);
+        print_setting(c, loop, "gain", NULL, result.gain);
+        print_setting(c, loop, "ti", NULL, result.ti_s);
+        print_setting(c, loop, "td", NULL, result.td_s);
+        print_setting(c, loop, "action", result.action == TUNING_DIRECT ? "direct" : "reverse",
+                      0.0f);
     }
     console_answer(c, err, &a);
 }

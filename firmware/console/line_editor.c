@@ -80,7 +80,7 @@ static void rub_out(struct line_editor *e, bool people)
     put_tail(e, 1);
 }
 
-static void move(struct line_editor *e, unsigned to)
+static void move_cursor(struct line_editor *e, unsigned to)
 {
     while (e->at > to) {
         e->at--;
@@ -93,7 +93,7 @@ static void move(struct line_editor *e, unsigned to)
 static void delete_under(struct line_editor *e)
 {
     if (e->at < e->n) {
-        move(e, e->at + 1u);
+        move_cursor(e, e->at + 1u);
         rub_out(e, true);
     }
 }
@@ -102,7 +102,7 @@ static void delete_under(struct line_editor *e)
 static void replace(struct line_editor *e, const char *line, bool people)
 {
     if (people && e->n) {
-        move(e, 0);
+        move_cursor(e, 0);
         put(e, "\033[K", 3);
     }
     size_t n = strlen(line);
@@ -143,7 +143,7 @@ void line_editor_remember(struct line_editor *e, const char *line)
     e->history_n = (uint16_t)(e->history_n + size);
 }
 
-static void go_back(struct line_editor *e)
+static void recall_earlier(struct line_editor *e)
 {
     const char *line = past(e, e->back + 1u);
     if (!line)
@@ -200,7 +200,7 @@ static void show_choices(struct line_editor *e, const char *line, const char *be
 }
 
 /* Completes the word before the cursor as far as all choices agree; shows them when they agree no further. */
-static void complete(struct line_editor *e)
+static void complete_word(struct line_editor *e)
 {
     char line[LINE_EDITOR_MAX + 1], best[32], buffer[32];
     struct text word = text_on(buffer, sizeof buffer);
@@ -241,26 +241,26 @@ static void final_of_sequence(struct line_editor *e, char x)
 {
     switch (x == '~' ? e->parameter : x) { /* ESC [ 3 ~: the digit names the key */
     case 'A':
-        go_back(e);
+        recall_earlier(e);
         break;
     case 'B':
         go_forth(e);
         break;
     case 'C':
-        move(e, e->at + 1u);
+        move_cursor(e, e->at + 1u);
         break;
     case 'D':
-        move(e, e->at ? e->at - 1u : 0);
+        move_cursor(e, e->at ? e->at - 1u : 0);
         break;
     case 'H':
     case '1':
     case '7':
-        move(e, 0);
+        move_cursor(e, 0);
         break;
     case 'F':
     case '4':
     case '8':
-        move(e, e->n);
+        move_cursor(e, e->n);
         break;
     case '3':
         delete_under(e);
@@ -311,14 +311,14 @@ static void take_key(struct line_editor *e, char x, bool people)
         break;
     case '\t':
         if (people)
-            complete(e);
+            complete_word(e);
         else
             insert(e, ' ', false);
         break;
     case KEY_HOME:
     case KEY_END:
         if (people)
-            move(e, x == KEY_HOME ? 0 : e->n);
+            move_cursor(e, x == KEY_HOME ? 0 : e->n);
         else
             e->garbled = true;
         break;
