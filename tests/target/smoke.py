@@ -15,8 +15,13 @@ import subprocess
 import sys
 import tempfile
 import time
+from pathlib import Path
 
-MACHINES = {"stm32f405": "netduinoplus2", "stm32f100": "stm32vldiscovery"}
+sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "tools"))
+sys.dont_write_bytecode = True
+
+from reflux_tools.boards import BOARDS  # noqa: E402
+
 GREETING = "STARTED"  # the firmware's own event: console and link are listening
 
 
@@ -74,7 +79,7 @@ def check(folder, process, board, deadline):
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--image", required=True, help="the .bin that is also written to the chip")
-    parser.add_argument("--board", default="stm32f405", choices=MACHINES,
+    parser.add_argument("--board", default="stm32f405", choices=BOARDS,
                         help="name that 'version' must say")
     parser.add_argument("--qemu", default="qemu-system-arm")
     parser.add_argument("--timeout", type=float, default=20.0, help="seconds for everything (default 20)")
@@ -87,7 +92,7 @@ def main():
         return 2
     deadline = time.monotonic() + options.timeout
     with tempfile.TemporaryDirectory(prefix="reflux-") as folder:
-        command = [options.qemu, "-M", MACHINES[options.board], "-kernel", options.image, "-nographic", "-monitor", "none"]
+        command = [options.qemu, "-M", BOARDS[options.board].machine, "-kernel", options.image, "-nographic", "-monitor", "none"]
         for name in ("console", "link"):  # in this order: USART1, USART2
             path = os.path.join(folder, name)
             command += ["-chardev", f"socket,id={name},path={path},server=on,wait=on"]

@@ -55,8 +55,8 @@ class Names(unittest.TestCase):
                         self.assertIn(known, parameters(group))
 
     def test_the_names_are_those_of_the_refusals(self) -> None:
-        """firmware/supervise/plan.c turns a block's field into the parameter it names in a refusal."""
-        text = (ROOT / "firmware" / "supervise" / "plan.c").read_text(encoding="utf-8")
+        """Kinds of blocks turn a field into the parameter it names in a refusal."""
+        text = "".join(path.read_text(encoding="utf-8") for path in (ROOT / "firmware").glob("*/*_kind.c"))
         pairs = dict(re.findall(r'\{"(\w+)", "(\w+)"\}', text))
         self.assertIn("ti_s", pairs)
         named = {c: p for name, *_ in PAGES for row in table(name) for c, p in zip(*row)}

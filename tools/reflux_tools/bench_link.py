@@ -18,6 +18,7 @@ from pathlib import Path
 from typing import Callable, Iterable
 
 from reflux_tools import build, elf_image, memory_map
+from reflux_tools.boards import BOARDS
 from reflux_tools.errors import RunFailed
 
 FRAMES = "frame.c"
@@ -133,7 +134,7 @@ def rows(run: Run) -> list[list[str]]:
     """Each image with its own table and, where that shows what a size buys, with the others. run(kind, options) runs the
     image of a build tree under the emulator with more options."""
     out = []
-    for kind in ("stm32f405", "stm32f100"):
+    for kind in BOARDS:
         own = table_of(build.build(kind, quiet=True), f"reflux-{kind}")
         for entries in TABLES:
             tree = f"{kind}-tables"

@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import Callable
 
 from reflux_tools import bench_link, bench_plants, build, launch, runner, scenario, table
+from reflux_tools.boards import BOARDS
 from reflux_tools.errors import RunFailed, UserError
 from reflux_tools.paths import ROOT, SCENARIOS, build_dir, named, shown
 
@@ -43,8 +44,8 @@ def main(arguments: list[str]) -> int:
         for title, header, rows in bench_plants.parts():
             print(f"\n{title}\n{table.columns(header, rows)}", flush=True)
         return 0
-    build.build("stm32f405")
-    build.build("stm32f100")
+    for kind in BOARDS:
+        build.build(kind)
     parts = [
         *bench_plants.parts(),
         ("Lockstep ticks per second", ["way", "ticks", "ticks per second"], speed_rows(options.ticks)),
@@ -198,7 +199,7 @@ def size_rows() -> list[list[str]]:
     for library in libraries:
         sums = _size(["-t", str(library)])
         rows.append([library.stem.removeprefix("libreflux_") + " (before the linker drops what is unused)", *sums])
-    for kind in ("stm32f405", "stm32f100"):
+    for kind in BOARDS:
         image = build_dir(kind) / f"reflux-{kind}.elf"
         if image.is_file():
             rows.append([f"image {image.name}", *_size([str(image)])])

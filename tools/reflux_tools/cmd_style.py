@@ -16,12 +16,13 @@ import sys
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
+from reflux_tools.boards import BOARDS
 from reflux_tools.errors import RunFailed
 from reflux_tools.paths import ROOT, build_dir, build_root
 
 FORMATTED = ("firmware", "hal", "host_sim", "tests", "tools/libreflux")
 TIDIED = ("firmware", "hal", "host_sim", "tools/libreflux")
-PRESETS = ("host", "stm32f405", "stm32f100")
+PRESETS = ("host", *BOARDS)
 CROSS = ["--target=arm-none-eabi", "-isystem", "/usr/lib/picolibc/arm-none-eabi/include"]
 UNKNOWN_TO_CLANG = ("--specs=", "-fcallgraph-info", "-fstack-usage", "-fno-math-errno", "-fanalyzer",
                     "-Wa,", "-fno-tree-",

@@ -15,7 +15,7 @@ import sys
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from reflux_tools import build, machine_code
+from reflux_tools import boards, build, machine_code
 from reflux_tools.errors import RunFailed, UserError
 from reflux_tools.paths import CAMPAIGNS, ROOT, build_dir
 
@@ -70,15 +70,12 @@ def collect(labels: set[str]) -> list[Test]:
         tests += loop_tests()
     if "target" in labels:
         build.build("host-fixed", ("reflux-host",))
-        build.build("stm32f405")
-        build.build("stm32f405-fixed")
-        build.build("stm32f405-base")
-        build.build("stm32f100")
+        for preset in boards.PRESETS:
+            build.build(preset)
         tests += target_tests()
     if "style" in labels:
-        build.configure("host")
-        build.configure("stm32f405")
-        build.configure("stm32f100")
+        for preset in ("host", *boards.BOARDS):
+            build.configure(preset)
         tests += style_tests()
     if "tools" in labels:
         tests += python_tests("tools")
@@ -148,9 +145,7 @@ def loop_tests() -> list[Test]:
 
 def target_tests() -> list[Test]:
     """The same scenario on the host and on the image in the emulator."""
-    return [same_log("target.smoke-float", "host", "stm32f405", "target"),
-            same_log("target.smoke-fixed", "host-fixed", "stm32f405-fixed", "target"),
-            same_log("target.smoke-small", "host-fixed", "stm32f100", "target"),
+    return [*(same_log(f"target.smoke-{image.test}", image.twin, image.preset, "target") for image in boards.RUNS),
             *python_tests("target")]
 
 

@@ -14,10 +14,9 @@ from pathlib import Path
 from typing import Iterator
 
 from reflux_tools import build
+from reflux_tools.boards import BOARDS
 from reflux_tools.errors import RunFailed, UserError
 
-# The emulated board that carries the processor of an image.
-MACHINES = {"stm32f405": "netduinoplus2", "stm32f100": "stm32vldiscovery"}
 BOOT_ID = 1
 
 
@@ -146,7 +145,7 @@ def emulator_command(image: Path, console: Path, link: Path, extra: tuple[str, .
     """USART1 (the first -serial) is the console, USART2 the plant link. The link listens first and waits for
     nobody; the processor starts once the console has been opened. So the simulator may open them in any order,
     and no byte meets a firmware without its console."""
-    machine = MACHINES[image.stem.removeprefix("reflux-")]
+    machine = BOARDS[image.stem.removeprefix("reflux-")].machine
     return ["qemu-system-arm", "-M", machine, "-nographic", "-monitor", "none", "-kernel", str(image),
             "-chardev", f"socket,id=lnk,path={link},server=on,wait=off",
             "-chardev", f"socket,id=con,path={console},server=on,wait=on",

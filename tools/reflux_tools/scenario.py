@@ -6,11 +6,12 @@ import re
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
+from reflux_tools import boards
 from reflux_tools.errors import UserError
 from reflux_tools.paths import ROOT, SCENARIOS, shown
 from reflux_tools.schema import Table, check_number, load_toml
 
-FIRMWARES = ("host", "host-fixed", "stm32f405", "stm32f405-fixed", "stm32f100", "memory", "serial")
+FIRMWARES = ("host", "host-fixed", *boards.FIRMWARES, "memory", "serial")
 METRICS = ("iae", "overshoot_percent", "settling_s", "tv", "max_error")
 CHANNEL = re.compile(r"[A-Za-z0-9_]{1,15}")
 EVENT = re.compile(r"[A-Za-z0-9_]{1,15}(\.[a-z]{1,15})?")

@@ -1,0 +1,34 @@
+"""The boards that the emulator runs: the one table of them. Another board is a row here (docs/architecture.md)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class Image:
+    """An image that scenarios run on."""
+
+    preset: str
+    twin: str  # preset of the host whose log is the same, bit for bit
+    test: str  # that shows it: target.smoke-TEST
+
+
+@dataclass(frozen=True)
+class Board:
+    machine: str  # the emulated board that carries its processor
+    runs: tuple[Image, ...]
+    others: tuple[str, ...] = ()  # further presets, of which the size is checked
+
+
+BOARDS = {
+    "stm32f405": Board("netduinoplus2", (Image("stm32f405", "host", "float"), Image("stm32f405-fixed", "host-fixed", "fixed")),
+                       ("stm32f405-base",)),
+    "stm32f100": Board("stm32vldiscovery", (Image("stm32f100", "host-fixed", "small"),)),
+}
+
+RUNS = tuple(image for board in BOARDS.values() for image in board.runs)
+# What `--firmware` of tools/run and `firmware` of a scenario may be, of images.
+FIRMWARES = tuple(image.preset for image in RUNS)
+# Everything there is to build.
+PRESETS = (*FIRMWARES, *(preset for board in BOARDS.values() for preset in board.others))
