@@ -16,6 +16,7 @@
 #include "hal/tick.h"
 #include "hal/uart.h"
 #include "hal/watchdog.h"
+#include "io/sample_gate.h"
 #include "service/early_resets.h"
 #include "service/heartbeat.h"
 #include "service/storage.h"
@@ -45,8 +46,7 @@ struct app {
     struct storage storage;
 #if JOBS_MAX
     struct jobs jobs;
-    struct io_sample held; /* waits for a job, where `holds` */
-    bool holds;
+    struct sample_gate gate;
 #endif
 #if WORKSPACE_BYTES
     struct workspace workspace;
@@ -185,7 +185,7 @@ static void follow_plant(struct app *app)
     app->io_state = state;
     app->bound_generation = generation;
 #if JOBS_MAX
-    app->holds = false;
+    sample_gate_forget(&app->gate);
 #endif
     samples_forget(&s->samples, hal_clock_ms());
     app->command.n_outputs = 0;
@@ -387,41 +387,18 @@ static uint32_t tick_deadline_ms(const struct app *app)
     return tick_ms < (float)longest_ms ? (uint32_t)tick_ms : longest_ms;
 }
 
-#if JOBS_MAX
-/* While a job is due that is not done the sample that would meet it waits. A plant in lockstep stops its time meanwhile, and
- * at most sends it again. One that sends the next does not wait: then that before is looked at without the result. */
-NOT_INLINE static bool hold_samples(struct app *app, uint64_t now_ms, struct io_sample *sample)
-{
-    struct io_port *io = &app->service.io;
-    app->service.samples.seen_ms = now_ms; /* nobody has looked */
-    for (unsigned n = 0; n < 64 && io->poll(io->context, now_ms, sample); n++) {
-        bool goes_on = app->holds && sample->number != app->held.number;
-        struct io_sample before = app->held;
-        app->held = *sample;
-        app->holds = true;
-        if (goes_on) {
-            *sample = before;
-            return true;
-        }
-    }
-    return false;
-}
-#endif
-
 /* The next sample that is to be looked at now, where there is one. */
 static bool next_sample(struct app *app, uint64_t now_ms, struct io_sample *sample)
 {
-    struct io_port *io = &app->service.io;
+    const struct io_port *io = &app->service.io;
 #if JOBS_MAX
-    if (jobs_wait(&app->jobs))
-        return hold_samples(app, now_ms, sample);
-    if (app->holds) {
-        *sample = app->held;
-        app->holds = false;
-        return true;
-    }
-#endif
+    bool wait = jobs_wait(&app->jobs);
+    if (wait)
+        app->service.samples.seen_ms = now_ms; /* nobody has looked */
+    return sample_gate_poll(&app->gate, io, wait, now_ms, sample);
+#else
     return io->poll(io->context, now_ms, sample);
+#endif
 }
 
 void app_tick(struct app *app)
@@ -460,7 +437,7 @@ static bool do_work(struct app *app)
         if (cost > s->work_cost.highest)
             s->work_cost.highest = cost;
     }
-    if (app->holds && !jobs_wait(&app->jobs))
+    if (app->gate.holds && !jobs_wait(&app->jobs))
         hal_tick_request();
     return worked;
 }

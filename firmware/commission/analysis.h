@@ -12,6 +12,7 @@
 #include "interact/measure.h"
 #include "interact/pairing.h"
 #include "interact/structure.h"
+#include "supervise/config.h"
 
 enum analysis_stage {
     ANALYSIS_GAINS,
@@ -163,7 +164,11 @@ struct analysis {
         } decoupler;
         struct detune detune;
         struct trial trial;
-        struct steady rest; /* not of the analysis: of the trial on the plant that comes after it */
+        /* Not of the analysis: of the trial on the plant that comes after it. */
+        struct {
+            struct steady rest;
+            struct config old; /* what it returns to where it fails */
+        } after;
     } work;
 };
 

@@ -173,7 +173,7 @@ struct commission {
 
     struct adoption adoption;
     uint32_t trial_serial;
-    volatile bool wants_old; /* the main loop is to put work->old into force */
+    volatile bool wants_old; /* the main loop is to put commission_old() into force */
 };
 
 /* In the workspace, leased from the beginning until the proposal is kept, rolled back or rejected. What is left stays readable
@@ -190,8 +190,13 @@ struct commission_work {
         struct relay_test relay;
         struct analysis analysis;
     };
-    struct config old; /* what a trial that fails returns to */
 };
+
+/* The settings before the trial, from accepting on. */
+static inline struct config *commission_old(struct commission *c)
+{
+    return &c->work->analysis.work.after.old;
+}
 
 /* w must live as long. */
 void commission_init(struct commission *c, struct event_queue *events, struct workspace *w);

@@ -51,7 +51,7 @@ void commission_begin_trial(struct commission *c, struct supervisor *s)
         return;
     commission_age_origin(c, s);
     c->adoption.origin = &c->origin;
-    enum err err = adoption_begin(&c->adoption, s, &c->work->analysis.work.rest);
+    enum err err = adoption_begin(&c->adoption, s, &c->work->analysis.work.after.rest);
     if (err) {
         commission_back_to_old(c, s, WHY_NUMBERS, NULL, (real_t)err);
         return;

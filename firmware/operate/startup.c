@@ -160,7 +160,7 @@ static enum err begin_trial(struct session *session, struct config *config, stru
                                   ? CHANNELS_CHANGED
                                   : "a pair of the proposal has no loop in the open "
                                     "transaction; `abandon` it, then accept or edit");
-    m->work->old = service_plan(s)->config;
+    *commission_old(m) = service_plan(s)->config;
     err = operate_activate(session, answer);
     if (err)
         return err;
@@ -249,7 +249,7 @@ bool operate_poll(struct operate *door)
     if (sequence_active(&s->supervisor->sequence))
         return false;
 #endif
-    enum err err = service_apply(s, &s->commission->work->old, &fault);
+    enum err err = service_apply(s, commission_old(s->commission), &fault);
     if (err && !fault.group)
         return true; /* no room for it at the moment */
     s->commission->wants_old = false;

@@ -1,0 +1,22 @@
+/* Where a sample waits for work that is due (base/job.h).
+ *
+ * A plant in lockstep stops its time meanwhile, and at most sends the same sample again, which is not answered either. One
+ * that sends the next does not wait: then the sample before is looked at without the work's result. */
+#ifndef REFLUX_IO_SAMPLE_GATE_H
+#define REFLUX_IO_SAMPLE_GATE_H
+
+#include "hal/io.h"
+
+struct sample_gate {
+    struct io_sample held; /* where `holds` */
+    bool holds;
+};
+
+/* Instead of io->poll(): the next sample that is to be looked at now. wait: one that comes now must wait. Called until false, in
+ * the tick context. */
+bool sample_gate_poll(struct sample_gate *g, const struct io_port *io, bool wait, uint64_t now_ms,
+                      struct io_sample *sample);
+/* The plant that sent it is gone. */
+void sample_gate_forget(struct sample_gate *g);
+
+#endif
