@@ -145,24 +145,12 @@ static void swap_sides(struct svd *svd)
     svd->v.rows = svd->v.cols = rows;
 }
 
-static void order_and_scale(struct svd *svd)
+/* The columns are in order: a sweep without a rotation has done nothing but sort them. */
+static void make_unit_columns(struct svd *svd)
 {
     size_t rows = svd->u.rows, cols = svd->v.cols;
     for (size_t k = 0; k < cols; k++)
         svd->s[k] = real_sqrt(dot(&svd->u, k, k));
-    for (size_t k = 0; k + 1 < cols; k++) { /* nearly sorted already */
-        size_t best = k;
-        for (size_t l = k + 1; l < cols; l++)
-            if (svd->s[l] > svd->s[best])
-                best = l;
-        if (best == k)
-            continue;
-        real_t swap = svd->s[k];
-        svd->s[k] = svd->s[best];
-        svd->s[best] = swap;
-        swap_columns(&svd->u, k, best);
-        swap_columns(&svd->v, k, best);
-    }
     for (size_t k = 0; k < rows; k++) {
         if (k >= cols || svd->s[k] <= SHORTEST) {
             complete_column(&svd->u, k);
@@ -186,7 +174,7 @@ enum err svd_step(struct svd *svd)
     svd->sweeps++;
     if (sweep(svd))
         return ERR_BUSY;
-    order_and_scale(svd);
+    make_unit_columns(svd);
     svd->done = true;
     return ERR_OK;
 }

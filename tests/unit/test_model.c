@@ -308,6 +308,7 @@ static void inputs_that_were_skipped_are_no_columns(void)
             c.work->element[2][k].fit = element(9.0, 0.01, 9, 9); /* of no output */
         }
     c.input[1].skipped = true;
+    memset(&c.work->analysis.plant, 0x55, sizeof c.work->analysis.plant); /* of a job before */
     model_begin_analysis(&c, &settings, 1);
     TEST_ASSERT_EQUAL_INT(ERR_OK, c.job_error);
     const struct interact_plant *p = &c.work->analysis.plant;
