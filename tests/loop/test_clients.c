@@ -1,5 +1,7 @@
 /* What two clients at once may and may not do: the console, and one without text. */
 #include "client_bench.h"
+#include "random_source.h"
+#include "service/storage.h"
 
 void setUp(void) {}
 void tearDown(void) {}
@@ -103,6 +105,124 @@ static void a_row_half_printed_keeps_its_plan(void)
     TEST_ASSERT_TRUE(console_has_said("renamed.mode"));
 }
 
+/* ---- two of them, at random, beside what ought to be ---- */
+
+#define SEED 1u
+
+static struct {
+    const struct session *editor;   /* who has the open transaction; NULL: nobody */
+    unsigned ti, edited;            /* of loop 1, s: for everybody, and in the transaction */
+    unsigned applied, busy, stored; /* how often, so that the test is known to try it */
+} ought;
+
+static double ti_of(const struct config *config)
+{
+    struct parameter p = parameter("loop1.ti");
+    float value;
+    TEST_ASSERT_EQUAL_INT(ERR_OK, parameter_get_number(&p, config, &value));
+    return (double)value;
+}
+
+/* The place where settings are written is somebody else's. */
+static bool is_taken(const struct session *session)
+{
+    return ought.editor ? ought.editor != session : storage_saving(session->door->service->storage);
+}
+
+static enum err changes(struct session *session, unsigned ti)
+{
+    if (is_taken(session)) {
+        ought.busy++;
+        return ERR_BUSY;
+    }
+    *(ought.editor ? &ought.edited : &ought.ti) = ti;
+    return ERR_OK;
+}
+
+static enum err ends(const struct session *session, bool applied)
+{
+    if (!ought.editor)
+        return ERR_STATE;
+    if (applied && ought.editor != session)
+        return ERR_BUSY;
+    if (applied)
+        ought.ti = ought.edited;
+    ought.applied += applied;
+    ought.editor = NULL;
+    return ERR_OK;
+}
+
+static void acts(struct session *session, struct random_source *source)
+{
+    unsigned ti = 1000 + random_below(source, 1000);
+    enum err wanted;
+    switch (random_below(source, 8)) {
+    case 0:
+        wanted = ought.editor ? ERR_STATE : is_taken(session) ? ERR_BUSY : ERR_OK;
+        REFUSED(wanted, operate_begin(session, &answer));
+        if (!wanted)
+            ought.edited = ought.ti;
+        ought.editor = wanted ? ought.editor : session;
+        break;
+    case 1:
+        REFUSED(ends(session, true), operate_apply(session, &answer));
+        break;
+    case 2:
+        REFUSED(ends(session, false), operate_abandon(session, &answer));
+        break;
+    case 3:
+        wanted = operate_waits(session) ? ERR_BUSY : ERR_OK;
+        REFUSED(wanted, operate_save(session, false, &answer));
+        break;
+    default:
+        REFUSED(changes(session, ti), number(session, "loop1.ti", ti));
+        break;
+    }
+}
+
+/* A turn of the main loop for that client. */
+static void goes_on(struct session *session)
+{
+    if (!operate_waits(session))
+        return;
+    bool begun = session->waits_for == WAITS_SAVING;
+    enum err err = operate_result(session, &answer);
+    if (operate_waits(session))
+        return;
+    /* Stored, or never begun. */
+    REFUSED(begun ? ERR_OK : ERR_STATE, err);
+    TEST_ASSERT_TRUE(begun || ought.editor);
+    ought.stored += begun;
+}
+
+static void what_two_do_at_random_is_what_ought_to_be(void)
+{
+    struct random_source source = {SEED};
+    struct session *both[2] = {&client, &other};
+    printf("seed %u\n", SEED);
+    one_loop();
+    memset(&ought, 0, sizeof ought);
+    ought.ti = (unsigned)has("loop1.ti");
+    for (unsigned n = 0; n < 4000; n++) {
+        acts(both[random_below(&source, 2)], &source);
+        goes_on(&client);
+        goes_on(&other);
+        if (random_below(&source, 4) == 0)
+            app_background(app_instance());
+        if (random_below(&source, 16) == 0)
+            plant_side_step();
+        TEST_ASSERT_EQUAL(ought.editor != NULL, operate_is_open(&other));
+        TEST_ASSERT_EQUAL_DOUBLE(ought.ti, ti_of(operate_settings(&client)));
+        TEST_ASSERT_EQUAL_DOUBLE(ought.editor ? ought.edited : ought.ti,
+                                 ti_of(operate_view(&other)));
+    }
+    plant_side_step();
+    TEST_ASSERT_EQUAL_DOUBLE(ought.ti, ti_of(operate_in_force(&client)));
+    TEST_ASSERT_TRUE(ought.applied > 20 && ought.busy > 200 && ought.stored > 50);
+}
+
+/* ---- levels ---- */
+
 static void each_client_has_its_own_level(void)
 {
     one_loop();
@@ -153,6 +273,7 @@ int main(void)
     RUN_TEST(a_proposal_is_not_accepted_into_the_transaction_of_another);
     RUN_TEST(while_one_saves_no_other_touches_the_settings);
     RUN_TEST(a_row_half_printed_keeps_its_plan);
+    RUN_TEST(what_two_do_at_random_is_what_ought_to_be);
     RUN_TEST(each_client_has_its_own_level);
     return UNITY_END();
 }
