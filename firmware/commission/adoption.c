@@ -68,7 +68,7 @@ static uint32_t longest(const struct adoption *a, const struct supervisor *s)
     return most;
 }
 
-static void enter(struct adoption *a, enum stage stage, uint32_t ticks)
+static void enter_stage(struct adoption *a, enum stage stage, uint32_t ticks)
 {
     a->stage = (uint8_t)stage;
     a->ticks = 0;
@@ -120,11 +120,11 @@ enum err adoption_begin(struct adoption *a, const struct supervisor *s, struct s
     a->patience = PATIENCE;
     for (uint8_t k = 0; k < a->n; k++)
         a->loop[k].iae = a->loop[k].peak = REAL_C(0.0);
-    enter(a, STAGE_REST, rest_ticks(a));
+    enter_stage(a, STAGE_REST, rest_ticks(a));
     return steady_init(work, &c);
 }
 
-static enum adoption_result fail(struct adoption *a, enum adoption_result why, uint8_t k)
+static enum adoption_result fail_trial(struct adoption *a, enum adoption_result why, uint8_t k)
 {
     a->culprit = k;
     a->result = why;
@@ -209,19 +209,19 @@ static enum adoption_result end_rest(struct adoption *a, struct supervisor *s)
     for (uint8_t k = 0; k < a->channels; k++) {
         struct steady_result now;
         if (steady_look(a->steady, k, &now) != ERR_OK)
-            return fail(a, ADOPTION_RESTLESS, k);
+            return fail_trial(a, ADOPTION_RESTLESS, k);
         if (a->doubt != ADOPTION_RUNNING && has_bent(a, s, k, &now))
             bent = true;
         take_line(a, s, k, &now);
         origin_take(a->origin, a->channel[k].output, &now, a->channel[k].rest);
         if (origin_spent(a->origin, a->channel[k].output, a->channel[k].limit) > REAL_C(1.0))
-            return fail(a, ADOPTION_LEFT, k);
+            return fail_trial(a, ADOPTION_LEFT, k);
     }
     origin_taken(a->origin);
     a->since = 0;
     if (a->doubt != ADOPTION_RUNNING) {
         if (!bent || a->repeats >= ADOPTION_REPEATS)
-            return fail(a, a->doubt, a->at);
+            return fail_trial(a, a->doubt, a->at);
         a->repeats++;
         a->drifting = true;
         a->doubt = ADOPTION_RUNNING;
@@ -230,7 +230,7 @@ static enum adoption_result end_rest(struct adoption *a, struct supervisor *s)
         ask(s, a->loop[k].loop, LOOP_AUTO);
     a->placed = false;
     bool brief = a->drifting && a->at < a->n;
-    enter(a, STAGE_SETTLE, (brief ? 0u : longest(a, s) / 4u) + AUTO_TICKS);
+    enter_stage(a, STAGE_SETTLE, (brief ? 0u : longest(a, s) / 4u) + AUTO_TICKS);
     return ADOPTION_RUNNING;
 }
 
@@ -239,7 +239,7 @@ static void rest_again(struct adoption *a, struct supervisor *s)
     adoption_put_back(a, s, false);
     steady_reset(a->steady);
     a->patience = PATIENCE;
-    enter(a, STAGE_REST, a->back + rest_ticks(a));
+    enter_stage(a, STAGE_REST, a->back + rest_ticks(a));
 }
 
 static enum adoption_result rest(struct adoption *a, struct supervisor *s)
@@ -249,7 +249,7 @@ static enum adoption_result rest(struct adoption *a, struct supervisor *s)
         real_t moved =
             j == PLAN_NONE ? REAL_C(0.0) : num_to_float(s->output[j].manual) - a->loop[k].held;
         if (s->loop[a->loop[k].loop].mode != LOOP_MANUAL || real_abs(moved) > MOVED_LEAST)
-            return fail(a, ADOPTION_HAND, channel_of(a, s, k));
+            return fail_trial(a, ADOPTION_HAND, channel_of(a, s, k));
     }
     bool first = a->patience == PATIENCE && a->ticks + rest_ticks(a) <= a->stage_ticks;
     if (!first) { /* the response to what was before is over */
@@ -257,7 +257,7 @@ static enum adoption_result rest(struct adoption *a, struct supervisor *s)
         for (uint8_t k = 0; k < a->channels; k++)
             y[k] = measured(a, s, k);
         if (steady_step(a->steady, y) != ERR_OK)
-            return fail(a, ADOPTION_RESTLESS, 0);
+            return fail_trial(a, ADOPTION_RESTLESS, 0);
     }
     return a->ticks < a->stage_ticks ? ADOPTION_RUNNING : end_rest(a, s);
 }
@@ -282,7 +282,7 @@ static void listen(const struct adoption *a, struct supervisor *s)
 }
 
 /* Every loop acts, no hand is on it, and nothing is past its limit. */
-static enum adoption_result watch(struct adoption *a, const struct supervisor *s)
+static enum adoption_result watch_trial(struct adoption *a, const struct supervisor *s)
 {
     bool early = a->stage == STAGE_SETTLE && a->ticks < AUTO_TICKS;
     for (uint8_t k = 0; k < loops_of(a) && !early; k++) {
@@ -290,18 +290,18 @@ static enum adoption_result watch(struct adoption *a, const struct supervisor *s
         bool outer = k < a->n;
         if (l->mode != (outer ? LOOP_AUTO : LOOP_CASCADE) ||
             (outer && a->placed && real_abs(num_to_float(l->target) - a->asked[k]) > MOVED_LEAST))
-            return fail(a, ADOPTION_HAND, channel_of(a, s, k));
+            return fail_trial(a, ADOPTION_HAND, channel_of(a, s, k));
     }
     for (uint8_t k = 0; k < a->channels; k++) {
         const struct adoption_channel *c = &a->channel[k];
         real_t away = steady_away(measured(a, s, k) - c->rest, carried(a, s, k), c->limit);
         if (real_abs(away) > c->limit - left_of(a, k) + NOISE_MULTIPLE * c->noise_sd)
-            return fail(a, ADOPTION_PAST_LIMIT, k);
+            return fail_trial(a, ADOPTION_PAST_LIMIT, k);
     }
     return ADOPTION_RUNNING;
 }
 
-static real_t within_limits(const struct supervisor *s, uint8_t i, real_t at)
+static real_t within_setpoint_limits(const struct supervisor *s, uint8_t i, real_t at)
 {
     const struct measurement_config *m = &s->plan->config.measurement[s->plan->loop[i].pv];
     float lo, hi;
@@ -321,7 +321,7 @@ static void place_setpoints(struct adoption *a, struct supervisor *s)
         real_t at = a->channel[k].rest + carried(a, s, k);
         if (k == a->at && a->stage == STAGE_STEP)
             at += a->loop[k].step;
-        l->target = num_from_float(within_limits(s, a->loop[k].loop, at));
+        l->target = num_from_float(within_setpoint_limits(s, a->loop[k].loop, at));
         l->sp_given = true;
         a->asked[k] = num_to_float(l->target);
     }
@@ -338,7 +338,7 @@ static void say_setpoint(const struct adoption *a, const struct supervisor *s)
 
 static void begin_stage(struct adoption *a, struct supervisor *s, enum stage stage)
 {
-    enter(a, stage, duration(&a->loop[a->at], s));
+    enter_stage(a, stage, duration(&a->loop[a->at], s));
     if (stage == STAGE_STEP)
         a->loop[a->at].iae = a->loop[a->at].peak = REAL_C(0.0);
     place_setpoints(a, s);
@@ -376,7 +376,7 @@ static void look_at_swing(struct adoption *a, const struct supervisor *s)
         swing_end(&a->swing, noise_sd, lag);
 }
 
-static void look(struct adoption *a, const struct supervisor *s)
+static void look_at_step(struct adoption *a, const struct supervisor *s)
 {
     struct adoption_loop *l = &a->loop[a->at];
     for (uint8_t k = 0; k < loops_of(a); k++)
@@ -393,7 +393,7 @@ static void look(struct adoption *a, const struct supervisor *s)
     }
 }
 
-static enum adoption_result judge(const struct adoption *a, const struct supervisor *s)
+static enum adoption_result step_verdict(const struct adoption *a, const struct supervisor *s)
 {
     const struct adoption_loop *l = &a->loop[a->at];
     real_t scale = real_abs(l->step / l->size), step = real_abs(l->step);
@@ -424,7 +424,7 @@ static enum adoption_result judge(const struct adoption *a, const struct supervi
 }
 
 /* The next loop's turn, or the end of it all. */
-static enum adoption_result go_on(struct adoption *a, struct supervisor *s)
+static enum adoption_result next_turn(struct adoption *a, struct supervisor *s)
 {
     if (a->at < a->n) {
         begin_stage(a, s, STAGE_STEP);
@@ -436,7 +436,7 @@ static enum adoption_result go_on(struct adoption *a, struct supervisor *s)
 
 static enum adoption_result end_step(struct adoption *a, struct supervisor *s)
 {
-    a->doubt = judge(a, s);
+    a->doubt = step_verdict(a, s);
     if (a->doubt == ADOPTION_RUNNING && !a->drifting) {
         begin_stage(a, s, STAGE_RETURN);
         return ADOPTION_RUNNING;
@@ -455,7 +455,7 @@ static enum adoption_result end_return(struct adoption *a, struct supervisor *s)
         return ADOPTION_RUNNING;
     }
     a->at++;
-    return go_on(a, s);
+    return next_turn(a, s);
 }
 
 enum adoption_result adoption_tick(struct adoption *a, struct supervisor *s)
@@ -467,17 +467,17 @@ enum adoption_result adoption_tick(struct adoption *a, struct supervisor *s)
         return rest(a, s);
     if (a->stage == STAGE_SETTLE && a->ticks == LISTEN_TICK)
         listen(a, s);
-    enum adoption_result r = watch(a, s);
+    enum adoption_result r = watch_trial(a, s);
     if (r != ADOPTION_RUNNING)
         return r;
     if (a->stage == STAGE_STEP)
-        look(a, s);
+        look_at_step(a, s);
     if (a->stage == STAGE_STEP || a->stage == STAGE_RETURN)
         look_at_swing(a, s);
     if (a->ticks >= a->stage_ticks) {
         if (a->stage == STAGE_STEP)
             return end_step(a, s);
-        return a->stage == STAGE_RETURN ? end_return(a, s) : go_on(a, s);
+        return a->stage == STAGE_RETURN ? end_return(a, s) : next_turn(a, s);
     }
     place_setpoints(a, s);
     return ADOPTION_RUNNING;

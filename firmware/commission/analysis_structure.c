@@ -186,7 +186,7 @@ void analysis_ask_second(struct analysis *a)
 /* How late the correction comes, of the time that the loop's own controller takes: without feedforward the integral of the
  * error is K_ij Ti/(K_ii Kc), with it what comes through before is K_ij late. (The loop answers to that, too, so it is a
  * measure and no more.) */
-static struct feed judge(const struct analysis *a, uint8_t from, uint8_t to)
+static struct feed feed_verdict(const struct analysis *a, uint8_t from, uint8_t to)
 {
     struct feed f = {.verdict = FEED_NONE};
     if (!a->designed || from == to ||
@@ -220,7 +220,7 @@ uint8_t analysis_feeds(const struct analysis *a, struct feed feeds[CONFIG_FEEDFO
     uint8_t n = 0;
     for (uint8_t k = 0; k < a->pairs.n; k++)
         for (uint8_t l = 0; l < a->pairs.n; l++) {
-            struct feed f = judge(a, k, l);
+            struct feed f = feed_verdict(a, k, l);
             uint8_t at = n;
             while (at > 0 && real_abs(feeds[at - 1u].way.gain) < real_abs(f.way.gain))
                 at--;
@@ -236,7 +236,7 @@ uint8_t analysis_feeds(const struct analysis *a, struct feed feeds[CONFIG_FEEDFO
 
 struct feed analysis_feed(const struct analysis *a, uint8_t from, uint8_t to)
 {
-    struct feed f = judge(a, from, to), feeds[CONFIG_FEEDFORWARDS];
+    struct feed f = feed_verdict(a, from, to), feeds[CONFIG_FEEDFORWARDS];
     if (f.verdict != FEED_USED)
         return f;
     f.verdict = FEED_FULL;

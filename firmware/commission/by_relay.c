@@ -93,8 +93,8 @@ static real_t hysteresis(const struct steady_result *at)
 
 /* What climbs steadily is a drift: at once where it is no more than the hysteresis, in the end where it is less than a good
  * part of a limit. */
-static bool at_rest(struct commission *c, const struct supervisor *s, struct steady_result *at,
-                    uint8_t *culprit)
+static bool relay_at_rest(struct commission *c, const struct supervisor *s,
+                          struct steady_result *at, uint8_t *culprit)
 {
     const struct relay_test *t = &c->work->relay;
     uint32_t n = window(s);
@@ -154,8 +154,8 @@ static enum err begin_cycle(struct commission *c, const struct supervisor *s,
 }
 
 /* Largest share of its limit that a measurement is at. False: one has been past it for two samples, noise apart. */
-static bool within_limits(struct commission *c, const struct supervisor *s, const real_t *y,
-                          real_t *share, uint8_t *culprit)
+static bool relay_within_limits(struct commission *c, const struct supervisor *s, const real_t *y,
+                                real_t *share, uint8_t *culprit)
 {
     struct relay_test *t = &c->work->relay;
     *share = REAL_C(0.0);
@@ -243,7 +243,7 @@ static void cycle(struct commission *c, struct supervisor *s, const real_t *y)
         return;
     }
     t->cycling += gone > 0 ? gone : 1u;
-    bool inside = within_limits(c, s, y, &share, &culprit);
+    bool inside = relay_within_limits(c, s, y, &share, &culprit);
     if (share > c->input[0].worst)
         c->input[0].worst = share;
     if (!inside) {
@@ -299,7 +299,7 @@ void commission_relay(struct commission *c, struct supervisor *s)
     c->sample_ms = s->time_ms;
     enum err err = steady_step(&t->steady, y);
     t->waited++;
-    if (!err && at_rest(c, s, at, &culprit)) {
+    if (!err && relay_at_rest(c, s, at, &culprit)) {
         err = begin_cycle(c, s, at);
         if (!err)
             cycle(c, s, y);

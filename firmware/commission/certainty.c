@@ -104,7 +104,7 @@ bool certainty_is_final(const struct analysis *a)
     return a->doubts == DOUBT_SHAPE_FINAL;
 }
 
-static enum left_over left(const struct analysis *a, bool seen, bool used)
+static enum left_over left_because(const struct analysis *a, bool seen, bool used)
 {
     if (!seen && !(used && a->verdict == PAIRING_DETERMINED))
         return LEFT_UNSEEN;
@@ -118,7 +118,7 @@ enum left_over certainty_output_left(const struct analysis *a, uint8_t j)
         seen = seen || is_seen(a, j, i);
         used = used || is_used(a, j, i);
     }
-    return left(a, seen, used);
+    return left_because(a, seen, used);
 }
 
 enum left_over certainty_input_left(const struct analysis *a, uint8_t i)
@@ -128,7 +128,7 @@ enum left_over certainty_input_left(const struct analysis *a, uint8_t i)
         seen = seen || is_seen(a, j, i);
         used = used || is_used(a, j, i);
     }
-    return left(a, seen, used);
+    return left_because(a, seen, used);
 }
 
 #endif

@@ -106,7 +106,7 @@ static uint8_t acting(const struct supervisor *s, uint8_t j)
     return i != PLAN_NONE && s->loop[i].mode != LOOP_MANUAL ? i : PLAN_NONE;
 }
 
-static enum err refuse(const char **what, const char **wanted, const char *name, const char *text)
+static enum err hindered(const char **what, const char **wanted, const char *name, const char *text)
 {
     *what = name;
     *wanted = text;
@@ -128,9 +128,9 @@ static enum err may_test(const struct supervisor *s, const char **what, const ch
 {
     *what = NULL;
     if (sequence_runs(s))
-        return refuse(what, wanted, NULL, commission_why_text(WHY_SEQUENCE));
+        return hindered(what, wanted, NULL, commission_why_text(WHY_SEQUENCE));
     if (s->state == SUPERVISOR_SAFE)
-        return refuse(
+        return hindered(
             what, wanted, NULL,
             "the plant is in the safe state; bring it to its operating point by hand first");
     return ERR_OK;
@@ -148,11 +148,11 @@ enum err commission_may_begin(const struct supervisor *s, const char **what, con
             continue;
         outputs++;
         if (!believed(s, i))
-            return refuse(what, wanted, config->measurement[i].name,
-                          "is not believed; wait for good readings, or set its test to off");
+            return hindered(what, wanted, config->measurement[i].name,
+                            "is not believed; wait for good readings, or set its test to off");
         if (at_end(s, i))
-            return refuse(what, wanted, config->measurement[i].name,
-                          "reads an end of its span; widen the span, or set its test to off");
+            return hindered(what, wanted, config->measurement[i].name,
+                            "reads an end of its span; widen the span, or set its test to off");
     }
     for (uint8_t j = 0; j < CHANNEL_MAX; j++) {
         if (!commission_input_is_tested(s, j))
@@ -160,17 +160,18 @@ enum err commission_may_begin(const struct supervisor *s, const char **what, con
         inputs++;
         uint8_t loop = acting(s, j);
         if (loop != PLAN_NONE)
-            return refuse(what, wanted, config->loop[loop].name, "acts; `mode NAME manual` first");
+            return hindered(what, wanted, config->loop[loop].name,
+                            "acts; `mode NAME manual` first");
         if (s->output[j].interlocked)
-            return refuse(what, wanted, config->output[j].name, "is held by an interlock");
+            return hindered(what, wanted, config->output[j].name, "is held by an interlock");
         if (commission_room(s, j, commission_held_at(s, j)) < ROOM_LEAST)
-            return refuse(what, wanted, config->output[j].name,
-                          "stands at its operating limit: no room to step both ways");
+            return hindered(what, wanted, config->output[j].name,
+                            "stands at its operating limit: no room to step both ways");
     }
     if (outputs == 0)
-        return refuse(what, wanted, NULL, "no measurement of the plant is configured for tests");
+        return hindered(what, wanted, NULL, "no measurement of the plant is configured for tests");
     if (inputs == 0)
-        return refuse(what, wanted, NULL, "no manipulated variable is configured for tests");
+        return hindered(what, wanted, NULL, "no manipulated variable is configured for tests");
     return ERR_OK;
 }
 
@@ -183,23 +184,23 @@ enum err commission_may_relay(const struct supervisor *s, uint8_t loop, const ch
     if (err)
         return err;
     if (l->output == PLAN_NONE)
-        return refuse(what, wanted, config->name, "drives a loop; test that one");
+        return hindered(what, wanted, config->name, "drives a loop; test that one");
     if (plan_kind(s->plan, loop)->positions)
-        return refuse(what, wanted, config->name, "has two positions and no settings to find");
+        return hindered(what, wanted, config->name, "has two positions and no settings to find");
     if (s->loop[loop].mode != LOOP_MANUAL)
-        return refuse(what, wanted, config->name, "acts; `mode NAME manual` first");
+        return hindered(what, wanted, config->name, "acts; `mode NAME manual` first");
     if (!s->output[l->output].bound)
-        return refuse(what, wanted, s->plan->config.output[l->output].name,
-                      "is not there: the plant does not announce it");
+        return hindered(what, wanted, s->plan->config.output[l->output].name,
+                        "is not there: the plant does not announce it");
     if (s->output[l->output].interlocked)
-        return refuse(what, wanted, s->plan->config.output[l->output].name,
-                      "is held by an interlock");
+        return hindered(what, wanted, s->plan->config.output[l->output].name,
+                        "is held by an interlock");
     if (!believed(s, l->pv))
-        return refuse(what, wanted, s->plan->config.measurement[l->pv].name,
-                      "is not believed; wait for good readings");
+        return hindered(what, wanted, s->plan->config.measurement[l->pv].name,
+                        "is not believed; wait for good readings");
     if (commission_room(s, l->output, commission_held_at(s, l->output)) < ROOM_LEAST)
-        return refuse(what, wanted, s->plan->config.output[l->output].name,
-                      "stands at its operating limit: no room to step both ways");
+        return hindered(what, wanted, s->plan->config.output[l->output].name,
+                        "stands at its operating limit: no room to step both ways");
     return ERR_OK;
 }
 

@@ -349,7 +349,7 @@ static bool is_disturbed(struct commission *c, struct supervisor *s)
     return why != WHY_NOT;
 }
 
-static void go_on(struct commission *c, struct supervisor *s)
+static void act(struct commission *c, struct supervisor *s)
 {
     /* Before anything that was asked: in another plan the channels and loops that it is about may not be there. */
     if (is_disturbed(c, s))
@@ -368,7 +368,7 @@ static void go_on(struct commission *c, struct supervisor *s)
 
 void commission_tick(struct commission *c, struct supervisor *s)
 {
-    go_on(c, s);
+    act(c, s);
     s->testing = commission_is_testing(c) || c->phase == COMMISSION_TRIAL;
     update_lease(c);
 }

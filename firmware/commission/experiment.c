@@ -67,16 +67,16 @@ enum err experiment_begin(struct experiment *e, const struct experiment_config *
     return err ? err : watch_rest(e, c->window);
 }
 
-static void enter(struct experiment *e, enum experiment_phase phase, real_t level)
+static void enter_phase(struct experiment *e, enum experiment_phase phase, real_t level)
 {
     e->phase = phase;
     e->level = level;
     e->waited = 0;
 }
 
-static void fail(struct experiment *e, enum experiment_failure failure, uint8_t culprit)
+static void fail_test(struct experiment *e, enum experiment_failure failure, uint8_t culprit)
 {
-    enter(e, EXPERIMENT_FAILED, REAL_C(0.0));
+    enter_phase(e, EXPERIMENT_FAILED, REAL_C(0.0));
     e->failure = failure;
     e->culprit = culprit;
 }
@@ -156,7 +156,7 @@ static enum err begin_step(struct experiment *e, const real_t *y)
     take_origin(e, e->before, e->rest);
     int spent = limits_spent(e);
     if (spent >= 0) {
-        fail(e, EXPERIMENT_LEFT, (uint8_t)spent);
+        fail_test(e, EXPERIMENT_LEFT, (uint8_t)spent);
         return ERR_OK;
     }
     enum err err = moments_begin(&e->moments, e->rest);
@@ -176,7 +176,7 @@ static enum err begin_step(struct experiment *e, const real_t *y)
     e->amplitude = c->amplitude > REAL_C(0.0) ? c->amplitude : first_amplitude(e);
     if (e->amplitude > c->amplitude_max)
         e->amplitude = c->amplitude_max;
-    enter(e, EXPERIMENT_UP, REAL_C(0.0));
+    enter_phase(e, EXPERIMENT_UP, REAL_C(0.0));
     e->half = 0;
     e->samples = 1;
     return move(e, e->amplitude);
@@ -194,7 +194,7 @@ static bool slope_matters(const struct experiment *e)
     return false;
 }
 
-static enum err at_rest(struct experiment *e, const real_t *y)
+static enum err outputs_at_rest(struct experiment *e, const real_t *y)
 {
     uint8_t culprit = 0;
     enum err err = steady_step(&e->steady, y);
@@ -203,7 +203,7 @@ static enum err at_rest(struct experiment *e, const real_t *y)
     e->waited++;
     int strayed = limits_strayed(e, y);
     if (strayed >= 0) {
-        fail(e, EXPERIMENT_LEFT, (uint8_t)strayed);
+        fail_test(e, EXPERIMENT_LEFT, (uint8_t)strayed);
         return ERR_OK;
     }
     if (all_at_rest(e, e->before, e->config.window + e->config.window / 2u, &culprit)) {
@@ -215,7 +215,7 @@ static enum err at_rest(struct experiment *e, const real_t *y)
         return watch_rest(e, FIRST_WATCH * e->config.window);
     }
     if (e->waited > PATIENCE * e->config.window + e->config.half_most)
-        fail(e, EXPERIMENT_RESTLESS, culprit);
+        fail_test(e, EXPERIMENT_RESTLESS, culprit);
     return ERR_OK;
 }
 
@@ -223,20 +223,20 @@ static enum err turn_down(struct experiment *e, const real_t *y)
 {
     for (uint8_t j = 0; j < e->config.outputs; j++)
         e->at_turn[j] = limits_away(e, j, y);
-    enter(e, EXPERIMENT_DOWN, e->level);
+    enter_phase(e, EXPERIMENT_DOWN, e->level);
     return move(e, -e->amplitude);
 }
 
 static enum err go_back(struct experiment *e)
 {
-    enter(e, EXPERIMENT_BACK, e->level);
+    enter_phase(e, EXPERIMENT_BACK, e->level);
     uint32_t third = e->half / 3u; /* a window that sees the slowest response */
     enum err err = watch_rest(e, third > e->config.window ? third : e->config.window);
     return err ? err : move(e, REAL_C(0.0));
 }
 
 /* No negative half: it would take an output past its limit. */
-static enum err give_up(struct experiment *e)
+static enum err give_test_up(struct experiment *e)
 {
     e->one_sided = true;
     return go_back(e);
@@ -306,7 +306,7 @@ static enum err going_up(struct experiment *e, const real_t *y)
         return err;
     if (verdict != LIMITS_FINE) {
         e->cut = true;
-        return verdict == LIMITS_BACK ? give_up(e) : turn_down(e, y);
+        return verdict == LIMITS_BACK ? give_test_up(e) : turn_down(e, y);
     }
     if (c->half > 0 && e->half >= c->half)
         return turn_down(e, y);
@@ -355,16 +355,16 @@ static enum err coming_back(struct experiment *e, const real_t *y)
         }
         take_origin(e, e->after, level);
         e->returned = true;
-        enter(e, EXPERIMENT_DONE, REAL_C(0.0));
+        enter_phase(e, EXPERIMENT_DONE, REAL_C(0.0));
     } else if (e->waited > 4u * e->half + 8u * e->config.window) {
         /* Away from where it began, and not on its way back. */
         for (uint8_t j = 0; j < e->config.outputs; j++)
             if (real_abs(limits_away(e, j, y)) > REAL_C(0.8) * e->config.limit[j])
                 culprit = j;
         if (real_abs(limits_away(e, culprit, y)) > REAL_C(0.8) * e->config.limit[culprit])
-            fail(e, EXPERIMENT_AWAY, culprit);
+            fail_test(e, EXPERIMENT_AWAY, culprit);
         else
-            enter(e, EXPERIMENT_DONE, REAL_C(0.0));
+            enter_phase(e, EXPERIMENT_DONE, REAL_C(0.0));
     }
     return ERR_OK;
 }
@@ -405,17 +405,17 @@ enum err experiment_missed(struct experiment *e)
 }
 
 /* e->last is still the sample before. */
-static enum err take(struct experiment *e, const real_t *y)
+static enum err take_sample_in(struct experiment *e, const real_t *y)
 {
     e->begun = true;
     grow_older(e);
     if (e->phase == EXPERIMENT_REST)
-        return at_rest(e, y);
+        return outputs_at_rest(e, y);
     if (e->phase >= EXPERIMENT_DONE)
         return ERR_STATE;
     int past = limits_past(e, y);
     if (past >= 0) {
-        fail(e, EXPERIMENT_LIMIT, (uint8_t)past);
+        fail_test(e, EXPERIMENT_LIMIT, (uint8_t)past);
         return ERR_OK;
     }
     enum err err = keep(e, y);
@@ -438,7 +438,7 @@ enum err experiment_step(struct experiment *e, const real_t *y)
     for (unsigned j = 0; j < e->config.outputs; j++)
         if (!real_is_finite(y[j]))
             return ERR_NOT_FINITE;
-    enum err err = take(e, y);
+    enum err err = take_sample_in(e, y);
     memcpy(e->last, y, e->config.outputs * sizeof *y);
     return err;
 }

@@ -16,7 +16,7 @@
 #define ENDS_SHARE  REAL_C(0.9) /* of the room, where nothing is left to be restored */
 #define RUNS_SHARE  REAL_C(0.5) /* of the room */
 
-static real_t left(const struct experiment *e, uint8_t j)
+static real_t left_by_tests(const struct experiment *e, uint8_t j)
 {
     const struct origin *o = e->config.origin;
     return o ? real_abs(o->channel[j].left) : REAL_C(0.0);
@@ -24,7 +24,7 @@ static real_t left(const struct experiment *e, uint8_t j)
 
 real_t limits_room(const struct experiment *e, uint8_t j)
 {
-    real_t room = e->config.limit[j] - left(e, j);
+    real_t room = e->config.limit[j] - left_by_tests(e, j);
     return room > REAL_C(0.0) ? room : REAL_C(0.0);
 }
 

@@ -339,8 +339,8 @@ static real_t misfit_share(const struct fopdt_fit_result *r)
     return part < all ? part / all : REAL_C(1.0);
 }
 
-static void judge(const struct experiment *x, uint8_t j, const struct baseline *b,
-                  struct judgement *v)
+static void judge_output(const struct experiment *x, uint8_t j, const struct baseline *b,
+                         struct judgement *v)
 {
     judge_record(&x->record, j, b, x->amplitude, sure_slope(&x->before[j]), v);
 }
@@ -364,7 +364,7 @@ static void take_fits(struct commission *c, const struct fopdt_fit_result *bent)
         b = (struct baseline){.offset = bent->offset,
                               .slope_per_s = bent->slope_per_s,
                               .noise_sd = x->before[j].noise_sd};
-        judge(x, j, &b, &v);
+        judge_output(x, j, &b, &v);
         judge_climb(c, &v, REAL_C(0.0), kept);
         judge_gain(c, &v, REAL_C(0.0), bent->misfit, misfit_share(bent), kept);
         return;
@@ -373,7 +373,7 @@ static void take_fits(struct commission *c, const struct fopdt_fit_result *bent)
     bool straight = experiment_baseline(x, j, &b) == ERR_OK;
     c->climbs[j] = c->misfit[j] = REAL_C(0.0);
     if (straight) {
-        judge(x, j, &b, &v);
+        judge_output(x, j, &b, &v);
         judge_climb(c, &v, bend, kept);
     }
     if (usable) { /* it turned before the step, or after all was over; how much else it could be is known */
