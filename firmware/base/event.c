@@ -77,6 +77,7 @@ static const char *const table[] = {
     E("STORAGE_LEFT_OUT", "stored settings left out: resets in a row, each soon after its start",
       ALARM),
     E("STORAGE_NEWER", "settings of newer firmware are stored: nothing is written; format", ALARM),
+    E("BLOCK_UNKNOWN", "kind that this build lacks, or no room for it: kept, not run; block", ALARM),
     E("IMAGE_DAMAGED", "firmware is not the one that was built: nothing acts, outputs stay safe",
       ALARM),
     S("SEQUENCE_STEP", "sequence waits at step", INFO),

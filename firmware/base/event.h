@@ -55,6 +55,7 @@ enum event_code {
     EVENT_STORAGE_DAMAGED,
     EVENT_STORAGE_LEFT_OUT,
     EVENT_STORAGE_NEWER,
+    EVENT_BLOCK_UNKNOWN,
     EVENT_IMAGE_DAMAGED,
     /* Sequences: value is the step; detail as supervise/sequence.h. */
     EVENT_SEQUENCE_STEP,

@@ -121,16 +121,30 @@ static void config_words(const struct config_fault *fault, struct text *t)
 }
 
 /* Of a parameter that does not take it. */
-static void value_words(enum err code, const struct parameter *p, const char *value, struct text *t)
+static void value_words(enum err code, const struct answer *a, struct text *t)
 {
+    const struct parameter *p = &a->value.parameter;
     parameter_name(p, t);
     text_str(t, ": '");
-    text_str(t, value ? value : "");
+    text_str(t, a->value.text ? a->value.text : "");
+#if CONFIG_BLOCKS
+    if (code == ERR_FULL || code == ERR_STATE || code == ERR_UNSUPPORTED) {
+        text_str(t, code == ERR_FULL    ? "' refused, bytes needed: "
+                    : code == ERR_STATE ? "' refused, the block has no kind; set that first"
+                                        : "' refused, this build lacks the kind of the block");
+        if (code == ERR_FULL) {
+            text_u32(t, a->value.needed);
+            text_str(t, ", there are: ");
+            text_u32(t, a->value.free);
+        }
+        return;
+    }
+#endif
     text_str(t, code == ERR_READ_ONLY ? "' refused, " : "' refused, allowed: ");
     parameter_range(p, t);
-    if (field_unit(p->field)[0]) {
+    if (parameter_unit(p)[0]) {
         text_char(t, ' ');
-        text_str(t, field_unit(p->field));
+        text_str(t, parameter_unit(p));
     }
 }
 
@@ -152,7 +166,7 @@ static void answer_words(enum err code, const struct answer *a, struct text *t)
         config_words(&a->config, t);
         return;
     case ANSWER_VALUE:
-        value_words(code, &a->value.parameter, a->value.text, t);
+        value_words(code, a, t);
         return;
     default:
         break;

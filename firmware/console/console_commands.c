@@ -47,7 +47,7 @@ void command_help(struct console *c, unsigned n, char **word)
             return;
         }
     }
-    if (parameter_find(word[0], &p) == ERR_OK)
+    if (parameter_find_in(operate_view(&c->session), word[0], &p) == ERR_OK)
         console_list(c, parameter_help, word[0]);
     else
         console_err_about(c, ERR_UNKNOWN, word[0], "neither a command nor a parameter");

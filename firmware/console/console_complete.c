@@ -48,12 +48,17 @@ static bool is(const char *kind, size_t n, const char *name)
 }
 
 /* Without a dot so far: "loop1." for all its fields. */
-static void parameter_choice(unsigned n, const char *begun, struct text *word)
+static void parameter_choice(const struct config *config, unsigned n, const char *begun,
+                             struct text *word)
 {
     struct parameter p;
-    if (!parameter_at(n, &p))
+    if (!parameter_of(config, n, &p))
         return;
     if (strchr(begun, '.')) {
+#if CONFIG_BLOCKS
+        if (p.row > 0) /* the first stands for all of a table */
+            return;
+#endif
         parameter_name(&p, word);
         return;
     }
@@ -63,14 +68,6 @@ static void parameter_choice(unsigned n, const char *begun, struct text *word)
     if (p.group->indexed)
         text_u32(word, p.index + 1u);
     text_char(word, '.');
-}
-
-static unsigned parameter_count(void)
-{
-    unsigned n = 0;
-    for (unsigned g = 0; g < parameter_group_count; g++)
-        n += (unsigned)parameter_groups[g].count * parameter_groups[g].n_fields;
-    return n;
 }
 
 /* Words between bars; true when there is an n-th one. */
@@ -108,6 +105,7 @@ static unsigned kind_choice(const struct console *c, const char *kind, size_t si
                             const struct typed *t, unsigned n, struct text *word)
 {
     const struct config *config = operate_settings(&c->session);
+    const struct config *view = operate_view(&c->session);
     struct parameter p;
     if (is(kind, size, "LOOP"))
         return name_choice(config, NAMES_LOOP, n, word);
@@ -128,16 +126,24 @@ static unsigned kind_choice(const struct console *c, const char *kind, size_t si
         return console_command_count;
     }
     if (is(kind, size, "PARAMETER") || is(kind, size, "PREFIX")) {
-        parameter_choice(n, t->begun, word);
-        return parameter_count();
+        parameter_choice(view, n, t->begun, word);
+        return parameter_count(view);
     }
-    if (is(kind, size, "VALUE") && parameter_find(t->before, &p) == ERR_OK) {
-        if (p.field->type == PARAMETER_NAME && !parameter_is_secret(&p))
+    if (is(kind, size, "VALUE") && parameter_find_in(view, t->before, &p) == ERR_OK) {
+        if ((p.field->type == PARAMETER_NAME && !parameter_is_secret(&p)) ||
+            p.field->type == PARAMETER_LIST)
             return name_choice(config, NAMES_LOOP | NAMES_MV | NAMES_MEASUREMENT, n, word);
+#if CONFIG_BLOCKS
+        if (p.field->type == PARAMETER_KIND) {
+            if (block_kind_has_record((uint8_t)n))
+                text_str(word, block_kinds[n]->name);
+            return block_kind_count;
+        }
+#endif
         if (p.field->type != PARAMETER_WORD)
             return 0;
-        return word_choice(field_words(p.field), strlen(field_words(p.field)), n, word) ? n + 1u
-                                                                                        : n;
+        const char *words = parameter_word_list(&p);
+        return word_choice(words, strlen(words), n, word) ? n + 1u : n;
     }
     if (kind[0] < 'a' || kind[0] > 'z')
         return 0;

@@ -9,10 +9,14 @@ static void value_line(const struct parameter *p, const struct config *config, s
     parameter_name(p, line);
     text_str(line, " = ");
     parameter_value(p, config, line);
-    if (field_unit(p->field)[0]) {
+    if (parameter_unit(p)[0]) {
         text_char(line, ' ');
-        text_str(line, field_unit(p->field));
+        text_str(line, parameter_unit(p));
     }
+#if CONFIG_BLOCKS
+    if (p->field->type == PARAMETER_KIND && block_is_unknown(config, p->index))
+        text_str(line, " unknown");
+#endif
 }
 
 /* Channels, loops and elements without a name are not in use. */
@@ -24,6 +28,10 @@ static bool in_use(const struct parameter *p, const struct config *config)
     first.field = &p->group->fields[0];
     if (!p->group->indexed)
         return true;
+#if CONFIG_BLOCKS
+    if (p->group == &parameter_blocks)
+        return config->block[p->index].kind[0] != '\0';
+#endif
     if (first.field->type == PARAMETER_NAME) {
         parameter_value(&first, config, &t);
         return strcmp(name, "-") != 0;
@@ -41,7 +49,7 @@ static bool list_line(struct console *c, unsigned n, struct text *line)
     struct parameter p;
     char name[40];
     struct text t = text_on(name, sizeof name);
-    if (!parameter_at(n, &p))
+    if (!parameter_of(config, n, &p))
         return false;
     parameter_name(&p, &t);
     bool all = strcmp(c->argument, "all") == 0;
@@ -54,23 +62,28 @@ static bool list_line(struct console *c, unsigned n, struct text *line)
 
 void command_list(struct console *c, unsigned n, char **word)
 {
+    const struct config *config = operate_view(&c->session);
     const char *prefix = n ? word[0] : "";
     struct parameter p;
     char name[40];
     bool found = !n || strcmp(prefix, "all") == 0;
-    for (unsigned i = 0; !found && parameter_at(i, &p); i++) {
+    for (unsigned i = 0; !found && parameter_of(config, i, &p); i++) {
         struct text t = text_on(name, sizeof name);
         parameter_name(&p, &t);
         found = strncmp(name, prefix, strlen(prefix)) == 0;
     }
     if (!found) {
-        char why[120];
+        char why[140];
         struct text t = text_on(why, sizeof why);
         text_str(&t, "no parameter begins so; groups are");
         for (unsigned g = 0; g < parameter_group_count; g++) {
             text_char(&t, ' ');
             text_str(&t, parameter_groups[g].name);
         }
+#if CONFIG_BLOCKS
+        text_char(&t, ' ');
+        text_str(&t, parameter_blocks.name);
+#endif
         console_err_about(c, ERR_UNKNOWN, prefix, why);
         return;
     }
@@ -84,7 +97,7 @@ void command_get(struct console *c, unsigned n, char **word)
     char line[CONSOLE_OUTPUT_MAX];
     struct text t = text_on(line, sizeof line);
     (void)n;
-    enum err err = operate_find_parameter(word[0], &p, &a);
+    enum err err = operate_find_parameter(&c->session, word[0], &p, &a);
     if (err) {
         console_answer(c, err, &a);
         return;
@@ -105,11 +118,13 @@ static bool diff_line(struct console *c, unsigned n, struct text *line)
 {
     struct parameter p;
     const struct config *config = operate_view(&c->session);
-    if (!parameter_at(n, &p))
+    if (!parameter_of(config, n, &p))
         return false;
     bool same;
     if (c->argument[0] == 's') { /* staged against the plan */
         same = !operate_changes(&c->session, &p);
+    } else if (p.field->type >= PARAMETER_KIND) { /* longer texts */
+        same = parameter_is_default(&p, config);
     } else {
         char a[40], b[40];
         struct text ta = text_on(a, sizeof a), tb = text_on(b, sizeof b);
@@ -139,25 +154,25 @@ void command_diff(struct console *c, unsigned n, char **word)
 bool parameter_help(struct console *c, unsigned n, struct text *line)
 {
     struct parameter p;
-    if (n > 3 || parameter_find(c->argument, &p) != ERR_OK)
+    if (n > 3 || parameter_find_in(operate_view(&c->session), c->argument, &p) != ERR_OK)
         return false;
     if (n == 0) {
         value_line(&p, operate_view(&c->session), line);
     } else if (n == 1) {
         text_str(line, "  ");
-        text_str(line, p.field->help);
+        text_str(line, parameter_about(&p));
     } else if (n == 2) {
         text_str(line, "  allowed: ");
         parameter_range(&p, line);
-        if (field_unit(p.field)[0]) {
+        if (parameter_unit(&p)[0]) {
             text_char(line, ' ');
-            text_str(line, field_unit(p.field));
+            text_str(line, parameter_unit(&p));
         }
     } else {
         text_str(line, "  default: ");
         parameter_default(&p, line);
         text_str(line, "  id: 0x");
-        text_hex(line, parameter_id(&p), 4);
+        text_hex(line, parameter_id(&p), parameter_id(&p) >> 16 ? 8 : 4);
     }
     return true;
 }

@@ -56,7 +56,7 @@ static bool dump_line(struct console *c, unsigned n, struct text *line)
         return true;
     }
     n -= 2;
-    if (parameter_at(n, &p)) {
+    if (parameter_of(config, n, &p)) {
         if (!record_wanted(&p, config))
             return true;
         text_str(line, "set ");
@@ -65,7 +65,7 @@ static bool dump_line(struct console *c, unsigned n, struct text *line)
         parameter_value(&p, config, line);
         return true;
     }
-    if (!parameter_at(n - 1, &p))
+    if (!parameter_of(config, n - 1, &p))
         return false;
     text_str(line, "apply");
     return true;

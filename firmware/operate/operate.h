@@ -70,6 +70,9 @@ struct answer {
         struct {
             struct parameter parameter;
             const char *text; /* NULL: it was given as a number */
+#if CONFIG_BLOCKS
+            uint32_t needed, free; /* bytes for the settings of a kind, ERR_FULL */
+#endif
         } value;
         uint32_t wait_ms;
         const struct workspace *workspace;
@@ -159,8 +162,8 @@ static inline bool operate_is_open(const struct session *session)
     return session->door->service->staging;
 }
 /* ERR_UNKNOWN, ERR_UNSUPPORTED: larger boards have it. */
-MUST_CHECK enum err operate_find_parameter(const char *name, struct parameter *p,
-                                           struct answer *answer);
+MUST_CHECK enum err operate_find_parameter(const struct session *session, const char *name,
+                                           struct parameter *p, struct answer *answer);
 /* Engineer, all of them. ERR_STATE: one is open already, or none is. */
 MUST_CHECK enum err operate_begin(struct session *session, struct answer *answer);
 MUST_CHECK enum err operate_abandon(struct session *session, struct answer *answer);

@@ -8,13 +8,20 @@ const struct config *operate_view(const struct session *session)
     return s->staging ? service_staged(s) : operate_settings(session);
 }
 
-enum err operate_find_parameter(const char *name, struct parameter *p, struct answer *answer)
+enum err operate_find_parameter(const struct session *session, const char *name,
+                                struct parameter *p, struct answer *answer)
 {
-    enum err err = parameter_find(name, p);
+    enum err err = parameter_find_in(operate_view(session), name, p);
     if (err == ERR_UNSUPPORTED) {
         answer->subject = name;
         answer->more = ANSWER_PLACES;
         answer->value.parameter = *p;
+#if CONFIG_BLOCKS
+    } else if (err == ERR_EMPTY) {
+        err =
+            operate_refuse(answer, ERR_UNKNOWN, name,
+                           "the block has no kind that this build knows, and so no such parameter");
+#endif
     } else if (err) {
         (void)!operate_refuse(answer, err, name, "no such parameter; `list all` shows them");
     }
@@ -85,7 +92,7 @@ enum err operate_apply(struct session *session, struct answer *answer)
     if (!operate_stage(session, answer))
         return ERR_BUSY;
     unsigned changes = 0;
-    for (unsigned i = 0; parameter_at(i, &p); i++)
+    for (unsigned i = 0; parameter_of(operate_view(session), i, &p); i++)
         changes += operate_changes(session, &p);
     err = operate_activate(session, answer);
     if (err)
@@ -123,6 +130,10 @@ static enum err set_in_words(struct session *session, const struct parameter *p,
     if (!staged)
         return ERR_BUSY;
     enum err err = parameter_set(p, staged, text);
+#if CONFIG_BLOCKS
+    if (err == ERR_FULL) /* once more, for its figures */
+        err = record_make(staged, p->index, text, &answer->value.needed, &answer->value.free);
+#endif
     return err ? refuse_value(answer, err, p, text) : operate_activate_unless_open(session, answer);
 }
 
@@ -140,7 +151,7 @@ enum err operate_set(struct session *session, const char *name, const char *valu
     float number;
     enum err err = operate_admit(session, "set", answer);
     if (!err)
-        err = operate_find_parameter(name, &p, answer);
+        err = operate_find_parameter(session, name, &p, answer);
     if (!err)
         err = set_in_words(session, &p, value, answer);
     if (err)
@@ -174,7 +185,7 @@ enum err operate_key(struct session *session, const char *key, struct answer *an
     struct parameter p;
     enum err err = operate_admit(session, "key", answer);
     if (!err)
-        err = operate_find_parameter("console.key", &p, answer);
+        err = operate_find_parameter(session, "console.key", &p, answer);
     if (!err)
         err = set_in_words(session, &p, key, answer);
     if (!err)

@@ -317,6 +317,29 @@ const struct parameter_group parameter_groups[] = {
 };
 const unsigned parameter_group_count = COUNT(parameter_groups);
 
+#if CONFIG_BLOCKS
+#define B(member, id, type, name, help)                                                            \
+    ROW(id, type, offsetof(struct block_config, member), name, "", 0, 0, 0, help)
+static const struct parameter_field block_fields[BLOCK_FIELDS] = {
+    B(kind, 1 + BLOCK_FIELD_KIND, PARAMETER_KIND, "kind",
+      "kind of the block, which has parameters of its own; - = unused"),
+    B(loops, 1 + BLOCK_FIELD_LOOPS, PARAMETER_LIST, "loops", "loops that it serves"),
+    B(inputs, 1 + BLOCK_FIELD_INPUTS, PARAMETER_LIST, "inputs", "further points that it reads"),
+    B(points, 1 + BLOCK_FIELD_POINTS, PARAMETER_LIST, "points", "points that it writes"),
+};
+
+const struct parameter_group parameter_blocks =
+    GROUP(16, "block", block, struct block_config, CONFIG_BLOCKS, 4, block_fields);
+
+/* Of the rows of kinds, by enum block_value; then of tables. The rest stands in the row. */
+const struct parameter_field parameter_own_fields[] = {
+    ROW(0, PARAMETER_FLOAT, 0, "", "", 0, 0, 0, ""),
+    ROW(0, PARAMETER_U16, 0, "", "", 0, 0, 0, ""),
+    ROW(0, PARAMETER_WORD, 0, "", "", 0, 0, 0, ""),
+    ROW(0, PARAMETER_ROW, 0, "", "", 0, 0, 0, ""),
+};
+#endif
+
 float field_lo(const struct parameter_field *field)
 {
     return values[field->lo];

@@ -10,8 +10,8 @@
  *  2. An erase stalls the processor. It happens only while all loops are in manual: after a start, before the
  *     stored set is put into force, when the slot in use has no room for another set; or in a save.
  *  3. Nothing is touched before the first command has gone out, or until no plant has come for STORAGE_WAIT_MS.
- *  4. What is stored is never given up because of one value: unknown ids are carried over by the next save, values
- *     out of range are clipped and told one by one.
+ *  4. What is stored is never given up because of one value: unknown ids are carried over by the next save (but those
+ *     of a block that has got another kind), values out of range are clipped and told one by one.
  *  5. Nothing is written while there is something in a format of newer firmware, until storage_save() is told to
  *     replace it.
  */
@@ -79,6 +79,9 @@ struct storage {
     unsigned parameter;     /* next one */
     uint32_t old, old_left; /* records of the newest set still to be looked at */
     uint32_t copy_left;     /* bytes of the record at `old` still to be copied */
+#if CONFIG_BLOCKS
+    uint8_t kept_blocks; /* bit n: block n has the kind that the newest set gives it */
+#endif
     uint8_t record[RECORD_MAX];
     uint8_t record_n, record_at;
     uint8_t piece[STORAGE_PIECE];

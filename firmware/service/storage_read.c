@@ -299,6 +299,12 @@ static void tell_changed(struct storage *st, const struct parameter *p, struct c
     char name[CHANNEL_NAME_SIZE];
     struct text t = text_on(name, sizeof name);
     const void *at = parameter_place(p, config);
+#if CONFIG_BLOCKS
+    if (p->field->type == PARAMETER_KIND && block_is_unknown(config, p->index)) {
+        storage_tell(st, EVENT_BLOCK_UNKNOWN, config->block[p->index].kind, (float)(p->index + 1u));
+        return;
+    }
+#endif
     float value = 0.0f;
     uint32_t u32 = 0;
     uint16_t u16 = 0;
@@ -343,13 +349,15 @@ enum err storage_load(struct storage *st, struct config *config, const char **wh
         return st->remains ? ERR_CRC : ERR_EMPTY;
     }
     parameters_defaults(config);
-    /* Those that have moved first: a record under the new id is the newer one. */
+    /* Those that have moved first: a record under the new id is the newer one. Kinds of blocks as well, without which
+     * nobody knows what the other records of the block are. */
     for (unsigned pass = 0; pass < 2; pass++) {
         uint32_t address = st->newest.address + STORAGE_GRAIN, left = st->newest.length;
         while (record_at(address, left, &r)) { /* at least RECORD_HEAD less each time */
             address += RECORD_HEAD + r.size;
             left -= RECORD_HEAD + r.size;
-            if (record_parameter(&r, &p, &renamed) && renamed == (pass == 0) &&
+            if (record_parameter(&r, config, &p, &renamed) &&
+                (renamed || p.field->type == PARAMETER_KIND) == (pass == 0) &&
                 p.field->type != PARAMETER_FIXED && !record_take(&r, &p, config))
                 tell_changed(st, &p, config);
         }

@@ -30,27 +30,61 @@ bool record_at(uint32_t address, uint32_t left, struct stored_record *r)
     uint8_t head[RECORD_HEAD];
     if (left < RECORD_HEAD || storage_read(address, head, sizeof head) != ERR_OK)
         return false;
-    *r = (struct stored_record){address, get16(head), head[2], head[3]};
-    return left - RECORD_HEAD >= r->size;
+    *r = (struct stored_record){
+        .address = address, .id = get16(head), .type = head[2], .size = head[3]};
+    if (left - RECORD_HEAD < r->size)
+        return false;
+#if CONFIG_BLOCKS
+    uint8_t id[RECORD_WIDE];
+    if (r->id == 0 && r->size >= sizeof id) {
+        if (storage_read(address + RECORD_HEAD, id, sizeof id) != ERR_OK)
+            return false;
+        r->id = get32(id) >> 16 ? get32(id) : 0;
+        r->wide = sizeof id;
+    }
+#endif
+    return true;
 }
 
-bool record_parameter(const struct stored_record *r, struct parameter *p, bool *renamed)
+#if CONFIG_BLOCKS
+bool record_of_block(const struct stored_record *r, uint8_t *block)
 {
-    uint16_t id = r->id;
+    *block = (uint8_t)(r->id & 0x3F);
+    return r->id >> 24 == parameter_blocks.id && *block < CONFIG_BLOCKS;
+}
+
+bool record_is_kind(const struct stored_record *r, uint8_t block, const struct config *config)
+{
+    struct parameter p = {.group = &parameter_blocks,
+                          .field = &parameter_blocks.fields[BLOCK_FIELD_KIND],
+                          .index = block};
+    char kind[CHANNEL_NAME_SIZE] = "";
+    uint8_t size = (uint8_t)(r->size - r->wide);
+    return r->id == parameter_id(&p) && r->type == STORAGE_TEXT && size < sizeof kind &&
+           storage_read(r->address + RECORD_HEAD + r->wide, kind, size) == ERR_OK &&
+           strcmp(kind, config->block[block].kind) == 0;
+}
+#endif
+
+bool record_parameter(const struct stored_record *r, const struct config *config,
+                      struct parameter *p, bool *renamed)
+{
+    uint32_t id = r->id;
     *renamed = false;
     for (const struct storage_rename *rename = storage_renames; rename->from; rename++) {
-        if (rename->from == (id & ~0x3F)) {
-            id = (uint16_t)(rename->to | (id & 0x3F));
+        if (rename->from == (id & ~(uint32_t)0x3F)) {
+            id = rename->to | (id & 0x3F);
             *renamed = true;
             break;
         }
     }
-    return parameter_find_id(id, p) == ERR_OK;
+    return parameter_find_id(config, id, p) == ERR_OK;
 }
 
 static bool is_text(const struct parameter *p)
 {
-    return p->field->type == PARAMETER_NAME || p->field->type == PARAMETER_UNIT;
+    return p->field->type == PARAMETER_NAME || p->field->type == PARAMETER_UNIT ||
+           p->field->type == PARAMETER_KIND || p->field->type == PARAMETER_LIST;
 }
 
 /* Nearest allowed value of a parameter that is a number. Whether it had to be moved. */
@@ -58,7 +92,7 @@ static bool take_number(const struct parameter *p, struct config *config, float 
                         bool is_whole)
 {
     void *at = parameter_place(p, config);
-    float lo = field_lo(p->field), hi = field_hi(p->field);
+    float lo = parameter_lo(p), hi = parameter_hi(p);
     if (p->field->type == PARAMETER_WORD) {
         lo = 0.0f;
         hi = (float)(parameter_words(p) - 1u);
@@ -86,23 +120,52 @@ static bool take_number(const struct parameter *p, struct config *config, float 
     return outside || rounded;
 }
 
+#if CONFIG_BLOCKS
+#define TEXT_MAX (BLOCK_NAMES_SIZE - 1u)
+static bool take_text(const struct parameter *p, struct config *config, const char *text)
+{
+    if (p->group == &parameter_blocks)
+        return parameter_restore(p, config, text);
+    return parameter_set(p, config, text) == ERR_OK;
+}
+
+static bool take_row(const struct stored_record *r, const struct parameter *p,
+                     struct config *config)
+{
+    uint8_t row[RECORD_COLS_MAX * sizeof(float)];
+    size_t size = parameter_size(p);
+    bool taken;
+    return p->field->type == PARAMETER_ROW && (size_t)(r->size - r->wide) == size &&
+           storage_read(r->address + RECORD_HEAD + r->wide, row, (uint32_t)size) == ERR_OK &&
+           block_row_decode(p->own, parameter_place(p, config), row, &taken);
+}
+#else
+#define TEXT_MAX                   CHANNEL_NAME_SIZE
+#define take_text(p, config, text) (parameter_set(p, config, text) == ERR_OK)
+#define take_row(r, p, config)     false
+#endif
+
 bool record_take(const struct stored_record *r, const struct parameter *p, struct config *config)
 {
-    char text[CHANNEL_NAME_SIZE + 1] = {0};
-    uint8_t data[4] = {0};
+    char text[TEXT_MAX + 1u] = {0};
+    uint8_t data[4] = {0}, size = (uint8_t)(r->size - r->wide);
+    uint32_t address = r->address + RECORD_HEAD + r->wide;
     static const uint8_t sizes[] = {0, 4, 4, 2, 1};
     if (r->type == STORAGE_TEXT) {
-        if (r->size >= sizeof text || storage_read(r->address + RECORD_HEAD, text, r->size))
+        if (size >= sizeof text || storage_read(address, text, size))
             return false;
         if (parameter_is_secret(p) && strcmp(text, PARAMETER_SECRET) == 0)
             return false;
         float f;
-        if (!is_text(p) && p->field->type != PARAMETER_WORD && text_parse_float(text, &f) == ERR_OK)
+        if (!is_text(p) && p->field->type != PARAMETER_WORD && p->field->type != PARAMETER_ROW &&
+            text_parse_float(text, &f) == ERR_OK)
             return !take_number(p, config, f, 0, false);
-        return parameter_set(p, config, text[0] ? text : "-") == ERR_OK;
+        return take_text(p, config, text[0] ? text : "-");
     }
-    if (r->type == 0 || r->type > STORAGE_WORD || r->size != sizes[r->type] || is_text(p) ||
-        storage_read(r->address + RECORD_HEAD, data, r->size) != ERR_OK)
+    if (r->type == STORAGE_ROW)
+        return take_row(r, p, config);
+    if (r->type == 0 || r->type > STORAGE_WORD || size != sizes[r->type] || is_text(p) ||
+        p->field->type == PARAMETER_ROW || storage_read(address, data, size) != ERR_OK)
         return false;
     uint32_t u32 = get32(data);
     float f = (float)u32;
@@ -118,6 +181,10 @@ bool record_wanted(const struct parameter *p, const struct config *config)
 {
     struct parameter first = *p;
     first.field = &p->group->fields[0];
+#if CONFIG_BLOCKS
+    if (p->group == &parameter_blocks)
+        return config->block[p->index].kind[0] != '\0';
+#endif
     if (p->field->type == PARAMETER_FIXED)
         return false;
     return !p->group->indexed || (is_text(&first) && !parameter_is_default(&first, config)) ||
@@ -126,16 +193,29 @@ bool record_wanted(const struct parameter *p, const struct config *config)
 
 uint8_t record_encode(const struct parameter *p, struct config *config, uint8_t *record)
 {
-    static const uint8_t types[] = {STORAGE_FLOAT, STORAGE_U32,  STORAGE_U16, STORAGE_U32,
-                                    STORAGE_WORD,  STORAGE_TEXT, STORAGE_TEXT};
+    static const uint8_t types[] = {STORAGE_FLOAT, STORAGE_U32,  STORAGE_U16,  STORAGE_U32,
+                                    STORAGE_WORD,  STORAGE_TEXT, STORAGE_TEXT, STORAGE_TEXT,
+                                    STORAGE_TEXT,  STORAGE_ROW};
     const void *at = parameter_place(p, config);
     size_t size = parameter_size(p);
+    uint32_t id = parameter_id(p);
     uint8_t *data = record + RECORD_HEAD;
     uint32_t u32;
     uint16_t u16;
+    put16(record, id >> 16 ? 0 : (uint16_t)id);
+#if CONFIG_BLOCKS
+    if (id >> 16) {
+        put32(data, id);
+        data += RECORD_WIDE;
+    }
+#endif
     if (is_text(p)) {
         size = strlen(at);
         memcpy(data, at, size);
+#if CONFIG_BLOCKS
+    } else if (p->field->type == PARAMETER_ROW) {
+        size = block_row_encode(p->own, at, data);
+#endif
     } else if (size == 4) {
         memcpy(&u32, at, sizeof u32);
         put32(data, u32);
@@ -145,8 +225,7 @@ uint8_t record_encode(const struct parameter *p, struct config *config, uint8_t 
     } else {
         data[0] = *(const uint8_t *)at;
     }
-    put16(record, parameter_id(p));
     record[2] = types[p->field->type];
-    record[3] = (uint8_t)size;
-    return (uint8_t)(RECORD_HEAD + size);
+    record[3] = (uint8_t)((size_t)(data - record) - RECORD_HEAD + size);
+    return (uint8_t)(RECORD_HEAD + record[3]);
 }

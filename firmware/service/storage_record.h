@@ -4,15 +4,24 @@
 
 #include "service/parameters.h"
 
-#define RECORD_HEAD 4u                                /* id, type, size */
-#define RECORD_MAX  (RECORD_HEAD + CHANNEL_NAME_SIZE) /* of those this build writes */
+#define RECORD_HEAD 4u /* id, type, size */
+/* Of those this build writes. Ids of more than 16 bits stand in front of the value, behind a short one of 0. */
+#if CONFIG_BLOCKS
+#define RECORD_WIDE 4u
+#define RECORD_MAX  (RECORD_HEAD + RECORD_WIDE + BLOCK_NAMES_SIZE)
+_Static_assert(BLOCK_NAMES_SIZE >= RECORD_COLS_MAX * sizeof(float), "rows of tables fit as well");
+#else
+#define RECORD_WIDE 0u
+#define RECORD_MAX  (RECORD_HEAD + CHANNEL_NAME_SIZE)
+#endif
 
 enum storage_type {
     STORAGE_FLOAT = 1,
     STORAGE_U32 = 2,
     STORAGE_U16 = 3,
     STORAGE_WORD = 4, /* one byte, index into the words of the parameter */
-    STORAGE_TEXT = 5  /* without terminating zero; empty = none */
+    STORAGE_TEXT = 5, /* without terminating zero; empty = none */
+    STORAGE_ROW = 6   /* of a table: its values, each in the bytes of its type */
 };
 
 /* A field that has moved: its records are read as those of the new one (group << 12 | field << 6). The table ends
@@ -24,8 +33,9 @@ extern const struct storage_rename storage_renames[];
 
 struct stored_record {
     uint32_t address;
-    uint16_t id;
-    uint8_t type, size; /* size of the value */
+    uint32_t id;
+    uint8_t type, size; /* size of what follows the head */
+    uint8_t wide;       /* bytes of that which are the id */
 };
 
 /* Reads as often as it takes until two readings in a row agree: that one reading goes wrong has no effect. Words that
@@ -34,8 +44,16 @@ MUST_CHECK enum err storage_read(uint32_t address, void *data, uint32_t n);
 
 /* The record at `address`, of which `left` bytes of the set are still there; false = there is none. */
 bool record_at(uint32_t address, uint32_t left, struct stored_record *r);
-/* The parameter a record belongs to today; false = this build knows of none. */
-bool record_parameter(const struct stored_record *r, struct parameter *p, bool *renamed);
+/* The parameter a record belongs to today; false = this build knows of none. Those of a block's kind are known where the
+ * block has that kind in *config. */
+bool record_parameter(const struct stored_record *r, const struct config *config,
+                      struct parameter *p, bool *renamed);
+#if CONFIG_BLOCKS
+/* The block it belongs to, whatever it is of that block; false: of none that this build has. */
+bool record_of_block(const struct stored_record *r, uint8_t *block);
+/* It is the kind of that block, and *config has the same one there. */
+bool record_is_kind(const struct stored_record *r, uint8_t block, const struct config *config);
+#endif
 /* Puts its value into the configuration. False: it had to be changed to the nearest one allowed, or left out. */
 bool record_take(const struct stored_record *r, const struct parameter *p, struct config *config);
 

@@ -114,17 +114,22 @@ static void erase(struct storage *st)
     st->state = MARKING;
 }
 
-/* Room for the largest set this build can make, so that the next save needs no erase. */
+/* Room for the largest set this build can make, and for one like the newest, so that the next save needs no erase. Tables
+ * of blocks are not in the first: they would take the whole of a small slot. */
 static uint32_t largest_set(const struct storage *st)
 {
     uint32_t bytes = 0;
     for (unsigned g = 0; g < parameter_group_count; g++) {
-        struct parameter p = {&parameter_groups[g], NULL, 0};
+        struct parameter p = {.group = &parameter_groups[g]};
         for (unsigned f = 0; f < p.group->n_fields; f++) {
             p.field = &p.group->fields[f];
             bytes += p.group->count * (RECORD_HEAD + (uint32_t)parameter_size(&p));
         }
     }
+#if CONFIG_BLOCKS
+    if (st->newest.sequence && st->newest.length > bytes)
+        bytes = st->newest.length;
+#endif
     bytes = set_size(bytes);
     uint32_t most = st->slot_size - STORAGE_GRAIN - SAVE_ROOM;
     return bytes < most ? bytes : most;
@@ -163,6 +168,35 @@ static void begin_set(struct storage *st)
         not_taken(st);
 }
 
+#if CONFIG_BLOCKS
+/* What the newest set has of blocks that keep their kind. Of another kind the same ids are something else. */
+static void find_kept_blocks(struct storage *st)
+{
+    const struct config *config = service_staged(st->service);
+    uint32_t address = st->newest.address + STORAGE_GRAIN;
+    uint32_t left = st->newest.sequence ? st->newest.length : 0;
+    struct stored_record r;
+    uint8_t block;
+    st->kept_blocks = 0;
+    while (record_at(address, left, &r)) {
+        uint32_t size = RECORD_HEAD + r.size;
+        if (record_of_block(&r, &block) && record_is_kind(&r, block, config))
+            st->kept_blocks |= (uint8_t)(1u << block);
+        address += size;
+        left -= size;
+    }
+}
+
+static bool is_kept(const struct storage *st, const struct stored_record *r)
+{
+    uint8_t block;
+    return !record_of_block(r, &block) || (st->kept_blocks >> block & 1u) != 0;
+}
+#else
+#define find_kept_blocks(st) ((void)0)
+#define is_kept(st, r)       true
+#endif
+
 static void rewind_records(struct storage *st)
 {
     st->parameter = 0;
@@ -180,7 +214,7 @@ static uint32_t next_record(struct storage *st)
     struct parameter p;
     struct stored_record r;
     bool renamed;
-    while (parameter_at(st->parameter, &p)) {
+    while (parameter_of(config, st->parameter, &p)) {
         st->parameter++;
         if (!record_wanted(&p, config))
             continue;
@@ -190,7 +224,7 @@ static uint32_t next_record(struct storage *st)
     }
     while (record_at(st->old, st->old_left, &r)) {
         uint32_t size = RECORD_HEAD + r.size;
-        if (!record_parameter(&r, &p, &renamed)) {
+        if (!record_parameter(&r, config, &p, &renamed) && is_kept(st, &r)) {
             st->copy_left = size;
             return size;
         }
@@ -203,6 +237,7 @@ static uint32_t next_record(struct storage *st)
 static uint32_t count_records(struct storage *st)
 {
     uint32_t all = 0, size;
+    find_kept_blocks(st);
     rewind_records(st);
     while ((size = next_record(st)) != 0) {
         all += size;

@@ -17,7 +17,11 @@ _Static_assert(CONFIG_POOL_BYTES % 4 == 0 && CONFIG_POOL_BYTES <= UINT16_MAX, "p
 
 bool block_kind_has_record(uint8_t kind)
 {
-    return kind < block_kind_count && block_kinds[kind]->parameters != 0;
+    const struct block_kind *k = kind < block_kind_count ? block_kinds[kind] : NULL;
+    for (unsigned i = 0; k && i < k->parameters; i++)
+        if (k->parameter[i].cols > RECORD_COLS_MAX || k->parameter[i].rows > RECORD_ROWS_MAX)
+            return false;
+    return k && k->parameters != 0;
 }
 
 uint8_t config_block_kind(const struct config *config, uint8_t n)

@@ -8,13 +8,16 @@
 #include "block/block.h"
 #include "supervise/config.h"
 
-#define RECORD_COLS_MAX 16 /* of a row of a table: it is set in one line, and stored in one piece */
+/* Of a table: a row is set in one line and stored in one piece. */
+#define RECORD_COLS_MAX 16
+#define RECORD_ROWS_MAX 1024
 
 /* Place in block_kinds[], PLAN_NONE (0xFF) where this build has no such kind. */
 uint8_t block_kind_find(const char *name);
 
 #if CONFIG_BLOCKS
-/* May blockN.kind be that? Kinds without rows have their parameters elsewhere (loopN, decoupleN, ffN). */
+/* May blockN.kind be that? Kinds without parameters have them elsewhere (loopN, decoupleN, ffN); one with a larger table
+ * cannot be. */
 bool block_kind_has_record(uint8_t kind);
 /* Kind of block n: a place in block_kinds[]. PLAN_NONE: unused, unknown to this build, or its record found no room. */
 uint8_t config_block_kind(const struct config *config, uint8_t n);

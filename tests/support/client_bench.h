@@ -47,7 +47,7 @@ static inline void is_refused(enum err wanted, enum err err, const char *what)
 
 static inline struct parameter parameter(const char *name)
 {
-    struct parameter p = {NULL, NULL, 0};
+    struct parameter p = {0};
     TEST_ASSERT_EQUAL_INT_MESSAGE(ERR_OK, parameter_find(name, &p), name);
     return p;
 }

@@ -49,19 +49,19 @@ static void add_group(const struct parameter_group *group)
     add(group->indexed ? line : "");
     add("\n\n| name | unit | allowed | default | what | id |\n|---|---|---|---|---|---|\n");
     for (unsigned f = 0; f < group->n_fields; f++) {
-        struct parameter p = {group, &group->fields[f], 0};
+        struct parameter p = {.group = group, .field = &group->fields[f]};
         char range[100], initial[60];
         struct text r = text_on(range, sizeof range), d = text_on(initial, sizeof initial);
         parameter_range(&p, &r);
         parameter_default(&p, &d);
         add("| ");
         add_cell(p.field->name);
-        add_cell(field_unit(p.field));
+        add_cell(parameter_unit(&p));
         add_cell(range);
         bool diagonal = strcmp(group->name, "decouple") == 0;
         add_cell(diagonal ? "1 on the diagonal, else 0" : initial);
         add_cell(p.field->help);
-        snprintf(line, sizeof line, "0x%04x |\n", parameter_id(&p));
+        snprintf(line, sizeof line, "0x%04x |\n", (unsigned)parameter_id(&p));
         add(line);
     }
 }
@@ -95,6 +95,9 @@ int main(int argc, char **argv)
 {
     for (unsigned g = 0; g < parameter_group_count; g++)
         add_group(&parameter_groups[g]);
+#if CONFIG_BLOCKS
+    add_group(&parameter_blocks);
+#endif
     add("\n");
     if (argc == 2)
         return compare(argv[1]);

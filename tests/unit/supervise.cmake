@@ -8,7 +8,7 @@ foreach(part two_position arena plan supervisor_modes supervisor_cascade supervi
              parameters text)
   if(EXISTS "${CMAKE_CURRENT_LIST_DIR}/test_${part}.c")
     reflux_test(${part} LABEL unit SOURCES ${CMAKE_CURRENT_LIST_DIR}/test_${part}.c
-                                           ${PROJECT_SOURCE_DIR}/firmware/service/parameters.c
+                                           ${PROJECT_SOURCE_DIR}/firmware/service/parameters.c ${PROJECT_SOURCE_DIR}/firmware/service/parameter_find.c ${PROJECT_SOURCE_DIR}/firmware/service/parameter_set.c ${PROJECT_SOURCE_DIR}/firmware/service/block_parameters.c ${PROJECT_SOURCE_DIR}/firmware/service/words.c
                                            ${PROJECT_SOURCE_DIR}/firmware/service/parameter_table.c
                 LIBS reflux_supervise)
     target_include_directories(test_${part} PRIVATE "${REFLUX_LAYERS}/service")
@@ -18,7 +18,7 @@ target_link_libraries(test_two_position PRIVATE reflux_control)
 
 # The table of parameters in docs/console.md, and whether it is current.
 add_executable(parameter_table "${PROJECT_SOURCE_DIR}/tests/support/parameter_table.c"
-               ${PROJECT_SOURCE_DIR}/firmware/service/parameters.c
+               ${PROJECT_SOURCE_DIR}/firmware/service/parameters.c ${PROJECT_SOURCE_DIR}/firmware/service/parameter_find.c ${PROJECT_SOURCE_DIR}/firmware/service/parameter_set.c ${PROJECT_SOURCE_DIR}/firmware/service/block_parameters.c ${PROJECT_SOURCE_DIR}/firmware/service/words.c
                ${PROJECT_SOURCE_DIR}/firmware/service/parameter_table.c)
 target_link_libraries(parameter_table PRIVATE reflux_supervise reflux_options)
 target_include_directories(parameter_table PRIVATE "${REFLUX_LAYERS}/service")
