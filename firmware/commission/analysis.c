@@ -1,6 +1,8 @@
 #include "supervise/config.h"
 #if COMMISSION_CHANNELS
 
+#include "commission/analysis.h"
+
 #include "commission/analysis_structure.h"
 #include "commission/certainty.h"
 

@@ -2,7 +2,7 @@
 #ifndef REFLUX_COMMISSION_ANALYSIS_STRUCTURE_H
 #define REFLUX_COMMISSION_ANALYSIS_STRUCTURE_H
 
-#include "commission/analysis.h"
+#include "commission/analysis_state.h"
 #include "supervise/config.h"
 
 /* Cascades, and which of them are to be used: a->cascade, a->inner_outputs. Before the pairing. */

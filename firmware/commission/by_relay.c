@@ -8,7 +8,6 @@
 
 #include "base/elapsed.h"
 #include "commission/parts.h"
-#include "commission/proposal.h"
 
 #define HYSTERESIS       REAL_C(3.0)   /* noise deviations */
 #define HYSTERESIS_LEAST REAL_C(0.001) /* of span: what is left of earlier motions is no answer */
@@ -310,19 +309,6 @@ void commission_relay(struct commission *c, struct supervisor *s)
     }
     if (err)
         commission_end(c, s, WHY_NUMBERS, commission_input_name(c, s), (real_t)err);
-}
-
-enum err by_relay_write(const struct commission *c, struct config *config)
-{
-    uint8_t i = proposal_loop(c, config, 0);
-    if (i == PLAN_NONE)
-        return ERR_UNKNOWN;
-    struct loop_config *l = &config->loop[i];
-    l->own.gain = (float)real_abs(c->by_relay.gain);
-    l->own.ti_s = (float)c->by_relay.ti_s;
-    l->own.td_s = 0.0f;
-    l->own.action = c->by_relay.gain < REAL_C(0.0) ? LOOP_DIRECT : LOOP_REVERSE;
-    return ERR_OK;
 }
 
 #endif

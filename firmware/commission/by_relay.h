@@ -10,11 +10,8 @@
 #ifndef REFLUX_COMMISSION_BY_RELAY_H
 #define REFLUX_COMMISSION_BY_RELAY_H
 
-#include "identify/relay.h"
-#include "identify/steady.h"
+#include "commission/by_relay_state.h"
 #include "supervise/supervisor.h"
-
-struct commission;
 
 /* What a trial of these settings is held against: with the margins of every trial (adoption.h) that is what a setpoint step
  * does to any process of first order with dead time of 0.02 to 2 time constants (tests/reference/relay_family.csv). */
@@ -23,34 +20,9 @@ struct commission;
 #define BY_RELAY_SETTLES REAL_C(8.0)  /* Pu */
 #define BY_RELAY_MOVES   REAL_C(0.66) /* largest move of the output: Ku times the step */
 
-/* While it goes on; in the memory of the tests. */
-struct relay_test {
-    bool resting;
-    uint32_t waited, cycling; /* samples, for rest and since */
-    struct steady steady;
-    struct relay relay;
-    real_t rest[CHANNEL_MAX], limit[CHANNEL_MAX]; /* fraction of span */
-    real_t slope_per_s[CHANNEL_MAX];              /* of a drift before it, likewise */
-    uint8_t over[CHANNEL_MAX];                    /* samples in a row past the limit */
-};
-
-/* What stays of it. */
-struct by_relay {
-    bool on;                    /* the results are those of a relay test */
-    bool found;                 /* there is one */
-    uint8_t loop;               /* index in the plan of the test */
-    uint8_t mode[CONFIG_LOOPS]; /* of all loops when it began */
-    struct relay_result result;
-    real_t gain, ti_s; /* proposed; gain with the sign of the process */
-};
-
 /* Whether the test of that loop could begin. *what gets a channel's or loop's name, or NULL. Main loop, under
  * hal_tick_lock. */
 MUST_CHECK enum err commission_may_relay(const struct supervisor *s, uint8_t loop,
                                          const char **what, const char **wanted);
-
-/* The proposal of a relay test into *config: the settings of its loop and nothing else. ERR_UNKNOWN: the loop is not
- * there any more, with its measurement and output. */
-MUST_CHECK enum err by_relay_write(const struct commission *c, struct config *config);
 
 #endif

@@ -3,7 +3,7 @@
 #ifndef REFLUX_COMMISSION_CERTAINTY_H
 #define REFLUX_COMMISSION_CERTAINTY_H
 
-#include "commission/analysis.h"
+#include "commission/analysis_state.h"
 #include "identify/identified.h"
 
 /* Flags of an element that no loop is made of: its model does not describe it. */

@@ -1,3 +1,5 @@
+#include "commission/by_relay.h"
+#include "commission/commission.h"
 #include "supervise/config.h"
 #if COMMISSION_CHANNELS
 

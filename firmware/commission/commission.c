@@ -1,3 +1,6 @@
+#include "commission/commission.h"
+
+#include "commission/model.h"
 #include "supervise/config.h"
 #if COMMISSION_CHANNELS
 

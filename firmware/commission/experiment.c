@@ -1,6 +1,8 @@
 #include "supervise/config.h"
 #if COMMISSION_CHANNELS
 
+#include "commission/experiment.h"
+
 #include "commission/limits.h"
 #include "commission/progress.h"
 

@@ -3,8 +3,6 @@
 
 #include "commission/limits.h"
 
-#include "commission/progress.h"
-
 #define GUARD_NOISE REAL_C(0.05)
 #define TURN_SHARE  REAL_C(0.8) /* of the room at which a half ends early */
 #define DRIFT_SHARE REAL_C(1.0) /* of a limit that a drift may carry the line of rest at most */
@@ -122,7 +120,7 @@ static real_t peak_by_model(const struct experiment *e, uint8_t j, real_t away)
 {
     const struct experiment_config *c = &e->config;
     const struct identified *f = &e->look.found[j];
-    if (!e->looked || !progress_is_known(f) || !(f->time_constant_s > REAL_C(0.0)))
+    if (!e->looked || !look_is_known(f) || !(f->time_constant_s > REAL_C(0.0)))
         return away;
     real_t sure = real_abs(f->gain) - f->gain_sd;
     real_t ends = (f->gain < REAL_C(0.0) ? -sure : sure) * e->amplitude;

@@ -3,7 +3,7 @@
 #ifndef REFLUX_COMMISSION_LIMITS_H
 #define REFLUX_COMMISSION_LIMITS_H
 
-#include "commission/experiment.h"
+#include "commission/experiment_state.h"
 
 /* Of output j, fraction of span: its limit less what earlier tests have left; 0 at least. */
 real_t limits_room(const struct experiment *e, uint8_t j);

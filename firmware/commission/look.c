@@ -5,7 +5,8 @@
 
 #include "commission/look.h"
 
-#define FIT_UNITS 4u /* evaluations in one piece */
+#define KNOWN     REAL_C(0.33) /* of a gain: standard deviation of one to be believed */
+#define FIT_UNITS 4u           /* evaluations in one piece */
 
 void look_begin(struct look *l, const struct record *record, const struct baseline *baseline)
 {
@@ -39,6 +40,12 @@ bool look_run(struct look *l)
             nothing_found(l);
     }
     return l->at < l->seen.outputs;
+}
+
+bool look_is_known(const struct identified *f)
+{
+    return !(f->flags & (IDENTIFIED_NO_GAIN | IDENTIFIED_INTEGRATING)) &&
+           f->gain_sd < KNOWN * real_abs(f->gain);
 }
 
 #endif

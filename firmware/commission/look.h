@@ -24,4 +24,7 @@ void look_begin(struct look *l, const struct record *record, const struct baseli
  * a gain. */
 bool look_run(struct look *l);
 
+/* Is a model found so far to be believed: its gain known within a third? */
+bool look_is_known(const struct identified *f);
+
 #endif

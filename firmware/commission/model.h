@@ -2,9 +2,7 @@
 #ifndef REFLUX_COMMISSION_MODEL_H
 #define REFLUX_COMMISSION_MODEL_H
 
-#include "commission/commission.h"
-
-enum model_job { JOB_LOOK, JOB_FIT, JOB_ANALYSE };
+#include "commission/commission_state.h"
 
 /* Begins the job on what the tick has left in `c`. */
 void model_begin_fit(struct commission *c);
@@ -16,8 +14,5 @@ void model_keep(struct commission *c);
 void model_begin_analysis(struct commission *c, const struct config *config, real_t h_s);
 /* A piece of the job that `commission` (a struct commission) is doing. True while there is more to do. */
 bool model_work(void *commission);
-
-/* Element with several tests behind it: gains and times weighted by how well each test knew them. */
-void model_combine(struct identified *sum, const struct identified *next);
 
 #endif

@@ -3,8 +3,8 @@
 #ifndef REFLUX_COMMISSION_PARTS_H
 #define REFLUX_COMMISSION_PARTS_H
 
-#include "commission/commission.h"
-#include "commission/model.h"
+#include "commission/commission_state.h"
+#include "supervise/supervisor.h"
 
 /* ---- commission.c ---- */
 

@@ -5,11 +5,10 @@
 
 #include "commission/limits.h"
 
-#define KNOWN        REAL_C(0.33) /* of a gain: standard deviation of one to be believed */
-#define OVER         REAL_C(3.0)  /* time constants: a twentieth is left */
-#define GROWTH_MOST  REAL_C(4.0)  /* of the amplitude in one go */
-#define LIMIT_SHARE  REAL_C(0.7)  /* of a limit that a larger amplitude may aim at */
-#define HOPELESS     4u           /* least halves, after which nothing is known still */
+#define OVER         REAL_C(3.0) /* time constants: a twentieth is left */
+#define GROWTH_MOST  REAL_C(4.0) /* of the amplitude in one go */
+#define LIMIT_SHARE  REAL_C(0.7) /* of a limit that a larger amplitude may aim at */
+#define HOPELESS     4u          /* least halves, after which nothing is known still */
 #define MOTION_SHARE REAL_C(0.5) /* of a limit that a larger amplitude may aim at without a model */
 #define NOISY_SHARE  REAL_C(0.25) /* of a limit, that the response wanted for the noise takes */
 #define SMALL        REAL_C(5.0)  /* noise standard deviations: how long it takes cannot be told */
@@ -24,13 +23,6 @@ bool progress_is_noisy(const struct experiment *e)
         if (e->before[j].noise_sd * e->config.noise_multiple > NOISY_SHARE * e->config.limit[j])
             return true;
     return false;
-}
-
-/* A model to be believed: its gain is known within a third. */
-bool progress_is_known(const struct identified *f)
-{
-    return !(f->flags & (IDENTIFIED_NO_GAIN | IDENTIFIED_INTEGRATING)) &&
-           f->gain_sd < KNOWN * real_abs(f->gain);
 }
 
 /* What the models say of the step. */
@@ -65,7 +57,7 @@ static void look_at_models(const struct experiment *e, const real_t *y, struct p
         real_t ends = real_abs(f->gain) * e->amplitude;
         real_t reach = limits_reach(e, j, f->gain) + REAL_C(2.0) * f->gain_sd;
         bool timed = f->time_constant_sd_s < REAL_C(0.5) * f->time_constant_s;
-        if (!progress_is_known(f) || !timed || ends < SMALL * e->before[j].noise_sd) {
+        if (!look_is_known(f) || !timed || ends < SMALL * e->before[j].noise_sd) {
             p->known = false;
             continue;
         }

@@ -3,7 +3,7 @@
 #ifndef REFLUX_COMMISSION_PROGRESS_H
 #define REFLUX_COMMISSION_PROGRESS_H
 
-#include "commission/experiment.h"
+#include "commission/experiment_state.h"
 
 enum progress_verdict { PROGRESS_WAIT, PROGRESS_GROW, PROGRESS_TURN };
 
@@ -16,8 +16,6 @@ struct progress_advice {
 
 /* Does noise hide what is small beside a limit? */
 bool progress_is_noisy(const struct experiment *e);
-/* Is its gain known within a third? */
-bool progress_is_known(const struct identified *f);
 /* With fresh models (e->look), in the positive half. */
 struct progress_advice progress_judge(const struct experiment *e, const real_t *y);
 

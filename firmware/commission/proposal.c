@@ -1,6 +1,9 @@
 #include "supervise/config.h"
 #if COMMISSION_CHANNELS
 
+#include "commission/proposal.h"
+
+#include "commission/commission.h"
 #include "commission/parts.h"
 #include "commission/proposal_structure.h"
 
@@ -105,6 +108,19 @@ struct loop_config proposal_settings(const struct tuning *t, real_t derivative_f
         .sp_track = 1,
         .divisor = 1,
     };
+}
+
+enum err by_relay_write(const struct commission *c, struct config *config)
+{
+    uint8_t i = proposal_loop(c, config, 0);
+    if (i == PLAN_NONE)
+        return ERR_UNKNOWN;
+    struct loop_config *l = &config->loop[i];
+    l->own.gain = (float)real_abs(c->by_relay.gain);
+    l->own.ti_s = (float)c->by_relay.ti_s;
+    l->own.td_s = 0.0f;
+    l->own.action = c->by_relay.gain < REAL_C(0.0) ? LOOP_DIRECT : LOOP_REVERSE;
+    return ERR_OK;
 }
 
 enum err proposal_write(const struct commission *c, struct config *config)

@@ -4,7 +4,7 @@
 #define REFLUX_COMMISSION_PROPOSAL_STRUCTURE_H
 
 #include "commission/analysis_structure.h"
-#include "commission/proposal.h"
+#include "commission/commission_state.h"
 
 /* Loop of *config on measurement `pv` that drives `out`, or PLAN_NONE. */
 uint8_t proposal_find_loop(const struct config *config, const char *pv, const char *out);

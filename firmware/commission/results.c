@@ -1,3 +1,4 @@
+#include "commission/model.h"
 #include "supervise/config.h"
 #if COMMISSION_CHANNELS
 

@@ -1,6 +1,7 @@
 /* Automatic start-up: what it is told, and the old settings' way back. */
 #include <string.h>
 
+#include "commission/by_relay.h"
 #include "commission/proposal.h"
 #include "hal/tick.h"
 #include "operate/operate_internal.h"

@@ -4,7 +4,13 @@
 
 #include <string.h>
 
+#include "commission/analysis.h"
+#include "commission/by_relay.h"
+#include "commission/combine.h"
 #include "commission/commission.h"
+#include "commission/experiment.h"
+#include "commission/model.h"
+#include "commission/proposal.h"
 #include "unity.h"
 
 static struct commission_work commission_space;

@@ -3,6 +3,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "commission/analysis.h"
 #include "commission/analysis_structure.h"
 #include "unity.h"
 

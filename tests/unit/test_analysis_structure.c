@@ -7,6 +7,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "commission/analysis.h"
 #include "commission/analysis_structure.h"
 #include "interact_plants.h"
 #include "unity.h"

@@ -9,6 +9,7 @@
  */
 #include <string.h>
 
+#include "commission/analysis.h"
 #include "commission/analysis_structure.h"
 #include "commission/certainty.h"
 #include "unity.h"

@@ -72,18 +72,18 @@ static void a_gain_is_known_within_a_third(void)
 {
     for (int sign = -1; sign <= 1; sign += 2) {
         struct identified f = {.gain = (real_t)sign, .gain_sd = REAL_C(0.329)};
-        TEST_ASSERT_TRUE(progress_is_known(&f));
+        TEST_ASSERT_TRUE(look_is_known(&f));
         f.flags = IDENTIFIED_NO_GAIN;
-        TEST_ASSERT_FALSE(progress_is_known(&f));
+        TEST_ASSERT_FALSE(look_is_known(&f));
         f.flags = IDENTIFIED_INTEGRATING;
-        TEST_ASSERT_FALSE(progress_is_known(&f));
+        TEST_ASSERT_FALSE(look_is_known(&f));
         f.flags = IDENTIFIED_SHORT | IDENTIFIED_OSCILLATORY;
-        TEST_ASSERT_TRUE(progress_is_known(&f));
+        TEST_ASSERT_TRUE(look_is_known(&f));
         f.gain_sd = REAL_C(0.7);
         f.gain *= REAL_C(2.2);
-        TEST_ASSERT_TRUE(progress_is_known(&f));
+        TEST_ASSERT_TRUE(look_is_known(&f));
         f.gain_sd = REAL_C(0.73);
-        TEST_ASSERT_FALSE(progress_is_known(&f));
+        TEST_ASSERT_FALSE(look_is_known(&f));
     }
 }
 
