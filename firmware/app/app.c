@@ -103,6 +103,10 @@ void app_init(struct app *app)
     app->service.commission = &app->commission;
     (void)!jobs_add(&app->jobs, &app->commission.job); /* the first, and there is room for more */
 #endif
+#if CONFIG_BLOCKS
+    for (unsigned n = 0; n < CONFIG_BLOCKS; n++)
+        (void)!jobs_add(&app->jobs, &app->supervisor.work[n]);
+#endif
     storage_init(&app->storage, &app->service);
     app->service.watchdog = hal_watchdog_start(WATCHDOG_MS);
     heartbeat_init(&app->heartbeat, WATCHDOG_MS);
@@ -146,8 +150,8 @@ static void bind_channels(struct app *app)
         uint8_t i = manipulated ? (uint8_t)(k - CHANNEL_MAX) : k;
         const char *name = manipulated ? c->output[i].name : c->measurement[i].name;
         const char *unit = manipulated ? c->output[i].unit : c->measurement[i].unit;
-        if (!name[0])
-            continue;
+        if (!name[0] || (!manipulated && plan_is_estimate(&s->plan[s->in_force], i)))
+            continue; /* an estimate is there with what it is made from */
         uint8_t at = service_find_announced(s, manipulated, name);
         if (at == PLAN_NONE) {
             tick_event(app, EVENT_CHANNEL_MISSING, name, 0.0f);
@@ -174,14 +178,17 @@ static void meet_plan(struct app *app)
     bind_channels(app);
 }
 
-/* The plant has come, gone or changed: everything bound to the old one is void. */
-static void follow_plant(struct app *app)
+/* The plant has come, gone or changed: everything bound to the old one is void. False: a piece of a block's work is under way,
+ * whose memory a plan for another tick could move; a turn later it is over. */
+static bool follow_plant(struct app *app)
 {
     struct service *s = &app->service;
     enum io_state state = s->io.state(s->io.context);
     uint32_t generation = s->io.generation(s->io.context);
     if (state == app->io_state && generation == app->bound_generation)
-        return;
+        return true;
+    if (supervisor_working(&app->supervisor))
+        return false;
     app->io_state = state;
     app->bound_generation = generation;
 #if JOBS_MAX
@@ -200,6 +207,7 @@ static void follow_plant(struct app *app)
         meet_plan(app);
     else
         bind_channels(app);
+    return true;
 }
 
 /* Requests wait for the tick. A new plan is put into force before the sample is looked at, with all that was
@@ -408,8 +416,7 @@ void app_tick(struct app *app)
     /* Bounded: a sample costs the line milliseconds, a turn here microseconds. */
     for (unsigned n = 0; n < 64; n++) {
         bool there = next_sample(app, now_ms, &sample);
-        follow_plant(app);
-        if (!there)
+        if (!follow_plant(app) || !there)
             break;
         heartbeat_tick_begins(&app->heartbeat, hal_clock_ms());
         tick(app, &sample, now_ms);
@@ -430,6 +437,9 @@ static bool do_work(struct app *app)
 {
     struct service *s = &app->service;
     uint32_t ticks = s->cost.n, start = hal_cycles();
+    /* A piece of a block's work and a plan that comes into force must not meet. */
+    if (s->newest != s->in_force && supervisor_work_wanted(&app->supervisor))
+        service_settle(s);
     bool worked = jobs_work(&app->jobs);
     uint32_t cost = hal_cycles() - start;
     if (worked && ticks == s->cost.n) {

@@ -107,6 +107,8 @@ static const char *const table[] = {
     C("TRIAL_KEPT", "proposed loops did as predicted and stay; loops", INFO),
     C("TRIAL_FAILED", "proposed loops are taken back, the old settings return", ALARM),
     J("JOB_LATE", "the result of this work is not there at its tick; ticks it was given", WARNING),
+    C("BLOCK_GAVE_UP", "the loops' own controllers act in place of a block; which block", ALARM),
+    C("BLOCK_ON", "a block acts for its loops again; which block", INFO),
     E("DO_MODE", "mode asked for (0 manual, 1 auto, 2 cascade)", ACTION),
     E("DO_SETPOINT", "setpoint asked for", ACTION),
     E("DO_OUTPUT", "output asked for", ACTION),

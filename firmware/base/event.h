@@ -82,6 +82,8 @@ enum event_code {
     EVENT_TRIAL_KEPT,
     EVENT_TRIAL_FAILED,
     EVENT_JOB_LATE,
+    EVENT_BLOCK_GAVE_UP,
+    EVENT_BLOCK_ON,
     /* Actions: what was asked for at the console. Kept in the history, not announced. */
     EVENT_DO_MODE,
     EVENT_DO_SETPOINT,

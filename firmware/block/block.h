@@ -5,6 +5,7 @@
  * entry per member, in the order of the members.
  *
  *     stage           step                                      back_calculate
+ *     estimate        inputs in, points out                     -
  *     control         setpoints and PVs in, outputs out         the outputs that took effect, as step gave them
  *     compensate      outputs of the controllers in, MVs out    a difference of MVs in, of controllers' outputs out
  *     feed forward    the disturbance in, what is added out     -
@@ -24,7 +25,14 @@
 #include "block/settings.h"
 #include "num/num.h"
 
-enum block_stage { STAGE_CONTROL, STAGE_COMPENSATE, STAGE_FEED_FORWARD };
+enum block_stage { STAGE_ESTIMATE, STAGE_CONTROL, STAGE_COMPENSATE, STAGE_FEED_FORWARD };
+
+/* What a controller of several members does without one of its further inputs. */
+enum block_bad_input {
+    BAD_INPUT_GIVES_UP, /* the loops' own controllers take over */
+    BAD_INPUT_MANUAL,   /* its members go to manual */
+    BAD_INPUT_IS_TOLD   /* it is told by their quality, and has a fall-back of its own */
+};
 
 /* Directions in which the integral of a member may not move, because what it drives is at a limit. */
 enum integral_clamp { INTEGRAL_FREE = 0, INTEGRAL_CLAMP_UP = 1, INTEGRAL_CLAMP_DOWN = 2 };
@@ -43,6 +51,7 @@ struct block_setup {
     float interval_s;     /* of its steps, [0.001, 1e5] s */
     uint8_t members;      /* up to BLOCK_MEMBERS_MAX */
     uint8_t there;        /* bit k: there is a member k */
+    uint8_t inputs, points;
     struct block_member member[BLOCK_MEMBERS_MAX];
 };
 
@@ -60,6 +69,19 @@ struct block_io {
     num_t *out; /* [members] outputs: given by step, told to back_calculate, follow and shift */
     const uint8_t *clamp; /* [members] enum integral_clamp, back_calculate */
     uint8_t *limited; /* [members] enum integral_clamp: limits of its own that its output is at */
+
+    /* Blocks with a record of their own (blockN), in step: */
+    const num_t *input; /* [inputs] */
+    const uint8_t *
+        quality; /* [inputs] enum quality; nothing that was held or made up is good for an estimator */
+    num_t *point;           /* [points] given */
+    uint8_t *point_quality; /* [points] enum quality, given; QUALITY_MISSING where it is not */
+    bool work_done;         /* what was asked of work() is there: once */
+    bool work_wanted;       /* asked for before, and not there yet */
+    uint8_t
+        ask_work; /* given: work() is wanted, and its result taken after so many steps; 0 = no */
+    const char *
+        gives_up; /* given: why, in a word; the loops' own controllers take over, in this step already */
 };
 
 enum block_value { BLOCK_FLOAT, BLOCK_U16, BLOCK_WORD };
@@ -96,6 +118,7 @@ struct block_kind {
     uint16_t settings_bytes; /* of the struct they fill, a multiple of 4 */
     /* How many it may have. Inputs are further points it reads, points those it writes. */
     uint8_t members_most, inputs_most, points_most;
+    uint8_t bad_input; /* enum block_bad_input */
 
     /* Bytes of state these settings need; settings that are refused need none. */
     uint32_t (*bytes)(const struct block_setup *setup);
@@ -115,6 +138,9 @@ struct block_kind {
     /* Compensators: only the acting members take part from now on. Returns whether that is a change, after which
      * all of them need a bumpless transfer. */
     bool (*select)(void *state, const void *settings, uint8_t acting);
+    /* A piece of background work, of a bounded number of instructions; true while there is more. The tick may come between
+     * any two of its instructions, and leaves alone what it works on while work is wanted. */
+    bool (*work)(void *state);
     /* The i-th named inner value, for the console: NULL past the end. */
     const char *(*describe)(const void *state, size_t i, float *value);
 };

@@ -15,6 +15,13 @@
 #endif
 _Static_assert(BLOCK_MEMBERS_MAX >= 1 && BLOCK_MEMBERS_MAX <= 8, "a bit of a byte for each");
 
+#ifndef BLOCK_INPUTS_MAX
+#define BLOCK_INPUTS_MAX 8
+#endif
+#ifndef BLOCK_POINTS_MAX
+#define BLOCK_POINTS_MAX 8
+#endif
+
 enum loop_action { LOOP_REVERSE = 0, LOOP_DIRECT = 1 };
 enum loop_algorithm { LOOP_POSITIONAL = 0, LOOP_VELOCITY = 1, LOOP_TWO_POSITION = 2 };
 

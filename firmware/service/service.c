@@ -272,7 +272,8 @@ enum err service_may_act(struct service *s, uint8_t loop, enum loop_mode mode, c
     for (unsigned depth = 0; !err && depth < CONFIG_LOOPS && loop != PLAN_NONE; depth++) {
         const struct loop_plan *p = &plan->loop[loop];
         const struct measurement_config *m = &c->measurement[p->pv];
-        err = channel_fault(s, false, m->name, m->unit, what, wanted);
+        if (!plan_is_estimate(plan, p->pv))
+            err = channel_fault(s, false, m->name, m->unit, what, wanted);
         if (!err && p->output != PLAN_NONE)
             err = channel_fault(s, true, c->output[p->output].name, c->output[p->output].unit, what,
                                 wanted);

@@ -1,5 +1,7 @@
 #include "supervise/blocks.h"
 
+#include "supervise/serve.h"
+
 bool loop_due(const struct supervisor *s, uint8_t i, uint32_t tick)
 {
     const struct loop_config *c = &s->plan->config.loop[i];
@@ -69,7 +71,8 @@ void block_configure(struct supervisor *s, const struct plan *old, uint8_t i)
     struct loop_state *l = &s->loop[i];
     struct block_state *b = &s->block[i];
     b->retune = b->retune || !same_settings(s, old, i);
-    if (l->mode == LOOP_MANUAL || l->join || kind_of(s, i)->retunes_at_once)
+    if (l->mode == LOOP_MANUAL || l->join || loop_server(s, i) != PLAN_NONE ||
+        kind_of(s, i)->retunes_at_once)
         give_new_settings(s, i);
 }
 
@@ -99,6 +102,17 @@ void block_step(struct supervisor *s, uint8_t i)
 void block_follow(struct supervisor *s, uint8_t i)
 {
     struct block_io io = io_of(s, i);
+    give_new_settings(s, i);
+    s->block[i].stepped = false;
+    kind_of(s, i)->follow(supervisor_block(s, i), &io);
+}
+
+void block_follow_at(struct supervisor *s, uint8_t i, num_t v)
+{
+    struct block_io io = io_of(s, i);
+    uint8_t limited;
+    io.out = &v;
+    io.limited = &limited; /* not its limits, but those of the block that acts */
     give_new_settings(s, i);
     s->block[i].stepped = false;
     kind_of(s, i)->follow(supervisor_block(s, i), &io);

@@ -26,6 +26,8 @@ void block_configure(struct supervisor *s, const struct plan *old, uint8_t i);
 void block_step(struct supervisor *s, uint8_t i);
 /* It does not act: its output is l->v. */
 void block_follow(struct supervisor *s, uint8_t i);
+/* Another block acts for it, with the output v. */
+void block_follow_at(struct supervisor *s, uint8_t i, num_t v);
 /* It acts, and its output is v from now on; what it has under way goes on. */
 void block_shift(struct supervisor *s, uint8_t i, num_t v);
 /* What became of its last step: once for each. clamp: enum integral_clamp. */

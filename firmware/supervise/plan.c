@@ -199,7 +199,7 @@ static enum err order_loops(struct plan *plan, struct config_fault *fault)
     for (unsigned round = 0; round < CONFIG_LOOPS; round++) {
         for (uint8_t i = 0; i < CONFIG_LOOPS; i++) {
             const struct loop_plan *p = &plan->loop[i];
-            if (!p->used || taken[i] || (p->outer != PLAN_NONE && !taken[p->outer]))
+            if (!p->used || taken[i] || !plan_setpoint_ready(plan, i, taken))
                 continue;
             taken[i] = true;
             plan->order[plan->n_order++] = i;
@@ -318,7 +318,11 @@ enum err plan_set_tick(struct plan *plan, float tick_s, struct config_fault *fau
                 err = plan_check_own(plan, i, fault);
         }
     if (!err)
+        err = plan_resolve_records(plan, fault);
+    if (!err)
         err = order_loops(plan, fault);
+    if (!err)
+        err = plan_check_records(plan, fault);
     if (!err)
         err = plan_check_matrix(plan, fault);
     if (!err)

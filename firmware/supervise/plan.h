@@ -37,17 +37,36 @@ struct loop_plan {
     uint8_t inner;  /* loop whose setpoint it drives, or PLAN_NONE */
     uint8_t outer;  /* loop that drives its setpoint, or PLAN_NONE */
     bool decouple;
+#if CONFIG_BLOCKS
+    uint8_t
+        server; /* slot of the block that serves it in place of its own controller, or PLAN_NONE */
+#endif
 };
 
-/* Blocks have fixed slots in a plan: the loops' own controllers, the static decoupler, the feedforward elements. */
+/* Blocks have fixed slots in a plan: the loops' own controllers, the static decoupler, the feedforward elements, and those
+ * with a record (blockN). */
 #define SLOT_MATRIX   CONFIG_LOOPS
 #define SLOT_ELEMENTS (CONFIG_LOOPS + 1)
-#define PLAN_BLOCKS   (SLOT_ELEMENTS + CONFIG_FEEDFORWARDS)
+#define SLOT_RECORDS  (SLOT_ELEMENTS + CONFIG_FEEDFORWARDS)
+#define PLAN_BLOCKS   (SLOT_RECORDS + CONFIG_BLOCKS)
 
 struct block_place {
     uint16_t at, grains; /* place of its state in the arena, and size, in grains */
     uint8_t kind;        /* in block_kinds[]; PLAN_NONE = there is no block */
 };
+
+#if CONFIG_BLOCKS
+#define INPUT_IS_MV 0x80u /* an input is a measurement, or, with this bit, a manipulated variable */
+
+/* Whom a block with a record serves, and what it reads and writes. */
+struct record_plan {
+    uint8_t members, inputs, points;
+    uint8_t member[BLOCK_MEMBERS_MAX]; /* loops */
+    uint8_t input[BLOCK_INPUTS_MAX];
+    uint8_t point[BLOCK_POINTS_MAX]; /* measurements */
+    uint8_t last; /* the member whose turn comes last: then it runs for all of them */
+};
+#endif
 
 /* A block's setup, with room for what it points to. */
 struct block_instance {
@@ -67,6 +86,11 @@ struct plan {
     uint8_t n_order;
     uint8_t owner[CHANNEL_MAX]; /* loop that drives output i directly, or PLAN_NONE */
     struct block_place block[PLAN_BLOCKS];
+#if CONFIG_BLOCKS
+    struct record_plan record[CONFIG_BLOCKS];
+    uint8_t
+        writer[CHANNEL_MAX]; /* record of the estimator that writes measurement i, or PLAN_NONE */
+#endif
     struct {
         uint8_t from, to; /* measurement (or output) and output index; PLAN_NONE = unused */
         bool from_output; /* `from` is a manipulated variable */
@@ -102,6 +126,17 @@ static inline const struct block_kind *plan_kind(const struct plan *plan, uint8_
 void plan_block_setup(const struct plan *plan, uint8_t slot, struct block_instance *instance);
 /* Whether the compensator of this build takes such a matrix for the first `loops` loops. */
 bool plan_accepts_matrix(const float d[DECOUPLER_MAX][DECOUPLER_MAX], uint8_t loops);
+/* The plant does not announce it: an estimator writes it. */
+static inline bool plan_is_estimate(const struct plan *plan, uint8_t measurement)
+{
+#if CONFIG_BLOCKS
+    return plan->writer[measurement] != PLAN_NONE;
+#else
+    (void)plan;
+    (void)measurement;
+    return false;
+#endif
+}
 /* Span of what feedforward element i looks at, EU. Its source is resolved already. */
 void plan_feedforward_span(const struct plan *plan, uint8_t element, float *lo, float *hi);
 /* Setpoint limits in force, EU. */

@@ -105,6 +105,12 @@ static void setup_element(const struct plan *plan, uint8_t k, struct block_insta
 
 void plan_block_setup(const struct plan *plan, uint8_t slot, struct block_instance *b)
 {
+#if CONFIG_BLOCKS
+    if (slot >= SLOT_RECORDS) {
+        plan_setup_record(plan, (uint8_t)(slot - SLOT_RECORDS), &b->setup);
+        return;
+    }
+#endif
     if (slot >= SLOT_ELEMENTS)
         setup_element(plan, (uint8_t)(slot - SLOT_ELEMENTS), b);
     else if (slot == SLOT_MATRIX)
@@ -165,6 +171,25 @@ enum err plan_check_element(struct plan *plan, uint8_t k, struct config_fault *f
     return err ? plan_refuse(fault, err, "ff", k + 1u, why.field, from, why.wanted) : ERR_OK;
 }
 
+static enum err refuse_memory(const struct plan *plan, uint8_t slot, struct config_fault *fault)
+{
+    static const char *const wanted = "needs more memory than this board has";
+    const struct config *c = &plan->config;
+#if CONFIG_BLOCKS
+    if (slot >= SLOT_RECORDS) {
+        unsigned n = slot - SLOT_RECORDS;
+        return plan_refuse(fault, ERR_MEMORY, "block", n + 1u, "kind", c->block[n].kind, wanted);
+    }
+#endif
+    if (slot >= SLOT_ELEMENTS) {
+        unsigned k = slot - SLOT_ELEMENTS;
+        return plan_refuse(fault, ERR_MEMORY, "ff", k + 1u, "dead", c->feedforward[k].from,
+                           "dead times need more memory than this board has");
+    }
+    return plan_refuse(fault, ERR_MEMORY, "loop", slot + 1u, "algorithm", c->loop[slot].name,
+                       wanted);
+}
+
 enum err plan_place_blocks(struct plan *plan, struct config_fault *fault)
 {
     uint8_t n[PLACED_KINDS];
@@ -179,14 +204,7 @@ enum err plan_place_blocks(struct plan *plan, struct config_fault *fault)
             grains = ARENA_GRAINS(plan_kind(plan, slot)->bytes(&b.setup));
         }
         if (at + grains > PLAN_ARENA_BYTES / ARENA_GRAIN) {
-            uint8_t k = (uint8_t)(slot - SLOT_ELEMENTS);
-            enum err err = slot >= SLOT_ELEMENTS
-                               ? plan_refuse(fault, ERR_MEMORY, "ff", k + 1u, "dead",
-                                             plan->config.feedforward[k].from,
-                                             "dead times need more memory than this board has")
-                               : plan_refuse(fault, ERR_MEMORY, "loop", slot + 1u, "algorithm",
-                                             plan->config.loop[slot].name,
-                                             "needs more memory than this board has");
+            enum err err = refuse_memory(plan, slot, fault);
             fault->bytes = (at + grains) * ARENA_GRAIN;
             return err;
         }

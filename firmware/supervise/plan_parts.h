@@ -15,6 +15,13 @@ enum err plan_resolve_feedforwards(struct plan *plan, struct config_fault *fault
 enum err plan_check_own(struct plan *plan, uint8_t loop, struct config_fault *fault);
 enum err plan_check_matrix(struct plan *plan, struct config_fault *fault);
 enum err plan_check_element(struct plan *plan, uint8_t element, struct config_fault *fault);
+/* plan_records.c: blocks with a record. Channels and loops are resolved already, their order is not. */
+enum err plan_resolve_records(struct plan *plan, struct config_fault *fault);
+/* ... now it is, and the kinds look at their settings. */
+enum err plan_check_records(struct plan *plan, struct config_fault *fault);
+/* May loop i be put in order: is everything there that its setpoint comes from? */
+bool plan_setpoint_ready(const struct plan *plan, uint8_t i, const bool *taken);
+void plan_setup_record(const struct plan *plan, uint8_t n, struct block_setup *setup);
 /* Their places in the arena, when all have been checked. */
 enum err plan_place_blocks(struct plan *plan, struct config_fault *fault);
 

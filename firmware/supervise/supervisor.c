@@ -1,5 +1,6 @@
 /* Requests, plans, the safe state: everything around the tick. The tick itself is in tick.c. */
 #include "supervise/blocks.h"
+#include "supervise/serve.h"
 
 #include <string.h>
 
@@ -26,6 +27,7 @@ void supervisor_init(struct supervisor *s, struct event_queue *events)
     s->state = SUPERVISOR_SAFE;
     for (unsigned b = 0; b < PLAN_BLOCKS; b++)
         s->block[b].kind = PLAN_NONE;
+    serve_init(s);
 }
 
 /* Whether loop i of both plans is the same loop; old may be NULL. The numbers inside are fractions: they only keep their
@@ -252,6 +254,7 @@ void supervisor_take_plan(struct supervisor *s, const struct plan *plan)
         alarms_place(s, old, i);
     s->tick_s = plan->tick_s;
     place_matrix(s);
+    serve_place(s, old);
 #if CONFIG_STEPS
     sequence_place(s, old);
 #endif
@@ -462,6 +465,10 @@ bool supervisor_request(struct supervisor *s, const struct request *r)
 #if CONFIG_STEPS
     else if (r->kind == REQUEST_SEQUENCE)
         sequence_request(s, r);
+#endif
+#if CONFIG_BLOCKS
+    else if (r->kind == REQUEST_BLOCK && serve_switch(s, r->output, r->mode != 0))
+        return true;
 #endif
     else
         event_put(s->events, s->time_ms, EVENT_REQUEST_REFUSED, NULL, r->value, 0);

@@ -18,6 +18,7 @@
 #define REFLUX_SUPERVISE_SUPERVISOR_H
 
 #include "base/event.h"
+#include "base/job.h"
 #include "signal/lag.h"
 #include "signal/ramp.h"
 #include "supervise/alarms.h"
@@ -38,9 +39,10 @@ enum request_kind {
     REQUEST_SETPOINT,
     REQUEST_OUTPUT,
     REQUEST_APPLY,
-    REQUEST_ACK,     /* output: index of the alarm, PLAN_NONE all */
-    REQUEST_SHELVE,  /* the same, for `value` seconds; 0 ends it */
-    REQUEST_SEQUENCE /* mode: enum sequence_command; output: row that was shown */
+    REQUEST_ACK,      /* output: index of the alarm, PLAN_NONE all */
+    REQUEST_SHELVE,   /* the same, for `value` seconds; 0 ends it */
+    REQUEST_SEQUENCE, /* mode: enum sequence_command; output: row that was shown */
+    REQUEST_BLOCK     /* output: which block with a record, from 0; mode: 1 on, 0 off */
 };
 
 /* Loops, outputs and alarms are named by their places in the plan it was checked with. That is in force when its turn
@@ -138,6 +140,9 @@ struct loop_state {
     struct ramp ramp;
     struct lag filter;
     num_t v; /* output of the block, before decoupler and feedforward */
+#if CONFIG_BLOCKS
+    num_t told; /* what took effect of v, for the block that serves it */
+#endif
     num_t feedforward;
     uint8_t clamp;   /* enum integral_clamp, from the loop it drives */
     uint8_t limited; /* the same: limits of its block that its output is at */
@@ -145,13 +150,23 @@ struct loop_state {
 
 /* A block in force: where its state is, and what the tick remembers of it. */
 struct block_state {
-    uint16_t at, grains; /* in the arena */
-    uint8_t kind;        /* in block_kinds[]; PLAN_NONE = there is none */
-    bool retune : 1;     /* new settings wait for the step that the old ones still make */
-    bool stepped : 1;    /* it has not been told yet what became of its last step */
-    bool running : 1;    /* a feedforward element: has begun on a usable value */
-    uint8_t acting;      /* of a compensator: members that take part */
+    uint16_t at, grains;  /* in the arena */
+    uint8_t kind;         /* in block_kinds[]; PLAN_NONE = there is none */
+    bool retune : 1;      /* new settings wait for the step that the old ones still make */
+    bool stepped : 1;     /* it has not been told yet what became of its last step */
+    bool off : 1;         /* it has given up, or was switched off: the loops' own controllers act */
+    bool must_follow : 1; /* before its next step */
+    bool running : 1;     /* a feedforward element: has begun on a usable value */
+    uint8_t acting;       /* of a compensator: members that take part */
 };
+
+#if CONFIG_BLOCKS
+/* Which block a job works for. */
+struct supervisor_work {
+    struct supervisor *supervisor;
+    uint8_t slot;
+};
+#endif
 
 struct interlock_state {
     bool active;
@@ -182,6 +197,10 @@ struct supervisor {
     struct sequence sequence;
 #endif
     struct block_state block[PLAN_BLOCKS]; /* by slot, as in the plan */
+#if CONFIG_BLOCKS
+    struct job work[CONFIG_BLOCKS]; /* of blocks with a record */
+    struct supervisor_work worker[CONFIG_BLOCKS];
+#endif
     _Alignas(8) num_t arena[PLAN_ARENA_BYTES / sizeof(num_t)];
 };
 
@@ -199,6 +218,24 @@ static inline void *supervisor_block(const struct supervisor *s, uint8_t slot)
 {
     return (uint8_t *)s->arena + s->block[slot].at * ARENA_GRAIN;
 }
+
+/* A piece of a block's work is under way, under the tick: no plan may come into force. */
+#if CONFIG_BLOCKS
+bool supervisor_working(const struct supervisor *s);
+/* A block has asked for work. */
+bool supervisor_work_wanted(const struct supervisor *s);
+#else
+static inline bool supervisor_work_wanted(const struct supervisor *s)
+{
+    (void)s;
+    return false;
+}
+static inline bool supervisor_working(const struct supervisor *s)
+{
+    (void)s;
+    return false;
+}
+#endif
 
 /* LOOP_MANUAL for one that is not there. */
 enum loop_mode supervisor_mode(const struct supervisor *s, uint8_t loop);

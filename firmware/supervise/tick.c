@@ -4,6 +4,7 @@
 #include "base/elapsed.h"
 #include "supervise/alarms.h"
 #include "supervise/blocks.h"
+#include "supervise/serve.h"
 #include "supervise/supervisor.h"
 
 /* A command beyond this, in spans, may have ended with the range of num_t. */
@@ -176,14 +177,19 @@ static void take_over(struct supervisor *s, const num_t *before)
         struct loop_state *l = &s->loop[i];
         if (!loop_drives(s, i))
             continue;
-        if (l->join) {
+        uint8_t server = loop_server(s, i);
+        bool moves = l->join || l->moved || (i < DECOUPLER_MAX && (together & (1u << i)));
+        if (server != PLAN_NONE && moves)
+            serve_must_follow(s, server);
+        if (l->join || (server != PLAN_NONE && moves)) {
             l->v = v[i];
             block_follow(s, i);
-        } else if (l->moved || (i < DECOUPLER_MAX && (together & (1u << i)))) {
+        } else if (moves) {
             block_shift(s, i, v[i]);
         }
         l->join = l->moved = false;
     }
+    serve_follow(s);
 }
 
 static void run_loops(struct supervisor *s)
@@ -195,11 +201,12 @@ static void run_loops(struct supervisor *s)
             idle_setpoint(s, i);
         } else if (loop_due(s, i, s->ticks)) {
             advance_setpoint(s, i);
-            if (loop_drives(s, i)) {
+            if (loop_drives(s, i) && loop_server(s, i) == PLAN_NONE) {
                 block_close(s, i);
                 block_step(s, i);
             }
         }
+        serve_step(s, i);
     }
 }
 
@@ -404,6 +411,21 @@ static uint8_t saturation(const struct supervisor *s, uint8_t i)
     return (uint8_t)((up ? INTEGRAL_CLAMP_UP : 0) | (down ? INTEGRAL_CLAMP_DOWN : 0));
 }
 
+/* Whoever acts for loop i is told what took effect of its output; its own controller follows another's. */
+static void tell(struct supervisor *s, uint8_t i, num_t told, uint8_t clamp)
+{
+#if CONFIG_BLOCKS
+    if (loop_server(s, i) != PLAN_NONE) {
+        s->loop[i].told = told;
+        s->loop[i].clamp = clamp;
+        block_follow_at(s, i, told);
+        return;
+    }
+#endif
+    if (block_closes(s, i))
+        block_back_calculate(s, i, told, clamp);
+}
+
 static void back_direct(struct supervisor *s, uint8_t i, num_t told)
 {
     struct loop_state *l = &s->loop[i];
@@ -411,8 +433,7 @@ static void back_direct(struct supervisor *s, uint8_t i, num_t told)
     if (loop_interlocked(s, i))
         l->join = true; /* whenever the interlock lets go */
     if (l->mode != LOOP_MANUAL && !l->join) {
-        if (block_closes(s, i))
-            block_back_calculate(s, i, told, INTEGRAL_FREE);
+        tell(s, i, told, INTEGRAL_FREE);
         return;
     }
     const struct output_state *o = &s->output[p->output];
@@ -432,12 +453,13 @@ static void back_outer(struct supervisor *s, uint8_t i)
                                         : s->measurement[s->plan->loop[p->inner].pv].value;
     if (l->mode == LOOP_MANUAL || l->open) {
         block_follow(s, i);
+        if (l->open && loop_server(s, i) != PLAN_NONE)
+            serve_must_follow(s, loop_server(s, i));
         return;
     }
     l->clamp = saturation(s, p->inner);
     /* What the inner loop makes of it does not depend on whose turn comes first. */
-    if (block_closes(s, i))
-        block_back_calculate(s, i, clamp_setpoint(s, p->inner, l->v), l->clamp);
+    tell(s, i, clamp_setpoint(s, p->inner, l->v), l->clamp);
 }
 
 /* What compensated loops are told: v and the way back of (applied - commanded). Where the compensator asks for more than
@@ -484,6 +506,7 @@ static void back_calculate(struct supervisor *s)
         else
             back_outer(s, i);
     }
+    serve_back_calculate(s);
 }
 
 void supervisor_control(struct supervisor *s)
@@ -492,6 +515,7 @@ void supervisor_control(struct supervisor *s)
     sequence_run(s);
 #endif
     drop_unbound(s);
+    serve_check_inputs(s);
     num_t before[CONFIG_LOOPS];
     feed_forward(s, before);
     take_over(s, before);

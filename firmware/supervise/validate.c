@@ -1,6 +1,7 @@
 /* The first step of a tick: what is to be believed of the readings, and what stands in for the rest. */
+#include "supervise/validate.h"
 #include "base/elapsed.h"
-#include "supervise/supervisor.h"
+#include "supervise/serve.h"
 
 /* A reading this far outside its span, in spans, is not believed. */
 #define BELIEVABLE 0.1f
@@ -119,7 +120,7 @@ static void fall_back(struct supervisor *s, uint8_t i, float reading)
         supervisor_outputs_safe(s, c->name);
 }
 
-static void validate_measurement(struct supervisor *s, uint8_t i, const struct reading *r)
+void validate_measurement(struct supervisor *s, uint8_t i, const struct reading *r)
 {
     struct measurement_state *m = &s->measurement[i];
     const struct measurement_config *c = &s->plan->config.measurement[i];
@@ -189,9 +190,10 @@ void supervisor_validate(struct supervisor *s, const struct tick_input *input)
     }
     s->time_ms = input->time_ms;
     for (uint8_t i = 0; i < CHANNEL_MAX; i++) {
-        if (s->plan->config.measurement[i].name[0])
+        if (s->plan->config.measurement[i].name[0] && !plan_is_estimate(s->plan, i))
             validate_measurement(s, i, &input->measurement[i]);
         if (s->plan->config.output[i].name[0])
             validate_readback(s, i, &input->readback[i]);
     }
+    serve_estimate(s);
 }

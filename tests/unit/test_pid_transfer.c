@@ -319,7 +319,8 @@ static void the_block_interface_drives_the_same_controller(void)
     num_t r = N(0.5), y = N(0.48), u = N(0.4), out;
     pid_follow(&a, r, y, u);
     uint8_t clamp = INTEGRAL_FREE, limited = INTEGRAL_CLAMP_UP;
-    struct block_io io = {1, &r, &y, &u, &clamp, &limited};
+    struct block_io io = {
+        .acting = 1, .setpoint = &r, .in = &y, .out = &u, .clamp = &clamp, .limited = &limited};
     pid_kind.follow(&b, &io);
     TEST_ASSERT_EQUAL_UINT8(INTEGRAL_FREE, limited);
     io.out = &out;

@@ -1,0 +1,222 @@
+/* Blocks with a record of their own in a plan: whom they serve, what they read and write, and whether their kinds accept
+ * that. */
+#include <string.h>
+
+#include "supervise/plan_parts.h"
+#include "supervise/records.h"
+
+#if CONFIG_BLOCKS
+
+/* The next of names with blanks between them; returns where the one after it begins, or NULL: there was none. */
+static const char *next_name(const char *list, char name[CHANNEL_NAME_SIZE])
+{
+    size_t n = 0;
+    memset(name, 0, CHANNEL_NAME_SIZE);
+    while (*list == ' ')
+        list++;
+    while (list[n] && list[n] != ' ')
+        n++;
+    memcpy(name, list, n < CHANNEL_NAME_SIZE ? n : CHANNEL_NAME_SIZE - 1u);
+    return n ? list + n : NULL;
+}
+
+static enum err refuse_record(struct config_fault *fault, enum err code, uint8_t n,
+                              const char *field, const char *subject, const char *wanted)
+{
+    return plan_refuse(fault, code, "block", n + 1u, field, subject, wanted);
+}
+
+static enum err resolve_members(struct plan *plan, uint8_t n, uint8_t most,
+                                struct config_fault *fault)
+{
+    struct record_plan *r = &plan->record[n];
+    char name[CHANNEL_NAME_SIZE];
+    for (const char *at = plan->config.block[n].loops; (at = next_name(at, name)) != NULL;) {
+        uint8_t i = config_find_loop(&plan->config, name);
+        if (i == PLAN_NONE)
+            return refuse_record(fault, ERR_UNKNOWN, n, "loops", name,
+                                 "must be the name of a configured loop");
+        if (plan->loop[i].server != PLAN_NONE)
+            return refuse_record(fault, ERR_CONFLICT, n, "loops", name,
+                                 "is served by another block already");
+        if (r->members >= most)
+            return refuse_record(fault, ERR_RANGE, n, "loops", name,
+                                 "is one more than this kind serves");
+        const struct loop_config *l = &plan->config.loop[i],
+                                 *first = &plan->config.loop[r->member[0]];
+        if (r->members && (l->divisor != first->divisor || l->phase != first->phase))
+            return refuse_record(fault, ERR_CONFLICT, n, "loops", name,
+                                 "needs the divisor and the phase of the other loops of the block");
+        if (plan->loop[i].decouple)
+            return refuse_record(fault, ERR_CONFLICT, n, "loops", name,
+                                 "takes part in the static decoupler; set decouple off");
+        plan->loop[i].server = (uint8_t)(SLOT_RECORDS + n);
+        r->member[r->members++] = i;
+    }
+    if (most && !r->members)
+        return refuse_record(fault, ERR_EMPTY, n, "loops", plan->config.block[n].kind,
+                             "must name the loops it serves");
+    return ERR_OK;
+}
+
+static enum err resolve_inputs(struct plan *plan, uint8_t n, uint8_t most,
+                               struct config_fault *fault)
+{
+    struct record_plan *r = &plan->record[n];
+    char name[CHANNEL_NAME_SIZE];
+    for (const char *at = plan->config.block[n].inputs; (at = next_name(at, name)) != NULL;) {
+        uint8_t i = config_find_measurement(&plan->config, name);
+        uint8_t j = config_find_output(&plan->config, name);
+        if (i == PLAN_NONE && j == PLAN_NONE)
+            return refuse_record(fault, ERR_UNKNOWN, n, "inputs", name,
+                                 "must be a configured measurement or manipulated variable");
+        if (r->inputs >= most)
+            return refuse_record(fault, ERR_RANGE, n, "inputs", name,
+                                 "is one more than this kind reads");
+        r->input[r->inputs++] = i != PLAN_NONE ? i : (uint8_t)(INPUT_IS_MV | j);
+    }
+    return ERR_OK;
+}
+
+static enum err resolve_points(struct plan *plan, uint8_t n, uint8_t most,
+                               struct config_fault *fault)
+{
+    struct record_plan *r = &plan->record[n];
+    char name[CHANNEL_NAME_SIZE];
+    for (const char *at = plan->config.block[n].points; (at = next_name(at, name)) != NULL;) {
+        uint8_t i = config_find_measurement(&plan->config, name);
+        if (i == PLAN_NONE)
+            return refuse_record(fault, ERR_UNKNOWN, n, "points", name,
+                                 "must be the name of a configured measurement");
+        if (plan->writer[i] != PLAN_NONE)
+            return refuse_record(fault, ERR_CONFLICT, n, "points", name,
+                                 "is written by another block already");
+        if (r->points >= most)
+            return refuse_record(fault, ERR_RANGE, n, "points", name,
+                                 "is one more than this kind writes");
+        plan->writer[i] = n;
+        r->point[r->points++] = i;
+    }
+    return ERR_OK;
+}
+
+static enum err resolve_record(struct plan *plan, uint8_t n, struct config_fault *fault)
+{
+    struct block_place *place = &plan->block[SLOT_RECORDS + n];
+    place->kind = config_block_kind(&plan->config, n);
+    /* A kind this build lacks: its loops stay in manual, its points without a value (supervise/serve.h). */
+    const struct block_kind *kind = place->kind == PLAN_NONE ? NULL : block_kinds[place->kind];
+    enum err err = resolve_members(plan, n, kind ? kind->members_most : BLOCK_MEMBERS_MAX, fault);
+    if (!err)
+        err = resolve_inputs(plan, n, kind ? kind->inputs_most : BLOCK_INPUTS_MAX, fault);
+    if (!err)
+        err = resolve_points(plan, n, kind ? kind->points_most : BLOCK_POINTS_MAX, fault);
+    return err;
+}
+
+/* An estimator must not be its own input, not through others either: they run in the order of their records. */
+static enum err check_reads(const struct plan *plan, uint8_t n, struct config_fault *fault)
+{
+    const struct record_plan *r = &plan->record[n];
+    for (uint8_t k = 0; k < r->inputs; k++) {
+        if (r->input[k] & INPUT_IS_MV)
+            continue;
+        uint8_t writer = plan->writer[r->input[k]];
+        if (r->points && writer != PLAN_NONE && writer >= n)
+            return refuse_record(fault, ERR_CYCLE, n, "inputs",
+                                 plan->config.measurement[r->input[k]].name,
+                                 "must be written by a block before this one");
+    }
+    return ERR_OK;
+}
+
+enum err plan_resolve_records(struct plan *plan, struct config_fault *fault)
+{
+    memset(plan->writer, PLAN_NONE, sizeof plan->writer);
+    for (uint8_t i = 0; i < CONFIG_LOOPS; i++)
+        plan->loop[i].server = PLAN_NONE;
+    enum err err = ERR_OK;
+    for (uint8_t n = 0; !err && n < CONFIG_BLOCKS; n++)
+        if (plan->config.block[n].kind[0])
+            err = resolve_record(plan, n, fault);
+    for (uint8_t n = 0; !err && n < CONFIG_BLOCKS; n++)
+        err = check_reads(plan, n, fault);
+    return err;
+}
+
+bool plan_setpoint_ready(const struct plan *plan, uint8_t i, const bool *taken)
+{
+    uint8_t outer = plan->loop[i].outer;
+    if (outer == PLAN_NONE)
+        return true;
+    uint8_t server = plan->loop[outer].server;
+    if (server == PLAN_NONE)
+        return taken[outer];
+    const struct record_plan *r = &plan->record[server - SLOT_RECORDS];
+    for (uint8_t k = 0; k < r->members; k++)
+        if (!taken[r->member[k]])
+            return false;
+    return true;
+}
+
+void plan_setup_record(const struct plan *plan, uint8_t n, struct block_setup *setup)
+{
+    const struct record_plan *r = &plan->record[n];
+    uint8_t divisor_of = r->members ? r->member[0] : PLAN_NONE;
+    setup->settings = config_record(&plan->config, n);
+    setup->interval_s =
+        plan->tick_s *
+        (divisor_of == PLAN_NONE ? 1.0f : (float)plan->config.loop[divisor_of].divisor);
+    setup->members = r->members;
+    setup->inputs = r->inputs;
+    setup->points = r->points;
+    setup->there = (uint8_t)((1u << r->members) - 1u);
+    for (uint8_t k = 0; k < r->members; k++) {
+        const struct loop_plan *p = &plan->loop[r->member[k]];
+        const struct measurement_config *m = &plan->config.measurement[p->pv];
+        setup->member[k] =
+            (struct block_member){r->member[k], p->output != PLAN_NONE, m->hi - m->lo, 1.0f};
+    }
+}
+
+enum err plan_check_records(struct plan *plan, struct config_fault *fault)
+{
+    for (uint8_t n = 0; n < CONFIG_BLOCKS; n++) {
+        struct record_plan *r = &plan->record[n];
+        struct block_setup setup;
+        struct block_fault why = {0};
+        for (uint8_t k = 0; k < plan->n_order; k++)
+            if (plan->loop[plan->order[k]].server == SLOT_RECORDS + n)
+                r->last = plan->order[k];
+        if (plan->block[SLOT_RECORDS + n].kind == PLAN_NONE)
+            continue;
+        plan_setup_record(plan, n, &setup);
+        enum err err = plan_kind(plan, (uint8_t)(SLOT_RECORDS + n))->check(&setup, &why);
+        if (err)
+            return refuse_record(fault, err, n, why.field, plan->config.block[n].kind, why.wanted);
+    }
+    return ERR_OK;
+}
+
+#else
+
+enum err plan_resolve_records(struct plan *plan, struct config_fault *fault)
+{
+    (void)plan;
+    (void)fault;
+    return ERR_OK;
+}
+
+enum err plan_check_records(struct plan *plan, struct config_fault *fault)
+{
+    (void)plan;
+    (void)fault;
+    return ERR_OK;
+}
+
+bool plan_setpoint_ready(const struct plan *plan, uint8_t i, const bool *taken)
+{
+    return plan->loop[i].outer == PLAN_NONE || taken[plan->loop[i].outer];
+}
+
+#endif

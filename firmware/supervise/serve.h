@@ -1,0 +1,58 @@
+/* Blocks with a record (blockN): estimators, and controllers that serve loops in place of the loops' own. Within supervise
+ * only.
+ *
+ * A loop that a block serves keeps its own controller, which follows, and takes over without a bump when the block gives up:
+ * by itself, because an input is bad, or because it is switched off. It stays so until the block is switched on
+ * (REQUEST_BLOCK) or comes into force anew. */
+#ifndef REFLUX_SUPERVISE_SERVE_H
+#define REFLUX_SUPERVISE_SERVE_H
+
+#include "supervise/supervisor.h"
+
+#if CONFIG_BLOCKS
+
+/* Slot of the block in whose hands loop i is, or PLAN_NONE: its own controller's. */
+static inline uint8_t loop_server(const struct supervisor *s, uint8_t i)
+{
+    uint8_t slot = s->plan->loop[i].server;
+    return slot == PLAN_NONE || s->block[slot].off ? (uint8_t)PLAN_NONE : slot;
+}
+
+void serve_init(struct supervisor *s);
+/* A plan has come into force. old: the one before, or NULL. */
+void serve_place(struct supervisor *s, const struct plan *old);
+/* After the plant's measurements: the estimators, whose points are validated like those. */
+void serve_estimate(struct supervisor *s);
+/* Before loops take over: blocks without a good input give up. */
+void serve_check_inputs(struct supervisor *s);
+/* After loops have taken over, and whenever none of its members acts: the blocks that have to follow do. */
+void serve_follow(struct supervisor *s);
+/* It has to follow before its next step. */
+void serve_must_follow(struct supervisor *s, uint8_t slot);
+/* Loop i has had its turn; if it is the last of its block, that runs. */
+void serve_step(struct supervisor *s, uint8_t i);
+/* What became of the last steps, when it is known for all loops (loop_state.told). */
+void serve_back_calculate(struct supervisor *s);
+/* Switches a block off or on; false: there is none, or nothing is to be switched. */
+bool serve_switch(struct supervisor *s, uint8_t n, bool on);
+
+#else
+
+static inline uint8_t loop_server(const struct supervisor *s, uint8_t i)
+{
+    (void)s;
+    (void)i;
+    return PLAN_NONE;
+}
+#define serve_init(s)              ((void)(s))
+#define serve_place(s, old)        ((void)(old))
+#define serve_estimate(s)          ((void)(s))
+#define serve_check_inputs(s)      ((void)(s))
+#define serve_follow(s)            ((void)(s))
+#define serve_must_follow(s, slot) ((void)(slot))
+#define serve_step(s, i)           ((void)(i))
+#define serve_back_calculate(s)    ((void)(s))
+
+#endif
+
+#endif

@@ -1,0 +1,578 @@
+/* Blocks with a record: an estimator whose points are measurements, and a controller of two loops in place of their own. The
+ * kinds are of this test alone; what the tick does with them is what every family relies on. */
+#include "block/block.h"
+#include "control/pid.h"
+#include "supervise/records.h"
+#include "supervisor_bench.h"
+
+/* ---- an estimator: mean and difference of its inputs; its work counts to ten ---- */
+
+struct mean_settings {
+    float weight; /* of the first */
+};
+
+struct mean {
+    num_t weight;
+    uint32_t counted, results;
+    bool begun;
+};
+
+static const struct block_parameter mean_parameters[] = {
+    {.id = 1,
+     .type = BLOCK_FLOAT,
+     .name = "weight",
+     .unit = "-",
+     .help = "of the first",
+     .lo = 0,
+     .hi = 1,
+     .initial = 0.5f},
+};
+
+static uint32_t mean_bytes(const struct block_setup *setup)
+{
+    (void)setup;
+    return sizeof(struct mean);
+}
+
+static enum err mean_check(const struct block_setup *setup, struct block_fault *fault)
+{
+    fault->field = "inputs";
+    fault->wanted = "needs two inputs and two points";
+    return setup->inputs == 2 && setup->points == 2 ? ERR_OK : ERR_RANGE;
+}
+
+static enum err mean_configure(void *state, const struct block_setup *setup, bool retune)
+{
+    struct mean *m = state;
+    const struct mean_settings *c = setup->settings;
+    if (!retune)
+        *m = (struct mean){0};
+    m->weight = num_from_float(c->weight);
+    return ERR_OK;
+}
+
+static void mean_step(void *state, struct block_io *io)
+{
+    struct mean *m = state;
+    num_t rest = num_sub(num_one(), m->weight);
+    io->point[0] = num_add(num_mul(m->weight, io->input[0]), num_mul(rest, io->input[1]));
+    io->point[1] = num_sub(io->input[1], io->input[0]);
+    io->point_quality[0] = io->point_quality[1] =
+        io->quality[0] > io->quality[1] ? io->quality[0] : io->quality[1];
+    m->results += io->work_done;
+    if (!m->begun) {
+        m->begun = true;
+        io->ask_work = 5;
+    }
+}
+
+static bool mean_work(void *state)
+{
+    struct mean *m = state;
+    return ++m->counted < 10;
+}
+
+static const struct block_kind mean_kind = {
+    .name = "mean",
+    .stage = STAGE_ESTIMATE,
+    .parameter = mean_parameters,
+    .parameters = 1,
+    .settings_bytes = sizeof(struct mean_settings),
+    .inputs_most = 2,
+    .points_most = 2,
+    .bytes = mean_bytes,
+    .check = mean_check,
+    .configure = mean_configure,
+    .step = mean_step,
+    .work = mean_work,
+};
+
+/* ---- a controller of two loops: integrals of both errors on both outputs; gives up when told ---- */
+
+struct both_settings {
+    float rate; /* of the integrals, 1/step */
+    float cross;
+};
+
+struct both {
+    num_t rate, cross, u[2];
+    unsigned steps, backs, follows;
+    num_t told[2];
+};
+
+static bool both_gives_up;
+static struct both *both_state;
+
+static const struct block_parameter both_parameters[] = {
+    {.id = 1,
+     .type = BLOCK_FLOAT,
+     .name = "rate",
+     .unit = "-",
+     .help = "of the integrals",
+     .lo = 0,
+     .hi = 1,
+     .initial = 0.1f},
+    {.id = 2,
+     .type = BLOCK_FLOAT,
+     .offset = 4,
+     .name = "cross",
+     .unit = "-",
+     .help = "share of the other error",
+     .lo = -1,
+     .hi = 1,
+     .initial = 0.25f},
+};
+
+static uint32_t both_bytes(const struct block_setup *setup)
+{
+    (void)setup;
+    return sizeof(struct both);
+}
+
+static enum err both_check(const struct block_setup *setup, struct block_fault *fault)
+{
+    fault->field = "loops";
+    fault->wanted = "needs two loops";
+    return setup->members == 2 ? ERR_OK : ERR_RANGE;
+}
+
+static enum err both_configure(void *state, const struct block_setup *setup, bool retune)
+{
+    struct both *b = state;
+    const struct both_settings *c = setup->settings;
+    if (!retune)
+        *b = (struct both){0};
+    b->rate = num_from_float(c->rate);
+    b->cross = num_from_float(c->cross);
+    both_state = b;
+    return ERR_OK;
+}
+
+static void both_step(void *state, struct block_io *io)
+{
+    struct both *b = state;
+    num_t e[2] = {num_sub(io->setpoint[0], io->in[0]), num_sub(io->setpoint[1], io->in[1])};
+    if (both_gives_up) {
+        io->gives_up = "test";
+        return;
+    }
+    for (int k = 0; k < 2; k++) {
+        num_t mixed = num_add(e[k], num_mul(b->cross, e[1 - k]));
+        b->u[k] = num_add(b->u[k], num_mul(b->rate, mixed));
+        io->out[k] = b->u[k];
+    }
+    b->steps++;
+}
+
+static void both_back_calculate(void *state, struct block_io *io)
+{
+    struct both *b = state;
+    for (int k = 0; k < 2; k++)
+        b->told[k] = b->u[k] = io->out[k];
+    b->backs++;
+}
+
+static void both_follow(void *state, struct block_io *io)
+{
+    struct both *b = state;
+    for (int k = 0; k < 2; k++)
+        b->u[k] = io->out[k];
+    b->follows++;
+}
+
+static const struct block_kind both_kind = {
+    .name = "both",
+    .stage = STAGE_CONTROL,
+    .parameter = both_parameters,
+    .parameters = 2,
+    .settings_bytes = sizeof(struct both_settings),
+    .members_most = 2,
+    .inputs_most = 1,
+    .bad_input = BAD_INPUT_GIVES_UP,
+    .bytes = both_bytes,
+    .check = both_check,
+    .configure = both_configure,
+    .step = both_step,
+    .back_calculate = both_back_calculate,
+    .follow = both_follow,
+};
+
+const struct block_kind *const block_kinds[] = {&pid_kind, &mean_kind, &both_kind};
+const uint8_t block_kind_count = 3;
+
+/* blockN as the console sets it: settings of its kind, whom it serves, what it reads and writes. */
+static void put_block(unsigned n, const char *kind, const char *loops, const char *inputs,
+                      const char *points)
+{
+    struct block_config *b = &bench.config.block[n];
+    uint32_t needed, room;
+    TEST_ASSERT_EQUAL(ERR_OK, record_make(&bench.config, (uint8_t)n, kind, &needed, &room));
+    strcpy(b->loops, loops);
+    strcpy(b->inputs, inputs);
+    strcpy(b->points, points);
+}
+
+static void put_float(unsigned n, unsigned offset, float x)
+{
+    struct block_config *b = &bench.config.block[n];
+    memcpy(bench.config.pool + b->at + offset, &x, sizeof x);
+}
+
+void setUp(void)
+{
+    both_gives_up = false;
+}
+void tearDown(void) {}
+
+/* ---- estimates ---- */
+
+enum { MEAN = 4, APART = 5, THIRD = 2 };
+
+/* The feed's loop is controlled by the mean of two temperatures. */
+static void estimates(void)
+{
+    put_all((const char *const[]){
+        "meas5.name", "mean",  "meas5.unit", "degC",  "meas5.lo", "60",   "meas5.hi",  "160",
+        "meas6.name", "apart", "meas6.unit", "degC",  "meas6.lo", "-100", "meas6.hi",  "100",
+        "meas5.hold", "10",    "loop3.name", "third", "loop3.pv", "mean", "loop3.out", "spare",
+        "loop3.gain", "1",     "loop3.ti",   "60",    NULL});
+    put_block(0, "mean", "", "T1 T10", "mean apart");
+}
+
+static double value_of(unsigned i)
+{
+    const struct measurement_config *m = &bench.config.measurement[i];
+    return (double)span_to_eu(bench.s.measurement[i].value, m->lo, m->hi);
+}
+
+static void an_estimate_is_measured_in_the_same_tick_and_is_the_pv_of_a_loop(void)
+{
+    bench_start_with(estimates);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-3, 100, value_of(MEAN));
+    TEST_ASSERT_DOUBLE_WITHIN(1e-3, -40,
+                              value_of(APART)); /* fractions of spans of 100, on one of 200 */
+    reading(T1, 95);
+    validate();
+    TEST_ASSERT_DOUBLE_WITHIN(1e-3, 105, value_of(MEAN));
+    mode(THIRD, LOOP_AUTO);
+    TEST_ASSERT_EQUAL(LOOP_AUTO, bench.s.loop[THIRD].mode);
+    double before = sent(SPARE);
+    ticks(2);
+    setpoint(THIRD, 120);
+    ticks(5);
+    TEST_ASSERT_TRUE(sent(SPARE) > before + 0.1);
+}
+
+static void a_setting_of_its_record_holds_without_a_new_start(void)
+{
+    bench_start_with(estimates);
+    struct mean *m = supervisor_block(&bench.s, SLOT_RECORDS);
+    uint32_t counted = m->counted = 3;
+    put_float(0, 0, 1);
+    apply();
+    tick();
+    TEST_ASSERT_DOUBLE_WITHIN(1e-3, 85, value_of(MEAN));
+    m = supervisor_block(&bench.s, SLOT_RECORDS);
+    TEST_ASSERT_EQUAL_UINT32(counted, m->counted);
+    strcpy(bench.config.block[0].inputs, "T10 T1");
+    apply(); /* another block, as far as states go */
+    tick();
+    TEST_ASSERT_DOUBLE_WITHIN(1e-3, 115, value_of(MEAN));
+    m = supervisor_block(&bench.s, SLOT_RECORDS);
+    TEST_ASSERT_EQUAL_UINT32(0, m->counted);
+}
+
+static void an_estimate_without_its_input_is_held_and_then_its_loop_goes_to_manual(void)
+{
+    bench_start_with(estimates);
+    mode(THIRD, LOOP_AUTO);
+    tick();
+    bad_reading(T1, QUALITY_BAD, 0);
+    ticks(8); /* T1 itself is held: but that tells an estimator nothing */
+    TEST_ASSERT_EQUAL(LOOP_AUTO, bench.s.loop[THIRD].mode);
+    TEST_ASSERT_EQUAL(QUALITY_UNCERTAIN, bench.s.measurement[MEAN].quality);
+    ticks(4);
+    TEST_ASSERT_EQUAL(LOOP_MANUAL, bench.s.loop[THIRD].mode);
+    TEST_ASSERT_EQUAL_UINT(1, happened(EVENT_MEASUREMENT_BAD, "mean"));
+    reading(T1, 85);
+    tick();
+    TEST_ASSERT_EQUAL(QUALITY_GOOD, bench.s.measurement[MEAN].quality);
+    TEST_ASSERT_EQUAL_UINT(1, happened(EVENT_MEASUREMENT_GOOD, "mean"));
+}
+
+static void an_estimate_is_interlocked_and_alarmed_like_any_measurement(void)
+{
+    bench_start_with(estimates);
+    put_all((const char *const[]){"lock1.meas", "mean", "lock1.mv", "heat", "lock1.limit", "110",
+                                  "alarm1.on", "mean", "alarm1.limit", "108", NULL});
+    apply();
+    reading(T1, 112);
+    ticks(2);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-6, 0, sent(HEAT));
+    TEST_ASSERT_EQUAL_UINT(1, happened(EVENT_INTERLOCK_ON, "heat"));
+    TEST_ASSERT_TRUE(bench.s.alarm[0].listed);
+}
+
+static void work_is_done_between_ticks_and_its_result_comes_when_it_was_declared(void)
+{
+    bench_start_with(estimates);
+    struct mean *m = supervisor_block(&bench.s, SLOT_RECORDS);
+    struct jobs jobs = {0};
+    TEST_ASSERT_EQUAL(ERR_OK, jobs_add(&jobs, &bench.s.work[0]));
+    TEST_ASSERT_TRUE(supervisor_work_wanted(&bench.s));
+    for (unsigned n = 0; n < 20 && m->counted < 10; n++)
+        (void)jobs_work(&jobs);
+    TEST_ASSERT_EQUAL_UINT32(10, m->counted);
+    /* It was asked for in the first of four ticks. */
+    TEST_ASSERT_EQUAL_UINT32(0, m->results);
+    tick();
+    TEST_ASSERT_EQUAL_UINT32(0, m->results);
+    tick();
+    TEST_ASSERT_EQUAL_UINT32(1, m->results);
+    ticks(5);
+    TEST_ASSERT_EQUAL_UINT32(1, m->results);
+    TEST_ASSERT_EQUAL_UINT(0, happened(EVENT_JOB_LATE, NULL));
+}
+
+static void work_that_is_late_says_so_and_its_result_is_taken_when_it_is_there(void)
+{
+    bench_start_with(estimates);
+    struct mean *m = supervisor_block(&bench.s, SLOT_RECORDS);
+    ticks(5);
+    TEST_ASSERT_EQUAL_UINT(1, happened(EVENT_JOB_LATE, "block"));
+    struct jobs jobs = {0};
+    TEST_ASSERT_EQUAL(ERR_OK, jobs_add(&jobs, &bench.s.work[0]));
+    while (jobs_work(&jobs))
+        ;
+    TEST_ASSERT_EQUAL_UINT32(0, m->results);
+    tick();
+    TEST_ASSERT_EQUAL_UINT32(1, m->results);
+}
+
+/* ---- a block that serves ---- */
+
+static void served(void)
+{
+    put("meas3.hold", "2");
+    put_block(1, "both", "top bottom", "feed", "");
+}
+
+static void both_auto(void)
+{
+    bench_start_with(served);
+    mode(TOP, LOOP_AUTO);
+    mode(BOTTOM, LOOP_AUTO);
+}
+
+static void it_takes_over_without_a_bump_and_moves_both_outputs(void)
+{
+    both_auto();
+    double top = sent(REFLUX), bottom = sent(HEAT);
+    ticks(2);
+    ASSERT_NO_BUMP(top, sent(REFLUX));
+    ASSERT_NO_BUMP(bottom, sent(HEAT));
+    TEST_ASSERT_EQUAL_UINT(2, both_state->steps);
+    setpoint(TOP, 95);
+    tick();
+    TEST_ASSERT_DOUBLE_WITHIN(1e-5, top + 0.1 * 0.1, sent(REFLUX));
+    TEST_ASSERT_DOUBLE_WITHIN(1e-5, bottom + 0.1 * 0.25 * 0.1, sent(HEAT));
+}
+
+static void what_took_effect_is_told_to_it(void)
+{
+    both_auto();
+    set_and_apply("mv1.max", "5.2");
+    setpoint(TOP, 130);
+    ticks(20);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-6, 0.52, sent(REFLUX));
+    TEST_ASSERT_DOUBLE_WITHIN(1e-6, 0.52, D(both_state->told[0]));
+    setpoint(TOP, 80); /* it has not wound up */
+    tick();
+    TEST_ASSERT_TRUE(sent(REFLUX) < 0.52);
+}
+
+static void giving_up(void (*how)(void), const char *why)
+{
+    both_auto();
+    setpoint(TOP, 95);
+    setpoint(BOTTOM, 110);
+    ticks(10);
+    double top = sent(REFLUX), bottom = sent(HEAT);
+    reading(T1, 95); /* no error left: what comes now is the bump alone */
+    reading(T10, 110);
+    tick();
+    top = sent(REFLUX);
+    bottom = sent(HEAT);
+    how();
+    tick();
+    unsigned steps = both_state->steps;
+    TEST_ASSERT_EQUAL_UINT(1, happened(EVENT_BLOCK_GAVE_UP, why));
+    ASSERT_NO_BUMP(top, sent(REFLUX));
+    ASSERT_NO_BUMP(bottom, sent(HEAT));
+    TEST_ASSERT_EQUAL(LOOP_AUTO, bench.s.loop[TOP].mode);
+    setpoint(TOP, 90);
+    ticks(5);
+    TEST_ASSERT_EQUAL_UINT(steps, both_state->steps);
+    TEST_ASSERT_TRUE(sent(REFLUX) > top); /* direct acting: its own controller is at work */
+    top = sent(REFLUX);
+    setpoint(TOP, 95);
+    /* And back. */
+    both_gives_up = false;
+    reading(FEED, 5);
+    ticks(2);
+    top = sent(REFLUX);
+    request(REQUEST_BLOCK, PLAN_NONE, 1, 1, 0);
+    TEST_ASSERT_EQUAL_UINT(1, happened(EVENT_BLOCK_ON, "both"));
+    tick();
+    ASSERT_NO_BUMP(top, sent(REFLUX));
+    TEST_ASSERT_EQUAL_UINT(steps + 1, both_state->steps);
+}
+
+static void by_itself(void)
+{
+    both_gives_up = true;
+}
+static void by_a_bad_input(void)
+{
+    bad_reading(FEED, QUALITY_BAD, 0);
+    ticks(3); /* held for 2 s */
+}
+static void by_hand(void)
+{
+    request(REQUEST_BLOCK, PLAN_NONE, 1, 0, 0);
+}
+
+static void when_it_gives_up_the_own_controllers_take_over_without_a_bump(void)
+{
+    giving_up(by_itself, "test");
+}
+static void when_a_further_input_is_bad_too(void)
+{
+    giving_up(by_a_bad_input, "feed");
+}
+static void when_it_is_switched_off_too(void)
+{
+    giving_up(by_hand, "asked");
+}
+
+static void a_member_in_manual_is_not_moved_and_comes_back_without_a_bump(void)
+{
+    both_auto();
+    ticks(3);
+    mode(BOTTOM, LOOP_MANUAL);
+    out(BOTTOM, 0.4);
+    ticks(3);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-6, 0.2, sent(HEAT));
+    setpoint(TOP, 95);
+    ticks(3);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-6, 0.2, sent(HEAT));
+    reading(T1, 95);
+    mode(BOTTOM, LOOP_AUTO);
+    tick();
+    ASSERT_NO_BUMP(0.2, sent(HEAT));
+}
+
+static void an_unrelated_plan_does_not_disturb_it(void)
+{
+    double with[2];
+    for (int k = 0; k < 2; k++) {
+        both_auto();
+        setpoint(TOP, 95);
+        ticks(5);
+        if (k)
+            set_and_apply("alarm1.limit", "150");
+        ticks(5);
+        with[k] = sent(REFLUX);
+    }
+    TEST_ASSERT_TRUE(with[0] == with[1]);
+}
+
+static void a_kind_this_build_lacks_keeps_its_loops_in_manual(void)
+{
+    bench_start_with(served);
+    strcpy(bench.config.block[1].kind, "gmv");
+    apply();
+    mode(TOP, LOOP_AUTO);
+    ticks(2);
+    TEST_ASSERT_EQUAL(LOOP_MANUAL, bench.s.loop[TOP].mode);
+}
+
+/* ---- what a plan refuses ---- */
+
+static void refused(const char *field, const char *subject)
+{
+    struct config_fault fault;
+    struct plan *next = &bench.plan[1 - bench.current];
+    TEST_ASSERT_NOT_EQUAL(ERR_OK, plan_build(next, &bench.config, 1.0f, &fault));
+    TEST_ASSERT_EQUAL_STRING("block", fault.group);
+    TEST_ASSERT_EQUAL_STRING(field, fault.field);
+    TEST_ASSERT_EQUAL_STRING(subject, fault.subject);
+}
+
+static void lists_of_names_are_checked(void)
+{
+    static const char *const wrong[][4] = {
+        {"top nobody", "feed", "loops", "nobody"},
+        {"top bottom outer", "feed", "loops", "outer"},
+        {"top top", "feed", "loops", "top"},
+        {"top", "feed", "loops", "both"},
+        {"", "feed", "loops", "both"},
+        {"top bottom", "nothing", "inputs", "nothing"},
+        {"top bottom", "feed T5", "inputs", "T5"},
+    };
+    for (unsigned i = 0; i < sizeof wrong / sizeof wrong[0]; i++) {
+        bench_start_with(served);
+        bench_cascade();
+        put_block(1, "both", wrong[i][0], wrong[i][1], "");
+        refused(wrong[i][2], wrong[i][3]);
+    }
+}
+
+static void members_have_their_turns_together_and_no_decoupler(void)
+{
+    bench_start_with(served);
+    put("loop1.divisor", "2");
+    refused("loops", "bottom");
+    put("loop2.divisor", "2");
+    apply();
+    put("loop2.decouple", "on");
+    refused("loops", "bottom");
+}
+
+static void points_are_checked(void)
+{
+    static const char *const wrong[][4] = {
+        {"T1 T10", "mean nothing", "points", "nothing"},
+        {"T1 T10", "mean mean", "points", "mean"},
+        {"T1 T10", "mean", "inputs", "mean"},
+        {"mean T1", "mean apart", "inputs", "mean"},
+    };
+    for (unsigned i = 0; i < sizeof wrong / sizeof wrong[0]; i++) {
+        bench_start_with(estimates);
+        put_block(0, "mean", "", wrong[i][0], wrong[i][1]);
+        refused(wrong[i][2], wrong[i][3]);
+    }
+}
+
+int main(void)
+{
+    UNITY_BEGIN();
+    RUN_TEST(an_estimate_is_measured_in_the_same_tick_and_is_the_pv_of_a_loop);
+    RUN_TEST(a_setting_of_its_record_holds_without_a_new_start);
+    RUN_TEST(an_estimate_without_its_input_is_held_and_then_its_loop_goes_to_manual);
+    RUN_TEST(an_estimate_is_interlocked_and_alarmed_like_any_measurement);
+    RUN_TEST(work_is_done_between_ticks_and_its_result_comes_when_it_was_declared);
+    RUN_TEST(work_that_is_late_says_so_and_its_result_is_taken_when_it_is_there);
+    RUN_TEST(it_takes_over_without_a_bump_and_moves_both_outputs);
+    RUN_TEST(what_took_effect_is_told_to_it);
+    RUN_TEST(when_it_gives_up_the_own_controllers_take_over_without_a_bump);
+    RUN_TEST(when_a_further_input_is_bad_too);
+    RUN_TEST(when_it_is_switched_off_too);
+    RUN_TEST(a_member_in_manual_is_not_moved_and_comes_back_without_a_bump);
+    RUN_TEST(an_unrelated_plan_does_not_disturb_it);
+    RUN_TEST(a_kind_this_build_lacks_keeps_its_loops_in_manual);
+    RUN_TEST(lists_of_names_are_checked);
+    RUN_TEST(members_have_their_turns_together_and_no_decoupler);
+    RUN_TEST(points_are_checked);
+    return UNITY_END();
+}
