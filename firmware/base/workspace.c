@@ -30,7 +30,7 @@ enum err workspace_lease(struct workspace *w, const char *holder, const char *fr
 
 void workspace_frees(struct workspace *w, const char *holder, const char *frees)
 {
-    if (holder)
+    if (workspace_holds(w, holder))
         w->frees = frees;
 }
 
