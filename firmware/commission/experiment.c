@@ -372,7 +372,7 @@ static enum err coming_back(struct experiment *e, const real_t *y)
 }
 
 /* Into everything that keeps what it sees, after the first edge. */
-static enum err keep(struct experiment *e, const real_t *y)
+static enum err keep_sample(struct experiment *e, const real_t *y)
 {
     enum err err = moments_step(&e->moments, y);
     if (!err)
@@ -396,7 +396,7 @@ enum err experiment_missed(struct experiment *e)
     e->waited++;
     if (e->phase == EXPERIMENT_REST)
         return steady_step(&e->steady, e->last);
-    enum err err = keep(e, e->last);
+    enum err err = keep_sample(e, e->last);
     if (err)
         return err;
     if (e->phase == EXPERIMENT_UP) {
@@ -420,7 +420,7 @@ static enum err take_sample_in(struct experiment *e, const real_t *y)
         fail_test(e, EXPERIMENT_LIMIT, (uint8_t)past);
         return ERR_OK;
     }
-    enum err err = keep(e, y);
+    enum err err = keep_sample(e, y);
     if (err)
         return err;
     switch (e->phase) {

@@ -15,7 +15,6 @@ FIRMWARE = ROOT / "firmware"
 EXCUSED = (
     "block/",
     "compensate/",
-    "console/",
     "control/",
     "feedforward/",
     "service/parameter",
