@@ -22,6 +22,7 @@ static double noise_sd, load;  /* fractions of span */
 static double drift[2], third; /* ... a sample, of the measurements; of T5, which no loop holds */
 static unsigned turn_at, now;  /* samples: the drift turns round there, if it is not 0 */
 static double drifted[2];
+static double horizon_s; /* of a step, at most */
 
 /* The plant as it is predicted with. */
 static const double gains[2][2] = {{0.8, 0.2}, {0.15, 1.0}};
@@ -72,7 +73,7 @@ static void predict(void)
     a.back = BACK;
     for (uint8_t k = 0; k < 2; k++) {
         struct trial_config c = {
-            .loop = k, .size = REAL_C(0.05), .setpoint_weight = 1, .mark_s = HORIZON_S};
+            .loop = k, .size = REAL_C(0.05), .setpoint_weight = 1, .mark_s = (real_t)horizon_s};
         TEST_ASSERT_EQUAL_INT(ERR_OK, trial_begin(&trial, &plant, &proposed, &c));
         while (trial_step(&trial) == ERR_BUSY)
             ;
@@ -83,7 +84,7 @@ static void predict(void)
                                            .left = trial.mark.left,
                                            .size = REAL_C(0.05)};
         a.loop[k].predicted.iae = trial.mark.iae;
-        a.loop[k].duration_s = (real_t)fmin(1.5 * (double)trial.loop[k].settled_s, HORIZON_S);
+        a.loop[k].duration_s = (real_t)fmin(1.5 * (double)trial.loop[k].settled_s, horizon_s);
         a.channel[k] = (struct adoption_channel){
             .measurement = k, .output = k, .noise_sd = (real_t)noise_sd, .limit = REAL_C(0.1)};
     }
@@ -168,6 +169,7 @@ void setUp(void)
     noise_sd = load = third = 0.0;
     drift[0] = drift[1] = drifted[0] = drifted[1] = 0.0;
     turn_at = now = 0;
+    horizon_s = HORIZON_S;
 }
 void tearDown(void) {}
 
@@ -271,6 +273,19 @@ static void a_loop_put_into_automatic_at_rest_ends_it(void)
     mode(BOTTOM, LOOP_AUTO);
     TEST_ASSERT_EQUAL_INT(ADOPTION_HAND, run());
     TEST_ASSERT_EQUAL_UINT8(1, a.culprit);
+}
+
+/* 45 s are no time for it to come to rest: a fifth of the step and more is left, and less than that is asked of no other. */
+static void what_is_predicted_to_be_left_at_the_end_of_a_step_is_no_unrest(void)
+{
+    horizon_s = 45;
+    begin(1, 1);
+    for (unsigned k = 0; k < 2; k++)
+        TEST_ASSERT_TRUE(fabs((double)a.loop[k].left) > 0.2 * 0.05);
+    TEST_ASSERT_EQUAL_INT(ADOPTION_PASSED, run());
+    begin(1, 1);
+    a.loop[0].left = a.loop[1].left = 0;
+    TEST_ASSERT_EQUAL_INT(ADOPTION_RESTLESS, run());
 }
 
 static void one_loop_after_the_other_is_stepped(void)
@@ -494,6 +509,7 @@ int main(void)
     RUN_TEST(a_loop_taken_to_manual_ends_it);
     RUN_TEST(a_loop_that_does_not_go_to_automatic_ends_it);
     RUN_TEST(a_loop_put_into_automatic_at_rest_ends_it);
+    RUN_TEST(what_is_predicted_to_be_left_at_the_end_of_a_step_is_no_unrest);
     RUN_TEST(one_loop_after_the_other_is_stepped);
     RUN_TEST(a_drift_takes_the_setpoints_with_it_and_all_inputs_stay_where_they_were);
     RUN_TEST(what_the_tests_have_left_comes_off_the_limits);

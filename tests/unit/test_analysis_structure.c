@@ -114,6 +114,25 @@ static void not_where_another_input_moves_one_of_the_two(void)
     TEST_ASSERT_EQUAL_UINT8(a.pairs.n, analysis_loops(&a));
 }
 
+/* Three deviations of a gain are nothing beside the largest of its row as long as they are a tenth of it at most. What
+ * the input of the two does to others, and the others among themselves, is another matter. */
+static void not_where_the_error_of_a_gain_could_hide_that_it_moves_one_of_the_two(void)
+{
+    static const double largest_of_row[] = {1.5, 0.9, 1.0};
+    for (unsigned i = 0; i < 3; i++)
+        for (unsigned j = 0; j < 2; j++)
+            for (unsigned more = 0; more < 2; more++) {
+                bool way_in_or_out = (i < 2) != (j < 1);
+                flow_and_temperature();
+                a.inner_outputs = 0;
+                a.plant.gain_sd[i][j] =
+                    (real_t)((more ? 1.02 : 0.98) * 0.1 / 3.0 * largest_of_row[i]);
+                run();
+                TEST_ASSERT_EQUAL_UINT8(1, a.n_cascades);
+                TEST_ASSERT_EQUAL_UINT16(more && way_in_or_out ? 0 : 1, a.inner_outputs);
+            }
+}
+
 static void not_where_no_settings_are_for_the_inner_loop(void)
 {
     flow_and_temperature();
@@ -322,6 +341,7 @@ int main(void)
     RUN_TEST(one_input_for_a_fast_output_and_one_behind_it_is_a_cascade);
     RUN_TEST(not_where_the_second_output_is_hardly_slower);
     RUN_TEST(not_where_another_input_moves_one_of_the_two);
+    RUN_TEST(not_where_the_error_of_a_gain_could_hide_that_it_moves_one_of_the_two);
     RUN_TEST(not_where_no_settings_are_for_the_inner_loop);
     RUN_TEST(an_inner_loop_counts_among_those_the_board_runs);
     RUN_TEST(what_disturbs_only_one_way_is_fed_forward);

@@ -259,6 +259,11 @@ static void the_relay_is_made_for_what_is_set(void)
     NEAR(0.2, r->amplitude);
     TEST_ASSERT_EQUAL_INT(1, r->sign);
     begin();
+    cf->output[REFLUX].lo = 2;
+    cf->output[REFLUX].test_step = 2; /* of 8 */
+    rests(0, 0, 0, 100);
+    NEAR(0.25, r->amplitude);
+    begin();
     c.input[0].held = REAL_C(0.03);
     cf->output[REFLUX].test_step = 2;
     rests(0, 0, 0, 100);

@@ -270,6 +270,31 @@ static void bubble_points_match_bisection_from_any_start(void)
             }
 }
 
+/* A search that has run away before does no harm to the next one. */
+static void a_start_far_from_every_temperature_of_the_plant_is_brought_back(void)
+{
+    struct vle vle = {
+        .component = test_components, .n = 3, .temperature_min = 280, .temperature_max = 440};
+    static const double half[3] = {0.5, 0.25, 0.25};
+    static const real_t starts[] = {REAL_C(1e30), REAL_C(-1e30), REAL_C(441.0), REAL_C(279.0), 0};
+    for (size_t i = 0; i < sizeof starts / sizeof starts[0]; i++) {
+        real_t at[3] = {REAL_C(0.5), REAL_C(0.25), REAL_C(0.25)}, y[3], k[3], dk[3], t = starts[i];
+        TEST_ASSERT_EQUAL(ERR_OK, vle_bubble_point(&vle, at, REAL_C(1e5), &t, y, k, dk, false));
+        TEST_ASSERT_DOUBLE_WITHIN(T_BOUND, bubble_by_bisection(half, 1e5), (double)t);
+    }
+}
+
+/* As many stages as there is room for: what lies behind the last of them is something else. */
+static void the_largest_column_stays_in_its_memory(void)
+{
+    config.stages = COLUMN_STAGES_MAX;
+    memset(&column, 0x55, sizeof column);
+    TEST_ASSERT_EQUAL(ERR_OK, column_init(&column, &config, &fault));
+    TEST_ASSERT_EQUAL_size_t(COLUMN_STAGES_MAX * 2, column.n_states);
+    TEST_ASSERT_TRUE(column.temperature[COLUMN_STAGES_MAX - 1] == 360);
+    TEST_ASSERT_TRUE(column.liquid[0] == 0); /* nothing has flown yet */
+}
+
 static void a_pressure_without_a_bubble_point_is_refused_and_the_start_kept(void)
 {
     struct vle vle = {
@@ -434,6 +459,8 @@ int main(void)
     RUN_TEST(new_inputs_at_the_same_state_need_no_new_bubble_points);
     RUN_TEST(the_form_of_the_source_leaves_the_total_balance_open_away_from_steady_state);
     RUN_TEST(bubble_points_match_bisection_from_any_start);
+    RUN_TEST(a_start_far_from_every_temperature_of_the_plant_is_brought_back);
+    RUN_TEST(the_largest_column_stays_in_its_memory);
     RUN_TEST(a_pressure_without_a_bubble_point_is_refused_and_the_start_kept);
     RUN_TEST(the_extended_terms_of_the_vapour_pressure_are_those_of_the_equation);
     RUN_TEST(vapour_pressures_of_all_components_are_those_of_each);

@@ -173,14 +173,19 @@ static void a_gain_at_its_limit_gets_the_integral_time_that_goes_with_it(void)
     TEST_ASSERT_DOUBLE_WITHIN(1e-2, 1000.0, (double)detune.loops.tuning[0].ti_s); /* min(T, 8000) */
 }
 
-static enum err design_one(void)
+static enum err design_every(double interval_s)
 {
-    TEST_ASSERT_EQUAL_INT(ERR_OK, detune_begin(&detune, &known.plant, &known.pairs, REAL_C(2.0),
-                                               NULL, &config, NULL));
+    TEST_ASSERT_EQUAL_INT(ERR_OK, detune_begin(&detune, &known.plant, &known.pairs,
+                                               (real_t)interval_s, NULL, &config, NULL));
     enum err err;
     while ((err = detune_step(&detune)) == ERR_BUSY)
         ;
     return err;
+}
+
+static enum err design_one(void)
+{
+    return design_every(2.0);
 }
 
 /* 0.5 exp(-9 s)/(1000 s + 1), theta 10, every 2 s; tau_c T/8: gain 1000/(0.5 135). */
@@ -209,6 +214,16 @@ static void noise_of_a_loop_moves_no_output_more_than_twice_its_own_noise(void)
     double a = exp(-2.0 / 1000.0), most = 0.1 / (0.5 * sqrt((1.0 - a) / (1.0 + a)));
     TEST_ASSERT_DOUBLE_WITHIN(1e-3 * most, most, (double)detune.loops.tuning[0].gain);
     TEST_ASSERT_TRUE(detune.loops.tuning[0].ti_s > REAL_C(540.0)); /* 4 135 */
+    /* The same of an element whose lag is shorter than a second, under ticks of a tenth of it. */
+    const struct fopdt slow = known.plant.element[0][0];
+    for (real_t lag = REAL_C(0.04); lag < 2; lag *= 4) {
+        known.plant.element[0][0] = (struct fopdt){
+            .gain = slow.gain, .dead_time_s = REAL_C(0.1) * lag, .time_constant_s = lag};
+        TEST_ASSERT_EQUAL_INT(ERR_OK, design_every(0.1 * (double)lag));
+        double b = exp(-0.1), least = 0.1 / (0.5 * sqrt((1.0 - b) / (1.0 + b)));
+        TEST_ASSERT_DOUBLE_WITHIN(1e-3 * least, least, (double)detune.loops.tuning[0].gain);
+    }
+    known.plant.element[0][0] = slow;
     /* Another output, quieter by ten and moved as much, has it smaller by ten. */
     known.plant.outputs = 2;
     known.plant.element[1][0] = known.plant.element[0][0];

@@ -427,6 +427,24 @@ static void rubbish_gives_an_error_or_finite_numbers(void)
     }
 }
 
+/* Three times as long as 1/alpha is long enough: eta = 1/2 and 1/4 come out of exp and log as they went in. */
+static void a_record_shorter_than_three_times_its_weight_says_so(void)
+{
+    static const uint32_t enough[] = {6, 12};
+    for (uint32_t i = 0; i < 2; i++)
+        for (uint32_t less = 0; less < 2; less++) {
+            struct excitation u;
+            struct identified r;
+            start(1, 1.0);
+            TEST_ASSERT_EQUAL_INT(ERR_OK, excitation_double_step(&u, 0, 2, 2, REAL_C(0.1)));
+            for (uint32_t k = 0; k < enough[i] - less; k++)
+                step_one(0.1 *
+                         double_step_response(&(struct test_element){1.0, 1.0, 0.0}, 2, 2, k));
+            TEST_ASSERT_EQUAL_INT(ERR_OK, moments_at(&bank, i, 0, &u, NULL, &r, NULL));
+            TEST_ASSERT_EQUAL_HEX16(less ? IDENTIFIED_SHORT : 0, r.flags & IDENTIFIED_SHORT);
+        }
+}
+
 static void edges_keep_their_order_and_their_number(void)
 {
     struct excitation u;
@@ -468,6 +486,7 @@ int main(void)
     RUN_TEST(a_bank_out_of_range_is_refused);
     RUN_TEST(without_samples_edges_or_strength_there_is_no_answer);
     RUN_TEST(rubbish_gives_an_error_or_finite_numbers);
+    RUN_TEST(a_record_shorter_than_three_times_its_weight_says_so);
     RUN_TEST(edges_keep_their_order_and_their_number);
     return UNITY_END();
 }

@@ -214,6 +214,7 @@ static void names_of_no_parameter_are_not_found(void)
                                        "LOOP1.gain",
                                        "meas17.lo",
                                        "decouple1.d9",
+                                       "decouple9.d1",
                                        ".",
                                        "tick.",
                                        "loop1.gain ",
