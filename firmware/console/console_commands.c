@@ -161,8 +161,10 @@ static bool version_line(struct console *c, unsigned n, struct text *line)
     case 11:
         if (!CONFIG_STEPS || !COMMISSION_CHANNELS)
             text_str(line, "left out of this build:");
-        text_str(line, CONFIG_STEPS ? "" : " sequences");
-        text_str(line, COMMISSION_CHANNELS ? "" : " automatic-start-up");
+        if (!CONFIG_STEPS)
+            text_str(line, " sequences");
+        if (!COMMISSION_CHANNELS)
+            text_str(line, " automatic-start-up");
         return true;
     default:
         return false;

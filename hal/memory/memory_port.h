@@ -42,6 +42,9 @@ void memory_port_set_console_rings(uint32_t rx, uint32_t tx);
 
 unsigned memory_port_reboots(void);
 
+/* Every look at hal_cycles() finds it so much further on; 0, as at the beginning: it stands. */
+void memory_port_count_looks(uint32_t step);
+
 /* While the firmware sends the next frame on the link the clock goes on by so much, ms: its tick takes time. */
 void memory_port_slow_frame(uint32_t ms);
 /* The longest time without a feeding of the watchdog, ms, since the start or since it was last asked for. */

@@ -98,6 +98,22 @@ static void log_on_answers_like_any_other_command(void)
     board_forget();
 }
 
+static void what_is_being_typed_stands_below_every_row(void)
+{
+    type("mode human\rlog on\r");
+    samples(1);
+    board_forget();
+    type("get loop1.");
+    samples(1);
+    const char *row = strstr(board.said, "\r\033[KT,");
+    TEST_ASSERT_NOT_NULL_MESSAGE(row, board.said);
+    const char *end = strstr(row, "\r\n");
+    TEST_ASSERT_NOT_NULL_MESSAGE(end, board.said);
+    TEST_ASSERT_EQUAL_STRING("\r\n> get loop1.", end);
+    type("\x15log off\rmode machine\n");
+    board_forget();
+}
+
 /* ---- XON, XOFF ---- */
 
 static void after_xoff_nothing_is_said_until_xon_and_then_all_of_it(void)
@@ -232,6 +248,7 @@ int main(void)
     RUN_TEST(nothing_is_offered_where_nothing_is_known);
     RUN_TEST(a_past_line_comes_back_below_an_event);
     RUN_TEST(log_on_answers_like_any_other_command);
+    RUN_TEST(what_is_being_typed_stands_below_every_row);
     RUN_TEST(after_xoff_nothing_is_said_until_xon_and_then_all_of_it);
     RUN_TEST(control_c_frees_a_console_whose_xon_was_lost);
     RUN_TEST(telemetry_waits_while_held_and_counts_what_finds_no_room);

@@ -15,6 +15,8 @@ endforeach()
 reflux_test(crc32 LABEL unit SOURCES "${here}/test_crc32.c" ${crc32_tables} LIBS reflux_options)
 reflux_test(frame LABEL unit SOURCES "${here}/test_frame.c" LIBS reflux_link)
 reflux_test(messages LABEL unit SOURCES "${here}/test_messages.c" LIBS reflux_link)
+reflux_test(plant_link LABEL unit SOURCES "${here}/test_plant_link.c"
+  LIBS reflux_hal_memory reflux_app reflux_link)
 reflux_test(link_document LABEL unit SOURCES "${here}/test_link_document.c" LIBS reflux_link)
 
 # A plant and a controller for tests of the bench alone.

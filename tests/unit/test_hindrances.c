@@ -165,6 +165,9 @@ static void tests_begin_where_all_is_in_hand(void)
     bench.s.output[HEAT].interlocked = false;
     bench.s.output[HEAT].manual = N(0.0049);
     begins(false, "heat", "no room");
+    bench.s.output[HEAT].manual = N(0.005); /* at least so much; not every format has the number */
+    bool exact = num_to_float(N(0.005)) == 0.005f;
+    begins(exact, "heat", "no room");
     bench.s.output[HEAT].manual = N(0.0051);
     begins(true, NULL, NULL);
     bench.s.output[HEAT].manual = N(0.9951);
@@ -351,6 +354,11 @@ static void what_stands_in_the_way_of_a_trial(void)
     o->constrained = N(0.5);
     o->readback = N(0.599);
     hinders(WHY_NOT, NULL);
+    o->constrained = N(0.1); /* by more than that; not every format has the number */
+    o->readback = N(0.0);
+    hinders(num_to_float(N(0.1)) > 0.1f ? WHY_ACTUATOR : WHY_NOT,
+            num_to_float(N(0.1)) > 0.1f ? "heat" : NULL);
+    o->constrained = N(0.5);
     o->readback = N(0.601);
     hinders(WHY_ACTUATOR, "heat");
     o->readback = N(0.399);

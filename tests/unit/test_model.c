@@ -231,6 +231,8 @@ static void a_drift_that_turns_within_the_test_spoils_no_gain(void)
         TEST_ASSERT_TRUE((double)e->gain_sd <
                          0.08); /* it would be 0.4 without a model of the turn */
         TEST_ASSERT_TRUE((double)c.climbs[0] < 0.5);
+        /* levels on either side of a turn say nothing of the gain */
+        TEST_ASSERT_EQUAL_FLOAT(0.0f, (float)c.work->element[0][0].plateau_gain);
     }
 }
 

@@ -2,6 +2,7 @@
 #include "storage_images.h"
 
 static unsigned erases, programs;
+static unsigned refusals; /* of the next writes */
 static bool take_no_write, worn_tail;
 
 static bool keep(uint32_t address, uint32_t n)
@@ -12,6 +13,10 @@ static bool keep(uint32_t address, uint32_t n)
         programs++;
     if (worn_tail && memcmp(flash_model + address, "RXST", 4) == 0)
         flash_model[address + 8] = 0; /* after it was read back */
+    if (refusals) {
+        refusals--;
+        return false;
+    }
     return !take_no_write;
 }
 
@@ -19,7 +24,7 @@ void setUp(void)
 {
     flash_model_keep = keep;
     take_no_write = worn_tail = false;
-    erases = programs = 0;
+    erases = programs = refusals = 0;
     memory_port_erase_all();
 }
 
@@ -411,6 +416,33 @@ static void test_flash_that_takes_no_write_is_told(void)
     TEST_ASSERT_EQUAL_STRING("ok", storage_word(&fw.storage));
 }
 
+/* What is not taken at one place may be taken at the next, four times at most. */
+static void test_set_begins_behind_what_is_not_taken(void)
+{
+    for (unsigned n = 1; n <= 4; n++) {
+        setUp();
+        bench_boot();
+        refusals = n;
+        TEST_ASSERT_EQUAL(n < 4 ? ERR_OK : ERR_IO, bench_save());
+        TEST_ASSERT_EQUAL(0, refusals);
+        TEST_ASSERT_EQUAL(n < 4 ? STORAGE_GRAIN * (1 + n) : 0, fw.storage.newest.address);
+    }
+}
+
+static void test_what_is_shown_instead_of_a_secret_is_none(void)
+{
+    struct config c;
+    bench_boot();
+    bench_small(&c, "1.5");
+    strcpy(c.console_key, "***");
+    bench_put(&c);
+    TEST_ASSERT_EQUAL(ERR_OK, bench_save());
+    bench_boot();
+    TEST_ASSERT_EQUAL(1, seen[EVENT_STORAGE_CLIPPED]);
+    TEST_ASSERT_EQUAL_STRING("console.key", last_subject[EVENT_STORAGE_CLIPPED]);
+    TEST_ASSERT_EQUAL_STRING("", in_force()->console_key);
+}
+
 static void test_set_is_read_back_as_a_whole(void)
 {
     bench_boot();
@@ -481,6 +513,8 @@ int main(void)
     RUN_TEST(test_start_makes_room_before_the_settings_are_in_force);
     RUN_TEST(test_at_most_one_flash_operation_a_turn);
     RUN_TEST(test_flash_that_takes_no_write_is_told);
+    RUN_TEST(test_set_begins_behind_what_is_not_taken);
+    RUN_TEST(test_what_is_shown_instead_of_a_secret_is_none);
     RUN_TEST(test_set_is_read_back_as_a_whole);
     RUN_TEST(test_memory_of_zeros_is_no_damage);
     RUN_TEST(test_save_and_load_wait_for_the_transaction);

@@ -262,6 +262,36 @@ static void test_slot_of_earlier_firmware_without_room(void)
     try_cuts("full slot", STEP(60), 5);
 }
 
+/* The largest set leaves room for its confirmation and four renewals behind it; one that does not is refused. */
+static void test_set_that_leaves_no_room_behind_it_is_refused(void)
+{
+    const uint32_t most = FLASH_MODEL_SIZE / 2 - STORAGE_GRAIN - SAVE_ROOM;
+    unsigned refused = 0, taken = 0;
+    flash_model_keep = NULL;
+    flash_model_glance = NULL;
+    flash_model_erase_all();
+    bench_boot();
+    put_settings(7);
+    TEST_ASSERT_EQUAL(ERR_OK, bench_save());
+    const uint32_t own = fw.storage.newest.length;
+    for (uint32_t padding = 15504; padding <= 16116; padding += 204) { /* whole records of 204 */
+        old_flash(padding, 1);
+        bench_boot();
+        TEST_ASSERT_EQUAL(padding, fw.storage.newest.length);
+        put_settings(7);
+        enum err err = bench_save();
+        bool fits = set_size(padding + own) <= most;
+        TEST_ASSERT_EQUAL(fits ? ERR_OK : ERR_FULL, err);
+        refused += !fits;
+        taken += fits;
+        if (fits)
+            TEST_ASSERT_EQUAL(padding + own, fw.storage.newest.length);
+        else
+            TEST_ASSERT_NOT_NULL(strstr(save_why, "more than this board's flash"));
+    }
+    TEST_ASSERT_TRUE(refused > 0 && taken > 0);
+}
+
 static void test_sequence_that_goes_round(void)
 {
     for (uint32_t sequence = UINT32_MAX - 3u; sequence != 0; sequence++) {
@@ -393,6 +423,7 @@ int main(int argc, char **argv)
     RUN_TEST(test_save_that_changes_the_slot);
     RUN_TEST(test_set_as_large_as_a_slot);
     RUN_TEST(test_slot_of_earlier_firmware_without_room);
+    RUN_TEST(test_set_that_leaves_no_room_behind_it_is_refused);
     RUN_TEST(test_sequence_that_goes_round);
     RUN_TEST(test_many_cuts_in_a_row);
     RUN_TEST(test_flash_that_fails_now_and_then);
