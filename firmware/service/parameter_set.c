@@ -35,6 +35,8 @@ static enum err set_of_block(const struct parameter *p, struct config *config, c
 {
     void *at = parameter_place(p, config);
     uint32_t needed, free;
+    if (p->field->type == PARAMETER_KIND && !value[0])
+        return ERR_PARSE;
     if (p->field->type == PARAMETER_KIND)
         return record_make(config, p->index, strcmp(value, "-") == 0 ? "" : value, &needed, &free);
     if (!config_record(config, p->index))

@@ -4,3 +4,7 @@ reflux_test(storage_session LABEL loop SOURCES ${CMAKE_CURRENT_LIST_DIR}/test_st
 target_include_directories(test_storage_session PRIVATE "${PROJECT_SOURCE_DIR}/hal/host")
 target_compile_definitions(test_storage_session PRIVATE
   STORAGE_IMAGES="${PROJECT_SOURCE_DIR}/tests/reference/storage")
+
+# Settings of blocks at the console, with kinds that only the test has.
+reflux_test(block_console LABEL loop SOURCES ${CMAKE_CURRENT_LIST_DIR}/test_block_console.c
+            LIBS reflux_hal_memory reflux_app reflux_control reflux_compensate reflux_feedforward reflux_link)

@@ -12,7 +12,7 @@ import struct
 import sys
 import zlib
 
-FLOAT, U32, U16, WORD, TEXT = 1, 2, 3, 4, 5
+FLOAT, U32, U16, WORD, TEXT, ROW = 1, 2, 3, 4, 5, 6
 SLOT = 16384
 
 
@@ -97,6 +97,32 @@ UNKNOWN_LONG = struct.pack("<HBB", identity(15, 62, 3), 9, 200) + bytes(range(20
 UNKNOWN_SHORT = struct.pack("<HBB", identity(15, 63), 77, 0)
 BEYOND = record(identity(LOOP, 4, 60), FLOAT, 7.0)  # a loop this build has not
 
+
+
+def wide(field, index, kind, value, row=0):
+    """A record of a block: its id has 32 bits, in front of the value."""
+    data = {FLOAT: lambda: struct.pack("<f", value), U16: lambda: struct.pack("<H", value),
+            WORD: lambda: struct.pack("<B", value), TEXT: lambda: value.encode(),
+            ROW: lambda: struct.pack(f"<{len(value)}f", *value)}[kind]()
+    identifier = 16 << 24 | field << 16 | row << 6 | index - 1
+    return struct.pack("<HBBI", 0, kind, 4 + len(data), identifier) + data
+
+
+KIND, LOOPS, INPUTS, POINTS, OWN = 1, 2, 3, 4, 64
+# Of a kind that only the test has (tests/support/made_up_kinds.h), with a parameter and a row more than it knows.
+BLOCK = [
+    wide(KIND, 1, TEXT, "gmv"), wide(LOOPS, 1, TEXT, "bottom"), wide(INPUTS, 1, TEXT, ""), wide(POINTS, 1, TEXT, ""),
+    wide(OWN + 1, 1, FLOAT, 0.5),
+    wide(OWN + 2, 1, ROW, [1.0, 0.25, 0.0]), wide(OWN + 2, 1, ROW, [0.0, 2.0, 0.5], row=1),
+    wide(OWN + 2, 1, ROW, [0.125, 0.0, 4.0], row=2), wide(OWN + 2, 1, ROW, [7.0, 8.0, 9.0], row=3),
+    wide(OWN + 3, 1, U16, 3), wide(OWN + 4, 1, WORD, 0), wide(OWN + 60, 1, FLOAT, 60.0),
+]
+# Of a kind that nobody has.
+UNKNOWN_BLOCK = [
+    wide(KIND, 3, TEXT, "mystery"), wide(LOOPS, 3, TEXT, "bottom"), wide(INPUTS, 3, TEXT, "T1"), wide(POINTS, 3, TEXT, ""),
+    wide(OWN + 1, 3, FLOAT, 0.75), wide(OWN + 9, 3, ROW, [1.5, 2.5], row=7),
+]
+
 IMAGES = {
     # What any firmware of format 1 understands.
     "plain": mark(1) + stored_set(1, plant()),
@@ -145,6 +171,10 @@ IMAGES = {
     # A slot whose mark is not right: what it holds counts, but nothing is appended.
     "mark": mark(1, flip=0x80000000) + stored_set(1, plant(gain=2.5)),
     # The newest set is in the second slot.
+    # With a block; with its records the other way round, its kind last; and with one that is not known.
+    "block": mark(1) + confirmed(1, plant() + BLOCK),
+    "block_reversed": mark(1) + confirmed(1, plant() + BLOCK[::-1]),
+    "block_unknown": mark(1) + confirmed(1, plant() + UNKNOWN_BLOCK),
     # As this firmware leaves it: confirmed.
     "confirmed": mark(1) + confirmed(1, plant()),
     "renewed": renewed(),

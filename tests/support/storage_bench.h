@@ -98,7 +98,7 @@ static inline bool bench_is(const struct config *config)
 static inline void bench_set(struct config *config, const char *name, const char *value)
 {
     struct parameter p;
-    TEST_ASSERT_EQUAL_MESSAGE(ERR_OK, parameter_find(name, &p), name);
+    TEST_ASSERT_EQUAL_MESSAGE(ERR_OK, parameter_find_in(config, name, &p), name);
     TEST_ASSERT_EQUAL_MESSAGE(ERR_OK, parameter_set(&p, config, value), name);
 }
 
@@ -108,7 +108,7 @@ static inline float bench_get(const char *name)
     char text[40];
     float f = 0.0f;
     struct text t = text_on(text, sizeof text);
-    TEST_ASSERT_EQUAL_MESSAGE(ERR_OK, parameter_find(name, &p), name);
+    TEST_ASSERT_EQUAL_MESSAGE(ERR_OK, parameter_find_in(in_force(), name, &p), name);
     parameter_value(&p, in_force(), &t);
     TEST_ASSERT_EQUAL_MESSAGE(ERR_OK, text_parse_float(text, &f), text);
     return f;

@@ -11,6 +11,13 @@ foreach(part storage storage_versions storage_power storage_unstable service_pla
     STORAGE_IMAGES="${PROJECT_SOURCE_DIR}/tests/reference/storage")
 endforeach()
 
+# Settings of blocks, with kinds that only the test has.
+reflux_test(block_settings LABEL unit SOURCES ${CMAKE_CURRENT_LIST_DIR}/test_block_settings.c
+            LIBS reflux_hal_memory reflux_app reflux_control reflux_compensate reflux_feedforward reflux_link)
+target_include_directories(test_block_settings PRIVATE "${PROJECT_SOURCE_DIR}/hal/host")
+target_compile_definitions(test_block_settings PRIVATE
+  STORAGE_IMAGES="${PROJECT_SOURCE_DIR}/tests/reference/storage")
+
 # The old images are what the script of the documented format writes.
 add_test(NAME storage_images COMMAND "${PYTHON3}" "${CMAKE_CURRENT_LIST_DIR}/test_storage_images.py")
 set_tests_properties(storage_images PROPERTIES LABELS unit TIMEOUT ${REFLUX_HANG_S} ENVIRONMENT "PYTHONDONTWRITEBYTECODE=1")

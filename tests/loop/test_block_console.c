@@ -1,0 +1,126 @@
+/* Settings of blocks at the console: shown, set, refused, pasted. */
+#include "board_bench.h"
+#include "made_up_kinds.h"
+
+void setUp(void)
+{
+    running();
+}
+void tearDown(void) {}
+
+static void an_empty_block_shows_only_its_kind(void)
+{
+    ANSWERS("list block2", "block2.kind = -");
+    ANSWERS("get block2.kind", "block2.kind = -");
+    ask_refused("set block2.loops top", "STATE");
+    TEST_ASSERT_TRUE(said("the block has no kind; set that first"));
+    ask_refused("get block2.lambda", "UNKNOWN");
+    TEST_ASSERT_TRUE(said("has no kind"));
+}
+
+static void a_block_is_set_and_shown_like_everything_else(void)
+{
+    ask_ok("begin");
+    ask_ok("set block2.kind gmv");
+    ask_ok("set block2.loops top,bottom");
+    ask_ok("set block2.lambda 0.4");
+    ask_ok("set block2.table.1 1,0,0");
+    ask_ok("set block2.table.2 0,1,0");
+    ask_ok("set block2.table.3 0.5,0.3,0.1");
+    ANSWERS("diff", "set block2.kind gmv", "set block2.loops top,bottom", "set block2.lambda 0.4",
+            "set block2.table.1 1,0,0", "set block2.table.2 0,1,0",
+            "set block2.table.3 0.5,0.3,0.1");
+    ANSWERS("list block2", "block2.kind = gmv", "block2.loops = top,bottom", "block2.inputs = -",
+            "block2.points = -", "block2.lambda = 0.4 fraction", "block2.table.1 = 1,0,0 -",
+            "block2.table.2 = 0,1,0 -", "block2.table.3 = 0.5,0.3,0.1 -", "block2.order = 2 -",
+            "block2.adapt = on");
+    ANSWERS("get block2.table.3", "block2.table.3 = 0.5,0.3,0.1 -");
+    ANSWERS("help block2.lambda", "block2.lambda = 0.4 fraction", "  weight of the moves",
+            "  allowed: 0 .. 10 fraction", "  default: 0.1  id: 0x10410001");
+    ANSWERS("help block2.table.3", "block2.table.3 = 0.5,0.3,0.1 -", "  a matrix",
+            "  allowed: 3 with commas between them, each -1000 .. 1000 -",
+            "  default: 0,0,0  id: 0x10420081");
+    ANSWERS("help block2.kind", "block2.kind = gmv",
+            "  kind of the block, which has parameters of its own; - = unused",
+            "  allowed: gmv|column|weights|-", "  default: -  id: 0x10010001");
+    ask_ok("abandon");
+    ANSWERS("list block2", "block2.kind = -");
+}
+
+static void refusals_say_what_would_be_right(void)
+{
+    ask_ok("begin");
+    ask_refused("set block2.kind gmvx", "UNKNOWN");
+    TEST_ASSERT_TRUE(said("block2.kind: 'gmvx' refused, allowed: gmv|column|weights|-"));
+    ask_ok("set block1.kind column");
+    ask_refused("set block2.kind column", "FULL");
+    TEST_ASSERT_TRUE(said("block2.kind: 'column' refused, bytes needed: 4096, there are: 512"));
+    ask_ok("set block2.kind gmv");
+    ask_refused("set block2.lambda 11", "RANGE");
+    TEST_ASSERT_TRUE(said("block2.lambda: '11' refused, allowed: 0 .. 10 fraction"));
+    ask_refused("set block2.table.3 1,2", "PARSE");
+    TEST_ASSERT_TRUE(said("allowed: 3 with commas between them, each -1000 .. 1000 -"));
+    ask_refused("set block2.adapt maybe", "PARSE");
+    TEST_ASSERT_TRUE(said("allowed: off|on"));
+    ask_refused("set block2.loops top,", "PARSE");
+    TEST_ASSERT_TRUE(said("names with commas between them, up to 47 characters, - for none"));
+    ask_refused("set block2.weight 1", "UNKNOWN");
+    ask_ok("abandon");
+}
+
+static void everything_of_a_block_is_in_the_dump_which_can_be_pasted(void)
+{
+    static char lines[REPLY_MAX][250];
+    static char before[SAID_MAX];
+    ask_ok("begin");
+    ask_ok("set block3.kind weights");
+    ask_ok("set block3.order.2 3,4,5");
+    ask_ok("set block3.signs.1 minus,plus,minus,plus");
+    ask_ok("dump");
+    unsigned n = 0;
+    for (; n + 1 < n_reply; n++)
+        snprintf(lines[n], sizeof lines[n], "%s", reply[n]);
+    TEST_ASSERT_TRUE(said("set block3.order.2 3,4,5"));
+    ask_ok("list");
+    memcpy(before, board.said, board.n_said + 1);
+    ask_ok("abandon");
+    for (unsigned i = 0; i + 1 < n; i++) /* all but `apply` */
+        ask_ok(lines[i]);
+    ask_ok("list");
+    TEST_ASSERT_EQUAL_STRING(before, board.said);
+    ask_ok("abandon");
+}
+
+static void completes(const char *begun, const char *whole)
+{
+    board_forget();
+    type("\x15");
+    type(begun);
+    type("\t");
+    char message[80];
+    snprintf(message, sizeof message, "%s -> %s", begun, board.said);
+    TEST_ASSERT_TRUE_MESSAGE(said(whole), message);
+}
+
+static void names_and_values_are_completed(void)
+{
+    ask_ok("begin");
+    ask_ok("set block2.kind gmv");
+    type("mode human\n");
+    completes("set block2.la", "block2.lambda");
+    completes("set block2.ta", "block2.table.1");
+    completes("set block2.kind co", "set block2.kind column");
+    completes("set block2.adapt of", "set block2.adapt off");
+    completes("set block2.loops bo", "set block2.loops bottom");
+}
+
+int main(void)
+{
+    UNITY_BEGIN();
+    RUN_TEST(an_empty_block_shows_only_its_kind);
+    RUN_TEST(a_block_is_set_and_shown_like_everything_else);
+    RUN_TEST(refusals_say_what_would_be_right);
+    RUN_TEST(everything_of_a_block_is_in_the_dump_which_can_be_pasted);
+    RUN_TEST(names_and_values_are_completed);
+    return UNITY_END();
+}
