@@ -3,6 +3,7 @@
 
 #include "base/crc32.h"
 #include "hal/nvm.h"
+#include "service/storage.h"
 #include "service/storage_parts.h"
 
 /* ---- finding what is there ---- */

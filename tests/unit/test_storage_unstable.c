@@ -9,6 +9,7 @@
  */
 #include "base/crc32.h"
 #include "flash_cut.h"
+#include "service/storage.h"
 #include "service/storage_parts.h"
 #include "storage_bench.h"
 
