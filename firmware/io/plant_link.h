@@ -5,9 +5,9 @@
 
 #include "base/event.h"
 #include "hal/io.h"
+#include "io/plant_fault.h"
 #include "link/frame.h"
 #include "link/messages.h"
-#include "io/plant_fault.h"
 #include "supervise/config.h"
 
 #ifndef LINK_RX_BLOCK

@@ -6,9 +6,9 @@
 #include <stdbool.h>
 #include <string.h>
 
+#include "console/line_editor.h"
 #include "fuzz.h"
 #include "fuzz_board.h"
-#include "console/line_editor.h"
 
 /* The line editor as docs/console.md describes it, with the board's length of a line. */
 static struct {

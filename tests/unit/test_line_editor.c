@@ -3,8 +3,8 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "random_source.h"
 #include "console/line_editor.h"
+#include "random_source.h"
 #include "unity.h"
 
 #define UP    "\033[A"

@@ -5,8 +5,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "random_source.h"
 #include "base/text.h"
+#include "random_source.h"
 #include "unity.h"
 
 #define SEED 0x5EED0001u
