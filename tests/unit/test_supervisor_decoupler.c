@@ -408,6 +408,28 @@ static void loops_come_back_from_a_command_beyond_the_range_of_the_number(void)
     }
 }
 
+/* Thrown to one end and to the other, the loop stands at that end: with what is added to the output on its own, not beside it. */
+static void what_an_output_is_excited_by_is_part_of_the_way_back_from_there(void)
+{
+    for (unsigned n = 0; n < 4; n++) {
+        bench_start();
+        put_all((const char *const[]){"loop1.decouple", "on", "loop2.decouple", "on",
+                                      "decouple1.d1", "40", "loop1.gain", "50", "loop1.ti", "100",
+                                      "loop1.algorithm", "velocity", NULL});
+        apply();
+        both_in_automatic();
+        supervisor_excite(&bench.s, REFLUX, N(n < 2 ? 0.125 : -0.125));
+        reading(T1, n % 2 ? 135 : 65);
+        ticks(20);
+        double end = sent(REFLUX);
+        reading(T1, 85);
+        tick();
+        TEST_ASSERT_DOUBLE_WITHIN(1e-6, 1.0 - end, sent(REFLUX));
+        tick();
+        TEST_ASSERT_DOUBLE_WITHIN(1e-3, 1.0 - end, sent(REFLUX));
+    }
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -434,5 +456,6 @@ int main(void)
     RUN_TEST(an_output_found_outside_its_loops_limits_enters_them_at_the_loops_rate);
     RUN_TEST(products_of_a_row_beyond_the_range_of_the_number_cancel);
     RUN_TEST(loops_come_back_from_a_command_beyond_the_range_of_the_number);
+    RUN_TEST(what_an_output_is_excited_by_is_part_of_the_way_back_from_there);
     return UNITY_END();
 }
