@@ -127,15 +127,15 @@ static void one_that_goes_on_is_not_kept_waiting_and_the_work_is_late(void)
     until("TRIAL_KEPT", 4000);
 }
 
-static void the_sample_that_waits_goes_with_a_plant_that_goes(void)
+/* To the first sample that waits; which one. */
+static struct frame first_that_waits(void)
 {
-    wood_berry(NULL);
     ask_ok("commission begin");
     until("TEST_STEP R", 300);
     board_forget();
     struct frame f;
     unsigned before;
-    do { /* to the first that waits */
+    do {
         f = measured();
         before = board.commands;
         link_give(&f);
@@ -145,6 +145,32 @@ static void the_sample_that_waits_goes_with_a_plant_that_goes(void)
             advance();
     } while (board.commands != before && board.number < 3000);
     TEST_ASSERT_EQUAL(before, board.commands);
+    return f;
+}
+
+static void time_that_a_sample_waits_is_not_that_of_a_plant_that_sends_none(void)
+{
+    wood_berry(NULL);
+    ask_ok("set tick.timeout 50");
+    struct frame f = first_that_waits();
+    unsigned before = board.commands, turns = 0;
+    for (; board.commands == before && turns < 100000; turns++) {
+        memory_port_set_clock(board.clock_ms += 2500);
+        link_give(&f);
+        memory_port_turn();
+        hear();
+    }
+    TEST_ASSERT_TRUE(board.commands > before);
+    TEST_ASSERT_TRUE(turns > 25); /* of 2.5 s */
+    TEST_ASSERT_FALSE(said("SAMPLE_OVERDUE"));
+    TEST_ASSERT_FALSE(said("SAFE_STATE"));
+}
+
+static void the_sample_that_waits_goes_with_a_plant_that_goes(void)
+{
+    wood_berry(NULL);
+    (void)first_that_waits();
+    unsigned before = board.commands;
     board.session++; /* another plant: the sample was not its own */
     plant_hello();
     memory_port_turn();
@@ -160,6 +186,7 @@ int main(void)
     UNITY_BEGIN();
     RUN_TEST(a_plant_that_waits_notices_nothing_of_the_work);
     RUN_TEST(one_that_goes_on_is_not_kept_waiting_and_the_work_is_late);
+    RUN_TEST(time_that_a_sample_waits_is_not_that_of_a_plant_that_sends_none);
     RUN_TEST(the_sample_that_waits_goes_with_a_plant_that_goes);
     return UNITY_END();
 }
