@@ -19,9 +19,10 @@ bool loop_interlocked(const struct supervisor *s, uint8_t i)
     return j != PLAN_NONE && s->output[j].interlocked;
 }
 
-bool loop_drives(const struct supervisor *s, uint8_t i)
+void loops_find_driving(struct supervisor *s)
 {
-    return loop_acts(s, i) && !loop_interlocked(s, i);
+    for (uint8_t i = 0; i < s->placed[PLACED_LOOPS]; i++)
+        s->loop[i].drives = loop_acts(s, i) && !loop_interlocked(s, i);
 }
 
 static const struct block_kind *kind_of(const struct supervisor *s, uint8_t slot)
@@ -78,22 +79,22 @@ void block_configure(struct supervisor *s, const struct plan *old, uint8_t i)
 
 /* ---- step, follow and back-calculation ---- */
 
-static struct block_io io_of(struct supervisor *s, uint8_t i)
+/* All that a loop's own controller looks at; the rest is of blocks with a record. */
+static void fill_io(struct supervisor *s, uint8_t i, struct block_io *io)
 {
     struct loop_state *l = &s->loop[i];
-    return (struct block_io){
-        .acting = 1,
-        .setpoint = &l->setpoint,
-        .in = &s->measurement[s->plan->loop[i].pv].value,
-        .out = &l->v,
-        .clamp = &l->clamp,
-        .limited = &l->limited,
-    };
+    io->acting = 1;
+    io->setpoint = &l->setpoint;
+    io->in = &s->measurement[s->plan->loop[i].pv].value;
+    io->out = &l->v;
+    io->clamp = &l->clamp;
+    io->limited = &l->limited;
 }
 
 void block_step(struct supervisor *s, uint8_t i)
 {
-    struct block_io io = io_of(s, i);
+    struct block_io io;
+    fill_io(s, i, &io);
     kind_of(s, i)->step(supervisor_block(s, i), &io);
     s->block[i].stepped = true;
     give_new_settings(s, i);
@@ -101,7 +102,8 @@ void block_step(struct supervisor *s, uint8_t i)
 
 void block_follow(struct supervisor *s, uint8_t i)
 {
-    struct block_io io = io_of(s, i);
+    struct block_io io;
+    fill_io(s, i, &io);
     give_new_settings(s, i);
     s->block[i].stepped = false;
     kind_of(s, i)->follow(supervisor_block(s, i), &io);
@@ -109,7 +111,8 @@ void block_follow(struct supervisor *s, uint8_t i)
 
 void block_follow_at(struct supervisor *s, uint8_t i, num_t v)
 {
-    struct block_io io = io_of(s, i);
+    struct block_io io;
+    fill_io(s, i, &io);
     uint8_t limited;
     io.out = &v;
     io.limited = &limited; /* not its limits, but those of the block that acts */
@@ -120,14 +123,16 @@ void block_follow_at(struct supervisor *s, uint8_t i, num_t v)
 
 void block_shift(struct supervisor *s, uint8_t i, num_t v)
 {
-    struct block_io io = io_of(s, i);
+    struct block_io io;
+    fill_io(s, i, &io);
     s->loop[i].v = v;
     kind_of(s, i)->shift(supervisor_block(s, i), &io);
 }
 
 void block_back_calculate(struct supervisor *s, uint8_t i, num_t applied, uint8_t clamp)
 {
-    struct block_io io = io_of(s, i);
+    struct block_io io;
+    fill_io(s, i, &io);
     io.out = &applied;
     io.clamp = &clamp;
     s->block[i].stepped = false;

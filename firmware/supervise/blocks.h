@@ -13,7 +13,12 @@ bool loop_acts(const struct supervisor *s, uint8_t i);
 bool loop_interlocked(const struct supervisor *s, uint8_t i);
 /* The block runs. While an interlock holds its output a loop keeps its mode and setpoint but waits as in manual, so that it
  * begins again, without a bump, at the output the interlock leaves. */
-bool loop_drives(const struct supervisor *s, uint8_t i);
+static inline bool loop_drives(const struct supervisor *s, uint8_t i)
+{
+    return s->loop[i].drives;
+}
+/* Which loops do: to be found out anew whenever modes or interlocks have changed in a tick. */
+void loops_find_driving(struct supervisor *s);
 
 /* A block with the settings of the plan, without a past. */
 void block_begin(struct supervisor *s, uint8_t i);

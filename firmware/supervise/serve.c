@@ -183,6 +183,7 @@ static void members_to_manual(struct supervisor *s, uint8_t slot)
     for (uint8_t k = 0; k < r->members; k++)
         if (loop_acts(s, r->member[k])) {
             s->loop[r->member[k]].mode = LOOP_MANUAL;
+            s->loop[r->member[k]].drives = false;
             event_put(s->events, s->time_ms, EVENT_MODE, s->plan->config.loop[r->member[k]].name,
                       (float)LOOP_MANUAL, LOOP_MANUAL);
         }

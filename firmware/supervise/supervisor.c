@@ -216,6 +216,7 @@ NOT_INLINE static void place_matrix(struct supervisor *s)
     plan_block_setup(s->plan, SLOT_MATRIX, &b);
     (void)!block_kinds[s->block[SLOT_MATRIX].kind]->configure(supervisor_block(s, SLOT_MATRIX),
                                                               &b.setup, true);
+    s->block[SLOT_MATRIX].must_follow = true; /* select again, if it is another */
 }
 
 /* An interlock that watches and forces the same as before goes on as it stands, with its new numbers. */

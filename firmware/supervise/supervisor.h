@@ -130,9 +130,10 @@ struct output_state {
 
 struct loop_state {
     enum loop_mode mode;
-    bool join;  /* the block must take over the output it finds before it runs next */
-    bool moved; /* its own output has another meaning now: it goes on from the output it finds */
-    bool open;  /* its output reaches nothing: the loop below does not listen */
+    bool join;   /* the block must take over the output it finds before it runs next */
+    bool moved;  /* its own output has another meaning now: it goes on from the output it finds */
+    bool drives; /* in this tick its output is a block's: blocks.h */
+    bool open;   /* its output reaches nothing: the loop below does not listen */
     bool
         sp_given; /* the target is the operator's, or was in force: kept in manual unless sp_track */
     num_t target;   /* setpoint asked for */

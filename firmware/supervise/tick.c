@@ -127,32 +127,29 @@ static num_t found(const struct supervisor *s, uint8_t j)
                      span_to_fraction(c->max, c->lo, c->hi));
 }
 
-/* Which loops take part in the compensator now; a change to one of them concerns them all: their outputs are worked out
- * anew from the MVs in v[], in place. Returns those loops, or none where nothing has changed. */
-static uint8_t transfer_compensated(struct supervisor *s, num_t *v)
+/* Which loops take part in the compensator now. A change to one of them concerns them all: then those loops are returned,
+ * else none. */
+static uint8_t regroup(struct supervisor *s)
 {
     struct block_state *b = &s->block[SLOT_MATRIX];
     if (b->kind == PLAN_NONE)
         return 0;
     uint8_t acting = 0;
     bool changed = false;
-    for (uint8_t i = 0; i < DECOUPLER_MAX; i++) {
+    for (uint8_t i = 0; i < DECOUPLER_MAX && i < s->placed[PLACED_LOOPS]; i++) {
         if (!loop_drives(s, i) || !s->plan->loop[i].decouple)
             continue;
         acting = (uint8_t)(acting | (1u << i));
         changed = changed || s->loop[i].join || s->loop[i].moved;
     }
-    const struct matrix_settings matrix = {s->plan->config.decoupler};
-    const struct block_kind *kind = block_kinds[b->kind];
-    void *state = supervisor_block(s, SLOT_MATRIX);
+    if (acting != b->acting || b->must_follow) {
+        const struct matrix_settings matrix = {s->plan->config.decoupler};
+        changed = block_kinds[b->kind]->select(supervisor_block(s, SLOT_MATRIX), &matrix, acting) ||
+                  changed;
+    }
     b->acting = acting;
-    if (!kind->select(state, &matrix, acting) && !changed)
-        return 0;
-    num_t u[DECOUPLER_MAX];
-    memcpy(u, v, sizeof u);
-    struct block_io io = {.acting = acting, .in = u, .out = v};
-    kind->back_calculate(state, &io);
-    return acting;
+    b->must_follow = false;
+    return changed ? acting : 0;
 }
 
 /* Loops that act from this tick on, and all decoupled loops when their company changes, take over the
@@ -162,17 +159,24 @@ static uint8_t transfer_compensated(struct supervisor *s, num_t *v)
 static void take_over(struct supervisor *s, const num_t *before)
 {
     num_t v[CONFIG_LOOPS];
+    uint8_t together = regroup(s);
     for (uint8_t i = 0; i < s->placed[PLACED_LOOPS]; i++) {
         const struct loop_plan *p = &s->plan->loop[i];
-        v[i] = s->loop[i].v;
-        if (p->used && p->output != PLAN_NONE)
+        const struct loop_state *l = &s->loop[i];
+        bool moves = l->join || l->moved;
+        v[i] = l->v;
+        if (p->used && p->output != PLAN_NONE && (moves || together))
             /* The value last sent, or just asked for by hand: a read-back is one sample old, and a valve
              * that still moves would start the loop from where it was. */
-            v[i] =
-                num_sub(found(s, p->output),
-                        s->loop[i].join || s->loop[i].moved ? s->loop[i].feedforward : before[i]);
+            v[i] = num_sub(found(s, p->output), moves ? l->feedforward : before[i]);
     }
-    uint8_t together = transfer_compensated(s, v);
+    if (together) {
+        num_t u[DECOUPLER_MAX];
+        memcpy(u, v, sizeof u);
+        struct block_io io = {.acting = together, .in = u, .out = v};
+        block_kinds[s->block[SLOT_MATRIX].kind]->back_calculate(supervisor_block(s, SLOT_MATRIX),
+                                                                &io);
+    }
     for (uint8_t i = 0; i < s->placed[PLACED_LOOPS]; i++) {
         struct loop_state *l = &s->loop[i];
         if (!loop_drives(s, i))
@@ -206,7 +210,8 @@ static void run_loops(struct supervisor *s)
                 block_step(s, i);
             }
         }
-        serve_step(s, i);
+        if (loop_server(s, i) != PLAN_NONE)
+            serve_step(s, i);
     }
 }
 
@@ -369,6 +374,7 @@ static void constrain(struct supervisor *s)
         if (s->plan->config.output[j].name[0])
             constrain_output(s, j);
     run_interlocks(s);
+    loops_find_driving(s);
     for (uint8_t j = 0; j < s->placed[PLACED_OUTPUTS]; j++) {
         struct output_state *o = &s->output[j];
         uint8_t i = s->plan->owner[j];
@@ -515,6 +521,7 @@ void supervisor_control(struct supervisor *s)
     sequence_run(s);
 #endif
     drop_unbound(s);
+    loops_find_driving(s);
     serve_check_inputs(s);
     num_t before[CONFIG_LOOPS];
     feed_forward(s, before);

@@ -7,9 +7,6 @@ foreach(part proposal proposal_structure adoption adoption_bounds next_test outc
              hindrances trial_steps adoption_rest)
   if(EXISTS "${CMAKE_CURRENT_LIST_DIR}/test_${part}.c")
     reflux_test(${part} LABEL unit SOURCES ${CMAKE_CURRENT_LIST_DIR}/test_${part}.c
-                                           ${PROJECT_SOURCE_DIR}/firmware/service/parameters.c ${PROJECT_SOURCE_DIR}/firmware/service/parameter_find.c ${PROJECT_SOURCE_DIR}/firmware/service/parameter_set.c ${PROJECT_SOURCE_DIR}/firmware/service/block_parameters.c ${PROJECT_SOURCE_DIR}/firmware/service/words.c
-                                           ${PROJECT_SOURCE_DIR}/firmware/service/parameter_table.c
-                LIBS reflux_commission)
-    target_include_directories(test_${part} PRIVATE "${REFLUX_LAYERS}/service")
+                LIBS parameters_alone reflux_commission)
   endif()
 endforeach()

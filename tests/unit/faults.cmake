@@ -4,10 +4,7 @@ reflux_test(faults LABEL unit
   LIBS bench_support)
 foreach(part supervisor_faults alarms)
   reflux_test(${part} LABEL unit SOURCES ${CMAKE_CURRENT_LIST_DIR}/test_${part}.c
-                                         ${PROJECT_SOURCE_DIR}/firmware/service/parameters.c ${PROJECT_SOURCE_DIR}/firmware/service/parameter_find.c ${PROJECT_SOURCE_DIR}/firmware/service/parameter_set.c ${PROJECT_SOURCE_DIR}/firmware/service/block_parameters.c ${PROJECT_SOURCE_DIR}/firmware/service/words.c
-                                         ${PROJECT_SOURCE_DIR}/firmware/service/parameter_table.c
-              LIBS reflux_supervise)
-  target_include_directories(test_${part} PRIVATE "${REFLUX_LAYERS}/service")
+              LIBS parameters_alone reflux_supervise)
 endforeach()
 reflux_test(heartbeat LABEL unit SOURCES ${CMAKE_CURRENT_LIST_DIR}/test_heartbeat.c
                                          ${PROJECT_SOURCE_DIR}/firmware/service/heartbeat.c)
