@@ -100,26 +100,31 @@ void block_step(struct supervisor *s, uint8_t i)
     give_new_settings(s, i);
 }
 
-void block_follow(struct supervisor *s, uint8_t i)
+/* Its frame is not below that of new settings. */
+NOT_INLINE static void follow_output(struct supervisor *s, uint8_t i, num_t *v, uint8_t *limited)
 {
     struct block_io io;
     fill_io(s, i, &io);
-    give_new_settings(s, i);
+    io.out = v;
+    io.limited = limited;
     s->block[i].stepped = false;
     kind_of(s, i)->follow(supervisor_block(s, i), &io);
 }
 
+void block_follow(struct supervisor *s, uint8_t i)
+{
+    give_new_settings(s, i);
+    follow_output(s, i, &s->loop[i].v, &s->loop[i].limited);
+}
+
+#if CONFIG_BLOCKS
 void block_follow_at(struct supervisor *s, uint8_t i, num_t v)
 {
-    struct block_io io;
-    fill_io(s, i, &io);
-    uint8_t limited;
-    io.out = &v;
-    io.limited = &limited; /* not its limits, but those of the block that acts */
+    uint8_t limited; /* not its limits, but those of the block that acts */
     give_new_settings(s, i);
-    s->block[i].stepped = false;
-    kind_of(s, i)->follow(supervisor_block(s, i), &io);
+    follow_output(s, i, &v, &limited);
 }
+#endif
 
 void block_shift(struct supervisor *s, uint8_t i, num_t v)
 {

@@ -173,7 +173,7 @@ enum err plan_check_element(struct plan *plan, uint8_t k, struct config_fault *f
 
 static enum err refuse_memory(const struct plan *plan, uint8_t slot, struct config_fault *fault)
 {
-    static const char *const wanted = "needs more memory than this board has";
+    static const char *const wanted = "finds no memory";
     const struct config *c = &plan->config;
 #if CONFIG_BLOCKS
     if (slot >= SLOT_RECORDS) {

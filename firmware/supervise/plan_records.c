@@ -53,7 +53,8 @@ static enum err resolve_members(struct plan *plan, uint8_t n, uint8_t most,
         plan->loop[i].server = (uint8_t)(SLOT_RECORDS + n);
         r->member[r->members++] = i;
     }
-    if (most && !r->members)
+    /* Of a kind that is unknown nobody knows whether it serves any. */
+    if (most && !r->members && plan->block[SLOT_RECORDS + n].kind != PLAN_NONE)
         return refuse_record(fault, ERR_EMPTY, n, "loops", plan->config.block[n].kind,
                              "must name the loops it serves");
     return ERR_OK;

@@ -497,6 +497,16 @@ static void a_kind_this_build_lacks_keeps_its_loops_in_manual(void)
     TEST_ASSERT_EQUAL(LOOP_MANUAL, bench.s.loop[TOP].mode);
 }
 
+static void an_unknown_kind_that_serves_nobody_is_no_reason_to_refuse_the_rest(void)
+{
+    bench_start_with(served);
+    strcpy(bench.config.block[2].kind, "ekf");
+    strcpy(bench.config.block[2].inputs, "T1");
+    apply();
+    mode(TOP, LOOP_AUTO);
+    TEST_ASSERT_EQUAL(LOOP_AUTO, bench.s.loop[TOP].mode);
+}
+
 /* ---- what a plan refuses ---- */
 
 static void refused(const char *field, const char *subject)
@@ -571,6 +581,7 @@ int main(void)
     RUN_TEST(a_member_in_manual_is_not_moved_and_comes_back_without_a_bump);
     RUN_TEST(an_unrelated_plan_does_not_disturb_it);
     RUN_TEST(a_kind_this_build_lacks_keeps_its_loops_in_manual);
+    RUN_TEST(an_unknown_kind_that_serves_nobody_is_no_reason_to_refuse_the_rest);
     RUN_TEST(lists_of_names_are_checked);
     RUN_TEST(members_have_their_turns_together_and_no_decoupler);
     RUN_TEST(points_are_checked);
