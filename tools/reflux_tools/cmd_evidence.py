@@ -21,7 +21,7 @@ from reflux_tools.paths import ROOT, build_dir, build_root, named, shown
 
 PAGE = ROOT / "docs" / "evidence.md"
 START = re.compile(r"^\s*Start\s+(\d+): (\S+)")
-RANDOM_SEED = "2026"
+RANDOM_SEED = "2029"
 OF_TEST = re.compile(r"^(\d+): (.*)$")
 
 
