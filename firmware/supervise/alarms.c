@@ -42,7 +42,7 @@ uint8_t alarm_find(const struct config *config, const char *name)
 }
 _Static_assert(CONFIG_ALARMS <= 9, "alarm_find knows one digit");
 
-static void tell(struct supervisor *s, uint8_t i, enum event_code code, float value)
+static void tell_alarm(struct supervisor *s, uint8_t i, enum event_code code, float value)
 {
     char name[CHANNEL_NAME_SIZE];
     alarm_name(&s->plan->config, i, name);
@@ -68,7 +68,7 @@ static bool look(const struct supervisor *s, uint8_t i, float *value)
     return true;
 }
 
-static bool beyond(const struct supervisor *s, uint8_t i, float value)
+static bool past_limit(const struct supervisor *s, uint8_t i, float value)
 {
     const struct alarm_config *c = &s->plan->config.alarm[i];
     float band = s->alarm[i].condition ? c->hysteresis : 0.0f;
@@ -101,7 +101,7 @@ static void run_one(struct supervisor *s, uint8_t i)
         if (s->time_ms < a->shelved_until_ms)
             return;
         a->shelved_until_ms = 0;
-        tell(s, i, EVENT_ALARM_SHELVED, 0.0f);
+        tell_alarm(s, i, EVENT_ALARM_SHELVED, 0.0f);
     }
     if (!look(s, i, &value)) {
         /* Meanwhile the delay stands still. */
@@ -109,7 +109,7 @@ static void run_one(struct supervisor *s, uint8_t i)
         a->since_ms = since_ms < s->time_ms ? since_ms : s->time_ms;
         return;
     }
-    bool now = beyond(s, i, value);
+    bool now = past_limit(s, i, value);
     if (now && !a->pending)
         a->since_ms = s->time_ms;
     a->pending = now;
@@ -119,10 +119,10 @@ static void run_one(struct supervisor *s, uint8_t i)
         a->first = a->listed ? a->first : first_of_group(s, i);
         a->listed = true;
         a->acknowledged = false;
-        tell(s, i, EVENT_ALARM_ON, value);
+        tell_alarm(s, i, EVENT_ALARM_ON, value);
     } else if (!condition && a->condition) {
         a->listed = c->latch && !a->acknowledged;
-        tell(s, i, EVENT_ALARM_OFF, value);
+        tell_alarm(s, i, EVENT_ALARM_OFF, value);
     }
     a->condition = condition;
 }
@@ -158,7 +158,7 @@ static void acknowledge(struct supervisor *s, uint8_t i)
         return;
     a->acknowledged = true;
     a->listed = a->condition;
-    tell(s, i, EVENT_ALARM_ACK, 0.0f);
+    tell_alarm(s, i, EVENT_ALARM_ACK, 0.0f);
 }
 
 static void shelve(struct supervisor *s, uint8_t i, float seconds)
@@ -167,7 +167,7 @@ static void shelve(struct supervisor *s, uint8_t i, float seconds)
     memset(a, 0, sizeof *a); /* what holds when it comes back is news */
     if (seconds > 0.0f)
         a->shelved_until_ms = s->time_ms + (uint32_t)(seconds * 1000.0f); /* at most a day */
-    tell(s, i, EVENT_ALARM_SHELVED, seconds);
+    tell_alarm(s, i, EVENT_ALARM_SHELVED, seconds);
 }
 
 void alarms_request(struct supervisor *s, const struct request *r)

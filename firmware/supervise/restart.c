@@ -88,7 +88,7 @@ void restart_init(struct restart *r, void *memory, bool warm)
     r->attempts = r->pending ? r->record->attempts : 0;
 }
 
-static void give_up(struct restart *r, struct supervisor *s, const char *why)
+static void refuse_restart(struct restart *r, struct supervisor *s, const char *why)
 {
     r->pending = false;
     r->attempts = 0;
@@ -156,11 +156,11 @@ void restart_try(struct restart *r, struct supervisor *s)
     if (s->state == SUPERVISOR_RUN || !record->acting || (same && policy == RESTART_SAFE))
         r->pending = false; /* somebody acts already, or nothing is to come back */
     else if (!in_time)
-        give_up(r, s, same ? "time" : "configuration");
+        refuse_restart(r, s, same ? "time" : "configuration");
     else if (in_sequence(record))
-        give_up(r, s, "sequence");
+        refuse_restart(r, s, "sequence");
     else if (same && r->attempts >= RESTART_ATTEMPTS)
-        give_up(r, s, "attempts");
+        refuse_restart(r, s, "attempts");
     if (!r->pending)
         offsets_gone(s, record, same);
     if (!r->pending || !same)

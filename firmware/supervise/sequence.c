@@ -49,7 +49,7 @@ static const struct step_config *row_of(const struct supervisor *s, uint8_t k)
     return &s->plan->config.step[k];
 }
 
-static void tell(struct supervisor *s, enum event_code code, const char *subject)
+static void tell_sequence(struct supervisor *s, enum event_code code, const char *subject)
 {
     const struct sequence *q = &s->sequence;
     event_put(s->events, s->time_ms, code, subject, (float)(q->step + 1u),
@@ -63,7 +63,7 @@ static void stop_at(struct supervisor *s, enum sequence_state state, enum sequen
     q->state = (uint8_t)state;
     q->why = (uint8_t)why;
     strncpy(q->about, about, sizeof q->about - 1);
-    tell(s, state == SEQUENCE_HELD ? EVENT_SEQUENCE_HELD : EVENT_SEQUENCE_ABORTED, about);
+    tell_sequence(s, state == SEQUENCE_HELD ? EVENT_SEQUENCE_HELD : EVENT_SEQUENCE_ABORTED, about);
 }
 
 static void hold(struct supervisor *s, enum sequence_reason why, const char *about)
@@ -108,7 +108,7 @@ bool sequence_reading(const struct supervisor *s, uint8_t measurement, float *va
     return m->bound && m->seen && !m->alarm && quality_usable(m->quality);
 }
 
-static bool beyond(const struct step_config *c, float value)
+static bool condition_is_met(const struct step_config *c, float value)
 {
     return c->until == STEP_ABOVE ? value > c->limit : value < c->limit;
 }
@@ -122,7 +122,8 @@ static void run_guards(struct supervisor *s, uint32_t passed_ms)
         float value;
         if (!(q->guards & UINT32_C(1) << k))
             continue;
-        if (sequence_reading(s, s->plan->step[k].measurement, &value) && beyond(c, value)) {
+        if (sequence_reading(s, s->plan->step[k].measurement, &value) &&
+            condition_is_met(c, value)) {
             q->violated_ms[k] = 0;
             continue;
         }
@@ -200,7 +201,7 @@ static void forget_condition(struct sequence *q)
 static bool meets(struct sequence *q, const struct step_config *c, float value)
 {
     if (c->until != STEP_STEADY)
-        return beyond(c, value);
+        return condition_is_met(c, value);
     if (!q->window)
         q->lo = q->hi = value;
     q->lo = value < q->lo ? value : q->lo;
@@ -270,7 +271,7 @@ static void next(struct supervisor *s)
     }
     q->state = SEQUENCE_DONE;
     q->why = SEQUENCE_OPERATOR;
-    tell(s, EVENT_SEQUENCE_DONE, sequence_kind_text(q->kind));
+    tell_sequence(s, EVENT_SEQUENCE_DONE, sequence_kind_text(q->kind));
 }
 
 static void begin_row(struct supervisor *s)
@@ -284,7 +285,7 @@ static void begin_row(struct supervisor *s)
     }
     q->acted = true;
     if (waits)
-        tell(s, EVENT_SEQUENCE_STEP, sequence_kind_text(q->kind));
+        tell_sequence(s, EVENT_SEQUENCE_STEP, sequence_kind_text(q->kind));
     if (c->until == STEP_CONFIRM)
         q->state = SEQUENCE_CONFIRM;
     if (c->action == STEP_GUARD && c->hold_s == 0)
@@ -321,7 +322,7 @@ static void run_timeout(struct supervisor *s)
     if (held && (c->otherwise != STEP_ABORT))
         return; /* what holds it is stronger */
     q->why = SEQUENCE_TIMEOUT;
-    tell(s, EVENT_SEQUENCE_TIMEOUT, about);
+    tell_sequence(s, EVENT_SEQUENCE_TIMEOUT, about);
     if (c->otherwise == STEP_ABORT)
         abort_now(s, SEQUENCE_TIMEOUT, about);
     else if (c->otherwise == STEP_HOLD)
@@ -390,7 +391,7 @@ static void go_on(struct supervisor *s)
         enter(q, q->step);
     else
         q->state = row_of(s, q->step)->until == STEP_CONFIRM ? SEQUENCE_CONFIRM : SEQUENCE_RUNNING;
-    tell(s, EVENT_SEQUENCE_GOES_ON, sequence_kind_text(q->kind));
+    tell_sequence(s, EVENT_SEQUENCE_GOES_ON, sequence_kind_text(q->kind));
 }
 
 static bool command(struct supervisor *s, const struct request *r)
@@ -414,12 +415,12 @@ static bool command(struct supervisor *s, const struct request *r)
         if (q->state != SEQUENCE_CONFIRM || r->output != q->step)
             return false;
         q->confirmed = true;
-        tell(s, EVENT_SEQUENCE_CONFIRMED, sequence_kind_text(q->kind));
+        tell_sequence(s, EVENT_SEQUENCE_CONFIRMED, sequence_kind_text(q->kind));
         return true;
     case SEQUENCE_DO_SKIP:
         if (!active || r->output != q->step)
             return false;
-        tell(s, EVENT_SEQUENCE_SKIPPED, sequence_kind_text(q->kind));
+        tell_sequence(s, EVENT_SEQUENCE_SKIPPED, sequence_kind_text(q->kind));
         next(s);
         return true;
     case SEQUENCE_DO_ABORT:

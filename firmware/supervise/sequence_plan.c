@@ -5,8 +5,8 @@
 
 #if CONFIG_STEPS
 
-static enum err refuse(struct config_fault *fault, enum err code, unsigned k, const char *field,
-                       const char *subject, const char *wanted)
+static enum err refuse_step(struct config_fault *fault, enum err code, unsigned k,
+                            const char *field, const char *subject, const char *wanted)
 {
     memset(fault, 0, sizeof *fault);
     fault->code = code;
@@ -43,12 +43,13 @@ static enum err resolve_action(struct plan *plan, uint8_t k, struct config_fault
     case STEP_OUT:
         *what = config_find_output(config, c->what);
         if (*what == PLAN_NONE)
-            return refuse(fault, ERR_UNKNOWN, k, "what", c->what,
-                          "must be the name of a configured manipulated variable");
+            return refuse_step(fault, ERR_UNKNOWN, k, "what", c->what,
+                               "must be the name of a configured manipulated variable");
         plan_manual_limits(plan, *what, &lo, &hi);
         if (!within(c->value, lo, hi))
-            return refuse(fault, ERR_RANGE, k, "value", c->what,
-                          "must lie in min..max of the manipulated variable, or be its safe value");
+            return refuse_step(
+                fault, ERR_RANGE, k, "value", c->what,
+                "must lie in min..max of the manipulated variable, or be its safe value");
         return ERR_OK;
     case STEP_MANUAL:
     case STEP_AUTO:
@@ -56,23 +57,23 @@ static enum err resolve_action(struct plan *plan, uint8_t k, struct config_fault
     case STEP_SETPOINT:
         *what = config_find_loop(config, c->what);
         if (*what == PLAN_NONE)
-            return refuse(fault, ERR_UNKNOWN, k, "what", c->what,
-                          "must be the name of a configured loop");
+            return refuse_step(fault, ERR_UNKNOWN, k, "what", c->what,
+                               "must be the name of a configured loop");
         if (c->action == STEP_CASCADE && plan->loop[*what].outer == PLAN_NONE)
-            return refuse(fault, ERR_CONFLICT, k, "what", c->what,
-                          "has no outer loop that drives its setpoint");
+            return refuse_step(fault, ERR_CONFLICT, k, "what", c->what,
+                               "has no outer loop that drives its setpoint");
         plan_setpoint_limits(plan, *what, &lo, &hi);
         if (c->action == STEP_SETPOINT && !within(c->value, lo, hi))
-            return refuse(fault, ERR_RANGE, k, "value", c->what,
-                          "must lie in the setpoint limits of the loop");
+            return refuse_step(fault, ERR_RANGE, k, "value", c->what,
+                               "must lie in the setpoint limits of the loop");
         return ERR_OK;
     case STEP_OFFSET_ON:
     case STEP_OFFSET_OFF:
     case STEP_DROP:
         *what = config_find_measurement(config, c->what);
         if (*what == PLAN_NONE)
-            return refuse(fault, ERR_UNKNOWN, k, "what", c->what,
-                          "must be the name of a configured measurement");
+            return refuse_step(fault, ERR_UNKNOWN, k, "what", c->what,
+                               "must be the name of a configured measurement");
         return ERR_OK;
     default:
         return ERR_OK;
@@ -84,25 +85,27 @@ static enum err resolve_condition(struct plan *plan, uint8_t k, struct config_fa
     const struct config *config = &plan->config;
     const struct step_config *c = &config->step[k];
     if (is_guard(c) && c->until != STEP_ABOVE && c->until != STEP_BELOW)
-        return refuse(fault, ERR_CONFLICT, k, "until", "", "of a guard must be above or below");
+        return refuse_step(fault, ERR_CONFLICT, k, "until", "",
+                           "of a guard must be above or below");
     if (is_guard(c) && c->otherwise == STEP_GO_ON)
-        return refuse(fault, ERR_CONFLICT, k, "else", "", "of a guard must be abort or hold");
+        return refuse_step(fault, ERR_CONFLICT, k, "else", "", "of a guard must be abort or hold");
     if (c->until == STEP_TIME && c->hold_s == 0)
-        return refuse(fault, ERR_RANGE, k, "hold", "", "must be above 0: it is the time waited");
+        return refuse_step(fault, ERR_RANGE, k, "hold", "",
+                           "must be above 0: it is the time waited");
     if (!looks(c))
         return ERR_OK;
     uint8_t i = config_find_measurement(config, c->measurement);
     if (i == PLAN_NONE)
-        return refuse(fault, ERR_UNKNOWN, k, "meas", c->measurement,
-                      "must be the name of a configured measurement");
+        return refuse_step(fault, ERR_UNKNOWN, k, "meas", c->measurement,
+                           "must be the name of a configured measurement");
     plan->step[k].measurement = i;
     const struct measurement_config *m = &config->measurement[i];
     if (c->until == STEP_STEADY && !(c->limit > 0.0f && c->hold_s > 0))
-        return refuse(fault, ERR_RANGE, k, c->limit > 0.0f ? "hold" : "limit", c->measurement,
-                      "must be above 0: steady is a width and a time");
+        return refuse_step(fault, ERR_RANGE, k, c->limit > 0.0f ? "hold" : "limit", c->measurement,
+                           "must be above 0: steady is a width and a time");
     if (c->until != STEP_STEADY && !within(c->limit, m->lo, m->hi))
-        return refuse(fault, ERR_RANGE, k, "limit", c->measurement,
-                      "must lie in the span of the measurement");
+        return refuse_step(fault, ERR_RANGE, k, "limit", c->measurement,
+                           "must lie in the span of the measurement");
     return ERR_OK;
 }
 
@@ -110,12 +113,12 @@ static enum err check_timeout(const struct step_config *c, uint8_t k, struct con
 {
     bool waits = c->until != STEP_AT_ONCE && !is_guard(c);
     if (!waits && c->timeout_s)
-        return refuse(fault, ERR_CONFLICT, k, "timeout", "", "is for rows that wait");
+        return refuse_step(fault, ERR_CONFLICT, k, "timeout", "", "is for rows that wait");
     if (waits && looks(c) && !c->timeout_s)
-        return refuse(fault, ERR_RANGE, k, "timeout", c->measurement,
-                      "must be given: no measurement is waited for without end");
+        return refuse_step(fault, ERR_RANGE, k, "timeout", c->measurement,
+                           "must be given: no measurement is waited for without end");
     if (waits && c->timeout_s && c->until != STEP_CONFIRM && c->timeout_s <= c->hold_s)
-        return refuse(fault, ERR_RANGE, k, "timeout", "", "must be longer than hold");
+        return refuse_step(fault, ERR_RANGE, k, "timeout", "", "must be longer than hold");
     return ERR_OK;
 }
 

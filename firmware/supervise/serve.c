@@ -84,7 +84,7 @@ static void gather(const struct supervisor *s, uint8_t slot, struct signals *g)
     gather_inputs(s, slot, g);
 }
 
-static void give_settings(struct supervisor *s, uint8_t slot, bool retune)
+static void give_record(struct supervisor *s, uint8_t slot, bool retune)
 {
     struct block_setup setup;
     plan_setup_record(s->plan, (uint8_t)(slot - SLOT_RECORDS), &setup);
@@ -114,7 +114,7 @@ static bool same_record(const struct supervisor *s, const struct plan *old, uint
            same_list(r->point, r->points, before->point, before->points);
 }
 
-static bool same_settings(const struct supervisor *s, const struct plan *old, uint8_t slot)
+static bool same_record_settings(const struct supervisor *s, const struct plan *old, uint8_t slot)
 {
     struct block_setup before, now;
     const struct block_kind *kind = kind_at(s, slot);
@@ -136,9 +136,9 @@ static void place_record(struct supervisor *s, const struct plan *old, uint8_t s
         job_give_up(&s->work[n]);
         b->off = b->stepped = b->retune = false;
         b->must_follow = true;
-        give_settings(s, slot, false);
-    } else if (!same_settings(s, old, slot)) {
-        give_settings(s, slot, true);
+        give_record(s, slot, false);
+    } else if (!same_record_settings(s, old, slot)) {
+        give_record(s, slot, true);
     }
 }
 
@@ -150,7 +150,7 @@ void serve_place(struct supervisor *s, const struct plan *old)
 
 /* ---- giving up and coming back ---- */
 
-static void give_up(struct supervisor *s, uint8_t slot, const char *why)
+static void give_up_block(struct supervisor *s, uint8_t slot, const char *why)
 {
     struct block_state *b = &s->block[slot];
     b->off = true;
@@ -167,7 +167,7 @@ bool serve_switch(struct supervisor *s, uint8_t n, bool on)
     if (s->block[slot].off != on)
         return true;
     if (!on) {
-        give_up(s, slot, "asked");
+        give_up_block(s, slot, "asked");
         return true;
     }
     s->block[slot].off = false;
@@ -216,7 +216,7 @@ void serve_check_inputs(struct supervisor *s)
             if (kind_at(s, slot)->bad_input == BAD_INPUT_MANUAL)
                 members_to_manual(s, slot);
             else
-                give_up(s, slot, input_name(s, r->input[k]));
+                give_up_block(s, slot, input_name(s, r->input[k]));
             break;
         }
     }
@@ -347,7 +347,7 @@ void serve_step(struct supervisor *s, uint8_t i)
     take_work(s, slot, &g.io);
     kind->step(supervisor_block(s, slot), &g.io);
     if (g.io.gives_up) {
-        give_up(s, slot, g.io.gives_up);
+        give_up_block(s, slot, g.io.gives_up);
         own_step(s, slot, g.io.acting);
         return;
     }

@@ -120,7 +120,7 @@ void supervisor_start_setpoint(struct supervisor *s, uint8_t i)
 }
 
 /* Where a loop finds output j when it takes over: the limits of what acts count from here on. */
-static num_t found(const struct supervisor *s, uint8_t j)
+static num_t output_found(const struct supervisor *s, uint8_t j)
 {
     const struct output_config *c = &s->plan->config.output[j];
     return num_clamp(s->output[j].manual, span_to_fraction(c->min, c->lo, c->hi),
@@ -168,7 +168,7 @@ static void take_over(struct supervisor *s, const num_t *before)
         if (p->used && p->output != PLAN_NONE && (moves || together))
             /* The value last sent, or just asked for by hand: a read-back is one sample old, and a valve
              * that still moves would start the loop from where it was. */
-            v[i] = num_sub(found(s, p->output), moves ? l->feedforward : before[i]);
+            v[i] = num_sub(output_found(s, p->output), moves ? l->feedforward : before[i]);
     }
     if (together) {
         num_t u[DECOUPLER_MAX];
@@ -418,7 +418,7 @@ static uint8_t saturation(const struct supervisor *s, uint8_t i)
 }
 
 /* Whoever acts for loop i is told what took effect of its output; its own controller follows another's. */
-static void tell(struct supervisor *s, uint8_t i, num_t told, uint8_t clamp)
+static void tell_applied(struct supervisor *s, uint8_t i, num_t told, uint8_t clamp)
 {
 #if CONFIG_BLOCKS
     if (loop_server(s, i) != PLAN_NONE) {
@@ -439,7 +439,7 @@ static void back_direct(struct supervisor *s, uint8_t i, num_t told)
     if (loop_interlocked(s, i))
         l->join = true; /* whenever the interlock lets go */
     if (l->mode != LOOP_MANUAL && !l->join) {
-        tell(s, i, told, INTEGRAL_FREE);
+        tell_applied(s, i, told, INTEGRAL_FREE);
         return;
     }
     const struct output_state *o = &s->output[p->output];
@@ -465,7 +465,7 @@ static void back_outer(struct supervisor *s, uint8_t i)
     }
     l->clamp = saturation(s, p->inner);
     /* What the inner loop makes of it does not depend on whose turn comes first. */
-    tell(s, i, clamp_setpoint(s, p->inner, l->v), l->clamp);
+    tell_applied(s, i, clamp_setpoint(s, p->inner, l->v), l->clamp);
 }
 
 /* What compensated loops are told: v and the way back of (applied - commanded). Where the compensator asks for more than
