@@ -78,7 +78,7 @@ size_t parameter_size(const struct parameter *p)
     case PARAMETER_LIST:
         return p->field->id == 1u + BLOCK_FIELD_LOOPS ? BLOCK_LOOPS_SIZE : BLOCK_NAMES_SIZE;
     case PARAMETER_ROW:
-        return block_row_size(p->own);
+        return p->own ? block_row_size(p->own) : 0;
 #endif
     default:
         return 1;

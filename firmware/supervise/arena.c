@@ -83,16 +83,19 @@ static void find_place(const struct supervisor *s, const struct plan *plan,
     p->grains = grains_of(which, n[which]);
 }
 
+static uint8_t *arena_at(struct supervisor *s, uint32_t grains)
+{
+    return (uint8_t *)s->arena + (size_t)grains * ARENA_GRAIN;
+}
+
 static void move_place(struct supervisor *s, const struct place *p, bool down)
 {
-    uint8_t *arena = (uint8_t *)s->arena;
     if (p->to != p->from && down == (p->to < p->from))
-        memmove(arena + p->to * ARENA_GRAIN, arena + p->from * ARENA_GRAIN, p->kept);
+        memmove(arena_at(s, p->to), arena_at(s, p->from), p->kept);
 }
 
 void arena_place(struct supervisor *s, const struct plan *plan)
 {
-    uint8_t *arena = (uint8_t *)s->arena;
     uint8_t n[PLACED_KINDS];
     struct place p;
     void *place[PLACED_KINDS];
@@ -109,9 +112,9 @@ void arena_place(struct supervisor *s, const struct plan *plan)
     }
     for (unsigned k = 0; k < PLACES; k++) {
         find_place(s, plan, n, k, &p);
-        memset(arena + p.to * ARENA_GRAIN + p.kept, 0, p.grains * ARENA_GRAIN - p.kept);
+        memset(arena_at(s, p.to) + p.kept, 0, (size_t)p.grains * ARENA_GRAIN - p.kept);
         if (k < PLACED_KINDS)
-            place[k] = arena + p.to * ARENA_GRAIN;
+            place[k] = arena_at(s, p.to);
     }
     memcpy(s->placed, n, PLACED_KINDS);
     for (uint8_t b = 0; b < PLAN_BLOCKS; b++) {

@@ -48,7 +48,7 @@ struct loop_plan {
 #define SLOT_MATRIX   CONFIG_LOOPS
 #define SLOT_ELEMENTS (CONFIG_LOOPS + 1)
 #define SLOT_RECORDS  (SLOT_ELEMENTS + CONFIG_FEEDFORWARDS)
-#define PLAN_BLOCKS   (SLOT_RECORDS + CONFIG_BLOCKS)
+#define PLAN_BLOCKS   ((uint8_t)(SLOT_RECORDS + CONFIG_BLOCKS))
 
 struct block_place {
     uint16_t at, grains; /* place of its state in the arena, and size, in grains */

@@ -159,8 +159,9 @@ static uint8_t regroup(struct supervisor *s)
 static void take_over(struct supervisor *s, const num_t *before)
 {
     num_t v[CONFIG_LOOPS];
+    const uint8_t n = s->placed[PLACED_LOOPS];
     uint8_t together = regroup(s);
-    for (uint8_t i = 0; i < s->placed[PLACED_LOOPS]; i++) {
+    for (uint8_t i = 0; i < n; i++) {
         const struct loop_plan *p = &s->plan->loop[i];
         const struct loop_state *l = &s->loop[i];
         bool moves = l->join || l->moved;
@@ -177,7 +178,7 @@ static void take_over(struct supervisor *s, const num_t *before)
         block_kinds[s->block[SLOT_MATRIX].kind]->back_calculate(supervisor_block(s, SLOT_MATRIX),
                                                                 &io);
     }
-    for (uint8_t i = 0; i < s->placed[PLACED_LOOPS]; i++) {
+    for (uint8_t i = 0; i < n; i++) {
         struct loop_state *l = &s->loop[i];
         if (!loop_drives(s, i))
             continue;
