@@ -1,5 +1,5 @@
 /* Settings of blocks that have parameters of their own in the configuration (loopN, decoupleN, ffN), as the supervisor
- * hands them to the kinds: fractions of span where a number is not in seconds. */
+ * hands them to the kinds. */
 #ifndef REFLUX_BLOCK_SETTINGS_H
 #define REFLUX_BLOCK_SETTINGS_H
 

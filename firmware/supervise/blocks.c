@@ -33,45 +33,45 @@ static const struct block_kind *kind_of(const struct supervisor *s, uint8_t slot
 /* ---- settings ---- */
 
 /* Settings were checked with the plan: what remains is an interval no block can keep. */
-static void give_settings(struct supervisor *s, uint8_t i, bool retune)
+void block_give_settings(struct supervisor *s, uint8_t slot, bool retune)
 {
     struct block_instance b;
-    plan_block_setup(s->plan, i, &b);
-    if (kind_of(s, i)->configure(supervisor_block(s, i), &b.setup, retune) != ERR_OK)
-        event_put(s->events, s->time_ms, EVENT_CONFIG_REFUSED, s->plan->config.loop[i].name,
+    plan_block_setup(s->plan, slot, &b);
+    if (kind_of(s, slot)->configure(supervisor_block(s, slot), &b.setup, retune) != ERR_OK)
+        event_put(s->events, s->time_ms, EVENT_CONFIG_REFUSED, kind_of(s, slot)->name,
                   b.setup.interval_s, 0);
 }
 
 void block_begin(struct supervisor *s, uint8_t i)
 {
-    give_settings(s, i, false);
+    block_give_settings(s, i, false);
 }
 
 /* Settings that have waited. */
 static void give_new_settings(struct supervisor *s, uint8_t i)
 {
     if (s->block[i].retune)
-        give_settings(s, i, true);
+        block_give_settings(s, i, true);
     s->block[i].retune = false;
 }
 
-static bool same_settings(const struct supervisor *s, const struct plan *old, uint8_t i)
+bool block_same_settings(const struct supervisor *s, const struct plan *old, uint8_t slot)
 {
-    const struct block_kind *kind = kind_of(s, i);
-    struct block_instance now, before;
-    if (!kind->same || s->plan->tick_s != s->tick_s ||
-        s->plan->config.loop[i].divisor != old->config.loop[i].divisor)
+    const struct block_kind *kind = kind_of(s, slot);
+    struct block_instance before, now;
+    if (!kind->same ||
+        s->plan->tick_s != s->tick_s) /* `old` may be the plan itself, with another tick */
         return false;
-    plan_block_setup(s->plan, i, &now);
-    plan_block_setup(old, i, &before);
-    return kind->same(&now.setup, &before.setup);
+    plan_block_setup(old, slot, &before);
+    plan_block_setup(s->plan, slot, &now);
+    return before.setup.interval_s == now.setup.interval_s && kind->same(&before.setup, &now.setup);
 }
 
 void block_configure(struct supervisor *s, const struct plan *old, uint8_t i)
 {
     struct loop_state *l = &s->loop[i];
     struct block_state *b = &s->block[i];
-    b->retune = b->retune || !same_settings(s, old, i);
+    b->retune = b->retune || !block_same_settings(s, old, i);
     if (l->mode == LOOP_MANUAL || l->join || loop_server(s, i) != PLAN_NONE ||
         kind_of(s, i)->retunes_at_once)
         give_new_settings(s, i);

@@ -27,6 +27,11 @@ void block_begin(struct supervisor *s, uint8_t i);
  * nothing. */
 void block_configure(struct supervisor *s, const struct plan *old, uint8_t i);
 
+/* The block in a slot gets the settings of the plan in force. retune: new ones, without a bump. */
+void block_give_settings(struct supervisor *s, uint8_t slot, bool retune);
+/* Whether they come to the same as those of `old`. */
+bool block_same_settings(const struct supervisor *s, const struct plan *old, uint8_t slot);
+
 /* Its output, before decoupler and feedforward: l->v, fraction of span. */
 void block_step(struct supervisor *s, uint8_t i);
 /* It does not act: its output is l->v. */

@@ -84,15 +84,6 @@ static void gather(const struct supervisor *s, uint8_t slot, struct signals *g)
     gather_inputs(s, slot, g);
 }
 
-static void give_record(struct supervisor *s, uint8_t slot, bool retune)
-{
-    struct block_setup setup;
-    plan_setup_record(s->plan, (uint8_t)(slot - SLOT_RECORDS), &setup);
-    if (kind_at(s, slot)->configure(supervisor_block(s, slot), &setup, retune) != ERR_OK)
-        event_put(s->events, s->time_ms, EVENT_CONFIG_REFUSED,
-                  s->plan->config.block[slot - SLOT_RECORDS].kind, setup.interval_s, 0);
-}
-
 /* ---- plans ---- */
 
 static bool same_list(const uint8_t *a, uint8_t n, const uint8_t *b, uint8_t m)
@@ -114,17 +105,6 @@ static bool same_record(const struct supervisor *s, const struct plan *old, uint
            same_list(r->point, r->points, before->point, before->points);
 }
 
-static bool same_record_settings(const struct supervisor *s, const struct plan *old, uint8_t slot)
-{
-    struct block_setup before, now;
-    const struct block_kind *kind = kind_at(s, slot);
-    if (!kind->same)
-        return false;
-    plan_setup_record(old, (uint8_t)(slot - SLOT_RECORDS), &before);
-    plan_setup_record(s->plan, (uint8_t)(slot - SLOT_RECORDS), &now);
-    return before.interval_s == now.interval_s && kind->same(&before, &now);
-}
-
 static void place_record(struct supervisor *s, const struct plan *old, uint8_t slot)
 {
     struct block_state *b = &s->block[slot];
@@ -136,9 +116,9 @@ static void place_record(struct supervisor *s, const struct plan *old, uint8_t s
         job_give_up(&s->work[n]);
         b->off = b->stepped = b->retune = false;
         b->must_follow = true;
-        give_record(s, slot, false);
-    } else if (!same_record_settings(s, old, slot)) {
-        give_record(s, slot, true);
+        block_give_settings(s, slot, false);
+    } else if (!block_same_settings(s, old, slot)) {
+        block_give_settings(s, slot, true);
     }
 }
 

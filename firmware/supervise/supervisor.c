@@ -182,7 +182,7 @@ static bool same_feedforward(const struct plan *plan, const struct plan *old, ui
            plan->feedforward[i].to == old->feedforward[i].to;
 }
 
-NOT_INLINE static void place_feedforward(struct supervisor *s, const struct plan *old, uint8_t i)
+static void place_feedforward(struct supervisor *s, const struct plan *old, uint8_t i)
 {
     const struct plan *plan = s->plan;
     const struct ff_config *f = &plan->config.feedforward[i];
@@ -203,19 +203,14 @@ NOT_INLINE static void place_feedforward(struct supervisor *s, const struct plan
     s->block[slot].running = false; /* begins at rest at the next tick */
     if (!f->from[0])
         return;
-    struct block_instance b;
-    plan_block_setup(plan, slot, &b);
-    (void)!block_kinds[s->block[slot].kind]->configure(supervisor_block(s, slot), &b.setup, false);
+    block_give_settings(s, slot, false);
 }
 
-NOT_INLINE static void place_matrix(struct supervisor *s)
+static void place_matrix(struct supervisor *s)
 {
-    struct block_instance b;
     if (s->block[SLOT_MATRIX].kind == PLAN_NONE)
         return;
-    plan_block_setup(s->plan, SLOT_MATRIX, &b);
-    (void)!block_kinds[s->block[SLOT_MATRIX].kind]->configure(supervisor_block(s, SLOT_MATRIX),
-                                                              &b.setup, true);
+    block_give_settings(s, SLOT_MATRIX, true);
     s->block[SLOT_MATRIX].must_follow = true; /* select again, if it is another */
 }
 
