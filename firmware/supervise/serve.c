@@ -110,10 +110,11 @@ static void place_record(struct supervisor *s, const struct plan *old, uint8_t s
     struct block_state *b = &s->block[slot];
     uint8_t n = (uint8_t)(slot - SLOT_RECORDS);
     bool same = same_record(s, old, slot);
+    if (!same)
+        job_give_up(&s->work[n]); /* of whatever was here before */
     if (b->kind == PLAN_NONE)
         return; /* what a build lacks is told when it is loaded */
     if (!same) {
-        job_give_up(&s->work[n]);
         b->off = b->stepped = b->retune = false;
         b->must_follow = true;
         block_give_settings(s, slot, false);

@@ -248,9 +248,9 @@ void supervisor_take_plan(struct supervisor *s, const struct plan *plan)
         place_interlock(s, old, i);
     for (uint8_t i = 0; i < n[PLACED_ALARMS]; i++)
         alarms_place(s, old, i);
-    s->tick_s = plan->tick_s;
     place_matrix(s);
     serve_place(s, old);
+    s->tick_s = plan->tick_s; /* only now: until here it tells that the tick is another one */
 #if CONFIG_STEPS
     sequence_place(s, old);
 #endif
