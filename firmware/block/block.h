@@ -70,6 +70,7 @@ struct block_io {
     const uint8_t *clamp; /* [members] enum integral_clamp, back_calculate */
     uint8_t *limited; /* [members] enum integral_clamp: limits of its own that its output is at */
 
+#if CONFIG_BLOCKS
     /* Blocks with a record of their own (blockN), in step: */
     const num_t *input; /* [inputs] */
     const uint8_t *
@@ -82,6 +83,7 @@ struct block_io {
         ask_work; /* given: work() is wanted, and its result taken after so many steps; 0 = no */
     const char *
         gives_up; /* given: why, in a word; the loops' own controllers take over, in this step already */
+#endif
 };
 
 enum block_value { BLOCK_FLOAT, BLOCK_U16, BLOCK_WORD };
@@ -112,6 +114,7 @@ struct block_kind {
     /* Why its outputs pass through no compensator, in words; NULL: they may. */
     const char *uncompensated;
 
+#if CONFIG_BLOCKS
     /* What it may be given by blockN.kind; none where it has parameters of another group (block/settings.h). */
     const struct block_parameter *parameter;
     uint8_t parameters;
@@ -119,6 +122,10 @@ struct block_kind {
     /* How many it may have. Inputs are further points it reads, points those it writes. */
     uint8_t members_most, inputs_most, points_most;
     uint8_t bad_input; /* enum block_bad_input */
+    /* A piece of background work, of a bounded number of instructions; true while there is more. The tick may come between
+     * any two of its instructions, and leaves alone what it works on while work is wanted. */
+    bool (*work)(void *state);
+#endif
 
     /* Bytes of state these settings need; settings that are refused need none. */
     uint32_t (*bytes)(const struct block_setup *setup);
@@ -138,9 +145,6 @@ struct block_kind {
     /* Compensators: only the acting members take part from now on. Returns whether that is a change, after which
      * all of them need a bumpless transfer. */
     bool (*select)(void *state, const void *settings, uint8_t acting);
-    /* A piece of background work, of a bounded number of instructions; true while there is more. The tick may come between
-     * any two of its instructions, and leaves alone what it works on while work is wanted. */
-    bool (*work)(void *state);
     /* The i-th named inner value, for the console: NULL past the end. */
     const char *(*describe)(const void *state, size_t i, float *value);
 };

@@ -10,6 +10,16 @@
 #define DECOUPLER_MAX 8 /* loops, from the first on, that may take part in a static decoupler */
 #endif
 
+/* Blocks of kinds that have settings of their own (blockN); 0 leaves them out. A board that leaves automatic start-up out
+ * says so before every file (its limits), and has none. */
+#ifndef CONFIG_BLOCKS
+#if defined(COMMISSION_CHANNELS) && COMMISSION_CHANNELS == 0
+#define CONFIG_BLOCKS 0
+#else
+#define CONFIG_BLOCKS 4
+#endif
+#endif
+
 #ifndef BLOCK_MEMBERS_MAX
 #define BLOCK_MEMBERS_MAX DECOUPLER_MAX
 #endif

@@ -41,13 +41,6 @@
 #endif
 #endif
 
-#ifndef CONFIG_BLOCKS
-#if COMMISSION_CHANNELS
-#define CONFIG_BLOCKS 4 /* blocks of kinds that have settings of their own; 0 leaves them out */
-#else
-#define CONFIG_BLOCKS 0
-#endif
-#endif
 #ifndef CONFIG_POOL_BYTES
 #define CONFIG_POOL_BYTES 4608 /* for the settings of all of them, a multiple of 4 */
 #endif
