@@ -311,6 +311,15 @@ static void own_step(struct supervisor *s, uint8_t slot, uint8_t acting)
             block_step(s, r->member[k]);
 }
 
+/* In floating point a block may have come apart: what is no number must reach nobody. */
+static bool gives_numbers(const struct signals *g, uint8_t members)
+{
+    for (uint8_t k = 0; k < members; k++)
+        if ((g->io.acting & (1u << k)) && !float_is_finite(num_to_float(g->out[k])))
+            return false;
+    return true;
+}
+
 void serve_step(struct supervisor *s, uint8_t i)
 {
     uint8_t slot = loop_server(s, i);
@@ -327,6 +336,8 @@ void serve_step(struct supervisor *s, uint8_t i)
         kind->back_calculate(supervisor_block(s, slot), &g.io);
     take_work(s, slot, &g.io);
     kind->step(supervisor_block(s, slot), &g.io);
+    if (!g.io.gives_up && !gives_numbers(&g, r->members))
+        g.io.gives_up = "not a number";
     if (g.io.gives_up) {
         give_up_block(s, slot, g.io.gives_up);
         own_step(s, slot, g.io.acting);

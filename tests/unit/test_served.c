@@ -110,6 +110,7 @@ struct both {
 };
 
 static bool both_gives_up;
+static float both_adds; /* to its first output */
 static struct both *both_state;
 
 static const struct block_parameter both_parameters[] = {
@@ -170,6 +171,7 @@ static void both_step(void *state, struct block_io *io)
         b->u[k] = num_add(b->u[k], num_mul(b->rate, mixed));
         io->out[k] = b->u[k];
     }
+    io->out[0] = num_add(io->out[0], num_from_float(both_adds));
     b->steps++;
 }
 
@@ -230,6 +232,7 @@ static void put_float(unsigned n, unsigned offset, float x)
 void setUp(void)
 {
     both_gives_up = false;
+    both_adds = 0.0f;
 }
 void tearDown(void) {}
 
@@ -501,6 +504,28 @@ static void when_it_is_switched_off_too(void)
     giving_up(by_hand, "asked");
 }
 
+/* In fixed point there is no such thing. */
+static void what_is_no_number_reaches_nobody(void)
+{
+#ifndef REFLUX_FIXED_POINT
+    static const float nothing[] = {NAN, INFINITY, -INFINITY};
+    for (unsigned i = 0; i < 3; i++) {
+        both_auto();
+        ticks(3);
+        double top = sent(REFLUX), bottom = sent(HEAT);
+        both_adds = nothing[i];
+        tick();
+        TEST_ASSERT_EQUAL_UINT(1, happened(EVENT_BLOCK_GAVE_UP, "not a number"));
+        ASSERT_NO_BUMP(top, sent(REFLUX));
+        ASSERT_NO_BUMP(bottom, sent(HEAT));
+        ticks(5);
+        ASSERT_NO_BUMP(top, sent(REFLUX));
+        TEST_ASSERT_EQUAL(LOOP_AUTO, bench.s.loop[TOP].mode);
+        both_adds = 0.0f;
+    }
+#endif
+}
+
 static void a_member_in_manual_is_not_moved_and_comes_back_without_a_bump(void)
 {
     both_auto();
@@ -626,6 +651,7 @@ int main(void)
     RUN_TEST(when_it_gives_up_the_own_controllers_take_over_without_a_bump);
     RUN_TEST(when_a_further_input_is_bad_too);
     RUN_TEST(when_it_is_switched_off_too);
+    RUN_TEST(what_is_no_number_reaches_nobody);
     RUN_TEST(a_member_in_manual_is_not_moved_and_comes_back_without_a_bump);
     RUN_TEST(an_unrelated_plan_does_not_disturb_it);
     RUN_TEST(a_kind_this_build_lacks_keeps_its_loops_in_manual);
