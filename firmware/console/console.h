@@ -94,6 +94,8 @@ void event_line(const struct event *e, struct text *line);
 /* Goes on with the save or load that has not been answered yet. Returns whether there was anything to do. */
 bool console_storage_poll(struct console *c);
 bool parameter_help(struct console *c, unsigned n, struct text *line);
+/* The command that sets a parameter to its value; a remark where this build cannot: a block of an unknown kind. */
+void console_set_line(const struct parameter *p, const struct config *config, struct text *line);
 
 /* "engineer level open, no key is set" */
 void console_access_text(const struct console *c, struct text *line);

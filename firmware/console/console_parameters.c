@@ -114,6 +114,18 @@ void command_set(struct console *c, unsigned n, char **word)
     console_answer(c, operate_set(&c->session, word[0], word[1], &a), &a);
 }
 
+void console_set_line(const struct parameter *p, const struct config *config, struct text *line)
+{
+#if CONFIG_BLOCKS
+    if (p->group == &parameter_blocks && block_is_unknown(config, p->index))
+        text_str(line, "# ");
+#endif
+    text_str(line, "set ");
+    parameter_name(p, line);
+    text_char(line, ' ');
+    parameter_value(p, config, line);
+}
+
 static bool diff_line(struct console *c, unsigned n, struct text *line)
 {
     struct parameter p;
@@ -134,10 +146,7 @@ static bool diff_line(struct console *c, unsigned n, struct text *line)
     }
     if (same)
         return true;
-    text_str(line, "set ");
-    parameter_name(&p, line);
-    text_char(line, ' ');
-    parameter_value(&p, config, line);
+    console_set_line(&p, config, line);
     return true;
 }
 

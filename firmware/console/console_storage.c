@@ -59,10 +59,7 @@ static bool dump_line(struct console *c, unsigned n, struct text *line)
     if (parameter_of(config, n, &p)) {
         if (!record_wanted(&p, config))
             return true;
-        text_str(line, "set ");
-        parameter_name(&p, line);
-        text_char(line, ' ');
-        parameter_value(&p, config, line);
+        console_set_line(&p, config, line);
         return true;
     }
     if (!parameter_of(config, n - 1, &p))

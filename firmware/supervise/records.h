@@ -8,8 +8,9 @@
 #include "block/block.h"
 #include "supervise/config.h"
 
-/* Of a table: a row is set in one line and stored in one piece. */
-#define RECORD_COLS_MAX 16
+/* Of a table: a row is set in one line and stored in one piece. So many values of nine digits with sign and exponent, and the
+ * name, are a line that the console takes and prints (LINE_EDITOR_MAX, CONSOLE_OUTPUT_MAX). */
+#define RECORD_COLS_MAX 8
 #define RECORD_ROWS_MAX 1024
 
 /* Place in block_kinds[], PLAN_NONE (0xFF) where this build has no such kind. */

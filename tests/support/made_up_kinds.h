@@ -19,7 +19,7 @@ struct gmv_settings {
 };
 
 struct column_settings {
-    float stage[64][16];
+    float stage[128][8];
 };
 
 struct weights_settings {
@@ -43,7 +43,7 @@ static const struct block_parameter gmv_parameters[] = {
 };
 
 static const struct block_parameter column_parameters[] = {
-    {1, BLOCK_FLOAT, 0, 64, 16, "stage", "-", "what is known of a stage", -1e6f, 1e6f, 0.0f},
+    {1, BLOCK_FLOAT, 0, 128, 8, "stage", "-", "what is known of a stage", -1e6f, 1e6f, 0.0f},
 };
 
 /* Some ids are those of the first kind, for something else. */

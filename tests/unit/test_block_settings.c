@@ -170,7 +170,7 @@ static void records_of_other_blocks_move_and_keep_their_values(void)
     set("block1.kind", "column");
     set("block2.kind", "gmv");
     set("block4.kind", "weights");
-    set("block1.stage.64", "1,2,3,4,5,6,7,8,9,10,11,12,13,14,15,16");
+    set("block1.stage.128", "1,2,3,4,5,6,7,8");
     set("block2.table.1", "1,2,3");
     set("block4.order.2", "3,4,5");
     set("block4.signs.1", "minus,plus,minus,plus");
@@ -247,7 +247,7 @@ static void every_parameter_of_a_block_is_found_by_name_and_id(void)
         of_blocks += parameter_id(&p) >> 16 != 0;
     }
     TEST_ASSERT_EQUAL(n, parameter_count(&config));
-    TEST_ASSERT_EQUAL(4 + 64 + 4 + 1 + 3 + 1 + 1 + 4 + 2 + 1 + 1, of_blocks);
+    TEST_ASSERT_EQUAL(4 + 128 + 4 + 1 + 3 + 1 + 1 + 4 + 2 + 1 + 1, of_blocks);
 }
 
 /* ---- storage ---- */
@@ -406,9 +406,9 @@ static void a_table_of_four_kilobytes_comes_back(void)
     bench_small(&config, "1.5");
     set("block2.kind", "column");
     set("block2.loops", config.loop[0].name);
-    for (unsigned i = 1; i <= 64; i++) {
+    for (unsigned i = 1; i <= 128; i++) {
         row[0] = '\0';
-        for (unsigned k = 0; k < 16; k++)
+        for (unsigned k = 0; k < 8; k++)
             snprintf(row + strlen(row), sizeof row - strlen(row), "%s%g", k ? "," : "",
                      (double)i * 0.5 - k);
         snprintf(name, sizeof name, "block2.stage.%u", i);
@@ -419,7 +419,7 @@ static void a_table_of_four_kilobytes_comes_back(void)
     TEST_ASSERT_EQUAL(ERR_OK, bench_save());
     bench_boot();
     TEST_ASSERT_TRUE(bench_is(&config));
-    IS(in_force(), "block2.stage.64", "32,31,30,29,28,27,26,25,24,23,22,21,20,19,18,17");
+    IS(in_force(), "block2.stage.128", "64,63,62,61,60,59,58,57");
 }
 
 static void stored_rows_are_clipped_or_left_out_and_told(void)
