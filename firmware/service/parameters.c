@@ -266,9 +266,14 @@ void parameter_range(const struct parameter *p, struct text *t)
 bool parameter_equal(const struct parameter *p, const struct config *a, const struct config *b)
 {
 #if CONFIG_BLOCKS
-    /* Of another kind: what it begins with is no change beside that of the kind. */
-    if (p->own && strcmp(a->block[p->index].kind, b->block[p->index].kind) != 0)
-        return parameter_is_default(p, a);
+    if (p->group == &parameter_blocks && (p->own || p->field->type == PARAMETER_KIND)) {
+        /* Of another kind, or without a record there: what it begins with is no change beside that of the kind. */
+        bool same = config_block_kind(a, p->index) == config_block_kind(b, p->index);
+        if (p->own && !same)
+            return parameter_is_default(p, a);
+        if (!same)
+            return false;
+    }
 #endif
     return memcmp(place_const(p, a), place_const(p, b), parameter_size(p)) == 0;
 }

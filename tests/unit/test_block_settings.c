@@ -224,6 +224,27 @@ static void a_full_pool_says_how_many_bytes_are_needed(void)
     set("block1.kind", "column");
 }
 
+/* A stored block that finds no room has a kind and no record: there is nothing to compare the new one with. */
+static void the_settings_of_a_block_that_had_no_room_are_all_changes(void)
+{
+    static struct config before;
+    struct parameter p;
+    set("block1.kind", "column");
+    set("block1.stage.1", "1,2,3,4,5,6,7,8");
+    TEST_ASSERT_FALSE(record_restore(&config, 1, "column"));
+    before = config;
+    IS(&before, "block2.kind", "column");
+    set("block1.kind", "-");
+    set("block2.kind", "column");
+    set("block2.stage.1", "1,2,3,4,5,6,7,8");
+    TEST_ASSERT_EQUAL(ERR_OK, parameter_find_in(&config, "block2.stage.1", &p));
+    TEST_ASSERT_FALSE(parameter_equal(&p, &config, &before));
+    TEST_ASSERT_EQUAL(ERR_OK, parameter_find_in(&config, "block2.stage.2", &p));
+    TEST_ASSERT_TRUE(parameter_equal(&p, &config, &before));
+    TEST_ASSERT_EQUAL(ERR_OK, parameter_find_in(&config, "block2.kind", &p));
+    TEST_ASSERT_FALSE(parameter_equal(&p, &config, &before));
+}
+
 static void every_parameter_of_a_block_is_found_by_name_and_id(void)
 {
     struct parameter p, found;
@@ -538,6 +559,7 @@ int main(void)
     RUN_TEST(records_of_other_blocks_move_and_keep_their_values);
     RUN_TEST(the_same_kind_again_changes_nothing_and_none_leaves_nothing);
     RUN_TEST(a_full_pool_says_how_many_bytes_are_needed);
+    RUN_TEST(the_settings_of_a_block_that_had_no_room_are_all_changes);
     RUN_TEST(every_parameter_of_a_block_is_found_by_name_and_id);
     RUN_TEST(a_kept_image_with_a_block_is_read_in_any_order);
     RUN_TEST(parameters_of_newer_firmware_are_carried_over_by_every_save);
