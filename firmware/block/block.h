@@ -22,6 +22,7 @@
 #include <stdint.h>
 
 #include "base/error.h"
+#include "block/applied_history.h"
 #include "block/settings.h"
 #include "num/num.h"
 
@@ -83,6 +84,11 @@ struct block_io {
         ask_work; /* given: work() is wanted, and its result taken after so many steps; 0 = no */
     const char *
         gives_up; /* given: why, in a word; the loops' own controllers take over, in this step already */
+    /* What took effect of MVs, where the kind keeps a history; NULL where there is no MV: a member that drives a loop, an
+     * input that is a measurement. */
+    const struct applied_history **member_applied; /* [members] */
+    const struct applied_history **input_applied;  /* [inputs] */
+    uint16_t divisor;                              /* base ticks of a step */
 #endif
 };
 
@@ -122,6 +128,9 @@ struct block_kind {
     /* How many it may have. Inputs are further points it reads, points those it writes. */
     uint8_t members_most, inputs_most, points_most;
     uint8_t bad_input; /* enum block_bad_input */
+    /* How many of its own steps the history of applied inputs goes back for these settings: of the MVs that its members
+     * drive, and of those among its inputs. 0, or NULL: it needs none. */
+    uint16_t (*history)(const struct block_setup *setup);
     /* A piece of background work, of a bounded number of instructions; true while there is more. The tick may come between
      * any two of its instructions, and leaves alone what it works on while work is wanted. */
     bool (*work)(void *state);

@@ -52,18 +52,60 @@ uint32_t arena_state_bytes(const uint8_t n[PLACED_KINDS])
     return sum * ARENA_GRAIN;
 }
 
-/* What has a place in the arena: the kinds above, then the blocks. Their order never changes. */
-#define PLACES (PLACED_KINDS + PLAN_BLOCKS)
+/* What has a place in the arena: the kinds above, then the blocks, then the histories. Their order never changes. */
+#define PLACED_BLOCKS (PLACED_KINDS + PLAN_BLOCKS)
+#if CONFIG_BLOCKS
+#define PLACES (PLACED_BLOCKS + CHANNEL_MAX)
+#else
+#define PLACES PLACED_BLOCKS
+#endif
 
 struct place {
     uint32_t from, to;     /* grains */
     uint32_t kept, grains; /* bytes of the state that stay; grains it has from now on */
 };
 
+#if CONFIG_BLOCKS
+uint32_t arena_history_grains(uint16_t ticks)
+{
+    return ticks ? ARENA_GRAINS(applied_history_bytes(ticks)) : 0;
+}
+
+/* Where the history of MV j stands, behind the blocks and those before it. */
+static uint32_t history_from(uint32_t behind_blocks, const uint16_t *ticks, uint8_t j)
+{
+    for (uint8_t k = 0; k < j; k++)
+        behind_blocks += arena_history_grains(ticks[k]);
+    return behind_blocks;
+}
+
+static uint32_t behind_blocks(const struct supervisor *s)
+{
+    const struct block_state *last = &s->block[PLAN_BLOCKS - 1];
+    return (uint32_t)last->at + last->grains;
+}
+
+static void find_history(const struct supervisor *s, const struct plan *plan, uint8_t j,
+                         struct place *p)
+{
+    const struct block_place *last = &plan->block[PLAN_BLOCKS - 1];
+    p->from = history_from(behind_blocks(s), s->history, j);
+    p->to = history_from((uint32_t)last->at + last->grains, plan->history, j);
+    p->grains = arena_history_grains(plan->history[j]);
+    p->kept = s->history[j] == plan->history[j] ? p->grains * ARENA_GRAIN : 0;
+}
+#endif
+
 static void find_place(const struct supervisor *s, const struct plan *plan,
                        const uint8_t n[PLACED_KINDS], unsigned which, struct place *p)
 {
     *p = (struct place){0};
+#if CONFIG_BLOCKS
+    if (which >= PLACED_BLOCKS) {
+        find_history(s, plan, (uint8_t)(which - PLACED_BLOCKS), p);
+        return;
+    }
+#endif
     if (which >= PLACED_KINDS) {
         const struct block_state *before = &s->block[which - PLACED_KINDS];
         const struct block_place *now = &plan->block[which - PLACED_KINDS];
@@ -83,10 +125,17 @@ static void find_place(const struct supervisor *s, const struct plan *plan,
     p->grains = grains_of(which, n[which]);
 }
 
-static uint8_t *arena_at(struct supervisor *s, uint32_t grains)
+static uint8_t *arena_at(const struct supervisor *s, uint32_t grains)
 {
     return (uint8_t *)s->arena + (size_t)grains * ARENA_GRAIN;
 }
+
+#if CONFIG_BLOCKS
+struct applied_history *arena_history(const struct supervisor *s, uint8_t j)
+{
+    return (void *)arena_at(s, history_from(behind_blocks(s), s->history, j));
+}
+#endif
 
 static void move_place(struct supervisor *s, const struct place *p, bool down)
 {
@@ -125,6 +174,9 @@ void arena_place(struct supervisor *s, const struct plan *plan)
         state->at = now->at;
         state->grains = now->grains;
     }
+#if CONFIG_BLOCKS
+    memcpy(s->history, plan->history, sizeof s->history);
+#endif
     s->measurement = place[PLACED_MEASUREMENTS];
     s->output = place[PLACED_OUTPUTS];
     s->loop = place[PLACED_LOOPS];

@@ -90,6 +90,9 @@ struct plan {
     struct record_plan record[CONFIG_BLOCKS];
     uint8_t
         writer[CHANNEL_MAX]; /* record of the estimator that writes measurement i, or PLAN_NONE */
+    uint16_t history
+        [CHANNEL_MAX]; /* base ticks for which what was applied to MV j is kept; 0 = it is not */
+    uint8_t histories; /* there is none from this MV on */
 #endif
     struct {
         uint8_t from, to; /* measurement (or output) and output index; PLAN_NONE = unused */

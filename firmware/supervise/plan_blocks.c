@@ -3,6 +3,7 @@
 #include <string.h>
 
 #include "supervise/arena.h"
+#include "supervise/histories.h"
 #include "supervise/plan_parts.h"
 
 #define NOT_IN_BUILD "is not in this build"
@@ -212,5 +213,9 @@ enum err plan_place_blocks(struct plan *plan, struct config_fault *fault)
         place->grains = (uint16_t)grains;
         at += grains;
     }
+#if CONFIG_BLOCKS
+    return histories_resolve(plan, at, fault);
+#else
     return ERR_OK;
+#endif
 }

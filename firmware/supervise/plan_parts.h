@@ -22,6 +22,8 @@ enum err plan_check_records(struct plan *plan, struct config_fault *fault);
 /* May loop i be put in order: is everything there that its setpoint comes from? */
 bool plan_setpoint_ready(const struct plan *plan, uint8_t i, const bool *taken);
 void plan_setup_record(const struct plan *plan, uint8_t n, struct block_setup *setup);
+/* Base ticks of a step of the block with record n. */
+uint16_t plan_record_divisor(const struct plan *plan, uint8_t n);
 /* Their places in the arena, when all have been checked. */
 enum err plan_place_blocks(struct plan *plan, struct config_fault *fault);
 

@@ -160,14 +160,17 @@ bool plan_setpoint_ready(const struct plan *plan, uint8_t i, const bool *taken)
     return true;
 }
 
+uint16_t plan_record_divisor(const struct plan *plan, uint8_t n)
+{
+    const struct record_plan *r = &plan->record[n];
+    return r->members ? (uint16_t)plan->config.loop[r->member[0]].divisor : 1u;
+}
+
 void plan_setup_record(const struct plan *plan, uint8_t n, struct block_setup *setup)
 {
     const struct record_plan *r = &plan->record[n];
-    uint8_t divisor_of = r->members ? r->member[0] : PLAN_NONE;
     setup->settings = config_record(&plan->config, n);
-    setup->interval_s =
-        plan->tick_s *
-        (divisor_of == PLAN_NONE ? 1.0f : (float)plan->config.loop[divisor_of].divisor);
+    setup->interval_s = plan->tick_s * (float)plan_record_divisor(plan, n);
     setup->members = r->members;
     setup->inputs = r->inputs;
     setup->points = r->points;

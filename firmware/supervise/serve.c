@@ -1,6 +1,7 @@
 #include "supervise/serve.h"
 
 #include "supervise/blocks.h"
+#include "supervise/histories.h"
 #include "supervise/plan_parts.h"
 #include "supervise/validate.h"
 
@@ -13,6 +14,8 @@ struct signals {
     uint8_t clamp[BLOCK_MEMBERS_MAX], limited[BLOCK_MEMBERS_MAX];
     num_t input[BLOCK_INPUTS_MAX], point[BLOCK_POINTS_MAX];
     uint8_t quality[BLOCK_INPUTS_MAX], point_quality[BLOCK_POINTS_MAX];
+    const struct applied_history *member_applied[BLOCK_MEMBERS_MAX],
+        *input_applied[BLOCK_INPUTS_MAX];
 };
 
 static const struct block_kind *kind_at(const struct supervisor *s, uint8_t slot)
@@ -50,6 +53,7 @@ static void gather_inputs(const struct supervisor *s, uint8_t slot, struct signa
         g->input[k] =
             at & INPUT_IS_MV ? s->output[at & ~INPUT_IS_MV].applied : s->measurement[at].value;
         g->quality[k] = input_quality(s, at, estimates);
+        g->input_applied[k] = at & INPUT_IS_MV ? history_of(s, at & (uint8_t)~INPUT_IS_MV) : NULL;
     }
     for (uint8_t k = 0; k < r->points; k++) {
         g->point[k] = num_zero();
@@ -61,15 +65,19 @@ static void gather_inputs(const struct supervisor *s, uint8_t slot, struct signa
 static void gather(const struct supervisor *s, uint8_t slot, struct signals *g)
 {
     const struct record_plan *r = record_at(s, slot);
-    g->io = (struct block_io){.setpoint = g->setpoint,
-                              .in = g->in,
-                              .out = g->out,
-                              .clamp = g->clamp,
-                              .limited = g->limited,
-                              .input = g->input,
-                              .quality = g->quality,
-                              .point = g->point,
-                              .point_quality = g->point_quality};
+    g->io =
+        (struct block_io){.setpoint = g->setpoint,
+                          .in = g->in,
+                          .out = g->out,
+                          .clamp = g->clamp,
+                          .limited = g->limited,
+                          .input = g->input,
+                          .quality = g->quality,
+                          .point = g->point,
+                          .point_quality = g->point_quality,
+                          .member_applied = g->member_applied,
+                          .input_applied = g->input_applied,
+                          .divisor = plan_record_divisor(s->plan, (uint8_t)(slot - SLOT_RECORDS))};
     for (uint8_t k = 0; k < r->members; k++) {
         uint8_t i = r->member[k];
         const struct loop_state *l = &s->loop[i];
@@ -78,6 +86,7 @@ static void gather(const struct supervisor *s, uint8_t slot, struct signals *g)
         g->out[k] = l->v;
         g->clamp[k] = l->clamp;
         g->limited[k] = INTEGRAL_FREE;
+        g->member_applied[k] = history_of(s, s->plan->loop[i].output);
         if (loop_drives(s, i))
             g->io.acting = (uint8_t)(g->io.acting | (1u << k));
     }

@@ -1,5 +1,6 @@
 /* Requests, plans, the safe state: everything around the tick. The tick itself is in tick.c. */
 #include "supervise/blocks.h"
+#include "supervise/histories.h"
 #include "supervise/serve.h"
 
 #include <string.h>
@@ -249,6 +250,7 @@ void supervisor_take_plan(struct supervisor *s, const struct plan *plan)
     for (uint8_t i = 0; i < n[PLACED_ALARMS]; i++)
         alarms_place(s, old, i);
     place_matrix(s);
+    histories_place(s, old);
     serve_place(s, old);
     s->tick_s = plan->tick_s; /* only now: until here it tells that the tick is another one */
 #if CONFIG_STEPS
@@ -329,6 +331,7 @@ void supervisor_go_safe(struct supervisor *s, const char *why)
     for (unsigned i = 0; i < CONFIG_FEEDFORWARDS; i++)
         s->block[SLOT_ELEMENTS + i].running = false;
     supervisor_outputs_safe(s, why);
+    histories_begin(s);
 }
 
 void supervisor_excite(struct supervisor *s, uint8_t j, num_t fraction)

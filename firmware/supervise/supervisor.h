@@ -201,6 +201,7 @@ struct supervisor {
 #if CONFIG_BLOCKS
     struct job work[CONFIG_BLOCKS]; /* of blocks with a record */
     struct supervisor_work worker[CONFIG_BLOCKS];
+    uint16_t history[CHANNEL_MAX]; /* of each MV, as in the plan; they stand behind the blocks */
 #endif
     _Alignas(8) num_t arena[PLAN_ARENA_BYTES / sizeof(num_t)];
 };

@@ -4,6 +4,7 @@
 #include "base/elapsed.h"
 #include "supervise/alarms.h"
 #include "supervise/blocks.h"
+#include "supervise/histories.h"
 #include "supervise/serve.h"
 #include "supervise/supervisor.h"
 
@@ -532,5 +533,6 @@ void supervisor_control(struct supervisor *s)
     constrain(s);
     back_calculate(s);
     alarms_run(s);
+    histories_append(s);
     s->ticks++;
 }

@@ -1,0 +1,115 @@
+#include "supervise/histories.h"
+
+#include <string.h>
+
+#include "supervise/arena.h"
+#include "supervise/plan_parts.h"
+
+#if CONFIG_BLOCKS
+
+/* ---- plan ---- */
+
+static void need_history(struct plan *plan, uint8_t j, uint16_t ticks)
+{
+    if (j != PLAN_NONE && plan->history[j] < ticks)
+        plan->history[j] = ticks;
+    if (j != PLAN_NONE && plan->histories <= j)
+        plan->histories = (uint8_t)(j + 1u);
+}
+
+/* Base ticks that the block with record n wants to look back. */
+static uint32_t ticks_wanted(const struct plan *plan, uint8_t n)
+{
+    uint8_t slot = (uint8_t)(SLOT_RECORDS + n);
+    if (plan->block[slot].kind == PLAN_NONE || !plan_kind(plan, slot)->history)
+        return 0;
+    struct block_setup setup;
+    plan_setup_record(plan, n, &setup);
+    return applied_history_ticks(plan_kind(plan, slot)->history(&setup),
+                                 plan_record_divisor(plan, n));
+}
+
+static enum err refuse_history(const struct plan *plan, uint8_t n, uint32_t grains,
+                               struct config_fault *fault)
+{
+    (void)!plan_refuse(fault, ERR_MEMORY, "block", n + 1u, "kind", plan->config.block[n].kind,
+                       "finds no memory for its history of applied inputs");
+    fault->bytes = grains * ARENA_GRAIN;
+    return ERR_MEMORY;
+}
+
+enum err histories_resolve(struct plan *plan, uint32_t at, struct config_fault *fault)
+{
+    for (uint8_t n = 0; n < CONFIG_BLOCKS; n++) {
+        const struct record_plan *r = &plan->record[n];
+        uint32_t ticks = ticks_wanted(plan, n);
+        /* One that is too large by itself may not even have a number. */
+        uint32_t grains = at + ARENA_GRAINS(applied_history_bytes(ticks));
+        if (ticks && grains > PLAN_ARENA_BYTES / ARENA_GRAIN)
+            return refuse_history(plan, n, grains, fault);
+        for (uint8_t k = 0; ticks && k < r->members; k++)
+            need_history(plan, plan->loop[r->member[k]].output, (uint16_t)ticks);
+        for (uint8_t k = 0; ticks && k < r->inputs; k++)
+            if (r->input[k] & INPUT_IS_MV)
+                need_history(plan, r->input[k] & (uint8_t)~INPUT_IS_MV, (uint16_t)ticks);
+        grains = at;
+        for (uint8_t j = 0; j < plan->histories; j++)
+            grains += arena_history_grains(plan->history[j]);
+        if (grains > PLAN_ARENA_BYTES / ARENA_GRAIN)
+            return refuse_history(plan, n, grains, fault);
+    }
+    return ERR_OK;
+}
+
+/* ---- in force ---- */
+
+static struct applied_history *history_at(const struct supervisor *s, uint8_t j)
+{
+    return j < CHANNEL_MAX && s->plan->history[j] ? arena_history(s, j) : NULL;
+}
+
+const struct applied_history *history_of(const struct supervisor *s, uint8_t j)
+{
+    return history_at(s, j);
+}
+
+static void begin_history(struct supervisor *s, uint8_t j)
+{
+    struct applied_history *h = history_at(s, j);
+    if (h)
+        applied_history_begin(h, s->plan->history[j], s->output[j].applied);
+}
+
+void histories_begin(struct supervisor *s)
+{
+    for (uint8_t j = 0; s->plan && j < s->plan->histories; j++)
+        begin_history(s, j);
+}
+
+static bool same_mv(const struct supervisor *s, const struct plan *old, uint8_t j)
+{
+    const struct output_config *o = &s->plan->config.output[j];
+    const struct output_config *before = old ? &old->config.output[j] : NULL;
+    return before && strcmp(o->name, before->name) == 0 && o->lo == before->lo &&
+           o->hi == before->hi && s->tick_s == s->plan->tick_s;
+}
+
+void histories_place(struct supervisor *s, const struct plan *old)
+{
+    for (uint8_t j = 0; j < s->plan->histories; j++) {
+        const struct applied_history *h = history_at(s, j);
+        if (h && (h->depth != s->plan->history[j] || !same_mv(s, old, j)))
+            begin_history(s, j);
+    }
+}
+
+void histories_append(struct supervisor *s)
+{
+    for (uint8_t j = 0; j < s->plan->histories; j++) {
+        struct applied_history *h = history_at(s, j);
+        if (h)
+            applied_history_append(h, s->output[j].applied);
+    }
+}
+
+#endif

@@ -1,0 +1,33 @@
+/* Histories of applied inputs (block/applied_history.h): which MV has one, how far it goes back, and what the tick puts into
+ * it. The deepest that a block asked for serves all. Within supervise only.
+ *
+ * A plan that leaves an MV (name and span), the depth of its history and the base tick as they are leaves the history alone;
+ * else, and after the safe state that silence or another plant brings, it begins anew, full of what is applied then. */
+#ifndef REFLUX_SUPERVISE_HISTORIES_H
+#define REFLUX_SUPERVISE_HISTORIES_H
+
+#include "supervise/supervisor.h"
+
+#if CONFIG_BLOCKS
+
+/* How deep that of each MV is, and whether there is memory for them behind the blocks: `at`, in grains. Kinds have accepted
+ * their settings already. */
+enum err histories_resolve(struct plan *plan, uint32_t at, struct config_fault *fault);
+/* A plan has come into force, and its outputs have their places. old: the one before, or NULL. */
+void histories_place(struct supervisor *s, const struct plan *old);
+/* All begin anew. */
+void histories_begin(struct supervisor *s);
+/* The tick is over: what it applied is the newest. */
+void histories_append(struct supervisor *s);
+/* That of MV j, or NULL. */
+const struct applied_history *history_of(const struct supervisor *s, uint8_t j);
+
+#else
+
+#define histories_place(s, old) ((void)(old))
+#define histories_begin(s)      ((void)(s))
+#define histories_append(s)     ((void)(s))
+
+#endif
+
+#endif
