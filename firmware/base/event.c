@@ -110,6 +110,10 @@ static const char *const table[] = {
     J("JOB_LATE", "the result of this work is not there at its tick; ticks it was given", WARNING),
     C("BLOCK_GAVE_UP", "the loops' own controllers act in place of a block; which block", ALARM),
     C("BLOCK_ON", "a block acts for its loops again; which block", INFO),
+#if EVENTS_OF_BLOCKS
+    E("BLOCK_VERB", "the block has done that; the number it was given", INFO),
+    E("BLOCK_REFUSED", "a block has not done what it was told; which block", WARNING),
+#endif
     E("DO_MODE", "mode asked for (0 manual, 1 auto, 2 cascade)", ACTION),
     E("DO_SETPOINT", "setpoint asked for", ACTION),
     E("DO_OUTPUT", "output asked for", ACTION),
@@ -123,6 +127,9 @@ static const char *const table[] = {
     E("DO_LOCK", "engineer level locked", ACTION),
     C("DO_COMMISSION", "automatic start-up told something", ACTION),
     E("DO_REBOOT", "restart asked for", ACTION),
+#if EVENTS_OF_BLOCKS
+    E("DO_BLOCK", "block switched, or told something; the number it was given", ACTION),
+#endif
 };
 _Static_assert(sizeof table / sizeof table[0] == EVENT_COUNT, "every event has a name and a text");
 

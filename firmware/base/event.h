@@ -10,6 +10,13 @@
 
 enum event_level { EVENT_INFO, EVENT_WARNING, EVENT_ALARM, EVENT_ACTION };
 
+/* A board without automatic start-up has no blocks either (CONFIG_BLOCKS): there these are not even absent. */
+#if !defined(COMMISSION_CHANNELS) || COMMISSION_CHANNELS
+#define EVENTS_OF_BLOCKS 1
+#else
+#define EVENTS_OF_BLOCKS 0
+#endif
+
 /* Name and text of each are in event.c, in this order. */
 enum event_code {
     EVENT_STARTED,
@@ -84,6 +91,10 @@ enum event_code {
     EVENT_JOB_LATE,
     EVENT_BLOCK_GAVE_UP,
     EVENT_BLOCK_ON,
+#if EVENTS_OF_BLOCKS
+    EVENT_BLOCK_VERB,
+    EVENT_BLOCK_REFUSED,
+#endif
     /* Actions: what was asked for at the console. Kept in the history, not announced. */
     EVENT_DO_MODE,
     EVENT_DO_SETPOINT,
@@ -98,6 +109,9 @@ enum event_code {
     EVENT_DO_LOCK,
     EVENT_DO_COMMISSION,
     EVENT_DO_REBOOT,
+#if EVENTS_OF_BLOCKS
+    EVENT_DO_BLOCK,
+#endif
     EVENT_COUNT
 };
 

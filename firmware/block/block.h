@@ -107,6 +107,25 @@ struct block_parameter {
     float lo, hi, initial;
 };
 
+/* Names of verbs have up to so many letters, digits and _: "block2.identify" is as long as a name may be. */
+#define BLOCK_WORD_MAX 8
+
+enum block_access { ACCESS_OPERATOR, ACCESS_ENGINEER };
+
+/* What may be asked of a block of the kind: `block N NAME [NUMBER]` at the console. */
+struct block_verb {
+    const char *name;   /* neither "on" nor "off" */
+    const char *number; /* what the number behind it is, "s"; NULL: it takes none */
+    const char *help;
+    float lo, hi;         /* allowed */
+    bool may_lack_number; /* it also does without one */
+    uint8_t access;       /* enum block_access */
+    /* In the tick, before the block's step, also while none of its members acts; not while the block is off. number: NULL where
+     * none was given. It has no time to compute: what is long is asked for as work by the next step. Returns NULL, or why not,
+     * in a word. */
+    const char *(*run)(void *state, const float *number);
+};
+
 struct block_kind {
     const char *name; /* "pid" */
     uint8_t stage;    /* enum block_stage */
@@ -134,6 +153,8 @@ struct block_kind {
     /* A piece of background work, of a bounded number of instructions; true while there is more. The tick may come between
      * any two of its instructions, and leaves alone what it works on while work is wanted. */
     bool (*work)(void *state);
+    const struct block_verb *verb;
+    uint8_t verbs;
 #endif
 
     /* Bytes of state these settings need; settings that are refused need none. */

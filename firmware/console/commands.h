@@ -4,7 +4,17 @@
 #ifndef REFLUX_CONSOLE_COMMANDS_H
 #define REFLUX_CONSOLE_COMMANDS_H
 
+#include "supervise/config.h"
+
 /* clang-format off */
+#if CONFIG_BLOCKS
+#define BLOCK_COMMANDS(ROW) \
+    ROW(block, "[BLOCK] [on|off|VERB] [NUMBER]", \
+        "blocks, or one with its insides and verbs; switch it, or tell it something", 0, 3)
+#else
+#define BLOCK_COMMANDS(ROW)
+#endif
+
 #define CONSOLE_COMMANDS(ROW) \
     ROW(help, "[COMMAND|PARAMETER]", "this list, or one command or parameter", 0, 1) \
     ROW(version, "", "firmware, board, limits, why it started", 0, 0) \
@@ -14,6 +24,7 @@
         "change the mode; `mode machine|human` for this console", 1, 2) \
     ROW(sp, "LOOP VALUE", "setpoint, in the measurement's unit", 2, 2) \
     ROW(out, "LOOP|MV VALUE", "output in manual, in the output's unit", 2, 2) \
+    BLOCK_COMMANDS(ROW) \
     ROW(list, "[PREFIX|all]", "parameters in use, those beginning with PREFIX, or all", 0, 1) \
     ROW(get, "PARAMETER", "one parameter", 1, 1) \
     ROW(set, "PARAMETER VALUE", "change a parameter, at once or within begin ... apply", 2, 2) \

@@ -186,6 +186,10 @@ static void answer_words(enum err code, const struct answer *a, struct text *t)
     } else if (a->more == ANSWER_TAKEN) {
         workspace_refusal(a->workspace, t);
 #endif
+#if CONFIG_BLOCKS
+    } else if (a->more == ANSWER_VERBS) {
+        block_verbs_words(a->kind, t);
+#endif
     } else {
         text_str(t, a->words ? a->words : err_text(code));
     }

@@ -70,6 +70,8 @@ void console_err(struct console *c, enum err code, const char *text);
 void console_err_about(struct console *c, enum err code, const char *subject, const char *text);
 /* What the door has answered: ok, or err CODE and the answer in words. */
 void console_answer(struct console *c, enum err code, const struct answer *answer);
+/* A word as a number; false: refused, and answered, with what is wanted. */
+bool console_number(struct console *c, const char *text, const char *what, float *x);
 /* One whole line. */
 void console_print(struct console *c, const char *text);
 
@@ -105,6 +107,8 @@ bool console_line_is_secret(const char *line);
 /* For the line editor: what may be typed next, by the arguments of the command's row. */
 bool console_choice(void *console, const char *line, unsigned n, struct text *word);
 
+/* "its kind has no such verb, but: freeze tune" */
+void block_verbs_words(const struct block_kind *kind, struct text *t);
 /* "start held at step 7: guard, CW"; nothing where none is under way, nor has been. */
 void sequence_headline(const struct service *s, struct text *line);
 /* What is in force: names by index are of this. */

@@ -120,6 +120,24 @@ static unsigned kind_choice(const struct console *c, const char *kind, size_t si
         text_str(word, name);
         return CONFIG_ALARMS;
     }
+#if CONFIG_BLOCKS
+    if (is(kind, size, "BLOCK")) {
+        if (n < CONFIG_BLOCKS && config->block[n].kind[0])
+            text_u32(word, n + 1u);
+        return CONFIG_BLOCKS;
+    }
+    if (is(kind, size, "VERB")) {
+        struct block_reading r;
+        struct answer a;
+        uint8_t block;
+        if (operate_find_block(&c->session, t->before, &block, &a) != ERR_OK ||
+            !operate_block(&c->session, block, &r) || !r.kind)
+            return 0;
+        if (n < r.kind->verbs)
+            text_str(word, r.kind->verb[n].name);
+        return r.kind->verbs;
+    }
+#endif
     if (is(kind, size, "COMMAND")) {
         if (n < console_command_count)
             text_str(word, console_commands[n].name);

@@ -14,7 +14,7 @@ static bool find_loop(struct console *c, const char *name, uint8_t *loop)
     return !err;
 }
 
-static bool find_number(struct console *c, const char *text, const char *what, float *x)
+bool console_number(struct console *c, const char *text, const char *what, float *x)
 {
     enum err err = text_parse_float(text, x);
     if (!err)
@@ -60,7 +60,7 @@ void command_sp(struct console *c, unsigned n, char **word)
     uint8_t loop;
     float x;
     (void)n;
-    if (find_loop(c, word[0], &loop) && find_number(c, word[1], "a setpoint", &x))
+    if (find_loop(c, word[0], &loop) && console_number(c, word[1], "a setpoint", &x))
         console_answer(c, operate_setpoint(&c->session, loop, x, &a), &a);
 }
 
@@ -71,7 +71,7 @@ void command_out(struct console *c, unsigned n, char **word)
     uint8_t loop, output;
     float x;
     (void)n;
-    if (!find_number(c, word[1], "an output", &x))
+    if (!console_number(c, word[1], "an output", &x))
         return;
     output = config_find_output(config, word[0]);
     loop = output == PLAN_NONE ? config_find_loop(config, word[0]) : PLAN_NONE;
@@ -174,10 +174,11 @@ void command_tune(struct console *c, unsigned n, char **word)
     uint8_t loop;
     float lambda_s = 0.0f;
     unsigned rule = 0;
-    if (!find_loop(c, word[0], &loop) || !find_number(c, word[2], "a process gain", &model.gain) ||
-        !find_number(c, word[3], "a dead time in s", &model.dead_time_s) ||
-        !find_number(c, word[4], "a time constant in s", &model.time_constant_s) ||
-        (n == 6 && !find_number(c, word[5], "lambda in s", &lambda_s)))
+    if (!find_loop(c, word[0], &loop) ||
+        !console_number(c, word[2], "a process gain", &model.gain) ||
+        !console_number(c, word[3], "a dead time in s", &model.dead_time_s) ||
+        !console_number(c, word[4], "a time constant in s", &model.time_constant_s) ||
+        (n == 6 && !console_number(c, word[5], "lambda in s", &lambda_s)))
         return;
     while (rule < TUNING_RULES && strcmp(word[1], rules[rule]) != 0)
         rule++;

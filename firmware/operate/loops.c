@@ -1,8 +1,8 @@
 /* Modes, setpoints and outputs of loops, and settings for one from a model of its process. */
 #include "operate/operate_internal.h"
 
-static enum err refuse_range(struct answer *answer, const char *subject, float value, float lo,
-                             float hi, const char *unit)
+enum err operate_refuse_range(struct answer *answer, const char *subject, float value, float lo,
+                              float hi, const char *unit)
 {
     answer->subject = subject;
     answer->more = ANSWER_RANGE;
@@ -41,7 +41,7 @@ enum err operate_mode(struct session *session, uint8_t loop, enum loop_mode mode
         return operate_refuse(answer, ERR_UNKNOWN, NULL, NO_SUCH_LOOP);
     const char *name = plan->config.loop[loop].name;
     if ((unsigned)mode > LOOP_CASCADE)
-        return refuse_range(answer, name, (float)mode, 0.0f, (float)LOOP_CASCADE, "");
+        return operate_refuse_range(answer, name, (float)mode, 0.0f, (float)LOOP_CASCADE, "");
     if (mode != LOOP_MANUAL) {
         const char *what, *wanted;
         enum err err = service_may_act(s, loop, mode, &what, &wanted);
@@ -66,8 +66,8 @@ enum err operate_setpoint(struct session *session, uint8_t loop, float value, st
     const char *name = plan->config.loop[loop].name;
     plan_setpoint_limits(plan, loop, &lo, &hi);
     if (!(value >= lo && value <= hi))
-        return refuse_range(answer, name, value, lo, hi,
-                            plan->config.measurement[plan->loop[loop].pv].unit);
+        return operate_refuse_range(answer, name, value, lo, hi,
+                                    plan->config.measurement[plan->loop[loop].pv].unit);
     enum loop_mode mode = service_mode(s, loop);
     if (mode == LOOP_CASCADE)
         return operate_refuse(answer, ERR_STATE, name,
@@ -120,7 +120,7 @@ enum err operate_output(struct session *session, uint8_t loop, uint8_t output, f
         unit = config->measurement[plan->loop[plan->loop[loop].inner].pv].unit;
     }
     if (!(value >= lo && value <= hi))
-        return refuse_range(answer, asked, value, lo, hi, unit);
+        return operate_refuse_range(answer, asked, value, lo, hi, unit);
     struct request r = {.kind = REQUEST_OUTPUT,
                         .loop = loop,
                         .output = loop == PLAN_NONE ? output : PLAN_NONE,

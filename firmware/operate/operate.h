@@ -53,7 +53,8 @@ enum answer_more {
     ANSWER_VALUE,  /* value: no value for that parameter; no words, no subject */
     ANSWER_PLACES, /* value: larger boards have that parameter's place; no words */
     ANSWER_WAIT,   /* wait_ms: until the next try is looked at */
-    ANSWER_TAKEN   /* workspace: somebody else has it, and says what frees it; no words */
+    ANSWER_TAKEN,  /* workspace: somebody else has it, and says what frees it; no words */
+    ANSWER_VERBS   /* kind: no such verb, its own are those; no words */
 };
 
 /* What is pointed to stays until something else is asked. */
@@ -76,6 +77,7 @@ struct answer {
         } value;
         uint32_t wait_ms;
         const struct workspace *workspace;
+        const struct block_kind *kind;
     };
 };
 
@@ -152,6 +154,39 @@ enum tuning_rule { TUNE_SIMC, TUNE_COHEN_COON, TUNE_COHEN_COON_PID, TUNING_RULES
 MUST_CHECK enum err operate_tune(const struct session *session, uint8_t loop, enum tuning_rule rule,
                                  const struct fopdt *process, float lambda_s, struct tuning *tuning,
                                  struct answer *answer);
+
+#if CONFIG_BLOCKS
+/* ---- blocks with a record (blockN): blocks.c ---- */
+
+enum block_work { BLOCK_IDLE, BLOCK_WORKS, BLOCK_WORK_LATE };
+
+struct block_reading {
+    const struct block_kind *kind; /* NULL: this build lacks it, or had no room for it */
+    const char *name;              /* of the kind */
+    const char
+        *gave_up; /* why it is off: "asked", an input, or a word of the kind; NULL: it is on */
+    enum block_work work; /* done between ticks for it */
+};
+
+/* In force now; blocks count from 0. False: there is no such block. */
+bool operate_block(const struct session *session, uint8_t block, struct block_reading *reading);
+/* "2", "block2", or a kind that one block alone is of. ERR_UNKNOWN, ERR_CONFLICT: several are. */
+MUST_CHECK enum err operate_find_block(const struct session *session, const char *name,
+                                       uint8_t *block, struct answer *answer);
+/* ERR_UNKNOWN, ERR_UNSUPPORTED: this build lacks the kind; ERR_STATE: it is no controller; ERR_BUSY. */
+MUST_CHECK enum err operate_block_switch(struct session *session, uint8_t block, bool on,
+                                         struct answer *answer);
+/* ERR_UNKNOWN: *answer has the kind, whose verbs are those there are; ERR_UNSUPPORTED. */
+MUST_CHECK enum err operate_find_verb(const struct session *session, uint8_t block,
+                                      const char *name, uint8_t *verb, struct answer *answer);
+/* The verb at that place of its kind. number: NULL where none is given. Some are the engineer's: ERR_LOCKED. Errors as
+ * operate_find_verb(), and ERR_PARSE: a number is wanted, or none is; ERR_RANGE; ERR_STATE: the block is off; ERR_BUSY. */
+MUST_CHECK enum err operate_verb(struct session *session, uint8_t block, uint8_t verb,
+                                 const float *number, struct answer *answer);
+/* The i-th inner value of what runs, and its name; NULL past the last. */
+const char *operate_block_value(const struct session *session, uint8_t block, unsigned i,
+                                float *value);
+#endif
 
 /* ---- settings: settings.c ---- */
 

@@ -11,6 +11,9 @@
 /* Puts subject and words into *answer; returns the code. */
 MUST_CHECK enum err operate_refuse(struct answer *answer, enum err code, const char *subject,
                                    const char *words);
+/* The same where a value is out of a range. */
+MUST_CHECK enum err operate_refuse_range(struct answer *answer, const char *subject, float value,
+                                         float lo, float hi, const char *unit);
 /* Writes an action of this client into the history. */
 void operate_record(const struct session *session, enum event_code code, const char *subject,
                     float value);

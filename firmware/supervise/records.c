@@ -2,6 +2,8 @@
 
 #include <string.h>
 
+#include "base/text.h"
+
 #define NO_KIND 0xFFu
 
 uint8_t block_kind_find(const char *name)
@@ -35,6 +37,15 @@ uint8_t config_block_kind(const struct config *config, uint8_t n)
 const void *config_record(const struct config *config, uint8_t n)
 {
     return config_block_kind(config, n) == NO_KIND ? NULL : config->pool + config->block[n].at;
+}
+
+void block_word_name(uint8_t n, const char *word, char name[CHANNEL_NAME_SIZE])
+{
+    struct text t = text_on(name, CHANNEL_NAME_SIZE);
+    text_str(&t, "block");
+    text_u32(&t, n + 1u);
+    text_char(&t, '.');
+    text_str(&t, word);
 }
 
 static uint32_t bytes_in_use(const struct config *config)

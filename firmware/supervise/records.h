@@ -32,6 +32,9 @@ MUST_CHECK enum err record_make(struct config *config, uint8_t n, const char *ki
 /* As stored: a kind that is unknown, or finds no room, stays as a name without a record. False then. */
 bool record_restore(struct config *config, uint8_t n, const char *kind);
 
+/* "block2.tune": what is told to, or said by, block n. */
+void block_word_name(uint8_t n, const char *word, char name[CHANNEL_NAME_SIZE]);
+
 /* Values of a parameter: more than one is a table. */
 static inline uint32_t block_value_count(const struct block_parameter *p)
 {

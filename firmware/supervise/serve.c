@@ -145,6 +145,7 @@ static void give_up_block(struct supervisor *s, uint8_t slot, const char *why)
     struct block_state *b = &s->block[slot];
     b->off = true;
     b->stepped = false;
+    s->served[slot - SLOT_RECORDS] = (struct served_state){.gave_up = why};
     job_give_up(&s->work[slot - SLOT_RECORDS]);
     event_put(s->events, s->time_ms, EVENT_BLOCK_GAVE_UP, why, (float)(slot - SLOT_RECORDS + 1), 0);
 }
@@ -185,6 +186,13 @@ static const char *input_name(const struct supervisor *s, uint8_t input)
     return input & INPUT_IS_MV ? c->output[input & ~INPUT_IS_MV].name : c->measurement[input].name;
 }
 
+static void give_up_without_input(struct supervisor *s, uint8_t slot, uint8_t k)
+{
+    give_up_block(s, slot, input_name(s, record_at(s, slot)->input[k]));
+    /* Not the name, which is in a plan that is written over later. */
+    s->served[slot - SLOT_RECORDS] = (struct served_state){.input = k};
+}
+
 void serve_check_inputs(struct supervisor *s)
 {
     for (uint8_t slot = SLOT_RECORDS; slot < PLAN_BLOCKS; slot++) {
@@ -206,7 +214,7 @@ void serve_check_inputs(struct supervisor *s)
             if (kind_at(s, slot)->bad_input == BAD_INPUT_MANUAL)
                 members_to_manual(s, slot);
             else
-                give_up_block(s, slot, input_name(s, r->input[k]));
+                give_up_without_input(s, slot, k);
             break;
         }
     }

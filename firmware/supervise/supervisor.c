@@ -2,6 +2,7 @@
 #include "supervise/blocks.h"
 #include "supervise/histories.h"
 #include "supervise/serve.h"
+#include "supervise/verbs.h"
 
 #include <string.h>
 
@@ -468,6 +469,8 @@ bool supervisor_request(struct supervisor *s, const struct request *r)
 #if CONFIG_BLOCKS
     else if (r->kind == REQUEST_BLOCK && serve_switch(s, r->output, r->mode != 0))
         return true;
+    else if (r->kind == REQUEST_VERB && verb_exists(s, r))
+        return verb_run(s, r);
 #endif
     else
         event_put(s->events, s->time_ms, EVENT_REQUEST_REFUSED, NULL, r->value, 0);

@@ -42,7 +42,8 @@ enum request_kind {
     REQUEST_ACK,      /* output: index of the alarm, PLAN_NONE all */
     REQUEST_SHELVE,   /* the same, for `value` seconds; 0 ends it */
     REQUEST_SEQUENCE, /* mode: enum sequence_command; output: row that was shown */
-    REQUEST_BLOCK     /* output: which block with a record, from 0; mode: 1 on, 0 off */
+    REQUEST_BLOCK,    /* output: which block with a record, from 0; mode: 1 on, 0 off */
+    REQUEST_VERB /* output: likewise; mode: which verb of its kind; loop: 1 with a number, `value` */
 };
 
 /* Loops, outputs and alarms are named by their places in the plan it was checked with. That is in force when its turn
@@ -162,6 +163,12 @@ struct block_state {
 };
 
 #if CONFIG_BLOCKS
+/* What clients are told of a block with a record. */
+struct served_state {
+    const char *gave_up; /* why it is off, in a word; NULL: this input of it was bad */
+    uint8_t input;
+};
+
 /* Which block a job works for. */
 struct supervisor_work {
     struct supervisor *supervisor;
@@ -202,6 +209,7 @@ struct supervisor {
     struct job work[CONFIG_BLOCKS]; /* of blocks with a record */
     struct supervisor_work worker[CONFIG_BLOCKS];
     uint16_t history[CHANNEL_MAX]; /* of each MV, as in the plan; they stand behind the blocks */
+    struct served_state served[CONFIG_BLOCKS];
 #endif
     _Alignas(8) num_t arena[PLAN_ARENA_BYTES / sizeof(num_t)];
 };

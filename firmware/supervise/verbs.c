@@ -1,0 +1,36 @@
+#include "supervise/verbs.h"
+
+#include "supervise/records.h"
+
+#if CONFIG_BLOCKS
+
+static const struct block_kind *kind_of_request(const struct supervisor *s, const struct request *r)
+{
+    uint8_t kind = r->output < CONFIG_BLOCKS ? s->block[SLOT_RECORDS + r->output].kind : PLAN_NONE;
+    return kind == PLAN_NONE ? NULL : block_kinds[kind];
+}
+
+bool verb_exists(const struct supervisor *s, const struct request *r)
+{
+    const struct block_kind *kind = kind_of_request(s, r);
+    return kind && r->mode < kind->verbs;
+}
+
+bool verb_run(struct supervisor *s, const struct request *r)
+{
+    uint8_t n = r->output, slot = (uint8_t)(SLOT_RECORDS + n);
+    const struct block_verb *verb = &kind_of_request(s, r)->verb[r->mode];
+    const char *why = "off";
+    char name[CHANNEL_NAME_SIZE];
+    if (!s->block[slot].off)
+        why = verb->run(supervisor_block(s, slot), r->loop ? &r->value : NULL);
+    if (why) {
+        event_put(s->events, s->time_ms, EVENT_BLOCK_REFUSED, why, (float)(n + 1u), 0);
+        return false;
+    }
+    block_word_name(n, verb->name, name);
+    event_put(s->events, s->time_ms, EVENT_BLOCK_VERB, name, r->loop ? r->value : 0.0f, 0);
+    return true;
+}
+
+#endif

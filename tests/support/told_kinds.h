@@ -1,0 +1,208 @@
+/* Kinds of blocks that are told something and say something, beside the firmware's PID: for tests of verbs, events, alarms
+ * and proposals. Included in one file of a test, it stands in for app/kinds.c. */
+#ifndef REFLUX_TESTS_TOLD_KINDS_H
+#define REFLUX_TESTS_TOLD_KINDS_H
+
+#include <string.h>
+
+#include "block/block.h"
+#include "control/pid.h"
+#include "control/two_position.h"
+
+static uint32_t told_bytes(const struct block_setup *setup);
+static enum err told_check(const struct block_setup *setup, struct block_fault *fault);
+
+/* ---- an estimator of one point, which is its input; it can be frozen ---- */
+
+struct watch_settings {
+    float limit; /* of its input, fraction of span */
+};
+
+struct told {
+    num_t limit, held;
+    bool frozen, begun;
+    float tuned;      /* by the verb; 0: it was given no number */
+    unsigned tunings; /* times it was told */
+    unsigned steps;
+    num_t u[2];
+};
+
+static struct told *watch_state, *pair_state;
+
+static const struct block_parameter watch_parameters[] = {
+    {.id = 1,
+     .type = BLOCK_FLOAT,
+     .name = "limit",
+     .unit = "fraction",
+     .help = "of its input",
+     .lo = 0,
+     .hi = 1,
+     .initial = 0.5f},
+};
+
+static uint32_t told_bytes(const struct block_setup *setup)
+{
+    (void)setup;
+    return sizeof(struct told);
+}
+
+static enum err told_check(const struct block_setup *setup, struct block_fault *fault)
+{
+    (void)setup;
+    (void)fault;
+    return ERR_OK;
+}
+
+static enum err watch_configure(void *state, const struct block_setup *setup, bool retune)
+{
+    const struct watch_settings *c = setup->settings;
+    watch_state = state;
+    if (!retune)
+        memset(state, 0, sizeof(struct told));
+    watch_state->limit = num_from_float(c->limit);
+    return ERR_OK;
+}
+
+static void watch_step(void *state, struct block_io *io)
+{
+    struct told *w = state;
+    if (!w->frozen || !w->begun)
+        w->held = io->input[0];
+    w->begun = true;
+    w->steps++;
+    io->point[0] = w->held;
+    io->point_quality[0] = io->quality[0];
+}
+
+static const char *watch_freeze(void *state, const float *number)
+{
+    struct told *w = state;
+    (void)number;
+    if (w->frozen)
+        return "frozen";
+    w->frozen = true;
+    return NULL;
+}
+
+static const char *watch_thaw(void *state, const float *number)
+{
+    struct told *w = state;
+    (void)number;
+    w->frozen = false;
+    return NULL;
+}
+
+static const char *told_tune(void *state, const float *number)
+{
+    struct told *w = state;
+    w->tuned = number ? *number : 0.0f;
+    w->tunings++;
+    return NULL;
+}
+
+static const struct block_verb watch_verbs[] = {
+    {.name = "freeze", .help = "keeps its point where it is", .run = watch_freeze},
+    {.name = "thaw", .help = "lets it go on", .run = watch_thaw},
+    {.name = "tune",
+     .number = "s",
+     .help = "to that time, or the one it finds",
+     .lo = 1,
+     .hi = 100,
+     .may_lack_number = true,
+     .access = ACCESS_ENGINEER,
+     .run = told_tune},
+};
+
+static const char *watch_describe(const void *state, size_t i, float *value)
+{
+    const struct told *w = state;
+    *value = num_to_float(i ? w->limit : w->held);
+    return i == 0 ? "held" : i == 1 ? "limit" : NULL;
+}
+
+static const struct block_kind watch_kind = {
+    .name = "watch",
+    .stage = STAGE_ESTIMATE,
+    .parameter = watch_parameters,
+    .parameters = 1,
+    .settings_bytes = sizeof(struct watch_settings),
+    .inputs_most = 1,
+    .points_most = 1,
+    .verb = watch_verbs,
+    .verbs = 3,
+    .bytes = told_bytes,
+    .check = told_check,
+    .configure = watch_configure,
+    .step = watch_step,
+    .describe = watch_describe,
+};
+
+/* ---- a controller of two loops whose outputs stay where they are ---- */
+
+struct pair_settings {
+    float rate; /* of nothing */
+};
+
+static const struct block_parameter pair_parameters[] = {
+    {.id = 1,
+     .type = BLOCK_FLOAT,
+     .name = "rate",
+     .unit = "-",
+     .help = "of nothing",
+     .lo = 0,
+     .hi = 1,
+     .initial = 0.5f},
+};
+
+static enum err pair_configure(void *state, const struct block_setup *setup, bool retune)
+{
+    (void)setup;
+    pair_state = state;
+    if (!retune)
+        memset(state, 0, sizeof(struct told));
+    return ERR_OK;
+}
+
+static void pair_step(void *state, struct block_io *io)
+{
+    struct told *p = state;
+    p->steps++;
+    for (unsigned k = 0; k < 2; k++)
+        io->out[k] = p->u[k];
+}
+
+static void pair_follow(void *state, struct block_io *io)
+{
+    struct told *p = state;
+    for (unsigned k = 0; k < 2; k++)
+        p->u[k] = io->out[k];
+}
+
+static const struct block_verb pair_verbs[] = {
+    {.name = "tune", .number = "s", .help = "to that time", .lo = 1, .hi = 100, .run = told_tune},
+};
+
+static const struct block_kind pair_kind = {
+    .name = "pair",
+    .stage = STAGE_CONTROL,
+    .parameter = pair_parameters,
+    .parameters = 1,
+    .settings_bytes = sizeof(struct pair_settings),
+    .members_most = 2,
+    .inputs_most = 1,
+    .bad_input = BAD_INPUT_GIVES_UP,
+    .verb = pair_verbs,
+    .verbs = 1,
+    .bytes = told_bytes,
+    .check = told_check,
+    .configure = pair_configure,
+    .step = pair_step,
+    .back_calculate = pair_follow,
+    .follow = pair_follow,
+};
+
+const struct block_kind *const block_kinds[] = {&pid_kind, &two_position_kind, &watch_kind,
+                                                &pair_kind};
+const uint8_t block_kind_count = sizeof block_kinds / sizeof block_kinds[0];
+
+#endif
