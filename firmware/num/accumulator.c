@@ -2,8 +2,6 @@
 
 #ifdef REFLUX_FIXED_POINT
 
-#define EXTRA_BITS (48 - NUM_FRACTION_BITS)
-
 struct coefficient coefficient_from_float(float c)
 {
     struct coefficient k = {0, 0};
@@ -32,38 +30,30 @@ static int64_t saturating_add(int64_t a, int64_t b)
     return sum;
 }
 
-void accumulator_set(struct accumulator *a, num_t value)
-{
-    a->q48 = (int64_t)value.q * ((int64_t)1 << EXTRA_BITS);
-}
-
 num_t accumulator_get(const struct accumulator *a)
 {
-    /* Nearest; the addition saturates so that the top of the range does not wrap. */
-    return num_from_q(saturating_add(a->q48, (int64_t)1 << (EXTRA_BITS - 1)) >> EXTRA_BITS);
+    return num_from_q((a->q48 >> ACCUMULATOR_EXTRA_BITS) +
+                      (a->q48 >> (ACCUMULATOR_EXTRA_BITS - 1) & 1));
 }
 
 void accumulator_add(struct accumulator *a, num_t x)
 {
-    a->q48 = saturating_add(a->q48, (int64_t)x.q * ((int64_t)1 << EXTRA_BITS));
+    a->q48 = saturating_add(a->q48, (int64_t)x.q * ((int64_t)1 << ACCUMULATOR_EXTRA_BITS));
 }
 
-/* a += product * 2^-(48 + right); |product| <= 2^62 where right > 0. */
+/* a += product * 2^-(48 + right); |product| <= 2^62. */
 static void add_shifted(struct accumulator *a, int64_t product, int32_t right)
 {
-    if (right > 0) {
-        if (right > 62)
-            return;
-        int64_t half = (int64_t)1 << (right - 1);
-        /* |product| <= 2^62, so adding half (<= 2^61) does not overflow */
-        product = product < 0 ? -((-product + half) >> right) : (product + half) >> right;
-        a->q48 = saturating_add(a->q48, product);
+    if (right > 62)
         return;
-    }
-    int64_t factor = (int64_t)1 << -right;
     int64_t scaled;
-    if (__builtin_mul_overflow(product, factor, &scaled))
-        scaled = product < 0 ? INT64_MIN : INT64_MAX;
+    if (right > 0) {
+        scaled = num_shift_right(product, right);
+    } else {
+        scaled = (int64_t)((uint64_t)product << -right);
+        if (scaled >> -right != product)
+            scaled = product < 0 ? INT64_MIN : INT64_MAX;
+    }
     a->q48 = saturating_add(a->q48, scaled);
 }
 
@@ -109,17 +99,6 @@ void accumulator_clamp(struct accumulator *a, num_t lo, num_t hi)
 struct coefficient coefficient_from_float(float c)
 {
     return (struct coefficient){c};
-}
-
-void accumulator_set(struct accumulator *a, num_t value)
-{
-    a->sum = value;
-    a->carry = 0.0f;
-}
-
-num_t accumulator_get(const struct accumulator *a)
-{
-    return a->sum;
 }
 
 void accumulator_add(struct accumulator *a, num_t x)

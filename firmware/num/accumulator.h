@@ -23,6 +23,15 @@ struct accumulator {
     int64_t q48;
 };
 
+#define ACCUMULATOR_EXTRA_BITS (48 - NUM_FRACTION_BITS)
+
+static inline void accumulator_set(struct accumulator *a, num_t value)
+{
+    a->q48 = (int64_t)value.q * ((int64_t)1 << ACCUMULATOR_EXTRA_BITS);
+}
+/* Value rounded to num_t, saturating: the first bit that is left away rounds. */
+num_t accumulator_get(const struct accumulator *a);
+
 #else
 
 struct coefficient {
@@ -33,14 +42,21 @@ struct accumulator {
     float sum, carry; /* the exact sum is sum - carry; |carry| <= half a step of sum */
 };
 
+static inline void accumulator_set(struct accumulator *a, num_t value)
+{
+    a->sum = value;
+    a->carry = 0.0f;
+}
+static inline num_t accumulator_get(const struct accumulator *a)
+{
+    return a->sum;
+}
+
 #endif
 
 /* c: finite, magnitude below 2^31 (larger is clipped). Below 2^-48 it becomes 0. */
 struct coefficient coefficient_from_float(float c);
 
-void accumulator_set(struct accumulator *a, num_t value);
-/* Value rounded to num_t (saturating). */
-num_t accumulator_get(const struct accumulator *a);
 void accumulator_add(struct accumulator *a, num_t x);
 /* a += c * x at full width. */
 void accumulator_add_product(struct accumulator *a, struct coefficient c, num_t x);

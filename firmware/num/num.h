@@ -31,30 +31,20 @@ typedef struct {
 
 static inline num_t num_from_q(int64_t q)
 {
-    if (q > INT32_MAX)
-        q = INT32_MAX;
-    if (q < INT32_MIN)
-        q = INT32_MIN;
+    if (q != (int32_t)q)
+        q = q < 0 ? INT32_MIN : INT32_MAX;
     return (num_t){(int32_t)q};
 }
 
 /* Nearest, saturating; NaN gives 0 (callers refuse it before). */
-static inline num_t num_from_float(float x)
+num_t num_from_float(float x);
+static inline num_t num_zero(void)
 {
-    if (x >= 128.0f)
-        return (num_t){INT32_MAX};
-    if (x < -128.0f)
-        return (num_t){INT32_MIN};
-    if (!(x == x)) /* NaN */
-        return (num_t){0};
-    float scaled = x * 16777216.0f; /* exact: a power of two */
-    int32_t whole = (int32_t)scaled;
-    float rest = scaled - (float)whole; /* exact while |scaled| < 2^24, else 0 */
-    if (rest >= 0.5f && whole < INT32_MAX)
-        whole++;
-    else if (rest <= -0.5f && whole > INT32_MIN)
-        whole--;
-    return (num_t){whole};
+    return (num_t){0};
+}
+static inline num_t num_one(void)
+{
+    return (num_t){(int32_t)1 << NUM_FRACTION_BITS};
 }
 static inline float num_to_float(num_t a)
 {
@@ -62,22 +52,31 @@ static inline float num_to_float(num_t a)
 }
 static inline num_t num_add(num_t a, num_t b)
 {
-    return num_from_q((int64_t)a.q + b.q);
+    int32_t sum;
+    if (__builtin_add_overflow(a.q, b.q, &sum))
+        sum = b.q < 0 ? INT32_MIN : INT32_MAX;
+    return (num_t){sum};
 }
 static inline num_t num_sub(num_t a, num_t b)
 {
-    return num_from_q((int64_t)a.q - b.q);
+    int32_t difference;
+    if (__builtin_sub_overflow(a.q, b.q, &difference))
+        difference = b.q < 0 ? INT32_MAX : INT32_MIN;
+    return (num_t){difference};
 }
 static inline num_t num_neg(num_t a)
 {
-    return num_from_q(-(int64_t)a.q);
+    return num_sub((num_t){0}, a);
+}
+/* p * 2^-right, to the nearest, ties away from zero: those of a negative p are what one step less than a half leaves.
+ * right 1..62, |p| <= 2^62. */
+static inline int64_t num_shift_right(int64_t p, int32_t right)
+{
+    return (p + ((int64_t)1 << (right - 1)) - (p < 0)) >> right;
 }
 static inline num_t num_mul(num_t a, num_t b)
 {
-    int64_t p = (int64_t)a.q * b.q;
-    int64_t half = (int64_t)1 << (NUM_FRACTION_BITS - 1);
-    p = p < 0 ? -((-p + half) >> NUM_FRACTION_BITS) : (p + half) >> NUM_FRACTION_BITS;
-    return num_from_q(p);
+    return num_from_q(num_shift_right((int64_t)a.q * b.q, NUM_FRACTION_BITS));
 }
 /* Division by zero saturates with the sign of a; 0/0 is 0. */
 static inline num_t num_div(num_t a, num_t b)
@@ -129,6 +128,14 @@ typedef float num_t;
 static inline num_t num_from_float(float x)
 {
     return x;
+}
+static inline num_t num_zero(void)
+{
+    return 0.0f;
+}
+static inline num_t num_one(void)
+{
+    return 1.0f;
 }
 static inline float num_to_float(num_t a)
 {
@@ -183,14 +190,6 @@ static inline bool num_eq(num_t a, num_t b)
 
 #endif
 
-static inline num_t num_zero(void)
-{
-    return num_from_float(0.0f);
-}
-static inline num_t num_one(void)
-{
-    return num_from_float(1.0f);
-}
 static inline num_t num_min(num_t a, num_t b)
 {
     return num_lt(b, a) ? b : a;

@@ -62,6 +62,26 @@ static void a_float_becomes_the_nearest_number(void)
     TEST_ASSERT_DOUBLE_WITHIN(0.0, -128.0, D(N(-128.0)));
 }
 
+/* Of every exponent and both signs: fractions at the ends, at ties, and between. */
+static void a_float_of_any_size_becomes_the_nearest_number_ties_away_from_zero(void)
+{
+    for (uint32_t high = 0; high < 512; high++)
+        for (uint32_t k = 0; k < 200; k++) {
+            union {
+                uint32_t u;
+                float f;
+            } x = {.u = high << 23};
+            uint32_t power = 1u << k % 23u;
+            x.u |= (k < 69 ? power - 1u + k / 23u : 0x7FFFFFu - k * 41943u) & 0x7FFFFFu;
+            if (!isfinite(x.f))
+                continue;
+            double steps = floor(fabs((double)x.f) * 16777216.0 + 0.5) / 16777216.0;
+            double nearest = x.f < 0.0f ? -steps : steps, top = 128.0 - 2 * HALF_STEP;
+            nearest = nearest > top ? top : nearest < -128.0 ? -128.0 : nearest;
+            TEST_ASSERT_TRUE(D(num_from_float(x.f)) == BY_FORMAT((double)x.f, nearest));
+        }
+}
+
 static void division_by_zero_saturates_with_the_sign_of_the_dividend(void)
 {
     TEST_ASSERT_TRUE(D(num_div(N(0.5), num_zero())) > 127.9);
@@ -283,6 +303,7 @@ int main(void)
     UNITY_BEGIN();
     RUN_TEST(products_and_quotients_are_within_half_a_step_of_the_reference);
     RUN_TEST(a_float_becomes_the_nearest_number);
+    RUN_TEST(a_float_of_any_size_becomes_the_nearest_number_ties_away_from_zero);
     RUN_TEST(division_by_zero_saturates_with_the_sign_of_the_dividend);
     RUN_TEST(minimum_maximum_clamp_and_magnitude_choose_right);
 #ifdef REFLUX_FIXED_POINT
