@@ -6,11 +6,6 @@
 
 #include <string.h>
 
-num_t span_to_fraction(float value, float lo, float hi)
-{
-    return num_from_float((value - lo) / (hi - lo));
-}
-
 float span_to_eu(num_t fraction, float lo, float hi)
 {
     return lo + num_to_float(fraction) * (hi - lo);

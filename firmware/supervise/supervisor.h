@@ -299,7 +299,10 @@ static inline bool measurement_vouched(const struct measurement_state *m)
 void supervisor_start_setpoint(struct supervisor *s, uint8_t i);
 
 /* Conversions between EU and fraction of span. */
-num_t span_to_fraction(float value, float lo, float hi);
+static inline num_t span_to_fraction(float value, float lo, float hi)
+{
+    return num_from_float((value - lo) / (hi - lo));
+}
 float span_to_eu(num_t fraction, float lo, float hi);
 
 #endif

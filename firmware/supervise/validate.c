@@ -55,10 +55,9 @@ static enum measurement_fault judge(struct supervisor *s, uint8_t i, const struc
 }
 
 /* A usable value, read or made up. */
-static void take(struct supervisor *s, uint8_t i, float value, enum quality quality)
+static void take(struct measurement_state *m, const struct measurement_config *c, float value,
+                 enum quality quality)
 {
-    struct measurement_state *m = &s->measurement[i];
-    const struct measurement_config *c = &s->plan->config.measurement[i];
     num_t x = span_to_fraction(value, c->lo, c->hi);
     if (!m->seen || !quality_usable(m->quality))
         lag_reset(&m->filter, x); /* nothing older is worth remembering */
@@ -78,7 +77,7 @@ static bool infer(struct supervisor *s, uint8_t i)
     float value = c->infer_offset + c->infer_gain * span_to_eu(s->output[j].applied, o->lo, o->hi);
     if (!in_reach(value, c->lo, c->hi))
         return false;
-    take(s, i, value, QUALITY_UNCERTAIN);
+    take(&s->measurement[i], c, value, QUALITY_UNCERTAIN);
     return true;
 }
 
@@ -110,7 +109,7 @@ static void fall_back(struct supervisor *s, uint8_t i, float reading)
         return;
     }
     if (c->fallback == FALLBACK_SUBSTITUTE) {
-        take(s, i, c->substitute, QUALITY_UNCERTAIN);
+        take(m, c, c->substitute, QUALITY_UNCERTAIN);
         return;
     }
     bool news = m->quality != QUALITY_BAD;
@@ -135,9 +134,8 @@ void validate_measurement(struct supervisor *s, uint8_t i, const struct reading 
         fall_back(s, i, r->value);
         return;
     }
-    float value = r->value - measurement_offset_in_force(s, i);
-    bool outside = value < c->lo || value > c->hi;
-    take(s, i, value, outside ? QUALITY_UNCERTAIN : r->quality);
+    bool outside = m->raw < c->lo || m->raw > c->hi;
+    take(m, c, m->raw, outside ? QUALITY_UNCERTAIN : r->quality);
     m->believed = true;
     m->lost = false;
     m->good = r->value;
@@ -189,7 +187,10 @@ void supervisor_validate(struct supervisor *s, const struct tick_input *input)
             s->interlock[k].pending = false;
     }
     s->time_ms = input->time_ms;
-    for (uint8_t i = 0; i < CHANNEL_MAX; i++) {
+    uint8_t rows = s->placed[PLACED_MEASUREMENTS];
+    if (rows < s->placed[PLACED_OUTPUTS])
+        rows = s->placed[PLACED_OUTPUTS];
+    for (uint8_t i = 0; i < rows; i++) {
         if (s->plan->config.measurement[i].name[0] && !plan_is_estimate(s->plan, i))
             validate_measurement(s, i, &input->measurement[i]);
         if (s->plan->config.output[i].name[0])
