@@ -12,7 +12,8 @@
  *
  * Within a tick a controller that acts gets step, and back_calculate once what became of the step is known; one that
  * does not act (manual, an interlock, a start) gets follow instead: its state is set so that the next step with the
- * same inputs gives the outputs in effect (bumpless transfer).
+ * same inputs gives the outputs in effect (bumpless transfer). An estimator gets follow before its first step, and before the
+ * first after the plant was away: what it remembers may be of another plant, or hours old.
  */
 #ifndef REFLUX_BLOCK_BLOCK_H
 #define REFLUX_BLOCK_BLOCK_H
@@ -79,7 +80,7 @@ struct block_io {
     num_t *point;           /* [points] given */
     uint8_t *point_quality; /* [points] enum quality, given; QUALITY_MISSING where it is not */
     bool work_done;         /* what was asked of work() is there: once */
-    bool work_wanted;       /* asked for before, and not there yet */
+    bool work_wanted;       /* asked for before, and not over yet: asking again is in vain */
     uint8_t
         ask_work; /* given: work() is wanted, and its result taken after so many steps; 0 = no */
     const char *
@@ -161,14 +162,14 @@ struct block_kind {
     uint32_t (*bytes)(const struct block_setup *setup);
     /* Checks everything. Where something is refused *fault says what. */
     enum err (*check)(const struct block_setup *setup, struct block_fault *fault);
-    /* Settings that check() accepts. retune: new ones for the same members, without a bump; else the state begins
-     * without a past. */
+    /* Settings that check() accepts. retune: new ones for the same members, inputs and points in as many bytes, without a
+     * bump; else the state begins without a past. */
     enum err (*configure)(void *state, const struct block_setup *setup, bool retune);
     /* Whether two setups of the same members and interval come to the same: then nothing is configured again. NULL: never. */
     bool (*same)(const struct block_setup *before, const struct block_setup *now);
     void (*step)(void *state, struct block_io *io);
     void (*back_calculate)(void *state, struct block_io *io);
-    void (*follow)(void *state, struct block_io *io);
+    void (*follow)(void *state, struct block_io *io); /* of an estimator it may be NULL */
     /* Controllers that act: `out` gets another meaning (another compensator, another feedforward). The next step gives
      * io->out and what has changed since the last one; what is under way goes on. */
     void (*shift)(void *state, struct block_io *io);

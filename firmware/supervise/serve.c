@@ -108,6 +108,7 @@ static bool same_record(const struct supervisor *s, const struct plan *old, uint
     const struct record_plan *r = record_at(s, slot);
     const struct record_plan *before = old ? &old->record[slot - SLOT_RECORDS] : NULL;
     return before && old->block[slot].kind == s->plan->block[slot].kind &&
+           old->block[slot].grains == s->plan->block[slot].grains && /* the arena keeps no other */
            s->tick_s == s->plan->tick_s &&
            same_list(r->member, r->members, before->member, before->members) &&
            same_list(r->input, r->inputs, before->input, before->inputs) &&
@@ -225,8 +226,10 @@ void serve_check_inputs(struct supervisor *s)
 static void take_work(struct supervisor *s, uint8_t slot, struct block_io *io)
 {
     struct job *work = &s->work[slot - SLOT_RECORDS];
-    if (!job_is_asked(work))
+    if (!job_is_asked(work)) {
+        io->work_wanted = job_is_working(work); /* given up in the midst of a piece */
         return;
+    }
     io->work_done = job_take(work, s->events, s->time_ms);
     io->work_wanted = !io->work_done;
 }
@@ -287,6 +290,12 @@ static void give_points(struct supervisor *s, uint8_t slot, const struct signals
     }
 }
 
+void serve_forget(struct supervisor *s)
+{
+    for (uint8_t slot = SLOT_RECORDS; slot < PLAN_BLOCKS; slot++)
+        s->block[slot].must_follow = true;
+}
+
 void serve_estimate(struct supervisor *s)
 {
     for (uint8_t slot = SLOT_RECORDS; slot < PLAN_BLOCKS; slot++) {
@@ -294,6 +303,9 @@ void serve_estimate(struct supervisor *s)
             continue;
         struct signals g;
         gather(s, slot, &g);
+        if (s->block[slot].must_follow && kind_at(s, slot)->follow)
+            kind_at(s, slot)->follow(supervisor_block(s, slot), &g.io);
+        s->block[slot].must_follow = false;
         take_work(s, slot, &g.io);
         kind_at(s, slot)->step(supervisor_block(s, slot), &g.io);
         ask_work(s, slot, &g.io);

@@ -21,6 +21,8 @@ static inline uint8_t loop_server(const struct supervisor *s, uint8_t i)
 void serve_init(struct supervisor *s);
 /* A plan has come into force. old: the one before, or NULL. */
 void serve_place(struct supervisor *s, const struct plan *old);
+/* What comes next may come from another plant, or hours later: estimators begin anew. */
+void serve_forget(struct supervisor *s);
 /* After the plant's measurements: the estimators, whose points are validated like those. */
 void serve_estimate(struct supervisor *s);
 /* Before loops take over: blocks without a good input give up. */
@@ -46,6 +48,7 @@ static inline uint8_t loop_server(const struct supervisor *s, uint8_t i)
 }
 #define serve_init(s)              ((void)(s))
 #define serve_place(s, old)        ((void)(old))
+#define serve_forget(s)            ((void)(s))
 #define serve_estimate(s)          ((void)(s))
 #define serve_check_inputs(s)      ((void)(s))
 #define serve_follow(s)            ((void)(s))

@@ -326,6 +326,7 @@ void supervisor_go_safe(struct supervisor *s, const char *why)
     }
     for (unsigned i = 0; i < CONFIG_FEEDFORWARDS; i++)
         s->block[SLOT_ELEMENTS + i].running = false;
+    serve_forget(s);
     supervisor_outputs_safe(s, why);
     histories_begin(s);
 }

@@ -30,10 +30,16 @@ static const struct block_parameter mean_parameters[] = {
      .initial = 0.5f},
 };
 
+/* A test may set the first, and look at the others. */
+static uint32_t mean_more; /* bytes it needs besides */
+static bool mean_retuned;  /* when it was last configured */
+static bool mean_waits;    /* its work is wanted */
+static unsigned mean_follows;
+
 static uint32_t mean_bytes(const struct block_setup *setup)
 {
     (void)setup;
-    return sizeof(struct mean);
+    return (uint32_t)sizeof(struct mean) + mean_more;
 }
 
 static enum err mean_check(const struct block_setup *setup, struct block_fault *fault)
@@ -49,6 +55,7 @@ static enum err mean_configure(void *state, const struct block_setup *setup, boo
     const struct mean_settings *c = setup->settings;
     if (!retune)
         *m = (struct mean){0};
+    mean_retuned = retune;
     m->weight = num_from_float(c->weight);
     m->interval_s = setup->interval_s;
     return ERR_OK;
@@ -60,6 +67,13 @@ static bool mean_same(const struct block_setup *before, const struct block_setup
     return a->weight == b->weight;
 }
 
+static void mean_follow(void *state, struct block_io *io)
+{
+    (void)state;
+    (void)io;
+    mean_follows++;
+}
+
 static void mean_step(void *state, struct block_io *io)
 {
     struct mean *m = state;
@@ -69,6 +83,7 @@ static void mean_step(void *state, struct block_io *io)
     io->point_quality[0] = io->point_quality[1] =
         io->quality[0] > io->quality[1] ? io->quality[0] : io->quality[1];
     m->results += io->work_done;
+    mean_waits = io->work_wanted;
     if (!m->begun) {
         m->begun = true;
         io->ask_work = 5;
@@ -94,6 +109,7 @@ static const struct block_kind mean_kind = {
     .configure = mean_configure,
     .same = mean_same,
     .step = mean_step,
+    .follow = mean_follow,
     .work = mean_work,
 };
 

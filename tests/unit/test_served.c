@@ -31,6 +31,8 @@ void setUp(void)
 {
     both_gives_up = false;
     both_adds = 0.0f;
+    mean_more = 0;
+    mean_follows = 0;
 }
 void tearDown(void) {}
 
@@ -90,6 +92,32 @@ static void a_setting_of_its_record_holds_without_a_new_start(void)
     TEST_ASSERT_DOUBLE_WITHIN(1e-3, 115, value_of(MEAN));
     m = supervisor_block(&bench.s, SLOT_RECORDS);
     TEST_ASSERT_EQUAL_UINT32(0, m->counted);
+}
+
+static void settings_that_need_another_size_begin_without_a_past(void)
+{
+    bench_start_with(estimates);
+    put_float(0, 0, 0.75f);
+    apply();
+    tick();
+    TEST_ASSERT_TRUE(mean_retuned);
+    put_float(0, 0, 1);
+    mean_more = 64;
+    apply(); /* the arena keeps no state of another size */
+    tick();
+    TEST_ASSERT_FALSE(mean_retuned);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-3, 85, value_of(MEAN));
+}
+
+static void an_estimator_begins_anew_when_the_plant_was_away(void)
+{
+    bench_start_with(estimates);
+    TEST_ASSERT_EQUAL_UINT(1, mean_follows);
+    ticks(3);
+    TEST_ASSERT_EQUAL_UINT(1, mean_follows);
+    supervisor_go_safe(&bench.s, "link");
+    ticks(3);
+    TEST_ASSERT_EQUAL_UINT(2, mean_follows);
 }
 
 static void an_estimate_without_its_input_is_held_and_then_its_loop_goes_to_manual(void)
@@ -194,6 +222,18 @@ static void another_tick_is_another_interval(void)
     TEST_ASSERT_EQUAL_FLOAT(2, m->interval_s);
     TEST_ASSERT_FALSE(m->begun); /* and a new beginning */
     TEST_ASSERT_FALSE(supervisor_work_wanted(&bench.s));
+}
+
+static void work_given_up_in_the_midst_of_a_piece_is_wanted_until_that_is_over(void)
+{
+    bench_start_with(estimates);
+    bench.s.work[0].working = true; /* the tick has interrupted it */
+    job_give_up(&bench.s.work[0]);
+    tick();
+    TEST_ASSERT_TRUE(mean_waits);
+    bench.s.work[0].working = false;
+    tick();
+    TEST_ASSERT_FALSE(mean_waits);
 }
 
 /* ---- a block that serves ---- */
@@ -438,12 +478,15 @@ int main(void)
     UNITY_BEGIN();
     RUN_TEST(an_estimate_is_measured_in_the_same_tick_and_is_the_pv_of_a_loop);
     RUN_TEST(a_setting_of_its_record_holds_without_a_new_start);
+    RUN_TEST(settings_that_need_another_size_begin_without_a_past);
+    RUN_TEST(an_estimator_begins_anew_when_the_plant_was_away);
     RUN_TEST(an_estimate_without_its_input_is_held_and_then_its_loop_goes_to_manual);
     RUN_TEST(an_estimate_is_interlocked_and_alarmed_like_any_measurement);
     RUN_TEST(work_is_done_between_ticks_and_its_result_comes_when_it_was_declared);
     RUN_TEST(work_that_is_late_says_so_and_its_result_is_taken_when_it_is_there);
     RUN_TEST(work_of_a_block_that_is_gone_is_not_done);
     RUN_TEST(another_tick_is_another_interval);
+    RUN_TEST(work_given_up_in_the_midst_of_a_piece_is_wanted_until_that_is_over);
     RUN_TEST(it_takes_over_without_a_bump_and_moves_both_outputs);
     RUN_TEST(what_took_effect_is_told_to_it);
     RUN_TEST(when_it_gives_up_the_own_controllers_take_over_without_a_bump);
