@@ -416,6 +416,46 @@ static void an_unknown_kind_that_serves_nobody_is_no_reason_to_refuse_the_rest(v
     TEST_ASSERT_EQUAL(LOOP_AUTO, bench.s.loop[TOP].mode);
 }
 
+static void an_interlock_on_one_output_leaves_the_other_to_it_and_ends_without_a_bump(void)
+{
+    both_auto();
+    put_all((const char *const[]){"lock1.meas", "T5", "lock1.mv", "heat", "lock1.limit", "120",
+                                  "lock1.value", "0.2", NULL});
+    apply();
+    setpoint(TOP, 95);
+    ticks(3);
+    double top = sent(REFLUX);
+    reading(T5, 130);
+    ticks(3);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-6, 0.1, sent(HEAT));
+    TEST_ASSERT_TRUE(sent(REFLUX) > top);
+    reading(T1, 95);
+    reading(T5, 100);
+    tick();
+    ASSERT_NO_BUMP(0.1, sent(HEAT));
+    TEST_ASSERT_EQUAL(LOOP_AUTO, bench.s.loop[BOTTOM].mode);
+}
+
+static void a_cascade_drives_the_setpoint_of_a_member(void)
+{
+    bench_start_with(served);
+    bench_cascade();
+    apply();
+    mode(TOP, LOOP_AUTO);
+    mode(BOTTOM, LOOP_CASCADE);
+    mode(OUTER, LOOP_AUTO);
+    ticks(3);
+    double before = setpoint_of(BOTTOM), heat = sent(HEAT);
+    setpoint(OUTER, 105);
+    tick();
+    TEST_ASSERT_TRUE(setpoint_of(BOTTOM) > before + 0.01);
+    tick();
+    TEST_ASSERT_TRUE(sent(HEAT) > heat);
+    by_hand(); /* its own controller is in cascade as well */
+    tick();
+    TEST_ASSERT_EQUAL(LOOP_CASCADE, bench.s.loop[BOTTOM].mode);
+}
+
 /* ---- what a plan refuses ---- */
 
 static void refused(const char *field, const char *subject)
@@ -497,6 +537,8 @@ int main(void)
     RUN_TEST(an_unrelated_plan_does_not_disturb_it);
     RUN_TEST(a_kind_this_build_lacks_keeps_its_loops_in_manual);
     RUN_TEST(an_unknown_kind_that_serves_nobody_is_no_reason_to_refuse_the_rest);
+    RUN_TEST(an_interlock_on_one_output_leaves_the_other_to_it_and_ends_without_a_bump);
+    RUN_TEST(a_cascade_drives_the_setpoint_of_a_member);
     RUN_TEST(lists_of_names_are_checked);
     RUN_TEST(members_have_their_turns_together_and_no_decoupler);
     RUN_TEST(points_are_checked);
