@@ -3,7 +3,7 @@
 #include <string.h>
 
 #include "base/elapsed.h"
-#include "supervise/supervisor.h"
+#include "supervise/span.h"
 
 static const char *const sides[] = {"hi_hi", "hi", "lo", "lo_lo", "dev"};
 

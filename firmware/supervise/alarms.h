@@ -11,20 +11,7 @@
 #ifndef REFLUX_SUPERVISE_ALARMS_H
 #define REFLUX_SUPERVISE_ALARMS_H
 
-#include "supervise/plan.h"
-
-struct supervisor;
-struct request;
-
-struct alarm_state {
-    bool condition;    /* holds now, delay over */
-    bool listed;       /* on the list: holds, or is latched */
-    bool acknowledged; /* ... and somebody has seen it */
-    bool first;        /* came before the others of its group; until all of them are off the list */
-    bool pending;      /* condition holds, delay running */
-    uint64_t since_ms;
-    uint64_t shelved_until_ms; /* 0 = not shelved */
-};
+#include "supervise/state.h"
 
 /* After control: looks at every entry. */
 void alarms_run(struct supervisor *s);

@@ -3,8 +3,6 @@
 #include <stddef.h>
 #include <string.h>
 
-#include "supervise/supervisor.h"
-
 /* By kind of state: its group in struct config, whose first field is the name that makes it exist, and its state. */
 static const struct {
     uint16_t offset, stride;

@@ -5,18 +5,7 @@
 #ifndef REFLUX_SUPERVISE_ARENA_H
 #define REFLUX_SUPERVISE_ARENA_H
 
-#include "supervise/plan.h"
-
-struct supervisor;
-
-enum placed {
-    PLACED_MEASUREMENTS,
-    PLACED_OUTPUTS,
-    PLACED_LOOPS,
-    PLACED_INTERLOCKS,
-    PLACED_ALARMS,
-    PLACED_KINDS
-};
+#include "supervise/state.h"
 
 /* How many places of each kind the plan needs. */
 void arena_count(const struct plan *plan, uint8_t n[PLACED_KINDS]);

@@ -1,7 +1,5 @@
 #include "supervise/blocks.h"
 
-#include "supervise/serve.h"
-
 bool loop_due(const struct supervisor *s, uint8_t i, uint32_t tick)
 {
     const struct loop_config *c = &s->plan->config.loop[i];

@@ -3,7 +3,7 @@
 #ifndef REFLUX_SUPERVISE_BLOCKS_H
 #define REFLUX_SUPERVISE_BLOCKS_H
 
-#include "supervise/supervisor.h"
+#include "supervise/state.h"
 
 /* Its turn is in this tick (counted as s->ticks). */
 bool loop_due(const struct supervisor *s, uint8_t i, uint32_t tick);

@@ -6,7 +6,7 @@
 #ifndef REFLUX_SUPERVISE_HISTORIES_H
 #define REFLUX_SUPERVISE_HISTORIES_H
 
-#include "supervise/supervisor.h"
+#include "supervise/state.h"
 
 #if CONFIG_BLOCKS
 

@@ -128,7 +128,6 @@ static void loop_back(struct supervisor *s, const struct restart_record *record,
                            .output = PLAN_NONE,
                            .mode = record->mode[i],
                            .plan = s->plan->serial};
-    l->v = record->v[i];
     if (record->mode[i] == LOOP_MANUAL)
         return;
     supervisor_request(s, &mode);
@@ -172,6 +171,8 @@ void restart_try(struct restart *r, struct supervisor *s)
     interlocks_back(s, record);
     for (uint8_t k = 0; policy == RESTART_RESUME && k < s->plan->n_order; k++)
         loop_back(s, record, s->plan->order[k]);
+    for (uint8_t i = 0; policy == RESTART_RESUME && i < s->placed[PLACED_LOOPS]; i++)
+        s->loop[i].v = record->v[i]; /* a cascade that came back has found another */
     event_put(s->events, s->time_ms, EVENT_RESTART_DONE, NULL, (float)policy, (uint8_t)policy);
 }
 

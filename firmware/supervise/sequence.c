@@ -2,7 +2,8 @@
 
 #include <string.h>
 
-#include "supervise/supervisor.h"
+#include "supervise/outputs_safe.h"
+#include "supervise/span.h"
 
 const char *sequence_state_text(uint8_t state)
 {
@@ -74,7 +75,7 @@ static void hold(struct supervisor *s, enum sequence_reason why, const char *abo
 static void abort_now(struct supervisor *s, enum sequence_reason why, const char *about)
 {
     stop_at(s, SEQUENCE_ABORTED, why, about); /* first, so that the safe state finds it ended */
-    supervisor_outputs_safe(s, "sequence");
+    outputs_take_safe(s, "sequence");
 }
 
 void sequence_safe(struct supervisor *s, const char *why)

@@ -1,6 +1,7 @@
 /* What a row of a sequence does, as if an operator had asked for it. */
+#include "supervise/loop_request.h"
 #include "supervise/sequence.h"
-#include "supervise/supervisor.h"
+#include "supervise/span.h"
 
 #if CONFIG_STEPS
 
@@ -13,7 +14,7 @@ static bool ask_loop(struct supervisor *s, enum request_kind kind, uint8_t loop,
                         .mode = (uint8_t)mode,
                         .plan = s->plan->serial,
                         .value = value};
-    return supervisor_request(s, &r);
+    return loop_request(s, &r);
 }
 
 static bool set_mode(struct supervisor *s, uint8_t loop, enum loop_mode mode)
@@ -39,7 +40,7 @@ static bool drive(struct supervisor *s, uint8_t output, float value)
                             .output = output,
                             .plan = s->plan->serial,
                             .value = value};
-        done = supervisor_request(s, &r);
+        done = loop_request(s, &r);
     }
     if (done)
         s->sequence.driven = (uint16_t)(s->sequence.driven | 1u << output);

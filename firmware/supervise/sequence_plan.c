@@ -1,7 +1,8 @@
 /* Checks the rows of sequences with the rest of a configuration, and compares those of two plans. */
 #include <string.h>
 
-#include "supervise/sequence.h"
+#include "supervise/plan_parts.h"
+#include "supervise/sequence_plan.h"
 
 #if CONFIG_STEPS
 

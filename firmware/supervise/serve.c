@@ -3,6 +3,7 @@
 #include "supervise/blocks.h"
 #include "supervise/histories.h"
 #include "supervise/plan_parts.h"
+#include "supervise/span.h"
 #include "supervise/validate.h"
 
 #if CONFIG_BLOCKS
@@ -255,22 +256,6 @@ void serve_init(struct supervisor *s)
         s->worker[n] = (struct supervisor_work){s, (uint8_t)(SLOT_RECORDS + n)};
         job_init(&s->work[n], "block", work_piece, &s->worker[n]);
     }
-}
-
-bool supervisor_work_wanted(const struct supervisor *s)
-{
-    for (uint8_t n = 0; n < CONFIG_BLOCKS; n++)
-        if (job_is_asked(&s->work[n]))
-            return true;
-    return false;
-}
-
-bool supervisor_working(const struct supervisor *s)
-{
-    for (uint8_t n = 0; n < CONFIG_BLOCKS; n++)
-        if (job_is_working(&s->work[n]))
-            return true;
-    return false;
 }
 
 static void give_points(struct supervisor *s, uint8_t slot, const struct signals *g)

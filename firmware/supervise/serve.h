@@ -7,16 +7,9 @@
 #ifndef REFLUX_SUPERVISE_SERVE_H
 #define REFLUX_SUPERVISE_SERVE_H
 
-#include "supervise/supervisor.h"
+#include "supervise/state.h"
 
 #if CONFIG_BLOCKS
-
-/* Slot of the block in whose hands loop i is, or PLAN_NONE: its own controller's. */
-static inline uint8_t loop_server(const struct supervisor *s, uint8_t i)
-{
-    uint8_t slot = s->plan->loop[i].server;
-    return slot == PLAN_NONE || s->block[slot].off ? (uint8_t)PLAN_NONE : slot;
-}
 
 void serve_init(struct supervisor *s);
 /* A plan has come into force. old: the one before, or NULL. */
@@ -40,12 +33,6 @@ bool serve_switch(struct supervisor *s, uint8_t n, bool on);
 
 #else
 
-static inline uint8_t loop_server(const struct supervisor *s, uint8_t i)
-{
-    (void)s;
-    (void)i;
-    return PLAN_NONE;
-}
 #define serve_init(s)              ((void)(s))
 #define serve_place(s, old)        ((void)(old))
 #define serve_forget(s)            ((void)(s))

@@ -1,21 +1,14 @@
-/* Requests, plans, the safe state: everything around the tick. The tick itself is in tick.c. */
-#include "supervise/blocks.h"
-#include "supervise/histories.h"
-#include "supervise/serve.h"
-#include "supervise/verbs.h"
+/* Requests, channels, and what is asked of the tick from outside. The tick itself is in tick.c, plans in activate.c. */
+#include "supervise/supervisor.h"
 
 #include <string.h>
 
-float span_to_eu(num_t fraction, float lo, float hi)
-{
-    return lo + num_to_float(fraction) * (hi - lo);
-}
-
-static num_t output_fraction(const struct supervisor *s, unsigned j, float value)
-{
-    const struct output_config *o = &s->plan->config.output[j];
-    return span_to_fraction(value, o->lo, o->hi);
-}
+#include "supervise/alarms.h"
+#include "supervise/histories.h"
+#include "supervise/loop_request.h"
+#include "supervise/sequence.h"
+#include "supervise/serve.h"
+#include "supervise/verbs.h"
 
 void supervisor_init(struct supervisor *s, struct event_queue *events)
 {
@@ -25,233 +18,6 @@ void supervisor_init(struct supervisor *s, struct event_queue *events)
     for (unsigned b = 0; b < PLAN_BLOCKS; b++)
         s->block[b].kind = PLAN_NONE;
     serve_init(s);
-}
-
-/* Whether loop i of both plans is the same loop; old may be NULL. The numbers inside are fractions: they only keep their
- * meaning while names, spans and control law stay. */
-static bool same_loop(const struct plan *plan, const struct plan *old, uint8_t i)
-{
-    if (!old || !old->loop[i].used)
-        return false;
-    const struct loop_config *c = &plan->config.loop[i];
-    const struct loop_config *before = &old->config.loop[i];
-    uint8_t pv = plan->loop[i].pv, output = plan->loop[i].output;
-    if (strcmp(c->name, before->name) != 0 || strcmp(c->pv, before->pv) != 0 ||
-        strcmp(c->out, before->out) != 0 || old->loop[i].pv != pv ||
-        old->loop[i].output != output || old->block[i].kind != plan->block[i].kind)
-        return false;
-    const struct measurement_config *m = &plan->config.measurement[pv];
-    const struct measurement_config *m_before = &old->config.measurement[pv];
-    if (m->lo != m_before->lo || m->hi != m_before->hi)
-        return false;
-    if (output == PLAN_NONE)
-        return true;
-    const struct output_config *o = &plan->config.output[output];
-    const struct output_config *o_before = &old->config.output[output];
-    return o->lo == o_before->lo && o->hi == o_before->hi;
-}
-
-static void place_setpoint(struct supervisor *s, const struct plan *old, uint8_t i, float h)
-{
-    struct loop_state *l = &s->loop[i];
-    const struct loop_config *c = &s->plan->config.loop[i];
-    const struct measurement_config *m = &s->plan->config.measurement[s->plan->loop[i].pv];
-    /* Both were checked with the plan: rates and times cannot be refused here. */
-    (void)!ramp_retune(&l->ramp, c->sp_ramp_per_min / 60.0f / (m->hi - m->lo), h);
-    (void)!lag_retune(&l->filter, c->sp_filter_s, h);
-    /* A loop's first setpoint; or where the filter ends from now on, the ramp has to go on from there. */
-    if (old && (c->sp_filter_s > 0.0f || !(old->config.loop[i].sp_filter_s > 0.0f)))
-        return;
-    ramp_reset(&l->ramp, l->setpoint);
-    lag_reset(&l->filter, l->setpoint);
-}
-
-static void place_loop(struct supervisor *s, const struct plan *old, uint8_t i)
-{
-    const struct plan *plan = s->plan;
-    struct loop_state *l = &s->loop[i];
-    const char *before = old ? old->config.loop[i].name : NULL;
-    if (!plan->loop[i].used) {
-        if (l->mode != LOOP_MANUAL)
-            event_put(s->events, s->time_ms, EVENT_MODE, before, (float)LOOP_MANUAL, LOOP_MANUAL);
-        memset(l, 0, sizeof *l);
-        return;
-    }
-    const struct loop_config *c = &plan->config.loop[i];
-    uint8_t pv = plan->loop[i].pv;
-    const struct measurement_config *m = &plan->config.measurement[pv];
-    float h = plan->tick_s * (float)c->divisor;
-    bool same = same_loop(plan, old, i);
-    num_t pv_value = s->measurement[pv].value;
-    if (!same) {
-        if (l->mode != LOOP_MANUAL)
-            event_put(s->events, s->time_ms, EVENT_MODE, before, (float)LOOP_MANUAL, LOOP_MANUAL);
-        memset(l, 0, sizeof *l);
-        l->target = l->setpoint = pv_value;
-    }
-    if (same)
-        block_configure(s, old, i);
-    else
-        block_begin(s, i);
-    if (same && plan->loop[i].decouple != old->loop[i].decouple)
-        l->moved = true;
-    uint8_t outer = plan->loop[i].outer;
-    if (l->mode == LOOP_CASCADE && (outer == PLAN_NONE || !same_loop(plan, old, outer))) {
-        l->mode = LOOP_AUTO; /* at the setpoint in force: the old outer loop is gone */
-        event_put(s->events, s->time_ms, EVENT_MODE, c->name, (float)LOOP_AUTO, LOOP_AUTO);
-    }
-    float lo, hi;
-    plan_setpoint_limits(plan, i, &lo, &hi);
-    if (l->mode != LOOP_MANUAL)
-        l->target = num_clamp(l->target, span_to_fraction(lo, m->lo, m->hi),
-                              span_to_fraction(hi, m->lo, m->hi));
-    place_setpoint(s, same ? old : NULL, i, h);
-}
-
-static void place_output(struct supervisor *s, const struct plan *old, uint8_t j)
-{
-    const struct output_config *o = &s->plan->config.output[j];
-    const struct output_config *before = old ? &old->config.output[j] : NULL;
-    struct output_state *state = &s->output[j];
-    bool same = before && o->name[0] && strcmp(o->name, before->name) == 0;
-    if (!same)
-        memset(state, 0, sizeof *state);
-    if (o->name[0]) /* checked with the plan */
-        (void)!ramp_retune(&state->rate, o->rate_per_s / (o->hi - o->lo), s->plan->tick_s);
-    if (same) {
-        /* A new span gives the same engineering values new fractions. */
-        float manual = span_to_eu(state->manual, before->lo, before->hi);
-        float sent = span_to_eu(state->constrained, before->lo, before->hi);
-        if (o->lo != before->lo || o->hi != before->hi) {
-            state->manual = span_to_fraction(manual, o->lo, o->hi);
-            state->constrained = state->applied = span_to_fraction(sent, o->lo, o->hi);
-            state->excitation = num_zero(); /* it was in fractions of the old span */
-        }
-        if (s->state == SUPERVISOR_SAFE)
-            state->manual = span_to_fraction(o->safe, o->lo, o->hi);
-        return;
-    }
-    if (o->name[0])
-        state->manual = state->constrained = state->applied =
-            span_to_fraction(o->safe, o->lo, o->hi);
-}
-
-static void place_measurement(struct supervisor *s, const struct plan *old, uint8_t i)
-{
-    const struct measurement_config *m = &s->plan->config.measurement[i];
-    const struct measurement_config *before = old ? &old->config.measurement[i] : NULL;
-    struct measurement_state *state = &s->measurement[i];
-    bool same = before && m->name[0] && strcmp(m->name, before->name) == 0;
-#if CONFIG_STEPS
-    if (!same && state->offset_on)
-        event_put(s->events, s->time_ms, EVENT_OFFSET, before ? before->name : "", 0.0f, 0);
-#endif
-    if (!same)
-        *state =
-            (struct measurement_state){.quality = QUALITY_MISSING, .fault = MEASUREMENT_MISSING};
-    else if (m->lo != before->lo || m->hi != before->hi)
-        state->value =
-            span_to_fraction(span_to_eu(state->value, before->lo, before->hi), m->lo, m->hi);
-    if (!m->name[0])
-        return;
-    (void)!lag_retune(&state->filter, m->filter_s, s->plan->tick_s);
-    if (!same || m->lo != before->lo || m->hi != before->hi)
-        lag_reset(&state->filter, state->value);
-}
-
-/* The loop on this output goes on from the output it finds at the next tick: what is added to it changes. */
-static void rejoin(struct supervisor *s, const char *output)
-{
-    uint8_t j = config_find_output(&s->plan->config, output);
-    if (j != PLAN_NONE && s->plan->owner[j] != PLAN_NONE)
-        s->loop[s->plan->owner[j]].moved = true;
-}
-
-/* Same settings, same signals. */
-static bool same_feedforward(const struct plan *plan, const struct plan *old, uint8_t i)
-{
-    const struct ff_config *a = &plan->config.feedforward[i], *b = &old->config.feedforward[i];
-    return strcmp(a->from, b->from) == 0 && strcmp(a->to, b->to) == 0 && a->gain == b->gain &&
-           a->lead_s == b->lead_s && a->lag_s == b->lag_s && a->dead_s == b->dead_s &&
-           a->reference == b->reference && a->lo == b->lo && a->hi == b->hi &&
-           plan->feedforward[i].from == old->feedforward[i].from &&
-           plan->feedforward[i].from_output == old->feedforward[i].from_output &&
-           plan->feedforward[i].to == old->feedforward[i].to;
-}
-
-static void place_feedforward(struct supervisor *s, const struct plan *old, uint8_t i)
-{
-    const struct plan *plan = s->plan;
-    const struct ff_config *f = &plan->config.feedforward[i];
-    const struct ff_config *before = old ? &old->config.feedforward[i] : NULL;
-    if (!f->from[0] && !(before && before->from[0]))
-        return;
-    if (before && f->from[0] && same_feedforward(plan, old, i) && plan->tick_s == s->tick_s) {
-        float lo, hi, lo_before, hi_before;
-        plan_feedforward_span(plan, i, &lo, &hi);
-        plan_feedforward_span(old, i, &lo_before, &hi_before);
-        if (lo == lo_before && hi == hi_before)
-            return;
-    }
-    if (before)
-        rejoin(s, before->to);
-    rejoin(s, f->to);
-    uint8_t slot = (uint8_t)(SLOT_ELEMENTS + i);
-    s->block[slot].running = false; /* begins at rest at the next tick */
-    if (!f->from[0])
-        return;
-    block_give_settings(s, slot, false);
-}
-
-static void place_matrix(struct supervisor *s)
-{
-    if (s->block[SLOT_MATRIX].kind == PLAN_NONE)
-        return;
-    block_give_settings(s, SLOT_MATRIX, true);
-    s->block[SLOT_MATRIX].must_follow = true; /* select again, if it is another */
-}
-
-/* An interlock that watches and forces the same as before goes on as it stands, with its new numbers. */
-static void place_interlock(struct supervisor *s, const struct plan *old, uint8_t i)
-{
-    const struct interlock_config *k = &s->plan->config.interlock[i];
-    const struct interlock_config *before = old ? &old->config.interlock[i] : NULL;
-    if (!before || strcmp(k->measurement, before->measurement) != 0 ||
-        strcmp(k->output, before->output) != 0 || k->side != before->side)
-        memset(&s->interlock[i], 0, sizeof s->interlock[i]);
-}
-
-void supervisor_take_plan(struct supervisor *s, const struct plan *plan)
-{
-    const struct plan *old = s->plan;
-    uint8_t n[PLACED_KINDS];
-    s->plan = plan;
-    arena_count(plan, n);
-    /* Those that lose their places have something to say before. */
-    for (uint8_t i = n[PLACED_MEASUREMENTS]; i < s->placed[PLACED_MEASUREMENTS]; i++)
-        place_measurement(s, old, i);
-    for (uint8_t i = n[PLACED_LOOPS]; i < s->placed[PLACED_LOOPS]; i++)
-        place_loop(s, old, i);
-    arena_place(s, plan);
-    for (uint8_t i = 0; i < n[PLACED_MEASUREMENTS]; i++)
-        place_measurement(s, old, i);
-    for (uint8_t i = 0; i < n[PLACED_OUTPUTS]; i++)
-        place_output(s, old, i);
-    for (uint8_t i = 0; i < n[PLACED_LOOPS]; i++)
-        place_loop(s, old, i);
-    for (uint8_t i = 0; i < CONFIG_FEEDFORWARDS; i++)
-        place_feedforward(s, old, i);
-    for (uint8_t i = 0; i < n[PLACED_INTERLOCKS]; i++)
-        place_interlock(s, old, i);
-    for (uint8_t i = 0; i < n[PLACED_ALARMS]; i++)
-        alarms_place(s, old, i);
-    place_matrix(s);
-    histories_place(s, old);
-    serve_place(s, old);
-    s->tick_s = plan->tick_s; /* only now: until here it tells that the tick is another one */
-#if CONFIG_STEPS
-    sequence_place(s, old);
-#endif
 }
 
 void supervisor_tell_plan(struct supervisor *s)
@@ -277,46 +43,6 @@ void supervisor_bind_output(struct supervisor *s, uint8_t index)
     s->output[index].bound = true;
 }
 
-/* It may be a name in a plan that is written over later. */
-static void keep_reason(struct supervisor *s, const char *why)
-{
-    strncpy(s->safe_why, why, sizeof s->safe_why - 1);
-}
-
-void supervisor_stay_safe(struct supervisor *s)
-{
-    char why[CHANNEL_NAME_SIZE];
-    memcpy(why, s->safe_why, sizeof why);
-    if (s->state != SUPERVISOR_SAFE)
-        supervisor_outputs_safe(s, why);
-}
-
-void supervisor_outputs_safe(struct supervisor *s, const char *why)
-{
-#if CONFIG_STEPS
-    sequence_safe(s, why);
-#endif
-    for (unsigned i = 0; i < s->placed[PLACED_LOOPS]; i++)
-        s->loop[i].mode = LOOP_MANUAL;
-    for (unsigned j = 0; j < s->placed[PLACED_OUTPUTS]; j++) {
-        struct output_state *o = &s->output[j];
-        if (!s->plan->config.output[j].name[0])
-            continue;
-        o->manual = output_fraction(s, j, s->plan->config.output[j].safe);
-        o->commanded = o->constrained = o->applied = o->manual;
-        o->excitation = num_zero();
-        o->sent = false;
-        o->interlocked = o->beyond = false; /* until the next tick says so */
-        o->not_following = o->alarm = false;
-    }
-    if (s->state != SUPERVISOR_SAFE)
-        event_put(s->events, s->time_ms, EVENT_SAFE_STATE, why, 0.0f, 0);
-    if (s->state != SUPERVISOR_SAFE)
-        keep_reason(s, why);
-    s->state = SUPERVISOR_SAFE;
-    s->safe_count++;
-}
-
 void supervisor_go_safe(struct supervisor *s, const char *why)
 {
     for (unsigned i = 0; i < s->placed[PLACED_MEASUREMENTS]; i++) {
@@ -337,110 +63,23 @@ void supervisor_excite(struct supervisor *s, uint8_t j, num_t fraction)
         s->output[j].excitation = fraction;
 }
 
-enum loop_mode supervisor_mode(const struct supervisor *s, uint8_t loop)
+#if CONFIG_BLOCKS
+bool supervisor_work_wanted(const struct supervisor *s)
 {
-    return loop < s->placed[PLACED_LOOPS] ? s->loop[loop].mode : LOOP_MANUAL;
-}
-
-/* Both channels of a loop, and of every loop below it, are there. */
-static bool loop_bound(const struct supervisor *s, uint8_t i)
-{
-    /* At most CONFIG_LOOPS steps down a chain that plan_build has proved free of rings. */
-    for (unsigned depth = 0; depth < CONFIG_LOOPS && i != PLAN_NONE; depth++) {
-        const struct loop_plan *p = &s->plan->loop[i];
-        if (!s->measurement[p->pv].bound)
-            return false;
-        if (p->output != PLAN_NONE)
-            return s->output[p->output].bound;
-        i = p->inner;
-    }
+    for (uint8_t n = 0; n < CONFIG_BLOCKS; n++)
+        if (job_is_asked(&s->work[n]))
+            return true;
     return false;
 }
 
-static bool request_mode(struct supervisor *s, const struct request *r)
+bool supervisor_working(const struct supervisor *s)
 {
-    struct loop_state *l = &s->loop[r->loop];
-    const struct loop_plan *p = &s->plan->loop[r->loop];
-    const char *name = s->plan->config.loop[r->loop].name;
-    enum loop_mode mode = (enum loop_mode)r->mode;
-    if (mode != LOOP_MANUAL) {
-        bool possible = loop_bound(s, r->loop) && s->measurement[p->pv].seen &&
-                        quality_usable(s->measurement[p->pv].quality) &&
-                        !(mode == LOOP_CASCADE && p->outer == PLAN_NONE);
-        if (!possible) {
-            event_put(s->events, s->time_ms, EVENT_MODE_REFUSED, name, (float)mode, (uint8_t)mode);
-            return false;
-        }
-    }
-    if (l->mode == mode)
-        return true;
-    bool from_manual = l->mode == LOOP_MANUAL;
-    if (l->mode == LOOP_CASCADE)
-        l->target = l->setpoint; /* stay where the outer loop left it */
-    l->mode = mode;
-    if (from_manual) {
-        l->join = true;
-        supervisor_start_setpoint(s, r->loop);
-    }
-    l->sp_given = true;
-    s->state = SUPERVISOR_RUN;
-    event_put(s->events, s->time_ms, EVENT_MODE, name, (float)mode, (uint8_t)mode);
-    return true;
+    for (uint8_t n = 0; n < CONFIG_BLOCKS; n++)
+        if (job_is_working(&s->work[n]))
+            return true;
+    return false;
 }
-
-static bool request_setpoint(struct supervisor *s, const struct request *r)
-{
-    struct loop_state *l = &s->loop[r->loop];
-    const struct measurement_config *m = &s->plan->config.measurement[s->plan->loop[r->loop].pv];
-    const struct loop_config *c = &s->plan->config.loop[r->loop];
-    float lo, hi;
-    plan_setpoint_limits(s->plan, r->loop, &lo, &hi);
-    if (l->mode == LOOP_CASCADE || (l->mode == LOOP_MANUAL && c->sp_track) || r->value < lo ||
-        r->value > hi) {
-        event_put(s->events, s->time_ms, EVENT_REQUEST_REFUSED, c->name, r->value, 0);
-        return false;
-    }
-    l->target = span_to_fraction(r->value, m->lo, m->hi);
-    l->sp_given = true;
-    event_put(s->events, s->time_ms, EVENT_SETPOINT, c->name, r->value, 0);
-    return true;
-}
-
-static bool request_output(struct supervisor *s, const struct request *r)
-{
-    uint8_t j = r->output;
-    const char *name;
-    if (j == PLAN_NONE) {
-        struct loop_state *l = &s->loop[r->loop];
-        const struct loop_plan *p = &s->plan->loop[r->loop];
-        name = s->plan->config.loop[r->loop].name;
-        /* The output of an outer loop follows the inner one until that listens to it. */
-        bool deaf = p->output == PLAN_NONE && s->loop[p->inner].mode != LOOP_CASCADE;
-        /* By hand a loop's output can be moved without its measurement. */
-        bool there = p->output == PLAN_NONE ? loop_bound(s, r->loop) : s->output[p->output].bound;
-        if (l->mode != LOOP_MANUAL || deaf || !there) {
-            event_put(s->events, s->time_ms, EVENT_REQUEST_REFUSED, name, r->value, 0);
-            return false;
-        }
-        if (p->output == PLAN_NONE) {
-            const struct measurement_config *m =
-                &s->plan->config.measurement[s->plan->loop[p->inner].pv];
-            l->v = span_to_fraction(r->value, m->lo, m->hi);
-        } else {
-            s->output[p->output].manual = output_fraction(s, p->output, r->value);
-        }
-    } else {
-        name = s->plan->config.output[j].name;
-        if (!s->output[j].bound || s->plan->owner[j] != PLAN_NONE) {
-            event_put(s->events, s->time_ms, EVENT_REQUEST_REFUSED, name, r->value, 0);
-            return false;
-        }
-        s->output[j].manual = output_fraction(s, j, r->value);
-    }
-    s->state = SUPERVISOR_RUN;
-    event_put(s->events, s->time_ms, EVENT_OUTPUT, name, r->value, 0);
-    return true;
-}
+#endif
 
 bool supervisor_request(struct supervisor *s, const struct request *r)
 {
@@ -448,14 +87,8 @@ bool supervisor_request(struct supervisor *s, const struct request *r)
         event_put(s->events, s->time_ms, EVENT_REQUEST_REFUSED, "plan", r->value, 0);
         return false;
     }
-    bool loop_ok = r->loop < CONFIG_LOOPS && s->plan->loop[r->loop].used;
-    bool output_ok = r->output < CHANNEL_MAX && s->plan->config.output[r->output].name[0];
-    if (r->kind == REQUEST_MODE && loop_ok)
-        return request_mode(s, r);
-    if (r->kind == REQUEST_SETPOINT && loop_ok)
-        return request_setpoint(s, r);
-    if (r->kind == REQUEST_OUTPUT && (r->output == PLAN_NONE ? loop_ok : output_ok))
-        return request_output(s, r);
+    if (r->kind <= REQUEST_OUTPUT)
+        return loop_request(s, r);
     if (r->kind == REQUEST_ACK || r->kind == REQUEST_SHELVE)
         alarms_request(s, r);
 #if CONFIG_STEPS

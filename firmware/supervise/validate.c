@@ -1,7 +1,8 @@
-/* The first step of a tick: what is to be believed of the readings, and what stands in for the rest. */
 #include "supervise/validate.h"
+
 #include "base/elapsed.h"
-#include "supervise/serve.h"
+#include "supervise/safe_state.h"
+#include "supervise/span.h"
 
 /* A reading this far outside its span, in spans, is not believed. */
 #define BELIEVABLE 0.1f
@@ -162,7 +163,7 @@ static void report_following(struct supervisor *s, uint8_t j, bool differs, floa
     o->alarm = alarm;
 }
 
-static void validate_readback(struct supervisor *s, uint8_t j, const struct reading *r)
+void validate_readback(struct supervisor *s, uint8_t j, const struct reading *r)
 {
     struct output_state *o = &s->output[j];
     const struct output_config *c = &s->plan->config.output[j];
@@ -176,25 +177,4 @@ static void validate_readback(struct supervisor *s, uint8_t j, const struct read
         differs = num_lt(num_from_float(band), gap);
     }
     report_following(s, j, differs, r->value);
-}
-
-void supervisor_validate(struct supervisor *s, const struct tick_input *input)
-{
-    if (input->time_ms < s->time_ms) {
-        alarms_time_back(s);
-        /* Delays count in a time that is no more: they begin anew. */
-        for (uint8_t k = 0; k < s->placed[PLACED_INTERLOCKS]; k++)
-            s->interlock[k].pending = false;
-    }
-    s->time_ms = input->time_ms;
-    uint8_t rows = s->placed[PLACED_MEASUREMENTS];
-    if (rows < s->placed[PLACED_OUTPUTS])
-        rows = s->placed[PLACED_OUTPUTS];
-    for (uint8_t i = 0; i < rows; i++) {
-        if (s->plan->config.measurement[i].name[0] && !plan_is_estimate(s->plan, i))
-            validate_measurement(s, i, &input->measurement[i]);
-        if (s->plan->config.output[i].name[0])
-            validate_readback(s, i, &input->readback[i]);
-    }
-    serve_estimate(s);
 }

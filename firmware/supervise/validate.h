@@ -1,10 +1,12 @@
-/* One reading of a tick. Within supervise only. */
+/* What is to be believed of a reading, and what stands in for it otherwise. Within supervise only. */
 #ifndef REFLUX_SUPERVISE_VALIDATE_H
 #define REFLUX_SUPERVISE_VALIDATE_H
 
-#include "supervise/supervisor.h"
+#include "supervise/state.h"
 
-/* What is to be believed of it, and what stands in for it otherwise. i: a measurement of the plan in force. */
+/* i: a measurement of the plan in force. */
 void validate_measurement(struct supervisor *s, uint8_t i, const struct reading *r);
+/* j: a manipulated variable. r: what the plant says it does. */
+void validate_readback(struct supervisor *s, uint8_t j, const struct reading *r);
 
 #endif

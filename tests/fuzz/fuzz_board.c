@@ -5,7 +5,7 @@
 #include "base/crc32.h"
 #include "memory_port.h"
 #include "service/parameters.h"
-#include "supervise/plan.h"
+#include "supervise/plan_build.h"
 
 #define REMEMBERED 256
 #define LINE_SIZE  4096

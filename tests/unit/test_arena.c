@@ -3,6 +3,7 @@
 #include <string.h>
 
 #include "random_source.h"
+#include "supervise/arena.h"
 #include "supervise/supervisor.h"
 #include "unity.h"
 

@@ -1,4 +1,5 @@
 /* What makes a configuration be refused, and what it is told then. */
+#include "supervise/arena.h"
 #include "supervisor_bench.h"
 
 static struct plan plan;

@@ -11,6 +11,7 @@
 #include "commission/proposal.h"
 #include "commission_space.h"
 #include "random_source.h"
+#include "supervise/arena.h"
 #include "supervisor_bench.h"
 
 #define SEED 20240712u

@@ -19,6 +19,23 @@ static double v_of(unsigned loop)
     return D(bench.s.loop[loop].v);
 }
 
+static void a_cascade_asked_for_in_the_tick_of_its_plan_begins_where_the_inner_loop_is(void)
+{
+    for (int from = LOOP_MANUAL; from <= LOOP_AUTO; from++) {
+        bench_start();
+        mode(BOTTOM, (enum loop_mode)from);
+        if (from == LOOP_AUTO)
+            setpoint(BOTTOM, 110);
+        ticks(3);
+        double before = setpoint_of(BOTTOM);
+        bench_cascade();
+        apply();
+        mode(BOTTOM, LOOP_CASCADE);
+        ticks(2);
+        TEST_ASSERT_DOUBLE_WITHIN(1e-6, before, setpoint_of(BOTTOM));
+    }
+}
+
 static void the_outer_output_is_the_inner_setpoint(void)
 {
     cascade();
@@ -304,6 +321,7 @@ int main(void)
 {
     UNITY_BEGIN();
     RUN_TEST(the_outer_output_is_the_inner_setpoint);
+    RUN_TEST(a_cascade_asked_for_in_the_tick_of_its_plan_begins_where_the_inner_loop_is);
     RUN_TEST(an_outer_loop_follows_the_measurement_of_an_inner_one_in_manual);
     RUN_TEST(an_outer_loop_follows_the_setpoint_of_an_inner_one_in_automatic);
     RUN_TEST(entering_cascade_from_automatic_does_not_move_setpoint_or_output);

@@ -1,0 +1,133 @@
+#include "supervise/back_calculate.h"
+
+#include "supervise/blocks.h"
+#include "supervise/serve.h"
+#include "supervise/setpoint.h"
+
+/* A command beyond this, in spans, may have ended with the range of num_t. */
+#define COMMAND_MAX 100.0f
+
+/* Directions in which the setpoint of loop i should not be pushed, because its own output is at a limit. */
+static uint8_t saturation(const struct supervisor *s, uint8_t i)
+{
+    const struct loop_state *l = &s->loop[i];
+    const struct loop_plan *p = &s->plan->loop[i];
+    if (loop_interlocked(s, i))
+        return INTEGRAL_CLAMP_UP | INTEGRAL_CLAMP_DOWN;
+    bool up = (l->limited & INTEGRAL_CLAMP_UP) != 0;
+    bool down = (l->limited & INTEGRAL_CLAMP_DOWN) != 0;
+    if (p->output != PLAN_NONE) {
+        const struct output_state *o = &s->output[p->output];
+        up = up || num_lt(o->applied, o->commanded);
+        down = down || num_lt(o->commanded, o->applied);
+    } else { /* whether or not it has been told already */
+        num_t taken = setpoint_clamp(s, p->inner, l->v);
+        up = up || num_lt(taken, l->v);
+        down = down || num_lt(l->v, taken);
+    }
+    up = up || (l->clamp & INTEGRAL_CLAMP_UP);
+    down = down || (l->clamp & INTEGRAL_CLAMP_DOWN);
+    if (s->plan->config.loop[i].own.action == LOOP_DIRECT) {
+        bool swap = up;
+        up = down;
+        down = swap;
+    }
+    return (uint8_t)((up ? INTEGRAL_CLAMP_UP : 0) | (down ? INTEGRAL_CLAMP_DOWN : 0));
+}
+
+/* Whoever acts for loop i is told what took effect of its output; its own controller follows another's. */
+static void tell_applied(struct supervisor *s, uint8_t i, num_t told, uint8_t clamp)
+{
+#if CONFIG_BLOCKS
+    if (loop_server(s, i) != PLAN_NONE) {
+        s->loop[i].told = told;
+        s->loop[i].clamp = clamp;
+        block_follow_at(s, i, told);
+        return;
+    }
+#endif
+    if (block_closes(s, i))
+        block_back_calculate(s, i, told, clamp);
+}
+
+static void back_direct(struct supervisor *s, uint8_t i, num_t told)
+{
+    struct loop_state *l = &s->loop[i];
+    const struct loop_plan *p = &s->plan->loop[i];
+    if (loop_interlocked(s, i))
+        l->join = true; /* whenever the interlock lets go */
+    if (l->mode != LOOP_MANUAL && !l->join) {
+        tell_applied(s, i, told, INTEGRAL_FREE);
+        return;
+    }
+    const struct output_state *o = &s->output[p->output];
+    l->v = num_sub(num_sub(o->applied, o->excitation), l->feedforward);
+    block_follow(s, i);
+}
+
+static void back_outer(struct supervisor *s, uint8_t i)
+{
+    struct loop_state *l = &s->loop[i];
+    const struct loop_plan *p = &s->plan->loop[i];
+    const struct loop_state *inner = &s->loop[p->inner];
+    /* Nobody takes this loop's output: the inner loop is not in cascade, or is but speaks to nobody itself. */
+    l->open = inner->mode != LOOP_CASCADE || inner->open;
+    if (l->open)
+        l->v = setpoint_found(s, p->inner);
+    if (l->mode == LOOP_MANUAL || l->open) {
+        block_follow(s, i);
+        if (l->open && loop_server(s, i) != PLAN_NONE)
+            serve_must_follow(s, loop_server(s, i));
+        return;
+    }
+    l->clamp = saturation(s, p->inner);
+    /* What the inner loop makes of it does not depend on whose turn comes first. */
+    tell_applied(s, i, setpoint_clamp(s, p->inner, l->v), l->clamp);
+}
+
+/* What compensated loops are told: v and the way back of (applied - commanded). Where the compensator asks for more than
+ * num_t holds, the command does not say by how much the output falls short of it; then the way back of the output itself. */
+static void back_compensated(struct supervisor *s, num_t *told)
+{
+    const struct block_state *b = &s->block[SLOT_MATRIX];
+    num_t u[DECOUPLER_MAX];
+    bool whole = false;
+    for (uint8_t i = 0; i < DECOUPLER_MAX; i++)
+        if (b->acting & (1u << i))
+            whole = whole || num_lt(num_from_float(COMMAND_MAX),
+                                    num_abs(s->output[s->plan->loop[i].output].commanded));
+    for (uint8_t i = 0; i < DECOUPLER_MAX; i++) {
+        if (!(b->acting & (1u << i)))
+            continue;
+        const struct output_state *o = &s->output[s->plan->loop[i].output];
+        num_t from = whole ? num_add(s->loop[i].feedforward, o->excitation) : o->commanded;
+        u[i] = num_sub(o->applied, from);
+    }
+    struct block_io io = {.acting = b->acting, .in = u, .out = told};
+    block_kinds[b->kind]->back_calculate(supervisor_block(s, SLOT_MATRIX), &io);
+    for (uint8_t i = 0; !whole && i < DECOUPLER_MAX; i++)
+        if (b->acting & (1u << i))
+            told[i] = num_add(s->loop[i].v, told[i]);
+}
+
+void back_calculate_loops(struct supervisor *s)
+{
+    num_t told[CONFIG_LOOPS];
+    for (uint8_t i = 0; i < s->placed[PLACED_LOOPS]; i++) {
+        uint8_t j = s->plan->loop[i].output;
+        told[i] = s->loop[i].v;
+        if (s->plan->loop[i].used && j != PLAN_NONE)
+            told[i] = num_add(told[i], num_sub(s->output[j].applied, s->output[j].commanded));
+    }
+    if (s->block[SLOT_MATRIX].kind != PLAN_NONE)
+        back_compensated(s, told);
+    /* Inner loops first: what an outer loop may do depends on them. */
+    for (uint8_t k = s->plan->n_order; k > 0; k--) {
+        uint8_t i = s->plan->order[k - 1u];
+        if (s->plan->loop[i].output != PLAN_NONE)
+            back_direct(s, i, told[i]);
+        else
+            back_outer(s, i);
+    }
+    serve_back_calculate(s);
+}

@@ -1,0 +1,159 @@
+#include "supervise/constrain.h"
+
+#include "base/elapsed.h"
+#include "supervise/blocks.h"
+#include "supervise/span.h"
+
+static bool heard_within(const struct supervisor *s, uint8_t k, float seconds)
+{
+    return (float)((uint32_t)s->time_ms - s->interlock[k].heard_ms) <= seconds * 1000.0f;
+}
+
+/* The condition of entry k now. It begins on any number the plant vouches for, whatever came before it or stands in
+ * for it; it ends only on a believed one. */
+static bool interlock_condition(const struct supervisor *s, uint8_t k)
+{
+    const struct interlock_config *c = &s->plan->config.interlock[k];
+    const struct interlock_state *state = &s->interlock[k];
+    uint8_t i = s->plan->interlock[k].measurement;
+    const struct measurement_state *m = &s->measurement[i];
+    bool vouched = measurement_vouched(m);
+    float band = state->active ? c->hysteresis : 0.0f;
+    bool outside = c->side == INTERLOCK_ABOVE ? m->raw > c->limit - band : m->raw < c->limit + band;
+    if (vouched && outside)
+        return true;
+    if (state->active)
+        return !vouched || m->fault != MEASUREMENT_FINE;
+    /* A substituted or inferred value is no evidence that all is well. */
+    bool bad = !m->bound || !m->seen || m->lost || !quality_usable(m->quality);
+    if (c->on_bad && bad)
+        return true;
+    /* The last number stands for as long as a value is held. */
+    return !vouched && m->bound && m->delivered && outside && state->pending &&
+           heard_within(s, k, s->plan->config.measurement[i].hold_s);
+}
+
+/* A missing sample does not begin the delay anew, when others are heard meanwhile; it takes one past the limit to end
+ * the delay. */
+static bool interlock_waits(const struct supervisor *s, uint8_t k)
+{
+    const struct measurement_state *m = &s->measurement[s->plan->interlock[k].measurement];
+    return s->interlock[k].pending && !measurement_vouched(m) &&
+           heard_within(s, k, s->plan->config.interlock[k].delay_s);
+}
+
+/* Nothing overrides an interlock: it is applied last, over limits, rates and manual alike. */
+static void run_interlocks(struct supervisor *s)
+{
+    bool interlocked[CHANNEL_MAX] = {false};
+    for (uint8_t k = 0; k < s->placed[PLACED_INTERLOCKS]; k++) {
+        const struct interlock_config *c = &s->plan->config.interlock[k];
+        struct interlock_state *state = &s->interlock[k];
+        if (!c->measurement[0] || s->plan->interlock[k].measurement == PLAN_NONE)
+            continue;
+        const struct measurement_state *m = &s->measurement[s->plan->interlock[k].measurement];
+        bool condition = interlock_condition(s, k);
+        if (condition && !state->pending)
+            state->since_ms = s->time_ms;
+        if (condition && (!state->pending || measurement_vouched(m)))
+            state->heard_ms = (uint32_t)s->time_ms;
+        state->pending = condition || interlock_waits(s, k);
+        bool active = condition && (state->active || elapsed_ms(s->time_ms, state->since_ms) >=
+                                                         c->delay_s * 1000.0f);
+        if (active != state->active)
+            event_put(s->events, s->time_ms, active ? EVENT_INTERLOCK_ON : EVENT_INTERLOCK_OFF,
+                      c->output, m->raw, k);
+        state->active = active;
+        uint8_t j = s->plan->interlock[k].output;
+        if (!active || interlocked[j] || !s->output[j].bound)
+            continue; /* the first entry of the table wins */
+        interlocked[j] = true;
+        const struct output_config *o = &s->plan->config.output[j];
+        s->output[j].constrained = span_to_fraction(c->value, o->lo, o->hi);
+    }
+    for (uint8_t j = 0; j < s->placed[PLACED_OUTPUTS]; j++)
+        s->output[j].interlocked = interlocked[j];
+}
+
+/* An interlock may have left the output outside lo..hi. In manual it stays there until somebody moves it; whatever moves
+ * it finds it at the nearest limit. Returns whether it stays. */
+static bool stays_beyond(struct output_state *o, num_t lo, num_t hi, bool acts)
+{
+    num_t nearest = num_clamp(o->constrained, lo, hi);
+    o->beyond = o->beyond && !num_eq(nearest, o->constrained);
+    if (o->beyond && !acts && num_eq(o->commanded, o->constrained))
+        return true;
+    if (o->beyond)
+        o->constrained = nearest;
+    o->beyond = false;
+    return false;
+}
+
+/* The limits of a loop hold for what reaches its output, after decoupler and feedforward. An output found outside enters
+ * them at the loop's rate, at once where there is none. */
+static void loop_limits(const struct supervisor *s, uint8_t i, num_t at, num_t *lo, num_t *hi)
+{
+    const struct loop_config *l = &s->plan->config.loop[i];
+    num_t least = num_from_float(l->own.out_lo), most = num_from_float(l->own.out_hi);
+    if (l->own.out_rate_per_s > 0.0f) {
+        /* A step of num_t at least: it arrives. */
+        num_t reach = num_max(num_from_float(l->own.out_rate_per_s * s->plan->tick_s),
+                              num_from_float(1.0f / 16777216.0f));
+        least = num_min(least, num_add(at, reach));
+        most = num_max(most, num_sub(at, reach));
+    }
+    *lo = num_min(num_max(*lo, least), *hi);
+    *hi = num_max(num_min(*hi, most), *lo);
+}
+
+static void constrain_output(struct supervisor *s, uint8_t j)
+{
+    struct output_state *o = &s->output[j];
+    const struct output_config *c = &s->plan->config.output[j];
+    num_t safe = span_to_fraction(c->safe, c->lo, c->hi);
+    if (s->state == SUPERVISOR_SAFE || !o->bound) {
+        /* What is not there waits at its safe value too, and begins there when it comes. */
+        o->constrained = o->manual = safe;
+        return;
+    }
+    num_t lo = span_to_fraction(c->min, c->lo, c->hi);
+    num_t hi = span_to_fraction(c->max, c->lo, c->hi);
+    uint8_t i = s->plan->owner[j];
+    bool acts = i != PLAN_NONE && loop_acts(s, i);
+    if (!acts) {
+        /* The safe value may lie outside the operating limits; manual may stay there. */
+        lo = num_min(lo, safe);
+        hi = num_max(hi, safe);
+    }
+    if (stays_beyond(o, lo, hi, acts))
+        return;
+    /* What is not sent now is not sent later either, when the limits are wider again. */
+    o->manual = num_clamp(o->manual, lo, hi);
+    if (acts && loop_drives(s, i) && !plan_kind(s->plan, i)->positions)
+        loop_limits(s, i, o->constrained, &lo, &hi);
+    /* From where the output is, whatever put it there. The ramp is wide, so that slow rates do not stall. */
+    if (!num_eq(accumulator_get(&o->rate.at), o->constrained))
+        ramp_reset(&o->rate, o->constrained);
+    o->constrained = ramp_step(&o->rate, num_clamp(o->commanded, lo, hi));
+}
+
+void constrain_outputs(struct supervisor *s)
+{
+    for (uint8_t j = 0; j < s->placed[PLACED_OUTPUTS]; j++)
+        if (s->plan->config.output[j].name[0])
+            constrain_output(s, j);
+    run_interlocks(s);
+    loops_find_driving(s);
+    for (uint8_t j = 0; j < s->placed[PLACED_OUTPUTS]; j++) {
+        struct output_state *o = &s->output[j];
+        uint8_t i = s->plan->owner[j];
+        if (!s->plan->config.output[j].name[0])
+            continue;
+        o->applied = o->not_following ? o->readback : o->constrained;
+        o->sent = true;
+        o->beyond = o->beyond || o->interlocked;
+        /* Manual begins where automatic or an interlock left the output. */
+        if (o->interlocked || (i != PLAN_NONE && loop_drives(s, i)))
+            o->manual = num_sub(o->constrained, o->excitation);
+    }
+}

@@ -1,0 +1,11 @@
+/* The last step forwards: limits, rates, interlocks and the safe state decide what is sent to the plant. Within supervise
+ * only. */
+#ifndef REFLUX_SUPERVISE_CONSTRAIN_H
+#define REFLUX_SUPERVISE_CONSTRAIN_H
+
+#include "supervise/state.h"
+
+/* output_state.commanded of every output becomes constrained, and applied. */
+void constrain_outputs(struct supervisor *s);
+
+#endif

@@ -1,0 +1,35 @@
+#include "supervise/outputs_safe.h"
+
+#include <string.h>
+
+#include "supervise/span.h"
+
+/* It may be a name in a plan that is written over later. */
+static void keep_reason(struct supervisor *s, const char *why)
+{
+    strncpy(s->safe_why, why, sizeof s->safe_why - 1);
+}
+
+void outputs_take_safe(struct supervisor *s, const char *why)
+{
+    for (unsigned i = 0; i < s->placed[PLACED_LOOPS]; i++)
+        s->loop[i].mode = LOOP_MANUAL;
+    for (unsigned j = 0; j < s->placed[PLACED_OUTPUTS]; j++) {
+        struct output_state *o = &s->output[j];
+        const struct output_config *c = &s->plan->config.output[j];
+        if (!c->name[0])
+            continue;
+        o->manual = span_to_fraction(c->safe, c->lo, c->hi);
+        o->commanded = o->constrained = o->applied = o->manual;
+        o->excitation = num_zero();
+        o->sent = false;
+        o->interlocked = o->beyond = false; /* until the next tick says so */
+        o->not_following = o->alarm = false;
+    }
+    if (s->state != SUPERVISOR_SAFE)
+        event_put(s->events, s->time_ms, EVENT_SAFE_STATE, why, 0.0f, 0);
+    if (s->state != SUPERVISOR_SAFE)
+        keep_reason(s, why);
+    s->state = SUPERVISOR_SAFE;
+    s->safe_count++;
+}

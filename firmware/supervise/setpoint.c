@@ -1,0 +1,61 @@
+/* Limits, ramp and filter of setpoints, and where they come from in each mode. */
+#include "supervise/setpoint.h"
+#include "supervise/span.h"
+
+num_t setpoint_clamp(const struct supervisor *s, uint8_t i, num_t setpoint)
+{
+    const struct measurement_config *m = &s->plan->config.measurement[s->plan->loop[i].pv];
+    float lo, hi;
+    plan_setpoint_limits(s->plan, i, &lo, &hi);
+    return num_clamp(setpoint, span_to_fraction(lo, m->lo, m->hi),
+                     span_to_fraction(hi, m->lo, m->hi));
+}
+
+static void setpoint_from_outer(struct supervisor *s, uint8_t i)
+{
+    struct loop_state *l = &s->loop[i];
+    l->target = setpoint_clamp(s, i, s->loop[s->plan->loop[i].outer].v);
+    ramp_reset(&l->ramp, l->target);
+    lag_reset(&l->filter, l->target);
+    l->setpoint = l->target;
+}
+
+num_t setpoint_found(const struct supervisor *s, uint8_t i)
+{
+    const struct loop_state *l = &s->loop[i];
+    return l->mode == LOOP_AUTO ? l->setpoint : s->measurement[s->plan->loop[i].pv].value;
+}
+
+void setpoint_advance(struct supervisor *s, uint8_t i)
+{
+    struct loop_state *l = &s->loop[i];
+    if (l->mode == LOOP_CASCADE)
+        setpoint_from_outer(s, i);
+    else
+        l->setpoint = lag_step(&l->filter, ramp_step(&l->ramp, l->target));
+}
+
+/* In manual the setpoint waits where automatic will begin: at the measurement, unless the operator wants
+ * his own setpoint kept and a jump there. */
+void setpoint_idle(struct supervisor *s, uint8_t i)
+{
+    struct loop_state *l = &s->loop[i];
+    const struct loop_config *c = &s->plan->config.loop[i];
+    num_t pv = s->measurement[s->plan->loop[i].pv].value;
+    if (c->sp_track || !l->sp_given)
+        l->target = setpoint_clamp(s, i, pv);
+    bool jump = c->sp_ramp_per_min == 0.0f && c->sp_filter_s == 0.0f;
+    l->setpoint = jump ? l->target : pv;
+}
+
+void setpoint_start(struct supervisor *s, uint8_t i)
+{
+    struct loop_state *l = &s->loop[i];
+    if (l->mode == LOOP_CASCADE) {
+        setpoint_from_outer(s, i);
+        return;
+    }
+    setpoint_idle(s, i);
+    ramp_reset(&l->ramp, l->setpoint);
+    lag_reset(&l->filter, l->setpoint);
+}

@@ -1,0 +1,13 @@
+/* Conversions between engineering units (EU) and fractions of a span lo..hi. */
+#ifndef REFLUX_SUPERVISE_SPAN_H
+#define REFLUX_SUPERVISE_SPAN_H
+
+#include "num/num.h"
+
+static inline num_t span_to_fraction(float value, float lo, float hi)
+{
+    return num_from_float((value - lo) / (hi - lo));
+}
+float span_to_eu(num_t fraction, float lo, float hi);
+
+#endif

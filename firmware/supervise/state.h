@@ -1,0 +1,265 @@
+/* All that the supervisor remembers from tick to tick, and what is asked of it: data only. What moves it: supervisor.h. */
+#ifndef REFLUX_SUPERVISE_STATE_H
+#define REFLUX_SUPERVISE_STATE_H
+
+#include "base/event.h"
+#include "base/job.h"
+#include "signal/lag.h"
+#include "signal/ramp.h"
+#include "supervise/plan.h"
+#include "supervise/sequence_state.h"
+
+enum loop_mode { LOOP_MANUAL = 0, LOOP_AUTO = 1, LOOP_CASCADE = 2 };
+
+enum supervisor_state {
+    SUPERVISOR_SAFE =
+        0, /* after a restart or a fault: outputs at safe values until an operator acts */
+    SUPERVISOR_RUN = 1
+};
+
+enum request_kind {
+    REQUEST_MODE,
+    REQUEST_SETPOINT,
+    REQUEST_OUTPUT, /* up to here: loop_request.h */
+    REQUEST_APPLY,
+    REQUEST_ACK,      /* output: index of the alarm, PLAN_NONE all */
+    REQUEST_SHELVE,   /* the same, for `value` seconds; 0 ends it */
+    REQUEST_SEQUENCE, /* mode: enum sequence_command; output: row that was shown */
+    REQUEST_BLOCK,    /* output: which block with a record, from 0; mode: 1 on, 0 off */
+    REQUEST_VERB /* output: likewise; mode: which verb of its kind; loop: 1 with a number, `value` */
+};
+
+/* Loops, outputs and alarms are named by their places in the plan it was checked with. That is in force when its turn
+ * comes, since plans and requests wait in one queue; were it another, the request is refused. */
+struct request {
+    enum request_kind kind;
+    uint8_t loop;   /* MODE, SETPOINT, OUTPUT of a loop */
+    uint8_t output; /* OUTPUT of a manipulated variable without a loop; else PLAN_NONE */
+    uint8_t mode;   /* enum loop_mode */
+    uint32_t plan;  /* serial of that plan */
+    float value;    /* EU, checked by whoever asks */
+};
+
+#ifndef REQUEST_QUEUE_SIZE
+#define REQUEST_QUEUE_SIZE 32 /* power of two */
+#endif
+
+struct request_queue {
+    struct spsc index;
+    struct request slot[REQUEST_QUEUE_SIZE];
+};
+
+struct reading {
+    float value; /* EU */
+    enum quality quality;
+};
+
+/* What a tick is given, in the order of the configuration's channels. */
+struct tick_input {
+    uint64_t time_ms;
+    struct reading
+        measurement[CHANNEL_MAX];         /* QUALITY_MISSING where the plant has no such channel */
+    struct reading readback[CHANNEL_MAX]; /* what was applied before this sample */
+};
+
+/* Why a reading is not believed. Detail of EVENT_MEASUREMENT_BAD; words in supervise/alarms.c. */
+enum measurement_fault {
+    MEASUREMENT_FINE,
+    MEASUREMENT_MISSING,
+    MEASUREMENT_FLAGGED,
+    MEASUREMENT_NOT_A_NUMBER,
+    MEASUREMENT_OUT_OF_RANGE,
+    MEASUREMENT_TOO_FAST,
+    MEASUREMENT_FROZEN,
+    MEASUREMENT_FAULTS
+};
+
+struct measurement_state {
+    bool bound;     /* the plant announces it with the configured unit */
+    bool seen;      /* there has been a usable value */
+    bool believed;  /* ... and a reading that was believed */
+    bool lost;      /* no believed reading for longer than hold_s */
+    bool delivered; /* `last` is a reading */
+    bool alarm;     /* reported as bad */
+    uint8_t fault;  /* enum measurement_fault of the last reading */
+#if CONFIG_STEPS
+    bool offset_on; /* the configured offset is subtracted from readings */
+#endif
+    enum quality quality; /* of `value` */
+    float raw;   /* last reading the plant vouched for, believable or not, less the offset, EU */
+    num_t value; /* validated and filtered, fraction of span */
+    struct lag filter;
+    float good;          /* last believed reading, EU */
+    float last;          /* last number delivered, EU */
+    uint64_t good_ms;    /* plant time of `good` */
+    uint64_t changed_ms; /* plant time at which `last` came to its value */
+};
+
+struct output_state {
+    bool bound;
+    bool sent;          /* a command has gone out since the safe state was taken */
+    bool interlocked;   /* an interlock holds it */
+    bool beyond;        /* an interlock left it outside its limits, and nobody has moved it since */
+    bool not_following; /* read-back differs from the command */
+    bool alarm;         /* ... and has been reported */
+    num_t manual;       /* value while nothing acts on it */
+    num_t excitation;   /* test signal in `commanded`; 0 where none is */
+    num_t commanded;    /* before constrain */
+    num_t constrained;  /* sent to the plant */
+    num_t applied;      /* constrained, or the read-back where the plant does something else */
+    num_t readback;     /* last good read-back, one sample late */
+    struct ramp rate;   /* where the rate limit is */
+    uint64_t differs_ms; /* plant time since when it does not follow */
+};
+
+struct loop_state {
+    enum loop_mode mode;
+    bool join;   /* the block must take over the output it finds before it runs next */
+    bool moved;  /* its own output has another meaning now: it goes on from the output it finds */
+    bool drives; /* in this tick its output is a block's: blocks.h */
+    bool open;   /* its output reaches nothing: the loop below does not listen */
+    bool
+        sp_given; /* the target is the operator's, or was in force: kept in manual unless sp_track */
+    num_t target;   /* setpoint asked for */
+    num_t setpoint; /* in force, after limits, ramp and filter */
+    struct ramp ramp;
+    struct lag filter;
+    num_t v; /* output of the block, before decoupler and feedforward */
+#if CONFIG_BLOCKS
+    num_t told; /* what took effect of v, for the block that serves it */
+#endif
+    num_t feedforward;
+    uint8_t clamp;   /* enum integral_clamp, from the loop it drives */
+    uint8_t limited; /* the same: limits of its block that its output is at */
+};
+
+/* A block in force: where its state is, and what the tick remembers of it. */
+struct block_state {
+    uint16_t at, grains;  /* in the arena */
+    uint8_t kind;         /* in block_kinds[]; PLAN_NONE = there is none */
+    bool retune : 1;      /* new settings wait for the step that the old ones still make */
+    bool stepped : 1;     /* it has not been told yet what became of its last step */
+    bool off : 1;         /* it has given up, or was switched off: the loops' own controllers act */
+    bool must_follow : 1; /* before its next step */
+    bool running : 1;     /* a feedforward element: has begun on a usable value */
+    uint8_t acting;       /* of a compensator: members that take part */
+};
+
+#if CONFIG_BLOCKS
+/* What clients are told of a block with a record. */
+struct served_state {
+    const char *gave_up; /* why it is off, in a word; NULL: this input of it was bad */
+    uint8_t input;
+};
+
+/* Which block a job works for. */
+struct supervisor_work {
+    struct supervisor *supervisor;
+    uint8_t slot;
+};
+#endif
+
+/* supervise/alarms.h */
+struct alarm_state {
+    bool condition;    /* holds now, delay over */
+    bool listed;       /* on the list: holds, or is latched */
+    bool acknowledged; /* ... and somebody has seen it */
+    bool first;        /* came before the others of its group; until all of them are off the list */
+    bool pending;      /* condition holds, delay running */
+    uint64_t since_ms;
+    uint64_t shelved_until_ms; /* 0 = not shelved */
+};
+
+struct interlock_state {
+    bool active;
+    bool pending;      /* condition holds, or did and nothing was heard since; delay running */
+    uint32_t heard_ms; /* low bits of the plant time at which it was last heard to hold */
+    uint64_t since_ms;
+};
+
+/* What has as many places in the arena as the plan reaches. */
+enum placed {
+    PLACED_MEASUREMENTS,
+    PLACED_OUTPUTS,
+    PLACED_LOOPS,
+    PLACED_INTERLOCKS,
+    PLACED_ALARMS,
+    PLACED_KINDS
+};
+
+struct supervisor {
+    const struct plan *plan; /* NULL before the first */
+    struct event_queue *events;
+    enum supervisor_state state;
+    char safe_why
+        [CHANNEL_NAME_SIZE]; /* what the safe state was last taken for; empty since the start */
+    uint32_t safe_count;     /* times it was taken, again and again in silence; wraps */
+    bool testing;            /* somebody tests the plant (commission): no sequence begins */
+    uint64_t time_ms;        /* of the last tick */
+    uint32_t ticks;
+    float tick_s; /* base tick the states were placed for */
+    /* In the arena. Index i, below placed[], is that of the plan; what the plan does not use is zero or not there. */
+    uint8_t placed[PLACED_KINDS];
+    struct measurement_state *measurement;
+    struct output_state *output;
+    struct loop_state *loop;
+    struct interlock_state *interlock;
+    struct alarm_state *alarm;
+#if CONFIG_STEPS
+    struct sequence sequence;
+#endif
+    struct block_state block[PLAN_BLOCKS]; /* by slot, as in the plan */
+#if CONFIG_BLOCKS
+    struct job work[CONFIG_BLOCKS]; /* of blocks with a record */
+    struct supervisor_work worker[CONFIG_BLOCKS];
+    uint16_t history[CHANNEL_MAX]; /* of each MV, as in the plan; they stand behind the blocks */
+    struct served_state served[CONFIG_BLOCKS];
+#endif
+    _Alignas(8) num_t arena[PLAN_ARENA_BYTES / sizeof(num_t)];
+};
+
+/* The state of the block in a slot of the plan in force. */
+static inline void *supervisor_block(const struct supervisor *s, uint8_t slot)
+{
+    return (uint8_t *)s->arena + s->block[slot].at * ARENA_GRAIN;
+}
+
+/* The offset subtracted from readings of measurement i now, EU. */
+static inline float measurement_offset_in_force(const struct supervisor *s, uint8_t i)
+{
+#if CONFIG_STEPS
+    return s->measurement[i].offset_on ? s->plan->config.measurement[i].offset : 0.0f;
+#else
+    (void)s;
+    (void)i;
+    return 0.0f;
+#endif
+}
+
+/* The plant vouches for the last reading: it is a number, believed or not. After validation. */
+static inline bool measurement_vouched(const struct measurement_state *m)
+{
+    return m->bound && m->fault != MEASUREMENT_MISSING && m->fault != MEASUREMENT_FLAGGED &&
+           m->fault != MEASUREMENT_NOT_A_NUMBER;
+}
+
+/* LOOP_MANUAL for one that is not there. */
+static inline enum loop_mode supervisor_mode(const struct supervisor *s, uint8_t loop)
+{
+    return loop < s->placed[PLACED_LOOPS] ? s->loop[loop].mode : LOOP_MANUAL;
+}
+
+/* Slot of the block in whose hands loop i is, or PLAN_NONE: its own controller's. */
+static inline uint8_t loop_server(const struct supervisor *s, uint8_t i)
+{
+#if CONFIG_BLOCKS
+    uint8_t slot = s->plan->loop[i].server;
+    return slot == PLAN_NONE || s->block[slot].off ? (uint8_t)PLAN_NONE : slot;
+#else
+    (void)s;
+    (void)i;
+    return PLAN_NONE;
+#endif
+}
+
+#endif

@@ -1,0 +1,85 @@
+#include "supervise/transfer.h"
+
+#include <string.h>
+
+#include "supervise/blocks.h"
+#include "supervise/serve.h"
+#include "supervise/span.h"
+
+/* Where a loop finds output j when it takes over: the limits of what acts count from here on. */
+static num_t output_found(const struct supervisor *s, uint8_t j)
+{
+    const struct output_config *c = &s->plan->config.output[j];
+    return num_clamp(s->output[j].manual, span_to_fraction(c->min, c->lo, c->hi),
+                     span_to_fraction(c->max, c->lo, c->hi));
+}
+
+/* Which loops take part in the compensator now. A change to one of them concerns them all: then those loops are returned,
+ * else none. */
+static uint8_t regroup(struct supervisor *s)
+{
+    struct block_state *b = &s->block[SLOT_MATRIX];
+    if (b->kind == PLAN_NONE)
+        return 0;
+    uint8_t acting = 0;
+    bool changed = false;
+    for (uint8_t i = 0; i < DECOUPLER_MAX && i < s->placed[PLACED_LOOPS]; i++) {
+        if (!loop_drives(s, i) || !s->plan->loop[i].decouple)
+            continue;
+        acting = (uint8_t)(acting | (1u << i));
+        changed = changed || s->loop[i].join || s->loop[i].moved;
+    }
+    if (acting != b->acting || b->must_follow) {
+        const struct matrix_settings matrix = {s->plan->config.decoupler};
+        changed = block_kinds[b->kind]->select(supervisor_block(s, SLOT_MATRIX), &matrix, acting) ||
+                  changed;
+    }
+    b->acting = acting;
+    b->must_follow = false;
+    return changed ? acting : 0;
+}
+
+/* Loops that act from this tick on, and all decoupled loops when their company changes, take over the
+ * outputs they find: v = D^-1 (output - feedforward). Those that acted before go on with what they have under way:
+ * a derivative that dies away must not become part of the integral because another loop comes or goes. Nor must what
+ * their feedforward calls for in this tick: the output they find has the one before in it. */
+void bumpless_transfer(struct supervisor *s, const num_t *before)
+{
+    num_t v[CONFIG_LOOPS];
+    const uint8_t n = s->placed[PLACED_LOOPS];
+    uint8_t together = regroup(s);
+    for (uint8_t i = 0; i < n; i++) {
+        const struct loop_plan *p = &s->plan->loop[i];
+        const struct loop_state *l = &s->loop[i];
+        bool moves = l->join || l->moved;
+        v[i] = l->v;
+        if (p->used && p->output != PLAN_NONE && (moves || together))
+            /* The value last sent, or just asked for by hand: a read-back is one sample old, and a valve
+             * that still moves would start the loop from where it was. */
+            v[i] = num_sub(output_found(s, p->output), moves ? l->feedforward : before[i]);
+    }
+    if (together) {
+        num_t u[DECOUPLER_MAX];
+        memcpy(u, v, sizeof u);
+        struct block_io io = {.acting = together, .in = u, .out = v};
+        block_kinds[s->block[SLOT_MATRIX].kind]->back_calculate(supervisor_block(s, SLOT_MATRIX),
+                                                                &io);
+    }
+    for (uint8_t i = 0; i < n; i++) {
+        struct loop_state *l = &s->loop[i];
+        if (!loop_drives(s, i))
+            continue;
+        uint8_t server = loop_server(s, i);
+        bool moves = l->join || l->moved || (i < DECOUPLER_MAX && (together & (1u << i)));
+        if (server != PLAN_NONE && moves)
+            serve_must_follow(s, server);
+        if (l->join || (server != PLAN_NONE && moves)) {
+            l->v = v[i];
+            block_follow(s, i);
+        } else if (moves) {
+            block_shift(s, i, v[i]);
+        }
+        l->join = l->moved = false;
+    }
+    serve_follow(s);
+}
