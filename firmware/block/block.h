@@ -48,6 +48,14 @@ struct block_member {
     float out_reach; /* the largest |MV less feedforward|, fraction of span */
 };
 
+#if CONFIG_BLOCKS
+/* What fractions of it are of. */
+struct block_signal {
+    float lo, hi; /* EU */
+    bool is_mv;   /* else a measurement */
+};
+#endif
+
 struct block_setup {
     const void *settings; /* of the kind: block/settings.h, or the struct its parameters fill */
     float interval_s;     /* of its steps, [0.001, 1e5] s */
@@ -55,6 +63,11 @@ struct block_setup {
     uint8_t there;        /* bit k: there is a member k */
     uint8_t inputs, points;
     struct block_member member[BLOCK_MEMBERS_MAX];
+#if CONFIG_BLOCKS
+    /* Of blocks with a record. Where any of these has another span the block begins without a past. */
+    struct block_signal pv[BLOCK_MEMBERS_MAX]; /* of the members */
+    struct block_signal input[BLOCK_INPUTS_MAX], point[BLOCK_POINTS_MAX];
+#endif
 };
 
 /* Why settings were refused. */

@@ -166,6 +166,15 @@ uint16_t plan_record_divisor(const struct plan *plan, uint8_t n)
     return r->members ? (uint16_t)plan->config.loop[r->member[0]].divisor : 1u;
 }
 
+static struct block_signal signal_of(const struct config *c, uint8_t at)
+{
+    if (at & INPUT_IS_MV) {
+        const struct output_config *o = &c->output[at & (uint8_t)~INPUT_IS_MV];
+        return (struct block_signal){o->lo, o->hi, true};
+    }
+    return (struct block_signal){c->measurement[at].lo, c->measurement[at].hi, false};
+}
+
 void plan_setup_record(const struct plan *plan, uint8_t n, struct block_setup *setup)
 {
     const struct record_plan *r = &plan->record[n];
@@ -180,7 +189,12 @@ void plan_setup_record(const struct plan *plan, uint8_t n, struct block_setup *s
         const struct measurement_config *m = &plan->config.measurement[p->pv];
         setup->member[k] =
             (struct block_member){r->member[k], p->output != PLAN_NONE, m->hi - m->lo, 1.0f};
+        setup->pv[k] = signal_of(&plan->config, p->pv);
     }
+    for (uint8_t k = 0; k < r->inputs; k++)
+        setup->input[k] = signal_of(&plan->config, r->input[k]);
+    for (uint8_t k = 0; k < r->points; k++)
+        setup->point[k] = signal_of(&plan->config, r->point[k]);
 }
 
 enum err plan_check_records(struct plan *plan, struct config_fault *fault)

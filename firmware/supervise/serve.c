@@ -104,6 +104,24 @@ static bool same_list(const uint8_t *a, uint8_t n, const uint8_t *b, uint8_t m)
     return n == m;
 }
 
+static bool same_signals(const struct block_signal *a, const struct block_signal *b, uint8_t n)
+{
+    for (uint8_t k = 0; k < n; k++)
+        if (a[k].lo != b[k].lo || a[k].hi != b[k].hi)
+            return false;
+    return true;
+}
+
+/* Of lists that are the same. */
+static bool same_spans(const struct plan *a, const struct plan *b, uint8_t slot)
+{
+    struct block_setup x, y;
+    plan_setup_record(a, (uint8_t)(slot - SLOT_RECORDS), &x);
+    plan_setup_record(b, (uint8_t)(slot - SLOT_RECORDS), &y);
+    return same_signals(x.pv, y.pv, x.members) && same_signals(x.input, y.input, x.inputs) &&
+           same_signals(x.point, y.point, x.points);
+}
+
 static bool same_record(const struct supervisor *s, const struct plan *old, uint8_t slot)
 {
     const struct record_plan *r = record_at(s, slot);
@@ -113,7 +131,8 @@ static bool same_record(const struct supervisor *s, const struct plan *old, uint
            s->tick_s == s->plan->tick_s &&
            same_list(r->member, r->members, before->member, before->members) &&
            same_list(r->input, r->inputs, before->input, before->inputs) &&
-           same_list(r->point, r->points, before->point, before->points);
+           same_list(r->point, r->points, before->point, before->points) &&
+           same_spans(old, s->plan, slot);
 }
 
 static void place_record(struct supervisor *s, const struct plan *old, uint8_t slot)

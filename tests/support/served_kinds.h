@@ -31,9 +31,10 @@ static const struct block_parameter mean_parameters[] = {
 };
 
 /* A test may set the first, and look at the others. */
-static uint32_t mean_more; /* bytes it needs besides */
-static bool mean_retuned;  /* when it was last configured */
-static bool mean_waits;    /* its work is wanted */
+static uint32_t mean_more;            /* bytes it needs besides */
+static struct block_setup mean_setup; /* with which it was last configured, */
+static bool mean_retuned;             /* and how */
+static bool mean_waits;               /* its work is wanted */
 static unsigned mean_follows;
 
 static uint32_t mean_bytes(const struct block_setup *setup)
@@ -55,6 +56,7 @@ static enum err mean_configure(void *state, const struct block_setup *setup, boo
     const struct mean_settings *c = setup->settings;
     if (!retune)
         *m = (struct mean){0};
+    mean_setup = *setup;
     mean_retuned = retune;
     m->weight = num_from_float(c->weight);
     m->interval_s = setup->interval_s;

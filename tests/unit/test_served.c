@@ -109,6 +109,32 @@ static void settings_that_need_another_size_begin_without_a_past(void)
     TEST_ASSERT_DOUBLE_WITHIN(1e-3, 85, value_of(MEAN));
 }
 
+static void is_of(struct block_signal signal, double lo, double hi, bool is_mv)
+{
+    TEST_ASSERT_EQUAL_DOUBLE(lo, (double)signal.lo);
+    TEST_ASSERT_EQUAL_DOUBLE(hi, (double)signal.hi);
+    TEST_ASSERT_EQUAL(is_mv, signal.is_mv);
+}
+
+static void it_is_told_what_fractions_are_of(void)
+{
+    bench_start_with(estimates);
+    is_of(mean_setup.input[1], 60, 160, false);
+    is_of(mean_setup.point[1], -100, 100, false);
+    strcpy(bench.config.block[0].inputs, "T1 heat");
+    apply();
+    is_of(mean_setup.input[0], 60, 160, false);
+    is_of(mean_setup.input[1], 0, 2, true);
+    put_float(0, 0, 0.75f);
+    apply();
+    TEST_ASSERT_TRUE(mean_retuned);
+    put("meas6.hi", "200"); /* what it remembers in fractions means something else now */
+    apply();
+    tick();
+    TEST_ASSERT_FALSE(mean_retuned);
+    is_of(mean_setup.point[1], -100, 200, false);
+}
+
 static void an_estimator_begins_anew_when_the_plant_was_away(void)
 {
     bench_start_with(estimates);
@@ -519,6 +545,7 @@ int main(void)
     RUN_TEST(an_estimate_is_measured_in_the_same_tick_and_is_the_pv_of_a_loop);
     RUN_TEST(a_setting_of_its_record_holds_without_a_new_start);
     RUN_TEST(settings_that_need_another_size_begin_without_a_past);
+    RUN_TEST(it_is_told_what_fractions_are_of);
     RUN_TEST(an_estimator_begins_anew_when_the_plant_was_away);
     RUN_TEST(an_estimate_without_its_input_is_held_and_then_its_loop_goes_to_manual);
     RUN_TEST(an_estimate_is_interlocked_and_alarmed_like_any_measurement);
