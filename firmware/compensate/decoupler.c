@@ -99,13 +99,22 @@ enum err decoupler_check(const struct block_setup *setup, uint8_t *worst)
     return ERR_OK;
 }
 
+/* Columns whose x is zero add nothing: in a back-calculation those of all outputs that nothing limits. */
 static void multiply(const struct decoupler *k, const num_t m[DECOUPLER_MAX][DECOUPLER_MAX],
                      const num_t *x, num_t *y)
 {
-    for (uint8_t i = 0; i < k->n; i++) {
+    num_t factor[DECOUPLER_MAX];
+    uint8_t column[DECOUPLER_MAX];
+    unsigned n = k->n, columns = 0;
+    for (unsigned j = 0; j < n; j++) {
+        factor[columns] = x[k->member[j]];
+        column[columns] = (uint8_t)j;
+        columns += !num_eq(factor[columns], num_zero());
+    }
+    for (unsigned i = 0; i < n; i++) {
         num_wide_t sum = num_wide_zero();
-        for (uint8_t j = 0; j < k->n; j++)
-            sum = num_wide_add(sum, m[i][j], x[k->member[j]]);
+        for (unsigned c = 0; c < columns; c++)
+            sum = num_wide_add(sum, m[i][column[c]], factor[c]);
         y[k->member[i]] = num_from_wide(sum);
     }
 }
