@@ -113,6 +113,8 @@ static const char *const table[] = {
 #if EVENTS_OF_BLOCKS
     E("BLOCK_VERB", "the block has done that; the number it was given", INFO),
     E("BLOCK_REFUSED", "a block has not done what it was told; which block", WARNING),
+    E("BLOCK_EVENT", "a block says", INFO),
+    E("BLOCK_ALARM", "a block says", ALARM),
 #endif
     E("DO_MODE", "mode asked for (0 manual, 1 auto, 2 cascade)", ACTION),
     E("DO_SETPOINT", "setpoint asked for", ACTION),

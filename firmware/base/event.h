@@ -94,6 +94,8 @@ enum event_code {
 #if EVENTS_OF_BLOCKS
     EVENT_BLOCK_VERB,
     EVENT_BLOCK_REFUSED,
+    EVENT_BLOCK_EVENT, /* detail: place of the block's kind, whose words say more */
+    EVENT_BLOCK_ALARM, /* likewise */
 #endif
     /* Actions: what was asked for at the console. Kept in the history, not announced. */
     EVENT_DO_MODE,

@@ -103,6 +103,8 @@ struct block_io {
     const struct applied_history **member_applied; /* [members] */
     const struct applied_history **input_applied;  /* [inputs] */
     uint16_t divisor;                              /* base ticks of a step */
+    uint16_t raised;    /* given: bit k: the k-th of the kind's events holds in this step */
+    float *event_value; /* [events] given with it, in the unit its words name */
 #endif
 };
 
@@ -121,7 +123,7 @@ struct block_parameter {
     float lo, hi, initial;
 };
 
-/* Names of verbs have up to so many letters, digits and _: "block2.identify" is as long as a name may be. */
+/* Names of verbs and events have up to so many letters, digits and _: "block2.identify" is as long as a name may be. */
 #define BLOCK_WORD_MAX 8
 
 enum block_access { ACCESS_OPERATOR, ACCESS_ENGINEER };
@@ -138,6 +140,20 @@ struct block_verb {
      * none was given. It has no time to compute: what is long is asked for as work by the next step. Returns NULL, or why not,
      * in a word. */
     const char *(*run)(void *state, const float *number);
+};
+
+#define BLOCK_EVENTS_MAX 8
+
+enum block_event_level { BLOCK_INFO, BLOCK_ALARM };
+
+/* What a block of the kind may say: that something has begun to hold, or happens. It is told once, with its value, in the
+ * first of the steps in a row in which its bit of block_io.raised is set. An entry of the alarms on `blockN.CODE` is on
+ * the list while the bit is set; a block that makes no steps raises nothing, but for what it raised when it gave up. */
+struct block_event {
+    const char *code; /* "drift" */
+    uint8_t level;    /* enum block_event_level */
+    const char
+        *words; /* with the unit of its value: "the model has left the plant, fraction of span" */
 };
 
 struct block_kind {
@@ -169,6 +185,8 @@ struct block_kind {
     bool (*work)(void *state);
     const struct block_verb *verb;
     uint8_t verbs;
+    const struct block_event *event;
+    uint8_t events; /* up to BLOCK_EVENTS_MAX */
 #endif
 
     /* Bytes of state these settings need; settings that are refused need none. */

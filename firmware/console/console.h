@@ -107,6 +107,10 @@ bool console_line_is_secret(const char *line);
 /* For the line editor: what may be typed next, by the arguments of the command's row. */
 bool console_choice(void *console, const char *line, unsigned n, struct text *word);
 
+/* What is wrong with a block: that it has given up (0), or the k-th event of its kind (k + 1), where that is an alarm and holds. */
+void block_alarm_line(const struct console *c, uint8_t block, unsigned what, struct text *line);
+/* ": the model has left the plant", what the kind says of an event of a block; nothing where it is not of this build. */
+void block_event_words(const struct event *e, struct text *line);
 /* "its kind has no such verb, but: freeze tune" */
 void block_verbs_words(const struct block_kind *kind, struct text *t);
 /* "start held at step 7: guard, CW"; nothing where none is under way, nor has been. */

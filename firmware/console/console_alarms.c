@@ -90,6 +90,14 @@ static bool alarm_line(struct console *c, unsigned n, struct text *line)
         return true;
     }
     n -= CONFIG_INTERLOCKS;
+#if CONFIG_BLOCKS
+    if (n < CONFIG_BLOCKS * (BLOCK_EVENTS_MAX + 1u)) {
+        block_alarm_line(c, (uint8_t)(n / (BLOCK_EVENTS_MAX + 1u)), n % (BLOCK_EVENTS_MAX + 1u),
+                         line);
+        return true;
+    }
+    n -= CONFIG_BLOCKS * (BLOCK_EVENTS_MAX + 1u);
+#endif
 #if CONFIG_STEPS
     if (n == 0) {
         if (sup->sequence.state == SEQUENCE_HELD ||

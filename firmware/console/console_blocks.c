@@ -53,7 +53,58 @@ static void verb_line(const struct block_verb *verb, struct text *line)
         text_str(line, " (engineer)");
 }
 
-/* Summary, inner values, verbs. */
+void block_event_words(const struct event *e, struct text *line)
+{
+    const struct block_kind *kind = e->detail < block_kind_count ? block_kinds[e->detail] : NULL;
+    const char *code = strchr(e->subject, '.');
+    for (unsigned k = 0; kind && code && k < kind->events; k++) {
+        if (strcmp(code + 1, kind->event[k].code) == 0) {
+            text_str(line, ": ");
+            text_str(line, kind->event[k].words);
+        }
+    }
+}
+
+void block_alarm_line(const struct console *c, uint8_t block, unsigned what, struct text *line)
+{
+    struct block_reading r;
+    if (!operate_block(&c->session, block, &r) || !r.kind)
+        return;
+    if (what == 0 && r.gave_up && strcmp(r.gave_up, "asked") != 0) {
+        text_str(line, "BLOCK_GAVE_UP block");
+        text_u32(line, block + 1u);
+        text_char(line, ' ');
+        text_str(line, r.gave_up);
+    }
+    if (what == 0 || what > r.kind->events)
+        return;
+    const struct block_event *event = &r.kind->event[what - 1u];
+    const struct plan *plan = service_in_force(c->service);
+    for (unsigned i = 0; i < CONFIG_ALARMS; i++)
+        if (plan->alarm[i] == ALARM_OF_EVENT(block, what - 1u))
+            return; /* that entry tells, or is shelved */
+    if (event->level != BLOCK_ALARM || !(r.raised & (1u << (what - 1u))))
+        return;
+    char name[CHANNEL_NAME_SIZE];
+    block_word_name(block, event->code, name);
+    text_str(line, "BLOCK_ALARM ");
+    text_str(line, name);
+    text_char(line, ' ');
+    text_str(line, event->words);
+}
+
+static void line_of_event(const struct block_reading *r, unsigned k, struct text *line)
+{
+    const struct block_event *event = &r->kind->event[k];
+    text_str(line, event->level == BLOCK_ALARM ? "  alarm " : "  event ");
+    text_str(line, event->code);
+    text_str(line, ": ");
+    text_str(line, event->words);
+    if (r->raised & (1u << k))
+        text_str(line, ", now");
+}
+
+/* Summary, inner values, verbs, events. */
 static bool lines_of_block(const struct console *c, uint8_t block, unsigned n, struct text *line)
 {
     struct block_reading r;
@@ -75,9 +126,13 @@ static bool lines_of_block(const struct console *c, uint8_t block, unsigned n, s
     }
     while (operate_block_value(&c->session, block, values, &value))
         values++;
-    if (!r.kind || n - 1u - values >= r.kind->verbs)
+    n -= 1u + values;
+    if (!r.kind || n >= r.kind->verbs + (unsigned)r.kind->events)
         return false;
-    verb_line(&r.kind->verb[n - 1u - values], line);
+    if (n < r.kind->verbs)
+        verb_line(&r.kind->verb[n], line);
+    else
+        line_of_event(&r, n - r.kind->verbs, line);
     return true;
 }
 

@@ -325,6 +325,10 @@ void event_line(const struct event *e, struct text *line)
         text_str(line, commission_why_text((enum commission_why)e->detail));
     }
 #endif
+#if CONFIG_BLOCKS
+    if (e->code == EVENT_BLOCK_EVENT || e->code == EVENT_BLOCK_ALARM)
+        block_event_words(e, line);
+#endif
     if (event_level(e->code) == EVENT_ACTION)
         text_str(line, e->detail & EVENT_ENGINEER ? ", by engineer" : ", by operator");
 }

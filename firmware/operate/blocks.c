@@ -35,6 +35,7 @@ bool operate_block(const struct session *session, uint8_t block, struct block_re
         reading->gave_up = state->gave_up        ? state->gave_up
                            : input & INPUT_IS_MV ? plan->config.output[input & ~INPUT_IS_MV].name
                                                  : plan->config.measurement[input].name;
+    reading->raised = state->raised;
     if (job_is_asked(&sup->work[block]))
         reading->work = sup->work[block].late ? BLOCK_WORK_LATE : BLOCK_WORKS;
     hal_tick_unlock();

@@ -9,6 +9,13 @@ static bool name_character(char c)
     return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_';
 }
 
+#if CONFIG_BLOCKS
+static bool subject_character(char c)
+{
+    return name_character(c) || c == '.';
+}
+#endif
+
 static bool unit_character(char c)
 {
     return c > ' ' && c < 127 && c != ',' && c != '[' && c != ']';
@@ -102,6 +109,10 @@ enum err parameter_set(const struct parameter *p, struct config *config, const c
     case PARAMETER_NAME:
         if (parameter_is_secret(p) && strcmp(value, PARAMETER_SECRET) == 0)
             return ERR_OK;
+#if CONFIG_BLOCKS
+        if (field->unit[0] == PARAMETER_SUBJECT[0])
+            return set_text(at, value, CHANNEL_NAME_SIZE, subject_character);
+#endif
         return set_text(at, value, CHANNEL_NAME_SIZE, name_character);
     default:
         return set_text(at, value, CHANNEL_UNIT_SIZE, unit_character);

@@ -196,7 +196,13 @@ static const struct parameter_field interlock_fields[] = {
 };
 
 static const struct parameter_field alarm_fields[] = {
+#if CONFIG_BLOCKS
+    ROW(1, PARAMETER_NAME, offsetof(struct alarm_config, on), "on", PARAMETER_SUBJECT, 0, 0, 0,
+        "measurement that is watched, loop (deviation), or event of a block (blockN.CODE); - = "
+        "unused"),
+#else
     N(alarm_config, on, 1, "on", "measurement that is watched, or loop (deviation); - = unused"),
+#endif
     W(alarm_config, side, 2, "side", "hi_hi|hi|lo|lo_lo|deviation", ALARM_HI,
       "which limit this is; deviation: distance from the setpoint of a loop that acts"),
     F(alarm_config, limit, 3, "limit", "EU", -BIG, BIG, 0, "limit of the measurement or distance"),

@@ -128,7 +128,7 @@ void parameters_defaults(struct config *config)
 
 bool parameter_is_secret(const struct parameter *p)
 {
-    return p->field->type == PARAMETER_NAME && p->field->unit[0];
+    return p->field->type == PARAMETER_NAME && p->field->unit[0] == PARAMETER_SECRET[0];
 }
 
 void parameter_name(const struct parameter *p, struct text *t)
@@ -237,6 +237,12 @@ void parameter_range(const struct parameter *p, struct text *t)
         text_str(t, "read-only");
         break;
     case PARAMETER_NAME:
+#if CONFIG_BLOCKS
+        if (p->field->unit[0] == PARAMETER_SUBJECT[0]) {
+            text_str(t, "up to 15 letters, digits or _, blockN.CODE, - for none");
+            break;
+        }
+#endif
         text_str(t, "up to 15 letters, digits or _, - for none");
         break;
     case PARAMETER_UNIT:

@@ -37,12 +37,16 @@ enum parameter_type {
  * "***" leaves it as it is, so that what `diff` and `dump` print can be pasted. */
 #define PARAMETER_SECRET "***"
 
+/* Likewise: it may also name an event of a block, "block2.drift". */
+#define PARAMETER_SUBJECT "."
+
 struct parameter_field {
     uint8_t id; /* 0..63, unique in its group, never used again for something else */
     uint8_t type;
     uint16_t offset; /* in the group's struct */
     const char *name;
-    const char *unit; /* of PARAMETER_WORD the words; of PARAMETER_NAME PARAMETER_SECRET or "" */
+    /* Of PARAMETER_WORD the words; of PARAMETER_NAME PARAMETER_SECRET, PARAMETER_SUBJECT or "". */
+    const char *unit;
     const char *help;
     uint8_t lo, hi, initial; /* places in a list of numbers: field_lo() ... */
 };

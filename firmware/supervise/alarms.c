@@ -18,6 +18,12 @@ const char *measurement_fault_text(uint8_t fault)
 void alarm_name(const struct config *config, uint8_t i, char name[CHANNEL_NAME_SIZE])
 {
     const struct alarm_config *a = &config->alarm[i];
+#if CONFIG_BLOCKS
+    if (strchr(a->on, '.')) { /* an event has no sides */
+        memcpy(name, a->on, CHANNEL_NAME_SIZE);
+        return;
+    }
+#endif
     const char *side = sides[a->side];
     size_t room = CHANNEL_NAME_SIZE - 2u - strlen(side), n = strlen(a->on);
     n = n < room ? n : room;
@@ -49,11 +55,31 @@ static void tell_alarm(struct supervisor *s, uint8_t i, enum event_code code, fl
     event_put(s->events, s->time_ms, code, name, value, i);
 }
 
+#if CONFIG_BLOCKS
+void alarms_hear(struct supervisor *s, uint8_t n, uint8_t k, float value)
+{
+    for (uint8_t i = 0; i < s->placed[PLACED_ALARMS]; i++)
+        if (s->plan->alarm[i] == ALARM_OF_EVENT(n, k))
+            s->alarm[i].value = value;
+}
+
+static bool is_of_block(const struct supervisor *s, uint8_t i)
+{
+    return s->plan->alarm[i] & ALARM_OF_BLOCK;
+}
+#endif
+
 /* What entry i looks at, EU. False: nothing that could be believed, all stays as it is. */
 static bool look(const struct supervisor *s, uint8_t i, float *value)
 {
     const struct alarm_config *c = &s->plan->config.alarm[i];
     uint8_t at = s->plan->alarm[i];
+#if CONFIG_BLOCKS
+    if (is_of_block(s, i)) {
+        *value = s->alarm[i].value;
+        return true;
+    }
+#endif
     uint8_t pv = c->side == ALARM_DEVIATION ? s->plan->loop[at].pv : at;
     const struct measurement_state *m = &s->measurement[pv];
     const struct measurement_config *mc = &s->plan->config.measurement[pv];
@@ -71,6 +97,11 @@ static bool look(const struct supervisor *s, uint8_t i, float *value)
 static bool past_limit(const struct supervisor *s, uint8_t i, float value)
 {
     const struct alarm_config *c = &s->plan->config.alarm[i];
+#if CONFIG_BLOCKS
+    uint8_t at = s->plan->alarm[i];
+    if (is_of_block(s, i))
+        return s->served[ALARM_BLOCK(at)].raised & (1u << ALARM_EVENT(at));
+#endif
     float band = s->alarm[i].condition ? c->hysteresis : 0.0f;
     if (c->side == ALARM_DEVIATION && s->loop[s->plan->alarm[i]].mode == LOOP_MANUAL)
         return false;

@@ -1,4 +1,4 @@
-/* Alarms: limits of measurements and distances from setpoints, with hysteresis, delay, latching,
+/* Alarms: limits of measurements, distances from setpoints and what blocks say, with hysteresis, delay, latching,
  * acknowledgement, shelving, and a mark on the first of a group.
  *
  * Life of an entry
@@ -22,7 +22,12 @@ void alarms_time_back(struct supervisor *s);
 /* Entry i under a new plan. */
 void alarms_place(struct supervisor *s, const struct plan *old, uint8_t i);
 
-/* "T10.hi_hi", "bottom.dev"; what it is on is cut where that does not fit. */
+#if CONFIG_BLOCKS
+/* The k-th event of block n holds in its step, with that value. */
+void alarms_hear(struct supervisor *s, uint8_t n, uint8_t k, float value);
+#endif
+
+/* "T10.hi_hi", "bottom.dev", "block2.drift"; what it is on is cut where that does not fit. */
 void alarm_name(const struct config *config, uint8_t i, char name[CHANNEL_NAME_SIZE]);
 /* By that name, or by "alarm3"; PLAN_NONE. */
 uint8_t alarm_find(const struct config *config, const char *name);

@@ -68,6 +68,15 @@ struct record_plan {
 };
 #endif
 
+/* An alarm on an event of a block: place of the record and of the event in its kind. */
+#define ALARM_OF_BLOCK        0x80u
+#define ALARM_OF_EVENT(n, k)  ((uint8_t)(ALARM_OF_BLOCK | (n)*BLOCK_EVENTS_MAX | (k)))
+#define ALARM_BLOCK(of_event) ((uint8_t)(((of_event) & ~ALARM_OF_BLOCK) / BLOCK_EVENTS_MAX))
+#define ALARM_EVENT(of_event) ((uint8_t)((of_event) % BLOCK_EVENTS_MAX))
+_Static_assert(CONFIG_BLOCKS *BLOCK_EVENTS_MAX < 0x7F && CHANNEL_MAX <= 0x80 &&
+                   CONFIG_LOOPS <= 0x80,
+               "and none of them is PLAN_NONE");
+
 /* A block's setup, with room for what it points to. */
 struct block_instance {
     struct block_setup setup;
@@ -101,8 +110,9 @@ struct plan {
     struct {
         uint8_t measurement, output; /* PLAN_NONE = unused */
     } interlock[CONFIG_INTERLOCKS];
-    uint8_t infer[CHANNEL_MAX];   /* output a measurement is inferred from, or PLAN_NONE */
-    uint8_t alarm[CONFIG_ALARMS]; /* measurement, or loop of a deviation; PLAN_NONE = unused */
+    uint8_t infer[CHANNEL_MAX]; /* output a measurement is inferred from, or PLAN_NONE */
+    /* Measurement, loop of a deviation, or ALARM_OF_BLOCK; PLAN_NONE = unused, or of a block whose kind this build lacks. */
+    uint8_t alarm[CONFIG_ALARMS];
 #if CONFIG_STEPS
     bool has_steps; /* there is at least one row */
     struct step_plan {

@@ -218,6 +218,14 @@ static enum err resolve_alarms(struct plan *plan, struct config_fault *fault)
     for (uint8_t i = 0; i < CONFIG_ALARMS; i++) {
         const struct alarm_config *a = &plan->config.alarm[i];
         bool deviation = a->side == ALARM_DEVIATION;
+#if CONFIG_BLOCKS
+        if (strchr(a->on, '.')) { /* which is in no name */
+            enum err err = plan_resolve_block_alarm(plan, i, fault);
+            if (err)
+                return err;
+            continue;
+        }
+#endif
         plan->alarm[i] = deviation ? config_find_loop(&plan->config, a->on)
                                    : config_find_measurement(&plan->config, a->on);
         if (a->on[0] && plan->alarm[i] == PLAN_NONE)

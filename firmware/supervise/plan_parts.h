@@ -19,6 +19,10 @@ enum err plan_check_element(struct plan *plan, uint8_t element, struct config_fa
 enum err plan_resolve_records(struct plan *plan, struct config_fault *fault);
 /* ... now it is, and the kinds look at their settings. */
 enum err plan_check_records(struct plan *plan, struct config_fault *fault);
+#if CONFIG_BLOCKS
+/* An entry of the alarms on `blockN.CODE`. */
+enum err plan_resolve_block_alarm(struct plan *plan, uint8_t alarm, struct config_fault *fault);
+#endif
 /* May loop i be put in order: is everything there that its setpoint comes from? */
 bool plan_setpoint_ready(const struct plan *plan, uint8_t i, const bool *taken);
 void plan_setup_record(const struct plan *plan, uint8_t n, struct block_setup *setup);

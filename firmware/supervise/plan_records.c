@@ -197,6 +197,28 @@ void plan_setup_record(const struct plan *plan, uint8_t n, struct block_setup *s
         setup->point[k] = signal_of(&plan->config, r->point[k]);
 }
 
+enum err plan_resolve_block_alarm(struct plan *plan, uint8_t alarm, struct config_fault *fault)
+{
+    const char *on = plan->config.alarm[alarm].on;
+    uint8_t n = strncmp(on, "block", 5) == 0 && on[6] == '.' ? (uint8_t)(on[5] - '1') : PLAN_NONE;
+    plan->alarm[alarm] = PLAN_NONE;
+    if (n >= CONFIG_BLOCKS || !plan->config.block[n].kind[0])
+        return plan_refuse(fault, ERR_UNKNOWN, "alarm", alarm + 1u, "on", on,
+                           "must begin with a block that is there, like block1.CODE");
+    uint8_t place = plan->block[SLOT_RECORDS + n].kind;
+    if (place == PLAN_NONE)
+        return ERR_OK; /* the kind is kept by name; nobody here knows what it may say */
+    const struct block_kind *kind = block_kinds[place];
+    for (uint8_t k = 0; k < kind->events; k++) {
+        if (strcmp(on + 7, kind->event[k].code) != 0)
+            continue;
+        plan->alarm[alarm] = ALARM_OF_EVENT(n, k);
+        return ERR_OK;
+    }
+    return plan_refuse(fault, ERR_UNKNOWN, "alarm", alarm + 1u, "on", on,
+                       "is nothing that block says; `block N` lists what it may say");
+}
+
 enum err plan_check_records(struct plan *plan, struct config_fault *fault)
 {
     for (uint8_t n = 0; n < CONFIG_BLOCKS; n++) {

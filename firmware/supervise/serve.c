@@ -3,6 +3,7 @@
 #include "supervise/blocks.h"
 #include "supervise/histories.h"
 #include "supervise/plan_parts.h"
+#include "supervise/raised.h"
 #include "supervise/span.h"
 #include "supervise/validate.h"
 
@@ -15,6 +16,7 @@ struct signals {
     uint8_t clamp[BLOCK_MEMBERS_MAX], limited[BLOCK_MEMBERS_MAX];
     num_t input[BLOCK_INPUTS_MAX], point[BLOCK_POINTS_MAX];
     uint8_t quality[BLOCK_INPUTS_MAX], point_quality[BLOCK_POINTS_MAX];
+    float event_value[BLOCK_EVENTS_MAX];
     const struct applied_history *member_applied[BLOCK_MEMBERS_MAX],
         *input_applied[BLOCK_INPUTS_MAX];
 };
@@ -76,6 +78,7 @@ static void gather(const struct supervisor *s, uint8_t slot, struct signals *g)
                           .quality = g->quality,
                           .point = g->point,
                           .point_quality = g->point_quality,
+                          .event_value = g->event_value,
                           .member_applied = g->member_applied,
                           .input_applied = g->input_applied,
                           .divisor = plan_record_divisor(s->plan, (uint8_t)(slot - SLOT_RECORDS))};
@@ -91,6 +94,8 @@ static void gather(const struct supervisor *s, uint8_t slot, struct signals *g)
         if (loop_drives(s, i))
             g->io.acting = (uint8_t)(g->io.acting | (1u << k));
     }
+    for (uint8_t k = 0; k < BLOCK_EVENTS_MAX; k++)
+        g->event_value[k] = 0.0f;
     gather_inputs(s, slot, g);
 }
 
@@ -140,8 +145,10 @@ static void place_record(struct supervisor *s, const struct plan *old, uint8_t s
     struct block_state *b = &s->block[slot];
     uint8_t n = (uint8_t)(slot - SLOT_RECORDS);
     bool same = same_record(s, old, slot);
-    if (!same)
-        job_give_up(&s->work[n]); /* of whatever was here before */
+    if (!same) { /* of whatever was here before */
+        job_give_up(&s->work[n]);
+        raised_forget(s, slot);
+    }
     if (b->kind == PLAN_NONE)
         return; /* what a build lacks is told when it is loaded */
     if (!same) {
@@ -166,7 +173,7 @@ static void give_up_block(struct supervisor *s, uint8_t slot, const char *why)
     struct block_state *b = &s->block[slot];
     b->off = true;
     b->stepped = false;
-    s->served[slot - SLOT_RECORDS] = (struct served_state){.gave_up = why};
+    s->served[slot - SLOT_RECORDS].gave_up = why;
     job_give_up(&s->work[slot - SLOT_RECORDS]);
     event_put(s->events, s->time_ms, EVENT_BLOCK_GAVE_UP, why, (float)(slot - SLOT_RECORDS + 1), 0);
 }
@@ -180,10 +187,12 @@ bool serve_switch(struct supervisor *s, uint8_t n, bool on)
         return true;
     if (!on) {
         give_up_block(s, slot, "asked");
+        raised_forget(s, slot);
         return true;
     }
     s->block[slot].off = false;
     s->block[slot].must_follow = true;
+    raised_forget(s, slot);
     event_put(s->events, s->time_ms, EVENT_BLOCK_ON, s->plan->config.block[n].kind, (float)(n + 1u),
               0);
     return true;
@@ -211,7 +220,9 @@ static void give_up_without_input(struct supervisor *s, uint8_t slot, uint8_t k)
 {
     give_up_block(s, slot, input_name(s, record_at(s, slot)->input[k]));
     /* Not the name, which is in a plan that is written over later. */
-    s->served[slot - SLOT_RECORDS] = (struct served_state){.input = k};
+    s->served[slot - SLOT_RECORDS].gave_up = NULL;
+    s->served[slot - SLOT_RECORDS].input = k;
+    raised_forget(s, slot);
 }
 
 void serve_check_inputs(struct supervisor *s)
@@ -312,6 +323,7 @@ void serve_estimate(struct supervisor *s)
         s->block[slot].must_follow = false;
         take_work(s, slot, &g.io);
         kind_at(s, slot)->step(supervisor_block(s, slot), &g.io);
+        raised_tell(s, slot, &g.io);
         ask_work(s, slot, &g.io);
         give_points(s, slot, &g);
     }
@@ -363,14 +375,17 @@ void serve_step(struct supervisor *s, uint8_t i)
     const struct block_kind *kind = kind_at(s, slot);
     struct signals g;
     gather(s, slot, &g);
-    if (!g.io.acting)
+    if (!g.io.acting) {
+        raised_forget(s, slot);
         return;
+    }
     if (s->block[slot].stepped) /* nobody has told it yet: as if nothing had been in the way */
         kind->back_calculate(supervisor_block(s, slot), &g.io);
     take_work(s, slot, &g.io);
     kind->step(supervisor_block(s, slot), &g.io);
+    raised_tell(s, slot, &g.io);
     if (!g.io.gives_up && !gives_numbers(&g, r->members))
-        g.io.gives_up = "not a number";
+        g.io.gives_up = "not_a_number";
     if (g.io.gives_up) {
         give_up_block(s, slot, g.io.gives_up);
         own_step(s, slot, g.io.acting);

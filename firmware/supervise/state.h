@@ -150,7 +150,9 @@ struct block_state {
 struct served_state {
     const char *gave_up; /* why it is off, in a word; NULL: this input of it was bad */
     uint8_t input;
+    uint8_t raised; /* bit k: the k-th event of its kind held in its last step */
 };
+_Static_assert(BLOCK_EVENTS_MAX <= 8, "a bit for each");
 
 /* Which block a job works for. */
 struct supervisor_work {
@@ -166,6 +168,9 @@ struct alarm_state {
     bool acknowledged; /* ... and somebody has seen it */
     bool first;        /* came before the others of its group; until all of them are off the list */
     bool pending;      /* condition holds, delay running */
+#if CONFIG_BLOCKS
+    float value; /* of the event of a block, when it was last raised */
+#endif
     uint64_t since_ms;
     uint64_t shelved_until_ms; /* 0 = not shelved */
 };

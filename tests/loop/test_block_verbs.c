@@ -44,10 +44,13 @@ static void blocks_are_listed_with_what_they_do(void)
     ANSWERS("block", "block1 watch on  inputs T1  points seen", "block2 pair on  loops top,bottom");
     ANSWERS("block 1", "block1 watch on  inputs T1  points seen", "  held = 0.25", "  limit = 0.5",
             "  verb freeze: keeps its point where it is", "  verb thaw: lets it go on",
-            "  verb tune [1..100 s]: to that time, or the one it finds (engineer)");
-    ANSWERS("block pair", "block2 pair on  loops top,bottom", "  verb tune 1..100 s: to that time");
+            "  verb tune [1..100 s]: to that time, or the one it finds (engineer)",
+            "  alarm high: its input is above the limit, fraction of span",
+            "  event crossed: its input has passed the limit, fraction of span");
+    ANSWERS("block pair", "block2 pair on  loops top,bottom", "  verb tune 1..100 s: to that time",
+            "  alarm spent: it has no room, share");
     ANSWERS("block block2", "block2 pair on  loops top,bottom",
-            "  verb tune 1..100 s: to that time");
+            "  verb tune 1..100 s: to that time", "  alarm spent: it has no room, share");
 }
 
 static void a_block_is_switched_off_and_on_and_says_why_it_is_off(void)
@@ -56,7 +59,7 @@ static void a_block_is_switched_off_and_on_and_says_why_it_is_off(void)
     samples(1);
     TEST_ASSERT_TRUE(said(" alarm BLOCK_GAVE_UP asked 2 "));
     ANSWERS("block pair", "block2 pair off: asked  loops top,bottom",
-            "  verb tune 1..100 s: to that time");
+            "  verb tune 1..100 s: to that time", "  alarm spent: it has no room, share");
     ask_refused("block 2 tune 5", "STATE");
     TEST_ASSERT_TRUE(said("pair: is off"));
     ask_ok("block 2 on");

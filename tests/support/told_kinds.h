@@ -24,10 +24,13 @@ struct told {
     float tuned;      /* by the verb; 0: it was given no number */
     unsigned tunings; /* times it was told */
     unsigned steps;
+    bool above;
     num_t u[2];
 };
 
 static struct told *watch_state, *pair_state;
+static bool pair_is_spent, pair_gives_up; /* in its next step */
+enum { WATCH_HIGH, WATCH_CROSSED };
 
 static const struct block_parameter watch_parameters[] = {
     {.id = 1,
@@ -72,7 +75,17 @@ static void watch_step(void *state, struct block_io *io)
     w->steps++;
     io->point[0] = w->held;
     io->point_quality[0] = io->quality[0];
+    bool above = num_lt(w->limit, io->input[0]);
+    io->event_value[WATCH_HIGH] = io->event_value[WATCH_CROSSED] = num_to_float(io->input[0]);
+    io->raised = (uint16_t)((above ? 1u << WATCH_HIGH : 0u) |
+                            (above != w->above ? 1u << WATCH_CROSSED : 0u));
+    w->above = above;
 }
+
+static const struct block_event watch_events[] = {
+    [WATCH_HIGH] = {"high", BLOCK_ALARM, "its input is above the limit, fraction of span"},
+    [WATCH_CROSSED] = {"crossed", BLOCK_INFO, "its input has passed the limit, fraction of span"},
+};
 
 static const char *watch_freeze(void *state, const float *number)
 {
@@ -130,6 +143,8 @@ static const struct block_kind watch_kind = {
     .points_most = 1,
     .verb = watch_verbs,
     .verbs = 3,
+    .event = watch_events,
+    .events = 2,
     .bytes = told_bytes,
     .check = told_check,
     .configure = watch_configure,
@@ -169,7 +184,13 @@ static void pair_step(void *state, struct block_io *io)
     p->steps++;
     for (unsigned k = 0; k < 2; k++)
         io->out[k] = p->u[k];
+    io->raised = pair_is_spent;
+    io->event_value[0] = 0.75f;
+    if (pair_gives_up)
+        io->gives_up = "spent";
 }
+
+static const struct block_event pair_events[] = {{"spent", BLOCK_ALARM, "it has no room, share"}};
 
 static void pair_follow(void *state, struct block_io *io)
 {
@@ -193,6 +214,8 @@ static const struct block_kind pair_kind = {
     .bad_input = BAD_INPUT_GIVES_UP,
     .verb = pair_verbs,
     .verbs = 1,
+    .event = pair_events,
+    .events = 1,
     .bytes = told_bytes,
     .check = told_check,
     .configure = pair_configure,

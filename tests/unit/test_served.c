@@ -379,7 +379,7 @@ static void what_is_no_number_reaches_nobody(void)
         double top = sent(REFLUX), bottom = sent(HEAT);
         both_adds = nothing[i];
         tick();
-        TEST_ASSERT_EQUAL_UINT(1, happened(EVENT_BLOCK_GAVE_UP, "not a number"));
+        TEST_ASSERT_EQUAL_UINT(1, happened(EVENT_BLOCK_GAVE_UP, "not_a_number"));
         ASSERT_NO_BUMP(top, sent(REFLUX));
         ASSERT_NO_BUMP(bottom, sent(HEAT));
         ticks(5);

@@ -1,38 +1,10 @@
 /* Verbs of blocks in the tick: who runs, with what, and what refuses. The kinds are of this test alone. */
-#include "supervise/records.h"
-#include "supervisor_bench.h"
-#include "told_kinds.h"
+#include "told_bench.h"
 
 void setUp(void) {}
 void tearDown(void) {}
 
-enum { WATCH, PAIR };
-enum { MEAN = 4 };
 enum { FREEZE, THAW, TUNE };
-
-static void put_block(unsigned n, const char *kind, const char *loops, const char *inputs,
-                      const char *points)
-{
-    struct block_config *b = &bench.config.block[n];
-    uint32_t needed, room;
-    TEST_ASSERT_EQUAL(ERR_OK, record_make(&bench.config, (uint8_t)n, kind, &needed, &room));
-    strcpy(b->loops, loops);
-    strcpy(b->inputs, inputs);
-    strcpy(b->points, points);
-}
-
-static void told(void)
-{
-    put_all((const char *const[]){"meas5.name", "seen", "meas5.unit", "degC", "meas5.lo", "60",
-                                  "meas5.hi", "160", "meas3.hold", "2", NULL});
-    put_block(WATCH, "watch", "", "T1", "seen");
-    put_block(PAIR, "pair", "top bottom", "feed", "");
-}
-
-static double seen_value(void)
-{
-    return (double)span_to_eu(bench.s.measurement[MEAN].value, 60, 160);
-}
 
 static bool verb(uint8_t block, uint8_t which, const float *number)
 {
@@ -45,16 +17,6 @@ static bool verb(uint8_t block, uint8_t which, const float *number)
     bool done = supervisor_request(&bench.s, &r);
     bench_events();
     return done;
-}
-
-static const struct event *last(enum event_code code)
-{
-    bench_events();
-    for (unsigned i = bench.n_seen; i-- > 0;)
-        if (bench.seen[i].code == code)
-            return &bench.seen[i];
-    TEST_FAIL_MESSAGE(event_name((uint8_t)code));
-    return NULL;
 }
 
 static void a_verb_acts_on_the_state_and_an_event_tells_that_it_has(void)
