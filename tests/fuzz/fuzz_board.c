@@ -6,6 +6,7 @@
 #include "memory_port.h"
 #include "service/parameters.h"
 #include "supervise/plan_build.h"
+#include "supervise/records.h"
 
 #define REMEMBERED 256
 #define LINE_SIZE  4096
@@ -28,8 +29,10 @@ static struct {
 
     char line[LINE_SIZE];
     size_t n_line;
-    unsigned replies;
-    bool unended; /* people's mode, or a restart: lines mean nothing */
+    unsigned replies, refusals;
+    uint32_t settings; /* checksum of lines that show settings */
+    bool no_room;      /* one of them shows a block of a kind that is known, as a remark */
+    bool unended;      /* people's mode, or a restart: lines mean nothing */
 
     struct config *reading_back;
 } b;
@@ -124,7 +127,7 @@ static void check_setting(char *line)
     char *name = line + 4, *value = strchr(name, ' ');
     DEMAND(value != NULL);
     *value++ = '\0';
-    DEMAND(parameter_find(name, &p) == ERR_OK);
+    DEMAND(parameter_find_in(b.reading_back, name, &p) == ERR_OK);
     DEMAND(parameter_set(&p, b.reading_back, value) == ERR_OK);
 }
 
@@ -132,6 +135,14 @@ static void line_said(void)
 {
     b.line[b.n_line] = '\0';
     b.n_line = 0;
+        fprintf(stderr, "< %s\n", b.line);
+    size_t n = strlen(b.line);
+    if (strncmp(b.line, "set ", 4) == 0 || strncmp(b.line, "# set ", 6) == 0)
+        b.settings = crc32_update(b.settings, b.line, n + 1);
+    const char *kind = strstr(b.line, ".kind ");
+    if (strncmp(b.line, "# set block", 11) == 0 && kind)
+        b.no_room = b.no_room || block_kind_find(kind + 6) != PLAN_NONE;
+    b.refusals += strncmp(b.line, "err ", 4) == 0;
     if (strcmp(b.line, "ok") == 0 || strncmp(b.line, "err ", 4) == 0)
         b.replies++;
     else if (b.reading_back && strncmp(b.line, "set ", 4) == 0)
@@ -280,6 +291,27 @@ unsigned fuzz_replies(void)
     unsigned n = b.replies;
     b.replies = 0;
     return n;
+}
+
+unsigned fuzz_refusals(void)
+{
+    unsigned n = b.refusals;
+    b.refusals = 0;
+    return n;
+}
+
+uint32_t fuzz_settings(void)
+{
+    static const char dump[] = "dump\n";
+    b.settings = 0;
+    b.no_room = false;
+    fuzz_type(dump, sizeof dump - 1);
+    return b.settings;
+}
+
+bool fuzz_had_no_room(void)
+{
+    return b.no_room;
 }
 
 static void type_line(const char *text)

@@ -25,6 +25,12 @@ unsigned fuzz_reboots(void); /* since fuzz_start() */
 
 /* Replies ended with `ok` or `err` since the last call. */
 unsigned fuzz_replies(void);
+/* ... those with `err` alone. */
+unsigned fuzz_refusals(void);
+/* A checksum of what `dump` shows. */
+uint32_t fuzz_settings(void);
+/* ... and whether in that a block was without its record though its kind is known. */
+bool fuzz_had_no_room(void);
 
 /* After any input: the console answers, what it shows as set is what it accepts, and the plan in force can be
  * built from it. */

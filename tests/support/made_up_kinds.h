@@ -112,8 +112,11 @@ static const struct block_kind weights_kind =
     MADE_UP_KIND("weights", weights_parameters, struct weights_settings, made_up_check);
 
 const struct block_kind *const block_kinds[] = {
-    &pid_kind, &two_position_kind, &decoupler_kind, &feedforward_kind,
-    &gmv_kind, &column_kind,       &weights_kind,
+    &pid_kind,         &two_position_kind, &decoupler_kind, &feedforward_kind,
+    &gmv_kind,         &column_kind,       &weights_kind,
+#ifdef MADE_UP_KINDS_TOO /* more of them */
+    MADE_UP_KINDS_TOO,
+#endif
 };
 const uint8_t block_kind_count = sizeof block_kinds / sizeof block_kinds[0];
 

@@ -39,9 +39,6 @@ if(REFLUX_SANITIZE)
 endif()
 target_compile_definitions(unity PUBLIC UNITY_INCLUDE_DOUBLE)
 
-# Stops a test that hangs. No test may need the machine to be idle: this is far longer than any takes.
-set(REFLUX_HANG_S 1800)
-
 # reflux_test(NAME LABEL unit|loop SOURCES a.c ... LIBS reflux_x ... [ONCE]): one Unity program, one ctest entry.
 # ONCE: long, and about something the scalar has no part in; under sanitizers it runs in float alone.
 function(reflux_test name)

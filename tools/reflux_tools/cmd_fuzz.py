@@ -15,7 +15,7 @@ from reflux_tools.errors import RunFailed, UserError
 from reflux_tools.paths import ROOT, build_dir, shown
 
 FUZZ = ROOT / "tests" / "fuzz"
-LONGEST = {"frame": 1024, "messages": 256, "console": 128, "mixed": 128, "restore": 256}  # bytes of an input
+LONGEST = {"frame": 1024, "messages": 256, "console": 128, "mixed": 128, "records": 256, "restore": 256}  # bytes of an input
 KEPT_FILES, KEPT_BYTES = 70, 100_000  # of one corpus
 
 
