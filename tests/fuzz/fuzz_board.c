@@ -135,7 +135,6 @@ static void line_said(void)
 {
     b.line[b.n_line] = '\0';
     b.n_line = 0;
-        fprintf(stderr, "< %s\n", b.line);
     size_t n = strlen(b.line);
     if (strncmp(b.line, "set ", 4) == 0 || strncmp(b.line, "# set ", 6) == 0)
         b.settings = crc32_update(b.settings, b.line, n + 1);

@@ -12,11 +12,19 @@ foreach(part storage storage_versions storage_power storage_unstable service_pla
 endforeach()
 
 # Settings of blocks, with kinds that only the test has.
-reflux_test(block_settings LABEL unit SOURCES ${CMAKE_CURRENT_LIST_DIR}/test_block_settings.c
-            LIBS reflux_hal_memory reflux_app reflux_control reflux_compensate reflux_feedforward reflux_link)
-target_include_directories(test_block_settings PRIVATE "${PROJECT_SOURCE_DIR}/hal/host")
-target_compile_definitions(test_block_settings PRIVATE
-  STORAGE_IMAGES="${PROJECT_SOURCE_DIR}/tests/reference/storage")
+foreach(part block_settings storage_power_blocks storage_unstable_blocks)
+  set(once)
+  if(part MATCHES "storage_")
+    set(once ONCE)
+  endif()
+  string(REPLACE unstable_blocks unstable source test_${part}.c)
+  reflux_test(${part} LABEL unit ${once} SOURCES ${CMAKE_CURRENT_LIST_DIR}/${source}
+              LIBS reflux_hal_memory reflux_app reflux_control reflux_compensate reflux_feedforward reflux_link)
+  target_include_directories(test_${part} PRIVATE "${PROJECT_SOURCE_DIR}/hal/host")
+  target_compile_definitions(test_${part} PRIVATE
+    STORAGE_IMAGES="${PROJECT_SOURCE_DIR}/tests/reference/storage")
+endforeach()
+target_compile_definitions(test_storage_unstable_blocks PRIVATE WITH_BLOCKS)
 
 # The old images are what the script of the documented format writes.
 add_test(NAME storage_images COMMAND "${PYTHON3}" "${CMAKE_CURRENT_LIST_DIR}/test_storage_images.py")

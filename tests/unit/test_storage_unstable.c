@@ -6,12 +6,17 @@
  * what follows, and a way to read. Without arguments a sample of the cases is tried, with `all` every one:
  *
  *     build/host/tests/unit/test_storage_unstable all
+ *
+ * Compiled WITH_BLOCKS it is the same with a block in the settings, whose kind changes from save to save.
  */
 #include "base/crc32.h"
 #include "flash_cut.h"
 #include "service/storage.h"
 #include "service/storage_parts.h"
 #include "storage_bench.h"
+#ifdef WITH_BLOCKS
+#include "changing_block.h"
+#endif
 
 static bool all, may_fail;
 static unsigned long starts, cases;
@@ -23,12 +28,21 @@ static uint32_t settings_now(void)
     return fw.storage.newest.sequence ? (uint32_t)bench_get("tick.miss_limit") : 0;
 }
 
+static void make_settings(struct config *c, uint32_t number)
+{
+    char text[16];
+    snprintf(text, sizeof text, "%u", (unsigned)number);
+    bench_tiny(c, text);
+#ifdef WITH_BLOCKS
+    if (number >= 100)
+        block_of(c, number);
+#endif
+}
+
 static void put_settings(uint32_t number)
 {
     struct config c;
-    char text[16];
-    snprintf(text, sizeof text, "%u", (unsigned)number);
-    bench_tiny(&c, text);
+    make_settings(&c, number);
     bench_put(&c);
 }
 
@@ -98,6 +112,11 @@ static bool start(unsigned cut_at)
     if (seen[EVENT_STORAGE_DAMAGED] && life.answered)
         fail("damaged");
     uint32_t found = settings_now();
+    static struct config whole;
+    if (found >= 100)
+        make_settings(&whole, found);
+    if (found >= 100 && !bench_is(&whole))
+        fail("a mixture");
     if (found != life.answered && !(life.open && found >= life.first && found <= life.tried))
         fail("lost");
     /* A start cannot decide for nothing, nor where it cannot write that down: earlier firmware has left no room, or the
@@ -227,6 +246,14 @@ static void try_cuts(const char *what, unsigned step, uint64_t seed)
 }
 
 #define STEP(n) (all ? 1u : (n))
+/* What has nothing to do with what is in a set. */
+#ifdef WITH_BLOCKS
+#define RUN_REST(test)                                                                             \
+    if (all)                                                                                       \
+    RUN_TEST(test)
+#else
+#define RUN_REST(test) RUN_TEST(test)
+#endif
 
 static void test_first_save_ever(void)
 {
@@ -419,18 +446,18 @@ int main(int argc, char **argv)
 {
     all = argc > 1 && strcmp(argv[1], "all") == 0;
     UNITY_BEGIN();
-    RUN_TEST(test_first_save_ever);
+    RUN_REST(test_first_save_ever);
     RUN_TEST(test_save_that_appends);
-    RUN_TEST(test_save_that_changes_the_slot);
-    RUN_TEST(test_set_as_large_as_a_slot);
-    RUN_TEST(test_slot_of_earlier_firmware_without_room);
-    RUN_TEST(test_set_that_leaves_no_room_behind_it_is_refused);
-    RUN_TEST(test_sequence_that_goes_round);
+    RUN_REST(test_save_that_changes_the_slot);
+    RUN_REST(test_set_as_large_as_a_slot);
+    RUN_REST(test_slot_of_earlier_firmware_without_room);
+    RUN_REST(test_set_that_leaves_no_room_behind_it_is_refused);
+    RUN_REST(test_sequence_that_goes_round);
     RUN_TEST(test_many_cuts_in_a_row);
     RUN_TEST(test_flash_that_fails_now_and_then);
-    RUN_TEST(test_one_wrong_reading_costs_nothing);
-    RUN_TEST(test_set_that_reads_wrong_at_first_is_looked_at_again_before_it_is_given_up);
-    RUN_TEST(test_newest_set_is_found_again_after_a_start_that_could_not_read_it);
+    RUN_REST(test_one_wrong_reading_costs_nothing);
+    RUN_REST(test_set_that_reads_wrong_at_first_is_looked_at_again_before_it_is_given_up);
+    RUN_REST(test_newest_set_is_found_again_after_a_start_that_could_not_read_it);
     printf("storage unstable words: %lu cases, %lu starts\n", cases, starts);
     return UNITY_END();
 }
