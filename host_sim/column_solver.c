@@ -13,9 +13,9 @@
  * much wider than CVODE's the temperatures of the reference runs come out as near. */
 #define ONE_STEP_WIDER 3.0
 
-bool column_solver_fail(char *err, size_t size, const char *what, const char *why)
+bool column_solver_fail(char *err, size_t size, const char *what, const char *reason)
 {
-    snprintf(err, size, "%s: %s", what, why);
+    snprintf(err, size, "%s: %s", what, reason);
     return false;
 }
 

@@ -40,7 +40,7 @@ struct column_solver {
 };
 
 /* "what: why" to err; false. */
-bool column_solver_fail(char *err, size_t size, const char *what, const char *why);
+bool column_solver_fail(char *err, size_t size, const char *what, const char *reason);
 
 /* True when flag is no error; else the name of the flag, the call and what the model or SUNDIALS said go to err. */
 bool column_solver_checked(struct column_solver *s, int flag, char *(*name_of)(long),

@@ -122,13 +122,13 @@ static bool relax(struct column_solver *s, double span, char *err, size_t size)
 /* Why there may be none: a product that is nothing lets what it should carry pile up without end. */
 static bool nothing_found(const struct column_solver *s, char *err, size_t size)
 {
-    static const char *const why[] = {
+    static const char *const reason[] = {
         "", ": nothing leaves at the bottom, the heat boils all of it away",
         ": nothing leaves at the top, the reflux takes all of it"};
     const struct column_flows *f = &s->column.flows;
     double least = 1e-3 * f->feed;
     int which = f->bottoms < least ? 1 : f->distillate < least ? 2 : 0;
-    snprintf(err, size, "column: no steady state found for these inputs%s", why[which]);
+    snprintf(err, size, "column: no steady state found for these inputs%s", reason[which]);
     return false;
 }
 

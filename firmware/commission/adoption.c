@@ -124,11 +124,11 @@ enum err adoption_begin(struct adoption *a, const struct supervisor *s, struct s
     return steady_init(work, &c);
 }
 
-static enum adoption_result fail_trial(struct adoption *a, enum adoption_result why, uint8_t k)
+static enum adoption_result fail_trial(struct adoption *a, enum adoption_result reason, uint8_t k)
 {
     a->culprit = k;
-    a->result = why;
-    return why;
+    a->result = reason;
+    return reason;
 }
 
 /* ---- at rest ---- */

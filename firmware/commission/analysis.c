@@ -169,9 +169,9 @@ static bool firmware_takes(const struct matrix *d)
     return plan_accepts_matrix(matrix, (uint8_t)d->rows);
 }
 
-static void without_decoupler(struct analysis *a, enum analysis_decoupler why)
+static void without_decoupler(struct analysis *a, enum analysis_decoupler reason)
 {
-    a->decoupler = why;
+    a->decoupler = reason;
     identity(&a->d, a->pairs.n);
 }
 
@@ -195,10 +195,10 @@ static void exchange_beginnings(struct analysis *a, bool begins)
 }
 
 /* No settings, with the decoupler as it is. */
-static enum err no_design(struct analysis *a, enum err why)
+static enum err no_design(struct analysis *a, enum err reason)
 {
     exchange_beginnings(a, false);
-    a->design_error = why;
+    a->design_error = reason;
     a->stage = ANALYSIS_ALTERNATIVE;
     return ERR_OK;
 }

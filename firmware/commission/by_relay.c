@@ -7,7 +7,7 @@
 #include <string.h>
 
 #include "base/elapsed.h"
-#include "commission/parts.h"
+#include "commission/commission_internal.h"
 
 #define HYSTERESIS       REAL_C(3.0)   /* noise deviations */
 #define HYSTERESIS_LEAST REAL_C(0.001) /* of span: what is left of earlier motions is no answer */
@@ -55,7 +55,7 @@ void commission_start_relay(struct commission *c, struct supervisor *s)
     c->phase_ms = c->sample_ms = s->time_ms;
     enum err err = steady_init(&t->steady, &rest);
     if (err)
-        commission_end(c, s, WHY_NUMBERS, commission_input_name(c, s), (real_t)err);
+        commission_end(c, s, REASON_NUMBERS, commission_input_name(c, s), (real_t)err);
 }
 
 void commission_begin_relay(struct commission *c, struct supervisor *s)
@@ -209,7 +209,7 @@ static void done(struct commission *c, struct supervisor *s)
     struct tuning tuning;
     if (relay_look(&c->work->relay.relay, &found) != ERR_OK ||
         tuning_tyreus_luyben_pi(found.gain, found.period_s, &tuning, NULL) != ERR_OK) {
-        commission_end(c, s, WHY_NO_CYCLE, name, c->input[0].worst);
+        commission_end(c, s, REASON_NO_CYCLE, name, c->input[0].worst);
         return;
     }
     if (tuning.gain > GAIN_MOST) { /* and the integral action goes with it */
@@ -238,7 +238,7 @@ static void cycle(struct commission *c, struct supervisor *s, const real_t *y)
     uint32_t gone = commission_samples(s, elapsed_ms(s->time_ms, c->sample_ms) / REAL_C(1000.0));
     c->sample_ms = s->time_ms;
     if (gone > MISSED_MOST + 1u) {
-        commission_end(c, s, WHY_SAMPLES, NULL, (real_t)(gone - 1u));
+        commission_end(c, s, REASON_SAMPLES, NULL, (real_t)(gone - 1u));
         return;
     }
     t->cycling += gone > 0 ? gone : 1u;
@@ -246,8 +246,8 @@ static void cycle(struct commission *c, struct supervisor *s, const real_t *y)
     if (share > c->input[0].worst)
         c->input[0].worst = share;
     if (!inside) {
-        commission_end(c, s, WHY_LIMIT, s->plan->config.measurement[c->measurement[culprit]].name,
-                       share);
+        commission_end(c, s, REASON_LIMIT,
+                       s->plan->config.measurement[c->measurement[culprit]].name, share);
         return;
     }
     enum err err = ERR_OK;
@@ -256,7 +256,7 @@ static void cycle(struct commission *c, struct supervisor *s, const real_t *y)
     if (!err)
         err = relay_step(r, y[0], share);
     if (err) {
-        commission_end(c, s, WHY_NUMBERS, loop, (real_t)err);
+        commission_end(c, s, REASON_NUMBERS, loop, (real_t)err);
         return;
     }
     supervisor_excite(s, c->input[0].output, num_from_float(r->level));
@@ -264,8 +264,8 @@ static void cycle(struct commission *c, struct supervisor *s, const real_t *y)
         event_put(c->events, s->time_ms, EVENT_TEST_STEP, commission_input_name(c, s), r->amplitude,
                   1);
     if (r->phase == RELAY_FAILED)
-        commission_end(c, s, r->failure == RELAY_NO_ANSWER ? WHY_NO_ANSWER : WHY_NO_CYCLE, loop,
-                       c->input[0].worst);
+        commission_end(c, s, r->failure == RELAY_NO_ANSWER ? REASON_NO_ANSWER : REASON_NO_CYCLE,
+                       loop, c->input[0].worst);
     else if (r->phase == RELAY_DONE)
         done(c, s);
 }
@@ -286,7 +286,7 @@ void commission_relay(struct commission *c, struct supervisor *s)
     real_t y[CHANNEL_MAX] = {REAL_C(0.0)};
     uint8_t culprit, other = changed_loop(c, s);
     if (other != PLAN_NONE) {
-        commission_end(c, s, WHY_HAND, s->plan->config.loop[other].name, REAL_C(0.0));
+        commission_end(c, s, REASON_HAND, s->plan->config.loop[other].name, REAL_C(0.0));
         return;
     }
     for (uint8_t j = 0; j < c->outputs; j++)
@@ -303,12 +303,12 @@ void commission_relay(struct commission *c, struct supervisor *s)
         if (!err)
             cycle(c, s, y);
     } else if (!err && t->waited > REST_PATIENCE * window(s) + COMMISSION_HALF_MOST) {
-        commission_end(c, s, WHY_RESTLESS,
+        commission_end(c, s, REASON_RESTLESS,
                        s->plan->config.measurement[c->measurement[culprit]].name, REAL_C(0.0));
         return;
     }
     if (err)
-        commission_end(c, s, WHY_NUMBERS, commission_input_name(c, s), (real_t)err);
+        commission_end(c, s, REASON_NUMBERS, commission_input_name(c, s), (real_t)err);
 }
 
 #endif

@@ -44,9 +44,9 @@ bool certainty_sign_is_unsure(const struct analysis *a, uint8_t k)
     return !is_seen(a, a->pairs.output[k], a->pairs.input[k]);
 }
 
-static void doubt_output(struct analysis *a, unsigned why, uint8_t j)
+static void doubt_output(struct analysis *a, unsigned reason, uint8_t j)
 {
-    a->doubts = (uint8_t)(a->doubts | why);
+    a->doubts = (uint8_t)(a->doubts | reason);
     a->ambiguous_outputs = (uint16_t)(a->ambiguous_outputs | 1u << j);
 }
 

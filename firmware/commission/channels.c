@@ -4,7 +4,7 @@
 #if COMMISSION_CHANNELS
 
 #include "commission/analysis_structure.h"
-#include "commission/parts.h"
+#include "commission/commission_internal.h"
 
 #include <string.h>
 
@@ -130,7 +130,7 @@ static enum err may_test(const struct supervisor *s, const char **what, const ch
 {
     *what = NULL;
     if (sequence_runs(s))
-        return hindered(what, wanted, NULL, commission_why_text(WHY_SEQUENCE));
+        return hindered(what, wanted, NULL, commission_reason_text(REASON_SEQUENCE));
     if (s->state == SUPERVISOR_SAFE)
         return hindered(
             what, wanted, NULL,
@@ -237,76 +237,76 @@ static bool is_gone(const struct supervisor *s, uint8_t i)
     return !m->seen || m->lost || !quality_usable(m->quality);
 }
 
-enum commission_why commission_hindrance(const struct commission *c, const struct supervisor *s,
-                                         const char **subject)
+enum commission_reason commission_hindrance(const struct commission *c, const struct supervisor *s,
+                                            const char **subject)
 {
     const struct config *config = &s->plan->config;
     *subject = NULL;
     if (s->state == SUPERVISOR_SAFE)
-        return WHY_SAFE;
+        return REASON_SAFE;
     if (sequence_runs(s))
-        return WHY_SEQUENCE;
+        return REASON_SEQUENCE;
     for (uint8_t k = 0; k < c->work->analysis.pairs.n; k++) {
         uint8_t i = pair_measurement(c, k), j = pair_output(c, k);
         uint8_t inner = analysis_inner_of(&c->work->analysis, k);
         *subject = config->measurement[i].name;
         if (is_gone(s, i))
-            return WHY_LOST;
+            return REASON_LOST;
         if (inner != INTERACT_NONE) {
             *subject = config->measurement[c->measurement[inner]].name;
             if (is_gone(s, c->measurement[inner]))
-                return WHY_LOST;
+                return REASON_LOST;
         }
         *subject = config->output[j].name;
         if (s->output[j].interlocked)
-            return WHY_INTERLOCK;
+            return REASON_INTERLOCK;
         if (is_deaf(s, j) && (c->phase != COMMISSION_TRIAL || is_far_off(s, j)))
-            return WHY_ACTUATOR;
+            return REASON_ACTUATOR;
     }
     *subject = NULL;
-    return WHY_NOT;
+    return REASON_NOT;
 }
 
 enum err commission_may_try(const struct commission *c, const struct supervisor *s,
                             const char **what, const char **wanted)
 {
-    enum commission_why why = commission_hindrance(c, s, what);
-    *wanted = commission_why_text(why);
-    return why == WHY_NOT ? ERR_OK : ERR_STATE;
+    enum commission_reason reason = commission_hindrance(c, s, what);
+    *wanted = commission_reason_text(reason);
+    return reason == REASON_NOT ? ERR_OK : ERR_STATE;
 }
 
-enum commission_why commission_disturbance(const struct commission *c, const struct supervisor *s,
-                                           const char **subject)
+enum commission_reason commission_disturbance(const struct commission *c,
+                                              const struct supervisor *s, const char **subject)
 {
     const struct config *config = &s->plan->config;
     *subject = NULL;
     if (s->plan->serial != c->plan_serial)
-        return WHY_CONFIG;
+        return REASON_CONFIG;
     /* Somebody may have left it again within this very tick. */
     if (s->state == SUPERVISOR_SAFE || s->safe_count != c->safe_count)
-        return WHY_SAFE;
+        return REASON_SAFE;
     for (uint8_t j = 0; j < c->outputs; j++) {
         *subject = config->measurement[c->measurement[j]].name;
         if (is_lost(s, c->measurement[j]))
-            return WHY_LOST;
+            return REASON_LOST;
     }
     int at = commission_at_end(c);
     if (at >= 0) {
         *subject = config->measurement[c->measurement[at]].name;
-        return WHY_SPAN;
+        return REASON_SPAN;
     }
     for (uint8_t k = 0; k < c->inputs; k++) {
         uint8_t j = c->input[k].output;
         *subject = config->output[j].name;
         if (s->output[j].interlocked)
-            return WHY_INTERLOCK;
+            return REASON_INTERLOCK;
         if (is_deaf(s, j))
-            return WHY_ACTUATOR;
+            return REASON_ACTUATOR;
         if (acting(s, j) != PLAN_NONE || num_to_float(s->output[j].manual) != c->input[k].held)
-            return WHY_HAND;
+            return REASON_HAND;
     }
     *subject = NULL;
-    return WHY_NOT;
+    return REASON_NOT;
 }
 
 #endif

@@ -4,50 +4,50 @@
 #include "supervise/config.h"
 #if COMMISSION_CHANNELS
 
-#include "commission/parts.h"
+#include "commission/commission_internal.h"
 
 #include <string.h>
 
-static const char *const why_texts[WHY_COUNT] = {
-    [WHY_NOT] = "",
-    [WHY_ASKED] = "asked for",
-    [WHY_SAFE] = "safe state",
-    [WHY_LOST] = "measurement is not believed",
-    [WHY_INTERLOCK] = "an interlock holds the output",
-    [WHY_ACTUATOR] = "the output does not follow its command",
-    [WHY_HAND] = "moved by somebody else",
-    [WHY_CONFIG] = "another configuration was applied",
-    [WHY_RESTLESS] = "does not come to rest before the test",
-    [WHY_LIMIT] = "went past its test limit",
-    [WHY_AWAY] = "does not come back after the test: unstable or integrating",
-    [WHY_INTEGRATES] =
+static const char *const reason_texts[REASON_COUNT] = {
+    [REASON_NOT] = "",
+    [REASON_ASKED] = "asked for",
+    [REASON_SAFE] = "safe state",
+    [REASON_LOST] = "measurement is not believed",
+    [REASON_INTERLOCK] = "an interlock holds the output",
+    [REASON_ACTUATOR] = "the output does not follow its command",
+    [REASON_HAND] = "moved by somebody else",
+    [REASON_CONFIG] = "another configuration was applied",
+    [REASON_RESTLESS] = "does not come to rest before the test",
+    [REASON_LIMIT] = "went past its test limit",
+    [REASON_AWAY] = "does not come back after the test: unstable or integrating",
+    [REASON_INTEGRATES] =
         "integrates, or is many times slower than `test.longest`: it must come to rest by itself",
-    [WHY_TOO_SLOW] =
+    [REASON_TOO_SLOW] =
         "is slower than `test.longest` or its `test_time` allows: set more, or leave it out",
-    [WHY_LEFT] =
+    [REASON_LEFT] =
         "is farther from where it was than its drift explains: bring it back, and begin anew",
-    [WHY_SPAN] = "reads an end of its span, not the plant: widen the span, or repair the sensor",
-    [WHY_REVERSAL] =
+    [REASON_SPAN] = "reads an end of its span, not the plant: widen the span, or repair the sensor",
+    [REASON_REVERSAL] =
         "would go past its test limit at the reversal: a smaller `test_step`, or a wider limit",
-    [WHY_NO_INPUT] = "every input was skipped",
-    [WHY_NUMBERS] = "the analysis refused the model",
-    [WHY_SAMPLES] = "samples were missing",
-    [WHY_RESET] = "the board was reset",
-    [WHY_TRIAL_LIMIT] = "went past its test limit on trial",
-    [WHY_TRIAL_SLOW] = "took far longer than predicted on trial",
-    [WHY_TRIAL_PEAK] = "overshot far more than predicted on trial",
-    [WHY_TRIAL_REST] = "did not come to rest on trial",
-    [WHY_TRIAL_ROOM] = "an output stood at its limit on trial",
-    [WHY_SEQUENCE] = "a sequence is under way; `seq` shows it",
-    [WHY_TRIAL_SWINGS] = "oscillated on trial without decaying fast enough",
-    [WHY_NO_ANSWER] =
+    [REASON_NO_INPUT] = "every input was skipped",
+    [REASON_NUMBERS] = "the analysis refused the model",
+    [REASON_SAMPLES] = "samples were missing",
+    [REASON_RESET] = "the board was reset",
+    [REASON_TRIAL_LIMIT] = "went past its test limit on trial",
+    [REASON_TRIAL_SLOW] = "took far longer than predicted on trial",
+    [REASON_TRIAL_PEAK] = "overshot far more than predicted on trial",
+    [REASON_TRIAL_REST] = "did not come to rest on trial",
+    [REASON_TRIAL_ROOM] = "an output stood at its limit on trial",
+    [REASON_SEQUENCE] = "a sequence is under way; `seq` shows it",
+    [REASON_TRIAL_SWINGS] = "oscillated on trial without decaying fast enough",
+    [REASON_NO_ANSWER] =
         "its measurement does not answer to the relay, or its action is the wrong one",
-    [WHY_NO_CYCLE] = "no steady cycle under the relay",
+    [REASON_NO_CYCLE] = "no steady cycle under the relay",
 };
 
-const char *commission_why_text(enum commission_why why)
+const char *commission_reason_text(enum commission_reason reason)
 {
-    return why < WHY_COUNT ? why_texts[why] : "";
+    return reason < REASON_COUNT ? reason_texts[reason] : "";
 }
 
 _Static_assert(sizeof(struct commission_work) <= WORKSPACE_BYTES,
@@ -65,8 +65,8 @@ void commission_init(struct commission *c, struct event_queue *events, struct wo
 void commission_was_reset(struct commission *c)
 {
     c->phase = COMMISSION_ENDED;
-    c->why = WHY_RESET;
-    event_put(c->events, 0, EVENT_COMMISSION_ENDED, NULL, 0.0f, WHY_RESET);
+    c->reason = REASON_RESET;
+    event_put(c->events, 0, EVENT_COMMISSION_ENDED, NULL, 0.0f, REASON_RESET);
 }
 
 bool commission_is_testing(const struct commission *c)
@@ -153,8 +153,8 @@ bool commission_has_results(const struct commission *c)
 
 static bool needs_workspace(const struct commission *c)
 {
-    bool on_trial = c->phase == COMMISSION_TRIAL || c->ask == COMMISSION_ASK_TRIAL;
-    return begins(c) || on_trial || c->wants_old || commission_is_testing(c);
+    bool in_acceptance = c->phase == COMMISSION_TRIAL || c->ask == COMMISSION_ASK_TRIAL;
+    return begins(c) || in_acceptance || c->wants_old || commission_is_testing(c);
 }
 
 /* What frees the workspace now; NULL: nobody needs what is there. */
@@ -238,27 +238,28 @@ void commission_release(struct commission *c, struct supervisor *s)
         supervisor_excite(s, c->input[k].output, num_zero());
 }
 
-void commission_end(struct commission *c, struct supervisor *s, enum commission_why why,
+void commission_end(struct commission *c, struct supervisor *s, enum commission_reason reason,
                     const char *subject, real_t value)
 {
-    bool on_trial = c->phase == COMMISSION_TRIAL;
+    bool in_acceptance = c->phase == COMMISSION_TRIAL;
     commission_release(c, s);
     /* An interlock or the operator may have moved what was held; back to it, unless somebody else decides now. */
-    bool others = on_trial || why == WHY_HAND || why == WHY_CONFIG || why == WHY_SAFE;
+    bool others =
+        in_acceptance || reason == REASON_HAND || reason == REASON_CONFIG || reason == REASON_SAFE;
     for (uint8_t k = 0; k < c->inputs && !others; k++)
         s->output[c->input[k].output].manual = num_from_float(c->input[k].held);
-    for (uint8_t k = 0; k < c->inputs && !on_trial; k++)
+    for (uint8_t k = 0; k < c->inputs && !in_acceptance; k++)
         c->unseen = c->unseen || c->input[k].rounds > 0; /* a part of the model */
     c->phase = COMMISSION_ENDED;
-    c->why = why;
+    c->reason = reason;
     c->value = value;
     memset(c->subject, 0, sizeof c->subject);
     for (unsigned i = 0; subject && subject[i] && i + 1 < sizeof c->subject; i++)
         c->subject[i] = subject[i];
     job_give_up(&c->job);
     c->ended_ms = s->time_ms;
-    event_put(c->events, s->time_ms, on_trial ? EVENT_TRIAL_FAILED : EVENT_COMMISSION_ENDED,
-              subject, value, (uint8_t)why);
+    event_put(c->events, s->time_ms, in_acceptance ? EVENT_TRIAL_FAILED : EVENT_COMMISSION_ENDED,
+              subject, value, (uint8_t)reason);
 }
 
 static void pause_test(struct commission *c, struct supervisor *s)
@@ -323,9 +324,9 @@ static void take_ask(struct commission *c, struct supervisor *s)
         break;
     case COMMISSION_ASK_ABORT:
         if (c->phase == COMMISSION_TRIAL)
-            commission_back_to_old(c, s, WHY_ASKED, NULL, REAL_C(0.0));
+            commission_back_to_old(c, s, REASON_ASKED, NULL, REAL_C(0.0));
         else
-            commission_end(c, s, WHY_ASKED, NULL, REAL_C(0.0));
+            commission_end(c, s, REASON_ASKED, NULL, REAL_C(0.0));
         break;
     case COMMISSION_ASK_TRIAL:
         commission_begin_trial(c, s);
@@ -343,13 +344,13 @@ static bool is_disturbed(struct commission *c, struct supervisor *s)
     const char *subject;
     commission_watch_spans(c, s);
     if (c->phase == COMMISSION_TRIAL)
-        return commission_trial_is_disturbed(c, s);
+        return commission_acceptance_is_disturbed(c, s);
     if (!commission_is_testing(c))
         return false;
-    enum commission_why why = commission_disturbance(c, s, &subject);
-    if (why != WHY_NOT)
-        commission_end(c, s, why, subject, REAL_C(0.0));
-    return why != WHY_NOT;
+    enum commission_reason reason = commission_disturbance(c, s, &subject);
+    if (reason != REASON_NOT)
+        commission_end(c, s, reason, subject, REAL_C(0.0));
+    return reason != REASON_NOT;
 }
 
 static void act(struct commission *c, struct supervisor *s)
@@ -366,7 +367,7 @@ static void act(struct commission *c, struct supervisor *s)
     else if (c->phase == COMMISSION_FITTING || c->phase == COMMISSION_ANALYSING)
         commission_wait_for_job(c, s);
     else if (c->phase == COMMISSION_TRIAL)
-        commission_trial(c, s);
+        commission_acceptance(c, s);
 }
 
 void commission_tick(struct commission *c, struct supervisor *s)

@@ -58,6 +58,6 @@ uint32_t commission_channels(const struct config *config);
 /* Is there a proposal? */
 bool commission_has_proposal(const struct commission *c);
 
-const char *commission_why_text(enum commission_why why);
+const char *commission_reason_text(enum commission_reason reason);
 
 #endif

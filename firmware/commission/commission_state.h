@@ -24,41 +24,41 @@ enum commission_phase {
     COMMISSION_TRIAL, /* the accepted set is in force and on trial */
     COMMISSION_KEPT,
     COMMISSION_RETURNED, /* the old set is, or is about to be, back in force */
-    COMMISSION_ENDED     /* before its end: `why` */
+    COMMISSION_ENDED     /* before its end: `reason` */
 };
 
 /* Why it ended, or the trial failed. Words: commission_why_text(). */
-enum commission_why {
-    WHY_NOT,
-    WHY_ASKED, /* the operator */
-    WHY_SAFE,  /* safe state */
-    WHY_LOST,  /* measurement not believed */
-    WHY_INTERLOCK,
-    WHY_ACTUATOR, /* does not follow */
-    WHY_HAND,     /* output moved, or loop put into automatic */
-    WHY_CONFIG,   /* another configuration */
-    WHY_RESTLESS,
-    WHY_LIMIT,
-    WHY_AWAY,
-    WHY_INTEGRATES,
-    WHY_NO_INPUT, /* every input was skipped */
-    WHY_NUMBERS,  /* refused by the analysis: a fault of ours */
-    WHY_SAMPLES,  /* more samples missing than a test can do without */
-    WHY_RESET,    /* of the board */
-    WHY_TRIAL_LIMIT,
-    WHY_TRIAL_SLOW, /* integral of the error beyond what was predicted */
-    WHY_TRIAL_PEAK, /* overshoot beyond what was predicted */
-    WHY_TRIAL_REST, /* does not come to rest */
-    WHY_SEQUENCE,
-    WHY_NO_ANSWER, /* to a relay */
-    WHY_NO_CYCLE,
-    WHY_TRIAL_ROOM,   /* an output stood at its limit */
-    WHY_LEFT,         /* farther from the operating point than its drift explains */
-    WHY_SPAN,         /* reads an end of its span */
-    WHY_REVERSAL,     /* no double step is small enough */
-    WHY_TOO_SLOW,     /* for test.longest */
-    WHY_TRIAL_SWINGS, /* an oscillation that does not decay */
-    WHY_COUNT
+enum commission_reason {
+    REASON_NOT,
+    REASON_ASKED, /* the operator */
+    REASON_SAFE,  /* safe state */
+    REASON_LOST,  /* measurement not believed */
+    REASON_INTERLOCK,
+    REASON_ACTUATOR, /* does not follow */
+    REASON_HAND,     /* output moved, or loop put into automatic */
+    REASON_CONFIG,   /* another configuration */
+    REASON_RESTLESS,
+    REASON_LIMIT,
+    REASON_AWAY,
+    REASON_INTEGRATES,
+    REASON_NO_INPUT, /* every input was skipped */
+    REASON_NUMBERS,  /* refused by the analysis: a fault of ours */
+    REASON_SAMPLES,  /* more samples missing than a test can do without */
+    REASON_RESET,    /* of the board */
+    REASON_TRIAL_LIMIT,
+    REASON_TRIAL_SLOW, /* integral of the error beyond what was predicted */
+    REASON_TRIAL_PEAK, /* overshoot beyond what was predicted */
+    REASON_TRIAL_REST, /* does not come to rest */
+    REASON_SEQUENCE,
+    REASON_NO_ANSWER, /* to a relay */
+    REASON_NO_CYCLE,
+    REASON_TRIAL_ROOM,   /* an output stood at its limit */
+    REASON_LEFT,         /* farther from the operating point than its drift explains */
+    REASON_SPAN,         /* reads an end of its span */
+    REASON_REVERSAL,     /* no double step is small enough */
+    REASON_TOO_SLOW,     /* for test.longest */
+    REASON_TRIAL_SWINGS, /* an oscillation that does not decay */
+    REASON_COUNT
 };
 
 enum commission_ask {
@@ -124,8 +124,8 @@ struct commission {
     bool lost;                    /* ... was another's since, and what is there now is nothing */
     bool unseen;                  /* nobody has looked at what was found */
     enum commission_phase phase;
-    enum commission_why why;
-    char subject[CHANNEL_NAME_SIZE]; /* what `why` is about */
+    enum commission_reason reason;
+    char subject[CHANNEL_NAME_SIZE]; /* what `reason` is about */
     real_t value;                    /* ... and its number, fraction of span */
     volatile uint8_t ask; /* enum commission_ask; the main loop writes it under hal_tick_lock */
     volatile uint8_t relay_asked;   /* loop; likewise */
@@ -155,10 +155,10 @@ struct commission {
     enum err job_error;
     struct identified fitted[CHANNEL_MAX]; /* of the latest test, by output */
     real_t misfit[CHANNEL_MAX];            /* ... and of its gain, by what is not noise */
-    real_t climbs[CHANNEL_MAX];            /* ... and how it went on climbing: judge.h */
+    real_t climbs[CHANNEL_MAX];            /* ... and how it went on climbing: test_verdict.h */
     uint8_t fit_at;                        /* output under work */
     bool fit_running, fit_bent, analysis_begun;
-    real_t fit_squares, fit_misfit, fit_share; /* of the fit without a bend: what it leaves */
+    real_t fit_squares, fit_misfit, fit_share; /* of the fit without a bend: its residual */
     struct analysis_config settings;           /* of the analysis */
     struct by_relay by_relay;
 

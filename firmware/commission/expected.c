@@ -3,7 +3,7 @@
 
 #include "commission/expected.h"
 
-#include "commission/parts.h"
+#include "commission/commission_internal.h"
 
 #define KNOWN_TIMES REAL_C(4.0) /* the time given for a pair, that a half lasts at least */
 #define HALVES      REAL_C(3.0) /* of a test: up, down, and back to rest */

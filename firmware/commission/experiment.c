@@ -258,22 +258,23 @@ void experiment_baseline_before(const struct experiment *e, uint8_t j, struct ba
 static void ask_for_look(struct experiment *e)
 {
     struct baseline b[CHANNEL_MAX];
-    if (e->looking || e->samples < e->next_look || e->record.points < FOPDT_FIT_POINTS_MIN)
+    if (e->interim_fitting || e->samples < e->next_interim_fit ||
+        e->record.points < FOPDT_FIT_POINTS_MIN)
         return;
     for (uint8_t j = 0; j < e->config.outputs; j++)
         experiment_baseline_before(e, j, &b[j]);
-    look_begin(&e->look, &e->record, b);
-    e->looking = true;
-    e->next_look = e->samples + e->half / 8u + 1u;
+    interim_fit_begin(&e->interim_fit, &e->record, b);
+    e->interim_fitting = true;
+    e->next_interim_fit = e->samples + e->half / 8u + 1u;
 }
 
-void experiment_looked(struct experiment *e)
+void experiment_take_interim_fit(struct experiment *e)
 {
-    e->looking = false;
-    e->looked = true;
+    e->interim_fitting = false;
+    e->interim_fitted = true;
     e->fresh = e->phase == EXPERIMENT_UP;
     for (unsigned j = 0; e->fresh && j < e->config.outputs; j++) {
-        const struct identified *f = &e->look.found[j];
+        const struct identified *f = &e->interim_fit.found[j];
         bool better =
             !(e->early[j].slope > REAL_C(0.0)) || f->dead_time_sd_s < e->early[j].dead_sd_s;
         if ((f->flags & IDENTIFIED_NO_GAIN) || !(f->time_constant_s > REAL_C(0.0)) ||

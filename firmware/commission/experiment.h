@@ -22,8 +22,8 @@ MUST_CHECK enum err experiment_begin(struct experiment *e, const struct experime
  * Not to be called once DONE or FAILED. ERR_NOT_FINITE: nothing has changed. */
 MUST_CHECK enum err experiment_step(struct experiment *e, const real_t *y);
 
-/* The look that experiment_step has begun (e->looking) is done: its models are used from the next sample on. */
-void experiment_looked(struct experiment *e);
+/* The interim fit that experiment_step has begun (e->interim_fitting) is done: its models are used from the next sample on. */
+void experiment_take_interim_fit(struct experiment *e);
 /* A sample was lost on the way, before the one to come: the one before stands in for it, and nothing is decided, because
  * nothing could have been done. ERR_STATE before the first sample, and once DONE or FAILED. */
 MUST_CHECK enum err experiment_missed(struct experiment *e);

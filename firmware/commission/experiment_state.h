@@ -2,7 +2,7 @@
 #ifndef REFLUX_COMMISSION_EXPERIMENT_STATE_H
 #define REFLUX_COMMISSION_EXPERIMENT_STATE_H
 
-#include "commission/look.h"
+#include "commission/interim_fit.h"
 #include "commission/origin.h"
 #include "identify/guard.h"
 #include "identify/moments.h"
@@ -78,13 +78,13 @@ struct experiment {
     struct steady_result before[CHANNEL_MAX], after[CHANNEL_MAX];
     bool returned; /* `after` is from outputs at rest */
 
-    /* The look under way: experiment_step begins it, the background runs it (look_run), experiment_looked takes it. */
-    bool looking;
-    bool looked, fresh; /* there is a model of this step; not yet acted upon */
-    uint32_t next_look; /* samples since the first edge */
-    struct look look;
+    /* The interim fit under way: experiment_step begins it, the background runs it (interim_fit_run), experiment_take_interim_fit takes it. */
+    bool interim_fitting;
+    bool interim_fitted, fresh; /* there is a model of this step; not yet acted upon */
+    uint32_t next_interim_fit;  /* samples since the first edge */
+    struct interim_fit interim_fit;
 
-    /* From the look that has known the dead time best, when the record was still fine: how the response begins. */
+    /* From the interim fit that has known the dead time best, when the record was still fine: how the response begins. */
     struct {
         real_t slope, dead_s, dead_sd_s; /* slope: gain over time constant; 0: not known */
     } early[CHANNEL_MAX];

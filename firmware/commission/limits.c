@@ -119,8 +119,8 @@ static bool line_trips(struct experiment *e, const real_t *y, enum err *err)
 static real_t peak_by_model(const struct experiment *e, uint8_t j, real_t away)
 {
     const struct experiment_config *c = &e->config;
-    const struct identified *f = &e->look.found[j];
-    if (!e->looked || !look_is_known(f) || !(f->time_constant_s > REAL_C(0.0)))
+    const struct identified *f = &e->interim_fit.found[j];
+    if (!e->interim_fitted || !interim_fit_is_known(f) || !(f->time_constant_s > REAL_C(0.0)))
         return away;
     real_t sure = real_abs(f->gain) - f->gain_sd;
     real_t ends = (f->gain < REAL_C(0.0) ? -sure : sure) * e->amplitude;

@@ -7,8 +7,8 @@
 
 #include "commission/certainty.h"
 #include "commission/combine.h"
-#include "commission/judge.h"
-#include "commission/parts.h"
+#include "commission/commission_internal.h"
+#include "commission/test_verdict.h"
 
 #include <string.h>
 
@@ -25,8 +25,7 @@
 #define BEND_SDS     REAL_C(2.0)
 #define BENT_BETTER                                                                                \
     REAL_C(12.0) /* variances of a point that a bend must explain: instant, slope and step of it */
-#define NO_NOISE                                                                                   \
-    REAL_C(0.5) /* of the variance that the fit leaves: the response is not that of one lag */
+#define NO_NOISE        REAL_C(0.5) /* of the residual variance: the response is not that of one lag */
 #define LEVEL_LEAST     REAL_C(0.8) /* of a response that its levels show, to be used for the gain */
 #define LEVEL_DOUBT     REAL_C(0.25) /* of what fit and levels differ by */
 #define LEVEL_SURER     REAL_C(0.5)  /* times the deviation of the fit: the levels know better */
@@ -95,7 +94,7 @@ static void begin_output(struct commission *c)
         .baseline = b,
         .start = have_moments && !(moments.flags & IDENTIFIED_NO_GAIN) ? &moments : NULL};
     c->fit_bent = false;
-    err = fopdt_fit_begin(&c->work->test.experiment.look.fit, &x->record, j, &o);
+    err = fopdt_fit_begin(&c->work->test.experiment.interim_fit.fit, &x->record, j, &o);
     if (err)
         c->job_error = err;
     c->fit_running = !err;
@@ -132,10 +131,10 @@ static real_t sure_slope(const struct steady_result *at)
  * the fit, pulled by all of it, does not know where the response ends, and says so by its deviation. Then what the levels
  * have come to is used, half way between as it is and what the fit says is still to come; the other half is left as
  * standard deviation. */
-static bool take_level(const struct experiment *x, const struct judgement *v,
+static bool take_level(const struct experiment *x, const struct test_verdict *v,
                        struct identified *fit)
 {
-    real_t of = judge_level_of(&x->record, fit->dead_time_s, fit->time_constant_s);
+    real_t of = test_verdict_level_of(&x->record, fit->dead_time_s, fit->time_constant_s);
     if (!(v->level_sd > REAL_C(0.0)) || x->cut || of < LEVEL_LEAST ||
         (fit->flags & IDENTIFIED_NO_GAIN))
         return false;
@@ -150,7 +149,7 @@ static bool take_level(const struct experiment *x, const struct judgement *v,
 }
 
 /* Such a response begins faster than the lag that fits all of it, and a loop has to do with its beginning. The long record
- * is too coarse for that; a look taken in time was not. */
+ * is too coarse for that; an interim fit taken in time was not. */
 static void take_beginning(struct element *e, const struct experiment *x, uint8_t j,
                            const struct identified *fit)
 {
@@ -164,7 +163,7 @@ static void take_beginning(struct element *e, const struct experiment *x, uint8_
 
 /* An output that is not linear answers a step up and a step down differently, and every time in the same way; what has
  * disturbed a test does not come again. The mean of both is then the gain, but for terms of third order. */
-static bool is_curved(struct commission *c, const struct judgement *v)
+static bool is_curved(struct commission *c, const struct test_verdict *v)
 {
     struct element *e = &c->work->element[c->fit_at][c->order[c->at]];
     real_t now = REAL_C(0.0), before = (real_t)e->asymmetry;
@@ -180,8 +179,8 @@ static bool is_curved(struct commission *c, const struct judgement *v)
 }
 
 /* Does the output go on climbing? bend: of its drift, not taken off. */
-static void judge_climb(struct commission *c, const struct judgement *v, real_t bend,
-                        const struct identified *fit)
+static void verdict_on_climb(struct commission *c, const struct test_verdict *v, real_t bend,
+                             const struct identified *fit)
 {
     const struct experiment *x = &c->work->test.experiment;
     real_t half_s = (real_t)x->half * x->config.h_s;
@@ -195,14 +194,13 @@ static void judge_climb(struct commission *c, const struct judgement *v, real_t 
 
 /* What the record says by itself: a drift that no line explains makes the three parts of a double step disagree about the
  * gain, and the fit cannot know. */
-static void judge_gain(struct commission *c, const struct judgement *v, real_t bend, real_t misfit,
-                       real_t share, struct identified *fit)
+static void verdict_on_gain(struct commission *c, const struct test_verdict *v, real_t bend,
+                            real_t misfit, real_t share, struct identified *fit)
 {
     const struct experiment *x = &c->work->test.experiment;
     if (share > NO_NOISE && take_level(x, v, fit)) {
         take_beginning(&c->work->element[c->fit_at][c->order[c->at]], x, c->fit_at, fit);
-        misfit =
-            REAL_C(0.0); /* what the fit leaves is no error of the levels; theirs comes again */
+        misfit = REAL_C(0.0); /* the residual is no error of the levels; theirs comes again */
         share = REAL_C(1.0);
     }
     real_t spread = v->spread;
@@ -270,7 +268,7 @@ static bool fit_again(struct commission *c, const struct fopdt_fit_result *strai
     experiment_baseline_before(x, c->fit_at, &o.baseline);
     c->fit_squares = straight->squares;
     c->fit_bent = c->fit_running =
-        fopdt_fit_begin(&x->look.fit, &x->record, c->fit_at, &o) == ERR_OK;
+        fopdt_fit_begin(&x->interim_fit.fit, &x->record, c->fit_at, &o) == ERR_OK;
     return c->fit_bent;
 }
 
@@ -289,10 +287,10 @@ static real_t misfit_share(const struct fopdt_fit_result *r)
     return part < all ? part / all : REAL_C(1.0);
 }
 
-static void judge_output(const struct experiment *x, uint8_t j, const struct baseline *b,
-                         struct judgement *v)
+static void verdict_of_output(const struct experiment *x, uint8_t j, const struct baseline *b,
+                              struct test_verdict *v)
 {
-    judge_record(&x->record, j, b, x->amplitude, sure_slope(&x->before[j]), v);
+    test_verdict_of(&x->record, j, b, x->amplitude, sure_slope(&x->before[j]), v);
 }
 
 /* The fits of an output are there; bent is NULL where its drift has not turned. */
@@ -303,7 +301,7 @@ static void take_fits(struct commission *c, const struct fopdt_fit_result *bent)
     struct identified *kept = &c->fitted[j];
     struct element *e = &c->work->element[j][c->order[c->at]];
     struct baseline b;
-    struct judgement v;
+    struct test_verdict v;
     bool usable = bent && !(bent->element.flags & (IDENTIFIED_NO_GAIN | IDENTIFIED_INTEGRATING)) &&
                   (drift_bend(x, j, &bent->element) > REAL_C(0.0) ||
                    bent->misfit < BENT_LEAVES * c->fit_misfit);
@@ -314,17 +312,17 @@ static void take_fits(struct commission *c, const struct fopdt_fit_result *bent)
         b = (struct baseline){.offset = bent->offset,
                               .slope_per_s = bent->slope_per_s,
                               .noise_sd = x->before[j].noise_sd};
-        judge_output(x, j, &b, &v);
-        judge_climb(c, &v, REAL_C(0.0), kept);
-        judge_gain(c, &v, REAL_C(0.0), bent->misfit, misfit_share(bent), kept);
+        verdict_of_output(x, j, &b, &v);
+        verdict_on_climb(c, &v, REAL_C(0.0), kept);
+        verdict_on_gain(c, &v, REAL_C(0.0), bent->misfit, misfit_share(bent), kept);
         return;
     }
     real_t bend = drift_bend(x, j, kept);
     bool straight = experiment_baseline(x, j, &b) == ERR_OK;
     c->climbs[j] = c->misfit[j] = REAL_C(0.0);
     if (straight) {
-        judge_output(x, j, &b, &v);
-        judge_climb(c, &v, bend, kept);
+        verdict_of_output(x, j, &b, &v);
+        verdict_on_climb(c, &v, bend, kept);
     }
     if (usable) { /* it turned before the step, or after all was over; how much else it could be is known */
         real_t apart = bent->element.gain - kept->gain;
@@ -333,9 +331,9 @@ static void take_fits(struct commission *c, const struct fopdt_fit_result *bent)
     if (kept->gain_sd > HOPELESS * real_abs(kept->gain) && !(kept->flags & IDENTIFIED_NO_GAIN))
         use_moments(e, kept);
     if (straight && usable)
-        judge_gain(c, &v, REAL_C(0.0), bent->misfit, misfit_share(bent), kept);
+        verdict_on_gain(c, &v, REAL_C(0.0), bent->misfit, misfit_share(bent), kept);
     else if (straight)
-        judge_gain(c, &v, bend, c->fit_misfit, c->fit_share, kept);
+        verdict_on_gain(c, &v, bend, c->fit_misfit, c->fit_share, kept);
 }
 
 /* A fit has ended. True while another is to come for this output. */
@@ -364,10 +362,10 @@ static bool fit_piece(struct commission *c)
         begin_output(c);
         return true;
     }
-    if (!fopdt_fit_run(&c->work->test.experiment.look.fit, FIT_UNITS))
+    if (!fopdt_fit_run(&c->work->test.experiment.interim_fit.fit, FIT_UNITS))
         return true;
     struct fopdt_fit_result r;
-    enum err err = fopdt_fit_result(&c->work->test.experiment.look.fit, &r);
+    enum err err = fopdt_fit_result(&c->work->test.experiment.interim_fit.fit, &r);
     if (err) {
         c->job_error = err;
         return false;
@@ -443,7 +441,7 @@ bool model_work(void *commission)
     struct commission *c = commission;
     enum model_job job = (enum model_job)c->doing;
     if (job == JOB_LOOK)
-        return look_run(&c->work->test.experiment.look);
+        return interim_fit_run(&c->work->test.experiment.interim_fit);
     if (job == JOB_FIT)
         return fit_piece(c);
     return analysis_piece(c);

@@ -48,7 +48,7 @@ static void look_at_models(const struct experiment *e, const real_t *y, struct p
     const struct experiment_config *c = &e->config;
     *p = (struct progress){.known = true, .growth = GROWTH_MOST};
     for (uint8_t j = 0; j < c->outputs; j++) {
-        const struct identified *f = &e->look.found[j];
+        const struct identified *f = &e->interim_fit.found[j];
         /* Known or not, what it has done it will do again, and at the reversal twice as far. */
         leave_room(e, j, limits_reach(e, j, limits_away(e, j, y) / e->amplitude) * e->amplitude, p);
         if (f->flags & IDENTIFIED_NO_GAIN)
@@ -57,7 +57,7 @@ static void look_at_models(const struct experiment *e, const real_t *y, struct p
         real_t ends = real_abs(f->gain) * e->amplitude;
         real_t reach = limits_reach(e, j, f->gain) + REAL_C(2.0) * f->gain_sd;
         bool timed = f->time_constant_sd_s < REAL_C(0.5) * f->time_constant_s;
-        if (!look_is_known(f) || !timed || ends < SMALL * e->before[j].noise_sd) {
+        if (!interim_fit_is_known(f) || !timed || ends < SMALL * e->before[j].noise_sd) {
             p->known = false;
             continue;
         }

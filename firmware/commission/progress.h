@@ -1,4 +1,4 @@
-/* What a step still under way says of itself: how far its outputs are from rest, and, by the models of the latest look,
+/* What a step still under way says of itself: how far its outputs are from rest, and, by the latest interim fit,
  * whether it has gone on for long enough and is large enough. Decides nothing: experiment.c does. */
 #ifndef REFLUX_COMMISSION_PROGRESS_H
 #define REFLUX_COMMISSION_PROGRESS_H
@@ -16,7 +16,7 @@ struct progress_advice {
 
 /* Does noise hide what is small beside a limit? */
 bool progress_is_noisy(const struct experiment *e);
-/* With fresh models (e->look), in the positive half. */
+/* With fresh models (e->interim_fit), in the positive half. */
 struct progress_advice progress_judge(const struct experiment *e, const real_t *y);
 
 #endif

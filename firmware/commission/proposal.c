@@ -4,7 +4,7 @@
 #include "commission/proposal.h"
 
 #include "commission/commission.h"
-#include "commission/parts.h"
+#include "commission/commission_internal.h"
 #include "commission/proposal_structure.h"
 
 #include <string.h>

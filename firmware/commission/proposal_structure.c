@@ -1,7 +1,7 @@
 #include "supervise/config.h"
 #if COMMISSION_CHANNELS
 
-#include "commission/parts.h"
+#include "commission/commission_internal.h"
 #include "commission/proposal_structure.h"
 
 #include <string.h>

@@ -3,8 +3,8 @@
 #if COMMISSION_CHANNELS
 
 #include "commission/certainty.h"
+#include "commission/commission_internal.h"
 #include "commission/limits.h"
-#include "commission/parts.h"
 
 #define CLIMBS      REAL_C(0.7) /* second half of a level over the first: 1 for an integrator */
 #define CLIMBS_TOO  REAL_C(0.5) /* ... where the fit thinks so, too */
@@ -28,7 +28,7 @@ uint32_t commission_samples(const struct supervisor *s, real_t seconds)
 
 void commission_ask_for(struct commission *c, enum model_job job, uint32_t ticks)
 {
-    job_give_up(&c->job); /* a look that the end of its test has overtaken */
+    job_give_up(&c->job); /* an interim fit that the end of its test has overtaken */
     c->doing = (uint8_t)job;
     job_ask(&c->job, ticks);
 }
@@ -155,19 +155,19 @@ static bool test_gentler(struct commission *c, struct supervisor *s)
 
 /* Output j goes on climbing to the end of the longest level: it is slow, where the fit knows its time constant, or it
  * integrates. */
-static enum commission_why why_it_climbs(const struct commission *c, uint8_t j)
+static enum commission_reason reason_of_climb(const struct commission *c, uint8_t j)
 {
     const struct identified *f = &c->fitted[j];
     bool timed = f->time_constant_sd_s > REAL_C(0.0) &&
                  f->time_constant_sd_s < SLOW_KNOWN * f->time_constant_s;
-    return timed && !(f->flags & IDENTIFIED_INTEGRATING) ? WHY_TOO_SLOW : WHY_INTEGRATES;
+    return timed && !(f->flags & IDENTIFIED_INTEGRATING) ? REASON_TOO_SLOW : REASON_INTEGRATES;
 }
 
 static void take_fit(struct commission *c, struct supervisor *s)
 {
     uint8_t k = c->order[c->at];
     if (c->job_error) {
-        commission_end(c, s, WHY_NUMBERS, commission_input_name(c, s), (real_t)c->job_error);
+        commission_end(c, s, REASON_NUMBERS, commission_input_name(c, s), (real_t)c->job_error);
         return;
     }
     for (uint8_t j = 0; j < c->outputs; j++) {
@@ -178,7 +178,7 @@ static void take_fit(struct commission *c, struct supervisor *s)
         /* A step that was cut short says less: there the fit must think so, too. */
         if (c->work->test.experiment.cut && !(c->fitted[j].flags & IDENTIFIED_INTEGRATING))
             continue;
-        commission_end(c, s, why_it_climbs(c, j),
+        commission_end(c, s, reason_of_climb(c, j),
                        s->plan->config.measurement[c->measurement[j]].name, c->input[k].worst);
         return;
     }
@@ -186,7 +186,7 @@ static void take_fit(struct commission *c, struct supervisor *s)
         return;
     const struct experiment *x = &c->work->test.experiment;
     if (x->one_sided) {
-        commission_end(c, s, WHY_REVERSAL,
+        commission_end(c, s, REASON_REVERSAL,
                        s->plan->config.measurement[c->measurement[x->culprit]].name, x->predicted);
         return;
     }
@@ -217,11 +217,11 @@ static void take_analysis(struct commission *c, struct supervisor *s)
 {
     const struct analysis *a = &c->work->analysis;
     if (c->job_error == ERR_EMPTY) {
-        commission_end(c, s, WHY_NO_INPUT, NULL, REAL_C(0.0));
+        commission_end(c, s, REASON_NO_INPUT, NULL, REAL_C(0.0));
         return;
     }
     if (c->job_error) {
-        commission_end(c, s, WHY_NUMBERS, NULL, (real_t)c->job_error);
+        commission_end(c, s, REASON_NUMBERS, NULL, (real_t)c->job_error);
         return;
     }
     bool open = a->verdict != PAIRING_DETERMINED;

@@ -4,7 +4,7 @@
 #include "supervise/config.h"
 #if COMMISSION_CHANNELS
 
-#include "commission/parts.h"
+#include "commission/commission_internal.h"
 
 #include <string.h>
 
@@ -241,7 +241,7 @@ void commission_start_input(struct commission *c, struct supervisor *s)
 {
     enum err err = begin_input(c, s);
     if (err)
-        commission_end(c, s, WHY_NUMBERS, commission_input_name(c, s), (real_t)err);
+        commission_end(c, s, REASON_NUMBERS, commission_input_name(c, s), (real_t)err);
 }
 
 /* All but the large parts, which whoever uses them next clears: this is a tick. */
@@ -322,7 +322,7 @@ void commission_test(struct commission *c, struct supervisor *s)
     uint32_t missed = commission_samples(s, elapsed_ms(s->time_ms, c->sample_ms) / REAL_C(1000.0));
     c->sample_ms = s->time_ms;
     if (x->begun && missed > MISSED_MOST + 1u) {
-        commission_end(c, s, WHY_SAMPLES, NULL, (real_t)(missed - 1u));
+        commission_end(c, s, REASON_SAMPLES, NULL, (real_t)(missed - 1u));
         return;
     }
     for (; x->begun && missed > 1 && !err; missed--)
@@ -330,15 +330,15 @@ void commission_test(struct commission *c, struct supervisor *s)
     for (uint8_t j = 0; j < c->outputs; j++)
         y[j] = num_to_float(s->measurement[c->measurement[j]].value);
     if (job_take(&c->job, c->events, s->time_ms))
-        experiment_looked(x);
+        experiment_take_interim_fit(x);
     if (!err)
         err = experiment_step(x, y);
     if (err) {
-        commission_end(c, s, WHY_NUMBERS, commission_input_name(c, s), REAL_C(0.0));
+        commission_end(c, s, REASON_NUMBERS, commission_input_name(c, s), REAL_C(0.0));
         return;
     }
     supervisor_excite(s, c->input[k].output, num_from_float(x->level));
-    if (x->looking && !job_is_asked(&c->job) && c->ask == COMMISSION_ASK_NONE)
+    if (x->interim_fitting && !job_is_asked(&c->job) && c->ask == COMMISSION_ASK_NONE)
         commission_ask_for(c, JOB_LOOK, 1u + commission_samples(s, REAL_C(2.0)));
     if (before == EXPERIMENT_REST && x->phase == EXPERIMENT_UP)
         event_put(c->events, s->time_ms, EVENT_TEST_STEP, commission_input_name(c, s), x->amplitude,
@@ -350,13 +350,13 @@ void commission_test(struct commission *c, struct supervisor *s)
                   s->plan->config.measurement[c->measurement[x->culprit]].name, x->predicted, 0);
     }
     if (x->phase == EXPERIMENT_FAILED) {
-        static const enum commission_why why[] = {[EXPERIMENT_FINE] = WHY_NUMBERS,
-                                                  [EXPERIMENT_RESTLESS] = WHY_RESTLESS,
-                                                  [EXPERIMENT_LIMIT] = WHY_LIMIT,
-                                                  [EXPERIMENT_AWAY] = WHY_AWAY,
-                                                  [EXPERIMENT_LEFT] = WHY_LEFT};
+        static const enum commission_reason reason[] = {[EXPERIMENT_FINE] = REASON_NUMBERS,
+                                                        [EXPERIMENT_RESTLESS] = REASON_RESTLESS,
+                                                        [EXPERIMENT_LIMIT] = REASON_LIMIT,
+                                                        [EXPERIMENT_AWAY] = REASON_AWAY,
+                                                        [EXPERIMENT_LEFT] = REASON_LEFT};
         c->input[k].worst = x->worst;
-        commission_end(c, s, why[x->failure],
+        commission_end(c, s, reason[x->failure],
                        s->plan->config.measurement[c->measurement[x->culprit]].name, x->worst);
     } else if (x->phase == EXPERIMENT_DONE) {
         end_test(c, s);

@@ -30,13 +30,13 @@ const char *words_of_second(enum analysis_second second)
                                       : "";
 }
 
-const char *words_of_no_design(enum err why)
+const char *words_of_no_design(enum err reason)
 {
-    return why == ERR_FULL ? "more loops than this board runs"
-           : why == ERR_UNSUPPORTED
+    return reason == ERR_FULL ? "more loops than this board runs"
+           : reason == ERR_UNSUPPORTED
                ? "the settings are outside of what a loop takes: other spans are needed"
-           : why == ERR_TIMEOUT ? "no settings are slow enough to be stable"
-                                : "the settings are not stable on the model";
+           : reason == ERR_TIMEOUT ? "no settings are slow enough to be stable"
+                                   : "the settings are not stable on the model";
 }
 
 const char *words_of_decoupler(enum analysis_decoupler decoupler)
@@ -62,13 +62,13 @@ const char *words_of_feed(enum feed_verdict verdict)
     return words[verdict];
 }
 
-const char *words_of_left(enum left_over why)
+const char *words_of_left(enum left_over reason)
 {
     static const char *const words[] = {
         [LEFT_NOT] = "",
         [LEFT_UNSEEN] = "no gain of it stands out of its errors",
         [LEFT_OVER] = "there are more of its kind than of the other, which go better without it"};
-    return words[why];
+    return words[reason];
 }
 
 bool words_of_doubt(const struct analysis *a, unsigned n, struct words_doubt *doubt)

@@ -9,11 +9,11 @@ const char *words_of_verdict(const struct analysis *a);
 /* "" where there is none. */
 const char *words_of_second(enum analysis_second second);
 /* Why a determined pairing has no settings. */
-const char *words_of_no_design(enum err why);
+const char *words_of_no_design(enum err reason);
 const char *words_of_decoupler(enum analysis_decoupler decoupler);
 const char *words_of_feed(enum feed_verdict verdict);
 /* Why a channel has no loop; "" where it has one. */
-const char *words_of_left(enum left_over why);
+const char *words_of_left(enum left_over reason);
 
 /* Something that speaks against the pairing as a whole: its name, its figure, and what that means. */
 struct words_doubt {

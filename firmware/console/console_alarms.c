@@ -46,10 +46,10 @@ static bool alarm_line(struct console *c, unsigned n, struct text *line)
             text_str(line, plant_fault_text((uint8_t)s->link->refused));
         } else if (s->io.state(s->io.context) != IO_READY) {
             text_str(line, "LINK_DOWN no plant is connected");
-        } else if (sup->state == SUPERVISOR_SAFE && sup->safe_why[0]) {
+        } else if (sup->state == SUPERVISOR_SAFE && sup->safe_reason[0]) {
             text_str(line, "SAFE_STATE loops in manual, outputs at safe values since: ");
             hal_tick_lock(); /* the tick may be about to say another */
-            text_str(line, sup->safe_why);
+            text_str(line, sup->safe_reason);
             hal_tick_unlock();
         }
         return true;

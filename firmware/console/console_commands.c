@@ -322,7 +322,7 @@ void event_line(const struct event *e, struct text *line)
 #if COMMISSION_CHANNELS
     if (e->code == EVENT_COMMISSION_ENDED || e->code == EVENT_TRIAL_FAILED) {
         text_str(line, ": ");
-        text_str(line, commission_why_text((enum commission_why)e->detail));
+        text_str(line, commission_reason_text((enum commission_reason)e->detail));
     }
 #endif
 #if CONFIG_BLOCKS

@@ -94,10 +94,10 @@ static bool commission_status_line(struct console *c, unsigned n, struct text *l
         text_str(line, commission_has_proposal(m)
                            ? "a proposal waits: `commission proposal`, then accept, edit or reject"
                            : "no proposal: `commission pairing` says why");
-    } else if (m->why != WHY_NOT) {
+    } else if (m->reason != REASON_NOT) {
         text_str(line, m->subject[0] ? m->subject : "-");
         text_char(line, ' ');
-        text_str(line, commission_why_text(m->why));
+        text_str(line, commission_reason_text(m->reason));
     } else if (m->phase == COMMISSION_TRIAL) {
         text_str(line, "loop ");
         text_u32(line, m->adoption.at + 1u);

@@ -53,12 +53,12 @@ static void subset_line(const struct console *c, struct text *line)
     }
 }
 
-static void left_line(const char *what, const char *name, const char *why, struct text *line)
+static void left_line(const char *what, const char *name, const char *reason, struct text *line)
 {
     text_str(line, "left");
     text_named_str(line, what, name);
     text_str(line, ": ");
-    text_str(line, why);
+    text_str(line, reason);
 }
 
 /* What was tested and has no loop; false past the last. */
@@ -67,20 +67,20 @@ static bool left_over_line(const struct console *c, unsigned n, struct text *lin
     const struct commission *m = c->service->commission;
     const struct analysis *a = &m->work->analysis;
     if (n < a->plant.outputs) {
-        const char *why = words_of_left(certainty_output_left(a, (uint8_t)n));
-        if (why[0])
-            left_line("measurement", commission_measurement(c, n)->name, why, line);
+        const char *reason = words_of_left(certainty_output_left(a, (uint8_t)n));
+        if (reason[0])
+            left_line("measurement", commission_measurement(c, n)->name, reason, line);
         return true;
     }
     n -= a->plant.outputs;
     if (n >= m->inputs)
         return false;
-    const char *why = m->input[n].skipped ? "its test was skipped" : "";
+    const char *reason = m->input[n].skipped ? "its test was skipped" : "";
     for (uint8_t i = 0; i < a->plant.inputs; i++)
         if (m->column[i] == n)
-            why = words_of_left(certainty_input_left(a, i));
-    if (why[0])
-        left_line("input", commission_output(c, n)->name, why, line);
+            reason = words_of_left(certainty_input_left(a, i));
+    if (reason[0])
+        left_line("input", commission_output(c, n)->name, reason, line);
     return true;
 }
 

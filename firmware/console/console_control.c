@@ -19,12 +19,12 @@ bool console_number(struct console *c, const char *text, const char *what, float
     enum err err = text_parse_float(text, x);
     if (!err)
         return true;
-    char why[80];
-    struct text t = text_on(why, sizeof why);
+    char reason[80];
+    struct text t = text_on(reason, sizeof reason);
     text_str(&t, "is no number; ");
     text_str(&t, what);
     text_str(&t, " is wanted, like 78.5");
-    console_err_about(c, err, text, why);
+    console_err_about(c, err, text, reason);
     return false;
 }
 

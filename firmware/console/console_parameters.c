@@ -73,8 +73,8 @@ void command_list(struct console *c, unsigned n, char **word)
         found = strncmp(name, prefix, strlen(prefix)) == 0;
     }
     if (!found) {
-        char why[140];
-        struct text t = text_on(why, sizeof why);
+        char reason[140];
+        struct text t = text_on(reason, sizeof reason);
         text_str(&t, "no parameter begins so; groups are");
         for (unsigned g = 0; g < parameter_group_count; g++) {
             text_char(&t, ' ');
@@ -84,7 +84,7 @@ void command_list(struct console *c, unsigned n, char **word)
         text_char(&t, ' ');
         text_str(&t, parameter_blocks.name);
 #endif
-        console_err_about(c, ERR_UNKNOWN, prefix, why);
+        console_err_about(c, ERR_UNKNOWN, prefix, reason);
         return;
     }
     console_list(c, list_line, prefix);

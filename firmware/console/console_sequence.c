@@ -38,7 +38,7 @@ void sequence_headline(const struct service *s, struct text *line)
     if (q->state != SEQUENCE_HELD && q->state != SEQUENCE_ABORTED)
         return;
     text_str(line, ": ");
-    text_str(line, sequence_reason_text(q->why));
+    text_str(line, sequence_reason_text(q->reason));
     text_str(line, q->about[0] ? ", " : "");
     text_str(line, q->about);
 }

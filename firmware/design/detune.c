@@ -24,7 +24,7 @@ void detune_config_default(struct detune_config *config)
                                      .noise_times = REAL_C(2.0)};
 }
 
-static enum err check_detuning(const struct detune_config *c, struct interact_refusal *why)
+static enum err check_detuning(const struct detune_config *c, struct interact_refusal *reason)
 {
     const struct {
         real_t value, lo, hi;
@@ -38,8 +38,8 @@ static enum err check_detuning(const struct detune_config *c, struct interact_re
                   {c->noise_times, REAL_C(0.01), REAL_C(1e6), "noise_times", "0.01 to 1e6"}};
     for (size_t k = 0; k < sizeof fields / sizeof fields[0]; k++)
         if (!real_within(fields[k].value, fields[k].lo, fields[k].hi)) {
-            *why = (struct interact_refusal){fields[k].field, fields[k].wanted, INTERACT_NONE,
-                                             INTERACT_NONE};
+            *reason = (struct interact_refusal){fields[k].field, fields[k].wanted, INTERACT_NONE,
+                                                INTERACT_NONE};
             return ERR_RANGE;
         }
     return ERR_OK;
@@ -73,11 +73,11 @@ static struct fopdt decoupled(const struct detune *d, size_t k)
                           real_within(lag, lag_lo, lag_hi) ? lag : own->time_constant_s};
 }
 
-static enum err set_models(struct detune *d, struct interact_refusal *why)
+static enum err set_models(struct detune *d, struct interact_refusal *reason)
 {
     const struct loops *loops = &d->loops;
-    *why = (struct interact_refusal){"gains", "a matrix with an inverse", INTERACT_NONE,
-                                     INTERACT_NONE};
+    *reason = (struct interact_refusal){"gains", "a matrix with an inverse", INTERACT_NONE,
+                                        INTERACT_NONE};
     interact_gains(d->plant, &loops->pairs, &d->work.begin.gains);
     if (rga_compute(&d->work.begin.gains, &d->work.begin.rga, &d->work.begin.lambda))
         return ERR_SINGULAR;
@@ -89,8 +89,8 @@ static enum err set_models(struct detune *d, struct interact_refusal *why)
             *m = decoupled(d, k);
         else if (lambda > REAL_C(0.0) && lambda < REAL_C(1.0))
             m->gain = m->gain / lambda;
-        *why = (struct interact_refusal){"gain", "not 0: a loop needs an input that acts",
-                                         loops->pairs.output[k], loops->pairs.input[k]};
+        *reason = (struct interact_refusal){"gain", "not 0: a loop needs an input that acts",
+                                            loops->pairs.output[k], loops->pairs.input[k]};
         if (!real_within(real_abs(m->gain), REAL_C(1e-9), REAL_C(1e9)))
             return ERR_RANGE;
         real_t half = loops->interval_s * REAL_C(0.5);
@@ -225,18 +225,18 @@ static enum err begin_parts(struct detune *d, bool joint)
 
 enum err detune_begin(struct detune *d, const struct interact_plant *plant,
                       const struct pairs *pairs, real_t interval_s, const struct matrix *decoupler,
-                      const struct detune_config *config, struct interact_refusal *why)
+                      const struct detune_config *config, struct interact_refusal *reason)
 {
     struct interact_refusal unused;
-    why = why ? why : &unused;
-    enum err err = interact_check(plant, why);
+    reason = reason ? reason : &unused;
+    enum err err = interact_check(plant, reason);
     if (!err)
-        err = check_detuning(config, why);
+        err = check_detuning(config, reason);
     if (err)
         return err;
     for (uint8_t j = 0; config->noise_sd && j < plant->outputs; j++)
         if (!real_within(config->noise_sd[j], REAL_C(0.0), REAL_C(1e3))) {
-            *why = (struct interact_refusal){"noise_sd", "0 to 1000", j, INTERACT_NONE};
+            *reason = (struct interact_refusal){"noise_sd", "0 to 1000", j, INTERACT_NONE};
             return ERR_RANGE;
         }
     memset(d, 0, sizeof *d);
@@ -249,12 +249,12 @@ enum err detune_begin(struct detune *d, const struct interact_plant *plant,
     for (size_t k = 0; k < INTERACT_MAX;
          k++) /* anything valid: the rest is what is to be checked */
         d->loops.tuning[k] = (struct tuning){.gain = REAL_C(1.0), .ti_s = REAL_C(1.0)};
-    err = loops_check(plant, &d->loops, why);
+    err = loops_check(plant, &d->loops, reason);
     if (!err)
-        err = set_models(d, why);
+        err = set_models(d, reason);
     if (err)
         return err;
-    *why = (struct interact_refusal){"", "", INTERACT_NONE, INTERACT_NONE};
+    *reason = (struct interact_refusal){"", "", INTERACT_NONE, INTERACT_NONE};
     return begin_parts(d, false);
 }
 

@@ -74,7 +74,7 @@ void detune_config_default(struct detune_config *config);
 MUST_CHECK enum err detune_begin(struct detune *d, const struct interact_plant *plant,
                                  const struct pairs *pairs, real_t interval_s,
                                  const struct matrix *decoupler, const struct detune_config *config,
-                                 struct interact_refusal *why);
+                                 struct interact_refusal *reason);
 MUST_CHECK enum err detune_step(struct detune *d);
 
 #endif

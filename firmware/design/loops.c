@@ -5,45 +5,46 @@
 
 #include "num/real_trig.h"
 
-static enum err refuse_pair(struct interact_refusal *why, const char *field, const char *wanted,
+static enum err refuse_pair(struct interact_refusal *reason, const char *field, const char *wanted,
                             uint8_t k, const struct pairs *pairs)
 {
-    *why = (struct interact_refusal){field, wanted, INTERACT_NONE, INTERACT_NONE};
+    *reason = (struct interact_refusal){field, wanted, INTERACT_NONE, INTERACT_NONE};
     if (k != INTERACT_NONE) {
-        why->output = pairs->output[k];
-        why->input = pairs->input[k];
+        reason->output = pairs->output[k];
+        reason->input = pairs->input[k];
     }
     return ERR_RANGE;
 }
 
 enum err loops_check(const struct interact_plant *plant, const struct loops *loops,
-                     struct interact_refusal *why)
+                     struct interact_refusal *reason)
 {
     struct interact_refusal unused;
-    why = why ? why : &unused;
+    reason = reason ? reason : &unused;
     const struct pairs *p = &loops->pairs;
-    enum err err = pairs_check(plant, p, why);
+    enum err err = pairs_check(plant, p, reason);
     if (err)
         return err;
     if (p->n < 1)
-        return refuse_pair(why, "pairs", "at least one", INTERACT_NONE, p);
+        return refuse_pair(reason, "pairs", "at least one", INTERACT_NONE, p);
     if (!real_within(loops->interval_s, REAL_C(1e-3), REAL_C(1e5)))
-        return refuse_pair(why, "interval_s", "0.001 to 1e5 s", INTERACT_NONE, p);
+        return refuse_pair(reason, "interval_s", "0.001 to 1e5 s", INTERACT_NONE, p);
     if (!real_within(loops->derivative_filter, REAL_C(1.0), REAL_C(100.0)))
-        return refuse_pair(why, "derivative_filter", "1 to 100", INTERACT_NONE, p);
+        return refuse_pair(reason, "derivative_filter", "1 to 100", INTERACT_NONE, p);
     for (uint8_t k = 0; k < p->n; k++) {
         const struct tuning *t = &loops->tuning[k];
         if (!real_within(t->gain, REAL_C(1e-9), REAL_C(1e9)))
-            return refuse_pair(why, "gain", "1e-9 to 1e9", k, p);
+            return refuse_pair(reason, "gain", "1e-9 to 1e9", k, p);
         if (!real_within(t->ti_s, REAL_C(1e-3), REAL_C(1e7)))
-            return refuse_pair(why, "ti_s", "0.001 to 1e7 s", k, p);
+            return refuse_pair(reason, "ti_s", "0.001 to 1e7 s", k, p);
         if (!real_within(t->td_s, REAL_C(0.0), REAL_C(1e6)))
-            return refuse_pair(why, "td_s", "0 to 1e6 s", k, p);
+            return refuse_pair(reason, "td_s", "0 to 1e6 s", k, p);
     }
     if (!loops->decoupler)
         return ERR_OK;
     if (loops->decoupler->rows != p->n || loops->decoupler->cols != p->n)
-        return refuse_pair(why, "decoupler", "a row and a column for every loop", INTERACT_NONE, p);
+        return refuse_pair(reason, "decoupler", "a row and a column for every loop", INTERACT_NONE,
+                           p);
     return matrix_check(loops->decoupler);
 }
 

@@ -2,7 +2,7 @@
 #ifndef REFLUX_DESIGN_LOOPS_H
 #define REFLUX_DESIGN_LOOPS_H
 
-#include "design/names.h"
+#include "design/double_symbols.h"
 #include "design/tuning.h"
 #include "interact/plant.h"
 
@@ -17,7 +17,7 @@ struct loops {
 /* ERR_RANGE, ERR_NOT_FINITE: pairs outside the plant or given twice, settings, a decoupler of another size; why may be
  * NULL. The plant itself is not looked at (interact_check). */
 MUST_CHECK enum err loops_check(const struct interact_plant *plant, const struct loops *loops,
-                                struct interact_refusal *why);
+                                struct interact_refusal *reason);
 
 /* The elements sampled with their inputs held, exactly: for a dead time of delay + f samples, 0 <= f < 1,
  *     x(k+1) = (1 - rise) x(k) + (rise - rise_late) u(k - delay - 1) + rise_late u(k - delay), y = gain x

@@ -13,28 +13,29 @@ void static_decoupler_config_default(struct static_decoupler_config *config)
 }
 
 static enum err check_decoupling(const struct static_decoupler_config *c,
-                                 struct interact_refusal *why)
+                                 struct interact_refusal *reason)
 {
-    *why = (struct interact_refusal){"element_hi", "1 to 1000", INTERACT_NONE, INTERACT_NONE};
+    *reason = (struct interact_refusal){"element_hi", "1 to 1000", INTERACT_NONE, INTERACT_NONE};
     if (!real_within(c->element_hi, REAL_C(1.0), REAL_C(1000.0)))
         return ERR_RANGE;
-    why->field = "lambda_hi";
+    reason->field = "lambda_hi";
     if (!real_within(c->lambda_hi, REAL_C(1.0), REAL_C(1000.0)))
         return ERR_RANGE;
-    *why = (struct interact_refusal){"significance", "0 to 20", INTERACT_NONE, INTERACT_NONE};
+    *reason = (struct interact_refusal){"significance", "0 to 20", INTERACT_NONE, INTERACT_NONE};
     if (!real_within(c->significance, REAL_C(0.0), REAL_C(20.0)))
         return ERR_RANGE;
-    *why = (struct interact_refusal){"floor", "0 to 0.5", INTERACT_NONE, INTERACT_NONE};
+    *reason = (struct interact_refusal){"floor", "0 to 0.5", INTERACT_NONE, INTERACT_NONE};
     if (!real_within(c->floor, REAL_C(0.0), REAL_C(0.5)))
         return ERR_RANGE;
-    *why = (struct interact_refusal){"left_hi", "0.01 to 10", INTERACT_NONE, INTERACT_NONE};
+    *reason = (struct interact_refusal){"left_hi", "0.01 to 10", INTERACT_NONE, INTERACT_NONE};
     return real_within(c->left_hi, REAL_C(0.01), REAL_C(10.0)) ? ERR_OK : ERR_RANGE;
 }
 
-static enum err refuse_element(struct interact_refusal *why, const char *field, const char *wanted,
-                               const struct pairs *pairs, size_t row, size_t col)
+static enum err refuse_element(struct interact_refusal *reason, const char *field,
+                               const char *wanted, const struct pairs *pairs, size_t row,
+                               size_t col)
 {
-    *why = (struct interact_refusal){field, wanted, pairs->output[row], pairs->input[col]};
+    *reason = (struct interact_refusal){field, wanted, pairs->output[row], pairs->input[col]};
     return ERR_SINGULAR;
 }
 
@@ -47,50 +48,51 @@ static real_t gain_variance(const struct interact_plant *plant, const struct pai
 }
 
 static enum err check_bounds(const struct pairs *pairs, const struct static_decoupler_config *c,
-                             struct static_decoupler_work *work, struct interact_refusal *why)
+                             struct static_decoupler_work *work, struct interact_refusal *reason)
 {
     size_t n = pairs->n;
     for (size_t k = 0; k < n; k++)
         for (size_t l = 0; l < n; l++) {
             real_t lambda = work->gains.at[k][l] * work->inverse.at[l][k];
             if (!real_within(real_abs(lambda), REAL_C(0.0), c->lambda_hi))
-                return refuse_element(why, "relative gain",
+                return refuse_element(reason, "relative gain",
                                       "small enough that inputs need not be exact", pairs, k, l);
         }
     for (size_t k = 0; k < n; k++)
         for (size_t l = 0; l < n; l++)
             if (!(real_abs(work->inverse.at[l][k]) <=
                   c->element_hi * real_abs(work->inverse.at[k][k])))
-                return refuse_element(why, "element", "within the firmware's range", pairs, k, l);
+                return refuse_element(reason, "element", "within the firmware's range", pairs, k,
+                                      l);
     return ERR_OK;
 }
 
 enum err static_decoupler(const struct interact_plant *plant, const struct pairs *pairs,
                           const struct static_decoupler_config *config,
                           struct static_decoupler_work *work,
-                          struct static_decoupler_result *result, struct interact_refusal *why)
+                          struct static_decoupler_result *result, struct interact_refusal *reason)
 {
     struct interact_refusal unused;
-    why = why ? why : &unused;
-    enum err err = interact_check(plant, why);
+    reason = reason ? reason : &unused;
+    enum err err = interact_check(plant, reason);
     if (!err)
-        err = pairs_check(plant, pairs, why);
+        err = pairs_check(plant, pairs, reason);
     if (!err)
-        err = check_decoupling(config, why);
+        err = check_decoupling(config, reason);
     if (err)
         return err;
     size_t n = pairs->n;
-    *why = (struct interact_refusal){"pairs", "1 to 8 loops", INTERACT_NONE, INTERACT_NONE};
+    *reason = (struct interact_refusal){"pairs", "1 to 8 loops", INTERACT_NONE, INTERACT_NONE};
     if (n < 1)
         return ERR_RANGE;
     if (n > STATIC_DECOUPLER_LOOPS)
         return ERR_FULL;
     interact_gains(plant, pairs, &work->gains);
-    *why = (struct interact_refusal){"gains", "a matrix with an inverse", INTERACT_NONE,
-                                     INTERACT_NONE};
+    *reason = (struct interact_refusal){"gains", "a matrix with an inverse", INTERACT_NONE,
+                                        INTERACT_NONE};
     if (matrix_pseudo_inverse(&work->gains, &work->pseudo, &work->inverse))
         return ERR_SINGULAR;
-    err = check_bounds(pairs, config, work, why);
+    err = check_bounds(pairs, config, work, reason);
     if (err)
         return err;
 
@@ -113,12 +115,13 @@ enum err static_decoupler(const struct interact_plant *plant, const struct pairs
             else if (sd > result->left_sd * real_abs(result->gain[k]))
                 result->left_sd = sd / real_abs(result->gain[k]);
             if (!(result->left_sd <= config->left_hi))
-                return refuse_element(why, "gains", "known well enough to decouple", pairs, k, l);
+                return refuse_element(reason, "gains", "known well enough to decouple", pairs, k,
+                                      l);
         }
         if (!(real_abs(result->gain[k]) >= config->significance * result->gain_sd[k]))
-            return refuse_element(why, "gain of the decoupled loop", "sure of its sign", pairs, k,
-                                  k);
+            return refuse_element(reason, "gain of the decoupled loop", "sure of its sign", pairs,
+                                  k, k);
     }
-    *why = (struct interact_refusal){"", "", INTERACT_NONE, INTERACT_NONE};
+    *reason = (struct interact_refusal){"", "", INTERACT_NONE, INTERACT_NONE};
     return ERR_OK;
 }

@@ -4,7 +4,7 @@
 #ifndef REFLUX_DESIGN_STATIC_DECOUPLER_H
 #define REFLUX_DESIGN_STATIC_DECOUPLER_H
 
-#include "design/names.h"
+#include "design/double_symbols.h"
 #include "interact/rga.h"
 
 #define STATIC_DECOUPLER_LOOPS 8
@@ -43,6 +43,6 @@ MUST_CHECK enum err static_decoupler(const struct interact_plant *plant, const s
                                      const struct static_decoupler_config *config,
                                      struct static_decoupler_work *work,
                                      struct static_decoupler_result *result,
-                                     struct interact_refusal *why);
+                                     struct interact_refusal *reason);
 
 #endif

@@ -5,7 +5,7 @@
 #include <stdint.h>
 
 #include "base/error.h"
-#include "interact/names.h"
+#include "interact/double_symbols.h"
 #include "interact/plant.h"
 
 #define ASSIGNMENT_COST_MAX  1000000 /* of one element */

@@ -29,7 +29,7 @@ static real_t effect_variance(const struct interact_plant *plant, const struct c
     return sd * sd + part * part;
 }
 
-/* The gain g of K_outer = g K_inner over the inputs that move the inner output, and the weighted squares it leaves. */
+/* The gain g of K_outer = g K_inner over the inputs that move the inner output, and the weighted squares of the residual. */
 static real_t fit_gain(const struct interact_plant *plant, const struct cascade_config *c,
                        size_t inner, size_t outer, uint16_t inputs, real_t *squares)
 {

@@ -31,32 +31,32 @@ void pairing_config_default(struct pairing_config *config)
 }
 
 static enum err check_field(real_t value, real_t lo, real_t hi, const char *field,
-                            const char *wanted, struct interact_refusal *why)
+                            const char *wanted, struct interact_refusal *reason)
 {
-    *why = (struct interact_refusal){field, wanted, INTERACT_NONE, INTERACT_NONE};
+    *reason = (struct interact_refusal){field, wanted, INTERACT_NONE, INTERACT_NONE};
     if (!real_is_finite(value))
         return ERR_NOT_FINITE;
     return value < lo || value > hi ? ERR_RANGE : ERR_OK;
 }
 
-static enum err check_pairing(const struct pairing_config *c, struct interact_refusal *why)
+static enum err check_pairing(const struct pairing_config *c, struct interact_refusal *reason)
 {
     enum err err = check_field(c->smallest_lambda, REAL_C(0.001), REAL_C(1.0), "smallest_lambda",
-                               "0.001 to 1", why);
+                               "0.001 to 1", reason);
     if (!err)
-        err = check_field(c->floor, REAL_C(1e-4), REAL_C(0.5), "floor", "0.0001 to 0.5", why);
+        err = check_field(c->floor, REAL_C(1e-4), REAL_C(0.5), "floor", "0.0001 to 0.5", reason);
     if (!err)
         err = check_field(c->confidence, REAL_C(0.5), REAL_C(0.9999), "confidence", "0.5 to 0.9999",
-                          why);
+                          reason);
     if (!err)
         err = check_field(c->determinant_sds, REAL_C(0.0), REAL_C(20.0), "determinant_sds",
-                          "0 to 20", why);
+                          "0 to 20", reason);
     if (!err)
-        err =
-            check_field(c->integrity, REAL_C(0.0), REAL_C(0.9999), "integrity", "0 to 0.9999", why);
+        err = check_field(c->integrity, REAL_C(0.0), REAL_C(0.9999), "integrity", "0 to 0.9999",
+                          reason);
     if (!err)
         err = check_field((real_t)c->draws, REAL_C(20.0), REAL_C(10000.0), "draws", "20 to 10000",
-                          why);
+                          reason);
     return err;
 }
 
@@ -417,22 +417,22 @@ static void take_node(struct pairing *p)
 }
 
 enum err pairing_begin(struct pairing *p, const struct interact_plant *plant,
-                       const struct pairing_config *config, struct interact_refusal *why)
+                       const struct pairing_config *config, struct interact_refusal *reason)
 {
     struct interact_refusal unused;
-    why = why ? why : &unused;
-    enum err err = interact_check(plant, why);
+    reason = reason ? reason : &unused;
+    enum err err = interact_check(plant, reason);
     if (!err)
-        err = check_pairing(config, why);
+        err = check_pairing(config, reason);
     if (err)
         return err;
-    *why = (struct interact_refusal){"outputs_out, inputs_out", "an output and an input left",
-                                     INTERACT_NONE, INTERACT_NONE};
+    *reason = (struct interact_refusal){"outputs_out, inputs_out", "an output and an input left",
+                                        INTERACT_NONE, INTERACT_NONE};
     uint32_t outputs = (1u << plant->outputs) - 1u, inputs = (1u << plant->inputs) - 1u;
     if ((outputs & ~(uint32_t)config->outputs_out) == 0u ||
         (inputs & ~(uint32_t)config->inputs_out) == 0u)
         return ERR_EMPTY;
-    *why = (struct interact_refusal){"", "", INTERACT_NONE, INTERACT_NONE};
+    *reason = (struct interact_refusal){"", "", INTERACT_NONE, INTERACT_NONE};
     memset(p, 0, sizeof *p);
     p->config = *config;
     p->plant = plant;

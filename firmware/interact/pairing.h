@@ -107,7 +107,7 @@ void pairing_config_default(struct pairing_config *config);
  * live and stay as it is until the end. Then pairing_step until it is not ERR_BUSY: at most 2e5 instructions a call. */
 MUST_CHECK enum err pairing_begin(struct pairing *p, const struct interact_plant *plant,
                                   const struct pairing_config *config,
-                                  struct interact_refusal *why);
+                                  struct interact_refusal *reason);
 MUST_CHECK enum err pairing_step(struct pairing *p);
 
 #endif

@@ -14,45 +14,45 @@ static enum err check_number(real_t x, real_t lo, real_t hi)
     return x < lo || x > hi ? ERR_RANGE : ERR_OK;
 }
 
-enum err interact_check(const struct interact_plant *plant, struct interact_refusal *why)
+enum err interact_check(const struct interact_plant *plant, struct interact_refusal *reason)
 {
     struct interact_refusal unused;
-    why = why ? why : &unused;
-    *why = (struct interact_refusal){"outputs", "1 to 16 outputs and inputs", INTERACT_NONE,
-                                     INTERACT_NONE};
+    reason = reason ? reason : &unused;
+    *reason = (struct interact_refusal){"outputs", "1 to 16 outputs and inputs", INTERACT_NONE,
+                                        INTERACT_NONE};
     if (plant->outputs < 1 || plant->outputs > INTERACT_MAX || plant->inputs < 1 ||
         plant->inputs > INTERACT_MAX)
         return ERR_RANGE;
     for (uint8_t i = 0; i < plant->outputs; i++)
         for (uint8_t j = 0; j < plant->inputs; j++) {
             const struct fopdt *e = &plant->element[i][j];
-            *why = (struct interact_refusal){"gain", "-1e9 to 1e9", i, j};
+            *reason = (struct interact_refusal){"gain", "-1e9 to 1e9", i, j};
             enum err err = check_number(e->gain, -GAIN_MAX, GAIN_MAX);
             if (err)
                 return err;
-            *why = (struct interact_refusal){"gain_sd", "0 to 1e9", i, j};
+            *reason = (struct interact_refusal){"gain_sd", "0 to 1e9", i, j};
             err = check_number(plant->gain_sd[i][j], REAL_C(0.0), GAIN_MAX);
             if (err)
                 return err;
-            *why = (struct interact_refusal){"dead_time_s", "0 to 1e6 s", i, j};
+            *reason = (struct interact_refusal){"dead_time_s", "0 to 1e6 s", i, j};
             err = check_number(e->dead_time_s, REAL_C(0.0), TIME_MAX);
             if (err)
                 return err;
-            *why = (struct interact_refusal){"time_constant_s", "0 to 1e6 s", i, j};
+            *reason = (struct interact_refusal){"time_constant_s", "0 to 1e6 s", i, j};
             err = check_number(e->time_constant_s, REAL_C(0.0), TIME_MAX);
             if (err)
                 return err;
         }
-    *why = (struct interact_refusal){"", "", INTERACT_NONE, INTERACT_NONE};
+    *reason = (struct interact_refusal){"", "", INTERACT_NONE, INTERACT_NONE};
     return ERR_OK;
 }
 
 enum err pairs_check(const struct interact_plant *plant, const struct pairs *pairs,
-                     struct interact_refusal *why)
+                     struct interact_refusal *reason)
 {
     struct interact_refusal unused;
-    why = why ? why : &unused;
-    *why =
+    reason = reason ? reason : &unused;
+    *reason =
         (struct interact_refusal){"pairs", "every output and input at most once, all of the plant",
                                   INTERACT_NONE, INTERACT_NONE};
     if (pairs->n > INTERACT_MAX)
@@ -60,8 +60,8 @@ enum err pairs_check(const struct interact_plant *plant, const struct pairs *pai
     uint16_t outputs = 0, inputs = 0;
     for (uint8_t k = 0; k < pairs->n; k++) {
         uint8_t i = pairs->output[k], j = pairs->input[k];
-        why->output = i;
-        why->input = j;
+        reason->output = i;
+        reason->input = j;
         if (i >= plant->outputs || j >= plant->inputs)
             return ERR_RANGE;
         if ((outputs & (1u << i)) != 0u || (inputs & (1u << j)) != 0u)
@@ -69,7 +69,7 @@ enum err pairs_check(const struct interact_plant *plant, const struct pairs *pai
         outputs = (uint16_t)(outputs | (1u << i));
         inputs = (uint16_t)(inputs | (1u << j));
     }
-    *why = (struct interact_refusal){"", "", INTERACT_NONE, INTERACT_NONE};
+    *reason = (struct interact_refusal){"", "", INTERACT_NONE, INTERACT_NONE};
     return ERR_OK;
 }
 

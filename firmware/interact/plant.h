@@ -9,7 +9,7 @@
 #include <stdint.h>
 
 #include "base/error.h"
-#include "interact/names.h"
+#include "interact/double_symbols.h"
 #include "lti/fopdt.h"
 #include "num/cmatrix.h"
 #include "num/matrix.h"
@@ -40,11 +40,11 @@ struct interact_refusal {
 
 /* First thing that is wrong: ERR_RANGE or ERR_NOT_FINITE; why may be NULL. */
 MUST_CHECK enum err interact_check(const struct interact_plant *plant,
-                                   struct interact_refusal *why);
+                                   struct interact_refusal *reason);
 
 /* Every output and input of the plant, and none twice: ERR_RANGE. n = 0 is fine. */
 MUST_CHECK enum err pairs_check(const struct interact_plant *plant, const struct pairs *pairs,
-                                struct interact_refusal *why);
+                                struct interact_refusal *reason);
 
 /* Gains of the pairs (row k output[k], column l input[l]), or of the whole plant with NULL. */
 void interact_gains(const struct interact_plant *plant, const struct pairs *pairs,

@@ -6,7 +6,7 @@
 #ifndef REFLUX_MODEL_PROPERTIES_H
 #define REFLUX_MODEL_PROPERTIES_H
 
-#include "model/names.h"
+#include "model/double_symbols.h"
 #include "num/real.h"
 
 #include <stdbool.h>

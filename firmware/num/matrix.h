@@ -14,7 +14,7 @@
 #include <stdint.h>
 
 #include "base/error.h"
-#include "num/names.h"
+#include "num/double_symbols.h"
 #include "num/real.h"
 
 #define MATRIX_MAX 16

@@ -6,7 +6,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-#include "num/names.h"
+#include "num/double_symbols.h"
 #include "num/real.h"
 
 struct random {

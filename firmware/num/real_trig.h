@@ -2,7 +2,7 @@
 #ifndef REFLUX_NUM_REAL_TRIG_H
 #define REFLUX_NUM_REAL_TRIG_H
 
-#include "num/names.h"
+#include "num/double_symbols.h"
 #include "num/real.h"
 
 /* x in rad, finite. Float: error at most 1.5e-7 (absolute) for |x| up to 1e4; beyond, the argument's own rounding

@@ -179,9 +179,9 @@ enum err operate_tune(const struct session *session, uint8_t loop, enum tuning_r
     /* The rules work on fractions of span, as the loop does. */
     struct fopdt model = *process;
     model.gain = model.gain * out_span / (m->hi - m->lo);
-    struct tuning_refusal why = {NULL, NULL};
-    enum err err = rule == TUNE_SIMC         ? tuning_simc_pi(&model, lambda_s, tuning, &why)
-                   : rule == TUNE_COHEN_COON ? tuning_cohen_coon_pi(&model, tuning, &why)
-                                             : tuning_cohen_coon_pid(&model, tuning, &why);
-    return err ? operate_refuse(answer, err, why.field, why.wanted) : ERR_OK;
+    struct tuning_refusal reason = {NULL, NULL};
+    enum err err = rule == TUNE_SIMC         ? tuning_simc_pi(&model, lambda_s, tuning, &reason)
+                   : rule == TUNE_COHEN_COON ? tuning_cohen_coon_pi(&model, tuning, &reason)
+                                             : tuning_cohen_coon_pid(&model, tuning, &reason);
+    return err ? operate_refuse(answer, err, reason.field, reason.wanted) : ERR_OK;
 }

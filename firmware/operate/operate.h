@@ -250,7 +250,7 @@ MUST_CHECK enum err operate_sequence(struct session *session, enum sequence_comm
 /* ---- automatic start-up: startup.c ---- */
 
 /* What is in force is on trial, or about to be taken back. */
-bool operate_is_on_trial(const struct session *session);
+bool operate_is_in_acceptance(const struct session *session);
 #if COMMISSION_CHANNELS
 /* "begin", as the history names it; NULL: nothing a client may ask for so. */
 const char *operate_startup_word(enum commission_ask what);
@@ -275,8 +275,8 @@ void operate_startup_shown(const struct session *session);
 struct startup_reading {
     enum commission_phase phase;
     bool proposal;                   /* one waits to be accepted, edited or rejected */
-    enum commission_why why;         /* it ended, or the trial failed */
-    char subject[CHANNEL_NAME_SIZE]; /* what `why` is about, or empty */
+    enum commission_reason reason;   /* it ended, or the trial failed */
+    char subject[CHANNEL_NAME_SIZE]; /* what `reason` is about, or empty */
 };
 struct startup_reading operate_startup_reading(const struct session *session);
 #endif

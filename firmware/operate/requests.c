@@ -87,9 +87,9 @@ enum err operate_sequence(struct session *session, enum sequence_command what,
     enum err err = what == SEQUENCE_DO_SKIP ? operate_admit(session, "seq skip", answer) : ERR_OK;
     if (err)
         return err;
-    const char *why = objection(s, what);
-    if (why)
-        return operate_refuse(answer, ERR_STATE, words[what], why);
+    const char *reason = objection(s, what);
+    if (reason)
+        return operate_refuse(answer, ERR_STATE, words[what], reason);
     struct request r = {.kind = REQUEST_SEQUENCE,
                         .loop = PLAN_NONE,
                         .output = s->supervisor->sequence.step,

@@ -231,7 +231,7 @@ struct startup_reading operate_startup_reading(const struct session *session)
     hal_tick_lock();
     r.phase = m->phase;
     r.proposal = commission_has_proposal(m);
-    r.why = m->why;
+    r.reason = m->reason;
     memcpy(r.subject, m->subject, sizeof r.subject);
     hal_tick_unlock();
     return r;
@@ -259,7 +259,7 @@ bool operate_poll(struct operate *door)
     return true;
 }
 
-bool operate_is_on_trial(const struct session *session)
+bool operate_is_in_acceptance(const struct session *session)
 {
     const struct commission *m = session->door->service->commission;
     return m->phase == COMMISSION_TRIAL || m->ask == COMMISSION_ASK_TRIAL || m->wants_old;
@@ -267,7 +267,7 @@ bool operate_is_on_trial(const struct session *session)
 
 #else
 
-bool operate_is_on_trial(const struct session *session)
+bool operate_is_in_acceptance(const struct session *session)
 {
     (void)session;
     return false;

@@ -40,31 +40,32 @@ static enum err take_staged(struct session *session, const char *act, struct ans
 
 static enum err begin_save(struct session *session, bool replace, struct answer *answer)
 {
-    const char *why = "a proposal is on trial: save when it is kept, or after `commission abort`";
+    const char *reason =
+        "a proposal is on trial: save when it is kept, or after `commission abort`";
     enum err err = ERR_STATE;
-    if (!operate_is_on_trial(session))
-        err = storage_save(session->door->service->storage, replace, &why);
+    if (!operate_is_in_acceptance(session))
+        err = storage_save(session->door->service->storage, replace, &reason);
     if (err)
-        return operate_refuse(answer, err, "not saved", why);
+        return operate_refuse(answer, err, "not saved", reason);
     session->waits_for = WAITS_SAVING;
     return ERR_BUSY;
 }
 
 static enum err finish_save(struct session *session, struct answer *answer)
 {
-    const char *why = NULL;
-    enum err err = storage_result(session->door->service->storage, &why);
-    return err ? operate_refuse(answer, err, "not saved", why) : recorded(session, "save");
+    const char *reason = NULL;
+    enum err err = storage_result(session->door->service->storage, &reason);
+    return err ? operate_refuse(answer, err, "not saved", reason) : recorded(session, "save");
 }
 
 static enum err load_stored(struct session *session, struct answer *answer)
 {
-    const char *why = NULL;
+    const char *reason = NULL;
     struct config *staged = operate_stage(session, answer);
     if (!staged)
         return ERR_BUSY;
-    enum err err = storage_load(session->door->service->storage, staged, &why);
-    return err ? operate_refuse(answer, err, "not loaded", why)
+    enum err err = storage_load(session->door->service->storage, staged, &reason);
+    return err ? operate_refuse(answer, err, "not loaded", reason)
                : take_staged(session, "load", answer);
 }
 

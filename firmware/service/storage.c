@@ -39,7 +39,7 @@ static void take_stored(struct storage *st)
     struct service *s = st->service;
     struct config_fault fault;
     struct config *staged;
-    const char *why;
+    const char *reason;
     char subject[CHANNEL_NAME_SIZE];
     struct text t = text_on(subject, sizeof subject);
     st->state = READY;
@@ -63,7 +63,7 @@ static void take_stored(struct storage *st)
         return;
     }
     staged = service_stage(s);
-    if (storage_load(st, staged, &why) != ERR_OK)
+    if (storage_load(st, staged, &reason) != ERR_OK)
         return;
     enum err err = service_apply(s, staged, &fault);
     if (err == ERR_BUSY) {

@@ -32,14 +32,14 @@ bool storage_ready(struct storage *st);
  * storage_result() tells. `replace`: also where that erases what newer firmware has stored. ERR_UNSUPPORTED, ERR_VERSION
  * (newer firmware has stored something), ERR_STATE (needs an erase while a loop acts; would replace a set that was
  * refused by the defaults that run instead), ERR_FULL: nothing begun. */
-MUST_CHECK enum err storage_save(struct storage *st, bool replace, const char **why);
+MUST_CHECK enum err storage_save(struct storage *st, bool replace, const char **reason);
 bool storage_saving(const struct storage *st);
-MUST_CHECK enum err storage_result(const struct storage *st, const char **why);
+MUST_CHECK enum err storage_result(const struct storage *st, const char **reason);
 
 /* The stored set over the defaults; what had to be changed is told by events. ERR_UNSUPPORTED, ERR_EMPTY, ERR_VERSION
  * where there is only something of newer firmware, ERR_CRC where there is something but no whole set: *config is
  * unchanged. */
-MUST_CHECK enum err storage_load(struct storage *st, struct config *config, const char **why);
+MUST_CHECK enum err storage_load(struct storage *st, struct config *config, const char **reason);
 
 /* "none", "unread", "ok", "blocked": newer firmware has stored something, or "failed": the last write was not taken. */
 const char *storage_word(const struct storage *st);

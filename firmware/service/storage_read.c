@@ -331,22 +331,22 @@ static void tell_changed(struct storage *st, const struct parameter *p, struct c
     storage_tell(st, EVENT_STORAGE_CLIPPED, name, value);
 }
 
-enum err storage_load(struct storage *st, struct config *config, const char **why)
+enum err storage_load(struct storage *st, struct config *config, const char **reason)
 {
     struct parameter p;
     struct stored_record r;
     bool renamed;
     if (st->state == NO_STORAGE) {
-        *why = "this board has no storage";
+        *reason = "this board has no storage";
         return ERR_UNSUPPORTED;
     }
     if (!st->newest.sequence && storage_blocked(st)) {
-        *why = OF_NEWER;
+        *reason = OF_NEWER;
         return ERR_VERSION;
     }
     if (!st->newest.sequence) {
-        *why = st->remains ? "there is something in the flash, but no whole set"
-                           : "nothing is stored yet; `save` does it";
+        *reason = st->remains ? "there is something in the flash, but no whole set"
+                              : "nothing is stored yet; `save` does it";
         return st->remains ? ERR_CRC : ERR_EMPTY;
     }
     parameters_defaults(config);

@@ -57,7 +57,7 @@ struct storage {
     uint32_t crc, newest_crc; /* that one of head and records of the newest set */
 
     enum err result; /* of the last save */
-    const char *why;
+    const char *reason;
 
     /* What is being written */
     unsigned parameter;     /* next one */

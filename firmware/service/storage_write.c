@@ -11,10 +11,10 @@
 
 #define TRIES_MOST 4u
 
-static void saved(struct storage *st, enum err err, const char *why)
+static void saved(struct storage *st, enum err err, const char *reason)
 {
     st->result = err;
-    st->why = why;
+    st->reason = reason;
     st->saving = false;
     st->failed = err != ERR_OK;
     st->state = READY;
@@ -444,38 +444,40 @@ void storage_write(struct storage *st)
 
 /* ---- a save ---- */
 
-enum err storage_save(struct storage *st, bool replace, const char **why)
+enum err storage_save(struct storage *st, bool replace, const char **reason)
 {
     struct service *s = st->service;
     if (st->state == NO_STORAGE) {
-        *why = "this board has no storage";
+        *reason = "this board has no storage";
         return ERR_UNSUPPORTED;
     }
     if (st->state != READY || s->staging) {
-        *why = s->staging ? "a transaction is open: apply or abandon it first" : NULL;
+        *reason = s->staging ? "a transaction is open: apply or abandon it first" : NULL;
         return s->staging ? ERR_STATE : ERR_BUSY;
     }
     if (st->refused && !s->serial) {
-        *why = s->early_resets >= EARLY_RESETS_MOST
-                   ? "it would replace settings left out after resets in a row: `load` takes "
-                     "them; or `defaults` first"
-                   : "it would replace settings that were refused by defaults: `load` says why; or "
-                     "`defaults` first";
+        *reason =
+            s->early_resets >= EARLY_RESETS_MOST
+                ? "it would replace settings left out after resets in a row: `load` takes "
+                  "them; or `defaults` first"
+                : "it would replace settings that were refused by defaults: `load` says why; or "
+                  "`defaults` first";
         return ERR_STATE;
     }
     if (storage_blocked(st) && !replace) {
-        *why = OF_NEWER;
+        *reason = OF_NEWER;
         return ERR_VERSION;
     }
     (void)service_stage(s);
     uint32_t length = count_records(st), bytes = set_size(length);
     if (length > UINT16_MAX || bytes > st->slot_size - STORAGE_GRAIN - SAVE_ROOM) {
-        *why = "more than this board's flash for storage holds";
+        *reason = "more than this board's flash for storage holds";
         return ERR_FULL;
     }
     if ((storage_blocked(st) || !find_room(st, bytes)) && !may_erase(st)) {
-        *why = st->failed ? NOT_TAKEN
-                          : "the flash must be erased first: put all loops into manual, or reboot";
+        *reason = st->failed
+                      ? NOT_TAKEN
+                      : "the flash must be erased first: put all loops into manual, or reboot";
         return st->failed ? ERR_IO : ERR_STATE;
     }
     st->candidate = (struct storage_set){.length = (uint16_t)length};
@@ -489,8 +491,8 @@ bool storage_saving(const struct storage *st)
     return st->saving;
 }
 
-enum err storage_result(const struct storage *st, const char **why)
+enum err storage_result(const struct storage *st, const char **reason)
 {
-    *why = st->why;
+    *reason = st->reason;
     return st->result;
 }

@@ -5,12 +5,12 @@
 #include "supervise/span.h"
 
 /* It may be a name in a plan that is written over later. */
-static void keep_reason(struct supervisor *s, const char *why)
+static void keep_reason(struct supervisor *s, const char *reason)
 {
-    strncpy(s->safe_why, why, sizeof s->safe_why - 1);
+    strncpy(s->safe_reason, reason, sizeof s->safe_reason - 1);
 }
 
-void outputs_take_safe(struct supervisor *s, const char *why)
+void outputs_take_safe(struct supervisor *s, const char *reason)
 {
     for (unsigned i = 0; i < s->placed[PLACED_LOOPS]; i++)
         s->loop[i].mode = LOOP_MANUAL;
@@ -27,9 +27,9 @@ void outputs_take_safe(struct supervisor *s, const char *why)
         o->not_following = o->alarm = false;
     }
     if (s->state != SUPERVISOR_SAFE)
-        event_put(s->events, s->time_ms, EVENT_SAFE_STATE, why, 0.0f, 0);
+        event_put(s->events, s->time_ms, EVENT_SAFE_STATE, reason, 0.0f, 0);
     if (s->state != SUPERVISOR_SAFE)
-        keep_reason(s, why);
+        keep_reason(s, reason);
     s->state = SUPERVISOR_SAFE;
     s->safe_count++;
 }

@@ -4,7 +4,7 @@
 
 #include "supervise/state.h"
 
-/* All loops manual, all outputs at their safe values. why: kept for whoever asks later. */
-void outputs_take_safe(struct supervisor *s, const char *why);
+/* All loops manual, all outputs at their safe values. reason: kept for whoever asks later. */
+void outputs_take_safe(struct supervisor *s, const char *reason);
 
 #endif

@@ -124,15 +124,15 @@ void plan_block_setup(const struct plan *plan, uint8_t slot, struct block_instan
 enum err plan_check_own(struct plan *plan, uint8_t i, struct config_fault *fault)
 {
     struct block_instance b;
-    struct block_fault why;
+    struct block_fault reason;
     const char *name = plan->config.loop[i].name;
     plan->block[i].kind = plan_find_kind(plan, i);
     if (plan->block[i].kind == PLAN_NONE)
         return plan_refuse(fault, ERR_UNSUPPORTED, "loop", i + 1u, "algorithm", name, NOT_IN_BUILD);
     setup_own(plan, i, &b);
-    enum err err = plan_kind(plan, i)->check(&b.setup, &why);
+    enum err err = plan_kind(plan, i)->check(&b.setup, &reason);
     if (err)
-        return plan_refuse(fault, err, "loop", i + 1u, why.field, name, why.wanted);
+        return plan_refuse(fault, err, "loop", i + 1u, reason.field, name, reason.wanted);
     const char *uncompensated = plan_kind(plan, i)->uncompensated;
     if (plan->loop[i].decouple && uncompensated)
         return plan_refuse(fault, ERR_CONFLICT, "loop", i + 1u, "decouple", name, uncompensated);
@@ -143,33 +143,33 @@ enum err plan_check_matrix(struct plan *plan, struct config_fault *fault)
 {
     struct block_setup setup;
     struct matrix_settings matrix;
-    struct block_fault why;
+    struct block_fault reason;
     setup_matrix(plan, &setup, &matrix);
     if (!setup.there)
         return ERR_OK;
     plan->block[SLOT_MATRIX].kind = plan_find_kind(plan, SLOT_MATRIX);
     if (plan->block[SLOT_MATRIX].kind == PLAN_NONE)
         return plan_refuse(fault, ERR_UNSUPPORTED, "decouple", 1, "d1", "", NOT_IN_BUILD);
-    enum err err = plan_kind(plan, SLOT_MATRIX)->check(&setup, &why);
-    return err ? plan_refuse(fault, err, "decouple", why.member + 1u, why.field,
-                             plan->config.loop[why.member].name, why.wanted)
+    enum err err = plan_kind(plan, SLOT_MATRIX)->check(&setup, &reason);
+    return err ? plan_refuse(fault, err, "decouple", reason.member + 1u, reason.field,
+                             plan->config.loop[reason.member].name, reason.wanted)
                : ERR_OK;
 }
 
 enum err plan_check_element(struct plan *plan, uint8_t k, struct config_fault *fault)
 {
     struct block_instance b;
-    struct block_fault why;
+    struct block_fault reason;
     const char *from = plan->config.feedforward[k].from;
     uint8_t slot = (uint8_t)(SLOT_ELEMENTS + k);
     plan->block[slot].kind = plan_find_kind(plan, slot);
     if (plan->block[slot].kind == PLAN_NONE)
         return plan_refuse(fault, ERR_UNSUPPORTED, "ff", k + 1u, "from", from, NOT_IN_BUILD);
     setup_element(plan, k, &b);
-    enum err err = plan_kind(plan, slot)->check(&b.setup, &why);
-    if (err && !why.field[0])
-        return plan_refuse(fault, err, "tick", 0, "base", from, why.wanted);
-    return err ? plan_refuse(fault, err, "ff", k + 1u, why.field, from, why.wanted) : ERR_OK;
+    enum err err = plan_kind(plan, slot)->check(&b.setup, &reason);
+    if (err && !reason.field[0])
+        return plan_refuse(fault, err, "tick", 0, "base", from, reason.wanted);
+    return err ? plan_refuse(fault, err, "ff", k + 1u, reason.field, from, reason.wanted) : ERR_OK;
 }
 
 static enum err refuse_memory(const struct plan *plan, uint8_t slot, struct config_fault *fault)

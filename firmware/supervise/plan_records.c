@@ -224,16 +224,17 @@ enum err plan_check_records(struct plan *plan, struct config_fault *fault)
     for (uint8_t n = 0; n < CONFIG_BLOCKS; n++) {
         struct record_plan *r = &plan->record[n];
         struct block_setup setup;
-        struct block_fault why = {0};
+        struct block_fault reason = {0};
         for (uint8_t k = 0; k < plan->n_order; k++)
             if (plan->loop[plan->order[k]].server == SLOT_RECORDS + n)
                 r->last = plan->order[k];
         if (plan->block[SLOT_RECORDS + n].kind == PLAN_NONE)
             continue;
         plan_setup_record(plan, n, &setup);
-        enum err err = plan_kind(plan, (uint8_t)(SLOT_RECORDS + n))->check(&setup, &why);
+        enum err err = plan_kind(plan, (uint8_t)(SLOT_RECORDS + n))->check(&setup, &reason);
         if (err)
-            return refuse_record(fault, err, n, why.field, plan->config.block[n].kind, why.wanted);
+            return refuse_record(fault, err, n, reason.field, plan->config.block[n].kind,
+                                 reason.wanted);
     }
     return ERR_OK;
 }

@@ -88,11 +88,11 @@ void restart_init(struct restart *r, void *memory, bool warm)
     r->attempts = r->pending ? r->record->attempts : 0;
 }
 
-static void refuse_restart(struct restart *r, struct supervisor *s, const char *why)
+static void refuse_restart(struct restart *r, struct supervisor *s, const char *reason)
 {
     r->pending = false;
     r->attempts = 0;
-    event_put(s->events, s->time_ms, EVENT_RESTART_REFUSED, why, 0.0f, 0);
+    event_put(s->events, s->time_ms, EVENT_RESTART_REFUSED, reason, 0.0f, 0);
 }
 
 static void outputs_back(struct supervisor *s, const struct restart_record *record)

@@ -5,18 +5,18 @@
 #include "supervise/outputs_safe.h"
 #include "supervise/sequence.h"
 
-void supervisor_outputs_safe(struct supervisor *s, const char *why)
+void supervisor_outputs_safe(struct supervisor *s, const char *reason)
 {
 #if CONFIG_STEPS
-    sequence_safe(s, why);
+    sequence_safe(s, reason);
 #endif
-    outputs_take_safe(s, why);
+    outputs_take_safe(s, reason);
 }
 
 void supervisor_stay_safe(struct supervisor *s)
 {
-    char why[CHANNEL_NAME_SIZE];
-    memcpy(why, s->safe_why, sizeof why);
+    char reason[CHANNEL_NAME_SIZE];
+    memcpy(reason, s->safe_reason, sizeof reason);
     if (s->state != SUPERVISOR_SAFE)
-        supervisor_outputs_safe(s, why);
+        supervisor_outputs_safe(s, reason);
 }

@@ -5,7 +5,7 @@
 #include "supervise/state.h"
 
 /* All loops manual, all outputs at their safe values, in the midst of a run. */
-void supervisor_outputs_safe(struct supervisor *s, const char *why);
+void supervisor_outputs_safe(struct supervisor *s, const char *reason);
 
 /* Takes a safe state that something has ended once more, for the same reason. */
 void supervisor_stay_safe(struct supervisor *s);

@@ -54,34 +54,34 @@ static void tell_sequence(struct supervisor *s, enum event_code code, const char
 {
     const struct sequence *q = &s->sequence;
     event_put(s->events, s->time_ms, code, subject, (float)(q->step + 1u),
-              sequence_detail(q->kind, q->why));
+              sequence_detail(q->kind, q->reason));
 }
 
-static void stop_at(struct supervisor *s, enum sequence_state state, enum sequence_reason why,
+static void stop_at(struct supervisor *s, enum sequence_state state, enum sequence_reason reason,
                     const char *about)
 {
     struct sequence *q = &s->sequence;
     q->state = (uint8_t)state;
-    q->why = (uint8_t)why;
+    q->reason = (uint8_t)reason;
     strncpy(q->about, about, sizeof q->about - 1);
     tell_sequence(s, state == SEQUENCE_HELD ? EVENT_SEQUENCE_HELD : EVENT_SEQUENCE_ABORTED, about);
 }
 
-static void hold(struct supervisor *s, enum sequence_reason why, const char *about)
+static void hold(struct supervisor *s, enum sequence_reason reason, const char *about)
 {
-    stop_at(s, SEQUENCE_HELD, why, about);
+    stop_at(s, SEQUENCE_HELD, reason, about);
 }
 
-static void abort_now(struct supervisor *s, enum sequence_reason why, const char *about)
+static void abort_now(struct supervisor *s, enum sequence_reason reason, const char *about)
 {
-    stop_at(s, SEQUENCE_ABORTED, why, about); /* first, so that the safe state finds it ended */
+    stop_at(s, SEQUENCE_ABORTED, reason, about); /* first, so that the safe state finds it ended */
     outputs_take_safe(s, "sequence");
 }
 
-void sequence_safe(struct supervisor *s, const char *why)
+void sequence_safe(struct supervisor *s, const char *reason)
 {
     if (sequence_active(&s->sequence))
-        stop_at(s, SEQUENCE_ABORTED, SEQUENCE_SAFE, why);
+        stop_at(s, SEQUENCE_ABORTED, SEQUENCE_SAFE, reason);
 }
 
 void sequence_interrupted(struct supervisor *s, uint8_t kind, uint8_t step)
@@ -134,7 +134,7 @@ static void run_guards(struct supervisor *s, uint32_t passed_ms)
             continue;
         if (c->otherwise == STEP_ABORT)
             abort_now(s, SEQUENCE_BY_GUARD, c->measurement);
-        else if (q->state != SEQUENCE_HELD || q->why != SEQUENCE_BY_GUARD)
+        else if (q->state != SEQUENCE_HELD || q->reason != SEQUENCE_BY_GUARD)
             hold(s, SEQUENCE_BY_GUARD, c->measurement);
     }
 }
@@ -271,7 +271,7 @@ static void next(struct supervisor *s)
         return;
     }
     q->state = SEQUENCE_DONE;
-    q->why = SEQUENCE_OPERATOR;
+    q->reason = SEQUENCE_OPERATOR;
     tell_sequence(s, EVENT_SEQUENCE_DONE, sequence_kind_text(q->kind));
 }
 
@@ -322,7 +322,7 @@ static void run_timeout(struct supervisor *s)
     bool held = q->state == SEQUENCE_HELD;
     if (held && (c->otherwise != STEP_ABORT))
         return; /* what holds it is stronger */
-    q->why = SEQUENCE_TIMEOUT;
+    q->reason = SEQUENCE_TIMEOUT;
     tell_sequence(s, EVENT_SEQUENCE_TIMEOUT, about);
     if (c->otherwise == STEP_ABORT)
         abort_now(s, SEQUENCE_TIMEOUT, about);
@@ -343,8 +343,8 @@ void sequence_run(struct supervisor *s)
     run_guards(s, passed_ms);
     if (goes(q))
         watch(s);
-    bool by_person =
-        q->state == SEQUENCE_HELD && (q->why == SEQUENCE_OPERATOR || q->why == SEQUENCE_TIMEOUT);
+    bool by_person = q->state == SEQUENCE_HELD &&
+                     (q->reason == SEQUENCE_OPERATOR || q->reason == SEQUENCE_TIMEOUT);
     if (!by_person && (q->acted || q->state == SEQUENCE_HELD))
         q->elapsed_ms += q->elapsed_ms < 1000000000u ? passed_ms : 0;
     run_rows(s, passed_ms);
@@ -382,7 +382,7 @@ static bool begin(struct supervisor *s, enum sequence_kind kind)
 static void go_on(struct supervisor *s)
 {
     struct sequence *q = &s->sequence;
-    bool again = q->why != SEQUENCE_OPERATOR;
+    bool again = q->reason != SEQUENCE_OPERATOR;
     for (uint8_t i = 0; i < CONFIG_LOOPS; i++)
         if (supervisor_mode(s, i) == LOOP_MANUAL)
             q->working = (uint16_t)(q->working & ~(1u << i));

@@ -29,7 +29,7 @@ void sequence_request(struct supervisor *s, const struct request *r);
 /* A new plan is in force. */
 void sequence_place(struct supervisor *s, const struct plan *old);
 /* The safe state has been taken: a sequence under way ends. */
-void sequence_safe(struct supervisor *s, const char *why);
+void sequence_safe(struct supervisor *s, const char *reason);
 /* It ran when the board was reset, and does not go on. */
 void sequence_interrupted(struct supervisor *s, uint8_t kind, uint8_t step);
 

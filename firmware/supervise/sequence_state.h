@@ -46,7 +46,7 @@ struct sequence {
     uint8_t state;                 /* enum sequence_state */
     uint8_t kind;                  /* enum sequence_kind: the one running, or the last one */
     uint8_t step;                  /* row it stands at, or ended at */
-    uint8_t why;                   /* enum sequence_reason, where it is held or aborted */
+    uint8_t reason;                /* enum sequence_reason, where it is held or aborted */
     char about[CHANNEL_NAME_SIZE]; /* ... and what is to blame, or empty */
     bool acted;                    /* the action of the row is done */
     bool confirmed;

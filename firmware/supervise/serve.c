@@ -168,14 +168,15 @@ void serve_place(struct supervisor *s, const struct plan *old)
 
 /* ---- giving up and coming back ---- */
 
-static void give_up_block(struct supervisor *s, uint8_t slot, const char *why)
+static void give_up_block(struct supervisor *s, uint8_t slot, const char *reason)
 {
     struct block_state *b = &s->block[slot];
     b->off = true;
     b->stepped = false;
-    s->served[slot - SLOT_RECORDS].gave_up = why;
+    s->served[slot - SLOT_RECORDS].gave_up = reason;
     job_give_up(&s->work[slot - SLOT_RECORDS]);
-    event_put(s->events, s->time_ms, EVENT_BLOCK_GAVE_UP, why, (float)(slot - SLOT_RECORDS + 1), 0);
+    event_put(s->events, s->time_ms, EVENT_BLOCK_GAVE_UP, reason, (float)(slot - SLOT_RECORDS + 1),
+              0);
 }
 
 bool serve_switch(struct supervisor *s, uint8_t n, bool on)

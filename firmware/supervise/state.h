@@ -196,7 +196,7 @@ struct supervisor {
     const struct plan *plan; /* NULL before the first */
     struct event_queue *events;
     enum supervisor_state state;
-    char safe_why
+    char safe_reason
         [CHANNEL_NAME_SIZE]; /* what the safe state was last taken for; empty since the start */
     uint32_t safe_count;     /* times it was taken, again and again in silence; wraps */
     bool testing;            /* somebody tests the plant (commission): no sequence begins */

@@ -43,7 +43,7 @@ void supervisor_bind_output(struct supervisor *s, uint8_t index)
     s->output[index].bound = true;
 }
 
-void supervisor_go_safe(struct supervisor *s, const char *why)
+void supervisor_go_safe(struct supervisor *s, const char *reason)
 {
     for (unsigned i = 0; i < s->placed[PLACED_MEASUREMENTS]; i++) {
         /* What comes next may come from another plant, or hours later: filters begin anew. */
@@ -53,7 +53,7 @@ void supervisor_go_safe(struct supervisor *s, const char *why)
     for (unsigned i = 0; i < CONFIG_FEEDFORWARDS; i++)
         s->block[SLOT_ELEMENTS + i].running = false;
     serve_forget(s);
-    supervisor_outputs_safe(s, why);
+    supervisor_outputs_safe(s, reason);
     histories_begin(s);
 }
 

@@ -57,7 +57,7 @@ void supervisor_bind_measurement(struct supervisor *s, uint8_t index);
 void supervisor_bind_output(struct supervisor *s, uint8_t index);
 
 /* The safe state (safe_state.h), and readings are forgotten: what comes next may come from another plant. */
-void supervisor_go_safe(struct supervisor *s, const char *why);
+void supervisor_go_safe(struct supervisor *s, const char *reason);
 
 /* One request. Call before supervisor_control (after supervisor_validate, so that it meets this sample), or
  * while no plant is there. Whether mode, setpoint or output are now as asked; an event says so too. */

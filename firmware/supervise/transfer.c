@@ -39,7 +39,7 @@ static uint8_t regroup(struct supervisor *s)
     return changed ? acting : 0;
 }
 
-/* Loops that act from this tick on, and all decoupled loops when their company changes, take over the
+/* Loops that act from this tick on, and all loops of the compensator when its members change, take over the
  * outputs they find: v = D^-1 (output - feedforward). Those that acted before go on with what they have under way:
  * a derivative that dies away must not become part of the integral because another loop comes or goes. Nor must what
  * their feedforward calls for in this tick: the output they find has the one before in it. */

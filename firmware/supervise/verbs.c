@@ -20,12 +20,12 @@ bool verb_run(struct supervisor *s, const struct request *r)
 {
     uint8_t n = r->output, slot = (uint8_t)(SLOT_RECORDS + n);
     const struct block_verb *verb = &kind_of_request(s, r)->verb[r->mode];
-    const char *why = "off";
+    const char *reason = "off";
     char name[CHANNEL_NAME_SIZE];
     if (!s->block[slot].off)
-        why = verb->run(supervisor_block(s, slot), r->loop ? &r->value : NULL);
-    if (why) {
-        event_put(s->events, s->time_ms, EVENT_BLOCK_REFUSED, why, (float)(n + 1u), 0);
+        reason = verb->run(supervisor_block(s, slot), r->loop ? &r->value : NULL);
+    if (reason) {
+        event_put(s->events, s->time_ms, EVENT_BLOCK_REFUSED, reason, (float)(n + 1u), 0);
         return false;
     }
     block_word_name(n, verb->name, name);

@@ -88,10 +88,10 @@ static void watchdog_stop(void)
 
 void host_port_run(void)
 {
-    int why = sigsetjmp(reset_vector, 1);
-    if (why != 0) {
+    int reason = sigsetjmp(reset_vector, 1);
+    if (reason != 0) {
         boot_id++;
-        cause = why == 1 ? HAL_RESET_REQUESTED : HAL_RESET_WATCHDOG;
+        cause = reason == 1 ? HAL_RESET_REQUESTED : HAL_RESET_WATCHDOG;
         for (unsigned i = 0; i < HAL_UART_COUNT; i++) {
             ring_clear(&lines[i].rx);
             ring_clear(&lines[i].tx);

@@ -165,9 +165,9 @@ unsigned memory_port_run(void)
     return turns;
 }
 
-void memory_port_reset(enum hal_reset why)
+void memory_port_reset(enum hal_reset reason)
 {
-    cause = why;
+    cause = reason;
     power_up(clock_ms);
 }
 

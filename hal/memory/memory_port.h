@@ -51,7 +51,7 @@ void memory_port_slow_frame(uint32_t ms);
 uint64_t memory_port_unfed_ms(void);
 
 /* A reset from outside, as by a watchdog: flash and the retained memory are kept. */
-void memory_port_reset(enum hal_reset why);
+void memory_port_reset(enum hal_reset reason);
 
 /* What is left of a fault, from now on, as the boards keep it; NULL = nothing. */
 void memory_port_set_fault(const struct hal_fault *what);

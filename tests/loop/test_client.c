@@ -25,7 +25,7 @@ static void without_text_wood_berry_is_commissioned_and_a_setpoint_stepped(void)
 
     DO(operate_accept(&client, &answer));
     was_recorded(EVENT_DO_COMMISSION, "accept", 0, ENGINEER);
-    TEST_ASSERT_TRUE(operate_is_on_trial(&client));
+    TEST_ASSERT_TRUE(operate_is_in_acceptance(&client));
     DO(operate_save(&client, false, &answer));
     REFUSED(ERR_STATE, operate_result(&client, &answer)); /* nothing on trial is stored */
     TEST_ASSERT_FALSE(operate_waits(&client));

@@ -23,11 +23,11 @@ struct start_up {
     const char *name, *plant, *command; /* plant NULL: wood-berry with its two old loops */
     const char *settings[SETTINGS];
     double noise;
-    const char *event;       /* of the plant, `at` ticks after the command */
-    const char *typed;       /* by a hand, then */
-    unsigned at, lost;       /* lost: samples from then on */
-    const char *on_trial[2]; /* events of the plant once it is on trial */
-    bool accepted;           /* and the proposal tried */
+    const char *event;            /* of the plant, `at` ticks after the command */
+    const char *typed;            /* by a hand, then */
+    unsigned at, lost;            /* lost: samples from then on */
+    const char *in_acceptance[2]; /* events of the plant once it is on trial */
+    bool accepted;                /* and the proposal tried */
 };
 
 /* The events since. */
@@ -107,9 +107,9 @@ static void runs(const struct start_up *s)
         return;
     static const struct start_up nothing = {.at = 1000000};
     says_answer("commission accept");
-    for (unsigned i = 0; i < 2 && s->on_trial[i]; i++) {
+    for (unsigned i = 0; i < 2 && s->in_acceptance[i]; i++) {
         plant_steps(2);
-        plant_event(s->on_trial[i]);
+        plant_event(s->in_acceptance[i]);
     }
     goes_on(&nothing, 6000);
     says_answer("commission");
@@ -120,13 +120,13 @@ static const struct start_up cases[] = {
     {"as it comes", .command = "commission begin", .accepted = true},
     {"with noise", .command = "commission begin", .noise = 1, .accepted = true},
     {"a valve that hangs on trial", .command = "commission begin",
-     .on_trial = {"R.readback=2", "R.stuck=1.95"}, .accepted = true},
+     .in_acceptance = {"R.readback=2", "R.stuck=1.95"}, .accepted = true},
     {"a sluggish valve on trial", .command = "commission begin",
-     .on_trial = {"S.readback=2", "S.lag=20000"}, .accepted = true},
-    {"a disturbance on trial", .command = "commission begin", .on_trial = {"xB.bias=12"},
+     .in_acceptance = {"S.readback=2", "S.lag=20000"}, .accepted = true},
+    {"a disturbance on trial", .command = "commission begin", .in_acceptance = {"xB.bias=12"},
      .accepted = true},
-    {"a measurement lost on trial", .command = "commission begin", .on_trial = {"xB.quality=3"},
-     .accepted = true},
+    {"a measurement lost on trial", .command = "commission begin",
+     .in_acceptance = {"xB.quality=3"}, .accepted = true},
     {"with much noise, two rounds", .command = "commission begin",
      .settings = {"set test.rounds 2"}, .noise = 8},
     {"amplitudes and times that are set", .command = "commission begin",
@@ -164,7 +164,7 @@ static const struct start_up cases[] = {
     {"a relay on the first loop", .command = "commission relay old_R", .accepted = true},
     {"a relay on the second loop", .command = "commission relay old_S", .accepted = true},
     {"a relay's loop on a valve that hangs", .command = "commission relay old_R",
-     .on_trial = {"R.readback=2", "R.stuck=1.95"}, .accepted = true},
+     .in_acceptance = {"R.readback=2", "R.stuck=1.95"}, .accepted = true},
     {"a relay of a given step", .command = "commission relay old_R",
      .settings = {"set mv1.test_step 0.3", "set test.noise 40"}},
     {"a relay past a limit", .command = "commission relay old_R",

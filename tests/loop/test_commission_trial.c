@@ -11,12 +11,12 @@ void tearDown(void)
     TEST_ASSERT_EQUAL_MESSAGE(0, children_failed, "cases of this test, see above");
 }
 
-static void old_settings_are_back(const char *why)
+static void old_settings_are_back(const char *reason)
 {
     char text[120];
     plant_steps(3);
     TEST_ASSERT_TRUE(phase_is("returned"));
-    snprintf(text, sizeof text, "%s", why);
+    snprintf(text, sizeof text, "%s", reason);
     TEST_ASSERT_NOT_NULL_MESSAGE(strstr(reply[1], text), reply[1]);
     TEST_ASSERT_TRUE(settings_are_as_before());
     ask_ok("loop");
@@ -24,9 +24,9 @@ static void old_settings_are_back(const char *why)
     TEST_ASSERT_TRUE(nothing_was_stored());
 }
 
-static void old_settings_and_outputs_are_back(const char *why)
+static void old_settings_and_outputs_are_back(const char *reason)
 {
-    old_settings_are_back(why);
+    old_settings_are_back(reason);
     ASSERT_OUTPUT(1.95, "R");
     ASSERT_OUTPUT(1.71, "S");
 }

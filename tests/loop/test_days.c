@@ -173,13 +173,13 @@ static void plant_goes_on(void)
         day.readbacks = !day.readbacks;
 }
 
-static void is_reset(enum hal_reset why)
+static void is_reset(enum hal_reset reason)
 {
     if (!once_in(4)) {
         types("save");
         pass(500);
     }
-    memory_port_reset(why);
+    memory_port_reset(reason);
     board.ready = false;
     board_run();
     type("mode machine\nlog on\n");

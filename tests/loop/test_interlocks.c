@@ -67,7 +67,7 @@ static const struct history {
     double reading; /* past the limit of 140, or of 80 */
     bool first;     /* no other reading came before */
     unsigned lost;  /* samples that are flagged bad before */
-    unsigned gap;   /* every so manieth sample is missing */
+    unsigned gap;   /* every n-th sample is missing */
     const char *setting[2];
 } histories[] = {
     {"in belief", 150, false, 0, 0, {NULL, NULL}},

@@ -39,9 +39,9 @@ static void heat_in_watts(uint8_t index, struct link_page *m)
 }
 
 /* A reset, the plant met again; configured as before when that is wanted (by hand: no storage here). */
-static void reset(enum hal_reset why)
+static void reset(enum hal_reset reason)
 {
-    memory_port_reset(why);
+    memory_port_reset(reason);
     board.ready = false;
     board_run();
     type("mode machine\n");

@@ -285,9 +285,9 @@ static void a_plant_that_falls_silent_ends_it(void)
 
 /* ---- resets ---- */
 
-static void reset(enum hal_reset why)
+static void reset(enum hal_reset reason)
 {
-    memory_port_reset(why);
+    memory_port_reset(reason);
     board.ready = false;
     board_run();
     type("mode machine\n");

@@ -487,10 +487,10 @@ static void test_history_keeps_who_saved(void)
 }
 
 /* A reset that something in the firmware caused, so many seconds after the start. */
-static void brought_down(enum hal_reset why, uint64_t after_s)
+static void brought_down(enum hal_reset reason, uint64_t after_s)
 {
     pass(1000 * after_s);
-    memory_port_reset(why);
+    memory_port_reset(reason);
     board.ready = false;
     board_run();
     type("mode machine\n");
@@ -565,7 +565,7 @@ static void test_left_out_settings_can_be_loaded_or_given_up(void)
 static void test_resets_that_are_far_apart_or_asked_for_leave_no_settings_out(void)
 {
     static const struct {
-        enum hal_reset why;
+        enum hal_reset reason;
         uint64_t after_s;
     } lives[] = {{HAL_RESET_FAULT, 61},    {HAL_RESET_FAULT, 61}, {HAL_RESET_WATCHDOG, 61},
                  {HAL_RESET_FAULT, 61},    {HAL_RESET_FAULT, 1},  {HAL_RESET_FAULT, 1},
@@ -573,7 +573,7 @@ static void test_resets_that_are_far_apart_or_asked_for_leave_no_settings_out(vo
                  {HAL_RESET_WATCHDOG, 61}, {HAL_RESET_FAULT, 1},  {HAL_RESET_FAULT, 1}};
     saved_two_loops();
     for (unsigned i = 0; i < sizeof lives / sizeof lives[0]; i++) {
-        brought_down(lives[i].why, lives[i].after_s);
+        brought_down(lives[i].reason, lives[i].after_s);
         pass(2500);
         TEST_ASSERT_TRUE_MESSAGE(said("STORAGE_LOADED"), "settings were left out");
     }

@@ -141,7 +141,7 @@ static inline void waits_until(enum commission_phase phase, unsigned ticks)
     while (ticks-- && operate_startup_reading(&client).phase != phase)
         client_steps(1);
     struct startup_reading r = operate_startup_reading(&client);
-    TEST_ASSERT_EQUAL_INT_MESSAGE(phase, r.phase, commission_why_text(r.why));
+    TEST_ASSERT_EQUAL_INT_MESSAGE(phase, r.phase, commission_reason_text(r.reason));
 }
 
 /* The loop that holds a measurement, in force now. */

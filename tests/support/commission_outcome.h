@@ -4,7 +4,7 @@
 
 #include <string.h>
 
-#include "commission/parts.h"
+#include "commission/commission_internal.h"
 #include "commission_space.h"
 #include "supervisor_bench.h"
 

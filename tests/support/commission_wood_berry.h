@@ -55,18 +55,18 @@ static inline void proposal(void)
     until("PROPOSAL", 3000);
 }
 
-static inline void ended(const char *why)
+static inline void ended(const char *reason)
 {
     char text[120];
     TEST_ASSERT_TRUE(phase_is("ended"));
-    snprintf(text, sizeof text, "%s", why);
+    snprintf(text, sizeof text, "%s", reason);
     TEST_ASSERT_NOT_NULL_MESSAGE(strstr(reply[1], text), reply[1]);
     TEST_ASSERT_TRUE(nothing_was_stored());
 }
 
-static inline void ended_with_everything_held(const char *why)
+static inline void ended_with_everything_held(const char *reason)
 {
-    ended(why);
+    ended(reason);
     plant_step();
     ASSERT_OUTPUT(1.95, "R");
     ASSERT_OUTPUT(1.71, "S");
@@ -101,9 +101,9 @@ static inline bool settings_are_as_before(void)
     return *at == '\0';
 }
 
-static inline void board_resets(enum hal_reset why)
+static inline void board_resets(enum hal_reset reason)
 {
-    memory_port_reset(why);
+    memory_port_reset(reason);
     board.ready = false;
     board_run();
     type("mode machine\n");

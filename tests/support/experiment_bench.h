@@ -57,15 +57,15 @@ static inline double bench_output(unsigned j)
 /* The background, which takes as long as it takes. */
 static inline void bench_look(void)
 {
-    if (!experiment.looking) {
+    if (!experiment.interim_fitting) {
         bench.look_age = 0;
         return;
     }
     if (bench.look_age++ < bench.look_takes)
         return;
-    while (look_run(&experiment.look))
+    while (interim_fit_run(&experiment.interim_fit))
         ;
-    experiment_looked(&experiment);
+    experiment_take_interim_fit(&experiment);
 }
 
 /* The next sample of every output, given to the experiment or lost on the way. */

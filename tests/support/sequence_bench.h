@@ -132,12 +132,12 @@ static inline bool reaches(uint8_t row, unsigned n)
     return sequence_active(seq_state()) && seq_state()->step == row;
 }
 
-static inline unsigned ended(enum event_code code, enum sequence_reason why)
+static inline unsigned ended(enum event_code code, enum sequence_reason reason)
 {
     unsigned n = 0;
     bench_events();
     for (unsigned i = 0; i < bench.n_seen; i++)
-        n += bench.seen[i].code == code && (bench.seen[i].detail & 15) == why;
+        n += bench.seen[i].code == code && (bench.seen[i].detail & 15) == reason;
     return n;
 }
 

@@ -20,7 +20,7 @@ struct uart_model {
     unsigned latency; /* bytes it still sends after an XOFF has come */
     /* The board */
     unsigned turn_ms;             /* time of a turn of the main loop */
-    unsigned slow_every, slow_ms; /* every so manieth turn takes this long instead; 0 = none */
+    unsigned slow_every, slow_ms; /* every n-th turn takes this long instead; 0 = none */
     /* What has happened */
     unsigned turns, xoffs, xons, dropped, ms, longest_stop_ms;
     size_t sent;

@@ -127,9 +127,9 @@ class StartUpOnTheBoard(unittest.TestCase):
         short = ["set test.window 16", *(f"set mv{k}.test_time 32" for k in range(1, 17)),
                  *(f"set mv{k}.test_step 4" for k in range(1, 17))]
         # To the end of the tests, and into the trial: its first ticks put 16 loops into automatic.
-        on_trial = ["commission structure", "commission accept", "~until TRIAL_BEGUN", *["commission"] * 10, "stats",
+        in_acceptance = ["commission structure", "commission accept", "~until TRIAL_BEGUN", *["commission"] * 10, "stats",
                     "commission abort", "~until TRIAL_FAILED"]
-        script = whole(of, settings=short, accept=False, after=on_trial)
+        script = whole(of, settings=short, accept=False, after=in_acceptance)
         host = said("host", of, script, "--noise", "1")
         emulator = said("stm32f405", of, script, "--noise", "1", extra=ICOUNT)
         model = self.same_as_on_the_host(host, emulator, RESULTS)

@@ -15,7 +15,7 @@ struct look_settings {
     uint16_t spare;
 };
 
-struct look {
+struct interim_fit {
     num_t out;
     unsigned steps;
     uint16_t divisor;
@@ -38,7 +38,7 @@ static const struct block_parameter look_parameters[] = {
 static uint32_t look_bytes(const struct block_setup *setup)
 {
     (void)setup;
-    return sizeof(struct look);
+    return sizeof(struct interim_fit);
 }
 
 static uint16_t look_history(const struct block_setup *setup)
@@ -56,15 +56,16 @@ static enum err look_check(const struct block_setup *setup, struct block_fault *
 
 static enum err look_configure(void *state, const struct block_setup *setup, bool retune)
 {
-    struct look *m = state;
+    struct interim_fit *m = state;
     const struct look_settings *c = setup->settings;
     if (!retune)
-        *m = (struct look){0};
+        *m = (struct interim_fit){0};
     m->out = num_from_float(c->out);
     return ERR_OK;
 }
 
-static void look_around(struct look *m, const struct block_io *io, uint8_t members, uint8_t inputs)
+static void look_around(struct interim_fit *m, const struct block_io *io, uint8_t members,
+                        uint8_t inputs)
 {
     m->steps++;
     m->divisor = io->divisor;
@@ -76,7 +77,7 @@ static void look_around(struct look *m, const struct block_io *io, uint8_t membe
 
 static void look_step(void *state, struct block_io *io)
 {
-    struct look *m = state;
+    struct interim_fit *m = state;
     look_around(m, io, 2, 1);
     io->out[0] = io->out[1] = m->out;
 }
@@ -121,7 +122,7 @@ static void put_block(unsigned n, const char *kind, const char *loops, const cha
     memcpy(bench.config.pool + b->at, &settings, sizeof settings);
 }
 
-static struct look *state_of(unsigned n)
+static struct interim_fit *state_of(unsigned n)
 {
     return supervisor_block(&bench.s, (uint8_t)(SLOT_RECORDS + n));
 }
@@ -236,7 +237,7 @@ static void a_controller_reads_those_of_its_members_whoever_moves_them(void)
     mode(TOP, LOOP_AUTO);
     out(BOTTOM, 0.8);
     ticks(3);
-    const struct look *m = state_of(LOOK);
+    const struct interim_fit *m = state_of(LOOK);
     TEST_ASSERT_DOUBLE_WITHIN(1e-6, 0.6, ago(m->member[0], 1)); /* its own output */
     TEST_ASSERT_DOUBLE_WITHIN(1e-6, 0.5, ago(m->member[0], 4));
     TEST_ASSERT_DOUBLE_WITHIN(1e-6, 0.4, ago(m->member[1], 1)); /* a hand's: 0.8 of 2 */
@@ -284,7 +285,7 @@ static void a_block_with_a_divisor_looks_back_in_its_own_steps(void)
     mode(TOP, LOOP_AUTO);
     out(BOTTOM, 1.8);
     ticks(20);
-    const struct look *m = state_of(LOOK);
+    const struct interim_fit *m = state_of(LOOK);
     const struct applied_history *h = m->member[1];
     TEST_ASSERT_EQUAL_UINT16(4, m->divisor);
     TEST_ASSERT_EQUAL_UINT16(9, h->depth);

@@ -1,4 +1,4 @@
-/* commission/commission.c and on_trial.c: what becomes of what is asked for, and of a trial. */
+/* commission/commission.c and acceptance.c: what becomes of what is asked for, and of a trial. */
 #include "commission_outcome.h"
 
 void setUp(void)
@@ -103,7 +103,7 @@ static void a_pause_gives_the_outputs_back(void)
     bench.s.time_ms += 1000;
     commission_tick(&c, &bench.s);
     TEST_ASSERT_EQUAL_INT(COMMISSION_ENDED, c.phase);
-    TEST_ASSERT_EQUAL_INT(WHY_ASKED, c.why);
+    TEST_ASSERT_EQUAL_INT(REASON_ASKED, c.reason);
     TEST_ASSERT_EQUAL_UINT64(45000, c.ended_ms);
     TEST_ASSERT_FALSE(bench.s.testing);
 }
@@ -111,17 +111,18 @@ static void a_pause_gives_the_outputs_back(void)
 static void an_end_puts_the_outputs_back_unless_somebody_else_decides(void)
 {
     static const struct {
-        enum commission_why why;
+        enum commission_reason reason;
         bool back;
-    } cases[] = {{WHY_LOST, true},  {WHY_HAND, false}, {WHY_CONFIG, false},
-                 {WHY_SAFE, false}, {WHY_ASKED, true}, {WHY_INTERLOCK, true}};
+    } cases[] = {{REASON_LOST, true},  {REASON_HAND, false}, {REASON_CONFIG, false},
+                 {REASON_SAFE, false}, {REASON_ASKED, true}, {REASON_INTERLOCK, true}};
     for (unsigned n = 0; n < sizeof cases / sizeof cases[0]; n++)
         for (unsigned trial = 0; trial < 2; trial++) {
             fitted();
             c.phase = trial ? COMMISSION_TRIAL : COMMISSION_TESTING;
             bench.s.output[0].manual = bench.s.output[1].manual = N(0.75);
             supervisor_excite(&bench.s, 1, N(0.1));
-            commission_end(&c, &bench.s, cases[n].why, "a name that is longer than", REAL_C(0.125));
+            commission_end(&c, &bench.s, cases[n].reason, "a name that is longer than",
+                           REAL_C(0.125));
             TEST_ASSERT_EQUAL_INT(COMMISSION_ENDED, c.phase);
             TEST_ASSERT_EQUAL_UINT(CHANNEL_NAME_SIZE - 1, strlen(c.subject));
             NEAR(0.0, D(bench.s.output[1].excitation));
@@ -129,7 +130,7 @@ static void an_end_puts_the_outputs_back_unless_somebody_else_decides(void)
                 NEAR(cases[n].back && !trial ? 0.5 : 0.75, D(bench.s.output[k].manual));
             TEST_ASSERT_FALSE(job_is_asked(&c.job));
             NEAR(0.125, said(trial ? EVENT_TRIAL_FAILED : EVENT_COMMISSION_ENDED)->value);
-            commission_end(&c, &bench.s, WHY_ASKED, "T1", 0); /* nothing is left of the first */
+            commission_end(&c, &bench.s, REASON_ASKED, "T1", 0); /* nothing is left of the first */
             TEST_ASSERT_EACH_EQUAL_UINT8(0, c.subject + 2, CHANNEL_NAME_SIZE - 2);
         }
 }
@@ -244,16 +245,16 @@ static void one_thing_at_a_time_is_asked(void)
         TEST_ASSERT_EQUAL(n == 2, c.wants_old);
         TEST_ASSERT_TRUE(commission_has_results(&c));
     }
-    TEST_ASSERT_EQUAL_STRING("", commission_why_text(WHY_COUNT));
-    TEST_ASSERT_EQUAL_STRING("asked for", commission_why_text(WHY_ASKED));
+    TEST_ASSERT_EQUAL_STRING("", commission_reason_text(REASON_COUNT));
+    TEST_ASSERT_EQUAL_STRING("asked for", commission_reason_text(REASON_ASKED));
 }
 
 static void a_reset_in_the_midst_of_it_is_told(void)
 {
     commission_was_reset(&c);
     TEST_ASSERT_EQUAL_INT(COMMISSION_ENDED, c.phase);
-    TEST_ASSERT_EQUAL_INT(WHY_RESET, c.why);
-    TEST_ASSERT_EQUAL_UINT8(WHY_RESET, said(EVENT_COMMISSION_ENDED)->detail);
+    TEST_ASSERT_EQUAL_INT(REASON_RESET, c.reason);
+    TEST_ASSERT_EQUAL_UINT8(REASON_RESET, said(EVENT_COMMISSION_ENDED)->detail);
     NEAR(0.0, said(EVENT_COMMISSION_ENDED)->value);
     TEST_ASSERT_EQUAL_UINT64(0, said(EVENT_COMMISSION_ENDED)->time_ms);
 }
@@ -286,10 +287,10 @@ static void a_trial_goes_on_from_the_operating_point_of_the_tests(void)
     c.sample_ms = bench.s.time_ms - 3000;
     c.plan_serial = 0;
     c.safe_count = 99;
-    c.why = WHY_LOST;
+    c.reason = REASON_LOST;
     commission_begin_trial(&c, &bench.s);
     TEST_ASSERT_EQUAL_INT(COMMISSION_TRIAL, c.phase);
-    TEST_ASSERT_EQUAL_INT(WHY_NOT, c.why);
+    TEST_ASSERT_EQUAL_INT(REASON_NOT, c.reason);
     NEAR(3.0, c.origin.since_s);
     TEST_ASSERT_EQUAL_PTR(&c.origin, c.adoption.origin);
     TEST_ASSERT_EQUAL_UINT64(bench.s.time_ms, c.phase_ms);
@@ -301,13 +302,13 @@ static void a_trial_goes_on_from_the_operating_point_of_the_tests(void)
     c.adoption.window = 1;
     commission_begin_trial(&c, &bench.s);
     TEST_ASSERT_EQUAL_INT(COMMISSION_RETURNED, c.phase);
-    TEST_ASSERT_EQUAL_INT(WHY_NUMBERS, c.why);
+    TEST_ASSERT_EQUAL_INT(REASON_NUMBERS, c.reason);
     TEST_ASSERT_TRUE(c.wants_old);
     accepted();
     c.trial_serial++; /* another plan came in between */
     commission_begin_trial(&c, &bench.s);
     TEST_ASSERT_EQUAL_INT(COMMISSION_ENDED, c.phase);
-    TEST_ASSERT_EQUAL_INT(WHY_CONFIG, c.why);
+    TEST_ASSERT_EQUAL_INT(REASON_CONFIG, c.reason);
     TEST_ASSERT_FALSE(c.wants_old);
 }
 
@@ -322,7 +323,7 @@ static void strays(unsigned far)
     c.adoption.channel[0].rest = (real_t)(D(bench.s.measurement[T1].value) + (far == 0 ? 0.3 : 0));
     c.adoption.channel[1].rest = (real_t)(D(bench.s.measurement[T5].value) + (far == 1 ? 0.3 : 0));
     c.adoption.loop[0].peak = REAL_C(0.4);
-    commission_trial(&c, &bench.s);
+    commission_acceptance(&c, &bench.s);
 }
 
 static void what_fails_on_trial_is_named_by_its_loop_or_its_measurement(void)
@@ -331,11 +332,11 @@ static void what_fails_on_trial_is_named_by_its_loop_or_its_measurement(void)
     TEST_ASSERT_EQUAL_INT(COMMISSION_TRIAL, c.phase);
     strays(0);
     TEST_ASSERT_EQUAL_INT(COMMISSION_RETURNED, c.phase);
-    TEST_ASSERT_EQUAL_INT(WHY_TRIAL_LIMIT, c.why);
+    TEST_ASSERT_EQUAL_INT(REASON_TRIAL_LIMIT, c.reason);
     TEST_ASSERT_EQUAL_STRING("top", c.subject);
     NEAR(0.4, c.value);
     strays(1);
-    TEST_ASSERT_EQUAL_INT(WHY_TRIAL_LIMIT, c.why);
+    TEST_ASSERT_EQUAL_INT(REASON_TRIAL_LIMIT, c.reason);
     TEST_ASSERT_EQUAL_STRING("T5", c.subject);
     NEAR(0.0, c.value);
 }
@@ -350,7 +351,7 @@ static void a_trial_that_has_passed_is_kept(void)
     c.adoption.channel[0].rest = (real_t)D(bench.s.measurement[T1].value);
     c.adoption.channel[1].rest = (real_t)D(bench.s.measurement[T5].value);
     bench.s.time_ms = 55000;
-    commission_trial(&c, &bench.s);
+    commission_acceptance(&c, &bench.s);
     TEST_ASSERT_EQUAL_INT(COMMISSION_KEPT, c.phase);
     TEST_ASSERT_EQUAL_UINT64(55000, c.ended_ms);
     NEAR(1.0, said(EVENT_TRIAL_KEPT)->value);
@@ -368,16 +369,16 @@ static void what_is_not_for_the_trial_to_judge_ends_it(void)
             c.at_end_again = 1;
         else if (n == 2)
             c.plan_serial++;
-        TEST_ASSERT_EQUAL(n < 3, commission_trial_is_disturbed(&c, &bench.s));
+        TEST_ASSERT_EQUAL(n < 3, commission_acceptance_is_disturbed(&c, &bench.s));
         TEST_ASSERT_EQUAL_INT(n == 3   ? COMMISSION_TRIAL
                               : n == 2 ? COMMISSION_ENDED
                                        : COMMISSION_RETURNED,
                               c.phase);
-        TEST_ASSERT_EQUAL_INT(n == 0   ? WHY_SAFE
-                              : n == 1 ? WHY_SPAN
-                              : n == 2 ? WHY_CONFIG
-                                       : WHY_NOT,
-                              c.why);
+        TEST_ASSERT_EQUAL_INT(n == 0   ? REASON_SAFE
+                              : n == 1 ? REASON_SPAN
+                              : n == 2 ? REASON_CONFIG
+                                       : REASON_NOT,
+                              c.reason);
         TEST_ASSERT_EQUAL_STRING(n == 1 ? "T5" : "", c.subject);
         TEST_ASSERT_EQUAL(n < 2, c.wants_old);
         NEAR(0.0, c.value);

@@ -542,11 +542,11 @@ static void random_sets_keep_the_pool_in_order_and_come_back(void)
     }
     TEST_ASSERT_TRUE(taken > 400);
     static struct config loaded;
-    const char *why;
+    const char *reason;
     *service_stage(&fw.service) = config;
     fw.service.plan[fw.service.newest].config = config;
     TEST_ASSERT_EQUAL(ERR_OK, bench_save());
-    TEST_ASSERT_EQUAL(ERR_OK, storage_load(&fw.storage, &loaded, &why));
+    TEST_ASSERT_EQUAL(ERR_OK, storage_load(&fw.storage, &loaded, &reason));
     TEST_ASSERT_EQUAL_MEMORY(&config, &loaded, sizeof config);
 }
 

@@ -3,7 +3,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "commission/parts.h"
+#include "commission/commission_internal.h"
 #include "commission_space.h"
 #include "supervisor_bench.h"
 
@@ -71,10 +71,10 @@ static unsigned rests(double climb0, double climb1, double swing, unsigned most)
     return 0;
 }
 
-static void ended(enum commission_why why, const char *subject, double value)
+static void ended(enum commission_reason reason, const char *subject, double value)
 {
     TEST_ASSERT_EQUAL_INT(COMMISSION_ENDED, c.phase);
-    TEST_ASSERT_EQUAL_INT(why, c.why);
+    TEST_ASSERT_EQUAL_INT(reason, c.reason);
     TEST_ASSERT_EQUAL_STRING(subject, c.subject);
     TEST_ASSERT_DOUBLE_WITHIN(1e-4, value, (double)c.value);
 }
@@ -125,7 +125,7 @@ static void it_begins_with_its_own_measurement_and_the_tested_ones(void)
     setUp();
     bench.plan[bench.current].tick_s = 0; /* no time at all */
     commission_begin_relay(&c, &bench.s);
-    ended(WHY_NUMBERS, "reflux", (double)ERR_RANGE);
+    ended(REASON_NUMBERS, "reflux", (double)ERR_RANGE);
     setUp();
     bench.s.loop[BOTTOM].mode = LOOP_AUTO;
     commission_begin_relay(&c, &bench.s);
@@ -198,7 +198,7 @@ static void what_does_not_come_to_rest_ends_it(void)
             sample(1);
         }
         TEST_ASSERT_EQUAL_UINT(20 * WINDOW + 1000 + 1, n);
-        ended(WHY_RESTLESS, j ? "T10" : "T1", 0.0);
+        ended(REASON_RESTLESS, j ? "T10" : "T1", 0.0);
     }
 }
 
@@ -303,7 +303,7 @@ static void a_measurement_past_its_limit_for_two_samples_ends_it(void)
             TEST_ASSERT_EQUAL_INT(COMMISSION_RELAY, c.phase);
             y[j] = 0.25 + sign * 0.3;
             sample(1);
-            ended(WHY_LIMIT, j ? "T10" : "T1", 1.5);
+            ended(REASON_LIMIT, j ? "T10" : "T1", 1.5);
             TEST_ASSERT_DOUBLE_WITHIN(1e-4, 1.5, (double)c.input[0].worst);
         }
 }
@@ -350,7 +350,7 @@ static void eight_samples_may_be_missing(void)
     TEST_ASSERT_EQUAL_INT(COMMISSION_RELAY, c.phase);
     TEST_ASSERT_EQUAL_UINT32(before + 9, t->relay.half);
     sample(10);
-    ended(WHY_SAMPLES, "", 9.0);
+    ended(REASON_SAMPLES, "", 9.0);
 }
 
 static void a_hand_on_any_loop_ends_it(void)
@@ -363,7 +363,7 @@ static void a_hand_on_any_loop_ends_it(void)
                 at_work();
             bench.s.loop[i].mode = LOOP_AUTO;
             sample(1);
-            ended(WHY_HAND, i ? "bottom" : "top", 0.0);
+            ended(REASON_HAND, i ? "bottom" : "top", 0.0);
         }
 }
 
@@ -382,7 +382,7 @@ static void no_answer_within_its_patience_makes_the_relay_larger(void)
     NEAR((double)t->relay.level, D(bench.s.output[REFLUX].excitation));
     for (n = 0; c.phase == COMMISSION_RELAY && n < 5000; n++)
         sample(1);
-    ended(WHY_NO_ANSWER, "top", 0.0);
+    ended(REASON_NO_ANSWER, "top", 0.0);
     TEST_ASSERT_TRUE(happened(EVENT_TEST_STEP, "reflux") >= 4);
 }
 
@@ -391,14 +391,14 @@ static void numbers_that_are_none_end_it(void)
     at_work();
     c.work->relay.relay.phase = RELAY_DONE; /* takes no sample any more */
     sample(1);
-    ended(WHY_NUMBERS, "top", (double)ERR_STATE);
+    ended(REASON_NUMBERS, "top", (double)ERR_STATE);
     begin();
     cf->test.noise_multiple = -1e9f;
     cf->measurement[T1].test_limit = 0;
     c.input[0].held = 0; /* no room */
     rests(0, 0, 0, 100);
     TEST_ASSERT_EQUAL_INT(COMMISSION_ENDED, c.phase);
-    TEST_ASSERT_EQUAL_INT(WHY_NUMBERS, c.why);
+    TEST_ASSERT_EQUAL_INT(REASON_NUMBERS, c.reason);
     TEST_ASSERT_EQUAL_STRING("reflux", c.subject);
 }
 

@@ -26,7 +26,7 @@ static struct nyquist nyquist;
 static struct trial trial;
 static struct static_decoupler_work work;
 static struct static_decoupler_result decoupler;
-static struct interact_refusal why;
+static struct interact_refusal reason;
 
 void setUp(void) {}
 void tearDown(void) {}
@@ -80,7 +80,7 @@ static void says_settings(const char *what, enum err err)
 
 static enum err design(const struct detune_config *c, const struct matrix *d)
 {
-    enum err err = detune_begin(&detune, &plant, &pairs, interval, d, c, &why);
+    enum err err = detune_begin(&detune, &plant, &pairs, interval, d, c, &reason);
     while (!err && (err = detune_step(&detune)) == ERR_BUSY)
         err = ERR_OK;
     return err;
@@ -113,9 +113,9 @@ static void says_trial(const struct trial_config *c)
 
 static enum err says_decoupler(const char *what, const struct static_decoupler_config *c)
 {
-    enum err err = static_decoupler(&plant, &pairs, c, &work, &decoupler, &why);
+    enum err err = static_decoupler(&plant, &pairs, c, &work, &decoupler, &reason);
     if (err) {
-        kept_line("%s %d %s %d %d", what, err, why.field, why.output, why.input);
+        kept_line("%s %d %s %d %d", what, err, reason.field, reason.output, reason.input);
         return err;
     }
     kept_line("%s left %.4g gains %.5g %.5g sd %.4g %.4g elements %.5g %.5g", what,

@@ -26,7 +26,7 @@ static struct nyquist nyquist;
 static struct static_decoupler_config decoupler_config;
 static struct static_decoupler_work work;
 static struct static_decoupler_result result;
-static struct interact_refusal why;
+static struct interact_refusal reason;
 
 void setUp(void)
 {
@@ -49,7 +49,7 @@ static double interval(void)
 static enum err design(const struct matrix *d)
 {
     TEST_ASSERT_EQUAL_INT(ERR_OK, detune_begin(&detune, &known.plant, &known.pairs,
-                                               (real_t)interval(), d, &config, &why));
+                                               (real_t)interval(), d, &config, &reason));
     enum err err;
     while ((err = detune_step(&detune)) == ERR_BUSY)
         ;
@@ -232,9 +232,9 @@ static void noise_of_a_loop_moves_no_output_more_than_twice_its_own_noise(void)
     TEST_ASSERT_DOUBLE_WITHIN(1e-3 * most, most / 10.0, (double)detune.loops.tuning[0].gain);
     noise[1] = NAN;
     TEST_ASSERT_NOT_EQUAL_INT(ERR_OK, detune_begin(&detune, &known.plant, &known.pairs, REAL_C(2.0),
-                                                   NULL, &config, &why));
-    TEST_ASSERT_EQUAL_STRING("noise_sd", why.field);
-    TEST_ASSERT_EQUAL_UINT8(1, why.output);
+                                                   NULL, &config, &reason));
+    TEST_ASSERT_EQUAL_STRING("noise_sd", reason.field);
+    TEST_ASSERT_EQUAL_UINT8(1, reason.output);
 }
 
 static void a_beginning_that_is_sure_may_be_as_fast_as_twice_its_dead_time(void)
@@ -289,7 +289,7 @@ static void put_side_by_side(const unsigned *numbers, unsigned n, double h)
     for (unsigned p = 0; p < n; p++) {
         known_plant(numbers[p], &each[p]);
         TEST_ASSERT_EQUAL_INT(ERR_OK, detune_begin(&detune, &each[p].plant, &each[p].pairs,
-                                                   (real_t)h, NULL, &config, &why));
+                                                   (real_t)h, NULL, &config, &reason));
         enum err err;
         while ((err = detune_step(&detune)) == ERR_BUSY)
             ;
@@ -325,7 +325,7 @@ static void put_side_by_side(const unsigned *numbers, unsigned n, double h)
 static enum err design_whole(double h, const struct matrix *d)
 {
     TEST_ASSERT_EQUAL_INT(
-        ERR_OK, detune_begin(&detune, &whole.plant, &whole.pairs, (real_t)h, d, &config, &why));
+        ERR_OK, detune_begin(&detune, &whole.plant, &whole.pairs, (real_t)h, d, &config, &reason));
     enum err err;
     while ((err = detune_step(&detune)) == ERR_BUSY)
         ;
@@ -379,9 +379,9 @@ static void independent_parts_with_decouplers_get_the_settings_they_would_get_al
     for (unsigned p = 0; p < 2; p++) {
         known_plant(two[p], &known);
         TEST_ASSERT_EQUAL_INT(ERR_OK, static_decoupler(&known.plant, &known.pairs,
-                                                       &decoupler_config, &work, &result, &why));
+                                                       &decoupler_config, &work, &result, &reason));
         TEST_ASSERT_EQUAL_INT(ERR_OK, detune_begin(&detune, &known.plant, &known.pairs, REAL_C(0.5),
-                                                   &result.d, &one, &why));
+                                                   &result.d, &one, &reason));
         enum err err;
         while ((err = detune_step(&detune)) == ERR_BUSY)
             ;
@@ -446,7 +446,7 @@ static void a_decoupler_makes_the_gains_diagonal(void)
         if (known.pairs.n == 0 || number == PLANT_PACKED_BED || number == PLANT_COLUMN_9001)
             continue;
         TEST_ASSERT_EQUAL_INT(ERR_OK, static_decoupler(&known.plant, &known.pairs,
-                                                       &decoupler_config, &work, &result, &why));
+                                                       &decoupler_config, &work, &result, &reason));
         for (unsigned i = 0; i < known.pairs.n; i++)
             for (unsigned j = 0; j < known.pairs.n; j++) {
                 double sum = 0.0, gain = (double)result.gain[i];
@@ -472,8 +472,8 @@ static void loops_with_a_decoupler_keep_their_distance(void)
 {
     for (unsigned number = 1; number <= PLANTS; number++) {
         known_plant(number, &known);
-        if (known.pairs.n == 0 ||
-            static_decoupler(&known.plant, &known.pairs, &decoupler_config, &work, &result, &why))
+        if (known.pairs.n == 0 || static_decoupler(&known.plant, &known.pairs, &decoupler_config,
+                                                   &work, &result, &reason))
             continue;
         TEST_ASSERT_EQUAL_INT(ERR_OK, design(&result.d));
         TEST_ASSERT_TRUE(keeps_distance(&detune.loops));
@@ -486,7 +486,7 @@ static void the_errors_left_by_a_decoupler_are_those_of_drawn_gains(void)
     known_plant(PLANT_WOOD_BERRY, &known);
     decoupler_config.floor = REAL_C(0.02);
     TEST_ASSERT_EQUAL_INT(ERR_OK, static_decoupler(&known.plant, &known.pairs, &decoupler_config,
-                                                   &work, &result, &why));
+                                                   &work, &result, &reason));
     struct random r = random_from(5);
     double squares[2][2] = {{0}};
     const int draws = 20000;
@@ -514,24 +514,28 @@ static void the_errors_left_by_a_decoupler_are_those_of_drawn_gains(void)
 static void decouplers_that_would_do_harm_are_refused_with_the_reason(void)
 {
     known_plant(PLANT_PACKED_BED, &known); /* lambda 13.7 */
-    TEST_ASSERT_EQUAL_INT(ERR_SINGULAR, static_decoupler(&known.plant, &known.pairs,
-                                                         &decoupler_config, &work, &result, &why));
-    TEST_ASSERT_EQUAL_STRING("relative gain", why.field);
+    TEST_ASSERT_EQUAL_INT(
+        ERR_SINGULAR,
+        static_decoupler(&known.plant, &known.pairs, &decoupler_config, &work, &result, &reason));
+    TEST_ASSERT_EQUAL_STRING("relative gain", reason.field);
     known_plant(PLANT_COLUMN_9001, &known); /* errors of one gain swamp the others of its row */
-    TEST_ASSERT_EQUAL_INT(ERR_SINGULAR, static_decoupler(&known.plant, &known.pairs,
-                                                         &decoupler_config, &work, &result, &why));
-    TEST_ASSERT_EQUAL_STRING("gains", why.field);
+    TEST_ASSERT_EQUAL_INT(
+        ERR_SINGULAR,
+        static_decoupler(&known.plant, &known.pairs, &decoupler_config, &work, &result, &reason));
+    TEST_ASSERT_EQUAL_STRING("gains", reason.field);
     known_plant(PLANT_FOLAMI, &known); /* lambda 6.25, gains to 10 % */
     decoupler_config.floor = REAL_C(0.1);
     decoupler_config.left_hi = 10;
-    TEST_ASSERT_EQUAL_INT(ERR_SINGULAR, static_decoupler(&known.plant, &known.pairs,
-                                                         &decoupler_config, &work, &result, &why));
-    TEST_ASSERT_EQUAL_STRING("gain of the decoupled loop", why.field);
+    TEST_ASSERT_EQUAL_INT(
+        ERR_SINGULAR,
+        static_decoupler(&known.plant, &known.pairs, &decoupler_config, &work, &result, &reason));
+    TEST_ASSERT_EQUAL_STRING("gain of the decoupled loop", reason.field);
     known_plant(PLANT_PAPER_MACHINE, &known);
     known.pairs = (struct pairs){5, {0, 1, 2, 3, 4}, {2, 0, 1, 3, 4}};
     static_decoupler_config_default(&decoupler_config);
-    TEST_ASSERT_EQUAL_INT(ERR_SINGULAR, static_decoupler(&known.plant, &known.pairs,
-                                                         &decoupler_config, &work, &result, &why));
+    TEST_ASSERT_EQUAL_INT(
+        ERR_SINGULAR,
+        static_decoupler(&known.plant, &known.pairs, &decoupler_config, &work, &result, &reason));
     memset(&known, 0, sizeof known);
     known.plant.outputs = known.plant.inputs = known.pairs.n = 9;
     for (uint8_t k = 0; k < 9; k++) {
@@ -539,7 +543,7 @@ static void decouplers_that_would_do_harm_are_refused_with_the_reason(void)
         known.plant.element[k][k].gain = 1;
     }
     TEST_ASSERT_EQUAL_INT(ERR_FULL, static_decoupler(&known.plant, &known.pairs, &decoupler_config,
-                                                     &work, &result, &why));
+                                                     &work, &result, &reason));
 }
 
 static void settings_out_of_range_are_refused_by_name(void)
@@ -547,35 +551,35 @@ static void settings_out_of_range_are_refused_by_name(void)
     known_plant(PLANT_WOOD_BERRY, &known);
     config.gain_margin = (real_t)NAN;
     TEST_ASSERT_EQUAL_INT(
-        ERR_RANGE, detune_begin(&detune, &known.plant, &known.pairs, 60, NULL, &config, &why));
-    TEST_ASSERT_EQUAL_STRING("gain_margin", why.field);
+        ERR_RANGE, detune_begin(&detune, &known.plant, &known.pairs, 60, NULL, &config, &reason));
+    TEST_ASSERT_EQUAL_STRING("gain_margin", reason.field);
     detune_config_default(&config);
     config.factor_hi = REAL_C(0.5);
     TEST_ASSERT_EQUAL_INT(
-        ERR_RANGE, detune_begin(&detune, &known.plant, &known.pairs, 60, NULL, &config, &why));
-    TEST_ASSERT_EQUAL_STRING("factor_hi", why.field);
+        ERR_RANGE, detune_begin(&detune, &known.plant, &known.pairs, 60, NULL, &config, &reason));
+    TEST_ASSERT_EQUAL_STRING("factor_hi", reason.field);
     detune_config_default(&config);
     TEST_ASSERT_EQUAL_INT(
-        ERR_RANGE, detune_begin(&detune, &known.plant, &known.pairs, 0, NULL, &config, &why));
-    TEST_ASSERT_EQUAL_STRING("interval_s", why.field);
+        ERR_RANGE, detune_begin(&detune, &known.plant, &known.pairs, 0, NULL, &config, &reason));
+    TEST_ASSERT_EQUAL_STRING("interval_s", reason.field);
     known.plant.element[0][0].gain = 0; /* lambda 0: a pair that cannot be */
     TEST_ASSERT_EQUAL_INT(
-        ERR_RANGE, detune_begin(&detune, &known.plant, &known.pairs, 60, NULL, &config, &why));
-    TEST_ASSERT_EQUAL_STRING("gain", why.field);
+        ERR_RANGE, detune_begin(&detune, &known.plant, &known.pairs, 60, NULL, &config, &reason));
+    TEST_ASSERT_EQUAL_STRING("gain", reason.field);
     known_plant(PLANT_WOOD_BERRY, &known);
     decoupler_config.left_hi = (real_t)NAN;
     TEST_ASSERT_EQUAL_INT(ERR_RANGE, static_decoupler(&known.plant, &known.pairs, &decoupler_config,
-                                                      &work, &result, &why));
-    TEST_ASSERT_EQUAL_STRING("left_hi", why.field);
+                                                      &work, &result, &reason));
+    TEST_ASSERT_EQUAL_STRING("left_hi", reason.field);
     static_decoupler_config_default(&decoupler_config);
     known.plant.gain_sd[0][0] = (real_t)INFINITY;
     TEST_ASSERT_EQUAL_INT(
         ERR_NOT_FINITE,
-        static_decoupler(&known.plant, &known.pairs, &decoupler_config, &work, &result, &why));
+        static_decoupler(&known.plant, &known.pairs, &decoupler_config, &work, &result, &reason));
     known_plant(PLANT_WOOD_BERRY, &known);
     known.pairs.n = 0;
     TEST_ASSERT_EQUAL_INT(ERR_RANGE, static_decoupler(&known.plant, &known.pairs, &decoupler_config,
-                                                      &work, &result, &why));
+                                                      &work, &result, &reason));
 }
 
 int main(void)

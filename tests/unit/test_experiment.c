@@ -1,4 +1,4 @@
-/* commission/experiment.[ch], look.[ch], judge.[ch]: a double step from rest to rest.
+/* commission/experiment.[ch], interim_fit.[ch], test_verdict.[ch]: a double step from rest to rest.
  *
  * Contract
  *   noise-free elements   over all first-order elements of the plants, steps found by themselves: least squares within 2 % in
@@ -10,7 +10,7 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "commission/judge.h"
+#include "commission/test_verdict.h"
 #include "csv.h"
 #include "experiment_bench.h"
 #include "identify/fopdt_fit.h"
@@ -419,16 +419,16 @@ static void an_output_that_does_not_come_back_is_named(void)
 
 /* ---- plants it is not for ---- */
 
-static struct judgement judged_with_drift(uint8_t j, real_t drift)
+static struct test_verdict judged_with_drift(uint8_t j, real_t drift)
 {
-    struct judgement verdict;
+    struct test_verdict verdict;
     struct baseline b;
     TEST_ASSERT_EQUAL_INT(ERR_OK, experiment_baseline(&experiment, j, &b));
-    judge_record(&experiment.record, j, &b, experiment.amplitude, drift, &verdict);
+    test_verdict_of(&experiment.record, j, &b, experiment.amplitude, drift, &verdict);
     return verdict;
 }
 
-static struct judgement judged(uint8_t j)
+static struct test_verdict judged(uint8_t j)
 {
     return judged_with_drift(j, REAL_C(0.0));
 }
@@ -514,7 +514,7 @@ static void what_is_not_linear_shows_in_the_asymmetry_and_not_in_the_level(void)
         bench.other = curved;
         bench.noise = noisy ? 0.002 : 0.0;
         bench_run();
-        struct judgement v = judged(0);
+        struct test_verdict v = judged(0);
         TEST_ASSERT_DOUBLE_WITHIN(0.02, 0.2, (double)v.asymmetry);
         TEST_ASSERT_DOUBLE_WITHIN(0.01, 1.0, (double)v.level);
         TEST_ASSERT_TRUE(v.left < REAL_C(0.01));
@@ -549,15 +549,15 @@ static void how_much_of_a_response_its_levels_show(void)
         config.half = 200;
         bench.element[0] = (struct test_element){2.0, lag[i], 10.0};
         bench_run();
-        real_t share = judge_level_of(&experiment.record, REAL_C(10.0) * config.h_s,
-                                      (real_t)lag[i] * config.h_s);
+        real_t share = test_verdict_level_of(&experiment.record, REAL_C(10.0) * config.h_s,
+                                             (real_t)lag[i] * config.h_s);
         TEST_ASSERT_TRUE(share > REAL_C(0.0) && share <= REAL_C(1.0));
         TEST_ASSERT_DOUBLE_WITHIN(0.005, (double)judged(0).level / 2.0, (double)share);
     }
-    TEST_ASSERT_EQUAL_FLOAT(1.0f,
-                            (float)judge_level_of(&experiment.record, REAL_C(0.0), REAL_C(0.0)));
-    TEST_ASSERT_EQUAL_FLOAT(0.0f,
-                            (float)judge_level_of(&experiment.record, REAL_C(1e6), REAL_C(1.0)));
+    TEST_ASSERT_EQUAL_FLOAT(
+        1.0f, (float)test_verdict_level_of(&experiment.record, REAL_C(0.0), REAL_C(0.0)));
+    TEST_ASSERT_EQUAL_FLOAT(
+        0.0f, (float)test_verdict_level_of(&experiment.record, REAL_C(1e6), REAL_C(1.0)));
 }
 
 static void a_step_of_a_few_samples_says_nothing_by_itself(void)

@@ -2,7 +2,7 @@
  * bound. */
 #include <string.h>
 
-#include "commission/parts.h"
+#include "commission/commission_internal.h"
 #include "commission_space.h"
 #include "supervisor_bench.h"
 
@@ -240,9 +240,9 @@ static void a_relay_test_begins_where_its_loop_is_in_hand(void)
 
 /* ---- while they go on ---- */
 
-static void disturbs(enum commission_why why, const char *name)
+static void disturbs(enum commission_reason reason, const char *name)
 {
-    TEST_ASSERT_EQUAL_INT(why, commission_disturbance(&c, &bench.s, &what));
+    TEST_ASSERT_EQUAL_INT(reason, commission_disturbance(&c, &bench.s, &what));
     if (name)
         TEST_ASSERT_EQUAL_STRING(name, what);
     else
@@ -252,29 +252,29 @@ static void disturbs(enum commission_why why, const char *name)
 static void a_measurement_that_is_held_for_longer_than_three_samples_and_a_half_is_lost(void)
 {
     struct measurement_state *m = &bench.s.measurement[T10];
-    disturbs(WHY_NOT, NULL);
+    disturbs(REASON_NOT, NULL);
     m->quality = QUALITY_UNCERTAIN;
     m->alarm = true;
     m->good_ms = bench.s.time_ms - 7000;
-    disturbs(WHY_NOT, NULL);
+    disturbs(REASON_NOT, NULL);
     m->good_ms--;
-    disturbs(WHY_LOST, "T10");
+    disturbs(REASON_LOST, "T10");
     m->alarm = false;
-    disturbs(WHY_NOT, NULL);
+    disturbs(REASON_NOT, NULL);
     m->alarm = true;
     m->quality = QUALITY_GOOD; /* it is believed again */
-    disturbs(WHY_NOT, NULL);
+    disturbs(REASON_NOT, NULL);
     m->good_ms = bench.s.time_ms;
     m->quality = QUALITY_BAD;
-    disturbs(WHY_LOST, "T10");
+    disturbs(REASON_LOST, "T10");
     m->quality = QUALITY_UNCERTAIN;
-    disturbs(WHY_NOT, NULL);
+    disturbs(REASON_NOT, NULL);
     m->lost = true;
-    disturbs(WHY_LOST, "T10");
+    disturbs(REASON_LOST, "T10");
     bench.s.measurement[T1] = *m;
-    disturbs(WHY_LOST, "T1");
+    disturbs(REASON_LOST, "T1");
     c.outputs = 0; /* of no test */
-    disturbs(WHY_NOT, NULL);
+    disturbs(REASON_NOT, NULL);
 }
 
 static void an_output_may_take_five_ticks_to_follow(void)
@@ -282,47 +282,47 @@ static void an_output_may_take_five_ticks_to_follow(void)
     struct output_state *o = &bench.s.output[HEAT];
     o->alarm = true;
     o->differs_ms = bench.s.time_ms - 10000;
-    disturbs(WHY_NOT, NULL);
+    disturbs(REASON_NOT, NULL);
     o->differs_ms--;
-    disturbs(WHY_ACTUATOR, "heat");
+    disturbs(REASON_ACTUATOR, "heat");
     o->alarm = false;
-    disturbs(WHY_NOT, NULL);
+    disturbs(REASON_NOT, NULL);
 }
 
 static void whatever_else_happens_ends_a_test(void)
 {
     bench.s.output[HEAT].manual = N(0.50390625);
-    disturbs(WHY_HAND, "heat");
+    disturbs(REASON_HAND, "heat");
     bench.s.output[HEAT].manual = N(0.5);
     bench.s.loop[BOTTOM].mode = LOOP_AUTO;
-    disturbs(WHY_HAND, "heat");
+    disturbs(REASON_HAND, "heat");
     bench.s.output[HEAT].interlocked = true;
-    disturbs(WHY_INTERLOCK, "heat");
+    disturbs(REASON_INTERLOCK, "heat");
     bench.s.output[REFLUX].interlocked = true;
-    disturbs(WHY_INTERLOCK, "reflux");
+    disturbs(REASON_INTERLOCK, "reflux");
     c.at_end_again = 1;
-    disturbs(WHY_SPAN, "T1");
+    disturbs(REASON_SPAN, "T1");
     bench.s.safe_count++;
-    disturbs(WHY_SAFE, NULL);
+    disturbs(REASON_SAFE, NULL);
     bench.s.safe_count--;
     bench.s.state = SUPERVISOR_SAFE;
-    disturbs(WHY_SAFE, NULL);
+    disturbs(REASON_SAFE, NULL);
     c.plan_serial++;
-    disturbs(WHY_CONFIG, NULL);
+    disturbs(REASON_CONFIG, NULL);
 }
 
 /* ---- a trial ---- */
 
-static void hinders(enum commission_why why, const char *name)
+static void hinders(enum commission_reason reason, const char *name)
 {
-    TEST_ASSERT_EQUAL_INT(why, commission_hindrance(&c, &bench.s, &what));
+    TEST_ASSERT_EQUAL_INT(reason, commission_hindrance(&c, &bench.s, &what));
     if (name)
         TEST_ASSERT_EQUAL_STRING(name, what);
     else
         TEST_ASSERT_NULL(what);
-    TEST_ASSERT_EQUAL_INT(why ? ERR_STATE : ERR_OK,
+    TEST_ASSERT_EQUAL_INT(reason ? ERR_STATE : ERR_OK,
                           commission_may_try(&c, &bench.s, &what, &wanted));
-    TEST_ASSERT_EQUAL_STRING(commission_why_text(why), wanted);
+    TEST_ASSERT_EQUAL_STRING(commission_reason_text(reason), wanted);
 }
 
 /* Two pairs, crosswise: T1 by heat, T10 by reflux; behind T10 an inner loop on T5. */
@@ -345,40 +345,40 @@ static void pairs(void)
 static void what_stands_in_the_way_of_a_trial(void)
 {
     pairs();
-    hinders(WHY_NOT, NULL);
+    hinders(REASON_NOT, NULL);
     struct output_state *o = &bench.s.output[HEAT];
     o->alarm = true;
     o->differs_ms = bench.s.time_ms - 10001;
-    hinders(WHY_ACTUATOR, "heat");
+    hinders(REASON_ACTUATOR, "heat");
     c.phase = COMMISSION_TRIAL; /* its loops move it all the time: it must be far off as well */
     o->constrained = N(0.5);
     o->readback = N(0.599);
-    hinders(WHY_NOT, NULL);
+    hinders(REASON_NOT, NULL);
     o->constrained = N(0.1); /* by more than that; not every format has the number */
     o->readback = N(0.0);
-    hinders(num_to_float(N(0.1)) > 0.1f ? WHY_ACTUATOR : WHY_NOT,
+    hinders(num_to_float(N(0.1)) > 0.1f ? REASON_ACTUATOR : REASON_NOT,
             num_to_float(N(0.1)) > 0.1f ? "heat" : NULL);
     o->constrained = N(0.5);
     o->readback = N(0.601);
-    hinders(WHY_ACTUATOR, "heat");
+    hinders(REASON_ACTUATOR, "heat");
     o->readback = N(0.399);
-    hinders(WHY_ACTUATOR, "heat");
+    hinders(REASON_ACTUATOR, "heat");
     o->interlocked = true;
-    hinders(WHY_INTERLOCK, "heat");
+    hinders(REASON_INTERLOCK, "heat");
     *o = bench.s.output[REFLUX];
     o = &bench.s.output[REFLUX];
     o->interlocked = true;
-    hinders(WHY_INTERLOCK, "reflux");
+    hinders(REASON_INTERLOCK, "reflux");
     bench.s.measurement[T5].lost = true;
-    hinders(WHY_LOST, "T5");
+    hinders(REASON_LOST, "T5");
     bench.s.measurement[T10].quality = QUALITY_UNCERTAIN; /* usable */
-    hinders(WHY_LOST, "T5");
+    hinders(REASON_LOST, "T5");
     bench.s.measurement[T10].quality = QUALITY_BAD;
-    hinders(WHY_LOST, "T10");
+    hinders(REASON_LOST, "T10");
     bench.s.measurement[T1].seen = false;
-    hinders(WHY_LOST, "T1");
+    hinders(REASON_LOST, "T1");
     bench.s.state = SUPERVISOR_SAFE;
-    hinders(WHY_SAFE, NULL);
+    hinders(REASON_SAFE, NULL);
 }
 
 #if CONFIG_STEPS
@@ -388,7 +388,7 @@ static void no_test_and_no_trial_begins_while_a_sequence_runs(void)
     TEST_ASSERT_TRUE(sequence_active(&bench.s.sequence));
     begins(false, NULL, "sequence");
     relays(TOP, NULL, "sequence");
-    hinders(WHY_SEQUENCE, NULL);
+    hinders(REASON_SEQUENCE, NULL);
 }
 #endif
 

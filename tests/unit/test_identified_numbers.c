@@ -208,7 +208,7 @@ static void says_experiment(void)
                   (double)x->low[j], (double)x->high[j], (double)x->drift_per_s[j], (double)bend,
                   (double)sd, (double)x->early[j].slope, (double)x->early[j].dead_s,
                   (double)x->early[j].dead_sd_s);
-        says("look", &x->look.found[j]);
+        says("look", &x->interim_fit.found[j]);
     }
 }
 

@@ -367,18 +367,18 @@ static void rank_is_found_through_noise(void)
 
 static void a_plant_out_of_range_is_refused_with_the_place(void)
 {
-    struct interact_refusal why;
+    struct interact_refusal reason;
     known_plant(PLANT_FURNACE, &known);
-    TEST_ASSERT_EQUAL_INT(ERR_OK, interact_check(&known.plant, &why));
+    TEST_ASSERT_EQUAL_INT(ERR_OK, interact_check(&known.plant, &reason));
     known.plant.element[2][3].dead_time_s = REAL_C(-1.0);
-    TEST_ASSERT_EQUAL_INT(ERR_RANGE, interact_check(&known.plant, &why));
-    TEST_ASSERT_EQUAL_STRING("dead_time_s", why.field);
-    TEST_ASSERT_EQUAL_UINT8(2, why.output);
-    TEST_ASSERT_EQUAL_UINT8(3, why.input);
+    TEST_ASSERT_EQUAL_INT(ERR_RANGE, interact_check(&known.plant, &reason));
+    TEST_ASSERT_EQUAL_STRING("dead_time_s", reason.field);
+    TEST_ASSERT_EQUAL_UINT8(2, reason.output);
+    TEST_ASSERT_EQUAL_UINT8(3, reason.input);
     known.plant.element[2][3].dead_time_s = 0;
     known.plant.element[1][0].gain = (real_t)NAN;
-    TEST_ASSERT_EQUAL_INT(ERR_NOT_FINITE, interact_check(&known.plant, &why));
-    TEST_ASSERT_EQUAL_STRING("gain", why.field);
+    TEST_ASSERT_EQUAL_INT(ERR_NOT_FINITE, interact_check(&known.plant, &reason));
+    TEST_ASSERT_EQUAL_STRING("gain", reason.field);
     TEST_ASSERT_EQUAL_INT(ERR_NOT_FINITE, gains_begin(&gains, &known.plant, 0));
     known_plant(PLANT_FURNACE, &known);
     known.plant.gain_sd[0][0] = REAL_C(-0.1);

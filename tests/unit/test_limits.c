@@ -255,8 +255,8 @@ static void the_model_says_where_it_goes_while_what_is_under_way_arrives(void)
         1.0 - exp(-1.0); /* in a dead time of 6 s and two samples of 2 s, of a lag of 10 s */
     for (int sign = -1; sign <= 1; sign += 2) {
         setUp();
-        e.looked = true;
-        e.look.found[1] = (struct identified){
+        e.interim_fitted = true;
+        e.interim_fit.found[1] = (struct identified){
             .gain = (real_t)(sign * 4.0), .gain_sd = 1, .time_constant_s = 10, .dead_time_s = 6};
         /* It ends at (4 - 1)/8 at least. */
         is(1, sign * 0.05);
@@ -272,15 +272,15 @@ static void the_model_says_where_it_goes_while_what_is_under_way_arrives(void)
         is(1, sign * 0.048);
         TEST_ASSERT_EQUAL_INT(LIMITS_TURN, judged()); /* 0.2547 */
         e.config.line_guard = false;
-        e.looked = false;
+        e.interim_fitted = false;
         TEST_ASSERT_EQUAL_INT(LIMITS_FINE, judged());
-        e.looked = true;
-        e.look.found[1].gain_sd = REAL_C(1.34); /* not known within a third */
+        e.interim_fitted = true;
+        e.interim_fit.found[1].gain_sd = REAL_C(1.34); /* not known within a third */
         TEST_ASSERT_EQUAL_INT(LIMITS_FINE, judged());
-        e.look.found[1].gain_sd = 1;
-        e.look.found[1].time_constant_s = 0;
+        e.interim_fit.found[1].gain_sd = 1;
+        e.interim_fit.found[1].time_constant_s = 0;
         TEST_ASSERT_EQUAL_INT(LIMITS_FINE, judged());
-        e.look.found[1].time_constant_s = REAL_C(0.5); /* all of it arrives */
+        e.interim_fit.found[1].time_constant_s = REAL_C(0.5); /* all of it arrives */
         is(1, 0.0);
         TEST_ASSERT_EQUAL_INT(LIMITS_TURN, judged());
     }

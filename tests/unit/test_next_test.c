@@ -2,8 +2,8 @@
  * is configured and what the tests before have found. All of that is made up. */
 #include <string.h>
 
+#include "commission/commission_internal.h"
 #include "commission/expected.h"
-#include "commission/parts.h"
 #include "commission_space.h"
 #include "supervisor_bench.h"
 
@@ -517,7 +517,7 @@ static void eight_samples_may_be_missing_in_a_row(void)
     NEAR(11 * 2.0, c.origin.since_s);
     sample_after(10);
     TEST_ASSERT_EQUAL_INT(COMMISSION_ENDED, c.phase);
-    TEST_ASSERT_EQUAL_INT(WHY_SAMPLES, c.why);
+    TEST_ASSERT_EQUAL_INT(REASON_SAMPLES, c.reason);
     NEAR(9.0, c.value);
     TEST_ASSERT_EQUAL_STRING("", c.subject);
 }
@@ -528,7 +528,7 @@ static void a_number_that_is_none_ends_it(void)
     c.at = 1;
     commission_start_input(&c, &bench.s);
     TEST_ASSERT_EQUAL_INT(COMMISSION_ENDED, c.phase);
-    TEST_ASSERT_EQUAL_INT(WHY_NUMBERS, c.why);
+    TEST_ASSERT_EQUAL_INT(REASON_NUMBERS, c.reason);
     TEST_ASSERT_EQUAL_STRING("heat", c.subject);
     NEAR((double)ERR_RANGE, c.value);
 }

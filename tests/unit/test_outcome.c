@@ -25,14 +25,14 @@ static void is_again(void)
     TEST_ASSERT_EQUAL_UINT8(0, c.input[0].rounds);
 }
 
-static void ends(enum commission_why why, const char *subject, double value)
+static void ends(enum commission_reason reason, const char *subject, double value)
 {
     goes_on();
     TEST_ASSERT_EQUAL_INT(COMMISSION_ENDED, c.phase);
-    TEST_ASSERT_EQUAL_INT(why, c.why);
+    TEST_ASSERT_EQUAL_INT(reason, c.reason);
     TEST_ASSERT_EQUAL_STRING(subject, c.subject);
     NEAR(value, c.value);
-    TEST_ASSERT_EQUAL_UINT8((uint8_t)why, said(EVENT_COMMISSION_ENDED)->detail);
+    TEST_ASSERT_EQUAL_UINT8((uint8_t)reason, said(EVENT_COMMISSION_ENDED)->detail);
 }
 
 /* ---- a job ---- */
@@ -71,7 +71,7 @@ static void the_next_sample_waits_for_what_is_due_then(void)
 static void a_fit_that_fails_ends_it(void)
 {
     c.job_error = ERR_RANGE;
-    ends(WHY_NUMBERS, "reflux", (double)ERR_RANGE);
+    ends(REASON_NUMBERS, "reflux", (double)ERR_RANGE);
     TEST_ASSERT_EQUAL_UINT(0, c.input[0].rounds);
 }
 
@@ -134,7 +134,7 @@ static void three_times_a_half_is_made_longer(void)
     c.climbs[1] = REAL_C(0.9);
     c.input[0].longer = 3;
     c.input[0].worst = REAL_C(0.4);
-    ends(WHY_TOO_SLOW, "T10", 0.4);
+    ends(REASON_TOO_SLOW, "T10", 0.4);
     fitted();
     c.climbs[1] = REAL_C(0.9);
     x->half = 999;
@@ -142,11 +142,11 @@ static void three_times_a_half_is_made_longer(void)
     fitted();
     c.climbs[1] = REAL_C(0.9);
     x->half = 1000;
-    ends(WHY_TOO_SLOW, "T10", 0.0);
+    ends(REASON_TOO_SLOW, "T10", 0.0);
     fitted();
     c.climbs[1] = REAL_C(0.9);
     x->config.half = 1; /* given */
-    ends(WHY_TOO_SLOW, "T10", 0.0);
+    ends(REASON_TOO_SLOW, "T10", 0.0);
 }
 
 static void slow_is_what_has_a_time_constant_that_is_known_within_half(void)
@@ -154,19 +154,19 @@ static void slow_is_what_has_a_time_constant_that_is_known_within_half(void)
     static const struct {
         double sd;
         unsigned flags;
-        enum commission_why why;
-    } cases[] = {{9.9, 0, WHY_TOO_SLOW},
-                 {10.1, 0, WHY_INTEGRATES},
-                 {0, 0, WHY_INTEGRATES},
-                 {1, IDENTIFIED_INTEGRATING, WHY_INTEGRATES},
-                 {1, IDENTIFIED_SHORT, WHY_TOO_SLOW}};
+        enum commission_reason reason;
+    } cases[] = {{9.9, 0, REASON_TOO_SLOW},
+                 {10.1, 0, REASON_INTEGRATES},
+                 {0, 0, REASON_INTEGRATES},
+                 {1, IDENTIFIED_INTEGRATING, REASON_INTEGRATES},
+                 {1, IDENTIFIED_SHORT, REASON_TOO_SLOW}};
     for (unsigned n = 0; n < sizeof cases / sizeof cases[0]; n++) {
         fitted();
         c.climbs[0] = REAL_C(0.9);
         c.input[0].longer = 3;
         c.fitted[0].time_constant_sd_s = (real_t)cases[n].sd;
         c.fitted[0].flags = (uint16_t)cases[n].flags;
-        ends(cases[n].why, "T1", 0.0);
+        ends(cases[n].reason, "T1", 0.0);
     }
 }
 
@@ -179,7 +179,7 @@ static void of_a_step_that_was_cut_the_fit_must_say_so_too(void)
     c.climbs[0] = REAL_C(0.9);
     c.fitted[0].flags = IDENTIFIED_INTEGRATING;
     x->cut = true;
-    ends(WHY_INTEGRATES, "T1", 0.0);
+    ends(REASON_INTEGRATES, "T1", 0.0);
 }
 
 /* A response of which so much was still to come; 190 s after its dead time. */
@@ -246,7 +246,7 @@ static void where_the_reversal_has_no_room_it_says_so_in_the_end(void)
     x->culprit = 1;
     x->predicted = REAL_C(-0.3);
     c.input[0].gentler = 3;
-    ends(WHY_REVERSAL, "T10", -0.3);
+    ends(REASON_REVERSAL, "T10", -0.3);
 }
 
 static void asymmetric(unsigned j, int asymmetry)
@@ -419,10 +419,10 @@ static void an_analysis_that_fails_ends_it(void)
 {
     analysed();
     c.job_error = ERR_EMPTY;
-    ends(WHY_NO_INPUT, "", 0.0);
+    ends(REASON_NO_INPUT, "", 0.0);
     analysed();
     c.job_error = ERR_RANGE;
-    ends(WHY_NUMBERS, "", (double)ERR_RANGE);
+    ends(REASON_NUMBERS, "", (double)ERR_RANGE);
 }
 
 int main(void)

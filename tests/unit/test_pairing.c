@@ -384,27 +384,27 @@ static void sixteen_loops_are_paired(void)
 
 static void settings_out_of_range_are_refused_by_name(void)
 {
-    struct interact_refusal why;
+    struct interact_refusal reason;
     known_plant(PLANT_FURNACE, &known);
     config.confidence = REAL_C(1.0);
-    TEST_ASSERT_EQUAL_INT(ERR_RANGE, pairing_begin(&pairing, &known.plant, &config, &why));
-    TEST_ASSERT_EQUAL_STRING("confidence", why.field);
+    TEST_ASSERT_EQUAL_INT(ERR_RANGE, pairing_begin(&pairing, &known.plant, &config, &reason));
+    TEST_ASSERT_EQUAL_STRING("confidence", reason.field);
     config.confidence = (real_t)NAN;
-    TEST_ASSERT_EQUAL_INT(ERR_NOT_FINITE, pairing_begin(&pairing, &known.plant, &config, &why));
+    TEST_ASSERT_EQUAL_INT(ERR_NOT_FINITE, pairing_begin(&pairing, &known.plant, &config, &reason));
     pairing_config_default(&config);
     config.floor = 0;
-    TEST_ASSERT_EQUAL_INT(ERR_RANGE, pairing_begin(&pairing, &known.plant, &config, &why));
-    TEST_ASSERT_EQUAL_STRING("floor", why.field);
+    TEST_ASSERT_EQUAL_INT(ERR_RANGE, pairing_begin(&pairing, &known.plant, &config, &reason));
+    TEST_ASSERT_EQUAL_STRING("floor", reason.field);
     pairing_config_default(&config);
     config.draws = 10;
-    TEST_ASSERT_EQUAL_INT(ERR_RANGE, pairing_begin(&pairing, &known.plant, &config, &why));
+    TEST_ASSERT_EQUAL_INT(ERR_RANGE, pairing_begin(&pairing, &known.plant, &config, &reason));
     pairing_config_default(&config);
     config.smallest_lambda = 0;
-    TEST_ASSERT_EQUAL_INT(ERR_RANGE, pairing_begin(&pairing, &known.plant, &config, &why));
+    TEST_ASSERT_EQUAL_INT(ERR_RANGE, pairing_begin(&pairing, &known.plant, &config, &reason));
     pairing_config_default(&config);
     known.plant.element[0][0].gain = (real_t)INFINITY;
-    TEST_ASSERT_EQUAL_INT(ERR_NOT_FINITE, pairing_begin(&pairing, &known.plant, &config, &why));
-    TEST_ASSERT_EQUAL_STRING("gain", why.field);
+    TEST_ASSERT_EQUAL_INT(ERR_NOT_FINITE, pairing_begin(&pairing, &known.plant, &config, &reason));
+    TEST_ASSERT_EQUAL_STRING("gain", reason.field);
 }
 
 static void a_finished_pairing_takes_no_further_step(void)

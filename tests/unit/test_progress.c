@@ -23,17 +23,17 @@ void setUp(void)
     for (unsigned j = 0; j < 2; j++) {
         e.config.limit[j] = REAL_C(0.2);
         e.before[j].noise_sd = REAL_C(0.002);
-        e.look.found[j].flags = IDENTIFIED_NO_GAIN;
+        e.interim_fit.found[j].flags = IDENTIFIED_NO_GAIN;
         e.rest[j] = y[j] = REAL_C(0.5);
     }
     e.config.limit[2] = REAL_C(0.001); /* of no output */
     e.before[2].noise_sd = REAL_C(1e-5);
     y[2] = e.drift_per_s[2] = 1;
-    e.look.found[1] = (struct identified){.gain = 1,
-                                          .gain_sd = REAL_C(0.01),
-                                          .time_constant_s = 30,
-                                          .time_constant_sd_s = 1,
-                                          .dead_time_s = 10};
+    e.interim_fit.found[1] = (struct identified){.gain = 1,
+                                                 .gain_sd = REAL_C(0.01),
+                                                 .time_constant_s = 30,
+                                                 .time_constant_sd_s = 1,
+                                                 .dead_time_s = 10};
 }
 void tearDown(void) {}
 
@@ -72,18 +72,18 @@ static void a_gain_is_known_within_a_third(void)
 {
     for (int sign = -1; sign <= 1; sign += 2) {
         struct identified f = {.gain = (real_t)sign, .gain_sd = REAL_C(0.329)};
-        TEST_ASSERT_TRUE(look_is_known(&f));
+        TEST_ASSERT_TRUE(interim_fit_is_known(&f));
         f.flags = IDENTIFIED_NO_GAIN;
-        TEST_ASSERT_FALSE(look_is_known(&f));
+        TEST_ASSERT_FALSE(interim_fit_is_known(&f));
         f.flags = IDENTIFIED_INTEGRATING;
-        TEST_ASSERT_FALSE(look_is_known(&f));
+        TEST_ASSERT_FALSE(interim_fit_is_known(&f));
         f.flags = IDENTIFIED_SHORT | IDENTIFIED_OSCILLATORY;
-        TEST_ASSERT_TRUE(look_is_known(&f));
+        TEST_ASSERT_TRUE(interim_fit_is_known(&f));
         f.gain_sd = REAL_C(0.7);
         f.gain *= REAL_C(2.2);
-        TEST_ASSERT_TRUE(look_is_known(&f));
+        TEST_ASSERT_TRUE(interim_fit_is_known(&f));
         f.gain_sd = REAL_C(0.73);
-        TEST_ASSERT_FALSE(look_is_known(&f));
+        TEST_ASSERT_FALSE(interim_fit_is_known(&f));
     }
 }
 
@@ -102,13 +102,13 @@ static void dead_time_and_three_time_constants_are_long_enough(void)
     e.config.half_least = 51;
     WAITS(false);
     e.config.half_least = 50;
-    e.look.found[0] = e.look.found[1]; /* the slower of the two */
-    e.look.found[0].time_constant_s = 33;
+    e.interim_fit.found[0] = e.interim_fit.found[1]; /* the slower of the two */
+    e.interim_fit.found[0].time_constant_s = 33;
     e.half = 54;
     WAITS(false);
     e.half = 55;
     TURNS(false);
-    e.look.found[0].time_constant_s = 27;
+    e.interim_fit.found[0].time_constant_s = 27;
     e.half = 50;
     TURNS(false);
 }
@@ -125,8 +125,8 @@ static void unknown(bool is)
 static void what_is_not_known_gets_half_as_long_again(void)
 {
     e.config.amplitude = REAL_C(0.02);
-    struct identified *f = &e.look.found[0];
-    *f = e.look.found[1];
+    struct identified *f = &e.interim_fit.found[0];
+    *f = e.interim_fit.found[1];
     unknown(false);
     f->gain_sd = REAL_C(0.329);
     unknown(false);
@@ -151,7 +151,7 @@ static void what_is_not_known_gets_half_as_long_again(void)
 static void where_nothing_is_known_only_a_drift_ends_it(void)
 {
     e.config.amplitude = REAL_C(0.02);
-    e.look.found[1].gain_sd = REAL_C(0.5);
+    e.interim_fit.found[1].gain_sd = REAL_C(0.5);
     e.half = 159;
     e.drift_per_s[0] = REAL_C(-1e-6);
     WAITS(false);
@@ -161,9 +161,9 @@ static void where_nothing_is_known_only_a_drift_ends_it(void)
     WAITS(false);
     e.drift_per_s[1] = REAL_C(1e-6);
     TURNS(false);
-    e.look.found[0] = e.look.found[1];
-    e.look.found[0].gain_sd = REAL_C(0.01);
-    e.look.found[0].time_constant_s = 100; /* known: it has an end */
+    e.interim_fit.found[0] = e.interim_fit.found[1];
+    e.interim_fit.found[0].gain_sd = REAL_C(0.01);
+    e.interim_fit.found[0].time_constant_s = 100; /* known: it has an end */
     WAITS(false);
 }
 
@@ -176,12 +176,12 @@ static void it_grows_to_a_fifth_more_than_the_noise_asks_for(void)
     e.half = 29;  /* half a window at least */
     WAITS(false);
     e.half = 30;
-    e.look.found[0] = e.look.found[1]; /* the one that stands out most decides */
-    e.look.found[0].gain = REAL_C(-1.25);
+    e.interim_fit.found[0] = e.interim_fit.found[1]; /* the one that stands out most decides */
+    e.interim_fit.found[0].gain = REAL_C(-1.25);
     GROWS(0.0384);
     e.before[0].noise_sd = REAL_C(0.004);
     GROWS(0.048);
-    e.look.found[0].flags = IDENTIFIED_NO_GAIN;
+    e.interim_fit.found[0].flags = IDENTIFIED_NO_GAIN;
     e.before[1].noise_sd = REAL_C(0.02) / REAL_C(19.9);
     GROWS(0.02 * 24.0 / 19.9);
     e.before[1].noise_sd = REAL_C(0.02) / REAL_C(20.1);
@@ -250,7 +250,7 @@ static void no_output_is_taken_past_07_of_its_room(void)
 
 static void without_a_model_it_grows_by_what_was_seen_to_move(void)
 {
-    e.look.found[1].gain_sd = REAL_C(0.5);
+    e.interim_fit.found[1].gain_sd = REAL_C(0.5);
     e.half = 59; /* a window at least */
     WAITS(false);
     e.half = 60;
@@ -277,7 +277,7 @@ static void without_a_model_it_grows_by_what_was_seen_to_move(void)
 
 static void where_nothing_is_seen_it_waits_for_a_dead_time_and_grows(void)
 {
-    e.look.found[1].flags = IDENTIFIED_NO_GAIN;
+    e.interim_fit.found[1].flags = IDENTIFIED_NO_GAIN;
     e.half = 219; /* the least, and three windows */
     WAITS(false);
     e.half = 220;
@@ -306,7 +306,7 @@ static void where_nothing_is_seen_it_waits_for_a_dead_time_and_grows(void)
 
 static void what_was_small_before_is_said_while_it_waits(void)
 {
-    e.look.found[1].flags = IDENTIFIED_NO_GAIN;
+    e.interim_fit.found[1].flags = IDENTIFIED_NO_GAIN;
     e.half = 100;
     e.small = true;
     WAITS(true);

@@ -92,8 +92,8 @@ static void rows_follow_each_other_by_sequence(void)
 
 static void every_reason_and_state_has_a_word(void)
 {
-    for (uint8_t why = 0; why < SEQUENCE_REASONS; why++)
-        TEST_ASSERT_TRUE(strlen(sequence_reason_text(why)) > 3);
+    for (uint8_t reason = 0; reason < SEQUENCE_REASONS; reason++)
+        TEST_ASSERT_TRUE(strlen(sequence_reason_text(reason)) > 3);
     TEST_ASSERT_EQUAL_STRING("?", sequence_reason_text(SEQUENCE_REASONS));
     for (uint8_t state = 0; state <= SEQUENCE_ABORTED; state++)
         TEST_ASSERT_TRUE(strlen(sequence_state_text(state)) > 3);

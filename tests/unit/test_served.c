@@ -304,7 +304,7 @@ static void what_took_effect_is_told_to_it(void)
     TEST_ASSERT_TRUE(sent(REFLUX) < 0.52);
 }
 
-static void giving_up(void (*how)(void), const char *why)
+static void giving_up(void (*how)(void), const char *reason)
 {
     both_auto();
     setpoint(TOP, 95);
@@ -319,7 +319,7 @@ static void giving_up(void (*how)(void), const char *why)
     how();
     tick();
     unsigned steps = both_state->steps;
-    TEST_ASSERT_EQUAL_UINT(1, happened(EVENT_BLOCK_GAVE_UP, why));
+    TEST_ASSERT_EQUAL_UINT(1, happened(EVENT_BLOCK_GAVE_UP, reason));
     ASSERT_NO_BUMP(top, sent(REFLUX));
     ASSERT_NO_BUMP(bottom, sent(HEAT));
     TEST_ASSERT_EQUAL(LOOP_AUTO, bench.s.loop[TOP].mode);

@@ -118,19 +118,19 @@ static void test_nothing_whole_means_defaults_and_an_alarm(void)
     TEST_ASSERT_TRUE(bench_is(&defaults));
     TEST_ASSERT_EQUAL(1, seen[EVENT_STORAGE_DAMAGED]);
     TEST_ASSERT_EQUAL(EVENT_ALARM, event_level(EVENT_STORAGE_DAMAGED));
-    const char *why;
+    const char *reason;
     struct config c = defaults;
-    TEST_ASSERT_EQUAL(ERR_CRC, storage_load(&fw.storage, &c, &why));
+    TEST_ASSERT_EQUAL(ERR_CRC, storage_load(&fw.storage, &c, &reason));
 }
 
 static void test_new_flash_is_prepared_without_an_alarm(void)
 {
-    const char *why;
+    const char *reason;
     struct config c;
     bench_boot();
     TEST_ASSERT_EQUAL(1, erases);
     TEST_ASSERT_EQUAL(0, seen[EVENT_STORAGE_DAMAGED]);
-    TEST_ASSERT_EQUAL(ERR_EMPTY, storage_load(&fw.storage, &c, &why));
+    TEST_ASSERT_EQUAL(ERR_EMPTY, storage_load(&fw.storage, &c, &reason));
     bench_boot();
     TEST_ASSERT_EQUAL(1, erases); /* once is enough */
     TEST_ASSERT_EQUAL(0, seen[EVENT_STORAGE_DAMAGED]);
@@ -238,7 +238,7 @@ static void test_every_parameter_comes_back(void)
 {
     struct config c, there;
     struct parameter p;
-    const char *why;
+    const char *reason;
     char value[32];
     bench_boot();
     parameters_defaults(&c);
@@ -272,7 +272,7 @@ static void test_every_parameter_comes_back(void)
     *service_stage(&fw.service) = c;
     fw.service.plan[fw.service.in_force].config = c;
     TEST_ASSERT_EQUAL(ERR_OK, bench_save());
-    TEST_ASSERT_EQUAL(ERR_OK, storage_load(&fw.storage, &there, &why));
+    TEST_ASSERT_EQUAL(ERR_OK, storage_load(&fw.storage, &there, &reason));
     TEST_ASSERT_EQUAL_MEMORY(&c, &there, sizeof c);
     printf("bytes of the largest set: %u\n",
            (unsigned)(16u + (fw.storage.newest.length + 15u) / 16u * 16u + 16u));

@@ -90,11 +90,11 @@ static struct {
     char what[160];
 } life;
 
-static void fail(const char *why)
+static void fail(const char *reason)
 {
     char text[260];
     snprintf(text, sizeof text, "%s, start %u: %s; found %u, answered %u, tried %u", life.what,
-             cut.start, why, (unsigned)settings_now(), (unsigned)life.answered,
+             cut.start, reason, (unsigned)settings_now(), (unsigned)life.answered,
              (unsigned)life.tried);
     TEST_FAIL_MESSAGE(text);
 }

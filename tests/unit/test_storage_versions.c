@@ -96,11 +96,11 @@ static void test_nothing_of_ours_is_repaired_beside_newer_firmware(void)
 static void test_only_newer_settings_are_no_damage_and_load_says_so(void)
 {
     struct config c;
-    const char *why;
+    const char *reason;
     load_image("newer_both");
     bench_boot();
-    TEST_ASSERT_EQUAL(ERR_VERSION, storage_load(&fw.storage, &c, &why));
-    TEST_ASSERT_NOT_NULL(strstr(why, "newer firmware"));
+    TEST_ASSERT_EQUAL(ERR_VERSION, storage_load(&fw.storage, &c, &reason));
+    TEST_ASSERT_NOT_NULL(strstr(reason, "newer firmware"));
 }
 
 static unsigned times_in_flash(const void *bytes, size_t n)
@@ -221,7 +221,7 @@ static void test_inconsistent_set_stays_stored_and_defaults_run(void)
     static uint8_t image[FLASH_MODEL_SIZE];
     struct config defaults, c;
     struct config_fault fault;
-    const char *why;
+    const char *reason;
     parameters_defaults(&defaults);
     load_image("inconsistent");
     memcpy(image, flash_model, sizeof image);
@@ -231,7 +231,7 @@ static void test_inconsistent_set_stays_stored_and_defaults_run(void)
     TEST_ASSERT_EQUAL_STRING("loop1.pv", last_subject[EVENT_STORAGE_REFUSED]);
     TEST_ASSERT_EQUAL_MEMORY(image, flash_model, 192); /* the set; what was erased may not be */
     /* Asking again gives the reason again. */
-    TEST_ASSERT_EQUAL(ERR_OK, storage_load(&fw.storage, &c, &why));
+    TEST_ASSERT_EQUAL(ERR_OK, storage_load(&fw.storage, &c, &reason));
     TEST_ASSERT_EQUAL(ERR_UNKNOWN, service_apply(&fw.service, &c, &fault));
     TEST_ASSERT_EQUAL_STRING("T1", fault.subject);
 }

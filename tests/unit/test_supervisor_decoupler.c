@@ -1,4 +1,4 @@
-/* The decoupler and the feedforward inside the supervisor: company, limits, the way back. */
+/* The decoupler and the feedforward inside the supervisor: members, limits, back-calculation. */
 #include "supervisor_bench.h"
 
 /* A strong one, as a column's: the inverse has entries of 6. */
@@ -14,7 +14,7 @@ void setUp(void)
 }
 void tearDown(void) {}
 
-/* What both loops themselves move an output in a tick, by integration: they go on while the company changes. */
+/* What both loops themselves move an output in a tick, by integration: they go on while the members change. */
 #define OWN_MOVE 1.2e-4
 
 static void both_in_automatic(void)
@@ -141,7 +141,7 @@ static void a_saturated_output_does_not_wind_up_any_of_the_decoupled_loops(void)
     TEST_ASSERT_TRUE(sent(HEAT) < 0.95);
 }
 
-static void an_interlock_takes_its_loop_out_of_the_company_and_back_without_a_bump(void)
+static void an_interlock_takes_its_loop_out_of_the_decoupler_and_back_without_a_bump(void)
 {
     put_all((const char *const[]){"lock1.meas", "feed", "lock1.mv", "heat", "lock1.limit", "8",
                                   "lock1.value", "0.2", NULL});
@@ -284,7 +284,7 @@ static void a_decoupled_loop_takes_its_feedforward_into_account_on_the_way_in(vo
 }
 
 /* The upset that trips an interlock, or makes somebody act, is the one the feedforward sees. */
-static void a_feedforward_that_moves_in_the_tick_in_which_the_company_changes_moves_its_output(void)
+static void a_feedforward_that_moves_in_the_tick_in_which_the_members_change_moves_its_output(void)
 {
     with_feedforward();
     apply();
@@ -442,7 +442,7 @@ int main(void)
     RUN_TEST(rounding_of_the_inverse_never_moves_a_loop_that_was_not_limited);
     RUN_TEST(output_limits_of_a_decoupled_loop_hold_for_its_output_not_for_the_blocks);
     RUN_TEST(a_saturated_output_does_not_wind_up_any_of_the_decoupled_loops);
-    RUN_TEST(an_interlock_takes_its_loop_out_of_the_company_and_back_without_a_bump);
+    RUN_TEST(an_interlock_takes_its_loop_out_of_the_decoupler_and_back_without_a_bump);
     RUN_TEST(a_feedforward_adds_to_the_output_of_an_acting_loop);
     RUN_TEST(automatic_begins_without_a_bump_under_any_feedforward);
     RUN_TEST(a_new_or_changed_or_removed_feedforward_moves_no_output);
@@ -450,7 +450,7 @@ int main(void)
     RUN_TEST(a_feedforward_that_saturates_the_output_does_not_wind_the_loop_up);
     RUN_TEST(two_feedforwards_on_one_output_add_up);
     RUN_TEST(a_decoupled_loop_takes_its_feedforward_into_account_on_the_way_in);
-    RUN_TEST(a_feedforward_that_moves_in_the_tick_in_which_the_company_changes_moves_its_output);
+    RUN_TEST(a_feedforward_that_moves_in_the_tick_in_which_the_members_change_moves_its_output);
     RUN_TEST(automatic_begins_without_a_bump_and_reaches_both_ends_where_feedforward_takes_away);
     RUN_TEST(output_limits_hold_for_what_reaches_the_manipulated_variable);
     RUN_TEST(an_output_found_outside_its_loops_limits_enters_them_at_the_loops_rate);

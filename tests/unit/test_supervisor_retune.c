@@ -132,7 +132,7 @@ static void a_filter_taken_off_a_moving_setpoint_makes_no_jump(void)
     TEST_ASSERT_DOUBLE_WITHIN(1e-5, before + 0.001, setpoint_of(BOTTOM)); /* a tick of the ramp */
 }
 
-/* ---- company, matrix and feedforward change while the derivative acts ---- */
+/* ---- members, matrix and feedforward change while the derivative acts ---- */
 
 /* The transient of a derivative belongs to a disturbance that is over: it must not stay in the loop's output. */
 static void a_change_around_a_loop_keeps_no_transient_of_its_derivative(void)
@@ -157,7 +157,7 @@ static void a_change_around_a_loop_keeps_no_transient_of_its_derivative(void)
             mode(TOP, LOOP_MANUAL);
         ticks(300);
         TEST_ASSERT_DOUBLE_WITHIN_MESSAGE(2e-5, 0.5, sent(HEAT),
-                                          changes[k][0] ? changes[k][0] : "company");
+                                          changes[k][0] ? changes[k][0] : "situation");
     }
 }
 
@@ -212,36 +212,36 @@ static void moving(unsigned n)
 }
 
 /* What the loops are to each other while they are retuned. */
-enum company { APART, DECOUPLED, FED_FORWARD, IN_CASCADE, JAMMED, COMPANIES };
+enum situation { APART, DECOUPLED, FED_FORWARD, IN_CASCADE, JAMMED, SITUATIONS };
 
-static void prepare(enum company company, unsigned divisor)
+static void prepare(enum situation situation, unsigned divisor)
 {
     bench_start_with(bench_cascade);
-    put_word(3, "name", company == IN_CASCADE ? "outer" : "-");
+    put_word(3, "name", situation == IN_CASCADE ? "outer" : "-");
     put_word(4, "name", "-");
     for (unsigned loop = 1; loop <= 3; loop++) {
         random_settings(loop);
         put_number(loop, "divisor", divisor);
         put_number(loop, "sp_ramp", between(0.1, 20));
     }
-    if (company == DECOUPLED || company == FED_FORWARD)
+    if (situation == DECOUPLED || situation == FED_FORWARD)
         put_all((const char *const[]){"loop1.decouple", "on", "loop2.decouple", "on",
                                       "decouple1.d2", "0.6", "decouple2.d1", "-0.4", NULL});
-    if (company == FED_FORWARD)
+    if (situation == FED_FORWARD)
         put_all(
             (const char *const[]){"ff1.from", "feed",   "ff1.to",        "heat", "ff1.gain", "0.4",
                                   "ff1.lag",  "9",      "ff1.reference", "5",    "ff2.from", "heat",
                                   "ff2.to",   "reflux", "ff2.gain",      "-0.3", "ff2.lo",   "-0.5",
                                   "ff2.hi",   "0.5",    "ff2.reference", "1",    NULL});
-    if (company == JAMMED)
+    if (situation == JAMMED)
         bench.input.readback[HEAT] = (struct reading){1.1f, QUALITY_GOOD};
     apply();
     mode(TOP, LOOP_AUTO);
-    mode(BOTTOM, company == IN_CASCADE ? LOOP_CASCADE : LOOP_AUTO);
-    if (company == IN_CASCADE)
+    mode(BOTTOM, situation == IN_CASCADE ? LOOP_CASCADE : LOOP_AUTO);
+    if (situation == IN_CASCADE)
         mode(OUTER, LOOP_AUTO);
     setpoint(TOP, between(82, 88));
-    setpoint(company == IN_CASCADE ? OUTER : BOTTOM, between(105, 115));
+    setpoint(situation == IN_CASCADE ? OUTER : BOTTOM, between(105, 115));
 }
 
 /* Old and new settings, measurements, setpoint ramps and moment at random; the plan comes at any phase of the divisor. */
@@ -253,11 +253,11 @@ static void the_next_output_is_what_the_old_settings_would_have_given(void)
     drive = moving;
     double worst = 0;
     unsigned moved = 0;
-    for (unsigned n = 0; n < 50 * COMPANIES; n++) {
+    for (unsigned n = 0; n < 50 * SITUATIONS; n++) {
         unsigned divisor = 1 + random_below(&source, 3);
         wave[0] = between(0.2, 2), wave[1] = between(5, 60);
         wave[2] = between(0.02, 0.3), wave[3] = between(1, 5);
-        prepare((enum company)(n % COMPANIES), divisor);
+        prepare((enum situation)(n % SITUATIONS), divisor);
         run(20 + random_below(&source, 40), NULL);
         foresee(divisor);
         double last = sent(HEAT);
@@ -279,17 +279,17 @@ static void the_next_output_is_what_the_old_settings_would_have_given(void)
     TEST_ASSERT_TRUE(worst <= BUMP);
 }
 
-static void a_plan_that_concerns_nobody_changes_nothing_in_any_company(void)
+static void a_plan_that_concerns_nobody_changes_nothing_in_any_situation(void)
 {
     source.state = 7;
     drive = moving;
-    for (unsigned n = 0; n < 4 * COMPANIES; n++) {
+    for (unsigned n = 0; n < 4 * SITUATIONS; n++) {
         wave[0] = 1.5, wave[1] = 12, wave[2] = 0.2, wave[3] = 2;
-        prepare((enum company)(n % COMPANIES), 1 + n % 3);
+        prepare((enum situation)(n % SITUATIONS), 1 + n % 3);
         run(20 + random_below(&source, 40), NULL);
         foresee(40);
         set_and_apply(n % 2 ? "mv3.safe" : "tick.miss_limit", "7");
-        differs_nowhere(40, 0, "company");
+        differs_nowhere(40, 0, "situation");
     }
 }
 
@@ -339,7 +339,7 @@ int main(void)
     RUN_TEST(a_filter_taken_off_a_moving_setpoint_makes_no_jump);
     RUN_TEST(a_change_around_a_loop_keeps_no_transient_of_its_derivative);
     RUN_TEST(the_next_output_is_what_the_old_settings_would_have_given);
-    RUN_TEST(a_plan_that_concerns_nobody_changes_nothing_in_any_company);
+    RUN_TEST(a_plan_that_concerns_nobody_changes_nothing_in_any_situation);
     RUN_TEST(plans_that_move_a_loops_turn_do_not_stop_its_integral);
     RUN_TEST(a_new_interval_begins_with_the_output_the_old_one_would_have_given);
     return UNITY_END();

@@ -2,7 +2,7 @@
  * that is made up. */
 #include <string.h>
 
-#include "commission/parts.h"
+#include "commission/commission_internal.h"
 #include "commission/proposal.h"
 #include "commission_space.h"
 #include "supervisor_bench.h"

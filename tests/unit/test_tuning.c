@@ -99,16 +99,16 @@ static void simc_takes_a_model_without_dead_time_and_cohen_coon_says_why_not(voi
 {
     struct fopdt m = {1.0f, 0.0f, 20.0f};
     struct tuning t = {7.0f, 7.0f, 7.0f, TUNING_DIRECT}, was = t;
-    struct tuning_refusal why;
-    TEST_ASSERT_EQUAL_INT(ERR_RANGE, tuning_cohen_coon_pi(&m, &t, &why));
-    TEST_ASSERT_EQUAL_STRING("dead_time_s", why.field);
-    TEST_ASSERT_NOT_NULL(strstr(why.wanted, "above 0"));
-    TEST_ASSERT_EQUAL_INT(ERR_RANGE, tuning_cohen_coon_pid(&m, &t, &why));
-    TEST_ASSERT_EQUAL_STRING("dead_time_s", why.field);
-    TEST_ASSERT_EQUAL_INT(ERR_RANGE, tuning_simc_pi(&m, 0.0f, &t, &why));
-    TEST_ASSERT_EQUAL_STRING("tau_c_s", why.field);
+    struct tuning_refusal reason;
+    TEST_ASSERT_EQUAL_INT(ERR_RANGE, tuning_cohen_coon_pi(&m, &t, &reason));
+    TEST_ASSERT_EQUAL_STRING("dead_time_s", reason.field);
+    TEST_ASSERT_NOT_NULL(strstr(reason.wanted, "above 0"));
+    TEST_ASSERT_EQUAL_INT(ERR_RANGE, tuning_cohen_coon_pid(&m, &t, &reason));
+    TEST_ASSERT_EQUAL_STRING("dead_time_s", reason.field);
+    TEST_ASSERT_EQUAL_INT(ERR_RANGE, tuning_simc_pi(&m, 0.0f, &t, &reason));
+    TEST_ASSERT_EQUAL_STRING("tau_c_s", reason.field);
     TEST_ASSERT_EQUAL_MEMORY(&was, &t, sizeof t);
-    TEST_ASSERT_EQUAL_INT(ERR_OK, tuning_simc_pi(&m, 5.0f, &t, &why));
+    TEST_ASSERT_EQUAL_INT(ERR_OK, tuning_simc_pi(&m, 5.0f, &t, &reason));
     near(4.0, t.gain);
 }
 
@@ -133,19 +133,19 @@ static void every_rule_refuses_a_model_that_cannot_be_tuned(void)
     for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++) {
         struct tuning t = {7.0f, 7.0f, 7.0f, TUNING_DIRECT}, was = t;
         for (int rule = 0; rule < 4; rule++) {
-            struct tuning_refusal why = {"", ""};
+            struct tuning_refusal reason = {"", ""};
             enum err err = ERR_OK;
             if (rule == 0)
-                err = tuning_cohen_coon_pi(&bad[i].model, &t, &why);
+                err = tuning_cohen_coon_pi(&bad[i].model, &t, &reason);
             else if (rule == 1)
-                err = tuning_cohen_coon_pid(&bad[i].model, &t, &why);
+                err = tuning_cohen_coon_pid(&bad[i].model, &t, &reason);
             else if (rule == 2)
-                err = tuning_simc_pi(&bad[i].model, 1e-3f, &t, &why);
+                err = tuning_simc_pi(&bad[i].model, 1e-3f, &t, &reason);
             else
-                err = tuning_simc_pid(&bad[i].model, 0.0f, 1e-3f, &t, &why);
+                err = tuning_simc_pid(&bad[i].model, 0.0f, 1e-3f, &t, &reason);
             TEST_ASSERT_EQUAL_INT(bad[i].err, err);
-            TEST_ASSERT_EQUAL_STRING(bad[i].field, why.field);
-            TEST_ASSERT_TRUE(strlen(why.wanted) > 3);
+            TEST_ASSERT_EQUAL_STRING(bad[i].field, reason.field);
+            TEST_ASSERT_TRUE(strlen(reason.wanted) > 3);
             TEST_ASSERT_EQUAL_MEMORY(&was, &t, sizeof t);
         }
     }
@@ -155,13 +155,13 @@ static void simc_refuses_bad_tuning_constants(void)
 {
     struct fopdt m = {1.0f, 1.0f, 10.0f};
     struct tuning t;
-    struct tuning_refusal why;
-    TEST_ASSERT_EQUAL_INT(ERR_NOT_FINITE, tuning_simc_pi(&m, nanf(""), &t, &why));
-    TEST_ASSERT_EQUAL_STRING("tau_c_s", why.field);
-    TEST_ASSERT_EQUAL_INT(ERR_RANGE, tuning_simc_pi(&m, -1.0f, &t, &why));
-    TEST_ASSERT_EQUAL_INT(ERR_RANGE, tuning_simc_pid(&m, 11.0f, 1.0f, &t, &why));
-    TEST_ASSERT_EQUAL_STRING("tau2_s", why.field);
-    TEST_ASSERT_EQUAL_INT(ERR_NOT_FINITE, tuning_simc_pid(&m, nanf(""), 1.0f, &t, &why));
+    struct tuning_refusal reason;
+    TEST_ASSERT_EQUAL_INT(ERR_NOT_FINITE, tuning_simc_pi(&m, nanf(""), &t, &reason));
+    TEST_ASSERT_EQUAL_STRING("tau_c_s", reason.field);
+    TEST_ASSERT_EQUAL_INT(ERR_RANGE, tuning_simc_pi(&m, -1.0f, &t, &reason));
+    TEST_ASSERT_EQUAL_INT(ERR_RANGE, tuning_simc_pid(&m, 11.0f, 1.0f, &t, &reason));
+    TEST_ASSERT_EQUAL_STRING("tau2_s", reason.field);
+    TEST_ASSERT_EQUAL_INT(ERR_NOT_FINITE, tuning_simc_pid(&m, nanf(""), 1.0f, &t, &reason));
 }
 
 /* For k exp(-L s)/s, of which Ku = pi/(2 k L) and Pu = 4 L, the rule is quoted as K = 0.487/(k L), Ti = 8.75 L. */
@@ -197,10 +197,10 @@ static void an_ultimate_point_that_is_none_is_refused(void)
                  {1.0f, 1e7f, ERR_RANGE, "period_s"}};
     for (unsigned i = 0; i < sizeof cases / sizeof cases[0]; i++) {
         struct tuning t = {.gain = 7.0f};
-        struct tuning_refusal why;
-        TEST_ASSERT_EQUAL_INT(cases[i].err,
-                              tuning_tyreus_luyben_pi(cases[i].gain, cases[i].period_s, &t, &why));
-        TEST_ASSERT_EQUAL_STRING(cases[i].field, why.field);
+        struct tuning_refusal reason;
+        TEST_ASSERT_EQUAL_INT(
+            cases[i].err, tuning_tyreus_luyben_pi(cases[i].gain, cases[i].period_s, &t, &reason));
+        TEST_ASSERT_EQUAL_STRING(cases[i].field, reason.field);
         TEST_ASSERT_EQUAL_FLOAT(7.0f, t.gain);
     }
 }

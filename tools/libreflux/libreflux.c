@@ -68,14 +68,14 @@ static void give_matrix(const struct matrix *from, double *to)
             to[i * from->cols + j] = from->at[i][j];
 }
 
-static void say_why(const struct interact_refusal *from, char *why)
+static void say_why(const struct interact_refusal *from, char *reason)
 {
-    if (!why)
+    if (!reason)
         return;
-    int at = snprintf(why, REFLUX_WHY_BYTES, "%s: %s", from->field ? from->field : "",
+    int at = snprintf(reason, REFLUX_WHY_BYTES, "%s: %s", from->field ? from->field : "",
                       from->wanted ? from->wanted : "");
     if (from->output != INTERACT_NONE && at > 0 && at < REFLUX_WHY_BYTES)
-        snprintf(why + at, (size_t)(REFLUX_WHY_BYTES - at), " (output %u, input %u)",
+        snprintf(reason + at, (size_t)(REFLUX_WHY_BYTES - at), " (output %u, input %u)",
                  from->output + 1u, from->input + 1u);
 }
 
@@ -152,7 +152,7 @@ void reflux_pairing_defaults(double *settings)
 
 int32_t reflux_pairing(const struct reflux_plant *plant, const double *settings, int32_t *n,
                        int32_t *output, int32_t *input, double *lambda, double *numbers,
-                       double *share, int32_t *rival, char *why)
+                       double *share, int32_t *rival, char *reason)
 {
     static struct pairing work; /* 20 KiB; the library is not for threads */
     struct interact_plant p;
@@ -174,7 +174,7 @@ int32_t reflux_pairing(const struct reflux_plant *plant, const double *settings,
     c.inputs_out = (uint16_t)settings[6];
     err = pairing_begin(&work, &p, &c, &refusal);
     if (err) {
-        say_why(&refusal, why);
+        say_why(&refusal, reason);
         return err;
     }
     while ((err = pairing_step(&work)) == ERR_BUSY)
@@ -289,7 +289,7 @@ void reflux_detune_defaults(double *settings)
 int32_t reflux_detune(const struct reflux_plant *plant, int32_t n, const int32_t *output,
                       const int32_t *input, double interval_s, const double *decoupler,
                       const double *settings, double *gain, double *ti_s, double *numbers,
-                      char *why)
+                      char *reason)
 {
     static struct detune d;
     struct interact_plant p;
@@ -311,7 +311,7 @@ int32_t reflux_detune(const struct reflux_plant *plant, int32_t n, const int32_t
         return err;
     err = detune_begin(&d, &p, &pairs, interval_s, decoupler ? &m : NULL, &c, &refusal);
     if (err) {
-        say_why(&refusal, why);
+        say_why(&refusal, reason);
         return err;
     }
     while ((err = detune_step(&d)) == ERR_BUSY)
@@ -453,7 +453,7 @@ void reflux_decoupler_defaults(double *settings)
 
 int32_t reflux_decoupler(const struct reflux_plant *plant, int32_t n, const int32_t *output,
                          const int32_t *input, const double *settings, double *d, double *gain,
-                         double *gain_sd, double *left, char *why)
+                         double *gain_sd, double *left, char *reason)
 {
     struct interact_plant p;
     struct pairs pairs;
@@ -472,7 +472,7 @@ int32_t reflux_decoupler(const struct reflux_plant *plant, int32_t n, const int3
         return err;
     err = static_decoupler(&p, &pairs, &c, &work, &r, &refusal);
     if (err) {
-        say_why(&refusal, why);
+        say_why(&refusal, reason);
         return err;
     }
     give_matrix(&r.d, d);

@@ -5,7 +5,7 @@
  *  1. Matrices are row by row, p x m: element (output i, input j) is a[i * m + j]. p and m are 1 to 16.
  *  2. A plant is four such matrices: gains, dead times, time constants (s), standard deviations of the gains.
  *  3. Every function returns 0 or an error code of firmware/base/error.h; reflux_error_text() says it in words. Where a
- *     function has `why`, it gets the field and what was wanted of it (REFLUX_WHY_BYTES, may be NULL).
+ *     function has `reason`, it gets the field and what was wanted of it (REFLUX_WHY_BYTES, may be NULL).
  *  4. Nothing is kept between calls; long computations run to their end. */
 #ifndef REFLUX_LIBREFLUX_H
 #define REFLUX_LIBREFLUX_H
@@ -46,7 +46,7 @@ int32_t reflux_gains(const struct reflux_plant *plant, double floor, double *sin
  * By output: share and rival (16: left out, 255: none). */
 int32_t reflux_pairing(const struct reflux_plant *plant, const double *settings, int32_t *n,
                        int32_t *output, int32_t *input, double *lambda, double *numbers,
-                       double *share, int32_t *rival, char *why);
+                       double *share, int32_t *rival, char *reason);
 void reflux_pairing_defaults(double *settings);
 
 /* Square tables in the order of the pairs: relative gains, RNGA, RARTA. */
@@ -68,7 +68,7 @@ int32_t reflux_cascades(const struct reflux_plant *plant, int32_t *found, int32_
 int32_t reflux_detune(const struct reflux_plant *plant, int32_t n, const int32_t *output,
                       const int32_t *input, double interval_s, const double *decoupler,
                       const double *settings, double *gain, double *ti_s, double *numbers,
-                      char *why);
+                      char *reason);
 void reflux_detune_defaults(double *settings);
 
 /* numbers: stable (1), log modulus dB, omega, frequencies used */
@@ -88,7 +88,7 @@ int32_t reflux_trial(const struct reflux_plant *plant, const struct reflux_loops
  * static_decoupler.h */
 int32_t reflux_decoupler(const struct reflux_plant *plant, int32_t n, const int32_t *output,
                          const int32_t *input, const double *settings, double *d, double *gain,
-                         double *gain_sd, double *left, char *why);
+                         double *gain_sd, double *left, char *reason);
 void reflux_decoupler_defaults(double *settings);
 
 #endif

@@ -20,7 +20,7 @@ from reflux_tools.errors import RunFailed
 from reflux_tools.paths import build_dir
 
 ROOM = 16
-WHY_BYTES = 200
+REASON_BYTES = 200
 TIMEOUT = -18
 VERDICTS = ("determined", "undetermined", "singular", "impossible")
 
@@ -148,7 +148,7 @@ def pairing(plant: Plant, **settings) -> dict:
     values = _settings("reflux_pairing_defaults", names, settings)
     n, output, inputs = ctypes.c_int32(), np.zeros(ROOM, np.int32), np.zeros(ROOM, np.int32)
     lam, numbers, share, rival = np.zeros(ROOM), np.zeros(4), np.zeros(ROOM), np.zeros(ROOM, np.int32)
-    why = ctypes.create_string_buffer(WHY_BYTES)
+    why = ctypes.create_string_buffer(REASON_BYTES)
     _check(load().reflux_pairing(plant._c(), _d(values), ctypes.byref(n), _i(output), _i(inputs), _d(lam), _d(numbers),
                                  _d(share), _i(rival), why), why)
     return {"pairs": [(int(output[k]), int(inputs[k])) for k in range(n.value)], "lambda": lam[:n.value],
@@ -194,7 +194,7 @@ def detune(plant: Plant, pairs, interval: float, decoupler=None, **settings) -> 
     output, inputs = _pair_arrays(pairs)
     gain, ti, numbers = np.zeros(n), np.zeros(n), np.zeros(4)
     d = None if decoupler is None else _array(decoupler)
-    why = ctypes.create_string_buffer(WHY_BYTES)
+    why = ctypes.create_string_buffer(REASON_BYTES)
     code = _check(load().reflux_detune(plant._c(), n, _i(output), _i(inputs), ctypes.c_double(interval), _d(d),
                                        _d(values), _d(gain), _d(ti), _d(numbers), why), why, (TIMEOUT,))
     return Loops(pairs, gain, ti, interval, d), {"factor": numbers[0], "log_modulus_db": numbers[1],
@@ -235,7 +235,7 @@ def decoupler(plant: Plant, pairs, **settings) -> dict:
     n = len(pairs)
     output, inputs = _pair_arrays(pairs)
     d, gain, sd, left = np.zeros((n, n)), np.zeros(n), np.zeros(n), ctypes.c_double()
-    why = ctypes.create_string_buffer(WHY_BYTES)
+    why = ctypes.create_string_buffer(REASON_BYTES)
     _check(load().reflux_decoupler(plant._c(), n, _i(output), _i(inputs), _d(values), _d(d), _d(gain), _d(sd),
                                    ctypes.byref(left), why), why)
     return {"d": d, "gain": gain, "gain_sd": sd, "left_sd": left.value}

@@ -1,7 +1,7 @@
 /* What stands on real_t here is built twice, in float and in double, and a host program may hold both. So the double
  * build's functions carry a suffix of their own; sources and callers never see it. One line for every such function. */
-#ifndef REFLUX_NUM_NAMES_H
-#define REFLUX_NUM_NAMES_H
+#ifndef REFLUX_NUM_DOUBLE_SYMBOLS_H
+#define REFLUX_NUM_DOUBLE_SYMBOLS_H
 
 #ifdef REFLUX_REAL_DOUBLE
 #define real_sincos            real_sincos_double

@@ -3,12 +3,13 @@
 
 #include <string.h>
 
-#include "commission/look.h"
+#include "commission/interim_fit.h"
 
 #define KNOWN     REAL_C(0.33) /* of a gain: standard deviation of one to be believed */
 #define FIT_UNITS 4u           /* evaluations in one piece */
 
-void look_begin(struct look *l, const struct record *record, const struct baseline *baseline)
+void interim_fit_begin(struct interim_fit *l, const struct record *record,
+                       const struct baseline *baseline)
 {
     l->seen = *record;
     memcpy(l->baseline, baseline, record->outputs * sizeof *baseline);
@@ -16,13 +17,13 @@ void look_begin(struct look *l, const struct record *record, const struct baseli
     l->running = false;
 }
 
-static void nothing_found(struct look *l)
+static void nothing_found(struct interim_fit *l)
 {
     l->found[l->at] = (struct identified){.flags = IDENTIFIED_NO_GAIN};
     l->at++;
 }
 
-bool look_run(struct look *l)
+bool interim_fit_run(struct interim_fit *l)
 {
     struct fopdt_fit_result r;
     if (l->at >= l->seen.outputs)
@@ -42,7 +43,7 @@ bool look_run(struct look *l)
     return l->at < l->seen.outputs;
 }
 
-bool look_is_known(const struct identified *f)
+bool interim_fit_is_known(const struct identified *f)
 {
     return !(f->flags & (IDENTIFIED_NO_GAIN | IDENTIFIED_INTEGRATING)) &&
            f->gain_sd < KNOWN * real_abs(f->gain);

@@ -1,6 +1,6 @@
-/* As num/names.h, for this folder. */
-#ifndef REFLUX_DESIGN_NAMES_H
-#define REFLUX_DESIGN_NAMES_H
+/* As num/double_symbols.h, for this folder. */
+#ifndef REFLUX_DESIGN_DOUBLE_SYMBOLS_H
+#define REFLUX_DESIGN_DOUBLE_SYMBOLS_H
 
 #ifdef REFLUX_REAL_DOUBLE
 #define tuning_cohen_coon_pi            tuning_cohen_coon_pi_double

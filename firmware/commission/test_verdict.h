@@ -1,12 +1,12 @@
 /* What a finished double step says without a model: whether the output went on climbing, and whether the gain is the same
  * in each of its three parts. Drift enters the two halves with one sign and the response with two. */
-#ifndef REFLUX_COMMISSION_JUDGE_H
-#define REFLUX_COMMISSION_JUDGE_H
+#ifndef REFLUX_COMMISSION_TEST_VERDICT_H
+#define REFLUX_COMMISSION_TEST_VERDICT_H
 
 #include "identify/identified.h"
 #include "identify/record.h"
 
-struct judgement {
+struct test_verdict {
     bool moves; /* the changes below stand out of the noise */
     real_t
         climbs; /* change in the second half of each level over that in the first: 1 for an integrator, 0.2 for a lag of
@@ -24,11 +24,11 @@ struct judgement {
 };
 
 /* What `level` would be of such a first-order element of gain 1: below 1 where the steps were too short for it. */
-real_t judge_level_of(const struct record *r, real_t dead_time_s, real_t time_constant_s);
+real_t test_verdict_level_of(const struct record *r, real_t dead_time_s, real_t time_constant_s);
 
 /* Output j of a record whose last three edges are those of the double step: to +amplitude, to -amplitude, to 0. drift: of
  * the output before the step, as far as it is sure, span per second. */
-void judge_record(const struct record *r, uint8_t j, const struct baseline *baseline,
-                  real_t amplitude, real_t drift, struct judgement *result);
+void test_verdict_of(const struct record *r, uint8_t j, const struct baseline *baseline,
+                     real_t amplitude, real_t drift, struct test_verdict *result);
 
 #endif

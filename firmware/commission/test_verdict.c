@@ -1,7 +1,7 @@
 #include "supervise/config.h"
 #if COMMISSION_CHANNELS
 
-#include "commission/judge.h"
+#include "commission/test_verdict.h"
 
 #define PART_POINTS   2u /* at least, in each part that is averaged */
 #define ASYMMETRY_SDS REAL_C(3.0)
@@ -57,10 +57,10 @@ static bool long_enough(const struct level *l)
     return l->to >= l->from + 4u * PART_POINTS;
 }
 
-void judge_record(const struct record *r, uint8_t j, const struct baseline *b, real_t amplitude,
-                  real_t drift, struct judgement *result)
+void test_verdict_of(const struct record *r, uint8_t j, const struct baseline *b, real_t amplitude,
+                     real_t drift, struct test_verdict *result)
 {
-    *result = (struct judgement){0};
+    *result = (struct test_verdict){0};
     uint32_t edges = r->input.edges;
     if (edges < 3u)
         return;
@@ -111,7 +111,7 @@ void judge_record(const struct record *r, uint8_t j, const struct baseline *b, r
         result->asymmetry = asymmetry;
 }
 
-real_t judge_level_of(const struct record *r, real_t dead_time_s, real_t time_constant_s)
+real_t test_verdict_level_of(const struct record *r, real_t dead_time_s, real_t time_constant_s)
 {
     const struct excitation *u = &r->input;
     if (u->edges < 3u || !(time_constant_s > REAL_C(0.0)))

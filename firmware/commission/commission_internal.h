@@ -1,7 +1,7 @@
-/* What the files of commission.h share: channels.c, tests.c, by_relay.c, results.c, on_trial.c, and commission.c, which puts them
+/* What the files of commission.h share: channels.c, tests.c, by_relay.c, results.c, acceptance.c, and commission.c, which puts them
  * together. All of it runs in the tick. */
-#ifndef REFLUX_COMMISSION_PARTS_H
-#define REFLUX_COMMISSION_PARTS_H
+#ifndef REFLUX_COMMISSION_COMMISSION_INTERNAL_H
+#define REFLUX_COMMISSION_COMMISSION_INTERNAL_H
 
 #include "commission/commission_state.h"
 #include "supervise/supervisor.h"
@@ -13,7 +13,7 @@ bool commission_is_testing(const struct commission *c);
 /* Takes the test signals away. */
 void commission_release(struct commission *c, struct supervisor *s);
 /* Ends it, or a trial, before its time; subject NULL: nobody's. */
-void commission_end(struct commission *c, struct supervisor *s, enum commission_why why,
+void commission_end(struct commission *c, struct supervisor *s, enum commission_reason reason,
                     const char *subject, real_t value);
 
 /* ---- channels.c ---- */
@@ -30,12 +30,12 @@ real_t commission_limit(const struct measurement_config *m);
 void commission_watch_spans(struct commission *c, const struct supervisor *s);
 /* A measurement that has done so for two samples, index in measurement[]; negative: none. */
 int commission_at_end(const struct commission *c);
-/* Anything that is not a test's to decide; WHY_NOT: nothing. */
-enum commission_why commission_disturbance(const struct commission *c, const struct supervisor *s,
-                                           const char **subject);
+/* Anything that is not a test's to decide; REASON_NOT: nothing. */
+enum commission_reason commission_disturbance(const struct commission *c,
+                                              const struct supervisor *s, const char **subject);
 /* What stands in the way of a trial, whether it has begun or not. */
-enum commission_why commission_hindrance(const struct commission *c, const struct supervisor *s,
-                                         const char **subject);
+enum commission_reason commission_hindrance(const struct commission *c, const struct supervisor *s,
+                                            const char **subject);
 
 /* ---- tests.c ---- */
 
@@ -75,16 +75,16 @@ void commission_ask_for(struct commission *c, enum model_job job, uint32_t ticks
 /* So many base ticks. */
 uint32_t commission_samples(const struct supervisor *s, real_t seconds);
 
-/* ---- on_trial.c ---- */
+/* ---- acceptance.c ---- */
 
 void commission_begin_trial(struct commission *c, struct supervisor *s);
-void commission_trial(struct commission *c, struct supervisor *s);
+void commission_acceptance(struct commission *c, struct supervisor *s);
 /* What is not for the adoption to judge. True: the trial is over. */
-bool commission_trial_is_disturbed(struct commission *c, struct supervisor *s);
+bool commission_acceptance_is_disturbed(struct commission *c, struct supervisor *s);
 /* The loops go to manual and their outputs to where the trial found them; but what somebody has taken in hand stays
  * there. The main loop puts the old configuration into force. */
-void commission_back_to_old(struct commission *c, struct supervisor *s, enum commission_why why,
-                            const char *subject, real_t value);
+void commission_back_to_old(struct commission *c, struct supervisor *s,
+                            enum commission_reason reason, const char *subject, real_t value);
 
 #define NOISE_FLOOR          REAL_C(7e-5) /* of span: what 12 bits of conversion leave */
 #define MISSED_MOST          8u           /* samples in a row that a test can do without */

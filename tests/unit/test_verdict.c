@@ -8,7 +8,7 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "commission/judge.h"
+#include "commission/test_verdict.h"
 #include "step_records.h"
 #include "unity.h"
 
@@ -16,7 +16,7 @@
 
 static struct record r;
 static struct baseline b;
-static struct judgement v;
+static struct test_verdict v;
 static struct random_source source = {SEED};
 
 void setUp(void)
@@ -80,7 +80,7 @@ static void check(double amplitude, double drift)
         from[i] = *edge[i] / r.block + 1;
         to[i] = (i < 2 ? *edge[i + 1] : r.samples) / r.block;
     }
-    judge_record(&r, 1, &b, (real_t)amplitude, (real_t)drift, &v);
+    test_verdict_of(&r, 1, &b, (real_t)amplitude, (real_t)drift, &v);
     double first[2], second[2], noise = (double)b.noise_sd / sqrt(r.block);
     uint32_t up = to[0] - from[0], down = to[1] - from[1], shorter = down < up ? down : up;
     for (unsigned i = 0; i < 2; i++)
@@ -143,7 +143,7 @@ static void judged(void)
 {
     for (uint32_t i = 0; i < r.points; i++)
         r.y[1][i] = (real_t)(0.1 * sin(i));
-    judge_record(&r, 1, &b, REAL_C(0.1), 0, &v);
+    test_verdict_of(&r, 1, &b, REAL_C(0.1), 0, &v);
 }
 
 static void halves_take_twelve_points_and_levels_eight(void)
@@ -185,7 +185,7 @@ static void the_last_three_edges_are_those_of_the_double_step(void)
     setUp();
     edges(10, 70, 130, 190);
     judged();
-    struct judgement alone = v;
+    struct test_verdict alone = v;
     r.input.edges = 5;
     for (unsigned i = 5; i-- > 2;)
         r.input.edge[i] = r.input.edge[i - 2];
@@ -210,11 +210,11 @@ static void a_lag_shows_this_much_of_itself_at_the_end_of_its_levels(void)
         double low = -1.0 + (1.0 + from) * exp(-left_down / lag);
         double wanted = left_up <= 0 || left_down <= 0 ? 0.0 : 0.5 * (high - low);
         TEST_ASSERT_DOUBLE_WITHIN(1e-5, wanted,
-                                  (double)judge_level_of(&r, (real_t)dead, (real_t)lag));
+                                  (double)test_verdict_level_of(&r, (real_t)dead, (real_t)lag));
     }
-    TEST_ASSERT_EQUAL_FLOAT(1.0f, (float)judge_level_of(&r, 0, 0));
+    TEST_ASSERT_EQUAL_FLOAT(1.0f, (float)test_verdict_level_of(&r, 0, 0));
     r.input.edges = 2;
-    TEST_ASSERT_EQUAL_FLOAT(1.0f, (float)judge_level_of(&r, 1000, 10));
+    TEST_ASSERT_EQUAL_FLOAT(1.0f, (float)test_verdict_level_of(&r, 1000, 10));
 }
 
 int main(void)

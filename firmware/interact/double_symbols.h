@@ -1,6 +1,6 @@
-/* As num/names.h, for this folder. */
-#ifndef REFLUX_INTERACT_NAMES_H
-#define REFLUX_INTERACT_NAMES_H
+/* As num/double_symbols.h, for this folder. */
+#ifndef REFLUX_INTERACT_DOUBLE_SYMBOLS_H
+#define REFLUX_INTERACT_DOUBLE_SYMBOLS_H
 
 #ifdef REFLUX_REAL_DOUBLE
 #define interact_check           interact_check_double

@@ -1,8 +1,8 @@
 /* The model is built twice, in float and in double, and a host program may hold both (a simulated plant next
  * to a firmware with estimators). So the double build's functions carry a suffix of their own; sources and
  * callers never see it. One line for every public function of this folder. */
-#ifndef REFLUX_MODEL_NAMES_H
-#define REFLUX_MODEL_NAMES_H
+#ifndef REFLUX_MODEL_DOUBLE_SYMBOLS_H
+#define REFLUX_MODEL_DOUBLE_SYMBOLS_H
 
 #ifdef REFLUX_REAL_DOUBLE
 #define component_vapour_pressure   component_vapour_pressure_double
