@@ -64,6 +64,27 @@ class Names(unittest.TestCase):
             self.assertEqual(named[field], parameter)
 
 
+class WorkedFamily(unittest.TestCase):
+    """The page on adding a controller prints what its example touches, as git diff --stat has it."""
+
+    def test_the_diffstat_on_the_page_is_that_of_the_files(self) -> None:
+        section = page("adding-a-controller.md").split("\n## What it touches\n")[1].split("\n## ")[0]
+        listed = {path: int(lines) for path, lines in re.findall(r"^ +(\S+) +\| +(\d+) \++$", section, re.MULTILINE)}
+        loop = ROOT / "tests" / "loop"
+        files = [loop / "worked_family.cmake", *(loop / "worked_family").iterdir()]
+        self.assertEqual(listed, {path.relative_to(ROOT).as_posix(): len(path.read_text(encoding="utf-8").splitlines())
+                                  for path in files})
+        self.assertIn(f"{len(listed)} files changed, {sum(listed.values())} insertions(+)", section)
+
+    def test_the_tests_that_the_page_names_are_there(self) -> None:
+        section = page("adding-a-controller.md").split("\n### 10. Tests\n")[1].split("\n## ")[0]
+        texts = "".join(path.read_text(encoding="utf-8") for path in (ROOT / "tests/loop/worked_family").glob("test_*.c"))
+        named = re.findall(r"`(\w+)`", section)
+        self.assertTrue(named)
+        for name in named:
+            self.assertIn(f"RUN_TEST({name});", texts)
+
+
 class Figures(unittest.TestCase):
     def test_each_script_says_how_it_is_used_and_draws_nothing(self) -> None:
         scripts = sorted((ROOT / "tools" / "figures").glob("*.py"))

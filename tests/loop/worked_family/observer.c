@@ -28,8 +28,10 @@
 #define GAIN_STEPS   20   /* the gain is taken so many steps after it was asked for */
 #define PIECES_MOST  4000 /* iterations */
 #define STANDS_STILL REAL_C(1e-6)
+#define FAR_OFF      REAL_C(10.0) /* standard deviations of a reading */
 
 enum { MEASURED, MOVED = 2, INPUTS = 4 }; /* the first of two each */
+enum { GAINED, SURPRISE, EVENTS };
 
 struct observer_settings {
     float gain[2][2]; /* measurement i per MV j, spans */
@@ -247,6 +249,8 @@ static void take_gain(struct observer *o, struct block_io *io)
     if (io->work_done && o->design.found && !o->gain_wanted) {
         memcpy(o->gain, o->design.gain, sizeof o->gain);
         o->gained = true;
+        io->raised = 1u << GAINED;
+        io->event_value[GAINED] = o->design.iterations;
     }
     if (!o->gain_wanted || io->work_wanted)
         return;
@@ -280,14 +284,19 @@ static void predict(struct observer *o, const struct block_io *io)
 }
 
 /* By what was measured, where it was. */
-static void correct(struct observer *o, const struct block_io *io)
+static void correct(struct observer *o, struct block_io *io)
 {
-    real_t e[2];
-    for (unsigned i = 0; i < 2; i++)
-        e[i] = quality_usable((enum quality)io->quality[MEASURED + i])
-                   ? num_to_float(io->input[MEASURED + i]) -
-                         (o->x[2 * i] + o->x[2 * i + 1] + o->x[4 + i])
-                   : 0;
+    real_t e[2] = {0, 0};
+    for (unsigned i = 0; i < 2; i++) {
+        if (!quality_usable((enum quality)io->quality[MEASURED + i]))
+            continue;
+        e[i] =
+            num_to_float(io->input[MEASURED + i]) - (o->x[2 * i] + o->x[2 * i + 1] + o->x[4 + i]);
+        if (e[i] * e[i] <= FAR_OFF * FAR_OFF * o->r[i])
+            continue;
+        io->raised = (uint16_t)(io->raised | 1u << SURPRISE);
+        io->event_value[SURPRISE] = e[i];
+    }
     for (unsigned r = 0; r < STATES; r++)
         o->x[r] += o->gain[r][0] * e[0] + o->gain[r][1] * e[1];
 }
@@ -350,7 +359,13 @@ static void observer_follow(void *state, struct block_io *io)
     ((struct observer *)state)->begun = false;
 }
 
-/* ---- verbs ---- */
+/* ---- what it says, and what it may be told ---- */
+
+static const struct block_event observer_events[EVENTS] = {
+    [GAINED] = {"gained", BLOCK_INFO, "the gain is the filter's from now on; iterations"},
+    [SURPRISE] = {"surprise", BLOCK_ALARM,
+                  "a reading is far from what was expected; fraction of span"},
+};
 
 static const char *observer_freeze(void *state, const float *seconds)
 {
@@ -421,5 +436,7 @@ const struct block_kind observer_kind = {
     .work = observer_work,
     .verb = observer_verbs,
     .verbs = sizeof observer_verbs / sizeof observer_verbs[0],
+    .event = observer_events,
+    .events = EVENTS,
     .describe = observer_describe,
 };

@@ -105,6 +105,20 @@ static void while_it_is_frozen_readings_are_not_believed(void)
     TEST_ASSERT_TRUE(reads_as("xD_ahead", "good"));
 }
 
+static void it_says_that_a_reading_was_not_expected(void)
+{
+    column_at_rest(1);
+    in_auto();
+    setpoint("top", 97);
+    plant_steps(60);
+    TEST_ASSERT_FALSE(said("BLOCK_ALARM")); /* what it knows of is none */
+    plant_event("xB.bias=1");
+    plant_step();
+    TEST_ASSERT_TRUE(said("BLOCK_ALARM block1.surprise"));
+    ask_ok("events");
+    TEST_ASSERT_TRUE(said("BLOCK_EVENT block1.gained"));
+}
+
 /* ---- the loops ---- */
 
 static void no_error_is_left(const char *loop, double wanted)
@@ -225,6 +239,7 @@ int main(void)
     RUN_TEST(the_gain_is_the_filters_from_its_declared_tick_on);
     RUN_TEST(a_change_of_its_settings_asks_for_another_gain_and_the_old_one_goes_on);
     RUN_TEST(while_it_is_frozen_readings_are_not_believed);
+    RUN_TEST(it_says_that_a_reading_was_not_expected);
     RUN_TEST(setpoints_are_followed_without_offset);
     RUN_TEST(both_loops_together_deviate_less_than_with_pids);
     RUN_TEST(a_third_loop_has_a_point_as_its_pv);
