@@ -35,6 +35,8 @@ static uint32_t mean_more;            /* bytes it needs besides */
 static struct block_setup mean_setup; /* with which it was last configured, */
 static bool mean_retuned;             /* and how */
 static bool mean_waits;               /* its work is wanted */
+static bool mean_again;               /* it wants work again and again */
+static float mean_adds;               /* to its first point */
 static unsigned mean_follows;
 
 static uint32_t mean_bytes(const struct block_setup *setup)
@@ -84,10 +86,12 @@ static void mean_step(void *state, struct block_io *io)
     io->point[1] = num_sub(io->input[1], io->input[0]);
     io->point_quality[0] = io->point_quality[1] =
         io->quality[0] > io->quality[1] ? io->quality[0] : io->quality[1];
+    io->point[0] = num_add(io->point[0], num_from_float(mean_adds));
     m->results += io->work_done;
     mean_waits = io->work_wanted;
-    if (!m->begun) {
+    if (!m->begun || (mean_again && !io->work_wanted)) {
         m->begun = true;
+        m->counted = 0;
         io->ask_work = 5;
     }
 }
