@@ -94,7 +94,7 @@ static void everything_of_a_block_is_in_the_dump_which_can_be_pasted(void)
 /* Nine digits and an exponent in every column: what `dump` prints, the line editor takes. */
 static void the_longest_row_is_shown_whole_and_can_be_pasted(void)
 {
-    char name[40], row[400] = "", line[440];
+    char name[40], row[400] = "", line[480];
     snprintf(name, sizeof name, "block4.%s.%u", column_parameters[0].name,
              (unsigned)column_parameters[0].rows);
     for (unsigned k = 0; k < column_parameters[0].cols; k++)
