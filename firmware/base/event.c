@@ -115,6 +115,8 @@ static const char *const table[] = {
     E("BLOCK_REFUSED", "a block has not done what it was told; which block", WARNING),
     E("BLOCK_EVENT", "a block says", INFO),
     E("BLOCK_ALARM", "a block says", ALARM),
+    E("EXCITATION_BEGUN", "a block excites the plant with a test signal; which block", INFO),
+    E("EXCITATION_ENDED", "the test signal of a block is over; which block", INFO),
 #endif
     E("DO_MODE", "mode asked for (0 manual, 1 auto, 2 cascade)", ACTION),
     E("DO_SETPOINT", "setpoint asked for", ACTION),

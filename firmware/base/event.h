@@ -96,6 +96,8 @@ enum event_code {
     EVENT_BLOCK_REFUSED,
     EVENT_BLOCK_EVENT, /* detail: place of the block's kind, whose words say more */
     EVENT_BLOCK_ALARM, /* likewise */
+    EVENT_EXCITATION_BEGUN,
+    EVENT_EXCITATION_ENDED,
 #endif
     /* Actions: what was asked for at the console. Kept in the history, not announced. */
     EVENT_DO_MODE,

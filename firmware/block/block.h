@@ -24,6 +24,7 @@
 
 #include "base/error.h"
 #include "block/applied_history.h"
+#include "block/excitation.h"
 #include "block/settings.h"
 #include "num/num.h"
 
@@ -105,6 +106,12 @@ struct block_io {
     uint16_t divisor;                              /* base ticks of a step */
     uint16_t raised;    /* given: bit k: the k-th of the kind's events holds in this step */
     float *event_value; /* [events] given with it, in the unit its words name */
+    /* Test signals: */
+    struct block_excitation
+        *excite; /* [BLOCK_EXCITES_MAX] given, in every step anew; EXCITE_NOTHING where it is not */
+    uint8_t excite_state;      /* enum excite_state: what became of the last asking */
+    uint8_t excite_reason;     /* enum excite_reason, of EXCITE_REFUSED and EXCITE_ENDED */
+    const char *excite_holder; /* who excites the plant now, in a word, or NULL */
 #endif
 };
 

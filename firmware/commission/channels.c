@@ -135,6 +135,9 @@ static enum err may_test(const struct supervisor *s, const char **what, const ch
         return hindered(
             what, wanted, NULL,
             "the plant is in the safe state; bring it to its operating point by hand first");
+    if (supervisor_excited_by(s))
+        return hindered(what, wanted, supervisor_excited_by(s),
+                        commission_reason_text(REASON_EXCITED));
     return ERR_OK;
 }
 
@@ -246,6 +249,9 @@ enum commission_reason commission_hindrance(const struct commission *c, const st
         return REASON_SAFE;
     if (sequence_runs(s))
         return REASON_SEQUENCE;
+    *subject = supervisor_excited_by(s);
+    if (*subject)
+        return REASON_EXCITED;
     for (uint8_t k = 0; k < c->work->analysis.pairs.n; k++) {
         uint8_t i = pair_measurement(c, k), j = pair_output(c, k);
         uint8_t inner = analysis_inner_of(&c->work->analysis, k);

@@ -58,6 +58,7 @@ enum commission_reason {
     REASON_REVERSAL,     /* no double step is small enough */
     REASON_TOO_SLOW,     /* for test.longest */
     REASON_TRIAL_SWINGS, /* an oscillation that does not decay */
+    REASON_EXCITED,      /* a block excites the plant */
     REASON_COUNT
 };
 

@@ -3,6 +3,7 @@
 
 #include "supervise/alarms.h"
 #include "supervise/arena.h"
+#include "supervise/block_excitation.h"
 #include "supervise/blocks.h"
 #include "supervise/histories.h"
 #include "supervise/sequence.h"
@@ -207,6 +208,7 @@ void supervisor_take_plan(struct supervisor *s, const struct plan *plan)
 {
     const struct plan *old = s->plan;
     uint8_t n[PLACED_KINDS];
+    excitation_meet_plan(s, plan);
     s->plan = plan;
     arena_count(plan, n);
     /* Those that lose their places have something to say before. */

@@ -33,6 +33,23 @@ static bool interlock_condition(const struct supervisor *s, uint8_t k)
            heard_within(s, k, s->plan->config.measurement[i].hold_s);
 }
 
+#if CONFIG_BLOCKS
+bool interlock_begins(const struct supervisor *s, uint8_t j)
+{
+    for (uint8_t k = 0; k < s->placed[PLACED_INTERLOCKS]; k++) {
+        const struct interlock_config *c = &s->plan->config.interlock[k];
+        const struct interlock_state *state = &s->interlock[k];
+        if (!c->measurement[0] || s->plan->interlock[k].measurement == PLAN_NONE ||
+            s->plan->interlock[k].output != j || !interlock_condition(s, k))
+            continue;
+        float waited_ms = state->pending ? elapsed_ms(s->time_ms, state->since_ms) : 0.0f;
+        if (state->active || waited_ms >= c->delay_s * 1000.0f)
+            return true;
+    }
+    return false;
+}
+#endif
+
 /* A missing sample does not begin the delay anew, when others are heard meanwhile; it takes one past the limit to end
  * the delay. */
 static bool interlock_waits(const struct supervisor *s, uint8_t k)

@@ -8,4 +8,9 @@
 /* output_state.commanded of every output becomes constrained, and applied. */
 void constrain_outputs(struct supervisor *s);
 
+#if CONFIG_BLOCKS
+/* One will hold MV j from this tick on. Before constrain_outputs(). */
+bool interlock_begins(const struct supervisor *s, uint8_t j);
+#endif
+
 #endif

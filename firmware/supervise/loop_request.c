@@ -1,5 +1,6 @@
 #include "supervise/loop_request.h"
 
+#include "supervise/block_excitation.h"
 #include "supervise/setpoint.h"
 #include "supervise/span.h"
 
@@ -47,7 +48,7 @@ static bool request_mode(struct supervisor *s, const struct request *r)
     }
     bool from_manual = l->mode == LOOP_MANUAL;
     if (l->mode == LOOP_CASCADE)
-        l->target = l->setpoint; /* stay where the outer loop left it */
+        l->target = loop_own_setpoint(l); /* stay where the outer loop left it */
     l->mode = mode;
     if (from_manual) {
         l->join = true;
@@ -99,6 +100,7 @@ static bool request_output(struct supervisor *s, const struct request *r)
             l->v = span_to_fraction(r->value, m->lo, m->hi);
         } else {
             s->output[p->output].manual = output_fraction(s, p->output, r->value);
+            excitation_end_by_hand(s, p->output);
         }
     } else {
         name = s->plan->config.output[j].name;
@@ -107,6 +109,7 @@ static bool request_output(struct supervisor *s, const struct request *r)
             return false;
         }
         s->output[j].manual = output_fraction(s, j, r->value);
+        excitation_end_by_hand(s, j);
     }
     s->state = SUPERVISOR_RUN;
     event_put(s->events, s->time_ms, EVENT_OUTPUT, name, r->value, 0);

@@ -2,6 +2,7 @@
 
 #include <string.h>
 
+#include "supervise/block_excitation.h"
 #include "supervise/span.h"
 
 /* It may be a name in a plan that is written over later. */
@@ -12,6 +13,7 @@ static void keep_reason(struct supervisor *s, const char *reason)
 
 void outputs_take_safe(struct supervisor *s, const char *reason)
 {
+    excitation_end(s, EXCITE_SAFE);
     for (unsigned i = 0; i < s->placed[PLACED_LOOPS]; i++)
         s->loop[i].mode = LOOP_MANUAL;
     for (unsigned j = 0; j < s->placed[PLACED_OUTPUTS]; j++) {

@@ -194,7 +194,7 @@ void restart_keep(struct restart *r, const struct supervisor *s)
     for (uint8_t i = 0; i < s->placed[PLACED_LOOPS]; i++) {
         record->mode[i] = (uint8_t)s->loop[i].mode;
         record->target[i] = s->loop[i].target;
-        record->setpoint[i] = s->loop[i].setpoint;
+        record->setpoint[i] = loop_own_setpoint(&s->loop[i]);
         record->v[i] = s->loop[i].v;
     }
     for (uint8_t j = 0; j < s->placed[PLACED_OUTPUTS]; j++)

@@ -39,12 +39,6 @@ const char *sequence_reason_text(uint8_t reason)
 /* An output within this of where a row has put it is there, fraction of span. */
 #define THERE 0.001f
 
-bool sequence_active(const struct sequence *q)
-{
-    return q->state == SEQUENCE_RUNNING || q->state == SEQUENCE_HELD ||
-           q->state == SEQUENCE_CONFIRM;
-}
-
 static const struct step_config *row_of(const struct supervisor *s, uint8_t k)
 {
     return &s->plan->config.step[k];

@@ -19,9 +19,6 @@
 #include "supervise/state.h"
 
 #if CONFIG_STEPS
-/* Under way: running, held or waiting for confirmation. */
-bool sequence_active(const struct sequence *q);
-
 /* In the tick, between requests and control: guards, the condition of the step, further steps. */
 void sequence_run(struct supervisor *s);
 /* REQUEST_SEQUENCE. */

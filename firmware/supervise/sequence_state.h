@@ -62,6 +62,13 @@ struct sequence {
 };
 _Static_assert(CONFIG_STEPS <= 32, "a bit for each guard");
 _Static_assert(CHANNEL_MAX <= 16 && CONFIG_LOOPS <= 16, "a bit for each output and loop");
+
+/* Under way: running, held or waiting for confirmation. */
+static inline bool sequence_active(const struct sequence *q)
+{
+    return q->state == SEQUENCE_RUNNING || q->state == SEQUENCE_HELD ||
+           q->state == SEQUENCE_CONFIRM;
+}
 #endif
 
 #endif

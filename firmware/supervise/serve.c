@@ -1,5 +1,6 @@
 #include "supervise/serve.h"
 
+#include "supervise/block_excitation.h"
 #include "supervise/blocks.h"
 #include "supervise/histories.h"
 #include "supervise/plan_parts.h"
@@ -17,6 +18,7 @@ struct signals {
     num_t input[BLOCK_INPUTS_MAX], point[BLOCK_POINTS_MAX];
     uint8_t quality[BLOCK_INPUTS_MAX], point_quality[BLOCK_POINTS_MAX];
     float event_value[BLOCK_EVENTS_MAX];
+    struct block_excitation excite[BLOCK_EXCITES_MAX];
     const struct applied_history *member_applied[BLOCK_MEMBERS_MAX],
         *input_applied[BLOCK_INPUTS_MAX];
 };
@@ -177,6 +179,7 @@ static void give_up_block(struct supervisor *s, uint8_t slot, const char *reason
     job_give_up(&s->work[slot - SLOT_RECORDS]);
     event_put(s->events, s->time_ms, EVENT_BLOCK_GAVE_UP, reason, (float)(slot - SLOT_RECORDS + 1),
               0);
+    excitation_end_of(s, slot, EXCITE_GAVE_UP);
 }
 
 bool serve_switch(struct supervisor *s, uint8_t n, bool on)
@@ -323,9 +326,11 @@ void serve_estimate(struct supervisor *s)
             kind_at(s, slot)->follow(supervisor_block(s, slot), &g.io);
         s->block[slot].must_follow = false;
         take_work(s, slot, &g.io);
+        excitation_tell(s, slot, &g.io, g.excite);
         kind_at(s, slot)->step(supervisor_block(s, slot), &g.io);
         raised_tell(s, slot, &g.io);
         ask_work(s, slot, &g.io);
+        excitation_take(s, slot, &g.io);
         give_points(s, slot, &g);
     }
 }
@@ -383,6 +388,7 @@ void serve_step(struct supervisor *s, uint8_t i)
     if (s->block[slot].stepped) /* nobody has told it yet: as if nothing had been in the way */
         kind->back_calculate(supervisor_block(s, slot), &g.io);
     take_work(s, slot, &g.io);
+    excitation_tell(s, slot, &g.io, g.excite);
     kind->step(supervisor_block(s, slot), &g.io);
     raised_tell(s, slot, &g.io);
     if (!g.io.gives_up && !gives_numbers(&g, r->members))
@@ -393,6 +399,7 @@ void serve_step(struct supervisor *s, uint8_t i)
         return;
     }
     ask_work(s, slot, &g.io);
+    excitation_take(s, slot, &g.io);
     for (uint8_t k = 0; k < r->members; k++) {
         if (!(g.io.acting & (1u << k)))
             continue;

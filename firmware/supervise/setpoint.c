@@ -1,5 +1,6 @@
 /* Limits, ramp and filter of setpoints, and where they come from in each mode. */
 #include "supervise/setpoint.h"
+#include "supervise/block_excitation.h"
 #include "supervise/span.h"
 
 num_t setpoint_clamp(const struct supervisor *s, uint8_t i, num_t setpoint)
@@ -23,7 +24,7 @@ static void setpoint_from_outer(struct supervisor *s, uint8_t i)
 num_t setpoint_found(const struct supervisor *s, uint8_t i)
 {
     const struct loop_state *l = &s->loop[i];
-    return l->mode == LOOP_AUTO ? l->setpoint : s->measurement[s->plan->loop[i].pv].value;
+    return l->mode == LOOP_AUTO ? loop_own_setpoint(l) : s->measurement[s->plan->loop[i].pv].value;
 }
 
 void setpoint_advance(struct supervisor *s, uint8_t i)
@@ -33,6 +34,7 @@ void setpoint_advance(struct supervisor *s, uint8_t i)
         setpoint_from_outer(s, i);
     else
         l->setpoint = lag_step(&l->filter, ramp_step(&l->ramp, l->target));
+    excitation_add(s, i);
 }
 
 /* In manual the setpoint waits where automatic will begin: at the measurement, unless the operator wants

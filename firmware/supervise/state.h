@@ -126,7 +126,8 @@ struct loop_state {
     struct lag filter;
     num_t v; /* output of the block, before decoupler and feedforward */
 #if CONFIG_BLOCKS
-    num_t told; /* what took effect of v, for the block that serves it */
+    num_t told;            /* what took effect of v, for the block that serves it */
+    num_t excite, excited; /* a block's test signal on the setpoint: asked for, and in `setpoint` */
 #endif
     num_t feedforward;
     uint8_t clamp;   /* enum integral_clamp, from the loop it drives */
@@ -153,6 +154,24 @@ struct served_state {
     uint8_t raised; /* bit k: the k-th event of its kind held in its last step */
 };
 _Static_assert(BLOCK_EVENTS_MAX <= 8, "a bit for each");
+
+/* What a block excites: block_excitation.h. */
+struct excited {
+    uint8_t what, at; /* EXCITE_MV: which; EXCITE_SETPOINT: of which loop */
+    num_t amplitude, lo, hi;
+};
+
+struct excite_told {
+    uint8_t state, reason;
+};
+
+struct excitation_state {
+    uint8_t holder; /* number of the block that excites, from 1; 0 = none */
+    uint8_t targets;
+    struct excite_told told[CONFIG_BLOCKS]; /* what became of each block's asking */
+    uint32_t modes;                         /* of all loops when it began, two bits each */
+    struct excited target[BLOCK_EXCITES_MAX];
+};
 
 /* Which block a job works for. */
 struct supervisor_work {
@@ -218,6 +237,7 @@ struct supervisor {
     struct job work[CONFIG_BLOCKS]; /* of blocks with a record */
     struct supervisor_work worker[CONFIG_BLOCKS];
     uint16_t history[CHANNEL_MAX]; /* of each MV, as in the plan; they stand behind the blocks */
+    struct excitation_state excitation;
     struct served_state served[CONFIG_BLOCKS];
 #endif
     _Alignas(8) num_t arena[PLAN_ARENA_BYTES / sizeof(num_t)];
@@ -227,6 +247,27 @@ struct supervisor {
 static inline void *supervisor_block(const struct supervisor *s, uint8_t slot)
 {
     return (uint8_t *)s->arena + s->block[slot].at * ARENA_GRAIN;
+}
+
+/* The kind of the block that excites the plant now, or NULL. While start-up tests (`testing`) none can. */
+static inline const char *supervisor_excited_by(const struct supervisor *s)
+{
+#if CONFIG_BLOCKS
+    if (s->excitation.holder)
+        return plan_kind(s->plan, (uint8_t)(SLOT_RECORDS + s->excitation.holder - 1u))->name;
+#endif
+    (void)s;
+    return NULL;
+}
+
+/* The setpoint in force without a test signal. */
+static inline num_t loop_own_setpoint(const struct loop_state *l)
+{
+#if CONFIG_BLOCKS
+    return num_sub(l->setpoint, l->excited);
+#else
+    return l->setpoint;
+#endif
 }
 
 /* The offset subtracted from readings of measurement i now, EU. */

@@ -2,6 +2,7 @@
 
 #include "supervise/alarms.h"
 #include "supervise/back_calculate.h"
+#include "supervise/block_excitation.h"
 #include "supervise/blocks.h"
 #include "supervise/constrain.h"
 #include "supervise/histories.h"
@@ -137,11 +138,13 @@ void supervisor_control(struct supervisor *s)
     drop_unbound(s);
     loops_find_driving(s);
     serve_check_inputs(s);
+    excitation_watch(s);
     num_t before[CONFIG_LOOPS];
     feed_forward(s, before);
     bumpless_transfer(s, before);
     run_loops(s);
     command_outputs(s);
+    excitation_check_commands(s);
     constrain_outputs(s);
     back_calculate_loops(s);
     alarms_run(s);

@@ -13,7 +13,7 @@ reflux_test(job LABEL unit SOURCES ${CMAKE_CURRENT_LIST_DIR}/test_job.c LIBS ref
 reflux_test(workspace LABEL unit SOURCES ${CMAKE_CURRENT_LIST_DIR}/test_workspace.c LIBS reflux_base)
 foreach(part two_position arena plan supervisor_modes supervisor_cascade supervisor_bumpless supervisor_decoupler supervisor_feedforward
              supervisor_constrain sequence sequence_faults sequence_rows supervisor_excite supervisor_retune supervisor_interlock supervisor_measurement supervisor_plan
-             served applied_history block_excitation parameters text)
+             served applied_history block_excitation excitation_ends parameters text)
   if(EXISTS "${CMAKE_CURRENT_LIST_DIR}/test_${part}.c")
     reflux_test(${part} LABEL unit SOURCES ${CMAKE_CURRENT_LIST_DIR}/test_${part}.c
                 LIBS parameters_alone reflux_supervise)
@@ -22,6 +22,8 @@ endforeach()
 target_link_libraries(test_two_position PRIVATE reflux_control)
 target_link_libraries(test_served PRIVATE reflux_control)
 target_link_libraries(test_applied_history PRIVATE reflux_control)
+target_link_libraries(test_block_excitation PRIVATE reflux_control)
+target_link_libraries(test_excitation_ends PRIVATE reflux_control)
 
 # The table of parameters in docs/console.md, and whether it is current.
 add_executable(parameter_table "${PROJECT_SOURCE_DIR}/tests/support/parameter_table.c")

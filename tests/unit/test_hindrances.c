@@ -392,6 +392,17 @@ static void no_test_and_no_trial_begins_while_a_sequence_runs(void)
 }
 #endif
 
+#if CONFIG_BLOCKS
+static void no_test_and_no_trial_begins_while_a_block_excites_the_plant(void)
+{
+    bench.plan[bench.current].block[SLOT_RECORDS + 1].kind = 0;
+    bench.s.excitation.holder = 2;
+    begins(false, block_kinds[0]->name, "excites the plant");
+    relays(TOP, block_kinds[0]->name, "excites the plant");
+    hinders(REASON_EXCITED, block_kinds[0]->name);
+}
+#endif
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -408,6 +419,9 @@ int main(void)
     RUN_TEST(what_stands_in_the_way_of_a_trial);
 #if CONFIG_STEPS
     RUN_TEST(no_test_and_no_trial_begins_while_a_sequence_runs);
+#endif
+#if CONFIG_BLOCKS
+    RUN_TEST(no_test_and_no_trial_begins_while_a_block_excites_the_plant);
 #endif
     return UNITY_END();
 }

@@ -1,0 +1,492 @@
+#include "supervise/block_excitation.h"
+
+#include <string.h>
+
+#include "supervise/blocks.h"
+#include "supervise/constrain.h"
+#include "supervise/records.h"
+#include "supervise/span.h"
+
+#if CONFIG_BLOCKS
+
+_Static_assert(CONFIG_LOOPS <= 16, "excitation_state.modes has two bits for each loop");
+
+/* Numbers that should be equal may differ by a few roundings: fraction of span. */
+#define ROUNDING num_from_float(1e-6f)
+
+/* As the events say them. */
+static const char *const reason_words[EXCITE_REASONS] = {
+    [EXCITE_FINE] = "",
+    [EXCITE_TAKEN] = "taken",
+    [EXCITE_ASKED] = "asked",
+    [EXCITE_LIMIT] = "limit",
+    [EXCITE_INTERLOCK] = "interlock",
+    [EXCITE_MODE] = "mode",
+    [EXCITE_HAND] = "hand",
+    [EXCITE_CHANNEL] = "channel",
+    [EXCITE_SAFE] = "safe state",
+    [EXCITE_SEQUENCE] = "sequence",
+    [EXCITE_PLAN] = "settings",
+    [EXCITE_GAVE_UP] = "gave up",
+    [EXCITE_WRONG] = "wrong",
+};
+
+static bool is_at_most(num_t a, num_t b) /* false where one is no number */
+{
+    return num_lt(a, b) || num_eq(a, b);
+}
+
+/* ---- what is excited ---- */
+
+/* The loop under test, or that acts on the MV under test, or PLAN_NONE. */
+static uint8_t excited_loop(const struct supervisor *s, const struct excited *t)
+{
+    return t->what == EXCITE_SETPOINT ? t->at : s->plan->owner[t->at];
+}
+
+/* The MV at the end of the loops from i on. */
+static uint8_t mv_below(const struct plan *plan, uint8_t i)
+{
+    /* At most CONFIG_LOOPS steps down a chain that plan_build() has proved free of rings. */
+    for (unsigned depth = 0; depth < CONFIG_LOOPS && plan->loop[i].output == PLAN_NONE; depth++)
+        i = plan->loop[i].inner;
+    return plan->loop[i].output;
+}
+
+static uint8_t excited_mv(const struct supervisor *s, const struct excited *t)
+{
+    return t->what == EXCITE_SETPOINT ? mv_below(s->plan, t->at) : t->at;
+}
+
+static uint32_t modes_now(const struct supervisor *s)
+{
+    uint32_t modes = 0;
+    for (uint8_t i = 0; i < s->placed[PLACED_LOOPS]; i++)
+        modes |= (uint32_t)s->loop[i].mode << (2u * i);
+    return modes;
+}
+
+/* Without the signal. */
+static num_t base_of(const struct supervisor *s, const struct excited *t)
+{
+    if (t->what == EXCITE_SETPOINT)
+        return loop_own_setpoint(&s->loop[t->at]);
+    return num_sub(s->output[t->at].commanded, s->output[t->at].excitation);
+}
+
+/* Its own limits, and those that hold for what it is added to. */
+static void excitation_limits(const struct supervisor *s, const struct excited *t, num_t *lo,
+                              num_t *hi)
+{
+    const struct config *c = &s->plan->config;
+    uint8_t i = excited_loop(s, t);
+    *lo = t->lo;
+    *hi = t->hi;
+    if (t->what == EXCITE_SETPOINT) {
+        const struct measurement_config *m = &c->measurement[s->plan->loop[i].pv];
+        float least, most;
+        plan_setpoint_limits(s->plan, i, &least, &most);
+        *lo = num_max(*lo, span_to_fraction(least, m->lo, m->hi));
+        *hi = num_min(*hi, span_to_fraction(most, m->lo, m->hi));
+        return;
+    }
+    const struct output_config *o = &c->output[t->at];
+    *lo = num_max(*lo, span_to_fraction(o->min, o->lo, o->hi));
+    *hi = num_min(*hi, span_to_fraction(o->max, o->lo, o->hi));
+    if (i == PLAN_NONE || !loop_drives(s, i))
+        return;
+    *lo = num_max(*lo, num_from_float(c->loop[i].own.out_lo));
+    *hi = num_min(*hi, num_from_float(c->loop[i].own.out_hi));
+}
+
+static bool is_within_limits(const struct supervisor *s, const struct excited *t, num_t least,
+                             num_t most)
+{
+    num_t lo, hi;
+    excitation_limits(s, t, &lo, &hi);
+    return is_at_most(num_sub(lo, ROUNDING), least) && is_at_most(most, num_add(hi, ROUNDING));
+}
+
+/* ---- what is in its way ---- */
+
+static bool pv_is_gone(const struct supervisor *s, uint8_t i)
+{
+    const struct measurement_state *m = &s->measurement[s->plan->loop[i].pv];
+    return !m->bound || m->lost || !quality_usable(m->quality);
+}
+
+static enum excite_reason loop_disturbance(const struct supervisor *s, uint8_t i, uint32_t modes)
+{
+    bool changed = ((modes ^ modes_now(s)) >> (2u * i) & 3u) != 0;
+    bool acts = s->loop[i].mode != LOOP_MANUAL;
+    if ((changed || acts) && pv_is_gone(s, i))
+        return EXCITE_CHANNEL;
+    return changed ? EXCITE_MODE : EXCITE_FINE;
+}
+
+static enum excite_reason disturbance(const struct supervisor *s, const struct excited *t,
+                                      uint32_t modes)
+{
+    uint8_t j = excited_mv(s, t), i = excited_loop(s, t);
+    if (!s->output[j].bound)
+        return EXCITE_CHANNEL;
+    /* A setpoint: all loops below it as well. */
+    for (unsigned depth = 0; depth < CONFIG_LOOPS && i != PLAN_NONE; depth++) {
+        enum excite_reason reason = loop_disturbance(s, i, modes);
+        if (reason != EXCITE_FINE)
+            return reason;
+        i = s->plan->loop[i].inner;
+    }
+    if (t->what == EXCITE_SETPOINT && (s->loop[t->at].mode == LOOP_MANUAL || s->loop[t->at].open))
+        return EXCITE_MODE;
+    return s->output[j].interlocked || interlock_begins(s, j) ? EXCITE_INTERLOCK : EXCITE_FINE;
+}
+
+static enum excite_reason plant_disturbance(const struct supervisor *s)
+{
+#if CONFIG_STEPS
+    if (sequence_active(&s->sequence))
+        return EXCITE_SEQUENCE;
+#endif
+    return s->state == SUPERVISOR_SAFE ? EXCITE_SAFE : EXCITE_FINE;
+}
+
+/* It has its turns, in which it could ask for an end. */
+static bool has_turns(const struct supervisor *s, uint8_t n)
+{
+    const struct record_plan *r = &s->plan->record[n];
+    if (plan_kind(s->plan, (uint8_t)(SLOT_RECORDS + n))->stage == STAGE_ESTIMATE)
+        return true;
+    for (uint8_t k = 0; k < r->members; k++)
+        if (loop_drives(s, r->member[k]))
+            return true;
+    return false;
+}
+
+/* ---- beginning and end ---- */
+
+static void tell_end(struct supervisor *s, uint8_t n, enum excite_state state,
+                     enum excite_reason reason)
+{
+    s->excitation.told[n] = (struct excite_told){(uint8_t)state, (uint8_t)reason};
+}
+
+/* The loop's own controller has followed at the setpoint with the signal: it would answer to the change, if it took over now. */
+static void end_on_setpoint(struct supervisor *s, uint8_t i)
+{
+    struct loop_state *l = &s->loop[i];
+    bool moves = !num_eq(l->excited, num_zero());
+    l->setpoint = loop_own_setpoint(l);
+    l->excited = l->excite = num_zero();
+    if (moves && loop_acts(s, i))
+        block_follow_at(s, i, l->told);
+}
+
+void excitation_end(struct supervisor *s, enum excite_reason reason)
+{
+    struct excitation_state *e = &s->excitation;
+    if (!e->holder)
+        return;
+    for (uint8_t k = 0; k < e->targets; k++) {
+        const struct excited *t = &e->target[k];
+        if (t->what == EXCITE_SETPOINT) {
+            end_on_setpoint(s, t->at);
+        } else {
+            s->output[t->at].excitation = num_zero();
+        }
+    }
+    uint8_t n = (uint8_t)(e->holder - 1u);
+    tell_end(s, n, EXCITE_ENDED, reason);
+    e->holder = e->targets = 0;
+    event_put(s->events, s->time_ms, EVENT_EXCITATION_ENDED, reason_words[reason], (float)(n + 1u),
+              (uint8_t)reason);
+}
+
+/* Start-up or a block. */
+static const char *who_excites(const struct supervisor *s)
+{
+    return s->testing ? "commission" : supervisor_excited_by(s);
+}
+
+static bool is_holder(const struct supervisor *s, uint8_t slot)
+{
+    return s->excitation.holder == slot - SLOT_RECORDS + 1;
+}
+
+void excitation_end_of(struct supervisor *s, uint8_t slot, enum excite_reason reason)
+{
+    if (is_holder(s, slot))
+        excitation_end(s, reason);
+}
+
+void excitation_end_by_hand(struct supervisor *s, uint8_t j)
+{
+    for (uint8_t k = 0; k < s->excitation.targets; k++)
+        if (s->excitation.target[k].what != EXCITE_SETPOINT && s->excitation.target[k].at == j) {
+            excitation_end(s, EXCITE_HAND);
+            return;
+        }
+}
+
+/* What the block of a record asks for; false: there is no such MV or setpoint. */
+static bool resolve_target(const struct supervisor *s, uint8_t n, const struct block_excitation *a,
+                           struct excited *t)
+{
+    const struct record_plan *r = &s->plan->record[n];
+    bool input = a->what == EXCITE_INPUT;
+    if (a->what > EXCITE_SETPOINT || a->which >= (input ? r->inputs : r->members))
+        return false;
+    uint8_t i = input ? (uint8_t)PLAN_NONE : r->member[a->which];
+    if (a->what == EXCITE_SETPOINT)
+        t->at = i;
+    else if (!input)
+        t->at = s->plan->loop[i].output;
+    else
+        t->at = r->input[a->which] & INPUT_IS_MV ? r->input[a->which] & (uint8_t)~INPUT_IS_MV
+                                                 : (uint8_t)PLAN_NONE;
+    t->what = input ? EXCITE_MV : a->what;
+    t->amplitude = a->amplitude;
+    t->lo = a->lo;
+    t->hi = a->hi;
+    return t->at != PLAN_NONE;
+}
+
+static bool is_twice(const struct excited *t, uint8_t n)
+{
+    for (uint8_t k = 0; k < n; k++)
+        if (t[k].what == t[n].what && t[k].at == t[n].at)
+            return true;
+    return false;
+}
+
+/* Collects what is asked for into target[]; returns how many, or BLOCK_EXCITES_MAX + 1 where something is wrong with it. */
+static uint8_t resolve_targets(const struct supervisor *s, uint8_t n, const struct block_io *io,
+                               struct excited *target)
+{
+    uint8_t targets = 0;
+    for (uint8_t k = 0; k < BLOCK_EXCITES_MAX; k++) {
+        const struct block_excitation *a = &io->excite[k];
+        if (a->what == EXCITE_NOTHING)
+            continue;
+        struct excited *t = &target[targets];
+        if (!resolve_target(s, n, a, t) || is_twice(target, targets) ||
+            !num_lt(num_zero(), t->amplitude) || !is_at_most(t->lo, t->hi))
+            return BLOCK_EXCITES_MAX + 1;
+        targets++;
+    }
+    return targets;
+}
+
+static enum excite_reason may_begin(const struct supervisor *s, const struct excited *target,
+                                    uint8_t targets)
+{
+    if (who_excites(s))
+        return EXCITE_TAKEN;
+    enum excite_reason reason = plant_disturbance(s);
+    for (uint8_t k = 0; k < targets && reason == EXCITE_FINE; k++) {
+        const struct excited *t = &target[k];
+        num_t base = base_of(s, t);
+        reason = disturbance(s, t, modes_now(s));
+        if (reason == EXCITE_FINE &&
+            !is_within_limits(s, t, num_sub(base, t->amplitude), num_add(base, t->amplitude)))
+            reason = EXCITE_LIMIT;
+    }
+    return reason;
+}
+
+/* The same as at the beginning. */
+static bool same_targets(const struct excitation_state *e, const struct excited *target,
+                         uint8_t targets)
+{
+    for (uint8_t k = 0; k < targets && targets == e->targets; k++)
+        if (target[k].what != e->target[k].what || target[k].at != e->target[k].at)
+            return false;
+    return targets == e->targets;
+}
+
+/* The values of this step; false: one is larger than was said, or no number. */
+static bool take_values(struct supervisor *s, const struct block_io *io)
+{
+    const struct excited *t = s->excitation.target;
+    for (uint8_t k = 0; k < BLOCK_EXCITES_MAX; k++) {
+        const struct block_excitation *a = &io->excite[k];
+        if (a->what == EXCITE_NOTHING)
+            continue;
+        if (!is_at_most(num_abs(a->value), t->amplitude))
+            return false;
+        if (t->what == EXCITE_SETPOINT)
+            s->loop[t->at].excite = a->value;
+        else
+            s->output[t->at].excitation = a->value;
+        t++;
+    }
+    return true;
+}
+
+static enum excite_reason begin_excitation(struct supervisor *s, uint8_t n,
+                                           const struct excited *target, uint8_t targets)
+{
+    struct excitation_state *e = &s->excitation;
+    enum excite_reason reason = may_begin(s, target, targets);
+    if (reason != EXCITE_FINE)
+        return reason;
+    e->holder = (uint8_t)(n + 1u);
+    e->targets = targets;
+    memcpy(e->target, target, targets * sizeof *target);
+    e->modes = modes_now(s);
+    tell_end(s, n, EXCITE_RUNS, EXCITE_FINE);
+    event_put(s->events, s->time_ms, EVENT_EXCITATION_BEGUN, s->plan->config.block[n].kind,
+              (float)(n + 1u), 0);
+    return EXCITE_FINE;
+}
+
+void excitation_tell(const struct supervisor *s, uint8_t slot, struct block_io *io,
+                     struct block_excitation *ask)
+{
+    const struct excite_told *told = &s->excitation.told[slot - SLOT_RECORDS];
+    memset(ask, 0, BLOCK_EXCITES_MAX * sizeof *ask);
+    io->excite = ask;
+    io->excite_state = told->state;
+    io->excite_reason = told->reason;
+    io->excite_holder = who_excites(s);
+}
+
+void excitation_take(struct supervisor *s, uint8_t slot, const struct block_io *io)
+{
+    struct excitation_state *e = &s->excitation;
+    uint8_t n = (uint8_t)(slot - SLOT_RECORDS);
+    struct excited target[BLOCK_EXCITES_MAX];
+    uint8_t targets = resolve_targets(s, n, io, target);
+    if (!targets) {
+        excitation_end_of(s, slot, EXCITE_ASKED);
+        tell_end(s, n, EXCITE_OFF, EXCITE_FINE);
+        return;
+    }
+    if (e->told[n].state == EXCITE_ENDED)
+        return; /* until it has let one step pass without asking */
+    enum excite_reason reason = EXCITE_FINE;
+    if (targets > BLOCK_EXCITES_MAX)
+        reason = EXCITE_WRONG;
+    else if (!is_holder(s, slot))
+        reason = begin_excitation(s, n, target, targets);
+    else if (!same_targets(e, target, targets))
+        reason = EXCITE_WRONG;
+    if (reason == EXCITE_FINE && !take_values(s, io))
+        reason = EXCITE_WRONG;
+    if (reason == EXCITE_FINE)
+        return;
+    if (is_holder(s, slot))
+        excitation_end(s, reason);
+    else
+        tell_end(s, n, EXCITE_REFUSED, reason);
+}
+
+/* ---- in a tick ---- */
+
+void excitation_watch(struct supervisor *s)
+{
+    const struct excitation_state *e = &s->excitation;
+    if (!e->holder)
+        return;
+    enum excite_reason reason = plant_disturbance(s);
+    for (uint8_t k = 0; k < e->targets && reason == EXCITE_FINE; k++)
+        reason = disturbance(s, &e->target[k], e->modes);
+    if (reason == EXCITE_FINE && !has_turns(s, (uint8_t)(e->holder - 1u)))
+        reason = EXCITE_MODE;
+    if (reason != EXCITE_FINE)
+        excitation_end(s, reason);
+}
+
+void excitation_add(struct supervisor *s, uint8_t i)
+{
+    struct loop_state *l = &s->loop[i];
+    const struct excitation_state *e = &s->excitation;
+    l->excited = num_zero();
+    for (uint8_t k = 0; k < e->targets; k++) {
+        const struct excited *t = &e->target[k];
+        if (t->what != EXCITE_SETPOINT || t->at != i)
+            continue;
+        num_t sum = num_add(l->setpoint, l->excite);
+        if (!is_within_limits(s, t, sum, sum)) {
+            excitation_end(s, EXCITE_LIMIT);
+            return;
+        }
+        l->setpoint = sum;
+        l->excited = l->excite;
+    }
+}
+
+void excitation_check_commands(struct supervisor *s)
+{
+    const struct excitation_state *e = &s->excitation;
+    bool within = true;
+    for (uint8_t k = 0; k < e->targets; k++) {
+        const struct excited *t = &e->target[k];
+        if (t->what == EXCITE_SETPOINT)
+            continue;
+        num_t commanded = s->output[t->at].commanded;
+        within = within && is_within_limits(s, t, commanded, commanded);
+    }
+    if (within)
+        return;
+    for (uint8_t k = 0; k < e->targets; k++)
+        if (e->target[k].what != EXCITE_SETPOINT)
+            s->output[e->target[k].at].commanded = base_of(s, &e->target[k]);
+    excitation_end(s, EXCITE_LIMIT);
+}
+
+/* ---- plans ---- */
+
+static bool same_block_in(const struct plan *a, const struct plan *b, uint8_t n)
+{
+    const struct block_config *x = &a->config.block[n], *y = &b->config.block[n];
+    return memcmp(x->kind, y->kind, sizeof x->kind) == 0 && x->bytes == y->bytes &&
+           memcmp(&a->record[n], &b->record[n], sizeof a->record[n]) == 0 &&
+           memcmp(config_record(&a->config, n), config_record(&b->config, n), x->bytes) == 0;
+}
+
+static bool same_mv_in(const struct plan *a, const struct plan *b, uint8_t j)
+{
+    return a->owner[j] == b->owner[j] &&
+           memcmp(&a->config.output[j], &b->config.output[j], sizeof a->config.output[j]) == 0;
+}
+
+static bool same_loops_in(const struct plan *a, const struct plan *b, uint8_t i)
+{
+    for (unsigned depth = 0; depth < CONFIG_LOOPS && i != PLAN_NONE; depth++) {
+        uint8_t pv = a->loop[i].pv;
+        if (memcmp(&a->config.loop[i], &b->config.loop[i], sizeof a->config.loop[i]) != 0 ||
+            memcmp(&a->config.measurement[pv], &b->config.measurement[pv],
+                   sizeof a->config.measurement[pv]) != 0)
+            return false;
+        i = a->loop[i].inner;
+    }
+    return true;
+}
+
+static bool plan_keeps(const struct supervisor *s, const struct plan *next)
+{
+    const struct excitation_state *e = &s->excitation;
+    if (s->plan->tick_s != next->tick_s || s->tick_s != next->tick_s)
+        return false;
+    bool same = same_block_in(s->plan, next, (uint8_t)(e->holder - 1u));
+    for (uint8_t k = 0; k < e->targets; k++) {
+        const struct excited *t = &e->target[k];
+        same = same && same_mv_in(s->plan, next, excited_mv(s, t)) &&
+               same_loops_in(s->plan, next, excited_loop(s, t));
+    }
+    return same;
+}
+
+void excitation_meet_plan(struct supervisor *s, const struct plan *next)
+{
+    struct excitation_state *e = &s->excitation;
+    if (e->holder && !plan_keeps(s, next))
+        excitation_end(s, EXCITE_PLAN);
+    /* Another kind has not asked for anything yet. */
+    for (uint8_t n = 0; s->plan && n < CONFIG_BLOCKS; n++)
+        if (memcmp(s->plan->config.block[n].kind, next->config.block[n].kind, CHANNEL_NAME_SIZE))
+            tell_end(s, n, EXCITE_OFF, EXCITE_FINE);
+}
+
+#endif
