@@ -28,6 +28,9 @@ static const struct {
     {"spike_rate", 0.0, 1e9, OPTION_SPIKE_RATE, true, false, false},
     {"dropout", 0.0, 1.0, OPTION_DROPOUT, true, false, false},
     {"nan", 0.0, 1.0, OPTION_NAN, true, false, false},
+    {"every", 1.0, 10000.0, OPTION_EVERY, true, false, false},
+    {"phase", 0.0, 9999.0, OPTION_PHASE, true, false, false},
+    {"delay", 0.0, ANALYSER_DELAY_MAX, OPTION_DELAY, true, false, false},
     {"stiction", 0.0, 1e9, OPTION_STICTION, false, true, false},
     {"readback", 0.0, 2.0, OPTION_READBACK, false, true, false},
 };
@@ -123,7 +126,9 @@ static bool add_option(struct event *event, const struct plant_class *class, con
             return sim_fail(err, err_size, "--event %s: %s must be 0, 1, 2 or 3", text, full);
         }
         bool choice = event->option == OPTION_FROZEN || event->option == OPTION_DEAD ||
-                      event->option == OPTION_NAN || event->option == OPTION_READBACK;
+                      event->option == OPTION_NAN || event->option == OPTION_READBACK ||
+                      event->option == OPTION_EVERY || event->option == OPTION_PHASE ||
+                      event->option == OPTION_DELAY;
         if (choice && event->value != (double)(int)event->value) {
             return sim_fail(err, err_size, "--event %s: %s must be a whole number", text, full);
         }

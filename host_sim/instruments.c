@@ -19,7 +19,8 @@ bool instruments_init(struct instruments *in, const struct plant_class *class, u
         }
         if (c->kind == PLANT_MEASUREMENT) {
             struct sensor *s = &in->sensor[in->n_sensors];
-            *s = (struct sensor){.channel = i, .lag_s = c->lag_s, .resolution = c->resolution};
+            *s = (struct sensor){
+                .channel = i, .lag_s = c->lag_s, .resolution = c->resolution, .every = 1};
             noise_seed(&s->random, seed, in->n_sensors + 1);
             noise_seed(&s->chance, seed, in->n_sensors + 1 + LINK_CHANNELS_MAX);
             in->n_sensors++;
@@ -97,6 +98,15 @@ static void set_sensor(struct sensor *s, enum instrument_option option, double v
     case OPTION_NAN:
         s->not_a_number = value != 0.0;
         break;
+    case OPTION_EVERY:
+        s->every = (unsigned)value;
+        break;
+    case OPTION_PHASE:
+        s->phase = (unsigned)value;
+        break;
+    case OPTION_DELAY:
+        s->delay = (unsigned)value;
+        break;
     default:
         break;
     }
@@ -172,6 +182,20 @@ static double spike(struct sensor *s, double dt_s)
     return side < 0.5 ? -s->spike : s->spike;
 }
 
+/* What an analyser shows in sample `n` of the run, in which its sensor reads x. */
+static double analysis(struct sensor *s, double x, unsigned long n)
+{
+    const unsigned long room = ANALYSER_DELAY_MAX + 1;
+    s->past[n % room] = x;
+    if (n == 0) {
+        s->analysis = x; /* that of before: the plant was at rest */
+    }
+    if (n >= s->delay && n % s->every == s->phase % s->every) {
+        s->analysis = s->past[(n - s->delay) % room];
+    }
+    return s->analysis;
+}
+
 static double faulty_reading(const struct sensor *s, const struct plant_channel *c, double x,
                              bool begun)
 {
@@ -185,7 +209,7 @@ static double faulty_reading(const struct sensor *s, const struct plant_channel 
 }
 
 static void read_sensor(struct sensor *s, const struct plant_channel *c, double truth, double dt_s,
-                        bool begun)
+                        bool begun, unsigned long n)
 {
     if (!begun) {
         s->filtered = truth;
@@ -199,6 +223,7 @@ static void read_sensor(struct sensor *s, const struct plant_channel *c, double 
     if (s->resolution > 0.0) {
         x = floor(x / s->resolution + 0.5) * s->resolution;
     }
+    x = analysis(s, x, n);
     x = faulty_reading(s, c, x, begun);
     s->shown = x;
     int quality = s->quality;
@@ -230,7 +255,7 @@ void instruments_measure(struct instruments *in, const struct plant *plant, doub
     for (size_t i = 0; i < in->n_sensors; i++) {
         struct sensor *s = &in->sensor[i];
         read_sensor(s, &in->class->channels[s->channel], in->class->value(plant, s->channel), dt_s,
-                    in->begun);
+                    in->begun, in->taken);
         sample->measurement[i] =
             (struct link_reading){.value = s->reading, .quality = s->sent_quality};
     }
@@ -238,6 +263,7 @@ void instruments_measure(struct instruments *in, const struct plant *plant, doub
         sample->readback[i] = readback(&in->actuator[i]);
     }
     in->begun = true;
+    in->taken++;
 }
 
 void instruments_command(struct instruments *in, const struct link_command *command)

@@ -3,7 +3,8 @@
  * Sensor, in this order: first-order lag (the true value is taken as a straight line between two samples, so
  * steps at samples and ramps are followed exactly), bias, drift, normal noise, spikes, quantisation, stuck or
  * frozen or dead, and the span: what lies outside is clipped and marked uncertain. Then what is no reading at
- * all: not a number, quality, dropout.
+ * all: not a number, quality, dropout. An analyser shows, from every n-th sample to the next, what came out of
+ * quantisation some samples ago; it can be stuck, frozen or dead like any other.
  *
  * Actuator: limits, stiction, slew rate, first-order lag, stuck. Within an interval the position moves as it really would;
  * the plant gets the mean of the interval, so that the amount delivered is right, and the read-back of the next
@@ -41,10 +42,15 @@ enum instrument_option {
     OPTION_SPIKE_RATE, /* sensor: spikes an hour, one sample long, at random */
     OPTION_DROPOUT,    /* sensor: part of the samples in which it is missing, 0..1, at random */
     OPTION_NAN,        /* sensor: 1 = sends not-a-number and calls it good */
-    OPTION_STICTION,   /* actuator: a smaller change of command does not move it, units */
+    OPTION_EVERY, /* sensor: an analyser that shows a new number in every n-th sample; 1 = in each */
+    OPTION_PHASE, /* sensor: ... in those of the run whose number leaves this when divided by n */
+    OPTION_DELAY, /* sensor: ... taken so many samples before */
+    OPTION_STICTION, /* actuator: a smaller change of command does not move it, units */
     OPTION_READBACK, /* actuator: 1 = true, 0 = none (its flowmeter has failed), 2 = the command */
     OPTION_COUNT
 };
+
+#define ANALYSER_DELAY_MAX 100 /* samples */
 
 struct sensor {
     size_t channel;
@@ -55,6 +61,10 @@ struct sensor {
     double stuck_at;
     bool stuck, frozen, dead, not_a_number;
     int quality;
+    unsigned every, phase, delay; /* of an analyser, samples */
+    double past[ANALYSER_DELAY_MAX +
+                1];              /* what it took, by the number of the sample modulo the size */
+    double analysis;             /* what it shows */
     struct noise random, chance; /* chance: spikes and dropouts */
     double filtered;             /* behind the lag */
     double truth;                /* at the last sample */
@@ -81,7 +91,8 @@ struct instruments {
     struct sensor sensor[LINK_CHANNELS_MAX];
     struct actuator actuator[LINK_CHANNELS_MAX];
     size_t n_sensors, n_actuators;
-    bool begun; /* a first sample was taken */
+    bool begun;          /* a first sample was taken */
+    unsigned long taken; /* samples before this one */
 };
 
 /* Fails when the plant has more channels than the link carries. */

@@ -111,6 +111,8 @@ static const char *const table[] = {
     C("BLOCK_GAVE_UP", "the loops' own controllers act in place of a block; which block", ALARM),
     C("BLOCK_ON", "a block acts for its loops again; which block", INFO),
 #if EVENTS_OF_BLOCKS
+    E("LOOP_DIVISOR",
+      "divisor is no multiple of the ticks between samples of its measurement; these", WARNING),
     E("BLOCK_VERB", "the block has done that; the number it was given", INFO),
     E("BLOCK_REFUSED", "a block has not done what it was told; which block", WARNING),
     E("BLOCK_EVENT", "a block says", INFO),

@@ -92,6 +92,7 @@ enum event_code {
     EVENT_BLOCK_GAVE_UP,
     EVENT_BLOCK_ON,
 #if EVENTS_OF_BLOCKS
+    EVENT_LOOP_DIVISOR,
     EVENT_BLOCK_VERB,
     EVENT_BLOCK_REFUSED,
     EVENT_BLOCK_EVENT, /* detail: place of the block's kind, whose words say more */

@@ -91,6 +91,7 @@ struct block_io {
     const num_t *input; /* [inputs] */
     const uint8_t *
         quality; /* [inputs] enum quality; nothing that was held or made up is good for an estimator */
+    const float *age_s;     /* [inputs] since the last valid reading was sampled, s; 0 of an MV */
     num_t *point;           /* [points] given */
     uint8_t *point_quality; /* [points] enum quality, given; QUALITY_MISSING where it is not */
     bool work_done;         /* what was asked of work() is there: once */

@@ -10,6 +10,7 @@
 
 #include "base/crc32.h"
 #include "base/elapsed.h"
+#include "supervise/sampling.h"
 
 #define ROOM_LEAST   REAL_C(0.005) /* of span, to either side of where it is held */
 #define FOLLOW_TICKS REAL_C(5.0)   /* a valve on its way to a step is no fault */
@@ -108,6 +109,12 @@ static uint8_t acting(const struct supervisor *s, uint8_t j)
     return i != PLAN_NONE && s->loop[i].mode != LOOP_MANUAL ? i : PLAN_NONE;
 }
 
+/* Noise, rest and peaks are judged in every base tick: values that only stand there would look quiet. */
+static bool comes_rarely(const struct supervisor *s, uint8_t i)
+{
+    return sampling_every(&s->plan->config.measurement[i]) > 1;
+}
+
 static enum err hindered(const char **what, const char **wanted, const char *name, const char *text)
 {
     *what = name;
@@ -152,6 +159,9 @@ enum err commission_may_begin(const struct supervisor *s, const char **what, con
         if (!commission_measurement_is_tested(s, i))
             continue;
         outputs++;
+        if (comes_rarely(s, i))
+            return hindered(what, wanted, config->measurement[i].name,
+                            "does not come in every base tick; set its test to off");
         if (!believed(s, i))
             return hindered(what, wanted, config->measurement[i].name,
                             "is not believed; wait for good readings, or set its test to off");
@@ -200,6 +210,9 @@ enum err commission_may_relay(const struct supervisor *s, uint8_t loop, const ch
     if (s->output[l->output].interlocked)
         return hindered(what, wanted, s->plan->config.output[l->output].name,
                         "is held by an interlock");
+    if (comes_rarely(s, l->pv))
+        return hindered(what, wanted, s->plan->config.measurement[l->pv].name,
+                        "does not come in every base tick; a relay test needs that");
     if (!believed(s, l->pv))
         return hindered(what, wanted, s->plan->config.measurement[l->pv].name,
                         "is not believed; wait for good readings");

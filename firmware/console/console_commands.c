@@ -9,6 +9,7 @@
 #include "hal/nvm.h"
 #include "service/parameters.h"
 #include "service/storage.h"
+#include "supervise/sampling.h"
 
 static bool help_line(struct console *c, unsigned n, struct text *line)
 {
@@ -236,6 +237,13 @@ static bool status_line(struct console *c, unsigned n, struct text *line)
         if (s->supervisor->measurement[n].offset_on) {
             text_str(line, ", less its offset ");
             text_float(line, m->offset);
+        }
+#endif
+#if CONFIG_ANALYSERS
+        if ((m->every > 1 || m->delay > 0) && s->supervisor->measurement[n].believed) {
+            text_str(line, ", sampled at ");
+            text_seconds(line, sampling_at_ms(s->supervisor, (uint8_t)n));
+            text_str(line, " s");
         }
 #endif
         return true;

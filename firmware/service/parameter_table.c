@@ -27,7 +27,7 @@ static const float values[] = {VALUES(ENTRY, )};
 /* unit: of PARAMETER_WORD the words, of PARAMETER_NAME PARAMETER_SECRET or nothing. */
 #define ROW(id, type, offset, name, unit, lo, hi, initial, help)                                   \
     {                                                                                              \
-        id, type, offset, name, unit, help, PLACE(lo), PLACE(hi), PLACE(initial)                   \
+        id, type, offset, name, unit, help, PLACE(lo), PLACE(hi), PLACE(initial), false            \
     }
 
 #define F(s, member, id, name, unit, lo, hi, initial, help)                                        \
@@ -72,8 +72,14 @@ static const struct parameter_field measurement_fields[] = {
       "a faster change is not believed; 0 = off"),
     F(measurement_config, frozen_s, 10, "frozen", "s", 0, 1e6f, 0,
       "a reading that has not changed at all for this long is not believed; 0 = off"),
+#if CONFIG_BLOCKS
+    N(measurement_config, infer, 11, "infer",
+      "manipulated variable, or point that a block writes, that stands in for a lost reading; - = "
+      "none"),
+#else
     N(measurement_config, infer, 11, "infer",
       "manipulated variable whose output stands in for a lost reading; - = none"),
+#endif
     F(measurement_config, infer_gain, 12, "infer_gain", "EU/EU", -BIG, BIG, 1,
       "inferred value per unit of that output"),
     F(measurement_config, infer_offset, 13, "infer_offset", "EU", -BIG, BIG, 0,
@@ -88,6 +94,17 @@ static const struct parameter_field measurement_fields[] = {
 #if CONFIG_STEPS
     F(measurement_config, offset, 17, "offset", "EU", -BIG, BIG, 0,
       "subtracted from the reading while a sequence has switched it on (offset_on)"),
+#endif
+#if CONFIG_ANALYSERS
+#define A(member, id, lo, hi, initial, help)                                                       \
+    {                                                                                              \
+        id, PARAMETER_U16, offsetof(struct measurement_config, member), #member, "ticks", help,    \
+            PLACE(lo), PLACE(hi), PLACE(initial), true                                             \
+    }
+    A(every, 18, 1, 10000, 1, "base ticks from one sample of it to the next (an analyser)"),
+    A(phase, 19, 0, 9999, 0, "base tick of plant time within these in which it comes"),
+    A(delay, 20, 0, 10000, 0, "base ticks from when it is sampled until it comes"),
+#undef A
 #endif
 };
 

@@ -49,6 +49,7 @@ struct parameter_field {
     const char *unit;
     const char *help;
     uint8_t lo, hi, initial; /* places in a list of numbers: field_lo() ... */
+    bool if_set; /* stored and dumped only where it is not the default, which never changes */
 };
 
 struct parameter_group {

@@ -187,6 +187,10 @@ bool record_wanted(const struct parameter *p, const struct config *config)
 #endif
     if (p->field->type == PARAMETER_FIXED)
         return false;
+#if CONFIG_ANALYSERS
+    if (p->field->if_set)
+        return !parameter_is_default(p, config);
+#endif
     return !p->group->indexed || (is_text(&first) && !parameter_is_default(&first, config)) ||
            !parameter_is_default(p, config);
 }

@@ -50,6 +50,11 @@ void telemetry_capture(struct telemetry *t, const struct supervisor *s, uint32_t
     for (unsigned i = 0; i < s->placed[PLACED_MEASUREMENTS]; i++)
         row->offsets = (uint16_t)(row->offsets | (s->measurement[i].offset_on ? 1u << i : 0u));
 #endif
+#if CONFIG_ANALYSERS
+    row->fresh = 0;
+    for (unsigned i = 0; i < s->placed[PLACED_MEASUREMENTS]; i++)
+        row->fresh = (uint16_t)(row->fresh | (s->measurement[i].fresh ? 1u << i : 0u));
+#endif
     spsc_write_done(&t->index);
 }
 
@@ -100,6 +105,10 @@ bool telemetry_header(const struct plan *plan, unsigned n, struct text *piece)
         if (c->measurement[i].offset != 0.0f)
             column(piece, c->measurement[i].name, ".off", c->measurement[i].unit);
 #endif
+#if CONFIG_ANALYSERS
+        if (c->measurement[i].every > 1)
+            column(piece, c->measurement[i].name, ".new", NULL);
+#endif
         return true;
     case PART_LOOP:
         if (!plan->loop[i].used)
@@ -138,6 +147,9 @@ bool telemetry_same_columns(const struct plan *a, const struct plan *b)
                same_channel(oa->name, oa->unit, ob->name, ob->unit);
 #if CONFIG_STEPS
         same = same && ma->offset == mb->offset; /* a row says only whether one is subtracted */
+#endif
+#if CONFIG_ANALYSERS
+        same = same && (ma->every > 1) == (mb->every > 1);
 #endif
     }
     for (unsigned i = 0; i < CONFIG_LOOPS; i++)
@@ -189,6 +201,10 @@ bool telemetry_row(const struct telemetry_row *row, unsigned n, struct text *pie
 #if CONFIG_STEPS
         if (c->measurement[i].offset != 0.0f)
             put_number(piece, row->offsets & 1u << i ? c->measurement[i].offset : 0.0f);
+#endif
+#if CONFIG_ANALYSERS
+        if (c->measurement[i].every > 1)
+            put_whole(piece, row->fresh >> i & 1u);
 #endif
         return true;
     case PART_LOOP:

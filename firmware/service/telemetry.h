@@ -5,7 +5,8 @@
  *     T,1,...                                    the same number of fields
  *
  * With rows of sequences `ev` is followed by seq (enum sequence_state) and step (0: none); with an offset a
- * measurement's .q is followed by .off (what is subtracted now).
+ * measurement's .q is followed by .off (what is subtracted now), and with `every` above 1 then by .new (1: a reading of it
+ * was looked at in this tick).
  * state: 0 safe, 1 run. ev: events so far. <meas>: validated and filtered. q: enum quality. mode: 0 manual,
  * 1 auto, 2 cascade. cmd: asked for by control; app: applied, after limits, interlocks and read-back.
  * stat. columns measure the board, not the process, and differ from run to run. Numbers have nine digits:
@@ -22,7 +23,8 @@
 #define TELEMETRY_QUEUE_SIZE 8 /* power of two */
 #endif
 /* Header and row are written piece by piece, so that a line may be longer than any buffer. */
-#define TELEMETRY_PIECE_MAX 96 /* characters: three columns of a channel with the longest names */
+/* In characters: all columns of a channel with the longest names. */
+#define TELEMETRY_PIECE_MAX (CONFIG_ANALYSERS ? 112 : 96)
 
 struct telemetry_row {
     const struct plan *plan; /* in force when captured: the columns */
@@ -39,6 +41,9 @@ struct telemetry_row {
 #if CONFIG_STEPS
     uint8_t sequence, step;
     uint16_t offsets; /* switched on, a bit for each measurement */
+#endif
+#if CONFIG_ANALYSERS
+    uint16_t fresh; /* a bit for each measurement */
 #endif
 };
 

@@ -6,6 +6,7 @@
 #include "supervise/block_excitation.h"
 #include "supervise/blocks.h"
 #include "supervise/histories.h"
+#include "supervise/sampling.h"
 #include "supervise/sequence.h"
 #include "supervise/serve.h"
 #include "supervise/supervisor.h"
@@ -137,7 +138,7 @@ static void place_measurement(struct supervisor *s, const struct plan *old, uint
             span_to_fraction(span_to_eu(state->value, before->lo, before->hi), m->lo, m->hi);
     if (!m->name[0])
         return;
-    (void)!lag_retune(&state->filter, m->filter_s, s->plan->tick_s);
+    (void)!lag_retune(&state->filter, m->filter_s, s->plan->tick_s * sampling_every(m));
     if (!same || m->lo != before->lo || m->hi != before->hi)
         lag_reset(&state->filter, state->value);
 }
@@ -236,4 +237,5 @@ void supervisor_take_plan(struct supervisor *s, const struct plan *plan)
 #if CONFIG_STEPS
     sequence_place(s, old);
 #endif
+    sampling_tell(s, old);
 }

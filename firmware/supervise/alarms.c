@@ -3,6 +3,7 @@
 #include <string.h>
 
 #include "base/elapsed.h"
+#include "supervise/sampling.h"
 #include "supervise/span.h"
 
 static const char *const sides[] = {"hi_hi", "hi", "lo", "lo_lo", "dev"};
@@ -110,6 +111,21 @@ static bool past_limit(const struct supervisor *s, uint8_t i, float value)
     return value > c->limit - band;
 }
 
+/* A value that only stands, between two samples of an analyser, is no news: neither a limit that is passed nor time that it
+ * is passed for. */
+static bool comes_now(const struct supervisor *s, uint8_t i)
+{
+    bool deviation = s->plan->config.alarm[i].side == ALARM_DEVIATION;
+    uint8_t at = s->plan->alarm[i];
+#if CONFIG_BLOCKS
+    if (is_of_block(s, i))
+        return true;
+#endif
+    if (deviation && s->loop[at].mode == LOOP_MANUAL)
+        return true;
+    return !sampling_stands(s, deviation ? s->plan->loop[at].pv : at);
+}
+
 /* Nobody else of its group is on the list. */
 static bool first_of_group(const struct supervisor *s, uint8_t i)
 {
@@ -134,6 +150,8 @@ static void run_one(struct supervisor *s, uint8_t i)
         a->shelved_until_ms = 0;
         tell_alarm(s, i, EVENT_ALARM_SHELVED, 0.0f);
     }
+    if (!comes_now(s, i))
+        return;
     if (!look(s, i, &value)) {
         /* Meanwhile the delay stands still. */
         uint64_t since_ms = a->since_ms + (uint32_t)(s->plan->tick_s * 1000.0f);

@@ -41,6 +41,13 @@
 #endif
 #endif
 
+#ifndef CONFIG_ANALYSERS /* measurements that come every n-th tick; 0 leaves them out */
+#if COMMISSION_CHANNELS
+#define CONFIG_ANALYSERS 1
+#else
+#define CONFIG_ANALYSERS 0
+#endif
+#endif
 #ifndef CONFIG_POOL_BYTES
 #define CONFIG_POOL_BYTES 4608 /* for the settings of all of them, a multiple of 4 */
 #endif
@@ -62,9 +69,10 @@ struct measurement_config {
     float rate_limit; /* faster than this, EU/s, is not believed; 0 = any */
     float frozen_s;   /* not the least change for this long is not believed, s; 0 = never */
     float substitute; /* EU, FALLBACK_SUBSTITUTE */
-    float infer_gain, infer_offset; /* value = offset + gain * output, EU */
-    char infer[CHANNEL_NAME_SIZE];  /* manipulated variable to infer a value from; empty = none */
-    uint8_t fallback;               /* enum fallback */
+    float infer_gain, infer_offset; /* value = offset + gain * what it is inferred from, EU */
+    char infer
+        [CHANNEL_NAME_SIZE]; /* manipulated variable or estimate to infer a value from; empty = none */
+    uint8_t fallback;        /* enum fallback */
 #if COMMISSION_CHANNELS
     uint8_t test;          /* automatic start-up controls it */
     uint8_t test_critical; /* its limit is halved while the plant is tested */
@@ -72,6 +80,11 @@ struct measurement_config {
 #endif
 #if CONFIG_STEPS
     float offset; /* EU, subtracted from the reading while a sequence has switched it on */
+#endif
+#if CONFIG_ANALYSERS
+    uint16_t every; /* base ticks from one of its samples to the next */
+    uint16_t phase; /* it comes in base ticks t of plant time with t mod every = phase */
+    uint16_t delay; /* base ticks between sampling and that */
 #endif
 };
 

@@ -56,7 +56,8 @@ struct block_place {
 };
 
 #if CONFIG_BLOCKS
-#define INPUT_IS_MV 0x80u /* an input is a measurement, or, with this bit, a manipulated variable */
+#define INFER_IS_ESTIMATE 0x80u
+#define INPUT_IS_MV       0x80u /* an input is a measurement, or, with this bit, a manipulated variable */
 
 /* Whom a block with a record serves, and what it reads and writes. */
 struct record_plan {
@@ -110,7 +111,8 @@ struct plan {
     struct {
         uint8_t measurement, output; /* PLAN_NONE = unused */
     } interlock[CONFIG_INTERLOCKS];
-    uint8_t infer[CHANNEL_MAX]; /* output a measurement is inferred from, or PLAN_NONE */
+    /* Output a measurement is inferred from, or, with INFER_IS_ESTIMATE, a measurement that a block writes; or PLAN_NONE. */
+    uint8_t infer[CHANNEL_MAX];
     /* Measurement, loop of a deviation, or ALARM_OF_BLOCK; PLAN_NONE = unused, or of a block whose kind this build lacks. */
     uint8_t alarm[CONFIG_ALARMS];
 #if CONFIG_STEPS

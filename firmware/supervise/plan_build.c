@@ -6,6 +6,7 @@
 #include "base/crc32.h"
 #include "signal/ramp.h"
 #include "supervise/plan_parts.h"
+#include "supervise/sampling.h"
 #include "supervise/sequence_plan.h"
 
 #define TICK_SHORTEST_S      0.05f
@@ -195,6 +196,14 @@ static enum err resolve_interlocks(struct plan *plan, struct config_fault *fault
     return ERR_OK;
 }
 
+#if CONFIG_BLOCKS
+#define INFER_WANTED                                                                               \
+    "must be the name of a configured manipulated variable, or of a measurement that a block "     \
+    "writes"
+#else
+#define INFER_WANTED "must be the name of a configured manipulated variable"
+#endif
+
 static enum err resolve_inferences(struct plan *plan, struct config_fault *fault)
 {
     for (uint8_t i = 0; i < CHANNEL_MAX; i++) {
@@ -202,9 +211,18 @@ static enum err resolve_inferences(struct plan *plan, struct config_fault *fault
         plan->infer[i] = m->name[0] ? config_find_output(&plan->config, m->infer) : PLAN_NONE;
         if (!m->name[0])
             continue;
+#if CONFIG_BLOCKS
+        uint8_t estimate = config_find_measurement(&plan->config, m->infer);
+        if (plan->infer[i] == PLAN_NONE && estimate != PLAN_NONE &&
+            plan_is_estimate(plan, estimate)) {
+            if (estimate == i)
+                return plan_refuse(fault, ERR_CYCLE, "meas", i + 1u, "infer", m->infer,
+                                   "is the measurement itself");
+            plan->infer[i] = (uint8_t)(INFER_IS_ESTIMATE | estimate);
+        }
+#endif
         if (m->infer[0] && plan->infer[i] == PLAN_NONE)
-            return plan_refuse(fault, ERR_UNKNOWN, "meas", i + 1u, "infer", m->infer,
-                               "must be the name of a configured manipulated variable");
+            return plan_refuse(fault, ERR_UNKNOWN, "meas", i + 1u, "infer", m->infer, INFER_WANTED);
         if (m->fallback == FALLBACK_SUBSTITUTE &&
             !(m->lo <= m->substitute && m->substitute <= m->hi))
             return plan_refuse(fault, ERR_RANGE, "meas", i + 1u, "substitute", m->name,
@@ -301,6 +319,8 @@ enum err plan_set_tick(struct plan *plan, float tick_s, struct config_fault *fau
         err = resolve_interlocks(plan, fault);
     if (!err)
         err = resolve_inferences(plan, fault);
+    if (!err)
+        err = sampling_check(plan, fault);
     if (!err)
         err = resolve_alarms(plan, fault);
 #if COMMISSION_CHANNELS

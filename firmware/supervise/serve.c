@@ -5,6 +5,7 @@
 #include "supervise/histories.h"
 #include "supervise/plan_parts.h"
 #include "supervise/raised.h"
+#include "supervise/sampling.h"
 #include "supervise/span.h"
 #include "supervise/validate.h"
 
@@ -21,6 +22,7 @@ struct signals {
     struct block_excitation excite[BLOCK_EXCITES_MAX];
     const struct applied_history *member_applied[BLOCK_MEMBERS_MAX],
         *input_applied[BLOCK_INPUTS_MAX];
+    float age_s[BLOCK_INPUTS_MAX];
 };
 
 static const struct block_kind *kind_at(const struct supervisor *s, uint8_t slot)
@@ -49,6 +51,12 @@ static uint8_t input_quality(const struct supervisor *s, uint8_t input, bool mea
     return measured && m->fault != MEASUREMENT_FINE ? QUALITY_BAD : (uint8_t)m->quality;
 }
 
+/* Since the last valid reading was sampled. */
+static float input_age_s(const struct supervisor *s, uint8_t input)
+{
+    return input & INPUT_IS_MV ? 0.0f : elapsed_ms(s->time_ms, sampling_at_ms(s, input)) / 1000.0f;
+}
+
 static void gather_inputs(const struct supervisor *s, uint8_t slot, struct signals *g)
 {
     const struct record_plan *r = record_at(s, slot);
@@ -59,6 +67,7 @@ static void gather_inputs(const struct supervisor *s, uint8_t slot, struct signa
             at & INPUT_IS_MV ? s->output[at & ~INPUT_IS_MV].applied : s->measurement[at].value;
         g->quality[k] = input_quality(s, at, estimates);
         g->input_applied[k] = at & INPUT_IS_MV ? history_of(s, at & (uint8_t)~INPUT_IS_MV) : NULL;
+        g->age_s[k] = input_age_s(s, at);
     }
     for (uint8_t k = 0; k < r->points; k++) {
         g->point[k] = num_zero();
@@ -78,6 +87,7 @@ static void gather(const struct supervisor *s, uint8_t slot, struct signals *g)
                           .limited = g->limited,
                           .input = g->input,
                           .quality = g->quality,
+                          .age_s = g->age_s,
                           .point = g->point,
                           .point_quality = g->point_quality,
                           .event_value = g->event_value,

@@ -85,14 +85,25 @@ struct measurement_state {
 #if CONFIG_STEPS
     bool offset_on; /* the configured offset is subtracted from readings */
 #endif
+#if CONFIG_ANALYSERS
+    bool fresh; /* with `every` above 1: a reading was looked at in this tick */
+#endif
     enum quality quality; /* of `value` */
     float raw;   /* last reading the plant vouched for, believable or not, less the offset, EU */
     num_t value; /* validated and filtered, fraction of span */
     struct lag filter;
     float good;          /* last believed reading, EU */
     float last;          /* last number delivered, EU */
-    uint64_t good_ms;    /* plant time of `good` */
+    uint64_t good_ms;    /* plant time at which `good` came */
     uint64_t changed_ms; /* plant time at which `last` came to its value */
+#if CONFIG_ANALYSERS
+    uint64_t sample_ms; /* with `every` above 1: plant time at which its last sample came */
+    uint32_t turn;      /* ... and the base tick of that */
+#endif
+#if CONFIG_BLOCKS
+    bool stands_in; /* it is an estimate that was valid at the end of the last tick */
+    float estimate; /* ... and its value, EU */
+#endif
 };
 
 struct output_state {

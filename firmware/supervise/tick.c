@@ -21,6 +21,7 @@ void supervisor_validate(struct supervisor *s, const struct tick_input *input)
         for (uint8_t k = 0; k < s->placed[PLACED_INTERLOCKS]; k++)
             s->interlock[k].pending = false;
     }
+    validate_keep_estimates(s);
     s->time_ms = input->time_ms;
     uint8_t rows = s->placed[PLACED_MEASUREMENTS];
     if (rows < s->placed[PLACED_OUTPUTS])

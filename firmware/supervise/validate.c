@@ -2,6 +2,7 @@
 
 #include "base/elapsed.h"
 #include "supervise/safe_state.h"
+#include "supervise/sampling.h"
 #include "supervise/span.h"
 
 /* A reading this far outside its span, in spans, is not believed. */
@@ -14,25 +15,26 @@ static bool in_reach(float value, float lo, float hi)
 }
 
 /* Nothing has moved for too long. Counts from the last change of what the plant delivered. */
-static bool frozen(struct supervisor *s, struct measurement_state *m, float value, float limit_s)
+static bool frozen(struct supervisor *s, uint8_t i, float value, float limit_s)
 {
+    struct measurement_state *m = &s->measurement[i];
     if (!m->delivered || value != m->last) {
         m->delivered = true;
         m->last = value;
-        m->changed_ms = s->time_ms;
+        m->changed_ms = sampling_ms(s, i);
     }
-    return limit_s > 0.0f && elapsed_ms(s->time_ms, m->changed_ms) >= limit_s * 1000.0f;
+    return limit_s > 0.0f && elapsed_ms(sampling_ms(s, i), m->changed_ms) >= limit_s * 1000.0f;
 }
 
 /* Further from the last believed value than the process can have come since. A spike is over with the next
  * reading; a true jump is believed once there was time for it. */
-static bool too_fast(const struct supervisor *s, const struct measurement_state *m, float value,
-                     float limit)
+static bool too_fast(const struct supervisor *s, uint8_t i, float value, float limit)
 {
+    const struct measurement_state *m = &s->measurement[i];
     if (limit == 0.0f || !m->believed)
         return false;
     float way = value > m->good ? value - m->good : m->good - value;
-    return way > limit * (elapsed_ms(s->time_ms, m->good_ms) / 1000.0f);
+    return way > limit * (elapsed_ms(sampling_ms(s, i), m->good_ms) / 1000.0f);
 }
 
 static enum measurement_fault judge(struct supervisor *s, uint8_t i, const struct reading *r)
@@ -47,12 +49,12 @@ static enum measurement_fault judge(struct supervisor *s, uint8_t i, const struc
         return MEASUREMENT_NOT_A_NUMBER;
     /* Interlocks look at this: a number nobody vouches for must not release one. */
     m->raw = r->value - measurement_offset_in_force(s, i);
-    bool still = frozen(s, m, r->value, c->frozen_s);
+    bool still = frozen(s, i, r->value, c->frozen_s);
     if (!in_reach(r->value, c->lo, c->hi))
         return MEASUREMENT_OUT_OF_RANGE;
     if (still)
         return MEASUREMENT_FROZEN;
-    return too_fast(s, m, r->value, c->rate_limit) ? MEASUREMENT_TOO_FAST : MEASUREMENT_FINE;
+    return too_fast(s, i, r->value, c->rate_limit) ? MEASUREMENT_TOO_FAST : MEASUREMENT_FINE;
 }
 
 /* A usable value, read or made up. */
@@ -62,20 +64,38 @@ static void take(struct measurement_state *m, const struct measurement_config *c
     num_t x = span_to_fraction(value, c->lo, c->hi);
     if (!m->seen || !quality_usable(m->quality))
         lag_reset(&m->filter, x); /* nothing older is worth remembering */
+    if (m->fault != MEASUREMENT_FINE && sampling_every(c) > 1)
+        lag_reset(&m->filter, x); /* made up in every tick: not what the filter counts */
     m->value = lag_step(&m->filter, x);
     m->seen = true;
     m->quality = quality;
 }
 
-/* From what went to the output, or its read-back: one tick late. */
+/* What it is inferred from, EU: what went to an output, or its read-back, one tick late; or an estimate as it was at the
+ * end of the last tick, if it was valid then. */
+static bool inferred_from(const struct supervisor *s, uint8_t i, float *value)
+{
+    uint8_t j = s->plan->infer[i];
+    if (!s->plan->config.measurement[i].infer[0] || j == PLAN_NONE)
+        return false;
+#if CONFIG_BLOCKS
+    if (j & INFER_IS_ESTIMATE) {
+        *value = s->measurement[j & ~INFER_IS_ESTIMATE].estimate;
+        return s->measurement[j & ~INFER_IS_ESTIMATE].stands_in;
+    }
+#endif
+    const struct output_config *o = &s->plan->config.output[j];
+    *value = span_to_eu(s->output[j].applied, o->lo, o->hi);
+    return s->output[j].bound;
+}
+
 static bool infer(struct supervisor *s, uint8_t i)
 {
     const struct measurement_config *c = &s->plan->config.measurement[i];
-    uint8_t j = s->plan->infer[i];
-    if (!c->infer[0] || j == PLAN_NONE || !s->output[j].bound)
+    float value;
+    if (!inferred_from(s, i, &value))
         return false;
-    const struct output_config *o = &s->plan->config.output[j];
-    float value = c->infer_offset + c->infer_gain * span_to_eu(s->output[j].applied, o->lo, o->hi);
+    value = c->infer_offset + c->infer_gain * value;
     if (!in_reach(value, c->lo, c->hi))
         return false;
     take(&s->measurement[i], c, value, QUALITY_UNCERTAIN);
@@ -102,7 +122,7 @@ static void fall_back(struct supervisor *s, uint8_t i, float reading)
         m->alarm = true;
         event_put(s->events, s->time_ms, EVENT_MEASUREMENT_BAD, c->name, reading, m->fault);
     }
-    m->lost = !m->believed || elapsed_ms(s->time_ms, m->good_ms) / 1000.0f > c->hold_s;
+    m->lost = !m->believed || sampling_without_s(s, i) > c->hold_s;
     if (infer(s, i))
         return;
     if (!m->lost && c->fallback != FALLBACK_MANUAL) {
@@ -130,6 +150,8 @@ void validate_measurement(struct supervisor *s, uint8_t i, const struct reading 
         m->believed = m->delivered = false;
         return;
     }
+    if (!sampling_due(s, i))
+        return; /* its value stands, as good as it was */
     m->fault = (uint8_t)judge(s, i, r);
     if (m->fault != MEASUREMENT_FINE) {
         fall_back(s, i, r->value);
@@ -140,7 +162,7 @@ void validate_measurement(struct supervisor *s, uint8_t i, const struct reading 
     m->believed = true;
     m->lost = false;
     m->good = r->value;
-    m->good_ms = s->time_ms;
+    m->good_ms = sampling_ms(s, i);
     if (m->alarm) {
         m->alarm = false;
         event_put(s->events, s->time_ms, EVENT_MEASUREMENT_GOOD, c->name, r->value, 0);
@@ -178,3 +200,19 @@ void validate_readback(struct supervisor *s, uint8_t j, const struct reading *r)
     }
     report_following(s, j, differs, r->value);
 }
+
+#if CONFIG_BLOCKS
+void validate_keep_estimates(struct supervisor *s)
+{
+    for (uint8_t i = 0; i < s->placed[PLACED_MEASUREMENTS]; i++) {
+        struct measurement_state *m = &s->measurement[i];
+        const struct measurement_config *c = &s->plan->config.measurement[i];
+        if (!plan_is_estimate(s->plan, i))
+            continue;
+        /* Held or made up itself it stands in for nothing. */
+        m->stands_in =
+            m->bound && m->seen && m->fault == MEASUREMENT_FINE && quality_usable(m->quality);
+        m->estimate = span_to_eu(m->value, c->lo, c->hi);
+    }
+}
+#endif

@@ -8,5 +8,11 @@
 void validate_measurement(struct supervisor *s, uint8_t i, const struct reading *r);
 /* j: a manipulated variable. r: what the plant says it does. */
 void validate_readback(struct supervisor *s, uint8_t j, const struct reading *r);
+#if CONFIG_BLOCKS
+/* Before any is validated: what estimates are at the end of the last tick, for those that they stand in for. */
+void validate_keep_estimates(struct supervisor *s);
+#else
+#define validate_keep_estimates(s) ((void)(s))
+#endif
 
 #endif

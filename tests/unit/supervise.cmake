@@ -25,6 +25,11 @@ target_link_libraries(test_applied_history PRIVATE reflux_control)
 target_link_libraries(test_block_excitation PRIVATE reflux_control)
 target_link_libraries(test_excitation_ends PRIVATE reflux_control)
 
+foreach(part analyser stand_in)
+  reflux_test(${part} LABEL unit SOURCES ${CMAKE_CURRENT_LIST_DIR}/test_${part}.c LIBS parameters_alone reflux_supervise)
+endforeach()
+target_link_libraries(test_stand_in PRIVATE reflux_control)
+
 # The table of parameters in docs/console.md, and whether it is current.
 add_executable(parameter_table "${PROJECT_SOURCE_DIR}/tests/support/parameter_table.c")
 target_link_libraries(parameter_table PRIVATE parameters_alone reflux_options)

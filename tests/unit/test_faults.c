@@ -134,6 +134,31 @@ static void not_a_number_is_sent_as_it_is_and_called_good(void)
     TEST_ASSERT_EQUAL_FLOAT(45.0f, reading());
 }
 
+/* The plant stands still and the sensor drifts by 1 a sample from the first on: a reading tells when it was taken. */
+static void an_analyser_shows_what_it_took_so_many_samples_ago_until_it_has_more(void)
+{
+    at("0:y1.every=5");
+    at("0:y1.phase=2");
+    at("0:y1.delay=3");
+    at("0:y1.drift=360");
+    TEST_ASSERT_EQUAL_FLOAT(45, reading());
+    for (unsigned n = 1; n < 40; n++) {
+        unsigned turn =
+            n < 7 ? 3 : n - (n - 2) % 5; /* the first took none: before it all was at rest */
+        TEST_ASSERT_EQUAL_FLOAT(45 + (turn - 3), reading());
+        TEST_ASSERT_EQUAL_UINT8(QUALITY_GOOD, sample.measurement[0].quality);
+    }
+}
+
+static void an_analyser_that_stops_repeats_its_last_number(void)
+{
+    at("0:y1.every=5");
+    at("0:y1.drift=360");
+    at("120:y1.frozen=1");
+    for (unsigned n = 0; n < 40; n++)
+        TEST_ASSERT_EQUAL_FLOAT(45 + (n < 10 ? n - n % 5 : 10), reading());
+}
+
 static void faults_leave_the_noise_of_every_sensor_as_it_was(void)
 {
     float first[2][50];
@@ -220,7 +245,7 @@ static void every_option_stands_in_the_document(void)
             TEST_ASSERT_NOT_NULL_MESSAGE(strstr(page, name), name);
         }
     }
-    TEST_ASSERT_EQUAL(22, n);
+    TEST_ASSERT_EQUAL(25, n);
 }
 
 int main(void)
@@ -233,6 +258,8 @@ int main(void)
     RUN_TEST(spikes_come_at_their_rate_both_ways_and_last_one_sample);
     RUN_TEST(dropouts_come_at_their_rate_as_missing_readings);
     RUN_TEST(not_a_number_is_sent_as_it_is_and_called_good);
+    RUN_TEST(an_analyser_shows_what_it_took_so_many_samples_ago_until_it_has_more);
+    RUN_TEST(an_analyser_that_stops_repeats_its_last_number);
     RUN_TEST(faults_leave_the_noise_of_every_sensor_as_it_was);
     RUN_TEST(a_sticking_valve_stays_and_then_goes_all_the_way);
     RUN_TEST(a_heater_that_fails_stays_at_its_value_and_the_readback_says_so);
