@@ -1,28 +1,5 @@
 #include "supervise/blocks.h"
 
-bool loop_due(const struct supervisor *s, uint8_t i, uint32_t tick)
-{
-    const struct loop_config *c = &s->plan->config.loop[i];
-    return tick % c->divisor == c->phase;
-}
-
-bool loop_acts(const struct supervisor *s, uint8_t i)
-{
-    return s->plan->loop[i].used && s->loop[i].mode != LOOP_MANUAL;
-}
-
-bool loop_interlocked(const struct supervisor *s, uint8_t i)
-{
-    uint8_t j = s->plan->loop[i].output;
-    return j != PLAN_NONE && s->output[j].interlocked;
-}
-
-void loops_find_driving(struct supervisor *s)
-{
-    for (uint8_t i = 0; i < s->placed[PLACED_LOOPS]; i++)
-        s->loop[i].drives = loop_acts(s, i) && !loop_interlocked(s, i);
-}
-
 static const struct block_kind *kind_of(const struct supervisor *s, uint8_t slot)
 {
     return block_kinds[s->block[slot].kind];
@@ -140,16 +117,4 @@ void block_back_calculate(struct supervisor *s, uint8_t i, num_t applied, uint8_
     io.clamp = &clamp;
     s->block[i].stepped = false;
     kind_of(s, i)->back_calculate(supervisor_block(s, i), &io);
-}
-
-bool block_closes(const struct supervisor *s, uint8_t i)
-{
-    return s->block[i].stepped && loop_due(s, i, s->ticks + 1u);
-}
-
-void block_close(struct supervisor *s, uint8_t i)
-{
-    struct loop_state *l = &s->loop[i];
-    if (s->block[i].stepped)
-        block_back_calculate(s, i, l->v, l->clamp);
 }

@@ -6,19 +6,33 @@
 #include "supervise/state.h"
 
 /* Its turn is in this tick (counted as s->ticks). */
-bool loop_due(const struct supervisor *s, uint8_t i, uint32_t tick);
+static inline bool loop_due(const struct supervisor *s, uint8_t i, uint32_t tick)
+{
+    const struct loop_config *c = &s->plan->config.loop[i];
+    return tick % c->divisor == c->phase;
+}
 /* In auto or cascade. */
-bool loop_acts(const struct supervisor *s, uint8_t i);
+static inline bool loop_acts(const struct supervisor *s, uint8_t i)
+{
+    return s->plan->loop[i].used && s->loop[i].mode != LOOP_MANUAL;
+}
 /* An interlock held its output at the end of the last tick. */
-bool loop_interlocked(const struct supervisor *s, uint8_t i);
+static inline bool loop_interlocked(const struct supervisor *s, uint8_t i)
+{
+    uint8_t j = s->plan->loop[i].output;
+    return j != PLAN_NONE && s->output[j].interlocked;
+}
 /* The block runs. While an interlock holds its output a loop keeps its mode and setpoint but waits as in manual, so that it
  * begins again, without a bump, at the output the interlock leaves. */
 static inline bool loop_drives(const struct supervisor *s, uint8_t i)
 {
     return s->loop[i].drives;
 }
-/* Which loops do: to be found out anew whenever modes or interlocks have changed in a tick. */
-void loops_find_driving(struct supervisor *s);
+/* Whether it does: to be found out anew whenever its mode or an interlock has changed in a tick. */
+static inline void loop_find_driving(struct supervisor *s, uint8_t i)
+{
+    s->loop[i].drives = loop_acts(s, i) && !loop_interlocked(s, i);
+}
 
 /* A block with the settings of the plan, without a past. */
 void block_begin(struct supervisor *s, uint8_t i);
@@ -43,8 +57,15 @@ void block_shift(struct supervisor *s, uint8_t i, num_t v);
 /* What became of its last step: once for each. clamp: enum integral_clamp. */
 void block_back_calculate(struct supervisor *s, uint8_t i, num_t applied, uint8_t clamp);
 /* Now is the time for that: its next turn is in the next tick. */
-bool block_closes(const struct supervisor *s, uint8_t i);
+static inline bool block_closes(const struct supervisor *s, uint8_t i)
+{
+    return s->block[i].stepped && loop_due(s, i, s->ticks + 1u);
+}
 /* Where a new plan has moved its turn nobody has told it yet: then as if nothing had been in the way. */
-void block_close(struct supervisor *s, uint8_t i);
+static inline void block_close(struct supervisor *s, uint8_t i)
+{
+    if (s->block[i].stepped)
+        block_back_calculate(s, i, s->loop[i].v, s->loop[i].clamp);
+}
 
 #endif

@@ -88,8 +88,14 @@ static void run_interlocks(struct supervisor *s)
         const struct output_config *o = &s->plan->config.output[j];
         s->output[j].constrained = span_to_fraction(c->value, o->lo, o->hi);
     }
-    for (uint8_t j = 0; j < s->placed[PLACED_OUTPUTS]; j++)
+    for (uint8_t j = 0; j < s->placed[PLACED_OUTPUTS]; j++) {
+        uint8_t i = s->plan->owner[j];
+        if (s->output[j].interlocked == interlocked[j])
+            continue;
         s->output[j].interlocked = interlocked[j];
+        if (i != PLAN_NONE)
+            loop_find_driving(s, i);
+    }
 }
 
 /* An interlock may have left the output outside lo..hi. In manual it stays there until somebody moves it; whatever moves
@@ -127,10 +133,9 @@ static void constrain_output(struct supervisor *s, uint8_t j)
 {
     struct output_state *o = &s->output[j];
     const struct output_config *c = &s->plan->config.output[j];
-    num_t safe = span_to_fraction(c->safe, c->lo, c->hi);
     if (s->state == SUPERVISOR_SAFE || !o->bound) {
         /* What is not there waits at its safe value too, and begins there when it comes. */
-        o->constrained = o->manual = safe;
+        o->constrained = o->manual = span_to_fraction(c->safe, c->lo, c->hi);
         return;
     }
     num_t lo = span_to_fraction(c->min, c->lo, c->hi);
@@ -139,6 +144,7 @@ static void constrain_output(struct supervisor *s, uint8_t j)
     bool acts = i != PLAN_NONE && loop_acts(s, i);
     if (!acts) {
         /* The safe value may lie outside the operating limits; manual may stay there. */
+        num_t safe = span_to_fraction(c->safe, c->lo, c->hi);
         lo = num_min(lo, safe);
         hi = num_max(hi, safe);
     }
@@ -160,7 +166,6 @@ void constrain_outputs(struct supervisor *s)
         if (s->plan->config.output[j].name[0])
             constrain_output(s, j);
     run_interlocks(s);
-    loops_find_driving(s);
     for (uint8_t j = 0; j < s->placed[PLACED_OUTPUTS]; j++) {
         struct output_state *o = &s->output[j];
         uint8_t i = s->plan->owner[j];

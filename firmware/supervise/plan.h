@@ -98,6 +98,7 @@ struct plan {
     struct block_place block[PLAN_BLOCKS];
 #if CONFIG_BLOCKS
     struct record_plan record[CONFIG_BLOCKS];
+    uint8_t records; /* there is none from this one on */
     uint8_t
         writer[CHANNEL_MAX]; /* record of the estimator that writes measurement i, or PLAN_NONE */
     uint16_t history

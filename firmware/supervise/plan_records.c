@@ -138,8 +138,10 @@ enum err plan_resolve_records(struct plan *plan, struct config_fault *fault)
         plan->loop[i].server = PLAN_NONE;
     enum err err = ERR_OK;
     for (uint8_t n = 0; !err && n < CONFIG_BLOCKS; n++)
-        if (plan->config.block[n].kind[0])
+        if (plan->config.block[n].kind[0]) {
+            plan->records = (uint8_t)(n + 1u);
             err = resolve_record(plan, n, fault);
+        }
     for (uint8_t n = 0; !err && n < CONFIG_BLOCKS; n++)
         err = check_reads(plan, n, fault);
     return err;

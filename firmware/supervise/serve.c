@@ -35,6 +35,12 @@ static const struct record_plan *record_at(const struct supervisor *s, uint8_t s
     return &s->plan->record[slot - SLOT_RECORDS];
 }
 
+/* The slot behind the last record in use. */
+static uint8_t records_end(const struct supervisor *s)
+{
+    return (uint8_t)(SLOT_RECORDS + s->plan->records);
+}
+
 static bool is_stage(const struct supervisor *s, uint8_t slot, enum block_stage stage)
 {
     return s->block[slot].kind != PLAN_NONE && kind_at(s, slot)->stage == stage;
@@ -241,7 +247,7 @@ static void give_up_without_input(struct supervisor *s, uint8_t slot, uint8_t k)
 
 void serve_check_inputs(struct supervisor *s)
 {
-    for (uint8_t slot = SLOT_RECORDS; slot < PLAN_BLOCKS; slot++) {
+    for (uint8_t slot = SLOT_RECORDS; slot < records_end(s); slot++) {
         const struct record_plan *r = record_at(s, slot);
         if (!s->plan->config.block[slot - SLOT_RECORDS].kind[0])
             continue;
@@ -327,7 +333,7 @@ void serve_forget(struct supervisor *s)
 
 void serve_estimate(struct supervisor *s)
 {
-    for (uint8_t slot = SLOT_RECORDS; slot < PLAN_BLOCKS; slot++) {
+    for (uint8_t slot = SLOT_RECORDS; slot < records_end(s); slot++) {
         if (!is_stage(s, slot, STAGE_ESTIMATE))
             continue;
         struct signals g;
@@ -352,7 +358,7 @@ void serve_must_follow(struct supervisor *s, uint8_t slot)
 
 void serve_follow(struct supervisor *s)
 {
-    for (uint8_t slot = SLOT_RECORDS; slot < PLAN_BLOCKS; slot++) {
+    for (uint8_t slot = SLOT_RECORDS; slot < records_end(s); slot++) {
         struct block_state *b = &s->block[slot];
         if (!b->must_follow || !is_stage(s, slot, STAGE_CONTROL))
             continue;
@@ -421,7 +427,7 @@ void serve_step(struct supervisor *s, uint8_t i)
 
 void serve_back_calculate(struct supervisor *s)
 {
-    for (uint8_t slot = SLOT_RECORDS; slot < PLAN_BLOCKS; slot++) {
+    for (uint8_t slot = SLOT_RECORDS; slot < records_end(s); slot++) {
         struct block_state *b = &s->block[slot];
         const struct record_plan *r = record_at(s, slot);
         if (!is_stage(s, slot, STAGE_CONTROL))

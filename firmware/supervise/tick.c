@@ -36,18 +36,15 @@ void supervisor_validate(struct supervisor *s, const struct tick_input *input)
 }
 
 /* A new plan may name channels the plant does not have, or with another unit: nothing acts on those. */
-static void drop_unbound(struct supervisor *s)
+static void drop_unbound(struct supervisor *s, uint8_t i)
 {
-    for (uint8_t i = 0; i < CONFIG_LOOPS; i++) {
-        const struct loop_plan *p = &s->plan->loop[i];
-        if (!loop_acts(s, i))
-            continue;
-        if (s->measurement[p->pv].bound && (p->output == PLAN_NONE || s->output[p->output].bound))
-            continue;
-        s->loop[i].mode = LOOP_MANUAL;
-        event_put(s->events, s->time_ms, EVENT_MODE, s->plan->config.loop[i].name,
-                  (float)LOOP_MANUAL, LOOP_MANUAL);
-    }
+    const struct loop_plan *p = &s->plan->loop[i];
+    if (!loop_acts(s, i) ||
+        (s->measurement[p->pv].bound && (p->output == PLAN_NONE || s->output[p->output].bound)))
+        return;
+    s->loop[i].mode = LOOP_MANUAL;
+    event_put(s->events, s->time_ms, EVENT_MODE, s->plan->config.loop[i].name, (float)LOOP_MANUAL,
+              LOOP_MANUAL);
 }
 
 /* What feedforward k looks at, fraction of span; false: there is nothing to look at yet. Of a manipulated variable it is
@@ -136,8 +133,10 @@ void supervisor_control(struct supervisor *s)
 #if CONFIG_STEPS
     sequence_run(s);
 #endif
-    drop_unbound(s);
-    loops_find_driving(s);
+    for (uint8_t i = 0; i < s->placed[PLACED_LOOPS]; i++) {
+        drop_unbound(s, i);
+        loop_find_driving(s, i);
+    }
     serve_check_inputs(s);
     excitation_watch(s);
     num_t before[CONFIG_LOOPS];

@@ -39,15 +39,23 @@ static uint8_t regroup(struct supervisor *s)
     return changed ? acting : 0;
 }
 
+/* In most ticks no loop joins, and no loop's output gets another meaning. */
+static bool nothing_moves(const struct supervisor *s)
+{
+    for (uint8_t i = 0; i < s->placed[PLACED_LOOPS]; i++)
+        if (s->loop[i].join || s->loop[i].moved)
+            return false;
+    return true;
+}
+
 /* Loops that act from this tick on, and all loops of the compensator when its members change, take over the
  * outputs they find: v = D^-1 (output - feedforward). Those that acted before go on with what they have under way:
  * a derivative that dies away must not become part of the integral because another loop comes or goes. Nor must what
  * their feedforward calls for in this tick: the output they find has the one before in it. */
-void bumpless_transfer(struct supervisor *s, const num_t *before)
+static void transfer_loops(struct supervisor *s, const num_t *before, uint8_t together)
 {
     num_t v[CONFIG_LOOPS];
     const uint8_t n = s->placed[PLACED_LOOPS];
-    uint8_t together = regroup(s);
     for (uint8_t i = 0; i < n; i++) {
         const struct loop_plan *p = &s->plan->loop[i];
         const struct loop_state *l = &s->loop[i];
@@ -81,5 +89,12 @@ void bumpless_transfer(struct supervisor *s, const num_t *before)
         }
         l->join = l->moved = false;
     }
+}
+
+void bumpless_transfer(struct supervisor *s, const num_t *before)
+{
+    uint8_t together = regroup(s);
+    if (together || !nothing_moves(s))
+        transfer_loops(s, before, together);
     serve_follow(s);
 }

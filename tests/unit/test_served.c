@@ -407,6 +407,22 @@ static void a_member_in_manual_is_not_moved_and_comes_back_without_a_bump(void)
     ASSERT_NO_BUMP(0.2, sent(HEAT));
 }
 
+static void what_an_interlock_makes_of_an_output_is_told_in_the_same_tick(void)
+{
+    both_auto();
+    put_all(
+        (const char *const[]){"lock1.meas", "T1", "lock1.mv", "heat", "lock1.limit", "110", NULL});
+    apply();
+    ticks(3);
+    TEST_ASSERT_TRUE(D(both_state->told[1]) > 0.1);
+    unsigned backs = both_state->backs;
+    reading(T1, 112);
+    tick();
+    TEST_ASSERT_DOUBLE_WITHIN(1e-6, 0, sent(HEAT));
+    TEST_ASSERT_EQUAL_UINT(backs + 1, both_state->backs);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-6, 0, D(both_state->told[1]));
+}
+
 static void an_unrelated_plan_does_not_disturb_it(void)
 {
     double with[2];
@@ -561,6 +577,7 @@ int main(void)
     RUN_TEST(when_it_is_switched_off_too);
     RUN_TEST(what_is_no_number_reaches_nobody);
     RUN_TEST(a_member_in_manual_is_not_moved_and_comes_back_without_a_bump);
+    RUN_TEST(what_an_interlock_makes_of_an_output_is_told_in_the_same_tick);
     RUN_TEST(an_unrelated_plan_does_not_disturb_it);
     RUN_TEST(a_kind_this_build_lacks_keeps_its_loops_in_manual);
     RUN_TEST(an_unknown_kind_that_serves_nobody_is_no_reason_to_refuse_the_rest);
