@@ -464,6 +464,9 @@ void app_background(struct app *app)
 #if COMMISSION_CHANNELS
     busy = operate_poll(&app->operate) || busy;
 #endif
+#if CONFIG_BLOCKS
+    busy = operate_poll_proposals(&app->operate) || busy;
+#endif
     busy = storage_poll(&app->storage) || busy;
     busy = hal_uart_pump(HAL_UART_CONSOLE) != 0 || busy;
     hal_idle(!busy);

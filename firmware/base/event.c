@@ -119,6 +119,9 @@ static const char *const table[] = {
     E("BLOCK_ALARM", "a block says", ALARM),
     E("EXCITATION_BEGUN", "a block excites the plant with a test signal; which block", INFO),
     E("EXCITATION_ENDED", "the test signal of a block is over; which block", INFO),
+    E("BLOCK_PROPOSES", "a block proposes settings, see `proposal`; which block", INFO),
+    E("BLOCK_ADOPTED", "settings that a block proposes are asked into force; which block", INFO),
+    E("PROPOSAL_REFUSED", "what a block proposes is refused, see `proposal`; value", WARNING),
 #endif
     E("DO_MODE", "mode asked for (0 manual, 1 auto, 2 cascade)", ACTION),
     E("DO_SETPOINT", "setpoint asked for", ACTION),
@@ -135,6 +138,7 @@ static const char *const table[] = {
     E("DO_REBOOT", "restart asked for", ACTION),
 #if EVENTS_OF_BLOCKS
     E("DO_BLOCK", "block switched, or told something; the number it was given", ACTION),
+    E("DO_PROPOSAL", "proposal of a block accepted, rejected or taken back; its values", ACTION),
 #endif
 };
 _Static_assert(sizeof table / sizeof table[0] == EVENT_COUNT, "every event has a name and a text");

@@ -99,6 +99,9 @@ enum event_code {
     EVENT_BLOCK_ALARM, /* likewise */
     EVENT_EXCITATION_BEGUN,
     EVENT_EXCITATION_ENDED,
+    EVENT_BLOCK_PROPOSES,
+    EVENT_BLOCK_ADOPTED,
+    EVENT_PROPOSAL_REFUSED, /* detail: -code */
 #endif
     /* Actions: what was asked for at the console. Kept in the history, not announced. */
     EVENT_DO_MODE,
@@ -116,6 +119,7 @@ enum event_code {
     EVENT_DO_REBOOT,
 #if EVENTS_OF_BLOCKS
     EVENT_DO_BLOCK,
+    EVENT_DO_PROPOSAL,
 #endif
     EVENT_COUNT
 };

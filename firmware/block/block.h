@@ -25,6 +25,7 @@
 #include "base/error.h"
 #include "block/applied_history.h"
 #include "block/excitation.h"
+#include "block/proposal.h"
 #include "block/settings.h"
 #include "num/num.h"
 
@@ -105,6 +106,8 @@ struct block_io {
     const struct applied_history **member_applied; /* [members] */
     const struct applied_history **input_applied;  /* [inputs] */
     uint16_t divisor;                              /* base ticks of a step */
+    struct block_proposal
+        *proposal;      /* a step may put one there; NULL: another waits (block/proposal.h) */
     uint16_t raised;    /* given: bit k: the k-th of the kind's events holds in this step */
     float *event_value; /* [events] given with it, in the unit its words name */
     /* Test signals: */

@@ -10,7 +10,9 @@
 #if CONFIG_BLOCKS
 #define BLOCK_COMMANDS(ROW) \
     ROW(block, "[BLOCK] [on|off|VERB] [NUMBER]", \
-        "blocks, or one with its insides and verbs; switch it, or tell it something", 0, 3)
+        "blocks, or one with its insides and verbs; switch it, or tell it something", 0, 3) \
+    ROW(proposal, "[accept|reject|back]", \
+        "settings that a block proposes, and those before the last that came into force", 0, 1)
 #else
 #define BLOCK_COMMANDS(ROW)
 #endif

@@ -336,6 +336,10 @@ void event_line(const struct event *e, struct text *line)
 #if CONFIG_BLOCKS
     if (e->code == EVENT_BLOCK_EVENT || e->code == EVENT_BLOCK_ALARM)
         block_event_words(e, line);
+    if (e->code == EVENT_PROPOSAL_REFUSED) {
+        text_str(line, ": ");
+        text_str(line, err_text((enum err)-(int)e->detail));
+    }
 #endif
     if (event_level(e->code) == EVENT_ACTION)
         text_str(line, e->detail & EVENT_ENGINEER ? ", by engineer" : ", by operator");

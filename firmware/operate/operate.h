@@ -22,11 +22,34 @@
 
 struct session;
 
+#if CONFIG_BLOCKS
+/* Settings as they were before a proposal of a block came into force. */
+struct way_back {
+    uint8_t n, block; /* values; 0: there is none */
+    uint32_t shape;   /* of the settings they belong to */
+    struct proposed_value value[PROPOSAL_MAX];
+};
+
+/* The last that was refused: the parameter, or the block, and what would be right. */
+struct refused_proposal {
+    bool there;
+    uint8_t block;
+    float value; /* that was proposed */
+    struct config_fault fault;
+};
+#endif
+
 struct operate {
     struct service *service;
     const struct session *editor; /* who opened the transaction; meaningless while none is open */
     /* Last wrong key, board time, low bits, and for how long none is looked at; 0: none. Whoever tries. */
     uint32_t wrong_ms, wrong_wait_ms;
+#if CONFIG_BLOCKS
+    /* Checksum of what a proposal that waits goes by, and the plan that was last found to have it. */
+    uint32_t shape, shape_serial;
+    struct way_back back;
+    struct refused_proposal refused;
+#endif
 };
 
 /* A client. */
@@ -187,6 +210,33 @@ MUST_CHECK enum err operate_verb(struct session *session, uint8_t block, uint8_t
 /* The i-th inner value of what runs, and its name; NULL past the last. */
 const char *operate_block_value(const struct session *session, uint8_t block, unsigned i,
                                 float *value);
+#endif
+
+#if CONFIG_BLOCKS
+/* ---- proposals of blocks (block/proposal.h): proposals.c ---- */
+
+/* Once a turn of the main loop: what a block has proposed is checked, and comes into force where that needs nobody. Returns
+ * whether there was anything to do. */
+bool operate_poll_proposals(struct operate *door);
+
+struct proposal_reading {
+    enum proposal_state state; /* of the one that waits */
+    uint8_t block, values;
+    bool
+        at_once; /* it needs nobody, but waits for an open transaction, a sequence, a save or start-up to be over */
+    const struct way_back *back;            /* NULL: there is none */
+    const struct refused_proposal *refused; /* NULL: the last one was not */
+};
+/* False: there is nothing to show. */
+bool operate_proposal(const struct session *session, struct proposal_reading *reading);
+/* Value k of the one that waits. False: past the last, or no such parameter. */
+bool operate_proposed(const struct session *session, unsigned k, struct parameter *p, float *value);
+/* Engineer, all of them. ERR_STATE: there is none, or a transaction is open; ERR_BUSY: not now; ERR_CONFLICT: other loops, blocks
+ * or spans since; errors of service_apply(), and it waits on. */
+MUST_CHECK enum err operate_proposal_accept(struct session *session, struct answer *answer);
+MUST_CHECK enum err operate_proposal_reject(struct session *session, struct answer *answer);
+/* The values there were before the last one that came into force, in one. */
+MUST_CHECK enum err operate_proposal_back(struct session *session, struct answer *answer);
 #endif
 
 /* ---- settings: settings.c ---- */

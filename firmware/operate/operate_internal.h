@@ -23,6 +23,17 @@ MUST_CHECK enum err operate_request(struct session *session, const struct reques
 /* Where a client may write settings: the open transaction, which is its own, or else a copy of what everything asked
  * now will meet. NULL: somebody else needs that place; ERR_BUSY. */
 struct config *operate_stage(struct session *session, struct answer *answer);
+#if COMMISSION_CHANNELS || CONFIG_BLOCKS
+/* No client has a transaction open, nothing is being saved or half printed, no sequence is under way: the main loop may
+ * change settings of its own accord. */
+bool operate_settings_are_free(const struct service *s);
+#endif
+#if COMMISSION_CHANNELS
+/* What start-up has proposed is on trial, or about to be taken back. */
+bool operate_start_up_on_trial(const struct service *s);
+#else
+#define operate_start_up_on_trial(s) ((void)(s), false)
+#endif
 /* What is there goes into force. */
 MUST_CHECK enum err operate_activate(struct session *session, struct answer *answer);
 /* ... unless a transaction is open: then it waits for operate_apply(). */

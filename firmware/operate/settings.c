@@ -43,6 +43,21 @@ struct config *operate_stage(struct session *session, struct answer *answer)
     return service_stage(s);
 }
 
+#if COMMISSION_CHANNELS || CONFIG_BLOCKS
+bool operate_settings_are_free(const struct service *s)
+{
+    /* An open transaction and a sequence are somebody's work, a save has the scratch plan, and a line of telemetry under
+     * way needs the names of its plan. */
+    if (s->staging || storage_saving(s->storage) || s->telemetry.printing)
+        return false;
+#if CONFIG_STEPS
+    return !sequence_active(&s->supervisor->sequence);
+#else
+    return true;
+#endif
+}
+#endif
+
 enum err operate_activate(struct session *session, struct answer *answer)
 {
     struct service *s = session->door->service;

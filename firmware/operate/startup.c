@@ -241,15 +241,8 @@ bool operate_poll(struct operate *door)
 {
     struct service *s = door->service;
     struct config_fault fault;
-    /* Behind an open transaction it waits: that is somebody's work. So is a sequence, and a save, which has the
-     * scratch plan; and a line of telemetry under way needs the names of its plan. */
-    if (!s->commission->wants_old || s->staging || storage_saving(s->storage) ||
-        s->telemetry.printing)
+    if (!s->commission->wants_old || !operate_settings_are_free(s))
         return false;
-#if CONFIG_STEPS
-    if (sequence_active(&s->supervisor->sequence))
-        return false;
-#endif
     enum err err = service_apply(s, commission_old(s->commission), &fault);
     if (err && !fault.group)
         return true; /* no room for it at the moment */
@@ -261,7 +254,12 @@ bool operate_poll(struct operate *door)
 
 bool operate_is_in_acceptance(const struct session *session)
 {
-    const struct commission *m = session->door->service->commission;
+    return operate_start_up_on_trial(session->door->service);
+}
+
+bool operate_start_up_on_trial(const struct service *s)
+{
+    const struct commission *m = s->commission;
     return m->phase == COMMISSION_TRIAL || m->ask == COMMISSION_ASK_TRIAL || m->wants_old;
 }
 

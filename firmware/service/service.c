@@ -131,7 +131,9 @@ void service_fault_name(const struct config_fault *fault, struct text *t)
     text_str(t, fault->field);
 }
 
-enum err service_apply(struct service *s, const struct config *config, struct config_fault *fault)
+/* The scratch plan is built from it, and may come into force. */
+static enum err build_next(struct service *s, const struct config *config,
+                           struct config_fault *fault)
 {
     memset(fault, 0, sizeof *fault);
     fault->code = ERR_BUSY;
@@ -151,9 +153,8 @@ enum err service_apply(struct service *s, const struct config *config, struct co
                                   .wanted = "must be 0, or the interval of the plant's samples"};
         return ERR_CONFLICT;
     }
-    const struct plan *before = service_plan(s);
 #if CONFIG_STEPS
-    if (sequence_active(&s->supervisor->sequence) && sequence_differs(plan, before)) {
+    if (sequence_active(&s->supervisor->sequence) && sequence_differs(plan, service_plan(s))) {
         *fault = (struct config_fault){
             .code = ERR_STATE,
             .group = "step",
@@ -163,7 +164,23 @@ enum err service_apply(struct service *s, const struct config *config, struct co
         return ERR_STATE;
     }
 #endif
-    plan->serial = ++s->serial;
+    return ERR_OK;
+}
+
+#if CONFIG_BLOCKS
+enum err service_check(struct service *s, const struct config *config, struct config_fault *fault)
+{
+    return build_next(s, config, fault);
+}
+#endif
+
+enum err service_apply(struct service *s, const struct config *config, struct config_fault *fault)
+{
+    enum err err = build_next(s, config, fault);
+    if (err)
+        return err;
+    const struct plan *before = service_plan(s);
+    s->plan[other(s)].serial = ++s->serial;
     /* The plan first, then the request: the tick that meets the request must find the plan. */
     s->newest = other(s);
     struct request apply = {.kind = REQUEST_APPLY, .loop = PLAN_NONE, .output = PLAN_NONE};

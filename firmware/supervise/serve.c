@@ -4,6 +4,7 @@
 #include "supervise/blocks.h"
 #include "supervise/histories.h"
 #include "supervise/plan_parts.h"
+#include "supervise/proposals.h"
 #include "supervise/raised.h"
 #include "supervise/sampling.h"
 #include "supervise/span.h"
@@ -343,10 +344,12 @@ void serve_estimate(struct supervisor *s)
         s->block[slot].must_follow = false;
         take_work(s, slot, &g.io);
         excitation_tell(s, slot, &g.io, g.excite);
+        g.io.proposal = proposal_room(s);
         kind_at(s, slot)->step(supervisor_block(s, slot), &g.io);
         raised_tell(s, slot, &g.io);
         ask_work(s, slot, &g.io);
         excitation_take(s, slot, &g.io);
+        proposal_hand_over(s, slot, &g.io);
         give_points(s, slot, &g);
     }
 }
@@ -405,6 +408,7 @@ void serve_step(struct supervisor *s, uint8_t i)
         kind->back_calculate(supervisor_block(s, slot), &g.io);
     take_work(s, slot, &g.io);
     excitation_tell(s, slot, &g.io, g.excite);
+    g.io.proposal = proposal_room(s);
     kind->step(supervisor_block(s, slot), &g.io);
     raised_tell(s, slot, &g.io);
     if (!g.io.gives_up && !gives_numbers(&g, r->members))
@@ -416,6 +420,7 @@ void serve_step(struct supervisor *s, uint8_t i)
     }
     ask_work(s, slot, &g.io);
     excitation_take(s, slot, &g.io);
+    proposal_hand_over(s, slot, &g.io);
     for (uint8_t k = 0; k < r->members; k++) {
         if (!(g.io.acting & (1u << k)))
             continue;

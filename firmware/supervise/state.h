@@ -184,6 +184,20 @@ struct excitation_state {
     struct excited target[BLOCK_EXCITES_MAX];
 };
 
+/* A proposal on its way from the tick, which writes it while the place is free, to the main loop, which frees it. */
+enum proposal_state {
+    PROPOSAL_FREE,
+    PROPOSAL_GIVEN,  /* in a step, under the plan `plan` */
+    PROPOSAL_SEEN,   /* by the main loop, which has not been able to check it yet */
+    PROPOSAL_OFFERED /* right so far: somebody has to accept it */
+};
+struct proposal_slot {
+    _Atomic uint8_t state; /* enum proposal_state */
+    uint8_t block;
+    uint32_t plan; /* serial */
+    struct block_proposal is;
+};
+
 /* Which block a job works for. */
 struct supervisor_work {
     struct supervisor *supervisor;
@@ -250,6 +264,7 @@ struct supervisor {
     uint16_t history[CHANNEL_MAX]; /* of each MV, as in the plan; they stand behind the blocks */
     struct excitation_state excitation;
     struct served_state served[CONFIG_BLOCKS];
+    struct proposal_slot proposal;
 #endif
     _Alignas(8) num_t arena[PLAN_ARENA_BYTES / sizeof(num_t)];
 };

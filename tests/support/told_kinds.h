@@ -31,6 +31,21 @@ struct told {
 static struct told *watch_state, *pair_state;
 static bool pair_is_spent, pair_gives_up; /* in its next step */
 enum { WATCH_HIGH, WATCH_CROSSED };
+/* What the next step of a watch, or of a pair, proposes; times it found no room. */
+static struct block_proposal watch_proposes, pair_proposes;
+static unsigned no_room;
+
+static void told_propose(struct block_io *io, struct block_proposal *proposes)
+{
+    if (!proposes->n)
+        return;
+    if (!io->proposal) {
+        no_room++;
+        return;
+    }
+    *io->proposal = *proposes;
+    proposes->n = 0;
+}
 
 static const struct block_parameter watch_parameters[] = {
     {.id = 1,
@@ -75,6 +90,7 @@ static void watch_step(void *state, struct block_io *io)
     w->steps++;
     io->point[0] = w->held;
     io->point_quality[0] = io->quality[0];
+    told_propose(io, &watch_proposes);
     bool above = num_lt(w->limit, io->input[0]);
     io->event_value[WATCH_HIGH] = io->event_value[WATCH_CROSSED] = num_to_float(io->input[0]);
     io->raised = (uint16_t)((above ? 1u << WATCH_HIGH : 0u) |
@@ -184,6 +200,7 @@ static void pair_step(void *state, struct block_io *io)
     p->steps++;
     for (unsigned k = 0; k < 2; k++)
         io->out[k] = p->u[k];
+    told_propose(io, &pair_proposes);
     io->raised = pair_is_spent;
     io->event_value[0] = 0.75f;
     if (pair_gives_up)

@@ -1,0 +1,53 @@
+/* Proposals: settings that a block has found, for itself or for another block (a tuner, a fit of a feedforward element). It
+ * puts ids and values into block_io.proposal in its step; the main loop checks them whole, as an `apply` would, and puts
+ * them into force without a bump: at once, or when somebody has accepted them. The old values are kept for the way back
+ * (operate/operate.h).
+ */
+#ifndef REFLUX_BLOCK_PROPOSAL_H
+#define REFLUX_BLOCK_PROPOSAL_H
+
+#include <stdint.h>
+
+#define PROPOSAL_MAX 8
+
+enum proposal_manner { PROPOSAL_WHEN_ACCEPTED, PROPOSAL_AT_ONCE };
+
+struct proposed_value {
+    uint32_t id; /* proposed_setting() or proposed_own() */
+    float value; /* as `set` takes it; of a word its place in the list. No names and no tables */
+};
+
+struct block_proposal {
+    uint8_t n;      /* values; 0: none */
+    uint8_t manner; /* enum proposal_manner */
+    struct proposed_value value[PROPOSAL_MAX];
+};
+
+/* Ids of settings, as in docs/console.md; others may be written likewise. Only settings of loops, decoupler, feedforward
+ * elements and blocks can be proposed. */
+enum proposed {
+    PROPOSED_LOOP_GAIN = 0x4100,
+    PROPOSED_LOOP_TI = 0x4140,
+    PROPOSED_LOOP_TD = 0x4180,
+    PROPOSED_LOOP_B = 0x4200,
+    PROPOSED_DECOUPLE_D1 = 0x5040, /* index: the row; + 0x40 for each further column */
+    PROPOSED_FF_GAIN = 0x60C0,
+    PROPOSED_FF_LEAD = 0x6100,
+    PROPOSED_FF_LAG = 0x6140,
+    PROPOSED_FF_DEAD = 0x6180
+};
+
+/* Of the loop, row or element with that index, from 0 (block_member.loop). */
+static inline uint32_t proposed_setting(enum proposed field, uint8_t index)
+{
+    return (uint32_t)field | index;
+}
+
+/* Of the proposing block itself: a parameter of its kind by its id. */
+#define PROPOSED_SELF 0x3Fu
+static inline uint32_t proposed_own(uint8_t id)
+{
+    return (uint32_t)16 << 24 | (64u + id) << 16 | PROPOSED_SELF;
+}
+
+#endif

@@ -1,0 +1,125 @@
+/* The console command on what blocks propose: proposal. */
+#include <string.h>
+
+#include "console/console.h"
+
+#if CONFIG_BLOCKS
+
+static void who(const struct console *c, uint8_t block, const char *what, struct text *line)
+{
+    text_str(line, "block");
+    text_u32(line, block + 1u);
+    text_char(line, ' ');
+    text_str(line, console_settings(c)->block[block].kind);
+    text_str(line, what);
+}
+
+static void value_now(const struct parameter *p, const struct config *config, struct text *line)
+{
+    text_str(line, "  ");
+    parameter_name(p, line);
+    text_str(line, " = ");
+    parameter_value(p, config, line);
+}
+
+static void other_value(const char *what, float value, struct text *line)
+{
+    text_str(line, what);
+    text_float(line, value);
+}
+
+/* Line n of the one that waits. */
+static void waiting_line(const struct console *c, const struct proposal_reading *r, unsigned n,
+                         struct text *line)
+{
+    struct parameter p;
+    float value;
+    if (n == 0) {
+        who(c, r->block,
+            r->at_once ? " proposes, in force as soon as settings may be changed"
+            : r->state == PROPOSAL_OFFERED ? " proposes, to be accepted or rejected"
+                                           : " proposes, not checked yet",
+            line);
+    } else if (operate_proposed(&c->session, n - 1u, &p, &value)) {
+        value_now(&p, operate_settings(&c->session), line);
+        other_value(", proposed ", value, line);
+    }
+}
+
+static void back_line(const struct console *c, const struct way_back *back, unsigned n,
+                      struct text *line)
+{
+    struct parameter p;
+    const struct config *config = operate_settings(&c->session);
+    if (n == 0) {
+        who(c, back->block, " proposed what is in force, `proposal back` undoes it", line);
+    } else if (parameter_find_id(config, back->value[n - 1u].id, &p) == ERR_OK) {
+        value_now(&p, config, line);
+        other_value(", before ", back->value[n - 1u].value, line);
+    }
+}
+
+static void refused_line(const struct console *c, const struct refused_proposal *r,
+                         struct text *line)
+{
+    who(c, r->block, " refused: ", line);
+    service_fault_name(&r->fault, line);
+    text_char(line, ' ');
+    if (r->fault.subject[0]) {
+        text_char(line, '\'');
+        text_str(line, r->fault.subject);
+        text_str(line, "' ");
+    }
+    text_str(line, r->fault.wanted);
+    if (r->fault.code == ERR_RANGE && !r->fault.subject[0])
+        other_value(", ", r->value, line);
+}
+
+static bool proposal_line(struct console *c, unsigned n, struct text *line)
+{
+    struct proposal_reading r;
+    if (!operate_proposal(&c->session, &r)) {
+        if (n == 0)
+            text_str(line, "no block has proposed anything");
+        return n == 0;
+    }
+    if (r.state != PROPOSAL_FREE) {
+        if (n <= r.values) {
+            waiting_line(c, &r, n, line);
+            return true;
+        }
+        n -= r.values + 1u;
+    }
+    if (r.refused && n-- == 0) {
+        refused_line(c, r.refused, line);
+        return true;
+    }
+    if (!r.back || n > r.back->n)
+        return false;
+    back_line(c, r.back, n, line);
+    return true;
+}
+
+void command_proposal(struct console *c, unsigned n, char **word)
+{
+    struct answer a;
+    enum err err;
+    if (n == 0) {
+        console_list(c, proposal_line, "");
+        return;
+    }
+    if (strcmp(word[0], "accept") == 0) {
+        err = operate_proposal_accept(&c->session, &a);
+    } else if (strcmp(word[0], "reject") == 0) {
+        err = operate_proposal_reject(&c->session, &a);
+    } else if (strcmp(word[0], "back") == 0) {
+        err = operate_proposal_back(&c->session, &a);
+    } else {
+        console_err_about(c, ERR_PARSE, word[0],
+                          "wanted: proposal, or proposal accept|reject|back");
+        return;
+    }
+    console_answer(c, err, &a);
+}
+
+#endif

@@ -1,0 +1,28 @@
+#include "supervise/proposals.h"
+
+#if CONFIG_BLOCKS
+
+struct block_proposal *proposal_room(struct supervisor *s)
+{
+    if (atomic_load(&s->proposal.state) != PROPOSAL_FREE)
+        return NULL;
+    s->proposal.is.n = 0;
+    s->proposal.is.manner = PROPOSAL_WHEN_ACCEPTED;
+    return &s->proposal.is;
+}
+
+void proposal_hand_over(struct supervisor *s, uint8_t slot, const struct block_io *io)
+{
+    struct block_proposal *p = io->proposal;
+    uint8_t n = (uint8_t)(slot - SLOT_RECORDS);
+    if (!p || !p->n)
+        return;
+    for (uint8_t k = 0; k < p->n && k < PROPOSAL_MAX; k++)
+        if (p->value[k].id >> 16 && (p->value[k].id & 0x3Fu) == PROPOSED_SELF)
+            p->value[k].id = (p->value[k].id & ~0x3Fu) | n;
+    s->proposal.block = n;
+    s->proposal.plan = s->plan->serial;
+    atomic_store(&s->proposal.state, PROPOSAL_GIVEN);
+}
+
+#endif

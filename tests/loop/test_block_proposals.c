@@ -1,0 +1,351 @@
+/* Proposals of blocks through the whole firmware: checked, in force at once or when accepted, refused, taken back. */
+#include "app/app.h"
+#include "board_bench.h"
+#include "operate/operate.h"
+#include "told_kinds.h"
+
+static struct session client;
+static struct answer answer;
+
+/* Block 1 watches T1; loop 1 is in automatic, at its setpoint. */
+void setUp(void)
+{
+    static const char *const lines[] = {
+        "begin",
+        "set meas5.name seen",
+        "set meas5.unit degC",
+        "set meas5.lo 60",
+        "set meas5.hi 160",
+        "set block1.kind watch",
+        "set block1.inputs T1",
+        "set block1.points seen",
+        "apply",
+        "out reflux 5",
+    };
+    memset(&watch_proposes, 0, sizeof watch_proposes);
+    no_room = 0;
+    running();
+    for (unsigned i = 0; i < sizeof lines / sizeof lines[0]; i++)
+        ask_ok(lines[i]);
+    samples(2);
+    ask_ok("mode top auto");
+    samples(3);
+    board_forget();
+    session_init(&client, app_door(app_instance()));
+}
+void tearDown(void) {}
+
+static void proposes(uint32_t id, double value)
+{
+    watch_proposes.value[watch_proposes.n++] = (struct proposed_value){id, (float)value};
+}
+
+#define GAIN proposed_setting(PROPOSED_LOOP_GAIN, 0)
+#define TI   proposed_setting(PROPOSED_LOOP_TI, 0)
+
+/* In the next sample; the main loop has its turns after it. */
+static void gives(enum proposal_manner manner)
+{
+    watch_proposes.manner = (uint8_t)manner;
+    samples(1);
+    TEST_ASSERT_EQUAL_UINT8(0, watch_proposes.n);
+}
+
+static void is_set(const char *line)
+{
+    char name[40];
+    snprintf(name, sizeof name, "get %.*s", (int)strcspn(line, " "), line);
+    ANSWERS(name, line);
+}
+
+static void without_a_proposal_it_says_so(void)
+{
+    ANSWERS("proposal", "no block has proposed anything");
+    ask_refused("proposal accept", "STATE");
+    TEST_ASSERT_TRUE(said("no proposal waits to be accepted"));
+    ask_refused("proposal reject", "STATE");
+    ask_refused("proposal back", "STATE");
+    TEST_ASSERT_TRUE(said("no proposal is in force that could be taken back"));
+    ask_refused("proposal please", "PARSE");
+}
+
+static void one_that_needs_nobody_is_in_force_at_the_next_tick_without_a_bump(void)
+{
+    double before = (double)board.command.output[0].value;
+    proposes(GAIN, 3);
+    proposes(TI, 150);
+    gives(PROPOSAL_AT_ONCE);
+    TEST_ASSERT_TRUE(said(" info BLOCK_ADOPTED watch 1 "));
+    board_forget();
+    samples(1);
+    TEST_ASSERT_EQUAL_UINT(1, times_said(" info CONFIG_APPLIED "));
+    TEST_ASSERT_DOUBLE_WITHIN(1e-5, before, (double)board.command.output[0].value);
+    is_set("loop1.gain = 3 fraction/fraction");
+    is_set("loop1.ti = 150 s");
+    ANSWERS("proposal", "block1 watch proposed what is in force, `proposal back` undoes it",
+            "  loop1.gain = 3, before 1", "  loop1.ti = 150, before 200");
+    samples(3);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-5, before, (double)board.command.output[0].value);
+}
+
+static void another_waits_until_it_is_accepted(void)
+{
+    proposes(GAIN, 3);
+    gives(PROPOSAL_WHEN_ACCEPTED);
+    TEST_ASSERT_TRUE(
+        said(" info BLOCK_PROPOSES watch 1 a block proposes settings, see `proposal`"));
+    samples(3);
+    is_set("loop1.gain = 1 fraction/fraction");
+    ANSWERS("proposal", "block1 watch proposes, to be accepted or rejected",
+            "  loop1.gain = 1, proposed 3");
+    ask_ok("proposal accept");
+    samples(1);
+    is_set("loop1.gain = 3 fraction/fraction");
+    ask_ok("events");
+    TEST_ASSERT_TRUE(said(" action DO_PROPOSAL accept 1 "));
+    ask_refused("proposal accept", "STATE");
+}
+
+static void the_way_back_is_one_apply_and_leaves_the_rest_alone(void)
+{
+    proposes(GAIN, 3);
+    proposes(TI, 150);
+    proposes(GAIN, 4); /* the last counts */
+    gives(PROPOSAL_AT_ONCE);
+    samples(1);
+    is_set("loop1.gain = 4 fraction/fraction");
+    ask_ok("set loop1.b 0.5");
+    samples(1);
+    ask_ok("proposal back");
+    board_forget();
+    samples(1);
+    TEST_ASSERT_EQUAL_UINT(1, times_said(" info CONFIG_APPLIED "));
+    is_set("loop1.gain = 1 fraction/fraction");
+    is_set("loop1.ti = 200 s");
+    is_set("loop1.b = 0.5 -");
+    ask_ok("events");
+    TEST_ASSERT_TRUE(said(" action DO_PROPOSAL back 3 "));
+    ANSWERS("proposal", "no block has proposed anything");
+    ask_refused("proposal back", "STATE");
+}
+
+static void one_that_is_rejected_makes_room(void)
+{
+    proposes(GAIN, 3);
+    gives(PROPOSAL_WHEN_ACCEPTED);
+    proposes(GAIN, 4);
+    samples(2);
+    TEST_ASSERT_EQUAL_UINT(2, no_room);
+    ask_ok("proposal reject");
+    samples(1);
+    ANSWERS("proposal", "block1 watch proposes, to be accepted or rejected",
+            "  loop1.gain = 1, proposed 4");
+    ask_ok("events");
+    TEST_ASSERT_TRUE(said(" action DO_PROPOSAL reject 0 "));
+}
+
+static void is_refused(const char *event, const char *line)
+{
+    watch_proposes.manner = PROPOSAL_AT_ONCE;
+    board_forget();
+    samples(1);
+    TEST_ASSERT_TRUE_MESSAGE(said(event), board.said);
+    TEST_ASSERT_FALSE(said("BLOCK_ADOPTED"));
+    samples(1);
+    ANSWERS("proposal", line);
+    is_set("loop1.gain = 1 fraction/fraction");
+}
+
+static void one_that_does_not_fit_is_refused_whole_with_field_and_reason(void)
+{
+    proposes(GAIN, 3);
+    proposes(TI, 1e7);
+    is_refused(" warning PROPOSAL_REFUSED loop1.ti 1e+07 ",
+               "block1 watch refused: loop1.ti is proposed with a value that is not allowed, "
+               "1e+07");
+    proposes(GAIN, 3);
+    proposes(TI, (double)strtof("nan", NULL));
+    is_refused(" warning PROPOSAL_REFUSED loop1.ti nan ",
+               "block1 watch refused: loop1.ti is proposed with a value that is not allowed, nan");
+    proposes(GAIN, 3);
+    proposes(0x4600, 2); /* phase: only the plan knows that the divisor is 1 */
+    is_refused(" warning PROPOSAL_REFUSED loop1.phase 0 ",
+               "block1 watch refused: loop1.phase 'top' must be below the divisor");
+    proposes(GAIN, 3);
+    proposes(0x4040, 2);
+    is_refused(" warning PROPOSAL_REFUSED loop1.name 2 ",
+               "block1 watch refused: loop1.name is no number: it cannot be proposed");
+    proposes(GAIN, 3);
+    proposes(0x7100, 2); /* no block has a say in interlocks */
+    is_refused(" warning PROPOSAL_REFUSED lock1.limit 2 ",
+               "block1 watch refused: lock1.limit is no setting of a block");
+    proposes(GAIN, 3);
+    proposes(0x4FC0, 2);
+    is_refused(" warning PROPOSAL_REFUSED block1.proposal 2 ",
+               "block1 watch refused: block1.proposal names a parameter that is not there");
+    proposes(GAIN, 3);
+    watch_proposes.n = PROPOSAL_MAX + 1;
+    is_refused(" warning PROPOSAL_REFUSED block1.proposal 0 ",
+               "block1 watch refused: block1.proposal has more values than there is room for");
+}
+
+static void one_to_be_accepted_is_checked_when_it_comes(void)
+{
+    proposes(0x4600, 2);
+    gives(PROPOSAL_WHEN_ACCEPTED);
+    TEST_ASSERT_TRUE(said(" warning PROPOSAL_REFUSED loop1.phase 0 "));
+    TEST_ASSERT_FALSE(said("BLOCK_PROPOSES"));
+    ask_refused("proposal accept", "STATE");
+}
+
+static void a_refusal_does_not_cost_the_way_back(void)
+{
+    proposes(GAIN, 3);
+    gives(PROPOSAL_AT_ONCE);
+    samples(1);
+    proposes(TI, -1);
+    gives(PROPOSAL_AT_ONCE);
+    samples(1);
+    ANSWERS("proposal",
+            "block1 watch refused: loop1.ti is proposed with a value that is not allowed, -1",
+            "block1 watch proposed what is in force, `proposal back` undoes it",
+            "  loop1.gain = 3, before 1");
+    ask_ok("proposal back");
+    samples(1);
+    is_set("loop1.gain = 1 fraction/fraction");
+}
+
+static void one_made_for_other_loops_is_given_up(void)
+{
+    proposes(GAIN, 3);
+    gives(PROPOSAL_WHEN_ACCEPTED);
+    ask_ok("set alarm1.limit 5"); /* that changes nothing it is about */
+    samples(1);
+    ask_ok("set loop2.name foot");
+    samples(1);
+    TEST_ASSERT_TRUE(said(" warning PROPOSAL_REFUSED block1.proposal 0 "));
+    board_forget();
+    ask_ok("proposal");
+    TEST_ASSERT_FALSE(said("to be accepted"));
+}
+
+static void nor_does_the_way_back_lead_into_other_loops(void)
+{
+    proposes(GAIN, 3);
+    gives(PROPOSAL_AT_ONCE);
+    samples(1);
+    ask_ok("set loop1.name head");
+    samples(1);
+    ask_refused("proposal back", "CONFLICT");
+    TEST_ASSERT_TRUE(said("loops, blocks or spans have changed since"));
+    is_set("loop1.gain = 3 fraction/fraction");
+}
+
+static void it_waits_behind_an_open_transaction_and_a_sequence(void)
+{
+    ask_ok("begin");
+    ask_ok("set loop1.b 0.5");
+    proposes(GAIN, 3);
+    gives(PROPOSAL_AT_ONCE);
+    samples(2);
+    ANSWERS("proposal", "block1 watch proposes, in force as soon as settings may be changed",
+            "  loop1.gain = 1, proposed 3");
+    TEST_ASSERT_FALSE(said("BLOCK_ADOPTED"));
+    ask_ok("apply");
+    samples(2);
+    is_set("loop1.gain = 3 fraction/fraction");
+    is_set("loop1.b = 0.5 -");
+    ask_ok("begin");
+    ask_refused("proposal back", "STATE");
+    TEST_ASSERT_TRUE(said("a transaction is open already"));
+    ask_ok("abandon");
+
+    ask_ok("begin");
+    ask_ok("set step1.seq stop");
+    ask_ok("set step1.until confirm");
+    ask_ok("apply");
+    samples(1);
+    ask_ok("seq stop");
+    samples(1);
+    proposes(GAIN, 5);
+    gives(PROPOSAL_AT_ONCE);
+    ask_refused("proposal back", "BUSY");
+    samples(2);
+    is_set("loop1.gain = 3 fraction/fraction");
+    ask_ok("seq confirm");
+    samples(3);
+    is_set("loop1.gain = 5 fraction/fraction");
+}
+
+static void settings_of_blocks_are_proposed_too(void)
+{
+    proposes(proposed_own(1), 0.75);
+    gives(PROPOSAL_AT_ONCE);
+    samples(1);
+    is_set("block1.limit = 0.75 fraction");
+    ask_ok("proposal back");
+    samples(1);
+    is_set("block1.limit = 0.5 fraction");
+}
+
+static void changing_settings_is_for_engineers(void)
+{
+    proposes(GAIN, 3);
+    gives(PROPOSAL_WHEN_ACCEPTED);
+    ask_ok("key still");
+    ask_ok("lock");
+    ask_ok("proposal");
+    ask_refused("proposal accept", "LOCKED");
+    ask_refused("proposal reject", "LOCKED");
+    ask_refused("proposal back", "LOCKED");
+    ask_ok("unlock still");
+    ask_ok("proposal accept");
+}
+
+static void a_client_without_text_does_the_same(void)
+{
+    struct proposal_reading r;
+    struct parameter p;
+    float value;
+    TEST_ASSERT_FALSE(operate_proposal(&client, &r));
+    proposes(GAIN, 3);
+    gives(PROPOSAL_WHEN_ACCEPTED);
+    TEST_ASSERT_TRUE(operate_proposal(&client, &r));
+    TEST_ASSERT_EQUAL(PROPOSAL_OFFERED, r.state);
+    TEST_ASSERT_EQUAL_UINT8(1, r.values);
+    TEST_ASSERT_TRUE(operate_proposed(&client, 0, &p, &value));
+    TEST_ASSERT_EQUAL_HEX32(GAIN, parameter_id(&p));
+    TEST_ASSERT_EQUAL_FLOAT(3, value);
+    TEST_ASSERT_FALSE(operate_proposed(&client, 1, &p, &value));
+    TEST_ASSERT_EQUAL(ERR_OK, operate_proposal_accept(&client, &answer));
+    samples(1);
+    TEST_ASSERT_TRUE(operate_proposal(&client, &r));
+    TEST_ASSERT_EQUAL(PROPOSAL_FREE, r.state);
+    TEST_ASSERT_NOT_NULL(r.back);
+    TEST_ASSERT_NULL(r.refused);
+    TEST_ASSERT_EQUAL_FLOAT(1, r.back->value[0].value);
+    TEST_ASSERT_EQUAL(ERR_OK, operate_proposal_back(&client, &answer));
+    samples(1);
+    is_set("loop1.gain = 1 fraction/fraction");
+    TEST_ASSERT_EQUAL(ERR_STATE, operate_proposal_reject(&client, &answer));
+}
+
+int main(void)
+{
+    UNITY_BEGIN();
+    RUN_TEST(without_a_proposal_it_says_so);
+    RUN_TEST(one_that_needs_nobody_is_in_force_at_the_next_tick_without_a_bump);
+    RUN_TEST(another_waits_until_it_is_accepted);
+    RUN_TEST(the_way_back_is_one_apply_and_leaves_the_rest_alone);
+    RUN_TEST(one_that_is_rejected_makes_room);
+    RUN_TEST(one_that_does_not_fit_is_refused_whole_with_field_and_reason);
+    RUN_TEST(one_to_be_accepted_is_checked_when_it_comes);
+    RUN_TEST(a_refusal_does_not_cost_the_way_back);
+    RUN_TEST(one_made_for_other_loops_is_given_up);
+    RUN_TEST(nor_does_the_way_back_lead_into_other_loops);
+    RUN_TEST(it_waits_behind_an_open_transaction_and_a_sequence);
+    RUN_TEST(settings_of_blocks_are_proposed_too);
+    RUN_TEST(changing_settings_is_for_engineers);
+    RUN_TEST(a_client_without_text_does_the_same);
+    return UNITY_END();
+}
