@@ -11,7 +11,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Callable
 
-from reflux_tools import bench_link, bench_plants, build, launch, runner, scenario, table
+from reflux_tools import bench_link, bench_plants, bench_tick, build, launch, runner, scenario, table
 from reflux_tools.boards import BOARDS
 from reflux_tools.errors import RunFailed, UserError
 from reflux_tools.paths import ROOT, SCENARIOS, build_dir, named, shown
@@ -30,6 +30,10 @@ def main(arguments: list[str]) -> int:
     p.add_argument("--ticks", type=int, default=4000, metavar="N", help="ticks of each speed run (default 4000)")
     p.add_argument("--plants", action="store_true", help="only the simulated plants, printed and not written")
     p.add_argument("--link", action="store_true", help="only the plant link's share of a tick, printed and not written")
+    p.add_argument("--tick", action="store_true", help="only a tick without the link, printed and not written")
+    p.add_argument("--before", metavar="COMMIT", default=bench_tick.BEFORE,
+                   help=f"version beside which a tick without the link is counted (default {bench_tick.BEFORE}); it is built "
+                   "in the build folder")
     p.add_argument("--out", type=named, default=RESULTS, metavar="FILE")
     options = p.parse_args(arguments)
     if options.ticks < 10:
@@ -37,6 +41,11 @@ def main(arguments: list[str]) -> int:
     if options.link:
         build.build("host", ("reflux-sim",))
         print(f"\n{bench_link.TITLE}\n{table.columns(bench_link.HEADER, link_rows())}", flush=True)
+        return 0
+    if not re.fullmatch(r"[\w.-]+", options.before):
+        raise UserError("--before must be a commit or a tag")
+    if options.tick:
+        print(f"\n{bench_tick.TITLE}\n{table.columns(bench_tick.header(options.before), tick_rows(options.before))}", flush=True)
         return 0
     launch.build_for("memory")
     build.build("host", ("plant_cost", "matrix_cost"))
@@ -50,6 +59,7 @@ def main(arguments: list[str]) -> int:
         *bench_plants.parts(),
         ("Lockstep ticks per second", ["way", "ticks", "ticks per second"], speed_rows(options.ticks)),
         ("Instructions per tick", ["where", "how", "least", "mean", "most"], instruction_rows()),
+        (bench_tick.TITLE, bench_tick.header(options.before), tick_rows(options.before)),
         (bench_link.TITLE, bench_link.HEADER, link_rows()),
         ("Instructions of matrices of 16 x 16, host", ["what", "instructions"], matrix_rows()),
         ("The image, bytes", ["part", "text", "data", "bss"], size_rows()),
@@ -164,6 +174,13 @@ def counted(function: str, command: list[str]) -> int:
     if found is None:
         raise RunFailed("callgrind wrote no totals")
     return int(found.group(1))
+
+
+def tick_rows(before: str) -> list[list[str]]:
+    try:
+        return bench_tick.rows(counted, before)
+    except RunFailed as error:
+        return [[f"not measured: {error}", "", "", "", ""]]
 
 
 def link_rows() -> list[list[str]]:

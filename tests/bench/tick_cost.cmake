@@ -1,0 +1,11 @@
+# Adds tick_cost to another version of this repository, whose own files stay as they are: tools/bench --before COMMIT configures
+# that version with -DCMAKE_PROJECT_reflux_INCLUDE=this file.
+function(reflux_tick_cost)
+  file(GLOB sources "${PROJECT_SOURCE_DIR}/firmware/service/parameter*.c"
+       "${PROJECT_SOURCE_DIR}/firmware/service/block_parameters.c" "${PROJECT_SOURCE_DIR}/firmware/service/words.c")
+  add_executable(tick_cost_beside EXCLUDE_FROM_ALL "${CMAKE_CURRENT_FUNCTION_LIST_DIR}/tick_cost.c" ${sources})
+  target_link_libraries(tick_cost_beside PRIVATE reflux_supervise reflux_firmware_options)
+  target_include_directories(tick_cost_beside PRIVATE "${REFLUX_LAYERS}/service")
+  set_target_properties(tick_cost_beside PROPERTIES RUNTIME_OUTPUT_DIRECTORY "${CMAKE_BINARY_DIR}")
+endfunction()
+cmake_language(DEFER CALL reflux_tick_cost)
