@@ -10,8 +10,8 @@
  *     point i = y_i the shortest of its dead times later: all that moves it until then has been sent
  *
  * L is that of the stationary Kalman filter (Anderson and Moore, Optimal Filtering, 1979, chapter 4): the recursion of the
- * covariance until it stands still, one iteration a piece, as work between ticks. Until then, and where it finds no rest, L is
- * a safe one that corrects d alone, and is stable whatever the model.
+ * covariance until it stands still, one iteration a piece, as work between ticks; then it is tried whether errors die away
+ * with it. Until then, and where it finds no rest or fails, L is a safe one that corrects d alone, and is stable whatever the model.
  *
  * Computed in real_t: variances have a range that Q7.24 has not. */
 #include "kinds.h"
@@ -25,9 +25,11 @@
 #define DEAD_MOST    240   /* steps */
 #define LAG_MOST     10000 /* steps: what is slower is drift, and float would lose its increments */
 #define SAFE_GAIN    REAL_C(0.1)
-#define GAIN_STEPS   20   /* the gain is taken so many steps after it was asked for */
-#define PIECES_MOST  4000 /* iterations */
-#define STANDS_STILL REAL_C(1e-6)
+#define GAIN_STEPS   20           /* the gain is taken so many steps after it was asked for */
+#define PIECES_MOST  4000         /* iterations */
+#define STANDS_STILL REAL_C(1e-5) /* part of itself by which the gain changes in an iteration */
+#define DIED_AWAY    REAL_C(1e-6) /* part of an error */
+#define TRIAL_STEPS  400
 #define FAR_OFF      REAL_C(10.0) /* standard deviations of a reading */
 
 enum { MEASURED, MOVED = 2, INPUTS = 4 }; /* the first of two each */
@@ -46,7 +48,9 @@ struct observer_design {
     real_t a[STATES], q[STATES][STATES], r[2];
     real_t p[STATES][STATES], gain[STATES][2];
     uint16_t iterations;
-    bool found;
+    bool found; /* it stands still: now it is tried */
+    uint8_t next,
+        tried; /* with an error of each state: which comes next, how many have died away */
 };
 
 struct observer {
@@ -197,7 +201,7 @@ static void begin_design(struct observer *o)
     memcpy(d->p, o->q, sizeof d->p);
     memcpy(d->r, o->r, sizeof d->r);
     memset(d->gain, 0, sizeof d->gain);
-    d->iterations = 0;
+    d->iterations = d->next = d->tried = 0;
     d->found = false;
 }
 
@@ -217,11 +221,30 @@ static real_t new_gain(real_t gain[2], const real_t pc[2], real_t s[2][2], real_
     return change;
 }
 
-/* One iteration: P <- A P A' + Q, L = P C' (C P C' + R)^-1, P <- P - L C P. */
-static bool observer_work(void *state)
+/* What becomes of an error of a state: x <- A x, x <- x - L C x. With rounding between P and L it may be that it grows. */
+static bool dies_away(const struct observer_design *d, unsigned state)
 {
-    struct observer_design *d = &((struct observer *)state)->design;
-    real_t pc[STATES][2], s[2][2], change = 0;
+    real_t x[STATES] = {0}, half = 0, rest = 0;
+    x[state] = 1;
+    for (unsigned step = 1; step <= TRIAL_STEPS; step++) {
+        for (unsigned r = 0; r < STATES; r++)
+            x[r] *= d->a[r];
+        real_t seen[2] = {x[0] + x[1] + x[4], x[2] + x[3] + x[5]};
+        rest = 0;
+        for (unsigned r = 0; r < STATES; r++) {
+            x[r] -= d->gain[r][0] * seen[0] + d->gain[r][1] * seen[1];
+            rest += real_abs(x[r]);
+        }
+        if (step == TRIAL_STEPS / 2)
+            half = rest;
+    }
+    return rest < half || rest < DIED_AWAY; /* false for what is no number */
+}
+
+/* One iteration: P <- A P A' + Q, L = P C' (C P C' + R)^-1, P <- P - L C P. */
+static bool iterate(struct observer_design *d)
+{
+    real_t pc[STATES][2], s[2][2], change = 0, size = 0;
     for (unsigned r = 0; r < STATES; r++)
         for (unsigned c = 0; c < STATES; c++)
             d->p[r][c] = d->a[r] * d->p[r][c] * d->a[c] + d->q[r][c];
@@ -234,19 +257,30 @@ static bool observer_work(void *state)
     real_t det = s[0][0] * s[1][1] - s[0][1] * s[1][0];
     if (!(det > 0))
         return false; /* beyond float: the safe gain stays */
-    for (unsigned r = 0; r < STATES; r++)
+    for (unsigned r = 0; r < STATES; r++) {
         change += new_gain(d->gain[r], pc[r], s, det);
+        size += real_abs(d->gain[r][0]) + real_abs(d->gain[r][1]);
+    }
     for (unsigned r = 0; r < STATES; r++)
         for (unsigned c = 0; c <= r; c++)
             d->p[c][r] = d->p[r][c] -= d->gain[r][0] * pc[c][0] + d->gain[r][1] * pc[c][1];
     d->iterations++;
-    d->found = change < STANDS_STILL;
-    return !d->found && d->iterations < PIECES_MOST;
+    d->found = change < STANDS_STILL * size;
+    return d->found || d->iterations < PIECES_MOST;
+}
+
+static bool observer_work(void *state)
+{
+    struct observer_design *d = &((struct observer *)state)->design;
+    if (!d->found)
+        return iterate(d);
+    d->tried = (uint8_t)(d->tried + dies_away(d, d->next));
+    return ++d->next < STATES;
 }
 
 static void take_gain(struct observer *o, struct block_io *io)
 {
-    if (io->work_done && o->design.found && !o->gain_wanted) {
+    if (io->work_done && o->design.tried == STATES && !o->gain_wanted) {
         memcpy(o->gain, o->design.gain, sizeof o->gain);
         o->gained = true;
         io->raised = 1u << GAINED;

@@ -19,8 +19,9 @@
 
 #include "num/accumulator.h"
 
-#define BOTH       3u
-#define SHORT_FROM 0.001f /* of an output's span: less is no limit */
+#define BOTH         3u
+#define SHORT_FROM   0.001f /* of an output's span: less is no limit */
+#define INVERSE_MOST 100.0f /* elements of G^-1: Q7.24 ends at 128 */
 
 struct state_feedback_settings {
     float gain[2][2]; /* PV i per output j, spans */
@@ -42,7 +43,7 @@ struct state_feedback {
 
 static const struct block_parameter state_feedback_parameters[] = {
     {1, BLOCK_FLOAT, offsetof(struct state_feedback_settings, gain), 2, 2, "gain", "-",
-     "row: PV, column: output; span per span", -100, 100, 0},
+     "row: PV, column: output; span per span", -20, 20, 0},
     {2, BLOCK_FLOAT, offsetof(struct state_feedback_settings, lag_s), 1, 2, "lag", "s",
      "time constants of the PVs", 0.001f, 1e6f, 600},
     {3, BLOCK_FLOAT, offsetof(struct state_feedback_settings, lambda_s), 1, 2, "lambda", "s",
@@ -94,9 +95,12 @@ static enum err state_feedback_check(const struct block_setup *setup, struct blo
         if (!(lambda >= 2.0f * setup->interval_s))
             return state_feedback_refuse(fault, i, "lambda", "must be two steps or more");
     }
-    float diagonal = magnitude(c->gain[0][0] * c->gain[1][1]);
-    if (!(magnitude(determinant(c)) >= 0.05f * diagonal))
+    float diagonal = magnitude(c->gain[0][0] * c->gain[1][1]), det = magnitude(determinant(c));
+    if (!(det >= 0.05f * diagonal))
         return state_feedback_refuse(fault, 0, "gain", "has rows too much alike to be decoupled");
+    for (unsigned k = 0; k < 4; k++)
+        if (!(magnitude(c->gain[k / 2][k % 2]) <= INVERSE_MOST * det))
+            return state_feedback_refuse(fault, 0, "gain", "needs an inverse of 100 or less");
     return ERR_OK;
 }
 

@@ -90,6 +90,28 @@ static void a_change_of_its_settings_asks_for_another_gain_and_the_old_one_goes_
     TEST_ASSERT_FALSE(said("works between ticks"));
 }
 
+/* Beyond what float tells apart, and where nothing stands still for as long as it may look. */
+static void a_gain_that_is_not_found_is_not_used(void)
+{
+    static const char *const settings[2][5] = {
+        {"set block1.gain.1 100,100", "set block1.gain.2 100,100", "set block1.unseen 0.02",
+         "set block1.noise.1 0.0001,0.0001", "set block1.drift.1 0.00001,0.00001"},
+        {"set block1.noise.1 0.1,0.1", "set block1.drift.1 0.00001,0.00001"}};
+    for (unsigned k = 0; k < 2; k++) {
+        if (k)
+            plant_power_off();
+        plant_power_on("wood-berry", TICK_MS, 1, 1);
+        ask_file(WORKED_FAMILY_CONF);
+        for (unsigned i = 0; i < 5 && settings[k][i]; i++)
+            ask_ok(settings[k][i]);
+        plant_connect();
+        plant_steps(60);
+        TEST_ASSERT_EQUAL_DOUBLE(0, inside("observer", "gained"));
+        TEST_ASSERT_FALSE(said("works between ticks"));
+        TEST_ASSERT_DOUBLE_WITHIN(1e-6, 0.1, inside("observer", "gain_1"));
+    }
+}
+
 static void while_it_is_frozen_readings_are_not_believed(void)
 {
     column_at_rest(0);
@@ -238,6 +260,7 @@ int main(void)
     RUN_TEST(the_points_are_in_the_log_and_can_be_alarmed);
     RUN_TEST(the_gain_is_the_filters_from_its_declared_tick_on);
     RUN_TEST(a_change_of_its_settings_asks_for_another_gain_and_the_old_one_goes_on);
+    RUN_TEST(a_gain_that_is_not_found_is_not_used);
     RUN_TEST(while_it_is_frozen_readings_are_not_believed);
     RUN_TEST(it_says_that_a_reading_was_not_expected);
     RUN_TEST(setpoints_are_followed_without_offset);
