@@ -24,10 +24,10 @@ static const char *const reason_words[EXCITE_REASONS] = {
     [EXCITE_MODE] = "mode",
     [EXCITE_HAND] = "hand",
     [EXCITE_CHANNEL] = "channel",
-    [EXCITE_SAFE] = "safe state",
+    [EXCITE_SAFE] = "safe_state",
     [EXCITE_SEQUENCE] = "sequence",
     [EXCITE_PLAN] = "settings",
-    [EXCITE_GAVE_UP] = "gave up",
+    [EXCITE_GAVE_UP] = "gave_up",
     [EXCITE_WRONG] = "wrong",
 };
 

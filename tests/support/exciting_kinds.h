@@ -5,8 +5,8 @@
 
 #include "block/block.h"
 #include "control/pid.h"
-#include "supervise/records.h"
-#include "supervisor_bench.h"
+#include "formats.h"
+#include "unity.h"
 
 /* ---- a kind that excites: it holds its outputs, and asks for what stands in `wish` ---- */
 
@@ -47,7 +47,7 @@ static enum err held_configure(void *state, const struct block_setup *setup, boo
     return ERR_OK;
 }
 
-static void ask(struct wish *w, struct block_io *io)
+static void ask_for(struct wish *w, struct block_io *io)
 {
     w->steps++;
     w->state = io->excite_state;
@@ -69,7 +69,7 @@ static void held_step(void *state, struct block_io *io)
     }
     if (w->gives_up)
         io->gives_up = "test";
-    ask(w, io);
+    ask_for(w, io);
 }
 
 static void held_follow(void *state, struct block_io *io)
@@ -88,7 +88,7 @@ static void held_back_calculate(void *state, struct block_io *io)
 static void shake_step(void *state, struct block_io *io)
 {
     (void)state;
-    ask(&wish[ESTIMATOR], io);
+    ask_for(&wish[ESTIMATOR], io);
 }
 
 static const struct block_parameter spare_parameter[] = {
@@ -128,86 +128,10 @@ static const struct block_kind shake_kind = {
 const struct block_kind *const block_kinds[] = {&pid_kind, &held_kind, &shake_kind};
 const uint8_t block_kind_count = 3;
 
-static inline void put_block(unsigned n, const char *kind, const char *loops, const char *inputs)
-{
-    struct block_config *b = &bench.config.block[n];
-    uint32_t needed, room;
-    TEST_ASSERT_EQUAL(ERR_OK, record_make(&bench.config, (uint8_t)n, kind, &needed, &room));
-    strcpy(b->loops, loops);
-    strcpy(b->inputs, inputs);
-}
-
-static inline void put_size(unsigned n, float size)
-{
-    memcpy(bench.config.pool + bench.config.block[n].at, &size, sizeof size);
-}
-
-static inline void blocks(void)
-{
-    put_block(CONTROLLER, "held", "top bottom", "spare feed");
-    put_block(ESTIMATOR, "shake", "", "spare feed");
-    put("meas3.hold", "2");
-}
-
-/* Both loops in auto; reflux and heat at half their spans. */
-static inline void begin_with(void (*more)(void))
-{
-    memset(wish, 0, sizeof wish);
-    bench_start_with(more);
-    mode(TOP, LOOP_AUTO);
-    mode(BOTTOM, LOOP_AUTO);
-    ticks(2);
-}
-
-static inline void begin(void)
-{
-    begin_with(blocks);
-}
-
 static inline struct block_excitation on(enum excite_what what, uint8_t which, double value)
 {
     return (struct block_excitation){(uint8_t)what,        which,      num_from_float((float)value),
                                      num_from_float(0.1f), num_zero(), num_one()};
-}
-
-/* It excites both MVs and the setpoint of top. */
-static inline void excite_all(void)
-{
-    wish[CONTROLLER].ask[0] = on(EXCITE_MV, 0, 0.05);
-    wish[CONTROLLER].ask[1] = on(EXCITE_MV, 1, -0.1);
-    wish[CONTROLLER].ask[2] = on(EXCITE_SETPOINT, 0, 0.02);
-    ticks(2);
-    TEST_ASSERT_EQUAL(EXCITE_RUNS, wish[CONTROLLER].state);
-    TEST_ASSERT_DOUBLE_WITHIN(1e-6, 0.55, sent(REFLUX));
-    TEST_ASSERT_DOUBLE_WITHIN(1e-6, 0.4, sent(HEAT));
-    TEST_ASSERT_DOUBLE_WITHIN(1e-6, 0.27, setpoint_of(TOP));
-    TEST_ASSERT_EQUAL_UINT(1, happened(EVENT_EXCITATION_BEGUN, "held"));
-}
-
-static inline void nothing_is_excited(void)
-{
-    for (unsigned j = 0; j < 3; j++)
-        TEST_ASSERT_TRUE(num_eq(bench.s.output[j].excitation, num_zero()));
-    for (unsigned i = 0; i < 2; i++) {
-        TEST_ASSERT_TRUE(num_eq(bench.s.loop[i].excite, num_zero()));
-        TEST_ASSERT_TRUE(num_eq(bench.s.loop[i].excited, num_zero()));
-    }
-    TEST_ASSERT_NULL(supervisor_excited_by(&bench.s));
-}
-
-static inline void ended(const char *why)
-{
-    TEST_ASSERT_EQUAL_UINT(1, happened(EVENT_EXCITATION_ENDED, why));
-    TEST_ASSERT_EQUAL_UINT(1, happened(EVENT_EXCITATION_ENDED, NULL));
-    nothing_is_excited();
-}
-
-/* ... and in the same tick nothing of it is left in what is sent. */
-static inline void gone(const char *why)
-{
-    ended(why);
-    ASSERT_NO_BUMP(0.5, sent(REFLUX));
-    ASSERT_NO_BUMP(0.5, sent(HEAT));
 }
 
 #endif

@@ -1,5 +1,5 @@
 /* Test signals that blocks ask for: while they run, and who may have the plant. What ends them: test_excitation_ends.c. */
-#include "exciting_kinds.h"
+#include "exciting_bench.h"
 #include "supervise/restart.h"
 
 void setUp(void) {}

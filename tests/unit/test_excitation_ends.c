@@ -1,5 +1,5 @@
 /* What ends a test signal that a block has asked for. Each in the same tick, for all that is excited. */
-#include "exciting_kinds.h"
+#include "exciting_bench.h"
 
 void setUp(void) {}
 void tearDown(void) {}
@@ -220,7 +220,7 @@ static void the_safe_state_ends_it(void)
     excite_all();
     supervisor_outputs_safe(&bench.s, "test");
     bench_events();
-    ended("safe state");
+    ended("safe_state");
     TEST_ASSERT_DOUBLE_WITHIN(1e-6, 0, sent(REFLUX));
     tick();
     nothing_is_excited();
@@ -233,7 +233,7 @@ static void silence_of_the_link_ends_it(void)
     supervisor_go_safe(&bench.s, "link");
     supervisor_go_safe(&bench.s, "link");
     bench_events();
-    ended("safe state");
+    ended("safe_state");
 }
 
 static void the_blocks_giving_up_ends_it(void)
@@ -244,7 +244,7 @@ static void the_blocks_giving_up_ends_it(void)
     reading(T1, 85);
     tick();
     TEST_ASSERT_EQUAL_UINT(1, happened(EVENT_BLOCK_GAVE_UP, "test"));
-    gone("gave up");
+    gone("gave_up");
     TEST_ASSERT_DOUBLE_WITHIN(1e-6, 0.25, setpoint_of(TOP));
 }
 
@@ -255,7 +255,7 @@ static void an_input_that_makes_it_give_up_ends_it(void)
     bad_reading(FEED, QUALITY_BAD, 0);
     ticks(3);
     TEST_ASSERT_EQUAL_UINT(1, happened(EVENT_BLOCK_GAVE_UP, "feed"));
-    gone("gave up");
+    gone("gave_up");
 }
 
 static void switching_it_off_ends_it(void)
@@ -264,7 +264,7 @@ static void switching_it_off_ends_it(void)
     excite_all();
     request(REQUEST_BLOCK, PLAN_NONE, CONTROLLER, 0, 0);
     tick();
-    gone("gave up");
+    gone("gave_up");
 }
 
 #if CONFIG_STEPS
@@ -360,10 +360,12 @@ static void a_block_of_another_kind_has_not_been_told_of_it(void)
     excite_all();
     mode(TOP, LOOP_MANUAL);
     tick();
+    put_block(ESTIMATOR, "", "", "");
     put_block(CONTROLLER, "shake", "", "spare feed");
     wish[ESTIMATOR] = (struct wish){0};
     apply();
     tick();
+    TEST_ASSERT_EQUAL_UINT(1, wish[ESTIMATOR].steps);
     TEST_ASSERT_EQUAL(EXCITE_OFF, wish[ESTIMATOR].state);
 }
 
