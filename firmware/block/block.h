@@ -108,6 +108,7 @@ struct block_io {
     uint16_t divisor;                              /* base ticks of a step */
     struct block_proposal
         *proposal;      /* a step may put one there; NULL: another waits (block/proposal.h) */
+    uint8_t going_on; /* of a compensator, follow: acting members that also did in the last step */
     uint16_t raised;    /* given: bit k: the k-th of the kind's events holds in this step */
     float *event_value; /* [events] given with it, in the unit its words name */
     /* Test signals: */

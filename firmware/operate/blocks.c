@@ -101,9 +101,9 @@ enum err operate_block_switch(struct session *session, uint8_t block, bool on,
     const struct block_kind *kind = kind_told(session, block, &err, answer);
     if (!kind)
         return err;
-    if (kind->stage != STAGE_CONTROL)
+    if (kind->stage == STAGE_ESTIMATE)
         return operate_refuse(answer, ERR_STATE, kind->name,
-                              "is no controller: no loop has another that could act in its place");
+                              "is an estimator: nothing could write its points in its place");
     struct request r = {
         .kind = REQUEST_BLOCK, .loop = PLAN_NONE, .output = block, .mode = (uint8_t)on};
     err = operate_request(session, &r, answer);

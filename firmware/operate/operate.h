@@ -197,7 +197,7 @@ bool operate_block(const struct session *session, uint8_t block, struct block_re
 /* "2", "block2", or a kind that one block alone is of. ERR_UNKNOWN, ERR_CONFLICT: several are. */
 MUST_CHECK enum err operate_find_block(const struct session *session, const char *name,
                                        uint8_t *block, struct answer *answer);
-/* ERR_UNKNOWN, ERR_UNSUPPORTED: this build lacks the kind; ERR_STATE: it is no controller; ERR_BUSY. */
+/* ERR_UNKNOWN, ERR_UNSUPPORTED: this build lacks the kind; ERR_STATE: it is an estimator; ERR_BUSY. */
 MUST_CHECK enum err operate_block_switch(struct session *session, uint8_t block, bool on,
                                          struct answer *answer);
 /* ERR_UNKNOWN: *answer has the kind, whose verbs are those there are; ERR_UNSUPPORTED. */

@@ -1,11 +1,9 @@
 #include "supervise/back_calculate.h"
 
 #include "supervise/blocks.h"
+#include "supervise/compensate_blocks.h"
 #include "supervise/serve.h"
 #include "supervise/setpoint.h"
-
-/* A command beyond this, in spans, may have ended with the range of num_t. */
-#define COMMAND_MAX 100.0f
 
 /* Directions in which the setpoint of loop i should not be pushed, because its own output is at a limit. */
 static uint8_t saturation(const struct supervisor *s, uint8_t i)
@@ -121,6 +119,7 @@ void back_calculate_loops(struct supervisor *s)
     }
     if (s->block[SLOT_MATRIX].kind != PLAN_NONE)
         back_compensated(s, told);
+    compensators_back_calculate(s, told);
     /* Inner loops first: what an outer loop may do depends on them. */
     for (uint8_t k = s->plan->n_order; k > 0; k--) {
         uint8_t i = s->plan->order[k - 1u];

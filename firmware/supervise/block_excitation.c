@@ -155,8 +155,9 @@ static enum excite_reason plant_disturbance(const struct supervisor *s)
 static bool has_turns(const struct supervisor *s, uint8_t n)
 {
     const struct record_plan *r = &s->plan->record[n];
-    if (plan_kind(s->plan, (uint8_t)(SLOT_RECORDS + n))->stage == STAGE_ESTIMATE)
-        return true;
+    uint8_t stage = plan_kind(s->plan, (uint8_t)(SLOT_RECORDS + n))->stage;
+    if (stage == STAGE_ESTIMATE || stage == STAGE_FEED_FORWARD)
+        return stage == STAGE_ESTIMATE || s->block[SLOT_RECORDS + n].running;
     for (uint8_t k = 0; k < r->members; k++)
         if (loop_drives(s, r->member[k]))
             return true;

@@ -59,12 +59,16 @@ struct block_place {
 #define INFER_IS_ESTIMATE 0x80u
 #define INPUT_IS_MV       0x80u /* an input is a measurement, or, with this bit, a manipulated variable */
 
+/* The most that a feedforward element with a record adds to an MV, either way, fraction of span. */
+#define PLAN_ELEMENT_MOST 1.0f
+
 /* Whom a block with a record serves, and what it reads and writes. */
 struct record_plan {
     uint8_t members, inputs, points;
     uint8_t member[BLOCK_MEMBERS_MAX]; /* loops */
     uint8_t input[BLOCK_INPUTS_MAX];
-    uint8_t point[BLOCK_POINTS_MAX]; /* measurements */
+    uint8_t point
+        [BLOCK_POINTS_MAX]; /* measurements; of a feedforward element the MVs it adds to */
     uint8_t last; /* the member whose turn comes last: then it runs for all of them */
 };
 #endif

@@ -5,14 +5,19 @@
 #include "supervise/arena.h"
 #include "supervise/histories.h"
 #include "supervise/plan_parts.h"
+#include "supervise/records.h"
 
 #define NOT_IN_BUILD "is not in this build"
 
-/* Groups of the configuration that are served by whatever kind the build has for their stage. */
+/* Groups of the configuration that are served by whatever kind the build has for their stage, not by kinds of blockN. */
 static uint8_t first_of_stage(enum block_stage stage)
 {
     for (uint8_t k = 0; k < block_kind_count; k++)
+#if CONFIG_BLOCKS
+        if (block_kinds[k]->stage == stage && !block_kind_has_record(k))
+#else
         if (block_kinds[k]->stage == stage)
+#endif
             return k;
     return PLAN_NONE;
 }
@@ -29,8 +34,7 @@ static uint8_t plan_find_kind(const struct plan *plan, uint8_t slot)
     return PLAN_NONE;
 }
 
-/* The largest |MV - feedforward| of the MV of loop i, fraction of span. */
-static float own_reach(const struct plan *plan, uint8_t i)
+float plan_own_reach(const struct plan *plan, uint8_t i)
 {
     float below = 0.0f, above = 1.0f;
     for (uint8_t k = 0; k < CONFIG_FEEDFORWARDS; k++) {
@@ -40,6 +44,10 @@ static float own_reach(const struct plan *plan, uint8_t i)
         below += f->hi > 0.0f ? f->hi : 0.0f;
         above -= f->lo < 0.0f ? f->lo : 0.0f;
     }
+#if CONFIG_BLOCKS
+    below += plan_added_reach(plan, plan->loop[i].output);
+    above += plan_added_reach(plan, plan->loop[i].output);
+#endif
     return below > above ? below : above;
 }
 
@@ -66,7 +74,8 @@ static void setup_matrix(const struct plan *plan, struct block_setup *setup,
     for (uint8_t i = 0; i < DECOUPLER_MAX; i++) {
         bool there = plan->loop[i].used && plan->loop[i].decouple;
         setup->there = (uint8_t)(setup->there | (there ? 1u << i : 0u));
-        setup->member[i] = (struct block_member){i, true, 0.0f, there ? own_reach(plan, i) : 0.0f};
+        setup->member[i] =
+            (struct block_member){i, true, 0.0f, there ? plan_own_reach(plan, i) : 0.0f};
     }
 }
 
@@ -203,6 +212,9 @@ enum err plan_place_blocks(struct plan *plan, struct config_fault *fault)
             struct block_instance b;
             plan_block_setup(plan, slot, &b);
             grains = ARENA_GRAINS(plan_kind(plan, slot)->bytes(&b.setup));
+#if CONFIG_BLOCKS
+            grains += plan_grains_behind(plan, slot);
+#endif
         }
         if (at + grains > PLAN_ARENA_BYTES / ARENA_GRAIN) {
             enum err err = refuse_memory(plan, slot, fault);

@@ -68,5 +68,6 @@ enum err plan_resolve_feedforwards(struct plan *plan, struct config_fault *fault
         if (err)
             return err;
     }
-    return check_feedforward_rings(plan, fault);
+    enum err rings = check_feedforward_rings(plan, fault);
+    return rings ? rings : plan_check_rings(plan, fault);
 }

@@ -28,6 +28,20 @@ bool plan_setpoint_ready(const struct plan *plan, uint8_t i, const bool *taken);
 void plan_setup_record(const struct plan *plan, uint8_t n, struct block_setup *setup);
 /* Base ticks of a step of the block with record n. */
 uint16_t plan_record_divisor(const struct plan *plan, uint8_t n);
+/* The next of names with blanks between them; returns where the one after it begins, or NULL: there was none. */
+const char *plan_next_name(const char *list, char name[CHANNEL_NAME_SIZE]);
+/* plan_record_stages.c: of a feedforward element the MVs it adds to; that a compensator or an element has what it needs; that
+ * none moves an MV it looks at, once all feedforwards are resolved. */
+enum err plan_resolve_added(struct plan *plan, uint8_t n, struct config_fault *fault);
+enum err plan_check_stage(const struct plan *plan, uint8_t n, struct config_fault *fault);
+enum err plan_check_rings(const struct plan *plan, struct config_fault *fault);
+/* The largest |MV - feedforward| of the MV of loop i, fraction of span; of what compensator n gives for it. */
+float plan_own_reach(const struct plan *plan, uint8_t i);
+float plan_member_reach(const struct plan *plan, uint8_t n, uint8_t i);
+/* The most that elements with a record add to an MV, either way. */
+float plan_added_reach(const struct plan *plan, uint8_t output);
+/* Grains in the arena behind the state of the block: of a compensator one for each member (compensate_blocks.c). */
+uint32_t plan_grains_behind(const struct plan *plan, uint8_t slot);
 /* Their places in the arena, when all have been checked. */
 enum err plan_place_blocks(struct plan *plan, struct config_fault *fault);
 

@@ -7,8 +7,7 @@
 
 #if CONFIG_BLOCKS
 
-/* The next of names with blanks between them; returns where the one after it begins, or NULL: there was none. */
-static const char *next_name(const char *list, char name[CHANNEL_NAME_SIZE])
+const char *plan_next_name(const char *list, char name[CHANNEL_NAME_SIZE])
 {
     size_t n = 0;
     memset(name, 0, CHANNEL_NAME_SIZE);
@@ -26,31 +25,62 @@ static enum err refuse_record(struct config_fault *fault, enum err code, uint8_t
     return plan_refuse(fault, code, "block", n + 1u, field, subject, wanted);
 }
 
+static bool has_stage(const struct plan *plan, uint8_t n, enum block_stage stage)
+{
+    uint8_t slot = (uint8_t)(SLOT_RECORDS + n);
+    return plan->block[slot].kind != PLAN_NONE && plan_kind(plan, slot)->stage == stage;
+}
+
+/* Loop i may be a member beside those found so far: of what takes its controller's place, or, of a compensator, stands
+ * behind it. */
+static enum err check_member(const struct plan *plan, uint8_t n, uint8_t i,
+                             struct config_fault *fault)
+{
+    const struct record_plan *r = &plan->record[n];
+    const struct loop_config *l = &plan->config.loop[i];
+    const struct loop_config *first = &plan->config.loop[r->member[0]];
+    if (plan->loop[i].decouple)
+        return refuse_record(fault, ERR_CONFLICT, n, "loops", l->name,
+                             "takes part in the static decoupler; set decouple off");
+    if (has_stage(plan, n, STAGE_COMPENSATE)) {
+        for (uint8_t k = 0; k < r->members; k++)
+            if (r->member[k] == i)
+                return refuse_record(fault, ERR_CONFLICT, n, "loops", l->name, "is named twice");
+        if (plan->loop[i].output == PLAN_NONE)
+            return refuse_record(fault, ERR_CONFLICT, n, "loops", l->name,
+                                 "must drive a manipulated variable itself");
+        const char *uncompensated = plan_kind(plan, i)->uncompensated;
+        return uncompensated
+                   ? refuse_record(fault, ERR_CONFLICT, n, "loops", l->name, uncompensated)
+                   : ERR_OK;
+    }
+    if (plan->loop[i].server != PLAN_NONE)
+        return refuse_record(fault, ERR_CONFLICT, n, "loops", l->name,
+                             "is served by another block already");
+    if (r->members && (l->divisor != first->divisor || l->phase != first->phase))
+        return refuse_record(fault, ERR_CONFLICT, n, "loops", l->name,
+                             "needs the divisor and the phase of the other loops of the block");
+    return ERR_OK;
+}
+
 static enum err resolve_members(struct plan *plan, uint8_t n, uint8_t most,
                                 struct config_fault *fault)
 {
     struct record_plan *r = &plan->record[n];
     char name[CHANNEL_NAME_SIZE];
-    for (const char *at = plan->config.block[n].loops; (at = next_name(at, name)) != NULL;) {
+    for (const char *at = plan->config.block[n].loops; (at = plan_next_name(at, name)) != NULL;) {
         uint8_t i = config_find_loop(&plan->config, name);
         if (i == PLAN_NONE)
             return refuse_record(fault, ERR_UNKNOWN, n, "loops", name,
                                  "must be the name of a configured loop");
-        if (plan->loop[i].server != PLAN_NONE)
-            return refuse_record(fault, ERR_CONFLICT, n, "loops", name,
-                                 "is served by another block already");
         if (r->members >= most)
             return refuse_record(fault, ERR_RANGE, n, "loops", name,
                                  "is one more than this kind serves");
-        const struct loop_config *l = &plan->config.loop[i],
-                                 *first = &plan->config.loop[r->member[0]];
-        if (r->members && (l->divisor != first->divisor || l->phase != first->phase))
-            return refuse_record(fault, ERR_CONFLICT, n, "loops", name,
-                                 "needs the divisor and the phase of the other loops of the block");
-        if (plan->loop[i].decouple)
-            return refuse_record(fault, ERR_CONFLICT, n, "loops", name,
-                                 "takes part in the static decoupler; set decouple off");
-        plan->loop[i].server = (uint8_t)(SLOT_RECORDS + n);
+        enum err err = check_member(plan, n, i, fault);
+        if (err)
+            return err;
+        if (!has_stage(plan, n, STAGE_COMPENSATE))
+            plan->loop[i].server = (uint8_t)(SLOT_RECORDS + n);
         r->member[r->members++] = i;
     }
     /* Of a kind that is unknown nobody knows whether it serves any. */
@@ -65,7 +95,7 @@ static enum err resolve_inputs(struct plan *plan, uint8_t n, uint8_t most,
 {
     struct record_plan *r = &plan->record[n];
     char name[CHANNEL_NAME_SIZE];
-    for (const char *at = plan->config.block[n].inputs; (at = next_name(at, name)) != NULL;) {
+    for (const char *at = plan->config.block[n].inputs; (at = plan_next_name(at, name)) != NULL;) {
         uint8_t i = config_find_measurement(&plan->config, name);
         uint8_t j = config_find_output(&plan->config, name);
         if (i == PLAN_NONE && j == PLAN_NONE)
@@ -84,7 +114,7 @@ static enum err resolve_points(struct plan *plan, uint8_t n, uint8_t most,
 {
     struct record_plan *r = &plan->record[n];
     char name[CHANNEL_NAME_SIZE];
-    for (const char *at = plan->config.block[n].points; (at = next_name(at, name)) != NULL;) {
+    for (const char *at = plan->config.block[n].points; (at = plan_next_name(at, name)) != NULL;) {
         uint8_t i = config_find_measurement(&plan->config, name);
         if (i == PLAN_NONE)
             return refuse_record(fault, ERR_UNKNOWN, n, "points", name,
@@ -110,7 +140,9 @@ static enum err resolve_record(struct plan *plan, uint8_t n, struct config_fault
     enum err err = resolve_members(plan, n, kind ? kind->members_most : BLOCK_MEMBERS_MAX, fault);
     if (!err)
         err = resolve_inputs(plan, n, kind ? kind->inputs_most : BLOCK_INPUTS_MAX, fault);
-    if (!err)
+    if (!err && has_stage(plan, n, STAGE_FEED_FORWARD))
+        err = plan_resolve_added(plan, n, fault);
+    else if (!err)
         err = resolve_points(plan, n, kind ? kind->points_most : BLOCK_POINTS_MAX, fault);
     return err;
 }
@@ -119,7 +151,7 @@ static enum err resolve_record(struct plan *plan, uint8_t n, struct config_fault
 static enum err check_reads(const struct plan *plan, uint8_t n, struct config_fault *fault)
 {
     const struct record_plan *r = &plan->record[n];
-    for (uint8_t k = 0; k < r->inputs; k++) {
+    for (uint8_t k = 0; k < r->inputs && !has_stage(plan, n, STAGE_FEED_FORWARD); k++) {
         if (r->input[k] & INPUT_IS_MV)
             continue;
         uint8_t writer = plan->writer[r->input[k]];
@@ -162,10 +194,13 @@ bool plan_setpoint_ready(const struct plan *plan, uint8_t i, const bool *taken)
     return true;
 }
 
+/* Compensators and feedforward elements run in every base tick, whatever the divisors of the loops. */
 uint16_t plan_record_divisor(const struct plan *plan, uint8_t n)
 {
     const struct record_plan *r = &plan->record[n];
-    return r->members ? (uint16_t)plan->config.loop[r->member[0]].divisor : 1u;
+    if (!r->members || has_stage(plan, n, STAGE_COMPENSATE))
+        return 1;
+    return plan->config.loop[r->member[0]].divisor;
 }
 
 static struct block_signal signal_of(const struct config *c, uint8_t at)
@@ -189,14 +224,17 @@ void plan_setup_record(const struct plan *plan, uint8_t n, struct block_setup *s
     for (uint8_t k = 0; k < r->members; k++) {
         const struct loop_plan *p = &plan->loop[r->member[k]];
         const struct measurement_config *m = &plan->config.measurement[p->pv];
+        float reach =
+            has_stage(plan, n, STAGE_COMPENSATE) ? plan_member_reach(plan, n, r->member[k]) : 1.0f;
         setup->member[k] =
-            (struct block_member){r->member[k], p->output != PLAN_NONE, m->hi - m->lo, 1.0f};
+            (struct block_member){r->member[k], p->output != PLAN_NONE, m->hi - m->lo, reach};
         setup->pv[k] = signal_of(&plan->config, p->pv);
     }
     for (uint8_t k = 0; k < r->inputs; k++)
         setup->input[k] = signal_of(&plan->config, r->input[k]);
+    uint8_t mv = has_stage(plan, n, STAGE_FEED_FORWARD) ? INPUT_IS_MV : 0;
     for (uint8_t k = 0; k < r->points; k++)
-        setup->point[k] = signal_of(&plan->config, r->point[k]);
+        setup->point[k] = signal_of(&plan->config, r->point[k] | mv);
 }
 
 enum err plan_resolve_block_alarm(struct plan *plan, uint8_t alarm, struct config_fault *fault)
@@ -232,6 +270,9 @@ enum err plan_check_records(struct plan *plan, struct config_fault *fault)
                 r->last = plan->order[k];
         if (plan->block[SLOT_RECORDS + n].kind == PLAN_NONE)
             continue;
+        enum err of_stage = plan_check_stage(plan, n, fault);
+        if (of_stage)
+            return of_stage;
         plan_setup_record(plan, n, &setup);
         enum err err = plan_kind(plan, (uint8_t)(SLOT_RECORDS + n))->check(&setup, &reason);
         if (err)

@@ -1,122 +1,18 @@
 #include "supervise/serve.h"
 
+#include <string.h>
+
 #include "supervise/block_excitation.h"
 #include "supervise/blocks.h"
-#include "supervise/histories.h"
 #include "supervise/plan_parts.h"
 #include "supervise/proposals.h"
 #include "supervise/raised.h"
-#include "supervise/sampling.h"
+#include "supervise/records.h"
+#include "supervise/served_io.h"
 #include "supervise/span.h"
 #include "supervise/validate.h"
 
 #if CONFIG_BLOCKS
-
-/* What a block is given, member by member and input by input. */
-struct signals {
-    struct block_io io;
-    num_t setpoint[BLOCK_MEMBERS_MAX], in[BLOCK_MEMBERS_MAX], out[BLOCK_MEMBERS_MAX];
-    uint8_t clamp[BLOCK_MEMBERS_MAX], limited[BLOCK_MEMBERS_MAX];
-    num_t input[BLOCK_INPUTS_MAX], point[BLOCK_POINTS_MAX];
-    uint8_t quality[BLOCK_INPUTS_MAX], point_quality[BLOCK_POINTS_MAX];
-    float event_value[BLOCK_EVENTS_MAX];
-    struct block_excitation excite[BLOCK_EXCITES_MAX];
-    const struct applied_history *member_applied[BLOCK_MEMBERS_MAX],
-        *input_applied[BLOCK_INPUTS_MAX];
-    float age_s[BLOCK_INPUTS_MAX];
-};
-
-static const struct block_kind *kind_at(const struct supervisor *s, uint8_t slot)
-{
-    return block_kinds[s->block[slot].kind];
-}
-
-static const struct record_plan *record_at(const struct supervisor *s, uint8_t slot)
-{
-    return &s->plan->record[slot - SLOT_RECORDS];
-}
-
-/* The slot behind the last record in use. */
-static uint8_t records_end(const struct supervisor *s)
-{
-    return (uint8_t)(SLOT_RECORDS + s->plan->records);
-}
-
-static bool is_stage(const struct supervisor *s, uint8_t slot, enum block_stage stage)
-{
-    return s->block[slot].kind != PLAN_NONE && kind_at(s, slot)->stage == stage;
-}
-
-static uint8_t input_quality(const struct supervisor *s, uint8_t input, bool measured)
-{
-    if (input & INPUT_IS_MV)
-        return s->output[input & ~INPUT_IS_MV].bound ? QUALITY_GOOD : QUALITY_MISSING;
-    const struct measurement_state *m = &s->measurement[input];
-    if (!m->bound || !m->seen)
-        return QUALITY_MISSING;
-    /* What stands in for a reading tells an estimator nothing. */
-    return measured && m->fault != MEASUREMENT_FINE ? QUALITY_BAD : (uint8_t)m->quality;
-}
-
-/* Since the last valid reading was sampled. */
-static float input_age_s(const struct supervisor *s, uint8_t input)
-{
-    return input & INPUT_IS_MV ? 0.0f : elapsed_ms(s->time_ms, sampling_at_ms(s, input)) / 1000.0f;
-}
-
-static void gather_inputs(const struct supervisor *s, uint8_t slot, struct signals *g)
-{
-    const struct record_plan *r = record_at(s, slot);
-    bool estimates = is_stage(s, slot, STAGE_ESTIMATE);
-    for (uint8_t k = 0; k < r->inputs; k++) {
-        uint8_t at = r->input[k];
-        g->input[k] =
-            at & INPUT_IS_MV ? s->output[at & ~INPUT_IS_MV].applied : s->measurement[at].value;
-        g->quality[k] = input_quality(s, at, estimates);
-        g->input_applied[k] = at & INPUT_IS_MV ? history_of(s, at & (uint8_t)~INPUT_IS_MV) : NULL;
-        g->age_s[k] = input_age_s(s, at);
-    }
-    for (uint8_t k = 0; k < r->points; k++) {
-        g->point[k] = num_zero();
-        g->point_quality[k] = QUALITY_MISSING;
-    }
-}
-
-/* Its members, with their present outputs. */
-static void gather(const struct supervisor *s, uint8_t slot, struct signals *g)
-{
-    const struct record_plan *r = record_at(s, slot);
-    g->io =
-        (struct block_io){.setpoint = g->setpoint,
-                          .in = g->in,
-                          .out = g->out,
-                          .clamp = g->clamp,
-                          .limited = g->limited,
-                          .input = g->input,
-                          .quality = g->quality,
-                          .age_s = g->age_s,
-                          .point = g->point,
-                          .point_quality = g->point_quality,
-                          .event_value = g->event_value,
-                          .member_applied = g->member_applied,
-                          .input_applied = g->input_applied,
-                          .divisor = plan_record_divisor(s->plan, (uint8_t)(slot - SLOT_RECORDS))};
-    for (uint8_t k = 0; k < r->members; k++) {
-        uint8_t i = r->member[k];
-        const struct loop_state *l = &s->loop[i];
-        g->setpoint[k] = l->setpoint;
-        g->in[k] = s->measurement[s->plan->loop[i].pv].value;
-        g->out[k] = l->v;
-        g->clamp[k] = l->clamp;
-        g->limited[k] = INTEGRAL_FREE;
-        g->member_applied[k] = history_of(s, s->plan->loop[i].output);
-        if (loop_drives(s, i))
-            g->io.acting = (uint8_t)(g->io.acting | (1u << k));
-    }
-    for (uint8_t k = 0; k < BLOCK_EVENTS_MAX; k++)
-        g->event_value[k] = 0.0f;
-    gather_inputs(s, slot, g);
-}
 
 /* ---- plans ---- */
 
@@ -148,7 +44,7 @@ static bool same_spans(const struct plan *a, const struct plan *b, uint8_t slot)
 
 static bool same_record(const struct supervisor *s, const struct plan *old, uint8_t slot)
 {
-    const struct record_plan *r = record_at(s, slot);
+    const struct record_plan *r = served_record(s, slot);
     const struct record_plan *before = old ? &old->record[slot - SLOT_RECORDS] : NULL;
     return before && old->block[slot].kind == s->plan->block[slot].kind &&
            old->block[slot].grains == s->plan->block[slot].grains && /* the arena keeps no other */
@@ -159,6 +55,33 @@ static bool same_record(const struct supervisor *s, const struct plan *old, uint
            same_spans(old, s->plan, slot);
 }
 
+/* A kind that does not compare settings itself has them compared byte by byte. */
+static bool same_settings(const struct supervisor *s, const struct plan *old, uint8_t slot)
+{
+    uint8_t n = (uint8_t)(slot - SLOT_RECORDS);
+    if (served_kind(s, slot)->same)
+        return block_same_settings(s, old, slot);
+    return memcmp(config_record(&old->config, n), config_record(&s->plan->config, n),
+                  served_kind(s, slot)->settings_bytes) == 0;
+}
+
+static bool plan_has(const struct plan *plan, uint8_t slot, enum block_stage stage)
+{
+    return plan->block[slot].kind != PLAN_NONE && plan_kind(plan, slot)->stage == stage;
+}
+
+/* What stands between these loops and their MVs, or is added there, has changed: they go on from the outputs they find. */
+static void loops_moved(struct supervisor *s, const struct plan *of, uint8_t slot)
+{
+    const struct record_plan *r = &of->record[slot - SLOT_RECORDS];
+    for (uint8_t k = 0; k < r->members && plan_has(of, slot, STAGE_COMPENSATE); k++)
+        if (r->member[k] < s->placed[PLACED_LOOPS])
+            s->loop[r->member[k]].moved = true;
+    for (uint8_t k = 0; k < r->points && plan_has(of, slot, STAGE_FEED_FORWARD); k++)
+        if (s->plan->owner[r->point[k]] != PLAN_NONE)
+            s->loop[s->plan->owner[r->point[k]]].moved = true;
+}
+
 static void place_record(struct supervisor *s, const struct plan *old, uint8_t slot)
 {
     struct block_state *b = &s->block[slot];
@@ -167,15 +90,22 @@ static void place_record(struct supervisor *s, const struct plan *old, uint8_t s
     if (!same) { /* of whatever was here before */
         job_give_up(&s->work[n]);
         raised_forget(s, slot);
+        if (old)
+            loops_moved(s, old, slot);
     }
     if (b->kind == PLAN_NONE)
         return; /* what a build lacks is told when it is loaded */
     if (!same) {
-        b->off = b->stepped = b->retune = false;
+        b->off = b->stepped = b->retune = b->running = false;
+        b->acting = 0;
         b->must_follow = true;
         block_give_settings(s, slot, false);
-    } else if (!block_same_settings(s, old, slot)) {
+    } else if (!same_settings(s, old, slot)) {
         block_give_settings(s, slot, true);
+        if (served_is(s, slot, STAGE_COMPENSATE))
+            b->must_follow = true;
+        else
+            loops_moved(s, s->plan, slot);
     }
 }
 
@@ -187,30 +117,24 @@ void serve_place(struct supervisor *s, const struct plan *old)
 
 /* ---- giving up and coming back ---- */
 
-static void give_up_block(struct supervisor *s, uint8_t slot, const char *reason)
-{
-    struct block_state *b = &s->block[slot];
-    b->off = true;
-    b->stepped = false;
-    s->served[slot - SLOT_RECORDS].gave_up = reason;
-    job_give_up(&s->work[slot - SLOT_RECORDS]);
-    event_put(s->events, s->time_ms, EVENT_BLOCK_GAVE_UP, reason, (float)(slot - SLOT_RECORDS + 1),
-              0);
-    excitation_end_of(s, slot, EXCITE_GAVE_UP);
-}
-
 bool serve_switch(struct supervisor *s, uint8_t n, bool on)
 {
     uint8_t slot = (uint8_t)(SLOT_RECORDS + n);
-    if (n >= CONFIG_BLOCKS || !is_stage(s, slot, STAGE_CONTROL))
+    if (n >= CONFIG_BLOCKS || s->block[slot].kind == PLAN_NONE ||
+        served_is(s, slot, STAGE_ESTIMATE))
         return false;
     if (s->block[slot].off != on)
         return true;
     if (!on) {
-        give_up_block(s, slot, "asked");
+        served_give_up(s, slot, "asked");
         raised_forget(s, slot);
+        if (served_is(s, slot, STAGE_FEED_FORWARD))
+            loops_moved(s, s->plan, slot);
+        s->block[slot].running = false;
         return true;
     }
+    if (!served_is(s, slot, STAGE_CONTROL)) /* what made it give up may be in its state */
+        block_give_settings(s, slot, false);
     s->block[slot].off = false;
     s->block[slot].must_follow = true;
     raised_forget(s, slot);
@@ -221,35 +145,15 @@ bool serve_switch(struct supervisor *s, uint8_t n, bool on)
 
 static void members_to_manual(struct supervisor *s, uint8_t slot)
 {
-    const struct record_plan *r = record_at(s, slot);
+    const struct record_plan *r = served_record(s, slot);
     for (uint8_t k = 0; k < r->members; k++)
-        if (loop_acts(s, r->member[k])) {
-            s->loop[r->member[k]].mode = LOOP_MANUAL;
-            s->loop[r->member[k]].drives = false;
-            event_put(s->events, s->time_ms, EVENT_MODE, s->plan->config.loop[r->member[k]].name,
-                      (float)LOOP_MANUAL, LOOP_MANUAL);
-        }
-}
-
-static const char *input_name(const struct supervisor *s, uint8_t input)
-{
-    const struct config *c = &s->plan->config;
-    return input & INPUT_IS_MV ? c->output[input & ~INPUT_IS_MV].name : c->measurement[input].name;
-}
-
-static void give_up_without_input(struct supervisor *s, uint8_t slot, uint8_t k)
-{
-    give_up_block(s, slot, input_name(s, record_at(s, slot)->input[k]));
-    /* Not the name, which is in a plan that is written over later. */
-    s->served[slot - SLOT_RECORDS].gave_up = NULL;
-    s->served[slot - SLOT_RECORDS].input = k;
-    raised_forget(s, slot);
+        served_to_manual(s, r->member[k]);
 }
 
 void serve_check_inputs(struct supervisor *s)
 {
-    for (uint8_t slot = SLOT_RECORDS; slot < records_end(s); slot++) {
-        const struct record_plan *r = record_at(s, slot);
+    for (uint8_t slot = SLOT_RECORDS; slot < served_end(s); slot++) {
+        const struct record_plan *r = served_record(s, slot);
         if (!s->plan->config.block[slot - SLOT_RECORDS].kind[0])
             continue;
         if (s->block[slot].kind == PLAN_NONE) { /* this build cannot run it */
@@ -259,45 +163,25 @@ void serve_check_inputs(struct supervisor *s)
         bool acts = false;
         for (uint8_t k = 0; k < r->members; k++)
             acts = acts || loop_drives(s, r->member[k]);
-        if (s->block[slot].off || !acts || kind_at(s, slot)->bad_input == BAD_INPUT_IS_TOLD)
+        if (s->block[slot].off || !acts || served_kind(s, slot)->bad_input == BAD_INPUT_IS_TOLD)
             continue;
-        for (uint8_t k = 0; k < r->inputs; k++) {
-            if (quality_usable((enum quality)input_quality(s, r->input[k], false)))
-                continue;
-            if (kind_at(s, slot)->bad_input == BAD_INPUT_MANUAL)
-                members_to_manual(s, slot);
-            else
-                give_up_without_input(s, slot, k);
-            break;
-        }
+        uint8_t bad = served_bad_input(s, slot);
+        if (bad == PLAN_NONE)
+            continue;
+        if (served_kind(s, slot)->bad_input == BAD_INPUT_MANUAL)
+            members_to_manual(s, slot);
+        else
+            served_give_up_without(s, slot, bad);
     }
 }
 
 /* ---- steps ---- */
 
-static void take_work(struct supervisor *s, uint8_t slot, struct block_io *io)
-{
-    struct job *work = &s->work[slot - SLOT_RECORDS];
-    if (!job_is_asked(work)) {
-        io->work_wanted = job_is_working(work); /* given up in the midst of a piece */
-        return;
-    }
-    io->work_done = job_take(work, s->events, s->time_ms);
-    io->work_wanted = !io->work_done;
-}
-
-static void ask_work(struct supervisor *s, uint8_t slot, const struct block_io *io)
-{
-    struct job *work = &s->work[slot - SLOT_RECORDS];
-    if (io->ask_work && kind_at(s, slot)->work && !job_is_asked(work) && !job_is_working(work))
-        job_ask(work, io->ask_work);
-}
-
 static bool work_piece(void *context)
 {
     struct supervisor_work *w = context;
     const struct supervisor *s = w->supervisor;
-    const struct block_kind *kind = kind_at(s, w->slot);
+    const struct block_kind *kind = served_kind(s, w->slot);
     return kind->work(supervisor_block(s, w->slot));
 }
 
@@ -309,9 +193,9 @@ void serve_init(struct supervisor *s)
     }
 }
 
-static void give_points(struct supervisor *s, uint8_t slot, const struct signals *g)
+static void give_points(struct supervisor *s, uint8_t slot, const struct served_io *g)
 {
-    const struct record_plan *r = record_at(s, slot);
+    const struct record_plan *r = served_record(s, slot);
     bool there = true;
     for (uint8_t k = 0; k < r->inputs; k++)
         there = there && g->quality[k] != QUALITY_MISSING;
@@ -328,26 +212,28 @@ static void give_points(struct supervisor *s, uint8_t slot, const struct signals
 
 void serve_forget(struct supervisor *s)
 {
-    for (uint8_t slot = SLOT_RECORDS; slot < PLAN_BLOCKS; slot++)
+    for (uint8_t slot = SLOT_RECORDS; slot < PLAN_BLOCKS; slot++) {
         s->block[slot].must_follow = true;
+        s->block[slot].running = false;
+    }
 }
 
 void serve_estimate(struct supervisor *s)
 {
-    for (uint8_t slot = SLOT_RECORDS; slot < records_end(s); slot++) {
-        if (!is_stage(s, slot, STAGE_ESTIMATE))
+    for (uint8_t slot = SLOT_RECORDS; slot < served_end(s); slot++) {
+        if (!served_is(s, slot, STAGE_ESTIMATE))
             continue;
-        struct signals g;
-        gather(s, slot, &g);
-        if (s->block[slot].must_follow && kind_at(s, slot)->follow)
-            kind_at(s, slot)->follow(supervisor_block(s, slot), &g.io);
+        struct served_io g;
+        served_gather(s, slot, &g);
+        if (s->block[slot].must_follow && served_kind(s, slot)->follow)
+            served_kind(s, slot)->follow(supervisor_block(s, slot), &g.io);
         s->block[slot].must_follow = false;
-        take_work(s, slot, &g.io);
+        served_take_work(s, slot, &g.io);
         excitation_tell(s, slot, &g.io, g.excite);
         g.io.proposal = proposal_room(s);
-        kind_at(s, slot)->step(supervisor_block(s, slot), &g.io);
+        served_kind(s, slot)->step(supervisor_block(s, slot), &g.io);
         raised_tell(s, slot, &g.io);
-        ask_work(s, slot, &g.io);
+        served_ask_work(s, slot, &g.io);
         excitation_take(s, slot, &g.io);
         proposal_hand_over(s, slot, &g.io);
         give_points(s, slot, &g);
@@ -361,13 +247,13 @@ void serve_must_follow(struct supervisor *s, uint8_t slot)
 
 void serve_follow(struct supervisor *s)
 {
-    for (uint8_t slot = SLOT_RECORDS; slot < records_end(s); slot++) {
+    for (uint8_t slot = SLOT_RECORDS; slot < served_end(s); slot++) {
         struct block_state *b = &s->block[slot];
-        if (!b->must_follow || !is_stage(s, slot, STAGE_CONTROL))
+        if (!b->must_follow || !served_is(s, slot, STAGE_CONTROL))
             continue;
-        struct signals g;
-        gather(s, slot, &g);
-        kind_at(s, slot)->follow(supervisor_block(s, slot), &g.io);
+        struct served_io g;
+        served_gather(s, slot, &g);
+        served_kind(s, slot)->follow(supervisor_block(s, slot), &g.io);
         b->must_follow = b->stepped = false;
     }
 }
@@ -375,17 +261,16 @@ void serve_follow(struct supervisor *s)
 /* The loops' own controllers act now, in this tick. */
 static void own_step(struct supervisor *s, uint8_t slot, uint8_t acting)
 {
-    const struct record_plan *r = record_at(s, slot);
+    const struct record_plan *r = served_record(s, slot);
     for (uint8_t k = 0; k < r->members; k++)
         if (acting & (1u << k))
             block_step(s, r->member[k]);
 }
 
-/* In floating point a block may have come apart: what is no number must reach nobody. */
-static bool gives_numbers(const struct signals *g, uint8_t members)
+static bool gives_numbers(const struct served_io *g, uint8_t members)
 {
     for (uint8_t k = 0; k < members; k++)
-        if ((g->io.acting & (1u << k)) && !float_is_finite(num_to_float(g->out[k])))
+        if ((g->io.acting & (1u << k)) && !served_is_number(g->out[k]))
             return false;
     return true;
 }
@@ -393,32 +278,32 @@ static bool gives_numbers(const struct signals *g, uint8_t members)
 void serve_step(struct supervisor *s, uint8_t i)
 {
     uint8_t slot = loop_server(s, i);
-    if (slot == PLAN_NONE || record_at(s, slot)->last != i || !is_stage(s, slot, STAGE_CONTROL) ||
-        !loop_due(s, i, s->ticks))
+    if (slot == PLAN_NONE || served_record(s, slot)->last != i ||
+        !served_is(s, slot, STAGE_CONTROL) || !loop_due(s, i, s->ticks))
         return;
-    const struct record_plan *r = record_at(s, slot);
-    const struct block_kind *kind = kind_at(s, slot);
-    struct signals g;
-    gather(s, slot, &g);
+    const struct record_plan *r = served_record(s, slot);
+    const struct block_kind *kind = served_kind(s, slot);
+    struct served_io g;
+    served_gather(s, slot, &g);
     if (!g.io.acting) {
         raised_forget(s, slot);
         return;
     }
     if (s->block[slot].stepped) /* nobody has told it yet: as if nothing had been in the way */
         kind->back_calculate(supervisor_block(s, slot), &g.io);
-    take_work(s, slot, &g.io);
+    served_take_work(s, slot, &g.io);
     excitation_tell(s, slot, &g.io, g.excite);
     g.io.proposal = proposal_room(s);
     kind->step(supervisor_block(s, slot), &g.io);
     raised_tell(s, slot, &g.io);
     if (!g.io.gives_up && !gives_numbers(&g, r->members))
-        g.io.gives_up = "not_a_number";
+        g.io.gives_up = SERVED_NO_NUMBER;
     if (g.io.gives_up) {
-        give_up_block(s, slot, g.io.gives_up);
+        served_give_up(s, slot, g.io.gives_up);
         own_step(s, slot, g.io.acting);
         return;
     }
-    ask_work(s, slot, &g.io);
+    served_ask_work(s, slot, &g.io);
     excitation_take(s, slot, &g.io);
     proposal_hand_over(s, slot, &g.io);
     for (uint8_t k = 0; k < r->members; k++) {
@@ -432,13 +317,13 @@ void serve_step(struct supervisor *s, uint8_t i)
 
 void serve_back_calculate(struct supervisor *s)
 {
-    for (uint8_t slot = SLOT_RECORDS; slot < records_end(s); slot++) {
+    for (uint8_t slot = SLOT_RECORDS; slot < served_end(s); slot++) {
         struct block_state *b = &s->block[slot];
-        const struct record_plan *r = record_at(s, slot);
-        if (!is_stage(s, slot, STAGE_CONTROL))
+        const struct record_plan *r = served_record(s, slot);
+        if (!served_is(s, slot, STAGE_CONTROL))
             continue;
-        struct signals g;
-        gather(s, slot, &g);
+        struct served_io g;
+        served_gather(s, slot, &g);
         if (b->off || !g.io.acting || b->must_follow) {
             b->must_follow = !b->off; /* before it acts again */
             continue;
@@ -449,7 +334,7 @@ void serve_back_calculate(struct supervisor *s)
             if (g.io.acting & (1u << k))
                 g.out[k] = s->loop[r->member[k]].told;
         b->stepped = false;
-        kind_at(s, slot)->back_calculate(supervisor_block(s, slot), &g.io);
+        served_kind(s, slot)->back_calculate(supervisor_block(s, slot), &g.io);
         for (uint8_t k = 0; k < r->members; k++)
             if (g.io.acting & (1u << k))
                 s->loop[r->member[k]].limited = g.limited[k];

@@ -155,6 +155,9 @@ struct block_state {
     bool must_follow : 1; /* before its next step */
     bool running : 1;     /* a feedforward element: has begun on a usable value */
     uint8_t acting;       /* of a compensator: members that take part */
+#if CONFIG_BLOCKS
+    uint8_t going_on; /* ... and did so in the last tick */
+#endif
 };
 
 #if CONFIG_BLOCKS

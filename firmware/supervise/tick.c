@@ -4,7 +4,9 @@
 #include "supervise/back_calculate.h"
 #include "supervise/block_excitation.h"
 #include "supervise/blocks.h"
+#include "supervise/compensate_blocks.h"
 #include "supervise/constrain.h"
+#include "supervise/element_blocks.h"
 #include "supervise/histories.h"
 #include "supervise/sequence.h"
 #include "supervise/serve.h"
@@ -87,6 +89,7 @@ static void feed_forward(struct supervisor *s, num_t *before)
         kind->step(state, &io);
         l->feedforward = num_add(l->feedforward, added);
     }
+    elements_step(s);
 }
 
 static void run_loops(struct supervisor *s)
@@ -118,6 +121,7 @@ static void command_outputs(struct supervisor *s)
         struct block_io io = {.acting = b->acting, .in = v, .out = u};
         block_kinds[b->kind]->step(supervisor_block(s, SLOT_MATRIX), &io);
     }
+    compensators_step(s, u);
     for (uint8_t j = 0; j < s->placed[PLACED_OUTPUTS]; j++) {
         if (!s->plan->config.output[j].name[0])
             continue;

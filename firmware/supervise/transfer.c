@@ -3,6 +3,7 @@
 #include <string.h>
 
 #include "supervise/blocks.h"
+#include "supervise/compensate_blocks.h"
 #include "supervise/serve.h"
 #include "supervise/span.h"
 
@@ -52,7 +53,8 @@ static bool nothing_moves(const struct supervisor *s)
  * outputs they find: v = D^-1 (output - feedforward). Those that acted before go on with what they have under way:
  * a derivative that dies away must not become part of the integral because another loop comes or goes. Nor must what
  * their feedforward calls for in this tick: the output they find has the one before in it. */
-static void transfer_loops(struct supervisor *s, const num_t *before, uint8_t together)
+static void transfer_loops(struct supervisor *s, const num_t *before, uint8_t together,
+                           uint32_t compensated)
 {
     num_t v[CONFIG_LOOPS];
     const uint8_t n = s->placed[PLACED_LOOPS];
@@ -61,7 +63,7 @@ static void transfer_loops(struct supervisor *s, const num_t *before, uint8_t to
         const struct loop_state *l = &s->loop[i];
         bool moves = l->join || l->moved;
         v[i] = l->v;
-        if (p->used && p->output != PLAN_NONE && (moves || together))
+        if (p->used && p->output != PLAN_NONE && (moves || together || compensated))
             /* The value last sent, or just asked for by hand: a read-back is one sample old, and a valve
              * that still moves would start the loop from where it was. */
             v[i] = num_sub(output_found(s, p->output), moves ? l->feedforward : before[i]);
@@ -73,12 +75,14 @@ static void transfer_loops(struct supervisor *s, const num_t *before, uint8_t to
         block_kinds[s->block[SLOT_MATRIX].kind]->back_calculate(supervisor_block(s, SLOT_MATRIX),
                                                                 &io);
     }
+    compensators_transfer(s, v);
     for (uint8_t i = 0; i < n; i++) {
         struct loop_state *l = &s->loop[i];
         if (!loop_drives(s, i))
             continue;
         uint8_t server = loop_server(s, i);
-        bool moves = l->join || l->moved || (i < DECOUPLER_MAX && (together & (1u << i)));
+        bool moves = l->join || l->moved || (i < DECOUPLER_MAX && (together & (1u << i))) ||
+                     (compensated & (1u << i)) != 0;
         if (server != PLAN_NONE && moves)
             serve_must_follow(s, server);
         if (l->join || (server != PLAN_NONE && moves)) {
@@ -94,7 +98,8 @@ static void transfer_loops(struct supervisor *s, const num_t *before, uint8_t to
 void bumpless_transfer(struct supervisor *s, const num_t *before)
 {
     uint8_t together = regroup(s);
-    if (together || !nothing_moves(s))
-        transfer_loops(s, before, together);
+    uint32_t compensated = compensators_regroup(s);
+    if (together || compensated || !nothing_moves(s))
+        transfer_loops(s, before, together, compensated);
     serve_follow(s);
 }

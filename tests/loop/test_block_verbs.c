@@ -69,7 +69,7 @@ static void a_block_is_switched_off_and_on_and_says_why_it_is_off(void)
     TEST_ASSERT_TRUE(said(" action DO_BLOCK block2.off 0 "));
     TEST_ASSERT_TRUE(said(" action DO_BLOCK block2.on 0 "));
     ask_refused("block 1 off", "STATE");
-    TEST_ASSERT_TRUE(said("watch: is no controller"));
+    TEST_ASSERT_TRUE(said("watch: is an estimator"));
 }
 
 static void a_verb_reaches_the_block_with_the_next_sample(void)

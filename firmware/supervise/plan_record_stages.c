@@ -1,0 +1,162 @@
+/* Compensators and feedforward elements with a record, in a plan. */
+#include "supervise/plan_parts.h"
+#include "supervise/records.h"
+
+#if CONFIG_BLOCKS
+
+_Static_assert(CHANNEL_MAX <= 32, "a bit for each manipulated variable");
+
+static bool of_stage(const struct plan *plan, uint8_t n, enum block_stage stage)
+{
+    const struct block_place *place = &plan->block[SLOT_RECORDS + n];
+    return place->kind != PLAN_NONE && block_kinds[place->kind]->stage == stage;
+}
+
+static enum err refuse_stage(struct config_fault *fault, enum err code, uint8_t n,
+                             const char *field, const char *subject, const char *wanted)
+{
+    return plan_refuse(fault, code, "block", n + 1u, field, subject, wanted);
+}
+
+enum err plan_resolve_added(struct plan *plan, uint8_t n, struct config_fault *fault)
+{
+    struct record_plan *r = &plan->record[n];
+    const struct block_kind *kind = plan_kind(plan, (uint8_t)(SLOT_RECORDS + n));
+    char name[CHANNEL_NAME_SIZE];
+    for (const char *at = plan->config.block[n].points; (at = plan_next_name(at, name)) != NULL;) {
+        uint8_t j = config_find_output(&plan->config, name);
+        if (j == PLAN_NONE || plan->owner[j] == PLAN_NONE)
+            return refuse_stage(fault, ERR_UNKNOWN, n, "points", name,
+                                "must be a manipulated variable that a loop drives");
+        for (uint8_t k = 0; k < r->points; k++)
+            if (r->point[k] == j)
+                return refuse_stage(fault, ERR_CONFLICT, n, "points", name, "is named twice");
+        if (r->points >= kind->points_most)
+            return refuse_stage(fault, ERR_RANGE, n, "points", name,
+                                "is one more than this kind adds to");
+        r->point[r->points++] = j;
+    }
+    return ERR_OK;
+}
+
+/* A controller with a record whose outputs pass through no compensator serves none of a compensator's loops. */
+static enum err check_compensated(const struct plan *plan, uint8_t n, struct config_fault *fault)
+{
+    const struct record_plan *r = &plan->record[n];
+    for (uint8_t k = 0; k < r->members; k++) {
+        uint8_t server = plan->loop[r->member[k]].server;
+        if (server == PLAN_NONE || plan->block[server].kind == PLAN_NONE)
+            continue;
+        const char *uncompensated = plan_kind(plan, server)->uncompensated;
+        if (uncompensated)
+            return refuse_stage(fault, ERR_CONFLICT, n, "loops",
+                                plan->config.loop[r->member[k]].name, uncompensated);
+    }
+    return ERR_OK;
+}
+
+enum err plan_check_stage(const struct plan *plan, uint8_t n, struct config_fault *fault)
+{
+    const struct record_plan *r = &plan->record[n];
+    const char *kind = plan->config.block[n].kind;
+    if (of_stage(plan, n, STAGE_COMPENSATE))
+        return check_compensated(plan, n, fault);
+    if (!of_stage(plan, n, STAGE_FEED_FORWARD))
+        return ERR_OK;
+    if (!r->inputs)
+        return refuse_stage(fault, ERR_EMPTY, n, "inputs", kind, "must name what it looks at");
+    if (!r->points)
+        return refuse_stage(fault, ERR_EMPTY, n, "points", kind,
+                            "must name the manipulated variables it adds to");
+    return ERR_OK;
+}
+
+/* ---- rings ---- */
+
+/* MVs that record n moves by what it looks at. */
+static uint32_t moved_by(const struct plan *plan, uint8_t n)
+{
+    const struct record_plan *r = &plan->record[n];
+    uint32_t mvs = 0;
+    if (of_stage(plan, n, STAGE_FEED_FORWARD))
+        for (uint8_t k = 0; k < r->points; k++)
+            mvs |= 1u << r->point[k];
+    if (of_stage(plan, n, STAGE_COMPENSATE))
+        for (uint8_t k = 0; k < r->members; k++)
+            mvs |= 1u << plan->loop[r->member[k]].output;
+    return mvs;
+}
+
+/* MV j moves those in moves[j], by a feedforward, an element or a compensator that looks at it, or through others. */
+static void find_moves(const struct plan *plan, uint32_t moves[CHANNEL_MAX])
+{
+    for (uint8_t j = 0; j < CHANNEL_MAX; j++)
+        moves[j] = 0;
+    for (uint8_t k = 0; k < CONFIG_FEEDFORWARDS; k++)
+        if (plan->feedforward[k].from != PLAN_NONE && plan->feedforward[k].from_output)
+            moves[plan->feedforward[k].from] |= 1u << plan->feedforward[k].to;
+    for (uint8_t n = 0; n < CONFIG_BLOCKS; n++)
+        for (uint8_t k = 0; k < plan->record[n].inputs; k++)
+            if (plan->record[n].input[k] & INPUT_IS_MV)
+                moves[plan->record[n].input[k] & ~INPUT_IS_MV] |= moved_by(plan, n);
+    for (uint8_t through = 0; through < CHANNEL_MAX; through++)
+        for (uint8_t j = 0; j < CHANNEL_MAX; j++)
+            if (moves[j] & (1u << through))
+                moves[j] |= moves[through];
+}
+
+/* What looks at an MV that it moves, through others or itself, would drive itself. */
+enum err plan_check_rings(const struct plan *plan, struct config_fault *fault)
+{
+    uint32_t moves[CHANNEL_MAX];
+    find_moves(plan, moves);
+    for (uint8_t n = 0; n < CONFIG_BLOCKS; n++)
+        for (uint8_t k = 0; k < plan->record[n].inputs; k++) {
+            uint8_t j = plan->record[n].input[k] & (uint8_t)~INPUT_IS_MV;
+            if ((plan->record[n].input[k] & INPUT_IS_MV) && moved_by(plan, n) &&
+                (moves[j] & (1u << j)))
+                return refuse_stage(fault, ERR_CYCLE, n, "inputs", plan->config.output[j].name,
+                                    "is moved by what looks at it");
+        }
+    return ERR_OK;
+}
+
+/* ---- setups ---- */
+
+float plan_added_reach(const struct plan *plan, uint8_t output)
+{
+    float reach = 0.0f;
+    for (uint8_t n = 0; n < CONFIG_BLOCKS; n++)
+        for (uint8_t k = 0; k < plan->record[n].points; k++)
+            if (of_stage(plan, n, STAGE_FEED_FORWARD) && plan->record[n].point[k] == output)
+                reach += PLAN_ELEMENT_MOST;
+    return reach;
+}
+
+/* Nobody knows what another compensator behind it makes of its outputs. */
+float plan_member_reach(const struct plan *plan, uint8_t n, uint8_t i)
+{
+    for (uint8_t behind = (uint8_t)(n + 1u); behind < CONFIG_BLOCKS; behind++)
+        for (uint8_t k = 0; k < plan->record[behind].members; k++)
+            if (of_stage(plan, behind, STAGE_COMPENSATE) && plan->record[behind].member[k] == i)
+                return NUM_MAX_MAGNITUDE;
+    return plan_own_reach(plan, i);
+}
+
+uint32_t plan_grains_behind(const struct plan *plan, uint8_t slot)
+{
+    if (slot < SLOT_RECORDS || !of_stage(plan, (uint8_t)(slot - SLOT_RECORDS), STAGE_COMPENSATE))
+        return 0;
+    return plan->record[slot - SLOT_RECORDS].members;
+}
+
+#else
+
+enum err plan_check_rings(const struct plan *plan, struct config_fault *fault)
+{
+    (void)plan;
+    (void)fault;
+    return ERR_OK;
+}
+
+#endif

@@ -1,0 +1,148 @@
+#include "supervise/served_io.h"
+
+#include "base/elapsed.h"
+#include "supervise/block_excitation.h"
+#include "supervise/blocks.h"
+#include "supervise/histories.h"
+#include "supervise/plan_parts.h"
+#include "supervise/raised.h"
+#include "supervise/sampling.h"
+
+#if CONFIG_BLOCKS
+
+uint8_t served_input_quality(const struct supervisor *s, uint8_t input, bool measured)
+{
+    if (input & INPUT_IS_MV)
+        return s->output[input & ~INPUT_IS_MV].bound ? QUALITY_GOOD : QUALITY_MISSING;
+    const struct measurement_state *m = &s->measurement[input];
+    if (!m->bound || !m->seen)
+        return QUALITY_MISSING;
+    /* What stands in for a reading tells an estimator nothing. */
+    return measured && m->fault != MEASUREMENT_FINE ? QUALITY_BAD : (uint8_t)m->quality;
+}
+
+uint8_t served_bad_input(const struct supervisor *s, uint8_t slot)
+{
+    const struct record_plan *r = served_record(s, slot);
+    for (uint8_t k = 0; k < r->inputs; k++)
+        if (!quality_usable((enum quality)served_input_quality(s, r->input[k], false)))
+            return k;
+    return PLAN_NONE;
+}
+
+/* Since the last valid reading was sampled. */
+static float input_age_s(const struct supervisor *s, uint8_t input)
+{
+    return input & INPUT_IS_MV ? 0.0f : elapsed_ms(s->time_ms, sampling_at_ms(s, input)) / 1000.0f;
+}
+
+static void gather_inputs(const struct supervisor *s, uint8_t slot, struct served_io *g)
+{
+    const struct record_plan *r = served_record(s, slot);
+    bool estimates = served_is(s, slot, STAGE_ESTIMATE);
+    for (uint8_t k = 0; k < r->inputs; k++) {
+        uint8_t at = r->input[k];
+        g->input[k] =
+            at & INPUT_IS_MV ? s->output[at & ~INPUT_IS_MV].applied : s->measurement[at].value;
+        g->quality[k] = served_input_quality(s, at, estimates);
+        g->input_applied[k] = at & INPUT_IS_MV ? history_of(s, at & (uint8_t)~INPUT_IS_MV) : NULL;
+        g->age_s[k] = input_age_s(s, at);
+    }
+    for (uint8_t k = 0; k < r->points; k++) {
+        g->point[k] = num_zero();
+        g->point_quality[k] = QUALITY_MISSING;
+    }
+}
+
+void served_gather(const struct supervisor *s, uint8_t slot, struct served_io *g)
+{
+    const struct record_plan *r = served_record(s, slot);
+    g->io =
+        (struct block_io){.setpoint = g->setpoint,
+                          .in = g->in,
+                          .out = g->out,
+                          .clamp = g->clamp,
+                          .limited = g->limited,
+                          .input = g->input,
+                          .quality = g->quality,
+                          .age_s = g->age_s,
+                          .point = g->point,
+                          .point_quality = g->point_quality,
+                          .event_value = g->event_value,
+                          .member_applied = g->member_applied,
+                          .input_applied = g->input_applied,
+                          .divisor = plan_record_divisor(s->plan, (uint8_t)(slot - SLOT_RECORDS))};
+    for (uint8_t k = 0; k < r->members; k++) {
+        uint8_t i = r->member[k];
+        const struct loop_state *l = &s->loop[i];
+        g->setpoint[k] = l->setpoint;
+        g->in[k] = s->measurement[s->plan->loop[i].pv].value;
+        g->out[k] = l->v;
+        g->clamp[k] = l->clamp;
+        g->limited[k] = INTEGRAL_FREE;
+        g->member_applied[k] = history_of(s, s->plan->loop[i].output);
+        if (loop_drives(s, i))
+            g->io.acting = (uint8_t)(g->io.acting | (1u << k));
+    }
+    for (uint8_t k = 0; k < BLOCK_EVENTS_MAX; k++)
+        g->event_value[k] = 0.0f;
+    gather_inputs(s, slot, g);
+}
+
+void served_take_work(struct supervisor *s, uint8_t slot, struct block_io *io)
+{
+    struct job *work = &s->work[slot - SLOT_RECORDS];
+    if (!job_is_asked(work)) {
+        io->work_wanted = job_is_working(work); /* given up in the midst of a piece */
+        return;
+    }
+    io->work_done = job_take(work, s->events, s->time_ms);
+    io->work_wanted = !io->work_done;
+}
+
+void served_ask_work(struct supervisor *s, uint8_t slot, const struct block_io *io)
+{
+    struct job *work = &s->work[slot - SLOT_RECORDS];
+    if (io->ask_work && served_kind(s, slot)->work && !job_is_asked(work) && !job_is_working(work))
+        job_ask(work, io->ask_work);
+}
+
+void served_give_up(struct supervisor *s, uint8_t slot, const char *reason)
+{
+    struct block_state *b = &s->block[slot];
+    b->off = true;
+    b->stepped = false;
+    b->must_follow = served_is(s, slot, STAGE_COMPENSATE) || b->must_follow;
+    s->served[slot - SLOT_RECORDS].gave_up = reason;
+    job_give_up(&s->work[slot - SLOT_RECORDS]);
+    event_put(s->events, s->time_ms, EVENT_BLOCK_GAVE_UP, reason, (float)(slot - SLOT_RECORDS + 1),
+              0);
+    excitation_end_of(s, slot, EXCITE_GAVE_UP);
+}
+
+static const char *input_name(const struct supervisor *s, uint8_t input)
+{
+    const struct config *c = &s->plan->config;
+    return input & INPUT_IS_MV ? c->output[input & ~INPUT_IS_MV].name : c->measurement[input].name;
+}
+
+void served_give_up_without(struct supervisor *s, uint8_t slot, uint8_t k)
+{
+    served_give_up(s, slot, input_name(s, served_record(s, slot)->input[k]));
+    /* Not the name, which is in a plan that is written over later. */
+    s->served[slot - SLOT_RECORDS].gave_up = NULL;
+    s->served[slot - SLOT_RECORDS].input = k;
+    raised_forget(s, slot);
+}
+
+void served_to_manual(struct supervisor *s, uint8_t i)
+{
+    if (!loop_acts(s, i))
+        return;
+    s->loop[i].mode = LOOP_MANUAL;
+    s->loop[i].drives = false;
+    event_put(s->events, s->time_ms, EVENT_MODE, s->plan->config.loop[i].name, (float)LOOP_MANUAL,
+              LOOP_MANUAL);
+}
+
+#endif
