@@ -183,7 +183,7 @@ static enum err both_configure(void *state, const struct block_setup *setup, boo
 
 static void both_step(void *state, struct block_io *io)
 {
-    struct both *b = state;
+    struct both *b = both_state = state; /* a plan may have moved it */
     num_t e[2] = {num_sub(io->setpoint[0], io->in[0]), num_sub(io->setpoint[1], io->in[1])};
     if (both_gives_up) {
         io->gives_up = "test";

@@ -83,7 +83,7 @@ static enum err watch_configure(void *state, const struct block_setup *setup, bo
 
 static void watch_step(void *state, struct block_io *io)
 {
-    struct told *w = state;
+    struct told *w = watch_state = state;
     if (!w->frozen || !w->begun)
         w->held = io->input[0];
     w->begun = true;
@@ -105,7 +105,7 @@ static const struct block_event watch_events[] = {
 
 static const char *watch_freeze(void *state, const float *number)
 {
-    struct told *w = state;
+    struct told *w = watch_state = state;
     (void)number;
     if (w->frozen)
         return "frozen";
@@ -115,7 +115,7 @@ static const char *watch_freeze(void *state, const float *number)
 
 static const char *watch_thaw(void *state, const float *number)
 {
-    struct told *w = state;
+    struct told *w = watch_state = state;
     (void)number;
     w->frozen = false;
     return NULL;
@@ -123,7 +123,7 @@ static const char *watch_thaw(void *state, const float *number)
 
 static const char *told_tune(void *state, const float *number)
 {
-    struct told *w = state;
+    struct told *w = watch_state = state;
     w->tuned = number ? *number : 0.0f;
     w->tunings++;
     return NULL;
@@ -196,7 +196,7 @@ static enum err pair_configure(void *state, const struct block_setup *setup, boo
 
 static void pair_step(void *state, struct block_io *io)
 {
-    struct told *p = state;
+    struct told *p = pair_state = state;
     p->steps++;
     for (unsigned k = 0; k < 2; k++)
         io->out[k] = p->u[k];
@@ -211,7 +211,7 @@ static const struct block_event pair_events[] = {{"spent", BLOCK_ALARM, "it has 
 
 static void pair_follow(void *state, struct block_io *io)
 {
-    struct told *p = state;
+    struct told *p = pair_state = state;
     for (unsigned k = 0; k < 2; k++)
         p->u[k] = io->out[k];
 }
