@@ -148,8 +148,8 @@ static void bind_channels(struct app *app)
     for (uint8_t k = 0; k < 2u * CHANNEL_MAX; k++) {
         bool manipulated = k >= CHANNEL_MAX;
         uint8_t i = manipulated ? (uint8_t)(k - CHANNEL_MAX) : k;
-        const char *name = manipulated ? c->output[i].name : c->measurement[i].name;
-        const char *unit = manipulated ? c->output[i].unit : c->measurement[i].unit;
+        const char *name = manipulated ? c->mv[i].name : c->measurement[i].name;
+        const char *unit = manipulated ? c->mv[i].unit : c->measurement[i].unit;
         if (!name[0] || (!manipulated && plan_is_estimate(&s->plan[s->in_force], i)))
             continue; /* an estimate is there with what it is made from */
         uint8_t at = service_find_announced(s, manipulated, name);
@@ -159,7 +159,7 @@ static void bind_channels(struct app *app)
             tick_event(app, EVENT_CHANNEL_UNIT, name, 0.0f);
         } else if (manipulated) {
             app->output_at[i] = at;
-            supervisor_bind_output(&app->supervisor, i);
+            supervisor_bind_mv(&app->supervisor, i);
         } else {
             app->measurement_at[i] = at;
             supervisor_bind_measurement(&app->supervisor, i);
@@ -259,7 +259,7 @@ NOT_INLINE static void validate(struct app *app, const struct io_sample *sample)
             const struct io_reading *r = &sample->measurement[app->measurement_at[i]];
             input.measurement[i] = (struct reading){r->value, r->quality};
         }
-        if (i < s->placed[PLACED_OUTPUTS] && s->output[i].bound && sample->n_readback) {
+        if (i < s->placed[PLACED_MVS] && s->mv[i].bound && sample->n_readback) {
             const struct io_reading *r = &sample->readback[app->output_at[i]];
             input.readback[i] = (struct reading){r->value, r->quality};
         }
@@ -283,12 +283,12 @@ static void fill_command(struct app *app)
     memset(&app->command, 0, sizeof app->command);
     app->command.safe = app->supervisor.state == SUPERVISOR_SAFE;
     app->command.n_outputs = s->io.count(s->io.context, true);
-    for (unsigned j = 0; j < app->supervisor.placed[PLACED_OUTPUTS]; j++) {
-        if (!app->supervisor.output[j].bound)
+    for (unsigned j = 0; j < app->supervisor.placed[PLACED_MVS]; j++) {
+        if (!app->supervisor.mv[j].bound)
             continue;
-        const struct output_config *o = &c->output[j];
+        const struct mv_config *o = &c->mv[j];
         app->command.output[app->output_at[j]].value =
-            span_to_eu(app->supervisor.output[j].constrained, o->lo, o->hi);
+            span_to_eu(app->supervisor.mv[j].constrained, o->lo, o->hi);
         app->command.output[app->output_at[j]].drive = true;
         app->driven[app->output_at[j]] = true;
     }

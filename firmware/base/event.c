@@ -49,7 +49,7 @@ static const char *const table[] = {
     E("SAMPLE_MISSING", "samples missing", WARNING),
     E("MEASUREMENT_BAD", "measurement not usable, last value held", ALARM),
     E("MEASUREMENT_GOOD", "measurement usable again", INFO),
-    E("INTERLOCK_ON", "interlock forces its output; measurement", ALARM),
+    E("INTERLOCK_ON", "interlock holds its output; measurement", ALARM),
     E("INTERLOCK_OFF", "interlock released; measurement", INFO),
     E("NOT_FOLLOWING", "output does not follow its command; read-back", WARNING),
     E("FOLLOWING", "output follows its command again; read-back", INFO),

@@ -44,7 +44,7 @@ static real_t measured(const struct adoption *a, const struct supervisor *s, uin
 /* Manipulated variable of a loop; PLAN_NONE: it drives another loop. */
 static uint8_t output_of(const struct adoption *a, const struct supervisor *s, uint8_t k)
 {
-    return s->plan->loop[a->loop[k].loop].output;
+    return s->plan->loop[a->loop[k].loop].mv;
 }
 
 static uint8_t loops_of(const struct adoption *a)
@@ -83,7 +83,7 @@ void adoption_hold(struct adoption *a, const struct supervisor *s)
 {
     for (uint8_t k = 0; k < loops_of(a); k++)
         if (output_of(a, s, k) != PLAN_NONE)
-            a->loop[k].held = num_to_float(s->output[output_of(a, s, k)].manual);
+            a->loop[k].held = num_to_float(s->mv[output_of(a, s, k)].manual);
 }
 
 void adoption_put_back(const struct adoption *a, struct supervisor *s, bool but_hand)
@@ -94,7 +94,7 @@ void adoption_put_back(const struct adoption *a, struct supervisor *s, bool but_
             continue;
         ask(s, i, LOOP_MANUAL);
         if (j != PLAN_NONE)
-            s->output[j].manual = num_from_float(a->loop[k].held);
+            s->mv[j].manual = num_from_float(a->loop[k].held);
     }
 }
 
@@ -247,7 +247,7 @@ static enum adoption_result rest(struct adoption *a, struct supervisor *s)
     for (uint8_t k = 0; a->ticks > AUTO_TICKS && k < loops_of(a); k++) {
         uint8_t j = output_of(a, s, k);
         real_t moved =
-            j == PLAN_NONE ? REAL_C(0.0) : num_to_float(s->output[j].manual) - a->loop[k].held;
+            j == PLAN_NONE ? REAL_C(0.0) : num_to_float(s->mv[j].manual) - a->loop[k].held;
         if (s->loop[a->loop[k].loop].mode != LOOP_MANUAL || real_abs(moved) > MOVED_LEAST)
             return fail_trial(a, ADOPTION_HAND, channel_of(a, s, k));
     }
@@ -348,8 +348,8 @@ static void begin_stage(struct adoption *a, struct supervisor *s, enum stage sta
 /* The step was chosen so that no output comes to its limit. */
 static bool is_blocked(const struct supervisor *s, uint8_t output)
 {
-    const struct output_config *o = &s->plan->config.output[output];
-    real_t at = num_to_float(s->output[output].constrained), span = o->hi - o->lo;
+    const struct mv_config *o = &s->plan->config.mv[output];
+    real_t at = num_to_float(s->mv[output].constrained), span = o->hi - o->lo;
     real_t lo = (o->min - o->lo) / span, hi = (o->max - o->lo) / span;
     return at <= lo + MOVED_LEAST || at >= hi - MOVED_LEAST;
 }

@@ -17,7 +17,7 @@
 #define WANTED_SHARE     REAL_C(0.5) /* of its limit that the measurement is asked to swing at most */
 #define WANTED_LEAST     REAL_C(3.0) /* hystereses that it swings at least, its limit permitting */
 #define PATIENCE         2u          /* windows without an answer: a larger amplitude */
-#define DRIFT_PATIENCE   3u          /* windows until a faster drift is believed to be one */
+#define DRIFT_PATIENCE   3u          /* windows until a faster drift is valid to be one */
 #define REST_PATIENCE    20u         /* windows until rest is given up */
 #define DRIFT_SHARE      REAL_C(0.3) /* of a limit, that a drift may take in a window */
 #define PAST_NOISE       REAL_C(3.0) /* deviations, and past the limit */
@@ -77,7 +77,7 @@ void commission_begin_relay(struct commission *c, struct supervisor *s)
         if (i != s->plan->loop[loop].pv && commission_measurement_is_tested(s, i))
             c->measurement[c->outputs++] = i;
     c->inputs = 1;
-    c->input[0].output = s->plan->loop[loop].output;
+    c->input[0].output = s->plan->loop[loop].mv;
     c->input[0].held = commission_held_at(s, c->input[0].output);
     event_put(c->events, s->time_ms, EVENT_COMMISSION_BEGUN, s->plan->config.loop[loop].name, 1.0f,
               0);
@@ -116,7 +116,7 @@ static enum err begin_cycle(struct commission *c, const struct supervisor *s,
                             const struct steady_result *at)
 {
     struct relay_test *t = &c->work->relay;
-    const struct output_config *o = &s->plan->config.output[c->input[0].output];
+    const struct mv_config *o = &s->plan->config.mv[c->input[0].output];
     real_t room = commission_room(s, c->input[0].output, c->input[0].held);
     real_t longest_s = settings(s)->longest_s;
     for (uint8_t j = 0; j < c->outputs; j++) {

@@ -1,4 +1,4 @@
-/* Is a pairing that the draws hold for sure to be believed? Whatever else is known of the model has to agree; what does not
+/* Is a pairing that the draws hold for sure to be valid? Whatever else is known of the model has to agree; what does not
  * is said, and the pairing is not determined. And what of the plant is left over by the pairs, and why. */
 #ifndef REFLUX_COMMISSION_CERTAINTY_H
 #define REFLUX_COMMISSION_CERTAINTY_H

@@ -16,11 +16,11 @@
 #define FOLLOW_TICKS REAL_C(5.0)   /* a valve on its way to a step is no fault */
 #define FAR_OFF      REAL_C(0.1)   /* of span, on trial */
 #define END_SHARE    2.5e-4f       /* of a span, from its end: a step of a converter of 12 bits */
-#define HELD_TICKS   REAL_C(3.5)   /* without a believed reading */
+#define HELD_TICKS   REAL_C(3.5)   /* without a valid reading */
 
 real_t commission_held_at(const struct supervisor *s, uint8_t j)
 {
-    return num_to_float(s->output[j].manual);
+    return num_to_float(s->mv[j].manual);
 }
 
 uint32_t commission_channels(const struct config *config)
@@ -28,7 +28,7 @@ uint32_t commission_channels(const struct config *config)
     uint32_t sum = 0;
     for (unsigned i = 0; i < CHANNEL_MAX; i++) {
         const struct measurement_config *m = &config->measurement[i];
-        const struct output_config *o = &config->output[i];
+        const struct mv_config *o = &config->mv[i];
         float span[] = {m->lo, m->hi, o->lo, o->hi};
         sum = crc32_update(sum, m->name, sizeof m->name);
         sum = crc32_update(sum, o->name, sizeof o->name);
@@ -39,7 +39,7 @@ uint32_t commission_channels(const struct config *config)
 
 real_t commission_room(const struct supervisor *s, uint8_t j, real_t held)
 {
-    const struct output_config *o = &s->plan->config.output[j];
+    const struct mv_config *o = &s->plan->config.mv[j];
     real_t lo = (o->min - o->lo) / (o->hi - o->lo), hi = (o->max - o->lo) / (o->hi - o->lo);
     return held - lo < hi - held ? held - lo : hi - held;
 }
@@ -52,8 +52,8 @@ real_t commission_limit(const struct measurement_config *m)
 
 bool commission_input_is_tested(const struct supervisor *s, uint8_t j)
 {
-    const struct output_config *o = &s->plan->config.output[j];
-    return o->name[0] && o->test && s->output[j].bound;
+    const struct mv_config *o = &s->plan->config.mv[j];
+    return o->name[0] && o->test && s->mv[j].bound;
 }
 
 bool commission_measurement_is_tested(const struct supervisor *s, uint8_t i)
@@ -62,7 +62,7 @@ bool commission_measurement_is_tested(const struct supervisor *s, uint8_t i)
     return m->name[0] && m->test && s->measurement[i].bound;
 }
 
-static bool believed(const struct supervisor *s, uint8_t i)
+static bool is_valid(const struct supervisor *s, uint8_t i)
 {
     return s->measurement[i].seen && s->measurement[i].quality == QUALITY_GOOD;
 }
@@ -93,13 +93,13 @@ int commission_at_end(const struct commission *c)
     return -1;
 }
 
-/* A reading or two that are not believed are held, and change little; more are a lost measurement. */
+/* A reading or two that are not valid are held, and change little; more are a lost measurement. */
 static bool is_lost(const struct supervisor *s, uint8_t i)
 {
     const struct measurement_state *m = &s->measurement[i];
-    return !believed(s, i) && m->alarm &&
+    return !is_valid(s, i) && m->alarm &&
            (m->lost || !quality_usable(m->quality) ||
-            elapsed_ms(s->time_ms, m->good_ms) > HELD_TICKS * REAL_C(1000.0) * s->plan->tick_s);
+            elapsed_ms(s->time_ms, m->valid_ms) > HELD_TICKS * REAL_C(1000.0) * s->plan->tick_s);
 }
 
 /* The loop that acts on output j, itself or through others, or PLAN_NONE. */
@@ -162,9 +162,9 @@ enum err commission_may_begin(const struct supervisor *s, const char **what, con
         if (comes_rarely(s, i))
             return hindered(what, wanted, config->measurement[i].name,
                             "does not come in every base tick; set its test to off");
-        if (!believed(s, i))
+        if (!is_valid(s, i))
             return hindered(what, wanted, config->measurement[i].name,
-                            "is not believed; wait for good readings, or set its test to off");
+                            "is not valid; wait for good readings, or set its test to off");
         if (at_end(s, i))
             return hindered(what, wanted, config->measurement[i].name,
                             "reads an end of its span; widen the span, or set its test to off");
@@ -177,10 +177,10 @@ enum err commission_may_begin(const struct supervisor *s, const char **what, con
         if (loop != PLAN_NONE)
             return hindered(what, wanted, config->loop[loop].name,
                             "acts; `mode NAME manual` first");
-        if (s->output[j].interlocked)
-            return hindered(what, wanted, config->output[j].name, "is held by an interlock");
+        if (s->mv[j].interlocked)
+            return hindered(what, wanted, config->mv[j].name, "is held by an interlock");
         if (commission_room(s, j, commission_held_at(s, j)) < ROOM_LEAST)
-            return hindered(what, wanted, config->output[j].name,
+            return hindered(what, wanted, config->mv[j].name,
                             "stands at its operating limit: no room to step both ways");
     }
     if (outputs == 0)
@@ -198,26 +198,25 @@ enum err commission_may_relay(const struct supervisor *s, uint8_t loop, const ch
     enum err err = may_test(s, what, wanted);
     if (err)
         return err;
-    if (l->output == PLAN_NONE)
+    if (l->mv == PLAN_NONE)
         return hindered(what, wanted, config->name, "drives a loop; test that one");
     if (plan_kind(s->plan, loop)->positions)
         return hindered(what, wanted, config->name, "has two positions and no settings to find");
     if (s->loop[loop].mode != LOOP_MANUAL)
         return hindered(what, wanted, config->name, "acts; `mode NAME manual` first");
-    if (!s->output[l->output].bound)
-        return hindered(what, wanted, s->plan->config.output[l->output].name,
+    if (!s->mv[l->mv].bound)
+        return hindered(what, wanted, s->plan->config.mv[l->mv].name,
                         "is not there: the plant does not announce it");
-    if (s->output[l->output].interlocked)
-        return hindered(what, wanted, s->plan->config.output[l->output].name,
-                        "is held by an interlock");
+    if (s->mv[l->mv].interlocked)
+        return hindered(what, wanted, s->plan->config.mv[l->mv].name, "is held by an interlock");
     if (comes_rarely(s, l->pv))
         return hindered(what, wanted, s->plan->config.measurement[l->pv].name,
                         "does not come in every base tick; a relay test needs that");
-    if (!believed(s, l->pv))
+    if (!is_valid(s, l->pv))
         return hindered(what, wanted, s->plan->config.measurement[l->pv].name,
-                        "is not believed; wait for good readings");
-    if (commission_room(s, l->output, commission_held_at(s, l->output)) < ROOM_LEAST)
-        return hindered(what, wanted, s->plan->config.output[l->output].name,
+                        "is not valid; wait for good readings");
+    if (commission_room(s, l->mv, commission_held_at(s, l->mv)) < ROOM_LEAST)
+        return hindered(what, wanted, s->plan->config.mv[l->mv].name,
                         "stands at its operating limit: no room to step both ways");
     return ERR_OK;
 }
@@ -233,16 +232,16 @@ static uint8_t pair_output(const struct commission *c, uint8_t k)
 }
 
 /* The command has not been followed for longer than a valve needs. */
-static bool is_deaf(const struct supervisor *s, uint8_t j)
+static bool is_not_following(const struct supervisor *s, uint8_t j)
 {
-    return s->output[j].alarm && elapsed_ms(s->time_ms, s->output[j].differs_ms) >
-                                     FOLLOW_TICKS * REAL_C(1000.0) * s->plan->tick_s;
+    return s->mv[j].alarm && elapsed_ms(s->time_ms, s->mv[j].differs_ms) >
+                                 FOLLOW_TICKS * REAL_C(1000.0) * s->plan->tick_s;
 }
 
-/* A loop moves its output with every sample: a slow one is late all the time, and a deaf one far off. */
+/* A loop moves its output with every sample: a slow one is late all the time, and one whose output reaches nothing far off. */
 static bool is_far_off(const struct supervisor *s, uint8_t j)
 {
-    const struct output_state *o = &s->output[j];
+    const struct mv_state *o = &s->mv[j];
     real_t apart = num_to_float(num_sub(o->constrained, o->readback));
     return real_abs(apart) > FAR_OFF;
 }
@@ -276,10 +275,10 @@ enum commission_reason commission_hindrance(const struct commission *c, const st
             if (is_gone(s, c->measurement[inner]))
                 return REASON_LOST;
         }
-        *subject = config->output[j].name;
-        if (s->output[j].interlocked)
+        *subject = config->mv[j].name;
+        if (s->mv[j].interlocked)
             return REASON_INTERLOCK;
-        if (is_deaf(s, j) && (c->phase != COMMISSION_TRIAL || is_far_off(s, j)))
+        if (is_not_following(s, j) && (c->phase != COMMISSION_TRIAL || is_far_off(s, j)))
             return REASON_ACTUATOR;
     }
     *subject = NULL;
@@ -316,12 +315,12 @@ enum commission_reason commission_disturbance(const struct commission *c,
     }
     for (uint8_t k = 0; k < c->inputs; k++) {
         uint8_t j = c->input[k].output;
-        *subject = config->output[j].name;
-        if (s->output[j].interlocked)
+        *subject = config->mv[j].name;
+        if (s->mv[j].interlocked)
             return REASON_INTERLOCK;
-        if (is_deaf(s, j))
+        if (is_not_following(s, j))
             return REASON_ACTUATOR;
-        if (acting(s, j) != PLAN_NONE || num_to_float(s->output[j].manual) != c->input[k].held)
+        if (acting(s, j) != PLAN_NONE || num_to_float(s->mv[j].manual) != c->input[k].held)
             return REASON_HAND;
     }
     *subject = NULL;

@@ -32,7 +32,7 @@ enum commission_reason {
     REASON_NOT,
     REASON_ASKED, /* the operator */
     REASON_SAFE,  /* safe state */
-    REASON_LOST,  /* measurement not believed */
+    REASON_LOST,  /* measurement not valid */
     REASON_INTERLOCK,
     REASON_ACTUATOR, /* does not follow */
     REASON_HAND,     /* output moved, or loop put into automatic */

@@ -20,7 +20,7 @@ static real_t least_half_s(const struct config *config, uint8_t j, real_t window
     real_t half_s = window_s;
     for (unsigned p = 0; p < CONFIG_PAIRS; p++) {
         const struct pair_config *pair = &config->pair[p];
-        bool of_it = pair->measurement[0] && config_find_output(config, pair->output) == j;
+        bool of_it = pair->measurement[0] && config_find_mv(config, pair->mv) == j;
         if (of_it && pair->time_s * KNOWN_TIMES > half_s)
             half_s = pair->time_s * KNOWN_TIMES;
     }
@@ -30,7 +30,7 @@ static real_t least_half_s(const struct config *config, uint8_t j, real_t window
 struct expected_input expected_of_input(const struct supervisor *s, uint8_t j)
 {
     const struct config *config = &s->plan->config;
-    const struct output_config *o = &config->output[j];
+    const struct mv_config *o = &config->mv[j];
     struct expected_input e = {.tested = commission_input_is_tested(s, j)};
     if (!e.tested)
         return e;

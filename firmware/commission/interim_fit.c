@@ -5,7 +5,7 @@
 
 #include "commission/interim_fit.h"
 
-#define KNOWN     REAL_C(0.33) /* of a gain: standard deviation of one to be believed */
+#define KNOWN     REAL_C(0.33) /* of a gain: standard deviation of one to be valid */
 #define FIT_UNITS 4u           /* evaluations in one piece */
 
 void interim_fit_begin(struct interim_fit *l, const struct record *record,

@@ -25,7 +25,7 @@ void interim_fit_begin(struct interim_fit *l, const struct record *record,
  * a gain. */
 bool interim_fit_run(struct interim_fit *l);
 
-/* Is a model found so far to be believed: its gain known within a third? */
+/* Is a model found so far to be valid: its gain known within a third? */
 bool interim_fit_is_known(const struct identified *f);
 
 #endif

@@ -19,7 +19,7 @@ const char *proposal_measurement_name(const struct commission *c, const struct c
 const char *proposal_output_name(const struct commission *c, const struct config *config, uint8_t k)
 {
     const struct analysis *a = &c->work->analysis;
-    return config->output[c->input[c->column[a->pairs.input[k]]].output].name;
+    return config->mv[c->input[c->column[a->pairs.input[k]]].output].name;
 }
 
 uint8_t proposal_loop(const struct commission *c, const struct config *config, uint8_t k)
@@ -38,7 +38,7 @@ static bool is_tested_output(const struct commission *c, const struct config *co
                              const char *name)
 {
     for (uint8_t k = 0; k < c->inputs; k++)
-        if (!c->input[k].skipped && strcmp(config->output[c->input[k].output].name, name) == 0)
+        if (!c->input[k].skipped && strcmp(config->mv[c->input[k].output].name, name) == 0)
             return true;
     return false;
 }
@@ -58,7 +58,7 @@ static void make_room(const struct commission *c, struct config *config)
         for (uint8_t i = 0; i < CONFIG_LOOPS; i++) {
             struct loop_config *l = &config->loop[i];
             bool inner = config_find_loop(config, l->out) != PLAN_NONE ||
-                         config_find_output(config, l->out) != PLAN_NONE;
+                         config_find_mv(config, l->out) != PLAN_NONE;
             if (!l->name[0] || (inner && !is_tested_output(c, config, l->out)))
                 continue;
             for (uint8_t k = 0; k < CONFIG_ALARMS; k++)
@@ -77,8 +77,7 @@ static void make_room(const struct commission *c, struct config *config)
 
 static bool is_taken(const struct config *config, const char *name)
 {
-    return config_find_output(config, name) != PLAN_NONE ||
-           config_find_loop(config, name) != PLAN_NONE;
+    return config_find_mv(config, name) != PLAN_NONE || config_find_loop(config, name) != PLAN_NONE;
 }
 
 void proposal_name_loop(struct config *config, uint8_t i, const char *pv, const char *out)
@@ -179,7 +178,7 @@ static real_t step_by_model(const struct commission *c, const struct supervisor 
         if (analysis_inner_of(a, l) != INTERACT_NONE)
             continue; /* proposal_prepare_inner() */
         uint8_t j = c->input[c->column[a->pairs.input[l]]].output;
-        real_t room = ROOM_SHARE * commission_room(s, j, num_to_float(s->output[j].manual));
+        real_t room = ROOM_SHARE * commission_room(s, j, num_to_float(s->mv[j].manual));
         if (by->moved[l] * most > room * a->config.step)
             most = room * a->config.step / by->moved[l];
     }

@@ -62,7 +62,7 @@ static void add_feed(const struct commission *c, struct config *config, const st
 {
     const struct analysis *a = &c->work->analysis;
     const struct tested_input *in = &c->input[c->column[a->pairs.input[f->way.from]]];
-    const struct output_config *o = &config->output[in->output];
+    const struct mv_config *o = &config->mv[in->output];
     uint8_t i = 0;
     while (i < CONFIG_FEEDFORWARDS && config->feedforward[i].from[0])
         i++;
@@ -106,10 +106,10 @@ static void keep_in_reach(const struct commission *c, const struct supervisor *s
 {
     const struct analysis *a = &c->work->analysis;
     const struct tested_input *in = &c->input[c->column[a->pairs.input[k]]];
-    const struct output_config *o = &s->plan->config.output[in->output];
+    const struct mv_config *o = &s->plan->config.mv[in->output];
     uint8_t j = a->pairs.input[k];
     real_t lo = (o->min - o->lo) / (o->hi - o->lo), hi = (o->max - o->lo) / (o->hi - o->lo);
-    real_t held = num_to_float(s->output[in->output].manual);
+    real_t held = num_to_float(s->mv[in->output].manual);
     real_t room = held - lo < hi - held ? held - lo : hi - held;
     real_t a_step = real_abs(c->work->element[analysis_inner_of(a, k)][c->column[j]].fit.gain);
     real_t moved = a->inner_tuning[k].gain; /* of the manipulated variable for a setpoint of 1 */

@@ -23,7 +23,7 @@
 
 const char *commission_input_name(const struct commission *c, const struct supervisor *s)
 {
-    return s->plan->config.output[c->input[c->order[c->at]].output].name;
+    return s->plan->config.mv[c->input[c->order[c->at]].output].name;
 }
 
 /* When every response to input k is over but for a twentieth, s, as far as it is surely known. */
@@ -74,11 +74,11 @@ static uint32_t least_half(const struct commission *c, const struct supervisor *
     real_t longest_s = REAL_C(0.0);
     for (unsigned p = 0; p < CONFIG_PAIRS; p++) {
         const struct pair_config *pair = &config->pair[p];
-        if (!pair->measurement[0] || config_find_output(config, pair->output) != c->input[k].output)
+        if (!pair->measurement[0] || config_find_mv(config, pair->mv) != c->input[k].output)
             continue;
         uint8_t i = config_find_measurement(config, pair->measurement);
         const struct measurement_config *m = &config->measurement[i];
-        const struct output_config *o = &config->output[c->input[k].output];
+        const struct mv_config *o = &config->mv[c->input[k].output];
         if (pair->time_s * REAL_C(4.0) > longest_s)
             longest_s = pair->time_s * REAL_C(4.0);
         real_t gain = real_abs(pair->gain) * (o->hi - o->lo) / (m->hi - m->lo);
@@ -163,7 +163,7 @@ static enum err begin_input(struct commission *c, const struct supervisor *s)
 {
     const struct config *config = &s->plan->config;
     uint8_t k = c->order[c->at];
-    const struct output_config *o = &config->output[c->input[k].output];
+    const struct mv_config *o = &config->mv[c->input[k].output];
     real_t ways = commission_room(s, c->input[k].output, c->input[k].held);
     struct experiment_config x = {
         .outputs = c->outputs,
@@ -286,7 +286,7 @@ void commission_begin(struct commission *c, struct supervisor *s)
     uint8_t n = 0;
     for (unsigned critical = 2; critical-- > 0;)
         for (uint8_t k = 0; k < c->inputs; k++)
-            if (s->plan->config.output[c->input[k].output].test_critical == critical)
+            if (s->plan->config.mv[c->input[k].output].test_critical == critical)
                 c->order[n++] = k;
     event_put(events, s->time_ms, EVENT_COMMISSION_BEGUN, NULL, (float)c->inputs, 0);
     commission_start_input(c, s);

@@ -139,7 +139,7 @@ bool commission_proposal_line(struct console *c, unsigned n, struct text *line);
     "what was found has made room: the workspace has been leased for something else since"
 /* Shared by them: channels of the tests by their place there, as the settings in force have them. */
 const struct measurement_config *commission_measurement(const struct console *c, unsigned j);
-const struct output_config *commission_output(const struct console *c, unsigned k);
+const struct mv_config *commission_output(const struct console *c, unsigned k);
 /* ... flags of an element, and whether there is nothing to list (a line says why). */
 void commission_flags(struct text *t, unsigned bits);
 bool commission_has_nothing(struct console *c, unsigned n, struct text *line);

@@ -73,9 +73,9 @@ static bool alarm_line(struct console *c, unsigned n, struct text *line)
     }
     n -= CHANNEL_MAX;
     if (n < CHANNEL_MAX) {
-        if (n < sup->placed[PLACED_OUTPUTS] && sup->output[n].alarm) {
+        if (n < sup->placed[PLACED_MVS] && sup->mv[n].alarm) {
             text_str(line, "NOT_FOLLOWING ");
-            text_str(line, plan->config.output[n].name);
+            text_str(line, plan->config.mv[n].name);
         }
         return true;
     }
@@ -84,8 +84,8 @@ static bool alarm_line(struct console *c, unsigned n, struct text *line)
         if (n < sup->placed[PLACED_INTERLOCKS] && sup->interlock[n].active) {
             text_str(line, "INTERLOCK_ON lock");
             text_u32(line, n + 1u);
-            text_str(line, " forces ");
-            text_str(line, plan->config.interlock[n].output);
+            text_str(line, " holds ");
+            text_str(line, plan->config.interlock[n].mv);
         }
         return true;
     }

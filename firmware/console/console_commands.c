@@ -240,7 +240,7 @@ static bool status_line(struct console *c, unsigned n, struct text *line)
         }
 #endif
 #if CONFIG_ANALYSERS
-        if ((m->every > 1 || m->delay > 0) && s->supervisor->measurement[n].believed) {
+        if ((m->every > 1 || m->delay > 0) && s->supervisor->measurement[n].valid) {
             text_str(line, ", sampled at ");
             text_seconds(line, sampling_at_ms(s->supervisor, (uint8_t)n));
             text_str(line, " s");
@@ -250,21 +250,21 @@ static bool status_line(struct console *c, unsigned n, struct text *line)
     }
     n -= CHANNEL_MAX;
     if (n < CHANNEL_MAX) {
-        const struct output_config *o = &plan->config.output[n];
+        const struct mv_config *o = &plan->config.mv[n];
         if (!o->name[0])
             return true;
         text_str(line, o->name);
         text_str(line, " = ");
-        text_float(line, span_to_eu(s->supervisor->output[n].applied, o->lo, o->hi));
+        text_float(line, span_to_eu(s->supervisor->mv[n].applied, o->lo, o->hi));
         text_char(line, ' ');
         text_str(line, o->unit);
-        if (s->supervisor->output[n].interlocked)
-            text_str(line, " forced by interlock");
-        else if (s->supervisor->output[n].beyond)
+        if (s->supervisor->mv[n].interlocked)
+            text_str(line, " interlocked");
+        else if (s->supervisor->mv[n].beyond)
             text_str(line, " left past its limits by an interlock");
-        if (s->supervisor->output[n].not_following)
+        if (s->supervisor->mv[n].not_following)
             text_str(line, " not following its command");
-        if (!s->supervisor->output[n].bound)
+        if (!s->supervisor->mv[n].bound)
             text_str(line, " not announced by the plant");
         return true;
     }

@@ -28,7 +28,7 @@ static void text_quantity(struct text *t, const char *before, float x, const cha
     text_str(t, unit);
 }
 
-static float output_span(const struct output_config *o)
+static float output_span(const struct mv_config *o)
 {
     return o->hi - o->lo;
 }
@@ -48,7 +48,7 @@ static void test_line(const struct commission *c, const struct config *config, s
     hal_tick_unlock();
     if (!testing)
         return;
-    const struct output_config *o = &config->output[c->input[c->order[at]].output];
+    const struct mv_config *o = &config->mv[c->input[c->order[at]].output];
     text_str(line, "input ");
     text_str(line, o->name);
     text_quantity(line, " (", (float)(at + 1u), " of ");

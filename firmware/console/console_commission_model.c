@@ -10,9 +10,9 @@ const struct measurement_config *commission_measurement(const struct console *c,
     return &console_settings(c)->measurement[c->service->commission->measurement[j]];
 }
 
-const struct output_config *commission_output(const struct console *c, unsigned k)
+const struct mv_config *commission_output(const struct console *c, unsigned k)
 {
-    return &console_settings(c)->output[c->service->commission->input[k].output];
+    return &console_settings(c)->mv[c->service->commission->input[k].output];
 }
 
 static void unit(struct text *t, const char *text)
@@ -39,7 +39,7 @@ void commission_flags(struct text *t, unsigned bits)
 static bool input_line(const struct console *c, unsigned k, struct text *line)
 {
     const struct tested_input *in = &c->service->commission->input[k];
-    const struct output_config *o = commission_output(c, k);
+    const struct mv_config *o = commission_output(c, k);
     float span = o->hi - o->lo;
     text_str(line, "input ");
     text_str(line, o->name);
@@ -67,7 +67,7 @@ static void element_line(const struct console *c, unsigned j, unsigned k, struct
 {
     const struct element *e = &c->service->commission->work->element[j][k];
     const struct measurement_config *y = commission_measurement(c, j);
-    const struct output_config *u = commission_output(c, k);
+    const struct mv_config *u = commission_output(c, k);
     float scale = (y->hi - y->lo) / (u->hi - u->lo);
     text_str(line, "element ");
     text_str(line, y->name);
@@ -92,7 +92,7 @@ static void second_line(const struct console *c, unsigned j, unsigned k, struct 
 {
     const struct element *e = &c->service->commission->work->element[j][k];
     const struct measurement_config *y = commission_measurement(c, j);
-    const struct output_config *u = commission_output(c, k);
+    const struct mv_config *u = commission_output(c, k);
     float scale = (y->hi - y->lo) / (u->hi - u->lo);
     text_str(line, "moments ");
     text_str(line, y->name);

@@ -62,7 +62,7 @@ bool commission_plan_line(struct console *c, unsigned n, struct text *line)
         hal_tick_lock();
         struct expected_input e = expected_of_input(s, (uint8_t)n);
         hal_tick_unlock();
-        const struct output_config *o = &config->output[n];
+        const struct mv_config *o = &config->mv[n];
         float span = o->hi - o->lo;
         if (!e.tested)
             return true;
@@ -113,7 +113,7 @@ bool commission_trial_line(struct console *c, unsigned n, struct text *line)
     text_str(line, "trial ");
     text_str(line, y->name);
     text_char(line, ' ');
-    text_str(line, config->output[l->output].name);
+    text_str(line, config->mv[l->output].name);
     text_named_float(line, "step", (float)l->step * span);
     text_named_float(line, "iae", (float)l->iae * span);
     text_named_float(line, "predicted", (float)l->predicted.iae * scale * span);

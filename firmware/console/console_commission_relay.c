@@ -49,7 +49,7 @@ static void found_line(const struct console *c, const struct by_relay *r, struct
 {
     const struct commission *m = c->service->commission;
     const struct measurement_config *y = &console_settings(c)->measurement[m->measurement[0]];
-    const struct output_config *u = &console_settings(c)->output[m->input[0].output];
+    const struct mv_config *u = &console_settings(c)->mv[m->input[0].output];
     const struct relay_result *x = &r->result;
     text_str(line, "relay ");
     text_str(line, y->name);

@@ -15,9 +15,7 @@ static const struct analysis *analysis(const struct console *c)
 static const char *input(const struct console *c, uint8_t k)
 {
     const struct commission *m = c->service->commission;
-    return console_settings(c)
-        ->output[m->input[m->column[analysis(c)->pairs.input[k]]].output]
-        .name;
+    return console_settings(c)->mv[m->input[m->column[analysis(c)->pairs.input[k]]].output].name;
 }
 
 /* Names of pair k. */

@@ -93,7 +93,7 @@ static unsigned name_choice(const struct config *config, unsigned kinds, unsigne
     if (n < CONFIG_LOOPS && (kinds & NAMES_LOOP) != 0)
         text_str(word, config->loop[n].name);
     if (n >= CONFIG_LOOPS && n - CONFIG_LOOPS < CHANNEL_MAX && (kinds & NAMES_MV) != 0)
-        text_str(word, config->output[n - CONFIG_LOOPS].name);
+        text_str(word, config->mv[n - CONFIG_LOOPS].name);
     n -= CONFIG_LOOPS + CHANNEL_MAX;
     if (n < CHANNEL_MAX && (kinds & NAMES_MEASUREMENT) != 0)
         text_str(word, config->measurement[n].name);

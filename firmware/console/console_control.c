@@ -73,7 +73,7 @@ void command_out(struct console *c, unsigned n, char **word)
     (void)n;
     if (!console_number(c, word[1], "an output", &x))
         return;
-    output = config_find_output(config, word[0]);
+    output = config_find_mv(config, word[0]);
     loop = output == PLAN_NONE ? config_find_loop(config, word[0]) : PLAN_NONE;
     enum err err = operate_output(&c->session, loop, output, x, &a);
     if (err == ERR_UNKNOWN && !a.subject)

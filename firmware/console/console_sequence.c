@@ -78,7 +78,7 @@ static void action_text(const struct plan *plan, unsigned k, struct text *line)
     if (what != PLAN_NONE)
         text_str(line, c->what);
     if (c->action == STEP_OUT)
-        amount(line, c->value, plan->config.output[what].unit);
+        amount(line, c->value, plan->config.mv[what].unit);
     else if (c->action == STEP_SETPOINT)
         amount(line, c->value, plan->config.measurement[plan->loop[what].pv].unit);
 }
@@ -113,7 +113,7 @@ static void reading_text(const struct service *s, unsigned k, struct text *line)
     float value;
     text_str(line, plan->config.measurement[i].name);
     if (!sequence_reading(s->supervisor, i, &value)) {
-        text_str(line, " is not believed");
+        text_str(line, " is not valid");
         return;
     }
     text_str(line, " =");

@@ -23,7 +23,7 @@ struct gains {
     uint8_t stage;
 };
 
-/* floor: relative standard deviation below which no gain is believed (a first-order model is not the plant), [0, 0.5];
+/* floor: relative standard deviation below which no gain is valid (a first-order model is not the plant), [0, 0.5];
  * added in quadrature to gain_sd. Then gains_step until it is not ERR_BUSY: one sweep of an SVD a call.
  *
  * Rank: rows and columns are weighted so that the gains' errors have about unit variance; the rank is the least r for

@@ -33,7 +33,7 @@ bool operate_block(const struct session *session, uint8_t block, struct block_re
     uint8_t input = plan->record[block].input[state->input];
     if (sup->block[slot_of(block)].off)
         reading->gave_up = state->gave_up        ? state->gave_up
-                           : input & INPUT_IS_MV ? plan->config.output[input & ~INPUT_IS_MV].name
+                           : input & INPUT_IS_MV ? plan->config.mv[input & ~INPUT_IS_MV].name
                                                  : plan->config.measurement[input].name;
     reading->raised = state->raised;
     if (job_is_asked(&sup->work[block]))

@@ -91,11 +91,11 @@ enum err operate_output(struct session *session, uint8_t loop, uint8_t output, f
     const struct plan *plan = service_plan(s);
     const struct config *config = &plan->config;
     bool by_loop = output == PLAN_NONE;
-    if (by_loop ? !is_loop(plan, loop) : output >= CHANNEL_MAX || !config->output[output].name[0])
+    if (by_loop ? !is_loop(plan, loop) : output >= CHANNEL_MAX || !config->mv[output].name[0])
         return operate_refuse(answer, ERR_UNKNOWN, NULL, "no such loop or manipulated variable");
-    const char *asked = by_loop ? config->loop[loop].name : config->output[output].name;
+    const char *asked = by_loop ? config->loop[loop].name : config->mv[output].name;
     if (by_loop)
-        output = plan->loop[loop].output;
+        output = plan->loop[loop].mv;
     else
         loop = plan->owner[output];
     if (loop != PLAN_NONE && service_mode(s, loop) != LOOP_MANUAL)
@@ -114,7 +114,7 @@ enum err operate_output(struct session *session, uint8_t loop, uint8_t output, f
     const char *unit;
     if (output != PLAN_NONE) {
         plan_manual_limits(plan, output, &lo, &hi);
-        unit = config->output[output].unit;
+        unit = config->mv[output].unit;
     } else {
         plan_setpoint_limits(plan, plan->loop[loop].inner, &lo, &hi);
         unit = config->measurement[plan->loop[plan->loop[loop].inner].pv].unit;
@@ -148,10 +148,10 @@ bool operate_loop(const struct session *session, uint8_t loop, struct loop_readi
     reading->setpoint = span_to_eu(l->setpoint, pv->lo, pv->hi);
     reading->mv = NULL;
     reading->inner = p->inner;
-    if (p->output != PLAN_NONE) {
-        const struct output_config *o = &plan->config.output[p->output];
+    if (p->mv != PLAN_NONE) {
+        const struct mv_config *o = &plan->config.mv[p->mv];
         reading->mv = o;
-        reading->output = span_to_eu(s->supervisor->output[p->output].applied, o->lo, o->hi);
+        reading->output = span_to_eu(s->supervisor->mv[p->mv].applied, o->lo, o->hi);
     } else {
         const struct measurement_config *inner = &plan->config.measurement[plan->loop[p->inner].pv];
         reading->output = span_to_eu(l->v, inner->lo, inner->hi);
@@ -170,8 +170,8 @@ enum err operate_tune(const struct session *session, uint8_t loop, enum tuning_r
     const struct config *config = &plan->config;
     const struct measurement_config *m = &config->measurement[p->pv];
     float out_span;
-    if (p->output != PLAN_NONE) {
-        out_span = config->output[p->output].hi - config->output[p->output].lo;
+    if (p->mv != PLAN_NONE) {
+        out_span = config->mv[p->mv].hi - config->mv[p->mv].lo;
     } else {
         const struct measurement_config *inner = &config->measurement[plan->loop[p->inner].pv];
         out_span = inner->hi - inner->lo;

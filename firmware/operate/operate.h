@@ -151,8 +151,8 @@ MUST_CHECK enum err operate_reboot(struct session *session, struct answer *answe
 struct loop_reading {
     enum loop_mode mode;
     const struct measurement_config *pv;
-    const struct output_config *mv; /* NULL: it drives the setpoint of a loop */
-    uint8_t inner;                  /* ... this one */
+    const struct mv_config *mv; /* NULL: it drives the setpoint of a loop */
+    uint8_t inner;              /* ... this one */
     float value, setpoint, output;
     enum quality quality; /* of `value` */
 };

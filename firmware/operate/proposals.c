@@ -38,8 +38,8 @@ static uint32_t shape_of(const struct config *c)
     for (unsigned i = 0; i < CHANNEL_MAX; i++) {
         crc = crc32_update(crc, c->measurement[i].name, CHANNEL_NAME_SIZE);
         crc = crc32_update(crc, &c->measurement[i].lo, 2 * sizeof(float));
-        crc = crc32_update(crc, c->output[i].name, CHANNEL_NAME_SIZE);
-        crc = crc32_update(crc, &c->output[i].lo, 2 * sizeof(float));
+        crc = crc32_update(crc, c->mv[i].name, CHANNEL_NAME_SIZE);
+        crc = crc32_update(crc, &c->mv[i].lo, 2 * sizeof(float));
     }
     for (unsigned i = 0; i < CONFIG_LOOPS; i++) {
         crc = crc32_update(crc, c->loop[i].name, CHANNEL_NAME_SIZE);
@@ -61,8 +61,8 @@ static uint32_t shape_of(const struct config *c)
 }
 _Static_assert(offsetof(struct measurement_config, hi) ==
                        offsetof(struct measurement_config, lo) + sizeof(float) &&
-                   offsetof(struct output_config, hi) ==
-                       offsetof(struct output_config, lo) + sizeof(float),
+                   offsetof(struct mv_config, hi) ==
+                       offsetof(struct mv_config, lo) + sizeof(float),
                "both ends of a span are looked at together");
 
 /* ---- values into settings ---- */

@@ -63,15 +63,15 @@ static const struct parameter_field measurement_fields[] = {
     F(measurement_config, hold_s, 6, "hold", "s", 0, 1e5f, 60,
       "a bad reading is held this long, then the fall-back follows"),
     W(measurement_config, fallback, 7, "fallback", "hold|substitute|manual|safe", FALLBACK_HOLD,
-      "without a believable reading: hold, then manual; hold, then substitute; manual at once; "
+      "without a valid reading: hold, then manual; hold, then substitute; manual at once; "
       "hold, "
       "then the safe state"),
     F(measurement_config, substitute, 8, "substitute", "EU", -BIG, BIG, 0,
       "value that stands in, with fallback substitute"),
     F(measurement_config, rate_limit, 9, "rate_limit", "EU/s", 0, BIG, 0,
-      "a faster change is not believed; 0 = off"),
+      "a faster change is not valid; 0 = off"),
     F(measurement_config, frozen_s, 10, "frozen", "s", 0, 1e6f, 0,
-      "a reading that has not changed at all for this long is not believed; 0 = off"),
+      "a reading that has not changed at all for this long is not valid; 0 = off"),
 #if CONFIG_BLOCKS
     N(measurement_config, infer, 11, "infer",
       "manipulated variable, or point that a block writes, that stands in for a lost reading; - = "
@@ -108,29 +108,27 @@ static const struct parameter_field measurement_fields[] = {
 #endif
 };
 
-static const struct parameter_field output_fields[] = {
-    N(output_config, name, 1, "name", "manipulated variable as announced; - = unused"),
-    ROW(2, PARAMETER_UNIT, offsetof(struct output_config, unit), "unit", "", 0, 0, 0,
+static const struct parameter_field mv_fields[] = {
+    N(mv_config, name, 1, "name", "manipulated variable as announced; - = unused"),
+    ROW(2, PARAMETER_UNIT, offsetof(struct mv_config, unit), "unit", "", 0, 0, 0,
         "engineering unit; must equal what the plant announces"),
-    F(output_config, lo, 3, "lo", "EU", -BIG, BIG, 0, "lower end of the span (0 %)"),
-    F(output_config, hi, 4, "hi", "EU", -BIG, BIG, 100, "upper end of the span (100 %)"),
-    F(output_config, min, 5, "min", "EU", -BIG, BIG, 0, "lowest value ever commanded while acting"),
-    F(output_config, max, 6, "max", "EU", -BIG, BIG, 100,
-      "highest value ever commanded while acting"),
-    F(output_config, rate_per_s, 7, "rate", "EU/s", 0, BIG, 0, "fastest change; 0 = no limit"),
-    F(output_config, safe, 8, "safe", "EU", -BIG, BIG, 0,
-      "value at start, on silence, in safe state"),
-    F(output_config, readback_band, 9, "band", "fraction", 0, 1, 0.01f,
+    F(mv_config, lo, 3, "lo", "EU", -BIG, BIG, 0, "lower end of the span (0 %)"),
+    F(mv_config, hi, 4, "hi", "EU", -BIG, BIG, 100, "upper end of the span (100 %)"),
+    F(mv_config, min, 5, "min", "EU", -BIG, BIG, 0, "lowest value ever commanded while acting"),
+    F(mv_config, max, 6, "max", "EU", -BIG, BIG, 100, "highest value ever commanded while acting"),
+    F(mv_config, rate_per_s, 7, "rate", "EU/s", 0, BIG, 0, "fastest change; 0 = no limit"),
+    F(mv_config, safe, 8, "safe", "EU", -BIG, BIG, 0, "value at start, on silence, in safe state"),
+    F(mv_config, readback_band, 9, "band", "fraction", 0, 1, 0.01f,
       "read-back this close to the command counts as followed"),
-    F(output_config, follow_s, 10, "follow", "s", 0, 1e5f, 0,
+    F(mv_config, follow_s, 10, "follow", "s", 0, 1e5f, 0,
       "a command not followed for this long is an alarm"),
 #if COMMISSION_CHANNELS
-    W(output_config, test, 11, "test", "off|on", 1, "automatic start-up moves it"),
-    F(output_config, test_step, 12, "test_step", "EU", 0, BIG, 0,
+    W(mv_config, test, 11, "test", "off|on", 1, "automatic start-up moves it"),
+    F(mv_config, test_step, 12, "test_step", "EU", 0, BIG, 0,
       "amplitude of the test; 0 = larger ones are tried until the response stands out"),
-    F(output_config, test_time_s, 13, "test_time", "s", 0, 1e6f, 0,
+    F(mv_config, test_time_s, 13, "test_time", "s", 0, 1e6f, 0,
       "length of half a double step; 0 = until the plant is at rest"),
-    W(output_config, test_critical, 14, "test_critical", "off|on", 0,
+    W(mv_config, test_critical, 14, "test_critical", "off|on", 0,
       "tested first: its times are the first guess for the others"),
 #endif
 };
@@ -200,14 +198,15 @@ static const struct parameter_field feedforward_fields[] = {
 
 static const struct parameter_field interlock_fields[] = {
     N(interlock_config, measurement, 1, "meas", "measurement that is watched; - = unused"),
-    N(interlock_config, output, 2, "mv", "manipulated variable that is forced"),
+    N(interlock_config, mv, 2, "mv", "manipulated variable that is interlocked"),
     W(interlock_config, side, 3, "side", "above|below", INTERLOCK_ABOVE,
       "acts when the measurement is above or below the limit"),
     F(interlock_config, limit, 4, "limit", "EU", -BIG, BIG, 0, "limit of the measurement"),
     F(interlock_config, hysteresis, 5, "hysteresis", "EU", 0, BIG, 0,
       "released when back inside by this much"),
     F(interlock_config, delay_s, 6, "delay", "s", 0, 1e5f, 0, "the condition must hold this long"),
-    F(interlock_config, value, 7, "value", "EU", -BIG, BIG, 0, "what the output is forced to"),
+    F(interlock_config, value, 7, "value", "EU", -BIG, BIG, 0,
+      "value of the output while interlocked"),
     W(interlock_config, on_bad, 8, "on_bad", "off|on", 1,
       "a bad measurement counts as the condition"),
 };
@@ -300,7 +299,7 @@ static const struct parameter_field test_fields[] = {
 
 static const struct parameter_field pair_fields[] = {
     N(pair_config, measurement, 1, "meas", "measurement; - = unused"),
-    N(pair_config, output, 2, "mv", "manipulated variable"),
+    N(pair_config, mv, 2, "mv", "manipulated variable"),
     F(pair_config, time_s, 3, "time", "s", 0, 1e6f, 0,
       "dead time and time constant together, as far as known; 0 = unknown"),
     F(pair_config, gain, 4, "gain", "EU/EU", -BIG, BIG, 0, "steady-state gain; 0 = unknown"),
@@ -319,7 +318,7 @@ const struct parameter_group parameter_groups[] = {
     {1, 1, COUNT(tick_fields), false, 0, 0, "tick", tick_fields, 1},
     {8, 1, COUNT(config_fields), false, 0, 0, "config", config_fields, 1},
     GROUP(2, "meas", measurement, struct measurement_config, CHANNEL_MAX, 16, measurement_fields),
-    GROUP(3, "mv", output, struct output_config, CHANNEL_MAX, 16, output_fields),
+    GROUP(3, "mv", mv, struct mv_config, CHANNEL_MAX, 16, mv_fields),
     GROUP(4, "loop", loop, struct loop_config, CONFIG_LOOPS, 16, loop_fields),
     {5, DECOUPLER_MAX, DECOUPLER_MAX, true, offsetof(struct config, decoupler),
      DECOUPLER_MAX * sizeof(float), "decouple", decoupler_fields, 8},

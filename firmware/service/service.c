@@ -291,9 +291,8 @@ enum err service_may_act(struct service *s, uint8_t loop, enum loop_mode mode, c
         const struct measurement_config *m = &c->measurement[p->pv];
         if (!plan_is_estimate(plan, p->pv))
             err = channel_fault(s, false, m->name, m->unit, what, wanted);
-        if (!err && p->output != PLAN_NONE)
-            err = channel_fault(s, true, c->output[p->output].name, c->output[p->output].unit, what,
-                                wanted);
+        if (!err && p->mv != PLAN_NONE)
+            err = channel_fault(s, true, c->mv[p->mv].name, c->mv[p->mv].unit, what, wanted);
         loop = p->inner;
     }
     hal_tick_unlock();
@@ -303,7 +302,7 @@ enum err service_may_act(struct service *s, uint8_t loop, enum loop_mode mode, c
 enum err service_output_there(struct service *s, uint8_t output, const char **what,
                               const char **wanted)
 {
-    const struct output_config *o = &service_plan(s)->config.output[output];
+    const struct mv_config *o = &service_plan(s)->config.mv[output];
     *what = o->name;
     if (nobody_there(s, wanted))
         return ERR_STATE;

@@ -31,10 +31,10 @@ void telemetry_capture(struct telemetry *t, const struct supervisor *s, uint32_t
         row->measurement[i] = span_to_eu(s->measurement[i].value, m->lo, m->hi);
         row->quality[i] = (uint8_t)s->measurement[i].quality;
     }
-    for (unsigned i = 0; i < s->placed[PLACED_OUTPUTS]; i++) {
-        const struct output_config *o = &c->output[i];
-        row->commanded[i] = span_to_eu(s->output[i].commanded, o->lo, o->hi);
-        row->applied[i] = span_to_eu(s->output[i].applied, o->lo, o->hi);
+    for (unsigned i = 0; i < s->placed[PLACED_MVS]; i++) {
+        const struct mv_config *o = &c->mv[i];
+        row->commanded[i] = span_to_eu(s->mv[i].commanded, o->lo, o->hi);
+        row->applied[i] = span_to_eu(s->mv[i].applied, o->lo, o->hi);
     }
     for (unsigned i = 0; i < s->placed[PLACED_LOOPS]; i++) {
         row->mode[i] = (uint8_t)s->loop[i].mode;
@@ -117,10 +117,10 @@ bool telemetry_header(const struct plan *plan, unsigned n, struct text *piece)
         column(piece, c->loop[i].name, ".sp", c->measurement[plan->loop[i].pv].unit);
         return true;
     case PART_OUTPUT:
-        if (!c->output[i].name[0])
+        if (!c->mv[i].name[0])
             return true;
-        column(piece, c->output[i].name, ".cmd", c->output[i].unit);
-        column(piece, c->output[i].name, ".app", c->output[i].unit);
+        column(piece, c->mv[i].name, ".cmd", c->mv[i].unit);
+        column(piece, c->mv[i].name, ".app", c->mv[i].unit);
         return true;
     case PART_TAIL:
         text_str(piece, ",stat.tick");
@@ -142,7 +142,7 @@ bool telemetry_same_columns(const struct plan *a, const struct plan *b)
     bool same = true;
     for (unsigned i = 0; i < CHANNEL_MAX; i++) {
         const struct measurement_config *ma = &ca->measurement[i], *mb = &cb->measurement[i];
-        const struct output_config *oa = &ca->output[i], *ob = &cb->output[i];
+        const struct mv_config *oa = &ca->mv[i], *ob = &cb->mv[i];
         same = same && same_channel(ma->name, ma->unit, mb->name, mb->unit) &&
                same_channel(oa->name, oa->unit, ob->name, ob->unit);
 #if CONFIG_STEPS
@@ -214,7 +214,7 @@ bool telemetry_row(const struct telemetry_row *row, unsigned n, struct text *pie
         put_number(piece, row->setpoint[i]);
         return true;
     case PART_OUTPUT:
-        if (!c->output[i].name[0])
+        if (!c->mv[i].name[0])
             return true;
         put_number(piece, row->commanded[i]);
         put_number(piece, row->applied[i]);

@@ -19,10 +19,10 @@ static bool same_loop(const struct plan *plan, const struct plan *old, uint8_t i
         return false;
     const struct loop_config *c = &plan->config.loop[i];
     const struct loop_config *before = &old->config.loop[i];
-    uint8_t pv = plan->loop[i].pv, output = plan->loop[i].output;
+    uint8_t pv = plan->loop[i].pv, output = plan->loop[i].mv;
     if (strcmp(c->name, before->name) != 0 || strcmp(c->pv, before->pv) != 0 ||
-        strcmp(c->out, before->out) != 0 || old->loop[i].pv != pv ||
-        old->loop[i].output != output || old->block[i].kind != plan->block[i].kind)
+        strcmp(c->out, before->out) != 0 || old->loop[i].pv != pv || old->loop[i].mv != output ||
+        old->block[i].kind != plan->block[i].kind)
         return false;
     const struct measurement_config *m = &plan->config.measurement[pv];
     const struct measurement_config *m_before = &old->config.measurement[pv];
@@ -30,8 +30,8 @@ static bool same_loop(const struct plan *plan, const struct plan *old, uint8_t i
         return false;
     if (output == PLAN_NONE)
         return true;
-    const struct output_config *o = &plan->config.output[output];
-    const struct output_config *o_before = &old->config.output[output];
+    const struct mv_config *o = &plan->config.mv[output];
+    const struct mv_config *o_before = &old->config.mv[output];
     return o->lo == o_before->lo && o->hi == o_before->hi;
 }
 
@@ -92,11 +92,11 @@ static void place_loop(struct supervisor *s, const struct plan *old, uint8_t i)
     place_setpoint(s, same ? old : NULL, i, h);
 }
 
-static void place_output(struct supervisor *s, const struct plan *old, uint8_t j)
+static void place_mv(struct supervisor *s, const struct plan *old, uint8_t j)
 {
-    const struct output_config *o = &s->plan->config.output[j];
-    const struct output_config *before = old ? &old->config.output[j] : NULL;
-    struct output_state *state = &s->output[j];
+    const struct mv_config *o = &s->plan->config.mv[j];
+    const struct mv_config *before = old ? &old->config.mv[j] : NULL;
+    struct mv_state *state = &s->mv[j];
     bool same = before && o->name[0] && strcmp(o->name, before->name) == 0;
     if (!same)
         memset(state, 0, sizeof *state);
@@ -146,7 +146,7 @@ static void place_measurement(struct supervisor *s, const struct plan *old, uint
 /* The loop on this output goes on from the output it finds at the next tick: what is added to it changes. */
 static void rejoin(struct supervisor *s, const char *output)
 {
-    uint8_t j = config_find_output(&s->plan->config, output);
+    uint8_t j = config_find_mv(&s->plan->config, output);
     if (j != PLAN_NONE && s->plan->owner[j] != PLAN_NONE)
         s->loop[s->plan->owner[j]].moved = true;
 }
@@ -159,7 +159,7 @@ static bool same_feedforward(const struct plan *plan, const struct plan *old, ui
            a->lead_s == b->lead_s && a->lag_s == b->lag_s && a->dead_s == b->dead_s &&
            a->reference == b->reference && a->lo == b->lo && a->hi == b->hi &&
            plan->feedforward[i].from == old->feedforward[i].from &&
-           plan->feedforward[i].from_output == old->feedforward[i].from_output &&
+           plan->feedforward[i].from_mv == old->feedforward[i].from_mv &&
            plan->feedforward[i].to == old->feedforward[i].to;
 }
 
@@ -195,13 +195,13 @@ static void place_matrix(struct supervisor *s)
     s->block[SLOT_MATRIX].must_follow = true; /* select again, if it is another */
 }
 
-/* An interlock that watches and forces the same as before goes on as it stands, with its new numbers. */
+/* An interlock that watches and moves the same as before goes on as it stands, with its new numbers. */
 static void place_interlock(struct supervisor *s, const struct plan *old, uint8_t i)
 {
     const struct interlock_config *k = &s->plan->config.interlock[i];
     const struct interlock_config *before = old ? &old->config.interlock[i] : NULL;
     if (!before || strcmp(k->measurement, before->measurement) != 0 ||
-        strcmp(k->output, before->output) != 0 || k->side != before->side)
+        strcmp(k->mv, before->mv) != 0 || k->side != before->side)
         memset(&s->interlock[i], 0, sizeof s->interlock[i]);
 }
 
@@ -220,8 +220,8 @@ void supervisor_take_plan(struct supervisor *s, const struct plan *plan)
     arena_place(s, plan);
     for (uint8_t i = 0; i < n[PLACED_MEASUREMENTS]; i++)
         place_measurement(s, old, i);
-    for (uint8_t i = 0; i < n[PLACED_OUTPUTS]; i++)
-        place_output(s, old, i);
+    for (uint8_t i = 0; i < n[PLACED_MVS]; i++)
+        place_mv(s, old, i);
     for (uint8_t i = 0; i < n[PLACED_LOOPS]; i++)
         place_loop(s, old, i);
     for (uint8_t i = 0; i < CONFIG_FEEDFORWARDS; i++)

@@ -70,7 +70,7 @@ static bool is_of_block(const struct supervisor *s, uint8_t i)
 }
 #endif
 
-/* What entry i looks at, EU. False: nothing that could be believed, all stays as it is. */
+/* What entry i looks at, EU. False: nothing that could be valid, all stays as it is. */
 static bool look(const struct supervisor *s, uint8_t i, float *value)
 {
     const struct alarm_config *c = &s->plan->config.alarm[i];
@@ -86,7 +86,7 @@ static bool look(const struct supervisor *s, uint8_t i, float *value)
     const struct measurement_config *mc = &s->plan->config.measurement[pv];
     bool idle = c->side == ALARM_DEVIATION && s->loop[at].mode == LOOP_MANUAL;
     if (!idle && (!m->bound || !m->seen || m->alarm))
-        return false; /* of a loop that does not act there is nothing to believe */
+        return false; /* of a loop that does not act there is nothing to look at */
     *value = span_to_eu(m->value, mc->lo, mc->hi);
     if (c->side == ALARM_DEVIATION) {
         float distance = *value - span_to_eu(s->loop[at].setpoint, mc->lo, mc->hi);

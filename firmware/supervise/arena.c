@@ -14,13 +14,13 @@ static const struct {
         offsetof(struct config, member), sizeof(struct type), sizeof(struct state), most           \
     }
     [PLACED_MEASUREMENTS] = KIND(measurement, measurement_config, measurement_state, CHANNEL_MAX),
-    [PLACED_OUTPUTS] = KIND(output, output_config, output_state, CHANNEL_MAX),
+    [PLACED_MVS] = KIND(mv, mv_config, mv_state, CHANNEL_MAX),
     [PLACED_LOOPS] = KIND(loop, loop_config, loop_state, CONFIG_LOOPS),
     [PLACED_INTERLOCKS] = KIND(interlock, interlock_config, interlock_state, CONFIG_INTERLOCKS),
     [PLACED_ALARMS] = KIND(alarm, alarm_config, alarm_state, CONFIG_ALARMS),
 };
 _Static_assert(offsetof(struct measurement_config, name) == 0 &&
-                   offsetof(struct output_config, name) == 0 &&
+                   offsetof(struct mv_config, name) == 0 &&
                    offsetof(struct loop_config, name) == 0 &&
                    offsetof(struct interlock_config, measurement) == 0 &&
                    offsetof(struct alarm_config, on) == 0,
@@ -176,7 +176,7 @@ void arena_place(struct supervisor *s, const struct plan *plan)
     memcpy(s->history, plan->history, sizeof s->history);
 #endif
     s->measurement = place[PLACED_MEASUREMENTS];
-    s->output = place[PLACED_OUTPUTS];
+    s->mv = place[PLACED_MVS];
     s->loop = place[PLACED_LOOPS];
     s->interlock = place[PLACED_INTERLOCKS];
     s->alarm = place[PLACED_ALARMS];

@@ -14,8 +14,8 @@ static uint8_t saturation(const struct supervisor *s, uint8_t i)
         return INTEGRAL_CLAMP_UP | INTEGRAL_CLAMP_DOWN;
     bool up = (l->limited & INTEGRAL_CLAMP_UP) != 0;
     bool down = (l->limited & INTEGRAL_CLAMP_DOWN) != 0;
-    if (p->output != PLAN_NONE) {
-        const struct output_state *o = &s->output[p->output];
+    if (p->mv != PLAN_NONE) {
+        const struct mv_state *o = &s->mv[p->mv];
         up = up || num_lt(o->applied, o->commanded);
         down = down || num_lt(o->commanded, o->applied);
     } else { /* whether or not it has been told already */
@@ -53,12 +53,12 @@ static void back_direct(struct supervisor *s, uint8_t i, num_t told)
     struct loop_state *l = &s->loop[i];
     const struct loop_plan *p = &s->plan->loop[i];
     if (loop_interlocked(s, i))
-        l->join = true; /* whenever the interlock lets go */
-    if (l->mode != LOOP_MANUAL && !l->join) {
+        l->transfer_pending = true; /* whenever the interlock lets go */
+    if (l->mode != LOOP_MANUAL && !l->transfer_pending) {
         tell_applied(s, i, told, INTEGRAL_FREE);
         return;
     }
-    const struct output_state *o = &s->output[p->output];
+    const struct mv_state *o = &s->mv[p->mv];
     l->v = num_sub(num_sub(o->applied, o->excitation), l->feedforward);
     block_follow(s, i);
 }
@@ -69,12 +69,12 @@ static void back_outer(struct supervisor *s, uint8_t i)
     const struct loop_plan *p = &s->plan->loop[i];
     const struct loop_state *inner = &s->loop[p->inner];
     /* Nobody takes this loop's output: the inner loop is not in cascade, or is but speaks to nobody itself. */
-    l->open = inner->mode != LOOP_CASCADE || inner->open;
-    if (l->open)
+    l->downstream_inactive = inner->mode != LOOP_CASCADE || inner->downstream_inactive;
+    if (l->downstream_inactive)
         l->v = setpoint_found(s, p->inner);
-    if (l->mode == LOOP_MANUAL || l->open) {
+    if (l->mode == LOOP_MANUAL || l->downstream_inactive) {
         block_follow(s, i);
-        if (l->open && loop_server(s, i) != PLAN_NONE)
+        if (l->downstream_inactive && loop_server(s, i) != PLAN_NONE)
             serve_must_follow(s, loop_server(s, i));
         return;
     }
@@ -93,11 +93,11 @@ static void back_compensated(struct supervisor *s, num_t *told)
     for (uint8_t i = 0; i < DECOUPLER_MAX; i++)
         if (b->acting & (1u << i))
             whole = whole || num_lt(num_from_float(COMMAND_MAX),
-                                    num_abs(s->output[s->plan->loop[i].output].commanded));
+                                    num_abs(s->mv[s->plan->loop[i].mv].commanded));
     for (uint8_t i = 0; i < DECOUPLER_MAX; i++) {
         if (!(b->acting & (1u << i)))
             continue;
-        const struct output_state *o = &s->output[s->plan->loop[i].output];
+        const struct mv_state *o = &s->mv[s->plan->loop[i].mv];
         num_t from = whole ? num_add(s->loop[i].feedforward, o->excitation) : o->commanded;
         u[i] = num_sub(o->applied, from);
     }
@@ -112,10 +112,10 @@ void back_calculate_loops(struct supervisor *s)
 {
     num_t told[CONFIG_LOOPS];
     for (uint8_t i = 0; i < s->placed[PLACED_LOOPS]; i++) {
-        uint8_t j = s->plan->loop[i].output;
+        uint8_t j = s->plan->loop[i].mv;
         told[i] = s->loop[i].v;
         if (s->plan->loop[i].used && j != PLAN_NONE)
-            told[i] = num_add(told[i], num_sub(s->output[j].applied, s->output[j].commanded));
+            told[i] = num_add(told[i], num_sub(s->mv[j].applied, s->mv[j].commanded));
     }
     if (s->block[SLOT_MATRIX].kind != PLAN_NONE)
         back_compensated(s, told);
@@ -123,7 +123,7 @@ void back_calculate_loops(struct supervisor *s)
     /* Inner loops first: what an outer loop may do depends on them. */
     for (uint8_t k = s->plan->n_order; k > 0; k--) {
         uint8_t i = s->plan->order[k - 1u];
-        if (s->plan->loop[i].output != PLAN_NONE)
+        if (s->plan->loop[i].mv != PLAN_NONE)
             back_direct(s, i, told[i]);
         else
             back_outer(s, i);

@@ -48,9 +48,9 @@ static uint8_t excited_loop(const struct supervisor *s, const struct excited *t)
 static uint8_t mv_below(const struct plan *plan, uint8_t i)
 {
     /* At most CONFIG_LOOPS steps down a chain that plan_build() has proved free of rings. */
-    for (unsigned depth = 0; depth < CONFIG_LOOPS && plan->loop[i].output == PLAN_NONE; depth++)
+    for (unsigned depth = 0; depth < CONFIG_LOOPS && plan->loop[i].mv == PLAN_NONE; depth++)
         i = plan->loop[i].inner;
-    return plan->loop[i].output;
+    return plan->loop[i].mv;
 }
 
 static uint8_t excited_mv(const struct supervisor *s, const struct excited *t)
@@ -71,7 +71,7 @@ static num_t base_of(const struct supervisor *s, const struct excited *t)
 {
     if (t->what == EXCITE_SETPOINT)
         return loop_own_setpoint(&s->loop[t->at]);
-    return num_sub(s->output[t->at].commanded, s->output[t->at].excitation);
+    return num_sub(s->mv[t->at].commanded, s->mv[t->at].excitation);
 }
 
 /* Its own limits, and those that hold for what it is added to. */
@@ -90,7 +90,7 @@ static void excitation_limits(const struct supervisor *s, const struct excited *
         *hi = num_min(*hi, span_to_fraction(most, m->lo, m->hi));
         return;
     }
-    const struct output_config *o = &c->output[t->at];
+    const struct mv_config *o = &c->mv[t->at];
     *lo = num_max(*lo, span_to_fraction(o->min, o->lo, o->hi));
     *hi = num_min(*hi, span_to_fraction(o->max, o->lo, o->hi));
     if (i == PLAN_NONE || !loop_drives(s, i))
@@ -128,7 +128,7 @@ static enum excite_reason disturbance(const struct supervisor *s, const struct e
                                       uint32_t modes)
 {
     uint8_t j = excited_mv(s, t), i = excited_loop(s, t);
-    if (!s->output[j].bound)
+    if (!s->mv[j].bound)
         return EXCITE_CHANNEL;
     /* A setpoint: all loops below it as well. */
     for (unsigned depth = 0; depth < CONFIG_LOOPS && i != PLAN_NONE; depth++) {
@@ -137,9 +137,10 @@ static enum excite_reason disturbance(const struct supervisor *s, const struct e
             return reason;
         i = s->plan->loop[i].inner;
     }
-    if (t->what == EXCITE_SETPOINT && (s->loop[t->at].mode == LOOP_MANUAL || s->loop[t->at].open))
+    if (t->what == EXCITE_SETPOINT &&
+        (s->loop[t->at].mode == LOOP_MANUAL || s->loop[t->at].downstream_inactive))
         return EXCITE_MODE;
-    return s->output[j].interlocked || interlock_begins(s, j) ? EXCITE_INTERLOCK : EXCITE_FINE;
+    return s->mv[j].interlocked || interlock_begins(s, j) ? EXCITE_INTERLOCK : EXCITE_FINE;
 }
 
 static enum excite_reason plant_disturbance(const struct supervisor *s)
@@ -193,7 +194,7 @@ void excitation_end(struct supervisor *s, enum excite_reason reason)
         if (t->what == EXCITE_SETPOINT) {
             end_on_setpoint(s, t->at);
         } else {
-            s->output[t->at].excitation = num_zero();
+            s->mv[t->at].excitation = num_zero();
         }
     }
     uint8_t n = (uint8_t)(e->holder - 1u);
@@ -241,7 +242,7 @@ static bool resolve_target(const struct supervisor *s, uint8_t n, const struct b
     if (a->what == EXCITE_SETPOINT)
         t->at = i;
     else if (!input)
-        t->at = s->plan->loop[i].output;
+        t->at = s->plan->loop[i].mv;
     else
         t->at = r->input[a->which] & INPUT_IS_MV ? r->input[a->which] & (uint8_t)~INPUT_IS_MV
                                                  : (uint8_t)PLAN_NONE;
@@ -318,7 +319,7 @@ static bool take_values(struct supervisor *s, const struct block_io *io)
         if (t->what == EXCITE_SETPOINT)
             s->loop[t->at].excite = a->value;
         else
-            s->output[t->at].excitation = a->value;
+            s->mv[t->at].excitation = a->value;
         t++;
     }
     return true;
@@ -425,14 +426,14 @@ void excitation_check_commands(struct supervisor *s)
         const struct excited *t = &e->target[k];
         if (t->what == EXCITE_SETPOINT)
             continue;
-        num_t commanded = s->output[t->at].commanded;
+        num_t commanded = s->mv[t->at].commanded;
         within = within && is_within_limits(s, t, commanded, commanded);
     }
     if (within)
         return;
     for (uint8_t k = 0; k < e->targets; k++)
         if (e->target[k].what != EXCITE_SETPOINT)
-            s->output[e->target[k].at].commanded = base_of(s, &e->target[k]);
+            s->mv[e->target[k].at].commanded = base_of(s, &e->target[k]);
     excitation_end(s, EXCITE_LIMIT);
 }
 
@@ -449,7 +450,7 @@ static bool same_block_in(const struct plan *a, const struct plan *b, uint8_t n)
 static bool same_mv_in(const struct plan *a, const struct plan *b, uint8_t j)
 {
     return a->owner[j] == b->owner[j] &&
-           memcmp(&a->config.output[j], &b->config.output[j], sizeof a->config.output[j]) == 0;
+           memcmp(&a->config.mv[j], &b->config.mv[j], sizeof a->config.mv[j]) == 0;
 }
 
 static bool same_loops_in(const struct plan *a, const struct plan *b, uint8_t i)

@@ -1,7 +1,7 @@
 /* Test signals that blocks ask for (block/excitation.h): who has the plant, what is excited, and what ends it. Within supervise
  * only.
  *
- * On an MV the signal is output_state.excitation, as start-up's is: part of the command, of which back-calculation takes no
+ * On an MV the signal is mv_state.excitation, as start-up's is: part of the command, of which back-calculation takes no
  * notice. On a setpoint it is loop_state.excited: part of the setpoint in force, of which ramp, filter, the outer loop and a
  * restart know nothing. */
 #ifndef REFLUX_SUPERVISE_BLOCK_EXCITATION_H

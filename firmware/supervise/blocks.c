@@ -47,7 +47,7 @@ void block_configure(struct supervisor *s, const struct plan *old, uint8_t i)
     struct loop_state *l = &s->loop[i];
     struct block_state *b = &s->block[i];
     b->retune = b->retune || !block_same_settings(s, old, i);
-    if (l->mode == LOOP_MANUAL || l->join || loop_server(s, i) != PLAN_NONE ||
+    if (l->mode == LOOP_MANUAL || l->transfer_pending || loop_server(s, i) != PLAN_NONE ||
         kind_of(s, i)->retunes_at_once)
         give_new_settings(s, i);
 }

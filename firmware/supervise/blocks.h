@@ -19,8 +19,8 @@ static inline bool loop_acts(const struct supervisor *s, uint8_t i)
 /* An interlock held its output at the end of the last tick. */
 static inline bool loop_interlocked(const struct supervisor *s, uint8_t i)
 {
-    uint8_t j = s->plan->loop[i].output;
-    return j != PLAN_NONE && s->output[j].interlocked;
+    uint8_t j = s->plan->loop[i].mv;
+    return j != PLAN_NONE && s->mv[j].interlocked;
 }
 /* The block runs. While an interlock holds its output a loop keeps its mode and setpoint but waits as in manual, so that it
  * begins again, without a bump, at the output the interlock leaves. */

@@ -94,7 +94,7 @@ static uint8_t joining_members(const struct supervisor *s, uint8_t slot)
     const struct record_plan *r = served_record(s, slot);
     uint8_t joining = 0;
     for (uint8_t k = 0; k < r->members; k++)
-        if (s->loop[r->member[k]].join)
+        if (s->loop[r->member[k]].transfer_pending)
             joining = (uint8_t)(joining | (1u << k));
     return joining;
 }
@@ -103,7 +103,7 @@ static uint32_t loops_in_transfer(const struct supervisor *s)
 {
     uint32_t loops = 0;
     for (uint8_t i = 0; i < s->placed[PLACED_LOOPS]; i++)
-        if (s->loop[i].join || s->loop[i].moved)
+        if (s->loop[i].transfer_pending || s->loop[i].moved)
             loops |= 1u << i;
     return loops;
 }
@@ -257,7 +257,7 @@ void compensators_back_calculate(struct supervisor *s, num_t *told)
     for (uint8_t i = 0; loops && i < s->placed[PLACED_LOOPS]; i++) {
         if (!(loops & (1u << i)))
             continue;
-        const struct output_state *o = &s->output[s->plan->loop[i].output];
+        const struct mv_state *o = &s->output[s->plan->loop[i].output];
         less[i] = num_sub(o->applied, o->commanded);
         whole[i] = num_sub(num_sub(o->applied, o->excitation), s->loop[i].feedforward);
     }

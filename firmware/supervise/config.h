@@ -52,7 +52,7 @@
 #define CONFIG_POOL_BYTES 4608 /* for the settings of all of them, a multiple of 4 */
 #endif
 
-/* What a measurement does when it has no believable reading. */
+/* What a measurement does when it has no valid reading. */
 enum fallback {
     FALLBACK_HOLD = 0,       /* last value for hold_s, then its loops go to manual */
     FALLBACK_SUBSTITUTE = 1, /* last value for hold_s, then `substitute` */
@@ -66,8 +66,8 @@ struct measurement_config {
     float lo, hi;                 /* span, EU: lo is fraction 0, hi is fraction 1 */
     float filter_s;               /* first-order filter, s; 0 = none */
     float hold_s;     /* a bad reading is held this long before loops on it go to manual, s */
-    float rate_limit; /* faster than this, EU/s, is not believed; 0 = any */
-    float frozen_s;   /* not the least change for this long is not believed, s; 0 = never */
+    float rate_limit; /* faster than this, EU/s, is not valid; 0 = any */
+    float frozen_s;   /* not the least change for this long is not valid, s; 0 = never */
     float substitute; /* EU, FALLBACK_SUBSTITUTE */
     float infer_gain, infer_offset; /* value = offset + gain * what it is inferred from, EU */
     char infer
@@ -88,7 +88,7 @@ struct measurement_config {
 #endif
 };
 
-struct output_config {
+struct mv_config {
     char name[CHANNEL_NAME_SIZE];
     char unit[CHANNEL_UNIT_SIZE];
     float lo, hi;     /* span, EU */
@@ -135,11 +135,11 @@ enum interlock_side { INTERLOCK_ABOVE = 0, INTERLOCK_BELOW = 1 };
 
 struct interlock_config {
     char measurement[CHANNEL_NAME_SIZE];
-    char output[CHANNEL_NAME_SIZE];
+    char mv[CHANNEL_NAME_SIZE];
     float limit;      /* EU of the measurement */
     float hysteresis; /* EU: released when back inside by this much */
     float delay_s;    /* the condition must hold this long */
-    float value;      /* what the output is forced to, EU */
+    float value;      /* value of the output while interlocked, EU */
     uint8_t side;     /* enum interlock_side */
     uint8_t on_bad;   /* a bad measurement counts as the condition */
 };
@@ -175,7 +175,7 @@ struct test_config {
 /* What is known of one element beforehand. */
 struct pair_config {
     char measurement[CHANNEL_NAME_SIZE];
-    char output[CHANNEL_NAME_SIZE];
+    char mv[CHANNEL_NAME_SIZE];
     float time_s; /* dead time and time constant together; 0 = unknown */
     float gain;   /* EU per EU; 0 = unknown */
 };
@@ -235,7 +235,7 @@ struct config {
     uint32_t
         miss_limit; /* missing samples in a row, base ticks, after which the safe state is taken */
     struct measurement_config measurement[CHANNEL_MAX];
-    struct output_config output[CHANNEL_MAX];
+    struct mv_config mv[CHANNEL_MAX];
     struct loop_config loop[CONFIG_LOOPS];
     /* D of the first loops: u_i = sum over j of D[i][j] v_j, fractions. The others have none. */
     float decoupler[DECOUPLER_MAX][DECOUPLER_MAX];

@@ -9,27 +9,27 @@ static bool heard_within(const struct supervisor *s, uint8_t k, float seconds)
     return (float)((uint32_t)s->time_ms - s->interlock[k].heard_ms) <= seconds * 1000.0f;
 }
 
-/* The condition of entry k now. It begins on any number the plant vouches for, whatever came before it or stands in
- * for it; it ends only on a believed one. */
+/* The condition of entry k now. It begins on any number that is good by the plant, whatever came before it or stands in
+ * for it; it ends only on a valid one. */
 static bool interlock_condition(const struct supervisor *s, uint8_t k)
 {
     const struct interlock_config *c = &s->plan->config.interlock[k];
     const struct interlock_state *state = &s->interlock[k];
     uint8_t i = s->plan->interlock[k].measurement;
     const struct measurement_state *m = &s->measurement[i];
-    bool vouched = measurement_vouched(m);
+    bool good = measurement_is_good(m);
     float band = state->active ? c->hysteresis : 0.0f;
     bool outside = c->side == INTERLOCK_ABOVE ? m->raw > c->limit - band : m->raw < c->limit + band;
-    if (vouched && outside)
+    if (good && outside)
         return true;
     if (state->active)
-        return !vouched || m->fault != MEASUREMENT_FINE;
+        return !good || m->fault != MEASUREMENT_FINE;
     /* A substituted or inferred value is no evidence that all is well. */
     bool bad = !m->bound || !m->seen || m->lost || !quality_usable(m->quality);
     if (c->on_bad && bad)
         return true;
     /* The last number stands for as long as a value is held. */
-    return !vouched && m->bound && m->delivered && outside && state->pending &&
+    return !good && m->bound && m->delivered && outside && state->pending &&
            heard_within(s, k, s->plan->config.measurement[i].hold_s);
 }
 
@@ -40,7 +40,7 @@ bool interlock_begins(const struct supervisor *s, uint8_t j)
         const struct interlock_config *c = &s->plan->config.interlock[k];
         const struct interlock_state *state = &s->interlock[k];
         if (!c->measurement[0] || s->plan->interlock[k].measurement == PLAN_NONE ||
-            s->plan->interlock[k].output != j || !interlock_condition(s, k))
+            s->plan->interlock[k].mv != j || !interlock_condition(s, k))
             continue;
         float waited_ms = state->pending ? elapsed_ms(s->time_ms, state->since_ms) : 0.0f;
         if (state->active || waited_ms >= c->delay_s * 1000.0f)
@@ -55,7 +55,7 @@ bool interlock_begins(const struct supervisor *s, uint8_t j)
 static bool interlock_waits(const struct supervisor *s, uint8_t k)
 {
     const struct measurement_state *m = &s->measurement[s->plan->interlock[k].measurement];
-    return s->interlock[k].pending && !measurement_vouched(m) &&
+    return s->interlock[k].pending && !measurement_is_good(m) &&
            heard_within(s, k, s->plan->config.interlock[k].delay_s);
 }
 
@@ -72,27 +72,27 @@ static void run_interlocks(struct supervisor *s)
         bool condition = interlock_condition(s, k);
         if (condition && !state->pending)
             state->since_ms = s->time_ms;
-        if (condition && (!state->pending || measurement_vouched(m)))
+        if (condition && (!state->pending || measurement_is_good(m)))
             state->heard_ms = (uint32_t)s->time_ms;
         state->pending = condition || interlock_waits(s, k);
         bool active = condition && (state->active || elapsed_ms(s->time_ms, state->since_ms) >=
                                                          c->delay_s * 1000.0f);
         if (active != state->active)
             event_put(s->events, s->time_ms, active ? EVENT_INTERLOCK_ON : EVENT_INTERLOCK_OFF,
-                      c->output, m->raw, k);
+                      c->mv, m->raw, k);
         state->active = active;
-        uint8_t j = s->plan->interlock[k].output;
-        if (!active || interlocked[j] || !s->output[j].bound)
+        uint8_t j = s->plan->interlock[k].mv;
+        if (!active || interlocked[j] || !s->mv[j].bound)
             continue; /* the first entry of the table wins */
         interlocked[j] = true;
-        const struct output_config *o = &s->plan->config.output[j];
-        s->output[j].constrained = span_to_fraction(c->value, o->lo, o->hi);
+        const struct mv_config *o = &s->plan->config.mv[j];
+        s->mv[j].constrained = span_to_fraction(c->value, o->lo, o->hi);
     }
-    for (uint8_t j = 0; j < s->placed[PLACED_OUTPUTS]; j++) {
+    for (uint8_t j = 0; j < s->placed[PLACED_MVS]; j++) {
         uint8_t i = s->plan->owner[j];
-        if (s->output[j].interlocked == interlocked[j])
+        if (s->mv[j].interlocked == interlocked[j])
             continue;
-        s->output[j].interlocked = interlocked[j];
+        s->mv[j].interlocked = interlocked[j];
         if (i != PLAN_NONE)
             loop_find_driving(s, i);
     }
@@ -100,7 +100,7 @@ static void run_interlocks(struct supervisor *s)
 
 /* An interlock may have left the output outside lo..hi. In manual it stays there until somebody moves it; whatever moves
  * it finds it at the nearest limit. Returns whether it stays. */
-static bool stays_beyond(struct output_state *o, num_t lo, num_t hi, bool acts)
+static bool stays_beyond(struct mv_state *o, num_t lo, num_t hi, bool acts)
 {
     num_t nearest = num_clamp(o->constrained, lo, hi);
     o->beyond = o->beyond && !num_eq(nearest, o->constrained);
@@ -129,10 +129,10 @@ static void loop_limits(const struct supervisor *s, uint8_t i, num_t at, num_t *
     *hi = num_max(num_min(*hi, most), *lo);
 }
 
-static void constrain_output(struct supervisor *s, uint8_t j)
+static void constrain_mv(struct supervisor *s, uint8_t j)
 {
-    struct output_state *o = &s->output[j];
-    const struct output_config *c = &s->plan->config.output[j];
+    struct mv_state *o = &s->mv[j];
+    const struct mv_config *c = &s->plan->config.mv[j];
     if (s->state == SUPERVISOR_SAFE || !o->bound) {
         /* What is not there waits at its safe value too, and begins there when it comes. */
         o->constrained = o->manual = span_to_fraction(c->safe, c->lo, c->hi);
@@ -160,16 +160,16 @@ static void constrain_output(struct supervisor *s, uint8_t j)
     o->constrained = ramp_step(&o->rate, num_clamp(o->commanded, lo, hi));
 }
 
-void constrain_outputs(struct supervisor *s)
+void constrain_mvs(struct supervisor *s)
 {
-    for (uint8_t j = 0; j < s->placed[PLACED_OUTPUTS]; j++)
-        if (s->plan->config.output[j].name[0])
-            constrain_output(s, j);
+    for (uint8_t j = 0; j < s->placed[PLACED_MVS]; j++)
+        if (s->plan->config.mv[j].name[0])
+            constrain_mv(s, j);
     run_interlocks(s);
-    for (uint8_t j = 0; j < s->placed[PLACED_OUTPUTS]; j++) {
-        struct output_state *o = &s->output[j];
+    for (uint8_t j = 0; j < s->placed[PLACED_MVS]; j++) {
+        struct mv_state *o = &s->mv[j];
         uint8_t i = s->plan->owner[j];
-        if (!s->plan->config.output[j].name[0])
+        if (!s->plan->config.mv[j].name[0])
             continue;
         o->applied = o->not_following ? o->readback : o->constrained;
         o->sent = true;

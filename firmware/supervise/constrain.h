@@ -5,11 +5,11 @@
 
 #include "supervise/state.h"
 
-/* output_state.commanded of every output becomes constrained, and applied. */
-void constrain_outputs(struct supervisor *s);
+/* mv_state.commanded of every output becomes constrained, and applied. */
+void constrain_mvs(struct supervisor *s);
 
 #if CONFIG_BLOCKS
-/* One will hold MV j from this tick on. Before constrain_outputs(). */
+/* One will hold MV j from this tick on. Before constrain_mvs(). */
 bool interlock_begins(const struct supervisor *s, uint8_t j);
 #endif
 

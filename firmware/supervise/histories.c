@@ -48,7 +48,7 @@ enum err histories_resolve(struct plan *plan, uint32_t at, struct config_fault *
         if (ticks && grains > PLAN_ARENA_BYTES / ARENA_GRAIN)
             return refuse_history(plan, n, grains, fault);
         for (uint8_t k = 0; ticks && k < r->members; k++)
-            need_history(plan, plan->loop[r->member[k]].output, (uint16_t)ticks);
+            need_history(plan, plan->loop[r->member[k]].mv, (uint16_t)ticks);
         for (uint8_t k = 0; ticks && k < r->inputs; k++)
             if (r->input[k] & INPUT_IS_MV)
                 need_history(plan, r->input[k] & (uint8_t)~INPUT_IS_MV, (uint16_t)ticks);
@@ -77,7 +77,7 @@ static void begin_history(struct supervisor *s, uint8_t j)
 {
     struct applied_history *h = history_at(s, j);
     if (h)
-        applied_history_begin(h, s->plan->history[j], s->output[j].applied);
+        applied_history_begin(h, s->plan->history[j], s->mv[j].applied);
 }
 
 void histories_begin(struct supervisor *s)
@@ -88,8 +88,8 @@ void histories_begin(struct supervisor *s)
 
 static bool same_mv(const struct supervisor *s, const struct plan *old, uint8_t j)
 {
-    const struct output_config *o = &s->plan->config.output[j];
-    const struct output_config *before = old ? &old->config.output[j] : NULL;
+    const struct mv_config *o = &s->plan->config.mv[j];
+    const struct mv_config *before = old ? &old->config.mv[j] : NULL;
     return before && strcmp(o->name, before->name) == 0 && o->lo == before->lo &&
            o->hi == before->hi && s->tick_s == s->plan->tick_s;
 }
@@ -108,7 +108,7 @@ void histories_append(struct supervisor *s)
     for (uint8_t j = 0; j < s->plan->histories; j++) {
         struct applied_history *h = history_at(s, j);
         if (h)
-            applied_history_append(h, s->output[j].applied);
+            applied_history_append(h, s->mv[j].applied);
     }
 }
 

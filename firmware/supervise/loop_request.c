@@ -6,7 +6,7 @@
 
 static num_t output_fraction(const struct supervisor *s, unsigned j, float value)
 {
-    const struct output_config *o = &s->plan->config.output[j];
+    const struct mv_config *o = &s->plan->config.mv[j];
     return span_to_fraction(value, o->lo, o->hi);
 }
 
@@ -18,8 +18,8 @@ static bool loop_bound(const struct supervisor *s, uint8_t i)
         const struct loop_plan *p = &s->plan->loop[i];
         if (!s->measurement[p->pv].bound)
             return false;
-        if (p->output != PLAN_NONE)
-            return s->output[p->output].bound;
+        if (p->mv != PLAN_NONE)
+            return s->mv[p->mv].bound;
         i = p->inner;
     }
     return false;
@@ -44,14 +44,14 @@ static bool request_mode(struct supervisor *s, const struct request *r)
         return true;
     if (mode == LOOP_CASCADE) { /* the outer loop may be new, or this its first reading */
         s->loop[p->outer].v = setpoint_found(s, r->loop);
-        s->loop[p->outer].join = true;
+        s->loop[p->outer].transfer_pending = true;
     }
     bool from_manual = l->mode == LOOP_MANUAL;
     if (l->mode == LOOP_CASCADE)
         l->target = loop_own_setpoint(l); /* stay where the outer loop left it */
     l->mode = mode;
     if (from_manual) {
-        l->join = true;
+        l->transfer_pending = true;
         setpoint_start(s, r->loop);
     }
     l->sp_given = true;
@@ -86,29 +86,29 @@ static bool request_output(struct supervisor *s, const struct request *r)
         struct loop_state *l = &s->loop[r->loop];
         const struct loop_plan *p = &s->plan->loop[r->loop];
         name = s->plan->config.loop[r->loop].name;
-        /* The output of an outer loop follows the inner one until that listens to it. */
-        bool deaf = p->output == PLAN_NONE && s->loop[p->inner].mode != LOOP_CASCADE;
+        /* The output of an outer loop follows the inner one until that is in cascade. */
+        bool inactive = p->mv == PLAN_NONE && s->loop[p->inner].mode != LOOP_CASCADE;
         /* By hand a loop's output can be moved without its measurement. */
-        bool there = p->output == PLAN_NONE ? loop_bound(s, r->loop) : s->output[p->output].bound;
-        if (l->mode != LOOP_MANUAL || deaf || !there) {
+        bool there = p->mv == PLAN_NONE ? loop_bound(s, r->loop) : s->mv[p->mv].bound;
+        if (l->mode != LOOP_MANUAL || inactive || !there) {
             event_put(s->events, s->time_ms, EVENT_REQUEST_REFUSED, name, r->value, 0);
             return false;
         }
-        if (p->output == PLAN_NONE) {
+        if (p->mv == PLAN_NONE) {
             const struct measurement_config *m =
                 &s->plan->config.measurement[s->plan->loop[p->inner].pv];
             l->v = span_to_fraction(r->value, m->lo, m->hi);
         } else {
-            s->output[p->output].manual = output_fraction(s, p->output, r->value);
-            excitation_end_by_hand(s, p->output);
+            s->mv[p->mv].manual = output_fraction(s, p->mv, r->value);
+            excitation_end_by_hand(s, p->mv);
         }
     } else {
-        name = s->plan->config.output[j].name;
-        if (!s->output[j].bound || s->plan->owner[j] != PLAN_NONE) {
+        name = s->plan->config.mv[j].name;
+        if (!s->mv[j].bound || s->plan->owner[j] != PLAN_NONE) {
             event_put(s->events, s->time_ms, EVENT_REQUEST_REFUSED, name, r->value, 0);
             return false;
         }
-        s->output[j].manual = output_fraction(s, j, r->value);
+        s->mv[j].manual = output_fraction(s, j, r->value);
         excitation_end_by_hand(s, j);
     }
     s->state = SUPERVISOR_RUN;
@@ -119,7 +119,7 @@ static bool request_output(struct supervisor *s, const struct request *r)
 bool loop_request(struct supervisor *s, const struct request *r)
 {
     bool loop_ok = r->loop < CONFIG_LOOPS && s->plan->loop[r->loop].used;
-    bool output_ok = r->output < CHANNEL_MAX && s->plan->config.output[r->output].name[0];
+    bool output_ok = r->output < CHANNEL_MAX && s->plan->config.mv[r->output].name[0];
     if (r->kind == REQUEST_MODE && loop_ok)
         return request_mode(s, r);
     if (r->kind == REQUEST_SETPOINT && loop_ok)

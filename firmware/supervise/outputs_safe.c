@@ -16,9 +16,9 @@ void outputs_take_safe(struct supervisor *s, const char *reason)
     excitation_end(s, EXCITE_SAFE);
     for (unsigned i = 0; i < s->placed[PLACED_LOOPS]; i++)
         s->loop[i].mode = LOOP_MANUAL;
-    for (unsigned j = 0; j < s->placed[PLACED_OUTPUTS]; j++) {
-        struct output_state *o = &s->output[j];
-        const struct output_config *c = &s->plan->config.output[j];
+    for (unsigned j = 0; j < s->placed[PLACED_MVS]; j++) {
+        struct mv_state *o = &s->mv[j];
+        const struct mv_config *c = &s->plan->config.mv[j];
         if (!c->name[0])
             continue;
         o->manual = span_to_fraction(c->safe, c->lo, c->hi);

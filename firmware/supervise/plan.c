@@ -10,10 +10,10 @@ uint8_t config_find_measurement(const struct config *config, const char *name)
     return PLAN_NONE;
 }
 
-uint8_t config_find_output(const struct config *config, const char *name)
+uint8_t config_find_mv(const struct config *config, const char *name)
 {
     for (uint8_t i = 0; name[0] && i < CHANNEL_MAX; i++)
-        if (strcmp(config->output[i].name, name) == 0)
+        if (strcmp(config->mv[i].name, name) == 0)
             return i;
     return PLAN_NONE;
 }
@@ -37,7 +37,7 @@ void plan_setpoint_limits(const struct plan *plan, uint8_t loop, float *lo, floa
 
 void plan_manual_limits(const struct plan *plan, uint8_t output, float *lo, float *hi)
 {
-    const struct output_config *o = &plan->config.output[output];
+    const struct mv_config *o = &plan->config.mv[output];
     *lo = o->min < o->safe ? o->min : o->safe;
     *hi = o->max > o->safe ? o->max : o->safe;
 }

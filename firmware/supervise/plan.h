@@ -32,10 +32,10 @@ struct config_fault {
 
 struct loop_plan {
     bool used;
-    uint8_t pv;     /* measurement index */
-    uint8_t output; /* output index, or PLAN_NONE when it drives a loop */
-    uint8_t inner;  /* loop whose setpoint it drives, or PLAN_NONE */
-    uint8_t outer;  /* loop that drives its setpoint, or PLAN_NONE */
+    uint8_t pv;    /* measurement index */
+    uint8_t mv;    /* MV index, or PLAN_NONE when it drives a loop */
+    uint8_t inner; /* loop whose setpoint it drives, or PLAN_NONE */
+    uint8_t outer; /* loop that drives its setpoint, or PLAN_NONE */
     bool decouple;
 #if CONFIG_BLOCKS
     uint8_t
@@ -111,10 +111,10 @@ struct plan {
 #endif
     struct {
         uint8_t from, to; /* measurement (or output) and output index; PLAN_NONE = unused */
-        bool from_output; /* `from` is a manipulated variable */
+        bool from_mv;     /* `from` is a manipulated variable */
     } feedforward[CONFIG_FEEDFORWARDS];
     struct {
-        uint8_t measurement, output; /* PLAN_NONE = unused */
+        uint8_t measurement, mv; /* PLAN_NONE = unused */
     } interlock[CONFIG_INTERLOCKS];
     /* Output a measurement is inferred from, or, with INFER_IS_ESTIMATE, a measurement that a block writes; or PLAN_NONE. */
     uint8_t infer[CHANNEL_MAX];
@@ -158,7 +158,7 @@ void plan_manual_limits(const struct plan *plan, uint8_t output, float *lo, floa
 
 /* Index of the channel or loop with that name, or PLAN_NONE. Empty names are never found. */
 uint8_t config_find_measurement(const struct config *config, const char *name);
-uint8_t config_find_output(const struct config *config, const char *name);
+uint8_t config_find_mv(const struct config *config, const char *name);
 uint8_t config_find_loop(const struct config *config, const char *name);
 
 #endif

@@ -60,7 +60,7 @@ static void setup_own(const struct plan *plan, uint8_t i, struct block_instance 
     b->setup.members = 1;
     b->setup.there = 1;
     b->setup.member[0] =
-        (struct block_member){i, plan->loop[i].output != PLAN_NONE, m->hi - m->lo, 1.0f};
+        (struct block_member){i, plan->loop[i].mv != PLAN_NONE, m->hi - m->lo, 1.0f};
 }
 
 static void setup_matrix(const struct plan *plan, struct block_setup *setup,

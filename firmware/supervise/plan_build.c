@@ -66,10 +66,10 @@ static enum err check_channels(const struct config *c, struct config_fault *faul
             return plan_refuse(fault, ERR_RANGE, "meas", i + 1, "lo", m->name, SPAN_WANTED);
     }
     for (unsigned i = 0; i < CHANNEL_MAX; i++) {
-        const struct output_config *o = &c->output[i];
+        const struct mv_config *o = &c->mv[i];
         if (!o->name[0])
             continue;
-        if (config_find_output(c, o->name) != i)
+        if (config_find_mv(c, o->name) != i)
             return plan_refuse(fault, ERR_CONFLICT, "mv", i + 1, "name", o->name, "is used twice");
         if (config_find_loop(c, o->name) != PLAN_NONE)
             return plan_refuse(fault, ERR_CONFLICT, "mv", i + 1, "name", o->name,
@@ -104,16 +104,16 @@ static enum err resolve_loop(struct plan *plan, uint8_t i, struct config_fault *
     if (p->pv == PLAN_NONE)
         return plan_refuse(fault, ERR_UNKNOWN, "loop", i + 1u, "pv", l->pv,
                            "must be the name of a configured measurement");
-    p->output = config_find_output(c, l->out);
+    p->mv = config_find_mv(c, l->out);
     p->inner = config_find_loop(c, l->out);
-    if (p->output == PLAN_NONE && p->inner == PLAN_NONE)
+    if (p->mv == PLAN_NONE && p->inner == PLAN_NONE)
         return plan_refuse(fault, ERR_UNKNOWN, "loop", i + 1u, "out", l->out,
                            "must be the name of a configured manipulated variable or loop");
-    if (p->output != PLAN_NONE) {
-        if (plan->owner[p->output] != PLAN_NONE)
+    if (p->mv != PLAN_NONE) {
+        if (plan->owner[p->mv] != PLAN_NONE)
             return plan_refuse(fault, ERR_CONFLICT, "loop", i + 1u, "out", l->out,
                                "is driven by another loop already");
-        plan->owner[p->output] = i;
+        plan->owner[p->mv] = i;
     }
     if (!(l->sp_lo == 0.0f && l->sp_hi == 0.0f) && !(l->sp_lo < l->sp_hi))
         return plan_refuse(fault, ERR_RANGE, "loop", i + 1u, "sp_lo", l->name,
@@ -126,7 +126,7 @@ static enum err resolve_loop(struct plan *plan, uint8_t i, struct config_fault *
         return plan_refuse(fault, ERR_RANGE, "loop", i + 1u, "phase", l->name,
                            "must be below the divisor");
     p->decouple = l->decouple != 0;
-    if (p->decouple && p->output == PLAN_NONE)
+    if (p->decouple && p->mv == PLAN_NONE)
         return plan_refuse(fault, ERR_CONFLICT, "loop", i + 1u, "decouple", l->name,
                            "is for loops that drive a manipulated variable themselves");
     if (p->decouple && i >= DECOUPLER_MAX)
@@ -184,13 +184,13 @@ static enum err resolve_interlocks(struct plan *plan, struct config_fault *fault
         if (plan->interlock[i].measurement == PLAN_NONE)
             return plan_refuse(fault, ERR_UNKNOWN, "lock", i + 1u, "meas", k->measurement,
                                "must be the name of a configured measurement");
-        plan->interlock[i].output = config_find_output(&plan->config, k->output);
-        if (plan->interlock[i].output == PLAN_NONE)
-            return plan_refuse(fault, ERR_UNKNOWN, "lock", i + 1u, "mv", k->output,
+        plan->interlock[i].mv = config_find_mv(&plan->config, k->mv);
+        if (plan->interlock[i].mv == PLAN_NONE)
+            return plan_refuse(fault, ERR_UNKNOWN, "lock", i + 1u, "mv", k->mv,
                                "must be the name of a configured manipulated variable");
-        const struct output_config *o = &plan->config.output[plan->interlock[i].output];
+        const struct mv_config *o = &plan->config.mv[plan->interlock[i].mv];
         if (!(o->lo <= k->value && k->value <= o->hi))
-            return plan_refuse(fault, ERR_RANGE, "lock", i + 1u, "value", k->output,
+            return plan_refuse(fault, ERR_RANGE, "lock", i + 1u, "value", k->mv,
                                "must lie in the span of the manipulated variable");
     }
     return ERR_OK;
@@ -208,7 +208,7 @@ static enum err resolve_inferences(struct plan *plan, struct config_fault *fault
 {
     for (uint8_t i = 0; i < CHANNEL_MAX; i++) {
         const struct measurement_config *m = &plan->config.measurement[i];
-        plan->infer[i] = m->name[0] ? config_find_output(&plan->config, m->infer) : PLAN_NONE;
+        plan->infer[i] = m->name[0] ? config_find_mv(&plan->config, m->infer) : PLAN_NONE;
         if (!m->name[0])
             continue;
 #if CONFIG_BLOCKS
@@ -258,20 +258,20 @@ static enum err resolve_alarms(struct plan *plan, struct config_fault *fault)
 static enum err check_tests(const struct config *c, struct config_fault *fault)
 {
     for (uint8_t i = 0; i < CHANNEL_MAX; i++) {
-        const struct output_config *o = &c->output[i];
+        const struct mv_config *o = &c->mv[i];
         if (o->name[0] && o->test_step > 0.5f * (o->hi - o->lo))
             return plan_refuse(fault, ERR_RANGE, "mv", i + 1u, "test_step", o->name,
                                "must be half of the span at most");
     }
     for (uint8_t i = 0; i < CONFIG_PAIRS; i++) {
         const struct pair_config *p = &c->pair[i];
-        if (!p->measurement[0] && !p->output[0])
+        if (!p->measurement[0] && !p->mv[0])
             continue;
         if (config_find_measurement(c, p->measurement) == PLAN_NONE)
             return plan_refuse(fault, ERR_UNKNOWN, "pair", i + 1u, "meas", p->measurement,
                                "must be the name of a configured measurement");
-        if (config_find_output(c, p->output) == PLAN_NONE)
-            return plan_refuse(fault, ERR_UNKNOWN, "pair", i + 1u, "mv", p->output,
+        if (config_find_mv(c, p->mv) == PLAN_NONE)
+            return plan_refuse(fault, ERR_UNKNOWN, "pair", i + 1u, "mv", p->mv,
                                "must be the name of a configured manipulated variable");
     }
     return ERR_OK;
@@ -290,7 +290,7 @@ enum err plan_set_tick(struct plan *plan, float tick_s, struct config_fault *fau
     for (uint8_t b = 0; b < PLAN_BLOCKS; b++)
         plan->block[b].kind = PLAN_NONE;
     for (uint8_t i = 0; i < CONFIG_LOOPS; i++) {
-        plan->loop[i].pv = plan->loop[i].output = PLAN_NONE;
+        plan->loop[i].pv = plan->loop[i].mv = PLAN_NONE;
         plan->loop[i].inner = plan->loop[i].outer = PLAN_NONE;
     }
     if (plan->tick_s < TICK_SHORTEST_S)

@@ -8,9 +8,9 @@ _Static_assert(CONFIG_FEEDFORWARDS <= 8, "a bit for each in check_feedforward_ri
 void plan_feedforward_span(const struct plan *plan, uint8_t element, float *lo, float *hi)
 {
     uint8_t from = plan->feedforward[element].from;
-    bool output = plan->feedforward[element].from_output;
+    bool output = plan->feedforward[element].from_mv;
     const struct measurement_config *m = &plan->config.measurement[from];
-    const struct output_config *o = &plan->config.output[from];
+    const struct mv_config *o = &plan->config.mv[from];
     *lo = output ? o->lo : m->lo;
     *hi = output ? o->hi : m->hi;
 }
@@ -23,7 +23,7 @@ static enum err check_feedforward_rings(const struct plan *plan, struct config_f
     for (uint8_t i = 0; i < CONFIG_FEEDFORWARDS; i++) {
         reach[i] = 0;
         for (uint8_t k = 0; k < CONFIG_FEEDFORWARDS; k++)
-            if (plan->feedforward[i].from != PLAN_NONE && plan->feedforward[k].from_output &&
+            if (plan->feedforward[i].from != PLAN_NONE && plan->feedforward[k].from_mv &&
                 plan->feedforward[k].from == plan->feedforward[i].to)
                 reach[i] = (uint8_t)(reach[i] | 1u << k);
     }
@@ -43,9 +43,9 @@ static void resolve_source(struct plan *plan, uint8_t i)
 {
     const char *from = plan->config.feedforward[i].from;
     plan->feedforward[i].from = config_find_measurement(&plan->config, from);
-    plan->feedforward[i].from_output = plan->feedforward[i].from == PLAN_NONE;
-    if (plan->feedforward[i].from_output)
-        plan->feedforward[i].from = config_find_output(&plan->config, from);
+    plan->feedforward[i].from_mv = plan->feedforward[i].from == PLAN_NONE;
+    if (plan->feedforward[i].from_mv)
+        plan->feedforward[i].from = config_find_mv(&plan->config, from);
 }
 
 enum err plan_resolve_feedforwards(struct plan *plan, struct config_fault *fault)
@@ -59,7 +59,7 @@ enum err plan_resolve_feedforwards(struct plan *plan, struct config_fault *fault
         if (plan->feedforward[i].from == PLAN_NONE)
             return plan_refuse(fault, ERR_UNKNOWN, "ff", i + 1u, "from", f->from,
                                "must be a configured measurement or manipulated variable");
-        plan->feedforward[i].to = config_find_output(&plan->config, f->to);
+        plan->feedforward[i].to = config_find_mv(&plan->config, f->to);
         if (plan->feedforward[i].to == PLAN_NONE ||
             plan->owner[plan->feedforward[i].to] == PLAN_NONE)
             return plan_refuse(fault, ERR_UNKNOWN, "ff", i + 1u, "to", f->to,

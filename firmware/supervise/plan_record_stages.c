@@ -24,7 +24,7 @@ enum err plan_resolve_added(struct plan *plan, uint8_t n, struct config_fault *f
     const struct block_kind *kind = plan_kind(plan, (uint8_t)(SLOT_RECORDS + n));
     char name[CHANNEL_NAME_SIZE];
     for (const char *at = plan->config.block[n].points; (at = plan_next_name(at, name)) != NULL;) {
-        uint8_t j = config_find_output(&plan->config, name);
+        uint8_t j = config_find_mv(&plan->config, name);
         if (j == PLAN_NONE || plan->owner[j] == PLAN_NONE)
             return refuse_stage(fault, ERR_UNKNOWN, n, "points", name,
                                 "must be a manipulated variable that a loop drives");
@@ -93,7 +93,7 @@ static void find_moves(const struct plan *plan, uint32_t moves[CHANNEL_MAX])
     for (uint8_t j = 0; j < CHANNEL_MAX; j++)
         moves[j] = 0;
     for (uint8_t k = 0; k < CONFIG_FEEDFORWARDS; k++)
-        if (plan->feedforward[k].from != PLAN_NONE && plan->feedforward[k].from_output)
+        if (plan->feedforward[k].from != PLAN_NONE && plan->feedforward[k].from_mv)
             moves[plan->feedforward[k].from] |= 1u << plan->feedforward[k].to;
     for (uint8_t n = 0; n < CONFIG_BLOCKS; n++)
         for (uint8_t k = 0; k < plan->record[n].inputs; k++)

@@ -97,7 +97,7 @@ static enum err resolve_inputs(struct plan *plan, uint8_t n, uint8_t most,
     char name[CHANNEL_NAME_SIZE];
     for (const char *at = plan->config.block[n].inputs; (at = plan_next_name(at, name)) != NULL;) {
         uint8_t i = config_find_measurement(&plan->config, name);
-        uint8_t j = config_find_output(&plan->config, name);
+        uint8_t j = config_find_mv(&plan->config, name);
         if (i == PLAN_NONE && j == PLAN_NONE)
             return refuse_record(fault, ERR_UNKNOWN, n, "inputs", name,
                                  "must be a configured measurement or manipulated variable");
@@ -206,7 +206,7 @@ uint16_t plan_record_divisor(const struct plan *plan, uint8_t n)
 static struct block_signal signal_of(const struct config *c, uint8_t at)
 {
     if (at & INPUT_IS_MV) {
-        const struct output_config *o = &c->output[at & (uint8_t)~INPUT_IS_MV];
+        const struct mv_config *o = &c->output[at & (uint8_t)~INPUT_IS_MV];
         return (struct block_signal){o->lo, o->hi, true};
     }
     return (struct block_signal){c->measurement[at].lo, c->measurement[at].hi, false};

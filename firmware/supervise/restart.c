@@ -97,11 +97,11 @@ static void refuse_restart(struct restart *r, struct supervisor *s, const char *
 
 static void outputs_back(struct supervisor *s, const struct restart_record *record)
 {
-    for (uint8_t j = 0; j < s->placed[PLACED_OUTPUTS]; j++) {
-        struct output_state *o = &s->output[j];
-        if (!s->plan->config.output[j].name[0] || !o->bound)
+    for (uint8_t j = 0; j < s->placed[PLACED_MVS]; j++) {
+        struct mv_state *o = &s->mv[j];
+        if (!s->plan->config.mv[j].name[0] || !o->bound)
             continue;
-        o->manual = o->commanded = o->constrained = o->applied = record->output[j];
+        o->manual = o->commanded = o->constrained = o->applied = record->mv[j];
         o->beyond = true; /* where it was outside its limits, an interlock had left it there */
     }
     offsets_back(s, record);
@@ -115,7 +115,7 @@ static void interlocks_back(struct supervisor *s, const struct restart_record *r
         if (state->active || !(record->interlocks & 1u << k))
             continue;
         state->active = state->pending = true;
-        event_put(s->events, s->time_ms, EVENT_INTERLOCK_ON, s->plan->config.interlock[k].output,
+        event_put(s->events, s->time_ms, EVENT_INTERLOCK_ON, s->plan->config.interlock[k].mv,
                   s->measurement[s->plan->interlock[k].measurement].raw, k);
     }
 }
@@ -197,10 +197,10 @@ void restart_keep(struct restart *r, const struct supervisor *s)
         record->setpoint[i] = loop_own_setpoint(&s->loop[i]);
         record->v[i] = s->loop[i].v;
     }
-    for (uint8_t j = 0; j < s->placed[PLACED_OUTPUTS]; j++)
+    for (uint8_t j = 0; j < s->placed[PLACED_MVS]; j++)
         /* A test signal does not come back. */
-        record->output[j] = num_eq(s->output[j].excitation, num_zero()) ? s->output[j].constrained
-                                                                        : s->output[j].manual;
+        record->mv[j] =
+            num_eq(s->mv[j].excitation, num_zero()) ? s->mv[j].constrained : s->mv[j].manual;
     keep_sequence(record, s);
     record->crc = checksum(record);
     record->magic = MAGIC;

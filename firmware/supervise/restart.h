@@ -32,7 +32,7 @@ struct restart_record {
     uint8_t mode[CONFIG_LOOPS];
     uint64_t time_ms;
     num_t target[CONFIG_LOOPS], setpoint[CONFIG_LOOPS], v[CONFIG_LOOPS];
-    num_t output[CHANNEL_MAX];
+    num_t mv[CHANNEL_MAX];
 #if CONFIG_STEPS
     uint16_t offsets;      /* switched on, a bit for each measurement */
     uint8_t sequence_kind; /* enum sequence_kind under way; SEQUENCE_NONE none */

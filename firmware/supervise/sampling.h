@@ -64,7 +64,7 @@ static inline bool sampling_stands(const struct supervisor *s, uint8_t i)
  * each tick that is the age of the last valid one. */
 static inline float sampling_without_s(const struct supervisor *s, uint8_t i)
 {
-    float since = elapsed_ms(s->time_ms, s->measurement[i].good_ms) / 1000.0f;
+    float since = elapsed_ms(s->time_ms, s->measurement[i].valid_ms) / 1000.0f;
 #if CONFIG_ANALYSERS
     since -= (float)(sampling_every(&s->plan->config.measurement[i]) - 1) * s->plan->tick_s;
 #endif
@@ -74,7 +74,7 @@ static inline float sampling_without_s(const struct supervisor *s, uint8_t i)
 /* Plant time at which the last valid reading was sampled, ms; means nothing before the first. */
 static inline uint64_t sampling_at_ms(const struct supervisor *s, uint8_t i)
 {
-    uint64_t came_ms = s->measurement[i].good_ms;
+    uint64_t came_ms = s->measurement[i].valid_ms;
 #if CONFIG_ANALYSERS
     uint64_t delay_ms = (uint64_t)s->plan->config.measurement[i].delay * sampling_tick_ms(s->plan);
     return delay_ms < came_ms ? came_ms - delay_ms : 0;

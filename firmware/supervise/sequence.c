@@ -22,10 +22,10 @@ const char *sequence_reason_text(uint8_t reason)
         "by the operator",
         "time-out",
         "guard",
-        "interlock forces an output elsewhere",
+        "interlock holds an output elsewhere",
         "loop went to manual",
         "output does not follow",
-        "no believed reading of what is waited for",
+        "no valid reading of what is waited for",
         "action not possible now",
         "safe state taken",
         "rows changed by a configuration",
@@ -108,7 +108,7 @@ static bool condition_is_met(const struct step_config *c, float value)
     return c->until == STEP_ABOVE ? value > c->limit : value < c->limit;
 }
 
-/* A guard is kept by a believed reading on the right side and by nothing else. */
+/* A guard is kept by a valid reading on the right side and by nothing else. */
 static void run_guards(struct supervisor *s, uint32_t passed_ms)
 {
     struct sequence *q = &s->sequence;
@@ -137,8 +137,8 @@ static void run_guards(struct supervisor *s, uint32_t passed_ms)
 static bool kept_away(const struct supervisor *s, uint8_t j)
 {
     const struct sequence *q = &s->sequence;
-    const struct output_state *o = &s->output[j];
-    const struct output_config *c = &s->plan->config.output[j];
+    const struct mv_state *o = &s->mv[j];
+    const struct mv_config *c = &s->plan->config.mv[j];
     num_t wanted = o->constrained;
     for (uint8_t k = 0; k <= q->step; k++)
         if (row_of(s, k)->sequence == q->kind && row_of(s, k)->action == STEP_OUT &&
@@ -155,24 +155,24 @@ static void watch(struct supervisor *s)
     for (uint8_t i = 0; i < CONFIG_LOOPS; i++) {
         if (!(q->working & 1u << i))
             continue;
-        uint8_t j = s->plan->loop[i].output;
+        uint8_t j = s->plan->loop[i].mv;
         const char *name = s->plan->config.loop[i].name;
         if (s->loop[i].mode == LOOP_MANUAL)
             hold(s, SEQUENCE_LOOP, name);
-        else if (j != PLAN_NONE && s->output[j].interlocked)
-            hold(s, SEQUENCE_INTERLOCK, s->plan->config.output[j].name);
-        else if (j != PLAN_NONE && s->output[j].alarm)
-            hold(s, SEQUENCE_NOT_FOLLOWING, s->plan->config.output[j].name);
+        else if (j != PLAN_NONE && s->mv[j].interlocked)
+            hold(s, SEQUENCE_INTERLOCK, s->plan->config.mv[j].name);
+        else if (j != PLAN_NONE && s->mv[j].alarm)
+            hold(s, SEQUENCE_NOT_FOLLOWING, s->plan->config.mv[j].name);
         if (q->state == SEQUENCE_HELD)
             return;
     }
     for (uint8_t j = 0; j < CHANNEL_MAX; j++) {
         if (!(q->driven & 1u << j))
             continue;
-        const char *name = s->plan->config.output[j].name;
+        const char *name = s->plan->config.mv[j].name;
         if (kept_away(s, j))
             hold(s, SEQUENCE_INTERLOCK, name);
-        else if (s->output[j].alarm)
+        else if (s->mv[j].alarm)
             hold(s, SEQUENCE_NOT_FOLLOWING, name);
         if (q->state == SEQUENCE_HELD)
             return;
@@ -208,7 +208,7 @@ static bool meets(struct sequence *q, const struct step_config *c, float value)
     return true;
 }
 
-/* Only what lies between believed readings counts, a base tick at most for each. */
+/* Only what lies between valid readings counts, a base tick at most for each. */
 static bool reading_meets(struct supervisor *s, const struct step_config *c, uint32_t passed_ms)
 {
     struct sequence *q = &s->sequence;

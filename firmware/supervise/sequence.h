@@ -2,7 +2,7 @@
  *
  * Each row does one thing and then waits for one (docs/sequences.md). Rows of one sequence follow each other in the
  * order of the table; those that wait for nothing run in one tick. What a step waits for counts only while the
- * reading is believed.
+ * reading is valid.
  *
  *     idle, done, aborted --> running <--> confirm (waits for a person)
  *                               | ^
@@ -36,7 +36,7 @@ bool sequence_act(struct supervisor *s, uint8_t k);
 /* Switches the offset of measurement i; its value moves at once, loops on it make room. */
 void measurement_offset(struct supervisor *s, uint8_t i, bool on);
 
-/* What a condition or guard looks at, EU. False: nothing that is believed now. */
+/* What a condition or guard looks at, EU. False: nothing that is valid now. */
 bool sequence_reading(const struct supervisor *s, uint8_t measurement, float *value);
 #endif
 

@@ -63,7 +63,7 @@ void measurement_offset(struct supervisor *s, uint8_t i, bool on)
     }
     for (uint8_t k = 0; k < CONFIG_LOOPS; k++)
         if (s->plan->loop[k].used && s->plan->loop[k].pv == i)
-            s->loop[k].join = true;
+            s->loop[k].transfer_pending = true;
     event_put(s->events, s->time_ms, EVENT_OFFSET, c->name, on ? c->offset : 0.0f, 0);
 }
 

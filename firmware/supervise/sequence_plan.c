@@ -42,7 +42,7 @@ static enum err resolve_action(struct plan *plan, uint8_t k, struct config_fault
     float lo, hi;
     switch (c->action) {
     case STEP_OUT:
-        *what = config_find_output(config, c->what);
+        *what = config_find_mv(config, c->what);
         if (*what == PLAN_NONE)
             return refuse_step(fault, ERR_UNKNOWN, k, "what", c->what,
                                "must be the name of a configured manipulated variable");
@@ -164,7 +164,7 @@ bool sequence_differs(const struct plan *plan, const struct plan *old)
     /* Loops and outputs it has in its hands are known by their place. */
     for (unsigned i = 0; i < CONFIG_LOOPS; i++)
         if (strcmp(plan->config.loop[i].name, old->config.loop[i].name) != 0 ||
-            plan->loop[i].output != old->loop[i].output)
+            plan->loop[i].mv != old->loop[i].mv)
             return true;
     return false;
 }

@@ -18,7 +18,7 @@ enum sequence_reason {
     SEQUENCE_OPERATOR,
     SEQUENCE_TIMEOUT,
     SEQUENCE_BY_GUARD,
-    SEQUENCE_INTERLOCK,     /* forces an output elsewhere than the sequence has put it */
+    SEQUENCE_INTERLOCK,     /* holds an output elsewhere than the sequence has put it */
     SEQUENCE_LOOP,          /* a loop the sequence has put to work is in manual */
     SEQUENCE_NOT_FOLLOWING, /* an output the sequence has moved does not follow */
     SEQUENCE_NO_READING,    /* the measurement that is waited for is lost */

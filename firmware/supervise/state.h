@@ -62,7 +62,7 @@ struct tick_input {
     struct reading readback[CHANNEL_MAX]; /* what was applied before this sample */
 };
 
-/* Why a reading is not believed. Detail of EVENT_MEASUREMENT_BAD; words in supervise/alarms.c. */
+/* Why a reading is not valid. Detail of EVENT_MEASUREMENT_BAD; words in supervise/alarms.c. */
 enum measurement_fault {
     MEASUREMENT_FINE,
     MEASUREMENT_MISSING,
@@ -77,8 +77,8 @@ enum measurement_fault {
 struct measurement_state {
     bool bound;     /* the plant announces it with the configured unit */
     bool seen;      /* there has been a usable value */
-    bool believed;  /* ... and a reading that was believed */
-    bool lost;      /* no believed reading for longer than hold_s */
+    bool valid;     /* ... and a reading that was valid */
+    bool lost;      /* no valid reading for longer than hold_s */
     bool delivered; /* `last` is a reading */
     bool alarm;     /* reported as bad */
     uint8_t fault;  /* enum measurement_fault of the last reading */
@@ -89,12 +89,12 @@ struct measurement_state {
     bool fresh; /* with `every` above 1: a reading was looked at in this tick */
 #endif
     enum quality quality; /* of `value` */
-    float raw;   /* last reading the plant vouched for, believable or not, less the offset, EU */
+    float raw;   /* last reading that was good by the plant, valid or not, less the offset, EU */
     num_t value; /* validated and filtered, fraction of span */
     struct lag filter;
-    float good;          /* last believed reading, EU */
+    float last_valid;    /* last valid reading, EU */
     float last;          /* last number delivered, EU */
-    uint64_t good_ms;    /* plant time at which `good` came */
+    uint64_t valid_ms;   /* plant time at which `good` came */
     uint64_t changed_ms; /* plant time at which `last` came to its value */
 #if CONFIG_ANALYSERS
     uint64_t sample_ms; /* with `every` above 1: plant time at which its last sample came */
@@ -106,7 +106,7 @@ struct measurement_state {
 #endif
 };
 
-struct output_state {
+struct mv_state {
     bool bound;
     bool sent;          /* a command has gone out since the safe state was taken */
     bool interlocked;   /* an interlock holds it */
@@ -125,10 +125,10 @@ struct output_state {
 
 struct loop_state {
     enum loop_mode mode;
-    bool join;   /* the block must take over the output it finds before it runs next */
+    bool transfer_pending; /* the block must take over the output it finds before it runs next */
     bool moved;  /* its own output has another meaning now: it goes on from the output it finds */
     bool drives; /* in this tick its output is a block's: blocks.h */
-    bool open;   /* its output reaches nothing: the loop below does not listen */
+    bool downstream_inactive; /* its output reaches nothing: the loop below does not listen */
     bool
         sp_given; /* the target is the operator's, or was in force: kept in manual unless sp_track */
     num_t target;   /* setpoint asked for */
@@ -232,7 +232,7 @@ struct interlock_state {
 /* What has as many places in the arena as the plan reaches. */
 enum placed {
     PLACED_MEASUREMENTS,
-    PLACED_OUTPUTS,
+    PLACED_MVS,
     PLACED_LOOPS,
     PLACED_INTERLOCKS,
     PLACED_ALARMS,
@@ -253,7 +253,7 @@ struct supervisor {
     /* In the arena. Index i, below placed[], is that of the plan; what the plan does not use is zero or not there. */
     uint8_t placed[PLACED_KINDS];
     struct measurement_state *measurement;
-    struct output_state *output;
+    struct mv_state *mv;
     struct loop_state *loop;
     struct interlock_state *interlock;
     struct alarm_state *alarm;
@@ -311,8 +311,8 @@ static inline float measurement_offset_in_force(const struct supervisor *s, uint
 #endif
 }
 
-/* The plant vouches for the last reading: it is a number, believed or not. After validation. */
-static inline bool measurement_vouched(const struct measurement_state *m)
+/* The last reading is good by the plant: it is a number, valid or not. After validation. */
+static inline bool measurement_is_good(const struct measurement_state *m)
 {
     return m->bound && m->fault != MEASUREMENT_MISSING && m->fault != MEASUREMENT_FLAGGED &&
            m->fault != MEASUREMENT_NOT_A_NUMBER;

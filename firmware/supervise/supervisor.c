@@ -29,8 +29,8 @@ void supervisor_unbind(struct supervisor *s)
 {
     for (unsigned i = 0; i < s->placed[PLACED_MEASUREMENTS]; i++)
         s->measurement[i].bound = false;
-    for (unsigned j = 0; j < s->placed[PLACED_OUTPUTS]; j++)
-        s->output[j].bound = false;
+    for (unsigned j = 0; j < s->placed[PLACED_MVS]; j++)
+        s->mv[j].bound = false;
 }
 
 void supervisor_bind_measurement(struct supervisor *s, uint8_t index)
@@ -38,16 +38,16 @@ void supervisor_bind_measurement(struct supervisor *s, uint8_t index)
     s->measurement[index].bound = true;
 }
 
-void supervisor_bind_output(struct supervisor *s, uint8_t index)
+void supervisor_bind_mv(struct supervisor *s, uint8_t index)
 {
-    s->output[index].bound = true;
+    s->mv[index].bound = true;
 }
 
 void supervisor_go_safe(struct supervisor *s, const char *reason)
 {
     for (unsigned i = 0; i < s->placed[PLACED_MEASUREMENTS]; i++) {
         /* What comes next may come from another plant, or hours later: filters begin anew. */
-        s->measurement[i].seen = s->measurement[i].believed = s->measurement[i].delivered = false;
+        s->measurement[i].seen = s->measurement[i].valid = s->measurement[i].delivered = false;
         s->measurement[i].quality = QUALITY_MISSING;
     }
     for (unsigned i = 0; i < CONFIG_FEEDFORWARDS; i++)
@@ -59,8 +59,8 @@ void supervisor_go_safe(struct supervisor *s, const char *reason)
 
 void supervisor_excite(struct supervisor *s, uint8_t j, num_t fraction)
 {
-    if (j < s->placed[PLACED_OUTPUTS]) /* another plan may have taken it away */
-        s->output[j].excitation = fraction;
+    if (j < s->placed[PLACED_MVS]) /* another plan may have taken it away */
+        s->mv[j].excitation = fraction;
 }
 
 #if CONFIG_BLOCKS

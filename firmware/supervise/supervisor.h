@@ -54,7 +54,7 @@ static inline bool supervisor_working(const struct supervisor *s)
 /* Which configured channels the plant has. Cleared by supervisor_unbind, then told one by one. */
 void supervisor_unbind(struct supervisor *s);
 void supervisor_bind_measurement(struct supervisor *s, uint8_t index);
-void supervisor_bind_output(struct supervisor *s, uint8_t index);
+void supervisor_bind_mv(struct supervisor *s, uint8_t index);
 
 /* The safe state (safe_state.h), and readings are forgotten: what comes next may come from another plant. */
 void supervisor_go_safe(struct supervisor *s, const char *reason);

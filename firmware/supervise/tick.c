@@ -26,8 +26,8 @@ void supervisor_validate(struct supervisor *s, const struct tick_input *input)
     validate_keep_estimates(s);
     s->time_ms = input->time_ms;
     uint8_t rows = s->placed[PLACED_MEASUREMENTS];
-    if (rows < s->placed[PLACED_OUTPUTS])
-        rows = s->placed[PLACED_OUTPUTS];
+    if (rows < s->placed[PLACED_MVS])
+        rows = s->placed[PLACED_MVS];
     for (uint8_t i = 0; i < rows; i++) {
         if (s->plan->config.measurement[i].name[0] && !plan_is_estimate(s->plan, i))
             validate_measurement(s, i, &input->measurement[i]);
@@ -57,7 +57,7 @@ static bool feedforward_input(const struct supervisor *s, uint8_t k, num_t *d)
     uint8_t from = s->plan->feedforward[k].from;
     if (!s->plan->config.feedforward[k].from[0] || from == PLAN_NONE)
         return false;
-    bool output = s->plan->feedforward[k].from_output;
+    bool output = s->plan->feedforward[k].from_mv;
     *d = output ? s->output[from].applied : s->measurement[from].value;
     return output ? s->output[from].bound : s->measurement[from].seen;
 }
@@ -122,7 +122,7 @@ static void command_outputs(struct supervisor *s)
         block_kinds[b->kind]->step(supervisor_block(s, SLOT_MATRIX), &io);
     }
     compensators_step(s, u);
-    for (uint8_t j = 0; j < s->placed[PLACED_OUTPUTS]; j++) {
+    for (uint8_t j = 0; j < s->placed[PLACED_MVS]; j++) {
         if (!s->plan->config.output[j].name[0])
             continue;
         uint8_t i = s->plan->owner[j];
@@ -149,7 +149,7 @@ void supervisor_control(struct supervisor *s)
     run_loops(s);
     command_outputs(s);
     excitation_check_commands(s);
-    constrain_outputs(s);
+    constrain_mvs(s);
     back_calculate_loops(s);
     alarms_run(s);
     histories_append(s);

@@ -10,7 +10,7 @@
 /* Where a loop finds output j when it takes over: the limits of what acts count from here on. */
 static num_t output_found(const struct supervisor *s, uint8_t j)
 {
-    const struct output_config *c = &s->plan->config.output[j];
+    const struct mv_config *c = &s->plan->config.output[j];
     return num_clamp(s->output[j].manual, span_to_fraction(c->min, c->lo, c->hi),
                      span_to_fraction(c->max, c->lo, c->hi));
 }
@@ -28,7 +28,7 @@ static uint8_t regroup(struct supervisor *s)
         if (!loop_drives(s, i) || !s->plan->loop[i].decouple)
             continue;
         acting = (uint8_t)(acting | (1u << i));
-        changed = changed || s->loop[i].join || s->loop[i].moved;
+        changed = changed || s->loop[i].transfer_pending || s->loop[i].moved;
     }
     if (acting != b->acting || b->must_follow) {
         const struct matrix_settings matrix = {s->plan->config.decoupler};
@@ -44,7 +44,7 @@ static uint8_t regroup(struct supervisor *s)
 static bool nothing_moves(const struct supervisor *s)
 {
     for (uint8_t i = 0; i < s->placed[PLACED_LOOPS]; i++)
-        if (s->loop[i].join || s->loop[i].moved)
+        if (s->loop[i].transfer_pending || s->loop[i].moved)
             return false;
     return true;
 }
@@ -61,7 +61,7 @@ static void transfer_loops(struct supervisor *s, const num_t *before, uint8_t to
     for (uint8_t i = 0; i < n; i++) {
         const struct loop_plan *p = &s->plan->loop[i];
         const struct loop_state *l = &s->loop[i];
-        bool moves = l->join || l->moved;
+        bool moves = l->transfer_pending || l->moved;
         v[i] = l->v;
         if (p->used && p->output != PLAN_NONE && (moves || together || compensated))
             /* The value last sent, or just asked for by hand: a read-back is one sample old, and a valve
@@ -81,17 +81,17 @@ static void transfer_loops(struct supervisor *s, const num_t *before, uint8_t to
         if (!loop_drives(s, i))
             continue;
         uint8_t server = loop_server(s, i);
-        bool moves = l->join || l->moved || (i < DECOUPLER_MAX && (together & (1u << i))) ||
+        bool moves = l->transfer_pending || l->moved || (i < DECOUPLER_MAX && (together & (1u << i))) ||
                      (compensated & (1u << i)) != 0;
         if (server != PLAN_NONE && moves)
             serve_must_follow(s, server);
-        if (l->join || (server != PLAN_NONE && moves)) {
+        if (l->transfer_pending || (server != PLAN_NONE && moves)) {
             l->v = v[i];
             block_follow(s, i);
         } else if (moves) {
             block_shift(s, i, v[i]);
         }
-        l->join = l->moved = false;
+        l->transfer_pending = l->moved = false;
     }
 }
 

@@ -5,7 +5,7 @@
 #include "supervise/sampling.h"
 #include "supervise/span.h"
 
-/* A reading this far outside its span, in spans, is not believed. */
+/* A reading this far outside its span, in spans, is not valid. */
 #define BELIEVABLE 0.1f
 
 static bool in_reach(float value, float lo, float hi)
@@ -26,15 +26,15 @@ static bool frozen(struct supervisor *s, uint8_t i, float value, float limit_s)
     return limit_s > 0.0f && elapsed_ms(sampling_ms(s, i), m->changed_ms) >= limit_s * 1000.0f;
 }
 
-/* Further from the last believed value than the process can have come since. A spike is over with the next
- * reading; a true jump is believed once there was time for it. */
+/* Further from the last valid value than the process can have come since. A spike is over with the next
+ * reading; a true jump is valid once there was time for it. */
 static bool too_fast(const struct supervisor *s, uint8_t i, float value, float limit)
 {
     const struct measurement_state *m = &s->measurement[i];
-    if (limit == 0.0f || !m->believed)
+    if (limit == 0.0f || !m->valid)
         return false;
-    float way = value > m->good ? value - m->good : m->good - value;
-    return way > limit * (elapsed_ms(sampling_ms(s, i), m->good_ms) / 1000.0f);
+    float way = value > m->last_valid ? value - m->last_valid : m->last_valid - value;
+    return way > limit * (elapsed_ms(sampling_ms(s, i), m->valid_ms) / 1000.0f);
 }
 
 static enum measurement_fault judge(struct supervisor *s, uint8_t i, const struct reading *r)
@@ -47,7 +47,7 @@ static enum measurement_fault judge(struct supervisor *s, uint8_t i, const struc
         return MEASUREMENT_FLAGGED;
     if (!float_is_finite(r->value))
         return MEASUREMENT_NOT_A_NUMBER;
-    /* Interlocks look at this: a number nobody vouches for must not release one. */
+    /* Interlocks look at this: a number that the plant does not call good must not release one. */
     m->raw = r->value - measurement_offset_in_force(s, i);
     bool still = frozen(s, i, r->value, c->frozen_s);
     if (!in_reach(r->value, c->lo, c->hi))
@@ -84,9 +84,9 @@ static bool inferred_from(const struct supervisor *s, uint8_t i, float *value)
         return s->measurement[j & ~INFER_IS_ESTIMATE].stands_in;
     }
 #endif
-    const struct output_config *o = &s->plan->config.output[j];
-    *value = span_to_eu(s->output[j].applied, o->lo, o->hi);
-    return s->output[j].bound;
+    const struct mv_config *o = &s->plan->config.mv[j];
+    *value = span_to_eu(s->mv[j].applied, o->lo, o->hi);
+    return s->mv[j].bound;
 }
 
 static bool infer(struct supervisor *s, uint8_t i)
@@ -122,7 +122,7 @@ static void fall_back(struct supervisor *s, uint8_t i, float reading)
         m->alarm = true;
         event_put(s->events, s->time_ms, EVENT_MEASUREMENT_BAD, c->name, reading, m->fault);
     }
-    m->lost = !m->believed || sampling_without_s(s, i) > c->hold_s;
+    m->lost = !m->valid || sampling_without_s(s, i) > c->hold_s;
     if (infer(s, i))
         return;
     if (!m->lost && c->fallback != FALLBACK_MANUAL) {
@@ -147,7 +147,7 @@ void validate_measurement(struct supervisor *s, uint8_t i, const struct reading 
     if (!m->bound) {
         /* Nobody looks at it: what it was before says nothing of what comes when it is bound again. */
         m->quality = QUALITY_MISSING;
-        m->believed = m->delivered = false;
+        m->valid = m->delivered = false;
         return;
     }
     if (!sampling_due(s, i))
@@ -159,10 +159,10 @@ void validate_measurement(struct supervisor *s, uint8_t i, const struct reading 
     }
     bool outside = m->raw < c->lo || m->raw > c->hi;
     take(m, c, m->raw, outside ? QUALITY_UNCERTAIN : r->quality);
-    m->believed = true;
+    m->valid = true;
     m->lost = false;
-    m->good = r->value;
-    m->good_ms = sampling_ms(s, i);
+    m->last_valid = r->value;
+    m->valid_ms = sampling_ms(s, i);
     if (m->alarm) {
         m->alarm = false;
         event_put(s->events, s->time_ms, EVENT_MEASUREMENT_GOOD, c->name, r->value, 0);
@@ -172,8 +172,8 @@ void validate_measurement(struct supervisor *s, uint8_t i, const struct reading 
 /* Control works with what was really applied from the first difference on; people are told after follow_s. */
 static void report_following(struct supervisor *s, uint8_t j, bool differs, float value)
 {
-    struct output_state *o = &s->output[j];
-    const struct output_config *c = &s->plan->config.output[j];
+    struct mv_state *o = &s->mv[j];
+    const struct mv_config *c = &s->plan->config.mv[j];
     if (differs && !o->not_following)
         o->differs_ms = s->time_ms;
     o->not_following = differs;
@@ -187,8 +187,8 @@ static void report_following(struct supervisor *s, uint8_t j, bool differs, floa
 
 void validate_readback(struct supervisor *s, uint8_t j, const struct reading *r)
 {
-    struct output_state *o = &s->output[j];
-    const struct output_config *c = &s->plan->config.output[j];
+    struct mv_state *o = &s->mv[j];
+    const struct mv_config *c = &s->plan->config.mv[j];
     bool differs = false;
     if (o->bound && o->sent && quality_usable(r->quality) && float_is_finite(r->value) &&
         in_reach(r->value, c->lo, c->hi)) {

@@ -1,4 +1,4 @@
-/* What is to be believed of a reading, and what stands in for it otherwise. Within supervise only. */
+/* What is to be valid of a reading, and what stands in for it otherwise. Within supervise only. */
 #ifndef REFLUX_SUPERVISE_VALIDATE_H
 #define REFLUX_SUPERVISE_VALIDATE_H
 

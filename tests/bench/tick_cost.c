@@ -93,7 +93,7 @@ int main(int n, char **word)
         input.measurement[i].quality = input.readback[i].quality = QUALITY_MISSING;
     for (uint8_t i = 0; i < loops; i++) {
         supervisor_bind_measurement(&supervisor, i);
-        supervisor_bind_output(&supervisor, i);
+        supervisor_bind_mv(&supervisor, i);
     }
     bench_ticks(2, loops);
     for (uint8_t i = 0; i < loops; i++) {
@@ -109,7 +109,7 @@ int main(int n, char **word)
     bench_ticks(ticks, loops);
     double sum = 0;
     for (unsigned i = 0; i < loops; i++)
-        sum += (double)num_to_float(supervisor.output[i].constrained);
+        sum += (double)num_to_float(supervisor.mv[i].constrained);
     printf("%u ticks of %u loops, outputs %.9g in all\n", ticks, loops, sum);
     return 0;
 }

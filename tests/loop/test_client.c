@@ -148,7 +148,7 @@ static void what_is_not_there_is_unknown_and_what_is_out_of_range_says_the_range
     REFUSED(ERR_RANGE, operate_output(&client, 0, PLAN_NONE, 1e3f, &answer));
     TEST_ASSERT_EQUAL_STRING("top", answer.subject);
     TEST_ASSERT_EQUAL_INT(ANSWER_RANGE, answer.more);
-    const struct output_config *o = &operate_settings(&client)->output[output_named("R")];
+    const struct mv_config *o = &operate_settings(&client)->mv[output_named("R")];
     TEST_ASSERT_EQUAL_FLOAT(1e3f, answer.range.value);
     TEST_ASSERT_EQUAL_FLOAT(o->min, answer.range.lo);
     TEST_ASSERT_EQUAL_FLOAT(o->max, answer.range.hi);
@@ -168,7 +168,7 @@ static void settings_from_a_model_are_for_the_spans_of_its_loop(void)
     struct fopdt process = {.gain = 12.8f, .dead_time_s = 60, .time_constant_s = 1002};
     one_loop();
     const struct config *c = operate_settings(&client);
-    double mv = (double)(c->output[output_named("R")].hi - c->output[output_named("R")].lo);
+    double mv = (double)(c->mv[output_named("R")].hi - c->mv[output_named("R")].lo);
     double pv = (double)(c->measurement[0].hi - c->measurement[0].lo);
     DO(operate_tune(&client, 0, TUNE_SIMC, &process, 60, &t, &answer));
     TEST_ASSERT_DOUBLE_WITHIN(1e-4, 1002.0 / (12.8 * mv / pv * 120.0), (double)t.gain);

@@ -16,7 +16,7 @@ static void loses(const char *event)
 {
     plant_event(event);
     plant_steps(7);
-    ended_with_everything_held("is not believed");
+    ended_with_everything_held("is not valid");
 }
 
 static void goes_on_to_the_end(void)
@@ -241,7 +241,7 @@ static void a_frozen_measurement_ends_it(void)
     plant_steps(10);
     plant_event("xD.frozen=1");
     plant_steps(12);
-    ended_with_everything_held("is not believed");
+    ended_with_everything_held("is not valid");
 }
 
 static void samples_that_are_missing_longer_than_a_test_can_bear_end_it(void)
@@ -278,7 +278,7 @@ static void a_lost_measurement_ends_it_there(void)
 {
     plant_event("y1.nan=1");
     plant_steps(10);
-    ended("is not believed");
+    ended("is not valid");
     ASSERT_OUTPUT(50, "u2");
     ASSERT_OUTPUT(50, "u1");
 }

@@ -219,7 +219,7 @@ static void the_measurement_is_lost(void)
 {
     plant_event("xD.quality=3");
     plant_steps(6);
-    ended("not believed");
+    ended("not valid");
     plant_step();
     ASSERT_OUTPUT(1.95, "R");
 }

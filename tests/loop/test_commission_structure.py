@@ -108,7 +108,7 @@ class Cascade(unittest.TestCase):
             run = Run(self.of, script, events=[*self.of.perfect_sensors(), f"3480:{sensor}.nan=1"], log=True)
             end = run.first("TRIAL_KEPT", "TRIAL_FAILED")
             self.assertEqual((end.code, end.subject), ("TRIAL_FAILED", sensor))
-            self.assertIn("not believed", end.text)
+            self.assertIn("not valid", end.text)
             self.assertAlmostEqual(run.rows[-1]["valve.cmd"], 50.0, delta=0.01)
 
     def test_a_cascade_that_shares_its_inputs_is_shown_and_not_proposed(self):

@@ -183,7 +183,7 @@ static void a_bad_reading_at_the_beginning_takes_it_back(void)
     ask_ok("commission accept");
     plant_event("xD.quality=3");
     until("TRIAL_FAILED", 20);
-    old_settings_and_outputs_are_back("is not believed");
+    old_settings_and_outputs_are_back("is not valid");
 }
 
 /* A new beginning is asked for, and the results are looked at before the tick takes it. */
@@ -274,7 +274,7 @@ static void a_lost_measurement_on_trial_takes_it_back(void)
 {
     plant_event("xB.quality=3");
     plant_steps(6);
-    old_settings_and_outputs_are_back("is not believed");
+    old_settings_and_outputs_are_back("is not valid");
 }
 
 static void a_configuration_on_trial_stays(void)

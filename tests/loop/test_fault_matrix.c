@@ -135,7 +135,7 @@ enum end {
     TRIPPED        /* the same, and the interlock cuts the heater: T10 is too hot */
 };
 
-#define LOST_READING "measurement is not believed"
+#define LOST_READING "measurement is not valid"
 #define AT_END       "reads an end of its span"
 
 static const struct fault {

@@ -47,7 +47,7 @@ static bool listed(const char *text)
 
 static bool active(void)
 {
-    return listed("INTERLOCK_ON lock1 forces heat");
+    return listed("INTERLOCK_ON lock1 holds heat");
 }
 
 /* The plant is restarted: nothing that was read before counts any more. */
@@ -157,7 +157,7 @@ static void try_one(const struct history *h, const struct variant *v)
     if (strcmp(v->on_bad, "off") == 0) /* and not before its time */
         TEST_ASSERT_TRUE_MESSAGE(at > delay, where);
     TEST_ASSERT_TRUE_MESSAGE(active(), where);
-    /* What nobody believes does not end it. */
+    /* What is not valid does not end it. */
     board.quality[T10] = QUALITY_BAD;
     board.values[T10] = 115;
     samples(10);
@@ -168,7 +168,7 @@ static void try_one(const struct history *h, const struct variant *v)
     tried++;
 }
 
-static void a_number_the_plant_vouches_for_begins_it_whatever_came_before_and_stands_in(void)
+static void a_number_that_is_good_by_the_plant_begins_it_whatever_came_before_and_stands_in(void)
 {
     static const char *const fallbacks[] = {"hold", "substitute", "manual", "safe"};
     running();
@@ -181,7 +181,7 @@ static void a_number_the_plant_vouches_for_begins_it_whatever_came_before_and_st
     printf("interlocks: %u combinations\n", tried);
 }
 
-static void what_the_plant_does_not_vouch_for_begins_nothing_where_bad_does_not_count(void)
+static void what_is_not_good_by_the_plant_begins_nothing_where_bad_does_not_count(void)
 {
     static const struct {
         double value;
@@ -413,7 +413,7 @@ static void an_output_the_plant_does_not_have_comes_back_at_its_safe_value(void)
     samples(5);
     TEST_ASSERT_FLOAT_WITHIN(1e-6f, 0.25f, heat());
     ask_ok("status");
-    TEST_ASSERT_FALSE(said("forced by interlock"));
+    TEST_ASSERT_FALSE(said("interlocked"));
     reads(115);
     samples(5);
     set_to("mv2.unit", "kW");
@@ -429,7 +429,7 @@ static void silence_ends_what_it_forces_and_the_way_back_begins_safe(void)
     board.mute = true;
     pass(5000);
     ask_ok("status");
-    TEST_ASSERT_FALSE(said("forced by interlock"));
+    TEST_ASSERT_FALSE(said("interlocked"));
     board.mute = false;
     plant_again();
     reads(137); /* inside, but not by the hysteresis */
@@ -612,8 +612,8 @@ static void whatever_happens_its_output_moves_only_by_what_acts_on_it(void)
 int main(void)
 {
     UNITY_BEGIN();
-    RUN_TEST(a_number_the_plant_vouches_for_begins_it_whatever_came_before_and_stands_in);
-    RUN_TEST(what_the_plant_does_not_vouch_for_begins_nothing_where_bad_does_not_count);
+    RUN_TEST(a_number_that_is_good_by_the_plant_begins_it_whatever_came_before_and_stands_in);
+    RUN_TEST(what_is_not_good_by_the_plant_begins_nothing_where_bad_does_not_count);
     RUN_TEST(a_sensor_that_dies_during_the_delay_does_not_begin_it_where_bad_does_not_count);
     RUN_TEST(samples_that_are_missing_when_the_delay_ends_do_not_begin_it_anew);
     RUN_TEST(its_delay_begins_anew_with_a_plant_whose_time_does);

@@ -124,8 +124,8 @@ static void status_and_alarm_name_what_an_interlock_forces_and_has_left(void)
     board.values[1] = 125;
     samples(1);
     ask_ok("status");
-    TEST_ASSERT_EQUAL_STRING("heat = 0 kW forced by interlock", line_of("heat"));
-    ANSWERS("alarm", "INTERLOCK_ON lock2 forces heat");
+    TEST_ASSERT_EQUAL_STRING("heat = 0 kW interlocked", line_of("heat"));
+    ANSWERS("alarm", "INTERLOCK_ON lock2 holds heat");
     board.values[1] = 110;
     samples(1);
     ask_ok("status");

@@ -20,7 +20,7 @@ static const char *line_with(const char *command, const char *text)
     return "";
 }
 
-static void is_believed_at(const char *value)
+static void is_valid_at(const char *value)
 {
     char text[40];
     snprintf(text, sizeof text, "T10 = %s degC good", value);
@@ -42,7 +42,7 @@ static void a_filter_begins_anew_when_its_measurement_was_not_bound(void)
     an_hour_without_T10();
     board.values[T10] = 135;
     samples(1);
-    is_believed_at("135");
+    is_valid_at("135");
 }
 
 static void what_is_wrong_with_a_measurement_that_is_no_longer_bound_is_that(void)
@@ -68,7 +68,7 @@ static void a_filter_begins_anew_when_its_measurement_was_not_in_the_plan(void)
     ask_ok("apply");
     board.values[T10] = 135;
     samples(1);
-    is_believed_at("135");
+    is_valid_at("135");
 }
 
 static void what_was_not_looked_at_is_neither_frozen_nor_too_fast(void)
@@ -77,14 +77,14 @@ static void what_was_not_looked_at_is_neither_frozen_nor_too_fast(void)
     samples(1);
     an_hour_without_T10();
     samples(1);
-    is_believed_at("115");
+    is_valid_at("115");
     ask_ok("set meas2.frozen 0");
     ask_ok("set meas2.rate_limit 0.001");
     samples(1);
     an_hour_without_T10();
     board.values[T10] = 135;
     samples(1);
-    is_believed_at("135");
+    is_valid_at("135");
 }
 
 static void the_reason_of_the_safe_state_outlives_the_settings_it_was_taken_under(void)

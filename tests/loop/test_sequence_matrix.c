@@ -117,7 +117,7 @@ static void operator_takes_a_loop(void)
 
 /* Ends, a letter for each step: A aborted, safe state; H held; g goes on, or done; S safe state with no sequence; C the
  * heater is cut by an interlock with no sequence; M a loop in manual with no sequence; R resumed, with no sequence; i idle,
- * safe state. x is none of them: a step went on by a reading that is not believed. */
+ * safe state. x is none of them: a step went on by a reading that is not valid. */
 static const struct fault {
     const char *name;
     const char *event, *event_too;
@@ -188,7 +188,7 @@ static bool begins(const char *text, const char *with)
 static char end_now(void)
 {
     ask_ok("alarm");
-    bool cut = said(" forces Qrb");
+    bool cut = said(" holds Qrb");
     ask_ok("loop");
     bool manual = said(" manual ");
     ask_ok("seq");
@@ -211,8 +211,8 @@ static char end_now(void)
 
 static double hottest; /* the heater, degC */
 
-/* What makes a reading unbelievable in the sample it comes with. */
-static bool unbelievable(const struct fault *fault)
+/* What makes a reading unvalid in the sample it comes with. */
+static bool unvalid(const struct fault *fault)
 {
     return fault->event &&
            (strcmp(fault->event, "*.nan=1") == 0 || strcmp(fault->event, "*.quality=2") == 0 ||
@@ -244,7 +244,7 @@ static char try(const struct fault *fault, const struct step *step)
         if (same == 5)
             break;
     }
-    if (unbelievable(fault) && step->waits && step_of(reply[0]) != step_of(step->headline))
+    if (unvalid(fault) && step->waits && step_of(reply[0]) != step_of(step->headline))
         return 'x';
     return end;
 }

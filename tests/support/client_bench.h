@@ -122,7 +122,7 @@ static inline void configures(void)
 
 static inline uint8_t output_named(const char *name)
 {
-    return config_find_output(operate_settings(&client), name);
+    return config_find_mv(operate_settings(&client), name);
 }
 
 /* By hand to where the plant is designed for, and waits there. */

@@ -59,7 +59,7 @@ static inline void excite_all(void)
 static inline void nothing_is_excited(void)
 {
     for (unsigned j = 0; j < 3; j++)
-        TEST_ASSERT_TRUE(num_eq(bench.s.output[j].excitation, num_zero()));
+        TEST_ASSERT_TRUE(num_eq(bench.s.mv[j].excitation, num_zero()));
     for (unsigned i = 0; i < 2; i++) {
         TEST_ASSERT_TRUE(num_eq(bench.s.loop[i].excite, num_zero()));
         TEST_ASSERT_TRUE(num_eq(bench.s.loop[i].excited, num_zero()));

@@ -135,8 +135,8 @@ static inline void apply(void)
     for (uint8_t i = 0; i < CHANNEL_MAX; i++) {
         if (bench.config.measurement[i].name[0])
             supervisor_bind_measurement(&bench.s, i);
-        if (bench.config.output[i].name[0])
-            supervisor_bind_output(&bench.s, i);
+        if (bench.config.mv[i].name[0])
+            supervisor_bind_mv(&bench.s, i);
     }
 }
 
@@ -206,7 +206,7 @@ static inline void out(uint8_t loop, double value)
 
 static inline double sent(unsigned output)
 {
-    return D(bench.s.output[output].constrained);
+    return D(bench.s.mv[output].constrained);
 }
 
 static inline double setpoint_of(unsigned loop)

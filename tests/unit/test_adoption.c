@@ -434,7 +434,7 @@ static void an_output_that_stands_at_its_limits_is_no_good_sign(void)
 {
     begin(1, 1);
     ticks_on_trial(1);
-    bench.plan[bench.current].config.output[0].max = 5.1f; /* it was thought to open to 10 */
+    bench.plan[bench.current].config.mv[0].max = 5.1f; /* it was thought to open to 10 */
     TEST_ASSERT_EQUAL_INT(ADOPTION_BLOCKED, run());
 }
 

@@ -95,7 +95,7 @@ static enum adoption_result run(void)
         reading(1, 100.0);
         reading(T5, 110.0);
         validate();
-        struct output_config *o = &bench.plan[bench.current].config.output[0];
+        struct mv_config *o = &bench.plan[bench.current].config.mv[0];
         float max = o->max;
         if (away && left > 0) {
             o->max = 1.0f; /* below where it is held */

@@ -244,7 +244,7 @@ static void a_measurement_that_is_not_believed_changes_nothing(void)
     TEST_ASSERT_TRUE(bench.s.alarm[1].listed);
 }
 
-static void its_delay_stands_still_while_the_measurement_is_not_believed(void)
+static void its_delay_stands_still_while_the_measurement_is_not_valid(void)
 {
     reading(T1, 79);
     ticks(2);
@@ -343,7 +343,7 @@ int main(void)
     RUN_TEST(a_shelved_one_is_silent_for_its_time_and_then_comes_anew);
     RUN_TEST(a_shelf_ends_when_that_is_asked_or_plant_time_is_set_back);
     RUN_TEST(a_measurement_that_is_not_believed_changes_nothing);
-    RUN_TEST(its_delay_stands_still_while_the_measurement_is_not_believed);
+    RUN_TEST(its_delay_stands_still_while_the_measurement_is_not_valid);
     RUN_TEST(deviation_ends_with_the_loop_that_has_lost_its_measurement);
     RUN_TEST(a_value_made_up_for_a_lost_one_neither_brings_it_nor_ends_it);
     RUN_TEST(what_is_asked_of_an_alarm_that_is_not_there_is_refused);

@@ -332,7 +332,7 @@ static void begun_anew(uint16_t depth)
     const struct applied_history *h = history_of(&bench.s, REFLUX);
     TEST_ASSERT_EQUAL_UINT16(depth, h->depth);
     for (uint32_t k = 1; k <= depth; k++)
-        TEST_ASSERT_DOUBLE_WITHIN(1e-6, D(bench.s.output[REFLUX].applied), ago(h, k));
+        TEST_ASSERT_DOUBLE_WITHIN(1e-6, D(bench.s.mv[REFLUX].applied), ago(h, k));
 }
 
 static void another_depth_begins_anew(void)
@@ -377,7 +377,7 @@ static void silence_of_the_link_begins_anew_at_the_safe_value(void)
     bench_start_with(members);
     ramp_up();
     supervisor_go_safe(&bench.s, "link");
-    TEST_ASSERT_DOUBLE_WITHIN(1e-6, 0, D(bench.s.output[REFLUX].applied));
+    TEST_ASSERT_DOUBLE_WITHIN(1e-6, 0, D(bench.s.mv[REFLUX].applied));
     begun_anew(9);
 }
 

@@ -11,7 +11,7 @@ static struct supervisor s;
 static struct plan plan;
 static const uint8_t most[PLACED_KINDS] = {CHANNEL_MAX, CHANNEL_MAX, CONFIG_LOOPS,
                                            CONFIG_INTERLOCKS, CONFIG_ALARMS};
-static const size_t size[PLACED_KINDS] = {sizeof *s.measurement, sizeof *s.output, sizeof *s.loop,
+static const size_t size[PLACED_KINDS] = {sizeof *s.measurement, sizeof *s.mv, sizeof *s.loop,
                                           sizeof *s.interlock, sizeof *s.alarm};
 #define BLOCK_BYTES_MOST 600
 /* What each kind of state, and each block, should hold. */
@@ -29,7 +29,7 @@ void tearDown(void) {}
 
 static uint8_t *kind(unsigned k)
 {
-    void *const at[PLACED_KINDS] = {s.measurement, s.output, s.loop, s.interlock, s.alarm};
+    void *const at[PLACED_KINDS] = {s.measurement, s.mv, s.loop, s.interlock, s.alarm};
     return at[k];
 }
 
@@ -39,7 +39,7 @@ static void make_plan(const uint8_t n[PLACED_KINDS], const uint8_t grains[PLAN_B
 {
     struct config *c = &plan.config;
     char *name[PLACED_KINDS] = {
-        n[0] ? c->measurement[n[0] - 1].name : NULL, n[1] ? c->output[n[1] - 1].name : NULL,
+        n[0] ? c->measurement[n[0] - 1].name : NULL, n[1] ? c->mv[n[1] - 1].name : NULL,
         n[2] ? c->loop[n[2] - 1].name : NULL, n[3] ? c->interlock[n[3] - 1].measurement : NULL,
         n[4] ? c->alarm[n[4] - 1].on : NULL};
     memset(&plan, 0, sizeof plan);

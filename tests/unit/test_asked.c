@@ -53,7 +53,7 @@ static void a_test_is_repeated_from_its_first_round(void)
     TEST_ASSERT_EQUAL_UINT8(0, c.input[0].rounds);
     TEST_ASSERT_FALSE(c.input[0].skipped);
     TEST_ASSERT_EQUAL_INT(COMMISSION_TESTING, c.phase);
-    NEAR(0.0, D(bench.s.output[1].excitation));
+    NEAR(0.0, D(bench.s.mv[1].excitation));
     TEST_ASSERT_TRUE(bench.s.testing);
     asked(COMMISSION_ASK_REPEAT);
     c.at = 0; /* there is none before it */
@@ -81,7 +81,7 @@ static void an_input_is_skipped_and_the_next_one_tested(void)
     commission_tick(&c, &bench.s);
     TEST_ASSERT_TRUE(c.input[0].skipped);
     TEST_ASSERT_EQUAL_UINT8(1, c.at);
-    NEAR(0.0, D(bench.s.output[0].excitation));
+    NEAR(0.0, D(bench.s.mv[0].excitation));
 }
 
 static void a_pause_gives_the_outputs_back(void)
@@ -94,7 +94,7 @@ static void a_pause_gives_the_outputs_back(void)
     TEST_ASSERT_EQUAL_INT(COMMISSION_PAUSED, c.phase);
     TEST_ASSERT_FALSE(job_is_asked(&c.job));
     TEST_ASSERT_EQUAL_UINT64(44000, c.phase_ms);
-    NEAR(0.0, D(bench.s.output[1].excitation));
+    NEAR(0.0, D(bench.s.mv[1].excitation));
     TEST_ASSERT_TRUE(bench.s.testing);
     c.ask = COMMISSION_ASK_RESUME;
     commission_tick(&c, &bench.s);
@@ -119,15 +119,15 @@ static void an_end_puts_the_outputs_back_unless_somebody_else_decides(void)
         for (unsigned trial = 0; trial < 2; trial++) {
             fitted();
             c.phase = trial ? COMMISSION_TRIAL : COMMISSION_TESTING;
-            bench.s.output[0].manual = bench.s.output[1].manual = N(0.75);
+            bench.s.mv[0].manual = bench.s.mv[1].manual = N(0.75);
             supervisor_excite(&bench.s, 1, N(0.1));
             commission_end(&c, &bench.s, cases[n].reason, "a name that is longer than",
                            REAL_C(0.125));
             TEST_ASSERT_EQUAL_INT(COMMISSION_ENDED, c.phase);
             TEST_ASSERT_EQUAL_UINT(CHANNEL_NAME_SIZE - 1, strlen(c.subject));
-            NEAR(0.0, D(bench.s.output[1].excitation));
+            NEAR(0.0, D(bench.s.mv[1].excitation));
             for (unsigned k = 0; k < 2; k++)
-                NEAR(cases[n].back && !trial ? 0.5 : 0.75, D(bench.s.output[k].manual));
+                NEAR(cases[n].back && !trial ? 0.5 : 0.75, D(bench.s.mv[k].manual));
             TEST_ASSERT_FALSE(job_is_asked(&c.job));
             NEAR(0.125, said(trial ? EVENT_TRIAL_FAILED : EVENT_COMMISSION_ENDED)->value);
             commission_end(&c, &bench.s, REASON_ASKED, "T1", 0); /* nothing is left of the first */

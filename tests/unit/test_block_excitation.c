@@ -115,7 +115,7 @@ static void a_restart_comes_back_without_it(void)
     restart_init(&r, &kept, false);
     restart_keep(&r, &bench.s);
     TEST_ASSERT_DOUBLE_WITHIN(1e-6, 0.25, D(kept.setpoint[TOP]));
-    TEST_ASSERT_DOUBLE_WITHIN(1e-6, 0.5, D(kept.output[REFLUX]));
+    TEST_ASSERT_DOUBLE_WITHIN(1e-6, 0.5, D(kept.mv[REFLUX]));
 }
 
 /* ---- one owner at a time ---- */

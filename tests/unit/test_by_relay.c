@@ -28,7 +28,7 @@ void setUp(void)
     for (unsigned i = 0; i < CHANNEL_MAX; i++) {
         cf->measurement[i].test = i == T10;
         cf->measurement[i].test_critical = 0;
-        cf->measurement[i].test_limit = cf->output[i].test_step = 0;
+        cf->measurement[i].test_limit = cf->mv[i].test_step = 0;
     }
     y[0] = y[1] = 0.25;
     commission_init(&c, &bench.events, commission_fresh_region());
@@ -253,19 +253,19 @@ static void the_relay_is_made_for_what_is_set(void)
     rests(0, 0, 0, 100);
     TEST_ASSERT_EQUAL_UINT32(66, r->half_most);
     begin();
-    cf->output[REFLUX].test_step = 2; /* of 10 */
+    cf->mv[REFLUX].test_step = 2; /* of 10 */
     cf->loop[TOP].own.action = LOOP_REVERSE;
     rests(0, 0, 0, 100);
     NEAR(0.2, r->amplitude);
     TEST_ASSERT_EQUAL_INT(1, r->sign);
     begin();
-    cf->output[REFLUX].lo = 2;
-    cf->output[REFLUX].test_step = 2; /* of 8 */
+    cf->mv[REFLUX].lo = 2;
+    cf->mv[REFLUX].test_step = 2; /* of 8 */
     rests(0, 0, 0, 100);
     NEAR(0.25, r->amplitude);
     begin();
     c.input[0].held = REAL_C(0.03);
-    cf->output[REFLUX].test_step = 2;
+    cf->mv[REFLUX].test_step = 2;
     rests(0, 0, 0, 100);
     NEAR(0.03, r->most);
     NEAR(0.03, r->amplitude);
@@ -379,7 +379,7 @@ static void no_answer_within_its_patience_makes_the_relay_larger(void)
     TEST_ASSERT_TRUE(n < 2 * WINDOW + 3);
     NEAR(first, bench.seen[bench.n_seen - 1].value);
     TEST_ASSERT_EQUAL_UINT8(1, bench.seen[bench.n_seen - 1].detail);
-    NEAR((double)t->relay.level, D(bench.s.output[REFLUX].excitation));
+    NEAR((double)t->relay.level, D(bench.s.mv[REFLUX].excitation));
     for (n = 0; c.phase == COMMISSION_RELAY && n < 5000; n++)
         sample(1);
     ended(REASON_NO_ANSWER, "top", 0.0);
@@ -412,7 +412,7 @@ static void cycles(double slope)
     for (unsigned n = 0; c.phase == COMMISSION_RELAY && n < 5000; n++) {
         before[2] = before[1];
         before[1] = before[0];
-        before[0] = D(bench.s.output[REFLUX].excitation);
+        before[0] = D(bench.s.mv[REFLUX].excitation);
         y[0] -= slope * before[2]; /* the loop is direct */
         sample(1);
     }
@@ -462,7 +462,7 @@ static void a_cycle_becomes_a_proposal_for_one_pair(void)
     TEST_ASSERT_EQUAL_UINT64(bench.s.time_ms, c.ended_ms);
     TEST_ASSERT_EQUAL_UINT(1, happened(EVENT_RELAY_DONE, "top"));
     NEAR(pu, bench.seen[bench.n_seen - 1].value);
-    NEAR(0.0, D(bench.s.output[REFLUX].excitation));
+    NEAR(0.0, D(bench.s.mv[REFLUX].excitation));
     struct config written = *cf;
     written.loop[TOP].own.td_s = 9;
     written.loop[TOP].own.action = LOOP_REVERSE;

@@ -208,7 +208,7 @@ static void an_mv_that_is_lost_ends_it(void)
 {
     begin();
     excite_all();
-    bench.s.output[HEAT].bound = false;
+    bench.s.mv[HEAT].bound = false;
     tick();
     ended("channel");
     ASSERT_NO_BUMP(0.5, sent(REFLUX));

@@ -19,7 +19,7 @@ void setUp(void)
     bench.plan[bench.current].tick_s = 2;
     cf = &bench.plan[bench.current].config;
     for (unsigned i = 0; i < CHANNEL_MAX; i++) {
-        cf->measurement[i].test = cf->output[i].test = i < 2;
+        cf->measurement[i].test = cf->mv[i].test = i < 2;
         cf->measurement[i].test_critical = 0;
         cf->measurement[i].test_limit = 0;
     }
@@ -39,7 +39,7 @@ void tearDown(void) {}
 
 static void the_room_is_the_way_to_the_nearer_operating_limit(void)
 {
-    struct output_config *o = &cf->output[0];
+    struct mv_config *o = &cf->mv[0];
     o->lo = -10;
     o->hi = 30;
     o->min = -2; /* 0.2 */
@@ -48,7 +48,7 @@ static void the_room_is_the_way_to_the_nearer_operating_limit(void)
     NEAR(0.3, commission_room(&bench.s, 0, REAL_C(0.5)));
     NEAR(0.15, commission_room(&bench.s, 0, REAL_C(0.75)));
     NEAR(-0.05, commission_room(&bench.s, 0, REAL_C(0.95)));
-    bench.s.output[0].manual = N(0.375);
+    bench.s.mv[0].manual = N(0.375);
     NEAR(0.375, commission_held_at(&bench.s, 0));
 }
 
@@ -69,7 +69,7 @@ static void names_and_spans_of_all_channels_are_what_results_belong_to(void)
     struct config other = *cf;
     uint32_t sum = commission_channels(cf);
     TEST_ASSERT_EQUAL_UINT32(sum, commission_channels(&other));
-    other.output[CHANNEL_MAX - 1].hi += 1;
+    other.mv[CHANNEL_MAX - 1].hi += 1;
     TEST_ASSERT_NOT_EQUAL(sum, commission_channels(&other));
     other = *cf;
     other.measurement[0].lo += 1;
@@ -78,7 +78,7 @@ static void names_and_spans_of_all_channels_are_what_results_belong_to(void)
     other.measurement[1].name[0] = 'X';
     TEST_ASSERT_NOT_EQUAL(sum, commission_channels(&other));
     other = *cf;
-    other.output[0].name[0] = 'X';
+    other.mv[0].name[0] = 'X';
     TEST_ASSERT_NOT_EQUAL(sum, commission_channels(&other));
 }
 
@@ -149,10 +149,10 @@ static void tests_begin_where_all_is_in_hand(void)
 {
     begins(true, NULL, NULL);
     bench.s.measurement[T10].quality = QUALITY_UNCERTAIN;
-    begins(false, "T10", "not believed");
+    begins(false, "T10", "not valid");
     bench.s.measurement[T10].quality = QUALITY_GOOD;
     bench.s.measurement[T10].seen = false;
-    begins(false, "T10", "not believed");
+    begins(false, "T10", "not valid");
     bench.s.measurement[T10].seen = true;
     bench.s.measurement[T10].raw = 160;
     begins(false, "T10", "end of its span");
@@ -160,24 +160,24 @@ static void tests_begin_where_all_is_in_hand(void)
     bench.s.loop[BOTTOM].mode = LOOP_AUTO;
     begins(false, "bottom", "acts");
     bench.s.loop[BOTTOM].mode = LOOP_MANUAL;
-    bench.s.output[HEAT].interlocked = true;
+    bench.s.mv[HEAT].interlocked = true;
     begins(false, "heat", "interlock");
-    bench.s.output[HEAT].interlocked = false;
-    bench.s.output[HEAT].manual = N(0.0049);
+    bench.s.mv[HEAT].interlocked = false;
+    bench.s.mv[HEAT].manual = N(0.0049);
     begins(false, "heat", "no room");
-    bench.s.output[HEAT].manual = N(0.005); /* at least so much; not every format has the number */
+    bench.s.mv[HEAT].manual = N(0.005); /* at least so much; not every format has the number */
     bool exact = num_to_float(N(0.005)) == 0.005f;
     begins(exact, "heat", "no room");
-    bench.s.output[HEAT].manual = N(0.0051);
+    bench.s.mv[HEAT].manual = N(0.0051);
     begins(true, NULL, NULL);
-    bench.s.output[HEAT].manual = N(0.9951);
+    bench.s.mv[HEAT].manual = N(0.9951);
     begins(false, "heat", "no room");
-    cf->output[HEAT].test = 0; /* what is not tested does not matter */
+    cf->mv[HEAT].test = 0; /* what is not tested does not matter */
     begins(true, NULL, NULL);
     cf->measurement[T10].test = 0;
     bench.s.measurement[T10].quality = QUALITY_BAD;
     begins(true, NULL, NULL);
-    bench.s.output[REFLUX].bound = false;
+    bench.s.mv[REFLUX].bound = false;
     begins(false, NULL, "no manipulated variable");
     bench.s.measurement[T1].bound = false;
     begins(false, NULL, "no measurement");
@@ -190,11 +190,11 @@ static void channels_that_are_there_and_named_are_tested(void)
     for (unsigned n = 0; n < 4; n++) {
         setUp();
         if (n == 1)
-            cf->output[1].name[0] = cf->measurement[1].name[0] = '\0';
+            cf->mv[1].name[0] = cf->measurement[1].name[0] = '\0';
         else if (n == 2)
-            cf->output[1].test = cf->measurement[1].test = 0;
+            cf->mv[1].test = cf->measurement[1].test = 0;
         else if (n == 3)
-            bench.s.output[1].bound = bench.s.measurement[1].bound = false;
+            bench.s.mv[1].bound = bench.s.measurement[1].bound = false;
         TEST_ASSERT_EQUAL(n == 0, commission_input_is_tested(&bench.s, 1));
         TEST_ASSERT_EQUAL(n == 0, commission_measurement_is_tested(&bench.s, 1));
     }
@@ -215,15 +215,15 @@ static void a_relay_test_begins_where_its_loop_is_in_hand(void)
     bench.s.loop[BOTTOM].mode = LOOP_AUTO; /* of the other loop no matter */
     TEST_ASSERT_EQUAL_INT(ERR_OK, commission_may_relay(&bench.s, TOP, &what, &wanted));
     relays(BOTTOM, "bottom", "acts");
-    bench.s.output[REFLUX].manual = N(0.0049);
+    bench.s.mv[REFLUX].manual = N(0.0049);
     relays(TOP, "reflux", "no room");
-    bench.s.output[REFLUX].manual = N(0.0051);
+    bench.s.mv[REFLUX].manual = N(0.0051);
     TEST_ASSERT_EQUAL_INT(ERR_OK, commission_may_relay(&bench.s, TOP, &what, &wanted));
     bench.s.measurement[T1].quality = QUALITY_UNCERTAIN;
-    relays(TOP, "T1", "not believed");
-    bench.s.output[REFLUX].interlocked = true;
+    relays(TOP, "T1", "not valid");
+    bench.s.mv[REFLUX].interlocked = true;
     relays(TOP, "reflux", "interlock");
-    bench.s.output[REFLUX].bound = false;
+    bench.s.mv[REFLUX].bound = false;
     relays(TOP, "reflux", "not there");
     bench.s.loop[TOP].mode = LOOP_CASCADE;
     relays(TOP, "top", "acts");
@@ -232,7 +232,7 @@ static void a_relay_test_begins_where_its_loop_is_in_hand(void)
     struct config_fault fault;
     TEST_ASSERT_EQUAL_INT(ERR_OK, plan_set_tick(&bench.plan[bench.current], 2, &fault));
     relays(TOP, "top", "two positions");
-    bench.plan[bench.current].loop[TOP].output = PLAN_NONE;
+    bench.plan[bench.current].loop[TOP].mv = PLAN_NONE;
     relays(TOP, "top", "drives a loop");
     bench.s.state = SUPERVISOR_SAFE;
     relays(TOP, NULL, "safe state");
@@ -255,16 +255,16 @@ static void a_measurement_that_is_held_for_longer_than_three_samples_and_a_half_
     disturbs(REASON_NOT, NULL);
     m->quality = QUALITY_UNCERTAIN;
     m->alarm = true;
-    m->good_ms = bench.s.time_ms - 7000;
+    m->valid_ms = bench.s.time_ms - 7000;
     disturbs(REASON_NOT, NULL);
-    m->good_ms--;
+    m->valid_ms--;
     disturbs(REASON_LOST, "T10");
     m->alarm = false;
     disturbs(REASON_NOT, NULL);
     m->alarm = true;
-    m->quality = QUALITY_GOOD; /* it is believed again */
+    m->quality = QUALITY_GOOD; /* it is valid again */
     disturbs(REASON_NOT, NULL);
-    m->good_ms = bench.s.time_ms;
+    m->valid_ms = bench.s.time_ms;
     m->quality = QUALITY_BAD;
     disturbs(REASON_LOST, "T10");
     m->quality = QUALITY_UNCERTAIN;
@@ -279,7 +279,7 @@ static void a_measurement_that_is_held_for_longer_than_three_samples_and_a_half_
 
 static void an_output_may_take_five_ticks_to_follow(void)
 {
-    struct output_state *o = &bench.s.output[HEAT];
+    struct mv_state *o = &bench.s.mv[HEAT];
     o->alarm = true;
     o->differs_ms = bench.s.time_ms - 10000;
     disturbs(REASON_NOT, NULL);
@@ -291,14 +291,14 @@ static void an_output_may_take_five_ticks_to_follow(void)
 
 static void whatever_else_happens_ends_a_test(void)
 {
-    bench.s.output[HEAT].manual = N(0.50390625);
+    bench.s.mv[HEAT].manual = N(0.50390625);
     disturbs(REASON_HAND, "heat");
-    bench.s.output[HEAT].manual = N(0.5);
+    bench.s.mv[HEAT].manual = N(0.5);
     bench.s.loop[BOTTOM].mode = LOOP_AUTO;
     disturbs(REASON_HAND, "heat");
-    bench.s.output[HEAT].interlocked = true;
+    bench.s.mv[HEAT].interlocked = true;
     disturbs(REASON_INTERLOCK, "heat");
-    bench.s.output[REFLUX].interlocked = true;
+    bench.s.mv[REFLUX].interlocked = true;
     disturbs(REASON_INTERLOCK, "reflux");
     c.at_end_again = 1;
     disturbs(REASON_SPAN, "T1");
@@ -346,7 +346,7 @@ static void what_stands_in_the_way_of_a_trial(void)
 {
     pairs();
     hinders(REASON_NOT, NULL);
-    struct output_state *o = &bench.s.output[HEAT];
+    struct mv_state *o = &bench.s.mv[HEAT];
     o->alarm = true;
     o->differs_ms = bench.s.time_ms - 10001;
     hinders(REASON_ACTUATOR, "heat");
@@ -365,8 +365,8 @@ static void what_stands_in_the_way_of_a_trial(void)
     hinders(REASON_ACTUATOR, "heat");
     o->interlocked = true;
     hinders(REASON_INTERLOCK, "heat");
-    *o = bench.s.output[REFLUX];
-    o = &bench.s.output[REFLUX];
+    *o = bench.s.mv[REFLUX];
+    o = &bench.s.mv[REFLUX];
     o->interlocked = true;
     hinders(REASON_INTERLOCK, "reflux");
     bench.s.measurement[T5].lost = true;

@@ -265,7 +265,7 @@ static void the_model_says_where_it_goes_while_what_is_under_way_arrives(void)
         TEST_ASSERT_EQUAL_INT(LIMITS_FINE, judged()); /* 0.2032 */
         is(1, sign * -0.089);
         TEST_ASSERT_EQUAL_INT(LIMITS_TURN, judged()); /* 0.2043 */
-        /* Where the line is believed the model has all of the room. */
+        /* Where the line is valid the model has all of the room. */
         e.config.line_guard = true;
         is(1, sign * 0.045);
         TEST_ASSERT_EQUAL_INT(LIMITS_FINE, judged()); /* 0.2536 */

@@ -27,9 +27,9 @@ void setUp(void)
                                     .window = 40,
                                     .guard = TEST_GUARD_MODEL};
     for (unsigned i = 0; i < CHANNEL_MAX; i++) {
-        cf->measurement[i].test = cf->output[i].test = i < 2;
-        cf->measurement[i].test_critical = cf->output[i].test_critical = 0;
-        cf->measurement[i].test_limit = cf->output[i].test_step = cf->output[i].test_time_s = 0;
+        cf->measurement[i].test = cf->mv[i].test = i < 2;
+        cf->measurement[i].test_critical = cf->mv[i].test_critical = 0;
+        cf->measurement[i].test_limit = cf->mv[i].test_step = cf->mv[i].test_time_s = 0;
     }
     commission_init(&c, &bench.events, commission_fresh_region());
     commission_lease(&c);
@@ -114,8 +114,8 @@ static void what_is_configured_is_taken(void)
 
 static void an_amplitude_and_a_half_that_are_given_hold(void)
 {
-    cf->output[0].test_step = 1; /* of 10 */
-    cf->output[0].test_time_s = 101;
+    cf->mv[0].test_step = 1; /* of 10 */
+    cf->mv[0].test_time_s = 101;
     start(0);
     NEAR(0.1, x->amplitude);
     NEAR(0.5, x->amplitude_max);
@@ -129,7 +129,7 @@ static void an_amplitude_and_a_half_that_are_given_hold(void)
     NEAR(0.05, x->amplitude);
     NEAR(0.05, x->amplitude_max);
     c.input[0].amplitude_most = 0;
-    cf->output[0].test_step = 0.6f;
+    cf->mv[0].test_step = 0.6f;
     start(0);
     NEAR(0.06, x->amplitude);
     c.input[0].amplitude_most = REAL_C(0.07); /* no room for it */
@@ -227,7 +227,7 @@ static void pair(unsigned n, const char *measurement, const char *output, double
     struct pair_config *p = &cf->pair[n];
     memset(p, 0, sizeof *p);
     strcpy(p->measurement, measurement);
-    strcpy(p->output, output);
+    strcpy(p->mv, output);
     p->time_s = (float)time_s;
     p->gain = (float)gain;
 }
@@ -260,10 +260,10 @@ static void what_is_known_of_a_pair_beforehand_is_taken(void)
     start(0);
     TEST_ASSERT_EQUAL_UINT32(202, x->half_least);
     NEAR(0.1, x->amplitude_first);
-    cf->output[0].lo = cf->output[0].min = -10; /* of a span of 20 */
+    cf->mv[0].lo = cf->mv[0].min = -10; /* of a span of 20 */
     start(0);
     NEAR(0.05, x->amplitude_first);
-    cf->output[0].test_step = 2;
+    cf->mv[0].test_step = 2;
     start(0);
     NEAR(0.1, x->amplitude);
 }
@@ -468,7 +468,7 @@ static void a_response_of_another_shape_gets_a_smaller_step(void)
 static void a_given_amplitude_stays_in_later_rounds(void)
 {
     tested(0.05, 2, 0.1);
-    cf->output[0].test_step = 1;
+    cf->mv[0].test_step = 1;
     start(0);
     NEAR(0.1, x->amplitude);
 }
@@ -538,11 +538,11 @@ static void a_number_that_is_none_ends_it(void)
 static void critical_inputs_come_first(void)
 {
     bench.config = *cf;
-    strcpy(bench.config.output[2].name, "spare");
-    bench.config.output[2].test = bench.config.output[2].test_critical = 1;
+    strcpy(bench.config.mv[2].name, "spare");
+    bench.config.mv[2].test = bench.config.mv[2].test_critical = 1;
     apply();
     cf = &bench.plan[bench.current].config;
-    bench.s.output[2].manual = N(0.3);
+    bench.s.mv[2].manual = N(0.3);
     bench.s.time_ms = 123000;
     c.round = 7;
     job_ask(&c.job, 1);
@@ -591,22 +591,22 @@ static void what_a_test_would_do_is_told_beforehand(void)
     NEAR(0.25, e.most);
     NEAR(3 * 80.0 + 2 * 80.0, e.least_s); /* three halves of a window, and two of rest */
     NEAR(3 * 2000.0 + 2 * 80.0, e.most_s);
-    bench.s.output[0].manual = N(0.015625);
+    bench.s.mv[0].manual = N(0.015625);
     e = expected_of_input(&bench.s, 0);
     NEAR(0.015625, e.first);
     NEAR(0.015625, e.most);
-    bench.s.output[0].manual = N(0.5);
-    cf->output[0].test_step = 3;
+    bench.s.mv[0].manual = N(0.5);
+    cf->mv[0].test_step = 3;
     e = expected_of_input(&bench.s, 0);
     NEAR(0.3, e.first);
     NEAR(0.3, e.most);
-    cf->output[0].test_time_s = 0.5f;
+    cf->mv[0].test_time_s = 0.5f;
     e = expected_of_input(&bench.s, 0);
     NEAR(161.5, e.most_s);
-    cf->output[0].lo = cf->output[0].min = -10; /* of a span of 20 */
-    bench.s.output[0].manual = N(0.5);
+    cf->mv[0].lo = cf->mv[0].min = -10; /* of a span of 20 */
+    bench.s.mv[0].manual = N(0.5);
     NEAR(0.15, expected_of_input(&bench.s, 0).first);
-    cf->output[0].test_time_s = 100;
+    cf->mv[0].test_time_s = 100;
     e = expected_of_input(&bench.s, 0);
     NEAR(460.0, e.least_s);
     NEAR(460.0, e.most_s);

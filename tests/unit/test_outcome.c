@@ -307,7 +307,7 @@ static void after_the_last_input_all_is_analysed(void)
     TEST_ASSERT_EQUAL_UINT8(1, c.work->analysis.plant.inputs);
 }
 
-/* An analysis that leaves the pairing open, of gains known to a hundredth, where a two hundredth would be believed. */
+/* An analysis that leaves the pairing open, of gains known to a hundredth, where a two hundredth would be valid. */
 static struct analysis *analysed(void)
 {
     struct analysis *a = &c.work->analysis;

@@ -45,7 +45,7 @@ static void a_plain_configuration_is_resolved_to_indices(void)
 {
     TEST_ASSERT_EQUAL(ERR_OK, build());
     TEST_ASSERT_EQUAL(T10, plan.loop[BOTTOM].pv);
-    TEST_ASSERT_EQUAL(HEAT, plan.loop[BOTTOM].output);
+    TEST_ASSERT_EQUAL(HEAT, plan.loop[BOTTOM].mv);
     TEST_ASSERT_EQUAL(BOTTOM, plan.owner[HEAT]);
     TEST_ASSERT_EQUAL(PLAN_NONE, plan.owner[SPARE]);
     TEST_ASSERT_EQUAL(PLAN_NONE, plan.loop[BOTTOM].outer);
@@ -124,11 +124,11 @@ static void a_feedforward_takes_a_measurement_or_an_input_the_measurement_first(
 {
     put_all((const char *const[]){"ff1.from", "reflux", "ff1.to", "heat", NULL});
     TEST_ASSERT_EQUAL(ERR_OK, build());
-    TEST_ASSERT_TRUE(plan.feedforward[0].from_output);
+    TEST_ASSERT_TRUE(plan.feedforward[0].from_mv);
     TEST_ASSERT_EQUAL_UINT8(REFLUX, plan.feedforward[0].from);
     put("meas3.name", "reflux");
     TEST_ASSERT_EQUAL(ERR_OK, build());
-    TEST_ASSERT_FALSE(plan.feedforward[0].from_output);
+    TEST_ASSERT_FALSE(plan.feedforward[0].from_mv);
     TEST_ASSERT_EQUAL_UINT8(FEED, plan.feedforward[0].from);
 }
 

@@ -271,7 +271,7 @@ static void old_loops_on_the_tested_outputs_make_room_with_all_that_hangs_on_the
     TEST_ASSERT_EQUAL_STRING("y3", config.alarm[1].on);
     TEST_ASSERT_EQUAL_STRING("side", config.alarm[2].on);
     TEST_ASSERT_EQUAL_MEMORY(before.measurement, config.measurement, sizeof config.measurement);
-    TEST_ASSERT_EQUAL_MEMORY(before.output, config.output, sizeof config.output);
+    TEST_ASSERT_EQUAL_MEMORY(before.mv, config.mv, sizeof config.mv);
 }
 
 static void a_skipped_input_keeps_its_loop(void)
@@ -492,7 +492,7 @@ static void prepared(double held, double y, double limit)
     memset(&supervisor, 0, sizeof supervisor);
     supervisor.plan = &plan;
     arena_place(&supervisor, &plan);
-    supervisor.output[0].manual = supervisor.output[1].manual = N(held);
+    supervisor.mv[0].manual = supervisor.mv[1].manual = N(held);
     supervisor.measurement[0].value = supervisor.measurement[1].value = N(y);
     TEST_ASSERT_EQUAL_INT(ERR_OK, proposal_prepare_trial(&c, &supervisor, &config));
 }
@@ -521,7 +521,7 @@ static void prepare(void)
     memset(&supervisor, 0, sizeof supervisor);
     supervisor.plan = &plan;
     arena_place(&supervisor, &plan);
-    supervisor.output[0].manual = supervisor.output[1].manual = N(0.5);
+    supervisor.mv[0].manual = supervisor.mv[1].manual = N(0.5);
     supervisor.measurement[0].value = supervisor.measurement[1].value = N(0.4);
     TEST_ASSERT_EQUAL_INT(ERR_OK, proposal_prepare_trial(&c, &supervisor, &config));
 }

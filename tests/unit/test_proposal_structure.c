@@ -100,7 +100,7 @@ static void the_outer_loop_drives_the_inner_one_and_that_the_input(void)
     TEST_ASSERT_NOT_EQUAL(PLAN_NONE, outer);
     TEST_ASSERT_NOT_EQUAL(PLAN_NONE, inner);
     TEST_ASSERT_EQUAL_UINT8(inner, plan.loop[outer].inner);
-    TEST_ASSERT_EQUAL_UINT8(0, plan.loop[inner].output);
+    TEST_ASSERT_EQUAL_UINT8(0, plan.loop[inner].mv);
     TEST_ASSERT_EQUAL_STRING("heated", config.loop[outer].pv);
     TEST_ASSERT_EQUAL_STRING("steam", config.loop[inner].pv);
     TEST_ASSERT_EQUAL_FLOAT((float)c.work->analysis.inner_tuning[0].gain,
@@ -154,7 +154,7 @@ static void a_trial_steps_the_outer_loop_no_farther_than_the_inner_one_may_go(vo
                 memset(&supervisor, 0, sizeof supervisor);
                 supervisor.plan = &plan;
                 arena_place(&supervisor, &plan);
-                supervisor.output[0].manual = N(held);
+                supervisor.mv[0].manual = N(held);
                 supervisor.measurement[0].value = N(y);
                 supervisor.measurement[1].value = N(0.4);
                 TEST_ASSERT_EQUAL_INT(ERR_OK, proposal_prepare_trial(&c, &supervisor, &config));
@@ -183,7 +183,7 @@ static void without_room_a_step_is_the_smallest(void)
         memset(&supervisor, 0, sizeof supervisor);
         supervisor.plan = &plan;
         arena_place(&supervisor, &plan);
-        supervisor.output[0].manual = N(places[i][0]);
+        supervisor.mv[0].manual = N(places[i][0]);
         supervisor.measurement[0].value = N(places[i][1]);
         supervisor.measurement[1].value = N(0.4);
         TEST_ASSERT_EQUAL_INT(ERR_OK, proposal_prepare_trial(&c, &supervisor, &config));
@@ -213,7 +213,7 @@ static void a_feedforward_calls_for_nothing_where_the_input_was_held(void)
     const struct ff_config *f = &config.feedforward[0]; /* in place of the old one */
     TEST_ASSERT_EQUAL_STRING("u1", f->from);
     TEST_ASSERT_EQUAL_STRING("u2", f->to);
-    TEST_ASSERT_TRUE(plan.feedforward[0].from_output);
+    TEST_ASSERT_TRUE(plan.feedforward[0].from_mv);
     TEST_ASSERT_EQUAL_FLOAT(1.0f, f->reference);
     TEST_ASSERT_FLOAT_WITHIN(1e-4f, 0.8f, f->gain);
     TEST_ASSERT_FLOAT_WITHIN(1e-3f, 8.0f, f->dead_s);

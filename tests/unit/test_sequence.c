@@ -348,11 +348,11 @@ static void an_offset_is_subtracted_from_the_tick_on_that_switches_it(void)
     TEST_ASSERT_EQUAL(2, happened(EVENT_OFFSET, "level"));
 }
 
-static void what_is_believed_is_judged_by_what_the_instrument_says(void)
+static void what_is_valid_is_judged_by_what_the_instrument_says(void)
 {
     tank.level_mine = true;
     measurement_offset(&bench.s, LEVEL, true);
-    reading(LEVEL, 1); /* -7: further outside the span than is believed of an instrument */
+    reading(LEVEL, 1); /* -7: further outside the span than is valid of an instrument */
     tank_tick();
     TEST_ASSERT_FALSE(bench.s.measurement[LEVEL].alarm);
     TEST_ASSERT_DOUBLE_WITHIN(1e-4, -7, level_now());
@@ -432,7 +432,7 @@ int main(void)
     RUN_TEST(channels_that_change_places_end_it_too);
     RUN_TEST(other_settings_change_meanwhile_without_disturbing_it);
     RUN_TEST(an_offset_is_subtracted_from_the_tick_on_that_switches_it);
-    RUN_TEST(what_is_believed_is_judged_by_what_the_instrument_says);
+    RUN_TEST(what_is_valid_is_judged_by_what_the_instrument_says);
     RUN_TEST(an_interlock_sees_the_corrected_reading);
     RUN_TEST(a_loop_takes_the_switch_without_a_bump);
     RUN_TEST(an_offset_stays_through_the_safe_state_and_ends_with_its_measurement);

@@ -1,5 +1,5 @@
 /* Sequences when something goes wrong: what holds one, what ends one, and that no step goes on by a reading that is
- * not believed. */
+ * not valid. */
 #include "random_source.h"
 #include "sequence_bench.h"
 
@@ -11,7 +11,7 @@ void tearDown(void) {}
 
 /* ---- readings ---- */
 
-static void no_step_goes_on_by_a_reading_that_is_not_believed(void)
+static void no_step_goes_on_by_a_reading_that_is_not_valid(void)
 {
     static const struct {
         enum quality quality;
@@ -56,7 +56,7 @@ static void nor_by_a_value_that_stands_in_for_it(void)
     }
 }
 
-static void time_without_a_believed_reading_does_not_count(void)
+static void time_without_a_valid_reading_does_not_count(void)
 {
     tank.flow_mine = true;
     reading(FLOW, 40);
@@ -134,7 +134,7 @@ static void a_guard_broken_for_its_time_aborts(void)
     TEST_ASSERT_DOUBLE_WITHIN(0, 0, sent(HEAT));
 }
 
-static void a_guard_is_kept_by_believed_readings_alone(void)
+static void a_guard_is_kept_by_valid_readings_alone(void)
 {
     started_at(ROW_HEAT);
     tank.flow_mine = true;
@@ -253,7 +253,7 @@ static void an_interlock_on_an_output_nobody_has_moved_yet_does_not(void)
 {
     cutting("level", "below", "18"); /* holds the heater until the tank is filled */
     started_at(ROW_FILL);
-    TEST_ASSERT_TRUE(bench.s.output[HEAT].interlocked);
+    TEST_ASSERT_TRUE(bench.s.mv[HEAT].interlocked);
     TEST_ASSERT_TRUE(reaches(ROW_HEAT, 300));
     tank_tick();
     TEST_ASSERT_DOUBLE_WITHIN(1e-6, 0.45, sent(HEAT));
@@ -423,7 +423,7 @@ static void check_step(const struct sequence *before, unsigned commands)
         TEST_ASSERT_TRUE(c->until == STEP_ABOVE ? value > c->limit : value < c->limit);
 }
 
-static void whatever_comes_no_step_goes_on_by_what_is_not_believed(void)
+static void whatever_comes_no_step_goes_on_by_what_is_not_valid(void)
 {
     unsigned steps = 0;
     printf("sequences at random: seed %u\n", (unsigned)chance.state);
@@ -461,14 +461,14 @@ static void whatever_comes_no_step_goes_on_by_what_is_not_believed(void)
 int main(void)
 {
     UNITY_BEGIN();
-    RUN_TEST(no_step_goes_on_by_a_reading_that_is_not_believed);
+    RUN_TEST(no_step_goes_on_by_a_reading_that_is_not_valid);
     RUN_TEST(nor_by_a_value_that_stands_in_for_it);
-    RUN_TEST(time_without_a_believed_reading_does_not_count);
+    RUN_TEST(time_without_a_valid_reading_does_not_count);
     RUN_TEST(a_long_gap_between_samples_counts_as_one_tick);
     RUN_TEST(the_time_out_runs_on_while_a_fault_holds_it);
     RUN_TEST(it_goes_on_when_the_reading_is_back_and_somebody_says_so);
     RUN_TEST(a_guard_broken_for_its_time_aborts);
-    RUN_TEST(a_guard_is_kept_by_believed_readings_alone);
+    RUN_TEST(a_guard_is_kept_by_valid_readings_alone);
     RUN_TEST(a_guard_acts_while_the_sequence_is_held);
     RUN_TEST(a_guard_without_grace_ends_it_before_the_next_row_moves_anything);
     RUN_TEST(a_guard_may_hold_instead_once_for_each_go);
@@ -484,7 +484,7 @@ int main(void)
     RUN_TEST(the_time_out_of_an_action_that_never_becomes_possible_runs);
     RUN_TEST(a_safe_state_for_any_other_reason_ends_it);
     RUN_TEST(a_start_may_begin_in_the_safe_state_and_again_after_an_abort);
-    RUN_TEST(whatever_comes_no_step_goes_on_by_what_is_not_believed);
+    RUN_TEST(whatever_comes_no_step_goes_on_by_what_is_not_valid);
     RUN_TEST(plant_time_that_goes_back_or_leaps_breaks_nothing);
     return UNITY_END();
 }

@@ -1,4 +1,4 @@
-/* Readings that are not believed, and what each measurement does then. */
+/* Readings that are not valid, and what each measurement does then. */
 #include "supervisor_bench.h"
 
 void setUp(void)
@@ -59,11 +59,11 @@ static void a_spike_is_over_with_the_next_reading(void)
     reading(T10, 140);
     fault_is(MEASUREMENT_TOO_FAST);
     ASSERT_NO_BUMP(0.55, D(bench.s.measurement[T10].value));
-    reading(T10, 115.9); /* two seconds since the last believed one */
+    reading(T10, 115.9); /* two seconds since the last valid one */
     fault_is(MEASUREMENT_FINE);
 }
 
-static void a_true_jump_is_believed_once_there_was_time_for_it(void)
+static void a_true_jump_is_valid_once_there_was_time_for_it(void)
 {
     set_and_apply("meas2.rate_limit", "1");
     reading(T10, 119.5);
@@ -213,8 +213,8 @@ static void not_following_is_an_alarm_only_after_its_delay_but_works_at_once(voi
     set_and_apply("mv2.follow", "5");
     bench.input.readback[HEAT] = (struct reading){0.5f, QUALITY_GOOD};
     tick();
-    TEST_ASSERT_TRUE(bench.s.output[HEAT].not_following);
-    TEST_ASSERT_DOUBLE_WITHIN(1e-6, 0.25, D(bench.s.output[HEAT].applied));
+    TEST_ASSERT_TRUE(bench.s.mv[HEAT].not_following);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-6, 0.25, D(bench.s.mv[HEAT].applied));
     ticks(4);
     TEST_ASSERT_EQUAL(0, happened(EVENT_NOT_FOLLOWING, NULL));
     tick();
@@ -300,7 +300,7 @@ int main(void)
     UNITY_BEGIN();
     RUN_TEST(each_kind_of_fault_is_told_apart);
     RUN_TEST(a_spike_is_over_with_the_next_reading);
-    RUN_TEST(a_true_jump_is_believed_once_there_was_time_for_it);
+    RUN_TEST(a_true_jump_is_valid_once_there_was_time_for_it);
     RUN_TEST(a_steady_reading_is_frozen_only_after_its_time_and_thaws_with_the_least_change);
     RUN_TEST(without_limits_neither_speed_nor_rest_is_a_fault);
     RUN_TEST(hold_keeps_the_value_for_its_time_then_goes_to_manual);

@@ -75,7 +75,7 @@ static void an_input_the_plant_does_not_have_calls_for_nothing(void)
     put("ff1.from", "spare");
     put("ff1.reference", "1");
     apply();
-    bench.s.output[SPARE].bound = false;
+    bench.s.mv[SPARE].bound = false;
     ticks(3);
     ASSERT_NO_BUMP(0.5, sent(HEAT));
     TEST_ASSERT_TRUE(num_eq(bench.s.loop[BOTTOM].feedforward, num_zero()));
@@ -87,10 +87,10 @@ static void it_goes_and_comes_without_a_bump_with_the_input_it_looks_at(void)
     out(TOP, 9);
     ticks(3);
     TEST_ASSERT_DOUBLE_WITHIN(1e-5, 0.7, sent(HEAT));
-    bench.s.output[REFLUX].bound = false;
+    bench.s.mv[REFLUX].bound = false;
     ticks(2);
     TEST_ASSERT_DOUBLE_WITHIN(BUMP, 0.7, sent(HEAT));
-    bench.s.output[REFLUX].bound = true; /* it has waited at its safe value, 0 */
+    bench.s.mv[REFLUX].bound = true; /* it has waited at its safe value, 0 */
     ticks(2);
     TEST_ASSERT_DOUBLE_WITHIN(BUMP, 0.7, sent(HEAT));
     out(TOP, 2);

@@ -209,7 +209,7 @@ static void a_loop_acts_only_while_its_channels_are_there(void)
     mode(BOTTOM, LOOP_AUTO);
     TEST_ASSERT_EQUAL(1, happened(EVENT_MODE_REFUSED, "bottom"));
     supervisor_unbind(&bench.s);
-    supervisor_bind_output(&bench.s, HEAT);
+    supervisor_bind_mv(&bench.s, HEAT);
     mode(BOTTOM, LOOP_AUTO);
     TEST_ASSERT_EQUAL(2, happened(EVENT_MODE_REFUSED, "bottom"));
     supervisor_bind_measurement(&bench.s, T10);
@@ -227,14 +227,14 @@ static void a_loop_whose_channel_is_no_longer_bound_goes_to_manual(void)
     supervisor_unbind(&bench.s);
     supervisor_bind_measurement(&bench.s, T1);
     supervisor_bind_measurement(&bench.s, T10);
-    supervisor_bind_output(&bench.s, REFLUX); /* heat is gone */
+    supervisor_bind_mv(&bench.s, REFLUX); /* heat is gone */
     tick();
     TEST_ASSERT_EQUAL(LOOP_MANUAL, bench.s.loop[BOTTOM].mode);
     TEST_ASSERT_EQUAL(LOOP_AUTO, bench.s.loop[TOP].mode);
     TEST_ASSERT_EQUAL(1, happened(EVENT_MODE, "bottom")); /* and says so */
     TEST_ASSERT_EQUAL(0, happened(EVENT_MODE, "top"));
     supervisor_unbind(&bench.s);
-    supervisor_bind_output(&bench.s, REFLUX); /* and now T1 */
+    supervisor_bind_mv(&bench.s, REFLUX); /* and now T1 */
     tick();
     TEST_ASSERT_EQUAL(LOOP_MANUAL, bench.s.loop[TOP].mode);
     TEST_ASSERT_EQUAL(1, happened(EVENT_MODE, "bottom"));

@@ -144,15 +144,15 @@ static void a_step_leaves_a_fifth_of_the_room_of_every_input(void)
         a->tried[0].moved[l] = 0;
     }
     a->tried[0].moved[0] = a->tried[0].moved[1] = REAL_C(0.5); /* the one with less room decides */
-    bench.s.output[HEAT].manual = N(0.75);
+    bench.s.mv[HEAT].manual = N(0.75);
     NEAR(0.02, step());
-    bench.s.output[REFLUX].manual = N(0.125);
+    bench.s.mv[REFLUX].manual = N(0.125);
     NEAR(0.01, step());
-    bench.s.output[REFLUX].manual = N(0.0);
+    bench.s.mv[REFLUX].manual = N(0.0);
     NEAR(1e-4, step()); /* none at all: a step that is none */
     a->tried[0].moved[0] = a->tried[0].moved[1] = REAL_C(0.001);
-    bench.s.output[REFLUX].manual = N(0.5);
-    bench.s.output[HEAT].manual = N(0.5);
+    bench.s.mv[REFLUX].manual = N(0.5);
+    bench.s.mv[HEAT].manual = N(0.5);
     cf->measurement[T1].test_limit = 100;
     c.noise_sd[1] = 1;
     NEAR(0.5, step());

@@ -63,7 +63,7 @@ struct observer {
     bool gain_wanted; /* settings are newer than the gain that is there or asked for */
     bool gained;      /* the gain is the filter's, not the safe one */
     float interval_s;
-    uint32_t frozen; /* steps for which nothing measured is believed */
+    uint32_t frozen; /* steps for which nothing measured is valid */
     struct observer_design design;
 };
 
@@ -420,13 +420,13 @@ static const char *observer_thaw(void *state, const float *number)
 static const struct block_verb observer_verbs[] = {
     {.name = "freeze",
      .number = "s",
-     .help = "for so long nothing measured is believed",
+     .help = "for so long nothing measured is valid",
      .lo = 1,
      .hi = 86400,
      .access = ACCESS_OPERATOR,
      .run = observer_freeze},
     {.name = "thaw",
-     .help = "what is measured is believed again",
+     .help = "what is measured is valid again",
      .access = ACCESS_OPERATOR,
      .run = observer_thaw},
 };

@@ -163,7 +163,7 @@ static void setpoints_are_followed_without_offset(void)
     no_error_is_left("top", 97);
     no_error_is_left("bottom", 1);
     plant_event(
-        "xD.bias=-0.5"); /* as if the feed had changed: the sensor reads low, and is believed */
+        "xD.bias=-0.5"); /* as if the feed had changed: the sensor reads low, and is valid */
     plant_event("xB.bias=0.5");
     plant_steps(240);
     no_error_is_left("top", 97.5);

@@ -23,7 +23,7 @@ from reflux_tools.session import Refused
 GREETING_S = 5.0
 SAY_S = 3.0
 ABORT_MOST_S = 130.0  # for a sample that brings what is then aborted
-PATIENCE_TICKS = 8  # for readings to be believed, once configured
+PATIENCE_TICKS = 8  # for readings to be valid, once configured
 LISTINGS = ("model", "gains", "pairing", "structure", "proposal")
 
 
@@ -192,7 +192,7 @@ class Startup:
         return p
 
     def begin(self) -> None:
-        """Readings of channels that have just been configured are believed a sample later."""
+        """Readings of channels that have just been configured are valid a sample later."""
         board, began, said = self.board, time.monotonic(), False
         until_s = board.state().plant_s + PATIENCE_TICKS * self.tick_s
         board.new_events()
@@ -204,7 +204,7 @@ class Startup:
             except Refused as error:
                 self.pending = False
                 refusal = str(error)
-            passing = "believed" in refusal or "safe state" in refusal
+            passing = "is not valid" in refusal or "safe state" in refusal
             if not passing or board.state().plant_s > until_s:
                 raise RunFailed(f"the board will not begin: {refusal}")
             if not said and time.monotonic() - began > SAY_S:
