@@ -338,7 +338,7 @@ void event_line(const struct event *e, struct text *line)
         block_event_words(e, line);
     if (e->code == EVENT_PROPOSAL_REFUSED) {
         text_str(line, ": ");
-        text_str(line, err_text((enum err)-(int)e->detail));
+        text_str(line, err_text((enum err) - (int)e->detail));
     }
 #endif
     if (event_level(e->code) == EVENT_ACTION)
