@@ -61,8 +61,7 @@ static uint32_t shape_of(const struct config *c)
 }
 _Static_assert(offsetof(struct measurement_config, hi) ==
                        offsetof(struct measurement_config, lo) + sizeof(float) &&
-                   offsetof(struct mv_config, hi) ==
-                       offsetof(struct mv_config, lo) + sizeof(float),
+                   offsetof(struct mv_config, hi) == offsetof(struct mv_config, lo) + sizeof(float),
                "both ends of a span are looked at together");
 
 /* ---- values into settings ---- */

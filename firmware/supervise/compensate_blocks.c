@@ -257,7 +257,7 @@ void compensators_back_calculate(struct supervisor *s, num_t *told)
     for (uint8_t i = 0; loops && i < s->placed[PLACED_LOOPS]; i++) {
         if (!(loops & (1u << i)))
             continue;
-        const struct mv_state *o = &s->output[s->plan->loop[i].output];
+        const struct mv_state *o = &s->mv[s->plan->loop[i].mv];
         less[i] = num_sub(o->applied, o->commanded);
         whole[i] = num_sub(num_sub(o->applied, o->excitation), s->loop[i].feedforward);
     }

@@ -67,8 +67,7 @@ struct record_plan {
     uint8_t members, inputs, points;
     uint8_t member[BLOCK_MEMBERS_MAX]; /* loops */
     uint8_t input[BLOCK_INPUTS_MAX];
-    uint8_t point
-        [BLOCK_POINTS_MAX]; /* measurements; of a feedforward element the MVs it adds to */
+    uint8_t point[BLOCK_POINTS_MAX]; /* measurements; of a feedforward element the MVs it adds to */
     uint8_t last; /* the member whose turn comes last: then it runs for all of them */
 };
 #endif

@@ -45,8 +45,8 @@ float plan_own_reach(const struct plan *plan, uint8_t i)
         above -= f->lo < 0.0f ? f->lo : 0.0f;
     }
 #if CONFIG_BLOCKS
-    below += plan_added_reach(plan, plan->loop[i].output);
-    above += plan_added_reach(plan, plan->loop[i].output);
+    below += plan_added_reach(plan, plan->loop[i].mv);
+    above += plan_added_reach(plan, plan->loop[i].mv);
 #endif
     return below > above ? below : above;
 }

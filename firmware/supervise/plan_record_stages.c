@@ -83,7 +83,7 @@ static uint32_t moved_by(const struct plan *plan, uint8_t n)
             mvs |= 1u << r->point[k];
     if (of_stage(plan, n, STAGE_COMPENSATE))
         for (uint8_t k = 0; k < r->members; k++)
-            mvs |= 1u << plan->loop[r->member[k]].output;
+            mvs |= 1u << plan->loop[r->member[k]].mv;
     return mvs;
 }
 
@@ -115,7 +115,7 @@ enum err plan_check_rings(const struct plan *plan, struct config_fault *fault)
             uint8_t j = plan->record[n].input[k] & (uint8_t)~INPUT_IS_MV;
             if ((plan->record[n].input[k] & INPUT_IS_MV) && moved_by(plan, n) &&
                 (moves[j] & (1u << j)))
-                return refuse_stage(fault, ERR_CYCLE, n, "inputs", plan->config.output[j].name,
+                return refuse_stage(fault, ERR_CYCLE, n, "inputs", plan->config.mv[j].name,
                                     "is moved by what looks at it");
         }
     return ERR_OK;

@@ -46,7 +46,7 @@ static enum err check_member(const struct plan *plan, uint8_t n, uint8_t i,
         for (uint8_t k = 0; k < r->members; k++)
             if (r->member[k] == i)
                 return refuse_record(fault, ERR_CONFLICT, n, "loops", l->name, "is named twice");
-        if (plan->loop[i].output == PLAN_NONE)
+        if (plan->loop[i].mv == PLAN_NONE)
             return refuse_record(fault, ERR_CONFLICT, n, "loops", l->name,
                                  "must drive a manipulated variable itself");
         const char *uncompensated = plan_kind(plan, i)->uncompensated;
@@ -206,7 +206,7 @@ uint16_t plan_record_divisor(const struct plan *plan, uint8_t n)
 static struct block_signal signal_of(const struct config *c, uint8_t at)
 {
     if (at & INPUT_IS_MV) {
-        const struct mv_config *o = &c->output[at & (uint8_t)~INPUT_IS_MV];
+        const struct mv_config *o = &c->mv[at & (uint8_t)~INPUT_IS_MV];
         return (struct block_signal){o->lo, o->hi, true};
     }
     return (struct block_signal){c->measurement[at].lo, c->measurement[at].hi, false};
@@ -227,7 +227,7 @@ void plan_setup_record(const struct plan *plan, uint8_t n, struct block_setup *s
         float reach =
             has_stage(plan, n, STAGE_COMPENSATE) ? plan_member_reach(plan, n, r->member[k]) : 1.0f;
         setup->member[k] =
-            (struct block_member){r->member[k], p->output != PLAN_NONE, m->hi - m->lo, reach};
+            (struct block_member){r->member[k], p->mv != PLAN_NONE, m->hi - m->lo, reach};
         setup->pv[k] = signal_of(&plan->config, p->pv);
     }
     for (uint8_t k = 0; k < r->inputs; k++)

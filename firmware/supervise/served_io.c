@@ -13,7 +13,7 @@
 uint8_t served_input_quality(const struct supervisor *s, uint8_t input, bool measured)
 {
     if (input & INPUT_IS_MV)
-        return s->output[input & ~INPUT_IS_MV].bound ? QUALITY_GOOD : QUALITY_MISSING;
+        return s->mv[input & ~INPUT_IS_MV].bound ? QUALITY_GOOD : QUALITY_MISSING;
     const struct measurement_state *m = &s->measurement[input];
     if (!m->bound || !m->seen)
         return QUALITY_MISSING;
@@ -43,7 +43,7 @@ static void gather_inputs(const struct supervisor *s, uint8_t slot, struct serve
     for (uint8_t k = 0; k < r->inputs; k++) {
         uint8_t at = r->input[k];
         g->input[k] =
-            at & INPUT_IS_MV ? s->output[at & ~INPUT_IS_MV].applied : s->measurement[at].value;
+            at & INPUT_IS_MV ? s->mv[at & ~INPUT_IS_MV].applied : s->measurement[at].value;
         g->quality[k] = served_input_quality(s, at, estimates);
         g->input_applied[k] = at & INPUT_IS_MV ? history_of(s, at & (uint8_t)~INPUT_IS_MV) : NULL;
         g->age_s[k] = input_age_s(s, at);
@@ -80,7 +80,7 @@ void served_gather(const struct supervisor *s, uint8_t slot, struct served_io *g
         g->out[k] = l->v;
         g->clamp[k] = l->clamp;
         g->limited[k] = INTEGRAL_FREE;
-        g->member_applied[k] = history_of(s, s->plan->loop[i].output);
+        g->member_applied[k] = history_of(s, s->plan->loop[i].mv);
         if (loop_drives(s, i))
             g->io.acting = (uint8_t)(g->io.acting | (1u << k));
     }
@@ -123,7 +123,7 @@ void served_give_up(struct supervisor *s, uint8_t slot, const char *reason)
 static const char *input_name(const struct supervisor *s, uint8_t input)
 {
     const struct config *c = &s->plan->config;
-    return input & INPUT_IS_MV ? c->output[input & ~INPUT_IS_MV].name : c->measurement[input].name;
+    return input & INPUT_IS_MV ? c->mv[input & ~INPUT_IS_MV].name : c->measurement[input].name;
 }
 
 void served_give_up_without(struct supervisor *s, uint8_t slot, uint8_t k)

@@ -31,7 +31,7 @@ void supervisor_validate(struct supervisor *s, const struct tick_input *input)
     for (uint8_t i = 0; i < rows; i++) {
         if (s->plan->config.measurement[i].name[0] && !plan_is_estimate(s->plan, i))
             validate_measurement(s, i, &input->measurement[i]);
-        if (s->plan->config.output[i].name[0])
+        if (s->plan->config.mv[i].name[0])
             validate_readback(s, i, &input->readback[i]);
     }
     serve_estimate(s);
@@ -42,7 +42,7 @@ static void drop_unbound(struct supervisor *s, uint8_t i)
 {
     const struct loop_plan *p = &s->plan->loop[i];
     if (!loop_acts(s, i) ||
-        (s->measurement[p->pv].bound && (p->output == PLAN_NONE || s->output[p->output].bound)))
+        (s->measurement[p->pv].bound && (p->mv == PLAN_NONE || s->mv[p->mv].bound)))
         return;
     s->loop[i].mode = LOOP_MANUAL;
     event_put(s->events, s->time_ms, EVENT_MODE, s->plan->config.loop[i].name, (float)LOOP_MANUAL,
@@ -58,8 +58,8 @@ static bool feedforward_input(const struct supervisor *s, uint8_t k, num_t *d)
     if (!s->plan->config.feedforward[k].from[0] || from == PLAN_NONE)
         return false;
     bool output = s->plan->feedforward[k].from_mv;
-    *d = output ? s->output[from].applied : s->measurement[from].value;
-    return output ? s->output[from].bound : s->measurement[from].seen;
+    *d = output ? s->mv[from].applied : s->measurement[from].value;
+    return output ? s->mv[from].bound : s->measurement[from].seen;
 }
 
 /* `before`: what was added in the tick before, for each loop. */
@@ -123,12 +123,12 @@ static void command_outputs(struct supervisor *s)
     }
     compensators_step(s, u);
     for (uint8_t j = 0; j < s->placed[PLACED_MVS]; j++) {
-        if (!s->plan->config.output[j].name[0])
+        if (!s->plan->config.mv[j].name[0])
             continue;
         uint8_t i = s->plan->owner[j];
         bool drives = i != PLAN_NONE && loop_drives(s, i);
-        num_t wanted = drives ? num_add(u[i], s->loop[i].feedforward) : s->output[j].manual;
-        s->output[j].commanded = num_add(wanted, s->output[j].excitation);
+        num_t wanted = drives ? num_add(u[i], s->loop[i].feedforward) : s->mv[j].manual;
+        s->mv[j].commanded = num_add(wanted, s->mv[j].excitation);
     }
 }
 

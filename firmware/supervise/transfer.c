@@ -10,8 +10,8 @@
 /* Where a loop finds output j when it takes over: the limits of what acts count from here on. */
 static num_t output_found(const struct supervisor *s, uint8_t j)
 {
-    const struct mv_config *c = &s->plan->config.output[j];
-    return num_clamp(s->output[j].manual, span_to_fraction(c->min, c->lo, c->hi),
+    const struct mv_config *c = &s->plan->config.mv[j];
+    return num_clamp(s->mv[j].manual, span_to_fraction(c->min, c->lo, c->hi),
                      span_to_fraction(c->max, c->lo, c->hi));
 }
 
@@ -63,10 +63,10 @@ static void transfer_loops(struct supervisor *s, const num_t *before, uint8_t to
         const struct loop_state *l = &s->loop[i];
         bool moves = l->transfer_pending || l->moved;
         v[i] = l->v;
-        if (p->used && p->output != PLAN_NONE && (moves || together || compensated))
+        if (p->used && p->mv != PLAN_NONE && (moves || together || compensated))
             /* The value last sent, or just asked for by hand: a read-back is one sample old, and a valve
              * that still moves would start the loop from where it was. */
-            v[i] = num_sub(output_found(s, p->output), moves ? l->feedforward : before[i]);
+            v[i] = num_sub(output_found(s, p->mv), moves ? l->feedforward : before[i]);
     }
     if (together) {
         num_t u[DECOUPLER_MAX];
@@ -81,7 +81,8 @@ static void transfer_loops(struct supervisor *s, const num_t *before, uint8_t to
         if (!loop_drives(s, i))
             continue;
         uint8_t server = loop_server(s, i);
-        bool moves = l->transfer_pending || l->moved || (i < DECOUPLER_MAX && (together & (1u << i))) ||
+        bool moves = l->transfer_pending || l->moved ||
+                     (i < DECOUPLER_MAX && (together & (1u << i))) ||
                      (compensated & (1u << i)) != 0;
         if (server != PLAN_NONE && moves)
             serve_must_follow(s, server);

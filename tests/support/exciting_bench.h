@@ -67,17 +67,17 @@ static inline void nothing_is_excited(void)
     TEST_ASSERT_NULL(supervisor_excited_by(&bench.s));
 }
 
-static inline void ended(const char *why)
+static inline void ended(const char *reason)
 {
-    TEST_ASSERT_EQUAL_UINT(1, happened(EVENT_EXCITATION_ENDED, why));
+    TEST_ASSERT_EQUAL_UINT(1, happened(EVENT_EXCITATION_ENDED, reason));
     TEST_ASSERT_EQUAL_UINT(1, happened(EVENT_EXCITATION_ENDED, NULL));
     nothing_is_excited();
 }
 
 /* ... and in the same tick nothing of it is left in what is sent. */
-static inline void gone(const char *why)
+static inline void gone(const char *reason)
 {
-    ended(why);
+    ended(reason);
     ASSERT_NO_BUMP(0.5, sent(REFLUX));
     ASSERT_NO_BUMP(0.5, sent(HEAT));
 }

@@ -240,7 +240,7 @@ static void what_is_beyond_all_numbers_is_told_as_a_whole(void)
     reading(T10, 70);
     tick();
     TEST_ASSERT_DOUBLE_WITHIN(1e-6, 1, sent(REFLUX));
-    TEST_ASSERT_TRUE(D(bench.s.output[REFLUX].commanded) > 100);
+    TEST_ASSERT_TRUE(D(bench.s.mv[REFLUX].commanded) > 100);
     /* Nine spans of bottom's output, of which one took effect: so many of top's, then. */
     TEST_ASSERT_DOUBLE_WITHIN(1e-3, -99, D(passed_told(TOP)));
     ticks(9);
@@ -248,7 +248,7 @@ static void what_is_beyond_all_numbers_is_told_as_a_whole(void)
     ticks(400);
     /* Top's output was told to be far below to make up for bottom's share; in float and fixed point alike it comes back. */
     TEST_ASSERT_TRUE(fabs(D(bench.s.loop[BOTTOM].v)) < 3);
-    TEST_ASSERT_TRUE(D(bench.s.output[REFLUX].commanded) < 100);
+    TEST_ASSERT_TRUE(D(bench.s.mv[REFLUX].commanded) < 100);
 }
 
 static void the_outer_loop_of_a_cascade_hears_of_a_limit_behind_it(void)
@@ -414,13 +414,13 @@ static void beside_the_static_decoupler_each_has_loops_of_its_own(void)
 
 /* ---- giving up ---- */
 
-static void giving_up(void (*how)(void), const char *why)
+static void giving_up(void (*how)(void), const char *reason)
 {
     double reflux = sent(REFLUX), heat = sent(HEAT);
     bench_forget_events();
     how();
     tick();
-    TEST_ASSERT_EQUAL_UINT(1, happened(EVENT_BLOCK_GAVE_UP, why));
+    TEST_ASSERT_EQUAL_UINT(1, happened(EVENT_BLOCK_GAVE_UP, reason));
     TEST_ASSERT_DOUBLE_WITHIN(OWN_MOVE, heat, sent(HEAT));
     TEST_ASSERT_DOUBLE_WITHIN(OWN_MOVE, reflux, sent(REFLUX));
     tick();
@@ -491,11 +491,11 @@ static void by_hand(void)
 static void when_it_gives_up_its_members_pass_without_a_bump(void)
 {
     void (*const how[])(void) = {in_the_step, in_back_calculation, in_transfer, by_hand};
-    const char *const why[] = {"test", "test", "test", "asked"};
+    const char *const reason[] = {"test", "test", "test", "asked"};
     fails_with = STAGE_GIVES_UP;
     for (unsigned k = 0; k < 4; k++) {
         well_under_way(crossed);
-        giving_up(how[k], why[k]);
+        giving_up(how[k], reason[k]);
     }
 }
 

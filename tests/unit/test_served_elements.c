@@ -215,11 +215,11 @@ static void another_span_of_what_it_looks_at_begins_anew(void)
 
 /* ---- giving up ---- */
 
-static void giving_up(const char *why)
+static void giving_up(const char *reason)
 {
     double heat = sent(HEAT), reflux = sent(REFLUX);
     ticks(4);
-    TEST_ASSERT_EQUAL_UINT(1, happened(EVENT_BLOCK_GAVE_UP, why));
+    TEST_ASSERT_EQUAL_UINT(1, happened(EVENT_BLOCK_GAVE_UP, reason));
     TEST_ASSERT_DOUBLE_WITHIN(4 * OWN_MOVE, heat, sent(HEAT));
     TEST_ASSERT_DOUBLE_WITHIN(4 * OWN_MOVE, reflux, sent(REFLUX));
     TEST_ASSERT_DOUBLE_WITHIN(1e-6, 0, D(bench.s.loop[BOTTOM].feedforward));
