@@ -217,6 +217,7 @@ void supervisor_take_plan(struct supervisor *s, const struct plan *plan)
         place_measurement(s, old, i);
     for (uint8_t i = n[PLACED_LOOPS]; i < s->placed[PLACED_LOOPS]; i++)
         place_loop(s, old, i);
+    histories_fit(s, plan);
     arena_place(s, plan);
     for (uint8_t i = 0; i < n[PLACED_MEASUREMENTS]; i++)
         place_measurement(s, old, i);

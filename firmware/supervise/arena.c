@@ -90,7 +90,8 @@ static void find_history(const struct supervisor *s, const struct plan *plan, ui
     p->from = history_from(behind_blocks(s), s->history, j);
     p->to = history_from((uint32_t)last->at + last->grains, plan->history, j);
     p->grains = arena_history_grains(plan->history[j]);
-    p->kept = s->history[j] == plan->history[j] ? p->grains * ARENA_GRAIN : 0;
+    uint16_t least = s->history[j] < plan->history[j] ? s->history[j] : plan->history[j];
+    p->kept = least ? applied_history_bytes(least) : 0;
 }
 #endif
 

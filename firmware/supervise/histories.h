@@ -1,8 +1,9 @@
 /* Histories of applied inputs (block/applied_history.h): which MV has one, how far it goes back, and what the tick puts into
  * it. The deepest that a block asked for serves all. Within supervise only.
  *
- * A plan that leaves an MV (name and span), the depth of its history and the base tick as they are leaves the history alone;
- * else, and after the safe state that silence or another plant brings, it begins anew, full of what is applied then. */
+ * A plan that leaves an MV (name and span) and the base tick as they are leaves the history alone; with another depth it goes on
+ * with what there is of it. Else, and after the safe state that silence or another plant brings, it begins anew, full of what
+ * is applied then. */
 #ifndef REFLUX_SUPERVISE_HISTORIES_H
 #define REFLUX_SUPERVISE_HISTORIES_H
 
@@ -13,6 +14,8 @@
 /* How deep that of each MV is, and whether there is memory for them behind the blocks: `at`, in grains. Kinds have accepted
  * their settings already. */
 enum err histories_resolve(struct plan *plan, uint32_t at, struct config_fault *fault);
+/* Before the arena has the places of `next`: what a history of another depth goes on with stands first. */
+void histories_fit(struct supervisor *s, const struct plan *next);
 /* A plan has come into force, and its outputs have their places. old: the one before, or NULL. */
 void histories_place(struct supervisor *s, const struct plan *old);
 /* All begin anew. */
@@ -24,6 +27,7 @@ const struct applied_history *history_of(const struct supervisor *s, uint8_t j);
 
 #else
 
+#define histories_fit(s, next)  ((void)(next))
 #define histories_place(s, old) ((void)(old))
 #define histories_begin(s)      ((void)(s))
 #define histories_append(s)     ((void)(s))

@@ -15,7 +15,7 @@ struct look_settings {
     uint16_t spare;
 };
 
-struct interim_fit {
+struct look {
     num_t out;
     unsigned steps;
     uint16_t divisor;
@@ -38,7 +38,7 @@ static const struct block_parameter look_parameters[] = {
 static uint32_t look_bytes(const struct block_setup *setup)
 {
     (void)setup;
-    return sizeof(struct interim_fit);
+    return sizeof(struct look);
 }
 
 static uint16_t look_history(const struct block_setup *setup)
@@ -56,16 +56,15 @@ static enum err look_check(const struct block_setup *setup, struct block_fault *
 
 static enum err look_configure(void *state, const struct block_setup *setup, bool retune)
 {
-    struct interim_fit *m = state;
+    struct look *m = state;
     const struct look_settings *c = setup->settings;
     if (!retune)
-        *m = (struct interim_fit){0};
+        *m = (struct look){0};
     m->out = num_from_float(c->out);
     return ERR_OK;
 }
 
-static void look_around(struct interim_fit *m, const struct block_io *io, uint8_t members,
-                        uint8_t inputs)
+static void look_around(struct look *m, const struct block_io *io, uint8_t members, uint8_t inputs)
 {
     m->steps++;
     m->divisor = io->divisor;
@@ -77,7 +76,7 @@ static void look_around(struct interim_fit *m, const struct block_io *io, uint8_
 
 static void look_step(void *state, struct block_io *io)
 {
-    struct interim_fit *m = state;
+    struct look *m = state;
     look_around(m, io, 2, 1);
     io->out[0] = io->out[1] = m->out;
 }
@@ -122,7 +121,7 @@ static void put_block(unsigned n, const char *kind, const char *loops, const cha
     memcpy(bench.config.pool + b->at, &settings, sizeof settings);
 }
 
-static struct interim_fit *state_of(unsigned n)
+static struct look *state_of(unsigned n)
 {
     return supervisor_block(&bench.s, (uint8_t)(SLOT_RECORDS + n));
 }
@@ -237,7 +236,7 @@ static void a_controller_reads_those_of_its_members_whoever_moves_them(void)
     mode(TOP, LOOP_AUTO);
     out(BOTTOM, 0.8);
     ticks(3);
-    const struct interim_fit *m = state_of(LOOK);
+    const struct look *m = state_of(LOOK);
     TEST_ASSERT_DOUBLE_WITHIN(1e-6, 0.6, ago(m->member[0], 1)); /* its own output */
     TEST_ASSERT_DOUBLE_WITHIN(1e-6, 0.5, ago(m->member[0], 4));
     TEST_ASSERT_DOUBLE_WITHIN(1e-6, 0.4, ago(m->member[1], 1)); /* a hand's: 0.8 of 2 */
@@ -285,7 +284,7 @@ static void a_block_with_a_divisor_looks_back_in_its_own_steps(void)
     mode(TOP, LOOP_AUTO);
     out(BOTTOM, 1.8);
     ticks(20);
-    const struct interim_fit *m = state_of(LOOK);
+    const struct look *m = state_of(LOOK);
     const struct applied_history *h = m->member[1];
     TEST_ASSERT_EQUAL_UINT16(4, m->divisor);
     TEST_ASSERT_EQUAL_UINT16(9, h->depth);
@@ -335,13 +334,47 @@ static void begun_anew(uint16_t depth)
         TEST_ASSERT_DOUBLE_WITHIN(1e-6, D(bench.s.mv[REFLUX].applied), ago(h, k));
 }
 
-static void another_depth_begins_anew(void)
+static void looks_back(uint16_t depth)
 {
-    bench_start_with(members);
-    ramp_up();
-    put_block(WATCH, "watch", "", "reflux feed", 12);
+    put_block(WATCH, "watch", "", "reflux feed", depth);
     apply();
-    begun_anew(12);
+    TEST_ASSERT_EQUAL_UINT16(depth, history_of(&bench.s, REFLUX)->depth);
+}
+
+/* It was 0.9, 0.8 and so on, and before that as the last of them. */
+static void goes_on(uint32_t known, uint32_t depth)
+{
+    for (uint32_t k = 1; k <= depth; k++)
+        TEST_ASSERT_DOUBLE_WITHIN(1e-6, 0.1 * (10 - (k < known ? k : known)),
+                                  ago(history_of(&bench.s, REFLUX), k));
+}
+
+static void another_depth_goes_on_with_what_there_is(void)
+{
+    for (unsigned turned = 0; turned < 9; turned++) { /* wherever the newest stands in the ring */
+        bench_start_with(members);
+        ticks(turned);
+        ramp_up();
+        looks_back(12);
+        goes_on(9, 12);
+        looks_back(5);
+        goes_on(5, 5);
+        looks_back(7);
+        goes_on(5, 7);
+        out(TOP, 2);
+        tick();
+        TEST_ASSERT_DOUBLE_WITHIN(1e-6, 0.2, ago(history_of(&bench.s, REFLUX), 1));
+        TEST_ASSERT_DOUBLE_WITHIN(1e-6, 0.9, ago(history_of(&bench.s, REFLUX), 2));
+        TEST_ASSERT_DOUBLE_WITHIN(1e-6, 0.5, ago(history_of(&bench.s, REFLUX), 7));
+    }
+}
+
+static void asked_for_later_it_begins_full_too(void)
+{
+    bench_start_with(NULL);
+    ramp_up();
+    looks_back(9);
+    begun_anew(9);
 }
 
 static void another_span_of_the_mv_begins_anew(void)
@@ -416,7 +449,7 @@ static void more_than_there_is_memory_for_is_refused_with_the_bytes_it_needs(voi
     }
     put_block(WATCH, "watch", "", "reflux feed", most);
     apply();
-    begun_anew(most);
+    TEST_ASSERT_EQUAL_UINT16(most, history_of(&bench.s, REFLUX)->depth);
     ticks(most + 2u);
     put_block(WATCH, "watch", "", "reflux feed", (uint16_t)(most + 2u));
     uint32_t bytes = refused();
@@ -446,7 +479,8 @@ int main(void)
     RUN_TEST(a_member_that_drives_a_loop_has_none);
     RUN_TEST(a_block_with_a_divisor_looks_back_in_its_own_steps);
     RUN_TEST(a_plan_that_has_nothing_to_do_with_it_keeps_it_wherever_it_stands_then);
-    RUN_TEST(another_depth_begins_anew);
+    RUN_TEST(another_depth_goes_on_with_what_there_is);
+    RUN_TEST(asked_for_later_it_begins_full_too);
     RUN_TEST(another_span_of_the_mv_begins_anew);
     RUN_TEST(another_mv_in_its_place_begins_anew);
     RUN_TEST(another_base_tick_begins_anew);
