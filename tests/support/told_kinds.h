@@ -124,7 +124,7 @@ static const char *watch_thaw(void *state, const float *number)
 static const char *told_tune(void *state, const float *number)
 {
     struct told *w = watch_state = state;
-    w->tuned = number ? *number : 0.0f;
+    w->tuned = number ? *number : -1.0f;
     w->tunings++;
     return NULL;
 }

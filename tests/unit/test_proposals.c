@@ -95,6 +95,7 @@ static void what_is_its_own_is_named_with_its_number(void)
     mode(TOP, LOOP_AUTO);
     put_proposal(&pair_proposes, proposed_own(1), 0.25f);
     put_proposal(&pair_proposes, proposed_setting(PROPOSED_LOOP_GAIN, 1), 4);
+    put_proposal(&pair_proposes, proposed_setting(PROPOSED_LOOP_GAIN, PROPOSED_SELF), 4);
     tick();
     struct parameter p;
     char name[40] = "";
@@ -104,6 +105,7 @@ static void what_is_its_own_is_named_with_its_number(void)
     parameter_name(&p, &t);
     TEST_ASSERT_EQUAL_STRING("block2.rate", name);
     TEST_ASSERT_EQUAL_HEX32(0x4101, bench.s.proposal.is.value[1].id);
+    TEST_ASSERT_EQUAL_HEX32(0x413F, bench.s.proposal.is.value[2].id); /* a loop like any other */
 }
 
 static void a_block_that_gives_up_in_that_step_proposes_nothing(void)

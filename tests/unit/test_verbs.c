@@ -40,7 +40,7 @@ static void its_number_reaches_it_and_so_does_that_there_is_none(void)
     TEST_ASSERT_EQUAL_FLOAT(12.5f, watch_state->tuned);
     TEST_ASSERT_EQUAL_FLOAT(12.5f, last(EVENT_BLOCK_VERB)->value);
     TEST_ASSERT_TRUE(verb(WATCH, TUNE, NULL));
-    TEST_ASSERT_EQUAL_FLOAT(0, watch_state->tuned);
+    TEST_ASSERT_EQUAL_FLOAT(-1, watch_state->tuned); /* none */
     TEST_ASSERT_EQUAL_UINT(2, watch_state->tunings);
 }
 
