@@ -74,7 +74,7 @@ struct workspace *app_workspace(struct app *app)
     return app->service.workspace;
 }
 
-static void settle_plan(void *context);
+static void activate_plan(void *context);
 
 struct operate *app_door(struct app *app)
 {
@@ -90,8 +90,8 @@ void app_init(struct app *app)
     app->service.io = plant_link_port(&app->link);
     supervisor_take_plan(&app->supervisor, &app->service.plan[app->service.in_force]);
     supervisor_tell_plan(&app->supervisor);
-    app->service.settle = settle_plan;
-    app->service.settle_context = app;
+    app->service.activate = activate_plan;
+    app->service.activate_context = app;
     operate_init(&app->operate, &app->service);
     console_init(&app->console, &app->operate);
 #if WORKSPACE_BYTES
@@ -234,7 +234,7 @@ static void take_requests(struct app *app, bool up_to_last_plan)
 }
 
 /* The main loop needs the buffer of the plan that waits: what the next tick would begin with is done now. */
-static void settle_plan(void *context)
+static void activate_plan(void *context)
 {
     take_requests(context, true);
 }
@@ -439,7 +439,7 @@ static bool do_work(struct app *app)
     uint32_t ticks = s->cost.n, start = hal_cycles();
     /* A piece of a block's work and a plan that comes into force must not meet. */
     if (s->newest != s->in_force && supervisor_work_wanted(&app->supervisor))
-        service_settle(s);
+        service_flush(s);
     bool worked = jobs_work(&app->jobs);
     uint32_t cost = hal_cycles() - start;
     if (worked && ticks == s->cost.n) {

@@ -83,7 +83,7 @@ void adoption_hold(struct adoption *a, const struct supervisor *s)
 {
     for (uint8_t k = 0; k < loops_of(a); k++)
         if (output_of(a, s, k) != PLAN_NONE)
-            a->loop[k].held = num_to_float(s->mv[output_of(a, s, k)].manual);
+            a->loop[k].test_base = num_to_float(s->mv[output_of(a, s, k)].manual);
 }
 
 void adoption_put_back(const struct adoption *a, struct supervisor *s, bool but_hand)
@@ -94,7 +94,7 @@ void adoption_put_back(const struct adoption *a, struct supervisor *s, bool but_
             continue;
         ask(s, i, LOOP_MANUAL);
         if (j != PLAN_NONE)
-            s->mv[j].manual = num_from_float(a->loop[k].held);
+            s->mv[j].manual = num_from_float(a->loop[k].test_base);
     }
 }
 
@@ -247,7 +247,7 @@ static enum adoption_result rest(struct adoption *a, struct supervisor *s)
     for (uint8_t k = 0; a->ticks > AUTO_TICKS && k < loops_of(a); k++) {
         uint8_t j = output_of(a, s, k);
         real_t moved =
-            j == PLAN_NONE ? REAL_C(0.0) : num_to_float(s->mv[j].manual) - a->loop[k].held;
+            j == PLAN_NONE ? REAL_C(0.0) : num_to_float(s->mv[j].manual) - a->loop[k].test_base;
         if (s->loop[a->loop[k].loop].mode != LOOP_MANUAL || real_abs(moved) > MOVED_LEAST)
             return fail_trial(a, ADOPTION_HAND, channel_of(a, s, k));
     }

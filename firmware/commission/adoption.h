@@ -45,7 +45,7 @@ struct adoption_loop {
     real_t left; /* mean error predicted for the last quarter, in the step's direction, likewise */
     real_t size; /* step of the prediction */
     real_t iae, peak; /* as found; peak in units of the step */
-    real_t held;      /* output before the trial, fraction of span */
+    real_t test_base; /* output before the trial, fraction of span */
 };
 
 enum adoption_result {

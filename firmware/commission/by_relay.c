@@ -78,7 +78,7 @@ void commission_begin_relay(struct commission *c, struct supervisor *s)
             c->measurement[c->outputs++] = i;
     c->inputs = 1;
     c->input[0].output = s->plan->loop[loop].mv;
-    c->input[0].held = commission_held_at(s, c->input[0].output);
+    c->input[0].test_base = commission_test_base(s, c->input[0].output);
     event_put(c->events, s->time_ms, EVENT_COMMISSION_BEGUN, s->plan->config.loop[loop].name, 1.0f,
               0);
     commission_start_relay(c, s);
@@ -117,7 +117,7 @@ static enum err begin_cycle(struct commission *c, const struct supervisor *s,
 {
     struct relay_test *t = &c->work->relay;
     const struct mv_config *o = &s->plan->config.mv[c->input[0].output];
-    real_t room = commission_room(s, c->input[0].output, c->input[0].held);
+    real_t room = commission_room(s, c->input[0].output, c->input[0].test_base);
     real_t longest_s = settings(s)->longest_s;
     for (uint8_t j = 0; j < c->outputs; j++) {
         bool drifts = real_abs(at[j].slope_per_s) > REAL_C(2.0) * at[j].slope_sd_per_s;

@@ -18,7 +18,7 @@
 #define END_SHARE    2.5e-4f       /* of a span, from its end: a step of a converter of 12 bits */
 #define HELD_TICKS   REAL_C(3.5)   /* without a valid reading */
 
-real_t commission_held_at(const struct supervisor *s, uint8_t j)
+real_t commission_test_base(const struct supervisor *s, uint8_t j)
 {
     return num_to_float(s->mv[j].manual);
 }
@@ -179,7 +179,7 @@ enum err commission_may_begin(const struct supervisor *s, const char **what, con
                             "acts; `mode NAME manual` first");
         if (s->mv[j].interlocked)
             return hindered(what, wanted, config->mv[j].name, "is held by an interlock");
-        if (commission_room(s, j, commission_held_at(s, j)) < ROOM_LEAST)
+        if (commission_room(s, j, commission_test_base(s, j)) < ROOM_LEAST)
             return hindered(what, wanted, config->mv[j].name,
                             "stands at its operating limit: no room to step both ways");
     }
@@ -215,7 +215,7 @@ enum err commission_may_relay(const struct supervisor *s, uint8_t loop, const ch
     if (!is_valid(s, l->pv))
         return hindered(what, wanted, s->plan->config.measurement[l->pv].name,
                         "is not valid; wait for good readings");
-    if (commission_room(s, l->mv, commission_held_at(s, l->mv)) < ROOM_LEAST)
+    if (commission_room(s, l->mv, commission_test_base(s, l->mv)) < ROOM_LEAST)
         return hindered(what, wanted, s->plan->config.mv[l->mv].name,
                         "stands at its operating limit: no room to step both ways");
     return ERR_OK;
@@ -320,7 +320,7 @@ enum commission_reason commission_disturbance(const struct commission *c,
             return REASON_INTERLOCK;
         if (is_not_following(s, j))
             return REASON_ACTUATOR;
-        if (acting(s, j) != PLAN_NONE || num_to_float(s->mv[j].manual) != c->input[k].held)
+        if (acting(s, j) != PLAN_NONE || num_to_float(s->mv[j].manual) != c->input[k].test_base)
             return REASON_HAND;
     }
     *subject = NULL;

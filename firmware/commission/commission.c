@@ -248,7 +248,7 @@ void commission_end(struct commission *c, struct supervisor *s, enum commission_
     bool others =
         in_acceptance || reason == REASON_HAND || reason == REASON_CONFIG || reason == REASON_SAFE;
     for (uint8_t k = 0; k < c->inputs && !others; k++)
-        s->mv[c->input[k].output].manual = num_from_float(c->input[k].held);
+        s->mv[c->input[k].output].manual = num_from_float(c->input[k].test_base);
     for (uint8_t k = 0; k < c->inputs && !in_acceptance; k++)
         c->unseen = c->unseen || c->input[k].rounds > 0; /* a part of the model */
     c->phase = COMMISSION_ENDED;

@@ -21,7 +21,7 @@ void commission_end(struct commission *c, struct supervisor *s, enum commission_
 bool commission_input_is_tested(const struct supervisor *s, uint8_t j);
 bool commission_measurement_is_tested(const struct supervisor *s, uint8_t i);
 /* Where output j is held, fraction of span. */
-real_t commission_held_at(const struct supervisor *s, uint8_t j);
+real_t commission_test_base(const struct supervisor *s, uint8_t j);
 /* Smaller of the ways from there to both operating limits, fraction of span. */
 real_t commission_room(const struct supervisor *s, uint8_t j, real_t held);
 /* Farthest that a measurement may go from rest, fraction of span. */

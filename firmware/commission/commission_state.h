@@ -93,7 +93,7 @@ struct element {
 
 struct tested_input {
     uint8_t output;   /* index of the manipulated variable in the configuration */
-    real_t held;      /* fraction of span, before the tests */
+    real_t test_base; /* fraction of span, before the tests */
     real_t amplitude; /* of the last test */
     real_t half_s;
     uint8_t rounds; /* tests that count */

@@ -34,8 +34,8 @@ struct expected_input expected_of_input(const struct supervisor *s, uint8_t j)
     struct expected_input e = {.tested = commission_input_is_tested(s, j)};
     if (!e.tested)
         return e;
-    e.held = commission_held_at(s, j);
-    real_t room = commission_room(s, j, e.held), given = o->test_step / (o->hi - o->lo);
+    e.test_base = commission_test_base(s, j);
+    real_t room = commission_room(s, j, e.test_base), given = o->test_step / (o->hi - o->lo);
     bool found = !(given > REAL_C(0.0));
     e.first = least_of(room, found ? AMPLITUDE_FIRST : given);
     e.most = least_of(room, found ? AMPLITUDE_MOST : given);

@@ -7,7 +7,7 @@
 
 struct expected_input {
     bool tested;
-    real_t held; /* fraction of span; goes both ways from there */
+    real_t test_base; /* fraction of span; goes both ways from there */
     real_t first,
         most; /* amplitude of the first step, and of the largest it may grow to, likewise */
     real_t least_s, most_s; /* of one test: at the least times known, and at the longest allowed */

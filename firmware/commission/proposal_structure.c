@@ -74,7 +74,7 @@ static void add_feed(const struct commission *c, struct config *config, const st
                              .lead_s = (float)f->way.lead_s,
                              .lag_s = (float)f->way.lag_s,
                              .dead_s = (float)f->way.dead_s,
-                             .reference = o->lo + (float)in->held * (o->hi - o->lo),
+                             .reference = o->lo + (float)in->test_base * (o->hi - o->lo),
                              .lo = -1.0f,
                              .hi = 1.0f};
     strncpy(ff->from, o->name, sizeof ff->from - 1);

@@ -164,7 +164,7 @@ static enum err begin_input(struct commission *c, const struct supervisor *s)
     const struct config *config = &s->plan->config;
     uint8_t k = c->order[c->at];
     const struct mv_config *o = &config->mv[c->input[k].output];
-    real_t ways = commission_room(s, c->input[k].output, c->input[k].held);
+    real_t ways = commission_room(s, c->input[k].output, c->input[k].test_base);
     struct experiment_config x = {
         .outputs = c->outputs,
         .h_s = s->plan->tick_s,
@@ -281,7 +281,7 @@ void commission_begin(struct commission *c, struct supervisor *s)
         if (!commission_input_is_tested(s, j))
             continue;
         c->input[c->inputs].output = j;
-        c->input[c->inputs++].held = commission_held_at(s, j);
+        c->input[c->inputs++].test_base = commission_test_base(s, j);
     }
     uint8_t n = 0;
     for (unsigned critical = 2; critical-- > 0;)

@@ -429,7 +429,7 @@ static bool print_row(struct console *c)
 static bool go_on_listing(struct console *c)
 {
     char line[CONSOLE_OUTPUT_MAX];
-    service_settle(c->service); /* lines look at states by their index */
+    service_flush(c->service); /* lines look at states by their index */
     /* A few lines a turn, so that telemetry is not kept waiting. */
     for (unsigned turn = 0; turn < 16; turn++) {
         if (hal_uart_room(HAL_UART_CONSOLE) < REPLY_ROOM)

@@ -43,7 +43,7 @@ static bool input_line(const struct console *c, unsigned k, struct text *line)
     float span = o->hi - o->lo;
     text_str(line, "input ");
     text_str(line, o->name);
-    text_named_float(line, "held", o->lo + (float)in->held * span);
+    text_named_float(line, "held", o->lo + (float)in->test_base * span);
     text_named_float(line, "amplitude", (float)in->amplitude * span);
     text_char(line, ' ');
     unit(line, o->unit);

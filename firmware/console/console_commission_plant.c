@@ -68,7 +68,7 @@ bool commission_plan_line(struct console *c, unsigned n, struct text *line)
             return true;
         text_str(line, "input ");
         text_str(line, o->name);
-        text_named_float(line, "held", o->lo + (float)e.held * span);
+        text_named_float(line, "held", o->lo + (float)e.test_base * span);
         text_named_float(line, "step", (float)e.first * span);
         text_named_float(line, "at most", (float)e.most * span);
         text_char(line, ' ');

@@ -49,7 +49,7 @@ static void condition_text(const struct plan *plan, unsigned k, struct text *lin
     static const char *const how[] = {"at once", "above", "below", "steady within"};
     const struct step_config *c = &plan->config.step[k];
     if (c->until == STEP_TIME) {
-        seconds(line, c->hold_s * UINT32_C(1000));
+        seconds(line, c->wait_s * UINT32_C(1000));
         text_str(line, " have passed");
         return;
     }
@@ -61,9 +61,9 @@ static void condition_text(const struct plan *plan, unsigned k, struct text *lin
     text_char(line, ' ');
     text_str(line, how[c->until]);
     amount(line, c->limit, plan->config.measurement[plan->step[k].measurement].unit);
-    if (c->hold_s && c->action != STEP_GUARD) {
+    if (c->wait_s && c->action != STEP_GUARD) {
         text_str(line, " for ");
-        seconds(line, c->hold_s * UINT32_C(1000));
+        seconds(line, c->wait_s * UINT32_C(1000));
     }
 }
 
@@ -97,7 +97,7 @@ static void row_text(const struct plan *plan, unsigned k, struct text *line)
         text_str(line, c->action == STEP_NOTHING ? "until " : ", until ");
         condition_text(plan, k, line);
     }
-    uint32_t longest_s = c->action == STEP_GUARD ? c->hold_s : c->timeout_s;
+    uint32_t longest_s = c->action == STEP_GUARD ? c->wait_s : c->timeout_s;
     if (c->action != STEP_GUARD && !longest_s)
         return;
     text_str(line, "; after ");
@@ -140,7 +140,7 @@ static void progress_text(const struct service *s, struct text *line)
         text_str(line, looks ? "has held " : "waited ");
         seconds(line, q->met_ms);
         text_str(line, " of ");
-        seconds(line, c->hold_s * UINT32_C(1000));
+        seconds(line, c->wait_s * UINT32_C(1000));
         text_str(line, "; ");
     }
     text_str(line, "in step ");

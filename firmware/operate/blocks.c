@@ -149,7 +149,7 @@ enum err operate_verb(struct session *session, uint8_t block, uint8_t verb, cons
 {
     struct service *s = session->door->service;
     enum err err;
-    service_settle(s); /* the block is off, or on, in what is in force */
+    service_flush(s); /* the block is off, or on, in what is in force */
     const struct block_kind *kind = kind_told(session, block, &err, answer);
     if (!kind)
         return err;

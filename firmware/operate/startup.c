@@ -68,7 +68,7 @@ enum err operate_startup(struct session *session, enum commission_ask what, stru
     enum err err = admit_to_startup(session, asks[what].engineer, answer);
     if (err)
         return err;
-    service_settle(s); /* what was applied before counts */
+    service_flush(s); /* what was applied before counts */
     hal_tick_lock();
     if (what == COMMISSION_ASK_BEGIN)
         err = commission_may_begin(s->supervisor, &subject, &wanted);
@@ -87,7 +87,7 @@ enum err operate_relay(struct session *session, uint8_t loop, struct answer *ans
     enum err err = admit_to_startup(session, true, answer);
     if (err)
         return err;
-    service_settle(s); /* what was applied before counts */
+    service_flush(s); /* what was applied before counts */
     if (loop >= CONFIG_LOOPS || !service_plan(s)->loop[loop].used)
         return operate_refuse(answer, ERR_UNKNOWN, NULL, wanted);
     hal_tick_lock();
@@ -127,7 +127,7 @@ static struct config *proposed(struct session *session, enum err *err, struct an
 static enum err may_try(struct service *s, struct answer *answer)
 {
     const char *wanted = "", *subject = NULL;
-    service_settle(s);
+    service_flush(s);
     bool changed = commission_channels(&service_plan(s)->config) != s->commission->channels;
     hal_tick_lock();
     enum err err = commission_may(s->commission, COMMISSION_ASK_TRIAL, &wanted);

@@ -60,7 +60,7 @@ static const struct parameter_field measurement_fields[] = {
     F(measurement_config, hi, 4, "hi", "EU", -BIG, BIG, 100, "upper end of the span (100 %)"),
     F(measurement_config, filter_s, 5, "filter", "s", 0, 1e5f, 0,
       "first-order filter time constant; 0 = none"),
-    F(measurement_config, hold_s, 6, "hold", "s", 0, 1e5f, 60,
+    F(measurement_config, sensor_hold_s, 6, "hold", "s", 0, 1e5f, 60,
       "a bad reading is held this long, then the fall-back follows"),
     W(measurement_config, fallback, 7, "fallback", "hold|substitute|manual|safe", FALLBACK_HOLD,
       "without a valid reading: hold, then manual; hold, then substitute; manual at once; "
@@ -255,7 +255,7 @@ static const struct parameter_field step_fields[] = {
         "measurement that is waited for, or guarded"),
     ROW(7, PARAMETER_FLOAT, STEP(limit), "limit", "EU", -BIG, BIG, 0,
         "of above and below; steady: the width the measurement stays within"),
-    ROW(8, PARAMETER_U16, STEP(hold_s), "hold", "s", 0, 65535, 0,
+    ROW(8, PARAMETER_U16, STEP(wait_s), "hold", "s", 0, 65535, 0,
         "the condition must hold this long; time: how long; guard: how long it may be broken"),
     ROW(9, PARAMETER_U16, STEP(timeout_s), "timeout", "s", 0, 65535, 0,
         "longest wait; 0 = none, for time and confirm"),

@@ -74,17 +74,17 @@ struct config *service_staged(struct service *s)
     return &s->plan[other(s)].config;
 }
 
-void service_settle(struct service *s)
+void service_flush(struct service *s)
 {
     hal_tick_lock();
     if (s->newest != s->in_force)
-        s->settle(s->settle_context);
+        s->activate(s->activate_context);
     hal_tick_unlock();
 }
 
 struct config *service_stage(struct service *s)
 {
-    service_settle(s);
+    service_flush(s);
     release_rows(s);
     *service_staged(s) = service_plan(s)->config;
     s->staged_proposal = false;

@@ -61,8 +61,8 @@ struct service {
     /* Indices into plan[]. The tick writes the one, the main loop the other; where they differ the newest waits. */
     uint8_t in_force, newest;
     /* What the tick does first when a plan waits for it; called with the tick locked out. Set by app. */
-    void (*settle)(void *context);
-    void *settle_context;
+    void (*activate)(void *context);
+    void *activate_context;
     uint32_t serial; /* of the newest plan */
 
     bool staging;         /* between begin and apply: service_staged() is the transaction's */
@@ -86,7 +86,7 @@ static inline const struct plan *service_in_force(const struct service *s)
 
 /* A plan that waits for the tick comes into force now. Until the main loop makes the next one, the states of supervisor
  * and plan in force stay where they are. */
-void service_settle(struct service *s);
+void service_flush(struct service *s);
 /* The configuration being edited, in the scratch plan. */
 struct config *service_staged(struct service *s);
 /* Begins with a copy of service_plan(). A plan that waits for the tick comes into force now; telemetry rows that

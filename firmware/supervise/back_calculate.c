@@ -83,8 +83,8 @@ static void back_outer(struct supervisor *s, uint8_t i)
     tell_applied(s, i, setpoint_clamp(s, p->inner, l->v), l->clamp);
 }
 
-/* What compensated loops are told: v and the way back of (applied - commanded). Where the compensator asks for more than
- * num_t holds, the command does not say by how much the output falls short of it; then the way back of the output itself. */
+/* What compensated loops are told: v and the back-calculation of (applied - commanded). Where the compensator asks for more than
+ * num_t holds, the command does not say by how much the output falls short of it; then that of the output itself. */
 static void back_compensated(struct supervisor *s, num_t *told)
 {
     const struct block_state *b = &s->block[SLOT_MATRIX];

@@ -1,4 +1,4 @@
-/* The way back through a tick: from what was applied to the controllers. Within supervise only. */
+/* Back-calculation: from what was applied to the controllers. Within supervise only. */
 #ifndef REFLUX_SUPERVISE_BACK_CALCULATE_H
 #define REFLUX_SUPERVISE_BACK_CALCULATE_H
 

@@ -54,10 +54,10 @@
 
 /* What a measurement does when it has no valid reading. */
 enum fallback {
-    FALLBACK_HOLD = 0,       /* last value for hold_s, then its loops go to manual */
-    FALLBACK_SUBSTITUTE = 1, /* last value for hold_s, then `substitute` */
+    FALLBACK_HOLD = 0,       /* last value for sensor_hold_s, then its loops go to manual */
+    FALLBACK_SUBSTITUTE = 1, /* last value for sensor_hold_s, then `substitute` */
     FALLBACK_MANUAL = 2,     /* its loops go to manual at once */
-    FALLBACK_SAFE = 3        /* last value for hold_s, then the safe state */
+    FALLBACK_SAFE = 3        /* last value for sensor_hold_s, then the safe state */
 };
 
 struct measurement_config {
@@ -65,10 +65,10 @@ struct measurement_config {
     char unit[CHANNEL_UNIT_SIZE]; /* must equal the announced unit */
     float lo, hi;                 /* span, EU: lo is fraction 0, hi is fraction 1 */
     float filter_s;               /* first-order filter, s; 0 = none */
-    float hold_s;     /* a bad reading is held this long before loops on it go to manual, s */
-    float rate_limit; /* faster than this, EU/s, is not valid; 0 = any */
-    float frozen_s;   /* not the least change for this long is not valid, s; 0 = never */
-    float substitute; /* EU, FALLBACK_SUBSTITUTE */
+    float sensor_hold_s; /* a bad reading is held this long before loops on it go to manual, s */
+    float rate_limit;    /* faster than this, EU/s, is not valid; 0 = any */
+    float frozen_s;      /* not the least change for this long is not valid, s; 0 = never */
+    float substitute;    /* EU, FALLBACK_SUBSTITUTE */
     float infer_gain, infer_offset; /* value = offset + gain * what it is inferred from, EU */
     char infer
         [CHANNEL_NAME_SIZE]; /* manipulated variable or estimate to infer a value from; empty = none */
@@ -203,7 +203,7 @@ struct step_config {
     char measurement[CHANNEL_NAME_SIZE]; /* of the condition */
     float value;                         /* of the action, EU */
     float limit;        /* of the condition, EU; STEP_STEADY: the width it stays within */
-    uint16_t hold_s;    /* the condition must hold for this long; STEP_TIME: how long */
+    uint16_t wait_s;    /* the condition must hold for this long; STEP_TIME: how long */
     uint16_t timeout_s; /* longest wait; 0 = none */
     uint8_t sequence;   /* enum sequence_kind; SEQUENCE_NONE: the row is not used */
     uint8_t action;     /* enum step_action */

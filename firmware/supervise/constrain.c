@@ -30,7 +30,7 @@ static bool interlock_condition(const struct supervisor *s, uint8_t k)
         return true;
     /* The last number stands for as long as a value is held. */
     return !good && m->bound && m->delivered && outside && state->pending &&
-           heard_within(s, k, s->plan->config.measurement[i].hold_s);
+           heard_within(s, k, s->plan->config.measurement[i].sensor_hold_s);
 }
 
 #if CONFIG_BLOCKS

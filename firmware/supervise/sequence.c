@@ -122,7 +122,7 @@ static void run_guards(struct supervisor *s, uint32_t passed_ms)
             q->violated_ms[k] = 0;
             continue;
         }
-        uint32_t limit_ms = c->hold_s * UINT32_C(1000);
+        uint32_t limit_ms = c->wait_s * UINT32_C(1000);
         q->violated_ms[k] += q->violated_ms[k] < limit_ms ? passed_ms : 0;
         if (q->violated_ms[k] < limit_ms)
             continue;
@@ -227,7 +227,7 @@ static bool reading_meets(struct supervisor *s, const struct step_config *c, uin
     if (q->window)
         q->met_ms += passed_ms < most_ms ? passed_ms : most_ms;
     q->window = true;
-    return q->met_ms >= c->hold_s * UINT32_C(1000);
+    return q->met_ms >= c->wait_s * UINT32_C(1000);
 }
 
 static bool condition(struct supervisor *s, uint32_t passed_ms)
@@ -241,7 +241,7 @@ static bool condition(struct supervisor *s, uint32_t passed_ms)
     if (c->until != STEP_TIME)
         return reading_meets(s, c, passed_ms);
     q->met_ms += passed_ms;
-    return q->met_ms >= c->hold_s * UINT32_C(1000);
+    return q->met_ms >= c->wait_s * UINT32_C(1000);
 }
 
 /* ---- from row to row ---- */
@@ -283,7 +283,7 @@ static void begin_row(struct supervisor *s)
         tell_sequence(s, EVENT_SEQUENCE_STEP, sequence_kind_text(q->kind));
     if (c->until == STEP_CONFIRM)
         q->state = SEQUENCE_CONFIRM;
-    if (c->action == STEP_GUARD && c->hold_s == 0)
+    if (c->action == STEP_GUARD && c->wait_s == 0)
         run_guards(s, 0); /* without grace from the first tick on */
 }
 

@@ -90,7 +90,7 @@ static enum err resolve_condition(struct plan *plan, uint8_t k, struct config_fa
                            "of a guard must be above or below");
     if (is_guard(c) && c->otherwise == STEP_GO_ON)
         return refuse_step(fault, ERR_CONFLICT, k, "else", "", "of a guard must be abort or hold");
-    if (c->until == STEP_TIME && c->hold_s == 0)
+    if (c->until == STEP_TIME && c->wait_s == 0)
         return refuse_step(fault, ERR_RANGE, k, "hold", "",
                            "must be above 0: it is the time waited");
     if (!looks(c))
@@ -101,7 +101,7 @@ static enum err resolve_condition(struct plan *plan, uint8_t k, struct config_fa
                            "must be the name of a configured measurement");
     plan->step[k].measurement = i;
     const struct measurement_config *m = &config->measurement[i];
-    if (c->until == STEP_STEADY && !(c->limit > 0.0f && c->hold_s > 0))
+    if (c->until == STEP_STEADY && !(c->limit > 0.0f && c->wait_s > 0))
         return refuse_step(fault, ERR_RANGE, k, c->limit > 0.0f ? "hold" : "limit", c->measurement,
                            "must be above 0: steady is a width and a time");
     if (c->until != STEP_STEADY && !within(c->limit, m->lo, m->hi))
@@ -118,7 +118,7 @@ static enum err check_timeout(const struct step_config *c, uint8_t k, struct con
     if (waits && looks(c) && !c->timeout_s)
         return refuse_step(fault, ERR_RANGE, k, "timeout", c->measurement,
                            "must be given: no measurement is waited for without end");
-    if (waits && c->timeout_s && c->until != STEP_CONFIRM && c->timeout_s <= c->hold_s)
+    if (waits && c->timeout_s && c->until != STEP_CONFIRM && c->timeout_s <= c->wait_s)
         return refuse_step(fault, ERR_RANGE, k, "timeout", "", "must be longer than hold");
     return ERR_OK;
 }

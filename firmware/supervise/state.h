@@ -78,7 +78,7 @@ struct measurement_state {
     bool bound;     /* the plant announces it with the configured unit */
     bool seen;      /* there has been a usable value */
     bool valid;     /* ... and a reading that was valid */
-    bool lost;      /* no valid reading for longer than hold_s */
+    bool lost;      /* no valid reading for longer than sensor_hold_s */
     bool delivered; /* `last` is a reading */
     bool alarm;     /* reported as bad */
     uint8_t fault;  /* enum measurement_fault of the last reading */

@@ -122,7 +122,7 @@ static void fall_back(struct supervisor *s, uint8_t i, float reading)
         m->alarm = true;
         event_put(s->events, s->time_ms, EVENT_MEASUREMENT_BAD, c->name, reading, m->fault);
     }
-    m->lost = !m->valid || sampling_without_s(s, i) > c->hold_s;
+    m->lost = !m->valid || sampling_without_s(s, i) > c->sensor_hold_s;
     if (infer(s, i))
         return;
     if (!m->lost && c->fallback != FALLBACK_MANUAL) {

@@ -39,8 +39,8 @@ static inline void fitted(void)
     c.safe_count = bench.s.safe_count;
     c.outputs = c.inputs = 2;
     c.measurement[1] = c.input[1].output = c.order[1] = 1;
-    c.input[0].held = REAL_C(0.5);
-    c.input[1].held = REAL_C(0.5);
+    c.input[0].test_base = REAL_C(0.5);
+    c.input[1].test_base = REAL_C(0.5);
     c.round = 1;
     c.phase = COMMISSION_FITTING;
     for (unsigned j = 0; j < 2; j++)

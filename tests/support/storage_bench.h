@@ -35,7 +35,7 @@ static inline void bench_tick(void)
     }
 }
 
-static inline void bench_settle(void *context)
+static inline void bench_activate(void *context)
 {
     (void)context;
     bench_tick();
@@ -64,7 +64,7 @@ static inline void bench_init(void)
     supervisor_init(&fw.supervisor, &fw.service.tick_events);
     plant_link_init(&fw.link, &fw.service.tick_events, &fw.supervisor.time_ms);
     fw.service.io = plant_link_port(&fw.link);
-    fw.service.settle = bench_settle;
+    fw.service.activate = bench_activate;
     supervisor_take_plan(&fw.supervisor, &fw.service.plan[fw.service.in_force]);
     storage_init(&fw.storage, &fw.service);
     memcpy(&fresh, &fw, sizeof fw);

@@ -185,7 +185,7 @@ static void the_plant_that_was_predicted_passes_and_is_where_it_was(void)
         TEST_ASSERT_DOUBLE_WITHIN(0.05, (double)l->predicted.peak, (double)l->peak);
         TEST_ASSERT_DOUBLE_WITHIN(1e-3, 0.45, setpoint_of(k));
         TEST_ASSERT_DOUBLE_WITHIN(2e-3, 0.5, sent(k));
-        TEST_ASSERT_DOUBLE_WITHIN(1e-6, 0.5, (double)l->held);
+        TEST_ASSERT_DOUBLE_WITHIN(1e-6, 0.5, (double)l->test_base);
         TEST_ASSERT_EQUAL_INT(LOOP_AUTO, bench.s.loop[k].mode);
     }
 }

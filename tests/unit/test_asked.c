@@ -294,7 +294,7 @@ static void a_trial_goes_on_from_the_operating_point_of_the_tests(void)
     NEAR(3.0, c.origin.since_s);
     TEST_ASSERT_EQUAL_PTR(&c.origin, c.adoption.origin);
     TEST_ASSERT_EQUAL_UINT64(bench.s.time_ms, c.phase_ms);
-    NEAR(0.5, c.adoption.loop[0].held);
+    NEAR(0.5, c.adoption.loop[0].test_base);
     NEAR(1.0, said(EVENT_TRIAL_BEGUN)->value);
     TEST_ASSERT_EQUAL_UINT32(bench.s.plan->serial, c.plan_serial);
     TEST_ASSERT_EQUAL_UINT32(bench.s.safe_count, c.safe_count);

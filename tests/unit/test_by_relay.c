@@ -97,7 +97,7 @@ static void it_begins_with_its_own_measurement_and_the_tested_ones(void)
     TEST_ASSERT_EQUAL_UINT8_ARRAY(((uint8_t[]){T1, T10, FEED}), c.measurement, 3);
     TEST_ASSERT_EQUAL_UINT8(1, c.inputs);
     TEST_ASSERT_EQUAL_UINT8(REFLUX, c.input[0].output);
-    NEAR(0.5, c.input[0].held);
+    NEAR(0.5, c.input[0].test_base);
     TEST_ASSERT_FALSE(c.analysed);
     TEST_ASSERT_EQUAL_UINT8(LOOP_MANUAL, c.by_relay.mode[TOP]);
     TEST_ASSERT_EQUAL_UINT8(LOOP_AUTO, c.by_relay.mode[BOTTOM]);
@@ -264,7 +264,7 @@ static void the_relay_is_made_for_what_is_set(void)
     rests(0, 0, 0, 100);
     NEAR(0.25, r->amplitude);
     begin();
-    c.input[0].held = REAL_C(0.03);
+    c.input[0].test_base = REAL_C(0.03);
     cf->mv[REFLUX].test_step = 2;
     rests(0, 0, 0, 100);
     NEAR(0.03, r->most);
@@ -395,7 +395,7 @@ static void numbers_that_are_none_end_it(void)
     begin();
     cf->test.noise_multiple = -1e9f;
     cf->measurement[T1].test_limit = 0;
-    c.input[0].held = 0; /* no room */
+    c.input[0].test_base = 0; /* no room */
     rests(0, 0, 0, 100);
     TEST_ASSERT_EQUAL_INT(COMMISSION_ENDED, c.phase);
     TEST_ASSERT_EQUAL_INT(REASON_NUMBERS, c.reason);

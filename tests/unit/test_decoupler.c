@@ -1,4 +1,4 @@
-/* Static decoupler: u = D v over the loops that act, and its way back.
+/* Static decoupler: u = D v over the loops that act, and its back-calculation.
  *
  * Accuracy (against products in double): forward and back within 1e-6 (float) and 1.5e-6 (fixed) of the exact
  * product for matrices with entries and inverses up to 10; there and back within 1e-5. */

@@ -30,7 +30,7 @@ void setUp(void)
     c.safe_count = bench.s.safe_count;
     c.outputs = c.inputs = 2;
     c.measurement[1] = c.input[1].output = 1;
-    c.input[0].held = c.input[1].held = REAL_C(0.5);
+    c.input[0].test_base = c.input[1].test_base = REAL_C(0.5);
     what = wanted = NULL;
 }
 void tearDown(void) {}
@@ -49,7 +49,7 @@ static void the_room_is_the_way_to_the_nearer_operating_limit(void)
     NEAR(0.15, commission_room(&bench.s, 0, REAL_C(0.75)));
     NEAR(-0.05, commission_room(&bench.s, 0, REAL_C(0.95)));
     bench.s.mv[0].manual = N(0.375);
-    NEAR(0.375, commission_held_at(&bench.s, 0));
+    NEAR(0.375, commission_test_base(&bench.s, 0));
 }
 
 static void a_limit_is_a_fifth_of_the_span_or_what_is_set_and_half_where_it_is_critical(void)

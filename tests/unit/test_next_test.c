@@ -35,8 +35,8 @@ void setUp(void)
     commission_lease(&c);
     c.outputs = c.inputs = 2;
     c.measurement[1] = c.input[1].output = c.order[1] = 1;
-    c.input[0].held = REAL_C(0.5);
-    c.input[1].held = REAL_C(0.1);
+    c.input[0].test_base = REAL_C(0.5);
+    c.input[1].test_base = REAL_C(0.1);
     x = &c.work->test.experiment.config;
 }
 void tearDown(void) {}
@@ -121,7 +121,7 @@ static void an_amplitude_and_a_half_that_are_given_hold(void)
     NEAR(0.5, x->amplitude_max);
     TEST_ASSERT_EQUAL_UINT32(51, x->half); /* to the nearest tick */
     TEST_ASSERT_EQUAL_UINT32(1000, x->half_most);
-    c.input[0].held = REAL_C(0.06);
+    c.input[0].test_base = REAL_C(0.06);
     start(0);
     NEAR(0.06, x->amplitude);
     c.input[0].amplitude_most = REAL_C(0.05);
@@ -431,13 +431,13 @@ static void a_later_step_takes_06_of_the_room_and_stands_out_forty_times(void)
     NEAR(0.05, first());
     tested(0.2, 0.01, 0.001);
     NEAR(0.25, first());
-    c.input[0].held = REAL_C(0.22);
+    c.input[0].test_base = REAL_C(0.22);
     NEAR(0.22, first());
     tested(0.2, 0.01, 0.001);
     c.work->element[1][0].fit = c.work->element[0][0].fit; /* by the one that stands out most */
     c.work->element[1][0].fit.gain = REAL_C(-0.41);
     c.noise_sd[1] = REAL_C(0.001);
-    c.input[0].held = REAL_C(0.5);
+    c.input[0].test_base = REAL_C(0.5);
     NEAR(0.2, first());
     c.input[0].amplitude = REAL_C(0.05);
     NEAR(40.0 * 0.001 / 0.41, first());
@@ -555,8 +555,8 @@ static void critical_inputs_come_first(void)
     TEST_ASSERT_EQUAL_UINT8_ARRAY(((uint8_t[]){2, 0, 1}), c.order, 3);
     TEST_ASSERT_EQUAL_UINT8_ARRAY(((uint8_t[]){0, 1}), c.measurement, 2);
     TEST_ASSERT_EQUAL_UINT8(2, c.input[2].output);
-    NEAR(0.5, c.input[0].held);
-    NEAR(0.3, c.input[2].held);
+    NEAR(0.5, c.input[0].test_base);
+    NEAR(0.3, c.input[2].test_base);
     TEST_ASSERT_EQUAL_UINT8(1, c.round);
     TEST_ASSERT_FALSE(job_is_asked(&c.job));
     TEST_ASSERT_EQUAL_UINT8(0, c.adoption.n);
@@ -586,7 +586,7 @@ static void what_a_test_would_do_is_told_beforehand(void)
 {
     struct expected_input e = expected_of_input(&bench.s, 0);
     TEST_ASSERT_TRUE(e.tested);
-    NEAR(0.5, e.held);
+    NEAR(0.5, e.test_base);
     NEAR(0.02, e.first);
     NEAR(0.25, e.most);
     NEAR(3 * 80.0 + 2 * 80.0, e.least_s); /* three halves of a window, and two of rest */

@@ -40,7 +40,7 @@ static void channels(unsigned outputs, unsigned inputs)
     for (uint8_t i = 0; i < 2; i++) {
         c.measurement[i] = c.input[i].output = c.column[i] = i;
         c.input[i].rounds = 1;
-        c.input[i].held = REAL_C(0.25);
+        c.input[i].test_base = REAL_C(0.25);
     }
     c.work->analysis.plant.outputs = c.outputs;
     c.work->analysis.plant.inputs = c.inputs;

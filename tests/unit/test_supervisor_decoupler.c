@@ -254,7 +254,7 @@ static void a_feedforward_that_saturates_the_output_does_not_wind_the_loop_up(vo
     TEST_ASSERT_DOUBLE_WITHIN(1e-6, 1.0, sent(HEAT));
     reading(FEED, 5);
     ticks(2);
-    /* Without the way back the integral would have risen by 1.5 in the meantime. */
+    /* Without back-calculation the integral would have risen by 1.5 in the meantime. */
     TEST_ASSERT_TRUE(sent(HEAT) < 0.6);
 }
 

@@ -1,4 +1,4 @@
-/* The test signal on an output, and what the way back makes of it. */
+/* The test signal on an output, and what back-calculation makes of it. */
 #include "supervisor_bench.h"
 
 void setUp(void)
