@@ -39,7 +39,8 @@ static const char *const reason_texts[REASON_COUNT] = {
     [REASON_TRIAL_REST] = "did not come to rest on trial",
     [REASON_TRIAL_ROOM] = "an output stood at its limit on trial",
     [REASON_SEQUENCE] = "a sequence is under way; `seq` shows it",
-    [REASON_EXCITED] = "excites the plant; `block` shows it, `block BLOCK off` ends that",
+    [REASON_EXCITED] =
+        "excites the plant; `block BLOCK off` ends that, or a change of mode of its loop",
     [REASON_TRIAL_SWINGS] = "oscillated on trial without decaying fast enough",
     [REASON_NO_ANSWER] =
         "its measurement does not answer to the relay, or its action is the wrong one",

@@ -31,6 +31,7 @@ static void block_summary(const struct console *c, uint8_t block, struct text *l
     list_of("  inputs ", b->inputs, line);
     list_of("  points ", b->points, line);
     text_str(line, works[r.work]);
+    text_str(line, r.excites ? "  excites the plant" : "");
 }
 
 static void verb_line(const struct block_verb *verb, struct text *line)

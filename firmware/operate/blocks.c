@@ -36,6 +36,7 @@ bool operate_block(const struct session *session, uint8_t block, struct block_re
                            : input & INPUT_IS_MV ? plan->config.mv[input & ~INPUT_IS_MV].name
                                                  : plan->config.measurement[input].name;
     reading->raised = state->raised;
+    reading->excites = sup->excitation.holder == block + 1u;
     if (job_is_asked(&sup->work[block]))
         reading->work = sup->work[block].late ? BLOCK_WORK_LATE : BLOCK_WORKS;
     hal_tick_unlock();

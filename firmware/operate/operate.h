@@ -190,6 +190,7 @@ struct block_reading {
         *gave_up; /* why it is off: "asked", an input, or a word of the kind; NULL: it is on */
     enum block_work work; /* done between ticks for it */
     uint8_t raised;       /* bit k: the k-th event of its kind holds */
+    bool excites;         /* the plant, with a test signal */
 };
 
 /* In force now; blocks count from 0. False: there is no such block. */

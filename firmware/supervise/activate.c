@@ -3,7 +3,7 @@
 
 #include "supervise/alarms.h"
 #include "supervise/arena.h"
-#include "supervise/block_excitation.h"
+#include "supervise/excitation_plan.h"
 #include "supervise/blocks.h"
 #include "supervise/histories.h"
 #include "supervise/sampling.h"

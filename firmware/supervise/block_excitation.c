@@ -4,7 +4,6 @@
 
 #include "supervise/blocks.h"
 #include "supervise/constrain.h"
-#include "supervise/records.h"
 #include "supervise/span.h"
 
 #if CONFIG_BLOCKS
@@ -38,8 +37,7 @@ static bool is_at_most(num_t a, num_t b) /* false where one is no number */
 
 /* ---- what is excited ---- */
 
-/* The loop under test, or that acts on the MV under test, or PLAN_NONE. */
-static uint8_t excited_loop(const struct supervisor *s, const struct excited *t)
+uint8_t excited_loop(const struct supervisor *s, const struct excited *t)
 {
     return t->what == EXCITE_SETPOINT ? t->at : s->plan->owner[t->at];
 }
@@ -53,7 +51,7 @@ static uint8_t mv_below(const struct plan *plan, uint8_t i)
     return plan->loop[i].mv;
 }
 
-static uint8_t excited_mv(const struct supervisor *s, const struct excited *t)
+uint8_t excited_mv(const struct supervisor *s, const struct excited *t)
 {
     return t->what == EXCITE_SETPOINT ? mv_below(s->plan, t->at) : t->at;
 }
@@ -152,13 +150,18 @@ static enum excite_reason plant_disturbance(const struct supervisor *s)
     return s->state == SUPERVISOR_SAFE ? EXCITE_SAFE : EXCITE_FINE;
 }
 
-/* It has its turns, in which it could ask for an end. */
+static bool is_controller(const struct supervisor *s)
+{
+    return plan_kind(s->plan, (uint8_t)(SLOT_RECORDS + s->excitation.holder - 1u))->stage ==
+           STAGE_CONTROL;
+}
+
+/* It has turns, in which it could ask for an end. Others than controllers have one in every tick. */
 static bool has_turns(const struct supervisor *s, uint8_t n)
 {
     const struct record_plan *r = &s->plan->record[n];
-    uint8_t stage = plan_kind(s->plan, (uint8_t)(SLOT_RECORDS + n))->stage;
-    if (stage == STAGE_ESTIMATE || stage == STAGE_FEED_FORWARD)
-        return stage == STAGE_ESTIMATE || s->block[SLOT_RECORDS + n].running;
+    if (!is_controller(s))
+        return true;
     for (uint8_t k = 0; k < r->members; k++)
         if (loop_drives(s, r->member[k]))
             return true;
@@ -173,14 +176,15 @@ static void tell_end(struct supervisor *s, uint8_t n, enum excite_state state,
     s->excitation.told[n] = (struct excite_told){(uint8_t)state, (uint8_t)reason};
 }
 
-/* The loop's own controller has followed at the setpoint with the signal: it would answer to the change, if it took over now. */
+/* The own controller of a loop that is served has followed at the setpoint with the signal: it would answer to the change, if
+ * it took over now. */
 static void end_on_setpoint(struct supervisor *s, uint8_t i)
 {
     struct loop_state *l = &s->loop[i];
     bool moves = !num_eq(l->excited, num_zero());
     l->setpoint = loop_own_setpoint(l);
     l->excited = l->excite = num_zero();
-    if (moves && loop_acts(s, i))
+    if (moves && is_controller(s) && loop_acts(s, i))
         block_follow_at(s, i, l->told);
 }
 
@@ -336,6 +340,7 @@ static enum excite_reason begin_excitation(struct supervisor *s, uint8_t n,
     e->targets = targets;
     memcpy(e->target, target, targets * sizeof *target);
     e->modes = modes_now(s);
+    e->asked = s->ticks;
     tell_end(s, n, EXCITE_RUNS, EXCITE_FINE);
     event_put(s->events, s->time_ms, EVENT_EXCITATION_BEGUN, s->plan->config.block[n].kind,
               (float)(n + 1u), 0);
@@ -359,6 +364,7 @@ void excitation_take(struct supervisor *s, uint8_t slot, const struct block_io *
     uint8_t n = (uint8_t)(slot - SLOT_RECORDS);
     struct excited target[BLOCK_EXCITES_MAX];
     uint8_t targets = resolve_targets(s, n, io, target);
+    e->asked = is_holder(s, slot) ? s->ticks : e->asked;
     if (!targets) {
         excitation_end_of(s, slot, EXCITE_ASKED);
         tell_end(s, n, EXCITE_OFF, EXCITE_FINE);
@@ -366,13 +372,12 @@ void excitation_take(struct supervisor *s, uint8_t slot, const struct block_io *
     }
     if (e->told[n].state == EXCITE_ENDED)
         return; /* until it has let one step pass without asking */
+    bool holds = is_holder(s, slot);
     enum excite_reason reason = EXCITE_FINE;
-    if (targets > BLOCK_EXCITES_MAX)
+    if (targets > BLOCK_EXCITES_MAX || (holds && !same_targets(e, target, targets)))
         reason = EXCITE_WRONG;
-    else if (!is_holder(s, slot))
+    else if (!holds)
         reason = begin_excitation(s, n, target, targets);
-    else if (!same_targets(e, target, targets))
-        reason = EXCITE_WRONG;
     if (reason == EXCITE_FINE && !take_values(s, io))
         reason = EXCITE_WRONG;
     if (reason == EXCITE_FINE)
@@ -418,77 +423,33 @@ void excitation_add(struct supervisor *s, uint8_t i)
     }
 }
 
-void excitation_check_commands(struct supervisor *s)
+/* Every block but a controller has had its turn in this tick, if it has one. */
+static enum excite_reason command_disturbance(const struct supervisor *s)
 {
     const struct excitation_state *e = &s->excitation;
-    bool within = true;
+    if (e->asked != s->ticks && !is_controller(s))
+        return EXCITE_CHANNEL;
     for (uint8_t k = 0; k < e->targets; k++) {
         const struct excited *t = &e->target[k];
         if (t->what == EXCITE_SETPOINT)
             continue;
         num_t commanded = s->mv[t->at].commanded;
-        within = within && is_within_limits(s, t, commanded, commanded);
+        if (!is_within_limits(s, t, commanded, commanded))
+            return EXCITE_LIMIT;
     }
-    if (within)
+    return EXCITE_FINE;
+}
+
+void excitation_check_commands(struct supervisor *s)
+{
+    const struct excitation_state *e = &s->excitation;
+    enum excite_reason reason = e->holder ? command_disturbance(s) : EXCITE_FINE;
+    if (reason == EXCITE_FINE)
         return;
     for (uint8_t k = 0; k < e->targets; k++)
         if (e->target[k].what != EXCITE_SETPOINT)
             s->mv[e->target[k].at].commanded = base_of(s, &e->target[k]);
-    excitation_end(s, EXCITE_LIMIT);
-}
-
-/* ---- plans ---- */
-
-static bool same_block_in(const struct plan *a, const struct plan *b, uint8_t n)
-{
-    const struct block_config *x = &a->config.block[n], *y = &b->config.block[n];
-    return memcmp(x->kind, y->kind, sizeof x->kind) == 0 && x->bytes == y->bytes &&
-           memcmp(&a->record[n], &b->record[n], sizeof a->record[n]) == 0 &&
-           memcmp(config_record(&a->config, n), config_record(&b->config, n), x->bytes) == 0;
-}
-
-static bool same_mv_in(const struct plan *a, const struct plan *b, uint8_t j)
-{
-    return a->owner[j] == b->owner[j] &&
-           memcmp(&a->config.mv[j], &b->config.mv[j], sizeof a->config.mv[j]) == 0;
-}
-
-static bool same_loops_in(const struct plan *a, const struct plan *b, uint8_t i)
-{
-    for (unsigned depth = 0; depth < CONFIG_LOOPS && i != PLAN_NONE; depth++) {
-        uint8_t pv = a->loop[i].pv;
-        if (memcmp(&a->config.loop[i], &b->config.loop[i], sizeof a->config.loop[i]) != 0 ||
-            memcmp(&a->config.measurement[pv], &b->config.measurement[pv],
-                   sizeof a->config.measurement[pv]) != 0)
-            return false;
-        i = a->loop[i].inner;
-    }
-    return true;
-}
-
-static bool plan_keeps(const struct supervisor *s, const struct plan *next)
-{
-    const struct excitation_state *e = &s->excitation;
-    if (s->plan->tick_s != next->tick_s || s->tick_s != next->tick_s)
-        return false;
-    bool same = same_block_in(s->plan, next, (uint8_t)(e->holder - 1u));
-    for (uint8_t k = 0; k < e->targets; k++) {
-        const struct excited *t = &e->target[k];
-        same = same && same_mv_in(s->plan, next, excited_mv(s, t)) &&
-               same_loops_in(s->plan, next, excited_loop(s, t));
-    }
-    return same;
-}
-
-void excitation_meet_plan(struct supervisor *s, const struct plan *next)
-{
-    struct excitation_state *e = &s->excitation;
-    if (e->holder && !plan_keeps(s, next))
-        excitation_end(s, EXCITE_PLAN);
-    /* Another kind has not asked for anything yet. */
-    for (uint8_t n = 0; s->plan && n < CONFIG_BLOCKS; n++)
-        if (memcmp(s->plan->config.block[n].kind, next->config.block[n].kind, CHANNEL_NAME_SIZE))
-            tell_end(s, n, EXCITE_OFF, EXCITE_FINE);
+    excitation_end(s, reason);
 }
 
 #endif

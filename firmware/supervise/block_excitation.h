@@ -23,24 +23,27 @@ void excitation_end(struct supervisor *s, enum excite_reason reason);
 void excitation_end_of(struct supervisor *s, uint8_t slot, enum excite_reason reason);
 /* ... if MV j is excited: a hand has moved it. */
 void excitation_end_by_hand(struct supervisor *s, uint8_t j);
-/* A plan is about to come into force; ends what it changes. */
-void excitation_meet_plan(struct supervisor *s, const struct plan *next);
+
+/* The loop under test, or that acts on the MV under test, or PLAN_NONE. */
+uint8_t excited_loop(const struct supervisor *s, const struct excited *t);
+/* The MV under test, or the one at the end of the loops from that under test on. */
+uint8_t excited_mv(const struct supervisor *s, const struct excited *t);
 
 /* In a tick, before any loop has its turn: modes, channels, interlocks, sequences. */
 void excitation_watch(struct supervisor *s);
 /* Loop i has its setpoint, within its limits: adds to it what is asked for. */
 void excitation_add(struct supervisor *s, uint8_t i);
-/* Commands are there, limits have not been applied yet: one that comes to a limit ends it. */
+/* Commands are there, limits have not been applied yet: one that comes to a limit ends it, and so does a block that has had no
+ * turn. */
 void excitation_check_commands(struct supervisor *s);
 
 #else
 
-#define excitation_end(s, reason)     ((void)(s))
-#define excitation_end_by_hand(s, j)  ((void)(j))
-#define excitation_meet_plan(s, next) ((void)(next))
-#define excitation_watch(s)           ((void)(s))
-#define excitation_add(s, i)          ((void)(i))
-#define excitation_check_commands(s)  ((void)(s))
+#define excitation_end(s, reason)    ((void)(s))
+#define excitation_end_by_hand(s, j) ((void)(j))
+#define excitation_watch(s)          ((void)(s))
+#define excitation_add(s, i)         ((void)(i))
+#define excitation_check_commands(s) ((void)(s))
 
 #endif
 

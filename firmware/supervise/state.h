@@ -184,6 +184,7 @@ struct excitation_state {
     uint8_t targets;
     struct excite_told told[CONFIG_BLOCKS]; /* what became of each block's asking */
     uint32_t modes;                         /* of all loops when it began, two bits each */
+    uint32_t asked;                         /* tick of the last asking */
     struct excited target[BLOCK_EXCITES_MAX];
 };
 

@@ -125,8 +125,59 @@ static const struct block_kind shake_kind = {
     .step = shake_step,
 };
 
-const struct block_kind *const block_kinds[] = {&pid_kind, &held_kind, &shake_kind};
-const uint8_t block_kind_count = 3;
+/* Feedforward that adds nothing, and a compensator that changes nothing. */
+static void pass_on(void *state, struct block_io *io)
+{
+    (void)state;
+    if (io->acting)
+        io->out[0] = io->in[0];
+}
+
+static void pass_step(void *state, struct block_io *io)
+{
+    pass_on(state, io);
+    ask_for(&wish[ESTIMATOR], io);
+}
+
+static void add_nothing(void *state, struct block_io *io)
+{
+    (void)state;
+    io->out[0] = num_zero();
+    ask_for(&wish[ESTIMATOR], io);
+}
+
+static const struct block_kind ahead_kind = {
+    .name = "ahead",
+    .stage = STAGE_FEED_FORWARD,
+    .parameter = spare_parameter,
+    .parameters = 1,
+    .settings_bytes = 4,
+    .inputs_most = 2,
+    .points_most = 1,
+    .bytes = held_bytes,
+    .check = held_check,
+    .configure = held_configure,
+    .step = add_nothing,
+    .follow = held_back_calculate,
+};
+
+static const struct block_kind pass_kind = {
+    .name = "pass",
+    .stage = STAGE_COMPENSATE,
+    .parameter = spare_parameter,
+    .parameters = 1,
+    .settings_bytes = 4,
+    .members_most = 1,
+    .bytes = held_bytes,
+    .check = held_check,
+    .configure = held_configure,
+    .step = pass_step,
+    .back_calculate = pass_on,
+};
+
+const struct block_kind *const block_kinds[] = {&pid_kind, &held_kind, &shake_kind, &ahead_kind,
+                                                &pass_kind};
+const uint8_t block_kind_count = 5;
 
 static inline struct block_excitation on(enum excite_what what, uint8_t which, double value)
 {

@@ -78,6 +78,24 @@ static void loops_that_act_take_no_notice_of_it(void)
     TEST_ASSERT_EQUAL(EXCITE_RUNS, wish[ESTIMATOR].state);
 }
 
+static void compensated(void)
+{
+    put_block(ESTIMATOR, "pass", "top", "");
+}
+
+/* One that takes over from nobody: the controller goes on as it would with any other setpoint. */
+static void a_compensator_excites_a_setpoint_to_which_the_controller_answers(void)
+{
+    begin_with(compensated);
+    double before = sent(REFLUX);
+    wish[ESTIMATOR].ask[0] = on(EXCITE_SETPOINT, 0, 0.02);
+    ticks(2);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-3, before - 0.04, sent(REFLUX)); /* direct, gain 2 */
+    wish[ESTIMATOR].ask[0].what = EXCITE_NOTHING;
+    ticks(2);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-3, before, sent(REFLUX));
+}
+
 static void between_its_steps_it_stays(void)
 {
     begin_with(blocks);
@@ -299,6 +317,7 @@ int main(void)
     RUN_TEST(it_is_added_behind_ramp_and_filter_which_know_nothing_of_it);
     RUN_TEST(what_it_needs_no_more_ends_with_its_asking);
     RUN_TEST(loops_that_act_take_no_notice_of_it);
+    RUN_TEST(a_compensator_excites_a_setpoint_to_which_the_controller_answers);
     RUN_TEST(between_its_steps_it_stays);
     RUN_TEST(an_estimator_excites_an_mv_among_its_inputs_in_manual);
     RUN_TEST(a_restart_comes_back_without_it);

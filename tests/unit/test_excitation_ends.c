@@ -214,6 +214,28 @@ static void an_mv_that_is_lost_ends_it(void)
     ASSERT_NO_BUMP(0.5, sent(REFLUX));
 }
 
+static void feeding_forward(void)
+{
+    blocks();
+    put_block(ESTIMATOR, "ahead", "", "T5 spare");
+    strcpy(bench.config.block[ESTIMATOR].points, "heat");
+}
+
+static void a_block_that_has_no_turn_any_more_ends_it_in_that_tick(void)
+{
+    begin_with(feeding_forward);
+    request(REQUEST_OUTPUT, 0, SPARE, 0, 50);
+    tick();
+    wish[ESTIMATOR].ask[0] = on(EXCITE_INPUT, 1, 0.1);
+    ticks(3);
+    TEST_ASSERT_EQUAL(EXCITE_RUNS, wish[ESTIMATOR].state);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-6, 0.6, sent(SPARE));
+    bench.s.measurement[T5].bound = false;
+    tick();
+    ended("channel");
+    ASSERT_NO_BUMP(0.5, sent(SPARE));
+}
+
 static void the_safe_state_ends_it(void)
 {
     begin();
@@ -415,6 +437,7 @@ int main(void)
     RUN_TEST(a_measurement_that_is_lost_ends_it);
     RUN_TEST(a_substitute_is_no_measurement);
     RUN_TEST(an_mv_that_is_lost_ends_it);
+    RUN_TEST(a_block_that_has_no_turn_any_more_ends_it_in_that_tick);
     RUN_TEST(the_safe_state_ends_it);
     RUN_TEST(silence_of_the_link_ends_it);
     RUN_TEST(the_blocks_giving_up_ends_it);
