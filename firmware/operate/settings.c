@@ -48,7 +48,8 @@ bool operate_settings_are_free(const struct service *s)
 {
     /* An open transaction and a sequence are somebody's work, a save has the scratch plan, and a line of telemetry under
      * way needs the names of its plan. */
-    if (s->staging || storage_saving(s->storage) || s->telemetry.printing)
+    bool read = s->telemetry.printing || storage_saving(s->storage);
+    if (s->staging || read)
         return false;
 #if CONFIG_STEPS
     return !sequence_active(&s->supervisor->sequence);
