@@ -14,6 +14,12 @@
  * does not act (manual, an interlock, a start) gets follow instead: its state is set so that the next step with the
  * same inputs gives the outputs in effect (bumpless transfer). An estimator gets follow before its first step, and before the
  * first after the plant was away: what it remembers may be of another plant, or hours old.
+ *
+ * Compensators and elements with a record (blockN) run in every base tick. A compensator gets step while one of its members
+ * acts, and back_calculate once after each, with differences of 0 where nothing was limited, which have to come to 0. When its
+ * members, which of them act, its settings, or what stands behind it change it gets follow: MVs in, the controllers' outputs
+ * out for which the next step gives these MVs; what is under way in it for the members in `going_on` goes on. An element gets
+ * follow before its first step: it begins at rest at its inputs.
  */
 #ifndef REFLUX_BLOCK_BLOCK_H
 #define REFLUX_BLOCK_BLOCK_H
@@ -31,11 +37,11 @@
 
 enum block_stage { STAGE_ESTIMATE, STAGE_CONTROL, STAGE_COMPENSATE, STAGE_FEED_FORWARD };
 
-/* What a controller of several members does without one of its further inputs. */
+/* What a block of several members does without one of its further inputs, and an element without any. */
 enum block_bad_input {
-    BAD_INPUT_GIVES_UP, /* the loops' own controllers take over */
-    BAD_INPUT_MANUAL,   /* its members go to manual */
-    BAD_INPUT_IS_TOLD   /* it is told by their quality, and has a fall-back of its own */
+    BAD_INPUT_GIVES_UP, /* the loops' own controllers take over; a compensator is passed over, an element adds nothing */
+    BAD_INPUT_MANUAL, /* its members go to manual; of an element the loops on its MVs */
+    BAD_INPUT_IS_TOLD /* it is told by their quality, and has a fall-back of its own */
 };
 
 /* Directions in which the integral of a member may not move, because what it drives is at a limit. */
@@ -46,8 +52,9 @@ struct block_member {
     uint8_t loop; /* its index */
     bool
         drives_mv; /* its output moves an MV, which keeps the limits of the loop; else it is a setpoint */
-    float pv_span;   /* EU */
-    float out_reach; /* the largest |MV less feedforward|, fraction of span */
+    float pv_span; /* EU */
+    float
+        out_reach; /* the largest |MV less feedforward|, fraction of span; of a compensator with another behind it no bound */
 };
 
 #if CONFIG_BLOCKS
@@ -68,7 +75,8 @@ struct block_setup {
 #if CONFIG_BLOCKS
     /* Of blocks with a record. Where any of these has another span the block begins without a past. */
     struct block_signal pv[BLOCK_MEMBERS_MAX]; /* of the members */
-    struct block_signal input[BLOCK_INPUTS_MAX], point[BLOCK_POINTS_MAX];
+    struct block_signal input[BLOCK_INPUTS_MAX],
+        point[BLOCK_POINTS_MAX]; /* of an element the MVs it adds to */
 #endif
 };
 
@@ -82,8 +90,9 @@ struct block_fault {
 struct block_io {
     uint8_t acting;        /* bit k: member k has the block's output */
     const num_t *setpoint; /* [members], of controllers */
-    const num_t *in;       /* [members] PVs; what goes into a compensator; [1] the disturbance */
-    num_t *out; /* [members] outputs: given by step, told to back_calculate, follow and shift */
+    const num_t *in; /* [members] PVs; what goes into a compensator; of an element its inputs */
+    num_t *
+        out; /* [members] outputs: given by step, told to back_calculate, follow and shift; what an element adds, [points] */
     const uint8_t *clamp; /* [members] enum integral_clamp, back_calculate */
     uint8_t *limited; /* [members] enum integral_clamp: limits of its own that its output is at */
 
@@ -100,16 +109,18 @@ struct block_io {
     uint8_t
         ask_work; /* given: work() is wanted, and its result taken after so many steps; 0 = no */
     const char *
-        gives_up; /* given: why, in a word; the loops' own controllers take over, in this step already */
+        gives_up; /* given: why, in a word; the loops' own controllers take over, in this step already; an element adds
+                   * nothing from this step on, of a compensator the MVs stay for this tick, and are passed over it from the
+                   * next on. It may do so in back_calculate and follow as well. */
     /* What took effect of MVs, where the kind keeps a history; NULL where there is no MV: a member that drives a loop, an
      * input that is a measurement. */
     const struct applied_history **member_applied; /* [members] */
     const struct applied_history **input_applied;  /* [inputs] */
     uint16_t divisor;                              /* base ticks of a step */
     struct block_proposal
-        *proposal;      /* a step may put one there; NULL: another waits (block/proposal.h) */
+        *proposal;    /* a step may put one there; NULL: another waits (block/proposal.h) */
     uint8_t going_on; /* of a compensator, follow: acting members that also did in the last step */
-    uint16_t raised;    /* given: bit k: the k-th of the kind's events holds in this step */
+    uint16_t raised;  /* given: bit k: the k-th of the kind's events holds in this step */
     float *event_value; /* [events] given with it, in the unit its words name */
     /* Test signals: */
     struct block_excitation
@@ -208,16 +219,18 @@ struct block_kind {
     /* Settings that check() accepts. retune: new ones for the same members, inputs and points in as many bytes, without a
      * bump; else the state begins without a past. */
     enum err (*configure)(void *state, const struct block_setup *setup, bool retune);
-    /* Whether two setups of the same members and interval come to the same: then nothing is configured again. NULL: never. */
+    /* Whether two setups of the same members and interval come to the same: then nothing is configured again. NULL: of a
+     * record where all its bytes are the same, otherwise never. */
     bool (*same)(const struct block_setup *before, const struct block_setup *now);
     void (*step)(void *state, struct block_io *io);
     void (*back_calculate)(void *state, struct block_io *io);
-    void (*follow)(void *state, struct block_io *io); /* of an estimator it may be NULL */
+    /* Of an estimator it may be NULL; of a compensator whose back_calculate does for values as well. */
+    void (*follow)(void *state, struct block_io *io);
     /* Controllers that act: `out` gets another meaning (another compensator, another feedforward). The next step gives
      * io->out and what has changed since the last one; what is under way goes on. */
     void (*shift)(void *state, struct block_io *io);
     /* Compensators: only the acting members take part from now on. Returns whether that is a change, after which
-     * all of them need a bumpless transfer. */
+     * all of them need a bumpless transfer. One with a record may do without: follow and step are told which act. */
     bool (*select)(void *state, const void *settings, uint8_t acting);
     /* The i-th named inner value, for the console: NULL past the end. */
     const char *(*describe)(const void *state, size_t i, float *value);
