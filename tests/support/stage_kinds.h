@@ -40,6 +40,9 @@ static struct {
     enum stage_call call;
 } stage_fails;
 
+/* What cross and ahead ask for in their steps, while it is something. */
+static struct block_excitation stage_excites;
+
 /* Only float has what is no number; there is no such test in fixed point. */
 static inline num_t no_number(void)
 {
@@ -144,6 +147,7 @@ static void cross_step(void *state, struct block_io *io)
             num_t own = num_add(io->in[k], cross_ratio(x, io, k));
             io->out[k] = cross_other(io, k) ? cross_sum(own, x->k[k], x->x[1 - k]) : own;
         }
+    io->excite[0] = stage_excites;
     x->steps++;
     x->results = (uint8_t)(x->results + io->work_done);
     io->ask_work = x->ask_work;
@@ -354,6 +358,7 @@ static void ahead_step(void *state, struct block_io *io)
         y = num_add(y, num_mul(a->second, io->input[1]));
     io->out[0] = y;
     io->out[1] = num_mul(a->other, y);
+    io->excite[0] = stage_excites;
     a->steps++;
 }
 

@@ -43,6 +43,7 @@ static void crossed_auto(void (*more)(void))
 void setUp(void)
 {
     stage_fails.fault = STAGE_WELL;
+    stage_excites = (struct block_excitation){0};
 }
 void tearDown(void) {}
 
@@ -104,6 +105,23 @@ static void its_work_is_done_as_that_of_other_blocks(void)
         ;
     ticks(5);
     TEST_ASSERT_EQUAL_UINT(1, cross_at(0)->results);
+}
+
+static void it_may_ask_for_a_test_signal_of_which_the_way_back_takes_no_notice(void)
+{
+    bench_start_with(crossed);
+    put_all((const char *const[]){"loop1.ti", "100000", "loop2.ti", "100000", NULL});
+    apply();
+    both_auto();
+    num_t v = bench.s.loop[TOP].v;
+    stage_excites = (struct block_excitation){EXCITE_MV, 0, N(0.02), N(0.02), N(0), N(1)};
+    ticks(5);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-6, 0.52, sent(REFLUX));
+    ASSERT_NO_BUMP(0.5, sent(HEAT));
+    TEST_ASSERT_DOUBLE_WITHIN(BUMP, D(v), D(bench.s.loop[TOP].v));
+    mode(TOP, LOOP_MANUAL);
+    tick();
+    TEST_ASSERT_EQUAL_UINT(1, happened(EVENT_EXCITATION_ENDED, NULL));
 }
 
 /* ---- members come and go ---- */
@@ -683,6 +701,7 @@ int main(void)
     RUN_TEST(it_runs_in_every_tick_whatever_the_divisors_of_its_loops);
     RUN_TEST(a_ratio_to_another_mv);
     RUN_TEST(its_work_is_done_as_that_of_other_blocks);
+    RUN_TEST(it_may_ask_for_a_test_signal_of_which_the_way_back_takes_no_notice);
     RUN_TEST(a_member_that_leaves_and_comes_back_moves_nobodys_output);
     RUN_TEST(an_interlock_on_one_mv_leaves_the_other_alone);
     RUN_TEST(after_the_safe_state_it_begins_again_without_a_bump);

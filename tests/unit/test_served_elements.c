@@ -38,6 +38,7 @@ static void helped_auto(void (*more)(void))
 void setUp(void)
 {
     stage_fails.fault = STAGE_WELL;
+    stage_excites = (struct block_excitation){0};
 }
 void tearDown(void) {}
 
@@ -155,6 +156,24 @@ static void an_interlock_holds_over_it_and_afterwards_there_is_no_bump(void)
     reading(T1, 85);
     ticks(2);
     TEST_ASSERT_DOUBLE_WITHIN(1e-4, 0.1, sent(HEAT));
+}
+
+static void it_may_ask_for_a_test_signal_on_what_it_looks_at_while_it_runs(void)
+{
+    bench_start_with(helped);
+    put("mv3.hi", "10");
+    put("mv3.max", "10");
+    strcpy(bench.config.block[0].inputs, "spare T5");
+    apply();
+    request(REQUEST_OUTPUT, TOP, SPARE, 0, 5);
+    ticks(3);
+    stage_excites = (struct block_excitation){EXCITE_INPUT, 0, N(0.1), N(0.1), N(0), N(1)};
+    ticks(3);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-6, 0.6, sent(SPARE));
+    request(REQUEST_BLOCK, PLAN_NONE, 0, 0, 0);
+    tick();
+    TEST_ASSERT_DOUBLE_WITHIN(1e-6, 0.5, sent(SPARE));
+    TEST_ASSERT_EQUAL_UINT(1, happened(EVENT_EXCITATION_ENDED, NULL));
 }
 
 /* ---- plans ---- */
@@ -397,6 +416,7 @@ int main(void)
     RUN_TEST(it_adds_a_span_at_most);
     RUN_TEST(limits_hold_for_what_it_makes_of_an_mv_and_wind_nobody_up);
     RUN_TEST(an_interlock_holds_over_it_and_afterwards_there_is_no_bump);
+    RUN_TEST(it_may_ask_for_a_test_signal_on_what_it_looks_at_while_it_runs);
     RUN_TEST(a_plan_that_changes_nothing_of_it_does_not_touch_it);
     RUN_TEST(other_settings_other_mvs_or_none_move_no_output);
     RUN_TEST(another_span_of_what_it_looks_at_begins_anew);
