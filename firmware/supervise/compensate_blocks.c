@@ -22,7 +22,7 @@ static bool compensates(const struct supervisor *s, uint8_t slot)
     return is_compensator(s, slot) && !s->block[slot].off && s->block[slot].acting;
 }
 
-/* What last went into it and came out for each member, as far as it took effect: behind the state of its kind. */
+/* For each member what last went into it, as far as that took effect, and what it gave: behind the state of its kind. */
 struct passed {
     num_t in, out;
 };
@@ -150,7 +150,6 @@ static void find_inputs(struct supervisor *s, uint8_t slot, num_t *v)
     s->block[slot].must_follow = false;
     if (!gave_signals(s, slot, &g)) {
         s->block[slot].must_follow = false; /* v stays: what goes in is what comes out */
-        s->block[slot].acting = 0;
         return;
     }
     for (uint8_t k = 0; k < r->members; k++) {
@@ -240,7 +239,6 @@ static void back_compensator(struct supervisor *s, uint8_t slot, num_t *whole, n
         uint8_t i = r->member[k];
         if (!(g.io.acting & (1u << k)))
             continue;
-        passed[k].out = by_whole ? whole[i] : num_add(passed[k].out, less[i]);
         less[i] = !gave ? num_zero() : by_whole ? num_sub(g.out[k], passed[k].in) : g.out[k];
         whole[i] = gave && by_whole ? g.out[k] : num_add(passed[k].in, less[i]);
         passed[k].in = whole[i];

@@ -74,7 +74,7 @@ struct cross {
     uint8_t mask; /* that acted when it last followed */
     unsigned steps, backs, follows;
     uint8_t ask_work, results;
-    num_t in[2]; /* of the last step */
+    num_t in[2], back_in[2]; /* of the last step, and of what was told of it */
 };
 
 static const struct block_parameter cross_parameters[] = {
@@ -137,9 +137,9 @@ static void cross_step(void *state, struct block_io *io)
     if (stage_failed(CALL_STEP, io))
         return;
     for (unsigned k = 0; k < 2; k++) {
+        x->in[k] = io->in[k];
         if (!(io->acting & (1u << k)))
             continue;
-        x->in[k] = io->in[k];
         x->x[k] = num_add(x->x[k], num_mul(x->a, num_sub(io->in[k], x->x[k])));
     }
     for (unsigned k = 0; k < 2; k++)
@@ -176,6 +176,7 @@ static void cross_back_calculate(void *state, struct block_io *io)
         return;
     const num_t g[2] = {x->a, x->a};
     num_t w[2];
+    memcpy(x->back_in, io->in, sizeof x->back_in);
     cross_solve(x, io, g, io->in, w);
     for (unsigned k = 0; k < 2; k++)
         if (io->acting & (1u << k)) {
@@ -308,6 +309,7 @@ struct ahead_settings {
 struct ahead {
     struct lead_lag shape;
     num_t gain, second, other;
+    uint8_t quality; /* of its first input */
     unsigned steps, follows;
 };
 
@@ -356,6 +358,7 @@ static void ahead_step(void *state, struct block_io *io)
     num_t y = num_mul(a->gain, lead_lag_step(&a->shape, io->in[0]));
     if (!num_eq(a->second, num_zero()))
         y = num_add(y, num_mul(a->second, io->input[1]));
+    a->quality = io->quality[0];
     io->out[0] = y;
     io->out[1] = num_mul(a->other, y);
     io->excite[0] = stage_excites;
@@ -394,6 +397,23 @@ static const struct block_kind wary_kind = {
     .inputs_most = 2,
     .points_most = 2,
     .bad_input = BAD_INPUT_MANUAL,
+    .bytes = ahead_bytes,
+    .check = ahead_check,
+    .configure = ahead_configure,
+    .step = ahead_step,
+    .follow = ahead_follow,
+};
+
+/* The same, but it is told. */
+static const struct block_kind keen_kind = {
+    .name = "keen",
+    .stage = STAGE_FEED_FORWARD,
+    .parameter = ahead_parameters,
+    .parameters = 5,
+    .settings_bytes = sizeof(struct ahead_settings),
+    .inputs_most = 2,
+    .points_most = 2,
+    .bad_input = BAD_INPUT_IS_TOLD,
     .bytes = ahead_bytes,
     .check = ahead_check,
     .configure = ahead_configure,
@@ -469,8 +489,8 @@ static const struct block_kind duet_kind = {
 
 /* Those with a record before those without: groups like ffN find theirs all the same. */
 const struct block_kind *const block_kinds[] = {
-    &pid_kind,  &cross_kind,     &twice_kind,       &ahead_kind,        &wary_kind,
-    &duet_kind, &decoupler_kind, &feedforward_kind, &two_position_kind,
+    &pid_kind,  &cross_kind, &twice_kind,     &ahead_kind,       &wary_kind,
+    &keen_kind, &duet_kind,  &decoupler_kind, &feedforward_kind, &two_position_kind,
 };
 const uint8_t block_kind_count = sizeof block_kinds / sizeof block_kinds[0];
 

@@ -140,6 +140,9 @@ static void a_member_that_leaves_and_comes_back_moves_nobodys_output(void)
     reading(T10, 113.5);
     ticks(10); /* alone: what is in manual neither moves nor is moved */
     ASSERT_NO_BUMP(reflux, sent(REFLUX));
+    /* It is told where that is, all the same. */
+    TEST_ASSERT_TRUE(num_eq(bench.s.loop[TOP].v, cross_at(0)->in[0]));
+    TEST_ASSERT_TRUE(num_eq(num_zero(), cross_at(0)->back_in[0]));
     heat = sent(HEAT);
     out(TOP, 3);
     tick();
@@ -150,6 +153,22 @@ static void a_member_that_leaves_and_comes_back_moves_nobodys_output(void)
     TEST_ASSERT_DOUBLE_WITHIN(OWN_MOVE, heat, sent(HEAT));
     TEST_ASSERT_DOUBLE_WITHIN(OWN_MOVE, 0.3, sent(REFLUX));
     TEST_ASSERT_EQUAL(3, cross_at(0)->mask);
+}
+
+static void a_member_that_was_away_between_two_ticks_begins_anew(void)
+{
+    crossed_auto(crossed);
+    reading(T1, 90);
+    tick();
+    TEST_ASSERT_FALSE(num_eq(cross_at(0)->in[0], cross_at(0)->x[0])); /* its lag is under way */
+    double heat = sent(HEAT);
+    mode(TOP, LOOP_MANUAL);
+    out(TOP, 3);
+    mode(TOP, LOOP_AUTO);
+    tick();
+    TEST_ASSERT_DOUBLE_WITHIN(OWN_MOVE, 0.3, sent(REFLUX));
+    TEST_ASSERT_DOUBLE_WITHIN(OWN_MOVE, heat, sent(HEAT));
+    TEST_ASSERT_DOUBLE_WITHIN(OWN_MOVE, D(cross_at(0)->in[0]), D(cross_at(0)->x[0]));
 }
 
 static void an_interlock_on_one_mv_leaves_the_other_alone(void)
@@ -255,8 +274,10 @@ static void what_is_beyond_all_numbers_is_told_as_a_whole(void)
     put("loop2.gain", "20");
     apply();
     both_auto();
+    unsigned follows = cross_at(0)->follows;
     reading(T10, 70);
     tick();
+    TEST_ASSERT_EQUAL_UINT(follows + 1, cross_at(0)->follows);
     TEST_ASSERT_DOUBLE_WITHIN(1e-6, 1, sent(REFLUX));
     TEST_ASSERT_TRUE(D(bench.s.mv[REFLUX].commanded) > 100);
     /* Nine spans of bottom's output, of which one took effect: so many of top's, then. */
@@ -703,6 +724,7 @@ int main(void)
     RUN_TEST(its_work_is_done_as_that_of_other_blocks);
     RUN_TEST(it_may_ask_for_a_test_signal_of_which_the_way_back_takes_no_notice);
     RUN_TEST(a_member_that_leaves_and_comes_back_moves_nobodys_output);
+    RUN_TEST(a_member_that_was_away_between_two_ticks_begins_anew);
     RUN_TEST(an_interlock_on_one_mv_leaves_the_other_alone);
     RUN_TEST(after_the_safe_state_it_begins_again_without_a_bump);
     RUN_TEST(nothing_limited_is_nothing_told);

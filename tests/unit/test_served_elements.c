@@ -93,6 +93,64 @@ static void it_waits_until_all_its_inputs_have_a_value(void)
     TEST_ASSERT_EQUAL_UINT(0, happened(EVENT_BLOCK_GAVE_UP, NULL));
 }
 
+static void it_does_not_begin_on_an_input_that_is_bad(void)
+{
+    bench_start_with(NULL);
+    put("meas3.hold", "2");
+    apply();
+    bad_reading(FEED, QUALITY_BAD, 0);
+    ticks(4);
+    helped();
+    apply();
+    ticks(3);
+    TEST_ASSERT_EQUAL_UINT(0, happened(EVENT_BLOCK_GAVE_UP, NULL));
+    TEST_ASSERT_EQUAL_UINT(0, ahead_at(0)->steps);
+    reading(FEED, 5);
+    tick();
+    TEST_ASSERT_EQUAL_UINT(1, ahead_at(0)->steps);
+}
+
+static void without_the_channel_it_adds_nothing_and_begins_anew_when_that_is_back(void)
+{
+    helped_auto(helped);
+    reading(FEED, 6);
+    ticks(100);
+    double heat = sent(HEAT);
+    bench.s.measurement[FEED].bound = false;
+    tick();
+    TEST_ASSERT_DOUBLE_WITHIN(1e-6, 0, D(bench.s.loop[BOTTOM].feedforward));
+    TEST_ASSERT_DOUBLE_WITHIN(OWN_MOVE, heat, sent(HEAT));
+    bench.s.measurement[FEED].bound = true;
+    reading(FEED, 9);
+    ticks(2);
+    TEST_ASSERT_EQUAL_UINT(2, ahead_at(0)->follows);
+    TEST_ASSERT_DOUBLE_WITHIN(2 * OWN_MOVE, heat, sent(HEAT));
+    TEST_ASSERT_EQUAL_UINT(0, happened(EVENT_BLOCK_GAVE_UP, NULL));
+}
+
+static void keen(void)
+{
+    put("meas3.hold", "2");
+    put_all(
+        (const char *const[]){"meas5.name", "late", "meas5.unit", "degC", "meas5.hi", "100", NULL});
+    put_block(0, "keen", "", "feed late", "heat");
+}
+
+static void one_that_is_told_of_bad_inputs_waits_for_all_and_goes_on_without(void)
+{
+    helped_auto(keen);
+    TEST_ASSERT_EQUAL_UINT(0, ahead_at(0)->steps);
+    reading(4, 30);
+    ticks(2);
+    TEST_ASSERT_EQUAL_UINT(2, ahead_at(0)->steps);
+    bad_reading(FEED, QUALITY_BAD, 0);
+    ticks(4);
+    TEST_ASSERT_EQUAL_UINT(6, ahead_at(0)->steps);
+    TEST_ASSERT_EQUAL(QUALITY_BAD, ahead_at(0)->quality);
+    TEST_ASSERT_EQUAL(LOOP_AUTO, bench.s.loop[BOTTOM].mode);
+    TEST_ASSERT_EQUAL_UINT(0, happened(EVENT_BLOCK_GAVE_UP, NULL));
+}
+
 static void beside_an_element_of_the_fixed_ones_both_add(void)
 {
     bench_start_with(helped);
@@ -392,6 +450,11 @@ static void rings_through_others_are_refused_too(void)
     put("ff1.to", "-");
     put_block(1, "ahead", "", "reflux", "heat");
     refused("block", "inputs", "heat", "is moved by what looks at it");
+    put_block(1, "", "", "", "");
+    put_block(0, "ahead", "", "reflux", "heat");
+    apply();
+    put_all((const char *const[]){"ff1.from", "heat", "ff1.to", "reflux", NULL});
+    refused("block", "inputs", "reflux", "is moved by what looks at it");
 }
 
 static void what_it_may_add_counts_for_what_a_decoupler_must_reach(void)
@@ -412,6 +475,9 @@ int main(void)
     RUN_TEST(it_begins_at_rest_and_adds_to_each_of_its_mvs);
     RUN_TEST(its_second_input_counts_too);
     RUN_TEST(it_waits_until_all_its_inputs_have_a_value);
+    RUN_TEST(it_does_not_begin_on_an_input_that_is_bad);
+    RUN_TEST(without_the_channel_it_adds_nothing_and_begins_anew_when_that_is_back);
+    RUN_TEST(one_that_is_told_of_bad_inputs_waits_for_all_and_goes_on_without);
     RUN_TEST(beside_an_element_of_the_fixed_ones_both_add);
     RUN_TEST(it_adds_a_span_at_most);
     RUN_TEST(limits_hold_for_what_it_makes_of_an_mv_and_wind_nobody_up);
