@@ -12,7 +12,7 @@ foreach(part storage storage_versions storage_power storage_unstable service_pla
 endforeach()
 
 # Settings of blocks, with kinds that only the test has.
-foreach(part block_settings storage_power_blocks storage_unstable_blocks)
+foreach(part block_settings block_stored storage_power_blocks storage_unstable_blocks)
   set(once)
   if(part MATCHES "storage_")
     set(once ONCE)
