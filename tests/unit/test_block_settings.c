@@ -155,6 +155,23 @@ static void the_same_kind_again_changes_nothing_and_none_leaves_nothing(void)
     IS(&config, "block2.lambda", "1");
     set("block2.kind", "-");
     TEST_ASSERT_EQUAL_MEMORY(&empty, &config, sizeof config);
+    /* Nor what another kind had in the same place: not in the bytes between parameters either. */
+    static struct config direct;
+    set("block2.kind", "gmv");
+    direct = config;
+    set("block2.kind", "column");
+    for (unsigned i = 0; i < sizeof(struct gmv_settings) / 32 + 1; i++) {
+        char name[20];
+        snprintf(name, sizeof name, "block2.stage.%u", i + 1);
+        set(name, "-1.1,-1.1,-1.1,-1.1,-1.1,-1.1,-1.1,-1.1");
+    }
+    set("block2.kind", "gmv");
+    TEST_ASSERT_EQUAL_MEMORY(&direct, &config, sizeof config);
+    /* A set may name a block's kind twice. */
+    TEST_ASSERT_FALSE(record_restore(&config, 1, "mystery"));
+    TEST_ASSERT_NULL(config_record(&config, 1));
+    TEST_ASSERT_EQUAL(0, config.block[1].bytes);
+    pool_is_packed(&config);
 }
 
 static void a_full_pool_says_how_many_bytes_are_needed(void)

@@ -196,6 +196,11 @@ static void stored_rows_are_clipped_or_left_out_and_told(void)
     TEST_ASSERT_FALSE(record_take(&r, &p, &config));
     r.size = 12; /* another number of columns */
     TEST_ASSERT_FALSE(record_take(&r, &p, &config));
+    static const float others[3] = {5.0f, 6.0f, 7.0f};
+    memcpy(at + 8, others, sizeof others);
+    r.size = 20; /* more of them: which is which nobody knows */
+    TEST_ASSERT_FALSE(record_take(&r, &p, &config));
+    TEST_ASSERT_EQUAL_FLOAT_ARRAY(allowed, s->table[0], 3);
     r.type = STORAGE_FLOAT;
     r.size = 8;
     TEST_ASSERT_FALSE(record_take(&r, &p, &config));

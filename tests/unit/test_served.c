@@ -387,6 +387,12 @@ static void what_is_no_number_reaches_nobody(void)
         TEST_ASSERT_EQUAL(LOOP_AUTO, bench.s.loop[TOP].mode);
         both_adds = 0.0f;
     }
+    /* What it would do for a loop in manual is no reason. */
+    both_auto();
+    mode(TOP, LOOP_MANUAL);
+    both_adds = NAN;
+    ticks(3);
+    TEST_ASSERT_EQUAL_UINT(0, happened(EVENT_BLOCK_GAVE_UP, NULL));
 #endif
 }
 
