@@ -279,6 +279,13 @@ enum err service_may_act(struct service *s, uint8_t loop, enum loop_mode mode, c
         *wanted = "has no outer loop that drives its setpoint";
         return ERR_CONFLICT;
     }
+#if CONFIG_BLOCKS
+    uint8_t server = plan->loop[loop].server;
+    if (mode != LOOP_MANUAL && server != PLAN_NONE && plan->block[server].kind == PLAN_NONE) {
+        *wanted = "is served by a block whose kind this build lacks";
+        return ERR_UNSUPPORTED;
+    }
+#endif
     if (nobody_there(s, wanted))
         return ERR_STATE;
     enum err err = ERR_OK;

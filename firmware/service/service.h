@@ -121,7 +121,7 @@ MUST_CHECK enum err service_request(struct service *s, const struct request *req
 
 /* Can the loop leave manual: are its channels announced, with the right unit? *what gets the channel's
  * name, *wanted the reason in words. ERR_STATE no plant, ERR_UNKNOWN not announced, ERR_UNIT, ERR_CONFLICT
- * cascade without an outer loop. */
+ * cascade without an outer loop, ERR_UNSUPPORTED served by a block of a kind that this build lacks. */
 MUST_CHECK enum err service_may_act(struct service *s, uint8_t loop, enum loop_mode mode,
                                     const char **what, const char **wanted);
 

@@ -215,6 +215,16 @@ static void a_dump_with_an_unknown_kind_can_be_pasted(void)
     ANSWERS("get loop1.name", "loop1.name = bottom");
 }
 
+static void a_loop_of_an_unknown_kind_cannot_leave_manual(void)
+{
+    start_with_image("block_unknown");
+    ask_refused("mode bottom auto", "UNSUPPORTED");
+    TEST_ASSERT_TRUE(said("bottom: is served by a block whose kind this build lacks"));
+    ask_refused("out bottom 1", "STATE"); /* that it may: there is no plant */
+    ask_ok("set block3.kind -");
+    ask_refused("mode bottom auto", "STATE");
+}
+
 static void completes(const char *begun, const char *whole)
 {
     board_forget();
@@ -248,6 +258,7 @@ int main(void)
     RUN_TEST(half_a_table_is_gone_after_a_restart);
     RUN_TEST(a_row_that_is_lost_is_noticed);
     RUN_TEST(a_dump_with_an_unknown_kind_can_be_pasted);
+    RUN_TEST(a_loop_of_an_unknown_kind_cannot_leave_manual);
     RUN_TEST(names_and_values_are_completed);
     return UNITY_END();
 }
