@@ -49,7 +49,7 @@ void sampling_tell(struct supervisor *s, const struct plan *old)
         if (divisor_fits(plan, i))
             continue;
         uint16_t every = pv_every(plan, i);
-        bool told = old && !divisor_fits(old, i) && pv_every(old, i) == every &&
+        bool told = old && old->loop[i].used && pv_every(old, i) == every &&
                     old->config.loop[i].divisor == plan->config.loop[i].divisor &&
                     strcmp(old->config.loop[i].name, plan->config.loop[i].name) == 0;
         if (!told)
