@@ -61,7 +61,8 @@ static bool same_settings(const struct supervisor *s, const struct plan *old, ui
     uint8_t n = (uint8_t)(slot - SLOT_RECORDS);
     if (served_kind(s, slot)->same)
         return block_same_settings(s, old, slot);
-    return memcmp(config_record(&old->config, n), config_record(&s->plan->config, n),
+    return plan_record_divisor(old, n) == plan_record_divisor(s->plan, n) &&
+           memcmp(config_record(&old->config, n), config_record(&s->plan->config, n),
                   served_kind(s, slot)->settings_bytes) == 0;
 }
 

@@ -133,7 +133,8 @@ struct both {
 };
 
 static bool both_gives_up;
-static float both_adds; /* to its first output */
+static float both_interval_s; /* with which it was last configured */
+static float both_adds;       /* to its first output */
 static struct both *both_state;
 
 static const struct block_parameter both_parameters[] = {
@@ -178,6 +179,7 @@ static enum err both_configure(void *state, const struct block_setup *setup, boo
     b->rate = num_from_float(c->rate);
     b->cross = num_from_float(c->cross);
     both_state = b;
+    both_interval_s = setup->interval_s;
     return ERR_OK;
 }
 

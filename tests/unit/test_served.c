@@ -429,6 +429,19 @@ static void what_an_interlock_makes_of_an_output_is_told_in_the_same_tick(void)
     TEST_ASSERT_DOUBLE_WITHIN(1e-6, 0, D(both_state->told[1]));
 }
 
+static void another_divisor_of_its_loops_is_another_interval(void)
+{
+    both_auto();
+    TEST_ASSERT_EQUAL_FLOAT(1, both_interval_s);
+    double top = sent(REFLUX);
+    put("loop1.divisor", "3");
+    put("loop2.divisor", "3");
+    apply();
+    tick();
+    TEST_ASSERT_EQUAL_FLOAT(3, both_interval_s);
+    ASSERT_NO_BUMP(top, sent(REFLUX));
+}
+
 static void an_unrelated_plan_does_not_disturb_it(void)
 {
     double with[2];
@@ -584,6 +597,7 @@ int main(void)
     RUN_TEST(what_is_no_number_reaches_nobody);
     RUN_TEST(a_member_in_manual_is_not_moved_and_comes_back_without_a_bump);
     RUN_TEST(what_an_interlock_makes_of_an_output_is_told_in_the_same_tick);
+    RUN_TEST(another_divisor_of_its_loops_is_another_interval);
     RUN_TEST(an_unrelated_plan_does_not_disturb_it);
     RUN_TEST(a_kind_this_build_lacks_keeps_its_loops_in_manual);
     RUN_TEST(an_unknown_kind_that_serves_nobody_is_no_reason_to_refuse_the_rest);

@@ -185,12 +185,6 @@ static enum err observer_configure(void *state, const struct block_setup *setup,
     return ERR_OK;
 }
 
-/* Numbers without gaps between them: equal bytes are equal settings. */
-static bool observer_same(const struct block_setup *before, const struct block_setup *now)
-{
-    return memcmp(before->settings, now->settings, sizeof(struct observer_settings)) == 0;
-}
-
 /* ---- the gain: work between ticks ---- */
 
 static void begin_design(struct observer *o)
@@ -464,7 +458,6 @@ const struct block_kind observer_kind = {
     .history = observer_history,
     .check = observer_check,
     .configure = observer_configure,
-    .same = observer_same,
     .step = observer_step,
     .follow = observer_follow,
     .work = observer_work,

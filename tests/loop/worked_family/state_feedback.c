@@ -149,11 +149,6 @@ static enum err state_feedback_configure(void *state, const struct block_setup *
     return ERR_OK;
 }
 
-static bool state_feedback_same(const struct block_setup *before, const struct block_setup *now)
-{
-    return memcmp(before->settings, now->settings, sizeof(struct state_feedback_settings)) == 0;
-}
-
 /* ---- steps ---- */
 
 static void take_signals(struct state_feedback *s, const struct block_io *io)
@@ -262,7 +257,6 @@ const struct block_kind state_feedback_kind = {
     .bytes = state_feedback_bytes,
     .check = state_feedback_check,
     .configure = state_feedback_configure,
-    .same = state_feedback_same,
     .step = state_feedback_step,
     .back_calculate = state_feedback_back_calculate,
     .follow = state_feedback_follow,
