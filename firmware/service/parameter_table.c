@@ -347,7 +347,8 @@ static const struct parameter_field block_fields[BLOCK_FIELDS] = {
       "kind of the block, which has parameters of its own; - = unused"),
     B(loops, 1 + BLOCK_FIELD_LOOPS, PARAMETER_LIST, "loops", "loops that it serves"),
     B(inputs, 1 + BLOCK_FIELD_INPUTS, PARAMETER_LIST, "inputs", "further points that it reads"),
-    B(points, 1 + BLOCK_FIELD_POINTS, PARAMETER_LIST, "points", "points that it writes, or MVs it adds to"),
+    B(points, 1 + BLOCK_FIELD_POINTS, PARAMETER_LIST, "points",
+      "points that it writes, or MVs it adds to"),
 };
 
 const struct parameter_group parameter_blocks =

@@ -260,9 +260,8 @@ static void what_took_effect_is_in_the_compensators_state(void)
 static num_t passed_told(unsigned k)
 {
     const struct block_state *b = &bench.s.block[SLOT_RECORDS];
-    const num_t *pairs = (const num_t *)((const uint8_t *)supervisor_block(&bench.s, SLOT_RECORDS) +
-                                         (b->grains - 2u) * ARENA_GRAIN);
-    return pairs[2 * k];
+    const num_t(*end)[2] = (const num_t(*)[2])bench.s.arena + b->at + b->grains;
+    return end[(int)k - 2][0];
 }
 
 static void what_is_beyond_all_numbers_is_told_as_a_whole(void)
