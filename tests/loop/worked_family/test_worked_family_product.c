@@ -20,8 +20,8 @@ static void its_loops_stay_in_manual_and_it_says_why(void)
     TEST_ASSERT_TRUE(said("alarm BLOCK_UNKNOWN state_feedback 2"));
     plant_connect();
     plant_steps(5);
-    ask_ok("mode top auto");
-    ask_ok("mode bottom auto");
+    ask_refused("mode top auto", "UNSUPPORTED");
+    ask_refused("mode bottom auto", "UNSUPPORTED");
     plant_steps(5);
     ask_ok("loop");
     TEST_ASSERT_TRUE(said("top manual ") && said("bottom manual "));
