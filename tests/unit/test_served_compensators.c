@@ -1,4 +1,5 @@
 /* Compensators with a record, between the loops' controllers and their MVs: forwards, backwards, and what comes and goes. */
+#include "service/block_parameters.h"
 #include "supervisor_bench.h"
 
 #include "stage_kinds.h"
@@ -410,12 +411,14 @@ static void other_members_or_none_move_no_output(void)
     reading(T10, 114.3);
     ticks(20);
     static const char *const loops[][2] = {
-        {"top", "third"}, {"top third", "bottom"}, {"bottom", "third top"}, {"top bottom", NULL}};
+        {"top", "third"}, {"top,third", "bottom"}, {"bottom", "third,top"}, {"top,bottom", NULL}};
     for (unsigned k = 0; k < 4; k++) {
         double heat = sent(HEAT), reflux = sent(REFLUX), spare = sent(SPARE);
-        strcpy(bench.config.block[0].loops, loops[k][0]);
+        TEST_ASSERT_EQUAL(
+            ERR_OK, block_list_set(bench.config.block[0].loops, BLOCK_LOOPS_SIZE, loops[k][0]));
         if (loops[k][1])
-            strcpy(bench.config.block[1].loops, loops[k][1]);
+            TEST_ASSERT_EQUAL(
+                ERR_OK, block_list_set(bench.config.block[1].loops, BLOCK_LOOPS_SIZE, loops[k][1]));
         else
             put_block(1, "", "", "", "");
         apply();

@@ -1,5 +1,6 @@
 /* Feedforward elements with a record: what they add, when they begin and end, and what limits, compensators and interlocks
  * make of it. */
+#include "service/block_parameters.h"
 #include "supervisor_bench.h"
 
 #include "stage_kinds.h"
@@ -257,11 +258,12 @@ static void other_settings_other_mvs_or_none_move_no_output(void)
     helped_auto(helped);
     reading(FEED, 6);
     ticks(200);
-    static const char *const points[] = {"heat reflux", "reflux heat", "heat", "reflux", NULL};
+    static const char *const points[] = {"heat,reflux", "reflux,heat", "heat", "reflux", NULL};
     for (unsigned k = 0; k < 5; k++) {
         double heat = sent(HEAT), reflux = sent(REFLUX);
         if (points[k])
-            strcpy(bench.config.block[0].points, points[k]);
+            TEST_ASSERT_EQUAL(
+                ERR_OK, block_list_set(bench.config.block[0].points, BLOCK_NAMES_SIZE, points[k]));
         else
             put_block(0, "", "", "", "");
         if (points[k])
