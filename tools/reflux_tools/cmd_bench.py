@@ -176,15 +176,20 @@ def counted(function: str, command: list[str]) -> int:
     return int(found.group(1))
 
 
-def tick_rows(before: str) -> list[list[str]]:
+def or_reason(rows: Callable[[], list[list[str]]], width: int) -> list[list[str]]:
+    """A whole table; where measuring fails the reason stands in it."""
     try:
-        return bench_tick.rows(counted, before)
-    except RunFailed as error:
-        return [[f"not measured: {error}", "", "", "", ""]]
+        return rows()
+    except (RunFailed, UserError) as error:
+        return [[f"not measured: {error}", *[""] * (width - 1)]]
+
+
+def tick_rows(before: str) -> list[list[str]]:
+    return or_reason(lambda: bench_tick.rows(counted, before), len(bench_tick.header(before)))
 
 
 def link_rows() -> list[list[str]]:
-    return bench_link.rows(lambda kind, more: measured_run(LINK_TICKS, kind, more))
+    return or_reason(lambda: bench_link.rows(lambda kind, more: measured_run(LINK_TICKS, kind, more)), len(bench_link.HEADER))
 
 
 def matrix_rows() -> list[list[str]]:
