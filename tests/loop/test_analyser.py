@@ -1,6 +1,6 @@
 #!/usr/bin/python3
-"""A composition loop on an analyser: it holds its setpoint, its analyses that stand are no fault, and a chromatograph that
-really stops is found out by its own samples.
+"""A composition loop on an analyser: it holds its setpoint, analyses that stand are no fault, and a chromatograph
+that really stops is found out by its own samples.
 
 usage: test_analyser.py      (needs reflux-sim-memory of the build folder the test runs for; nothing is built here)
 """
@@ -81,7 +81,8 @@ class Analyser(unittest.TestCase):
         self.assertEqual(set(self.column(log, "fw.bottom.mode", 2000)), {AUTO})
 
     def test_one_that_the_firmware_takes_for_a_sensor_trips_its_frozen_check(self):
-        log = self.run_it(6000, lines=((600, "set meas2.phase 0"), (600, "set meas2.every 1"), (660, "set meas2.frozen 240")))
+        log = self.run_it(6000, lines=((600, "set meas2.phase 0"), (600, "set meas2.every 1"),
+                                       (660, "set meas2.frozen 240")))
         self.assertIn("MEASUREMENT_BAD xB", self.transcript)
         self.assertIn(UNCERTAIN, self.column(log, "fw.xB.q", 0))
 

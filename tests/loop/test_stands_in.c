@@ -1,7 +1,7 @@
 /* The worked family's observer as fall-back: its point is what xD will be a minute later, and the estimate of the tick before,
  * a minute old, is what xD is now. By itself it says of a point that it is bad when its measurement is; frozen, for as long as
  * somebody works at the instrument, it goes on with what was sent alone, and calls that uncertain. */
-#include "worked_family_bench.h"
+#include "worked_family/worked_family_bench.h"
 
 void setUp(void) {}
 void tearDown(void)
