@@ -16,3 +16,5 @@ endforeach()
 set_tests_properties(worked_family_without PROPERTIES FIXTURES_SETUP stored_with)
 set_tests_properties(worked_family_product PROPERTIES FIXTURES_REQUIRED stored_with FIXTURES_SETUP stored_without)
 set_tests_properties(worked_family_back PROPERTIES FIXTURES_REQUIRED stored_without)
+reflux_test(worked_family_kinds LABEL loop SOURCES "${PROJECT_SOURCE_DIR}/tests/unit/test_kinds.c"
+            LIBS worked_family reflux_control reflux_compensate reflux_feedforward)

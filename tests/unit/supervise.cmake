@@ -43,3 +43,6 @@ set_tests_properties(parameter_document PROPERTIES LABELS unit TIMEOUT ${REFLUX_
 # Not a test: the instructions of a tick, for tools/bench.
 add_executable(tick_cost "${PROJECT_SOURCE_DIR}/tests/bench/tick_cost.c")
 target_link_libraries(tick_cost PRIVATE parameters_alone reflux_options)
+
+# The rows of every kind: the product's, and those of the worked family.
+reflux_test(kinds LABEL unit SOURCES ${CMAKE_CURRENT_LIST_DIR}/test_kinds.c LIBS reflux_supervise)
