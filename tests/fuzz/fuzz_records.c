@@ -211,7 +211,7 @@ static void put_a_set(struct feed *f)
     if (length > 4000)
         length = 0;
     memset(set, 0, sizeof set);
-    memcpy(set + GRAIN, slot + 2u * GRAIN, length);
+    memcpy(set + GRAIN, slot + (size_t)2 * GRAIN, length);
     for (unsigned n = feed_byte(f) % 24u; n; n--)
         length += (uint32_t)put_record(set + GRAIN + length, f);
     uint32_t body = (length + GRAIN - 1u) / GRAIN * GRAIN;

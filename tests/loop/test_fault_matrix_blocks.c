@@ -93,38 +93,38 @@ enum end {
 static const struct fault {
     const char *name, *begin, *end; /* of the instruments */
     void (*act)(void);
-    const char *by; /* where there is no `begin` */
-    enum end state;
+    const char *by;   /* where there is no `begin` */
     const char *told; /* event, and entry in the list of alarms */
+    enum end state;
     bool listed;
     bool needs_float; /* in fixed point there is no such thing */
 } faults[] = {
-    {"a further input flagged bad", "T5.quality=2", "T5.quality=0", NULL, NULL, OWN,
-     "BLOCK_GAVE_UP block2 T5", true, false},
-    {"a further input missing", "T5.quality=3", "T5.quality=0", NULL, NULL, OWN,
-     "BLOCK_GAVE_UP block2 T5", true, false},
-    {"a further input not a number", "T5.nan=1", "T5.nan=0", NULL, NULL, OWN,
-     "BLOCK_GAVE_UP block2 T5", true, false},
-    {"a further input frozen", "T5.frozen=1", "T5.free=1", NULL, NULL, OWN,
-     "BLOCK_GAVE_UP block2 T5", true, false},
-    {"an estimator's input flagged bad", "T1.quality=2", "T1.quality=0", NULL, NULL, BOTTOM_LOST,
-     "MEASUREMENT_BAD mean", true, false},
-    {"an estimator's input missing", "T10.quality=3", "T10.quality=0", NULL, NULL, BOTTOM_LOST,
-     "MEASUREMENT_BAD mean", true, false},
-    {"an estimator's input out of range", "T1.stuck=200", "T1.free=1", NULL, NULL, BOTTOM_LOST,
-     "MEASUREMENT_BAD mean", true, false},
-    {"an estimate not a number", NULL, NULL, estimates_no_number, "the kind", BOTTOM_LOST,
-     "MEASUREMENT_BAD mean", true, true},
+    {"a further input flagged bad", "T5.quality=2", "T5.quality=0", NULL, NULL,
+     "BLOCK_GAVE_UP block2 T5", OWN, true, false},
+    {"a further input missing", "T5.quality=3", "T5.quality=0", NULL, NULL,
+     "BLOCK_GAVE_UP block2 T5", OWN, true, false},
+    {"a further input not a number", "T5.nan=1", "T5.nan=0", NULL, NULL, "BLOCK_GAVE_UP block2 T5",
+     OWN, true, false},
+    {"a further input frozen", "T5.frozen=1", "T5.free=1", NULL, NULL, "BLOCK_GAVE_UP block2 T5",
+     OWN, true, false},
+    {"an estimator's input flagged bad", "T1.quality=2", "T1.quality=0", NULL, NULL,
+     "MEASUREMENT_BAD mean", BOTTOM_LOST, true, false},
+    {"an estimator's input missing", "T10.quality=3", "T10.quality=0", NULL, NULL,
+     "MEASUREMENT_BAD mean", BOTTOM_LOST, true, false},
+    {"an estimator's input out of range", "T1.stuck=200", "T1.free=1", NULL, NULL,
+     "MEASUREMENT_BAD mean", BOTTOM_LOST, true, false},
+    {"an estimate not a number", NULL, NULL, estimates_no_number, "the kind",
+     "MEASUREMENT_BAD mean", BOTTOM_LOST, true, true},
     {"measurement of a member flagged bad", "flow.quality=2", "flow.quality=0", NULL, NULL,
-     FLOW_LOST, "MEASUREMENT_BAD flow", true, false},
-    {"a block gives up", NULL, NULL, gives_up, "the kind", OWN, "BLOCK_GAVE_UP block2 test", true,
+     "MEASUREMENT_BAD flow", FLOW_LOST, true, false},
+    {"a block gives up", NULL, NULL, gives_up, "the kind", "BLOCK_GAVE_UP block2 test", OWN, true,
      false},
-    {"an output not a number", NULL, NULL, gives_no_number, "the kind", OWN,
-     "BLOCK_GAVE_UP block2 not_a_number", true, true},
-    {"a block's job late", NULL, NULL, does_not_wait, "a plant that does not wait", SAME,
-     "JOB_LATE block", false, false},
-    {"link silent", NULL, NULL, silent_link, "on the link", SAFE, "LINK_DOWN", false, false},
-    {"spikes in a further input", "T5.spike=20", "T5.spike=0", NULL, NULL, SAME, NULL, false,
+    {"an output not a number", NULL, NULL, gives_no_number, "the kind",
+     "BLOCK_GAVE_UP block2 not_a_number", OWN, true, true},
+    {"a block's job late", NULL, NULL, does_not_wait, "a plant that does not wait",
+     "JOB_LATE block", SAME, false, false},
+    {"link silent", NULL, NULL, silent_link, "on the link", "LINK_DOWN", SAFE, false, false},
+    {"spikes in a further input", "T5.spike=20", "T5.spike=0", NULL, NULL, NULL, SAME, false,
      false},
 };
 #define FAULTS (sizeof faults / sizeof faults[0])
