@@ -3,8 +3,8 @@
 
 #include "supervise/alarms.h"
 #include "supervise/arena.h"
-#include "supervise/excitation_plan.h"
 #include "supervise/blocks.h"
+#include "supervise/excitation_plan.h"
 #include "supervise/histories.h"
 #include "supervise/sampling.h"
 #include "supervise/sequence.h"
