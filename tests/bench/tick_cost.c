@@ -99,12 +99,12 @@ int main(int n, char **word)
     supervisor_take_plan(&supervisor, &plan);
     for (unsigned i = 0; i < CHANNEL_MAX; i++)
         input.measurement[i].quality = input.readback[i].quality = QUALITY_MISSING;
-    for (uint8_t i = 0; i < loops; i++) {
+    for (uint8_t i = 0; i < (uint8_t)loops; i++) {
         supervisor_bind_measurement(&supervisor, i);
         supervisor_bind_mv(&supervisor, i);
     }
     bench_ticks(2, loops);
-    for (uint8_t i = 0; i < loops; i++) {
+    for (uint8_t i = 0; i < (uint8_t)loops; i++) {
         struct request r = {.kind = REQUEST_MODE,
                             .loop = i,
                             .output = PLAN_NONE,

@@ -110,7 +110,7 @@ static void the_longest_row_is_shown_whole_and_can_be_pasted(void)
     snprintf(row, sizeof row, "%s", reply[0] + strlen(name) + 3);
     TEST_ASSERT_EQUAL_STRING(" -", row + strlen(row) - 2);
     row[strlen(row) - 2] = '\0';
-    TEST_ASSERT_TRUE(strlen(row) > 14u * column_parameters[0].cols);
+    TEST_ASSERT_TRUE(strlen(row) > (size_t)14 * column_parameters[0].cols);
     snprintf(line, sizeof line, "set %s %s", name, row);
     ask_ok("dump");
     TEST_ASSERT_TRUE(said(line));

@@ -39,7 +39,7 @@ static const uint8_t mystery_row[] = {0, 0, STORAGE_ROW, 12,   0xC2, 1, 73,   16
                                       0, 0, 0xC0,        0x3F, 0,    0, 0x20, 0x40};
 
 #define EACH_TIMES(n, record)                                                                      \
-    TEST_ASSERT_EQUAL_MESSAGE(n, times_in_flash(record, sizeof record), #record)
+    TEST_ASSERT_EQUAL_MESSAGE(n, times_in_flash(record, sizeof(record)), #record)
 
 static void a_kept_image_with_a_block_is_read_in_any_order(void)
 {
