@@ -29,12 +29,8 @@ void lag_reset(struct lag *f, num_t value)
     accumulator_set(&f->y, value);
 }
 
-num_t lag_step(struct lag *f, num_t x)
+num_t lag_filter(struct lag *f, num_t x)
 {
-    if (f->through) {
-        accumulator_set(&f->y, x); /* 1 * (x - y) + y need not be x in floating point */
-        return x;
-    }
     accumulator_add_product(&f->y, f->k, num_sub(x, accumulator_get(&f->y)));
     return accumulator_get(&f->y);
 }

@@ -28,6 +28,14 @@ MUST_CHECK enum err lag_retune(struct lag *f, float time_constant_s, float h_s);
 /* At rest at value. */
 void lag_reset(struct lag *f, num_t value);
 
-num_t lag_step(struct lag *f, num_t x);
+/* A step where T is not 0. */
+num_t lag_filter(struct lag *f, num_t x);
+static inline num_t lag_step(struct lag *f, num_t x)
+{
+    if (!f->through)
+        return lag_filter(f, x);
+    accumulator_set(&f->y, x); /* 1 * (x - y) + y need not be x in floating point */
+    return x;
+}
 
 #endif

@@ -33,16 +33,13 @@ void ramp_reset(struct ramp *f, num_t value)
     accumulator_set(&f->at, value);
 }
 
-num_t ramp_step(struct ramp *f, num_t target)
+num_t ramp_limit(struct ramp *f, num_t target)
 {
-    if (!f->jump) {
-        num_t distance = num_sub(target, accumulator_get(&f->at));
-        if (num_lt(f->reach, num_abs(distance))) {
-            accumulator_add_product(&f->at, f->step,
-                                    num_lt(distance, num_zero()) ? num_neg(num_one()) : num_one());
-            return accumulator_get(&f->at);
-        }
-    }
-    accumulator_set(&f->at, target);
-    return target;
+    num_t distance = num_sub(target, accumulator_get(&f->at));
+    if (num_lt(f->reach, num_abs(distance)))
+        accumulator_add_product(&f->at, f->step,
+                                num_lt(distance, num_zero()) ? num_neg(num_one()) : num_one());
+    else
+        accumulator_set(&f->at, target);
+    return accumulator_get(&f->at);
 }

@@ -28,6 +28,14 @@ MUST_CHECK enum err ramp_retune(struct ramp *f, float rate_per_s, float h_s);
 /* The position is value, at once. */
 void ramp_reset(struct ramp *f, num_t value);
 
-num_t ramp_step(struct ramp *f, num_t target);
+/* A step where there is a limit. */
+num_t ramp_limit(struct ramp *f, num_t target);
+static inline num_t ramp_step(struct ramp *f, num_t target)
+{
+    if (!f->jump)
+        return ramp_limit(f, target);
+    accumulator_set(&f->at, target);
+    return target;
+}
 
 #endif

@@ -90,16 +90,18 @@ static void back_compensated(struct supervisor *s, num_t *told)
     const struct block_state *b = &s->block[SLOT_MATRIX];
     num_t u[DECOUPLER_MAX];
     bool whole = false;
-    for (uint8_t i = 0; i < DECOUPLER_MAX; i++)
-        if (b->acting & (1u << i))
-            whole = whole || num_lt(num_from_float(COMMAND_MAX),
-                                    num_abs(s->mv[s->plan->loop[i].mv].commanded));
     for (uint8_t i = 0; i < DECOUPLER_MAX; i++) {
         if (!(b->acting & (1u << i)))
             continue;
         const struct mv_state *o = &s->mv[s->plan->loop[i].mv];
-        num_t from = whole ? num_add(s->loop[i].feedforward, o->excitation) : o->commanded;
-        u[i] = num_sub(o->applied, from);
+        u[i] = num_sub(o->applied, o->commanded);
+        whole = whole || num_lt(num_from_float(COMMAND_MAX), num_abs(o->commanded));
+    }
+    for (uint8_t i = 0; whole && i < DECOUPLER_MAX; i++) {
+        if (!(b->acting & (1u << i)))
+            continue;
+        const struct mv_state *o = &s->mv[s->plan->loop[i].mv];
+        u[i] = num_sub(o->applied, num_add(s->loop[i].feedforward, o->excitation));
     }
     struct block_io io = {.acting = b->acting, .in = u, .out = told};
     block_kinds[b->kind]->back_calculate(supervisor_block(s, SLOT_MATRIX), &io);

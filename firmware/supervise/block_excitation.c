@@ -404,11 +404,10 @@ void excitation_watch(struct supervisor *s)
         excitation_end(s, reason);
 }
 
-void excitation_add(struct supervisor *s, uint8_t i)
+void excitation_add_asked(struct supervisor *s, uint8_t i)
 {
     struct loop_state *l = &s->loop[i];
     const struct excitation_state *e = &s->excitation;
-    l->excited = num_zero();
     for (uint8_t k = 0; k < e->targets; k++) {
         const struct excited *t = &e->target[k];
         if (t->what != EXCITE_SETPOINT || t->at != i)

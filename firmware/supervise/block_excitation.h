@@ -32,7 +32,13 @@ uint8_t excited_mv(const struct supervisor *s, const struct excited *t);
 /* In a tick, before any loop has its turn: modes, channels, interlocks, sequences. */
 void excitation_watch(struct supervisor *s);
 /* Loop i has its setpoint, within its limits: adds to it what is asked for. */
-void excitation_add(struct supervisor *s, uint8_t i);
+void excitation_add_asked(struct supervisor *s, uint8_t i);
+static inline void excitation_add(struct supervisor *s, uint8_t i)
+{
+    s->loop[i].excited = num_zero();
+    if (s->excitation.targets)
+        excitation_add_asked(s, i);
+}
 /* Commands are there, limits have not been applied yet: one that comes to a limit ends it, and so does a block that has had no
  * turn. */
 void excitation_check_commands(struct supervisor *s);

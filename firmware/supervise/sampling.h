@@ -27,15 +27,15 @@ static inline uint32_t sampling_tick_ms(const struct plan *plan)
 bool sampling_is_due(struct supervisor *s, uint8_t i);
 /* Whether a reading is looked at in this tick, which has its time already: the first of its turn, and each as long as
  * none of the turn is valid. */
-static inline bool sampling_due(struct supervisor *s, uint8_t i)
+static inline bool sampling_due(struct supervisor *s, uint8_t i, const struct measurement_config *c)
 {
-    return sampling_every(&s->plan->config.measurement[i]) <= 1 || sampling_is_due(s, i);
+    return sampling_every(c) <= 1 || sampling_is_due(s, i);
 }
 /* Plant time at which the sample came that the tick is looking at, or has last looked at. */
-static inline uint64_t sampling_ms(const struct supervisor *s, uint8_t i)
+static inline uint64_t sampling_ms(const struct supervisor *s, const struct measurement_state *m,
+                                   const struct measurement_config *c)
 {
-    return sampling_every(&s->plan->config.measurement[i]) > 1 ? s->measurement[i].sample_ms
-                                                               : s->time_ms;
+    return sampling_every(c) > 1 ? m->sample_ms : s->time_ms;
 }
 /* Something stands in for it, or nothing has come since the last tick: in either case no step of its filter. */
 static inline bool sampling_stands(const struct supervisor *s, uint8_t i)
@@ -53,8 +53,8 @@ static inline bool sampling_stands(const struct supervisor *s, uint8_t i)
     (void)i;
     return false;
 }
-#define sampling_due(s, i)          true
-#define sampling_ms(s, i)           ((s)->time_ms)
+#define sampling_due(s, i, c)       true
+#define sampling_ms(s, m, c)        ((s)->time_ms)
 #define sampling_tell(s, old)       ((void)(old))
 #define sampling_check(plan, fault) ERR_OK
 

@@ -300,14 +300,15 @@ static inline num_t loop_own_setpoint(const struct loop_state *l)
 #endif
 }
 
-/* The offset subtracted from readings of measurement i now, EU. */
-static inline float measurement_offset_in_force(const struct supervisor *s, uint8_t i)
+/* The offset subtracted from readings of a measurement now, EU. */
+static inline float measurement_offset_in_force(const struct measurement_state *m,
+                                                const struct measurement_config *c)
 {
 #if CONFIG_STEPS
-    return s->measurement[i].offset_on ? s->plan->config.measurement[i].offset : 0.0f;
+    return m->offset_on ? c->offset : 0.0f;
 #else
-    (void)s;
-    (void)i;
+    (void)m;
+    (void)c;
     return 0.0f;
 #endif
 }

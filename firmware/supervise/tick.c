@@ -1,5 +1,7 @@
 /* The order of a tick (docs/tick.md), and its shorter steps: readings in, feedforward, loops, compensator. */
 
+#include <string.h>
+
 #include "supervise/alarms.h"
 #include "supervise/back_calculate.h"
 #include "supervise/block_excitation.h"
@@ -113,11 +115,13 @@ static void run_loops(struct supervisor *s)
 
 static void command_outputs(struct supervisor *s)
 {
-    num_t v[CONFIG_LOOPS], u[CONFIG_LOOPS];
+    num_t u[CONFIG_LOOPS];
     for (uint8_t i = 0; i < s->placed[PLACED_LOOPS]; i++)
-        v[i] = u[i] = s->loop[i].v;
+        u[i] = s->loop[i].v;
     const struct block_state *b = &s->block[SLOT_MATRIX];
     if (b->kind != PLAN_NONE) {
+        num_t v[DECOUPLER_MAX];
+        memcpy(v, u, sizeof v);
         struct block_io io = {.acting = b->acting, .in = v, .out = u};
         block_kinds[b->kind]->step(supervisor_block(s, SLOT_MATRIX), &io);
     }

@@ -15,32 +15,30 @@ static bool in_reach(float value, float lo, float hi)
 }
 
 /* Nothing has moved for too long. Counts from the last change of what the plant delivered. */
-static bool frozen(struct supervisor *s, uint8_t i, float value, float limit_s)
+static bool frozen(struct measurement_state *m, float value, float limit_s, uint64_t came_ms)
 {
-    struct measurement_state *m = &s->measurement[i];
     if (!m->delivered || value != m->last) {
         m->delivered = true;
         m->last = value;
-        m->changed_ms = sampling_ms(s, i);
+        m->changed_ms = came_ms;
     }
-    return limit_s > 0.0f && elapsed_ms(sampling_ms(s, i), m->changed_ms) >= limit_s * 1000.0f;
+    return limit_s > 0.0f && elapsed_ms(came_ms, m->changed_ms) >= limit_s * 1000.0f;
 }
 
 /* Further from the last valid value than the process can have come since. A spike is over with the next
  * reading; a true jump is valid once there was time for it. */
-static bool too_fast(const struct supervisor *s, uint8_t i, float value, float limit)
+static bool too_fast(const struct measurement_state *m, float value, float limit, uint64_t came_ms)
 {
-    const struct measurement_state *m = &s->measurement[i];
     if (limit == 0.0f || !m->valid)
         return false;
     float way = value > m->last_valid ? value - m->last_valid : m->last_valid - value;
-    return way > limit * (elapsed_ms(sampling_ms(s, i), m->valid_ms) / 1000.0f);
+    return way > limit * (elapsed_ms(came_ms, m->valid_ms) / 1000.0f);
 }
 
-static enum measurement_fault judge(struct supervisor *s, uint8_t i, const struct reading *r)
+/* came_ms: plant time at which the sample came. */
+static enum measurement_fault judge(struct measurement_state *m, const struct measurement_config *c,
+                                    const struct reading *r, uint64_t came_ms)
 {
-    struct measurement_state *m = &s->measurement[i];
-    const struct measurement_config *c = &s->plan->config.measurement[i];
     if (r->quality == QUALITY_MISSING)
         return MEASUREMENT_MISSING;
     if (!quality_usable(r->quality))
@@ -48,13 +46,13 @@ static enum measurement_fault judge(struct supervisor *s, uint8_t i, const struc
     if (!float_is_finite(r->value))
         return MEASUREMENT_NOT_A_NUMBER;
     /* Interlocks look at this: a number that the plant does not call good must not release one. */
-    m->raw = r->value - measurement_offset_in_force(s, i);
-    bool still = frozen(s, i, r->value, c->frozen_s);
+    m->raw = r->value - measurement_offset_in_force(m, c);
+    bool still = frozen(m, r->value, c->frozen_s, came_ms);
     if (!in_reach(r->value, c->lo, c->hi))
         return MEASUREMENT_OUT_OF_RANGE;
     if (still)
         return MEASUREMENT_FROZEN;
-    return too_fast(s, i, r->value, c->rate_limit) ? MEASUREMENT_TOO_FAST : MEASUREMENT_FINE;
+    return too_fast(m, r->value, c->rate_limit, came_ms) ? MEASUREMENT_TOO_FAST : MEASUREMENT_FINE;
 }
 
 /* A usable value, read or made up. */
@@ -150,9 +148,10 @@ void validate_measurement(struct supervisor *s, uint8_t i, const struct reading 
         m->valid = m->delivered = false;
         return;
     }
-    if (!sampling_due(s, i))
+    if (!sampling_due(s, i, c))
         return; /* its value stands, as good as it was */
-    m->fault = (uint8_t)judge(s, i, r);
+    uint64_t came_ms = sampling_ms(s, m, c);
+    m->fault = (uint8_t)judge(m, c, r, came_ms);
     if (m->fault != MEASUREMENT_FINE) {
         fall_back(s, i, r->value);
         return;
@@ -162,7 +161,7 @@ void validate_measurement(struct supervisor *s, uint8_t i, const struct reading 
     m->valid = true;
     m->lost = false;
     m->last_valid = r->value;
-    m->valid_ms = sampling_ms(s, i);
+    m->valid_ms = came_ms;
     if (m->alarm) {
         m->alarm = false;
         event_put(s->events, s->time_ms, EVENT_MEASUREMENT_GOOD, c->name, r->value, 0);
@@ -185,7 +184,7 @@ static void report_following(struct supervisor *s, uint8_t j, bool differs, floa
     o->alarm = alarm;
 }
 
-void validate_readback(struct supervisor *s, uint8_t j, const struct reading *r)
+void validate_readback_sent(struct supervisor *s, uint8_t j, const struct reading *r)
 {
     struct mv_state *o = &s->mv[j];
     const struct mv_config *c = &s->plan->config.mv[j];
@@ -204,7 +203,7 @@ void validate_readback(struct supervisor *s, uint8_t j, const struct reading *r)
 #if CONFIG_BLOCKS
 void validate_keep_estimates(struct supervisor *s)
 {
-    for (uint8_t i = 0; i < s->placed[PLACED_MEASUREMENTS]; i++) {
+    for (uint8_t i = 0; s->plan->records && i < s->placed[PLACED_MEASUREMENTS]; i++) {
         struct measurement_state *m = &s->measurement[i];
         const struct measurement_config *c = &s->plan->config.measurement[i];
         if (!plan_is_estimate(s->plan, i))

@@ -317,7 +317,9 @@ static void other_settings_change_meanwhile_without_disturbing_it(void)
     tank_tick();
     TEST_ASSERT_EQUAL(ROW_HEAT, seq_state()->step);
     TEST_ASSERT_TRUE(reaches(ROW_REFLUX, 600));
-    TEST_ASSERT_EQUAL_FLOAT(7.0f, measurement_offset_in_force(&bench.s, LEVEL));
+    TEST_ASSERT_EQUAL_FLOAT(7.0f,
+                            measurement_offset_in_force(&bench.s.measurement[LEVEL],
+                                                        &bench.s.plan->config.measurement[LEVEL]));
 }
 
 /* ---- the offset ---- */
