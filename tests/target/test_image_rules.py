@@ -130,6 +130,8 @@ class Rules(unittest.TestCase):
         self.finds("budget: bss of other is 8, 4 allowed", CALM, "", BUDGET.replace("[20000, 100, 4096]",
                                                                                   "[20000, 0, 4]"))
         self.finds("budget: flash is ", CALM, "", BUDGET.replace("flash = 20000", "flash = 10"))
+        self.finds(", and 20000 are kept for families to come; 20000 allowed", CALM, "",
+                   BUDGET + '[trial.families]\nnext = 20000\n')
         leased = "uint8_t workspace_memory[1000]; void keep(void) { workspace_memory[seen] = 1; }" + CALM.replace(
             "number = number", "keep(); number = number")
         whole = BUDGET.replace("ram = 4096", "ram = 500\nworkspace = 1000\nram_and_workspace = 1500")

@@ -53,6 +53,10 @@ def show(preset: str, report: Report, options: argparse.Namespace) -> None:
     print(f"\nimage {preset}: flash {report.flash()} of {budget['flash']} (aim {budget['aim_flash']}), RAM owned for "
           f"ever, without stack, {report.ram()} of {budget['ram']}, without arena {report.ram() - report.arena} "
           f"(aim {budget['aim_ram']})")
+    if promised := budget.get("families"):
+        print(f"families to come, {preset}: "
+              + ", ".join(f"{name} {size}" for name, size in promised.items())
+              + f"; {budget['flash'] - report.flash() - sum(promised.values())} are nobody's")
     if report.workspace():
         print(f"workspace {preset}: {report.workspace()}, at least {budget['workspace']}; with what is owned for ever "
               f"{report.ram() + report.workspace()} of {budget['ram_and_workspace']}")

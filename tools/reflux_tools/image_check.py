@@ -191,6 +191,10 @@ def over_budget(report: Report, budget: dict[str, object]) -> list[str]:
                        ("ram_and_workspace", report.ram() + report.workspace())):
         if have > int(budget.get(what, have)):  # type: ignore[call-overload]
             out.append(f"budget: {what.replace('_', ' ')} is {have}, {budget[what]} allowed")
+    promised = sum(budget.get("families", {}).values())  # type: ignore[attr-defined]
+    if promised and report.flash() + promised > int(budget["flash"]):  # type: ignore[call-overload]
+        out.append(f"budget: flash is {report.flash()}, and {promised} are kept for families to come; "
+                   f"{budget['flash']} allowed")
     if report.workspace() < int(budget.get("workspace", 0)):  # type: ignore[call-overload]
         out.append(f"budget: workspace is {report.workspace()}, at least {budget['workspace']} wanted")
     return out
