@@ -86,6 +86,8 @@ static uint32_t behind_blocks(const struct supervisor *s)
 static void find_history(const struct supervisor *s, const struct plan *plan, uint8_t j,
                          struct place *p)
 {
+    if (!s->history[j] && !plan->history[j])
+        return; /* most MVs have none */
     const struct block_place *last = &plan->block[PLAN_BLOCKS - 1];
     p->from = history_from(behind_blocks(s), s->history, j);
     p->to = history_from((uint32_t)last->at + last->grains, plan->history, j);
