@@ -109,7 +109,8 @@ static void multiply(const struct decoupler *k, const num_t m[DECOUPLER_MAX][DEC
     for (unsigned j = 0; j < n; j++) {
         factor[columns] = x[k->member[j]];
         column[columns] = (uint8_t)j;
-        columns += !num_eq(factor[columns], num_zero());
+        if (!num_eq(factor[columns], num_zero()))
+            columns++;
     }
     for (unsigned i = 0; i < n; i++) {
         num_wide_t sum = num_wide_zero();

@@ -61,7 +61,8 @@ static inline void plant_power_on(const char *name, uint32_t tick_ms, uint64_t s
 
 static inline void plant_power_off(void)
 {
-    kind->destroy(plant);
+    if (plant)
+        kind->destroy(plant);
     plant = NULL;
 }
 
