@@ -71,10 +71,25 @@ static void take_stored(struct storage *st)
     } else if (err) {
         service_fault_name(&fault, &t);
         storage_tell(st, EVENT_STORAGE_REFUSED, subject, (float)st->newest.sequence);
+        st->later = s->io.tick_ms(s->io.context) == 0;
     } else {
         st->refused = false;
         storage_tell(st, EVENT_STORAGE_LOADED, NULL, (float)st->newest.sequence);
     }
+}
+
+/* What was refused with the tick that is taken while no plant is known may fit that of the plant that has come. Who has
+ * applied another meanwhile wants no more of it. */
+static bool comes_later(struct storage *st)
+{
+    const struct service *s = st->service;
+    if (!st->later || s->io.state(s->io.context) != IO_READY)
+        return false;
+    st->later = false;
+    if (s->serial)
+        return false;
+    st->state = TAKING;
+    return true;
 }
 
 /* ---- in turns ---- */
@@ -101,8 +116,9 @@ bool storage_poll(struct storage *st)
 {
     switch ((enum storage_state)st->state) {
     case NO_STORAGE:
-    case READY:
         return false;
+    case READY:
+        return comes_later(st);
     case WAITING:
         if (!may_touch(st))
             return false;

@@ -35,6 +35,7 @@ struct storage {
     bool remains;     /* there is something that is neither erased nor blank */
     bool failed;      /* the last write was not taken */
     bool refused;     /* the newest set did not go into force after the start */
+    bool later;       /* ... for want of a plant, whose tick decides: again when one comes */
     bool again;       /* the candidate has been found wanting once */
     bool prepared[2]; /* erased and marked: sets may be appended */
     bool sure[2];     /* holds a set that was confirmed */

@@ -122,6 +122,64 @@ static void test_pending_settings_are_saved_before_their_tick(void)
     TEST_ASSERT_EQUAL_STRING("loop2.gain = 2.25 fraction/fraction", reply[0]);
 }
 
+/* A dead time that finds room with the plant's tick, and none with the 1 s that is taken while there is no plant. */
+static void a_set_for_a_slow_plant_comes_into_force_when_the_plant_comes_late(void)
+{
+    power_on();
+    board.tick_ms = 60000;
+    configure();
+    ask_ok("set meas3.name feed");
+    ask_ok("set meas3.unit l/h");
+    connect_plant();
+    samples(2);
+    ask_ok("begin");
+    ask_ok("set ff1.from feed");
+    ask_ok("set ff1.to heat");
+    ask_ok("set ff1.gain 0.5");
+    ask_ok("set ff1.dead 90000");
+    ask_ok("apply");
+    samples(1);
+    ask_ok("save");
+    power_on();
+    board.tick_ms = 60000;
+    pass(5000);
+    TEST_ASSERT_TRUE(said("STORAGE_REFUSED ff1.dead"));
+    connect_plant();
+    samples(2);
+    TEST_ASSERT_TRUE(said("STORAGE_LOADED"));
+    ask_ok("get ff1.dead");
+    TEST_ASSERT_EQUAL_STRING("ff1.dead = 90000 s", reply[0]);
+    samples(1);
+    TEST_ASSERT_EQUAL_FLOAT(0.5f, board.command.output[1].value);
+}
+
+static void a_set_refused_for_want_of_a_plant_overrules_nobody(void)
+{
+    power_on();
+    board.tick_ms = 60000;
+    configure();
+    ask_ok("set meas3.name feed");
+    ask_ok("set meas3.unit l/h");
+    connect_plant();
+    samples(2);
+    ask_ok("begin");
+    ask_ok("set ff1.from feed");
+    ask_ok("set ff1.to heat");
+    ask_ok("set ff1.dead 90000");
+    ask_ok("apply");
+    samples(1);
+    ask_ok("save");
+    power_on();
+    board.tick_ms = 60000;
+    pass(5000);
+    ask_ok("set meas1.name T1");
+    connect_plant();
+    samples(2);
+    TEST_ASSERT_FALSE(said("STORAGE_LOADED"));
+    ask_ok("get ff1.dead");
+    TEST_ASSERT_EQUAL_STRING("ff1.dead = 0 s", reply[0]);
+}
+
 static void test_load_puts_back_and_keeps_loops_that_are_the_same(void)
 {
     running();
@@ -589,6 +647,8 @@ int main(void)
     RUN_TEST(test_first_command_goes_out_before_storage_is_touched);
     RUN_TEST(test_asking_ends_the_wait);
     RUN_TEST(test_pending_settings_are_saved_before_their_tick);
+    RUN_TEST(a_set_for_a_slow_plant_comes_into_force_when_the_plant_comes_late);
+    RUN_TEST(a_set_refused_for_want_of_a_plant_overrules_nobody);
     RUN_TEST(test_load_puts_back_and_keeps_loops_that_are_the_same);
     RUN_TEST(test_load_and_defaults_in_a_transaction_wait_for_apply);
     RUN_TEST(test_nothing_to_load_is_said);
