@@ -133,6 +133,21 @@ static void tick_event(struct app *app, enum event_code code, const char *subjec
 
 /* ---- the tick context ---- */
 
+/* A point is there with what it is made from. One by the name of a measurement that the plant has stands in its place. */
+static void bind_point(struct app *app, uint8_t i)
+{
+#if CONFIG_BLOCKS
+    struct service *s = &app->service;
+    const struct plan *plan = &s->plan[s->in_force];
+    const char *name = plan->config.measurement[i].name;
+    if (service_find_announced(s, false, name) != PLAN_NONE)
+        tick_event(app, EVENT_CHANNEL_WRITTEN, name, (float)(plan->writer[i] + 1u));
+#else
+    (void)app;
+    (void)i;
+#endif
+}
+
 static void bind_channels(struct app *app)
 {
     struct service *s = &app->service;
@@ -150,8 +165,12 @@ static void bind_channels(struct app *app)
         uint8_t i = manipulated ? (uint8_t)(k - CHANNEL_MAX) : k;
         const char *name = manipulated ? c->mv[i].name : c->measurement[i].name;
         const char *unit = manipulated ? c->mv[i].unit : c->measurement[i].unit;
-        if (!name[0] || (!manipulated && plan_is_estimate(&s->plan[s->in_force], i)))
-            continue; /* an estimate is there with what it is made from */
+        if (!name[0])
+            continue;
+        if (!manipulated && plan_is_estimate(&s->plan[s->in_force], i)) {
+            bind_point(app, i);
+            continue;
+        }
         uint8_t at = service_find_announced(s, manipulated, name);
         if (at == PLAN_NONE) {
             tick_event(app, EVENT_CHANNEL_MISSING, name, 0.0f);

@@ -108,9 +108,12 @@ static const char *const table[] = {
     C("TRIAL_KEPT", "proposed loops did as predicted and stay; loops", INFO),
     C("TRIAL_FAILED", "proposed loops are taken back, the old settings return", ALARM),
     J("JOB_LATE", "the result of this work is not there at its tick; ticks it was given", WARNING),
-    C("BLOCK_GAVE_UP", "the loops' own controllers act in place of a block; which block", ALARM),
+    C("BLOCK_GAVE_UP", "a block is off, its loops go on without it; which block", ALARM),
     C("BLOCK_ON", "a block acts for its loops again; which block", INFO),
 #if EVENTS_OF_BLOCKS
+    E("CHANNEL_WRITTEN",
+      "a block writes this measurement, the plant's own readings are not looked at; which block",
+      WARNING),
     E("LOOP_DIVISOR",
       "divisor is no multiple of the ticks between samples of its measurement; these", WARNING),
     E("BLOCK_VERB", "the block has done that; the number it was given", INFO),

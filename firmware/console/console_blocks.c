@@ -144,7 +144,8 @@ void block_verbs_words(const struct block_kind *kind, struct text *t)
         text_char(t, ' ');
         text_str(t, kind->verb[v].name);
     }
-    text_str(t, "; `block N on|off` switches it");
+    if (kind->stage != STAGE_ESTIMATE) /* nothing could stand in for an estimator */
+        text_str(t, "; `block N on|off` switches it");
 }
 
 static bool blocks_line(struct console *c, unsigned n, struct text *line)

@@ -167,7 +167,7 @@ enum err operate_verb(struct session *session, uint8_t block, uint8_t verb, cons
         err = check_verb_number(v, number, answer);
     if (!err && s->supervisor->block[slot_of(block)].off)
         err = operate_refuse(answer, ERR_STATE, kind->name,
-                             "is off: the loops' own controllers act; `block N on` first");
+                             "is off; `block N on` first");
     if (err)
         return err;
     struct request r = {.kind = REQUEST_VERB,

@@ -6,6 +6,8 @@
  *                                         -> rejected, or the loops and blocks it is about have changed
  *
  * Behind an open transaction, a save, a sequence and automatic start-up it waits. One is looked at at a time. */
+#include <string.h>
+
 #include "base/crc32.h"
 #include "operate/operate_internal.h"
 
@@ -125,10 +127,26 @@ static enum err write_proposal(struct config *config, const struct proposal_slot
 
 /* ---- what becomes of one ---- */
 
+/* Which of its values is the parameter that a plan was refused for; PROPOSAL_MAX: none. */
+static uint8_t value_refused(const struct config *config, const struct block_proposal *is,
+                             const struct config_fault *fault)
+{
+    for (uint8_t k = 0; k < is->n && k < PROPOSAL_MAX; k++) {
+        struct parameter p;
+        if (parameter_find_id(config, is->value[k].id, &p) == ERR_OK &&
+            strcmp(p.group->name, fault->group) == 0 && p.index + 1u == fault->index &&
+            strcmp(p.own ? p.own->name : p.field->name, fault->field) == 0)
+            return k;
+    }
+    return PROPOSAL_MAX;
+}
+
 /* It is known, until the next is, what was wrong with it. */
 static void refuse_proposal(struct operate *door, uint8_t at, const struct config_fault *fault)
 {
     const struct proposal_slot *slot = slot_of_tick(door);
+    if (at >= PROPOSAL_MAX)
+        at = value_refused(&service_plan(door->service)->config, &slot->is, fault);
     struct refused_proposal *r = &door->refused;
     char name[CHANNEL_NAME_SIZE];
     struct text t = text_on(name, sizeof name);

@@ -121,7 +121,8 @@ static enum err resolve_points(struct plan *plan, uint8_t n, uint8_t most,
                                  "must be the name of a configured measurement");
         if (plan->writer[i] != PLAN_NONE)
             return refuse_record(fault, ERR_CONFLICT, n, "points", name,
-                                 "is written by another block already");
+                                 plan->writer[i] == n ? "is named twice"
+                                                      : "is written by another block already");
         if (r->points >= most)
             return refuse_record(fault, ERR_RANGE, n, "points", name,
                                  "is one more than this kind writes");

@@ -169,7 +169,7 @@ static void one_that_does_not_fit_is_refused_whole_with_field_and_reason(void)
                "block1 watch refused: loop1.ti is proposed with a value that is not allowed, nan");
     proposes(GAIN, 3);
     proposes(0x4600, 2); /* phase: only the plan knows that the divisor is 1 */
-    is_refused(" warning PROPOSAL_REFUSED loop1.phase 0 ",
+    is_refused(" warning PROPOSAL_REFUSED loop1.phase 2 ",
                "block1 watch refused: loop1.phase 'top' must be below the divisor");
     proposes(GAIN, 3);
     proposes(0x4040, 2);
@@ -193,7 +193,7 @@ static void one_to_be_accepted_is_checked_when_it_comes(void)
 {
     proposes(0x4600, 2);
     gives(PROPOSAL_WHEN_ACCEPTED);
-    TEST_ASSERT_TRUE(said(" warning PROPOSAL_REFUSED loop1.phase 0 "));
+    TEST_ASSERT_TRUE(said(" warning PROPOSAL_REFUSED loop1.phase 2 "));
     TEST_ASSERT_FALSE(said("BLOCK_PROPOSES"));
     ask_refused("proposal accept", "STATE");
 }

@@ -99,6 +99,32 @@ static void an_entry_on_it_is_set_refused_dumped_and_comes_back_from_storage(voi
     TEST_ASSERT_TRUE(said("alarm3.on: 'block2.high' must begin with a block that is there"));
 }
 
+/* Nobody sees the plant's readings then, and an interlock on that name looks at the block's. */
+static void a_point_by_a_name_that_the_plant_announces_is_told(void)
+{
+    static const char *const lines[] = {
+        "begin",           "set meas6.name feed", "set meas6.unit l/h",
+        "set meas6.lo 60", "set meas6.hi 160",    "set block2.points feed",
+    };
+    samples(1);
+    TEST_ASSERT_FALSE(said("CHANNEL_WRITTEN"));
+    for (unsigned i = 0; i < sizeof lines / sizeof lines[0]; i++)
+        ask_ok(lines[i]);
+    ask_ok("apply");
+    board_forget();
+    samples(1);
+    TEST_ASSERT_EQUAL_UINT(1, times_said(" warning CHANNEL_WRITTEN feed 2 "));
+    ask_ok("set block2.points seen");
+    samples(1);
+    TEST_ASSERT_FALSE(said("CHANNEL_WRITTEN"));
+}
+
+static void a_point_that_is_named_twice_is_refused_as_that(void)
+{
+    ask_refused("set block2.points seen,seen", "CONFLICT");
+    TEST_ASSERT_TRUE_MESSAGE(said("block2.points: 'seen' is named twice"), board.said);
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -106,5 +132,7 @@ int main(void)
     RUN_TEST(alarms_say_it_while_it_holds);
     RUN_TEST(an_entry_on_it_is_listed_acknowledged_and_shelved);
     RUN_TEST(an_entry_on_it_is_set_refused_dumped_and_comes_back_from_storage);
+    RUN_TEST(a_point_by_a_name_that_the_plant_announces_is_told);
+    RUN_TEST(a_point_that_is_named_twice_is_refused_as_that);
     return UNITY_END();
 }

@@ -92,8 +92,10 @@ static void a_verb_reaches_the_block_with_the_next_sample(void)
 static void refusals_name_what_there_is(void)
 {
     ask_refused("block 1 frz", "UNKNOWN");
+    TEST_ASSERT_TRUE(said("frz: its kind has no such verb, but: freeze thaw tune\n"));
+    ask_refused("block 2 frz", "UNKNOWN");
     TEST_ASSERT_TRUE(
-        said("frz: its kind has no such verb, but: freeze thaw tune; `block N on|off`"));
+        said("frz: its kind has no such verb, but: tune; `block N on|off` switches it\n"));
     ask_refused("block 3", "UNKNOWN");
     TEST_ASSERT_TRUE(said("no such block; `block` lists them"));
     ask_refused("block gmv tune", "UNKNOWN");
