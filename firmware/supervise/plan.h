@@ -53,6 +53,9 @@ struct loop_plan {
 struct block_place {
     uint16_t at, grains; /* place of its state in the arena, and size, in grains */
     uint8_t kind;        /* in block_kinds[]; PLAN_NONE = there is no block */
+#if CONFIG_BLOCKS
+    uint8_t spare; /* bytes of the last grain that the state does not need */
+#endif
 };
 
 #if CONFIG_BLOCKS

@@ -211,8 +211,10 @@ enum err plan_place_blocks(struct plan *plan, struct config_fault *fault)
         if (place->kind != PLAN_NONE) {
             struct block_instance b;
             plan_block_setup(plan, slot, &b);
-            grains = ARENA_GRAINS(plan_kind(plan, slot)->bytes(&b.setup));
+            uint32_t bytes = plan_kind(plan, slot)->bytes(&b.setup);
+            grains = ARENA_GRAINS(bytes);
 #if CONFIG_BLOCKS
+            place->spare = (uint8_t)(grains * ARENA_GRAIN - bytes);
             grains += plan_grains_behind(plan, slot);
 #endif
         }

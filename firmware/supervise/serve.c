@@ -48,7 +48,7 @@ static bool same_record(const struct supervisor *s, const struct plan *old, uint
     const struct record_plan *before = old ? &old->record[slot - SLOT_RECORDS] : NULL;
     return before && old->block[slot].kind == s->plan->block[slot].kind &&
            old->block[slot].grains == s->plan->block[slot].grains && /* the arena keeps no other */
-           s->tick_s == s->plan->tick_s &&
+           old->block[slot].spare == s->plan->block[slot].spare && s->tick_s == s->plan->tick_s &&
            same_list(r->member, r->members, before->member, before->members) &&
            same_list(r->input, r->inputs, before->input, before->inputs) &&
            same_list(r->point, r->points, before->point, before->points) &&

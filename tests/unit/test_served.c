@@ -109,6 +109,22 @@ static void settings_that_need_another_size_begin_without_a_past(void)
     TEST_ASSERT_DOUBLE_WITHIN(1e-3, 85, value_of(MEAN));
 }
 
+/* The arena has places of 8 bytes: a state of 20 bytes and one of 24 have the same place. */
+static void so_do_those_that_need_a_little_more_in_the_same_place(void)
+{
+    TEST_ASSERT_EQUAL(ARENA_GRAINS(sizeof(struct mean)), ARENA_GRAINS(sizeof(struct mean) + 4));
+    bench_start_with(estimates);
+    put_float(0, 0, 0.75f);
+    apply();
+    tick();
+    TEST_ASSERT_TRUE(mean_retuned);
+    put_float(0, 0, 1);
+    mean_more = 4;
+    apply();
+    tick();
+    TEST_ASSERT_FALSE(mean_retuned);
+}
+
 static void is_of(struct block_signal signal, double lo, double hi, bool is_mv)
 {
     TEST_ASSERT_EQUAL_DOUBLE(lo, (double)signal.lo);
@@ -580,6 +596,7 @@ int main(void)
     RUN_TEST(an_estimate_is_measured_in_the_same_tick_and_is_the_pv_of_a_loop);
     RUN_TEST(a_setting_of_its_record_holds_without_a_new_start);
     RUN_TEST(settings_that_need_another_size_begin_without_a_past);
+    RUN_TEST(so_do_those_that_need_a_little_more_in_the_same_place);
     RUN_TEST(it_is_told_what_fractions_are_of);
     RUN_TEST(an_estimator_begins_anew_when_the_plant_was_away);
     RUN_TEST(an_estimate_without_its_input_is_held_and_then_its_loop_goes_to_manual);
