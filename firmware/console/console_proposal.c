@@ -9,8 +9,11 @@ static void who(const struct console *c, uint8_t block, const char *what, struct
 {
     text_str(line, "block");
     text_u32(line, block + 1u);
-    text_char(line, ' ');
-    text_str(line, console_settings(c)->block[block].kind);
+    const char *kind = console_settings(c)->block[block].kind;
+    if (kind[0]) { /* it may be gone since */
+        text_char(line, ' ');
+        text_str(line, kind);
+    }
     text_str(line, what);
 }
 

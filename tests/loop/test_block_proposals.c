@@ -229,6 +229,16 @@ static void one_made_for_other_loops_is_given_up(void)
     TEST_ASSERT_FALSE(said("to be accepted"));
 }
 
+static void one_whose_block_is_gone_is_given_up_under_its_number_alone(void)
+{
+    proposes(GAIN, 3);
+    gives(PROPOSAL_WHEN_ACCEPTED);
+    ask_ok("set block1.kind -");
+    samples(1);
+    ANSWERS("proposal", "block1 refused: block1.proposal was made for other loops, blocks or spans "
+                        "than there are now");
+}
+
 static void nor_does_the_way_back_lead_into_other_loops(void)
 {
     proposes(GAIN, 3);
@@ -342,6 +352,7 @@ int main(void)
     RUN_TEST(one_to_be_accepted_is_checked_when_it_comes);
     RUN_TEST(a_refusal_does_not_cost_the_way_back);
     RUN_TEST(one_made_for_other_loops_is_given_up);
+    RUN_TEST(one_whose_block_is_gone_is_given_up_under_its_number_alone);
     RUN_TEST(nor_does_the_way_back_lead_into_other_loops);
     RUN_TEST(it_waits_behind_an_open_transaction_and_a_sequence);
     RUN_TEST(settings_of_blocks_are_proposed_too);
