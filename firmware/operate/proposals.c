@@ -177,7 +177,16 @@ static enum err stage_proposal(struct operate *door, struct way_back *back,
     return err;
 }
 
-/* In force from the next tick on. */
+/* Is any of its values another than the one there was? */
+static bool changes_something(const struct block_proposal *is, const struct way_back *back)
+{
+    for (uint8_t k = 0; k < is->n; k++)
+        if (is->value[k].value != back->value[k].value)
+            return true;
+    return false;
+}
+
+/* In force from the next tick on. Of what is in force already nothing is told, and the way back stays. */
 static enum err adopt(struct operate *door, struct config_fault *fault)
 {
     struct service *s = door->service;
@@ -186,6 +195,10 @@ static enum err adopt(struct operate *door, struct config_fault *fault)
     enum err err = stage_proposal(door, &back, fault);
     if (err)
         return err;
+    if (!changes_something(&slot->is, &back)) {
+        set_state(door, PROPOSAL_FREE);
+        return ERR_OK;
+    }
     err = service_apply(s, service_staged(s), fault);
     if (err)
         return err;
@@ -310,10 +323,11 @@ enum err operate_proposal_accept(struct session *session, struct answer *answer)
         return operate_refuse(answer, ERR_STATE, "proposal", NONE_WAITS);
     if (!may_change(door))
         return refuse_change(session, answer);
+    uint8_t n = slot_of_tick(door)->is.n; /* the tick may have the place again afterwards */
     err = adopt(door, &fault);
     if (err)
         return answer_fault(answer, err, &fault);
-    operate_record(session, EVENT_DO_PROPOSAL, "accept", (float)door->back.n);
+    operate_record(session, EVENT_DO_PROPOSAL, "accept", (float)n);
     return ERR_OK;
 }
 

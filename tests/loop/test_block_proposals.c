@@ -215,6 +215,23 @@ static void a_refusal_does_not_cost_the_way_back(void)
     is_set("loop1.gain = 1 fraction/fraction");
 }
 
+static void what_is_in_force_already_does_not_cost_the_way_back(void)
+{
+    proposes(GAIN, 3);
+    gives(PROPOSAL_AT_ONCE);
+    samples(1);
+    board_forget();
+    proposes(GAIN, 3);
+    gives(PROPOSAL_AT_ONCE);
+    samples(1);
+    TEST_ASSERT_FALSE(said("BLOCK_ADOPTED") || said("CONFIG_APPLIED"));
+    ANSWERS("proposal", "block1 watch proposed what is in force, `proposal back` undoes it",
+            "  loop1.gain = 3, before 1");
+    proposes(TI, 50); /* there is room for the next */
+    gives(PROPOSAL_AT_ONCE);
+    TEST_ASSERT_TRUE(said("BLOCK_ADOPTED"));
+}
+
 static void one_made_for_other_loops_is_given_up(void)
 {
     proposes(GAIN, 3);
@@ -351,6 +368,7 @@ int main(void)
     RUN_TEST(one_that_does_not_fit_is_refused_whole_with_field_and_reason);
     RUN_TEST(one_to_be_accepted_is_checked_when_it_comes);
     RUN_TEST(a_refusal_does_not_cost_the_way_back);
+    RUN_TEST(what_is_in_force_already_does_not_cost_the_way_back);
     RUN_TEST(one_made_for_other_loops_is_given_up);
     RUN_TEST(one_whose_block_is_gone_is_given_up_under_its_number_alone);
     RUN_TEST(nor_does_the_way_back_lead_into_other_loops);
