@@ -49,7 +49,7 @@ static void make_plan(const uint8_t n[PLACED_KINDS], const uint8_t grains[PLAN_B
             strcpy(name[k], "x");
     for (unsigned b = 0; b < PLAN_BLOCKS; b++) {
         plan.block[b] = (struct block_place){(uint16_t)at, grains[b],
-                                             grains[b] ? kinds[b] : (uint8_t)PLAN_NONE};
+                                             grains[b] ? kinds[b] : (uint8_t)PLAN_NONE, 0};
         at += grains[b];
     }
     TEST_ASSERT_TRUE(at * ARENA_GRAIN <= PLAN_ARENA_BYTES);
