@@ -223,11 +223,17 @@ static void happens(void)
     case 4:
     case 5:
     case 6: {
+        if (!one_in(4)) {
+            (void)types("mode top auto");
+            (void)types("mode bottom auto");
+            goes_on(1 + below(4));
+            break;
+        }
         static const float odd[] = {NAN, INFINITY, -INFINITY, 1e30f, 100, 0, 97, 130, -20, 5};
         unsigned i = below(2);
         odd_value[i] = ANY(odd);
         odd_quality[i] = (int)below(5) - 1;
-        odd_left[i] = 1 + below(30);
+        odd_left[i] = 1 + below(one_in(4) ? 30 : 3);
         snprintf(line, sizeof line, "odd %u: %g quality %d for %u", i, (double)odd_value[i],
                  odd_quality[i], odd_left[i]);
         does(line);
