@@ -24,6 +24,8 @@ SANITIZED = ("asan", "asan-fixed")
 HANG_S = 1800.0  # stops a test that hangs, and is far longer than any takes on a busy machine
 COPIED = ("LABELS", "TIMEOUT", "WORKING_DIRECTORY", "ENVIRONMENT", "WILL_FAIL", "RUN_SERIAL", "PROCESSORS",
           "RESOURCE_LOCK", "SKIP_RETURN_CODE", "PASS_REGULAR_EXPRESSION", "FAIL_REGULAR_EXPRESSION")
+# What one test leaves for another: each build tree has its own.
+FIXTURES = ("FIXTURES_SETUP", "FIXTURES_CLEANUP", "FIXTURES_REQUIRED")
 
 
 @dataclass
@@ -130,6 +132,7 @@ def tests_of(preset: str) -> list[Test]:
             raise RunFailed(f"test {entry['name']} of {preset} was not built")
         labels = properties.pop("LABELS", [])
         kept = {key: value for key, value in properties.items() if key in COPIED}
+        kept |= {key: [f"{preset}.{name}" for name in properties[key]] for key in FIXTURES if key in properties}
         out.append(Test(f"{preset}.{entry['name']}", entry["command"], list(labels), kept))
     return out
 
