@@ -1,8 +1,6 @@
 #include "supervise/compensate_blocks.h"
 
-#include "supervise/block_excitation.h"
 #include "supervise/blocks.h"
-#include "supervise/proposals.h"
 #include "supervise/raised.h"
 #include "supervise/records.h"
 #include "supervise/served_io.h"
@@ -185,16 +183,10 @@ static void step_compensator(struct supervisor *s, uint8_t slot, num_t *u)
     struct passed *passed = passed_by(s, slot);
     struct served_io g;
     gather_signals(s, slot, u, false, &g);
-    served_take_work(s, slot, &g.io);
-    excitation_tell(s, slot, &g.io, g.excite);
-    g.io.proposal = proposal_room(s);
-    served_kind(s, slot)->step(supervisor_block(s, slot), &g.io);
-    raised_tell(s, slot, &g.io);
+    served_step(s, slot, &g);
     bool gave = gave_signals(s, slot, &g);
     if (gave) {
-        served_ask_work(s, slot, &g.io);
-        excitation_take(s, slot, &g.io);
-        proposal_hand_over(s, slot, &g.io);
+        served_grant(s, slot, &g);
     }
     for (uint8_t k = 0; k < r->members; k++) {
         if (!(g.io.acting & (1u << k)))

@@ -1,8 +1,6 @@
 #include "supervise/element_blocks.h"
 
-#include "supervise/block_excitation.h"
 #include "supervise/blocks.h"
-#include "supervise/proposals.h"
 #include "supervise/raised.h"
 #include "supervise/served_io.h"
 
@@ -73,19 +71,13 @@ static void run_element(struct supervisor *s, uint8_t slot, struct served_io *g)
         s->block[slot].running = true;
         kind->follow(state, &g->io);
     }
-    served_take_work(s, slot, &g->io);
-    excitation_tell(s, slot, &g->io, g->excite);
-    g->io.proposal = proposal_room(s);
-    kind->step(state, &g->io);
-    raised_tell(s, slot, &g->io);
+    served_step(s, slot, g);
     if (g->io.gives_up || !gave_corrections(g, r->points)) {
         served_give_up(s, slot, g->io.gives_up ? g->io.gives_up : SERVED_NO_NUMBER);
         stop_element(s, slot);
         return;
     }
-    served_ask_work(s, slot, &g->io);
-    excitation_take(s, slot, &g->io);
-    proposal_hand_over(s, slot, &g->io);
+    served_grant(s, slot, g);
     num_t most = num_from_float(PLAN_ELEMENT_MOST);
     for (uint8_t k = 0; k < r->points; k++) {
         struct loop_state *l = &s->loop[s->plan->owner[r->point[k]]];

@@ -2,10 +2,8 @@
 
 #include <string.h>
 
-#include "supervise/block_excitation.h"
 #include "supervise/blocks.h"
 #include "supervise/plan_parts.h"
-#include "supervise/proposals.h"
 #include "supervise/raised.h"
 #include "supervise/records.h"
 #include "supervise/served_io.h"
@@ -229,14 +227,8 @@ void serve_estimate(struct supervisor *s)
         if (s->block[slot].must_follow && served_kind(s, slot)->follow)
             served_kind(s, slot)->follow(supervisor_block(s, slot), &g.io);
         s->block[slot].must_follow = false;
-        served_take_work(s, slot, &g.io);
-        excitation_tell(s, slot, &g.io, g.excite);
-        g.io.proposal = proposal_room(s);
-        served_kind(s, slot)->step(supervisor_block(s, slot), &g.io);
-        raised_tell(s, slot, &g.io);
-        served_ask_work(s, slot, &g.io);
-        excitation_take(s, slot, &g.io);
-        proposal_hand_over(s, slot, &g.io);
+        served_step(s, slot, &g);
+        served_grant(s, slot, &g);
         give_points(s, slot, &g);
     }
 }
@@ -292,11 +284,7 @@ void serve_step(struct supervisor *s, uint8_t i)
     }
     if (s->block[slot].stepped) /* nobody has told it yet: as if nothing had been in the way */
         kind->back_calculate(supervisor_block(s, slot), &g.io);
-    served_take_work(s, slot, &g.io);
-    excitation_tell(s, slot, &g.io, g.excite);
-    g.io.proposal = proposal_room(s);
-    kind->step(supervisor_block(s, slot), &g.io);
-    raised_tell(s, slot, &g.io);
+    served_step(s, slot, &g);
     if (!g.io.gives_up && !gives_numbers(&g, r->members))
         g.io.gives_up = SERVED_NO_NUMBER;
     if (g.io.gives_up) {
@@ -304,9 +292,7 @@ void serve_step(struct supervisor *s, uint8_t i)
         own_step(s, slot, g.io.acting);
         return;
     }
-    served_ask_work(s, slot, &g.io);
-    excitation_take(s, slot, &g.io);
-    proposal_hand_over(s, slot, &g.io);
+    served_grant(s, slot, &g);
     for (uint8_t k = 0; k < r->members; k++) {
         if (!(g.io.acting & (1u << k)))
             continue;

@@ -5,6 +5,7 @@
 #include "supervise/blocks.h"
 #include "supervise/histories.h"
 #include "supervise/plan_parts.h"
+#include "supervise/proposals.h"
 #include "supervise/raised.h"
 #include "supervise/sampling.h"
 
@@ -89,7 +90,7 @@ void served_gather(const struct supervisor *s, uint8_t slot, struct served_io *g
     gather_inputs(s, slot, g);
 }
 
-void served_take_work(struct supervisor *s, uint8_t slot, struct block_io *io)
+static void take_work(struct supervisor *s, uint8_t slot, struct block_io *io)
 {
     struct job *work = &s->work[slot - SLOT_RECORDS];
     if (!job_is_asked(work)) {
@@ -100,7 +101,7 @@ void served_take_work(struct supervisor *s, uint8_t slot, struct block_io *io)
     io->work_wanted = !io->work_done;
 }
 
-void served_ask_work(struct supervisor *s, uint8_t slot, const struct block_io *io)
+static void ask_work(struct supervisor *s, uint8_t slot, const struct block_io *io)
 {
     struct job *work = &s->work[slot - SLOT_RECORDS];
     if (io->ask_work && served_kind(s, slot)->work && !job_is_asked(work) && !job_is_working(work))
@@ -143,6 +144,22 @@ void served_to_manual(struct supervisor *s, uint8_t i)
     s->loop[i].drives = false;
     event_put(s->events, s->time_ms, EVENT_MODE, s->plan->config.loop[i].name, (float)LOOP_MANUAL,
               LOOP_MANUAL);
+}
+
+void served_step(struct supervisor *s, uint8_t slot, struct served_io *g)
+{
+    take_work(s, slot, &g->io);
+    excitation_tell(s, slot, &g->io, g->excite);
+    g->io.proposal = proposal_room(s);
+    served_kind(s, slot)->step(supervisor_block(s, slot), &g->io);
+    raised_tell(s, slot, &g->io);
+}
+
+void served_grant(struct supervisor *s, uint8_t slot, struct served_io *g)
+{
+    ask_work(s, slot, &g->io);
+    excitation_take(s, slot, &g->io);
+    proposal_hand_over(s, slot, &g->io);
 }
 
 #endif

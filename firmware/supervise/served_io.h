@@ -49,9 +49,10 @@ uint8_t served_input_quality(const struct supervisor *s, uint8_t input, bool mea
 /* Which of its inputs is the first that is not usable, or PLAN_NONE. */
 uint8_t served_bad_input(const struct supervisor *s, uint8_t slot);
 
-/* Work: its result is there in this step (served_take_work, before it), or it has asked for some (after). */
-void served_take_work(struct supervisor *s, uint8_t slot, struct block_io *io);
-void served_ask_work(struct supervisor *s, uint8_t slot, const struct block_io *io);
+/* Its step, with the result of its work, what became of its test signals and room for a proposal; its events are told. */
+void served_step(struct supervisor *s, uint8_t slot, struct served_io *g);
+/* What it has asked for in a step that counts: work, test signals, a proposal. */
+void served_grant(struct supervisor *s, uint8_t slot, struct served_io *g);
 
 /* It is off from now on. The loops' own controllers act; of a compensator: its members' outputs pass through it as they are,
  * which begins with a bumpless transfer. */

@@ -10,10 +10,6 @@
 #include "unity.h"
 #include "worked_family/kinds.h"
 
-static struct {
-    struct config config;
-} bench; /* of stage_kinds.h, whose put_block() is not used */
-
 #define block_kinds      told_table
 #define block_kind_count told_table_count
 #include "told_kinds.h"

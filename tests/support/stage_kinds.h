@@ -1,6 +1,5 @@
 /* Kinds with a record that no product has: a dynamic compensator of one or two loops, a feedforward element with two inputs, a
- * controller of two loops. Included in one file of a test, with supervisor_bench.h before it, it stands in for
- * app/kinds.c. */
+ * controller of two loops. Included in one file of a test it stands in for app/kinds.c. */
 #ifndef REFLUX_TESTS_STAGE_KINDS_H
 #define REFLUX_TESTS_STAGE_KINDS_H
 
@@ -11,7 +10,6 @@
 #include "control/two_position.h"
 #include "feedforward/feedforward.h"
 #include "signal/lead_lag.h"
-#include "supervise/records.h"
 
 #define STAGE_ROW(row_id, of, member, row_lo, row_hi, row_initial)                                 \
     {                                                                                              \
@@ -19,18 +17,6 @@
         .name = #member, .unit = "-", .help = "of the test", .lo = (row_lo), .hi = (row_hi),       \
         .initial = (row_initial)                                                                   \
     }
-
-/* blockN as the console sets it: settings of its kind, whom it serves, what it reads and writes. */
-static inline void put_block(unsigned n, const char *kind, const char *loops, const char *inputs,
-                             const char *points)
-{
-    struct block_config *b = &bench.config.block[n];
-    uint32_t needed, room;
-    TEST_ASSERT_EQUAL(ERR_OK, record_make(&bench.config, (uint8_t)n, kind, &needed, &room));
-    strcpy(b->loops, loops);
-    strcpy(b->inputs, inputs);
-    strcpy(b->points, points);
-}
 
 /* What goes wrong with a block of a test: in the calls from the next one on. */
 enum stage_fault { STAGE_WELL, STAGE_GIVES_UP, STAGE_NO_NUMBER };

@@ -2,23 +2,13 @@
 #ifndef REFLUX_TESTS_TOLD_BENCH_H
 #define REFLUX_TESTS_TOLD_BENCH_H
 
+#include "put_block.h"
 #include "supervise/records.h"
 #include "supervisor_bench.h"
 #include "told_kinds.h"
 
 enum { WATCH, PAIR };
 enum { SEEN = 4 };
-
-static inline void put_block(unsigned n, const char *kind, const char *loops, const char *inputs,
-                             const char *points)
-{
-    struct block_config *b = &bench.config.block[n];
-    uint32_t needed, room;
-    TEST_ASSERT_EQUAL(ERR_OK, record_make(&bench.config, (uint8_t)n, kind, &needed, &room));
-    strcpy(b->loops, loops);
-    strcpy(b->inputs, inputs);
-    strcpy(b->points, points);
-}
 
 static inline void told(void)
 {

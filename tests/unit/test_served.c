@@ -2,24 +2,13 @@
  * kinds are of this test alone; what the tick does with them is what every family relies on. */
 #include "block/block.h"
 #include "control/pid.h"
+#include "put_block.h"
 #include "served_kinds.h"
 #include "supervise/records.h"
 #include "supervisor_bench.h"
 
 const struct block_kind *const block_kinds[] = {&pid_kind, &mean_kind, &both_kind};
 const uint8_t block_kind_count = 3;
-
-/* blockN as the console sets it: settings of its kind, whom it serves, what it reads and writes. */
-static void put_block(unsigned n, const char *kind, const char *loops, const char *inputs,
-                      const char *points)
-{
-    struct block_config *b = &bench.config.block[n];
-    uint32_t needed, room;
-    TEST_ASSERT_EQUAL(ERR_OK, record_make(&bench.config, (uint8_t)n, kind, &needed, &room));
-    strcpy(b->loops, loops);
-    strcpy(b->inputs, inputs);
-    strcpy(b->points, points);
-}
 
 static void put_float(unsigned n, unsigned offset, float x)
 {

@@ -1,5 +1,6 @@
 /* Feedforward elements with a record: what they add, when they begin and end, and what limits, compensators and interlocks
  * make of it. */
+#include "put_block.h"
 #include "service/block_parameters.h"
 #include "supervisor_bench.h"
 
