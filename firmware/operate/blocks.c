@@ -166,8 +166,7 @@ enum err operate_verb(struct session *session, uint8_t block, uint8_t verb, cons
     if (!err)
         err = check_verb_number(v, number, answer);
     if (!err && s->supervisor->block[slot_of(block)].off)
-        err = operate_refuse(answer, ERR_STATE, kind->name,
-                             "is off; `block N on` first");
+        err = operate_refuse(answer, ERR_STATE, kind->name, "is off; `block N on` first");
     if (err)
         return err;
     struct request r = {.kind = REQUEST_VERB,
