@@ -1,5 +1,15 @@
 #include "supervise/blocks.h"
 
+void loop_to_manual(struct supervisor *s, uint8_t i)
+{
+    if (!loop_acts(s, i))
+        return;
+    s->loop[i].mode = LOOP_MANUAL;
+    s->loop[i].drives = false;
+    event_put(s->events, s->time_ms, EVENT_MODE, s->plan->config.loop[i].name, (float)LOOP_MANUAL,
+              LOOP_MANUAL);
+}
+
 static const struct block_kind *kind_of(const struct supervisor *s, uint8_t slot)
 {
     return block_kinds[s->block[slot].kind];

@@ -34,6 +34,9 @@ static inline void loop_find_driving(struct supervisor *s, uint8_t i)
     s->loop[i].drives = loop_acts(s, i) && !loop_interlocked(s, i);
 }
 
+/* Loop i goes to manual, if it acts, and an event says so: not because somebody asked for it. */
+void loop_to_manual(struct supervisor *s, uint8_t i);
+
 /* A block with the settings of the plan, without a past. */
 void block_begin(struct supervisor *s, uint8_t i);
 /* The settings of the plan for a loop that `old` had too. Those of one that acts wait until the old ones have made the next

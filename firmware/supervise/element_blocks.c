@@ -43,7 +43,7 @@ static bool stands_bad_input(struct supervisor *s, uint8_t slot)
         return false;
     }
     for (uint8_t k = 0; k < r->points; k++)
-        served_to_manual(s, s->plan->owner[r->point[k]]);
+        loop_to_manual(s, s->plan->owner[r->point[k]]);
     return true;
 }
 

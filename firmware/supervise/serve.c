@@ -146,7 +146,7 @@ static void members_to_manual(struct supervisor *s, uint8_t slot)
 {
     const struct record_plan *r = served_record(s, slot);
     for (uint8_t k = 0; k < r->members; k++)
-        served_to_manual(s, r->member[k]);
+        loop_to_manual(s, r->member[k]);
 }
 
 void serve_check_inputs(struct supervisor *s)

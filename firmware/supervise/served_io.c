@@ -136,16 +136,6 @@ void served_give_up_without(struct supervisor *s, uint8_t slot, uint8_t k)
     raised_forget(s, slot);
 }
 
-void served_to_manual(struct supervisor *s, uint8_t i)
-{
-    if (!loop_acts(s, i))
-        return;
-    s->loop[i].mode = LOOP_MANUAL;
-    s->loop[i].drives = false;
-    event_put(s->events, s->time_ms, EVENT_MODE, s->plan->config.loop[i].name, (float)LOOP_MANUAL,
-              LOOP_MANUAL);
-}
-
 void served_step(struct supervisor *s, uint8_t slot, struct served_io *g)
 {
     take_work(s, slot, &g->io);

@@ -60,9 +60,6 @@ void served_give_up(struct supervisor *s, uint8_t slot, const char *reason);
 /* The same for want of its k-th input. */
 void served_give_up_without(struct supervisor *s, uint8_t slot, uint8_t k);
 
-/* Loop i goes to manual, if it acts. */
-void served_to_manual(struct supervisor *s, uint8_t i);
-
 #define SERVED_NO_NUMBER "not_a_number" /* reason for giving up */
 /* In floating point a block may have come apart: what is no number must reach nobody. */
 static inline bool served_is_number(num_t x)

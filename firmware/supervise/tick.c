@@ -46,9 +46,7 @@ static void drop_unbound(struct supervisor *s, uint8_t i)
     if (!loop_acts(s, i) ||
         (s->measurement[p->pv].bound && (p->mv == PLAN_NONE || s->mv[p->mv].bound)))
         return;
-    s->loop[i].mode = LOOP_MANUAL;
-    event_put(s->events, s->time_ms, EVENT_MODE, s->plan->config.loop[i].name, (float)LOOP_MANUAL,
-              LOOP_MANUAL);
+    loop_to_manual(s, i);
 }
 
 /* What feedforward k looks at, fraction of span; false: there is nothing to look at yet. Of a manipulated variable it is

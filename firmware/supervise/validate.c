@@ -1,6 +1,7 @@
 #include "supervise/validate.h"
 
 #include "base/elapsed.h"
+#include "supervise/blocks.h"
 #include "supervise/safe_state.h"
 #include "supervise/sampling.h"
 #include "supervise/span.h"
@@ -102,14 +103,9 @@ static bool infer(struct supervisor *s, uint8_t i)
 
 static void loops_to_manual(struct supervisor *s, uint8_t measurement)
 {
-    for (uint8_t k = 0; k < s->placed[PLACED_LOOPS]; k++) {
-        struct loop_state *l = &s->loop[k];
-        if (!s->plan->loop[k].used || s->plan->loop[k].pv != measurement || l->mode == LOOP_MANUAL)
-            continue;
-        l->mode = LOOP_MANUAL;
-        event_put(s->events, s->time_ms, EVENT_MODE, s->plan->config.loop[k].name,
-                  (float)LOOP_MANUAL, LOOP_MANUAL);
-    }
+    for (uint8_t k = 0; k < s->placed[PLACED_LOOPS]; k++)
+        if (s->plan->loop[k].pv == measurement)
+            loop_to_manual(s, k);
 }
 
 static void fall_back(struct supervisor *s, uint8_t i, float reading)

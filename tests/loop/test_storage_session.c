@@ -123,7 +123,7 @@ static void test_pending_settings_are_saved_before_their_tick(void)
 }
 
 /* A dead time that finds room with the plant's tick, and none with the 1 s that is taken while there is no plant. */
-static void a_set_for_a_slow_plant_comes_into_force_when_the_plant_comes_late(void)
+static void save_for_a_slow_plant(void)
 {
     power_on();
     board.tick_ms = 60000;
@@ -143,6 +143,11 @@ static void a_set_for_a_slow_plant_comes_into_force_when_the_plant_comes_late(vo
     power_on();
     board.tick_ms = 60000;
     pass(5000);
+}
+
+static void a_set_for_a_slow_plant_comes_into_force_when_the_plant_comes_late(void)
+{
+    save_for_a_slow_plant();
     TEST_ASSERT_TRUE(said("STORAGE_REFUSED ff1.dead"));
     connect_plant();
     samples(2);
@@ -155,23 +160,7 @@ static void a_set_for_a_slow_plant_comes_into_force_when_the_plant_comes_late(vo
 
 static void a_set_refused_for_want_of_a_plant_overrules_nobody(void)
 {
-    power_on();
-    board.tick_ms = 60000;
-    configure();
-    ask_ok("set meas3.name feed");
-    ask_ok("set meas3.unit l/h");
-    connect_plant();
-    samples(2);
-    ask_ok("begin");
-    ask_ok("set ff1.from feed");
-    ask_ok("set ff1.to heat");
-    ask_ok("set ff1.dead 90000");
-    ask_ok("apply");
-    samples(1);
-    ask_ok("save");
-    power_on();
-    board.tick_ms = 60000;
-    pass(5000);
+    save_for_a_slow_plant();
     ask_ok("set meas1.name T1");
     connect_plant();
     samples(2);

@@ -358,54 +358,19 @@ static void ahead_follow(void *state, struct block_io *io)
     a->follows++;
 }
 
-static const struct block_kind ahead_kind = {
-    .name = "ahead",
-    .stage = STAGE_FEED_FORWARD,
-    .parameter = ahead_parameters,
-    .parameters = 5,
-    .settings_bytes = sizeof(struct ahead_settings),
-    .inputs_most = 2,
-    .points_most = 2,
-    .bytes = ahead_bytes,
-    .check = ahead_check,
-    .configure = ahead_configure,
-    .step = ahead_step,
-    .follow = ahead_follow,
-};
+/* Three that differ in what happens without an input: they give up, their loops go to manual, they are told. */
+#define AHEAD_KIND(kind_name, without_input)                                                       \
+    {                                                                                              \
+        .name = kind_name, .stage = STAGE_FEED_FORWARD, .parameter = ahead_parameters,             \
+        .parameters = 5, .settings_bytes = sizeof(struct ahead_settings), .inputs_most = 2,        \
+        .points_most = 2, .bad_input = without_input, .bytes = ahead_bytes, .check = ahead_check,  \
+        .configure = ahead_configure, .step = ahead_step, .follow = ahead_follow,                  \
+    }
 
-/* The same, but without its input the loops it helps go to manual. */
-static const struct block_kind wary_kind = {
-    .name = "wary",
-    .stage = STAGE_FEED_FORWARD,
-    .parameter = ahead_parameters,
-    .parameters = 5,
-    .settings_bytes = sizeof(struct ahead_settings),
-    .inputs_most = 2,
-    .points_most = 2,
-    .bad_input = BAD_INPUT_MANUAL,
-    .bytes = ahead_bytes,
-    .check = ahead_check,
-    .configure = ahead_configure,
-    .step = ahead_step,
-    .follow = ahead_follow,
-};
-
-/* The same, but it is told. */
-static const struct block_kind keen_kind = {
-    .name = "keen",
-    .stage = STAGE_FEED_FORWARD,
-    .parameter = ahead_parameters,
-    .parameters = 5,
-    .settings_bytes = sizeof(struct ahead_settings),
-    .inputs_most = 2,
-    .points_most = 2,
-    .bad_input = BAD_INPUT_IS_TOLD,
-    .bytes = ahead_bytes,
-    .check = ahead_check,
-    .configure = ahead_configure,
-    .step = ahead_step,
-    .follow = ahead_follow,
-};
+static const struct block_kind ahead_kind = AHEAD_KIND("ahead", BAD_INPUT_GIVES_UP);
+static const struct block_kind wary_kind = AHEAD_KIND("wary", BAD_INPUT_MANUAL);
+static const struct block_kind keen_kind = AHEAD_KIND("keen", BAD_INPUT_IS_TOLD);
+#undef AHEAD_KIND
 
 /* ---- duet: a controller of two loops, integrals of their errors ---- */
 
