@@ -105,4 +105,36 @@ static inline bool quality_is(const char *measurement, const char *quality)
     return false;
 }
 
+/* ---- the table of docs/faults.md ---- */
+
+/* The text of row f of the test's own table. */
+typedef void fault_row(unsigned f, char *line, size_t size);
+
+static inline void document_has_rows(unsigned rows, fault_row *row)
+{
+    static char page[60000];
+    char line[240];
+    FILE *file = fopen("../docs/faults.md", "r");
+    TEST_ASSERT_NOT_NULL(file);
+    page[fread(page, 1, sizeof page - 1, file)] = '\0';
+    fclose(file);
+    for (unsigned f = 0; f < rows; f++) {
+        row(f, line, sizeof line);
+        TEST_ASSERT_NOT_NULL_MESSAGE(strstr(page, line), line);
+    }
+}
+
+/* With the argument `table` a test prints its rows for the page instead. */
+static inline bool prints_rows(int argc, char **argv, unsigned rows, fault_row *row)
+{
+    char line[240];
+    if (argc != 2 || strcmp(argv[1], "table") != 0)
+        return false;
+    for (unsigned f = 0; f < rows; f++) {
+        row(f, line, sizeof line);
+        fputs(line, stdout);
+    }
+    return true;
+}
+
 #endif
