@@ -44,6 +44,24 @@ enum column_basis {
     COLUMN_FLOW_VOLUME /* m3/s of liquid at the stream's own composition and temperature */
 };
 
+/* Drum and reboiler. */
+enum column_levels {
+    COLUMN_LEVELS_PERFECT, /* constant holdup; distillate and bottoms are what is left over */
+    COLUMN_LEVELS_HOLDUPS  /* they rise and fall with the four flows */
+};
+
+/* The flow that a proportional controller moves to hold a level. */
+enum column_level_by {
+    COLUMN_LEVEL_FREE,       /* none: both flows of the vessel are inputs */
+    COLUMN_LEVEL_BY_PRODUCT, /* distillate, bottoms */
+    COLUMN_LEVEL_BY_INTERNAL /* reflux, boil-up */
+};
+
+struct column_level {
+    enum column_level_by by;
+    real_t gain; /* 1/s: mol/s per mol of holdup, above 0 unless free */
+};
+
 /* Everything about a column that does not change while it runs. The struct and the components must
  * outlive the column. column_validate() says what is wrong with one. */
 struct column_config {
@@ -64,12 +82,26 @@ struct column_config {
     real_t limit_softness;  /* 0.001 to 0.5: relative width over which flow limits set in */
     activity_fn *activity;  /* activity coefficients, NULL for an ideal liquid */
     void *activity_context; /* handed to activity */
+    /* Holdups that move, molar form only; all 0: none does. Each is a further state, its holdup over the nominal one
+     * (those above), from the reboiler up behind the mole fractions. docs/columns.md has the equations. */
+    real_t
+        hydraulic_time; /* s, of the trays' liquid; 0: their holdup is constant, above 0 otherwise */
+    real_t hydraulic_vapour; /* liquid driven off a tray by more vapour, mol per mol, -5 to 5 */
+    enum column_levels levels;
+    struct column_level condenser_level, reboiler_level; /* of COLUMN_LEVELS_HOLDUPS */
+    real_t level_capacity; /* of both vessels, over the nominal holdup, above 1, at most 10 */
 };
 
 /* What is wrong with a config or with inputs. */
 struct column_fault {
     const char *field;  /* name of the field, "" when nothing is wrong */
     const char *wanted; /* the range it must be in */
+};
+
+/* What says how hot the feed is. */
+enum column_feed_state {
+    COLUMN_FEED_TEMPERATURE, /* its temperature, by heat capacity and heat of vaporisation */
+    COLUMN_FEED_QUALITY      /* its quality: constant molar overflow at the feed */
 };
 
 /* What drives the column. */
@@ -84,6 +116,14 @@ struct column_inputs {
     real_t reflux_subcooling; /* K below the drum's bubble point, 0 to 100 */
     real_t heat;              /* W going into boiling, 0 or more */
     real_t pressure_top;      /* Pa in the condenser, 100 to 1e7 */
+    enum column_feed_state feed_state;
+    real_t
+        feed_quality; /* 0 (vapour at its dew point) over 1 (boiling liquid) to 2; not used with a temperature */
+    bool boilup_given; /* boilup counts, heat does not */
+    real_t boilup;     /* mol/s of vapour leaving the reboiler, 0 or more */
+    /* With COLUMN_LEVELS_HOLDUPS, where no level moves them: wanted flows, 0 or more. */
+    enum column_basis distillate_basis, bottoms_basis;
+    real_t distillate_flow, bottoms_flow;
 };
 
 /* Internal flows, mol/s, none of them negative except as said at the conservative form. Frau 2.4.
