@@ -2,7 +2,7 @@
 #ifndef REFLUX_MODEL_COLUMN_SIZES_H
 #define REFLUX_MODEL_COLUMN_SIZES_H
 
-#ifdef REFLUX_REAL_DOUBLE /* host */
+#if defined REFLUX_REAL_DOUBLE || defined REFLUX_REAL_LONG /* host */
 #ifndef COLUMN_STAGES_MAX
 #define COLUMN_STAGES_MAX 200
 #endif

@@ -1,32 +1,38 @@
-/* The model is built twice, in float and in double, and a host program may hold both (a simulated plant next
- * to a firmware with estimators). So the double build's functions carry a suffix of their own; sources and
- * callers never see it. One line for every public function of this folder. */
+/* The model is built in float, in double and in long double, and a host program may hold all of them (a simulated
+ * plant and its derivatives next to a firmware with estimators). So the functions of the wider builds carry a suffix
+ * of their own; sources and callers never see it. One line for every public function of this folder. */
 #ifndef REFLUX_MODEL_DOUBLE_SYMBOLS_H
 #define REFLUX_MODEL_DOUBLE_SYMBOLS_H
 
-#ifdef REFLUX_REAL_DOUBLE
-#define component_vapour_pressure   component_vapour_pressure_double
-#define component_vapour_pressures  component_vapour_pressures_double
-#define component_vaporisation_heat component_vaporisation_heat_double
-#define component_molar_volume      component_molar_volume_double
-#define mixture_molar_mass          mixture_molar_mass_double
-#define mixture_molar_volume        mixture_molar_volume_double
-#define mixture_vaporisation_heat   mixture_vaporisation_heat_double
-#define mixture_heat_capacity       mixture_heat_capacity_double
-#define mole_from_mass_fractions    mole_from_mass_fractions_double
-#define mass_fraction_of            mass_fraction_of_double
-#define vle_bubble_point            vle_bubble_point_double
-#define vle_slopes                  vle_slopes_double
-#define column_validate             column_validate_double
-#define column_validate_inputs      column_validate_inputs_double
-#define column_init                 column_init_double
-#define column_set_inputs           column_set_inputs_double
-#define column_evaluate             column_evaluate_double
-#define column_rates                column_rates_double
-#define column_rates_again          column_rates_again_double
-#define column_fraction             column_fraction_double
-#define column_jacobian_shape       column_jacobian_shape_double
-#define column_jacobian             column_jacobian_double
+#if defined REFLUX_REAL_DOUBLE
+#define MODEL_SYMBOL(name) name##_double
+#elif defined REFLUX_REAL_LONG
+#define MODEL_SYMBOL(name) name##_long
+#endif
+
+#ifdef MODEL_SYMBOL
+#define component_vapour_pressure   MODEL_SYMBOL(component_vapour_pressure)
+#define component_vapour_pressures  MODEL_SYMBOL(component_vapour_pressures)
+#define component_vaporisation_heat MODEL_SYMBOL(component_vaporisation_heat)
+#define component_molar_volume      MODEL_SYMBOL(component_molar_volume)
+#define mixture_molar_mass          MODEL_SYMBOL(mixture_molar_mass)
+#define mixture_molar_volume        MODEL_SYMBOL(mixture_molar_volume)
+#define mixture_vaporisation_heat   MODEL_SYMBOL(mixture_vaporisation_heat)
+#define mixture_heat_capacity       MODEL_SYMBOL(mixture_heat_capacity)
+#define mole_from_mass_fractions    MODEL_SYMBOL(mole_from_mass_fractions)
+#define mass_fraction_of            MODEL_SYMBOL(mass_fraction_of)
+#define vle_bubble_point            MODEL_SYMBOL(vle_bubble_point)
+#define vle_slopes                  MODEL_SYMBOL(vle_slopes)
+#define column_validate             MODEL_SYMBOL(column_validate)
+#define column_validate_inputs      MODEL_SYMBOL(column_validate_inputs)
+#define column_init                 MODEL_SYMBOL(column_init)
+#define column_set_inputs           MODEL_SYMBOL(column_set_inputs)
+#define column_evaluate             MODEL_SYMBOL(column_evaluate)
+#define column_rates                MODEL_SYMBOL(column_rates)
+#define column_rates_again          MODEL_SYMBOL(column_rates_again)
+#define column_fraction             MODEL_SYMBOL(column_fraction)
+#define column_jacobian_shape       MODEL_SYMBOL(column_jacobian_shape)
+#define column_jacobian             MODEL_SYMBOL(column_jacobian)
 #endif
 
 #endif

@@ -9,9 +9,12 @@
  * spread of the slopes d(ln P)/dT over the components, are below 1e-4 1/K2, so the relative error left is
  * 1e-4 FINISH_K^2. Activity coefficients that move with the temperature make Newton converge linearly only,
  * so the last step must be much smaller there. */
-#ifdef REFLUX_REAL_DOUBLE
+#if defined REFLUX_REAL_DOUBLE
 #define FINISH_K          REAL_C(1e-3) /* leaves 1e-10 */
 #define FINISH_ACTIVITY_K REAL_C(1e-9)
+#elif defined REFLUX_REAL_LONG
+#define FINISH_K          REAL_C(1e-8) /* leaves 1e-20: derivatives are taken of this build */
+#define FINISH_ACTIVITY_K (REAL_EPSILON < REAL_C(1e-17) ? REAL_C(1e-15) : REAL_C(2e-12))
 #else
 #define FINISH_K          REAL_C(2e-2) /* leaves 4e-8, less than the rounding of a float */
 #define FINISH_ACTIVITY_K REAL_C(2e-4)

@@ -1,5 +1,6 @@
 /* real_t: the scalar of matrix analysis, models and design. float in the firmware; the host builds the
- * same sources a second time with REFLUX_REAL_DOUBLE for the simulator and the host tools. */
+ * same sources a second time with REFLUX_REAL_DOUBLE for the simulator and the host tools, and those of model/
+ * a third time with REFLUX_REAL_LONG for derivatives of the simulated columns. */
 #ifndef REFLUX_NUM_REAL_H
 #define REFLUX_NUM_REAL_H
 
@@ -17,6 +18,16 @@ typedef double real_t; /* host only: never defined in a firmware build */
 #define real_abs(x)    fabs(x)
 #define real_sqrt(x)   sqrt(x)
 #define REAL_EPSILON   2.220446049250313e-16
+#elif defined REFLUX_REAL_LONG
+#include <float.h>
+typedef long double real_t; /* host only; on some machines no wider than double */
+#define REAL_C(x)      x##L
+#define real_exp(x)    expl(x)
+#define real_log(x)    logl(x)
+#define real_pow(x, y) powl(x, y)
+#define real_abs(x)    fabsl(x)
+#define real_sqrt(x)   sqrtl(x)
+#define REAL_EPSILON   LDBL_EPSILON
 #else
 typedef float real_t;
 #define REAL_C(x)      x##f

@@ -30,17 +30,28 @@ function(reflux_layer name)
   endif()
 endfunction()
 
-# reflux_double_layer(NAME SOURCES a.c ...): the same sources once more with real_t = double, for the
-# simulator and the host tools. Target reflux_NAME_double.
-function(reflux_double_layer name)
+# The same sources once more with another real_t, defined by what; host only. Target reflux_NAME_SUFFIX.
+function(reflux_layer_again name suffix what)
   cmake_parse_arguments(arg "" "" "SOURCES;DEPENDS" ${ARGN})
   if(NOT REFLUX_BOARD STREQUAL "host")
     return()
   endif()
-  add_library(reflux_${name}_double STATIC ${arg_SOURCES})
-  set_target_properties(reflux_${name}_double PROPERTIES POSITION_INDEPENDENT_CODE ON) # they go into libreflux.so
-  target_include_directories(reflux_${name}_double PUBLIC "${REFLUX_LAYERS}/${name}")
-  target_compile_definitions(reflux_${name}_double PUBLIC REFLUX_REAL_DOUBLE=1)
+  set(target reflux_${name}_${suffix})
+  add_library(${target} STATIC ${arg_SOURCES})
+  set_target_properties(${target} PROPERTIES POSITION_INDEPENDENT_CODE ON) # they go into libreflux.so
+  target_include_directories(${target} PUBLIC "${REFLUX_LAYERS}/${name}")
+  target_compile_definitions(${target} PUBLIC ${what}=1)
   list(TRANSFORM arg_DEPENDS PREPEND reflux_ OUTPUT_VARIABLE below)
-  target_link_libraries(reflux_${name}_double PUBLIC ${below} m PRIVATE reflux_options)
+  target_link_libraries(${target} PUBLIC ${below} m PRIVATE reflux_options)
+endfunction()
+
+# reflux_double_layer(NAME SOURCES a.c ...): real_t = double, for the simulator and the host tools. Target
+# reflux_NAME_double.
+function(reflux_double_layer name)
+  reflux_layer_again(${name} double REFLUX_REAL_DOUBLE ${ARGN})
+endfunction()
+
+# reflux_long_layer(NAME SOURCES a.c ...): real_t = long double, for derivatives by differences. Target reflux_NAME_long.
+function(reflux_long_layer name)
+  reflux_layer_again(${name} long REFLUX_REAL_LONG ${ARGN})
 endfunction()
