@@ -155,13 +155,15 @@ struct column {
     const struct column_config *config;
     struct column_inputs inputs;
     struct vle vle;
-    size_t n_states; /* N (C - 1) */
+    size_t n_fractions;            /* N (C - 1): mole fractions, the first states */
+    size_t n_states;               /* with the holdups that move */
+    struct column_flows reference; /* column_take_reference */
 
     /* outputs of column_evaluate and column_rates, stage by stage from the reboiler */
     real_t temperature[COLUMN_STAGES_MAX]; /* K, bubble points; also where the next search starts */
     real_t liquid[COLUMN_STAGES_MAX];      /* mol/s leaving the stage; [0] bottoms, [N-1] reflux */
     real_t vapour_flow[COLUMN_STAGES_MAX]; /* mol/s leaving the stage upwards; [N-1] is 0 */
-    real_t holdup[COLUMN_STAGES_MAX];      /* mol */
+    real_t holdup[COLUMN_STAGES_MAX]; /* mol; where it moves, at least 1e-6 of the nominal one */
     real_t vapour[COLUMN_STAGES_MAX * COLUMN_COMPONENTS_MAX]; /* mole fractions leaving, [s C + j];
                                                                  condenser: none, the drum's bubble */
     struct column_flows flows;
@@ -191,6 +193,17 @@ MUST_CHECK enum err column_init(struct column *column, const struct column_confi
 /* Takes new inputs (copied). Fails as column_validate_inputs does and then keeps the old ones. */
 MUST_CHECK enum err column_set_inputs(struct column *column, const struct column_inputs *inputs,
                                       struct column_fault *fault);
+
+/* Flows of the column at its nominal inputs with perfect levels and nominal holdups, settled (column->flows of such a
+ * column): what the level controllers and the hydraulics of trays count from. Needed where holdups move, once, after
+ * column_init; all of them are 0 before. Copied. */
+void column_take_reference(struct column *column, const struct column_flows *nominal);
+
+/* Index among the states of the holdup of stage index s (0 = reboiler); n_states where it is constant. */
+size_t column_holdup_state(const struct column *column, size_t s);
+
+/* Holdup of stage index s over its nominal one; 1 where it is constant. */
+real_t column_relative_holdup(const struct column *column, const real_t *x, size_t s);
 
 /* Algebraic outputs at the states x[n_states]: temperatures (3.2g), vapour compositions with Murphree
  * efficiency (digest 2.5), holdups, internal flows (2.4). liquid[] is that of constant flows per section.

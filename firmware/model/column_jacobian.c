@@ -38,7 +38,7 @@ void column_jacobian(const struct column *column, const real_t *x, real_t *band,
                      size_t diagonal)
 {
     const struct column_config *config = column->config;
-    size_t c = config->components, m = c - 1, n = column->n_states;
+    size_t c = config->components, m = c - 1, n = column->n_fractions;
     size_t top = config->stages - 1, keep = memory(config), lower, upper;
     real_t full[COLUMN_COMPONENTS_MAX], dt[COLUMN_COMPONENTS_MAX];
     real_t dy[COLUMN_COMPONENTS_MAX * COLUMN_COMPONENTS_MAX];

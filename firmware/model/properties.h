@@ -12,6 +12,8 @@
 #include <stdbool.h>
 #include <stddef.h>
 
+/* A property that is 0 is not given; column_validate() and column_validate_inputs() say where one is needed. Only the
+ * vapour pressure always is. */
 struct component {
     const char *name;
     /* Vapour pressure, ln(P / Pa) = A - B/(C + T) + D T + E ln T + F T^G with T in K: the extended

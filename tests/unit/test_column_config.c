@@ -98,18 +98,116 @@ static void wrong_component_data_is_named(void)
     components[0].antoine[2] = -300;
     refused(ERR_RANGE, "component.antoine", "C + T above 0 from temperature_min on");
     components[2].molar_mass = 0;
+    refused(ERR_RANGE, "component.molar_mass", "1e-4 to 10 kg/mol: a mass or a volume needs it");
+    components[2].molar_mass = 11;
     refused(ERR_RANGE, "component.molar_mass", "1e-4 to 10 kg/mol");
     components[1].density[1] = -6;
     refused(ERR_RANGE, "component.density",
             "1 to 30000 kg/m3 from temperature_min to temperature_max");
-    components[1].vaporisation_heat = 0;
+    components[1].vaporisation_heat = REAL_C(0.5);
     refused(ERR_RANGE, "component.vaporisation_heat", "1 to 1e6 J/mol");
     components[1].boiling_point = -1;
     refused(ERR_RANGE, "component.boiling_point", "1 to 2000 K");
     components[0].critical_temperature = 430;
     refused(ERR_RANGE, "component.critical_temperature", "above boiling_point and temperature_max");
-    components[0].heat_capacity = 0;
+    components[0].heat_capacity = REAL_C(0.5);
     refused(ERR_RANGE, "component.heat_capacity", "1 to 1e5 J/(mol K)");
+}
+
+static void a_property_that_is_not_given_is_named_where_something_needs_it(void)
+{
+    static const struct {
+        size_t at;
+        const char *name, *mass, *volume, *holdup, *heat, *boilup, *temperature, *subcooling;
+    } properties[] = {
+#define HEATS    "heat, the feed's temperature or the reflux's subcooling needs it"
+#define CAPACITY "1 to 1e5 J/(mol K): the feed's temperature or the reflux's subcooling needs it"
+        {offsetof(struct component, molar_mass), "component.molar_mass",
+         "1e-4 to 10 kg/mol: a mass or a volume needs it",
+         "1e-4 to 10 kg/mol: a mass or a volume needs it",
+         "1e-4 to 10 kg/mol: a mass or a volume needs it", NULL, NULL, NULL, NULL},
+        {offsetof(struct component, density), "component.density", NULL,
+         "1 to 30000 kg/m3: a volume needs it", "1 to 30000 kg/m3: a volume needs it", NULL, NULL,
+         NULL, NULL},
+        {offsetof(struct component, vaporisation_heat), "component.vaporisation_heat", NULL, NULL,
+         NULL, "1 to 1e6 J/mol: " HEATS, NULL, "1 to 1e6 J/mol: " HEATS, "1 to 1e6 J/mol: " HEATS},
+        {offsetof(struct component, boiling_point), "component.boiling_point", NULL, NULL, NULL,
+         "1 to 2000 K: the heat of vaporisation needs it", NULL,
+         "1 to 2000 K: the heat of vaporisation needs it",
+         "1 to 2000 K: the heat of vaporisation needs it"},
+        {offsetof(struct component, critical_temperature), "component.critical_temperature", NULL,
+         NULL, NULL, "above temperature_max: the heat of vaporisation needs it", NULL,
+         "above temperature_max: the heat of vaporisation needs it",
+         "above temperature_max: the heat of vaporisation needs it"},
+        {offsetof(struct component, heat_capacity), "component.heat_capacity", NULL, NULL, NULL,
+         NULL, NULL, CAPACITY, CAPACITY},
+    };
+    for (size_t i = 0; i < sizeof properties / sizeof properties[0]; i++) {
+        struct column_inputs base = ternary_inputs();
+        base.feed_basis = base.reflux_basis = COLUMN_FLOW_MOLAR;
+        base.feed_state = COLUMN_FEED_QUALITY;
+        base.feed_quality = 1;
+        base.feed_temperature = NAN; /* not used */
+        base.reflux_subcooling = 0;
+        base.boilup_given = true;
+        base.heat = NAN; /* not used */
+        struct column_inputs tried[6] = {base, base, base, base, base, base};
+        tried[0].reflux_basis = COLUMN_FLOW_MASS;
+        tried[1].reflux_basis = COLUMN_FLOW_VOLUME;
+        tried[2].boilup_given = false;
+        tried[2].heat = 0;
+        tried[4].feed_state = COLUMN_FEED_TEMPERATURE;
+        tried[4].feed_temperature = 335;
+        tried[5].reflux_subcooling = 1;
+        const char *wanted[6] = {properties[i].mass,        properties[i].volume,
+                                 properties[i].heat,        properties[i].boilup,
+                                 properties[i].temperature, properties[i].subcooling};
+        *(real_t *)((char *)&components[1] + properties[i].at) = 0;
+        if (i == 1)
+            components[1].density[1] = 0;
+        enum err code = column_validate(&config, &fault);
+        TEST_ASSERT_EQUAL(properties[i].holdup ? ERR_RANGE : ERR_OK, code);
+        TEST_ASSERT_EQUAL_STRING(properties[i].holdup ? properties[i].holdup : "", fault.wanted);
+        config.holdup = COLUMN_HOLDUP_MOLAR;
+        TEST_ASSERT_EQUAL(ERR_OK, column_validate(&config, &fault));
+        for (size_t k = 0; k < 6; k++) {
+            code = column_validate_inputs(&config, &tried[k], &fault);
+            TEST_ASSERT_EQUAL(wanted[k] ? ERR_RANGE : ERR_OK, code);
+            TEST_ASSERT_EQUAL_STRING(wanted[k] ? properties[i].name : "", fault.field);
+            TEST_ASSERT_EQUAL_STRING(wanted[k] ? wanted[k] : "", fault.wanted);
+        }
+        setUp();
+    }
+}
+
+static void wrong_levels_and_hydraulics_are_named(void)
+{
+    config.holdup = COLUMN_HOLDUP_MOLAR;
+    const struct column_config molar = config;
+#define REFUSED(field, value, name, wanted)                                                        \
+    config.field = (value);                                                                        \
+    refused(ERR_RANGE, name, wanted);                                                              \
+    config = molar;                                                                                \
+    config.levels = COLUMN_LEVELS_HOLDUPS;                                                         \
+    config.level_capacity = 2;                                                                     \
+    config.hydraulic_time = 3
+    REFUSED(hydraulic_time, -1, "hydraulic_time", "0, or 0.001 to 1e6 s");
+    REFUSED(hydraulic_time, REAL_C(0.0001), "hydraulic_time", "0, or 0.001 to 1e6 s");
+    REFUSED(hydraulic_vapour, 6, "hydraulic_vapour", "-5 to 5");
+    REFUSED(levels, (enum column_levels)2, "levels", "one of enum column_levels");
+    REFUSED(condenser_level.by, (enum column_level_by)3, "condenser_level.by",
+            "one of enum column_level_by");
+    REFUSED(reboiler_level.by, COLUMN_LEVEL_BY_PRODUCT, "reboiler_level.gain",
+            "above 0, to 1000 1/s");
+    REFUSED(condenser_level.by, COLUMN_LEVEL_BY_INTERNAL, "condenser_level.gain",
+            "above 0, to 1000 1/s");
+    REFUSED(level_capacity, 1, "level_capacity", "above 1, at most 10");
+    REFUSED(level_capacity, 11, "level_capacity", "above 1, at most 10");
+    TEST_ASSERT_EQUAL(ERR_OK, column_validate(&config, &fault));
+    REFUSED(holdup, COLUMN_HOLDUP_CONSERVATIVE, "hydraulic_time", "0 unless the holdup is molar");
+    config.hydraulic_time = 0;
+    config.holdup = COLUMN_HOLDUP_VOLUMETRIC;
+    refused(ERR_RANGE, "levels", "perfect unless the holdup is molar");
 }
 
 static void check_inputs(const struct column_inputs *bad, enum err code, const char *field,
@@ -137,6 +235,15 @@ static void wrong_inputs_are_named_and_the_old_ones_kept(void)
     check_inputs(&bad, ERR_RANGE, "reflux_subcooling", "0 to 100 K");
     bad = inputs, bad.heat = -1;
     check_inputs(&bad, ERR_RANGE, "heat", "0 or more");
+    bad = inputs, bad.boilup_given = true, bad.boilup = -1;
+    check_inputs(&bad, ERR_RANGE, "boilup", "0 or more");
+    bad = inputs, bad.feed_state = (enum column_feed_state)2;
+    check_inputs(&bad, ERR_RANGE, "feed_state", "one of enum column_feed_state");
+    bad = inputs, bad.feed_state = COLUMN_FEED_QUALITY, bad.feed_quality = REAL_C(2.1);
+    check_inputs(&bad, ERR_RANGE, "feed_quality", "0 to 2");
+    bad = inputs, bad.feed_state = COLUMN_FEED_QUALITY;
+    check_inputs(&bad, ERR_RANGE, "feed_basis",
+                 "moles or mass: a feed with a quality has no volume");
     bad = inputs, bad.pressure_top = 0;
     check_inputs(&bad, ERR_RANGE, "pressure_top", "100 to 1e7 Pa");
     bad = inputs, bad.feed_fraction[1] = -0.1;
@@ -193,6 +300,8 @@ int main(void)
     RUN_TEST(numbers_out_of_range_are_named);
     RUN_TEST(numbers_that_are_none_are_named);
     RUN_TEST(wrong_component_data_is_named);
+    RUN_TEST(a_property_that_is_not_given_is_named_where_something_needs_it);
+    RUN_TEST(wrong_levels_and_hydraulics_are_named);
     RUN_TEST(wrong_inputs_are_named_and_the_old_ones_kept);
     RUN_TEST(the_same_flow_may_be_given_in_moles_mass_or_volume);
     RUN_TEST(mass_and_mole_fractions_turn_into_each_other);

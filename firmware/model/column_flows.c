@@ -1,0 +1,139 @@
+/* Flows of a column from its inputs, with levels held perfectly. Frau 2.4. */
+#include "model/column_inside.h"
+
+#define ZERO REAL_C(0.0)
+#define ONE  REAL_C(1.0)
+
+real_t column_moles_per_unit(const struct column_config *config, enum column_basis basis,
+                             const real_t *x, real_t temperature)
+{
+    if (basis == COLUMN_FLOW_MASS)
+        return ONE / mixture_molar_mass(config->component, config->components, x);
+    if (basis == COLUMN_FLOW_VOLUME)
+        return ONE / mixture_molar_volume(config->component, config->components, x, temperature);
+    return ONE;
+}
+
+/* The greater of value and 0, rounded off where value is within width of 0. */
+static real_t soft_positive(real_t value, real_t width)
+{
+    if (value >= width)
+        return value;
+    if (value <= -width)
+        return ZERO;
+    return (value + width) * (value + width) / (REAL_C(4.0) * width);
+}
+
+real_t column_wanted_flows(struct column *column, const real_t *x)
+{
+    const struct column_config *config = column->config;
+    const struct component *component = config->component;
+    const struct column_inputs *in = &column->inputs;
+    struct column_flows *f = &column->flows;
+    size_t c = config->components, top = config->stages - 1, feed = config->feed_stage - 1;
+    real_t full[COLUMN_COMPONENTS_MAX], gain = ONE;
+
+    f->feed = column->feed_molar;
+    if (in->boilup_given) {
+        f->boilup_wanted = in->boilup;
+    } else {
+        column_full_composition(column, x, 0, full);
+        f->boilup_wanted =
+            in->heat / mixture_vaporisation_heat(component, c, full, column->temperature[0]);
+    }
+    if (in->feed_state == COLUMN_FEED_QUALITY) {
+        f->condensed_by_feed = (in->feed_quality - ONE) * f->feed;
+    } else {
+        column_full_composition(column, x, feed, full);
+        f->condensed_by_feed =
+            f->feed * mixture_heat_capacity(component, c, full) *
+            (column->temperature[feed] - in->feed_temperature) /
+            mixture_vaporisation_heat(component, c, full, column->temperature[feed]);
+    }
+    column_full_composition(column, x, top, full);
+    real_t t_reflux = column->temperature[top] - in->reflux_subcooling;
+    f->reflux_wanted =
+        in->reflux_flow * column_moles_per_unit(config, in->reflux_basis, full, t_reflux);
+    if (in->reflux_subcooling > ZERO)
+        gain = ONE + mixture_heat_capacity(component, c, full) * in->reflux_subcooling /
+                         mixture_vaporisation_heat(component, c, full, column->temperature[top]);
+    return gain;
+}
+
+void column_limit_feed(struct column *column, real_t vapour)
+{
+    struct column_flows *f = &column->flows;
+    real_t soft = column->config->limit_softness;
+
+    /* By temperature it flashes less than itself by the share that the limit on D may round off; by quality it is what
+     * it was said to be, and D takes up the rounding. */
+    if (f->condensed_by_feed > ZERO)
+        f->condensed_by_feed = column_soft_limit(f->condensed_by_feed, vapour, soft);
+    else if (column->inputs.feed_state == COLUMN_FEED_TEMPERATURE)
+        f->condensed_by_feed =
+            -column_soft_limit(-f->condensed_by_feed, (ONE - soft) * f->feed, soft);
+}
+
+/* Never negative: D is confined to 0 .. F, and what D cannot take is taken off the reflux (low side) or the vapour
+ * (high side). */
+static void perfect_level_flows(struct column *column, const real_t *x)
+{
+    struct column_flows *f = &column->flows;
+    real_t soft = column->config->limit_softness;
+    real_t gain = column_wanted_flows(column, x);
+
+    column_limit_feed(column, f->boilup_wanted);
+    real_t vapour = f->boilup_wanted - f->condensed_by_feed;
+    if (vapour < ZERO)
+        vapour = ZERO; /* rounding */
+    real_t wanted = soft_positive(vapour - gain * f->reflux_wanted, soft * vapour);
+    if (vapour <= ZERO)
+        wanted = ZERO;
+    f->reflux = (vapour - wanted) / gain;
+    f->distillate = column_soft_limit(wanted, f->feed, soft);
+    if (f->reflux < ZERO)
+        f->reflux = ZERO; /* rounding */
+
+    f->condensed_by_reflux = (gain - ONE) * f->reflux;
+    f->vapour_enriching = f->distillate + gain * f->reflux;
+    f->vapour_stripping = f->vapour_enriching + f->condensed_by_feed;
+    if (f->vapour_stripping < ZERO) {
+        /* a feed by temperature: rounding. By quality: the limit on D took more than the boil-up */
+        if (column->inputs.feed_state == COLUMN_FEED_QUALITY) {
+            f->distillate -= f->vapour_stripping;
+            f->vapour_enriching -= f->vapour_stripping;
+        }
+        f->vapour_stripping = ZERO;
+    }
+    f->vapour_top = f->distillate + f->reflux;
+    f->liquid_enriching = gain * f->reflux;
+    f->liquid_stripping = f->liquid_enriching + f->feed + f->condensed_by_feed;
+    f->bottoms = f->feed - f->distillate;
+}
+
+static void stage_flows(struct column *column)
+{
+    const struct column_config *config = column->config;
+    const struct column_flows *f = &column->flows;
+    size_t top = config->stages - 1, feed = config->feed_stage - 1;
+
+    for (size_t s = 0; s <= top; s++) {
+        column->liquid[s] = s <= feed ? f->liquid_stripping : f->liquid_enriching;
+        column->vapour_flow[s] = s < feed ? f->vapour_stripping : f->vapour_enriching;
+    }
+    column->liquid[0] = f->bottoms;
+    column->liquid[top] = f->reflux;
+    column->vapour_flow[top - 1] = f->vapour_top;
+    column->vapour_flow[top] = ZERO;
+}
+
+void column_flows_at(struct column *column, const real_t *x)
+{
+    if (column->config->levels == COLUMN_LEVELS_HOLDUPS)
+        column_level_flows(column, x);
+    else
+        perfect_level_flows(column, x);
+    stage_flows(column);
+    if (column->config->hydraulic_time > ZERO)
+        column_tray_flows(column, x);
+}

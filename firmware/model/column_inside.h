@@ -1,0 +1,75 @@
+/* What the files of the column share: column.c (a column and its outputs), column_flows.c (flows with perfect levels),
+ * column_levels.c (holdups that move), column_balances.c (rates). */
+#ifndef REFLUX_MODEL_COLUMN_INSIDE_H
+#define REFLUX_MODEL_COLUMN_INSIDE_H
+
+#include "model/column.h"
+
+/* Holdups that move count as this part of the nominal one at least, where something is divided by them. */
+#define COLUMN_HOLDUP_LEAST REAL_C(1e-6)
+
+/* All mole fractions full[C] of a stage. */
+static inline void column_full_composition(const struct column *column, const real_t *x, size_t s,
+                                           real_t *full)
+{
+    size_t m = column->config->components - 1;
+
+    full[m] = REAL_C(1.0);
+    for (size_t j = 0; j < m; j++) {
+        full[j] = x[s * m + j];
+        full[m] -= full[j];
+    }
+}
+
+static inline bool column_holdups_move(const struct column *column)
+{
+    return column->n_states > column->n_fractions;
+}
+
+/* Nominal holdup of a stage, mol or m3. */
+static inline real_t column_nominal_holdup(const struct column_config *config, size_t s)
+{
+    return s == 0                    ? config->holdup_reboiler
+           : s == config->stages - 1 ? config->holdup_condenser
+                                     : config->holdup_tray;
+}
+
+/* The lesser of value and limit (both 0 or more), rounded off where they are within the relative width. */
+static inline real_t column_soft_limit(real_t value, real_t limit, real_t width)
+{
+    real_t w = width * limit;
+    if (value <= limit - w)
+        return value;
+    if (value >= limit + w)
+        return limit;
+    real_t over = value - limit + w;
+    return value - over * over / (REAL_C(4.0) * w);
+}
+
+/* Moles in a unit of flow (mol, kg, m3) of composition x[C] at a temperature. */
+real_t column_moles_per_unit(const struct column_config *config, enum column_basis basis,
+                             const real_t *x, real_t temperature);
+
+/* From inputs, compositions and temperatures: feed, reflux_wanted, boilup_wanted; condensed_by_feed before its limits.
+ * Returns the internal reflux for each mole of reflux, 1 + dV_R / R. */
+real_t column_wanted_flows(struct column *column, const real_t *x);
+
+/* The feed condenses at most the vapour that meets it and flashes at most itself. */
+void column_limit_feed(struct column *column, real_t vapour);
+
+/* column->flows of drum and reboiler that rise and fall. */
+void column_level_flows(struct column *column, const real_t *x);
+
+/* liquid[] of trays whose holdup moves. */
+void column_tray_flows(struct column *column, const real_t *x);
+
+/* All flows, at temperatures and compositions that are known. */
+void column_flows_at(struct column *column, const real_t *x);
+
+/* Rates of all states, at flows that are known. */
+void column_balances(struct column *column, const real_t *x, real_t *rates);
+
+/* Rates of the holdups that move. */
+void column_holdup_rates(const struct column *column, real_t *rates);
+
+#endif
