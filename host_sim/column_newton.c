@@ -77,7 +77,12 @@ void column_newton_read(struct column_newton *n, const struct column *column, co
             full[j] = x[s * m + j];
             full[m] -= full[j];
         }
-        vle_slopes(c, full, &column->k[s * c], &column->dk[s * c], dt, &n->slopes[s * m * m]);
+        const double *k = &column->k[s * c], *dk = &column->dk[s * c];
+        if (column->vle.activity)
+            vle_full_slopes(&column->vle, column->temperature[s], full, k, dk, dt,
+                            &n->slopes[s * m * m]);
+        else
+            vle_slopes(c, full, k, dk, dt, &n->slopes[s * m * m]);
     }
 }
 
@@ -171,10 +176,10 @@ void column_newton_solve(const struct column_newton *n, const double *b, double 
         const struct stage *at = &n->stage[s];
         const double *up = &n->up[s * m * m], *inverse = &n->inverse[s * m * m];
         double keep = s == 0 ? 0.0 : 1.0 - n->efficiency;
-        double from_below = at->vapour_in - at->vapour_out * keep;
+        double from_below = at->vapour_in - at->vapour_out * keep, scale = at->holdup / n->c;
 
         for (size_t i = 0; i < m; i++) {
-            right[i] = at->holdup / n->c * b[i] - from_below * w[i];
+            right[i] = scale * b[i] - from_below * w[i];
             if (at->drawn > 0.0)
                 right[i] -= at->drawn * x[i - m]; /* no liquid comes down there: x is final */
         }

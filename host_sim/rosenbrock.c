@@ -78,6 +78,12 @@ static void stage(struct rosenbrock *r, size_t i, double h, const double *f)
     size_t n = r->problem.n;
     double *k = part(r, K + i), *past = part(r, PAST);
 
+    if (i == 0) {
+        for (size_t q = 0; q < n; q++)
+            k[q] = h * f[q];
+        r->problem.solve(r->problem.context, k);
+        return;
+    }
     memset(past, 0, n * sizeof *past);
     for (size_t j = 0; j < i; j++) {
         const double *kj = part(r, K + j);

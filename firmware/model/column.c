@@ -115,10 +115,11 @@ enum err column_evaluate(struct column *column, const real_t *x)
         column->holdup[s] = column_nominal_holdup(config, s) / volume;
 
         real_t *v = &column->vapour[s * c];
-        for (size_t j = 0; j < c; j++) {
-            if (s == 0 || s == top) /* ideal reboiler; nothing leaves a total condenser as vapour */
+        if (s == 0 || s == top) { /* ideal reboiler; nothing leaves a total condenser as vapour */
+            for (size_t j = 0; j < c; j++)
                 v[j] = equilibrium[j];
-            else
+        } else {
+            for (size_t j = 0; j < c; j++)
                 v[j] = v[j - c] + config->efficiency * (equilibrium[j] - v[j - c]);
         }
     }

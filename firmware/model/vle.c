@@ -7,21 +7,45 @@
 /* A last Newton step smaller than FINISH_K is finished by two terms of the series of the vapour pressures,
  * with d2(ln P)/dT2 left out, which saves one evaluation of all exponentials. That derivative, and the
  * spread of the slopes d(ln P)/dT over the components, are below 1e-4 1/K2, so the relative error left is
- * 1e-4 FINISH_K^2. Activity coefficients that move with the temperature make Newton converge linearly only,
- * so the last step must be much smaller there. */
+ * 1e-4 FINISH_K^2. The slopes of activity coefficients are differences over SLOPE_K, taken near the bubble point:
+ * what they miss times the last step is left. */
 #if defined REFLUX_REAL_DOUBLE
 #define FINISH_K          REAL_C(1e-3) /* leaves 1e-10 */
-#define FINISH_ACTIVITY_K REAL_C(1e-9)
+#define FINISH_ACTIVITY_K REAL_C(1e-5)
+#define SLOPE_K           REAL_C(1e-2)
+#define SLOPE_FRACTION    REAL_C(1e-6) /* the same by mole fractions */
 #elif defined REFLUX_REAL_LONG
 #define FINISH_K          REAL_C(1e-8) /* leaves 1e-20: derivatives are taken of this build */
 #define FINISH_ACTIVITY_K (REAL_EPSILON < REAL_C(1e-17) ? REAL_C(1e-15) : REAL_C(2e-12))
+#define SLOPE_K           REAL_C(1e-4)
+#define SLOPE_FRACTION    REAL_C(1e-8)
 #else
 #define FINISH_K          REAL_C(2e-2) /* leaves 4e-8, less than the rounding of a float */
-#define FINISH_ACTIVITY_K REAL_C(2e-4)
+#define FINISH_ACTIVITY_K REAL_C(2e-3)
+#define SLOPE_K           REAL_C(1.0)
+#define SLOPE_FRACTION    REAL_C(1e-3)
 #endif
 
+/* d(ln gamma)/dT, at the temperature it was taken at; good for those near it. */
+struct activity_slope {
+    real_t at; /* K */
+    real_t of[COLUMN_COMPONENTS_MAX];
+};
+#define SLOPE_HOLDS_K REAL_C(1.0)
+
+/* gamma: at this temperature. */
+static void take_activity_slope(const struct vle *vle, const real_t *x, real_t temperature,
+                                const real_t *gamma, struct activity_slope *slope)
+{
+    slope->at = temperature;
+    vle->activity(vle->activity_context, x, temperature + SLOPE_K, slope->of);
+    for (size_t j = 0; j < vle->n; j++)
+        slope->of[j] = (slope->of[j] / gamma[j] - REAL_C(1.0)) / SLOPE_K;
+}
+
 static void equilibrium_ratios(const struct vle *vle, const real_t *x, real_t pressure,
-                               real_t temperature, real_t *k, real_t *dk)
+                               real_t temperature, real_t *k, real_t *dk,
+                               struct activity_slope *slope)
 {
     real_t gamma[COLUMN_COMPONENTS_MAX];
     real_t scale = REAL_C(1.0) / pressure;
@@ -34,9 +58,11 @@ static void equilibrium_ratios(const struct vle *vle, const real_t *x, real_t pr
     if (!vle->activity)
         return;
     vle->activity(vle->activity_context, x, temperature, gamma);
+    if (real_abs(temperature - slope->at) > SLOPE_HOLDS_K)
+        take_activity_slope(vle, x, temperature, gamma, slope);
     for (size_t j = 0; j < vle->n; j++) {
         k[j] *= gamma[j];
-        dk[j] *= gamma[j];
+        dk[j] = dk[j] * gamma[j] + k[j] * slope->of[j];
     }
 }
 
@@ -45,6 +71,7 @@ enum err vle_bubble_point(const struct vle *vle, const real_t *x, real_t pressur
 {
     size_t n = vle->n;
     real_t t = *temperature;
+    struct activity_slope by_temperature;
 
     if (!isfinite(t))
         return ERR_NOT_FINITE;
@@ -53,13 +80,14 @@ enum err vle_bubble_point(const struct vle *vle, const real_t *x, real_t pressur
     if (t > vle->temperature_max)
         t = vle->temperature_max;
     real_t finish = vle->activity ? FINISH_ACTIVITY_K : FINISH_K;
-    warm = warm && !vle->activity && t == *temperature;
+    warm = warm && t == *temperature;
+    by_temperature.at = REAL_C(-1e9);
 
     for (int i = 0; i < ITERATIONS_MAX; i++) {
         real_t sum = REAL_C(0.0), slope = REAL_C(0.0);
 
         if (!warm)
-            equilibrium_ratios(vle, x, pressure, t, k, dk);
+            equilibrium_ratios(vle, x, pressure, t, k, dk, &by_temperature);
         for (size_t j = 0; j < n; j++) {
             sum += x[j] * k[j];
             slope += x[j] * dk[j];
@@ -115,5 +143,48 @@ void vle_slopes(size_t n, const real_t *x, const real_t *k, const real_t *dk, re
         for (size_t j = 0; j < last; j++)
             dy[i * last + j] = x[i] * dk[i] * dt[j];
         dy[i * last + i] += k[i];
+    }
+}
+
+/* d(ln gamma_i)/dx_j into slopes[i (n - 1) + j], the last fraction closing to 1. */
+static void activity_by_fractions(const struct vle *vle, real_t temperature, const real_t *x,
+                                  real_t *slopes)
+{
+    size_t n = vle->n, last = n - 1;
+    real_t here[COLUMN_COMPONENTS_MAX], moved[COLUMN_COMPONENTS_MAX], at[COLUMN_COMPONENTS_MAX];
+
+    vle->activity(vle->activity_context, x, temperature, here);
+    for (size_t j = 0; j < last; j++) {
+        /* inwards: outside [0, 1] coefficients stand still */
+        real_t h = x[last] >= SLOPE_FRACTION ? SLOPE_FRACTION : -SLOPE_FRACTION;
+        for (size_t i = 0; i < n; i++)
+            at[i] = x[i];
+        at[j] += h;
+        at[last] -= h;
+        vle->activity(vle->activity_context, at, temperature, moved);
+        for (size_t i = 0; i < n; i++)
+            slopes[i * last + j] = (moved[i] / here[i] - REAL_C(1.0)) / h;
+    }
+}
+
+void vle_full_slopes(const struct vle *vle, real_t temperature, const real_t *x, const real_t *k,
+                     const real_t *dk, real_t *dt, real_t *dy)
+{
+    size_t n = vle->n, last = n - 1;
+    real_t by_fractions[COLUMN_COMPONENTS_MAX * COLUMN_COMPONENTS_MAX], slope = REAL_C(0.0);
+
+    vle_slopes(n, x, k, dk, dt, dy);
+    if (!vle->activity)
+        return;
+    activity_by_fractions(vle, temperature, x, by_fractions);
+    for (size_t i = 0; i < n; i++)
+        slope += x[i] * dk[i];
+    for (size_t j = 0; j < last; j++) {
+        real_t more = REAL_C(0.0); /* dT/dx_j that the coefficients add */
+        for (size_t i = 0; i < n; i++)
+            more -= x[i] * k[i] * by_fractions[i * last + j] / slope;
+        dt[j] += more;
+        for (size_t i = 0; i < last; i++)
+            dy[i * last + j] += x[i] * (k[i] * by_fractions[i * last + j] + dk[i] * more);
     }
 }

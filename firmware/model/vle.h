@@ -25,9 +25,9 @@ struct vle {
  *   temperature  K; in: where Newton starts, out: the bubble point
  *   y            [n] out
  *   k            [n] out, y_j / x_j at equilibrium: gamma_j P_j / pressure (also where x_j = 0)
- *   dk           [n] out, derivative of k by temperature, 1/K (activity held)
+ *   dk           [n] out, derivative of k by temperature, 1/K
  *   warm         k and dk hold, on entry, their values at *temperature and this pressure (an earlier answer
- *                of this function): then the first step needs no exponentials. Ignored with activity
+ *                of this function): then the first step needs no exponentials
  *
  * ERR_RANGE when there is no bubble point in the temperature range or Newton does not reach it,
  * ERR_NOT_FINITE when a composition or the start is not finite. Outputs are undefined then, except
@@ -41,5 +41,10 @@ MUST_CHECK enum err vle_bubble_point(const struct vle *vle, const real_t *x, rea
  * x, k, dk as in vle_bubble_point. Implicit differentiation of (3.2g). */
 void vle_slopes(size_t n, const real_t *x, const real_t *k, const real_t *dk, real_t *dt,
                 real_t *dy);
+
+/* As vle_slopes, activity coefficients moving along: their slopes are taken by differences, n calls of the activity
+ * function. Good for Newton matrices, not for gains. */
+void vle_full_slopes(const struct vle *vle, real_t temperature, const real_t *x, const real_t *k,
+                     const real_t *dk, real_t *dt, real_t *dy);
 
 #endif
