@@ -11,7 +11,7 @@
     "per stage, reboiler first: mole fraction, holdup in mol, temperature in 100 K; then heater "  \
     "and cooling water in 100 K"
 #define COLD_STATES_MAX_VALUE 100.0
-#define COLD_STATES_STEP      1e-6
+#define COLD_STATES_STEP      1e-3
 
 /* From and to the states y of cold_rates(). The second: false, with the line, outside fractions of 0 to 1, holdups of 0
  * to 100 mol and temperatures of 200 to 800 K. */

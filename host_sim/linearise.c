@@ -3,23 +3,12 @@
 #include "linear_plant.h"
 #include "text.h"
 
+#include <float.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-#define INPUT_STEP 1e-4 /* of the span */
-
-void linearised_free(struct linearised *l)
-{
-    free(l->input);
-    free(l->output);
-    free(l->a);
-    free(l->b);
-    free(l->c);
-    free(l->d);
-    free(l->dead_s);
-    *l = (struct linearised){0};
-}
+#define INPUT_STEP 1e-3 /* of the span: the first distance, see derivative.h */
 
 static double *numbers(size_t n)
 {
@@ -94,87 +83,123 @@ struct differences {
     const struct plant_class *class;
     struct plant *plant;
     struct linearised *l;
-    double *x, *moved, *rates; /* rates: below, above */
-    double *y;                 /* outputs below, above */
+    size_t channel; /* of the input that moves */
+    bool of_input;
+    size_t number; /* of the state or input that moves */
+    double *moved, *rates;
 };
 
-static bool look(struct differences *k, size_t side, char *err, size_t err_size)
+/* Rates and outputs at a distance along one state or input. */
+static bool look(void *context, long double distance, long double *f, char *err, size_t err_size)
 {
-    for (size_t i = 0; i < k->l->p; i++) {
-        k->y[side * k->l->p + i] = k->class->value(k->plant, k->l->output[i]);
-    }
-    return k->class->states->rates(k->plant, k->rates + side * k->l->n, err, err_size);
-}
-
-static void take_column(struct differences *k, double distance, double *of_rates,
-                        double *of_outputs, size_t column, size_t width)
-{
+    struct differences *k = context;
     const struct linearised *l = k->l;
+    double to = (double)((k->of_input ? l->u : l->x)[k->number] + distance);
+
+    if (k->of_input) {
+        if (!k->class->set_input(k->plant, k->channel, to, err, err_size)) {
+            return false;
+        }
+    } else {
+        memcpy(k->moved, l->x, l->n * sizeof(double));
+        k->moved[k->number] = to;
+        if (!k->class->states->set(k->plant, k->moved, err, err_size)) {
+            return false;
+        }
+    }
+    if (!k->class->states->rates(k->plant, k->rates, err, err_size)) {
+        return false;
+    }
     for (size_t i = 0; i < l->n; i++) {
-        of_rates[i * width + column] = (k->rates[l->n + i] - k->rates[i]) / distance;
+        f[i] = k->rates[i];
     }
     for (size_t i = 0; i < l->p; i++) {
-        of_outputs[i * width + column] = (k->y[l->p + i] - k->y[i]) / distance;
+        f[l->n + i] = k->class->value(k->plant, l->output[i]);
     }
+    return true;
 }
 
-static bool along_state(struct differences *k, size_t j, char *err, size_t err_size)
+/* Room and first distance: of a state by what the plant says, of an input by its span. A power of 2, so that x + h - x is h. */
+static void set_out(const struct differences *k, struct derivative_task *task)
 {
     const struct plant_states *s = k->class->states;
-    double room = fmin(k->x[j] - s->lo, s->hi - k->x[j]);
-    double h = fmin(s->step, 0.5 * room);
-    if (!(h > 0.0)) {
-        return sim_fail(err, err_size, "%s: state %zu stands at its limit, %g", k->class->name, j,
-                        k->x[j]);
-    }
-    memcpy(k->moved, k->x, k->l->n * sizeof(double));
-    for (size_t side = 0; side < 2; side++) {
-        k->moved[j] = k->x[j] + (side == 0 ? -h : h);
-        if (!s->set(k->plant, k->moved, err, err_size) || !look(k, side, err, err_size)) {
-            return false;
-        }
-    }
-    take_column(k, 2.0 * h, k->l->a, k->l->c, j, k->l->n);
-    return s->set(k->plant, k->x, err, err_size);
+    const struct plant_channel *c = &k->class->channels[k->channel];
+    double at = (k->of_input ? k->l->u : k->l->x)[k->number];
+    double lo = k->of_input ? c->lo : s->lo, hi = k->of_input ? c->hi : s->hi;
+    double step = k->of_input ? INPUT_STEP * (hi - lo) : s->step * fmax(1.0, fabs(at));
+
+    task->step = exp2(floor(log2(step)));
+    task->below = at - lo;
+    task->above = hi - at;
 }
 
-static bool along_input(struct differences *k, size_t j, char *err, size_t err_size)
-{
-    size_t channel = k->l->input[j];
-    const struct plant_channel *c = &k->class->channels[channel];
-    double u = k->class->value(k->plant, channel), h = INPUT_STEP * (c->hi - c->lo);
-    double below = fmax(c->lo, u - h), above = fmin(c->hi, u + h); /* one-sided at a limit */
-    for (size_t side = 0; side < 2; side++) {
-        if (!k->class->set_input(k->plant, channel, side == 0 ? below : above, err, err_size) ||
-            !look(k, side, err, err_size)) {
-            return false;
-        }
-    }
-    take_column(k, above - below, k->l->b, k->l->d, j, k->l->m);
-    return k->class->set_input(k->plant, channel, u, err, err_size);
-}
-
-static bool differentiate(struct differences *k, char *err, size_t err_size)
+static bool along_all(struct differences *k, bool of_input, struct derivative_task *task,
+                      long double *work, double *slope, char *err, size_t err_size)
 {
     struct linearised *l = k->l;
-    l->n = k->class->states->count(k->plant);
-    l->state_unit = k->class->states->unit;
-    k->x = numbers(l->n);
-    k->moved = numbers(l->n);
-    k->rates = numbers(2 * l->n);
-    k->y = numbers(2 * l->p);
-    bool good = reserve(l) && k->x != NULL && k->moved != NULL && k->rates != NULL && k->y != NULL;
+
+    k->of_input = of_input;
+    for (k->number = 0; k->number < (of_input ? l->m : l->n); k->number++) {
+        struct derivative_found found;
+        k->channel = of_input ? l->input[k->number] : 0;
+        set_out(k, task);
+        bool good = derivative_take(task, work, slope, &found, err, err_size);
+        good = (of_input ? k->class->set_input(k->plant, k->channel, l->u[k->number], err, err_size)
+                         : k->class->states->set(k->plant, l->x, err, err_size)) &&
+               good;
+        if (!good) {
+            return false;
+        }
+        linearised_column(l, of_input, k->number, slope);
+        linearised_note(l, k->class, of_input, k->number, &found);
+    }
+    return true;
+}
+
+static bool differentiate(const struct plant_class *class, struct plant *p, struct linearised *l,
+                          char *err, size_t err_size)
+{
+    size_t rows = l->n + l->p;
+    struct differences k = {.class = class, .plant = p, .l = l};
+    struct derivative_task task = {
+        .n = rows, .first = l->n, .at = look, .context = &k, .rounding = DBL_EPSILON};
+    long double *work = calloc(DERIVATIVE_WORK * rows + 1, sizeof(*work));
+    double *slope = numbers(rows);
+
+    k.moved = numbers(l->n);
+    k.rates = numbers(l->n);
+    bool good = work != NULL && slope != NULL && k.moved != NULL && k.rates != NULL;
     if (!good) {
-        return sim_fail(err, err_size, "%s: out of memory", k->class->name);
+        (void)sim_fail(err, err_size, "%s: out of memory", class->name);
     }
-    k->class->states->get(k->plant, k->x);
-    for (size_t j = 0; j < l->n && good; j++) {
-        good = along_state(k, j, err, err_size);
-    }
-    for (size_t j = 0; j < l->m && good; j++) {
-        good = along_input(k, j, err, err_size);
-    }
+    good = good && along_all(&k, false, &task, work, slope, err, err_size) &&
+           along_all(&k, true, &task, work, slope, err, err_size);
+    free(work);
+    free(slope);
+    free(k.moved);
+    free(k.rates);
     return good;
+}
+
+/* Sizes and point of a plant that shows its states. */
+static bool look_around(const struct plant_class *class, struct plant *p, struct linearised *l)
+{
+    l->n = class->states->count(p);
+    l->state_unit = class->states->unit;
+    l->x = numbers(l->n);
+    l->u = numbers(l->m);
+    l->y = numbers(l->p);
+    if (!reserve(l) || l->x == NULL || l->u == NULL || l->y == NULL) {
+        return false;
+    }
+    class->states->get(p, l->x);
+    for (size_t j = 0; j < l->m; j++) {
+        l->u[j] = class->value(p, l->input[j]);
+    }
+    for (size_t i = 0; i < l->p; i++) {
+        l->y[i] = class->value(p, l->output[i]);
+    }
+    return true;
 }
 
 bool linearise(const struct plant_class *class, struct plant *p, struct linearised *l, char *err,
@@ -185,12 +210,10 @@ bool linearise(const struct plant_class *class, struct plant *p, struct linearis
     if (good && class->model != NULL) {
         good = copy_model(class, p, l) || sim_fail(err, err_size, "%s: out of memory", class->name);
     } else if (good && class->states != NULL) {
-        struct differences k = {.class = class, .plant = p, .l = l};
-        good = differentiate(&k, err, err_size);
-        free(k.x);
-        free(k.moved);
-        free(k.rates);
-        free(k.y);
+        good =
+            look_around(class, p, l) || sim_fail(err, err_size, "%s: out of memory", class->name);
+        good = good && (class->linearise != NULL ? class->linearise(p, l, err, err_size)
+                                                 : differentiate(class, p, l, err, err_size));
     } else {
         good = sim_fail(err, err_size, "%s: this plant does not show its states", class->name);
     }

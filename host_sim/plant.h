@@ -39,12 +39,14 @@ struct plant_channel {
 struct plant;        /* opaque, one per implementation */
 struct linear_model; /* linear_plant.h */
 
+struct linearised; /* linearise.h */
+
 /* Access to a nonlinear plant's state, so that it can be linearised by differences. */
 struct plant_states {
     size_t (*count)(const struct plant *p);
     const char *unit; /* of every state */
     double lo, hi;    /* states stay between these */
-    double step;      /* a difference that is small for every state */
+    double step; /* a difference that is small for every state, relative where a state is above 1 */
     void (*get)(const struct plant *p, double *x);
     bool (*set)(struct plant *p, const double *x, char *err, size_t err_size);
     /* Rates of change per second at the present state and inputs. */
@@ -78,6 +80,9 @@ struct plant_class {
     double period_s;       /* discrete plants: the only tick they take; 0 = any */
     const struct linear_model *model; /* plants from a file: then create is NULL */
     const struct plant_states *states;
+    /* Fills the matrices of l (linearise.h), whose sizes and point are there, where differences of the plant itself
+     * would not do. The plant is left as it was. */
+    bool (*linearise)(struct plant *p, struct linearised *l, char *err, size_t err_size);
 };
 
 /* A plant of a class at its nominal steady state, time 0. NULL on error, with the reason in err. */

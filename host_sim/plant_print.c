@@ -87,6 +87,27 @@ static void json_matrix(const char *name, const double *x, size_t rows, size_t c
     (void)printf("]");
 }
 
+static void json_vector(const char *name, const double *x, size_t n)
+{
+    (void)printf(",\n  \"%s\": [", name);
+    for (size_t i = 0; i < n; i++) {
+        (void)printf("%s%.17g", i > 0 ? ", " : "", x[i]);
+    }
+    (void)printf("]");
+}
+
+/* Lines as texts; they hold names and numbers only. */
+static void json_notes(const char *lines)
+{
+    (void)printf(",\n  \"notes\": [");
+    for (const char *from = lines; *from != '\0';) {
+        size_t length = strcspn(from, "\n");
+        (void)printf("%s\"%.*s\"", from == lines ? "" : ", ", (int)length, from);
+        from += length + (from[length] == '\n' ? 1 : 0);
+    }
+    (void)printf("]");
+}
+
 static void json_names(const char *key, const struct plant_class *class, const size_t *channel,
                        size_t n)
 {
@@ -121,6 +142,12 @@ void plant_print_matrices(const struct plant_class *class, const struct linearis
         for (size_t k = 0; k < 5; k++) {
             json_matrix(names[k], matrix[k], rows[k], columns[k]);
         }
+        if (l->x != NULL) {
+            json_vector("x", l->x, l->n);
+            json_vector("u", l->u, l->m);
+            json_vector("y", l->y, l->p);
+        }
+        json_notes(l->notes);
         (void)printf("\n}\n");
         return;
     }
@@ -129,6 +156,11 @@ void plant_print_matrices(const struct plant_class *class, const struct linearis
                  l->period_s > 0.0 ? "x(k+1) = A x + B u per period" : "dx/dt = A x + B u, per s");
     print_names("inputs", class, l->input, l->m);
     print_names("outputs", class, l->output, l->p);
+    for (const char *from = l->notes; *from != '\0';) {
+        size_t length = strcspn(from, "\n");
+        (void)printf("# %.*s\n", (int)length, from);
+        from += length + (from[length] == '\n' ? 1 : 0);
+    }
     (void)printf("# 1-based; what is not listed is zero\nmatrix,row,col,value\n");
     for (size_t k = 0; k < 5; k++) {
         sparse_matrix(names[k], matrix[k], rows[k], columns[k]);

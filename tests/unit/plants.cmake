@@ -15,6 +15,7 @@ reflux_test(splitter LABEL unit SOURCES ${CMAKE_CURRENT_LIST_DIR}/test_splitter.
 reflux_test(splitter_reference LABEL unit SOURCES ${CMAKE_CURRENT_LIST_DIR}/test_splitter_reference.c
             LIBS reflux_plants)
 
+reflux_test(derivative LABEL unit SOURCES ${CMAKE_CURRENT_LIST_DIR}/test_derivative.c LIBS reflux_derivative)
 reflux_test(cold_column LABEL unit SOURCES ${CMAKE_CURRENT_LIST_DIR}/test_cold_column.c LIBS reflux_plants)
 reflux_test(pilot_cold LABEL unit SOURCES ${CMAKE_CURRENT_LIST_DIR}/test_pilot_cold.c LIBS reflux_plants)
 reflux_test(pilot_cold_reference LABEL unit SOURCES ${CMAKE_CURRENT_LIST_DIR}/test_pilot_cold_reference.c
