@@ -7,6 +7,14 @@
 #define WILSON_MAX    REAL_C(10.0) /* of ln L */
 #define NRTL_MAX      REAL_C(20.0) /* of t */
 
+/* Lower mole fractions count as this: an integrator may try points just outside. Derivatives want a liquid that goes on
+ * evenly there. */
+#ifdef REFLUX_REAL_LONG
+#define FRACTION_MIN REAL_C(-0.01)
+#else
+#define FRACTION_MIN ZERO
+#endif
+
 /* a_ij + b_ij / T */
 static real_t interaction(const struct activity *activity, size_t at, real_t inverse)
 {
@@ -126,9 +134,8 @@ void activity_coefficients(void *context, const real_t *x, real_t temperature, r
     const struct activity *activity = context;
     real_t inverse = ONE / temperature, inside[COLUMN_COMPONENTS_MAX];
 
-    /* an integrator may try points just outside */
     for (size_t j = 0; j < activity->components; j++)
-        inside[j] = x[j] > ZERO ? x[j] : ZERO;
+        inside[j] = x[j] > FRACTION_MIN ? x[j] : FRACTION_MIN;
     if (activity->model == ACTIVITY_WILSON)
         wilson(activity, inside, inverse, gamma);
     else
