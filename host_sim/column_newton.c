@@ -1,5 +1,7 @@
 #include "column_newton.h"
 
+#include "newton_holdups.h"
+
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -14,15 +16,17 @@
  * with q and w the parts that come from the right-hand side. */
 struct stage {
     double holdup, own, liquid_in, drawn, vapour_in, vapour_out;
+    double efficiency;
 };
 
 struct column_newton {
     size_t stages, m;
-    double efficiency, c;
+    double c;
     struct stage *stage; /* [stages] */
     double *slopes;      /* [stages m m] dy/dx */
     double *inverse;     /* [stages m m] */
     double *up;          /* [stages m m] dv by dx of the same stage, with what comes from below */
+    struct newton_holdups *holdups; /* NULL where none moves */
 };
 
 struct column_newton *column_newton_create(const struct column_config *config)
@@ -33,12 +37,14 @@ struct column_newton *column_newton_create(const struct column_config *config)
     size_t m = config->components - 1, block = config->stages * m * m;
     n->stages = config->stages;
     n->m = m;
-    n->efficiency = config->efficiency;
     n->stage = calloc(n->stages, sizeof *n->stage);
     n->slopes = calloc(block, sizeof(double));
     n->inverse = calloc(block, sizeof(double));
     n->up = calloc(block, sizeof(double));
-    if (n->stage && n->slopes && n->inverse && n->up)
+    bool moves = config->levels == COLUMN_LEVELS_HOLDUPS || config->hydraulic_time > 0.0;
+    if (moves)
+        n->holdups = newton_holdups_create(config);
+    if (n->stage && n->slopes && n->inverse && n->up && (n->holdups || !moves))
         return n;
     column_newton_destroy(n);
     return NULL;
@@ -48,6 +54,7 @@ void column_newton_destroy(struct column_newton *n)
 {
     if (!n)
         return;
+    newton_holdups_destroy(n->holdups);
     free(n->stage);
     free(n->slopes);
     free(n->inverse);
@@ -60,11 +67,15 @@ void column_newton_read(struct column_newton *n, const struct column *column, co
     size_t m = n->m, c = m + 1, top = n->stages - 1;
     double full[COLUMN_COMPONENTS_MAX], dt[COLUMN_COMPONENTS_MAX];
 
+    if (n->holdups)
+        newton_holdups_read(n->holdups, column, x);
     for (size_t s = 0; s <= top; s++) {
         struct stage *at = &n->stage[s];
-        double feed = s + 1 == column->config->feed_stage ? column->flows.feed : 0.0;
+        bool fed = s + 1 == column->config->feed_stage;
+        double feed = fed ? column->flows.feed : 0.0;
 
         at->holdup = column->holdup[s];
+        at->efficiency = s == 0 ? 1.0 : fed ? column->feed_efficiency : column->config->efficiency;
         at->liquid_in = s == top ? 0.0 : fmax(column->liquid[s + 1], 0.0);
         at->drawn = s == 0 || s == top ? 0.0 : fmax(-column->liquid[s], 0.0);
         at->vapour_in = s == 0 ? 0.0 : column->vapour_flow[s - 1];
@@ -90,6 +101,14 @@ void column_newton_copy(const struct column_newton *from, struct column_newton *
 {
     memcpy(to->stage, from->stage, from->stages * sizeof *from->stage);
     memcpy(to->slopes, from->slopes, from->stages * from->m * from->m * sizeof(double));
+    if (from->holdups)
+        newton_holdups_copy(from->holdups, to->holdups);
+}
+
+void column_newton_hold(struct column_newton *n, bool held)
+{
+    if (n->holdups)
+        newton_holdups_hold(n->holdups, held);
 }
 
 static void swap_rows(double *a, size_t m, size_t r, size_t s)
@@ -139,17 +158,20 @@ bool column_newton_factor(struct column_newton *n, double a, double c)
 {
     enum { BLOCK = COLUMN_COMPONENTS_MAX * COLUMN_COMPONENTS_MAX };
     size_t m = n->m, top = n->stages - 1;
-    double carried[BLOCK] = {0}, own[BLOCK] = {0}, e = n->efficiency;
+    double carried[BLOCK] = {0}, own[BLOCK] = {0};
 
     n->c = c;
+    if (n->holdups && !newton_holdups_factor(n->holdups, a, c))
+        return false;
     for (size_t s = 0; s <= top; s++) {
         const struct stage *at = &n->stage[s];
         const double *slopes = &n->slopes[s * m * m];
         double *up = &n->up[s * m * m], *inverse = &n->inverse[s * m * m];
+        double e = at->efficiency;
 
         for (size_t i = 0; i < m * m; i++) {
             double below = s == 0 ? 0.0 : carried[i];
-            up[i] = s == top ? 0.0 : s == 0 ? slopes[i] : (1.0 - e) * below + e * slopes[i];
+            up[i] = s == top ? 0.0 : (1.0 - e) * below + e * slopes[i];
             own[i] = at->vapour_in * below - at->vapour_out * up[i];
         }
         for (size_t i = 0; i < m; i++)
@@ -172,10 +194,12 @@ void column_newton_solve(const struct column_newton *n, const double *b, double 
     size_t m = n->m, top = n->stages - 1;
     double w[COLUMN_COMPONENTS_MAX] = {0}, right[COLUMN_COMPONENTS_MAX];
 
+    if (n->holdups)
+        b = newton_holdups_solve(n->holdups, b, x);
     for (size_t s = 0; s <= top; s++, b += m, x += m) {
         const struct stage *at = &n->stage[s];
         const double *up = &n->up[s * m * m], *inverse = &n->inverse[s * m * m];
-        double keep = s == 0 ? 0.0 : 1.0 - n->efficiency;
+        double keep = 1.0 - at->efficiency;
         double from_below = at->vapour_in - at->vapour_out * keep, scale = at->holdup / n->c;
 
         for (size_t i = 0; i < m; i++) {

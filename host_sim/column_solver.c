@@ -4,7 +4,12 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define OVERSHOOT_ALLOWED 1e-4 /* mole fraction outside [0, 1] that is set back silently */
+#define OVERSHOOT_ALLOWED                                                                          \
+    1e-4 /* mole fraction outside [0, 1], relative holdup below 0, that is set back silently */
+/* Tolerances of a stretch that has to be done again, and the steps it may take. */
+#define CAREFUL           1e-2
+#define CAREFUL_STEPS_MAX 100000
+#define HOLDUP_MAX        1e6 /* over the nominal one; what comes near that is no holdup any more */
 
 /* After a jump of inputs or state the one-step method integrates, which loses nothing by it. A stretch that stays
  * smooth for so many of its steps is handed over to CVODE, whose restart costs about as much as that. */
@@ -53,6 +58,8 @@ int column_solver_rates(realtype t, N_Vector y, N_Vector ydot, void *user)
     (void)t;
     s->work.rates++;
     s->model_error = column_rates(&s->column, NV_DATA_S(y), NV_DATA_S(ydot));
+    if (s->held)
+        column_solver_hold(s, NV_DATA_S(ydot));
     return s->model_error ? 1 : 0; /* recoverable: a shorter step may do */
 }
 
@@ -71,26 +78,6 @@ static bool make_vectors(struct column_solver *s)
     return true;
 }
 
-/* A straight line from the highest-boiling pure component in the reboiler to the lowest-boiling one. */
-static void straight_line(struct column_solver *s)
-{
-    const struct column_config *c = s->column.config;
-    size_t light = 0, heavy = 0, m = c->components - 1;
-    double *x = NV_DATA_S(s->y);
-
-    for (size_t j = 1; j <= m; j++) {
-        if (c->component[j].boiling_point < c->component[light].boiling_point)
-            light = j;
-        if (c->component[j].boiling_point >= c->component[heavy].boiling_point)
-            heavy = j;
-    }
-    for (size_t i = 0; i < c->stages; i++) {
-        double up = 0.02 + 0.96 * (double)i / (double)(c->stages - 1);
-        for (size_t j = 0; j < m; j++)
-            x[i * m + j] = j == light ? up : j == heavy ? 1.0 - up : 0.0;
-    }
-}
-
 bool column_solver_refresh(struct column_solver *s, bool again, char *err, size_t size)
 {
     double *y = NV_DATA_S(s->y), *rates = NV_DATA_S(s->rates);
@@ -107,6 +94,8 @@ static bool step_rates(void *context, const double *y, double *f)
     struct column_solver *s = context;
     s->work.rates++;
     s->model_error = column_rates(&s->column, y, f);
+    if (s->held)
+        column_solver_hold(s, f);
     return s->model_error == ERR_OK;
 }
 
@@ -173,8 +162,8 @@ struct column_solver *column_solver_create(const struct column_config *config,
         column_solver_destroy(s);
         return NULL;
     }
-    straight_line(s);
-    if (!column_solver_set_inputs(s, inputs, err, err_size) ||
+    if (!column_nominal_start(s, inputs, err, err_size) ||
+        !column_solver_set_inputs(s, inputs, err, err_size) ||
         !column_bdf_create(s, err, err_size) || !column_steady_create(s, err, err_size)) {
         column_solver_destroy(s);
         return NULL;
@@ -218,6 +207,22 @@ bool column_solver_set_inputs(struct column_solver *s, const struct column_input
     return false;
 }
 
+/* Holdups: an overshoot below 0 is set back. */
+static bool confine_holdups(struct column_solver *s, bool *moved)
+{
+    double *y = NV_DATA_S(s->y);
+
+    for (size_t i = s->column.n_fractions; i < s->n; i++) {
+        if (!(y[i] > -OVERSHOOT_ALLOWED && y[i] < HOLDUP_MAX))
+            return false;
+        if (y[i] < 0.0) {
+            y[i] = 0.0;
+            *moved = true;
+        }
+    }
+    return true;
+}
+
 bool column_solver_confine(struct column_solver *s, bool *moved)
 {
     size_t m = s->column.config->components - 1;
@@ -241,7 +246,7 @@ bool column_solver_confine(struct column_solver *s, bool *moved)
             *moved = true;
         }
     }
-    return true;
+    return confine_holdups(s, moved);
 }
 
 bool column_solver_set_state(struct column_solver *s, const double *x, char *err, size_t err_size)
@@ -251,7 +256,10 @@ bool column_solver_set_state(struct column_solver *s, const double *x, char *err
     N_VScale(1.0, s->y, s->saved);
     memcpy(NV_DATA_S(s->y), x, s->n * sizeof *x);
     if (!column_solver_confine(s, &s->jumped))
-        column_solver_fail(err, err_size, "column state", "mole fractions must be in [0, 1]");
+        column_solver_fail(err, err_size, "column state",
+                           s->n > s->column.n_fractions
+                               ? "mole fractions must be in [0, 1], holdups 0 or more"
+                               : "mole fractions must be in [0, 1]");
     else if (column_solver_refresh(s, false, err, err_size)) {
         s->jumped = true;
         return true;
@@ -294,15 +302,44 @@ static bool integrate(struct column_solver *s, double t, char *err, size_t size)
         return false;
     bool moved = false;
     if (!column_solver_confine(s, &moved))
-        return column_solver_fail(err, size, "column", "the integrator left mole fractions [0, 1]");
+        return column_solver_fail(err, size, "column",
+                                  "the integrator left mole fractions [0, 1] or holdups from 0 on");
     s->jumped = moved && s->multistep; /* one step remembers no state */
     return true;
+}
+
+/* Back to where the last advance began. */
+static void go_back(struct column_solver *s, double t)
+{
+    char ignored[80];
+
+    N_VScale(1.0, s->saved, s->y);
+    s->t = t;
+    s->jumped = true;
+    (void)column_solver_refresh(s, false, ignored, sizeof ignored);
+}
+
+/* A stretch that overshot, as a vessel may do that runs empty or fills up from nothing: once more in one-step steps of far
+ * smaller error. */
+static bool carefully(struct column_solver *s, double t)
+{
+    struct rosenbrock *r = &s->one_step;
+    double relative = r->relative, absolute = r->absolute;
+    bool moved = false;
+
+    r->relative *= CAREFUL;
+    r->absolute *= CAREFUL;
+    rosenbrock_jump(r);
+    s->t = rosenbrock_run(r, s->t, t, NV_DATA_S(s->y), NV_DATA_S(s->rates), CAREFUL_STEPS_MAX);
+    r->relative = relative;
+    r->absolute = absolute;
+    s->jumped = true;
+    return s->t == t && column_solver_confine(s, &moved);
 }
 
 bool column_solver_advance(struct column_solver *s, double t, char *err, size_t err_size)
 {
     double before = s->t;
-    char ignored[80];
 
     if (!(t >= s->t && t < 1e300)) {
         snprintf(err, err_size, "column: advance to %g s, which is before the present %g s", t,
@@ -312,14 +349,16 @@ bool column_solver_advance(struct column_solver *s, double t, char *err, size_t 
     if (t == s->t)
         return true;
     N_VScale(1.0, s->y, s->saved);
-    if (integrate(s, t, err, err_size) && column_solver_refresh(s, false, err, err_size)) {
+    bool done = integrate(s, t, err, err_size);
+    if (!done) {
+        go_back(s, before);
+        done = carefully(s, t);
+    }
+    if (done && column_solver_refresh(s, false, err, err_size)) {
         s->t = t;
         return true;
     }
-    N_VScale(1.0, s->saved, s->y);
-    s->t = before;
-    s->jumped = true;
-    (void)column_solver_refresh(s, false, ignored, sizeof ignored);
+    go_back(s, before);
     return false;
 }
 

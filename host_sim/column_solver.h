@@ -30,9 +30,13 @@ struct column_solver_work {
     long restarts;  /* of CVODE */
 };
 
-/* config and its components must outlive the solver. options may be NULL. The state starts as a straight
- * line between the pure components of lowest and highest boiling point, time 0; column_solver_settle or
- * column_solver_set_state gives a better one. */
+/* config and its components must outlive the solver. options may be NULL. The state starts, at time 0, as a straight
+ * line between the pure components of lowest and highest boiling point; column_solver_settle or
+ * column_solver_set_state gives a better one.
+ *
+ * Where holdups move, these inputs are the nominal ones: the state starts at their steady state with perfect levels, and the
+ * flows there are the reference (column.reference) of level controllers and hydraulics. Products that are inputs do not
+ * matter to it. NULL where there is no such state. */
 struct column_solver *column_solver_create(const struct column_config *config,
                                            const struct column_inputs *inputs,
                                            const struct column_solver_options *options, char *err,
@@ -43,7 +47,7 @@ void column_solver_destroy(struct column_solver *s);
 bool column_solver_set_inputs(struct column_solver *s, const struct column_inputs *inputs,
                               char *err, size_t err_size);
 
-/* State x[n_states], each mole fraction (the closing one too) in [0, 1]. */
+/* State x[n_states], each mole fraction (the closing one too) in [0, 1], each relative holdup 0 or more. */
 bool column_solver_set_state(struct column_solver *s, const double *x, char *err, size_t err_size);
 const double *column_solver_state(const struct column_solver *s);
 
@@ -52,7 +56,8 @@ bool column_solver_advance(struct column_solver *s, double t, char *err, size_t 
 double column_solver_time(const struct column_solver *s);
 
 /* Moves the state to the steady state of the present inputs: KINSOL's Newton from where it is, and when that fails from
- * the end of ever longer transients. Time is left alone. When there is none err says so, and which product dried up. */
+ * the end of ever longer transients. Levels that nothing holds stay where they are. Time is left alone. When there is none
+ * err says so, and which product dried up or which level runs away, and by how much. */
 bool column_solver_settle(struct column_solver *s, char *err, size_t err_size);
 
 /* The column at the present state and inputs: temperatures, vapour compositions, flows. */

@@ -1,5 +1,5 @@
 /* What the files of the column solver share: column_solver.c (state, inputs, who integrates), column_bdf.c (CVODE),
- * column_steady.c (KINSOL). */
+ * column_steady.c (KINSOL), column_nominal.c (where it starts). */
 #ifndef REFLUX_HOST_SIM_COLUMN_SOLVER_INSIDE_H
 #define REFLUX_HOST_SIM_COLUMN_SOLVER_INSIDE_H
 
@@ -24,6 +24,7 @@ struct column_solver {
     char message[160];    /* what SUNDIALS said last */
     struct column_solver_work work;
     long rates_max; /* up to which work.rates may go in a search for the steady state */
+    bool held;      /* in such a search: levels that nothing holds stay where they are */
 
     bool jumped;    /* the state or the inputs: CVODE's history is void */
     int since_jump; /* one-step steps since then */
@@ -56,6 +57,14 @@ int column_solver_rates(realtype t, N_Vector y, N_Vector f, void *user);
 /* Sets overshoots of an integrator back into [0, 1]; *moved is set when there were any, and otherwise left alone.
  * False when one is no mere overshoot. */
 bool column_solver_confine(struct column_solver *s, bool *moved);
+
+/* Sets the rates of levels that nothing holds to 0 while s->held. */
+void column_solver_hold(const struct column_solver *s, double *rates);
+
+/* Where the state starts. Where holdups move: the steady state of the inputs with perfect levels and nominal holdups, which
+ * also is the reference of level controllers and hydraulics. Otherwise a straight line between pure components. */
+bool column_nominal_start(struct column_solver *s, const struct column_inputs *inputs, char *err,
+                          size_t size);
 
 /* CVODE from s->t to t; the state ends in s->y. afresh: its history is void. */
 bool column_bdf_create(struct column_solver *s, char *err, size_t size);

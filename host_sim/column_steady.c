@@ -2,6 +2,7 @@
 #include "column_solver_inside.h"
 
 #include <kinsol/kinsol.h>
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -16,6 +17,7 @@
 #define ROUGH      1e-3 /* tolerance of a transient that only has to end near the steady state */
 #define STEPS_MAX  2000 /* of one such transient */
 #define ROUNDS_MAX 14
+#define BALANCED   1e-6 /* of the flows through a vessel: what its level may gain at rest */
 
 /* Change per hour of every mole fraction is zero. */
 static int residual(N_Vector y, N_Vector f, void *user)
@@ -110,13 +112,13 @@ static bool newton(struct column_solver *s)
 static bool relax(struct column_solver *s, double span, char *err, size_t size)
 {
     bool moved;
-    s->model_error = column_rates(&s->column, NV_DATA_S(s->y), NV_DATA_S(s->rates));
-    if (s->model_error)
+    if (column_solver_rates(0.0, s->y, s->rates, s))
         return column_solver_fail(err, size, "column", err_text(s->model_error));
     rosenbrock_jump(&s->rough);
     rosenbrock_run(&s->rough, 0.0, span, NV_DATA_S(s->y), NV_DATA_S(s->rates), STEPS_MAX);
     return column_solver_confine(s, &moved) ||
-           column_solver_fail(err, size, "column", "the integrator left mole fractions [0, 1]");
+           column_solver_fail(err, size, "column",
+                              "the integrator left mole fractions [0, 1] or holdups from 0 on");
 }
 
 /* Why there may be none: a product that is nothing lets what it should carry pile up without end. */
@@ -151,6 +153,48 @@ static bool search(struct column_solver *s, double *guess, char *err, size_t siz
     return nothing_found(s, err, size);
 }
 
+/* mol/s that the level of a stage which nothing holds gains. */
+static double gained(const struct column_solver *s, size_t stage, enum column_level_by by)
+{
+    const struct column_config *c = s->column.config;
+    size_t at = column_holdup_state(&s->column, stage);
+    double nominal = stage == 0 ? c->holdup_reboiler : c->holdup_condenser;
+
+    if (at == s->n || by != COLUMN_LEVEL_FREE)
+        return 0.0;
+    return nominal * NV_DATA_S(s->rates)[at];
+}
+
+/* With the compositions at rest: levels that nothing holds must stand still as well. */
+static bool levels_balance(struct column_solver *s, char *err, size_t size)
+{
+    const struct column_config *c = s->column.config;
+    const struct column_flows *f = &s->column.flows;
+    const struct {
+        const char *name;
+        size_t stage;
+        enum column_level_by by;
+        double through; /* mol/s */
+    } vessels[] = {{"reboiler", 0, c->reboiler_level.by, f->vapour_stripping + f->bottoms},
+                   {"condenser", c->stages - 1, c->condenser_level.by, f->reflux + f->distillate}};
+
+    if (c->levels != COLUMN_LEVELS_HOLDUPS)
+        return true;
+    if (!column_solver_refresh(s, false, err, size))
+        return false;
+    for (size_t i = 0; i < 2; i++) {
+        double rate = gained(s, vessels[i].stage, vessels[i].by);
+        if (fabs(rate) <= BALANCED * fmax(vessels[i].through, f->feed))
+            continue;
+        snprintf(err, size,
+                 "column: no steady state: the level of the %s runs away, it %s by %.4g mol/s and "
+                 "nothing holds it",
+                 vessels[i].name, rate > 0.0 ? "rises" : "falls", fabs(rate));
+        return false;
+    }
+    return true;
+}
+
 bool column_solver_settle(struct column_solver *s, char *err, size_t err_size)
 {
     double *keep = malloc(2 * s->n * sizeof *keep);
@@ -159,7 +203,12 @@ bool column_solver_settle(struct column_solver *s, char *err, size_t err_size)
     if (!keep)
         return column_solver_fail(err, err_size, "column", "no memory");
     memcpy(keep, NV_DATA_S(s->y), s->n * sizeof *keep);
+    s->held = true;
+    column_newton_hold(s->newton, true);
     bool settled = search(s, keep + s->n, err, err_size);
+    s->held = false;
+    column_newton_hold(s->newton, false);
+    settled = settled && levels_balance(s, err, err_size);
     if (!settled)
         memcpy(NV_DATA_S(s->y), keep, s->n * sizeof *keep);
     free(keep);

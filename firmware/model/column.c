@@ -124,6 +124,7 @@ enum err column_evaluate(struct column *column, const real_t *x)
         }
     }
     column->warm = true;
+    column->feed_efficiency = config->efficiency;
     if (column_holdups_move(column)) {
         enum err err = take_holdups(column, x);
         if (err)

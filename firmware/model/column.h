@@ -50,6 +50,9 @@ enum column_levels {
     COLUMN_LEVELS_HOLDUPS  /* they rise and fall with the four flows */
 };
 
+#define COLUMN_OVERFLOW_RATE                                                                       \
+    REAL_C(0.1) /* 1/s: mol/s that run over for each mol above the capacity */
+
 /* The flow that a proportional controller moves to hold a level. */
 enum column_level_by {
     COLUMN_LEVEL_FREE,       /* none: both flows of the vessel are inputs */
@@ -134,19 +137,20 @@ struct column_inputs {
  * condenses no more vapour than there is, and a hot one flashes no more than there is of it. The cuts set
  * in smoothly over the relative width limit_softness and are exactly absent outside it. */
 struct column_flows {
-    real_t feed;                /* F */
-    real_t reflux;              /* L_T */
-    real_t liquid_enriching;    /* L_E */
-    real_t liquid_stripping;    /* L_S */
-    real_t vapour_stripping;    /* V_S, boil-up */
-    real_t vapour_enriching;    /* V_E */
-    real_t vapour_top;          /* V_T */
-    real_t distillate;          /* D */
-    real_t bottoms;             /* B */
-    real_t reflux_wanted;       /* as asked for, before the limits */
-    real_t boilup_wanted;       /* heat / heat of vaporisation, before the limits */
-    real_t condensed_by_feed;   /* dV_F, negative when the feed flashes */
-    real_t condensed_by_reflux; /* dV_R */
+    real_t feed;                              /* F */
+    real_t reflux;                            /* L_T */
+    real_t liquid_enriching;                  /* L_E */
+    real_t liquid_stripping;                  /* L_S */
+    real_t vapour_stripping;                  /* V_S, boil-up */
+    real_t vapour_enriching;                  /* V_E */
+    real_t vapour_top;                        /* V_T */
+    real_t distillate;                        /* D */
+    real_t bottoms;                           /* B */
+    real_t reflux_wanted;                     /* as asked for, before the limits */
+    real_t boilup_wanted;                     /* heat / heat of vaporisation, before the limits */
+    real_t condensed_by_feed;                 /* dV_F, negative when the feed flashes */
+    real_t condensed_by_reflux;               /* dV_R */
+    real_t distillate_wanted, bottoms_wanted; /* with COLUMN_LEVELS_HOLDUPS, before the limits */
 };
 
 /* One column. Config and inputs are in front; what column_evaluate leaves is for reading. About
@@ -163,10 +167,12 @@ struct column {
     real_t temperature[COLUMN_STAGES_MAX]; /* K, bubble points; also where the next search starts */
     real_t liquid[COLUMN_STAGES_MAX];      /* mol/s leaving the stage; [0] bottoms, [N-1] reflux */
     real_t vapour_flow[COLUMN_STAGES_MAX]; /* mol/s leaving the stage upwards; [N-1] is 0 */
-    real_t holdup[COLUMN_STAGES_MAX]; /* mol; where it moves, at least 1e-6 of the nominal one */
+    real_t holdup[COLUMN_STAGES_MAX]; /* mol; where it moves, at least 1e-4 of the nominal one */
     real_t vapour[COLUMN_STAGES_MAX * COLUMN_COMPONENTS_MAX]; /* mole fractions leaving, [s C + j];
                                                                  condenser: none, the drum's bubble */
     struct column_flows flows;
+    real_t
+        feed_efficiency; /* of the feed tray: that of all trays, or more where a flash leaves no other choice */
 
     /* inside */
     real_t k[COLUMN_STAGES_MAX * COLUMN_COMPONENTS_MAX];

@@ -127,6 +127,38 @@ static void stage_flows(struct column *column)
     column->vapour_flow[top] = ZERO;
 }
 
+/* Vapour of the feed tray and above, with the tray's efficiency as it is now. */
+static void vapour_above_feed(struct column *column, const real_t *x)
+{
+    const struct column_config *config = column->config;
+    size_t c = config->components, top = config->stages - 1, feed = config->feed_stage - 1;
+    real_t full[COLUMN_COMPONENTS_MAX];
+
+    for (size_t s = feed; s < top; s++) {
+        real_t e = s == feed ? column->feed_efficiency : config->efficiency;
+        real_t *v = &column->vapour[s * c];
+        column_full_composition(column, x, s, full);
+        for (size_t j = 0; j < c; j++)
+            v[j] = v[j - c] + e * (full[j] * column->k[s * c + j] - v[j - c]);
+    }
+}
+
+/* A feed that flashes where little or no vapour comes from below: what leaves the tray cannot be more of that vapour than
+ * there is, the rest is in equilibrium. */
+static void flash(struct column *column, const real_t *x)
+{
+    size_t feed = column->config->feed_stage - 1;
+    real_t in = column->vapour_flow[feed - 1], out = column->vapour_flow[feed];
+    real_t efficiency = column->config->efficiency;
+
+    if ((ONE - efficiency) * out > in)
+        efficiency = ONE - in / out;
+    if (efficiency == column->feed_efficiency)
+        return;
+    column->feed_efficiency = efficiency;
+    vapour_above_feed(column, x);
+}
+
 void column_flows_at(struct column *column, const real_t *x)
 {
     if (column->config->levels == COLUMN_LEVELS_HOLDUPS)
@@ -136,4 +168,5 @@ void column_flows_at(struct column *column, const real_t *x)
     stage_flows(column);
     if (column->config->hydraulic_time > ZERO)
         column_tray_flows(column, x);
+    flash(column, x);
 }

@@ -6,7 +6,7 @@
 #include "model/column.h"
 
 /* Holdups that move count as this part of the nominal one at least, where something is divided by them. */
-#define COLUMN_HOLDUP_LEAST REAL_C(1e-6)
+#define COLUMN_HOLDUP_LEAST REAL_C(1e-4)
 
 /* All mole fractions full[C] of a stage. */
 static inline void column_full_composition(const struct column *column, const real_t *x, size_t s,
@@ -63,7 +63,7 @@ void column_level_flows(struct column *column, const real_t *x);
 /* liquid[] of trays whose holdup moves. */
 void column_tray_flows(struct column *column, const real_t *x);
 
-/* All flows, at temperatures and compositions that are known. */
+/* All flows, at temperatures and compositions that are known, and what they change of the vapours. */
 void column_flows_at(struct column *column, const real_t *x);
 
 /* Rates of all states, at flows that are known. */

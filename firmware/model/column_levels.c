@@ -1,9 +1,8 @@
 /* Holdups that move: drum and reboiler with their level controllers, trays with their hydraulics. docs/columns.md. */
 #include "model/column_inside.h"
 
-#define ZERO     REAL_C(0.0)
-#define ONE      REAL_C(1.0)
-#define OVERFLOW REAL_C(0.1) /* 1/s: mol/s that run over for each mol above the capacity */
+#define ZERO REAL_C(0.0)
+#define ONE  REAL_C(1.0)
 
 size_t column_holdup_state(const struct column *column, size_t s)
 {
@@ -47,7 +46,7 @@ static real_t level_moves(const struct column_level *level, real_t reference, re
 static real_t overflow(const struct column_config *config, real_t nominal, real_t relative)
 {
     real_t over = relative - config->level_capacity;
-    return over > ZERO ? OVERFLOW * nominal * over : ZERO;
+    return over > ZERO ? COLUMN_OVERFLOW_RATE * nominal * over : ZERO;
 }
 
 /* Products, wanted and flowing. */
@@ -57,28 +56,29 @@ static void products(struct column *column, const real_t *x, real_t drum, real_t
     const struct column_inputs *in = &column->inputs;
     struct column_flows *f = &column->flows;
     size_t top = config->stages - 1;
-    real_t full[COLUMN_COMPONENTS_MAX], distillate, bottoms;
+    real_t full[COLUMN_COMPONENTS_MAX];
 
     if (config->condenser_level.by == COLUMN_LEVEL_BY_PRODUCT) {
-        distillate = level_moves(&config->condenser_level, column->reference.distillate,
-                                 config->holdup_condenser, drum);
+        f->distillate_wanted = level_moves(&config->condenser_level, column->reference.distillate,
+                                           config->holdup_condenser, drum);
     } else {
         column_full_composition(column, x, top, full);
-        distillate = in->distillate_flow *
-                     column_moles_per_unit(config, in->distillate_basis, full,
-                                           column->temperature[top] - in->reflux_subcooling);
+        f->distillate_wanted =
+            in->distillate_flow *
+            column_moles_per_unit(config, in->distillate_basis, full,
+                                  column->temperature[top] - in->reflux_subcooling);
     }
     if (config->reboiler_level.by == COLUMN_LEVEL_BY_PRODUCT) {
-        bottoms = level_moves(&config->reboiler_level, column->reference.bottoms,
-                              config->holdup_reboiler, reboiler);
+        f->bottoms_wanted = level_moves(&config->reboiler_level, column->reference.bottoms,
+                                        config->holdup_reboiler, reboiler);
     } else {
         column_full_composition(column, x, 0, full);
-        bottoms = in->bottoms_flow *
-                  column_moles_per_unit(config, in->bottoms_basis, full, column->temperature[0]);
+        f->bottoms_wanted = in->bottoms_flow * column_moles_per_unit(config, in->bottoms_basis,
+                                                                     full, column->temperature[0]);
     }
-    f->distillate =
-        still_given(column, drum) * distillate + overflow(config, config->holdup_condenser, drum);
-    f->bottoms = still_given(column, reboiler) * bottoms +
+    f->distillate = still_given(column, drum) * f->distillate_wanted +
+                    overflow(config, config->holdup_condenser, drum);
+    f->bottoms = still_given(column, reboiler) * f->bottoms_wanted +
                  overflow(config, config->holdup_reboiler, reboiler);
 }
 

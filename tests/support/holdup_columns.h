@@ -1,0 +1,58 @@
+/* Columns of constant relative volatility with everything that moves: drum, reboiler and trays. */
+#ifndef REFLUX_TESTS_HOLDUP_COLUMNS_H
+#define REFLUX_TESTS_HOLDUP_COLUMNS_H
+
+#include "model/column.h"
+
+#define HOLDUP_STAGES 12
+
+/* Volatilities 4, 2 and 1 of a liquid that boils at about 353 K; nothing but the vapour pressure is given. */
+static const struct component volatile_components[3] = {
+    {.name = "light", .antoine = {REAL_C(22.0702943611), REAL_C(3200.0), REAL_C(-48.0)}},
+    {.name = "middle", .antoine = {REAL_C(21.3771471806), REAL_C(3200.0), REAL_C(-48.0)}},
+    {.name = "heavy", .antoine = {REAL_C(20.684), REAL_C(3200.0), REAL_C(-48.0)}},
+};
+
+static inline struct column_config holdup_config(enum column_level_by condenser,
+                                                 enum column_level_by reboiler)
+{
+    struct column_config config = {
+        .stages = HOLDUP_STAGES,
+        .components = 3,
+        .feed_stage = 5,
+        .component = volatile_components,
+        .efficiency = REAL_C(0.8),
+        .pressure_drop = 4000,
+        .holdup = COLUMN_HOLDUP_MOLAR,
+        .holdup_reboiler = 300,
+        .holdup_tray = 12,
+        .holdup_condenser = 200,
+        .temperature_min = 280,
+        .temperature_max = 440,
+        .limit_softness = REAL_C(0.02),
+        .hydraulic_time = 4,
+        .hydraulic_vapour = REAL_C(0.3),
+        .levels = COLUMN_LEVELS_HOLDUPS,
+        .condenser_level = {condenser, condenser == COLUMN_LEVEL_FREE ? 0 : REAL_C(0.03)},
+        .reboiler_level = {reboiler, reboiler == COLUMN_LEVEL_FREE ? 0 : REAL_C(0.02)},
+        .level_capacity = 2,
+    };
+    return config;
+}
+
+static inline struct column_inputs holdup_inputs(void)
+{
+    struct column_inputs inputs = {
+        .feed_flow = 1,
+        .feed_fraction = {REAL_C(0.3), REAL_C(0.4), REAL_C(0.3)},
+        .feed_state = COLUMN_FEED_QUALITY,
+        .feed_quality = REAL_C(0.9),
+        .reflux_flow = REAL_C(1.6),
+        .boilup_given = true,
+        .boilup = REAL_C(2.0),
+        .pressure_top = REAL_C(1e5),
+    };
+    return inputs;
+}
+
+#endif
