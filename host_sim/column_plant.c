@@ -8,7 +8,7 @@
 struct plant {
     const struct column_plant *about;
     struct column_solver *solver;
-    double input[COLUMN_PLANT_INPUTS_MAX];
+    double input[COLUMN_DRIVES_MAX];
 };
 
 void column_plant_destroy(struct plant *p)
@@ -28,9 +28,9 @@ struct plant *column_plant_create(const struct column_plant *about, char *err, s
         return NULL;
     }
     p->about = about;
-    for (size_t i = 0; i < about->n_inputs; i++)
+    for (size_t i = 0; i < about->terms->n_inputs; i++)
         p->input[i] = about->class->channels[i].nominal;
-    (void)about->inputs_of(p->input, &in);
+    (void)column_terms_inputs(about->terms, about->config, p->input, &in);
     p->solver = column_solver_create(about->config, &in, NULL, err, err_size);
     if (!p->solver || !column_solver_settle(p->solver, err, err_size)) {
         column_plant_destroy(p);
@@ -44,7 +44,7 @@ bool column_plant_set_input(struct plant *p, size_t channel, double value, char 
 {
     const struct plant_class *class = p->about->class;
 
-    if (!plant_input_allowed(class, p->about->n_inputs, channel, value, err, err_size))
+    if (!plant_input_allowed(class, p->about->terms->n_inputs, channel, value, err, err_size))
         return false;
     if (value == p->input[channel])
         return true;
@@ -52,7 +52,7 @@ bool column_plant_set_input(struct plant *p, size_t channel, double value, char 
     double old = p->input[channel];
     struct column_inputs in;
     p->input[channel] = value;
-    const char *wrong = p->about->inputs_of(p->input, &in);
+    const char *wrong = column_terms_inputs(p->about->terms, p->about->config, p->input, &in);
     if (wrong)
         snprintf(err, err_size, "%s: %s = %g %s", class->name, class->channels[channel].name, value,
                  wrong);
@@ -74,10 +74,22 @@ bool column_plant_settle(struct plant *p, char *err, size_t err_size)
 
 double column_plant_value(const struct plant *p, size_t channel)
 {
-    if (channel < p->about->n_inputs)
+    size_t n_inputs = p->about->terms->n_inputs;
+
+    if (channel < n_inputs)
         return p->input[channel];
-    return p->about->value(column_solver_column(p->solver), column_solver_state(p->solver),
-                           p->input, channel);
+    return column_terms_value(p->about->terms, column_solver_column(p->solver),
+                              column_solver_state(p->solver), channel - n_inputs);
+}
+
+const struct column *column_plant_column(const struct plant *p)
+{
+    return column_solver_column(p->solver);
+}
+
+const double *column_plant_state(const struct plant *p)
+{
+    return column_solver_state(p->solver);
 }
 
 size_t column_plant_state_count(const struct plant *p)

@@ -33,11 +33,15 @@ struct plant_channel {
     double lag_s;      /* measurements: first-order sensor time constant, 0 = none */
     double noise;      /* measurements: standard deviation of the sensor at --noise 1, units */
     double resolution; /* measurements: quantisation step, units, 0 = none */
+    double
+        every_s; /* measurements: an analyser, with a new value every so many seconds; 0 = none */
+    double delay_s; /* measurements: an analyser's value was taken so long before it is shown */
     const char *help;
 };
 
 struct plant;        /* opaque, one per implementation */
 struct linear_model; /* linear_plant.h */
+struct column_plant; /* column_plant.h */
 
 struct linearised; /* linearise.h */
 
@@ -78,7 +82,8 @@ struct plant_class {
     const char *ours; /* what the source does not give and we chose, when source does not say it */
     const char *time_unit; /* of the source's numbers, NULL = s; here all is in seconds */
     double period_s;       /* discrete plants: the only tick they take; 0 = any */
-    const struct linear_model *model; /* plants from a file: then create is NULL */
+    const struct linear_model *model;  /* linear plants: then create is NULL */
+    const struct column_plant *column; /* columns: likewise */
     const struct plant_states *states;
     /* Fills the matrices of l (linearise.h), whose sizes and point are there, where differences of the plant itself
      * would not do. The plant is left as it was. */
@@ -90,7 +95,6 @@ struct plant *plant_create(const struct plant_class *class, char *err, size_t er
 
 /* All plants written in C, NULL-terminated. Those in files: plant_library.h. */
 extern const struct plant_class *const plant_classes[];
-const struct plant_class *plant_find(const char *name);
 
 /* For set_input of plants whose first n_inputs channels are the inputs: false, with the line, for another channel
  * or a value outside its span (NaN too). */

@@ -1,16 +1,17 @@
 #include "plant_json.h"
 
+#include "column_json.h"
+#include "linear_plant.h"
 #include "plant_blocks.h"
+#include "plant_parts.h"
 #include "text.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-#define CHANNELS_MAX ((size_t)16) /* of each kind: what the plant link carries */
-#define NAME_MAX_    15
+#define CHANNELS_MAX PLANT_CHANNELS_MAX
 #define UNIT_MAX     11
-#define TEXT_MAX     ((size_t)600)
 #define CASES_MAX    100
 #define BIG          1e15
 
@@ -20,30 +21,6 @@ struct plant_file {
     json_t *root; /* its texts are pointed at */
     struct walk_memory *memory;
 };
-
-static bool name_allowed(const char *name)
-{
-    return strspn(name, "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_") ==
-           strlen(name);
-}
-
-static void read_name(struct json_walk *w, const json_t *object, struct plant_channel *channels,
-                      size_t n)
-{
-    struct plant_channel *c = &channels[n];
-    c->name = walk_text(w, object, "name", NAME_MAX_, NULL);
-    c->help = walk_text(w, object, "help", TEXT_MAX, "");
-    size_t mark = walk_key(w, "name");
-    if (!name_allowed(c->name)) {
-        (void)walk_fail(w, "\"%s\" may only have letters, digits and underscores", c->name);
-    }
-    for (size_t i = 0; i < n; i++) {
-        if (strcmp(channels[i].name, c->name) == 0) {
-            (void)walk_fail(w, "\"%s\" is the name of an earlier channel too", c->name);
-        }
-    }
-    walk_up(w, mark);
-}
 
 static void read_span(struct json_walk *w, const json_t *object, struct plant_channel *c)
 {
@@ -113,7 +90,7 @@ static size_t read_list(struct json_walk *w, const json_t *root, const char *key
                         : kind == PLANT_MV          ? mv
                         : kind == PLANT_DISTURBANCE ? disturbance
                                                     : measurement)) {
-            read_name(w, object, channels, n + i);
+            plant_read_name(w, object, channels, n + i);
             if (is_parameter) {
                 read_parameter(w, object, c);
             } else if (kind == PLANT_MEASUREMENT) {
@@ -146,30 +123,10 @@ static double time_unit(struct json_walk *w, const json_t *root, const char **na
     return 1.0;
 }
 
-static void read_head(struct json_walk *w, const json_t *root, struct plant_class *c)
-{
-    c->name = walk_text(w, root, "name", 40, NULL);
-    size_t mark = walk_key(w, "name");
-    if (strspn(c->name, "abcdefghijklmnopqrstuvwxyz0123456789-_") != strlen(c->name)) {
-        (void)walk_fail(w, "\"%s\" may only have small letters, digits, - and _", c->name);
-    }
-    walk_up(w, mark);
-    c->title = walk_text(w, root, "title", 120, NULL);
-    c->source = walk_text(w, root, "source", TEXT_MAX, NULL);
-    c->ours = walk_text(w, root, "ours", 2 * TEXT_MAX, "nothing");
-    c->tick_s = walk_number(w, root, "tick_s", 0.001, 86400.0, NAN);
-    if (fabs(c->tick_s * 1000.0 - round(c->tick_s * 1000.0)) > 1e-6) {
-        mark = walk_key(w, "tick_s");
-        (void)walk_fail(w, "%g must be a whole number of milliseconds", c->tick_s);
-        walk_up(w, mark);
-    }
-}
-
 static void read_plant(struct json_walk *w, struct plant_file *file)
 {
-    static const char *const known[] = {"name",       "title",   "source",   "ours",
-                                        "time_unit",  "tick_s",  "inputs",   "disturbances",
-                                        "parameters", "outputs", BLOCK_KEYS, NULL};
+    static const char *const known[] = {PLANT_HEAD_KEYS, "time_unit", "inputs",   "disturbances",
+                                        "parameters",    "outputs",   BLOCK_KEYS, NULL};
     const json_t *root = file->root;
     struct plant_class *c = &file->class;
     struct linear_model *m = &file->model;
@@ -177,7 +134,7 @@ static void read_plant(struct json_walk *w, struct plant_file *file)
     if (channels == NULL || !walk_object(w, root, known)) {
         return;
     }
-    read_head(w, root, c);
+    plant_read_head(w, root, c);
     double unit_s = time_unit(w, root, &c->time_unit);
     size_t n = read_list(w, root, "inputs", PLANT_MV, true, channels, 0);
     m->n_mvs = n;
@@ -198,6 +155,12 @@ static void read_plant(struct json_walk *w, struct plant_file *file)
         (void)walk_fail(w, "tick_s, %g, must be the period of a discrete plant, %g s", c->tick_s,
                         c->period_s);
     }
+    c->model = m;
+    c->destroy = linear_destroy;
+    c->set_input = linear_set_input;
+    c->advance = linear_advance;
+    c->value = linear_value;
+    c->settle = linear_settle;
 }
 
 struct plant_class *plant_json_read(const char *file_name, const char *text, size_t length,
@@ -221,20 +184,17 @@ struct plant_class *plant_json_read(const char *file_name, const char *text, siz
         return NULL;
     }
     struct json_walk w = {.file = file_name, .path = "$", .err = err, .err_size = err_size};
-    read_plant(&w, file);
+    if (json_object_get(file->root, "column") != NULL) {
+        column_json_read(&w, file->root, &file->class);
+    } else {
+        read_plant(&w, file);
+    }
     file->memory = w.memory;
     if (w.failed) {
         plant_json_free(&file->class);
         return NULL;
     }
-    struct plant_class *c = &file->class;
-    c->model = &file->model;
-    c->destroy = linear_destroy;
-    c->set_input = linear_set_input;
-    c->advance = linear_advance;
-    c->value = linear_value;
-    c->settle = linear_settle;
-    return c;
+    return &file->class;
 }
 
 void plant_json_free(struct plant_class *class)

@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "column_plant.h"
 #include "linear_plant.h"
 #include "plant_json.h"
 #include "text.h"
@@ -195,6 +196,7 @@ void plant_library_each(void (*visit)(const struct plant_class *class, const cha
 
 struct plant *plant_create(const struct plant_class *class, char *err, size_t err_size)
 {
-    return class->model != NULL ? linear_create(class->model, err, err_size)
-                                : class->create(err, err_size);
+    return class->model != NULL    ? linear_create(class->model, err, err_size)
+           : class->column != NULL ? column_plant_create(class->column, err, err_size)
+                                   : class->create(err, err_size);
 }

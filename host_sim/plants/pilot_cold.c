@@ -1,10 +1,10 @@
-/* The pilot column from cold: the column of plants/pilot.c (same mixture, trays, properties, feed and running state)
+/* The pilot column from cold: the column of plants/pilot.json (same mixture, trays, properties, feed and running state)
  * with what a start-up needs: an energy balance on every stage, levels, valves, condenser, heater. Equations:
  * cold_column.h; a start worked through: docs/pilot-cold.md.
  *
- * The source's own (T. O. Folami, PhD thesis, University of Aston in Birmingham, 1989, volume 2): what the head of
- * pilot.c lists; heater of 0.7 to 1.25 kW; the reboiler level that reads 8 +/- 2 cm too high once vapour rises; total
- * reflux for 10 to 15 minutes; distillate valve at 40 %; bottoms valve at 60 % or 10 % by the reboiler's level; valves
+ * The source's own (T. O. Folami, PhD thesis, University of Aston in Birmingham, 1989, volume 2): what
+ * docs/column-model.md lists for the pilot; heater of 0.7 to 1.25 kW; the reboiler level that reads 8 +/- 2 cm too high
+ * once vapour rises; total reflux for 10 to 15 minutes; distillate valve at 40 %; bottoms valve at 60 % or 10 % by the reboiler's level; valves
  * with a linear characteristic and a rangeability of 40:1, so that less than 2.5 % is no opening at all; reflux valve
  * between 12 and 60 %; the reboiler cools to about 30 degC in about 3 h (here 3.4 h). He has it, too, that his own
  * simulator, with no heat stored anywhere, was too fast for the plant.
@@ -13,7 +13,7 @@
  *   running     heater 0.823 kW, reflux valve 37.5 %, distillate valve 40 %, bottoms valve 39.6 %, feed valve 50 %: then
  *               every temperature is within 0.1 K of the pilot's, products within 1 % (the test pilot_cold)
  *   energy      one molar heat of vaporisation, that of the pilot's reboiler, so that molar flows are as constant as
- *               there; heat capacities from pilot_properties.inc, also for vapour
+ *               there; heat capacities from plants/pilot.json, also for vapour
  *   metal       reboiler 6 kJ/K, each tray with its piece of shell 0.3 kJ/K, drum 0.1 kJ/K
  *   losses      reboiler 1.6 W/K (the pilot's 0.15 kW), each lagged tray 0.02 W/K, drum and reflux line 0.1 W/K
  *   trays       25 ml at nominal flow as in the pilot, of which 20 ml stay behind the weir; they weep dry within half a
@@ -46,7 +46,7 @@
 extern const struct plant_class plant_pilot_cold;
 
 static const struct component components[2] = {
-#include "pilot_properties.inc"
+#include "plants/pilot_properties.inc"
 };
 
 #define TRAYS   10

@@ -7,7 +7,7 @@
  * plant_cost --day MIN   a day of the splitter in 30 s ticks, inputs changing every MIN minutes as in splitter_scipy.py:
  *                        its inputs and what comes of them */
 #include "column_solver.h"
-#include "plant.h"
+#include "plant_library.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -55,15 +55,13 @@ static bool speed(const char *name)
 {
     static const char *const title[] = {"steady", "moving", "jumping"};
     static const double tick[] = {30, 10, 1};
-    const struct plant_class *c = plant_find(name);
+    const struct plant_class *c = plant_open(name, err, sizeof err);
 
-    if (!c) {
-        snprintf(err, sizeof err, "%s is no plant written in C", name);
+    if (!c)
         return said();
-    }
     for (int mode = STEADY; mode <= JUMPING; mode++)
         for (int i = 0; i < 3; i++) {
-            struct plant *p = c->create(err, sizeof err);
+            struct plant *p = plant_create(c, err, sizeof err);
             unsigned seed = 1;
             int ticks = 2000;
             double start = now_us();
@@ -160,8 +158,8 @@ static bool day(double minutes)
     static const double nominal[] = {88.2, 320, 0.0036, 0.281, 0.236, 0.4746};
     static const double step[] = {6.8, -3, -0.0016, -0.011, -0.0128, 0.0254};
     static const double swing[] = {10, 10, 0, 0.02, 0.02, -0.04};
-    const struct plant_class *c = plant_find("splitter");
-    struct plant *p = c->create(err, sizeof err);
+    const struct plant_class *c = plant_open("splitter", err, sizeof err);
+    struct plant *p = c ? plant_create(c, err, sizeof err) : NULL;
     size_t every = (size_t)fmax(1.0, round(minutes * 2.0)), ticks = 24 * 120;
     double spent = 0.0;
 
@@ -207,5 +205,6 @@ int main(int argc, char **argv)
     bool good = strcmp(what, "--sizes") == 0 ? sizes()
                 : strcmp(what, "--day") == 0 ? day(argc > 2 ? atof(argv[2]) : 15.0)
                                              : speed(what);
+    plant_library_free();
     return good ? 0 : 1;
 }

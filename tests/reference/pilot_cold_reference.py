@@ -6,7 +6,7 @@
 writes pilot_cold_run.csv and pilot_cold_steady.csv next to this file. The equations are written here a second time from
 the balances: states are composition, holdup and temperature of every stage (the C code has moles and energies), every
 stream is an object that knows where it comes from and goes to, and scipy's Radau integrates at tight tolerances. Nothing of
-the C sources is called; the handbook constants alone are shared (pilot_properties.inc). The numbers of the plant are those
+the C sources is called; the handbook constants alone are shared (host_sim/plants/pilot.json). The numbers of the plant are those
 at the head of host_sim/plants/pilot_cold.c.
 """
 import os

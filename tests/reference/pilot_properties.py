@@ -1,9 +1,9 @@
 """Property constants of the pilot column's two components, from public handbook tables.
 
     python3 -m venv properties && properties/bin/pip install chemicals==1.5.2
-    properties/bin/python tests/reference/pilot_properties.py > host_sim/plants/pilot_properties.inc
+    properties/bin/python tests/reference/pilot_properties.py
 
-Prints the C include that is frozen in the repository. The PyPI package `chemicals` carries the tables; it
+Prints the components that stand in host_sim/plants/pilot.json, and how well they fit. The PyPI package `chemicals` carries the tables; it
 is needed only to run this script again. Nothing is fitted except the liquid density, a straight line
 through the handbook's equation.
 """
@@ -12,7 +12,7 @@ import os
 
 import chemicals
 
-COMPONENTS = (("trichloroethylene", "79-01-6"), ("tetrachloroethylene", "127-18-4"))
+COMPONENTS = (("TCE", "79-01-6"), ("PCE", "127-18-4"))
 DENSITY_RANGE = (290.0, 400.0)  # K
 
 
@@ -50,28 +50,21 @@ def line(row):
 
 
 def main():
-    print("/* Frozen output of tests/reference/pilot_properties.py; not edited by hand.")
-    print(" * antoine            Landolt-Boernstein, Vapor Pressure of Chemicals, volume IV/20: ln(P/Pa), K")
-    print(" * density            VDI Heat Atlas (PPDS) equation, straight line over %g to %g K" % DENSITY_RANGE)
-    print(" * vaporisation_heat, boiling_point   CRC Handbook of Chemistry and Physics, Enthalpy of Vaporization")
-    print(" * critical_temperature               VDI Heat Atlas (PPDS)")
-    print(" * heat_capacity      CRC Handbook, Standard Thermodynamic Properties, liquid at 298.15 K")
-    print(" * molar_mass         standard atomic weights */")
+    print("vapour_pressure    Landolt-Boernstein, Vapor Pressure of Chemicals, volume IV/20: ln(P/Pa), K")
+    print("density            VDI Heat Atlas (PPDS) equation, straight line over %g to %g K" % DENSITY_RANGE)
+    print("vaporisation_heat, boiling_point   CRC Handbook of Chemistry and Physics, Enthalpy of Vaporization")
+    print("critical_temperature               VDI Heat Atlas (PPDS)")
+    print("heat_capacity      CRC Handbook, Standard Thermodynamic Properties, liquid at 298.15 K")
+    print("molar_mass         standard atomic weights")
     for name, cas in COMPONENTS:
         antoine, heat = ANTOINE[cas], VAPORISATION[cas]
         intercept, slope, worst = line(DENSITY[cas])
-        print("{   /* CAS %s; Antoine data from %s to %s K; density line within %.2f %% */"
+        print("# CAS %s; Antoine data from %s to %s K; density line within %.2f %%"
               % (cas, antoine["Tmin"], antoine["Tmax"], 100 * worst))
-        print('    .name = "%s",' % name)
-        print("    .antoine = {%.9g, %.9g, %.6g, 0.0, 0.0, 0.0, 0.0},"
-              % tuple(float(antoine[k]) for k in "ABC"))
-        print("    .molar_mass = %.8g," % (chemicals.MW(cas) / 1000))
-        print("    .density = {%.8g, %.8g}," % (intercept, slope))
-        print("    .vaporisation_heat = %.1f," % float(heat["HvapTb"]))
-        print("    .boiling_point = %.2f," % float(heat["Tb"]))
-        print("    .critical_temperature = %.2f," % float(WAGNER[cas]["Tc"]))
-        print("    .heat_capacity = %.1f," % float(THERMO[cas]["Cpl"]))
-        print("},")
+        print('{"name": "%s", "vapour_pressure": [%.9g, %.9g, %.6g], "molar_mass": %.8g, "density": [%.8g, %.8g],'
+              % (name, *(float(antoine[k]) for k in "ABC"), chemicals.MW(cas) / 1000, intercept, slope))
+        print(' "vaporisation_heat": %.7g, "boiling_point": %.5g, "critical_temperature": %.5g, "heat_capacity": %.4g}'
+              % (float(heat["HvapTb"]), float(heat["Tb"]), float(WAGNER[cas]["Tc"]), float(THERMO[cas]["Cpl"])))
 
 
 if __name__ == "__main__":

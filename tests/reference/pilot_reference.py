@@ -5,34 +5,29 @@
 writes pilot_steady.csv, pilot_gains.csv, pilot_steps.csv, pilot_day.csv and column_points.csv next to this file. The equations
 are written here a second time, with numpy and scipy (Radau at tight tolerances), from the balances themselves:
 nothing of the C sources is called. The property constants alone are shared: they are read from
-host_sim/plants/pilot_properties.inc, frozen handbook data.
+host_sim/plants/pilot.json, frozen handbook data.
 """
+import json
 import os
-import re
 
 import numpy as np
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq, fsolve
 
 HERE = os.path.dirname(os.path.abspath(__file__))
-INC = os.path.join(HERE, "..", "..", "host_sim", "plants", "pilot_properties.inc")
+PLANT = os.path.join(HERE, "..", "..", "host_sim", "plants", "pilot.json")
 
 
-def read_properties(include=INC):
-    """Component constants from the C include, as arrays over the components."""
-    with open(include, encoding="utf-8") as file:
-        blocks = re.findall(r"\n\{(.*?)\n\}", file.read(), re.S)
-
-    def values(field):
-        out = []
-        for block in blocks:
-            text = re.search(r"\.%s = \{?([^}\n]*?)\}?,\n" % field, block + "\n").group(1)
-            out.append([float(v) for v in text.split(",")])
-        return np.array(out)
-
-    names = ("antoine", "molar_mass", "density", "vaporisation_heat", "boiling_point",
-             "critical_temperature", "heat_capacity")
-    return {n: values(n) for n in names}
+def read_properties(plant=PLANT):
+    """Component constants from a column's file, as arrays over the components."""
+    with open(plant, encoding="utf-8") as file:
+        components = json.load(file)["components"]
+    names = {"antoine": "vapour_pressure", "molar_mass": "molar_mass", "density": "density",
+             "vaporisation_heat": "vaporisation_heat", "boiling_point": "boiling_point",
+             "critical_temperature": "critical_temperature", "heat_capacity": "heat_capacity"}
+    out = {n: [np.atleast_1d(c[key]) for c in components] for n, key in names.items()}
+    out["antoine"] = [np.pad(row, (0, 7 - len(row))) for row in out["antoine"]]
+    return {n: np.array(rows, float) for n, rows in out.items()}
 
 
 class Mixture:

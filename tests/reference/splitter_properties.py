@@ -1,14 +1,14 @@
 """Property constants of the C3-C4 splitter's six components, from public handbook tables.
 
     python3 -m venv properties && properties/bin/pip install chemicals==1.5.2
-    properties/bin/python tests/reference/splitter_properties.py > host_sim/plants/splitter_properties.inc
+    properties/bin/python tests/reference/splitter_properties.py
 
-Prints the C include that is frozen in the repository. The PyPI package `chemicals` carries the tables of
+Prints the components that stand in host_sim/plants/splitter.json, and how well they fit. The PyPI package `chemicals` carries the tables of
 Perry's Chemical Engineers' Handbook, 8th edition; it is needed only to run this script again.
 
 Vapour pressures are the handbook's equation itself. Liquid densities and heats of vaporisation are fitted
 to the handbook's equations over the working range in the simpler forms of the model, because a component
-above its critical temperature has neither: see the notes printed into the include.
+above its critical temperature has neither: see the notes printed with them.
 """
 import csv
 import math
@@ -19,12 +19,12 @@ import chemicals
 # Name, CAS number, range (K) of the density and of the heat of vaporisation: where the component is a
 # liquid and matters in this column; for the heat of butane, which is most of it, the stripping section.
 COMPONENTS = (
-    ("ethane", "74-84-0", (240.0, 280.0), (240.0, 280.0)),
-    ("propane", "74-98-6", (300.0, 350.0), (300.0, 330.0)),
-    ("isobutane", "75-28-5", (300.0, 365.0), (364.0, 378.0)),
-    ("isopentane", "78-78-4", (300.0, 365.0), (300.0, 365.0)),
-    ("pentane", "109-66-0", (300.0, 365.0), (300.0, 365.0)),
-    ("butane", "106-97-8", (300.0, 365.0), (364.0, 378.0)),
+    ("C2", "74-84-0", (240.0, 280.0), (240.0, 280.0)),
+    ("C3", "74-98-6", (300.0, 350.0), (300.0, 330.0)),
+    ("iC4", "75-28-5", (300.0, 365.0), (364.0, 378.0)),
+    ("iC5", "78-78-4", (300.0, 365.0), (300.0, 365.0)),
+    ("nC5", "109-66-0", (300.0, 365.0), (300.0, 365.0)),
+    ("nC4", "106-97-8", (300.0, 365.0), (364.0, 378.0)),
 )
 HIGHEST = 440.0  # K, the column's temperature_max: every constant must be usable up to here
 STANDARD = 288.71  # K, 60 degF
@@ -107,19 +107,16 @@ def watson(cas, lo, hi):
 
 
 def main():
-    print("/* Frozen output of tests/reference/splitter_properties.py; not edited by hand. All from Perry's")
-    print(" * Chemical Engineers' Handbook, 8th edition, as carried by the PyPI package chemicals 1.5.2:")
-    print(" * antoine            table 2-8, DIPPR equation 101 as it stands, used beyond the critical temperature too")
-    print(" * density            DIPPR equation 105, straight line over the range named; ethane, which is above its")
-    print(" *                    critical temperature here, keeps its density at 60 degF (%.2f K)" % STANDARD)
-    print(" * vaporisation_heat, boiling_point, critical_temperature   table 2-150. The model's Watson rule must hold")
-    print(" *                    up to %g K for every component, so the three are its parameters, no physical"
-          % HIGHEST)
-    print(" *                    constants: the handbook's heat at the middle of the range named (\"boiling_point\"),")
-    print(" *                    and the \"critical temperature\", at least %g K, that fits the range best"
-          % (HIGHEST + 1))
-    print(" * heat_capacity      table 2-153 at %g K, or at the end of the table below that" % CAPACITY)
-    print(" * molar_mass         standard atomic weights */")
+    print("All from Perry's Chemical Engineers' Handbook, 8th edition, as carried by the PyPI package chemicals 1.5.2:")
+    print("vapour_pressure    table 2-8, DIPPR equation 101 as it stands, used beyond the critical temperature too")
+    print("density            DIPPR equation 105, straight line over the range named; ethane, which is above its")
+    print("                   critical temperature here, keeps its density at 60 degF (%.2f K)" % STANDARD)
+    print("vaporisation_heat, boiling_point, critical_temperature   table 2-150. The model's Watson rule must hold")
+    print("                   up to %g K for every component, so the three are its parameters, no physical" % HIGHEST)
+    print("                   constants: the handbook's heat at the middle of the range named (\"boiling_point\"),")
+    print("                   and the \"critical temperature\", at least %g K, that fits the range best" % (HIGHEST + 1))
+    print("heat_capacity      table 2-153 at %g K, or at the end of the table below that" % CAPACITY)
+    print("molar_mass         standard atomic weights")
     for name, cas, liquid, vapour in COMPONENTS:
         c1, c2, c3, c4, c5 = numbers(PRESSURE[cas], "C1", "C2", "C3", "C4", "C5")
         tc = float(VAPORISATION[cas]["Tc"])
@@ -132,17 +129,12 @@ def main():
         heat, at, parameter, worst = watson(cas, *vapour)
         cp, cp_at = capacity(cas, CAPACITY)
         assert intercept + slope * HIGHEST > 50 and math.isfinite(cp)
-        print("{   /* CAS %s, truly critical at %g K; %s," % (cas, tc, fit))
-        print("     * heat over %g to %g K within %.1f %%, heat capacity at %g K */" % (*vapour, 100 * worst, cp_at))
-        print('    .name = "%s",' % name)
-        print("    .antoine = {%.9g, %.9g, 0.0, 0.0, %.9g, %.9g, %.9g}," % (c1, -c2, c3, c4, c5))
-        print("    .molar_mass = %.8g," % (chemicals.MW(cas) / 1000))
-        print("    .density = {%.8g, %.8g}," % (intercept, slope))
-        print("    .vaporisation_heat = %.1f," % heat)
-        print("    .boiling_point = %.2f," % at)
-        print("    .critical_temperature = %.2f," % parameter)
-        print("    .heat_capacity = %.1f," % cp)
-        print("},")
+        print("# CAS %s, truly critical at %g K; %s," % (cas, tc, fit))
+        print("# heat over %g to %g K within %.1f %%, heat capacity at %g K" % (*vapour, 100 * worst, cp_at))
+        print('{"name": "%s", "vapour_pressure": [%.9g, %.9g, 0, 0, %.9g, %.9g, %.9g],' % (name, c1, -c2, c3, c4, c5))
+        print(' "molar_mass": %.8g, "density": [%.8g, %.8g],' % (chemicals.MW(cas) / 1000, intercept, slope))
+        print(' "vaporisation_heat": %.6g, "boiling_point": %.5g, "critical_temperature": %.5g, "heat_capacity": %.4g}'
+              % (heat, at, parameter, cp))
 
 
 if __name__ == "__main__":

@@ -14,7 +14,7 @@ from scipy.optimize import fsolve
 
 from pilot_reference import HERE, Column, Mixture, read_properties
 
-INC = os.path.join(HERE, "..", "..", "host_sim", "plants", "splitter_properties.inc")
+PLANT = os.path.join(HERE, "..", "..", "host_sim", "plants", "splitter.json")
 STAGES = 37
 FEED = np.array([0.0036, 0.281, 0.236, 0.004, 0.0008, 0.4746])  # C2 C3 iC4 iC5 nC5 nC4
 NOMINAL = {"R": 61.62, "Q": 4143.046, "F": 88.2, "TF": 320.0, "z": FEED}
@@ -77,7 +77,7 @@ class Splitter(Column):
         return t, v
 
 
-COLUMN = Splitter(Dippr(read_properties(INC)))
+COLUMN = Splitter(Dippr(read_properties(PLANT)))
 
 
 def drive(values):

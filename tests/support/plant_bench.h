@@ -4,24 +4,25 @@
 
 #include <string.h>
 
-#include "plant.h"
+#include "plant_library.h"
 #include "unity.h"
 
 static const struct plant_class *kind;
 static struct plant *plant;
 static char err[256];
 
-static inline void plant_open(const char *name)
+static inline void bench_open(const char *name)
 {
-    kind = plant_find(name);
-    TEST_ASSERT_NOT_NULL_MESSAGE(kind, name);
-    plant = kind->create(err, sizeof err);
+    kind = plant_open(name, err, sizeof err);
+    TEST_ASSERT_NOT_NULL_MESSAGE(kind, err);
+    plant = plant_create(kind, err, sizeof err);
     TEST_ASSERT_NOT_NULL_MESSAGE(plant, err);
 }
 
-static inline void plant_close(void)
+static inline void bench_close(void)
 {
     kind->destroy(plant);
+    plant_library_free();
 }
 
 static inline size_t channel(const char *name)

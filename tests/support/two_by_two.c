@@ -115,8 +115,3 @@ const struct plant_class two_by_two = {
 };
 
 const struct plant_class *const plant_classes[] = {&two_by_two, NULL};
-
-const struct plant_class *plant_find(const char *name)
-{
-    return strcmp(name, two_by_two.name) == 0 ? &two_by_two : NULL;
-}

@@ -9,22 +9,22 @@ reflux_test(column_newton LABEL unit SOURCES ${CMAKE_CURRENT_LIST_DIR}/test_colu
 reflux_test(column_holdups LABEL unit SOURCES ${CMAKE_CURRENT_LIST_DIR}/test_column_holdups.c LIBS reflux_plants)
 reflux_test(rosenbrock LABEL unit SOURCES ${CMAKE_CURRENT_LIST_DIR}/test_rosenbrock.c LIBS reflux_plants)
 reflux_test(column_balances LABEL unit SOURCES ${CMAKE_CURRENT_LIST_DIR}/test_column_balances.c
-            LIBS reflux_plants)
-reflux_test(input_jumps LABEL unit SOURCES ${CMAKE_CURRENT_LIST_DIR}/test_input_jumps.c LIBS reflux_plants)
-reflux_test(pilot LABEL unit SOURCES ${CMAKE_CURRENT_LIST_DIR}/test_pilot.c LIBS reflux_plants)
-reflux_test(splitter LABEL unit SOURCES ${CMAKE_CURRENT_LIST_DIR}/test_splitter.c LIBS reflux_plants)
+            LIBS reflux_bench reflux_plants)
+reflux_test(input_jumps LABEL unit SOURCES ${CMAKE_CURRENT_LIST_DIR}/test_input_jumps.c LIBS reflux_bench reflux_plants)
+reflux_test(pilot LABEL unit SOURCES ${CMAKE_CURRENT_LIST_DIR}/test_pilot.c LIBS reflux_bench reflux_plants)
+reflux_test(splitter LABEL unit SOURCES ${CMAKE_CURRENT_LIST_DIR}/test_splitter.c LIBS reflux_bench reflux_plants)
 reflux_test(splitter_reference LABEL unit SOURCES ${CMAKE_CURRENT_LIST_DIR}/test_splitter_reference.c
-            LIBS reflux_plants)
+            LIBS reflux_bench reflux_plants)
 
 reflux_test(derivative LABEL unit SOURCES ${CMAKE_CURRENT_LIST_DIR}/test_derivative.c LIBS reflux_derivative)
 reflux_test(cold_column LABEL unit SOURCES ${CMAKE_CURRENT_LIST_DIR}/test_cold_column.c LIBS reflux_plants)
-reflux_test(pilot_cold LABEL unit SOURCES ${CMAKE_CURRENT_LIST_DIR}/test_pilot_cold.c LIBS reflux_plants)
+reflux_test(pilot_cold LABEL unit SOURCES ${CMAKE_CURRENT_LIST_DIR}/test_pilot_cold.c LIBS reflux_bench reflux_plants)
 reflux_test(pilot_cold_reference LABEL unit SOURCES ${CMAKE_CURRENT_LIST_DIR}/test_pilot_cold_reference.c
-            LIBS reflux_plants)
+            LIBS reflux_bench reflux_plants)
 
 # Not a test: what a tick of a column costs.
 add_executable(plant_cost "${PROJECT_SOURCE_DIR}/tests/bench/plant_cost.c")
-target_link_libraries(plant_cost PRIVATE reflux_plants reflux_options m)
+target_link_libraries(plant_cost PRIVATE reflux_bench reflux_plants reflux_options m)
 
 # Linear plants: files, exact steps, and the program around them.
 reflux_test(linear_plants LABEL unit SOURCES ${CMAKE_CURRENT_LIST_DIR}/test_linear_plants.c

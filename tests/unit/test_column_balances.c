@@ -1,7 +1,7 @@
 /* Balances of the columns as plants: at rest every equation to the solver's tolerance, and in motion every component
  * from what flows in, what flows out and what is in the column. */
-#include "model/properties.h"
-#include "plant.h"
+#include "column_plant.h"
+#include "plant_library.h"
 #include "unity.h"
 
 #include <math.h>
@@ -11,18 +11,10 @@
 #define STAGES_MAX     37
 #define COMPONENTS_MAX 6
 
-static const struct component pilot_components[] = {
-#include "plants/pilot_properties.inc"
-};
-static const struct component splitter_components[] = {
-#include "plants/splitter_properties.inc"
-};
-
-/* What a plant's channels do not tell, from the heads of plants/pilot.c and plants/splitter.c. */
+/* What a plant's channels do not tell, from plants/pilot.json and plants/splitter.json. */
 struct subject {
     const char *name;
     size_t stages, components;
-    const struct component *component;
     double (*holdup)(const double *x, size_t stage); /* mol; x full composition */
     void (*flows)(double feed[], double *distillate,
                   double *bottoms); /* mol/s, by component for the feed */
@@ -31,6 +23,7 @@ struct subject {
 };
 
 static const struct plant_class *class;
+static const struct component *property; /* of its components */
 static struct plant *plant;
 static char err[256];
 static double x[STAGES_MAX][COMPONENTS_MAX];
@@ -64,22 +57,20 @@ static void pilot_flows(double feed[], double *distillate, double *bottoms)
 {
     const double litre_per_hour = 1e-3 / 3600.0;
     double w[2] = {get("xF"), 100.0 - get("xF")}, z[2];
-    mole_from_mass_fractions(pilot_components, 2, w, z);
-    double f = get("F") * litre_per_hour /
-               mixture_molar_volume(pilot_components, 2, z, get("TF") + 273.15);
+    mole_from_mass_fractions(property, 2, w, z);
+    double f = get("F") * litre_per_hour / mixture_molar_volume(property, 2, z, get("TF") + 273.15);
     feed[0] = f * z[0];
     feed[1] = f * z[1];
     /* the drum's bubble point is not among the channels: all that is not bottoms is distillate */
-    *bottoms = get("B") * litre_per_hour /
-               mixture_molar_volume(pilot_components, 2, x[0], get("TB") + 273.15);
+    *bottoms =
+        get("B") * litre_per_hour / mixture_molar_volume(property, 2, x[0], get("TB") + 273.15);
     *distillate = f - *bottoms;
 }
 
 static double splitter_holdup(const double *at, size_t stage)
 {
     double t = 375.0 + (322.0 - 375.0) * (double)stage / 36.0;
-    return (stage == 0 || stage == 36 ? 4.0 : 0.2) /
-           mixture_molar_volume(splitter_components, 6, at, t);
+    return (stage == 0 || stage == 36 ? 4.0 : 0.2) / mixture_molar_volume(property, 6, at, t);
 }
 
 static void splitter_flows(double feed[], double *distillate, double *bottoms)
@@ -90,17 +81,17 @@ static void splitter_flows(double feed[], double *distillate, double *bottoms)
         sum += z[j] = get(name[j]);
     for (int j = 0; j < 6; j++)
         z[j] /= sum;
-    double f = get("F") / 3600.0 / mixture_molar_volume(splitter_components, 6, z, get("TF"));
+    double f = get("F") / 3600.0 / mixture_molar_volume(property, 6, z, get("TF"));
     for (int j = 0; j < 6; j++)
         feed[j] = f * z[j];
     *distillate = get("D") / 3.6;
     *bottoms = get("B") / 3.6;
 }
 
-static const struct subject pilot = {
-    "pilot", 12, 2, pilot_components, pilot_holdup, pilot_flows, "Qrb", "F", 0.05, 0.5};
-static const struct subject splitter = {
-    "splitter", 37, 6, splitter_components, splitter_holdup, splitter_flows, "Q", "F", 100.0, 5.0};
+static const struct subject pilot = {"pilot", 12,  2,    pilot_holdup, pilot_flows,
+                                     "Qrb",   "F", 0.05, 0.5};
+static const struct subject splitter = {"splitter", 37,    6,  splitter_holdup, splitter_flows, "Q",
+                                        "F",        100.0, 5.0};
 
 static void look(const struct subject *s)
 {
@@ -137,8 +128,10 @@ static void net_flows(const struct subject *s, double *fed, double *net)
 
 static void begin(const struct subject *s)
 {
-    class = plant_find(s->name);
-    plant = class->create(err, sizeof err);
+    class = plant_open(s->name, err, sizeof err);
+    TEST_ASSERT_NOT_NULL_MESSAGE(class, err);
+    property = class->column->config->component;
+    plant = plant_create(class, err, sizeof err);
     TEST_ASSERT_NOT_NULL_MESSAGE(plant, err);
 }
 
@@ -147,6 +140,7 @@ void setUp(void) {}
 void tearDown(void)
 {
     class->destroy(plant);
+    plant_library_free();
 }
 
 /* Half an hour in ticks of a second after steps of heat and feed, flows summed up by trapezoids. */

@@ -5,7 +5,7 @@
  * seeds; all of them with
  *
  *   build/host/tests/unit/test_input_jumps 200 */
-#include "plant.h"
+#include "plant_library.h"
 #include "random_source.h"
 #include "unity.h"
 
@@ -71,12 +71,14 @@ static void sane(const struct plant_class *class, struct plant *p, size_t m, con
 static void campaign(const char *name, size_t m)
 {
     static const double tick[] = {30, 10, 1, 300};
-    const struct plant_class *class = plant_find(name);
+    const struct plant_class *class = plant_open(name, err, sizeof err);
     char when[400];
+
+    TEST_ASSERT_NOT_NULL_MESSAGE(class, err);
 
     for (int seed = FIRST; seed < FIRST + seeds; seed++) {
         struct random_source r = {(uint64_t)seed};
-        struct plant *p = class->create(err, sizeof err);
+        struct plant *p = plant_create(class, err, sizeof err);
         TEST_ASSERT_NOT_NULL_MESSAGE(p, err);
         double t = 0;
         for (int k = 0; k < TICKS; k++) {
@@ -91,6 +93,7 @@ static void campaign(const char *name, size_t m)
         }
         class->destroy(p);
     }
+    plant_library_free();
     printf("input jumps %s: %d seeds from %d, %d ticks, none failed\n", name, seeds, FIRST,
            seeds * TICKS);
 }

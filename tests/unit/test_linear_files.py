@@ -229,7 +229,7 @@ class Tasks(Folder):
     def test_lists(self):
         lines = sim("--list").stdout.splitlines()
         names = [line.split(":")[0] for line in lines if not line.startswith(" ")]
-        self.assertEqual(names[0], "pilot")
+        self.assertIn("pilot", names)
         self.assertGreaterEqual(len(names), 17)
         self.assertIn("example 11", lines[-1])
         for name in names:
@@ -237,8 +237,7 @@ class Tasks(Folder):
             self.assertEqual(done.returncode, 0)
             for word in ("source: ", "tick: ", "manipulated", "measurement"):
                 self.assertIn(word, done.stdout)
-            if name not in ("pilot",):
-                self.assertTrue("ours: " in done.stdout or "ours" in done.stdout)
+            self.assertIn("ours: ", done.stdout)
 
     def test_wrong_tasks_are_refused(self):
         for arguments, because in [
@@ -250,7 +249,7 @@ class Tasks(Folder):
             (["--linearise", "--plant", "wood-berry", "--format", "xml"], "must be csv or json"),
             (["--step", "--plant", "kotyk-column", "--tick", "60"], "no other tick will do"),
             (["--plant", "kotyk-column", "--tick", "60", "--port", "x"], "no other tick will do"),
-            (["--list", "nothing"], "--plant nothing: no such plant; there is pilot"),
+            (["--list", "nothing"], "--plant nothing: no such plant; there is pilot-cold, "),
             (["--steady", "rubbish"], "rubbish: not an option"),
         ]:
             with self.subTest(arguments=arguments):

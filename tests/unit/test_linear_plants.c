@@ -329,12 +329,23 @@ static void wrong_calls_are_refused_with_one_line(void)
     class->destroy(p);
 }
 
+/* Inputs that are moved: a column's manipulated variables, for its feed's fractions may not take all values at once. */
+static size_t moved_inputs(const struct plant_class *class)
+{
+    size_t n = 0;
+    if (class->model != NULL)
+        return class->model->n_inputs;
+    while (class->channels[n].kind == PLANT_MV)
+        n++;
+    return n;
+}
+
 static unsigned long long hash_of_run(const struct plant_class *class)
 {
     struct plant *p = create(class);
     unsigned long long hash = 1469598103934665603ull;
     for (int k = 1; k <= 300; k++) {
-        for (size_t i = 0; i < class->model->n_inputs; i++) {
+        for (size_t i = 0; i < moved_inputs(class); i++) {
             const struct plant_channel *c = &class->channels[i];
             double part = (double)((k * (int)(i + 3) * 29) % 101) / 100.0;
             if ((k + (int)i) % 3 == 0)
@@ -383,9 +394,13 @@ static void spoilt_files_are_refused_or_read(void)
             read += class != NULL;
             TEST_ASSERT_TRUE(class != NULL || (err[0] == 'f' && strchr(err, '\n') == NULL));
             if (class != NULL) {
-                struct plant *p = create(class);
-                (void)class->advance(p, class->tick_s, err, sizeof err);
-                class->destroy(p);
+                err[0] = '\0';
+                struct plant *p = plant_create(class, err, sizeof err);
+                TEST_ASSERT_TRUE(p != NULL || (class->column != NULL && err[0] != '\0'));
+                if (p != NULL) {
+                    (void)class->advance(p, class->tick_s, err, sizeof err);
+                    class->destroy(p);
+                }
             }
             plant_json_free(class);
         }

@@ -10,13 +10,13 @@ static double now;
 
 void setUp(void)
 {
-    plant_open("pilot-cold");
+    bench_open("pilot-cold");
     now = 0;
 }
 
 void tearDown(void)
 {
-    plant_close();
+    bench_close();
 }
 
 static void step(void)
@@ -72,8 +72,9 @@ static const char *const trays[11] = {"T1", "T2", "T3", "T4",  "T5", "T6",
 
 static void at_rest_it_is_the_pilot_within_a_tenth_of_a_kelvin(void)
 {
-    const struct plant_class *k = plant_find("pilot");
-    struct plant *pilot = k->create(err, sizeof err);
+    const struct plant_class *k = plant_open("pilot", err, sizeof err);
+    TEST_ASSERT_NOT_NULL_MESSAGE(k, err);
+    struct plant *pilot = plant_create(k, err, sizeof err);
     TEST_ASSERT_NOT_NULL_MESSAGE(pilot, err);
     running();
     double worst = 0;

@@ -27,12 +27,12 @@ static const struct {
 
 void setUp(void)
 {
-    plant_open("pilot-cold");
+    bench_open("pilot-cold");
 }
 
 void tearDown(void)
 {
-    plant_close();
+    bench_close();
 }
 
 static void act(double now)

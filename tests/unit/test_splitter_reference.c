@@ -14,12 +14,12 @@
 
 void setUp(void)
 {
-    plant_open("splitter");
+    bench_open("splitter");
 }
 
 void tearDown(void)
 {
-    plant_close();
+    bench_close();
 }
 
 /* Largest deviation from a row of outputs: temperatures (K) and impurities (relative). */
@@ -58,7 +58,7 @@ static void both_steady_states_are_those_of_the_reference(void)
 
 static void begin_step(int number)
 {
-    plant_close();
+    bench_close();
     setUp();
     if (number == 1) {
         set("Q", 4200.0);

@@ -1,0 +1,425 @@
+/* What drives a column, from its file: inputs, disturbances, and constants in their place. */
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "column_reader.h"
+#include "text.h"
+
+#define FRACTION_MEASURES (MEASURE_MOLE_FRACTION | MEASURE_MASS_FRACTION)
+
+/* In the order of enum column_drive. The feed's temperature is in the file's temperature_range as well. */
+static const struct column_quantity drives[DRIVE_COUNT] = {
+    [DRIVE_REFLUX] = {"reflux", MEASURE_FLOW, 0.0, 1e12},
+    [DRIVE_HEAT] = {"heat", MEASURE_POWER, 0.0, 1e12},
+    [DRIVE_BOILUP] = {"boilup", MEASURE_MOLAR_FLOW, 0.0, 1e12},
+    [DRIVE_FEED] = {"feed", MEASURE_FLOW, 0.0, 1e12},
+    [DRIVE_FEED_FRACTION] = {"feed_fraction", FRACTION_MEASURES, 0.0, 1.0},
+    [DRIVE_FEED_TEMPERATURE] = {"feed_temperature", MEASURE_TEMPERATURE, 50.0, 1000.0},
+    [DRIVE_FEED_QUALITY] = {"feed_quality", MEASURE_NUMBER, 0.0, 2.0},
+    [DRIVE_REFLUX_SUBCOOLING] = {"reflux_subcooling", MEASURE_DIFFERENCE, 0.0, 100.0},
+    [DRIVE_HEAT_LOSS] = {"heat_loss", MEASURE_POWER, 0.0, 1e12},
+    [DRIVE_PRESSURE] = {"pressure", MEASURE_PRESSURE, 100.0, 1e7},
+    [DRIVE_DISTILLATE] = {"distillate", MEASURE_FLOW, 0.0, 1e12},
+    [DRIVE_BOTTOMS] = {"bottoms", MEASURE_FLOW, 0.0, 1e12},
+};
+
+const char *column_drive_name(enum column_drive is)
+{
+    return drives[is].name;
+}
+
+const struct column_unit *column_read_unit(struct column_reader *r, const json_t *object,
+                                           unsigned measures, const char *what)
+{
+    struct json_walk *w = r->walk;
+    const char *name = walk_text(w, object, "unit", 11, "-");
+    const struct column_unit *unit = column_unit_find(name, measures);
+    size_t mark = walk_key(w, "unit");
+    if (unit == NULL) {
+        char names[200];
+        column_unit_names(measures, names, sizeof(names));
+        (void)walk_fail(w, "\"%s\" is no unit of %s; must be one of %s", name, what, names);
+        unit = column_unit_find("-", MEASURE_NUMBER);
+    }
+    column_need_unit(r, unit);
+    walk_up(w, mark);
+    return unit;
+}
+
+void column_read_span(struct column_reader *r, const json_t *object, struct plant_channel *c)
+{
+    struct json_walk *w = r->walk;
+    c->lo = walk_number(w, object, "lo", -COLUMN_BIG, COLUMN_BIG, NAN);
+    c->hi = walk_number(w, object, "hi", -COLUMN_BIG, COLUMN_BIG, NAN);
+    if (!(c->lo < c->hi)) {
+        (void)walk_fail(w, "lo, %g, must be below hi, %g", c->lo, c->hi);
+    }
+}
+
+/* Fails at the present path when a value in a unit is none that the quantity may have. */
+static void check_value(struct column_reader *r, const struct column_driven *d, double value)
+{
+    const struct column_quantity *q = &drives[d->is];
+    const struct column_config *config = &r->file->config;
+    bool feed = d->is == DRIVE_FEED_TEMPERATURE;
+    double si = (value + d->unit->offset) * d->unit->in;
+    double lo = feed ? config->temperature_min : q->lo;
+    double hi = feed ? config->temperature_max : q->hi;
+    double to_unit = 1.0 / d->unit->in;
+    if (!(si >= lo * (1.0 - 1e-12) && si <= hi * (1.0 + 1e-12))) {
+        (void)walk_fail(r->walk, "%g %s is no %s; must be %g to %g", value, d->unit->name, q->name,
+                        lo * to_unit - d->unit->offset, hi * to_unit - d->unit->offset);
+    }
+}
+
+/* What a quantity needs of the components whatever its unit. */
+static void check_needs(struct column_reader *r, const struct column_driven *d, double largest)
+{
+    if (d->is == DRIVE_HEAT) {
+        column_need(r, NEED_HEATS, "heat");
+    } else if (d->is == DRIVE_FEED_TEMPERATURE) {
+        column_need(r, NEED_CAPACITY, "feed_temperature");
+    } else if (d->is == DRIVE_REFLUX_SUBCOOLING && largest > 0.0) {
+        column_need(r, NEED_CAPACITY, "reflux_subcooling");
+    }
+}
+
+/* The component of a fraction; only a fraction has one. */
+static void read_of(struct column_reader *r, const json_t *object, struct column_driven *d)
+{
+    struct json_walk *w = r->walk;
+    if (d->is != DRIVE_FEED_FRACTION) {
+        if (json_object_get(object, "of") != NULL) {
+            size_t mark = walk_key(w, "of");
+            (void)walk_fail(w, "only a feed_fraction is of a component");
+            walk_up(w, mark);
+        }
+        return;
+    }
+    const json_t *of = walk_get(w, object, "of", true);
+    size_t mark = walk_key(w, "of");
+    d->component = column_component(r, of);
+    walk_up(w, mark);
+}
+
+static enum column_drive read_is(struct column_reader *r, const json_t *object)
+{
+    struct json_walk *w = r->walk;
+    const char *is = walk_text(w, object, "is", 40, NULL);
+    for (size_t k = 0; k < DRIVE_COUNT; k++) {
+        if (strcmp(drives[k].name, is) == 0) {
+            return (enum column_drive)k;
+        }
+    }
+    char names[240] = "";
+    for (size_t k = 0; k < DRIVE_COUNT; k++) {
+        sim_append(names, sizeof(names), "%s%s", k > 0 ? ", " : "", drives[k].name);
+    }
+    size_t mark = walk_key(w, "is");
+    (void)walk_fail(w, "\"%s\" drives no column; must be one of %s", is, names);
+    walk_up(w, mark);
+    return DRIVE_REFLUX;
+}
+
+/* One more entry, unless it is there already. */
+static struct column_driven *add(struct column_reader *r, struct column_driven d)
+{
+    struct column_terms *t = &r->file->terms;
+    for (size_t k = 0; k < t->n_driven; k++) {
+        if (t->driven[k].is == d.is && t->driven[k].component == d.component) {
+            (void)walk_fail(r->walk, "%s%s%s is given twice", drives[d.is].name,
+                            d.is == DRIVE_FEED_FRACTION ? " of " : "",
+                            d.is == DRIVE_FEED_FRACTION ? r->file->component[d.component].name
+                                                        : "");
+        }
+    }
+    if (r->walk->failed || t->n_driven == COLUMN_DRIVES_MAX) {
+        return NULL;
+    }
+    t->driven[t->n_driven] = d;
+    t->n_driven++;
+    return &t->driven[t->n_driven - 1];
+}
+
+static bool is_product(enum column_drive is)
+{
+    return is == DRIVE_DISTILLATE || is == DRIVE_BOTTOMS;
+}
+
+/* Products start with what the nominal state has of them (column_steady_json.c). */
+static void read_nominal(struct column_reader *r, const json_t *object, struct plant_channel *c,
+                         enum column_drive is)
+{
+    struct json_walk *w = r->walk;
+    if (!is_product(is)) {
+        c->nominal = walk_number(w, object, "nominal", c->lo, c->hi, NAN);
+        return;
+    }
+    c->nominal = NAN;
+    if (json_object_get(object, "nominal") != NULL) {
+        size_t mark = walk_key(w, "nominal");
+        (void)walk_fail(w, "%s follows from the nominal state and has no nominal of its own",
+                        drives[is].name);
+        walk_up(w, mark);
+    }
+}
+
+static void read_channel(struct column_reader *r, const json_t *object, enum plant_kind kind)
+{
+    static const char *const mv[] = {"name",    "is",   "of",   "unit", "lo", "hi",
+                                     "nominal", "safe", "slew", "help", NULL};
+    static const char *const disturbance[] = {"name", "is",      "of",   "unit", "lo",
+                                              "hi",   "nominal", "help", NULL};
+    struct json_walk *w = r->walk;
+    struct plant_channel *c = &r->channels[r->n_channels];
+    c->kind = kind;
+    c->name = "";
+    if (!walk_object(w, object, kind == PLANT_MV ? mv : disturbance)) {
+        return;
+    }
+    plant_read_name(w, object, r->channels, r->n_channels);
+    struct column_driven d = {.is = read_is(r, object)};
+    read_of(r, object, &d);
+    if (w->failed) {
+        return;
+    }
+    d.unit = column_read_unit(r, object, drives[d.is].measures, drives[d.is].name);
+    c->unit = d.unit->name;
+    column_read_span(r, object, c);
+    for (int end = 0; end < 2 && !w->failed; end++) {
+        size_t mark = walk_key(w, end == 0 ? "lo" : "hi");
+        check_value(r, &d, end == 0 ? c->lo : c->hi);
+        walk_up(w, mark);
+    }
+    check_needs(r, &d, c->hi);
+    read_nominal(r, object, c, d.is);
+    if (kind == PLANT_MV) {
+        bool product = is_product(d.is); /* its nominal value comes later */
+        c->safe = walk_number(w, object, "safe", c->lo, c->hi, product ? c->lo : c->nominal);
+        c->slew = walk_number(w, object, "slew", 0.0, COLUMN_BIG, 0.0);
+    }
+    (void)add(r, d);
+    r->n_channels++;
+}
+
+static void read_list(struct column_reader *r, const char *key, enum plant_kind kind)
+{
+    struct json_walk *w = r->walk;
+    const json_t *list = walk_get(w, r->root, key, kind == PLANT_MV);
+    if (list == NULL) {
+        return;
+    }
+    size_t mark = walk_key(w, key);
+    size_t n = walk_array(w, list, kind == PLANT_MV ? 1 : 0, PLANT_CHANNELS_MAX, "channels");
+    for (size_t i = 0; i < n && !w->failed; i++) {
+        size_t inner = walk_index(w, i);
+        read_channel(r, json_array_get(list, i), kind);
+        walk_up(w, inner);
+    }
+    walk_up(w, mark);
+}
+
+static void read_constant(struct column_reader *r, const json_t *object, enum column_drive is)
+{
+    static const char *const plain[] = {"value", "unit", NULL};
+    static const char *const fraction[] = {"of", "value", "unit", NULL};
+    struct json_walk *w = r->walk;
+    if (!walk_object(w, object, is == DRIVE_FEED_FRACTION ? fraction : plain)) {
+        return;
+    }
+    struct column_driven d = {.is = is};
+    read_of(r, object, &d);
+    d.unit = column_read_unit(r, object, drives[is].measures, drives[is].name);
+    d.value = walk_number(w, object, "value", -COLUMN_BIG, COLUMN_BIG, NAN);
+    size_t mark = walk_key(w, "value");
+    if (!w->failed) {
+        check_value(r, &d, d.value);
+    }
+    walk_up(w, mark);
+    check_needs(r, &d, d.value);
+    (void)add(r, d);
+}
+
+static void read_constant_fractions(struct column_reader *r, const json_t *list)
+{
+    struct json_walk *w = r->walk;
+    size_t n = walk_array(w, list, 1, COLUMN_COMPONENTS_MAX, "fractions");
+    for (size_t i = 0; i < n && !w->failed; i++) {
+        size_t inner = walk_index(w, i);
+        read_constant(r, json_array_get(list, i), DRIVE_FEED_FRACTION);
+        walk_up(w, inner);
+    }
+}
+
+static void read_constants(struct column_reader *r)
+{
+    struct json_walk *w = r->walk;
+    const json_t *object = walk_get(w, r->root, "constants", false);
+    const char *known[DRIVE_COUNT + 1] = {NULL};
+    if (object == NULL) {
+        return;
+    }
+    for (size_t k = 0; k < DRIVE_COUNT; k++) {
+        known[k] = drives[k].name;
+    }
+    size_t mark = walk_key(w, "constants");
+    if (walk_object(w, object, known)) {
+        for (size_t k = 0; k < DRIVE_COUNT && !w->failed; k++) { /* in an order of their own */
+            const json_t *value = json_object_get(object, known[k]);
+            size_t inner = walk_key(w, known[k]);
+            if (value != NULL && k == DRIVE_FEED_FRACTION) {
+                read_constant_fractions(r, value);
+            } else if (value != NULL) {
+                read_constant(r, value, (enum column_drive)k);
+            }
+            walk_up(w, inner);
+        }
+    }
+    walk_up(w, mark);
+}
+
+/* Its entry, or NULL. */
+static const struct column_driven *driven(const struct column_reader *r, enum column_drive is)
+{
+    const struct column_terms *t = &r->file->terms;
+    for (size_t k = 0; k < t->n_driven; k++) {
+        if (t->driven[k].is == is) {
+            return &t->driven[k];
+        }
+    }
+    return NULL;
+}
+
+static bool is_channel(const struct column_reader *r, const struct column_driven *d)
+{
+    return d != NULL && (size_t)(d - r->file->terms.driven) < r->file->terms.n_inputs;
+}
+
+static void check_fractions(struct column_reader *r)
+{
+    struct column_terms *t = &r->file->terms;
+    size_t given = 0;
+    bool has[COLUMN_COMPONENTS_MAX] = {false};
+    const struct column_driven *first = driven(r, DRIVE_FEED_FRACTION);
+    for (size_t k = 0; k < t->n_driven; k++) {
+        if (t->driven[k].is == DRIVE_FEED_FRACTION) {
+            has[t->driven[k].component] = true;
+            given++;
+            if (t->driven[k].unit->measure != first->unit->measure) {
+                (void)walk_fail(r->walk,
+                                "feed fractions must all be of moles or all of mass (%%w); %s and "
+                                "%s differ",
+                                r->file->component[first->component].name,
+                                r->file->component[t->driven[k].component].name);
+            }
+        }
+    }
+    size_t all = r->file->config.components;
+    t->every_fraction = given == all;
+    for (size_t j = 0; j < all; j++) {
+        t->rest = has[j] ? t->rest : j;
+    }
+    if (given + 1 < all) {
+        (void)walk_fail(r->walk,
+                        "feed fractions of %zu components are given; must be of all %zu, or of "
+                        "all but one, which has the rest",
+                        given, all);
+    }
+}
+
+/* A flow that a level moves is no channel's; the product of a vessel is given where no level moves it. */
+static void check_level(struct column_reader *r, const char *vessel, enum column_level_by by,
+                        enum column_drive product, enum column_drive internal)
+{
+    const struct column_driven *p = driven(r, product);
+    const char *name = drives[product].name;
+    if (by == COLUMN_LEVEL_BY_PRODUCT && p != NULL) {
+        (void)walk_fail(r->walk, "%s: the level in the %s moves it, so it can be no %s", name,
+                        vessel, is_channel(r, p) ? "channel" : "constant");
+    } else if (by != COLUMN_LEVEL_BY_PRODUCT && p == NULL) {
+        (void)walk_fail(r->walk,
+                        "%s is missing: no level moves it, so it must be an input or a constant",
+                        name);
+    }
+    if (by == COLUMN_LEVEL_BY_INTERNAL && is_channel(r, driven(r, internal))) {
+        (void)walk_fail(r->walk,
+                        "%s: the level in the %s moves it, so it can be no channel; as a constant "
+                        "it has its nominal value",
+                        drives[internal].name, vessel);
+    }
+}
+
+static void check_levels(struct column_reader *r)
+{
+    const struct column_config *c = &r->file->config;
+    if (c->levels == COLUMN_LEVELS_PERFECT) {
+        const enum column_drive product[] = {DRIVE_DISTILLATE, DRIVE_BOTTOMS};
+        for (size_t k = 0; k < 2; k++) {
+            if (driven(r, product[k]) != NULL) {
+                (void)walk_fail(r->walk,
+                                "%s: with perfect levels it is what is left over; only with "
+                                "levels can it be given",
+                                drives[product[k]].name);
+            }
+        }
+        return;
+    }
+    check_level(r, "condenser", c->condenser_level.by, DRIVE_DISTILLATE, DRIVE_REFLUX);
+    check_level(r, "reboiler", c->reboiler_level.by, DRIVE_BOTTOMS, DRIVE_BOILUP);
+    if (c->reboiler_level.by == COLUMN_LEVEL_BY_INTERNAL && is_channel(r, driven(r, DRIVE_HEAT))) {
+        (void)walk_fail(r->walk, "heat: the level in the reboiler moves the boil-up, so it can be "
+                                 "no channel; as a constant it has its nominal value");
+    }
+}
+
+static void exclude(struct column_reader *r, enum column_drive a, enum column_drive b)
+{
+    if (driven(r, a) != NULL && driven(r, b) != NULL) {
+        (void)walk_fail(r->walk, "%s and %s are both given; must be one of them", drives[a].name,
+                        drives[b].name);
+    }
+}
+
+/* After all inputs and constants: is everything there that must be, and nothing that excludes it? */
+static void check_driven(struct column_reader *r)
+{
+    static const enum column_drive needed[] = {DRIVE_REFLUX, DRIVE_FEED, DRIVE_PRESSURE};
+    for (size_t k = 0; k < 3; k++) {
+        if (driven(r, needed[k]) == NULL) {
+            (void)walk_fail(r->walk,
+                            "%s is missing: it must be an input, a disturbance or a constant",
+                            drives[needed[k]].name);
+        }
+    }
+    exclude(r, DRIVE_HEAT, DRIVE_BOILUP);
+    exclude(r, DRIVE_FEED_TEMPERATURE, DRIVE_FEED_QUALITY);
+    exclude(r, DRIVE_HEAT_LOSS, DRIVE_BOILUP);
+    if (driven(r, DRIVE_HEAT) == NULL && driven(r, DRIVE_BOILUP) == NULL) {
+        (void)walk_fail(r->walk, "heat or boilup is missing: one of them must be an input, a "
+                                 "disturbance or a constant");
+    }
+    const struct column_driven *feed = driven(r, DRIVE_FEED);
+    if (feed != NULL && feed->unit->measure == MEASURE_VOLUME_FLOW &&
+        driven(r, DRIVE_FEED_TEMPERATURE) == NULL) {
+        (void)walk_fail(r->walk,
+                        "feed is a volume, %s, and needs a feed_temperature; a feed with a "
+                        "quality has none",
+                        feed->unit->name);
+    }
+    check_fractions(r);
+    check_levels(r);
+}
+
+void column_read_inputs(struct column_reader *r)
+{
+    read_list(r, "inputs", PLANT_MV);
+    read_list(r, "disturbances", PLANT_DISTURBANCE);
+    r->file->terms.n_inputs = r->n_channels;
+    if (!r->walk->failed) {
+        read_constants(r);
+    }
+    if (!r->walk->failed) {
+        check_driven(r);
+    }
+}

@@ -1,0 +1,252 @@
+#include "column_trim.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define TRIMS_MAX    COLUMN_DRIVES_MAX
+#define ROUNDS_MAX   40
+#define HALVINGS_MAX 12
+#define DIFFERENCE   1e-5  /* of an input's size, for the slopes */
+#define LONGEST_STEP 0.5   /* of an input's size, in one round */
+#define MET          1e-6  /* largest miss: of a logit, or of the channel's span */
+#define NEAR_ENOUGH  1e-11 /* no further round is worth it */
+#define MARGIN       1e-12 /* logits end so near 0 and 1 */
+
+struct search {
+    const struct column_config *config;
+    struct column_terms *terms;
+    struct plant_channel *channels;
+    const struct column_trim *trim;
+    size_t n;
+    struct column_solver *solver;
+    double size[TRIMS_MAX]; /* of the inputs: what a step is measured by */
+    double now[TRIMS_MAX], miss[TRIMS_MAX];
+    char *err;
+    size_t err_size;
+};
+
+static double *input_of(struct search *s, size_t driven)
+{
+    return driven < s->terms->n_inputs ? &s->channels[driven].nominal
+                                       : &s->terms->driven[driven].value;
+}
+
+static const struct plant_channel *channel_of(const struct search *s, size_t seen)
+{
+    return &s->channels[s->terms->n_inputs + seen];
+}
+
+static double logit(double x)
+{
+    x = fmin(fmax(x, MARGIN), 1.0 - MARGIN);
+    return log(x / (1.0 - x));
+}
+
+/* What is left to go, in the scale in which a column is nearest to linear. */
+static double miss_of(const struct search *s, size_t i, double value)
+{
+    const struct column_seen *c = &s->terms->seen[s->trim[i].seen];
+    const struct plant_channel *channel = channel_of(s, s->trim[i].seen);
+    if (c->is == SIGHT_FRACTION || c->is == SIGHT_VAPOUR_FRACTION)
+        return logit(value / c->unit->times) - logit(s->trim[i].value / c->unit->times);
+    return (value - s->trim[i].value) / (channel->hi - channel->lo);
+}
+
+static bool inputs_now(struct search *s, struct column_inputs *in)
+{
+    double u[COLUMN_DRIVES_MAX];
+    for (size_t i = 0; i < s->terms->n_inputs; i++)
+        u[i] = s->channels[i].nominal;
+    const char *wrong = column_terms_inputs(s->terms, s->config, u, in);
+    if (wrong)
+        snprintf(s->err, s->err_size, "what is nominal %s", wrong);
+    return !wrong;
+}
+
+/* The steady state at the values v, and how far off it is. */
+static bool settle_at(struct search *s, const double *v, double *miss)
+{
+    struct column_inputs in;
+
+    for (size_t i = 0; i < s->n; i++)
+        *input_of(s, s->trim[i].driven) = v[i];
+    if (!inputs_now(s, &in) || !column_solver_set_inputs(s->solver, &in, s->err, s->err_size) ||
+        !column_solver_settle(s->solver, s->err, s->err_size))
+        return false;
+    for (size_t i = 0; i < s->n; i++)
+        miss[i] = miss_of(s, i,
+                          column_terms_value(s->terms, column_solver_column(s->solver),
+                                             column_solver_state(s->solver), s->trim[i].seen));
+    return true;
+}
+
+static double largest(const double *x, size_t n)
+{
+    double most = 0.0;
+    for (size_t i = 0; i < n; i++)
+        most = fmax(most, fabs(x[i]));
+    return most;
+}
+
+/* slope[i][j]: of miss i by input j, a whole size of it. A difference that would leave the bounds goes the other way. */
+static bool slopes(struct search *s, double slope[TRIMS_MAX][TRIMS_MAX])
+{
+    double v[TRIMS_MAX], miss[TRIMS_MAX];
+
+    for (size_t j = 0; j < s->n; j++) {
+        double step = DIFFERENCE * s->size[j];
+        memcpy(v, s->now, sizeof v);
+        v[j] += v[j] + step <= s->trim[j].hi ? step : -step;
+        if (!settle_at(s, v, miss))
+            return false;
+        for (size_t i = 0; i < s->n; i++)
+            slope[i][j] = (miss[i] - s->miss[i]) / (v[j] - s->now[j]) * s->size[j];
+    }
+    return true;
+}
+
+/* Solves slope * step = -miss by elimination with row exchange; false where the inputs do not move the values apart. */
+static bool newton_step(struct search *s, double slope[TRIMS_MAX][TRIMS_MAX], double *step)
+{
+    size_t n = s->n;
+
+    for (size_t i = 0; i < n; i++)
+        step[i] = -s->miss[i];
+    for (size_t k = 0; k < n; k++) {
+        size_t pivot = k;
+        for (size_t i = k + 1; i < n; i++)
+            pivot = fabs(slope[i][k]) > fabs(slope[pivot][k]) ? i : pivot;
+        if (!(fabs(slope[pivot][k]) > 1e-12))
+            return false;
+        for (size_t j = 0; j < n && pivot != k; j++) {
+            double swap = slope[k][j];
+            slope[k][j] = slope[pivot][j];
+            slope[pivot][j] = swap;
+        }
+        double swap = step[k];
+        step[k] = step[pivot];
+        step[pivot] = swap;
+        for (size_t i = k + 1; i < n; i++) {
+            double f = slope[i][k] / slope[k][k];
+            for (size_t j = k; j < n; j++)
+                slope[i][j] -= f * slope[k][j];
+            step[i] -= f * step[k];
+        }
+    }
+    for (size_t k = n; k-- > 0;) {
+        for (size_t j = k + 1; j < n; j++)
+            step[k] -= slope[k][j] * step[j];
+        step[k] /= slope[k][k];
+    }
+    double most = largest(step, n);
+    for (size_t k = 0; k < n && most > LONGEST_STEP; k++)
+        step[k] *= LONGEST_STEP / most;
+    return true;
+}
+
+/* Goes as much of the step as makes it better. */
+static bool improve(struct search *s, const double *step)
+{
+    double part = 1.0, v[TRIMS_MAX], miss[TRIMS_MAX];
+
+    for (int k = 0; k < HALVINGS_MAX; k++, part *= 0.5) {
+        for (size_t i = 0; i < s->n; i++)
+            v[i] =
+                fmin(fmax(s->now[i] + part * step[i] * s->size[i], s->trim[i].lo), s->trim[i].hi);
+        if (settle_at(s, v, miss) && largest(miss, s->n) < largest(s->miss, s->n)) {
+            memcpy(s->now, v, sizeof v);
+            memcpy(s->miss, miss, sizeof miss);
+            return true;
+        }
+    }
+    return false;
+}
+
+static double rounded(double x)
+{
+    char text[40];
+    snprintf(text, sizeof text, "%.7g", x);
+    return strtod(text, NULL);
+}
+
+/* One line: every value as it came and as it was wanted, and the inputs there. */
+static bool not_met(struct search *s)
+{
+    char *at = s->err, *end = s->err + s->err_size;
+    double miss[TRIMS_MAX];
+
+    if (!settle_at(s, s->now, miss))
+        return false;
+    at += snprintf(at, (size_t)(end - at), "cannot be met; nearest is ");
+    for (size_t i = 0; i < s->n && at < end; i++) {
+        const struct plant_channel *c = channel_of(s, s->trim[i].seen);
+        double value = column_terms_value(s->terms, column_solver_column(s->solver),
+                                          column_solver_state(s->solver), s->trim[i].seen);
+        at += snprintf(at, (size_t)(end - at), "%s%s = %.6g %s (wanted %.6g)", i > 0 ? ", " : "",
+                       c->name, value, c->unit, s->trim[i].value);
+    }
+    for (size_t i = 0; i < s->n && at < end; i++) {
+        size_t k = s->trim[i].driven;
+        bool bottom = s->now[i] <= s->trim[i].lo, top = s->now[i] >= s->trim[i].hi;
+        at += snprintf(at, (size_t)(end - at), "%s%s = %.6g %s%s", i > 0 ? ", " : " with ",
+                       k < s->terms->n_inputs ? s->channels[k].name : "the constant", s->now[i],
+                       s->terms->driven[k].unit->name,
+                       bottom ? ", its lowest"
+                       : top  ? ", its highest"
+                              : "");
+    }
+    return false;
+}
+
+static bool seek(struct search *s)
+{
+    double slope[TRIMS_MAX][TRIMS_MAX], step[TRIMS_MAX];
+
+    for (size_t i = 0; i < s->n; i++)
+        s->now[i] = *input_of(s, s->trim[i].driven);
+    if (!settle_at(s, s->now, s->miss))
+        return false;
+    for (int round = 0; round < ROUNDS_MAX && largest(s->miss, s->n) > NEAR_ENOUGH; round++)
+        if (!slopes(s, slope) || !newton_step(s, slope, step) || !improve(s, step))
+            break;
+    if (!(largest(s->miss, s->n) <= MET))
+        return not_met(s);
+    for (size_t i = 0; i < s->n; i++)
+        s->now[i] = fmin(fmax(rounded(s->now[i]), s->trim[i].lo), s->trim[i].hi);
+    return settle_at(s, s->now, s->miss);
+}
+
+bool column_trim_find(const struct column_config *config, struct column_terms *terms,
+                      struct plant_channel *channels, const struct column_trim *trim, size_t n,
+                      struct column *at, double *x, char *err, size_t err_size)
+{
+    struct column_config perfect = *config;
+    struct column_inputs in;
+    struct search s = {.config = config,
+                       .terms = terms,
+                       .channels = channels,
+                       .trim = trim,
+                       .n = n,
+                       .err = err,
+                       .err_size = err_size};
+
+    perfect.levels = COLUMN_LEVELS_PERFECT;
+    perfect.hydraulic_time = 0.0;
+    for (size_t i = 0; i < n; i++) {
+        double start = fabs(*input_of(&s, trim[i].driven));
+        s.size[i] = start > 0.0 ? start : 0.1 * (trim[i].hi - trim[i].lo);
+    }
+    if (!inputs_now(&s, &in))
+        return false;
+    s.solver = column_solver_create(&perfect, &in, NULL, err, err_size);
+    bool found = s.solver && seek(&s);
+    if (found) {
+        *at = *column_solver_column(s.solver);
+        at->config = config;
+        memcpy(x, column_solver_state(s.solver), at->n_states * sizeof *x);
+    }
+    column_solver_destroy(s.solver);
+    return found;
+}
