@@ -255,6 +255,7 @@ static void fill_class(struct column_reader *r)
     class->advance = column_plant_advance;
     class->value = column_plant_value;
     class->settle = column_plant_settle;
+    class->linearise = column_plant_linearise;
 }
 
 void column_json_read(struct json_walk *w, const json_t *root, struct plant_class *class)

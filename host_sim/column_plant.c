@@ -1,5 +1,7 @@
 #include "column_plant.h"
 
+#include "column_linearise.h"
+
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -121,4 +123,10 @@ bool column_plant_rates(struct plant *p, double *rates, char *err, size_t err_si
     if (e)
         snprintf(err, err_size, "column: no rates at this state: %s", err_text(e));
     return !e;
+}
+
+bool column_plant_linearise(struct plant *p, struct linearised *l, char *err, size_t err_size)
+{
+    return column_linearise(p->about->class, column_solver_column(p->solver), p->about->terms, l,
+                            err, err_size);
 }

@@ -32,6 +32,7 @@ size_t column_plant_state_count(const struct plant *p);
 void column_plant_get_state(const struct plant *p, double *x);
 bool column_plant_set_state(struct plant *p, const double *x, char *err, size_t err_size);
 bool column_plant_rates(struct plant *p, double *rates, char *err, size_t err_size);
+bool column_plant_linearise(struct plant *p, struct linearised *l, char *err, size_t err_size);
 
 /* Step: between the bubble points' rounding and curvature. */
 #define COLUMN_PLANT_STATES(text)                                                                  \

@@ -35,6 +35,10 @@ add_test(NAME linear_files
   COMMAND "${PYTHON3}" "${CMAKE_CURRENT_LIST_DIR}/test_linear_files.py" $<TARGET_FILE:reflux-sim>)
 set_tests_properties(linear_files PROPERTIES LABELS unit TIMEOUT ${REFLUX_HANG_S}
   ENVIRONMENT "PYTHONDONTWRITEBYTECODE=1")
+add_test(NAME linearise
+  COMMAND "${PYTHON3}" "${CMAKE_CURRENT_LIST_DIR}/test_linearise.py" $<TARGET_FILE:reflux-sim>)
+set_tests_properties(linearise PROPERTIES LABELS unit TIMEOUT ${REFLUX_HANG_S}
+  ENVIRONMENT "PYTHONDONTWRITEBYTECODE=1")
 add_test(NAME column_tasks
   COMMAND "${PYTHON3}" "${CMAKE_CURRENT_LIST_DIR}/test_column_tasks.py" $<TARGET_FILE:reflux-sim>)
 set_tests_properties(column_tasks PROPERTIES LABELS unit TIMEOUT ${REFLUX_HANG_S}
