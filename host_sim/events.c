@@ -28,7 +28,7 @@ static const struct {
     {"spike_rate", 0.0, 1e9, OPTION_SPIKE_RATE, true, false, false},
     {"dropout", 0.0, 1.0, OPTION_DROPOUT, true, false, false},
     {"nan", 0.0, 1.0, OPTION_NAN, true, false, false},
-    {"every", 1.0, 10000.0, OPTION_EVERY, true, false, false},
+    {"every", 1.0, ANALYSER_EVERY_MAX, OPTION_EVERY, true, false, false},
     {"phase", 0.0, 9999.0, OPTION_PHASE, true, false, false},
     {"delay", 0.0, ANALYSER_DELAY_MAX, OPTION_DELAY, true, false, false},
     {"stiction", 0.0, 1e9, OPTION_STICTION, false, true, false},

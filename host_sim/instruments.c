@@ -43,6 +43,36 @@ bool instruments_init(struct instruments *in, const struct plant_class *class, u
     return true;
 }
 
+/* Seconds in ticks; 0 where they are no whole number of them. */
+static unsigned whole_ticks(double time_s, double tick_s, unsigned most)
+{
+    double ticks = round(time_s / tick_s);
+    bool whole = ticks >= 1.0 && ticks <= (double)most && fabs(ticks * tick_s - time_s) < 1e-6;
+    return whole ? (unsigned)ticks : 0;
+}
+
+bool instruments_analysers(struct instruments *in, double tick_s, char *err, size_t err_size)
+{
+    for (size_t i = 0; i < in->n_sensors; i++) {
+        struct sensor *s = &in->sensor[i];
+        const struct plant_channel *c = &in->class->channels[s->channel];
+        if (c->every_s > 0.0) {
+            s->every = whole_ticks(c->every_s, tick_s, ANALYSER_EVERY_MAX);
+        }
+        if (c->delay_s > 0.0) {
+            s->delay = whole_ticks(c->delay_s, tick_s, ANALYSER_DELAY_MAX);
+        }
+        if (s->every == 0 || (c->delay_s > 0.0 && s->delay == 0)) {
+            return sim_fail(err, err_size,
+                            "plant %s: %s has a new value every %g s, sampled %g s before; both "
+                            "must be whole ticks of %g s, at most %d and %d of them",
+                            in->class->name, c->name, c->every_s, c->delay_s, tick_s,
+                            ANALYSER_EVERY_MAX, ANALYSER_DELAY_MAX);
+        }
+    }
+    return true;
+}
+
 void instruments_noise(struct instruments *in, double factor)
 {
     for (size_t i = 0; i < in->n_sensors; i++) {

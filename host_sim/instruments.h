@@ -50,7 +50,8 @@ enum instrument_option {
     OPTION_COUNT
 };
 
-#define ANALYSER_DELAY_MAX 100 /* samples */
+#define ANALYSER_EVERY_MAX 10000 /* samples */
+#define ANALYSER_DELAY_MAX 100
 
 struct sensor {
     size_t channel;
@@ -98,6 +99,10 @@ struct instruments {
 /* Fails when the plant has more channels than the link carries. */
 bool instruments_init(struct instruments *in, const struct plant_class *class, uint64_t seed,
                       double noise_factor, char *err, size_t err_size);
+
+/* Sensors that the plant says are analysers (every_s, delay_s) show a new value in every n-th sample of a run with this
+ * tick, from its first on. False where its times are no whole ticks, or too many. */
+bool instruments_analysers(struct instruments *in, double tick_s, char *err, size_t err_size);
 
 /* Sets the noise of all sensors to factor times their own. */
 void instruments_noise(struct instruments *in, double factor);

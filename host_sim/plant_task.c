@@ -4,6 +4,7 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "column_profile.h"
 #include "plant_library.h"
 #include "plant_print.h"
 #include "text.h"
@@ -19,10 +20,12 @@ const char plant_task_help[] =
     "  --list [NAME]          all plants, one a line; or one in full, with its channels and "
     "source\n"
     "  --steady --plant NAME  the steady state\n"
+    "  --profile --plant NAME every stage of a column: temperature, its difference to the stage\n"
+    "                         below, flows, holdup, compositions; --format csv|json\n"
     "  --linearise --plant NAME   matrices A, B, C, D there; --format csv|json\n"
     "  --step --plant NAME    response to a step of every input; --size % of span (default 5),\n"
     "                         --duration S (default 200 ticks), --tick S\n"
-    "  --set NAME=VALUE       for these three: an input's value instead of its nominal one\n";
+    "  --set NAME=VALUE       for these: an input's value instead of its nominal one\n";
 
 static struct {
     const char *task, *list, *plant;
@@ -36,7 +39,8 @@ static struct {
 static bool is_task(const char *text)
 {
     return strcmp(text, "--list") == 0 || strcmp(text, "--steady") == 0 ||
-           strcmp(text, "--linearise") == 0 || strcmp(text, "--step") == 0;
+           strcmp(text, "--profile") == 0 || strcmp(text, "--linearise") == 0 ||
+           strcmp(text, "--step") == 0;
 }
 
 bool plant_task_wanted(int argc, char **argv)
@@ -215,10 +219,21 @@ static int work(char *err, size_t err_size)
                                  err_size);
         return good ? EXIT_DONE : task.bad_set ? EXIT_BAD_INPUT : EXIT_FAILED;
     }
+    bool profile = strcmp(task.task, "--profile") == 0;
+    if (profile && task.class->column == NULL) {
+        (void)sim_fail(err, err_size,
+                       "--profile: %s is no column that comes from a file; it has no "
+                       "stages to show",
+                       task.class->name);
+        return EXIT_BAD_INPUT;
+    }
     struct plant *p = begin(err, err_size);
     struct linearised matrices;
     if (p != NULL && strcmp(task.task, "--steady") == 0) {
         plant_print_values(task.class, p);
+        good = true;
+    } else if (p != NULL && profile) {
+        column_profile_print(task.class, p, task.json);
         good = true;
     } else if (p != NULL && linearise(task.class, p, &matrices, err, err_size)) {
         plant_print_matrices(task.class, &matrices, task.json);

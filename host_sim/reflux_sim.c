@@ -78,7 +78,8 @@ static bool read_input(char *err, size_t err_size)
     for (size_t i = 0; i < sim.script.n; i++) {
         warn_if_late(sim.script.list[i].time_s, "console line", sim.script.list[i].text);
     }
-    if (!instruments_init(&sim.instruments, o->class, o->seed, o->noise, err, err_size)) {
+    if (!instruments_init(&sim.instruments, o->class, o->seed, o->noise, err, err_size) ||
+        !instruments_analysers(&sim.instruments, (double)o->tick_ms / 1000.0, err, err_size)) {
         return false;
     }
     char comment[160];

@@ -204,6 +204,49 @@ static void changing_one_sensor_leaves_the_noise_of_the_others_as_it_was(void)
     }
 }
 
+/* The plant with a first output that is an analyser. */
+static bool with_analyser(double every_s, double delay_s, double tick_s)
+{
+    static struct plant_channel channels[6];
+    static struct plant_class class;
+    class = two_by_two;
+    memcpy(channels, two_by_two.channels, sizeof(channels));
+    channels[Y1].every_s = every_s;
+    channels[Y1].delay_s = delay_s;
+    class.channels = channels;
+    TEST_ASSERT_TRUE(instruments_init(&in, &class, SEED, 0.0, err, sizeof(err)));
+    return instruments_analysers(&in, tick_s, err, sizeof(err));
+}
+
+static void an_analyser_of_the_plant_shows_in_its_turn_what_was_sampled_before(void)
+{
+    double truth[40];
+    TEST_ASSERT_TRUE_MESSAGE(with_analyser(50.0, 20.0, 10.0), err);
+    TEST_ASSERT_TRUE(two_by_two.set_input(plant, D, 5.0, err, sizeof(err)));
+    for (unsigned n = 0; n < 40; n++) {
+        truth[n] = two_by_two.value(plant, Y1);
+        measure(10.0);
+        unsigned turn = n - n % 5;
+        TEST_ASSERT_EQUAL_FLOAT(truth[turn >= 2 ? turn - 2 : 0], sample.measurement[0].value);
+        TEST_ASSERT_EQUAL_FLOAT(two_by_two.value(plant, Y2), sample.measurement[1].value);
+        TEST_ASSERT_TRUE(two_by_two.advance(plant, 10.0 * (n + 1), err, sizeof(err)));
+    }
+}
+
+static void an_analyser_whose_times_are_no_whole_ticks_is_refused_in_words(void)
+{
+    TEST_ASSERT_TRUE(with_analyser(0.0, 30.0, 10.0));
+    TEST_ASSERT_TRUE(with_analyser(0.3, 0.2, 0.1));
+    TEST_ASSERT_FALSE(with_analyser(50.0, 20.0, 7.0));
+    TEST_ASSERT_EQUAL_STRING(
+        "plant two_by_two: y1 has a new value every 50 s, sampled 20 s before; "
+        "both must be whole ticks of 7 s, at most 10000 and 100 of them",
+        err);
+    TEST_ASSERT_FALSE(with_analyser(50.0, 25.0, 10.0));
+    TEST_ASSERT_FALSE(with_analyser(5.0, 0.0, 10.0));
+    TEST_ASSERT_FALSE(with_analyser(10.0, 1010.0, 10.0));
+}
+
 static void an_actuator_without_limits_applies_the_command_at_once(void)
 {
     command(35.0f, 40.0f);
@@ -296,6 +339,8 @@ int main(void)
     RUN_TEST(the_random_source_gives_its_published_numbers);
     RUN_TEST(the_same_seed_gives_the_same_readings_and_another_seed_others);
     RUN_TEST(changing_one_sensor_leaves_the_noise_of_the_others_as_it_was);
+    RUN_TEST(an_analyser_of_the_plant_shows_in_its_turn_what_was_sampled_before);
+    RUN_TEST(an_analyser_whose_times_are_no_whole_ticks_is_refused_in_words);
     RUN_TEST(an_actuator_without_limits_applies_the_command_at_once);
     RUN_TEST(a_command_is_clipped_at_the_limits_and_the_readback_says_so);
     RUN_TEST(a_slow_actuator_delivers_the_mean_of_its_way);
