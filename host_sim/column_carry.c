@@ -2,16 +2,16 @@
 
 /* One list of fields serves both ways, so that they cannot differ. */
 struct carrier {
-    double *number;     /* the next one, written */
-    const double *from; /* or read, when not NULL */
+    double *write;      /* the next one, written */
+    const double *read; /* or read */
 };
 
 static void real(struct carrier *k, real_t *x)
 {
-    if (k->from)
-        *x = (real_t)*k->from++;
-    else
-        *k->number++ = (double)*x;
+    if (k->write)
+        *k->write++ = (double)*x;
+    else if (k->read)
+        *x = (real_t)*k->read++;
 }
 
 static void reals(struct carrier *k, real_t *x, size_t n)
@@ -119,7 +119,7 @@ static void copy_table(const real_t *from, real_t *to, size_t n)
 bool column_carry_out(const struct column_config *of, const struct column_flows *reference,
                       double *number)
 {
-    struct carrier k = {.number = number};
+    struct carrier k = {.write = number};
     struct column_carried copy = {.config = *of, .reference = *reference};
 
     if (of->activity && of->activity != activity_coefficients)
@@ -139,7 +139,7 @@ bool column_carry_out(const struct column_config *of, const struct column_flows 
 
 void column_carry_in(const double *number, struct column_carried *to)
 {
-    struct carrier k = {.from = number};
+    struct carrier k = {.read = number};
 
     *to = (struct column_carried){0};
     carry(&k, to);

@@ -20,8 +20,8 @@ struct taking {
     enum derivative_side side;
     long double *start, *above, *below; /* f at the point, and at a distance on either side */
     long double *d[3];                  /* differences at h, h/2, h/4 */
-    long double *gap,
-        *gap_before; /* slope above less slope below at h/4 where that is as at h, else 0; at the h before */
+    long double *gap;        /* slope above less slope below at h/4 where that is as at h, else 0 */
+    long double *gap_before; /* the same at the h before */
     long double *best, *error;
     long double noise; /* of a slope by rounding, at h/4, for functions of size 1 */
     char *err;

@@ -82,6 +82,9 @@ class Linearised(unittest.TestCase):
     def test_no_reflux_and_no_bottoms(self):
         self.assertEqual(self.exact("pilot", "Lr=0"), ["Lr is at an end of its range; slopes are those upwards"])
 
+    def test_without_a_feed(self):
+        self.assertEqual(linearised("splitter", "F=0")["notes"], ["F is at an end of its range; slopes are those upwards"])
+
     def test_other_inputs_at_their_ends(self):
         self.exact("splitter", "P=14", "dTr=0")
         self.exact("splitter", "Q=6000")
@@ -100,6 +103,17 @@ class Linearised(unittest.TestCase):
     def test_trays_without_liquid_draw_from_below_and_that_kink_is_said(self):
         notes = linearised("splitter", "R=0")["notes"]
         self.assertTrue(any("kink" in note for note in notes), notes)
+
+    def test_gains_of_a_plant_that_is_differentiated_as_it_is_are_those_between_steady_states(self):
+        running = ("vLr=37.5", "vD=40", "vB=39.6", "vF=50", "vCW=90")
+        m = linearised("pilot-cold", "Qrb=0.823", *running)
+        gain = m["D"] - m["C"] @ np.linalg.solve(m["A"], m["B"])
+        h = 0.001
+        below, above = (linearised("pilot-cold", f"Qrb={0.823 + sign * h}", *running)["y"] for sign in (-1, 1))
+        for name in ("T1", "T10", "TB", "xD", "xB", "D", "LD"):
+            at = m["outputs"].index(name)
+            right = (above[at] - below[at]) / (2 * h)
+            self.assertAlmostEqual(gain[at, m["inputs"].index("Qrb")] / right, 1, delta=2e-3, msg=name)
 
 
 if __name__ == "__main__":
