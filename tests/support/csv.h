@@ -10,7 +10,7 @@
  * another length, so that a damaged table is never a passed test. */
 static inline int csv_row(FILE *f, double *values, int n)
 {
-    char line[1024];
+    char line[4096];
     while (fgets(line, sizeof line, f)) {
         char first = line[0];
         if (first == '#' || (first >= 'a' && first <= 'z'))

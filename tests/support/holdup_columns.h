@@ -2,7 +2,7 @@
 #ifndef REFLUX_TESTS_HOLDUP_COLUMNS_H
 #define REFLUX_TESTS_HOLDUP_COLUMNS_H
 
-#include "model/column.h"
+#include "model/activity.h"
 
 #define HOLDUP_STAGES 12
 
@@ -12,6 +12,22 @@ static const struct component volatile_components[3] = {
     {.name = "middle", .antoine = {REAL_C(21.3771471806), REAL_C(3200.0), REAL_C(-48.0)}},
     {.name = "heavy", .antoine = {REAL_C(20.684), REAL_C(3200.0), REAL_C(-48.0)}},
 };
+
+static const real_t interaction_a[9] = {
+    0, REAL_C(0.4), REAL_C(-0.3), REAL_C(-0.7), 0, REAL_C(0.25), REAL_C(0.15), REAL_C(-0.5), 0};
+static const real_t interaction_b[9] = {0, -250, 120, 80, 0, -180, -90, 140, 0};
+static const real_t interaction_alpha[9] = {
+    0, REAL_C(0.3), REAL_C(0.25), REAL_C(0.3), 0, REAL_C(0.4), REAL_C(0.25), REAL_C(0.4), 0};
+static const struct activity wilson_tables = {ACTIVITY_WILSON, 3, interaction_a, interaction_b,
+                                              NULL};
+static const struct activity nrtl_tables = {ACTIVITY_NRTL, 3, interaction_a, interaction_b,
+                                            interaction_alpha};
+
+static inline void make_nonideal(struct column_config *config, const struct activity *tables)
+{
+    config->activity = activity_coefficients;
+    config->activity_context = (void *)tables; /* it only reads them */
+}
 
 static inline struct column_config holdup_config(enum column_level_by condenser,
                                                  enum column_level_by reboiler)

@@ -6,6 +6,10 @@ reflux_test(column_config LABEL unit SOURCES ${CMAKE_CURRENT_LIST_DIR}/test_colu
             LIBS reflux_model_double)
 reflux_test(column_solver LABEL unit SOURCES ${CMAKE_CURRENT_LIST_DIR}/test_column_solver.c LIBS reflux_plants)
 reflux_test(column_newton LABEL unit SOURCES ${CMAKE_CURRENT_LIST_DIR}/test_column_newton.c LIBS reflux_plants)
+reflux_test(column_holdup_points LABEL unit SOURCES ${CMAKE_CURRENT_LIST_DIR}/test_column_holdup_points.c
+            LIBS reflux_model_double)
+reflux_test(column_holdup_points_float LABEL unit SOURCES ${CMAKE_CURRENT_LIST_DIR}/test_column_holdup_points.c
+            LIBS reflux_model)
 reflux_test(column_holdups LABEL unit SOURCES ${CMAKE_CURRENT_LIST_DIR}/test_column_holdups.c LIBS reflux_plants)
 reflux_test(rosenbrock LABEL unit SOURCES ${CMAKE_CURRENT_LIST_DIR}/test_rosenbrock.c LIBS reflux_plants)
 reflux_test(column_balances LABEL unit SOURCES ${CMAKE_CURRENT_LIST_DIR}/test_column_balances.c

@@ -143,6 +143,20 @@ static void newton_matrices_have_what_holdups_do_in_every_structure(void)
             }
 }
 
+static void newton_matrices_follow_activity_coefficients(void)
+{
+    struct random_source r = {8};
+    for (int k = 0; k < 4; k++) {
+        double x[N];
+        make_nonideal(&config, k % 2 ? &nrtl_tables : &wilson_tables);
+        make();
+        for (size_t i = 0; i < N; i++)
+            x[i] = i < FRACTIONS ? 0.05 + 0.4 * uniform(&r) : 0.7 + 0.6 * uniform(&r);
+        TEST_ASSERT_TRUE_MESSAGE(column_solver_set_state(solver, x, err, sizeof err), err);
+        residue(1.0, -3.0, 1e-4);
+    }
+}
+
 /* ---- steady states ---- */
 
 static void every_structure_starts_at_rest_where_perfect_levels_are(void)
@@ -174,11 +188,10 @@ static void every_structure_starts_at_rest_where_perfect_levels_are(void)
 
 static void after_a_step_every_structure_settles_where_a_long_run_ends(void)
 {
-    static const enum column_level_by both[4][2] = {
+    static const enum column_level_by both[3][2] = {
         {COLUMN_LEVEL_BY_PRODUCT, COLUMN_LEVEL_BY_PRODUCT},
         {COLUMN_LEVEL_BY_INTERNAL, COLUMN_LEVEL_BY_PRODUCT},
         {COLUMN_LEVEL_BY_PRODUCT, COLUMN_LEVEL_BY_INTERNAL},
-        {COLUMN_LEVEL_FREE, COLUMN_LEVEL_BY_PRODUCT},
     };
     for (int k = 0; k < 3; k++) {
         config = holdup_config(both[k][0], both[k][1]);
@@ -202,6 +215,31 @@ static void after_a_step_every_structure_settles_where_a_long_run_ends(void)
         settle();
         for (size_t i = 0; i < N; i++)
             TEST_ASSERT_DOUBLE_WITHIN(1e-5, end[i], state(i));
+    }
+}
+
+static void columns_with_activity_coefficients_settle_where_a_long_run_ends(void)
+{
+    for (int k = 0; k < 2; k++) {
+        inputs = holdup_inputs();
+        make_nonideal(&config, k ? &nrtl_tables : &wilson_tables);
+        make();
+        inputs.reflux_flow *= 1.05;
+        take_inputs();
+        long rates = column_solver_work(solver).rates;
+        settle();
+        rates = column_solver_work(solver).rates - rates;
+        TEST_ASSERT_TRUE_MESSAGE(rates < 100, "Newton's matrices are good");
+        double at_rest[N];
+        memcpy(at_rest, column_solver_state(solver), sizeof at_rest);
+        inputs.reflux_flow /= 1.05;
+        take_inputs();
+        run(7200);
+        inputs.reflux_flow *= 1.05;
+        take_inputs();
+        run(300000);
+        for (size_t i = 0; i < N; i++)
+            TEST_ASSERT_DOUBLE_WITHIN(1e-5, at_rest[i], state(i));
     }
 }
 
@@ -400,12 +438,14 @@ static void no_jump_of_the_inputs_ends_a_run(void)
 {
     static const double tick[] = {30, 1, 300};
     for (int seed = 1; seed <= seeds; seed++)
-        for (int structure = 0; structure < 10; structure++) {
+        for (int structure = 0; structure < 12; structure++) {
             struct random_source r = {(uint64_t)seed * 16 + (uint64_t)structure};
             config = holdup_config((enum column_level_by)(structure / 3 % 3),
                                    (enum column_level_by)(structure % 3));
             if (structure == 9)
                 config.levels = COLUMN_LEVELS_PERFECT;
+            if (structure > 9)
+                make_nonideal(&config, structure > 10 ? &nrtl_tables : &wilson_tables);
             inputs = holdup_inputs();
             make();
             for (int k = 0; k < 60; k++) {
@@ -431,8 +471,10 @@ int main(int argc, char **argv)
         seeds = atoi(argv[1]);
     UNITY_BEGIN();
     RUN_TEST(newton_matrices_have_what_holdups_do_in_every_structure);
+    RUN_TEST(newton_matrices_follow_activity_coefficients);
     RUN_TEST(every_structure_starts_at_rest_where_perfect_levels_are);
     RUN_TEST(after_a_step_every_structure_settles_where_a_long_run_ends);
+    RUN_TEST(columns_with_activity_coefficients_settle_where_a_long_run_ends);
     RUN_TEST(a_level_that_nothing_holds_is_named_with_how_fast_it_runs_away);
     RUN_TEST(a_level_that_nothing_holds_runs_as_the_flows_say);
     RUN_TEST(over_a_day_of_moving_inputs_all_balances_close);
