@@ -16,6 +16,7 @@ COMMANDS = {
     "campaign": "cmd_campaign",
     "bench": "cmd_bench",
     "plot": "cmd_plot",
+    "column": "cmd_column",
     "style": "cmd_style",
     "fuzz": "cmd_fuzz",
     "coverage": "cmd_coverage",
