@@ -5,56 +5,50 @@
 
 writes next to this file
 
-  column_gains.csv     plant, output, input, gain: K per unit of the input, by central differences of steady states
-  column_pairing.csv   plant, output, input, relative gain: as linear_pairing.csv (see linear_reference.py); of the
+  column_gains.csv     plant, output, input, gain: K per unit of the input, D - C A^-1 B by complex steps
+  column_pairing.csv   plant, output, input, relative gain: the pairing of least sum of |ln|, none negative; of the
                        outputs, more than the two inputs can hold, the assignment leaves over those that pair worst
 
 for the plants `pilot` and `splitter` at their nominal steady states, for `pilot-2x2` with Folami's two temperatures alone,
 and for `splitter-ss2`, which is `splitter` at its second published steady state (R 32.2787 m3/h, Q 2804.458 Mcal/h). The
-models are those of pilot_reference.py and
-splitter_reference.py, numpy and scipy; nothing of the C sources is called. Spans are those of the plants' channels.
+steady states are those of pilot_reference.py and splitter_reference.py, the derivatives those of complex_step.py, numpy
+and scipy; nothing of the C sources is called. Spans are those of the plants' channels.
 """
 import os
 
 import numpy as np
-from scipy.optimize import fsolve
+from scipy.optimize import linear_sum_assignment
 
+import complex_step
 import pilot_reference as pilot
 import splitter_reference as splitter
-from linear_reference import assignment
 
 HERE = os.path.dirname(os.path.abspath(__file__))
 SPLITTER_STAGES = (1, 5, 7, 12, 17, 19, 23, 27, 30, 31, 33, 34, 37)
 PILOT_TRAYS = (1, 2, 7, 9, 10)
 
 
-def gains(steady, outputs, values, x, names):
-    """Columns over the inputs; steps of 1e-4 of the value."""
-    columns = []
-    for name in names:
-        h = 1e-4 * values[name]
-        ends = [dict(values, **{name: values[name] + sign * h}) for sign in (1, -1)]
-        above, below = (outputs(steady(v, x), v) for v in ends)
-        columns.append((above - below) / (2 * h))
-    return np.array(columns).T
-
-
-def near(values, x):
-    """Steady state of the splitter near another one."""
-    u = splitter.drive(values)
-    x, info, _, message = fsolve(lambda y: 3600 * splitter.COLUMN.evaluate(y, u)[0], x, xtol=1e-13, full_output=True)
-    assert np.abs(info["fvec"]).max() < 1e-8, message
-    return x
+def gains(plant, x, values, inputs, outputs):
+    a, b, c, d = complex_step.PLANTS[plant].derivatives(x, values, inputs, outputs)
+    return d - c @ np.linalg.solve(a, b)
 
 
 def splitter_case(values, x):
-    return gains(near, lambda y, v: splitter.COLUMN.evaluate(y, splitter.drive(v))[1][np.array(SPLITTER_STAGES) - 1],
-                 values, x, ("R", "Q"))
+    fractions = dict(zip(complex_step.FRACTIONS, values["z"]))
+    u = {name: values[name] for name in ("R", "Q", "F", "TF")} | fractions | {"dTr": 5.0, "P": 17.0}
+    return gains("splitter", x, u, ("R", "Q"), ["T%d" % s for s in SPLITTER_STAGES])
 
 
 def pilot_case():
     x = pilot.steady(pilot.NOMINAL, pilot.start())
-    return gains(pilot.steady, lambda y, v: pilot.trays(y, v)[np.array(PILOT_TRAYS) - 1], pilot.NOMINAL, x, ("Lr", "Qrb"))
+    return gains("pilot", x, pilot.NOMINAL, ("Lr", "Qrb"), ["T%d" % k for k in PILOT_TRAYS])
+
+
+def assignment(k):
+    """[(output, input, relative gain)] in the non-square relative gains of gains in spans."""
+    rga = k * np.linalg.pinv(k).T
+    cost = np.where(rga > 0.0, np.abs(np.log(np.maximum(rga, 1e-9))), 1e3)
+    return [(i, j, float(rga[i, j])) for i, j in zip(*linear_sum_assignment(cost))]
 
 
 def main():
