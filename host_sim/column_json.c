@@ -75,7 +75,8 @@ static void read_temperature_range(struct column_reader *r)
     }
     if (!(range[1] >= range[0] + 1.0)) {
         size_t mark = walk_key(w, "temperature_range");
-        (void)walk_fail(w, "%g to %g K must be at least 1 K", range[0], range[1]);
+        (void)walk_fail(w, "must be [lowest, highest] in K, at least 1 K apart; is [%g, %g]",
+                        range[0], range[1]);
         walk_up(w, mark);
     }
     r->file->config.temperature_min = range[0];
@@ -196,7 +197,13 @@ static void read_structure(struct column_reader *r)
 {
     struct json_walk *w = r->walk;
     struct column_config *c = &r->file->config;
-    (void)walk_number(w, r->root, "column", 1.0, 1.0, NAN);
+    double version = walk_number(w, r->root, "column", 0.0, 1e6, NAN);
+    if (version != 1.0) {
+        size_t mark = walk_key(w, "column");
+        (void)walk_fail(w, "%g is no version of this format that is known here; must be 1",
+                        version);
+        walk_up(w, mark);
+    }
     c->stages = read_count(w, r->root, "stages", 4, COLUMN_STAGES_MAX);
     c->feed_stage = read_count(w, r->root, "feed_stage", 2, c->stages - 2);
     c->efficiency = walk_number(w, r->root, "efficiency", 0.01, 1.0, 1.0);

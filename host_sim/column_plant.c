@@ -24,21 +24,23 @@ struct plant *column_plant_create(const struct column_plant *about, char *err, s
 {
     struct plant *p = calloc(1, sizeof *p);
     struct column_inputs in;
+    char reason[400] = "no memory";
 
-    if (!p) {
-        snprintf(err, err_size, "%s: no memory", about->class->name);
-        return NULL;
+    if (p) {
+        p->about = about;
+        for (size_t i = 0; i < about->terms->n_inputs; i++)
+            p->input[i] = about->class->channels[i].nominal;
+        const char *wrong = column_terms_inputs(about->terms, about->config, p->input, &in);
+        if (wrong)
+            snprintf(reason, sizeof reason, "what is nominal %s", wrong);
+        else
+            p->solver = column_solver_create(about->config, &in, NULL, reason, sizeof reason);
     }
-    p->about = about;
-    for (size_t i = 0; i < about->terms->n_inputs; i++)
-        p->input[i] = about->class->channels[i].nominal;
-    (void)column_terms_inputs(about->terms, about->config, p->input, &in);
-    p->solver = column_solver_create(about->config, &in, NULL, err, err_size);
-    if (!p->solver || !column_solver_settle(p->solver, err, err_size)) {
-        column_plant_destroy(p);
-        return NULL;
-    }
-    return p;
+    if (p && p->solver && column_solver_settle(p->solver, reason, sizeof reason))
+        return p;
+    column_plant_destroy(p);
+    snprintf(err, err_size, "%s: at the nominal inputs: %s", about->class->name, reason);
+    return NULL;
 }
 
 bool column_plant_set_input(struct plant *p, size_t channel, double value, char *err,

@@ -1,11 +1,11 @@
 /* What the files that read a column share: column_json.c (its structure), column_parts.c (components and what they are
- * needed for), column_channels.c (inputs, disturbances, constants), column_views.c (outputs and truths),
- * column_steady_json.c (the nominal state). */
+ * needed for), column_channels.c (inputs, disturbances, constants), column_drives_check.c (what they must be together),
+ * column_views.c (outputs and truths), column_steady_json.c (the nominal state). */
 #ifndef REFLUX_HOST_SIM_COLUMN_READER_H
 #define REFLUX_HOST_SIM_COLUMN_READER_H
 
-#include "column_trim.h"
 #include "column_plant.h"
+#include "column_trim.h"
 #include "json_walk.h"
 #include "model/activity.h"
 #include "plant_parts.h"
@@ -70,7 +70,13 @@ const struct column_unit *column_read_unit(struct column_reader *r, const json_t
 /* lo and hi of a channel; both within what the quantity may be. */
 void column_read_span(struct column_reader *r, const json_t *object, struct plant_channel *c);
 
+/* --- column_drives_check.c --- */
+
+/* After all inputs and constants: is everything there that must be, and nothing that excludes it? */
+void column_check_driven(struct column_reader *r);
+
 /* --- column_views.c --- */
+
 void column_read_views(struct column_reader *r);
 
 /* --- column_steady_json.c --- */

@@ -80,9 +80,13 @@ static void read_stages(struct column_reader *r, const json_t *object, struct co
     unsigned keys = sights[seen->is].keys;
     const json_t *one = json_object_get(object, "stage");
     const json_t *list = json_object_get(object, "stages");
-    if ((one != NULL && (keys & KEY_STAGE) == 0) || (list != NULL && (keys & KEY_STAGES) == 0)) {
-        size_t mark = walk_key(w, one != NULL && (keys & KEY_STAGE) == 0 ? "stage" : "stages");
-        (void)walk_fail(w, "%s has none", sights[seen->is].name);
+    bool wrong_one = one != NULL && (keys & KEY_STAGE) == 0;
+    if (wrong_one || (list != NULL && (keys & KEY_STAGES) == 0)) {
+        size_t mark = walk_key(w, wrong_one ? "stage" : "stages");
+        (void)walk_fail(w, "%s has %s", sights[seen->is].name,
+                        (keys & KEY_STAGES) != 0  ? "no stage, but stages, a list"
+                        : (keys & KEY_STAGE) != 0 ? "no stages, but one stage"
+                                                  : "no stage");
         walk_up(w, mark);
         return;
     }

@@ -47,3 +47,7 @@ add_test(NAME column_tasks
   COMMAND "${PYTHON3}" "${CMAKE_CURRENT_LIST_DIR}/test_column_tasks.py" $<TARGET_FILE:reflux-sim>)
 set_tests_properties(column_tasks PROPERTIES LABELS unit TIMEOUT ${REFLUX_HANG_S}
   ENVIRONMENT "PYTHONDONTWRITEBYTECODE=1")
+add_test(NAME column_files
+  COMMAND "${PYTHON3}" "${CMAKE_CURRENT_LIST_DIR}/test_column_files.py" $<TARGET_FILE:reflux-sim>)
+set_tests_properties(column_files PROPERTIES LABELS unit TIMEOUT ${REFLUX_HANG_S}
+  ENVIRONMENT "PYTHONDONTWRITEBYTECODE=1")
