@@ -77,6 +77,9 @@ struct block_setup {
     struct block_signal pv[BLOCK_MEMBERS_MAX]; /* of the members */
     struct block_signal input[BLOCK_INPUTS_MAX],
         point[BLOCK_POINTS_MAX]; /* of an element the MVs it adds to */
+    /* Settings of the block that it names, NULL: it names nobody. A state may keep it until it is configured again, which it
+     * is whenever this changes; what is there was accepted by its own kind's check() only if this one's accepts it as well. */
+    const void *named;
 #endif
 };
 
@@ -85,6 +88,9 @@ struct block_fault {
     uint8_t member;     /* the first that is concerned */
     const char *field;  /* as the parameter is called; "" when it is the interval */
     const char *wanted; /* what would be right, in words */
+#if CONFIG_BLOCKS
+    bool must_be; /* wanted is a range: in words it is "must be" and that */
+#endif
 };
 
 struct block_io {
@@ -197,6 +203,12 @@ struct block_kind {
     const struct block_parameter *parameter;
     uint8_t parameters;
     uint16_t settings_bytes; /* of the struct they fill, a multiple of 4 */
+    /* They are a table: they stand in one of few places once (supervise/tables.h), not in every configuration. */
+    bool table;
+    /* The id of the parameter, a BLOCK_U16, with which it names a block of the kind `named_kind`, whose settings are put
+     * into its setup; 0: there is none. The value 0 names nobody. */
+    uint8_t names;
+    const char *named_kind;
     /* How many it may have. Inputs are further points it reads, points those it writes. */
     uint8_t members_most, inputs_most, points_most;
     uint8_t bad_input; /* enum block_bad_input */

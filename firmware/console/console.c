@@ -8,6 +8,7 @@
 #include "hal/uart.h"
 #include "hal/watchdog.h"
 #include "service/parameters.h"
+#include "supervise/tables.h"
 
 #define TEXT_OF_(x) #x
 #define TEXT_OF(x)  TEXT_OF_(x)
@@ -111,6 +112,9 @@ static void config_words(const struct config_fault *fault, struct text *t)
         text_str(t, fault->subject);
         text_str(t, "' ");
     }
+#if CONFIG_BLOCKS
+    text_str(t, fault->must_be ? "must be " : "");
+#endif
     text_str(t, fault->wanted);
     if (fault->bytes) {
         text_str(t, ", bytes needed: ");
@@ -125,6 +129,12 @@ static void value_words(enum err code, const struct answer *a, struct text *t)
 {
     const struct parameter *p = &a->value.parameter;
     parameter_name(p, t);
+#if CONFIG_BLOCKS
+    if (code == ERR_FULL && !a->value.needed) {
+        text_str(t, ": " TABLES_TAKEN);
+        return;
+    }
+#endif
     text_str(t, ": '");
     text_str(t, a->value.text ? a->value.text : "");
 #if CONFIG_BLOCKS

@@ -73,6 +73,7 @@ static void refused_line(const struct console *c, const struct refused_proposal 
         text_str(line, r->fault.subject);
         text_str(line, "' ");
     }
+    text_str(line, r->fault.must_be ? "must be " : "");
     text_str(line, r->fault.wanted);
     if (r->fault.code == ERR_RANGE && !r->fault.subject[0])
         other_value(", ", r->value, line);

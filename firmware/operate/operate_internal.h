@@ -23,6 +23,10 @@ MUST_CHECK enum err operate_request(struct session *session, const struct reques
 /* Where a client may write settings: the open transaction, which is its own, or else a copy of what everything asked
  * now will meet. NULL: somebody else needs that place; ERR_BUSY. */
 struct config *operate_stage(struct session *session, struct answer *answer);
+#if CONFIG_BLOCKS
+/* Before settings are written without operate_stage(): tables that start-up may go back to are not given to others. */
+void operate_watch_tables(const struct service *s);
+#endif
 #if COMMISSION_CHANNELS || CONFIG_BLOCKS
 /* No client has a transaction open, nothing is being saved or half printed, no sequence is under way: the main loop may
  * change settings of its own accord. */

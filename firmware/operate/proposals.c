@@ -170,6 +170,7 @@ static enum err stage_proposal(struct operate *door, struct way_back *back,
                                struct config_fault *fault)
 {
     uint8_t at;
+    operate_watch_tables(door->service);
     struct config *config = service_stage(door->service);
     enum err err = write_proposal(config, slot_of_tick(door), back, &at, fault);
     if (err)
@@ -362,6 +363,7 @@ enum err operate_proposal_back(struct session *session, struct answer *answer)
                               "loops, blocks or spans have changed since; `set` what is wanted");
     if (!may_change(door))
         return refuse_change(session, answer);
+    operate_watch_tables(s);
     struct config *config = service_stage(s);
     for (unsigned k = back->n; !err && k-- > 0;) /* the last first: one may stand there twice */
         err = write_value(config, back->block, &back->value[k], &present, &fault);

@@ -1,6 +1,7 @@
 /* The transaction, and settings one by one. */
 #include "operate/operate_internal.h"
 #include "service/storage.h"
+#include "supervise/tables.h"
 
 const struct config *operate_view(const struct session *session)
 {
@@ -28,9 +29,24 @@ enum err operate_find_parameter(const struct session *session, const char *name,
     return err;
 }
 
+#if CONFIG_BLOCKS
+void operate_watch_tables(const struct service *s)
+{
+#if COMMISSION_CHANNELS
+    tables_watch(TABLES_TO_GO_BACK_TO,
+                 operate_start_up_on_trial(s) ? commission_old(s->commission) : NULL);
+#else
+    (void)s;
+#endif
+}
+#endif
+
 struct config *operate_stage(struct session *session, struct answer *answer)
 {
     struct service *s = session->door->service;
+#if CONFIG_BLOCKS
+    operate_watch_tables(s);
+#endif
     if (s->staging && session->door->editor == session)
         return service_staged(s);
     /* The last two: the place where settings are written is being saved, or named on a line half printed. */
@@ -147,8 +163,10 @@ static enum err set_in_words(struct session *session, const struct parameter *p,
         return ERR_BUSY;
     enum err err = parameter_set(p, staged, text);
 #if CONFIG_BLOCKS
-    if (err == ERR_FULL) /* once more, for its figures */
+    if (err == ERR_FULL && !p->own) /* once more, for its figures */
         err = record_make(staged, p->index, text, &answer->value.needed, &answer->value.free);
+    if (err == ERR_FULL && p->own)
+        answer->value.needed = 0;
 #endif
     return err ? refuse_value(answer, err, p, text) : operate_activate_unless_open(session, answer);
 }
@@ -188,6 +206,9 @@ enum err operate_set_number(struct session *session, const struct parameter *p, 
     if (!staged)
         return err ? err : ERR_BUSY;
     err = parameter_set_number(p, staged, value);
+#if CONFIG_BLOCKS
+    answer->value.needed = 0; /* ERR_FULL can only be a table */
+#endif
     err = err ? refuse_value(answer, err, p, NULL) : operate_activate_unless_open(session, answer);
     if (err)
         return err;

@@ -84,11 +84,10 @@ bool block_parameter_find_id(const struct config *config, uint8_t block, uint8_t
     return false;
 }
 
-size_t block_parameter_offset(const struct config *config, uint8_t block, uint16_t row,
-                              const struct block_parameter *own)
+const uint8_t *block_parameter_where(const struct config *config, uint8_t block, uint16_t row,
+                                     const struct block_parameter *own)
 {
-    return offsetof(struct config, pool) + config->block[block].at + own->offset +
-           row * block_row_size(own);
+    return (const uint8_t *)config_record(config, block) + own->offset + row * block_row_size(own);
 }
 
 bool block_is_unknown(const struct config *config, uint8_t block)

@@ -27,9 +27,9 @@ bool block_parameter_find(const struct config *config, uint8_t block, const char
 /* The same by its id in the kind and its row. */
 bool block_parameter_find_id(const struct config *config, uint8_t block, uint8_t id, uint16_t row,
                              struct block_parameter_place *p);
-/* Offset in struct config. The block must have the kind that *own is of. */
-size_t block_parameter_offset(const struct config *config, uint8_t block, uint16_t row,
-                              const struct block_parameter *own);
+/* Where it is. The block must have the kind that *own is of. */
+const uint8_t *block_parameter_where(const struct config *config, uint8_t block, uint16_t row,
+                                     const struct block_parameter *own);
 static inline bool block_parameter_is_table(const struct block_parameter *own)
 {
     return block_value_count(own) > 1;

@@ -40,7 +40,6 @@ static enum err set_text(uint8_t *at, const char *value, size_t size, bool (*all
 #if CONFIG_BLOCKS
 static enum err set_of_block(const struct parameter *p, struct config *config, const char *value)
 {
-    void *at = parameter_place(p, config);
     uint32_t needed, free;
     if (p->field->type == PARAMETER_KIND && !value[0])
         return ERR_PARSE;
@@ -48,35 +47,39 @@ static enum err set_of_block(const struct parameter *p, struct config *config, c
         return record_make(config, p->index, strcmp(value, "-") == 0 ? "" : value, &needed, &free);
     if (!config_record(config, p->index))
         return block_is_unknown(config, p->index) ? ERR_UNSUPPORTED : ERR_STATE;
-    return p->field->type == PARAMETER_LIST ? block_list_set(at, parameter_size(p), value)
-                                            : block_row_set(p->own, at, value);
+    if (p->field->type == PARAMETER_LIST)
+        return block_list_set(parameter_place(p, config), parameter_size(p), value);
+    enum err err = parameter_to_write(p, config);
+    return err ? err : block_row_set(p->own, parameter_place(p, config), value);
 }
 
 bool parameter_restore(const struct parameter *p, struct config *config, const char *value)
 {
-    uint8_t *at = parameter_place(p, config);
     if (p->field->type == PARAMETER_KIND) {
         char name[CHANNEL_NAME_SIZE] = "";
         return set_text((uint8_t *)name, value, sizeof name, name_character) == ERR_OK &&
                record_restore(config, p->index, name);
     }
     return p->field->type == PARAMETER_LIST && config->block[p->index].kind[0]
-               ? block_list_set((char *)at, parameter_size(p), value) == ERR_OK
+               ? block_list_set(parameter_place(p, config), parameter_size(p), value) == ERR_OK
                : parameter_set(p, config, value) == ERR_OK;
 }
 #endif
 
 enum err parameter_set(const struct parameter *p, struct config *config, const char *value)
 {
+#if CONFIG_BLOCKS
+    if (p->group == &parameter_blocks && p->field->type >= PARAMETER_KIND)
+        return set_of_block(p, config, value);
+    enum err full = parameter_to_write(p, config);
+    if (full)
+        return full;
+#endif
     uint8_t *at = parameter_place(p, config);
     const struct parameter_field *field = p->field;
     float f;
     uint32_t u32;
     enum err err;
-#if CONFIG_BLOCKS
-    if (p->group == &parameter_blocks && field->type >= PARAMETER_KIND)
-        return set_of_block(p, config, value);
-#endif
     switch (field->type) {
     case PARAMETER_FIXED:
         return ERR_READ_ONLY;
@@ -121,6 +124,11 @@ enum err parameter_set(const struct parameter *p, struct config *config, const c
 
 enum err parameter_set_number(const struct parameter *p, struct config *config, float value)
 {
+#if CONFIG_BLOCKS
+    enum err err = parameter_to_write(p, config);
+    if (err)
+        return err;
+#endif
     uint8_t *at = parameter_place(p, config);
     const struct parameter_field *field = p->field;
     bool word = field->type == PARAMETER_WORD;

@@ -48,7 +48,7 @@ static const uint8_t *place_const(const struct parameter *p, const struct config
 {
 #if CONFIG_BLOCKS
     if (p->own)
-        return (const uint8_t *)config + block_parameter_offset(config, p->index, p->row, p->own);
+        return block_parameter_where(config, p->index, p->row, p->own);
 #endif
     return (const uint8_t *)config + p->group->offset + (size_t)p->index * p->group->stride +
            p->field->offset;
@@ -56,8 +56,20 @@ static const uint8_t *place_const(const struct parameter *p, const struct config
 
 void *parameter_place(const struct parameter *p, struct config *config)
 {
+#if CONFIG_BLOCKS
+    if (p->own) /* of a record, which may be in another place */
+        return (uint8_t *)record_place(config, p->index) +
+               (place_const(p, config) - (const uint8_t *)config_record(config, p->index));
+#endif
     return (uint8_t *)config + (place_const(p, config) - (const uint8_t *)config);
 }
+
+#if CONFIG_BLOCKS
+enum err parameter_to_write(const struct parameter *p, struct config *config)
+{
+    return p->own ? record_to_write(config, p->index) : ERR_OK;
+}
+#endif
 
 size_t parameter_size(const struct parameter *p)
 {

@@ -135,6 +135,11 @@ void parameter_range(const struct parameter *p, struct text *t);
 /* Values as stored, also of a block whose kind this build lacks. False: it is no such value, or a kind it lacks. */
 bool parameter_restore(const struct parameter *p, struct config *config, const char *value);
 #endif
+#if CONFIG_BLOCKS
+/* Before it is written through parameter_place(). ERR_FULL: it is in a table that others refer to, and there is no place for
+ * a copy. */
+MUST_CHECK enum err parameter_to_write(const struct parameter *p, struct config *config);
+#endif
 /* For storage: where the value is, how many bytes it has, how many words there are to choose from. */
 void *parameter_place(const struct parameter *p, struct config *config);
 size_t parameter_size(const struct parameter *p);
@@ -143,7 +148,7 @@ bool parameter_is_default(const struct parameter *p, const struct config *config
 bool parameter_equal(const struct parameter *p, const struct config *a, const struct config *b);
 
 /* ERR_PARSE, ERR_RANGE, ERR_READ_ONLY: *config is unchanged. Of blocks also ERR_UNKNOWN: no such kind, ERR_FULL: no room
- * for its settings, ERR_UNSUPPORTED: this build lacks the block's kind. */
+ * for its settings (nor for a copy of its table), ERR_UNSUPPORTED: this build lacks the block's kind. */
 MUST_CHECK enum err parameter_set(const struct parameter *p, struct config *config,
                                   const char *value);
 /* The same from a number; of a PARAMETER_WORD its place in the list. ERR_PARSE: names and units are no numbers. */

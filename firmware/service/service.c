@@ -7,6 +7,7 @@
 #include "hal/retained.h"
 #include "hal/tick.h"
 #include "service/parameters.h"
+#include "supervise/tables.h"
 
 _Static_assert(EVENT_HISTORY * sizeof(struct event_record) <= HAL_RETAINED_EVENTS_BYTES,
                "the history fits the memory set aside for it");
@@ -24,6 +25,11 @@ void service_init(struct service *s, struct supervisor *supervisor, struct plant
                    hal_boot_id());
     s->announced = s->history.count; /* earlier starts have announced theirs */
     struct config_fault fault;
+#if CONFIG_BLOCKS
+    tables_begin();
+    tables_watch(TABLES_OF_PLAN, &s->plan[0].config);
+    tables_watch(TABLES_OF_OTHER_PLAN, &s->plan[1].config);
+#endif
     struct config *defaults = service_staged(s);
     parameters_defaults(defaults);
     /* The defaults name no channel and no loop: nothing in them can be refused. */
@@ -145,6 +151,10 @@ static enum err build_next(struct service *s, const struct config *config,
     enum err err = plan_build(plan, config, service_plant_tick_s(s), fault);
     if (err)
         return err;
+#if CONFIG_BLOCKS
+    /* A table that is in force already stays where it is: whoever has looked it up there need not be told. */
+    tables_share(&plan->config, &service_plan(s)->config);
+#endif
     if (s->io.state(s->io.context) == IO_READY && !service_tick_fits(s, plan)) {
         *fault =
             (struct config_fault){.code = ERR_CONFLICT,

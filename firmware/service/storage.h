@@ -38,7 +38,7 @@ MUST_CHECK enum err storage_result(const struct storage *st, const char **reason
 
 /* The stored set over the defaults; what had to be changed is told by events. ERR_UNSUPPORTED, ERR_EMPTY, ERR_VERSION
  * where there is only something of newer firmware, ERR_CRC where there is something but no whole set: *config is
- * unchanged. */
+ * unchanged. ERR_FULL: it has a table for which there is no place beside those in force. */
 MUST_CHECK enum err storage_load(struct storage *st, struct config *config, const char **reason);
 
 /* "none", "unread", "ok", "blocked": newer firmware has stored something, or "failed": the last write was not taken. */

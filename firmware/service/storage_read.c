@@ -5,6 +5,7 @@
 #include "hal/nvm.h"
 #include "service/storage.h"
 #include "service/storage_parts.h"
+#include "supervise/tables.h"
 
 /* ---- finding what is there ---- */
 
@@ -331,6 +332,23 @@ static void tell_changed(struct storage *st, const struct parameter *p, struct c
     storage_tell(st, EVENT_STORAGE_CLIPPED, name, value);
 }
 
+#if CONFIG_BLOCKS
+/* The newest set has more tables than there are places free, because of what is in force. At a start there are as many as
+ * there will ever be: what is over then stays as a name. */
+static bool lacks_places(const struct storage *st, const struct config *config)
+{
+    uint32_t address = st->newest.address + STORAGE_GRAIN, left = st->newest.length;
+    unsigned tables = 0, room = tables_free_for(config);
+    struct stored_record r;
+    while (room < CONFIG_TABLES && record_at(address, left, &r)) {
+        tables += record_is_table(&r);
+        address += RECORD_HEAD + r.size;
+        left -= RECORD_HEAD + r.size;
+    }
+    return tables > room;
+}
+#endif
+
 enum err storage_load(struct storage *st, struct config *config, const char **reason)
 {
     struct parameter p;
@@ -349,6 +367,12 @@ enum err storage_load(struct storage *st, struct config *config, const char **re
                               : "nothing is stored yet; `save` does it";
         return st->remains ? ERR_CRC : ERR_EMPTY;
     }
+#if CONFIG_BLOCKS
+    if (lacks_places(st, config)) {
+        *reason = TABLES_TAKEN;
+        return ERR_FULL;
+    }
+#endif
     parameters_defaults(config);
     /* Those that have moved first: a record under the new id is the newer one. Kinds of blocks as well, without which
      * nobody knows what the other records of the block are. */

@@ -53,16 +53,32 @@ bool record_of_block(const struct stored_record *r, uint8_t *block)
     return r->id >> 24 == parameter_blocks.id && *block < CONFIG_BLOCKS;
 }
 
-bool record_is_kind(const struct stored_record *r, uint8_t block, const struct config *config)
+/* It is the kind of that block: which. */
+static bool kind_stored(const struct stored_record *r, uint8_t block, char kind[CHANNEL_NAME_SIZE])
 {
     struct parameter p = {.group = &parameter_blocks,
                           .field = &parameter_blocks.fields[BLOCK_FIELD_KIND],
                           .index = block};
-    char kind[CHANNEL_NAME_SIZE] = "";
     uint8_t size = (uint8_t)(r->size - r->wide);
-    return r->id == parameter_id(&p) && r->type == STORAGE_TEXT && size < sizeof kind &&
-           storage_read(r->address + RECORD_HEAD + r->wide, kind, size) == ERR_OK &&
-           strcmp(kind, config->block[block].kind) == 0;
+    memset(kind, 0, CHANNEL_NAME_SIZE);
+    return r->id == parameter_id(&p) && r->type == STORAGE_TEXT && size < CHANNEL_NAME_SIZE &&
+           storage_read(r->address + RECORD_HEAD + r->wide, kind, size) == ERR_OK;
+}
+
+bool record_is_kind(const struct stored_record *r, uint8_t block, const struct config *config)
+{
+    char kind[CHANNEL_NAME_SIZE];
+    return kind_stored(r, block, kind) && strcmp(kind, config->block[block].kind) == 0;
+}
+
+bool record_is_table(const struct stored_record *r)
+{
+    char kind[CHANNEL_NAME_SIZE];
+    uint8_t block;
+    if (!record_of_block(r, &block) || !kind_stored(r, block, kind))
+        return false;
+    uint8_t k = block_kind_find(kind);
+    return block_kind_has_record(k) && block_kinds[k]->table;
 }
 #endif
 
@@ -151,6 +167,10 @@ bool record_take(const struct stored_record *r, const struct parameter *p, struc
     uint8_t data[4] = {0}, size = (uint8_t)(r->size - r->wide);
     uint32_t address = r->address + RECORD_HEAD + r->wide;
     static const uint8_t sizes[] = {0, 4, 4, 2, 1};
+#if CONFIG_BLOCKS
+    if (parameter_to_write(p, config) != ERR_OK)
+        return false;
+#endif
     if (r->type == STORAGE_TEXT) {
         if (size >= sizeof text || storage_read(address, text, size))
             return false;

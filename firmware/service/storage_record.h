@@ -53,6 +53,8 @@ bool record_parameter(const struct stored_record *r, const struct config *config
 bool record_of_block(const struct stored_record *r, uint8_t *block);
 /* It is the kind of that block, and *config has the same one there. */
 bool record_is_kind(const struct stored_record *r, uint8_t block, const struct config *config);
+/* It says that a block has a kind whose settings are a table. */
+bool record_is_table(const struct stored_record *r);
 #endif
 /* Puts its value into the configuration. False: it had to be changed to the nearest one allowed, or left out. */
 bool record_take(const struct stored_record *r, const struct parameter *p, struct config *config);

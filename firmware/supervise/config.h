@@ -5,6 +5,7 @@
 #ifndef REFLUX_SUPERVISE_CONFIG_H
 #define REFLUX_SUPERVISE_CONFIG_H
 
+#include <stddef.h>
 #include <stdint.h>
 
 #include "base/channel.h"
@@ -49,7 +50,12 @@
 #endif
 #endif
 #ifndef CONFIG_POOL_BYTES
-#define CONFIG_POOL_BYTES 4608 /* for the settings of all of them, a multiple of 4 */
+#define CONFIG_POOL_BYTES 2048 /* for the settings of all of them, a multiple of 4 */
+#endif
+/* Tables, which are not in the pool (supervise/tables.h): so many places of so many bytes, whatever refers to them. */
+#define CONFIG_TABLES 2
+#ifndef CONFIG_TABLE_BYTES
+#define CONFIG_TABLE_BYTES 1160 /* a multiple of 4 */
 #endif
 
 /* What a measurement does when it has no valid reading. */
@@ -225,6 +231,8 @@ struct block_config {
     uint16_t at,
         bytes; /* the record in the pool; no bytes: the kind is unknown here, or found no room */
 };
+
+#define CONFIG_NO_TABLE 0 /* the record, if there is one, is in the pool */
 #endif
 
 enum restart_policy { RESTART_SAFE, RESTART_HOLD, RESTART_RESUME };
@@ -258,7 +266,17 @@ struct config {
     struct block_config block[CONFIG_BLOCKS];
     /* Records of the blocks, in their order, one behind the other; the rest is 0. */
     _Alignas(4) uint8_t pool[CONFIG_POOL_BYTES];
+    /* Of each block the place of its table, 1 and up, or CONFIG_NO_TABLE. Last: it says where, not what, and equal
+     * settings may differ in it. */
+    uint8_t table[CONFIG_BLOCKS];
 #endif
 };
+
+/* So many bytes of it are what is set. */
+#if CONFIG_BLOCKS
+#define CONFIG_CONTENT_BYTES offsetof(struct config, table)
+#else
+#define CONFIG_CONTENT_BYTES sizeof(struct config)
+#endif
 
 #endif

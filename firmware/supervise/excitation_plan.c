@@ -3,6 +3,7 @@
 #include <string.h>
 
 #include "supervise/block_excitation.h"
+#include "supervise/plan_parts.h"
 #include "supervise/records.h"
 
 #if CONFIG_BLOCKS
@@ -18,7 +19,8 @@ static bool same_block_in(const struct plan *a, const struct plan *b, uint8_t n)
     const struct block_config *x = &a->config.block[n], *y = &b->config.block[n];
     return same_bytes(x->kind, y->kind, sizeof x->kind) && x->bytes == y->bytes &&
            same_bytes(&a->record[n], &b->record[n], sizeof a->record[n]) &&
-           same_bytes(config_record(&a->config, n), config_record(&b->config, n), x->bytes);
+           same_bytes(config_record(&a->config, n), config_record(&b->config, n), x->bytes) &&
+           (!x->bytes || plan_named(a, n) == plan_named(b, n));
 }
 
 static bool same_mv_in(const struct plan *a, const struct plan *b, uint8_t j)

@@ -22,10 +22,13 @@ _Static_assert(ARENA_GRAINS(PLAN_ARENA_BYTES) <= UINT16_MAX, "places in the aren
 /* Why a configuration was refused: "<group><index>.<field>: <subject> <wanted>". */
 struct config_fault {
     enum err code;
-    const char *group;               /* "loop" */
-    uint8_t index;                   /* 1-based; 0 = the group has no index */
-    const char *field;               /* "pv" */
-    const char *wanted;              /* what would be right, in words */
+    const char *group;  /* "loop" */
+    uint8_t index;      /* 1-based; 0 = the group has no index */
+    const char *field;  /* "pv" */
+    const char *wanted; /* what would be right, in words */
+#if CONFIG_BLOCKS
+    bool must_be; /* ... of which it is the range */
+#endif
     char subject[CHANNEL_NAME_SIZE]; /* the offending name, or empty */
     uint32_t bytes;                  /* ERR_MEMORY: bytes needed */
 };

@@ -8,6 +8,7 @@
 #include "supervise/plan_parts.h"
 #include "supervise/sampling.h"
 #include "supervise/sequence_plan.h"
+#include "supervise/tables.h"
 
 #define TICK_SHORTEST_S      0.05f
 #define BLOCK_INTERVAL_MAX_S 1e5f
@@ -340,6 +341,9 @@ enum err plan_build(struct plan *plan, const struct config *config, float tick_s
     if (config != &plan->config)
         memcpy(&plan->config, config,
                sizeof *config); /* whole: unused bytes count in its checksum */
-    plan->identity = crc32_update(0, &plan->config, sizeof plan->config);
+    plan->identity = crc32_update(0, &plan->config, CONFIG_CONTENT_BYTES);
+#if CONFIG_BLOCKS
+    plan->identity = tables_identity(&plan->config, plan->identity);
+#endif
     return plan_set_tick(plan, tick_s, fault);
 }

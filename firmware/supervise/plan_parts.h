@@ -25,6 +25,8 @@ enum err plan_resolve_block_alarm(struct plan *plan, uint8_t alarm, struct confi
 #endif
 /* May loop i be put in order: is everything there that its setpoint comes from? */
 bool plan_setpoint_ready(const struct plan *plan, uint8_t i, const bool *taken);
+/* Settings of the block that block n names, or NULL. */
+const void *plan_named(const struct plan *plan, uint8_t n);
 void plan_setup_record(const struct plan *plan, uint8_t n, struct block_setup *setup);
 /* Base ticks of a step of the block with record n. */
 uint16_t plan_record_divisor(const struct plan *plan, uint8_t n);

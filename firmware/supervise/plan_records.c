@@ -213,10 +213,51 @@ static struct block_signal signal_of(const struct config *c, uint8_t at)
     return (struct block_signal){c->measurement[at].lo, c->measurement[at].hi, false};
 }
 
+/* The parameter with which a block of that kind names another, or NULL. */
+static const struct block_parameter *names_with(const struct block_kind *kind)
+{
+    for (unsigned i = 0; kind->names && i < kind->parameters; i++)
+        if (kind->parameter[i].id == kind->names)
+            return &kind->parameter[i];
+    return NULL;
+}
+
+/* The number of the block that block n names, 0: it names nobody. */
+static uint16_t number_named(const struct plan *plan, uint8_t n)
+{
+    uint8_t kind = plan->block[SLOT_RECORDS + n].kind;
+    const struct block_parameter *with = kind == PLAN_NONE ? NULL : names_with(block_kinds[kind]);
+    const uint8_t *settings = config_record(&plan->config, n);
+    uint16_t number = 0;
+    if (with && settings)
+        memcpy(&number, settings + with->offset, sizeof number);
+    return number;
+}
+
+const void *plan_named(const struct plan *plan, uint8_t n)
+{
+    uint16_t number = number_named(plan, n);
+    return number && number <= CONFIG_BLOCKS ? config_record(&plan->config, (uint8_t)(number - 1u))
+                                             : NULL;
+}
+
+/* A block that names another must name one of the kind that it can use. */
+static enum err check_named(const struct plan *plan, uint8_t n, struct config_fault *fault)
+{
+    const struct block_kind *kind = plan_kind(plan, (uint8_t)(SLOT_RECORDS + n));
+    uint16_t number = number_named(plan, n);
+    if (!number || (plan_named(plan, n) && plan->block[SLOT_RECORDS + number - 1u].kind ==
+                                               block_kind_find(kind->named_kind)))
+        return ERR_OK;
+    return refuse_record(fault, ERR_UNKNOWN, n, names_with(kind)->name, kind->named_kind,
+                         "must be the kind of the block it is the number of");
+}
+
 void plan_setup_record(const struct plan *plan, uint8_t n, struct block_setup *setup)
 {
     const struct record_plan *r = &plan->record[n];
     setup->settings = config_record(&plan->config, n);
+    setup->named = plan_named(plan, n);
     setup->interval_s = plan->tick_s * (float)plan_record_divisor(plan, n);
     setup->members = r->members;
     setup->inputs = r->inputs;
@@ -272,13 +313,18 @@ enum err plan_check_records(struct plan *plan, struct config_fault *fault)
         if (plan->block[SLOT_RECORDS + n].kind == PLAN_NONE)
             continue;
         enum err of_stage = plan_check_stage(plan, n, fault);
+        if (!of_stage)
+            of_stage = check_named(plan, n, fault);
         if (of_stage)
             return of_stage;
         plan_setup_record(plan, n, &setup);
         enum err err = plan_kind(plan, (uint8_t)(SLOT_RECORDS + n))->check(&setup, &reason);
         if (err)
-            return refuse_record(fault, err, n, reason.field, plan->config.block[n].kind,
+            (void)!refuse_record(fault, err, n, reason.field, plan->config.block[n].kind,
                                  reason.wanted);
+        fault->must_be = reason.must_be;
+        if (err)
+            return err;
     }
     return ERR_OK;
 }

@@ -3,6 +3,7 @@
 #include <string.h>
 
 #include "base/text.h"
+#include "supervise/tables.h"
 
 #define NO_KIND 0xFFu
 
@@ -23,7 +24,7 @@ bool block_kind_has_record(uint8_t kind)
     for (unsigned i = 0; k && i < k->parameters; i++)
         if (k->parameter[i].cols > RECORD_COLS_MAX || k->parameter[i].rows > RECORD_ROWS_MAX)
             return false;
-    return k && k->parameters != 0;
+    return k && k->parameters != 0 && (!k->table || k->settings_bytes <= CONFIG_TABLE_BYTES);
 }
 
 uint8_t config_block_kind(const struct config *config, uint8_t n)
@@ -36,7 +37,19 @@ uint8_t config_block_kind(const struct config *config, uint8_t n)
 
 const void *config_record(const struct config *config, uint8_t n)
 {
-    return config_block_kind(config, n) == NO_KIND ? NULL : config->pool + config->block[n].at;
+    if (config_block_kind(config, n) == NO_KIND)
+        return NULL;
+    return config->table[n] ? table_at(config, n) : config->pool + config->block[n].at;
+}
+
+void *record_place(struct config *config, uint8_t n)
+{
+    return config->table[n] ? table_at(config, n) : config->pool + config->block[n].at;
+}
+
+enum err record_to_write(struct config *config, uint8_t n)
+{
+    return config->table[n] ? table_to_write(config, n) : ERR_OK;
 }
 
 void block_word_name(uint8_t n, const char *word, char name[CHANNEL_NAME_SIZE])
@@ -48,30 +61,37 @@ void block_word_name(uint8_t n, const char *word, char name[CHANNEL_NAME_SIZE])
     text_str(&t, word);
 }
 
+/* Of block n in the pool. */
+static uint16_t pool_bytes(const struct config *config, unsigned n)
+{
+    return config->table[n] ? 0 : config->block[n].bytes;
+}
+
 static uint32_t bytes_in_use(const struct config *config)
 {
     uint32_t bytes = 0;
     for (unsigned n = 0; n < CONFIG_BLOCKS; n++)
-        bytes += config->block[n].bytes;
+        bytes += pool_bytes(config, n);
     return bytes;
 }
 
-/* The record of block n takes so many bytes, all 0; those behind it move up or down. */
+/* The record of block n takes so many bytes of the pool, all 0; those behind it move up or down. It has no table then. */
 static void resize(struct config *config, uint8_t n, uint16_t bytes)
 {
     struct block_config *b = &config->block[n];
     uint32_t used = bytes_in_use(config);
     uint32_t at = 0;
     for (unsigned k = 0; k < n; k++)
-        at += config->block[k].bytes;
-    uint32_t behind = used - at - b->bytes;
-    memmove(config->pool + at + bytes, config->pool + at + b->bytes, behind);
+        at += pool_bytes(config, k);
+    uint32_t before = pool_bytes(config, n), behind = used - at - before;
+    memmove(config->pool + at + bytes, config->pool + at + before, behind);
     memset(config->pool + at, 0, bytes);
     memset(config->pool + at + bytes + behind, 0, CONFIG_POOL_BYTES - at - bytes - behind);
     b->bytes = bytes;
+    config->table[n] = CONFIG_NO_TABLE;
     for (unsigned k = n; k < CONFIG_BLOCKS; k++) {
-        config->block[k].at = config->block[k].bytes ? (uint16_t)at : 0;
-        at += config->block[k].bytes;
+        config->block[k].at = pool_bytes(config, k) ? (uint16_t)at : 0;
+        at += pool_bytes(config, k);
     }
 }
 
@@ -98,6 +118,30 @@ static void name_kind(struct config *config, uint8_t n, const char *kind)
            length < CHANNEL_NAME_SIZE ? length : CHANNEL_NAME_SIZE - 1u);
 }
 
+/* Room for a record of that kind, all 0; errors of record_make(). */
+static enum err make_room(struct config *config, uint8_t n, const struct block_kind *kind,
+                          uint32_t *needed, uint32_t *free)
+{
+    *needed = *free = 0;
+    if (kind->table) {
+        uint8_t now = config->table[n];
+        if (!table_take(config, n))
+            return ERR_FULL;
+        uint8_t taken = config->table[n];
+        config->table[n] = now;
+        resize(config, n, 0);
+        config->table[n] = taken;
+        config->block[n].bytes = kind->settings_bytes;
+        return ERR_OK;
+    }
+    *needed = kind->settings_bytes;
+    *free = CONFIG_POOL_BYTES - (bytes_in_use(config) - pool_bytes(config, n));
+    if (*needed > *free)
+        return ERR_FULL;
+    resize(config, n, kind->settings_bytes);
+    return ERR_OK;
+}
+
 enum err record_make(struct config *config, uint8_t n, const char *kind, uint32_t *needed,
                      uint32_t *free)
 {
@@ -112,14 +156,12 @@ enum err record_make(struct config *config, uint8_t n, const char *kind, uint32_
         return ERR_UNKNOWN;
     if (config_block_kind(config, n) == k)
         return ERR_OK;
-    *needed = block_kinds[k]->settings_bytes;
-    *free = CONFIG_POOL_BYTES - (bytes_in_use(config) - b->bytes);
-    if (*needed > *free)
-        return ERR_FULL;
+    enum err err = make_room(config, n, block_kinds[k], needed, free);
+    if (err)
+        return err;
     name_kind(config, n, kind);
-    resize(config, n, block_kinds[k]->settings_bytes);
     for (unsigned i = 0; i < block_kinds[k]->parameters; i++)
-        put_initial(config->pool + b->at, &block_kinds[k]->parameter[i]);
+        put_initial(record_place(config, n), &block_kinds[k]->parameter[i]);
     return ERR_OK;
 }
 

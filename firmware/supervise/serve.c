@@ -57,6 +57,8 @@ static bool same_record(const struct supervisor *s, const struct plan *old, uint
 static bool same_settings(const struct supervisor *s, const struct plan *old, uint8_t slot)
 {
     uint8_t n = (uint8_t)(slot - SLOT_RECORDS);
+    if (plan_named(old, n) != plan_named(s->plan, n)) /* another place, another table */
+        return false;
     if (served_kind(s, slot)->same)
         return block_same_settings(s, old, slot);
     return plan_record_divisor(old, n) == plan_record_divisor(s->plan, n) &&

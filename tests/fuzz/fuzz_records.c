@@ -22,9 +22,9 @@
 /* ---- at the console ---- */
 
 static const char *const fields[] = {
-    "kind",    "kind",      "loops",  "inputs",  "points",  "lambda",  "table.1",
-    "table.2", "table.3",   "order",  "order.1", "order.2", "signs.1", "adapt",
-    "stage.1", "stage.128", "weight", "rate",    "cross",   "table.4", "stage.0"};
+    "kind",    "kind",     "loops",  "inputs",  "points",  "lambda",  "table.1",
+    "table.2", "table.3",  "order",  "order.1", "order.2", "signs.1", "adapt",
+    "stage.1", "stage.48", "weight", "rate",    "cross",   "table.4", "stage.0"};
 static const char *const values[] = {"-",
                                      "gmv",
                                      "column",

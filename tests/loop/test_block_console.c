@@ -54,7 +54,7 @@ static void refusals_say_what_would_be_right(void)
     TEST_ASSERT_TRUE(said("block2.kind: 'gmvx' refused, allowed: gmv|column|weights|-"));
     ask_ok("set block1.kind column");
     ask_refused("set block2.kind column", "FULL");
-    TEST_ASSERT_TRUE(said("block2.kind: 'column' refused, bytes needed: 4096, there are: 512"));
+    TEST_ASSERT_TRUE(said("block2.kind: 'column' refused, bytes needed: 1536, there are: 512"));
     ask_ok("set block2.kind gmv");
     ask_refused("set block2.lambda 11", "RANGE");
     TEST_ASSERT_TRUE(said("block2.lambda: '11' refused, allowed: 0 .. 10 fraction"));

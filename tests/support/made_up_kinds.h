@@ -19,7 +19,7 @@ struct gmv_settings {
 };
 
 struct column_settings {
-    float stage[128][8];
+    float stage[48][8];
 };
 
 struct weights_settings {
@@ -43,7 +43,7 @@ static const struct block_parameter gmv_parameters[] = {
 };
 
 static const struct block_parameter column_parameters[] = {
-    {1, BLOCK_FLOAT, 0, 128, 8, "stage", "-", "what is known of a stage", -1e6f, 1e6f, 0.0f},
+    {1, BLOCK_FLOAT, 0, 48, 8, "stage", "-", "what is known of a stage", -1e6f, 1e6f, 0.0f},
 };
 
 /* Some ids are those of the first kind, for something else. */
@@ -73,7 +73,8 @@ static enum err gmv_check(const struct block_setup *setup, struct block_fault *f
     const struct gmv_settings *s = setup->settings;
     for (unsigned i = 0; i < 3; i++) {
         if (s->table[i][i] == 0.0f) {
-            *fault = (struct block_fault){0, "table", "a matrix whose diagonal has no 0"};
+            *fault = (struct block_fault){.field = "table",
+                                          .wanted = "a matrix whose diagonal has no 0"};
             return ERR_RANGE;
         }
     }

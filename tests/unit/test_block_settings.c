@@ -119,7 +119,7 @@ static void records_of_other_blocks_move_and_keep_their_values(void)
     set("block1.kind", "column");
     set("block2.kind", "gmv");
     set("block4.kind", "weights");
-    set("block1.stage.128", "1,2,3,4,5,6,7,8");
+    set("block1.stage.48", "1,2,3,4,5,6,7,8");
     set("block2.table.1", "1,2,3");
     set("block4.order.2", "3,4,5");
     set("block4.signs.1", "minus,plus,minus,plus");
@@ -183,8 +183,8 @@ static void a_full_pool_says_how_many_bytes_are_needed(void)
     before = config;
     TEST_ASSERT_EQUAL(ERR_FULL, try_set("block3.kind", "column"));
     TEST_ASSERT_EQUAL(ERR_FULL, record_make(&config, 2, "column", &needed, &room));
-    TEST_ASSERT_EQUAL(4096, needed);
-    TEST_ASSERT_EQUAL(CONFIG_POOL_BYTES - 4096u - sizeof(struct gmv_settings), room);
+    TEST_ASSERT_EQUAL(1536, needed);
+    TEST_ASSERT_EQUAL(CONFIG_POOL_BYTES - 1536u - sizeof(struct gmv_settings), room);
     TEST_ASSERT_EQUAL_MEMORY(&before, &config, sizeof config);
     set("block1.kind", "gmv"); /* its own bytes are free for what it becomes */
     set("block1.kind", "column");
@@ -234,7 +234,7 @@ static void every_parameter_of_a_block_is_found_by_name_and_id(void)
         of_blocks += parameter_id(&p) >> 16 != 0;
     }
     TEST_ASSERT_EQUAL(n, parameter_count(&config));
-    TEST_ASSERT_EQUAL(4 + 128 + 4 + 1 + 3 + 1 + 1 + 4 + 2 + 1 + 1, of_blocks);
+    TEST_ASSERT_EQUAL(4 + 48 + 4 + 1 + 3 + 1 + 1 + 4 + 2 + 1 + 1, of_blocks);
 }
 
 /* ---- at random ---- */

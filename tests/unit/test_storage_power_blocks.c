@@ -81,7 +81,7 @@ static void a_column(struct config *c, double x)
     bench_small(c, "1.5");
     bench_set(c, "block2.kind", "column");
     bench_set(c, "block2.loops", "bottom");
-    for (unsigned i = 1; i <= 128; i++) {
+    for (unsigned i = 1; i <= 48; i++) {
         snprintf(name, sizeof name, "block2.stage.%u", i);
         snprintf(row, sizeof row, "%g,1,2,3,4,5,6,%u", x, i);
         bench_set(c, name, row);

@@ -109,7 +109,7 @@ static uint16_t observer_history(const struct block_setup *setup)
 
 static enum err observer_refuse(struct block_fault *fault, const char *field, const char *wanted)
 {
-    *fault = (struct block_fault){0, field, wanted};
+    *fault = (struct block_fault){.field = field, .wanted = wanted};
     return ERR_RANGE;
 }
 

@@ -66,7 +66,7 @@ static float determinant(const struct state_feedback_settings *c)
 static enum err state_feedback_refuse(struct block_fault *fault, uint8_t member, const char *field,
                                       const char *wanted)
 {
-    *fault = (struct block_fault){member, field, wanted};
+    *fault = (struct block_fault){.member = member, .field = field, .wanted = wanted};
     return ERR_RANGE;
 }
 
