@@ -4,6 +4,7 @@
 #include "compensate/decoupler.h"
 #include "control/pid.h"
 #include "control/two_position.h"
+#include "estimate/column.h"
 #include "feedforward/feedforward.h"
 
 const struct block_kind *const block_kinds[] = {
@@ -11,6 +12,9 @@ const struct block_kind *const block_kinds[] = {
     &two_position_kind,
     &decoupler_kind,
     &feedforward_kind,
+#if CONFIG_BLOCKS
+    &column_kind,
+#endif
 };
 
 const uint8_t block_kind_count = sizeof block_kinds / sizeof block_kinds[0];
