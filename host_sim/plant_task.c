@@ -7,6 +7,7 @@
 #include "column_profile.h"
 #include "plant_library.h"
 #include "plant_print.h"
+#include "table_task.h"
 #include "text.h"
 
 enum { EXIT_DONE = 0, EXIT_FAILED = 1, EXIT_BAD_INPUT = 2 };
@@ -25,10 +26,16 @@ const char plant_task_help[] =
     "  --linearise --plant NAME   matrices A, B, C, D there; --format csv|json\n"
     "  --step --plant NAME    response to a step of every input; --size % of span (default 5),\n"
     "                         --duration S (default 200 ticks), --tick S\n"
+    "  --table --plant NAME   the compact table of a column, as console lines for a board:\n"
+    "                         --components A,B,C (the last closes, or --closing A), --truncated "
+    "2-9,12,\n"
+    "                         --block N (default 1)\n"
+    "  --table-check FILE     what such lines say, or what is wrong with them\n"
     "  --set NAME=VALUE       for these: an input's value instead of its nominal one\n";
 
 static struct {
-    const char *task, *list, *plant;
+    const char *task, *list, *plant, *lines;
+    struct table_task table;
     const char *set[SETS_MAX];
     size_t n_sets;
     double tick_s, duration_s, percent;
@@ -40,7 +47,8 @@ static bool is_task(const char *text)
 {
     return strcmp(text, "--list") == 0 || strcmp(text, "--steady") == 0 ||
            strcmp(text, "--profile") == 0 || strcmp(text, "--linearise") == 0 ||
-           strcmp(text, "--step") == 0;
+           strcmp(text, "--step") == 0 || strcmp(text, "--table") == 0 ||
+           strcmp(text, "--table-check") == 0;
 }
 
 bool plant_task_wanted(int argc, char **argv)
@@ -87,6 +95,21 @@ static bool take_value(const char *name, const char *text, char *err, size_t err
     if (strcmp(name, "--duration") == 0) {
         return number(name, text, 0.0, 1e9, &task.duration_s, err, err_size);
     }
+    if (strcmp(task.task, "--table") == 0 && strcmp(name, "--components") == 0) {
+        task.table.components = text;
+        return true;
+    }
+    if (strcmp(task.task, "--table") == 0 && strcmp(name, "--closing") == 0) {
+        task.table.closing = text;
+        return true;
+    }
+    if (strcmp(task.task, "--table") == 0 && strcmp(name, "--truncated") == 0) {
+        task.table.truncated = text;
+        return true;
+    }
+    if (strcmp(task.task, "--table") == 0 && strcmp(name, "--block") == 0) {
+        return number(name, text, 1.0, 8.0, &task.table.block, err, err_size);
+    }
     return sim_fail(err, err_size, "%s: has no meaning with %s; see reflux-sim --help", name,
                     task.task);
 }
@@ -94,6 +117,7 @@ static bool take_value(const char *name, const char *text, char *err, size_t err
 static bool read_arguments(int argc, char **argv, char *err, size_t err_size)
 {
     task.percent = 5.0;
+    task.table.block = 1.0;
     task.duration_s = -1.0;
     task.task = "--list"; /* replaced: plant_task_wanted() has seen one */
     for (int i = argc - 1; i > 0; i--) {
@@ -107,6 +131,12 @@ static bool read_arguments(int argc, char **argv, char *err, size_t err_size)
             }
             if (strcmp(argv[i], "--list") == 0 && i + 1 < argc && argv[i + 1][0] != '-') {
                 task.list = argv[++i];
+            }
+            if (strcmp(argv[i], "--table-check") == 0) {
+                if (i + 1 == argc) {
+                    return sim_fail(err, err_size, "--table-check: a file is missing");
+                }
+                task.lines = argv[++i];
             }
         } else if (strncmp(argv[i], "--", 2) == 0 && i + 1 < argc) {
             if (!take_value(argv[i], argv[i + 1], err, err_size)) {
@@ -235,6 +265,9 @@ static int work(char *err, size_t err_size)
     } else if (p != NULL && profile) {
         column_profile_print(task.class, p, task.json);
         good = true;
+    } else if (p != NULL && strcmp(task.task, "--table") == 0) {
+        good = table_task_print(task.class, p, &task.table, err, err_size);
+        task.bad_set = !good;
     } else if (p != NULL && linearise(task.class, p, &matrices, err, err_size)) {
         plant_print_matrices(task.class, &matrices, task.json);
         linearised_free(&matrices);
@@ -254,6 +287,8 @@ int plant_task(int argc, char **argv, char *err, size_t err_size)
     }
     if (strcmp(task.task, "--list") == 0) {
         status = list(err, err_size);
+    } else if (strcmp(task.task, "--table-check") == 0) {
+        status = table_task_check(task.lines, err, err_size) ? EXIT_DONE : EXIT_BAD_INPUT;
     } else if (task.plant == NULL) {
         (void)sim_fail(err, err_size, "--plant NAME is missing; see reflux-sim --help");
     } else if (open_class(task.plant, err, err_size)) {
