@@ -51,30 +51,35 @@ static void print_difference(const struct column *column, const struct table_say
     }
 }
 
-bool table_task_print(const struct plant_class *class, const struct plant *p,
-                      const struct table_task *task, char *err, size_t err_size)
+bool table_task_make(const struct plant_class *class, const struct plant *p,
+                     const struct table_task *task, struct table_lines *lines,
+                     struct table_says *says, char *err, size_t err_size)
 {
     struct table_wish wish = {task->components, task->closing, task->truncated};
-    struct table_lines lines;
-    struct table_says says;
     char reason[SIM_ERROR_SIZE] = "";
     if (class->set_input != column_plant_set_input) {
         return sim_fail(err, err_size, "--table: %s is no column of docs/columns.md", class->name);
     }
+    return column_table_make(column_plant_column(p), column_plant_state(p), class->name, 0.0, &wish,
+                             lines, err, err_size) &&
+           (table_check(lines, says, reason, sizeof(reason)) ||
+            sim_fail(err, err_size, "--table: the board would refuse it: %s", reason));
+}
+
+bool table_task_print(const struct plant_class *class, const struct plant *p,
+                      const struct table_task *task, char *err, size_t err_size)
+{
+    struct table_lines lines;
+    struct table_says says;
     if (task->block != floor(task->block)) {
         return sim_fail(err, err_size, "--block %g: must be a whole number from 1 to 8",
                         task->block);
     }
-    const struct column *column = column_plant_column(p);
-    if (!column_table_make(column, column_plant_state(p), class->name, 0.0, &wish, &lines, err,
-                           err_size)) {
+    if (!table_task_make(class, p, task, &lines, &says, err, err_size)) {
         return false;
     }
-    if (!table_check(&lines, &says, reason, sizeof(reason))) {
-        return sim_fail(err, err_size, "--table: the board would refuse it: %s", reason);
-    }
     print_says(&lines, &says);
-    print_difference(column, &says);
+    print_difference(column_plant_column(p), &says);
     table_lines_print(stdout, (unsigned)task->block, &lines);
     return true;
 }

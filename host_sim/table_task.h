@@ -3,6 +3,7 @@
 #define REFLUX_HOST_SIM_TABLE_TASK_H
 
 #include "plant.h"
+#include "table_lines.h"
 
 /* What the command line says; NULL: nothing. */
 struct table_task {
@@ -10,6 +11,10 @@ struct table_task {
     double block;
 };
 
+/* The table of this plant, a column at a steady state, and what it says to the board. */
+bool table_task_make(const struct plant_class *class, const struct plant *p,
+                     const struct table_task *task, struct table_lines *lines,
+                     struct table_says *says, char *err, size_t err_size);
 /* Console lines of the table of this plant, a column at a steady state. They have been read as the board does before. */
 bool table_task_print(const struct plant_class *class, const struct plant *p,
                       const struct table_task *task, char *err, size_t err_size);
