@@ -17,8 +17,8 @@ _Static_assert(COLUMN_TABLE_STAGES <= COLUMN_STAGES_MAX &&
     "the number of values, at most those of " TEXT(COLUMN_TABLE_STAGES) " stages and " TEXT(       \
         COLUMN_TABLE_COMPONENTS) " components"
 
-static enum err wrong(struct column_fault *fault, enum err code, const char *field,
-                      const char *wanted)
+static enum err wrong_table(struct column_fault *fault, enum err code, const char *field,
+                            const char *wanted)
 {
     fault->field = field;
     fault->wanted = wanted;
@@ -51,19 +51,20 @@ uint32_t column_table_checksum(uint16_t version, uint16_t size, const float *val
 static enum err check_text(const struct column_table_text *t, struct column_fault *fault)
 {
     if (t->version != COLUMN_TABLE_VERSION)
-        return wrong(fault, ERR_VERSION, "version",
-                     TEXT(COLUMN_TABLE_VERSION) ", of a table that is made for this firmware");
+        return wrong_table(
+            fault, ERR_VERSION, "version",
+            TEXT(COLUMN_TABLE_VERSION) ", of a table that is made for this firmware");
     if (t->size < COLUMN_TABLE_FIXED || t->size > COLUMN_TABLE_MOST)
-        return wrong(fault, ERR_RANGE, "size", TOO_LARGE);
+        return wrong_table(fault, ERR_RANGE, "size", TOO_LARGE);
     for (unsigned i = 0; i < COLUMN_TABLE_MOST; i++) {
         if (!isfinite(t->value[i]))
-            return wrong(fault, ERR_NOT_FINITE, "value", "a number everywhere");
+            return wrong_table(fault, ERR_NOT_FINITE, "value", "a number everywhere");
         if (i >= t->size && t->value[i] != 0.0f)
-            return wrong(fault, ERR_RANGE, "value", "0 behind the values that count");
+            return wrong_table(fault, ERR_RANGE, "value", "0 behind the values that count");
     }
     if (column_table_checksum(t->version, t->size, t->value) != t->checksum)
-        return wrong(fault, ERR_CRC, "checksum",
-                     "that of version, size and values: paste all lines of the table");
+        return wrong_table(fault, ERR_CRC, "checksum",
+                           "that of version, size and values: paste all lines of the table");
     return ERR_OK;
 }
 
@@ -104,15 +105,15 @@ static enum err read_shape(const float *v, struct column_config *c, unsigned *ac
 {
     unsigned stages, components, feed, holdup;
     if (!whole(&v[COLUMN_TABLE_N_STAGES], 4, COLUMN_TABLE_STAGES, &stages))
-        return wrong(fault, ERR_RANGE, "stages", "4 to " TEXT(COLUMN_TABLE_STAGES));
+        return wrong_table(fault, ERR_RANGE, "stages", "4 to " TEXT(COLUMN_TABLE_STAGES));
     if (!whole(&v[COLUMN_TABLE_N_COMPONENTS], 2, COLUMN_TABLE_COMPONENTS, &components))
-        return wrong(fault, ERR_RANGE, "components", "2 to " TEXT(COLUMN_TABLE_COMPONENTS));
+        return wrong_table(fault, ERR_RANGE, "components", "2 to " TEXT(COLUMN_TABLE_COMPONENTS));
     if (!whole(&v[COLUMN_TABLE_FEED_STAGE], 2, stages - 2u, &feed))
-        return wrong(fault, ERR_RANGE, "feed_stage", "2 to stages - 2");
+        return wrong_table(fault, ERR_RANGE, "feed_stage", "2 to stages - 2");
     if (!whole(&v[COLUMN_TABLE_HOLDUP], COLUMN_HOLDUP_MOLAR, COLUMN_HOLDUP_CONSERVATIVE, &holdup))
-        return wrong(fault, ERR_RANGE, "holdup", "0 molar, 1 volumetric or 2 conservative");
+        return wrong_table(fault, ERR_RANGE, "holdup", "0 molar, 1 volumetric or 2 conservative");
     if (!whole(&v[COLUMN_TABLE_ACTIVITY], 0, 2, activity))
-        return wrong(fault, ERR_RANGE, "activity", "0 ideal, 1 Wilson or 2 NRTL");
+        return wrong_table(fault, ERR_RANGE, "activity", "0 ideal, 1 Wilson or 2 NRTL");
     c->stages = stages;
     c->components = components;
     c->feed_stage = feed;
@@ -139,10 +140,10 @@ static enum err read_component(const float *v, struct column_table *t, size_t j,
 {
     struct component *p = &t->component[j];
     if (!column_table_name(v + COLUMN_TABLE_C_NAME, t->name[j]))
-        return wrong(fault, ERR_RANGE, "component.name", "1 to 15 letters, digits or _");
+        return wrong_table(fault, ERR_RANGE, "component.name", "1 to 15 letters, digits or _");
     for (size_t k = 0; k < j; k++)
         if (strcmp(t->name[k], t->name[j]) == 0)
-            return wrong(fault, ERR_RANGE, "component.name", "another for each component");
+            return wrong_table(fault, ERR_RANGE, "component.name", "another for each component");
     memcpy(p->antoine, v + COLUMN_TABLE_C_ANTOINE, sizeof p->antoine);
     p->molar_mass = v[COLUMN_TABLE_C_MASS];
     memcpy(p->density, v + COLUMN_TABLE_C_DENSITY, sizeof p->density);
@@ -172,13 +173,13 @@ static enum err read_nominal(const float *v, struct column_table *t, struct colu
     struct column_inputs *u = &t->nominal;
     unsigned feed, reflux, by, boilup;
     if (!whole(&v[COLUMN_TABLE_FEED_BASIS], 0, 2, &feed))
-        return wrong(fault, ERR_RANGE, "feed_basis", "0 mol/s, 1 kg/s or 2 m3/s");
+        return wrong_table(fault, ERR_RANGE, "feed_basis", "0 mol/s, 1 kg/s or 2 m3/s");
     if (!whole(&v[COLUMN_TABLE_REFLUX_BASIS], 0, 2, &reflux))
-        return wrong(fault, ERR_RANGE, "reflux_basis", "0 mol/s, 1 kg/s or 2 m3/s");
+        return wrong_table(fault, ERR_RANGE, "reflux_basis", "0 mol/s, 1 kg/s or 2 m3/s");
     if (!whole(&v[COLUMN_TABLE_FEED_BY], 0, 1, &by))
-        return wrong(fault, ERR_RANGE, "feed_state", "0 temperature or 1 quality");
+        return wrong_table(fault, ERR_RANGE, "feed_state", "0 temperature or 1 quality");
     if (!whole(&v[COLUMN_TABLE_BOILUP_GIVEN], 0, 1, &boilup))
-        return wrong(fault, ERR_RANGE, "boilup_given", "0 heat or 1 boil-up");
+        return wrong_table(fault, ERR_RANGE, "boilup_given", "0 heat or 1 boil-up");
     u->feed_basis = (enum column_basis)feed;
     u->feed_flow = v[COLUMN_TABLE_FEED];
     u->feed_state = (enum column_feed_state)by;
@@ -193,7 +194,7 @@ static enum err read_nominal(const float *v, struct column_table *t, struct colu
     u->pressure_top = v[COLUMN_TABLE_PRESSURE];
     t->heat_loss = v[COLUMN_TABLE_HEAT_LOSS];
     if (t->heat_loss < 0.0f || (boilup && t->heat_loss != 0.0f))
-        return wrong(fault, ERR_RANGE, "heat_loss", "0 or more, with a boil-up 0");
+        return wrong_table(fault, ERR_RANGE, "heat_loss", "0 or more, with a boil-up 0");
     return ERR_OK;
 }
 
@@ -203,13 +204,13 @@ static enum err read_truncated(const float *v, struct column_table *t, struct co
     for (unsigned k = 0; k < 2; k++) {
         unsigned bits;
         if (!whole(&v[COLUMN_TABLE_TRUNCATED + k], 0, (1u << COLUMN_TABLE_WORD_STAGES) - 1u, &bits))
-            return wrong(fault, ERR_RANGE, "truncated", wanted);
+            return wrong_table(fault, ERR_RANGE, "truncated", wanted);
         t->truncated[k] = bits;
     }
     for (size_t s = 1; s <= 2 * COLUMN_TABLE_WORD_STAGES; s++)
         if (column_table_is_truncated(t, s) &&
             (s == 1 || s >= t->config.stages || s == t->config.feed_stage))
-            return wrong(fault, ERR_RANGE, "truncated", wanted);
+            return wrong_table(fault, ERR_RANGE, "truncated", wanted);
     return ERR_OK;
 }
 
@@ -226,11 +227,12 @@ static enum err check_profile(const struct column_table *t, struct column_fault 
         for (size_t j = 0; j < integrated; j++) {
             float x = t->profile[s * integrated + j];
             if (!(x >= 0.0f && x <= 1.0f))
-                return wrong(fault, ERR_RANGE, "profile", "mole fractions, 0 to 1");
+                return wrong_table(fault, ERR_RANGE, "profile", "mole fractions, 0 to 1");
             sum += x;
         }
         if (sum > 1.0f + FRACTIONS_AWAY)
-            return wrong(fault, ERR_RANGE, "profile", "mole fractions of a stage, 1 together");
+            return wrong_table(fault, ERR_RANGE, "profile",
+                               "mole fractions of a stage, 1 together");
     }
     return ERR_OK;
 }
@@ -242,7 +244,7 @@ static enum err check_feed(const struct column_table *t, struct column_fault *fa
         sum += t->nominal.feed_fraction[j];
     return sum >= -FRACTIONS_AWAY && sum <= FRACTIONS_AWAY
                ? ERR_OK
-               : wrong(fault, ERR_RANGE, "feed_fraction", "fractions with a sum of 1");
+               : wrong_table(fault, ERR_RANGE, "feed_fraction", "fractions with a sum of 1");
 }
 
 static enum err check_whole(const struct column_table *t, struct column_fault *fault)
@@ -273,9 +275,10 @@ enum err column_table_read(const struct column_table_text *text, struct column_t
         return err;
     size_t components = t->config.components;
     if (text->size != COLUMN_TABLE_VALUES(t->config.stages, components, activity))
-        return wrong(fault, ERR_RANGE, "size", "that of its stages, components and activity model");
+        return wrong_table(fault, ERR_RANGE, "size",
+                           "that of its stages, components and activity model");
     if (!column_table_name(v + COLUMN_TABLE_TITLE, t->title))
-        return wrong(fault, ERR_RANGE, "name", "1 to 15 letters, digits or _");
+        return wrong_table(fault, ERR_RANGE, "name", "1 to 15 letters, digits or _");
     read_config(v, &t->config);
     err = read_nominal(v, t, fault);
     if (!err)

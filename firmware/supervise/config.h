@@ -55,7 +55,7 @@
 /* Tables, which are not in the pool (supervise/tables.h): so many places of so many bytes, whatever refers to them. */
 #define CONFIG_TABLES 2
 #ifndef CONFIG_TABLE_BYTES
-#define CONFIG_TABLE_BYTES 1128 /* a multiple of 4 */
+#define CONFIG_TABLE_BYTES 1128 /* a multiple of 8 */
 #endif
 
 /* What a measurement does when it has no valid reading. */

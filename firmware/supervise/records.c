@@ -119,8 +119,8 @@ static void name_kind(struct config *config, uint8_t n, const char *kind)
 }
 
 /* Room for a record of that kind, all 0; errors of record_make(). */
-static enum err make_room(struct config *config, uint8_t n, const struct block_kind *kind,
-                          uint32_t *needed, uint32_t *free)
+static enum err room_for_record(struct config *config, uint8_t n, const struct block_kind *kind,
+                                uint32_t *needed, uint32_t *free)
 {
     *needed = *free = 0;
     if (kind->table) {
@@ -156,7 +156,7 @@ enum err record_make(struct config *config, uint8_t n, const char *kind, uint32_
         return ERR_UNKNOWN;
     if (config_block_kind(config, n) == k)
         return ERR_OK;
-    enum err err = make_room(config, n, block_kinds[k], needed, free);
+    enum err err = room_for_record(config, n, block_kinds[k], needed, free);
     if (err)
         return err;
     name_kind(config, n, kind);

@@ -6,9 +6,9 @@
 
 #if CONFIG_BLOCKS
 
-_Static_assert(CONFIG_TABLE_BYTES % 4 == 0, "places of tables");
+_Static_assert(CONFIG_TABLE_BYTES % 8 == 0, "places of tables");
 
-static _Alignas(8) uint8_t place[CONFIG_TABLES][CONFIG_TABLE_BYTES];
+static uint64_t place[CONFIG_TABLES][CONFIG_TABLE_BYTES / 8]; /* aligned for any settings */
 static const struct config *watched[TABLES_WATCHERS];
 
 void tables_begin(void)
@@ -37,7 +37,7 @@ static bool refers(const struct config *config, uint8_t which, uint8_t but)
 }
 
 /* Whether anything but block n of *config refers to it; n CONFIG_BLOCKS: anything of *config does as well. */
-static bool is_taken(const struct config *config, uint8_t which, uint8_t n)
+static bool place_taken(const struct config *config, uint8_t which, uint8_t n)
 {
     bool taken = refers(config, which, n);
     for (unsigned k = 0; k < TABLES_WATCHERS; k++)
@@ -47,10 +47,10 @@ static bool is_taken(const struct config *config, uint8_t which, uint8_t n)
 }
 
 /* A place that only block n of *config may refer to, or CONFIG_NO_TABLE. */
-static uint8_t find_place(const struct config *config, uint8_t n)
+static uint8_t free_place(const struct config *config, uint8_t n)
 {
     for (uint8_t which = 1; which <= CONFIG_TABLES; which++)
-        if (!is_taken(config, which, n))
+        if (!place_taken(config, which, n))
             return which;
     return CONFIG_NO_TABLE;
 }
@@ -70,7 +70,7 @@ unsigned tables_free_for(const struct config *config)
 
 bool table_take(struct config *config, uint8_t n)
 {
-    uint8_t which = find_place(config, n);
+    uint8_t which = free_place(config, n);
     if (which == CONFIG_NO_TABLE)
         return false;
     memset(place[which - 1u], 0, CONFIG_TABLE_BYTES);
@@ -81,9 +81,9 @@ bool table_take(struct config *config, uint8_t n)
 enum err table_to_write(struct config *config, uint8_t n)
 {
     uint8_t now = config->table[n];
-    if (!is_taken(config, now, n))
+    if (!place_taken(config, now, n))
         return ERR_OK;
-    uint8_t which = find_place(config, n);
+    uint8_t which = free_place(config, n);
     if (which == CONFIG_NO_TABLE)
         return ERR_FULL;
     memcpy(place[which - 1u], place[now - 1u], CONFIG_TABLE_BYTES);
