@@ -51,17 +51,30 @@ static void print_difference(const struct column *column, const struct table_say
     }
 }
 
+/* What is taken off the heat at the present inputs, W. */
+static double heat_loss_of(const struct plant_class *class, const struct plant *p)
+{
+    const struct column_terms *terms = class->column->terms;
+    for (size_t k = 0; k < terms->n_driven; k++) {
+        if (terms->driven[k].is == DRIVE_HEAT_LOSS) {
+            return (k < terms->n_inputs ? class->value(p, k) : terms->driven[k].value) *
+                   terms->driven[k].unit->in;
+        }
+    }
+    return 0.0;
+}
+
 bool table_task_make(const struct plant_class *class, const struct plant *p,
                      const struct table_task *task, struct table_lines *lines,
                      struct table_says *says, char *err, size_t err_size)
 {
     struct table_wish wish = {task->components, task->closing, task->truncated};
     char reason[SIM_ERROR_SIZE] = "";
-    if (class->set_input != column_plant_set_input) {
+    if (class->column == NULL) {
         return sim_fail(err, err_size, "--table: %s is no column of docs/columns.md", class->name);
     }
-    return column_table_make(column_plant_column(p), column_plant_state(p), class->name, 0.0, &wish,
-                             lines, err, err_size) &&
+    return column_table_make(column_plant_column(p), column_plant_state(p), class->name,
+                             heat_loss_of(class, p), &wish, lines, err, err_size) &&
            (table_check(lines, says, reason, sizeof(reason)) ||
             sim_fail(err, err_size, "--table: the board would refuse it: %s", reason));
 }

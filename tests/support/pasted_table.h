@@ -23,7 +23,7 @@ static inline void make_table(struct table_lines *lines, const char *plant, cons
     class->destroy(p);
 }
 
-#define SPLITTER_SUBSET "propane,isobutane,butane"
+#define SPLITTER_SUBSET "C3,iC4,nC4"
 
 /* The column of the splitter with the components of the thesis' estimators, and the pilot column. */
 static inline void splitter_table(struct table_lines *lines)

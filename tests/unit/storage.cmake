@@ -29,3 +29,8 @@ target_compile_definitions(test_storage_unstable_blocks PRIVATE WITH_BLOCKS)
 # The old images are what the script of the documented format writes.
 add_test(NAME storage_images COMMAND "${PYTHON3}" "${CMAKE_CURRENT_LIST_DIR}/test_storage_images.py")
 set_tests_properties(storage_images PROPERTIES LABELS unit TIMEOUT ${REFLUX_HANG_S} ENVIRONMENT "PYTHONDONTWRITEBYTECODE=1")
+
+# Tables, which stand in RAM once.
+reflux_test(tables LABEL unit SOURCES ${CMAKE_CURRENT_LIST_DIR}/test_tables.c
+            LIBS reflux_hal_memory reflux_app reflux_estimate reflux_link)
+target_include_directories(test_tables PRIVATE "${PROJECT_SOURCE_DIR}/hal/host")
