@@ -108,7 +108,7 @@ static bool take_value(const char *name, const char *text, char *err, size_t err
         return true;
     }
     if (strcmp(task.task, "--table") == 0 && strcmp(name, "--block") == 0) {
-        return number(name, text, 1.0, 8.0, &task.table.block, err, err_size);
+        return number(name, text, 1.0, TABLE_BLOCKS, &task.table.block, err, err_size);
     }
     return sim_fail(err, err_size, "%s: has no meaning with %s; see reflux-sim --help", name,
                     task.task);

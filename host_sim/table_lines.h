@@ -11,7 +11,7 @@
 
 #include "model/column_table_form.h"
 
-#define TABLE_BLOCKS 8u /* block1 to block8 */
+#define TABLE_BLOCKS 4u /* block1 to block4 */
 
 /* What the lines of one block say. */
 struct table_lines {

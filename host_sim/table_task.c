@@ -85,7 +85,7 @@ bool table_task_print(const struct plant_class *class, const struct plant *p,
     struct table_lines lines;
     struct table_says says;
     if (task->block != floor(task->block)) {
-        return sim_fail(err, err_size, "--block %g: must be a whole number from 1 to 8",
+        return sim_fail(err, err_size, "--block %g: must be a whole number from 1 to 4",
                         task->block);
     }
     if (!table_task_make(class, p, task, &lines, &says, err, err_size)) {
