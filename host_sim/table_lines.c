@@ -15,7 +15,7 @@ void table_lines_print(FILE *to, unsigned block, const struct table_lines *lines
                   "set block%u.size %u\nset block%u.checksum.1 %u,%u\n",
                   block, block, block, lines->version, block, lines->size, block,
                   lines->checksum[0], lines->checksum[1]);
-    for (unsigned i = 0; i < lines->size; i += COLUMN_TABLE_COLS) {
+    for (unsigned i = 0; i < lines->size && i < COLUMN_TABLE_MOST; i += COLUMN_TABLE_COLS) {
         char row[COLUMN_TABLE_COLS * 16];
         struct text t = text_on(row, sizeof(row));
         for (unsigned k = 0; k < COLUMN_TABLE_COLS; k++) {
