@@ -21,7 +21,7 @@ class ColumnFile:
     feed_stage: int
     measured: dict[str, int]  # temperatures of one stage: name, stage
     unmeasured: dict[str, int]  # truths, likewise
-    products: tuple[str, ...]  # compositions of distillate and bottoms: outputs, or else truths
+    products: tuple[str, ...]  # the first composition of the distillate and of the bottoms; a truth where none is measured
 
 
 def place_of(name: str) -> Path:
@@ -54,16 +54,16 @@ def read(name: str) -> ColumnFile:
 def _column(data: dict) -> ColumnFile:
     top = int(data["stages"])
     temperatures: dict[str, dict[str, int]] = {"outputs": {}, "truths": {}}
-    products: dict[str, list[str]] = {"outputs": [], "truths": []}
+    products: dict[int, str] = {}
     for kind in ("outputs", "truths"):
         for view in data.get(kind, []):
             stage = view.get("stage")
             if view["is"] == "temperature" and stage is not None:
                 temperatures[kind][view["name"]] = int(stage)
             if view["is"] in ("fraction", "log_fraction") and stage in (1, top):
-                products[kind].append(view["name"])
+                products.setdefault(stage, view["name"])
     return ColumnFile(str(data["name"]), str(data["title"]), top, int(data["feed_stage"]),
-                      temperatures["outputs"], temperatures["truths"], tuple(products["outputs"] or products["truths"]))
+                      temperatures["outputs"], temperatures["truths"], tuple(products[s] for s in (top, 1) if s in products))
 
 
 def steepest(column: ColumnFile, temperature: list[float]) -> tuple[str, ...]:

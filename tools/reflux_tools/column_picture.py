@@ -32,7 +32,7 @@ def draw(column: ColumnFile, profile: dict[str, list[float]]) -> bytes:
         axes[2].annotate(f"feed, stage {column.feed_stage}", (1.0, column.feed_stage), xycoords=("axes fraction", "data"),
                          xytext=(0, 3), textcoords="offset points", ha="right", fontsize=8, color="#5c6670")
         axes[0].set_ylim(0, column.stages + 1)
-        axes[0].set_title(f"{column.name}: {column.title}")
+        figure.suptitle(f"{column.name}: {column.title}", x=0.01, ha="left", fontsize=10, fontweight="bold")
         png = io.BytesIO()
         figure.savefig(png, format="png", dpi=110, metadata={"Software": None})
         plt.close(figure)
