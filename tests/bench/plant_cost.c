@@ -3,10 +3,12 @@
  *
  * plant_cost [PLANT]     plant time per wall time with ticks of 30, 10 and 1 s: inputs that stand still, that move by up
  *                        to 1 % of their nominal value every tick, that jump all over their range. pilot when none is named
- * plant_cost --sizes     microseconds per integration step for columns of 10 to 200 stages and of 2 to 10 components
+ * plant_cost --sizes     microseconds per integration step for columns of 10 to 160 stages and of 2 to 10 components: with
+ *                        holdups that follow composition, with all holdups moving, with activity coefficients
  * plant_cost --day MIN   a day of the splitter in 30 s ticks, inputs changing every MIN minutes as in splitter_scipy.py:
  *                        its inputs and what comes of them */
 #include "column_solver.h"
+#include "model/activity.h"
 #include "plant_library.h"
 
 #include <math.h>
@@ -80,9 +82,14 @@ static bool speed(const char *name)
     return true;
 }
 
+enum sort { CONSERVATIVE, MOVING_HOLDUPS, ACTIVITY, SORTS };
+static const char *const sort_name[SORTS] = {"conservative", "moving-holdups", "activity"};
+
 /* A column of made-up homologues of trichloroethylene, each with a boiling point some 8 K above the last. */
-static bool size_cost(size_t stages, size_t components)
+static bool size_cost(size_t stages, size_t components, enum sort sort)
 {
+    static const real_t none[100];
+    real_t a[100];
     struct component made[10];
     for (size_t j = 0; j < components; j++)
         made[j] = (struct component){.name = "made up",
@@ -108,6 +115,25 @@ static bool size_cost(size_t stages, size_t components)
                                    .temperature_min = 280.0,
                                    .temperature_max = 540.0,
                                    .limit_softness = 0.02};
+    struct activity activity = {
+        .model = ACTIVITY_WILSON, .components = components, .a = a, .b = none};
+    for (size_t i = 0; i < components * components; i++)
+        a[i] = i % (components + 1) == 0 ? 0.0 : -0.2;
+    if (sort == ACTIVITY) {
+        config.activity = activity_coefficients;
+        config.activity_context = &activity;
+    }
+    if (sort == MOVING_HOLDUPS) {
+        config.holdup = COLUMN_HOLDUP_MOLAR;
+        config.holdup_reboiler = 10.0;
+        config.holdup_tray = 0.3;
+        config.holdup_condenser = 2.0;
+        config.hydraulic_time = 4.0;
+        config.levels = COLUMN_LEVELS_HOLDUPS;
+        config.condenser_level = config.reboiler_level =
+            (struct column_level){.by = COLUMN_LEVEL_BY_PRODUCT, .gain = 0.05};
+        config.level_capacity = 2.0;
+    }
     struct column_inputs in = {.feed_flow = 0.015,
                                .feed_temperature = 335.0,
                                .reflux_flow = 0.013,
@@ -133,21 +159,26 @@ static bool size_cost(size_t stages, size_t components)
     }
     double us = now_us() - start;
     double steps = (double)(column_solver_work(s).steps - before.steps);
-    printf("stages %zu components %zu us_per_step %.2f steps_per_tick %.2f\n", stages, components,
-           us / steps, steps / ticks);
+    printf(
+        "%s stages %zu components %zu us_per_step %.2f steps_per_tick %.2f times_real_time %.0f\n",
+        sort_name[sort], stages, components, us / steps, steps / ticks, 30e6 * ticks / us);
     column_solver_destroy(s);
     return true;
 }
 
 static bool sizes(void)
 {
-    static const size_t stages[] = {10, 20, 50, 100, 200}, components[] = {2, 3, 5, 10};
-    for (size_t i = 0; i < 5; i++)
-        if (!size_cost(stages[i], 5))
+    static const size_t stages[] = {10, 20, 40, 80, 160}, components[] = {2, 3, 5, 10};
+    for (int sort = 0; sort < SORTS; sort++) {
+        for (size_t i = 0; i < 5; i++)
+            if (!size_cost(stages[i], 3, (enum sort)sort))
+                return false;
+        for (size_t i = 0; i < 4; i++)
+            if (!size_cost(40, components[i], (enum sort)sort))
+                return false;
+        if (!size_cost(100, 3, (enum sort)sort))
             return false;
-    for (size_t i = 0; i < 4; i++)
-        if (!size_cost(40, components[i]))
-            return false;
+    }
     return true;
 }
 
