@@ -34,7 +34,7 @@ bool column_plant_set_state(struct plant *p, const double *x, char *err, size_t 
 bool column_plant_rates(struct plant *p, double *rates, char *err, size_t err_size);
 bool column_plant_linearise(struct plant *p, struct linearised *l, char *err, size_t err_size);
 
-/* Step: between the bubble points' rounding and curvature. */
+/* Linearised by column_plant_linearise, so lo, hi and step are only what the struct asks for. */
 #define COLUMN_PLANT_STATES(text)                                                                  \
     {                                                                                              \
         .count = column_plant_state_count, .unit = (text), .lo = 0.0, .hi = 1.0, .step = 1e-5,     \
