@@ -26,7 +26,7 @@ static void table_name(const char *from, char name[COLUMN_TABLE_NAME_SIZE])
 static void put_name(const char *from, float *value)
 {
     static const char letters[] = COLUMN_TABLE_LETTERS;
-    char name[COLUMN_TABLE_NAME_SIZE];
+    char name[COLUMN_TABLE_NAME_SIZE] = "";
     table_name(from, name);
     for (size_t i = 0; i < COLUMN_TABLE_NAME; i++) {
         unsigned four = 0;
@@ -293,7 +293,7 @@ bool column_table_make(const struct column *column, const double *x, const char 
         memcpy(at, share, (subset.n - 1) * sizeof(float));
         at += subset.n - 1;
     }
-    for (size_t i = 0; i < COLUMN_TABLE_MOST; i++) {
+    for (unsigned i = 0; i < COLUMN_TABLE_MOST; i++) {
         v[i] = v[i] == 0.0f ? 0.0f : v[i]; /* the console knows no negative zero */
     }
     table_close(lines, (unsigned)COLUMN_TABLE_VALUES(c->stages, subset.n, model));

@@ -83,7 +83,7 @@ bool table_task_print(const struct plant_class *class, const struct plant *p,
                       const struct table_task *task, char *err, size_t err_size)
 {
     struct table_lines lines;
-    struct table_says says;
+    struct table_says says = {.stages = 0};
     if (task->block != floor(task->block)) {
         return sim_fail(err, err_size, "--block %g: must be a whole number from 1 to 4",
                         task->block);
@@ -108,7 +108,7 @@ bool table_task_check(const char *file, char *err, size_t err_size)
     good = table_lines_read(from, file, lines, has, err, err_size);
     (void)fclose(from);
     for (unsigned n = 0; n < TABLE_BLOCKS && good; n++) {
-        struct table_says says;
+        struct table_says says = {.stages = 0};
         char reason[SIM_ERROR_SIZE] = "";
         if (!has[n]) {
             continue;

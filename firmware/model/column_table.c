@@ -207,7 +207,7 @@ static enum err read_truncated(const float *v, struct column_table *t, struct co
             return wrong_table(fault, ERR_RANGE, "truncated", wanted);
         t->truncated[k] = bits;
     }
-    for (size_t s = 1; s <= 2 * COLUMN_TABLE_WORD_STAGES; s++)
+    for (unsigned s = 1; s <= 2 * COLUMN_TABLE_WORD_STAGES; s++)
         if (column_table_is_truncated(t, s) &&
             (s == 1 || s >= t->config.stages || s == t->config.feed_stage))
             return wrong_table(fault, ERR_RANGE, "truncated", wanted);
@@ -305,7 +305,7 @@ void column_table_moved(struct column_table *t)
 bool column_table_is_truncated(const struct column_table *t, size_t stage)
 {
     size_t bit = stage - 1u;
-    return stage >= 1 && bit < 2 * COLUMN_TABLE_WORD_STAGES &&
+    return stage >= 1 && bit / COLUMN_TABLE_WORD_STAGES < 2 &&
            (t->truncated[bit / COLUMN_TABLE_WORD_STAGES] >> bit % COLUMN_TABLE_WORD_STAGES & 1u);
 }
 

@@ -9,13 +9,13 @@
 #include "plant_library.h"
 #include "table_task.h"
 
-static inline void make_table(struct table_lines *lines, const char *plant, const char *components,
+static inline void make_table(struct table_lines *lines, const char *of, const char *components,
                               const char *truncated)
 {
     char err[1024] = "";
     struct table_says says;
     struct table_task task = {.components = components, .truncated = truncated, .block = 1};
-    const struct plant_class *class = plant_open(plant, err, sizeof err);
+    const struct plant_class *class = plant_open(of, err, sizeof err);
     TEST_ASSERT_NOT_NULL_MESSAGE(class, err);
     struct plant *p = plant_create(class, err, sizeof err);
     TEST_ASSERT_NOT_NULL_MESSAGE(p, err);

@@ -9,6 +9,7 @@ import json
 import os
 import subprocess
 import sys
+import tempfile
 import unittest
 
 import numpy as np
@@ -127,6 +128,28 @@ class Columns(unittest.TestCase):
             x = (vectors @ np.diag(np.exp(values * t)) @ np.linalg.inv(vectors)).real[:n, n]
             expected = 6000 * 0.0005 / 100 * m["C"][m["outputs"].index("T30")] @ x
             self.assertAlmostEqual(float(row["T30.Q[K]"]), expected, delta=0.02 * abs(expected) + 1e-5)
+
+    def test_a_table_is_made_and_says_the_same_when_it_is_read(self):
+        done = sim("--table", "--plant", "splitter", "--components", "C3,iC4,nC4", "--truncated", "2-15,20-22",
+                   "--block", "2", *settings(SS2))
+        self.assertEqual((done.returncode, done.stderr), (0, ""))
+        head = [line for line in done.stdout.splitlines() if line.startswith("#")]
+        self.assertEqual(head[0], "# splitter: 37 stages, feed on 19, components C3 iC4 nC4 (the last closes), "
+                                  "57 states (17 stages truncated)")
+        with tempfile.TemporaryDirectory() as folder:
+            file = os.path.join(folder, "table.txt")
+            for text, said in ((done.stdout, None), (done.stdout.replace(",37,3,19,0.8", ",37,3,19,0.9"),
+                                                     "block2.checksum: must be"),
+                               ("apply\n", "no line `set blockN.kind column`")):
+                with open(file, "w", encoding="utf-8") as out:
+                    out.write(text)
+                if said:
+                    self.refused(said, 2, "--table-check", file)
+                else:
+                    self.assertEqual(sim("--table-check", file).stdout.splitlines(), ["# block2", *head[:2]])
+        self.refused("has no meaning with --steady", 2, "--steady", "--plant", "splitter", "--components", "C3")
+        self.refused("--table-check: a file is missing", 2, "--table-check")
+        self.refused("--block 1.5: must be a whole number", 2, "--table", "--plant", "pilot", "--block", "1.5")
 
     def refused(self, because, status, *arguments):
         done = sim(*arguments)
