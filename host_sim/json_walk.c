@@ -35,6 +35,13 @@ void walk_free(struct walk_memory *memory)
     }
 }
 
+void walk_one_line(char *text)
+{
+    for (; *text != '\0'; text++) {
+        *text = (unsigned char)*text < ' ' || *text == '\x7f' ? ' ' : *text;
+    }
+}
+
 bool walk_fail(struct json_walk *w, const char *format, ...)
 {
     if (w->failed) {
@@ -47,6 +54,7 @@ bool walk_fail(struct json_walk *w, const char *format, ...)
     /* NOLINTNEXTLINE(clang-analyzer-valist.Uninitialized): va_start stands one line above */
     (void)vsnprintf(text, sizeof(text), format, list);
     va_end(list);
+    walk_one_line(text);
     return sim_fail(w->err, w->err_size, "%s: %s: %s", w->file, w->path, text);
 }
 

@@ -20,6 +20,9 @@ struct json_walk {
 void *walk_memory(struct json_walk *w, size_t count, size_t size);
 void walk_free(struct walk_memory *memory);
 
+/* Blanks for what is no character to be printed: errors quote what stands in a file. */
+void walk_one_line(char *text);
+
 /* Remembers "FILE: PATH: text" unless there was an error before; returns false. */
 bool walk_fail(struct json_walk *w, const char *format, ...) __attribute__((format(printf, 2, 3)));
 

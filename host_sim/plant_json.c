@@ -174,10 +174,7 @@ struct plant_class *plant_json_read(const char *file_name, const char *text, siz
     }
     file->root = json_loadb(text, length, JSON_REJECT_DUPLICATES, &problem);
     if (file->root == NULL) {
-        for (char *c = problem.text; *c != '\0';
-             c++) { /* it quotes what stands there, line ends too */
-            *c = *c == '\n' || *c == '\r' || *c == '\t' ? ' ' : *c;
-        }
+        walk_one_line(problem.text);
         (void)sim_fail(err, err_size, "%s:%d:%d: not JSON: %s", file_name, problem.line,
                        problem.column, problem.text);
         free(file);

@@ -15,7 +15,8 @@ from reflux_tools.errors import RunFailed, UserError
 from reflux_tools.paths import ROOT, build_dir, shown
 
 FUZZ = ROOT / "tests" / "fuzz"
-LONGEST = {"frame": 1024, "messages": 256, "console": 128, "mixed": 128, "records": 256, "restore": 256}  # bytes of an input
+# bytes of an input
+LONGEST = {"plants": 4096, "frame": 1024, "messages": 256, "console": 128, "mixed": 128, "records": 256, "restore": 256}
 KEPT_FILES, KEPT_BYTES = 70, 100_000  # of one corpus
 
 
