@@ -8,7 +8,9 @@
 struct slopes {
     double reflux, distillate; /* by the drum's */
     double boilup, bottoms;    /* by the reboiler's */
-    double internal;           /* internal reflux for each mole of reflux */
+    double internal;           /* internal reflux by reflux */
+    double
+        condensed; /* by the boil-up: 1 where subcooled reflux condenses all vapour there is, else 0 */
 };
 
 struct tray {
@@ -108,7 +110,9 @@ static void read_vessels(struct newton_holdups *h, const struct column *column, 
         h->slopes.distillate += COLUMN_OVERFLOW_RATE * config->holdup_condenser;
     if (reboiler > config->level_capacity)
         h->slopes.bottoms += COLUMN_OVERFLOW_RATE * config->holdup_reboiler;
-    h->slopes.internal = f->reflux > 0.0 ? 1.0 + f->condensed_by_reflux / f->reflux : 1.0;
+    bool all = f->condensed_by_reflux >= f->vapour_enriching;
+    h->slopes.internal = f->reflux > 0.0 && !all ? 1.0 + f->condensed_by_reflux / f->reflux : 1.0;
+    h->slopes.condensed = all ? 1.0 : 0.0;
 }
 
 static void read_trays(struct newton_holdups *h, const struct column *column, const double *x)
@@ -216,9 +220,10 @@ bool newton_holdups_factor(struct newton_holdups *h, double a, double c)
         double pivot = drum_pivot(h);
         if (!usable(pivot))
             return false;
-        h->by_reboiler[top] =
-            constant(h, &h->config->condenser_level) ? 0.0 : -c * of->boilup / pivot;
-        liquid = of->internal * of->reflux * h->by_reboiler[top];
+        h->by_reboiler[top] = constant(h, &h->config->condenser_level)
+                                  ? 0.0
+                                  : -c * (1.0 - of->condensed) * of->boilup / pivot;
+        liquid = of->internal * of->reflux * h->by_reboiler[top] + of->condensed * of->boilup;
     }
     for (size_t s = top; h->trays && s-- > 1;) {
         double pivot = tray_pivot(h, s), driven = h->tray[s].by_vapour * of->boilup;
@@ -243,7 +248,8 @@ static void flows_change(const struct newton_holdups *h)
     struct change *change = h->change;
     size_t top = h->stages - 1;
     double reflux = of->reflux * change[top].relative, boilup = of->boilup * change[0].relative;
-    double liquid = of->internal * reflux; /* coming down */
+    double condensed = (of->internal - 1.0) * reflux + of->condensed * boilup;
+    double liquid = reflux + condensed; /* coming down */
 
     for (size_t s = top + 1; s-- > 0;) {
         change[s].vapour_out = s == top ? 0.0 : boilup;
@@ -253,7 +259,7 @@ static void flows_change(const struct newton_holdups *h)
             liquid = h->tray[s].by_holdup * change[s].relative + h->tray[s].by_vapour * boilup;
     }
     /* subcooled reflux condenses vapour on the top tray, which adds to what comes down from there */
-    change[top].vapour_in -= (of->internal - 1.0) * reflux;
+    change[top].vapour_in -= condensed;
     change[top - 1].vapour_out = change[top].vapour_in;
     change[top - 1].liquid_in = reflux;
 }

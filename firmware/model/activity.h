@@ -30,8 +30,8 @@ MUST_CHECK enum err activity_validate(const struct activity *activity, real_t te
                                       real_t temperature_max, struct column_fault *fault,
                                       size_t *row, size_t *column);
 
-/* Activity coefficients gamma[C] of a liquid of mole fractions x[C] (below 0: as 0; in the build for derivatives as it is) at a temperature; an activity_fn. context: a
- * struct activity. ln g is held between -50 and 50. */
+/* Activity coefficients gamma[C] of a liquid of mole fractions x[C] (below 0: as 0; in the build for derivatives as it is) at
+ * a temperature; an activity_fn. context: a struct activity. ln g is held between -50 and 50. */
 void activity_coefficients(void *context, const real_t *x, real_t temperature, real_t *gamma);
 
 #endif

@@ -1,20 +1,22 @@
-/* A general distillation column: N stages, C components, composition dynamics only.
+/* A general distillation column: N stages, C components; dynamics of composition, and of holdups where they are said to move.
  *
  * Stages are numbered upwards as in Frau: 1 is the partial reboiler, 2 .. N-1 are trays, N is the total
  * condenser with its drum. The code counts from 0, so stage s is index s - 1. The states are the mole
- * fractions of the first C - 1 components on every stage, from the reboiler up: x[(s - 1)(C - 1) + j].
+ * fractions of the first C - 1 components on every stage, from the reboiler up: x[(s - 1)(C - 1) + j]; behind them
+ * the holdups that move, each over its nominal one, from the reboiler up.
  * SI units throughout: mol, s, K, Pa, W, m3, kg.
  *
  * Assumptions (Frau 2.1): no energy balance on trays, molar flows change only at the feed and at the
- * top (subcooling); liquid holdup constant on every stage, levels held perfectly by the product flows;
- * pressure falls linearly; Murphree efficiency on trays, ideal reboiler.
+ * top (subcooling); liquid holdup constant on every stage, levels held perfectly by the product flows,
+ * unless the config says otherwise; pressure falls linearly; Murphree efficiency on trays, ideal reboiler.
  *
- * What is ours: the conservative form (see enum column_holdup) and the limits on the flows
- * (struct column_flows). Equations are those of A. Frau, thesis, Cagliari (XXIII cycle), chapter 3, with
+ * What is ours: the conservative form (see enum column_holdup), the limits on the flows (struct column_flows),
+ * levels and hydraulics (docs/columns.md). Equations are those of A. Frau, thesis, Cagliari (XXIII cycle), chapter 3, with
  * the signs of (3.2a), (3.2e) and (3.2f) repaired so that they add up to zero; see docs/column-model.md.
  *
- * Use: column_init, then column_set_inputs whenever inputs change, then column_rates for dx/dt (an
- * integrator) or column_evaluate for the algebraic outputs alone; both leave the outputs in the struct. */
+ * Use: column_init, where holdups move column_take_reference, then column_set_inputs whenever inputs change, then
+ * column_rates for dx/dt (an integrator) or column_evaluate for the algebraic outputs alone; both leave the outputs in the
+ * struct. */
 #ifndef REFLUX_MODEL_COLUMN_H
 #define REFLUX_MODEL_COLUMN_H
 
@@ -129,9 +131,10 @@ struct column_inputs {
     real_t distillate_flow, bottoms_flow;
 };
 
-/* Internal flows, mol/s, none of them negative except as said at the conservative form. Frau 2.4.
+/* Internal flows, mol/s, none of them negative except as said at the conservative form, and the bottoms of a column
+ * with hydraulics and perfect levels, which are what its lowest tray gives less the boil-up. Frau 2.4.
  *
- * Where wanted reflux and heat cannot both be had, the levels win, which a real column's level loops and
+ * With perfect levels: where wanted reflux and heat cannot both be had, the levels win, which a real column's level loops and
  * low-level trips would see to: reflux is cut to what the condenser makes (distillate stays 0 or more) and
  * boil-up is cut when the liquid coming down cannot feed it (bottoms stay 0 or more). Likewise a cold feed
  * condenses no more vapour than there is, and a hot one flashes no more than there is of it. The cuts set
@@ -230,8 +233,8 @@ real_t column_fraction(const struct column *column, const real_t *x, size_t s, s
 /* Half bandwidths of the Jacobian: entries (row, col) with row - col <= lower and col - row <= upper. */
 void column_jacobian_shape(const struct column_config *config, size_t *lower, size_t *upper);
 
-/* Analytic Jacobian d(rates)/dx for Newton matrices, at the point of the last column_rates or
- * column_evaluate with the same x, in LAPACK band storage: entry (row, col) goes to
+/* Analytic Jacobian d(rates)/dx for Newton matrices, of the mole fractions alone (n_fractions rows and columns), at the
+ * point of the last column_rates or column_evaluate with the same x, in LAPACK band storage: entry (row, col) goes to
  * band[col * stride + diagonal + row - col]. Every entry of the band is written.
  *
  * Exact for internal flows, holdups and activity coefficients held at their present values, with one

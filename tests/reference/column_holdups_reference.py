@@ -21,7 +21,7 @@ A = np.array([22.0702943611, 21.3771471806, 20.684])
 INTERACTION_A = np.array([[0.0, 0.4, -0.3], [-0.7, 0.0, 0.25], [0.15, -0.5, 0.0]])
 INTERACTION_B = np.array([[0.0, -250.0, 120.0], [80.0, 0.0, -180.0], [-90.0, 140.0, 0.0]])
 ALPHA = np.array([[0.0, 0.3, 0.25], [0.3, 0.0, 0.4], [0.25, 0.4, 0.0]])
-COLUMNS = ("condenser_by,reboiler_by,levels,trays,model,q,boilup,reflux,distillate,bottoms,feed,z0,z1,"
+COLUMNS = ("condenser_by,reboiler_by,levels,trays,model,q,boilup,subcooling,reflux,distillate,bottoms,feed,z0,z1,"
            "R0,D0,B0,LE0,LS0,VS0,VE0")
 
 
@@ -60,15 +60,21 @@ def positive(a, w):
     return 0.0 if a <= -w else (a + w) ** 2 / (4 * w)
 
 
+def internal(u):
+    """Reflux inside for each mole outside: heat capacity 150 J/(mol K), heat of vaporisation 30 kJ/mol at all temperatures."""
+    return 1 + 150.0 * u["subcooling"] / 30000.0
+
+
 def perfect_levels(u):
-    """R, D, V_S, dV_F with perfect levels; the reflux is not subcooled."""
+    """R, D, V_S, dV_F with perfect levels."""
+    g = internal(u)
     by_feed = (u["q"] - 1) * u["feed"]
     if by_feed > 0:
         by_feed = soft(by_feed, u["boilup"])
     a = max(u["boilup"] - by_feed, 0.0)
-    w = positive(a - u["reflux"], SOFT * a) if a > 0 else 0.0
-    reflux, distillate = a - w, soft(w, u["feed"])
-    boilup = distillate + reflux + by_feed
+    w = positive(a - g * u["reflux"], SOFT * a) if a > 0 else 0.0
+    reflux, distillate = (a - w) / g, soft(w, u["feed"])
+    boilup = distillate + g * reflux + by_feed
     if boilup < 0:
         distillate, boilup = distillate - boilup, 0.0
     return reflux, distillate, boilup, by_feed
@@ -94,11 +100,16 @@ def evaluate(u, ref, x, r):
             by_feed = soft(by_feed, boilup)
     else:
         reflux, distillate, boilup, by_feed = perfect_levels(u)
+    by_reflux = (internal(u) - 1) * reflux
+    if u["levels"]:
+        by_reflux = soft(by_reflux, boilup - by_feed)
     up = np.array([boilup] * (FEED - 1) + [boilup - by_feed] * (N - FEED) + [0.0])
+    up[N - 2] -= by_reflux
     down = np.zeros(N)
     down[N - 1] = reflux
     for s in reversed(range(1, N - 1)):
-        down[s] = down[s + 1] + (u["feed"] + by_feed if s == FEED - 1 else 0.0)
+        down[s] = (down[s + 1] + (u["feed"] + by_feed if s == FEED - 1 else 0.0)
+                   + (by_reflux if s == N - 2 else 0.0))
         if u["trays"]:
             low = s + 1 <= FEED
             flow = (ref["LS0" if low else "LE0"] + (m[s] - NOMINAL[s]) / TIME
@@ -141,22 +152,25 @@ def main():
     with open(os.path.join(HERE, "column_holdups.csv"), "w", encoding="utf-8") as out:
         out.write("# made by tests/reference/column_holdups_reference.py; r of what does not move is 1\n# " + COLUMNS
                   + ",x[24],r[12],dx[24],dr[12],T[12],D,B,R,V\n")
-        for case in range(30):
+        for case in range(40):
             condenser, reboiler = structures[case % 5]
-            nominal = {"feed": 1.0, "q": [0.9, 0.0, 1.0, 1.3, 2.0][case // 2 % 5], "reflux": 1.6, "boilup": 2.0}
-            u = {"condenser_by": condenser, "reboiler_by": reboiler, "levels": int(case % 6 != 5),
+            nominal = {"feed": 1.0, "q": [0.9, 0.0, 1.0, 1.3, 2.0][case * 3 // 7 % 5], "reflux": 1.6, "boilup": 2.0,
+                       "subcooling": [0.0, 8.0, 20.0][case // 3 % 3]}
+            u = {"condenser_by": condenser, "reboiler_by": reboiler, "levels": int(case % 6 != 5), "subcooling": nominal["subcooling"],
                  "trays": int(case % 4 != 3), "model": case % 3,
                  "q": nominal["q"], "boilup": round(nominal["boilup"] * rng.uniform(0.7, 1.4), 4),
                  "reflux": round(nominal["reflux"] * rng.uniform(0.7, 1.3), 4),
                  "distillate": round(rng.uniform(0, 1), 4), "bottoms": round(rng.uniform(0, 1), 4),
                  "feed": 0.0 if case == 7 else round(rng.uniform(0.5, 1.5), 4),
                  "z0": round(rng.uniform(0.1, 0.5), 4), "z1": round(rng.uniform(0.1, 0.5), 4)}
-            if case == 11:
-                u["boilup"] = 0.0  # a feed of dry vapour alone
+            if case in (11, 12, 14, 17):  # feeds of dry vapour, little or none from below
                 u["q"] = 0.0
+                u["boilup"], u["reflux"] = {11: (0.0, 1.5), 12: (0.1, 1.6), 14: (0.12, 1.1), 17: (0.002, 0.001)}[case]
+            if case == 24:  # a cold feed, and a reboiler that gives less than it is asked for
+                u["q"], u["feed"], u["boilup"] = 2.0, 1.19, 2.0
             reflux, distillate, boilup, by_feed = perfect_levels(nominal)
-            ref = {"R0": reflux, "D0": distillate, "B0": nominal["feed"] - distillate, "LE0": reflux,
-                   "LS0": reflux + nominal["feed"] + by_feed, "VS0": boilup, "VE0": boilup - by_feed}
+            ref = {"R0": reflux, "D0": distillate, "B0": nominal["feed"] - distillate, "LE0": internal(u) * reflux,
+                   "LS0": internal(u) * reflux + nominal["feed"] + by_feed, "VS0": boilup, "VE0": boilup - by_feed}
             x = np.round(rng.dirichlet(np.ones(C), N), 6)
             x[:, -1] = 1 - x[:, 0] - x[:, 1]
             r = np.round(rng.uniform(0.8, 1.25, N), 5)

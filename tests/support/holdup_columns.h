@@ -6,11 +6,17 @@
 
 #define HOLDUP_STAGES 12
 
-/* Volatilities 4, 2 and 1 of a liquid that boils at about 353 K; nothing but the vapour pressure is given. */
+/* Volatilities 4, 2 and 1 of a liquid that boils at about 353 K, and heats that are the same at all temperatures. */
+#define HOLDUP_COMPONENT(its_name, a)                                                              \
+    {                                                                                              \
+        .name = (its_name), .antoine = {(a), REAL_C(3200.0), REAL_C(-48.0)},                       \
+        .vaporisation_heat = 30000, .boiling_point = 350, .critical_temperature = REAL_C(1e12),    \
+        .heat_capacity = 150                                                                       \
+    }
 static const struct component volatile_components[3] = {
-    {.name = "light", .antoine = {REAL_C(22.0702943611), REAL_C(3200.0), REAL_C(-48.0)}},
-    {.name = "middle", .antoine = {REAL_C(21.3771471806), REAL_C(3200.0), REAL_C(-48.0)}},
-    {.name = "heavy", .antoine = {REAL_C(20.684), REAL_C(3200.0), REAL_C(-48.0)}},
+    HOLDUP_COMPONENT("light", REAL_C(22.0702943611)),
+    HOLDUP_COMPONENT("middle", REAL_C(21.3771471806)),
+    HOLDUP_COMPONENT("heavy", REAL_C(20.684)),
 };
 
 static const real_t interaction_a[9] = {

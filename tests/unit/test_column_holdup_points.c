@@ -24,8 +24,8 @@
 
 /* A row of the table, as its second line says. */
 struct row {
-    double condenser_by, reboiler_by, levels, trays, model, q, boilup, reflux, distillate, bottoms,
-        feed, z[2];
+    double condenser_by, reboiler_by, levels, trays, model, q, boilup, subcooling, reflux,
+        distillate, bottoms, feed, z[2];
     double reference[7]; /* R, D, B, L_E, L_S, V_S, V_E */
     double x[FRACTIONS], r[HOLDUP_STAGES], dx[FRACTIONS], dr[HOLDUP_STAGES], t[HOLDUP_STAGES];
     double flows[4]; /* D, B, R, V_S */
@@ -57,6 +57,7 @@ static void make(const struct row *row)
     inputs.feed_fraction[2] = (real_t)(1 - row->z[0] - row->z[1]);
     inputs.boilup = (real_t)row->boilup;
     inputs.reflux_flow = (real_t)row->reflux;
+    inputs.reflux_subcooling = (real_t)row->subcooling;
     inputs.distillate_flow = (real_t)row->distillate;
     inputs.bottoms_flow = (real_t)row->bottoms;
     const struct column_flows reference = {
@@ -140,7 +141,7 @@ static void rates_temperatures_and_flows_match_the_independent_reference(void)
         rows++;
     }
     fclose(f);
-    TEST_ASSERT_EQUAL(30, rows);
+    TEST_ASSERT_EQUAL(40, rows);
 }
 
 /* New inputs at an old state, from a flash that leaves no vapour from below to one that does, and back. */
