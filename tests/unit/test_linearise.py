@@ -8,12 +8,14 @@ import json
 import os
 import subprocess
 import sys
+import tempfile
 import unittest
 
 import numpy as np
 
 SIM = sys.argv[1]
-sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "reference"))
+ROOT = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..")
+sys.path.insert(0, os.path.join(ROOT, "tests", "reference"))
 import complex_step  # noqa: E402
 
 SS2 = ("R=32.2787", "Q=2804.458")
@@ -81,6 +83,20 @@ class Linearised(unittest.TestCase):
 
     def test_no_reflux_and_no_bottoms(self):
         self.assertEqual(self.exact("pilot", "Lr=0"), ["Lr is at an end of its range; slopes are those upwards"])
+
+    def test_spans_that_are_far_too_wide_do_no_harm(self):
+        with open(os.path.join(ROOT, "host_sim", "plants", "pilot.json"), encoding="utf-8") as file:
+            data = json.load(file)
+        for channel in data["inputs"] + data["disturbances"]:
+            if channel["name"] in ("Lr", "Qrb", "F", "Qloss"):
+                channel["hi"] = 1e7
+        with tempfile.TemporaryDirectory() as folder:
+            path = os.path.join(folder, "wide.json")
+            with open(path, "w", encoding="utf-8") as file:
+                json.dump(data, file)
+            wide, right = linearised(path), linearised("pilot")
+        self.near("B", wide["B"].T, right["B"].T)
+        self.near("D", wide["D"].T, right["D"].T)
 
     def test_without_a_feed(self):
         self.assertEqual(linearised("splitter", "F=0")["notes"], ["F is at an end of its range; slopes are those upwards"])
