@@ -108,21 +108,24 @@ def _analysis(name: str, settings: list[str], known: dict[str, Channel], inputs:
         ("D", (len(data["outputs"]), -1)))), tuple(data["inputs"]), tuple(data["outputs"]))
     progress.show("poles")
     found = linear.poles(model)
+    obstacle = linear.obstacle(found)
+    every = tuple(dict.fromkeys(name for group in groups for name in group))
+    if every and not obstacle:
+        part = model.only(inputs, every)
+        k = linear.gains(part)
+        spans = k * linear.np.array([known[u].span for u in inputs]) / linear.np.array([[known[y].span] for y in every])
+        progress.show("step responses")
+        settle = linear.settling(part, k, spans, -1.0 / found[0].real)
     progress.end(f"{len(found)} states")
     for note in data["notes"]:
         print(f"note: {note}")
     _print_times(found)
-    obstacle = linear.obstacle(found)
-    if obstacle:
-        print(f"\nNo steady-state gains: {obstacle}.")
+    if obstacle or not every:
+        print(f"\nNo steady-state gains: {obstacle or 'no temperature or product is seen; --outputs names others'}.")
         return
     for group in groups:
-        progress.show(f"step responses of {', '.join(group)}")
-        part = model.only(inputs, group)
-        k = linear.gains(part)
-        spans = k * linear.np.array([known[u].span for u in inputs]) / linear.np.array([[known[y].span] for y in group])
-        settle = linear.settling(part, k, spans, -1.0 / found[0].real)
-        _print_group(linear, inputs, group, known, k, spans, settle)
+        rows = [every.index(name) for name in group]
+        _print_group(linear, inputs, group, known, k[rows], spans[rows], settle[rows])
 
 
 def _check(names: tuple[str, ...], known: dict[str, Channel], kinds: tuple[str, ...], what: str, column: str) -> None:
