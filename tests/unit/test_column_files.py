@@ -8,6 +8,7 @@ import csv
 import json
 import math
 import os
+import re
 import subprocess
 import sys
 import tempfile
@@ -567,6 +568,20 @@ class Structures(Files):
         done = sim("--steady", "--plant", path, "--set", "Df=0.6")
         self.assertEqual((done.returncode, done.stdout, done.stderr.count("\n")), (1, "", 1))
         self.assertIn("the level of the condenser runs away", done.stderr)
+
+
+class Page(Files):
+    def test_the_worked_example_of_the_page_prints_what_the_page_says(self):
+        page = os.path.join(PLANTS, "..", "..", "docs", "columns.md")
+        with open(page, encoding="utf-8") as file:
+            text = file.read()
+        example = text[text.index("## A worked example"):text.index("## The file")]
+        plant = json.loads(re.search(r"```json\n(.*?)```", example, re.S)[1])
+        printed = re.findall(r"`((?:manipulated|measurement),[^`]*)`", example)
+        done = sim("--steady", "--plant", self.write(plant))
+        self.assertEqual(len(printed), 3)
+        for line in printed:
+            self.assertIn(line, done.stdout.splitlines())
 
 
 class Units(Files):
