@@ -55,3 +55,4 @@ set_tests_properties(column_files PROPERTIES LABELS unit TIMEOUT ${REFLUX_HANG_S
 # The compact table of a column: made from a plant, read as the board reads it.
 reflux_test(table_reading LABEL unit SOURCES ${CMAKE_CURRENT_LIST_DIR}/test_table_reading.c
             LIBS reflux_bench reflux_plants reflux_table m)
+target_compile_definitions(test_table_reading PRIVATE TABLE_DATA="${CMAKE_CURRENT_LIST_DIR}/data")

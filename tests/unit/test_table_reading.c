@@ -221,6 +221,40 @@ static void a_table_of_all_components_has_the_temperatures_of_the_column(void)
     class->destroy(p);
 }
 
+/* Files of columns with what the two above have not. */
+static void a_column_of_constant_volatility_leaves_its_levels_behind(void)
+{
+    TEST_ASSERT_TRUE_MESSAGE(
+        made(&whole, TABLE_DATA "/constant_volatility.json", (struct table_task){0}), words);
+    TEST_ASSERT_EQUAL_STRING("constant_volati", says.title);
+    TEST_ASSERT_EQUAL(40, says.states);
+    TEST_ASSERT_EQUAL_FLOAT(1.0f, whole.value[COLUMN_TABLE_FEED_BY]);
+    TEST_ASSERT_EQUAL_FLOAT(1.0f, whole.value[COLUMN_TABLE_BOILUP_GIVEN]);
+    TEST_ASSERT_FLOAT_WITHIN(1e-6f, 3.206f / 60.0f, whole.value[COLUMN_TABLE_HEAT]);
+    const float *light = whole.value + COLUMN_TABLE_FIXED;
+    TEST_ASSERT_FLOAT_WITHIN(1e-5f, logf(1.5f),
+                             light[COLUMN_TABLE_C_ANTOINE] -
+                                 light[COLUMN_TABLE_C_VALUES + COLUMN_TABLE_C_ANTOINE]);
+}
+
+static void activity_keeps_the_rows_and_columns_of_the_components_named(void)
+{
+    static const char file[] = TABLE_DATA "/methanol_ethanol_water.json";
+    TEST_ASSERT_TRUE_MESSAGE(made(&whole, file, (struct table_task){0}), words);
+    TEST_ASSERT_EQUAL(32 + 3 * 19 + 3 * 9 + 12 * 2, whole.size);
+    TEST_ASSERT_EQUAL_FLOAT(2000.0f, whole.value[COLUMN_TABLE_HEAT_LOSS]);
+    TEST_ASSERT_EQUAL_FLOAT(55000.0f, whole.value[COLUMN_TABLE_HEAT]);
+    TEST_ASSERT_TRUE_MESSAGE(made(&whole, file, (struct table_task){.components = "H2O,MeOH"}),
+                             words);
+    const float *b = whole.value + COLUMN_TABLE_FIXED + 2 * COLUMN_TABLE_C_VALUES + 4;
+    TEST_ASSERT_EQUAL_FLOAT(0.0f, b[0]);
+    TEST_ASSERT_EQUAL_FLOAT(260.0f, b[1]); /* water, methanol */
+    TEST_ASSERT_EQUAL_FLOAT(-50.0f, b[2]);
+    TEST_ASSERT_EQUAL_FLOAT(0.3f, b[5]); /* alpha */
+    is_refused(COLUMN_TABLE_FIXED + 2 * COLUMN_TABLE_C_VALUES + 1, 1e6f, "activity.a: must be");
+    is_refused(COLUMN_TABLE_FIXED + 2 * COLUMN_TABLE_C_VALUES + 9, 2.0f, "activity.alpha: must be");
+}
+
 static void what_cannot_be_made_is_said_in_words(void)
 {
     static const struct {
@@ -309,6 +343,8 @@ int main(void)
     RUN_TEST(the_table_says_what_was_asked_for);
     RUN_TEST(what_is_left_out_goes_to_the_closing_component);
     RUN_TEST(a_table_of_all_components_has_the_temperatures_of_the_column);
+    RUN_TEST(a_column_of_constant_volatility_leaves_its_levels_behind);
+    RUN_TEST(activity_keeps_the_rows_and_columns_of_the_components_named);
     RUN_TEST(what_cannot_be_made_is_said_in_words);
     RUN_TEST(lines_are_read_back_to_the_bit);
     RUN_TEST(lines_that_are_none_are_named_by_their_number);
