@@ -7,10 +7,12 @@ usage: test_column_tasks.py REFLUX_SIM
 import csv
 import json
 import os
+import struct
 import subprocess
 import sys
 import tempfile
 import unittest
+import zlib
 
 import numpy as np
 
@@ -136,6 +138,12 @@ class Columns(unittest.TestCase):
         head = [line for line in done.stdout.splitlines() if line.startswith("#")]
         self.assertEqual(head[0], "# splitter: 37 stages, feed on 19, components C3 iC4 nC4 (the last closes), "
                                   "57 states (17 stages truncated)")
+        # The checksum by the words of docs/column-table.md.
+        value = dict(line.split()[1:] for line in done.stdout.splitlines() if line.startswith("set "))
+        size, rows = int(value["block2.size"]), [value[f"block2.value.{k}"].split(",") for k in range(1, 22)]
+        floats = [float(x) for row in rows for x in row][:size]
+        crc = zlib.crc32(struct.pack(f"<HH{size}f", int(value["block2.version"]), size, *floats))
+        self.assertEqual(value["block2.checksum.1"], f"{crc >> 16},{crc & 0xFFFF}")
         with tempfile.TemporaryDirectory() as folder:
             file = os.path.join(folder, "table.txt")
             for text, said in ((done.stdout, None), (done.stdout.replace(",37,3,19,0.8", ",37,3,19,0.9"),

@@ -16,7 +16,8 @@ from reflux_tools.paths import ROOT, build_dir, shown
 
 FUZZ = ROOT / "tests" / "fuzz"
 # bytes of an input
-LONGEST = {"plants": 4096, "frame": 1024, "messages": 256, "console": 128, "mixed": 128, "records": 256, "restore": 256}
+LONGEST = {"plants": 4096, "frame": 1024, "messages": 256, "console": 128, "mixed": 128, "records": 256, "restore": 256,
+           "column_table": 64}
 KEPT_FILES, KEPT_BYTES = 70, 100_000  # of one corpus
 
 
