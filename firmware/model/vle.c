@@ -158,9 +158,7 @@ static void activity_by_fractions(const struct vle *vle, real_t temperature, con
         /* inwards: outside [0, 1] coefficients stand still */
         real_t h = x[last] >= SLOPE_FRACTION ? SLOPE_FRACTION : -SLOPE_FRACTION;
         for (size_t i = 0; i < n; i++)
-            at[i] = x[i];
-        at[j] += h;
-        at[last] -= h;
+            at[i] = x[i] + (i == j ? h : i == last ? -h : REAL_C(0.0));
         vle->activity(vle->activity_context, at, temperature, moved);
         for (size_t i = 0; i < n; i++)
             slopes[i * last + j] = (moved[i] / here[i] - REAL_C(1.0)) / h;

@@ -4,7 +4,7 @@
 
 #include "model/activity.h"
 
-#define HOLDUP_STAGES 12
+#define HOLDUP_STAGES ((size_t)12)
 
 /* Volatilities 4, 2 and 1 of a liquid that boils at about 353 K, and heats that are the same at all temperatures. */
 #define HOLDUP_COMPONENT(its_name, a)                                                              \

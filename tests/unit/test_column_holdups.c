@@ -88,7 +88,7 @@ static void residue(double a, double c, double bound)
     struct column_newton *newton = column_newton_create(&config);
     double x[N], rates[N];
     TEST_ASSERT_NOT_NULL(newton);
-    memcpy(x, column_solver_state(solver), sizeof x);
+    memcpy(x, column_solver_state(solver), column.n_states * sizeof *x);
     TEST_ASSERT_EQUAL(ERR_OK, column_rates(&column, x, rates));
     column_newton_read(newton, &column, x);
     TEST_ASSERT_TRUE(column_newton_factor(newton, a, c));
@@ -181,8 +181,8 @@ static void every_structure_starts_at_rest_where_perfect_levels_are(void)
         products_of_reference();
         settle();
         run(3600);
-        for (int i = 0; i < FRACTIONS; i++)
-            TEST_ASSERT_DOUBLE_WITHIN(1e-8, perfect[i], state((size_t)i));
+        for (size_t i = 0; i < FRACTIONS; i++)
+            TEST_ASSERT_DOUBLE_WITHIN(1e-8, perfect[i], state(i));
         for (size_t i = FRACTIONS; i < N; i++)
             TEST_ASSERT_DOUBLE_WITHIN(1e-8, 1, state(i));
         TEST_ASSERT_DOUBLE_WITHIN(1e-9, reference.distillate, flows()->distillate);
@@ -438,7 +438,7 @@ static void stays_inside(const char *when)
     }
 }
 
-static int seeds = 2;
+static int seeds = 1; /* of each structure */
 
 static void no_jump_of_the_inputs_ends_a_run(void)
 {
@@ -459,8 +459,9 @@ static void no_jump_of_the_inputs_ends_a_run(void)
                 jump_all(&r);
                 snprintf(when, sizeof when, "seed %d, structure %d, tick %d", seed, structure, k);
                 if (!column_solver_set_inputs(solver, &inputs, err, sizeof err) ||
-                    !column_solver_advance(solver, column_solver_time(solver) + tick[seed % 3], err,
-                                           sizeof err)) {
+                    !column_solver_advance(
+                        solver, column_solver_time(solver) + tick[(seed + structure) % 3], err,
+                        sizeof err)) {
                     snprintf(when, sizeof when, "seed %d, structure %d, tick %d: %s", seed,
                              structure, k, err);
                     TEST_FAIL_MESSAGE(when);
@@ -468,7 +469,7 @@ static void no_jump_of_the_inputs_ends_a_run(void)
                 stays_inside(when);
             }
         }
-    printf("jumps of columns with levels: %d seeds from 1\n", seeds);
+    printf("jumps of columns with levels: %d seeds of 12 structures, from 1\n", seeds);
 }
 
 int main(int argc, char **argv)
