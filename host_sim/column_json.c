@@ -242,8 +242,9 @@ static const char *state_text(struct column_reader *r)
     if (c->levels == COLUMN_LEVELS_HOLDUPS || c->hydraulic_time > 0.0) {
         sim_append(text, sizeof(text), "; then holdups that move, over their nominal ones");
     }
-    char *kept = walk_memory(r->walk, strlen(text) + 1, 1);
-    return kept != NULL ? strcpy(kept, text) : "";
+    size_t size = strlen(text) + 1;
+    char *kept = walk_memory(r->walk, size, 1);
+    return kept != NULL ? memcpy(kept, text, size) : "";
 }
 
 static void fill_class(struct column_reader *r)

@@ -202,7 +202,7 @@ static bool not_met(struct search *s)
 
 static bool seek(struct search *s)
 {
-    double slope[TRIMS_MAX][TRIMS_MAX], step[TRIMS_MAX];
+    double slope[TRIMS_MAX][TRIMS_MAX], step[TRIMS_MAX] = {0};
 
     for (size_t i = 0; i < s->n; i++)
         s->now[i] = *input_of(s, s->trim[i].driven);

@@ -113,7 +113,7 @@ static void read_stages(struct column_reader *r, const json_t *object, struct co
     }
     seen->stage = stage;
     seen->n_stages = n;
-    if (!w->failed) {
+    if (!w->failed && stage != NULL) {
         check_stages(r, seen);
     }
     walk_up(w, mark);
