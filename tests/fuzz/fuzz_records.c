@@ -16,8 +16,28 @@
 
 #include "memory_port.h"
 #include "served_kinds.h"
-#define MADE_UP_KINDS_TOO &mean_kind, &both_kind
+static const struct block_kind shared_kind;
+#define MADE_UP_KINDS_TOO &mean_kind, &both_kind, &shared_kind
 #include "made_up_kinds.h"
+
+/* With the parameters of gmv, in one of the places for tables. */
+static const struct block_kind shared_kind = {.name = "shared",
+                                              .stage = STAGE_CONTROL,
+                                              .parameter = gmv_parameters,
+                                              .parameters =
+                                                  sizeof gmv_parameters / sizeof gmv_parameters[0],
+                                              .settings_bytes = sizeof(struct gmv_settings),
+                                              .table = true,
+                                              .members_most = 2,
+                                              .inputs_most = 2,
+                                              .points_most = 2,
+                                              .bytes = made_up_bytes,
+                                              .check = gmv_check,
+                                              .configure = made_up_configure,
+                                              .step = made_up_rest,
+                                              .back_calculate = made_up_rest,
+                                              .follow = made_up_rest,
+                                              .shift = made_up_rest};
 
 /* ---- at the console ---- */
 
@@ -25,35 +45,21 @@ static const char *const fields[] = {
     "kind",    "kind",     "loops",  "inputs",  "points",  "lambda",  "table.1",
     "table.2", "table.3",  "order",  "order.1", "order.2", "signs.1", "adapt",
     "stage.1", "stage.48", "weight", "rate",    "cross",   "table.4", "stage.0"};
-static const char *const values[] = {"-",
-                                     "gmv",
-                                     "column",
-                                     "weights",
-                                     "mean",
-                                     "both",
-                                     "pid",
-                                     "top",
-                                     "bottom",
-                                     "T1,T10",
-                                     "top,bottom",
-                                     "mean",
-                                     "feed",
-                                     "1",
-                                     "0.5",
-                                     "1,0,0",
-                                     "0,1,0",
-                                     "0,0,1",
-                                     "1,2,3",
-                                     "3,3,3",
-                                     "off",
-                                     "on",
-                                     "mystery",
-                                     "7",
-                                     "1e9",
-                                     "nan",
-                                     "1,2,3,4,5,6,7,8",
-                                     "1,,2",
-                                     "plus,plus,minus,minus",
+static const char *const values[] = {"-",       "gmv",
+                                     "column",  "shared",
+                                     "weights", "mean",
+                                     "both",    "pid",
+                                     "top",     "bottom",
+                                     "T1,T10",  "top,bottom",
+                                     "mean",    "feed",
+                                     "1",       "0.5",
+                                     "1,0,0",   "0,1,0",
+                                     "0,0,1",   "1,2,3",
+                                     "3,3,3",   "off",
+                                     "on",      "mystery",
+                                     "7",       "1e9",
+                                     "nan",     "1,2,3,4,5,6,7,8",
+                                     "1,,2",    "plus,plus,minus,minus",
                                      "extra"};
 static const char *const commands[] = {"begin",
                                        "apply",
@@ -178,7 +184,8 @@ static void checked_grain(uint8_t *at, const char *magic, uint32_t a, uint32_t b
 /* A record of a block: fields, rows and lengths as they should be, or nearly. */
 static size_t put_record(uint8_t *at, struct feed *f)
 {
-    static const char *const kinds[] = {"gmv", "column", "weights", "mean", "both", "mystery", ""};
+    static const char *const kinds[] = {"gmv",  "column",  "weights", "mean",
+                                        "both", "mystery", "shared",  ""};
     static const uint8_t field[] = {1, 1, 2, 3, 4, 65, 66, 66, 67, 68, 73, 127, 128, 255, 5, 0};
     uint8_t what = feed_byte(f), which = PICK(field, f), type = what >> 4;
     size_t n = feed_byte(f) % 80u;
