@@ -1,3 +1,4 @@
+/* A column: its inputs, and its outputs at a state. */
 #include "model/column_inside.h"
 
 #include <string.h>
