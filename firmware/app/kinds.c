@@ -8,10 +8,7 @@
 #include "feedforward/feedforward.h"
 
 const struct block_kind *const block_kinds[] = {
-    &pid_kind,
-    &two_position_kind,
-    &decoupler_kind,
-    &feedforward_kind,
+    &pid_kind,    &two_position_kind, &decoupler_kind, &feedforward_kind,
 #if CONFIG_BLOCKS
     &column_kind,
 #endif

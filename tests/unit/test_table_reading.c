@@ -190,11 +190,11 @@ static void what_is_left_out_goes_to_the_closing_component(void)
     float *c = whole.value + COLUMN_TABLE_FIXED + COLUMN_TABLE_C_FEED;
     TEST_ASSERT_FLOAT_WITHIN(1e-6f, 0.281f, c[0]);
     TEST_ASSERT_FLOAT_WITHIN(1e-6f, 0.236f, c[COLUMN_TABLE_C_VALUES]);
-    TEST_ASSERT_FLOAT_WITHIN(1e-6f, 0.483f, c[2 * COLUMN_TABLE_C_VALUES]);
+    TEST_ASSERT_FLOAT_WITHIN(1e-6f, 0.483f, c[(size_t)2 * COLUMN_TABLE_C_VALUES]);
     TEST_ASSERT_TRUE(
         made(&whole, "splitter", (struct table_task){.components = SUBSET, .closing = "iC4"}));
     TEST_ASSERT_EQUAL_STRING("iC4", says.component[2]);
-    TEST_ASSERT_FLOAT_WITHIN(1e-6f, 1.0f - 0.281f - 0.4746f, c[2 * COLUMN_TABLE_C_VALUES]);
+    TEST_ASSERT_FLOAT_WITHIN(1e-6f, 1.0f - 0.281f - 0.4746f, c[(size_t)2 * COLUMN_TABLE_C_VALUES]);
 }
 
 /* With all its components a column's table has the bubble points of the column. */
@@ -246,7 +246,7 @@ static void activity_keeps_the_rows_and_columns_of_the_components_named(void)
     TEST_ASSERT_EQUAL_FLOAT(55000.0f, whole.value[COLUMN_TABLE_HEAT]);
     TEST_ASSERT_TRUE_MESSAGE(made(&whole, file, (struct table_task){.components = "H2O,MeOH"}),
                              words);
-    const float *b = whole.value + COLUMN_TABLE_FIXED + 2 * COLUMN_TABLE_C_VALUES + 4;
+    const float *b = whole.value + COLUMN_TABLE_FIXED + (size_t)2 * COLUMN_TABLE_C_VALUES + 4;
     TEST_ASSERT_EQUAL_FLOAT(0.0f, b[0]);
     TEST_ASSERT_EQUAL_FLOAT(260.0f, b[1]); /* water, methanol */
     TEST_ASSERT_EQUAL_FLOAT(-50.0f, b[2]);
