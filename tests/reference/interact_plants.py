@@ -24,7 +24,7 @@ import numpy as np
 import scipy.optimize
 
 from interact_reference import table
-from linear_reference import HERE, PLANTS, Plant
+from linear_reference import HERE, Plant, linear_files
 
 OMEGA = (0.1, 1.0, 10.0)  # over the slowest time constant
 
@@ -108,7 +108,7 @@ def figures():
     """name, dictionary of what is known, for every plant with two inputs or more that does not integrate."""
     with open(HERE / "linear_pairing.csv") as f:
         committed = list(csv.DictReader(line for line in f if not line.startswith("#")))
-    for q in (Plant(p) for p in sorted(PLANTS.glob("*.json"))):
+    for q in (Plant(p) for p in linear_files()):
         if q.integrates() or len(q.j["inputs"]) < 2:
             continue
         g, L, T = fopdt(q)

@@ -180,8 +180,13 @@ def exponentials():
         yield ",".join(f"{x:.17g}" for x in [len(a), *a.ravel(), *scipy.linalg.expm(a).ravel()])
 
 
+def linear_files():
+    """The plant files that are no columns."""
+    return [p for p in sorted(PLANTS.glob("*.json")) if "column" not in json.loads(p.read_text())]
+
+
 def main():
-    plants = [Plant(p) for p in sorted(PLANTS.glob("*.json"))]
+    plants = [Plant(p) for p in linear_files()]
     gains, poles, steps, pairings = [], [], [], []
     for q in plants:
         if not q.integrates():
