@@ -23,6 +23,7 @@ struct search {
     struct column_solver *solver;
     double size[TRIMS_MAX]; /* of the inputs: what a step is measured by */
     double now[TRIMS_MAX], miss[TRIMS_MAX];
+    bool stuck; /* the inputs do not move the values apart where the search has come to */
     char *err;
     size_t err_size;
 };
@@ -118,8 +119,10 @@ static bool newton_step(struct search *s, double slope[TRIMS_MAX][TRIMS_MAX], do
         size_t pivot = k;
         for (size_t i = k + 1; i < n; i++)
             pivot = fabs(slope[i][k]) > fabs(slope[pivot][k]) ? i : pivot;
-        if (!(fabs(slope[pivot][k]) > 1e-12))
+        if (!(fabs(slope[pivot][k]) > 1e-12)) {
+            s->stuck = true;
             return false;
+        }
         for (size_t j = 0; j < n && pivot != k; j++) {
             double swap = slope[k][j];
             slope[k][j] = slope[pivot][j];
@@ -197,6 +200,10 @@ static bool not_met(struct search *s)
                        : top  ? ", its highest"
                               : "");
     }
+    if (s->stuck && at < end)
+        snprintf(
+            at, (size_t)(end - at),
+            ", where they do not move them apart: a search from other nominal values may help");
     return false;
 }
 

@@ -499,6 +499,13 @@ class Nominal(Files):
             found.append((v["L"], v["V"]))
         self.assertEqual(len(set(found)), 1, found)
 
+    def test_a_search_that_gets_stuck_says_so(self):
+        # More reflux than the boil-up makes: it is cut, and neither input moves what they are to meet.
+        self.refused(STILL, both(put("inputs", 0, "nominal", 5.9), put("inputs", 1, "nominal", 5)),
+                     "$.steady_state: cannot be met; nearest is xD = 99.9146 % (wanted 95), xB = 50 % (wanted 5) with "
+                     "L = 5.9 mol/s, V = 5 mol/s, where they do not move them apart: a search from other nominal values "
+                     "may help")
+
     def test_a_constant_is_trimmed_as_an_input_is(self):
         with_input = self.steady(STILL)
         v = self.steady(STILL, put("inputs", 0, KeyError), put("constants", "reflux", {"value": 1.5, "unit": "mol/s"}),

@@ -66,7 +66,8 @@ def load(top: Table, name: str) -> Start:
     for t in top.tables("plants"):
         plants.append(Known(t.text("name"), t.number("slowest_s", low=1e-3), t.number("determined", 0.0, 0.0, 1.0)))
         t.done()
-        if not (PLANTS / f"{plants[-1].name}.json").exists():
+        file = PLANTS / f"{plants[-1].name}.json"
+        if not file.exists() or "column" in json.loads(file.read_text(encoding="utf-8")):
             raise UserError(f'{top.path("plants")}: there is no linear plant "{plants[-1].name}"')
     start = Start(name, top.text("title", name), top.text("firmware", "memory", choices=("memory",)),
                   tuple(range(first, first + top.integer("seeds", low=1, high=100000))), tuple(plants),
