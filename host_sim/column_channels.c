@@ -195,8 +195,10 @@ static void read_channel(struct column_reader *r, const json_t *object, enum pla
     check_needs(r, &d, c->hi);
     read_nominal(r, object, c, d.is);
     if (kind == PLANT_MV) {
-        bool product = is_product(d.is); /* its nominal value comes later */
-        c->safe = walk_number(w, object, "safe", c->lo, c->hi, product ? c->lo : c->nominal);
+        c->safe = c->nominal; /* a product's comes later */
+        if (json_object_get(object, "safe") != NULL) {
+            c->safe = walk_number(w, object, "safe", c->lo, c->hi, NAN);
+        }
         c->slew = walk_number(w, object, "slew", 0.0, COLUMN_BIG, 0.0);
     }
     (void)add(r, d);

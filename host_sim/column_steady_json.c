@@ -121,6 +121,7 @@ static void take_product(struct column_reader *r, size_t k, const struct column 
                                      .unit = t->driven[k].unit};
     const struct column_terms one = {.seen = &seen, .n_seen = 1};
     c->nominal = column_terms_value(&one, column, x, 0);
+    c->safe = isnan(c->safe) ? c->nominal : c->safe;
     if (!(c->nominal >= c->lo && c->nominal <= c->hi)) {
         (void)walk_fail(r->walk, "%s is %.6g %s in the nominal state, outside its span, %g to %g",
                         c->name, c->nominal, c->unit, c->lo, c->hi);
