@@ -19,7 +19,7 @@ struct column_solver; /* opaque */
 struct column_solver_options {
     double relative; /* integration tolerances on mole fractions; 0: 3e-6 */
     double absolute; /* 0: 3e-8 */
-    double residual; /* largest dx/dt * 1 h left at a settled state, mole fraction; 0: 1e-9 */
+    double residual; /* largest dx/dt * 1 h left at a settled state, of any state; 0: 1e-9 */
 };
 
 /* Work done since creation, for tests and benches. */

@@ -169,6 +169,54 @@ static void vapour_above_a_flash_follows_new_inputs(void)
     }
 }
 
+/* Flows do not depend on compositions here, so the band is the whole of it: against differences, in double. */
+static void the_band_jacobian_is_that_of_the_mole_fractions_alone(void)
+{
+    enum { STRIDE = 16 };
+    static real_t band[FRACTIONS * STRIDE + STRIDE];
+    struct row row = {.levels = 1,
+                      .trays = 1,
+                      .condenser_by = 1,
+                      .reboiler_by = 2,
+                      .q = 0.9,
+                      .boilup = 2,
+                      .reflux = 1.6,
+                      .feed = 1,
+                      .z = {0.3, 0.4},
+                      .reference = {1.6, 0.5, 0.5, 1.6, 2.5, 2, 2.1}};
+    size_t lower, upper;
+    for (size_t s = 0; s < HOLDUP_STAGES; s++) {
+        row.x[2 * s] = 0.1 + 0.05 * (double)s;
+        row.x[2 * s + 1] = 0.3;
+        row.r[s] = 1.05 - 0.01 * (double)s;
+    }
+    make(&row);
+    config.efficiency = 1; /* nothing is left out of the band then */
+    TEST_ASSERT_EQUAL(ERR_OK, column_rates(&column, x, rates));
+    column_jacobian_shape(&config, &lower, &upper);
+    TEST_ASSERT_TRUE(lower + upper < STRIDE);
+    for (size_t i = 0; i < sizeof band / sizeof band[0]; i++)
+        band[i] = 77;
+    column_jacobian(&column, x, band, STRIDE, upper);
+    for (size_t i = FRACTIONS * STRIDE; i < sizeof band / sizeof band[0]; i++)
+        TEST_ASSERT_TRUE(band[i] == 77);
+    const real_t h = sizeof(real_t) > 4 ? REAL_C(1e-6) : REAL_C(1e-3);
+    for (size_t col = 0; col < FRACTIONS; col++) {
+        real_t above[FRACTIONS + HOLDUP_STAGES], below[FRACTIONS + HOLDUP_STAGES], here = x[col];
+        x[col] = here + h;
+        TEST_ASSERT_EQUAL(ERR_OK, column_rates(&column, x, above));
+        x[col] = here - h;
+        TEST_ASSERT_EQUAL(ERR_OK, column_rates(&column, x, below));
+        x[col] = here;
+        for (size_t at = 0; at < FRACTIONS; at++) {
+            double slope = (double)(above[at] - below[at]) / (2 * (double)h);
+            bool inside = at <= col + lower && col <= at + upper;
+            double entry = inside ? (double)band[col * STRIDE + upper + at - col] : 0;
+            TEST_ASSERT_DOUBLE_WITHIN(sizeof(real_t) > 4 ? 1e-6 : 2e-3, slope, entry);
+        }
+    }
+}
+
 static void states_that_are_no_numbers_are_refused(void)
 {
     struct row row = {.levels = 1, .trays = 1, .condenser_by = 1, .reboiler_by = 1, .feed = 1};
@@ -274,6 +322,7 @@ int main(void)
     UNITY_BEGIN();
     RUN_TEST(rates_temperatures_and_flows_match_the_independent_reference);
     RUN_TEST(vapour_above_a_flash_follows_new_inputs);
+    RUN_TEST(the_band_jacobian_is_that_of_the_mole_fractions_alone);
     RUN_TEST(states_that_are_no_numbers_are_refused);
     RUN_TEST(wrong_entries_of_activity_tables_are_named);
     RUN_TEST(activity_coefficients_stay_numbers_at_every_composition);
