@@ -8,6 +8,7 @@
     1e-4 /* mole fraction outside [0, 1], relative holdup below 0, that is set back silently */
 /* Tolerances of a stretch that has to be done again, and the steps it may take. */
 #define CAREFUL           1e-2
+#define CAREFUL_SHORTER   1e-4
 #define CAREFUL_STEPS_MAX 100000
 #define HOLDUP_MAX        1e6 /* over the nominal one; what comes near that is no holdup any more */
 
@@ -320,17 +321,19 @@ static void go_back(struct column_solver *s, double t)
 }
 
 /* A stretch that overshot, as a vessel may do that runs empty or fills up from nothing: once more in one-step steps of far
- * smaller error. */
+ * smaller error, however short. */
 static bool carefully(struct column_solver *s, double t)
 {
     struct rosenbrock *r = &s->one_step;
-    double relative = r->relative, absolute = r->absolute;
+    double relative = r->relative, absolute = r->absolute, shortest = r->shortest;
     bool moved = false;
 
+    r->shortest *= CAREFUL_SHORTER;
     r->relative *= CAREFUL;
     r->absolute *= CAREFUL;
     rosenbrock_jump(r);
     s->t = rosenbrock_run(r, s->t, t, NV_DATA_S(s->y), NV_DATA_S(s->rates), CAREFUL_STEPS_MAX);
+    r->shortest = shortest;
     r->relative = relative;
     r->absolute = absolute;
     s->jumped = true;

@@ -4,11 +4,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define STAGES   ROSENBROCK_STAGES
-#define SAFETY   0.9
-#define GROW     6.0
-#define SHRINK   0.15
-#define SHORTEST 1e-9 /* of the stretch: below that a step counts as failed */
+#define STAGES ROSENBROCK_STAGES
+#define SAFETY 0.9
+#define GROW   6.0
+#define SHRINK 0.15
 
 /* In the notation of Hairer and Wanner IV.7: gamma, alpha_ij, gamma_ij, b_i and the embedded b_i. The last stage
  * is the result itself: alpha_4j + gamma_4j = b_j. */
@@ -42,8 +41,11 @@ static double *part(const struct rosenbrock *r, size_t i)
 bool rosenbrock_init(struct rosenbrock *r, const struct rosenbrock_problem *problem,
                      double relative, double absolute)
 {
-    *r = (struct rosenbrock){
-        .problem = *problem, .relative = relative, .absolute = absolute, .jumped = true};
+    *r = (struct rosenbrock){.problem = *problem,
+                             .relative = relative,
+                             .absolute = absolute,
+                             .shortest = 1e-9,
+                             .jumped = true};
     r->work = calloc(problem->n * PARTS, sizeof(double));
     return r->work != NULL;
 }
@@ -182,7 +184,7 @@ double rosenbrock_run(struct rosenbrock *r, double t, double end, double *y, con
             r->rejected++;
             rejected = true;
             h = better;
-            if (h < SHORTEST * stretch)
+            if (h < r->shortest * stretch)
                 break;
             continue;
         }
