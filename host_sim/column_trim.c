@@ -6,10 +6,16 @@
 #include <string.h>
 
 #define TRIMS_MAX    COLUMN_DRIVES_MAX
-#define ROUNDS_MAX   40
+#define ROUNDS_MAX   80
 #define HALVINGS_MAX 12
-#define DIFFERENCE   1e-5  /* of an input's size, for the slopes */
+/* Slopes are differences to both sides, of inputs' sizes. Two inputs may do nearly the same (reflux and boil-up of pure
+ * products): what they do differently is a thousandth of a slope. So no difference moves a miss by more than a little. */
+#define DIFFERENCE   1e-5  /* at most */
+#define FINEST       1e-11 /* at least */
+#define MOVED        1e-3
 #define LONGEST_STEP 0.5   /* of an input's size, in one round */
+#define LONGEST_MOVE 1.0   /* of a miss, in one round: so far a column is nearly linear in logits */
+#define RESIDUAL     1e-11 /* of steady states, 1/h: what is rare in a product changes slowly */
 #define MET          1e-6  /* largest miss: of a logit, or of the channel's span */
 #define NEAR_ENOUGH  1e-11 /* no further round is worth it */
 #define MARGIN       1e-12 /* logits end so near 0 and 1 */
@@ -22,7 +28,8 @@ struct search {
     size_t n;
     struct column_solver *solver;
     double size[TRIMS_MAX]; /* of the inputs: what a step is measured by */
-    double now[TRIMS_MAX], miss[TRIMS_MAX];
+    double now[TRIMS_MAX], miss[TRIMS_MAX], reached[TRIMS_MAX]; /* where the search has come to */
+    double seen[TRIMS_MAX]; /* values of the state that was settled last */
     bool stuck; /* the inputs do not move the values apart where the search has come to */
     char *err;
     size_t err_size;
@@ -76,10 +83,11 @@ static bool settle_at(struct search *s, const double *v, double *miss)
     if (!inputs_now(s, &in) || !column_solver_set_inputs(s->solver, &in, s->err, s->err_size) ||
         !column_solver_settle(s->solver, s->err, s->err_size))
         return false;
-    for (size_t i = 0; i < s->n; i++)
-        miss[i] = miss_of(s, i,
-                          column_terms_value(s->terms, column_solver_column(s->solver),
-                                             column_solver_state(s->solver), s->trim[i].seen));
+    for (size_t i = 0; i < s->n; i++) {
+        s->seen[i] = column_terms_value(s->terms, column_solver_column(s->solver),
+                                        column_solver_state(s->solver), s->trim[i].seen);
+        miss[i] = miss_of(s, i, s->seen[i]);
+    }
     return true;
 }
 
@@ -91,19 +99,33 @@ static double largest(const double *x, size_t n)
     return most;
 }
 
-/* slope[i][j]: of miss i by input j, a whole size of it. A difference that would leave the bounds goes the other way. */
+/* The misses with input j moved by a step, within its bounds; *moved: by how much it was. */
+static bool beside(struct search *s, size_t j, double step, double *moved, double *miss)
+{
+    double v[TRIMS_MAX];
+    memcpy(v, s->now, sizeof v);
+    v[j] = fmin(fmax(v[j] + step, s->trim[j].lo), s->trim[j].hi);
+    *moved = v[j] - s->now[j];
+    return settle_at(s, v, miss);
+}
+
+/* slope[i][j]: of miss i by input j, a whole size of it. */
 static bool slopes(struct search *s, double slope[TRIMS_MAX][TRIMS_MAX])
 {
-    double v[TRIMS_MAX], miss[TRIMS_MAX];
+    double up[TRIMS_MAX] = {0}, down[TRIMS_MAX] = {0}, above = 0.0, below = 0.0;
 
     for (size_t j = 0; j < s->n; j++) {
-        double step = DIFFERENCE * s->size[j];
-        memcpy(v, s->now, sizeof v);
-        v[j] += v[j] + step <= s->trim[j].hi ? step : -step;
-        if (!settle_at(s, v, miss))
-            return false;
+        double step = DIFFERENCE * s->size[j], most;
+        do {
+            if (!beside(s, j, step, &above, up) || !beside(s, j, -step, &below, down))
+                return false;
+            most = 0.0;
+            for (size_t i = 0; i < s->n; i++)
+                most = fmax(most, fabs(up[i] - down[i]));
+            step *= fmin(0.5, MOVED / fmax(most, MOVED));
+        } while (most > 2.0 * MOVED && step >= FINEST * s->size[j]);
         for (size_t i = 0; i < s->n; i++)
-            slope[i][j] = (miss[i] - s->miss[i]) / (v[j] - s->now[j]) * s->size[j];
+            slope[i][j] = (up[i] - down[i]) / (above - below) * s->size[j];
     }
     return true;
 }
@@ -143,9 +165,10 @@ static bool newton_step(struct search *s, double slope[TRIMS_MAX][TRIMS_MAX], do
             step[k] -= slope[k][j] * step[j];
         step[k] /= slope[k][k];
     }
-    double most = largest(step, n);
-    for (size_t k = 0; k < n && most > LONGEST_STEP; k++)
-        step[k] *= LONGEST_STEP / most;
+    double part = fmin(1.0, fmin(LONGEST_STEP / fmax(largest(step, n), LONGEST_STEP),
+                                 LONGEST_MOVE / fmax(largest(s->miss, n), LONGEST_MOVE)));
+    for (size_t k = 0; k < n; k++)
+        step[k] *= part;
     return true;
 }
 
@@ -161,6 +184,7 @@ static bool improve(struct search *s, const double *step)
         if (settle_at(s, v, miss) && largest(miss, s->n) < largest(s->miss, s->n)) {
             memcpy(s->now, v, sizeof v);
             memcpy(s->miss, miss, sizeof miss);
+            memcpy(s->reached, s->seen, sizeof s->reached);
             return true;
         }
     }
@@ -174,36 +198,49 @@ static double rounded(double x)
     return strtod(text, NULL);
 }
 
-/* One line: every value as it came and as it was wanted, and the inputs there. */
-static bool not_met(struct search *s)
+/* " with L = 1 mol/s, its highest, ..." */
+static void say_inputs(const struct search *s, char *at, size_t size)
 {
-    char *at = s->err, *end = s->err + s->err_size;
-    double miss[TRIMS_MAX];
-
-    if (!settle_at(s, s->now, miss))
-        return false;
-    at += snprintf(at, (size_t)(end - at), "cannot be met; nearest is ");
-    for (size_t i = 0; i < s->n && at < end; i++) {
-        const struct plant_channel *c = channel_of(s, s->trim[i].seen);
-        double value = column_terms_value(s->terms, column_solver_column(s->solver),
-                                          column_solver_state(s->solver), s->trim[i].seen);
-        at += snprintf(at, (size_t)(end - at), "%s%s = %.6g %s (wanted %.6g)", i > 0 ? ", " : "",
-                       c->name, value, c->unit, s->trim[i].value);
+    size_t used = 0;
+    for (size_t i = 0; i < s->n && used < size; i++) {
+        const struct column_trim *t = &s->trim[i];
+        const char *name =
+            t->driven < s->terms->n_inputs ? s->channels[t->driven].name : "the constant";
+        int n = snprintf(at + used, size - used, "%s%s = %.6g %s%s", i > 0 ? ", " : " with ", name,
+                         s->now[i], s->terms->driven[t->driven].unit->name,
+                         s->now[i] <= t->lo   ? ", its lowest"
+                         : s->now[i] >= t->hi ? ", its highest"
+                                              : "");
+        used += n > 0 ? (size_t)n : 0;
     }
-    for (size_t i = 0; i < s->n && at < end; i++) {
-        size_t k = s->trim[i].driven;
-        bool bottom = s->now[i] <= s->trim[i].lo, top = s->now[i] >= s->trim[i].hi;
-        at += snprintf(at, (size_t)(end - at), "%s%s = %.6g %s%s", i > 0 ? ", " : " with ",
-                       k < s->terms->n_inputs ? s->channels[k].name : "the constant", s->now[i],
-                       s->terms->driven[k].unit->name,
-                       bottom ? ", its lowest"
-                       : top  ? ", its highest"
-                              : "");
-    }
-    if (s->stuck && at < end)
+    if (s->stuck && used < size)
         snprintf(
-            at, (size_t)(end - at),
+            at + used, size - used,
             ", where they do not move them apart: a search from other nominal values may help");
+}
+
+/* One line: every value as it came and as it was wanted, and the inputs there. */
+static bool not_met(const struct search *s)
+{
+    size_t used = (size_t)snprintf(s->err, s->err_size, "cannot be met; nearest is ");
+
+    for (size_t i = 0; i < s->n && used < s->err_size; i++) {
+        const struct plant_channel *c = channel_of(s, s->trim[i].seen);
+        int n = snprintf(s->err + used, s->err_size - used, "%s%s = %.6g %s (wanted %.6g)",
+                         i > 0 ? ", " : "", c->name, s->reached[i], c->unit, s->trim[i].value);
+        used += n > 0 ? (size_t)n : 0;
+    }
+    if (used < s->err_size)
+        say_inputs(s, s->err + used, s->err_size - used);
+    return false;
+}
+
+/* Where the search starts there is no steady state: why, and the inputs. */
+static bool no_start(const struct search *s)
+{
+    size_t used = strlen(s->err);
+    if (s->n > 0)
+        say_inputs(s, s->err + used, s->err_size - used);
     return false;
 }
 
@@ -214,7 +251,8 @@ static bool seek(struct search *s)
     for (size_t i = 0; i < s->n; i++)
         s->now[i] = *input_of(s, s->trim[i].driven);
     if (!settle_at(s, s->now, s->miss))
-        return false;
+        return no_start(s);
+    memcpy(s->reached, s->seen, sizeof s->reached);
     for (int round = 0; round < ROUNDS_MAX && largest(s->miss, s->n) > NEAR_ENOUGH; round++)
         if (!slopes(s, slope) || !newton_step(s, slope, step) || !improve(s, step))
             break;
@@ -247,7 +285,8 @@ bool column_trim_find(const struct column_config *config, struct column_terms *t
     }
     if (!inputs_now(&s, &in))
         return false;
-    s.solver = column_solver_create(&perfect, &in, NULL, err, err_size);
+    s.solver = column_solver_create(
+        &perfect, &in, &(struct column_solver_options){.residual = RESIDUAL}, err, err_size);
     bool found = s.solver && seek(&s);
     if (found) {
         *at = *column_solver_column(s.solver);
