@@ -84,9 +84,9 @@ bool column_solver_refresh(struct column_solver *s, bool again, char *err, size_
     double *y = NV_DATA_S(s->y), *rates = NV_DATA_S(s->rates);
     enum err code =
         again ? column_rates_again(&s->column, y, rates) : column_rates(&s->column, y, rates);
-    return code ? column_solver_fail(err, size, "column: outputs at the present state",
-                                     err_text(code))
-                : true;
+    return !code ||
+           (!column_boiling_lost(s, err, size) &&
+            column_solver_fail(err, size, "column: outputs at the present state", err_text(code)));
 }
 
 /* The one-step method's view of the column. */
@@ -356,6 +356,8 @@ bool column_solver_advance(struct column_solver *s, double t, char *err, size_t 
     if (!done) {
         go_back(s, before);
         done = carefully(s, t);
+        if (!done)
+            (void)column_boiling_lost(s, err, err_size);
     }
     if (done && column_solver_refresh(s, false, err, err_size)) {
         s->t = t;

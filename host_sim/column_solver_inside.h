@@ -1,5 +1,5 @@
 /* What the files of the column solver share: column_solver.c (state, inputs, who integrates), column_bdf.c (CVODE),
- * column_steady.c (KINSOL), column_nominal.c (where it starts). */
+ * column_steady.c (KINSOL), column_nominal.c (where it starts), column_boiling.c (what it lacks when it fails). */
 #ifndef REFLUX_HOST_SIM_COLUMN_SOLVER_INSIDE_H
 #define REFLUX_HOST_SIM_COLUMN_SOLVER_INSIDE_H
 
@@ -77,5 +77,9 @@ void column_steady_free(struct column_solver *s);
 
 /* Rates and outputs at the present state and inputs; again: only inputs have changed since the last time. */
 bool column_solver_refresh(struct column_solver *s, bool again, char *err, size_t size);
+
+/* Whether a stage has no boiling point at the state in s->y, or is about to lose it; then err says which, and what the
+ * range is. */
+bool column_boiling_lost(const struct column_solver *s, char *err, size_t size);
 
 #endif

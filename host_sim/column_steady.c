@@ -113,7 +113,8 @@ static bool relax(struct column_solver *s, double span, char *err, size_t size)
 {
     bool moved;
     if (column_solver_rates(0.0, s->y, s->rates, s))
-        return column_solver_fail(err, size, "column", err_text(s->model_error));
+        return !column_boiling_lost(s, err, size) &&
+               column_solver_fail(err, size, "column", err_text(s->model_error));
     rosenbrock_jump(&s->rough);
     rosenbrock_run(&s->rough, 0.0, span, NV_DATA_S(s->y), NV_DATA_S(s->rates), STEPS_MAX);
     return column_solver_confine(s, &moved) ||
@@ -130,6 +131,8 @@ static bool nothing_found(const struct column_solver *s, char *err, size_t size)
     const struct column_flows *f = &s->column.flows;
     double least = 1e-3 * f->feed;
     int which = f->bottoms < least ? 1 : f->distillate < least ? 2 : 0;
+    if (which == 0 && column_boiling_lost(s, err, size))
+        return false;
     snprintf(err, size, "column: no steady state found for these inputs%s", reason[which]);
     return false;
 }

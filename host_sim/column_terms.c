@@ -171,15 +171,20 @@ static real_t temperature(const struct column_seen *c, const struct column *colu
     return sum / (real_t)c->n_stages;
 }
 
-static real_t level(const struct column_seen *c, const struct column *column)
+/* An empty vessel is empty here, though the balances count a little as its holdup. */
+static real_t level(const struct column_seen *c, const struct column *column, const real_t *x)
 {
     const struct column_config *config = column->config;
     size_t s = c->stage[0];
+    real_t relative = column_relative_holdup(column, x, s);
 
-    if (c->unit->measure != MEASURE_CAPACITY)
+    if (c->unit->measure == MEASURE_CAPACITY)
+        return relative / config->level_capacity;
+    if (column_holdup_state(column, s) == column->n_states)
         return column->holdup[s];
-    return column->holdup[s] /
-           (config->level_capacity * (s == 0 ? config->holdup_reboiler : config->holdup_condenser));
+    return relative * (s == 0                    ? config->holdup_reboiler
+                       : s == config->stages - 1 ? config->holdup_condenser
+                                                 : config->holdup_tray);
 }
 
 /* Heat that becomes vapour in the reboiler, W. */
@@ -221,7 +226,7 @@ real_t column_terms_value(const struct column_terms *t, const struct column *col
         value = vapour_fraction(c, column);
         break;
     case SIGHT_LEVEL:
-        value = level(c, column);
+        value = level(c, column, x);
         break;
     case SIGHT_DISTILLATE:
         value = column->flows.distillate;

@@ -168,7 +168,13 @@ double walk_value(struct json_walk *w, const json_t *value, double lo, double hi
     }
     double x = json_number_value(value);
     if (!(x >= lo && x <= hi)) {
-        (void)walk_fail(w, "%g must be %g to %g", x, lo, hi);
+        double read =
+            0.0; /* what the short form of it says: it may be a bound, which would be right */
+        char text[32];
+        (void)snprintf(text, sizeof(text), "%g", x);
+        bool clear = sim_parse_number(text, &read) && !(read >= lo && read <= hi);
+        (void)snprintf(text, sizeof(text), clear ? "%g" : "%.17g", x);
+        (void)walk_fail(w, "%s must be %g to %g", text, lo, hi);
         return 0.0;
     }
     return x;

@@ -49,7 +49,7 @@ static enum err check_entry(const struct activity *activity, size_t i, size_t j,
                                nrtl ? "such that a + b / T is -20 to 20 at every temperature"
                                     : "such that a + b / T is -10 to 10 at every temperature",
                                a);
-    if (!nrtl || i == j)
+    if (!nrtl)
         return ERR_OK;
     if (!real_within(activity->alpha[at], ZERO, ONE))
         return entry_wrong(fault, "activity.alpha", "0 to 1", activity->alpha[at]);

@@ -197,6 +197,8 @@ class Broken(Files):
              "$.holdup.temperatures: a molar holdup has no temperature"),
             (STILL, put("holdup", "hydraulics", {"time": 0}),
              "$.holdup.hydraulics.time: 0 must be 0.001 to 1e+06"),
+            (STILL, put("holdup", "hydraulics", {"time": 1000001}),
+             "$.holdup.hydraulics.time: 1000001 must be 0.001 to 1e+06"),
             (STILL, put("holdup", "hydraulics", {"vapour": 1}),
              '$.holdup.hydraulics: the key "time" is missing'),
             (STILL, put("levels", "capacity", 1),
@@ -485,6 +487,28 @@ class Broken(Files):
         self.assertIn("still: at the nominal inputs: column: no steady state: the level of the reboiler runs away, "
                       "it rises by 0.4 mol/s", done.stderr)
 
+    # The pure components boil within the range, their mixture does not: with Wilson's L = e^3 both ways its boiling point is a
+    # maximum.
+    AZEOTROPE = (put("activity", {"model": "wilson", "a": [[0, 3], [3, 0]]}), put("levels", KeyError),
+                 put("truths", []), put("steady_state", []))
+
+    def test_a_stage_that_boils_nowhere_in_the_temperature_range_is_named(self):
+        done = sim("--steady", "--plant", self.write(STILL, *self.AZEOTROPE))
+        self.assertEqual((done.returncode, done.stdout, done.stderr.count("\n")), (1, "", 1))
+        self.assertRegex(done.stderr, r"still: at the nominal inputs: column: stage \d+ has no boiling point within the "
+                         r"temperature_range, 320 to 420 K, at 1.013e\+05 Pa with mole fractions light 0.\d+, heavy 0.\d+")
+
+    def test_a_stage_that_comes_to_the_end_of_the_temperature_range_is_named(self):
+        """A feed without light, of which half becomes light: the reboiler goes to the azeotrope of its pressure."""
+        path = self.write(STILL, *self.AZEOTROPE, put("activity", "a", [[0, 1.3], [1.3, 0]]), put("pressure_drop", 50000),
+                          put("temperature_range", [320, 414]), put("stages", 5), put("feed_stage", 2),
+                          put("outputs", 1, KeyError), put("disturbances", 1, "nominal", 0))
+        self.assertEqual(sim("--steady", "--plant", path).returncode, 0)
+        done = sim("--step", "--plant", path, "--size", "50")
+        self.assertEqual((done.returncode, done.stderr.count("\n")), (1, 1), done)
+        self.assertRegex(done.stderr, r"column: stage 1 comes to 41(3\.9|4\.0)\d* K and would leave the temperature_range, "
+                         "320 to 414 K")
+
 
 class Nominal(Files):
     def test_trims_are_met_wherever_the_search_starts_and_are_rounded_to_seven_digits(self):
@@ -575,6 +599,11 @@ class Structures(Files):
                 before = self.steady(STILL, *self.changes(structure))
                 self.assertAlmostEqual(v[fixed], before[fixed], delta=1e-6)
                 self.assertAlmostEqual(v[free], before[free] + 0.05, delta=1e-6)
+
+    def test_a_vessel_that_is_empty_has_no_level(self):
+        v = self.steady(STILL, put("truths", 5, {"name": "MB", "is": "level", "stage": 1, "unit": "mol", "lo": 0, "hi": 400}),
+                        settings=("--set", "F=0", "--set", "L=0"))
+        self.assertEqual((v["LB"], v["MB"]), (0, 0))
 
     def test_levels_that_nothing_holds_run_away_in_words(self):
         path = self.write(STILL, *self.changes("free"))

@@ -281,6 +281,8 @@ static void wrong_entries_of_activity_tables_are_named(void)
     refused(ERR_RANGE, "activity.alpha", "0 to 1", 0, 2);
     alpha[7] = REAL_C(0.5);
     refused(ERR_RANGE, "activity.alpha", "symmetric", 1, 2);
+    alpha[4] = REAL_C(-0.1);
+    refused(ERR_RANGE, "activity.alpha", "0 to 1", 1, 1);
     tables.model = ACTIVITY_WILSON;
     tables.alpha = NULL;
     a[6] = REAL_C(-9.5); /* -9.82 at 280 K */
