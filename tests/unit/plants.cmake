@@ -51,6 +51,10 @@ add_test(NAME column_files
   COMMAND "${PYTHON3}" "${CMAKE_CURRENT_LIST_DIR}/test_column_files.py" $<TARGET_FILE:reflux-sim>)
 set_tests_properties(column_files PROPERTIES LABELS unit TIMEOUT ${REFLUX_HANG_S}
   ENVIRONMENT "PYTHONDONTWRITEBYTECODE=1")
+add_test(NAME columns
+  COMMAND "${PYTHON3}" "${CMAKE_CURRENT_LIST_DIR}/test_columns.py" $<TARGET_FILE:reflux-sim>)
+set_tests_properties(columns PROPERTIES LABELS unit TIMEOUT ${REFLUX_HANG_S}
+  ENVIRONMENT "PYTHONDONTWRITEBYTECODE=1")
 
 # The compact table of a column: made from a plant, read as the board reads it.
 reflux_test(table_reading LABEL unit SOURCES ${CMAKE_CURRENT_LIST_DIR}/test_table_reading.c
