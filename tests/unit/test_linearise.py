@@ -1,6 +1,7 @@
 #!/usr/bin/python3
-"""--linearise of the columns against exact derivatives of an independent model (tests/reference/complex_step.py), at
-ordinary points and at odd ones: nothing of a component, pure products, total reflux, inputs at their ends.
+"""--linearise of the columns against exact derivatives of independent models: of pilot and splitter (tests/reference/
+complex_step.py) at ordinary points and at odd ones, nothing of a component, pure products, total reflux, inputs at their
+ends; of small columns of all kinds (columns_reference.py) at their nominal states.
 
 usage: test_linearise.py REFLUX_SIM
 """
@@ -16,6 +17,7 @@ import numpy as np
 SIM = sys.argv[1]
 ROOT = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..")
 sys.path.insert(0, os.path.join(ROOT, "tests", "reference"))
+import columns_reference  # noqa: E402
 import complex_step  # noqa: E402
 
 SS2 = ("R=32.2787", "Q=2804.458")
@@ -97,6 +99,43 @@ class Linearised(unittest.TestCase):
             wide, right = linearised(path), linearised("pilot")
         self.near("B", wide["B"].T, right["B"].T)
         self.near("D", wide["D"].T, right["D"].T)
+
+    def file_agrees(self, path):
+        """A column's file against columns_reference.py at the simulator's nominal state, whose flows the levels count from."""
+        m, tiny = linearised(path), columns_reference.STEP
+        column = columns_reference.Column(path, nominal=False)
+        u = dict(zip(m["inputs"], m["u"]))
+        base = column.evaluate(m["x"], u, perfect=True)
+        column.rest = {"distillate": base.distillate, "bottoms": base.bottoms, "reflux": base.reflux, "boilup": base.up[0],
+                       "down": base.down, "up": base.up}
+        n = len(m["x"])
+        states = column.evaluate(m["x"] + 1j * tiny * np.eye(n), u, guess=np.repeat(base.t[None], n, axis=0))
+        moved = [column.evaluate(m["x"] + 0j, u | {name: u[name] + 1j * tiny}, guess=base.t) for name in u]
+        span = np.array([c["hi"] - c["lo"] for c in column.inputs])
+        over = np.array([[1 / (spec["hi"] - spec["lo"])] for spec in column.outputs])
+        # A logarithm of 1 less the sum of the other fractions is as right as that difference of doubles.
+        seen = [i for i, spec in enumerate(column.outputs) if spec["is"] != "log_fraction" or m["y"][i] > -14]
+
+        c = np.array([np.broadcast_to(np.imag(column.value(states, spec)), n) for spec in column.outputs]) / tiny
+        d = np.array([[np.imag(column.value(f, spec)) for f in moved] for spec in column.outputs]) / tiny
+        b = np.stack([np.imag(f.rates) / tiny for f in moved], axis=-1)
+        self.near(f"A of {path}", m["A"], np.imag(states.rates).T / tiny)
+        self.near(f"B of {path}", m["B"] * span, b * span)
+        self.near(f"C of {path}", (m["C"] * over)[seen], (c * over)[seen])
+        self.near(f"D of {path}", (m["D"] * span * over)[seen], (d * span * over)[seen])
+
+    def test_columns_of_all_kinds(self):
+        """Those whose constants are trimmed are left out: their values are known to the simulator alone."""
+        folder, count = os.path.join(ROOT, "tests", "reference", "columns"), 0
+        for name in sorted(os.listdir(folder)):
+            path = os.path.join(folder, name)
+            with open(path, encoding="utf-8") as file:
+                data = json.load(file)
+            channels = [c["name"] for c in data["inputs"]]
+            if all(goal["trim"] in channels for goal in data.get("steady_state", [])):
+                self.file_agrees(path)
+                count += 1
+        self.assertGreaterEqual(count, 15)
 
     def test_without_a_feed(self):
         self.assertEqual(linearised("splitter", "F=0")["notes"], ["F is at an end of its range; slopes are those upwards"])
