@@ -208,6 +208,18 @@ def alone(column):
     return True
 
 
+def text(f):
+    """JSON with a line for each component and channel."""
+    lines = []
+    for key, value in f.items():
+        if isinstance(value, list) and value and isinstance(value[0], dict):
+            value = "[\n%s\n ]" % ",\n".join("  " + json.dumps(v) for v in value)
+        else:
+            value = json.dumps(value)
+        lines.append(" %s: %s" % (json.dumps(key), value))
+    return "{\n%s\n}\n" % ",\n".join(lines)
+
+
 def main():
     os.makedirs(FOLDER, exist_ok=True)
     rng = np.random.default_rng(SEED)
@@ -229,7 +241,7 @@ def main():
             except ArithmeticError:
                 continue
         with open(os.path.join(FOLDER, f["name"] + ".json"), "w", encoding="utf-8") as file:
-            file.write(json.dumps(f, indent=1) + "\n")
+            file.write(text(f))
         print(f["name"], "after", attempt + 1, "draws:", f["stages"], "stages,", len(f["components"]), "components, D/F %.3f" % share)
 
 

@@ -398,6 +398,10 @@ class Column:
         goals = self.file.get("steady_state", [])
         if goals:
             state = self._trim(goals, state)
+        self.rest_at(state)
+
+    def rest_at(self, state):
+        """Takes a state of the compositions for the nominal one, with the flows there."""
         s = self.evaluate(state, self.nominal, perfect=True)
         xd, td, xb = s.x[-1], s.t[-1] - s.subcooling, s.x[0]
         self.rest = {"distillate": s.distillate, "bottoms": s.bottoms, "reflux": s.reflux, "boilup": s.up[0],

@@ -15,6 +15,8 @@ import time
 
 from columns_reference import Column
 
+import numpy as np
+
 HERE = os.path.dirname(os.path.abspath(__file__))
 PLANTS = os.path.join(HERE, "..", "..", "host_sim", "plants")
 STEADY, PROFILES, STEPS = (os.path.join(HERE, "columns_%s.csv" % what) for what in ("steady", "profiles", "steps"))
@@ -69,6 +71,24 @@ def profile(column):
     s = column.evaluate(column.start, column.nominal)
     return [[column.file["name"], i + 1] + ["%.12g" % v for v in (s.t[i], s.down[i], s.up[i], s.moles[i], *s.x[i], *s.v[i])]
             for i in range(column.n)]
+
+
+def again(name):
+    """A column at its nominal state as kept, found without a search."""
+    column = Column(files()[name], nominal=False)
+    for row in kept(STEADY):
+        if row[:2] == [name, "nominal"] and row[2] in column.nominal:
+            column.nominal[row[2]] = float(row[3])
+    stages = [[float(v) for v in row[2:]] for row in kept(PROFILES) if row[0] == name]
+    for goal in column.file.get("steady_state", []):  # a constant that is trimmed is the flow there
+        if goal["trim"] in column.fixed:
+            unit = next(c["unit"] for c in column.constants if c["is"] == goal["trim"])
+            end = -1 if goal["trim"] == "reflux" else 0
+            colder = column.plain(column.drive(column.nominal)[0].get("reflux_subcooling", (0.0, "K")))
+            per = column.per_mole(unit, np.array(stages[end][4:4 + column.parts]), stages[end][0] - colder)
+            column.fixed[goal["trim"]] = float("%.7g" % (stages[end][1 if end else 2] * per))
+    column.rest_at(np.array([row[4:3 + column.parts] for row in stages]).ravel())
+    return column
 
 
 def work(column):

@@ -127,6 +127,28 @@ class Columns(unittest.TestCase):
             k = (d - c @ np.linalg.solve(a, b))[[m["outputs"].index("xD"), m["outputs"].index("xB")]][:, :2]
             self.assertAlmostEqual((k * np.linalg.inv(k).T)[0, 0] / published, 1, delta=0.03)
 
+    def test_linearisations_agree(self):
+        """With complex steps: 1e-6 of the largest entry of a row, and 1e-3 of each entry above 1e-6."""
+        for name in FILES:
+            with self.subTest(name):
+                m = json.loads(sim("--linearise", "--plant", FILES[name], "--format", "json"))
+                column = columns_results.again(name)
+                # Logarithms of a fraction below 1e-6 are left out: the states kept have twelve digits.
+                said = [spec["is"] != "log_fraction" or abs(self.steady[name, "nominal"][spec["name"]]) < 14 for spec in column.outputs]
+                reference = dict(zip("ABCD", column.linearise()))
+                for key, right in reference.items():
+                    rounding = 1e-11 * max(np.abs(reference[k]).max() for k in ("AB" if key in "AB" else "CD"))
+                    got = np.array(m[key], float)
+                    if key in "CD":
+                        got, right = got[said], right[said]
+                    far = np.abs(got - right)
+                    # a row of nothing but zeros may hold rounding
+                    allowed = 1e-6 * np.abs(right).max(axis=1, keepdims=True) + rounding
+                    worst = np.unravel_index(np.argmax(far / allowed), far.shape)
+                    self.assertLess((far / allowed)[worst], 1.0, "%s%s: %g, by the reference %g" % (key, worst, got[worst], right[worst]))
+                    small = np.abs(right) > 1e-6
+                    self.assertTrue(np.all(far[small] <= 1e-3 * np.abs(right)[small]), key)
+
     def test_steps_agree(self):
         for name in FILES:
             with self.subTest(name):
