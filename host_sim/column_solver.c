@@ -72,7 +72,8 @@ static bool make_vectors(struct column_solver *s)
     s->saved = N_VNew_Serial(n, s->context);
     s->absolute = N_VNew_Serial(n, s->context);
     s->scale = N_VNew_Serial(n, s->context);
-    if (!s->y || !s->rates || !s->saved || !s->absolute || !s->scale)
+    s->weight = N_VNew_Serial(n, s->context);
+    if (!s->y || !s->rates || !s->saved || !s->absolute || !s->scale || !s->weight)
         return false;
     N_VConst(s->options.absolute, s->absolute);
     N_VConst(1.0, s->scale);
@@ -180,7 +181,7 @@ void column_solver_destroy(struct column_solver *s)
     column_steady_free(s);
     rosenbrock_free(&s->one_step);
     column_newton_destroy(s->newton);
-    N_Vector *vectors[] = {&s->y, &s->rates, &s->saved, &s->absolute, &s->scale};
+    N_Vector *vectors[] = {&s->y, &s->rates, &s->saved, &s->absolute, &s->scale, &s->weight};
     for (size_t i = 0; i < sizeof vectors / sizeof vectors[0]; i++)
         if (*vectors[i])
             N_VDestroy(*vectors[i]);

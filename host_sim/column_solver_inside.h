@@ -33,7 +33,7 @@ struct column_solver {
     struct column_newton *newton; /* of one_step, and of the steady state */
 
     SUNContext context;
-    N_Vector y, rates, saved, absolute, scale;
+    N_Vector y, rates, saved, absolute, scale, weight;
     void *cvode, *kinsol;
     struct rosenbrock rough; /* transients towards the steady state */
     SUNMatrix matrix;

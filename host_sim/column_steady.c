@@ -17,7 +17,8 @@
 #define ROUGH      1e-3 /* tolerance of a transient that only has to end near the steady state */
 #define STEPS_MAX  2000 /* of one such transient */
 #define ROUNDS_MAX 14
-#define BALANCED   1e-6 /* of the flows through a vessel: what its level may gain at rest */
+#define BALANCED   1e-6  /* of the flows through a vessel: what its level may gain at rest */
+#define ROUNDING   1e-15 /* of a flow through a stage: what may be left of its balance by rounding */
 
 /* Change per hour of every mole fraction is zero. */
 static int residual(N_Vector y, N_Vector f, void *user)
@@ -92,11 +93,36 @@ void column_steady_free(struct column_solver *s)
     rosenbrock_free(&s->rough);
 }
 
+/* Weights of the rates, by what flows now: 1, and less for the mole fractions of a stage that holds so little for what
+ * flows through it, a tray that is all but dry, that rounding alone is more than the residual. */
+static void weigh(struct column_solver *s)
+{
+    const struct column *c = &s->column;
+    size_t m = c->config->components - 1;
+    double *weight = NV_DATA_S(s->weight);
+
+    for (size_t i = 0; i < s->n; i++)
+        weight[i] = 1.0;
+    for (size_t i = 0; i < s->column.n_fractions; i++) {
+        double through = fabs(c->liquid[i / m]) + c->vapour_flow[i / m];
+        double noise = ROUNDING * HOUR * through / c->holdup[i / m];
+        if (noise > s->options.residual)
+            weight[i] = s->options.residual / noise;
+    }
+}
+
 /* At rest: no mole fraction changes by more than the residual per hour. */
 static bool at_rest(struct column_solver *s)
 {
     s->rates_max = s->work.rates + 1;
-    return residual(s->y, s->rates, s) == 0 && N_VMaxNorm(s->rates) <= s->options.residual;
+    if (residual(s->y, s->rates, s))
+        return false;
+    weigh(s);
+    const double *rates = NV_DATA_S(s->rates), *weight = NV_DATA_S(s->weight);
+    for (size_t i = 0; i < s->n; i++)
+        if (!(fabs(rates[i]) * weight[i] <= s->options.residual))
+            return false;
+    return true;
 }
 
 static bool newton(struct column_solver *s)
@@ -104,7 +130,8 @@ static bool newton(struct column_solver *s)
     bool moved;
     s->model_error = ERR_OK;
     s->rates_max = s->work.rates + RATES_MAX;
-    int flag = KINSol(s->kinsol, s->y, KIN_LINESEARCH, s->scale, s->scale);
+    weigh(s);
+    int flag = KINSol(s->kinsol, s->y, KIN_LINESEARCH, s->scale, s->weight);
     return flag >= 0 && column_solver_confine(s, &moved) && at_rest(s);
 }
 

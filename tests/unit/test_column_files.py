@@ -605,6 +605,17 @@ class Structures(Files):
                         settings=("--set", "F=0", "--set", "L=0"))
         self.assertEqual((v["LB"], v["MB"]), (0, 0))
 
+    def test_trays_that_are_all_but_dry_come_to_rest(self):
+        """Less reflux than at nominal: what these trays would let down is far more than comes, so each holds a thousandth of
+        its holdup, and passes it on within microseconds. Where the column rests has nothing to do with it."""
+        plain = put("levels", KeyError), put("truths", []), put("steady_state", []), put("limit_softness", 0.001)
+        dry = put("holdup", "tray", 0.3), put("holdup", "hydraulics", {"time": 60})
+        for reflux in ("L=0.5", "L=0.9", "L=1.3"):
+            there = self.steady(STILL, *plain, *dry, settings=("--set", reflux))
+            without = self.steady(STILL, *plain, settings=("--set", reflux))
+            for name in ("T", "xD"):
+                self.assertAlmostEqual(there[name], without[name], delta=1e-5, msg=reflux)
+
     def test_levels_that_nothing_holds_run_away_in_words(self):
         path = self.write(STILL, *self.changes("free"))
         done = sim("--steady", "--plant", path, "--set", "Df=0.6")
