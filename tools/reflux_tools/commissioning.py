@@ -3,10 +3,8 @@
 from __future__ import annotations
 
 import csv
-import functools
 import hashlib
 import itertools
-import json
 import random
 import re
 import statistics
@@ -18,13 +16,11 @@ from typing import Any
 
 import numpy as np
 
-from reflux_tools import build, commissioning_columns, commissioning_stability, table
+from reflux_tools import build, commissioning_columns, commissioning_stability, known_plants, table
 from reflux_tools.errors import UserError
-from reflux_tools.paths import CAMPAIGNS, ROOT, shown
+from reflux_tools.paths import CAMPAIGNS, shown
 from reflux_tools.schema import Table
 
-PLANTS = ROOT / "host_sim" / "plants"
-PAIRINGS = ROOT / "tests" / "reference" / "linear_pairing.csv"
 UNITS = {"s": 1.0, "min": 60.0, "h": 3600.0}
 HORIZON = 3000  # slowest time constants after which the drift turns no more
 EVENTS_MOST = 1000
@@ -66,9 +62,8 @@ def load(top: Table, name: str) -> Start:
     for t in top.tables("plants"):
         plants.append(Known(t.text("name"), t.number("slowest_s", low=1e-3), t.number("determined", 0.0, 0.0, 1.0)))
         t.done()
-        file = PLANTS / f"{plants[-1].name}.json"
-        if not file.exists() or "column" in json.loads(file.read_text(encoding="utf-8")):
-            raise UserError(f'{top.path("plants")}: there is no linear plant "{plants[-1].name}"')
+        if not known_plants.exists(plants[-1].name):
+            raise UserError(f'{top.path("plants")}: there is no linear plant and no column "{plants[-1].name}"')
     start = Start(name, top.text("title", name), top.text("firmware", "memory", choices=("memory",)),
                   tuple(range(first, first + top.integer("seeds", low=1, high=100000))), tuple(plants),
                   top.number("noise", low=0, high=0.1), top.number("drift", low=0, high=0.1),
@@ -98,6 +93,9 @@ def script(plant: dict[str, Any], start: Start, changes: list[str]) -> str:
     for i, o in enumerate(plant["outputs"], 1):
         lines += [f"0 set meas{i}.{key} {o[key]}" for key in ("name", "unit", "lo", "hi")]
         lines.append(f"0 set meas{i}.test_limit {start.limit * (o['hi'] - o['lo']):g}")
+        if o.get("every_s"):  # an analyser: too slow to tell when a test is over
+            samples = {key: round(o.get(f"{key}_s", 0) / plant["tick_s"]) for key in ("every", "delay")}
+            lines += [f"0 set meas{i}.{key} {n}" for key, n in samples.items()] + [f"0 set meas{i}.test off"]
     for i, u in enumerate(inputs_of(plant), 1):
         lines += [f"0 set mv{i}.{key} {u[key]}" for key in ("name", "unit", "lo", "hi")]
         lines += [f"0 set mv{i}.min {u['lo']}", f"0 set mv{i}.max {u['hi']}",
@@ -139,7 +137,7 @@ def start_up(start: Start, job: dict[str, Any], changes: list[str]) -> tuple[dic
     """One start-up of job's plant and seed, `set CHANGE` before the proposal is accepted: the result, and what went over
     the console's line."""
     known = next(p for p in start.plants if p.name == job["plant"])
-    plant = json.loads((PLANTS / f"{known.name}.json").read_text(encoding="utf-8"))
+    plant = known_plants.read(known.name)
     with tempfile.TemporaryDirectory(prefix="reflux-") as folder:
         where = Path(folder)
         (where / "script").write_text(script(plant, start, changes), encoding="utf-8")
@@ -165,7 +163,7 @@ def read(said: str, plant: dict[str, Any], known: Known, start: Start, log: Path
     ended = re.search(r"COMMISSION_ENDED (\S+) .*: (.*)$", said, re.M)
     pairs = sorted(re.findall(r"< pair (\S+) (\S+) lambda", said))
     if re.search(r"! .* PROPOSAL ", said):
-        out["verdict"] = "right" if [tuple(p) for p in pairs] == reference()[known.name] else "wrong"
+        out["verdict"] = "right" if [tuple(p) for p in pairs] == known_plants.pairing(known.name) else "wrong"
     elif ended:
         out["verdict"], out["why"] = "ended", ended.group(2)
     else:
@@ -213,7 +211,7 @@ def elements(said: str, plant: dict[str, Any], known: Known, out: dict[str, Any]
     if out["verdict"] != "ended" and seen == moments.size:
         pairs = pair(moments)
         out["moments"] = "none" if pairs is None else "right" if sorted(
-            (rows[i], columns[j]) for i, j in pairs) == reference()[known.name] else "wrong"
+            (rows[i], columns[j]) for i, j in pairs) == known_plants.pairing(known.name) else "wrong"
     errors: dict[str, list[float]] = {"gain": [], "lag": [], "dead": []}
     for y, u, gain, lag, dead in re.findall(
             r"< element (\S+) (\S+) gain (\S+) sd \S+ \S+ T (\S+) sd \S+ s L (\S+)", said):
@@ -228,15 +226,6 @@ def elements(said: str, plant: dict[str, Any], known: Known, out: dict[str, Any]
         errors["lag"].append(abs(float(lag) - true_lag) / (true_lag + true_dead))
         errors["dead"].append(abs(float(dead) - true_dead) / (true_lag + true_dead))
     out["errors"] = errors
-
-
-@functools.cache
-def reference() -> dict[str, list[tuple[str, str]]]:
-    out: dict[str, list[tuple[str, str]]] = {}
-    with PAIRINGS.open(encoding="utf-8") as lines:
-        for row in csv.reader(line for line in lines if line[0] != "#"):
-            out.setdefault(row[0], []).append((row[1], row[2]))
-    return {name: sorted(pairs) for name, pairs in out.items()}
 
 
 def pair(gains: np.ndarray) -> list[tuple[int, int]] | None:

@@ -14,6 +14,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from reflux_tools import known_plants
 from reflux_tools.paths import ROOT
 
 sys.path.append(str(ROOT / "tests" / "reference"))
@@ -24,7 +25,7 @@ from sampled_loops import Loop, plant_parts  # noqa: E402
 
 @functools.cache
 def _parts(name: str) -> tuple[Plant, list | None]:
-    plant = Plant(ROOT / "host_sim" / "plants" / f"{name}.json")
+    plant = known_plants.linear(name)
     if plant.discrete:
         return plant, None
     return plant, plant_parts(plant, plant.j["tick_s"])

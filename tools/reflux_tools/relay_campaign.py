@@ -4,9 +4,7 @@ from __future__ import annotations
 
 import argparse
 import csv
-import functools
 import hashlib
-import json
 import re
 import statistics
 import subprocess
@@ -16,9 +14,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from reflux_tools import build, commissioning, table
+from reflux_tools import build, commissioning, known_plants, table
 from reflux_tools.errors import UserError
-from reflux_tools.paths import CAMPAIGNS, ROOT, shown
+from reflux_tools.paths import CAMPAIGNS, shown
 from reflux_tools.schema import Table
 
 METHODS = {"start-up": "automatic start-up", "alone": "relay, the others in manual",
@@ -56,15 +54,8 @@ def fingerprint(campaign: Comparison) -> str:
 
 # ---- one run ----
 
-@functools.cache
-def gains() -> dict[tuple[str, str, str], float]:
-    rows = csv.reader(line for line in (ROOT / "tests" / "reference" / "linear_gains.csv").open(encoding="utf-8")
-                      if line[0] != "#")
-    return {(name, y, u): float(gain) for name, y, u, gain, *_ in rows if gain not in ("gain", "nan", "inf", "")}
-
-
 def action(name: str, y: str, u: str) -> str:
-    return "direct" if gains()[name, y, u] < 0 else "reverse"
+    return "direct" if known_plants.gains(name)[y, u] < 0 else "reverse"
 
 
 def at_rest(plant: dict[str, Any]) -> list[str]:
@@ -84,7 +75,7 @@ def tuning_script(plant: dict[str, Any], start: commissioning.Start, known: comm
                  f"{at} ~until PROPOSAL|NOT_DETERMINED|COMMISSION_ENDED", f"{at} ?commission edit", f"{at} ?apply",
                  f"{at} dump", f"{at} ?commission accept", f"{at} ~until TRIAL_KEPT|TRIAL_FAILED {patience_s:g}"]
         return "\n".join([*lines, f"{at} ~end"]) + "\n"
-    pairs = commissioning.reference()[known.name]
+    pairs = known_plants.pairing(known.name)
     loops = {u: f"L{k}" for k, (_, u) in enumerate(pairs, 1)}
     lines = list(until_set)
     for k, (y, u) in enumerate(pairs, 1):
@@ -119,7 +110,7 @@ def run_one(campaign: Comparison, job: dict[str, Any]) -> dict[str, Any]:
     """In a process of its own. Whatever comes of it is a result."""
     start = campaign.start
     known = next(p for p in start.plants if p.name == job["plant"])
-    plant = json.loads((commissioning.PLANTS / f"{known.name}.json").read_text(encoding="utf-8"))
+    plant = known_plants.read(known.name)
     noise, seed = job["noise"] != QUIET, int(job["seed"])
     quiet = [f"0:{o['name']}.resolution=0" for o in plant["outputs"]]
     events = commissioning.events(plant, known, start, seed) if noise else quiet
@@ -153,10 +144,10 @@ def read(said: str, known: commissioning.Known, method: str) -> dict[str, Any]:
     if method == "start-up":
         done = times("PROPOSAL|NOT_DETERMINED|COMMISSION_ENDED")
         found, wanted = int(bool(re.search(r" PROPOSAL - ", said))), 1
-        out["right"] = sorted(pairs_of(said)) == commissioning.reference()[known.name]
+        out["right"] = sorted(pairs_of(said)) == known_plants.pairing(known.name)
     else:
         done = times("RELAY_DONE|COMMISSION_ENDED")
-        found, wanted = len(times("RELAY_DONE")), len(commissioning.reference()[known.name])
+        found, wanted = len(times("RELAY_DONE")), len(known_plants.pairing(known.name))
     settings = len(re.findall(r"< set loop\d+\.gain ", said.split("> dump")[-1]))
     out["whole"] = found == wanted and not (method == "tried" and failed) and settings > 0
     out["why"] = (f"{ended[0][0]} {ended[0][1]}" if ended else f"{failed[0][0]} {failed[0][1]}" if failed and
