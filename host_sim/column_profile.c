@@ -9,7 +9,7 @@ enum { STAGE, TEMPERATURE, DIFFERENCE, LIQUID_FLOW, VAPOUR_FLOW, HOLDUP, FIELDS 
 static const char *const name_of[FIELDS] = {"stage", "T", "dT", "liquid", "vapour", "holdup"};
 static const char *const unit_of[FIELDS] = {"", "[K]", "[K]", "[mol/s]", "[mol/s]", "[mol]"};
 
-static double field(const struct column *c, size_t s, int which)
+static double field(const struct column *c, const double *x, size_t s, int which)
 {
     switch (which) {
     case STAGE:
@@ -23,7 +23,7 @@ static double field(const struct column *c, size_t s, int which)
     case VAPOUR_FLOW:
         return c->vapour_flow[s];
     default:
-        return c->holdup[s];
+        return column_terms_holdup(c, x, s);
     }
 }
 
@@ -47,7 +47,7 @@ static void print_csv(const struct column *c, const double *x)
     for (size_t s = 0; s < config->stages; s++) {
         (void)printf("\n%zu", s + 1);
         for (int k = STAGE + 1; k < FIELDS; k++) {
-            (void)printf(",%.12g", field(c, s, k));
+            (void)printf(",%.12g", field(c, x, s, k));
         }
         for (size_t j = 0; j < config->components; j++) {
             (void)printf(",%.12g", column_fraction(c, x, s, j));
@@ -75,7 +75,7 @@ static void print_json(const struct plant_class *class, const struct column *c, 
     for (size_t s = 0; s < config->stages; s++) {
         (void)printf("%s\n    {", s > 0 ? "," : "");
         for (int k = 0; k < FIELDS; k++) {
-            (void)printf("\"%s\": %.17g, ", name_of[k], field(c, s, k));
+            (void)printf("\"%s\": %.17g, ", name_of[k], field(c, x, s, k));
         }
         for (int phase = 0; phase < (has_vapour(c, s) ? 2 : 1); phase++) {
             (void)printf("%s\"%c\": [", phase > 0 ? ", " : "", phase == 0 ? 'x' : 'y');

@@ -171,20 +171,25 @@ static real_t temperature(const struct column_seen *c, const struct column *colu
     return sum / (real_t)c->n_stages;
 }
 
-/* An empty vessel is empty here, though the balances count a little as its holdup. */
-static real_t level(const struct column_seen *c, const struct column *column, const real_t *x)
+real_t column_terms_holdup(const struct column *column, const real_t *x, size_t s)
 {
     const struct column_config *config = column->config;
-    size_t s = c->stage[0];
-    real_t relative = column_relative_holdup(column, x, s);
 
-    if (c->unit->measure == MEASURE_CAPACITY)
-        return relative / config->level_capacity;
     if (column_holdup_state(column, s) == column->n_states)
         return column->holdup[s];
-    return relative * (s == 0                    ? config->holdup_reboiler
-                       : s == config->stages - 1 ? config->holdup_condenser
-                                                 : config->holdup_tray);
+    return column_relative_holdup(column, x, s) * (s == 0 ? config->holdup_reboiler
+                                                   : s == config->stages - 1
+                                                       ? config->holdup_condenser
+                                                       : config->holdup_tray);
+}
+
+static real_t level(const struct column_seen *c, const struct column *column, const real_t *x)
+{
+    size_t s = c->stage[0];
+
+    if (c->unit->measure == MEASURE_CAPACITY)
+        return column_relative_holdup(column, x, s) / column->config->level_capacity;
+    return column_terms_holdup(column, x, s);
 }
 
 /* Heat that becomes vapour in the reboiler, W. */

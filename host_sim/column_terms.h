@@ -51,6 +51,7 @@ enum column_sight {
 #ifdef MODEL_SYMBOL /* a suffix for each precision (model/double_symbols.h) */
 #define column_terms_inputs MODEL_SYMBOL(column_terms_inputs)
 #define column_terms_value  MODEL_SYMBOL(column_terms_value)
+#define column_terms_holdup MODEL_SYMBOL(column_terms_holdup)
 #endif
 
 struct column_driven {
@@ -87,6 +88,10 @@ const char *column_terms_inputs(const struct column_terms *terms,
 /* Value of the channel seen[k], in its unit, of a column evaluated at the state x. */
 real_t column_terms_value(const struct column_terms *terms, const struct column *column,
                           const real_t *x, size_t k);
+
+/* What a stage holds, mol, of a column evaluated at the state x. An empty vessel is empty here, though the balances count
+ * a little as its holdup. */
+real_t column_terms_holdup(const struct column *column, const real_t *x, size_t s);
 
 /* The lowest sum of the feed's fractions that is divided by, as a share of the whole. */
 #define COLUMN_FRACTIONS_MIN 0.1

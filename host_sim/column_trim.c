@@ -16,7 +16,7 @@
 #define LONGEST_STEP 0.5   /* of an input's size, in one round */
 #define LONGEST_MOVE 1.0   /* of a miss, in one round: so far a column is nearly linear in logits */
 #define RESIDUAL     1e-11 /* of steady states, 1/h: what is rare in a product changes slowly */
-#define MET          1e-6  /* largest miss: of a logit, or of the channel's span */
+#define MET          1e-6  /* largest miss: of a logit, or of the channel's span or value */
 #define NEAR_ENOUGH  1e-11 /* no further round is worth it */
 #define MARGIN       1e-12 /* logits end so near 0 and 1 */
 
@@ -59,7 +59,9 @@ static double miss_of(const struct search *s, size_t i, double value)
     const struct plant_channel *channel = channel_of(s, s->trim[i].seen);
     if (c->is == SIGHT_FRACTION || c->is == SIGHT_VAPOUR_FRACTION)
         return logit(value / c->unit->times) - logit(s->trim[i].value / c->unit->times);
-    return (value - s->trim[i].value) / (channel->hi - channel->lo);
+    /* A span far wider than the value must not make the search content with less. */
+    return (value - s->trim[i].value) /
+           fmin(channel->hi - channel->lo, fmax(fabs(s->trim[i].value), 1.0));
 }
 
 static bool inputs_now(struct search *s, struct column_inputs *in)

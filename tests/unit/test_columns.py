@@ -68,9 +68,9 @@ class Columns(unittest.TestCase):
     def inputs(self, name):
         return [c["name"] for c in self.specs[name]["inputs"] + self.specs[name].get("disturbances", [])]
 
-    def compare(self, name, wanted, *settings):
+    def compare(self, name, wanted, *settings, path=None):
         got = {row["name"]: float(row["value"]) for row in csv.DictReader(
-            sim("--steady", "--plant", FILES[name], *settings).splitlines())}
+            sim("--steady", "--plant", path or FILES[name], *settings).splitlines())}
         for spec in self.specs[name]["outputs"] + self.specs[name].get("truths", []):
             key = spec["name"]
             self.assertAlmostEqual(got[key], wanted[key], delta=channel(spec, wanted[key], STEADY_FRACTION, True), msg=key)
@@ -126,6 +126,21 @@ class Columns(unittest.TestCase):
             a, b, c, d = (np.array(m[k], float) for k in "ABCD")
             k = (d - c @ np.linalg.solve(a, b))[[m["outputs"].index("xD"), m["outputs"].index("xB")]][:, :2]
             self.assertAlmostEqual((k * np.linalg.inv(k).T)[0, 0] / published, 1, delta=0.03)
+
+    def test_a_trim_is_found_to_its_last_digit_however_wide_the_span_of_its_channel(self):
+        file = json.loads(json.dumps(self.specs["random-05"]))
+        goal = file["steady_state"][0]
+        next(c for c in file["outputs"] if c["name"] == goal["channel"]).update(lo=-1e6, hi=1e9)
+        with tempfile.TemporaryDirectory() as folder:
+            path = os.path.join(folder, "random-05.json")
+            with open(path, "w", encoding="utf-8") as out:
+                json.dump(file, out)
+            self.compare("random-05", self.steady["random-05", "nominal"], path=path)
+
+    def test_an_empty_drum_is_empty_in_the_profile(self):
+        lines = sim("--profile", "--plant", FILES["random-14"], "--set", "Q=0", "--set", "q=1.5").splitlines()
+        holdup = lines[0].split(",").index("holdup[mol]")
+        self.assertAlmostEqual(float(lines[-1].split(",")[holdup]), 0.0, delta=1e-6)
 
     def test_linearisations_agree(self):
         """With complex steps: 1e-6 of the largest entry of a row, and 1e-3 of each entry above 1e-6."""
