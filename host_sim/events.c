@@ -3,7 +3,10 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "plant_inputs.h"
 #include "text.h"
+
+_Static_assert(EVENTS_MAX <= PLANT_CHANGES_MAX, "all events may come at one time");
 
 static const struct {
     const char *name;
@@ -280,13 +283,14 @@ bool events_finish(struct events *e, const struct plant_class *class, char *err,
 bool events_apply(struct events *e, double time_s, struct plant *plant, struct instruments *in,
                   char *err, size_t err_size)
 {
+    struct plant_change change[EVENTS_MAX];
+    size_t changes = 0;
     for (; e->next < e->n && e->list[e->next].time_s <= time_s; e->next++) {
         const struct event *event = &e->list[e->next];
         switch (event->kind) {
         case EVENT_DISTURBANCE:
-            if (!in->class->set_input(plant, event->channel, event->value, err, err_size)) {
-                return false;
-            }
+            change[changes] = (struct plant_change){event->channel, event->value};
+            changes++;
             break;
         case EVENT_OPTION:
             instruments_set(in, event->channel, event->option, event->value);
@@ -296,5 +300,5 @@ bool events_apply(struct events *e, double time_s, struct plant *plant, struct i
             break;
         }
     }
-    return true;
+    return changes == 0 || plant_set_inputs(in->class, plant, change, changes, err, err_size);
 }

@@ -33,7 +33,7 @@ bool events_add(struct events *e, const struct plant_class *class, const char *t
 /* Sorts by time (same time: in the order given) and checks what only shows in order: limits that cross. */
 bool events_finish(struct events *e, const struct plant_class *class, char *err, size_t err_size);
 
-/* Carries out everything due at time_s. */
+/* Carries out everything due at time_s. Disturbances of one time count together, whatever their order. */
 bool events_apply(struct events *e, double time_s, struct plant *plant, struct instruments *in,
                   char *err, size_t err_size);
 

@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "column_profile.h"
+#include "plant_inputs.h"
 #include "plant_library.h"
 #include "plant_print.h"
 #include "table_task.h"
@@ -172,7 +173,8 @@ static bool open_class(const char *name, char *err, size_t err_size)
     return true;
 }
 
-static bool set_one(struct plant *p, const char *text, char *err, size_t err_size)
+/* Channel and value of one --set. */
+static bool read_set(const char *text, struct plant_change *change, char *err, size_t err_size)
 {
     const char *equals = strchr(text, '=');
     double value;
@@ -184,7 +186,8 @@ static bool set_one(struct plant *p, const char *text, char *err, size_t err_siz
         if (strlen(c->name) == (size_t)(equals - text) &&
             strncmp(c->name, text, (size_t)(equals - text)) == 0 &&
             (c->kind == PLANT_MV || c->kind == PLANT_DISTURBANCE)) {
-            return task.class->set_input(p, i, value, err, err_size);
+            *change = (struct plant_change){i, value};
+            return true;
         }
     }
     (void)sim_fail(err, err_size, "--set %s: %s has no such input; there is", text,
@@ -202,9 +205,14 @@ static bool set_one(struct plant *p, const char *text, char *err, size_t err_siz
 static struct plant *begin(char *err, size_t err_size)
 {
     struct plant *p = plant_create(task.class, err, err_size);
+    struct plant_change change[SETS_MAX];
     bool good = p != NULL;
     for (size_t k = 0; k < task.n_sets && good; k++) {
-        good = set_one(p, task.set[k], err, err_size);
+        good = read_set(task.set[k], &change[k], err, err_size);
+        task.bad_set = !good;
+    }
+    if (good) {
+        good = plant_set_inputs(task.class, p, change, task.n_sets, err, err_size);
         task.bad_set = !good;
     }
     if (good && task.class->settle(p, err, err_size)) {

@@ -700,6 +700,20 @@ class Units(Files):
                               put("constants", {"feed_fraction": [{"of": "PCE", "value": 0.5 * (1 - x), "unit": "-"}]})),
                   names)
 
+    def test_fractions_that_change_together_count_together_whatever_their_order(self):
+        """Of light and middle one becomes more and the other less; in one order they are more than all for a moment."""
+        three = (put("components", 2, {"name": "middle", "relative_volatility": 1.5}), put("steady_state", []),
+                 put("disturbances", 1, {"name": "zl", "is": "feed_fraction", "of": "light", "lo": 0, "hi": 1, "nominal": 0.1}),
+                 put("disturbances", 2, {"name": "zm", "is": "feed_fraction", "of": "middle", "lo": 0, "hi": 1, "nominal": 0.8}))
+        found = [self.steady(STILL, *three, settings=("--set", a, "--set", b))
+                 for a, b in (("zl=0.8", "zm=0.1"), ("zm=0.1", "zl=0.8"))]
+        self.assertEqual((found[0]["zl"], found[0]["zm"]), (0.8, 0.1))
+        self.assertEqual(found[0], found[1])
+        done = sim("--steady", "--plant", self.write(STILL, *three), "--set", "zl=0.8", "--set", "zm=0.3")
+        self.assertEqual((done.returncode, done.stderr),
+                         (2, "reflux-sim: still: zl = 0.8 leaves less than nothing for the component of the feed that has "
+                          "the rest\n"))
+
     def test_a_relative_volatility_is_a_vapour_pressure_with_its_logarithm(self):
         plain = both(put("reference_vapour_pressure", KeyError),
                      put("components", [{"name": "light", "vapour_pressure": [20.9066 + math.log(2.4), 3096.5, -53.67]},

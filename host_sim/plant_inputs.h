@@ -1,0 +1,20 @@
+/* Several inputs of a plant that change at one time. */
+#ifndef REFLUX_HOST_SIM_PLANT_INPUTS_H
+#define REFLUX_HOST_SIM_PLANT_INPUTS_H
+
+#include "plant.h"
+
+#define PLANT_CHANGES_MAX ((size_t)1024)
+
+struct plant_change {
+    size_t channel; /* as set_input of the class takes it */
+    double value;
+};
+
+/* Sets them all. What they are together counts: one that is refused because of what another still is, a fraction of the
+ * feed that leaves too little for the rest, is set after the others. Of one channel the last counts. False with the reason
+ * where one is refused whatever the order; some may have been set then. n: at most PLANT_CHANGES_MAX. */
+bool plant_set_inputs(const struct plant_class *class, struct plant *p,
+                      const struct plant_change *change, size_t n, char *err, size_t err_size);
+
+#endif
