@@ -191,7 +191,7 @@ def worst_fraction(log: Path, plant: dict[str, Any], start: Start, until_s: floa
         rows = csv.reader(line for line in lines if line[0] != "#")
         head = [re.sub(r"\[.*", "", cell) for cell in next(rows)]
         channels = [(head.index(f"{o['name']}.true"), o["nominal"], start.limit * (o["hi"] - o["lo"]))
-                    for o in plant["outputs"]]
+                    for o in plant["outputs"] if not o.get("every_s")]
         for row in rows:
             if until_s is not None and float(row[1]) > until_s:
                 break
@@ -351,12 +351,12 @@ def write_results(start: Start, results: list[dict[str, Any]]) -> None:
     text = f"""# {start.title}
 
 Written by `tools/campaign {start.name}`: {len(start.seeds)} seeds of {len(start.plants)} plants, firmware
-`{start.firmware}`, everything at its default but the limits ({start.limit:.0%} of span) and the rounds
-({start.rounds}). Every measurement has noise of {start.noise:.1%} of its span (standard deviation), {start.bits}-bit
-steps, and a ramp of {start.drift:.0%} of span per slowest time constant of its plant. A ramp without end would leave the
-span long before a start-up is over: it turns where it has gone {start.band:.0%} of span from the middle, all outputs at
+`{start.firmware}`, everything at its default but the limits ({100 * start.limit:g} % of span) and the rounds
+({start.rounds}). Every measurement has noise of {100 * start.noise:g} % of its span (standard deviation), {start.bits}-bit
+steps, and a ramp of {100 * start.drift:g} % of span per slowest time constant of its plant. A ramp without end would leave the
+span long before a start-up is over: it turns where it has gone {100 * start.band:g} % of span from the middle, all outputs at
 the same time, each with a sign of its own. The plants are those of `host_sim/plants`, the right pairings those of
-`tests/reference/linear_pairing.csv`.
+the exact gains (`tests/reference/linear_pairing.csv` has those of the linear plants). Analysers are not tested.
 
 Time is plant time of the tests in slowest time constants, for start-ups that came to a verdict; the worst limit is the
 largest share of a limit that the plant itself (without noise and drift of the instruments) has reached during the
