@@ -40,9 +40,9 @@ static const char *feed_fractions(const struct column_terms *t, const struct col
             return "leaves feed fractions that add up to less than 0.1";
         whole = sum;
     } else {
-        if (!(sum <= whole))
+        if (!(sum <= whole * (REAL_C(1.0) + (real_t)COLUMN_FRACTIONS_ROUNDING)))
             return "leaves less than nothing for the component of the feed that has the rest";
-        part[t->rest] = whole - sum;
+        part[t->rest] = greater(whole - sum, REAL_C(0.0));
     }
     if (mass)
         mole_from_mass_fractions(config->component, config->components, part, fraction);

@@ -95,6 +95,9 @@ real_t column_terms_holdup(const struct column *column, const real_t *x, size_t 
 
 /* The lowest sum of the feed's fractions that is divided by, as a share of the whole. */
 #define COLUMN_FRACTIONS_MIN 0.1
+/* By so much, relative to the whole, those that leave nothing for the rest may be more than it: 0.2 and 0.8 are, when their
+ * doubles are added in a longer type. */
+#define COLUMN_FRACTIONS_ROUNDING 1e-12
 
 /* What is left of logarithms of a fraction and of 1 less it, near 0 and 1. */
 #define COLUMN_LOG_MARGIN 1e-12

@@ -166,5 +166,7 @@ bool derivative_take(const struct derivative_task *task, long double *work, doub
            (!up && task->above > 0.0L && on_side(&k, DERIVATIVE_ABOVE, found));
     for (size_t i = 0; i < task->n && good; i++)
         slope[i] = (double)k.best[i];
+    if (good && err_size > 0)
+        err[0] = '\0'; /* what a side said that cannot be had */
     return good;
 }

@@ -211,11 +211,17 @@ static bool one_input(struct responses *r, struct plant *p, size_t j, char *err,
     for (size_t i = 0; i < r->n_outputs; i++) {
         start[i] = class->value(p, r->output[i]);
     }
-    (void)printf("# step of %s: %+.6g %s from %.6g\n", class->channels[channel].name, size,
-                 class->channels[channel].unit, class->value(p, channel));
-    if (!class->set_input(p, channel, class->value(p, channel) + size, err, err_size)) {
-        return false;
+    double from = class->value(p, channel);
+    if (!class->set_input(p, channel, from + size, err, err_size)) {
+        char ignored[SIM_ERROR_SIZE]; /* what stands in err is about the way that was wanted */
+        size = -size;
+        if (!class->set_input(p, channel, from + size, ignored, sizeof(ignored))) {
+            return false;
+        }
+        err[0] = '\0';
     }
+    (void)printf("# step of %s: %+.6g %s from %.6g\n", class->channels[channel].name, size,
+                 class->channels[channel].unit, from);
     for (size_t k = 0; k <= r->ticks; k++) {
         if (k > 0 && !class->advance(p, (double)k * r->tick_s, err, err_size)) {
             return false;

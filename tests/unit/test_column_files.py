@@ -709,7 +709,15 @@ class Units(Files):
                  for a, b in (("zl=0.8", "zm=0.1"), ("zm=0.1", "zl=0.8"))]
         self.assertEqual((found[0]["zl"], found[0]["zm"]), (0.8, 0.1))
         self.assertEqual(found[0], found[1])
-        done = sim("--steady", "--plant", self.write(STILL, *three), "--set", "zl=0.8", "--set", "zm=0.3")
+        # All there is: no step upwards, no slope upwards, and nothing said about it but which way was taken.
+        path = self.write(STILL, *three)
+        done = sim("--step", "--plant", path, "--set", "zl=0.2", "--duration", "100")
+        self.assertEqual((done.returncode, done.stderr), (0, ""))
+        self.assertIn("# step of zl: -0.05 - from 0.2\n# step of zm: -0.05 - from 0.8\n", done.stdout)
+        done = sim("--linearise", "--plant", path, "--set", "zl=0.2")
+        self.assertEqual((done.returncode, done.stderr), (0, ""))
+        self.assertIn("zl is at an end of its range", done.stdout)
+        done = sim("--steady", "--plant", path, "--set", "zl=0.8", "--set", "zm=0.3")
         self.assertEqual((done.returncode, done.stderr),
                          (2, "reflux-sim: still: zl = 0.8 leaves less than nothing for the component of the feed that has "
                           "the rest\n"))
