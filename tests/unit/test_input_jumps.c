@@ -1,7 +1,7 @@
 /* No sequence of inputs inside their ranges ends a run: random campaign over the columns.
  *
  * Every tick each input stays, jumps anywhere in its range, or jumps to one of its ends; ticks are of 30, 10, 1 and
- * 300 s. After every tick all values are finite and all mole fractions in [0, 1]. As a test a twentieth of the
+ * 300 s. After every tick all values are finite, all mole fractions in [0, 1] and no holdup negative. As a test a twentieth of the
  * seeds; all of them with
  *
  *   build/host/tests/unit/test_input_jumps 200 */
@@ -49,8 +49,9 @@ static void jump(const struct plant_class *class, struct plant *p, struct random
     }
 }
 
-/* m: mole fractions of a stage that are states; the last one closes the sum. */
-static void sane(const struct plant_class *class, struct plant *p, size_t m, const char *when)
+/* m: mole fractions of a stage that are states; the last one closes the sum. Behind them are the holdups that move. */
+static void sane(const struct plant_class *class, struct plant *p, size_t stages, size_t m,
+                 const char *when)
 {
     static double x[2000];
     for (size_t i = 0; i < class->n_channels; i++)
@@ -58,7 +59,10 @@ static void sane(const struct plant_class *class, struct plant *p, size_t m, con
     size_t n = class->states->count(p);
     TEST_ASSERT_TRUE(n <= sizeof x / sizeof *x);
     class->states->get(p, x);
-    for (size_t i = 0; i < n; i += m) {
+    TEST_ASSERT_TRUE(n >= stages * m);
+    for (size_t i = stages * m; i < n; i++)
+        TEST_ASSERT_TRUE_MESSAGE(x[i] >= 0, when);
+    for (size_t i = 0; i < stages * m; i += m) {
         double last = 1.0;
         for (size_t j = i; j < i + m; j++) {
             TEST_ASSERT_TRUE_MESSAGE(x[j] >= 0 && x[j] <= 1, when);
@@ -68,7 +72,7 @@ static void sane(const struct plant_class *class, struct plant *p, size_t m, con
     }
 }
 
-static void campaign(const char *name, size_t m)
+static void campaign(const char *name, size_t stages, size_t m)
 {
     static const double tick[] = {30, 10, 1, 300};
     const struct plant_class *class = plant_open(name, err, sizeof err);
@@ -89,7 +93,7 @@ static void campaign(const char *name, size_t m)
                 snprintf(when, sizeof when, "%s, seed %d, tick %d: %s", name, seed, k, err);
                 TEST_FAIL_MESSAGE(when);
             }
-            sane(class, p, m, when);
+            sane(class, p, stages, m, when);
         }
         class->destroy(p);
     }
@@ -100,12 +104,28 @@ static void campaign(const char *name, size_t m)
 
 static void the_pilot_column_survives_every_jump_of_its_inputs(void)
 {
-    campaign("pilot", 1);
+    campaign("pilot", 12, 1);
 }
 
 static void the_splitter_survives_every_jump_of_its_inputs(void)
 {
-    campaign("splitter", 5);
+    campaign("splitter", 37, 5);
+}
+
+static void a_column_whose_holdups_all_move_survives_every_jump_of_its_inputs(void)
+{
+    campaign("column-a", 41, 1);
+}
+
+static void a_column_with_activity_coefficients_survives_every_jump_of_its_inputs(void)
+{
+    campaign("methanol-water", 32, 1);
+}
+
+static void
+a_column_of_110_trays_with_its_level_held_by_reflux_survives_every_jump_of_its_inputs(void)
+{
+    campaign("c3-splitter", 111, 1);
 }
 
 int main(int argc, char **argv)
@@ -117,5 +137,8 @@ int main(int argc, char **argv)
     UNITY_BEGIN();
     RUN_TEST(the_pilot_column_survives_every_jump_of_its_inputs);
     RUN_TEST(the_splitter_survives_every_jump_of_its_inputs);
+    RUN_TEST(a_column_whose_holdups_all_move_survives_every_jump_of_its_inputs);
+    RUN_TEST(a_column_with_activity_coefficients_survives_every_jump_of_its_inputs);
+    RUN_TEST(a_column_of_110_trays_with_its_level_held_by_reflux_survives_every_jump_of_its_inputs);
     return UNITY_END();
 }
