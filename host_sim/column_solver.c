@@ -153,8 +153,10 @@ struct column_solver *column_solver_create(const struct column_config *config,
     }
     if (options)
         s->options = *options;
-    s->options.relative = s->options.relative > 0.0 ? s->options.relative : 3e-6;
-    s->options.absolute = s->options.absolute > 0.0 ? s->options.absolute : 3e-8;
+    /* Holdups that move pass their errors on to the mole fractions. */
+    double nearer = s->column.n_states > s->column.n_fractions ? 1.0 / 3.0 : 1.0;
+    s->options.relative = s->options.relative > 0.0 ? s->options.relative : 3e-6 * nearer;
+    s->options.absolute = s->options.absolute > 0.0 ? s->options.absolute : 3e-8 * nearer;
     s->options.residual = s->options.residual > 0.0 ? s->options.residual : 1e-9;
     s->n = s->column.n_states;
     s->jumped = true;

@@ -24,9 +24,6 @@ FILES = columns_results.files()
 SCALE = {"%": 1e-2, "%w": 1e-2, "ppm": 1e-6, "-": 1.0}
 STEADY_FRACTION, STEADY_OTHERS = 1e-6, 1e-6  # mole fraction; relative
 STEP_KELVIN, STEP_FRACTION, STEP_OTHERS = 0.002, 1e-5, 1e-4  # K; mole fraction; part of the nominal value
-# The solver's own tolerance is 9e-6 a step; in the small columns drawn a profile may wander for a thousand seconds after a
-# step of a third of a span, and 0.002 K are several times this much of a mole fraction.
-STEP_FRACTION_DRAWN = 3e-5
 
 
 def rows(path):
@@ -175,13 +172,12 @@ class Columns(unittest.TestCase):
                    "--duration", str(last))
         table = list(csv.DictReader(line for line in text.splitlines() if not line.startswith("#")))
         by_time = {round(float(row["time[s]"])): {k.split("[")[0]: float(v) for k, v in row.items()} for row in table}
-        fraction = STEP_FRACTION_DRAWN if name.startswith("random") else STEP_FRACTION
         worst = (0.0, "")
         for (key, seconds), values in self.steps[name].items():
             for spec, wanted in zip(self.specs[name]["outputs"], values):
                 at = self.steady[name, "nominal"][spec["name"]]
                 got = by_time[round(seconds)]["%s.%s" % (spec["name"], key)]
-                far = abs(got - wanted) / max(channel(spec, at, fraction, False), channel(spec, at + wanted, fraction, False))
+                far = abs(got - wanted) / max(channel(spec, at, STEP_FRACTION, False), channel(spec, at + wanted, STEP_FRACTION, False))
                 worst = max(worst, (far, "%s.%s after %g s: %.9g, by the reference %.9g" % (spec["name"], key, seconds, got, wanted)))
         self.assertLess(worst[0], 1.0, worst[1])
 
