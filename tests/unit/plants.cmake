@@ -14,6 +14,7 @@ reflux_test(column_holdups LABEL unit SOURCES ${CMAKE_CURRENT_LIST_DIR}/test_col
 reflux_test(rosenbrock LABEL unit SOURCES ${CMAKE_CURRENT_LIST_DIR}/test_rosenbrock.c LIBS reflux_plants)
 reflux_test(column_balances LABEL unit SOURCES ${CMAKE_CURRENT_LIST_DIR}/test_column_balances.c
             LIBS reflux_bench reflux_plants)
+reflux_test(column_days LABEL unit SOURCES ${CMAKE_CURRENT_LIST_DIR}/test_column_days.c LIBS reflux_bench reflux_plants)
 reflux_test(input_jumps LABEL unit SOURCES ${CMAKE_CURRENT_LIST_DIR}/test_input_jumps.c LIBS reflux_bench reflux_plants)
 reflux_test(pilot LABEL unit SOURCES ${CMAKE_CURRENT_LIST_DIR}/test_pilot.c LIBS reflux_bench reflux_plants)
 reflux_test(splitter LABEL unit SOURCES ${CMAKE_CURRENT_LIST_DIR}/test_splitter.c LIBS reflux_bench reflux_plants)
