@@ -103,23 +103,15 @@ static void read_of(struct column_reader *r, const json_t *object, struct column
     walk_up(w, mark);
 }
 
-static enum column_drive read_is(struct column_reader *r, const json_t *object)
+static const char *drive_name(size_t k)
 {
-    struct json_walk *w = r->walk;
-    const char *is = walk_text(w, object, "is", 40, NULL);
-    for (size_t k = 0; k < DRIVE_COUNT; k++) {
-        if (strcmp(drives[k].name, is) == 0) {
-            return (enum column_drive)k;
-        }
-    }
-    char names[240] = "";
-    for (size_t k = 0; k < DRIVE_COUNT; k++) {
-        sim_append(names, sizeof(names), "%s%s", k > 0 ? ", " : "", drives[k].name);
-    }
-    size_t mark = walk_key(w, "is");
-    (void)walk_fail(w, "\"%s\" drives no column; must be one of %s", is, names);
-    walk_up(w, mark);
-    return DRIVE_REFLUX;
+    return drives[k].name;
+}
+
+static enum column_drive read_drive(struct column_reader *r, const json_t *object)
+{
+    return (enum column_drive)walk_choice(r->walk, object, "is", drive_name, DRIVE_COUNT,
+                                          "drives no column");
 }
 
 /* One more entry, unless it is there already. */
@@ -179,7 +171,7 @@ static void read_channel(struct column_reader *r, const json_t *object, enum pla
         return;
     }
     plant_read_name(w, object, r->channels, r->n_channels);
-    struct column_driven d = {.is = read_is(r, object)};
+    struct column_driven d = {.is = read_drive(r, object)};
     read_of(r, object, &d);
     if (w->failed) {
         return;

@@ -32,23 +32,15 @@ static const struct {
     [SIGHT_HEAT] = {"heat", MEASURE_POWER, 0},
 };
 
-static enum column_sight read_is(struct column_reader *r, const json_t *object)
+static const char *sight_name(size_t k)
 {
-    struct json_walk *w = r->walk;
-    const char *is = walk_text(w, object, "is", 40, NULL);
-    for (size_t k = 0; k < SIGHT_COUNT; k++) {
-        if (strcmp(sights[k].name, is) == 0) {
-            return (enum column_sight)k;
-        }
-    }
-    char names[240] = "";
-    for (size_t k = 0; k < SIGHT_COUNT; k++) {
-        sim_append(names, sizeof(names), "%s%s", k > 0 ? ", " : "", sights[k].name);
-    }
-    size_t mark = walk_key(w, "is");
-    (void)walk_fail(w, "\"%s\" is nothing to be seen of a column; must be one of %s", is, names);
-    walk_up(w, mark);
-    return SIGHT_TEMPERATURE;
+    return sights[k].name;
+}
+
+static enum column_sight read_sight(struct column_reader *r, const json_t *object)
+{
+    return (enum column_sight)walk_choice(r->walk, object, "is", sight_name, SIGHT_COUNT,
+                                          "is nothing to be seen of a column");
 }
 
 /* The value at the path as a stage's index. */
@@ -197,7 +189,7 @@ static void read_view(struct column_reader *r, const json_t *object, enum plant_
         return;
     }
     plant_read_name(w, object, r->channels, r->n_channels);
-    seen->is = read_is(r, object);
+    seen->is = read_sight(r, object);
     if (w->failed) {
         return;
     }

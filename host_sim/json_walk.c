@@ -214,6 +214,25 @@ const char *walk_text(struct json_walk *w, const json_t *object, const char *key
     return text;
 }
 
+size_t walk_choice(struct json_walk *w, const json_t *object, const char *key,
+                   const char *(*name)(size_t k), size_t n, const char *wrong)
+{
+    const char *text = walk_text(w, object, key, 40, NULL);
+    for (size_t k = 0; k < n; k++) {
+        if (strcmp(name(k), text) == 0) {
+            return k;
+        }
+    }
+    char names[240] = "";
+    for (size_t k = 0; k < n; k++) {
+        sim_append(names, sizeof(names), "%s%s", k > 0 ? ", " : "", name(k));
+    }
+    size_t mark = walk_key(w, key);
+    (void)walk_fail(w, "\"%s\" %s; must be one of %s", text, wrong, names);
+    walk_up(w, mark);
+    return 0;
+}
+
 bool walk_rows(struct json_walk *w, const json_t *value, size_t rows, size_t columns, double factor,
                double *to)
 {

@@ -47,6 +47,10 @@ double walk_value(struct json_walk *w, const json_t *value, double lo, double hi
 /* A text of at most `longest` characters, not empty; fallback as above (NULL: it must be there). */
 const char *walk_text(struct json_walk *w, const json_t *object, const char *key, size_t longest,
                       const char *fallback);
+/* A text under a key that must be one of n names: its number; 0 where it is none of them. wrong: what follows it in the line,
+ * "drives no column". */
+size_t walk_choice(struct json_walk *w, const json_t *object, const char *key,
+                   const char *(*name)(size_t k), size_t n, const char *wrong);
 /* rows x columns numbers times factor, from an array of arrays under a key; NULL when missing and optional. */
 double *walk_matrix(struct json_walk *w, const json_t *object, const char *key, size_t rows,
                     size_t columns, double factor, bool required);

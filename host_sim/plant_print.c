@@ -49,8 +49,12 @@ void plant_print_full(const struct plant_class *class)
     (void)printf("  tick: %g s%s\n", class->tick_s, class->period_s > 0.0 ? ", no other" : "");
     for (size_t i = 0; i < class->n_channels; i++) {
         const struct plant_channel *c = &class->channels[i];
-        (void)printf("  %-12s %-15s %-8s %10g to %-10g nominal %-10g %s", kind_name(c->kind),
-                     c->name, c->unit, c->lo, c->hi, c->nominal, c->help != NULL ? c->help : "");
+        char nominal[32] = "-"; /* what a nonlinear plant shows follows from its inputs: --steady */
+        if (c->kind == PLANT_MV || c->kind == PLANT_DISTURBANCE || class->model != NULL) {
+            (void)snprintf(nominal, sizeof(nominal), "%g", c->nominal);
+        }
+        (void)printf("  %-12s %-15s %-8s %10g to %-10g nominal %-10s %s", kind_name(c->kind),
+                     c->name, c->unit, c->lo, c->hi, nominal, c->help != NULL ? c->help : "");
         if (c->every_s > 0.0 || c->delay_s > 0.0) {
             (void)printf("%sanalyser: ", c->help != NULL && c->help[0] != '\0' ? "; " : "");
             if (c->every_s > 0.0) {
