@@ -36,14 +36,19 @@ static bool refers(const struct config *config, uint8_t which, uint8_t but)
     return false;
 }
 
-/* Whether anything but block n of *config refers to it; n CONFIG_BLOCKS: anything of *config does as well. */
+/* Whether a configuration that is watched refers to it, other than *config. */
+static bool others_refer(const struct config *config, uint8_t which)
+{
+    for (unsigned k = 0; k < TABLES_WATCHERS; k++)
+        if (watched[k] && watched[k] != config && refers(watched[k], which, CONFIG_BLOCKS))
+            return true;
+    return false;
+}
+
+/* Whether anything but block n of *config refers to it. */
 static bool place_taken(const struct config *config, uint8_t which, uint8_t n)
 {
-    bool taken = refers(config, which, n);
-    for (unsigned k = 0; k < TABLES_WATCHERS; k++)
-        if (watched[k] && watched[k] != config)
-            taken = taken || refers(watched[k], which, CONFIG_BLOCKS);
-    return taken;
+    return refers(config, which, n) || others_refer(config, which);
 }
 
 /* A place that only block n of *config may refer to, or CONFIG_NO_TABLE. */
@@ -58,13 +63,8 @@ static uint8_t free_place(const struct config *config, uint8_t n)
 unsigned tables_free_for(const struct config *config)
 {
     unsigned n = 0;
-    for (uint8_t which = 1; which <= CONFIG_TABLES; which++) {
-        bool taken = false;
-        for (unsigned k = 0; k < TABLES_WATCHERS; k++)
-            if (watched[k] && watched[k] != config)
-                taken = taken || refers(watched[k], which, CONFIG_BLOCKS);
-        n += !taken;
-    }
+    for (uint8_t which = 1; which <= CONFIG_TABLES; which++)
+        n += !others_refer(config, which);
     return n;
 }
 
