@@ -543,6 +543,11 @@ class Nominal(Files):
         for name in ("xD", "xB", "V", "D", "B"):
             self.assertEqual(v[name], with_input[name], name)
 
+    def test_the_logarithm_of_a_fraction_ends_where_the_page_says(self):
+        none, pure = (self.steady(plant_file("column-a.json"), settings=("--set", f"zF={z}")) for z in (0, 1))
+        self.assertAlmostEqual(none["XD"], math.log(1e-12), delta=1e-9)
+        self.assertAlmostEqual(pure["XB"], -math.log(1e-12), delta=1e-3)  # 1 - 1e-12 has few digits
+
     def test_the_splitter_has_its_duty_from_its_trim(self):
         v = self.steady(plant_file("splitter.json"), put("inputs", 1, "nominal", 3700))
         self.assertEqual(v["Q"], 4143.046)
