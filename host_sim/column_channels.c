@@ -197,18 +197,21 @@ static void read_channel(struct column_reader *r, const json_t *object, enum pla
     r->n_channels++;
 }
 
-static void read_list(struct column_reader *r, const char *key, enum plant_kind kind)
+void column_read_list(struct column_reader *r, const char *key, enum plant_kind kind, bool required,
+                      size_t most,
+                      void (*read)(struct column_reader *r, const json_t *object,
+                                   enum plant_kind kind))
 {
     struct json_walk *w = r->walk;
-    const json_t *list = walk_get(w, r->root, key, kind == PLANT_MV);
+    const json_t *list = walk_get(w, r->root, key, required);
     if (list == NULL) {
         return;
     }
     size_t mark = walk_key(w, key);
-    size_t n = walk_array(w, list, kind == PLANT_MV ? 1 : 0, PLANT_CHANNELS_MAX, "channels");
+    size_t n = walk_array(w, list, required ? 1 : 0, most, "channels");
     for (size_t i = 0; i < n && !w->failed; i++) {
         size_t inner = walk_index(w, i);
-        read_channel(r, json_array_get(list, i), kind);
+        read(r, json_array_get(list, i), kind);
         walk_up(w, inner);
     }
     walk_up(w, mark);
@@ -275,8 +278,8 @@ static void read_constants(struct column_reader *r)
 
 void column_read_inputs(struct column_reader *r)
 {
-    read_list(r, "inputs", PLANT_MV);
-    read_list(r, "disturbances", PLANT_DISTURBANCE);
+    column_read_list(r, "inputs", PLANT_MV, true, PLANT_CHANNELS_MAX, read_channel);
+    column_read_list(r, "disturbances", PLANT_DISTURBANCE, false, PLANT_CHANNELS_MAX, read_channel);
     r->file->terms.n_inputs = r->n_channels;
     if (!r->walk->failed) {
         read_constants(r);

@@ -69,6 +69,11 @@ const struct column_unit *column_read_unit(struct column_reader *r, const json_t
                                            unsigned measures, const char *what);
 /* lo and hi of a channel; both within what the quantity may be. */
 void column_read_span(struct column_reader *r, const json_t *object, struct plant_channel *c);
+/* A list of channels under a key, each handed to read: at most so many, and one at least where it is required. */
+void column_read_list(struct column_reader *r, const char *key, enum plant_kind kind, bool required,
+                      size_t most,
+                      void (*read)(struct column_reader *r, const json_t *object,
+                                   enum plant_kind kind));
 
 /* --- column_drives_check.c --- */
 

@@ -212,26 +212,9 @@ static void read_view(struct column_reader *r, const json_t *object, enum plant_
     r->file->terms.n_seen++;
 }
 
-static void read_list(struct column_reader *r, const char *key, enum plant_kind kind, size_t most)
-{
-    struct json_walk *w = r->walk;
-    const json_t *list = walk_get(w, r->root, key, kind == PLANT_MEASUREMENT);
-    if (list == NULL) {
-        return;
-    }
-    size_t mark = walk_key(w, key);
-    size_t n = walk_array(w, list, kind == PLANT_MEASUREMENT ? 1 : 0, most, "channels");
-    for (size_t i = 0; i < n && !w->failed; i++) {
-        size_t inner = walk_index(w, i);
-        read_view(r, json_array_get(list, i), kind);
-        walk_up(w, inner);
-    }
-    walk_up(w, mark);
-}
-
 void column_read_views(struct column_reader *r)
 {
     r->file->terms.seen = r->seen;
-    read_list(r, "outputs", PLANT_MEASUREMENT, PLANT_CHANNELS_MAX);
-    read_list(r, "truths", PLANT_INTERNAL, COLUMN_TRUTHS_MAX);
+    column_read_list(r, "outputs", PLANT_MEASUREMENT, true, PLANT_CHANNELS_MAX, read_view);
+    column_read_list(r, "truths", PLANT_INTERNAL, false, COLUMN_TRUTHS_MAX, read_view);
 }

@@ -70,6 +70,8 @@ void console_err(struct console *c, enum err code, const char *text);
 void console_err_about(struct console *c, enum err code, const char *subject, const char *text);
 /* What the door has answered: ok, or err CODE and the answer in words. */
 void console_answer(struct console *c, enum err code, const struct answer *answer);
+/* The words of a refusal, behind `err CODE`: console_refusals.c. */
+void console_refusal(enum err code, const struct answer *answer, struct text *t);
 /* A word as a number; false: refused, and answered, with what is wanted. */
 bool console_number(struct console *c, const char *text, const char *what, float *x);
 /* One whole line. */
