@@ -1,0 +1,110 @@
+/* Generalised minimum variance self-tuning of one loop or two: data, regression and control law, without supervision
+ * (adapt/gmv_kind.c has that). Equations and sources: docs/self-tuning.md.
+ *
+ * A step of the block:  gmv_take (what was measured)  ->  gmv_learn (one regression per loop)  ->  gmv_solve (the MVs).
+ * All signals are num_t fractions of span. What was applied of the MVs is looked up in their histories. */
+#ifndef REFLUX_ADAPT_GMV_H
+#define REFLUX_ADAPT_GMV_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "base/error.h"
+#include "block/applied_history.h"
+#include "identify/rls.h"
+
+#define GMV_LOOPS        2
+#define GMV_DISTURBANCES 2
+#define GMV_TERMS_MAX    4  /* na, nb */
+#define GMV_NOISE_MAX    2  /* nc */
+#define GMV_DELAY_MAX    8  /* k_ij, steps */
+#define GMV_AVERAGE_MAX  8  /* steps of the data filter */
+#define GMV_PARAMETERS   12 /* of one loop, at most */
+
+/* In the order of the words of the block's parameters. */
+enum gmv_form { GMV_POSITIONAL, GMV_INCREMENTAL };
+enum gmv_way { GMV_IMPLICIT, GMV_EXPLICIT };
+enum gmv_weight { GMV_WEIGHT_DELTA, GMV_WEIGHT_SCALAR };
+enum gmv_bias { GMV_BIAS_ONE, GMV_BIAS_RESIDUALS, GMV_BIAS_NONE };
+
+struct gmv_config {
+    uint8_t loops;                   /* 1 or 2 */
+    uint8_t form, way, weight, bias; /* enums above */
+    uint8_t na, nb, nc; /* terms of y, of each u, of past predictions: 1..4, 1..4, 0..2 */
+    uint8_t delay
+        [GMV_LOOPS]
+        [GMV_LOOPS]; /* k_ij, from MV j to PV i; 0: u_j is not in loop i's model. k_ii >= 1, k_ij >= k_ii */
+    uint8_t disturbances;      /* 0..GMV_DISTURBANCES */
+    uint8_t disturbance_delay; /* steps, 0..8: phi(t) has L(t - it) */
+    uint8_t average;           /* steps of the data filter, 1..8; 1: none */
+    float interval_s;
+    float tau_p_s[GMV_LOOPS], tau_r_s[GMV_LOOPS]; /* time constants of P and R, s; 0: none */
+    float lambda[GMV_LOOPS]; /* PV span per MV span, with the sign of the loop's own g0; 0: none */
+    float determinant;       /* less, and the loops are solved one by one, (0, 1) */
+    struct rls_settings rls; /* n, lo and hi are filled in here */
+    float theta[GMV_LOOPS][GMV_PARAMETERS]; /* start values */
+    float lo[GMV_LOOPS][GMV_PARAMETERS],
+        hi[GMV_LOOPS][GMV_PARAMETERS]; /* where hi > lo; else no bound */
+};
+
+struct gmv; /* in the caller's memory, aligned like a float; may be moved between calls */
+
+/* What is measured in a step. */
+struct gmv_sample {
+    num_t y[GMV_LOOPS], w[GMV_LOOPS], disturbance[GMV_DISTURBANCES];
+    const struct applied_history *applied[GMV_LOOPS];
+    uint16_t divisor; /* base ticks of a step */
+};
+
+/* Number of parameters of loop i's regression; where its terms begin: first u_j (j: 0..1), first disturbance, first past prediction, bias.
+ * -1: it has none of these. In the explicit way these are A's (as -a_1 ...), B's, ... in the same places. */
+unsigned gmv_parameters(const struct gmv_config *c, unsigned i);
+int gmv_place_of_u(const struct gmv_config *c, unsigned i, unsigned j);
+int gmv_place_of_disturbance(const struct gmv_config *c, unsigned i);
+int gmv_place_of_noise(const struct gmv_config *c, unsigned i);
+int gmv_place_of_bias(const struct gmv_config *c, unsigned i);
+/* How many steps a history of an MV must go back; how many steps of data a regression needs before it is whole. */
+unsigned gmv_history(const struct gmv_config *c);
+unsigned gmv_reach(const struct gmv_config *c);
+
+uint32_t gmv_bytes(const struct gmv_config *c);
+/* *field, *wanted: as the block's parameter is called, and what would be right; *loop: which. */
+MUST_CHECK enum err gmv_check(const struct gmv_config *c, unsigned *loop, const char **field,
+                              const char **wanted);
+/* Settings that gmv_check accepts. Without a past. */
+void gmv_init(struct gmv *g, const struct gmv_config *c);
+/* New settings with the same gmv_bytes, loops and terms: data, estimates and parameters in use go on. */
+void gmv_retune(struct gmv *g, const struct gmv_config *c);
+/* The data begins anew (estimates stay): before the first step, and after a gap. */
+void gmv_begin(struct gmv *g);
+
+void gmv_take(struct gmv *g, const struct gmv_sample *s);
+/* Bit i of `learn`: loop i's estimator may learn from this step. Returns which had whole data (their errors are of this step). */
+uint8_t gmv_learn(struct gmv *g, uint8_t learn);
+
+/* The law with the parameters in use. acting: bit per member that is free; `fixed`: where the others' MVs are and will stay. lo, hi:
+ * limits of the MVs. u: of every member. Returns enum gmv_solved. */
+enum gmv_solved {
+    GMV_SOLVED,
+    GMV_ONE_BY_ONE /* the determinant was too small */,
+    GMV_NO_NUMBER /* u is unchanged */
+};
+enum gmv_solved gmv_solve(struct gmv *g, uint8_t acting, const num_t *fixed, const num_t *lo,
+                          const num_t *hi, num_t *u);
+
+/* Parameters in use: what gmv_solve takes; and those estimated. */
+num_t gmv_used(const struct gmv *g, unsigned i, unsigned p);
+void gmv_use(struct gmv *g, unsigned i, unsigned p, num_t value);
+const struct rls *gmv_rls(const struct gmv *g, unsigned i);
+struct rls *gmv_rls_of(struct gmv *g, unsigned i);
+/* Of the last gmv_learn with whole data: what P y was, what the parameters in use and what the estimated ones had predicted (both of before
+ * that step), and what "P y stays as it was a horizon ago" had. */
+struct gmv_predicted {
+    num_t measured, used, estimated, standstill;
+};
+struct gmv_predicted gmv_predicted(const struct gmv *g, unsigned i);
+/* Of the last gmv_take: R w and P y. */
+num_t gmv_setpoint(const struct gmv *g, unsigned i);
+num_t gmv_auxiliary(const struct gmv *g, unsigned i);
+
+#endif

@@ -1,0 +1,87 @@
+/* scaled_t: a number with a range far beyond that of num_t, for variances, gains of estimators and what else is sometimes
+ * 1e-8 and sometimes 1e6.
+ *
+ *             float build     fixed build
+ *   type      float32         mantissa and exponent: m * 2^e, |m| in [2^29, 2^30), or m = 0 and e = 0
+ *   step      2^-24 relative  2^-30 relative
+ *   range     +-3.4e38        exponents are clipped to +-SCALED_EXPONENT_MAX; what is smaller is 0
+ *   rounding  nearest         nearest; addition may be off by one step more
+ *
+ * Division by zero gives the largest magnitude with the sign of the dividend, 0/0 is 0. */
+#ifndef REFLUX_NUM_SCALED_H
+#define REFLUX_NUM_SCALED_H
+
+#include "num/num.h"
+
+#ifdef REFLUX_FIXED_POINT
+
+#define SCALED_EXPONENT_MAX 4096
+
+typedef struct {
+    int32_t m, e;
+} scaled_t;
+
+scaled_t scaled_add(scaled_t a, scaled_t b);
+scaled_t scaled_mul(scaled_t a, scaled_t b);
+scaled_t scaled_div(scaled_t a, scaled_t b);
+bool scaled_lt(scaled_t a, scaled_t b);
+scaled_t scaled_from_num(num_t x);
+scaled_t scaled_from_float(float x); /* NaN gives 0 (callers refuse it before) */
+num_t scaled_to_num(scaled_t x);     /* nearest, saturating */
+float scaled_to_float(scaled_t x);   /* saturating at +-3.4e38, 0 below 1e-38 */
+static inline scaled_t scaled_neg(scaled_t a)
+{
+    return (scaled_t){-a.m, a.e};
+}
+
+#else
+
+typedef float scaled_t;
+
+static inline scaled_t scaled_add(scaled_t a, scaled_t b)
+{
+    return a + b;
+}
+static inline scaled_t scaled_mul(scaled_t a, scaled_t b)
+{
+    return a * b;
+}
+static inline scaled_t scaled_div(scaled_t a, scaled_t b)
+{
+    if (b == 0.0f)
+        return a > 0.0f ? 3.4e38f : (a < 0.0f ? -3.4e38f : 0.0f);
+    return a / b;
+}
+static inline bool scaled_lt(scaled_t a, scaled_t b)
+{
+    return a < b;
+}
+static inline scaled_t scaled_from_num(num_t x)
+{
+    return x;
+}
+static inline scaled_t scaled_from_float(float x)
+{
+    return x;
+}
+static inline num_t scaled_to_num(scaled_t x)
+{
+    return x;
+}
+static inline float scaled_to_float(scaled_t x)
+{
+    return x;
+}
+static inline scaled_t scaled_neg(scaled_t a)
+{
+    return -a;
+}
+
+#endif
+
+static inline scaled_t scaled_sub(scaled_t a, scaled_t b)
+{
+    return scaled_add(a, scaled_neg(b));
+}
+
+#endif

@@ -1,0 +1,58 @@
+/* Covariances as P = U D U': U upper triangular with ones on its diagonal, D diagonal. However rounding goes, what is kept
+ * stays symmetric and positive as long as D does; Bierman's measurement update keeps it so.
+ *
+ * Kept in one packed triangle of n(n+1)/2 numbers, column by column: of column j U_0j ... U_(j-1)j, then D_j.
+ * real_t: for estimators that compute in it. num/ud_scaled.h is the same with exponents, for builds without floating point;
+ * identify/rls.c takes the one of its build.
+ *
+ * Sources: G. J. Bierman, Factorization Methods for Discrete Sequential Estimation (1977), ch. V (measurement update; rank-one
+ * addition after Agee and Turner).
+ *
+ * Order of calls for a measurement: ud_project, then ud_correct with what it gave. n: 1 to UD_MAX; no function allocates or
+ * checks: numbers are finite, D positive. */
+#ifndef REFLUX_NUM_UD_H
+#define REFLUX_NUM_UD_H
+
+#include <stddef.h>
+
+#include "num/double_symbols.h"
+#include "num/real.h"
+
+#define UD_MAX 96
+
+/* Numbers of a packed triangle. */
+static inline size_t ud_count(size_t n)
+{
+    return n * (n + 1) / 2;
+}
+
+/* P = diag(p), p positive. */
+void ud_set_diagonal(real_t *ud, size_t n, const real_t *p);
+
+/* f = U'phi, g = D f. Returns phi'P phi. */
+real_t ud_project(const real_t *ud, size_t n, const real_t *phi, real_t *f, real_t *g);
+
+/* Takes in a measurement whose noise has the variance r > 0: P becomes (P - P phi phi'P/alpha) * growth, alpha = r + phi'P phi.
+ * f and g as ud_project gave them; g becomes P phi of before, so the gain is g/alpha. Returns alpha. growth: 1/v when old
+ * data is forgotten with the factor v, else 1. */
+real_t ud_correct(real_t *ud, size_t n, const real_t *f, real_t *g, real_t r, real_t growth);
+
+/* P += c v v', c >= 0. v is used up. */
+void ud_add(real_t *ud, size_t n, real_t c, real_t *v);
+
+/* P *= factor, > 0. */
+void ud_scale(real_t *ud, size_t n, real_t factor);
+
+/* y = P x; y = P^-1 x. x and y may be the same. */
+void ud_multiply(const real_t *ud, size_t n, const real_t *x, real_t *y);
+void ud_solve(const real_t *ud, size_t n, const real_t *x, real_t *y);
+
+real_t ud_trace(const real_t *ud, size_t n);
+/* P_ij */
+real_t ud_element(const real_t *ud, size_t n, size_t i, size_t j);
+/* Smallest and largest D. */
+void ud_extremes(const real_t *ud, size_t n, real_t *least, real_t *most);
+/* Each D_j is brought into [lo, hi]. Returns whether one had to be. */
+bool ud_clamp(real_t *ud, size_t n, real_t lo, real_t hi);
+
+#endif
