@@ -26,6 +26,17 @@
 #define svd_condition          svd_condition_double
 #define svd_pseudo_inverse     svd_pseudo_inverse_double
 #define random_normal          random_normal_double
+#define ud_set_diagonal        ud_set_diagonal_double
+#define ud_project             ud_project_double
+#define ud_correct             ud_correct_double
+#define ud_add                 ud_add_double
+#define ud_scale               ud_scale_double
+#define ud_multiply            ud_multiply_double
+#define ud_solve               ud_solve_double
+#define ud_element             ud_element_double
+#define ud_trace               ud_trace_double
+#define ud_extremes            ud_extremes_double
+#define ud_clamp               ud_clamp_double
 #endif
 
 #endif

@@ -21,6 +21,8 @@ typedef struct {
     int32_t m, e;
 } scaled_t;
 
+/* m * 2^e, made to fit; |m| < 2^62. */
+scaled_t scaled_from_product(int64_t m, int32_t e);
 scaled_t scaled_add(scaled_t a, scaled_t b);
 scaled_t scaled_mul(scaled_t a, scaled_t b);
 scaled_t scaled_div(scaled_t a, scaled_t b);

@@ -1,6 +1,7 @@
 # The numeric heart: numbers, filters, tuning rules, PID, feedforward. Each in the number format of the preset.
 reflux_test(base LABEL unit SOURCES test_base.c LIBS reflux_base)
 reflux_test(num LABEL unit SOURCES test_num.c LIBS reflux_num)
+reflux_test(ud LABEL unit SOURCES test_ud.c LIBS reflux_num)
 reflux_test(signal LABEL unit SOURCES test_signal.c LIBS reflux_signal)
 reflux_test(tuning LABEL unit SOURCES test_tuning.c LIBS reflux_design)
 reflux_test(feedforward LABEL unit SOURCES test_feedforward.c LIBS reflux_feedforward)

@@ -1,0 +1,125 @@
+#include "num/scaled.h"
+
+#ifdef REFLUX_FIXED_POINT
+
+#include <string.h>
+
+/* |m| has the bits 2^29..2^30; the rest is the exponent's. */
+#define MANTISSA_BITS 30
+
+static int32_t bits_of(uint64_t magnitude)
+{
+    return magnitude ? 64 - __builtin_clzll(magnitude) : 0;
+}
+
+scaled_t scaled_from_product(int64_t m, int32_t e)
+{
+    if (m == 0)
+        return (scaled_t){0, 0};
+    int32_t right = bits_of(m < 0 ? 0u - (uint64_t)m : (uint64_t)m) - MANTISSA_BITS;
+    if (right > 0)
+        m = num_shift_right(m, right);
+    else
+        m *= (int64_t)1 << -right;
+    if (m == (int64_t)1 << MANTISSA_BITS || m == -((int64_t)1 << MANTISSA_BITS)) { /* rounded up */
+        m /= 2;
+        right++;
+    }
+    e += right;
+    if (e < -SCALED_EXPONENT_MAX)
+        return (scaled_t){0, 0};
+    if (e > SCALED_EXPONENT_MAX)
+        return (scaled_t){m < 0 ? 1 - (1 << MANTISSA_BITS) : (1 << MANTISSA_BITS) - 1,
+                          SCALED_EXPONENT_MAX};
+    return (scaled_t){(int32_t)m, e};
+}
+
+scaled_t scaled_add(scaled_t a, scaled_t b)
+{
+    if (a.m == 0)
+        return b;
+    if (b.m == 0)
+        return a;
+    if (a.e < b.e) {
+        scaled_t c = a;
+        a = b;
+        b = c;
+    }
+    int32_t apart = a.e - b.e;
+    if (apart > MANTISSA_BITS + 1)
+        return a;
+    int64_t unit = (int64_t)1 << 31;
+    return scaled_from_product(a.m * unit + ((b.m * unit) >> apart), a.e - 31);
+}
+
+scaled_t scaled_mul(scaled_t a, scaled_t b)
+{
+    return scaled_from_product((int64_t)a.m * b.m, a.e + b.e);
+}
+
+scaled_t scaled_div(scaled_t a, scaled_t b)
+{
+    const int32_t most = (1 << MANTISSA_BITS) - 1;
+    if (b.m == 0)
+        return a.m == 0 ? a : (scaled_t){a.m < 0 ? -most : most, SCALED_EXPONENT_MAX};
+    return scaled_from_product(a.m * ((int64_t)1 << 32) / b.m, a.e - b.e - 32);
+}
+
+bool scaled_lt(scaled_t a, scaled_t b)
+{
+    if (a.m == 0 || b.m == 0 || (a.m < 0) != (b.m < 0))
+        return a.m < b.m;
+    if (a.e != b.e)
+        return (a.e < b.e) == (a.m > 0);
+    return a.m < b.m;
+}
+
+scaled_t scaled_from_num(num_t x)
+{
+    return scaled_from_product(x.q, -NUM_FRACTION_BITS);
+}
+
+scaled_t scaled_from_float(float x)
+{
+    uint32_t bits;
+    memcpy(&bits, &x, sizeof bits);
+    int32_t exponent = (int32_t)(bits >> 23 & 0xFFu);
+    int32_t fraction = (int32_t)(bits & 0x7FFFFFu);
+    if (exponent == 0xFF && fraction)
+        return (scaled_t){0, 0}; /* no number */
+    if (exponent)
+        fraction += 1 << 23;
+    else
+        exponent = 1;
+    return scaled_from_product(bits >> 31 ? -fraction : fraction, exponent - 150);
+}
+
+num_t scaled_to_num(scaled_t x)
+{
+    int32_t left = x.e + NUM_FRACTION_BITS;
+    if (left < -MANTISSA_BITS - 1)
+        return num_zero();
+    if (left < 0)
+        return num_from_q(num_shift_right(x.m, -left));
+    return num_from_q(x.m * ((int64_t)1 << (left < 32 ? left : 32)));
+}
+
+float scaled_to_float(scaled_t x)
+{
+    float value = (float)x.m;
+    if (x.e > 127 - MANTISSA_BITS)
+        return x.m < 0 ? -3.4e38f : (x.m ? 3.4e38f : 0.0f);
+    if (x.e < -126 - MANTISSA_BITS)
+        return 0.0f;
+    /* A power of two in two steps, both of them normal numbers. */
+    for (int32_t part = 0, e = x.e; part < 2; part++) {
+        int32_t now = part == 0 ? e / 2 : e - e / 2;
+        uint32_t bits = (uint32_t)(now + 127) << 23;
+        float power;
+        memcpy(&power, &bits, sizeof power);
+        value *= power;
+    }
+    return value;
+}
+
+#endif

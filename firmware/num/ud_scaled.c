@@ -1,0 +1,270 @@
+#include "num/ud_scaled.h"
+
+#ifdef REFLUX_FIXED_POINT
+
+#define COLUMN_BITS 26 /* of the largest mantissa of a column of U, when it has been put in order */
+#define GAIN_BITS   29 /* of the largest mantissa of P phi on its way */
+
+static size_t place(size_t j)
+{
+    return j * (j + 1) / 2;
+}
+
+static int32_t *column_exponent(ud_cell_t *ud, size_t n, size_t j)
+{
+    return &ud[place(n) + j];
+}
+
+static scaled_t get_u(const ud_cell_t *ud, size_t n, size_t i, size_t j)
+{
+    return scaled_from_product(ud[place(j) + i], ud[place(n) + j]);
+}
+
+static scaled_t get_d(const ud_cell_t *ud, size_t n, size_t j)
+{
+    return (scaled_t){ud[place(j) + j], ud[place(n) + n + j]};
+}
+
+static void set_d(ud_cell_t *ud, size_t n, size_t j, scaled_t d)
+{
+    ud[place(j) + j] = d.m;
+    ud[place(n) + n + j] = d.e;
+}
+
+/* How many bits the largest of some numbers has, from all their magnitudes OR-ed. */
+static int32_t width(uint32_t mask)
+{
+    return mask ? 32 - __builtin_clz(mask) : 0;
+}
+
+static uint32_t magnitude(int32_t m)
+{
+    return (uint32_t)(m < 0 ? -m : m);
+}
+
+/* m * 2^-right to the nearest, for right of any sign that keeps it in range; beyond 62 bits nothing is left. */
+static int64_t shifted(int64_t m, int32_t right)
+{
+    if (right <= 0)
+        return m * ((int64_t)1 << -right);
+    return right > 62 ? 0 : (m + ((int64_t)1 << (right - 1))) >> right;
+}
+
+/* Column j := u. */
+static void set_column(ud_cell_t *ud, size_t n, size_t j, const scaled_t *u)
+{
+    int32_t e = -SCALED_EXPONENT_MAX;
+    for (size_t i = 0; i < j; i++)
+        e = u[i].m && u[i].e > e ? u[i].e : e;
+    for (size_t i = 0; i < j; i++)
+        ud[place(j) + i] = (int32_t)shifted(u[i].m, e - u[i].e + 30 - COLUMN_BITS);
+    *column_exponent(ud, n, j) = e + 30 - COLUMN_BITS;
+}
+
+void ud_scaled_set_diagonal(ud_cell_t *ud, size_t n, const scaled_t *p)
+{
+    for (size_t j = 0; j < n; j++) {
+        for (size_t i = 0; i < j; i++)
+            ud[place(j) + i] = 0;
+        *column_exponent(ud, n, j) = -COLUMN_BITS;
+        set_d(ud, n, j, p[j]);
+    }
+}
+
+/* Below 2^27 times 2^31, 24 of them: below 2^63. */
+scaled_t ud_scaled_project(const ud_cell_t *ud, size_t n, const num_t *phi, scaled_t *f,
+                           scaled_t *g)
+{
+    scaled_t variance = {0, 0};
+    const ud_cell_t *exponent = ud + place(n), *d_exponent = exponent + n;
+    for (size_t j = 0; j < n; j++) {
+        const num_t *p = phi;
+        int64_t sum = 0;
+        for (const ud_cell_t *end = ud + j; ud < end;)
+            sum += (int64_t)*ud++ * (p++)->q;
+        scaled_t own = scaled_from_num(phi[j]);
+        f[j] =
+            sum ? scaled_add(own, scaled_from_product(sum, exponent[j] - NUM_FRACTION_BITS)) : own;
+        g[j] = scaled_mul((scaled_t){*ud++, d_exponent[j]}, f[j]);
+        variance = scaled_add(variance, scaled_mul(f[j], g[j]));
+    }
+    return variance;
+}
+
+/* P phi as it grows column by column: mantissas with one exponent, the bits of all of them. */
+struct growing {
+    int32_t e;
+    uint32_t mask;
+};
+
+/* Room for what has the exponent e and `bits` bits: the common exponent goes up where that would not fit. */
+static void make_room(struct growing *b, scaled_t *g, size_t count, int32_t e, int32_t bits)
+{
+    int32_t top = e + bits, own = b->e + width(b->mask);
+    int32_t wanted = (b->mask && own > top ? own : top) + 1 - GAIN_BITS;
+    int32_t right = wanted - b->e;
+    if (!b->mask) {
+        b->e = wanted;
+        return;
+    }
+    if (right <= 0)
+        return; /* there is room, and bits that are there are kept */
+    for (size_t i = 0; i < count; i++)
+        g[i].m = (int32_t)shifted(g[i].m, right);
+    b->mask >>= right < 32 ? right : 31;
+    b->e = wanted;
+}
+
+/* Mantissas of the column: u + b lambda, b: u own. */
+static void correct_column(ud_cell_t *u, size_t j, int32_t *exponent, scaled_t *g,
+                           struct growing *b, scaled_t lambda, scaled_t own)
+{
+    uint32_t mask = 0;
+    for (size_t i = 0; i < j; i++)
+        mask |= magnitude(u[i]);
+    int32_t u_top = mask ? *exponent + width(mask) : -SCALED_EXPONENT_MAX;
+    int32_t move_top =
+        lambda.m && b->mask ? b->e + width(b->mask) + lambda.e + 30 : -SCALED_EXPONENT_MAX;
+    int32_t e = (u_top > move_top ? u_top : move_top) - COLUMN_BITS;
+    if (mask && own.m)
+        make_room(b, g, j, *exponent + own.e, width(mask) + 30);
+    int32_t old_right = e - *exponent, move_right = e - (b->e + lambda.e),
+            take_right = b->e - (*exponent + own.e);
+    bool moves = move_top > -SCALED_EXPONENT_MAX && move_right <= 62,
+         takes = mask && own.m && take_right <= 62;
+    if (old_right > 62)
+        old_right = 62;
+    uint32_t gain_mask = 0;
+    for (size_t i = 0; i < j; i++) {
+        int32_t old = u[i], gain = g[i].m;
+        int64_t now = shifted(old, old_right);
+        if (moves)
+            now += shifted((int64_t)gain * lambda.m, move_right);
+        u[i] = (int32_t)now;
+        if (takes)
+            gain += (int32_t)shifted((int64_t)old * own.m, take_right);
+        g[i].m = gain;
+        gain_mask |= magnitude(gain);
+    }
+    *exponent = e > -SCALED_EXPONENT_MAX ? e : -COLUMN_BITS;
+    b->mask = gain_mask;
+}
+
+scaled_t ud_scaled_correct(ud_cell_t *ud, size_t n, const scaled_t *f, scaled_t *g, scaled_t r,
+                           scaled_t growth)
+{
+    scaled_t alpha = r;
+    struct growing b = {0, 0};
+    for (size_t j = 0; j < n; j++) {
+        scaled_t own = g[j], before = alpha;
+        scaled_t lambda = scaled_div(scaled_neg(f[j]), before);
+        alpha = scaled_add(before, scaled_mul(f[j], own));
+        correct_column(ud + place(j), j, column_exponent(ud, n, j), g, &b, lambda, own);
+        set_d(ud, n, j, scaled_mul(scaled_mul(get_d(ud, n, j), growth), scaled_div(before, alpha)));
+        make_room(&b, g, j, own.e, own.m ? 30 : 0);
+        g[j].m = (int32_t)shifted(own.m, b.e - own.e);
+        b.mask |= magnitude(g[j].m);
+    }
+    for (size_t j = 0; j < n; j++)
+        g[j].e = b.e;
+    return alpha;
+}
+
+void ud_scaled_add(ud_cell_t *ud, size_t n, scaled_t c, scaled_t *v)
+{
+    scaled_t column[UD_SCALED_MAX];
+    for (size_t j = n; j-- > 0;) {
+        scaled_t d = get_d(ud, n, j), moved = scaled_mul(c, v[j]);
+        scaled_t sum = scaled_add(d, scaled_mul(moved, v[j])), share = scaled_div(moved, sum);
+        for (size_t i = 0; i < j; i++) {
+            scaled_t u = get_u(ud, n, i, j);
+            v[i] = scaled_sub(v[i], scaled_mul(v[j], u));
+            column[i] = scaled_add(u, scaled_mul(share, v[i]));
+        }
+        set_column(ud, n, j, column);
+        set_d(ud, n, j, sum);
+        c = scaled_div(scaled_mul(c, d), sum);
+    }
+}
+
+void ud_scaled_scale(ud_cell_t *ud, size_t n, scaled_t factor)
+{
+    for (size_t j = 0; j < n; j++)
+        set_d(ud, n, j, scaled_mul(get_d(ud, n, j), factor));
+}
+
+void ud_scaled_multiply(const ud_cell_t *ud, size_t n, const scaled_t *x, scaled_t *y)
+{
+    for (size_t j = n; j-- > 0;) {
+        scaled_t sum = x[j];
+        for (size_t i = 0; i < j; i++)
+            sum = scaled_add(sum, scaled_mul(get_u(ud, n, i, j), x[i]));
+        y[j] = scaled_mul(get_d(ud, n, j), sum);
+    }
+    for (size_t j = 0; j < n; j++)
+        for (size_t i = 0; i < j; i++)
+            y[i] = scaled_add(y[i], scaled_mul(get_u(ud, n, i, j), y[j]));
+}
+
+void ud_scaled_solve(const ud_cell_t *ud, size_t n, const scaled_t *x, scaled_t *y)
+{
+    for (size_t j = 0; j < n; j++)
+        y[j] = x[j];
+    for (size_t j = n; j-- > 0;)
+        for (size_t i = 0; i < j; i++)
+            y[i] = scaled_sub(y[i], scaled_mul(get_u(ud, n, i, j), y[j]));
+    for (size_t j = 0; j < n; j++)
+        y[j] = scaled_div(y[j], get_d(ud, n, j));
+    for (size_t j = 0; j < n; j++)
+        for (size_t i = 0; i < j; i++)
+            y[j] = scaled_sub(y[j], scaled_mul(get_u(ud, n, i, j), y[i]));
+}
+
+scaled_t ud_scaled_element(const ud_cell_t *ud, size_t n, size_t i, size_t j)
+{
+    scaled_t sum = {0, 0}, one = scaled_from_num(num_one());
+    for (size_t k = i > j ? i : j; k < n; k++)
+        sum = scaled_add(sum, scaled_mul(scaled_mul(i == k ? one : get_u(ud, n, i, k),
+                                                    j == k ? one : get_u(ud, n, j, k)),
+                                         get_d(ud, n, k)));
+    return sum;
+}
+
+scaled_t ud_scaled_trace(const ud_cell_t *ud, size_t n)
+{
+    scaled_t trace = {0, 0};
+    for (size_t j = 0; j < n; j++) {
+        int64_t squares = 0; /* below 2^54 each */
+        for (size_t i = 0; i < j; i++)
+            squares += (int64_t)ud[place(j) + i] * ud[place(j) + i];
+        scaled_t sum = scaled_add(scaled_from_num(num_one()),
+                                  scaled_from_product(squares, 2 * ud[place(n) + j]));
+        trace = scaled_add(trace, scaled_mul(get_d(ud, n, j), sum));
+    }
+    return trace;
+}
+
+void ud_scaled_extremes(const ud_cell_t *ud, size_t n, scaled_t *least, scaled_t *most)
+{
+    *least = *most = get_d(ud, n, 0);
+    for (size_t j = 1; j < n; j++) {
+        scaled_t d = get_d(ud, n, j);
+        *least = scaled_lt(d, *least) ? d : *least;
+        *most = scaled_lt(*most, d) ? d : *most;
+    }
+}
+
+bool ud_scaled_clamp(ud_cell_t *ud, size_t n, scaled_t lo, scaled_t hi)
+{
+    bool had_to = false;
+    for (size_t j = 0; j < n; j++) {
+        scaled_t d = get_d(ud, n, j);
+        if (!scaled_lt(d, lo) && !scaled_lt(hi, d))
+            continue;
+        set_d(ud, n, j, scaled_lt(hi, d) ? hi : lo);
+        had_to = true;
+    }
+    return had_to;
+}
+
+#endif
