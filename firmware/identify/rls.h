@@ -45,11 +45,12 @@ struct rls_settings {
     float forget_least; /* no v is below, [0.01, 1] */
     float sigma0;       /* of RLS_FORTESCUE, y squared, [1e-12, 1e6] */
     float memory;       /* N0 of RLS_YDSTIE, in y squared, [1e-12, 1e6] */
-    float trace;        /* of RLS_HELD_TRACE, RLS_RESET, RLS_BOUNDED, [1e-6, 1e9] */
-    float p0;           /* P(0) = p0 I, [1e-6, 1e6] */
-    float rate;         /* alpha of PC with alpha p0 < 2, mu of SPC in (0, 2) */
-    float error_most;   /* e is clipped to +- this, y; 0: never */
-    float dead_zone;    /* in deviations of e as measured; 0: none */
+    float
+        trace; /* of RLS_HELD_TRACE, RLS_RESET; most of RLS_BOUNDED and RLS_DIRECTIONAL, [1e-6, 1e12] */
+    const float *p0;  /* [n] diagonal of P(0), [1e-6, 1e9]; read during init and retune only */
+    float rate;       /* alpha of PC with alpha p0 < 2, mu of SPC in (0, 2) */
+    float error_most; /* e is clipped to +- this, y; 0: never */
+    float dead_zone;  /* in deviations of e as measured; 0: none */
     const float *lo,
         *hi; /* [n] bounds, hi > lo; where hi <= lo there are none. NULL: none at all. Read during init only */
 };
@@ -82,5 +83,7 @@ float rls_forgot(const struct rls *r);
 float rls_told(const struct rls *r);
 /* Standard deviation of e, measured with a memory of 200 samples. */
 float rls_error_sd(const struct rls *r);
+/* Steps in which an element of D had to be kept within 1e-12 to 1e12, the last resort against a rule of forgetting without bounds. */
+uint32_t rls_clamped(const struct rls *r);
 
 #endif

@@ -104,6 +104,17 @@ num_t scaled_to_num(scaled_t x)
     return num_from_q(x.m * ((int64_t)1 << (left < 32 ? left : 32)));
 }
 
+void scaled_accumulate(struct accumulator *a, scaled_t x)
+{
+    int32_t left = x.e + NUM_FRACTION_BITS + ACCUMULATOR_EXTRA_BITS;
+    struct accumulator more = {0};
+    if (left < -MANTISSA_BITS - 1)
+        return;
+    more.q48 =
+        left < 0 ? num_shift_right(x.m, -left) : x.m * ((int64_t)1 << (left < 32 ? left : 32));
+    accumulator_add_sum(a, &more);
+}
+
 float scaled_to_float(scaled_t x)
 {
     float value = (float)x.m;

@@ -11,7 +11,7 @@
 #ifndef REFLUX_NUM_SCALED_H
 #define REFLUX_NUM_SCALED_H
 
-#include "num/num.h"
+#include "num/accumulator.h"
 
 #ifdef REFLUX_FIXED_POINT
 
@@ -31,9 +31,15 @@ scaled_t scaled_from_num(num_t x);
 scaled_t scaled_from_float(float x); /* NaN gives 0 (callers refuse it before) */
 num_t scaled_to_num(scaled_t x);     /* nearest, saturating */
 float scaled_to_float(scaled_t x);   /* saturating at +-3.4e38, 0 below 1e-38 */
+/* a += x at full width, saturating. */
+void scaled_accumulate(struct accumulator *a, scaled_t x);
 static inline scaled_t scaled_neg(scaled_t a)
 {
     return (scaled_t){-a.m, a.e};
+}
+static inline bool scaled_is_zero(scaled_t a)
+{
+    return a.m == 0;
 }
 
 #else
@@ -74,9 +80,17 @@ static inline float scaled_to_float(scaled_t x)
 {
     return x;
 }
+static inline void scaled_accumulate(struct accumulator *a, scaled_t x)
+{
+    accumulator_add(a, x);
+}
 static inline scaled_t scaled_neg(scaled_t a)
 {
     return -a;
+}
+static inline bool scaled_is_zero(scaled_t a)
+{
+    return a == 0.0f;
 }
 
 #endif

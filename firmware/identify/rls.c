@@ -1,0 +1,391 @@
+#include "identify/rls.h"
+
+#include <string.h>
+
+#include "num/real.h"
+#include "num/ud_num.h"
+
+/* D is kept within these whatever the rule of forgetting does: beyond them float has no digits left for what follows.
+ * rls_clamped() counts how often it had to be. */
+#define D_LEAST 1e-12f
+#define D_MOST  1e12f
+
+#define ERROR_MEMORY 200.0f /* samples over which the size of e is measured */
+#define THETA_MOST   127.0f /* no parameter is larger: num_t ends there in the fixed build */
+
+struct rls {
+    uint8_t n, forgetting, correction;
+    bool normalise;
+    scaled_t forget, forget_least, sigma0, memory, trace, rate;
+    scaled_t dead_zone_square; /* in mean squares of e */
+    num_t error_most;          /* 0: none */
+    scaled_t mean_square;      /* of e */
+    scaled_t forgot, told;     /* of the last step that learnt */
+    uint32_t clamped;
+    struct accumulator theta[]; /* [n]; then p0, lo, hi [n], then P */
+};
+
+static float *start_diagonal(struct rls *r)
+{
+    return (float *)(void *)&r->theta[r->n];
+}
+
+static num_t *bounds(struct rls *r)
+{
+    return (num_t *)(void *)(start_diagonal(r) + r->n);
+}
+
+static ud_cell_t *covariance(struct rls *r)
+{
+    return (ud_cell_t *)(void *)(bounds(r) + 2u * r->n);
+}
+
+static const ud_cell_t *covariance_of(const struct rls *r)
+{
+    const float *p0 = (const float *)(const void *)&r->theta[r->n];
+    const num_t *lo = (const num_t *)(const void *)(p0 + r->n);
+    return (const ud_cell_t *)(const void *)(lo + 2u * r->n);
+}
+
+uint32_t rls_bytes(unsigned n)
+{
+    size_t bytes = sizeof(struct rls) +
+                   n * (sizeof(struct accumulator) + sizeof(float) + 2 * sizeof(num_t)) +
+                   ud_num_cells(n) * sizeof(ud_cell_t);
+    return (uint32_t)((bytes + 7u) & ~(size_t)7u);
+}
+
+/* ---- settings ---- */
+
+static bool bounded_by(const struct rls_settings *s, unsigned i)
+{
+    return s->lo && s->hi && s->hi[i] > s->lo[i];
+}
+
+static enum err settings_fault(const char **field, const char **wanted, const char *name,
+                               const char *range)
+{
+    if (field)
+        *field = name;
+    if (wanted)
+        *wanted = range;
+    return ERR_RANGE;
+}
+
+enum err rls_check(const struct rls_settings *s, const char **field, const char **wanted)
+{
+    const struct {
+        const char *name;
+        float value, lo, hi;
+        const char *range;
+    } row[] = {
+        {"forget", s->forget, 0.5f, 1, "0.5 to 1"},
+        {"forget_least", s->forget_least, 0.01f, 1, "0.01 to 1"},
+        {"sigma0", s->sigma0, 1e-12f, 1e6f, "1e-12 to 1e6"},
+        {"memory", s->memory, 1e-12f, 1e6f, "1e-12 to 1e6"},
+        {"trace", s->trace, 1e-6f, 1e12f, "1e-6 to 1e12"},
+        {"error_most", s->error_most, 0, 100, "0 to 100"},
+        {"dead_zone", s->dead_zone, 0, 100, "0 to 100"},
+    };
+    if (s->n < 1 || s->n > RLS_MAX)
+        return settings_fault(field, wanted, "n", "1 to 24 parameters");
+    for (size_t k = 0; k < sizeof row / sizeof row[0]; k++)
+        if (!(row[k].value >= row[k].lo && row[k].value <= row[k].hi))
+            return settings_fault(field, wanted, row[k].name, row[k].range);
+    float most = 0;
+    for (unsigned i = 0; i < s->n; i++) {
+        if (!(s->p0[i] >= 1e-6f && s->p0[i] <= 1e9f))
+            return settings_fault(field, wanted, "p0", "1e-6 to 1e9");
+        most = s->p0[i] > most ? s->p0[i] : most;
+    }
+    if (s->correction == RLS_CORRECT_SPC && !(s->rate > 0 && s->rate < 2))
+        return settings_fault(field, wanted, "correct_rate", "above 0 and below 2");
+    if (s->correction == RLS_CORRECT_PC && !(s->rate > 0 && s->rate * most < 2))
+        return settings_fault(field, wanted, "correct_rate",
+                              "above 0, and with p0 as a factor below 2");
+    return ERR_OK;
+}
+
+static void take_settings(struct rls *r, const struct rls_settings *s)
+{
+    num_t *bound = bounds(r);
+    r->forgetting = s->forgetting;
+    r->correction = s->correction;
+    r->normalise = s->normalise;
+    r->forget = scaled_from_float(s->forget);
+    r->forget_least = scaled_from_float(s->forget_least);
+    r->sigma0 = scaled_from_float(s->sigma0);
+    r->memory = scaled_from_float(s->memory);
+    r->trace = scaled_from_float(s->trace);
+    r->rate = scaled_from_float(s->rate);
+    r->dead_zone_square = scaled_from_float(s->dead_zone * s->dead_zone);
+    r->error_most = num_from_float(s->error_most);
+    for (unsigned i = 0; i < s->n; i++) {
+        start_diagonal(r)[i] = s->p0[i];
+        bound[i] = num_from_float(bounded_by(s, i) ? s->lo[i] : 0);
+        bound[s->n + i] = num_from_float(bounded_by(s, i) ? s->hi[i] : 0);
+    }
+}
+
+void rls_reset(struct rls *r)
+{
+    scaled_t diagonal[RLS_MAX];
+    for (unsigned i = 0; i < r->n; i++)
+        diagonal[i] = scaled_from_float(start_diagonal(r)[i]);
+    ud_num_set_diagonal(covariance(r), r->n, diagonal);
+    r->forgot = scaled_from_float(1);
+    r->told = scaled_from_float(0);
+}
+
+void rls_set(struct rls *r, const num_t *theta)
+{
+    for (unsigned i = 0; i < r->n; i++)
+        accumulator_set(&r->theta[i], theta[i]);
+}
+
+void rls_init(struct rls *r, const struct rls_settings *s, const num_t *theta)
+{
+    memset(r, 0, sizeof *r);
+    r->n = s->n;
+    take_settings(r, s);
+    rls_set(r, theta);
+    rls_reset(r);
+}
+
+void rls_retune(struct rls *r, const struct rls_settings *s)
+{
+    take_settings(r, s);
+}
+
+/* ---- a sample ---- */
+
+/* What rules of forgetting look at, all of before the measurement. */
+struct measured {
+    scaled_t error, variance; /* e; phi'P phi */
+    const num_t *phi;
+};
+
+static scaled_t one(void)
+{
+    return scaled_from_num(num_one());
+}
+
+static scaled_t larger(scaled_t a, scaled_t b)
+{
+    return scaled_lt(a, b) ? b : a;
+}
+
+/* e^2/(1 + phi'P phi) */
+static scaled_t surprise(const struct measured *m)
+{
+    return scaled_div(scaled_mul(m->error, m->error), scaled_add(one(), m->variance));
+}
+
+/* Folami 8.42 to 8.48; forget where the rule is constant. */
+static scaled_t forgetting_factor(struct rls *r, const struct measured *m)
+{
+    scaled_t v = r->forget, size;
+    switch (r->forgetting) {
+    case RLS_FORTESCUE:
+        v = scaled_sub(one(), scaled_div(surprise(m), r->sigma0));
+        break;
+    case RLS_YDSTIE:
+    case RLS_YDSTIE_TRACE:
+        size = r->forgetting == RLS_YDSTIE ? r->memory : ud_num_trace(covariance(r), r->n);
+        v = scaled_div(size, scaled_add(size, surprise(m)));
+        break;
+    case RLS_BOUNDED: /* P/v is not to pass the trace */
+        size = scaled_div(ud_num_trace(covariance(r), r->n), r->trace);
+        v = larger(v, scaled_lt(size, one()) ? size : one());
+        break;
+    default:
+        return v;
+    }
+    return larger(v, r->forget_least);
+}
+
+/* Cao and Schwartz (2000): P grows along what is measured alone, P += ((1 - v)/v) phi phi'/(phi'P^-1 phi), but not past the
+ * trace. */
+static void forget_along(struct rls *r, const num_t *phi)
+{
+    scaled_t x[RLS_MAX], y[RLS_MAX], form = scaled_from_float(0), square = form;
+    for (unsigned i = 0; i < r->n; i++)
+        x[i] = scaled_from_num(phi[i]);
+    ud_num_solve(covariance(r), r->n, x, y);
+    for (unsigned i = 0; i < r->n; i++) {
+        form = scaled_add(form, scaled_mul(x[i], y[i]));
+        square = scaled_add(square, scaled_mul(x[i], x[i]));
+    }
+    if (!scaled_lt(scaled_from_float(0), form) || !scaled_lt(scaled_from_float(0), square))
+        return;
+    scaled_t c = scaled_div(scaled_sub(one(), r->forget), scaled_mul(r->forget, form));
+    scaled_t room = scaled_sub(r->trace, ud_num_trace(covariance(r), r->n));
+    if (!scaled_lt(scaled_from_float(0), room))
+        return;
+    scaled_t most = scaled_div(room, square);
+    ud_num_add(covariance(r), r->n, scaled_lt(most, c) ? most : c, x);
+}
+
+/* How far theta is outside its bounds (Folami 8.50). */
+static num_t outside(struct rls *r, unsigned i)
+{
+    const num_t *bound = bounds(r);
+    num_t theta = accumulator_get(&r->theta[i]), lo = bound[i], hi = bound[r->n + i];
+    if (num_lt(lo, hi) && num_lt(hi, theta))
+        return num_sub(theta, hi);
+    if (num_lt(lo, hi) && num_lt(theta, lo))
+        return num_sub(theta, lo);
+    return num_zero();
+}
+
+/* What theta is to move by, besides the gain: -mu f, or -alpha P f with the P of before. */
+static void find_correction(struct rls *r, scaled_t *move)
+{
+    for (unsigned i = 0; i < r->n; i++)
+        move[i] = scaled_mul(scaled_neg(r->rate), scaled_from_num(outside(r, i)));
+    if (r->correction == RLS_CORRECT_PC)
+        ud_num_multiply(covariance(r), r->n, move, move);
+}
+
+/* P after the measurement, theta moved by the gain times e. */
+static void take_in(struct rls *r, struct measured *m, scaled_t *f, scaled_t *g)
+{
+    ud_cell_t *p = covariance(r);
+    scaled_t v = forgetting_factor(r, m), noise = v, growth = one();
+    if (r->forgetting == RLS_DIRECTIONAL) {
+        forget_along(r, m->phi);
+        m->variance = ud_num_project(p, r->n, m->phi, f, g);
+    }
+    if (r->forgetting == RLS_DIRECTIONAL || r->forgetting == RLS_HELD_TRACE)
+        noise = one();
+    else
+        growth = scaled_div(one(), v);
+    scaled_t alpha = ud_num_correct(p, r->n, f, g, noise, growth);
+    if (r->forgetting == RLS_HELD_TRACE) {
+        v = scaled_div(ud_num_trace(p, r->n), r->trace);
+        ud_num_scale(p, r->n, scaled_div(one(), v));
+    }
+    scaled_t share = scaled_div(m->error, alpha);
+    for (unsigned i = 0; i < r->n; i++)
+        scaled_accumulate(&r->theta[i], scaled_mul(g[i], share));
+    r->forgot = v;
+    r->told = scaled_div(m->variance, alpha);
+}
+
+/* Where old data is forgotten completely (RLS_RESET), and the last resort. */
+static void keep_in_range(struct rls *r)
+{
+    ud_cell_t *p = covariance(r);
+    if (r->forgetting == RLS_RESET &&
+        scaled_lt(ud_num_trace(p, r->n), scaled_div(r->trace, scaled_from_float(100)))) {
+        scaled_t diagonal[RLS_MAX];
+        for (unsigned i = 0; i < r->n; i++)
+            diagonal[i] = scaled_div(r->trace, scaled_from_float((float)r->n));
+        ud_num_set_diagonal(p, r->n, diagonal);
+    }
+    if (ud_num_clamp(p, r->n, scaled_from_float(D_LEAST), scaled_from_float(D_MOST)))
+        r->clamped++;
+}
+
+static void learn_from(struct rls *r, const num_t *phi, num_t error)
+{
+    scaled_t f[RLS_MAX], g[RLS_MAX], move[RLS_MAX];
+    num_t most = num_from_float(THETA_MOST);
+    bool corrects = r->correction != RLS_CORRECT_NONE;
+    struct measured m = {.error = scaled_from_num(error), .phi = phi};
+    if (corrects)
+        find_correction(r, move);
+    m.variance = ud_num_project(covariance(r), r->n, phi, f, g);
+    take_in(r, &m, f, g);
+    keep_in_range(r);
+    for (unsigned i = 0; i < r->n; i++) {
+        if (corrects)
+            scaled_accumulate(&r->theta[i], move[i]);
+        accumulator_clamp(&r->theta[i], num_neg(most), most);
+    }
+}
+
+/* Whether e is within the dead zone; its mean square goes on. */
+static bool says_nothing(struct rls *r, num_t error)
+{
+    scaled_t e = scaled_from_num(error), square = scaled_mul(e, e);
+    bool small = scaled_lt(square, scaled_mul(r->dead_zone_square, r->mean_square));
+    r->mean_square = scaled_add(r->mean_square, scaled_mul(scaled_sub(square, r->mean_square),
+                                                           scaled_from_float(1 / ERROR_MEMORY)));
+    return small;
+}
+
+num_t rls_step(struct rls *r, const num_t *phi, num_t y, bool learn)
+{
+    num_t error = num_sub(y, rls_predict(r, phi)), clipped = error, scaled_phi[RLS_MAX];
+    if (!learn)
+        return error;
+    if (num_lt(num_zero(), r->error_most))
+        clipped = num_clamp(error, num_neg(r->error_most), r->error_most);
+    if (says_nothing(r, clipped))
+        return error;
+    if (r->normalise) { /* Folami 8.53 */
+        num_t eta = num_one();
+        for (unsigned i = 0; i < r->n; i++)
+            eta = num_max(eta, num_abs(phi[i]));
+        for (unsigned i = 0; i < r->n; i++)
+            scaled_phi[i] = num_div(phi[i], eta);
+        clipped = num_div(clipped, eta);
+        phi = scaled_phi;
+    }
+    learn_from(r, phi, clipped);
+    return error;
+}
+
+num_t rls_predict(const struct rls *r, const num_t *phi)
+{
+    num_wide_t sum = num_wide_zero();
+    for (unsigned i = 0; i < r->n; i++)
+        sum = num_wide_add(sum, accumulator_get(&r->theta[i]), phi[i]);
+    return num_from_wide(sum);
+}
+
+/* ---- what it knows ---- */
+
+num_t rls_theta(const struct rls *r, unsigned i)
+{
+    return accumulator_get(&r->theta[i]);
+}
+
+float rls_covariance(const struct rls *r, unsigned i, unsigned j)
+{
+    return scaled_to_float(ud_num_element(covariance_of(r), r->n, i, j));
+}
+
+float rls_trace(const struct rls *r)
+{
+    return scaled_to_float(ud_num_trace(covariance_of(r), r->n));
+}
+
+void rls_d_extremes(const struct rls *r, float *least, float *most)
+{
+    scaled_t lo, hi;
+    ud_num_extremes(covariance_of(r), r->n, &lo, &hi);
+    *least = scaled_to_float(lo);
+    *most = scaled_to_float(hi);
+}
+
+float rls_forgot(const struct rls *r)
+{
+    return scaled_to_float(r->forgot);
+}
+
+float rls_told(const struct rls *r)
+{
+    return scaled_to_float(r->told);
+}
+
+float rls_error_sd(const struct rls *r)
+{
+    return real_sqrt(scaled_to_float(r->mean_square));
+}
+
+uint32_t rls_clamped(const struct rls *r)
+{
+    return r->clamped;
+}
