@@ -27,27 +27,32 @@ enum gmv_way { GMV_IMPLICIT, GMV_EXPLICIT };
 enum gmv_weight { GMV_WEIGHT_DELTA, GMV_WEIGHT_SCALAR };
 enum gmv_bias { GMV_BIAS_ONE, GMV_BIAS_RESIDUALS, GMV_BIAS_NONE };
 
-struct gmv_config {
+/* What makes the data of the regressions: where one of these changes, data and estimates begin anew. */
+struct gmv_shape {
     uint8_t loops;                   /* 1 or 2 */
     uint8_t form, way, weight, bias; /* enums above */
     uint8_t na, nb, nc; /* terms of y, of each u, of past predictions: 1..4, 1..4, 0..2 */
-    uint8_t delay
-        [GMV_LOOPS]
-        [GMV_LOOPS]; /* k_ij, from MV j to PV i; 0: u_j is not in loop i's model. k_ii >= 1, k_ij >= k_ii */
+    /* k_ij, steps from MV j to PV i; 0: u_j is not in loop i's model. 1 <= k_ii <= k_ij <= GMV_DELAY_MAX */
+    uint8_t delay[GMV_LOOPS][GMV_LOOPS];
     uint8_t disturbances;      /* 0..GMV_DISTURBANCES */
     uint8_t disturbance_delay; /* steps, 0..8: phi(t) has L(t - it) */
     uint8_t average;           /* steps of the data filter, 1..8; 1: none */
+};
+
+struct gmv_config {
+    struct gmv_shape shape;
     float interval_s;
     float tau_p_s[GMV_LOOPS], tau_r_s[GMV_LOOPS]; /* time constants of P and R, s; 0: none */
     float lambda[GMV_LOOPS]; /* PV span per MV span, with the sign of the loop's own g0; 0: none */
     float determinant;       /* less, and the loops are solved one by one, (0, 1) */
-    struct rls_settings rls; /* n, lo and hi are filled in here */
+    float p0, p0_u;          /* diagonal of P(0), p0_u for the terms of the MVs */
+    struct rls_settings rls; /* n, p0, lo and hi are filled in here */
     float theta[GMV_LOOPS][GMV_PARAMETERS]; /* start values */
     float lo[GMV_LOOPS][GMV_PARAMETERS],
-        hi[GMV_LOOPS][GMV_PARAMETERS]; /* where hi > lo; else no bound */
+        hi[GMV_LOOPS][GMV_PARAMETERS]; /* where hi > lo; else none */
 };
 
-struct gmv; /* in the caller's memory, aligned like a float; may be moved between calls */
+struct gmv; /* in the caller's memory, aligned for everything; may be moved between calls */
 
 /* What is measured in a step. */
 struct gmv_sample {
@@ -58,16 +63,16 @@ struct gmv_sample {
 
 /* Number of parameters of loop i's regression; where its terms begin: first u_j (j: 0..1), first disturbance, first past prediction, bias.
  * -1: it has none of these. In the explicit way these are A's (as -a_1 ...), B's, ... in the same places. */
-unsigned gmv_parameters(const struct gmv_config *c, unsigned i);
-int gmv_place_of_u(const struct gmv_config *c, unsigned i, unsigned j);
-int gmv_place_of_disturbance(const struct gmv_config *c, unsigned i);
-int gmv_place_of_noise(const struct gmv_config *c, unsigned i);
-int gmv_place_of_bias(const struct gmv_config *c, unsigned i);
+unsigned gmv_parameters(const struct gmv_shape *shape, unsigned i);
+int gmv_place_of_u(const struct gmv_shape *shape, unsigned i, unsigned j);
+int gmv_place_of_disturbance(const struct gmv_shape *shape, unsigned i);
+int gmv_place_of_noise(const struct gmv_shape *shape, unsigned i);
+int gmv_place_of_bias(const struct gmv_shape *shape, unsigned i);
 /* How many steps a history of an MV must go back; how many steps of data a regression needs before it is whole. */
-unsigned gmv_history(const struct gmv_config *c);
-unsigned gmv_reach(const struct gmv_config *c);
+unsigned gmv_history(const struct gmv_shape *shape);
+unsigned gmv_reach(const struct gmv_shape *shape);
 
-uint32_t gmv_bytes(const struct gmv_config *c);
+uint32_t gmv_bytes(const struct gmv_shape *shape);
 /* *field, *wanted: as the block's parameter is called, and what would be right; *loop: which. */
 MUST_CHECK enum err gmv_check(const struct gmv_config *c, unsigned *loop, const char **field,
                               const char **wanted);
@@ -80,17 +85,20 @@ void gmv_begin(struct gmv *g);
 
 void gmv_take(struct gmv *g, const struct gmv_sample *s);
 /* Bit i of `learn`: loop i's estimator may learn from this step. Returns which had whole data (their errors are of this step). */
-uint8_t gmv_learn(struct gmv *g, uint8_t learn);
+uint8_t gmv_learn(struct gmv *g, const struct gmv_sample *s, uint8_t learn);
 
-/* The law with the parameters in use. acting: bit per member that is free; `fixed`: where the others' MVs are and will stay. lo, hi:
- * limits of the MVs. u: of every member. Returns enum gmv_solved. */
+/* The law with the parameters in use. acting: a bit for each member that is free; of the others `fixed` is where their MVs
+ * are and stay. u: of every member. */
+struct gmv_range {
+    num_t lo[GMV_LOOPS], hi[GMV_LOOPS], fixed[GMV_LOOPS];
+};
 enum gmv_solved {
     GMV_SOLVED,
     GMV_ONE_BY_ONE /* the determinant was too small */,
     GMV_NO_NUMBER /* u is unchanged */
 };
-enum gmv_solved gmv_solve(struct gmv *g, uint8_t acting, const num_t *fixed, const num_t *lo,
-                          const num_t *hi, num_t *u);
+enum gmv_solved gmv_solve(struct gmv *g, const struct gmv_sample *s, uint8_t acting,
+                          const struct gmv_range *range, num_t *u);
 
 /* Parameters in use: what gmv_solve takes; and those estimated. */
 num_t gmv_used(const struct gmv *g, unsigned i, unsigned p);
