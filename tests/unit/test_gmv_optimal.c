@@ -73,7 +73,7 @@ static double least_variance(double a, enum gmv_form form, unsigned k)
 
 /* Returns the worst loop's variance over the least. `recovered`: samples after the gains have changed by `factor` in the midst of
  * the run until the squares of the errors over 100 samples are back below twice the least; NULL: they do not change. */
-static double run(unsigned loops, enum gmv_form form, unsigned k, double factor,
+static double run(unsigned loops, enum gmv_form form, unsigned k, unsigned nc, double factor,
                   unsigned *recovered)
 {
     double square[2] = {0, 0}, window = 0, noise[2] = {0, 0}, w_before[2][4] = {{0}};
