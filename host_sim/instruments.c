@@ -31,6 +31,7 @@ bool instruments_init(struct instruments *in, const struct plant_class *class, u
                                                               .slew = c->slew,
                                                               .lag_s = c->lag_s,
                                                               .readback = 1,
+                                                              .gain = 1.0,
                                                               .command = c->nominal,
                                                               .target = c->nominal,
                                                               .position = c->nominal,
@@ -142,6 +143,12 @@ static void set_sensor(struct sensor *s, enum instrument_option option, double v
     }
 }
 
+/* What the plant has of an output: a valve with another trim does more, or less, from where it stood. */
+static double felt(const struct actuator *a, double output)
+{
+    return a->pivot_felt + a->gain * (output - a->pivot);
+}
+
 static void set_actuator(struct actuator *a, enum instrument_option option, double value)
 {
     switch (option) {
@@ -170,6 +177,11 @@ static void set_actuator(struct actuator *a, enum instrument_option option, doub
         break;
     case OPTION_READBACK:
         a->readback = (int)value;
+        break;
+    case OPTION_GAIN:
+        a->pivot_felt = felt(a, a->output);
+        a->pivot = a->output;
+        a->gain = value;
         break;
     default:
         break;
@@ -360,7 +372,8 @@ bool instruments_drive(struct instruments *in, struct plant *plant, double dt_s,
         drive(a, dt_s);
         /* The mean of values within the span can leave it by a rounding error. */
         a->applied = fmin(fmax(a->applied, c->lo), c->hi);
-        if (!in->class->set_input(plant, a->channel, a->applied, err, err_size)) {
+        double there = fmin(fmax(felt(a, a->applied), c->lo), c->hi);
+        if (!in->class->set_input(plant, a->channel, there, err, err_size)) {
             return false;
         }
     }

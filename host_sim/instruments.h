@@ -46,6 +46,7 @@ enum instrument_option {
     OPTION_PHASE, /* sensor: ... in those of the run whose number leaves this when divided by n */
     OPTION_DELAY, /* sensor: ... taken so many samples before */
     OPTION_STICTION, /* actuator: a smaller change of command does not move it, units */
+    OPTION_GAIN, /* actuator: the plant feels its changes times this, from where it stands; not read back */
     OPTION_READBACK, /* actuator: 1 = true, 0 = none (its flowmeter has failed), 2 = the command */
     OPTION_COUNT
 };
@@ -79,6 +80,8 @@ struct actuator {
     double lo, hi, slew, lag_s;
     bool stuck;
     double stiction;
+    double gain, pivot,
+        pivot_felt;  /* OPTION_GAIN: what the plant feels is pivot_felt + gain (output - pivot) */
     int readback;    /* OPTION_READBACK */
     double command;  /* last one driven */
     double target;   /* what it moves to: the command, or the one before, held by stiction */

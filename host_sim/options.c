@@ -33,7 +33,7 @@ void options_print_help(void)
         "                         measurements: bias drift noise resolution lag quality stuck\n"
         "                           frozen dead free spike spike_rate dropout nan every phase "
         "delay\n"
-        "                         manipulated variables: hi lo slew lag stiction stuck free "
+        "                         manipulated variables: hi lo slew lag stiction gain stuck free "
         "readback\n"
         "                         (docs/faults.md says what each does)\n"
         "  --seed N               of the sensor noise (default 1)\n"

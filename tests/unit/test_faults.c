@@ -216,6 +216,21 @@ static void a_failed_flowmeter_sends_no_readback_and_a_blind_one_echoes_the_comm
     TEST_ASSERT_EQUAL(QUALITY_GOOD, sample.readback[0].quality);
 }
 
+static void
+another_trim_makes_moves_larger_from_where_it_stands_and_the_readback_does_not_show_it(void)
+{
+    (void)moved_to(30.0);
+    instruments_set(&in, U1, OPTION_GAIN, 2.0);
+    TEST_ASSERT_EQUAL_DOUBLE(30.0, moved_to(30.0));
+    TEST_ASSERT_EQUAL_DOUBLE(34.0, moved_to(32.0));
+    (void)reading();
+    TEST_ASSERT_EQUAL_FLOAT(32.0f, sample.readback[0].value);
+    TEST_ASSERT_EQUAL_DOUBLE(100.0, moved_to(90.0)); /* the end of its span */
+    (void)moved_to(32.0);
+    instruments_set(&in, U1, OPTION_GAIN, 1.0);
+    TEST_ASSERT_EQUAL_DOUBLE(33.0, moved_to(31.0));
+}
+
 static void options_for_the_other_kind_and_broken_choices_are_refused(void)
 {
     const char *wrong[] = {"0:y1.stiction=1", "0:u1.drift=1",    "0:u1.nan=1",     "0:y1.nan=0.5",
@@ -245,7 +260,7 @@ static void every_option_stands_in_the_document(void)
             TEST_ASSERT_NOT_NULL_MESSAGE(strstr(page, name), name);
         }
     }
-    TEST_ASSERT_EQUAL(25, n);
+    TEST_ASSERT_EQUAL(26, n);
 }
 
 int main(void)
@@ -262,6 +277,8 @@ int main(void)
     RUN_TEST(an_analyser_that_stops_repeats_its_last_number);
     RUN_TEST(faults_leave_the_noise_of_every_sensor_as_it_was);
     RUN_TEST(a_sticking_valve_stays_and_then_goes_all_the_way);
+    RUN_TEST(
+        another_trim_makes_moves_larger_from_where_it_stands_and_the_readback_does_not_show_it);
     RUN_TEST(a_heater_that_fails_stays_at_its_value_and_the_readback_says_so);
     RUN_TEST(a_failed_flowmeter_sends_no_readback_and_a_blind_one_echoes_the_command);
     RUN_TEST(options_for_the_other_kind_and_broken_choices_are_refused);
