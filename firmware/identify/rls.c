@@ -16,14 +16,21 @@
 struct rls {
     uint8_t n, forgetting, correction;
     bool normalise;
+    uint8_t looked_at; /* whose range is looked at next: D_i at 2 i, theta_i at 2 i + 1 */
     scaled_t forget, forget_least, sigma0, memory, trace, rate;
     scaled_t dead_zone_square; /* in mean squares of e */
     num_t error_most;          /* 0: none */
     scaled_t mean_square;      /* of e */
-    scaled_t forgot, told;     /* of the last step that learnt */
+    scaled_t forgot, variance,
+        alpha; /* of the last step that learnt: v, phi'P phi, v + phi'P phi */
     uint32_t clamped;
     struct accumulator theta[]; /* [n]; then p0, lo, hi [n], then P */
 };
+
+static scaled_t one(void)
+{
+    return scaled_from_num(num_one());
+}
 
 static float *start_diagonal(struct rls *r)
 {
@@ -134,7 +141,8 @@ void rls_reset(struct rls *r)
         diagonal[i] = scaled_from_float(start_diagonal(r)[i]);
     ud_num_set_diagonal(covariance(r), r->n, diagonal);
     r->forgot = scaled_from_float(1);
-    r->told = scaled_from_float(0);
+    r->variance = scaled_from_float(0);
+    r->alpha = one();
 }
 
 void rls_set(struct rls *r, const num_t *theta)
@@ -164,11 +172,6 @@ struct measured {
     scaled_t error, variance; /* e; phi'P phi */
     const num_t *phi;
 };
-
-static scaled_t one(void)
-{
-    return scaled_from_num(num_one());
-}
 
 static scaled_t larger(scaled_t a, scaled_t b)
 {
@@ -248,9 +251,8 @@ static void find_correction(struct rls *r, scaled_t *move)
 }
 
 /* P after the measurement, theta moved by the gain times e. */
-static void take_in(struct rls *r, struct measured *m, scaled_t *f, scaled_t *g)
+static void take_in(struct rls *r, ud_cell_t *p, struct measured *m, scaled_t *f, scaled_t *g)
 {
-    ud_cell_t *p = covariance(r);
     scaled_t v = forgetting_factor(r, m), noise = v, growth = one();
     if (r->forgetting == RLS_DIRECTIONAL) {
         forget_along(r, m->phi);
@@ -259,50 +261,65 @@ static void take_in(struct rls *r, struct measured *m, scaled_t *f, scaled_t *g)
     if (r->forgetting == RLS_DIRECTIONAL || r->forgetting == RLS_HELD_TRACE)
         noise = one();
     else
-        growth = scaled_div(one(), v);
+        growth = scaled_div_positive(one(), v);
     scaled_t alpha = ud_num_correct(p, r->n, f, g, noise, growth);
     if (r->forgetting == RLS_HELD_TRACE) {
         v = scaled_div(ud_num_trace(p, r->n), r->trace);
         ud_num_scale(p, r->n, scaled_div(one(), v));
     }
-    scaled_t share = scaled_div(m->error, alpha);
-    for (unsigned i = 0; i < r->n; i++)
-        scaled_accumulate(&r->theta[i], scaled_mul(g[i], share));
+    scaled_t share = scaled_div_positive(m->error, alpha);
+    struct accumulator *theta = r->theta, *end = theta + r->n;
+    if (r->n & 1u)
+        scaled_accumulate(theta++, *g++, share);
+    for (; theta < end; theta += 2, g += 2) { /* two a turn, for speed */
+        scaled_accumulate(&theta[0], g[0], share);
+        scaled_accumulate(&theta[1], g[1], share);
+    }
     r->forgot = v;
-    r->told = scaled_div(m->variance, alpha);
+    r->variance = m->variance;
+    r->alpha = alpha;
 }
 
-/* Where old data is forgotten completely (RLS_RESET), and the last resort. */
-static void keep_in_range(struct rls *r)
+/* Where old data is forgotten completely (RLS_RESET). */
+static void reset_when_small(struct rls *r)
 {
     ud_cell_t *p = covariance(r);
-    if (r->forgetting == RLS_RESET &&
-        scaled_lt(ud_num_trace(p, r->n), scaled_div(r->trace, scaled_from_float(100)))) {
-        scaled_t diagonal[RLS_MAX];
-        for (unsigned i = 0; i < r->n; i++)
-            diagonal[i] = scaled_div(r->trace, scaled_from_float((float)r->n));
-        ud_num_set_diagonal(p, r->n, diagonal);
-    }
-    if (ud_num_clamp(p, r->n, scaled_from_float(D_LEAST), scaled_from_float(D_MOST)))
+    scaled_t diagonal[RLS_MAX];
+    if (!scaled_lt(ud_num_trace(p, r->n), scaled_div(r->trace, scaled_from_float(100))))
+        return;
+    for (unsigned i = 0; i < r->n; i++)
+        diagonal[i] = scaled_div(r->trace, scaled_from_float((float)r->n));
+    ud_num_set_diagonal(p, r->n, diagonal);
+}
+
+/* The last resort, for one parameter or one D a step: within 2 n steps neither gets far. */
+static void keep_in_range(struct rls *r, ud_cell_t *p)
+{
+    unsigned i = r->looked_at / 2u;
+    if (r->looked_at & 1u) {
+        num_t most = num_from_float(THETA_MOST);
+        accumulator_clamp(&r->theta[i], num_neg(most), most);
+    } else if (ud_num_clamp(p, r->n, i, scaled_from_float(D_LEAST), scaled_from_float(D_MOST))) {
         r->clamped++;
+    }
+    r->looked_at = (uint8_t)(r->looked_at + 1u < 2u * r->n ? r->looked_at + 1u : 0u);
 }
 
 static void learn_from(struct rls *r, const num_t *phi, num_t error)
 {
     scaled_t f[RLS_MAX], g[RLS_MAX], move[RLS_MAX];
-    num_t most = num_from_float(THETA_MOST);
     bool corrects = r->correction != RLS_CORRECT_NONE;
+    ud_cell_t *p = covariance(r);
     struct measured m = {.error = scaled_from_num(error), .phi = phi};
     if (corrects)
         find_correction(r, move);
-    m.variance = ud_num_project(covariance(r), r->n, phi, f, g);
-    take_in(r, &m, f, g);
-    keep_in_range(r);
-    for (unsigned i = 0; i < r->n; i++) {
-        if (corrects)
-            scaled_accumulate(&r->theta[i], move[i]);
-        accumulator_clamp(&r->theta[i], num_neg(most), most);
-    }
+    m.variance = ud_num_project(p, r->n, phi, f, g);
+    take_in(r, p, &m, f, g);
+    if (r->forgetting == RLS_RESET)
+        reset_when_small(r);
+    for (unsigned i = 0; i < r->n && corrects; i++)
+        scaled_accumulate(&r->theta[i], move[i], one());
+    keep_in_range(r, p);
 }
 
 /* Whether e is within the dead zone; its mean square goes on. */
@@ -340,8 +357,13 @@ num_t rls_step(struct rls *r, const num_t *phi, num_t y, bool learn)
 num_t rls_predict(const struct rls *r, const num_t *phi)
 {
     num_wide_t sum = num_wide_zero();
-    for (unsigned i = 0; i < r->n; i++)
-        sum = num_wide_add(sum, accumulator_get(&r->theta[i]), phi[i]);
+    const struct accumulator *theta = r->theta, *end = theta + r->n;
+    if (r->n & 1u)
+        sum = num_wide_add(sum, accumulator_get(theta++), *phi++);
+    for (; theta < end; theta += 2, phi += 2) { /* two a turn, for speed */
+        sum = num_wide_add(sum, accumulator_get(&theta[0]), phi[0]);
+        sum = num_wide_add(sum, accumulator_get(&theta[1]), phi[1]);
+    }
     return num_from_wide(sum);
 }
 
@@ -377,7 +399,7 @@ float rls_forgot(const struct rls *r)
 
 float rls_told(const struct rls *r)
 {
-    return scaled_to_float(r->told);
+    return scaled_to_float(scaled_div(r->variance, r->alpha));
 }
 
 float rls_error_sd(const struct rls *r)

@@ -104,14 +104,17 @@ num_t scaled_to_num(scaled_t x)
     return num_from_q(x.m * ((int64_t)1 << (left < 32 ? left : 32)));
 }
 
-void scaled_accumulate(struct accumulator *a, scaled_t x)
+void scaled_accumulate(struct accumulator *a, scaled_t x, scaled_t y)
 {
-    int32_t left = x.e + NUM_FRACTION_BITS + ACCUMULATOR_EXTRA_BITS;
+    int64_t product = (int64_t)x.m * y.m; /* below 2^60 */
+    int32_t right = -(x.e + y.e + NUM_FRACTION_BITS + ACCUMULATOR_EXTRA_BITS);
     struct accumulator more = {0};
-    if (left < -MANTISSA_BITS - 1)
+    if (right > 62)
         return;
-    more.q48 =
-        left < 0 ? num_shift_right(x.m, -left) : x.m * ((int64_t)1 << (left < 32 ? left : 32));
+    if (right > 0)
+        more.q48 = num_shift_right(product, right);
+    else if (__builtin_mul_overflow(product, (int64_t)1 << (right < -62 ? 62 : -right), &more.q48))
+        more.q48 = product < 0 ? INT64_MIN : INT64_MAX;
     accumulator_add_sum(a, &more);
 }
 

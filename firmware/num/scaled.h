@@ -12,6 +12,7 @@
 #define REFLUX_NUM_SCALED_H
 
 #include "num/accumulator.h"
+#include "num/real.h"
 
 #ifdef REFLUX_FIXED_POINT
 
@@ -26,13 +27,18 @@ scaled_t scaled_from_product(int64_t m, int32_t e);
 scaled_t scaled_add(scaled_t a, scaled_t b);
 scaled_t scaled_mul(scaled_t a, scaled_t b);
 scaled_t scaled_div(scaled_t a, scaled_t b);
+/* The same for b > 0. */
+static inline scaled_t scaled_div_positive(scaled_t a, scaled_t b)
+{
+    return scaled_div(a, b);
+}
 bool scaled_lt(scaled_t a, scaled_t b);
 scaled_t scaled_from_num(num_t x);
 scaled_t scaled_from_float(float x); /* NaN gives 0 (callers refuse it before) */
 num_t scaled_to_num(scaled_t x);     /* nearest, saturating */
 float scaled_to_float(scaled_t x);   /* saturating at +-3.4e38, 0 below 1e-38 */
-/* a += x at full width, saturating. */
-void scaled_accumulate(struct accumulator *a, scaled_t x);
+/* a += x * y at full width, saturating. */
+void scaled_accumulate(struct accumulator *a, scaled_t x, scaled_t y);
 static inline scaled_t scaled_neg(scaled_t a)
 {
     return (scaled_t){-a.m, a.e};
@@ -60,6 +66,10 @@ static inline scaled_t scaled_div(scaled_t a, scaled_t b)
         return a > 0.0f ? 3.4e38f : (a < 0.0f ? -3.4e38f : 0.0f);
     return a / b;
 }
+static inline scaled_t scaled_div_positive(scaled_t a, scaled_t b)
+{
+    return a / b;
+}
 static inline bool scaled_lt(scaled_t a, scaled_t b)
 {
     return a < b;
@@ -80,9 +90,12 @@ static inline float scaled_to_float(scaled_t x)
 {
     return x;
 }
-static inline void scaled_accumulate(struct accumulator *a, scaled_t x)
+/* As accumulator_add(), written here for loops over many parameters; the sum of them is the larger. */
+static inline void scaled_accumulate(struct accumulator *a, scaled_t x, scaled_t y)
 {
-    accumulator_add(a, x);
+    float more = real_fma(x, y, -a->carry), sum = a->sum + more;
+    a->carry = (sum - a->sum) - more;
+    a->sum = sum;
 }
 static inline scaled_t scaled_neg(scaled_t a)
 {

@@ -52,7 +52,7 @@ real_t ud_trace(const real_t *ud, size_t n);
 real_t ud_element(const real_t *ud, size_t n, size_t i, size_t j);
 /* Smallest and largest D. */
 void ud_extremes(const real_t *ud, size_t n, real_t *least, real_t *most);
-/* Each D_j is brought into [lo, hi]. Returns whether one had to be. */
-bool ud_clamp(real_t *ud, size_t n, real_t lo, real_t hi);
+/* D_j is brought into [lo, hi]. Returns whether it had to be. */
+bool ud_clamp(real_t *ud, size_t n, size_t j, real_t lo, real_t hi);
 
 #endif

@@ -254,17 +254,13 @@ void ud_scaled_extremes(const ud_cell_t *ud, size_t n, scaled_t *least, scaled_t
     }
 }
 
-bool ud_scaled_clamp(ud_cell_t *ud, size_t n, scaled_t lo, scaled_t hi)
+bool ud_scaled_clamp(ud_cell_t *ud, size_t n, size_t j, scaled_t lo, scaled_t hi)
 {
-    bool had_to = false;
-    for (size_t j = 0; j < n; j++) {
-        scaled_t d = get_d(ud, n, j);
-        if (!scaled_lt(d, lo) && !scaled_lt(hi, d))
-            continue;
-        set_d(ud, n, j, scaled_lt(hi, d) ? hi : lo);
-        had_to = true;
-    }
-    return had_to;
+    scaled_t d = get_d(ud, n, j);
+    if (!scaled_lt(d, lo) && !scaled_lt(hi, d))
+        return false;
+    set_d(ud, n, j, scaled_lt(hi, d) ? hi : lo);
+    return true;
 }
 
 #endif

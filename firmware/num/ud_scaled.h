@@ -36,7 +36,7 @@ void ud_scaled_solve(const ud_cell_t *ud, size_t n, const scaled_t *x, scaled_t 
 scaled_t ud_scaled_trace(const ud_cell_t *ud, size_t n);
 scaled_t ud_scaled_element(const ud_cell_t *ud, size_t n, size_t i, size_t j);
 void ud_scaled_extremes(const ud_cell_t *ud, size_t n, scaled_t *least, scaled_t *most);
-bool ud_scaled_clamp(ud_cell_t *ud, size_t n, scaled_t lo, scaled_t hi);
+bool ud_scaled_clamp(ud_cell_t *ud, size_t n, size_t j, scaled_t lo, scaled_t hi);
 
 #endif
 #endif

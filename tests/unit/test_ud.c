@@ -225,11 +225,12 @@ static void d_is_brought_into_its_range_and_what_is_inside_stays(void)
     const double p[SIZE] = {1e-6, 1, 1e6};
     scaled_t least, most;
     begin(3, p);
-    TEST_ASSERT_TRUE(ud_num_clamp(ud, 3, scaled(1e-3), scaled(1e3)));
+    for (size_t j = 0; j < 3; j++)
+        TEST_ASSERT_EQUAL(j != 1, ud_num_clamp(ud, 3, j, scaled(1e-3), scaled(1e3)));
     ud_num_extremes(ud, 3, &least, &most);
     TEST_ASSERT_DOUBLE_WITHIN(1e-9, 1e-3, (double)scaled_to_float(least));
     TEST_ASSERT_DOUBLE_WITHIN(1e-3, 1e3, (double)scaled_to_float(most));
-    TEST_ASSERT_FALSE(ud_num_clamp(ud, 3, scaled(1e-3), scaled(1e3)));
+    TEST_ASSERT_FALSE(ud_num_clamp(ud, 3, 0, scaled(1e-3), scaled(1e3)));
     TEST_ASSERT_DOUBLE_WITHIN(1e-6, 1, (double)scaled_to_float(ud_num_element(ud, 3, 1, 1)));
 }
 

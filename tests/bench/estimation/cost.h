@@ -1,0 +1,33 @@
+/* What the parts of the image share. */
+#ifndef REFLUX_BENCH_COST_H
+#define REFLUX_BENCH_COST_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+/* Instructions since the start: the emulator's timer counts one for each (-icount shift=0). */
+uint32_t cost_now(void);
+/* "what n mean most bytes\n" */
+void cost_say(const char *what, unsigned n, uint32_t mean, uint32_t most, uint32_t bytes);
+/* -1 to 1, the same in each run. */
+float cost_random(void);
+/* Paints the free stack, and tells how much of it has been used since. */
+void cost_paint_stack(void);
+uint32_t cost_stack_used(void);
+
+struct cost {
+    uint32_t sum, most, count;
+};
+/* What lies between two calls of cost_now() with nothing in between is taken off. */
+void cost_add(struct cost *c, uint32_t from, uint32_t to);
+
+#ifndef REFLUX_FIXED_POINT
+/* Other forms of the same measurement update: P is n x n, row by row, and symmetric; gain: [n]. They return alpha. */
+float covariance_form(float *p, size_t n, const float *phi, float v, float *gain);
+float joseph_form(float *p, size_t n, const float *phi, float v, float *gain);
+float dense_form(float *p, size_t n, const float *phi, float v, float *gain);
+#endif
+
+void cost_of_tuners(void);
+
+#endif
