@@ -7,54 +7,13 @@
 /* |m| has the bits 2^29..2^30; the rest is the exponent's. */
 #define MANTISSA_BITS 30
 
-static int32_t bits_of(uint64_t magnitude)
-{
-    return magnitude ? 64 - __builtin_clzll(magnitude) : 0;
-}
-
 scaled_t scaled_from_product(int64_t m, int32_t e)
 {
-    if (m == 0)
-        return (scaled_t){0, 0};
-    int32_t right = bits_of(m < 0 ? 0u - (uint64_t)m : (uint64_t)m) - MANTISSA_BITS;
-    if (right > 0)
-        m = num_shift_right(m, right);
-    else
-        m *= (int64_t)1 << -right;
-    if (m == (int64_t)1 << MANTISSA_BITS || m == -((int64_t)1 << MANTISSA_BITS)) { /* rounded up */
-        m /= 2;
-        right++;
-    }
-    e += right;
-    if (e < -SCALED_EXPONENT_MAX)
-        return (scaled_t){0, 0};
-    if (e > SCALED_EXPONENT_MAX)
-        return (scaled_t){m < 0 ? 1 - (1 << MANTISSA_BITS) : (1 << MANTISSA_BITS) - 1,
-                          SCALED_EXPONENT_MAX};
-    return (scaled_t){(int32_t)m, e};
-}
-
-scaled_t scaled_add(scaled_t a, scaled_t b)
-{
-    if (a.m == 0)
-        return b;
-    if (b.m == 0)
-        return a;
-    if (a.e < b.e) {
-        scaled_t c = a;
-        a = b;
-        b = c;
-    }
-    int32_t apart = a.e - b.e;
-    if (apart > MANTISSA_BITS + 1)
-        return a;
-    int64_t unit = (int64_t)1 << 31;
-    return scaled_from_product(a.m * unit + ((b.m * unit) >> apart), a.e - 31);
-}
-
-scaled_t scaled_mul(scaled_t a, scaled_t b)
-{
-    return scaled_from_product((int64_t)a.m * b.m, a.e + b.e);
+    int32_t high = (int32_t)(m >> 32);
+    if (high == (int32_t)m >> 31) /* it has 32 bits */
+        return m == INT32_MIN ? (scaled_t){-(1 << 29), e + 2} : scaled_normal((int32_t)m, e);
+    int32_t right = 34 - __builtin_clz((uint32_t)(high < 0 ? ~high : high));
+    return scaled_normal((int32_t)(m >> right), e + right);
 }
 
 scaled_t scaled_div(scaled_t a, scaled_t b)
@@ -62,7 +21,7 @@ scaled_t scaled_div(scaled_t a, scaled_t b)
     const int32_t most = (1 << MANTISSA_BITS) - 1;
     if (b.m == 0)
         return a.m == 0 ? a : (scaled_t){a.m < 0 ? -most : most, SCALED_EXPONENT_MAX};
-    return scaled_from_product(a.m * ((int64_t)1 << 32) / b.m, a.e - b.e - 32);
+    return scaled_div_positive(a, b);
 }
 
 bool scaled_lt(scaled_t a, scaled_t b)
@@ -72,11 +31,6 @@ bool scaled_lt(scaled_t a, scaled_t b)
     if (a.e != b.e)
         return (a.e < b.e) == (a.m > 0);
     return a.m < b.m;
-}
-
-scaled_t scaled_from_num(num_t x)
-{
-    return scaled_from_product(x.q, -NUM_FRACTION_BITS);
 }
 
 scaled_t scaled_from_float(float x)

@@ -2,8 +2,10 @@
 
 #ifdef REFLUX_FIXED_POINT
 
-#define COLUMN_BITS 26 /* of the largest mantissa of a column of U, when it has been put in order */
-#define GAIN_BITS   29 /* of the largest mantissa of P phi on its way */
+/* Bits of the largest mantissa of a column of U, and of P phi on its way, when they have been put in order: with 31 bits of what
+ * they are multiplied with, the upper word of the product has as many. */
+#define COLUMN_BITS 26
+#define GAIN_BITS   27
 
 static size_t place(size_t j)
 {
@@ -35,11 +37,6 @@ static void set_d(ud_cell_t *ud, size_t n, size_t j, scaled_t d)
 static int32_t width(uint32_t mask)
 {
     return mask ? 32 - __builtin_clz(mask) : 0;
-}
-
-static uint32_t magnitude(int32_t m)
-{
-    return (uint32_t)(m < 0 ? -m : m);
 }
 
 /* m * 2^-right to the nearest, for right of any sign that keeps it in range; beyond 62 bits nothing is left. */
@@ -110,60 +107,85 @@ static void make_room(struct growing *b, scaled_t *g, size_t count, int32_t e, i
     if (right <= 0)
         return; /* there is room, and bits that are there are kept */
     for (size_t i = 0; i < count; i++)
-        g[i].m = (int32_t)shifted(g[i].m, right);
+        g[i].m = right > 31 ? 0 : (g[i].m + (1 << (right - 1))) >> right;
     b->mask >>= right < 32 ? right : 31;
     b->e = wanted;
 }
 
-/* Mantissas of the column: u + b lambda, b: u own. */
+/* How mantissas of a column and of P phi are moved and what they are multiplied with, for the upper word of a product to come
+ * out in the right place. */
+struct moves {
+    int32_t old_right, column_left, gain_left, lambda, own;
+};
+
+/* u + b lambda into u, u own added to b: mantissas alone. Returns the bits of b, and puts those of u. */
+static uint32_t correct_mantissas(ud_cell_t *u, size_t j, scaled_t *g, const struct moves *m,
+                                  uint32_t *column_mask)
+{
+    int32_t half = m->old_right ? 1 << (m->old_right - 1) : 0, old_right = m->old_right;
+    int32_t column_left = m->column_left, gain_left = m->gain_left, lambda = m->lambda,
+            own = m->own;
+    uint32_t mask = 0, wide = 0;
+    for (ud_cell_t *end = u + j; u < end; u++, g++) {
+        int32_t old = *u, gain = g->m;
+        int32_t now = ((old + half) >> old_right) +
+                      scaled_high((int32_t)((uint32_t)gain << gain_left), lambda);
+        gain += scaled_high((int32_t)((uint32_t)old << column_left), own);
+        *u = now;
+        g->m = gain;
+        wide |= (uint32_t)(now ^ (now >> 31));
+        mask |= (uint32_t)(gain ^ (gain >> 31));
+    }
+    *column_mask = wide;
+    return mask;
+}
+
+static int32_t moved_right(int32_t m, int32_t right)
+{
+    return right > 31 ? 0 : m >> right;
+}
+
+/* U's column j with its exponents, and P phi of the columns before it. */
 static void correct_column(ud_cell_t *u, size_t j, int32_t *exponent, scaled_t *g,
                            struct growing *b, scaled_t lambda, scaled_t own)
 {
     uint32_t mask = 0;
     for (size_t i = 0; i < j; i++)
-        mask |= magnitude(u[i]);
-    int32_t u_top = mask ? *exponent + width(mask) : -SCALED_EXPONENT_MAX;
-    int32_t move_top =
-        lambda.m && b->mask ? b->e + width(b->mask) + lambda.e + 30 : -SCALED_EXPONENT_MAX;
-    int32_t e = (u_top > move_top ? u_top : move_top) - COLUMN_BITS;
-    if (mask && own.m)
-        make_room(b, g, j, *exponent + own.e, width(mask) + 30);
-    int32_t old_right = e - *exponent, move_right = e - (b->e + lambda.e),
-            take_right = b->e - (*exponent + own.e);
-    bool moves = move_top > -SCALED_EXPONENT_MAX && move_right <= 62,
-         takes = mask && own.m && take_right <= 62;
-    if (old_right > 62)
-        old_right = 62;
-    uint32_t gain_mask = 0;
-    for (size_t i = 0; i < j; i++) {
-        int32_t old = u[i], gain = g[i].m;
-        int64_t now = shifted(old, old_right);
-        if (moves)
-            now += shifted((int64_t)gain * lambda.m, move_right);
-        u[i] = (int32_t)now;
-        if (takes)
-            gain += (int32_t)shifted((int64_t)old * own.m, take_right);
-        g[i].m = gain;
-        gain_mask |= magnitude(gain);
-    }
-    *exponent = e > -SCALED_EXPONENT_MAX ? e : -COLUMN_BITS;
-    b->mask = gain_mask;
+        mask |= (uint32_t)(u[i] ^ (u[i] >> 31));
+    int32_t wide = width(mask), e = *exponent + wide - COLUMN_BITS;
+    if (mask)
+        make_room(b, g, j, *exponent + own.e, wide + 30);
+    int32_t move = b->e + lambda.e, gain_wide = width(b->mask);
+    if (!mask || (lambda.m && b->mask && move + gain_wide + 30 - COLUMN_BITS > e))
+        e = move + gain_wide + 30 - COLUMN_BITS;
+    e = e > *exponent || !mask ? e : *exponent; /* what is there keeps its bits */
+    struct moves m = {.old_right = mask ? e - *exponent : 0,
+                      .column_left = 30 - wide,
+                      .gain_left = 30 - gain_wide};
+    m.old_right = m.old_right > 30 ? 30 : m.old_right;
+    m.lambda = b->mask ? moved_right(lambda.m, e - move + m.gain_left - 32) : 0;
+    m.own = mask ? moved_right(own.m, b->e - (*exponent + own.e) + m.column_left - 32) : 0;
+    b->mask = correct_mantissas(u, j, g, &m, &mask);
+    *exponent = mask ? e : -COLUMN_BITS;
 }
 
 scaled_t ud_scaled_correct(ud_cell_t *ud, size_t n, const scaled_t *f, scaled_t *g, scaled_t r,
                            scaled_t growth)
 {
-    scaled_t alpha = r;
+    scaled_t alpha = r, inverse = scaled_inverse(r);
     struct growing b = {0, 0};
-    for (size_t j = 0; j < n; j++) {
-        scaled_t own = g[j], before = alpha;
-        scaled_t lambda = scaled_div(scaled_neg(f[j]), before);
-        alpha = scaled_add(before, scaled_mul(f[j], own));
-        correct_column(ud + place(j), j, column_exponent(ud, n, j), g, &b, lambda, own);
-        set_d(ud, n, j, scaled_mul(scaled_mul(get_d(ud, n, j), growth), scaled_div(before, alpha)));
+    ud_cell_t *column = ud;
+    for (size_t j = 0; j < n; j++, column += j) {
+        scaled_t own = g[j], lambda = scaled_mul(scaled_neg(f[j]), inverse);
+        scaled_t share = scaled_mul(alpha, growth);
+        alpha = scaled_add(alpha, scaled_mul(f[j], own));
+        inverse = scaled_inverse(alpha);
+        if (j)
+            correct_column(column, j, column_exponent(ud, n, j), g, &b, lambda, own);
+        set_d(ud, n, j, scaled_mul(get_d(ud, n, j), scaled_mul(share, inverse)));
         make_room(&b, g, j, own.e, own.m ? 30 : 0);
-        g[j].m = (int32_t)shifted(own.m, b.e - own.e);
-        b.mask |= magnitude(g[j].m);
+        g[j].m = b.e - own.e > 30 ? 0 : own.m >> (b.e - own.e);
+        b.mask |= (uint32_t)(g[j].m ^ (g[j].m >> 31));
     }
     for (size_t j = 0; j < n; j++)
         g[j].e = b.e;
