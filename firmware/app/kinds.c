@@ -1,5 +1,6 @@
 /* The kinds of blocks this board has: the only place that names them all. A board leaves a family out by leaving its folder
  * out of the build (firmware/CMakeLists.txt). */
+#include "adapt/gmv_kind.h"
 #include "block/block.h"
 #include "compensate/decoupler.h"
 #include "control/pid.h"
@@ -11,6 +12,7 @@ const struct block_kind *const block_kinds[] = {
     &pid_kind,    &two_position_kind, &decoupler_kind, &feedforward_kind,
 #if CONFIG_BLOCKS
     &column_kind,
+    &gmv_kind,
 #endif
 };
 

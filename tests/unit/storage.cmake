@@ -32,5 +32,5 @@ set_tests_properties(storage_images PROPERTIES LABELS unit TIMEOUT ${REFLUX_HANG
 
 # Tables, which stand in RAM once.
 reflux_test(tables LABEL unit SOURCES ${CMAKE_CURRENT_LIST_DIR}/test_tables.c
-            LIBS reflux_hal_memory reflux_app reflux_estimate reflux_link)
+            LIBS reflux_hal_memory reflux_app reflux_estimate reflux_adapt reflux_link)
 target_include_directories(test_tables PRIVATE "${PROJECT_SOURCE_DIR}/hal/host")

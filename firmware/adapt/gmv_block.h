@@ -1,0 +1,59 @@
+/* The state of a block of the kind `gmv`, for the files that make up the kind. */
+#ifndef REFLUX_ADAPT_GMV_BLOCK_H
+#define REFLUX_ADAPT_GMV_BLOCK_H
+
+#include "adapt/gmv_settings.h"
+
+#if CONFIG_BLOCKS
+
+#include "adapt/gmv_trial.h"
+#include "control/pid.h"
+
+struct gmv_block {
+    struct gmv_supervise watch;
+    struct pid pi[GMV_LOOPS];
+    uint8_t loops, disturbances;
+    float lambda[GMV_LOOPS];
+    bool relative;
+    float margin, excite;
+    num_t speed, gain_least;
+    float start[GMV_LOOPS][GMV_PARAMETERS]; /* theta of the settings */
+    /* Of the last step, or of what followed it. */
+    bool begun; /* the data has */
+    num_t in[GMV_LOOPS], setpoint[GMV_LOOPS], told[GMV_LOOPS];
+    uint8_t acting, clamp[GMV_LOOPS];
+    uint8_t fading_in; /* steps since the law has begun to compute */
+    bool singular;
+    /* Limits of the MVs, as far as they have shown; what the law asked for. */
+    num_t lo[GMV_LOOPS], hi[GMV_LOOPS], asked[GMV_LOOPS];
+    bool has_asked;
+    /* Proposals. */
+    bool proposes;
+    uint8_t proposed, waits_for; /* values that are in the settings; those just given */
+    float adopted[GMV_LOOPS][GMV_PARAMETERS];
+    bool on_trial,
+        trial_wanted;       /* what is worked on will be looked at; another trial is to begin */
+    struct gmv_trial trial; /* the work's own while it is wanted */
+};
+
+static inline struct gmv *gmv_of(struct gmv_block *s)
+{
+    return (struct gmv *)(void *)((char *)s + ((sizeof *s + 7u) & ~(size_t)7u));
+}
+
+static inline const struct gmv *gmv_of_const(const struct gmv_block *s)
+{
+    return (const struct gmv *)(const void *)((const char *)s + ((sizeof *s + 7u) & ~(size_t)7u));
+}
+
+/* Parameters that were adopted become settings of the block, eight at a time. Returns enum gmv_wish, as gmv_supervise_accepted. */
+void gmv_propose(struct gmv_block *s);
+uint8_t gmv_proposals_step(struct gmv_block *s, struct block_proposal *room);
+
+const char *gmv_describe(const void *state, size_t i, float *value);
+
+#define GMV_VERBS 5
+extern const struct block_verb gmv_verb_rows[GMV_VERBS];
+
+#endif
+#endif

@@ -1,0 +1,26 @@
+/* Bursting: a self-tuner whose gains have drifted while nothing was learnt begins to swing, until the swing itself teaches it
+ * better. Ours: the MV's moves in the last 16 steps or so against those of the last 256, while the setpoint rests.
+ *
+ * What swings moves to and fro, a load is answered in one direction: so the mean move must be small against the moves. */
+#ifndef REFLUX_ADAPT_GMV_BURST_H
+#define REFLUX_ADAPT_GMV_BURST_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "adapt/gmv.h"
+
+struct gmv_burst {
+    float setpoint;
+    uint32_t rests; /* steps since the setpoint has moved, or the law begun */
+    uint32_t seen;  /* steps that the long mean has */
+    float mean, soon,
+        long_; /* mean move, mean square of the last few and of many, spans of the MV */
+};
+
+void gmv_burst_begin(struct gmv_burst *b);
+/* A step: whether it swings. ratio: of the mean squares; settled: steps after which a setpoint has been answered. */
+bool gmv_burst_step(struct gmv_burst *b, float setpoint, float moved, float ratio,
+                    uint32_t settled);
+
+#endif

@@ -1,0 +1,513 @@
+/* Kind `gmv`: what the tick calls. The law and its data: gmv.h; who computes and who learns: gmv_supervise.h.
+ *
+ * The output is what was told last and the change against what was applied last, so that feedforward, a hand, or a limit is no
+ * error of the model, and whoever computes begins where the other has ended. */
+#include "adapt/gmv_kind.h"
+
+#if CONFIG_BLOCKS
+
+#include <string.h>
+
+#include "adapt/gmv_block.h"
+#include "base/channel.h"
+#include "num/real.h"
+
+/* Steps in which the law's moves come in, an eighth more in each; the first moves nothing. */
+#define FADE_STEPS 8u
+/* How far beyond a limit that has shown the law asks, to find out when it is there no longer; half of it tells. */
+#define PROBE 0.001f
+/* Steps after which the result of a trial is taken. */
+#define TRIAL_STEPS 20u
+/* A PV among the inputs that is further from that of the loop is another measurement. */
+#define SAME_PV 1e-4f
+
+enum gmv_event {
+    EVENT_ADOPTED,
+    EVENT_REFUSED,
+    EVENT_FROZEN,
+    EVENT_SIGN,
+    EVENT_POLES,
+    EVENT_WORSE,
+    EVENT_BURST,
+    EVENT_SINGULAR,
+    GMV_EVENTS
+};
+
+static const struct block_event gmv_events[GMV_EVENTS] = {
+    [EVENT_ADOPTED] = {"adopted", BLOCK_INFO,
+                       "the law computes, what is upset shrinks per step by"},
+    [EVENT_REFUSED] = {"refused", BLOCK_INFO,
+                       "a model was not adopted; 1 prediction, 2 gain, 3 poles, 4 by hand"},
+    [EVENT_FROZEN] = {"frozen", BLOCK_INFO,
+                      "nothing is learnt; 1 asked, 2 quiet, 3 still, 4 reading, 5 manual"},
+    [EVENT_SIGN] = {"sign", BLOCK_ALARM, "the PI acts: wrong sign or size of g0, span per span"},
+    [EVENT_POLES] = {"poles", BLOCK_ALARM, "the PI acts: the loop would grow per step by"},
+    [EVENT_WORSE] = {"worse", BLOCK_ALARM, "the PI acts: predictions fail, spans r.m.s."},
+    [EVENT_BURST] = {"burst", BLOCK_ALARM, "the PI acts: moves of the MV swing, spans r.m.s."},
+    [EVENT_SINGULAR] = {"singular", BLOCK_INFO, "loops solved one by one, of"},
+};
+
+/* ---- settings ---- */
+
+static uint32_t gmv_block_bytes(const struct block_setup *setup)
+{
+    struct gmv_config c;
+    gmv_config_of(setup, &c);
+    return (uint32_t)((sizeof(struct gmv_block) + 7u) & ~(size_t)7u) + gmv_bytes(&c.shape);
+}
+
+static uint16_t gmv_block_history(const struct block_setup *setup)
+{
+    struct gmv_config c;
+    gmv_config_of(setup, &c);
+    return (uint16_t)gmv_history(&c.shape);
+}
+
+static enum err configure_pi(struct gmv_block *s, const struct block_setup *setup, unsigned i,
+                             bool retune)
+{
+    const struct gmv_settings *from = setup->settings;
+    struct pid_config c = pid_default_config();
+    c.gain = real_abs(from->tune_gain[i]);
+    c.action = from->tune_gain[i] < 0 ? PID_DIRECT : PID_REVERSE;
+    c.ti_s = from->tune_ti_s[i];
+    c.out_lo = -PID_OUTPUT_MAX; /* the loop's own limits are behind it */
+    c.out_hi = PID_OUTPUT_MAX;
+    return retune ? pid_retune(&s->pi[i], &c, setup->interval_s)
+                  : pid_init(&s->pi[i], &c, setup->interval_s);
+}
+
+static void forget_limits(struct gmv_block *s)
+{
+    for (unsigned i = 0; i < GMV_LOOPS; i++) {
+        s->lo[i] = num_zero();
+        s->hi[i] = num_one();
+    }
+    s->has_asked = false;
+}
+
+static void take_settings(struct gmv_block *s, const struct block_setup *setup,
+                          const struct gmv_config *c)
+{
+    const struct gmv_settings *from = setup->settings;
+    s->loops = c->shape.loops;
+    s->disturbances = c->shape.disturbances;
+    s->relative = from->weight == GMV_WORD_RELATIVE;
+    s->margin = from->margin;
+    s->excite = from->excite;
+    s->speed = num_from_float(from->speed);
+    s->gain_least = num_from_float(from->gain_least);
+    memcpy(s->lambda, c->lambda, sizeof s->lambda);
+    memcpy(s->start, c->theta, sizeof s->start);
+}
+
+static enum err gmv_configure(void *state, const struct block_setup *setup, bool retune)
+{
+    struct gmv_block *s = state;
+    struct gmv_config c;
+    struct gmv_supervise_config watch;
+    gmv_config_of(setup, &c);
+    gmv_supervise_config_of(setup, &watch);
+    if (!retune)
+        memset(s, 0, sizeof *s);
+    take_settings(s, setup, &c);
+    for (unsigned i = 0; i < s->loops; i++) {
+        enum err err = configure_pi(s, setup, i, retune);
+        if (err)
+            return err;
+    }
+    if (retune && memcmp(&gmv_of(s)->shape, &c.shape, sizeof c.shape) == 0) {
+        gmv_retune(gmv_of(s), &c);
+        gmv_supervise_retune(&s->watch, &watch);
+        return ERR_OK;
+    }
+    gmv_init(gmv_of(s), &c);
+    gmv_supervise_init(&s->watch, &watch);
+    forget_limits(s);
+    s->begun = s->proposes = s->on_trial = s->trial_wanted = false;
+    return ERR_OK;
+}
+
+/* ---- the law ---- */
+
+static float own_gain(const struct gmv *g, unsigned i)
+{
+    struct gmv_predictor p;
+    gmv_predict(g, i, &p);
+    return num_to_float(p.g[i][0]);
+}
+
+/* lambda as a multiple of the g_ii,0 in use. */
+static void set_weights(struct gmv_block *s)
+{
+    struct gmv *g = gmv_of(s);
+    for (unsigned i = 0; i < s->loops && s->relative; i++)
+        g->lambda[i] = num_from_float(s->lambda[i] * own_gain(g, i));
+}
+
+/* What came of the last outputs shows where the limits are. */
+static void learn_limits(struct gmv_block *s, const struct gmv_sample *sample)
+{
+    num_t half = num_from_float(PROBE / 2);
+    for (unsigned i = 0; i < s->loops && s->has_asked; i++) {
+        num_t took = gmv_applied(sample, i, 1);
+        if (num_lt(num_add(s->hi[i], half), took))
+            s->hi[i] = num_one();
+        if (num_lt(took, num_sub(s->lo[i], half)))
+            s->lo[i] = num_zero();
+        if ((s->clamp[i] & INTEGRAL_CLAMP_UP) && num_lt(took, s->asked[i]))
+            s->hi[i] = took;
+        if ((s->clamp[i] & INTEGRAL_CLAMP_DOWN) && num_lt(s->asked[i], took))
+            s->lo[i] = took;
+    }
+}
+
+static struct gmv_range range_of_mvs(const struct gmv_block *s, const struct gmv_sample *sample)
+{
+    struct gmv_range range;
+    num_t probe = num_from_float(PROBE);
+    for (unsigned i = 0; i < GMV_LOOPS; i++) {
+        range.lo[i] = num_sub(s->lo[i], probe);
+        range.hi[i] = num_add(s->hi[i], probe);
+        range.fixed[i] = i < s->loops ? gmv_applied(sample, i, 1) : num_zero();
+    }
+    return range;
+}
+
+static bool is_number(num_t x)
+{
+    return float_is_finite(num_to_float(x));
+}
+
+/* False: there is no number. */
+static bool step_law(struct gmv_block *s, const struct gmv_sample *sample, struct block_io *io)
+{
+    num_t u[GMV_LOOPS];
+    struct gmv_range range = range_of_mvs(s, sample);
+    enum gmv_solved solved = gmv_solve(gmv_of(s), sample, io->acting, &range, u);
+    num_t share = num_from_float((float)s->fading_in / FADE_STEPS);
+    s->singular = solved == GMV_ONE_BY_ONE;
+    if (solved == GMV_NO_NUMBER)
+        return false;
+    for (unsigned i = 0; i < s->loops; i++) {
+        if (!(io->acting & (1u << i)))
+            continue;
+        num_t applied = gmv_applied(sample, i, 1);
+        num_t move = num_mul(share, num_sub(u[i], applied));
+        if (!is_number(move))
+            return false;
+        s->asked[i] = num_add(applied, move);
+        io->out[i] = num_add(s->told[i], move);
+    }
+    s->has_asked = true;
+    s->fading_in = (uint8_t)(s->fading_in + (s->fading_in < FADE_STEPS));
+    return true;
+}
+
+/* ---- steps ---- */
+
+static void take_signals(struct gmv_block *s, const struct block_io *io)
+{
+    s->acting = io->acting;
+    for (unsigned i = 0; i < s->loops; i++) {
+        s->in[i] = io->in[i];
+        s->setpoint[i] = io->setpoint[i];
+    }
+}
+
+static void follow_with_pi(struct gmv_block *s, unsigned i, num_t out)
+{
+    s->told[i] = out;
+    pid_follow(&s->pi[i], s->setpoint[i], s->in[i], out);
+}
+
+static void gmv_follow(void *state, struct block_io *io)
+{
+    struct gmv_block *s = state;
+    take_signals(s, io);
+    for (unsigned i = 0; i < s->loops; i++)
+        follow_with_pi(s, i, io->out[i]);
+    gmv_supervise_begin(&s->watch);
+    s->begun = s->proposes = s->has_asked = s->on_trial = s->trial_wanted = false;
+}
+
+/* Why it cannot go on, in a word, or NULL. */
+static const char *lacks(const struct gmv_block *s, const struct block_io *io)
+{
+    for (unsigned i = 0; i < s->loops; i++) {
+        if (!io->member_applied[i])
+            return "no MV";
+        if (io->quality[i] == QUALITY_GOOD && (io->acting & (1u << i)) &&
+            num_lt(num_from_float(SAME_PV), num_abs(num_sub(io->in[i], io->input[i]))))
+            return "not the PV";
+    }
+    for (unsigned m = 0; m < s->disturbances; m++)
+        if (!quality_usable((enum quality)io->quality[s->loops + m]))
+            return "no input";
+    return NULL;
+}
+
+static void take_sample(struct gmv_block *s, const struct block_io *io, struct gmv_sample *sample)
+{
+    memset(sample, 0, sizeof *sample);
+    sample->divisor = io->divisor;
+    for (unsigned i = 0; i < s->loops; i++) {
+        sample->y[i] = io->in[i];
+        sample->w[i] = io->setpoint[i];
+        sample->applied[i] = io->member_applied[i];
+    }
+    for (unsigned m = 0; m < s->disturbances; m++)
+        sample->disturbance[m] = io->input[s->loops + m];
+}
+
+static struct gmv_seen seen_of(const struct gmv_block *s, const struct block_io *io,
+                               const struct gmv_sample *sample)
+{
+    struct gmv_seen seen = {.acting = io->acting};
+    bool good = true;
+    for (unsigned m = 0; m < s->disturbances; m++)
+        good = good && io->quality[s->loops + m] == QUALITY_GOOD;
+    for (unsigned i = 0; i < s->loops; i++) {
+        if (good && io->quality[i] == QUALITY_GOOD)
+            seen.good = (uint8_t)(seen.good | (1u << i));
+        seen.setpoint[i] = num_to_float(io->setpoint[i]);
+        seen.moved[i] = num_to_float(num_sub(gmv_applied(sample, i, 1), gmv_applied(sample, i, 2)));
+    }
+    return seen;
+}
+
+/* Whether g_ii,0 differs from 0, and every parameter is known to a part of its size, or of 1 where it multiplies the PV. */
+static bool is_excited(const struct gmv_block *s, unsigned i)
+{
+    const struct gmv *g = gmv_of_const(s);
+    const struct rls *r = gmv_rls(g, i);
+    float sd = rls_error_sd(r) * s->excite;
+    unsigned own = (unsigned)gmv_place_of_u(&g->shape, i, i);
+    float gain = real_abs(num_to_float(rls_theta(r, own)));
+    for (unsigned p = 0; p < gmv_parameters(&g->shape, i); p++) {
+        float size = real_abs(num_to_float(rls_theta(r, p)));
+        float least = p < g->shape.na ? 1 : size > gain ? size : gain;
+        float deviation = sd * real_sqrt(rls_covariance(r, p, p));
+        if (p < own + g->shape.nb * s->loops && !(deviation <= least))
+            return false;
+    }
+    return gain > 0;
+}
+
+static struct gmv_came came_of(struct gmv_block *s, uint8_t whole, const struct block_io *io)
+{
+    const struct gmv *g = gmv_of_const(s);
+    struct gmv_came came = {.whole = whole};
+    bool asks = s->watch.state == GMV_TUNING && !s->watch.testing &&
+                s->watch.elapsed + 1u >= s->watch.config.tune_steps;
+    for (unsigned i = 0; i < s->loops; i++) {
+        struct gmv_predicted of = gmv_predicted(g, i);
+        came.error[i] = num_to_float(num_sub(of.measured, of.used));
+        came.standstill[i] = num_to_float(num_sub(of.measured, of.standstill));
+        came.told[i] = rls_told(gmv_rls(g, i));
+        came.forgot[i] = rls_forgot(gmv_rls(g, i));
+        came.parameters[i] = (uint8_t)gmv_parameters(&g->shape, i);
+        came.gain[i] = own_gain(g, i);
+        if (asks && is_excited(s, i))
+            came.excited = (uint8_t)(came.excited | (1u << i));
+    }
+    came.tried = s->on_trial && io->work_done;
+    if (came.tried) {
+        came.decay = gmv_trial_worst(&s->trial);
+        s->on_trial = false;
+    }
+    return came;
+}
+
+/* The parameters in use are those estimated, or come nearer to them. */
+static void use_estimates(struct gmv_block *s, uint8_t learn, bool at_once)
+{
+    struct gmv *g = gmv_of(s);
+    for (unsigned i = 0; i < s->loops; i++)
+        for (unsigned p = 0; p < gmv_parameters(&g->shape, i); p++) {
+            num_t used = gmv_used(g, i, p), wanted = rls_theta(gmv_rls(g, i), p);
+            num_t most = num_mul(s->speed, num_max(num_abs(used), s->gain_least));
+            if (at_once)
+                gmv_use(g, i, p, wanted);
+            else if (learn & (1u << i))
+                gmv_use(g, i, p,
+                        num_add(used, num_clamp(num_sub(wanted, used), num_neg(most), most)));
+        }
+}
+
+/* While a trial of something else is still under way, that one is waited for and not looked at. */
+static void ask_for_trial(struct gmv_block *s, struct block_io *io, bool wanted)
+{
+    if (wanted) {
+        s->trial_wanted = true;
+        s->on_trial = false;
+    }
+    if (!s->trial_wanted || io->work_wanted)
+        return;
+    gmv_trial_take(&s->trial, gmv_of_const(s), io->acting, s->margin);
+    io->ask_work = TRIAL_STEPS;
+    s->on_trial = true;
+    s->trial_wanted = false;
+}
+
+static void begin_law(struct gmv_block *s)
+{
+    s->fading_in = 0;
+    s->has_asked = false;
+}
+
+static void begin_pi(struct gmv_block *s)
+{
+    for (unsigned i = 0; i < s->loops; i++)
+        follow_with_pi(s, i, s->told[i]);
+}
+
+/* What supervision wishes. */
+static void grant(struct gmv_block *s, struct block_io *io, uint8_t wish)
+{
+    if (wish & GMV_WISH_CANDIDATE)
+        use_estimates(s, 0, true);
+    set_weights(s);
+    ask_for_trial(s, io, wish & GMV_WISH_TRIAL);
+    if (wish & GMV_WISH_PROPOSE)
+        gmv_propose(s);
+    if (wish & GMV_WISH_LAW)
+        begin_law(s);
+    if (wish & GMV_WISH_PI) {
+        s->proposes = false;
+        begin_pi(s);
+    }
+    for (unsigned i = 0; i < s->loops && (wish & GMV_WISH_FORGET); i++)
+        rls_reset(gmv_rls_of(gmv_of(s), i));
+    if (wish & GMV_WISH_GIVE_UP)
+        io->gives_up = "too often";
+}
+
+/* Whoever computes. */
+static void compute(struct gmv_block *s, const struct gmv_sample *sample, struct block_io *io)
+{
+    if (s->watch.state == GMV_SELF_TUNING) {
+        if (!step_law(s, sample, io))
+            io->gives_up = "no number";
+        return;
+    }
+    for (unsigned i = 0; i < s->loops; i++)
+        if (io->acting & (1u << i))
+            io->out[i] = pid_step(&s->pi[i], s->setpoint[i], s->in[i]);
+}
+
+static float value_of_event(const struct gmv_block *s, enum gmv_event event, uint8_t rest)
+{
+    switch (event) {
+    case EVENT_ADOPTED:
+        return s->watch.decay;
+    case EVENT_REFUSED:
+        return s->watch.refusal;
+    case EVENT_FROZEN:
+        return rest;
+    case EVENT_SINGULAR:
+        return s->loops;
+    default:
+        return s->watch.alarm_value;
+    }
+}
+
+static void tell(const struct gmv_block *s, struct block_io *io, uint8_t wish)
+{
+    uint8_t rest = GMV_LEARNS;
+    bool law = s->watch.state == GMV_SELF_TUNING, learns = false;
+    unsigned raised = 0;
+    for (unsigned i = 0; i < s->loops; i++) {
+        learns = learns || s->watch.rest[i] == GMV_LEARNS;
+        if ((io->acting & (1u << i)) && s->watch.rest[i] > rest)
+            rest = s->watch.rest[i];
+    }
+    raised |= law ? 1u << EVENT_ADOPTED : 0;
+    raised |= !learns ? 1u << EVENT_FROZEN : 0;
+    raised |= wish & GMV_WISH_REFUSED ? 1u << EVENT_REFUSED : 0;
+    raised |= law && s->singular ? 1u << EVENT_SINGULAR : 0;
+    raised |= (unsigned)s->watch.alarms << EVENT_SIGN;
+    io->raised = (uint16_t)raised;
+    for (unsigned k = 0; k < GMV_EVENTS; k++)
+        io->event_value[k] = value_of_event(s, (enum gmv_event)k, rest);
+}
+
+static void gmv_step(void *state, struct block_io *io)
+{
+    struct gmv_block *s = state;
+    struct gmv *g = gmv_of(s);
+    struct gmv_sample sample;
+    take_signals(s, io);
+    io->gives_up = lacks(s, io);
+    if (io->gives_up)
+        return;
+    take_sample(s, io, &sample);
+    if (!s->begun)
+        gmv_begin(g);
+    s->begun = true;
+    for (unsigned i = 0; i < s->loops; i++)
+        if (!(io->acting & (1u << i)))
+            follow_with_pi(s, i, io->out[i]);
+    learn_limits(s, &sample);
+    gmv_take(g, &sample);
+    struct gmv_seen seen = seen_of(s, io, &sample);
+    uint8_t learn = gmv_supervise_look(&s->watch, &seen);
+    uint8_t whole = gmv_learn(g, &sample, learn);
+    if (s->watch.state == GMV_SELF_TUNING)
+        use_estimates(s, learn, !s->watch.config.on);
+    struct gmv_came came = came_of(s, whole, io);
+    uint8_t wish = gmv_supervise_judge(&s->watch, &seen, &came);
+    wish = (uint8_t)(wish | gmv_proposals_step(s, io->proposal));
+    grant(s, io, wish);
+    if (!io->gives_up)
+        compute(s, &sample, io);
+    tell(s, io, wish);
+}
+
+static void gmv_back_calculate(void *state, struct block_io *io)
+{
+    struct gmv_block *s = state;
+    for (unsigned i = 0; i < s->loops; i++) {
+        if (!(io->acting & (1u << i)))
+            continue;
+        s->clamp[i] = io->clamp[i];
+        if (s->watch.state == GMV_SELF_TUNING) {
+            follow_with_pi(s, i, io->out[i]);
+        } else {
+            s->told[i] = io->out[i];
+            pid_back_calculate(&s->pi[i], io->out[i], io->clamp[i]);
+        }
+    }
+}
+
+static bool gmv_work(void *state)
+{
+    struct gmv_block *s = state;
+    return gmv_trial_piece(&s->trial);
+}
+
+const struct block_kind gmv_kind = {
+    .name = "gmv",
+    .stage = STAGE_CONTROL,
+    .parameter = gmv_parameter_rows,
+    .parameters = GMV_PARAMETER_ROWS,
+    .settings_bytes = sizeof(struct gmv_settings),
+    .members_most = GMV_LOOPS,
+    .inputs_most = GMV_LOOPS + GMV_DISTURBANCES,
+    .bad_input = BAD_INPUT_IS_TOLD,
+    .history = gmv_block_history,
+    .work = gmv_work,
+    .verb = gmv_verb_rows,
+    .verbs = GMV_VERBS,
+    .event = gmv_events,
+    .events = GMV_EVENTS,
+    .bytes = gmv_block_bytes,
+    .check = gmv_settings_check,
+    .configure = gmv_configure,
+    .step = gmv_step,
+    .back_calculate = gmv_back_calculate,
+    .follow = gmv_follow,
+    .describe = gmv_describe,
+};
+
+#endif

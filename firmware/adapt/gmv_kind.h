@@ -1,0 +1,11 @@
+/* Kind `gmv`: self-tuning control of one loop or two by generalised minimum variance, with supervision (docs/self-tuning.md). */
+#ifndef REFLUX_ADAPT_GMV_KIND_H
+#define REFLUX_ADAPT_GMV_KIND_H
+
+#include "block/block.h"
+
+#if CONFIG_BLOCKS
+extern const struct block_kind gmv_kind;
+#endif
+
+#endif

@@ -1,0 +1,325 @@
+#include "adapt/gmv_supervise.h"
+
+#include <string.h>
+
+#include "num/real.h"
+
+/* An MV that moves by less in a step stands still; errors smaller than this (mean square) are rounding and resolution. */
+#define STILL        1e-5f
+#define NOISE_SQUARE 1e-9f
+/* What is upset must die away at least like this per step. */
+#define SLOWEST_DECAY 0.9995f
+/* Steps over which what samples tell is averaged. */
+#define TOLD_MEMORY 50.0f
+
+static void begin_window(struct gmv_supervise *s)
+{
+    s->left = s->config.check_steps;
+    s->has_decay = false;
+    for (unsigned i = 0; i < GMV_LOOPS; i++) {
+        s->samples[i] = 0;
+        s->of_model[i] = s->of_standstill[i] = 0;
+    }
+}
+
+static void enter(struct gmv_supervise *s, enum gmv_state state)
+{
+    s->state = (uint8_t)state;
+    s->elapsed = 0;
+    s->testing = s->adopt_now = false;
+    begin_window(s);
+    for (unsigned i = 0; i < GMV_LOOPS; i++)
+        gmv_burst_begin(&s->burst[i]);
+}
+
+void gmv_supervise_begin(struct gmv_supervise *s)
+{
+    s->tested = 0;
+    for (unsigned i = 0; i < GMV_LOOPS; i++) {
+        s->still[i] = s->spoilt[i] = 0;
+        s->told[i] = 1;
+        s->is_quiet[i] = false;
+    }
+    enter(s, GMV_TUNING);
+}
+
+void gmv_supervise_init(struct gmv_supervise *s, const struct gmv_supervise_config *c)
+{
+    memset(s, 0, sizeof *s);
+    s->config = *c;
+    gmv_supervise_begin(s);
+}
+
+void gmv_supervise_retune(struct gmv_supervise *s, const struct gmv_supervise_config *c)
+{
+    s->config = *c;
+    if (s->left > c->check_steps)
+        s->left = c->check_steps;
+}
+
+/* ---- who may learn ---- */
+
+static float magnitude_of(float x)
+{
+    return x < 0 ? -x : x;
+}
+
+static enum gmv_rest reason_to_rest(struct gmv_supervise *s, const struct gmv_seen *seen,
+                                    unsigned i)
+{
+    const struct gmv_supervise_config *c = &s->config;
+    s->still[i] =
+        magnitude_of(seen->moved[i]) > STILL ? 0 : s->still[i] + (s->still[i] < UINT32_MAX);
+    if (!(seen->good & (1u << i)))
+        s->spoilt[i] = c->reach + 1u;
+    else if (s->spoilt[i])
+        s->spoilt[i]--;
+    if (!(seen->acting & (1u << i)))
+        return GMV_RESTS_MANUAL;
+    if (s->spoilt[i])
+        return GMV_RESTS_READING;
+    if (s->still[i] > c->reach)
+        return GMV_RESTS_STILL;
+    if (c->on && s->is_quiet[i])
+        return GMV_RESTS_QUIET;
+    return s->asked_to_rest ? GMV_RESTS_ASKED : GMV_LEARNS;
+}
+
+uint8_t gmv_supervise_look(struct gmv_supervise *s, const struct gmv_seen *seen)
+{
+    uint8_t learn = 0;
+    for (unsigned i = 0; i < s->config.loops; i++) {
+        s->rest[i] = (uint8_t)reason_to_rest(s, seen, i);
+        if (s->rest[i] == GMV_LEARNS)
+            learn = (uint8_t)(learn | (1u << i));
+    }
+    return learn;
+}
+
+/* ---- what a step says ---- */
+
+/* A sample in a window of constant forgetting v tells 1 - v for each parameter. */
+static void watch_excitation(struct gmv_supervise *s, const struct gmv_came *came, unsigned i)
+{
+    float usual = (1.0f - came->forgot[i]) * (float)came->parameters[i];
+    float least = s->config.quiet * usual;
+    if (s->is_quiet[i]) {
+        s->is_quiet[i] = !(came->told[i] > 2 * least);
+        if (!s->is_quiet[i])
+            s->told[i] = came->told[i];
+        return;
+    }
+    s->told[i] += (came->told[i] - s->told[i]) / TOLD_MEMORY;
+    s->is_quiet[i] = s->told[i] < least;
+}
+
+static void sum_up(struct gmv_supervise *s, const struct gmv_came *came)
+{
+    for (unsigned i = 0; i < s->config.loops; i++) {
+        if (!(came->whole & (1u << i)) || s->spoilt[i])
+            continue;
+        s->samples[i]++;
+        s->of_model[i] += came->error[i] * came->error[i];
+        s->of_standstill[i] += came->standstill[i] * came->standstill[i];
+    }
+    if (came->tried) {
+        s->has_decay = true;
+        s->decay = came->decay;
+    }
+    s->left -= s->left > 0;
+}
+
+static bool predicts(const struct gmv_supervise *s, uint8_t acting)
+{
+    for (unsigned i = 0; i < s->config.loops; i++) {
+        float floor = NOISE_SQUARE * (float)s->samples[i];
+        if ((acting & (1u << i)) && !(s->of_model[i] <= s->of_standstill[i] + floor))
+            return false;
+    }
+    return true;
+}
+
+static bool has_its_gains(const struct gmv_supervise *s, const struct gmv_came *came,
+                          uint8_t acting)
+{
+    for (unsigned i = 0; i < s->config.loops; i++) {
+        float gain = s->config.negative[i] ? -came->gain[i] : came->gain[i];
+        if ((acting & (1u << i)) && !(gain >= s->config.gain_least))
+            return false;
+    }
+    return true;
+}
+
+static enum gmv_refusal refusal_of(const struct gmv_supervise *s, const struct gmv_came *came,
+                                   uint8_t acting)
+{
+    if (!has_its_gains(s, came, acting))
+        return GMV_REFUSED_GAIN;
+    if (!predicts(s, acting))
+        return GMV_REFUSED_PREDICTION;
+    return s->decay <= SLOWEST_DECAY ? GMV_ADOPTED : GMV_REFUSED_POLES;
+}
+
+/* ---- tuning ---- */
+
+static uint8_t take_over(struct gmv_supervise *s, uint8_t acting)
+{
+    s->tested = acting;
+    s->alarms = 0;
+    enter(s, GMV_SELF_TUNING);
+    return GMV_WISH_LAW;
+}
+
+static uint8_t judge_test(struct gmv_supervise *s, const struct gmv_came *came, uint8_t acting)
+{
+    s->refusal = (uint8_t)refusal_of(s, came, acting);
+    s->testing = false;
+    if (s->refusal != GMV_ADOPTED)
+        return GMV_WISH_REFUSED;
+    if (!s->config.ask)
+        return take_over(s, acting) | GMV_WISH_PROPOSE;
+    s->tested = acting;
+    enter(s, GMV_WAITING);
+    return GMV_WISH_PROPOSE;
+}
+
+static uint8_t judge_tuning(struct gmv_supervise *s, const struct gmv_came *came, uint8_t acting)
+{
+    bool whole = (came->whole & acting) == acting;
+    if (s->adopt_now && whole)
+        return take_over(s, acting) | GMV_WISH_CANDIDATE | GMV_WISH_PROPOSE;
+    if (!s->config.on && whole && s->elapsed >= s->config.tune_steps)
+        return take_over(s, acting) | GMV_WISH_CANDIDATE;
+    if (!s->config.on)
+        return 0;
+    if (!s->testing) {
+        if (s->elapsed < s->config.tune_steps || !whole || (came->excited & acting) != acting)
+            return 0;
+        s->testing = true;
+        s->tested = acting;
+        begin_window(s);
+        return GMV_WISH_CANDIDATE | GMV_WISH_TRIAL;
+    }
+    if (s->tested != acting) { /* somebody else acts now: from the beginning */
+        s->testing = false;
+        return 0;
+    }
+    return s->left == 0 && s->has_decay ? judge_test(s, came, acting) : 0;
+}
+
+uint8_t gmv_supervise_accepted(struct gmv_supervise *s, bool accepted)
+{
+    if (s->state != GMV_WAITING)
+        return 0;
+    if (accepted)
+        return take_over(s, s->tested);
+    s->refusal = GMV_REFUSED_BY_HAND;
+    enter(s, GMV_TUNING);
+    return GMV_WISH_REFUSED;
+}
+
+/* ---- self-tuning ---- */
+
+/* This one counts; whether there were as many within a day as are allowed. */
+static bool too_often(struct gmv_supervise *s)
+{
+    uint8_t recent = 0;
+    memmove(&s->given_up_at[1], &s->given_up_at[0],
+            sizeof s->given_up_at - sizeof s->given_up_at[0]);
+    s->given_up_at[0] = s->steps;
+    s->given_up = (uint8_t)(s->given_up + (s->given_up < GMV_TRIES_MOST));
+    while (recent < s->given_up && s->steps - s->given_up_at[recent] < s->config.day_steps)
+        recent++;
+    return s->config.tries && recent >= s->config.tries;
+}
+
+static uint8_t give_up(struct gmv_supervise *s, enum gmv_alarm why, float value)
+{
+    uint8_t wish = GMV_WISH_PI | GMV_WISH_FORGET;
+    s->alarms = (uint8_t)why;
+    s->alarm_value = value;
+    s->tested = 0;
+    enter(s, GMV_TUNING);
+    return too_often(s) ? (uint8_t)(wish | GMV_WISH_GIVE_UP) : wish;
+}
+
+/* How large the moves of an MV that swings are, r.m.s.; 0: none does. */
+static float swing(struct gmv_supervise *s, const struct gmv_seen *seen)
+{
+    float most = 0;
+    uint32_t settled = 4u * s->config.reach + 32u;
+    for (unsigned i = 0; i < s->config.loops; i++)
+        if ((seen->acting & (1u << i)) && gmv_burst_step(&s->burst[i], seen->setpoint[i],
+                                                         seen->moved[i], s->config.burst, settled))
+            most = real_sqrt(s->burst[i].soon);
+    return most;
+}
+
+/* The g_ii,0 that is nearest to the wrong side, with the sign it has. */
+static float worst_gain(const struct gmv_supervise *s, const struct gmv_came *came)
+{
+    unsigned worst = 0;
+    for (unsigned i = 1; i < s->config.loops; i++)
+        if ((s->config.negative[i] ? -came->gain[i] : came->gain[i]) <
+            (s->config.negative[worst] ? -came->gain[worst] : came->gain[worst]))
+            worst = i;
+    return came->gain[worst];
+}
+
+/* The largest of the predictions' errors in this window, r.m.s. */
+static float worst_error(const struct gmv_supervise *s)
+{
+    float most = 0;
+    for (unsigned i = 0; i < s->config.loops; i++)
+        if (s->samples[i] && s->of_model[i] > most * (float)s->samples[i])
+            most = s->of_model[i] / (float)s->samples[i];
+    return real_sqrt(most);
+}
+
+static uint8_t judge_self_tuning(struct gmv_supervise *s, const struct gmv_seen *seen,
+                                 const struct gmv_came *came)
+{
+    if (!s->config.on)
+        return 0;
+    if (seen->acting & (uint8_t)~s->tested) { /* a loop has come whose model nobody has tried */
+        enter(s, GMV_TUNING);
+        return GMV_WISH_PI;
+    }
+    if (!has_its_gains(s, came, seen->acting))
+        return give_up(s, GMV_ALARM_SIGN, worst_gain(s, came));
+    float moves = swing(s, seen);
+    if (moves > 0)
+        return give_up(s, GMV_ALARM_BURST, moves);
+    if (s->elapsed == 1)
+        return GMV_WISH_TRIAL;
+    if (s->left || !s->has_decay)
+        return 0;
+    if (!(s->decay <= 1.0f))
+        return give_up(s, GMV_ALARM_POLES, s->decay);
+    if (!predicts(s, seen->acting))
+        return give_up(s, GMV_ALARM_WORSE, worst_error(s));
+    begin_window(s);
+    return GMV_WISH_TRIAL;
+}
+
+uint8_t gmv_supervise_judge(struct gmv_supervise *s, const struct gmv_seen *seen,
+                            const struct gmv_came *came)
+{
+    s->steps++;
+    s->elapsed += s->elapsed < UINT32_MAX;
+    for (unsigned i = 0; i < s->config.loops; i++)
+        if ((came->whole & (1u << i)) &&
+            (s->rest[i] == GMV_LEARNS || s->rest[i] == GMV_RESTS_QUIET))
+            watch_excitation(s, came, i);
+    sum_up(s, came);
+    switch (s->state) {
+    case GMV_TUNING:
+        return judge_tuning(s, came, seen->acting);
+    case GMV_SELF_TUNING:
+        return judge_self_tuning(s, seen, came);
+    default: /* waiting; a loop has come whose model nobody has tried */
+        if (seen->acting & (uint8_t)~s->tested)
+            enter(s, GMV_TUNING);
+        return 0;
+    }
+}

@@ -1,0 +1,289 @@
+#include "adapt/gmv_trial.h"
+
+#include <string.h>
+
+#include "num/real.h"
+
+#define PIECE_STEPS 4u
+#define GONE        1e-7f /* of the upset: what is left is rounding */
+#define BEYOND      1e9f  /* it has grown by as much: no doubt is left */
+
+/* ---- a copy ---- */
+
+static void copy_plant(struct gmv_trial_loop *l, const struct gmv *g, unsigned i)
+{
+    const struct gmv_shape *shape = &g->shape;
+    int noise = gmv_place_of_noise(shape, i);
+    l->horizon = (uint8_t)gmv_horizon(shape, i);
+    for (unsigned a = 0; a < shape->na; a++)
+        l->f[a] = num_to_float(g->used[i][a]);
+    for (unsigned j = 0; j < shape->loops; j++) {
+        int place = gmv_place_of_u(shape, i, j);
+        l->uses[j] = place >= 0;
+        l->plant_behind[j] = place >= 0 ? (uint8_t)gmv_behind(shape, i, j) : 0;
+        for (unsigned b = 0; b < shape->nb && place >= 0; b++)
+            l->g[j][b] = num_to_float(g->used[i][(unsigned)place + b]);
+    }
+    for (unsigned n = 0; n < shape->nc; n++)
+        l->c[n] = num_to_float(g->used[i][(unsigned)noise + n]);
+}
+
+static void copy_law(struct gmv_trial *t, struct gmv_trial_loop *l, const struct gmv *g, unsigned i)
+{
+    struct gmv_predictor p;
+    gmv_predict(g, i, &p);
+    t->ng = (uint8_t)p.ng;
+    for (unsigned a = 0; a < p.nf; a++)
+        l->law_f[a] = num_to_float(p.f[a]);
+    for (unsigned j = 0; j < g->shape.loops; j++) {
+        l->behind[j] = (uint8_t)p.behind[j];
+        for (unsigned b = 0; b < p.ng; b++)
+            l->law_g[j][b] = num_to_float(p.g[j][b]);
+    }
+}
+
+static void begin_run(struct gmv_trial *t)
+{
+    memset(t->y, 0, sizeof t->y);
+    memset(t->u, 0, sizeof t->u);
+    memset(t->target, 0, sizeof t->target);
+    memset(t->predicted, 0, sizeof t->predicted);
+    t->step = 0;
+    t->largest = t->first = 0;
+    t->first_at = 0;
+}
+
+void gmv_trial_take(struct gmv_trial *t, const struct gmv *g, uint8_t acting, float margin)
+{
+    const struct gmv_shape *shape = &g->shape;
+    memset(t, 0, sizeof *t);
+    t->loops = shape->loops;
+    t->na = shape->na;
+    t->nb = shape->nb;
+    t->nc = shape->nc;
+    t->incremental = shape->form == GMV_INCREMENTAL;
+    t->scalar = shape->weight == GMV_WEIGHT_SCALAR;
+    t->implicit = shape->way == GMV_IMPLICIT;
+    t->determinant = num_to_float(g->determinant);
+    t->gain[0] = 1;
+    t->gain[1] = 0.5f;
+    t->gain[2] = margin;
+    for (unsigned i = 0; i < shape->loops; i++) {
+        struct gmv_trial_loop *l = &t->loop[i];
+        l->acts = acting & (1u << i);
+        l->delay = shape->delay[i][i];
+        l->law_p = num_to_float(g->p[i]);
+        l->law_p_scale = num_to_float(g->p_scale[i]);
+        l->p = t->implicit ? l->law_p : 0;
+        l->p_scale = t->implicit ? l->law_p_scale : 1;
+        l->lambda = num_to_float(g->lambda[i]);
+        copy_plant(l, g, i);
+        copy_law(t, l, g, i);
+    }
+    begin_run(t);
+}
+
+/* ---- a step ---- */
+
+static float before(const float *signal, unsigned now, unsigned steps)
+{
+    return signal[(now - steps) % GMV_TRIAL_KEPT];
+}
+
+/* As the form takes it: the value, or its change over k steps. */
+static float taken(const struct gmv_trial *t, const float *signal, unsigned now, unsigned steps,
+                   unsigned k)
+{
+    float value = before(signal, now, steps);
+    return t->incremental ? value - before(signal, now, steps + k) : value;
+}
+
+/* P y steps ago. */
+static float weighted_output(const struct gmv_trial_loop *l, const float *y, unsigned now,
+                             unsigned steps, bool law)
+{
+    float p = law ? l->law_p : l->p, scale = law ? l->law_p_scale : l->p_scale;
+    return scale * (before(y, now, steps) - p * before(y, now, steps + 1));
+}
+
+/* y_i of this step, as the regression has it with the gains of this run. */
+static void move_plant(struct gmv_trial *t, unsigned i, unsigned now)
+{
+    const struct gmv_trial_loop *l = &t->loop[i];
+    unsigned h = l->horizon;
+    float sum = 0, gain = t->gain[t->run];
+    for (unsigned a = 0; a < t->na; a++)
+        sum += l->f[a] * taken(t, t->y[i], now, h + a, h);
+    for (unsigned j = 0; j < t->loops; j++)
+        for (unsigned b = 0; b < t->nb && l->uses[j]; b++)
+            sum += gain * l->g[j][b] * taken(t, t->u[j], now, h + l->plant_behind[j] + b, h);
+    for (unsigned n = 0; n < t->nc; n++)
+        sum += l->c[n] * before(t->target[i], now, n + 1);
+    t->target[i][now % GMV_TRIAL_KEPT] = sum;
+    if (t->incremental)
+        sum += weighted_output(l, t->y[i], now, h, false);
+    t->y[i][now % GMV_TRIAL_KEPT] = sum / l->p_scale + l->p * before(t->y[i], now, 1);
+    if (now == GMV_TRIAL_KEPT) /* the upset */
+        t->y[i][now % GMV_TRIAL_KEPT] += i ? -0.7f : 1.0f;
+}
+
+/* What loop i's law predicts as long as no MV moves in this step. */
+static float known_prediction(const struct gmv_trial *t, unsigned i, unsigned now)
+{
+    const struct gmv_trial_loop *l = &t->loop[i];
+    unsigned k = l->delay;
+    float sum = 0;
+    for (unsigned a = 0; a < t->na; a++)
+        sum += l->law_f[a] * taken(t, t->y[i], now, a, k);
+    for (unsigned j = 0; j < t->loops; j++)
+        for (unsigned b = 0; b < t->ng && l->uses[j]; b++) {
+            unsigned steps = l->behind[j] + b;
+            float u = before(t->u[j], now, steps ? steps : 1u);
+            if (t->incremental)
+                u -= before(t->u[j], now, steps + k);
+            sum += l->law_g[j][b] * u;
+        }
+    for (unsigned n = 0; n < t->nc && t->implicit; n++)
+        sum += l->c[n] * before(t->predicted[i], now, n + 1);
+    return sum;
+}
+
+static float size_of_number(float x)
+{
+    return x < 0 ? -x : x;
+}
+
+static float divided(float a, float b)
+{
+    return size_of_number(b) < 1e-6f ? 0 : a / b;
+}
+
+/* The equations of those that act, as gmv_solve does it without limits. */
+static void solve(const struct gmv_trial *t, float m[GMV_LOOPS][GMV_LOOPS], const float *rhs,
+                  float *move)
+{
+    bool both = t->loop[0].acts && t->loop[1].acts;
+    float a = 0, b = 0;
+    for (unsigned i = 0; i < GMV_LOOPS; i++)
+        move[i] = t->loop[i].acts ? divided(rhs[i], m[i][i]) : 0;
+    if (!both)
+        return;
+    a = real_abs(m[0][0]) > real_abs(m[0][1]) ? real_abs(m[0][0]) : real_abs(m[0][1]);
+    b = real_abs(m[1][0]) > real_abs(m[1][1]) ? real_abs(m[1][0]) : real_abs(m[1][1]);
+    float det = m[0][0] * m[1][1] - m[0][1] * m[1][0];
+    if (!(size_of_number(det) >= t->determinant * a * b) || det == 0)
+        return;
+    move[0] = (rhs[0] * m[1][1] - rhs[1] * m[0][1]) / det;
+    move[1] = (rhs[1] * m[0][0] - rhs[0] * m[1][0]) / det;
+}
+
+static void move_inputs(struct gmv_trial *t, unsigned now)
+{
+    float m[GMV_LOOPS][GMV_LOOPS] = {{0}}, rhs[GMV_LOOPS] = {0}, move[GMV_LOOPS],
+          known[GMV_LOOPS] = {0};
+    for (unsigned i = 0; i < t->loops; i++) {
+        const struct gmv_trial_loop *l = &t->loop[i];
+        float u = before(t->u[i], now, 1);
+        known[i] = known_prediction(t, i, now);
+        rhs[i] = -known[i];
+        if (t->incremental) {
+            rhs[i] -= weighted_output(l, t->y[i], now, 0, true);
+            u -= before(t->u[i], now, l->delay);
+        }
+        if (t->scalar)
+            rhs[i] -= l->lambda * u;
+        for (unsigned j = 0; j < t->loops; j++)
+            m[i][j] = l->behind[j] == 0 && l->uses[j] ? l->law_g[j][0] : 0;
+        m[i][i] += l->lambda;
+    }
+    solve(t, m, rhs, move);
+    for (unsigned i = 0; i < t->loops; i++) {
+        const struct gmv_trial_loop *l = &t->loop[i];
+        float prediction = known[i];
+        for (unsigned j = 0; j < t->loops; j++)
+            prediction += (m[i][j] - (i == j ? l->lambda : 0)) * move[j];
+        t->predicted[i][now % GMV_TRIAL_KEPT] = prediction;
+    }
+    for (unsigned i = 0; i < t->loops; i++)
+        t->u[i][now % GMV_TRIAL_KEPT] = before(t->u[i], now, 1) + move[i];
+}
+
+/* How large what moves is now: PVs, and MVs by what they do to them. */
+static float size_of_upset(const struct gmv_trial *t, unsigned now)
+{
+    float most = 0;
+    for (unsigned i = 0; i < t->loops; i++) {
+        float y = size_of_number(t->y[i][now % GMV_TRIAL_KEPT]);
+        float u = size_of_number(t->loop[i].law_g[i][0] *
+                                 (before(t->u[i], now, 0) - before(t->u[i], now, 1)));
+        if (!t->loop[i].acts)
+            continue;
+        most = y > most ? y : most;
+        most = u > most ? u : most;
+    }
+    return most;
+}
+
+/* ---- runs ---- */
+
+/* The window that ends now, against the first that is looked at. True: the run is over. */
+static bool judge_window(struct gmv_trial *t, unsigned window)
+{
+    bool last = window + 1u == GMV_TRIAL_STEPS / GMV_TRIAL_WINDOW;
+    float now = t->largest;
+    t->largest = 0;
+    if (window == 0) {
+        t->first = now;
+        t->decay[t->run] = 0;
+        return false;
+    }
+    float ratio = t->first > 0 ? now / t->first : 0;
+    unsigned steps = (window - t->first_at) * GMV_TRIAL_WINDOW;
+    if (!(ratio < BEYOND)) { /* also where it is no number */
+        t->decay[t->run] = 1.5f;
+        return true;
+    }
+    t->decay[t->run] = ratio > GONE ? real_pow(ratio, 1.0f / (float)steps) : 0.85f;
+    if (window == 1 && ratio > GONE) { /* what was fast is over */
+        t->first = now;
+        t->first_at = 1;
+    }
+    return last || ratio <= GONE;
+}
+
+static void one_step(struct gmv_trial *t)
+{
+    unsigned now = GMV_TRIAL_KEPT + t->step;
+    for (unsigned i = 0; i < t->loops; i++)
+        if (t->loop[i].acts)
+            move_plant(t, i, now);
+    move_inputs(t, now);
+    float size = size_of_upset(t, now);
+    if (!(size <= t->largest))
+        t->largest = size;
+    t->step++;
+    if (t->step % GMV_TRIAL_WINDOW == 0 && judge_window(t, t->step / GMV_TRIAL_WINDOW - 1u)) {
+        t->run++;
+        begin_run(t);
+    }
+}
+
+bool gmv_trial_piece(struct gmv_trial *t)
+{
+    for (unsigned n = 0; n < PIECE_STEPS && t->run < GMV_TRIAL_GAINS; n++)
+        one_step(t);
+    return t->run < GMV_TRIAL_GAINS;
+}
+
+float gmv_trial_decay(const struct gmv_trial *t, unsigned run)
+{
+    return t->decay[run];
+}
+
+float gmv_trial_worst(const struct gmv_trial *t)
+{
+    float worst = t->decay[0];
+    for (unsigned run = 1; run < GMV_TRIAL_GAINS; run++)
+        worst = t->decay[run] > worst ? t->decay[run] : worst;
+    return worst;
+}

@@ -1,0 +1,59 @@
+/* The closed loop of a set of parameters with itself as the plant, simulated: does what was upset die away, and how fast?
+ * Ours: certainty equivalence, tried with the plant's gains as estimated, halved, and times `margin`.
+ *
+ * Everything is a plain float copy of what the self-tuner uses at that moment, so that it can run between ticks: first
+ * gmv_trial_take, then gmv_trial_piece until it returns false, then gmv_trial_decay.
+ *
+ * Setpoints and measured disturbances are 0, and so is the bias: in a linear loop they do not change how it decays. The proxy
+ * of residuals is left out. */
+#ifndef REFLUX_ADAPT_GMV_TRIAL_H
+#define REFLUX_ADAPT_GMV_TRIAL_H
+
+#include "adapt/gmv_inside.h"
+
+#define GMV_TRIAL_KEPT   32u /* steps of a signal, a power of two; GMV_KEPT of the self-tuner */
+#define GMV_TRIAL_GAINS  3u  /* as estimated, halved, times the margin */
+#define GMV_TRIAL_WINDOW 128u
+#define GMV_TRIAL_STEPS  (5u * GMV_TRIAL_WINDOW)
+
+/* A loop that takes part: its regression as the plant, and what the law makes of it. */
+struct gmv_trial_loop {
+    bool acts;
+    uint8_t horizon, delay; /* of the regression, of the law */
+    uint8_t
+        plant_behind[GMV_LOOPS]; /* steps from u_j's entry to its first one, in the regression */
+    uint8_t behind[GMV_LOOPS];   /* the same in the law */
+    bool uses[GMV_LOOPS];        /* u_j is in its model */
+    float p, p_scale,
+        lambda; /* P = p_scale (1 - p z^-1), of the regression p_scale 1, p 0 in the explicit way */
+    float f[GMV_TERMS_MAX], g[GMV_LOOPS][GMV_TERMS_MAX], c[GMV_NOISE_MAX]; /* plant */
+    float law_p, law_p_scale;
+    float law_f[GMV_TERMS_MAX], law_g[GMV_LOOPS][GMV_TERMS_MAX + GMV_DELAY_MAX];
+};
+
+struct gmv_trial {
+    uint8_t loops, na, nb, nc, ng;
+    bool incremental, scalar, implicit;
+    float determinant, gain[GMV_TRIAL_GAINS];
+    struct gmv_trial_loop loop[GMV_LOOPS];
+    /* The run under way. */
+    uint8_t run;
+    uint16_t step;
+    float y[GMV_LOOPS][GMV_TRIAL_KEPT], u[GMV_LOOPS][GMV_TRIAL_KEPT];
+    float target[GMV_LOOPS][GMV_TRIAL_KEPT], predicted[GMV_LOOPS][GMV_TRIAL_KEPT];
+    float largest, first; /* of this window, and of the one that is compared with */
+    uint16_t first_at;    /* its place, windows */
+    float decay[GMV_TRIAL_GAINS];
+};
+
+/* The parameters in use of g. acting: a bit for each loop that acts; MVs of the others rest. margin: > 1. */
+void gmv_trial_take(struct gmv_trial *t, const struct gmv *g, uint8_t acting, float margin);
+/* A piece of it, a few steps; true while there is more. */
+bool gmv_trial_piece(struct gmv_trial *t);
+/* By what factor the slowest part of an upset shrinks in a step: of the run with the plant's gains as estimated (0), halved
+ * (1), times the margin (2). Above 1 it grows. Accurate to about 0.005, which is what five windows tell. */
+float gmv_trial_decay(const struct gmv_trial *t, unsigned run);
+/* The largest of the three. */
+float gmv_trial_worst(const struct gmv_trial *t);
+
+#endif
