@@ -9,6 +9,8 @@
 #define NOISE_SQUARE 1e-9f
 /* What is upset must die away at least like this per step. */
 #define SLOWEST_DECAY 0.9995f
+/* Above this it grows; the trial tells no finer. */
+#define GROWTH 1.001f
 /* Steps over which what samples tell is averaged. */
 #define TOLD_MEMORY 50.0f
 
@@ -294,7 +296,7 @@ static uint8_t judge_self_tuning(struct gmv_supervise *s, const struct gmv_seen 
         return GMV_WISH_TRIAL;
     if (s->left || !s->has_decay)
         return 0;
-    if (!(s->decay <= 1.0f))
+    if (!(s->decay <= GROWTH))
         return give_up(s, GMV_ALARM_POLES, s->decay);
     if (!predicts(s, seen->acting))
         return give_up(s, GMV_ALARM_WORSE, worst_error(s));

@@ -5,8 +5,9 @@
 #include "num/real.h"
 
 #define PIECE_STEPS 4u
-#define GONE        1e-7f /* of the upset: what is left is rounding */
+#define GONE        1e-5f /* of the upset: below it is rounding */
 #define BEYOND      1e9f  /* it has grown by as much: no doubt is left */
+#define GROWS       1.5f  /* and nobody needs to know how fast */
 
 /* ---- a copy ---- */
 
@@ -49,7 +50,7 @@ static void begin_run(struct gmv_trial *t)
     memset(t->target, 0, sizeof t->target);
     memset(t->predicted, 0, sizeof t->predicted);
     t->step = 0;
-    t->largest = t->first = 0;
+    t->largest = t->first = t->start = 0;
     t->first_at = 0;
 }
 
@@ -229,26 +230,28 @@ static float size_of_upset(const struct gmv_trial *t, unsigned now)
 /* The window that ends now, against the first that is looked at. True: the run is over. */
 static bool judge_window(struct gmv_trial *t, unsigned window)
 {
-    bool last = window + 1u == GMV_TRIAL_STEPS / GMV_TRIAL_WINDOW;
     float now = t->largest;
     t->largest = 0;
     if (window == 0) {
-        t->first = now;
-        t->decay[t->run] = 0;
+        t->first = t->start = now;
         return false;
     }
-    float ratio = t->first > 0 ? now / t->first : 0;
-    unsigned steps = (window - t->first_at) * GMV_TRIAL_WINDOW;
-    if (!(ratio < BEYOND)) { /* also where it is no number */
-        t->decay[t->run] = 1.5f;
+    if (!(now < BEYOND * t->start)) { /* also where it is no number */
+        t->decay[t->run] = GROWS;
         return true;
     }
-    t->decay[t->run] = ratio > GONE ? real_pow(ratio, 1.0f / (float)steps) : 0.85f;
-    if (window == 1 && ratio > GONE) { /* what was fast is over */
+    bool gone = now <= GONE * t->start;
+    if (gone && window > 1) /* as the windows before have it */
+        return true;
+    if (gone)
+        now = GONE * t->start;
+    t->decay[t->run] =
+        real_pow(now / t->first, 1.0f / (float)((window - t->first_at) * GMV_TRIAL_WINDOW));
+    if (window == 1) { /* what was fast is over */
         t->first = now;
         t->first_at = 1;
     }
-    return last || ratio <= GONE;
+    return gone || window + 1u == GMV_TRIAL_STEPS / GMV_TRIAL_WINDOW;
 }
 
 static void one_step(struct gmv_trial *t)

@@ -41,8 +41,8 @@ struct gmv_trial {
     uint16_t step;
     float y[GMV_LOOPS][GMV_TRIAL_KEPT], u[GMV_LOOPS][GMV_TRIAL_KEPT];
     float target[GMV_LOOPS][GMV_TRIAL_KEPT], predicted[GMV_LOOPS][GMV_TRIAL_KEPT];
-    float largest, first; /* of this window, and of the one that is compared with */
-    uint16_t first_at;    /* its place, windows */
+    float largest, first, start; /* of this window, of the one that is compared with, of all */
+    uint16_t first_at;           /* its place, windows */
     float decay[GMV_TRIAL_GAINS];
 };
 
@@ -51,7 +51,8 @@ void gmv_trial_take(struct gmv_trial *t, const struct gmv *g, uint8_t acting, fl
 /* A piece of it, a few steps; true while there is more. */
 bool gmv_trial_piece(struct gmv_trial *t);
 /* By what factor the slowest part of an upset shrinks in a step: of the run with the plant's gains as estimated (0), halved
- * (1), times the margin (2). Above 1 it grows. Accurate to about 0.005, which is what five windows tell. */
+ * (1), times the margin (2). Above 1 it grows. Below 0.914 it
+ * is not told how far: what is gone within a window is gone. */
 float gmv_trial_decay(const struct gmv_trial *t, unsigned run);
 /* The largest of the three. */
 float gmv_trial_worst(const struct gmv_trial *t);
