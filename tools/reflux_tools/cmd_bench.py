@@ -11,7 +11,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Callable
 
-from reflux_tools import bench_link, bench_plants, bench_tick, build, launch, runner, scenario, table
+from reflux_tools import bench_estimation, bench_link, bench_plants, bench_tick, build, launch, runner, scenario, table
 from reflux_tools.boards import BOARDS
 from reflux_tools.errors import RunFailed, UserError
 from reflux_tools.paths import ROOT, SCENARIOS, build_dir, named, shown
@@ -31,6 +31,7 @@ def main(arguments: list[str]) -> int:
     p.add_argument("--plants", action="store_true", help="only the simulated plants, printed and not written")
     p.add_argument("--link", action="store_true", help="only the plant link's share of a tick, printed and not written")
     p.add_argument("--tick", action="store_true", help="only a tick without the link, printed and not written")
+    p.add_argument("--estimation", action="store_true", help="only estimators and the self-tuner, printed and not written")
     p.add_argument("--before", metavar="COMMIT", default=bench_tick.BEFORE,
                    help=f"version beside which a tick without the link is counted (default {bench_tick.BEFORE}); it is built "
                    "in the build folder")
@@ -41,6 +42,10 @@ def main(arguments: list[str]) -> int:
     if options.link:
         build.build("host", ("reflux-sim",))
         print(f"\n{bench_link.TITLE}\n{table.columns(bench_link.HEADER, link_rows())}", flush=True)
+        return 0
+    if options.estimation:
+        for title, header, rows in bench_estimation.parts():
+            print(f"\n{title}\n{table.columns(header, rows)}", flush=True)
         return 0
     if not re.fullmatch(r"[\w.-]+", options.before):
         raise UserError("--before must be a commit or a tag")
@@ -61,6 +66,7 @@ def main(arguments: list[str]) -> int:
         ("Instructions per tick", ["where", "how", "least", "mean", "most"], instruction_rows()),
         (bench_tick.TITLE, bench_tick.header(options.before), tick_rows(options.before)),
         (bench_link.TITLE, bench_link.HEADER, link_rows()),
+        *bench_estimation.parts(),
         ("Instructions of matrices of 16 x 16, host", ["what", "instructions"], matrix_rows()),
         ("The image, bytes", ["part", "text", "data", "bss"], size_rows()),
         ("Largest stack frames of the image, bytes", ["function", "frame"], stack_rows()),
