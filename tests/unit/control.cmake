@@ -22,3 +22,9 @@ reflux_test(rls LABEL unit SOURCES test_rls.c LIBS reflux_identify)
 foreach(part gmv gmv_optimal)
   reflux_test(${part} LABEL unit SOURCES test_${part}.c LIBS reflux_adapt)
 endforeach()
+
+# Not a test by itself: courses of a million samples (tools/campaign endurance).
+set(endurance "${PROJECT_SOURCE_DIR}/tests/campaign/endurance")
+add_executable(endurance ${endurance}/main.c ${endurance}/bare.c ${endurance}/plants.c)
+target_link_libraries(endurance PRIVATE reflux_adapt reflux_options m)
+target_include_directories(endurance PRIVATE "${PROJECT_SOURCE_DIR}/tests/support")
