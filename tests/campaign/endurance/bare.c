@@ -132,6 +132,9 @@ static void update(struct covariance *c, unsigned n, const double *phi, double y
             c->p[i][j] =
                 store(store(c->p[i][j] - store(k[i] * p_phi[j], c->in_double), c->in_double) / v,
                       c->in_double);
+    for (unsigned i = 0; i < n && c->in_double; i++) /* the reference has only one half */
+        for (unsigned j = 0; j < i; j++)
+            c->p[i][j] = c->p[j][i];
 }
 
 struct verdict run_covariance(enum course course, bool in_double, bool bounded, uint64_t samples,
