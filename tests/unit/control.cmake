@@ -25,6 +25,9 @@ endforeach()
 
 # Not a test by itself: courses of a million samples (tools/campaign endurance).
 set(endurance "${PROJECT_SOURCE_DIR}/tests/campaign/endurance")
-add_executable(endurance ${endurance}/main.c ${endurance}/bare.c ${endurance}/plants.c)
+add_executable(endurance ${endurance}/main.c ${endurance}/bare.c ${endurance}/plants.c ${endurance}/supervised.c)
 target_link_libraries(endurance PRIVATE reflux_adapt reflux_options m)
 target_include_directories(endurance PRIVATE "${PROJECT_SOURCE_DIR}/tests/support")
+# A twentieth of it.
+add_test(NAME endurance COMMAND endurance 50000)
+set_tests_properties(endurance PROPERTIES LABELS unit)

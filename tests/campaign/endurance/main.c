@@ -41,11 +41,9 @@ int main(int n, char **word)
             run_covariance(course, true, false, samples, seed));
         say(course, "double dense bounded", samples,
             run_covariance(course, true, true, samples, seed));
-#ifdef SUPERVISED
         struct verdict v = run_supervised(course, samples, seed);
         say(course, "supervised", samples, v);
         failed += v.at != 0;
-#endif
     }
     return failed != 0;
 }
