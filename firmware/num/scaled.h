@@ -2,7 +2,7 @@
  * 1e-8 and sometimes 1e6.
  *
  *             float build     fixed build
- *   type      float32         mantissa and exponent: m * 2^e, |m| in [2^29, 2^30), or m = 0 and e = 0
+ *   type      float32         mantissa and exponent: m * 2^e, |m| in [2^29, 2^30], or m = 0
  *   step      2^-24 relative  2^-29 relative
  *   range     +-3.4e38        exponents are int32: nothing here gets near their end
  *   rounding  nearest         within a step; of a quotient within 2^-26
@@ -54,9 +54,14 @@ static inline scaled_t scaled_add(scaled_t a, scaled_t b)
     return apart < -30 ? b : scaled_normal(b.m + (a.m >> -apart), b.e);
 }
 
+/* The product of two full mantissas has 59 or 60 bits, so that one look at its upper word is enough. */
 static inline scaled_t scaled_mul(scaled_t a, scaled_t b)
 {
-    return scaled_normal((int32_t)(((int64_t)a.m * b.m) >> 29), a.e + b.e + 29);
+    int64_t product = (int64_t)a.m * b.m;
+    uint32_t high = (uint32_t)(product >> 32), low = (uint32_t)product;
+    if ((high ^ (uint32_t)((int32_t)high >> 31)) < 1u << 27)
+        return (scaled_t){(int32_t)(high << 3 | low >> 29), a.e + b.e + 29};
+    return (scaled_t){(int32_t)(high << 2 | low >> 30), a.e + b.e + 30};
 }
 
 /* 1/b, b not 0: by Newton's step from the quotient that the processor's division gives. */
@@ -66,7 +71,8 @@ static inline scaled_t scaled_inverse(scaled_t b)
     int32_t rough = (int32_t)(0x7FFFFFFFu / (uint32_t)(m >> 15)) * (1 << 13); /* 2^59/m, to 2^-14 */
     int32_t lacking = (int32_t)((((int64_t)1 << 59) - (int64_t)m * rough) >> 28);
     int32_t r = rough + (int32_t)(((int64_t)rough * lacking) >> 31);
-    return scaled_normal(b.m < 0 ? -r : r, -59 - b.e);
+    r = r < 1 << 30 ? r : (1 << 30) - 1;
+    return (scaled_t){b.m < 0 ? -r : r, -59 - b.e};
 }
 
 scaled_t scaled_div(scaled_t a, scaled_t b);

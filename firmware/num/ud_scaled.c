@@ -12,14 +12,22 @@ static size_t place(size_t j)
     return j * (j + 1) / 2;
 }
 
-static int32_t *column_exponent(ud_cell_t *ud, size_t n, size_t j)
+/* Of a column: its exponent, and below it how many bits its largest mantissa has (0: the column is 0). */
+#define WIDTH_BITS 5
+
+static int32_t *column_scale(ud_cell_t *ud, size_t n, size_t j)
 {
     return &ud[place(n) + j];
 }
 
+static int32_t scale_of(int32_t exponent, int32_t wide)
+{
+    return exponent * (1 << WIDTH_BITS) + wide;
+}
+
 static scaled_t get_u(const ud_cell_t *ud, size_t n, size_t i, size_t j)
 {
-    return scaled_from_product(ud[place(j) + i], ud[place(n) + j]);
+    return scaled_normal(ud[place(j) + i], ud[place(n) + j] >> WIDTH_BITS);
 }
 
 static scaled_t get_d(const ud_cell_t *ud, size_t n, size_t j)
@@ -55,7 +63,7 @@ static void set_column(ud_cell_t *ud, size_t n, size_t j, const scaled_t *u)
         e = u[i].m && u[i].e > e ? u[i].e : e;
     for (size_t i = 0; i < j; i++)
         ud[place(j) + i] = (int32_t)shifted(u[i].m, e - u[i].e + 30 - COLUMN_BITS);
-    *column_exponent(ud, n, j) = e + 30 - COLUMN_BITS;
+    *column_scale(ud, n, j) = scale_of(e + 30 - COLUMN_BITS, j ? COLUMN_BITS : 0);
 }
 
 void ud_scaled_set_diagonal(ud_cell_t *ud, size_t n, const scaled_t *p)
@@ -63,7 +71,7 @@ void ud_scaled_set_diagonal(ud_cell_t *ud, size_t n, const scaled_t *p)
     for (size_t j = 0; j < n; j++) {
         for (size_t i = 0; i < j; i++)
             ud[place(j) + i] = 0;
-        *column_exponent(ud, n, j) = -COLUMN_BITS;
+        *column_scale(ud, n, j) = scale_of(-COLUMN_BITS, 0);
         set_d(ud, n, j, p[j]);
     }
 }
@@ -80,8 +88,9 @@ scaled_t ud_scaled_project(const ud_cell_t *ud, size_t n, const num_t *phi, scal
         for (const ud_cell_t *end = ud + j; ud < end;)
             sum += (int64_t)*ud++ * (p++)->q;
         scaled_t own = scaled_from_num(phi[j]);
-        f[j] =
-            sum ? scaled_add(own, scaled_from_product(sum, exponent[j] - NUM_FRACTION_BITS)) : own;
+        f[j] = sum ? scaled_add(own, scaled_from_product(sum, (exponent[j] >> WIDTH_BITS) -
+                                                                  NUM_FRACTION_BITS))
+                   : own;
         g[j] = scaled_mul((scaled_t){*ud++, d_exponent[j]}, f[j]);
         variance = scaled_add(variance, scaled_mul(f[j], g[j]));
     }
@@ -146,27 +155,26 @@ static int32_t moved_right(int32_t m, int32_t right)
 }
 
 /* U's column j with its exponents, and P phi of the columns before it. */
-static void correct_column(ud_cell_t *u, size_t j, int32_t *exponent, scaled_t *g,
-                           struct growing *b, scaled_t lambda, scaled_t own)
+static void correct_column(ud_cell_t *u, size_t j, int32_t *scale, scaled_t *g, struct growing *b,
+                           scaled_t lambda, scaled_t own)
 {
-    uint32_t mask = 0;
-    for (size_t i = 0; i < j; i++)
-        mask |= (uint32_t)(u[i] ^ (u[i] >> 31));
-    int32_t wide = width(mask), e = *exponent + wide - COLUMN_BITS;
+    int32_t wide = *scale & ((1 << WIDTH_BITS) - 1), exponent = *scale >> WIDTH_BITS;
+    int32_t e = exponent + wide - COLUMN_BITS;
+    uint32_t mask = (uint32_t)wide;
     if (mask)
-        make_room(b, g, j, *exponent + own.e, wide + 30);
+        make_room(b, g, j, exponent + own.e, wide + 30);
     int32_t move = b->e + lambda.e, gain_wide = width(b->mask);
     if (!mask || (lambda.m && b->mask && move + gain_wide + 30 - COLUMN_BITS > e))
         e = move + gain_wide + 30 - COLUMN_BITS;
-    e = e > *exponent || !mask ? e : *exponent; /* what is there keeps its bits */
-    struct moves m = {.old_right = mask ? e - *exponent : 0,
+    e = e > exponent || !mask ? e : exponent; /* what is there keeps its bits */
+    struct moves m = {.old_right = mask ? e - exponent : 0,
                       .column_left = 30 - wide,
                       .gain_left = 30 - gain_wide};
     m.old_right = m.old_right > 30 ? 30 : m.old_right;
     m.lambda = b->mask ? moved_right(lambda.m, e - move + m.gain_left - 32) : 0;
-    m.own = mask ? moved_right(own.m, b->e - (*exponent + own.e) + m.column_left - 32) : 0;
+    m.own = mask ? moved_right(own.m, b->e - (exponent + own.e) + m.column_left - 32) : 0;
     b->mask = correct_mantissas(u, j, g, &m, &mask);
-    *exponent = mask ? e : -COLUMN_BITS;
+    *scale = mask ? scale_of(e, width(mask)) : scale_of(-COLUMN_BITS, 0);
 }
 
 scaled_t ud_scaled_correct(ud_cell_t *ud, size_t n, const scaled_t *f, scaled_t *g, scaled_t r,
@@ -181,7 +189,7 @@ scaled_t ud_scaled_correct(ud_cell_t *ud, size_t n, const scaled_t *f, scaled_t 
         alpha = scaled_add(alpha, scaled_mul(f[j], own));
         inverse = scaled_inverse(alpha);
         if (j)
-            correct_column(column, j, column_exponent(ud, n, j), g, &b, lambda, own);
+            correct_column(column, j, column_scale(ud, n, j), g, &b, lambda, own);
         set_d(ud, n, j, scaled_mul(get_d(ud, n, j), scaled_mul(share, inverse)));
         make_room(&b, g, j, own.e, own.m ? 30 : 0);
         g[j].m = b.e - own.e > 30 ? 0 : own.m >> (b.e - own.e);
@@ -259,8 +267,9 @@ scaled_t ud_scaled_trace(const ud_cell_t *ud, size_t n)
         int64_t squares = 0; /* below 2^54 each */
         for (size_t i = 0; i < j; i++)
             squares += (int64_t)ud[place(j) + i] * ud[place(j) + i];
-        scaled_t sum = scaled_add(scaled_from_num(num_one()),
-                                  scaled_from_product(squares, 2 * ud[place(n) + j]));
+        scaled_t sum =
+            scaled_add(scaled_from_num(num_one()),
+                       scaled_from_product(squares, 2 * (ud[place(n) + j] >> WIDTH_BITS)));
         trace = scaled_add(trace, scaled_mul(get_d(ud, n, j), sum));
     }
     return trace;
