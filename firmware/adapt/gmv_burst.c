@@ -25,7 +25,10 @@ bool gmv_burst_step(struct gmv_burst *b, float setpoint, float moved, float rati
         return false;
     b->seen += b->seen < UINT32_MAX;
     float memory = (float)b->seen < LONG_MEMORY ? (float)b->seen : LONG_MEMORY;
-    b->long_ += (square - b->long_) / memory;
+    float most = 4 * b->long_ + LEAST_MOVE * LEAST_MOVE;
+    bool usual = square <= most || (float)b->seen < LONG_MEMORY;
+    b->long_ +=
+        ((usual ? square : most) - b->long_) / memory; /* a burst is to stand out for long */
     return (float)b->seen >= LONG_MEMORY && b->soon > ratio * b->long_ &&
            b->soon > LEAST_MOVE * LEAST_MOVE && 4 * b->mean * b->mean < b->soon;
 }

@@ -5,9 +5,9 @@
 #include "num/real.h"
 
 #define PIECE_STEPS 4u
-#define GONE        1e-5f /* of the upset: below it is rounding */
-#define BEYOND      1e9f  /* it has grown by as much: no doubt is left */
-#define GROWS       1.5f  /* and nobody needs to know how fast */
+#define GONE        1e-25f /* of the upset: soon float ends */
+#define BEYOND      1e9f   /* it has grown by as much: no doubt is left */
+#define GROWS       1.5f   /* and nobody needs to know how fast */
 
 /* ---- a copy ---- */
 
@@ -99,30 +99,27 @@ static float taken(const struct gmv_trial *t, const float *signal, unsigned now,
     return t->incremental ? value - before(signal, now, steps + k) : value;
 }
 
-/* P y steps ago. */
-static float weighted_output(const struct gmv_trial_loop *l, const float *y, unsigned now,
-                             unsigned steps, bool law)
+/* P y of this step. */
+static float auxiliary_output(const struct gmv_trial_loop *l, const float *y, unsigned now)
 {
-    float p = law ? l->law_p : l->p, scale = law ? l->law_p_scale : l->p_scale;
-    return scale * (before(y, now, steps) - p * before(y, now, steps + 1));
+    return l->law_p_scale * (before(y, now, 0) - l->law_p * before(y, now, 1));
 }
 
-/* y_i of this step, as the regression has it with the gains of this run. */
+/* y_i of this step, as the regression has it with the gains of this run. Of signals themselves in either form: what the
+ * incremental one has besides is a load that stays, which is no part of the loop. */
 static void move_plant(struct gmv_trial *t, unsigned i, unsigned now)
 {
     const struct gmv_trial_loop *l = &t->loop[i];
     unsigned h = l->horizon;
     float sum = 0, gain = t->gain[t->run];
     for (unsigned a = 0; a < t->na; a++)
-        sum += l->f[a] * taken(t, t->y[i], now, h + a, h);
+        sum += l->f[a] * before(t->y[i], now, h + a);
     for (unsigned j = 0; j < t->loops; j++)
         for (unsigned b = 0; b < t->nb && l->uses[j]; b++)
-            sum += gain * l->g[j][b] * taken(t, t->u[j], now, h + l->plant_behind[j] + b, h);
+            sum += gain * l->g[j][b] * before(t->u[j], now, h + l->plant_behind[j] + b);
     for (unsigned n = 0; n < t->nc; n++)
         sum += l->c[n] * before(t->target[i], now, n + 1);
     t->target[i][now % GMV_TRIAL_KEPT] = sum;
-    if (t->incremental)
-        sum += weighted_output(l, t->y[i], now, h, false);
     t->y[i][now % GMV_TRIAL_KEPT] = sum / l->p_scale + l->p * before(t->y[i], now, 1);
     if (now == GMV_TRIAL_KEPT) /* the upset */
         t->y[i][now % GMV_TRIAL_KEPT] += i ? -0.7f : 1.0f;
@@ -188,7 +185,7 @@ static void move_inputs(struct gmv_trial *t, unsigned now)
         known[i] = known_prediction(t, i, now);
         rhs[i] = -known[i];
         if (t->incremental) {
-            rhs[i] -= weighted_output(l, t->y[i], now, 0, true);
+            rhs[i] -= auxiliary_output(l, t->y[i], now);
             u -= before(t->u[i], now, l->delay);
         }
         if (t->scalar)
@@ -209,20 +206,17 @@ static void move_inputs(struct gmv_trial *t, unsigned now)
         t->u[i][now % GMV_TRIAL_KEPT] = before(t->u[i], now, 1) + move[i];
 }
 
-/* How large what moves is now: PVs, and MVs by what they do to them. */
+/* How large what moves is now: PVs, and MVs by what they do to them. A sum, so that one that is no number is seen. */
 static float size_of_upset(const struct gmv_trial *t, unsigned now)
 {
-    float most = 0;
+    float sum = 0;
     for (unsigned i = 0; i < t->loops; i++) {
-        float y = size_of_number(t->y[i][now % GMV_TRIAL_KEPT]);
-        float u = size_of_number(t->loop[i].law_g[i][0] *
-                                 (before(t->u[i], now, 0) - before(t->u[i], now, 1)));
-        if (!t->loop[i].acts)
-            continue;
-        most = y > most ? y : most;
-        most = u > most ? u : most;
+        float move = before(t->u[i], now, 0) - before(t->u[i], now, 1);
+        if (t->loop[i].acts)
+            sum += size_of_number(before(t->y[i], now, 0)) +
+                   size_of_number(t->loop[i].law_g[i][0] * move);
     }
-    return most;
+    return sum;
 }
 
 /* ---- runs ---- */

@@ -51,8 +51,8 @@ void gmv_trial_take(struct gmv_trial *t, const struct gmv *g, uint8_t acting, fl
 /* A piece of it, a few steps; true while there is more. */
 bool gmv_trial_piece(struct gmv_trial *t);
 /* By what factor the slowest part of an upset shrinks in a step: of the run with the plant's gains as estimated (0), halved
- * (1), times the margin (2). Above 1 it grows. Below 0.914 it
- * is not told how far: what is gone within a window is gone. */
+ * (1), times the margin (2). Above 1 it grows. What is gone
+ * within a window counts as 0.64. */
 float gmv_trial_decay(const struct gmv_trial *t, unsigned run);
 /* The largest of the three. */
 float gmv_trial_worst(const struct gmv_trial *t);

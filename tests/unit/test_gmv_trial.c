@@ -1,0 +1,208 @@
+/* The trial of a closed loop against the loop itself: the law of the self-tuner (adapt/gmv.h) on a plant in double whose gains are
+ * those of the model, half of them, and twice.
+ *
+ * Contract: the decay per step within 0.006. Both are read from the largest size in windows of 128 steps, of which the loop in
+ * fixed point has two before it is at rest; they differ by up to a factor of two with the phase of an oscillation:
+ * 2^(1/128) = 1.0054. Of what is gone within a window no more is asked than that the trial finds so, too. */
+#include <math.h>
+#include <stdio.h>
+
+#include "adapt/gmv_trial.h"
+#include "gmv_bench.h"
+#include "unity.h"
+
+#define DECAY_WITHIN 0.006
+#define GONE_IN_ONE  0.914 /* 1e-5 after 128 steps */
+
+static struct gmv_bench b;
+static struct gmv_trial trial;
+static const double none[GMV_LOOPS] = {0, 0};
+
+void setUp(void)
+{
+    memset(&b, 0, sizeof b);
+}
+
+void tearDown(void) {}
+
+static void run_trial(uint8_t acting, float margin)
+{
+    unsigned pieces = 1;
+    gmv_trial_take(&trial, b.gmv, acting, margin);
+    while (gmv_trial_piece(&trial))
+        TEST_ASSERT_TRUE(pieces++ < 1000);
+}
+
+/* What the loop itself does with the plant's gains times `factor`, from the same upset. */
+static double real_decay(const struct gmv_bench *from, double factor)
+{
+    struct gmv_bench run = *from;
+    double size[5] = {0};
+    for (unsigned i = 0; i < GMV_LOOPS; i++)
+        for (unsigned j = 0; j < GMV_LOOPS; j++)
+            run.plant.b[i][j] *= factor;
+    gmv_bench_begin(&run, 0);
+    gmv_bench_step(&run, none, none, false);
+    run.plant.y[0] = 0.5;
+    run.plant.y[1] = run.config.shape.loops == 2 ? -0.35 : 0;
+    for (unsigned t = 0; t < 640; t++) {
+        gmv_bench_step(&run, none, none, false);
+        for (unsigned i = 0; i < run.config.shape.loops; i++)
+            size[t / 128] = fmax(size[t / 128], fabs(run.plant.y[i]));
+    }
+    unsigned last = 4;
+    while (last > 1 && size[last] < 1e-5 * size[0])
+        last--;
+    return last == 1 ? pow(size[1] / size[0], 1.0 / 128)
+                     : pow(size[last] / size[1], 1.0 / (128 * (last - 1)));
+}
+
+static void agrees(const char *what)
+{
+    static const double factor[GMV_TRIAL_GAINS] = {1, 0.5, 2};
+    gmv_bench_begin(&b, 0);
+    run_trial(b.acting, 2);
+    for (unsigned k = 0; k < GMV_TRIAL_GAINS; k++) {
+        double is = real_decay(&b, factor[k]), told = (double)gmv_trial_decay(&trial, k);
+        printf("%s, gains times %.1f: decay %.4f, trial %.4f\n", what, factor[k], is, told);
+        if (is < GONE_IN_ONE)
+            TEST_ASSERT_TRUE_MESSAGE(told < GONE_IN_ONE + DECAY_WITHIN, what);
+        else if (is > 1.05)
+            TEST_ASSERT_TRUE_MESSAGE(told > 1.05, what);
+        else
+            TEST_ASSERT_DOUBLE_WITHIN_MESSAGE(DECAY_WITHIN, is, told, what);
+    }
+}
+
+static void one_loop(enum gmv_form form, double a, double g, double lambda)
+{
+    b.config = gmv_plain_config(1);
+    b.config.shape.form = (uint8_t)form;
+    b.config.shape.bias = GMV_BIAS_NONE;
+    b.config.lambda[0] = (float)lambda;
+    b.config.theta[0][0] = (float)a;
+    b.config.theta[0][1] = (float)g;
+    b.plant = (struct gmv_plant){.a = {a}, .b = {{g}}, .k = {{1}}};
+}
+
+static void it_decays_as_the_loop_itself_does(void)
+{
+    one_loop(GMV_INCREMENTAL, 0.9, 0.05, 2);
+    agrees("incremental");
+    one_loop(GMV_INCREMENTAL, 0.98, -0.05, -4);
+    agrees("incremental, negative gain");
+    one_loop(GMV_POSITIONAL, 0.95, 0.05, 2);
+    agrees("positional");
+    one_loop(GMV_POSITIONAL, 0.95, 0.05, 0.5);
+    b.config.shape.weight = GMV_WEIGHT_SCALAR;
+    agrees("positional, scalar");
+    one_loop(GMV_INCREMENTAL, 0.95, 0.05, 1);
+    b.config.tau_p_s[0] = 90;
+    b.config.theta[0][0] = (float)((0.95 - exp(-30.0 / 90)) / (1 - exp(-30.0 / 90)));
+    b.config.theta[0][1] = (float)(0.05 / (1 - exp(-30.0 / 90)));
+    agrees("incremental, P of 90 s");
+}
+
+static void a_longer_horizon_is_tried_as_it_is(void)
+{
+    for (unsigned form = 0; form < 2; form++) { /* y(t+2) = a^2 y + g u(t) + a g u(t-1) */
+        one_loop((enum gmv_form)form, 0.9, 0.1, 3);
+        b.config.shape.nb = 2;
+        b.config.shape.delay[0][0] = 2;
+        b.plant.k[0][0] = 2;
+        b.config.theta[0][0] = 0.81f;
+        b.config.theta[0][1] = 0.1f;
+        b.config.theta[0][2] = 0.09f;
+        agrees(form ? "incremental, two steps" : "positional, two steps");
+    }
+}
+
+static void a_law_made_of_a_model_is_tried_with_that_model(void)
+{
+    for (unsigned k = 1; k <= 4; k++) {
+        one_loop(GMV_POSITIONAL, 0.9, 0.1, 3);
+        b.config.shape.way = GMV_EXPLICIT;
+        b.config.shape.delay[0][0] = (uint8_t)k;
+        b.plant.k[0][0] = k;
+        agrees("explicit");
+    }
+}
+
+static void two_loops_are_tried_together(void)
+{
+    b.config = gmv_plain_config(2);
+    b.config.lambda[0] = -2;
+    b.config.lambda[1] = 3;
+    static const float theta[2][3] = {{0.95f, -0.05f, 0.03f},
+                                      {0.9f, 0.1f, -0.06f}}; /* own MV first */
+    memcpy(b.config.theta[0], theta[0], sizeof theta[0]);
+    memcpy(b.config.theta[1], theta[1], sizeof theta[1]);
+    b.plant = (struct gmv_plant){
+        .a = {0.95, 0.9}, .b = {{-0.05, 0.03}, {-0.06, 0.1}}, .k = {{1, 1}, {1, 1}}};
+    agrees("two loops");
+}
+
+static void a_loop_that_does_not_act_is_left_out(void)
+{
+    one_loop(GMV_INCREMENTAL, 0.9, 0.05, 2);
+    gmv_bench_begin(&b, 0);
+    run_trial(1, 2);
+    float alone = gmv_trial_decay(&trial, 0);
+    b.config = gmv_plain_config(2);
+    static const float theta[2][3] = {{0.9f, 0.05f, 0.03f}, {0, 0, 0}};
+    memcpy(b.config.theta[0], theta[0], sizeof theta[0]);
+    b.config.lambda[0] = 2;
+    gmv_bench_begin(&b, 0);
+    run_trial(1, 2);
+    TEST_ASSERT_FLOAT_WITHIN(1e-4f, alone, gmv_trial_decay(&trial, 0));
+}
+
+/* y(t+1) = a y + g u with lambda 0: with the plant's gain r times the model's, y multiplies by 1 - r in each step beside
+ * what a does; from r = 2 on it grows. */
+static void a_loop_that_cannot_bear_its_margin_grows(void)
+{
+    one_loop(GMV_INCREMENTAL, 0.5, 0.2, 0);
+    gmv_bench_begin(&b, 0);
+    run_trial(1, 3);
+    TEST_ASSERT_TRUE(gmv_trial_decay(&trial, 0) < GONE_IN_ONE);
+    TEST_ASSERT_TRUE(gmv_trial_decay(&trial, 2) > 1);
+    TEST_ASSERT_EQUAL_FLOAT(gmv_trial_decay(&trial, 2), gmv_trial_worst(&trial));
+}
+
+/* What is there when a tick clears the state in the midst of a piece. */
+static void a_trial_of_nothing_ends(void)
+{
+    memset(&trial, 0, sizeof trial);
+    unsigned pieces = 1;
+    while (gmv_trial_piece(&trial))
+        TEST_ASSERT_TRUE(pieces++ < 1000);
+}
+
+static void no_number_among_the_parameters_is_no_decay(void)
+{
+    one_loop(GMV_INCREMENTAL, 0.9, 0.05, 2);
+    gmv_bench_begin(&b, 0);
+    gmv_use(b.gmv, 0, 0, num_from_float(100));
+    gmv_use(b.gmv, 0, 1, num_from_float(-100));
+    run_trial(1, 2);
+    TEST_ASSERT_TRUE(gmv_trial_worst(&trial) > 1);
+#ifndef REFLUX_FIXED_POINT
+    gmv_use(b.gmv, 0, 0, NAN);
+    run_trial(1, 2);
+    TEST_ASSERT_TRUE(gmv_trial_worst(&trial) > 1);
+#endif
+}
+
+int main(void)
+{
+    UNITY_BEGIN();
+    RUN_TEST(it_decays_as_the_loop_itself_does);
+    RUN_TEST(a_longer_horizon_is_tried_as_it_is);
+    RUN_TEST(a_law_made_of_a_model_is_tried_with_that_model);
+    RUN_TEST(two_loops_are_tried_together);
+    RUN_TEST(a_loop_that_does_not_act_is_left_out);
+    RUN_TEST(a_loop_that_cannot_bear_its_margin_grows);
+    RUN_TEST(a_trial_of_nothing_ends);
+    RUN_TEST(no_number_among_the_parameters_is_no_decay);
+    return UNITY_END();
+}
