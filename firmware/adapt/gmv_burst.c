@@ -4,6 +4,8 @@
 
 #define SHORT_MEMORY 16.0f  /* steps */
 #define LONG_MEMORY  256.0f /* steps, also how many it wants before it says anything */
+#define TURNS_MEMORY 64.0f  /* steps */
+#define TURNS        4.0f
 #define LEAST_MOVE   0.005f /* of span, r.m.s.: smaller moves wear nothing out */
 
 void gmv_burst_begin(struct gmv_burst *b)
@@ -19,7 +21,11 @@ bool gmv_burst_step(struct gmv_burst *b, float setpoint, float moved, float rati
         b->rests++;
     b->setpoint = setpoint;
     float square = moved * moved;
-    b->mean += (moved - b->mean) / SHORT_MEMORY;
+    b->turns -= b->turns / TURNS_MEMORY;
+    if (square > LEAST_MOVE * LEAST_MOVE) {
+        b->turns += moved * b->last < 0;
+        b->last = moved;
+    }
     b->soon += (square - b->soon) / SHORT_MEMORY;
     if (b->rests < settled)
         return false;
@@ -30,5 +36,5 @@ bool gmv_burst_step(struct gmv_burst *b, float setpoint, float moved, float rati
     b->long_ +=
         ((usual ? square : most) - b->long_) / memory; /* a burst is to stand out for long */
     return (float)b->seen >= LONG_MEMORY && b->soon > ratio * b->long_ &&
-           b->soon > LEAST_MOVE * LEAST_MOVE && 4 * b->mean * b->mean < b->soon;
+           b->soon > LEAST_MOVE * LEAST_MOVE && b->turns >= TURNS;
 }
