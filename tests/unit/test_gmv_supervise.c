@@ -423,9 +423,9 @@ static void bursting_is_given_up_with_the_size_of_the_moves(void)
         (void)step();
     TEST_ASSERT_EQUAL(GMV_SELF_TUNING, s.state);
     uint8_t wish = 0;
-    for (unsigned k = 0; k < 30 && !wish; k++) {
+    for (unsigned k = 0; k < 30 && !(wish & GMV_WISH_PI); k++) {
         seen.moved[0] = k % 2 ? 0.1f : -0.1f;
-        came.tried = false;
+        came.tried = wish & GMV_WISH_TRIAL;
         (void)gmv_supervise_look(&s, &seen);
         wish = gmv_supervise_judge(&s, &seen, &came);
     }
