@@ -332,25 +332,44 @@ static bool says_nothing(struct rls *r, num_t error)
     return small;
 }
 
+/* Folami 8.53: phi divided by its largest entry, at least 1. Returns that. */
+static num_t normalised(const struct rls *r, const num_t *phi, num_t *scaled_phi)
+{
+    num_t eta = num_one();
+    for (unsigned i = 0; i < r->n; i++)
+        eta = num_max(eta, num_abs(phi[i]));
+    for (unsigned i = 0; i < r->n; i++)
+        scaled_phi[i] = num_div(phi[i], eta);
+    return eta;
+}
+
+/* What a sample that is not learnt from would have told. */
+static void look_at(struct rls *r, const num_t *phi)
+{
+    scaled_t f[RLS_MAX], g[RLS_MAX];
+    bool unweighted = r->forgetting == RLS_DIRECTIONAL || r->forgetting == RLS_HELD_TRACE;
+    r->variance = ud_num_project(covariance(r), r->n, phi, f, g);
+    r->alpha = scaled_add(unweighted ? one() : r->forgot, r->variance);
+}
+
 num_t rls_step(struct rls *r, const num_t *phi, num_t y, bool learn)
 {
-    num_t error = num_sub(y, rls_predict(r, phi)), clipped = error, scaled_phi[RLS_MAX];
-    if (!learn)
-        return error;
-    if (num_lt(num_zero(), r->error_most))
-        clipped = num_clamp(error, num_neg(r->error_most), r->error_most);
-    if (says_nothing(r, clipped))
-        return error;
-    if (r->normalise) { /* Folami 8.53 */
-        num_t eta = num_one();
-        for (unsigned i = 0; i < r->n; i++)
-            eta = num_max(eta, num_abs(phi[i]));
-        for (unsigned i = 0; i < r->n; i++)
-            scaled_phi[i] = num_div(phi[i], eta);
-        clipped = num_div(clipped, eta);
+    num_t error = num_sub(y, rls_predict(r, phi)), clipped = error, eta = num_one();
+    num_t scaled_phi[RLS_MAX];
+    if (learn) {
+        if (num_lt(num_zero(), r->error_most))
+            clipped = num_clamp(error, num_neg(r->error_most), r->error_most);
+        if (says_nothing(r, clipped))
+            return error;
+    }
+    if (r->normalise) {
+        eta = normalised(r, phi, scaled_phi);
         phi = scaled_phi;
     }
-    learn_from(r, phi, clipped);
+    if (learn)
+        learn_from(r, phi, r->normalise ? num_div(clipped, eta) : clipped);
+    else
+        look_at(r, phi);
     return error;
 }
 

@@ -70,7 +70,8 @@ void rls_reset(struct rls *r);
 /* theta, where somebody else has put it. */
 void rls_set(struct rls *r, const num_t *theta);
 
-/* A sample. Returns e = y - phi'theta with the parameters of before (not clipped). learn false: nothing changes but that. */
+/* A sample. Returns e = y - phi'theta with the parameters of before (not clipped). learn false: nothing changes but
+ * that, and what it would have told. */
 num_t rls_step(struct rls *r, const num_t *phi, num_t y, bool learn);
 
 num_t rls_predict(const struct rls *r, const num_t *phi);
