@@ -47,10 +47,10 @@ const struct block_parameter gmv_parameter_rows[GMV_PARAMETER_ROWS] = {
      0, 8, 1},
     COUNT(9, load_delay, "load_delay", "steps", "of measured disturbances", 0, 8, 0),
     COUNT(10, average, "average", "steps", "mean over so many before it is learnt from", 1, 8, 1),
-    PAIR(11, tau_p_s, "tau_p", "s", "time constants of P", 0, 1e6f, 0),
+    PAIR(11, tau_p_s, "tau_p", "s", "time constants of P; -1: two steps", -1, 1e6f, -1),
     PAIR(12, tau_r_s, "tau_r", "s", "time constants of R, the setpoints", 0, 1e6f, 0),
     PAIR(13, lambda, "lambda", "-", "weights on the MVs, span per span; relative: times g0", -100,
-         100, 8),
+         100, 0.2f),
     PAIR(14, p0, "p0", "-", "P(0): of PVs and the rest, of MVs", 1e-6f, 1e9f, 1e6f),
     WORD(15, forgetting, "forgetting", RLS_FORGETTING_WORDS, "how old data is forgotten",
          RLS_DIRECTIONAL),
@@ -78,8 +78,8 @@ const struct block_parameter gmv_parameter_rows[GMV_PARAMETER_ROWS] = {
     NUMBER(32, check_time_s, "check_time", "s", "of the test, and between checks", 0, 1e6f, 1800),
     NUMBER(33, excite, "excite", "-", "deviations that gains must differ from 0", 0, 1000, 3),
     NUMBER(34, gain_least, "gain_least", "-", "least size of g0, span per span", 1e-6f, 1, 1e-4f),
-    NUMBER(35, margin, "margin", "-", "of the plant's gains, for which the loop must be stable", 1,
-           10, 2),
+    NUMBER(35, margin, "margin", "-", "gains over and times it leave the loop stable", 1, 10,
+           1.25f),
     NUMBER(36, speed, "speed", "-", "of parameters in use: part of their size per step", 1e-4f, 1,
            0.05f),
     NUMBER(37, quiet, "quiet", "-", "samples that tell less than this part of usual teach nothing",
@@ -96,6 +96,8 @@ _Static_assert(GMV_PARAMETERS == 12 && GMV_LOOPS == 2, "rows of theta, lo and hi
 /* ---- what they come to ---- */
 
 #define DETERMINANT_LEAST 0.01f
+/* Time constant of P where none is set: it takes the edge off minimum variance. */
+#define STEPS_OF_P 2.0f
 
 static void shape_of_settings(const struct block_setup *setup, struct gmv_shape *shape)
 {
@@ -140,7 +142,7 @@ void gmv_config_of(const struct block_setup *setup, struct gmv_config *c)
                                    .error_most = from->error_most,
                                    .dead_zone = from->dead_zone};
     for (unsigned i = 0; i < GMV_LOOPS; i++) {
-        c->tau_p_s[i] = from->tau_p_s[i];
+        c->tau_p_s[i] = from->tau_p_s[i] < 0 ? STEPS_OF_P * setup->interval_s : from->tau_p_s[i];
         c->tau_r_s[i] = from->tau_r_s[i];
         c->lambda[i] = from->lambda[i];
         for (unsigned p = 0; p < GMV_PARAMETERS; p++) {

@@ -4,9 +4,13 @@
 
 #include "num/real.h"
 
-/* An MV that moves by less in a step stands still; errors smaller than this (mean square) are rounding and resolution. */
-#define STILL        1e-5f
-#define NOISE_SQUARE 1e-9f
+/* An MV that moves by less in a step stands still. */
+#define STILL 1e-5f
+/* Errors of predictions as small as this (mean square: 0.1 % of span r.m.s.) decide nothing: at rest "as it is" is perfect, and a
+ * model that is that near does no harm. */
+#define SMALL_SQUARE 1e-6f
+/* A model in use is given up when its squares are so many times those of "as it is": twice the errors. */
+#define WORSE 4.0f
 /* What is upset must die away at least like this per step. */
 #define SLOWEST_DECAY 0.9995f
 /* Above this it grows; the trial tells no finer. */
@@ -131,11 +135,12 @@ static void sum_up(struct gmv_supervise *s, const struct gmv_came *came)
     s->left -= s->left > 0;
 }
 
-static bool predicts(const struct gmv_supervise *s, uint8_t acting)
+/* At least as well as "as it is", its squares times `times`. */
+static bool predicts(const struct gmv_supervise *s, uint8_t acting, float times)
 {
     for (unsigned i = 0; i < s->config.loops; i++) {
-        float floor = NOISE_SQUARE * (float)s->samples[i];
-        if ((acting & (1u << i)) && !(s->of_model[i] <= s->of_standstill[i] + floor))
+        float floor = SMALL_SQUARE * (float)s->samples[i];
+        if ((acting & (1u << i)) && !(s->of_model[i] <= times * s->of_standstill[i] + floor))
             return false;
     }
     return true;
@@ -157,7 +162,7 @@ static enum gmv_refusal refusal_of(const struct gmv_supervise *s, const struct g
 {
     if (!has_its_gains(s, came, acting))
         return GMV_REFUSED_GAIN;
-    if (!predicts(s, acting))
+    if (!predicts(s, acting, 1))
         return GMV_REFUSED_PREDICTION;
     return s->decay <= SLOWEST_DECAY ? GMV_ADOPTED : GMV_REFUSED_POLES;
 }
@@ -298,7 +303,7 @@ static uint8_t judge_self_tuning(struct gmv_supervise *s, const struct gmv_seen 
         return 0;
     if (!(s->decay <= GROWTH))
         return give_up(s, GMV_ALARM_POLES, s->decay);
-    if (!predicts(s, seen->acting))
+    if (!predicts(s, seen->acting, WORSE))
         return give_up(s, GMV_ALARM_WORSE, worst_error(s));
     begin_window(s);
     return GMV_WISH_TRIAL;

@@ -67,7 +67,7 @@ void gmv_trial_take(struct gmv_trial *t, const struct gmv *g, uint8_t acting, fl
     t->implicit = shape->way == GMV_IMPLICIT;
     t->determinant = num_to_float(g->determinant);
     t->gain[0] = 1;
-    t->gain[1] = 0.5f;
+    t->gain[1] = 1 / margin;
     t->gain[2] = margin;
     for (unsigned i = 0; i < shape->loops; i++) {
         struct gmv_trial_loop *l = &t->loop[i];

@@ -1,5 +1,5 @@
 /* The closed loop of a set of parameters with itself as the plant, simulated: does what was upset die away, and how fast?
- * Ours: certainty equivalence, tried with the plant's gains as estimated, halved, and times `margin`.
+ * Ours: certainty equivalence, tried with the plant's gains as estimated, over and times `margin`.
  *
  * Everything is a plain float copy of what the self-tuner uses at that moment, so that it can run between ticks: first
  * gmv_trial_take, then gmv_trial_piece until it returns false, then gmv_trial_decay.
@@ -12,7 +12,7 @@
 #include "adapt/gmv_inside.h"
 
 #define GMV_TRIAL_KEPT   32u /* steps of a signal, a power of two; GMV_KEPT of the self-tuner */
-#define GMV_TRIAL_GAINS  3u  /* as estimated, halved, times the margin */
+#define GMV_TRIAL_GAINS  3u  /* as estimated, over the margin, times it */
 #define GMV_TRIAL_WINDOW 128u
 #define GMV_TRIAL_STEPS  (5u * GMV_TRIAL_WINDOW)
 
@@ -50,9 +50,8 @@ struct gmv_trial {
 void gmv_trial_take(struct gmv_trial *t, const struct gmv *g, uint8_t acting, float margin);
 /* A piece of it, a few steps; true while there is more. */
 bool gmv_trial_piece(struct gmv_trial *t);
-/* By what factor the slowest part of an upset shrinks in a step: of the run with the plant's gains as estimated (0), halved
- * (1), times the margin (2). Above 1 it grows. What is gone
- * within a window counts as 0.64. */
+/* By what factor the slowest part of an upset shrinks in a step: of the run with the plant's gains as estimated (0), over the
+ * margin (1), times it (2). Above 1 it grows. What is gone within a window counts as 0.64. */
 float gmv_trial_decay(const struct gmv_trial *t, unsigned run);
 /* The largest of the three. */
 float gmv_trial_worst(const struct gmv_trial *t);

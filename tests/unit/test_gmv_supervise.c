@@ -229,13 +229,22 @@ static void a_loop_that_would_grow_is_given_up_at_the_next_check(void)
     given_up_for(GMV_ALARM_POLES, steps(2 * CHECK + 4));
 }
 
-static void predictions_worse_than_as_it_is_are_given_up_at_the_next_check(void)
+static void predictions_twice_as_bad_as_as_it_is_are_given_up_at_the_next_check(void)
 {
     self_tunes();
-    came.error[0] = 0.05f;
+    came.error[0] = 0.1f;
     given_up_for(GMV_ALARM_WORSE, steps(CHECK + 2));
-    TEST_ASSERT_TRUE(s.alarm_value > 0.02f &&
-                     s.alarm_value < 0.05f); /* the window had begun before */
+    TEST_ASSERT_TRUE(s.alarm_value > 0.04f &&
+                     s.alarm_value < 0.1f); /* the window had begun before */
+}
+
+static void at_rest_where_as_it_is_is_perfect_small_errors_are_no_reason(void)
+{
+    self_tunes();
+    came.error[0] = 0.0009f;
+    came.standstill[0] = 0;
+    TEST_ASSERT_EQUAL_HEX8(0, steps(3 * CHECK) & GMV_WISH_PI);
+    TEST_ASSERT_EQUAL(GMV_SELF_TUNING, s.state);
 }
 
 static void an_alarm_stands_until_the_law_computes_again(void)
@@ -452,7 +461,8 @@ int main(void)
     RUN_TEST(a_sign_that_turns_is_given_up_in_the_same_step);
     RUN_TEST(the_sign_wanted_is_that_of_the_pi);
     RUN_TEST(a_loop_that_would_grow_is_given_up_at_the_next_check);
-    RUN_TEST(predictions_worse_than_as_it_is_are_given_up_at_the_next_check);
+    RUN_TEST(predictions_twice_as_bad_as_as_it_is_are_given_up_at_the_next_check);
+    RUN_TEST(at_rest_where_as_it_is_is_perfect_small_errors_are_no_reason);
     RUN_TEST(an_alarm_stands_until_the_law_computes_again);
     RUN_TEST(the_third_time_within_a_day_is_for_good);
     RUN_TEST(what_lies_more_than_a_day_back_does_not_count);

@@ -12,6 +12,7 @@
 #define DEPTH       64
 #define BYTES       12000
 #define PARAMETER   50.0f
+#define AT_REST     0.5f /* where the MV stands that gives the plants their u = 0 */
 #define MODELS_MOST 100u /* more self-tunings than these in a run, and something is wrong */
 
 struct bench {
@@ -81,7 +82,9 @@ static bool bench_begin(struct bench *b, enum course course)
                               .excite = b->excite,
                               .divisor = 1,
                               .acting = 1};
-    applied_history_begin((struct applied_history *)(void *)history, DEPTH, num_zero());
+    applied_history_begin((struct applied_history *)(void *)history, DEPTH,
+                          num_from_float(AT_REST));
+    b->out = num_from_float(AT_REST);
     return gmv_kind.configure(state, &b->setup, false) == ERR_OK;
 }
 
@@ -123,7 +126,6 @@ struct verdict run_supervised(enum course course, uint64_t samples, uint64_t see
     struct course_plant plant;
     struct bench b;
     const struct gmv_block *block = (const struct gmv_block *)(const void *)state;
-    num_t lo = num_from_float(-2), hi = num_from_float(2);
     uint64_t lawful = 0, begun = 0;
     course_begin(&plant, course, samples, seed);
     verdict_of(&v, &plant, !bench_begin(&b, course), "settings");
@@ -147,10 +149,10 @@ struct verdict run_supervised(enum course course, uint64_t samples, uint64_t see
             b.io.ask_work = waiting;
         b.io.work_done = false;
         verdict_of(&v, &plant, b.io.gives_up != NULL, "gave up");
-        b.out = num_clamp(b.out, lo, hi);
+        b.out = num_clamp(b.out, num_zero(), num_one());
         gmv_kind.back_calculate(state, &b.io);
         applied_history_append((struct applied_history *)(void *)history, b.out);
-        course_step(&plant, (double)num_to_float(b.out));
+        course_step(&plant, (double)(num_to_float(b.out) - AT_REST));
         verdict_of_control(&v, &plant, (double)num_to_float(num_sub(b.out, before)));
         check_estimator(&v, &plant, block);
         lawful += block->watch.state == GMV_SELF_TUNING;
