@@ -16,7 +16,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from reflux_tools import build, commissioning, launch, relay_campaign, runner, table
+from reflux_tools import build, commissioning, endurance_campaign, launch, relay_campaign, runner, table
 from reflux_tools import scenario as scenarios
 from reflux_tools.errors import RunFailed, UserError
 from reflux_tools.paths import CAMPAIGNS, build_root, shown
@@ -60,6 +60,8 @@ def main(arguments: list[str]) -> int:
     if options.jobs < 1:
         raise UserError("--jobs must be 1 or more")
     campaign = load(options.name)
+    if isinstance(campaign, endurance_campaign.Endurance):
+        return endurance_campaign.execute(campaign, options)
     if not options.no_build:
         launch.build_for(campaign.scenario.firmware if isinstance(campaign, Campaign) else "memory")
     if isinstance(campaign, relay_campaign.Comparison):
@@ -73,14 +75,16 @@ def known() -> list[str]:
     return sorted(f.stem for f in CAMPAIGNS.glob("*.toml"))
 
 
-def load(name: str) -> Campaign | commissioning.Start | relay_campaign.Comparison:
+def load(name: str) -> Campaign | commissioning.Start | relay_campaign.Comparison | endurance_campaign.Endurance:
     path = CAMPAIGNS / f"{name}.toml"
     if name not in known():
         raise UserError(f'no campaign "{name}"; there are: {", ".join(known()) or "none"}')
     top = Table(load_toml(path), path)
     if top.text("name") != name:
         raise UserError(f"{top.path('name')} must be the file's own name, {name}")
-    kind = top.text("kind", "scenario", choices=("scenario", "commissioning", "relay"))
+    kind = top.text("kind", "scenario", choices=("scenario", "commissioning", "relay", "endurance"))
+    if kind == "endurance":
+        return endurance_campaign.load(top, name)
     if kind == "relay":
         return relay_campaign.load(top, name)
     if kind == "commissioning":
