@@ -153,6 +153,24 @@ static void after_the_gain_has_changed_it_comes_back(void)
         }
 }
 
+/* Digest of Folami (1989), 5.3.2: y(t+1) = p y(t) + (1 - p) w(t), here with parameters that were learnt under P. */
+static void with_p_the_learnt_loop_is_first_order_with_its_time_constant(void)
+{
+    for (unsigned form = 0; form < 2; form++) {
+        const double none[2] = {0, 0}, p = exp(-30.0 / 60);
+        setUp();
+        plant_of(1, (enum gmv_form)form, 1, 0);
+        b.config.tau_p_s[0] = 60;
+        gmv_bench_begin(&b, 0);
+        for (unsigned t = 0; t < 400; t++) {
+            double w[2] = {(t / 20) % 2 ? 0.1 : -0.1, 0}, before = b.plant.y[0];
+            gmv_bench_step(&b, w, none, true);
+            if (t >= 300)
+                TEST_ASSERT_DOUBLE_WITHIN(1e-3, p * before + (1 - p) * w[0], b.plant.y[0]);
+        }
+    }
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -161,5 +179,6 @@ int main(void)
     RUN_TEST(one_loop_with_a_longer_dead_time_does_as_well_incremental_with_a_past_prediction);
     RUN_TEST(two_loops_together_come_to_the_least_variance);
     RUN_TEST(after_the_gain_has_changed_it_comes_back);
+    RUN_TEST(with_p_the_learnt_loop_is_first_order_with_its_time_constant);
     return UNITY_END();
 }

@@ -312,6 +312,24 @@ static void an_outlier_counts_as_the_largest_error_allowed(void)
     TEST_ASSERT_DOUBLE_WITHIN(1e-5, 10 / 10.98 * 0.1, (double)num_to_float(rls_theta(rls, 0)));
 }
 
+/* One direction, little of it: without the bound P would come to (1 - v)/phi^2 = 2e6 along it. */
+static void directional_forgetting_lets_p_grow_to_its_trace_and_no_further(void)
+{
+    num_t phi[N];
+    settings.forgetting = RLS_DIRECTIONAL;
+    settings.trace = 500;
+    begin();
+    for (unsigned i = 0; i < N; i++)
+        phi[i] = num_from_float(i == 0 ? 1e-4f : 0);
+    float most = 0;
+    for (unsigned t = 0; t < 2000; t++) {
+        (void)rls_step(rls, phi, num_zero(), true);
+        most = fmaxf(most, rls_trace(rls));
+    }
+    TEST_ASSERT_FLOAT_WITHIN(0.5f, 500, most);
+    TEST_ASSERT_FLOAT_WITHIN(1e-3f, 10, rls_covariance(rls, 1, 1));
+}
+
 static void what_lies_in_the_dead_zone_changes_neither_parameters_nor_covariance(void)
 {
     num_t phi[N];
@@ -403,6 +421,7 @@ int main(void)
     RUN_TEST(full_correction_uses_the_covariance_of_before);
     RUN_TEST(a_correction_too_strong_for_p0_is_refused_with_what_would_be_right);
     RUN_TEST(an_outlier_counts_as_the_largest_error_allowed);
+    RUN_TEST(directional_forgetting_lets_p_grow_to_its_trace_and_no_further);
     RUN_TEST(what_lies_in_the_dead_zone_changes_neither_parameters_nor_covariance);
     RUN_TEST(normalised_data_give_the_step_of_the_divided_sample);
     RUN_TEST(without_leave_to_learn_nothing_changes);
