@@ -256,7 +256,7 @@ static void take_in(struct rls *r, ud_cell_t *p, struct measured *m, scaled_t *f
     scaled_t v = forgetting_factor(r, m), noise = v, growth = one();
     if (r->forgetting == RLS_DIRECTIONAL) {
         forget_along(r, m->phi);
-        m->variance = ud_num_project(p, r->n, m->phi, f, g);
+        ud_num_project(p, r->n, m->phi, f, g);
     }
     if (r->forgetting == RLS_DIRECTIONAL || r->forgetting == RLS_HELD_TRACE)
         noise = one();
@@ -276,7 +276,7 @@ static void take_in(struct rls *r, ud_cell_t *p, struct measured *m, scaled_t *f
         scaled_accumulate(&theta[1], g[1], share);
     }
     r->forgot = v;
-    r->variance = m->variance;
+    r->variance = scaled_sub(alpha, noise);
     r->alpha = alpha;
 }
 
@@ -313,7 +313,9 @@ static void learn_from(struct rls *r, const num_t *phi, num_t error)
     struct measured m = {.error = scaled_from_num(error), .phi = phi};
     if (corrects)
         find_correction(r, move);
-    m.variance = ud_num_project(p, r->n, phi, f, g);
+    ud_num_project(p, r->n, phi, f, g);
+    if (r->forgetting >= RLS_FORTESCUE && r->forgetting <= RLS_YDSTIE_TRACE)
+        m.variance = ud_num_variance(f, g, r->n);
     take_in(r, p, &m, f, g);
     if (r->forgetting == RLS_RESET)
         reset_when_small(r);
@@ -348,7 +350,8 @@ static void look_at(struct rls *r, const num_t *phi)
 {
     scaled_t f[RLS_MAX], g[RLS_MAX];
     bool unweighted = r->forgetting == RLS_DIRECTIONAL || r->forgetting == RLS_HELD_TRACE;
-    r->variance = ud_num_project(covariance(r), r->n, phi, f, g);
+    ud_num_project(covariance(r), r->n, phi, f, g);
+    r->variance = ud_num_variance(f, g, r->n);
     r->alpha = scaled_add(unweighted ? one() : r->forgot, r->variance);
 }
 

@@ -13,9 +13,8 @@ void ud_set_diagonal(real_t *ud, size_t n, const real_t *p)
  * written once, and the length of the inner loops is even. A fused multiplication and addition is one instruction for
  * two. (Counts: tests/bench/results.md.) */
 
-real_t ud_project(const real_t *ud, size_t n, const real_t *phi, real_t *f, real_t *g)
+void ud_project(const real_t *ud, size_t n, const real_t *phi, real_t *f, real_t *g)
 {
-    real_t variance = 0;
     size_t j = 0;
     for (; j + 1 < n; j += 2) {
         const real_t *second = ud + j + 1, *p = phi;
@@ -32,7 +31,6 @@ real_t ud_project(const real_t *ud, size_t n, const real_t *phi, real_t *f, real
         f[j + 1] = next;
         g[j] = own;
         g[j + 1] = next_own;
-        variance = real_fma(next, next_own, real_fma(sum, own, variance));
         ud = second + 2;
     }
     if (j < n) {
@@ -41,9 +39,7 @@ real_t ud_project(const real_t *ud, size_t n, const real_t *phi, real_t *f, real
             sum = real_fma(ud[1], p[1], real_fma(ud[0], p[0], sum));
         f[j] = sum;
         g[j] = *ud * sum;
-        variance = real_fma(sum, g[j], variance);
     }
-    return variance;
 }
 
 /* An element of U and one of P phi. */

@@ -29,8 +29,17 @@ static inline size_t ud_count(size_t n)
 /* P = diag(p), p positive. */
 void ud_set_diagonal(real_t *ud, size_t n, const real_t *p);
 
-/* f = U'phi, g = D f. Returns phi'P phi. */
-real_t ud_project(const real_t *ud, size_t n, const real_t *phi, real_t *f, real_t *g);
+/* f'g of what ud_project gave: phi'P phi. */
+static inline real_t ud_variance(const real_t *f, const real_t *g, size_t n)
+{
+    real_t sum = 0;
+    for (size_t i = 0; i < n; i++)
+        sum += f[i] * g[i];
+    return sum;
+}
+
+/* f = U'phi, g = D f. */
+void ud_project(const real_t *ud, size_t n, const real_t *phi, real_t *f, real_t *g);
 
 /* Takes in a measurement whose noise has the variance r > 0: P becomes (P - P phi phi'P/alpha) * growth, alpha = r + phi'P phi.
  * f and g as ud_project gave them; g becomes P phi of before, so the gain is g/alpha. Returns alpha. growth: 1/v when old

@@ -16,6 +16,7 @@ typedef float ud_cell_t;
 #define ud_num_cells        UD_NUM(cells)
 #define ud_num_set_diagonal UD_NUM(set_diagonal)
 #define ud_num_project      UD_NUM(project)
+#define ud_num_variance     UD_NUM(variance)
 #define ud_num_correct      UD_NUM(correct)
 #define ud_num_add          UD_NUM(add)
 #define ud_num_scale        UD_NUM(scale)

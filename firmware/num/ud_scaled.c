@@ -76,25 +76,34 @@ void ud_scaled_set_diagonal(ud_cell_t *ud, size_t n, const scaled_t *p)
     }
 }
 
-/* Below 2^27 times 2^31, 24 of them: below 2^63. */
-scaled_t ud_scaled_project(const ud_cell_t *ud, size_t n, const num_t *phi, scaled_t *f,
-                           scaled_t *g)
+/* phi_j + sum * 2^e, e being the exponent of the column: in one number of 64 bits where it fits. */
+static scaled_t projected(num_t phi, int64_t sum, int32_t e)
 {
-    scaled_t variance = {0, 0};
+    if (e <= 0 && e >= -30)
+        return scaled_from_product(sum + phi.q * ((int64_t)1 << -e), e - NUM_FRACTION_BITS);
+    return scaled_add(scaled_from_num(phi), scaled_from_product(sum, e - NUM_FRACTION_BITS));
+}
+
+/* Below 2^27 times 2^31, 24 of them: below 2^63, with phi_j as well. */
+void ud_scaled_project(const ud_cell_t *ud, size_t n, const num_t *phi, scaled_t *f, scaled_t *g)
+{
     const ud_cell_t *exponent = ud + place(n), *d_exponent = exponent + n;
     for (size_t j = 0; j < n; j++) {
         const num_t *p = phi;
         int64_t sum = 0;
         for (const ud_cell_t *end = ud + j; ud < end;)
             sum += (int64_t)*ud++ * (p++)->q;
-        scaled_t own = scaled_from_num(phi[j]);
-        f[j] = sum ? scaled_add(own, scaled_from_product(sum, (exponent[j] >> WIDTH_BITS) -
-                                                                  NUM_FRACTION_BITS))
-                   : own;
+        f[j] = sum ? projected(phi[j], sum, exponent[j] >> WIDTH_BITS) : scaled_from_num(phi[j]);
         g[j] = scaled_mul((scaled_t){*ud++, d_exponent[j]}, f[j]);
-        variance = scaled_add(variance, scaled_mul(f[j], g[j]));
     }
-    return variance;
+}
+
+scaled_t ud_scaled_variance(const scaled_t *f, const scaled_t *g, size_t n)
+{
+    scaled_t sum = {0, 0};
+    for (size_t i = 0; i < n; i++)
+        sum = scaled_add(sum, scaled_mul(f[i], g[i]));
+    return sum;
 }
 
 /* P phi as it grows column by column: mantissas with one exponent, the bits of all of them. */
@@ -103,22 +112,26 @@ struct growing {
     uint32_t mask;
 };
 
-/* Room for what has the exponent e and `bits` bits: the common exponent goes up where that would not fit. */
-static void make_room(struct growing *b, scaled_t *g, size_t count, int32_t e, int32_t bits)
+static void move_right(struct growing *b, scaled_t *g, size_t count, int32_t right)
 {
-    int32_t top = e + bits, own = b->e + width(b->mask);
-    int32_t wanted = (b->mask && own > top ? own : top) + 1 - GAIN_BITS;
-    int32_t right = wanted - b->e;
-    if (!b->mask) {
-        b->e = wanted;
-        return;
-    }
-    if (right <= 0)
-        return; /* there is room, and bits that are there are kept */
     for (size_t i = 0; i < count; i++)
         g[i].m = right > 31 ? 0 : (g[i].m + (1 << (right - 1))) >> right;
     b->mask >>= right < 32 ? right : 31;
-    b->e = wanted;
+    b->e += right;
+}
+
+/* Room for what ends below 2^top: the common exponent goes up where that would not fit. */
+static inline void make_room(struct growing *b, scaled_t *g, size_t count, int32_t top)
+{
+    int32_t right = top + 1 - GAIN_BITS - b->e;
+    if (!b->mask) {
+        b->e += right;
+        return;
+    }
+    int32_t own = width(b->mask) + 1 - GAIN_BITS;
+    right = own > right ? own : right;
+    if (right > 0) /* else there is room, and bits that are there are kept */
+        move_right(b, g, count, right);
 }
 
 /* How mantissas of a column and of P phi are moved and what they are multiplied with, for the upper word of a product to come
@@ -162,7 +175,7 @@ static void correct_column(ud_cell_t *u, size_t j, int32_t *scale, scaled_t *g, 
     int32_t e = exponent + wide - COLUMN_BITS;
     uint32_t mask = (uint32_t)wide;
     if (mask)
-        make_room(b, g, j, exponent + own.e, wide + 30);
+        make_room(b, g, j, exponent + own.e + wide + 30);
     int32_t move = b->e + lambda.e, gain_wide = width(b->mask);
     if (!mask || (lambda.m && b->mask && move + gain_wide + 30 - COLUMN_BITS > e))
         e = move + gain_wide + 30 - COLUMN_BITS;
@@ -191,7 +204,7 @@ scaled_t ud_scaled_correct(ud_cell_t *ud, size_t n, const scaled_t *f, scaled_t 
         if (j)
             correct_column(column, j, column_scale(ud, n, j), g, &b, lambda, own);
         set_d(ud, n, j, scaled_mul(get_d(ud, n, j), scaled_mul(share, inverse)));
-        make_room(&b, g, j, own.e, own.m ? 30 : 0);
+        make_room(&b, g, j, own.e + (own.m ? 30 : 0));
         g[j].m = b.e - own.e > 30 ? 0 : own.m >> (b.e - own.e);
         b.mask |= (uint32_t)(g[j].m ^ (g[j].m >> 31));
     }

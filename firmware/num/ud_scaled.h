@@ -25,8 +25,8 @@ static inline size_t ud_scaled_cells(size_t n)
 /* As their namesakes in num/ud.h; numbers that are no num_t are scaled_t, and n is up to UD_SCALED_MAX. Gains that
  * ud_scaled_correct leaves in g need not have their mantissa filled up. */
 void ud_scaled_set_diagonal(ud_cell_t *ud, size_t n, const scaled_t *p);
-scaled_t ud_scaled_project(const ud_cell_t *ud, size_t n, const num_t *phi, scaled_t *f,
-                           scaled_t *g);
+void ud_scaled_project(const ud_cell_t *ud, size_t n, const num_t *phi, scaled_t *f, scaled_t *g);
+scaled_t ud_scaled_variance(const scaled_t *f, const scaled_t *g, size_t n);
 scaled_t ud_scaled_correct(ud_cell_t *ud, size_t n, const scaled_t *f, scaled_t *g, scaled_t r,
                            scaled_t growth);
 void ud_scaled_add(ud_cell_t *ud, size_t n, scaled_t c, scaled_t *v);

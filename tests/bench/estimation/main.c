@@ -177,7 +177,7 @@ static void cost_of_update(unsigned n)
     for (unsigned t = 0; t < SAMPLES; t++) {
         next_sample(n);
         uint32_t from = cost_now();
-        (void)ud_num_project(ud, n, phi, f, g);
+        ud_num_project(ud, n, phi, f, g);
         (void)ud_num_correct(ud, n, f, g, v, growth);
         uint32_t to = cost_now();
         if (t >= FIRST)
