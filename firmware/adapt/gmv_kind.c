@@ -20,6 +20,8 @@
 #define TRIAL_STEPS 20u
 /* A PV among the inputs that is further from that of the loop is another measurement. */
 #define SAME_PV 1e-4f
+/* An output that is nearer to what was told is where it was left. */
+#define SAME_OUTPUT 1e-5f
 
 enum gmv_event {
     EVENT_ADOPTED,
@@ -221,12 +223,26 @@ static void follow_with_pi(struct gmv_block *s, unsigned i, num_t out)
     pid_follow(&s->pi[i], s->setpoint[i], s->in[i], out);
 }
 
+/* A member goes on as it was when another one comes, or returns: the output is where it was told to be. */
+static bool goes_on(const struct gmv_block *s, const struct block_io *io)
+{
+    for (unsigned i = 0; i < s->loops; i++)
+        if ((s->acting & io->acting & (1u << i)) &&
+            (s->clamp[i] != INTEGRAL_FREE ||
+             num_lt(num_abs(num_sub(io->out[i], s->told[i])), num_from_float(SAME_OUTPUT))))
+            return true;
+    return false;
+}
+
 static void gmv_follow(void *state, struct block_io *io)
 {
     struct gmv_block *s = state;
+    bool anew = !goes_on(s, io);
     take_signals(s, io);
     for (unsigned i = 0; i < s->loops; i++)
         follow_with_pi(s, i, io->out[i]);
+    if (!anew)
+        return;
     gmv_supervise_begin(&s->watch);
     s->begun = s->proposes = s->has_asked = s->on_trial = s->trial_wanted = false;
 }
@@ -236,14 +252,14 @@ static const char *lacks(const struct gmv_block *s, const struct block_io *io)
 {
     for (unsigned i = 0; i < s->loops; i++) {
         if (!io->member_applied[i])
-            return "no MV";
+            return "no_MV";
         if (io->quality[i] == QUALITY_GOOD && (io->acting & (1u << i)) &&
             num_lt(num_from_float(SAME_PV), num_abs(num_sub(io->in[i], io->input[i]))))
-            return "not the PV";
+            return "not_the_PV";
     }
     for (unsigned m = 0; m < s->disturbances; m++)
         if (!quality_usable((enum quality)io->quality[s->loops + m]))
-            return "no input";
+            return "no_input";
     return NULL;
 }
 
@@ -377,7 +393,7 @@ static void grant(struct gmv_block *s, struct block_io *io, uint8_t wish)
     for (unsigned i = 0; i < s->loops && (wish & GMV_WISH_FORGET); i++)
         rls_reset(gmv_rls_of(gmv_of(s), i));
     if (wish & GMV_WISH_GIVE_UP)
-        io->gives_up = "too often";
+        io->gives_up = "too_often";
 }
 
 /* Whoever computes. */
@@ -385,7 +401,7 @@ static void compute(struct gmv_block *s, const struct gmv_sample *sample, struct
 {
     if (s->watch.state == GMV_SELF_TUNING) {
         if (!step_law(s, sample, io))
-            io->gives_up = "no number";
+            io->gives_up = "not_a_number";
         return;
     }
     for (unsigned i = 0; i < s->loops; i++)
@@ -436,8 +452,10 @@ static void gmv_step(void *state, struct block_io *io)
     struct gmv_sample sample;
     take_signals(s, io);
     io->gives_up = lacks(s, io);
-    if (io->gives_up)
+    if (io->gives_up) {
+        s->acting = 0; /* nothing goes on from here */
         return;
+    }
     take_sample(s, io, &sample);
     if (!s->begun)
         gmv_begin(g);
@@ -458,6 +476,8 @@ static void gmv_step(void *state, struct block_io *io)
     grant(s, io, wish);
     if (!io->gives_up)
         compute(s, &sample, io);
+    if (io->gives_up)
+        s->acting = 0;
     tell(s, io, wish);
 }
 
