@@ -338,11 +338,16 @@ static unsigned logs(bool slow)
     column_at_rest(SINGLE, 1);
     ask_ok("set block1.excite 0");
     in_auto();
+    setpoint("bottom", base + 0.5);
+    plant_steps(2);
     ask_ok("log on");
     rows[0] = '\0';
     board_forget();
     for (unsigned k = 0; k < 160; k++) {
-        if (k % 20 == 0 && k != 60 && k != 80) { /* an answer takes long: the trial would be over */
+        if (k % 20 == 0 && k && k != 60 &&
+            k != 80) { /* an answer takes long: the trial would be over */
+            board_run();
+            keep_rows();
             setpoint("bottom", base + (k / 20 % 2 ? 0 : 0.5));
             board_forget();
         }
@@ -368,7 +373,7 @@ static void the_log_is_the_same_however_fast_the_board_is(void)
     TEST_ASSERT_TRUE(strlen(fast) > 1000);
     plant_power_off();
     TEST_ASSERT_TRUE_MESSAGE(logs(true) > 0, "no sample ever met work under way");
-    TEST_ASSERT_EQUAL_STRING(fast, rows);
+    TEST_ASSERT_TRUE(strcmp(fast, rows) == 0);
 }
 
 /* ---- what is refused ---- */
