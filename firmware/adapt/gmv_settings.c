@@ -50,7 +50,7 @@ const struct block_parameter gmv_parameter_rows[GMV_PARAMETER_ROWS] = {
     PAIR(11, tau_p_s, "tau_p", "s", "time constants of P; -1: two steps", -1, 1e6f, -1),
     PAIR(12, tau_r_s, "tau_r", "s", "time constants of R, the setpoints", 0, 1e6f, 0),
     PAIR(13, lambda, "lambda", "-", "weights on the MVs, span per span; relative: times g0", -100,
-         100, 0.2f),
+         100, 1),
     PAIR(14, p0, "p0", "-", "P(0): of PVs and the rest, of MVs", 1e-6f, 1e9f, 1e6f),
     WORD(15, forgetting, "forgetting", RLS_FORGETTING_WORDS, "how old data is forgotten",
          RLS_DIRECTIONAL),
