@@ -45,7 +45,7 @@ static const struct block_event gmv_events[GMV_EVENTS] = {
     [EVENT_SIGN] = {"sign", BLOCK_ALARM, "the PI acts: wrong sign or size of g0, span per span"},
     [EVENT_POLES] = {"poles", BLOCK_ALARM, "the PI acts: the loop would grow per step by"},
     [EVENT_WORSE] = {"worse", BLOCK_ALARM, "the PI acts: predictions fail, spans r.m.s."},
-    [EVENT_BURST] = {"burst", BLOCK_ALARM, "the PI acts: moves of the MV swing, spans r.m.s."},
+    [EVENT_BURST] = {"burst", BLOCK_ALARM, "the PI acts: the MV or the PV swings, spans r.m.s."},
     [EVENT_SINGULAR] = {"singular", BLOCK_INFO, "loops solved one by one, of"},
 };
 
@@ -287,6 +287,7 @@ static struct gmv_seen seen_of(const struct gmv_block *s, const struct block_io 
         if (good && io->quality[i] == QUALITY_GOOD)
             seen.good = (uint8_t)(seen.good | (1u << i));
         seen.setpoint[i] = num_to_float(io->setpoint[i]);
+        seen.away[i] = num_to_float(num_sub(io->setpoint[i], io->in[i]));
         seen.moved[i] = num_to_float(num_sub(gmv_applied(sample, i, 1), gmv_applied(sample, i, 2)));
     }
     return seen;

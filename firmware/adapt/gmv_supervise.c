@@ -34,8 +34,10 @@ static void enter(struct gmv_supervise *s, enum gmv_state state)
     s->elapsed = 0;
     s->testing = s->adopt_now = false;
     begin_window(s);
-    for (unsigned i = 0; i < GMV_LOOPS; i++)
+    for (unsigned i = 0; i < GMV_LOOPS; i++) {
         gmv_burst_begin(&s->burst[i]);
+        gmv_cycle_begin(&s->cycle[i]);
+    }
 }
 
 void gmv_supervise_begin(struct gmv_supervise *s)
@@ -262,6 +264,19 @@ static float swing(struct gmv_supervise *s, const struct gmv_seen *seen)
     return most;
 }
 
+/* How far a PV is away that keeps swinging at rest, r.m.s.; 0: none does. */
+static float cycling(struct gmv_supervise *s, const struct gmv_seen *seen,
+                     const struct gmv_came *came)
+{
+    float most = 0;
+    for (unsigned i = 0; i < s->config.loops; i++)
+        if ((seen->acting & came->whole & (1u << i)) &&
+            gmv_cycle_step(&s->cycle[i], seen->setpoint[i], seen->away[i], came->error[i],
+                           s->config.reach + 4u))
+            most = gmv_cycle_size(&s->cycle[i]);
+    return most;
+}
+
 /* The g_ii,0 that is nearest to the wrong side, with the sign it has. */
 static float worst_gain(const struct gmv_supervise *s, const struct gmv_came *came)
 {
@@ -297,6 +312,9 @@ static uint8_t judge_self_tuning(struct gmv_supervise *s, const struct gmv_seen 
     float moves = swing(s, seen);
     if (moves > 0)
         return give_up(s, GMV_ALARM_BURST, moves);
+    float swings = cycling(s, seen, came);
+    if (swings > 0)
+        return give_up(s, GMV_ALARM_BURST, swings);
     if (s->elapsed == 1)
         return GMV_WISH_TRIAL;
     if (s->left || !s->has_decay)

@@ -7,6 +7,7 @@
 #define REFLUX_ADAPT_GMV_SUPERVISE_H
 
 #include "adapt/gmv_burst.h"
+#include "adapt/gmv_cycle.h"
 
 enum gmv_state { GMV_TUNING, GMV_WAITING, GMV_SELF_TUNING };
 
@@ -54,6 +55,7 @@ struct gmv_seen {
     uint8_t acting;                              /* a bit for each loop */
     uint8_t good;                                /* the same: all its readings are */
     float setpoint[GMV_LOOPS], moved[GMV_LOOPS]; /* w; the last move of what was applied */
+    float away[GMV_LOOPS];                       /* w - y */
 };
 
 /* What the regressions of a step came to. */
@@ -91,6 +93,7 @@ struct gmv_supervise {
     float told[GMV_LOOPS];                               /* mean of what a sample tells */
     bool is_quiet[GMV_LOOPS];
     struct gmv_burst burst[GMV_LOOPS];
+    struct gmv_cycle cycle[GMV_LOOPS];
     uint32_t steps, given_up_at[GMV_TRIES_MOST];
     uint8_t given_up; /* how many of these there are */
 };
