@@ -30,7 +30,13 @@ static double smaller_swing(unsigned t)
 
 static double dying_swing(unsigned t)
 {
-    return swing(t) * exp(-(double)t / 20);
+    return 7 * swing(t) * exp(-(double)t / 30);
+}
+
+static double offset(unsigned t)
+{
+    (void)t;
+    return 0.03;
 }
 
 static double load(unsigned t)
@@ -76,6 +82,11 @@ static void a_load_is_no_swing(void)
     TEST_ASSERT_FALSE(found(load, 0.0001, 0));
 }
 
+static void what_stays_away_is_no_swing(void)
+{
+    TEST_ASSERT_FALSE(found(offset, 0.0001, 0));
+}
+
 static void while_setpoints_move_nothing_is_judged(void)
 {
     TEST_ASSERT_FALSE(found(swing, 0.002, 60));
@@ -89,6 +100,7 @@ int main(void)
     RUN_TEST(one_that_dies_away_is_left_alone);
     RUN_TEST(what_cannot_be_predicted_is_no_swing);
     RUN_TEST(a_load_is_no_swing);
+    RUN_TEST(what_stays_away_is_no_swing);
     RUN_TEST(while_setpoints_move_nothing_is_judged);
     return UNITY_END();
 }
