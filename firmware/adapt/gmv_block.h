@@ -46,6 +46,9 @@ static inline const struct gmv *gmv_of_const(const struct gmv_block *s)
     return (const struct gmv *)(const void *)((const char *)s + ((sizeof *s + 7u) & ~(size_t)7u));
 }
 
+/* Estimates and parameters in use are the settings' theta, the covariance p0. */
+void gmv_start_again(struct gmv_block *s);
+
 /* Parameters that were adopted become settings of the block, eight at a time. Returns enum gmv_wish, as gmv_supervise_accepted. */
 void gmv_propose(struct gmv_block *s);
 uint8_t gmv_proposals_step(struct gmv_block *s, struct block_proposal *room);

@@ -130,6 +130,20 @@ static enum err gmv_configure(void *state, const struct block_setup *setup, bool
     return ERR_OK;
 }
 
+void gmv_start_again(struct gmv_block *s)
+{
+    struct gmv *g = gmv_of(s);
+    num_t theta[GMV_PARAMETERS];
+    for (unsigned i = 0; i < s->loops; i++) {
+        for (unsigned p = 0; p < GMV_PARAMETERS; p++) {
+            theta[p] = num_from_float(s->start[i][p]);
+            gmv_use(g, i, p, theta[p]);
+        }
+        rls_set(gmv_rls_of(g, i), theta);
+        rls_reset(gmv_rls_of(g, i));
+    }
+}
+
 /* ---- the law ---- */
 
 static float own_gain(const struct gmv *g, unsigned i)
@@ -293,6 +307,11 @@ static struct gmv_seen seen_of(const struct gmv_block *s, const struct block_io 
     return seen;
 }
 
+static float estimated_gain(const struct gmv *g, unsigned i)
+{
+    return num_to_float(rls_theta(gmv_rls(g, i), (unsigned)gmv_place_of_u(&g->shape, i, i)));
+}
+
 /* Whether g_ii,0 differs from 0 by so many deviations, and what multiplies the PV is as far within 1. Of other MVs and of older
  * moves the law needs to know less: the test of predictions and the trial look at what they come to. */
 static bool is_excited(const struct gmv_block *s, unsigned i)
@@ -322,6 +341,7 @@ static struct gmv_came came_of(struct gmv_block *s, uint8_t whole, const struct 
         came.forgot[i] = rls_forgot(gmv_rls(g, i));
         came.parameters[i] = (uint8_t)gmv_parameters(&g->shape, i);
         came.gain[i] = own_gain(g, i);
+        came.estimated[i] = estimated_gain(g, i);
         if (asks && is_excited(s, i))
             came.excited = (uint8_t)(came.excited | (1u << i));
     }
@@ -337,16 +357,16 @@ static struct gmv_came came_of(struct gmv_block *s, uint8_t whole, const struct 
 static void use_estimates(struct gmv_block *s, uint8_t learn, bool at_once)
 {
     struct gmv *g = gmv_of(s);
-    for (unsigned i = 0; i < s->loops; i++)
-        for (unsigned p = 0; p < gmv_parameters(&g->shape, i); p++) {
+    for (unsigned i = 0; i < s->loops; i++) {
+        bool follows =
+            (learn & (1u << i)) && gmv_supervise_gain(&s->watch, i, estimated_gain(g, i));
+        for (unsigned p = 0; p < gmv_parameters(&g->shape, i) && (at_once || follows); p++) {
             num_t used = gmv_used(g, i, p), wanted = rls_theta(gmv_rls(g, i), p);
             num_t most = num_mul(s->speed, num_max(num_abs(used), s->gain_least));
-            if (at_once)
-                gmv_use(g, i, p, wanted);
-            else if (learn & (1u << i))
-                gmv_use(g, i, p,
-                        num_add(used, num_clamp(num_sub(wanted, used), num_neg(most), most)));
+            num_t move = num_clamp(num_sub(wanted, used), num_neg(most), most);
+            gmv_use(g, i, p, at_once ? wanted : num_add(used, move));
         }
+    }
 }
 
 /* While a trial of something else is still under way, that one is waited for and not looked at. */
@@ -391,8 +411,8 @@ static void grant(struct gmv_block *s, struct block_io *io, uint8_t wish)
         s->proposes = false;
         begin_pi(s);
     }
-    for (unsigned i = 0; i < s->loops && (wish & GMV_WISH_FORGET); i++)
-        rls_reset(gmv_rls_of(gmv_of(s), i));
+    if (wish & GMV_WISH_FORGET)
+        gmv_start_again(s);
     if (wish & GMV_WISH_GIVE_UP)
         io->gives_up = "too_often";
 }

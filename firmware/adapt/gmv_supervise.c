@@ -15,6 +15,8 @@
 #define SLOWEST_DECAY 0.9995f
 /* Above this it grows; the trial tells no finer. */
 #define GROWTH 1.001f
+/* An estimate of the wrong sign is given so many times the length of the regressors to turn back. */
+#define WRONG_REACHES 4u
 /* Steps over which what samples tell is averaged. */
 #define TOLD_MEMORY 50.0f
 
@@ -148,15 +150,32 @@ static bool predicts(const struct gmv_supervise *s, uint8_t acting, float times)
     return true;
 }
 
+bool gmv_supervise_gain(const struct gmv_supervise *s, unsigned i, float gain)
+{
+    return (s->config.negative[i] ? -gain : gain) >= s->config.gain_least;
+}
+
 static bool has_its_gains(const struct gmv_supervise *s, const struct gmv_came *came,
                           uint8_t acting)
 {
-    for (unsigned i = 0; i < s->config.loops; i++) {
-        float gain = s->config.negative[i] ? -came->gain[i] : came->gain[i];
-        if ((acting & (1u << i)) && !(gain >= s->config.gain_least))
+    for (unsigned i = 0; i < s->config.loops; i++)
+        if ((acting & (1u << i)) && !gmv_supervise_gain(s, i, came->gain[i]))
             return false;
-    }
     return true;
+}
+
+/* The g_ii,0 in use never follow one of the wrong sign; where that is no passing matter, it is: loops, or it is none. */
+static unsigned loop_of_wrong_sign(struct gmv_supervise *s, const struct gmv_came *came,
+                                   uint8_t acting)
+{
+    unsigned wrong = s->config.loops;
+    for (unsigned i = 0; i < s->config.loops; i++) {
+        bool right = gmv_supervise_gain(s, i, came->estimated[i]);
+        s->wrong[i] = right || !(acting & (1u << i)) ? 0 : s->wrong[i] + 1u;
+        if (s->wrong[i] > WRONG_REACHES * s->config.reach)
+            wrong = i;
+    }
+    return wrong;
 }
 
 static enum gmv_refusal refusal_of(const struct gmv_supervise *s, const struct gmv_came *came,
@@ -309,6 +328,9 @@ static uint8_t judge_self_tuning(struct gmv_supervise *s, const struct gmv_seen 
     }
     if (!has_its_gains(s, came, seen->acting))
         return give_up(s, GMV_ALARM_SIGN, worst_gain(s, came));
+    unsigned wrong = loop_of_wrong_sign(s, came, seen->acting);
+    if (wrong < s->config.loops)
+        return give_up(s, GMV_ALARM_SIGN, came->estimated[wrong]);
     float moves = swing(s, seen);
     if (moves > 0)
         return give_up(s, GMV_ALARM_BURST, moves);

@@ -64,24 +64,26 @@ struct gmv_came {
     float error[GMV_LOOPS], standstill[GMV_LOOPS]; /* of the parameters in use; of "as it is" */
     float told[GMV_LOOPS], forgot[GMV_LOOPS];
     uint8_t parameters[GMV_LOOPS];
-    float gain[GMV_LOOPS]; /* g_ii,0 of the law */
-    uint8_t excited;       /* bit for each loop: its parameters are known well enough */
-    bool tried;            /* the trial that was asked for is over */
-    float decay;           /* and what it came to, the worst */
+    float gain[GMV_LOOPS];      /* g_ii,0 of the law */
+    float estimated[GMV_LOOPS]; /* as it is estimated */
+    uint8_t excited;            /* bit for each loop: its parameters are known well enough */
+    bool tried;                 /* the trial that was asked for is over */
+    float decay;                /* and what it came to, the worst */
 };
 
 struct gmv_supervise {
     struct gmv_supervise_config config;
-    uint8_t state;           /* enum gmv_state */
-    bool testing;            /* in tuning: the parameters in use are on trial */
-    bool asked_to_rest;      /* by the verb */
-    bool adopt_now;          /* by the verb */
-    uint8_t tested;          /* loops whose models have passed */
-    uint8_t rest[GMV_LOOPS]; /* enum gmv_rest */
-    uint8_t refusal;         /* enum gmv_refusal, of the last test */
-    uint8_t alarms;          /* enum gmv_alarm; until the law computes again */
-    float alarm_value;       /* what was looked at */
-    uint32_t elapsed;        /* steps in this state */
+    uint8_t state;             /* enum gmv_state */
+    bool testing;              /* in tuning: the parameters in use are on trial */
+    bool asked_to_rest;        /* by the verb */
+    bool adopt_now;            /* by the verb */
+    uint8_t tested;            /* loops whose models have passed */
+    uint8_t rest[GMV_LOOPS];   /* enum gmv_rest */
+    uint8_t refusal;           /* enum gmv_refusal, of the last test */
+    uint8_t alarms;            /* enum gmv_alarm; until the law computes again */
+    float alarm_value;         /* what was looked at */
+    uint32_t elapsed;          /* steps in this state */
+    uint32_t wrong[GMV_LOOPS]; /* steps for which the g_ii,0 estimated has been none */
     uint32_t still[GMV_LOOPS],
         spoilt[GMV_LOOPS]; /* steps without a move; still to go until the data is good */
     /* The window of a test or a check. */
@@ -103,7 +105,7 @@ enum gmv_wish {
     GMV_WISH_CANDIDATE = 1, /* the parameters estimated are put in use, and a trial begins */
     GMV_WISH_TRIAL = 2,     /* a trial of those in use begins */
     GMV_WISH_PROPOSE = 4,   /* those in use are proposed */
-    GMV_WISH_FORGET = 8,    /* the estimator forgets: its covariance begins anew */
+    GMV_WISH_FORGET = 8,    /* the estimator begins anew, from the parameters adopted last */
     GMV_WISH_LAW = 16,      /* the law computes from now on */
     GMV_WISH_PI = 32,       /* the PI does */
     GMV_WISH_GIVE_UP = 64,  /* for good */
@@ -118,6 +120,8 @@ void gmv_supervise_begin(struct gmv_supervise *s);
 
 /* Which loops may learn from this step: bits. */
 uint8_t gmv_supervise_look(struct gmv_supervise *s, const struct gmv_seen *seen);
+/* Whether that may be loop i's g_ii,0: its sign, and not too small. */
+bool gmv_supervise_gain(const struct gmv_supervise *s, unsigned i, float gain);
 /* Returns enum gmv_wish. */
 uint8_t gmv_supervise_judge(struct gmv_supervise *s, const struct gmv_seen *seen,
                             const struct gmv_came *came);

@@ -38,17 +38,7 @@ static const char *run_tune(void *state, const float *number)
 
 static const char *run_reset(void *state, const float *number)
 {
-    struct gmv_block *s = state;
-    struct gmv *g = gmv_of(s);
-    num_t theta[GMV_PARAMETERS];
-    for (unsigned i = 0; i < s->loops; i++) {
-        for (unsigned p = 0; p < GMV_PARAMETERS; p++) {
-            theta[p] = num_from_float(s->start[i][p]);
-            gmv_use(g, i, p, theta[p]);
-        }
-        rls_set(gmv_rls_of(g, i), theta);
-        rls_reset(gmv_rls_of(g, i));
-    }
+    gmv_start_again(state);
     return run_tune(state, number);
 }
 

@@ -35,6 +35,7 @@ void setUp(void)
                              .forgot = {0.99f, 0.99f},
                              .parameters = {3, 3},
                              .gain = {0.1f, 0.1f},
+                             .estimated = {0.1f, 0.1f},
                              .excited = 3,
                              .decay = 0.9f};
     gmv_supervise_init(&s, &config);
@@ -212,10 +213,23 @@ static void a_sign_that_turns_is_given_up_in_the_same_step(void)
     TEST_ASSERT_EQUAL_FLOAT(-0.002f, s.alarm_value);
 }
 
+static void an_estimate_of_the_wrong_sign_is_given_time_to_turn_back(void)
+{
+    self_tunes();
+    came.estimated[0] = -0.02f;
+    TEST_ASSERT_FALSE(steps(4 * REACH) & GMV_WISH_PI);
+    came.estimated[0] = 0.02f;
+    (void)step();
+    came.estimated[0] = -0.02f;
+    TEST_ASSERT_FALSE(steps(4 * REACH) & GMV_WISH_PI);
+    given_up_for(GMV_ALARM_SIGN, step());
+    TEST_ASSERT_EQUAL_FLOAT(-0.02f, s.alarm_value);
+}
+
 static void the_sign_wanted_is_that_of_the_pi(void)
 {
     config.negative[0] = true;
-    came.gain[0] = -0.1f;
+    came.gain[0] = came.estimated[0] = -0.1f;
     gmv_supervise_init(&s, &config);
     self_tunes();
     came.gain[0] = 0.1f;
@@ -459,6 +473,7 @@ int main(void)
     RUN_TEST(bare_it_adopts_after_the_time_of_tuning_whatever_comes);
     RUN_TEST(asked_for_it_adopts_what_there_is);
     RUN_TEST(a_sign_that_turns_is_given_up_in_the_same_step);
+    RUN_TEST(an_estimate_of_the_wrong_sign_is_given_time_to_turn_back);
     RUN_TEST(the_sign_wanted_is_that_of_the_pi);
     RUN_TEST(a_loop_that_would_grow_is_given_up_at_the_next_check);
     RUN_TEST(predictions_twice_as_bad_as_as_it_is_are_given_up_at_the_next_check);
