@@ -9,6 +9,9 @@
 #define CROSSINGS 3u
 #define LEAST     0.005f /* of span, r.m.s.: a smaller swing is nobody's concern */
 #define SURPRISES 25.0f  /* times the mean square of what could not be predicted */
+/* Between its limits an MV makes a loop swing that a linear model does not predict as well. */
+#define LARGE           0.01f
+#define LARGE_SURPRISES 4.0f
 
 static void begin_cycle_window(struct gmv_cycle *c)
 {
@@ -28,9 +31,11 @@ float gmv_cycle_size(const struct gmv_cycle *c)
 
 static bool keeps_swinging(const struct gmv_cycle *c)
 {
-    float least = LEAST * LEAST * (float)WINDOW;
+    float sum = c->first + c->second;
+    bool large = sum > LARGE * LARGE * (float)WINDOW;
     return c->crossings >= CROSSINGS && c->second >= 0.5f * c->first &&
-           c->first + c->second > least && c->first + c->second > SURPRISES * c->surprise;
+           sum > LEAST * LEAST * (float)WINDOW &&
+           sum > (large ? LARGE_SURPRISES : SURPRISES) * c->surprise;
 }
 
 bool gmv_cycle_step(struct gmv_cycle *c, float setpoint, float away, float error, uint32_t settled)
