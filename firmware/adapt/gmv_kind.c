@@ -88,8 +88,8 @@ static void forget_limits(struct gmv_block *s)
     s->has_asked = false;
 }
 
-static void take_settings(struct gmv_block *s, const struct block_setup *setup,
-                          const struct gmv_config *c)
+static void take_block_settings(struct gmv_block *s, const struct block_setup *setup,
+                                const struct gmv_config *c)
 {
     const struct gmv_settings *from = setup->settings;
     s->loops = c->shape.loops;
@@ -112,7 +112,7 @@ static enum err gmv_configure(void *state, const struct block_setup *setup, bool
     gmv_supervise_config_of(setup, &watch);
     if (!retune)
         memset(s, 0, sizeof *s);
-    take_settings(s, setup, &c);
+    take_block_settings(s, setup, &c);
     for (unsigned i = 0; i < s->loops; i++) {
         enum err err = configure_pi(s, setup, i, retune);
         if (err)

@@ -30,7 +30,7 @@ static void begin_window(struct gmv_supervise *s)
     }
 }
 
-static void enter(struct gmv_supervise *s, enum gmv_state state)
+static void enter_state(struct gmv_supervise *s, enum gmv_state state)
 {
     s->state = (uint8_t)state;
     s->elapsed = 0;
@@ -50,7 +50,7 @@ void gmv_supervise_begin(struct gmv_supervise *s)
         s->told[i] = 1;
         s->is_quiet[i] = false;
     }
-    enter(s, GMV_TUNING);
+    enter_state(s, GMV_TUNING);
 }
 
 void gmv_supervise_init(struct gmv_supervise *s, const struct gmv_supervise_config *c)
@@ -194,7 +194,7 @@ static uint8_t take_over(struct gmv_supervise *s, uint8_t acting)
 {
     s->tested = acting;
     s->alarms = 0;
-    enter(s, GMV_SELF_TUNING);
+    enter_state(s, GMV_SELF_TUNING);
     return GMV_WISH_LAW;
 }
 
@@ -207,7 +207,7 @@ static uint8_t judge_test(struct gmv_supervise *s, const struct gmv_came *came, 
     if (!s->config.ask)
         return take_over(s, acting) | GMV_WISH_PROPOSE;
     s->tested = acting;
-    enter(s, GMV_WAITING);
+    enter_state(s, GMV_WAITING);
     return GMV_WISH_PROPOSE;
 }
 
@@ -242,7 +242,7 @@ uint8_t gmv_supervise_accepted(struct gmv_supervise *s, bool accepted)
     if (accepted)
         return take_over(s, s->tested);
     s->refusal = GMV_REFUSED_BY_HAND;
-    enter(s, GMV_TUNING);
+    enter_state(s, GMV_TUNING);
     return GMV_WISH_REFUSED;
 }
 
@@ -267,7 +267,7 @@ static uint8_t give_up(struct gmv_supervise *s, enum gmv_alarm why, float value)
     s->alarms = (uint8_t)why;
     s->alarm_value = value;
     s->tested = 0;
-    enter(s, GMV_TUNING);
+    enter_state(s, GMV_TUNING);
     return too_often(s) ? (uint8_t)(wish | GMV_WISH_GIVE_UP) : wish;
 }
 
@@ -323,7 +323,7 @@ static uint8_t judge_self_tuning(struct gmv_supervise *s, const struct gmv_seen 
     if (!s->config.on)
         return 0;
     if (seen->acting & (uint8_t)~s->tested) { /* a loop has come whose model nobody has tried */
-        enter(s, GMV_TUNING);
+        enter_state(s, GMV_TUNING);
         return GMV_WISH_PI;
     }
     if (!has_its_gains(s, came, seen->acting))
@@ -366,7 +366,7 @@ uint8_t gmv_supervise_judge(struct gmv_supervise *s, const struct gmv_seen *seen
         return judge_self_tuning(s, seen, came);
     default: /* waiting; a loop has come whose model nobody has tried */
         if (seen->acting & (uint8_t)~s->tested)
-            enter(s, GMV_TUNING);
+            enter_state(s, GMV_TUNING);
         return 0;
     }
 }

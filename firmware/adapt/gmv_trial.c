@@ -86,7 +86,7 @@ void gmv_trial_take(struct gmv_trial *t, const struct gmv *g, uint8_t acting, fl
 
 /* ---- a step ---- */
 
-static float before(const float *signal, unsigned now, unsigned steps)
+static float steps_before(const float *signal, unsigned now, unsigned steps)
 {
     return signal[(now - steps) % GMV_TRIAL_KEPT];
 }
@@ -95,14 +95,14 @@ static float before(const float *signal, unsigned now, unsigned steps)
 static float taken(const struct gmv_trial *t, const float *signal, unsigned now, unsigned steps,
                    unsigned k)
 {
-    float value = before(signal, now, steps);
-    return t->incremental ? value - before(signal, now, steps + k) : value;
+    float value = steps_before(signal, now, steps);
+    return t->incremental ? value - steps_before(signal, now, steps + k) : value;
 }
 
 /* P y of this step. */
 static float auxiliary_output(const struct gmv_trial_loop *l, const float *y, unsigned now)
 {
-    return l->law_p_scale * (before(y, now, 0) - l->law_p * before(y, now, 1));
+    return l->law_p_scale * (steps_before(y, now, 0) - l->law_p * steps_before(y, now, 1));
 }
 
 /* y_i of this step, as the regression has it with the gains of this run. Of signals themselves in either form: what the
@@ -113,14 +113,14 @@ static void move_plant(struct gmv_trial *t, unsigned i, unsigned now)
     unsigned h = l->horizon;
     float sum = 0, gain = t->gain[t->run];
     for (unsigned a = 0; a < t->na; a++)
-        sum += l->f[a] * before(t->y[i], now, h + a);
+        sum += l->f[a] * steps_before(t->y[i], now, h + a);
     for (unsigned j = 0; j < t->loops; j++)
         for (unsigned b = 0; b < t->nb && l->uses[j]; b++)
-            sum += gain * l->g[j][b] * before(t->u[j], now, h + l->plant_behind[j] + b);
+            sum += gain * l->g[j][b] * steps_before(t->u[j], now, h + l->plant_behind[j] + b);
     for (unsigned n = 0; n < t->nc; n++)
-        sum += l->c[n] * before(t->target[i], now, n + 1);
+        sum += l->c[n] * steps_before(t->target[i], now, n + 1);
     t->target[i][now % GMV_TRIAL_KEPT] = sum;
-    t->y[i][now % GMV_TRIAL_KEPT] = sum / l->p_scale + l->p * before(t->y[i], now, 1);
+    t->y[i][now % GMV_TRIAL_KEPT] = sum / l->p_scale + l->p * steps_before(t->y[i], now, 1);
     if (now == GMV_TRIAL_KEPT) /* the upset */
         t->y[i][now % GMV_TRIAL_KEPT] += i ? -0.7f : 1.0f;
 }
@@ -136,13 +136,13 @@ static float known_prediction(const struct gmv_trial *t, unsigned i, unsigned no
     for (unsigned j = 0; j < t->loops; j++)
         for (unsigned b = 0; b < t->ng && l->uses[j]; b++) {
             unsigned steps = l->behind[j] + b;
-            float u = before(t->u[j], now, steps ? steps : 1u);
+            float u = steps_before(t->u[j], now, steps ? steps : 1u);
             if (t->incremental)
-                u -= before(t->u[j], now, steps + k);
+                u -= steps_before(t->u[j], now, steps + k);
             sum += l->law_g[j][b] * u;
         }
     for (unsigned n = 0; n < t->nc && t->implicit; n++)
-        sum += l->c[n] * before(t->predicted[i], now, n + 1);
+        sum += l->c[n] * steps_before(t->predicted[i], now, n + 1);
     return sum;
 }
 
@@ -151,19 +151,19 @@ static float size_of_number(float x)
     return x < 0 ? -x : x;
 }
 
-static float divided(float a, float b)
+static float safely_divided(float a, float b)
 {
     return size_of_number(b) < 1e-6f ? 0 : a / b;
 }
 
 /* The equations of those that act, as gmv_solve does it without limits. */
-static void solve(const struct gmv_trial *t, float m[GMV_LOOPS][GMV_LOOPS], const float *rhs,
-                  float *move)
+static void solve_trial(const struct gmv_trial *t, float m[GMV_LOOPS][GMV_LOOPS], const float *rhs,
+                        float *move)
 {
     bool both = t->loop[0].acts && t->loop[1].acts;
     float a = 0, b = 0;
     for (unsigned i = 0; i < GMV_LOOPS; i++)
-        move[i] = t->loop[i].acts ? divided(rhs[i], m[i][i]) : 0;
+        move[i] = t->loop[i].acts ? safely_divided(rhs[i], m[i][i]) : 0;
     if (!both)
         return;
     a = real_abs(m[0][0]) > real_abs(m[0][1]) ? real_abs(m[0][0]) : real_abs(m[0][1]);
@@ -181,12 +181,12 @@ static void move_inputs(struct gmv_trial *t, unsigned now)
           known[GMV_LOOPS] = {0};
     for (unsigned i = 0; i < t->loops; i++) {
         const struct gmv_trial_loop *l = &t->loop[i];
-        float u = before(t->u[i], now, 1);
+        float u = steps_before(t->u[i], now, 1);
         known[i] = known_prediction(t, i, now);
         rhs[i] = -known[i];
         if (t->incremental) {
             rhs[i] -= auxiliary_output(l, t->y[i], now);
-            u -= before(t->u[i], now, l->delay);
+            u -= steps_before(t->u[i], now, l->delay);
         }
         if (t->scalar)
             rhs[i] -= l->lambda * u;
@@ -194,7 +194,7 @@ static void move_inputs(struct gmv_trial *t, unsigned now)
             m[i][j] = l->behind[j] == 0 && l->uses[j] ? l->law_g[j][0] : 0;
         m[i][i] += l->lambda;
     }
-    solve(t, m, rhs, move);
+    solve_trial(t, m, rhs, move);
     for (unsigned i = 0; i < t->loops; i++) {
         const struct gmv_trial_loop *l = &t->loop[i];
         float prediction = known[i];
@@ -203,7 +203,7 @@ static void move_inputs(struct gmv_trial *t, unsigned now)
         t->predicted[i][now % GMV_TRIAL_KEPT] = prediction;
     }
     for (unsigned i = 0; i < t->loops; i++)
-        t->u[i][now % GMV_TRIAL_KEPT] = before(t->u[i], now, 1) + move[i];
+        t->u[i][now % GMV_TRIAL_KEPT] = steps_before(t->u[i], now, 1) + move[i];
 }
 
 /* How large what moves is now: PVs, and MVs by what they do to them. A sum, so that one that is no number is seen. */
@@ -211,9 +211,9 @@ static float size_of_upset(const struct gmv_trial *t, unsigned now)
 {
     float sum = 0;
     for (unsigned i = 0; i < t->loops; i++) {
-        float move = before(t->u[i], now, 0) - before(t->u[i], now, 1);
+        float move = steps_before(t->u[i], now, 0) - steps_before(t->u[i], now, 1);
         if (t->loop[i].acts)
-            sum += size_of_number(before(t->y[i], now, 0)) +
+            sum += size_of_number(steps_before(t->y[i], now, 0)) +
                    size_of_number(t->loop[i].law_g[i][0] * move);
     }
     return sum;

@@ -346,7 +346,7 @@ static num_t normalised(const struct rls *r, const num_t *phi, num_t *scaled_phi
 }
 
 /* What a sample that is not learnt from would have told. */
-static void look_at(struct rls *r, const num_t *phi)
+static void judge_unlearnt(struct rls *r, const num_t *phi)
 {
     scaled_t f[RLS_MAX], g[RLS_MAX];
     bool unweighted = r->forgetting == RLS_DIRECTIONAL || r->forgetting == RLS_HELD_TRACE;
@@ -372,7 +372,7 @@ num_t rls_step(struct rls *r, const num_t *phi, num_t y, bool learn)
     if (learn)
         learn_from(r, phi, r->normalise ? num_div(clipped, eta) : clipped);
     else
-        look_at(r, phi);
+        judge_unlearnt(r, phi);
     return error;
 }
 
