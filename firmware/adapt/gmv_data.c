@@ -162,7 +162,7 @@ uint8_t gmv_learn(struct gmv *g, const struct gmv_sample *s, uint8_t learn)
             g->residual[i].at[g->newest] = num_add(g->residual[i].at[g->newest],
                                                    num_mul(num_from_float(RESIDUAL_SHARE), error));
     }
-    return whole ? (uint8_t)((1u << g->shape.loops) - 1u) : 0;
+    return (uint8_t)(whole ? (1u << g->shape.loops) - 1u : 0u);
 }
 
 struct gmv_predicted gmv_predicted(const struct gmv *g, unsigned i)

@@ -42,12 +42,12 @@ static num_t *bounds(struct rls *r)
     return (num_t *)(void *)(start_diagonal(r) + r->n);
 }
 
-static ud_cell_t *covariance(struct rls *r)
+static ud_cell_t *ud_of(struct rls *r)
 {
     return (ud_cell_t *)(void *)(bounds(r) + 2u * r->n);
 }
 
-static const ud_cell_t *covariance_of(const struct rls *r)
+static const ud_cell_t *ud_of_const(const struct rls *r)
 {
     const float *p0 = (const float *)(const void *)&r->theta[r->n];
     const num_t *lo = (const num_t *)(const void *)(p0 + r->n);
@@ -139,7 +139,7 @@ void rls_reset(struct rls *r)
     scaled_t diagonal[RLS_MAX];
     for (unsigned i = 0; i < r->n; i++)
         diagonal[i] = scaled_from_float(start_diagonal(r)[i]);
-    ud_num_set_diagonal(covariance(r), r->n, diagonal);
+    ud_num_set_diagonal(ud_of(r), r->n, diagonal);
     r->forgot = scaled_from_float(1);
     r->variance = scaled_from_float(0);
     r->alpha = one();
@@ -173,7 +173,7 @@ struct measured {
     const num_t *phi;
 };
 
-static scaled_t larger(scaled_t a, scaled_t b)
+static scaled_t larger_scaled(scaled_t a, scaled_t b)
 {
     return scaled_lt(a, b) ? b : a;
 }
@@ -194,17 +194,17 @@ static scaled_t forgetting_factor(struct rls *r, const struct measured *m)
         break;
     case RLS_YDSTIE:
     case RLS_YDSTIE_TRACE:
-        size = r->forgetting == RLS_YDSTIE ? r->memory : ud_num_trace(covariance(r), r->n);
+        size = r->forgetting == RLS_YDSTIE ? r->memory : ud_num_trace(ud_of(r), r->n);
         v = scaled_div(size, scaled_add(size, surprise(m)));
         break;
     case RLS_BOUNDED: /* P/v is not to pass the trace */
-        size = scaled_div(ud_num_trace(covariance(r), r->n), r->trace);
-        v = larger(v, scaled_lt(size, one()) ? size : one());
+        size = scaled_div(ud_num_trace(ud_of(r), r->n), r->trace);
+        v = larger_scaled(v, scaled_lt(size, one()) ? size : one());
         break;
     default:
         return v;
     }
-    return larger(v, r->forget_least);
+    return larger_scaled(v, r->forget_least);
 }
 
 /* Cao and Schwartz (2000): P grows along what is measured alone, P += ((1 - v)/v) phi phi'/(phi'P^-1 phi), but not past the
@@ -214,7 +214,7 @@ static void forget_along(struct rls *r, const num_t *phi)
     scaled_t x[RLS_MAX], y[RLS_MAX], form = scaled_from_float(0), square = form;
     for (unsigned i = 0; i < r->n; i++)
         x[i] = scaled_from_num(phi[i]);
-    ud_num_solve(covariance(r), r->n, x, y);
+    ud_num_solve(ud_of(r), r->n, x, y);
     for (unsigned i = 0; i < r->n; i++) {
         form = scaled_add(form, scaled_mul(x[i], y[i]));
         square = scaled_add(square, scaled_mul(x[i], x[i]));
@@ -222,11 +222,11 @@ static void forget_along(struct rls *r, const num_t *phi)
     if (!scaled_lt(scaled_from_float(0), form) || !scaled_lt(scaled_from_float(0), square))
         return;
     scaled_t c = scaled_div(scaled_sub(one(), r->forget), scaled_mul(r->forget, form));
-    scaled_t room = scaled_sub(r->trace, ud_num_trace(covariance(r), r->n));
+    scaled_t room = scaled_sub(r->trace, ud_num_trace(ud_of(r), r->n));
     if (!scaled_lt(scaled_from_float(0), room))
         return;
     scaled_t most = scaled_div(room, square);
-    ud_num_add(covariance(r), r->n, scaled_lt(most, c) ? most : c, x);
+    ud_num_add(ud_of(r), r->n, scaled_lt(most, c) ? most : c, x);
 }
 
 /* How far theta is outside its bounds (Folami 8.50). */
@@ -247,7 +247,7 @@ static void find_correction(struct rls *r, scaled_t *move)
     for (unsigned i = 0; i < r->n; i++)
         move[i] = scaled_mul(scaled_neg(r->rate), scaled_from_num(outside(r, i)));
     if (r->correction == RLS_CORRECT_PC)
-        ud_num_multiply(covariance(r), r->n, move, move);
+        ud_num_multiply(ud_of(r), r->n, move, move);
 }
 
 /* P after the measurement, theta moved by the gain times e. */
@@ -283,7 +283,7 @@ static void take_in(struct rls *r, ud_cell_t *p, struct measured *m, scaled_t *f
 /* Where old data is forgotten completely (RLS_RESET). */
 static void reset_when_small(struct rls *r)
 {
-    ud_cell_t *p = covariance(r);
+    ud_cell_t *p = ud_of(r);
     scaled_t diagonal[RLS_MAX];
     if (!scaled_lt(ud_num_trace(p, r->n), scaled_div(r->trace, scaled_from_float(100))))
         return;
@@ -309,7 +309,7 @@ static void learn_from(struct rls *r, const num_t *phi, num_t error)
 {
     scaled_t f[RLS_MAX], g[RLS_MAX], move[RLS_MAX];
     bool corrects = r->correction != RLS_CORRECT_NONE;
-    ud_cell_t *p = covariance(r);
+    ud_cell_t *p = ud_of(r);
     struct measured m = {.error = scaled_from_num(error), .phi = phi};
     if (corrects)
         find_correction(r, move);
@@ -350,7 +350,7 @@ static void judge_unlearnt(struct rls *r, const num_t *phi)
 {
     scaled_t f[RLS_MAX], g[RLS_MAX];
     bool unweighted = r->forgetting == RLS_DIRECTIONAL || r->forgetting == RLS_HELD_TRACE;
-    ud_num_project(covariance(r), r->n, phi, f, g);
+    ud_num_project(ud_of(r), r->n, phi, f, g);
     r->variance = ud_num_variance(f, g, r->n);
     r->alpha = scaled_add(unweighted ? one() : r->forgot, r->variance);
 }
@@ -398,18 +398,18 @@ num_t rls_theta(const struct rls *r, unsigned i)
 
 float rls_covariance(const struct rls *r, unsigned i, unsigned j)
 {
-    return scaled_to_float(ud_num_element(covariance_of(r), r->n, i, j));
+    return scaled_to_float(ud_num_element(ud_of_const(r), r->n, i, j));
 }
 
 float rls_trace(const struct rls *r)
 {
-    return scaled_to_float(ud_num_trace(covariance_of(r), r->n));
+    return scaled_to_float(ud_num_trace(ud_of_const(r), r->n));
 }
 
 void rls_d_extremes(const struct rls *r, float *least, float *most)
 {
     scaled_t lo, hi;
-    ud_num_extremes(covariance_of(r), r->n, &lo, &hi);
+    ud_num_extremes(ud_of_const(r), r->n, &lo, &hi);
     *least = scaled_to_float(lo);
     *most = scaled_to_float(hi);
 }

@@ -7,7 +7,7 @@
 #define COLUMN_BITS 26
 #define GAIN_BITS   27
 
-static size_t place(size_t j)
+static size_t ud_place(size_t j)
 {
     return j * (j + 1) / 2;
 }
@@ -17,7 +17,7 @@ static size_t place(size_t j)
 
 static int32_t *column_scale(ud_cell_t *ud, size_t n, size_t j)
 {
-    return &ud[place(n) + j];
+    return &ud[ud_place(n) + j];
 }
 
 static int32_t scale_of(int32_t exponent, int32_t wide)
@@ -27,18 +27,18 @@ static int32_t scale_of(int32_t exponent, int32_t wide)
 
 static scaled_t get_u(const ud_cell_t *ud, size_t n, size_t i, size_t j)
 {
-    return scaled_normal(ud[place(j) + i], ud[place(n) + j] >> WIDTH_BITS);
+    return scaled_normal(ud[ud_place(j) + i], ud[ud_place(n) + j] >> WIDTH_BITS);
 }
 
 static scaled_t get_d(const ud_cell_t *ud, size_t n, size_t j)
 {
-    return (scaled_t){ud[place(j) + j], ud[place(n) + n + j]};
+    return (scaled_t){ud[ud_place(j) + j], ud[ud_place(n) + n + j]};
 }
 
 static void set_d(ud_cell_t *ud, size_t n, size_t j, scaled_t d)
 {
-    ud[place(j) + j] = d.m;
-    ud[place(n) + n + j] = d.e;
+    ud[ud_place(j) + j] = d.m;
+    ud[ud_place(n) + n + j] = d.e;
 }
 
 /* How many bits the largest of some numbers has, from all their magnitudes OR-ed. */
@@ -62,7 +62,7 @@ static void set_column(ud_cell_t *ud, size_t n, size_t j, const scaled_t *u)
     for (size_t i = 0; i < j; i++)
         e = u[i].m && u[i].e > e ? u[i].e : e;
     for (size_t i = 0; i < j; i++)
-        ud[place(j) + i] = (int32_t)shifted(u[i].m, e - u[i].e + 30 - COLUMN_BITS);
+        ud[ud_place(j) + i] = (int32_t)shifted(u[i].m, e - u[i].e + 30 - COLUMN_BITS);
     *column_scale(ud, n, j) = scale_of(e + 30 - COLUMN_BITS, j ? COLUMN_BITS : 0);
 }
 
@@ -70,7 +70,7 @@ void ud_scaled_set_diagonal(ud_cell_t *ud, size_t n, const scaled_t *p)
 {
     for (size_t j = 0; j < n; j++) {
         for (size_t i = 0; i < j; i++)
-            ud[place(j) + i] = 0;
+            ud[ud_place(j) + i] = 0;
         *column_scale(ud, n, j) = scale_of(-COLUMN_BITS, 0);
         set_d(ud, n, j, p[j]);
     }
@@ -87,7 +87,7 @@ static scaled_t projected(num_t phi, int64_t sum, int32_t e)
 /* Below 2^27 times 2^31, 24 of them: below 2^63, with phi_j as well. */
 void ud_scaled_project(const ud_cell_t *ud, size_t n, const num_t *phi, scaled_t *f, scaled_t *g)
 {
-    const ud_cell_t *exponent = ud + place(n), *d_exponent = exponent + n;
+    const ud_cell_t *exponent = ud + ud_place(n), *d_exponent = exponent + n;
     for (size_t j = 0; j < n; j++) {
         const num_t *p = phi;
         int64_t sum = 0;
@@ -121,7 +121,7 @@ static void move_right(struct growing *b, scaled_t *g, size_t count, int32_t rig
 }
 
 /* Room for what ends below 2^top: the common exponent goes up where that would not fit. */
-static inline void make_room(struct growing *b, scaled_t *g, size_t count, int32_t top)
+static inline void make_ud_room(struct growing *b, scaled_t *g, size_t count, int32_t top)
 {
     int32_t right = top + 1 - GAIN_BITS - b->e;
     if (!b->mask) {
@@ -175,7 +175,7 @@ static void correct_column(ud_cell_t *u, size_t j, int32_t *scale, scaled_t *g, 
     int32_t e = exponent + wide - COLUMN_BITS;
     uint32_t mask = (uint32_t)wide;
     if (mask)
-        make_room(b, g, j, exponent + own.e + wide + 30);
+        make_ud_room(b, g, j, exponent + own.e + wide + 30);
     int32_t move = b->e + lambda.e, gain_wide = width(b->mask);
     if (!mask || (lambda.m && b->mask && move + gain_wide + 30 - COLUMN_BITS > e))
         e = move + gain_wide + 30 - COLUMN_BITS;
@@ -204,7 +204,7 @@ scaled_t ud_scaled_correct(ud_cell_t *ud, size_t n, const scaled_t *f, scaled_t 
         if (j)
             correct_column(column, j, column_scale(ud, n, j), g, &b, lambda, own);
         set_d(ud, n, j, scaled_mul(get_d(ud, n, j), scaled_mul(share, inverse)));
-        make_room(&b, g, j, own.e + (own.m ? 30 : 0));
+        make_ud_room(&b, g, j, own.e + (own.m ? 30 : 0));
         g[j].m = b.e - own.e > 30 ? 0 : own.m >> (b.e - own.e);
         b.mask |= (uint32_t)(g[j].m ^ (g[j].m >> 31));
     }
@@ -279,10 +279,10 @@ scaled_t ud_scaled_trace(const ud_cell_t *ud, size_t n)
     for (size_t j = 0; j < n; j++) {
         int64_t squares = 0; /* below 2^54 each */
         for (size_t i = 0; i < j; i++)
-            squares += (int64_t)ud[place(j) + i] * ud[place(j) + i];
+            squares += (int64_t)ud[ud_place(j) + i] * ud[ud_place(j) + i];
         scaled_t sum =
             scaled_add(scaled_from_num(num_one()),
-                       scaled_from_product(squares, 2 * (ud[place(n) + j] >> WIDTH_BITS)));
+                       scaled_from_product(squares, 2 * (ud[ud_place(n) + j] >> WIDTH_BITS)));
         trace = scaled_add(trace, scaled_mul(get_d(ud, n, j), sum));
     }
     return trace;

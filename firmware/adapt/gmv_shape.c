@@ -62,7 +62,7 @@ unsigned gmv_behind(const struct gmv_shape *shape, unsigned i, unsigned j)
     return shape->delay[i][j] - gmv_horizon(shape, i);
 }
 
-static unsigned larger_of(unsigned a, unsigned b)
+static unsigned more_steps(unsigned a, unsigned b)
 {
     return a > b ? a : b;
 }
@@ -75,9 +75,9 @@ unsigned gmv_reach(const struct gmv_shape *shape)
         unsigned k = shape->delay[i][i], last = shape->na - 1u;
         for (unsigned j = 0; j < shape->loops; j++)
             if (shape->delay[i][j])
-                last = larger_of(last, shape->delay[i][j] + shape->nb - 2u);
-        last = larger_of(last, larger_of(shape->nc, shape->disturbance_delay));
-        reach = larger_of(reach, 2u * k + last + shape->average);
+                last = more_steps(last, shape->delay[i][j] + shape->nb - 2u);
+        last = more_steps(last, more_steps(shape->nc, shape->disturbance_delay));
+        reach = more_steps(reach, 2u * k + last + shape->average);
     }
     return reach;
 }
