@@ -16,7 +16,8 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from reflux_tools import build, commissioning, endurance_campaign, launch, relay_campaign, runner, table
+from reflux_tools import (build, commissioning, endurance_campaign, launch, relay_campaign, runner, self_tuning_campaign,
+                          table)
 from reflux_tools import scenario as scenarios
 from reflux_tools.errors import RunFailed, UserError
 from reflux_tools.paths import CAMPAIGNS, build_root, shown
@@ -68,6 +69,10 @@ def main(arguments: list[str]) -> int:
         state = State(build_root() / "campaign" / f"{campaign.name}.jsonl", relay_campaign.fingerprint(campaign),
                       options.again)
         return relay_campaign.execute(campaign, options, state)
+    if isinstance(campaign, self_tuning_campaign.Comparison):
+        state = State(build_root() / "campaign" / f"{campaign.name}.jsonl", self_tuning_campaign.fingerprint(campaign),
+                      options.again)
+        return self_tuning_campaign.execute(campaign, options, state)
     return execute(campaign, options)
 
 
@@ -75,16 +80,19 @@ def known() -> list[str]:
     return sorted(f.stem for f in CAMPAIGNS.glob("*.toml"))
 
 
-def load(name: str) -> Campaign | commissioning.Start | relay_campaign.Comparison | endurance_campaign.Endurance:
+def load(name: str) -> (Campaign | commissioning.Start | relay_campaign.Comparison | endurance_campaign.Endurance |
+                        self_tuning_campaign.Comparison):
     path = CAMPAIGNS / f"{name}.toml"
     if name not in known():
         raise UserError(f'no campaign "{name}"; there are: {", ".join(known()) or "none"}')
     top = Table(load_toml(path), path)
     if top.text("name") != name:
         raise UserError(f"{top.path('name')} must be the file's own name, {name}")
-    kind = top.text("kind", "scenario", choices=("scenario", "commissioning", "relay", "endurance"))
+    kind = top.text("kind", "scenario", choices=("scenario", "commissioning", "relay", "endurance", "self-tuning"))
     if kind == "endurance":
         return endurance_campaign.load(top, name)
+    if kind == "self-tuning":
+        return self_tuning_campaign.load(top, name)
     if kind == "relay":
         return relay_campaign.load(top, name)
     if kind == "commissioning":

@@ -54,7 +54,7 @@ def preset_of(kind: str) -> str | None:
 def build_for(kind: str, quiet: bool = False) -> None:
     """Builds the simulator and the firmware of that kind."""
     if kind in ("host", "memory"):
-        build.build("host", ("reflux-sim", "reflux-sim-memory", "reflux-host"), quiet)
+        build.build("host", ("reflux-sim", "reflux-sim-memory", "reflux-plant", "reflux-host"), quiet)
         return
     build.build("host", ("reflux-sim",), quiet)
     if kind == "host-fixed":
