@@ -148,8 +148,8 @@ def scenario_file(variant: Variant) -> Path:
     return (CAMPAIGNS / variant.scenario).resolve()
 
 
-def scenario_of(campaign: Comparison, variant: Variant, seed: int, more: tuple[str, ...] = ()) -> Scenario:
-    base = scenarios.load(scenario_file(variant)).with_options(firmware="memory", seed=seed, noise=variant.noise)
+def scenario_of(campaign: Comparison, variant: Variant, seed: int, more: tuple[str, ...] = (), firmware: str = "memory") -> Scenario:
+    base = scenarios.load(scenario_file(variant)).with_options(firmware=firmware, seed=seed, noise=variant.noise)
     events = base.events if variant.noise == 0 else tuple(e for e in base.events if not e.name.endswith(".resolution"))
     lines = tuple(stepped(base, line, variant.amplitude) for line in base.lines)
     duration = base.duration_s
@@ -204,9 +204,11 @@ def judged(campaign: Comparison, variant: Variant, result: runner.Result) -> dic
     return out
 
 
-def simulate(campaign: Comparison, variant: Variant, seed: int, more: tuple[str, ...] = ()) -> dict[str, Any]:
+def simulate(campaign: Comparison, variant: Variant, seed: int, more: tuple[str, ...] = (),
+             firmware: str = "memory") -> dict[str, Any]:
     with tempfile.TemporaryDirectory(prefix="reflux-") as folder:
-        result = runner.run(scenario_of(campaign, variant, seed, more), runner.Options(Path(folder), quiet=True))
+        scenario = scenario_of(campaign, variant, seed, more, firmware)
+        result = runner.run(scenario, runner.Options(Path(folder), quiet=True))
         out = judged(campaign, variant, result)
         events = runner.events_in(Path(folder) / "transcript.txt")
     taken = [t for t, _, code, text in events if code == "BLOCK_EVENT" and ".adopted" in text]
