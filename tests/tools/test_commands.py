@@ -111,7 +111,7 @@ def exempt() -> list[Exempt]:
 class Commands(FolderTest):
     @classmethod
     def setUpClass(cls) -> None:
-        build.build("host", ("reflux-sim", "reflux-host", "reflux-sim-memory", "libreflux"), quiet=True)
+        build.build("host", ("reflux-sim", "reflux-host", "reflux-sim-memory", "reflux-plant", "libreflux"), quiet=True)
         cls.pages = pages()
         cls.exempt = exempt()
 

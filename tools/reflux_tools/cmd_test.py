@@ -67,7 +67,7 @@ def collect(labels: set[str]) -> list[Test]:
     if labels & {"unit", "loop", "fuzz"}:
         tests += sanitized_tests(labels)
     if labels & {"loop", "target", "campaign"}:
-        build.build("host", ("reflux-sim", "reflux-sim-memory", "reflux-host", "libreflux"))
+        build.build("host", ("reflux-sim", "reflux-sim-memory", "reflux-plant", "reflux-host", "libreflux"))
     if "loop" in labels:
         tests += loop_tests()
     if "target" in labels:

@@ -380,7 +380,9 @@ def execute(campaign: Comparison, options: argparse.Namespace, state: Any) -> in
     if options.fraction == 1.0 and not options.check:
         write_results(campaign, results)
     for part in campaign.parts:
-        print(f"\n{part.title}\n\n{table.columns(*rows_of(campaign, part, results))}")
+        header, rows = rows_of(campaign, part, results)
+        if rows:
+            print(f"\n{part.title}\n\n{table.columns(header, rows)}")
     bad = [r for r in results if "failed" in r]
     for r in bad[:10]:
         print(f"FAILED  {r['job']['part']}, {r['job']['name']}: {r['failed']}")
