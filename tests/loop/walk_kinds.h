@@ -5,6 +5,7 @@
 
 #include <math.h>
 
+#include "adapt/gmv_kind.h"
 #include "random_source.h"
 #include "supervise/config.h"
 #include "unity.h"
@@ -301,7 +302,7 @@ const struct block_kind *const block_kinds[] = {
     &held_kind,         &shake_kind,          &pass_kind,      &cross_kind,
     &twice_kind,        &ahead_kind,          &wary_kind,      &keen_kind,
     &duet_kind,         &mean_kind,           &both_kind,      &imp_control_kind,
-    &imp_estimate_kind, &imp_compensate_kind};
+    &imp_estimate_kind, &imp_compensate_kind, &gmv_kind};
 const uint8_t block_kind_count = sizeof block_kinds / sizeof block_kinds[0];
 
 #endif

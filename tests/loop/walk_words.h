@@ -33,6 +33,9 @@ static const char *const walk_starts[][48] = {
      "set block2.inputs -", "set block2.kind duet", "set block2.loops bottom,top",
      "set block3.kind pass", "set block3.loops bottom", "set block4.kind keen",
      "set block4.inputs S,xB", "set block4.points R", "set loop3.pv xB"},
+    {"set block2.kind gmv", "set block2.loops top,bottom", "set block2.inputs xD,xB",
+     "set block2.tune_gain.1 0.375,-0.075", "set block2.tune_ti.1 497,1416",
+     "set block2.tune_time 1200", "set block2.check_time 1200", "set block2.excite 0"},
 };
 
 /* With every one of them: interlocks, alarms, sequences. */
