@@ -26,7 +26,7 @@ void gmv_cycle_begin(struct gmv_cycle *c)
 
 float gmv_cycle_size(const struct gmv_cycle *c)
 {
-    return real_sqrt(c->second / (WINDOW / 2u));
+    return real_sqrt(c->second / (0.5f * (float)WINDOW));
 }
 
 static bool keeps_swinging(const struct gmv_cycle *c)

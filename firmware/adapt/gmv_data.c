@@ -1,4 +1,6 @@
 /* Data of the self-tuner: what was measured, what was applied, and the regressions made of it. docs/self-tuning.md, Model. */
+#include <string.h>
+
 #include "adapt/gmv_inside.h"
 
 /* Folami (1989), 8.38. */
@@ -127,6 +129,8 @@ static num_t filtered_regression(const struct gmv *g, const struct gmv_sample *s
 {
     unsigned n = gmv_parameters(&g->shape, i), m = g->shape.average, k = gmv_horizon(&g->shape, i);
     num_t one[GMV_PARAMETERS], share = num_from_float(1.0f / (float)m), target = weighted(g, i, 0);
+    memset(phi, 0, GMV_PARAMETERS * sizeof phi[0]);
+    memset(one, 0, sizeof one);
     regressor(g, s, i, k, phi);
     if (m == 1)
         return target;

@@ -24,10 +24,11 @@
         id, BLOCK_WORD, PLACE(field), 1, 1, name, words, help, 0, 0, initial                       \
     }
 /* Single numbers, since a row of a table cannot be proposed. */
+#define NTH_THETA(i, p) (GMV_PARAMETERS * ((i)-1) + ((p)-1))
 #define THETA(i, p)                                                                                \
     {                                                                                              \
-        GMV_ID_THETA + 12 * (i - 1) + (p - 1), BLOCK_FLOAT,                                        \
-            PLACE(theta) + (12 * (i - 1) + (p - 1)) * sizeof(float), 1, 1, "theta" #i "_" #p, "-", \
+        GMV_ID_THETA + NTH_THETA(i, p), BLOCK_FLOAT,                                               \
+            PLACE(theta) + NTH_THETA(i, p) * sizeof(float), 1, 1, "theta" #i "_" #p, "-",          \
             "where tuning begins; adopted parameters", -100, 100, 0                                \
     }
 #define THETAS(i)                                                                                  \

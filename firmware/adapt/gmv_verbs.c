@@ -74,9 +74,9 @@ const struct block_verb gmv_verb_rows[GMV_VERBS] = {
 
 /* ---- inner values ---- */
 
-#define OF_PARAMETERS 3u
+#define OF_PARAMETERS ((size_t)3)
 
-static const char parameter_names[OF_PARAMETERS][GMV_LOOPS][GMV_PARAMETERS][8] = {
+static const char parameter_names[3][GMV_LOOPS][GMV_PARAMETERS][8] = {
     {{"use1_1", "use1_2", "use1_3", "use1_4", "use1_5", "use1_6", "use1_7", "use1_8", "use1_9",
       "use1_10", "use1_11", "use1_12"},
      {"use2_1", "use2_2", "use2_3", "use2_4", "use2_5", "use2_6", "use2_7", "use2_8", "use2_9",

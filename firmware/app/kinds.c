@@ -11,8 +11,7 @@
 const struct block_kind *const block_kinds[] = {
     &pid_kind,    &two_position_kind, &decoupler_kind, &feedforward_kind,
 #if CONFIG_BLOCKS
-    &column_kind,
-    &gmv_kind,
+    &column_kind, &gmv_kind,
 #endif
 };
 

@@ -44,14 +44,14 @@ static num_t *bounds(struct rls *r)
 
 static ud_cell_t *ud_of(struct rls *r)
 {
-    return (ud_cell_t *)(void *)(bounds(r) + 2u * r->n);
+    return (ud_cell_t *)(void *)(bounds(r) + 2 * (size_t)r->n);
 }
 
 static const ud_cell_t *ud_of_const(const struct rls *r)
 {
     const float *p0 = (const float *)(const void *)&r->theta[r->n];
     const num_t *lo = (const num_t *)(const void *)(p0 + r->n);
-    return (const ud_cell_t *)(const void *)(lo + 2u * r->n);
+    return (const ud_cell_t *)(const void *)(lo + 2 * (size_t)r->n);
 }
 
 uint32_t rls_bytes(unsigned n)
@@ -244,6 +244,7 @@ static num_t outside(struct rls *r, unsigned i)
 /* What theta is to move by, besides the gain: -mu f, or -alpha P f with the P of before. */
 static void find_correction(struct rls *r, scaled_t *move)
 {
+    memset(move, 0, RLS_MAX * sizeof move[0]);
     for (unsigned i = 0; i < r->n; i++)
         move[i] = scaled_mul(scaled_neg(r->rate), scaled_from_num(outside(r, i)));
     if (r->correction == RLS_CORRECT_PC)
