@@ -21,7 +21,8 @@ struct gmv_block {
     /* Of the last step, or of what followed it. */
     bool begun; /* the data has */
     num_t in[GMV_LOOPS], setpoint[GMV_LOOPS], told[GMV_LOOPS];
-    uint8_t acting, clamp[GMV_LOOPS];
+    num_t given[GMV_LOOPS]; /* before limits */
+    uint8_t acting;
     uint8_t fading_in; /* steps since the law has begun to compute */
     bool singular;
     /* Limits of the MVs, as far as they have shown; what the law asked for. */

@@ -161,19 +161,20 @@ static void set_weights(struct gmv_block *s)
         g->lambda[i] = num_from_float(s->lambda[i] * own_gain(g, i));
 }
 
-/* What came of the last outputs shows where the limits are. */
+/* What came of the last outputs shows where the limits are: an MV that was asked to move and did not is at one. */
 static void learn_limits(struct gmv_block *s, const struct gmv_sample *sample)
 {
-    num_t half = num_from_float(PROBE / 2);
+    num_t half = num_from_float(PROBE / 2), none = num_from_float(SAME_OUTPUT);
     for (unsigned i = 0; i < s->loops && s->has_asked; i++) {
         num_t took = gmv_applied(sample, i, 1);
+        bool stands = num_lt(num_abs(num_sub(took, gmv_applied(sample, i, 2))), none);
         if (num_lt(num_add(s->hi[i], half), took))
             s->hi[i] = num_one();
         if (num_lt(took, num_sub(s->lo[i], half)))
             s->lo[i] = num_zero();
-        if ((s->clamp[i] & INTEGRAL_CLAMP_UP) && num_lt(took, s->asked[i]))
+        if (stands && num_lt(num_add(took, half), s->asked[i]))
             s->hi[i] = took;
-        if ((s->clamp[i] & INTEGRAL_CLAMP_DOWN) && num_lt(s->asked[i], took))
+        if (stands && num_lt(s->asked[i], num_sub(took, half)))
             s->lo[i] = took;
     }
 }
@@ -237,13 +238,18 @@ static void follow_with_pi(struct gmv_block *s, unsigned i, num_t out)
     pid_follow(&s->pi[i], s->setpoint[i], s->in[i], out);
 }
 
-/* A member goes on as it was when another one comes, or returns: the output is where it was told to be. */
+static bool is_near(num_t a, num_t b)
+{
+    return num_lt(num_abs(num_sub(a, b)), num_from_float(SAME_OUTPUT));
+}
+
+/* A member goes on as it was when another one comes, or returns: the output is where it was left, or what
+ * was asked of it and a limit cut short. */
 static bool goes_on(const struct gmv_block *s, const struct block_io *io)
 {
     for (unsigned i = 0; i < s->loops; i++)
         if ((s->acting & io->acting & (1u << i)) &&
-            (s->clamp[i] != INTEGRAL_FREE ||
-             num_lt(num_abs(num_sub(io->out[i], s->told[i])), num_from_float(SAME_OUTPUT))))
+            (is_near(io->out[i], s->told[i]) || is_near(io->out[i], s->given[i])))
             return true;
     return false;
 }
@@ -499,6 +505,7 @@ static void gmv_step(void *state, struct block_io *io)
         compute(s, &sample, io);
     if (io->gives_up)
         s->acting = 0;
+    memcpy(s->given, io->out, s->loops * sizeof s->given[0]);
     tell(s, io, wish);
 }
 
@@ -508,7 +515,6 @@ static void gmv_back_calculate(void *state, struct block_io *io)
     for (unsigned i = 0; i < s->loops; i++) {
         if (!(io->acting & (1u << i)))
             continue;
-        s->clamp[i] = io->clamp[i];
         if (s->watch.state == GMV_SELF_TUNING) {
             follow_with_pi(s, i, io->out[i]);
         } else {

@@ -114,6 +114,8 @@ static void a_longer_horizon_is_tried_as_it_is(void)
         b.config.theta[0][1] = 0.1f;
         b.config.theta[0][2] = 0.09f;
         agrees(form ? "incremental, two steps" : "positional, two steps");
+        b.config.shape.weight = GMV_WEIGHT_SCALAR;
+        agrees(form ? "incremental, two steps, scalar" : "positional, two steps, scalar");
     }
 }
 
@@ -140,6 +142,14 @@ static void two_loops_are_tried_together(void)
     b.plant = (struct gmv_plant){
         .a = {0.95, 0.9}, .b = {{-0.05, 0.03}, {-0.06, 0.1}}, .k = {{1, 1}, {1, 1}}};
     agrees("two loops");
+    /* Each by itself would pull against the other. */
+    b.config.lambda[0] = b.config.lambda[1] = 0.1f;
+    static const float alike[2][3] = {{0.9f, 0.1f, 0.12f}, {0.9f, 0.1f, -0.12f}};
+    memcpy(b.config.theta[0], alike[0], sizeof alike[0]);
+    memcpy(b.config.theta[1], alike[1], sizeof alike[1]);
+    b.plant = (struct gmv_plant){
+        .a = {0.9, 0.9}, .b = {{0.1, 0.12}, {-0.12, 0.1}}, .k = {{1, 1}, {1, 1}}};
+    agrees("two loops, strongly coupled");
 }
 
 static void a_loop_that_does_not_act_is_left_out(void)

@@ -107,6 +107,32 @@ static void when_the_law_takes_over_its_first_step_moves_nothing(void)
     TEST_ASSERT_DOUBLE_WITHIN(ROUNDING, before, commanded("Qrb"));
 }
 
+/* What feedforward adds is no move of the law's, and no error of the model. */
+static void with_feedforward_on_its_mv_nothing_bumps_either(void)
+{
+    column_at_rest(SINGLE, 0);
+    ask_ok("begin");
+    ask_ok("set ff1.from T1");
+    ask_ok("set ff1.to Qrb");
+    ask_ok("set ff1.reference 80");
+    ask_ok("set ff1.gain 0.5");
+    ask_ok("apply");
+    in_auto();
+    double before = 0;
+    for (unsigned k = 0; k < 800 && !state_is(SELF_TUNING_STATE); k++) {
+        if (k % 13 == 0)
+            setpoint("bottom", base + (k / 13 % 2 ? 0 : 0.5));
+        before = commanded("Qrb");
+        plant_step();
+    }
+    TEST_ASSERT_TRUE(state_is(SELF_TUNING_STATE));
+    TEST_ASSERT_DOUBLE_WITHIN(0.002, before, commanded("Qrb")); /* what T1 has moved */
+    plant_steps(2);
+    setpoint("bottom", base);
+    plant_steps(150);
+    TEST_ASSERT_DOUBLE_WITHIN(RESOLUTION, base, truly("T10"));
+}
+
 static void through_manual_and_back_nothing_bumps(void)
 {
     under_way();
@@ -514,6 +540,7 @@ int main(void)
     RUN_TEST(switched_off_and_on_nothing_bumps);
     RUN_TEST(told_to_tune_the_pi_takes_over_without_a_bump);
     RUN_TEST(when_the_law_takes_over_its_first_step_moves_nothing);
+    RUN_TEST(with_feedforward_on_its_mv_nothing_bumps_either);
     RUN_TEST(through_manual_and_back_nothing_bumps);
     RUN_TEST(other_settings_are_taken_without_a_bump);
     RUN_TEST(another_shape_of_the_model_begins_with_tuning);
