@@ -67,8 +67,8 @@ static void agrees(const char *what)
         printf("%s, gains times %.1f: decay %.4f, trial %.4f\n", what, factor[k], is, told);
         if (is < GONE_IN_ONE)
             TEST_ASSERT_TRUE_MESSAGE(told < GONE_IN_ONE + DECAY_WITHIN, what);
-        else if (is > 1.05)
-            TEST_ASSERT_TRUE_MESSAGE(told > 1.05, what);
+        else if (is > 0.9995) /* it swings between limits that the trial has not */
+            TEST_ASSERT_TRUE_MESSAGE(told > 1, what);
         else
             TEST_ASSERT_DOUBLE_WITHIN_MESSAGE(DECAY_WITHIN, is, told, what);
     }
