@@ -46,6 +46,7 @@ class Variant:
     from_min: float = -1.0  # the setpoints' window begins here
     way: str = "run"
     source: tuple[str, str] = ("", "")  # what the source has, of setpoints and loads
+    windows: tuple[tuple[str, tuple[float, float]], ...] = ()  # of its table, in place of the campaign's
 
 
 @dataclass(frozen=True)
@@ -99,8 +100,10 @@ def load(top: Table, name: str) -> Comparison:
         numbers = {key: one.number(key, value) for key, value in (("amplitude", 1.0), ("noise", 0.0), ("gain", 0.0),
                                                                 ("from_min", -1.0))}
         common, seeds = tuple(one.texts("set", [])), one.integer("seeds", 1, low=1)
+        sent = tuple(one.texts("send", []))
+        own = tuple((kind, pair(one, kind)) for kind in KINDS if one.has(kind))
         for line in one.tables("run"):
-            variants.append(read_variant(line, parts[-1].name, defaults, numbers, common, seeds))
+            variants.append(replace(read_variant(line, parts[-1].name, defaults, numbers, common, sent, seeds), windows=own))
         one.done()
     top.done()
     campaign = Comparison(name, title, about, windows, tuple(parts), tuple(variants), again)
@@ -110,13 +113,13 @@ def load(top: Table, name: str) -> Comparison:
 
 
 def read_variant(line: Table, part: str, defaults: dict[str, str], numbers: dict[str, float], common: tuple[str, ...],
-                 seeds: int) -> Variant:
+                 sent: tuple[str, ...], seeds: int) -> Variant:
     values = {key: line.text(key, value) for key, value in defaults.items()}
     counted = {key: line.number(key, value) for key, value in numbers.items()}
     source = [str(x) for x in line.texts("source", ["", ""])]
     if len(source) != 2:
         raise UserError(f"{line.path('source')} needs two texts, for setpoints and for loads")
-    variant = Variant(line.text("name"), part, set=common + tuple(line.texts("set", [])), send=tuple(line.texts("send", [])),
+    variant = Variant(line.text("name"), part, set=common + tuple(line.texts("set", [])), send=sent + tuple(line.texts("send", [])),
                       events=tuple(line.texts("events", [])), seeds=line.integer("seeds", seeds, low=1),
                       way=line.text("way", "run", choices=WAYS), source=(source[0], source[1]), **values, **counted)
     line.done()
@@ -186,7 +189,7 @@ def stepped(base: Scenario, line: Line, factor: float) -> Line:
 
 def windows_of(campaign: Comparison, variant: Variant) -> dict[str, tuple[float, float]]:
     later = campaign.again_min if variant.gain else 0.0
-    out = {kind: (a + later, b + later) for kind, (a, b) in campaign.windows.items()}
+    out = {kind: (a + later, b + later) for kind, (a, b) in (dict(variant.windows) or campaign.windows).items()}
     if variant.from_min >= 0:
         out["setpoints"] = (variant.from_min, out["setpoints"][1])
     return out
@@ -279,7 +282,7 @@ def of_line(results: list[dict[str, Any]], line: int) -> list[dict[str, Any]]:
 def total(results: list[dict[str, Any]], line: int, kind: str) -> float:
     """Sum over the loops, mean over the seeds; NaN where a run failed."""
     found = of_line(results, line)
-    if not found or any("failed" in r for r in found):
+    if not found or any("failed" in r or kind not in r for r in found):
         return math.nan
     return statistics.fmean(sum(r[kind]) for r in found)
 
@@ -300,13 +303,14 @@ def rows_of(campaign: Comparison, part: Part, results: list[dict[str, Any]]) -> 
     lines = [k for k, v in enumerate(campaign.variants) if v.part == part.name and of_line(results, k)]
     loops = max((len(r["setpoints"]) for k in lines for r in of_line(results, k) if "setpoints" in r), default=1)
     cited = [i for i in (0, 1) if any(campaign.variants[k].source[i] for k in lines)]
-    header = ["", "setpoints"] + (["of these T1"] if loops > 1 else []) + ["against the first"]
-    header += ["source"] if 0 in cited else []
-    header += ["loads"] + (["of these T1"] if loops > 1 else []) + ["against the first"] + (["source"] if 1 in cited else [])
+    kinds = [(i, kind) for i, kind in enumerate(KINDS) if any(kind in r for k in lines for r in of_line(results, k)) or not lines]
+    header = [""]
+    for i, kind in kinds:
+        header += [kind, *(["of these the first loop"] if loops > 1 else []), "against the first line", *(["source"] if i in cited else [])]
     rows = []
     for k in lines:
         variant, found, row = campaign.variants[k], of_line(results, k), [campaign.variants[k].name]
-        for i, kind in enumerate(KINDS):
+        for i, kind in kinds:
             value = total(results, k, kind)
             row.append("failed" if math.isnan(value) else table.figure(value))
             if loops > 1:
