@@ -47,6 +47,20 @@ static inline const struct gmv *gmv_of_const(const struct gmv_block *s)
     return (const struct gmv *)(const void *)((const char *)s + ((sizeof *s + 7u) & ~(size_t)7u));
 }
 
+/* ---- moves (gmv_moves.c) ---- */
+
+/* g_ii,0 of the law with the parameters in use. */
+float gmv_own_gain(const struct gmv *g, unsigned i);
+/* lambda as a multiple of it, where the settings want that. */
+void gmv_set_weights(struct gmv_block *s);
+/* What came of the last outputs shows where the limits are: an MV that was asked to move and did not is at one. */
+void gmv_learn_limits(struct gmv_block *s, const struct gmv_sample *sample);
+void gmv_forget_limits(struct gmv_block *s);
+/* The law computes from now on. */
+void gmv_begin_law(struct gmv_block *s);
+/* Outputs of the members that act. False: there is no number. */
+bool gmv_step_law(struct gmv_block *s, const struct gmv_sample *sample, struct block_io *io);
+
 /* Estimates and parameters in use are the settings' theta, the covariance p0. */
 void gmv_start_again(struct gmv_block *s);
 

@@ -12,10 +12,6 @@
 #include "base/channel.h"
 #include "num/real.h"
 
-/* Steps in which the law's moves come in, an eighth more in each; the first moves nothing. */
-#define FADE_STEPS 8u
-/* How far beyond a limit that has shown the law asks, to find out when it is there no longer; half of it tells. */
-#define PROBE 0.001f
 /* Steps after which the result of a trial is taken. */
 #define TRIAL_STEPS 20u
 /* A PV among the inputs that is further from that of the loop is another measurement. */
@@ -79,15 +75,6 @@ static enum err configure_pi(struct gmv_block *s, const struct block_setup *setu
                   : pid_init(&s->pi[i], &c, setup->interval_s);
 }
 
-static void forget_limits(struct gmv_block *s)
-{
-    for (unsigned i = 0; i < GMV_LOOPS; i++) {
-        s->lo[i] = num_zero();
-        s->hi[i] = num_one();
-    }
-    s->has_asked = false;
-}
-
 static void take_block_settings(struct gmv_block *s, const struct block_setup *setup,
                                 const struct gmv_config *c)
 {
@@ -125,7 +112,7 @@ static enum err gmv_configure(void *state, const struct block_setup *setup, bool
     }
     gmv_init(gmv_of(s), &c);
     gmv_supervise_init(&s->watch, &watch);
-    forget_limits(s);
+    gmv_forget_limits(s);
     s->begun = s->proposes = s->on_trial = s->trial_wanted = false;
     return ERR_OK;
 }
@@ -142,83 +129,6 @@ void gmv_start_again(struct gmv_block *s)
         rls_set(gmv_rls_of(g, i), theta);
         rls_reset(gmv_rls_of(g, i));
     }
-}
-
-/* ---- the law ---- */
-
-static float own_gain(const struct gmv *g, unsigned i)
-{
-    struct gmv_predictor p;
-    gmv_predict(g, i, &p);
-    return num_to_float(p.g[i][0]);
-}
-
-/* lambda as a multiple of the g_ii,0 in use. */
-static void set_weights(struct gmv_block *s)
-{
-    struct gmv *g = gmv_of(s);
-    for (unsigned i = 0; i < s->loops && s->relative; i++)
-        g->lambda[i] = num_from_float(s->lambda[i] * own_gain(g, i));
-}
-
-/* What came of the last outputs shows where the limits are: an MV that was asked to move and did not is at one. */
-static void learn_limits(struct gmv_block *s, const struct gmv_sample *sample)
-{
-    num_t half = num_from_float(PROBE / 2), none = num_from_float(SAME_OUTPUT);
-    for (unsigned i = 0; i < s->loops && s->has_asked; i++) {
-        num_t took = gmv_applied(sample, i, 1);
-        bool stands = num_lt(num_abs(num_sub(took, gmv_applied(sample, i, 2))), none);
-        if (num_lt(num_add(s->hi[i], half), took))
-            s->hi[i] = num_one();
-        if (num_lt(took, num_sub(s->lo[i], half)))
-            s->lo[i] = num_zero();
-        if (stands && num_lt(num_add(took, half), s->asked[i]))
-            s->hi[i] = took;
-        if (stands && num_lt(s->asked[i], num_sub(took, half)))
-            s->lo[i] = took;
-    }
-}
-
-static struct gmv_range range_of_mvs(const struct gmv_block *s, const struct gmv_sample *sample)
-{
-    struct gmv_range range;
-    num_t probe = num_from_float(PROBE);
-    for (unsigned i = 0; i < GMV_LOOPS; i++) {
-        range.lo[i] = num_sub(s->lo[i], probe);
-        range.hi[i] = num_add(s->hi[i], probe);
-        range.fixed[i] = i < s->loops ? gmv_applied(sample, i, 1) : num_zero();
-    }
-    return range;
-}
-
-static bool is_number(num_t x)
-{
-    return float_is_finite(num_to_float(x));
-}
-
-/* False: there is no number. */
-static bool step_law(struct gmv_block *s, const struct gmv_sample *sample, struct block_io *io)
-{
-    num_t u[GMV_LOOPS];
-    struct gmv_range range = range_of_mvs(s, sample);
-    enum gmv_solved solved = gmv_solve(gmv_of(s), sample, io->acting, &range, u);
-    num_t share = num_from_float((float)s->fading_in / FADE_STEPS);
-    s->singular = solved == GMV_ONE_BY_ONE;
-    if (solved == GMV_NO_NUMBER)
-        return false;
-    for (unsigned i = 0; i < s->loops; i++) {
-        if (!(io->acting & (1u << i)))
-            continue;
-        num_t applied = gmv_applied(sample, i, 1);
-        num_t move = num_mul(share, num_sub(u[i], applied));
-        if (!is_number(move))
-            return false;
-        s->asked[i] = num_add(applied, move);
-        io->out[i] = num_add(s->told[i], move);
-    }
-    s->has_asked = true;
-    s->fading_in = (uint8_t)(s->fading_in + (s->fading_in < FADE_STEPS));
-    return true;
 }
 
 /* ---- steps ---- */
@@ -346,7 +256,7 @@ static struct gmv_came came_of(struct gmv_block *s, uint8_t whole, const struct 
         came.told[i] = rls_told(gmv_rls(g, i));
         came.forgot[i] = rls_forgot(gmv_rls(g, i));
         came.parameters[i] = (uint8_t)gmv_parameters(&g->shape, i);
-        came.gain[i] = own_gain(g, i);
+        came.gain[i] = gmv_own_gain(g, i);
         came.estimated[i] = estimated_gain(g, i);
         if (asks && is_excited(s, i))
             came.excited = (uint8_t)(came.excited | (1u << i));
@@ -390,12 +300,6 @@ static void ask_for_trial(struct gmv_block *s, struct block_io *io, bool wanted)
     s->trial_wanted = false;
 }
 
-static void begin_law(struct gmv_block *s)
-{
-    s->fading_in = 0;
-    s->has_asked = false;
-}
-
 static void begin_pi(struct gmv_block *s)
 {
     for (unsigned i = 0; i < s->loops; i++)
@@ -407,12 +311,12 @@ static void grant(struct gmv_block *s, struct block_io *io, uint8_t wish)
 {
     if (wish & GMV_WISH_CANDIDATE)
         use_estimates(s, 0, true);
-    set_weights(s);
+    gmv_set_weights(s);
     ask_for_trial(s, io, wish & GMV_WISH_TRIAL);
     if (wish & GMV_WISH_PROPOSE)
         gmv_propose(s);
     if (wish & GMV_WISH_LAW)
-        begin_law(s);
+        gmv_begin_law(s);
     if (wish & GMV_WISH_PI) {
         s->proposes = false;
         begin_pi(s);
@@ -427,7 +331,7 @@ static void grant(struct gmv_block *s, struct block_io *io, uint8_t wish)
 static void compute(struct gmv_block *s, const struct gmv_sample *sample, struct block_io *io)
 {
     if (s->watch.state == GMV_SELF_TUNING) {
-        if (!step_law(s, sample, io))
+        if (!gmv_step_law(s, sample, io))
             io->gives_up = "not_a_number";
         return;
     }
@@ -490,7 +394,7 @@ static void gmv_step(void *state, struct block_io *io)
     for (unsigned i = 0; i < s->loops; i++)
         if (!(io->acting & (1u << i)))
             follow_with_pi(s, i, io->out[i]);
-    learn_limits(s, &sample);
+    gmv_learn_limits(s, &sample);
     gmv_take(g, &sample);
     struct gmv_seen seen = seen_of(s, io, &sample);
     uint8_t learn = gmv_supervise_look(&s->watch, &seen);
