@@ -12,7 +12,8 @@ scaled_t scaled_from_product(int64_t m, int32_t e)
     int32_t high = (int32_t)(m >> 32);
     if (high == (int32_t)m >> 31) /* it has 32 bits */
         return m == INT32_MIN ? (scaled_t){-(1 << 29), e + 2} : scaled_normal((int32_t)m, e);
-    int32_t right = 34 - __builtin_clz((uint32_t)(high < 0 ? ~high : high));
+    uint32_t above = (uint32_t)(high < 0 ? ~high : high);
+    int32_t right = above ? 34 - __builtin_clz(above) : 2;
     return scaled_normal((int32_t)(m >> right), e + right);
 }
 

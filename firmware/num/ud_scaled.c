@@ -47,12 +47,12 @@ static int32_t width(uint32_t mask)
     return mask ? 32 - __builtin_clz(mask) : 0;
 }
 
-/* m * 2^-right to the nearest, for right of any sign that keeps it in range; beyond 62 bits nothing is left. */
+/* m * 2^-right to the nearest, for right of any sign that keeps it in range (0 stays 0 whatever it is); beyond 62 bits nothing is left. */
 static int64_t shifted(int64_t m, int32_t right)
 {
-    if (right <= 0)
+    if (right <= 0 && m)
         return m * ((int64_t)1 << -right);
-    return right > 62 ? 0 : (m + ((int64_t)1 << (right - 1))) >> right;
+    return right > 62 || !m ? 0 : (m + ((int64_t)1 << (right - 1))) >> right;
 }
 
 /* Column j := u. */
@@ -162,9 +162,10 @@ static uint32_t correct_mantissas(ud_cell_t *u, size_t j, scaled_t *g, const str
     return mask;
 }
 
+/* right may be anything where m is 0. */
 static int32_t moved_right(int32_t m, int32_t right)
 {
-    return right > 31 ? 0 : m >> right;
+    return !m || right > 31 ? 0 : m >> right;
 }
 
 /* U's column j with its exponents, and P phi of the columns before it. */
@@ -205,7 +206,7 @@ scaled_t ud_scaled_correct(ud_cell_t *ud, size_t n, const scaled_t *f, scaled_t 
             correct_column(column, j, column_scale(ud, n, j), g, &b, lambda, own);
         set_d(ud, n, j, scaled_mul(get_d(ud, n, j), scaled_mul(share, inverse)));
         make_ud_room(&b, g, j, own.e + (own.m ? 30 : 0));
-        g[j].m = b.e - own.e > 30 ? 0 : own.m >> (b.e - own.e);
+        g[j].m = moved_right(own.m, b.e - own.e);
         b.mask |= (uint32_t)(g[j].m ^ (g[j].m >> 31));
     }
     for (size_t j = 0; j < n; j++)
