@@ -141,6 +141,9 @@ def python() -> str:
     return sys.executable
 
 
+WITH_BLOCKS = ("stm32f405", "stm32f405-fixed")
+
+
 def loop_tests() -> list[Test]:
     """The same scenario inside one process and over a socket: one and the same log; and whole-firmware tests."""
     return [same_log("loop.smoke-memory-and-host", "memory", "host", "loop"), *python_tests("loop")]
@@ -149,6 +152,8 @@ def loop_tests() -> list[Test]:
 def target_tests() -> list[Test]:
     """The same scenario on the host and on the image in the emulator."""
     return [*(same_log(f"target.smoke-{image.test}", image.twin, image.preset, "target") for image in boards.RUNS),
+            *(same_log(f"target.self-tuning-{image.test}", image.twin, image.preset, "target", "self-tuning-pair")
+              for image in boards.RUNS if image.preset in WITH_BLOCKS),
             *python_tests("target")]
 
 
@@ -159,8 +164,8 @@ def python_tests(label: str) -> list[Test]:
             for f in files]
 
 
-def same_log(name: str, left: str, right: str, label: str) -> Test:
-    command = [python(), str(ROOT / "tests" / "loop" / "same_log.py"), "host_sim/scenarios/smoke.toml", left, right]
+def same_log(name: str, left: str, right: str, label: str, scenario: str = "smoke") -> Test:
+    command = [python(), str(ROOT / "tests" / "loop" / "same_log.py"), f"host_sim/scenarios/{scenario}.toml", left, right]
     return Test(name, command, [label], {"TIMEOUT": HANG_S})
 
 
