@@ -4,6 +4,8 @@
 
 #include <string.h>
 
+#include "num/scaled_inline.h"
+
 /* |m| has the bits 2^29..2^30; the rest is the exponent's. */
 #define MANTISSA_BITS 30
 
@@ -15,6 +17,31 @@ scaled_t scaled_from_product(int64_t m, int32_t e)
     uint32_t above = (uint32_t)(high < 0 ? ~high : high);
     int32_t right = above ? 34 - __builtin_clz(above) : 2;
     return scaled_normal((int32_t)(m >> right), e + right);
+}
+
+scaled_t scaled_normal(int32_t m, int32_t e)
+{
+    return inline_normal(m, e);
+}
+
+scaled_t scaled_add(scaled_t a, scaled_t b)
+{
+    return inline_add(a, b);
+}
+
+scaled_t scaled_mul(scaled_t a, scaled_t b)
+{
+    return inline_mul(a, b);
+}
+
+scaled_t scaled_div_positive(scaled_t a, scaled_t b)
+{
+    return inline_mul(a, inline_inverse(b));
+}
+
+scaled_t scaled_from_num(num_t x)
+{
+    return inline_normal(x.q, -NUM_FRACTION_BITS);
 }
 
 scaled_t scaled_div(scaled_t a, scaled_t b)

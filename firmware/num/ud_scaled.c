@@ -1,5 +1,7 @@
 #include "num/ud_scaled.h"
 
+#include "num/scaled_inline.h"
+
 #ifdef REFLUX_FIXED_POINT
 
 /* Bits of the largest mantissa of a column of U, and of P phi on its way, when they have been put in order: with 31 bits of what
@@ -93,8 +95,9 @@ void ud_scaled_project(const ud_cell_t *ud, size_t n, const num_t *phi, scaled_t
         int64_t sum = 0;
         for (const ud_cell_t *end = ud + j; ud < end;)
             sum += (int64_t)*ud++ * (p++)->q;
-        f[j] = sum ? projected(phi[j], sum, exponent[j] >> WIDTH_BITS) : scaled_from_num(phi[j]);
-        g[j] = scaled_mul((scaled_t){*ud++, d_exponent[j]}, f[j]);
+        f[j] = sum ? projected(phi[j], sum, exponent[j] >> WIDTH_BITS)
+                   : inline_normal(phi[j].q, -NUM_FRACTION_BITS);
+        g[j] = inline_mul((scaled_t){*ud++, d_exponent[j]}, f[j]);
     }
 }
 
@@ -151,8 +154,8 @@ static uint32_t correct_mantissas(ud_cell_t *u, size_t j, scaled_t *g, const str
     for (ud_cell_t *end = u + j; u < end; u++, g++) {
         int32_t old = *u, gain = g->m;
         int32_t now = ((old + half) >> old_right) +
-                      scaled_high((int32_t)((uint32_t)gain << gain_left), lambda);
-        gain += scaled_high((int32_t)((uint32_t)old << column_left), own);
+                      inline_high((int32_t)((uint32_t)gain << gain_left), lambda);
+        gain += inline_high((int32_t)((uint32_t)old << column_left), own);
         *u = now;
         g->m = gain;
         wide |= (uint32_t)(now ^ (now >> 31));
@@ -194,17 +197,17 @@ static void correct_column(ud_cell_t *u, size_t j, int32_t *scale, scaled_t *g, 
 scaled_t ud_scaled_correct(ud_cell_t *ud, size_t n, const scaled_t *f, scaled_t *g, scaled_t r,
                            scaled_t growth)
 {
-    scaled_t alpha = r, inverse = scaled_inverse(r);
+    scaled_t alpha = r, inverse = inline_inverse(r);
     struct growing b = {0, 0};
     ud_cell_t *column = ud;
     for (size_t j = 0; j < n; j++, column += j) {
-        scaled_t own = g[j], lambda = scaled_mul(scaled_neg(f[j]), inverse);
-        scaled_t share = scaled_mul(alpha, growth);
-        alpha = scaled_add(alpha, scaled_mul(f[j], own));
-        inverse = scaled_inverse(alpha);
+        scaled_t own = g[j], lambda = inline_mul(scaled_neg(f[j]), inverse);
+        scaled_t share = inline_mul(alpha, growth);
+        alpha = inline_add(alpha, inline_mul(f[j], own));
+        inverse = inline_inverse(alpha);
         if (j)
             correct_column(column, j, column_scale(ud, n, j), g, &b, lambda, own);
-        set_d(ud, n, j, scaled_mul(get_d(ud, n, j), scaled_mul(share, inverse)));
+        set_d(ud, n, j, inline_mul(get_d(ud, n, j), inline_mul(share, inverse)));
         make_ud_room(&b, g, j, own.e + (own.m ? 30 : 0));
         g[j].m = moved_right(own.m, b.e - own.e);
         b.mask |= (uint32_t)(g[j].m ^ (g[j].m >> 31));
