@@ -13,14 +13,9 @@
 
 #include "num/accumulator.h"
 #include "num/real.h"
+#include "num/scaled_type.h"
 
 #ifdef REFLUX_FIXED_POINT
-
-#define SCALED_EXPONENT_MAX 4096 /* of what a division by zero gives */
-
-typedef struct {
-    int32_t m, e;
-} scaled_t;
 
 /* m * 2^e, made to fit; |m| < 2^62 and 2^31. */
 scaled_t scaled_from_product(int64_t m, int32_t e);

@@ -2,7 +2,7 @@
 #ifndef REFLUX_NUM_SCALED_INLINE_H
 #define REFLUX_NUM_SCALED_INLINE_H
 
-#include "num/scaled.h"
+#include "num/scaled_type.h"
 
 #ifdef REFLUX_FIXED_POINT
 
