@@ -40,7 +40,8 @@ static const struct block_event gmv_events[GMV_EVENTS] = {
                       "nothing is learnt; 1 asked, 2 quiet, 3 still, 4 reading, 5 manual"},
     [EVENT_SIGN] = {"sign", BLOCK_ALARM, "the PI acts: wrong sign or size of g0, span per span"},
     [EVENT_POLES] = {"poles", BLOCK_ALARM, "the PI acts: the loop would grow per step by"},
-    [EVENT_WORSE] = {"worse", BLOCK_ALARM, "the PI acts: predictions fail, spans r.m.s."},
+    [EVENT_WORSE] = {"worse", BLOCK_ALARM,
+                     "the PI acts: predictions fail, or an MV is stuck the wrong way; spans"},
     [EVENT_BURST] = {"burst", BLOCK_ALARM, "the PI acts: the MV or the PV swings, spans r.m.s."},
     [EVENT_SINGULAR] = {"singular", BLOCK_INFO, "loops solved one by one, of"},
 };
@@ -219,6 +220,8 @@ static struct gmv_seen seen_of(const struct gmv_block *s, const struct block_io 
         seen.setpoint[i] = num_to_float(io->setpoint[i]);
         seen.away[i] = num_to_float(num_sub(io->setpoint[i], io->in[i]));
         seen.moved[i] = num_to_float(num_sub(gmv_applied(sample, i, 1), gmv_applied(sample, i, 2)));
+        if (s->has_asked)
+            seen.lacked[i] = num_to_float(num_sub(s->asked[i], gmv_applied(sample, i, 1)));
     }
     return seen;
 }

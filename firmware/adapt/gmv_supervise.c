@@ -6,6 +6,9 @@
 
 /* An MV that moves by less in a step stands still. */
 #define STILL 1e-5f
+/* The law pushes an MV into a limit when it asks for so much more; a control error above that is far, fractions of span. */
+#define PUSHED   0.0004f
+#define FAR_AWAY 0.01f
 /* Errors of predictions as small as this (mean square: 0.1 % of span r.m.s.) decide nothing: at rest "as it is" is perfect, and a
  * model that is that near does no harm. */
 #define SMALL_SQUARE 1e-6f
@@ -39,6 +42,7 @@ static void enter_state(struct gmv_supervise *s, enum gmv_state state)
     for (unsigned i = 0; i < GMV_LOOPS; i++) {
         gmv_burst_begin(&s->burst[i]);
         gmv_cycle_begin(&s->cycle[i]);
+        s->jammed[i] = 0;
     }
 }
 
@@ -296,6 +300,24 @@ static float cycling(struct gmv_supervise *s, const struct gmv_seen *seen,
     return most;
 }
 
+/* An MV stands against a limit into which the law pushes it, and its own loop is far away and needs it the other way: for a
+ * while that may be the best for both loops, not for long. How far away, fractions of span; 0: none. */
+static float jammed_away(struct gmv_supervise *s, const struct gmv_seen *seen)
+{
+    float most = 0;
+    for (unsigned i = 0; i < s->config.loops; i++) {
+        float away = magnitude_of(seen->away[i]);
+        float needed = s->config.negative[i] ? -seen->away[i] : seen->away[i];
+        bool jammed = (seen->acting & (1u << i)) && magnitude_of(seen->moved[i]) < STILL &&
+                      magnitude_of(seen->lacked[i]) > PUSHED && away > FAR_AWAY &&
+                      needed * seen->lacked[i] < 0;
+        s->jammed[i] = jammed ? s->jammed[i] + 1u : 0;
+        if (s->jammed[i] > 4u * s->config.reach + 32u)
+            most = away;
+    }
+    return most;
+}
+
 /* The g_ii,0 that is nearest to the wrong side, with the sign it has. */
 static float worst_gain(const struct gmv_supervise *s, const struct gmv_came *came)
 {
@@ -337,6 +359,9 @@ static uint8_t judge_self_tuning(struct gmv_supervise *s, const struct gmv_seen 
     float swings = cycling(s, seen, came);
     if (swings > 0)
         return give_up(s, GMV_ALARM_BURST, swings);
+    float jammed = jammed_away(s, seen);
+    if (jammed > 0)
+        return give_up(s, GMV_ALARM_WORSE, jammed);
     if (s->elapsed == 1)
         return GMV_WISH_TRIAL;
     if (s->left || !s->has_decay)

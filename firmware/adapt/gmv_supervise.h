@@ -56,6 +56,7 @@ struct gmv_seen {
     uint8_t good;                                /* the same: all its readings are */
     float setpoint[GMV_LOOPS], moved[GMV_LOOPS]; /* w; the last move of what was applied */
     float away[GMV_LOOPS];                       /* w - y */
+    float lacked[GMV_LOOPS]; /* what the law asked for last and the MV did not do */
 };
 
 /* What the regressions of a step came to. */
@@ -96,6 +97,8 @@ struct gmv_supervise {
     bool is_quiet[GMV_LOOPS];
     struct gmv_burst burst[GMV_LOOPS];
     struct gmv_cycle cycle[GMV_LOOPS];
+    uint32_t jammed
+        [GMV_LOOPS]; /* steps that an MV has been pushed against a limit away from where its loop needs it */
     uint32_t steps, given_up_at[GMV_TRIES_MOST];
     uint8_t given_up; /* how many of these there are */
 };

@@ -19,7 +19,7 @@ add_executable(pid_trace "${PROJECT_SOURCE_DIR}/tests/bench/pid_trace.c")
 target_link_libraries(pid_trace PRIVATE reflux_control reflux_feedforward reflux_options m)
 target_include_directories(pid_trace PRIVATE "${PROJECT_SOURCE_DIR}/tests/support")
 reflux_test(rls LABEL unit SOURCES test_rls.c LIBS reflux_identify)
-foreach(part gmv gmv_optimal gmv_cycle gmv_trial gmv_supervise)
+foreach(part gmv gmv_optimal gmv_cycle gmv_jammed gmv_trial gmv_supervise)
   reflux_test(${part} LABEL unit SOURCES test_${part}.c LIBS reflux_adapt)
 endforeach()
 

@@ -1,0 +1,82 @@
+/* An MV pushed against a limit while its own loop needs it the other way: for a while that may serve both loops, not for
+ * long. REACH and the others are made up; given up after 4 * REACH + 32 steps (gmv_supervise.c). */
+#include "adapt/gmv_supervise.h"
+#include "unity.h"
+
+#define REACH 5u
+#define LONG  (4u * REACH + 32u)
+
+static struct gmv_supervise s;
+static struct gmv_seen seen;
+
+void setUp(void)
+{
+    const struct gmv_supervise_config config = {.on = true,
+                                                .loops = 1,
+                                                .tune_steps = 2,
+                                                .check_steps = 10,
+                                                .day_steps = 1000,
+                                                .reach = REACH,
+                                                .gain_least = 0.001f,
+                                                .quiet = 0.2f,
+                                                .burst = 25};
+    seen = (struct gmv_seen){.acting = 1, .good = 1, .away = {-0.1f}, .lacked = {0.001f}};
+    gmv_supervise_init(&s, &config);
+    s.state = GMV_SELF_TUNING;
+    s.tested = 1;
+}
+
+void tearDown(void) {}
+
+/* Whether it is given up within n steps. */
+static bool given_up_within(unsigned n)
+{
+    const struct gmv_came came = {.whole = 1,
+                                  .error = {0.0001f},
+                                  .standstill = {0.02f},
+                                  .told = {0.1f},
+                                  .forgot = {0.99f},
+                                  .parameters = {3},
+                                  .gain = {0.1f},
+                                  .estimated = {0.1f},
+                                  .tried = true,
+                                  .decay = 0.9f};
+    for (unsigned k = 0; k < n; k++) {
+        (void)gmv_supervise_look(&s, &seen);
+        if (gmv_supervise_judge(&s, &seen, &came) & GMV_WISH_PI)
+            return true;
+    }
+    return false;
+}
+
+static void pushed_the_wrong_way_for_long_it_is_given_up_with_how_far_the_pv_is_away(void)
+{
+    TEST_ASSERT_FALSE(given_up_within(LONG));
+    TEST_ASSERT_TRUE(given_up_within(1));
+    TEST_ASSERT_EQUAL(GMV_ALARM_WORSE, s.alarms);
+    TEST_ASSERT_EQUAL_FLOAT(0.1f, s.alarm_value);
+}
+
+static void pushed_the_way_its_loop_needs_it_it_goes_on(void)
+{
+    seen.lacked[0] = -0.001f;
+    TEST_ASSERT_FALSE(given_up_within(4 * LONG));
+}
+
+static void near_its_setpoint_or_moving_it_goes_on(void)
+{
+    seen.away[0] = -0.009f;
+    TEST_ASSERT_FALSE(given_up_within(4 * LONG));
+    setUp();
+    seen.moved[0] = 0.001f;
+    TEST_ASSERT_FALSE(given_up_within(4 * LONG));
+}
+
+int main(void)
+{
+    UNITY_BEGIN();
+    RUN_TEST(pushed_the_wrong_way_for_long_it_is_given_up_with_how_far_the_pv_is_away);
+    RUN_TEST(pushed_the_way_its_loop_needs_it_it_goes_on);
+    RUN_TEST(near_its_setpoint_or_moving_it_goes_on);
+    return UNITY_END();
+}
