@@ -10,6 +10,16 @@ struct equations {
 /* Smaller coefficients than these are no gain: a division by one would ask for any move. */
 #define LEAST_COEFFICIENT 1e-6f
 
+/* u_j(t - steps) as the form takes it; u_j(t) as if it did not move. */
+static num_t known_input(const struct gmv *g, const struct gmv_sample *s, unsigned j,
+                         unsigned steps, unsigned k)
+{
+    if (steps)
+        return gmv_applied_taken(g, s, j, steps, k);
+    num_t stays = gmv_applied(s, j, 1);
+    return g->shape.form == GMV_INCREMENTAL ? num_sub(stays, gmv_applied(s, j, k)) : stays;
+}
+
 /* What the prediction has besides the moves of this step. */
 static num_t known_part(const struct gmv *g, const struct gmv_sample *s, unsigned i,
                         const struct gmv_predictor *p)
@@ -19,14 +29,8 @@ static num_t known_part(const struct gmv *g, const struct gmv_sample *s, unsigne
     for (unsigned a = 0; a < p->nf; a++)
         sum = num_wide_add(sum, p->f[a], gmv_taken(g, &g->y[i], a, k));
     for (unsigned j = 0; j < g->shape.loops; j++)
-        for (unsigned b = 0; b < p->ng && g->shape.delay[i][j]; b++) {
-            unsigned steps = p->behind[j] + b;
-            num_t u = steps ? gmv_applied_taken(g, s, j, steps, k)
-                            : gmv_applied_taken(g, s, j, 1, k); /* as if it did not move */
-            if (!steps && g->shape.form == GMV_INCREMENTAL)     /* u(t - 1) - u(t - k) */
-                u = num_sub(gmv_applied(s, j, 1), gmv_applied(s, j, k));
-            sum = num_wide_add(sum, p->g[j][b], u);
-        }
+        for (unsigned b = 0; b < p->ng && g->shape.delay[i][j]; b++)
+            sum = num_wide_add(sum, p->g[j][b], known_input(g, s, j, p->behind[j] + b, k));
     return num_from_wide(sum);
 }
 
