@@ -1,7 +1,9 @@
 #!/usr/bin/python3
 """Runs one scenario on two firmwares and asks whether their logs are the same, bit for bit.
 
-usage: same_log.py SCENARIO.toml FIRMWARE FIRMWARE      (firmwares as for tools/run; nothing is built here)
+usage: same_log.py SCENARIO.toml FIRMWARE FIRMWARE [LINE ...]
+
+Firmwares are named as for tools/run, LINEs are sent at 0 s; nothing is built here.
 """
 
 import sys
@@ -17,10 +19,11 @@ from reflux_tools.errors import RunFailed, UserError  # noqa: E402
 
 
 def main() -> int:
-    if len(sys.argv) != 4:
-        print(__doc__.strip().splitlines()[-1], file=sys.stderr)
+    if len(sys.argv) < 4:
+        print(__doc__.strip().splitlines()[2], file=sys.stderr)
         return 2
     wanted = scenario.load(Path(sys.argv[1]))
+    wanted = replace(wanted, lines=(*(scenario.Line(0.0, line) for line in sys.argv[4:]), *wanted.lines))
     with tempfile.TemporaryDirectory(prefix="reflux-") as folder:
         places = []
         for number, firmware in enumerate(sys.argv[2:4]):
