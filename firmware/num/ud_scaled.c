@@ -123,39 +123,44 @@ static void move_right(struct growing *b, scaled_t *g, size_t count, int32_t rig
     b->e += right;
 }
 
-/* Room for what ends below 2^top: the common exponent goes up where that would not fit. */
+/* How far mantissas go right for what ends below 2^top to have room; 0: there is room, and bits that are there are kept. */
+static inline int32_t room_wanted(const struct growing *b, int32_t top)
+{
+    int32_t right = top + 1 - GAIN_BITS - b->e, own = width(b->mask) + 1 - GAIN_BITS;
+    right = own > right ? own : right;
+    return right > 0 ? right : 0;
+}
+
 static inline void make_ud_room(struct growing *b, scaled_t *g, size_t count, int32_t top)
 {
-    int32_t right = top + 1 - GAIN_BITS - b->e;
-    if (!b->mask) {
-        b->e += right;
-        return;
-    }
-    int32_t own = width(b->mask) + 1 - GAIN_BITS;
-    right = own > right ? own : right;
-    if (right > 0) /* else there is room, and bits that are there are kept */
-        move_right(b, g, count, right);
+    if (!b->mask)
+        b->e = top + 1 - GAIN_BITS;
+    else if (room_wanted(b, top))
+        move_right(b, g, count, room_wanted(b, top));
 }
 
 /* How mantissas of a column and of P phi are moved and what they are multiplied with, for the upper word of a product to come
  * out in the right place. */
 struct moves {
-    int32_t old_right, column_left, gain_left, lambda, own;
+    int32_t old_right, column_left, gain_left, gain_right, lambda, own;
 };
 
-/* u + b lambda into u, u own added to b: mantissas alone. Returns the bits of b, and puts those of u. */
+/* u + b lambda into u, u own added to b: mantissas alone. b goes right for its sum only after u has had it with all its
+ * digits: where little noise makes lambda large and b small beside u own, U would otherwise have what is lost of them. Returns the bits of b, and puts those of u. */
 static uint32_t correct_mantissas(ud_cell_t *u, size_t j, scaled_t *g, const struct moves *m,
                                   uint32_t *column_mask)
 {
     int32_t half = m->old_right ? 1 << (m->old_right - 1) : 0, old_right = m->old_right;
     int32_t column_left = m->column_left, gain_left = m->gain_left, lambda = m->lambda,
-            own = m->own;
+            own = m->own, gain_right = m->gain_right;
+    int32_t gain_half = gain_right ? 1 << (gain_right - 1) : 0;
     uint32_t mask = 0, wide = 0;
     for (ud_cell_t *end = u + j; u < end; u++, g++) {
         int32_t old = *u, gain = g->m;
         int32_t now = ((old + half) >> old_right) +
                       inline_high((int32_t)((uint32_t)gain << gain_left), lambda);
-        gain += inline_high((int32_t)((uint32_t)old << column_left), own);
+        gain = ((gain + gain_half) >> gain_right) +
+               inline_high((int32_t)((uint32_t)old << column_left), own);
         *u = now;
         g->m = gain;
         wide |= (uint32_t)(now ^ (now >> 31));
@@ -178,17 +183,21 @@ static void correct_column(ud_cell_t *u, size_t j, int32_t *scale, scaled_t *g, 
     int32_t wide = *scale & ((1 << WIDTH_BITS) - 1), exponent = *scale >> WIDTH_BITS;
     int32_t e = exponent + wide - COLUMN_BITS;
     uint32_t mask = (uint32_t)wide;
-    if (mask)
-        make_ud_room(b, g, j, exponent + own.e + wide + 30);
+    int32_t top = exponent + own.e + wide + 30;
+    int32_t gain_right = mask && b->mask ? room_wanted(b, top) : 0;
+    if (mask && !b->mask)
+        b->e = top + 1 - GAIN_BITS;
     int32_t move = b->e + lambda.e, gain_wide = width(b->mask);
     if (!mask || (lambda.m && b->mask && move + gain_wide + 30 - COLUMN_BITS > e))
         e = move + gain_wide + 30 - COLUMN_BITS;
     e = e > exponent || !mask ? e : exponent; /* what is there keeps its bits */
     struct moves m = {.old_right = mask ? e - exponent : 0,
                       .column_left = 30 - wide,
-                      .gain_left = 30 - gain_wide};
+                      .gain_left = 30 - gain_wide,
+                      .gain_right = gain_right > 30 ? 30 : gain_right};
     m.old_right = m.old_right > 30 ? 30 : m.old_right;
     m.lambda = b->mask ? moved_right(lambda.m, e - move + m.gain_left - 32) : 0;
+    b->e += gain_right;
     m.own = mask ? moved_right(own.m, b->e - (exponent + own.e) + m.column_left - 32) : 0;
     b->mask = correct_mantissas(u, j, g, &m, &mask);
     *scale = mask ? scale_of(e, width(mask)) : scale_of(-COLUMN_BITS, 0);

@@ -149,6 +149,26 @@ static void an_update_is_the_dense_formulas(void)
     }
 }
 
+/* P(0) = 1e8 beside noise of 1, which is within what an estimator may be told: the first measurements take eight decades from
+ * P, and the dense reference in double keeps 1e-16 times 1e9 of it, still below the contract. */
+static void a_covariance_far_above_the_noise_costs_no_digits(void)
+{
+    static const size_t sizes[] = {2, 3, 6, 9, 12, 24};
+    for (size_t k = 0; k < sizeof sizes / sizeof *sizes; k++) {
+        size_t n = sizes[k];
+        double p[SIZE], phi[SIZE];
+        for (size_t i = 0; i < n; i++)
+            p[i] = 1e8;
+        begin(n, p);
+        for (unsigned t = 0; t < 50; t++) {
+            for (size_t i = 0; i < n; i++)
+                phi[i] = uniform();
+            update(n, phi, 0.98);
+        }
+        check_covariance(n, 50, RELATIVE);
+    }
+}
+
 static void the_square_root_form_of_the_source_is_the_same_update(void)
 {
     const size_t n = 4;
@@ -291,6 +311,7 @@ int main(void)
     UNITY_BEGIN();
     printf("seed %u\n", SEED);
     RUN_TEST(an_update_is_the_dense_formulas);
+    RUN_TEST(a_covariance_far_above_the_noise_costs_no_digits);
     RUN_TEST(the_square_root_form_of_the_source_is_the_same_update);
     RUN_TEST(an_addition_of_rank_one_is_the_dense_one);
     RUN_TEST(products_and_solutions_are_those_of_the_dense_matrix);
