@@ -3,15 +3,16 @@
 #include "adapt/gmv_kind.h"
 #include "block/block.h"
 #include "compensate/decoupler.h"
+#include "control/inferential.h"
 #include "control/pid.h"
 #include "control/two_position.h"
 #include "estimate/column.h"
 #include "feedforward/feedforward.h"
 
 const struct block_kind *const block_kinds[] = {
-    &pid_kind,    &two_position_kind, &decoupler_kind, &feedforward_kind,
+    &pid_kind,    &two_position_kind, &decoupler_kind,   &feedforward_kind,
 #if CONFIG_BLOCKS
-    &column_kind, &gmv_kind,
+    &column_kind, &gmv_kind,          &inferential_kind,
 #endif
 };
 

@@ -22,13 +22,13 @@ struct inferential_settings {
     float flow[INFERENTIAL_LOOPS];        /* kmol per unit of the MV */
     float w[INFERENTIAL_LOOPS];           /* 1/h */
     float kc[INFERENTIAL_LOOPS], kc2[INFERENTIAL_LOOPS], ko[INFERENTIAL_LOOPS]; /* 1/h; 0: from w */
-    float wh[INFERENTIAL_LOOPS];       /* 1/h; 0: 100 w */
-    float kc_w, kc2_kc, ko_kc;         /* of the rule */
-    uint16_t stage[INFERENTIAL_LOOPS][2]; /* 0: not told */
-    uint16_t second[INFERENTIAL_LOOPS];   /* 0: the k-th of the secondary temperatures */
-    uint16_t parts;                       /* components */
-    uint8_t law[INFERENTIAL_LOOPS];       /* enum inferential_law */
-    uint8_t moves[INFERENTIAL_LOOPS];     /* enum inferential_moves */
+    float wh[INFERENTIAL_LOOPS];                                                /* 1/h; 0: 100 w */
+    float kc_w, kc2_kc, ko_kc;                                                  /* of the rule */
+    uint16_t stage[INFERENTIAL_LOOPS][2];                                       /* 0: not told */
+    uint16_t second[INFERENTIAL_LOOPS]; /* 0: the k-th of the secondary temperatures */
+    uint16_t parts;                     /* components */
+    uint8_t law[INFERENTIAL_LOOPS];     /* enum inferential_law */
+    uint8_t moves[INFERENTIAL_LOOPS];   /* enum inferential_moves */
     uint8_t form, scaling;
 };
 
