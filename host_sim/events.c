@@ -6,7 +6,7 @@
 #include "plant_inputs.h"
 #include "text.h"
 
-_Static_assert(EVENTS_MAX <= PLANT_CHANGES_MAX, "all events may come at one time");
+_Static_assert(EVENTS_MAX + SWINGS_MAX <= PLANT_CHANGES_MAX, "all events may come at one time");
 
 static const struct {
     const char *name;
@@ -82,7 +82,7 @@ static bool unknown_name(const struct plant_class *class, const char *text, cons
     (void)sim_fail(err, err_size, "--event %s: plant %s has no \"%s\"; disturbances: ", text,
                    class->name, name);
     append_channels(err, err_size, class, PLANT_DISTURBANCE);
-    sim_append(err, err_size, "; with an option behind a dot: ");
+    sim_append(err, err_size, " (swing, period); with an option behind a dot: ");
     append_channels(err, err_size, class, PLANT_MEASUREMENT);
     sim_append(err, err_size, " (");
     append_options(err, err_size, PLANT_MEASUREMENT);
@@ -104,10 +104,35 @@ static bool check_range(const char *text, const char *name, double value, double
                     unit[0] != '\0' ? " " : "", unit);
 }
 
+/* Of a disturbance. */
+static bool add_swing(struct event *event, const struct plant_class *class, const char *text,
+                      const char *name, const char *option, char *err, size_t err_size)
+{
+    const struct plant_channel *c = &class->channels[event->channel];
+    char full[132];
+    (void)snprintf(full, sizeof(full), "%s.%s", name, option);
+    if (strcmp(option, "swing") == 0) {
+        event->kind = EVENT_SWING;
+        return check_range(text, full, event->value, 0.0, (c->hi - c->lo) / 2.0, c->unit, err,
+                           err_size);
+    }
+    if (strcmp(option, "period") == 0) {
+        event->kind = EVENT_PERIOD;
+        return check_range(text, full, event->value, SWING_PERIOD_MIN, SWING_PERIOD_MAX, "s", err,
+                           err_size);
+    }
+    return sim_fail(err, err_size,
+                    "--event %s: the disturbance %s has no option \"%s\"; it has swing, period",
+                    text, name, option);
+}
+
 static bool add_option(struct event *event, const struct plant_class *class, const char *text,
                        const char *name, const char *option, char *err, size_t err_size)
 {
     const struct plant_channel *c = find(class, name, &event->channel);
+    if (c != NULL && c->kind == PLANT_DISTURBANCE) {
+        return add_swing(event, class, text, name, option, err, err_size);
+    }
     if (c == NULL || (c->kind != PLANT_MV && c->kind != PLANT_MEASUREMENT)) {
         return unknown_name(class, text, name, err, err_size);
     }
@@ -252,12 +277,45 @@ static void sort_by_time(struct events *e)
     }
 }
 
+/* A swing about where the disturbance stands then, as far as events say; it begins at its nominal value. */
+static bool check_swings(const struct events *e, const struct plant_class *class, size_t channel,
+                         char *err, size_t err_size)
+{
+    const struct plant_channel *c = &class->channels[channel];
+    double middle = c->nominal;
+    double amplitude = 0.0;
+    for (size_t i = 0; i < e->n; i++) {
+        const struct event *event = &e->list[i];
+        if (event->channel != channel ||
+            (event->kind != EVENT_DISTURBANCE && event->kind != EVENT_SWING)) {
+            continue;
+        }
+        middle = event->kind == EVENT_DISTURBANCE ? event->value : middle;
+        amplitude = event->kind == EVENT_SWING ? event->value : amplitude;
+        bool last_of_time = true;
+        for (size_t k = i + 1; k < e->n && e->list[k].time_s <= event->time_s; k++) {
+            last_of_time = last_of_time && e->list[k].channel != channel;
+        }
+        if (last_of_time && (middle - amplitude < c->lo || middle + amplitude > c->hi)) {
+            return sim_fail(err, err_size,
+                            "--event: from %g s %s swings from %g to %g; it must stay within %g to "
+                            "%g %s",
+                            event->time_s, c->name, middle - amplitude, middle + amplitude, c->lo,
+                            c->hi, c->unit);
+        }
+    }
+    return true;
+}
+
 bool events_finish(struct events *e, const struct plant_class *class, char *err, size_t err_size)
 {
     sort_by_time(e);
     for (size_t c = 0; c < class->n_channels; c++) {
         double lo = class->channels[c].lo;
         double hi = class->channels[c].hi;
+        if (!check_swings(e, class, c, err, err_size)) {
+            return false;
+        }
         for (size_t i = 0; i < e->n; i++) {
             const struct event *event = &e->list[i];
             if (event->kind != EVENT_OPTION || event->channel != c) {
@@ -281,17 +339,46 @@ bool events_finish(struct events *e, const struct plant_class *class, char *err,
     return true;
 }
 
+/* Where an input stands when the changes of this time have been made. */
+static double stands_at(const struct plant_class *class, const struct plant *plant, size_t channel,
+                        const struct plant_change *change, size_t n)
+{
+    for (; n > 0; n--) {
+        if (change[n - 1].channel == channel) {
+            return change[n - 1].value;
+        }
+    }
+    return class->value(plant, channel);
+}
+
 bool events_apply(struct events *e, double time_s, struct plant *plant, struct instruments *in,
                   char *err, size_t err_size)
 {
-    struct plant_change change[EVENTS_MAX];
+    struct plant_change change[PLANT_CHANGES_MAX];
     size_t changes = 0;
+    struct sim_swing *swing;
     for (; e->next < e->n && e->list[e->next].time_s <= time_s; e->next++) {
         const struct event *event = &e->list[e->next];
         switch (event->kind) {
         case EVENT_DISTURBANCE:
-            change[changes] = (struct plant_change){event->channel, event->value};
-            changes++;
+            if (!swings_moved(&e->swings, event->channel, event->value)) {
+                change[changes] = (struct plant_change){event->channel, event->value};
+                changes++;
+            }
+            break;
+        case EVENT_SWING:
+        case EVENT_PERIOD:
+            swing = swings_of(&e->swings, event->channel,
+                              stands_at(in->class, plant, event->channel, change, changes));
+            if (swing == NULL) {
+                return sim_fail(err, err_size, "--event: more than %d disturbances that swing",
+                                SWINGS_MAX);
+            }
+            if (event->kind == EVENT_PERIOD) {
+                swing->period_s = event->value;
+            } else {
+                swing_set_amplitude(swing, event->value, time_s);
+            }
             break;
         case EVENT_OPTION:
             instruments_set(in, event->channel, event->option, event->value);
@@ -301,5 +388,6 @@ bool events_apply(struct events *e, double time_s, struct plant *plant, struct i
             break;
         }
     }
+    changes = swings_add(&e->swings, time_s, change, changes);
     return changes == 0 || plant_set_inputs(in->class, plant, change, changes, err, err_size);
 }

@@ -44,6 +44,15 @@ bool instruments_init(struct instruments *in, const struct plant_class *class, u
     return true;
 }
 
+void instruments_begin(struct instruments *in, const struct plant *plant)
+{
+    for (size_t k = 0; k < in->n_actuators; k++) {
+        struct actuator *a = &in->actuator[k];
+        a->command = a->target = a->position = a->output = a->applied =
+            in->class->value(plant, a->channel);
+    }
+}
+
 /* Seconds in ticks; 0 where they are no whole number of them. */
 static unsigned whole_ticks(double time_s, double tick_s, unsigned most)
 {

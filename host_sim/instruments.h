@@ -103,6 +103,9 @@ struct instruments {
 bool instruments_init(struct instruments *in, const struct plant_class *class, uint64_t seed,
                       double noise_factor, char *err, size_t err_size);
 
+/* Actuators stand where the plant's inputs are: a run that begins elsewhere than at the nominal state. */
+void instruments_begin(struct instruments *in, const struct plant *plant);
+
 /* Sensors that the plant says are analysers (every_s, delay_s) show a new value in every n-th sample of a run with this
  * tick, from its first on. False where its times are no whole ticks, or too many. */
 bool instruments_analysers(struct instruments *in, double tick_s, char *err, size_t err_size);

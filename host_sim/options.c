@@ -30,12 +30,14 @@ void options_print_help(void)
         "max)\n"
         "  --event T:NAME=VALUE   at plant time T; repeatable. NAME: a disturbance, "
         "CHANNEL.option, noise\n"
+        "                         disturbances: swing (amplitude of a sine) period (s, 1200)\n"
         "                         measurements: bias drift noise resolution lag quality stuck\n"
         "                           frozen dead free spike spike_rate dropout nan every phase "
         "delay\n"
         "                         manipulated variables: hi lo slew lag stiction gain stuck free "
         "readback\n"
         "                         (docs/faults.md says what each does)\n"
+        "  --start NAME=VALUE     the run begins at the steady state of this input; repeatable\n"
         "  --seed N               of the sensor noise (default 1)\n"
         "  --noise X              noise of all sensors, times their own (default 1)\n"
         "  --timeout S            longest wait for one answer, wall clock (default 10)\n"
@@ -128,6 +130,15 @@ static bool take_value(struct sim_options *o, const char *name, const char *text
         o->n_events++;
         return true;
     }
+    if (strcmp(name, "--start") == 0) {
+        if (o->n_starts == OPTIONS_STARTS_MAX) {
+            return sim_fail(err, err_size, "--start %s: more than %d inputs", text,
+                            OPTIONS_STARTS_MAX);
+        }
+        o->start_text[o->n_starts] = text;
+        o->n_starts++;
+        return true;
+    }
     for (size_t k = 0; k < sizeof(texts) / sizeof(texts[0]); k++) {
         if (strcmp(name, texts[k].name) == 0) {
             *texts[k].value = text;
@@ -157,6 +168,11 @@ static bool complete(struct sim_options *o, char *err, size_t err_size)
                         o->script != NULL       ? "--script"
                         : o->transcript != NULL ? "--transcript"
                                                 : "--telemetry");
+    }
+    for (size_t k = 0; k < o->n_starts; k++) {
+        if (!plant_read_input("--start", o->class, o->start_text[k], &o->start[k], err, err_size)) {
+            return false;
+        }
     }
     if (o->tick_ms == 0) {
         o->tick_ms = (uint32_t)lround(o->class->tick_s * 1000.0);

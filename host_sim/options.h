@@ -2,11 +2,12 @@
 #ifndef REFLUX_HOST_SIM_OPTIONS_H
 #define REFLUX_HOST_SIM_OPTIONS_H
 
-#include "plant.h"
+#include "plant_inputs.h"
 
 #include <stdint.h>
 
 #define OPTIONS_EVENTS_MAX 1024
+#define OPTIONS_STARTS_MAX 32
 
 struct sim_options {
     const struct plant_class *class;
@@ -20,6 +21,9 @@ struct sim_options {
     bool progress, help;
     const char *event[OPTIONS_EVENTS_MAX];
     size_t n_events;
+    const char *start_text[OPTIONS_STARTS_MAX];
+    struct plant_change start[OPTIONS_STARTS_MAX];
+    size_t n_starts;
 };
 
 bool options_read(struct sim_options *o, int argc, char **argv, char *err, size_t err_size);

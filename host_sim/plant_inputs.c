@@ -1,5 +1,7 @@
 #include "plant_inputs.h"
 
+#include <string.h>
+
 #include "text.h"
 
 /* An earlier change of the same channel still waits. */
@@ -43,4 +45,47 @@ bool plant_set_inputs(const struct plant_class *class, struct plant *p,
         err[0] = '\0';
     }
     return left == 0;
+}
+
+bool plant_read_input(const char *option, const struct plant_class *class, const char *text,
+                      struct plant_change *change, char *err, size_t err_size)
+{
+    const char *equals = strchr(text, '=');
+    double value;
+    if (equals == NULL || !sim_parse_number(equals + 1, &value)) {
+        return sim_fail(err, err_size, "%s %s: must be NAME=NUMBER", option, text);
+    }
+    for (size_t i = 0; i < class->n_channels; i++) {
+        const struct plant_channel *c = &class->channels[i];
+        if (strlen(c->name) == (size_t)(equals - text) &&
+            strncmp(c->name, text, (size_t)(equals - text)) == 0 &&
+            (c->kind == PLANT_MV || c->kind == PLANT_DISTURBANCE)) {
+            *change = (struct plant_change){i, value};
+            return true;
+        }
+    }
+    (void)sim_fail(err, err_size, "%s %s: %s has no such input; there is", option, text,
+                   class->name);
+    for (size_t i = 0; i < class->n_channels; i++) {
+        const struct plant_channel *c = &class->channels[i];
+        if (c->kind == PLANT_MV || c->kind == PLANT_DISTURBANCE) {
+            sim_append(err, err_size, " %s", c->name);
+        }
+    }
+    return false;
+}
+
+struct plant *plant_create_at(const struct plant_class *class, const struct plant_change *change,
+                              size_t n, bool *bad_input, char *err, size_t err_size)
+{
+    struct plant *p = plant_create(class, err, err_size);
+    if (p == NULL) {
+        return NULL;
+    }
+    *bad_input = !plant_set_inputs(class, p, change, n, err, err_size);
+    if (!*bad_input && class->settle(p, err, err_size)) {
+        return p;
+    }
+    class->destroy(p);
+    return NULL;
 }

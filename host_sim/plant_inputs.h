@@ -4,7 +4,7 @@
 
 #include "plant.h"
 
-#define PLANT_CHANGES_MAX ((size_t)1024)
+#define PLANT_CHANGES_MAX ((size_t)1056)
 
 struct plant_change {
     size_t channel; /* as set_input of the class takes it */
@@ -16,5 +16,13 @@ struct plant_change {
  * where one is refused whatever the order; some may have been set then. n: at most PLANT_CHANGES_MAX. */
 bool plant_set_inputs(const struct plant_class *class, struct plant *p,
                       const struct plant_change *change, size_t n, char *err, size_t err_size);
+
+/* Reads NAME=NUMBER, an input of the class. option: as the line says in front of what is wrong. */
+bool plant_read_input(const char *option, const struct plant_class *class, const char *text,
+                      struct plant_change *change, char *err, size_t err_size);
+
+/* A plant at the steady state of these inputs, time 0; NULL on error. *bad_input: it is the inputs that are wrong. */
+struct plant *plant_create_at(const struct plant_class *class, const struct plant_change *change,
+                              size_t n, bool *bad_input, char *err, size_t err_size);
 
 #endif

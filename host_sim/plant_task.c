@@ -173,55 +173,17 @@ static bool open_class(const char *name, char *err, size_t err_size)
     return true;
 }
 
-/* Channel and value of one --set. */
-static bool read_set(const char *text, struct plant_change *change, char *err, size_t err_size)
-{
-    const char *equals = strchr(text, '=');
-    double value;
-    if (equals == NULL || !sim_parse_number(equals + 1, &value)) {
-        return sim_fail(err, err_size, "--set %s: must be NAME=NUMBER", text);
-    }
-    for (size_t i = 0; i < task.class->n_channels; i++) {
-        const struct plant_channel *c = &task.class->channels[i];
-        if (strlen(c->name) == (size_t)(equals - text) &&
-            strncmp(c->name, text, (size_t)(equals - text)) == 0 &&
-            (c->kind == PLANT_MV || c->kind == PLANT_DISTURBANCE)) {
-            *change = (struct plant_change){i, value};
-            return true;
-        }
-    }
-    (void)sim_fail(err, err_size, "--set %s: %s has no such input; there is", text,
-                   task.class->name);
-    for (size_t i = 0; i < task.class->n_channels; i++) {
-        const struct plant_channel *c = &task.class->channels[i];
-        if (c->kind == PLANT_MV || c->kind == PLANT_DISTURBANCE) {
-            sim_append(err, err_size, " %s", c->name);
-        }
-    }
-    return false;
-}
-
 /* The plant at the steady state that --set asks for. */
 static struct plant *begin(char *err, size_t err_size)
 {
-    struct plant *p = plant_create(task.class, err, err_size);
     struct plant_change change[SETS_MAX];
-    bool good = p != NULL;
-    for (size_t k = 0; k < task.n_sets && good; k++) {
-        good = read_set(task.set[k], &change[k], err, err_size);
-        task.bad_set = !good;
+    for (size_t k = 0; k < task.n_sets; k++) {
+        if (!plant_read_input("--set", task.class, task.set[k], &change[k], err, err_size)) {
+            task.bad_set = true;
+            return NULL;
+        }
     }
-    if (good) {
-        good = plant_set_inputs(task.class, p, change, task.n_sets, err, err_size);
-        task.bad_set = !good;
-    }
-    if (good && task.class->settle(p, err, err_size)) {
-        return p;
-    }
-    if (p != NULL) {
-        task.class->destroy(p);
-    }
-    return NULL;
+    return plant_create_at(task.class, change, task.n_sets, &task.bad_set, err, err_size);
 }
 
 static int list(char *err, size_t err_size)

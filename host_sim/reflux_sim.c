@@ -104,9 +104,15 @@ static bool connect_all(char *err, size_t err_size)
 {
     const struct sim_options *o = &sim.options;
     uint64_t patience = (uint64_t)(o->timeout_s * 1000.0);
-    sim.plant = plant_create(o->class, err, err_size);
+    bool bad_start = false;
+    sim.plant = o->n_starts == 0
+                    ? plant_create(o->class, err, err_size)
+                    : plant_create_at(o->class, o->start, o->n_starts, &bad_start, err, err_size);
     if (sim.plant == NULL) {
         return false;
+    }
+    if (o->n_starts > 0) {
+        instruments_begin(&sim.instruments, sim.plant);
     }
     sim.port_open = transport_open(&sim.port, o->port, patience, err, err_size);
     if (!sim.port_open) {

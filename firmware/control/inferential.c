@@ -86,7 +86,7 @@ static void begin_second(struct inferential *s)
 
 /* ---- settings ---- */
 
-static void take_config(struct inferential *s, const struct inferential_config *c)
+static void set_config(struct inferential *s, const struct inferential_config *c)
 {
     s->config = *c;
     if (c->law == LAW_HOLD)
@@ -99,7 +99,7 @@ static void take_config(struct inferential *s, const struct inferential_config *
 void inferential_init(struct inferential *s, const struct inferential_config *c)
 {
     memset(s, 0, sizeof *s);
-    take_config(s, c);
+    set_config(s, c);
     s->acts = uses_second(c->law) ? (uint8_t)LAW_CONVENTIONAL : c->law;
 }
 
@@ -119,7 +119,7 @@ void inferential_retune(struct inferential *s, const struct inferential_config *
     float load = inferential_load(s, SECONDARY);
     float slope_before = s->config.a[SECONDARY] * s->config.u_span;
     bool pair = uses_second(c->law) && uses_second(s->acts) && same_second;
-    take_config(s, c);
+    set_config(s, c);
     s->acts = pair || !uses_second(c->law) ? c->law : (uint8_t)LAW_CONVENTIONAL;
     if (pair && memcmp(&before, &s->pair, sizeof before) != 0)
         keep_second_load(s, load, slope_before);

@@ -31,5 +31,7 @@ void inferential_config_of(const struct block_setup *setup, unsigned k,
 /* Which of the inputs is the secondary temperature of loop k, or INFERENTIAL_NONE. */
 unsigned inferential_second(const struct block_setup *setup, unsigned k);
 
+const char *inferential_describe(const void *state, size_t i, float *value);
+
 #endif
 #endif

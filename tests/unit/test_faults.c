@@ -231,6 +231,54 @@ another_trim_makes_moves_larger_from_where_it_stands_and_the_readback_does_not_s
     TEST_ASSERT_EQUAL_DOUBLE(33.0, moved_to(31.0));
 }
 
+/* ---- disturbances that swing ---- */
+
+/* After one sample more. */
+static double disturbance(void)
+{
+    (void)reading();
+    return two_by_two.value(plant, D);
+}
+
+static void a_disturbance_swings_about_its_value_and_ends_there(void)
+{
+    at("10:d=2");
+    at("10:d.swing=0.5");
+    at("10:d.period=80");
+    at("50:d.swing=0");
+    TEST_ASSERT_TRUE(events_finish(&events, &two_by_two, err, sizeof(err)));
+    double begin = disturbance(), expected[] = {2.0, 2.0 + 0.5 * sin(0.25 * 3.14159265358979323846),
+                                                2.5, 2.0 + 0.5 * sin(0.75 * 3.14159265358979323846),
+                                                2.0, 2.0};
+    TEST_ASSERT_EQUAL_DOUBLE(two_by_two.channels[D].nominal, begin);
+    for (size_t i = 0; i < sizeof expected / sizeof expected[0]; i++)
+        TEST_ASSERT_DOUBLE_WITHIN(1e-12, expected[i], disturbance());
+}
+
+static void a_new_value_moves_the_middle_of_a_swing(void)
+{
+    at("0:d.swing=1");
+    at("0:d.period=40");
+    at("10:d=3");
+    (void)disturbance();
+    TEST_ASSERT_DOUBLE_WITHIN(1e-12, 4.0, disturbance());
+    TEST_ASSERT_DOUBLE_WITHIN(1e-12, 3.0, disturbance());
+    TEST_ASSERT_DOUBLE_WITHIN(1e-12, 2.0, disturbance());
+}
+
+static void a_swing_that_would_leave_the_span_is_refused(void)
+{
+    char text[64];
+    (void)snprintf(text, sizeof text, "20:d=%g", two_by_two.channels[D].hi);
+    at("10:d.swing=0.5");
+    at(text);
+    TEST_ASSERT_FALSE(events_finish(&events, &two_by_two, err, sizeof(err)));
+    TEST_ASSERT_NOT_NULL_MESSAGE(strstr(err, "from 20 s d swings from"), err);
+    TEST_ASSERT_FALSE(events_add(&events, &two_by_two, "0:d.period=0", err, sizeof(err)));
+    TEST_ASSERT_FALSE(events_add(&events, &two_by_two, "0:d.bias=1", err, sizeof(err)));
+    TEST_ASSERT_NOT_NULL_MESSAGE(strstr(err, "it has swing, period"), err);
+}
+
 static void options_for_the_other_kind_and_broken_choices_are_refused(void)
 {
     const char *wrong[] = {"0:y1.stiction=1", "0:u1.drift=1",    "0:u1.nan=1",     "0:y1.nan=0.5",
@@ -266,6 +314,9 @@ static void every_option_stands_in_the_document(void)
 int main(void)
 {
     UNITY_BEGIN();
+    RUN_TEST(a_disturbance_swings_about_its_value_and_ends_there);
+    RUN_TEST(a_new_value_moves_the_middle_of_a_swing);
+    RUN_TEST(a_swing_that_would_leave_the_span_is_refused);
     RUN_TEST(drift_goes_on_by_the_hour_and_is_gone_when_repaired);
     RUN_TEST(a_stuck_sensor_reads_what_it_is_stuck_at_until_it_is_free);
     RUN_TEST(a_frozen_sensor_keeps_its_reading_to_the_last_bit);

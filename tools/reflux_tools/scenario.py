@@ -70,6 +70,7 @@ class Scenario:
     console: tuple[Path, ...] = ()
     lines: tuple[Line, ...] = ()
     events: tuple[Event, ...] = ()
+    start: tuple[tuple[str, float], ...] = ()  # inputs at whose steady state the run begins
     loops: tuple[Loop, ...] = ()
     limits: tuple[Limit, ...] = ()
     config: tuple[Line, ...] = field(default=())  # what the console files hold, sent first
@@ -114,6 +115,7 @@ def load(path: Path, plants: list[str] | None = None) -> Scenario:
         loops=_loops(top),
         lines=_lines(top, path, duration),
         events=_events(top, duration),
+        start=_start(top),
     )
     scenario = replace(scenario, limits=_limits(top, scenario))
     top.done()
@@ -181,6 +183,14 @@ def _lines(top: Table, path: Path, duration: float) -> tuple[Line, ...]:
         table.done()
         lines.append(line)
     return tuple(sorted(lines, key=lambda line: line.at_s))
+
+
+def _start(top: Table) -> tuple[tuple[str, float], ...]:
+    inputs = _flat_numbers(top.table("start")) if "start" in top.data else {}
+    for name in inputs:
+        if "." in name:
+            raise UserError(f"{top.path('start')}: {name}: expected an input of the plant, as R")
+    return tuple(inputs.items())
 
 
 def _events(top: Table, duration: float) -> tuple[Event, ...]:
