@@ -254,9 +254,13 @@ real_t column_terms_value(const struct column_terms *t, const struct column *col
     case SIGHT_VAPOUR_FLOW:
         value = column->vapour_flow[c->stage[0]];
         break;
-    default: /* SIGHT_HEAT */
+    case SIGHT_HEAT:
         value = boiling_heat(column, x);
         break;
+    case SIGHT_FEED: /* as it is metered, which is as it is driven */
+        return column->inputs.feed_flow / (real_t)unit->in - (real_t)unit->offset;
+    default: /* SIGHT_FEED_TEMPERATURE */
+        return column->inputs.feed_temperature / (real_t)unit->in - (real_t)unit->offset;
     }
     return value * (real_t)unit->times / (real_t)unit->before * size / (real_t)unit->after -
            (real_t)unit->offset;

@@ -42,6 +42,8 @@ enum column_sight {
     SIGHT_LIQUID_FLOW,
     SIGHT_VAPOUR_FLOW,
     SIGHT_HEAT,
+    SIGHT_FEED,
+    SIGHT_FEED_TEMPERATURE,
     SIGHT_COUNT
 };
 

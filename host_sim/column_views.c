@@ -30,6 +30,8 @@ static const struct {
     [SIGHT_LIQUID_FLOW] = {"liquid_flow", MEASURE_MOLAR_FLOW, KEY_STAGE},
     [SIGHT_VAPOUR_FLOW] = {"vapour_flow", MEASURE_MOLAR_FLOW, KEY_STAGE},
     [SIGHT_HEAT] = {"heat", MEASURE_POWER, 0},
+    [SIGHT_FEED] = {"feed", MEASURE_FLOW, 0},
+    [SIGHT_FEED_TEMPERATURE] = {"feed_temperature", MEASURE_TEMPERATURE, 0},
 };
 
 static const char *sight_name(size_t k)
@@ -162,6 +164,25 @@ static void check_ends(struct column_reader *r, const struct column_seen *seen)
     walk_up(w, mark);
 }
 
+/* What is seen of the feed is what drives it, in its own kind of unit. */
+static void check_feed(struct column_reader *r, const struct column_seen *seen)
+{
+    enum column_drive drive = seen->is == SIGHT_FEED ? DRIVE_FEED : DRIVE_FEED_TEMPERATURE;
+    const struct column_terms *t = &r->file->terms;
+    if (seen->is != SIGHT_FEED && seen->is != SIGHT_FEED_TEMPERATURE) {
+        return;
+    }
+    for (size_t k = 0; k < t->n_driven; k++) {
+        if (t->driven[k].is == drive && t->driven[k].unit->measure == seen->unit->measure) {
+            return;
+        }
+    }
+    size_t mark = walk_key(r->walk, "unit");
+    (void)walk_fail(r->walk, "%s is seen in the kind of unit in which it is driven, and only then",
+                    sights[seen->is].name);
+    walk_up(r->walk, mark);
+}
+
 /* Whole ticks are asked for when a run begins, whose tick may be another (instruments.c). */
 static void read_sensor(struct column_reader *r, const json_t *object, struct plant_channel *c)
 {
@@ -205,6 +226,7 @@ static void read_view(struct column_reader *r, const json_t *object, enum plant_
     c->unit = seen->unit->name;
     column_read_span(r, object, c);
     check_ends(r, seen);
+    check_feed(r, seen);
     if (kind == PLANT_MEASUREMENT) {
         read_sensor(r, object, c);
     }
