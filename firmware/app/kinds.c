@@ -3,6 +3,7 @@
 #include "adapt/gmv_kind.h"
 #include "block/block.h"
 #include "compensate/decoupler.h"
+#include "compensate/ratio.h"
 #include "control/inferential.h"
 #include "control/pid.h"
 #include "control/two_position.h"
@@ -12,7 +13,7 @@
 const struct block_kind *const block_kinds[] = {
     &pid_kind,    &two_position_kind, &decoupler_kind,   &feedforward_kind,
 #if CONFIG_BLOCKS
-    &column_kind, &gmv_kind,          &inferential_kind,
+    &column_kind, &gmv_kind,          &inferential_kind, &ratio_kind,
 #endif
 };
 
