@@ -207,4 +207,59 @@ static inline double bench_loop_value(const struct infer_bench *b, const char *n
     return bench_value(b, whole);
 }
 
+/* A loop k whose spans, slopes and gains are simple: T1 and T2 -4..4, u -2..2, all at rest at 0. */
+static inline void bench_plain_loop(struct infer_bench *b, unsigned k, enum inferential_law law,
+                                    double a1, double a2)
+{
+    struct inferential_settings *c = &b->settings;
+    c->law[k] = (uint8_t)law;
+    c->a[k][PRIMARY] = (float)a1;
+    c->a[k][SECONDARY] = (float)a2;
+    c->kc[k] = 2;
+    c->kc2[k] = 4;
+    c->ko[k] = 20;
+    b->setup.pv[k] = (struct block_signal){.lo = -4, .hi = 4};
+    b->setup.input[b->seconds + k].lo = -2;
+    b->setup.input[b->seconds + k].hi = 2;
+    if (k < b->seconds) {
+        b->setup.input[k] = (struct block_signal){.lo = -4, .hi = 4};
+        b->second_of[k] = k;
+    }
+    b->plant[k] = (struct bench_plant){.a = {a1, a2}, .u = 2, .hi = 4, .load = {-2 * a1, -2 * a2}};
+    /* Else both temperatures would be one thermometer. */
+    b->plant[k].t[1] = 0.5;
+}
+
+/* One such loop, in steps of so many seconds. */
+static inline void bench_plain(struct infer_bench *b, enum inferential_law law,
+                               enum inferential_form form, double step_s)
+{
+    memset(b, 0, sizeof *b);
+    bench_defaults(&b->settings);
+    bench_wire(b, 1, law >= LAW_CASCADE, (float)step_s);
+    bench_plain_loop(b, 0, law, 1, 2);
+    b->settings.form = (uint8_t)form;
+}
+
+/* At rest, then it acts. */
+static inline void bench_begin(struct infer_bench *b)
+{
+    bench_configure(b, false);
+    bench_follow(b);
+    b->io.acting = b->setup.there;
+}
+
+static inline void bench_cycle(struct infer_bench *b)
+{
+    bench_step(b);
+    bench_apply(b);
+    bench_go_on(b);
+}
+
+static inline void bench_cycles(struct infer_bench *b, unsigned n)
+{
+    while (n--)
+        bench_cycle(b);
+}
+
 #endif
