@@ -112,18 +112,30 @@ static void keep_second_load(struct inferential *s, float load, float slope_befo
     accumulator_add_product(&s->x2, s->pair.o2, num_sub(s->from2, s->t2));
 }
 
-void inferential_retune(struct inferential *s, const struct inferential_config *c, bool same_second)
+/* What has waited computes from now on; with these inputs it gives what the settings before give. */
+static void take_waiting(struct inferential *s)
 {
     num_t u = output(s);
     struct inferential_coefficients before = s->pair;
     float load = inferential_load(s, SECONDARY);
     float slope_before = s->config.a[SECONDARY] * s->config.u_span;
-    bool pair = uses_second(c->law) && uses_second(s->acts) && same_second;
-    set_config(s, c);
-    s->acts = pair || !uses_second(c->law) ? c->law : (uint8_t)LAW_CONVENTIONAL;
+    uint8_t law = s->next.law;
+    bool pair = uses_second(law) && uses_second(s->acts) && s->same_second;
+    set_config(s, &s->next);
+    s->waits = false;
+    s->acts = pair || !uses_second(law) ? law : (uint8_t)LAW_CONVENTIONAL;
     if (pair && memcmp(&before, &s->pair, sizeof before) != 0)
         keep_second_load(s, load, slope_before);
+    if (law == LAW_HOLD)
+        s->told = u;
     meet(s, u);
+}
+
+void inferential_retune(struct inferential *s, const struct inferential_config *c, bool same_second)
+{
+    s->same_second = same_second && (s->same_second || !s->waits);
+    s->next = *c;
+    s->waits = true;
 }
 
 /* ---- steps ---- */
@@ -137,6 +149,9 @@ static uint8_t law_with(const struct inferential *s, bool second)
 void inferential_follow(struct inferential *s, num_t setpoint, num_t t1, num_t t2, bool second,
                         num_t u)
 {
+    if (s->waits)
+        set_config(s, &s->next);
+    s->waits = false;
     s->acts = law_with(s, second);
     s->setpoint = setpoint;
     s->t1 = s->from1 = t1;
@@ -160,11 +175,15 @@ static void change_law(struct inferential *s, uint8_t law)
 
 num_t inferential_step(struct inferential *s, num_t setpoint, num_t t1, num_t t2, bool second)
 {
-    uint8_t law = law_with(s, second);
     s->setpoint = setpoint;
     s->t1 = t1;
-    if (second) /* else where it was last */
+    if (second && !(s->waits && !s->same_second)) /* else where it was last */
         s->t2 = t2;
+    if (s->waits)
+        take_waiting(s);
+    if (second)
+        s->t2 = t2;
+    uint8_t law = law_with(s, second);
     if (law != s->acts)
         change_law(s, law);
     s->given = output(s);

@@ -36,7 +36,8 @@ struct inferential_coefficients {
 };
 
 struct inferential {
-    struct inferential_config config;
+    struct inferential_config config, next;      /* next: settings that wait */
+    bool waits, same_second;                     /* same_second: T2 is what it was before them */
     struct inferential_coefficients alone, pair; /* without and with the secondary */
     uint8_t acts; /* enum inferential_law: what computes, without the secondary conventional */
     int8_t cut;   /* the last output was cut from above (1), from below (-1) */
@@ -54,8 +55,8 @@ const char *inferential_wrong(const struct inferential_config *c, const char **f
 /* Settings that are not wrong. State is cleared: call follow before step. */
 void inferential_init(struct inferential *s, const struct inferential_config *c);
 
-/* New settings: the next output, with the same inputs, is what the old ones would have given. same_second: T2 is what it
- * was; else T2* begins anew. */
+/* New settings wait for the next step: its output is what the old ones give for its inputs, whatever moves meanwhile.
+ * same_second: T2 is what it was; else T2* begins anew. */
 void inferential_retune(struct inferential *s, const struct inferential_config *c,
                         bool same_second);
 
