@@ -15,6 +15,7 @@ from typing import Any
 
 from reflux_tools import column_slopes, runner
 from reflux_tools.errors import UserError
+from reflux_tools.logs import Log
 from reflux_tools.paths import ROOT
 from reflux_tools.scenario import Event, Line, Loop, Scenario
 
@@ -79,6 +80,7 @@ class Case:
     noise: float = 0.0  # of every thermometer, K
     lag_s: float = -1.0  # of every thermometer; below 0: the plant's
     stiction: float = 0.0  # of both valves, parts of their span
+    band: float = 0.0  # how far a read-back may be from its command and count as it; 0: as it is
     slope_times: float = 1.0
     gains_times: float = 1.0
     seed: int = 1
@@ -91,20 +93,28 @@ def steady(state: str) -> column_slopes.Steady:
     return column_slopes.steady("splitter", STATES[state])
 
 
+STEP_AT_S = 60.0
+
+
+def open_loop(state: str, mv: str, part: float, stages: tuple[int, ...], hours: float) -> Log:
+    """The board in manual, one input moved by this part of its value at STEP_AT_S."""
+    start = STATES[state]
+    with tempfile.TemporaryDirectory(prefix="reflux-") as folder:
+        lines = tuple(Line(at, f"out {name} {value:.9g}") for at, name, value in (
+            *((0.0, name, value) for name, value in start.items()), (STEP_AT_S, mv, (1 + part) * start[mv])))
+        scenario = Scenario(file=plant_file(Path(folder)), name="step", title="step", plant="plant.json", duration_s=hours * HOUR,
+                            tick_s=30.0, noise=0.0, firmware="memory", start=tuple(start.items()), lines=lines,
+                            config=config_lines((*channel_rows(list(stages)), "apply")))
+        return runner.run(scenario, runner.Options(Path(folder) / "out", quiet=True)).log
+
+
 @lru_cache(maxsize=None)
 def step_slope(stage: int, mv: str, state: str) -> float:
     """Of a stage that has none above it: the fastest change in the first hour after a step of 1 % of the input, K/h per unit."""
-    start = STATES[state]
-    size = 0.01 * start[mv]
-    with tempfile.TemporaryDirectory(prefix="reflux-") as folder:
-        lines = tuple(Line(at, f"out {name} {value:.9g}") for at, name, value in (
-            *((0.0, name, value) for name, value in start.items()), (60.0, mv, start[mv] + size)))
-        scenario = Scenario(file=plant_file(Path(folder)), name="step", title="step", plant="plant.json", duration_s=HOUR, tick_s=30,
-                            noise=0.0, firmware="memory", start=tuple(start.items()), lines=lines,
-                            config=config_lines((*channel_rows([stage]), "apply")))
-        log = runner.run(scenario, runner.Options(Path(folder) / "out", quiet=True)).log
+    log = open_loop(state, mv, 0.01, (stage,), 1.0)
     t, y = log.numbers("time"), log.numbers(f"T{stage}.true")
-    return max(((b - a) / (tb - ta) for a, b, ta, tb in zip(y, y[1:], t, t[1:])), key=abs) * HOUR / size
+    fastest = max(((b - a) / (tb - ta) for a, b, ta, tb in zip(y, y[1:], t, t[1:])), key=abs)
+    return fastest * HOUR / (0.01 * STATES[state][mv])
 
 
 def slope(stage: int, mv: str, state: str, scaling: str) -> float:
@@ -134,7 +144,7 @@ def plant_file(folder: Path) -> Path:
 
 # ---- what the board is told ----
 
-def channel_rows(stages: list[int], feed: bool = False) -> list[str]:
+def channel_rows(stages: list[int], feed: bool = False, band: float = 0.0) -> list[str]:
     rows = ["begin"]
     for k, stage in enumerate(stages, 1):
         rows += [f"set meas{k}.name T{stage}", f"set meas{k}.unit K", f"set meas{k}.lo 280", f"set meas{k}.hi 400"]
@@ -144,6 +154,8 @@ def channel_rows(stages: list[int], feed: bool = False) -> list[str]:
     for k, (name, (unit, lo, hi, least, most)) in enumerate(MVS.items(), 1):
         rows += [f"set mv{k}.name {name}", f"set mv{k}.unit {unit}", f"set mv{k}.lo {lo}", f"set mv{k}.hi {hi}",
                  f"set mv{k}.min {least}", f"set mv{k}.max {most}"]
+        if band:
+            rows.append(f"set mv{k}.band {band:g}")
     return rows
 
 
@@ -211,7 +223,7 @@ def configuration(case: Case) -> list[str]:
     loops = list(of.pairings)
     if of.ratio:  # the reflux follows the feed: its loop only holds
         loops.append(Pairing("R", of.pairings[0].stages))
-    rows = channel_rows(stages, of.ratio)
+    rows = channel_rows(stages, of.ratio, case.band)
     for k, pairing in enumerate(loops, 1):
         rows += loop_rows(k, case, pairing)
     if case.saturation:

@@ -12,7 +12,7 @@ from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from reflux_tools import build, column_slopes, table, trays
+from reflux_tools import build, column_slopes, table, trays, trays_claims
 from reflux_tools.errors import RunFailed, UserError
 from reflux_tools.paths import CAMPAIGNS, ROOT
 from reflux_tools.schema import Table
@@ -31,6 +31,7 @@ CHANGES: tuple[tuple[str, dict[str, Any]], ...] = (
     ("a times 0.5", {"slope_times": 0.5}), ("a times 1.5", {"slope_times": 1.5}),
     ("w times 0.5", {"gains_times": 0.5}), ("w times 1.5", {"gains_times": 1.5}),
     ("stiction 0.2 %", {"stiction": 0.002}), ("stiction 1 %", {"stiction": 0.01}), ("stiction 2 %", {"stiction": 0.02}),
+    ("stiction 2 %, mv.band 2.1 %", {"stiction": 0.02, "band": 0.021}),
 )
 
 
@@ -208,7 +209,20 @@ def write_results(campaign: Trays, state: Any) -> None:
         text.append("\n" + table.markdown(header, rows))
     folder = CAMPAIGNS / "results"
     folder.mkdir(parents=True, exist_ok=True)
-    (folder / f"{campaign.name}.md").write_text("".join(text), encoding="utf-8")
+    (folder / f"{campaign.name}.md").write_text("".join(text) + "\n", encoding="utf-8")
+    (folder / f"{campaign.name}-claims.md").write_text(trays_claims.page(campaign.title, finder(state)), encoding="utf-8")
+
+
+def finder(kept: Any) -> trays_claims.Find:
+    def find(line: str, scenario: str = "SC1", slopes: str = "printed", state: str = "SS1", saturation: bool = False) -> dict[str, Any]:
+        law, _, structure = line.partition(" ")
+        case = Case(structure, law, slopes, state, scenario, saturation)
+        result = kept.get(job_of(case))
+        if result is None or "failed" in result:
+            raise RunFailed(f"{line}, {scenario}: there is no result to compare")
+        return dict(result)
+
+    return find
 
 
 def execute(campaign: Trays, options: argparse.Namespace, state: Any) -> int:
