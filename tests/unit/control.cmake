@@ -8,7 +8,7 @@ reflux_test(feedforward LABEL unit SOURCES test_feedforward.c LIBS reflux_feedfo
 foreach(part pid pid_settings pid_transfer pid_loop)
   reflux_test(${part} LABEL unit SOURCES test_${part}.c LIBS reflux_control)
 endforeach()
-foreach(part inferential inferential_cases inferential_vectors inferential_refused inferential_ends)
+foreach(part inferential inferential_changes inferential_cases inferential_vectors inferential_refused inferential_ends)
   reflux_test(${part} LABEL unit SOURCES test_${part}.c LIBS reflux_control)
 endforeach()
 # Their numbers as they were, in the float build.
