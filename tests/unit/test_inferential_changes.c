@@ -86,6 +86,12 @@ static void another_secondary_takes_over_without_a_bump(void)
         num_t before = b.out[0];
         TEST_ASSERT_DOUBLE_WITHIN(1e-9, 0, bench_value(&b, "y2_1"));
         TEST_ASSERT_EQUAL(LAW_CLF, bench_value(&b, "law_1"));
+        b.input[1] = num_from_float(0.75f); /* its reading counts, the other's does not */
+        b.input[0] = num_from_float(0.25f);
+        inferential_kind.step(b.state, &b.io);
+        TEST_ASSERT_DOUBLE_WITHIN(1e-6, -1, bench_value(&b, "y2_1"));
+        b.input[1] = num_from_float(0.875f);
+        bench_measure(&b);
         /* The same without the change. */
         memcpy(b.state, twin.state, sizeof b.state);
         inferential_kind.step(b.state, &b.io);
@@ -122,13 +128,64 @@ static void settings_given_in_manual_hold_from_the_start(void)
     TEST_ASSERT_DOUBLE_WITHIN(BUMP, (double)num_to_float(followed), out());
 }
 
+/* Whatever stood in its memory before. */
 static void a_block_that_begins_anew_remembers_nothing(void)
 {
-    begin_with(1, LAW_CLF, FORM_JOINT);
+    double course[50];
+    for (unsigned i = 0; i < 2; i++) {
+        begin_with(1, LAW_CLF, FORM_JOINT);
+        struct bench_plant before = b.plant[0];
+        memset(b.state, i ? 0xFF : 0, sizeof b.state);
+        bench_configure(&b, false);
+        bench_follow(&b);
+        b.io.acting = 1;
+        bench_step(&b);
+        TEST_ASSERT_EQUAL_HEX16(0, b.io.raised);
+        TEST_ASSERT_DOUBLE_WITHIN(1e-9, 0, bench_value(&b, "y2_1"));
+        TEST_ASSERT_EQUAL(0, bench_value(&b, "sat_1"));
+        bench_apply(&b);
+        b.plant[0] = before;
+        for (unsigned n = 0; n < 50; n++) {
+            bench_cycle(&b);
+            TEST_ASSERT_EQUAL_HEX16(0, b.io.raised);
+            if (i == 0)
+                course[n] = out();
+            TEST_ASSERT_TRUE(course[n] == out());
+        }
+    }
+}
+
+/* The tick tells in the first follow already which loops act. */
+static void a_first_start_at_an_output_of_nothing_follows_as_well(void)
+{
+    bench_plain(&b, LAW_CLF, FORM_EULER, 30);
+    memset(b.state, 0xFF, sizeof b.state);
+    b.plant[0].t[0] = 1;
+    b.plant[0].u = 0;
     bench_configure(&b, false);
-    bench_follow(&b);
-    TEST_ASSERT_DOUBLE_WITHIN(1e-9, 0, bench_value(&b, "y2_1"));
-    TEST_ASSERT_EQUAL(0, bench_value(&b, "sat_1"));
+    bench_measure(&b);
+    b.io.acting = 1;
+    b.out[0] = num_zero();
+    inferential_kind.follow(b.state, &b.io);
+    bench_step(&b);
+    TEST_ASSERT_DOUBLE_WITHIN(BUMP, 0, out());
+}
+
+/* Equal are temperatures, not fractions of span. */
+static void one_thermometer_is_known_by_its_temperature_whatever_the_spans(void)
+{
+    for (unsigned equal = 0; equal < 2; equal++) {
+        begin_with(1, LAW_CASCADE, FORM_EULER);
+        b.setup.input[0] = (struct block_signal){.lo = 0, .hi = 8};
+        bench_begin(&b);
+        for (unsigned n = 0; n < 25; n++) {
+            b.plant[0].t[0] = 1;
+            b.plant[0].t[1] = equal ? 1 : 5; /* 5 of 0..8 is where 1 of -4..4 is */
+            bench_step(&b);
+            bench_apply(&b);
+        }
+        TEST_ASSERT_EQUAL(equal ? LAW_CONVENTIONAL : LAW_CASCADE, bench_value(&b, "law_1"));
+    }
 }
 
 /* T stands still below its setpoint, and the loop that is driven cannot go further up, or down. */
@@ -205,6 +262,8 @@ int main(void)
     RUN_TEST(settings_given_twice_before_a_step_are_the_last_ones);
     RUN_TEST(settings_given_in_manual_hold_from_the_start);
     RUN_TEST(a_block_that_begins_anew_remembers_nothing);
+    RUN_TEST(a_first_start_at_an_output_of_nothing_follows_as_well);
+    RUN_TEST(one_thermometer_is_known_by_its_temperature_whatever_the_spans);
     RUN_TEST(where_what_it_drives_is_at_its_limit_the_observer_does_not_go_on_there);
     RUN_TEST(the_primary_action_goes_as_far_as_the_mv);
     return UNITY_END();
