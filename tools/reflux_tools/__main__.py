@@ -17,6 +17,7 @@ COMMANDS = {
     "bench": "cmd_bench",
     "plot": "cmd_plot",
     "column": "cmd_column",
+    "gradients": "cmd_gradients",
     "style": "cmd_style",
     "fuzz": "cmd_fuzz",
     "coverage": "cmd_coverage",

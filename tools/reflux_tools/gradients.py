@@ -1,12 +1,19 @@
-"""What each component does to the temperature profile of a column at a steady state: the gradient diagram (docs/gradients.md)."""
+"""The gradient diagram of a column at a steady state (docs/gradients.md): how much the temperature changes from stage to stage, and
+what each component has to do with it."""
 
 from __future__ import annotations
 
+import csv
 import math
 from dataclasses import dataclass
-from typing import Sequence
+from pathlib import Path
+from typing import Any, Sequence
 
 from reflux_tools.errors import UserError
+from reflux_tools.paths import shown
+
+KELVIN = 273.15
+SUM_OFF = 0.01  # by how much the fractions of a stage may miss 1
 
 
 @dataclass(frozen=True)
@@ -14,32 +21,127 @@ class Diagram:
     """Stage i stands for the step from stage i to the one above it; the last stage has none."""
 
     gradient: list[float]  # K, Frau (3.11)
-    share: list[list[float]]  # [stage][component], K; they add up to about the gradient
+    share: list[list[float]]  # [stage][component], K; they add up to about the gradient. Empty: not known
     names: list[str]
 
-    def kappa(self, stage: int, keys: Sequence[str]) -> float:
+    @property
+    def stages(self) -> int:
+        return len(self.gradient) + 1
+
+    def part_of(self, stage: int, names: Sequence[str]) -> float:
         """Part of the shares' sizes that comes of these components; 0 where nothing changes."""
+        if not self.share:
+            return math.nan
         sizes = [abs(s) for s in self.share[stage - 1]]
-        return sum(s for s, name in zip(sizes, self.names) if name in keys) / sum(sizes) if sum(sizes) else 0.0
+        return sum(s for s, name in zip(sizes, self.names) if name in names) / sum(sizes) if sum(sizes) else 0.0
+
+
+@dataclass(frozen=True)
+class Profile:
+    """From the reboiler up; K, mole fractions of the liquid."""
+
+    temperature: list[float]
+    x: list[list[float]]
+    names: list[str]
+    k: list[list[float]] | None = None  # y/x of each component, where a file says so
 
 
 def vapour_pressure(constants: Sequence[float], t: float) -> tuple[float, float]:
     """P and dP/dT, Pa and Pa/K, of ln P = A - B/(C + T) + D T + E ln T + F T^G; what is left out is 0."""
-    a, b, c, d, e, f, g = [*constants, 0.0, 0.0, 0.0, 0.0, 0.0][:7]
-    p = math.exp(a - b / (c + t) + d * t + e * math.log(t) + f * t**g)
+    a, b, c, d, e, f, g = [*constants, 0.0, 0.0, 0.0, 0.0][:7]
+    p = math.exp(a - b / (c + t) + d * t + e * math.log(t) + (f * t**g if f else 0.0))
     return p, p * (b / (c + t) ** 2 + d + e / t + (f * g * t ** (g - 1) if f else 0.0))
 
 
 def diagram(temperature: Sequence[float], x: Sequence[Sequence[float]], names: Sequence[str],
-            constants: Sequence[Sequence[float]]) -> Diagram:
-    """T in K and mole fractions of every stage from the reboiler up. The share of component j is -P_j/(sum x_k P_k') times its
-    step: the derivative of the bubble point by x_j alone, so that the closing component has its share too."""
+            constants: Sequence[Sequence[float]] | None) -> Diagram:
+    """The share of component j is -P_j/(sum x_k P_k') times its step: the derivative of the bubble point by x_j alone, so that the closing
+    component has its share too. constants: of the vapour pressures; None: they are not known."""
     if len(temperature) != len(x) or len(temperature) < 3:
         raise UserError("a profile needs the temperature and the fractions of three stages or more")
-    gradient, share = [], []
-    for i in range(len(temperature) - 1):
+    gradient = [above - below for below, above in zip(temperature, temperature[1:])]
+    share = []
+    for i in range(len(gradient)) if constants else ():
         both = [vapour_pressure(c, temperature[i]) for c in constants]
         slope = sum(xj * dp for xj, (_, dp) in zip(x[i], both))
-        gradient.append(temperature[i + 1] - temperature[i])
         share.append([-(p / slope) * (above - below) for (p, _), below, above in zip(both, x[i], x[i + 1])])
     return Diagram(gradient, share, list(names))
+
+
+def diagram_of_k(profile: Profile) -> Diagram:
+    """With K-values in place of vapour pressures: d ln K/dT of a component is what lies between the two stages."""
+    assert profile.k is not None
+    t, k = profile.temperature, profile.k
+    gradient = [above - below for below, above in zip(t, t[1:])]
+    share = []
+    for i, g in enumerate(gradient):
+        if g == 0:
+            share.append([0.0] * len(profile.names))
+            continue
+        slope = sum(xj * kj * math.log(ka / kj) / g for xj, kj, ka in zip(profile.x[i], k[i], k[i + 1]))
+        share.append([-(kj / slope) * (above - below) if slope else 0.0 for kj, below, above in zip(k[i], profile.x[i], profile.x[i + 1])])
+    return Diagram(gradient, share, list(profile.names))
+
+
+def constants_of(plant: dict[str, Any]) -> dict[str, list[float]] | None:
+    """Constants of each component's vapour pressure from a column's file; None where shares would leave something out."""
+    if "activity" in plant:
+        return None
+    out = {}
+    for c in plant["components"]:
+        if "vapour_pressure" in c:
+            out[str(c["name"])] = [float(v) for v in c["vapour_pressure"]]
+        else:
+            a, *rest = plant["reference_vapour_pressure"]
+            out[str(c["name"])] = [float(a) + math.log(float(c["relative_volatility"])), *(float(v) for v in rest)]
+    return out
+
+
+# ---- a user's profile ----
+
+def read_csv(path: Path) -> Profile:
+    """Columns stage, T[K] or T[degC], x.NAME of every component, and K.NAME of all of them or none; further columns do not matter."""
+    try:
+        lines = [line for line in path.read_text(encoding="utf-8-sig").splitlines() if line.strip() and not line.startswith("#")]
+    except (OSError, UnicodeDecodeError) as error:
+        raise UserError(f"{shown(path)}: cannot be read: {getattr(error, 'strerror', None) or error}") from None
+    rows = list(csv.DictReader(lines))
+    head = [h.strip() for h in (csv.DictReader(lines).fieldnames or [])]
+    units = [h for h in head if h in ("T[K]", "T[degC]")]
+    names = [h.removeprefix("x.") for h in head if h.startswith("x.")]
+    if "stage" not in head or len(units) != 1 or len(names) < 2:
+        raise UserError(f"{shown(path)}: needs columns stage, T[K] or T[degC], and x.NAME of two components or more; it has {', '.join(head)}")
+    k_names = [h.removeprefix("K.") for h in head if h.startswith("K.")]
+    if k_names and sorted(k_names) != sorted(names):
+        raise UserError(f"{shown(path)}: needs K.NAME of every component or of none; it has them of {', '.join(k_names)}")
+
+    def number(row: dict[str, str], key: str, line: int) -> float:
+        text = row.get(key) or ""
+        try:
+            value = float(text)
+        except ValueError:
+            value = math.nan
+        if not math.isfinite(value):
+            raise UserError(f'{shown(path)}: stage {line}, {key}: "{text}" is no number')
+        return value
+
+    temperature, x, k = [], [], []
+    for n, row in enumerate(rows, 1):
+        row = {str(key).strip(): value for key, value in row.items() if isinstance(value, str)}
+        if number(row, "stage", n) != n:
+            raise UserError(f"{shown(path)}: line {n} is stage {row['stage']}; stages are 1 (the reboiler), 2, 3 and so on upwards")
+        t = number(row, units[0], n) + (KELVIN if units[0] == "T[degC]" else 0.0)
+        fractions = [number(row, f"x.{name}", n) for name in names]
+        if not 50 <= t <= 1500:
+            raise UserError(f"{shown(path)}: stage {n}: {t:g} K is no temperature of a column; is the unit right?")
+        if min(fractions) < 0 or abs(sum(fractions) - 1) > SUM_OFF:
+            raise UserError(f"{shown(path)}: stage {n}: mole fractions are 0 or more and add up to 1, these to {sum(fractions):g}")
+        temperature.append(t)
+        x.append(fractions)
+        if k_names:
+            k.append([number(row, f"K.{name}", n) for name in names])
+            if min(k[-1]) <= 0:
+                raise UserError(f"{shown(path)}: stage {n}: K-values are above 0")
+    if len(temperature) < 4:
+        raise UserError(f"{shown(path)}: has {len(temperature)} stages; a column has 4 or more")
+    return Profile(temperature, x, names, k or None)

@@ -1,0 +1,268 @@
+"""tools/gradients: shares against an independent derivative of the bubble point, the source's claims, rules on made-up profiles, profiles of
+one's own with their refusals, columns of other classes."""
+
+import json
+import math
+import unittest
+
+from support import ROOT, FolderTest, call
+
+from reflux_tools import gradients, sensor_rules
+from reflux_tools.errors import UserError
+from reflux_tools.gradients import Diagram
+from reflux_tools.sensor_rules import Steps, Thresholds
+
+PLANTS = ROOT / "host_sim" / "plants"
+SS2 = ("--set", "R=32.2787", "--set", "Q=2804.458")
+
+
+def report(*arguments: str) -> dict:
+    status, out, err = call("gradients", *arguments, "--format", "json")
+    assert status == 0, err
+    return json.loads(out)
+
+
+def splitter_constants() -> dict[str, list[float]]:
+    known = gradients.constants_of(json.loads((PLANTS / "splitter.json").read_text(encoding="utf-8")))
+    assert known is not None
+    return known
+
+
+def bubble_point(x: list[float], constants: list[list[float]], pressure: float) -> float:
+    """By bisection, so that no derivative is used. x need not add up to 1."""
+    low, high = 220.0, 440.0
+    for _ in range(80):
+        t = (low + high) / 2
+        above = sum(xj * gradients.vapour_pressure(c, t)[0] for xj, c in zip(x, constants)) > pressure
+        low, high = (low, t) if above else (t, high)
+    return low
+
+
+class Shares(unittest.TestCase):
+    def test_shares_are_the_bubble_points_derivative_by_one_fraction_alone_times_its_step(self) -> None:
+        constants = list(splitter_constants().values())
+        x = [[0.01, 0.3, 0.25, 0.02, 0.01, 0.41], [0.02, 0.38, 0.22, 0.01, 0.005, 0.365], [0.02, 0.4, 0.22, 0.01, 0.005, 0.345]]
+        t = 340.0
+        pressure = sum(xj * gradients.vapour_pressure(c, t)[0] for xj, c in zip(x[0], constants))
+        of = gradients.diagram([t, t - 3, t - 4], x, list("abcdef"), constants)
+        for j in range(6):
+            moved = [[xk + (d if k == j else 0.0) for k, xk in enumerate(x[0])] for d in (1e-4, -1e-4)]
+            slope = (bubble_point(moved[0], constants, pressure) - bubble_point(moved[1], constants, pressure)) / 2e-4
+            self.assertAlmostEqual(of.share[0][j], slope * (x[1][j] - x[0][j]), delta=1e-5 + 1e-5 * abs(of.share[0][j]))
+
+    def test_the_derivative_of_the_vapour_pressure_is_its_slope(self) -> None:
+        for c in splitter_constants().values():
+            both = [gradients.vapour_pressure(c, t)[0] for t in (349.99, 350.01)]
+            self.assertAlmostEqual(gradients.vapour_pressure(c, 350.0)[1] / ((both[1] - both[0]) / 0.02), 1.0, delta=1e-6)
+
+    def test_relative_volatilities_count_as_vapour_pressures_of_one_reference(self) -> None:
+        known = gradients.constants_of({"reference_vapour_pressure": [10, 2000, 0],
+                                        "components": [{"name": "a", "relative_volatility": 3}, {"name": "b", "relative_volatility": 1}]})
+        assert known is not None
+        p = [gradients.vapour_pressure(known[n], 350.0)[0] for n in "ab"]
+        self.assertAlmostEqual(p[0] / p[1], 3.0)
+
+
+class Source(unittest.TestCase):
+    """What Frau says of her diagrams (sections 3.4 and 5.1 of the thesis)."""
+
+    @classmethod
+    def setUpClass(cls) -> None:
+        cls.ss1, cls.ss2 = report("splitter", "--no-steps"), report("splitter", *SS2, "--no-steps")
+
+    def test_the_steepest_stages_are_near_thirty_and_near_five(self) -> None:
+        for found, first, last, near in ((self.ss1, 20, 35, 30), (self.ss2, 20, 35, 30), (self.ss2, 2, 17, 5)):
+            stage = min((s for s in found["stages"] if first <= s["stage"] <= last), key=lambda s: s["gradient"])["stage"]
+            self.assertLessEqual(abs(stage - near), 2)
+
+    def test_the_shares_add_up_to_the_gradient_within_a_fifth_of_a_kelvin(self) -> None:
+        for found in (self.ss1, self.ss2):
+            for s in found["stages"][:-1]:
+                self.assertLess(abs(sum(s["shares"].values()) - s["gradient"]), 0.2)
+
+    def test_propane_pulls_with_the_gradient_and_butane_against_it_and_ethane_counts_at_the_top_only(self) -> None:
+        for s in self.ss1["stages"][25:33]:
+            self.assertLess(s["shares"]["C3"], 0)
+            self.assertGreater(s["shares"]["nC4"], 0)
+        ethane = [abs(s["shares"]["C2"]) for s in self.ss1["stages"][:-1]]
+        self.assertGreater(min(ethane[34:]), 3 * max(ethane[20:33]))
+
+    def test_candidates_at_the_first_state_are_hers_and_rule_a_chooses_what_she_chose(self) -> None:
+        enriching = self.ss1["control"][0]
+        self.assertEqual(enriching["candidates"], list(range(26, 34)))
+        self.assertEqual(enriching["by_keys"], 33)
+        self.assertEqual(enriching["near_feed"], 23)
+
+    def test_at_the_second_state_rule_a_has_her_enriching_stage_and_rule_b_her_stripping_one(self) -> None:
+        enriching, stripping = self.ss2["control"]
+        self.assertEqual(enriching["by_keys"], 33)
+        self.assertLessEqual(abs(stripping["by_product"] - 5), 1)
+        self.assertIn("disagree", stripping["reason"])
+
+    def test_three_components_are_modelled_and_propane_is_innovated(self) -> None:
+        for found in (self.ss1, self.ss2):
+            self.assertEqual(sorted(found["estimation"]["modelled"]), ["C3", "iC4", "nC4"])
+            self.assertEqual(set(found["estimation"]["innovated"].values()), {"C3"})
+            for first, last in found["estimation"]["averaged"]:
+                self.assertFalse(first <= 19 <= last)
+
+    def test_keys_are_propane_and_isobutane(self) -> None:
+        self.assertEqual(self.ss1["keys"], ["C3", "iC4"])
+
+
+class Rules(unittest.TestCase):
+    def test_a_flat_section_gets_no_stage(self) -> None:
+        of = Diagram([-0.01] * 20, [[-0.01, 0.0]] * 20, ["a", "b"])
+        choice = sensor_rules.choose(of, 10, "enriching", ("a", "b"), Thresholds())
+        self.assertIsNone(choice.by_product)
+        self.assertIn("I do not know", choice.reason)
+
+    def test_a_section_without_room_gets_no_stage(self) -> None:
+        of = Diagram([-5.0] * 20, [[-5.0, 0.0]] * 20, ["a", "b"])
+        self.assertIn("I do not know", sensor_rules.choose(of, 3, "stripping", ("a", "b"), Thresholds()).reason)
+
+    def test_regions_of_one_temperature_end_at_the_feed(self) -> None:
+        of = Diagram([0.0] * 20, [], ["a", "b"])
+        self.assertEqual(sensor_rules.even_regions(of, 10, 0.1, 3), ((1, 9), (11, 21)))
+
+    def test_without_a_pair_of_which_one_goes_up_and_the_other_down_there_are_no_keys(self) -> None:
+        self.assertIsNone(sensor_rules.keys_of([0.5, 0.3, 0.2], [0.5, 0.3, 0.2], list("abc"), [1, 2, 3]))
+        self.assertEqual(sensor_rules.keys_of([0.2, 0.7, 0.1], [0.0, 0.2, 0.8], list("cba"), [1, 2, 3]), ("b", "a"))
+
+    def test_steps_that_move_one_way_only_choose_nothing(self) -> None:
+        self.assertIsNone(Steps("u", [1.0, 2.0], [1.0, 2.0]).best())
+        self.assertEqual(Steps("u", [1.0, 2.0, 2.5], [-1.0, -2.0, -0.5]).best(), 2)
+
+    def test_singular_vectors_choose_the_stages_that_see_each_direction(self) -> None:
+        steps = [Steps("a", [1.0, 0.1, 0.0], [-1.0, -0.1, 0.0]), Steps("b", [0.0, 0.0, 0.5], [0.0, 0.0, -0.5])]
+        stages, values = sensor_rules.singular(steps)
+        self.assertEqual(stages, [1, 3])
+        self.assertAlmostEqual(values[1], 0.5)
+        self.assertAlmostEqual(sensor_rules.condition(steps, [1, 3]), 2.0)
+
+
+class OwnProfile(FolderTest):
+    def csv(self, change: object = None, kelvin: bool = True) -> str:
+        lines = [f"stage,T[{'K' if kelvin else 'degC'}],x.C3,x.nC4"]
+        rows = [[s, 380.0 - 5 * s - (0 if kelvin else 273.15), 0.05 * s, 1 - 0.05 * s] for s in range(1, 13)]
+        if callable(change):
+            change(lines, rows)
+        return str(self.file("own.csv", "\n".join(lines + [",".join(str(v) for v in row) for row in rows]) + "\n"))
+
+    def gradients(self, path: str, *more: str) -> tuple[int, str, str]:
+        return call("gradients", *more, "--profile", path, "--feed", "6", "--out", str(self.folder / "own.png"))
+
+    def test_the_simulators_own_profile_as_a_file_gives_the_same(self) -> None:
+        found = report("splitter", "--no-steps", "--out", str(self.folder / "a.png"))
+        from reflux_tools import column_slopes
+        at = column_slopes.steady("splitter")
+        head = ",".join(["stage", "T[degC]", *(f"x.{n}" for n in at.names)])
+        rows = [",".join(repr(v) for v in (s, t - 273.15, *x)) for s, (t, x) in enumerate(zip(at.temperature, at.x), 1)]
+        path = self.file("own.csv", "\n".join([head, *rows]))
+        own = report("splitter", "--profile", str(path), "--out", str(self.folder / "b.png"))
+        for a, b in zip(found["control"], own["control"]):
+            self.assertEqual({k: v for k, v in a.items() if k != "reason"}, {k: v for k, v in b.items() if k != "reason"})
+        self.assertAlmostEqual(found["stages"][29]["shares"]["C3"], own["stages"][29]["shares"]["C3"], places=6)
+
+    def test_without_a_column_k_values_do_and_without_both_only_the_gradient_counts(self) -> None:
+        def with_k(lines: list, rows: list) -> None:
+            lines[0] += ",K.C3,K.nC4"
+            for row in rows:
+                row += [3.0 * math.exp(0.02 * (row[1] - 350)), math.exp(0.02 * (row[1] - 350))]
+        status, out, err = self.gradients(self.csv(with_k))
+        self.assertEqual(status, 0, err)
+        self.assertIn("keys C3 and nC4", out)
+        status, out, err = self.gradients(self.csv())
+        self.assertEqual(status, 0, err)
+        self.assertIn("I do not know what each component has to do", out)
+
+    def test_what_is_wrong_with_a_file_is_said(self) -> None:
+        def column(lines: list, rows: list) -> None:
+            lines[0] = lines[0].replace("T[K]", "T")
+
+        def nan(lines: list, rows: list) -> None:
+            rows[4][1] = math.nan
+
+        def order(lines: list, rows: list) -> None:
+            rows[0][0], rows[1][0] = 2, 1
+
+        def total(lines: list, rows: list) -> None:
+            rows[3][2] += 0.05
+
+        def one_k(lines: list, rows: list) -> None:
+            lines[0] += ",K.C3"
+            for row in rows:
+                row.append(2.0)
+
+        def short(lines: list, rows: list) -> None:
+            del rows[3:]
+
+        for change, words in ((column, "needs columns stage, T[K] or T[degC]"), (nan, "stage 5, T[K]"), (order, "stages are 1 (the reboiler)"),
+                              (total, "add up to 1"), (one_k, "K.NAME of every component"), (short, "has 3 stages")):
+            with self.subTest(words):
+                status, _, err = self.gradients(self.csv(change))
+                self.assertEqual(status, 2, err)
+                self.assertIn(words, err)
+
+    def test_a_component_that_the_column_does_not_have_is_named(self) -> None:
+        def rename(lines: list, rows: list) -> None:
+            lines[0] = lines[0].replace("x.nC4", "x.nC9")
+        status, _, err = self.gradients(self.csv(rename), "splitter")
+        self.assertEqual(status, 2)
+        self.assertIn("nC9: no component of splitter", err)
+
+    def test_a_profile_without_a_feed_stage_asks_for_it(self) -> None:
+        status, _, err = call("gradients", "--profile", self.csv())
+        self.assertEqual(status, 2)
+        self.assertIn("--feed", err)
+
+
+class OtherColumns(FolderTest):
+    def test_columns_of_other_classes_are_drawn_and_what_is_not_known_is_said(self) -> None:
+        for name, words in (("pilot", "All components are keys"), ("methanol-water", "I do not know"), ("c3-splitter", "I do not know"),
+                            ("column-a", "All components are keys")):
+            with self.subTest(name):
+                picture = self.folder / f"{name}.png"
+                status, out, err = call("gradients", name, "--out", str(picture))
+                self.assertEqual(status, 0, err)
+                self.assertIn(words, out)
+                self.assertGreater(picture.stat().st_size, 10000)
+
+    def test_lines_for_the_console_are_the_rows_of_the_kind(self) -> None:
+        lines = report("splitter", "--no-steps", "--loop", "Q:33,34", "--out", str(self.folder / "a.png"))["lines"]
+        self.assertIn("set block1.stage.1 33,34", lines)
+        self.assertTrue(any(line.startswith("set block1.gradient.1 -2.0") for line in lines))
+
+    def test_nonsense_is_refused(self) -> None:
+        for arguments, words in ((("wood-berry",), "is no column"), ((), "names no column"), (("splitter", "--loop", "Q33"), "must be MV:STAGE"),
+                                 (("splitter", "--loop", "F:33"), "is no reflux, heat or boil-up"), (("splitter", "--loop", "Q:37"), "has no stage above"),
+                                 (("splitter", "--keys", "C3,C9"), "no component"), (("splitter", "--set", "Q"), "NAME=NUMBER"),
+                                 (("splitter", "--step", "2"), "below 0.5")):
+            with self.subTest(arguments):
+                status, _, err = call("gradients", *arguments, *(("--no-steps",) if arguments and "--step" not in arguments else ()),
+                                      "--out", str(self.folder / "x.png"))
+                self.assertEqual(status, 2, err)
+                self.assertIn(words, err)
+
+    def test_thresholds_are_options(self) -> None:
+        found = report("splitter", "--no-steps", "--half", "0.9", "--out", str(self.folder / "a.png"))
+        self.assertLess(len(found["control"][0]["candidates"]), 5)
+
+
+class Slopes(unittest.TestCase):
+    def test_the_consistent_slope_is_how_a_tray_begins_to_move_after_a_step_to_a_third(self) -> None:
+        """It leaves out what the subcooled reflux condenses and what the trays beside it do meanwhile; the printed one is six times as much."""
+        from reflux_tools import trays
+        for state, mv, stage in (("SS1", "Q", 33), ("SS1", "R", 33), ("SS2", "Q", 5), ("SS2", "R", 33)):
+            with self.subTest(state, mv=mv, stage=stage):
+                began = trays.step_slope(stage, mv, state)
+                self.assertLess(abs(trays.slope(stage, mv, state, "consistent") / began - 1), 1 / 3)
+
+    def test_a_stage_without_one_above_has_no_gradient(self) -> None:
+        from reflux_tools import trays
+        with self.assertRaisesRegex(UserError, "no stage above"):
+            trays.steady("SS1").slope(37, "heat", 4143.0)
+
+
+if __name__ == "__main__":
+    unittest.main()
