@@ -431,6 +431,8 @@ static void a_cut_is_told_with_its_side(void)
     bench_cycle(&b);
     TEST_ASSERT_EQUAL(-1, bench_value(&b, "sat_1"));
     TEST_ASSERT_DOUBLE_WITHIN(1e-6, out_of(&b, 0), 1.5 / 4);
+    bench_follow(&b);
+    TEST_ASSERT_EQUAL(0, bench_value(&b, "sat_1"));
 }
 
 static void both_actions_add_up_to_the_output(void)

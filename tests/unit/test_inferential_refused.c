@@ -66,6 +66,8 @@ static void the_parameters_are_those_of_the_page(void)
     for (unsigned i = 0; i < inferential_kind.parameters; i++) {
         const struct block_parameter *p = &inferential_kind.parameter[i];
         TEST_ASSERT_EQUAL_STRING(page[i].name, p->name);
+        TEST_ASSERT_EQUAL_MESSAGE(i + 1, p->id,
+                                  p->name); /* stored configurations know it by that */
         TEST_ASSERT_EQUAL_MESSAGE(page[i].rows, p->rows, p->name);
         TEST_ASSERT_EQUAL_MESSAGE(page[i].cols, p->cols, p->name);
         TEST_ASSERT_EQUAL_FLOAT(page[i].initial, p->initial);
@@ -76,6 +78,16 @@ static void the_parameters_are_those_of_the_page(void)
         TEST_ASSERT_EQUAL_FLOAT(page[i].lo, p->lo);
         TEST_ASSERT_EQUAL_FLOAT(page[i].hi, p->hi);
     }
+}
+
+static void it_serves_two_loops_with_a_secondary_each(void)
+{
+    TEST_ASSERT_EQUAL(2, inferential_kind.members_most);
+    TEST_ASSERT_EQUAL(4, inferential_kind.inputs_most);
+    TEST_ASSERT_EQUAL(STAGE_CONTROL, inferential_kind.stage);
+    TEST_ASSERT_EQUAL(BAD_INPUT_IS_TOLD, inferential_kind.bad_input);
+    TEST_ASSERT_EQUAL(sizeof(struct inferential_settings), inferential_kind.settings_bytes);
+    TEST_ASSERT_EQUAL(0, inferential_kind.bytes(&b.setup) % 8);
 }
 
 static void the_inner_values_are_those_of_the_page(void)
@@ -254,6 +266,33 @@ static void the_mvs_have_to_stand_last(void)
     accepted();
 }
 
+static void more_temperatures_than_two_are_refused(void)
+{
+    bench_wire(&b, 1, 3, 30);
+    b.setup.input[1].is_mv = b.setup.input[2].is_mv = false;
+    bench_plain_loop(&b, 0, LAW_CLF, 1, 2);
+    refused(0, "inputs", "two");
+    setUp();
+    b.setup.members = 0;
+    refused(0, "loops", "one or two");
+}
+
+static void slopes_a_thousand_times_apart_are_refused(void)
+{
+    b.settings.a[0][1] = 999;
+    accepted();
+    b.settings.a[0][1] = 1001;
+    refused(0, "a", "1000");
+    b.settings.a[0][0] = 1000;
+    b.settings.a[0][1] = 1001;
+    accepted();
+    b.settings.a[0][1] = 0.99f;
+    refused(0, "a", "1000");
+    setUp();
+    b.settings.a[0][1] = -2;
+    refused(0, "a", "same sign");
+}
+
 static void the_same_stage_twice_is_refused(void)
 {
     b.settings.stage[0][0] = b.settings.stage[0][1] = 33;
@@ -373,6 +412,7 @@ int main(void)
 {
     UNITY_BEGIN();
     RUN_TEST(the_parameters_are_those_of_the_page);
+    RUN_TEST(it_serves_two_loops_with_a_secondary_each);
     RUN_TEST(the_inner_values_are_those_of_the_page);
     RUN_TEST(from_one_number_come_all_gains);
     RUN_TEST(the_rules_observer_stays_a_third_of_the_holdups);
@@ -384,6 +424,8 @@ int main(void)
     RUN_TEST(neither_w_nor_gains_are_refused);
     RUN_TEST(two_temperatures_need_a_secondary);
     RUN_TEST(the_mvs_have_to_stand_last);
+    RUN_TEST(more_temperatures_than_two_are_refused);
+    RUN_TEST(slopes_a_thousand_times_apart_are_refused);
     RUN_TEST(the_same_stage_twice_is_refused);
     RUN_TEST(a_slope_against_its_gradient_is_refused_as_positive_feedback);
     RUN_TEST(a_slope_is_needed_of_every_temperature_that_is_used);
