@@ -31,6 +31,9 @@ UPDATE_NAMES = {
 TUNER_TITLE = "Instructions of the self-tuner's law a sample, STM32F405 in the emulator"
 TUNER_HEADER = ["design", "number format", "mean", "most", "bytes of state", "bytes of stack"]
 TUNERS = ("PSV", "ISV", "PMD1", "IMD1")
+TRAYS_TITLE = "Instructions of tray temperature control a tick, STM32F405 in the emulator: step and back-calculation"
+TRAYS_HEADER = ["law", "loops", "number format", "mean", "most", "bytes of state", "bytes of stack"]
+TRAYS = ("PI", "conventional", "cascade", "CLF")
 
 Lines = list[tuple[str, str, int, int, int]]
 
@@ -39,6 +42,7 @@ def parts() -> list[tuple[str, list[str], list[list[str]]]]:
     """Titles, headers and rows of both tables."""
     updates: list[list[str]] = []
     tuners: list[list[str]] = []
+    trays: list[list[str]] = []
     for name, preset in PRESETS:
         try:
             lines = counted(preset)
@@ -47,7 +51,8 @@ def parts() -> list[tuple[str, list[str], list[list[str]]]]:
             continue
         updates += update_rows(name, lines)
         tuners += tuner_rows(name, lines)
-    return [(UPDATE_TITLE, UPDATE_HEADER, updates), (TUNER_TITLE, TUNER_HEADER, tuners)]
+        trays += tray_rows(name, lines)
+    return [(UPDATE_TITLE, UPDATE_HEADER, updates), (TUNER_TITLE, TUNER_HEADER, tuners), (TRAYS_TITLE, TRAYS_HEADER, trays)]
 
 
 def update_rows(name: str, lines: Lines) -> list[list[str]]:
@@ -65,6 +70,12 @@ def tuner_rows(name: str, lines: Lines) -> list[list[str]]:
         if kind in TUNERS:
             out.append([kind, name, f"{mean:,}", f"{most:,}", f"{size:,}", f"{lines[k + 1][2]:,}"])
     return out
+
+
+def tray_rows(name: str, lines: Lines) -> list[list[str]]:
+    """The loop's own PID with a PI's settings stands first."""
+    return [[kind, n, name, f"{mean:,}", f"{most:,}", f"{size:,}", f"{lines[k + 1][2]:,}"]
+            for k, (kind, n, mean, most, size) in enumerate(lines) if kind in TRAYS]
 
 
 def counted(preset: str) -> Lines:

@@ -11,7 +11,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Callable
 
-from reflux_tools import bench_estimation, bench_link, bench_plants, bench_tick, build, launch, runner, scenario, table
+from reflux_tools import bench_estimation, bench_link, bench_plants, bench_tick, build, launch, runner, scenario, table, trays
 from reflux_tools.boards import BOARDS
 from reflux_tools.errors import RunFailed, UserError
 from reflux_tools.paths import ROOT, SCENARIOS, build_dir, named, shown
@@ -20,6 +20,7 @@ RESULTS = ROOT / "tests" / "bench" / "results.md"
 ICOUNT = ("-icount", "shift=0")
 LINK_TICKS = 40
 STATS_AT_END = "stats"
+DAY_TITLE = "A day of the splitter, both ends by tray temperatures, 30 s ticks"
 
 
 def main(arguments: list[str]) -> int:
@@ -31,7 +32,7 @@ def main(arguments: list[str]) -> int:
     p.add_argument("--plants", action="store_true", help="only the simulated plants, printed and not written")
     p.add_argument("--link", action="store_true", help="only the plant link's share of a tick, printed and not written")
     p.add_argument("--tick", action="store_true", help="only a tick without the link, printed and not written")
-    p.add_argument("--estimation", action="store_true", help="only estimators and the self-tuner, printed and not written")
+    p.add_argument("--estimation", action="store_true", help="only estimators, the self-tuner and tray temperature control, printed and not written")
     p.add_argument("--before", metavar="COMMIT", default=bench_tick.BEFORE,
                    help=f"version beside which a tick without the link is counted (default {bench_tick.BEFORE}); it is built "
                    "in the build folder")
@@ -62,6 +63,7 @@ def main(arguments: list[str]) -> int:
         build.build(kind)
     parts = [
         *bench_plants.parts(),
+        (DAY_TITLE, ["law", "firmware", "s of wall time", "times real time"], day_rows()),
         ("Lockstep ticks per second", ["way", "ticks", "ticks per second"], speed_rows(options.ticks)),
         ("Instructions per tick", ["where", "how", "least", "mean", "most"], instruction_rows()),
         (bench_tick.TITLE, bench_tick.header(options.before), tick_rows(options.before)),
@@ -110,6 +112,21 @@ def measured_run(ticks: int, firmware: str, extra: tuple[str, ...] = ()) -> tupl
         out = Path(folder)
         result = runner.run(bench_scenario(ticks, firmware), runner.Options(out, quiet=True, extra=extra))
         return result, runner.replies_in(out / "transcript.txt", STATS_AT_END)
+
+
+def day_rows() -> list[list[str]]:
+    """The splitter under the source's first scenario, both ends; with building and writing of nothing but the run."""
+    def row(law: str, firmware: str) -> Callable[[], list[str]]:
+        def measure() -> list[str]:
+            structure = "sC[Q,5][R,33]" if law == "conventional" else "sC[Q,5,7][R,33,34]"
+            case = trays.Case(structure, law, state="SS2", firmware=firmware)
+            with tempfile.TemporaryDirectory(prefix="reflux-") as folder:
+                day = replace(trays.scenario(case, Path(folder)), duration_s=86400.0)
+                wall = float(runner.run(day, runner.Options(Path(folder) / "out", quiet=True)).facts["wall_s"])
+            return [f"{wall:.2f}", f"{86400 / wall:,.0f}"]
+        return measure
+
+    return [guarded([law, firmware], 4, row(law, firmware)) for law in ("conventional", "cascade", "clf") for firmware in ("memory", "host")]
 
 
 def speed_rows(ticks: int) -> list[list[str]]:

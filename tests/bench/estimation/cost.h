@@ -29,5 +29,6 @@ float dense_form(float *p, size_t n, const float *phi, float v, float *gain);
 #endif
 
 void cost_of_tuners(void);
+void cost_of_trays(void);
 
 #endif

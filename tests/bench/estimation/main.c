@@ -226,6 +226,7 @@ int main(void)
 #endif
     }
     cost_of_tuners();
+    cost_of_trays();
     cost_say("done", 0, 0, 0, 0);
     for (;;) {
     }
