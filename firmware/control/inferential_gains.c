@@ -148,6 +148,10 @@ static const char *wrong_pair(const struct inferential_config *c, const char **f
     *field = "kc2";
     if (c->form == FORM_EULER && !(c->interval_h * (c->kc2 + c->ko) < 1))
         return "needs Ts (kc2 + ko) below 1 in form euler: form joint takes any";
+    /* Else y1 overshoots within a step, and from about twice that on the loop is unstable. */
+    if (c->form == FORM_EULER && c->law == LAW_CLF &&
+        !(c->interval_h * (c->kc + c->kc2 * (1 + r * r)) < 1))
+        return "needs Ts (kc + kc2 + kc2 (a1/a2)^2) below 1 in form euler: form joint takes any";
     struct shares s = shares_of(c, true);
     float of1 = c->span[PRIMARY] / c->u_span, of2 = c->span[SECONDARY] / c->u_span;
     if (!is_share(s.p1 * of1) || !is_share(s.q1 * of1) || !is_share(s.p2 * of2) ||

@@ -171,9 +171,73 @@ static void test_at_any_settings_it_refuses_or_gives_numbers(void)
     TEST_ASSERT_GREATER_THAN(1000, runs);
 }
 
+static double magnitude(double lo, double hi)
+{
+    return exp(log(lo) + unit() * log(hi / lo));
+}
+
+/* A law with its model plant, at gains, slopes and intervals at random. */
+static void draw_loop(void)
+{
+    static const enum inferential_law laws[] = {LAW_CONVENTIONAL, LAW_CASCADE, LAW_CLF};
+    bench_plain(&b, LAW_CLF, random_below(&source, 2) ? FORM_JOINT : FORM_EULER,
+                magnitude(0.5, 3600));
+    b.settings.law[0] = (uint8_t)laws[random_below(&source, 3)];
+    b.settings.kc[0] = (float)magnitude(0.1, 100);
+    b.settings.kc2[0] = (float)magnitude(0.1, 100);
+    b.settings.ko[0] = (float)magnitude(0.5, 500);
+    b.plant[0].a[0] = b.settings.a[0][0] = (float)magnitude(0.05, 50);
+    b.plant[0].a[1] = b.settings.a[0][1] = (float)(magnitude(0.05, 20) * b.plant[0].a[0]);
+    for (unsigned i = 0; i < 2; i++)
+        b.plant[0].load[i] = -2 * b.plant[0].a[i];
+}
+
+/* Slowest of the poles the page promises, 1/h. */
+static double slowest(void)
+{
+    const struct inferential_settings *c = &b.settings;
+    double kc = c->kc[0], kc2 = c->kc2[0], r = b.plant[0].a[0] / b.plant[0].a[1];
+    if (c->law[0] == LAW_CONVENTIONAL)
+        return fmin(kc, c->ko[0]);
+    double sum = kc + kc2 * (1 + (c->law[0] == LAW_CLF ? r * r : 0));
+    return fmin((sum - sqrt(sum * sum - 4 * kc * kc2)) / 2, c->ko[0]);
+}
+
+/* A step of the setpoint small enough for the MV's span, and 4000 roundings of T at least. After ten times the slowest time constant
+ * 4.5e-5 of it are left, and some roundings; asked for is a fiftieth. */
+static void test_what_it_accepts_holds_the_plant_it_is_for(void)
+{
+    unsigned runs = 0;
+    struct block_fault fault;
+    for (unsigned n = 0; n < 3000; n++) {
+        draw_loop();
+        unsigned steps =
+            (unsigned)fmin(1e9, 10 / slowest() * 3600 / (double)b.setup.interval_s) + 50;
+        const struct inferential_settings *c = &b.settings;
+        double a1 = b.plant[0].a[0], a2 = b.plant[0].a[1];
+        double gain = (c->kc[0] + c->ko[0]) / a1 + c->kc2[0] / a2 * (1 + a1 / a2),
+               step = 0.5 / gain;
+        if (bench_check(&b, &fault) || steps > 20000 || step < 4000 * 8 * 0x1p-24)
+            continue;
+        runs++;
+        bench_begin(&b);
+        b.plant[0].setpoint = step;
+        bench_cycles(&b, steps);
+        char message[256];
+        (void)snprintf(message, sizeof message,
+                       "law %u, form %u, Ts %g s, kc %g, kc2 %g, ko %g, a %g, %g", c->law[0],
+                       c->form, (double)b.setup.interval_s, (double)c->kc[0], (double)c->kc2[0],
+                       (double)c->ko[0], a1, a2);
+        TEST_ASSERT_DOUBLE_WITHIN_MESSAGE(step / 50, step, b.plant[0].t[0], message);
+    }
+    printf("%u loops\n", runs);
+    TEST_ASSERT_GREATER_THAN(500, runs);
+}
+
 int main(void)
 {
     UNITY_BEGIN();
+    RUN_TEST(test_what_it_accepts_holds_the_plant_it_is_for);
     RUN_TEST(test_at_any_settings_it_refuses_or_gives_numbers);
     return UNITY_END();
 }

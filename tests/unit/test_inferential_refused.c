@@ -186,10 +186,10 @@ static void slopes_come_from_the_gradient(void)
 static void a_given_slope_goes_before_the_gradient(void)
 {
     slopes_from_gradient(MOVES_REFLUX);
-    b.settings.a[0][1] = -0.3f;
+    b.settings.a[0][1] = -1.5f;
     b.settings.scaling = SCALING_PRINTED;
     TEST_ASSERT_EQUAL_FLOAT(-4.5f, come_to("a1_1"));
-    TEST_ASSERT_EQUAL_FLOAT(-0.3f, come_to("a2_1"));
+    TEST_ASSERT_EQUAL_FLOAT(-1.5f, come_to("a2_1"));
 }
 
 /* ---- refused ---- */
@@ -210,6 +210,20 @@ static void euler_is_refused_where_its_steps_are_too_long_and_the_joint_form_nam
     b.settings.form = FORM_JOINT;
     accepted();
     b.setup.interval_s = 1800;
+    accepted();
+}
+
+/* 30 s of 2 + 4 (1 + r^2) 1/h. */
+static void clf_is_refused_in_euler_steps_where_the_secondary_answers_too_little(void)
+{
+    b.settings.a[0][1] = 0.188f; /* 0.993 */
+    accepted();
+    b.settings.a[0][1] = 0.187f; /* 1.003 */
+    refused(0, "kc2", "joint");
+    b.settings.law[0] = LAW_CASCADE;
+    accepted();
+    b.settings.law[0] = LAW_CLF;
+    b.settings.form = FORM_JOINT;
     accepted();
 }
 
@@ -420,6 +434,7 @@ int main(void)
     RUN_TEST(slopes_come_from_the_gradient);
     RUN_TEST(a_given_slope_goes_before_the_gradient);
     RUN_TEST(euler_is_refused_where_its_steps_are_too_long_and_the_joint_form_named);
+    RUN_TEST(clf_is_refused_in_euler_steps_where_the_secondary_answers_too_little);
     RUN_TEST(a_given_observer_above_a_third_of_the_holdups_is_refused);
     RUN_TEST(neither_w_nor_gains_are_refused);
     RUN_TEST(two_temperatures_need_a_secondary);
