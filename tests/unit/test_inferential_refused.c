@@ -88,6 +88,8 @@ static void it_serves_two_loops_with_a_secondary_each(void)
     TEST_ASSERT_EQUAL(BAD_INPUT_IS_TOLD, inferential_kind.bad_input);
     TEST_ASSERT_EQUAL(sizeof(struct inferential_settings), inferential_kind.settings_bytes);
     TEST_ASSERT_EQUAL(0, inferential_kind.bytes(&b.setup) % 8);
+    TEST_ASSERT_GREATER_THAN(
+        0, inferential_kind.history(&b.setup)); /* by it an MV is known from another */
 }
 
 static void the_inner_values_are_those_of_the_page(void)
@@ -422,6 +424,33 @@ static void gains_that_no_format_could_follow_are_refused(void)
     accepted();
 }
 
+/* Spans of T2 that make one of its factors large, and what they are with others. */
+static void spans_that_do_not_fit_the_secondary_are_refused(void)
+{
+    static const float too_wide = 4 * 300,
+                       wide = 4 * 240; /* Kc2/a2 times its span over the MV's 4 */
+    b.settings.form = FORM_JOINT;
+    b.setup.interval_s = 1;
+    b.settings.a[0][0] = b.settings.a[0][1] = 1;
+    b.settings.ko[0] = 2;
+    b.settings.law[0] = LAW_CASCADE;
+    b.setup.input[0].hi = b.setup.input[0].lo + too_wide;
+    refused(0, "kc2", "1000");
+    b.setup.input[0].hi = b.setup.input[0].lo + wide;
+    accepted();
+    b.settings.kc2[0] = 1;
+    b.settings.ko[0] = 4.2f; /* the observer's share */
+    refused(0, "kc2", "1000");
+    b.settings.ko[0] = 4.1f;
+    accepted();
+    /* a2 Ts in spans, the other way round */
+    b.setup.interval_s = 3600;
+    b.setup.input[0].hi = b.setup.input[0].lo + 0.0039f;
+    refused(0, "kc2", "1000");
+    b.setup.input[0].hi = b.setup.input[0].lo + 0.0041f;
+    accepted();
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -447,5 +476,6 @@ int main(void)
     RUN_TEST(numbers_that_are_none_never_become_gains_or_slopes);
     RUN_TEST(slopes_and_frequencies_that_are_none_are_refused);
     RUN_TEST(gains_that_no_format_could_follow_are_refused);
+    RUN_TEST(spans_that_do_not_fit_the_secondary_are_refused);
     return UNITY_END();
 }
