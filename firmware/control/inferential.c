@@ -116,7 +116,6 @@ static void keep_second_load(struct inferential *s, float load, float slope_befo
 static void take_waiting(struct inferential *s)
 {
     num_t u = output(s);
-    struct inferential_coefficients before = s->pair;
     float load = inferential_load(s, SECONDARY);
     float slope_before = s->config.a[SECONDARY] * s->config.u_span;
     uint8_t law = s->next.law;
@@ -124,7 +123,7 @@ static void take_waiting(struct inferential *s)
     set_config(s, &s->next);
     s->waits = false;
     s->acts = pair || !uses_second(law) ? law : (uint8_t)LAW_CONVENTIONAL;
-    if (pair && memcmp(&before, &s->pair, sizeof before) != 0)
+    if (pair)
         keep_second_load(s, load, slope_before);
     if (law == LAW_HOLD)
         s->told = u;
