@@ -37,6 +37,8 @@ void options_print_help(void)
         "                         manipulated variables: hi lo slew lag stiction gain stuck free "
         "readback\n"
         "                         (docs/faults.md says what each does)\n"
+        "  --measure NAME         a truth of the plant becomes a measurement, without lag and noise;\n"
+        "                         repeatable\n"
         "  --start NAME=VALUE     the run begins at the steady state of this input; repeatable\n"
         "  --seed N               of the sensor noise (default 1)\n"
         "  --noise X              noise of all sensors, times their own (default 1)\n"
@@ -130,6 +132,15 @@ static bool take_value(struct sim_options *o, const char *name, const char *text
         o->n_events++;
         return true;
     }
+    if (strcmp(name, "--measure") == 0) {
+        if (o->n_measures == OPTIONS_STARTS_MAX) {
+            return sim_fail(err, err_size, "--measure %s: more than %d truths", text,
+                            OPTIONS_STARTS_MAX);
+        }
+        o->measure[o->n_measures] = text;
+        o->n_measures++;
+        return true;
+    }
     if (strcmp(name, "--start") == 0) {
         if (o->n_starts == OPTIONS_STARTS_MAX) {
             return sim_fail(err, err_size, "--start %s: more than %d inputs", text,
@@ -168,6 +179,12 @@ static bool complete(struct sim_options *o, char *err, size_t err_size)
                         o->script != NULL       ? "--script"
                         : o->transcript != NULL ? "--transcript"
                                                 : "--telemetry");
+    }
+    if (o->n_measures > 0) {
+        o->class = plant_measuring(o->class, o->measure, o->n_measures, err, err_size);
+        if (o->class == NULL) {
+            return false;
+        }
     }
     for (size_t k = 0; k < o->n_starts; k++) {
         if (!plant_read_input("--start", o->class, o->start_text[k], &o->start[k], err, err_size)) {

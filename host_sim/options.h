@@ -21,6 +21,8 @@ struct sim_options {
     bool progress, help;
     const char *event[OPTIONS_EVENTS_MAX];
     size_t n_events;
+    const char *measure[OPTIONS_STARTS_MAX];
+    size_t n_measures;
     const char *start_text[OPTIONS_STARTS_MAX];
     struct plant_change start[OPTIONS_STARTS_MAX];
     size_t n_starts;

@@ -1,5 +1,6 @@
 #include "plant_inputs.h"
 
+#include <stdlib.h>
 #include <string.h>
 
 #include "text.h"
@@ -88,4 +89,43 @@ struct plant *plant_create_at(const struct plant_class *class, const struct plan
     }
     class->destroy(p);
     return NULL;
+}
+
+static struct plant_channel *truth_of(const struct plant_class *class,
+                                      struct plant_channel *channels, const char *name)
+{
+    for (size_t i = 0; i < class->n_channels; i++) {
+        if (strcmp(channels[i].name, name) == 0 && channels[i].kind == PLANT_INTERNAL) {
+            return &channels[i];
+        }
+    }
+    return NULL;
+}
+
+const struct plant_class *plant_measuring(const struct plant_class *class, const char *const *name,
+                                          size_t n, char *err, size_t err_size)
+{
+    struct plant_class *measuring = malloc(sizeof(*measuring));
+    struct plant_channel *channels = malloc(class->n_channels * sizeof(*channels));
+    if (measuring == NULL || channels == NULL) {
+        free(measuring);
+        free(channels);
+        (void)sim_fail(err, err_size, "out of memory");
+        return NULL;
+    }
+    *measuring = *class;
+    (void)memcpy(channels, class->channels, class->n_channels * sizeof(*channels));
+    measuring->channels = channels;
+    for (size_t k = 0; k < n; k++) {
+        struct plant_channel *c = truth_of(class, channels, name[k]);
+        if (c == NULL) {
+            (void)sim_fail(err, err_size, "--measure %s: %s has no such truth that is not measured",
+                           name[k], class->name);
+            free(channels);
+            free(measuring);
+            return NULL;
+        }
+        c->kind = PLANT_MEASUREMENT;
+    }
+    return measuring;
 }

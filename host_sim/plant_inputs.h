@@ -21,6 +21,11 @@ bool plant_set_inputs(const struct plant_class *class, struct plant *p,
 bool plant_read_input(const char *option, const struct plant_class *class, const char *text,
                       struct plant_change *change, char *err, size_t err_size);
 
+/* The class with the truths of these names as measurements behind its others, without lag and noise; NULL with the reason.
+ * It lives as long as the program. */
+const struct plant_class *plant_measuring(const struct plant_class *class, const char *const *name,
+                                          size_t n, char *err, size_t err_size);
+
 /* A plant at the steady state of these inputs, time 0; NULL on error. *bad_input: it is the inputs that are wrong. */
 struct plant *plant_create_at(const struct plant_class *class, const struct plant_change *change,
                               size_t n, bool *bad_input, char *err, size_t err_size);

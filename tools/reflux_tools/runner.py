@@ -81,6 +81,8 @@ def simulator_command(scenario: Scenario, firmware: launch.Firmware, out: Path) 
                "--timeout", f"{scenario.timeout_s:.17g}", "--progress"]
     if scenario.tick_s is not None:
         command += ["--tick", f"{scenario.tick_s:.17g}"]
+    for name in scenario.measure:
+        command += ["--measure", name]
     for name, value in scenario.start:
         command += ["--start", f"{name}={value:.17g}"]
     for event in scenario.events:

@@ -70,6 +70,7 @@ class Scenario:
     console: tuple[Path, ...] = ()
     lines: tuple[Line, ...] = ()
     events: tuple[Event, ...] = ()
+    measure: tuple[str, ...] = ()  # truths that are measured
     start: tuple[tuple[str, float], ...] = ()  # inputs at whose steady state the run begins
     loops: tuple[Loop, ...] = ()
     limits: tuple[Limit, ...] = ()
@@ -116,6 +117,7 @@ def load(path: Path, plants: list[str] | None = None) -> Scenario:
         lines=_lines(top, path, duration),
         events=_events(top, duration),
         start=_start(top),
+        measure=tuple(check_channel(name, top.path("measure")) for name in top.texts("measure", [])),
     )
     scenario = replace(scenario, limits=_limits(top, scenario))
     top.done()

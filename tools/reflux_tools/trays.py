@@ -3,7 +3,6 @@ the board, what the column goes through, and what is measured of it."""
 
 from __future__ import annotations
 
-import json
 import math
 import re
 import statistics
@@ -11,12 +10,11 @@ import tempfile
 from dataclasses import dataclass, field, replace
 from functools import lru_cache
 from pathlib import Path
-from typing import Any
+from typing import Any, Iterable
 
 from reflux_tools import column_slopes, runner
 from reflux_tools.errors import UserError
 from reflux_tools.logs import Log
-from reflux_tools.paths import ROOT
 from reflux_tools.scenario import Event, Line, Loop, Scenario
 
 HOUR = 3600.0
@@ -102,8 +100,8 @@ def open_loop(state: str, mv: str, part: float, stages: tuple[int, ...], hours: 
     with tempfile.TemporaryDirectory(prefix="reflux-") as folder:
         lines = tuple(Line(at, f"out {name} {value:.9g}") for at, name, value in (
             *((0.0, name, value) for name, value in start.items()), (STEP_AT_S, mv, (1 + part) * start[mv])))
-        scenario = Scenario(file=plant_file(Path(folder)), name="step", title="step", plant="plant.json", duration_s=hours * HOUR,
-                            tick_s=30.0, noise=0.0, firmware="memory", start=tuple(start.items()), lines=lines,
+        scenario = Scenario(file=Path(folder) / "step.toml", name="step", title="step", plant="splitter", duration_s=hours * HOUR,
+                            measure=more_measured(stages), tick_s=30.0, noise=0.0, firmware="memory", start=tuple(start.items()), lines=lines,
                             config=config_lines((*channel_rows(list(stages)), "apply")))
         return runner.run(scenario, runner.Options(Path(folder) / "out", quiet=True)).log
 
@@ -131,15 +129,17 @@ def gains(case: Case, stage: int) -> tuple[float, float, float]:
 
 # ---- the plant ----
 
-def plant_file(folder: Path) -> Path:
-    """The splitter with a thermometer on stage 3 and a meter in the feed. Returns the path a scenario beside it would have."""
-    plant: dict[str, Any] = json.loads((ROOT / "host_sim" / "plants" / "splitter.json").read_text(encoding="utf-8"))
-    like = next(c for c in plant["outputs"] if c["name"] == "T5")
-    plant["outputs"].append({**like, "name": "T3", "stage": 3, "help": "temperature of stage 3"})
-    plant["truths"] = [c for c in plant["truths"] if c["name"] != "T3"]
-    plant["outputs"].append({"name": "Fm", "is": "feed", "unit": "m3/h", "lo": 0, "hi": 150, "noise": 0, "help": "feed, metered"})
-    (folder / "plant.json").write_text(json.dumps(plant), encoding="utf-8")
-    return folder / "case.toml"
+MEASURED = (1, 5, 7, 12, 17, 19, 23, 27, 30, 31, 33, 34, 37)  # stages with a thermometer
+
+
+def more_measured(stages: Iterable[int], feed: bool = False) -> tuple[str, ...]:
+    """Truths of the plant that a case measures as well."""
+    return (*(f"T{s}" for s in sorted(set(stages) - set(MEASURED))), *(("Fm",) if feed else ()))
+
+
+def as_the_others(stages: Iterable[int]) -> list[Event]:
+    """A thermometer that the plant does not have is as those it has."""
+    return [Event(0.0, f"T{s}.{option}", value) for s in sorted(set(stages) - set(MEASURED)) for option, value in (("lag", 10), ("resolution", 0.01))]
 
 
 # ---- what the board is told ----
@@ -271,9 +271,10 @@ def scenario(case: Case, folder: Path) -> Scenario:
         lines += [Line(begin, f"mode {loop_name(p)} auto"),
                   Line(begin, f"sp {loop_name(p)} {steady(case.state).temperature[p.stages[0] - 1]:.7g}")]
     judged = tuple(Loop(loop_name(p), f"T{p.stages[0]}", p.mv, 0.5) for p in loops)
-    return Scenario(file=plant_file(folder), name="case", title=case.structure, plant="plant.json", duration_s=HOURS * HOUR,
-                    tick_s=case.tick_s, seed=case.seed, noise=0.0, firmware=case.firmware, start=tuple(start.items()), lines=tuple(lines),
-                    events=tuple(feed_events(case) + instrument_events(case)), loops=judged, config=config_lines(configuration(case)))
+    stages = [s for p in of.pairings for s in p.stages]
+    return Scenario(file=folder / "case.toml", name="case", title=case.structure, plant="splitter", duration_s=HOURS * HOUR,
+                    measure=more_measured(stages, of.ratio), tick_s=case.tick_s, seed=case.seed, noise=0.0, firmware=case.firmware, start=tuple(start.items()), lines=tuple(lines),
+                    events=tuple(feed_events(case) + as_the_others(stages) + instrument_events(case)), loops=judged, config=config_lines(configuration(case)))
 
 
 def run(case: Case) -> runner.Result:
