@@ -50,7 +50,7 @@ static enum err refuse_ratio(struct block_fault *fault, unsigned member, const c
     return ERR_RANGE;
 }
 
-static float size_of(float x)
+static float ratio_size(float x)
 {
     return x < 0 ? -x : x;
 }
@@ -65,12 +65,12 @@ static enum err ratio_check(const struct block_setup *setup, struct block_fault 
     if (!(c->at > 0))
         return refuse_ratio(fault, 0, "at", "must be above 0");
     const struct block_signal *feed = &setup->input[0];
-    if (!(size_of(feed->lo) <= NUM_MAX_MAGNITUDE * c->at &&
+    if (!(ratio_size(feed->lo) <= NUM_MAX_MAGNITUDE * c->at &&
           feed->hi - feed->lo <= NUM_MAX_MAGNITUDE * c->at))
         return refuse_ratio(fault, 0, "at", "must be a hundredth of the feed's span or more");
     for (unsigned k = 0; k < setup->members; k++)
         if ((setup->there & (1u << k)) &&
-            !((setup->member[k].out_reach + size_of(c->zero)) <= BACK_MOST * c->lo))
+            !((setup->member[k].out_reach + ratio_size(c->zero)) <= BACK_MOST * c->lo))
             return refuse_ratio(fault, k, "lo", "is too small for what the loop's MV may be");
     return ERR_OK;
 }

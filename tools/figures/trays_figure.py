@@ -63,8 +63,7 @@ def draw(cases, title, place):
 
 
 def main(arguments):
-    campaign = cmd_campaign.load("trays")
-    tables = [part for part in campaign.parts if not part.is_map]
+    tables = [part for part in cmd_campaign.load("trays").parts if not part.is_map]
     if arguments[:1] == ["--all"] and len(arguments) == 2:
         folder = pathlib.Path(arguments[1])
         folder.mkdir(parents=True, exist_ok=True)
@@ -73,6 +72,8 @@ def main(arguments):
                 name = re.sub(r"\W+", "-", f"{part.title} {scaling}").strip("-").lower()
                 print(folder / f"{name}.png", flush=True)
                 draw([dataclasses.replace(c, scaling=scaling) for c in part.cases], f"{part.title}, slopes {scaling}", folder / f"{name}.png")
+    elif arguments == ["--help"]:
+        print(__doc__)
     elif arguments:
         sys.exit(f"usage: {pathlib.Path(__file__).name} [--all FOLDER]")
     else:
