@@ -14,6 +14,7 @@ struct inferential_block {
     uint8_t loops, seconds;            /* secondary temperatures among the inputs, the first ones */
     uint8_t second[INFERENTIAL_LOOPS]; /* which of them, INFERENTIAL_NONE: none */
     uint8_t acted;                     /* bit k: loop k acted in the last step */
+    uint8_t alone[INFERENTIAL_LOOPS];  /* steps in a row without the secondary that its law has */
     uint8_t equal[INFERENTIAL_LOOPS];  /* steps in a row in which both temperatures were equal */
     uint8_t begun;                     /* bit k: loop k has followed */
     float lo[INFERENTIAL_LOOPS][2];    /* of the temperatures, EU */

@@ -11,6 +11,8 @@
 /* So many equal readings in a row of two temperatures are one thermometer; equal: within this part of the span. */
 #define EQUAL_STEPS 20u
 #define EQUAL       1e-5f
+/* So many steps in a row without its secondary are told; one reading that is missing is nobody's affair. */
+#define ALONE_STEPS 10u
 
 enum inferential_event { EVENT_NO_SECOND, EVENT_SAME, INFERENTIAL_EVENTS };
 
@@ -70,11 +72,13 @@ static num_t second_of(const struct inferential_block *s, unsigned k, const stru
     return s->second[k] == INFERENTIAL_NONE ? num_zero() : io->input[s->second[k]];
 }
 
+/* One that is held or doubtful does not count: without it the loop goes on as well, and what is held jumps when it is believed
+ * again. */
 static bool second_is_there(const struct inferential_block *s, unsigned k,
                             const struct block_io *io)
 {
-    return s->second[k] != INFERENTIAL_NONE &&
-           quality_usable((enum quality)io->quality[s->second[k]]) && s->equal[k] < EQUAL_STEPS;
+    return s->second[k] != INFERENTIAL_NONE && io->quality[s->second[k]] == QUALITY_GOOD &&
+           s->equal[k] < EQUAL_STEPS;
 }
 
 static void compare_temperatures(struct inferential_block *s, unsigned k, const struct block_io *io)
@@ -114,14 +118,19 @@ static bool has_own_mvs(const struct inferential_block *s, const struct block_io
     return true;
 }
 
-static void tell_events(const struct inferential_block *s, struct block_io *io)
+static void tell_events(struct inferential_block *s, struct block_io *io)
 {
     unsigned raised = 0;
     for (unsigned k = s->loops; k-- > 0;) {
         const struct inferential *l = &s->loop[k];
+        bool same = s->equal[k] >= EQUAL_STEPS;
         if (!(io->acting & (1u << k)) || l->acts == l->config.law)
+            s->alone[k] = 0;
+        else if (s->alone[k] < ALONE_STEPS)
+            s->alone[k]++;
+        if (s->alone[k] < (same ? 1u : ALONE_STEPS))
             continue;
-        unsigned event = s->equal[k] >= EQUAL_STEPS ? EVENT_SAME : EVENT_NO_SECOND;
+        unsigned event = same ? EVENT_SAME : EVENT_NO_SECOND;
         raised |= 1u << event;
         io->event_value[event] = (float)(k + 1u);
     }
