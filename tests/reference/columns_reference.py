@@ -161,6 +161,7 @@ class Column:
         g = m.subcooling(xd, t[..., -1], s.subcooling) if "reflux_subcooling" in drive else 1.0
         feed_t = self.plain(drive["feed_temperature"]) if "feed_temperature" in drive else np.nan
         s.feed = feed = self.flow(drive["feed"], z, feed_t)
+        s.z, s.feed_t = z, feed_t
         ratio = r / self.softness
         a = np.where(ratio.real < 1, ratio, 1.0)
         excess = self.holdup * (r - 1)
@@ -320,6 +321,10 @@ class Column:
             return getattr(s, kind) * self.per_mole(unit, s.x[..., -1, :], s.t[..., -1] - s.subcooling)
         if kind == "bottoms":
             return s.bottoms * self.per_mole(unit, s.x[..., 0, :], s.t[..., 0])
+        if kind == "feed":
+            return s.feed * self.per_mole(unit, s.z, s.feed_t)
+        if kind == "feed_temperature":
+            return s.feed_t - (273.15 if unit == "degC" else 0.0)
         if kind == "heat":
             return s.up[..., 0] * m.heat(s.x[..., 0, :], s.t[..., 0]) / POWER[unit]
         flow = {"boilup": s.up[..., 0], "liquid_flow": s.down[..., stages[0]], "vapour_flow": s.up[..., stages[0]]}[kind]

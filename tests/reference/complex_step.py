@@ -192,7 +192,7 @@ def splitter_drive(u):
 def splitter_outputs(m, f, u):
     return {**{f"T{k + 1}": f["t"][:, k] for k in range(splitter.STAGES)}, "iC4_D": f["x"][:, -1, 2], "C3_B": f["x"][:, 0, 1],
             "D": f["d"] * 3.6, "B": f["b"] * 3.6, "V": f["boilup"] * 3.6,
-            "R_eff": flow_volume(m, f["reflux"], f["x"][:, -1], f["t"][:, -1] - u["dTr"]) * 3600}
+            "R_eff": flow_volume(m, f["reflux"], f["x"][:, -1], f["t"][:, -1] - u["dTr"]) * 3600, "Fm": u["F"], "TFm": u["TF"]}
 
 
 PLANTS = {"pilot": Plant(Model(pilot.PILOT, antoine), pilot_drive, pilot_outputs),
