@@ -368,7 +368,7 @@ class Broken(Files):
              "$.truths[0].stage: distillate has no stage"),
             (STILL, put("truths", 0, {"name": "q", "is": "bottoms", "unit": "m3/h", "lo": 0, "hi": 1}),
              "$.truths[0].unit: the unit m3/h needs the molar_mass of every component; light has none"),
-            (STILL, put("truths", 0, {"name": "q", "is": "feed", "unit": "m3/h", "lo": 0, "hi": 1}),
+            (PILOT, put("truths", 0, {"name": "q", "is": "feed", "unit": "mol/s", "lo": 0, "hi": 1}),
              "$.truths[0].unit: feed is seen in the kind of unit in which it is driven, and only then"),
             (STILL, put("truths", 0, {"name": "q", "is": "feed_temperature", "unit": "K", "lo": 0, "hi": 1}),
              "$.truths[0].unit: feed_temperature is seen in the kind of unit in which it is driven, and only then"),

@@ -114,10 +114,11 @@ static void events_with_wrong_values_are_refused(void)
 
 static void events_with_unknown_names_are_told_the_candidates(void)
 {
-    refused("1:dd=1", "disturbances: d; with an option behind a dot: y1, y2 (bias, noise, ");
+    refused("1:dd=1",
+            "disturbances: d (swing, period); with an option behind a dot: y1, y2 (bias, ");
     refused("1:load=1", "has no \"load\"");
     refused("1:zz.hi=1", "has no \"zz\"");
-    refused("1:d.hi=1", "has no \"d\"");
+    refused("1:d.hi=1", "the disturbance d has no option \"hi\"; it has swing, period");
     refused("1:y1.hi=1", "y1 has no option \"hi\"; it has bias, noise, resolution, quality, lag");
     refused("1:u1.bias=1", "u1 has no option \"bias\"; it has lag, hi, lo, slew, stuck, free");
     refused("1:u1.=1", "u1 has no option \"\"");
