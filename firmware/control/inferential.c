@@ -59,7 +59,7 @@ static struct accumulator primary_but_load(const struct inferential *s)
 static num_t output(struct inferential *s)
 {
     if (s->acts == LAW_HOLD)
-        return s->primary = s->told;
+        return s->primary = s->given;
     struct accumulator sum = primary_but_load(s), other = secondary(s);
     accumulator_add_sum(&sum, &s->x1);
     s->primary = num_neg(accumulator_get(&sum));
@@ -126,7 +126,7 @@ static void take_waiting(struct inferential *s)
     if (pair)
         keep_second_load(s, load, slope_before);
     if (law == LAW_HOLD)
-        s->told = u;
+        s->given = u;
     meet(s, u);
 }
 

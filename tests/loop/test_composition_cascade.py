@@ -24,7 +24,9 @@ class Cascade(unittest.TestCase):
         key = (events, drop)
         if key not in self.kept:
             base = scenario.load(SCENARIO)
-            played = replace(base, firmware="memory", limits=(), events=(*(e for e in base.events if e.name not in drop), *events))
+            played = replace(
+                base, firmware="memory", limits=(), events=(*(e for e in base.events if e.name not in drop), *events)
+            )
             with tempfile.TemporaryDirectory(prefix="reflux-") as folder:
                 self.kept[key] = runner.run(played, runner.Options(Path(folder) / "out", quiet=True)).log
         return self.kept[key]

@@ -35,10 +35,12 @@ class Mode:
     config: tuple[str, ...] = ()
 
 
-MODES = (Mode("manual", (), MANUAL),
-         Mode("auto", ("mode tray auto", "sp tray 328.12"), AUTO),
-         Mode("cascade", ("mode tray cascade", "mode purity auto", "sp purity 0.02"), CASCADE),
-         Mode("at a limit", ("mode tray auto", "sp tray 327"), AUTO, ("set mv2.min 4120",)))
+MODES = (
+    Mode("manual", (), MANUAL),
+    Mode("auto", ("mode tray auto", "sp tray 328.12"), AUTO),
+    Mode("cascade", ("mode tray cascade", "mode purity auto", "sp purity 0.02"), CASCADE),
+    Mode("at a limit", ("mode tray auto", "sp tray 327"), AUTO, ("set mv2.min 4120",)),
+)
 
 
 @dataclass(frozen=True)
@@ -50,13 +52,17 @@ class Fault:
     doubted: bool = True  # a secondary is not good for ten steps
 
 
-FAULTS = (Fault("flagged bad", (("quality", 2),), (("quality", 0),)), Fault("missing", (("quality", 3),), (("quality", 0),)),
-          Fault("not a number", (("nan", 1),), (("nan", 0),)), Fault("frozen", (("frozen", 1),), (("free", 1),)),
-          Fault("dead: the lower end of its span, called good", (("dead", 1),), (("free", 1),)),
-          Fault("stuck 60 K too high", (("stuck", 388),), (("free", 1),)),
-          Fault("spikes of 20 K, 20 an hour", (("spike", 20), ("spike_rate", 20)), (("spike_rate", 0),), False, False),
-          Fault("uncertain", (("quality", 1),), (("quality", 0),), False),
-          Fault("half of its samples missing", (("dropout", 0.5),), (("dropout", 0),), False, False))
+FAULTS = (
+    Fault("flagged bad", (("quality", 2),), (("quality", 0),)),
+    Fault("missing", (("quality", 3),), (("quality", 0),)),
+    Fault("not a number", (("nan", 1),), (("nan", 0),)),
+    Fault("frozen", (("frozen", 1),), (("free", 1),)),
+    Fault("dead: the lower end of its span, called good", (("dead", 1),), (("free", 1),)),
+    Fault("stuck 60 K too high", (("stuck", 388),), (("free", 1),)),
+    Fault("spikes of 20 K, 20 an hour", (("spike", 20), ("spike_rate", 20)), (("spike_rate", 0),), False, False),
+    Fault("uncertain", (("quality", 1),), (("quality", 0),), False),
+    Fault("half of its samples missing", (("dropout", 0.5),), (("dropout", 0),), False, False),
+)
 PLACES = (("primary", "T33"), ("secondary", "T34"))
 
 
@@ -68,13 +74,26 @@ class Outcome:
 
 def play(law: str, mode: Mode, fault: Fault, channel: str) -> Outcome:
     base = scenario.load(SCENARIO)
-    config = tuple(replace(line, text=f"set block1.law.1 {law}") if line.text.startswith("set block1.law.1") else line for line in base.config)
+    config = tuple(
+        replace(line, text=f"set block1.law.1 {law}") if line.text.startswith("set block1.law.1") else line
+        for line in base.config
+    )
     more = tuple(Line(0.0, text) for text in mode.config)
-    lines = tuple(line for line in base.lines if line.text.startswith("out ")) + tuple(Line(1800.0, text) for text in mode.lines)
+    lines = tuple(line for line in base.lines if line.text.startswith("out ")) + tuple(
+        Line(1800.0, text) for text in mode.lines
+    )
     events = tuple(e for e in base.events if e.at_s == 0)
     for at, options in ((BEGINS, fault.begins), (ENDS, fault.ends)):
         events += tuple(Event(at, f"{channel}.{option}", value) for option, value in options)
-    played = replace(base, firmware="memory", duration_s=OVER, limits=(), lines=lines, events=events, config=(*config[:-1], *more, config[-1]))
+    played = replace(
+        base,
+        firmware="memory",
+        duration_s=OVER,
+        limits=(),
+        lines=lines,
+        events=events,
+        config=(*config[:-1], *more, config[-1]),
+    )
     with tempfile.TemporaryDirectory(prefix="reflux-") as folder:
         log = runner.run(played, runner.Options(Path(folder) / "out", quiet=True)).log
         return Outcome(log, runner.events_in(Path(folder) / "out" / "transcript.txt"))
@@ -101,7 +120,11 @@ def rows() -> list[str]:
     out = ["| fault | primary | secondary, `cascade` and `clf` | secondary, `conventional` |", "|---|---|---|---|"]
     for fault in FAULTS:
         primary = words[MANUAL] if fault.lost else "the loop goes on"
-        secondary = "the loop goes on as `conventional`, no_2nd is told; back by itself" if fault.doubted else "the loop goes on"
+        secondary = (
+            "the loop goes on as `conventional`, no_2nd is told; back by itself"
+            if fault.doubted
+            else "the loop goes on"
+        )
         out.append(f"| {fault.name} | {primary} | {secondary} | nothing |")
     return out
 
@@ -114,7 +137,10 @@ class Faults(unittest.TestCase):
         self.assertEqual(mode_at(outcome, OVER), shown)
         self.assertEqual(told(outcome, "BLOCK_ALARM", "no_2nd"), alone)
         self.assertEqual(told(outcome, "BLOCK_GAVE_UP", ""), False)
-        self.assertEqual(told(outcome, "MEASUREMENT_BAD", "T33" if place == "primary" else "T34"), fault.lost or "uncertain" != fault.name)
+        self.assertEqual(
+            told(outcome, "MEASUREMENT_BAD", "T33" if place == "primary" else "T34"),
+            fault.lost or "uncertain" != fault.name,
+        )
         least = 4120.0 if mode.config else LEAST
         for k, u in enumerate(log.numbers("Q.applied")):
             if t[k] > BEGINS:
@@ -131,7 +157,13 @@ class Faults(unittest.TestCase):
             self.assertLess(max(moves), 0.05 * Q_SPAN)  # the same noise; a spike taken for true would be 300 %
 
     def test_every_law_in_every_mode_ends_as_it_must_with_a_bad_primary_and_a_bad_secondary(self) -> None:
-        cases = [(law, mode, fault, place, channel) for law in LAWS for mode in MODES for fault in FAULTS for place, channel in PLACES]
+        cases = [
+            (law, mode, fault, place, channel)
+            for law in LAWS
+            for mode in MODES
+            for fault in FAULTS
+            for place, channel in PLACES
+        ]
         with ThreadPoolExecutor(2) as pool:
             outcomes = list(pool.map(lambda c: play(c[0], c[1], c[2], c[4]), cases))
         for (law, mode, fault, place, _), outcome in zip(cases, outcomes):

@@ -40,13 +40,21 @@ class Page(unittest.TestCase):
         times = [BEGIN_S if line.split()[0] in ("mode", "sp") else 0.0 for line in run]
         for k in range(len(times)):
             times[k] = times[k] or max(times[:k]) + BETWEEN_S
-        lines = [line for line in base.lines if line.text.startswith("out ")] + [Line(t, text) for t, text in zip(times, run)]
+        lines = [line for line in base.lines if line.text.startswith("out ")] + [
+            Line(t, text) for t, text in zip(times, run)
+        ]
         cls.shown = max(times)
         cls.changes = [t for t, text in zip(times, run) if text.startswith("set ")]
-        played = replace(base, firmware="memory", noise=0.0, lines=tuple(lines), limits=(),
-                         events=tuple(replace(e, at_s=cls.shown + BETWEEN_S) for e in base.events),
-                         duration_s=cls.shown + BETWEEN_S + 6 * trays.HOUR,
-                         config=tuple([*rest, *(Line(0.0, text) for text in configuration)]))
+        played = replace(
+            base,
+            firmware="memory",
+            noise=0.0,
+            lines=tuple(lines),
+            limits=(),
+            events=tuple(replace(e, at_s=cls.shown + BETWEEN_S) for e in base.events),
+            duration_s=cls.shown + BETWEEN_S + 6 * trays.HOUR,
+            config=tuple([*rest, *(Line(0.0, text) for text in configuration)]),
+        )
         with tempfile.TemporaryDirectory(prefix="reflux-") as folder:
             cls.result = runner.run(played, runner.Options(Path(folder) / "out", quiet=True))
             cls.transcript = (Path(folder) / "out" / "transcript.txt").read_text(encoding="utf-8")

@@ -31,7 +31,10 @@ class Trays(unittest.TestCase):
         for scenario in ("SC1", "SC2"):
             for scaling in ("printed", "consistent"):
                 with self.subTest(scenario, scaling=scaling):
-                    iae = [self.measured(*line, scenario=scenario, scaling=scaling).impurity["iC4_D"].iae for line in ONE_END]
+                    iae = [
+                        self.measured(*line, scenario=scenario, scaling=scaling).impurity["iC4_D"].iae
+                        for line in ONE_END
+                    ]
                     self.assertEqual(iae, sorted(iae, reverse=True))
 
     def test_two_ends_hold_both_impurities_within_their_band_in_the_mean(self) -> None:
@@ -50,7 +53,9 @@ class Trays(unittest.TestCase):
     def test_the_duty_leaves_its_limit_within_a_third_of_an_hour_when_the_feed_is_nominal_again(self) -> None:
         for law, structure in ONE_END:
             with self.subTest(law):
-                self.assertLess(self.measured(law, structure, scenario="SC2", saturation=True).leaves_h, trays.BACK_H + 0.3)
+                self.assertLess(
+                    self.measured(law, structure, scenario="SC2", saturation=True).leaves_h, trays.BACK_H + 0.3
+                )
 
     def test_the_reflux_in_proportion_to_the_feed_moves_the_bottoms_to_three_fifths_of_the_goal(self) -> None:
         """The source has 0.013 there, and no number for anything else of it."""
@@ -60,7 +65,9 @@ class Trays(unittest.TestCase):
     def test_in_fixed_point_it_is_the_same_to_a_hundredth(self) -> None:
         for line in (ONE_END[2], BOTH_ENDS[2]):
             state = "SS1" if line in ONE_END else "SS2"
-            there, fixed = (self.measured(*line, state=state, firmware=firmware) for firmware in ("memory", "host-fixed"))
+            there, fixed = (
+                self.measured(*line, state=state, firmware=firmware) for firmware in ("memory", "host-fixed")
+            )
             for name, impurity in there.impurity.items():
                 self.assertLess(abs(fixed.impurity[name].iae / impurity.iae - 1), 0.01, name)
 

@@ -1,9 +1,19 @@
 """What can be checked of docs/inferential.md without firmware: published vectors, the algebra of Frau's chapter 4 (with its
 misprints repaired), and both discrete forms. Run by inferential_reference.py. Each check prints its largest difference.
 """
-import numpy as np
 
-from inferential_laws import CASCADE, CLF, CONVENTIONAL, EULER, JOINT, Loop, continuous, stepped, transition_rate
+import numpy as np
+from inferential_laws import (
+    CASCADE,
+    CLF,
+    CONVENTIONAL,
+    EULER,
+    JOINT,
+    Loop,
+    continuous,
+    stepped,
+    transition_rate,
+)
 
 TEN_SECONDS = 10 / 3600
 LAWS = (CONVENTIONAL, CASCADE, CLF)
@@ -12,12 +22,20 @@ A, B, GAINS = (1.0, 2.0), (1.0, 0.5), dict(kc=2.0, kc2=4.0, ko=20.0)
 TIMES = (0.05, 0.1, 0.5, 1.0, 2.0)
 CONVENTIONAL_Y = (0.0298310, 0.0379664, 0.0204352, 0.0075186, 0.0010175)
 TWO = {  # y1, y2, e2, u at TIMES
-    CASCADE: [(0.029005, -0.016991, 0.014089, -0.718308), (0.035701, -0.078597, 0.016718, -0.969504),
-              (0.014445, -0.721109, 0.004228, -1.037301), (0.004332, -1.491337, 0.000572, -1.009808),
-              (0.000519, -2.998961, 0.000010, -1.001059)],
-    CLF: [(0.028235, -0.018529, 0.012493, -0.741813), (0.033759, -0.082482, 0.012502, -0.990945),
-          (0.012604, -0.724792, -0.004346, -1.029074), (0.005007, -1.489986, -0.003569, -1.007884),
-          (0.001150, -2.997701, -0.000896, -1.001656)],
+    CASCADE: [
+        (0.029005, -0.016991, 0.014089, -0.718308),
+        (0.035701, -0.078597, 0.016718, -0.969504),
+        (0.014445, -0.721109, 0.004228, -1.037301),
+        (0.004332, -1.491337, 0.000572, -1.009808),
+        (0.000519, -2.998961, 0.000010, -1.001059),
+    ],
+    CLF: [
+        (0.028235, -0.018529, 0.012493, -0.741813),
+        (0.033759, -0.082482, 0.012502, -0.990945),
+        (0.012604, -0.724792, -0.004346, -1.029074),
+        (0.005007, -1.489986, -0.003569, -1.007884),
+        (0.001150, -2.997701, -0.000896, -1.001656),
+    ],
 }
 # By step of 10 s: (column of stepped(), time, value)
 EULER_VECTORS = {
@@ -25,8 +43,12 @@ EULER_VECTORS = {
     CASCADE: [(0, 0.1, 0.036090), (0, 0.5, 0.014371), (0, 1, 0.004298), (2, 1, 0.000560)],
     CLF: [(0, 0.1, 0.034128), (0, 0.5, 0.012533), (0, 1, 0.004986), (2, 1, -0.003567)],
 }
-DAMPING = {None: (1.25, 1.0607, 1.0, 1.0607, 1.25), 1: (1.5, 1.4142, 1.5, 1.7678, 2.25),
-           0.5: (2.25, 2.4749, 3.0, 3.8891, 5.25), 2: (1.3125, 1.149, 1.125, 1.2374, 1.5)}
+DAMPING = {
+    None: (1.25, 1.0607, 1.0, 1.0607, 1.25),
+    1: (1.5, 1.4142, 1.5, 1.7678, 2.25),
+    0.5: (2.25, 2.4749, 3.0, 3.8891, 5.25),
+    2: (1.3125, 1.149, 1.125, 1.2374, 1.5),
+}
 
 
 def said(what, difference, bound):
@@ -46,25 +68,38 @@ def published_vectors():
     exact = (np.exp(-2 * t[1:]) - np.exp(-20 * t[1:])) / 18
     said("the same beside its closed form", np.abs(y - exact).max(), 1e-10)
     peak = np.log(10) / 18
-    said("its peak", max(abs(peak - 0.12792) / 100, abs((np.exp(-2 * peak) - np.exp(-20 * peak)) / 18 - 0.038713)), 0.51e-6)
+    said(
+        "its peak",
+        max(abs(peak - 0.12792) / 100, abs((np.exp(-2 * peak) - np.exp(-20 * peak)) / 18 - 0.038713)),
+        0.51e-6,
+    )
     for law in (CASCADE, CLF):
         x = continuous(plain(law), t, B)[1:]
         seen = np.column_stack([x[:, 0], x[:, 1], x[:, 1] - x[:, 4], x[:, 5]])
         said(f"law {law}, continuous, published vectors", np.abs(seen - TWO[law]).max(), 0.51e-6)
     x = continuous(plain(CASCADE), np.array([0, 0.1, 1]), (1.0, 2.0))
     seen = np.array([*x[1, [0, 1, 4, 5]], *x[2, [0, 1, 5]]])
-    said("cascade, matched loads", np.abs(
-        seen - [0.028907, 0.057813, -0.009060, -1.056224, -0.005229, -0.010458, -0.994121]).max(), 0.51e-6)
+    said(
+        "cascade, matched loads",
+        np.abs(seen - [0.028907, 0.057813, -0.009060, -1.056224, -0.005229, -0.010458, -0.994121]).max(),
+        0.51e-6,
+    )
     for law, vectors in EULER_VECTORS.items():
         x = stepped(plain(law), 400, lambda _: B)
-        said(f"law {law}, Euler, 10 s, published vectors",
-             max(abs(x[round(time * 360), column] - value) for column, time, value in vectors), 0.51e-6)
+        said(
+            f"law {law}, Euler, 10 s, published vectors",
+            max(abs(x[round(time * 360), column] - value) for column, time, value in vectors),
+            0.51e-6,
+        )
 
 
 def published_anti_windup():
     """u within +-0.5, the load 1 for an hour, explicit Euler with 1e-4 h. The published numbers come out to their last digit where
     the plant is stepped before the observer; with the page's order they move by a step or two of the integration."""
-    published = {True: (1.515, [(1, 0.507), (1.5, 0.257), (2, 0.094), (2.5, 0.035)]), False: (3.86, [(1, 0.507), (1.5, 0.257), (3, -0.49)])}
+    published = {
+        True: (1.515, [(1, 0.507), (1.5, 0.257), (2, 0.094), (2.5, 0.035)]),
+        False: (3.86, [(1, 0.507), (1.5, 0.257), (3, -0.49)]),
+    }
     for knows, (leaves, vector) in published.items():
         for plant_first in (False, True):
             loop = Loop(CONVENTIONAL, EULER, 1e-4, A, **GAINS, lo=-0.5, hi=0.5)
@@ -78,8 +113,11 @@ def published_anti_windup():
                 loop.took_effect(us if knows else u)
             rows = np.array(rows)
             slack = 0 if plant_first else 1e-3  # of time; of y at 0.5 1/h half as much
-            said(f"anti-windup, observer told: {knows}, plant first: {plant_first}",
-                 max(abs(rows[round(t * 1e4), 0] - y) for t, y in vector), (0.51e-3 if knows else 0.51e-2) + slack / 2)
+            said(
+                f"anti-windup, observer told: {knows}, plant first: {plant_first}",
+                max(abs(rows[round(t * 1e4), 0] - y) for t, y in vector),
+                (0.51e-3 if knows else 0.51e-2) + slack / 2,
+            )
             left = (1 + np.flatnonzero(np.abs(rows[:, 1]) >= 0.5)[-1]) * 1e-4
             said("  leaves the limit for good", abs(left - leaves), (0.51e-3 if knows else 0.51e-2) + slack)
 
@@ -97,7 +135,11 @@ def controller_matrices(law, a, kc, kc2, ko1, ko2):
         loop.x1, loop.x2, loop.t2s = v[:3]
         loop.step(v[3], v[4], 0.0)
         us, ups = loop.u + v[5], loop.up + v[6]
-        rates = [-ko1 * (loop.x1 + a[0] * us + ko1 * v[3]), -ko2 * (loop.x2 + a[1] * us + ko2 * v[4]), a[1] * ups + loop.b2]
+        rates = [
+            -ko1 * (loop.x1 + a[0] * us + ko1 * v[3]),
+            -ko2 * (loop.x2 + a[1] * us + ko2 * v[4]),
+            a[1] * ups + loop.b2,
+        ]
         return np.array([*rates, loop.up, loop.ut])
 
     m = linear(run, 7)
@@ -108,11 +150,15 @@ def printed_matrices(law, a, kc, kc2, ko1, ko2):
     """Frau's Remarks 4.4 to 4.7 with their signs and ratios repaired."""
     r, clf = a[0] / a[1], float(law == CLF)
     big = np.array([[0, 0, -kc2 * ko1 * r], [ko2 / r, -ko2, -kc2 * ko2], [-1 / r, 1, 0]])
-    b = np.array([[kc * ko1 + clf * kc2 * ko1 * r * r, kc2 * ko1 * r, -ko1 * a[0], 0],
-                  [ko2 * ((kc + ko1) / r + clf * kc2 * r), ko2 * (kc2 - ko2), -ko2 * a[1], 0],
-                  [-(kc + ko1) / r, ko2, 0, a[1]]])
+    b = np.array(
+        [
+            [kc * ko1 + clf * kc2 * ko1 * r * r, kc2 * ko1 * r, -ko1 * a[0], 0],
+            [ko2 * ((kc + ko1) / r + clf * kc2 * r), ko2 * (kc2 - ko2), -ko2 * a[1], 0],
+            [-(kc + ko1) / r, ko2, 0, a[1]],
+        ]
+    )
     c = np.array([[-1 / a[0], 0, 0], [0, 0, kc2 / a[1]]])
-    d = np.array([[-(kc + ko1) / a[0], 0, 0, 0], [-clf * kc2 * a[0] / a[1]**2, -kc2 / a[1], 0, 0]])
+    d = np.array([[-(kc + ko1) / a[0], 0, 0, 0], [-clf * kc2 * a[0] / a[1] ** 2, -kc2 / a[1], 0, 0]])
     return big, b, c, d
 
 
@@ -132,8 +178,12 @@ def closed_forms(law, a, kc, kc2, ko1, ko2, s):
     r, q, clf = a[0] / a[1], 1 / s, float(law == CLF)
     gain = (kc + ko1 + clf * kc2 * r * r) / a[0]
     u = np.array([-gain - q * ko1 * (kc + clf * kc2 * r * r) / a[0], -kc2 / a[1] * (1 + ko1 * q)])
-    star = np.array([-(kc + ko1) / r * q - (kc * ko1 / r - clf * kc2 * (ko2 - ko1) * r) * q * q,
-                     ko2 * q + kc2 * (ko2 - ko1) * q * q])
+    star = np.array(
+        [
+            -(kc + ko1) / r * q - (kc * ko1 / r - clf * kc2 * (ko2 - ko1) * r) * q * q,
+            ko2 * q + kc2 * (ko2 - ko1) * q * q,
+        ]
+    )
     return u, star
 
 
@@ -158,11 +208,17 @@ def state_space_and_closed_forms(random):
         worst[1] = max(worst[1], abs(determinant - poly) / (1 + abs(poly)))
         u, star, _ = answers(law, a, kc, kc2, ko1, ko2, s)
         form = closed_forms(law, a, kc, kc2, ko1, ko2, s)
-        worst[2] = max(worst[2], np.abs(u - form[0]).max() / np.abs(form[0]).max(), np.abs(star - form[1]).max() / np.abs(form[1]).max())
+        worst[2] = max(
+            worst[2],
+            np.abs(u - form[0]).max() / np.abs(form[0]).max(),
+            np.abs(star - form[1]).max() / np.abs(form[1]).max(),
+        )
         of_y2 = answers(law, a, kc, kc2, ko1, ko1, s)[2]
         short = collapsed(law, a, kc, kc2, ko1, s)
         worst[3] = max(worst[3], np.abs(of_y2 - short).max() / np.abs(short).max())
-    for what, difference in zip(("state-space matrices", "their determinant", "PI-like forms of u and T2*", "collapsed forms"), worst):
+    for what, difference in zip(
+        ("state-space matrices", "their determinant", "PI-like forms of u and T2*", "collapsed forms"), worst
+    ):
         said(what + ", 200 random cases", difference, 1e-9)
 
 
@@ -174,7 +230,10 @@ def steps_of_the_collapsed_forms(random):
         loop, r = Loop(law, EULER, h, a, kc, kc2, ko, lo=-np.inf), -0.7 / -1.3
         single = double = 0.0
         for t1, t2 in random.standard_normal((200, 2)):
-            u = -((kc + ko) * t1 + (kc * ko + kc * kc2 + kc2 * ko) * single + kc * kc2 * ko * double) / a[0] - kc2 / a[1] * t2
+            u = (
+                -((kc + ko) * t1 + (kc * ko + kc * kc2 + kc2 * ko) * single + kc * kc2 * ko * double) / a[0]
+                - kc2 / a[1] * t2
+            )
             u -= (law == CLF) * kc2 * r * r / a[0] * (t1 + ko * single)
             worst = max(worst, abs(loop.step(t1, t2, 0.0) - u))
             loop.took_effect(loop.u)
@@ -201,7 +260,11 @@ def equal_to_pi(random):
 
 
 def poles_of_plant_and_controller():
-    for law, wanted in ((CONVENTIONAL, (-20, -2)), (CASCADE, (-20, -20, -4, -2, 0)), (CLF, (-20, -20, -5.56155, -1.43845, 0))):
+    for law, wanted in (
+        (CONVENTIONAL, (-20, -2)),
+        (CASCADE, (-20, -20, -4, -2, 0)),
+        (CLF, (-20, -20, -5.56155, -1.43845, 0)),
+    ):
         loop = plain(law, h=1.0)
 
         def rate(x):
@@ -214,7 +277,9 @@ def poles_of_plant_and_controller():
         if law == CONVENTIONAL:
             m = m[np.ix_([0, 2], [0, 2])]
         # -20 is there twice, which doubles only to half the digits.
-        said(f"law {law}: poles of plant and controller", np.abs(np.sort(np.linalg.eigvals(m).real) - wanted).max(), 6e-6)
+        said(
+            f"law {law}: poles of plant and controller", np.abs(np.sort(np.linalg.eigvals(m).real) - wanted).max(), 6e-6
+        )
 
 
 def predictions(random):
@@ -231,7 +296,7 @@ def predictions(random):
         loop.b1, loop.b2 = b1, b2
         up, ut = loop.actions(y1, e2)
         falls = y1 * (a1 * (up + ut) + b1) + e2 * (a2 * (up + ut) + b2 - a2 * up - b2)
-        said_to = -kc * y1**2 - kc2 * (a1 / a2 * y1 + e2)**2
+        said_to = -kc * y1**2 - kc2 * (a1 / a2 * y1 + e2) ** 2
         worst = max(worst, abs(falls - said_to) / (1 + abs(said_to)))
     said("Lyapunov function: its rate is what (4.54) has", worst, 1e-10)
 
@@ -250,7 +315,10 @@ def joint_form():
                 loop.took_effect(u)
                 return np.array([x[0] + h * loop.a1 * u, x[1] + h * loop.a2 * u, loop.x1, loop.x2, loop.t2s])
 
-            m, slow = linear(one, 5), np.exp(h * np.linalg.eigvals(transition_rate(law, GAINS["kc"], GAINS["kc2"], 0.5)))
+            m, slow = (
+                linear(one, 5),
+                np.exp(h * np.linalg.eigvals(transition_rate(law, GAINS["kc"], GAINS["kc2"], 0.5))),
+            )
             wanted = [slow.min(), slow.max(), 1.0, np.exp(-h_ko), np.exp(-h_ko)]
             if law == CONVENTIONAL:
                 m, wanted = m[np.ix_([0, 2], [0, 2])], [np.exp(-h * GAINS["kc"]), np.exp(-h_ko)]
@@ -263,7 +331,9 @@ def joint_form():
     for law in LAWS:
         t = np.linspace(0, 1, 11)
         fine, joint = continuous(plain(law), t, B), stepped(plain(law, JOINT, 1e-5), 100001, lambda _: B)[::10000]
-        said(f"law {law}: joint form in steps of 0.036 s beside no steps", np.abs(fine[:, :2] - joint[:, :2]).max(), 2e-5)
+        said(
+            f"law {law}: joint form in steps of 0.036 s beside no steps", np.abs(fine[:, :2] - joint[:, :2]).max(), 2e-5
+        )
 
 
 def observers_alone_leave_an_offset():
@@ -287,7 +357,7 @@ def euler_goes_over_into_no_steps():
             fine = continuous(loop, t, B, limits, setpoint)
             for h in (1e-3, 1e-4):
                 loop = Loop(law, EULER, h, A, **GAINS, lo=limits[0], hi=limits[1])
-                coarse = stepped(loop, round(1.5 / h) + 1, lambda _: B, limits, setpoint)[::round(0.1 / h)]
+                coarse = stepped(loop, round(1.5 / h) + 1, lambda _: B, limits, setpoint)[:: round(0.1 / h)]
                 errors.append(np.abs(fine[:, :2] - coarse[:, :2]).max())
             said(f"law {law}, limits {limits}: ratio of differences less 0.1", abs(errors[1] / errors[0] - 0.1), 0.02)
 

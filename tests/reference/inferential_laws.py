@@ -2,6 +2,7 @@
 
 Units: hours, EU, and u counted from the lower end of the MV's span. Used by inferential_checks.py and inferential_reference.py.
 """
+
 import numpy as np
 from scipy.integrate import solve_ivp
 from scipy.linalg import expm
@@ -85,8 +86,16 @@ def continuous(loop, t, b, limits=(-np.inf, np.inf), setpoint=0.0, x0=None, obse
         c.took_effect(us if observer_knows else c.u)
         return [c.a1 * us + b[0], c.a2 * us + b[1], *(np.array([c.x1, c.x2, c.t2s]) - before)]
 
-    x = solve_ivp(rate, (0, t[-1]), np.zeros(5) if x0 is None else x0, method="DOP853", t_eval=t, rtol=1e-11, atol=1e-13,
-                  max_step=0.01 if np.isfinite(limits[1]) else np.inf).y.T
+    x = solve_ivp(
+        rate,
+        (0, t[-1]),
+        np.zeros(5) if x0 is None else x0,
+        method="DOP853",
+        t_eval=t,
+        rtol=1e-11,
+        atol=1e-13,
+        max_step=0.01 if np.isfinite(limits[1]) else np.inf,
+    ).y.T
     return np.column_stack([x, [outputs(row)[1] for row in x]])
 
 

@@ -5,12 +5,11 @@ import json
 import math
 import unittest
 
-from support import ROOT, FolderTest, call
-
 from reflux_tools import gradients, sensor_rules
 from reflux_tools.errors import UserError
 from reflux_tools.gradients import Diagram
 from reflux_tools.sensor_rules import Steps, Thresholds
+from support import ROOT, FolderTest, call
 
 PLANTS = ROOT / "host_sim" / "plants"
 SS2 = ("--set", "R=32.2787", "--set", "Q=2804.458")
@@ -41,7 +40,11 @@ def bubble_point(x: list[float], constants: list[list[float]], pressure: float) 
 class Shares(unittest.TestCase):
     def test_shares_are_the_bubble_points_derivative_by_one_fraction_alone_times_its_step(self) -> None:
         constants = list(splitter_constants().values())
-        x = [[0.01, 0.3, 0.25, 0.02, 0.01, 0.41], [0.02, 0.38, 0.22, 0.01, 0.005, 0.365], [0.02, 0.4, 0.22, 0.01, 0.005, 0.345]]
+        x = [
+            [0.01, 0.3, 0.25, 0.02, 0.01, 0.41],
+            [0.02, 0.38, 0.22, 0.01, 0.005, 0.365],
+            [0.02, 0.4, 0.22, 0.01, 0.005, 0.345],
+        ]
         t = 340.0
         pressure = sum(xj * gradients.vapour_pressure(c, t)[0] for xj, c in zip(x[0], constants))
         of = gradients.diagram([t, t - 3, t - 4], x, list("abcdef"), constants)
@@ -53,11 +56,17 @@ class Shares(unittest.TestCase):
     def test_the_derivative_of_the_vapour_pressure_is_its_slope(self) -> None:
         for c in splitter_constants().values():
             both = [gradients.vapour_pressure(c, t)[0] for t in (349.99, 350.01)]
-            self.assertAlmostEqual(gradients.vapour_pressure(c, 350.0)[1] / ((both[1] - both[0]) / 0.02), 1.0, delta=1e-6)
+            self.assertAlmostEqual(
+                gradients.vapour_pressure(c, 350.0)[1] / ((both[1] - both[0]) / 0.02), 1.0, delta=1e-6
+            )
 
     def test_relative_volatilities_count_as_vapour_pressures_of_one_reference(self) -> None:
-        known = gradients.constants_of({"reference_vapour_pressure": [10, 2000, 0],
-                                        "components": [{"name": "a", "relative_volatility": 3}, {"name": "b", "relative_volatility": 1}]})
+        known = gradients.constants_of(
+            {
+                "reference_vapour_pressure": [10, 2000, 0],
+                "components": [{"name": "a", "relative_volatility": 3}, {"name": "b", "relative_volatility": 1}],
+            }
+        )
         assert known is not None
         p = [gradients.vapour_pressure(known[n], 350.0)[0] for n in "ab"]
         self.assertAlmostEqual(p[0] / p[1], 3.0)
@@ -72,7 +81,9 @@ class Source(unittest.TestCase):
 
     def test_the_steepest_stages_are_near_thirty_and_near_five(self) -> None:
         for found, first, last, near in ((self.ss1, 20, 35, 30), (self.ss2, 20, 35, 30), (self.ss2, 2, 17, 5)):
-            stage = min((s for s in found["stages"] if first <= s["stage"] <= last), key=lambda s: s["gradient"])["stage"]
+            stage = min((s for s in found["stages"] if first <= s["stage"] <= last), key=lambda s: s["gradient"])[
+                "stage"
+            ]
             self.assertLessEqual(abs(stage - near), 2)
 
     def test_the_shares_add_up_to_the_gradient_within_a_fifth_of_a_kelvin(self) -> None:
@@ -155,13 +166,16 @@ class OwnProfile(FolderTest):
     def test_the_simulators_own_profile_as_a_file_gives_the_same(self) -> None:
         found = report("splitter", "--no-steps", "--out", str(self.folder / "a.png"))
         from reflux_tools import column_slopes
+
         at = column_slopes.steady("splitter")
         head = ",".join(["stage", "T[degC]", *(f"x.{n}" for n in at.names)])
         rows = [",".join(repr(v) for v in (s, t - 273.15, *x)) for s, (t, x) in enumerate(zip(at.temperature, at.x), 1)]
         path = self.file("own.csv", "\n".join([head, *rows]))
         own = report("splitter", "--profile", str(path), "--out", str(self.folder / "b.png"))
         for a, b in zip(found["control"], own["control"]):
-            self.assertEqual({k: v for k, v in a.items() if k != "reason"}, {k: v for k, v in b.items() if k != "reason"})
+            self.assertEqual(
+                {k: v for k, v in a.items() if k != "reason"}, {k: v for k, v in b.items() if k != "reason"}
+            )
         self.assertAlmostEqual(found["stages"][29]["shares"]["C3"], own["stages"][29]["shares"]["C3"], places=6)
 
     def test_without_a_column_k_values_do_and_without_both_only_the_gradient_counts(self) -> None:
@@ -169,6 +183,7 @@ class OwnProfile(FolderTest):
             lines[0] += ",K.C3,K.nC4"
             for row in rows:
                 row += [3.0 * math.exp(0.02 * (row[1] - 350)), math.exp(0.02 * (row[1] - 350))]
+
         status, out, err = self.gradients(self.csv(with_k))
         self.assertEqual(status, 0, err)
         self.assertIn("keys C3 and nC4", out)
@@ -197,8 +212,14 @@ class OwnProfile(FolderTest):
         def short(lines: list, rows: list) -> None:
             del rows[3:]
 
-        for change, words in ((column, "needs columns stage, T[K] or T[degC]"), (nan, "stage 5, T[K]"), (order, "stages are 1 (the reboiler)"),
-                              (total, "add up to 1"), (one_k, "K.NAME of every component"), (short, "has 3 stages")):
+        for change, words in (
+            (column, "needs columns stage, T[K] or T[degC]"),
+            (nan, "stage 5, T[K]"),
+            (order, "stages are 1 (the reboiler)"),
+            (total, "add up to 1"),
+            (one_k, "K.NAME of every component"),
+            (short, "has 3 stages"),
+        ):
             with self.subTest(words):
                 status, _, err = self.gradients(self.csv(change))
                 self.assertEqual(status, 2, err)
@@ -207,6 +228,7 @@ class OwnProfile(FolderTest):
     def test_a_component_that_the_column_does_not_have_is_named(self) -> None:
         def rename(lines: list, rows: list) -> None:
             lines[0] = lines[0].replace("x.nC4", "x.nC9")
+
         status, _, err = self.gradients(self.csv(rename), "splitter")
         self.assertEqual(status, 2)
         self.assertIn("nC9: no component of splitter", err)
@@ -219,8 +241,12 @@ class OwnProfile(FolderTest):
 
 class OtherColumns(FolderTest):
     def test_columns_of_other_classes_are_drawn_and_what_is_not_known_is_said(self) -> None:
-        for name, words in (("pilot", "All components are keys"), ("methanol-water", "I do not know"), ("c3-splitter", "I do not know"),
-                            ("column-a", "All components are keys")):
+        for name, words in (
+            ("pilot", "All components are keys"),
+            ("methanol-water", "I do not know"),
+            ("c3-splitter", "I do not know"),
+            ("column-a", "All components are keys"),
+        ):
             with self.subTest(name):
                 picture = self.folder / f"{name}.png"
                 status, out, err = call("gradients", name, "--out", str(picture))
@@ -234,13 +260,24 @@ class OtherColumns(FolderTest):
         self.assertTrue(any(line.startswith("set block1.gradient.1 -2.0") for line in lines))
 
     def test_nonsense_is_refused(self) -> None:
-        for arguments, words in ((("wood-berry",), "is no column"), ((), "names no column"), (("splitter", "--loop", "Q33"), "must be MV:STAGE"),
-                                 (("splitter", "--loop", "F:33"), "is no reflux, heat or boil-up"), (("splitter", "--loop", "Q:37"), "has no stage above"),
-                                 (("splitter", "--keys", "C3,C9"), "no component"), (("splitter", "--set", "Q"), "NAME=NUMBER"),
-                                 (("splitter", "--step", "2"), "below 0.5")):
+        for arguments, words in (
+            (("wood-berry",), "is no column"),
+            ((), "names no column"),
+            (("splitter", "--loop", "Q33"), "must be MV:STAGE"),
+            (("splitter", "--loop", "F:33"), "is no reflux, heat or boil-up"),
+            (("splitter", "--loop", "Q:37"), "has no stage above"),
+            (("splitter", "--keys", "C3,C9"), "no component"),
+            (("splitter", "--set", "Q"), "NAME=NUMBER"),
+            (("splitter", "--step", "2"), "below 0.5"),
+        ):
             with self.subTest(arguments):
-                status, _, err = call("gradients", *arguments, *(("--no-steps",) if arguments and "--step" not in arguments else ()),
-                                      "--out", str(self.folder / "x.png"))
+                status, _, err = call(
+                    "gradients",
+                    *arguments,
+                    *(("--no-steps",) if arguments and "--step" not in arguments else ()),
+                    "--out",
+                    str(self.folder / "x.png"),
+                )
                 self.assertEqual(status, 2, err)
                 self.assertIn(words, err)
 
@@ -253,6 +290,7 @@ class Slopes(unittest.TestCase):
     def test_the_consistent_slope_is_how_a_tray_begins_to_move_after_a_step_to_a_third(self) -> None:
         """It leaves out what the subcooled reflux condenses and what the trays beside it do meanwhile; the printed one is six times as much."""
         from reflux_tools import trays
+
         for state, mv, stage in (("SS1", "Q", 33), ("SS1", "R", 33), ("SS2", "Q", 5), ("SS2", "R", 33)):
             with self.subTest(state, mv=mv, stage=stage):
                 began = trays.step_slope(stage, mv, state)
@@ -260,6 +298,7 @@ class Slopes(unittest.TestCase):
 
     def test_a_stage_without_one_above_has_no_gradient(self) -> None:
         from reflux_tools import trays
+
         with self.assertRaisesRegex(UserError, "no stage above"):
             trays.steady("SS1").slope(37, "heat", 4143.0)
 

@@ -7,6 +7,7 @@
 
 Lines of tests/campaign/trays.toml, with the firmware in the simulator's own process.
 """
+
 import dataclasses
 import pathlib
 import re
@@ -22,9 +23,14 @@ sys.path.insert(0, str(ROOT / "tools"))
 from reflux_tools import cmd_campaign, paths, trays  # noqa: E402
 
 COLOURS = ("#2166ac", "#1b7837", "#b2182b", "#762a83", "#b8860b", "#5c6670", "#16a085", "#d2691e", "#8e44ad", "#2c3e50")
-COMMITTED = {"trays-one-end": ("SS1, SC2: cascade and CLF", ("conventional sC[Q,33]", "cascade sC[Q,33,34]", "clf sC[Q,33,34]")),
-             "trays-two-ends": ("SS2, SC1", ("conventional sC[Q,5][R,33]", "cascade sC[Q,5,7][R,33,34]", "clf sC[Q,5,7][R,33,34]")),
-             "trays-limit": ("Saturation", ("conventional sC[Q,33]", "cascade sC[Q,33,34]", "clf sC[Q,33,34]"))}
+COMMITTED = {
+    "trays-one-end": ("SS1, SC2: cascade and CLF", ("conventional sC[Q,33]", "cascade sC[Q,33,34]", "clf sC[Q,33,34]")),
+    "trays-two-ends": (
+        "SS2, SC1",
+        ("conventional sC[Q,5][R,33]", "cascade sC[Q,5,7][R,33,34]", "clf sC[Q,5,7][R,33,34]"),
+    ),
+    "trays-limit": ("Saturation", ("conventional sC[Q,33]", "cascade sC[Q,33,34]", "clf sC[Q,33,34]")),
+}
 
 
 def panels(cases):
@@ -33,7 +39,9 @@ def panels(cases):
     out = [("iC4_D", "iC4 in distillate, 1e-3", 1000)] + ([("C3_B", "C3 in bottoms, 1e-3", 1000)] if both else [])
     stages = sorted({p.stages[0] for c in cases for p in trays.structure(c.structure).pairings})
     out += [(f"T{s}.true", f"T{s}, K", 1) for s in (stages if len(stages) <= 3 else stages[-3:])]
-    moved = {p.mv for c in cases for p in trays.structure(c.structure).pairings} | ({"R"} if any(trays.structure(c.structure).ratio for c in cases) else set())
+    moved = {p.mv for c in cases for p in trays.structure(c.structure).pairings} | (
+        {"R"} if any(trays.structure(c.structure).ratio for c in cases) else set()
+    )
     return out + [(f"{mv}.applied", f"{mv}, {trays.MVS[mv][0]}", 1) for mv in trays.MVS if mv in moved]
 
 
@@ -45,12 +53,20 @@ def draw(cases, title, place):
         t = [x / 3600 for x in log.numbers("time")]
         for axis, (column, _, factor) in zip(axes, rows):
             if log.has(column):
-                axis.plot(t, [factor * v for v in log.numbers(column)], color=colour, lw=0.9, label=f"{case.law} {case.structure}")
+                axis.plot(
+                    t,
+                    [factor * v for v in log.numbers(column)],
+                    color=colour,
+                    lw=0.9,
+                    label=f"{case.law} {case.structure}",
+                )
     for axis, (column, label, factor) in zip(axes, rows):
         axis.set_ylabel(label, fontsize=8)
         axis.grid(alpha=0.3)
         if factor == 1000:
-            axis.axhspan(1000 * (trays.GOAL - trays.BAND), 1000 * (trays.GOAL + trays.BAND), color="#888888", alpha=0.15)
+            axis.axhspan(
+                1000 * (trays.GOAL - trays.BAND), 1000 * (trays.GOAL + trays.BAND), color="#888888", alpha=0.15
+            )
             low, high = axis.get_ylim()
             axis.set_ylim(max(low, 0), min(high, 100) if high > 300 else high)
     axes[0].legend(fontsize=7, ncols=3, loc="upper right")
@@ -71,7 +87,11 @@ def main(arguments):
             for scaling in ("printed", "consistent"):
                 name = re.sub(r"\W+", "-", f"{part.title} {scaling}").strip("-").lower()
                 print(folder / f"{name}.png", flush=True)
-                draw([dataclasses.replace(c, scaling=scaling) for c in part.cases], f"{part.title}, slopes {scaling}", folder / f"{name}.png")
+                draw(
+                    [dataclasses.replace(c, scaling=scaling) for c in part.cases],
+                    f"{part.title}, slopes {scaling}",
+                    folder / f"{name}.png",
+                )
     elif arguments == ["--help"]:
         print(__doc__)
     elif arguments:
@@ -80,7 +100,9 @@ def main(arguments):
         for name, (title, lines) in COMMITTED.items():
             like = next(part for part in tables if part.title.startswith(title)).cases[0]
             cases = [dataclasses.replace(like, law=line.split()[0], structure=line.split()[1]) for line in lines]
-            what = f"{like.state}, {like.scenario}" + (", Q within 10 % of its nominal value" if like.saturation else "")
+            what = f"{like.state}, {like.scenario}" + (
+                ", Q within 10 % of its nominal value" if like.saturation else ""
+            )
             draw(cases, f"{what}, slopes consistent", paths.figures() / f"{name}.png")
 
 

@@ -67,6 +67,13 @@ def steady(plant: str, inputs: dict[str, float] | None = None) -> Steady:
 
 def read_profile(plant: str, inputs: dict[str, float], told: Any) -> Steady:
     rows = told["stages"]
-    return Steady(plant, dict(inputs), [r["T"] for r in rows], [r["liquid"] * MOL_PER_S for r in rows],
-                  [r["vapour"] * MOL_PER_S for r in rows], [r["holdup"] / 1000 for r in rows], told["components"],
-                  [r["x"] for r in rows])
+    return Steady(
+        plant,
+        dict(inputs),
+        [r["T"] for r in rows],
+        [r["liquid"] * MOL_PER_S for r in rows],
+        [r["vapour"] * MOL_PER_S for r in rows],
+        [r["holdup"] / 1000 for r in rows],
+        told["components"],
+        [r["x"] for r in rows],
+    )

@@ -5,9 +5,10 @@ from __future__ import annotations
 
 import csv
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Sequence
+from typing import Any
 
 from reflux_tools.errors import UserError
 from reflux_tools.paths import shown
@@ -53,8 +54,12 @@ def vapour_pressure(constants: Sequence[float], t: float) -> tuple[float, float]
     return p, p * (b / (c + t) ** 2 + d + e / t + (f * g * t ** (g - 1) if f else 0.0))
 
 
-def diagram(temperature: Sequence[float], x: Sequence[Sequence[float]], names: Sequence[str],
-            constants: Sequence[Sequence[float]] | None) -> Diagram:
+def diagram(
+    temperature: Sequence[float],
+    x: Sequence[Sequence[float]],
+    names: Sequence[str],
+    constants: Sequence[Sequence[float]] | None,
+) -> Diagram:
     """The share of component j is -P_j/(sum x_k P_k') times its step: the derivative of the bubble point by x_j alone, so that the closing
     component has its share too. constants: of the vapour pressures; None: they are not known."""
     if len(temperature) != len(x) or len(temperature) < 3:
@@ -79,7 +84,12 @@ def diagram_of_k(profile: Profile) -> Diagram:
             share.append([0.0] * len(profile.names))
             continue
         slope = sum(xj * kj * math.log(ka / kj) / g for xj, kj, ka in zip(profile.x[i], k[i], k[i + 1]))
-        share.append([-(kj / slope) * (above - below) if slope else 0.0 for kj, below, above in zip(k[i], profile.x[i], profile.x[i + 1])])
+        share.append(
+            [
+                -(kj / slope) * (above - below) if slope else 0.0
+                for kj, below, above in zip(k[i], profile.x[i], profile.x[i + 1])
+            ]
+        )
     return Diagram(gradient, share, list(profile.names))
 
 
@@ -99,10 +109,15 @@ def constants_of(plant: dict[str, Any]) -> dict[str, list[float]] | None:
 
 # ---- a user's profile ----
 
+
 def read_csv(path: Path) -> Profile:
     """Columns stage, T[K] or T[degC], x.NAME of every component, and K.NAME of all of them or none; further columns do not matter."""
     try:
-        lines = [line for line in path.read_text(encoding="utf-8-sig").splitlines() if line.strip() and not line.startswith("#")]
+        lines = [
+            line
+            for line in path.read_text(encoding="utf-8-sig").splitlines()
+            if line.strip() and not line.startswith("#")
+        ]
     except (OSError, UnicodeDecodeError) as error:
         raise UserError(f"{shown(path)}: cannot be read: {getattr(error, 'strerror', None) or error}") from None
     rows = list(csv.DictReader(lines))
@@ -110,10 +125,14 @@ def read_csv(path: Path) -> Profile:
     units = [h for h in head if h in ("T[K]", "T[degC]")]
     names = [h.removeprefix("x.") for h in head if h.startswith("x.")]
     if "stage" not in head or len(units) != 1 or len(names) < 2:
-        raise UserError(f"{shown(path)}: needs columns stage, T[K] or T[degC], and x.NAME of two components or more; it has {', '.join(head)}")
+        raise UserError(
+            f"{shown(path)}: needs columns stage, T[K] or T[degC], and x.NAME of two components or more; it has {', '.join(head)}"
+        )
     k_names = [h.removeprefix("K.") for h in head if h.startswith("K.")]
     if k_names and sorted(k_names) != sorted(names):
-        raise UserError(f"{shown(path)}: needs K.NAME of every component or of none; it has them of {', '.join(k_names)}")
+        raise UserError(
+            f"{shown(path)}: needs K.NAME of every component or of none; it has them of {', '.join(k_names)}"
+        )
 
     def number(row: dict[str, str], key: str, line: int) -> float:
         text = row.get(key) or ""
@@ -129,13 +148,17 @@ def read_csv(path: Path) -> Profile:
     for n, row in enumerate(rows, 1):
         row = {str(key).strip(): value for key, value in row.items() if isinstance(value, str)}
         if number(row, "stage", n) != n:
-            raise UserError(f"{shown(path)}: line {n} is stage {row['stage']}; stages are 1 (the reboiler), 2, 3 and so on upwards")
+            raise UserError(
+                f"{shown(path)}: line {n} is stage {row['stage']}; stages are 1 (the reboiler), 2, 3 and so on upwards"
+            )
         t = number(row, units[0], n) + (KELVIN if units[0] == "T[degC]" else 0.0)
         fractions = [number(row, f"x.{name}", n) for name in names]
         if not 50 <= t <= 1500:
             raise UserError(f"{shown(path)}: stage {n}: {t:g} K is no temperature of a column; is the unit right?")
         if min(fractions) < 0 or abs(sum(fractions) - 1) > SUM_OFF:
-            raise UserError(f"{shown(path)}: stage {n}: mole fractions are 0 or more and add up to 1, these to {sum(fractions):g}")
+            raise UserError(
+                f"{shown(path)}: stage {n}: mole fractions are 0 or more and add up to 1, these to {sum(fractions):g}"
+            )
         temperature.append(t)
         x.append(fractions)
         if k_names:

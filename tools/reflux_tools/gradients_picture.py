@@ -20,7 +20,9 @@ def draw(name: str, title: str, of: Diagram, feed: int, report: dict[str, Any]) 
     """PNG."""
     stages = list(range(1, of.stages))
     with plt.rc_context(STYLE):
-        figure, axes = plt.subplots(2 if of.share else 1, 1, figsize=(9.6, 6.2 if of.share else 3.4), sharex=True, squeeze=False)
+        figure, axes = plt.subplots(
+            2 if of.share else 1, 1, figsize=(9.6, 6.2 if of.share else 3.4), sharex=True, squeeze=False
+        )
         top = axes[0][0]
         top.bar(stages, of.gradient, width=0.75, color=GREY)
         mark(top, of, report)
@@ -43,11 +45,23 @@ def draw(name: str, title: str, of: Diagram, feed: int, report: dict[str, Any]) 
 def mark(ax: Any, of: Diagram, report: dict[str, Any]) -> None:
     candidates = [s for choice in report["control"] for s in choice["candidates"]]
     ax.bar(candidates, [of.gradient[s - 1] for s in candidates], width=0.75, color=BLUE, label="candidates")
-    for key, label, marker in (("by_keys", "primary, rule A", "v"), ("by_product", "primary, rule B", "s"), ("second", "secondary", "o")):
+    for key, label, marker in (
+        ("by_keys", "primary, rule A", "v"),
+        ("by_product", "primary, rule B", "s"),
+        ("second", "secondary", "o"),
+    ):
         chosen = [choice[key] for choice in report["control"] if choice[key]]
         if chosen:
-            ax.plot(chosen, [of.gradient[s - 1] for s in chosen], marker, color=ORANGE, markersize=7, linestyle="none",
-                    markerfacecolor="none" if marker == "o" else ORANGE, label=label)
+            ax.plot(
+                chosen,
+                [of.gradient[s - 1] for s in chosen],
+                marker,
+                color=ORANGE,
+                markersize=7,
+                linestyle="none",
+                markerfacecolor="none" if marker == "o" else ORANGE,
+                label=label,
+            )
     if candidates:
         ax.legend(fontsize=8, loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=4, borderpad=0.1)
 

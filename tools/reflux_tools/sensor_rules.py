@@ -4,8 +4,8 @@ rules with thresholds, which are ours."""
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Sequence
 
 from reflux_tools.gradients import Diagram
 
@@ -34,7 +34,9 @@ class Choice:
     reason: str
 
 
-def keys_of(top: Sequence[float], bottom: Sequence[float], names: Sequence[str], heavier: Sequence[float]) -> tuple[str, str] | None:
+def keys_of(
+    top: Sequence[float], bottom: Sequence[float], names: Sequence[str], heavier: Sequence[float]
+) -> tuple[str, str] | None:
     """Light and heavy key: neighbours in volatility of which one goes mostly up and the other mostly down. heavier: any number that rises
     with the boiling point. None where there is no such pair."""
     order = sorted(range(len(names)), key=lambda j: heavier[j])
@@ -67,13 +69,22 @@ def choose(of: Diagram, feed: int, section: str, keys: Sequence[str], t: Thresho
     peak = max(size(s) for s in stages)
     steepest = max(stages, key=size)
     if peak < t.flat:
-        return none(f"nowhere in the {section} section does the temperature change by {t.flat:g} K from stage to stage (at most {peak:.2g} K, "
-                    f"stage {steepest}); a temperature there says nothing of a composition")
+        return none(
+            f"nowhere in the {section} section does the temperature change by {t.flat:g} K from stage to stage (at most {peak:.2g} K, "
+            f"stage {steepest}); a temperature there says nothing of a composition"
+        )
     candidates = tuple(s for s in stages if size(s) >= t.half * peak)
     if not of.share:
-        return Choice(section, candidates, None, steepest, None, None,
-                      f"steepest on stage {steepest} ({of.gradient[steepest - 1]:+.2f} K); what components have to do with it is not known, so only the "
-                      "gradient counts.")
+        return Choice(
+            section,
+            candidates,
+            None,
+            steepest,
+            None,
+            None,
+            f"steepest on stage {steepest} ({of.gradient[steepest - 1]:+.2f} K); what components have to do with it is not known, so only the "
+            "gradient counts.",
+        )
     by_product = max(stages, key=lambda s: size(s) * part(s))
     all_keys = set(keys) >= set(of.names)  # nothing is lost to others, and only rounding would tell stages apart
     by_keys = None if all_keys else max(candidates, key=part)
@@ -82,12 +93,21 @@ def choose(of: Diagram, feed: int, section: str, keys: Sequence[str], t: Thresho
     close = feed + t.near_feed if section == "enriching" else feed - t.near_feed
     near = close if close in stages and close != second and size(close) >= 0.1 * peak else None
     if by_keys is None:
-        return Choice(section, candidates, None, by_product, second, near,
-                      f"steepest on stage {steepest} ({of.gradient[steepest - 1]:+.2f} K); candidates, half as steep or more: {runs(candidates)}. All components are "
-                      "keys, so that only the gradient counts.")
-    words = (f"steepest on stage {steepest} ({of.gradient[steepest - 1]:+.2f} K); candidates, half as steep or more: {runs(candidates)}. Rule A, most due to "
-             f"the keys: stage {by_keys} ({100 * part(by_keys):.0f} %, {of.gradient[by_keys - 1]:+.2f} K). Rule B, gradient times that part: stage {by_product} "
-             f"({100 * part(by_product):.0f} %, {of.gradient[by_product - 1]:+.2f} K).")
+        return Choice(
+            section,
+            candidates,
+            None,
+            by_product,
+            second,
+            near,
+            f"steepest on stage {steepest} ({of.gradient[steepest - 1]:+.2f} K); candidates, half as steep or more: {runs(candidates)}. All components are "
+            "keys, so that only the gradient counts.",
+        )
+    words = (
+        f"steepest on stage {steepest} ({of.gradient[steepest - 1]:+.2f} K); candidates, half as steep or more: {runs(candidates)}. Rule A, most due to "
+        f"the keys: stage {by_keys} ({100 * part(by_keys):.0f} %, {of.gradient[by_keys - 1]:+.2f} K). Rule B, gradient times that part: stage {by_product} "
+        f"({100 * part(by_product):.0f} %, {of.gradient[by_product - 1]:+.2f} K)."
+    )
     if abs(by_keys - by_product) > 1:
         words += " The rules disagree: A says less is lost to other components, B that more is seen; both are worth a simulation."
     return Choice(section, candidates, by_keys, by_product, second, near, words)
@@ -105,6 +125,7 @@ def runs(stages: Sequence[int]) -> str:
 
 
 # ---- estimation ----
+
 
 @dataclass(frozen=True)
 class Estimation:
@@ -128,8 +149,15 @@ def estimation(of: Diagram, feed: int, t: Thresholds) -> Estimation:
     for section in ("stripping", "enriching"):
         stages = section_stages(of, feed, section, 0)
         steepest = max((abs(of.gradient[s - 1]) for s in stages if 1 <= s < of.stages), default=0.0)
-        sensors += [s for s in stages if 1 < s < of.stages - 1 and steepest >= t.flat and abs(of.gradient[s - 1]) >= t.half * steepest
-                    and 1 - of.part_of(s, modelled) <= t.alien and s != feed]
+        sensors += [
+            s
+            for s in stages
+            if 1 < s < of.stages - 1
+            and steepest >= t.flat
+            and abs(of.gradient[s - 1]) >= t.half * steepest
+            and 1 - of.part_of(s, modelled) <= t.alien
+            and s != feed
+        ]
     innovated = {s: of.names[max(range(len(of.names)), key=lambda j: abs(of.share[s - 1][j]))] for s in sensors}
     return Estimation(modelled, parts, tuple(sorted(set(sensors))), innovated, averaged)
 
@@ -149,6 +177,7 @@ def even_regions(of: Diagram, feed: int, most: float, least: int) -> tuple[tuple
 
 
 # ---- other methods ----
+
 
 @dataclass(frozen=True)
 class Steps:

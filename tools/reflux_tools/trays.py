@@ -7,10 +7,11 @@ import math
 import re
 import statistics
 import tempfile
+from collections.abc import Iterable
 from dataclasses import dataclass, field, replace
 from functools import lru_cache
 from pathlib import Path
-from typing import Any, Iterable
+from typing import Any
 
 from reflux_tools import column_slopes, runner
 from reflux_tools.errors import UserError
@@ -30,8 +31,22 @@ STATES: dict[str, dict[str, float]] = {"SS1": {"R": 61.62, "Q": 4143.046}, "SS2"
 ENRICHING, STRIPPING = (2.0, 4.0, 20.0), (4.0, 8.0, 20.0)
 # What her scenarios do to the feed at 1 h: new middle, amplitude of a sine of 20 min.
 SCENARIOS: dict[str, dict[str, tuple[float, float]]] = {
-    "SC1": {"F": (95.0, 10), "TF": (317, 10), "zC2": (0.002, 0), "zC3": (0.27, 0.02), "ziC4": (0.2232, 0.02), "znC4": (0.5, 0.04)},
-    "SC2": {"F": (66.0, 10), "TF": (330, 10), "zC2": (0.002, 0), "zC3": (0.324, 0.02), "ziC4": (0.257, 0.02), "znC4": (0.4042, 0.04)},
+    "SC1": {
+        "F": (95.0, 10),
+        "TF": (317, 10),
+        "zC2": (0.002, 0),
+        "zC3": (0.27, 0.02),
+        "ziC4": (0.2232, 0.02),
+        "znC4": (0.5, 0.04),
+    },
+    "SC2": {
+        "F": (66.0, 10),
+        "TF": (330, 10),
+        "zC2": (0.002, 0),
+        "zC3": (0.324, 0.02),
+        "ziC4": (0.257, 0.02),
+        "znC4": (0.4042, 0.04),
+    },
 }
 NOMINAL = {"F": 88.2, "TF": 320, "zC2": 0.0036, "zC3": 0.281, "ziC4": 0.236, "znC4": 0.4746}
 BACK_H, LIMIT = 6.0, 0.1  # of the saturation test: the feed is nominal again; Q within so much of its nominal value
@@ -98,11 +113,27 @@ def open_loop(state: str, mv: str, part: float, stages: tuple[int, ...], hours: 
     """The board in manual, one input moved by this part of its value at STEP_AT_S."""
     start = STATES[state]
     with tempfile.TemporaryDirectory(prefix="reflux-") as folder:
-        lines = tuple(Line(at, f"out {name} {value:.9g}") for at, name, value in (
-            *((0.0, name, value) for name, value in start.items()), (STEP_AT_S, mv, (1 + part) * start[mv])))
-        scenario = Scenario(file=Path(folder) / "step.toml", name="step", title="step", plant="splitter", duration_s=hours * HOUR,
-                            measure=more_measured(stages), tick_s=30.0, noise=0.0, firmware="memory", start=tuple(start.items()), lines=lines,
-                            config=config_lines((*channel_rows(list(stages)), "apply")))
+        lines = tuple(
+            Line(at, f"out {name} {value:.9g}")
+            for at, name, value in (
+                *((0.0, name, value) for name, value in start.items()),
+                (STEP_AT_S, mv, (1 + part) * start[mv]),
+            )
+        )
+        scenario = Scenario(
+            file=Path(folder) / "step.toml",
+            name="step",
+            title="step",
+            plant="splitter",
+            duration_s=hours * HOUR,
+            measure=more_measured(stages),
+            tick_s=30.0,
+            noise=0.0,
+            firmware="memory",
+            start=tuple(start.items()),
+            lines=lines,
+            config=config_lines((*channel_rows(list(stages)), "apply")),
+        )
         return runner.run(scenario, runner.Options(Path(folder) / "out", quiet=True)).log
 
 
@@ -139,10 +170,15 @@ def more_measured(stages: Iterable[int], feed: bool = False) -> tuple[str, ...]:
 
 def as_the_others(stages: Iterable[int]) -> list[Event]:
     """A thermometer that the plant does not have is as those it has."""
-    return [Event(0.0, f"T{s}.{option}", value) for s in sorted(set(stages) - set(MEASURED)) for option, value in (("lag", 10), ("resolution", 0.01))]
+    return [
+        Event(0.0, f"T{s}.{option}", value)
+        for s in sorted(set(stages) - set(MEASURED))
+        for option, value in (("lag", 10), ("resolution", 0.01))
+    ]
 
 
 # ---- what the board is told ----
+
 
 def channel_rows(stages: list[int], feed: bool = False, band: float = 0.0) -> list[str]:
     rows = ["begin"]
@@ -152,8 +188,14 @@ def channel_rows(stages: list[int], feed: bool = False, band: float = 0.0) -> li
         k = len(stages) + 1
         rows += [f"set meas{k}.name Fm", f"set meas{k}.unit m3/h", f"set meas{k}.lo 0", f"set meas{k}.hi 150"]
     for k, (name, (unit, lo, hi, least, most)) in enumerate(MVS.items(), 1):
-        rows += [f"set mv{k}.name {name}", f"set mv{k}.unit {unit}", f"set mv{k}.lo {lo}", f"set mv{k}.hi {hi}",
-                 f"set mv{k}.min {least}", f"set mv{k}.max {most}"]
+        rows += [
+            f"set mv{k}.name {name}",
+            f"set mv{k}.unit {unit}",
+            f"set mv{k}.lo {lo}",
+            f"set mv{k}.hi {hi}",
+            f"set mv{k}.min {least}",
+            f"set mv{k}.max {most}",
+        ]
         if band:
             rows.append(f"set mv{k}.band {band:g}")
     return rows
@@ -178,8 +220,12 @@ def pi_rows(k: int, case: Case, pairing: Pairing) -> list[str]:
 
 
 def loop_rows(k: int, case: Case, pairing: Pairing) -> list[str]:
-    rows = [f"set loop{k}.name {loop_name(pairing)}", f"set loop{k}.pv T{pairing.stages[0]}", f"set loop{k}.out {pairing.mv}",
-            f"set loop{k}.action {'direct' if pairing.mv == 'R' else 'reverse'}"]
+    rows = [
+        f"set loop{k}.name {loop_name(pairing)}",
+        f"set loop{k}.pv T{pairing.stages[0]}",
+        f"set loop{k}.out {pairing.mv}",
+        f"set loop{k}.action {'direct' if pairing.mv == 'R' else 'reverse'}",
+    ]
     return rows + pi_rows(k, case, pairing)
 
 
@@ -192,8 +238,13 @@ def slope_rows(k: int, case: Case, pairing: Pairing) -> list[str]:
         return [f"set block1.a.{k} {a[0]:.7g},{a[1]:.7g}"]
     pair = [(at.gradient(s), at.holdup[s - 1], at.liquid_to_vapour(s)) for s in both]
     columns = [",".join(f"{p[i]:.7g}" for p in pair) for i in range(3)]
-    return [f"set block1.moves.{k} {MOVES[mv]}", f"set block1.gradient.{k} {columns[0]}", f"set block1.holdup.{k} {columns[1]}",
-            f"set block1.lv.{k} {columns[2]}", f"set block1.flow.{k} {at.flow(MOVES[mv], STATES[case.state][mv]):.7g}"]
+    return [
+        f"set block1.moves.{k} {MOVES[mv]}",
+        f"set block1.gradient.{k} {columns[0]}",
+        f"set block1.holdup.{k} {columns[1]}",
+        f"set block1.lv.{k} {columns[2]}",
+        f"set block1.flow.{k} {at.flow(MOVES[mv], STATES[case.state][mv]):.7g}",
+    ]
 
 
 def block_rows(case: Case, of: Structure, loops: list[Pairing]) -> list[str]:
@@ -201,19 +252,34 @@ def block_rows(case: Case, of: Structure, loops: list[Pairing]) -> list[str]:
     if seconds and len(seconds) < len(of.pairings):
         raise UserError(f"{case.structure}: all loops have a secondary temperature, or none")
     inputs = [*(f"T{s}" for s in seconds), *(p.mv for p in loops)]
-    rows = ["set block1.kind inferential", f"set block1.loops {','.join(loop_name(p) for p in loops)}",
-            f"set block1.inputs {','.join(inputs)}", f"set block1.form {case.form}", f"set block1.scaling {case.scaling}",
-            f"set block1.parts {PARTS}"]
+    rows = [
+        "set block1.kind inferential",
+        f"set block1.loops {','.join(loop_name(p) for p in loops)}",
+        f"set block1.inputs {','.join(inputs)}",
+        f"set block1.form {case.form}",
+        f"set block1.scaling {case.scaling}",
+        f"set block1.parts {PARTS}",
+    ]
     for k, pairing in enumerate(loops, 1):
         if pairing not in of.pairings:
             rows += [f"set block1.law.{k} hold"]
             continue
         kc, kc2, ko = gains(case, pairing.stages[0])
-        rows += [f"set block1.law.{k} {case.law}", f"set block1.stage.{k} {','.join(str(s) for s in (*pairing.stages, 0)[:2])}",
-                 f"set block1.kc.{k} {kc:g}", f"set block1.kc2.{k} {kc2:g}", f"set block1.ko.{k} {ko:g}",
-                 *slope_rows(k, case, pairing)]
+        rows += [
+            f"set block1.law.{k} {case.law}",
+            f"set block1.stage.{k} {','.join(str(s) for s in (*pairing.stages, 0)[:2])}",
+            f"set block1.kc.{k} {kc:g}",
+            f"set block1.kc2.{k} {kc2:g}",
+            f"set block1.ko.{k} {ko:g}",
+            *slope_rows(k, case, pairing),
+        ]
     if of.ratio:
-        rows += ["set block2.kind ratio", "set block2.loops top", "set block2.inputs Fm", f"set block2.at {NOMINAL['F']:g}"]
+        rows += [
+            "set block2.kind ratio",
+            "set block2.loops top",
+            "set block2.inputs Fm",
+            f"set block2.at {NOMINAL['F']:g}",
+        ]
     return rows
 
 
@@ -227,13 +293,17 @@ def configuration(case: Case) -> list[str]:
     for k, pairing in enumerate(loops, 1):
         rows += loop_rows(k, case, pairing)
     if case.saturation:
-        rows += [f"set mv2.{key} {factor * STATES[case.state]['Q']:.9g}" for key, factor in (("min", 1 - LIMIT), ("max", 1 + LIMIT))]
+        rows += [
+            f"set mv2.{key} {factor * STATES[case.state]['Q']:.9g}"
+            for key, factor in (("min", 1 - LIMIT), ("max", 1 + LIMIT))
+        ]
     if not case.pi:
         rows += block_rows(case, of, loops)
     return [*rows, "apply"]
 
 
 # ---- one run ----
+
 
 def feed_events(case: Case) -> list[Event]:
     events = []
@@ -268,13 +338,29 @@ def scenario(case: Case, folder: Path) -> Scenario:
     begin = max(300.0, case.tick_s)
     lines = [Line(0.0, f"out {mv} {value:.9g}") for mv, value in start.items()]
     for p in loops:
-        lines += [Line(begin, f"mode {loop_name(p)} auto"),
-                  Line(begin, f"sp {loop_name(p)} {steady(case.state).temperature[p.stages[0] - 1]:.7g}")]
+        lines += [
+            Line(begin, f"mode {loop_name(p)} auto"),
+            Line(begin, f"sp {loop_name(p)} {steady(case.state).temperature[p.stages[0] - 1]:.7g}"),
+        ]
     judged = tuple(Loop(loop_name(p), f"T{p.stages[0]}", p.mv, 0.5) for p in loops)
     stages = [s for p in of.pairings for s in p.stages]
-    return Scenario(file=folder / "case.toml", name="case", title=case.structure, plant="splitter", duration_s=HOURS * HOUR,
-                    measure=more_measured(stages, of.ratio), tick_s=case.tick_s, seed=case.seed, noise=0.0, firmware=case.firmware, start=tuple(start.items()), lines=tuple(lines),
-                    events=tuple(feed_events(case) + as_the_others(stages) + instrument_events(case)), loops=judged, config=config_lines(configuration(case)))
+    return Scenario(
+        file=folder / "case.toml",
+        name="case",
+        title=case.structure,
+        plant="splitter",
+        duration_s=HOURS * HOUR,
+        measure=more_measured(stages, of.ratio),
+        tick_s=case.tick_s,
+        seed=case.seed,
+        noise=0.0,
+        firmware=case.firmware,
+        start=tuple(start.items()),
+        lines=tuple(lines),
+        events=tuple(feed_events(case) + as_the_others(stages) + instrument_events(case)),
+        loops=judged,
+        config=config_lines(configuration(case)),
+    )
 
 
 def run(case: Case) -> runner.Result:
@@ -283,6 +369,7 @@ def run(case: Case) -> runner.Result:
 
 
 # ---- what is measured ----
+
 
 @dataclass(frozen=True)
 class Impurity:
@@ -309,9 +396,13 @@ def measure(case: Case, result: runner.Result) -> Measured:
     for name in ("iC4_D", "C3_B"):
         y = log.numbers(name)
         inside = [y[k] for k in after]
-        out.impurity[name] = Impurity(step * sum(abs(x - GOAL) for x in inside), min(inside), max(inside),
-                                      statistics.fmean(y[k] for k in after if t[k] > HOURS - 1.0),
-                                      step * sum(abs(x - GOAL) > BAND for x in inside))
+        out.impurity[name] = Impurity(
+            step * sum(abs(x - GOAL) for x in inside),
+            min(inside),
+            max(inside),
+            statistics.fmean(y[k] for k in after if t[k] > HOURS - 1.0),
+            step * sum(abs(x - GOAL) > BAND for x in inside),
+        )
     for mv in MVS:
         u = log.numbers(f"{mv}.applied")
         out.travel[mv] = sum(abs(u[k] - u[k - 1]) for k in after)

@@ -23,14 +23,27 @@ IMPURITIES = ("iC4_D", "C3_B")
 # What a map changes, one thing at a time. A period of 5 min is beyond what form euler takes.
 CHANGES: tuple[tuple[str, dict[str, Any]], ...] = (
     ("as it is", {}),
-    ("noise 0.05 K", {"noise": 0.05}), ("noise 0.2 K", {"noise": 0.2}), ("noise 0.5 K", {"noise": 0.5}),
-    ("period 1 s", {"tick_s": 1.0}), ("period 10 s", {"tick_s": 10.0}), ("period 60 s", {"tick_s": 60.0}),
-    ("period 60 s, joint", {"tick_s": 60.0, "form": "joint"}), ("period 120 s", {"tick_s": 120.0}),
-    ("period 120 s, joint", {"tick_s": 120.0, "form": "joint"}), ("period 300 s, joint", {"tick_s": 300.0, "form": "joint"}),
-    ("lag of the sensors 0", {"lag_s": 0.0}), ("lag 60 s", {"lag_s": 60.0}), ("lag 180 s", {"lag_s": 180.0}), ("lag 300 s", {"lag_s": 300.0}),
-    ("a times 0.5", {"slope_times": 0.5}), ("a times 1.5", {"slope_times": 1.5}),
-    ("w times 0.5", {"gains_times": 0.5}), ("w times 1.5", {"gains_times": 1.5}),
-    ("stiction 0.2 %", {"stiction": 0.002}), ("stiction 1 %", {"stiction": 0.01}), ("stiction 2 %", {"stiction": 0.02}),
+    ("noise 0.05 K", {"noise": 0.05}),
+    ("noise 0.2 K", {"noise": 0.2}),
+    ("noise 0.5 K", {"noise": 0.5}),
+    ("period 1 s", {"tick_s": 1.0}),
+    ("period 10 s", {"tick_s": 10.0}),
+    ("period 60 s", {"tick_s": 60.0}),
+    ("period 60 s, joint", {"tick_s": 60.0, "form": "joint"}),
+    ("period 120 s", {"tick_s": 120.0}),
+    ("period 120 s, joint", {"tick_s": 120.0, "form": "joint"}),
+    ("period 300 s, joint", {"tick_s": 300.0, "form": "joint"}),
+    ("lag of the sensors 0", {"lag_s": 0.0}),
+    ("lag 60 s", {"lag_s": 60.0}),
+    ("lag 180 s", {"lag_s": 180.0}),
+    ("lag 300 s", {"lag_s": 300.0}),
+    ("a times 0.5", {"slope_times": 0.5}),
+    ("a times 1.5", {"slope_times": 1.5}),
+    ("w times 0.5", {"gains_times": 0.5}),
+    ("w times 1.5", {"gains_times": 1.5}),
+    ("stiction 0.2 %", {"stiction": 0.002}),
+    ("stiction 1 %", {"stiction": 0.01}),
+    ("stiction 2 %", {"stiction": 0.02}),
     ("stiction 2 %, mv.band 2.1 %", {"stiction": 0.02, "band": 0.021}),
 )
 
@@ -54,11 +67,13 @@ class Trays:
         for part in self.parts:
             for case in part.cases:
                 if part.is_map:
-                    out += [replace(case, pi=pi, **changed(change, pi)) for _, change in CHANGES for pi in (False, True)]
+                    out += [
+                        replace(case, pi=pi, **changed(change, pi)) for _, change in CHANGES for pi in (False, True)
+                    ]
                 else:
                     out += [replace(case, scaling=scaling) for scaling in SCALINGS]
         wanted = list(dict.fromkeys(out))
-        return wanted[::max(1, round(1 / fraction))]
+        return wanted[:: max(1, round(1 / fraction))]
 
 
 def changed(change: dict[str, Any], pi: bool) -> dict[str, Any]:
@@ -101,8 +116,14 @@ def load(top: Table, name: str) -> Trays:
 
 def fingerprint(campaign: Trays) -> str:
     digest = hashlib.sha256()
-    for file in (Path(__file__), Path(trays.__file__), Path(column_slopes.__file__), ROOT / "host_sim" / "plants" / "splitter.json",
-                 build.find_program("host", "reflux-sim-memory"), build.find_program("host", "reflux-sim")):
+    for file in (
+        Path(__file__),
+        Path(trays.__file__),
+        Path(column_slopes.__file__),
+        ROOT / "host_sim" / "plants" / "splitter.json",
+        build.find_program("host", "reflux-sim-memory"),
+        build.find_program("host", "reflux-sim"),
+    ):
         digest.update(file.read_bytes())
     return digest.hexdigest()
 
@@ -134,6 +155,7 @@ def run_missing(cases: list[Case], state: Any, workers: int) -> None:
 
 
 # ---- tables ----
+
 
 def milli(x: float) -> str:
     return "-" if math.isnan(x) else f"{1000 * x:.1f}"
@@ -199,22 +221,31 @@ def write_results(campaign: Trays, state: Any) -> None:
     for part in campaign.parts:
         text.append(f"\n## {part.title}\n")
         if part.is_map:
-            text.append("\nIAE of what is controlled, as part of that of the loops' own PIs (SIMC, docs/splitter.md) under the same; above 1, bold, the PI "
-                        "is better. Slopes consistent.\n")
+            text.append(
+                "\nIAE of what is controlled, as part of that of the loops' own PIs (SIMC, docs/splitter.md) under the same; above 1, bold, the PI "
+                "is better. Slopes consistent.\n"
+            )
             header, rows = map_rows(part, state)
         else:
             header = header_of(part)
-            rows = [row_of(replace(case, scaling=scaling), state.get(job_of(replace(case, scaling=scaling))))
-                    for case in part.cases for scaling in SCALINGS]
+            rows = [
+                row_of(replace(case, scaling=scaling), state.get(job_of(replace(case, scaling=scaling))))
+                for case in part.cases
+                for scaling in SCALINGS
+            ]
         text.append("\n" + table.markdown(header, rows))
     folder = CAMPAIGNS / "results"
     folder.mkdir(parents=True, exist_ok=True)
     (folder / f"{campaign.name}.md").write_text("".join(text) + "\n", encoding="utf-8")
-    (folder / f"{campaign.name}-claims.md").write_text(trays_claims.page(campaign.title, finder(state)), encoding="utf-8")
+    (folder / f"{campaign.name}-claims.md").write_text(
+        trays_claims.page(campaign.title, finder(state)), encoding="utf-8"
+    )
 
 
 def finder(kept: Any) -> trays_claims.Find:
-    def find(line: str, scenario: str = "SC1", slopes: str = "printed", state: str = "SS1", saturation: bool = False) -> dict[str, Any]:
+    def find(
+        line: str, scenario: str = "SC1", slopes: str = "printed", state: str = "SS1", saturation: bool = False
+    ) -> dict[str, Any]:
         law, _, structure = line.partition(" ")
         case = Case(structure, law, slopes, state, scenario, saturation)
         result = kept.get(job_of(case))
@@ -233,7 +264,9 @@ def execute(campaign: Trays, options: argparse.Namespace, state: Any) -> int:
         write_results(campaign, state)
     failed = [r for r in results if "failed" in r]
     for part in campaign.parts:
-        found = [(replace(c, scaling=s), state.get(job_of(replace(c, scaling=s)))) for c in part.cases for s in SCALINGS]
+        found = [
+            (replace(c, scaling=s), state.get(job_of(replace(c, scaling=s)))) for c in part.cases for s in SCALINGS
+        ]
         if not part.is_map and any(r for _, r in found):
             print(f"\n{part.title}\n" + table.columns(header_of(part), [row_of(c, r) for c, r in found if r]))
     for r in failed[:10]:
