@@ -36,6 +36,8 @@ class Page(unittest.TestCase):
         base = scenario.load(SCENARIO)
         configuration, run = blocks()
         rest = [line for line in base.config if not line.text.startswith("set block") and line.text != "apply"]
+        # Without noise a thermometer at rest repeats itself.
+        rest = [line for line in rest if ".frozen " not in line.text]
         # Modes and setpoints together at first, then one law after the other.
         times = [BEGIN_S if line.split()[0] in ("mode", "sp") else 0.0 for line in run]
         for k in range(len(times)):
@@ -66,7 +68,7 @@ class Page(unittest.TestCase):
 
     def test_both_loops_are_clf_in_the_end_and_no_alarm_came(self) -> None:
         for law in ("law_1 = 3", "law_2 = 3"):
-            self.assertIn(law, self.transcript)
+            self.assertTrue(law in self.transcript, law)
         self.assertEqual(re.findall(r"BLOCK_GAVE_UP|BLOCK_ALARM", self.transcript), [])
 
     def test_no_output_jumps_when_a_law_changes_or_a_loop_closes(self) -> None:
