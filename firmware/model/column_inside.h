@@ -34,6 +34,14 @@ static inline real_t column_nominal_holdup(const struct column_config *config, s
                                      : config->holdup_tray;
 }
 
+/* A mole fraction, where the others leave room for it; 0 where it is no number. */
+static inline real_t column_within(real_t fraction, real_t room)
+{
+    if (!(fraction > REAL_C(0.0)) || !(room > REAL_C(0.0)))
+        return REAL_C(0.0);
+    return fraction < room ? fraction : room;
+}
+
 /* The lesser of value and limit (both 0 or more), rounded off where they are within the relative width. */
 static inline real_t column_soft_limit(real_t value, real_t limit, real_t width)
 {

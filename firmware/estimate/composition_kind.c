@@ -1,0 +1,335 @@
+/* The kind `composition`: an estimator of mole fractions on the stages of a column from temperatures (docs/composition-estimation.md). */
+#include "estimate/composition_block.h"
+
+#if CONFIG_BLOCKS
+
+#include <string.h>
+
+#include "base/channel.h"
+
+#define ZERO REAL_C(0.0)
+
+/* It counts as settled after so many times 1/lambda. */
+#define SETTLED REAL_C(3.0)
+/* To its own steady state: steps of an hour until none of them moves a mole fraction by more. */
+#define SETTLE_S     REAL_C(3600.0)
+#define SETTLE_MOST  300u
+#define SETTLE_STILL REAL_C(1e-6)
+
+static uint32_t composition_bytes(const struct block_setup *setup)
+{
+    (void)setup;
+    return (uint32_t)((sizeof(struct composition_block) + 7u) & ~(size_t)7u);
+}
+
+/* ---- settings ---- */
+
+/* A column of the table that is named. Pointers into the record stay good: block.h. */
+static enum err take_column(struct composition_block *b, const struct column_record *record)
+{
+    struct column_fault fault;
+    struct composition *c = &b->c;
+    enum err err = column_record_read(record, &c->table, &fault);
+    if (!err)
+        err = column_init(&c->column, &c->table.config, &fault);
+    if (err)
+        return err;
+    c->inputs = c->table.nominal;
+    for (size_t s = 0; s < COLUMN_STAGES_MAX; s++)
+        c->truncated[s] = s < c->table.config.stages && column_table_is_truncated(&c->table, s + 1);
+    b->record = record;
+    b->checksum = (uint32_t)record->checksum[0] << 16 | record->checksum[1];
+    return ERR_OK;
+}
+
+static enum err composition_configure(void *state, const struct block_setup *setup, bool retune)
+{
+    struct composition_block *b = state;
+    const struct column_record *record = setup->named;
+    const struct composition_settings *s = setup->settings;
+    bool same =
+        retune && b->checksum == ((uint32_t)record->checksum[0] << 16 | record->checksum[1]) &&
+        b->record == record && b->s.method == s->method &&
+        !memcmp(b->s.place, s->place, sizeof s->place) && !memcmp(b->s.is, s->is, sizeof s->is);
+    if (!same) {
+        memset(b, 0, sizeof *b);
+        enum err err = take_column(b, record);
+        if (err)
+            return err;
+    }
+    b->s = *s;
+    b->inputs = setup->inputs;
+    b->points = setup->points;
+    memcpy(b->input, setup->input, sizeof b->input);
+    memcpy(b->point, setup->point, sizeof b->point);
+    composition_take_settings(&b->c, setup, same);
+    if (!same)
+        composition_begin(&b->c);
+    return ERR_OK;
+}
+
+/* ---- what comes in ---- */
+
+static real_t factor_or_1(real_t factor)
+{
+    return factor < ZERO || factor > ZERO ? factor : REAL_C(1.0);
+}
+
+/* In SI units. */
+static real_t reading(const struct composition_block *b, const struct block_io *io, unsigned k)
+{
+    real_t eu = b->input[k].lo + (b->input[k].hi - b->input[k].lo) * num_to_float(io->input[k]);
+    return factor_or_1(b->s.si[k][UNIT_FACTOR]) * eu + b->s.si[k][UNIT_ZERO];
+}
+
+static real_t positive(real_t x)
+{
+    return x > ZERO ? x : ZERO;
+}
+
+static void take_flow(struct composition *c, unsigned is, real_t value)
+{
+    struct column_inputs *in = &c->inputs;
+    const struct column_config *config = &c->table.config;
+    switch (is) {
+    case IS_FEED:
+        in->feed_flow = positive(value);
+        break;
+    case IS_FEED_TEMPERATURE:
+        in->feed_temperature = value < config->temperature_min   ? config->temperature_min
+                               : value > config->temperature_max ? config->temperature_max
+                                                                 : value;
+        break;
+    case IS_FEED_QUALITY:
+        in->feed_quality = value;
+        break;
+    case IS_REFLUX:
+        in->reflux_flow = positive(value);
+        break;
+    case IS_HEAT:
+        in->heat = positive(value - c->table.heat_loss);
+        break;
+    case IS_BOILUP:
+        in->boilup = positive(value);
+        break;
+    default:
+        in->pressure_top = value;
+        break;
+    }
+}
+
+/* Which inputs are missing; what they were last holds on. */
+static void take_inputs(struct composition_block *b, const struct block_io *io, real_t *t)
+{
+    uint8_t sensor = 0;
+    b->missing = 0;
+    for (unsigned k = 0; k < b->inputs; k++) {
+        if (composition_is_sensor(&b->s, k)) {
+            t[sensor] = reading(b, io, k);
+            b->c.sensor[sensor++].there = io->quality[k] == QUALITY_GOOD;
+        } else if (quality_usable((enum quality)io->quality[k])) {
+            take_flow(&b->c, b->s.is[k], reading(b, io, k));
+        } else if (!b->missing) {
+            b->missing = (uint8_t)(k + 1u);
+        }
+    }
+}
+
+/* ---- what comes out ---- */
+
+static bool is_settled(const struct composition_block *b)
+{
+    real_t slowest = ZERO;
+    for (uint8_t k = 0; k < b->c.sensors; k++) {
+        const struct composition_sensor *s = &b->c.sensor[k];
+        if (s->moves && s->time > slowest)
+            slowest = s->time;
+    }
+    return (real_t)b->steps * b->c.h >= SETTLED * slowest;
+}
+
+/* The number of the first sensor of which this can be said, or 0. */
+static unsigned lost_sensor(const struct composition_block *b)
+{
+    for (uint8_t k = 0; k < b->c.sensors; k++)
+        if (b->c.sensor[k].moves && !b->c.sensor[k].there)
+            return b->c.sensor[k].input + 1u;
+    return 0;
+}
+
+static unsigned pulling_sensor(const struct composition_block *b)
+{
+    for (uint8_t k = 0; k < b->c.sensors; k++) {
+        real_t pull = composition_pull(&b->c.sensor[k]);
+        if (b->s.pull > 0 && (pull > b->s.pull || pull < -b->s.pull))
+            return b->c.sensor[k].input + 1u;
+    }
+    return 0;
+}
+
+static unsigned surprising_sensor(const struct composition_block *b)
+{
+    for (uint8_t k = 0; k < b->c.sensors; k++)
+        if (b->s.nis > 0 && b->c.sensor[k].square > b->s.nis)
+            return b->c.sensor[k].input + 1u;
+    return 0;
+}
+
+static void raise(struct block_io *io, unsigned event, unsigned value)
+{
+    if (!value)
+        return;
+    io->raised = (uint16_t)(io->raised | 1u << event);
+    io->event_value[event] = (float)value;
+}
+
+/* Events, and how good the estimates are. */
+static enum quality judge(struct composition_block *b, struct block_io *io, enum err err)
+{
+    unsigned lost = lost_sensor(b), drawn = 0;
+    bool settled = is_settled(b);
+    for (uint8_t k = 0; k < b->c.sensors; k++)
+        drawn += b->c.sensor[k].moves && b->c.sensor[k].there ? 1u : 0u;
+    b->without = drawn ? 0 : b->without < UINT32_MAX ? b->without + 1u : b->without;
+    bool alone = !drawn && (real_t)b->without * b->c.h > b->s.alone_s;
+    unsigned pulling = settled ? pulling_sensor(b) : 0;
+    unsigned surprising = settled ? surprising_sensor(b) : 0;
+
+    io->raised = 0;
+    raise(io, EVENT_LOST, lost);
+    raise(io, EVENT_ALONE, alone ? 1 : 0);
+    raise(io, EVENT_PULL, pulling);
+    raise(io, EVENT_NIS, surprising);
+    raise(io, EVENT_NO_STATE, err ? 1 : 0);
+    raise(io, EVENT_NO_INPUT, b->missing);
+    if (err || alone || pulling || surprising)
+        return QUALITY_BAD;
+    return lost || b->missing || !settled ? QUALITY_UNCERTAIN : QUALITY_GOOD;
+}
+
+static void give_points(const struct composition_block *b, struct block_io *io,
+                        enum quality quality)
+{
+    size_t m = b->c.table.config.components - 1;
+    for (unsigned k = 0; k < b->points; k++) {
+        size_t stage = b->s.point[k][AT_STAGE] - 1u, component = b->s.point[k][OF_COMPONENT];
+        real_t value = component == 0 ? composition_temperature(&b->c, stage)
+                                      : column_fraction(&b->c.column, b->c.x, stage, component - 1);
+        (void)m;
+        value = factor_or_1(b->s.show[k][UNIT_FACTOR]) * value + b->s.show[k][UNIT_ZERO];
+        io->point[k] = num_from_float((value - b->point[k].lo) / (b->point[k].hi - b->point[k].lo));
+        io->point_quality[k] = (uint8_t)quality;
+    }
+}
+
+/* ---- steps ---- */
+
+static void composition_follow(void *state, struct block_io *io)
+{
+    struct composition_block *b = state;
+    (void)io;
+    b->steps = b->without = 0;
+    composition_begin(&b->c);
+}
+
+static void composition_block_step(void *state, struct block_io *io)
+{
+    struct composition_block *b = state;
+    real_t t[SENSORS_MAX];
+    if (io->work_wanted || (b->settle && !io->work_done)) {
+        io->ask_work = b->settle ? 1 : 0;
+        give_points(b, io, QUALITY_UNCERTAIN);
+        return;
+    }
+    b->settle = false;
+    take_inputs(b, io, t);
+    enum err err = composition_step(&b->c, t);
+    if (err)
+        b->steps = 0;
+    else if (b->steps < UINT32_MAX)
+        b->steps++;
+    give_points(b, io, judge(b, io, err));
+}
+
+/* One step of an hour without any temperature. */
+static bool composition_work(void *state)
+{
+    struct composition_block *b = state;
+    real_t most = ZERO, h = b->c.h;
+    b->c.h = SETTLE_S;
+    enum err err = composition_predict(&b->c);
+    b->c.h = h;
+    for (size_t i = 0; !err && i < b->c.column.n_fractions; i++)
+        if (real_abs(b->c.blocks.change[i]) > most)
+            most = real_abs(b->c.blocks.change[i]);
+    b->settling++;
+    return !err && most > SETTLE_STILL && b->settling < SETTLE_MOST;
+}
+
+static const char *run_settle(void *state, const float *number)
+{
+    struct composition_block *b = state;
+    (void)number;
+    b->settle = true;
+    b->settling = 0;
+    b->steps = 0;
+    return NULL;
+}
+
+static const char *run_begin(void *state, const float *number)
+{
+    (void)number;
+    struct composition_block *b = state;
+    b->steps = 0;
+    composition_begin(&b->c);
+    return NULL;
+}
+
+static const struct block_verb verbs[] = {
+    {.name = "settle",
+     .help = "to the steady state of its own model at the inputs that there are",
+     .access = ACCESS_ENGINEER,
+     .run = run_settle},
+    {.name = "begin",
+     .help = "with the profile of the table",
+     .access = ACCESS_ENGINEER,
+     .run = run_begin},
+};
+
+static const struct block_event events[COMPOSITION_EVENTS] = {
+    [EVENT_LOST] = {"lost", BLOCK_INFO,
+                    "a temperature is missing, the estimate goes on without; its input"},
+    [EVENT_ALONE] = {"alone", BLOCK_ALARM, "no temperature moves the model any more, -"},
+    [EVENT_PULL] = {"pull", BLOCK_ALARM, "a temperature draws the model too hard; its input"},
+    [EVENT_NIS] = {"nis", BLOCK_ALARM,
+                   "innovations are larger than they may be; input of the temperature"},
+    [EVENT_NO_STATE] = {"no_state", BLOCK_ALARM, "the model has no solution and begins anew, -"},
+    [EVENT_NO_INPUT] = {"no_input", BLOCK_ALARM,
+                        "a flow is missing, its last value holds; which input"},
+};
+
+const struct block_kind composition_kind = {
+    .name = "composition",
+    .stage = STAGE_ESTIMATE,
+    .parameter = composition_parameter_rows,
+    .parameters = COMPOSITION_PARAMETER_ROWS,
+    .settings_bytes = sizeof(struct composition_settings),
+    .names = 1,
+    .named_kind = "column",
+    .inputs_most = BLOCK_INPUTS_MAX,
+    .points_most = BLOCK_POINTS_MAX,
+    .bad_input = BAD_INPUT_IS_TOLD,
+    .work = composition_work,
+    .verb = verbs,
+    .verbs = sizeof verbs / sizeof verbs[0],
+    .event = events,
+    .events = COMPOSITION_EVENTS,
+    .bytes = composition_bytes,
+    .check = composition_check,
+    .configure = composition_configure,
+    .step = composition_block_step,
+    .follow = composition_follow,
+    .describe = composition_describe,
+};
+
+#endif

@@ -1,0 +1,52 @@
+/* What `block N` shows of the kind `composition`. */
+#include "estimate/composition_block.h"
+
+#if CONFIG_BLOCKS
+
+enum { VALUE_E, VALUE_PULL, VALUE_NIS, VALUE_RHO, VALUE_SLOPE, VALUES };
+
+static const char *const of_sensor[VALUES][SENSORS_MAX] = {
+    {"e_1", "e_2", "e_3", "e_4", "e_5", "e_6", "e_7", "e_8"},
+    {"pull_1", "pull_2", "pull_3", "pull_4", "pull_5", "pull_6", "pull_7", "pull_8"},
+    {"nis_1", "nis_2", "nis_3", "nis_4", "nis_5", "nis_6", "nis_7", "nis_8"},
+    {"rho_1", "rho_2", "rho_3", "rho_4", "rho_5", "rho_6", "rho_7", "rho_8"},
+    {"slope_1", "slope_2", "slope_3", "slope_4", "slope_5", "slope_6", "slope_7", "slope_8"},
+};
+
+static float value_of(const struct composition_sensor *s, unsigned which)
+{
+    switch (which) {
+    case VALUE_E:
+        return s->e;
+    case VALUE_PULL:
+        return composition_pull(s);
+    case VALUE_NIS:
+        return s->square;
+    case VALUE_RHO:
+        return s->square > 0 ? s->product / s->square : 0;
+    default:
+        return s->slope;
+    }
+}
+
+const char *composition_describe(const void *state, size_t i, float *value)
+{
+    const struct composition_block *b = state;
+    const struct column_flows *f = &b->c.column.flows;
+    static const char *const names[] = {"states", "clipped", "bounced", "distillate", "bottoms"};
+    const float values[] = {(float)column_table_states(&b->c.table), (float)b->c.clipped,
+                            (float)b->c.bounced, f->distillate, f->bottoms};
+    size_t fixed = sizeof values / sizeof values[0];
+    if (i < fixed) {
+        *value = values[i];
+        return names[i];
+    }
+    size_t sensor = (i - fixed) / VALUES, which = (i - fixed) % VALUES;
+    if (sensor >= b->c.sensors)
+        return NULL;
+    const struct composition_sensor *s = &b->c.sensor[sensor];
+    *value = value_of(s, (unsigned)which);
+    return of_sensor[which][s->input];
+}
+
+#endif
