@@ -11,6 +11,7 @@
 #include "model/activity.h"
 #include "plant_library.h"
 
+#include <ctype.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -220,6 +221,7 @@ static bool day(double minutes)
             printf("temperatures %.17g", 30.0 * ((double)k + 1.0));
             for (size_t j = 0; j < c->n_channels; j++)
                 if (strcmp(c->channels[j].unit, "K") == 0 && c->channels[j].name[0] == 'T' &&
+                    isdigit((unsigned char)c->channels[j].name[1]) &&
                     c->channels[j].kind != PLANT_DISTURBANCE)
                     printf(" %s %.17g", c->channels[j].name + 1, c->value(p, j));
             putchar('\n');
