@@ -212,7 +212,9 @@ static enum err evaluate(struct composition *c)
 {
     struct column_fault fault;
     enum err err = column_set_inputs(&c->column, &c->inputs, &fault);
-    return err ? err : column_truncated_rates(&c->column, c->truncated, c->x, c->rates);
+    return err ? err
+               : column_truncated_rates(&c->column, c->truncated, (enum column_between)c->between,
+                                        c->x, c->rates);
 }
 
 static enum err begin_anew(struct composition *c, enum err why)

@@ -40,6 +40,7 @@ struct composition {
     struct composition_sensor sensor[SENSORS_MAX];
     uint8_t sensors;
     uint8_t method;
+    uint8_t between;       /* enum column_between */
     real_t h;              /* s */
     real_t noise2, model2; /* K2, 1/s */
     real_t gate;

@@ -47,6 +47,8 @@ const struct block_parameter composition_parameter_rows[COMPOSITION_PARAMETER_RO
            0),
     NUMBER(16, alone_s, "alone", "s", "how long the model counts without any temperature", 0, 1e7f,
            600),
+    {17, BLOCK_WORD, PLACE(between), 1, 1, "between", "line|mean",
+     "temperatures of truncated stages, of those around them", 0, 0, COLUMN_BETWEEN_LINE},
 };
 
 /* lambda 10 1/h and zeta 3 where nothing is given: Frau 2.4, docs/composition-estimation.md */
@@ -184,6 +186,7 @@ void composition_take_settings(struct composition *c, const struct block_setup *
         if (composition_is_sensor(s, k))
             set_sensor(c, s, k);
     c->method = s->method;
+    c->between = s->between;
     c->h = h;
     c->noise2 = s->noise * s->noise;
     c->model2 = s->model * s->model / HOUR;

@@ -45,7 +45,8 @@ struct composition_settings {
     uint16_t point[BLOCK_POINTS_MAX][PLACE_COLS]; /* stage, component; 0: the temperature */
     uint8_t is[BLOCK_INPUTS_MAX];                 /* enum composition_input */
     uint8_t method;                               /* enum composition_method */
-    uint8_t spare[3];
+    uint8_t between;                              /* enum column_between */
+    uint8_t spare[2];
 };
 
 extern const struct block_kind composition_kind;

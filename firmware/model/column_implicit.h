@@ -33,12 +33,17 @@ struct column_blocks {
     real_t change[COLUMN_STATES_MAX];
 };
 
-/* Outputs and rates[n_fractions] at the states x, as column_rates (column.h), where truncated[s] is set for stages whose temperature is the mean of
- * those of the two nearest stages that are not: Frau (6.3). Their last but one mole fraction follows from the bubble point (6.4), kept
+/* What the temperature of a truncated stage is of those of the two nearest stages that are not. */
+enum column_between {
+    COLUMN_BETWEEN_LINE, /* on the straight line between them */
+    COLUMN_BETWEEN_MEAN  /* their mean, Frau (6.3): vapour pressures once a region */
+};
+
+/* Outputs and rates[n_fractions] at the states x, as column_rates (column.h), where truncated[s] is set for stages whose temperature is interpolated. Their last but one mole fraction follows from the bubble point (6.4), kept
  * within what the others leave, and is written to x. Neither the reboiler nor the condenser is truncated, nor the feed stage.
  * The config has constant holdups, perfect levels, and with truncated stages an ideal liquid. Errors as column_evaluate. */
-MUST_CHECK enum err column_truncated_rates(struct column *column, const bool *truncated, real_t *x,
-                                           real_t *rates);
+MUST_CHECK enum err column_truncated_rates(struct column *column, const bool *truncated,
+                                           enum column_between between, real_t *x, real_t *rates);
 
 /* One step of h > 0, s, from the very x and rates of the last column_truncated_rates. change[n_fractions] of *blocks is d; x stays.
  * pull[pulls], at most one at a stage. ERR_RANGE where the equations have no solution, ERR_NOT_FINITE where it is none. */

@@ -30,15 +30,20 @@ static void close_by_bubble_point(const struct column *column, real_t *x, size_t
 }
 
 /* Stages between first and last, whose own temperatures are known. */
-static void interpolate(struct column *column, real_t *x, size_t first, size_t last)
+static void interpolate(struct column *column, enum column_between between, real_t *x, size_t first,
+                        size_t last)
 {
     size_t c = column->config->components;
     real_t pressure[COLUMN_COMPONENTS_MAX], slope[COLUMN_COMPONENTS_MAX];
-    real_t t = (column->temperature[first] + column->temperature[last]) / REAL_C(2.0);
+    real_t low = column->temperature[first], rise = column->temperature[last] - low;
 
-    component_vapour_pressures(column->config->component, c, t, pressure, slope);
     for (size_t s = first + 1; s < last; s++) {
-        column->temperature[s] = t;
+        real_t part = between == COLUMN_BETWEEN_MEAN ? REAL_C(0.5)
+                                                     : (real_t)(s - first) / (real_t)(last - first);
+        column->temperature[s] = low + part * rise;
+        if (between == COLUMN_BETWEEN_LINE || s == first + 1)
+            component_vapour_pressures(column->config->component, c, column->temperature[s],
+                                       pressure, slope);
         for (size_t j = 0; j < c; j++) {
             column->k[s * c + j] = pressure[j] / column->pressure[s];
             column->dk[s * c + j] = slope[j] / column->pressure[s];
@@ -68,8 +73,8 @@ static void take_vapour(struct column *column, const real_t *x, size_t s)
                    : v[j - c] + config->efficiency * (full[j] / sum - v[j - c]);
 }
 
-enum err column_truncated_rates(struct column *column, const bool *truncated, real_t *x,
-                                real_t *rates)
+enum err column_truncated_rates(struct column *column, const bool *truncated,
+                                enum column_between between, real_t *x, real_t *rates)
 {
     size_t top = column->config->stages - 1, end = 0; /* end: the last stage before a region */
     bool warm = column->warm;
@@ -85,7 +90,7 @@ enum err column_truncated_rates(struct column *column, const bool *truncated, re
         if (err)
             return err;
         if (s > end + 1)
-            interpolate(column, x, end, s);
+            interpolate(column, between, x, end, s);
         end = s;
     }
     for (size_t s = 0; s <= top; s++)
