@@ -31,9 +31,10 @@ void composition_begin(struct composition *c)
     for (size_t s = 0; s < config->stages; s++)
         c->column.temperature[s] =
             (config->temperature_min + config->temperature_max) / REAL_C(2.0);
+    c->watched = 0;
     for (uint8_t k = 0; k < c->sensors; k++) {
         struct composition_sensor *s = &c->sensor[k];
-        s->sum = s->mean = s->square = s->product = s->last = s->e = ZERO;
+        s->sum = s->pull = s->square = s->product = s->last = s->e = s->correction = ZERO;
         s->variance = c->model2 * REAL_C(3600.0);
         s->outside = 0;
         s->begun = false;
@@ -133,9 +134,8 @@ static size_t pulls_of(const struct composition *c, struct column_pull *pull)
 /* z, by what is left of the deviation at the end of the step. */
 static void integrate(const struct composition *c, struct composition_sensor *s, real_t moved)
 {
-    real_t most = PULL_MOST_K / (s->kp > s->ki ? s->kp : s->ki);
-    if (s->ki > ZERO)
-        most = PULL_MOST_K * real_sqrt(s->ki) / s->ki;
+    s->correction = (s->kp + c->h * s->ki) * (s->e - moved) + s->ki * s->sum;
+    real_t most = PULL_MOST_K / (s->time * s->ki);
     s->sum += c->h * (s->e - moved);
     if (s->sum > most)
         s->sum = most;
@@ -179,6 +179,7 @@ static void filter(struct composition *c, struct composition_sensor *s, const re
     s->e -= moved; /* the reading belongs to the end of the step */
     real_t gain = s->variance * b / s->spread;
     c->blocks.change[s->stage * m + s->component] += gain * s->e;
+    s->correction = b * gain * s->e / c->h;
     s->variance -= gain * b * s->variance;
 }
 

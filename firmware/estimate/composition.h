@@ -26,8 +26,9 @@ struct composition_sensor {
     real_t slope;      /* dT/dx of its component at the estimate, K */
     real_t spread;     /* reduced EKF: variance of e that is expected, K2 */
     uint32_t outside;  /* steps in a row outside the gate */
-    /* Means over the last `watch` seconds: of e, of e2 over its expected variance, of e times the one before. */
-    real_t mean, square, product, last;
+    real_t correction; /* K/s, by which it drew the temperature in this step */
+    /* Means over the last `watch` seconds: of corrections; of e2 over its expected variance; of e times the one before. */
+    real_t pull, square, product, last;
 };
 
 struct composition {
@@ -45,7 +46,8 @@ struct composition {
     real_t noise2, model2; /* K2, 1/s */
     real_t gate;
     uint32_t gate_steps;
-    real_t weight;    /* of a step in the means of the monitor */
+    real_t weight;    /* of a step in the means of the monitor, once they have begun */
+    uint32_t watched; /* steps in them; saturates */
     bool solved;      /* the last step went well */
     uint16_t clipped; /* mole fractions kept within limits in it */
     uint16_t
@@ -62,11 +64,13 @@ enum err composition_step(struct composition *c, const real_t *t);
 /* The step of the model alone, over c->h. */
 enum err composition_predict(struct composition *c);
 
-/* As many K/h as a temperature would move by if it were not drawn. */
-real_t composition_pull(const struct composition_sensor *s);
-
 /* The monitor's means. */
 void composition_watch(struct composition *c);
+
+/* Number of the sensor whose mean correction is farthest from the mean of its section, where they are more than `most` K/h apart:
+ * 1 and up; 0 where there is none, or fewer than two. A reading that lies disagrees with those beside it; where all are wrong, or the
+ * feed is another, they agree. */
+unsigned composition_odd_sensor(const struct composition *c, real_t most);
 
 /* Estimated temperature, K, at a stage from 0, after the step. */
 real_t composition_temperature(const struct composition *c, size_t stage);

@@ -6,7 +6,7 @@
 
 #if CONFIG_BLOCKS
 
-#define COMPOSITION_PARAMETER_ROWS 17
+#define COMPOSITION_PARAMETER_ROWS 18
 extern const struct block_parameter composition_parameter_rows[COMPOSITION_PARAMETER_ROWS];
 
 enum {
@@ -14,6 +14,7 @@ enum {
     EVENT_ALONE,
     EVENT_PULL,
     EVENT_NIS,
+    EVENT_APART,
     EVENT_NO_STATE,
     EVENT_NO_INPUT,
     COMPOSITION_EVENTS

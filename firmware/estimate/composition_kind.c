@@ -160,8 +160,7 @@ static unsigned lost_sensor(const struct composition_block *b)
 static unsigned pulling_sensor(const struct composition_block *b)
 {
     for (uint8_t k = 0; k < b->c.sensors; k++) {
-        real_t pull = composition_pull(&b->c.sensor[k]);
-        if (b->s.pull > 0 && (pull > b->s.pull || pull < -b->s.pull))
+        if (b->s.pull > 0 && real_abs(b->c.sensor[k].pull) > b->s.pull)
             return b->c.sensor[k].input + 1u;
     }
     return 0;
@@ -192,17 +191,20 @@ static enum quality judge(struct composition_block *b, struct block_io *io, enum
         drawn += b->c.sensor[k].moves && b->c.sensor[k].there ? 1u : 0u;
     b->without = drawn ? 0 : b->without < UINT32_MAX ? b->without + 1u : b->without;
     bool alone = !drawn && (real_t)b->without * b->c.h > b->s.alone_s;
-    unsigned pulling = settled ? pulling_sensor(b) : 0;
-    unsigned surprising = settled ? surprising_sensor(b) : 0;
+    bool watched = settled && (real_t)b->c.watched * b->c.h >= b->s.watch_s;
+    unsigned pulling = watched ? pulling_sensor(b) : 0;
+    unsigned surprising = watched ? surprising_sensor(b) : 0;
+    unsigned odd = watched && b->s.apart > 0 ? composition_odd_sensor(&b->c, b->s.apart) : 0;
 
     io->raised = 0;
     raise(io, EVENT_LOST, lost);
     raise(io, EVENT_ALONE, alone ? 1 : 0);
     raise(io, EVENT_PULL, pulling);
     raise(io, EVENT_NIS, surprising);
+    raise(io, EVENT_APART, odd);
     raise(io, EVENT_NO_STATE, err ? 1 : 0);
     raise(io, EVENT_NO_INPUT, b->missing);
-    if (err || alone || pulling || surprising)
+    if (err || alone || pulling || surprising || odd)
         return QUALITY_BAD;
     return lost || b->missing || !settled ? QUALITY_UNCERTAIN : QUALITY_GOOD;
 }
@@ -210,12 +212,10 @@ static enum quality judge(struct composition_block *b, struct block_io *io, enum
 static void give_points(const struct composition_block *b, struct block_io *io,
                         enum quality quality)
 {
-    size_t m = b->c.table.config.components - 1;
     for (unsigned k = 0; k < b->points; k++) {
         size_t stage = b->s.point[k][AT_STAGE] - 1u, component = b->s.point[k][OF_COMPONENT];
         real_t value = component == 0 ? composition_temperature(&b->c, stage)
                                       : column_fraction(&b->c.column, b->c.x, stage, component - 1);
-        (void)m;
         value = factor_or_1(b->s.show[k][UNIT_FACTOR]) * value + b->s.show[k][UNIT_ZERO];
         io->point[k] = num_from_float((value - b->point[k].lo) / (b->point[k].hi - b->point[k].lo));
         io->point_quality[k] = (uint8_t)quality;
@@ -303,6 +303,8 @@ static const struct block_event events[COMPOSITION_EVENTS] = {
     [EVENT_PULL] = {"pull", BLOCK_ALARM, "a temperature draws the model too hard; its input"},
     [EVENT_NIS] = {"nis", BLOCK_ALARM,
                    "innovations are larger than they may be; input of the temperature"},
+    [EVENT_APART] = {"apart", BLOCK_ALARM,
+                     "temperatures of a section contradict each other; input of the oddest"},
     [EVENT_NO_STATE] = {"no_state", BLOCK_ALARM, "the model has no solution and begins anew, -"},
     [EVENT_NO_INPUT] = {"no_input", BLOCK_ALARM,
                         "a flow is missing, its last value holds; which input"},

@@ -37,7 +37,7 @@ const struct block_parameter composition_parameter_rows[COMPOSITION_PARAMETER_RO
            "rekf: what a mole fraction gathers of unknown changes in an hour, standard deviation",
            1e-6f, 100, 0.1f),
     NUMBER(11, gate, "gate", "K", "readings farther from the estimate wait; 0: none does", 0, 1000,
-           0),
+           10),
     NUMBER(12, gate_s, "gate_time", "s", "after which they are believed", 0, 1e6f, 300),
     NUMBER(13, pull, "pull", "K/h", "alarm: a sensor draws the model by more, in the mean; 0: none",
            0, 1e5f, 0),
@@ -47,6 +47,9 @@ const struct block_parameter composition_parameter_rows[COMPOSITION_PARAMETER_RO
            0),
     NUMBER(16, alone_s, "alone", "s", "how long the model counts without any temperature", 0, 1e7f,
            600),
+    NUMBER(18, apart, "apart", "K/h",
+           "alarm: sensors of a section draw the model so differently, in the mean; 0: none", 0,
+           1e5f, 0),
     {17, BLOCK_WORD, PLACE(between), 1, 1, "between", "line|mean",
      "temperatures of truncated stages, of those around them", 0, 0, COLUMN_BETWEEN_LINE},
 };

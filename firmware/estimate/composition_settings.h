@@ -38,6 +38,7 @@ struct composition_settings {
     float pull;      /* K/h, alarm; 0: none */
     float watch_s;   /* s, of the means of the monitor */
     float nis;       /* alarm; 0: none */
+    float apart;     /* K/h, alarm; 0: none */
     float alone_s;   /* s, without any temperature */
     uint16_t column; /* block */
     uint16_t place[BLOCK_INPUTS_MAX]

@@ -19,7 +19,7 @@ static float value_of(const struct composition_sensor *s, unsigned which)
     case VALUE_E:
         return s->e;
     case VALUE_PULL:
-        return composition_pull(s);
+        return s->pull;
     case VALUE_NIS:
         return s->square;
     case VALUE_RHO:
