@@ -76,10 +76,11 @@ real_t composition_temperature(const struct composition *c, size_t stage)
 
 /* ---- innovation ---- */
 
-/* What is far from the estimate is not believed for a while. */
+/* What is far from the estimate is not believed for a while, once the estimate has had time to find it. */
 static bool is_outside(const struct composition *c, struct composition_sensor *s)
 {
-    if (!(c->gate > ZERO) || real_abs(s->e) <= c->gate) {
+    bool found = (real_t)c->watched * c->h > REAL_C(3.0) * s->time;
+    if (!(c->gate > ZERO) || !found || real_abs(s->e) <= c->gate) {
         s->outside = 0;
         return false;
     }
