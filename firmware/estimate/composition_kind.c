@@ -204,9 +204,10 @@ static enum quality judge(struct composition_block *b, struct block_io *io, enum
     raise(io, EVENT_APART, odd);
     raise(io, EVENT_NO_STATE, err ? 1 : 0);
     raise(io, EVENT_NO_INPUT, b->missing);
-    if (err || alone || pulling || surprising || odd)
+    bool doubted = pulling || surprising || odd;
+    if (err || alone || (doubted && b->s.doubt == DOUBT_BAD))
         return QUALITY_BAD;
-    return lost || b->missing || !settled ? QUALITY_UNCERTAIN : QUALITY_GOOD;
+    return lost || b->missing || !settled || doubted ? QUALITY_UNCERTAIN : QUALITY_GOOD;
 }
 
 static void give_points(const struct composition_block *b, struct block_io *io,

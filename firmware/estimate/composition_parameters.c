@@ -50,6 +50,8 @@ const struct block_parameter composition_parameter_rows[COMPOSITION_PARAMETER_RO
     NUMBER(18, apart, "apart", "K/h",
            "alarm: sensors of a section draw the model so differently, in the mean; 0: none", 0,
            1e5f, 0),
+    {19, BLOCK_WORD, PLACE(doubt), 1, 1, "doubt", "bad|uncertain",
+     "what the alarms pull, nis and apart make of the estimates", 0, 0, DOUBT_BAD},
     {17, BLOCK_WORD, PLACE(between), 1, 1, "between", "line|mean",
      "temperatures of truncated stages, of those around them", 0, 0, COLUMN_BETWEEN_LINE},
 };

@@ -9,6 +9,9 @@
 
 enum composition_method { METHOD_GEOMETRIC, METHOD_REKF };
 
+/* What an alarm makes of the estimates. */
+enum composition_doubt { DOUBT_BAD, DOUBT_UNCERTAIN };
+
 /* What an input is of the column. */
 enum composition_input {
     IS_TEMPERATURE,
@@ -47,7 +50,8 @@ struct composition_settings {
     uint8_t is[BLOCK_INPUTS_MAX];                 /* enum composition_input */
     uint8_t method;                               /* enum composition_method */
     uint8_t between;                              /* enum column_between */
-    uint8_t spare[2];
+    uint8_t doubt;                                /* enum composition_doubt */
+    uint8_t spare;
 };
 
 extern const struct block_kind composition_kind;

@@ -23,7 +23,7 @@ static inline void column_full_composition(const struct column *column, const re
 
 static inline bool column_holdups_move(const struct column *column)
 {
-    return column->n_states > column->n_fractions;
+    return COLUMN_HOLDUPS_MOVE && column->n_states > column->n_fractions;
 }
 
 /* Nominal holdup of a stage, mol or m3. */
