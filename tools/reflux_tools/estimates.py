@@ -27,6 +27,7 @@ ANTOINE = "320-375"  # K: where the three constants are fitted
 WATCH_S = 1800.0
 LINK_CHANNELS = 16  # measurements
 M3_H, MCAL_H = 1 / 3600, 4184e3 / 3600  # in SI units
+GOAL = f"sp purity {trays.GOAL:g}"
 IMPURITY = {"iC4": (37, "iC4_D"), "C3": (1, "C3_B")}
 GAINS = {"enriching": (10.0, 3.0), "stripping": (20.0, 3.0)}  # lambda 1/h, zeta
 
@@ -58,6 +59,7 @@ class Case:
     hours: float = 8.0
     firmware: str = "memory"
     apart: float = 0.0  # K/h, alarm
+    use: str = ""  # at SS1: "setpoint", a loop on the estimate moves the temperature's setpoint; "pv", it moves Q itself
     seed: int = 1
 
 
@@ -160,6 +162,31 @@ def events(case: Case, of: Sensing, stages: list[int]) -> list[Event]:
     return out
 
 
+# At SS1 the impurity rises by so much with a kelvin more on stage 33; the temperature's loop is a lag of half an hour, and what is
+# estimated comes two minutes late.
+IMPURITY_PER_K, LATE_S, LOOP_S, CLOSE_S = 0.0042, 120.0, 1800.0, 2400.0
+
+
+def use_rows(case: Case, pairing: trays.Pairing, k: int) -> list[str]:
+    """A loop on the estimated impurity, by SIMC."""
+    if case.use == "setpoint":
+        gain = LOOP_S / (IMPURITY_PER_K * 120.0 * (LOOP_S / 2 + LATE_S))
+        out, ti = trays.loop_name(pairing), LOOP_S
+    else:
+        _, lo, hi, _, _ = trays.MVS[pairing.mv]
+        slope = trays.slope(pairing.stages[0], pairing.mv, case.state, "consistent") / HOUR * IMPURITY_PER_K
+        gain, out, ti = 1 / (slope * (hi - lo) * 4 * LATE_S), pairing.mv, 4 * 4 * LATE_S
+    rows = [("name", "purity"), ("pv", "est_iC4"), ("out", out), ("action", "reverse")]
+    return [f"set loop{k}.{key} {text}" for key, text in (*rows, ("gain", f"{gain:.6g}"), ("ti", f"{ti:g}"))]
+
+
+def use_lines(case: Case, lines: tuple[Line, ...]) -> list[Line]:
+    if case.use == "pv":
+        return [*(x for x in lines if x.text.startswith("out ")), Line(CLOSE_S, "mode purity auto"), Line(CLOSE_S, GOAL)]
+    more = (f"mode {trays.loop_name(trays.structure(control_of(case)).pairings[0])} cascade", "mode purity auto", GOAL)
+    return [*lines, *(Line(CLOSE_S, text) for text in more if case.use)]
+
+
 def control_case(case: Case) -> trays.Case:
     return trays.Case(control_of(case), case.law, "consistent", case.state, case.scenario, tick_s=case.tick_s)
 
@@ -182,11 +209,14 @@ def scenario(case: Case, folder: Path) -> Scenario:
     pairings = list(trays.structure(control.structure).pairings)
     stages = sorted({s for p in pairings for s in p.stages} | set(of.stages))
     rows = channel_rows(case, stages)
-    for k, pairing in enumerate(pairings, 1):
+    for k, pairing in enumerate(pairings, 1) if case.use != "pv" else ():
         rows += trays.loop_rows(k, control, pairing)
-    rows += trays.block_rows(control, trays.structure(control.structure), pairings)
+    if case.use != "pv":
+        rows += trays.block_rows(control, trays.structure(control.structure), pairings)
+    if case.use:
+        rows += use_rows(case, pairings[0], 1 if case.use == "pv" else 2)
     rows += [*table_lines(case.state, case.components, truncated(of), case.antoine), *block_rows(case), "apply"]
-    lines = [*base.lines, Line(SETTLE_S, "block 3 settle"), Line(case.hours * HOUR - 60, "block 3")]
+    lines = [*use_lines(case, base.lines), Line(SETTLE_S, "block 3 settle"), Line(case.hours * HOUR - 60, "block 3")]
     return replace(
         base,
         name="estimate",
@@ -196,6 +226,7 @@ def scenario(case: Case, folder: Path) -> Scenario:
         measure=(*trays.more_measured(stages), "Fm", "TFm"),
         seed=case.seed,
         firmware=case.firmware,
+        loops=() if case.use else base.loops,
         lines=tuple(sorted(lines, key=lambda line: line.at_s)),
         events=tuple(events(case, of, stages)),
         config=trays.config_lines(rows),
@@ -221,6 +252,7 @@ class Measured:
     error: dict[str, Error] = field(default_factory=dict)
     said: tuple[str, ...] = ()  # events of the block, with the hour of the first of each
     good: float = math.nan  # part of the time after 1 h in which the estimate was called good
+    impurity: dict[str, trays.Impurity] = field(default_factory=dict)  # what the control came to
 
 
 def error_of(log: object, point: str) -> Error:
@@ -252,4 +284,5 @@ def measure(case: Case) -> Measured:
         {p: error_of(log, p) for p in points(case)},
         tuple(f"{name} {at:.1f} h" for name, at in said.items()),
         sum(after) / len(after),
+        {p: trays.impurity_of(log, IMPURITY[p][1]) for p in points(case)},
     )
