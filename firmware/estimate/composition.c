@@ -20,7 +20,7 @@
 #define ONE  REAL_C(1.0)
 
 /* Ki z moves a temperature no faster than so many kelvin in 1/lambda. */
-#define PULL_MOST_K REAL_C(30.0)
+#define PULL_MOST_K REAL_C(300.0)
 
 void composition_begin(struct composition *c)
 {

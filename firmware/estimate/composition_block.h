@@ -6,7 +6,7 @@
 
 #if CONFIG_BLOCKS
 
-#define COMPOSITION_PARAMETER_ROWS 19
+#define COMPOSITION_PARAMETER_ROWS 20
 extern const struct block_parameter composition_parameter_rows[COMPOSITION_PARAMETER_ROWS];
 
 enum {

@@ -210,13 +210,24 @@ static enum quality judge(struct composition_block *b, struct block_io *io, enum
     return lost || b->missing || !settled || doubted ? QUALITY_UNCERTAIN : QUALITY_GOOD;
 }
 
+/* Of component j (from 0) on a stage, in moles or by mass. */
+static real_t fraction_of(const struct composition_block *b, size_t stage, size_t j)
+{
+    real_t full[COLUMN_COMPONENTS_MAX];
+    if (b->s.basis == BASIS_MOLE)
+        return column_fraction(&b->c.column, b->c.x, stage, j);
+    for (size_t i = 0; i < b->c.table.config.components; i++)
+        full[i] = column_fraction(&b->c.column, b->c.x, stage, i);
+    return mass_fraction_of(b->c.table.component, b->c.table.config.components, full, j);
+}
+
 static void give_points(const struct composition_block *b, struct block_io *io,
                         enum quality quality)
 {
     for (unsigned k = 0; k < b->points; k++) {
         size_t stage = b->s.point[k][AT_STAGE] - 1u, component = b->s.point[k][OF_COMPONENT];
         real_t value = component == 0 ? composition_temperature(&b->c, stage)
-                                      : column_fraction(&b->c.column, b->c.x, stage, component - 1);
+                                      : fraction_of(b, stage, component - 1);
         value = factor_or_1(b->s.show[k][UNIT_FACTOR]) * value + b->s.show[k][UNIT_ZERO];
         io->point[k] = num_from_float((value - b->point[k].lo) / (b->point[k].hi - b->point[k].lo));
         io->point_quality[k] = (uint8_t)quality;

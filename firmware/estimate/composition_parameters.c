@@ -52,6 +52,8 @@ const struct block_parameter composition_parameter_rows[COMPOSITION_PARAMETER_RO
            1e5f, 0),
     {19, BLOCK_WORD, PLACE(doubt), 1, 1, "doubt", "bad|uncertain",
      "what the alarms pull, nis and apart make of the estimates", 0, 0, DOUBT_BAD},
+    {20, BLOCK_WORD, PLACE(basis), 1, 1, "basis", "mole|mass", "fractions of the points", 0, 0,
+     BASIS_MOLE},
     {17, BLOCK_WORD, PLACE(between), 1, 1, "between", "line|mean",
      "temperatures of truncated stages, of those around them", 0, 0, COLUMN_BETWEEN_LINE},
 };
@@ -155,6 +157,9 @@ enum err composition_check(const struct block_setup *setup, struct block_fault *
         return refuse(fault, "column", "must name a block with a table that is in order");
     if (setup->members)
         return refuse(fault, "loops", "must be none");
+    for (size_t j = 0; s->basis == BASIS_MASS && j < table.config.components; j++)
+        if (!(table.component[j].molar_mass > 0))
+            return refuse(fault, "basis", "must be mole where the table has no molar masses");
     if (table.config.activity && (table.truncated[0] || table.truncated[1]))
         return refuse(
             fault, "column",

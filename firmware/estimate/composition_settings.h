@@ -9,6 +9,9 @@
 
 enum composition_method { METHOD_GEOMETRIC, METHOD_REKF };
 
+/* Fractions of the points. */
+enum composition_basis { BASIS_MOLE, BASIS_MASS };
+
 /* What an alarm makes of the estimates. */
 enum composition_doubt { DOUBT_BAD, DOUBT_UNCERTAIN };
 
@@ -51,7 +54,7 @@ struct composition_settings {
     uint8_t method;                               /* enum composition_method */
     uint8_t between;                              /* enum column_between */
     uint8_t doubt;                                /* enum composition_doubt */
-    uint8_t spare;
+    uint8_t basis;                                /* enum composition_basis */
 };
 
 extern const struct block_kind composition_kind;
