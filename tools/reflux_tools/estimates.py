@@ -59,7 +59,9 @@ class Case:
     hours: float = 8.0
     firmware: str = "memory"
     apart: float = 0.0  # K/h, alarm
-    use: str = ""  # at SS1: "setpoint", a loop on the estimate moves the temperature's setpoint; "pv", it moves Q itself
+    use: str = (
+        ""  # at SS1: "setpoint", a loop on the estimate moves the temperature's setpoint; "pv", it moves Q itself
+    )
     seed: int = 1
 
 
@@ -182,7 +184,11 @@ def use_rows(case: Case, pairing: trays.Pairing, k: int) -> list[str]:
 
 def use_lines(case: Case, lines: tuple[Line, ...]) -> list[Line]:
     if case.use == "pv":
-        return [*(x for x in lines if x.text.startswith("out ")), Line(CLOSE_S, "mode purity auto"), Line(CLOSE_S, GOAL)]
+        return [
+            *(x for x in lines if x.text.startswith("out ")),
+            Line(CLOSE_S, "mode purity auto"),
+            Line(CLOSE_S, GOAL),
+        ]
     more = (f"mode {trays.loop_name(trays.structure(control_of(case)).pairings[0])} cascade", "mode purity auto", GOAL)
     return [*lines, *(Line(CLOSE_S, text) for text in more if case.use)]
 

@@ -9,7 +9,7 @@ from dataclasses import asdict, dataclass, fields, replace
 from pathlib import Path
 from typing import Any
 
-from reflux_tools import build, estimates, table, trays, trays_campaign
+from reflux_tools import build, estimates, estimates_elsewhere, table, trays, trays_campaign
 from reflux_tools.errors import RunFailed, UserError
 from reflux_tools.estimates import Case
 from reflux_tools.paths import CAMPAIGNS, ROOT
@@ -38,6 +38,7 @@ class Estimates:
     title: str
     about: str
     parts: tuple[Part, ...]
+    elsewhere: tuple[estimates_elsewhere.Elsewhere, ...] = ()
 
     def cases(self, fraction: float) -> list[Case]:
         wanted = list(dict.fromkeys(row.case for part in self.parts for row in part.rows))
@@ -85,8 +86,9 @@ def load(top: Table, name: str) -> Estimates:
             line.done()
         one.done()
         parts.append(Part(heading, tuple(rows)))
+    elsewhere = tuple(estimates_elsewhere.load(one, CAMPAIGNS) for one in top.tables("elsewhere"))
     top.done()
-    return Estimates(name, title, about, tuple(parts))
+    return Estimates(name, title, about, tuple(parts), elsewhere)
 
 
 def fingerprint(campaign: Estimates) -> str:
@@ -94,6 +96,8 @@ def fingerprint(campaign: Estimates) -> str:
     for file in (
         Path(__file__),
         Path(estimates.__file__),
+        Path(estimates_elsewhere.__file__),
+        *(f for of in campaign.elsewhere for f in (of.file, of.file.with_suffix(".conf"))),
         Path(trays.__file__),
         ROOT / "host_sim" / "plants" / "splitter.json",
         build.find_program("host", "reflux-sim-memory"),
@@ -126,10 +130,12 @@ def header_of(part: Part) -> list[str]:
     out = ["structure", "with"]
     for p in estimates.points(part.rows[0].case):
         out += [f"{p}: initial", "least", "most", "final", "outside, h"]
+    if any(row.case.use for row in part.rows):
+        return [*out, "alarms and notes", "called good, %", "IAE of iC4_D", "least", "most", "final"]
     return [*out, "alarms and notes", "called good, %", "source", "fresh reading"]
 
 
-def row_of(row: Row, result: dict[str, Any] | None) -> list[str]:
+def row_of(row: Row, result: dict[str, Any] | None, used: bool = False) -> list[str]:
     head = [row.case.structure, row.note]
     if result is None or "failed" in result:
         cells = [*head, "not run" if result is None else "failed"]
@@ -139,14 +145,22 @@ def row_of(row: Row, result: dict[str, Any] | None) -> list[str]:
         e = result["error"][p]
         cells = [*cells, *(milli(e[k]) for k in ("initial", "low", "high", "final"))]
         cells.append(f"**{e['outside_h']:.2f}**" if e["outside_h"] > 0 else "0")
-    return [*cells, ", ".join(result["said"]), f"{100 * result['good']:.0f}", row.source, row.fresh]
+    cells += [", ".join(result["said"]), f"{100 * result['good']:.0f}"]
+    if not used:
+        return [*cells, row.source, row.fresh]
+    i = result["impurity"]["iC4"]
+    return [*cells, *(f"{1000 * i[k]:.1f}" for k in ("iae", "low", "peak", "final"))]
 
 
 def write_results(campaign: Estimates, state: Any) -> None:
     text = [f"# {campaign.title}\n\nWritten by `tools/campaign {campaign.name}`. {campaign.about}\n"]
     for part in campaign.parts:
-        rows = [row_of(row, state.get(job_of(row.case))) for row in part.rows]
+        used = any(row.case.use for row in part.rows)
+        rows = [row_of(row, state.get(job_of(row.case)), used) for row in part.rows]
         text.append(f"\n## {part.title}\n\n" + table.markdown(header_of(part), rows))
+    for of in campaign.elsewhere:
+        rows = estimates_elsewhere.rows_of(of, state)
+        text.append(f"\n## {of.title}\n\nIn {of.unit}.\n\n" + table.markdown(estimates_elsewhere.header_of(of), rows))
     folder = CAMPAIGNS / "results"
     folder.mkdir(parents=True, exist_ok=True)
     (folder / f"{campaign.name}.md").write_text("".join(text) + "\n", encoding="utf-8")
@@ -156,13 +170,22 @@ def execute(campaign: Estimates, options: argparse.Namespace, state: Any) -> int
     cases = campaign.cases(options.fraction)
     trays_campaign.run_missing(cases, state, options.jobs, job_of, run_one)
     results = [state.get(job_of(c)) for c in cases]
+    for of in campaign.elsewhere if options.fraction == 1.0 else ():
+        for way in of.ways:
+            if state.get(estimates_elsewhere.job_of(of, way)) is None:
+                state.add(estimates_elsewhere.measure(of, way))
     if not options.check and options.fraction == 1.0:
         write_results(campaign, state)
     for part in campaign.parts:
         found = [(row, state.get(job_of(row.case))) for row in part.rows]
-        shown = [row_of(row, result)[:-2] for row, result in found if result]
+        used = any(row.case.use for row in part.rows)
+        shown = [row_of(row, result, used) for row, result in found if result]
         if shown:
-            print(f"\n{part.title}, errors in 1e-3\n" + table.columns(header_of(part)[:-2], shown))
+            end = None if used else -2  # without what others say
+            print(f"\n{part.title}, in 1e-3\n" + table.columns(header_of(part)[:end], [row[:end] for row in shown]))
+    for of in campaign.elsewhere if options.fraction == 1.0 else ():
+        rows = estimates_elsewhere.rows_of(of, state)
+        print(f"\n{of.title}, {of.unit}\n" + table.columns(estimates_elsewhere.header_of(of), rows))
     failed = [r for r in results if "failed" in r]
     for r in failed[:10]:
         print(f"FAILED  {r['job']['structure']}: {r['failed']}")
