@@ -207,10 +207,9 @@ class Estimator:
         # Bubble points by the mole fractions but the last, which closes; temperatures of truncated stages stand.
         s.dt = -(s.k[:, :m] - s.k[:, m:]) / (s.x * s.dk).sum(-1)[:, None]
         s.dt[self.table.truncated] = 0.0
-        total = (s.x * s.k).sum(-1)[:, None, None]
-        own = s.k[:, :m, None] * np.eye(m) + (s.x * s.dk)[:, :m, None] * s.dt[:, None, :]
-        sums = s.k[:, None, :m] - s.k[:, None, m:] + (s.x * s.dk).sum(-1)[:, None, None] * s.dt[:, None, :]
-        s.dy = (own - s.y[:, :m, None] * sums) / total
+        # Where the temperature is interpolated and a mole fraction kept within its limits the sum of k x is not 1; that it
+        # is divided by its sum is left out of these slopes.
+        s.dy = s.k[:, :m, None] * np.eye(m) + (s.x * s.dk)[:, :m, None] * s.dt[:, None, :]
         return s
 
     def efficiencies(self, s):
