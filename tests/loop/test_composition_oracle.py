@@ -123,12 +123,14 @@ def run(case: Case) -> Log:
         return runner.run(played, runner.Options(Path(folder) / "out", quiet=True)).log
 
 
-def replay(case: Case, log: Log) -> np.ndarray:
-    """The points of every tick, by the reference."""
+def fresh(case: Case, step_s: float) -> reference.Estimator:
     sensors = [reference.Sensor(s - 1, c - 1, case.rate(s) / HOUR, case.damping) for s, c in case.sensors]
-    estimator = reference.Estimator(
-        reference.Table(table(case)), sensors, case.tick_s, reference.Settings(case.method, between=case.between)
-    )
+    settings = reference.Settings(case.method, between=case.between)
+    return reference.Estimator(reference.Table(table(case)), sensors, step_s, settings)
+
+
+def had(case: Case, log: Log) -> list[tuple[dict, list]]:
+    """What the firmware had in every tick: inputs, and temperatures, NaN where there was no good reading."""
 
     def seen(name: str, factor: str = "1") -> np.ndarray:
         return np.array(log.numbers(f"fw.{name}")) * float(np.float32(factor))
@@ -137,9 +139,15 @@ def replay(case: Case, log: Log) -> np.ndarray:
     driven = {"feed": seen("Fm", FLOW), "feed_temperature": seen("TFm")}
     for what, name, factor in (("reflux", "R", FLOW), ("heat", "Q", HEAT)):
         driven[what] = np.concatenate([[0.0], seen(f"{name}.app", factor)[:-1]])
-    found = []
-    for k in range(len(driven["feed"])):
-        estimator.step({what: values[k] for what, values in driven.items()}, [r[k] for r in readings])
+    ticks = range(len(driven["feed"]))
+    return [({what: values[k] for what, values in driven.items()}, [r[k] for r in readings]) for k in ticks]
+
+
+def replay(case: Case, log: Log) -> np.ndarray:
+    """The points of every tick, by the reference."""
+    estimator, found = fresh(case, case.tick_s), []
+    for inputs, temperatures in had(case, log):
+        estimator.step(inputs, temperatures)
         found.append([estimator.fraction(s - 1, c - 1) for s, c in case.points])
     return np.array(found)
 
@@ -236,6 +244,27 @@ class Oracle(unittest.TestCase):
     def test_ticks_of_one_and_of_sixty_seconds(self) -> None:
         self.agree(Case(FOUR, tick_s=1.0, ticks=200))
         self.agree(Case(FOUR, tick_s=60.0, ticks=100))
+
+    def test_the_steps_converge_to_the_estimator_in_continuous_time_in_proportion_to_the_tick(self) -> None:
+        """Readings held for 30 s; the firmware's steps are those of the reference, which takes shorter ones as well. No fraction
+        meets a limit here: in continuous time there is none."""
+        case = Case(ONE, "SS2", "SC2", tick_s=30.0, ticks=20)
+        readings = had(case, run(case))
+        states: dict[float, list] = {0.0: [], 1.0: [], 10.0: [], 30.0: []}
+        for step_s, found in states.items():
+            estimator = fresh(case, step_s)
+            for inputs, temperatures in readings:
+                if step_s:
+                    for _ in range(round(case.tick_s / step_s)):
+                        estimator.step(inputs, temperatures)
+                        self.assertEqual(estimator.clipped, 0)
+                else:
+                    estimator.integrate(inputs, temperatures, case.tick_s)
+                found.append(estimator.x)
+        off = {h: np.abs(np.array(found) - np.array(states[0.0])).max() for h, found in states.items() if h}
+        print(*(f"tick {h:g} s: {worst:.1e} off;" for h, worst in off.items()), end=" ", file=sys.stderr)
+        self.assertTrue(2 < off[30.0] / off[10.0] < 4, off)
+        self.assertTrue(20 / 3 < off[10.0] / off[1.0] < 15, off)
 
 
 if __name__ == "__main__":

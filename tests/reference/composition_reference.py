@@ -16,6 +16,7 @@ from columns_mixture import Mixture  # before numpy
 from columns_reference import STEP, Column
 
 import numpy as np
+from scipy.integrate import solve_ivp
 
 FIXED, EACH, ANTOINE = 32, 19, 4
 LETTERS = "0123456789ABCDEFGHIJKLMNOPQRSTUVWXYZ_abcdefghijklmnopqrstuvwxyz"
@@ -285,6 +286,32 @@ class Estimator:
             for sensor, e, b in zip(self.sensors, left, slopes):
                 self.correct(sensor, e - b @ change, b, jacobian, change)
         self.move(change.reshape(n, m))
+
+    def integrate(self, inputs, temperatures, span_s, rtol=1e-7, atol=1e-9):
+        """The geometric estimator as it is meant, flows and holdups moving along, over a span in which nothing else changes."""
+        values, size, free = self.table.nominal | inputs, self.x.size, self.free
+        assert self.settings.method == "geometric" and not self.table.truncated.any()
+
+        def rates(_, state):
+            s = self.column.evaluate(state[:size], values, guess=self.guess)
+            self.guess = s.t
+            mixture = self.column.mixture
+            log = mixture.log_pressure(s.t + 1j * STEP)
+            change = np.concatenate([s.rates, np.zeros(len(self.sensors))])
+            for i, (sensor, reading) in enumerate(zip(self.sensors, temperatures)):
+                at, part = sensor.stage, sensor.part
+                k = np.exp(log[at].real) / s.pressure[at]
+                slope = -(k[part] - k[-1]) / (s.x[at] * k * log[at].imag / STEP).sum()
+                e = reading - s.t[at]
+                change[at * free + part] += (sensor.kp * e + sensor.ki * state[size + i]) / slope
+                change[size + i] = e
+            return change
+
+        start = np.concatenate([self.x.ravel(), [sensor.sum for sensor in self.sensors]])
+        end = solve_ivp(rates, (0.0, span_s), start, method="RK45", rtol=rtol, atol=atol).y[:, -1]
+        self.x = end[:size].reshape(self.x.shape)
+        for sensor, reached in zip(self.sensors, end[size:]):
+            sensor.sum = float(reached)
 
     def correct(self, sensor, e, b, jacobian, change):
         row = sensor.stage * self.free + sensor.part
