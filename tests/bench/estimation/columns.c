@@ -1,0 +1,79 @@
+/* Counts the instructions of a step of the estimator `composition` on columns of several sizes, and of the dense extended Kalman
+ * filter of the same model beside it. */
+#include "column.h"
+#include "cost.h"
+#include "dense_ekf.h"
+
+#define SAMPLES 220u
+#define FIRST   20u
+
+static void cost_of(const char *what, size_t stages, enum composition_method method, bool truncated)
+{
+    struct cost cost = {0};
+    uint32_t stack = 0;
+    real_t t[BENCH_SENSORS];
+    if (!bench_begin(stages, method, truncated))
+        return; /* a row is missing */
+    for (unsigned k = 0; k < SAMPLES; k++) {
+        bench_next(t);
+        cost_paint_stack();
+        uint32_t from = cost_now();
+        enum err err = composition_step(&bench_estimator, t);
+        uint32_t to = cost_now();
+        if (err)
+            return;
+        if (k >= FIRST)
+            cost_add(&cost, from, to);
+        stack = cost_stack_used() > stack ? cost_stack_used() : stack;
+    }
+    cost_say(what, (unsigned)stages, cost.sum / cost.count, cost.most, sizeof bench_estimator);
+    cost_say("stack", (unsigned)stages, stack, stack, COLUMN_STAGES_MAX);
+}
+
+#if COLUMN_STAGES_MAX < 100 /* its matrices leave no room for more */
+static void cost_of_dense(const char *what, enum dense_form form)
+{
+    static struct dense_ekf ekf;
+    struct cost cost = {0};
+    uint32_t stack = 0;
+    real_t t[BENCH_SENSORS];
+    if (!bench_begin(DENSE_STAGES, METHOD_REKF, false) ||
+        dense_ekf_begin(&ekf, &bench_estimator, form) != ERR_OK)
+        return;
+    for (unsigned k = 0; k < SAMPLES / 4; k++) {
+        bench_next(t);
+        cost_paint_stack();
+        uint32_t from = cost_now();
+        enum err err = dense_ekf_step(&ekf, &bench_estimator.inputs, t);
+        uint32_t to = cost_now();
+        if (err)
+            return;
+        if (k >= FIRST)
+            cost_add(&cost, from, to);
+        stack = cost_stack_used() > stack ? cost_stack_used() : stack;
+    }
+    cost_say(what, DENSE_STAGES, cost.sum / cost.count, cost.most, sizeof ekf);
+    cost_say("stack", DENSE_STAGES, stack, stack, COLUMN_STAGES_MAX);
+    if (form == DENSE_EULER)
+        cost_say("substeps", DENSE_STAGES, dense_ekf_substeps(&ekf, BENCH_STEP_S), 0, 0);
+}
+#endif
+
+int main(void)
+{
+    static const uint8_t stages[] = {12, 37, 100};
+    for (unsigned k = 0; k < sizeof stages && stages[k] <= COLUMN_STAGES_MAX; k++) {
+        cost_of("geometric", stages[k], METHOD_GEOMETRIC, false);
+        cost_of("rekf", stages[k], METHOD_REKF, false);
+    }
+    cost_of("geometric-truncated", 37, METHOD_GEOMETRIC, true);
+    cost_of("rekf-truncated", 37, METHOD_REKF, true);
+#if COLUMN_STAGES_MAX < 100
+    cost_of_dense("dense-euler", DENSE_EULER);
+    cost_of_dense("dense-band", DENSE_BAND);
+    cost_of_dense("dense-transition", DENSE_TRANSITION);
+#endif
+    cost_say("done", 0, 0, 0, 0);
+    for (;;) {
+    }
+}
