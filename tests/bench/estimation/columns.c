@@ -52,10 +52,10 @@ static void cost_of_dense(const char *what, enum dense_form form)
             cost_add(&cost, from, to);
         stack = cost_stack_used() > stack ? cost_stack_used() : stack;
     }
-    cost_say(what, DENSE_STAGES, cost.sum / cost.count, cost.most, sizeof ekf);
+    cost_say(what, DENSE_STAGES, cost.sum / cost.count, cost.most, dense_ekf_bytes(form));
     cost_say("stack", DENSE_STAGES, stack, stack, COLUMN_STAGES_MAX);
-    if (form == DENSE_EULER)
-        cost_say("substeps", DENSE_STAGES, dense_ekf_substeps(&ekf, BENCH_STEP_S), 0, 0);
+    if (form == DENSE_STEPS)
+        cost_say("steps", DENSE_STAGES, ekf.steps, ekf.steps, 0);
 }
 #endif
 
@@ -70,6 +70,7 @@ int main(void)
     cost_of("rekf-truncated", 37, METHOD_REKF, true);
 #if COLUMN_STAGES_MAX < 100
     cost_of_dense("dense-euler", DENSE_EULER);
+    cost_of_dense("dense-steps", DENSE_STEPS);
     cost_of_dense("dense-band", DENSE_BAND);
     cost_of_dense("dense-transition", DENSE_TRANSITION);
 #endif

@@ -10,25 +10,6 @@ static real_t *entry(struct dense_ekf *ekf, size_t row, size_t col)
     return &ekf->band[col * DENSE_WIDTH + DENSE_UPPER + row - col];
 }
 
-enum err dense_ekf_begin(struct dense_ekf *ekf, const struct composition *like,
-                         enum dense_form form)
-{
-    struct column_fault fault;
-    memset(ekf, 0, sizeof *ekf);
-    ekf->config = like->table.config;
-    ekf->form = form;
-    ekf->h = form == DENSE_EULER ? 1 : BENCH_STEP_S;
-    ekf->noise2 = like->noise2;
-    ekf->model2 = like->model2;
-    for (size_t k = 0; k < BENCH_SENSORS; k++)
-        ekf->stage[k] = like->sensor[k].stage;
-    for (size_t i = 0; i < N; i++) {
-        ekf->x[i] = like->x[i];
-        ekf->p[i * N + i] = like->model2 * 3600;
-    }
-    return column_init(&ekf->column, &ekf->config, &fault);
-}
-
 /* ---- the band ---- */
 
 static size_t first_of(size_t row)
@@ -136,19 +117,28 @@ static void transpose(real_t *m)
         }
 }
 
-static void carry_by_euler(struct dense_ekf *ekf)
+static void carry_by_euler(struct dense_ekf *ekf, real_t h)
 {
     real_t part[DENSE_WIDTH];
     memset(ekf->work, 0, sizeof ekf->work);
     for (size_t i = 0; i < N; i++) { /* work = -h J P */
         size_t first = first_of(i), last = last_of(i);
         for (size_t j = first; j <= last; j++)
-            part[j - first] = ekf->h * *entry(ekf, i, j);
+            part[j - first] = h * *entry(ekf, i, j);
         take_rows(&ekf->work[i * N], &ekf->p[first * N], part, last + 1 - first, N);
     }
     for (size_t i = 0; i < N; i++)
         for (size_t j = 0; j <= i; j++)
             ekf->p[i * N + j] -= ekf->work[i * N + j] + ekf->work[j * N + i];
+}
+
+static void carry_by_steps(struct dense_ekf *ekf)
+{
+    for (uint32_t k = 0; k < ekf->steps; k++) {
+        if (k > 0)
+            mirror(ekf->p);
+        carry_by_euler(ekf, ekf->h / (real_t)ekf->steps);
+    }
 }
 
 static void carry_by_band(struct dense_ekf *ekf)
@@ -186,6 +176,23 @@ static void carry_by_transition(struct dense_ekf *ekf)
     solve_rows(ekf, ekf->transition, false);
     product(ekf->work, ekf->transition, ekf->p, false); /* P is symmetric */
     product(ekf->p, ekf->work, ekf->transition, true);
+}
+
+/* P over the sample, and ekf->change, which is h dx/dt, to what it comes to. */
+static void carry(struct dense_ekf *ekf)
+{
+    if (ekf->form == DENSE_EULER) {
+        carry_by_euler(ekf, ekf->h);
+        return;
+    }
+    if (ekf->form == DENSE_STEPS)
+        carry_by_steps(ekf); /* while the band is still J */
+    factor(ekf);
+    solve_state(ekf, ekf->change);
+    if (ekf->form == DENSE_BAND)
+        carry_by_band(ekf);
+    if (ekf->form == DENSE_TRANSITION)
+        carry_by_transition(ekf);
 }
 
 /* ---- one temperature ---- */
@@ -230,16 +237,7 @@ enum err dense_ekf_step(struct dense_ekf *ekf, const struct column_inputs *input
     }
     for (size_t i = 0; i < N; i++)
         ekf->change[i] *= ekf->h;
-    if (ekf->form == DENSE_EULER) {
-        carry_by_euler(ekf);
-    } else {
-        factor(ekf);
-        solve_state(ekf, ekf->change);
-        if (ekf->form == DENSE_BAND)
-            carry_by_band(ekf);
-        else
-            carry_by_transition(ekf);
-    }
+    carry(ekf);
     for (size_t i = 0; i < N; i++)
         ekf->p[i * N + i] += ekf->h * ekf->model2;
     for (size_t k = 0; k < BENCH_SENSORS; k++)
@@ -249,13 +247,15 @@ enum err dense_ekf_step(struct dense_ekf *ekf, const struct column_inputs *input
     return ERR_OK;
 }
 
-uint32_t dense_ekf_substeps(struct dense_ekf *ekf, real_t h)
+/* ---- beginning ---- */
+
+static uint32_t steps_of(struct dense_ekf *ekf)
 {
     real_t v[N], w[N], largest = 0;
     column_jacobian(&ekf->column, ekf->x, ekf->band, DENSE_WIDTH, DENSE_UPPER);
     for (size_t i = 0; i < N; i++)
         v[i] = i % 2 ? 1 : REAL_C(-0.7);
-    for (unsigned k = 0; k < 1000; k++) { /* powers of J on a vector */
+    for (unsigned k = 0; k < 300; k++) { /* powers of J on a vector */
         largest = 0;
         for (size_t i = 0; i < N; i++) {
             w[i] = 0;
@@ -266,5 +266,38 @@ uint32_t dense_ekf_substeps(struct dense_ekf *ekf, real_t h)
         for (size_t i = 0; i < N; i++)
             v[i] = w[i] / largest;
     }
-    return (uint32_t)(h * largest / 2) + 1;
+    return (uint32_t)(BENCH_STEP_S * largest) +
+           1; /* each term of J P + P J' goes twice as fast as J */
+}
+
+enum err dense_ekf_begin(struct dense_ekf *ekf, const struct composition *like,
+                         enum dense_form form)
+{
+    struct column_fault fault;
+    memset(ekf, 0, sizeof *ekf);
+    ekf->config = like->table.config;
+    ekf->form = form;
+    ekf->h = form == DENSE_EULER ? REAL_C(0.5) : BENCH_STEP_S;
+    ekf->noise2 = like->noise2;
+    ekf->model2 = like->model2;
+    for (size_t k = 0; k < BENCH_SENSORS; k++)
+        ekf->stage[k] = like->sensor[k].stage;
+    for (size_t i = 0; i < N; i++) {
+        ekf->x[i] = like->x[i];
+        ekf->p[i * N + i] = like->model2 * 3600;
+    }
+    enum err err = column_init(&ekf->column, &ekf->config, &fault);
+    if (!err)
+        err = column_set_inputs(&ekf->column, &like->inputs, &fault);
+    if (!err)
+        err = column_rates(&ekf->column, ekf->x, ekf->change);
+    if (!err)
+        ekf->steps = steps_of(ekf);
+    return err;
+}
+
+uint32_t dense_ekf_bytes(enum dense_form form)
+{
+    uint32_t unused = form == DENSE_TRANSITION ? 0 : form == DENSE_BAND ? 2 : 1;
+    return (uint32_t)(sizeof(struct dense_ekf) - unused * N * N * sizeof(real_t));
 }

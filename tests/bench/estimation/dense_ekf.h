@@ -2,10 +2,12 @@
  * of all of them, as well as it can be done in float with the same functions of the model. Temperatures are worked in one after the
  * other. What differs is how the covariance is carried over a sample:
  *
- *   DENSE_EULER       P + h (J P + P J' + Q), J as a band: the least that any form costs, but stable only for a few seconds on this
- *                     column: a sample takes many of them (dense_ekf_substeps)
+ *   DENSE_EULER       P + h (J P + P J' + Q), J as a band, one step of half a second: the least that any form costs, but a sample takes many
+ *                     of them
+ *   DENSE_STEPS       the same for a whole sample, as many steps as are stable, J held; the mole fractions by the factors of a band
  *   DENSE_BAND        F P F' + h Q, F = (I - h J)^-1 by the factors of a band: one step, stable for any h, as the estimator's own
- *   DENSE_TRANSITION  the same, F as a matrix and two products, as textbooks have it */
+ *   DENSE_TRANSITION  the same, F as a matrix and two products, as textbooks have it
+ */
 #ifndef REFLUX_BENCH_DENSE_EKF_H
 #define REFLUX_BENCH_DENSE_EKF_H
 
@@ -17,7 +19,7 @@
 #define DENSE_UPPER  3
 #define DENSE_WIDTH  (DENSE_LOWER + 1 + DENSE_UPPER)
 
-enum dense_form { DENSE_EULER, DENSE_BAND, DENSE_TRANSITION };
+enum dense_form { DENSE_EULER, DENSE_STEPS, DENSE_BAND, DENSE_TRANSITION };
 
 struct dense_ekf {
     struct column column;
@@ -31,16 +33,18 @@ struct dense_ekf {
     uint8_t stage[BENCH_SENSORS];
     real_t h, noise2, model2;
     enum dense_form form;
+    uint32_t
+        steps; /* of Euler's in a sample: more than h |lambda|, lambda the eigenvalue of J that is largest in magnitude */
 };
 
-/* Begins at the estimate, for the sensors and the noise of an estimator of DENSE_STAGES stages. */
+/* Begins at the estimate, for the inputs, the sensors and the noise of an estimator of DENSE_STAGES stages. */
 enum err dense_ekf_begin(struct dense_ekf *ekf, const struct composition *like,
                          enum dense_form form);
 
-/* One step to the readings t[BENCH_SENSORS]: a sample of BENCH_STEP_S, of DENSE_EULER a second. */
+/* One step to the readings t[BENCH_SENSORS]: a sample of BENCH_STEP_S, of DENSE_EULER half a second. */
 enum err dense_ekf_step(struct dense_ekf *ekf, const struct column_inputs *inputs, const real_t *t);
 
-/* How many steps of Euler's a sample of h takes at least: h |lambda| / 2, lambda the eigenvalue of J that is largest in magnitude. */
-uint32_t dense_ekf_substeps(struct dense_ekf *ekf, real_t h);
+/* Without the matrices that a form does not need. */
+uint32_t dense_ekf_bytes(enum dense_form form);
 
 #endif

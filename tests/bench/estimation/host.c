@@ -7,6 +7,7 @@
 #include "dense_ekf.h"
 
 static const char *const names[] = {[DENSE_EULER] = "dense-euler",
+                                    [DENSE_STEPS] = "dense-steps",
                                     [DENSE_BAND] = "dense-band",
                                     [DENSE_TRANSITION] = "dense-transition"};
 
@@ -54,6 +55,6 @@ int main(int argc, char **argv)
         }
         off = bench_off(ekf ? ekf->x : bench_estimator.x);
     }
-    printf("largest mole fraction off at the end: %.5f\n", off);
+    printf("largest mole fraction off at the end: %.9g\n", off);
     return 0;
 }
