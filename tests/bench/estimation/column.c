@@ -75,7 +75,7 @@ static void add_sensors(struct composition *c)
     }
 }
 
-bool bench_begin(size_t stages, enum composition_method method, bool truncated)
+bool bench_begin(size_t stages, enum composition_method method, enum bench_truncated truncated)
 {
     seed = 1;
     if (!make(&truth, stages) || !make(&bench_estimator, stages))
@@ -91,11 +91,12 @@ bool bench_begin(size_t stages, enum composition_method method, bool truncated)
     struct composition *c = &bench_estimator;
     add_sensors(c);
     c->method = (uint8_t)method;
+    c->between = truncated == BETWEEN_BY_THE_MEAN ? COLUMN_BETWEEN_MEAN : COLUMN_BETWEEN_LINE;
     c->noise2 = NOISE_K * NOISE_K;
     c->model2 = 0.01f * 0.01f / 3600;
     c->weight = BENCH_STEP_S / 1800.0f;
     for (size_t s = 0; s < stages; s++)
-        c->truncated[s] = truncated && is_truncated(s + 1);
+        c->truncated[s] = truncated != ALL_STAGES && is_truncated(s + 1);
     composition_begin(c);
     return true;
 }

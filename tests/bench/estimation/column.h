@@ -8,9 +8,11 @@
 #define BENCH_SENSORS 4
 #define BENCH_STEP_S  30
 
+enum bench_truncated { ALL_STAGES, BETWEEN_ON_A_LINE, BETWEEN_BY_THE_MEAN };
+
 /* The splitter with so many stages, its profile stretched and then settled; sensors in its quarters, each moving a mole fraction.
- * truncated: 17 of its 37 stages are. False: it has no steady state, and there is nothing to measure. */
-bool bench_begin(size_t stages, enum composition_method method, bool truncated);
+ * 17 of the 37 stages may be truncated. False: it has no steady state, and there is nothing to measure. */
+bool bench_begin(size_t stages, enum composition_method method, enum bench_truncated truncated);
 
 /* Moves the inputs, steps the truth, and reads it with noise. */
 void bench_next(float *t);

@@ -4,7 +4,6 @@
 
 #define N DENSE_STATES
 
-/* On a row, so that entry -1 is the column left of the diagonal. */
 static real_t *entry(struct dense_ekf *ekf, size_t row, size_t col)
 {
     return &ekf->band[col * DENSE_WIDTH + DENSE_UPPER + row - col];
@@ -277,7 +276,7 @@ enum err dense_ekf_begin(struct dense_ekf *ekf, const struct composition *like,
     memset(ekf, 0, sizeof *ekf);
     ekf->config = like->table.config;
     ekf->form = form;
-    ekf->h = form == DENSE_EULER ? REAL_C(0.5) : BENCH_STEP_S;
+    ekf->h = form == DENSE_EULER ? REAL_C(0.3) : BENCH_STEP_S;
     ekf->noise2 = like->noise2;
     ekf->model2 = like->model2;
     for (size_t k = 0; k < BENCH_SENSORS; k++)

@@ -2,9 +2,9 @@
  * of all of them, as well as it can be done in float with the same functions of the model. Temperatures are worked in one after the
  * other. What differs is how the covariance is carried over a sample:
  *
- *   DENSE_EULER       P + h (J P + P J' + Q), J as a band, one step of half a second: the least that any form costs, but a sample takes many
- *                     of them
- *   DENSE_STEPS       the same for a whole sample, as many steps as are stable, J held; the mole fractions by the factors of a band
+ *   DENSE_EULER       P + h (J P + P J' + Q), J as a band, one step of 0.3 s: the least that any form costs, but not a sample, since a
+ *                     longer step lets P lose its sign on this column
+ *   DENSE_STEPS       the same for a whole sample, in as many steps as are stable, J held; mole fractions by the factors of a band
  *   DENSE_BAND        F P F' + h Q, F = (I - h J)^-1 by the factors of a band: one step, stable for any h, as the estimator's own
  *   DENSE_TRANSITION  the same, F as a matrix and two products, as textbooks have it
  */
@@ -25,8 +25,8 @@ struct dense_ekf {
     struct column column;
     struct column_config config;
     real_t x[DENSE_STATES], change[DENSE_STATES];
-    real_t band[DENSE_STATES *
-                DENSE_WIDTH]; /* LAPACK's storage: (row, col) at col WIDTH + UPPER + row - col */
+    /* LAPACK's storage: (row, col) at col WIDTH + UPPER + row - col */
+    real_t band[DENSE_STATES * DENSE_WIDTH];
     real_t p[DENSE_STATES * DENSE_STATES];
     real_t work[DENSE_STATES * DENSE_STATES];
     real_t transition[DENSE_STATES * DENSE_STATES];
@@ -34,14 +34,14 @@ struct dense_ekf {
     real_t h, noise2, model2;
     enum dense_form form;
     uint32_t
-        steps; /* of Euler's in a sample: more than h |lambda|, lambda the eigenvalue of J that is largest in magnitude */
+        steps; /* of Euler's in a sample: more than h |lambda|, of the largest eigenvalue of J */
 };
 
 /* Begins at the estimate, for the inputs, the sensors and the noise of an estimator of DENSE_STAGES stages. */
 enum err dense_ekf_begin(struct dense_ekf *ekf, const struct composition *like,
                          enum dense_form form);
 
-/* One step to the readings t[BENCH_SENSORS]: a sample of BENCH_STEP_S, of DENSE_EULER half a second. */
+/* One step to the readings t[BENCH_SENSORS]: a sample of BENCH_STEP_S, of DENSE_EULER 0.3 s. */
 enum err dense_ekf_step(struct dense_ekf *ekf, const struct column_inputs *inputs, const real_t *t);
 
 /* Without the matrices that a form does not need. */

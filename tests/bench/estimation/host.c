@@ -20,11 +20,6 @@ __attribute__((noinline)) enum err measured(struct dense_ekf *ekf, const float *
                : composition_step(&bench_estimator, t);
 }
 
-static bool truncated_of(const char *what)
-{
-    return strstr(what, "-truncated") != NULL;
-}
-
 int main(int argc, char **argv)
 {
     static struct dense_ekf dense;
@@ -35,7 +30,7 @@ int main(int argc, char **argv)
         return 2;
     }
     enum composition_method method = argv[1][0] == 'g' ? METHOD_GEOMETRIC : METHOD_REKF;
-    if (!bench_begin((size_t)atoi(argv[2]), method, truncated_of(argv[1]))) {
+    if (!bench_begin((size_t)atoi(argv[2]), method, ALL_STAGES)) {
         fprintf(stderr, "this column has no steady state\n");
         return 1;
     }
