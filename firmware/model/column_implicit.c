@@ -7,6 +7,11 @@
 
 #define M_MAX (COLUMN_COMPONENTS_MAX - 1)
 
+/* What is done at a stage takes m, the number of mole fractions, and is expanded where it is called: for two of them, which is what a column
+ * on a board mostly has, and for any number. Loops of two turns cost more than what is in them; without them a step of this file takes
+ * half of the instructions. */
+#define ALWAYS_INLINE inline __attribute__((always_inline))
+
 /* One stage's equations: unknowns are its own changes; the right sides are the changes of the stage above, then numbers. */
 struct rows {
     real_t of[M_MAX][2 * M_MAX + 1];
@@ -24,10 +29,10 @@ static real_t not_negative(real_t flow)
 
 /* dT/dx and dy/dx of a stage in equilibrium. On a truncated stage the temperature is given: there is no dT/dx, and y of every
  * component goes with its own mole fraction. */
-static void slopes_of(const struct column *column, bool truncated, const real_t *x, size_t s,
-                      real_t *dt, real_t *dy)
+static ALWAYS_INLINE void slopes_of(size_t m, const struct column *column, bool truncated,
+                                    const real_t *x, size_t s, real_t *dt, real_t *dy)
 {
-    size_t c = column->config->components, m = c - 1;
+    size_t c = m + 1;
     real_t full[COLUMN_COMPONENTS_MAX];
 
     if (!truncated) {
@@ -41,12 +46,12 @@ static void slopes_of(const struct column *column, bool truncated, const real_t 
 }
 
 /* Component balances of stage s, times its holdup. */
-static void balances(const struct column *column, const real_t *rates, real_t h, size_t s,
-                     real_t efficiency, const real_t *dy, const struct vapour_change *below,
-                     struct rows *rows)
+static ALWAYS_INLINE void balances(size_t m, const struct column *column, const real_t *rates,
+                                   real_t h, size_t s, real_t efficiency, const real_t *dy,
+                                   const struct vapour_change *below, struct rows *rows)
 {
     const struct column_config *config = column->config;
-    size_t m = config->components - 1, top = config->stages - 1;
+    size_t top = config->stages - 1;
     real_t liquid = s == top ? ZERO : not_negative(column->liquid[s + 1]);
     real_t vapour_in = s == 0 ? ZERO : column->vapour_flow[s - 1], out = column->vapour_flow[s];
     real_t feed = s + 1 == config->feed_stage ? column->flows.feed : ZERO;
@@ -64,10 +69,9 @@ static void balances(const struct column *column, const real_t *rates, real_t h,
     }
 }
 
-static void draw(const struct column *column, const struct column_pull *p, const real_t *dt,
-                 struct rows *rows)
+static ALWAYS_INLINE void draw(size_t m, const struct column *column, const struct column_pull *p,
+                               const real_t *dt, struct rows *rows)
 {
-    size_t m = column->config->components - 1;
     real_t *row = rows->of[p->component];
     real_t part = column->holdup[p->stage] / dt[p->component];
 
@@ -77,9 +81,9 @@ static void draw(const struct column *column, const struct column_pull *p, const
 }
 
 /* (6.4) differentiated takes the place of a balance. */
-static void close_rows(const struct column *column, size_t s, struct rows *rows)
+static ALWAYS_INLINE void close_rows(size_t m, const struct column *column, size_t s,
+                                     struct rows *rows)
 {
-    size_t m = column->config->components - 1;
     const real_t *k = &column->k[s * (m + 1)];
     real_t *row = rows->of[m - 1];
 
@@ -90,7 +94,7 @@ static void close_rows(const struct column *column, size_t s, struct rows *rows)
     row[2 * m] = ZERO;
 }
 
-static void swap(struct rows *rows, size_t a, size_t b, size_t width)
+static ALWAYS_INLINE void swap(struct rows *rows, size_t a, size_t b, size_t width)
 {
     for (size_t j = 0; j < width; j++) {
         real_t kept = rows->of[a][j];
@@ -100,7 +104,7 @@ static void swap(struct rows *rows, size_t a, size_t b, size_t width)
 }
 
 /* Gauss and Jordan with the largest pivot of a column. Right sides become solutions. */
-static bool solve(struct rows *rows, size_t m)
+static ALWAYS_INLINE bool solve(size_t m, struct rows *rows)
 {
     size_t width = 2 * m + 1;
 
@@ -128,8 +132,8 @@ static bool solve(struct rows *rows, size_t m)
 }
 
 /* Of the vapour leaving the stage, by the change of the liquid on the stage above. */
-static void leave(size_t m, real_t efficiency, const real_t *dy, const struct rows *rows,
-                  struct vapour_change *v)
+static ALWAYS_INLINE void leave(size_t m, real_t efficiency, const real_t *dy,
+                                const struct rows *rows, struct vapour_change *v)
 {
     real_t by_own[M_MAX * M_MAX];
 
@@ -156,7 +160,8 @@ static real_t efficiency_of(const struct column *column, size_t s)
     return s + 1 == config->feed_stage ? column->feed_efficiency : config->efficiency;
 }
 
-static void keep_rows(const struct rows *rows, size_t m, size_t s, struct column_blocks *blocks)
+static ALWAYS_INLINE void keep_rows(size_t m, const struct rows *rows, size_t s,
+                                    struct column_blocks *blocks)
 {
     for (size_t i = 0; i < m; i++) {
         for (size_t j = 0; j < m; j++)
@@ -165,10 +170,9 @@ static void keep_rows(const struct rows *rows, size_t m, size_t s, struct column
     }
 }
 
-static enum err way_down(const struct column *column, struct column_blocks *blocks)
+static ALWAYS_INLINE enum err way_down(size_t m, const struct column *column,
+                                       struct column_blocks *blocks)
 {
-    size_t m = column->config->components - 1;
-
     for (size_t s = column->config->stages; s-- > 0;)
         for (size_t i = 0; i < m; i++) {
             real_t *change = &blocks->change[s * m];
@@ -181,30 +185,40 @@ static enum err way_down(const struct column *column, struct column_blocks *bloc
     return ERR_OK;
 }
 
-enum err column_implicit_step(const struct column *column, const bool *truncated, const real_t *x,
-                              const real_t *rates, real_t h, const struct column_pull *pull,
-                              size_t pulls, struct column_blocks *blocks)
+static ALWAYS_INLINE enum err step(size_t m, const struct column *column, const bool *truncated,
+                                   const real_t *x, const real_t *rates, real_t h,
+                                   const struct column_pull *pull, size_t pulls,
+                                   struct column_blocks *blocks)
 {
-    size_t m = column->config->components - 1;
     real_t dt[M_MAX] = {ZERO}, dy[M_MAX * M_MAX];
     struct vapour_change below = {.number = {ZERO}};
     struct rows rows;
 
     for (size_t s = 0; s < column->config->stages; s++) {
         real_t efficiency = efficiency_of(column, s);
-        slopes_of(column, truncated[s], x, s, dt, dy);
-        balances(column, rates, h, s, efficiency, dy, &below, &rows);
+        slopes_of(m, column, truncated[s], x, s, dt, dy);
+        balances(m, column, rates, h, s, efficiency, dy, &below, &rows);
         for (size_t k = 0; k < pulls; k++)
             if (pull[k].stage == s)
-                draw(column, &pull[k], dt, &rows);
+                draw(m, column, &pull[k], dt, &rows);
         if (truncated[s])
-            close_rows(column, s, &rows);
-        if (!solve(&rows, m))
+            close_rows(m, column, s, &rows);
+        if (!solve(m, &rows))
             return ERR_RANGE;
-        keep_rows(&rows, m, s, blocks);
+        keep_rows(m, &rows, s, blocks);
         leave(m, efficiency, dy, &rows, &below);
     }
-    return way_down(column, blocks);
+    return way_down(m, column, blocks);
+}
+
+enum err column_implicit_step(const struct column *column, const bool *truncated, const real_t *x,
+                              const real_t *rates, real_t h, const struct column_pull *pull,
+                              size_t pulls, struct column_blocks *blocks)
+{
+    size_t m = column->config->components - 1;
+
+    return m == 2 ? step(2, column, truncated, x, rates, h, pull, pulls, blocks)
+                  : step(m, column, truncated, x, rates, h, pull, pulls, blocks);
 }
 
 size_t column_move(const struct column *column, real_t *x, const real_t *change)

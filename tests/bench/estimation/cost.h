@@ -9,8 +9,9 @@
 uint32_t cost_now(void);
 /* "what n mean most bytes\n" */
 void cost_say(const char *what, unsigned n, uint32_t mean, uint32_t most, uint32_t bytes);
-/* -1 to 1, the same in each run. */
+/* -1 to 1, the same from the same beginning. */
 float cost_random(void);
+void cost_seed(uint32_t begin);
 /* Paints the free stack, and tells how much of it has been used since. */
 void cost_paint_stack(void);
 uint32_t cost_stack_used(void);
