@@ -20,7 +20,7 @@
 #define ONE  REAL_C(1.0)
 
 /* Ki z moves a temperature no faster than so many kelvin in 1/lambda. */
-#define PULL_MOST_K REAL_C(300.0)
+#define PULL_MOST_K REAL_C(100.0)
 
 void composition_begin(struct composition *c)
 {
@@ -132,12 +132,25 @@ static size_t pulls_of(const struct composition *c, struct column_pull *pull)
     return n;
 }
 
+/* Whether the step takes the mole fraction past its limits: then the integral has nothing to do. */
+static bool leaves_limits(const struct composition *c, const struct composition_sensor *s)
+{
+    size_t m = c->table.config.components - 1, at = s->stage * m;
+    real_t rest = ONE;
+    for (size_t j = 0; j < m; j++)
+        rest -= c->x[at + j] + c->blocks.change[at + j];
+    real_t wanted = c->x[at + s->component] + c->blocks.change[at + s->component];
+    return wanted < ZERO || wanted > ONE || rest < ZERO;
+}
+
 /* z, by what is left of the deviation at the end of the step. */
 static void integrate(const struct composition *c, struct composition_sensor *s, real_t moved)
 {
-    s->correction = (s->kp + c->h * s->ki) * (s->e - moved) + s->ki * s->sum;
-    real_t most = PULL_MOST_K / (s->time * s->ki);
-    s->sum += c->h * (s->e - moved);
+    real_t most = PULL_MOST_K / (s->time * s->ki), left = s->e - moved;
+    s->correction = (s->kp + c->h * s->ki) * left + s->ki * s->sum;
+    if (leaves_limits(c, s) && left * s->sum > ZERO)
+        return;
+    s->sum += c->h * left;
     if (s->sum > most)
         s->sum = most;
     if (s->sum < -most)

@@ -241,6 +241,7 @@ static void composition_follow(void *state, struct block_io *io)
     struct composition_block *b = state;
     (void)io;
     b->steps = b->without = 0;
+    b->begun = false;
     composition_begin(&b->c);
 }
 
@@ -255,6 +256,11 @@ static void composition_block_step(void *state, struct block_io *io)
     }
     b->settle = false;
     take_inputs(b, io, t);
+    if (!b->begun) { /* nobody knows yet what was applied before this tick */
+        b->begun = true;
+        give_points(b, io, QUALITY_UNCERTAIN);
+        return;
+    }
     enum err err = composition_step(&b->c, t);
     if (err)
         b->steps = 0;

@@ -44,7 +44,7 @@ const struct block_parameter composition_parameter_rows[COMPOSITION_PARAMETER_RO
     NUMBER(14, watch_s, "watch", "s", "of the means of the monitor", 1, 1e6f, 1800),
     NUMBER(15, nis, "nis", "-",
            "alarm: squares of the innovations over those expected, in the mean; 0: none", 0, 1e6f,
-           0),
+           100),
     NUMBER(16, alone_s, "alone", "s", "how long the model counts without any temperature", 0, 1e7f,
            600),
     NUMBER(18, apart, "apart", "K/h",
@@ -112,8 +112,8 @@ static enum err check_flow(const struct composition_settings *s, const struct co
     return ERR_OK;
 }
 
-static enum err check_inputs(const struct block_setup *setup, const struct column_table *table,
-                             struct block_fault *fault)
+static enum err check_all_inputs(const struct block_setup *setup, const struct column_table *table,
+                                 struct block_fault *fault)
 {
     const struct composition_settings *s = setup->settings;
     unsigned moves = 0;
@@ -164,7 +164,7 @@ enum err composition_check(const struct block_setup *setup, struct block_fault *
         return refuse(
             fault, "column",
             "must be a table without truncated stages where it has activity coefficients");
-    enum err err = check_inputs(setup, &table, fault);
+    enum err err = check_all_inputs(setup, &table, fault);
     return err ? err : check_points(setup, &table, fault);
 }
 

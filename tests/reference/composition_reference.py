@@ -20,7 +20,7 @@ from scipy.integrate import solve_ivp
 
 FIXED, EACH, ANTOINE = 32, 19, 4
 LETTERS = "0123456789ABCDEFGHIJKLMNOPQRSTUVWXYZ_abcdefghijklmnopqrstuvwxyz"
-LIMIT = 30.0  # K: what the integral of a sensor may stand for, over its lambda
+LIMIT = 100.0  # K: what the integral of a sensor may stand for, over its lambda
 FLOWS = ("mol/s", "kg/s", "m3/s")
 
 
@@ -278,6 +278,10 @@ class Estimator:
             after = e - b @ change if self.settings.method == "geometric" else e
             if self.settings.method == "geometric":
                 if np.isfinite(e):
+                    wanted = self.x[sensor.stage] + change[sensor.stage * m : sensor.stage * m + m]
+                    out = not 0 <= wanted[sensor.part] <= 1 or wanted.sum() > 1
+                    if out and after * sensor.sum > 0:
+                        continue  # at a limit it gathers nothing more
                     most = LIMIT / np.sqrt(sensor.ki)
                     sensor.sum = float(np.clip(sensor.sum + h * after, -most, most))
                 else:
