@@ -135,12 +135,9 @@ static size_t pulls_of(const struct composition *c, struct column_pull *pull)
 /* Whether the step takes the mole fraction past its limits: then the integral has nothing to do. */
 static bool leaves_limits(const struct composition *c, const struct composition_sensor *s)
 {
-    size_t m = c->table.config.components - 1, at = s->stage * m;
-    real_t rest = ONE;
-    for (size_t j = 0; j < m; j++)
-        rest -= c->x[at + j] + c->blocks.change[at + j];
-    real_t wanted = c->x[at + s->component] + c->blocks.change[at + s->component];
-    return wanted < ZERO || wanted > ONE || rest < ZERO;
+    size_t at = s->stage * (c->table.config.components - 1) + s->component;
+    real_t wanted = c->x[at] + c->blocks.change[at];
+    return wanted < ZERO || wanted > ONE;
 }
 
 /* z, by what is left of the deviation at the end of the step. */
@@ -267,7 +264,6 @@ enum err composition_step(struct composition *c, const real_t *t)
     take_step(c);
     c->solved = true;
     c->clipped = (uint16_t)column_move(&c->column, c->x, c->blocks.change);
-    composition_watch(c);
     return ERR_OK;
 }
 

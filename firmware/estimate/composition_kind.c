@@ -191,7 +191,9 @@ static enum quality judge(struct composition_block *b, struct block_io *io, enum
         drawn += b->c.sensor[k].moves && b->c.sensor[k].there ? 1u : 0u;
     b->without = drawn ? 0 : b->without < UINT32_MAX ? b->without + 1u : b->without;
     bool alone = !drawn && (real_t)b->without * b->c.h > b->s.alone_s;
-    bool watched = settled && (real_t)b->c.watched * b->c.h >= b->s.watch_s;
+    if (settled && !err)
+        composition_watch(&b->c);
+    bool watched = (real_t)b->c.watched * b->c.h >= b->s.watch_s;
     unsigned pulling = watched ? pulling_sensor(b) : 0;
     unsigned surprising = watched ? surprising_sensor(b) : 0;
     unsigned odd = watched && b->s.apart > 0 ? composition_odd_sensor(&b->c, b->s.apart) : 0;

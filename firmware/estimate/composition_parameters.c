@@ -44,7 +44,7 @@ const struct block_parameter composition_parameter_rows[COMPOSITION_PARAMETER_RO
     NUMBER(14, watch_s, "watch", "s", "of the means of the monitor", 1, 1e6f, 1800),
     NUMBER(15, nis, "nis", "-",
            "alarm: squares of the innovations over those expected, in the mean; 0: none", 0, 1e6f,
-           100),
+           400),
     NUMBER(16, alone_s, "alone", "s", "how long the model counts without any temperature", 0, 1e7f,
            600),
     NUMBER(18, apart, "apart", "K/h",

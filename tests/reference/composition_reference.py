@@ -278,9 +278,8 @@ class Estimator:
             after = e - b @ change if self.settings.method == "geometric" else e
             if self.settings.method == "geometric":
                 if np.isfinite(e):
-                    wanted = self.x[sensor.stage] + change[sensor.stage * m : sensor.stage * m + m]
-                    out = not 0 <= wanted[sensor.part] <= 1 or wanted.sum() > 1
-                    if out and after * sensor.sum > 0:
+                    wanted = self.x[sensor.stage, sensor.part] + change[row]
+                    if not 0 <= wanted <= 1 and after * sensor.sum > 0:
                         continue  # at a limit it gathers nothing more
                     most = LIMIT / np.sqrt(sensor.ki)
                     sensor.sum = float(np.clip(sensor.sum + h * after, -most, most))
