@@ -26,9 +26,9 @@ DENSE_STAGES = 37
 METHODS = {
     "geometric": "geometric",
     "rekf": "reduced EKF",
-    "geometric-truncated": "geometric, 17 stages truncated",
-    "rekf-truncated": "reduced EKF, 17 stages truncated",
-    "geometric-mean": "geometric, 17 stages truncated, at the mean temperature of their ends",
+    "geometric-truncated": "geometric, 11 stages truncated",
+    "rekf-truncated": "reduced EKF, 11 stages truncated",
+    "geometric-mean": "geometric, 11 stages truncated, at the mean temperature of their ends",
 }
 UNSTABLE = "dense-euler"
 FORMS = {

@@ -53,11 +53,10 @@ static bool make(struct composition *c, size_t stages)
     return column_init(&c->column, &c->table.config, &fault) == ERR_OK;
 }
 
-/* Numbers from 1, between which the sensors are. */
+/* Numbers from 1. Where the profile is nearly straight: between others the estimate is far from the truth. */
 static bool is_truncated(size_t stage)
 {
-    return (stage >= 6 && stage <= 13) || (stage >= 15 && stage <= 18) ||
-           (stage >= 21 && stage <= 25);
+    return (stage >= 6 && stage <= 11) || (stage >= 21 && stage <= 25);
 }
 
 static void add_sensors(struct composition *c)

@@ -11,7 +11,7 @@
 enum bench_truncated { ALL_STAGES, BETWEEN_ON_A_LINE, BETWEEN_BY_THE_MEAN };
 
 /* The splitter with so many stages, its profile stretched and then settled; sensors in its quarters, each moving a mole fraction.
- * 17 of the 37 stages may be truncated. False: it has no steady state, and there is nothing to measure. */
+ * 11 of the 37 stages may be truncated. False: it has no steady state, and there is nothing to measure. */
 bool bench_begin(size_t stages, enum composition_method method, enum bench_truncated truncated);
 
 /* Moves the inputs, steps the truth, and reads it with noise. */

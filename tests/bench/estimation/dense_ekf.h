@@ -14,7 +14,7 @@
 #include "column.h"
 
 #define DENSE_STAGES 37
-#define DENSE_STATES (2 * DENSE_STAGES)
+#define DENSE_STATES ((size_t)2 * DENSE_STAGES)
 #define DENSE_LOWER  7 /* of the band with 3 components and an efficiency below 1 */
 #define DENSE_UPPER  3
 #define DENSE_WIDTH  (DENSE_LOWER + 1 + DENSE_UPPER)

@@ -6,7 +6,6 @@
 /* RM0090: TIM2, USART1, and the coprocessors' access of the core. */
 #define TIM2_CR1    REG32(0x40000000u)
 #define TIM2_EGR    REG32(0x40000014u)
-#define TIM2_CNT    REG32(0x40000024u)
 #define TIM2_PSC    REG32(0x40000028u)
 #define TIM2_ARR    REG32(0x4000002Cu)
 #define RCC_APB1ENR REG32(0x40023840u)
@@ -38,11 +37,6 @@ void nothing(void)
 {
     for (;;) {
     }
-}
-
-uint32_t cost_now(void)
-{
-    return TIM2_CNT;
 }
 
 void cost_add(struct cost *c, uint32_t from, uint32_t to)
