@@ -57,7 +57,7 @@ static void slopes_at(const struct composition *c, size_t stage, real_t *dt, rea
 }
 
 /* By how much the last step moved the temperature of a stage that is not truncated. */
-static real_t moved_by(const struct composition *c, size_t stage)
+static real_t step_moved(const struct composition *c, size_t stage)
 {
     size_t m = c->table.config.components - 1;
     real_t dt[COLUMN_COMPONENTS_MAX], dy[COLUMN_COMPONENTS_MAX * COLUMN_COMPONENTS_MAX];
@@ -71,7 +71,7 @@ static real_t moved_by(const struct composition *c, size_t stage)
 real_t composition_temperature(const struct composition *c, size_t stage)
 {
     real_t t = c->column.temperature[stage];
-    return c->truncated[stage] || !c->solved ? t : t + moved_by(c, stage);
+    return c->truncated[stage] || !c->solved ? t : t + step_moved(c, stage);
 }
 
 /* ---- innovation ---- */
@@ -214,13 +214,13 @@ static void take_step(struct composition *c)
 }
 
 /* From x over c->h, drawn by pull[pulls], into c->blocks. */
-static enum err solve(struct composition *c, const struct column_pull *pull, size_t pulls)
+static enum err solve_step(struct composition *c, const struct column_pull *pull, size_t pulls)
 {
     return column_implicit_step(&c->column, c->truncated, c->x, c->rates, c->h, pull, pulls,
                                 &c->blocks);
 }
 
-static enum err evaluate(struct composition *c)
+static enum err evaluate_model_at(struct composition *c)
 {
     struct column_fault fault;
     enum err err = column_set_inputs(&c->column, &c->inputs, &fault);
@@ -240,9 +240,9 @@ static enum err begin_anew(struct composition *c, enum err why)
 enum err composition_predict(struct composition *c)
 {
     c->solved = false;
-    enum err err = evaluate(c);
+    enum err err = evaluate_model_at(c);
     if (!err)
-        err = solve(c, NULL, 0);
+        err = solve_step(c, NULL, 0);
     if (err)
         return begin_anew(c, err);
     c->clipped = (uint16_t)column_move(&c->column, c->x, c->blocks.change);
@@ -253,11 +253,11 @@ enum err composition_step(struct composition *c, const real_t *t)
 {
     struct column_pull pull[SENSORS_MAX];
     c->solved = false;
-    enum err err = evaluate(c);
+    enum err err = evaluate_model_at(c);
     if (!err) {
         take_readings(c, t);
         size_t pulls = pulls_of(c, pull);
-        err = solve(c, pull, pulls);
+        err = solve_step(c, pull, pulls);
     }
     if (err)
         return begin_anew(c, err);

@@ -76,13 +76,13 @@ static real_t factor_or_1(real_t factor)
 }
 
 /* In SI units. */
-static real_t reading(const struct composition_block *b, const struct block_io *io, unsigned k)
+static real_t reading_si(const struct composition_block *b, const struct block_io *io, unsigned k)
 {
     real_t eu = b->input[k].lo + (b->input[k].hi - b->input[k].lo) * num_to_float(io->input[k]);
     return factor_or_1(b->s.si[k][UNIT_FACTOR]) * eu + b->s.si[k][UNIT_ZERO];
 }
 
-static real_t positive(real_t x)
+static real_t at_least_zero(real_t x)
 {
     return x > ZERO ? x : ZERO;
 }
@@ -93,7 +93,7 @@ static void take_flow(struct composition *c, unsigned is, real_t value)
     const struct column_config *config = &c->table.config;
     switch (is) {
     case IS_FEED:
-        in->feed_flow = positive(value);
+        in->feed_flow = at_least_zero(value);
         break;
     case IS_FEED_TEMPERATURE:
         in->feed_temperature = value < config->temperature_min   ? config->temperature_min
@@ -104,13 +104,13 @@ static void take_flow(struct composition *c, unsigned is, real_t value)
         in->feed_quality = value;
         break;
     case IS_REFLUX:
-        in->reflux_flow = positive(value);
+        in->reflux_flow = at_least_zero(value);
         break;
     case IS_HEAT:
-        in->heat = positive(value - c->table.heat_loss);
+        in->heat = at_least_zero(value - c->table.heat_loss);
         break;
     case IS_BOILUP:
-        in->boilup = positive(value);
+        in->boilup = at_least_zero(value);
         break;
     default:
         in->pressure_top = value;
@@ -125,10 +125,10 @@ static void take_inputs(struct composition_block *b, const struct block_io *io, 
     b->missing = 0;
     for (unsigned k = 0; k < b->inputs; k++) {
         if (composition_is_sensor(&b->s, k)) {
-            t[sensor] = reading(b, io, k);
+            t[sensor] = reading_si(b, io, k);
             b->c.sensor[sensor++].there = io->quality[k] == QUALITY_GOOD;
         } else if (quality_usable((enum quality)io->quality[k])) {
-            take_flow(&b->c, b->s.is[k], reading(b, io, k));
+            take_flow(&b->c, b->s.is[k], reading_si(b, io, k));
         } else if (!b->missing) {
             b->missing = (uint8_t)(k + 1u);
         }
@@ -137,7 +137,7 @@ static void take_inputs(struct composition_block *b, const struct block_io *io, 
 
 /* ---- what comes out ---- */
 
-static bool is_settled(const struct composition_block *b)
+static bool is_locked_on(const struct composition_block *b)
 {
     real_t slowest = ZERO;
     for (uint8_t k = 0; k < b->c.sensors; k++) {
@@ -174,7 +174,7 @@ static unsigned surprising_sensor(const struct composition_block *b)
     return 0;
 }
 
-static void raise(struct block_io *io, unsigned event, unsigned value)
+static void raise_event(struct block_io *io, unsigned event, unsigned value)
 {
     if (!value)
         return;
@@ -183,10 +183,10 @@ static void raise(struct block_io *io, unsigned event, unsigned value)
 }
 
 /* Events, and how good the estimates are. */
-static enum quality judge(struct composition_block *b, struct block_io *io, enum err err)
+static enum quality judge_estimates(struct composition_block *b, struct block_io *io, enum err err)
 {
     unsigned lost = lost_sensor(b), drawn = 0;
-    bool settled = is_settled(b);
+    bool settled = is_locked_on(b);
     for (uint8_t k = 0; k < b->c.sensors; k++)
         drawn += b->c.sensor[k].moves && b->c.sensor[k].there ? 1u : 0u;
     b->without = drawn ? 0 : b->without < UINT32_MAX ? b->without + 1u : b->without;
@@ -199,13 +199,13 @@ static enum quality judge(struct composition_block *b, struct block_io *io, enum
     unsigned odd = watched && b->s.apart > 0 ? composition_odd_sensor(&b->c, b->s.apart) : 0;
 
     io->raised = 0;
-    raise(io, EVENT_LOST, lost);
-    raise(io, EVENT_ALONE, alone ? 1 : 0);
-    raise(io, EVENT_PULL, pulling);
-    raise(io, EVENT_NIS, surprising);
-    raise(io, EVENT_APART, odd);
-    raise(io, EVENT_NO_STATE, err ? 1 : 0);
-    raise(io, EVENT_NO_INPUT, b->missing);
+    raise_event(io, EVENT_LOST, lost);
+    raise_event(io, EVENT_ALONE, alone ? 1 : 0);
+    raise_event(io, EVENT_PULL, pulling);
+    raise_event(io, EVENT_NIS, surprising);
+    raise_event(io, EVENT_APART, odd);
+    raise_event(io, EVENT_NO_STATE, err ? 1 : 0);
+    raise_event(io, EVENT_NO_INPUT, b->missing);
     bool doubted = pulling || surprising || odd;
     if (err || alone || (doubted && b->s.doubt == DOUBT_BAD))
         return QUALITY_BAD;
@@ -223,8 +223,8 @@ static real_t fraction_of(const struct composition_block *b, size_t stage, size_
     return mass_fraction_of(b->c.table.component, b->c.table.config.components, full, j);
 }
 
-static void give_points(const struct composition_block *b, struct block_io *io,
-                        enum quality quality)
+static void give_estimates(const struct composition_block *b, struct block_io *io,
+                           enum quality quality)
 {
     for (unsigned k = 0; k < b->points; k++) {
         size_t stage = b->s.point[k][AT_STAGE] - 1u, component = b->s.point[k][OF_COMPONENT];
@@ -253,14 +253,14 @@ static void composition_block_step(void *state, struct block_io *io)
     real_t t[SENSORS_MAX];
     if (io->work_wanted || (b->settle && !io->work_done)) {
         io->ask_work = b->settle ? 1 : 0;
-        give_points(b, io, QUALITY_UNCERTAIN);
+        give_estimates(b, io, QUALITY_UNCERTAIN);
         return;
     }
     b->settle = false;
     take_inputs(b, io, t);
     if (!b->begun) { /* nobody knows yet what was applied before this tick */
         b->begun = true;
-        give_points(b, io, QUALITY_UNCERTAIN);
+        give_estimates(b, io, QUALITY_UNCERTAIN);
         return;
     }
     enum err err = composition_step(&b->c, t);
@@ -268,7 +268,7 @@ static void composition_block_step(void *state, struct block_io *io)
         b->steps = 0;
     else if (b->steps < UINT32_MAX)
         b->steps++;
-    give_points(b, io, judge(b, io, err));
+    give_estimates(b, io, judge_estimates(b, io, err));
 }
 
 /* One step of an hour without any temperature. */
@@ -305,7 +305,7 @@ static const char *run_begin(void *state, const float *number)
     return NULL;
 }
 
-static const struct block_verb verbs[] = {
+static const struct block_verb composition_verbs[] = {
     {.name = "settle",
      .help = "to the steady state of its own model at the inputs that there are",
      .access = ACCESS_ENGINEER,
@@ -316,7 +316,7 @@ static const struct block_verb verbs[] = {
      .run = run_begin},
 };
 
-static const struct block_event events[COMPOSITION_EVENTS] = {
+static const struct block_event composition_events[COMPOSITION_EVENTS] = {
     [EVENT_LOST] = {"lost", BLOCK_INFO,
                     "a temperature is missing, the estimate goes on without; its input"},
     [EVENT_ALONE] = {"alone", BLOCK_ALARM, "no temperature moves the model any more, -"},
@@ -342,9 +342,9 @@ const struct block_kind composition_kind = {
     .points_most = BLOCK_POINTS_MAX,
     .bad_input = BAD_INPUT_IS_TOLD,
     .work = composition_work,
-    .verb = verbs,
-    .verbs = sizeof verbs / sizeof verbs[0],
-    .event = events,
+    .verb = composition_verbs,
+    .verbs = sizeof composition_verbs / sizeof composition_verbs[0],
+    .event = composition_events,
     .events = COMPOSITION_EVENTS,
     .bytes = composition_bytes,
     .check = composition_check,

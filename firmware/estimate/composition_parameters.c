@@ -63,7 +63,7 @@ const struct block_parameter composition_parameter_rows[COMPOSITION_PARAMETER_RO
 #define ZETA_INITIAL   REAL_C(3.0)
 #define HOUR           REAL_C(3600.0)
 
-static enum err refuse(struct block_fault *fault, const char *field, const char *wanted)
+static enum err refuse_composition(struct block_fault *fault, const char *field, const char *wanted)
 {
     *fault = (struct block_fault){.field = field, .wanted = wanted};
     return ERR_RANGE;
@@ -81,18 +81,19 @@ static enum err check_sensor(const struct composition_settings *s, const struct 
 {
     unsigned stage = s->place[k][AT_STAGE], component = s->place[k][OF_COMPONENT];
     if (setup->input[k].is_mv)
-        return refuse(fault, "is", "says of an MV that it is a temperature");
+        return refuse_composition(fault, "is", "says of an MV that it is a temperature");
     if (stage < 1 || stage > table->config.stages)
-        return refuse(fault, "place",
-                      "needs the stage of each temperature, 1 to that of the condenser");
+        return refuse_composition(
+            fault, "place", "needs the stage of each temperature, 1 to that of the condenser");
     if (component > table->config.components - 1)
-        return refuse(fault, "place",
-                      "must have a component of the table but the closing one, or 0");
+        return refuse_composition(fault, "place",
+                                  "must have a component of the table but the closing one, or 0");
     if (column_table_is_truncated(table, stage))
-        return refuse(fault, "place", "must not be a truncated stage");
+        return refuse_composition(fault, "place", "must not be a truncated stage");
     for (unsigned i = 0; i < k; i++)
         if (composition_is_sensor(s, i) && s->place[i][AT_STAGE] == stage)
-            return refuse(fault, "place", "must have another stage for each temperature");
+            return refuse_composition(fault, "place",
+                                      "must have another stage for each temperature");
     return ERR_OK;
 }
 
@@ -102,13 +103,13 @@ static enum err check_flow(const struct composition_settings *s, const struct co
     const struct column_inputs *in = &table->nominal;
     for (unsigned i = 0; i < k; i++)
         if (s->is[i] == s->is[k])
-            return refuse(fault, "is", "must have each but the temperatures once");
+            return refuse_composition(fault, "is", "must have each but the temperatures once");
     if ((s->is[k] == IS_HEAT && in->boilup_given) || (s->is[k] == IS_BOILUP && !in->boilup_given))
-        return refuse(fault, "is", "must have heat or boilup, whichever the table has");
+        return refuse_composition(fault, "is", "must have heat or boilup, whichever the table has");
     if ((s->is[k] == IS_FEED_TEMPERATURE && in->feed_state != COLUMN_FEED_TEMPERATURE) ||
         (s->is[k] == IS_FEED_QUALITY && in->feed_state != COLUMN_FEED_QUALITY))
-        return refuse(fault, "is",
-                      "must have the feed's temperature or quality, whichever the table has");
+        return refuse_composition(
+            fault, "is", "must have the feed's temperature or quality, whichever the table has");
     return ERR_OK;
 }
 
@@ -126,7 +127,8 @@ static enum err check_all_inputs(const struct block_setup *setup, const struct c
             moves++;
     }
     if (!moves)
-        return refuse(fault, "place", "needs one temperature at least that moves a component");
+        return refuse_composition(fault, "place",
+                                  "needs one temperature at least that moves a component");
     return ERR_OK;
 }
 
@@ -135,13 +137,13 @@ static enum err check_points(const struct block_setup *setup, const struct colum
 {
     const struct composition_settings *s = setup->settings;
     if (!setup->points)
-        return refuse(fault, "points", "needs one at least");
+        return refuse_composition(fault, "points", "needs one at least");
     for (unsigned k = 0; k < setup->points; k++) {
         if (s->point[k][AT_STAGE] < 1 || s->point[k][AT_STAGE] > table->config.stages)
-            return refuse(fault, "point",
-                          "needs a stage for each point, 1 to that of the condenser");
+            return refuse_composition(fault, "point",
+                                      "needs a stage for each point, 1 to that of the condenser");
         if (s->point[k][OF_COMPONENT] > table->config.components)
-            return refuse(fault, "point", "must have a component of the table, or 0");
+            return refuse_composition(fault, "point", "must have a component of the table, or 0");
     }
     return ERR_OK;
 }
@@ -152,16 +154,19 @@ enum err composition_check(const struct block_setup *setup, struct block_fault *
     struct column_table table;
     struct column_fault reason;
     if (!setup->named || !s->column)
-        return refuse(fault, "column", "needs the number of a block of the kind column");
+        return refuse_composition(fault, "column",
+                                  "needs the number of a block of the kind column");
     if (column_record_read(setup->named, &table, &reason))
-        return refuse(fault, "column", "must name a block with a table that is in order");
+        return refuse_composition(fault, "column",
+                                  "must name a block with a table that is in order");
     if (setup->members)
-        return refuse(fault, "loops", "must be none");
+        return refuse_composition(fault, "loops", "must be none");
     for (size_t j = 0; s->basis == BASIS_MASS && j < table.config.components; j++)
         if (!(table.component[j].molar_mass > 0))
-            return refuse(fault, "basis", "must be mole where the table has no molar masses");
+            return refuse_composition(fault, "basis",
+                                      "must be mole where the table has no molar masses");
     if (table.config.activity && (table.truncated[0] || table.truncated[1]))
-        return refuse(
+        return refuse_composition(
             fault, "column",
             "must be a table without truncated stages where it has activity coefficients");
     enum err err = check_all_inputs(setup, &table, fault);

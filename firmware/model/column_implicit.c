@@ -22,7 +22,7 @@ struct vapour_change {
     real_t slope[M_MAX * M_MAX], number[M_MAX];
 };
 
-static real_t not_negative(real_t flow)
+static real_t downward(real_t flow)
 {
     return flow > ZERO ? flow : ZERO;
 }
@@ -52,7 +52,7 @@ static ALWAYS_INLINE void balances(size_t m, const struct column *column, const 
 {
     const struct column_config *config = column->config;
     size_t top = config->stages - 1;
-    real_t liquid = s == top ? ZERO : not_negative(column->liquid[s + 1]);
+    real_t liquid = s == top ? ZERO : downward(column->liquid[s + 1]);
     real_t vapour_in = s == 0 ? ZERO : column->vapour_flow[s - 1], out = column->vapour_flow[s];
     real_t feed = s + 1 == config->feed_stage ? column->flows.feed : ZERO;
     real_t own = column->holdup[s] / h + liquid + vapour_in + feed - out;
@@ -104,7 +104,7 @@ static ALWAYS_INLINE void swap(struct rows *rows, size_t a, size_t b, size_t wid
 }
 
 /* Gauss and Jordan with the largest pivot of a column. Right sides become solutions. */
-static ALWAYS_INLINE bool solve(size_t m, struct rows *rows)
+static ALWAYS_INLINE bool solve_rows(size_t m, struct rows *rows)
 {
     size_t width = 2 * m + 1;
 
@@ -203,7 +203,7 @@ static ALWAYS_INLINE enum err step(size_t m, const struct column *column, const 
                 draw(m, column, &pull[k], dt, &rows);
         if (truncated[s])
             close_rows(m, column, s, &rows);
-        if (!solve(m, &rows))
+        if (!solve_rows(m, &rows))
             return ERR_RANGE;
         keep_rows(m, &rows, s, blocks);
         leave(m, efficiency, dy, &rows, &below);
