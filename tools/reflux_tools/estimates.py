@@ -84,11 +84,14 @@ def truncated(of: Sensing) -> str:
 
 
 @cache
-def table_lines(state: str, components: str, stages: str, antoine: bool) -> tuple[str, ...]:
+def table_lines(state: str, components: str, stages: str, antoine: bool, more: tuple[str, ...] = ()) -> tuple[str, ...]:
+    """more: inputs of the nominal state besides R and Q, NAME=VALUE."""
     command = [build.find_program("host", "reflux-sim"), "--table", "--plant", "splitter", "--components", components]
     command += ["--block", "2"]
     for name, value in trays.STATES[state].items():
         command += ["--set", f"{name}={value}"]
+    for text in more:
+        command += ["--set", text]
     if stages:
         command += ["--truncated", stages]
     if antoine:
