@@ -54,7 +54,6 @@ class Case:
     noise: float = 0.0  # K, normal, on all
     bias: tuple[int, float] = (0, 0.0)  # stage, K, from the fourth hour on
     lost: int = 0  # stage whose thermometer is missing from the fourth to the fifth hour
-    integral: bool = True
     tick_s: float = 10.0
     hours: float = 8.0
     firmware: str = "memory"
