@@ -249,6 +249,11 @@ static enum err evaluate_model_at(struct composition *c)
                                         c->x, c->rates);
 }
 
+enum err composition_look(struct composition *c)
+{
+    return evaluate_model_at(c);
+}
+
 static enum err begin_anew(struct composition *c, enum err why)
 {
     composition_begin(c);
