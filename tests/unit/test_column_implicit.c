@@ -113,6 +113,22 @@ static void a_pull_moves_the_fraction_that_is_named(void)
         }
 }
 
+/* A gain that leaves next to nothing of the element on the diagonal. */
+static void the_largest_pivot_of_a_stage_is_taken(void)
+{
+    struct column_pull pull = {.stage = 0, .component = 0};
+    double at[N_MOST], up[N_MOST], down[N_MOST];
+    rates_of_line();
+    for (size_t i = 0; i < states(); i++)
+        at[i] = (double)x[i];
+    at[0] += DIFFERENCE;
+    own_rates(at, up);
+    at[0] -= 2 * DIFFERENCE;
+    own_rates(at, down);
+    pull.gain = (real_t)((up[0] - down[0]) / (2 * DIFFERENCE) - 1.0 / 60);
+    agrees_with_the_full_matrix(60, &pull, 1);
+}
+
 static void a_feed_that_flashes_has_the_efficiency_that_is_left(void)
 {
     struct column_inputs inputs = column.inputs;
@@ -329,6 +345,7 @@ static void fractions_stay_within_what_the_others_leave(void)
         moves_to(s, REAL_C(0.5), REAL_C(0.75), REAL_C(0.5), REAL_C(0.5), 1);
         moves_to(s, REAL_C(1.5), REAL_C(0.25), 1, 0, 2);
         moves_to(s, REAL_C(1.5), REAL_C(-0.25), 1, 0, 2);
+        moves_to(s, REAL_C(-0.1), REAL_C(1.0625), 0, 1, 2);
     }
 }
 
@@ -342,6 +359,7 @@ int main(void)
     RUN_TEST(pulls_at_neighbours_are_each_in_their_own_row);
     RUN_TEST(a_pull_may_come_in_any_order_and_at_every_stage);
     RUN_TEST(a_pull_moves_the_fraction_that_is_named);
+    RUN_TEST(the_largest_pivot_of_a_stage_is_taken);
     RUN_TEST(a_feed_that_flashes_has_the_efficiency_that_is_left);
     RUN_TEST(truncated_stages_have_a_row_of_their_own_that_is_algebraic);
     RUN_TEST(on_a_truncated_stage_fractions_move_along_the_bubble_point_that_is_given);
