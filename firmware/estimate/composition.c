@@ -237,6 +237,13 @@ static enum err begin_anew(struct composition *c, enum err why)
     return why;
 }
 
+enum err composition_evaluate(struct composition *c)
+{
+    c->solved = false;
+    enum err err = evaluate_model_at(c);
+    return err ? begin_anew(c, err) : ERR_OK;
+}
+
 enum err composition_predict(struct composition *c)
 {
     c->solved = false;

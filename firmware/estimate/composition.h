@@ -61,6 +61,9 @@ void composition_begin(struct composition *c);
  * between. ERR_OK, or why there is no estimate: then it has begun anew. */
 enum err composition_step(struct composition *c, const real_t *t);
 
+/* Temperatures at the estimate and the inputs, without a step. Errors as composition_step. */
+enum err composition_evaluate(struct composition *c);
+
 /* The step of the model alone, over c->h. */
 enum err composition_predict(struct composition *c);
 

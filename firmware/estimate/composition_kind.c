@@ -260,7 +260,8 @@ static void composition_block_step(void *state, struct block_io *io)
     take_inputs(b, io, t);
     if (!b->begun) { /* nobody knows yet what was applied before this tick */
         b->begun = true;
-        give_estimates(b, io, QUALITY_UNCERTAIN);
+        enum err none = composition_evaluate(&b->c);
+        give_estimates(b, io, none ? QUALITY_BAD : QUALITY_UNCERTAIN);
         return;
     }
     enum err err = composition_step(&b->c, t);
