@@ -301,6 +301,8 @@ static const char *run_begin(void *state, const float *number)
 {
     (void)number;
     struct composition_block *b = state;
+    if (b->settle) /* work is on the state */
+        return "settles";
     b->steps = 0;
     composition_begin(&b->c);
     return NULL;
