@@ -249,17 +249,19 @@ static enum err evaluate_model_at(struct composition *c)
                                         c->x, c->rates);
 }
 
-enum err composition_look(struct composition *c)
-{
-    return evaluate_model_at(c);
-}
-
 static enum err begin_anew(struct composition *c, enum err why)
 {
     composition_begin(c);
     if (c->bounced < UINT16_MAX)
         c->bounced++;
     return why;
+}
+
+enum err composition_evaluate(struct composition *c)
+{
+    c->solved = false;
+    enum err err = evaluate_model_at(c);
+    return err ? begin_anew(c, err) : ERR_OK;
 }
 
 enum err composition_predict(struct composition *c)

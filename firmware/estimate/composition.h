@@ -60,8 +60,8 @@ void composition_begin(struct composition *c);
  * between. ERR_OK, or why there is no estimate: then it has begun anew. */
 enum err composition_step(struct composition *c, const real_t *t);
 
-/* Temperatures and flows at the profile as it is; no step. */
-enum err composition_look(struct composition *c);
+/* Temperatures at the estimate and the inputs, without a step. Errors as composition_step. */
+enum err composition_evaluate(struct composition *c);
 
 /* The step of the model alone, over c->h. */
 enum err composition_predict(struct composition *c);

@@ -260,8 +260,8 @@ static void composition_block_step(void *state, struct block_io *io)
     take_inputs(b, io, t);
     if (!b->begun) { /* nobody knows yet what was applied before this tick */
         b->begun = true;
-        enum err err = composition_look(&b->c);
-        give_estimates(b, io, err ? QUALITY_BAD : QUALITY_UNCERTAIN);
+        enum err none = composition_evaluate(&b->c);
+        give_estimates(b, io, none ? QUALITY_BAD : QUALITY_UNCERTAIN);
         return;
     }
     enum err err = composition_step(&b->c, t);
@@ -301,6 +301,8 @@ static const char *run_begin(void *state, const float *number)
 {
     (void)number;
     struct composition_block *b = state;
+    if (b->settle) /* work is on the state */
+        return "settles";
     b->steps = 0;
     composition_begin(&b->c);
     return NULL;

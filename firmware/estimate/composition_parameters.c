@@ -187,7 +187,10 @@ static void set_sensor(struct composition *c, const struct composition_settings 
     o->component = (uint8_t)(o->moves ? s->place[k][OF_COMPONENT] - 1u : 0u);
     o->time = REAL_C(1.0) / lambda;
     o->kp = REAL_C(2.0) * zeta * lambda;
-    o->ki = s->method == METHOD_GEOMETRIC ? lambda * lambda : REAL_C(0.0);
+    real_t ki = s->method == METHOD_GEOMETRIC ? lambda * lambda : REAL_C(0.0);
+    if (ki > 0 && o->ki > 0) /* what the integral draws stays */
+        o->sum *= o->ki / ki;
+    o->ki = ki;
 }
 
 void composition_take_settings(struct composition *c, const struct block_setup *setup, bool keep)
