@@ -317,7 +317,7 @@ static void every_option_stands_in_the_document(void)
             TEST_ASSERT_NOT_NULL_MESSAGE(strstr(page, name), name);
         }
     }
-    TEST_ASSERT_EQUAL(26, n);
+    TEST_ASSERT_EQUAL(28, n);
 }
 
 int main(void)
