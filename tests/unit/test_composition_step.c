@@ -62,6 +62,7 @@ static void draws_as_said(void)
         c->sensor[k].sum = (real_t)k * 40 - 60;
         t[k] = truth(c->sensor[k].stage + 1u) + (k % 2 ? 1.0f : -0.5f);
     }
+    c->inputs.heat += 200; /* the model moves as well */
     before = *c;
     TEST_ASSERT_EQUAL(ERR_OK, composition_step(c, t));
     real_t h = setup.interval_s;
@@ -197,10 +198,11 @@ static void filters_as_said(float interval)
     begin();
     for (uint8_t k = 0; k < c->sensors; k++) {
         TEST_ASSERT_FLOAT_WITHIN(1e-6f, 0.04f, c->sensor[k].variance);
-        c->sensor[k].variance = 1e-4f * (real_t)(k + 1);
+        c->sensor[k].variance = (interval < 1 ? 1e-7f : 1e-4f) * (real_t)(k + 1);
         c->sensor[k].there = k != 1;
         t[k] = truth(c->sensor[k].stage + 1u) + (k % 2 ? 0.5f : -0.25f);
     }
+    c->inputs.heat += 200; /* the model moves as well */
     before = *c;
     TEST_ASSERT_EQUAL(ERR_OK, composition_step(c, t));
     static struct column_blocks alone;
@@ -252,11 +254,12 @@ static void a_truncated_temperature_is_between_those_around_it(void)
         bench_splitter();
         settings.between = (uint8_t)mean;
         begin();
+        put(T_LOW, truth(1) + 5); /* whatever the step moves */
         step();
-        float low = (float)block.c.column.temperature[0],
-              high = (float)block.c.column.temperature[15];
+        float low = (float)block.c.column.temperature[0];
+        float high = (float)block.c.column.temperature[15];
         float part = mean ? 0.5f : 9.0f / 15;
-        TEST_ASSERT_FLOAT_WITHIN(0.01f, low + part * (high - low), given(INNER_TEMPERATURE));
+        TEST_ASSERT_FLOAT_WITHIN(1e-3f, low + part * (high - low), given(INNER_TEMPERATURE));
         TEST_ASSERT_EQUAL_FLOAT(57, shown("states"));
     }
 }
