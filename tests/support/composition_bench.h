@@ -187,6 +187,6 @@ static inline bool raised(unsigned event)
 
 /* Steps until it has locked on, and until its gate and its monitor have begun. */
 #define LOCKED  108u
-#define WATCHES (LOCKED + 180u)
+#define WATCHES (LOCKED + 179u)
 
 #endif

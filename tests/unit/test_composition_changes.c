@@ -84,10 +84,16 @@ static void before_it_had_time_to_find_its_plant_all_readings_are_taken(void)
 {
     begin();
     put(T_HIGH, truth(10) + 15);
-    for (unsigned n = 0; n < 2 * LOCKED - 2; n++) {
-        step();
-        TEST_ASSERT_TRUE(block.c.sensor[1].there);
-    }
+    step();
+    TEST_ASSERT_TRUE(block.c.sensor[1].there);
+    measure();
+    steps(2 * LOCKED - 2);
+    put(T_HIGH, truth(10) + 15);
+    step();
+    TEST_ASSERT_TRUE(block.c.sensor[1].there);
+    put(T_HIGH, truth(10) + 30);
+    step();
+    TEST_ASSERT_FALSE(block.c.sensor[1].there);
 }
 
 static void without_a_gate_everything_is_believed(void)

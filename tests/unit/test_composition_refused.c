@@ -177,7 +177,7 @@ static void a_temperature_is_not_on_a_truncated_stage_or_on_another_s(void)
     refused("place", "truncated");
     temperature_at(T_HIGH, 3, 1);
     refused("place", "another stage");
-    settings.place[FEED][AT_STAGE] = 3; /* of a flow it counts for nothing */
+    settings.place[FEED][AT_STAGE] = 12; /* of a flow it counts for nothing */
     temperature_at(FURTHER, 12, 1);
     setup.inputs++;
     accepted();
