@@ -200,7 +200,7 @@ static void filters_as_said(float interval)
         TEST_ASSERT_FLOAT_WITHIN(1e-6f, 0.04f, c->sensor[k].variance);
         c->sensor[k].variance = (interval < 1 ? 1e-7f : 1e-4f) * (real_t)(k + 1);
         c->sensor[k].there = k != 1;
-        t[k] = truth(c->sensor[k].stage + 1u) + (k % 2 ? 0.5f : -0.25f);
+        t[k] = truth(c->sensor[k].stage + 1u) + (k % 2 ? -0.25f : 0.5f);
     }
     c->inputs.heat += 200; /* the model moves as well */
     before = *c;
