@@ -7,7 +7,7 @@
  * with e at the end of the step, e - sum_j b_j d_j, and z likewise: (Kp + h Ki) on e and Ki z besides, stable for any h. The reduced
  * EKF has a variance P of each mole fraction that is moved:
  *
- *     P <- P exp(2 F h) + Q (exp(2 F h) - 1)/(2 F);  K = P b / (b P b + R);  x_mu <- x_mu + K e;  P <- (1 - K b) P
+ *     P <- P exp(2 F h) + Q (exp(2 F h) - 1)/(2 F);  K = P b / (b P b + R);  x_mu <- x_mu + K e;  P <- (1 - K b) P = P R / (b P b + R)
  *
  * F: the rate's derivative by this mole fraction, flows held. */
 #include "estimate/composition.h"
@@ -211,7 +211,7 @@ static void filter(struct composition *c, struct composition_sensor *s, const re
     real_t gain = s->variance * b / s->spread;
     c->blocks.change[s->stage * m + s->component] += gain * s->e;
     s->correction = b * gain * s->e / c->h;
-    s->variance -= gain * b * s->variance;
+    s->variance *= c->noise2 / s->spread; /* rounding leaves it above 0 */
 }
 
 /* What the step means for the sensors, and of the reduced EKF what the sensors mean for the step. */

@@ -221,7 +221,7 @@ enum err column_implicit_step(const struct column *column, const bool *truncated
                   : step(m, column, truncated, x, rates, h, pull, pulls, blocks);
 }
 
-size_t column_move(const struct column *column, real_t *x, const real_t *change)
+size_t column_move(const struct column *column, real_t *x, real_t *change)
 {
     size_t m = column->config->components - 1, moved = 0;
 
@@ -230,7 +230,10 @@ size_t column_move(const struct column *column, real_t *x, const real_t *change)
         for (size_t j = 0; j < m; j++) {
             real_t wanted = x[s * m + j] + change[s * m + j];
             real_t kept = column_within(wanted, room);
-            moved += kept < wanted || kept > wanted ? 1u : 0u;
+            if (kept != wanted) {
+                change[s * m + j] = kept - x[s * m + j];
+                moved++;
+            }
             x[s * m + j] = kept;
             room -= kept;
         }

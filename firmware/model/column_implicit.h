@@ -52,7 +52,7 @@ MUST_CHECK enum err column_implicit_step(const struct column *column, const bool
                                          const struct column_pull *pull, size_t pulls,
                                          struct column_blocks *blocks);
 
-/* x + d, each mole fraction within what the others leave. How many were not. */
-size_t column_move(const struct column *column, real_t *x, const real_t *change);
+/* x + d, each mole fraction within what the others leave. How many were not: their d becomes what they moved. */
+size_t column_move(const struct column *column, real_t *x, real_t *change);
 
 #endif

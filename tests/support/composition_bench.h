@@ -182,7 +182,7 @@ static inline float shown(const char *name)
 
 static inline bool raised(unsigned event)
 {
-    return (io.raised >> event & 1u) != 0;
+    return ((unsigned)io.raised >> event & 1u) != 0;
 }
 
 /* Steps until it has locked on, and until its gate and its monitor have begun. */

@@ -335,6 +335,8 @@ static void moves_to(size_t s, real_t first, real_t second, real_t want_first, r
     TEST_ASSERT_EQUAL(clipped, column_move(&column, at, change));
     TEST_ASSERT_DOUBLE_WITHIN(1e-6, (double)want_first, (double)at[2 * s]);
     TEST_ASSERT_DOUBLE_WITHIN(1e-6, (double)want_second, (double)at[2 * s + 1]);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-6, (double)want_first - 0.25, (double)change[2 * s]);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-6, (double)want_second - 0.25, (double)change[2 * s + 1]);
     for (size_t i = 0; i < states(); i++)
         if (i / 2 != s)
             TEST_ASSERT_TRUE(at[i] == REAL_C(0.25));

@@ -262,6 +262,21 @@ static void a_temperature_is_that_at_the_end_of_the_step(void)
                              now);
 }
 
+/* Nothing of the column boils lower than its lightest component. */
+static void a_temperature_is_that_of_fractions_within_limits(void)
+{
+    temperature_at(T_HIGH, 12, 1);
+    point_of(INNER_TEMPERATURE, 12, 0);
+    begin();
+    steps(2 * LOCKED);
+    put(T_HIGH, truth(12) - 9);
+    step();
+    TEST_ASSERT_TRUE(shown("clipped") > 0);
+    float now = given(INNER_TEMPERATURE);
+    step();
+    TEST_ASSERT_FLOAT_WITHIN(0.02f, (float)block.c.column.temperature[11], now);
+}
+
 /* ---- inner values ---- */
 
 static void inner_values_have_the_number_of_their_input(void)
@@ -321,6 +336,7 @@ int main(void)
     RUN_TEST(the_closing_component_has_the_rest);
     RUN_TEST(by_mass_a_fraction_goes_with_its_molar_mass);
     RUN_TEST(a_temperature_is_that_at_the_end_of_the_step);
+    RUN_TEST(a_temperature_is_that_of_fractions_within_limits);
     RUN_TEST(inner_values_have_the_number_of_their_input);
     RUN_TEST(means_of_the_monitor_are_shown);
     return UNITY_END();

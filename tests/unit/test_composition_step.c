@@ -200,7 +200,7 @@ static void filters_as_said(float interval)
         TEST_ASSERT_FLOAT_WITHIN(1e-6f, 0.04f, c->sensor[k].variance);
         c->sensor[k].variance = (interval < 1 ? 1e-7f : 1e-4f) * (real_t)(k + 1);
         c->sensor[k].there = k != 1;
-        t[k] = truth(c->sensor[k].stage + 1u) + (k % 2 ? 0.5f : -0.25f);
+        t[k] = truth(c->sensor[k].stage + 1u) + (k % 2 ? -0.25f : 0.5f);
     }
     c->inputs.heat += 200; /* the model moves as well */
     before = *c;
@@ -244,6 +244,23 @@ static void the_reduced_filter_corrects_by_its_variance(void)
 static void its_variance_grows_as_well_over_very_short_steps(void)
 {
     filters_as_said(0.01f);
+}
+
+/* A model that may drift as fast as can be said, readings that are as good as can be said. */
+static void a_variance_is_never_below_nothing(void)
+{
+    settings.method = METHOD_REKF;
+    settings.noise = 0.001f;
+    settings.model = 100;
+    setup.interval_s = 60;
+    begin();
+    for (unsigned n = 0; n < 300; n++) {
+        put(T_LOW, truth(3) + (float)(n % 7) - 3);
+        put(T_HIGH, truth(10) + (float)(n % 5) - 2);
+        step();
+        TEST_ASSERT_TRUE(block.c.sensor[0].variance > 0);
+        TEST_ASSERT_TRUE(block.c.sensor[1].variance > 0);
+    }
 }
 
 /* ---- truncated stages ---- */
@@ -365,6 +382,7 @@ int main(void)
     RUN_TEST(an_integral_moves_a_temperature_by_so_many_kelvin_in_its_time_at_most);
     RUN_TEST(the_reduced_filter_corrects_by_its_variance);
     RUN_TEST(its_variance_grows_as_well_over_very_short_steps);
+    RUN_TEST(a_variance_is_never_below_nothing);
     RUN_TEST(a_truncated_temperature_is_between_those_around_it);
     RUN_TEST(the_splitter_stays_where_its_readings_are_those_of_its_model);
     RUN_TEST(at_any_reading_the_geometric_estimator_stays_within_limits);
