@@ -3,10 +3,11 @@
 #define REFLUX_ESTIMATE_COMPOSITION_BLOCK_H
 
 #include "estimate/composition.h"
+#include "estimate/composition_analysis.h"
 
 #if CONFIG_BLOCKS
 
-#define COMPOSITION_PARAMETER_ROWS 20
+#define COMPOSITION_PARAMETER_ROWS 23
 extern const struct block_parameter composition_parameter_rows[COMPOSITION_PARAMETER_ROWS];
 
 enum {
@@ -17,6 +18,7 @@ enum {
     EVENT_APART,
     EVENT_NO_STATE,
     EVENT_NO_INPUT,
+    EVENT_ANALYSIS,
     COMPOSITION_EVENTS
 };
 
@@ -27,6 +29,8 @@ struct composition_block {
     struct block_signal input[BLOCK_INPUTS_MAX], point[BLOCK_POINTS_MAX];
     const struct column_record *record; /* of the table */
     uint32_t checksum;                  /* of it */
+    struct composition_analysis analysis[ANALYSES_MAX];
+    uint8_t analyses;
     uint8_t inputs, points;
     uint8_t missing;   /* number of the first input but temperatures that is, or 0 */
     uint32_t without;  /* steps in a row without any temperature that moves; saturates */

@@ -42,6 +42,35 @@ static enum err take_column(struct composition_block *b, const struct column_rec
     return ERR_OK;
 }
 
+/* Share of what an analysis says more, where nothing is said. */
+#define SHARE_INITIAL REAL_C(0.7)
+
+static void begin_analyses(struct composition_block *b)
+{
+    for (uint8_t k = 0; k < b->analyses; k++)
+        composition_analysis_begin(&b->analysis[k], b->c.h, b->s.reach_s);
+}
+
+/* keep: they are those that there were. */
+static void take_analyses(struct composition_block *b, bool keep)
+{
+    uint16_t before = b->analyses ? b->analysis[0].every : 0;
+    b->analyses = 0;
+    for (unsigned k = 0; k < b->inputs; k++) {
+        if (b->s.is[k] != IS_ANALYSIS)
+            continue;
+        struct composition_analysis *a = &b->analysis[b->analyses++];
+        a->input = (uint8_t)k;
+        a->stage = (uint8_t)(b->s.place[k][AT_STAGE] - 1u);
+        a->component = (uint8_t)(b->s.place[k][OF_COMPONENT] - 1u);
+        a->share = b->s.tune[k][TUNE_LAMBDA] > 0 ? b->s.tune[k][TUNE_LAMBDA] : SHARE_INITIAL;
+    }
+    struct composition_analysis fresh;
+    composition_analysis_begin(&fresh, b->c.h, b->s.reach_s);
+    if (!keep || (b->analyses && fresh.every != before))
+        begin_analyses(b);
+}
+
 static enum err composition_configure(void *state, const struct block_setup *setup, bool retune)
 {
     struct composition_block *b = state;
@@ -63,6 +92,7 @@ static enum err composition_configure(void *state, const struct block_setup *set
     memcpy(b->input, setup->input, sizeof b->input);
     memcpy(b->point, setup->point, sizeof b->point);
     composition_take_settings(&b->c, setup, same);
+    take_analyses(b, same);
     if (!same)
         composition_begin(&b->c);
     return ERR_OK;
@@ -127,12 +157,40 @@ static void take_inputs(struct composition_block *b, const struct block_io *io, 
         if (composition_is_sensor(&b->s, k)) {
             t[sensor] = reading_si(b, io, k);
             b->c.sensor[sensor++].there = io->quality[k] == QUALITY_GOOD;
+        } else if (b->s.is[k] == IS_ANALYSIS) {
+            continue;
         } else if (quality_usable((enum quality)io->quality[k])) {
             take_flow(&b->c, b->s.is[k], reading_si(b, io, k));
         } else if (!b->missing) {
             b->missing = (uint8_t)(k + 1u);
         }
     }
+}
+
+/* After a step. The number of the first analysis that is missed, too old or not believed, or 0. */
+static unsigned step_analyses(struct composition_block *b, const struct block_io *io)
+{
+    unsigned odd = 0;
+    for (uint8_t i = 0; i < b->analyses; i++) {
+        struct composition_analysis *a = &b->analysis[i];
+        unsigned k = a->input;
+        bool too_old = composition_analysis_step(
+            a, b->c.h, column_fraction(&b->c.column, b->c.x, a->stage, a->component),
+            io->quality[k] == QUALITY_GOOD, reading_si(b, io, k), (real_t)io->age_s[k], b->s.far);
+        bool missed = b->s.late_s > 0 && (real_t)io->age_s[k] > b->s.late_s;
+        if (!odd && (too_old || missed || a->far || io->quality[k] != QUALITY_GOOD))
+            odd = k + 1u;
+    }
+    return odd;
+}
+
+/* What analyses say of a place, or 0. */
+static real_t correction_at(const struct composition_block *b, size_t stage, size_t component)
+{
+    for (uint8_t i = 0; i < b->analyses; i++)
+        if (b->analysis[i].stage == stage && b->analysis[i].component == component)
+            return b->analysis[i].correction;
+    return ZERO;
 }
 
 /* ---- what comes out ---- */
@@ -216,10 +274,17 @@ static enum quality judge_estimates(struct composition_block *b, struct block_io
 static real_t fraction_of(const struct composition_block *b, size_t stage, size_t j)
 {
     real_t full[COLUMN_COMPONENTS_MAX];
+    real_t own = column_fraction(&b->c.column, b->c.x, stage, j) + correction_at(b, stage, j);
+    own = own > ZERO ? own < REAL_C(1.0) ? own : REAL_C(1.0) : ZERO;
     if (b->s.basis == BASIS_MOLE)
-        return column_fraction(&b->c.column, b->c.x, stage, j);
+        return own;
+    /* The others share what is left as they do in the model. */
+    real_t was = REAL_C(1.0) - column_fraction(&b->c.column, b->c.x, stage, j);
     for (size_t i = 0; i < b->c.table.config.components; i++)
-        full[i] = column_fraction(&b->c.column, b->c.x, stage, i);
+        full[i] = i == j ? own
+                  : was > ZERO
+                      ? column_fraction(&b->c.column, b->c.x, stage, i) * (REAL_C(1.0) - own) / was
+                      : ZERO;
     return mass_fraction_of(b->c.table.component, b->c.table.config.components, full, j);
 }
 
@@ -245,6 +310,7 @@ static void composition_follow(void *state, struct block_io *io)
     b->steps = b->without = 0;
     b->begun = false;
     composition_begin(&b->c);
+    begin_analyses(b);
 }
 
 static void composition_block_step(void *state, struct block_io *io)
@@ -269,7 +335,10 @@ static void composition_block_step(void *state, struct block_io *io)
         b->steps = 0;
     else if (b->steps < UINT32_MAX)
         b->steps++;
-    give_estimates(b, io, judge_estimates(b, io, err));
+    enum quality quality = judge_estimates(b, io, err);
+    unsigned odd = is_locked_on(b) ? step_analyses(b, io) : 0;
+    raise_event(io, EVENT_ANALYSIS, odd);
+    give_estimates(b, io, odd && quality == QUALITY_GOOD ? QUALITY_UNCERTAIN : quality);
 }
 
 /* One step of an hour without any temperature. */
@@ -331,6 +400,8 @@ static const struct block_event composition_events[COMPOSITION_EVENTS] = {
     [EVENT_NO_STATE] = {"no_state", BLOCK_ALARM, "the model has no solution and begins anew, -"},
     [EVENT_NO_INPUT] = {"no_input", BLOCK_ALARM,
                         "a flow is missing, its last value holds; which input"},
+    [EVENT_ANALYSIS] = {"analysis", BLOCK_INFO,
+                        "an analysis is missed, too old or too far off; its input"},
 };
 
 const struct block_kind composition_kind = {

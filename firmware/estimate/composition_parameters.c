@@ -17,7 +17,7 @@ const struct block_parameter composition_parameter_rows[COMPOSITION_PARAMETER_RO
     {2, BLOCK_WORD, PLACE(method), 1, 1, "method", "geometric|rekf", "of estimation", 0, 0,
      METHOD_GEOMETRIC},
     {3, BLOCK_WORD, PLACE(is), BLOCK_INPUTS_MAX, 1, "is",
-     "temperature|feed|feed_temperature|feed_quality|reflux|heat|boilup|pressure",
+     "temperature|feed|feed_temperature|feed_quality|reflux|heat|boilup|pressure|analysis",
      "what the input is of the column", 0, 0, IS_TEMPERATURE},
     {4, BLOCK_U16, PLACE(place), BLOCK_INPUTS_MAX, PLACE_COLS, "place", "-",
      "of a temperature: stage, component it moves (1 is the first of the table; 0: none, it is "
@@ -54,6 +54,12 @@ const struct block_parameter composition_parameter_rows[COMPOSITION_PARAMETER_RO
      "what the alarms pull, nis and apart make of the estimates", 0, 0, DOUBT_BAD},
     {20, BLOCK_WORD, PLACE(basis), 1, 1, "basis", "mole|mass", "fractions of the points", 0, 0,
      BASIS_MOLE},
+    NUMBER(21, far, "far", "-",
+           "mole fraction: an analysis farther off is not believed; 0: all are", 0, 1, 0.05f),
+    NUMBER(22, late_s, "late", "s", "without an analysis, until it is missed; 0: never", 0, 1e7f,
+           7200),
+    NUMBER(23, reach_s, "reach", "s", "age of the oldest sample of an analyser that counts", 1,
+           1e6f, 3600),
     {17, BLOCK_WORD, PLACE(between), 1, 1, "between", "line|mean",
      "temperatures of truncated stages, of those around them", 0, 0, COLUMN_BETWEEN_LINE},
 };
@@ -97,6 +103,25 @@ static enum err check_sensor(const struct composition_settings *s, const struct 
     return ERR_OK;
 }
 
+static enum err check_analysis(const struct composition_settings *s,
+                               const struct column_table *table, const struct block_setup *setup,
+                               unsigned k, struct block_fault *fault)
+{
+    unsigned others = 0;
+    for (unsigned i = 0; i < k; i++)
+        others += s->is[i] == IS_ANALYSIS ? 1u : 0u;
+    if (others >= ANALYSES_MAX)
+        return refuse_composition(fault, "is", "must have two analyses at most");
+    if (setup->input[k].is_mv)
+        return refuse_composition(fault, "is", "says of an MV that it is an analysis");
+    if (s->place[k][AT_STAGE] < 1 || s->place[k][AT_STAGE] > table->config.stages ||
+        s->place[k][OF_COMPONENT] < 1 || s->place[k][OF_COMPONENT] > table->config.components)
+        return refuse_composition(fault, "place", "needs stage and component of each analysis");
+    if (s->tune[k][TUNE_LAMBDA] > 1)
+        return refuse_composition(fault, "tune", "must be a share, at most 1, for an analysis");
+    return ERR_OK;
+}
+
 static enum err check_flow(const struct composition_settings *s, const struct column_table *table,
                            unsigned k, struct block_fault *fault)
 {
@@ -120,6 +145,7 @@ static enum err check_all_inputs(const struct block_setup *setup, const struct c
     unsigned moves = 0;
     for (unsigned k = 0; k < setup->inputs; k++) {
         enum err err = composition_is_sensor(s, k) ? check_sensor(s, table, setup, k, fault)
+                       : s->is[k] == IS_ANALYSIS   ? check_analysis(s, table, setup, k, fault)
                                                    : check_flow(s, table, k, fault);
         if (err)
             return err;

@@ -25,6 +25,7 @@ enum composition_input {
     IS_HEAT,
     IS_BOILUP,
     IS_PRESSURE,
+    IS_ANALYSIS,
     IS_KINDS
 };
 
@@ -45,6 +46,9 @@ struct composition_settings {
     float watch_s;   /* s, of the means of the monitor */
     float nis;       /* alarm; 0: none */
     float apart;     /* K/h, alarm; 0: none */
+    float far;       /* mole fraction, of an analysis; 0: none */
+    float late_s;    /* s, after which an analysis is missed; 0: never */
+    float reach_s;   /* s, the oldest sample of an analyser that counts */
     float alone_s;   /* s, without any temperature */
     uint16_t column; /* block */
     uint16_t place[BLOCK_INPUTS_MAX]

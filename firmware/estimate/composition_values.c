@@ -46,9 +46,15 @@ const char *composition_describe(const void *state, size_t i, float *value)
         *value = values[i];
         return names[i];
     }
+    static const char *const corrections[ANALYSES_MAX] = {"correction_1", "correction_2"};
     size_t sensor = (i - fixed) / VALUES, which = (i - fixed) % VALUES;
-    if (sensor >= b->c.sensors)
-        return NULL;
+    if (sensor >= b->c.sensors) {
+        size_t k = i - fixed - (size_t)b->c.sensors * VALUES;
+        if (k >= b->analyses)
+            return NULL;
+        *value = b->analysis[k].correction;
+        return corrections[k];
+    }
     const struct composition_sensor *s = &b->c.sensor[sensor];
     *value = value_of(s, (unsigned)which);
     return of_sensor[which][s->input];
