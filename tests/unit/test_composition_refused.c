@@ -28,7 +28,7 @@ static void its_parameters_are_those_that_boards_have_stored(void)
         {"column", 1, 1, 1, 0, 4, 0, NULL},
         {"method", 2, 1, 1, 0, 0, 0, "geometric|rekf"},
         {"is", 3, 12, 1, 0, 0, 0,
-         "temperature|feed|feed_temperature|feed_quality|reflux|heat|boilup|pressure"},
+         "temperature|feed|feed_temperature|feed_quality|reflux|heat|boilup|pressure|analysis"},
         {"place", 4, 12, 2, 0, 200, 0, NULL},
         {"tune", 5, 12, 2, 0, 1e4f, 0, NULL},
         {"si", 6, 12, 2, -1e9f, 1e9f, 0, NULL},
@@ -45,6 +45,9 @@ static void its_parameters_are_those_that_boards_have_stored(void)
         {"apart", 18, 1, 1, 0, 1e5f, 0, NULL},
         {"doubt", 19, 1, 1, 0, 0, 0, "bad|uncertain"},
         {"basis", 20, 1, 1, 0, 0, 0, "mole|mass"},
+        {"far", 21, 1, 1, 0, 1, 0.05f, NULL},
+        {"late", 22, 1, 1, 0, 1e7f, 7200, NULL},
+        {"reach", 23, 1, 1, 1, 1e6f, 3600, NULL},
         {"between", 17, 1, 1, 0, 0, 0, "line|mean"},
     };
     TEST_ASSERT_EQUAL(sizeof page / sizeof page[0], kind->parameters);
@@ -80,12 +83,13 @@ static void it_is_an_estimator_that_names_a_column(void)
 
 static void its_events_and_verbs_have_the_names_of_the_page(void)
 {
-    static const char *const codes[] = {"lost",  "alone",    "pull",    "nis",
-                                        "apart", "no_state", "no_input"};
+    static const char *const codes[] = {"lost",  "alone",    "pull",     "nis",
+                                        "apart", "no_state", "no_input", "analysis"};
     TEST_ASSERT_EQUAL(COMPOSITION_EVENTS, kind->events);
     for (unsigned i = 0; i < kind->events; i++) {
         TEST_ASSERT_EQUAL_STRING(codes[i], kind->event[i].code);
-        TEST_ASSERT_EQUAL(i == EVENT_LOST ? BLOCK_INFO : BLOCK_ALARM, kind->event[i].level);
+        TEST_ASSERT_EQUAL(i == EVENT_LOST || i == EVENT_ANALYSIS ? BLOCK_INFO : BLOCK_ALARM,
+                          kind->event[i].level);
     }
     TEST_ASSERT_EQUAL(2, kind->verbs);
     TEST_ASSERT_EQUAL_STRING("settle", kind->verb[0].name);
@@ -242,6 +246,42 @@ static void it_needs_a_point_with_a_stage_and_a_component_of_the_table(void)
     accepted();
 }
 
+static void analysis_at(unsigned k, unsigned stage, unsigned component, float share)
+{
+    setup.inputs = (uint8_t)(k + 1);
+    setup.input[k] = setup.input[T_LOW];
+    settings.is[k] = IS_ANALYSIS;
+    settings.place[k][AT_STAGE] = (uint16_t)stage;
+    settings.place[k][OF_COMPONENT] = (uint16_t)component;
+    settings.tune[k][TUNE_LAMBDA] = share;
+}
+
+static void an_analysis_has_a_place_a_share_and_is_no_mv(void)
+{
+    analysis_at(FURTHER, 12, 2, 1); /* the closing one may be analysed */
+    accepted();
+    analysis_at(FURTHER, 12, 2, 1.1f);
+    refused("tune", "share");
+    analysis_at(FURTHER, 12, 3, 0);
+    refused("place", "stage and component");
+    analysis_at(FURTHER, 12, 0, 0);
+    refused("place", "stage and component");
+    analysis_at(FURTHER, 13, 1, 0);
+    refused("place", "stage and component");
+    analysis_at(FURTHER, 12, 1, 0);
+    setup.input[FURTHER].is_mv = true;
+    refused("is", "MV");
+}
+
+static void there_are_two_analyses_at_most(void)
+{
+    for (unsigned k = 0; k < 2; k++)
+        analysis_at(FURTHER + k, 12, 1, 0);
+    accepted();
+    analysis_at(FURTHER + 2, 12, 1, 0);
+    refused("is", "two analyses");
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -260,5 +300,7 @@ int main(void)
     RUN_TEST(flows_are_of_the_kind_that_the_table_has);
     RUN_TEST(only_inputs_that_there_are_count);
     RUN_TEST(it_needs_a_point_with_a_stage_and_a_component_of_the_table);
+    RUN_TEST(an_analysis_has_a_place_a_share_and_is_no_mv);
+    RUN_TEST(there_are_two_analyses_at_most);
     return UNITY_END();
 }
