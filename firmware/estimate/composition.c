@@ -37,7 +37,6 @@ void composition_begin(struct composition *c)
         s->sum = s->pull = s->square = s->product = s->last = s->e = s->correction = ZERO;
         s->variance = c->model2 * REAL_C(3600.0);
         s->outside = 0;
-        s->begun = false;
     }
 }
 
@@ -76,19 +75,38 @@ real_t composition_temperature(const struct composition *c, size_t stage)
 
 /* ---- innovation ---- */
 
-/* What is far from the estimate is not believed for a while, once the estimate has had time to find it. */
+static bool is_far(const struct composition *c, const struct composition_sensor *s)
+{
+    return real_abs(s->e) > c->gate;
+}
+
+/* Whether another temperature of its section agrees with the estimate. */
+static bool is_contradicted(const struct composition *c, const struct composition_sensor *s)
+{
+    size_t feed = c->table.config.feed_stage;
+    for (uint8_t k = 0; k < c->sensors; k++) {
+        const struct composition_sensor *other = &c->sensor[k];
+        if (other != s && other->moves && other->there && !is_far(c, other) &&
+            (other->stage + 1u > feed) == (s->stage + 1u > feed))
+            return true;
+    }
+    return false;
+}
+
+/* What is far from the estimate is not believed, once the estimate has had time to find it: for a while, or for as long as another
+ * temperature of the section agrees with the estimate. */
 static bool is_outside(const struct composition *c, struct composition_sensor *s)
 {
-    bool found = (real_t)c->watched * c->h > REAL_C(3.0) * s->time;
-    if (!(c->gate > ZERO) || !found || real_abs(s->e) <= c->gate) {
+    bool found = (real_t)c->watched * c->h > s->time;
+    if (!(c->gate > ZERO) || !found || !is_far(c, s)) {
         s->outside = 0;
         return false;
     }
-    if (s->outside < c->gate_steps) {
+    if (s->outside < c->gate_steps)
         s->outside++;
-        return true;
-    }
-    return false;
+    else if (!is_contradicted(c, s))
+        return false;
+    return true;
 }
 
 static real_t decayed_part(real_t rate, real_t h)
@@ -100,15 +118,17 @@ static real_t decayed_part(real_t rate, real_t h)
 /* Deviations before the step. What is not there for a while is forgotten as fast as it was learned. */
 static void take_readings(struct composition *c, const real_t *t)
 {
+    bool outside[SENSORS_MAX];
+    for (uint8_t k = 0; k < c->sensors; k++)
+        if (c->sensor[k].there)
+            c->sensor[k].e = t[k] - c->column.temperature[c->sensor[k].stage];
+    for (uint8_t k = 0; k < c->sensors; k++)
+        outside[k] = c->sensor[k].there && is_outside(c, &c->sensor[k]);
     for (uint8_t k = 0; k < c->sensors; k++) {
         struct composition_sensor *s = &c->sensor[k];
-        if (s->there) {
-            s->e = t[k] - c->column.temperature[s->stage];
-            s->there = !is_outside(c, s);
-        }
+        s->there = s->there && !outside[k];
         if (!s->there && s->moves)
             s->sum -= s->sum * decayed_part(s->ki / s->kp, c->h);
-        s->begun = s->begun || s->there;
     }
 }
 

@@ -17,7 +17,6 @@ struct composition_sensor {
     uint8_t component; /* from 0 */
     bool moves;        /* else it is only compared */
     bool there;        /* a good reading, not gated, in this step */
-    bool begun;        /* it has been there */
     real_t kp, ki;     /* 1/s, 1/s2 */
     real_t time;       /* s, 1/lambda */
     real_t e;          /* K, measured less predicted, before the step */

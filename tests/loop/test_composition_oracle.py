@@ -149,8 +149,10 @@ def replay(case: Case, log: Log) -> np.ndarray:
     """The points of every tick, by the reference."""
     estimator, found = fresh(case, case.tick_s), []
     for inputs, temperatures in had(case, log):
-        if np.isfinite(inputs["heat"]):  # in the first tick nobody knows what was applied: no step
+        if np.isfinite(inputs["heat"]):
             estimator.step(inputs, temperatures)
+        else:  # in the first tick nobody knows what was applied: no step
+            estimator.look({})
         found.append([estimator.fraction(s - 1, c - 1) for s, c in case.points])
     return np.array(found)
 

@@ -54,7 +54,6 @@ class Case:
     noise: float = 0.0  # K, normal, on all
     bias: tuple[int, float] = (0, 0.0)  # stage, K, from the fourth hour on
     lost: int = 0  # stage whose thermometer is missing from the fourth to the fifth hour
-    integral: bool = True
     tick_s: float = 10.0
     hours: float = 8.0
     firmware: str = "memory"
@@ -84,11 +83,14 @@ def truncated(of: Sensing) -> str:
 
 
 @cache
-def table_lines(state: str, components: str, stages: str, antoine: bool) -> tuple[str, ...]:
+def table_lines(state: str, components: str, stages: str, antoine: bool, more: tuple[str, ...] = ()) -> tuple[str, ...]:
+    """more: inputs of the nominal state besides R and Q, NAME=VALUE."""
     command = [build.find_program("host", "reflux-sim"), "--table", "--plant", "splitter", "--components", components]
     command += ["--block", "2"]
     for name, value in trays.STATES[state].items():
         command += ["--set", f"{name}={value}"]
+    for text in more:
+        command += ["--set", text]
     if stages:
         command += ["--truncated", stages]
     if antoine:
