@@ -91,9 +91,41 @@ static void before_it_had_time_to_find_its_plant_all_readings_are_taken(void)
     put(T_HIGH, truth(10) + 15);
     step();
     TEST_ASSERT_TRUE(block.c.sensor[1].there);
+    steps(2);
     put(T_HIGH, truth(10) + 30);
     step();
     TEST_ASSERT_FALSE(block.c.sensor[1].there);
+}
+
+static void a_reading_that_another_of_its_section_contradicts_waits_for_as_long(void)
+{
+    settings.place[T_LOW][AT_STAGE] = 8;
+    begin();
+    steps(2 * LOCKED + 10);
+    put(T_HIGH, truth(10) - 15);
+    for (unsigned n = 0; n < 200; n++) {
+        step();
+        TEST_ASSERT_FALSE(block.c.sensor[1].there);
+    }
+    put(T_LOW, truth(8) - 15); /* now they agree */
+    step();
+    TEST_ASSERT_TRUE(block.c.sensor[1].there);
+    TEST_ASSERT_FALSE(block.c.sensor[0].there);
+}
+
+static void at_a_limit_of_its_mole_fraction_the_integral_gathers_no_more(void)
+{
+    begin();
+    steps(LOCKED);
+    put(T_HIGH, truth(10) - 5); /* below what pure TCE boils at */
+    steps(300);
+    float sum = block.c.sensor[1].sum;
+    TEST_ASSERT_TRUE(block.c.x[9] > 0.999f);
+    steps(300);
+    TEST_ASSERT_EQUAL_FLOAT(sum, block.c.sensor[1].sum);
+    measure();
+    step();
+    TEST_ASSERT_TRUE(fabsf(block.c.sensor[1].sum) < fabsf(sum));
 }
 
 static void without_a_gate_everything_is_believed(void)
@@ -401,6 +433,8 @@ int main(void)
     RUN_TEST(a_jump_that_comes_back_counts_anew);
     RUN_TEST(readings_on_the_gate_s_near_side_are_taken);
     RUN_TEST(before_it_had_time_to_find_its_plant_all_readings_are_taken);
+    RUN_TEST(a_reading_that_another_of_its_section_contradicts_waits_for_as_long);
+    RUN_TEST(at_a_limit_of_its_mole_fraction_the_integral_gathers_no_more);
     RUN_TEST(without_a_gate_everything_is_believed);
     RUN_TEST(while_another_of_its_section_agrees_it_is_never_believed);
     RUN_TEST(one_of_the_other_section_or_that_moves_nothing_does_not_contradict);
