@@ -185,8 +185,9 @@ static inline bool raised(unsigned event)
     return ((unsigned)io.raised >> event & 1u) != 0;
 }
 
-/* Steps until it has locked on, and until its gate and its monitor have begun. */
+/* Steps until it has locked on, until its gate has begun, and until its monitor has. */
 #define LOCKED  108u
+#define GATED   (LOCKED + 36u)
 #define WATCHES (LOCKED + 179u)
 
 #endif

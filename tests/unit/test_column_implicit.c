@@ -132,6 +132,16 @@ static void the_largest_pivot_of_a_stage_is_taken(void)
     }
 }
 
+static void a_flow_that_is_not_there_carries_nothing(void)
+{
+    struct column_inputs inputs = column.inputs;
+    inputs.reflux_flow = REAL_C(0.0);
+    TEST_ASSERT_EQUAL(ERR_OK, column_set_inputs(&column, &inputs, &fault));
+    rates_of_line();
+    TEST_ASSERT_TRUE(column.liquid[TOP] == REAL_C(0.0));
+    agrees_with_the_full_matrix(60, NULL, 0);
+}
+
 static void a_feed_that_flashes_has_the_efficiency_that_is_left(void)
 {
     struct column_inputs inputs = column.inputs;
@@ -329,7 +339,7 @@ static void moves_to(size_t s, real_t first, real_t second, real_t want_first, r
 {
     real_t at[N_MOST], change[N_MOST] = {REAL_C(0.0)};
     for (size_t i = 0; i < states(); i++)
-        at[i] = REAL_C(0.25);
+        at[i] = i / 2 == s ? REAL_C(0.25) : REAL_C(0.125);
     change[2 * s] = first - REAL_C(0.25);
     change[2 * s + 1] = second - REAL_C(0.25);
     TEST_ASSERT_EQUAL(clipped, column_move(&column, at, change));
@@ -339,7 +349,7 @@ static void moves_to(size_t s, real_t first, real_t second, real_t want_first, r
     TEST_ASSERT_DOUBLE_WITHIN(1e-6, (double)want_second - 0.25, (double)change[2 * s + 1]);
     for (size_t i = 0; i < states(); i++)
         if (i / 2 != s)
-            TEST_ASSERT_TRUE(at[i] == REAL_C(0.25));
+            TEST_ASSERT_TRUE(at[i] == REAL_C(0.125));
 }
 
 static void fractions_stay_within_what_the_others_leave(void)
@@ -365,6 +375,7 @@ int main(void)
     RUN_TEST(a_pull_may_come_in_any_order_and_at_every_stage);
     RUN_TEST(a_pull_moves_the_fraction_that_is_named);
     RUN_TEST(the_largest_pivot_of_a_stage_is_taken);
+    RUN_TEST(a_flow_that_is_not_there_carries_nothing);
     RUN_TEST(a_feed_that_flashes_has_the_efficiency_that_is_left);
     RUN_TEST(truncated_stages_have_a_row_of_their_own_that_is_algebraic);
     RUN_TEST(on_a_truncated_stage_fractions_move_along_the_bubble_point_that_is_given);

@@ -233,6 +233,7 @@ static void a_state_that_is_no_number_is_an_error_wherever_it_is(void)
         x[i] = (real_t)(i % 2 ? NAN : -INFINITY);
         TEST_ASSERT_EQUAL(ERR_NOT_FINITE, column_truncated_rates(&column, truncated,
                                                                  COLUMN_BETWEEN_LINE, x, rates));
+        TEST_ASSERT_FALSE(column.warm);
         x[i] = kept;
     }
 }
@@ -246,6 +247,7 @@ static void where_there_is_no_bubble_point_it_is_an_error_and_the_next_is_good_a
     TEST_ASSERT_EQUAL(ERR_OK, column_set_inputs(&column, &high, &fault));
     TEST_ASSERT_EQUAL(ERR_RANGE,
                       column_truncated_rates(&column, truncated, COLUMN_BETWEEN_LINE, x, rates));
+    TEST_ASSERT_FALSE(column.warm);
     TEST_ASSERT_EQUAL(ERR_OK, column_set_inputs(&column, &inputs, &fault));
     evaluate(COLUMN_BETWEEN_LINE);
     temperature_is((double)kept, 4);

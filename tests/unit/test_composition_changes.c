@@ -30,7 +30,7 @@ static void begin_with_a_past(void)
 static void a_reading_that_jumps_is_not_believed(void)
 {
     begin();
-    steps(2 * LOCKED + 10);
+    steps(GATED + 10);
     float before = block.c.x[9], sum = block.c.sensor[1].sum;
     put(T_HIGH, truth(10) + 15);
     steps(30);
@@ -46,7 +46,7 @@ static void a_reading_that_jumps_is_not_believed(void)
 static void what_goes_on_being_far_away_is_believed_after_a_time(void)
 {
     begin();
-    steps(2 * LOCKED + 10);
+    steps(GATED + 10);
     put(T_HIGH, truth(10) - 15);
     for (unsigned n = 0; n < 30; n++) { /* 300 s */
         step();
@@ -60,7 +60,7 @@ static void what_goes_on_being_far_away_is_believed_after_a_time(void)
 static void a_jump_that_comes_back_counts_anew(void)
 {
     begin();
-    steps(2 * LOCKED + 10);
+    steps(GATED + 10);
     for (unsigned n = 0; n < 60; n++) {
         put(T_HIGH, truth(10) - (n == 20 || n == 45 ? 1.0f : 15.0f));
         step();
@@ -71,7 +71,7 @@ static void a_jump_that_comes_back_counts_anew(void)
 static void readings_on_the_gate_s_near_side_are_taken(void)
 {
     begin();
-    steps(2 * LOCKED + 10);
+    steps(GATED + 10);
     put(T_HIGH, (float)block.c.column.temperature[9] + 9.9f);
     step();
     TEST_ASSERT_TRUE(block.c.sensor[1].there);
@@ -87,7 +87,7 @@ static void before_it_had_time_to_find_its_plant_all_readings_are_taken(void)
     step();
     TEST_ASSERT_TRUE(block.c.sensor[1].there);
     measure();
-    steps(LOCKED + LOCKED / 3 - 3); /* that of the monitor's means begins when it is locked on */
+    steps(GATED - 2);
     put(T_HIGH, truth(10) + 15);
     step();
     TEST_ASSERT_TRUE(block.c.sensor[1].there);
@@ -132,10 +132,61 @@ static void without_a_gate_everything_is_believed(void)
 {
     settings.gate = 0;
     begin();
-    steps(2 * LOCKED + 10);
+    steps(GATED + 10);
     put(T_HIGH, truth(10) + 30);
     step();
     TEST_ASSERT_TRUE(block.c.sensor[1].there);
+}
+
+/* A second temperature of its section. */
+static void begin_with_another(unsigned stage, unsigned component)
+{
+    temperature_at(FURTHER, stage, component);
+    setup.inputs++;
+    begin();
+    steps(GATED + 10);
+}
+
+static bool is_believed_after(unsigned n)
+{
+    put(T_HIGH, truth(10) - 15);
+    steps(n);
+    return block.c.sensor[1].there;
+}
+
+static void while_another_of_its_section_agrees_it_is_never_believed(void)
+{
+    begin_with_another(8, 1);
+    TEST_ASSERT_FALSE(is_believed_after(500));
+    quality[FURTHER] = QUALITY_BAD;
+    step();
+    TEST_ASSERT_TRUE(block.c.sensor[1].there);
+}
+
+static void one_of_the_other_section_or_that_moves_nothing_does_not_contradict(void)
+{
+    begin_with_another(5, 1);
+    TEST_ASSERT_TRUE(is_believed_after(31));
+    setUp();
+    begin_with_another(8, 0);
+    TEST_ASSERT_TRUE(is_believed_after(31));
+    setUp();
+    temperature_at(T_LOW, 1, 1);
+    temperature_at(T_HIGH, 5, 1); /* both below, from the feed stage down */
+    begin();
+    steps(GATED + 10);
+    put(T_HIGH, truth(5) - 15);
+    steps(31);
+    TEST_ASSERT_FALSE(block.c.sensor[1].there);
+}
+
+static void where_all_of_a_section_are_far_away_they_are_believed_after_the_time(void)
+{
+    begin_with_another(8, 1);
+    put(FURTHER, truth(8) - 15);
+    TEST_ASSERT_FALSE(is_believed_after(30));
+    TEST_ASSERT_TRUE(is_believed_after(1));
+    TEST_ASSERT_TRUE(block.c.sensor[3].there);
 }
 
 /* ---- missing ---- */
@@ -385,6 +436,9 @@ int main(void)
     RUN_TEST(a_reading_that_another_of_its_section_contradicts_waits_for_as_long);
     RUN_TEST(at_a_limit_of_its_mole_fraction_the_integral_gathers_no_more);
     RUN_TEST(without_a_gate_everything_is_believed);
+    RUN_TEST(while_another_of_its_section_agrees_it_is_never_believed);
+    RUN_TEST(one_of_the_other_section_or_that_moves_nothing_does_not_contradict);
+    RUN_TEST(where_all_of_a_section_are_far_away_they_are_believed_after_the_time);
     RUN_TEST(what_a_missing_temperature_had_learned_fades);
     RUN_TEST(what_is_forgotten_within_a_step_is_forgotten_whole);
     RUN_TEST(only_a_good_temperature_draws);

@@ -360,6 +360,7 @@ static void the_oddest_of_a_section_is_the_farthest_from_the_others(void)
     TEST_ASSERT_EQUAL(3, odd_of((float[]){0, 20, 1}, (unsigned[]){6, 7, 8}, 3));
     TEST_ASSERT_EQUAL(5, odd_of((float[]){1, 0, -20}, (unsigned[]){2, 5, 1}, 3));
     TEST_ASSERT_EQUAL(1, odd_of((float[]){30, 20, 19}, (unsigned[]){12, 8, 9}, 3));
+    TEST_ASSERT_EQUAL(1, odd_of((float[]){10, 25, 26}, (unsigned[]){12, 8, 9}, 3));
     TEST_ASSERT_EQUAL(0, odd_of((float[]){0, 9.9f, 0}, (unsigned[]){6, 7, 8}, 3));
 }
 
