@@ -117,6 +117,11 @@ static real_t at_least_zero(real_t x)
     return x > ZERO ? x : ZERO;
 }
 
+static real_t kept_between(real_t x, real_t lo, real_t hi)
+{
+    return x < lo ? lo : x > hi ? hi : x;
+}
+
 static void take_flow(struct composition *c, unsigned is, real_t value)
 {
     struct column_inputs *in = &c->inputs;
@@ -126,12 +131,11 @@ static void take_flow(struct composition *c, unsigned is, real_t value)
         in->feed_flow = at_least_zero(value);
         break;
     case IS_FEED_TEMPERATURE:
-        in->feed_temperature = value < config->temperature_min   ? config->temperature_min
-                               : value > config->temperature_max ? config->temperature_max
-                                                                 : value;
+        in->feed_temperature =
+            kept_between(value, config->temperature_min, config->temperature_max);
         break;
     case IS_FEED_QUALITY:
-        in->feed_quality = value;
+        in->feed_quality = kept_between(value, ZERO, REAL_C(2.0));
         break;
     case IS_REFLUX:
         in->reflux_flow = at_least_zero(value);
@@ -143,7 +147,9 @@ static void take_flow(struct composition *c, unsigned is, real_t value)
         in->boilup = at_least_zero(value);
         break;
     default:
-        in->pressure_top = value;
+        /* half and twice the table's: beyond that its bubble points say nothing */
+        in->pressure_top = kept_between(value, c->table.nominal.pressure_top / REAL_C(2.0),
+                                        c->table.nominal.pressure_top * REAL_C(2.0));
         break;
     }
 }
@@ -309,8 +315,9 @@ static void composition_follow(void *state, struct block_io *io)
     (void)io;
     b->steps = b->without = 0;
     b->begun = false;
-    composition_begin(&b->c);
     begin_analyses(b);
+    if (!b->settle) /* else work is on the column */
+        composition_begin(&b->c);
 }
 
 static void composition_block_step(void *state, struct block_io *io)

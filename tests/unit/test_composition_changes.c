@@ -425,6 +425,33 @@ static void where_the_model_has_no_solution_it_does_not_settle(void)
     TEST_ASSERT_EQUAL_FLOAT(block.c.table.profile[0], block.c.x[0]);
 }
 
+static void what_the_model_cannot_bear_is_kept_at_its_limits(void)
+{
+    settings.is[FURTHER] = IS_PRESSURE;
+    setup.inputs++;
+    setup.input[FURTHER] = (struct block_signal){0, 1e6f, false};
+    put(FURTHER, 101325);
+    begin();
+    put(FURTHER, 1);
+    step();
+    TEST_ASSERT_FLOAT_WITHIN(1, 101325.0f / 2, (float)block.c.inputs.pressure_top);
+    put(FURTHER, 1e6f);
+    step();
+    TEST_ASSERT_FLOAT_WITHIN(1, 101325.0f * 2, (float)block.c.inputs.pressure_top);
+    TEST_ASSERT_EQUAL(0, block.c.bounced);
+}
+
+static void a_plant_that_goes_away_while_it_settles_leaves_the_state_to_the_work(void)
+{
+    begin();
+    steps(20);
+    TEST_ASSERT_NULL(kind->verb[0].run(&block, NULL));
+    block.c.x[0] = 0.125f;
+    kind->follow(&block, &io);
+    TEST_ASSERT_EQUAL_FLOAT(0.125f, block.c.x[0]);
+    TEST_ASSERT_FALSE(block.begun);
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -453,5 +480,7 @@ int main(void)
     RUN_TEST(it_settles_to_the_steady_state_of_its_model_at_the_inputs_that_there_are);
     RUN_TEST(while_it_settles_it_does_not_begin);
     RUN_TEST(where_the_model_has_no_solution_it_does_not_settle);
+    RUN_TEST(what_the_model_cannot_bear_is_kept_at_its_limits);
+    RUN_TEST(a_plant_that_goes_away_while_it_settles_leaves_the_state_to_the_work);
     return UNITY_END();
 }
