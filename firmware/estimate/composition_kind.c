@@ -10,7 +10,8 @@
 #define ZERO REAL_C(0.0)
 
 /* It counts as settled after so many times 1/lambda. */
-#define SETTLED REAL_C(3.0)
+#define SETTLED    REAL_C(3.0)
+#define STEPS_MOST (1u << 31)
 /* To its own steady state: steps of an hour until none of them moves a mole fraction by more. */
 #define SETTLE_S     REAL_C(3600.0)
 #define SETTLE_MOST  300u
@@ -137,7 +138,8 @@ static void take_inputs(struct composition_block *b, const struct block_io *io, 
 
 /* ---- what comes out ---- */
 
-static bool is_locked_on(const struct composition_block *b)
+/* How many steps it takes until it counts as settled. */
+static real_t steps_to_settle(const struct composition_block *b)
 {
     real_t slowest = ZERO;
     for (uint8_t k = 0; k < b->c.sensors; k++) {
@@ -145,7 +147,39 @@ static bool is_locked_on(const struct composition_block *b)
         if (s->moves && s->time > slowest)
             slowest = s->time;
     }
-    return (real_t)b->steps * b->c.h >= SETTLED * slowest;
+    return SETTLED * slowest / b->c.h;
+}
+
+static bool is_locked_on(const struct composition_block *b)
+{
+    return (real_t)b->steps >= steps_to_settle(b);
+}
+
+/* Whether a section that has temperatures is without all of them. */
+static bool is_blind(const struct composition *c)
+{
+    bool has[2] = {false, false}, sees[2] = {false, false};
+    for (uint8_t k = 0; k < c->sensors; k++) {
+        const struct composition_sensor *s = &c->sensor[k];
+        unsigned above = s->stage + 1u > c->table.config.feed_stage;
+        has[above] = has[above] || s->moves;
+        sees[above] = sees[above] || (s->moves && s->there);
+    }
+    return (has[0] && !sees[0]) || (has[1] && !sees[1]);
+}
+
+/* What was not seen for a while is found again as slowly as it was lost, at most as slowly as in the beginning. */
+static void count_step(struct composition_block *b, bool failed)
+{
+    if (failed) {
+        b->steps = 0;
+    } else if (!is_blind(&b->c)) {
+        b->steps += b->steps < STEPS_MOST ? 1u : 0;
+    } else {
+        if (is_locked_on(b))
+            b->steps = (uint32_t)steps_to_settle(b);
+        b->steps -= b->steps ? 1u : 0;
+    }
 }
 
 /* The number of the first sensor of which this can be said, or 0. */
@@ -174,6 +208,17 @@ static unsigned surprising_sensor(const struct composition_block *b)
     return 0;
 }
 
+/* One that is drawn to although it is far away: it was believed in the end, or at once in the beginning. */
+static bool is_far_off(const struct composition *c)
+{
+    for (uint8_t k = 0; k < c->sensors; k++) {
+        const struct composition_sensor *s = &c->sensor[k];
+        if (c->gate > ZERO && s->moves && s->there && real_abs(s->e) > c->gate)
+            return true;
+    }
+    return false;
+}
+
 static void raise_event(struct block_io *io, unsigned event, unsigned value)
 {
     if (!value)
@@ -191,7 +236,7 @@ static enum quality judge_estimates(struct composition_block *b, struct block_io
         drawn += b->c.sensor[k].moves && b->c.sensor[k].there ? 1u : 0u;
     b->without = drawn ? 0 : b->without < UINT32_MAX ? b->without + 1u : b->without;
     bool alone = !drawn && (real_t)b->without * b->c.h > b->s.alone_s;
-    if (settled && !err)
+    if ((settled || b->c.watched) && !err)
         composition_watch(&b->c);
     bool watched = (real_t)b->c.watched * b->c.h >= b->s.watch_s;
     unsigned pulling = watched ? pulling_sensor(b) : 0;
@@ -209,7 +254,8 @@ static enum quality judge_estimates(struct composition_block *b, struct block_io
     bool doubted = pulling || surprising || odd;
     if (err || alone || (doubted && b->s.doubt == DOUBT_BAD))
         return QUALITY_BAD;
-    return lost || b->missing || !settled || doubted ? QUALITY_UNCERTAIN : QUALITY_GOOD;
+    return lost || b->missing || !settled || doubted || is_far_off(&b->c) ? QUALITY_UNCERTAIN
+                                                                          : QUALITY_GOOD;
 }
 
 /* Of component j (from 0) on a stage, in moles or by mass. */
@@ -265,10 +311,7 @@ static void composition_block_step(void *state, struct block_io *io)
         return;
     }
     enum err err = composition_step(&b->c, t);
-    if (err)
-        b->steps = 0;
-    else if (b->steps < UINT32_MAX)
-        b->steps++;
+    count_step(b, err != ERR_OK);
     give_estimates(b, io, judge_estimates(b, io, err));
 }
 
@@ -294,6 +337,7 @@ static const char *run_settle(void *state, const float *number)
     b->settle = true;
     b->settling = 0;
     b->steps = 0;
+    b->c.watched = 0; /* temperatures may be far from there */
     return NULL;
 }
 
@@ -320,8 +364,9 @@ static const struct block_verb composition_verbs[] = {
 };
 
 static const struct block_event composition_events[COMPOSITION_EVENTS] = {
-    [EVENT_LOST] = {"lost", BLOCK_INFO,
-                    "a temperature is missing, the estimate goes on without; its input"},
+    [EVENT_LOST] =
+        {"lost", BLOCK_INFO,
+         "a temperature is missing or too far off, the estimate goes on without; its input"},
     [EVENT_ALONE] = {"alone", BLOCK_ALARM, "no temperature moves the model any more, -"},
     [EVENT_PULL] = {"pull", BLOCK_ALARM, "a temperature draws the model too hard; its input"},
     [EVENT_NIS] = {"nis", BLOCK_ALARM,
