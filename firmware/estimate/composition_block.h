@@ -17,6 +17,7 @@ enum {
     EVENT_APART,
     EVENT_NO_STATE,
     EVENT_NO_INPUT,
+    EVENT_NO_BOIL,
     COMPOSITION_EVENTS
 };
 
@@ -29,7 +30,7 @@ struct composition_block {
     uint32_t checksum;                  /* of it */
     uint8_t inputs, points;
     uint8_t missing;   /* number of the first input but temperatures that is, or 0 */
-    uint32_t without;  /* steps in a row without any temperature that moves; saturates */
+    uint32_t without;  /* steps in a row without any temperature that moves, or vapour; saturates */
     uint32_t steps;    /* towards being settled; back in steps that see nothing */
     bool begun;        /* it has had a tick */
     bool settle;       /* asked for */

@@ -12,6 +12,9 @@
 /* It counts as settled after so many times 1/lambda. */
 #define SETTLED    REAL_C(3.0)
 #define STEPS_MOST (1u << 31)
+/* Vapour to the condenser that counts as none, part of its holdup in an hour. */
+#define LITTLE REAL_C(1e-3)
+#define HOUR   REAL_C(3600.0)
 /* To its own steady state: steps of an hour until none of them moves a mole fraction by more. */
 #define SETTLE_S     REAL_C(3600.0)
 #define SETTLE_MOST  300u
@@ -155,7 +158,14 @@ static bool is_locked_on(const struct composition_block *b)
     return (real_t)b->steps >= steps_to_settle(b);
 }
 
-/* Whether a section that has temperatures is without all of them. */
+/* So little vapour reaches the condenser that what temperatures say does not either: the column is off, or a unit is wrong. */
+static bool is_without_vapour(const struct composition *c)
+{
+    size_t top = c->table.config.stages - 1u;
+    return c->column.vapour_flow[top - 1] * HOUR < LITTLE * c->column.holdup[top];
+}
+
+/* Whether a section that has temperatures is without all of them, or nothing connects them. */
 static bool is_blind(const struct composition *c)
 {
     bool has[2] = {false, false}, sees[2] = {false, false};
@@ -165,7 +175,7 @@ static bool is_blind(const struct composition *c)
         has[above] = has[above] || s->moves;
         sees[above] = sees[above] || (s->moves && s->there);
     }
-    return (has[0] && !sees[0]) || (has[1] && !sees[1]);
+    return (has[0] && !sees[0]) || (has[1] && !sees[1]) || is_without_vapour(c);
 }
 
 /* What was not seen for a while is found again as slowly as it was lost, at most as slowly as in the beginning. */
@@ -234,8 +244,9 @@ static enum quality judge_estimates(struct composition_block *b, struct block_io
     bool settled = is_locked_on(b);
     for (uint8_t k = 0; k < b->c.sensors; k++)
         drawn += b->c.sensor[k].moves && b->c.sensor[k].there ? 1u : 0u;
-    b->without = drawn ? 0 : b->without < UINT32_MAX ? b->without + 1u : b->without;
-    bool alone = !drawn && (real_t)b->without * b->c.h > b->s.alone_s;
+    bool dry = is_without_vapour(&b->c);
+    b->without = drawn && !dry ? 0 : b->without < UINT32_MAX ? b->without + 1u : b->without;
+    bool alone = b->without && (real_t)b->without * b->c.h > b->s.alone_s;
     if ((settled || b->c.watched) && !err)
         composition_watch(&b->c);
     bool watched = (real_t)b->c.watched * b->c.h >= b->s.watch_s;
@@ -245,17 +256,18 @@ static enum quality judge_estimates(struct composition_block *b, struct block_io
 
     io->raised = 0;
     raise_event(io, EVENT_LOST, lost);
-    raise_event(io, EVENT_ALONE, alone ? 1 : 0);
+    raise_event(io, EVENT_ALONE, alone && !drawn ? 1 : 0);
     raise_event(io, EVENT_PULL, pulling);
     raise_event(io, EVENT_NIS, surprising);
     raise_event(io, EVENT_APART, odd);
     raise_event(io, EVENT_NO_STATE, err ? 1 : 0);
     raise_event(io, EVENT_NO_INPUT, b->missing);
+    raise_event(io, EVENT_NO_BOIL, dry ? 1 : 0);
     bool doubted = pulling || surprising || odd;
     if (err || alone || (doubted && b->s.doubt == DOUBT_BAD))
         return QUALITY_BAD;
-    return lost || b->missing || !settled || doubted || is_far_off(&b->c) ? QUALITY_UNCERTAIN
-                                                                          : QUALITY_GOOD;
+    return lost || b->missing || !settled || doubted || dry || is_far_off(&b->c) ? QUALITY_UNCERTAIN
+                                                                                 : QUALITY_GOOD;
 }
 
 /* Of component j (from 0) on a stage, in moles or by mass. */
@@ -376,6 +388,8 @@ static const struct block_event composition_events[COMPOSITION_EVENTS] = {
     [EVENT_NO_STATE] = {"no_state", BLOCK_ALARM, "the model has no solution and begins anew, -"},
     [EVENT_NO_INPUT] = {"no_input", BLOCK_ALARM,
                         "a flow is missing, its last value holds; which input"},
+    [EVENT_NO_BOIL] = {"no_boil", BLOCK_INFO,
+                       "no vapour reaches the model's condenser: heat and feed, or their units, -"},
 };
 
 const struct block_kind composition_kind = {

@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""What a user may do to the estimator of docs/composition-estimation.md, and what it must say then: a thermometer broken from the
+"""What a user may do to the estimator of docs/composition-estimation.md, and what it must say then: units forgotten, a thermometer broken from the
 start, all thermometers gone for an hour. An estimate that nobody can rely on is not called good."""
 
 import sys
@@ -70,6 +70,26 @@ class Attack(unittest.TestCase):
         log, said = play(3, (Event(0, "T30.stuck", 395),))
         self.assertIn("nis", said)
         self.assertEqual(self.good_and_off(log, 0, 0.02), [])
+
+    def test_units_forgotten_are_told(self) -> None:
+        """The model has no heat to speak of, its condenser stands still, and temperatures agree with it."""
+        for without in ("block3.si.", "block3.si.7"):
+            log, said = play(1, without=without)
+            self.assertIn("no_boil", said)
+            self.assertNotIn(GOOD, {q for _, q, _ in rows(log, 0, HOUR)})
+            self.assertEqual({q for _, q, _ in rows(log, 800, HOUR)}, {BAD})
+
+    def test_a_feed_meter_in_another_unit_is_told(self) -> None:
+        log, said = play(1, (), ("set block3.si.4 0.277777778,0",), "block3.si.4")
+        self.assertIn("no_boil", said)
+        self.assertNotIn(GOOD, {q for _, q, _ in rows(log, 0, HOUR)})
+
+    def test_a_column_that_is_heated_again_is_good_after_a_while(self) -> None:
+        log, said = play(4, (), ("set mv2.min 0",), "", Line(HOUR, "out Q 0"), Line(1.5 * HOUR, "out Q 4143.046"))
+        self.assertEqual(said, {"no_boil"})
+        self.assertEqual({q for _, q, _ in rows(log, 1.4 * HOUR, 1.5 * HOUR - 10)}, {BAD})
+        self.assertEqual({q for _, q, _ in rows(log, 1.5 * HOUR + 60, 1.5 * HOUR + 900)}, {UNCERTAIN})
+        self.assertEqual({q for _, q, _ in rows(log, 2.5 * HOUR, 4 * HOUR)}, {GOOD})
 
 
 if __name__ == "__main__":
