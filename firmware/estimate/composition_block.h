@@ -18,7 +18,7 @@ enum {
     EVENT_APART,
     EVENT_NO_STATE,
     EVENT_NO_INPUT,
-    EVENT_ANALYSIS,
+    EVENT_NO_BOIL,
     COMPOSITION_EVENTS
 };
 
@@ -33,8 +33,8 @@ struct composition_block {
     uint8_t analyses;
     uint8_t inputs, points;
     uint8_t missing;   /* number of the first input but temperatures that is, or 0 */
-    uint32_t without;  /* steps in a row without any temperature that moves; saturates */
-    uint32_t steps;    /* since it began; saturates */
+    uint32_t without;  /* steps in a row without any temperature that moves, or vapour; saturates */
+    uint32_t steps;    /* towards being settled; back in steps that see nothing */
     bool begun;        /* it has had a tick */
     bool settle;       /* asked for */
     uint16_t settling; /* steps of it */

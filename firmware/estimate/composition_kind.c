@@ -10,7 +10,11 @@
 #define ZERO REAL_C(0.0)
 
 /* It counts as settled after so many times 1/lambda. */
-#define SETTLED REAL_C(3.0)
+#define SETTLED    REAL_C(3.0)
+#define STEPS_MOST (1u << 31)
+/* Vapour to the condenser that counts as none, part of its holdup in an hour. */
+#define LITTLE REAL_C(1e-3)
+#define HOUR   REAL_C(3600.0)
 /* To its own steady state: steps of an hour until none of them moves a mole fraction by more. */
 #define SETTLE_S     REAL_C(3600.0)
 #define SETTLE_MOST  300u
@@ -201,7 +205,8 @@ static real_t correction_at(const struct composition_block *b, size_t stage, siz
 
 /* ---- what comes out ---- */
 
-static bool is_locked_on(const struct composition_block *b)
+/* How many steps it takes until it counts as settled. */
+static real_t steps_to_settle(const struct composition_block *b)
 {
     real_t slowest = ZERO;
     for (uint8_t k = 0; k < b->c.sensors; k++) {
@@ -209,7 +214,46 @@ static bool is_locked_on(const struct composition_block *b)
         if (s->moves && s->time > slowest)
             slowest = s->time;
     }
-    return (real_t)b->steps * b->c.h >= SETTLED * slowest;
+    return SETTLED * slowest / b->c.h;
+}
+
+static bool is_locked_on(const struct composition_block *b)
+{
+    return (real_t)b->steps >= steps_to_settle(b);
+}
+
+/* So little vapour reaches the condenser that what temperatures say does not either: the column is off, or a unit is wrong. */
+static bool is_without_vapour(const struct composition *c)
+{
+    size_t top = c->table.config.stages - 1u;
+    return c->column.vapour_flow[top - 1] * HOUR < LITTLE * c->column.holdup[top];
+}
+
+/* Whether a section that has temperatures is without all of them, or nothing connects them. */
+static bool is_blind(const struct composition *c)
+{
+    bool has[2] = {false, false}, sees[2] = {false, false};
+    for (uint8_t k = 0; k < c->sensors; k++) {
+        const struct composition_sensor *s = &c->sensor[k];
+        unsigned above = s->stage + 1u > c->table.config.feed_stage;
+        has[above] = has[above] || s->moves;
+        sees[above] = sees[above] || (s->moves && s->there);
+    }
+    return (has[0] && !sees[0]) || (has[1] && !sees[1]) || is_without_vapour(c);
+}
+
+/* What was not seen for a while is found again as slowly as it was lost, at most as slowly as in the beginning. */
+static void count_step(struct composition_block *b, bool failed)
+{
+    if (failed) {
+        b->steps = 0;
+    } else if (!is_blind(&b->c)) {
+        b->steps += b->steps < STEPS_MOST ? 1u : 0;
+    } else {
+        if (is_locked_on(b))
+            b->steps = (uint32_t)steps_to_settle(b);
+        b->steps -= b->steps ? 1u : 0;
+    }
 }
 
 /* The number of the first sensor of which this can be said, or 0. */
@@ -238,6 +282,17 @@ static unsigned surprising_sensor(const struct composition_block *b)
     return 0;
 }
 
+/* One that is drawn to although it is far away: it was believed in the end, or at once in the beginning. */
+static bool is_far_off(const struct composition *c)
+{
+    for (uint8_t k = 0; k < c->sensors; k++) {
+        const struct composition_sensor *s = &c->sensor[k];
+        if (c->gate > ZERO && s->moves && s->there && real_abs(s->e) > c->gate)
+            return true;
+    }
+    return false;
+}
+
 static void raise_event(struct block_io *io, unsigned event, unsigned value)
 {
     if (!value)
@@ -253,9 +308,10 @@ static enum quality judge_estimates(struct composition_block *b, struct block_io
     bool settled = is_locked_on(b);
     for (uint8_t k = 0; k < b->c.sensors; k++)
         drawn += b->c.sensor[k].moves && b->c.sensor[k].there ? 1u : 0u;
-    b->without = drawn ? 0 : b->without < UINT32_MAX ? b->without + 1u : b->without;
-    bool alone = !drawn && (real_t)b->without * b->c.h > b->s.alone_s;
-    if (settled && !err)
+    bool dry = is_without_vapour(&b->c);
+    b->without = drawn && !dry ? 0 : b->without < UINT32_MAX ? b->without + 1u : b->without;
+    bool alone = b->without && (real_t)b->without * b->c.h > b->s.alone_s;
+    if ((settled || b->c.watched) && !err)
         composition_watch(&b->c);
     bool watched = (real_t)b->c.watched * b->c.h >= b->s.watch_s;
     unsigned pulling = watched ? pulling_sensor(b) : 0;
@@ -264,16 +320,18 @@ static enum quality judge_estimates(struct composition_block *b, struct block_io
 
     io->raised = 0;
     raise_event(io, EVENT_LOST, lost);
-    raise_event(io, EVENT_ALONE, alone ? 1 : 0);
+    raise_event(io, EVENT_ALONE, alone && !drawn ? 1 : 0);
     raise_event(io, EVENT_PULL, pulling);
     raise_event(io, EVENT_NIS, surprising);
     raise_event(io, EVENT_APART, odd);
     raise_event(io, EVENT_NO_STATE, err ? 1 : 0);
     raise_event(io, EVENT_NO_INPUT, b->missing);
+    raise_event(io, EVENT_NO_BOIL, dry ? 1 : 0);
     bool doubted = pulling || surprising || odd;
     if (err || alone || (doubted && b->s.doubt == DOUBT_BAD))
         return QUALITY_BAD;
-    return lost || b->missing || !settled || doubted ? QUALITY_UNCERTAIN : QUALITY_GOOD;
+    return lost || b->missing || !settled || doubted || is_far_off(&b->c) ? QUALITY_UNCERTAIN
+                                                                          : QUALITY_GOOD;
 }
 
 /* Of component j (from 0) on a stage, in moles or by mass. */
@@ -338,13 +396,11 @@ static void composition_block_step(void *state, struct block_io *io)
         return;
     }
     enum err err = composition_step(&b->c, t);
-    if (err)
-        b->steps = 0;
-    else if (b->steps < UINT32_MAX)
-        b->steps++;
+    count_step(b, err != ERR_OK);
     enum quality quality = judge_estimates(b, io, err);
     unsigned odd = is_locked_on(b) ? step_analyses(b, io) : 0;
-    raise_event(io, EVENT_ANALYSIS, odd);
+    if (!b->missing)
+        raise_event(io, EVENT_NO_INPUT, odd);
     give_estimates(b, io, odd && quality == QUALITY_GOOD ? QUALITY_UNCERTAIN : quality);
 }
 
@@ -370,6 +426,7 @@ static const char *run_settle(void *state, const float *number)
     b->settle = true;
     b->settling = 0;
     b->steps = 0;
+    b->c.watched = 0; /* temperatures may be far from there */
     return NULL;
 }
 
@@ -396,8 +453,9 @@ static const struct block_verb composition_verbs[] = {
 };
 
 static const struct block_event composition_events[COMPOSITION_EVENTS] = {
-    [EVENT_LOST] = {"lost", BLOCK_INFO,
-                    "a temperature is missing, the estimate goes on without; its input"},
+    [EVENT_LOST] =
+        {"lost", BLOCK_INFO,
+         "a temperature is missing or too far off, the estimate goes on without; its input"},
     [EVENT_ALONE] = {"alone", BLOCK_ALARM, "no temperature moves the model any more, -"},
     [EVENT_PULL] = {"pull", BLOCK_ALARM, "a temperature draws the model too hard; its input"},
     [EVENT_NIS] = {"nis", BLOCK_ALARM,
@@ -406,9 +464,10 @@ static const struct block_event composition_events[COMPOSITION_EVENTS] = {
                      "temperatures of a section contradict each other; input of the oddest"},
     [EVENT_NO_STATE] = {"no_state", BLOCK_ALARM, "the model has no solution and begins anew, -"},
     [EVENT_NO_INPUT] = {"no_input", BLOCK_ALARM,
-                        "a flow is missing, its last value holds; which input"},
-    [EVENT_ANALYSIS] = {"analysis", BLOCK_INFO,
-                        "an analysis is missed, too old or too far off; its input"},
+                        "a flow is missing, its last value holds, or an analysis is late or not "
+                        "believed; which input"},
+    [EVENT_NO_BOIL] = {"no_boil", BLOCK_INFO,
+                       "no vapour reaches the model's condenser: heat and feed, or their units, -"},
 };
 
 const struct block_kind composition_kind = {

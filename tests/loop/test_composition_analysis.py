@@ -70,13 +70,13 @@ class Analyses(unittest.TestCase):
     def test_an_analyser_that_reads_a_tenth_too_much_is_not_believed_and_told(self) -> None:
         log, told = play(Event(5 * HOUR, "iC4_D.bias", 0.1))
         self.assertLess(max(abs(e) for e in errors(log, 5, 10)), 0.003)
-        self.assertTrue(said(told, "analysis", 5, 7))
+        self.assertTrue(said(told, "no_input", 5, 7))
         self.assertEqual(log.text("fw.est_iC4.q")[-1], UNCERTAIN)
 
     def test_one_that_falls_silent_leaves_what_it_said_and_is_told(self) -> None:
         log, told = play(Event(5 * HOUR, "iC4_D.quality", 3))
         self.assertLess(max(abs(e) for e in errors(log, 5, 10)), 0.003)
-        self.assertTrue(said(told, "analysis", 5, 7))
+        self.assertTrue(said(told, "no_input", 5, 7))
         self.assertEqual(log.text("fw.est_iC4.q")[-1], UNCERTAIN)
 
     def test_its_noise_comes_through_by_its_share_alone(self) -> None:

@@ -68,9 +68,53 @@ static void a_temperature_that_is_missing_is_lost(void)
     step();
     says(EVENT_LOST, T_LOW + 1);
     quality[T_LOW] = quality[T_HIGH] = QUALITY_GOOD;
-    step();
+    step(); /* two steps without one of the sections cost two */
     says_nothing();
+    is_called(QUALITY_UNCERTAIN);
+    step();
     is_called(QUALITY_GOOD);
+}
+
+static void a_section_that_was_not_seen_for_a_while_is_uncertain_for_as_long_again(void)
+{
+    begin();
+    steps(2 * LOCKED);
+    quality[T_LOW] = QUALITY_MISSING;
+    steps(20);
+    quality[T_LOW] = QUALITY_GOOD;
+    for (unsigned n = 1; n <= 20; n++) {
+        step();
+        is_called(n < 20 ? QUALITY_UNCERTAIN : QUALITY_GOOD);
+    }
+}
+
+static void what_was_far_off_and_is_believed_leaves_nothing_good(void)
+{
+    settings.nis = 0;
+    settings.tune[T_HIGH][TUNE_LAMBDA] = 1; /* it finds it slowly */
+    begin();
+    steps(12 * LOCKED);
+    is_called(QUALITY_GOOD);
+    put(T_HIGH, truth(10) + 25);
+    steps(60);
+    TEST_ASSERT_TRUE(block.c.sensor[1].there);
+    TEST_ASSERT_TRUE(fabsf((float)block.c.sensor[1].e) > 10);
+    is_called(QUALITY_UNCERTAIN);
+}
+
+static void without_heat_nothing_reaches_the_product(void)
+{
+    begin();
+    steps(2 * LOCKED);
+    put(HEAT, 0);
+    for (unsigned n = 0; n < 60; n++) {
+        step();
+        TEST_ASSERT_TRUE(raised(EVENT_NO_BOIL));
+        is_called(QUALITY_UNCERTAIN);
+    }
+    step();
+    TEST_ASSERT_FALSE(raised(EVENT_ALONE));
+    is_called(QUALITY_BAD);
 }
 
 static void one_that_is_only_compared_is_not_missed(void)
@@ -393,6 +437,9 @@ int main(void)
     RUN_TEST(it_is_uncertain_until_it_has_locked_on);
     RUN_TEST(the_slowest_temperature_says_when_it_has_locked_on);
     RUN_TEST(a_temperature_that_is_missing_is_lost);
+    RUN_TEST(a_section_that_was_not_seen_for_a_while_is_uncertain_for_as_long_again);
+    RUN_TEST(what_was_far_off_and_is_believed_leaves_nothing_good);
+    RUN_TEST(without_heat_nothing_reaches_the_product);
     RUN_TEST(one_that_is_only_compared_is_not_missed);
     RUN_TEST(without_any_temperature_the_model_counts_for_a_while);
     RUN_TEST(a_flow_that_is_missing_is_told_with_its_input);

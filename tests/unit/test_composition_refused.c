@@ -84,11 +84,11 @@ static void it_is_an_estimator_that_names_a_column(void)
 static void its_events_and_verbs_have_the_names_of_the_page(void)
 {
     static const char *const codes[] = {"lost",  "alone",    "pull",     "nis",
-                                        "apart", "no_state", "no_input", "analysis"};
+                                        "apart", "no_state", "no_input", "no_boil"};
     TEST_ASSERT_EQUAL(COMPOSITION_EVENTS, kind->events);
     for (unsigned i = 0; i < kind->events; i++) {
         TEST_ASSERT_EQUAL_STRING(codes[i], kind->event[i].code);
-        TEST_ASSERT_EQUAL(i == EVENT_LOST || i == EVENT_ANALYSIS ? BLOCK_INFO : BLOCK_ALARM,
+        TEST_ASSERT_EQUAL(i == EVENT_LOST || i == EVENT_NO_BOIL ? BLOCK_INFO : BLOCK_ALARM,
                           kind->event[i].level);
     }
     TEST_ASSERT_EQUAL(2, kind->verbs);
