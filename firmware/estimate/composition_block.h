@@ -33,6 +33,7 @@ struct composition_block {
     uint32_t without;  /* steps in a row without any temperature that moves, or vapour; saturates */
     uint32_t steps;    /* towards being settled; back in steps that see nothing */
     bool begun;        /* it has had a tick */
+    bool seen;         /* a temperature that moves, since then */
     bool settle;       /* asked for */
     uint16_t settling; /* steps of it */
 };

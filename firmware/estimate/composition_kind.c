@@ -229,6 +229,16 @@ static bool is_far_off(const struct composition *c)
     return false;
 }
 
+/* Whether a temperature moves anything in this step; remembered. */
+static bool is_drawn(struct composition_block *b)
+{
+    bool drawn = false;
+    for (uint8_t k = 0; k < b->c.sensors; k++)
+        drawn = drawn || (b->c.sensor[k].moves && b->c.sensor[k].there);
+    b->seen = b->seen || drawn;
+    return drawn;
+}
+
 static void raise_event(struct block_io *io, unsigned event, unsigned value)
 {
     if (!value)
@@ -240,13 +250,10 @@ static void raise_event(struct block_io *io, unsigned event, unsigned value)
 /* Events, and how good the estimates are. */
 static enum quality judge_estimates(struct composition_block *b, struct block_io *io, enum err err)
 {
-    unsigned lost = lost_sensor(b), drawn = 0;
-    bool settled = is_locked_on(b);
-    for (uint8_t k = 0; k < b->c.sensors; k++)
-        drawn += b->c.sensor[k].moves && b->c.sensor[k].there ? 1u : 0u;
-    bool dry = is_without_vapour(&b->c);
+    unsigned lost = lost_sensor(b);
+    bool settled = is_locked_on(b), drawn = is_drawn(b), dry = is_without_vapour(&b->c);
     b->without = drawn && !dry ? 0 : b->without < UINT32_MAX ? b->without + 1u : b->without;
-    bool alone = b->without && (real_t)b->without * b->c.h > b->s.alone_s;
+    bool alone = b->without && (!b->seen || (real_t)b->without * b->c.h > b->s.alone_s);
     if ((settled || b->c.watched) && !err)
         composition_watch(&b->c);
     bool watched = (real_t)b->c.watched * b->c.h >= b->s.watch_s;
@@ -301,7 +308,7 @@ static void composition_follow(void *state, struct block_io *io)
     struct composition_block *b = state;
     (void)io;
     b->steps = b->without = 0;
-    b->begun = false;
+    b->begun = b->seen = false;
     composition_begin(&b->c);
 }
 
@@ -319,7 +326,7 @@ static void composition_block_step(void *state, struct block_io *io)
     if (!b->begun) { /* nobody knows yet what was applied before this tick */
         b->begun = true;
         enum err none = composition_evaluate(&b->c);
-        give_estimates(b, io, none ? QUALITY_BAD : QUALITY_UNCERTAIN);
+        give_estimates(b, io, none || !is_drawn(b) ? QUALITY_BAD : QUALITY_UNCERTAIN);
         return;
     }
     enum err err = composition_step(&b->c, t);

@@ -198,14 +198,16 @@ static void give_points(struct supervisor *s, uint8_t slot, const struct served_
 {
     const struct record_plan *r = served_record(s, slot);
     bool there = true;
-    for (uint8_t k = 0; k < r->inputs; k++)
-        there = there && g->quality[k] != QUALITY_MISSING;
+    if (served_kind(s, slot)->bad_input != BAD_INPUT_IS_TOLD)
+        for (uint8_t k = 0; k < r->inputs; k++)
+            there = there && g->quality[k] != QUALITY_MISSING;
     for (uint8_t k = 0; k < r->points; k++) {
         uint8_t i = r->point[k];
         const struct measurement_config *m = &s->plan->config.measurement[i];
         struct reading reading = {span_to_eu(g->point[k], m->lo, m->hi),
                                   (enum quality)g->point_quality[k]};
-        /* It is there from when its inputs first are, and as long as they are bound. */
+        /* It is there from when its inputs first are, and as long as they are bound; of a kind that knows what to do without
+         * them, from its first step. */
         s->measurement[i].bound = there || s->measurement[i].bound;
         validate_measurement(s, i, &reading);
     }

@@ -71,6 +71,22 @@ class Attack(unittest.TestCase):
         self.assertIn("nis", said)
         self.assertEqual(self.good_and_off(log, 0, 0.02), [])
 
+    def test_a_start_without_one_of_its_inputs_gives_an_estimate_all_the_same(self) -> None:
+        """Uncertain, as where one goes later: a restart must not lose what two thermometers are there for."""
+        for channel, code in (("T30", "lost"), ("Fm", "no_input")):
+            log, said = play(1, (Event(0, f"{channel}.quality", 3),))
+            self.assertEqual(said, {code})
+            self.assertEqual({q for _, q, _ in rows(log, 0, HOUR)}, {UNCERTAIN})
+            self.assertLess(max(error for _, _, error in rows(log, 0, HOUR)), 0.01)
+
+    def test_a_start_without_any_thermometer_gives_none(self) -> None:
+        events = (*(Event(0, f"{t}.quality", 3) for t in THERMOMETERS), *(Event(1800, f"{t}.quality", 0) for t in THERMOMETERS))
+        log, said = play(1, events)
+        self.assertEqual(said, {"lost", "alone"})
+        self.assertEqual({q for _, q, _ in rows(log, 0, 1790)}, {BAD})
+        self.assertEqual({q for _, q, _ in rows(log, 1800, 2800)}, {UNCERTAIN})
+        self.assertEqual({q for _, q, _ in rows(log, 3000, HOUR)}, {GOOD})
+
     def test_units_forgotten_are_told(self) -> None:
         """The model has no heat to speak of, its condenser stands still, and temperatures agree with it."""
         for without in ("block3.si.", "block3.si.7"):
