@@ -13,8 +13,11 @@
 #define SETTLED    REAL_C(3.0)
 #define STEPS_MOST (1u << 31)
 /* Vapour to the condenser that counts as none, part of its holdup in an hour. */
-#define LITTLE REAL_C(1e-3)
-#define HOUR   REAL_C(3600.0)
+#define LITTLE REAL_C(0.1)
+/* Vapour counts as there when it was for so long. */
+#define VAPOUR_S     REAL_C(300.0)
+#define DRY_STEPS(h) ((uint32_t)(VAPOUR_S / (h)) + 1u)
+#define HOUR         REAL_C(3600.0)
 /* To its own steady state: steps of an hour until none of them moves a mole fraction by more. */
 #define SETTLE_S     REAL_C(3600.0)
 #define SETTLE_MOST  300u
@@ -158,16 +161,21 @@ static bool is_locked_on(const struct composition_block *b)
     return (real_t)b->steps >= steps_to_settle(b);
 }
 
-/* So little vapour reaches the condenser that what temperatures say does not either: the column is off, or a unit is wrong. */
-static bool is_without_vapour(const struct composition *c)
+/* How long so much vapour has reached the condenser that what temperatures say does as well. */
+static void count_vapour(struct composition_block *b)
 {
+    const struct composition *c = &b->c;
     size_t top = c->table.config.stages - 1u;
-    return c->column.vapour_flow[top - 1] * HOUR < LITTLE * c->column.holdup[top];
+    if (c->column.vapour_flow[top - 1] * HOUR < LITTLE * c->column.holdup[top])
+        b->dry = DRY_STEPS(c->h);
+    else
+        b->dry -= b->dry ? 1u : 0;
 }
 
-/* Whether a section that has temperatures is without all of them, or nothing connects them. */
-static bool is_blind(const struct composition *c)
+/* Whether a section that has temperatures is without all of them, or no vapour connects them. */
+static bool is_blind(const struct composition_block *b)
 {
+    const struct composition *c = &b->c;
     bool has[2] = {false, false}, sees[2] = {false, false};
     for (uint8_t k = 0; k < c->sensors; k++) {
         const struct composition_sensor *s = &c->sensor[k];
@@ -175,7 +183,7 @@ static bool is_blind(const struct composition *c)
         has[above] = has[above] || s->moves;
         sees[above] = sees[above] || (s->moves && s->there);
     }
-    return (has[0] && !sees[0]) || (has[1] && !sees[1]) || is_without_vapour(c);
+    return (has[0] && !sees[0]) || (has[1] && !sees[1]) || b->dry;
 }
 
 /* What was not seen for a while is found again as slowly as it was lost, at most as slowly as in the beginning. */
@@ -183,7 +191,7 @@ static void count_step(struct composition_block *b, bool failed)
 {
     if (failed) {
         b->steps = 0;
-    } else if (!is_blind(&b->c)) {
+    } else if (!is_blind(b)) {
         b->steps += b->steps < STEPS_MOST ? 1u : 0;
     } else {
         if (is_locked_on(b))
@@ -251,7 +259,7 @@ static void raise_event(struct block_io *io, unsigned event, unsigned value)
 static enum quality judge_estimates(struct composition_block *b, struct block_io *io, enum err err)
 {
     unsigned lost = lost_sensor(b);
-    bool settled = is_locked_on(b), drawn = is_drawn(b), dry = is_without_vapour(&b->c);
+    bool settled = is_locked_on(b), drawn = is_drawn(b), dry = b->dry;
     b->without = drawn && !dry ? 0 : b->without < UINT32_MAX ? b->without + 1u : b->without;
     bool alone = b->without && (!b->seen || (real_t)b->without * b->c.h > b->s.alone_s);
     if ((settled || b->c.watched) && !err)
@@ -307,7 +315,7 @@ static void composition_follow(void *state, struct block_io *io)
 {
     struct composition_block *b = state;
     (void)io;
-    b->steps = b->without = 0;
+    b->steps = b->without = b->dry = 0;
     b->begun = b->seen = false;
     composition_begin(&b->c);
 }
@@ -330,6 +338,7 @@ static void composition_block_step(void *state, struct block_io *io)
         return;
     }
     enum err err = composition_step(&b->c, t);
+    count_vapour(b);
     count_step(b, err != ERR_OK);
     give_estimates(b, io, judge_estimates(b, io, err));
 }
