@@ -35,7 +35,9 @@ struct composition_block {
     uint8_t missing;   /* number of the first input but temperatures that is, or 0 */
     uint32_t without;  /* steps in a row without any temperature that moves, or vapour; saturates */
     uint32_t steps;    /* towards being settled; back in steps that see nothing */
+    uint32_t dry;      /* steps that there has to be vapour before it counts as there */
     bool begun;        /* it has had a tick */
+    bool seen;         /* a temperature that moves, since then */
     bool settle;       /* asked for */
     uint16_t settling; /* steps of it */
 };

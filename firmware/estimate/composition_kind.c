@@ -13,8 +13,11 @@
 #define SETTLED    REAL_C(3.0)
 #define STEPS_MOST (1u << 31)
 /* Vapour to the condenser that counts as none, part of its holdup in an hour. */
-#define LITTLE REAL_C(1e-3)
-#define HOUR   REAL_C(3600.0)
+#define LITTLE REAL_C(0.1)
+/* Vapour counts as there when it was for so long. */
+#define VAPOUR_S     REAL_C(300.0)
+#define DRY_STEPS(h) ((uint32_t)(VAPOUR_S / (h)) + 1u)
+#define HOUR         REAL_C(3600.0)
 /* To its own steady state: steps of an hour until none of them moves a mole fraction by more. */
 #define SETTLE_S     REAL_C(3600.0)
 #define SETTLE_MOST  300u
@@ -222,16 +225,21 @@ static bool is_locked_on(const struct composition_block *b)
     return (real_t)b->steps >= steps_to_settle(b);
 }
 
-/* So little vapour reaches the condenser that what temperatures say does not either: the column is off, or a unit is wrong. */
-static bool is_without_vapour(const struct composition *c)
+/* How long so much vapour has reached the condenser that what temperatures say does as well. */
+static void count_vapour(struct composition_block *b)
 {
+    const struct composition *c = &b->c;
     size_t top = c->table.config.stages - 1u;
-    return c->column.vapour_flow[top - 1] * HOUR < LITTLE * c->column.holdup[top];
+    if (c->column.vapour_flow[top - 1] * HOUR < LITTLE * c->column.holdup[top])
+        b->dry = DRY_STEPS(c->h);
+    else
+        b->dry -= b->dry ? 1u : 0;
 }
 
-/* Whether a section that has temperatures is without all of them, or nothing connects them. */
-static bool is_blind(const struct composition *c)
+/* Whether a section that has temperatures is without all of them, or no vapour connects them. */
+static bool is_blind(const struct composition_block *b)
 {
+    const struct composition *c = &b->c;
     bool has[2] = {false, false}, sees[2] = {false, false};
     for (uint8_t k = 0; k < c->sensors; k++) {
         const struct composition_sensor *s = &c->sensor[k];
@@ -239,7 +247,7 @@ static bool is_blind(const struct composition *c)
         has[above] = has[above] || s->moves;
         sees[above] = sees[above] || (s->moves && s->there);
     }
-    return (has[0] && !sees[0]) || (has[1] && !sees[1]) || is_without_vapour(c);
+    return (has[0] && !sees[0]) || (has[1] && !sees[1]) || b->dry;
 }
 
 /* What was not seen for a while is found again as slowly as it was lost, at most as slowly as in the beginning. */
@@ -247,7 +255,7 @@ static void count_step(struct composition_block *b, bool failed)
 {
     if (failed) {
         b->steps = 0;
-    } else if (!is_blind(&b->c)) {
+    } else if (!is_blind(b)) {
         b->steps += b->steps < STEPS_MOST ? 1u : 0;
     } else {
         if (is_locked_on(b))
@@ -283,7 +291,7 @@ static unsigned surprising_sensor(const struct composition_block *b)
 }
 
 /* One that is drawn to although it is far away: it was believed in the end, or at once in the beginning. */
-static bool is_far_off(const struct composition *c)
+static bool believes_one_far_off(const struct composition *c)
 {
     for (uint8_t k = 0; k < c->sensors; k++) {
         const struct composition_sensor *s = &c->sensor[k];
@@ -291,6 +299,16 @@ static bool is_far_off(const struct composition *c)
             return true;
     }
     return false;
+}
+
+/* Whether a temperature moves anything in this step; remembered. */
+static bool is_drawn(struct composition_block *b)
+{
+    bool drawn = false;
+    for (uint8_t k = 0; k < b->c.sensors; k++)
+        drawn = drawn || (b->c.sensor[k].moves && b->c.sensor[k].there);
+    b->seen = b->seen || drawn;
+    return drawn;
 }
 
 static void raise_event(struct block_io *io, unsigned event, unsigned value)
@@ -304,13 +322,10 @@ static void raise_event(struct block_io *io, unsigned event, unsigned value)
 /* Events, and how good the estimates are. */
 static enum quality judge_estimates(struct composition_block *b, struct block_io *io, enum err err)
 {
-    unsigned lost = lost_sensor(b), drawn = 0;
-    bool settled = is_locked_on(b);
-    for (uint8_t k = 0; k < b->c.sensors; k++)
-        drawn += b->c.sensor[k].moves && b->c.sensor[k].there ? 1u : 0u;
-    bool dry = is_without_vapour(&b->c);
+    unsigned lost = lost_sensor(b);
+    bool settled = is_locked_on(b), drawn = is_drawn(b), dry = b->dry;
     b->without = drawn && !dry ? 0 : b->without < UINT32_MAX ? b->without + 1u : b->without;
-    bool alone = b->without && (real_t)b->without * b->c.h > b->s.alone_s;
+    bool alone = b->without && (!b->seen || (real_t)b->without * b->c.h > b->s.alone_s);
     if ((settled || b->c.watched) && !err)
         composition_watch(&b->c);
     bool watched = (real_t)b->c.watched * b->c.h >= b->s.watch_s;
@@ -330,8 +345,9 @@ static enum quality judge_estimates(struct composition_block *b, struct block_io
     bool doubted = pulling || surprising || odd;
     if (err || alone || (doubted && b->s.doubt == DOUBT_BAD))
         return QUALITY_BAD;
-    return lost || b->missing || !settled || doubted || is_far_off(&b->c) ? QUALITY_UNCERTAIN
-                                                                          : QUALITY_GOOD;
+    return lost || b->missing || !settled || doubted || believes_one_far_off(&b->c)
+               ? QUALITY_UNCERTAIN
+               : QUALITY_GOOD;
 }
 
 /* Of component j (from 0) on a stage, in moles or by mass. */
@@ -371,8 +387,8 @@ static void composition_follow(void *state, struct block_io *io)
 {
     struct composition_block *b = state;
     (void)io;
-    b->steps = b->without = 0;
-    b->begun = false;
+    b->steps = b->without = b->dry = 0;
+    b->begun = b->seen = false;
     begin_analyses(b);
     if (!b->settle) /* else work is on the column */
         composition_begin(&b->c);
@@ -392,10 +408,11 @@ static void composition_block_step(void *state, struct block_io *io)
     if (!b->begun) { /* nobody knows yet what was applied before this tick */
         b->begun = true;
         enum err none = composition_evaluate(&b->c);
-        give_estimates(b, io, none ? QUALITY_BAD : QUALITY_UNCERTAIN);
+        give_estimates(b, io, none || !is_drawn(b) ? QUALITY_BAD : QUALITY_UNCERTAIN);
         return;
     }
     enum err err = composition_step(&b->c, t);
+    count_vapour(b);
     count_step(b, err != ERR_OK);
     enum quality quality = judge_estimates(b, io, err);
     unsigned odd = is_locked_on(b) ? step_analyses(b, io) : 0;
