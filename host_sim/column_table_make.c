@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "antoine_fit.h"
 #include "model/activity.h"
 #include "text.h"
 
@@ -206,6 +207,27 @@ static void put_inputs(const struct column_inputs *u, double heat_loss, float *v
     v[COLUMN_TABLE_PRESSURE] = (float)u->pressure_top;
 }
 
+/* Vapour pressures by the three constants of Antoine's equation. */
+static bool simplify(const struct column_config *c, const struct subset *subset, const char *text,
+                     float *v, char *err, size_t err_size)
+{
+    double range[2], constants[3];
+    if (!antoine_range(text, c, range, err, err_size)) {
+        return false;
+    }
+    for (size_t k = 0; k < subset->n; k++, v += COLUMN_TABLE_C_VALUES) {
+        const struct component *p = &c->component[subset->index[k]];
+        if (!antoine_fit(p, range, constants)) {
+            return sim_fail(err, err_size, "--antoine %s: no three constants fit %s there", text,
+                            p->name);
+        }
+        for (size_t i = 0; i < 7; i++) {
+            v[COLUMN_TABLE_C_ANTOINE + i] = i < 3 ? (float)constants[i] : 0.0f;
+        }
+    }
+    return true;
+}
+
 static void put_component(const struct component *p, float feed, float *v)
 {
     put_name(p->name, v + COLUMN_TABLE_C_NAME);
@@ -282,6 +304,10 @@ bool column_table_make(const struct column *column, const double *x, const char 
     lump(&subset, column->inputs.feed_fraction, c->components, share);
     for (size_t k = 0; k < subset.n; k++, at += COLUMN_TABLE_C_VALUES) {
         put_component(&c->component[subset.index[k]], share[k], at);
+    }
+    if (wish->antoine != NULL &&
+        !simplify(c, &subset, wish->antoine, v + COLUMN_TABLE_FIXED, err, err_size)) {
+        return false;
     }
     put_activity(c, &subset, at);
     at += COLUMN_TABLE_ACTIVITY_VALUES(model, subset.n);

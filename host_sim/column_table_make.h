@@ -10,6 +10,7 @@ struct table_wish {
     const char *components; /* "C3,iC4,nC4": those of the table, all of them if nothing is said */
     const char *closing;    /* the one that takes what is left: the last of them */
     const char *truncated;  /* "2-10,12": stages without a composition of their own */
+    const char *antoine;    /* "320-370": vapour pressures by three constants, fitted there, K */
 };
 
 /* The column is evaluated at its state x. heat_loss in W. False: what is wrong in err. */

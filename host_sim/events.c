@@ -28,6 +28,8 @@ static const struct {
     {"frozen", 0.0, 1.0, OPTION_FROZEN, true, false, false},
     {"dead", 0.0, 1.0, OPTION_DEAD, true, false, false},
     {"spike", 0.0, 1e9, OPTION_SPIKE, true, false, false},
+    {"hum", 0.0, 1e9, OPTION_HUM, true, false, false},
+    {"hum_period", 0.001, 1e6, OPTION_HUM_PERIOD, true, false, false},
     {"spike_rate", 0.0, 1e9, OPTION_SPIKE_RATE, true, false, false},
     {"dropout", 0.0, 1.0, OPTION_DROPOUT, true, false, false},
     {"nan", 0.0, 1.0, OPTION_NAN, true, false, false},

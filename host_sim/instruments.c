@@ -19,8 +19,11 @@ bool instruments_init(struct instruments *in, const struct plant_class *class, u
         }
         if (c->kind == PLANT_MEASUREMENT) {
             struct sensor *s = &in->sensor[in->n_sensors];
-            *s = (struct sensor){
-                .channel = i, .lag_s = c->lag_s, .resolution = c->resolution, .every = 1};
+            *s = (struct sensor){.channel = i,
+                                 .lag_s = c->lag_s,
+                                 .resolution = c->resolution,
+                                 .hum_period_s = 60.0,
+                                 .every = 1};
             noise_seed(&s->random, seed, in->n_sensors + 1);
             noise_seed(&s->chance, seed, in->n_sensors + 1 + LINK_CHANNELS_MAX);
             in->n_sensors++;
@@ -128,6 +131,12 @@ static void set_sensor(struct sensor *s, enum instrument_option option, double v
         break;
     case OPTION_SPIKE:
         s->spike = value;
+        break;
+    case OPTION_HUM:
+        s->hum = value;
+        break;
+    case OPTION_HUM_PERIOD:
+        s->hum_period_s = value;
         break;
     case OPTION_SPIKE_RATE:
         s->spikes_per_h = value;
@@ -270,6 +279,9 @@ static void read_sensor(struct sensor *s, const struct plant_channel *c, double 
     s->truth = truth;
     s->drifted += s->drift * dt_s / 3600.0;
     double x = s->filtered + s->bias + s->drifted + s->noise * noise_normal(&s->random);
+    const double turn = 6.283185307179586;
+    s->age_s += dt_s;
+    x += s->hum * sin(turn * s->age_s / s->hum_period_s);
     x += spike(s, dt_s);
     if (s->resolution > 0.0) {
         x = floor(x / s->resolution + 0.5) * s->resolution;

@@ -39,6 +39,8 @@ enum instrument_option {
     OPTION_FROZEN,     /* sensor: 1 = stays at its present reading */
     OPTION_DEAD,       /* sensor: 1 = reads the lower end of its span and calls it good */
     OPTION_SPIKE,      /* sensor: height of spikes, units, either way */
+    OPTION_HUM,        /* sensor: amplitude of a sine, units */
+    OPTION_HUM_PERIOD, /* sensor: its period, s */
     OPTION_SPIKE_RATE, /* sensor: spikes an hour, one sample long, at random */
     OPTION_DROPOUT,    /* sensor: part of the samples in which it is missing, 0..1, at random */
     OPTION_NAN,        /* sensor: 1 = sends not-a-number and calls it good */
@@ -59,6 +61,8 @@ struct sensor {
     double lag_s, bias, noise, resolution;
     double drift, drifted;      /* units per hour, units */
     double spike, spikes_per_h; /* units */
+    double hum, hum_period_s;   /* units */
+    double age_s;               /* since the run began */
     double dropout;             /* 0..1 */
     double stuck_at;
     bool stuck, frozen, dead, not_a_number;

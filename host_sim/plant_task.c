@@ -30,7 +30,8 @@ const char plant_task_help[] =
     "  --table --plant NAME   the compact table of a column, as console lines for a board:\n"
     "                         --components A,B,C (the last closes, or --closing A), --truncated "
     "2-9,12,\n"
-    "                         --block N (default 1)\n"
+    "                         --antoine 320-370 (three constants, fitted there, K), --block N "
+    "(default 1)\n"
     "  --table-check FILE     what such lines say, or what is wrong with them\n"
     "  --set NAME=VALUE       for these: an input's value instead of its nominal one\n";
 
@@ -106,6 +107,10 @@ static bool take_value(const char *name, const char *text, char *err, size_t err
     }
     if (strcmp(task.task, "--table") == 0 && strcmp(name, "--truncated") == 0) {
         task.table.truncated = text;
+        return true;
+    }
+    if (strcmp(task.task, "--table") == 0 && strcmp(name, "--antoine") == 0) {
+        task.table.antoine = text;
         return true;
     }
     if (strcmp(task.task, "--table") == 0 && strcmp(name, "--block") == 0) {

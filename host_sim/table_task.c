@@ -68,7 +68,7 @@ bool table_task_make(const struct plant_class *class, const struct plant *p,
                      const struct table_task *task, struct table_lines *lines,
                      struct table_says *says, char *err, size_t err_size)
 {
-    struct table_wish wish = {task->components, task->closing, task->truncated};
+    struct table_wish wish = {task->components, task->closing, task->truncated, task->antoine};
     char reason[SIM_ERROR_SIZE] = "";
     if (class->column == NULL) {
         return sim_fail(err, err_size, "--table: %s is no column of docs/columns.md", class->name);

@@ -7,7 +7,7 @@
 
 /* What the command line says; NULL: nothing. */
 struct table_task {
-    const char *components, *closing, *truncated;
+    const char *components, *closing, *truncated, *antoine;
     double block;
 };
 

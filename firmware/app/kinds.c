@@ -8,12 +8,13 @@
 #include "control/pid.h"
 #include "control/two_position.h"
 #include "estimate/column.h"
+#include "estimate/composition_settings.h"
 #include "feedforward/feedforward.h"
 
 const struct block_kind *const block_kinds[] = {
     &pid_kind,    &two_position_kind, &decoupler_kind,   &feedforward_kind,
 #if CONFIG_BLOCKS
-    &column_kind, &gmv_kind,          &inferential_kind, &ratio_kind,
+    &column_kind, &gmv_kind,          &inferential_kind, &ratio_kind,       &composition_kind,
 #endif
 };
 

@@ -26,7 +26,7 @@
 _Static_assert(BLOCK_MEMBERS_MAX >= 1 && BLOCK_MEMBERS_MAX <= 8, "a bit of a byte for each");
 
 #ifndef BLOCK_INPUTS_MAX
-#define BLOCK_INPUTS_MAX 8
+#define BLOCK_INPUTS_MAX 12
 #endif
 #ifndef BLOCK_POINTS_MAX
 #define BLOCK_POINTS_MAX 8

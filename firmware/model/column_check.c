@@ -155,6 +155,10 @@ static enum err check_holdups(const struct column_config *c, struct column_fault
     }
     if ((unsigned)c->levels > COLUMN_LEVELS_HOLDUPS)
         return wrong(fault, "levels", "one of enum column_levels");
+    if (!COLUMN_HOLDUPS_MOVE && c->levels != COLUMN_LEVELS_PERFECT)
+        return wrong(fault, "levels", "perfect in this build");
+    if (!COLUMN_HOLDUPS_MOVE && c->hydraulic_time > REAL_C(0.0))
+        return wrong(fault, "hydraulic_time", "0 in this build");
     if (c->levels == COLUMN_LEVELS_PERFECT)
         return ERR_OK;
     if (c->holdup != COLUMN_HOLDUP_MOLAR)

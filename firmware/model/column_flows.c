@@ -161,12 +161,12 @@ static void flash(struct column *column, const real_t *x)
 
 void column_flows_at(struct column *column, const real_t *x)
 {
-    if (column->config->levels == COLUMN_LEVELS_HOLDUPS)
+    if (COLUMN_HOLDUPS_MOVE && column->config->levels == COLUMN_LEVELS_HOLDUPS)
         column_level_flows(column, x);
     else
         perfect_level_flows(column, x);
     stage_flows(column);
-    if (column->config->hydraulic_time > ZERO)
+    if (COLUMN_HOLDUPS_MOVE && column->config->hydraulic_time > ZERO)
         column_tray_flows(column, x);
     flash(column, x);
 }

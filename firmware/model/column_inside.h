@@ -23,7 +23,7 @@ static inline void column_full_composition(const struct column *column, const re
 
 static inline bool column_holdups_move(const struct column *column)
 {
-    return column->n_states > column->n_fractions;
+    return COLUMN_HOLDUPS_MOVE && column->n_states > column->n_fractions;
 }
 
 /* Nominal holdup of a stage, mol or m3. */
@@ -32,6 +32,14 @@ static inline real_t column_nominal_holdup(const struct column_config *config, s
     return s == 0                    ? config->holdup_reboiler
            : s == config->stages - 1 ? config->holdup_condenser
                                      : config->holdup_tray;
+}
+
+/* A mole fraction, where the others leave room for it; 0 where it is no number. */
+static inline real_t column_within(real_t fraction, real_t room)
+{
+    if (!(fraction > REAL_C(0.0)) || !(room > REAL_C(0.0)))
+        return REAL_C(0.0);
+    return fraction < room ? fraction : room;
 }
 
 /* The lesser of value and limit (both 0 or more), rounded off where they are within the relative width. */

@@ -18,6 +18,11 @@
 #endif
 #endif
 
+/* 0: no holdup moves in this build, and configs in which one does are refused. */
+#ifndef COLUMN_HOLDUPS_MOVE
+#define COLUMN_HOLDUPS_MOVE 1
+#endif
+
 #define COLUMN_STATES_MAX (COLUMN_STAGES_MAX * (COLUMN_COMPONENTS_MAX - 1))
 
 #endif

@@ -47,6 +47,9 @@
 #define column_holdup_rates         MODEL_SYMBOL(column_holdup_rates)
 #define column_jacobian_shape       MODEL_SYMBOL(column_jacobian_shape)
 #define column_jacobian             MODEL_SYMBOL(column_jacobian)
+#define column_truncated_rates      MODEL_SYMBOL(column_truncated_rates)
+#define column_implicit_step        MODEL_SYMBOL(column_implicit_step)
+#define column_move                 MODEL_SYMBOL(column_move)
 #endif
 
 #endif

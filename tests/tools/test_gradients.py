@@ -303,5 +303,31 @@ class Slopes(unittest.TestCase):
             trays.steady("SS1").slope(37, "heat", 4143.0)
 
 
+class Lines(unittest.TestCase):
+    """Console lines of an estimator, docs/composition-estimation.md."""
+
+    def test_three_thermometers_in_the_section_of_the_product(self) -> None:
+        _, out, _ = call("gradients", "splitter", "--no-steps", "--estimate", "iC4:37")
+        for line in (
+            "--components C3,iC4,nC4 --block 1",
+            "set block2.inputs T30,T31,T33,R,Q,Fm,TFm",
+            "set block2.place.1 30,1",
+            "set block2.place.3 33,1",
+            "set block2.is.4 reflux",
+            "set block2.si.4 0.000277777778,0",
+            "set block2.point.1 37,2",
+        ):
+            self.assertIn(line, out)
+
+    def test_what_cannot_be_estimated_is_refused_in_words(self) -> None:
+        for words, wanted in (
+            (("splitter", "C9:37"), "must be COMPONENT:STAGE"),
+            (("splitter", "iC4:99"), "must be COMPONENT"),
+        ):
+            status, _, err = call("gradients", words[0], "--no-steps", "--estimate", words[1])
+            self.assertEqual(status, 2)
+            self.assertIn(wanted, err)
+
+
 if __name__ == "__main__":
     unittest.main()

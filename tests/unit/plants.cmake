@@ -2,6 +2,10 @@
 reflux_test(column LABEL unit SOURCES ${CMAKE_CURRENT_LIST_DIR}/test_column.c LIBS reflux_model_double)
 reflux_test(column_float LABEL unit SOURCES ${CMAKE_CURRENT_LIST_DIR}/test_column.c LIBS reflux_model)
 reflux_test(column_numbers LABEL unit SOURCES ${CMAKE_CURRENT_LIST_DIR}/test_column_numbers.c LIBS reflux_model)
+foreach(part column_implicit column_truncated)
+  reflux_test(${part} LABEL unit SOURCES ${CMAKE_CURRENT_LIST_DIR}/test_${part}.c LIBS reflux_model_double m)
+  reflux_test(${part}_float LABEL unit SOURCES ${CMAKE_CURRENT_LIST_DIR}/test_${part}.c LIBS reflux_model m)
+endforeach()
 reflux_test(column_config LABEL unit SOURCES ${CMAKE_CURRENT_LIST_DIR}/test_column_config.c
             LIBS reflux_model_double)
 reflux_test(column_solver LABEL unit SOURCES ${CMAKE_CURRENT_LIST_DIR}/test_column_solver.c LIBS reflux_plants)

@@ -67,6 +67,15 @@ static void drift_goes_on_by_the_hour_and_is_gone_when_repaired(void)
     TEST_ASSERT_EQUAL_FLOAT(45.0f, reading());
 }
 
+static void hum_is_a_sine_of_its_amplitude_and_period(void)
+{
+    at("0:y1.hum=2");
+    at("0:y1.hum_period=40"); /* a quarter a sample */
+    const float expected[] = {45, 47, 45, 43, 45, 47};
+    for (unsigned k = 0; k < 6; k++)
+        TEST_ASSERT_FLOAT_WITHIN(1e-4f, expected[k], reading());
+}
+
 static void a_stuck_sensor_reads_what_it_is_stuck_at_until_it_is_free(void)
 {
     at("10:y1.stuck=77");
@@ -308,7 +317,7 @@ static void every_option_stands_in_the_document(void)
             TEST_ASSERT_NOT_NULL_MESSAGE(strstr(page, name), name);
         }
     }
-    TEST_ASSERT_EQUAL(26, n);
+    TEST_ASSERT_EQUAL(28, n);
 }
 
 int main(void)
@@ -318,6 +327,7 @@ int main(void)
     RUN_TEST(a_new_value_moves_the_middle_of_a_swing);
     RUN_TEST(a_swing_that_would_leave_the_span_is_refused);
     RUN_TEST(drift_goes_on_by_the_hour_and_is_gone_when_repaired);
+    RUN_TEST(hum_is_a_sine_of_its_amplitude_and_period);
     RUN_TEST(a_stuck_sensor_reads_what_it_is_stuck_at_until_it_is_free);
     RUN_TEST(a_frozen_sensor_keeps_its_reading_to_the_last_bit);
     RUN_TEST(a_dead_sensor_reads_the_end_of_its_span_and_calls_it_good);

@@ -78,14 +78,14 @@ def tray_rows(name: str, lines: Lines) -> list[list[str]]:
             for k, (kind, n, mean, most, size) in enumerate(lines) if kind in TRAYS]
 
 
-def counted(preset: str) -> Lines:
-    build.build(preset, (PROGRAM,))
-    image = build_dir(preset) / f"{PROGRAM}.elf"
+def counted(preset: str, program: str = PROGRAM) -> Lines:
+    build.build(preset, (program,))
+    image = build_dir(preset) / f"{program}.elf"
     out: Lines = []
     for line in written_by(image):
         word = line.split()
         if len(word) != 5 or not all(w.isdigit() for w in word[1:]):
-            raise RunFailed(f"{PROGRAM} wrote {line!r}")
+            raise RunFailed(f"{program} wrote {line!r}")
         out.append((word[0], word[1], int(word[2]), int(word[3]), int(word[4])))
     return out
 

@@ -11,7 +11,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Callable
 
-from reflux_tools import bench_estimation, bench_link, bench_plants, bench_tick, build, launch, runner, scenario, table, trays
+from reflux_tools import bench_composition, bench_estimation, bench_link, bench_plants, bench_tick, build, launch, runner, scenario, table, trays
 from reflux_tools.boards import BOARDS
 from reflux_tools.errors import RunFailed, UserError
 from reflux_tools.paths import ROOT, SCENARIOS, build_dir, named, shown
@@ -45,7 +45,7 @@ def main(arguments: list[str]) -> int:
         print(f"\n{bench_link.TITLE}\n{table.columns(bench_link.HEADER, link_rows())}", flush=True)
         return 0
     if options.estimation:
-        for title, header, rows in bench_estimation.parts():
+        for title, header, rows in [*bench_estimation.parts(), *bench_composition.parts(counted)]:
             print(f"\n{title}\n{table.columns(header, rows)}", flush=True)
         return 0
     if not re.fullmatch(r"[\w.-]+", options.before):
@@ -69,6 +69,7 @@ def main(arguments: list[str]) -> int:
         (bench_tick.TITLE, bench_tick.header(options.before), tick_rows(options.before)),
         (bench_link.TITLE, bench_link.HEADER, link_rows()),
         *bench_estimation.parts(),
+        *bench_composition.parts(counted),
         ("Instructions of matrices of 16 x 16, host", ["what", "instructions"], matrix_rows()),
         ("The image, bytes", ["part", "text", "data", "bss"], size_rows()),
         ("Largest stack frames of the image, bytes", ["function", "frame"], stack_rows()),

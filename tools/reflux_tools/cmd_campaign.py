@@ -16,7 +16,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from reflux_tools import (build, commissioning, endurance_campaign, launch, relay_campaign, runner, self_tuning_campaign,
+from reflux_tools import (build, commissioning, endurance_campaign, estimates_campaign, launch, relay_campaign, runner, self_tuning_campaign,
                           table, trays_campaign)
 from reflux_tools import scenario as scenarios
 from reflux_tools.errors import RunFailed, UserError
@@ -73,6 +73,9 @@ def main(arguments: list[str]) -> int:
         state = State(build_root() / "campaign" / f"{campaign.name}.jsonl", self_tuning_campaign.fingerprint(campaign),
                       options.again)
         return self_tuning_campaign.execute(campaign, options, state)
+    if isinstance(campaign, estimates_campaign.Estimates):
+        state = State(build_root() / "campaign" / f"{campaign.name}.jsonl", estimates_campaign.fingerprint(campaign), options.again)
+        return estimates_campaign.execute(campaign, options, state)
     if isinstance(campaign, trays_campaign.Trays):
         state = State(build_root() / "campaign" / f"{campaign.name}.jsonl", trays_campaign.fingerprint(campaign), options.again)
         return trays_campaign.execute(campaign, options, state)
@@ -84,16 +87,18 @@ def known() -> list[str]:
 
 
 def load(name: str) -> (Campaign | commissioning.Start | relay_campaign.Comparison | endurance_campaign.Endurance |
-                        self_tuning_campaign.Comparison | trays_campaign.Trays):
+                        self_tuning_campaign.Comparison | trays_campaign.Trays | estimates_campaign.Estimates):
     path = CAMPAIGNS / f"{name}.toml"
     if name not in known():
         raise UserError(f'no campaign "{name}"; there are: {", ".join(known()) or "none"}')
     top = Table(load_toml(path), path)
     if top.text("name") != name:
         raise UserError(f"{top.path('name')} must be the file's own name, {name}")
-    kind = top.text("kind", "scenario", choices=("scenario", "commissioning", "relay", "endurance", "self-tuning", "trays"))
+    kind = top.text("kind", "scenario", choices=("scenario", "commissioning", "relay", "endurance", "self-tuning", "trays", "estimates"))
     if kind == "endurance":
         return endurance_campaign.load(top, name)
+    if kind == "estimates":
+        return estimates_campaign.load(top, name)
     if kind == "trays":
         return trays_campaign.load(top, name)
     if kind == "self-tuning":

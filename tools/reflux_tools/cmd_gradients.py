@@ -13,6 +13,7 @@ from reflux_tools import (
     build,
     column_file,
     column_slopes,
+    estimate_lines,
     gradients,
     sensor_rules,
     table,
@@ -62,6 +63,13 @@ def main(arguments: list[str]) -> int:
         default=[],
         metavar="MV:STAGE[,STAGE]",
         help="prints the console lines of a loop of the kind inferential: input, primary, secondary stage; repeatable",
+    )
+    p.add_argument(
+        "--estimate",
+        action="append",
+        default=[],
+        metavar="COMPONENT:STAGE",
+        help="prints the console lines of a block of the kind composition that estimates this; repeatable",
     )
     for name, value in Thresholds().__dict__.items():
         p.add_argument(
@@ -212,6 +220,7 @@ def judge(found: Found, options: argparse.Namespace, t: Thresholds) -> dict[str,
         "notes": notes(of, keys),
         "steps": [],
         "lines": lines_of(found, options.loop) if options.loop else [],
+        "estimate_lines": estimate_of(found, for_estimates, options.estimate) if options.estimate else [],
     }
     if found.steady and not options.no_steps:
         report["steps"], report["singular"] = other_methods(found, options)
@@ -317,6 +326,12 @@ def lines_of(found: Found, loops: list[str]) -> list[str]:
     return out
 
 
+def estimate_of(found: Found, e: sensor_rules.Estimation, wanted: list[str]) -> list[str]:
+    if found.steady is None:
+        raise UserError("--estimate needs a column, whose inputs drive the model; not a profile alone")
+    return estimate_lines.lines(found.plant, e, wanted, found.of.gradient)
+
+
 # ---- shown ----
 
 
@@ -378,6 +393,10 @@ def print_report(found: Found, report: dict[str, Any]) -> None:
         )
     if report["lines"]:
         print("\nFor the console, between begin and apply:\n  " + "\n  ".join(report["lines"]))
+    if report["estimate_lines"]:
+        print(
+            "\nFor the console, with the table and between begin and apply:\n  " + "\n  ".join(report["estimate_lines"])
+        )
 
 
 def print_choice(choice: Choice) -> None:

@@ -159,6 +159,7 @@ def target_tests() -> list[Test]:
             *(same_log(f"target.self-tuning-{image.test}", image.twin, image.preset, "target", "self-tuning-pair",
                        ("begin", "set block1.supervise off", "apply"))
               for image in boards.RUNS if image.preset in WITH_BLOCKS),
+            same_log("target.estimate-float", "host", "stm32f405", "target", "methanol-estimate"),
             *python_tests("target")]
 
 

@@ -387,22 +387,25 @@ class Measured:
     leaves_h: float = math.nan  # saturation test: last time at a limit
 
 
+def impurity_of(log: Log, name: str) -> Impurity:
+    t = [x / HOUR for x in log.numbers("time")]
+    after = [k for k, x in enumerate(t) if x > 1.0]
+    step, y = t[1] - t[0], log.numbers(name)
+    inside = [y[k] for k in after]
+    return Impurity(
+        step * sum(abs(x - GOAL) for x in inside),
+        min(inside),
+        max(inside),
+        statistics.fmean(y[k] for k in after if t[k] > t[-1] - 1.0),
+        step * sum(abs(x - GOAL) > BAND for x in inside),
+    )
+
+
 def measure(case: Case, result: runner.Result) -> Measured:
     log = result.log
     t = [x / HOUR for x in log.numbers("time")]
     after = [k for k, x in enumerate(t) if x > 1.0]
-    step = t[1] - t[0]
-    out = Measured()
-    for name in ("iC4_D", "C3_B"):
-        y = log.numbers(name)
-        inside = [y[k] for k in after]
-        out.impurity[name] = Impurity(
-            step * sum(abs(x - GOAL) for x in inside),
-            min(inside),
-            max(inside),
-            statistics.fmean(y[k] for k in after if t[k] > HOURS - 1.0),
-            step * sum(abs(x - GOAL) > BAND for x in inside),
-        )
+    out = Measured({name: impurity_of(log, name) for name in ("iC4_D", "C3_B")})
     for mv in MVS:
         u = log.numbers(f"{mv}.applied")
         out.travel[mv] = sum(abs(u[k] - u[k - 1]) for k in after)

@@ -7,6 +7,7 @@ import argparse
 import hashlib
 import math
 import time
+from collections.abc import Callable
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
@@ -136,13 +137,19 @@ def run_one(case: Case) -> dict[str, Any]:
         return {"job": job_of(case), "failed": str(error)}
 
 
-def run_missing(cases: list[Case], state: Any, workers: int) -> None:
-    missing = {repr(job_of(c)): c for c in cases if state.get(job_of(c)) is None}
+def run_missing(
+    cases: list[Any],
+    state: Any,
+    workers: int,
+    job: Callable[[Any], dict[str, Any]] = job_of,
+    one: Callable[[Any], dict[str, Any]] = run_one,
+) -> None:
+    missing = {repr(job(c)): c for c in cases if state.get(job(c)) is None}
     if not missing:
         return
-    progress, started = build.Progress("trays"), time.monotonic()
+    progress, started = build.Progress("campaign"), time.monotonic()
     with ProcessPoolExecutor(workers) as pool:
-        waiting = [pool.submit(run_one, case) for case in missing.values()]
+        waiting = [pool.submit(one, case) for case in missing.values()]
         try:
             for count, future in enumerate(as_completed(waiting), 1):
                 state.add(future.result())

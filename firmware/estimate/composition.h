@@ -1,0 +1,81 @@
+/* Estimator of the compositions of a column from temperatures: the column's model, drawn towards what is measured. Within estimate. */
+#ifndef REFLUX_ESTIMATE_COMPOSITION_H
+#define REFLUX_ESTIMATE_COMPOSITION_H
+
+#include "estimate/column.h"
+#include "estimate/composition_settings.h"
+#include "model/column_implicit.h"
+
+#if CONFIG_BLOCKS
+
+#define SENSORS_MAX BLOCK_INPUTS_MAX
+
+/* What is known of a temperature. */
+struct composition_sensor {
+    uint8_t input;     /* which */
+    uint8_t stage;     /* from 0 */
+    uint8_t component; /* from 0 */
+    bool moves;        /* else it is only compared */
+    bool there;        /* a good reading, not gated, in this step */
+    real_t kp, ki;     /* 1/s, 1/s2 */
+    real_t time;       /* s, 1/lambda */
+    real_t e;          /* K, measured less predicted, before the step */
+    real_t sum;        /* integral of what is left of it, K s */
+    real_t variance;   /* reduced EKF: of its mole fraction */
+    real_t slope;      /* dT/dx of its component at the estimate, K */
+    real_t spread;     /* reduced EKF: variance of e that is expected, K2 */
+    uint32_t outside;  /* steps in a row outside the gate */
+    real_t correction; /* K/s, by which it drew the temperature in this step */
+    /* Means over the last `watch` seconds: of corrections; of e2 over its expected variance; of e times the one before. */
+    real_t pull, square, product, last;
+};
+
+struct composition {
+    struct column_table table;
+    struct column column;
+    struct column_inputs inputs;
+    bool truncated[COLUMN_STAGES_MAX];
+    real_t x[COLUMN_STATES_MAX], rates[COLUMN_STATES_MAX];
+    struct column_blocks blocks;
+    struct composition_sensor sensor[SENSORS_MAX];
+    uint8_t sensors;
+    uint8_t method;
+    uint8_t between;       /* enum column_between */
+    real_t h;              /* s */
+    real_t noise2, model2; /* K2, 1/s */
+    real_t gate;
+    uint32_t gate_steps;
+    real_t weight;    /* of a step in the means of the monitor, once they have begun */
+    uint32_t watched; /* steps in them; saturates */
+    bool solved;      /* the last step went well */
+    uint16_t clipped; /* mole fractions kept within limits in it */
+    uint16_t
+        bounced; /* steps since the profile was taken again because there was no solution; saturates */
+};
+
+/* Begins with the profile of the table. */
+void composition_begin(struct composition *c);
+
+/* A step of c->h to the readings t[sensors], K; those that are not there count for nothing. The inputs are those of the time
+ * between. ERR_OK, or why there is no estimate: then it has begun anew. */
+enum err composition_step(struct composition *c, const real_t *t);
+
+/* Temperatures at the estimate and the inputs, without a step. Errors as composition_step. */
+enum err composition_evaluate(struct composition *c);
+
+/* The step of the model alone, over c->h. */
+enum err composition_predict(struct composition *c);
+
+/* The monitor's means. */
+void composition_watch(struct composition *c);
+
+/* Number of the sensor whose mean correction is farthest from the mean of its section, where they are more than `most` K/h apart:
+ * 1 and up; 0 where there is none, or fewer than two. A reading that lies disagrees with those beside it; where all are wrong, or the
+ * feed is another, they agree. */
+unsigned composition_odd_sensor(const struct composition *c, real_t most);
+
+/* Estimated temperature, K, at a stage from 0, after the step. */
+real_t composition_temperature(const struct composition *c, size_t stage);
+
+#endif
+#endif

@@ -1,0 +1,53 @@
+/* The kind `composition` as its files share it. Within estimate. */
+#ifndef REFLUX_ESTIMATE_COMPOSITION_BLOCK_H
+#define REFLUX_ESTIMATE_COMPOSITION_BLOCK_H
+
+#include "estimate/composition.h"
+#include "estimate/composition_analysis.h"
+
+#if CONFIG_BLOCKS
+
+#define COMPOSITION_PARAMETER_ROWS 23
+extern const struct block_parameter composition_parameter_rows[COMPOSITION_PARAMETER_ROWS];
+
+enum {
+    EVENT_LOST,
+    EVENT_ALONE,
+    EVENT_PULL,
+    EVENT_NIS,
+    EVENT_APART,
+    EVENT_NO_STATE,
+    EVENT_NO_INPUT,
+    EVENT_NO_BOIL,
+    COMPOSITION_EVENTS
+};
+
+/* The state of a block. */
+struct composition_block {
+    struct composition c;
+    struct composition_settings s;
+    struct block_signal input[BLOCK_INPUTS_MAX], point[BLOCK_POINTS_MAX];
+    const struct column_record *record; /* of the table */
+    uint32_t checksum;                  /* of it */
+    struct composition_analysis analysis[ANALYSES_MAX];
+    uint8_t analyses;
+    uint8_t inputs, points;
+    uint8_t missing;   /* number of the first input but temperatures that is, or 0 */
+    uint32_t without;  /* steps in a row without any temperature that moves, or vapour; saturates */
+    uint32_t steps;    /* towards being settled; back in steps that see nothing */
+    uint32_t dry;      /* steps that there has to be vapour before it counts as there */
+    bool begun;        /* it has had a tick */
+    bool seen;         /* a temperature that moves, since then */
+    bool settle;       /* asked for */
+    uint16_t settling; /* steps of it */
+};
+
+MUST_CHECK enum err composition_check(const struct block_setup *setup, struct block_fault *fault);
+bool composition_is_sensor(const struct composition_settings *s, unsigned k);
+/* Everything but the column and the past. */
+/* keep: sensors are those that there were, and keep their past. */
+void composition_take_settings(struct composition *c, const struct block_setup *setup, bool keep);
+const char *composition_describe(const void *state, size_t i, float *value);
+
+#endif
+#endif

@@ -1,0 +1,514 @@
+/* The kind `composition`: an estimator of mole fractions on the stages of a column from temperatures (docs/composition-estimation.md). */
+#include "estimate/composition_block.h"
+
+#if CONFIG_BLOCKS
+
+#include <string.h>
+
+#include "base/channel.h"
+
+#define ZERO REAL_C(0.0)
+
+/* It counts as settled after so many times 1/lambda. */
+#define SETTLED    REAL_C(3.0)
+#define STEPS_MOST (1u << 31)
+/* Vapour to the condenser that counts as none, part of its holdup in an hour. */
+#define LITTLE REAL_C(0.1)
+/* Vapour counts as there when it was for so long. */
+#define VAPOUR_S     REAL_C(300.0)
+#define DRY_STEPS(h) ((uint32_t)(VAPOUR_S / (h)) + 1u)
+#define HOUR         REAL_C(3600.0)
+/* To its own steady state: steps of an hour until none of them moves a mole fraction by more. */
+#define SETTLE_S     REAL_C(3600.0)
+#define SETTLE_MOST  300u
+#define SETTLE_STILL REAL_C(1e-6)
+
+static uint32_t composition_bytes(const struct block_setup *setup)
+{
+    (void)setup;
+    return (uint32_t)((sizeof(struct composition_block) + 7u) & ~(size_t)7u);
+}
+
+/* ---- settings ---- */
+
+/* A column of the table that is named. Pointers into the record stay good: block.h. */
+static enum err take_column(struct composition_block *b, const struct column_record *record)
+{
+    struct column_fault fault;
+    struct composition *c = &b->c;
+    enum err err = column_record_read(record, &c->table, &fault);
+    if (!err)
+        err = column_init(&c->column, &c->table.config, &fault);
+    if (err)
+        return err;
+    c->inputs = c->table.nominal;
+    for (size_t s = 0; s < COLUMN_STAGES_MAX; s++)
+        c->truncated[s] = s < c->table.config.stages && column_table_is_truncated(&c->table, s + 1);
+    b->record = record;
+    b->checksum = (uint32_t)record->checksum[0] << 16 | record->checksum[1];
+    return ERR_OK;
+}
+
+/* Share of what an analysis says more, where nothing is said. */
+#define SHARE_INITIAL REAL_C(0.7)
+
+static void begin_analyses(struct composition_block *b)
+{
+    for (uint8_t k = 0; k < b->analyses; k++)
+        composition_analysis_begin(&b->analysis[k], b->c.h, b->s.reach_s);
+}
+
+/* keep: they are those that there were. */
+static void take_analyses(struct composition_block *b, bool keep)
+{
+    uint16_t before = b->analyses ? b->analysis[0].every : 0;
+    b->analyses = 0;
+    for (unsigned k = 0; k < b->inputs; k++) {
+        if (b->s.is[k] != IS_ANALYSIS)
+            continue;
+        struct composition_analysis *a = &b->analysis[b->analyses++];
+        a->input = (uint8_t)k;
+        a->stage = (uint8_t)(b->s.place[k][AT_STAGE] - 1u);
+        a->component = (uint8_t)(b->s.place[k][OF_COMPONENT] - 1u);
+        a->share = b->s.tune[k][TUNE_LAMBDA] > 0 ? b->s.tune[k][TUNE_LAMBDA] : SHARE_INITIAL;
+    }
+    struct composition_analysis fresh;
+    composition_analysis_begin(&fresh, b->c.h, b->s.reach_s);
+    if (!keep || (b->analyses && fresh.every != before))
+        begin_analyses(b);
+}
+
+static enum err composition_configure(void *state, const struct block_setup *setup, bool retune)
+{
+    struct composition_block *b = state;
+    const struct column_record *record = setup->named;
+    const struct composition_settings *s = setup->settings;
+    bool same =
+        retune && b->checksum == ((uint32_t)record->checksum[0] << 16 | record->checksum[1]) &&
+        b->record == record && b->s.method == s->method &&
+        !memcmp(b->s.place, s->place, sizeof s->place) && !memcmp(b->s.is, s->is, sizeof s->is);
+    if (!same) {
+        memset(b, 0, sizeof *b);
+        enum err err = take_column(b, record);
+        if (err)
+            return err;
+    }
+    b->s = *s;
+    b->inputs = setup->inputs;
+    b->points = setup->points;
+    memcpy(b->input, setup->input, sizeof b->input);
+    memcpy(b->point, setup->point, sizeof b->point);
+    composition_take_settings(&b->c, setup, same);
+    take_analyses(b, same);
+    if (!same)
+        composition_begin(&b->c);
+    return ERR_OK;
+}
+
+/* ---- what comes in ---- */
+
+static real_t factor_or_1(real_t factor)
+{
+    return factor < ZERO || factor > ZERO ? factor : REAL_C(1.0);
+}
+
+/* In SI units. */
+static real_t reading_si(const struct composition_block *b, const struct block_io *io, unsigned k)
+{
+    real_t eu = b->input[k].lo + (b->input[k].hi - b->input[k].lo) * num_to_float(io->input[k]);
+    return factor_or_1(b->s.si[k][UNIT_FACTOR]) * eu + b->s.si[k][UNIT_ZERO];
+}
+
+static real_t at_least_zero(real_t x)
+{
+    return x > ZERO ? x : ZERO;
+}
+
+static real_t kept_between(real_t x, real_t lo, real_t hi)
+{
+    return x < lo ? lo : x > hi ? hi : x;
+}
+
+static void take_flow(struct composition *c, unsigned is, real_t value)
+{
+    struct column_inputs *in = &c->inputs;
+    const struct column_config *config = &c->table.config;
+    switch (is) {
+    case IS_FEED:
+        in->feed_flow = at_least_zero(value);
+        break;
+    case IS_FEED_TEMPERATURE:
+        in->feed_temperature =
+            kept_between(value, config->temperature_min, config->temperature_max);
+        break;
+    case IS_FEED_QUALITY:
+        in->feed_quality = kept_between(value, ZERO, REAL_C(2.0));
+        break;
+    case IS_REFLUX:
+        in->reflux_flow = at_least_zero(value);
+        break;
+    case IS_HEAT:
+        in->heat = at_least_zero(value - c->table.heat_loss);
+        break;
+    case IS_BOILUP:
+        in->boilup = at_least_zero(value);
+        break;
+    default:
+        /* half and twice the table's: beyond that its bubble points say nothing */
+        in->pressure_top = kept_between(value, c->table.nominal.pressure_top / REAL_C(2.0),
+                                        c->table.nominal.pressure_top * REAL_C(2.0));
+        break;
+    }
+}
+
+/* Which inputs are missing; what they were last holds on. */
+static void take_inputs(struct composition_block *b, const struct block_io *io, real_t *t)
+{
+    uint8_t sensor = 0;
+    b->missing = 0;
+    for (unsigned k = 0; k < b->inputs; k++) {
+        if (composition_is_sensor(&b->s, k)) {
+            t[sensor] = reading_si(b, io, k);
+            b->c.sensor[sensor++].there = io->quality[k] == QUALITY_GOOD;
+        } else if (b->s.is[k] == IS_ANALYSIS) {
+            continue;
+        } else if (quality_usable((enum quality)io->quality[k])) {
+            take_flow(&b->c, b->s.is[k], reading_si(b, io, k));
+        } else if (!b->missing) {
+            b->missing = (uint8_t)(k + 1u);
+        }
+    }
+}
+
+/* After a step. The number of the first analysis that is missed, too old or not believed, or 0. */
+static unsigned step_analyses(struct composition_block *b, const struct block_io *io)
+{
+    unsigned odd = 0;
+    for (uint8_t i = 0; i < b->analyses; i++) {
+        struct composition_analysis *a = &b->analysis[i];
+        unsigned k = a->input;
+        bool too_old = composition_analysis_step(
+            a, b->c.h, column_fraction(&b->c.column, b->c.x, a->stage, a->component),
+            io->quality[k] == QUALITY_GOOD, reading_si(b, io, k), (real_t)io->age_s[k], b->s.far);
+        bool missed = b->s.late_s > 0 && (real_t)io->age_s[k] > b->s.late_s;
+        if (!odd && (too_old || missed || a->far || io->quality[k] != QUALITY_GOOD))
+            odd = k + 1u;
+    }
+    return odd;
+}
+
+/* What analyses say of a place, or 0. */
+static real_t correction_at(const struct composition_block *b, size_t stage, size_t component)
+{
+    for (uint8_t i = 0; i < b->analyses; i++)
+        if (b->analysis[i].stage == stage && b->analysis[i].component == component)
+            return b->analysis[i].correction;
+    return ZERO;
+}
+
+/* ---- what comes out ---- */
+
+/* How many steps it takes until it counts as settled. */
+static real_t steps_to_settle(const struct composition_block *b)
+{
+    real_t slowest = ZERO;
+    for (uint8_t k = 0; k < b->c.sensors; k++) {
+        const struct composition_sensor *s = &b->c.sensor[k];
+        if (s->moves && s->time > slowest)
+            slowest = s->time;
+    }
+    return SETTLED * slowest / b->c.h;
+}
+
+static bool is_locked_on(const struct composition_block *b)
+{
+    return (real_t)b->steps >= steps_to_settle(b);
+}
+
+/* How long so much vapour has reached the condenser that what temperatures say does as well. */
+static void count_vapour(struct composition_block *b)
+{
+    const struct composition *c = &b->c;
+    size_t top = c->table.config.stages - 1u;
+    if (c->column.vapour_flow[top - 1] * HOUR < LITTLE * c->column.holdup[top])
+        b->dry = DRY_STEPS(c->h);
+    else
+        b->dry -= b->dry ? 1u : 0;
+}
+
+/* Whether a section that has temperatures is without all of them, or no vapour connects them. */
+static bool is_blind(const struct composition_block *b)
+{
+    const struct composition *c = &b->c;
+    bool has[2] = {false, false}, sees[2] = {false, false};
+    for (uint8_t k = 0; k < c->sensors; k++) {
+        const struct composition_sensor *s = &c->sensor[k];
+        unsigned above = s->stage + 1u > c->table.config.feed_stage;
+        has[above] = has[above] || s->moves;
+        sees[above] = sees[above] || (s->moves && s->there);
+    }
+    return (has[0] && !sees[0]) || (has[1] && !sees[1]) || b->dry;
+}
+
+/* What was not seen for a while is found again as slowly as it was lost, at most as slowly as in the beginning. */
+static void count_step(struct composition_block *b, bool failed)
+{
+    if (failed) {
+        b->steps = 0;
+    } else if (!is_blind(b)) {
+        b->steps += b->steps < STEPS_MOST ? 1u : 0;
+    } else {
+        if (is_locked_on(b))
+            b->steps = (uint32_t)steps_to_settle(b);
+        b->steps -= b->steps ? 1u : 0;
+    }
+}
+
+/* The number of the first sensor of which this can be said, or 0. */
+static unsigned lost_sensor(const struct composition_block *b)
+{
+    for (uint8_t k = 0; k < b->c.sensors; k++)
+        if (b->c.sensor[k].moves && !b->c.sensor[k].there)
+            return b->c.sensor[k].input + 1u;
+    return 0;
+}
+
+static unsigned pulling_sensor(const struct composition_block *b)
+{
+    for (uint8_t k = 0; k < b->c.sensors; k++) {
+        if (b->s.pull > 0 && real_abs(b->c.sensor[k].pull) > b->s.pull)
+            return b->c.sensor[k].input + 1u;
+    }
+    return 0;
+}
+
+static unsigned surprising_sensor(const struct composition_block *b)
+{
+    for (uint8_t k = 0; k < b->c.sensors; k++)
+        if (b->s.nis > 0 && b->c.sensor[k].square > b->s.nis)
+            return b->c.sensor[k].input + 1u;
+    return 0;
+}
+
+/* One that is drawn to although it is far away: it was believed in the end, or at once in the beginning. */
+static bool believes_one_far_off(const struct composition *c)
+{
+    for (uint8_t k = 0; k < c->sensors; k++) {
+        const struct composition_sensor *s = &c->sensor[k];
+        if (c->gate > ZERO && s->moves && s->there && real_abs(s->e) > c->gate)
+            return true;
+    }
+    return false;
+}
+
+/* Whether a temperature moves anything in this step; remembered. */
+static bool is_drawn(struct composition_block *b)
+{
+    bool drawn = false;
+    for (uint8_t k = 0; k < b->c.sensors; k++)
+        drawn = drawn || (b->c.sensor[k].moves && b->c.sensor[k].there);
+    b->seen = b->seen || drawn;
+    return drawn;
+}
+
+static void raise_event(struct block_io *io, unsigned event, unsigned value)
+{
+    if (!value)
+        return;
+    io->raised = (uint16_t)(io->raised | 1u << event);
+    io->event_value[event] = (float)value;
+}
+
+/* Events, and how good the estimates are. */
+static enum quality judge_estimates(struct composition_block *b, struct block_io *io, enum err err)
+{
+    unsigned lost = lost_sensor(b);
+    bool settled = is_locked_on(b), drawn = is_drawn(b), dry = b->dry;
+    b->without = drawn && !dry ? 0 : b->without < UINT32_MAX ? b->without + 1u : b->without;
+    bool alone = b->without && (!b->seen || (real_t)b->without * b->c.h > b->s.alone_s);
+    if ((settled || b->c.watched) && !err)
+        composition_watch(&b->c);
+    bool watched = (real_t)b->c.watched * b->c.h >= b->s.watch_s;
+    unsigned pulling = watched ? pulling_sensor(b) : 0;
+    unsigned surprising = watched ? surprising_sensor(b) : 0;
+    unsigned odd = watched && b->s.apart > 0 ? composition_odd_sensor(&b->c, b->s.apart) : 0;
+
+    io->raised = 0;
+    raise_event(io, EVENT_LOST, lost);
+    raise_event(io, EVENT_ALONE, alone && !drawn ? 1 : 0);
+    raise_event(io, EVENT_PULL, pulling);
+    raise_event(io, EVENT_NIS, surprising);
+    raise_event(io, EVENT_APART, odd);
+    raise_event(io, EVENT_NO_STATE, err ? 1 : 0);
+    raise_event(io, EVENT_NO_INPUT, b->missing);
+    raise_event(io, EVENT_NO_BOIL, dry ? 1 : 0);
+    bool doubted = pulling || surprising || odd;
+    if (err || alone || (doubted && b->s.doubt == DOUBT_BAD))
+        return QUALITY_BAD;
+    return lost || b->missing || !settled || doubted || believes_one_far_off(&b->c)
+               ? QUALITY_UNCERTAIN
+               : QUALITY_GOOD;
+}
+
+/* Of component j (from 0) on a stage, in moles or by mass. */
+static real_t fraction_of(const struct composition_block *b, size_t stage, size_t j)
+{
+    real_t full[COLUMN_COMPONENTS_MAX];
+    real_t own = column_fraction(&b->c.column, b->c.x, stage, j) + correction_at(b, stage, j);
+    own = own > ZERO ? own < REAL_C(1.0) ? own : REAL_C(1.0) : ZERO;
+    if (b->s.basis == BASIS_MOLE)
+        return own;
+    /* The others share what is left as they do in the model. */
+    real_t was = REAL_C(1.0) - column_fraction(&b->c.column, b->c.x, stage, j);
+    for (size_t i = 0; i < b->c.table.config.components; i++)
+        full[i] = i == j ? own
+                  : was > ZERO
+                      ? column_fraction(&b->c.column, b->c.x, stage, i) * (REAL_C(1.0) - own) / was
+                      : ZERO;
+    return mass_fraction_of(b->c.table.component, b->c.table.config.components, full, j);
+}
+
+static void give_estimates(const struct composition_block *b, struct block_io *io,
+                           enum quality quality)
+{
+    for (unsigned k = 0; k < b->points; k++) {
+        size_t stage = b->s.point[k][AT_STAGE] - 1u, component = b->s.point[k][OF_COMPONENT];
+        real_t value = component == 0 ? composition_temperature(&b->c, stage)
+                                      : fraction_of(b, stage, component - 1);
+        value = factor_or_1(b->s.show[k][UNIT_FACTOR]) * value + b->s.show[k][UNIT_ZERO];
+        io->point[k] = num_from_float((value - b->point[k].lo) / (b->point[k].hi - b->point[k].lo));
+        io->point_quality[k] = (uint8_t)quality;
+    }
+}
+
+/* ---- steps ---- */
+
+static void composition_follow(void *state, struct block_io *io)
+{
+    struct composition_block *b = state;
+    (void)io;
+    b->steps = b->without = b->dry = 0;
+    b->begun = b->seen = false;
+    begin_analyses(b);
+    if (!b->settle) /* else work is on the column */
+        composition_begin(&b->c);
+}
+
+static void composition_block_step(void *state, struct block_io *io)
+{
+    struct composition_block *b = state;
+    real_t t[SENSORS_MAX];
+    if (io->work_wanted || (b->settle && !io->work_done)) {
+        io->ask_work = b->settle ? 1 : 0;
+        give_estimates(b, io, QUALITY_UNCERTAIN);
+        return;
+    }
+    b->settle = false;
+    take_inputs(b, io, t);
+    if (!b->begun) { /* nobody knows yet what was applied before this tick */
+        b->begun = true;
+        enum err none = composition_evaluate(&b->c);
+        give_estimates(b, io, none || !is_drawn(b) ? QUALITY_BAD : QUALITY_UNCERTAIN);
+        return;
+    }
+    enum err err = composition_step(&b->c, t);
+    count_vapour(b);
+    count_step(b, err != ERR_OK);
+    enum quality quality = judge_estimates(b, io, err);
+    unsigned odd = is_locked_on(b) ? step_analyses(b, io) : 0;
+    if (!b->missing)
+        raise_event(io, EVENT_NO_INPUT, odd);
+    give_estimates(b, io, odd && quality == QUALITY_GOOD ? QUALITY_UNCERTAIN : quality);
+}
+
+/* One step of an hour without any temperature. */
+static bool composition_work(void *state)
+{
+    struct composition_block *b = state;
+    real_t most = ZERO, h = b->c.h;
+    b->c.h = SETTLE_S;
+    enum err err = composition_predict(&b->c);
+    b->c.h = h;
+    for (size_t i = 0; !err && i < b->c.column.n_fractions; i++)
+        if (real_abs(b->c.blocks.change[i]) > most)
+            most = real_abs(b->c.blocks.change[i]);
+    b->settling++;
+    return !err && most > SETTLE_STILL && b->settling < SETTLE_MOST;
+}
+
+static const char *run_settle(void *state, const float *number)
+{
+    struct composition_block *b = state;
+    (void)number;
+    b->settle = true;
+    b->settling = 0;
+    b->steps = 0;
+    b->c.watched = 0; /* temperatures may be far from there */
+    return NULL;
+}
+
+static const char *run_begin(void *state, const float *number)
+{
+    (void)number;
+    struct composition_block *b = state;
+    if (b->settle) /* work is on the state */
+        return "settles";
+    b->steps = 0;
+    composition_begin(&b->c);
+    return NULL;
+}
+
+static const struct block_verb composition_verbs[] = {
+    {.name = "settle",
+     .help = "to the steady state of its own model at the inputs that there are",
+     .access = ACCESS_ENGINEER,
+     .run = run_settle},
+    {.name = "begin",
+     .help = "with the profile of the table",
+     .access = ACCESS_ENGINEER,
+     .run = run_begin},
+};
+
+static const struct block_event composition_events[COMPOSITION_EVENTS] = {
+    [EVENT_LOST] =
+        {"lost", BLOCK_INFO,
+         "a temperature is missing or too far off, the estimate goes on without; its input"},
+    [EVENT_ALONE] = {"alone", BLOCK_ALARM, "no temperature moves the model any more, -"},
+    [EVENT_PULL] = {"pull", BLOCK_ALARM, "a temperature draws the model too hard; its input"},
+    [EVENT_NIS] = {"nis", BLOCK_ALARM,
+                   "innovations are larger than they may be; input of the temperature"},
+    [EVENT_APART] = {"apart", BLOCK_ALARM,
+                     "temperatures of a section contradict each other; input of the oddest"},
+    [EVENT_NO_STATE] = {"no_state", BLOCK_ALARM, "the model has no solution and begins anew, -"},
+    [EVENT_NO_INPUT] = {"no_input", BLOCK_ALARM,
+                        "a flow is missing, its last value holds, or an analysis is late or not "
+                        "believed; which input"},
+    [EVENT_NO_BOIL] = {"no_boil", BLOCK_INFO,
+                       "no vapour reaches the model's condenser: heat and feed, or their units, -"},
+};
+
+const struct block_kind composition_kind = {
+    .name = "composition",
+    .stage = STAGE_ESTIMATE,
+    .parameter = composition_parameter_rows,
+    .parameters = COMPOSITION_PARAMETER_ROWS,
+    .settings_bytes = sizeof(struct composition_settings),
+    .names = 1,
+    .named_kind = "column",
+    .inputs_most = BLOCK_INPUTS_MAX,
+    .points_most = BLOCK_POINTS_MAX,
+    .bad_input = BAD_INPUT_IS_TOLD,
+    .work = composition_work,
+    .verb = composition_verbs,
+    .verbs = sizeof composition_verbs / sizeof composition_verbs[0],
+    .event = composition_events,
+    .events = COMPOSITION_EVENTS,
+    .bytes = composition_bytes,
+    .check = composition_check,
+    .configure = composition_configure,
+    .step = composition_block_step,
+    .follow = composition_follow,
+    .describe = composition_describe,
+};
+
+#endif

@@ -1,0 +1,242 @@
+/* Parameters of the kind `composition`: rows, what they come to, and what is refused. */
+#include "estimate/composition_block.h"
+
+#if CONFIG_BLOCKS
+
+#include <string.h>
+
+#define PLACE(field) offsetof(struct composition_settings, field)
+#define NUMBER(id, field, name, unit, help, lo, hi, initial)                                       \
+    {                                                                                              \
+        id, BLOCK_FLOAT, PLACE(field), 1, 1, name, unit, help, lo, hi, initial                     \
+    }
+
+const struct block_parameter composition_parameter_rows[COMPOSITION_PARAMETER_ROWS] = {
+    {1, BLOCK_U16, PLACE(column), 1, 1, "column", "-",
+     "number of the block with the column's table", 0, CONFIG_BLOCKS, 0},
+    {2, BLOCK_WORD, PLACE(method), 1, 1, "method", "geometric|rekf", "of estimation", 0, 0,
+     METHOD_GEOMETRIC},
+    {3, BLOCK_WORD, PLACE(is), BLOCK_INPUTS_MAX, 1, "is",
+     "temperature|feed|feed_temperature|feed_quality|reflux|heat|boilup|pressure|analysis",
+     "what the input is of the column", 0, 0, IS_TEMPERATURE},
+    {4, BLOCK_U16, PLACE(place), BLOCK_INPUTS_MAX, PLACE_COLS, "place", "-",
+     "of a temperature: stage, component it moves (1 is the first of the table; 0: none, it is "
+     "only compared)",
+     0, 200, 0},
+    {5, BLOCK_FLOAT, PLACE(tune), BLOCK_INPUTS_MAX, TUNE_COLS, "tune", "1/h, -",
+     "of a temperature: lambda and zeta", 0, 1e4f, 0},
+    {6, BLOCK_FLOAT, PLACE(si), BLOCK_INPUTS_MAX, UNIT_COLS, "si", "-",
+     "factor and zero: what the input is in SI units (K, m3/s, kg/s, mol/s, W, Pa)", -1e9f, 1e9f,
+     0},
+    {7, BLOCK_U16, PLACE(point), BLOCK_POINTS_MAX, PLACE_COLS, "point", "-",
+     "what is estimated: stage, component; component 0: its temperature", 0, 200, 0},
+    {8, BLOCK_FLOAT, PLACE(show), BLOCK_POINTS_MAX, UNIT_COLS, "show", "-",
+     "factor and zero: a point from mole fractions or K", -1e9f, 1e9f, 0},
+    NUMBER(9, noise, "noise", "K", "standard deviation of the readings", 0.001f, 100, 0.2f),
+    NUMBER(10, model, "model", "-",
+           "rekf: what a mole fraction gathers of unknown changes in an hour, standard deviation",
+           1e-6f, 100, 0.1f),
+    NUMBER(11, gate, "gate", "K", "readings farther from the estimate wait; 0: none does", 0, 1000,
+           10),
+    NUMBER(12, gate_s, "gate_time", "s", "after which they are believed", 0, 1e6f, 300),
+    NUMBER(13, pull, "pull", "K/h", "alarm: a sensor draws the model by more, in the mean; 0: none",
+           0, 1e5f, 0),
+    NUMBER(14, watch_s, "watch", "s", "of the means of the monitor", 1, 1e6f, 1800),
+    NUMBER(15, nis, "nis", "-",
+           "alarm: squares of the innovations over those expected, in the mean; 0: none", 0, 1e6f,
+           400),
+    NUMBER(16, alone_s, "alone", "s", "how long the model counts without any temperature", 0, 1e7f,
+           600),
+    NUMBER(18, apart, "apart", "K/h",
+           "alarm: sensors of a section draw the model so differently, in the mean; 0: none", 0,
+           1e5f, 0),
+    {19, BLOCK_WORD, PLACE(doubt), 1, 1, "doubt", "bad|uncertain",
+     "what the alarms pull, nis and apart make of the estimates", 0, 0, DOUBT_BAD},
+    {20, BLOCK_WORD, PLACE(basis), 1, 1, "basis", "mole|mass", "fractions of the points", 0, 0,
+     BASIS_MOLE},
+    NUMBER(21, far, "far", "-",
+           "mole fraction: an analysis farther off is not believed; 0: all are", 0, 1, 0.05f),
+    NUMBER(22, late_s, "late", "s", "without an analysis, until it is missed; 0: never", 0, 1e7f,
+           7200),
+    NUMBER(23, reach_s, "reach", "s", "age of the oldest sample of an analyser that counts", 1,
+           1e6f, 3600),
+    {17, BLOCK_WORD, PLACE(between), 1, 1, "between", "line|mean",
+     "temperatures of truncated stages, of those around them", 0, 0, COLUMN_BETWEEN_LINE},
+};
+
+/* lambda 10 1/h and zeta 3 where nothing is given: Frau 2.4, docs/composition-estimation.md */
+#define LAMBDA_INITIAL REAL_C(10.0)
+#define ZETA_INITIAL   REAL_C(3.0)
+#define HOUR           REAL_C(3600.0)
+
+static enum err refuse_composition(struct block_fault *fault, const char *field, const char *wanted)
+{
+    *fault = (struct block_fault){.field = field, .wanted = wanted};
+    return ERR_RANGE;
+}
+
+bool composition_is_sensor(const struct composition_settings *s, unsigned k)
+{
+    return s->is[k] == IS_TEMPERATURE;
+}
+
+/* ---- checks ---- */
+
+static enum err check_sensor(const struct composition_settings *s, const struct column_table *table,
+                             const struct block_setup *setup, unsigned k, struct block_fault *fault)
+{
+    unsigned stage = s->place[k][AT_STAGE], component = s->place[k][OF_COMPONENT];
+    if (setup->input[k].is_mv)
+        return refuse_composition(fault, "is", "says of an MV that it is a temperature");
+    if (stage < 1 || stage > table->config.stages)
+        return refuse_composition(
+            fault, "place", "needs the stage of each temperature, 1 to that of the condenser");
+    if (component > table->config.components - 1)
+        return refuse_composition(fault, "place",
+                                  "must have a component of the table but the closing one, or 0");
+    if (column_table_is_truncated(table, stage))
+        return refuse_composition(fault, "place", "must not be a truncated stage");
+    for (unsigned i = 0; i < k; i++)
+        if (composition_is_sensor(s, i) && s->place[i][AT_STAGE] == stage)
+            return refuse_composition(fault, "place",
+                                      "must have another stage for each temperature");
+    return ERR_OK;
+}
+
+static enum err check_analysis(const struct composition_settings *s,
+                               const struct column_table *table, const struct block_setup *setup,
+                               unsigned k, struct block_fault *fault)
+{
+    unsigned others = 0;
+    for (unsigned i = 0; i < k; i++)
+        others += s->is[i] == IS_ANALYSIS ? 1u : 0u;
+    if (others >= ANALYSES_MAX)
+        return refuse_composition(fault, "is", "must have two analyses at most");
+    if (setup->input[k].is_mv)
+        return refuse_composition(fault, "is", "says of an MV that it is an analysis");
+    if (s->place[k][AT_STAGE] < 1 || s->place[k][AT_STAGE] > table->config.stages ||
+        s->place[k][OF_COMPONENT] < 1 || s->place[k][OF_COMPONENT] > table->config.components)
+        return refuse_composition(fault, "place", "needs stage and component of each analysis");
+    if (s->tune[k][TUNE_LAMBDA] > 1)
+        return refuse_composition(fault, "tune", "must be a share, at most 1, for an analysis");
+    return ERR_OK;
+}
+
+static enum err check_flow(const struct composition_settings *s, const struct column_table *table,
+                           unsigned k, struct block_fault *fault)
+{
+    const struct column_inputs *in = &table->nominal;
+    for (unsigned i = 0; i < k; i++)
+        if (s->is[i] == s->is[k])
+            return refuse_composition(fault, "is", "must have each but the temperatures once");
+    if ((s->is[k] == IS_HEAT && in->boilup_given) || (s->is[k] == IS_BOILUP && !in->boilup_given))
+        return refuse_composition(fault, "is", "must have heat or boilup, whichever the table has");
+    if ((s->is[k] == IS_FEED_TEMPERATURE && in->feed_state != COLUMN_FEED_TEMPERATURE) ||
+        (s->is[k] == IS_FEED_QUALITY && in->feed_state != COLUMN_FEED_QUALITY))
+        return refuse_composition(
+            fault, "is", "must have the feed's temperature or quality, whichever the table has");
+    return ERR_OK;
+}
+
+static enum err check_all_inputs(const struct block_setup *setup, const struct column_table *table,
+                                 struct block_fault *fault)
+{
+    const struct composition_settings *s = setup->settings;
+    unsigned moves = 0;
+    for (unsigned k = 0; k < setup->inputs; k++) {
+        enum err err = composition_is_sensor(s, k) ? check_sensor(s, table, setup, k, fault)
+                       : s->is[k] == IS_ANALYSIS   ? check_analysis(s, table, setup, k, fault)
+                                                   : check_flow(s, table, k, fault);
+        if (err)
+            return err;
+        if (composition_is_sensor(s, k) && s->place[k][OF_COMPONENT] > 0)
+            moves++;
+    }
+    if (!moves)
+        return refuse_composition(fault, "place",
+                                  "needs one temperature at least that moves a component");
+    return ERR_OK;
+}
+
+static enum err check_points(const struct block_setup *setup, const struct column_table *table,
+                             struct block_fault *fault)
+{
+    const struct composition_settings *s = setup->settings;
+    if (!setup->points)
+        return refuse_composition(fault, "points", "needs one at least");
+    for (unsigned k = 0; k < setup->points; k++) {
+        if (s->point[k][AT_STAGE] < 1 || s->point[k][AT_STAGE] > table->config.stages)
+            return refuse_composition(fault, "point",
+                                      "needs a stage for each point, 1 to that of the condenser");
+        if (s->point[k][OF_COMPONENT] > table->config.components)
+            return refuse_composition(fault, "point", "must have a component of the table, or 0");
+    }
+    return ERR_OK;
+}
+
+enum err composition_check(const struct block_setup *setup, struct block_fault *fault)
+{
+    const struct composition_settings *s = setup->settings;
+    struct column_table table;
+    struct column_fault reason;
+    if (!setup->named || !s->column)
+        return refuse_composition(fault, "column",
+                                  "needs the number of a block of the kind column");
+    if (column_record_read(setup->named, &table, &reason))
+        return refuse_composition(fault, "column",
+                                  "must name a block with a table that is in order");
+    if (setup->members)
+        return refuse_composition(fault, "loops", "must be none");
+    for (size_t j = 0; s->basis == BASIS_MASS && j < table.config.components; j++)
+        if (!(table.component[j].molar_mass > 0))
+            return refuse_composition(fault, "basis",
+                                      "must be mole where the table has no molar masses");
+    if (table.config.activity && (table.truncated[0] || table.truncated[1]))
+        return refuse_composition(
+            fault, "column",
+            "must be a table without truncated stages where it has activity coefficients");
+    enum err err = check_all_inputs(setup, &table, fault);
+    return err ? err : check_points(setup, &table, fault);
+}
+
+/* ---- what they come to ---- */
+
+static void set_sensor(struct composition *c, const struct composition_settings *s, unsigned k)
+{
+    struct composition_sensor *o = &c->sensor[c->sensors++]; /* its past stays */
+    real_t lambda = s->tune[k][TUNE_LAMBDA] > 0 ? s->tune[k][TUNE_LAMBDA] : LAMBDA_INITIAL;
+    real_t zeta = s->tune[k][TUNE_ZETA] > 0 ? s->tune[k][TUNE_ZETA] : ZETA_INITIAL;
+    lambda /= HOUR;
+    o->input = (uint8_t)k;
+    o->stage = (uint8_t)(s->place[k][AT_STAGE] - 1u);
+    o->moves = s->place[k][OF_COMPONENT] > 0;
+    o->component = (uint8_t)(o->moves ? s->place[k][OF_COMPONENT] - 1u : 0u);
+    o->time = REAL_C(1.0) / lambda;
+    o->kp = REAL_C(2.0) * zeta * lambda;
+    real_t ki = s->method == METHOD_GEOMETRIC ? lambda * lambda : REAL_C(0.0);
+    if (ki > 0 && o->ki > 0) /* what the integral draws stays */
+        o->sum *= o->ki / ki;
+    o->ki = ki;
+}
+
+void composition_take_settings(struct composition *c, const struct block_setup *setup, bool keep)
+{
+    const struct composition_settings *s = setup->settings;
+    real_t h = setup->interval_s;
+    if (!keep)
+        memset(c->sensor, 0, sizeof c->sensor);
+    c->sensors = 0;
+    for (unsigned k = 0; k < setup->inputs; k++)
+        if (composition_is_sensor(s, k))
+            set_sensor(c, s, k);
+    c->method = s->method;
+    c->between = s->between;
+    c->h = h;
+    c->noise2 = s->noise * s->noise;
+    c->model2 = s->model * s->model / HOUR;
+    c->gate = s->gate;
+    c->gate_steps = (uint32_t)(s->gate_s / h);
+    c->weight = h < s->watch_s ? h / s->watch_s : REAL_C(1.0);
+}
+
+#endif

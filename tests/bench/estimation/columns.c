@@ -1,0 +1,87 @@
+/* Counts the instructions of a step of the estimator `composition` on columns of several sizes, and of the dense extended Kalman
+ * filter of the same model beside it. */
+#include "column.h"
+#include "cost.h"
+#include "dense_ekf.h"
+#include "estimate/composition_block.h"
+
+#define SAMPLES 220u
+#define FIRST   20u
+
+static void cost_of(const char *what, size_t stages, enum composition_method method,
+                    enum bench_truncated truncated)
+{
+    struct cost cost = {0}, first = {0};
+    uint32_t stack = 0;
+    real_t t[BENCH_SENSORS];
+    if (!bench_begin(stages, method, truncated))
+        return; /* a row is missing */
+    for (unsigned k = 0; k < SAMPLES; k++) {
+        bench_next(t);
+        cost_paint_stack();
+        uint32_t from = cost_now();
+        enum err err = composition_step(&bench_estimator, t);
+        uint32_t to = cost_now();
+        if (err)
+            return;
+        if (k == 0) /* bubble points from the middle of the temperature range */
+            cost_add(&first, from, to);
+        if (k >= FIRST)
+            cost_add(&cost, from, to);
+        stack = cost_stack_used() > stack ? cost_stack_used() : stack;
+    }
+    cost_say(what, (unsigned)stages, cost.sum / cost.count, cost.most,
+             sizeof(struct composition_block));
+    cost_say("first", (unsigned)stages, first.most, first.most, 0);
+    cost_say("stack", (unsigned)stages, stack, stack, 0);
+}
+
+#if COLUMN_STAGES_MAX < 100 /* its matrices leave no room for more */
+static void cost_of_dense(const char *what, enum dense_form form)
+{
+    static struct dense_ekf ekf;
+    struct cost cost = {0};
+    uint32_t stack = 0;
+    real_t t[BENCH_SENSORS];
+    if (!bench_begin(DENSE_STAGES, METHOD_REKF, ALL_STAGES) ||
+        dense_ekf_begin(&ekf, &bench_estimator, form) != ERR_OK)
+        return;
+    for (unsigned k = 0; k < SAMPLES / 4; k++) {
+        bench_next(t);
+        cost_paint_stack();
+        uint32_t from = cost_now();
+        enum err err = dense_ekf_step(&ekf, &bench_estimator.inputs, t);
+        uint32_t to = cost_now();
+        if (err)
+            return;
+        if (k >= FIRST)
+            cost_add(&cost, from, to);
+        stack = cost_stack_used() > stack ? cost_stack_used() : stack;
+    }
+    cost_say(what, DENSE_STAGES, cost.sum / cost.count, cost.most, dense_ekf_bytes(form));
+    cost_say("stack", DENSE_STAGES, stack, stack, 0);
+    if (form == DENSE_STEPS)
+        cost_say("steps", DENSE_STAGES, ekf.steps, ekf.steps, 0);
+}
+#endif
+
+int main(void)
+{
+    static const uint8_t stages[] = {12, 37, 100};
+    for (unsigned k = 0; k < sizeof stages && stages[k] <= COLUMN_STAGES_MAX; k++) {
+        cost_of("geometric", stages[k], METHOD_GEOMETRIC, ALL_STAGES);
+        cost_of("rekf", stages[k], METHOD_REKF, ALL_STAGES);
+    }
+    cost_of("geometric-truncated", 37, METHOD_GEOMETRIC, BETWEEN_ON_A_LINE);
+    cost_of("rekf-truncated", 37, METHOD_REKF, BETWEEN_ON_A_LINE);
+    cost_of("geometric-mean", 37, METHOD_GEOMETRIC, BETWEEN_BY_THE_MEAN);
+#if COLUMN_STAGES_MAX < 100
+    cost_of_dense("dense-euler", DENSE_EULER);
+    cost_of_dense("dense-steps", DENSE_STEPS);
+    cost_of_dense("dense-band", DENSE_BAND);
+    cost_of_dense("dense-transition", DENSE_TRANSITION);
+#endif
+    cost_say("done", 0, 0, 0, 0);
+    for (;;) {
+    }
+}

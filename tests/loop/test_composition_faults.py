@@ -1,0 +1,174 @@
+#!/usr/bin/python3
+"""What becomes of estimated compositions (docs/composition-estimation.md) when thermometers and flow meters fail or lie, the table is another
+column's, or the plant is far from it: three thermometers on the splitter, and one. `test_composition_faults.py table` prints the rows of
+docs/faults.md, which a test compares."""
+
+import re
+import sys
+import tempfile
+import unittest
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[2]
+sys.path.insert(0, str(ROOT / "tools"))
+
+from reflux_tools import estimates, runner  # noqa: E402
+from reflux_tools.errors import RunFailed  # noqa: E402
+from reflux_tools.estimates import Case  # noqa: E402
+from reflux_tools.logs import Log  # noqa: E402
+from reflux_tools.scenario import Event, Line  # noqa: E402
+
+HOUR = 3600.0
+BEGINS, ENDS, OVER = 3 * HOUR, 4 * HOUR, 7 * HOUR
+GOOD, UNCERTAIN, BAD = "0", "1", "2"
+WORDS = {GOOD: "good", UNCERTAIN: "uncertain", BAD: "bad"}
+THREE, ONE = "sE[C3,30,31,33]", "sE[C3,30]"
+T30, ALL = ("T30",), ("T30", "T31", "T33")
+
+
+@dataclass(frozen=True)
+class Fault:
+    name: str
+    where: str
+    structure: str
+    channels: tuple[str, ...]
+    begins: tuple[tuple[str, float], ...]
+    ends: tuple[tuple[str, float], ...]
+    during: str  # how good the estimate is called an hour after it began
+    said: tuple[str, ...]  # what the block says meanwhile
+    config: tuple[str, ...] = ()
+    back: bool = True  # good again three hours after its end, and within the band
+
+
+MISSING, REPAIRED = (("quality", 3),), (("quality", 0),)
+FREE = (("free", 1),)
+FAULTS = (
+    Fault("missing", "one of three", THREE, T30, MISSING, REPAIRED, UNCERTAIN, ("lost",)),
+    Fault("flagged bad", "one of three", THREE, T30, (("quality", 2),), REPAIRED, UNCERTAIN, ("lost",)),
+    Fault("uncertain", "one of three", THREE, T30, (("quality", 1),), REPAIRED, UNCERTAIN, ("lost",)),
+    Fault("not a number", "one of three", THREE, T30, (("nan", 1),), (("nan", 0),), UNCERTAIN, ("lost",)),
+    Fault("3 K too high, called good", "one of three", THREE, T30, (("bias", 3),), (("bias", 0),), BAD, ("apart",)),
+    Fault("dead: 280 K, called good", "one of three", THREE, T30, (("dead", 1),), FREE, UNCERTAIN, ("lost",)),
+    Fault("stuck 60 K too high", "one of three", THREE, T30, (("stuck", 395),), FREE, UNCERTAIN, ("lost",)),
+    Fault(
+        "spikes of 20 K, 20 an hour",
+        "one of three",
+        THREE,
+        T30,
+        (("spike", 20), ("spike_rate", 20)),
+        (("spike_rate", 0),),
+        GOOD,
+        ("lost",),
+    ),
+    Fault("missing", "the only one", ONE, T30, MISSING, REPAIRED, BAD, ("lost", "alone")),
+    Fault("missing", "all three", THREE, ALL, MISSING, REPAIRED, BAD, ("lost", "alone")),
+    Fault(
+        "stuck 60 K too high, which no composition gives",
+        "all three",
+        THREE,
+        ALL,
+        (("stuck", 395),),
+        FREE,
+        BAD,
+        ("nis", "lost", "apart"),
+        back=False,
+    ),
+    Fault("3 K too high, called good", "the only one", ONE, T30, (("bias", 3),), (("bias", 0),), GOOD, ()),
+    Fault("missing", "the feed's flow", THREE, ("Fm",), MISSING, REPAIRED, UNCERTAIN, ("no_input",)),
+    Fault("not a number", "the feed's flow", THREE, ("Fm",), (("nan", 1),), (("nan", 0),), UNCERTAIN, ("no_input",)),
+    Fault("missing", "the feed's temperature", THREE, ("TFm",), MISSING, REPAIRED, UNCERTAIN, ("no_input",)),
+    Fault("reads nothing, called good", "the feed's flow", THREE, ("Fm",), (("dead", 1),), FREE, BAD, ("apart",)),
+)
+
+
+def play(fault: Fault, method: str, more_events: tuple[Event, ...] = ()) -> tuple[Log, list]:
+    case = Case(fault.structure, method, hours=OVER / HOUR, apart=200)
+    with tempfile.TemporaryDirectory(prefix="reflux-") as folder:
+        base = estimates.scenario(case, Path(folder))
+        events = [*(e for e in base.events if e.at_s == 0), *more_events]
+        for at, options in ((BEGINS, fault.begins), (ENDS, fault.ends)):
+            events += [Event(at, f"{c}.{option}", value) for c in fault.channels for option, value in options]
+        rows = [line for line in base.config if not line.text.startswith("set block3.doubt")]
+        more = [Line(0.0, text) for text in fault.config]
+        played = replace(base, events=tuple(events), config=(*rows[:-1], *more, rows[-1]))
+        log = runner.run(played, runner.Options(Path(folder) / "out", quiet=True)).log
+        return log, runner.events_in(Path(folder) / "out" / "transcript.txt")
+
+
+def at(log: Log, column: str, when: float) -> str:
+    t = log.numbers("time")
+    return log.text(column)[min(range(len(t)), key=lambda k: abs(t[k] - when))]
+
+
+def said(told: list, first: float, last: float) -> set[str]:
+    return {
+        text.split()[0].removeprefix("block3.")
+        for t, _, code, text in told
+        if first <= t <= last and text.startswith("block3.") and code != "BLOCK_VERB"
+    }
+
+
+def rows() -> list[str]:
+    out = ["| fault, an hour long | where | the estimates | the block says |", "|---|---|---|---|"]
+    for f in FAULTS:
+        words = ", ".join(f"`{w}`" for w in f.said) or "nothing: with one thermometer nobody contradicts it"
+        out.append(f"| {f.name} | {f.where} | {WORDS[f.during]} | {words} |")
+    return out
+
+
+class Faults(unittest.TestCase):
+    def judge(self, fault: Fault, method: str) -> None:
+        log, told = play(fault, method)
+        self.assertEqual(at(log, "fw.est_iC4.q", BEGINS - 60), GOOD)
+        self.assertEqual(at(log, "fw.est_iC4.q", ENDS - 60), fault.during)
+        self.assertEqual(said(told, 0, BEGINS - 1), set())
+        self.assertEqual(said(told, BEGINS, ENDS), set(fault.said))
+        for x in log.numbers("fw.est_iC4"):
+            self.assertTrue(0 <= x <= 1)
+        if fault.back:
+            self.assertEqual(at(log, "fw.est_iC4.q", OVER - 60), GOOD)
+            self.assertLess(abs(float(at(log, "fw.est_iC4", OVER)) - float(at(log, "iC4_D", OVER))), estimates.BAND)
+
+    def test_every_fault_ends_as_it_must_with_both_methods(self) -> None:
+        cases = [(f, method) for f in FAULTS for method in ("geometric", "rekf")]
+        with ThreadPoolExecutor(2) as pool:
+            done = pool.map(lambda case: self.outcome(*case), cases)
+        for (fault, method), error in zip(cases, done):
+            with self.subTest(fault=fault.name, where=fault.where, method=method):
+                if error:
+                    raise error
+
+    def outcome(self, fault: Fault, method: str) -> Exception | None:
+        try:
+            self.judge(fault, method)
+        except (AssertionError, RunFailed) as error:
+            return error
+        return None
+
+    def test_a_table_of_another_feed_is_told(self) -> None:
+        """60 % propane where there are 28 %: the model cannot have these temperatures with these flows."""
+        wrong = estimates.table_lines("SS1", "C3,iC4,nC4", "", True, ("zC3=0.6", "znC4=0.1556"))
+        fault = Fault("", "", THREE, (), (), (), BAD, (), wrong)
+        log, told = play(fault, "geometric")
+        self.assertTrue(said(told, 0, OVER) & {"nis", "apart", "pull"}, told)
+        self.assertEqual(at(log, "fw.est_iC4.q", OVER - 60), BAD)
+
+    def test_a_plant_that_leaves_its_model_is_told(self) -> None:
+        """Half of the feed is gone, and its meter goes on saying what it said: three thermometers cannot make up for it."""
+        fault = Fault("", "", THREE, ("Fm",), (("frozen", 1),), FREE, BAD, ())
+        log, told = play(fault, "geometric", (Event(BEGINS + 60, "F", 45.0), Event(ENDS, "F", 88.2)))
+        self.assertTrue(said(told, BEGINS, ENDS) & {"nis", "apart", "pull"}, told)
+
+    def test_the_page_has_these_rows(self) -> None:
+        page = (ROOT / "docs" / "faults.md").read_text(encoding="utf-8")
+        section = page.split("### Estimated compositions")[1]
+        self.assertEqual(re.findall(r"^\|.*$", section.split("\n### ")[0], re.MULTILINE), rows())
+
+
+if __name__ == "__main__":
+    if sys.argv[1:] == ["table"]:
+        print("\n".join(rows()))
+    else:
+        unittest.main(argv=[sys.argv[0], "-v"])
