@@ -2,6 +2,7 @@
 #ifndef REFLUX_ESTIMATE_COMPOSITION_BLOCK_H
 #define REFLUX_ESTIMATE_COMPOSITION_BLOCK_H
 
+#include "base/channel.h"
 #include "estimate/composition.h"
 #include "estimate/composition_analysis.h"
 
@@ -47,6 +48,16 @@ bool composition_is_sensor(const struct composition_settings *s, unsigned k);
 /* Everything but the column and the past. */
 /* keep: sensors are those that there were, and keep their past. */
 void composition_take_settings(struct composition *c, const struct block_setup *setup, bool keep);
+/* Whether it has had the time to find its plant. */
+bool composition_is_locked_on(const struct composition_block *b);
+/* After each step: what was not seen for a while is found again as slowly as it was lost. */
+void composition_count_step(struct composition_block *b, bool failed);
+/* Whether a temperature moves anything in this step; remembered. */
+bool composition_is_drawn(struct composition_block *b);
+/* value 0: it does not hold. */
+void composition_raise(struct block_io *io, unsigned event, unsigned value);
+/* Events, and how good the estimates are. err: of the step. */
+enum quality composition_judge(struct composition_block *b, struct block_io *io, enum err err);
 const char *composition_describe(const void *state, size_t i, float *value);
 
 #endif
