@@ -15,6 +15,11 @@ struct column_record {
     float value[COLUMN_TABLE_MOST];
 };
 
+static inline uint32_t column_record_checksum(const struct column_record *record)
+{
+    return (uint32_t)record->checksum[0] << 16 | record->checksum[1];
+}
+
 /* What a record says: of the block itself, or of `named` in the setup of one that names it. The record must stay as long
  * as the table is used. Errors as column_table_read(). */
 MUST_CHECK enum err column_record_read(const struct column_record *record,

@@ -65,8 +65,7 @@ enum err column_record_read(const struct column_record *record, struct column_ta
 {
     struct column_table_text text = {.version = record->version,
                                      .size = record->size,
-                                     .checksum =
-                                         (uint32_t)record->checksum[0] << 16 | record->checksum[1],
+                                     .checksum = column_record_checksum(record),
                                      .value = record->value};
     return column_table_read(&text, table, fault);
 }

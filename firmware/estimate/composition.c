@@ -44,24 +44,19 @@ void composition_begin(struct composition *c)
 
 static void slopes_at(const struct composition *c, size_t stage, real_t *dt, real_t *dy)
 {
-    size_t n = c->table.config.components, m = n - 1;
+    size_t n = c->table.config.components;
     real_t full[COLUMN_COMPONENTS_MAX];
-    full[m] = ONE;
-    for (size_t j = 0; j < m; j++) {
-        full[j] = c->x[stage * m + j];
-        full[m] -= full[j];
-    }
+    for (size_t j = 0; j < n; j++)
+        full[j] = column_fraction(&c->column, c->x, stage, j);
     vle_full_slopes(&c->column.vle, c->column.temperature[stage], full, &c->column.k[stage * n],
                     &c->column.dk[stage * n], dt, dy);
 }
 
-/* By how much the last step moved the temperature of a stage that is not truncated. */
-static real_t step_moved(const struct composition *c, size_t stage)
+/* By how much the step moves the temperature of a stage that is not truncated. */
+static real_t step_moves(const struct composition *c, size_t stage, const real_t *dt)
 {
     size_t m = c->table.config.components - 1;
-    real_t dt[COLUMN_COMPONENTS_MAX], dy[COLUMN_COMPONENTS_MAX * COLUMN_COMPONENTS_MAX];
     real_t sum = ZERO;
-    slopes_at(c, stage, dt, dy);
     for (size_t j = 0; j < m; j++)
         sum += dt[j] * c->blocks.change[stage * m + j];
     return sum;
@@ -69,25 +64,23 @@ static real_t step_moved(const struct composition *c, size_t stage)
 
 real_t composition_temperature(const struct composition *c, size_t stage)
 {
+    real_t dt[COLUMN_COMPONENTS_MAX], dy[COLUMN_COMPONENTS_MAX * COLUMN_COMPONENTS_MAX];
     real_t t = c->column.temperature[stage];
-    return c->truncated[stage] || !c->solved ? t : t + step_moved(c, stage);
+    if (c->truncated[stage] || !c->solved)
+        return t;
+    slopes_at(c, stage, dt, dy);
+    return t + step_moves(c, stage, dt);
 }
 
 /* ---- innovation ---- */
 
-static bool is_far(const struct composition *c, const struct composition_sensor *s)
-{
-    return real_abs(s->e) > c->gate;
-}
-
 /* Whether another temperature of its section agrees with the estimate. */
 static bool is_contradicted(const struct composition *c, const struct composition_sensor *s)
 {
-    size_t feed = c->table.config.feed_stage;
     for (uint8_t k = 0; k < c->sensors; k++) {
         const struct composition_sensor *other = &c->sensor[k];
-        if (other != s && other->moves && other->there && !is_far(c, other) &&
-            (other->stage + 1u > feed) == (s->stage + 1u > feed))
+        if (other != s && composition_draws(other) && !composition_is_far(c, other) &&
+            composition_is_above_feed(c, other) == composition_is_above_feed(c, s))
             return true;
     }
     return false;
@@ -98,7 +91,7 @@ static bool is_contradicted(const struct composition *c, const struct compositio
 static bool is_outside(const struct composition *c, struct composition_sensor *s)
 {
     bool found = (real_t)c->watched * c->h > s->time;
-    if (!(c->gate > ZERO) || !found || !is_far(c, s)) {
+    if (!found || !composition_is_far(c, s)) {
         s->outside = 0;
         return false;
     }
@@ -132,17 +125,12 @@ static void take_readings(struct composition *c, const real_t *t)
     }
 }
 
-static bool draws(const struct composition_sensor *s)
-{
-    return s->moves && s->there;
-}
-
 static size_t pulls_of(const struct composition *c, struct column_pull *pull)
 {
     size_t n = 0;
     for (uint8_t k = 0; k < c->sensors; k++) {
         const struct composition_sensor *s = &c->sensor[k];
-        if (c->method == METHOD_GEOMETRIC && draws(s))
+        if (c->method == METHOD_GEOMETRIC && composition_draws(s))
             pull[n++] = (struct column_pull){.stage = s->stage,
                                              .component = s->component,
                                              .deviation = s->e,
@@ -205,7 +193,7 @@ static void filter(struct composition *c, struct composition_sensor *s, const re
         s->variance += c->h * (REAL_C(2.0) * rate * s->variance + c->model2);
     }
     s->spread = b * s->variance * b + c->noise2;
-    if (!draws(s))
+    if (!composition_draws(s))
         return;
     s->e -= moved; /* the reading belongs to the end of the step */
     real_t gain = s->variance * b / s->spread;
@@ -218,17 +206,14 @@ static void filter(struct composition *c, struct composition_sensor *s, const re
 static void take_step(struct composition *c)
 {
     real_t dt[COLUMN_COMPONENTS_MAX], dy[COLUMN_COMPONENTS_MAX * COLUMN_COMPONENTS_MAX];
-    size_t m = c->table.config.components - 1;
     for (uint8_t k = 0; k < c->sensors; k++) {
         struct composition_sensor *s = &c->sensor[k];
-        real_t moved = ZERO;
         slopes_at(c, s->stage, dt, dy);
-        for (size_t j = 0; j < m; j++)
-            moved += dt[j] * c->blocks.change[s->stage * m + j];
+        real_t moved = step_moves(c, s->stage, dt);
         s->slope = dt[s->component];
         if (c->method == METHOD_REKF && s->moves)
             filter(c, s, dt, dy, moved);
-        else if (draws(s))
+        else if (composition_draws(s))
             integrate(c, s, moved);
     }
 }

@@ -53,6 +53,26 @@ struct composition {
         bounced; /* steps since the profile was taken again because there was no solution; saturates */
 };
 
+/* It moves the model in this step. */
+static inline bool composition_draws(const struct composition_sensor *s)
+{
+    return s->moves && s->there;
+}
+
+/* The section it is in. */
+static inline bool composition_is_above_feed(const struct composition *c,
+                                             const struct composition_sensor *s)
+{
+    return s->stage + 1u > c->table.config.feed_stage;
+}
+
+/* From the estimate, by more than the gate. */
+static inline bool composition_is_far(const struct composition *c,
+                                      const struct composition_sensor *s)
+{
+    return c->gate > REAL_C(0.0) && real_abs(s->e) > c->gate;
+}
+
 /* Begins with the profile of the table. */
 void composition_begin(struct composition *c);
 

@@ -2,12 +2,17 @@
 
 #include <string.h>
 
-void composition_analysis_begin(struct composition_analysis *a, real_t h, real_t reach)
+uint16_t composition_analysis_every(real_t h, real_t reach)
 {
     real_t every = reach / (h * (real_t)(ANALYSIS_PAST - 1u));
+    return every < REAL_C(60000.0) ? (uint16_t)(every + REAL_C(1.0)) : 60000u;
+}
+
+void composition_analysis_begin(struct composition_analysis *a, real_t h, real_t reach)
+{
     memset(a->past, 0, sizeof a->past);
     a->at = a->filled = a->counted = 0;
-    a->every = every < REAL_C(60000.0) ? (uint16_t)(every + REAL_C(1.0)) : 60000u;
+    a->every = composition_analysis_every(h, reach);
     a->correction = a->surprise = a->age_s = REAL_C(0.0);
     a->seen = a->far = false;
 }

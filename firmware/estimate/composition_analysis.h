@@ -32,6 +32,9 @@ struct composition_analysis {
     uint16_t every;
 };
 
+/* Every how many steps the estimate is kept. h: s, of a step; reach: s, the oldest sample that counts. */
+uint16_t composition_analysis_every(real_t h, real_t reach);
+
 /* h: s, of a step; reach: s, the oldest sample that counts. Nothing is known before. */
 void composition_analysis_begin(struct composition_analysis *a, real_t h, real_t reach);
 

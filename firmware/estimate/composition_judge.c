@@ -49,9 +49,9 @@ static bool is_blind(const struct composition_block *b)
     bool has[2] = {false, false}, sees[2] = {false, false};
     for (uint8_t k = 0; k < c->sensors; k++) {
         const struct composition_sensor *s = &c->sensor[k];
-        unsigned above = s->stage + 1u > c->table.config.feed_stage;
+        unsigned above = composition_is_above_feed(c, s);
         has[above] = has[above] || s->moves;
-        sees[above] = sees[above] || (s->moves && s->there);
+        sees[above] = sees[above] || composition_draws(s);
     }
     return (has[0] && !sees[0]) || (has[1] && !sees[1]) || b->dry;
 }
@@ -102,7 +102,7 @@ static bool believes_one_far_off(const struct composition *c)
 {
     for (uint8_t k = 0; k < c->sensors; k++) {
         const struct composition_sensor *s = &c->sensor[k];
-        if (c->gate > ZERO && s->moves && s->there && real_abs(s->e) > c->gate)
+        if (composition_draws(s) && composition_is_far(c, s))
             return true;
     }
     return false;
@@ -113,7 +113,7 @@ bool composition_is_drawn(struct composition_block *b)
 {
     bool drawn = false;
     for (uint8_t k = 0; k < b->c.sensors; k++)
-        drawn = drawn || (b->c.sensor[k].moves && b->c.sensor[k].there);
+        drawn = drawn || composition_draws(&b->c.sensor[k]);
     b->seen = b->seen || drawn;
     return drawn;
 }

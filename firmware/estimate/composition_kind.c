@@ -8,6 +8,7 @@
 #include "base/channel.h"
 
 #define ZERO REAL_C(0.0)
+#define ONE  REAL_C(1.0)
 
 /* To its own steady state: steps of an hour until none of them moves a mole fraction by more. */
 #define SETTLE_S     REAL_C(3600.0)
@@ -36,7 +37,7 @@ static enum err take_column(struct composition_block *b, const struct column_rec
     for (size_t s = 0; s < COLUMN_STAGES_MAX; s++)
         c->truncated[s] = s < c->table.config.stages && column_table_is_truncated(&c->table, s + 1);
     b->record = record;
-    b->checksum = (uint32_t)record->checksum[0] << 16 | record->checksum[1];
+    b->checksum = column_record_checksum(record);
     return ERR_OK;
 }
 
@@ -63,9 +64,7 @@ static void take_analyses(struct composition_block *b, bool keep)
         a->component = (uint8_t)(b->s.place[k][OF_COMPONENT] - 1u);
         a->share = b->s.tune[k][TUNE_LAMBDA] > 0 ? b->s.tune[k][TUNE_LAMBDA] : SHARE_INITIAL;
     }
-    struct composition_analysis fresh;
-    composition_analysis_begin(&fresh, b->c.h, b->s.reach_s);
-    if (!keep || (b->analyses && fresh.every != before))
+    if (!keep || before != composition_analysis_every(b->c.h, b->s.reach_s))
         begin_analyses(b);
 }
 
@@ -74,10 +73,9 @@ static enum err composition_configure(void *state, const struct block_setup *set
     struct composition_block *b = state;
     const struct column_record *record = setup->named;
     const struct composition_settings *s = setup->settings;
-    bool same =
-        retune && b->checksum == ((uint32_t)record->checksum[0] << 16 | record->checksum[1]) &&
-        b->record == record && b->s.method == s->method &&
-        !memcmp(b->s.place, s->place, sizeof s->place) && !memcmp(b->s.is, s->is, sizeof s->is);
+    bool same = retune && b->checksum == column_record_checksum(record) && b->record == record &&
+                b->s.method == s->method && !memcmp(b->s.place, s->place, sizeof s->place) &&
+                !memcmp(b->s.is, s->is, sizeof s->is);
     if (!same) {
         memset(b, 0, sizeof *b);
         enum err err = take_column(b, record);
@@ -100,7 +98,7 @@ static enum err composition_configure(void *state, const struct block_setup *set
 
 static real_t factor_or_1(real_t factor)
 {
-    return factor < ZERO || factor > ZERO ? factor : REAL_C(1.0);
+    return factor < ZERO || factor > ZERO ? factor : ONE;
 }
 
 /* In SI units. */
@@ -199,33 +197,41 @@ static real_t correction_at(const struct composition_block *b, size_t stage, siz
 
 /* ---- what comes out ---- */
 
-/* Of component j (from 0) on a stage, in moles or by mass. */
-static real_t fraction_of(const struct composition_block *b, size_t stage, size_t j)
+/* Of component j (from 0) on a stage, with what analyses say of it. */
+static real_t mole_fraction_at(const struct composition_block *b, size_t stage, size_t j)
 {
-    real_t full[COLUMN_COMPONENTS_MAX];
-    real_t own = column_fraction(&b->c.column, b->c.x, stage, j) + correction_at(b, stage, j);
-    own = own > ZERO ? own < REAL_C(1.0) ? own : REAL_C(1.0) : ZERO;
-    if (b->s.basis == BASIS_MOLE)
-        return own;
-    /* The others share what is left as they do in the model. */
-    real_t was = REAL_C(1.0) - column_fraction(&b->c.column, b->c.x, stage, j);
-    for (size_t i = 0; i < b->c.table.config.components; i++)
-        full[i] = i == j ? own
-                  : was > ZERO
-                      ? column_fraction(&b->c.column, b->c.x, stage, i) * (REAL_C(1.0) - own) / was
-                      : ZERO;
-    return mass_fraction_of(b->c.table.component, b->c.table.config.components, full, j);
+    return kept_between(
+        column_fraction(&b->c.column, b->c.x, stage, j) + correction_at(b, stage, j), ZERO, ONE);
+}
+
+/* The same by mass: the others share what is left as they do in the model. */
+static real_t mass_fraction_at(const struct composition_block *b, size_t stage, size_t j)
+{
+    size_t n = b->c.table.config.components;
+    real_t full[COLUMN_COMPONENTS_MAX], own = mole_fraction_at(b, stage, j);
+    real_t rest = ONE - column_fraction(&b->c.column, b->c.x, stage, j);
+    real_t share = rest > ZERO ? (ONE - own) / rest : ZERO;
+    for (size_t i = 0; i < n; i++)
+        full[i] = i == j ? own : share * column_fraction(&b->c.column, b->c.x, stage, i);
+    return mass_fraction_of(b->c.table.component, n, full, j);
+}
+
+/* What a point is, in its own unit. */
+static real_t estimate_of(const struct composition_block *b, unsigned k)
+{
+    size_t stage = b->s.point[k][AT_STAGE] - 1u, component = b->s.point[k][OF_COMPONENT];
+    real_t value = component == 0             ? composition_temperature(&b->c, stage)
+                   : b->s.basis == BASIS_MOLE ? mole_fraction_at(b, stage, component - 1)
+                                              : mass_fraction_at(b, stage, component - 1);
+    return factor_or_1(b->s.show[k][UNIT_FACTOR]) * value + b->s.show[k][UNIT_ZERO];
 }
 
 static void give_estimates(const struct composition_block *b, struct block_io *io,
                            enum quality quality)
 {
     for (unsigned k = 0; k < b->points; k++) {
-        size_t stage = b->s.point[k][AT_STAGE] - 1u, component = b->s.point[k][OF_COMPONENT];
-        real_t value = component == 0 ? composition_temperature(&b->c, stage)
-                                      : fraction_of(b, stage, component - 1);
-        value = factor_or_1(b->s.show[k][UNIT_FACTOR]) * value + b->s.show[k][UNIT_ZERO];
-        io->point[k] = num_from_float((value - b->point[k].lo) / (b->point[k].hi - b->point[k].lo));
+        real_t span = b->point[k].hi - b->point[k].lo;
+        io->point[k] = num_from_float((estimate_of(b, k) - b->point[k].lo) / span);
         io->point_quality[k] = (uint8_t)quality;
     }
 }

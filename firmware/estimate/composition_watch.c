@@ -31,7 +31,7 @@ void composition_watch(struct composition *c)
 
 static bool counts(const struct composition *c, const struct composition_sensor *s, bool above)
 {
-    return s->moves && s->there && (s->stage + 1u > c->table.config.feed_stage) == above;
+    return composition_draws(s) && composition_is_above_feed(c, s) == above;
 }
 
 /* Of the sensors of a section: how many, the least and the largest correction. */

@@ -39,8 +39,9 @@ enum column_between {
     COLUMN_BETWEEN_MEAN  /* their mean, Frau (6.3): vapour pressures once a region */
 };
 
-/* Outputs and rates[n_fractions] at the states x, as column_rates (column.h), where truncated[s] is set for stages whose temperature is interpolated. Their last but one mole fraction follows from the bubble point (6.4), kept
- * within what the others leave, and is written to x. Neither the reboiler nor the condenser is truncated, nor the feed stage.
+/* Outputs and rates[n_fractions] at the states x, as column_rates (column.h), where truncated[s] is set for stages whose temperature
+ * is interpolated. Their last but one mole fraction follows from the bubble point (6.4), kept within what the others leave, and is
+ * written to x. Neither the reboiler nor the condenser is truncated, nor the feed stage.
  * The config has constant holdups, perfect levels, and with truncated stages an ideal liquid. Errors as column_evaluate. */
 MUST_CHECK enum err column_truncated_rates(struct column *column, const bool *truncated,
                                            enum column_between between, real_t *x, real_t *rates);
