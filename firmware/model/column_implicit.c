@@ -1,6 +1,7 @@
 #include "model/column_implicit.h"
 
 #include "model/column_inside.h"
+#include "model/solve_small.h"
 
 #define ZERO REAL_C(0.0)
 #define ONE  REAL_C(1.0)
@@ -10,22 +11,17 @@
 /* What is done at a stage takes m, the number of mole fractions, and is expanded where it is called: for two of them, which is what a column
  * on a board mostly has, and for any number. Loops of two turns cost more than what is in them; without them a step of this file takes
  * half of the instructions. */
-#define ALWAYS_INLINE inline __attribute__((always_inline))
 
 /* One stage's equations: unknowns are its own changes; the right sides are the changes of the stage above, then numbers. */
+#define WIDTH (2 * M_MAX + 1)
 struct rows {
-    real_t of[M_MAX][2 * M_MAX + 1];
+    real_t of[M_MAX][WIDTH];
 };
 
 /* The change of the vapour that comes from below: slope times that of this stage's liquid, and a number. */
 struct vapour_change {
     real_t slope[M_MAX * M_MAX], number[M_MAX];
 };
-
-static real_t downward(real_t flow)
-{
-    return flow > ZERO ? flow : ZERO;
-}
 
 /* dT/dx and dy/dx of a stage in equilibrium. On a truncated stage the temperature is given: there is no dT/dx, and y of every
  * component goes with its own mole fraction. */
@@ -52,7 +48,7 @@ static ALWAYS_INLINE void balances(size_t m, const struct column *column, const 
 {
     const struct column_config *config = column->config;
     size_t top = config->stages - 1;
-    real_t liquid = s == top ? ZERO : downward(column->liquid[s + 1]);
+    real_t liquid = s == top ? ZERO : column_downward(column->liquid[s + 1]);
     real_t vapour_in = s == 0 ? ZERO : column->vapour_flow[s - 1], out = column->vapour_flow[s];
     real_t feed = s + 1 == config->feed_stage ? column->flows.feed : ZERO;
     real_t own = column->holdup[s] / h + liquid + vapour_in + feed - out;
@@ -94,43 +90,6 @@ static ALWAYS_INLINE void close_rows(size_t m, const struct column *column, size
     row[2 * m] = ZERO;
 }
 
-static ALWAYS_INLINE void swap(struct rows *rows, size_t a, size_t b, size_t width)
-{
-    for (size_t j = 0; j < width; j++) {
-        real_t kept = rows->of[a][j];
-        rows->of[a][j] = rows->of[b][j];
-        rows->of[b][j] = kept;
-    }
-}
-
-/* Gauss and Jordan with the largest pivot of a column. Right sides become solutions. */
-static ALWAYS_INLINE bool solve_rows(size_t m, struct rows *rows)
-{
-    size_t width = 2 * m + 1;
-
-    for (size_t p = 0; p < m; p++) {
-        size_t largest = p;
-        for (size_t i = p + 1; i < m; i++)
-            if (real_abs(rows->of[i][p]) > real_abs(rows->of[largest][p]))
-                largest = i;
-        if (!(real_abs(rows->of[largest][p]) > ZERO))
-            return false;
-        if (largest != p)
-            swap(rows, p, largest, width);
-        real_t *pivot = rows->of[p], scale = ONE / pivot[p];
-        for (size_t j = p + 1; j < width; j++)
-            pivot[j] *= scale;
-        for (size_t i = 0; i < m; i++) {
-            if (i == p)
-                continue;
-            real_t part = rows->of[i][p];
-            for (size_t j = p + 1; j < width; j++)
-                rows->of[i][j] -= part * pivot[j];
-        }
-    }
-    return true;
-}
-
 /* Of the vapour leaving the stage, by the change of the liquid on the stage above. */
 static ALWAYS_INLINE void leave(size_t m, real_t efficiency, const real_t *dy,
                                 const struct rows *rows, struct vapour_change *v)
@@ -150,14 +109,6 @@ static ALWAYS_INLINE void leave(size_t m, real_t efficiency, const real_t *dy,
         }
         v->number[i] = number;
     }
-}
-
-static real_t efficiency_of(const struct column *column, size_t s)
-{
-    const struct column_config *config = column->config;
-    if (s == 0 || s == config->stages - 1)
-        return ONE;
-    return s + 1 == config->feed_stage ? column->feed_efficiency : config->efficiency;
 }
 
 static ALWAYS_INLINE void keep_rows(size_t m, const struct rows *rows, size_t s,
@@ -195,7 +146,7 @@ static ALWAYS_INLINE enum err step(size_t m, const struct column *column, const 
     struct rows rows;
 
     for (size_t s = 0; s < column->config->stages; s++) {
-        real_t efficiency = efficiency_of(column, s);
+        real_t efficiency = column_efficiency_of(column, s);
         slopes_of(m, column, truncated[s], x, s, dt, dy);
         balances(m, column, rates, h, s, efficiency, dy, &below, &rows);
         for (size_t k = 0; k < pulls; k++)
@@ -203,7 +154,7 @@ static ALWAYS_INLINE enum err step(size_t m, const struct column *column, const 
                 draw(m, column, &pull[k], dt, &rows);
         if (truncated[s])
             close_rows(m, column, s, &rows);
-        if (!solve_rows(m, &rows))
+        if (!solve_small(m, 2 * m + 1, WIDTH, &rows.of[0][0]))
             return ERR_RANGE;
         keep_rows(m, &rows, s, blocks);
         leave(m, efficiency, dy, &rows, &below);

@@ -42,6 +42,21 @@ static inline real_t column_within(real_t fraction, real_t room)
     return fraction < room ? fraction : room;
 }
 
+/* Murphree efficiency of a stage at the flows as they are. */
+static inline real_t column_efficiency_of(const struct column *column, size_t s)
+{
+    const struct column_config *config = column->config;
+    if (s == 0 || s == config->stages - 1)
+        return REAL_C(1.0);
+    return s + 1 == config->feed_stage ? column->feed_efficiency : config->efficiency;
+}
+
+/* A liquid's flow as far as it goes down. */
+static inline real_t column_downward(real_t flow)
+{
+    return flow > REAL_C(0.0) ? flow : REAL_C(0.0);
+}
+
 /* The lesser of value and limit (both 0 or more), rounded off where they are within the relative width. */
 static inline real_t column_soft_limit(real_t value, real_t limit, real_t width)
 {

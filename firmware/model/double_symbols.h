@@ -50,6 +50,11 @@
 #define column_truncated_rates      MODEL_SYMBOL(column_truncated_rates)
 #define column_implicit_step        MODEL_SYMBOL(column_implicit_step)
 #define column_move                 MODEL_SYMBOL(column_move)
+#define column_transition_make      MODEL_SYMBOL(column_transition_make)
+#define column_transition_apply     MODEL_SYMBOL(column_transition_apply)
+#define column_feed_slopes          MODEL_SYMBOL(column_feed_slopes)
+#define column_feed_moles_slope     MODEL_SYMBOL(column_feed_moles_slope)
+#define column_feed_flow_slope      MODEL_SYMBOL(column_feed_flow_slope)
 #endif
 
 #endif

@@ -1,0 +1,49 @@
+/* A few equations for the unknowns of one stage, with several right sides. What is here is expanded where it is called, with the
+ * number of unknowns known there: loops of two turns cost more than what is in them. */
+#ifndef REFLUX_MODEL_SOLVE_SMALL_H
+#define REFLUX_MODEL_SOLVE_SMALL_H
+
+#include <stdbool.h>
+#include <stddef.h>
+
+#include "num/real.h"
+
+#define ALWAYS_INLINE inline __attribute__((always_inline))
+
+static ALWAYS_INLINE void solve_small_swap(real_t *a, real_t *b, size_t width)
+{
+    for (size_t j = 0; j < width; j++) {
+        real_t kept = a[j];
+        a[j] = b[j];
+        b[j] = kept;
+    }
+}
+
+/* Gauss and Jordan with the largest pivot of a column. m rows of `width` numbers, `stride` apart: the m x m matrix, then the right
+ * sides, which become solutions. False: singular, or no number. */
+static ALWAYS_INLINE bool solve_small(size_t m, size_t width, size_t stride, real_t *rows)
+{
+    for (size_t p = 0; p < m; p++) {
+        size_t largest = p;
+        for (size_t i = p + 1; i < m; i++)
+            if (real_abs(rows[i * stride + p]) > real_abs(rows[largest * stride + p]))
+                largest = i;
+        if (!(real_abs(rows[largest * stride + p]) > REAL_C(0.0)))
+            return false;
+        if (largest != p)
+            solve_small_swap(&rows[p * stride], &rows[largest * stride], width);
+        real_t *pivot = &rows[p * stride], scale = REAL_C(1.0) / pivot[p];
+        for (size_t j = p + 1; j < width; j++)
+            pivot[j] *= scale;
+        for (size_t i = 0; i < m; i++) {
+            if (i == p)
+                continue;
+            real_t part = rows[i * stride + p];
+            for (size_t j = p + 1; j < width; j++)
+                rows[i * stride + j] -= part * pivot[j];
+        }
+    }
+    return true;
+}
+
+#endif
