@@ -99,7 +99,7 @@ enum err column_transition_make(const struct column *column, const real_t *x, re
     return m == 2 ? factor(2, column, x, h, t) : factor(m, column, x, h, t);
 }
 
-static ALWAYS_INLINE void sweep(size_t m, const struct column_transition *t, real_t *v)
+static ALWAYS_INLINE void carry_deviations(size_t m, const struct column_transition *t, real_t *v)
 {
     size_t stride = column_transition_stride(m);
     real_t sum[M_MAX], vapour[M_MAX] = {ZERO};
@@ -132,9 +132,9 @@ static ALWAYS_INLINE void sweep(size_t m, const struct column_transition *t, rea
 void column_transition_apply(const struct column_transition *t, real_t *v)
 {
     if (t->m == 2)
-        sweep(2, t, v);
+        carry_deviations(2, t, v);
     else
-        sweep(t->m, t, v);
+        carry_deviations(t->m, t, v);
 }
 
 void column_feed_slopes(const struct column *column, const real_t *x, size_t j, real_t *slope)
