@@ -28,8 +28,9 @@
 #define random_normal          random_normal_double
 #define ud_set_diagonal        ud_set_diagonal_double
 #define ud_project             ud_project_double
-#define ud_correct             ud_correct_double
+#define ud_correct_from        ud_correct_from_double
 #define ud_add                 ud_add_double
+#define ud_add_at              ud_add_at_double
 #define ud_scale               ud_scale_double
 #define ud_multiply            ud_multiply_double
 #define ud_solve               ud_solve_double

@@ -50,11 +50,12 @@ void ud_project(const real_t *ud, size_t n, const real_t *phi, real_t *f, real_t
         (gain) = real_fma(old, (own), (gain));                                                     \
     } while (0)
 
-real_t ud_correct(real_t *ud, size_t n, const real_t *f, real_t *g, real_t r, real_t growth)
+real_t ud_correct_from(real_t *ud, size_t n, size_t from, const real_t *f, real_t *g, real_t r,
+                       real_t growth)
 {
     real_t alpha = r, inverse = 1 / r;
-    size_t j = 0;
-    for (; j + 1 < n; j += 2) {
+    size_t j = from & ~(size_t)1;
+    for (ud += ud_count(j); j + 1 < n; j += 2) {
         real_t *first = ud, *second = ud + j + 1, *b = g;
         real_t own = g[j], lambda = -f[j] * inverse, before = alpha * growth;
         alpha = real_fma(f[j], own, alpha);
@@ -107,6 +108,61 @@ void ud_add(real_t *ud, size_t n, real_t c, real_t *v)
         }
         column[j] = sum;
         c *= d / sum;
+    }
+}
+
+/* As ud_add with v = e_at: c, v and D of a column j, then what its elements take. */
+struct addition {
+    real_t c, p, share;
+};
+
+static void add_to_diagonal(struct addition *a, real_t *column, size_t j, real_t p)
+{
+    real_t d = column[j], sum = real_fma(a->c * p, p, d), inverse = 1 / sum;
+    a->p = -p;
+    a->share = a->c * p * inverse;
+    a->c *= d * inverse;
+    column[j] = sum;
+}
+
+#define ADD(u, own, p, share)                                                                      \
+    do {                                                                                           \
+        (own) = real_fma((p), (u), (own));                                                         \
+        (u) = real_fma((share), (own), (u));                                                       \
+    } while (0)
+
+void ud_add_at(real_t *ud, size_t at, real_t c, real_t *v)
+{
+    struct addition a = {.c = c}, b;
+    real_t *column = ud + ud_count(at);
+    size_t j = at;
+    add_to_diagonal(&a, column, at, 1);
+    for (size_t i = 0; i < at; i++) {
+        v[i] = -column[i];
+        column[i] = real_fma(a.share, v[i], column[i]);
+    }
+    if (j & 1) { /* so that what is left are pairs of an even length */
+        column = ud + ud_count(--j);
+        add_to_diagonal(&a, column, j, v[j]);
+        for (size_t i = 0; i < j; i++)
+            ADD(column[i], v[i], a.p, a.share);
+    }
+    for (; j > 0; j -= 2) {
+        real_t *first = ud + ud_count(j - 1), *second = first - (j - 1), *w = v;
+        add_to_diagonal(&a, first, j - 1, v[j - 1]);
+        ADD(first[j - 2], v[j - 2], a.p, a.share);
+        b.c = a.c;
+        add_to_diagonal(&b, second, j - 2, v[j - 2]);
+        for (const real_t *end = v + j - 2; w < end; w += 2, first += 2, second += 2) {
+            real_t own = w[0], next = w[1];
+            ADD(first[0], own, a.p, a.share);
+            ADD(first[1], next, a.p, a.share);
+            ADD(second[0], own, b.p, b.share);
+            ADD(second[1], next, b.p, b.share);
+            w[0] = own;
+            w[1] = next;
+        }
+        a.c = b.c;
     }
 }
 

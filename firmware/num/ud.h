@@ -43,11 +43,20 @@ void ud_project(const real_t *ud, size_t n, const real_t *phi, real_t *f, real_t
 
 /* Takes in a measurement whose noise has the variance r > 0: P becomes (P - P phi phi'P/alpha) * growth, alpha = r + phi'P phi.
  * f and g as ud_project gave them; g becomes P phi of before, so the gain is g/alpha. Returns alpha. growth: 1/v when old
- * data is forgotten with the factor v, else 1. */
-real_t ud_correct(real_t *ud, size_t n, const real_t *f, real_t *g, real_t r, real_t growth);
+ * data is forgotten with the factor v, else 1. ud_correct_from: phi has its first element at `from` and those of f and g before it
+ * are 0, so that columns before it are left alone; growth is 1 then. */
+real_t ud_correct_from(real_t *ud, size_t n, size_t from, const real_t *f, real_t *g, real_t r,
+                       real_t growth);
+static inline real_t ud_correct(real_t *ud, size_t n, const real_t *f, real_t *g, real_t r,
+                                real_t growth)
+{
+    return ud_correct_from(ud, n, 0, f, g, r, growth);
+}
 
 /* P += c v v', c >= 0. v is used up. */
 void ud_add(real_t *ud, size_t n, real_t c, real_t *v);
+/* P_at,at += c > 0, all D above 0. v[at]: space. Takes the time of the columns up to `at`. */
+void ud_add_at(real_t *ud, size_t at, real_t c, real_t *v);
 
 /* P *= factor, > 0. */
 void ud_scale(real_t *ud, size_t n, real_t factor);
