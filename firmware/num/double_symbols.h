@@ -31,6 +31,7 @@
 #define ud_correct_from        ud_correct_from_double
 #define ud_add                 ud_add_double
 #define ud_add_at              ud_add_at_double
+#define ud_add_pair            ud_add_pair_double
 #define ud_scale               ud_scale_double
 #define ud_multiply            ud_multiply_double
 #define ud_solve               ud_solve_double

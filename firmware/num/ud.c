@@ -111,58 +111,123 @@ void ud_add(real_t *ud, size_t n, real_t c, real_t *v)
     }
 }
 
-/* As ud_add with v = e_at: c, v and D of a column j, then what its elements take. */
+/* An addition of rank one on its way from the last column to the first: what the elements of a column need to know of it. */
 struct addition {
-    real_t c, p, share;
+    real_t c, less, share; /* v_i += less * U_ij, U_ij += share * v_i */
 };
 
-static void add_to_diagonal(struct addition *a, real_t *column, size_t j, real_t p)
+/* It comes to column j, whose element of v is p. */
+static void add_to_diagonal(struct addition *a, real_t *d, real_t p)
 {
-    real_t d = column[j], sum = real_fma(a->c * p, p, d), inverse = 1 / sum;
-    a->p = -p;
+    real_t sum = real_fma(a->c * p, p, *d), inverse = 1 / sum;
+    a->less = -p;
     a->share = a->c * p * inverse;
-    a->c *= d * inverse;
-    column[j] = sum;
+    a->c *= *d * inverse;
+    *d = sum;
 }
 
-#define ADD(u, own, p, share)                                                                      \
+#define ADD(u, own, less, share)                                                                   \
     do {                                                                                           \
-        (own) = real_fma((p), (u), (own));                                                         \
+        (own) = real_fma((less), (u), (own));                                                      \
         (u) = real_fma((share), (own), (u));                                                       \
     } while (0)
 
-void ud_add_at(real_t *ud, size_t at, real_t c, real_t *v)
+/* The column of the unit vector itself. */
+static void add_begin(real_t *column, size_t at, real_t c, real_t *v, struct addition *a)
 {
-    struct addition a = {.c = c}, b;
-    real_t *column = ud + ud_count(at);
-    size_t j = at;
-    add_to_diagonal(&a, column, at, 1);
+    a->c = c;
+    add_to_diagonal(a, &column[at], 1);
     for (size_t i = 0; i < at; i++) {
         v[i] = -column[i];
-        column[i] = real_fma(a.share, v[i], column[i]);
+        column[i] = real_fma(a->share, v[i], column[i]);
     }
-    if (j & 1) { /* so that what is left are pairs of an even length */
-        column = ud + ud_count(--j);
-        add_to_diagonal(&a, column, j, v[j]);
-        for (size_t i = 0; i < j; i++)
-            ADD(column[i], v[i], a.p, a.share);
+}
+
+static void add_column(real_t *column, size_t j, real_t *v, struct addition *a)
+{
+    add_to_diagonal(a, &column[j], v[j]);
+    for (size_t i = 0; i < j; i++)
+        ADD(column[i], v[i], a->less, a->share);
+}
+
+void ud_add_at(real_t *ud, size_t at, real_t c, real_t *v)
+{
+    struct addition a, next;
+    size_t j = at;
+    add_begin(ud + ud_count(at), at, c, v, &a);
+    if (j & 1) {
+        j--;
+        add_column(ud + ud_count(j), j, v, &a);
     }
     for (; j > 0; j -= 2) {
-        real_t *first = ud + ud_count(j - 1), *second = first - (j - 1), *w = v;
-        add_to_diagonal(&a, first, j - 1, v[j - 1]);
-        ADD(first[j - 2], v[j - 2], a.p, a.share);
-        b.c = a.c;
-        add_to_diagonal(&b, second, j - 2, v[j - 2]);
-        for (const real_t *end = v + j - 2; w < end; w += 2, first += 2, second += 2) {
-            real_t own = w[0], next = w[1];
-            ADD(first[0], own, a.p, a.share);
-            ADD(first[1], next, a.p, a.share);
-            ADD(second[0], own, b.p, b.share);
-            ADD(second[1], next, b.p, b.share);
-            w[0] = own;
-            w[1] = next;
+        real_t *second = ud + ud_count(j - 2), *first = second + j - 1, *p = v;
+        add_to_diagonal(&a, &first[j - 1], v[j - 1]);
+        ADD(first[j - 2], v[j - 2], a.less, a.share);
+        next = a;
+        add_to_diagonal(&next, &second[j - 2], v[j - 2]);
+        real_t less = a.less, share = a.share, next_less = next.less, next_share = next.share;
+        for (const real_t *end = v + j - 2; p < end; p += 2, first += 2, second += 2) {
+            real_t own = p[0], other = p[1];
+            ADD(first[0], own, less, share);
+            ADD(first[1], other, less, share);
+            ADD(second[0], own, next_less, next_share);
+            ADD(second[1], other, next_less, next_share);
+            p[0] = own;
+            p[1] = other;
         }
-        a.c = b.c;
+        a = next;
+    }
+}
+
+/* A row of two columns and two vectors. */
+#define ADD_FOUR(v, w, u, next)                                                                    \
+    do {                                                                                           \
+        real_t own = (v), other = (w), element = (u);                                              \
+        ADD(element, own, less_a, share_a);                                                        \
+        ADD(element, other, less_b, share_b);                                                      \
+        (u) = element;                                                                             \
+        element = (next);                                                                          \
+        ADD(element, own, next_less_a, next_share_a);                                              \
+        ADD(element, other, next_less_b, next_share_b);                                            \
+        (next) = element;                                                                          \
+        (v) = own;                                                                                 \
+        (w) = other;                                                                               \
+    } while (0)
+
+/* Two columns at a time, as above, and two vectors. */
+void ud_add_pair(real_t *ud, size_t at, real_t c, real_t below, real_t *v)
+{
+    struct addition a, b, next_a, next_b;
+    real_t *w = v + at;
+    size_t j = at - 1;
+    add_begin(ud + ud_count(at), at, c, v, &a);
+    add_column(ud + ud_count(j), j, v, &a);
+    add_begin(ud + ud_count(j), j, below, w, &b);
+    if (j & 1) {
+        j--;
+        add_column(ud + ud_count(j), j, v, &a);
+        add_column(ud + ud_count(j), j, w, &b);
+    }
+    for (; j > 0; j -= 2) {
+        real_t *second = ud + ud_count(j - 2), *first = second + j - 1, *p = v, *q = w;
+        real_t *corner = &first[j - 2];
+        add_to_diagonal(&a, &first[j - 1], v[j - 1]);
+        ADD(*corner, v[j - 2], a.less, a.share);
+        add_to_diagonal(&b, &first[j - 1], w[j - 1]);
+        ADD(*corner, w[j - 2], b.less, b.share);
+        next_a = a;
+        next_b = b;
+        add_to_diagonal(&next_a, &second[j - 2], v[j - 2]);
+        add_to_diagonal(&next_b, &second[j - 2], w[j - 2]);
+        real_t less_a = a.less, share_a = a.share, less_b = b.less, share_b = b.share;
+        real_t next_less_a = next_a.less, next_share_a = next_a.share;
+        real_t next_less_b = next_b.less, next_share_b = next_b.share;
+        for (const real_t *end = v + j - 2; p < end; p += 2, q += 2, first += 2, second += 2) {
+            ADD_FOUR(p[0], q[0], first[0], second[0]);
+            ADD_FOUR(p[1], q[1], first[1], second[1]);
+        }
+        a = next_a;
+        b = next_b;
     }
 }
 
