@@ -16,8 +16,8 @@
 #define COVARIANCE_EXTRAS_MAX 8
 #define COVARIANCE_STATES_MAX (COLUMN_STATES_MAX + COVARIANCE_EXTRAS_MAX)
 
-/* No variance is known to be less, given all states behind it in the order above: a standard deviation of 1e-9. */
-#define COVARIANCE_LEAST REAL_C(1e-18)
+/* No variance is known to be less, given all states behind it in the order above: a standard deviation of 1e-12. */
+#define COVARIANCE_LEAST REAL_C(1e-24)
 
 /* How the states move over a step. All arrays are the caller's and stay as they are until the step is done. */
 struct covariance_step {

@@ -17,7 +17,7 @@ enum phase { PHASE_EXTRAS, PHASE_UP, PHASE_BACK, PHASE_GROWN, PHASE_NOISE, PHASE
 #define SQUARES_LEAST REAL_C(1e-30)
 
 /* Least diagonal element of S. */
-#define ROOT_LEAST REAL_C(1e-9)
+#define ROOT_LEAST REAL_C(1e-12) /* squared: COVARIANCE_LEAST */
 
 static size_t triangle_of(const struct covariance_ud *c)
 {

@@ -2,3 +2,11 @@
 foreach(part composition composition_analysis composition_changes composition_events composition_refused composition_step covariance_ud)
   reflux_test(${part} LABEL unit SOURCES ${CMAKE_CURRENT_LIST_DIR}/test_${part}.c LIBS reflux_estimate m)
 endforeach()
+
+# Not a test by itself: covariances of a million updates (tools/campaign kalman).
+set(kalman "${PROJECT_SOURCE_DIR}/tests/campaign/endurance/kalman")
+add_executable(endurance_kalman ${kalman}_main.c ${kalman}_course.c ${kalman}_forms.c
+               "${PROJECT_SOURCE_DIR}/tests/bench/estimation/column.c")
+target_link_libraries(endurance_kalman PRIVATE reflux_estimate reflux_options m)
+target_include_directories(endurance_kalman PRIVATE "${PROJECT_SOURCE_DIR}/tests/support" "${PROJECT_SOURCE_DIR}/tests/bench/estimation")
+target_compile_options(endurance_kalman PRIVATE -O3) # of the products of matrices there are many

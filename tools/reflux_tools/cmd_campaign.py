@@ -16,7 +16,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from reflux_tools import (build, commissioning, endurance_campaign, estimates_campaign, launch, relay_campaign, runner, self_tuning_campaign,
+from reflux_tools import (build, commissioning, endurance_campaign, estimates_campaign, kalman_campaign, launch, relay_campaign, runner, self_tuning_campaign,
                           table, trays_campaign)
 from reflux_tools import scenario as scenarios
 from reflux_tools.errors import RunFailed, UserError
@@ -63,6 +63,8 @@ def main(arguments: list[str]) -> int:
     campaign = load(options.name)
     if isinstance(campaign, endurance_campaign.Endurance):
         return endurance_campaign.execute(campaign, options)
+    if isinstance(campaign, kalman_campaign.Kalman):
+        return kalman_campaign.execute(campaign, options)
     if not options.no_build:
         launch.build_for(campaign.scenario.firmware if isinstance(campaign, Campaign) else "memory")
     if isinstance(campaign, relay_campaign.Comparison):
@@ -87,16 +89,20 @@ def known() -> list[str]:
 
 
 def load(name: str) -> (Campaign | commissioning.Start | relay_campaign.Comparison | endurance_campaign.Endurance |
-                        self_tuning_campaign.Comparison | trays_campaign.Trays | estimates_campaign.Estimates):
+                        self_tuning_campaign.Comparison | trays_campaign.Trays | estimates_campaign.Estimates |
+                        kalman_campaign.Kalman):
     path = CAMPAIGNS / f"{name}.toml"
     if name not in known():
         raise UserError(f'no campaign "{name}"; there are: {", ".join(known()) or "none"}')
     top = Table(load_toml(path), path)
     if top.text("name") != name:
         raise UserError(f"{top.path('name')} must be the file's own name, {name}")
-    kind = top.text("kind", "scenario", choices=("scenario", "commissioning", "relay", "endurance", "self-tuning", "trays", "estimates"))
+    kind = top.text("kind", "scenario", choices=("scenario", "commissioning", "relay", "endurance", "self-tuning", "trays", "estimates",
+                                            "kalman"))
     if kind == "endurance":
         return endurance_campaign.load(top, name)
+    if kind == "kalman":
+        return kalman_campaign.load(top, name)
     if kind == "estimates":
         return estimates_campaign.load(top, name)
     if kind == "trays":

@@ -71,6 +71,7 @@ def collect(labels: set[str]) -> list[Test]:
     if "campaign" in labels:
         for preset in ("host", "host-fixed"):
             build.build(preset, ("endurance",))
+        build.build("host", ("endurance_kalman",))
     if "loop" in labels:
         tests += loop_tests()
     if "target" in labels:
