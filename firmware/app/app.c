@@ -96,6 +96,7 @@ void app_init(struct app *app)
     console_init(&app->console, &app->operate);
 #if WORKSPACE_BYTES
     workspace_init(&app->workspace, workspace_memory, sizeof workspace_memory);
+    workspace_share(&app->workspace);
     app->service.workspace = &app->workspace;
 #endif
 #if COMMISSION_CHANNELS
@@ -367,6 +368,9 @@ static void tick(struct app *app, const struct io_sample *sample, uint64_t now_m
     commission_tick(&app->commission, &app->supervisor);
 #endif
     supervisor_control(&app->supervisor);
+#if WORKSPACE_BYTES
+    workspace_tick(&app->workspace);
+#endif
     fill_command(app);
     send_command(app, sample, now_ms);
     restart_keep(&app->restart, &app->supervisor);
