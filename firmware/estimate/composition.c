@@ -32,6 +32,9 @@ void composition_begin(struct composition *c)
         c->column.temperature[s] =
             (config->temperature_min + config->temperature_max) / REAL_C(2.0);
     c->watched = 0;
+    c->linear.h = ZERO;
+    for (uint8_t k = 0; k < c->gains.extras; k++)
+        c->gains.extra[k] = ZERO;
     for (uint8_t k = 0; k < c->sensors; k++) {
         struct composition_sensor *s = &c->sensor[k];
         s->sum = s->pull = s->square = s->product = s->last = s->e = s->correction = ZERO;
@@ -42,12 +45,13 @@ void composition_begin(struct composition *c)
 
 /* ---- slopes ---- */
 
-static void slopes_at(const struct composition *c, size_t stage, real_t *dt, real_t *dy)
+void composition_slopes(const struct composition *c, size_t stage, real_t *dt, real_t *dy)
 {
     size_t n = c->table.config.components;
+    const real_t *x = c->method == METHOD_KALMAN ? c->table.profile : c->x;
     real_t full[COLUMN_COMPONENTS_MAX];
     for (size_t j = 0; j < n; j++)
-        full[j] = column_fraction(&c->column, c->x, stage, j);
+        full[j] = column_fraction(&c->column, x, stage, j);
     vle_full_slopes(&c->column.vle, c->column.temperature[stage], full, &c->column.k[stage * n],
                     &c->column.dk[stage * n], dt, dy);
 }
@@ -65,10 +69,10 @@ static real_t step_moves(const struct composition *c, size_t stage, const real_t
 real_t composition_temperature(const struct composition *c, size_t stage)
 {
     real_t dt[COLUMN_COMPONENTS_MAX], dy[COLUMN_COMPONENTS_MAX * COLUMN_COMPONENTS_MAX];
-    real_t t = c->column.temperature[stage];
+    real_t t = composition_temperature_before(c, stage);
     if (c->truncated[stage] || !c->solved)
         return t;
-    slopes_at(c, stage, dt, dy);
+    composition_slopes(c, stage, dt, dy);
     return t + step_moves(c, stage, dt);
 }
 
@@ -114,7 +118,7 @@ static void take_readings(struct composition *c, const real_t *t)
     bool outside[SENSORS_MAX];
     for (uint8_t k = 0; k < c->sensors; k++)
         if (c->sensor[k].there)
-            c->sensor[k].e = t[k] - c->column.temperature[c->sensor[k].stage];
+            c->sensor[k].e = t[k] - composition_temperature_before(c, c->sensor[k].stage);
     for (uint8_t k = 0; k < c->sensors; k++)
         outside[k] = c->sensor[k].there && is_outside(c, &c->sensor[k]);
     for (uint8_t k = 0; k < c->sensors; k++) {
@@ -208,12 +212,15 @@ static void take_step(struct composition *c)
     real_t dt[COLUMN_COMPONENTS_MAX], dy[COLUMN_COMPONENTS_MAX * COLUMN_COMPONENTS_MAX];
     for (uint8_t k = 0; k < c->sensors; k++) {
         struct composition_sensor *s = &c->sensor[k];
-        slopes_at(c, s->stage, dt, dy);
+        composition_slopes(c, s->stage, dt, dy);
         real_t moved = step_moves(c, s->stage, dt);
         s->slope = dt[s->component];
-        if (c->method == METHOD_REKF && s->moves)
+        if (c->gains.of && composition_draws(s)) {
+            s->e -= moved;
+            composition_innovate(c, s, k, dt);
+        } else if (c->method != METHOD_GEOMETRIC && s->moves && !c->gains.of)
             filter(c, s, dt, dy, moved);
-        else if (composition_draws(s))
+        else if (c->method == METHOD_GEOMETRIC && composition_draws(s))
             integrate(c, s, moved);
     }
 }
@@ -221,6 +228,10 @@ static void take_step(struct composition *c)
 /* From x over c->h, drawn by pull[pulls], into c->blocks. */
 static enum err solve_step(struct composition *c, const struct column_pull *pull, size_t pulls)
 {
+    if (c->method == METHOD_KALMAN) {
+        composition_linear_step(c);
+        return ERR_OK;
+    }
     return column_implicit_step(&c->column, c->truncated, c->x, c->rates, c->h, pull, pulls,
                                 &c->blocks);
 }
@@ -228,7 +239,11 @@ static enum err solve_step(struct composition *c, const struct column_pull *pull
 static enum err evaluate_model_at(struct composition *c)
 {
     struct column_fault fault;
-    enum err err = column_set_inputs(&c->column, &c->inputs, &fault);
+    struct column_inputs inputs;
+    composition_inputs(c, &inputs);
+    if (c->method == METHOD_KALMAN)
+        return composition_linear_rates(c, &inputs);
+    enum err err = column_set_inputs(&c->column, &inputs, &fault);
     return err ? err
                : column_truncated_rates(&c->column, c->truncated, (enum column_between)c->between,
                                         c->x, c->rates);

@@ -4,7 +4,9 @@
 
 #include "estimate/column.h"
 #include "estimate/composition_settings.h"
+#include "estimate/covariance.h"
 #include "model/column_implicit.h"
+#include "model/column_transition.h"
 
 #if CONFIG_BLOCKS
 
@@ -30,6 +32,23 @@ struct composition_sensor {
     real_t pull, square, product, last;
 };
 
+/* Complete innovation: gains by which a deviation moves all mole fractions, and what nobody measures besides (extras): the feed's mole
+ * fractions, as many as are integrated, its flow, and by how much the model is off where there are analyses. */
+struct composition_gains {
+    const real_t *
+        of; /* [sensors][mole fractions, then extras]; NULL: none yet, each temperature moves its own mole fraction */
+    bool has_feed;        /* its mole fractions are the first extras */
+    bool has_flow;        /* part by which the feed is more than it is said to be: the next one */
+    uint8_t feed, extras; /* how many: of the feed; altogether */
+    real_t extra[COVARIANCE_EXTRAS_MAX];
+};
+
+/* A model that is linear around the profile and the inputs of the table. */
+struct composition_linear {
+    struct column_transition transition;
+    real_t h; /* s, of its steps; 0: it is not there yet */
+};
+
 struct composition {
     struct column_table table;
     struct column column;
@@ -39,10 +58,12 @@ struct composition {
     struct column_blocks blocks;
     struct composition_sensor sensor[SENSORS_MAX];
     uint8_t sensors;
-    uint8_t method;
-    uint8_t between;       /* enum column_between */
-    real_t h;              /* s */
-    real_t noise2, model2; /* K2, 1/s */
+    uint8_t method;  /* enum composition_method */
+    uint8_t between; /* enum column_between */
+    struct composition_gains gains;
+    struct composition_linear linear; /* METHOD_KALMAN */
+    real_t h;                         /* s */
+    real_t noise2, model2;            /* K2, 1/s */
     real_t gate;
     uint32_t gate_steps;
     real_t weight;    /* of a step in the means of the monitor, once they have begun */
@@ -72,6 +93,40 @@ static inline bool composition_is_far(const struct composition *c,
 {
     return c->gate > REAL_C(0.0) && real_abs(s->e) > c->gate;
 }
+
+/* Whether a temperature moves all mole fractions, once there are gains. */
+static inline bool composition_is_complete(const struct composition *c)
+{
+    return c->method == METHOD_EKF || c->method == METHOD_KALMAN;
+}
+
+/* Mole fractions and extras. */
+static inline size_t composition_moved(const struct composition *c)
+{
+    return c->column.n_fractions + c->gains.extras;
+}
+
+/* The state may have been moved to another place since the last call: pointers into it are set anew. */
+void composition_stands_here(struct composition *c);
+
+/* What the model is driven by: the inputs, with what has been found of the feed. */
+void composition_inputs(const struct composition *c, struct column_inputs *inputs);
+
+/* The linear model (composition_linear.c): rates at the profile, and a step of it in c->blocks; the temperature before the step. */
+enum err composition_linear_rates(struct composition *c, const struct column_inputs *inputs);
+void composition_linear_step(struct composition *c);
+
+/* dT/dx and dy/dx of a stage as composition_temperature uses them: at the estimate, or where the model is linear. */
+void composition_slopes(const struct composition *c, size_t stage, real_t *dt, real_t *dy);
+
+/* Of a stage, K, by the model before the step. */
+real_t composition_temperature_before(const struct composition *c, size_t stage);
+
+/* Moves everything by what a temperature says: s->e, measured less predicted at the end of the step. */
+void composition_innovate(struct composition *c, struct composition_sensor *s, unsigned k,
+                          const real_t *dt);
+/* The extras alone, by a gain whose first part is of the mole fractions. */
+void composition_move_extras(struct composition *c, const real_t *gain, real_t e);
 
 /* Begins with the profile of the table. */
 void composition_begin(struct composition *c);

@@ -14,7 +14,7 @@ void composition_analysis_begin(struct composition_analysis *a, real_t h, real_t
     a->at = a->filled = a->counted = 0;
     a->every = composition_analysis_every(h, reach);
     a->correction = a->surprise = a->age_s = REAL_C(0.0);
-    a->seen = a->far = false;
+    a->seen = a->far = a->fresh = false;
 }
 
 static void remember(struct composition_analysis *a, real_t x)
@@ -57,7 +57,9 @@ bool composition_analysis_step(struct composition_analysis *a, real_t h, real_t 
     left = y - (then + a->correction);
     a->surprise = left;
     a->far = most > REAL_C(0.0) && real_abs(left) > most;
-    if (!a->far)
+    a->fresh = !a->far;
+    a->moved = x - then;
+    if (!a->far && !a->told)
         a->correction += a->share * left;
     return false;
 }

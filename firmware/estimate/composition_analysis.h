@@ -26,9 +26,12 @@ struct composition_analysis {
     real_t age_s;                    /* of the last one, in the step before */
     bool seen;                       /* there has been one */
     bool far;                        /* the last one was too far off, and is not believed */
-    float past[ANALYSIS_PAST];       /* of the estimate without correction, every `every` steps */
-    uint16_t at, filled;             /* the newest is at `at` */
-    uint16_t counted;                /* steps since it was put there */
+    bool told;                 /* the correction is found elsewhere, from `surprise` and this: */
+    bool fresh;                /* there is one that was believed; whoever takes it in clears it */
+    real_t moved;              /* mole fraction, by the estimate since its sample was taken */
+    float past[ANALYSIS_PAST]; /* of the estimate without correction, every `every` steps */
+    uint16_t at, filled;       /* the newest is at `at` */
+    uint16_t counted;          /* steps since it was put there */
     uint16_t every;
 };
 

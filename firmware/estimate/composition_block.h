@@ -5,10 +5,11 @@
 #include "base/channel.h"
 #include "estimate/composition.h"
 #include "estimate/composition_analysis.h"
+#include "estimate/composition_job.h"
 
 #if CONFIG_BLOCKS
 
-#define COMPOSITION_PARAMETER_ROWS 23
+#define COMPOSITION_PARAMETER_ROWS 31
 extern const struct block_parameter composition_parameter_rows[COMPOSITION_PARAMETER_ROWS];
 
 enum {
@@ -23,7 +24,10 @@ enum {
     COMPOSITION_EVENTS
 };
 
-/* The state of a block. */
+/* What is asked of the background. */
+enum composition_work { WORK_NONE, WORK_SETTLE, WORK_GAINS };
+
+/* The state of a block. Behind it stand the gains of complete innovation and the factors of a linear model. */
 struct composition_block {
     struct composition c;
     struct composition_settings s;
@@ -31,6 +35,9 @@ struct composition_block {
     const struct column_record *record; /* of the table */
     uint32_t checksum;                  /* of it */
     struct composition_analysis analysis[ANALYSES_MAX];
+    struct composition_filter filter;
+    real_t taken[ANALYSES_MAX]; /* of analyses that the job works in: by how much they were off */
+    uint8_t work;               /* enum composition_work, while it is wanted */
     uint8_t analyses;
     uint8_t inputs, points;
     uint8_t missing;   /* number of the first input but temperatures that is, or 0 */
@@ -45,9 +52,15 @@ struct composition_block {
 
 MUST_CHECK enum err composition_check(const struct block_setup *setup, struct block_fault *fault);
 bool composition_is_sensor(const struct composition_settings *s, unsigned k);
+/* How many extras these settings have with so many inputs and m mole fractions of a stage. */
+size_t composition_extras(const struct composition_settings *s, unsigned inputs, size_t m);
+/* [sensors][composition_moved()] */
+real_t *composition_gain_memory(struct composition_block *b);
 /* Everything but the column and the past. */
 /* keep: sensors are those that there were, and keep their past. */
 void composition_take_settings(struct composition *c, const struct block_setup *setup, bool keep);
+/* The extra that is the offset of the model at the place of analysis i; NULL: there is none. */
+real_t *composition_offset(struct composition_block *b, unsigned i);
 /* Whether it has had the time to find its plant. */
 bool composition_is_locked_on(const struct composition_block *b);
 /* After each step: what was not seen for a while is found again as slowly as it was lost. */

@@ -141,7 +141,12 @@ enum quality composition_judge(struct composition_block *b, struct block_io *io,
     unsigned odd = watched && b->s.apart > 0 ? composition_odd_sensor(&b->c, b->s.apart) : 0;
 
     io->raised = 0;
+    bool without_room = composition_lacks_workspace(b);
     composition_raise(io, EVENT_LOST, lost);
+    if (!lost && without_room) {
+        io->raised |= 1u << EVENT_LOST;
+        io->event_value[EVENT_LOST] = 0.0f;
+    }
     composition_raise(io, EVENT_ALONE, alone && !drawn ? 1 : 0);
     composition_raise(io, EVENT_PULL, pulling);
     composition_raise(io, EVENT_NIS, surprising);
@@ -152,7 +157,8 @@ enum quality composition_judge(struct composition_block *b, struct block_io *io,
     bool doubted = pulling || surprising || odd;
     if (err || alone || (doubted && b->s.doubt == DOUBT_BAD))
         return QUALITY_BAD;
-    return lost || b->missing || !settled || doubted || believes_one_far_off(&b->c)
+    return lost || without_room || composition_is_unsure(b) || b->missing || !settled || doubted ||
+                   believes_one_far_off(&b->c)
                ? QUALITY_UNCERTAIN
                : QUALITY_GOOD;
 }

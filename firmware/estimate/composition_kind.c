@@ -17,8 +17,24 @@
 
 static uint32_t composition_bytes(const struct block_setup *setup)
 {
-    (void)setup;
-    return (uint32_t)((sizeof(struct composition_block) + 7u) & ~(size_t)7u);
+    size_t bytes = sizeof(struct composition_block) + composition_numbers(setup) * sizeof(real_t);
+    return (uint32_t)((bytes + 7u) & ~(size_t)7u);
+}
+
+real_t *composition_gain_memory(struct composition_block *b)
+{
+    return (real_t *)(void *)(b + 1);
+}
+
+/* The state may stand elsewhere than in the last call. */
+static void stand_here(struct composition_block *b)
+{
+    struct composition *c = &b->c;
+    real_t *numbers = composition_gain_memory(b);
+    composition_stands_here(c);
+    if (c->gains.of)
+        c->gains.of = numbers;
+    c->linear.transition.of = numbers + c->sensors * composition_moved(c);
 }
 
 /* ---- settings ---- */
@@ -73,9 +89,12 @@ static enum err composition_configure(void *state, const struct block_setup *set
     struct composition_block *b = state;
     const struct column_record *record = setup->named;
     const struct composition_settings *s = setup->settings;
-    bool same = retune && b->checksum == column_record_checksum(record) && b->record == record &&
-                b->s.method == s->method && !memcmp(b->s.place, s->place, sizeof s->place) &&
-                !memcmp(b->s.is, s->is, sizeof s->is);
+    size_t m = (size_t)record->value[COLUMN_TABLE_N_COMPONENTS] - 1u;
+    bool same =
+        retune && b->checksum == column_record_checksum(record) && b->record == record &&
+        b->s.method == s->method && b->s.covariance == s->covariance &&
+        composition_extras(&b->s, b->inputs, m) == composition_extras(s, setup->inputs, m) &&
+        !memcmp(b->s.place, s->place, sizeof s->place) && !memcmp(b->s.is, s->is, sizeof s->is);
     if (!same) {
         memset(b, 0, sizeof *b);
         enum err err = take_column(b, record);
@@ -91,6 +110,8 @@ static enum err composition_configure(void *state, const struct block_setup *set
     take_analyses(b, same);
     if (!same)
         composition_begin(&b->c);
+    b->filter.steady = false; /* of other numbers than these */
+    stand_here(b);
     return ERR_OK;
 }
 
@@ -175,10 +196,16 @@ static unsigned step_analyses(struct composition_block *b, const struct block_io
     unsigned odd = 0;
     for (uint8_t i = 0; i < b->analyses; i++) {
         struct composition_analysis *a = &b->analysis[i];
+        real_t *offset = composition_offset(b, i);
         unsigned k = a->input;
+        if (offset)
+            a->correction = *offset;
+        a->told = b->c.gains.of && b->filter.job;
         bool too_old = composition_analysis_step(
             a, b->c.h, column_fraction(&b->c.column, b->c.x, a->stage, a->component),
             io->quality[k] == QUALITY_GOOD, reading_si(b, io, k), (real_t)io->age_s[k], b->s.far);
+        if (offset)
+            *offset = a->correction;
         bool missed = b->s.late_s > 0 && (real_t)io->age_s[k] > b->s.late_s;
         if (!odd && (too_old || missed || a->far || io->quality[k] != QUALITY_GOOD))
             odd = k + 1u;
@@ -242,23 +269,52 @@ static void composition_follow(void *state, struct block_io *io)
 {
     struct composition_block *b = state;
     (void)io;
+    stand_here(b);
     b->steps = b->without = b->dry = 0;
     b->begun = b->seen = false;
+    b->filter.begins = true;
     begin_analyses(b);
     if (!b->settle) /* else work is on the column */
         composition_begin(&b->c);
+}
+
+/* Before a step: what the background has done. False: the model is the background's. */
+static bool take_work(struct composition_block *b, struct block_io *io)
+{
+    bool settled = io->work_done && b->work == WORK_SETTLE;
+    if (io->work_done && b->work == WORK_GAINS)
+        composition_take_gains(b);
+    if (!io->work_wanted)
+        b->work = WORK_NONE;
+    composition_keep_lease(b, b->work == WORK_GAINS);
+    if (settled)
+        b->settle = false;
+    if (!b->settle || b->work == WORK_GAINS)
+        return true;
+    b->work = WORK_SETTLE;
+    io->ask_work = 1;
+    return false;
+}
+
+/* After a step. */
+static void ask_for_gains(struct composition_block *b, struct block_io *io)
+{
+    if (io->work_wanted || b->settle)
+        return;
+    io->ask_work = composition_order(b);
+    if (io->ask_work)
+        b->work = WORK_GAINS;
 }
 
 static void composition_block_step(void *state, struct block_io *io)
 {
     struct composition_block *b = state;
     real_t t[SENSORS_MAX];
-    if (io->work_wanted || (b->settle && !io->work_done)) {
-        io->ask_work = b->settle ? 1 : 0;
+    stand_here(b);
+    if (!take_work(b, io)) {
         give_estimates(b, io, QUALITY_UNCERTAIN);
         return;
     }
-    b->settle = false;
     take_inputs(b, io, t);
     if (!b->begun) { /* nobody knows yet what was applied before this tick */
         b->begun = true;
@@ -267,18 +323,19 @@ static void composition_block_step(void *state, struct block_io *io)
         return;
     }
     enum err err = composition_step(&b->c, t);
+    b->filter.begins = b->filter.begins || err;
     composition_count_step(b, err != ERR_OK);
     enum quality quality = composition_judge(b, io, err);
     unsigned odd = composition_is_locked_on(b) ? step_analyses(b, io) : 0;
     if (!b->missing)
         composition_raise(io, EVENT_NO_INPUT, odd);
     give_estimates(b, io, odd && quality == QUALITY_GOOD ? QUALITY_UNCERTAIN : quality);
+    ask_for_gains(b, io);
 }
 
 /* One step of an hour without any temperature. */
-static bool composition_work(void *state)
+static bool settle_piece(struct composition_block *b)
 {
-    struct composition_block *b = state;
     real_t most = ZERO, h = b->c.h;
     b->c.h = SETTLE_S;
     enum err err = composition_predict(&b->c);
@@ -290,6 +347,13 @@ static bool composition_work(void *state)
     return !err && most > SETTLE_STILL && b->settling < SETTLE_MOST;
 }
 
+static bool composition_work(void *state)
+{
+    struct composition_block *b = state;
+    stand_here(b);
+    return b->work == WORK_SETTLE ? settle_piece(b) : composition_job_piece(b);
+}
+
 static const char *run_settle(void *state, const float *number)
 {
     struct composition_block *b = state;
@@ -297,7 +361,8 @@ static const char *run_settle(void *state, const float *number)
     b->settle = true;
     b->settling = 0;
     b->steps = 0;
-    b->c.watched = 0; /* temperatures may be far from there */
+    b->filter.begins = true; /* where it comes out nobody knows how well it fits */
+    b->c.watched = 0;        /* temperatures may be far from there */
     return NULL;
 }
 
@@ -307,8 +372,33 @@ static const char *run_begin(void *state, const float *number)
     struct composition_block *b = state;
     if (b->settle) /* work is on the state */
         return "settles";
+    stand_here(b);
     b->steps = 0;
+    b->filter.begins = true;
+    b->filter.steady = false;
     composition_begin(&b->c);
+    return NULL;
+}
+
+static const char *run_free(void *state, const float *number)
+{
+    struct composition_block *b = state;
+    (void)number;
+    if (!composition_is_complete(&b->c))
+        return "method";
+    b->filter.declined = true;
+    return NULL;
+}
+
+static const char *run_take(void *state, const float *number)
+{
+    struct composition_block *b = state;
+    (void)number;
+    if (!composition_is_complete(&b->c))
+        return "method";
+    if (!b->filter.job && composition_workspace_holder())
+        return composition_workspace_holder();
+    b->filter.declined = false;
     return NULL;
 }
 
@@ -321,12 +411,21 @@ static const struct block_verb composition_verbs[] = {
      .help = "with the profile of the table",
      .access = ACCESS_ENGINEER,
      .run = run_begin},
+    {.name = "free",
+     .help = "ekf, kalman: the workspace, for start-up; the last gains go on",
+     .access = ACCESS_ENGINEER,
+     .run = run_free},
+    {.name = "take",
+     .help = "ekf, kalman: the workspace again",
+     .access = ACCESS_ENGINEER,
+     .run = run_take},
 };
 
 static const struct block_event composition_events[COMPOSITION_EVENTS] = {
     [EVENT_LOST] =
         {"lost", BLOCK_INFO,
-         "a temperature is missing or too far off, the estimate goes on without; its input"},
+         "a temperature is missing or too far off, the estimate goes on without; its input, or 0: "
+         "the covariance has no workspace"},
     [EVENT_ALONE] = {"alone", BLOCK_ALARM, "no temperature moves the model any more, -"},
     [EVENT_PULL] = {"pull", BLOCK_ALARM, "a temperature draws the model too hard; its input"},
     [EVENT_NIS] = {"nis", BLOCK_ALARM,

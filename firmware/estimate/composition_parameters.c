@@ -14,8 +14,8 @@
 const struct block_parameter composition_parameter_rows[COMPOSITION_PARAMETER_ROWS] = {
     {1, BLOCK_U16, PLACE(column), 1, 1, "column", "-",
      "number of the block with the column's table", 0, CONFIG_BLOCKS, 0},
-    {2, BLOCK_WORD, PLACE(method), 1, 1, "method", "geometric|rekf", "of estimation", 0, 0,
-     METHOD_GEOMETRIC},
+    {2, BLOCK_WORD, PLACE(method), 1, 1, "method", "geometric|rekf|ekf|kalman", "of estimation", 0,
+     0, METHOD_GEOMETRIC},
     {3, BLOCK_WORD, PLACE(is), BLOCK_INPUTS_MAX, 1, "is",
      "temperature|feed|feed_temperature|feed_quality|reflux|heat|boilup|pressure|analysis",
      "what the input is of the column", 0, 0, IS_TEMPERATURE},
@@ -33,9 +33,10 @@ const struct block_parameter composition_parameter_rows[COMPOSITION_PARAMETER_RO
     {8, BLOCK_FLOAT, PLACE(show), BLOCK_POINTS_MAX, UNIT_COLS, "show", "-",
      "factor and zero: a point from mole fractions or K", -1e9f, 1e9f, 0},
     NUMBER(9, noise, "noise", "K", "standard deviation of the readings", 0.001f, 100, 0.2f),
-    NUMBER(10, model, "model", "-",
-           "rekf: what a mole fraction gathers of unknown changes in an hour, standard deviation",
-           1e-6f, 100, 0.1f),
+    NUMBER(
+        10, model, "model", "-",
+        "filters: what a mole fraction gathers of unknown changes in an hour, standard deviation",
+        1e-6f, 100, 0.1f),
     NUMBER(11, gate, "gate", "K", "readings farther from the estimate wait; 0: none does", 0, 1000,
            10),
     NUMBER(12, gate_s, "gate_time", "s", "after which they are believed", 0, 1e6f, 300),
@@ -60,6 +61,30 @@ const struct block_parameter composition_parameter_rows[COMPOSITION_PARAMETER_RO
            7200),
     NUMBER(23, reach_s, "reach", "s", "age of the oldest sample of an analyser that counts", 1,
            1e6f, 3600),
+    {24, BLOCK_WORD, PLACE(covariance), 1, 1, "covariance", "full|band|steady",
+     "ekf, kalman: of all mole fractions, of neighbouring stages, or gains of its steady state", 0,
+     0, COVARIANCE_FULL},
+    NUMBER(25, cycle_s, "cycle", "s", "ekf, kalman: between two gains; 0: a tick", 0, 1e5f, 0),
+    NUMBER(26, feed_z, "feed_z", "-",
+           "ekf, kalman: standard deviation of the feed's mole fractions that nobody measures; 0: "
+           "the table's are right",
+           0, 1, 0.1f),
+    NUMBER(27, feed_f, "feed_f", "-",
+           "ekf, kalman: standard deviation of the feed flow that nobody measures, part of it; 0: "
+           "it is right",
+           0, 1, 0),
+    NUMBER(28, feed_s, "feed_time", "s", "ekf, kalman: how long the feed stays as it is", 60, 1e7f,
+           3600),
+    NUMBER(29, analyser, "analyser", "-",
+           "ekf, kalman: standard deviation of an analysis, mole fraction", 1e-6f, 1, 5e-4f),
+    NUMBER(30, offset, "offset", "-",
+           "ekf, kalman: standard deviation of what the model is off by at the place of an "
+           "analysis, mole fraction; 0: it is right there",
+           0, 1, 5e-3f),
+    NUMBER(31, sure, "sure", "-",
+           "ekf, kalman: points of a larger standard deviation, mole fraction, are uncertain; 0: "
+           "none is",
+           0, 1, 0.01f),
     {17, BLOCK_WORD, PLACE(between), 1, 1, "between", "line|mean",
      "temperatures of truncated stages, of those around them", 0, 0, COLUMN_BETWEEN_LINE},
 };
@@ -174,6 +199,33 @@ static enum err check_points(const struct block_setup *setup, const struct colum
     return ERR_OK;
 }
 
+/* Whether complete innovation can be had. */
+static enum err check_covariance(const struct block_setup *setup, const struct column_table *table,
+                                 struct block_fault *fault)
+{
+    const struct composition_settings *s = setup->settings;
+    size_t m = table->config.components - 1, stages = table->config.stages;
+    if (s->method != METHOD_EKF && s->method != METHOD_KALMAN)
+        return ERR_OK;
+    if (table->truncated[0] || table->truncated[1])
+        return refuse_composition(fault, "method",
+                                  "must be geometric or rekf for a table with truncated stages");
+    size_t extras = composition_extras(s, setup->inputs, m), moves = 0;
+    for (unsigned k = 0; k < setup->inputs; k++)
+        moves += composition_is_sensor(s, k) && s->place[k][OF_COMPONENT] > 0 ? 1u : 0u;
+    if (s->feed_z > 0 && moves < m)
+        return refuse_composition(fault, "feed_z",
+                                  "must be 0 with fewer temperatures that move the model than "
+                                  "mole fractions of the feed that they would have to find");
+    if (extras > COVARIANCE_EXTRAS_MAX)
+        return refuse_composition(fault, "is", "must have two analyses at most");
+    if (composition_job_bytes(s, stages, m, extras) > WORKSPACE_BYTES)
+        return refuse_composition(fault, "covariance",
+                                  "must be band: a full one of so many states has no room in the "
+                                  "board's workspace");
+    return ERR_OK;
+}
+
 enum err composition_check(const struct block_setup *setup, struct block_fault *fault)
 {
     const struct composition_settings *s = setup->settings;
@@ -195,7 +247,9 @@ enum err composition_check(const struct block_setup *setup, struct block_fault *
         return refuse_composition(
             fault, "column",
             "must be a table without truncated stages where it has activity coefficients");
-    enum err err = check_all_inputs(setup, &table, fault);
+    enum err err = check_covariance(setup, &table, fault);
+    if (!err)
+        err = check_all_inputs(setup, &table, fault);
     return err ? err : check_points(setup, &table, fault);
 }
 
@@ -219,6 +273,33 @@ static void set_sensor(struct composition *c, const struct composition_settings 
     o->ki = ki;
 }
 
+size_t composition_extras(const struct composition_settings *s, unsigned inputs, size_t m)
+{
+    size_t n = 0;
+    if (s->method != METHOD_EKF && s->method != METHOD_KALMAN)
+        return 0;
+    for (unsigned k = 0; k < inputs; k++)
+        n += s->is[k] == IS_ANALYSIS && s->offset > 0 ? 1u : 0u;
+    return n + (s->feed_z > 0 ? m : 0u) + (s->feed_f > 0 ? 1u : 0u);
+}
+
+static void take_gains(struct composition_gains *g, const struct composition_settings *s,
+                       unsigned inputs, size_t m, bool keep)
+{
+    if (!keep)
+        memset(g, 0, sizeof *g);
+    g->extras = (uint8_t)composition_extras(s, inputs, m);
+    g->has_feed = g->extras && s->feed_z > 0;
+    g->has_flow = g->extras && s->feed_f > 0;
+    g->feed = (uint8_t)((g->has_feed ? m : 0u) + (g->has_flow ? 1u : 0u));
+}
+
+real_t *composition_offset(struct composition_block *b, unsigned i)
+{
+    struct composition_gains *g = &b->c.gains;
+    return g->extras > g->feed ? &g->extra[g->feed + i] : NULL;
+}
+
 void composition_take_settings(struct composition *c, const struct block_setup *setup, bool keep)
 {
     const struct composition_settings *s = setup->settings;
@@ -231,6 +312,7 @@ void composition_take_settings(struct composition *c, const struct block_setup *
             set_sensor(c, s, k);
     c->method = s->method;
     c->between = s->between;
+    take_gains(&c->gains, s, setup->inputs, c->table.config.components - 1, keep);
     c->h = h;
     c->noise2 = s->noise * s->noise;
     c->model2 = s->model * s->model / HOUR;

@@ -7,7 +7,19 @@
 
 #if CONFIG_BLOCKS
 
-enum composition_method { METHOD_GEOMETRIC, METHOD_REKF };
+enum composition_method {
+    METHOD_GEOMETRIC,
+    METHOD_REKF,
+    METHOD_EKF,   /* complete innovation, the model as it is */
+    METHOD_KALMAN /* likewise, the model linear around the table's profile */
+};
+
+/* In which form the covariance of complete innovation is kept. */
+enum composition_covariance {
+    COVARIANCE_FULL,  /* whole, as UD factors */
+    COVARIANCE_BAND,  /* of stages near one another */
+    COVARIANCE_STEADY /* none: gains of its steady state, found once */
+};
 
 /* Fractions of the points. */
 enum composition_basis { BASIS_MOLE, BASIS_MASS };
@@ -40,16 +52,24 @@ struct composition_settings {
     float noise;                             /* K, standard deviation of a reading */
     float
         model; /* of the model's rates: standard deviation that a mole fraction gathers in an hour */
-    float gate;      /* K; 0: none */
-    float gate_s;    /* s, after which what is outside it is believed */
-    float pull;      /* K/h, alarm; 0: none */
-    float watch_s;   /* s, of the means of the monitor */
-    float nis;       /* alarm; 0: none */
-    float apart;     /* K/h, alarm; 0: none */
-    float far;       /* mole fraction, of an analysis; 0: none */
-    float late_s;    /* s, after which an analysis is missed; 0: never */
-    float reach_s;   /* s, the oldest sample of an analyser that counts */
-    float alone_s;   /* s, without any temperature */
+    float gate;    /* K; 0: none */
+    float gate_s;  /* s, after which what is outside it is believed */
+    float pull;    /* K/h, alarm; 0: none */
+    float watch_s; /* s, of the means of the monitor */
+    float nis;     /* alarm; 0: none */
+    float apart;   /* K/h, alarm; 0: none */
+    float far;     /* mole fraction, of an analysis; 0: none */
+    float late_s;  /* s, after which an analysis is missed; 0: never */
+    float reach_s; /* s, the oldest sample of an analyser that counts */
+    float alone_s; /* s, without any temperature */
+    float cycle_s; /* s, between two gains; 0: a tick */
+    float
+        feed_z; /* mole fraction, standard deviation of the feed's that nobody measures; 0: none */
+    float feed_f;   /* part of the feed flow, likewise */
+    float feed_s;   /* s, that they keep */
+    float analyser; /* mole fraction, standard deviation of an analysis */
+    float sure;   /* mole fraction, standard deviation above which a point is uncertain; 0: none */
+    float offset; /* mole fraction, of the model at the place of an analysis, likewise; 0: none */
     uint16_t column; /* block */
     uint16_t place[BLOCK_INPUTS_MAX]
                   [PLACE_COLS]; /* stage, component that is moved; 0: only compared */
@@ -59,6 +79,7 @@ struct composition_settings {
     uint8_t between;                              /* enum column_between */
     uint8_t doubt;                                /* enum composition_doubt */
     uint8_t basis;                                /* enum composition_basis */
+    uint8_t covariance;                           /* enum composition_covariance */
 };
 
 extern const struct block_kind composition_kind;

@@ -34,6 +34,35 @@ static float value_of(const struct composition_sensor *s, unsigned which)
     }
 }
 
+/* What complete innovation has besides: how sure the points are, what was found of the feed, and whether there is a workspace. */
+static const char *filter_value(const struct composition_block *b, size_t i, float *value)
+{
+    static const char *const sd[] = {"sd_1", "sd_2", "sd_3", "sd_4",
+                                     "sd_5", "sd_6", "sd_7", "sd_8"};
+    static const char *const feed[] = {"feed_1", "feed_2", "feed_3"};
+    _Static_assert(sizeof sd / sizeof sd[0] == BLOCK_POINTS_MAX, "names");
+    _Static_assert(sizeof feed / sizeof feed[0] == COLUMN_COMPONENTS_MAX - 1, "names");
+    static const char *const fixed[] = {"workspace", "cycles", "sd_least", "sd_most"};
+    const float fixed_values[] = {b->filter.job ? 1.0f : 0.0f, (float)b->filter.count,
+                                  b->filter.least, b->filter.most};
+    const struct composition_gains *g = &b->c.gains;
+    size_t n = sizeof fixed / sizeof fixed[0];
+    if (i < n) {
+        *value = fixed_values[i];
+        return fixed[i];
+    }
+    i -= n;
+    if (i < b->points) {
+        *value = b->filter.sd[i];
+        return sd[i];
+    }
+    i -= b->points;
+    if (i >= g->feed)
+        return NULL;
+    *value = g->extra[i];
+    return g->has_flow && i + 1u == g->feed ? "feed_flow" : feed[i];
+}
+
 const char *composition_describe(const void *state, size_t i, float *value)
 {
     const struct composition_block *b = state;
@@ -50,10 +79,11 @@ const char *composition_describe(const void *state, size_t i, float *value)
     size_t sensor = (i - fixed) / VALUES, which = (i - fixed) % VALUES;
     if (sensor >= b->c.sensors) {
         size_t k = i - fixed - (size_t)b->c.sensors * VALUES;
-        if (k >= b->analyses)
-            return NULL;
-        *value = b->analysis[k].correction;
-        return corrections[k];
+        if (k < b->analyses) {
+            *value = b->analysis[k].correction;
+            return corrections[k];
+        }
+        return composition_is_complete(&b->c) ? filter_value(b, k - b->analyses, value) : NULL;
     }
     const struct composition_sensor *s = &b->c.sensor[sensor];
     *value = value_of(s, (unsigned)which);

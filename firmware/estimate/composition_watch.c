@@ -8,7 +8,7 @@
 
 static real_t expected(const struct composition *c, const struct composition_sensor *s)
 {
-    return c->method == METHOD_REKF && s->moves && s->spread > ZERO ? s->spread : c->noise2;
+    return c->method != METHOD_GEOMETRIC && s->moves && s->spread > ZERO ? s->spread : c->noise2;
 }
 
 void composition_watch(struct composition *c)

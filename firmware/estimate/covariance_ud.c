@@ -11,7 +11,7 @@
  * any number. With its loops undone it takes a third of the instructions (tests/bench/results.md). */
 
 /* A step's parts, in this order. */
-enum phase { PHASE_EXTRAS, PHASE_UP, PHASE_BACK, PHASE_GROWN, PHASE_NOISE, PHASE_DONE };
+enum phase { PHASE_NOISE, PHASE_EXTRAS, PHASE_UP, PHASE_BACK, PHASE_GROWN, PHASE_DONE };
 
 /* Squares below count as none: a reflection could not be made of them with all its digits. */
 #define SQUARES_LEAST REAL_C(1e-30)
@@ -547,7 +547,7 @@ bool covariance_ud_carry_piece(struct covariance_ud *c, const struct covariance_
 {
     size_t done = 0;
 
-    if (c->phase == PHASE_EXTRAS && c->at == 0)
+    if (c->phase == PHASE_NOISE && c->at == 0)
         c->err = ERR_OK;
     while (c->phase < PHASE_DONE) {
         if (c->at == length_of(c, step)) {
@@ -560,7 +560,7 @@ bool covariance_ud_carry_piece(struct covariance_ud *c, const struct covariance_
         done += do_next(c, step);
         c->at++;
     }
-    c->phase = PHASE_EXTRAS;
+    c->phase = PHASE_NOISE;
     return false;
 }
 

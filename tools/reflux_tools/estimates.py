@@ -62,6 +62,10 @@ class Case:
         ""  # at SS1: "setpoint", a loop on the estimate moves the temperature's setpoint; "pv", it moves Q itself
     )
     seed: int = 1
+    covariance: str = "full"  # of ekf and kalman
+    model: float = 0.0  # of the filters; 0: the default
+    set: str = ""  # further parameters of the block, NAME:VALUE, by /
+    analysis: bool = False  # iC4 of the distillate, every 30 min, 20 min late
 
 
 def sensing(name: str) -> Sensing:
@@ -136,6 +140,11 @@ def block_rows(case: Case) -> list[str]:
         f"set block3.apart {case.apart:g}",
         "set block3.doubt uncertain",
     ]
+    if case.method in ("ekf", "kalman"):
+        rows.append(f"set block3.covariance {case.covariance}")
+    if case.model:
+        rows.append(f"set block3.model {case.model:g}")
+    rows += [f"set block3.{name} {value}" for name, _, value in (x.partition(":") for x in case.set.split("/") if x)]
     for k, stage in enumerate(of.stages, 1):
         rows.append(f"set block3.place.{k} {stage},{components.index(of.component) + 1}")
         rows.append("set block3.tune.{} {:g},{:g}".format(k, *tuned(stage)))

@@ -1,0 +1,317 @@
+/* Pieces of the job that finds gains: the model at the estimate, its factors, what the feed does, the covariance over a cycle, temperatures,
+ * analyses, and how sure the points are. */
+#include <string.h>
+
+#include "estimate/composition_covariance.h"
+
+#if CONFIG_BLOCKS
+
+#define ZERO REAL_C(0.0)
+#define ONE  REAL_C(1.0)
+#define HOUR REAL_C(3600.0)
+
+/* Mole fractions that get their noise in a cycle: of a whole covariance it costs as much as all the rest if all get it. */
+#define NOISE_COUNT 8u
+/* What a mole fraction gathers is proportional to x (1 - x), at least as much as at this one. */
+#define NOISE_PURE REAL_C(0.01)
+/* An offset of the model changes in so many seconds. */
+#define OFFSET_S REAL_C(86400.0)
+/* A steady state is there when no gain moved by more than this part of the largest in a cycle. */
+#define STEADY_PART   REAL_C(1e-5)
+#define STEADY_CYCLES 20000u
+
+static void find_model(struct composition_block *b, struct composition_job *job)
+{
+    struct column_fault fault;
+    struct column *column = &job->column;
+    const struct column_config *config = &b->c.table.config;
+    job->err = column_init(column, config, &fault);
+    if (!job->err)
+        job->err = column_set_inputs(column, &job->inputs, &fault);
+    memcpy(column->temperature, job->temperature, sizeof job->temperature);
+    if (!job->err)
+        job->err = column_rates(column, job->x, job->rates);
+}
+
+/* s, over which the covariance is carried at once. */
+static real_t leg_s(const struct composition_job *job)
+{
+    return job->tick * (real_t)job->leg;
+}
+
+static void find_factors(struct composition_job *job)
+{
+    job->transition.stages = job->column.config->stages;
+    job->transition.m = job->column.config->components - 1;
+    job->transition.of = job->factors;
+    job->err = column_transition_make(&job->column, job->x, leg_s(job), &job->transition);
+}
+
+/* What a mole fraction gathers in a cycle. */
+static void find_noise(const struct composition_block *b, struct composition_job *job)
+{
+    size_t n = job->column.n_fractions;
+    size_t count = b->s.covariance == COVARIANCE_FULL && n > NOISE_COUNT ? NOISE_COUNT : n;
+    real_t pure = NOISE_PURE * (ONE - NOISE_PURE),
+           all = b->c.model2 * leg_s(job) * (real_t)n / (real_t)count;
+    for (size_t i = 0; i < n; i++) {
+        real_t x = job->x[i], spread = x * (ONE - x);
+        spread = (spread > pure ? spread : pure) * REAL_C(4.0);
+        job->noise[i] = all * spread * spread;
+    }
+    job->step.noise = job->noise;
+    job->step.noise_count = count;
+    job->step.noise_first = job->noise_first;
+    job->noise_first = (uint16_t)((job->noise_first + count) % n);
+}
+
+static void extra(struct composition_job *job, size_t k, real_t sd, real_t time_s)
+{
+    real_t keep = ONE - leg_s(job) / time_s;
+    job->keep[k] = keep > ZERO ? keep : ZERO;
+    job->grown[k] = sd * sd * (ONE - job->keep[k] * job->keep[k]);
+}
+
+/* How the feed moves the column, and what the extras gather. */
+static void find_feed(const struct composition_block *b, struct composition_job *job)
+{
+    const struct composition_gains *g = &b->c.gains;
+    size_t n = job->column.n_fractions, m = job->transition.m, k = 0;
+    memset(job->push, 0, sizeof job->push);
+    if (g->has_flow || g->has_feed) {
+        real_t *flow = &job->push[(g->has_feed ? m : 0) * n];
+        column_feed_flow_slope(&job->column, job->x, flow, job->work);
+        for (size_t j = 0; g->has_feed && j < m; j++, k++) {
+            real_t moles = column_feed_moles_slope(&job->column, j), *slope = &job->push[j * n];
+            column_feed_slopes(&job->column, job->x, j, slope);
+            for (size_t i = 0; i < n; i++)
+                slope[i] = leg_s(job) * real_fma(moles, flow[i], slope[i]);
+            extra(job, k, b->s.feed_z, b->s.feed_s);
+        }
+        for (size_t i = 0; i < n; i++)
+            flow[i] = g->has_flow ? leg_s(job) * flow[i] : ZERO;
+        if (g->has_flow)
+            extra(job, k++, b->s.feed_f, b->s.feed_s);
+    }
+    while (k < g->extras)
+        extra(job, k++, b->s.offset, OFFSET_S);
+    job->step.transition = &job->transition;
+    job->step.extras = g->extras;
+    job->step.push = job->push;
+    job->step.keep = job->keep;
+    job->step.grown = job->grown;
+}
+
+/* Before any reading: each by itself. */
+static void begin_covariance(const struct composition_block *b, struct composition_job *job)
+{
+    const struct composition_gains *g = &b->c.gains;
+    size_t n = job->column.n_fractions, m = job->transition.m;
+    real_t pure = NOISE_PURE * (ONE - NOISE_PURE), *variance = job->noise;
+    for (size_t i = 0; i < n; i++) {
+        real_t spread = job->x[i] * (ONE - job->x[i]);
+        spread = (spread > pure ? spread : pure) * REAL_C(4.0);
+        variance[i] = b->c.model2 * HOUR * spread * spread;
+    }
+    for (size_t k = 0; k < g->extras; k++) {
+        bool of_feed = g->has_feed && k < m, of_flow = g->has_flow && k + 1u == g->feed;
+        real_t sd = of_feed ? b->s.feed_z : of_flow ? b->s.feed_f : b->s.offset;
+        variance[n + k] = sd * sd;
+    }
+    job->err = composition_is_banded(&b->s)
+                   ? covariance_band_begin(&job->covariance.band, job->transition.stages, m,
+                                           g->extras, variance, job->memory)
+                   : covariance_ud_begin(&job->covariance.ud, job->transition.stages, m, g->extras,
+                                         variance, job->memory);
+    job->begin = false;
+}
+
+static bool carry(const struct composition_block *b, struct composition_job *job)
+{
+    struct covariance_ud *ud = &job->covariance.ud;
+    struct covariance_band *band = &job->covariance.band;
+    bool banded = composition_is_banded(&b->s);
+    if (!job->carrying)
+        find_noise(b, job);
+    job->carrying = banded ? covariance_band_carry_piece(band, &job->step, COVARIANCE_BAND_EFFORT)
+                           : covariance_ud_carry_piece(ud, &job->step, COVARIANCE_UD_EFFORT);
+    if (!job->carrying)
+        job->err = banded ? band->err : ud->err;
+    return job->carrying;
+}
+
+static real_t take(const struct composition_block *b, struct composition_job *job,
+                   const struct covariance_measurement *z, real_t *gain)
+{
+    return composition_is_banded(&b->s) ? covariance_band_take(&job->covariance.band, z, gain)
+                                        : covariance_ud_take(&job->covariance.ud, z, gain);
+}
+
+/* The largest gain of a cycle, and by how much one has moved since the cycle before. */
+static void watch_gain(struct composition_job *job, const real_t *before, const real_t *now,
+                       size_t n)
+{
+    for (size_t i = 0; i < n; i++) {
+        real_t moved = real_abs(now[i] - before[i]), size = real_abs(now[i]);
+        job->moved = moved > job->moved ? moved : job->moved;
+        job->largest = size > job->largest ? size : job->largest;
+    }
+}
+
+static void take_sensor(const struct composition_block *b, struct composition_job *job, unsigned k)
+{
+    const struct composition_sensor *s = &b->c.sensor[k];
+    size_t length = composition_moved(&b->c), c = job->transition.m + 1u;
+    real_t *gain = &job->gain[k * length], before[COMPOSITION_LENGTH_MOST];
+    real_t dt[COLUMN_COMPONENTS_MAX], dy[COLUMN_COMPONENTS_MAX * COLUMN_COMPONENTS_MAX];
+    real_t full[COLUMN_COMPONENTS_MAX];
+    struct covariance_measurement z = {.at = s->stage * job->transition.m,
+                                       .count = job->transition.m,
+                                       .slope = dt,
+                                       .extra = COVARIANCE_EXTRAS_MAX,
+                                       .variance = b->c.noise2 / (real_t)job->leg};
+    memcpy(before, gain, length * sizeof(real_t));
+    memset(gain, 0, length * sizeof(real_t));
+    if (!(job->there & 1u << k))
+        return;
+    for (size_t j = 0; j < c; j++)
+        full[j] = column_fraction(&job->column, job->x, s->stage, j);
+    vle_full_slopes(&job->column.vle, job->column.temperature[s->stage], full,
+                    &job->column.k[s->stage * c], &job->column.dk[s->stage * c], dt, dy);
+    job->spread[k] = take(b, job, &z, gain);
+    watch_gain(job, before, gain, length);
+}
+
+/* A mole fraction of a stage, the closing one too, with the offset of its place where there is an analysis. */
+static void put_fraction(const struct composition_block *b, const struct composition_job *job,
+                         size_t stage, size_t component, struct covariance_measurement *z,
+                         real_t *slope)
+{
+    size_t m = job->transition.m;
+    for (size_t j = 0; j < m; j++)
+        slope[j] = component == m ? -ONE : j == component ? ONE : ZERO;
+    *z = (struct covariance_measurement){.at = stage * m,
+                                         .count = m,
+                                         .slope = slope,
+                                         .extra = COVARIANCE_EXTRAS_MAX,
+                                         .extra_slope = ONE};
+    for (uint8_t i = 0; b->s.offset > 0 && i < b->analyses; i++)
+        if (b->analysis[i].stage == stage && b->analysis[i].component == component)
+            z->extra = (size_t)b->c.gains.feed + i;
+}
+
+static void take_analysis(const struct composition_block *b, struct composition_job *job,
+                          unsigned i)
+{
+    const struct composition_analysis *a = &b->analysis[i];
+    size_t length = composition_moved(&b->c);
+    real_t slope[COLUMN_COMPONENTS_MAX], *gain = &job->gain[(b->c.sensors + i) * length];
+    struct covariance_measurement z;
+    if (!(job->analysed & 1u << i))
+        return;
+    put_fraction(b, job, a->stage, a->component, &z, slope);
+    z.variance = b->s.analyser * b->s.analyser + job->older[i];
+    (void)take(b, job, &z, gain);
+}
+
+static void find_point(const struct composition_block *b, struct composition_job *job, unsigned k)
+{
+    size_t stage = b->s.point[k][AT_STAGE] - 1u, component = b->s.point[k][OF_COMPONENT];
+    size_t c = job->transition.m + 1u;
+    real_t slope[COLUMN_COMPONENTS_MAX * COLUMN_COMPONENTS_MAX], dt[COLUMN_COMPONENTS_MAX];
+    struct covariance_measurement z;
+    put_fraction(b, job, stage, component ? component - 1u : 0, &z, slope);
+    if (!component) {
+        real_t full[COLUMN_COMPONENTS_MAX];
+        for (size_t j = 0; j < c; j++)
+            full[j] = column_fraction(&job->column, job->x, stage, j);
+        vle_full_slopes(&job->column.vle, job->column.temperature[stage], full,
+                        &job->column.k[stage * c], &job->column.dk[stage * c], dt, slope);
+        z.slope = dt;
+        z.extra = COVARIANCE_EXTRAS_MAX;
+    }
+    real_t variance = composition_is_banded(&b->s) ? covariance_band_of(&job->covariance.band, &z)
+                                                   : covariance_ud_of(&job->covariance.ud, &z);
+    job->sd[k] = real_sqrt(variance > ZERO ? variance : ZERO);
+}
+
+static void end_points(const struct composition_block *b, struct composition_job *job)
+{
+    real_t least, most;
+    if (composition_is_banded(&b->s))
+        covariance_band_extremes(&job->covariance.band, &least, &most);
+    else
+        covariance_ud_extremes(&job->covariance.ud, &least, &most);
+    job->least = real_sqrt(least > ZERO ? least : ZERO);
+    job->most = real_sqrt(most);
+    if (!isfinite(job->most) || !(least > ZERO))
+        job->err = ERR_NOT_FINITE;
+}
+
+/* Of a steady state: whether another cycle is needed. */
+static bool goes_round(const struct composition_block *b, struct composition_job *job)
+{
+    if (b->s.covariance != COVARIANCE_STEADY)
+        return false;
+    bool still = job->moved <= STEADY_PART * job->largest;
+    job->moved = job->largest = ZERO;
+    return !still && ++job->cycles < STEADY_CYCLES;
+}
+
+static void next(struct composition_job *job, enum composition_phase phase)
+{
+    job->phase = (uint8_t)phase;
+    job->at = 0;
+}
+
+void composition_covariance_piece(struct composition_block *b, struct composition_job *job)
+{
+    switch ((enum composition_phase)job->phase) {
+    case PHASE_MODEL:
+        find_model(b, job);
+        job->leg = job->ticks > 1 ? (uint8_t)(job->ticks - 1u) : 1u;
+        next(job, PHASE_FACTORS);
+        break;
+    case PHASE_FACTORS:
+        find_factors(job);
+        next(job, PHASE_FEED);
+        break;
+    case PHASE_FEED:
+        find_feed(b, job);
+        if (job->begin)
+            begin_covariance(b, job);
+        next(job, PHASE_CARRY);
+        break;
+    case PHASE_CARRY:
+        if (!carry(b, job))
+            next(job, PHASE_SENSORS);
+        break;
+    case PHASE_SENSORS:
+        if (job->at < b->c.sensors)
+            take_sensor(b, job, job->at++);
+        else if (job->leg > 1) {
+            job->leg = 1;
+            next(job, PHASE_FACTORS);
+        } else
+            next(job, goes_round(b, job) ? PHASE_CARRY : PHASE_ANALYSES);
+        break;
+    case PHASE_ANALYSES:
+        if (job->at < b->analyses)
+            take_analysis(b, job, job->at++);
+        else
+            next(job, PHASE_POINTS);
+        break;
+    case PHASE_POINTS:
+        if (job->at < b->points)
+            find_point(b, job, job->at++);
+        else {
+            end_points(b, job);
+            next(job, PHASE_DONE);
+        }
+        break;
+    default:
+        break;
+    }
+}
+
+#endif
