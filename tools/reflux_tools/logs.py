@@ -108,19 +108,23 @@ def read_telemetry(path: Path) -> Log:
         lines = path.read_text(encoding="utf-8", errors="replace").splitlines()
     except OSError as error:
         raise UserError(f"{shown(path)}: cannot be read: {error.strerror}") from None
+    return telemetry_in(lines, shown(path))
+
+
+def telemetry_in(lines: list[str], source: str) -> Log:
     columns: list[str] = []
     header: list[str] | None = None
     rows: list[dict[str, str]] = []
     for n, line in enumerate(lines, 1):
         line = re.sub(r"^\s*[\d.]+\s+(?=[HT],)", "", line)
         if line.startswith("H,"):
-            header = _header(line, f"{shown(path)}:{n}")
+            header = _header(line, f"{source}:{n}")
             columns += [name for name in header if name not in columns]
         elif line.startswith("T,"):
-            rows.append(_row(line, header, f"{shown(path)}:{n}"))
+            rows.append(_row(line, header, f"{source}:{n}"))
     if header is None:
-        raise RunFailed(f"{shown(path)}: the firmware sent no telemetry header (H, line); is its log on?")
-    return Log(columns, [[row.get(name, "") for name in columns] for row in rows], [], shown(path))
+        raise RunFailed(f"{source}: the firmware sent no telemetry header (H, line); is its log on?")
+    return Log(columns, [[row.get(name, "") for name in columns] for row in rows], [], source)
 
 
 def _header(line: str, where: str) -> list[str]:
