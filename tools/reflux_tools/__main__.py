@@ -18,6 +18,7 @@ COMMANDS = {
     "plot": "cmd_plot",
     "column": "cmd_column",
     "gradients": "cmd_gradients",
+    "consistency": "cmd_consistency",
     "style": "cmd_style",
     "fuzz": "cmd_fuzz",
     "coverage": "cmd_coverage",
