@@ -55,7 +55,7 @@ def _check_parser(p: argparse.ArgumentParser) -> None:
     p.add_argument("--to", dest="last", type=float, metavar="H", help="default: the end of the run")
     p.add_argument("--try", dest="tries", action="store_true", help="replay with the proposed numbers as well, until they fit or none do")
     p.add_argument("--format", choices=("text", "json"), default="text")
-    p.add_argument("--out", type=named, metavar="PNG", help="the picture; default: consistency.png beside the log")
+    p.add_argument("--out", type=named, metavar="PNG", help="the picture; default: consistency.png beside the log, none with --format json")
     p.add_argument("--no-build", action="store_true", help="use what is built already")
 
 
@@ -86,9 +86,8 @@ def lines(options: argparse.Namespace) -> int:
         if not low <= row.value <= high:
             raise UserError(f"{row.name} would be {row.value:.3g}, and the block takes {low:g} to {high:g}; look at --{'sd' if row.name == 'noise' else 'model-error'}")
     print(f"set block{options.block}.method {options.method}")
-    width = max(len(f"set block{options.block}.{r.name} {consistency_lines.figure(r.value)}") for r in rows)
     for r in rows:
-        print(f"{f'set block{options.block}.{r.name} {consistency_lines.figure(r.value)}'.ljust(width)}   # {r.why}")
+        print(f"# {r.why}\nset block{options.block}.{r.name} {consistency_lines.figure(r.value)}")
     return 0
 
 
@@ -117,7 +116,8 @@ def check(options: argparse.Namespace) -> int:
     told(first)
     found = search(run, first, told) if options.tries else Search([first], consistent=first.judgement.consistent)
     place = options.out or (options.run if options.run.is_dir() else options.run.parent) / "consistency.png"
-    draw(found.best, run, place)
+    if options.format == "text" or options.out:
+        draw(found.best, run, place)
     if options.format == "json":
         print(json.dumps(as_dict(found, run), indent=1))
         return 0

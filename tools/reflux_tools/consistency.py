@@ -88,16 +88,11 @@ def noise_of(s: Statistics) -> float:
     return math.sqrt(whole * left) if left > LITTLE else math.nan
 
 
-def section_of(known: list[Statistics], one: Statistics, odd: Statistics | None) -> list[Statistics]:
-    """Thermometers that share what the model is off by: those of its section but the one that contradicts them."""
-    return [s for s in known if s.sensor.above == one.sensor.above and s is not odd]
-
-
 def level(known: list[Statistics], one: Statistics, odd: Statistics | None) -> float:
-    """Mean square of the innovations over what is expected, with the mean that a section has in common and without a thermometer's own: the
-    first is the model's, and a covariance may cover it."""
-    shared = section_of(known, one, odd)
-    common = sum(s.mean_k for s in shared) / len(shared) if shared else 0.0
+    """Mean square of the innovations over what is expected, with the mean that a section has in common: that is the model's, and a covariance
+    may cover it. Not where one thermometer contradicts the others, for it draws them."""
+    section = [s for s in known if s.sensor.above == one.sensor.above]
+    common = sum(s.mean_k for s in section) / len(section) if odd not in section else 0.0
     return one.spread + common * common / one.expected
 
 
@@ -206,7 +201,8 @@ def unbiased(s: Statistics, setting: Setting, swings: str) -> Verdict:
         told = f"innovations are {figure(s.spread)} times what is expected, and correlated ({s.rho:+.2f}): the estimate follows too slowly"
         return Verdict(name, False, f"{told}; {what} is too small, or the model is wrong there{own}.{swings}", "correlated")
     told = f"innovations are {figure(s.spread)} times what is expected, and each takes back a part of the one before ({s.rho:+.2f})"
-    return Verdict(name, False, f"{told}: the estimate follows the noise; {what} is too large beside `noise`{own}.{swings}", "correlated")
+    cause = "`noise` is too small" if math.isfinite(noise) and noise > 1.25 * setting.noise else f"{what} is too large beside `noise`"
+    return Verdict(name, False, f"{told}: the estimate follows the noise; {cause}{own}.{swings}", "correlated")
 
 
 def uncertain_model(setting: Setting) -> str:

@@ -56,4 +56,4 @@ def rows(k: Known) -> list[Row]:
 
 
 def figure(x: float) -> str:
-    return f"{x:.4g}"
+    return f"{x:.4g}" if x < 1000 else f"{x:.0f}"
