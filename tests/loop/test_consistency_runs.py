@@ -96,7 +96,7 @@ class Runs(unittest.TestCase):
         self.assertTrue(again["consistent"])
 
     def test_a_thermometer_that_is_off_is_named_with_its_offset_and_nothing_widened_for_it(self) -> None:
-        """1 K; the others of its section are off by up to 0.15 K of one another themselves, since the model lumps components."""
+        """1 K; a model of lumped components puts those that are right a tenth of a kelvin apart."""
         for name in ("T31", "T33"):
             run = record("splitter-estimate", self.folder / name, 1.5, [*noise(SPLITTER, 0.2), Event(0.0, f"{name}.bias", 1.0)])
             found = check(run, "--try")
