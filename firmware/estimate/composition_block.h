@@ -5,7 +5,7 @@
 #include "base/channel.h"
 #include "estimate/composition.h"
 #include "estimate/composition_analysis.h"
-#include "estimate/composition_job.h"
+#include "estimate/composition_filter.h"
 
 #if CONFIG_BLOCKS
 

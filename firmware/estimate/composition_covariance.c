@@ -140,8 +140,8 @@ static bool carry(const struct composition_block *b, struct composition_job *job
     return job->carrying;
 }
 
-static real_t take(const struct composition_block *b, struct composition_job *job,
-                   const struct covariance_measurement *z, real_t *gain)
+static real_t work_in(const struct composition_block *b, struct composition_job *job,
+                      const struct covariance_measurement *z, real_t *gain)
 {
     return composition_is_banded(&b->s) ? covariance_band_take(&job->covariance.band, z, gain)
                                         : covariance_ud_take(&job->covariance.ud, z, gain);
@@ -158,7 +158,8 @@ static void watch_gain(struct composition_job *job, const real_t *before, const 
     }
 }
 
-static void take_sensor(const struct composition_block *b, struct composition_job *job, unsigned k)
+static void work_in_sensor(const struct composition_block *b, struct composition_job *job,
+                           unsigned k)
 {
     const struct composition_sensor *s = &b->c.sensor[k];
     size_t length = composition_moved(&b->c), c = job->transition.m + 1u;
@@ -178,7 +179,7 @@ static void take_sensor(const struct composition_block *b, struct composition_jo
         full[j] = column_fraction(&job->column, job->x, s->stage, j);
     vle_full_slopes(&job->column.vle, job->column.temperature[s->stage], full,
                     &job->column.k[s->stage * c], &job->column.dk[s->stage * c], dt, dy);
-    job->spread[k] = take(b, job, &z, gain);
+    job->spread[k] = work_in(b, job, &z, gain);
     watch_gain(job, before, gain, length);
 }
 
@@ -200,8 +201,8 @@ static void put_fraction(const struct composition_block *b, const struct composi
             z->extra = (size_t)b->c.gains.feed + i;
 }
 
-static void take_analysis(const struct composition_block *b, struct composition_job *job,
-                          unsigned i)
+static void work_in_analysis(const struct composition_block *b, struct composition_job *job,
+                             unsigned i)
 {
     const struct composition_analysis *a = &b->analysis[i];
     size_t length = composition_moved(&b->c);
@@ -211,7 +212,7 @@ static void take_analysis(const struct composition_block *b, struct composition_
         return;
     put_fraction(b, job, a->stage, a->component, &z, slope);
     z.variance = b->s.analyser * b->s.analyser + job->older[i];
-    (void)take(b, job, &z, gain);
+    (void)work_in(b, job, &z, gain);
 }
 
 static void find_point(const struct composition_block *b, struct composition_job *job, unsigned k)
@@ -258,7 +259,7 @@ static bool goes_round(const struct composition_block *b, struct composition_job
     return !still && ++job->cycles < STEADY_CYCLES;
 }
 
-static void next(struct composition_job *job, enum composition_phase phase)
+static void go_to(struct composition_job *job, enum composition_phase phase)
 {
     job->phase = (uint8_t)phase;
     job->at = 0;
@@ -270,43 +271,43 @@ void composition_covariance_piece(struct composition_block *b, struct compositio
     case PHASE_MODEL:
         find_model(b, job);
         job->leg = job->ticks > 1 ? (uint8_t)(job->ticks - 1u) : 1u;
-        next(job, PHASE_FACTORS);
+        go_to(job, PHASE_FACTORS);
         break;
     case PHASE_FACTORS:
         find_factors(job);
-        next(job, PHASE_FEED);
+        go_to(job, PHASE_FEED);
         break;
     case PHASE_FEED:
         find_feed(b, job);
         if (job->begin)
             begin_covariance(b, job);
-        next(job, PHASE_CARRY);
+        go_to(job, PHASE_CARRY);
         break;
     case PHASE_CARRY:
         if (!carry(b, job))
-            next(job, PHASE_SENSORS);
+            go_to(job, PHASE_SENSORS);
         break;
     case PHASE_SENSORS:
         if (job->at < b->c.sensors)
-            take_sensor(b, job, job->at++);
+            work_in_sensor(b, job, job->at++);
         else if (job->leg > 1) {
             job->leg = 1;
-            next(job, PHASE_FACTORS);
+            go_to(job, PHASE_FACTORS);
         } else
-            next(job, goes_round(b, job) ? PHASE_CARRY : PHASE_ANALYSES);
+            go_to(job, goes_round(b, job) ? PHASE_CARRY : PHASE_ANALYSES);
         break;
     case PHASE_ANALYSES:
         if (job->at < b->analyses)
-            take_analysis(b, job, job->at++);
+            work_in_analysis(b, job, job->at++);
         else
-            next(job, PHASE_POINTS);
+            go_to(job, PHASE_POINTS);
         break;
     case PHASE_POINTS:
         if (job->at < b->points)
             find_point(b, job, job->at++);
         else {
             end_points(b, job);
-            next(job, PHASE_DONE);
+            go_to(job, PHASE_DONE);
         }
         break;
     default:

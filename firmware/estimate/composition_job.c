@@ -171,7 +171,7 @@ void composition_keep_lease(struct composition_block *b, bool working)
 /* ---- the result ---- */
 
 /* What a sample of an analyser said when it was compared moves everything once. */
-static void take_analyses(struct composition_block *b)
+static void apply_analyses(struct composition_block *b)
 {
     struct composition *c = &b->c;
     const struct composition_job *job = b->filter.job;
@@ -207,7 +207,7 @@ void composition_take_gains(struct composition_block *b)
     memcpy(f->sd, job->sd, sizeof f->sd);
     f->least = job->least;
     f->most = job->most;
-    take_analyses(b);
+    apply_analyses(b);
     f->steady = b->s.covariance == COVARIANCE_STEADY;
     if (f->count < UINT32_MAX)
         f->count++;
@@ -215,7 +215,7 @@ void composition_take_gains(struct composition_block *b)
 
 /* ---- the workspace, and work in it ---- */
 
-static bool lease(struct composition_block *b)
+static bool lease_workspace(struct composition_block *b)
 {
     struct composition_filter *f = &b->filter;
     struct workspace *w = workspace_shared();
@@ -239,7 +239,7 @@ bool composition_job_piece(struct composition_block *b)
 {
     struct composition_filter *f = &b->filter;
     if (!f->job) {
-        (void)lease(b);
+        (void)lease_workspace(b);
         return false;
     }
     struct composition_job *job = f->job;

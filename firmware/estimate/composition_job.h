@@ -8,27 +8,9 @@
 #define REFLUX_ESTIMATE_COMPOSITION_JOB_H
 
 #include "base/workspace.h"
-#include "estimate/composition.h"
-#include "estimate/composition_analysis.h"
+#include "estimate/composition_block.h"
 
 #if CONFIG_BLOCKS
-
-struct composition_job;
-
-struct composition_filter {
-    struct composition_job *job; /* in the workspace; NULL: it is not leased */
-    uint32_t lease;
-    bool declined;               /* somebody said `free`; until `take` */
-    bool refused;                /* somebody else has the workspace */
-    bool begins;                 /* the next order begins with what is known before any reading */
-    bool steady;                 /* COVARIANCE_STEADY: the gains are there */
-    uint8_t analysed;            /* bit i: the job works analysis i in */
-    uint32_t count;              /* orders that were taken; saturates */
-    real_t sd[BLOCK_POINTS_MAX]; /* of what a point gives, mole fraction or K */
-    real_t least, most;          /* standard deviations of mole fractions */
-};
-
-struct composition_block;
 
 /* Numbers that the state needs behind its struct: gains, and the factors of a linear model. 0 for other methods. */
 size_t composition_numbers(const struct block_setup *setup);

@@ -1,5 +1,5 @@
 /* How good the estimates are, and what is said of them. */
-#include "estimate/composition_block.h"
+#include "estimate/composition_job.h"
 
 #if CONFIG_BLOCKS
 

@@ -1,5 +1,5 @@
 /* The kind `composition`: an estimator of mole fractions on the stages of a column from temperatures (docs/composition-estimation.md). */
-#include "estimate/composition_block.h"
+#include "estimate/composition_job.h"
 
 #if CONFIG_BLOCKS
 
@@ -279,7 +279,7 @@ static void composition_follow(void *state, struct block_io *io)
 }
 
 /* Before a step: what the background has done. False: the model is the background's. */
-static bool take_work(struct composition_block *b, struct block_io *io)
+static bool take_result(struct composition_block *b, struct block_io *io)
 {
     bool settled = io->work_done && b->work == WORK_SETTLE;
     if (io->work_done && b->work == WORK_GAINS)
@@ -311,7 +311,7 @@ static void composition_block_step(void *state, struct block_io *io)
     struct composition_block *b = state;
     real_t t[SENSORS_MAX];
     stand_here(b);
-    if (!take_work(b, io)) {
+    if (!take_result(b, io)) {
         give_estimates(b, io, QUALITY_UNCERTAIN);
         return;
     }

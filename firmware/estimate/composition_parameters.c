@@ -1,5 +1,5 @@
 /* Parameters of the kind `composition`: rows, what they come to, and what is refused. */
-#include "estimate/composition_block.h"
+#include "estimate/composition_job.h"
 
 #if CONFIG_BLOCKS
 
@@ -283,8 +283,8 @@ size_t composition_extras(const struct composition_settings *s, unsigned inputs,
     return n + (s->feed_z > 0 ? m : 0u) + (s->feed_f > 0 ? 1u : 0u);
 }
 
-static void take_gains(struct composition_gains *g, const struct composition_settings *s,
-                       unsigned inputs, size_t m, bool keep)
+static void set_gains(struct composition_gains *g, const struct composition_settings *s,
+                      unsigned inputs, size_t m, bool keep)
 {
     if (!keep)
         memset(g, 0, sizeof *g);
@@ -312,7 +312,7 @@ void composition_take_settings(struct composition *c, const struct block_setup *
             set_sensor(c, s, k);
     c->method = s->method;
     c->between = s->between;
-    take_gains(&c->gains, s, setup->inputs, c->table.config.components - 1, keep);
+    set_gains(&c->gains, s, setup->inputs, c->table.config.components - 1, keep);
     c->h = h;
     c->noise2 = s->noise * s->noise;
     c->model2 = s->model * s->model / HOUR;
