@@ -5,39 +5,25 @@
  * columns beside it by Householder's reflections, on the way up so far that only the m columns left of the diagonal are filled, on the
  * way back entirely. About 15 n^2 multiplications for m = 2, where products with Phi take n^3. Works for every efficiency and takes no
  * pivots. Noise is added one fraction after the other (Agee and Turner), measurements are taken by Bierman's update, both in num/ud.h.
- * The way through the transition is ours; what it stands in for is C. L. Thornton's, Triangular Covariance Factorizations for
+ * The way through the transition (estimate/covariance_root.c) is ours; what it stands in for is C. L. Thornton's, Triangular Covariance Factorizations for
  * Kalman Filtering (1976). */
 #ifndef REFLUX_ESTIMATE_COVARIANCE_UD_H
 #define REFLUX_ESTIMATE_COVARIANCE_UD_H
 
-#include "estimate/covariance.h"
-
-#define COVARIANCE_UD_BLOCK ((COLUMN_COMPONENTS_MAX - 1) * (COLUMN_COMPONENTS_MAX - 1))
-
-struct covariance_ud {
-    size_t stages, m, n, extras; /* n: stages m fractions */
-    real_t *ud;                  /* packed, n + extras: P between two steps */
-    /* within a step */
-    real_t *own;   /* [stages][m][m]: diagonal blocks, which are full on the way */
-    real_t *left;  /* [stages][m][m]: those left of them */
-    real_t *spare; /* [2 (n + extras)] */
-    size_t phase, at;
-    real_t below[COVARIANCE_UD_BLOCK]; /* the vapour of the stage below, in its own columns */
-    enum err err; /* ERR_NOT_FINITE: the last step made something that is no number */
-};
+#include "estimate/covariance_root.h"
 
 /* Bytes of memory, aligned as real_t. */
 size_t covariance_ud_bytes(size_t stages, size_t m, size_t extras);
 
-/* P = diag(variance[n + extras]), in `memory` of covariance_ud_bytes. ERR_RANGE: below 0, or sizes that no column has (2 stages or
- * more, at most COLUMN_STATES_MAX fractions, COVARIANCE_EXTRAS_MAX extras); ERR_NOT_FINITE. */
+/* P = diag(variance[n + extras]), in `memory` of covariance_ud_bytes. ERR_RANGE: below 0, or sizes that no column has (2 stages to
+ * COLUMN_STAGES_MAX, 1 to 3 fractions, at most COVARIANCE_EXTRAS_MAX extras); ERR_NOT_FINITE. */
 MUST_CHECK enum err covariance_ud_begin(struct covariance_ud *c, size_t stages, size_t m,
                                         size_t extras, const real_t *variance, void *memory);
 
-/* Does a part of a step: some `effort` elements of the triangle, or the least that can be done at once, which is up to n + extras
- * columns' worth. True while there is more; until then nothing but this may be called. How it is cut does not change the result.
- * An instruction count of COVARIANCE_UD_EFFORT is at most 100,000 on a Cortex-M4F. c->err tells of the end. */
-#define COVARIANCE_UD_EFFORT 2500
+/* Does a part of a step: about `effort` elements of the triangle at most, or the least that can be done at once, which is noise of one or
+ * two fractions. True while there is more; until then nothing but this may be called, with the same step. How it is cut does not change
+ * the result. COVARIANCE_UD_EFFORT is at most 100,000 instructions on a Cortex-M4F. c->err tells of the end. */
+#define COVARIANCE_UD_EFFORT 2000
 bool covariance_ud_carry_piece(struct covariance_ud *c, const struct covariance_step *step,
                                size_t effort);
 

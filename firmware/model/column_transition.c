@@ -6,7 +6,7 @@
 #define ZERO REAL_C(0.0)
 #define ONE  REAL_C(1.0)
 
-#define M_MAX (COLUMN_COMPONENTS_MAX - 1)
+#define M_MAX ((size_t)COLUMN_COMPONENTS_MAX - 1)
 #define WIDTH (3 * M_MAX) /* a matrix and two more as its right sides */
 
 /* One stage's equations, of what the stage above answers (its T) and the vapour from below:

@@ -345,7 +345,7 @@ static void what_is_no_covariance_is_refused(void)
     TEST_ASSERT_EQUAL(ERR_RANGE,
                       covariance_ud_begin(&ud, 4, COLUMN_COMPONENTS_MAX, 0, variance, memory));
     TEST_ASSERT_EQUAL(ERR_RANGE,
-                      covariance_ud_begin(&ud, COLUMN_STATES_MAX / 2 + 1, 2, 0, variance, memory));
+                      covariance_ud_begin(&ud, COLUMN_STAGES_MAX + 1, 2, 0, variance, memory));
     TEST_ASSERT_EQUAL(ERR_RANGE,
                       covariance_ud_begin(&ud, 4, 2, COVARIANCE_EXTRAS_MAX + 1, variance, memory));
     variance[9] = -1;

@@ -207,6 +207,51 @@ static void an_addition_of_rank_one_is_the_dense_one(void)
     check_covariance(n, 30, RELATIVE);
 }
 
+/* Of num/ud.h alone: what estimators in float have. Columns and vectors go in pairs, so every place is a case of its own. */
+static void additions_to_one_or_two_variances_are_the_dense_ones(void)
+{
+    static real_t plain[SIZE * (SIZE + 1) / 2], v[2 * SIZE];
+    for (size_t at = 0; at < SIZE; at++)
+        for (int two = 0; two < (at > 0 ? 2 : 1); two++) {
+            for (size_t j = 0, k = 0; j < SIZE; j++)
+                for (size_t i = 0; i <= j; i++, k++)
+                    plain[k] = (real_t)(i == j ? 1.5 + uniform() : 0.3 * uniform());
+            for (size_t i = 0; i < SIZE; i++)
+                for (size_t j = 0; j < SIZE; j++)
+                    dense[i][j] = (double)ud_element(plain, SIZE, i, j);
+            dense[at][at] += 0.75;
+            if (two) {
+                dense[at - 1][at - 1] += 0.5;
+                ud_add_pair(plain, at, REAL_C(0.75), REAL_C(0.5), v);
+            } else {
+                ud_add_at(plain, at, REAL_C(0.75), v);
+            }
+            for (size_t i = 0; i < SIZE; i++)
+                for (size_t j = 0; j < SIZE; j++)
+                    TEST_ASSERT_DOUBLE_WITHIN(RELATIVE * SIZE * sqrt(dense[i][i] * dense[j][j]),
+                                              dense[i][j], (double)ud_element(plain, SIZE, i, j));
+        }
+}
+
+static void columns_before_the_first_of_a_measurement_stay(void)
+{
+    static real_t plain[SIZE * (SIZE + 1) / 2], whole[SIZE * (SIZE + 1) / 2];
+    real_t phi[SIZE], f[SIZE], g[SIZE], own[SIZE];
+    for (size_t from = 0; from < SIZE; from++) {
+        for (size_t j = 0, k = 0; j < SIZE; j++) {
+            phi[j] = j < from ? 0 : (real_t)uniform();
+            for (size_t i = 0; i <= j; i++, k++)
+                whole[k] = plain[k] = (real_t)(i == j ? 1.5 + uniform() : 0.3 * uniform());
+        }
+        ud_project(plain, SIZE, phi, f, g);
+        memcpy(own, g, sizeof own);
+        real_t alpha = ud_correct(whole, SIZE, f, own, REAL_C(0.1), 1);
+        TEST_ASSERT_TRUE(ud_correct_from(plain, SIZE, from, f, g, REAL_C(0.1), 1) == alpha);
+        TEST_ASSERT_EQUAL_MEMORY(own, g, sizeof g);
+        TEST_ASSERT_EQUAL_MEMORY(whole, plain, sizeof plain);
+    }
+}
+
 static void products_and_solutions_are_those_of_the_dense_matrix(void)
 {
     const size_t n = 9;
@@ -314,6 +359,8 @@ int main(void)
     RUN_TEST(a_covariance_far_above_the_noise_costs_no_digits);
     RUN_TEST(the_square_root_form_of_the_source_is_the_same_update);
     RUN_TEST(an_addition_of_rank_one_is_the_dense_one);
+    RUN_TEST(additions_to_one_or_two_variances_are_the_dense_ones);
+    RUN_TEST(columns_before_the_first_of_a_measurement_stay);
     RUN_TEST(products_and_solutions_are_those_of_the_dense_matrix);
     RUN_TEST(d_is_brought_into_its_range_and_what_is_inside_stays);
     RUN_TEST(d_stays_positive_on_stiff_data_that_excite_little);

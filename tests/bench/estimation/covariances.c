@@ -16,13 +16,15 @@
 #define STATES  (80 + EXTRAS)
 #define SENSORS 4
 
-static alignas(8) real_t memory[4500];
-static real_t numbers[40 * 14], push[EXTRAS * 80], work[80], noise[80], gain[STATES];
+/* First the covariance's own, behind them what the opponent needs besides. */
+#define OWN 4500
+static alignas(8) real_t memory[OWN + STATES * (STATES + NOISY + EXTRAS) + 2 * STATES];
+static real_t numbers[40 * 29], push[EXTRAS * 120], work[80], noise[120], gain[STATES];
 static struct covariance_ud ud;
 static struct covariance_step step;
 static struct column_transition transition;
 #if COLUMN_STAGES_MAX < 100
-static real_t matrix[STATES * STATES], space[STATES * (STATES + NOISY + EXTRAS) + 2 * STATES];
+static real_t matrix[STATES * STATES];
 #endif
 
 static bool begin(size_t stages)
@@ -144,7 +146,7 @@ static void cost_of_thornton(size_t stages)
         uint32_t from = cost_now();
         thornton_transition(&step, n, matrix);
         uint32_t between = cost_now();
-        thornton_carry(ud.ud, all, matrix, NOISY + EXTRAS, at, gathered, space);
+        thornton_carry(ud.ud, all, matrix, NOISY + EXTRAS, at, gathered, memory + OWN);
         uint32_t to = cost_now();
         cost_add(&made, from, between);
         cost_add(&cost, between, to);
@@ -156,6 +158,34 @@ static void cost_of_thornton(size_t stages)
 }
 #endif
 
+/* Other numbers of components: the factors' values are of no consequence here, only that deviations do not grow. */
+static void cost_of_any(const char *what, size_t m, size_t stages)
+{
+    size_t stride = column_transition_stride(m), n = stages * m;
+    struct cost carry = {0}, piece = {0};
+    real_t variance[120 + EXTRAS];
+    for (size_t i = 0; i < stages * stride; i++)
+        numbers[i] = i % stride % (m + 1) == 0 ? 0.3f : 0.02f;
+    for (size_t i = 0; i < n + EXTRAS; i++)
+        variance[i] = 1e-4f;
+    transition.stages = stages;
+    transition.m = m;
+    for (size_t i = 0; i < n; i++)
+        noise[i] = 1e-7f;
+    if (covariance_ud_begin(&ud, stages, m, EXTRAS, variance, memory) != ERR_OK)
+        return;
+    step.noise_count = NOISY;
+    for (unsigned k = 0; k < 8; k++) {
+        struct cost one = {0};
+        step.noise_first = k * NOISY % n;
+        cost_of_pieces(&one, &piece);
+        cost_add(&carry, 0, one.sum);
+    }
+    cost_say(what, (unsigned)stages, carry.sum / carry.count, carry.most,
+             (uint32_t)covariance_ud_bytes(stages, m, EXTRAS));
+    cost_say("ud-piece", (unsigned)stages, piece.sum / piece.count, piece.most, 0);
+}
+
 int main(void)
 {
     static const uint8_t stages[] = {12, 37, 40};
@@ -165,6 +195,9 @@ int main(void)
         cost_of_thornton(stages[k]);
 #endif
     }
+    cost_of_any("ud-carry-2-components", 1, 40);
+    cost_of_any("ud-carry-3-components", 2, 40);
+    cost_of_any("ud-carry-4-components", 3, 40);
     cost_say("done", 0, 0, 0, 0);
     for (;;) {
     }
