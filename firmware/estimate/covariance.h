@@ -4,10 +4,13 @@
  * "extras" (an unknown part of the feed's composition or flow, the offset of an analysed place). Extras move the fractions, fractions do
  * not move extras. Over a step
  *
- *     P <- A P A' + Q,   A = [Phi   Phi push']    Phi of model/column_transition.h: what an extra pushes is carried as well
- *                            [ 0      keep   ]
+ *     P <- A (P + N) A' + G,   A = [Phi   Phi push']    Phi of model/column_transition.h: what an extra pushes is carried as well
+ *                                  [ 0      keep   ]
  *
- * Forms: estimate/covariance_ud.h, the whole. */
+ * N is what fractions gather. It is there before Phi, as an unknown rate during the step, which a stage that settles sooner does not
+ * keep; G is what extras gather.
+ *
+ * Forms: estimate/covariance_ud.h, the whole; estimate/covariance_band.h, of neighbouring stages. */
 #ifndef REFLUX_ESTIMATE_COVARIANCE_H
 #define REFLUX_ESTIMATE_COVARIANCE_H
 

@@ -165,11 +165,15 @@ static inline bool case_begin(struct covariance_case *k, size_t stages, size_t c
            case_extras(k, extras, h);
 }
 
-/* P <- A P A' + Q. */
+/* P <- A (P + N) A' + G. */
 static inline void case_carry(struct covariance_case *k)
 {
     static double ap[CASE_STATES][CASE_STATES];
     size_t all = case_all(k);
+    for (size_t i = 0; i < k->step.noise_count; i++) {
+        size_t at = (k->step.noise_first + i) % k->n;
+        k->p[at][at] += (double)k->noise[at];
+    }
     for (size_t i = 0; i < all; i++) {
         memset(ap[i], 0, sizeof ap[i]);
         for (size_t l = 0; l < all; l++)
@@ -185,10 +189,6 @@ static inline void case_carry(struct covariance_case *k)
         }
     for (size_t e = 0; e < k->extras; e++)
         k->p[k->n + e][k->n + e] += (double)k->grown[e];
-    for (size_t i = 0; i < k->step.noise_count; i++) {
-        size_t at = (k->step.noise_first + i) % k->n;
-        k->p[at][at] += (double)k->noise[at];
-    }
 }
 
 static inline double case_slope(const struct covariance_case *k,

@@ -21,6 +21,10 @@ void dense_carry(struct dense_float *d, enum kalman_form form, const struct kalm
 {
     static float ap[KALMAN_STATES][KALMAN_STATES];
     size_t all = c->all;
+    for (size_t k = 0; k < c->step.noise_count; k++) {
+        size_t i = (c->step.noise_first + k) % c->n;
+        d->p[i][i] += c->step.noise[i];
+    }
     memset(ap, 0, sizeof ap);
     for (size_t l = 0; l < all; l++)
         for (size_t i = 0; i < all; i++) {
@@ -37,10 +41,6 @@ void dense_carry(struct dense_float *d, enum kalman_form form, const struct kalm
         }
     for (size_t e = 0; e < KALMAN_EXTRAS; e++)
         d->p[c->n + e][c->n + e] += c->step.grown[e];
-    for (size_t k = 0; k < c->step.noise_count; k++) {
-        size_t i = (c->step.noise_first + k) % c->n;
-        d->p[i][i] += c->step.noise[i];
-    }
     if (is_symmetric(form))
         symmetrise(d, all);
 }
@@ -136,6 +136,10 @@ static void transpose(struct dense_double *d, size_t n)
 
 void reference_carry(struct dense_double *d, const struct kalman_course *c)
 {
+    for (size_t k = 0; k < c->step.noise_count; k++) {
+        size_t i = (c->step.noise_first + k) % c->n;
+        d->p[i][i] += (double)c->step.noise[i];
+    }
     for (unsigned side = 0; side < 2; side++) {
         for (size_t i = 0; i < c->all; i++)
             reference_apply(c, d->p[i]);
@@ -146,10 +150,6 @@ void reference_carry(struct dense_double *d, const struct kalman_course *c)
             d->p[i][j] = d->p[j][i] = 0.5 * (d->p[i][j] + d->p[j][i]);
     for (size_t e = 0; e < KALMAN_EXTRAS; e++)
         d->p[c->n + e][c->n + e] += (double)c->step.grown[e];
-    for (size_t k = 0; k < c->step.noise_count; k++) {
-        size_t i = (c->step.noise_first + k) % c->n;
-        d->p[i][i] += (double)c->step.noise[i];
-    }
 }
 
 /* Joseph's form on one half. */
