@@ -122,7 +122,7 @@ static inline bool case_extras(struct covariance_case *k, size_t extras, double 
             column_feed_flow_slope(&k->column, k->x, row, work);
         for (size_t i = 0; i < k->n; i++)
             row[i] *= (real_t)h;
-        k->keep[e] = e <= m ? 1 : REAL_C(0.999);
+        k->keep[e] = REAL_C(1.0) - REAL_C(0.02) * (real_t)e;
         k->grown[e] = e % 2 ? REAL_C(1e-7) : REAL_C(0.0);
     }
     k->step = (struct covariance_step){.transition = &k->transition,
