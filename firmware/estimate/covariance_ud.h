@@ -3,7 +3,7 @@
  * A step is done on the square root S = U D^(1/2), P = S S', by what turns rows of S alone, so that nothing is ever squared and
  * subtracted. Columns of a stage pass both sweeps of the transition; what the second one leaves left of the diagonal is turned into the
  * columns beside it by Householder's reflections, on the way up so far that only the m columns left of the diagonal are filled, on the
- * way back entirely. About 15 n^2 multiplications for m = 2, where products with Phi take n^3. Works for every efficiency and takes no
+ * way back entirely. About 12 n^2 multiplications for m = 2, where products with Phi take n^3. Works for every efficiency and takes no
  * pivots. Noise is added one fraction after the other (Agee and Turner), measurements are taken by Bierman's update, both in num/ud.h.
  * The way through the transition (estimate/covariance_root.c) is ours; what it stands in for is C. L. Thornton's, Triangular Covariance Factorizations for
  * Kalman Filtering (1976). */
