@@ -132,6 +132,7 @@ bool covariance_band_carry_piece(struct covariance_band *c, const struct covaria
                                  size_t effort)
 {
     if (c->phase == BAND_BEGINS) {
+        add_band_noise(c, step);
         renew_extras(c, step);
         clear_between(c);
         c->phase = BAND_SWEEPS_DOWN;
@@ -152,7 +153,6 @@ bool covariance_band_carry_piece(struct covariance_band *c, const struct covaria
         c->phase = BAND_SWEEPS_UP;
         return true;
     }
-    add_band_noise(c, step);
     c->err = is_finite_band(c) ? ERR_OK : ERR_NOT_FINITE;
     c->phase = BAND_BEGINS;
     return false;

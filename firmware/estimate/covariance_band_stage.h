@@ -16,6 +16,9 @@
 #endif
 #define BLOCK_SIZE ((size_t)M_SIZE * M_SIZE)
 
+_Static_assert(COVARIANCE_BAND_M_MAX >= 2 && COVARIANCE_BAND_M_MAX <= BLOCK_M_MAX,
+               "more fractions a stage than blocks are made for");
+
 /* What a sweep takes along, where a compiler sees that nothing else points to it. */
 struct band_along {
     real_t of[4][BLOCK_SIZE];
@@ -231,7 +234,7 @@ static BAND_STAGE void take_stage(size_t m, size_t extras, const struct band_see
     for (size_t i = 0; i < m; i++)
         for (size_t j = i; j < m; j++) {
             real_t old = own[i * m + j], now = real_fma(part[i], g[j], old);
-            real_t least = seen->left * old;
+            real_t least = real_fma(seen->left, old, COVARIANCE_LEAST);
             if (i == j && !(now > least))
                 now = least;
             own[i * m + j] = now;

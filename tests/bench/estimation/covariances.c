@@ -1,10 +1,11 @@
 /* Counts the instructions of a Kalman filter's covariance on the splitter with several numbers of stages: a step with three extras and
- * noise on eight fractions, and four temperatures; beside it the same step with the transition as a matrix. */
+ * noise on eight fractions (of the banded form on all), and four temperatures; beside it the same step with the transition as a matrix. */
 #include <stdalign.h>
 #include <string.h>
 
 #include "column.h"
 #include "cost.h"
+#include "estimate/covariance_band.h"
 #include "estimate/covariance_ud.h"
 #include "num/ud.h"
 #include "thornton.h"
@@ -74,15 +75,20 @@ static void cost_of_pieces(struct cost *step_cost, struct cost *piece)
     cost_add(step_cost, 0, all);
 }
 
-static void measure_at(size_t stages, unsigned k, struct cost *cost)
+static struct covariance_measurement temperature_at(size_t stages, unsigned k)
 {
     static const uint8_t at[SENSORS] = {5, 30, 31, 33};
     static const real_t slope[2] = {-40, -15};
-    struct covariance_measurement z = {.at = 2 * ((at[k] - 1u) * (stages - 1) / 36),
-                                       .count = 2,
-                                       .slope = slope,
-                                       .extra = EXTRAS,
-                                       .variance = 0.04f};
+    return (struct covariance_measurement){.at = 2 * ((at[k] - 1u) * (stages - 1) / 36),
+                                           .count = 2,
+                                           .slope = slope,
+                                           .extra = EXTRAS,
+                                           .variance = 0.04f};
+}
+
+static void measure_at(size_t stages, unsigned k, struct cost *cost)
+{
+    struct covariance_measurement z = temperature_at(stages, k);
     uint32_t from = cost_now();
     (void)covariance_ud_take(&ud, &z, gain);
     uint32_t to = cost_now();
@@ -127,6 +133,50 @@ static void cost_of(size_t stages)
     cost_say("ud-measurements", (unsigned)stages, of.sum / of.count, of.most, 0);
     cost_say("transition", (unsigned)stages, factors.most, factors.most,
              (uint32_t)(stages * column_transition_stride(2) * sizeof(real_t)));
+    cost_say("stack", (unsigned)stages, stack, stack, 0);
+}
+
+static void cost_of_band(size_t stages)
+{
+    static struct covariance_band band;
+    struct cost carry = {0}, piece = {0}, of = {0};
+    real_t variance[STATES];
+    uint32_t stack = 0;
+    if (!begin(stages))
+        return;
+    for (size_t i = 0; i < 2 * stages + EXTRAS; i++)
+        variance[i] = i < 2 * stages ? 1e-4f : 1e-2f;
+    step.noise_count = 2 * stages;
+    if (covariance_band_begin(&band, stages, 2, EXTRAS, variance, memory) != ERR_OK)
+        return;
+    for (unsigned k = 0; k < STEPS; k++) {
+        struct cost one = {0}, taken = {0};
+        bool more = true;
+        cost_paint_stack();
+        while (more) {
+            uint32_t from = cost_now();
+            more = covariance_band_carry_piece(&band, &step, COVARIANCE_BAND_EFFORT);
+            uint32_t to = cost_now();
+            cost_add(&one, from, to);
+            cost_add(&piece, from, to);
+        }
+        for (unsigned s = 0; s < SENSORS; s++) {
+            struct covariance_measurement z = temperature_at(stages, s);
+            uint32_t from = cost_now();
+            (void)covariance_band_take(&band, &z, gain);
+            uint32_t to = cost_now();
+            cost_add(&taken, from, to);
+        }
+        stack = cost_stack_used() > stack ? cost_stack_used() : stack;
+        cost_add(&carry, 0, one.sum);
+        cost_add(&of, 0, taken.sum);
+    }
+    if (band.err)
+        return;
+    cost_say("band-carry", (unsigned)stages, carry.sum / carry.count, carry.most,
+             (uint32_t)(covariance_band_bytes(stages, 2, EXTRAS) + sizeof band));
+    cost_say("band-piece", (unsigned)stages, piece.sum / piece.count, piece.most, 0);
+    cost_say("band-measurements", (unsigned)stages, of.sum / of.count, of.most, 0);
     cost_say("stack", (unsigned)stages, stack, stack, 0);
 }
 
@@ -191,6 +241,7 @@ int main(void)
     static const uint8_t stages[] = {12, 37, 40};
     for (unsigned k = 0; k < sizeof stages; k++) {
         cost_of(stages[k]);
+        cost_of_band(stages[k]);
 #if COLUMN_STAGES_MAX < 100
         cost_of_thornton(stages[k]);
 #endif
