@@ -10,8 +10,10 @@
 #define ONE  REAL_C(1.0)
 #define HOUR REAL_C(3600.0)
 
-/* Mole fractions that get their noise in a cycle: of a whole covariance it costs as much as all the rest if all get it. */
+/* Mole fractions that get their noise in a cycle: of a large whole covariance it costs as much as all the rest if all get it. Of a small
+ * one all do: where trays are faster than a tick, gains would come and go with the noise. */
 #define NOISE_COUNT 8u
+#define NOISE_SMALL 36u
 /* What a mole fraction gathers is proportional to x (1 - x), at least as much as at this one. */
 #define NOISE_PURE REAL_C(0.01)
 /* An offset of the model changes in so many seconds. */
@@ -51,7 +53,7 @@ static void find_factors(struct composition_job *job)
 static void find_noise(const struct composition_block *b, struct composition_job *job)
 {
     size_t n = job->column.n_fractions;
-    size_t count = b->s.covariance == COVARIANCE_FULL && n > NOISE_COUNT ? NOISE_COUNT : n;
+    size_t count = b->s.covariance == COVARIANCE_FULL && n > NOISE_SMALL ? NOISE_COUNT : n;
     real_t pure = NOISE_PURE * (ONE - NOISE_PURE),
            all = b->c.model2 * leg_s(job) * (real_t)n / (real_t)count;
     for (size_t i = 0; i < n; i++) {
