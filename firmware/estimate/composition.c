@@ -240,9 +240,9 @@ static enum err evaluate_model_at(struct composition *c)
 {
     struct column_fault fault;
     struct column_inputs inputs;
-    composition_inputs(c, &inputs);
     if (c->method == METHOD_KALMAN)
-        return composition_linear_rates(c, &inputs);
+        return composition_linear_rates(c);
+    composition_inputs(c, &inputs);
     enum err err = column_set_inputs(&c->column, &inputs, &fault);
     return err ? err
                : column_truncated_rates(&c->column, c->truncated, (enum column_between)c->between,

@@ -46,7 +46,8 @@ struct composition_gains {
 /* A model that is linear around the profile and the inputs of the table. */
 struct composition_linear {
     struct column_transition transition;
-    real_t h; /* s, of its steps; 0: it is not there yet */
+    real_t *push; /* [feed's extras][mole fractions]: rates by what is found of the feed, 1/s */
+    real_t h;     /* s, of its steps; 0: it is not there yet */
 };
 
 struct composition {
@@ -112,8 +113,8 @@ void composition_stands_here(struct composition *c);
 /* What the model is driven by: the inputs, with what has been found of the feed. */
 void composition_inputs(const struct composition *c, struct column_inputs *inputs);
 
-/* The linear model (composition_linear.c): rates at the profile, and a step of it in c->blocks; the temperature before the step. */
-enum err composition_linear_rates(struct composition *c, const struct column_inputs *inputs);
+/* The linear model (composition_linear.c): rates at the profile, with what has been found of the feed, and a step of it in c->blocks. */
+enum err composition_linear_rates(struct composition *c);
 void composition_linear_step(struct composition *c);
 
 /* dT/dx and dy/dx of a stage as composition_temperature uses them: at the estimate, or where the model is linear. */

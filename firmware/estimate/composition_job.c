@@ -75,7 +75,8 @@ size_t composition_numbers(const struct block_setup *setup)
     for (unsigned k = 0; k < setup->inputs; k++)
         sensors += composition_is_sensor(s, k) ? 1u : 0u;
     size_t n = sensors * (stages * m + composition_extras(s, setup->inputs, m));
-    return s->method == METHOD_KALMAN ? n + stages * column_transition_stride(m) : n;
+    size_t feed = (s->feed_z > 0 ? m : 0u) + (s->feed_f > 0 ? 1u : 0u);
+    return s->method == METHOD_KALMAN ? n + stages * (column_transition_stride(m) + feed * m) : n;
 }
 
 /* ---- the order ---- */

@@ -35,6 +35,9 @@ static void stand_here(struct composition_block *b)
     if (c->gains.of)
         c->gains.of = numbers;
     c->linear.transition.of = numbers + c->sensors * composition_moved(c);
+    c->linear.push =
+        c->linear.transition.of +
+        c->table.config.stages * column_transition_stride(c->table.config.components - 1u);
 }
 
 /* ---- settings ---- */
@@ -94,6 +97,7 @@ static enum err composition_configure(void *state, const struct block_setup *set
         retune && b->checksum == column_record_checksum(record) && b->record == record &&
         b->s.method == s->method && b->s.covariance == s->covariance &&
         composition_extras(&b->s, b->inputs, m) == composition_extras(s, setup->inputs, m) &&
+        (b->s.feed_z > 0) == (s->feed_z > 0) && (b->s.feed_f > 0) == (s->feed_f > 0) &&
         !memcmp(b->s.place, s->place, sizeof s->place) && !memcmp(b->s.is, s->is, sizeof s->is);
     if (!same) {
         memset(b, 0, sizeof *b);

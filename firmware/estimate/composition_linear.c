@@ -1,15 +1,36 @@
 /* The model of a linear Kalman filter: around the profile x0 and the inputs of the table, for which Phi = (I - h J)^-1 stays what it
  * is, a step of h is
  *
- *     x - x0 <- Phi (x - x0 + h f(x0, u)),   T = T(x0) + dT/dx (x - x0)
+ *     x - x0 <- Phi (x - x0 + h (f(x0, u) + S e)),   T = T(x0) + dT/dx (x - x0)
  *
- * with the rates f at x0 for the inputs u of the step, so that it is linear in what it estimates, and a tick costs no bubble
- * points. Folami 5.2 had such a model; the implicit step and f are ours. */
+ * with the rates f at x0 for the inputs u of the step and their slopes S by what is found of the feed, e, at the table's inputs, so
+ * that it is linear in what it estimates, and a tick costs no bubble points. Were e among the inputs, gains that belong to S would
+ * drive it as far as the flows' limits. Folami 5.2 had such a model; the implicit step and f are ours. */
 #include "estimate/composition.h"
 
 #if CONFIG_BLOCKS
 
 #define ZERO REAL_C(0.0)
+
+/* As the job has it: the feed's composition also changes the moles of a flow that is given by mass or volume. */
+static void find_push(struct composition *c)
+{
+    const struct composition_gains *g = &c->gains;
+    const real_t *x = c->table.profile;
+    real_t *flow = c->rates, *push = c->linear.push;
+    size_t n = c->column.n_fractions, m = c->table.config.components - 1;
+    if (!g->feed)
+        return;
+    column_feed_flow_slope(&c->column, x, flow, c->blocks.change);
+    for (size_t j = 0; g->has_feed && j < m; j++, push += n) {
+        real_t moles = column_feed_moles_slope(&c->column, j);
+        column_feed_slopes(&c->column, x, j, push);
+        for (size_t i = 0; i < n; i++)
+            push[i] = real_fma(moles, flow[i], push[i]);
+    }
+    for (size_t i = 0; g->has_flow && i < n; i++)
+        push[i] = flow[i];
+}
 
 static enum err linearise(struct composition *c)
 {
@@ -21,17 +42,26 @@ static enum err linearise(struct composition *c)
         err = column_rates(&c->column, c->table.profile, c->rates);
     if (!err)
         err = column_transition_make(&c->column, c->table.profile, c->h, &c->linear.transition);
+    if (!err)
+        find_push(c);
     c->linear.h = err ? ZERO : c->h;
     return err;
 }
 
-enum err composition_linear_rates(struct composition *c, const struct column_inputs *inputs)
+enum err composition_linear_rates(struct composition *c)
 {
     struct column_fault fault;
+    const struct composition_gains *g = &c->gains;
+    size_t n = c->column.n_fractions;
     enum err err = real_within(c->linear.h, c->h, c->h) ? ERR_OK : linearise(c);
     if (!err)
-        err = column_set_inputs(&c->column, inputs, &fault);
-    return err ? err : column_rates_again(&c->column, c->table.profile, c->rates);
+        err = column_set_inputs(&c->column, &c->inputs, &fault);
+    if (!err)
+        err = column_rates_again(&c->column, c->table.profile, c->rates);
+    for (size_t k = 0; !err && k < g->feed; k++)
+        for (size_t i = 0; i < n; i++)
+            c->rates[i] = real_fma(g->extra[k], c->linear.push[k * n + i], c->rates[i]);
+    return err;
 }
 
 void composition_linear_step(struct composition *c)
