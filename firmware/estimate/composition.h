@@ -113,6 +113,11 @@ void composition_stands_here(struct composition *c);
 /* What the model is driven by: the inputs, with what has been found of the feed. */
 void composition_inputs(const struct composition *c, struct column_inputs *inputs);
 
+/* push[feed's extras][mole fractions]: rates by what is found of the feed, 1/s, at the state x and the inputs of the column, which
+ * column_rates() has seen last. flow, work: [mole fractions], space. */
+void composition_push(const struct composition_gains *g, struct column *column, const real_t *x,
+                      real_t *push, real_t *flow, real_t *work);
+
 /* The linear model (composition_linear.c): rates at the profile, with what has been found of the feed, and a step of it in c->blocks. */
 enum err composition_linear_rates(struct composition *c);
 void composition_linear_step(struct composition *c);

@@ -49,27 +49,39 @@ static void find_factors(struct composition_job *job)
     job->err = column_transition_make(&job->column, job->x, leg_s(job), &job->transition);
 }
 
+/* Variance that a mole fraction gathers in a second. */
+static real_t gathered(const struct composition_block *b, real_t x)
+{
+    real_t pure = NOISE_PURE * (ONE - NOISE_PURE), spread = x * (ONE - x);
+    spread = (spread > pure ? spread : pure) * REAL_C(4.0);
+    return b->c.model2 * spread * spread;
+}
+
 /* What a mole fraction gathers in a cycle. */
 static void find_noise(const struct composition_block *b, struct composition_job *job)
 {
     size_t n = job->column.n_fractions;
     size_t count = b->s.covariance == COVARIANCE_FULL && n > NOISE_SMALL ? NOISE_COUNT : n;
-    real_t pure = NOISE_PURE * (ONE - NOISE_PURE),
-           all = b->c.model2 * leg_s(job) * (real_t)n / (real_t)count;
-    for (size_t i = 0; i < n; i++) {
-        real_t x = job->x[i], spread = x * (ONE - x);
-        spread = (spread > pure ? spread : pure) * REAL_C(4.0);
-        job->noise[i] = all * spread * spread;
-    }
+    real_t time_s = leg_s(job) * (real_t)n / (real_t)count;
+    for (size_t i = 0; i < n; i++)
+        job->noise[i] = gathered(b, job->x[i]) * time_s;
     job->step.noise = job->noise;
     job->step.noise_count = count;
     job->step.noise_first = job->noise_first;
     job->noise_first = (uint16_t)((job->noise_first + count) % n);
 }
 
-static void extra(struct composition_job *job, size_t k, real_t sd, real_t time_s)
+static real_t sd_of_extra(const struct composition_block *b, size_t k)
 {
-    real_t keep = ONE - leg_s(job) / time_s;
+    const struct composition_gains *g = &b->c.gains;
+    bool is_flow = g->has_flow && k + 1u == g->feed;
+    return k >= g->feed ? b->s.offset : is_flow ? b->s.feed_f : b->s.feed_z;
+}
+
+static void let_extra_grow(const struct composition_block *b, struct composition_job *job, size_t k)
+{
+    real_t sd = sd_of_extra(b, k);
+    real_t keep = ONE - leg_s(job) / (k >= b->c.gains.feed ? OFFSET_S : b->s.feed_s);
     job->keep[k] = keep > ZERO ? keep : ZERO;
     job->grown[k] = sd * sd * (ONE - job->keep[k] * job->keep[k]);
 }
@@ -78,25 +90,13 @@ static void extra(struct composition_job *job, size_t k, real_t sd, real_t time_
 static void find_feed(const struct composition_block *b, struct composition_job *job)
 {
     const struct composition_gains *g = &b->c.gains;
-    size_t n = job->column.n_fractions, m = job->transition.m, k = 0;
+    size_t n = job->column.n_fractions;
     memset(job->push, 0, sizeof job->push);
-    if (g->has_flow || g->has_feed) {
-        real_t *flow = &job->push[(g->has_feed ? m : 0) * n];
-        column_feed_flow_slope(&job->column, job->x, flow, job->work);
-        for (size_t j = 0; g->has_feed && j < m; j++, k++) {
-            real_t moles = column_feed_moles_slope(&job->column, j), *slope = &job->push[j * n];
-            column_feed_slopes(&job->column, job->x, j, slope);
-            for (size_t i = 0; i < n; i++)
-                slope[i] = leg_s(job) * real_fma(moles, flow[i], slope[i]);
-            extra(job, k, b->s.feed_z, b->s.feed_s);
-        }
-        for (size_t i = 0; i < n; i++)
-            flow[i] = g->has_flow ? leg_s(job) * flow[i] : ZERO;
-        if (g->has_flow)
-            extra(job, k++, b->s.feed_f, b->s.feed_s);
-    }
-    while (k < g->extras)
-        extra(job, k++, b->s.offset, OFFSET_S);
+    composition_push(g, &job->column, job->x, job->push, job->rates, job->work);
+    for (size_t i = 0; i < g->feed * n; i++)
+        job->push[i] *= leg_s(job);
+    for (size_t k = 0; k < g->extras; k++)
+        let_extra_grow(b, job, k);
     job->step.transition = &job->transition;
     job->step.extras = g->extras;
     job->step.push = job->push;
@@ -109,17 +109,11 @@ static void begin_covariance(const struct composition_block *b, struct compositi
 {
     const struct composition_gains *g = &b->c.gains;
     size_t n = job->column.n_fractions, m = job->transition.m;
-    real_t pure = NOISE_PURE * (ONE - NOISE_PURE), *variance = job->noise;
-    for (size_t i = 0; i < n; i++) {
-        real_t spread = job->x[i] * (ONE - job->x[i]);
-        spread = (spread > pure ? spread : pure) * REAL_C(4.0);
-        variance[i] = b->c.model2 * HOUR * spread * spread;
-    }
-    for (size_t k = 0; k < g->extras; k++) {
-        bool of_feed = g->has_feed && k < m, of_flow = g->has_flow && k + 1u == g->feed;
-        real_t sd = of_feed ? b->s.feed_z : of_flow ? b->s.feed_f : b->s.offset;
-        variance[n + k] = sd * sd;
-    }
+    real_t *variance = job->noise;
+    for (size_t i = 0; i < n; i++)
+        variance[i] = gathered(b, job->x[i]) * HOUR;
+    for (size_t k = 0; k < g->extras; k++)
+        variance[n + k] = sd_of_extra(b, k) * sd_of_extra(b, k);
     job->err = composition_is_banded(&b->s)
                    ? covariance_band_begin(&job->covariance.band, job->transition.stages, m,
                                            g->extras, variance, job->memory)
@@ -160,14 +154,23 @@ static void watch_gain(struct composition_job *job, const real_t *before, const 
     }
 }
 
+static void slopes_at(const struct composition_job *job, size_t stage, real_t *dt)
+{
+    real_t full[COLUMN_COMPONENTS_MAX], dy[COLUMN_COMPONENTS_MAX * COLUMN_COMPONENTS_MAX];
+    size_t c = job->transition.m + 1u;
+    for (size_t j = 0; j < c; j++)
+        full[j] = column_fraction(&job->column, job->x, stage, j);
+    vle_full_slopes(&job->column.vle, job->column.temperature[stage], full,
+                    &job->column.k[stage * c], &job->column.dk[stage * c], dt, dy);
+}
+
 static void work_in_sensor(const struct composition_block *b, struct composition_job *job,
                            unsigned k)
 {
     const struct composition_sensor *s = &b->c.sensor[k];
-    size_t length = composition_moved(&b->c), c = job->transition.m + 1u;
+    size_t length = composition_moved(&b->c);
     real_t *gain = &job->gain[k * length], before[COMPOSITION_LENGTH_MOST];
-    real_t dt[COLUMN_COMPONENTS_MAX], dy[COLUMN_COMPONENTS_MAX * COLUMN_COMPONENTS_MAX];
-    real_t full[COLUMN_COMPONENTS_MAX];
+    real_t dt[COLUMN_COMPONENTS_MAX];
     struct covariance_measurement z = {.at = s->stage * job->transition.m,
                                        .count = job->transition.m,
                                        .slope = dt,
@@ -177,10 +180,7 @@ static void work_in_sensor(const struct composition_block *b, struct composition
     memset(gain, 0, length * sizeof(real_t));
     if (!(job->there & 1u << k))
         return;
-    for (size_t j = 0; j < c; j++)
-        full[j] = column_fraction(&job->column, job->x, s->stage, j);
-    vle_full_slopes(&job->column.vle, job->column.temperature[s->stage], full,
-                    &job->column.k[s->stage * c], &job->column.dk[s->stage * c], dt, dy);
+    slopes_at(job, s->stage, dt);
     job->spread[k] = work_in(b, job, &z, gain);
     watch_gain(job, before, gain, length);
 }
@@ -220,17 +220,11 @@ static void work_in_analysis(const struct composition_block *b, struct compositi
 static void find_point(const struct composition_block *b, struct composition_job *job, unsigned k)
 {
     size_t stage = b->s.point[k][AT_STAGE] - 1u, component = b->s.point[k][OF_COMPONENT];
-    size_t c = job->transition.m + 1u;
-    real_t slope[COLUMN_COMPONENTS_MAX * COLUMN_COMPONENTS_MAX], dt[COLUMN_COMPONENTS_MAX];
+    real_t slope[COLUMN_COMPONENTS_MAX];
     struct covariance_measurement z;
     put_fraction(b, job, stage, component ? component - 1u : 0, &z, slope);
     if (!component) {
-        real_t full[COLUMN_COMPONENTS_MAX];
-        for (size_t j = 0; j < c; j++)
-            full[j] = column_fraction(&job->column, job->x, stage, j);
-        vle_full_slopes(&job->column.vle, job->column.temperature[stage], full,
-                        &job->column.k[stage * c], &job->column.dk[stage * c], dt, slope);
-        z.slope = dt;
+        slopes_at(job, stage, slope);
         z.extra = COVARIANCE_EXTRAS_MAX;
     }
     real_t variance = composition_is_banded(&b->s) ? covariance_band_of(&job->covariance.band, &z)

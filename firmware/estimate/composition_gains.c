@@ -45,6 +45,24 @@ void composition_inputs(const struct composition *c, struct column_inputs *input
         inputs->feed_flow *= ONE + g->extra[g->feed - 1u];
 }
 
+/* The feed's composition also changes the moles of a flow that is given by mass or volume. */
+void composition_push(const struct composition_gains *g, struct column *column, const real_t *x,
+                      real_t *push, real_t *flow, real_t *work)
+{
+    size_t n = column->n_fractions, m = column->config->components - 1;
+    if (!g->feed)
+        return;
+    column_feed_flow_slope(column, x, flow, work);
+    for (size_t j = 0; g->has_feed && j < m; j++, push += n) {
+        real_t moles = column_feed_moles_slope(column, j);
+        column_feed_slopes(column, x, j, push);
+        for (size_t i = 0; i < n; i++)
+            push[i] = real_fma(moles, flow[i], push[i]);
+    }
+    for (size_t i = 0; g->has_flow && i < n; i++)
+        push[i] = flow[i];
+}
+
 /* What is found of the feed stays something a feed can be: otherwise it would have to come all the way back. */
 static void keep_feed_possible(struct composition *c)
 {

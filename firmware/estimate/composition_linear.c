@@ -12,26 +12,6 @@
 
 #define ZERO REAL_C(0.0)
 
-/* As the job has it: the feed's composition also changes the moles of a flow that is given by mass or volume. */
-static void find_push(struct composition *c)
-{
-    const struct composition_gains *g = &c->gains;
-    const real_t *x = c->table.profile;
-    real_t *flow = c->rates, *push = c->linear.push;
-    size_t n = c->column.n_fractions, m = c->table.config.components - 1;
-    if (!g->feed)
-        return;
-    column_feed_flow_slope(&c->column, x, flow, c->blocks.change);
-    for (size_t j = 0; g->has_feed && j < m; j++, push += n) {
-        real_t moles = column_feed_moles_slope(&c->column, j);
-        column_feed_slopes(&c->column, x, j, push);
-        for (size_t i = 0; i < n; i++)
-            push[i] = real_fma(moles, flow[i], push[i]);
-    }
-    for (size_t i = 0; g->has_flow && i < n; i++)
-        push[i] = flow[i];
-}
-
 static enum err linearise(struct composition *c)
 {
     struct column_fault fault;
@@ -43,7 +23,8 @@ static enum err linearise(struct composition *c)
     if (!err)
         err = column_transition_make(&c->column, c->table.profile, c->h, &c->linear.transition);
     if (!err)
-        find_push(c);
+        composition_push(&c->gains, &c->column, c->table.profile, c->linear.push, c->rates,
+                         c->blocks.change);
     c->linear.h = err ? ZERO : c->h;
     return err;
 }
