@@ -82,7 +82,7 @@ class Model:
         self.apart = np.abs(stage_of[:, None] - stage_of)
 
     def sweeps(self, estimator, s, h):
-        """The factors of docs/column-model's step, as matrices: elimination from the condenser down, and back."""
+        """The factors of firmware/model/column_transition.h, as matrices: elimination from the condenser down, and back."""
         n, m = self.stages, self.m
         each, one = estimator.efficiencies(s), np.eye(m)
         first, ratio = [None] * n, [None] * n
@@ -221,8 +221,7 @@ class Band:
             gains.append(np.r_[g + self.by @ told, told] / alpha)
             self.s, self.by = self.s - np.outer(g, g) / bound, self.by - np.outer(g, f) / bound
             self.t = self.t - np.outer(told, told) / alpha
-        if self.forget is not complete:
-            self.s = self.forget(self.s)
+        self.s = self.forget(self.s)  # what is completed stays so
         return gains
 
 

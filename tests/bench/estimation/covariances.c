@@ -20,7 +20,9 @@
 /* First the covariance's own, behind them what the opponent needs besides. */
 #define OWN 4500
 static alignas(8) real_t memory[OWN + STATES * (STATES + NOISY + EXTRAS) + 2 * STATES];
-static real_t numbers[40 * 29], push[EXTRAS * 120], work[80], noise[120], gain[STATES];
+static real_t numbers[40 * 29], push[COVARIANCE_EXTRAS_MAX * 120], work[80], noise[120];
+static real_t gain[COVARIANCE_STATES_MAX];
+static struct covariance_band band;
 static struct covariance_ud ud;
 static struct covariance_step step;
 static struct column_transition transition;
@@ -136,9 +138,22 @@ static void cost_of(size_t stages)
     cost_say("stack", (unsigned)stages, stack, stack, 0);
 }
 
+static void cost_of_band_step(struct cost *carry, struct cost *piece)
+{
+    struct cost one = {0};
+    bool more = true;
+    while (more) {
+        uint32_t from = cost_now();
+        more = covariance_band_carry_piece(&band, &step, COVARIANCE_BAND_EFFORT);
+        uint32_t to = cost_now();
+        cost_add(&one, from, to);
+        cost_add(piece, from, to);
+    }
+    cost_add(carry, 0, one.sum);
+}
+
 static void cost_of_band(size_t stages)
 {
-    static struct covariance_band band;
     struct cost carry = {0}, piece = {0}, of = {0};
     real_t variance[STATES];
     uint32_t stack = 0;
@@ -150,16 +165,9 @@ static void cost_of_band(size_t stages)
     if (covariance_band_begin(&band, stages, 2, EXTRAS, variance, memory) != ERR_OK)
         return;
     for (unsigned k = 0; k < STEPS; k++) {
-        struct cost one = {0}, taken = {0};
-        bool more = true;
+        struct cost taken = {0};
         cost_paint_stack();
-        while (more) {
-            uint32_t from = cost_now();
-            more = covariance_band_carry_piece(&band, &step, COVARIANCE_BAND_EFFORT);
-            uint32_t to = cost_now();
-            cost_add(&one, from, to);
-            cost_add(&piece, from, to);
-        }
+        cost_of_band_step(&carry, &piece);
         for (unsigned s = 0; s < SENSORS; s++) {
             struct covariance_measurement z = temperature_at(stages, s);
             uint32_t from = cost_now();
@@ -168,7 +176,6 @@ static void cost_of_band(size_t stages)
             cost_add(&taken, from, to);
         }
         stack = cost_stack_used() > stack ? cost_stack_used() : stack;
-        cost_add(&carry, 0, one.sum);
         cost_add(&of, 0, taken.sum);
     }
     if (band.err)
@@ -236,6 +243,31 @@ static void cost_of_any(const char *what, size_t m, size_t stages)
     cost_say("ud-piece", (unsigned)stages, piece.sum / piece.count, piece.most, 0);
 }
 
+/* As many numbers as a board may have: what a piece costs at most. */
+static void cost_of_band_most(size_t m, size_t stages)
+{
+    static const real_t keep[COVARIANCE_EXTRAS_MAX] = {1, 1, 1, 1, 1, 1, 1, 1};
+    static const real_t grown[COVARIANCE_EXTRAS_MAX] = {1e-7f, 1e-7f, 1e-7f, 1e-7f,
+                                                        1e-7f, 1e-7f, 1e-7f, 1e-7f};
+    static real_t variance[COVARIANCE_STATES_MAX];
+    struct cost carry = {0}, piece = {0};
+    for (size_t i = 0; i < COVARIANCE_STATES_MAX; i++)
+        variance[i] = 1e-4f;
+    step.extras = COVARIANCE_EXTRAS_MAX;
+    step.keep = keep;
+    step.grown = grown;
+    step.noise_first = 0;
+    step.noise_count = stages * m;
+    if (covariance_band_begin(&band, stages, m, COVARIANCE_EXTRAS_MAX, variance, memory) != ERR_OK)
+        return;
+    for (unsigned k = 0; k < 8; k++)
+        cost_of_band_step(&carry, &piece);
+    cost_say("band-carry-4-components-8-extras", (unsigned)stages, carry.sum / carry.count,
+             carry.most,
+             (uint32_t)(covariance_band_bytes(stages, m, COVARIANCE_EXTRAS_MAX) + sizeof band));
+    cost_say("band-piece", (unsigned)stages, piece.sum / piece.count, piece.most, 0);
+}
+
 int main(void)
 {
     static const uint8_t stages[] = {12, 37, 40};
@@ -249,6 +281,7 @@ int main(void)
     cost_of_any("ud-carry-2-components", 1, 40);
     cost_of_any("ud-carry-3-components", 2, 40);
     cost_of_any("ud-carry-4-components", 3, 40);
+    cost_of_band_most(3, 40); /* with the factors of the last */
     cost_say("done", 0, 0, 0, 0);
     for (;;) {
     }
