@@ -61,7 +61,7 @@ class Settings:
     offset_sd: float = 0.005
     offset_time: float = 24 * HOUR
     cycle: int = 1  # steps over which the covariance goes at once; see Filter.work
-    gains: str = "ahead"  # or same: those with which the covariance was corrected
+    gains: str = "same"  # as the covariance was corrected; or ahead
 
 
 # ---- covariances: dense forms that need no column ----
@@ -210,21 +210,20 @@ class Filter:
         return carry(p, phi, h * at.extras, keep, self.noise(h), grown, self.settings.noise_at)
 
     def work(self, at, good):
-        """The covariance over a cycle of steps, of whose readings each counts; and gains for the steps of the next cycle.
+        """The covariance over a cycle of steps, and gains for each step of the next cycle.
 
-        A cycle's worth of readings is one of variance r / cycle. The gains are for one step, though: with `ahead` those that
-        the covariance would have a step later, with `same` those that a cycle with a single reading would have.
+        same: the covariance is corrected as by one reading a cycle, and each step uses the gain of that. It counts on fewer
+        readings than there are, so that it is rather too careful.
+        ahead: as by one of variance r / cycle, and each step uses the gain that a single step from there on would have. Where
+        the cycle is long beside what the column does in it this one is unstable (error_matrix tells): on the splitter at 5 min.
         """
         s, r = self.settings, np.where(good, self.variances, np.inf)
-        if s.cycle == 1:
-            self.p, gain, expected = take_all(self.carried(self.p, at, self.h), at.slopes, r)
-        elif s.gains == "ahead":
-            p = self.carried(self.p, at, self.h * s.cycle)
+        p = self.carried(self.p, at, self.h * s.cycle)
+        if s.cycle == 1 or s.gains == "same":
+            self.p, gain, expected = take_all(p, at.slopes, r)
+        else:
             self.p = take_all(p, at.slopes, r / s.cycle)[0]
             _, gain, expected = take_all(self.carried(self.p, at, self.h), at.slopes, r)
-        else:
-            p = self.carried(self.p, at, self.h * s.cycle)
-            self.p, gain, expected = take_all(p, at.slopes, r)
         return Gains(gain, expected)
 
     def settle(self, steps=100000, part=1e-12):
@@ -306,6 +305,18 @@ class Filter:
         if (stage, part) in self.settings.places:
             slope[self.n + self.first_offset + self.settings.places.index((stage, part))] = 1.0
         return np.sqrt(slope @ self.p @ slope)
+
+
+def error_matrix(of, gain):
+    """What becomes of the estimates' error in a step at the profile, with a gain that stands: stable where all eigenvalues are
+    inside the unit circle."""
+    n, q, at = of.n, of.q, of.frozen
+    phi = transition(at.jacobian, of.h)
+    moved = np.eye(n + q)
+    moved[:n, :n], moved[:n, n:] = phi, phi @ (of.h * at.extras)
+    for i, slope in enumerate(at.slopes):
+        moved = moved - np.outer(gain[:, i], slope @ moved)
+    return moved
 
 
 @dataclass
