@@ -90,7 +90,8 @@ class Estimates(unittest.TestCase):
 
 class Shipped(unittest.TestCase):
     def test_tables_of_the_scenarios_are_those_that_the_simulator_prints(self) -> None:
-        for name, plant in (("pilot-estimate", "pilot"), ("methanol-estimate", "methanol-water")):
+        shipped = (("pilot-estimate", "pilot"), ("pilot-kalman", "pilot"), ("methanol-estimate", "methanol-water"))
+        for name, plant in shipped:
             command = [str(build.find_program("host", "reflux-sim")), "--table", "--plant", plant]
             printed = subprocess.run(command, capture_output=True, text=True, check=True).stdout.splitlines()
             kept = (SCENARIOS / f"{name}.conf").read_text(encoding="utf-8").splitlines()

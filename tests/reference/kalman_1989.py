@@ -49,6 +49,8 @@ class Filter:
         self.x0 = self.model.x[:, 0].copy()
         self.p = np.diag(np.concatenate([self.noise(self.x0, HOUR), self.sd**2]))
         self.frozen = self.look(self.x0, dict(table.nominal), self.known)
+        self.fixed = self.phi(self.frozen[1]), self.over(self.frozen[1])
+        self.told, self.drive = None, None
 
     @property
     def x(self):
@@ -62,9 +64,14 @@ class Filter:
         z = min(max(z, 0.0), 1.0)
         self.fractions[0]["value"], self.fractions[1]["value"] = float(z), float(1 - z)
 
-    def rates(self, x, values, z):
-        self.tell_feed(z)
-        return self.model.column.evaluate(x + 0j, self.table.nominal | values).rates.real
+    def driven(self, values, z):
+        """By how much the rates at the profile are other than at the nominal inputs."""
+        told = (tuple(sorted(values.items())), z)
+        if self.told != told:
+            self.tell_feed(z)
+            rates = self.model.column.evaluate(self.x0 + 0j, self.table.nominal | values).rates.real
+            self.told, self.drive = told, rates - self.frozen[0]
+        return self.chosen.gains * self.drive
 
     def look(self, x, values, z):
         """Rates, Jacobian, slopes of rates by the extras, temperatures and their slopes."""
@@ -118,11 +125,10 @@ class Filter:
             over = self.over(a)
             self.carry(self.phi(a), over @ by, self.x)
             return over @ rates, t, slope
-        rates, a, by, t, slope = self.frozen
-        xi, over, phi = self.x - self.x0, self.over(a), self.phi(a)
-        driven = self.chosen.gains * (self.rates(self.x0, values, z) - rates)
+        _, _, by, t, slope = self.frozen
+        xi, (phi, over) = self.x - self.x0, self.fixed
         self.carry(phi, over @ by, self.x0)
-        return phi @ xi + over @ (driven + by @ self.extras) - xi, t + slope * xi, slope
+        return phi @ xi + over @ (self.driven(values, z) + by @ self.extras) - xi, t + slope * xi, slope
 
     def step(self, values, z, readings):
         change, t, slope = self.predict(values, z)
