@@ -68,7 +68,8 @@ static void find_noise(const struct composition_block *b, struct composition_job
     job->step.noise = job->noise;
     job->step.noise_count = count;
     job->step.noise_first = job->noise_first;
-    job->noise_first = (uint16_t)((job->noise_first + count) % n);
+    size_t after = job->noise_first + count;
+    job->noise_first = (uint16_t)(after < n ? after : after - n);
 }
 
 static real_t sd_of_extra(const struct composition_block *b, size_t k)
