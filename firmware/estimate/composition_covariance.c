@@ -35,18 +35,12 @@ static void find_model(struct composition_block *b, struct composition_job *job)
         job->err = column_rates(column, job->x, job->rates);
 }
 
-/* s, over which the covariance is carried at once. */
-static real_t leg_s(const struct composition_job *job)
-{
-    return job->tick * (real_t)job->leg;
-}
-
 static void find_factors(struct composition_job *job)
 {
     job->transition.stages = job->column.config->stages;
     job->transition.m = job->column.config->components - 1;
     job->transition.of = job->factors;
-    job->err = column_transition_make(&job->column, job->x, leg_s(job), &job->transition);
+    job->err = column_transition_make(&job->column, job->x, job->h, &job->transition);
 }
 
 /* Variance that a mole fraction gathers in a second. */
@@ -62,7 +56,7 @@ static void find_noise(const struct composition_block *b, struct composition_job
 {
     size_t n = job->column.n_fractions;
     size_t count = b->s.covariance == COVARIANCE_FULL && n > NOISE_SMALL ? NOISE_COUNT : n;
-    real_t time_s = leg_s(job) * (real_t)n / (real_t)count;
+    real_t time_s = job->h * (real_t)n / (real_t)count;
     for (size_t i = 0; i < n; i++)
         job->noise[i] = gathered(b, job->x[i]) * time_s;
     job->step.noise = job->noise;
@@ -82,7 +76,7 @@ static real_t sd_of_extra(const struct composition_block *b, size_t k)
 static void let_extra_grow(const struct composition_block *b, struct composition_job *job, size_t k)
 {
     real_t sd = sd_of_extra(b, k);
-    real_t keep = ONE - leg_s(job) / (k >= b->c.gains.feed ? OFFSET_S : b->s.feed_s);
+    real_t keep = ONE - job->h / (k >= b->c.gains.feed ? OFFSET_S : b->s.feed_s);
     job->keep[k] = keep > ZERO ? keep : ZERO;
     job->grown[k] = sd * sd * (ONE - job->keep[k] * job->keep[k]);
 }
@@ -95,7 +89,7 @@ static void find_feed(const struct composition_block *b, struct composition_job 
     memset(job->push, 0, sizeof job->push);
     composition_push(g, &job->column, job->x, job->push, job->rates, job->work);
     for (size_t i = 0; i < g->feed * n; i++)
-        job->push[i] *= leg_s(job);
+        job->push[i] *= job->h;
     for (size_t k = 0; k < g->extras; k++)
         let_extra_grow(b, job, k);
     job->step.transition = &job->transition;
@@ -176,7 +170,7 @@ static void work_in_sensor(const struct composition_block *b, struct composition
                                        .count = job->transition.m,
                                        .slope = dt,
                                        .extra = COVARIANCE_EXTRAS_MAX,
-                                       .variance = b->c.noise2 / (real_t)job->leg};
+                                       .variance = b->c.noise2};
     memcpy(before, gain, length * sizeof(real_t));
     memset(gain, 0, length * sizeof(real_t));
     if (!(job->there & 1u << k))
@@ -267,7 +261,6 @@ void composition_covariance_piece(struct composition_block *b, struct compositio
     switch ((enum composition_phase)job->phase) {
     case PHASE_MODEL:
         find_model(b, job);
-        job->leg = job->ticks > 1 ? (uint8_t)(job->ticks - 1u) : 1u;
         go_to(job, PHASE_FACTORS);
         break;
     case PHASE_FACTORS:
@@ -287,10 +280,7 @@ void composition_covariance_piece(struct composition_block *b, struct compositio
     case PHASE_SENSORS:
         if (job->at < b->c.sensors)
             work_in_sensor(b, job, job->at++);
-        else if (job->leg > 1) {
-            job->leg = 1;
-            go_to(job, PHASE_FACTORS);
-        } else
+        else
             go_to(job, goes_round(b, job) ? PHASE_CARRY : PHASE_ANALYSES);
         break;
     case PHASE_ANALYSES:

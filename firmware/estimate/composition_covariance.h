@@ -32,8 +32,7 @@ struct composition_job {
     /* the order */
     real_t x[COLUMN_STATES_MAX], temperature[COLUMN_STAGES_MAX];
     struct column_inputs inputs;
-    real_t tick;                /* s */
-    uint8_t ticks;              /* of a cycle */
+    real_t h;                   /* s, of a cycle */
     uint16_t there;             /* bit k: sensor k counts */
     uint8_t analysed;           /* bit i: analysis i has a sample */
     real_t older[ANALYSES_MAX]; /* variance for its age */
@@ -41,8 +40,6 @@ struct composition_job {
 
     uint8_t phase, at;
     enum err err;
-    uint8_t
-        leg; /* ticks: a cycle is all but the last, then that one, whose gains are those of a tick */
     bool carrying;
     uint32_t cycles;       /* of a steady state */
     real_t moved, largest; /* gains, in a cycle */

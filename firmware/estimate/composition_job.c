@@ -128,8 +128,7 @@ static void put_order(struct composition_block *b, uint8_t steps)
     struct composition_job *job = b->filter.job;
     bool steady = b->s.covariance == COVARIANCE_STEADY;
     put_state(b, job);
-    job->tick = b->c.h;
-    job->ticks = steady ? 1 : steps;
+    job->h = b->c.h * (steady ? REAL_C(1.0) : (real_t)steps);
     job->there = 0;
     for (uint8_t k = 0; k < b->c.sensors; k++)
         if (b->c.sensor[k].moves && (steady || b->c.sensor[k].there))
