@@ -86,6 +86,118 @@ static void more_than_the_board_has_is_refused_and_changes_nothing(void)
     TEST_ASSERT_EQUAL(ERR_OK, lease("covariances", "block est freeze", sizeof region));
 }
 
+/* ---- leases that are renewed ---- */
+
+static uint32_t number;
+
+static enum err lease_for_now(uint32_t bytes)
+{
+    void *memory = NULL;
+    enum err err =
+        workspace_lease_for_now(&w, "composition", "block N free", bytes, &number, &memory);
+    TEST_ASSERT_EQUAL_PTR(err ? NULL : (void *)region, memory);
+    return err;
+}
+
+static void ticks(unsigned n)
+{
+    while (n-- > 0)
+        workspace_tick(&w);
+}
+
+static void a_lease_that_is_renewed_lasts(void)
+{
+    TEST_ASSERT_EQUAL(ERR_OK, lease_for_now(sizeof region));
+    for (unsigned n = 0; n < 1000; n++) {
+        ticks(WORKSPACE_TICKS);
+        TEST_ASSERT_TRUE(workspace_renew(&w, number));
+    }
+    TEST_ASSERT_EQUAL(ERR_BUSY, lease("start-up", "commission abort", 100));
+    TEST_ASSERT_EQUAL_STRING("composition has it; `block N free` frees it", refusal());
+}
+
+static void one_that_is_not_renewed_ends_after_its_ticks(void)
+{
+    TEST_ASSERT_EQUAL(ERR_OK, lease_for_now(100));
+    ticks(WORKSPACE_TICKS);
+    TEST_ASSERT_EQUAL(ERR_BUSY, lease("start-up", "commission abort", 100));
+    ticks(1);
+    TEST_ASSERT_FALSE(workspace_renew(&w, number));
+    TEST_ASSERT_EQUAL(ERR_OK, lease("start-up", "commission abort", 100));
+    TEST_ASSERT_FALSE(workspace_holds(&w, "composition"));
+}
+
+static void of_two_of_one_kind_the_number_tells_which_has_it(void)
+{
+    TEST_ASSERT_EQUAL(ERR_OK, lease_for_now(100));
+    uint32_t first = number;
+    TEST_ASSERT_EQUAL(ERR_BUSY, lease_for_now(100));
+    workspace_end(&w, first);
+    TEST_ASSERT_EQUAL(ERR_OK, lease_for_now(100));
+    TEST_ASSERT_FALSE(first == number);
+    TEST_ASSERT_FALSE(workspace_renew(&w, first));
+    TEST_ASSERT_TRUE(workspace_renew(&w, number));
+    workspace_end(&w, first); /* comes too late to matter */
+    TEST_ASSERT_TRUE(workspace_renew(&w, number));
+    workspace_end(&w, number);
+    TEST_ASSERT_FALSE(workspace_renew(&w, number));
+}
+
+static void who_was_slow_does_not_find_it_again_after_another(void)
+{
+    TEST_ASSERT_EQUAL(ERR_OK, lease_for_now(100));
+    ticks(WORKSPACE_TICKS + 1);
+    TEST_ASSERT_EQUAL(ERR_OK, lease("start-up", "commission abort", 100));
+    TEST_ASSERT_FALSE(workspace_renew(&w, number));
+    workspace_end(&w, number);
+    ticks(10 * WORKSPACE_TICKS); /* that of start-up needs no renewal */
+    TEST_ASSERT_EQUAL(ERR_BUSY, lease_for_now(100));
+    TEST_ASSERT_EQUAL_STRING("start-up has it; `commission abort` frees it", refusal());
+    workspace_frees(&w, "start-up", NULL);
+    uint32_t before = number;
+    TEST_ASSERT_FALSE(workspace_renew(&w, before));
+    TEST_ASSERT_EQUAL(ERR_OK, lease_for_now(100));
+    TEST_ASSERT_FALSE(workspace_renew(&w, before));
+}
+
+static void a_renewal_counts_from_its_tick_on(void)
+{
+    TEST_ASSERT_EQUAL(ERR_OK, lease_for_now(100));
+    ticks(WORKSPACE_TICKS);
+    TEST_ASSERT_TRUE(workspace_renew(&w, number));
+    ticks(WORKSPACE_TICKS);
+    TEST_ASSERT_TRUE(workspace_renew(&w, number));
+    ticks(WORKSPACE_TICKS + 1);
+    TEST_ASSERT_FALSE(workspace_renew(&w, number));
+}
+
+static void one_begins_with_all_its_ticks_whatever_was_before(void)
+{
+    TEST_ASSERT_EQUAL(ERR_OK, lease_for_now(100));
+    ticks(WORKSPACE_TICKS);
+    workspace_end(&w, number);
+    TEST_ASSERT_EQUAL(ERR_OK, lease_for_now(100));
+    ticks(WORKSPACE_TICKS);
+    TEST_ASSERT_TRUE(workspace_renew(&w, number));
+}
+
+static void one_for_now_that_has_no_room_leaves_nothing_behind(void)
+{
+    TEST_ASSERT_EQUAL(ERR_MEMORY, lease_for_now(sizeof region + 1u));
+    TEST_ASSERT_FALSE(workspace_renew(&w, number));
+    TEST_ASSERT_EQUAL(ERR_OK, lease("start-up", "commission abort", 100));
+    ticks(10 * WORKSPACE_TICKS);
+    TEST_ASSERT_EQUAL(ERR_BUSY, lease_for_now(100));
+}
+
+static void a_region_that_is_shared_is_found(void)
+{
+    workspace_share(&w);
+    TEST_ASSERT_EQUAL_PTR(&w, workspace_shared());
+    workspace_share(NULL);
+    TEST_ASSERT_NULL(workspace_shared());
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -96,5 +208,13 @@ int main(void)
     RUN_TEST(what_is_left_by_a_lease_that_has_ended_is_its_holders_until_the_next);
     RUN_TEST(who_holds_it_goes_on_with_it);
     RUN_TEST(more_than_the_board_has_is_refused_and_changes_nothing);
+    RUN_TEST(a_lease_that_is_renewed_lasts);
+    RUN_TEST(one_that_is_not_renewed_ends_after_its_ticks);
+    RUN_TEST(of_two_of_one_kind_the_number_tells_which_has_it);
+    RUN_TEST(who_was_slow_does_not_find_it_again_after_another);
+    RUN_TEST(a_renewal_counts_from_its_tick_on);
+    RUN_TEST(one_begins_with_all_its_ticks_whatever_was_before);
+    RUN_TEST(one_for_now_that_has_no_room_leaves_nothing_behind);
+    RUN_TEST(a_region_that_is_shared_is_found);
     return UNITY_END();
 }
