@@ -57,7 +57,7 @@ bool composition_analysis_step(struct composition_analysis *a, real_t h, real_t 
     left = y - (then + a->correction);
     a->surprise = left;
     a->far = most > REAL_C(0.0) && real_abs(left) > most;
-    a->fresh = !a->far;
+    a->fresh = !a->far && a->told;
     a->moved = x - then;
     if (!a->far && !a->told)
         a->correction += a->share * left;

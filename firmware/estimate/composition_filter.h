@@ -12,7 +12,7 @@ struct composition_filter {
     struct composition_job *job; /* in the workspace; NULL: it is not leased */
     uint32_t lease;
     bool declined;               /* somebody said `free`; until `take` */
-    bool refused;                /* somebody else has the workspace */
+    uint8_t refusals;            /* in a row: somebody else has the workspace; saturates */
     bool begins;                 /* the next order begins with what is known before any reading */
     bool steady;                 /* COVARIANCE_STEADY: the gains are there */
     uint8_t analysed;            /* bit i: the job works analysis i in */

@@ -11,6 +11,9 @@
 #define HOLDER "composition"
 #define FREES  "block N free"
 
+/* What was here before, with other settings, may have had it for so many ticks. */
+#define REFUSALS_MOST (WORKSPACE_TICKS + 1u)
+
 /* A steady state is looked for during so many seconds. */
 #define STEADY_S REAL_C(20.0)
 
@@ -23,7 +26,28 @@ const char *composition_workspace_holder(void)
 bool composition_lacks_workspace(const struct composition_block *b)
 {
     const struct composition_filter *f = &b->filter;
-    return composition_is_complete(&b->c) && !f->job && !f->steady && (f->declined || f->refused);
+    return composition_is_complete(&b->c) && !f->job && !f->steady &&
+           (f->declined || f->refusals > REFUSALS_MOST);
+}
+
+void composition_begin_filter(struct composition_block *b)
+{
+    b->filter.begins = true;
+    b->filter.analysed = 0;
+}
+
+void composition_forget_steady(struct composition_block *b)
+{
+    struct composition_filter *f = &b->filter;
+    f->begins = f->begins || b->s.covariance == COVARIANCE_STEADY;
+    f->steady = false;
+}
+
+void composition_end_lease(struct composition_block *b)
+{
+    if (b->filter.job)
+        workspace_end(workspace_shared(), b->filter.lease);
+    b->filter.job = NULL;
 }
 
 /* A feed so many standard deviations from the table's is not to be expected. */
@@ -42,20 +66,21 @@ static bool expects_feed(const struct composition_block *b)
 
 bool composition_is_unsure(const struct composition_block *b)
 {
-    bool unsure = !b->c.gains.of || !expects_feed(b);
-    for (uint8_t k = 0; k < b->points; k++)
-        unsure = unsure ||
-                 (b->s.sure > 0 && b->s.point[k][OF_COMPONENT] > 0 && b->filter.sd[k] > b->s.sure);
-    return composition_is_complete(&b->c) && unsure;
+    return composition_is_complete(&b->c) && (!b->c.gains.of || !expects_feed(b));
+}
+
+bool composition_point_is_unsure(const struct composition_block *b, unsigned k)
+{
+    return composition_is_complete(&b->c) && b->s.sure > 0 && b->s.point[k][OF_COMPONENT] > 0 &&
+           b->filter.sd[k] > b->s.sure;
 }
 
 /* ---- sizes ---- */
 
-uint32_t composition_job_bytes(const struct composition_settings *s, size_t stages, size_t m,
-                               size_t extras)
+uint32_t composition_job_bytes(unsigned covariance, size_t stages, size_t m, size_t extras)
 {
-    size_t bytes = composition_is_banded(s) ? covariance_band_bytes(stages, m, extras)
-                                            : covariance_ud_bytes(stages, m, extras);
+    size_t bytes = covariance == COVARIANCE_BAND ? covariance_band_bytes(stages, m, extras)
+                                                 : covariance_ud_bytes(stages, m, extras);
     return (uint32_t)(sizeof(struct composition_job) + bytes);
 }
 
@@ -127,6 +152,8 @@ static void put_order(struct composition_block *b, uint8_t steps)
 {
     struct composition_job *job = b->filter.job;
     bool steady = b->s.covariance == COVARIANCE_STEADY;
+    if (!b->filter.begins && job->phase != PHASE_DONE)
+        return; /* given up half-way: it goes on, since the covariance is half-way too */
     put_state(b, job);
     job->h = b->c.h * (steady ? REAL_C(1.0) : (real_t)steps);
     job->there = 0;
@@ -149,9 +176,13 @@ uint8_t composition_order(struct composition_block *b)
     if (!composition_is_complete(&b->c) || f->declined || f->steady)
         return 0;
     uint8_t steps = cycle_steps(b);
-    if (f->job)
+    if (f->job) {
         put_order(b, steps);
-    return steps;
+        return steps;
+    }
+    for (uint8_t i = 0; i < b->analyses; i++)
+        b->analysis[i].fresh = false; /* there was nobody to take it in */
+    return 1;                         /* the workspace */
 }
 
 void composition_keep_lease(struct composition_block *b, bool working)
@@ -161,8 +192,7 @@ void composition_keep_lease(struct composition_block *b, bool working)
     if (!f->job)
         return;
     if ((f->declined || f->steady || !composition_is_complete(&b->c)) && !working) {
-        workspace_end(w, f->lease);
-        f->job = NULL;
+        composition_end_lease(b);
     } else if (!workspace_renew(w, f->lease)) {
         f->job = NULL;
     }
@@ -193,7 +223,7 @@ void composition_take_gains(struct composition_block *b)
     struct composition_filter *f = &b->filter;
     struct composition *c = &b->c;
     const struct composition_job *job = f->job;
-    if (!job || job->phase != PHASE_DONE)
+    if (!job || !workspace_renew(workspace_shared(), f->lease) || job->phase != PHASE_DONE)
         return; /* it has only just got its memory, or none */
     if (job->err) {
         f->begins = true;
@@ -208,7 +238,7 @@ void composition_take_gains(struct composition_block *b)
     f->least = job->least;
     f->most = job->most;
     apply_analyses(b);
-    f->steady = b->s.covariance == COVARIANCE_STEADY;
+    f->steady = b->s.covariance == COVARIANCE_STEADY && !f->begins;
     if (f->count < UINT32_MAX)
         f->count++;
 }
@@ -221,12 +251,13 @@ static bool lease_workspace(struct composition_block *b)
     struct workspace *w = workspace_shared();
     void *memory = NULL;
     size_t m = b->c.table.config.components - 1;
-    if (!w)
+    uint32_t bytes =
+        composition_job_bytes(b->s.covariance, b->c.table.config.stages, m, b->c.gains.extras);
+    if (!w || workspace_lease_for_now(w, HOLDER, FREES, bytes, &f->lease, &memory) != ERR_OK) {
+        f->refusals = (uint8_t)(f->refusals < UINT8_MAX ? f->refusals + 1u : UINT8_MAX);
         return false;
-    uint32_t bytes = composition_job_bytes(&b->s, b->c.table.config.stages, m, b->c.gains.extras);
-    f->refused = workspace_lease_for_now(w, HOLDER, FREES, bytes, &f->lease, &memory) != ERR_OK;
-    if (f->refused)
-        return false;
+    }
+    f->refusals = 0;
     struct composition_job *job = memory;
     memset(job, 0, sizeof *job);
     job->phase = PHASE_POINTS; /* nothing to be taken */
@@ -238,12 +269,14 @@ static bool lease_workspace(struct composition_block *b)
 bool composition_job_piece(struct composition_block *b)
 {
     struct composition_filter *f = &b->filter;
+    if (f->declined)
+        return false;
     if (!f->job) {
         (void)lease_workspace(b);
         return false;
     }
     struct composition_job *job = f->job;
-    if (f->declined || !workspace_renew(workspace_shared(), f->lease) || job->phase == PHASE_DONE)
+    if (!workspace_renew(workspace_shared(), f->lease) || job->phase == PHASE_DONE)
         return false;
     if (job->phase > PHASE_MODEL) { /* the state may have been moved */
         job->column.config = &b->c.table.config;

@@ -14,9 +14,8 @@
 
 /* Numbers that the state needs behind its struct: gains, and the factors of a linear model. 0 for other methods. */
 size_t composition_numbers(const struct block_setup *setup);
-/* Bytes of the workspace that these settings take. */
-uint32_t composition_job_bytes(const struct composition_settings *s, size_t stages, size_t m,
-                               size_t extras);
+/* Bytes of the workspace that an enum composition_covariance takes. */
+uint32_t composition_job_bytes(unsigned covariance, size_t stages, size_t m, size_t extras);
 
 /* A step is over: asks for the next gains where there is something to find. Returns the steps after which they are taken, 0: none. */
 uint8_t composition_order(struct composition_block *b);
@@ -24,11 +23,18 @@ uint8_t composition_order(struct composition_block *b);
 void composition_take_gains(struct composition_block *b);
 /* A piece of the job; true while there is more. Main loop. */
 bool composition_job_piece(struct composition_block *b);
+/* The next order begins with what is known before any reading; what was ordered says nothing of the estimate any more. */
+void composition_begin_filter(struct composition_block *b);
+/* Gains of a steady state are looked for again. */
+void composition_forget_steady(struct composition_block *b);
+/* The state is about to be another. */
+void composition_end_lease(struct composition_block *b);
 /* In every step. */
 void composition_keep_lease(struct composition_block *b, bool working);
-/* Whether complete innovation says itself that its points are not to be relied on: too large a standard deviation, a feed that is not to
- * be expected, no gains yet. */
+/* Whether complete innovation says itself that its points are not to be relied on: a feed that is not to be expected, no gains yet. */
 bool composition_is_unsure(const struct composition_block *b);
+/* Of one of them: too large a standard deviation. */
+bool composition_point_is_unsure(const struct composition_block *b, unsigned k);
 /* It ought to have the workspace and has not. */
 bool composition_lacks_workspace(const struct composition_block *b);
 /* What another has the workspace for, or NULL. */

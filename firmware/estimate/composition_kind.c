@@ -87,18 +87,25 @@ static void take_analyses(struct composition_block *b, bool keep)
         begin_analyses(b);
 }
 
+/* Not only as many: each means what it meant. */
+static bool has_same_extras(const struct composition_settings *s,
+                            const struct composition_settings *now)
+{
+    return (s->feed_z > 0) == (now->feed_z > 0) && (s->feed_f > 0) == (now->feed_f > 0) &&
+           (s->offset > 0) == (now->offset > 0);
+}
+
 static enum err composition_configure(void *state, const struct block_setup *setup, bool retune)
 {
     struct composition_block *b = state;
     const struct column_record *record = setup->named;
     const struct composition_settings *s = setup->settings;
-    size_t m = (size_t)record->value[COLUMN_TABLE_N_COMPONENTS] - 1u;
-    bool same =
-        retune && b->checksum == column_record_checksum(record) && b->record == record &&
-        b->s.method == s->method && b->s.covariance == s->covariance &&
-        composition_extras(&b->s, b->inputs, m) == composition_extras(s, setup->inputs, m) &&
-        (b->s.feed_z > 0) == (s->feed_z > 0) && (b->s.feed_f > 0) == (s->feed_f > 0) &&
-        !memcmp(b->s.place, s->place, sizeof s->place) && !memcmp(b->s.is, s->is, sizeof s->is);
+    bool same = retune && b->checksum == column_record_checksum(record) && b->record == record &&
+                b->s.method == s->method && b->s.covariance == s->covariance &&
+                has_same_extras(&b->s, s) && !memcmp(b->s.place, s->place, sizeof s->place) &&
+                !memcmp(b->s.is, s->is, sizeof s->is);
+    if (retune && !same)
+        composition_end_lease(b);
     if (!same) {
         memset(b, 0, sizeof *b);
         enum err err = take_column(b, record);
@@ -114,7 +121,7 @@ static enum err composition_configure(void *state, const struct block_setup *set
     take_analyses(b, same);
     if (!same)
         composition_begin(&b->c);
-    b->filter.steady = false; /* of other numbers than these */
+    composition_forget_steady(b); /* of other numbers than these */
     stand_here(b);
     return ERR_OK;
 }
@@ -204,7 +211,7 @@ static unsigned step_analyses(struct composition_block *b, const struct block_io
         unsigned k = a->input;
         if (offset)
             a->correction = *offset;
-        a->told = b->c.gains.of && b->filter.job;
+        a->told = b->c.gains.of && b->filter.job && !b->filter.declined;
         bool too_old = composition_analysis_step(
             a, b->c.h, column_fraction(&b->c.column, b->c.x, a->stage, a->component),
             io->quality[k] == QUALITY_GOOD, reading_si(b, io, k), (real_t)io->age_s[k], b->s.far);
@@ -263,7 +270,8 @@ static void give_estimates(const struct composition_block *b, struct block_io *i
     for (unsigned k = 0; k < b->points; k++) {
         real_t span = b->point[k].hi - b->point[k].lo;
         io->point[k] = num_from_float((estimate_of(b, k) - b->point[k].lo) / span);
-        io->point_quality[k] = (uint8_t)quality;
+        bool unsure = quality == QUALITY_GOOD && composition_point_is_unsure(b, k);
+        io->point_quality[k] = (uint8_t)(unsure ? QUALITY_UNCERTAIN : quality);
     }
 }
 
@@ -276,7 +284,7 @@ static void composition_follow(void *state, struct block_io *io)
     stand_here(b);
     b->steps = b->without = b->dry = 0;
     b->begun = b->seen = false;
-    b->filter.begins = true;
+    composition_begin_filter(b);
     begin_analyses(b);
     if (!b->settle) /* else work is on the column */
         composition_begin(&b->c);
@@ -327,7 +335,8 @@ static void composition_block_step(void *state, struct block_io *io)
         return;
     }
     enum err err = composition_step(&b->c, t);
-    b->filter.begins = b->filter.begins || err;
+    if (err)
+        composition_begin_filter(b);
     composition_count_step(b, err != ERR_OK);
     enum quality quality = composition_judge(b, io, err);
     unsigned odd = composition_is_locked_on(b) ? step_analyses(b, io) : 0;
@@ -355,7 +364,9 @@ static bool composition_work(void *state)
 {
     struct composition_block *b = state;
     stand_here(b);
-    return b->work == WORK_SETTLE ? settle_piece(b) : composition_job_piece(b);
+    return b->work == WORK_SETTLE  ? settle_piece(b)
+           : b->work == WORK_GAINS ? composition_job_piece(b)
+                                   : false; /* asked for by other settings than these */
 }
 
 static const char *run_settle(void *state, const float *number)
@@ -365,8 +376,8 @@ static const char *run_settle(void *state, const float *number)
     b->settle = true;
     b->settling = 0;
     b->steps = 0;
-    b->filter.begins = true; /* where it comes out nobody knows how well it fits */
-    b->c.watched = 0;        /* temperatures may be far from there */
+    composition_begin_filter(b); /* where it comes out nobody knows how well it fits */
+    b->c.watched = 0;            /* temperatures may be far from there */
     return NULL;
 }
 
@@ -378,7 +389,7 @@ static const char *run_begin(void *state, const float *number)
         return "settles";
     stand_here(b);
     b->steps = 0;
-    b->filter.begins = true;
+    composition_begin_filter(b);
     b->filter.steady = false;
     composition_begin(&b->c);
     return NULL;

@@ -219,11 +219,15 @@ static enum err check_covariance(const struct block_setup *setup, const struct c
                                   "mole fractions of the feed that they would have to find");
     if (extras > COVARIANCE_EXTRAS_MAX)
         return refuse_composition(fault, "is", "must have two analyses at most");
-    if (composition_job_bytes(s, stages, m, extras) > WORKSPACE_BYTES)
+    if (composition_job_bytes(s->covariance, stages, m, extras) <= WORKSPACE_BYTES)
+        return ERR_OK;
+    if (composition_job_bytes(COVARIANCE_BAND, stages, m, extras) <= WORKSPACE_BYTES)
         return refuse_composition(fault, "covariance",
                                   "must be band: a full one of so many states has no room in the "
                                   "board's workspace");
-    return ERR_OK;
+    return refuse_composition(fault, "method",
+                              "must be geometric or rekf: no covariance has room in the board's "
+                              "workspace");
 }
 
 enum err composition_check(const struct block_setup *setup, struct block_fault *fault)
