@@ -1,5 +1,7 @@
 /* Settings of the kind `composition`: its parameters, and what is refused in which words. */
+#include "base/workspace.h"
 #include "composition_bench.h"
+#include "estimate/composition_job.h"
 
 void setUp(void)
 {
@@ -26,7 +28,7 @@ static void its_parameters_are_those_that_boards_have_stored(void)
         const char *words;
     } page[] = {
         {"column", 1, 1, 1, 0, 4, 0, NULL},
-        {"method", 2, 1, 1, 0, 0, 0, "geometric|rekf"},
+        {"method", 2, 1, 1, 0, 0, 0, "geometric|rekf|ekf|kalman"},
         {"is", 3, 12, 1, 0, 0, 0,
          "temperature|feed|feed_temperature|feed_quality|reflux|heat|boilup|pressure|analysis"},
         {"place", 4, 12, 2, 0, 200, 0, NULL},
@@ -48,6 +50,14 @@ static void its_parameters_are_those_that_boards_have_stored(void)
         {"far", 21, 1, 1, 0, 1, 0.05f, NULL},
         {"late", 22, 1, 1, 0, 1e7f, 7200, NULL},
         {"reach", 23, 1, 1, 1, 1e6f, 3600, NULL},
+        {"covariance", 24, 1, 1, 0, 0, 0, "full|band|steady"},
+        {"cycle", 25, 1, 1, 0, 1e5f, 0, NULL},
+        {"feed_z", 26, 1, 1, 0, 1, 0.1f, NULL},
+        {"feed_f", 27, 1, 1, 0, 1, 0, NULL},
+        {"feed_time", 28, 1, 1, 60, 1e7f, 3600, NULL},
+        {"analyser", 29, 1, 1, 1e-6f, 1, 5e-4f, NULL},
+        {"offset", 30, 1, 1, 0, 1, 5e-3f, NULL},
+        {"sure", 31, 1, 1, 0, 1, 0.01f, NULL},
         {"between", 17, 1, 1, 0, 0, 0, "line|mean"},
     };
     TEST_ASSERT_EQUAL(sizeof page / sizeof page[0], kind->parameters);
@@ -91,11 +101,12 @@ static void its_events_and_verbs_have_the_names_of_the_page(void)
         TEST_ASSERT_EQUAL(i == EVENT_LOST || i == EVENT_NO_BOIL ? BLOCK_INFO : BLOCK_ALARM,
                           kind->event[i].level);
     }
-    TEST_ASSERT_EQUAL(2, kind->verbs);
-    TEST_ASSERT_EQUAL_STRING("settle", kind->verb[0].name);
-    TEST_ASSERT_EQUAL_STRING("begin", kind->verb[1].name);
-    for (unsigned i = 0; i < 2; i++)
+    static const char *const verbs[] = {"settle", "begin", "free", "take"};
+    TEST_ASSERT_EQUAL(sizeof verbs / sizeof verbs[0], kind->verbs);
+    for (unsigned i = 0; i < kind->verbs; i++) {
+        TEST_ASSERT_EQUAL_STRING(verbs[i], kind->verb[i].name);
         TEST_ASSERT_EQUAL(ACCESS_ENGINEER, kind->verb[i].access);
+    }
 }
 
 /* ---- the column ---- */
@@ -282,6 +293,74 @@ static void there_are_two_analyses_at_most(void)
     refused("is", "two analyses");
 }
 
+/* ---- complete innovation ---- */
+
+/* The splitter without truncated stages, estimated with a covariance. */
+static void splitter_with(unsigned method, unsigned covariance)
+{
+    PUT_RECORD(&record, splitter_values);
+    change_record(&record, COLUMN_TABLE_TRUNCATED, 0);
+    change_record(&record, COLUMN_TABLE_TRUNCATED + 1, 0);
+    settings.method = (uint8_t)method;
+    settings.covariance = (uint8_t)covariance;
+}
+
+static void a_feed_is_found_by_as_many_temperatures_as_it_has_mole_fractions(void)
+{
+    for (unsigned method = METHOD_EKF; method <= METHOD_KALMAN; method++) {
+        bench_pilot();
+        splitter_with(method, COVARIANCE_BAND);
+        accepted();
+        temperature_at(T_LOW, 3, 0); /* only compared */
+        refused("feed_z", "must be 0 with fewer temperatures");
+        splitter_with(method, COVARIANCE_BAND);
+        temperature_at(T_LOW, 3, 0);
+        settings.feed_z = 0;
+        settings.feed_f = 0.1f;
+        accepted();
+        bench_pilot();
+        settings.method = (uint8_t)method;
+        temperature_at(T_LOW, 3, 0); /* of two components one will do */
+        accepted();
+    }
+}
+
+static void complete_innovation_needs_all_stages(void)
+{
+    for (unsigned method = METHOD_EKF; method <= METHOD_KALMAN; method++)
+        for (unsigned half = 0; half < 2; half++) {
+            splitter_with(method, COVARIANCE_BAND);
+            change_record(&record, COLUMN_TABLE_TRUNCATED + half, 1u << 6);
+            refused("method", "must be geometric or rekf");
+        }
+}
+
+static void three_analyses_are_refused_with_a_covariance_too(void)
+{
+    settings.method = METHOD_EKF;
+    for (unsigned k = 0; k < 2; k++)
+        analysis_at(FURTHER + k, 12, 1, 0);
+    accepted();
+    analysis_at(FURTHER + 2, 12, 1, 0);
+    refused("is", "two analyses");
+    settings.method = METHOD_KALMAN;
+    for (unsigned k = 0; k < 6; k++)
+        analysis_at(FURTHER + k, 12, 1, 0);
+    refused("is", "two analyses");
+}
+
+static void up_to_which_size_a_covariance_has_room(void)
+{
+    unsigned m = COLUMN_COMPONENTS_MAX - 1, stages = COLUMN_STAGES_MAX;
+    while (stages * m > COLUMN_STATES_MAX)
+        stages--;
+    TEST_ASSERT_TRUE(composition_job_bytes(COVARIANCE_FULL, 12, 1, 2) <= WORKSPACE_BYTES);
+    TEST_ASSERT_TRUE(composition_job_bytes(COVARIANCE_FULL, 37, 2, 5) <= WORKSPACE_BYTES);
+    TEST_ASSERT_TRUE(composition_job_bytes(COVARIANCE_BAND, stages, m, COVARIANCE_EXTRAS_MAX) <=
+                     WORKSPACE_BYTES);
+    TEST_ASSERT_FALSE(composition_job_bytes(COVARIANCE_FULL, 100, 2, 2) <= WORKSPACE_BYTES);
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -302,5 +381,9 @@ int main(void)
     RUN_TEST(it_needs_a_point_with_a_stage_and_a_component_of_the_table);
     RUN_TEST(an_analysis_has_a_place_a_share_and_is_no_mv);
     RUN_TEST(there_are_two_analyses_at_most);
+    RUN_TEST(a_feed_is_found_by_as_many_temperatures_as_it_has_mole_fractions);
+    RUN_TEST(complete_innovation_needs_all_stages);
+    RUN_TEST(three_analyses_are_refused_with_a_covariance_too);
+    RUN_TEST(up_to_which_size_a_covariance_has_room);
     return UNITY_END();
 }
