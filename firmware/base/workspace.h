@@ -5,8 +5,8 @@
  * command the lease has ended: what is in the region may still be read, and shown, by its last holder, until it is leased
  * for something else.
  *
- * Leased in the main loop alone, under hal_tick_lock, so that nobody loses what he is printing; the holder may change the
- * command in the tick, too. */
+ * Leased in the main loop alone, so that nobody loses what he is printing: under hal_tick_lock, or for now, where only the holder's own
+ * tick looks at it; the holder may change the command in the tick, too. */
 #ifndef REFLUX_BASE_WORKSPACE_H
 #define REFLUX_BASE_WORKSPACE_H
 
