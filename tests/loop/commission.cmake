@@ -19,3 +19,7 @@ foreach(part client clients)
   reflux_test(${part} LABEL loop SOURCES ${CMAKE_CURRENT_LIST_DIR}/test_${part}.c
               LIBS plant_side reflux_hal_memory reflux_app reflux_link)
 endforeach()
+# A Kalman filter whose covariance stands in the same large memory.
+reflux_test(composition_lease LABEL loop SOURCES ${CMAKE_CURRENT_LIST_DIR}/test_composition_lease.c
+            LIBS reflux_hal_memory reflux_app reflux_link reflux_bench reflux_plants)
+target_compile_definitions(test_composition_lease PRIVATE PILOT_KALMAN_CONF="${PROJECT_SOURCE_DIR}/host_sim/scenarios/pilot-kalman.conf")
