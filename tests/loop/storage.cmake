@@ -10,3 +10,7 @@ reflux_test(block_console LABEL loop SOURCES ${CMAKE_CURRENT_LIST_DIR}/test_bloc
             LIBS reflux_hal_memory reflux_app reflux_control reflux_compensate reflux_feedforward reflux_link)
 target_compile_definitions(test_block_console PRIVATE
   STORAGE_IMAGES="${PROJECT_SOURCE_DIR}/tests/reference/storage")
+# What firmware before the Kalman filters stored of an estimator.
+reflux_test(composition_stored LABEL loop SOURCES ${CMAKE_CURRENT_LIST_DIR}/test_composition_stored.c
+            LIBS reflux_hal_memory reflux_app reflux_link reflux_bench reflux_plants)
+target_compile_definitions(test_composition_stored PRIVATE STORED_IMAGES="${PROJECT_SOURCE_DIR}/tests/reference/stored")
