@@ -198,7 +198,8 @@ class Measured:
     bias: tuple[float, ...]  # the mean of the last half hour of a step that is farthest from 0
     restless: tuple[float, ...]  # the standard deviation in these half hours, the largest
     by_step: tuple[tuple[float, float, float], ...]  # of the steps: largest of all trays on the way there or back, bias of all trays
-    good: float = math.nan  # part of the time in which the estimates were called good
+    outside_s: float  # time in which a tray is farther off than the band
+    good: float = math.nan  # part of the time in which an estimate was called good, the least of all
 
 
 Errors = dict[int, list[float]]  # by stage
@@ -229,6 +230,7 @@ def summary(t: list[float], errors: Errors, good: float) -> Measured:
         tuple(bias_of(s, rests) for s in stages),
         tuple(max(statistics.pstdev([errors[s][k] for k in rest]) for rest in rests) for s in stages),
         tuple(by_step),
+        (t[1] - t[0]) * sum(any(abs(errors[s][k]) > BAND for s in trays) for k in begin),
         good,
     )
 
@@ -236,13 +238,13 @@ def summary(t: list[float], errors: Errors, good: float) -> Measured:
 def errors_by_firmware(case: Case) -> tuple[list[float], Errors, float]:
     errors: Errors = {}
     t: list[float] = []
-    good = math.nan
+    good = 1.0
     for points in HALVES:
         log = play(case, points)
         t = log.numbers("time")
-        quality = log.text(f"fw.x{points[0]}_est.q")
-        good = sum(q == "0" for q in quality) / len(quality)
         for s in points:
+            quality = log.text(f"fw.x{s}_est.q")
+            good = min(good, sum(q == "0" for q in quality) / len(quality))
             errors[s] = [a - b for a, b in zip(log.numbers(f"fw.x{s}_est"), log.numbers(f"x{s}"))]
     return t, errors, good
 
@@ -251,13 +253,16 @@ def errors_by_reference(case: Case) -> tuple[list[float], Errors, float]:
     """The same readings as the firmware had, given to a filter in numpy."""
     with tempfile.TemporaryDirectory(prefix="reflux-") as name:
         folder = Path(name)
-        log = runner.run(scenario(replace(case, flow=False, method="geometric"), HALVES[0], folder), runner.Options(folder / "out", quiet=True)).log
+        of_plant = scenario(replace(case, flow=False, method="geometric"), HALVES[0], folder)
+        log = runner.run(of_plant, runner.Options(folder / "out", quiet=True)).log
         (folder / "table.txt").write_text("\n".join(table_lines()) + "\n", encoding="utf-8")
-        command = [sys.executable, str(REFERENCE), str(folder / "table.txt"), str(folder / "out" / "log.csv"), str(folder / "estimates.csv")]
+        files = (REFERENCE, folder / "table.txt", folder / "out" / "log.csv", folder / "estimates.csv")
+        command = [sys.executable, *(str(file) for file in files)]
         command += ["--method", case.method, "--step", case.step, "--gains", f"{case.gains:g}", "--noise", f"{case.noise:g}"]
         command += ["--feed-z", f"{case.feed_z:g}", "--feed-f", f"{case.feed_f:g}", "--model", f"{case.model or 0.1:g}"]
         command += [option for option, given in (("--flow-known", case.flow), ("--feed-known", case.feed)) if given]
-        answer = subprocess.run(command, capture_output=True, text=True, env={**os.environ, "OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"})
+        one_thread = {**os.environ, "OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"}
+        answer = subprocess.run(command, capture_output=True, text=True, env=one_thread)
         if answer.returncode:
             raise RunFailed(answer.stderr.strip())
         with (folder / "estimates.csv").open(encoding="utf-8", newline="") as file:

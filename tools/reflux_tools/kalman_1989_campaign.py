@@ -129,7 +129,7 @@ def header_of(part: Part) -> list[str]:
     out = ["filter", "by", "with"]
     for where in ("with a thermometer", "without"):
         out += [f"trays {where}: most", "left", "unrest"]
-    out += ["drum, reboiler: most", "left", "within", "called good, %"]
+    out += ["drum, reboiler: most", "left", "within", "outside, min", "called good, %"]
     return out if no_source(part) else [*out, "source"]
 
 
@@ -153,14 +153,14 @@ def rows_of(part: Part, row: Row, result: dict[str, Any] | None) -> list[list[st
         for most, there, back in result["by_step"]:
             cells += [size(most), left(max(there, back, key=abs))]
         return [cells]
-    cells = [row.name, row.case.by, row.note]
+    cells = [row.name, row.case.by, " ".join(word for word in row.note.split() if not word.startswith("by="))]
     for trays in (MEASURED, UNMEASURED):
         stages = of_trays(trays)
         cells += [size(worst(result["most"], stages)), left(worst(result["bias"], stages))]
         cells.append(f"{1000 * worst(result['restless'], stages):.1f}")
     ends = (DRUM, REBOILER)
     cells += [size(worst(result["most"], ends)), left(worst(result["bias"], ends))]
-    cells.append("yes" if reached(result) else "no")
+    cells += ["yes" if reached(result) else "no", f"{result['outside_s'] / 60:.1f}"]
     cells.append("" if row.case.by != "firmware" else f"{100 * result['good']:.0f}")
     return [cells if no_source(part) else [*cells, row.source]]
 
