@@ -91,8 +91,9 @@ static unsigned pulling_sensor(const struct composition_block *b)
 
 static unsigned surprising_sensor(const struct composition_block *b)
 {
+    real_t most = b->c.gains.of ? b->s.nis_full : b->s.nis;
     for (uint8_t k = 0; k < b->c.sensors; k++)
-        if (b->s.nis > 0 && b->c.sensor[k].square > b->s.nis)
+        if (most > ZERO && b->c.sensor[k].square > most)
             return b->c.sensor[k].input + 1u;
     return 0;
 }

@@ -85,6 +85,8 @@ const struct block_parameter composition_parameter_rows[COMPOSITION_PARAMETER_RO
            "ekf, kalman: points of a larger standard deviation, mole fraction, are uncertain; 0: "
            "none is",
            0, 1, 0.01f),
+    NUMBER(32, nis_full, "nis_full", "-", "ekf, kalman: the alarm nis of these; 0: none", 0, 1e6f,
+           4),
     {17, BLOCK_WORD, PLACE(between), 1, 1, "between", "line|mean",
      "temperatures of truncated stages, of those around them", 0, 0, COLUMN_BETWEEN_LINE},
 };

@@ -52,17 +52,18 @@ struct composition_settings {
     float noise;                             /* K, standard deviation of a reading */
     float
         model; /* of the model's rates: standard deviation that a mole fraction gathers in an hour */
-    float gate;    /* K; 0: none */
-    float gate_s;  /* s, after which what is outside it is believed */
-    float pull;    /* K/h, alarm; 0: none */
-    float watch_s; /* s, of the means of the monitor */
-    float nis;     /* alarm; 0: none */
-    float apart;   /* K/h, alarm; 0: none */
-    float far;     /* mole fraction, of an analysis; 0: none */
-    float late_s;  /* s, after which an analysis is missed; 0: never */
-    float reach_s; /* s, the oldest sample of an analyser that counts */
-    float alone_s; /* s, without any temperature */
-    float cycle_s; /* s, between two gains; 0: a tick */
+    float gate;     /* K; 0: none */
+    float gate_s;   /* s, after which what is outside it is believed */
+    float pull;     /* K/h, alarm; 0: none */
+    float watch_s;  /* s, of the means of the monitor */
+    float nis;      /* alarm; 0: none */
+    float nis_full; /* the same, with gains of complete innovation */
+    float apart;    /* K/h, alarm; 0: none */
+    float far;      /* mole fraction, of an analysis; 0: none */
+    float late_s;   /* s, after which an analysis is missed; 0: never */
+    float reach_s;  /* s, the oldest sample of an analyser that counts */
+    float alone_s;  /* s, without any temperature */
+    float cycle_s;  /* s, between two gains; 0: a tick */
     float
         feed_z; /* mole fraction, standard deviation of the feed's that nobody measures; 0: none */
     float feed_f;   /* part of the feed flow, likewise */

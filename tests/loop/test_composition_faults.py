@@ -24,11 +24,9 @@ HOUR = 3600.0
 BEGINS, ENDS, OVER = 3 * HOUR, 4 * HOUR, 7 * HOUR
 GOOD, UNCERTAIN, BAD = "0", "1", "2"
 WORDS = {GOOD: "good", UNCERTAIN: "uncertain", BAD: "bad"}
-# Methods, and of the filters what they keep. Their alarm is on `nis`, which for them is 1 where everything is right; that of the
-# others on `apart`.
+# Methods, and of the filters what they keep. Their alarm is `nis_full` as it is where nothing is set; that of the others `apart`.
 OTHERS = (("geometric", ""), ("rekf", ""))
 FILTERS = (("ekf", "full"), ("ekf", "band"), ("ekf", "steady"), ("kalman", "band"))
-FILTER_NIS = 3
 THREE, ONE = "sE[C3,30,31,33]", "sE[C3,30]"
 T30, ALL = ("T30",), ("T30", "T31", "T33")
 
@@ -96,8 +94,8 @@ def case_of(fault: Fault, method: str, covariance: str) -> Case:
     if not covariance:
         return Case(fault.structure, method, hours=OVER / HOUR, apart=200)
     # with one thermometer nothing can be said of the feed
-    feed = "/feed_z:0" if fault.structure == ONE else ""
-    return Case(fault.structure, method, hours=OVER / HOUR, covariance=covariance, set=f"nis:{FILTER_NIS}{feed}")
+    feed = "feed_z:0" if fault.structure == ONE else ""
+    return Case(fault.structure, method, hours=OVER / HOUR, covariance=covariance, set=feed)
 
 
 def play(
@@ -169,9 +167,9 @@ class Faults(unittest.TestCase):
     def test_every_fault_ends_as_it_must_with_a_filter(self) -> None:
         self.every_fault(FILTERS)
 
-    def test_a_filter_takes_a_thermometer_that_lies_for_another_feed_where_nis_is_left_as_it_is(self) -> None:
+    def test_a_filter_takes_a_thermometer_that_lies_for_another_feed_where_it_has_no_alarm(self) -> None:
         """The honest limit: 3 K too much on one of three are taken for a feed of more propane, and called good."""
-        fault = replace(FAULTS[4], config=("set block3.nis 400",))
+        fault = replace(FAULTS[4], config=("set block3.nis_full 0",))
         log, told = play(fault, "ekf", covariance="band")
         self.assertEqual(at(log, "fw.est_iC4.q", ENDS - 60), GOOD)
         self.assertEqual(said(told, BEGINS, ENDS), set())

@@ -58,6 +58,7 @@ static void its_parameters_are_those_that_boards_have_stored(void)
         {"analyser", 29, 1, 1, 1e-6f, 1, 5e-4f, NULL},
         {"offset", 30, 1, 1, 0, 1, 5e-3f, NULL},
         {"sure", 31, 1, 1, 0, 1, 0.01f, NULL},
+        {"nis_full", 32, 1, 1, 0, 1e6f, 4, NULL},
         {"between", 17, 1, 1, 0, 0, 0, "line|mean"},
     };
     TEST_ASSERT_EQUAL(sizeof page / sizeof page[0], kind->parameters);
