@@ -57,14 +57,15 @@ static uint32_t split_float(float x, int32_t *exponent)
     return mantissa << up;
 }
 
-/* (a b) 2^-31, rounded down; |b| <= 2^31. */
-static int64_t multiply_q31(int64_t a, int64_t b)
+/* (a b) 2^-31, rounded down. Of numbers of 32 bits the compiler makes single multiplications. */
+static int64_t multiply_q31(int64_t a, int32_t b)
 {
-    int64_t high = a >> 32, low = (int64_t)((uint64_t)a & UINT32_MAX);
-    return high * b * 2 + ((low * b) >> 31);
+    int32_t high = (int32_t)((uint64_t)a >> 32);
+    int64_t low = (int64_t)((uint64_t)a & UINT32_MAX);
+    return (int64_t)high * b * 2 + ((low * b) >> 31);
 }
 
-static int64_t series(const int64_t *c, unsigned n, int64_t t_q31)
+static int64_t series(const int64_t *c, unsigned n, int32_t t_q31)
 {
     int64_t sum = c[n - 1];
     for (unsigned k = n - 1; k > 0; k--)
@@ -77,10 +78,10 @@ static int64_t log2_of(float x, int32_t *bits)
 {
     int32_t exponent;
     uint32_t mantissa = split_float(x, &exponent);
-    int64_t t = (int64_t)mantissa * 2 - (1 << 24); /* units of 2^-24 */
+    int32_t t = (int32_t)(mantissa * 2u) - (1 << 24); /* units of 2^-24 */
     if (mantissa > SQRT_HALF_24) {
         exponent++;
-        t = (int64_t)mantissa - (1 << 24);
+        t = (int32_t)mantissa - (1 << 24);
     }
     t *= 1 << 7;
     int64_t part = multiply_q31(
@@ -127,7 +128,8 @@ static float exp2_of(int64_t z)
     int64_t n = (z + (INT64_C(1) << (Z_BITS - 1))) >> Z_BITS;
     int64_t t = z - n * (INT64_C(1) << Z_BITS);
     t = (t + (1 << (Z_BITS - 32))) >> (Z_BITS - 31); /* to units of 2^-31 */
-    int64_t m = series(exp2_series, (unsigned)(sizeof exp2_series / sizeof exp2_series[0]), t);
+    int64_t m =
+        series(exp2_series, (unsigned)(sizeof exp2_series / sizeof exp2_series[0]), (int32_t)t);
     return round_to_float((uint64_t)m, (int32_t)n - 60);
 }
 
