@@ -152,6 +152,8 @@ struct column_flows {
     real_t reflux_wanted;                     /* as asked for, before the limits */
     real_t boilup_wanted;                     /* heat / heat of vaporisation, before the limits */
     real_t condensed_by_feed;                 /* dV_F, negative when the feed flashes */
+    real_t condensed_wanted;                  /* dV_F before the limits */
+    real_t reflux_gain;                       /* internal reflux for each mole of reflux */
     real_t condensed_by_reflux;               /* dV_R */
     real_t distillate_wanted, bottoms_wanted; /* with COLUMN_LEVELS_HOLDUPS, before the limits */
 };
@@ -218,6 +220,10 @@ real_t column_relative_holdup(const struct column *column, const real_t *x, size
  * efficiency (digest 2.5), holdups, internal flows (2.4). liquid[] is that of constant flows per section.
  * ERR_NOT_FINITE for a state that is no number, ERR_RANGE when a stage has no bubble point. */
 MUST_CHECK enum err column_evaluate(struct column *column, const real_t *x);
+
+/* As column_evaluate, near the states of the last column_rates or column_evaluate, for derivatives: vle_bubble_point_near where that will
+ * do. Errors likewise. */
+MUST_CHECK enum err column_evaluate_near(struct column *column, const real_t *x);
 
 /* dx/dt (1/s) at the states x, and all outputs. Component balances (3.2a)-(3.2f), repaired.
  * rates[n_states]. Errors as column_evaluate. */

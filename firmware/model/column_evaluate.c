@@ -91,7 +91,19 @@ static enum err take_holdups(struct column *column, const real_t *x)
     return ERR_OK;
 }
 
-enum err column_evaluate(struct column *column, const real_t *x)
+/* near: of those of the last time, which are those of the present pressure. */
+static enum err bubble_point(struct column *column, size_t s, const real_t *full, bool warm,
+                             bool near, real_t *equilibrium)
+{
+    size_t at = s * column->config->components;
+    real_t *t = &column->temperature[s], *k = &column->k[at], *dk = &column->dk[at];
+
+    if (near && vle_bubble_point_near(&column->vle, full, t, equilibrium, k, dk))
+        return ERR_OK;
+    return vle_bubble_point(&column->vle, full, column->pressure[s], t, equilibrium, k, dk, warm);
+}
+
+static enum err evaluate(struct column *column, const real_t *x, bool near)
 {
     const struct column_config *config = column->config;
     size_t c = config->components, top = config->stages - 1;
@@ -108,9 +120,7 @@ enum err column_evaluate(struct column *column, const real_t *x)
                 return ERR_NOT_FINITE;
             volume += full[j] * column->molar_volume[s * c + j];
         }
-        enum err err =
-            vle_bubble_point(&column->vle, full, column->pressure[s], &column->temperature[s],
-                             equilibrium, &column->k[s * c], &column->dk[s * c], warm);
+        enum err err = bubble_point(column, s, full, warm, near && warm, equilibrium);
         if (err)
             return err;
         column->holdup[s] = column_nominal_holdup(config, s) / volume;
@@ -133,6 +143,16 @@ enum err column_evaluate(struct column *column, const real_t *x)
     }
     column_flows_at(column, x);
     return ERR_OK;
+}
+
+enum err column_evaluate(struct column *column, const real_t *x)
+{
+    return evaluate(column, x, false);
+}
+
+enum err column_evaluate_near(struct column *column, const real_t *x)
+{
+    return evaluate(column, x, true);
 }
 
 enum err column_rates(struct column *column, const real_t *x, real_t *rates)

@@ -57,6 +57,8 @@ real_t column_wanted_flows(struct column *column, const real_t *x)
     if (in->reflux_subcooling > ZERO)
         gain = ONE + mixture_heat_capacity(component, c, full) * in->reflux_subcooling /
                          mixture_vaporisation_heat(component, c, full, column->temperature[top]);
+    f->condensed_wanted = f->condensed_by_feed;
+    f->reflux_gain = gain;
     return gain;
 }
 
@@ -76,11 +78,10 @@ void column_limit_feed(struct column *column, real_t vapour)
 
 /* Never negative: D is confined to 0 .. F, and what D cannot take is taken off the reflux (low side) or the vapour
  * (high side). */
-static void perfect_level_flows(struct column *column, const real_t *x)
+static void perfect_level_flows(struct column *column)
 {
     struct column_flows *f = &column->flows;
-    real_t soft = column->config->limit_softness;
-    real_t gain = column_wanted_flows(column, x);
+    real_t soft = column->config->limit_softness, gain = f->reflux_gain;
 
     column_limit_feed(column, f->boilup_wanted);
     real_t vapour = f->boilup_wanted - f->condensed_by_feed;
@@ -159,12 +160,23 @@ static void flash(struct column *column, const real_t *x)
     vapour_above_feed(column, x);
 }
 
+void column_flows_with_feed(struct column *column, const real_t *x, real_t part)
+{
+    column->flows.feed = column->feed_molar * part;
+    column->flows.condensed_by_feed = column->flows.condensed_wanted * part;
+    perfect_level_flows(column);
+    stage_flows(column);
+    flash(column, x);
+}
+
 void column_flows_at(struct column *column, const real_t *x)
 {
     if (COLUMN_HOLDUPS_MOVE && column->config->levels == COLUMN_LEVELS_HOLDUPS)
         column_level_flows(column, x);
-    else
-        perfect_level_flows(column, x);
+    else {
+        (void)column_wanted_flows(column, x);
+        perfect_level_flows(column);
+    }
     stage_flows(column);
     if (COLUMN_HOLDUPS_MOVE && column->config->hydraulic_time > ZERO)
         column_tray_flows(column, x);

@@ -89,6 +89,9 @@ void column_tray_flows(struct column *column, const real_t *x);
 /* All flows, at temperatures and compositions that are known, and what they change of the vapours. */
 void column_flows_at(struct column *column, const real_t *x);
 
+/* The same again with perfect levels and constant holdups, but with `part` of the feed. */
+void column_flows_with_feed(struct column *column, const real_t *x, real_t part);
+
 /* Rates of all states, at flows that are known. */
 void column_balances(struct column *column, const real_t *x, real_t *rates);
 

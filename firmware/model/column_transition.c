@@ -165,20 +165,19 @@ real_t column_feed_moles_slope(const struct column *column, size_t j)
     return ZERO;
 }
 
-static void rates_with_feed(struct column *column, const real_t *x, real_t feed, real_t *rates)
+static void rates_with_feed(struct column *column, const real_t *x, real_t part, real_t *rates)
 {
-    column->feed_molar = feed;
-    column_flows_at(column, x);
+    column_flows_with_feed(column, x, part);
     column_balances(column, x, rates);
 }
 
 void column_feed_flow_slope(struct column *column, const real_t *x, real_t *slope, real_t *work)
 {
-    real_t feed = column->feed_molar, scale = ONE / (REAL_C(2.0) * COLUMN_FLOW_PART);
+    real_t scale = ONE / (REAL_C(2.0) * COLUMN_FLOW_PART);
 
-    rates_with_feed(column, x, feed * (ONE + COLUMN_FLOW_PART), slope);
-    rates_with_feed(column, x, feed * (ONE - COLUMN_FLOW_PART), work);
+    rates_with_feed(column, x, ONE + COLUMN_FLOW_PART, slope);
+    rates_with_feed(column, x, ONE - COLUMN_FLOW_PART, work);
     for (size_t i = 0; i < column->n_fractions; i++)
         slope[i] = (slope[i] - work[i]) * scale;
-    rates_with_feed(column, x, feed, work);
+    column_flows_with_feed(column, x, ONE);
 }

@@ -46,7 +46,7 @@ real_t column_feed_moles_slope(const struct column *column, size_t j);
 /* slope[n]: d(rates)/d ln(flow of the feed). By what moves: the feed itself, its quality's part of the vapour or what a cold feed
  * condenses, and the products. Half a difference over COLUMN_FLOW_PART up and down, with the limits of struct column_flows: where one
  * sets in within that, it is the mean over it. work[n]: space. The column is as it was afterwards. Twice the time of
- * column_rates_again and a half. */
+ * column_rates_again and a third. */
 #define COLUMN_FLOW_PART REAL_C(0.015625)
 void column_feed_flow_slope(struct column *column, const real_t *x, real_t *slope, real_t *work);
 

@@ -66,6 +66,46 @@ static void equilibrium_ratios(const struct vle *vle, const real_t *x, real_t pr
     }
 }
 
+/* Two terms of the series of the vapour pressures. */
+static void move_ratios(size_t n, real_t step, real_t *k, real_t *dk)
+{
+    for (size_t j = 0; j < n; j++) {
+        real_t change = dk[j] * step;
+        if (k[j] > REAL_C(0.0)) {
+            real_t relative = change / k[j];
+            k[j] += change * (REAL_C(1.0) + REAL_C(0.5) * relative);
+            dk[j] *= REAL_C(1.0) + relative;
+        }
+    }
+}
+
+/* Newton on ln(sum), nearly a straight line in T. 2 (s - 1)/(s + 1) stands for ln s: equal to third order at the solution and bounded
+ * far from it, so that no step runs away. */
+static real_t newton_step(real_t sum, real_t slope)
+{
+    return REAL_C(-2.0) * (sum - REAL_C(1.0)) * sum / ((sum + REAL_C(1.0)) * slope);
+}
+
+bool vle_bubble_point_near(const struct vle *vle, const real_t *x, real_t *temperature, real_t *y,
+                           real_t *k, real_t *dk)
+{
+    real_t sum = REAL_C(0.0), slope = REAL_C(0.0);
+
+    for (size_t j = 0; j < vle->n; j++) {
+        sum += x[j] * k[j];
+        slope += x[j] * dk[j];
+    }
+    real_t step = newton_step(sum, slope), t = *temperature + step;
+    if (vle->activity || !(slope > REAL_C(0.0)) || !(real_abs(step) <= VLE_NEAR_K) ||
+        t < vle->temperature_min || t > vle->temperature_max)
+        return false;
+    move_ratios(vle->n, step, k, dk);
+    for (size_t j = 0; j < vle->n; j++)
+        y[j] = x[j] * k[j];
+    *temperature = t;
+    return true;
+}
+
 enum err vle_bubble_point(const struct vle *vle, const real_t *x, real_t pressure,
                           real_t *temperature, real_t *y, real_t *k, real_t *dk, bool warm)
 {
@@ -97,9 +137,7 @@ enum err vle_bubble_point(const struct vle *vle, const real_t *x, real_t pressur
         if (slope <= REAL_C(0.0) || sum <= REAL_C(0.0))
             return ERR_RANGE;
 
-        /* Newton on ln(sum), nearly a straight line in T. 2 (s - 1)/(s + 1) stands for ln s: equal to
-         * third order at the solution and bounded far from it, so that no step runs away. */
-        real_t step = REAL_C(-2.0) * (sum - REAL_C(1.0)) * sum / ((sum + REAL_C(1.0)) * slope);
+        real_t step = newton_step(sum, slope);
         real_t next = t + step;
         if (next < vle->temperature_min || next > vle->temperature_max) {
             real_t edge = next < t ? vle->temperature_min : vle->temperature_max;
@@ -112,15 +150,9 @@ enum err vle_bubble_point(const struct vle *vle, const real_t *x, real_t pressur
         t = next;
         /* Old ratios only give a start: finishing on them would add up extrapolations call by call. */
         if (!warm && real_abs(step) <= finish) {
-            for (size_t j = 0; j < n; j++) {
-                real_t change = dk[j] * step;
-                if (k[j] > REAL_C(0.0)) {
-                    real_t relative = change / k[j];
-                    k[j] += change * (REAL_C(1.0) + REAL_C(0.5) * relative);
-                    dk[j] *= REAL_C(1.0) + relative;
-                }
+            move_ratios(n, step, k, dk);
+            for (size_t j = 0; j < n; j++)
                 y[j] = x[j] * k[j];
-            }
             *temperature = t;
             return ERR_OK;
         }

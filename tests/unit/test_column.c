@@ -270,6 +270,68 @@ static void bubble_points_match_bisection_from_any_start(void)
             }
 }
 
+/* Contract of vle_bubble_point_near: 1e-4 of k at 1 K, with the square; rounding in float. */
+static void one_step_nearby_gives_ratios_as_near_as_promised(void)
+{
+    struct vle vle = {
+        .component = test_components, .n = 3, .temperature_min = 280, .temperature_max = 440};
+    real_t begin[3] = {REAL_C(0.5), REAL_C(0.25), REAL_C(0.25)}, y[3], k0[3], dk0[3], t0 = 360;
+    TEST_ASSERT_EQUAL(ERR_OK, vle_bubble_point(&vle, begin, REAL_C(1e5), &t0, y, k0, dk0, false));
+    unsigned near = 0, far = 0;
+    for (int i = -40; i <= 40; i++) {
+        real_t at[3] = {begin[0] + REAL_C(0.005) * (real_t)i, begin[1], 0}, k[3], dk[3], t = t0;
+        real_t whole[3], slopes[3], exact = t0;
+        at[2] = 1 - at[0] - at[1];
+        memcpy(k, k0, sizeof k);
+        memcpy(dk, dk0, sizeof dk);
+        TEST_ASSERT_EQUAL(
+            ERR_OK, vle_bubble_point(&vle, at, REAL_C(1e5), &exact, y, whole, slopes, false));
+        double off = fabs((double)(exact - t0));
+        bool done = vle_bubble_point_near(&vle, at, &t, y, k, dk);
+        if (off > (double)VLE_NEAR_K * 1.02) {
+            TEST_ASSERT_FALSE(done);
+            TEST_ASSERT_TRUE(t == t0 && k[0] == k0[0] && dk[2] == dk0[2]);
+            far++;
+        } else if (off < (double)VLE_NEAR_K * 0.98) {
+            TEST_ASSERT_TRUE(done);
+            for (int j = 0; j < 3; j++) {
+                double bound = (double)whole[j] * (1e-4 * off * off + (T_BOUND > 1e-6 ? 1e-5 : 1e-9));
+                TEST_ASSERT_DOUBLE_WITHIN(bound, (double)whole[j], (double)k[j]);
+                TEST_ASSERT_DOUBLE_WITHIN(2e-2 * (double)slopes[j], (double)slopes[j],
+                                          (double)dk[j]);
+                TEST_ASSERT_TRUE(y[j] == at[j] * k[j]);
+            }
+            near++;
+        }
+    }
+    TEST_ASSERT_TRUE(near > 5 && far > 5);
+    vle.activity = boil_alike;
+    TEST_ASSERT_FALSE(vle_bubble_point_near(&vle, begin, &t0, y, k0, dk0));
+}
+
+/* Some stages near, some not. Four parts in 1e4 of k at 2 K are 0.02 K where k grows by 2 % a kelvin. */
+static void a_column_near_the_last_one_is_evaluated_as_nearly(void)
+{
+    static struct column whole;
+    for (int i = 0; i < 2; i++) {
+        setUp();
+        if (i == 0) /* nothing to be near to yet */
+            TEST_ASSERT_EQUAL(ERR_OK, column_evaluate(&column, x));
+        whole = column;
+        for (size_t s = 0; s < config.stages; s++)
+            x[2 * s] += REAL_C(0.01) * ((real_t)(s % 4) - REAL_C(1.5));
+        TEST_ASSERT_EQUAL(ERR_OK, column_evaluate_near(&column, x));
+        TEST_ASSERT_EQUAL(ERR_OK, column_evaluate(&whole, x));
+        for (size_t s = 0; s < config.stages; s++)
+            TEST_ASSERT_DOUBLE_WITHIN(2e-2, (double)whole.temperature[s],
+                                      (double)column.temperature[s]);
+        TEST_ASSERT_DOUBLE_WITHIN(1e-5 * (double)whole.flows.bottoms, (double)whole.flows.bottoms,
+                                  (double)column.flows.bottoms);
+    }
+    x[4] = (real_t)NAN;
+    TEST_ASSERT_EQUAL(ERR_NOT_FINITE, column_evaluate_near(&column, x));
+}
+
 /* A search that has run away before does no harm to the next one. */
 static void a_start_far_from_every_temperature_of_the_plant_is_brought_back(void)
 {
@@ -459,6 +521,8 @@ int main(void)
     RUN_TEST(new_inputs_at_the_same_state_need_no_new_bubble_points);
     RUN_TEST(the_form_of_the_source_leaves_the_total_balance_open_away_from_steady_state);
     RUN_TEST(bubble_points_match_bisection_from_any_start);
+    RUN_TEST(one_step_nearby_gives_ratios_as_near_as_promised);
+    RUN_TEST(a_column_near_the_last_one_is_evaluated_as_nearly);
     RUN_TEST(a_start_far_from_every_temperature_of_the_plant_is_brought_back);
     RUN_TEST(the_largest_column_stays_in_its_memory);
     RUN_TEST(a_pressure_without_a_bubble_point_is_refused_and_the_start_kept);
