@@ -22,17 +22,12 @@
 #define STEADY_PART   REAL_C(1e-5)
 #define STEADY_CYCLES 20000u
 
-static void find_model(struct composition_block *b, struct composition_job *job)
+static void find_model(struct composition_job *job)
 {
     struct column_fault fault;
-    struct column *column = &job->column;
-    const struct column_config *config = &b->c.table.config;
-    job->err = column_init(column, config, &fault);
+    job->err = column_set_inputs(&job->column, &job->inputs, &fault);
     if (!job->err)
-        job->err = column_set_inputs(column, &job->inputs, &fault);
-    memcpy(column->temperature, job->temperature, sizeof job->temperature);
-    if (!job->err)
-        job->err = column_rates(column, job->x, job->rates);
+        job->err = column_evaluate_near(&job->column, job->x);
 }
 
 static void find_factors(struct composition_job *job)
@@ -86,7 +81,7 @@ static void find_feed(const struct composition_block *b, struct composition_job 
 {
     const struct composition_gains *g = &b->c.gains;
     size_t n = job->column.n_fractions;
-    memset(job->push, 0, sizeof job->push);
+    memset(job->push + g->feed * n, 0, (g->extras - g->feed) * n * sizeof(real_t));
     composition_push(g, &job->column, job->x, job->push, job->rates, job->work);
     for (size_t i = 0; i < g->feed * n; i++)
         job->push[i] *= job->h;
@@ -139,11 +134,10 @@ static real_t work_in(const struct composition_block *b, struct composition_job 
 }
 
 /* The largest gain of a cycle, and by how much one has moved since the cycle before. */
-static void watch_gain(struct composition_job *job, const real_t *before, const real_t *now,
-                       size_t n)
+static void watch_gain(struct composition_job *job, const real_t *now, size_t n)
 {
     for (size_t i = 0; i < n; i++) {
-        real_t moved = real_abs(now[i] - before[i]), size = real_abs(now[i]);
+        real_t moved = real_abs(now[i] - job->before[i]), size = real_abs(now[i]);
         job->moved = moved > job->moved ? moved : job->moved;
         job->largest = size > job->largest ? size : job->largest;
     }
@@ -164,20 +158,23 @@ static void work_in_sensor(const struct composition_block *b, struct composition
 {
     const struct composition_sensor *s = &b->c.sensor[k];
     size_t length = composition_moved(&b->c);
-    real_t *gain = &job->gain[k * length], before[COMPOSITION_LENGTH_MOST];
+    real_t *gain = &job->gain[k * length];
     real_t dt[COLUMN_COMPONENTS_MAX];
     struct covariance_measurement z = {.at = s->stage * job->transition.m,
                                        .count = job->transition.m,
                                        .slope = dt,
                                        .extra = COVARIANCE_EXTRAS_MAX,
                                        .variance = b->c.noise2};
-    memcpy(before, gain, length * sizeof(real_t));
-    memset(gain, 0, length * sizeof(real_t));
-    if (!(job->there & 1u << k))
+    if (!(job->there & 1u << k)) {
+        memset(gain, 0, length * sizeof(real_t));
         return;
+    }
     slopes_at(job, s->stage, dt);
+    if (b->s.covariance == COVARIANCE_STEADY)
+        memcpy(job->before, gain, length * sizeof(real_t));
     job->spread[k] = work_in(b, job, &z, gain);
-    watch_gain(job, before, gain, length);
+    if (b->s.covariance == COVARIANCE_STEADY)
+        watch_gain(job, gain, length);
 }
 
 /* A mole fraction of a stage, the closing one too, with the offset of its place where there is an analysis. */
@@ -260,7 +257,7 @@ void composition_covariance_piece(struct composition_block *b, struct compositio
 {
     switch ((enum composition_phase)job->phase) {
     case PHASE_MODEL:
-        find_model(b, job);
+        find_model(job);
         go_to(job, PHASE_FACTORS);
         break;
     case PHASE_FACTORS:

@@ -30,7 +30,7 @@ enum composition_phase {
 
 struct composition_job {
     /* the order */
-    real_t x[COLUMN_STATES_MAX], temperature[COLUMN_STAGES_MAX];
+    real_t x[COLUMN_STATES_MAX];
     struct column_inputs inputs;
     real_t h;                   /* s, of a cycle */
     uint16_t there;             /* bit k: sensor k counts */
@@ -43,6 +43,7 @@ struct composition_job {
     bool carrying;
     uint32_t cycles;       /* of a steady state */
     real_t moved, largest; /* gains, in a cycle */
+    real_t before[COMPOSITION_LENGTH_MOST];
     uint16_t noise_first;
 
     struct column column;

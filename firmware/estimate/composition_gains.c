@@ -52,11 +52,13 @@ void composition_push(const struct composition_gains *g, struct column *column, 
     size_t n = column->n_fractions, m = column->config->components - 1;
     if (!g->feed)
         return;
-    column_feed_flow_slope(column, x, flow, work);
+    bool by_flow = g->has_flow || column->inputs.feed_basis != COLUMN_FLOW_MOLAR;
+    if (by_flow)
+        column_feed_flow_slope(column, x, flow, work);
     for (size_t j = 0; g->has_feed && j < m; j++, push += n) {
         real_t moles = column_feed_moles_slope(column, j);
         column_feed_slopes(column, x, j, push);
-        for (size_t i = 0; i < n; i++)
+        for (size_t i = 0; by_flow && i < n; i++)
             push[i] = real_fma(moles, flow[i], push[i]);
     }
     for (size_t i = 0; g->has_flow && i < n; i++)

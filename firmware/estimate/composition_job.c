@@ -119,14 +119,26 @@ static bool at_profile(const struct composition_block *b)
     return b->c.method == METHOD_KALMAN || b->s.covariance == COVARIANCE_STEADY;
 }
 
+/* Bubble points as the tick has left them, a step from the state; where those are not the table's profile's, but that is asked for, only as
+ * a beginning. */
+static void put_column(const struct composition_block *b, struct column *column)
+{
+    const struct column *from = &b->c.column;
+    size_t stages = b->c.table.config.stages, all = stages * b->c.table.config.components;
+    memcpy(column->temperature, from->temperature, stages * sizeof(real_t));
+    memcpy(column->k, from->k, all * sizeof(real_t));
+    memcpy(column->dk, from->dk, all * sizeof(real_t));
+    column->inputs.pressure_top = from->inputs.pressure_top;
+    column->warm = from->warm && (b->c.method == METHOD_KALMAN || !at_profile(b));
+}
+
 static void put_state(const struct composition_block *b, struct composition_job *job)
 {
     const struct composition *c = &b->c;
     size_t n = c->column.n_fractions;
     const real_t *x = at_profile(b) ? c->table.profile : c->x;
-    for (size_t i = 0; i < n; i++)
-        job->x[i] = x[i];
-    memcpy(job->temperature, c->column.temperature, sizeof job->temperature);
+    memcpy(job->x, x, n * sizeof(real_t));
+    put_column(b, &job->column);
     if (at_profile(b))
         job->inputs = c->table.nominal;
     else
@@ -260,6 +272,7 @@ static bool lease_workspace(struct composition_block *b)
     f->refusals = 0;
     struct composition_job *job = memory;
     memset(job, 0, sizeof *job);
+    job->column = b->c.column; /* what does not change; the rest comes with the order */
     job->phase = PHASE_POINTS; /* nothing to be taken */
     f->begins = true;
     f->job = job;
@@ -278,11 +291,9 @@ bool composition_job_piece(struct composition_block *b)
     struct composition_job *job = f->job;
     if (!workspace_renew(workspace_shared(), f->lease) || job->phase == PHASE_DONE)
         return false;
-    if (job->phase > PHASE_MODEL) { /* the state may have been moved */
-        job->column.config = &b->c.table.config;
-        job->column.vle.component = b->c.table.config.component;
-        job->column.vle.activity_context = b->c.table.config.activity_context;
-    }
+    job->column.config = &b->c.table.config; /* the state may have been moved */
+    job->column.vle.component = b->c.table.config.component;
+    job->column.vle.activity_context = b->c.table.config.activity_context;
     composition_covariance_piece(b, job);
     if (job->err)
         job->phase = PHASE_DONE;

@@ -79,21 +79,48 @@ real_t covariance_band_take(struct covariance_band *c, const struct covariance_m
     return alpha;
 }
 
+/* Of a fraction that hangs on the extras by said[0], said[m], ...: what they tell of it. */
+static real_t told_variance(const struct covariance_band *c, const real_t *said, size_t m)
+{
+    const real_t *column = c->ud;
+    real_t sum = ZERO;
+
+    for (size_t k = 0; k < c->extras; column += ++k) {
+        real_t f = said[k * m];
+        for (size_t i = 0; i < k; i++)
+            f = real_fma(column[i], said[i * m], f);
+        sum = real_fma(column[k] * f, f, sum);
+    }
+    return sum;
+}
+
+static real_t extra_variance(const struct covariance_band *c, size_t e)
+{
+    const real_t *column = c->ud + ud_count(e);
+    real_t sum = ZERO;
+
+    for (size_t k = e; k < c->extras; column += ++k) {
+        real_t f = k == e ? ONE : column[e];
+        sum = real_fma(column[k] * f, f, sum);
+    }
+    return sum;
+}
+
 void covariance_band_extremes(const struct covariance_band *c, real_t *least, real_t *most)
 {
     size_t m = c->m, stride = covariance_band_stride(m, c->extras);
-    real_t by_extra[Q_MAX], f[Q_MAX] = {ZERO}, g[Q_MAX] = {ZERO};
+    real_t lo = c->of[0], hi = ZERO;
 
-    for (size_t i = 0; i < c->stages * m + c->extras; i++) {
-        bool fraction = i < c->stages * m;
-        const real_t *own = &c->of[i / m * stride];
-        for (size_t e = 0; e < c->extras; e++)
-            by_extra[e] = fraction                 ? own[2 * m * m + e * m + i % m]
-                          : i - c->stages * m == e ? ONE
-                                                   : ZERO;
-        ud_project(c->ud, c->extras, by_extra, f, g);
-        real_t v = ud_variance(f, g, c->extras) + (fraction ? own[i % m * (m + 1)] : ZERO);
-        *least = i == 0 || v < *least ? v : *least;
-        *most = i == 0 || v > *most ? v : *most;
+    for (size_t s = 0; s <= c->stages; s++) { /* behind the stages the extras themselves */
+        const real_t *own = &c->of[s * stride], *said = own + 2 * m * m;
+        size_t count = s < c->stages ? m : c->extras;
+        for (size_t i = 0; i < count; i++) {
+            real_t v = s < c->stages ? told_variance(c, said + i, m) + own[i * (m + 1)]
+                                     : extra_variance(c, i);
+            lo = s + i == 0 || v < lo ? v : lo;
+            hi = s + i == 0 || v > hi ? v : hi;
+        }
     }
+    *least = lo;
+    *most = hi;
 }
