@@ -60,7 +60,7 @@ real_t composition_temperature_before(const struct composition *c, size_t stage)
     real_t dt[COLUMN_COMPONENTS_MAX], dy[COLUMN_COMPONENTS_MAX * COLUMN_COMPONENTS_MAX];
     real_t t = c->column.temperature[stage];
     size_t m = c->table.config.components - 1;
-    if (c->method != METHOD_KALMAN)
+    if (c->method != METHOD_KALMAN || !(c->linear.h > ZERO)) /* there are no slopes yet */
         return t;
     composition_slopes(c, stage, dt, dy);
     for (size_t j = 0; j < m; j++)

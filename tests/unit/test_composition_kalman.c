@@ -369,6 +369,25 @@ static void it_settles_and_then_finds_gains_again(void)
     }
 }
 
+static void told_to_settle_before_its_first_step_it_gives_numbers(void)
+{
+    for (unsigned i = 0; i < FILTER_WAYS; i++) {
+        way_begins(i);
+        plant_begins();
+        accepted();
+        free(filter.b);
+        filter.b = state_of();
+        TEST_ASSERT_EQUAL(ERR_OK, kind->configure(filter.b, &setup, false));
+        kind->follow(filter.b, &io);
+        TEST_ASSERT_NULL(tell("settle"));
+        for (unsigned n = 0; n < 5; n++) {
+            run(1);
+            for (unsigned k = 0; k < 3; k++)
+                TEST_ASSERT_TRUE_MESSAGE(isfinite(num_to_float(point[k])), filter_ways[i].name);
+        }
+    }
+}
+
 static void what_is_told_while_the_job_is_under_way_waits_for_it(void)
 {
     for (unsigned i = 0; i < FILTER_WAYS; i++) {
@@ -597,6 +616,7 @@ int main(void)
     RUN_TEST(another_method_begins_anew_in_other_memory);
     RUN_TEST(verb_begin_takes_the_profile_and_goes_on_with_gains);
     RUN_TEST(it_settles_and_then_finds_gains_again);
+    RUN_TEST(told_to_settle_before_its_first_step_it_gives_numbers);
     RUN_TEST(what_is_told_while_the_job_is_under_way_waits_for_it);
     RUN_TEST(a_state_that_is_moved_goes_on_to_the_bit);
     RUN_TEST(a_state_that_is_moved_settles_and_changes_its_settings);
