@@ -284,8 +284,8 @@ static void one_step_nearby_gives_ratios_as_near_as_promised(void)
         at[2] = 1 - at[0] - at[1];
         memcpy(k, k0, sizeof k);
         memcpy(dk, dk0, sizeof dk);
-        TEST_ASSERT_EQUAL(
-            ERR_OK, vle_bubble_point(&vle, at, REAL_C(1e5), &exact, y, whole, slopes, false));
+        TEST_ASSERT_EQUAL(ERR_OK,
+                          vle_bubble_point(&vle, at, REAL_C(1e5), &exact, y, whole, slopes, false));
         double off = fabs((double)(exact - t0));
         bool done = vle_bubble_point_near(&vle, at, &t, y, k, dk);
         if (off > (double)VLE_NEAR_K * 1.02) {
@@ -295,7 +295,8 @@ static void one_step_nearby_gives_ratios_as_near_as_promised(void)
         } else if (off < (double)VLE_NEAR_K * 0.98) {
             TEST_ASSERT_TRUE(done);
             for (int j = 0; j < 3; j++) {
-                double bound = (double)whole[j] * (1e-4 * off * off + (T_BOUND > 1e-6 ? 1e-5 : 1e-9));
+                double bound =
+                    (double)whole[j] * (1e-4 * off * off + (T_BOUND > 1e-6 ? 1e-5 : 1e-9));
                 TEST_ASSERT_DOUBLE_WITHIN(bound, (double)whole[j], (double)k[j]);
                 TEST_ASSERT_DOUBLE_WITHIN(2e-2 * (double)slopes[j], (double)slopes[j],
                                           (double)dk[j]);
