@@ -11,7 +11,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Callable
 
-from reflux_tools import bench_composition, bench_estimation, bench_link, bench_plants, bench_tick, build, launch, runner, scenario, table, trays
+from reflux_tools import bench_composition, bench_estimation, bench_kalman, bench_link, bench_plants, bench_tick, build, launch, runner, scenario, table, trays
 from reflux_tools.boards import BOARDS
 from reflux_tools.errors import RunFailed, UserError
 from reflux_tools.paths import ROOT, SCENARIOS, build_dir, named, shown
@@ -20,6 +20,7 @@ RESULTS = ROOT / "tests" / "bench" / "results.md"
 ICOUNT = ("-icount", "shift=0")
 LINK_TICKS = 40
 STATS_AT_END = "stats"
+Parts = list[tuple[str, list[str], list[list[str]]]]
 DAY_TITLE = "A day of the splitter, both ends by tray temperatures, 30 s ticks"
 
 
@@ -33,6 +34,8 @@ def main(arguments: list[str]) -> int:
     p.add_argument("--link", action="store_true", help="only the plant link's share of a tick, printed and not written")
     p.add_argument("--tick", action="store_true", help="only a tick without the link, printed and not written")
     p.add_argument("--estimation", action="store_true", help="only estimators, the self-tuner and tray temperature control, printed and not written")
+    p.add_argument("--image", action="store_true", help="only the sizes of images and their largest stack frames, printed and not written")
+    p.add_argument("--renew", action="store_true", help="with --estimation or --image: these tables are written into FILE, whose others stay as they are")
     p.add_argument("--before", metavar="COMMIT", default=bench_tick.BEFORE,
                    help=f"version beside which a tick without the link is counted (default {bench_tick.BEFORE}); it is built "
                    "in the build folder")
@@ -44,10 +47,15 @@ def main(arguments: list[str]) -> int:
         build.build("host", ("reflux-sim",))
         print(f"\n{bench_link.TITLE}\n{table.columns(bench_link.HEADER, link_rows())}", flush=True)
         return 0
-    if options.estimation:
-        for title, header, rows in [*bench_estimation.parts(), *bench_composition.parts(counted)]:
+    if options.estimation or options.image:
+        some = [*(estimation_parts() if options.estimation else []), *(image_parts() if options.image else [])]
+        for title, header, rows in some:
             print(f"\n{title}\n{table.columns(header, rows)}", flush=True)
+        if options.renew:
+            options.out.write_text(renewed(options.out.read_text(encoding="utf-8"), some), encoding="utf-8")
         return 0
+    if options.renew:
+        raise UserError("--renew goes with --estimation or --image")
     if not re.fullmatch(r"[\w.-]+", options.before):
         raise UserError("--before must be a commit or a tag")
     if options.tick:
@@ -59,8 +67,6 @@ def main(arguments: list[str]) -> int:
         for title, header, rows in bench_plants.parts():
             print(f"\n{title}\n{table.columns(header, rows)}", flush=True)
         return 0
-    for kind in BOARDS:
-        build.build(kind)
     parts = [
         *bench_plants.parts(),
         (DAY_TITLE, ["law", "firmware", "s of wall time", "times real time"], day_rows()),
@@ -68,21 +74,53 @@ def main(arguments: list[str]) -> int:
         ("Instructions per tick", ["where", "how", "least", "mean", "most"], instruction_rows()),
         (bench_tick.TITLE, bench_tick.header(options.before), tick_rows(options.before)),
         (bench_link.TITLE, bench_link.HEADER, link_rows()),
-        *bench_estimation.parts(),
-        *bench_composition.parts(counted),
+        *estimation_parts(),
         ("Instructions of matrices of 16 x 16, host", ["what", "instructions"], matrix_rows()),
-        ("The image, bytes", ["part", "text", "data", "bss"], size_rows()),
-        ("Largest stack frames of the image, bytes", ["function", "frame"], stack_rows()),
+        *image_parts(),
     ]
     text = ["# Speed and size\n", f"Written by `tools/bench` on {machine()}. The firmware is measured with the "
             "plant `pilot` and the scenario `smoke`.\n"]
     for title, header, rows in parts:
         print(f"\n{title}\n{table.columns(header, rows)}" if rows else f"\n{title}: nothing", flush=True)
-        text.append(f"## {title}\n\n{table.markdown(header, rows)}\n")
+        text.append(section(title, header, rows))
     options.out.parent.mkdir(parents=True, exist_ok=True)
     options.out.write_text("\n".join(text), encoding="utf-8")
     print(f"\n{shown(options.out)}")
     return 0
+
+
+def estimation_parts() -> Parts:
+    return [*bench_estimation.parts(), *bench_composition.parts(counted), *bench_kalman.parts(counted)]
+
+
+def image_parts() -> Parts:
+    for kind in BOARDS:
+        build.build(kind)
+    return [
+        ("The image, bytes", ["part", "text", "data", "bss"], size_rows()),
+        ("Largest stack frames of the image, bytes", ["function", "frame"], stack_rows()),
+    ]
+
+
+def section(title: str, header: list[str], rows: list[list[str]]) -> str:
+    return f"## {title}\n\n{table.markdown(header, rows)}\n"
+
+
+def renewed(text: str, parts: Parts) -> str:
+    """The page with these tables in place of those of the same titles; a new one stands behind the one before it."""
+    head, *sections = re.split(r"^(?=## )", text, flags=re.M)
+    titles = [s.splitlines()[0].removeprefix("## ") for s in sections]
+    at = len(sections)
+    for title, header, rows in parts:
+        new = section(title, header, rows)
+        if title in titles:
+            at = titles.index(title)
+            sections[at] = new
+        else:
+            at = min(at + 1, len(sections))
+            sections.insert(at, new)
+            titles.insert(at, title)
+    return "\n".join(part.rstrip("\n") + "\n" for part in [head, *sections])
 
 
 def machine() -> str:
@@ -262,7 +300,10 @@ def _size(arguments: list[str]) -> list[str]:
 def stack_rows(count: int = 8) -> list[list[str]]:
     """From the compiler's own figures (-fstack-usage): single frames, not sums over calls."""
     frames = []
-    for path in build_dir("stm32f405").rglob("*.su"):
+    folder = build_dir("stm32f405")
+    for path in folder.rglob("*.su"):
+        if path.relative_to(folder).parts[0] == "tests":
+            continue
         for line in path.read_text(errors="replace").splitlines():
             parts = line.split("\t")
             if len(parts) >= 2 and parts[1].isdigit():

@@ -8,8 +8,6 @@
 #define LAMBDA  (10.0f / 3600.0f)
 #define NOISE_K 0.1f
 
-struct composition bench_estimator;
-
 static struct composition truth;
 static real_t profile[COLUMN_STATES_MAX];
 static struct column_inputs inputs;
@@ -74,10 +72,11 @@ static void add_sensors(struct composition *c)
     }
 }
 
-bool bench_begin(size_t stages, enum composition_method method, enum bench_truncated truncated)
+bool bench_begin(struct composition *estimator, size_t stages, enum composition_method method,
+                 enum bench_truncated truncated)
 {
     seed = 1;
-    if (!make(&truth, stages) || !make(&bench_estimator, stages))
+    if (!make(&truth, stages) || !make(estimator, stages))
         return false;
     inputs = truth.inputs;
     composition_begin(&truth);
@@ -87,7 +86,7 @@ bool bench_begin(size_t stages, enum composition_method method, enum bench_trunc
             return false;
     truth.h = BENCH_STEP_S;
     memcpy(profile, truth.x, sizeof profile);
-    struct composition *c = &bench_estimator;
+    struct composition *c = estimator;
     add_sensors(c);
     c->method = (uint8_t)method;
     c->between = truncated == BETWEEN_BY_THE_MEAN ? COLUMN_BETWEEN_MEAN : COLUMN_BETWEEN_LINE;
@@ -100,19 +99,18 @@ bool bench_begin(size_t stages, enum composition_method method, enum bench_trunc
     return true;
 }
 
-void bench_next(float *t)
+void bench_next(struct composition *estimator, float *t)
 {
-    struct composition *c = &bench_estimator;
     truth.inputs.feed_flow = inputs.feed_flow * (1 + 0.01f * moving());
     truth.inputs.reflux_flow = inputs.reflux_flow * (1 + 0.01f * moving());
     truth.inputs.heat = inputs.heat * (1 + 0.01f * moving());
     truth.inputs.feed_temperature = inputs.feed_temperature + moving();
-    c->inputs = truth.inputs;
+    estimator->inputs = truth.inputs;
     /* A truth that fails begins anew; the estimator is asked whether it has a solution by the caller. */
     (void)composition_predict(&truth);
-    for (uint8_t k = 0; k < c->sensors; k++) {
-        t[k] = truth.column.temperature[c->sensor[k].stage] + NOISE_K * moving();
-        c->sensor[k].there = true;
+    for (uint8_t k = 0; k < estimator->sensors; k++) {
+        t[k] = truth.column.temperature[estimator->sensor[k].stage] + NOISE_K * moving();
+        estimator->sensor[k].there = true;
     }
 }
 

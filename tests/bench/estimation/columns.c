@@ -8,19 +8,21 @@
 #define SAMPLES 220u
 #define FIRST   20u
 
+static struct composition estimator;
+
 static void cost_of(const char *what, size_t stages, enum composition_method method,
                     enum bench_truncated truncated)
 {
     struct cost cost = {0}, first = {0};
     uint32_t stack = 0;
     real_t t[BENCH_SENSORS];
-    if (!bench_begin(stages, method, truncated))
+    if (!bench_begin(&estimator, stages, method, truncated))
         return; /* a row is missing */
     for (unsigned k = 0; k < SAMPLES; k++) {
-        bench_next(t);
+        bench_next(&estimator, t);
         cost_paint_stack();
         uint32_t from = cost_now();
-        enum err err = composition_step(&bench_estimator, t);
+        enum err err = composition_step(&estimator, t);
         uint32_t to = cost_now();
         if (err)
             return;
@@ -40,26 +42,31 @@ static void cost_of(const char *what, size_t stages, enum composition_method met
 static void cost_of_dense(const char *what, enum dense_form form)
 {
     static struct dense_ekf ekf;
-    struct cost cost = {0};
+    struct cost cost = {0}, covariance = {0};
     uint32_t stack = 0;
     real_t t[BENCH_SENSORS];
-    if (!bench_begin(DENSE_STAGES, METHOD_REKF, ALL_STAGES) ||
-        dense_ekf_begin(&ekf, &bench_estimator, form) != ERR_OK)
+    if (!bench_begin(&estimator, DENSE_STAGES, METHOD_REKF, ALL_STAGES) ||
+        dense_ekf_begin(&ekf, &estimator, form) != ERR_OK)
         return;
     for (unsigned k = 0; k < SAMPLES / 4; k++) {
-        bench_next(t);
+        bench_next(&estimator, t);
         cost_paint_stack();
         uint32_t from = cost_now();
-        enum err err = dense_ekf_step(&ekf, &bench_estimator.inputs, t);
+        enum err err = dense_ekf_model(&ekf, &estimator.inputs, t);
+        uint32_t between = cost_now();
+        dense_ekf_covariance(&ekf);
         uint32_t to = cost_now();
         if (err)
             return;
-        if (k >= FIRST)
+        if (k >= FIRST) {
             cost_add(&cost, from, to);
+            cost_add(&covariance, between, to);
+        }
         stack = cost_stack_used() > stack ? cost_stack_used() : stack;
     }
     cost_say(what, DENSE_STAGES, cost.sum / cost.count, cost.most, dense_ekf_bytes(form));
     cost_say("stack", DENSE_STAGES, stack, stack, 0);
+    cost_say("covariance", DENSE_STAGES, covariance.sum / covariance.count, covariance.most, 0);
     if (form == DENSE_STEPS)
         cost_say("steps", DENSE_STAGES, ekf.steps, ekf.steps, 0);
 }

@@ -25,6 +25,8 @@ struct cost {
 };
 /* What lies between two calls of cost_now() with nothing in between is taken off. */
 void cost_add(struct cost *c, uint32_t from, uint32_t to);
+/* What has been added up already. */
+void cost_sum(struct cost *c, uint32_t spent);
 
 #ifndef REFLUX_FIXED_POINT
 /* Other forms of the same measurement update: P is n x n, row by row, and symmetric; gain: [n]. They return alpha. */

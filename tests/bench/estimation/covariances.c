@@ -23,6 +23,7 @@ static alignas(8) real_t memory[OWN + STATES * (STATES + NOISY + EXTRAS) + 2 * S
 static real_t numbers[40 * 29], push[COVARIANCE_EXTRAS_MAX * 120], work[80], noise[120];
 static real_t gain[COVARIANCE_STATES_MAX];
 static struct covariance_band band;
+static struct composition estimator;
 static struct covariance_ud ud;
 static struct covariance_step step;
 static struct column_transition transition;
@@ -34,13 +35,13 @@ static bool begin(size_t stages)
 {
     static const real_t keep[EXTRAS] = {1, 1, 1};
     static const real_t grown[EXTRAS] = {1e-7f, 1e-7f, 1e-7f};
-    struct composition *c = &bench_estimator;
+    struct composition *c = &estimator;
     transition.of = numbers;
     size_t n = 2 * stages;
     real_t variance[STATES], t[BENCH_SENSORS];
-    if (!bench_begin(stages, METHOD_REKF, ALL_STAGES))
+    if (!bench_begin(&estimator, stages, METHOD_REKF, ALL_STAGES))
         return false;
-    bench_next(t);
+    bench_next(&estimator, t);
     if (composition_step(c, t) != ERR_OK || column_rates(&c->column, c->x, work) != ERR_OK ||
         column_transition_make(&c->column, c->x, BENCH_STEP_S, &transition) != ERR_OK)
         return false;
@@ -122,8 +123,8 @@ static void cost_of(size_t stages)
     for (unsigned k = 0; k < 4; k++)
         cost_of_pieces(&quiet, &piece);
     uint32_t from = cost_now();
-    enum err err = column_transition_make(&bench_estimator.column, bench_estimator.x, BENCH_STEP_S,
-                                          &transition);
+    enum err err =
+        column_transition_make(&estimator.column, estimator.x, BENCH_STEP_S, &transition);
     uint32_t to = cost_now();
     if (err || ud.err)
         return;

@@ -215,10 +215,9 @@ static void work_in(struct dense_ekf *ekf, size_t stage, const real_t *b, real_t
     }
 }
 
-enum err dense_ekf_step(struct dense_ekf *ekf, const struct column_inputs *inputs, const real_t *t)
+enum err dense_ekf_model(struct dense_ekf *ekf, const struct column_inputs *inputs, const real_t *t)
 {
     struct column_fault fault;
-    real_t e[BENCH_SENSORS], b[BENCH_SENSORS][COLUMN_COMPONENTS_MAX];
     enum err err = column_set_inputs(&ekf->column, inputs, &fault);
     if (!err)
         err = column_rates(&ekf->column, ekf->x, ekf->change);
@@ -228,22 +227,34 @@ enum err dense_ekf_step(struct dense_ekf *ekf, const struct column_inputs *input
     for (size_t k = 0; k < BENCH_SENSORS; k++) {
         real_t dy[COLUMN_COMPONENTS_MAX * COLUMN_COMPONENTS_MAX], full[3];
         size_t s = ekf->stage[k];
-        e[k] = t[k] - ekf->column.temperature[s];
+        ekf->e[k] = t[k] - ekf->column.temperature[s];
         full[0] = ekf->x[2 * s];
         full[1] = ekf->x[2 * s + 1];
         full[2] = 1 - full[0] - full[1];
-        vle_slopes(3, full, &ekf->column.k[3 * s], &ekf->column.dk[3 * s], b[k], dy);
+        vle_slopes(3, full, &ekf->column.k[3 * s], &ekf->column.dk[3 * s], ekf->b[k], dy);
     }
     for (size_t i = 0; i < N; i++)
         ekf->change[i] *= ekf->h;
+    return ERR_OK;
+}
+
+void dense_ekf_covariance(struct dense_ekf *ekf)
+{
     carry(ekf);
     for (size_t i = 0; i < N; i++)
         ekf->p[i * N + i] += ekf->h * ekf->model2;
     for (size_t k = 0; k < BENCH_SENSORS; k++)
-        work_in(ekf, ekf->stage[k], b[k], e[k]);
+        work_in(ekf, ekf->stage[k], ekf->b[k], ekf->e[k]);
     mirror(ekf->p);
     (void)column_move(&ekf->column, ekf->x, ekf->change);
-    return ERR_OK;
+}
+
+enum err dense_ekf_step(struct dense_ekf *ekf, const struct column_inputs *inputs, const real_t *t)
+{
+    enum err err = dense_ekf_model(ekf, inputs, t);
+    if (!err)
+        dense_ekf_covariance(ekf);
+    return err;
 }
 
 /* ---- beginning ---- */

@@ -25,6 +25,7 @@ struct dense_ekf {
     struct column column;
     struct column_config config;
     real_t x[DENSE_STATES], change[DENSE_STATES];
+    real_t e[BENCH_SENSORS], b[BENCH_SENSORS][COLUMN_COMPONENTS_MAX]; /* of a step */
     /* LAPACK's storage: (row, col) at col WIDTH + UPPER + row - col */
     real_t band[DENSE_STATES * DENSE_WIDTH];
     real_t p[DENSE_STATES * DENSE_STATES];
@@ -43,6 +44,11 @@ enum err dense_ekf_begin(struct dense_ekf *ekf, const struct composition *like,
 
 /* One step to the readings t[BENCH_SENSORS]: a sample of BENCH_STEP_S, of DENSE_EULER 0.3 s. */
 enum err dense_ekf_step(struct dense_ekf *ekf, const struct column_inputs *inputs, const real_t *t);
+
+/* Its two parts: rates, their derivatives and deviations; the covariance, and with it the mole fractions. */
+enum err dense_ekf_model(struct dense_ekf *ekf, const struct column_inputs *inputs,
+                         const real_t *t);
+void dense_ekf_covariance(struct dense_ekf *ekf);
 
 /* Without the matrices that a form does not need. */
 uint32_t dense_ekf_bytes(enum dense_form form);

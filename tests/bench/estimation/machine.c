@@ -43,7 +43,11 @@ void cost_add(struct cost *c, uint32_t from, uint32_t to)
 {
     uint32_t between = cost_now();
     between = cost_now() - between;
-    uint32_t spent = to - from - between;
+    cost_sum(c, to - from - between);
+}
+
+void cost_sum(struct cost *c, uint32_t spent)
+{
     c->sum += spent;
     c->most = spent > c->most ? spent : c->most;
     c->count++;

@@ -15,6 +15,8 @@ static const struct {
 #define ANALYSIS_EVERY 20
 #define NOISY          8 /* fractions a step, going round */
 
+static struct composition estimator;
+
 static double uniform(struct kalman_course *c)
 {
     return (double)(random_next(&c->random) >> 11) / 9007199254740992.0;
@@ -31,7 +33,7 @@ static size_t sensor_stage(const struct kalman_course *c, size_t k)
 static bool take_variant(struct kalman_course *c, struct kalman_variant *v)
 {
     static real_t work[2 * 37];
-    struct composition *e = &bench_estimator;
+    struct composition *e = &estimator;
     v->transition.of = v->numbers;
     if (column_rates(&e->column, e->x, work) != ERR_OK ||
         column_transition_make(&e->column, e->x, BENCH_STEP_S, &v->transition) != ERR_OK)
@@ -82,13 +84,13 @@ bool kalman_begin(struct kalman_course *c, enum kalman_kind kind, size_t stages,
         real_t sd = i < c->n ? kinds[kind].begin_sd : kinds[kind].extra_sd;
         c->begin[i] = sd * sd;
     }
-    if (!bench_begin(stages, METHOD_REKF, ALL_STAGES))
+    if (!bench_begin(&estimator, stages, METHOD_REKF, ALL_STAGES))
         return false;
     for (size_t v = 0; v < KALMAN_VARIANTS; v++) {
         real_t readings[BENCH_SENSORS];
         for (unsigned k = 0; k < 50; k++) {
-            bench_next(readings);
-            if (composition_step(&bench_estimator, readings) != ERR_OK)
+            bench_next(&estimator, readings);
+            if (composition_step(&estimator, readings) != ERR_OK)
                 return false;
         }
         if (!take_variant(c, &c->variant[v]))
