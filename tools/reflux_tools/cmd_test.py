@@ -146,6 +146,7 @@ def python() -> str:
 
 
 WITH_BLOCKS = ("stm32f405", "stm32f405-fixed")
+KALMAN = ("begin", "set block3.method ekf", "set block3.noise 0.2", "set block3.feed_z 0.02")
 
 
 def loop_tests() -> list[Test]:
@@ -161,6 +162,12 @@ def target_tests() -> list[Test]:
                        ("begin", "set block1.supervise off", "apply"))
               for image in boards.RUNS if image.preset in WITH_BLOCKS),
             same_log("target.estimate-float", "host", "stm32f405", "target", "methanol-estimate"),
+            # Until the feed has changed: three components, and two with a linear model.
+            *(same_log(f"target.kalman-{covariance}-{image.test}", image.twin, image.preset, "target", "splitter-estimate",
+                       (*KALMAN, f"set block3.covariance {covariance}", "apply"), until=5400)
+              for covariance in ("full", "band") for image in boards.RUNS if image.preset in WITH_BLOCKS),
+            same_log("target.kalman-linear-float", "host", "stm32f405", "target", "pilot-kalman",
+                     ("begin", "set block2.method kalman", "set block2.covariance band", "apply"), until=7200),
             *python_tests("target")]
 
 
@@ -171,8 +178,10 @@ def python_tests(label: str) -> list[Test]:
             for f in files]
 
 
-def same_log(name: str, left: str, right: str, label: str, scenario: str = "smoke", lines: tuple[str, ...] = ()) -> Test:
-    command = [python(), str(ROOT / "tests" / "loop" / "same_log.py"), f"host_sim/scenarios/{scenario}.toml", left, right, *lines]
+def same_log(name: str, left: str, right: str, label: str, scenario: str = "smoke", lines: tuple[str, ...] = (),
+             until: int | None = None) -> Test:
+    ends = [] if until is None else ["--until", str(until)]
+    command = [python(), str(ROOT / "tests" / "loop" / "same_log.py"), *ends, f"host_sim/scenarios/{scenario}.toml", left, right, *lines]
     return Test(name, command, [label], {"TIMEOUT": HANG_S})
 
 
