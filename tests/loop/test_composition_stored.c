@@ -54,6 +54,7 @@ static void new_parameters_are_at_their_defaults(void)
     has("analyser", "0.0005");
     has("offset", "0.005");
     has("sure", "0.01");
+    has("nis_full", "4");
     TEST_ASSERT_FALSE(said("STORAGE_DAMAGED") || said("STORAGE_CLIPPED"));
 }
 
