@@ -33,7 +33,7 @@ void composition_begin(struct composition *c)
             (config->temperature_min + config->temperature_max) / REAL_C(2.0);
     c->watched = 0;
     c->linear.h = ZERO;
-    for (uint8_t k = 0; k < c->gains.extras; k++)
+    for (uint8_t k = 0; k < c->gains.feed; k++) /* what analyses said of the model stays */
         c->gains.extra[k] = ZERO;
     for (uint8_t k = 0; k < c->sensors; k++) {
         struct composition_sensor *s = &c->sensor[k];

@@ -65,8 +65,12 @@ static enum err take_column(struct composition_block *b, const struct column_rec
 
 static void begin_analyses(struct composition_block *b)
 {
-    for (uint8_t k = 0; k < b->analyses; k++)
+    for (uint8_t k = 0; k < b->analyses; k++) {
+        real_t *offset = composition_offset(b, k);
         composition_analysis_begin(&b->analysis[k], b->c.h, b->s.reach_s);
+        if (offset)
+            *offset = ZERO;
+    }
 }
 
 /* keep: they are those that there were. */

@@ -147,6 +147,22 @@ static void until_there_are_gains_the_reduced_filter_acts(void)
     }
 }
 
+static void without_gains_nothing_is_good(void)
+{
+    for (unsigned i = 0; i < FILTER_WAYS; i++) {
+        const char *name = way_begins(i);
+        settings.sure = 0;
+        filter.idle = true;
+        begin_both();
+        run(3 * LOCKED);
+        TEST_ASSERT_EQUAL_MESSAGE(QUALITY_UNCERTAIN, point_quality[0], name);
+        TEST_ASSERT_EQUAL(0, io.raised);
+        filter.idle = false;
+        run(10);
+        TEST_ASSERT_EQUAL_MESSAGE(QUALITY_GOOD, point_quality[0], name);
+    }
+}
+
 static void gains_are_taken_in_the_declared_step_only(void)
 {
     for (unsigned i = 0; i < FILTER_WAYS; i++) {
@@ -366,6 +382,31 @@ static void it_settles_and_then_finds_gains_again(void)
         TEST_ASSERT_TRUE_MESSAGE(worst() < 0.005f, name);
         if (filter_ways[i].covariance != COVARIANCE_STEADY)
             TEST_ASSERT_TRUE_MESSAGE(filter.b->filter.count > count + 100, name);
+    }
+}
+
+static void where_it_settles_its_model_stays(void)
+{
+    for (unsigned i = 0; i < FILTER_WAYS; i++) {
+        float there[12];
+        const char *name = way_begins(i);
+        begin_both();
+        run(30);
+        memset(quality, QUALITY_MISSING, 3);
+        put(REFLUX, 4.6f);
+        ticks(2);
+        TEST_ASSERT_NULL(tell("settle"));
+        unsigned works = filter.works;
+        for (unsigned n = 0; n < 10 && filter.b->settle; n++)
+            ticks(1);
+        TEST_ASSERT_FALSE(filter.b->settle);
+        TEST_ASSERT_TRUE_MESSAGE(filter.works - works < 100, name);
+        for (unsigned s = 1; s <= 12; s++)
+            there[s - 1] = fraction(s);
+        TEST_ASSERT_TRUE(fabsf(there[0] - (float)filter.b->c.table.profile[0]) > 0.003f);
+        ticks(500);
+        for (unsigned s = 1; s <= 12; s++)
+            TEST_ASSERT_FLOAT_WITHIN_MESSAGE(4e-4f, there[s - 1], fraction(s), name);
     }
 }
 
@@ -607,6 +648,7 @@ int main(void)
     RUN_TEST(of_what_the_model_knows_nothing_is_found);
     RUN_TEST(what_is_found_stays_what_a_feed_can_be);
     RUN_TEST(until_there_are_gains_the_reduced_filter_acts);
+    RUN_TEST(without_gains_nothing_is_good);
     RUN_TEST(gains_are_taken_in_the_declared_step_only);
     RUN_TEST(the_estimates_are_the_same_however_soon_the_work_is_done);
     RUN_TEST(work_that_is_never_done_leaves_the_last_gains);
@@ -616,6 +658,7 @@ int main(void)
     RUN_TEST(another_method_begins_anew_in_other_memory);
     RUN_TEST(verb_begin_takes_the_profile_and_goes_on_with_gains);
     RUN_TEST(it_settles_and_then_finds_gains_again);
+    RUN_TEST(where_it_settles_its_model_stays);
     RUN_TEST(told_to_settle_before_its_first_step_it_gives_numbers);
     RUN_TEST(what_is_told_while_the_job_is_under_way_waits_for_it);
     RUN_TEST(a_state_that_is_moved_goes_on_to_the_bit);

@@ -264,8 +264,50 @@ static void what_is_begun_anew_is_not_moved_by_what_was_said_before(void)
         TEST_ASSERT_NULL(tell("begin"));
         work_all(&filter);
         analysed(2);
-        TEST_ASSERT_FLOAT_WITHIN_MESSAGE(1e-6f, 0, value_named("correction_1"),
+        TEST_ASSERT_EQUAL_FLOAT_MESSAGE(0, filter.b->c.gains.extra[0], filter_ways[i].name);
+        TEST_ASSERT_EQUAL_FLOAT(0, value_named("correction_1"));
+    }
+}
+
+static void what_analyses_said_of_the_model_outlasts_a_beginning(void)
+{
+    for (unsigned i = 0; i < FILTER_WAYS; i++) {
+        setUp();
+        begin_off(i);
+        analysed(4 * EVERY + DELAY + 30);
+        float before = value_named("correction_1");
+        TEST_ASSERT_TRUE(fabsf(before) > 1e-3f);
+        TEST_ASSERT_NULL(tell("begin"));
+        TEST_ASSERT_EQUAL_FLOAT(before, value_named("correction_1"));
+        analysed(2 * LOCKED);
+        TEST_ASSERT_FLOAT_WITHIN_MESSAGE(0.3f * fabsf(before), before, value_named("correction_1"),
                                          filter_ways[i].name);
+        kind->follow(filter.b, &io); /* the plant was away */
+        TEST_ASSERT_EQUAL_FLOAT(0, value_named("correction_1"));
+        TEST_ASSERT_EQUAL_FLOAT(0, filter.b->c.gains.extra[0]);
+    }
+}
+
+/* It waits for the job that is under way, and then there is none any more. */
+static void a_sample_that_nobody_took_in_is_not_taken_in_later(void)
+{
+    for (unsigned i = 0; i < FILTER_WAYS; i++) {
+        if (filter_ways[i].covariance == COVARIANCE_STEADY)
+            continue;
+        setUp();
+        begin_off(i);
+        analysed(EVERY + DELAY - 2);
+        filter.idle = true;
+        analysed(4);
+        TEST_ASSERT_TRUE(filter.b->analysis[0].fresh);
+        TEST_ASSERT_NULL(tell("free"));
+        filter.idle = false;
+        analysed(4);
+        TEST_ASSERT_NULL(filter.b->filter.job);
+        TEST_ASSERT_NULL(tell("take"));
+        analysed(20);
+        TEST_ASSERT_TRUE(filter.b->filter.job != NULL);
+        TEST_ASSERT_EQUAL_FLOAT_MESSAGE(0, value_named("correction_1"), filter_ways[i].name);
     }
 }
 
@@ -282,5 +324,7 @@ int main(void)
     RUN_TEST(a_sample_from_the_time_without_a_workspace_is_not_taken_twice);
     RUN_TEST(a_sample_that_comes_while_the_workspace_is_given_back_counts);
     RUN_TEST(what_is_begun_anew_is_not_moved_by_what_was_said_before);
+    RUN_TEST(what_analyses_said_of_the_model_outlasts_a_beginning);
+    RUN_TEST(a_sample_that_nobody_took_in_is_not_taken_in_later);
     return UNITY_END();
 }
