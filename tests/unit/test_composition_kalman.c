@@ -296,6 +296,8 @@ static void begun_anew(const char *why)
     for (unsigned n = 0; n < 20; n++) {
         run(1);
         said |= io.raised;
+        if (n == 1)
+            TEST_ASSERT_NOT_NULL_MESSAGE(filter.b->filter.job, why);
     }
     TEST_ASSERT_EQUAL_MESSAGE(0, said, why); /* it has not lost what is its own */
     TEST_ASSERT_TRUE_MESSAGE(has_gains(), why);
@@ -623,6 +625,49 @@ static void a_point_that_is_less_sure_than_wanted_is_uncertain_and_the_others_ar
     }
 }
 
+static void it_begins_as_unsure_as_its_model_is_after_an_hour(void)
+{
+    for (unsigned i = 0; i < FILTER_WAYS; i++) {
+        if (filter_ways[i].covariance == COVARIANCE_STEADY)
+            continue;
+        const char *name = way_begins(i);
+        begin_both();
+        while (!has_gains())
+            run(1);
+        TEST_ASSERT_TRUE_MESSAGE(value_named("sd_most") > 0.03f, name);
+        TEST_ASSERT_TRUE_MESSAGE(value_named("sd_most") < 0.11f, name);
+    }
+}
+
+static void of_two_components_both_are_as_sure(void)
+{
+    for (unsigned i = 0; i < FILTER_WAYS; i++) {
+        const char *name = way_begins(i);
+        point_of(INNER_TEMPERATURE, 12, 2);
+        begin_both();
+        run(60);
+        TEST_ASSERT_TRUE(value_named("sd_1") > 0);
+        TEST_ASSERT_EQUAL_FLOAT_MESSAGE(value_named("sd_1"), value_named("sd_3"), name);
+    }
+}
+
+static void a_temperature_that_is_not_there_has_no_gain(void)
+{
+    for (unsigned i = 0; i < FILTER_WAYS; i++) {
+        if (filter_ways[i].covariance == COVARIANCE_STEADY)
+            continue;
+        const char *name = way_begins(i);
+        begin_both();
+        run(60);
+        const real_t *gain = composition_gain_memory(filter.b) + composition_moved(&filter.b->c);
+        TEST_ASSERT_TRUE(fabsf(gain[9]) > 1e-6f);
+        quality[T_HIGH] = QUALITY_BAD;
+        run(5);
+        for (size_t k = 0; k < composition_moved(&filter.b->c); k++)
+            TEST_ASSERT_EQUAL_FLOAT_MESSAGE(0, gain[k], name);
+    }
+}
+
 static void a_feed_that_is_not_to_be_expected_makes_it_uncertain(void)
 {
     for (unsigned i = 0; i < FILTER_WAYS; i++) {
@@ -667,6 +712,9 @@ int main(void)
     RUN_TEST(without_any_temperature_it_is_less_and_less_sure_and_bad_in_the_end);
     RUN_TEST(what_is_no_number_and_not_good_spoils_nothing);
     RUN_TEST(a_point_that_is_less_sure_than_wanted_is_uncertain_and_the_others_are_not);
+    RUN_TEST(it_begins_as_unsure_as_its_model_is_after_an_hour);
+    RUN_TEST(of_two_components_both_are_as_sure);
+    RUN_TEST(a_temperature_that_is_not_there_has_no_gain);
     RUN_TEST(a_feed_that_is_not_to_be_expected_makes_it_uncertain);
     return UNITY_END();
 }
