@@ -10,12 +10,12 @@
 static const uint16_t feedback[PRBS_BITS_MOST - PRBS_BITS_LEAST + 1] = {
     0x6, 0xC, 0x14, 0x30, 0x60, 0xB8, 0x110, 0x240, 0x500, 0xE08, 0x1C80, 0x3802, 0x6000};
 
-static unsigned longest(const struct prbs_settings *s)
+static unsigned longest_register(const struct prbs_settings *s)
 {
     return s->independence == PRBS_REGISTERS ? s->bits + s->inputs - 1u : s->bits;
 }
 
-static uint32_t length_of(unsigned bits)
+static uint32_t sequence_length(unsigned bits)
 {
     return (UINT32_C(1) << bits) - 1u;
 }
@@ -35,7 +35,7 @@ enum err prbs_check(const struct prbs_settings *s, const char **field, const cha
         return ERR_RANGE;
     *field = "bits";
     *wanted = "3 to 15, the longest register as well";
-    if (s->bits < PRBS_BITS_LEAST || longest(s) > PRBS_BITS_MOST)
+    if (s->bits < PRBS_BITS_LEAST || longest_register(s) > PRBS_BITS_MOST)
         return ERR_RANGE;
     *field = "clock";
     *wanted = "1 to 10000 samples";
@@ -51,7 +51,7 @@ enum err prbs_check(const struct prbs_settings *s, const char **field, const cha
     return ERR_OK;
 }
 
-static uint16_t shifted(uint16_t state, uint16_t taps)
+static uint16_t next_state(uint16_t state, uint16_t taps)
 {
     unsigned next = (unsigned)state >> 1;
     return (uint16_t)(state & 1u ? next ^ taps : next);
@@ -62,7 +62,7 @@ void prbs_init(struct prbs *p, const struct prbs_settings *s)
     memset(p, 0, sizeof *p);
     p->inputs = s->inputs;
     p->clock = s->clock;
-    uint32_t apart = length_of(s->bits) / s->inputs;
+    uint32_t apart = sequence_length(s->bits) / s->inputs;
     uint16_t state = 1;
     for (size_t j = 0; j < s->inputs; j++) {
         bool own = s->independence == PRBS_REGISTERS;
@@ -70,7 +70,7 @@ void prbs_init(struct prbs *p, const struct prbs_settings *s)
         p->taps[j] = feedback[s->bits - PRBS_BITS_LEAST + (own ? j : 0u)];
         p->state[j] = state;
         for (uint32_t k = 0; k < apart && !own; k++)
-            state = shifted(state, p->taps[j]);
+            state = next_state(state, p->taps[j]);
     }
 }
 
@@ -82,16 +82,16 @@ void prbs_step(struct prbs *p, real_t *u)
         return;
     p->waited = 0;
     for (size_t j = 0; j < p->inputs; j++)
-        p->state[j] = shifted(p->state[j], p->taps[j]);
+        p->state[j] = next_state(p->state[j], p->taps[j]);
 }
 
 uint32_t prbs_period(const struct prbs_settings *s)
 {
-    return length_of(s->bits) * s->clock;
+    return sequence_length(s->bits) * s->clock;
 }
 
 uint32_t prbs_memory(const struct prbs_settings *s)
 {
-    uint32_t steps = length_of(s->bits);
+    uint32_t steps = sequence_length(s->bits);
     return (s->independence == PRBS_SHIFTS ? steps / s->inputs : steps) * s->clock;
 }
