@@ -195,7 +195,6 @@ static enum err extend(const struct arx_part *p, uint8_t nc, struct arx_work *w,
     fit->settled = false;
     for (fit->passes = 1; fit->passes <= ELS_PASSES; fit->passes++) {
         real_t before[ARX_MOST];
-        bool first = fit->orders.nc != nc;
         memcpy(before, fit->theta, sizeof before);
         enum err err = rotate_errors(p, w, &with, fit);
         if (err)
@@ -204,7 +203,7 @@ static enum err extend(const struct arx_part *p, uint8_t nc, struct arx_work *w,
         err = arx_take(&w->triangle, fit);
         if (err)
             return err;
-        fit->settled = !first && unchanged(fit, before, n);
+        fit->settled = unchanged(fit, before, n);
         if (fit->settled)
             return ERR_OK;
     }
