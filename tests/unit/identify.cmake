@@ -1,9 +1,12 @@
 # Identification, in both scalar types (one source, two programs).
-foreach(part moments record fopdt_fit fit_bend steady guard settling relay ranges_identify)
+foreach(kind "" _double)
+  reflux_test(difference_model${kind} LABEL unit SOURCES ${CMAKE_CURRENT_LIST_DIR}/test_difference_model.c LIBS reflux_lti${kind})
+endforeach()
+foreach(part prbs triangle arx arx_select decimate moments record fopdt_fit fit_bend steady guard settling relay ranges_identify)
   reflux_test(${part} LABEL unit SOURCES ${CMAKE_CURRENT_LIST_DIR}/test_${part}.c LIBS reflux_identify)
   reflux_test(${part}_double LABEL unit SOURCES ${CMAKE_CURRENT_LIST_DIR}/test_${part}.c LIBS reflux_identify_double)
 endforeach()
-foreach(part fit_cases identify_cases)
+foreach(part fit_cases identify_cases arx_rls)
   reflux_test(${part} LABEL unit SOURCES ${CMAKE_CURRENT_LIST_DIR}/test_${part}.c LIBS reflux_identify)
 endforeach()
 

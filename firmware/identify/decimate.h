@@ -1,0 +1,35 @@
+/* Samples that come faster than the control interval: a low-pass filter on all of them, of which one in `ratio` is kept, as
+ * Kotyk and Machacek (1995), section 3, treat a noisy measurement; the filter is not told there, this one is ours.
+ *
+ * The filter belongs to the plant that is identified: the controller has to see the measurement through it as well. So only
+ * outputs are filtered, inputs are those of the samples that are kept.
+ *
+ * Butterworth of second order, by the trapezoidal rule in the form of integrators (A. Simper 2013), whose gain at rest is 1
+ * however low the cutoff. K = tan(pi cutoff/(2 ratio)).
+ *
+ * Accuracy: within 16 REAL_EPSILON (1 + 1/K) of the largest |x|. */
+#ifndef REFLUX_IDENTIFY_DECIMATE_H
+#define REFLUX_IDENTIFY_DECIMATE_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "base/error.h"
+#include "num/real.h"
+
+struct decimator {
+    uint16_t ratio, at; /* at: samples since the last that was kept */
+    bool begun;
+    real_t k, share; /* K, 1/(1 + K(K + sqrt 2)) */
+    real_t speed, level;
+};
+
+/* ratio: 1 to 10000, of samples to those that are kept; 1: nothing is filtered. cutoff: where the filter lets 1/sqrt 2 pass, as
+ * a part of half the frequency of the samples kept, [0.01, 1]. ERR_RANGE, ERR_NOT_FINITE: *d unchanged. */
+MUST_CHECK enum err decimator_init(struct decimator *d, uint32_t ratio, real_t cutoff);
+
+/* A sample, finite. Returns whether it is one that is kept, the first and every ratio-th behind it; *kept gets it then. The
+ * filter begins at rest at the first. */
+bool decimator_step(struct decimator *d, real_t x, real_t *kept);
+
+#endif
