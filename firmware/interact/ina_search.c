@@ -13,12 +13,15 @@
 #define ROUNDS_MOST   600
 #define POWER_ROUNDS  60
 #define STARTS        8
+#define LAMBDA        REAL_C(100.0)
+#define LAMBDA_MOST   REAL_C(1e6)
 
 enum { AT_START, AT_ROUNDS };
 
 void ina_search_config_default(struct ina_search_config *config)
 {
-    *config = (struct ina_search_config){.by = INA_BY_ROWS, .starts = STARTS, .seed = 1};
+    *config = (struct ina_search_config){
+        .by = INA_BY_ROWS, .starts = STARTS, .lambda_hi = LAMBDA, .seed = 1};
 }
 
 /* Rows of K in x; row i of K F^-1 at a point. */
@@ -86,6 +89,34 @@ static real_t worst_ratio(struct ina_search *s, const real_t *k, real_t limit)
             return ratio;
     }
     return worst;
+}
+
+/* Largest relative gain of K, and so of its inverse, which is left in b; infinite where there is none. */
+static real_t largest_lambda(struct ina_search *s, const real_t *k)
+{
+    s->a.rows = s->a.cols = s->n;
+    for (size_t m = 0; m < (size_t)s->n * s->n; m++)
+        s->a.at[m / s->n][m % s->n] = k[m];
+    if (lu_factor(&s->a, &s->lu))
+        return INFINITY;
+    lu_inverse(&s->lu, &s->b);
+    real_t largest = REAL_C(0.0);
+    for (size_t i = 0; i < s->n; i++)
+        for (size_t j = 0; j < s->n; j++) {
+            real_t lambda = real_abs(s->a.at[i][j] * s->b.at[j][i]);
+            largest = lambda > largest ? lambda : largest;
+        }
+    return largest;
+}
+
+/* As worst_ratio; by columns infinite where K is too near to singular. By rows each row is found for itself. */
+static real_t judged_ratio(struct ina_search *s, const real_t *k, real_t limit)
+{
+    real_t ratio = worst_ratio(s, k, limit);
+    if (s->config.by == INA_BY_COLUMNS && ratio < limit &&
+        !(largest_lambda(s, k) <= s->config.lambda_hi))
+        return INFINITY;
+    return ratio;
 }
 
 /* By rows, the row at hand; by columns all of K. */
@@ -185,7 +216,7 @@ static void begin_start(struct ina_search *s)
     for (size_t m = 0; m < s->numbers && !known; m++)
         s->x[m] = s->start == 0 ? *given_row(s, m) : random_normal(&s->random);
     scale_to_1(s, s->x);
-    s->found = worst_ratio(s, s->x, INFINITY);
+    s->found = judged_ratio(s, s->x, INFINITY);
     s->step = FIRST_STEP;
     s->idle = 0;
     s->rounds = 0;
@@ -211,7 +242,7 @@ static bool try_axis(struct ina_search *s, size_t axis, real_t step)
         real_t one = m == axis ? REAL_C(1.0) : REAL_C(0.0);
         s->trial[m] = s->x[m] + step * (one - REAL_C(2.0) * s->turn[axis] * s->turn[m]);
     }
-    real_t found = worst_ratio(s, s->trial, s->found);
+    real_t found = judged_ratio(s, s->trial, s->found);
     if (!(found < s->found))
         return false;
     scale_to_1(s, s->trial);
@@ -264,8 +295,11 @@ static void store_rows(struct ina_search *s)
 /* g holds G^-1 until now. */
 static enum err finish_search(struct ina_search *s)
 {
-    s->a = s->g;
-    if (lu_factor(&s->a, &s->lu))
+    real_t k[INA_MOST * INA_MOST];
+    for (size_t m = 0; m < (size_t)s->n * s->n; m++)
+        k[m] = s->g.at[m / s->n][m % s->n];
+    s->lambda = largest_lambda(s, k);
+    if (!(s->lambda <= s->config.lambda_hi))
         return ERR_SINGULAR;
     lu_inverse(&s->lu, &s->g);
     if (s->config.by == INA_BY_ROWS) {
@@ -288,8 +322,10 @@ enum err ina_search_begin(struct ina_search *s, const struct cplx *inverse, uint
                           const struct matrix *g, const struct ina_search_config *config)
 {
     if (points < 1 || points > INA_POINTS_MOST || config->starts < 1 ||
-        config->starts > INA_STARTS_MOST || g->rows != g->cols || g->rows < 1 ||
-        g->rows > INA_MOST || (config->by != INA_BY_ROWS && config->by != INA_BY_COLUMNS))
+        config->starts > INA_STARTS_MOST ||
+        !real_within(config->lambda_hi, REAL_C(1.0), LAMBDA_MOST) || g->rows != g->cols ||
+        g->rows < 1 || g->rows > INA_MOST ||
+        (config->by != INA_BY_ROWS && config->by != INA_BY_COLUMNS))
         return ERR_RANGE;
     size_t n = g->rows, elements = (size_t)points * n * n;
     for (size_t m = 0; m < elements; m++)

@@ -21,6 +21,9 @@ struct ina_search_config {
     enum ina_by by;
     uint8_t
         starts; /* 1 to INA_STARTS_MOST: the given G, pseudo-diagonalisation, then random ones */
+    /* Largest relative gain of G, K .* (K^-1)' of all its elements: 1 to 1e6. Where nothing is dominant, rows of K that are nearly the
+     * same would be the best by columns: ratios of 1, and a G next to singular. */
+    real_t lambda_hi;
     uint64_t seed;
 };
 
@@ -29,8 +32,9 @@ struct ina_search {
     /* Results: G by rows as ina_normalise leaves it; by columns, where the sizes of its columns count, with positive diagonal and its
      * largest element 1. */
     struct matrix g;
-    real_t before,
-        after; /* largest ratio over rows (columns) and frequencies, of the given G and of this one */
+    real_t lambda; /* largest relative gain of G */
+    /* Largest ratio over rows (columns) and frequencies, of the given G and of this one. */
+    real_t before, after;
     real_t ratio[INA_MOST]; /* by rows: of each; by columns: all of them `after` */
     uint32_t looks;         /* how often a K was looked at */
 
@@ -42,18 +46,18 @@ struct ina_search {
     struct matrix k, a, b;
     real_t x[INA_MOST * INA_MOST], best[INA_MOST * INA_MOST], trial[INA_MOST * INA_MOST];
     real_t turn[INA_MOST * INA_MOST];
-    real_t size, found, step;
+    real_t size, found, step; /* size: the ratio of best */
     uint16_t points, hardest, rounds;
     uint8_t n, row, start, idle, numbers, stage;
 };
 
-/* by rows, 8 starts, seed 1. */
+/* by rows, 8 starts, relative gains of G to 100, seed 1. */
 void ina_search_config_default(struct ina_search_config *config);
 
 /* inverse: F^-1 at `points` frequencies, 1 to INA_POINTS_MOST, each n x n row by row; it must live to the end. g: from where, n x n with
  * an inverse. ERR_RANGE, ERR_NOT_FINITE: config, table or g; ERR_SINGULAR: g. Then ina_search_step until it is not ERR_BUSY: a
- * round a call, at most 2 n (by columns 2 n^2) times n^2 points complex products. ERR_SINGULAR from a step: the best rows found
- * make no regular G (only where the array is not dominant). */
+ * round a call, at most 2 n (by columns 2 n^2) times n^2 points complex products. ERR_SINGULAR from a step: by rows, the best
+ * rows found make a G past lambda_hi, or none; by columns, no start was within it. */
 MUST_CHECK enum err ina_search_begin(struct ina_search *s, const struct cplx *inverse,
                                      uint16_t points, const struct matrix *g,
                                      const struct ina_search_config *config);

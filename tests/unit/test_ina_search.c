@@ -213,6 +213,34 @@ static void a_single_loop_has_nothing_beside_it(void)
     TEST_ASSERT_EQUAL_DOUBLE(1.0, (double)search.g.at[0][0]);
 }
 
+/* Rows of K that are nearly the same would have ratios of 1. */
+static void a_plant_that_is_not_dominant_with_any_gets_no_compensator_next_to_singular(void)
+{
+    tabulate_plant(PLANT_PACKED_BED);
+    TEST_ASSERT_EQUAL_INT(ERR_OK, ina_identity(2, &g));
+    config.by = INA_BY_COLUMNS;
+    config.lambda_hi = 20;
+    run_search();
+    printf("packed bed: %.3f to %.3f, lambda %.2f\n", (double)search.before, (double)search.after,
+           (double)search.lambda);
+    TEST_ASSERT_TRUE(search.after < search.before);
+    TEST_ASSERT_TRUE((double)search.lambda <= 20.0);
+}
+
+static void rows_that_make_a_compensator_past_the_bound_are_refused(void)
+{
+    tabulate_kotyk();
+    TEST_ASSERT_EQUAL_INT(ERR_OK, ina_identity(2, &g));
+    run_search();
+    TEST_ASSERT_DOUBLE_WITHIN(2e-3, 1.274, (double)search.lambda);
+    config.lambda_hi = REAL_C(1.2);
+    TEST_ASSERT_EQUAL_INT(ERR_OK, ina_search_begin(&search, table, POINTS, &g, &config));
+    enum err err;
+    while ((err = ina_search_step(&search)) == ERR_BUSY)
+        ;
+    TEST_ASSERT_EQUAL_INT(ERR_SINGULAR, err);
+}
+
 static void what_cannot_be_searched_is_refused(void)
 {
     tabulate_kotyk();
@@ -221,6 +249,9 @@ static void what_cannot_be_searched_is_refused(void)
     TEST_ASSERT_EQUAL_INT(ERR_RANGE,
                           ina_search_begin(&search, table, INA_POINTS_MOST + 1, &g, &config));
     config.starts = 0;
+    TEST_ASSERT_EQUAL_INT(ERR_RANGE, ina_search_begin(&search, table, POINTS, &g, &config));
+    ina_search_config_default(&config);
+    config.lambda_hi = REAL_C(0.5);
     TEST_ASSERT_EQUAL_INT(ERR_RANGE, ina_search_begin(&search, table, POINTS, &g, &config));
     ina_search_config_default(&config);
     g.at[1][1] = 0;
@@ -241,6 +272,8 @@ int main(void)
     RUN_TEST(the_same_seed_finds_the_same_to_the_last_bit);
     RUN_TEST(a_single_start_is_the_given_compensator);
     RUN_TEST(a_single_loop_has_nothing_beside_it);
+    RUN_TEST(a_plant_that_is_not_dominant_with_any_gets_no_compensator_next_to_singular);
+    RUN_TEST(rows_that_make_a_compensator_past_the_bound_are_refused);
     RUN_TEST(what_cannot_be_searched_is_refused);
     return UNITY_END();
 }

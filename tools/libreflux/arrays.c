@@ -196,8 +196,11 @@ int32_t reflux_array_search(int32_t n, int32_t points, const double *response, i
     struct cplx *table = malloc((size_t)points * (size_t)(n * n) * sizeof *table);
     if (!table)
         return ERR_FULL;
-    struct ina_search_config config = {by == 0 ? INA_BY_ROWS : INA_BY_COLUMNS, (uint8_t)starts,
-                                       (uint64_t)seed};
+    struct ina_search_config config;
+    ina_search_config_default(&config);
+    config.by = by == 0 ? INA_BY_ROWS : INA_BY_COLUMNS;
+    config.starts = (uint8_t)starts;
+    config.seed = (uint64_t)seed;
     err = invert_all((size_t)n, (size_t)points, response, table);
     if (!err)
         err = ina_search_begin(&search, table, (uint16_t)points, &compensator, &config);
@@ -211,6 +214,7 @@ int32_t reflux_array_search(int32_t n, int32_t points, const double *response, i
     numbers[0] = search.before;
     numbers[1] = search.after;
     numbers[2] = (double)search.looks;
+    numbers[3] = search.lambda;
     return ERR_OK;
 }
 

@@ -35,7 +35,8 @@ int32_t reflux_array_align(int32_t n, const double *response, double *g);
 /* *all: every column by its own diagonal element */
 int32_t reflux_array_normalise(int32_t n, double *g, int32_t *all);
 
-/* by: 0 rows, 1 columns. g: from where, and what was found. numbers: ratio before, after, looks. */
+/* by: 0 rows, 1 columns. g: from where, and what was found. numbers: ratio before, after, looks, largest
+ * relative gain of G. */
 int32_t reflux_array_search(int32_t n, int32_t points, const double *response, int32_t by,
                             int32_t starts, int32_t seed, double *g, double *numbers);
 

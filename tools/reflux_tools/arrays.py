@@ -91,9 +91,9 @@ def normalise(g: np.ndarray) -> tuple[np.ndarray, bool]:
 
 def search(f: np.ndarray, g: np.ndarray, by: str = "rows", starts: int = 8, seed: int = 1) -> tuple[np.ndarray, dict[str, float]]:
     """The constant G with the least of the largest ratio, and that ratio before and after."""
-    f, g, numbers = np.ascontiguousarray(f, np.complex128), np.array(g, float), np.zeros(3)
+    f, g, numbers = np.ascontiguousarray(f, np.complex128), np.array(g, float), np.zeros(4)
     _check(libreflux.load().reflux_array_search(len(g), len(f), f.ctypes.data_as(_doubles), BY.index(by), starts, seed, _d(g), _d(numbers)))
-    return g, dict(zip(("before", "after", "looks"), numbers))
+    return g, dict(zip(("before", "after", "looks", "lambda"), numbers))
 
 
 def loci(f: np.ndarray, g: np.ndarray) -> np.ndarray:

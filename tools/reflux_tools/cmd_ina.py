@@ -148,7 +148,10 @@ def changed(session: Session, what: str, words: list[str], text: str) -> np.ndar
         return arrays.normalise(arrays.align(session.response(np.array([omega]))[0]))[0]
     if what == "auto" and len(words) <= 2 and (len(words) == 1 or words[1] in arrays.BY):
         by = words[1] if len(words) == 2 else session.options.by
-        found, _ = arrays.search(session.f, session.g, by, session.options.starts, session.options.seed)
+        try:
+            found, _ = arrays.search(session.f, session.g, by, session.options.starts, session.options.seed)
+        except arrays.Refused as refused:
+            raise RunFailed(f"{text}: the most dominant by {by} is next to singular, its relative gains beyond 100: {refused}") from None
         return found
     if what == "set" and len(words) == 1 + n * n:
         return np.array([number(w, text) for w in words[1:]]).reshape(n, n)
@@ -212,7 +215,8 @@ def show(session: Session, title: str) -> None:
     print(title)
     print(table.columns(["row", *(f"G.{k + 1}" for k in range(plant.n)), "by rows", "by columns", "worst at rad/s"], rows))
     worst = found.worst(by).max()
-    print(f"by {by} {'dominant at every frequency' if worst < 1 else 'not dominant'}: largest ratio {worst:.3f}\n")
+    print(f"by {by} {'dominant at every frequency' if worst < 1 else 'not dominant'}: largest ratio {worst:.3f}; relative gains of G to "
+          f"{np.abs(session.g * np.linalg.pinv(session.g).T).max():.3g}\n")
 
 
 def loops(options: argparse.Namespace, plant: ina_plant.SquarePlant) -> list[int]:
