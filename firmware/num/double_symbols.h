@@ -19,6 +19,8 @@
 #define clu_factor             clu_factor_double
 #define clu_solve              clu_solve_double
 #define clu_determinant        clu_determinant_double
+#define ceigen_values          ceigen_values_double
+#define ceigen_follow          ceigen_follow_double
 #define svd_begin              svd_begin_double
 #define svd_step               svd_step_double
 #define svd_decompose          svd_decompose_double

@@ -1,9 +1,9 @@
 # Linear algebra, interaction analysis and the design of interacting loops: one source, two programs, float and double.
 foreach(kind "" _double)
-  foreach(part matrix real_trig)
+  foreach(part matrix real_trig ceigen)
     reflux_test(${part}${kind} LABEL unit SOURCES ${CMAKE_CURRENT_LIST_DIR}/test_${part}.c LIBS reflux_num${kind})
   endforeach()
-  foreach(part interact pairing integrity structure)
+  foreach(part interact pairing integrity structure ina ina_search)
     reflux_test(${part}${kind} LABEL unit SOURCES ${CMAKE_CURRENT_LIST_DIR}/test_${part}.c LIBS reflux_interact${kind})
   endforeach()
   foreach(part loops detune interact_extremes)
@@ -19,9 +19,11 @@ reflux_test(assignment LABEL unit SOURCES ${CMAKE_CURRENT_LIST_DIR}/test_assignm
 if(TARGET libreflux)
   find_program(PYTHON3 NAMES python3 PATHS /usr/bin NO_DEFAULT_PATH)
   find_program(PYTHON3 NAMES python3)
-  add_test(NAME detuned_loops
-    COMMAND "${PYTHON3}" "${CMAKE_CURRENT_LIST_DIR}/test_detuned_loops.py" $<TARGET_FILE:libreflux>)
-  set_tests_properties(detuned_loops PROPERTIES LABELS unit TIMEOUT ${REFLUX_HANG_S} ENVIRONMENT "PYTHONDONTWRITEBYTECODE=1")
+  foreach(part detuned_loops ina_tool)
+    add_test(NAME ${part}
+      COMMAND "${PYTHON3}" "${CMAKE_CURRENT_LIST_DIR}/test_${part}.py" $<TARGET_FILE:libreflux>)
+    set_tests_properties(${part} PROPERTIES LABELS unit TIMEOUT ${REFLUX_HANG_S} ENVIRONMENT "PYTHONDONTWRITEBYTECODE=1")
+  endforeach()
 endif()
 
 # Not a test: what the analysis of a 16 x 16 plant costs.
