@@ -1,6 +1,6 @@
 # Linear algebra, interaction analysis and the design of interacting loops: one source, two programs, float and double.
 foreach(kind "" _double)
-  foreach(part matrix real_trig)
+  foreach(part matrix real_trig polynomial)
     reflux_test(${part}${kind} LABEL unit SOURCES ${CMAKE_CURRENT_LIST_DIR}/test_${part}.c LIBS reflux_num${kind})
   endforeach()
   foreach(part interact pairing integrity structure)
