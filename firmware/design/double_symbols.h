@@ -24,6 +24,8 @@
 #define static_decoupler                    static_decoupler_double
 #define polynomial_decoupler_config_default polynomial_decoupler_config_default_double
 #define polynomial_decoupler_design         polynomial_decoupler_design_double
+#define pole_placement_goal_default         pole_placement_goal_default_double
+#define pole_placement_design               pole_placement_design_double
 #endif
 
 #endif

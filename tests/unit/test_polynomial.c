@@ -203,6 +203,19 @@ static void what_cancels_is_no_coefficient(void)
     TEST_ASSERT_EQUAL_UINT8(0, det.n);
 }
 
+static void what_lies_outside_the_size_is_not_read(void)
+{
+    struct random_source r = {20};
+    draw_matrix(&r, 4, 30);
+    for (unsigned i = 0; i < 3; i++)
+        for (unsigned j = 0; j < 3; j++)
+            m.at[i][j].n = 3;
+    m.rows = m.cols = 3;
+    TEST_ASSERT_EQUAL(ERR_OK, polynomial_determinant(&m, &work, &det));
+    TEST_ASSERT_EQUAL(ERR_OK, polynomial_adjugate(&m, &work, &adj));
+    TEST_ASSERT_EQUAL_UINT8(7, det.n);
+}
+
 static void a_matrix_with_what_is_no_number_has_no_determinant(void)
 {
     struct random_source r = {19};
@@ -302,6 +315,7 @@ int main(void)
     RUN_TEST(a_determinant_is_the_sum_over_all_permutations);
     RUN_TEST(an_adjugate_times_the_matrix_is_the_determinant);
     RUN_TEST(what_cancels_is_no_coefficient);
+    RUN_TEST(what_lies_outside_the_size_is_not_read);
     RUN_TEST(a_matrix_with_what_is_no_number_has_no_determinant);
     RUN_TEST(zeros_are_those_of_240_bits_and_their_radii_hold);
     RUN_TEST(zeros_at_0_come_last_and_exactly);
