@@ -3,25 +3,29 @@
 #define REFLUX_DESIGN_DOUBLE_SYMBOLS_H
 
 #ifdef REFLUX_REAL_DOUBLE
-#define tuning_cohen_coon_pi            tuning_cohen_coon_pi_double
-#define tuning_cohen_coon_pid           tuning_cohen_coon_pid_double
-#define tuning_simc_pi                  tuning_simc_pi_double
-#define tuning_simc_pid                 tuning_simc_pid_double
-#define tuning_tyreus_luyben_pi         tuning_tyreus_luyben_pi_double
-#define loops_check                     loops_check_double
-#define loops_z_less_1                  loops_z_less_1_double
-#define loops_sample                    loops_sample_double
-#define loops_controller                loops_controller_double
-#define loops_open                      loops_open_double
-#define nyquist_begin                   nyquist_begin_double
-#define nyquist_step                    nyquist_step_double
-#define trial_begin                     trial_begin_double
-#define trial_step                      trial_step_double
-#define detune_config_default           detune_config_default_double
-#define detune_begin                    detune_begin_double
-#define detune_step                     detune_step_double
-#define static_decoupler_config_default static_decoupler_config_default_double
-#define static_decoupler                static_decoupler_double
+#define tuning_cohen_coon_pi                tuning_cohen_coon_pi_double
+#define tuning_cohen_coon_pid               tuning_cohen_coon_pid_double
+#define tuning_simc_pi                      tuning_simc_pi_double
+#define tuning_simc_pid                     tuning_simc_pid_double
+#define tuning_tyreus_luyben_pi             tuning_tyreus_luyben_pi_double
+#define loops_check                         loops_check_double
+#define loops_z_less_1                      loops_z_less_1_double
+#define loops_sample                        loops_sample_double
+#define loops_controller                    loops_controller_double
+#define loops_open                          loops_open_double
+#define nyquist_begin                       nyquist_begin_double
+#define nyquist_step                        nyquist_step_double
+#define trial_begin                         trial_begin_double
+#define trial_step                          trial_step_double
+#define detune_config_default               detune_config_default_double
+#define detune_begin                        detune_begin_double
+#define detune_step                         detune_step_double
+#define static_decoupler_config_default     static_decoupler_config_default_double
+#define static_decoupler                    static_decoupler_double
+#define polynomial_decoupler_config_default polynomial_decoupler_config_default_double
+#define polynomial_decoupler_design         polynomial_decoupler_design_double
+#define pole_placement_goal_default         pole_placement_goal_default_double
+#define pole_placement_design               pole_placement_design_double
 #endif
 
 #endif

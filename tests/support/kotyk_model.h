@@ -20,6 +20,13 @@ static inline void kotyk_model(struct difference_model *m)
               {{REAL_C(0.01262), REAL_C(0.00316)}, {REAL_C(-0.01990), REAL_C(0.00157)}}}};
 }
 
+static inline struct difference_model kotyk_column(void)
+{
+    struct difference_model m;
+    kotyk_model(&m);
+    return m;
+}
+
 static inline void kotyk_compensator(struct matrix *g)
 {
     g->rows = g->cols = 2;

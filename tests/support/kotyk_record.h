@@ -5,7 +5,7 @@
 
 #include "identify/arx_fit.h"
 #include "identify/prbs.h"
-#include "kotyk.h"
+#include "kotyk_model.h"
 #include "num/random.h"
 
 #define KOTYK_SAMPLES 2046 /* twice the period of ten bits */
@@ -14,7 +14,7 @@ static real_t kotyk_u[KOTYK_SAMPLES][2], kotyk_y[KOTYK_SAMPLES][2];
 
 static inline struct arx_data kotyk_record(uint32_t samples, real_t noise, uint64_t seed)
 {
-    const struct difference_model model = kotyk_model();
+    const struct difference_model model = kotyk_column();
     const struct prbs_settings settings = {
         .inputs = 2, .bits = 10, .clock = 1, .amplitude = {1, 1}, .independence = PRBS_SHIFTS};
     struct difference_state state = {0};

@@ -87,7 +87,7 @@ static void test_every_method_gives_what_the_independent_model_gives(void)
 /* theta of the paper for an output, in the order of phi. */
 static void papers(size_t output, double *theta)
 {
-    const struct difference_model m = kotyk_model();
+    const struct difference_model m = kotyk_column();
     for (size_t k = 0; k < 2; k++) {
         theta[k] = (double)m.a[output][k];
         theta[2 + k] = (double)m.b[output][0][k];

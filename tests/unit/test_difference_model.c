@@ -6,7 +6,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "kotyk.h"
+#include "kotyk_model.h"
 #include "unity.h"
 
 static struct difference_model model;
@@ -14,7 +14,7 @@ static const char *field, *wanted;
 
 void setUp(void)
 {
-    model = kotyk_model();
+    model = kotyk_column();
     field = wanted = "";
 }
 
@@ -36,13 +36,13 @@ static void test_a_size_that_does_not_fit_is_refused_by_name(void)
 {
     model.outputs = 5;
     refused(ERR_RANGE, "outputs");
-    model = kotyk_model();
+    model = kotyk_column();
     model.inputs = 0;
     refused(ERR_RANGE, "inputs");
-    model = kotyk_model();
+    model = kotyk_column();
     model.na = 5;
     refused(ERR_RANGE, "na");
-    model = kotyk_model();
+    model = kotyk_column();
     model.nb = 0;
     refused(ERR_RANGE, "nb");
     model.nb = 9;
@@ -69,7 +69,7 @@ static void test_a_coefficient_that_is_no_number_is_refused(void)
 {
     model.a[1][1] = (real_t)NAN;
     refused(ERR_NOT_FINITE, "a");
-    model = kotyk_model();
+    model = kotyk_column();
     model.b[1][1][1] = (real_t)-INFINITY;
     refused(ERR_NOT_FINITE, "b");
 }
