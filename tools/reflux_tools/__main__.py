@@ -19,6 +19,7 @@ COMMANDS = {
     "column": "cmd_column",
     "gradients": "cmd_gradients",
     "consistency": "cmd_consistency",
+    "identify": "cmd_identify",
     "style": "cmd_style",
     "fuzz": "cmd_fuzz",
     "coverage": "cmd_coverage",
