@@ -5,7 +5,7 @@
 #include "identify/common.h"
 
 #define IV_PASSES  30
-#define ELS_PASSES 250
+#define ELS_PASSES 100
 #define SETTLED    REAL_C(1e-3) /* of a standard deviation */
 
 /* Samples from .. to - 1 of an output. */
@@ -158,9 +158,9 @@ static enum err by_instruments(const struct arx_part *p, struct arx_work *w, str
 
 /* ---- extended least squares ---- */
 
-/* Rows with the errors that fit->theta has left. */
+/* Rows with the errors that fit->theta has left; *mean gets theirs. */
 static enum err rotate_errors(const struct arx_part *p, struct arx_work *w,
-                              const struct arx_orders *o, const struct arx_fit *fit)
+                              const struct arx_orders *o, const struct arx_fit *fit, real_t *mean)
 {
     uint8_t inputs = p->data->inputs;
     size_t n = arx_parameters(o, inputs), known = arx_parameters(&fit->orders, inputs);
@@ -177,10 +177,19 @@ static enum err rotate_errors(const struct arx_part *p, struct arx_work *w,
             arx_regressor(o, inputs, &h, row);
             row[n] = y;
             triangle_row(&w->triangle, row);
+            *mean += e / (real_t)fit->rows;
         }
         arx_push(&h, inputs, y, inputs_at(p, k), e);
     }
     return ERR_OK;
+}
+
+/* A level of the errors would go to and fro between them and the constant, further each time where C(1) is below a half. So
+ * the constant is that beside errors without their mean. */
+static void level_constant(struct arx_fit *fit, size_t n, real_t mean)
+{
+    for (size_t k = 0; k < fit->orders.nc && fit->orders.constant; k++)
+        fit->theta[n - 1] += fit->theta[n - 2 - k] * mean;
 }
 
 static enum err extend(const struct arx_part *p, uint8_t nc, struct arx_work *w,
@@ -194,18 +203,22 @@ static enum err extend(const struct arx_part *p, uint8_t nc, struct arx_work *w,
     fit->rows = p->to - p->from - (uint32_t)skip;
     fit->settled = false;
     for (fit->passes = 1; fit->passes <= ELS_PASSES; fit->passes++) {
-        real_t before[ARX_MOST];
+        real_t before[ARX_MOST], mean = ZERO;
         memcpy(before, fit->theta, sizeof before);
-        enum err err = rotate_errors(p, w, &with, fit);
+        enum err err = rotate_errors(p, w, &with, fit, &mean);
         if (err)
             return err;
         fit->orders = with;
         err = arx_take(&w->triangle, fit);
         if (err)
             return err;
+        level_constant(fit, n, mean);
         fit->settled = unchanged(fit, before, n);
         if (fit->settled)
             return ERR_OK;
+        /* Half the way only: C of the whole may be unstable, and errors then grow without end. */
+        for (size_t i = 0; i < n && fit->passes > 1; i++)
+            fit->theta[i] = before[i] + REAL_C(0.5) * (fit->theta[i] - before[i]);
     }
     fit->passes = ELS_PASSES;
     return ERR_OK;

@@ -4,8 +4,8 @@
  *   ARX_IV   instrumental variables, outputs that the model of the pass before gives without noise: unbiased with any noise
  *            that is independent of u (P. C. Young 1970; T. Soderstrom and P. Stoica, System Identification (1989), ch. 8)
  *   ARX_ELS  extended least squares: C is estimated with the rest, e from the pass before (Panuska 1968; Soderstrom and
- *            Stoica 7.4 and 9.5). Unbiased where 1/C - 1/2 is positive real. It takes its time where C is nearly a factor of A: after
- *            250 passes it is as far as it is, and says so (settled) */
+ *            Stoica 7.4 and 9.5). Unbiased where 1/C - 1/2 is positive real. Each pass goes half the way, which also
+ *            settles where all of it would not; what has not settled after 100 says so (settled) */
 #ifndef REFLUX_IDENTIFY_ARX_FIT_H
 #define REFLUX_IDENTIFY_ARX_FIT_H
 

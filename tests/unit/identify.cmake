@@ -18,3 +18,10 @@ find_program(PYTHON3 NAMES python3)
 add_test(NAME identification_noise COMMAND "${PYTHON3}" "${PROJECT_SOURCE_DIR}/tools/figures/identification_table.py"
   --program $<TARGET_FILE:identify_records> --seeds 10 --check)
 set_tests_properties(identification_noise PROPERTIES LABELS unit TIMEOUT ${REFLUX_HANG_S} ENVIRONMENT "PYTHONDONTWRITEBYTECODE=1")
+
+# Through the library for the host tools, and tools/identify.
+if(TARGET libreflux)
+  add_test(NAME identification_library
+    COMMAND "${PYTHON3}" "${CMAKE_CURRENT_LIST_DIR}/test_identification.py" $<TARGET_FILE:libreflux>)
+  set_tests_properties(identification_library PROPERTIES LABELS unit TIMEOUT ${REFLUX_HANG_S} ENVIRONMENT "PYTHONDONTWRITEBYTECODE=1")
+endif()

@@ -147,6 +147,26 @@ static void test_extended_least_squares_with_the_noises_own_order_has_less_bias(
     }
 }
 
+static void test_a_constant_beside_extended_least_squares_settles_at_the_level(void)
+{
+    const struct arx_data data = kotyk_record(KOTYK_SAMPLES, REAL_C(0.02), 3);
+    struct arx_orders o = two;
+    o.nc = 2;
+    TEST_ASSERT_EQUAL(ERR_OK, arx_fit(&data, 0, &o, ARX_ELS, 0, KOTYK_SAMPLES, &work, &fit));
+    TEST_ASSERT_TRUE(fit.settled);
+    for (int k = 0; k < KOTYK_SAMPLES; k++)
+        kotyk_y[k][0] += REAL_C(0.5);
+    o.constant = true;
+    TEST_ASSERT_EQUAL(ERR_OK, arx_fit(&data, 0, &o, ARX_ELS, 0, KOTYK_SAMPLES, &work, &other));
+    TEST_ASSERT_TRUE(other.settled);
+    double at_one = 1 + (double)(other.theta[0] + other.theta[1]);
+    /* The level is known as well as the mean of noise of 0.02, and to what was settled. */
+    TEST_ASSERT_DOUBLE_WITHIN(4 * 0.02 / sqrt(KOTYK_SAMPLES), 0.5, (double)other.theta[8] / at_one);
+    for (int k = 0; k < 8; k++)
+        TEST_ASSERT_DOUBLE_WITHIN(0.1 * (double)fit.sd[k], (double)fit.theta[k],
+                                  (double)other.theta[k]);
+}
+
 static void test_a_constant_takes_up_the_level_of_the_outputs(void)
 {
     const struct arx_data data = kotyk_record(1023, 0, 1);
@@ -269,6 +289,7 @@ int main(void)
     RUN_TEST(test_least_squares_of_both_inputs_at_once_recovers_the_papers_model);
     RUN_TEST(test_noise_of_a_measurement_biases_least_squares_and_not_instruments);
     RUN_TEST(test_extended_least_squares_with_the_noises_own_order_has_less_bias);
+    RUN_TEST(test_a_constant_beside_extended_least_squares_settles_at_the_level);
     RUN_TEST(test_a_constant_takes_up_the_level_of_the_outputs);
     RUN_TEST(test_the_papers_model_predicts_and_simulates_its_own_record);
     RUN_TEST(test_a_model_of_nothing_leaves_all_of_the_output);

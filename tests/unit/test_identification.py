@@ -1,0 +1,118 @@
+"""Identification by the library for the host tools, and tools/identify on a log, on the column of Kotyk and Machacek (1995).
+
+    python3 test_identification.py build/host/libreflux.so
+"""
+
+import contextlib
+import io
+import json
+import sys
+import tempfile
+import unittest
+from pathlib import Path
+
+import numpy as np
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "tools"))
+
+from reflux_tools import cmd_identify, identification, libreflux  # noqa: E402
+from reflux_tools.errors import UserError  # noqa: E402
+
+A = [[-0.80338, 0.02616], [-1.06726, 0.14709]]
+B = [[[0.03851, -0.00386], [-0.01062, -0.00192]], [[0.01262, 0.00316], [-0.01990, 0.00157]]]
+TWO = identification.Orders(2, ((1, 2), (1, 2)))
+
+
+def record(samples=1000, noise=0.0, level=0.0):
+    u = identification.prbs(2, samples, 1.0, bits=9)[0]
+    y = np.zeros((samples, 2))
+    for k in range(samples):
+        for i in range(2):
+            y[k, i] = sum(-A[i][m] * y[k - 1 - m, i] + sum(B[i][j][m] * u[k - 1 - m, j] for j in range(2)) for m in range(2) if k > m)
+    return identification.Record(u, y + level + noise * np.random.default_rng(2).standard_normal(y.shape))
+
+
+class Identification(unittest.TestCase):
+    def test_the_model_of_the_paper_comes_back_from_both_inputs_at_once(self):
+        for method in identification.METHODS[:2]:
+            for i in range(2):
+                found = identification.fit(record(), i, TWO, method)
+                np.testing.assert_allclose(found.a(), A[i], atol=1e-11)
+                np.testing.assert_allclose(found.b(), B[i], atol=1e-11)
+
+    def test_its_orders_are_found(self):
+        for criterion in identification.CRITERIA:
+            for i in range(2):
+                self.assertEqual(identification.select(record(), i, 4, 4, criterion=criterion).best.orders, TWO)
+
+    def test_a_simulation_is_the_output(self):
+        of = record(300)
+        np.testing.assert_allclose(identification.simulate(of, 1, identification.fit(of, 1, TWO)), of.y[:, 1], atol=1e-9)
+
+    def test_a_simulation_begins_at_the_level_of_a_constant(self):
+        of = record(300, level=0.5)
+        orders = identification.Orders(2, TWO.lags, 0, True)
+        np.testing.assert_allclose(identification.simulate(of, 0, identification.fit(of, 0, orders)), of.y[:, 0], atol=1e-9)
+
+    def test_a_refusal_has_the_words_of_the_firmware(self):
+        with self.assertRaisesRegex(libreflux.Refused, "na: 0 to 4"):
+            identification.fit(record(100), 0, identification.Orders(5, TWO.lags))
+        with self.assertRaisesRegex(libreflux.Refused, "bits: 3 to 15"):
+            identification.prbs(2, 10, 1.0, bits=20)
+
+    def test_of_decimated_samples_one_in_so_many_is_kept(self):
+        kept = identification.decimate(np.full(21, 3.0), 5, 0.5)
+        np.testing.assert_allclose(kept, [3.0] * 5)
+
+
+class Tool(unittest.TestCase):
+    def run_on(self, of, *more, header="time[s],u1[V],u2[V],y1[V],y2.meas[V]"):
+        with tempfile.TemporaryDirectory() as folder:
+            path = Path(folder) / "table.csv"
+            rows = [",".join(map(repr, map(float, (120 * k, *of.u[k], *of.y[k])))) for k in range(of.samples)]
+            path.write_text("\n".join([header, *rows]) + "\n")
+            out = io.StringIO()
+            with contextlib.redirect_stdout(out):
+                cmd_identify.main([str(path), "--inputs", "u1,u2", "--outputs", "y1,y2", *more])
+            return out.getvalue()
+
+    def test_the_model_of_a_log_is_the_plants(self):
+        found = json.loads(self.run_on(record(level=2.0), "--format", "json", "--method", "ls"))
+        self.assertEqual(found["period_s"], 120.0)
+        for i, output in enumerate(found["outputs"]):
+            np.testing.assert_allclose(output["A"], [1.0, *A[i]], atol=1e-8)
+            np.testing.assert_allclose(output["B"], [[0.0, *row] for row in B[i]], atol=1e-8)
+            self.assertGreater(output["validation"]["fit"], 0.999)
+
+    def test_under_noise_the_gains_are_within_a_tenth(self):
+        found = json.loads(self.run_on(record(1500, 0.01), "--format", "json"))
+        exact = np.array(B).sum(axis=2) / (1 + np.array(A).sum(axis=1))[:, None]
+        np.testing.assert_allclose([output["gains"] for output in found["outputs"]], exact, atol=0.1 * np.abs(exact).max())
+
+    def test_what_is_printed_names_orders_and_coefficients(self):
+        text = self.run_on(record(600, 0.01))
+        for word in ("y1: na", "BIC validation", "A1 = 1 -", "B22 = -", "gains at rest", "identify.png"):
+            self.assertIn(word, text)
+
+    def test_an_input_as_applied_is_one_row_late(self):
+        of = record(600)
+        late = identification.Record(np.vstack([of.u[:1], of.u[:-1]]), of.y)
+        found = json.loads(self.run_on(late, "--format", "json", "--orders", "2,2", "--method", "ls", "--no-constant",
+                                       header="time[s],u1.applied[V],u2.applied[V],y1[V],y2[V]"))
+        np.testing.assert_allclose(found["outputs"][0]["B"], [[0.0, *row] for row in B[0]], atol=1e-3)
+
+    def test_a_row_without_a_number_is_named(self):
+        of = record(100)
+        of.y[41, 1] = np.nan
+        with self.assertRaisesRegex(UserError, "row 42"):
+            self.run_on(of)
+
+    def test_rows_that_are_not_evenly_spaced_are_refused_unless_a_period_is_told(self):
+        with self.assertRaisesRegex(UserError, "no column time"):
+            self.run_on(record(200), header="clock,u1,u2,y1,y2")
+        self.run_on(record(200), "--period", "120", header="clock,u1,u2,y1,y2")
+
+
+if __name__ == "__main__":
+    libreflux.load(sys.argv.pop(1))
+    unittest.main(verbosity=2)

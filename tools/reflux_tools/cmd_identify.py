@@ -1,0 +1,262 @@
+"""tools/identify: a difference model of several inputs and outputs, from a log."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import math
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from reflux_tools import identification, libreflux, table
+from reflux_tools.compare import log_of
+from reflux_tools.errors import RunFailed, UserError
+from reflux_tools.identification import Fit, Judgement, Orders, Record, Trials
+from reflux_tools.logs import Log, read_csv
+from reflux_tools.paths import named, shown
+
+MOST = 4  # of each kind
+SHOWN = 8  # trials
+
+
+@dataclass
+class Looked:
+    trial: identification.Trial
+    model: Fit
+    judged: Judgement  # on validation data, as is the criterion
+    criterion: float
+
+
+@dataclass
+class Found:
+    """Of one output. trials: None where the orders were given."""
+
+    name: str
+    trials: Trials | None
+    looked: list[Looked]  # the best first
+    model: Fit
+    judged: Judgement
+
+
+def main(arguments: list[str]) -> int:
+    p = argparse.ArgumentParser(
+        prog="tools/identify",
+        description="Finds A(z^-1) y = B(z^-1) u, A diagonal, from a log in which all inputs were excited at once (docs/difference-models.md).")
+    p.add_argument("log", type=named, metavar="LOG", help="a log.csv of tools/run, a folder that holds one, or another CSV with a header")
+    p.add_argument("--inputs", type=names, required=True, metavar="U,U", help="manipulated variables, to 4")
+    p.add_argument("--outputs", type=names, required=True, metavar="Y,Y", help="measurements, to 4")
+    p.add_argument("--period", type=float, metavar="S", help="between rows; default: from the column time")
+    p.add_argument("--every", type=int, default=1, metavar="N", help="rows to a control interval: outputs are filtered and one row in N is kept")
+    p.add_argument("--cutoff", type=float, default=0.5, help="of that filter, as a part of half the control frequency (default 0.5)")
+    p.add_argument("--method", choices=identification.METHODS, default="iv",
+                   help="least squares, instrumental variables (default; any noise), extended least squares")
+    p.add_argument("--na", type=int, default=3, help="largest order of A that is tried (default 3)")
+    p.add_argument("--nb", type=int, default=4, help="largest power in B that is tried (default 4)")
+    p.add_argument("--orders", type=pair, metavar="NA,NB", help="no search: these")
+    p.add_argument("--nc", type=int, metavar="N", help="coefficients of C with els (default: as many as A has)")
+    p.add_argument("--criterion", choices=identification.CRITERIA, default="bic")
+    p.add_argument("--validation", type=float, default=1 / 3, metavar="PART", help="end of the log that is kept to judge models by (default 1/3)")
+    p.add_argument("--no-constant", action="store_true", help="the log is in deviations: no levels, no constant")
+    p.add_argument("--format", choices=("text", "json"), default="text")
+    p.add_argument("-o", "--out", type=named, metavar="PNG", help="default: identify.png beside the log")
+    options = p.parse_args(arguments)
+    if not 0.05 <= options.validation <= 0.8:
+        raise UserError("--validation must be 0.05 to 0.8 of the log")
+    path = log_of(options.log)
+    log = read_table(path)
+    record, levels = record_of(log, options)
+    period = period_of(log, options.period) * options.every
+    border = round(record.samples * (1 - options.validation))
+    found = [identify(record, i, border, options) for i in range(record.outputs)]
+    out = options.out or path.parent / "identify.png"
+    if options.format == "text" or options.out:
+        draw(out, record, found, border, period)
+    if options.format == "json":
+        print(json.dumps(as_dict(found, options, period, levels), indent=1))
+        return 0
+    print(f"{shown(path)}: {record.samples} samples of {period:g} s, judged on the last {record.samples - border}")
+    for one in found:
+        print_output(one, options)
+    print_model(found, options)
+    print(f"\n{shown(out)}")
+    return 0
+
+
+# ---- the record ----
+
+
+def names(text: str) -> list[str]:
+    found = [word.strip() for word in text.split(",")]
+    if not 1 <= len(found) <= MOST or not all(found):
+        raise argparse.ArgumentTypeError(f"{text}: must be 1 to {MOST} names with commas between them")
+    return found
+
+
+def pair(text: str) -> tuple[int, int]:
+    words = text.split(",")
+    if len(words) != 2 or not all(word.strip().isdigit() for word in words):
+        raise argparse.ArgumentTypeError(f"{text}: must be two whole numbers, as 2,2")
+    return int(words[0]), int(words[1])
+
+
+def read_table(path: Path) -> Log:
+    """A log of the simulator, or any table with names in its first line."""
+    try:
+        lines = [line for line in path.read_text(encoding="utf-8").splitlines() if line.strip() and not line.startswith("#")]
+    except (OSError, UnicodeDecodeError) as error:
+        raise UserError(f"{shown(path)}: cannot be read: {error}") from None
+    if not lines or lines[0].startswith("number,"):
+        return read_csv(path)
+    columns, *rows = ([cell.strip() for cell in line.split(",")] for line in lines)
+    for n, row in enumerate(rows, 1):
+        if len(row) != len(columns):
+            raise UserError(f"{shown(path)}: row {n} has {len(row)} cells, the header {len(columns)}")
+    return Log(columns, rows, [], shown(path))
+
+
+def input_of(log: Log, name: str) -> list[float]:
+    """What acts from each row on. A simulator's `applied` is the mean over the interval before its row."""
+    if log.has(f"{name}.applied"):
+        applied = log.numbers(f"{name}.applied")
+        return applied[1:] + applied[-1:]
+    for suffix in (".app", ".cmd", ""):
+        if log.has(name + suffix):
+            return log.numbers(name + suffix)
+    log.place(name)
+    return []
+
+
+def record_of(log: Log, options: argparse.Namespace) -> tuple[Record, dict[str, float]]:
+    """Deviations from the means, which are given as well."""
+    u = np.array([input_of(log, name) for name in options.inputs]).T
+    y = np.array([log.numbers(name + ".meas" if log.has(name + ".meas") else name) for name in options.outputs]).T
+    bad = np.flatnonzero(~(np.isfinite(u).all(axis=1) & np.isfinite(y).all(axis=1)))
+    if len(bad):
+        raise UserError(f"{log.source or 'log'}: row {bad[0] + 1} has no number for one of {', '.join(options.inputs + options.outputs)}")
+    if options.every != 1:
+        y = np.array([identification.decimate(column, options.every, options.cutoff) for column in y.T]).T
+        u = u[:: options.every]
+    at = np.zeros(u.shape[1] + y.shape[1]) if options.no_constant else np.concatenate([u.mean(axis=0), y.mean(axis=0)])
+    levels = dict(zip([*options.inputs, *options.outputs], map(float, at)))
+    return Record(u - at[: u.shape[1]], y - at[u.shape[1] :]), levels
+
+
+def period_of(log: Log, given: float | None) -> float:
+    if given is not None:
+        if not 0 < given <= 1e6:
+            raise UserError("--period must be above 0, to 1e6 s")
+        return given
+    if not log.has("time"):
+        raise UserError("the log has no column time: --period says how far its rows are apart")
+    steps = np.diff(log.numbers("time"))
+    if len(steps) == 0 or not np.allclose(steps, steps[0], rtol=1e-6) or not steps[0] > 0:
+        raise UserError("the rows of the log are not evenly spaced in time")
+    return float(steps[0])
+
+
+# ---- the models ----
+
+
+def identify(record: Record, i: int, border: int, options: argparse.Namespace) -> Found:
+    rest = (border, record.samples)
+    if options.orders:
+        na, nb = options.orders
+        chosen = fitted(record, i, Orders(na, ((1, nb),) * record.inputs, 0, not options.no_constant), border, options)
+        return Found(options.outputs[i], None, [], chosen, identification.judge(record, i, chosen, rest))
+    trials = identification.select(record, i, options.na, options.nb, not options.no_constant, options.criterion, (0, border))
+    looked = []
+    for trial in candidates(trials):
+        try:
+            model = fitted(record, i, trial.orders, border, options)
+        except libreflux.Refused:  # an unstable model on the way: the method has none of these orders
+            continue
+        judged = identification.judge(record, i, model, rest)
+        looked.append(Looked(trial, model, judged, on_validation(trial, judged, options)))
+    if not looked:
+        raise RunFailed(f"{options.outputs[i]}: {options.method} finds a stable model of none of the orders")
+    looked.sort(key=lambda one: one.criterion)
+    return Found(options.outputs[i], trials, looked, looked[0].model, looked[0].judged)
+
+
+def candidates(trials: Trials) -> list[identification.Trial]:
+    """The best by the criterion of least squares on the data that models are made of, and the whole grid: noise that is not white
+    has least squares ask for orders that the plant does not have."""
+    known = sorted((t for t in trials.all if t.known), key=lambda t: t.criterion)
+    return [t for k, t in enumerate(known) if k < SHOWN or len(set(t.orders.lags)) == 1]
+
+
+def fitted(record: Record, i: int, orders: Orders, border: int, options: argparse.Namespace) -> Fit:
+    nc = (max(1, orders.na) if options.nc is None else options.nc) if options.method == "els" else 0
+    return identification.fit(record, i, Orders(orders.na, orders.lags, nc, orders.constant), options.method, (0, border))
+
+
+def on_validation(trial: identification.Trial, judged: Judgement, options: argparse.Namespace) -> float:
+    """The criterion of the errors of the simulation (of ls: one sample ahead) on data that the model has not seen."""
+    n, p, square = judged.rows, trial.parameters, judged.step if options.method == "ls" else judged.simulated
+    penalty = p * math.log(n) if options.criterion == "bic" else 2 * p + 2 * p * (p + 1) / (n - p - 1) if n > p + 1 else math.inf
+    return n * math.log(max(square, 1e-24 * judged.about, 1e-300)) + penalty
+
+
+# ---- shown ----
+
+
+def polynomial(coefficients: list[float], sd: list[float], first: int, lead: str) -> str:
+    words = [lead] if lead else []
+    for power, (x, s) in enumerate(zip(coefficients, sd), first):
+        if x or s:
+            words.append(f"{'-' if x < 0 else '+' if words else ''} {abs(x):.6g} (sd {s:.2g}) z^-{power}".strip())
+    return " ".join(words) or "0"
+
+
+def print_output(one: Found, options: argparse.Namespace) -> None:
+    print(f"\n{one.name}: {one.model.orders}, {options.method} on {one.model.rows} rows")
+    if one.trials:
+        rows = [["*" if look is one.looked[0] else "", str(look.trial.orders), str(look.trial.parameters), f"{look.trial.criterion:.1f}",
+                 f"{look.criterion:.1f}", f"{math.sqrt(look.judged.step):.4g}", f"{100 * look.judged.fit():.1f}"] for look in one.looked[:SHOWN]]
+        name = options.criterion.upper()
+        print(table.columns(["", "orders", "parameters", f"{name} fitted", f"{name} validation", "rms one ahead", "fit simulated, %"], rows))
+        print(f"{len(one.trials.all)} tried with ls, {len(one.looked)} of them with {options.method} on the validation data; the least {name} there is taken")
+    if not one.model.settled:
+        print(f"note: {options.method} had not settled after {one.model.passes} passes")
+    print(f"validation: error one sample ahead {math.sqrt(one.judged.step):.4g}, simulated {math.sqrt(one.judged.simulated):.4g}, fit {100 * one.judged.fit():.1f} %")
+
+
+def print_model(found: list[Found], options: argparse.Namespace) -> None:
+    print()
+    for i, one in enumerate(found, 1):
+        sd, at = list(one.model.sd), one.model.orders.na
+        print(f"A{i} = {polynomial(one.model.a(), sd[:at], 1, '1')}")
+        for j, (row, (first, last)) in enumerate(zip(one.model.b(), one.model.orders.lags), 1):
+            count = last - first + 1 if last else 0
+            print(f"B{i}{j} = {polynomial(row[first - 1 :] if last else [], sd[at : at + count], first, '')}")
+            at += count
+    print("\ngains at rest")
+    print(table.columns(["", *options.inputs], [[one.name, *(f"{g:.4g}" for g in gains(one.model))] for one in found]))
+
+
+def gains(model: Fit) -> list[float]:
+    at_one = 1 + sum(model.a())
+    return [sum(row) / at_one if at_one else math.nan for row in model.b()]
+
+
+def as_dict(found: list[Found], options: argparse.Namespace, period: float, levels: dict[str, float]) -> dict[str, Any]:
+    return {"period_s": period, "method": options.method, "inputs": options.inputs, "levels": levels, "outputs": [
+        {"name": one.name, "A": [1.0, *one.model.a()], "B": [[0.0, *row] for row in one.model.b()], "sd": [float(x) for x in one.model.sd],
+         "constant": float(one.model.theta[-1]) if one.model.orders.constant else 0.0, "settled": one.model.settled, "gains": gains(one.model),
+         "validation": {**asdict(one.judged), "fit": one.judged.fit()},
+         "trials": [{"orders": asdict(t.orders), "criterion": t.criterion, "parameters": t.parameters} for t in one.trials.all if t.known] if one.trials else [],
+         "looked": [{"orders": asdict(look.trial.orders), "criterion": look.criterion, "fit": look.judged.fit()} for look in one.looked]}
+        for one in found]}
+
+
+def draw(place: Path, record: Record, found: list[Found], border: int, period: float) -> None:
+    from reflux_tools import identify_picture  # matplotlib takes a second to load
+
+    series = [(one.name, record.y[:, i], identification.simulate(record, i, one.model)) for i, one in enumerate(found)]
+    try:
+        place.write_bytes(identify_picture.draw(series, border, period))
+    except OSError as error:
+        raise UserError(f"{shown(place)} cannot be written: {error.strerror}") from None
