@@ -247,7 +247,7 @@ def board(session: Session) -> None:
     for i, loop in enumerate(numbers):
         print(f"set loop{loop}.decouple on")
         for k, other in enumerate(numbers):
-            print(f"set decouple{loop}.d{other} {d[i, k]:.6g}")
+            print(f"set decouple{loop}.d{other} {d[i, k]:.5g}")
     print()
 
 
