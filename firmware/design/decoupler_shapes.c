@@ -2,7 +2,7 @@
 
 #include <stddef.h>
 
-static enum err check_gains(const struct matrix *gains)
+static enum err check_square_gains(const struct matrix *gains)
 {
     enum err err = matrix_check(gains);
     if (err)
@@ -43,7 +43,7 @@ enum err decoupler_partial(const struct matrix *gains,
                            const real_t factor[DECOUPLER_SHAPE_LOOPS][DECOUPLER_SHAPE_LOOPS],
                            struct decoupler_shape_work *work, struct decoupler_shape *shape)
 {
-    enum err err = check_gains(gains);
+    enum err err = check_square_gains(gains);
     if (err)
         return err;
     size_t n = gains->rows;
@@ -63,7 +63,7 @@ enum err decoupler_partial(const struct matrix *gains,
 enum err decoupler_one_way(const struct matrix *gains, const uint8_t *rank,
                            struct decoupler_shape_work *work, struct decoupler_shape *shape)
 {
-    enum err err = check_gains(gains);
+    enum err err = check_square_gains(gains);
     if (err)
         return err;
     size_t n = gains->rows;
@@ -100,7 +100,7 @@ enum err decoupler_by_directions(const struct matrix *gains, real_t condition_hi
                                  struct decoupler_shape_work *work, struct decoupler_shape *shape,
                                  uint8_t *limited)
 {
-    enum err err = check_gains(gains);
+    enum err err = check_square_gains(gains);
     if (!err && !real_within(condition_hi, REAL_C(1.0), REAL_C(1e4)))
         err = ERR_RANGE;
     if (!err)
