@@ -26,6 +26,9 @@
 #define polynomial_decoupler_design         polynomial_decoupler_design_double
 #define pole_placement_goal_default         pole_placement_goal_default_double
 #define pole_placement_design               pole_placement_design_double
+#define decoupler_partial                   decoupler_partial_double
+#define decoupler_one_way                   decoupler_one_way_double
+#define decoupler_by_directions             decoupler_by_directions_double
 #endif
 
 #endif

@@ -129,7 +129,7 @@ static enum err normalise_column(const struct polynomial_decoupler_config *c,
 }
 
 /* det B, as it is in the scaled rows of B, in the units of loop i and with what column i lost. */
-static void decoupled_loop(const struct difference_model *model, const struct polynomial_matrix *b,
+static void find_numerator(const struct difference_model *model, const struct polynomial_matrix *b,
                            unsigned i, real_t scale, unsigned delay, struct polynomial_decoupler *d)
 {
     struct polynomial *h = &d->h[i];
@@ -177,7 +177,7 @@ enum err polynomial_decoupler_design(const struct difference_model *model,
         if (err)
             return err;
         /* B's own z^-1 is left of those of det B; what the column lost is gone. */
-        decoupled_loop(model, &work->b, k, scale, result->delay - (n - 1u) - taken, result);
+        find_numerator(model, &work->b, k, scale, result->delay - (n - 1u) - taken, result);
         delays += taken;
     }
     if (!(result->outermost <= config->zero_hi))

@@ -15,8 +15,8 @@ struct local {
 };
 
 /* q(x) = sum c[k] x^k over n + 1 coefficients, forwards or backwards; |x| <= 1, so nothing overflows. */
-static void evaluate_at(const real_t *c, unsigned n, bool backwards, struct cplx x,
-                        struct cplx *value, struct cplx *slope, real_t *size)
+static void evaluate_within(const real_t *c, unsigned n, bool backwards, struct cplx x,
+                            struct cplx *value, struct cplx *slope, real_t *size)
 {
     real_t r = cplx_abs(x);
     *value = *slope = cplx(REAL_C(0.0), REAL_C(0.0));
@@ -31,12 +31,12 @@ static void evaluate_at(const real_t *c, unsigned n, bool backwards, struct cplx
 }
 
 /* p(z) = z^n q(y) with y = 1/z; p'(z) = z^(n-1) (n q(y) - y q'(y)). */
-static void look_around(const real_t *c, unsigned n, struct cplx z, struct local *at)
+static void look_near(const real_t *c, unsigned n, struct cplx z, struct local *at)
 {
     bool outside = cplx_square(z) > REAL_C(1.0);
     struct cplx x = outside ? cplx_div(cplx(REAL_C(1.0), REAL_C(0.0)), z) : z, value, slope;
     real_t size;
-    evaluate_at(c, n, outside, x, &value, &slope, &size);
+    evaluate_within(c, n, outside, x, &value, &slope, &size);
     if (outside) {
         slope = cplx_mul(x, cplx_sub(cplx_scale(value, (real_t)n), cplx_mul(x, slope)));
     }
@@ -89,7 +89,7 @@ static bool move_root(const real_t *c, unsigned n, struct polynomial_roots *root
 {
     struct local at;
     struct cplx repulsion = cplx(REAL_C(0.0), REAL_C(0.0)), z = roots->at[k];
-    look_around(c, n, z, &at);
+    look_near(c, n, z, &at);
     if (at.value <= at.rounding)
         return true;
     for (unsigned j = 0; j < n; j++) {
@@ -111,7 +111,7 @@ static void find_radii(const real_t *c, unsigned n, struct polynomial_roots *roo
 {
     for (unsigned k = 0; k < n; k++) {
         struct local at;
-        look_around(c, n, roots->at[k], &at);
+        look_near(c, n, roots->at[k], &at);
         real_t top = (real_t)n * (at.value + at.rounding);
         roots->radius[k] =
             at.slope > REAL_C(1e-18) && top < HUGE_RADIUS * at.slope ? top / at.slope : HUGE_RADIUS;

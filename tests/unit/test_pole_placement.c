@@ -138,6 +138,7 @@ static void after_the_settling_time_two_per_cent_are_left_at_most(void)
         if (t >= 15 + 3)
             TEST_ASSERT_DOUBLE_WITHIN(0.03, 1, l.y[t]);
     }
+    TEST_ASSERT_DOUBLE_WITHIN(1e-5, 0.02, pow((double)result.radius, 15));
     double most = 0;
     for (unsigned t = 0; t < 200; t++)
         most = fmax(most, fabs(l.u[t]));

@@ -206,7 +206,7 @@ static void what_cancels_is_no_coefficient(void)
 static void what_lies_outside_the_size_is_not_read(void)
 {
     struct random_source r = {20};
-    draw_matrix(&r, 4, 30);
+    draw_matrix(&r, 4, 31);
     for (unsigned i = 0; i < 3; i++)
         for (unsigned j = 0; j < 3; j++)
             m.at[i][j].n = 3;

@@ -149,6 +149,26 @@ static void coefficients_of_p_take_what_took_effect_before(void)
     }
 }
 
+static void each_coefficient_meets_setpoints_and_measurements_of_its_own_age(void)
+{
+    static const double q_of[3] = {2, -1.2, 0.3}, r_of[3] = {3, -2.5, 0.6};
+    static const double w[8] = {0.5, 0.5, 0.5, 0.52, 0.51, 0.53, 0.5, 0.49};
+    static const double y[8] = {0.5, 0.5, 0.5, 0.5, 0.53, 0.52, 0.49, 0.51};
+    for (unsigned k = 0; k < 3; k++) {
+        settings.q[k] = (float)q_of[k];
+        settings.r[k] = (float)r_of[k];
+    }
+    configure(false);
+    follow(0.5, 0.5, 0.5);
+    double u = 0.5;
+    for (unsigned t = 3; t < 8; t++) {
+        for (unsigned k = 0; k < 3; k++)
+            u += r_of[k] * w[t - k] - q_of[k] * y[t - k];
+        TEST_ASSERT_DOUBLE_WITHIN(EXACT, u, stepped(w[t], y[t]));
+        as_given();
+    }
+}
+
 static void where_setpoint_and_measurement_agree_nothing_moves(void)
 {
     settings.q[0] = 900;
@@ -293,6 +313,7 @@ int main(void)
     UNITY_BEGIN();
     RUN_TEST(closed_it_is_the_law_in_double);
     RUN_TEST(coefficients_of_p_take_what_took_effect_before);
+    RUN_TEST(each_coefficient_meets_setpoints_and_measurements_of_its_own_age);
     RUN_TEST(where_setpoint_and_measurement_agree_nothing_moves);
     RUN_TEST(a_small_error_is_integrated_also_below_a_step_of_the_format);
     RUN_TEST(it_moves_against_a_measurement_below_its_setpoint_for_either_sign);
