@@ -64,7 +64,7 @@ const struct block_parameter composition_parameter_rows[COMPOSITION_PARAMETER_RO
     {24, BLOCK_WORD, PLACE(covariance), 1, 1, "covariance", "full|band|steady",
      "ekf, kalman: of all mole fractions, of neighbouring stages, or gains of its steady state", 0,
      0, COVARIANCE_FULL},
-    NUMBER(25, cycle_s, "cycle", "s", "ekf, kalman: between two gains; 0: a tick", 0, 600, 0),
+    NUMBER(25, cycle_s, "cycle", "s", "ekf, kalman: between two gains; 0: a tick", 0, 60, 0),
     NUMBER(26, feed_z, "feed_z", "-",
            "ekf, kalman: standard deviation of the feed's mole fractions that nobody measures; 0: "
            "the table's are right",

@@ -51,7 +51,7 @@ static void its_parameters_are_those_that_boards_have_stored(void)
         {"late", 22, 1, 1, 0, 1e7f, 7200, NULL},
         {"reach", 23, 1, 1, 1, 1e6f, 3600, NULL},
         {"covariance", 24, 1, 1, 0, 0, 0, "full|band|steady"},
-        {"cycle", 25, 1, 1, 0, 600, 0, NULL},
+        {"cycle", 25, 1, 1, 0, 60, 0, NULL},
         {"feed_z", 26, 1, 1, 0, 1, 0.1f, NULL},
         {"feed_f", 27, 1, 1, 0, 1, 0, NULL},
         {"feed_time", 28, 1, 1, 60, 1e7f, 3600, NULL},
