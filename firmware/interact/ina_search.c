@@ -299,7 +299,9 @@ static enum err finish_search(struct ina_search *s)
     for (size_t m = 0; m < (size_t)s->n * s->n; m++)
         k[m] = s->g.at[m / s->n][m % s->n];
     s->lambda = largest_lambda(s, k);
-    if (!(s->lambda <= s->config.lambda_hi))
+    /* By columns every K that was taken is within the bound, but for the rounding of this one. */
+    real_t most = s->config.by == INA_BY_ROWS ? s->config.lambda_hi : ELEMENT_MOST;
+    if (!(s->lambda <= most) || !(s->size < INFINITY))
         return ERR_SINGULAR;
     lu_inverse(&s->lu, &s->g);
     if (s->config.by == INA_BY_ROWS) {
