@@ -80,6 +80,8 @@ bool polynomial_forgets(const struct polynomial_settings *c, unsigned loops, uns
     for (unsigned k = 0; k < loops; k++)
         if (members & (1u << k))
             member[n++] = (uint8_t)k;
+    if (n == 0)
+        return true;
     /* The 64th power of the companion matrix, column by column; its norm by rows bounds that power of its spectral radius. */
     unsigned states = taps > 1 ? n * (taps - 1) : 1;
     for (unsigned begun = 0; begun < states; begun++) {

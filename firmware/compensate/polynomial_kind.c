@@ -36,7 +36,7 @@ static const struct block_parameter polynomial_parameters[] = {
 
 static num_t *coefficient(struct polynomials *s, unsigned i, unsigned j)
 {
-    return &s->data[(i * s->loops + j) * s->taps];
+    return &s->data[((size_t)i * s->loops + j) * s->taps];
 }
 
 static num_t *past_of(struct polynomials *s, unsigned k)

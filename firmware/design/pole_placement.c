@@ -213,7 +213,7 @@ static enum err place_poles(const struct polynomial *ak, const struct polynomial
                             struct pole_placement_refusal *reason)
 {
     unsigned na = ak->n - 2u, nb = b->n - 1u, n = na + nb;
-    real_t x[MATRIX_MAX];
+    real_t x[MATRIX_MAX] = {REAL_C(0.0)};
     set_equations(ak, b, &work->equations);
     for (unsigned k = 0; k < n; k++)
         x[k] = coefficient_of(&result->poles, k + 1) - coefficient_of(ak, k + 1);
