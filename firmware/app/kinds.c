@@ -3,18 +3,21 @@
 #include "adapt/gmv_kind.h"
 #include "block/block.h"
 #include "compensate/decoupler.h"
+#include "compensate/polynomial.h"
 #include "compensate/ratio.h"
 #include "control/inferential.h"
 #include "control/pid.h"
+#include "control/rst.h"
 #include "control/two_position.h"
 #include "estimate/column.h"
 #include "estimate/composition_settings.h"
 #include "feedforward/feedforward.h"
 
 const struct block_kind *const block_kinds[] = {
-    &pid_kind,    &two_position_kind, &decoupler_kind,   &feedforward_kind,
+    &pid_kind,         &two_position_kind, &decoupler_kind,   &feedforward_kind,
 #if CONFIG_BLOCKS
-    &column_kind, &gmv_kind,          &inferential_kind, &ratio_kind,       &composition_kind,
+    &column_kind,      &gmv_kind,          &inferential_kind, &ratio_kind,
+    &composition_kind, &polynomial_kind,   &rst_kind,
 #endif
 };
 

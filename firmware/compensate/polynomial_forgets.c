@@ -5,6 +5,8 @@
 
 #include <string.h>
 
+#include "num/solve_small.h"
+
 #define SINGULAR 1e-5f
 #define SAMPLES  64
 
@@ -25,30 +27,10 @@ bool polynomial_solve(unsigned n, float a[POLYNOMIAL_LOOPS][POLYNOMIAL_LOOPS], c
         }
         w[i][n] = b[i];
     }
-    for (unsigned k = 0; k < n; k++) {
-        unsigned pivot = k;
-        for (unsigned i = k + 1; i < n; i++)
-            if (element_size(w[i][k]) > element_size(w[pivot][k]))
-                pivot = i;
-        if (!(element_size(w[pivot][k]) > SINGULAR * largest))
-            return false;
-        for (unsigned j = 0; j <= n; j++) {
-            float swap = w[k][j];
-            w[k][j] = w[pivot][j];
-            w[pivot][j] = swap;
-        }
-        for (unsigned i = k + 1; i < n; i++) {
-            float factor = w[i][k] / w[k][k];
-            for (unsigned j = k; j <= n; j++)
-                w[i][j] -= factor * w[k][j];
-        }
-    }
-    for (unsigned k = n; k-- > 0;) {
-        x[k] = w[k][n];
-        for (unsigned j = k + 1; j < n; j++)
-            x[k] -= w[k][j] * x[j];
-        x[k] /= w[k][k];
-    }
+    if (!solve_small_above(SINGULAR * largest, n, n + 1, POLYNOMIAL_LOOPS + 1, w[0]))
+        return false;
+    for (unsigned i = 0; i < n; i++)
+        x[i] = w[i][n];
     return true;
 }
 

@@ -1,11 +1,11 @@
 /* Products of m x m matrices, row by row. What they write is none of what they read.
  *
  * Whoever includes this says with SMALL_BLOCKS_M how many m are: 2, and everything is expanded where it is called, as in
- * model/solve_small.h; or nothing, and they are functions for any m up to BLOCK_M_MAX. */
+ * num/solve_small.h; or nothing, and they are functions for any m up to BLOCK_M_MAX. */
 #ifndef REFLUX_ESTIMATE_SMALL_BLOCKS_H
 #define REFLUX_ESTIMATE_SMALL_BLOCKS_H
 
-#include "model/solve_small.h"
+#include "num/solve_small.h"
 
 #ifdef SMALL_BLOCKS_M
 #define BLOCK_FUNCTION ALWAYS_INLINE

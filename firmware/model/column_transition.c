@@ -1,7 +1,7 @@
 #include "model/column_transition.h"
 
 #include "model/column_inside.h"
-#include "model/solve_small.h"
+#include "num/solve_small.h"
 
 #define ZERO REAL_C(0.0)
 #define ONE  REAL_C(1.0)

@@ -1,7 +1,7 @@
-/* A few equations for the unknowns of one stage, with several right sides. What is here is expanded where it is called, with the
+/* A few equations, such as those for the unknowns of one stage of a column, with several right sides. What is here is expanded where it is called, with the
  * number of unknowns known there: loops of two turns cost more than what is in them. */
-#ifndef REFLUX_MODEL_SOLVE_SMALL_H
-#define REFLUX_MODEL_SOLVE_SMALL_H
+#ifndef REFLUX_NUM_SOLVE_SMALL_H
+#define REFLUX_NUM_SOLVE_SMALL_H
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -20,15 +20,16 @@ static ALWAYS_INLINE void solve_small_swap(real_t *a, real_t *b, size_t width)
 }
 
 /* Gauss and Jordan with the largest pivot of a column. m rows of `width` numbers, `stride` apart: the m x m matrix, then the right
- * sides, which become solutions. False: singular, or no number. */
-static ALWAYS_INLINE bool solve_small(size_t m, size_t width, size_t stride, real_t *rows)
+ * sides, which become solutions. False: no pivot above `least`, or no number. */
+static ALWAYS_INLINE bool solve_small_above(real_t least, size_t m, size_t width, size_t stride,
+                                            real_t *rows)
 {
     for (size_t p = 0; p < m; p++) {
         size_t largest = p;
         for (size_t i = p + 1; i < m; i++)
             if (real_abs(rows[i * stride + p]) > real_abs(rows[largest * stride + p]))
                 largest = i;
-        if (!(real_abs(rows[largest * stride + p]) > REAL_C(0.0)))
+        if (!(real_abs(rows[largest * stride + p]) > least))
             return false;
         if (largest != p)
             solve_small_swap(&rows[p * stride], &rows[largest * stride], width);
@@ -44,6 +45,12 @@ static ALWAYS_INLINE bool solve_small(size_t m, size_t width, size_t stride, rea
         }
     }
     return true;
+}
+
+/* False: singular, or no number. */
+static ALWAYS_INLINE bool solve_small(size_t m, size_t width, size_t stride, real_t *rows)
+{
+    return solve_small_above(REAL_C(0.0), m, width, stride, rows);
 }
 
 #endif
