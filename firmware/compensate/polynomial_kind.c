@@ -9,15 +9,14 @@
 
 struct polynomials {
     uint8_t loops, taps, limits;
-    uint8_t mask;                /* loops that took part when it last followed */
-    bool begun;                  /* `at` and the past are those of the next step already */
-    uint16_t ticks, at;          /* of a period, and which of them this is, from 0 on */
-    uint16_t unchanged;          /* ticks since an input has moved, ticks at most */
-    num_t v[LOOPS];              /* in effect, in this tick or the last one */
-    num_t before[LOOPS];         /* in the tick before that */
-    num_t u[LOOPS];              /* given by the last step, then what took effect of it */
-    num_t u_before[LOOPS];       /* what took effect a tick before */
-    num_t inverse[LOOPS][LOOPS]; /* of the first coefficients, of the loops that take part */
+    uint8_t mask;          /* loops that took part when it last followed */
+    bool begun;            /* `at` and the past are those of the next step already */
+    uint16_t ticks, at;    /* of a period, and which of them this is, from 0 on */
+    uint16_t unchanged;    /* ticks since an input has moved, ticks at most */
+    num_t v[LOOPS];        /* in effect, in this tick or the last one */
+    num_t before[LOOPS];   /* in the tick before that */
+    num_t u[LOOPS];        /* given by the last step, then what took effect of it */
+    num_t u_before[LOOPS]; /* what took effect a tick before */
     /* G, by loops, loops and coefficients; then taps - 1 samples of v, the newest first. */
     num_t data[];
 };
@@ -282,31 +281,6 @@ static num_t part_made(const struct polynomials *s, const struct block_io *io)
     return least;
 }
 
-static void polynomial_back_calculate(void *state, struct block_io *io)
-{
-    struct polynomials *s = state;
-    num_t part = s->limits == POLYNOMIAL_SCALE ? part_made(s, io) : num_one();
-    num_t dv[LOOPS];
-    for (unsigned j = 0; j < s->loops; j++) {
-        num_wide_t sum = num_wide_zero();
-        if (s->limits == POLYNOMIAL_SCALE)
-            sum = num_wide_add(sum, num_sub(part, num_one()), num_sub(s->v[j], s->before[j]));
-        else
-            for (unsigned i = 0; i < s->loops; i++)
-                if (io->acting & (1u << i))
-                    sum = num_wide_add(sum, s->inverse[j][i], io->in[i]);
-        dv[j] = num_from_wide(sum);
-    }
-    for (unsigned j = 0; j < s->loops; j++)
-        if (io->acting & (1u << j)) {
-            s->u[j] = num_add(s->u[j], io->in[j]);
-            s->v[j] = num_add(s->v[j], dv[j]);
-            io->out[j] = dv[j];
-        }
-}
-
-/* ---- who comes and goes ---- */
-
 /* Of the loops that act, G as it is at first or at rest. */
 static unsigned matrix_in_force(struct polynomials *s, unsigned members, unsigned going_on,
                                 uint8_t member[LOOPS], float a[LOOPS][LOOPS])
@@ -325,21 +299,53 @@ static unsigned matrix_in_force(struct polynomials *s, unsigned members, unsigne
     return n;
 }
 
-static void find_inverse(struct polynomials *s, unsigned members)
+/* Only the loops whose MVs were limited give way, to where these MVs stand while the others ask for what they ask for. If all of v
+ * were solved from what took effect, a loop at its limit would push the others a little in every tick, and they would rest
+ * beside their setpoints. */
+static void give_way(struct polynomials *s, const struct block_io *io, num_t dv[LOOPS])
 {
     uint8_t member[LOOPS];
-    float a[LOOPS][LOOPS];
-    unsigned n = matrix_in_force(s, members, members, member, a);
-    memset(s->inverse, 0, sizeof s->inverse);
-    for (unsigned i = 0; i < n; i++) {
-        float unit[LOOPS] = {0}, x[LOOPS];
-        unit[i] = 1;
-        if (!polynomial_solve(n, a, unit, x))
-            return; /* every part was checked with the plan */
-        for (unsigned j = 0; j < n; j++)
-            s->inverse[member[j]][member[i]] = num_from_float(x[j]);
-    }
+    float a[LOOPS][LOOPS], less[LOOPS], x[LOOPS] = {0};
+    unsigned limited = 0;
+    for (unsigned i = 0; i < s->loops; i++)
+        if ((io->acting & (1u << i)) && !num_eq(io->in[i], num_zero()))
+            limited |= 1u << i;
+    unsigned n = matrix_in_force(s, limited, limited, member, a);
+    for (unsigned i = 0; i < n; i++)
+        less[i] = num_to_float(io->in[member[i]]);
+    if (n == 0 || !polynomial_solve(n, a, less, x))
+        return; /* every part was checked with the plan */
+    for (unsigned i = 0; i < n; i++)
+        dv[member[i]] = num_from_float(x[i]);
 }
+
+/* Moves of all, shortened to the part that could be made. */
+static void shorten(struct polynomials *s, const struct block_io *io, num_t dv[LOOPS])
+{
+    num_t left = num_sub(part_made(s, io), num_one());
+    for (unsigned j = 0; j < s->loops; j++)
+        dv[j] = num_mul(left, num_sub(s->v[j], s->before[j]));
+}
+
+static void polynomial_back_calculate(void *state, struct block_io *io)
+{
+    struct polynomials *s = state;
+    num_t dv[LOOPS];
+    for (unsigned j = 0; j < s->loops; j++)
+        dv[j] = num_zero();
+    if (s->limits == POLYNOMIAL_SCALE)
+        shorten(s, io, dv);
+    else
+        give_way(s, io, dv);
+    for (unsigned j = 0; j < s->loops; j++)
+        if (io->acting & (1u << j)) {
+            s->u[j] = num_add(s->u[j], io->in[j]);
+            s->v[j] = num_add(s->v[j], dv[j]);
+            io->out[j] = dv[j];
+        }
+}
+
+/* ---- who comes and goes ---- */
 
 static void polynomial_follow(void *state, struct block_io *io)
 {
@@ -374,8 +380,6 @@ static void polynomial_follow(void *state, struct block_io *io)
             rest_past(s, j, s->v[j]);
     }
     s->mask = io->acting;
-    if (s->limits == POLYNOMIAL_RECURSE)
-        find_inverse(s, io->acting);
 }
 
 static const char *polynomial_describe(const void *state, size_t i, float *value)

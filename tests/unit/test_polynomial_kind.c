@@ -248,21 +248,42 @@ static void other_settings_move_no_mv(void)
 
 /* ---- an MV at its limit ---- */
 
-/* Controllers that ask for something else in every sample, and an MV that stays where it is: the past is that of inputs which would have
- * given what took effect. */
-static void recursing_its_past_is_what_would_have_given_the_mvs_that_took_effect(void)
+/* Controllers that ask for something else in every sample, and an MV that stays where it is: the past of its loop is what would have given
+ * that, and the other loop has what it asked for. */
+static void recursing_the_loop_at_its_limit_gives_way_and_the_other_does_not(void)
 {
     double before[2] = {0, 0};
+    unsigned limited = 0;
     begin_at(0, 0);
     for (unsigned t = 0; t < 200; t++) {
         double v[2] = {0.4 + 0.1 * sin(0.3 * t), 0.2 - 0.1 * cos(0.2 * t)};
         stepped(v[0], v[1]);
         double u[2] = {D(out[0]), D(out[1])};
-        double limited[2] = {fmin(u[0], 0.3), u[1]};
-        told(limited[0] - u[0], 0);
+        TEST_ASSERT_DOUBLE_WITHIN(10 * EXACT, made_of(1, v, before), u[1]);
+        double at_most = fmin(u[0], 0.45);
+        limited += at_most < u[0];
+        told(at_most - u[0], 0);
         double effective[2] = {v[0] + D(out[0]), v[1] + D(out[1])};
-        TEST_ASSERT_DOUBLE_WITHIN(10 * EXACT, limited[0], made_of(0, effective, before));
-        TEST_ASSERT_DOUBLE_WITHIN(10 * EXACT, limited[1], made_of(1, effective, before));
+        TEST_ASSERT_DOUBLE_WITHIN(10 * EXACT, at_most, made_of(0, effective, before));
+        TEST_ASSERT_EQUAL_DOUBLE(v[1], effective[1]);
+        memcpy(before, effective, sizeof before);
+    }
+    TEST_ASSERT_TRUE(limited > 50 && limited < 200);
+}
+
+/* Both MVs at a limit: both pasts are those that would have given what took effect. */
+static void recursing_with_all_mvs_at_a_limit_the_past_is_what_took_effect(void)
+{
+    double before[2] = {0, 0};
+    begin_at(0, 0);
+    for (unsigned t = 0; t < 100; t++) {
+        double v[2] = {0.4 + 0.1 * sin(0.3 * t), 0.2 - 0.1 * cos(0.2 * t)};
+        stepped(v[0], v[1]);
+        double u[2] = {D(out[0]), D(out[1])};
+        told(0.1 - u[0], 0.05 - u[1]);
+        double effective[2] = {v[0] + D(out[0]), v[1] + D(out[1])};
+        TEST_ASSERT_DOUBLE_WITHIN(10 * EXACT, 0.1, made_of(0, effective, before));
+        TEST_ASSERT_DOUBLE_WITHIN(10 * EXACT, 0.05, made_of(1, effective, before));
         memcpy(before, effective, sizeof before);
     }
 }
@@ -392,7 +413,8 @@ int main(void)
     RUN_TEST(a_loop_in_manual_neither_moves_nor_is_moved);
     RUN_TEST(a_loop_that_joins_bumps_nothing_and_what_is_under_way_goes_on);
     RUN_TEST(other_settings_move_no_mv);
-    RUN_TEST(recursing_its_past_is_what_would_have_given_the_mvs_that_took_effect);
+    RUN_TEST(recursing_the_loop_at_its_limit_gives_way_and_the_other_does_not);
+    RUN_TEST(recursing_with_all_mvs_at_a_limit_the_past_is_what_took_effect);
     RUN_TEST(scaling_all_moves_are_shortened_to_the_same_part);
     RUN_TEST(nothing_limited_comes_to_nothing_exactly);
     RUN_TEST(one_without_an_inverse_at_rest_is_refused);
