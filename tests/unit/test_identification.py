@@ -13,8 +13,10 @@ from pathlib import Path
 
 import numpy as np
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "tools"))
+ROOT = Path(__file__).resolve().parents[2]
+sys.path[:0] = [str(ROOT / "tools"), str(ROOT / "tools" / "figures")]
 
+import arx_bias  # noqa: E402
 from reflux_tools import cmd_identify, identification, libreflux  # noqa: E402
 from reflux_tools.errors import UserError  # noqa: E402
 
@@ -63,6 +65,39 @@ class Identification(unittest.TestCase):
     def test_of_decimated_samples_one_in_so_many_is_kept(self):
         kept = identification.decimate(np.full(21, 3.0), 5, 0.5)
         np.testing.assert_allclose(kept, [3.0] * 5)
+
+
+class Bias(unittest.TestCase):
+    """The numbers of tools/figures/arx_bias.py, the first twenty of its seeds."""
+
+    @classmethod
+    def setUpClass(cls):
+        cls.found = {}
+        u = identification.prbs(2, 4088, 1.0, bits=9)[0]
+        y = arx_bias.outputs(u)
+        for method in ("ls", "iv"):
+            cls.found[method] = arx_bias.errors(method, u, y, 0.01, 20)
+
+    def test_least_squares_are_off_by_many_of_their_standard_deviations_and_instruments_are_not(self):
+        for method, least, most in (("ls", 10.0, np.inf), ("iv", 0.0, 4.0)):
+            of_a = self.found[method].of_a
+            self.assertEqual(len(of_a), 20)
+            off = abs(of_a.mean()) / (of_a.std(ddof=1) / np.sqrt(len(of_a)))
+            self.assertTrue(least <= off <= most, f"{method}: {off:.1f} standard errors")
+
+    def test_the_bias_is_that_of_the_normal_equations(self):
+        """What least squares tend to: the moments of the record without noise, noise added to the diagonal of A."""
+        u = identification.prbs(2, 4088, 1.0, bits=9)[0]
+        y = arx_bias.outputs(u)[:, 1]
+        k = np.arange(2, len(y))
+        rows = np.column_stack([-y[k - 1], -y[k - 2], u[k - 1, 0], u[k - 2, 0], u[k - 1, 1], u[k - 2, 1]])
+        moments = rows.T @ rows / len(k) + np.diag([0.01**2, 0.01**2, 0, 0, 0, 0])
+        tends_to = np.linalg.solve(moments, rows.T @ y[k] / len(k))[0] - arx_bias.A[1, 0]
+        of_a = self.found["ls"].of_a
+        self.assertAlmostEqual(of_a.mean(), tends_to, delta=4 * of_a.std(ddof=1) / np.sqrt(len(of_a)))
+
+    def test_a_row_of_refusals_alone_has_no_numbers(self):
+        self.assertEqual(arx_bias.Errors(np.array([]), np.array([]), 5).cells(), ["all refused", "-"])
 
 
 class Tool(unittest.TestCase):
