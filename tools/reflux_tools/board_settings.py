@@ -1,0 +1,61 @@
+"""Settings that a tool has found, written to a board as one transaction: all of them are in force from one tick on, or none is."""
+
+from __future__ import annotations
+
+import contextlib
+from typing import Iterable
+
+from reflux_tools.errors import RunFailed
+from reflux_tools.ports import Port
+from reflux_tools.session import Refused, Session
+
+
+def write_settings(port: str, lines: Iterable[str], key: str | None = None) -> int:
+    """Sends the `set` lines between `begin` and `apply`; returns how many there were. Remarks and empty lines are left out. Nothing is
+    saved: that is for who has seen the loops run. port: as tools/console takes it; key opens the engineer level first.
+
+    Refused: the board did not take a line, or the whole of it. It says the line and the board's own words, and the board is as it was.
+    A transaction that somebody has open is not touched."""
+    wanted = settings_of(lines)
+    with contextlib.closing(Port(port)) as opened:
+        talk = Session(opened)
+        try:
+            if key:
+                talk.ask(f"unlock {key}")
+            send(talk, wanted)
+        finally:
+            with contextlib.suppress(RunFailed):
+                talk.write("mode human")
+    return len(wanted)
+
+
+def settings_of(lines: Iterable[str]) -> list[str]:
+    """The `set` lines; anything else but remarks is a mistake of the caller."""
+    wanted = [line.strip() for line in lines if line.strip() and not line.strip().startswith("#")]
+    for line in wanted:
+        if not line.startswith("set ") or len(line.split(None, 2)) != 3:
+            raise ValueError(f"'{line}' is no `set NAME VALUE`")
+    if not wanted:
+        raise ValueError("there is nothing to set")
+    return wanted
+
+
+def send(talk: Session, wanted: list[str]) -> None:
+    step = "begin"
+    ask(talk, step)
+    try:
+        for step in [*wanted, "apply"]:
+            ask(talk, step)
+    except BaseException:
+        # Ours alone: `begin` was taken, so the transaction is not somebody else's.
+        with contextlib.suppress(RunFailed):
+            talk.ask("abandon")
+        raise
+
+
+def ask(talk: Session, command: str) -> None:
+    try:
+        talk.ask(command)
+    except Refused as error:
+        text = f"the board refuses `{command}`, and nothing of it is in force: {error}"
+        raise Refused(text if "LOCKED" not in str(error) else f"{text}; --key opens the engineer level") from None
