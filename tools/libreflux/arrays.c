@@ -8,6 +8,7 @@
 #include "interact/ina_search.h"
 #include "interact/plant.h"
 #include "num/ceigen.h"
+#include "sampled.h"
 
 static void give_response(const struct cmatrix *from, double *to)
 {
@@ -69,27 +70,34 @@ int32_t reflux_response(const struct reflux_plant *plant, int32_t points, const 
     return err;
 }
 
+enum err take_sampled(const struct reflux_sampled *from, struct difference_model *to)
+{
+    memset(to, 0, sizeof *to);
+    if (from->outputs < 1 || from->outputs > DIFFERENCE_MOST || from->inputs < 1 ||
+        from->inputs > DIFFERENCE_MOST || from->na < 0 || from->na > DIFFERENCE_A_MOST ||
+        from->nb < 1 || from->nb > DIFFERENCE_B_MOST)
+        return ERR_RANGE;
+    to->outputs = (uint8_t)from->outputs;
+    to->inputs = (uint8_t)from->inputs;
+    to->na = (uint8_t)from->na;
+    to->nb = (uint8_t)from->nb;
+    to->period_s = from->period_s;
+    for (int i = 0; i < from->outputs; i++) {
+        for (int k = 0; k < from->na; k++)
+            to->a[i][k] = from->a[i * from->na + k];
+        for (int j = 0; j < from->inputs; j++)
+            for (int k = 0; k < from->nb; k++)
+                to->b[i][j][k] = from->b[(i * from->inputs + j) * from->nb + k];
+    }
+    return ERR_OK;
+}
+
 int32_t reflux_response_sampled(const struct reflux_sampled *model, int32_t points,
                                 const double *omega, double *response)
 {
     struct difference_model m;
-    memset(&m, 0, sizeof m);
-    if (model->outputs < 1 || model->outputs > DIFFERENCE_MOST || model->inputs < 1 ||
-        model->inputs > DIFFERENCE_MOST || model->na < 0 || model->na > DIFFERENCE_A_MOST ||
-        model->nb < 1 || model->nb > DIFFERENCE_B_MOST)
+    if (take_sampled(model, &m))
         return ERR_RANGE;
-    m.outputs = (uint8_t)model->outputs;
-    m.inputs = (uint8_t)model->inputs;
-    m.na = (uint8_t)model->na;
-    m.nb = (uint8_t)model->nb;
-    m.period_s = model->period_s;
-    for (int i = 0; i < model->outputs; i++) {
-        for (int k = 0; k < model->na; k++)
-            m.a[i][k] = model->a[i * model->na + k];
-        for (int j = 0; j < model->inputs; j++)
-            for (int k = 0; k < model->nb; k++)
-                m.b[i][j][k] = model->b[(i * model->inputs + j) * model->nb + k];
-    }
     size_t elements = (size_t)m.outputs * m.inputs;
     enum err err = ERR_OK;
     for (int32_t k = 0; k < points && !err; k++) {

@@ -20,6 +20,7 @@ COMMANDS = {
     "gradients": "cmd_gradients",
     "consistency": "cmd_consistency",
     "ina": "cmd_ina",
+    "decouple": "cmd_decouple",
     "identify": "cmd_identify",
     "style": "cmd_style",
     "fuzz": "cmd_fuzz",
