@@ -94,26 +94,51 @@ void arx_push(struct arx_history *h, uint8_t inputs, real_t y, const real_t *u, 
     move_in(h->e, ARX_C_MOST, e);
 }
 
+enum err arx_collect_begin(struct arx_collecting *c, const struct arx_data *d, uint8_t output,
+                           const struct arx_orders *o, uint32_t from, uint32_t to, uint32_t skip,
+                           struct arx_work *w)
+{
+    size_t n = arx_parameters(o, d->inputs);
+    memset(c, 0, sizeof *c);
+    if (to > d->samples || from > to || to - from < skip || to - from - skip < n + 2)
+        return ERR_EMPTY;
+    c->data = d;
+    c->output = output;
+    c->orders = *o;
+    c->from = c->k = from;
+    c->to = to;
+    c->skip = skip;
+    c->work = w;
+    triangle_begin(&w->triangle, n + 1, 0, w->of);
+    return ERR_OK;
+}
+
+bool arx_collect_piece(struct arx_collecting *c, uint32_t most)
+{
+    const struct arx_data *d = c->data;
+    size_t n = arx_parameters(&c->orders, d->inputs);
+    for (; c->k < c->to && most > 0; c->k++, most--) {
+        real_t row[ARX_MOST + 1], y = d->y[(size_t)c->k * d->outputs + c->output];
+        if (c->k - c->from >= c->skip) {
+            arx_regressor(&c->orders, d->inputs, &c->history, row);
+            row[n] = y;
+            triangle_row(&c->work->triangle, row);
+            c->rows++;
+        }
+        arx_push(&c->history, d->inputs, y, &d->u[(size_t)c->k * d->inputs], ZERO);
+    }
+    return c->k < c->to;
+}
+
 enum err arx_collect(const struct arx_data *d, uint8_t output, const struct arx_orders *o,
                      uint32_t from, uint32_t to, uint32_t skip, struct arx_work *w, uint32_t *rows)
 {
-    size_t n = arx_parameters(o, d->inputs);
-    struct arx_history h = {0};
-    *rows = 0;
-    if (to > d->samples || from > to || to - from < skip || to - from - skip < n + 2)
-        return ERR_EMPTY;
-    triangle_begin(&w->triangle, n + 1, 0, w->of);
-    for (uint32_t k = from; k < to; k++) {
-        real_t row[ARX_MOST + 1], y = d->y[(size_t)k * d->outputs + output];
-        if (k - from >= skip) {
-            arx_regressor(o, d->inputs, &h, row);
-            row[n] = y;
-            triangle_row(&w->triangle, row);
-            ++*rows;
-        }
-        arx_push(&h, d->inputs, y, &d->u[(size_t)k * d->inputs], ZERO);
-    }
-    return ERR_OK;
+    struct arx_collecting c;
+    enum err err = arx_collect_begin(&c, d, output, o, from, to, skip, w);
+    if (!err)
+        (void)arx_collect_piece(&c, to - from);
+    *rows = c.rows;
+    return err;
 }
 
 enum err arx_take(const struct triangle *t, struct arx_fit *fit)
@@ -130,39 +155,72 @@ enum err arx_take(const struct triangle *t, struct arx_fit *fit)
     return ERR_OK;
 }
 
-enum err arx_judge(const struct arx_data *d, uint8_t output, const struct arx_fit *fit,
-                   uint32_t from, uint32_t to, struct arx_judgement *judged)
+enum err arx_judge_begin(struct arx_judging *j, const struct arx_data *d, uint8_t output,
+                         const struct arx_fit *fit, uint32_t from, uint32_t to)
 {
+    memset(j, 0, sizeof *j);
+    if (to > d->samples || from > to || to - from <= arx_before(&fit->orders, d->inputs))
+        return ERR_EMPTY;
+    j->data = d;
+    j->fit = fit;
+    j->output = output;
+    j->from = j->k = from;
+    j->to = to;
+    return ERR_OK;
+}
+
+static void judge_errors(struct arx_judging *j, real_t y, real_t x, real_t e)
+{
+    j->rows += ONE;
+    real_t off = y - j->mean;
+    j->mean += off / j->rows;
+    j->about += off * (y - j->mean);
+    j->step += (e * e - j->step) / j->rows;
+    j->alone += ((y - x) * (y - x) - j->alone) / j->rows;
+}
+
+bool arx_judge_piece(struct arx_judging *j, uint32_t most)
+{
+    const struct arx_data *d = j->data;
+    const struct arx_fit *fit = j->fit;
     size_t n = arx_parameters(&fit->orders, d->inputs),
            before = arx_before(&fit->orders, d->inputs);
-    struct arx_history h = {0}, simulated = {0};
-    real_t mean = ZERO, step = ZERO, alone = ZERO, about = ZERO, rows = ZERO;
-    memset(judged, 0, sizeof *judged);
-    if (to > d->samples || from > to || to - from <= before)
-        return ERR_EMPTY;
-    for (uint32_t k = from; k < to; k++) {
-        real_t phi[ARX_MOST], y = d->y[(size_t)k * d->outputs + output], x = y, e = ZERO;
-        if (k - from >= before) {
-            arx_regressor(&fit->orders, d->inputs, &h, phi);
+    for (; j->k < j->to && most > 0; j->k++, most--) {
+        const real_t *u = &d->u[(size_t)j->k * d->inputs];
+        real_t phi[ARX_MOST], y = d->y[(size_t)j->k * d->outputs + j->output], x = y, e = ZERO;
+        if (j->k - j->from >= before) {
+            arx_regressor(&fit->orders, d->inputs, &j->history, phi);
             e = y - arx_sum(phi, fit->theta, n);
-            arx_regressor(&fit->orders, d->inputs, &simulated, phi);
+            arx_regressor(&fit->orders, d->inputs, &j->simulated, phi);
             x = arx_sum(phi, fit->theta, n);
             if (!(real_abs(x) <= VALUE_MAX)) /* diverges: stays there */
                 x = VALUE_MAX;
-            rows += ONE;
-            real_t off = y - mean;
-            mean += off / rows;
-            about += off * (y - mean);
-            step += (e * e - step) / rows;
-            alone += ((y - x) * (y - x) - alone) / rows;
+            judge_errors(j, y, x, e);
         }
-        arx_push(&h, d->inputs, y, &d->u[(size_t)k * d->inputs], e);
-        arx_push(&simulated, d->inputs, x, &d->u[(size_t)k * d->inputs], ZERO);
+        arx_push(&j->history, d->inputs, y, u, e);
+        arx_push(&j->simulated, d->inputs, x, u, ZERO);
     }
-    judged->rows = to - from - (uint32_t)before;
-    judged->step_squares = step;
-    judged->simulated_squares = alone;
-    judged->squares = about / rows;
+    return j->k < j->to;
+}
+
+void arx_judge_take(const struct arx_judging *j, struct arx_judgement *judged)
+{
+    judged->rows = j->to - j->from - (uint32_t)arx_before(&j->fit->orders, j->data->inputs);
+    judged->step_squares = j->step;
+    judged->simulated_squares = j->alone;
+    judged->squares = j->about / j->rows;
+}
+
+enum err arx_judge(const struct arx_data *d, uint8_t output, const struct arx_fit *fit,
+                   uint32_t from, uint32_t to, struct arx_judgement *judged)
+{
+    struct arx_judging j;
+    memset(judged, 0, sizeof *judged);
+    enum err err = arx_judge_begin(&j, d, output, fit, from, to);
+    if (err)
+        return err;
+    (void)arx_judge_piece(&j, to - from);
+    arx_judge_take(&j, judged);
     return ERR_OK;
 }
 

@@ -90,6 +90,22 @@ static inline real_t arx_sum(const real_t *phi, const real_t *theta, size_t n)
 
 /* Rows of a record in the columns of orders and y: the triangle from which models of lower orders follow. skip: samples at
  * the beginning of the range that only begin the history, arx_before() or more. nc is 0. */
+struct arx_collecting {
+    const struct arx_data *data;
+    struct arx_orders orders;
+    struct arx_history history;
+    struct arx_work *work;
+    uint32_t from, to, skip, k, rows;
+    uint8_t output;
+};
+/* In pieces, for a processor that has other things to do; all of it lives on meanwhile. arx_collect_piece takes up to `most`
+ * samples and is true while there are more. */
+MUST_CHECK enum err arx_collect_begin(struct arx_collecting *c, const struct arx_data *data,
+                                      uint8_t output, const struct arx_orders *orders,
+                                      uint32_t from, uint32_t to, uint32_t skip,
+                                      struct arx_work *work);
+bool arx_collect_piece(struct arx_collecting *c, uint32_t most);
+/* All of it at once. */
 MUST_CHECK enum err arx_collect(const struct arx_data *data, uint8_t output,
                                 const struct arx_orders *orders, uint32_t from, uint32_t to,
                                 uint32_t skip, struct arx_work *work, uint32_t *rows);
@@ -104,6 +120,20 @@ struct arx_judgement {
     real_t simulated_squares; /* of y less the output of the model with u alone */
     real_t squares;           /* of y about its mean */
 };
+struct arx_judging {
+    const struct arx_data *data;
+    const struct arx_fit *fit;
+    struct arx_history history, simulated;
+    real_t mean, step, alone, about, rows;
+    uint32_t from, to, k;
+    uint8_t output;
+};
+/* In pieces; arx_judge_take once arx_judge_piece is false. */
+MUST_CHECK enum err arx_judge_begin(struct arx_judging *j, const struct arx_data *data,
+                                    uint8_t output, const struct arx_fit *fit, uint32_t from,
+                                    uint32_t to);
+bool arx_judge_piece(struct arx_judging *j, uint32_t most);
+void arx_judge_take(const struct arx_judging *j, struct arx_judgement *judgement);
 /* ERR_EMPTY: no row. Simulated errors beyond 1e12 end up as infinity. */
 MUST_CHECK enum err arx_judge(const struct arx_data *data, uint8_t output,
                               const struct arx_fit *fit, uint32_t from, uint32_t to,

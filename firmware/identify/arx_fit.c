@@ -8,21 +8,31 @@
 #define ELS_PASSES 100
 #define SETTLED    REAL_C(1e-3) /* of a standard deviation */
 
-/* Samples from .. to - 1 of an output. */
-struct arx_part {
-    const struct arx_data *data;
-    uint8_t output;
-    uint32_t from, to;
-};
+enum fit_stage { FIT_LEAST, FIT_INSTRUMENTS, FIT_ERRORS, FIT_EXTENDED, FIT_OVER };
 
-static real_t output_at(const struct arx_part *p, uint32_t k)
+static const real_t *inputs_at(const struct arx_fitting *f)
 {
-    return p->data->y[(size_t)k * p->data->outputs + p->output];
+    return &f->rows.data->u[(size_t)f->rows.k * f->rows.data->inputs];
 }
 
-static const real_t *inputs_at(const struct arx_part *p, uint32_t k)
+static real_t output_at(const struct arx_fitting *f)
 {
-    return &p->data->u[(size_t)k * p->data->inputs];
+    return f->rows.data->y[(size_t)f->rows.k * f->rows.data->outputs + f->rows.output];
+}
+
+/* From the beginning of the record again. */
+static void begin_pass(struct arx_fitting *f, enum fit_stage stage)
+{
+    f->rows.k = f->rows.from;
+    memset(&f->rows.history, 0, sizeof f->rows.history);
+    memset(&f->clean, 0, sizeof f->clean);
+    f->stage = (uint8_t)stage;
+}
+
+static void end_fit(struct arx_fitting *f, enum err err)
+{
+    f->err = err;
+    f->stage = FIT_OVER;
 }
 
 /* Whether no theta has changed by more than rounding and a thousandth of its standard deviation. */
@@ -38,31 +48,32 @@ static bool unchanged(const struct arx_fit *fit, const real_t *before, size_t n)
 
 /* ---- instrumental variables ---- */
 
-/* Rows (z, phi, y) into a triangle of the instruments: with Z = Q R what stands on the right is Q'Phi and Q'y. */
-static enum err rotate_along(const struct arx_part *p, struct arx_work *w,
-                             const struct arx_fit *fit)
+static void begin_instruments(struct arx_fitting *f)
 {
-    const struct arx_orders *o = &fit->orders;
-    uint8_t inputs = p->data->inputs;
+    size_t n = arx_parameters(&f->fit->orders, f->rows.data->inputs);
+    memcpy(f->before, f->fit->theta, sizeof f->before);
+    triangle_begin(&f->rows.work->triangle, n, n + 1, f->rows.work->of);
+    begin_pass(f, FIT_INSTRUMENTS);
+}
+
+/* A row (z, phi, y) into a triangle of the instruments: with Z = Q R what stands on the right is Q'Phi and Q'y. */
+static enum err rotate_along(struct arx_fitting *f)
+{
+    const struct arx_orders *o = &f->fit->orders;
+    uint8_t inputs = f->rows.data->inputs;
     size_t n = arx_parameters(o, inputs), before = arx_before(o, inputs);
-    struct arx_history h = {0}, clean = {0};
-    triangle_begin(&w->triangle, n, n + 1, w->of);
-    for (uint32_t k = p->from; k < p->to; k++) {
-        real_t row[2 * ARX_MOST + 1], y = output_at(p, k), x = y;
-        if (k - p->from >= before) {
-            arx_regressor(o, inputs, &clean, row);
-            arx_regressor(o, inputs, &h, row + n);
-            row[2 * n] = y;
-            x = arx_sum(row, fit->theta, n);
-            if (!(real_abs(x) <= VALUE_MAX))
-                return ERR_STATE;
-            triangle_row(&w->triangle, row);
-        }
-        arx_push(&h, inputs, y, inputs_at(p, k), ZERO);
-        arx_push(&clean, inputs, x, inputs_at(p, k), ZERO);
+    real_t row[2 * ARX_MOST + 1], y = output_at(f), x = y;
+    if (f->rows.k - f->rows.from >= before) {
+        arx_regressor(o, inputs, &f->clean, row);
+        arx_regressor(o, inputs, &f->rows.history, row + n);
+        row[2 * n] = y;
+        x = arx_sum(row, f->fit->theta, n);
+        if (!(real_abs(x) <= VALUE_MAX))
+            return ERR_STATE;
+        triangle_row(&f->rows.work->triangle, row);
     }
-    for (size_t i = 0; i < n; i++)
-        memcpy(w->square[i], triangle_at(&w->triangle, i) + (n - i), (n + 1) * sizeof(real_t));
+    arx_push(&f->rows.history, inputs, y, inputs_at(f), ZERO);
+    arx_push(&f->clean, inputs, x, inputs_at(f), ZERO);
     return ERR_OK;
 }
 
@@ -108,21 +119,43 @@ static enum err invert_in_place(struct arx_work *w, size_t n)
     return ERR_OK;
 }
 
-/* Errors of fit->theta, and of what follows from them. */
-static void take_errors(const struct arx_part *p, size_t n, const struct arx_work *w,
-                        struct arx_fit *fit)
+/* The solution of a pass; its errors are looked at next. */
+static void solve_instruments(struct arx_fitting *f)
 {
-    struct arx_history h = {0};
-    size_t before = arx_before(&fit->orders, p->data->inputs);
-    fit->squares = ZERO;
-    for (uint32_t k = p->from; k < p->to; k++) {
-        real_t phi[ARX_MOST], y = output_at(p, k);
-        arx_regressor(&fit->orders, p->data->inputs, &h, phi);
-        real_t e = y - arx_sum(phi, fit->theta, n);
-        if (k - p->from >= before)
-            fit->squares += e * e;
-        arx_push(&h, p->data->inputs, y, inputs_at(p, k), ZERO);
+    struct arx_work *w = f->rows.work;
+    size_t n = arx_parameters(&f->fit->orders, f->rows.data->inputs);
+    for (size_t i = 0; i < n; i++)
+        memcpy(w->square[i], triangle_at(&w->triangle, i) + (n - i), (n + 1) * sizeof(real_t));
+    enum err err = invert_in_place(w, n);
+    if (err) {
+        end_fit(f, err);
+        return;
     }
+    for (size_t i = 0; i < n; i++)
+        f->fit->theta[i] = w->square[i][n];
+    f->fit->squares = ZERO;
+    begin_pass(f, FIT_ERRORS);
+}
+
+static enum err add_error(struct arx_fitting *f)
+{
+    struct arx_fit *fit = f->fit;
+    uint8_t inputs = f->rows.data->inputs;
+    real_t phi[ARX_MOST], y = output_at(f);
+    arx_regressor(&fit->orders, inputs, &f->rows.history, phi);
+    real_t e = y - arx_sum(phi, fit->theta, arx_parameters(&fit->orders, inputs));
+    if (f->rows.k - f->rows.from >= arx_before(&fit->orders, inputs))
+        fit->squares += e * e;
+    arx_push(&f->rows.history, inputs, y, inputs_at(f), ZERO);
+    return ERR_OK;
+}
+
+/* What follows from the errors of fit->theta, and whether there is another pass. */
+static void end_instruments(struct arx_fitting *f)
+{
+    struct arx_fit *fit = f->fit;
+    const struct arx_work *w = f->rows.work;
+    size_t n = arx_parameters(&fit->orders, f->rows.data->inputs);
     fit->variance = fit->squares / (real_t)(fit->rows - n);
     for (size_t i = 0; i < n;
          i++) { /* rows of the inverse; the order of its columns does not matter */
@@ -131,56 +164,44 @@ static void take_errors(const struct arx_part *p, size_t n, const struct arx_wor
             sum += w->square[i][j] * w->square[i][j];
         fit->sd[i] = real_sqrt(sum * fit->variance);
     }
-}
-
-static enum err by_instruments(const struct arx_part *p, struct arx_work *w, struct arx_fit *fit)
-{
-    size_t n = arx_parameters(&fit->orders, p->data->inputs);
-    fit->settled = false;
-    for (fit->passes = 1; fit->passes <= IV_PASSES; fit->passes++) {
-        real_t before[ARX_MOST];
-        memcpy(before, fit->theta, sizeof before);
-        enum err err = rotate_along(p, w, fit);
-        if (!err)
-            err = invert_in_place(w, n);
-        if (err)
-            return err;
-        for (size_t i = 0; i < n; i++)
-            fit->theta[i] = w->square[i][n];
-        take_errors(p, n, w, fit);
-        fit->settled = unchanged(fit, before, n);
-        if (fit->settled)
-            return ERR_OK;
+    fit->settled = unchanged(fit, f->before, n);
+    if (fit->settled || fit->passes >= IV_PASSES) {
+        end_fit(f, ERR_OK);
+        return;
     }
-    fit->passes = IV_PASSES;
-    return ERR_OK;
+    fit->passes++;
+    begin_instruments(f);
 }
 
 /* ---- extended least squares ---- */
 
-/* Rows with the errors that fit->theta has left; *mean gets theirs. */
-static enum err rotate_errors(const struct arx_part *p, struct arx_work *w,
-                              const struct arx_orders *o, const struct arx_fit *fit, real_t *mean)
+static void begin_extended(struct arx_fitting *f)
 {
-    uint8_t inputs = p->data->inputs;
-    size_t n = arx_parameters(o, inputs), known = arx_parameters(&fit->orders, inputs);
-    size_t before = arx_before(o, inputs);
-    struct arx_history h = {0};
-    triangle_begin(&w->triangle, n + 1, 0, w->of);
-    for (uint32_t k = p->from; k < p->to; k++) {
-        real_t row[ARX_MOST + 1], old[ARX_MOST], y = output_at(p, k), e = ZERO;
-        if (k - p->from >= before) {
-            arx_regressor(&fit->orders, inputs, &h, old);
-            e = y - arx_sum(old, fit->theta, known);
-            if (!(real_abs(e) <= VALUE_MAX))
-                return ERR_STATE;
-            arx_regressor(o, inputs, &h, row);
-            row[n] = y;
-            triangle_row(&w->triangle, row);
-            *mean += e / (real_t)fit->rows;
-        }
-        arx_push(&h, inputs, y, inputs_at(p, k), e);
+    memcpy(f->before, f->fit->theta, sizeof f->before);
+    f->mean = ZERO;
+    triangle_begin(&f->rows.work->triangle, arx_parameters(&f->with, f->rows.data->inputs) + 1, 0,
+                   f->rows.work->of);
+    begin_pass(f, FIT_EXTENDED);
+}
+
+/* A row with the errors that fit->theta has left; mean gets theirs. */
+static enum err rotate_errors(struct arx_fitting *f)
+{
+    const struct arx_fit *fit = f->fit;
+    uint8_t inputs = f->rows.data->inputs;
+    size_t n = arx_parameters(&f->with, inputs), known = arx_parameters(&fit->orders, inputs);
+    real_t row[ARX_MOST + 1], old[ARX_MOST], y = output_at(f), e = ZERO;
+    if (f->rows.k - f->rows.from >= arx_before(&f->with, inputs)) {
+        arx_regressor(&fit->orders, inputs, &f->rows.history, old);
+        e = y - arx_sum(old, fit->theta, known);
+        if (!(real_abs(e) <= VALUE_MAX))
+            return ERR_STATE;
+        arx_regressor(&f->with, inputs, &f->rows.history, row);
+        row[n] = y;
+        triangle_row(&f->rows.work->triangle, row);
+        f->mean += e / (real_t)fit->rows;
     }
+    arx_push(&f->rows.history, inputs, y, inputs_at(f), e);
     return ERR_OK;
 }
 
@@ -192,54 +213,123 @@ static void level_constant(struct arx_fit *fit, size_t n, real_t mean)
         fit->theta[n - 1] += fit->theta[n - 2 - k] * mean;
 }
 
-static enum err extend(const struct arx_part *p, uint8_t nc, struct arx_work *w,
-                       struct arx_fit *fit)
+static void end_extended(struct arx_fitting *f)
 {
-    struct arx_orders with = fit->orders;
-    with.nc = nc;
-    size_t n = arx_parameters(&with, p->data->inputs), skip = arx_before(&with, p->data->inputs);
-    if (p->to - p->from < skip + n + 2)
-        return ERR_EMPTY;
-    fit->rows = p->to - p->from - (uint32_t)skip;
-    fit->settled = false;
-    for (fit->passes = 1; fit->passes <= ELS_PASSES; fit->passes++) {
-        real_t before[ARX_MOST], mean = ZERO;
-        memcpy(before, fit->theta, sizeof before);
-        enum err err = rotate_errors(p, w, &with, fit, &mean);
-        if (err)
-            return err;
-        fit->orders = with;
-        err = arx_take(&w->triangle, fit);
-        if (err)
-            return err;
-        level_constant(fit, n, mean);
-        fit->settled = unchanged(fit, before, n);
-        if (fit->settled)
-            return ERR_OK;
-        /* Half the way only: C of the whole may be unstable, and errors then grow without end. */
-        for (size_t i = 0; i < n && fit->passes > 1; i++)
-            fit->theta[i] = before[i] + REAL_C(0.5) * (fit->theta[i] - before[i]);
+    struct arx_fit *fit = f->fit;
+    size_t n = arx_parameters(&f->with, f->rows.data->inputs);
+    fit->orders = f->with;
+    enum err err = arx_take(&f->rows.work->triangle, fit);
+    if (err) {
+        end_fit(f, err);
+        return;
     }
-    fit->passes = ELS_PASSES;
-    return ERR_OK;
+    level_constant(fit, n, f->mean);
+    fit->settled = unchanged(fit, f->before, n);
+    if (fit->settled) {
+        end_fit(f, ERR_OK);
+        return;
+    }
+    /* Half the way only: C of the whole may be unstable, and errors then grow without end. */
+    for (size_t i = 0; i < n && fit->passes > 1; i++)
+        fit->theta[i] = f->before[i] + REAL_C(0.5) * (fit->theta[i] - f->before[i]);
+    if (fit->passes >= ELS_PASSES) {
+        end_fit(f, ERR_OK);
+        return;
+    }
+    fit->passes++;
+    begin_extended(f);
+}
+
+/* ---- all of them ---- */
+
+void arx_fit_begin(struct arx_fitting *f, const struct arx_data *d, uint8_t output,
+                   const struct arx_orders *o, enum arx_method method, uint32_t from, uint32_t to,
+                   struct arx_work *w, struct arx_fit *fit)
+{
+    memset(fit, 0, sizeof *fit);
+    memset(f, 0, sizeof *f);
+    fit->orders = f->with = *o;
+    fit->orders.nc = 0;
+    f->fit = fit;
+    f->method = (uint8_t)method;
+    f->err = arx_collect_begin(&f->rows, d, output, &fit->orders, from, to,
+                               (uint32_t)arx_before(o, d->inputs), w);
+    if (f->err)
+        f->stage = FIT_OVER;
+}
+
+/* Least squares are there: all of it, or where the passes begin. */
+static void end_least(struct arx_fitting *f)
+{
+    struct arx_fit *fit = f->fit;
+    fit->rows = f->rows.rows;
+    enum err err = arx_take(&f->rows.work->triangle, fit);
+    fit->settled = true;
+    if (err || f->method == ARX_LS) {
+        end_fit(f, err);
+        return;
+    }
+    fit->settled = false;
+    fit->passes = 1;
+    if (f->method == ARX_IV) {
+        begin_instruments(f);
+        return;
+    }
+    size_t n = arx_parameters(&f->with, f->rows.data->inputs),
+           skip = arx_before(&f->with, f->rows.data->inputs);
+    if (f->rows.to - f->rows.from < skip + n + 2) {
+        end_fit(f, ERR_EMPTY);
+        return;
+    }
+    fit->rows = f->rows.to - f->rows.from - (uint32_t)skip;
+    begin_extended(f);
+}
+
+static enum err take_sample(struct arx_fitting *f)
+{
+    if (f->stage == FIT_INSTRUMENTS)
+        return rotate_along(f);
+    return f->stage == FIT_ERRORS ? add_error(f) : rotate_errors(f);
+}
+
+/* Samples of a pass; what comes behind the last one is the next piece. */
+static void go_through(struct arx_fitting *f, uint32_t most)
+{
+    for (; f->rows.k < f->rows.to && most > 0; f->rows.k++, most--) {
+        enum err err = take_sample(f);
+        if (err) {
+            end_fit(f, err);
+            return;
+        }
+    }
+}
+
+bool arx_fit_piece(struct arx_fitting *f, uint32_t most)
+{
+    bool rows_left = f->stage != FIT_OVER && f->rows.k < f->rows.to;
+    if (f->stage == FIT_LEAST && rows_left)
+        (void)arx_collect_piece(&f->rows, most);
+    else if (f->stage == FIT_LEAST)
+        end_least(f);
+    else if (rows_left)
+        go_through(f, most);
+    else if (f->stage == FIT_INSTRUMENTS)
+        solve_instruments(f);
+    else if (f->stage == FIT_ERRORS)
+        end_instruments(f);
+    else if (f->stage == FIT_EXTENDED)
+        end_extended(f);
+    return f->stage != FIT_OVER;
 }
 
 enum err arx_fit(const struct arx_data *d, uint8_t output, const struct arx_orders *o,
                  enum arx_method method, uint32_t from, uint32_t to, struct arx_work *w,
                  struct arx_fit *fit)
 {
-    const struct arx_part part = {d, output, from, to};
-    memset(fit, 0, sizeof *fit);
-    fit->orders = *o;
-    fit->orders.nc = 0;
-    enum err err = arx_collect(d, output, &fit->orders, from, to,
-                               (uint32_t)arx_before(o, d->inputs), w, &fit->rows);
-    if (!err)
-        err = arx_take(&w->triangle, fit);
-    fit->settled = true;
-    if (err || method == ARX_LS)
-        return err;
-    if (method == ARX_IV)
-        return by_instruments(&part, w, fit);
-    return extend(&part, o->nc, w, fit);
+    struct arx_fitting f;
+    arx_fit_begin(&f, d, output, o, method, from, to, w, fit);
+    /* A pass has two pieces, instruments have two passes for each solution. */
+    for (unsigned piece = 0; piece < 4u * ELS_PASSES && arx_fit_piece(&f, to - from); piece++)
+        ;
+    return f.err;
 }

@@ -23,4 +23,20 @@ MUST_CHECK enum err arx_fit(const struct arx_data *data, uint8_t output,
                             const struct arx_orders *orders, enum arx_method method, uint32_t from,
                             uint32_t to, struct arx_work *work, struct arx_fit *fit);
 
+/* The same in pieces: data, work and fit live on until it is over. Within, but for err. */
+struct arx_fitting {
+    struct arx_collecting rows; /* of least squares; data, output, from, to and k of all */
+    struct arx_history clean;   /* instruments */
+    struct arx_orders with;     /* els: those of fit, and C */
+    struct arx_fit *fit;
+    real_t before[ARX_MOST], mean;
+    uint8_t method, stage; /* enum arx_method */
+    enum err err;          /* once it is over: as arx_fit */
+};
+void arx_fit_begin(struct arx_fitting *f, const struct arx_data *data, uint8_t output,
+                   const struct arx_orders *orders, enum arx_method method, uint32_t from,
+                   uint32_t to, struct arx_work *work, struct arx_fit *fit);
+/* Up to `most` samples of a pass, or what comes at its end: some n^3 operations for n parameters. True while there is more. */
+bool arx_fit_piece(struct arx_fitting *f, uint32_t most);
+
 #endif
