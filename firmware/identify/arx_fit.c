@@ -29,7 +29,7 @@ static void begin_pass(struct arx_fitting *f, enum fit_stage stage)
     f->stage = (uint8_t)stage;
 }
 
-static void end_fit(struct arx_fitting *f, enum err err)
+static void end_of_fit(struct arx_fitting *f, enum err err)
 {
     f->err = err;
     f->stage = FIT_OVER;
@@ -128,7 +128,7 @@ static void solve_instruments(struct arx_fitting *f)
         memcpy(w->square[i], triangle_at(&w->triangle, i) + (n - i), (n + 1) * sizeof(real_t));
     enum err err = invert_in_place(w, n);
     if (err) {
-        end_fit(f, err);
+        end_of_fit(f, err);
         return;
     }
     for (size_t i = 0; i < n; i++)
@@ -166,7 +166,7 @@ static void end_instruments(struct arx_fitting *f)
     }
     fit->settled = unchanged(fit, f->before, n);
     if (fit->settled || fit->passes >= IV_PASSES) {
-        end_fit(f, ERR_OK);
+        end_of_fit(f, ERR_OK);
         return;
     }
     fit->passes++;
@@ -220,20 +220,20 @@ static void end_extended(struct arx_fitting *f)
     fit->orders = f->with;
     enum err err = arx_take(&f->rows.work->triangle, fit);
     if (err) {
-        end_fit(f, err);
+        end_of_fit(f, err);
         return;
     }
     level_constant(fit, n, f->mean);
     fit->settled = unchanged(fit, f->before, n);
     if (fit->settled) {
-        end_fit(f, ERR_OK);
+        end_of_fit(f, ERR_OK);
         return;
     }
     /* Half the way only: C of the whole may be unstable, and errors then grow without end. */
     for (size_t i = 0; i < n && fit->passes > 1; i++)
         fit->theta[i] = f->before[i] + REAL_C(0.5) * (fit->theta[i] - f->before[i]);
     if (fit->passes >= ELS_PASSES) {
-        end_fit(f, ERR_OK);
+        end_of_fit(f, ERR_OK);
         return;
     }
     fit->passes++;
@@ -266,7 +266,7 @@ static void end_least(struct arx_fitting *f)
     enum err err = arx_take(&f->rows.work->triangle, fit);
     fit->settled = true;
     if (err || f->method == ARX_LS) {
-        end_fit(f, err);
+        end_of_fit(f, err);
         return;
     }
     fit->settled = false;
@@ -278,14 +278,14 @@ static void end_least(struct arx_fitting *f)
     size_t n = arx_parameters(&f->with, f->rows.data->inputs),
            skip = arx_before(&f->with, f->rows.data->inputs);
     if (f->rows.to - f->rows.from < skip + n + 2) {
-        end_fit(f, ERR_EMPTY);
+        end_of_fit(f, ERR_EMPTY);
         return;
     }
     fit->rows = f->rows.to - f->rows.from - (uint32_t)skip;
     begin_extended(f);
 }
 
-static enum err take_sample(struct arx_fitting *f)
+static enum err fit_row(struct arx_fitting *f)
 {
     if (f->stage == FIT_INSTRUMENTS)
         return rotate_along(f);
@@ -296,9 +296,9 @@ static enum err take_sample(struct arx_fitting *f)
 static void go_through(struct arx_fitting *f, uint32_t most)
 {
     for (; f->rows.k < f->rows.to && most > 0; f->rows.k++, most--) {
-        enum err err = take_sample(f);
+        enum err err = fit_row(f);
         if (err) {
-            end_fit(f, err);
+            end_of_fit(f, err);
             return;
         }
     }
