@@ -13,6 +13,7 @@ struct rst_coefficients {
     struct coefficient error;            /* Q(1) */
     struct coefficient p[MOST];          /* of u, one step ago and before, negative */
     struct coefficient q[MOST], r[MOST]; /* of y and w, now and before; q negative */
+    unsigned used;                       /* of each; what is behind them is 0 */
 };
 
 struct rst {
@@ -94,6 +95,10 @@ static void set_coefficients(struct rst_coefficients *to, const struct rst_setti
         q += c->q[k];
         r += c->r[k];
     }
+    to->used = MOST;
+    while (to->used > 1 && c->p[to->used - 1] == 0.0f && c->q[to->used - 1] == 0.0f &&
+           c->r[to->used - 1] == 0.0f)
+        to->used--;
 }
 
 /* To sum: what the past and these moves of w and y add to u, without the error's share. */
@@ -102,9 +107,9 @@ static void add_moves(const struct rst *s, num_t dw, num_t dy, struct accumulato
     const struct rst_coefficients *c = &s->c;
     accumulator_add_product(sum, c->r[0], dw);
     accumulator_add_product(sum, c->q[0], dy);
-    for (unsigned k = 0; k < MOST; k++)
+    for (unsigned k = 0; k < c->used; k++)
         accumulator_add_product(sum, c->p[k], s->du[k]);
-    for (unsigned k = 1; k < MOST; k++) {
+    for (unsigned k = 1; k < c->used; k++) {
         accumulator_add_product(sum, c->r[k], s->dw[k - 1]);
         accumulator_add_product(sum, c->q[k], s->dy[k - 1]);
     }
@@ -120,9 +125,9 @@ static struct accumulator at_rest(const struct rst *s)
     return sum;
 }
 
-static void forget_moves(struct rst *s)
+static void forget_moves(struct rst *s, unsigned from)
 {
-    for (unsigned k = 0; k < MOST; k++)
+    for (unsigned k = from; k < MOST; k++)
         s->du[k] = s->dy[k] = s->dw[k] = num_zero();
 }
 
@@ -133,11 +138,11 @@ static enum err rst_configure(void *state, const struct block_setup *setup, bool
     float size;
     if (!retune) {
         memset(s, 0, sizeof *s);
-        forget_moves(s);
+        forget_moves(s, 0);
     }
     struct accumulator before = at_rest(s);
-    if (s->period_s != setup->interval_s)
-        forget_moves(s); /* they are of other samples */
+    /* Those of other samples, and what was not kept. */
+    forget_moves(s, s->period_s == setup->interval_s ? s->c.used : 0);
     set_coefficients(&s->c, c);
     s->period_s = setup->interval_s;
     s->rises = sum_of(c->q, &size) > 0;
@@ -149,9 +154,10 @@ static enum err rst_configure(void *state, const struct block_setup *setup, bool
 
 /* ---- steps ---- */
 
-static void keep_newest(num_t past[MOST], num_t newest)
+/* As many as are looked at. */
+static void keep_newest(const struct rst *s, num_t past[MOST], num_t newest)
 {
-    memmove(past + 1, past, (MOST - 1) * sizeof *past);
+    memmove(past + 1, past, (s->c.used - 1u) * sizeof *past);
     past[0] = newest;
 }
 
@@ -164,8 +170,8 @@ static void rst_step(void *state, struct block_io *io)
     accumulator_add_product(&s->added, s->c.error, s->error);
     accumulator_add_sum(&s->base, &s->added);
     add_moves(s, dw, dy, &s->base);
-    keep_newest(s->dw, dw);
-    keep_newest(s->dy, dy);
+    keep_newest(s, s->dw, dw);
+    keep_newest(s, s->dy, dy);
     s->w = io->setpoint[0];
     s->y = io->in[0];
     s->given = io->out[0] = accumulator_get(&s->base);
@@ -175,7 +181,7 @@ static void rst_back_calculate(void *state, struct block_io *io)
 {
     struct rst *s = state;
     bool up = s->rises == num_lt(num_zero(), s->error);
-    keep_newest(s->du, num_sub(io->out[0], s->told));
+    keep_newest(s, s->du, num_sub(io->out[0], s->told));
     s->told = io->out[0];
     if (!num_eq(io->out[0], s->given))
         accumulator_set(&s->base, io->out[0]);
@@ -187,7 +193,7 @@ static void rst_back_calculate(void *state, struct block_io *io)
 static void rst_follow(void *state, struct block_io *io)
 {
     struct rst *s = state;
-    forget_moves(s);
+    forget_moves(s, 0);
     s->w = io->setpoint[0];
     s->y = io->in[0];
     s->error = num_sub(s->w, s->y);
