@@ -11,8 +11,10 @@ static float magnitude(float x)
     return x < 0.0f ? -x : x;
 }
 
-static bool invert(struct work *w, uint8_t n)
+/* Gauss and Jordan with partial pivoting: n rows of n + right numbers. */
+static bool eliminate(struct work *w, uint8_t n, uint8_t right)
 {
+    const uint8_t columns = (uint8_t)(n + right);
     for (uint8_t k = 0; k < n; k++) {
         uint8_t pivot = k;
         for (uint8_t i = (uint8_t)(k + 1u); i < n; i++)
@@ -20,22 +22,29 @@ static bool invert(struct work *w, uint8_t n)
                 pivot = i;
         if (magnitude(w->a[pivot][k]) < 1e-6f)
             return false;
-        for (uint8_t j = 0; j < 2u * n; j++) {
+        for (uint8_t j = 0; j < columns; j++) {
             float swap = w->a[k][j];
             w->a[k][j] = w->a[pivot][j];
             w->a[pivot][j] = swap;
         }
         float scale = w->a[k][k];
-        for (uint8_t j = 0; j < 2u * n; j++)
+        for (uint8_t j = 0; j < columns; j++)
             w->a[k][j] = w->a[k][j] / scale;
         for (uint8_t i = 0; i < n; i++) {
             float factor = w->a[i][k];
             if (i == k || factor == 0.0f)
                 continue;
-            for (uint8_t j = 0; j < 2u * n; j++)
+            for (uint8_t j = 0; j < columns; j++)
                 w->a[i][j] = w->a[i][j] - factor * w->a[k][j];
         }
     }
+    return true;
+}
+
+static bool invert(struct work *w, uint8_t n)
+{
+    if (!eliminate(w, n, n))
+        return false;
     for (uint8_t i = 0; i < n; i++)
         for (uint8_t j = n; j < 2u * n; j++)
             if (!(magnitude(w->a[i][j]) <= NUM_MAX_MAGNITUDE))
@@ -128,4 +137,25 @@ void decoupler_forward(const struct decoupler *decoupler, const num_t *v, num_t 
 void decoupler_back(const struct decoupler *decoupler, const num_t *du, num_t *dv)
 {
     multiply(decoupler, decoupler->inverse, du, dv);
+}
+
+void decoupler_give_way(const struct decoupler *decoupler, const num_t *du, num_t *dv)
+{
+    struct work w;
+    uint8_t limited[DECOUPLER_MAX];
+    uint8_t n = 0;
+    for (uint8_t i = 0; i < decoupler->n; i++) {
+        dv[decoupler->member[i]] = num_zero();
+        if (!num_eq(du[decoupler->member[i]], num_zero()))
+            limited[n++] = i;
+    }
+    for (uint8_t i = 0; i < n; i++) {
+        for (uint8_t j = 0; j < n; j++)
+            w.a[i][j] = num_to_float(decoupler->d[limited[i]][limited[j]]);
+        w.a[i][n] = num_to_float(du[decoupler->member[limited[i]]]);
+    }
+    if (!eliminate(&w, n, 1))
+        return; /* decoupler_check looked at every part */
+    for (uint8_t i = 0; i < n; i++)
+        dv[decoupler->member[limited[i]]] = num_from_float(w.a[i][n]);
 }

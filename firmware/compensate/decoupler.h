@@ -1,9 +1,11 @@
-/* Static decoupler: u = D v over the loops that are acting, and its back-calculation v = D^-1 u.
+/* Static decoupler: u = D v over the loops that are acting, and its back-calculation.
  *
  * D is given for all loops; only the rows and columns of the loops in automatic or cascade take part, so a
  * loop in manual neither moves nor is moved by the others. Fractions of output span throughout.
- * Only differences go back (D^-1 of applied - commanded): where nothing was limited the correction is
- * exactly zero, whatever the rounding of D^-1.
+ * When loops come or go all of v is D^-1 u. After a step only differences go back, applied - commanded, and only to the loops whose
+ * MVs were limited: they give way to where these MVs stand while the others ask for what they ask for. With D^-1 of all
+ * differences a loop at its limit would push the others a little in every tick, and they would rest beside their
+ * setpoints. Where nothing was limited the correction is exactly zero, whatever the rounding.
  */
 #ifndef REFLUX_COMPENSATE_DECOUPLER_H
 #define REFLUX_COMPENSATE_DECOUPLER_H
@@ -36,6 +38,8 @@ MUST_CHECK enum err decoupler_check(const struct block_setup *setup, uint8_t *wo
 void decoupler_forward(const struct decoupler *decoupler, const num_t *v, num_t *u);
 /* dv = D^-1 du for the members. */
 void decoupler_back(const struct decoupler *decoupler, const num_t *du, num_t *dv);
+/* dv of the members whose du is not 0, such that D dv is du in their rows; 0 of the others. */
+void decoupler_give_way(const struct decoupler *decoupler, const num_t *du, num_t *dv);
 
 /* A compensator: settings are a struct matrix_settings; members are the first DECOUPLER_MAX loops. Between select and the
  * next, only the members selected take part. */

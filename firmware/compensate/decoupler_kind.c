@@ -4,7 +4,11 @@
 struct decoupler_state {
     struct decoupler decoupler;
     uint8_t mask; /* members selected */
+    bool stepped; /* what comes next are differences from what the step gave */
 };
+
+/* Above that, in spans, a command may have been cut off at what num_t holds, and values come instead of differences. */
+#define DIFFERENCES_UP_TO 64.0f
 
 static uint32_t decoupler_bytes(const struct block_setup *setup)
 {
@@ -57,14 +61,22 @@ static bool decoupler_select_members(void *state, const void *settings, uint8_t 
 
 static void decoupler_step(void *state, struct block_io *io)
 {
-    const struct decoupler_state *s = state;
+    struct decoupler_state *s = state;
     decoupler_forward(&s->decoupler, io->in, io->out);
+    s->stepped = true;
+    for (uint8_t i = 0; i < s->decoupler.n; i++)
+        if (num_lt(num_from_float(DIFFERENCES_UP_TO), num_abs(io->out[s->decoupler.member[i]])))
+            s->stepped = false;
 }
 
 static void decoupler_back_calculate(void *state, struct block_io *io)
 {
-    const struct decoupler_state *s = state;
-    decoupler_back(&s->decoupler, io->in, io->out);
+    struct decoupler_state *s = state;
+    if (s->stepped)
+        decoupler_give_way(&s->decoupler, io->in, io->out);
+    else
+        decoupler_back(&s->decoupler, io->in, io->out);
+    s->stepped = false;
 }
 
 const struct block_kind decoupler_kind = {

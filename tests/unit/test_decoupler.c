@@ -87,6 +87,42 @@ static void no_difference_goes_back_as_exactly_no_difference(void)
     TEST_ASSERT_DOUBLE_WITHIN(0, 0, D(dv[1]));
 }
 
+static void a_limited_loop_gives_way_to_where_its_output_stands_and_the_others_stay(void)
+{
+    num_t du[8] = {0}, dv[8];
+    matrix[0][1] = 0.5f;
+    matrix[1][0] = -0.25f;
+    matrix[2][0] = 0.5f;
+    matrix[0][0] = 2.0f;
+    select_loops(0x07);
+    du[0] = N(-0.1);
+    decoupler_give_way(&decoupler, du, dv);
+    TEST_ASSERT_DOUBLE_WITHIN(PRODUCT, -0.05, D(dv[0]));
+    TEST_ASSERT_DOUBLE_WITHIN(0, 0, D(dv[1]));
+    TEST_ASSERT_DOUBLE_WITHIN(0, 0, D(dv[2]));
+}
+
+static void limited_loops_give_way_together_for_every_selection(void)
+{
+    struct random_source r = {20261126};
+    for (unsigned trial = 0; trial < 300; trial++) {
+        uint8_t limited = (uint8_t)(1u + random_below(&r, 255));
+        for (unsigned i = 0; i < 8; i++)
+            for (unsigned j = 0; j < 8; j++)
+                matrix[i][j] = i == j ? 1.0f : (float)random_below(&r, 2000) / 1e4f - 0.1f;
+        num_t du[8] = {0}, dv[8], back[8];
+        for (unsigned i = 0; i < 8; i++)
+            if (limited & (1u << i))
+                du[i] = N((double)(1 + random_below(&r, 1000)) / 1000);
+        select_loops(0xFF);
+        decoupler_give_way(&decoupler, du, dv);
+        decoupler_forward(&decoupler, dv, back);
+        for (unsigned i = 0; i < 8; i++)
+            TEST_ASSERT_DOUBLE_WITHIN(ROUND, D(limited & (1u << i) ? du[i] : dv[i]),
+                                      D(limited & (1u << i) ? back[i] : num_zero()));
+    }
+}
+
 static void a_matrix_without_an_inverse_is_refused_and_nothing_changes(void)
 {
     select_loops(0x01);
@@ -156,6 +192,8 @@ int main(void)
     RUN_TEST(loops_that_are_not_neighbours_can_be_selected);
     RUN_TEST(the_way_back_undoes_the_way_forward_for_every_selection);
     RUN_TEST(no_difference_goes_back_as_exactly_no_difference);
+    RUN_TEST(a_limited_loop_gives_way_to_where_its_output_stands_and_the_others_stay);
+    RUN_TEST(limited_loops_give_way_together_for_every_selection);
     RUN_TEST(a_matrix_without_an_inverse_is_refused_and_nothing_changes);
     RUN_TEST(a_nearly_singular_matrix_with_a_huge_inverse_is_refused);
     RUN_TEST(a_zero_on_the_diagonal_is_no_obstacle_while_the_whole_has_an_inverse);

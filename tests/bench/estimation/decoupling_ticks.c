@@ -133,8 +133,8 @@ static void cost_of_static(const char *what, unsigned loops, bool limited)
     for (unsigned i = 0; i < DECOUPLER_MAX; i++)
         for (unsigned j = 0; j < DECOUPLER_MAX; j++)
             matrix[i][j] = i == j ? 1.0f : 0.2f;
-    if (decoupler_select(d, (const float(*)[DECOUPLER_MAX])matrix,
-                         (uint8_t)((1u << loops) - 1u)) != ERR_OK)
+    if (decoupler_select(d, (const float(*)[DECOUPLER_MAX])matrix, (uint8_t)((1u << loops) - 1u)) !=
+        ERR_OK)
         return;
     for (unsigned t = 0; t < SAMPLES; t++) {
         next_inputs(loops);
@@ -145,7 +145,7 @@ static void cost_of_static(const char *what, unsigned loops, bool limited)
         for (unsigned k = 0; k < loops; k++)
             in[k] = limited && k == 0 ? num_from_float(-0.01f) : num_zero();
         uint32_t again = cost_now();
-        decoupler_back(d, in, dv);
+        decoupler_give_way(d, in, dv);
         uint32_t to = cost_now();
         if (t >= FIRST)
             cost_add(&cost, from, to - (again - between));
