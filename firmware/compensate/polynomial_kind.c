@@ -331,7 +331,7 @@ static void polynomial_back_calculate(void *state, struct block_io *io)
 {
     struct polynomials *s = state;
     num_t dv[LOOPS];
-    for (unsigned j = 0; j < s->loops; j++)
+    for (unsigned j = 0; j < LOOPS; j++)
         dv[j] = num_zero();
     if (s->limits == POLYNOMIAL_SCALE)
         shorten(s, io, dv);

@@ -185,9 +185,10 @@ bool arx_judge_piece(struct arx_judging *j, uint32_t most)
     const struct arx_fit *fit = j->fit;
     size_t n = arx_parameters(&fit->orders, d->inputs),
            before = arx_before(&fit->orders, d->inputs);
+    real_t phi[ARX_MOST] = {ZERO};
     for (; j->k < j->to && most > 0; j->k++, most--) {
         const real_t *u = &d->u[(size_t)j->k * d->inputs];
-        real_t phi[ARX_MOST], y = d->y[(size_t)j->k * d->outputs + j->output], x = y, e = ZERO;
+        real_t y = d->y[(size_t)j->k * d->outputs + j->output], x = y, e = ZERO;
         if (j->k - j->from >= before) {
             arx_regressor(&fit->orders, d->inputs, &j->history, phi);
             e = y - arx_sum(phi, fit->theta, n);
