@@ -161,6 +161,8 @@ def target_tests() -> list[Test]:
             *(same_log(f"target.self-tuning-{image.test}", image.twin, image.preset, "target", "self-tuning-pair",
                        ("begin", "set block1.supervise off", "apply"))
               for image in boards.RUNS if image.preset in WITH_BLOCKS),
+            *(same_log(f"target.decoupled-{image.test}", image.twin, image.preset, "target", "kotyk-decoupled")
+              for image in boards.RUNS if image.preset in WITH_BLOCKS),
             same_log("target.estimate-float", "host", "stm32f405", "target", "methanol-estimate"),
             # Until the feed has changed: three components, and two with a linear model.
             *(same_log(f"target.kalman-{covariance}-{image.test}", image.twin, image.preset, "target", "splitter-estimate",
