@@ -1,17 +1,14 @@
 #include "identify/arx_select.h"
 
+#include <string.h>
+
 #include "identify/common.h"
 
-/* The largest model, and what the trials have in common. */
-struct grid {
-    const struct arx_data *data;
-    struct arx_orders all;
-    enum arx_criterion criterion;
-};
+enum select_stage { SELECT_ROWS, SELECT_GRID, SELECT_DROP, SELECT_OVER };
 
-static real_t criterion_of(const struct grid *g, const struct arx_search *s, real_t squares,
-                           real_t p)
+static real_t criterion_of(const struct arx_selecting *g, real_t squares, real_t p)
 {
+    const struct arx_search *s = g->search;
     real_t rows = (real_t)s->rows,
            least = rows * (real_t)s->work.triangle.columns * REAL_EPSILON * REAL_EPSILON * s->of_y;
     if (squares < least)
@@ -23,12 +20,12 @@ static real_t criterion_of(const struct grid *g, const struct arx_search *s, rea
 }
 
 /* Columns that a lower model has of the largest's, and that of y. */
-static size_t columns_of(const struct grid *g, const struct arx_orders *o, uint8_t *column)
+static size_t columns_of(const struct arx_selecting *g, const struct arx_orders *o, uint8_t *column)
 {
     size_t n = 0, at = g->all.na;
     for (size_t k = 0; k < o->na; k++)
         column[n++] = (uint8_t)k;
-    for (size_t j = 0; j < g->data->inputs; j++)
+    for (size_t j = 0; j < g->rows.data->inputs; j++)
         for (size_t k = 1; k <= g->all.last[j]; k++, at++)
             if (o->last[j] > 0 && k >= o->first[j] && k <= o->last[j])
                 column[n++] = (uint8_t)at;
@@ -51,11 +48,12 @@ static bool tried(const struct arx_search *s, const struct arx_orders *o, uint8_
     return false;
 }
 
-static void try_orders(const struct grid *g, const struct arx_orders *o, struct arx_search *s)
+static void try_orders(struct arx_selecting *g, const struct arx_orders *o)
 {
+    struct arx_search *s = g->search;
     uint8_t column[ARX_MOST + 1];
-    size_t n = arx_parameters(o, g->data->inputs);
-    if (s->trials >= ARX_TRIALS || n < 1 || tried(s, o, g->data->inputs))
+    size_t n = arx_parameters(o, g->rows.data->inputs);
+    if (s->trials >= ARX_TRIALS || n < 1 || tried(s, o, g->rows.data->inputs))
         return;
     struct arx_trial *t = &s->trial[s->trials++];
     *t = (struct arx_trial){.orders = *o, .parameters = (uint8_t)n};
@@ -65,31 +63,46 @@ static void try_orders(const struct grid *g, const struct arx_orders *o, struct 
     if (t->err)
         return;
     t->squares = s->fit.squares;
-    t->criterion = criterion_of(g, s, t->squares, (real_t)n);
+    t->criterion = criterion_of(g, t->squares, (real_t)n);
     const struct arx_trial *best = &s->trial[s->best];
     if (best->err || t->criterion < best->criterion)
         s->best = (uint16_t)(s->trials - 1u);
 }
 
-/* The best with one coefficient less at either end of an input. Returns whether one of them is better. */
-static bool drop_one(const struct grid *g, struct arx_search *s)
+/* ---- rounds: the best with one coefficient less at either end of an input ---- */
+
+static void begin_round(struct arx_selecting *g)
 {
-    uint16_t best = s->best;
-    const struct arx_orders from = s->trial[best].orders;
-    for (size_t j = 0; j < g->data->inputs; j++)
-        for (int end = 0; end < 2; end++) {
-            struct arx_orders o = from;
-            if (o.last[j] == 0)
-                continue;
-            if (o.first[j] == o.last[j])
-                o.first[j] = o.last[j] = 0;
-            else if (end == 0)
-                o.first[j]++;
-            else
-                o.last[j]--;
-            try_orders(g, &o, s);
-        }
-    return s->best != best;
+    g->before = g->search->best;
+    g->from = g->search->trial[g->before].orders;
+    g->input = g->end = 0;
+    g->stage = SELECT_DROP;
+}
+
+/* The next of the round; behind the last the next round, if one of them was better. */
+static void drop_one(struct arx_selecting *g)
+{
+    struct arx_orders o = g->from;
+    uint8_t j = g->input;
+    if (j >= g->rows.data->inputs) {
+        g->round++;
+        if (g->search->best != g->before && g->round < DIFFERENCE_MOST * DIFFERENCE_B_MOST)
+            begin_round(g);
+        else
+            g->stage = SELECT_OVER;
+        return;
+    }
+    if (o.last[j] > 0) {
+        if (o.first[j] == o.last[j])
+            o.first[j] = o.last[j] = 0;
+        else if (g->end == 0)
+            o.first[j]++;
+        else
+            o.last[j]--;
+        try_orders(g, &o);
+    }
+    g->input = (uint8_t)(j + g->end);
+    g->end = !g->end;
 }
 
 /* Sum of y squared: of its column in the triangle. */
@@ -104,33 +117,83 @@ static real_t squares_of_y(const struct triangle *t)
     return sum;
 }
 
+/* ---- the grid ---- */
+
+static void begin_grid(struct arx_selecting *g)
+{
+    struct arx_search *s = g->search;
+    s->rows = g->rows.rows;
+    s->of_y = squares_of_y(&s->work.triangle);
+    g->at = g->all;
+    g->at.na = 0;
+    g->nb = 1;
+    g->stage = SELECT_GRID;
+}
+
+static void try_next(struct arx_selecting *g)
+{
+    for (size_t j = 0; j < g->rows.data->inputs; j++)
+        g->at.last[j] = g->nb;
+    try_orders(g, &g->at);
+    g->nb++;
+    if (g->nb > g->all.last[0]) {
+        g->nb = 1;
+        g->at.na++;
+    }
+    if (g->at.na <= g->all.na)
+        return;
+    g->err = g->search->trial[g->search->best].err ? ERR_SINGULAR : ERR_OK;
+    if (g->err)
+        g->stage = SELECT_OVER;
+    else
+        begin_round(g);
+}
+
+/* ---- all of it ---- */
+
+void arx_select_begin(struct arx_selecting *g, const struct arx_data *d, uint8_t output, uint8_t na,
+                      uint8_t nb, bool constant, enum arx_criterion criterion, uint32_t from,
+                      uint32_t to, struct arx_search *s)
+{
+    memset(g, 0, sizeof *g);
+    g->search = s;
+    g->criterion = (uint8_t)criterion;
+    g->all = (struct arx_orders){.na = na, .constant = constant};
+    s->trials = s->best = 0;
+    g->err = na > DIFFERENCE_A_MOST || nb < 1 || nb > DIFFERENCE_B_MOST ? ERR_RANGE : ERR_OK;
+    for (size_t j = 0; !g->err && j < d->inputs; j++) {
+        g->all.first[j] = 1;
+        g->all.last[j] = nb;
+    }
+    if (!g->err)
+        g->err = arx_collect_begin(&g->rows, d, output, &g->all, from, to,
+                                   (uint32_t)arx_before(&g->all, d->inputs), &s->work);
+    if (g->err)
+        g->stage = SELECT_OVER;
+}
+
+bool arx_select_piece(struct arx_selecting *g, uint32_t most)
+{
+    if (g->stage == SELECT_ROWS && g->rows.k < g->rows.to)
+        (void)arx_collect_piece(&g->rows, most);
+    else if (g->stage == SELECT_ROWS)
+        begin_grid(g);
+    else if (g->stage == SELECT_GRID)
+        try_next(g);
+    else if (g->stage == SELECT_DROP)
+        drop_one(g);
+    return g->stage != SELECT_OVER;
+}
+
 enum err arx_select(const struct arx_data *d, uint8_t output, uint8_t na, uint8_t nb, bool constant,
                     enum arx_criterion criterion, uint32_t from, uint32_t to, struct arx_search *s)
 {
-    struct grid g = {.data = d, .criterion = criterion, .all = {.na = na, .constant = constant}};
-    if (na > DIFFERENCE_A_MOST || nb < 1 || nb > DIFFERENCE_B_MOST)
-        return ERR_RANGE;
-    for (size_t j = 0; j < d->inputs; j++) {
-        g.all.first[j] = 1;
-        g.all.last[j] = nb;
-    }
-    s->trials = s->best = 0;
-    enum err err = arx_collect(d, output, &g.all, from, to, (uint32_t)arx_before(&g.all, d->inputs),
-                               &s->work, &s->rows);
-    if (err)
-        return err;
-    s->of_y = squares_of_y(&s->work.triangle);
-    for (uint8_t a = 0; a <= na; a++)
-        for (uint8_t b = 1; b <= nb; b++) {
-            struct arx_orders o = g.all;
-            o.na = a;
-            for (size_t j = 0; j < d->inputs; j++)
-                o.last[j] = b;
-            try_orders(&g, &o, s);
-        }
-    if (s->trial[s->best].err)
-        return ERR_SINGULAR;
-    for (int round = 0; round < DIFFERENCE_MOST * DIFFERENCE_B_MOST && drop_one(&g, s); round++)
+    struct arx_selecting g;
+    arx_select_begin(&g, d, output, na, nb, constant, criterion, from, to, s);
+    /* Rounds end by themselves; each has two trials of an input and one piece that ends it. */
+    unsigned pieces =
+        3u + ARX_TRIALS + DIFFERENCE_MOST * DIFFERENCE_B_MOST * (2u * DIFFERENCE_MOST + 1u);
+    for (unsigned piece = 0; piece < pieces && arx_select_piece(&g, to - from); piece++)
         ;
-    return ERR_OK;
+    return g.err;
 }
