@@ -94,7 +94,7 @@ static uint8_t best_candidate(const struct experiment_block *b)
     return na;
 }
 
-static void choose(struct experiment_block *b)
+static void choose_orders(struct experiment_block *b)
 {
     struct experiment_work *w = b->work;
     struct experiment_found *found = &w->found[w->output];
@@ -124,7 +124,7 @@ static void next_candidate(struct experiment_block *b)
            !find_trial(&w->search, w->candidate, &w->trial[w->candidate]))
         w->candidate++;
     if (w->candidate > b->s.na) {
-        choose(b);
+        choose_orders(b);
         return;
     }
     take_orders(b, w->candidate);
