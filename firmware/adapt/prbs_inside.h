@@ -46,7 +46,14 @@ enum experiment_doubt {
     DOUBT_UNEXPLAINED /* it explains less than fit_least of what an output did */
 };
 
-enum experiment_phase { PHASE_ORDERS, PHASE_TWO_THIRDS, PHASE_LAST_THIRD, PHASE_WHOLE, PHASE_OVER };
+enum experiment_phase {
+    PHASE_ORDERS,
+    PHASE_TWO_THIRDS,
+    PHASE_LAST_THIRD,
+    PHASE_WHOLE,
+    PHASE_AGAIN, /* two thirds, where the whole has no model */
+    PHASE_OVER
+};
 
 /* What became of an output. */
 struct experiment_found {

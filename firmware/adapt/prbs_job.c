@@ -1,7 +1,8 @@
 /* The model of the kind `experiment` from its record, output by output, in pieces of the main loop. From the first two thirds: for every order
  * of A the best lags of B by the criterion, and parameters by the method. Then each simulates the last third, which it has not
  * seen, and the lowest order is taken that does about as well as the best: noise draws the criterion, which compares least squares, to
- * orders that are too high, whose other models may not even be stable. In the end its parameters from all of the record. */
+ * orders that are too high, whose other models may not even be stable. In the end its parameters from all of the record, or, where that
+ * gives no stable model, those that were judged. */
 #include "adapt/prbs_inside.h"
 
 #if CONFIG_BLOCKS
@@ -148,8 +149,12 @@ static void end_of_a_fit(struct experiment_block *b)
 {
     struct experiment_work *w = b->work;
     enum err err = w->fitting.err;
-    if (w->phase == PHASE_WHOLE) {
-        next_output(b, err == ERR_STATE ? DOUBT_UNSTABLE : err ? DOUBT_STILL : DOUBT_NONE);
+    if (w->phase == PHASE_WHOLE && err) {
+        begin_fit(b, PHASE_AGAIN, b->samples / 3u * 2u);
+        return;
+    }
+    if (w->phase != PHASE_TWO_THIRDS) {
+        next_output(b, err ? DOUBT_UNSTABLE : DOUBT_NONE);
         return;
     }
     w->phase = PHASE_LAST_THIRD;
@@ -182,6 +187,7 @@ bool experiment_find_piece(struct experiment_block *b)
         break;
     case PHASE_TWO_THIRDS:
     case PHASE_WHOLE:
+    case PHASE_AGAIN:
         if (!arx_fit_piece(&w->fitting, PIECE))
             end_of_a_fit(b);
         break;
