@@ -25,7 +25,8 @@ def parser() -> argparse.ArgumentParser:
         prog="tools/decouple",
         description="Designs a decoupler, and with --loops pp a controller for each loop, from a model in discrete time, and prints the settings of the board "
         "(docs/polynomial-decoupler.md).")
-    p.add_argument("model", help="what tools/identify --format json printed (NAME.json), or a linear plant of host_sim/plants by name or file")
+    p.add_argument("model", help="what tools/identify --format json printed (NAME.json), what a board lists of an experiment (NAME.txt), or a "
+                   "linear plant of host_sim/plants by name or file")
     p.add_argument("--method", choices=METHODS, default="polynomial", help="polynomial (default): none of the interaction is left; static: K^-1; partial, one-way "
                    "and directions: less of it")
     p.add_argument("--factor", metavar="F[,F...]", help="with partial: how much of the decoupler, 0 to 1; one, or for every element row by row")

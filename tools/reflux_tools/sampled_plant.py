@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+from reflux_tools import board_model
 from reflux_tools.errors import UserError
 from reflux_tools.ina_plant import PLANTS, UNIT, lags_of, paired
 from reflux_tools.paths import shown
@@ -54,6 +55,10 @@ class SampledPlant:
 
 def read(name: str, pairs: str | None, period: float | None) -> SampledPlant:
     """period: of sampling, for a continuous plant."""
+    if board_model.is_listing(name):
+        plant = of_board(Path(name), pairs, period)
+        check(plant)
+        return plant
     j, path = load(name)
     if "period_s" in j:
         plant = identified(j, path, pairs)
@@ -116,6 +121,15 @@ def identified(j: dict[str, Any], path: Path, pairs: str | None) -> SampledPlant
     except (KeyError, TypeError, ValueError, IndexError) as error:
         raise UserError(f"{shown(path)} has period_s, but else is not what tools/identify --format json prints: {type(error).__name__} {error}") from None
     return SampledPlant(path.stem, tuple(j["outputs"][i]["name"] for i in rows), tuple(str(j["inputs"][k]) for k in columns), shortened(a), shortened(b), period)
+
+
+def of_board(path: Path, pairs: str | None, period: float | None) -> SampledPlant:
+    """What a board has found: fractions of span, so that all spans are 1."""
+    outputs, inputs, a, b, seconds = board_model.read(path, period)
+    names = {"name": path.stem, "outputs": [{"name": y} for y in outputs], "inputs": [{"name": u} for u in inputs]}
+    rows, columns = paired(names, pairs)
+    return SampledPlant(path.stem, tuple(outputs[i] for i in rows), tuple(inputs[k] for k in columns), shortened(a[rows]), shortened(b[np.ix_(rows, columns)]),
+                        seconds, np.ones(len(rows)), np.ones(len(columns)))
 
 
 def padded(rows: list[list[float]], length: int = 1) -> np.ndarray:

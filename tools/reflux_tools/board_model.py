@@ -1,0 +1,68 @@
+"""The model that the kind `experiment` has in its settings, from any text that lists them: `list block1` or `list all` at the console, the
+transcript of a run, a file of `set` lines. Fractions of span. docs/experiment.md."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import numpy as np
+
+from reflux_tools.errors import UserError
+from reflux_tools.paths import shown
+
+SETTING = re.compile(r"\b(?:set )?(block(\d+)\.\w+|tick\.base)(?: =)? (\S+)")
+MODEL = re.compile(r"(?:a([12])_([12])|b([12])([12])_([1-5]))$")
+A, B = 2, 5  # coefficients that there are settings for (firmware/adapt/prbs_experiment.h)
+
+
+def is_listing(name: str) -> bool:
+    return name.endswith((".txt", ".conf", ".log"))
+
+
+def read(path: Path, period: float | None) -> tuple[list[str], list[str], np.ndarray, np.ndarray, float]:
+    """Outputs, inputs, a: n x 2, b: n x m x 5, period in s; of the first block of the kind that has a model."""
+    try:
+        text = path.read_text(encoding="utf-8")
+    except (OSError, UnicodeDecodeError):
+        raise UserError(f"{shown(path)} cannot be read") from None
+    said: dict[str, dict[str, str]] = {}
+    base = None
+    for name, number, value in SETTING.findall(text):  # what is said last holds
+        if not number:
+            base = value
+        else:
+            said.setdefault(number, {})[name.partition(".")[2]] = value
+    for number, settings in sorted(said.items(), key=lambda item: int(item[0])):
+        if settings.get("kind") == "experiment" and any(MODEL.match(name) and number_of(value, name, path) for name, value in settings.items()):
+            return model_of(settings, base, path, period, f"block{number}")
+    raise UserError(f"{shown(path)} has no block of the kind experiment with a model among its settings; `list block1` after `proposal accept` prints one")
+
+
+def number_of(text: str, name: str, path: Path) -> float:
+    try:
+        value = float(text)
+    except ValueError:
+        value = float("nan")
+    if not np.isfinite(value):
+        raise UserError(f"{shown(path)}: {name} is {text}, which is no number")
+    return value
+
+
+def model_of(settings: dict[str, str], base: str | None, path: Path, period: float | None, block: str) -> tuple[list[str], list[str], np.ndarray, np.ndarray, float]:
+    a, b = np.zeros((2, A)), np.zeros((2, 2, B))
+    for name, value in settings.items():
+        found = MODEL.match(name)
+        if found and found[1]:
+            a[int(found[1]) - 1, int(found[2]) - 1] = number_of(value, name, path)
+        elif found:
+            b[int(found[3]) - 1, int(found[4]) - 1, int(found[5]) - 1] = number_of(value, name, path)
+    names = settings.get("inputs", "-").split(",")
+    outputs = 1 if len(names) <= 2 or (len(names) == 3 and not np.any(b[1])) else 2
+    if not 2 <= len(names) <= 4:
+        raise UserError(f"{shown(path)}: {block}.inputs is {settings.get('inputs', 'not there')}; a model in settings has one or two measurements and MVs")
+    told = number_of(settings.get("period", "0"), f"{block}.period", path) or (number_of(base, "tick.base", path) if base else 0.0)
+    if not told and period is None:
+        raise UserError(f"{shown(path)} says neither {block}.period nor tick.base: --period says how often the model is sampled, s")
+    inputs = len(names) - outputs
+    return names[:outputs], names[outputs:], a[:outputs], b[:outputs, :inputs], told or float(period or 0)
