@@ -24,6 +24,9 @@ if(TARGET libreflux)
       COMMAND "${PYTHON3}" "${CMAKE_CURRENT_LIST_DIR}/test_${part}.py" $<TARGET_FILE:libreflux>)
     set_tests_properties(${part} PROPERTIES LABELS unit TIMEOUT ${REFLUX_HANG_S} ENVIRONMENT "PYTHONDONTWRITEBYTECODE=1")
   endforeach()
+  add_test(NAME decouple_tool
+    COMMAND "${PYTHON3}" "${CMAKE_CURRENT_LIST_DIR}/test_decouple_tool.py" $<TARGET_FILE:libreflux> $<TARGET_FILE:reflux-host>)
+  set_tests_properties(decouple_tool PROPERTIES LABELS unit TIMEOUT ${REFLUX_HANG_S} ENVIRONMENT "PYTHONDONTWRITEBYTECODE=1")
 endif()
 
 # Not a test: what the analysis of a 16 x 16 plant costs.

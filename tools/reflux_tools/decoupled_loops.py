@@ -4,6 +4,7 @@ board. All in fractions of span, loop k output k by input k."""
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import combinations
 
 import numpy as np
 
@@ -14,6 +15,7 @@ from reflux_tools.sampled_plant import SampledPlant
 TAPS = 8  # of the kinds polynomial and rst
 ELEMENT_MOST, P_MOST, QR_MOST = 100.0, 100.0, 1000.0  # their parameters' ranges
 STEPS_MOST = 3000
+SINGULAR = 1e-3  # determinant of a part of a static decoupler, whose diagonal is 1
 
 
 @dataclass(frozen=True)
@@ -23,6 +25,14 @@ class Compensator:
     g: np.ndarray  # n x n x taps, coefficient 0 first
     found: decoupling.Decoupled | None = None
     shape: decoupling.Shape | None = None
+
+    def recursive(self) -> bool:
+        """May what was limited be taken into G's past? A static one has none, and needs an inverse, whichever loops are in manual."""
+        if self.found:
+            return self.found.recursive
+        d = self.g[:, :, 0]
+        parts = [np.ix_(which, which) for k in range(len(d)) for which in combinations(range(len(d)), k + 1)]
+        return min(abs(np.linalg.det(d[part])) for part in parts) > SINGULAR
 
     def seen(self, plant: SampledPlant) -> np.ndarray:
         """B G, n x n x coefficients, coefficient 0 first: y_i = sum of seen_ij / A_ii v_j."""
@@ -106,10 +116,17 @@ def back(x: np.ndarray, t: int, count: int) -> np.ndarray:
 # ---- for the board ----
 
 
-def lines(plant: SampledPlant, compensator: Compensator, placed: list[decoupling.Placed], names: list[str], numbers: list[int], first: int) -> list[str]:
-    """`set` lines. names: of the loops on the board, numbers: theirs, first: block."""
-    out = polynomial_lines(plant, compensator, names, first) if compensator.found else static_lines(plant, compensator, numbers)
-    block = first + 1 if compensator.found else first
+def lines(plant: SampledPlant, compensator: Compensator, placed: list[decoupling.Placed], names: list[str], numbers: list[int], first: int,
+          divisor: int | None = None) -> list[str]:
+    """`set` lines. names: of the loops on the board, numbers: theirs, first: block, divisor: base ticks in a period; a remark where it is not known."""
+    # The board's static decoupler takes no loops with controllers of their own: then a matrix is a polynomial of one coefficient.
+    as_block = bool(compensator.found or placed)
+    out = polynomial_lines(plant, compensator, names, first) if as_block else static_lines(plant, compensator, numbers)
+    block = first + 1 if as_block else first
+    if placed and divisor is None:
+        out.append(f"# the loops have to run every {plant.period:g} s: --tick S prints their divisors")
+    elif placed:
+        out += [f"set loop{number}.divisor {divisor}" for number in numbers]
     for k, c in enumerate(placed):
         out += rst_lines(plant, c, names[k], block + k)
     return out
@@ -122,7 +139,7 @@ def polynomial_lines(plant: SampledPlant, compensator: Compensator, names: list[
     if np.abs(g).max() > ELEMENT_MOST:
         raise RunFailed(f"G has a coefficient of {np.abs(g).max():.4g}, and the kind polynomial takes {ELEMENT_MOST:g}")
     out = [f"set block{block}.kind polynomial", f"set block{block}.loops {','.join(names)}", f"set block{block}.period {plant.period:.9g}",
-           f"set block{block}.limits {'recurse' if compensator.found and compensator.found.recursive else 'scale'}"]
+           f"set block{block}.limits {'recurse' if compensator.recursive() else 'scale'}"]
     return out + [f"set block{block}.g.{i * plant.n + j + 1} {row(g[i, j])}" for i in range(plant.n) for j in range(plant.n)]
 
 
