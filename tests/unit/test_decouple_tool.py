@@ -92,6 +92,15 @@ class Design(FolderTest):
                     self.assertAlmostEqual(loop["overshoot"], 0.1, places=4)
                     self.assertAlmostEqual(sum(loop["q"]), sum(loop["r"]), places=9)  # no offset
 
+    def test_poles_of_other_elements_that_a_loop_does_not_move_are_left_out_and_told(self):
+        arguments = ("wood-berry", "--period", "300", "--method", "partial", "--factor", "0", "--loops", "pp", "--settling", "6000")
+        status, out, err = decouple(*arguments)
+        self.assertEqual(status, 0, err)
+        for name, lag in (("xD", 21.0), ("xB", 10.9)):
+            self.assertIn(f"{name}: poles that the loop does not move: {np.exp(-5 / lag):.5g}", out)
+        for loop in as_json(*arguments)["loops"]:
+            self.assertAlmostEqual(loop["overshoot"], 0.1, places=4)
+
     def test_engineering_units_change_what_is_printed_and_not_what_the_board_gets(self):
         spans, eu = as_json("kotyk-column"), as_json("kotyk-column", "--units", "eu")
         self.assertEqual(spans["lines"], eu["lines"])

@@ -289,9 +289,12 @@ def show_loops(design: Design, y: np.ndarray, u: np.ndarray) -> None:
     for k, (c, m) in enumerate(zip(design.placed, design.moves)):
         rows.append([plant.outputs[k], f"{100 * c.overshoot:.3f}", f"{100 * m.overshoot:.3f}", f"{c.input_peak * u[k] / y[k]:.4g}",
                      *(f"{x:.4g}" for x in m.inputs * u / y[k]), f"{(m.others * y / y[k]).max():.2g}", f"{c.sensitivity:.3f}", f"{c.condition:.3g}"])
-    print("setpoint steps of 1 on the model, without limits")
+    print("steps of a setpoint by 1 on the model, without limits")
     print(table.columns(["loop", "overshoot, %", "with all loops", "asked for, to", *(f"{name} to" for name in plant.inputs), "others to", "sensitivity",
                          "condition"], rows))
+    for k, name in enumerate(plant.outputs):
+        if hidden := decoupled_loops.loop_of(design.spanned, design.compensator, k)[2]:
+            print(f"{name}: poles that the loop does not move: {', '.join(zero_text(p) for p in hidden)}")
     print(f"largest pole with all loops closed: {design.radius:.4f}\n")
 
 

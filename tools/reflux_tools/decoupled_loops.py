@@ -15,6 +15,7 @@ from reflux_tools.sampled_plant import SampledPlant
 TAPS = 8  # of the kinds polynomial and rst
 ELEMENT_MOST, P_MOST, QR_MOST = 100.0, 100.0, 1000.0  # their parameters' ranges
 STEPS_MOST = 3000
+HIDDEN = 1e-6  # between a pole and a zero that are one but for rounding
 SINGULAR = 1e-3  # determinant of a part of a static decoupler, whose diagonal is 1
 
 
@@ -59,12 +60,31 @@ def place_all(plant: SampledPlant, compensator: Compensator, overshoot: float, s
     """One controller for each loop, as if the others were not there."""
     placed = []
     for k in range(plant.n):
-        b = compensator.found.h[k] if compensator.found else compensator.seen(plant)[k, k]
+        a, b, _ = loop_of(plant, compensator, k)
         try:
-            placed.append(decoupling.place([1.0, *plant.a[k]], b, plant.period, overshoot, settling[k], observer, condition_hi))
+            placed.append(decoupling.place(a, b, plant.period, overshoot, settling[k], observer, condition_hi))
         except decoupling.Refused as refused:
             raise RunFailed(f"no controller for {plant.outputs[k]}: {refused}") from None
     return placed
+
+
+def loop_of(plant: SampledPlant, compensator: Compensator, k: int) -> tuple[np.ndarray, np.ndarray, list[complex]]:
+    """A and B of loop k with the others open, coefficient 0 first, without poles that a zero hides, which are told as well. Elements of a continuous
+    plant share the denominator of their output, and so a loop has poles of other elements. Only those go that die away by themselves."""
+    a, b = np.array([1.0, *plant.a[k]]), compensator.found.h[k] if compensator.found else compensator.seen(plant)[k, k]
+    at = np.flatnonzero(b)
+    if compensator.found or not len(at):
+        return a, b, []
+    zeros, poles, hidden = list(np.roots(b[at[0] : at[-1] + 1])), [], []
+    for p in np.roots(np.trim_zeros(a, "b")):
+        near = next((i for i, z in enumerate(zeros) if abs(z - p) <= HIDDEN and abs(p) < 1 - HIDDEN), None)
+        if near is None:
+            poles.append(p)
+        else:
+            hidden.append(complex(zeros.pop(near)))
+    if not hidden or abs(sum(z.imag for z in hidden)) > HIDDEN:  # none, or half a pair
+        return a, b, []
+    return np.real(np.poly(poles)), np.concatenate([np.zeros(at[0]), b[at[0]] * np.real(np.poly(zeros))]), hidden
 
 
 def closed_radius(plant: SampledPlant, compensator: Compensator, placed: list[decoupling.Placed]) -> float:
