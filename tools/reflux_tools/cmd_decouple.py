@@ -90,7 +90,7 @@ def main(arguments: list[str]) -> int:
         said(shown(options.out))
     if options.to:
         count = board_settings.write_settings(options.to, design.lines, options.key)
-        said(f"{options.to}: {count} settings taken, in force from the next tick, not saved")
+        said(f"{options.to}: {count} settings taken and read back, in force from the next tick, not saved")
     return 0
 
 

@@ -52,7 +52,7 @@ class SquarePlant:
             low, high = low or 1e-3 / self.period_s, min(high or end, end)
         else:
             low, high = low or 0.01 / self.times_s[0], high or 10.0 / self.times_s[1]
-        if not 0 < low < high:
+        if not 0 < low < high < np.inf:
             raise UserError(f"frequencies from {low:g} to {high:g} rad/s: must be more than 0, and the first the lower"
                             + (f"; half the rate is {np.pi / self.period_s:.6g} rad/s" if self.period_s else ""))
         return np.linspace(low, high, points) if self.period_s is not None else np.geomspace(low, high, points)
