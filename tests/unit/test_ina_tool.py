@@ -203,13 +203,6 @@ class Board(FolderTest):
             self.assertEqual(status, 1)
             self.assertIn("does not take the key, and nothing is sent", err)
 
-    def test_a_compensator_that_the_board_has_no_room_for_is_not_sent(self):
-        with board(HOST) as console:
-            status, _, err = ina("kotyk-column", "--do", "set 1 200 0 1", "--to", console)
-            self.assertEqual(status, 1)
-            self.assertIn("the board takes elements to 100", err)
-            self.assertEqual(self.decoupler(console), [])
-
     def test_a_port_that_is_not_there_is_said(self):
         status, _, err = ina("kotyk-column", "--to", str(self.folder / "none"))
         self.assertEqual(status, 2)
