@@ -38,3 +38,40 @@ def call(name: str, *arguments: str) -> tuple[int, str, str]:
         except SystemExit as stop:
             status = int(stop.code or 0)
     return status, out.getvalue(), err.getvalue()
+
+
+# Channels and two loops of Kotyk and Machacek's column, as a decoupler finds them on a board.
+KOTYK_BOARD = ["set tick.base 60", "set meas1.name y1", "set meas1.lo -2", "set meas1.hi 2", "set meas2.name y2", "set meas2.lo -3", "set meas2.hi 3",
+               "set mv1.name u1", "set mv1.lo -5", "set mv1.hi 5", "set mv1.min -5", "set mv1.max 5", "set mv2.name u2", "set mv2.lo -5", "set mv2.hi 5",
+               "set mv2.min -5", "set mv2.max 5", "set loop1.name y1", "set loop1.pv y1", "set loop1.out u1", "set loop2.name y2", "set loop2.pv y2",
+               "set loop2.out u2", "set loop2.action direct"]
+
+
+@contextlib.contextmanager
+def board(program: str, lines: list[str] | None = None, key: str | None = None):
+    """A firmware on a pseudo-terminal, configured by `lines` (default: KOTYK_BOARD), with a key where one is given: the name of its console."""
+    from reflux_tools import board_settings, launch
+    with tempfile.TemporaryDirectory(prefix="reflux-") as folder:
+        place = Path(folder)
+        console = place / "console"
+        command = [program, "--console", f"pty:{console}", "--link", f"socket:{place / 'link'}", "--nvm", str(place / "nvm")]
+        firmware = launch.spawn("host", command, place, Path(program))
+        try:
+            launch.await_paths(firmware, [console, place / "link"])
+            wanted = KOTYK_BOARD if lines is None else lines
+            if wanted:
+                board_settings.write_settings(str(console), wanted)
+            if key:
+                board_settings.write_settings(str(console), [f"set console.key {key}"])
+                told(str(console), "lock")
+            yield str(console)
+        finally:
+            launch.end(firmware.process)
+
+
+def told(console: str, command: str) -> list[str]:
+    """The reply of a board to one command."""
+    from reflux_tools.ports import Port
+    from reflux_tools.session import Session
+    with contextlib.closing(Port(console)) as port:
+        return Session(port).ask(command)

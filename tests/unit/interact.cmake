@@ -19,9 +19,13 @@ reflux_test(assignment LABEL unit SOURCES ${CMAKE_CURRENT_LIST_DIR}/test_assignm
 if(TARGET libreflux)
   find_program(PYTHON3 NAMES python3 PATHS /usr/bin NO_DEFAULT_PATH)
   find_program(PYTHON3 NAMES python3)
-  foreach(part detuned_loops ina_tool)
+  add_test(NAME detuned_loops
+    COMMAND "${PYTHON3}" "${CMAKE_CURRENT_LIST_DIR}/test_detuned_loops.py" $<TARGET_FILE:libreflux>)
+  foreach(part ina_tool decouple_tool)
     add_test(NAME ${part}
-      COMMAND "${PYTHON3}" "${CMAKE_CURRENT_LIST_DIR}/test_${part}.py" $<TARGET_FILE:libreflux>)
+      COMMAND "${PYTHON3}" "${CMAKE_CURRENT_LIST_DIR}/test_${part}.py" $<TARGET_FILE:libreflux> $<TARGET_FILE:reflux-host>)
+  endforeach()
+  foreach(part detuned_loops ina_tool decouple_tool)
     set_tests_properties(${part} PROPERTIES LABELS unit TIMEOUT ${REFLUX_HANG_S} ENVIRONMENT "PYTHONDONTWRITEBYTECODE=1")
   endforeach()
 endif()

@@ -1,11 +1,14 @@
 #!/usr/bin/python3
 """tools/ina and what libreflux.so gives it, against numpy; the numbers of Kotyk and Machacek's column.
 
-usage: test_ina_tool.py LIBRARY
+usage: test_ina_tool.py LIBRARY REFLUX_HOST
 """
+import io
+import os
 import sys
 import unittest
 from pathlib import Path
+from unittest import mock
 
 import numpy as np
 
@@ -13,12 +16,13 @@ HERE = Path(__file__).resolve().parent
 sys.path[:0] = [str(HERE.parent / "tools"), str(HERE.parent / "reference"), str(HERE.parents[1] / "tools")]
 
 from linear_reference import Plant  # noqa: E402
-from reflux_tools import arrays, ina_plant, libreflux  # noqa: E402
-from reflux_tools.errors import UserError  # noqa: E402
-from support import FolderTest, call  # noqa: E402
+from reflux_tools import arrays, board_settings, cmd_ina, ina_plant, ina_window, libreflux  # noqa: E402
+from reflux_tools.errors import RunFailed, UserError  # noqa: E402
+from support import FolderTest, board, call, told  # noqa: E402
 
 THEIRS = np.array([[1.0, 0.33], [0.64, 1.2112]])
 THEIR_OPERATIONS = ("--do", "add 2 1 -0.64", "--do", "add 1 2 -0.33")
+HOST = ""
 BLOCKS = HERE.parents[1] / "host_sim" / "plants"
 
 
@@ -137,7 +141,9 @@ class Tool(FolderTest):
                                  (("wood-berry", "--do", "add 1 1 2"), ""), (("wood-berry", "--do", "add 1 3 2"), "must be a row, 1 to 2"),
                                  (("wood-berry", "--do", "add 1 2 x"), "not a number"), (("wood-berry", "--do", "turn"), "no operation"),
                                  (("wood-berry", "--pairs", "xD=xB"), "OUTPUT=INPUT"), (("wood-berry", "--loops", "1,1"), "different numbers"),
-                                 (("wood-berry", "--points", "1"), "--points"), (("wood-berry", "--from", "2", "--to", "1"), "frequencies"),
+                                 (("wood-berry", "--points", "1"), "--points"), (("wood-berry", "--low", "2", "--high", "1"), "frequencies"),
+                                 (("wood-berry", "--low", "nan"), "frequencies"), (("wood-berry", "--high", "inf"), "frequencies"), (("wood-berry", "--loops", "²,1"), "different numbers"),
+                                 (("wood-berry", "--do", "write"), "--to PORT"), (("wood-berry", "--key", "x"), "--to"),
                                  (("kotyk-column", "--do", "align 1"), "half its rate"), ((str(cases),), "cases"),
                                  (("paper-machine",), "frequency 1 of 400")):
             with self.subTest(arguments):
@@ -146,6 +152,133 @@ class Tool(FolderTest):
                 self.assertIn(words, err)
 
 
+class Board(FolderTest):
+    def decoupler(self, console):
+        return [line for line in told(console, "diff defaults") if "decouple" in line]
+
+    def test_the_last_g_is_written_and_read_back(self):
+        with board(HOST) as console:
+            status, out, err = ina("kotyk-column", "--units", "eu", *THEIR_OPERATIONS, "--to", console)
+            self.assertEqual(status, 0, err)
+            self.assertIn("6 settings taken and read back", out)
+            self.assertEqual(self.decoupler(console), ["set loop1.decouple on", "set loop2.decouple on", "set decouple1.d2 0.33", "set decouple2.d1 0.64", "set decouple2.d2 1.2112"])
+
+    def test_at_the_prompt_only_what_is_asked_for_is_written(self):
+        for typed, want in (("set 1 0.5 0.25 1\n", []), ("set 1 0.5 0.25 1\nwrite\nscale 1 2\n", ["0.5", "0.25"])):
+            with board(HOST) as console, mock.patch("sys.stdin", io.StringIO(typed)):
+                self.assertEqual(ina("kotyk-column", "--prompt", "--to", console)[0], 0)
+                self.assertEqual([line.split()[2] for line in self.decoupler(console) if ".d" in line and "loop" not in line], want)
+
+    def test_an_operation_writes_too_and_then_nothing_more_is_written_at_the_end(self):
+        with board(HOST) as console:
+            _, out, _ = ina("kotyk-column", "--do", "set 1 0.5 0.25 1", "--do", "write", "--to", console)
+            self.assertEqual(out.count("settings taken"), 1)
+
+    def test_a_refusal_is_told_and_leaves_the_board_as_it_was(self):
+        with board(HOST) as console:  # a loop alone would have a gain of a thousandth
+            before = told(console, "diff defaults")
+            status, _, err = ina("kotyk-column", "--do", "set 0.001 1 1 0.001", "--to", console)
+            self.assertEqual(status, 1)
+            self.assertIn("the board refuses `apply`, and nothing of it is in force: err SINGULAR", err)
+            self.assertEqual(err.count("\n"), 1)
+            self.assertEqual(told(console, "diff defaults"), before)
+
+    def test_somebody_elses_transaction_is_left_alone(self):
+        with board(HOST) as console:
+            told(console, "begin")
+            told(console, "set loop1.gain 7")
+            status, _, err = ina("kotyk-column", "--auto", "--to", console)
+            self.assertEqual(status, 1)
+            self.assertIn("the board refuses `begin`", err)
+            told(console, "apply")
+            self.assertIn("set loop1.gain 7", told(console, "diff defaults"))
+            self.assertEqual(self.decoupler(console), [])
+
+    def test_the_engineer_level_needs_its_key(self):
+        with board(HOST, key="pot_still") as console:
+            self.assertIn("--key opens the engineer level", ina("kotyk-column", "--to", console)[2])
+            self.assertEqual(ina("kotyk-column", "--to", console, "--key", "pot_still")[0], 0)
+        with board(HOST, key="pot_still") as console:
+            status, _, err = ina("kotyk-column", "--to", console, "--key", "pan")
+            self.assertEqual(status, 1)
+            self.assertIn("does not take the key, and nothing is sent", err)
+
+    def test_a_port_that_is_not_there_is_said(self):
+        status, _, err = ina("kotyk-column", "--to", str(self.folder / "none"))
+        self.assertEqual(status, 2)
+        self.assertIn("there is no", err)
+
+    def test_what_is_read_back_counts_but_for_rounding(self):
+        for sent, there, want in (("0.33", "0.33 -", True), ("0.33", "0.3300001 -", True), ("0.33", "0.34 -", False), ("on", "on", True), ("on", "off", False),
+                                  ("1,0,0", "1,0,0 -", True), ("1,0,0", "1,0 -", False), ("1", "", False), ("0", "0 s", True)):
+            self.assertEqual(board_settings.same(sent, there), want, (sent, there))
+
+        class Other:
+            def ask(self, _):
+                return ["decouple1.d2 = 0.5"]
+        with self.assertRaisesRegex(RunFailed, "decouple1.d2 is 0.5, and 0.33 was sent"):
+            board_settings.compare(Other(), ["set decouple1.d2 0.33"])
+
+
+class Live(FolderTest):
+    def test_without_a_display_it_is_an_error_of_one_line(self):
+        with mock.patch.dict(os.environ):
+            for name in ("DISPLAY", "WAYLAND_DISPLAY"):
+                os.environ.pop(name, None)
+            status, _, err = ina("kotyk-column", "--window")
+        self.assertEqual(status, 2)
+        self.assertIn("--window: there is no display", err)
+        self.assertEqual(err.count("\n"), 1)
+
+    def test_a_display_that_does_not_answer_or_a_drawing_without_windows_is_one_too(self):
+        for changes in ({"DISPLAY": ":4711"}, {"DISPLAY": ":4711", "MPLBACKEND": "agg"}, {"DISPLAY": ":4711", "MPLBACKEND": "nonsense"}):
+            with mock.patch.dict(os.environ, changes):
+                os.environ.pop("WAYLAND_DISPLAY", None)
+                status, _, err = ina("kotyk-column", "--window")
+            self.assertEqual(status, 2)
+            self.assertIn("matplotlib has no window here", err)
+            self.assertEqual(err.count("\n"), 1)
+
+    def test_it_is_drawn_anew_after_each_operation_and_is_the_picture(self):
+        seen = []
+
+        class Noted(ina_window.Window):
+            def draw(self, fill):
+                super().draw(fill)
+                seen.append((self.figure._suptitle.get_text(), bytes(self.figure.canvas.buffer_rgba())))
+
+        with mock.patch.object(cmd_ina.ina_window, "window", lambda size: Noted(size, "agg", windows=False)):
+            status, _, err = ina("kotyk-column", "--window", *THEIR_OPERATIONS, "--do", "undo")
+        self.assertEqual(status, 0, err)
+        self.assertEqual([title.partition("plane; ")[2] for title, _ in seen], ["G = 1", "add 2 1 -0.64", "add 2 1 -0.64, add 1 2 -0.33", "add 2 1 -0.64"])
+        self.assertEqual(seen[1], seen[3])
+        self.assertEqual(len({picture for _, picture in seen}), 3)
+
+    def test_closed_by_its_frame_it_is_left_closed_and_work_goes_on(self):
+        window = ina_window.Window((4, 4), "agg", windows=False)
+        window.plt.close(window.figure)
+        window.draw(lambda figure: self.fail("drawn"))
+        window.wait()
+        window.close()
+
+    def test_lines_are_taken_while_the_window_is_alive_pasted_ones_too(self):
+        reader, writer = os.pipe()
+        pumped = []
+
+        class Pumped:
+            def pump(self):
+                pumped.append(1)
+                if len(pumped) == 2:
+                    os.write(writer, b"add 1 2 3\nun")
+                if len(pumped) == 4:
+                    os.write(writer, b"do\nend")
+                    os.close(writer)
+        with os.fdopen(reader) as stdin, mock.patch("sys.stdin", stdin):
+            lines = ina_window.Lines(Pumped())
+            self.assertEqual([lines.read() for _ in range(4)], ["add 1 2 3\n", "undo\n", "end", ""])
+
+
 if __name__ == "__main__":
     libreflux.load(sys.argv.pop(1))
+    HOST = sys.argv.pop(1)
     unittest.main()

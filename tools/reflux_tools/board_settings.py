@@ -11,8 +11,8 @@ from reflux_tools.session import Refused, Session
 
 
 def write_settings(port: str, lines: Iterable[str], key: str | None = None) -> int:
-    """Sends the `set` lines between `begin` and `apply`; returns how many there were. Remarks and empty lines are left out. Nothing is
-    saved: that is for who has seen the loops run. port: as tools/console takes it; key opens the engineer level first.
+    """Sends the `set` lines between `begin` and `apply` and reads them back; returns how many there were. Remarks and empty lines are left out.
+    Nothing is saved: that is for who has seen the loops run. port: as tools/console takes it; key opens the engineer level first.
 
     Refused: the board did not take a line, or the whole of it. It says the line and the board's own words, and the board is as it was.
     A transaction that somebody has open is not touched."""
@@ -21,8 +21,9 @@ def write_settings(port: str, lines: Iterable[str], key: str | None = None) -> i
         talk = Session(opened)
         try:
             if key:
-                talk.ask(f"unlock {key}")
+                unlock(talk, key)
             send(talk, wanted)
+            compare(talk, wanted)
         finally:
             with contextlib.suppress(RunFailed):
                 talk.write("mode human")
@@ -51,6 +52,36 @@ def send(talk: Session, wanted: list[str]) -> None:
         with contextlib.suppress(RunFailed):
             talk.ask("abandon")
         raise
+
+
+def unlock(talk: Session, key: str) -> None:
+    try:
+        talk.ask(f"unlock {key}")
+    except Refused as error:
+        raise Refused(f"the board does not take the key, and nothing is sent: {error}") from None
+
+
+def compare(talk: Session, wanted: list[str]) -> None:
+    """RunFailed where the board, which has taken them, has something else now."""
+    values = dict(line.split(None, 2)[1:] for line in wanted)  # the last of each name
+    for name, value in values.items():
+        if name == "console.key":  # never shown
+            continue
+        there = " ".join(talk.ask(f"get {name}")).partition(" = ")[2]
+        if not same(value.strip(), there):
+            raise RunFailed(f"the board took everything, but {name} is {there}, and {value.strip()} was sent")
+
+
+def same(sent: str, there: str) -> bool:
+    """Numbers but for the rounding of float and of what is printed; there may be a unit behind."""
+    words = there.split()
+    if not words:
+        return False
+    try:
+        a, b = [float(x) for x in sent.split(",")], [float(x) for x in words[0].split(",")]
+    except ValueError:
+        return sent in (words[0], there)
+    return len(a) == len(b) and all(abs(x - y) <= 2e-6 * max(abs(x), abs(y)) + 1e-30 for x, y in zip(a, b))
 
 
 def ask(talk: Session, command: str) -> None:

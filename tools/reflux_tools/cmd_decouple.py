@@ -17,7 +17,7 @@ from reflux_tools.paths import named, shown
 from reflux_tools.sampled_plant import SampledPlant
 
 METHODS = ("polynomial", "static", "partial", "one-way", "directions")
-BLOCKS_MOST, LOOPS_MOST = 99, 8
+BLOCKS_MOST, LOOPS_MOST, DIVISOR_MOST = 99, 8, 10000
 
 
 def parser() -> argparse.ArgumentParser:
@@ -47,7 +47,8 @@ def parser() -> argparse.ArgumentParser:
     p.add_argument("--element-hi", type=float, metavar="X", help="largest element of G (default 100)")
     p.add_argument("--first-block", type=int, default=1, metavar="N", help="number of the first block (default 1)")
     p.add_argument("--loop-names", metavar="NAME,...", help="of the loops on the board, for blocks (default: names of the outputs)")
-    p.add_argument("--loop-numbers", metavar="N,...", help="of the loops on the board, for static decouplers (default 1, 2, ..)")
+    p.add_argument("--loop-numbers", metavar="N,...", help="of the loops on the board, for static decouplers and --tick (default 1, 2, ..)")
+    p.add_argument("--tick", type=float, metavar="S", help="with --loops pp: base tick of the board, of which the period is so many: divisors of the loops")
     p.add_argument("--out", type=named, metavar="FILE", help="writes the lines, as a transaction for tools/console --run")
     p.add_argument("--to", metavar="PORT", help="writes them to a board, all or none; nothing is saved there")
     p.add_argument("--key", metavar="KEY", help="with --to: open the engineer level first (`unlock KEY`)")
@@ -90,7 +91,7 @@ def main(arguments: list[str]) -> int:
         said(shown(options.out))
     if options.to:
         count = board_settings.write_settings(options.to, design.lines, options.key)
-        said(f"{options.to}: {count} settings taken, in force from the next tick, not saved")
+        said(f"{options.to}: {count} settings taken and read back, in force from the next tick, not saved")
     return 0
 
 
@@ -111,6 +112,8 @@ def check(options: argparse.Namespace) -> None:
         raise UserError("--settling goes with --loops pp")
     if options.loops != "pp" and options.condition_hi is not None:
         raise UserError("--condition-hi goes with --loops pp")
+    if options.tick is not None and (options.loops != "pp" or not 0.05 <= options.tick <= 3600):
+        raise UserError("--tick must be 0.05 to 3600 s, and goes with --loops pp")
     if not 1 <= options.first_block <= BLOCKS_MOST:
         raise UserError(f"--first-block must be 1 to {BLOCKS_MOST}")
     if options.key and not options.to:
@@ -127,8 +130,8 @@ def need_spans(plant: SampledPlant, options: argparse.Namespace) -> None:
 
 def words(text: str | None, default: list[str], n: int, option: str) -> list[str]:
     found = default if text is None else [w.strip() for w in text.split(",")]
-    if len(found) != n or len(set(found)) < n or not all(found):
-        raise UserError(f"{option} {text}: {n} different ones")
+    if len(found) != n or len(set(found)) < n or not all(w and not set(w) & set(' \t#') for w in found):
+        raise UserError(f"{option} {','.join(found)}: {n} different ones without blanks in them")
     return found
 
 
@@ -149,7 +152,7 @@ def make(plant: SampledPlant, options: argparse.Namespace) -> Design:
     spanned, n = plant.in_spans(), plant.n
     names = words(options.loop_names, list(plant.outputs), n, "--loop-names")
     numbers = words(options.loop_numbers, [str(k + 1) for k in range(n)], n, "--loop-numbers")
-    if not all(x.isdigit() and 1 <= int(x) <= LOOPS_MOST for x in numbers):
+    if not all(x.isdecimal() and 1 <= int(x) <= LOOPS_MOST for x in numbers):
         raise UserError(f"--loop-numbers {options.loop_numbers}: {n} different numbers, 1 to {LOOPS_MOST}")
     settling = numbers_of(options.settling, "--settling") if options.settling else []
     if len(settling) not in (0, 1, n):
@@ -170,8 +173,17 @@ def make(plant: SampledPlant, options: argparse.Namespace) -> Design:
         moves = [decoupled_loops.step_of(spanned, compensator, placed, k, settling[k]) for k in range(n)]
     lines = []
     if plant.output_spans is not None:
-        lines = decoupled_loops.lines(spanned, compensator, placed, names, [int(x) for x in numbers], options.first_block)
+        lines = decoupled_loops.lines(spanned, compensator, placed, names, [int(x) for x in numbers], options.first_block, divisor_of(plant, options.tick))
     return Design(plant, spanned, compensator, lam, placed, moves, radius, lines)
+
+
+def divisor_of(plant: SampledPlant, tick: float | None) -> int | None:
+    if tick is None:
+        return None
+    found = round(plant.period / tick)
+    if not 1 <= found <= DIVISOR_MOST or abs(found * tick - plant.period) > 1e-3 * tick:
+        raise UserError(f"--tick {tick:g}: the period of {plant.period:g} s has to be 1 to {DIVISOR_MOST} whole ticks")
+    return found
 
 
 def decoupler(spanned: SampledPlant, options: argparse.Namespace) -> Compensator:
@@ -278,9 +290,12 @@ def show_loops(design: Design, y: np.ndarray, u: np.ndarray) -> None:
     for k, (c, m) in enumerate(zip(design.placed, design.moves)):
         rows.append([plant.outputs[k], f"{100 * c.overshoot:.3f}", f"{100 * m.overshoot:.3f}", f"{c.input_peak * u[k] / y[k]:.4g}",
                      *(f"{x:.4g}" for x in m.inputs * u / y[k]), f"{(m.others * y / y[k]).max():.2g}", f"{c.sensitivity:.3f}", f"{c.condition:.3g}"])
-    print("setpoint steps of 1 on the model, without limits")
+    print("steps of a setpoint by 1 on the model, without limits")
     print(table.columns(["loop", "overshoot, %", "with all loops", "asked for, to", *(f"{name} to" for name in plant.inputs), "others to", "sensitivity",
                          "condition"], rows))
+    for k, name in enumerate(plant.outputs):
+        if hidden := decoupled_loops.loop_of(design.spanned, design.compensator, k)[2]:
+            print(f"{name}: poles that the loop does not move: {', '.join(zero_text(p) for p in hidden)}")
     print(f"largest pole with all loops closed: {design.radius:.4f}\n")
 
 

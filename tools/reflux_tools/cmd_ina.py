@@ -10,9 +10,11 @@ from pathlib import Path
 
 import numpy as np
 
-from reflux_tools import arrays, build, ina_plant, table
+from reflux_tools import arrays, board_settings, build, ina_plant, ina_window, table
 from reflux_tools.errors import RunFailed, UserError
 from reflux_tools.paths import named, shown
+
+MOST = 100  # largest element of the board's static decoupler
 
 HELP = """\
 operations, rows counted from 1 (a row of the inverse belongs to an input):
@@ -25,6 +27,7 @@ operations, rows counted from 1 (a row of the inverse belongs to an input):
   normalise            columns of G over their diagonal elements
   undo                 as it was before the last of these
   show, board, draw FILE
+  write                the lines for the board to that of --to, all or none
 """
 
 
@@ -44,11 +47,14 @@ def parser() -> argparse.ArgumentParser:
     p.add_argument("--pairs", metavar="Y=U,...", help="which output with which input, in the order of the loops (default: the order of the file)")
     p.add_argument("--loops", metavar="N,...", help="numbers of the loops on the board (default 1, 2, ..)")
     p.add_argument("--points", type=int, default=400, help="frequencies (default 400)")
-    p.add_argument("--from", dest="low", type=float, metavar="RAD/S", help="lowest frequency")
-    p.add_argument("--to", dest="high", type=float, metavar="RAD/S", help="highest (default: half the rate of a sampled model)")
+    p.add_argument("--low", type=float, metavar="RAD/S", help="lowest frequency")
+    p.add_argument("--high", type=float, metavar="RAD/S", help="highest (default: half the rate of a sampled model)")
     p.add_argument("--starts", type=int, default=8, help="of the search (default 8)")
     p.add_argument("--seed", type=int, default=1, help="of the search (default 1)")
     p.add_argument("--out", type=named, metavar="PNG", help="the picture, of the last G; with --every a picture for each operation, NAME-1.png and so on")
+    p.add_argument("--window", action="store_true", help="a window, drawn anew after each operation; without --prompt it stays until it is closed")
+    p.add_argument("--to", metavar="PORT", help="writes the last G to a board (with --prompt: when `write` is typed), reads it back; nothing is saved there")
+    p.add_argument("--key", metavar="KEY", help="with --to: open the engineer level first (`unlock KEY`)")
     p.add_argument("--every", action="store_true", help="draw after each --do")
     p.add_argument("--no-build", action="store_true", help="use what is built already")
     return p
@@ -64,6 +70,7 @@ class Session:
     f: np.ndarray
     g: np.ndarray
     past: list[tuple[str, np.ndarray]] = field(default_factory=list)
+    window: ina_window.Window | None = None
 
     def response(self, omega: np.ndarray) -> np.ndarray:
         f = self.plant.response(np.asarray(omega, float))
@@ -80,6 +87,10 @@ def main(arguments: list[str]) -> int:
         raise UserError("--points must be 2 to 2000")
     if options.every and not options.out:
         raise UserError("--every needs --out")
+    if options.key and not options.to:
+        raise UserError("--key goes with --to")
+    if not options.to and any(text.split() == ["write"] for text in options.do):
+        raise UserError("write: --to PORT says to which board")
     if not options.no_build:
         build.build("host", ("libreflux",), quiet=True)
     plant = ina_plant.read(options.plant, options.pairs)
@@ -89,8 +100,22 @@ def main(arguments: list[str]) -> int:
           f"{'fractions of span' if options.units == 'spans' else 'engineering units'}, {len(session.omega)} frequencies from {session.omega[0]:.3g} to "
           f"{session.omega[-1]:.4g} rad/s, {'z' if plant.period_s else 's'}-plane\n")
     show(session, "G = 1")
+    try:
+        if options.window:
+            session.window = ina_window.window(picture_size(plant.n))
+            redraw(session)
+        work(session)
+    finally:
+        if session.window:
+            session.window.close()
+    return 0
+
+
+def work(session: Session) -> None:
+    options = session.options
     for number, text in enumerate([*options.do, *(["auto"] if options.auto else [])], start=1):
         operate(session, text)
+        redraw(session)
         if options.every:
             draw(session, options.out.with_name(f"{options.out.stem}-{number}{options.out.suffix}"))
     if options.prompt:
@@ -98,7 +123,10 @@ def main(arguments: list[str]) -> int:
     board(session)
     if options.out and not options.every:
         draw(session, options.out)
-    return 0
+    if options.to and not options.prompt and options.do[-1:] != ["write"]:
+        write(session)
+    if session.window and not options.prompt:
+        session.window.wait()
 
 
 def begin(plant: ina_plant.SquarePlant, options: argparse.Namespace) -> Session:
@@ -122,6 +150,8 @@ def operate(session: Session, text: str) -> None:
         board(session)
     elif what == "draw":
         draw(session, Path(only(words, text)))
+    elif what == "write" and len(words) == 1:
+        write(session)
     elif what == "undo":
         if not session.past:
             raise UserError("undo: there is nothing to undo")
@@ -167,7 +197,7 @@ def only(words: list[str], text: str) -> str:
 
 
 def row(word: str, n: int, text: str) -> int:
-    if not word.isdigit() or not 1 <= int(word) <= n:
+    if not word.isdecimal() or not 1 <= int(word) <= n:
         raise UserError(f"{text}: {word} must be a row, 1 to {n}")
     return int(word) - 1
 
@@ -184,16 +214,18 @@ def number(word: str, text: str) -> float:
 
 def prompt(session: Session) -> None:
     terminal = sys.stdin.isatty()
+    read = ina_window.Lines(session.window).read if session.window and terminal else sys.stdin.readline
     while True:
         if terminal:
             print("ina> ", end="", flush=True)
-        line = sys.stdin.readline()
+        line = read()
         if not line or line.strip() == "quit":
             return
         if not line.strip():
             continue
         try:
             operate(session, line.strip())
+            redraw(session)
             if session.options.out:
                 draw(session, session.options.out)
         except (UserError, RunFailed) as error:
@@ -222,7 +254,7 @@ def show(session: Session, title: str) -> None:
 def loops(options: argparse.Namespace, plant: ina_plant.SquarePlant) -> list[int]:
     if options.loops is None:
         return list(range(1, plant.n + 1))
-    found = [int(x) if x.isdigit() else 0 for x in options.loops.split(",")]
+    found = [int(x) if x.isdecimal() else 0 for x in options.loops.split(",")]
     if len(found) != plant.n or len(set(found)) < len(found) or not all(1 <= x <= ina_plant.MOST for x in found):
         raise UserError(f"--loops {options.loops}: {plant.n} different numbers, 1 to {ina_plant.MOST}")
     return found
@@ -238,17 +270,48 @@ def on_board(session: Session) -> np.ndarray:
 
 def board(session: Session) -> None:
     """Console lines of the static decoupler."""
+    try:
+        print("\n".join(board_lines(session)) + "\n")
+    except RunFailed as error:
+        print(f"# {error}")
+
+
+def board_lines(session: Session) -> list[str]:
     numbers, d = loops(session.options, session.plant), on_board(session)
-    if np.abs(d).max() > 100:
+    if np.abs(d).max() > MOST:
         d, _ = arrays.normalise(d)
-    if np.abs(d).max() > 100:
-        print(f"# the board takes elements to 100, and one is {np.abs(d).max():.3g}: not this compensator")
-        return
+    if not np.abs(d).max() <= MOST:
+        raise RunFailed(f"the board takes elements to {MOST}, and one is {np.abs(d).max():.3g}: not this compensator")
+    lines = []
     for i, loop in enumerate(numbers):
-        print(f"set loop{loop}.decouple on")
-        for k, other in enumerate(numbers):
-            print(f"set decouple{loop}.d{other} {d[i, k]:.5g}")
-    print()
+        lines.append(f"set loop{loop}.decouple on")
+        lines += [f"set decouple{loop}.d{other} {d[i, k]:.5g}" for k, other in enumerate(numbers)]
+    return lines
+
+
+def write(session: Session) -> None:
+    """To the board of --to."""
+    options = session.options
+    if not options.to:
+        raise UserError("write: --to PORT says to which board")
+    count = board_settings.write_settings(options.to, board_lines(session), options.key)
+    print(f"{options.to}: {count} settings taken and read back, in force from the next tick, not saved")
+
+
+def picture_size(n: int) -> tuple[float, float]:
+    from reflux_tools import ina_picture
+
+    return ina_picture.size(n)
+
+
+def redraw(session: Session) -> None:
+    """The window, where there is one."""
+    if session.window:
+        from reflux_tools import ina_picture
+
+        done = [what for what, _ in session.past]
+        session.window.draw(lambda figure: ina_picture.fill(figure, session.plant, session.omega, session.f, session.g, session.options.by,
+                                                            session.options.view, done))
 
 
 def draw(session: Session, place: Path) -> None:

@@ -4,6 +4,7 @@ board. All in fractions of span, loop k output k by input k."""
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import combinations
 
 import numpy as np
 
@@ -14,6 +15,8 @@ from reflux_tools.sampled_plant import SampledPlant
 TAPS = 8  # of the kinds polynomial and rst
 ELEMENT_MOST, P_MOST, QR_MOST = 100.0, 100.0, 1000.0  # their parameters' ranges
 STEPS_MOST = 3000
+HIDDEN = 1e-6  # between a pole and a zero that are one but for rounding
+SINGULAR = 1e-3  # determinant of a part of a static decoupler, whose diagonal is 1
 
 
 @dataclass(frozen=True)
@@ -23,6 +26,14 @@ class Compensator:
     g: np.ndarray  # n x n x taps, coefficient 0 first
     found: decoupling.Decoupled | None = None
     shape: decoupling.Shape | None = None
+
+    def recursive(self) -> bool:
+        """May what was limited be taken into G's past? A static one has none, and needs an inverse, whichever loops are in manual."""
+        if self.found:
+            return self.found.recursive
+        d = self.g[:, :, 0]
+        parts = [np.ix_(which, which) for k in range(len(d)) for which in combinations(range(len(d)), k + 1)]
+        return min(abs(np.linalg.det(d[part])) for part in parts) > SINGULAR
 
     def seen(self, plant: SampledPlant) -> np.ndarray:
         """B G, n x n x coefficients, coefficient 0 first: y_i = sum of seen_ij / A_ii v_j."""
@@ -49,12 +60,31 @@ def place_all(plant: SampledPlant, compensator: Compensator, overshoot: float, s
     """One controller for each loop, as if the others were not there."""
     placed = []
     for k in range(plant.n):
-        b = compensator.found.h[k] if compensator.found else compensator.seen(plant)[k, k]
+        a, b, _ = loop_of(plant, compensator, k)
         try:
-            placed.append(decoupling.place([1.0, *plant.a[k]], b, plant.period, overshoot, settling[k], observer, condition_hi))
+            placed.append(decoupling.place(a, b, plant.period, overshoot, settling[k], observer, condition_hi))
         except decoupling.Refused as refused:
             raise RunFailed(f"no controller for {plant.outputs[k]}: {refused}") from None
     return placed
+
+
+def loop_of(plant: SampledPlant, compensator: Compensator, k: int) -> tuple[np.ndarray, np.ndarray, list[complex]]:
+    """A and B of loop k with the others open, coefficient 0 first, without poles that a zero hides, which are told as well. Elements of a continuous
+    plant share the denominator of their output, and so a loop has poles of other elements. Only those go that die away by themselves."""
+    a, b = np.array([1.0, *plant.a[k]]), compensator.found.h[k] if compensator.found else compensator.seen(plant)[k, k]
+    at = np.flatnonzero(b)
+    if compensator.found or not len(at):
+        return a, b, []
+    zeros, poles, hidden = list(np.roots(b[at[0] : at[-1] + 1])), [], []
+    for p in np.roots(np.trim_zeros(a, "b")):
+        near = next((i for i, z in enumerate(zeros) if abs(z - p) <= HIDDEN and abs(p) < 1 - HIDDEN), None)
+        if near is None:
+            poles.append(p)
+        else:
+            hidden.append(complex(zeros.pop(near)))
+    if not hidden or abs(sum(z.imag for z in hidden)) > HIDDEN:  # none, or half a pair
+        return a, b, []
+    return np.real(np.poly(poles)), np.concatenate([np.zeros(at[0]), b[at[0]] * np.real(np.poly(zeros))]), hidden
 
 
 def closed_radius(plant: SampledPlant, compensator: Compensator, placed: list[decoupling.Placed]) -> float:
@@ -106,10 +136,17 @@ def back(x: np.ndarray, t: int, count: int) -> np.ndarray:
 # ---- for the board ----
 
 
-def lines(plant: SampledPlant, compensator: Compensator, placed: list[decoupling.Placed], names: list[str], numbers: list[int], first: int) -> list[str]:
-    """`set` lines. names: of the loops on the board, numbers: theirs, first: block."""
-    out = polynomial_lines(plant, compensator, names, first) if compensator.found else static_lines(plant, compensator, numbers)
-    block = first + 1 if compensator.found else first
+def lines(plant: SampledPlant, compensator: Compensator, placed: list[decoupling.Placed], names: list[str], numbers: list[int], first: int,
+          divisor: int | None = None) -> list[str]:
+    """`set` lines. names: of the loops on the board, numbers: theirs, first: block, divisor: base ticks in a period; a remark where it is not known."""
+    # The board's static decoupler takes no loops with controllers of their own: then a matrix is a polynomial of one coefficient.
+    as_block = bool(compensator.found or placed)
+    out = polynomial_lines(plant, compensator, names, first) if as_block else static_lines(plant, compensator, numbers)
+    block = first + 1 if as_block else first
+    if placed and divisor is None:
+        out.append(f"# the loops have to run every {plant.period:g} s: --tick S prints their divisors")
+    elif placed:
+        out += [f"set loop{number}.divisor {divisor}" for number in numbers]
     for k, c in enumerate(placed):
         out += rst_lines(plant, c, names[k], block + k)
     return out
@@ -122,7 +159,7 @@ def polynomial_lines(plant: SampledPlant, compensator: Compensator, names: list[
     if np.abs(g).max() > ELEMENT_MOST:
         raise RunFailed(f"G has a coefficient of {np.abs(g).max():.4g}, and the kind polynomial takes {ELEMENT_MOST:g}")
     out = [f"set block{block}.kind polynomial", f"set block{block}.loops {','.join(names)}", f"set block{block}.period {plant.period:.9g}",
-           f"set block{block}.limits {'recurse' if compensator.found and compensator.found.recursive else 'scale'}"]
+           f"set block{block}.limits {'recurse' if compensator.recursive() else 'scale'}"]
     return out + [f"set block{block}.g.{i * plant.n + j + 1} {row(g[i, j])}" for i in range(plant.n) for j in range(plant.n)]
 
 

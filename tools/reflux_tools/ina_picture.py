@@ -8,32 +8,43 @@ matplotlib.use("Agg")
 import matplotlib.pyplot as plt  # noqa: E402  the backend has to be chosen first
 import numpy as np  # noqa: E402
 from matplotlib.collections import EllipseCollection  # noqa: E402
+from matplotlib.figure import Figure  # noqa: E402
 from matplotlib.ticker import MaxNLocator  # noqa: E402
 
 from reflux_tools import arrays  # noqa: E402
 from reflux_tools.ina_plant import SquarePlant  # noqa: E402
 from reflux_tools.plots import BLUE, GREEN, GREY, ORANGE, STYLE, finish  # noqa: E402
 
-CIRCLES = 60
+CIRCLES, BELOW = 60, 2.4
+NAMES = {"inverse": "inverse Nyquist array", "direct": "direct Nyquist array", "loci": "characteristic loci"}
 COLOURS = (BLUE, ORANGE, GREEN, "#7b4fa3", "#b2182b", "#4d9221", "#8c6d31", GREY)
 
 
 def draw(plant: SquarePlant, omega: np.ndarray, f: np.ndarray, g: np.ndarray, by: str, view: str, done: list[str]) -> bytes:
     """PNG."""
+    with plt.rc_context(STYLE):
+        figure = Figure(figsize=size(plant.n))  # none of pyplot's: a window has those
+        fill(figure, plant, omega, f, g, by, view, done)
+        return finish(figure, "ina", NAMES[view], with_svg=False).png
+
+
+def size(n: int) -> tuple[float, float]:
+    """In inches: the array above, dominance below."""
+    return max(6.4, 2.9 * n), max(6.4, 2.9 * n) * 0.92 + BELOW
+
+
+def fill(figure, plant: SquarePlant, omega: np.ndarray, f: np.ndarray, g: np.ndarray, by: str, view: str, done: list[str]) -> None:
+    """An empty figure of size(n), in the style of plots."""
     n = plant.n
     found = arrays.array(f, g, inverse=view == "inverse")
-    with plt.rc_context(STYLE):
-        figure = plt.figure(figsize=(max(6.4, 2.9 * n), max(6.4, 2.9 * n) * 0.92 + 2.4))
-        upper, lower = figure.subfigures(2, 1, height_ratios=(max(6.4, 2.9 * n) * 0.92, 2.4))
-        if view == "loci":
-            _loci(upper.subplots(1, 1), arrays.loci(f, g))
-        else:
-            _array(upper.subplots(n, n, squeeze=False), plant, found, by, view)
-        _dominance(lower.subplots(1, 1), plant, omega, f, g, by, view)
-        what = {"inverse": "inverse Nyquist array", "direct": "direct Nyquist array", "loci": "characteristic loci"}[view]
-        figure.suptitle(f"{plant.name}: {what}, {'z' if plant.period_s else 's'}-plane; " + ("G = 1" if not done else ", ".join(done[-3:])), x=0.01,
-                        ha="left", fontsize=10, fontweight="bold")
-        return finish(figure, "ina", what, with_svg=False).png
+    upper, lower = figure.subfigures(2, 1, height_ratios=(size(n)[1] - BELOW, BELOW))
+    if view == "loci":
+        _loci(upper.subplots(1, 1), arrays.loci(f, g))
+    else:
+        _array(upper.subplots(n, n, squeeze=False), plant, found, by, view)
+    _dominance(lower.subplots(1, 1), plant, omega, f, g, by, view)
+    figure.suptitle(f"{plant.name}: {NAMES[view]}, {'z' if plant.period_s else 's'}-plane; " + ("G = 1" if not done else ", ".join(done[-3:])), x=0.01,
+                    ha="left", fontsize=10, fontweight="bold")
 
 
 def _array(axes, plant: SquarePlant, found: arrays.Array, by: str, view: str) -> None:

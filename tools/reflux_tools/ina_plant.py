@@ -52,7 +52,7 @@ class SquarePlant:
             low, high = low or 1e-3 / self.period_s, min(high or end, end)
         else:
             low, high = low or 0.01 / self.times_s[0], high or 10.0 / self.times_s[1]
-        if not 0 < low < high:
+        if not 0 < low < high < np.inf:
             raise UserError(f"frequencies from {low:g} to {high:g} rad/s: must be more than 0, and the first the lower"
                             + (f"; half the rate is {np.pi / self.period_s:.6g} rad/s" if self.period_s else ""))
         return np.linspace(low, high, points) if self.period_s is not None else np.geomspace(low, high, points)
@@ -62,16 +62,21 @@ def read(name: str, pairs: str | None) -> SquarePlant:
     path = Path(name) if name.endswith(".json") else PLANTS / f"{name}.json"
     try:
         j = json.loads(path.read_text(encoding="utf-8"))
-    except OSError:
+    except (OSError, UnicodeDecodeError):
         known = ", ".join(sorted(p.stem for p in PLANTS.glob("*.json")))
         raise UserError(f"{shown(path)} cannot be read; a plant is a file NAME.json or one of {known}") from None
     except ValueError as error:
         raise UserError(f"{shown(path)} is not JSON: {error}") from None
+    if not isinstance(j, dict):
+        raise UserError(f"{shown(path)} is no plant: it should hold an object")
     if "column" in j or j.get("model") not in MODELS:
         raise UserError(f"{path.stem} is not linear: identify it, or give its matrices as a plant (reflux-sim --linearise)")
-    rows, columns = paired(j, pairs)
-    response, period, times = MODELS[j["model"]](j, rows, columns)
-    return SquarePlant(j["name"], tuple(channel(j["outputs"][i]) for i in rows), tuple(channel(j["inputs"][k]) for k in columns), response, period, times)
+    try:
+        rows, columns = paired(j, pairs)
+        response, period, times = MODELS[j["model"]](j, rows, columns)
+        return SquarePlant(j["name"], tuple(channel(j["outputs"][i]) for i in rows), tuple(channel(j["inputs"][k]) for k in columns), response, period, times)
+    except (AttributeError, KeyError, TypeError, ValueError, IndexError) as error:
+        raise UserError(f"{shown(path)} is not as docs/linear-plants.md has it: {type(error).__name__} {error}") from None
 
 
 def channel(c: dict[str, Any]) -> Channel:
@@ -81,6 +86,8 @@ def channel(c: dict[str, Any]) -> Channel:
 def paired(j: dict[str, Any], text: str | None) -> tuple[list[int], list[int]]:
     """Rows and columns: as asked, else in the order of the file."""
     outputs, inputs = [y["name"] for y in j["outputs"]], [u["name"] for u in j["inputs"]]
+    if not outputs or not inputs:
+        raise UserError(f"{j['name']} has {len(outputs)} outputs and {len(inputs)} inputs: it needs one of each")
     if text is None:
         if len(outputs) != len(inputs):
             raise UserError(f"{j['name']} has {len(outputs)} outputs and {len(inputs)} inputs; there is no inverse. Name as many: "

@@ -67,7 +67,10 @@ def read(name: str, pairs: str | None, period: float | None) -> SampledPlant:
     elif "column" in j or j.get("model") not in READERS:
         raise UserError(f"{path.stem} is not linear: identify it (tools/identify --format json)")
     else:
-        plant = of_file(j, pairs, period)
+        try:
+            plant = of_file(j, pairs, period)
+        except (AttributeError, KeyError, TypeError, ValueError, IndexError) as error:
+            raise UserError(f"{shown(path)} is not as docs/linear-plants.md has it: {type(error).__name__} {error}") from None
     if period is not None and not np.isclose(period, plant.period, rtol=1e-9):
         raise UserError(f"--period {period:g}: {plant.name} is sampled already, every {plant.period:g} s")
     check(plant)
@@ -113,6 +116,8 @@ def shortened(x: np.ndarray) -> np.ndarray:
 def identified(j: dict[str, Any], path: Path, pairs: str | None) -> SampledPlant:
     """What tools/identify --format json prints."""
     try:
+        if any(float(row["A"][0]) != 1 or any(float(x[0]) != 0 for x in row["B"]) for row in j["outputs"]):
+            raise ValueError("A has to begin with 1, B with 0")
         names = {"name": path.stem, "outputs": j["outputs"], "inputs": [{"name": str(u)} for u in j["inputs"]]}
         rows, columns = paired(names, pairs)
         a = padded([[float(x) for x in j["outputs"][i]["A"][1:]] for i in rows])
