@@ -22,7 +22,8 @@ class Window:
 
         self.style, self.plt = ina_picture.STYLE, ina_picture.plt
         self.plt.switch_backend(toolkit)
-        self.figure: Any = self.plt.figure(figsize=size)
+        with self.plt.rc_context(self.style):  # its layout is fixed here
+            self.figure: Any = self.plt.figure(figsize=size)
         self.windows = windows
         if windows:
             self.plt.show(block=False)
