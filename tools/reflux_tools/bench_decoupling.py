@@ -18,6 +18,7 @@ TICKS = {
     "sums": "the sums alone",
     "static": "static decoupler, all MVs free",
     "static_limited": "static decoupler, an MV at its limit",
+    "experiment": "`experiment`, its signals moving",
     "rst": "`rst`",
     "pid": "the loop's own PID",
 }
@@ -26,6 +27,7 @@ DESIGN_HEADER = ["what", "loops", "all of it", "largest piece", "bytes of worksp
 DESIGNS = {
     "decoupler": "polynomial decoupler with the zeros of det B",
     "placement": "pole placement, model of second order",
+    "find": "`experiment`: orders and parameters, 252 samples, na to 2, nb to 5",
     "search": "constant compensator, 50 frequencies, by rows, 8 starts",
 }
 

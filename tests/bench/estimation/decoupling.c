@@ -6,6 +6,7 @@ int main(void)
 {
     cost_of_decoupling_ticks();
     cost_of_decoupling_designs();
+    cost_of_experiments();
     cost_say("done", 0, 0, 0, 0);
     for (;;) {
     }

@@ -4,5 +4,6 @@
 
 void cost_of_decoupling_ticks(void);
 void cost_of_decoupling_designs(void);
+void cost_of_experiments(void);
 
 #endif
