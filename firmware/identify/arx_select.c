@@ -168,6 +168,7 @@ void arx_select_begin(struct arx_selecting *g, const struct arx_data *d, uint8_t
     if (!g->err)
         g->err = arx_collect_begin(&g->rows, d, output, &g->all, from, to,
                                    (uint32_t)arx_before(&g->all, d->inputs), &s->work);
+    g->rows.data = d;
     if (g->err)
         g->stage = SELECT_OVER;
 }
