@@ -13,7 +13,7 @@ import numpy as np
 HERE = Path(__file__).resolve().parent
 sys.path[:0] = [str(HERE.parent / "tools"), str(HERE.parents[1] / "tools")]
 
-from reflux_tools import decoupling, libreflux, sampled_plant  # noqa: E402
+from reflux_tools import decoupled_loops, decoupling, libreflux, sampled_plant, session  # noqa: E402
 from support import FolderTest, board, call, told  # noqa: E402
 
 PLANTS = HERE.parents[1] / "host_sim" / "plants"
@@ -171,6 +171,22 @@ class Board(FolderTest):
             np.testing.assert_allclose([float(x) for x in there.split(",")], [float(x) for x in sent.split(",")], rtol=1e-6, err_msg=name)
         except ValueError:
             self.assertEqual(there, sent, name)
+
+    def test_the_bounds_of_the_tool_are_those_of_the_board(self):
+        most = {"block1.g.1": decoupled_loops.ELEMENT_MOST, "block2.p.1": decoupled_loops.P_MOST, "block2.q.1": decoupled_loops.QR_MOST,
+                "block2.r.1": decoupled_loops.QR_MOST, "decouple1.d2": decoupled_loops.ELEMENT_MOST}
+        with board(HOST) as console:
+            told(console, "begin")
+            told(console, "set block1.kind polynomial")
+            told(console, "set block2.kind rst")
+            for name, bound in most.items():
+                row = "" if name.startswith("decouple") else ",0" * (decoupled_loops.TAPS - 1)
+                for sign in (1, -1):
+                    told(console, f"set {name} {sign * bound:g}{row}")
+                    for beyond in (f"{sign * bound * 1.0001:.9g}{row}", f"{sign * bound:g}{row},0"):
+                        with self.subTest(name=name, value=beyond), self.assertRaises(session.Refused):
+                            told(console, f"set {name} {beyond}")
+            told(console, "abandon")
 
     def test_a_file_of_it_is_taken_by_the_console_tool(self):
         place = self.folder / "decoupler.conf"

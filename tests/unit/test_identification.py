@@ -14,11 +14,12 @@ from pathlib import Path
 import numpy as np
 
 ROOT = Path(__file__).resolve().parents[2]
-sys.path[:0] = [str(ROOT / "tools"), str(ROOT / "tools" / "figures")]
+sys.path[:0] = [str(ROOT / "tools"), str(ROOT / "tools" / "figures"), str(ROOT / "tests" / "tools")]
 
 import arx_bias  # noqa: E402
 from reflux_tools import cmd_identify, identification, libreflux  # noqa: E402
 from reflux_tools.errors import UserError  # noqa: E402
+from support import FolderTest, call  # noqa: E402
 
 A = [[-0.80338, 0.02616], [-1.06726, 0.14709]]
 B = [[[0.03851, -0.00386], [-0.01062, -0.00192]], [[0.01262, 0.00316], [-0.01990, 0.00157]]]
@@ -146,6 +147,116 @@ class Tool(unittest.TestCase):
         with self.assertRaisesRegex(UserError, "no column time"):
             self.run_on(record(200), header="clock,u1,u2,y1,y2")
         self.run_on(record(200), "--period", "120", header="clock,u1,u2,y1,y2")
+
+
+HEADER = "time[s],u1[V],u2[V],y1[V],y2[V]"
+
+
+class OddLogs(FolderTest):
+    """A plain error, or the right model."""
+
+    @classmethod
+    def setUpClass(cls):
+        cls.of = record(300, 0.01)
+
+    def rows(self, change=None):
+        rows = [[120.0 * k, *map(float, self.of.u[k]), *map(float, self.of.y[k])] for k in range(self.of.samples)]
+        return (change(rows) or rows) if change else rows
+
+    def cell(self, row, column, value):
+        return self.rows(lambda rows: rows[row].__setitem__(column, value))
+
+    def column(self, place, value):
+        return [[*row[:place], value(k, row), *row[place + 1 :]] for k, row in enumerate(self.rows())]
+
+    def text(self, rows, header=HEADER):
+        return "\n".join([header, *(",".join(map(str, row)) for row in rows)]) + "\n"
+
+    def identify(self, content, *more):
+        path = self.folder / "log.csv"
+        path.write_bytes(content if isinstance(content, bytes) else content.encode())
+        more = more if "--outputs" in more else (*more, "--outputs", "y1,y2")
+        return call("identify", str(path), "--inputs", "u1,u2", *more)
+
+    def refused(self, content, words, *more):
+        status, out, err = self.identify(content, *more)
+        self.assertIn(status, (1, 2), out)
+        self.assertIn(words, err)
+        self.assertEqual(err.count("\n"), 1, err)
+
+    def model(self, content, *more):
+        status, out, err = self.identify(content, "--format", "json", *more)
+        self.assertEqual(status, 0, err)
+        found = json.loads(out)
+        return found["period_s"], [y["A"] + y["B"] for y in found["outputs"]]
+
+    def test_the_same_table_written_otherwise_is_the_same_model(self):
+        plain = self.text(self.rows())
+        want = self.model(plain)
+        numbered = self.text([[k, *row] for k, row in enumerate(self.rows())], "number," + HEADER)
+        for other in (plain.replace("\n", "\r\n"), "\ufeff" + plain, plain.rstrip("\n"), "# a remark\n" + plain, plain.replace(",", " , "), numbered,
+                      "\ufeff" + numbered, ",".join(f'"{c}"' for c in HEADER.split(",")) + plain[len(HEADER) :],
+                      self.text(self.column(0, lambda k, row: 2.0 * k), HEADER.replace("[s]", "[min]"))):
+            with self.subTest(other[:60]):
+                self.assertEqual(self.model(other), want)
+
+    def test_times_that_are_rounded_are_even(self):
+        for at, want in ((lambda k, row: np.float32(0.1 * k), 0.1), (lambda k, row: 1.7e9 + 0.1 * k, 0.1)):
+            self.assertAlmostEqual(self.model(self.text(self.column(0, at)))[0], want, places=6)
+
+    def test_rows_at_wrong_times_are_refused_with_their_number(self):
+        rows = self.rows()
+        for odd, words in ((self.cell(100, 0, 0.0), "row 101"), (self.cell(100, 0, rows[99][0]), "row 101 is 0 s"), (rows[:100] + rows[110:], "row 101 is 1320 s"),
+                           (rows[:100] + rows[99:], "row 101 is 0 s"), (rows[::-1], "goes back"), (self.column(0, lambda k, row: 7.0), "stands still"),
+                           (self.cell(100, 0, "noon"), "row 101 has no time"), (self.cell(100, 0, "nan"), "row 101 has no time")):
+            with self.subTest(words):
+                self.refused(self.text(odd), words)
+        self.refused(self.text(rows[:100] + rows[110:]), "row 101", "--period", "120")  # a lost row is lost whatever is told
+
+    def test_a_period_that_the_times_contradict_is_refused(self):
+        self.refused(self.text(self.rows()), "the period is 60 s", "--period", "60")
+        self.refused(self.text(self.rows(), HEADER.replace("[s]", "[ticks]")), "column time in ticks")
+        self.assertEqual(self.model(self.text(self.rows(), HEADER.replace("[s]", "[ticks]")), "--period", "60")[0], 60)
+        for wrong in ("0", "-1", "nan", "inf"):
+            self.refused(self.text(self.rows()), "--period", "--period", wrong)
+
+    def test_cells_without_a_number_are_refused_with_row_and_column(self):
+        for value in ("nan", "", "hot", "inf", "-"):
+            self.refused(self.text(self.cell(41, 3, value)), "row 42 has no number for y1")
+        self.refused(self.text(self.cell(41, 1, 1e300)), "outside its allowed range")
+
+    def test_tables_of_another_form_are_refused(self):
+        plain = self.text(self.rows())
+        for content, words in (("", "empty"), ("\n\n", "empty"), ("# only a remark\n", "empty"), (HEADER, "0 samples"), (self.text(self.rows()[:1]), "samples"),
+                               (self.text(self.rows()[:12]), "12 samples"), (plain + "1,2\n", "row 301 has 2 cells"), (plain.replace(".", ","), "cells"),
+                               (plain.replace(",", ";"), "commas"), (plain.replace(",", "\t"), "commas"), (self.text(self.rows(), HEADER.replace("u2", "u3")), "no column u2"),
+                               (self.text(self.rows(), HEADER.replace("y2", "y1")), "two columns y1"), (b"\xff\xfet\x00", "cannot be read")):
+            with self.subTest(words):
+                self.refused(content, words)
+        status, _, err = call("identify", str(self.folder / "none"), "--inputs", "u1,u2", "--outputs", "y1,y2")
+        self.assertEqual((status, err.count("\n")), (2, 1))
+
+    def test_columns_that_say_nothing_are_refused(self):
+        for place, name in ((1, "u1"), (2, "u2"), (3, "y1"), (4, "y2")):
+            self.refused(self.text(self.column(place, lambda k, row: 1.5)), f"{name} never moves")
+        same = self.text(self.column(2, lambda k, row: row[1]))
+        for more in ((), ("--orders", "2,2")):
+            self.refused(same, "inputs that do not move on their own", *more)
+
+    def test_options_that_are_wrong_are_refused(self):
+        plain = self.text(self.rows())
+        for more, words in ((("--outputs", "y1,y1"), "twice"), (("--outputs", "u1"), "twice"), (("--na", "5"), "--na"), (("--na", "-1"), "--na"), (("--nb", "0"), "--nb"),
+                            (("--nb", "9"), "--nb"), (("--orders", "0,0"), "--orders"), (("--orders", "5,1"), "--orders"), (("--every", "0"), "--every"),
+                            (("--every", "1000"), "samples"), (("--every", "2", "--cutoff", "nan"), "--cutoff"), (("--cutoff", "1"), "--cutoff"),
+                            (("--validation", "nan"), "--validation"), (("--nc", "1"), "--nc"), (("--nc", "9", "--method", "els"), "--nc"), (("-o", "/none/x.png"), "cannot be written")):
+            with self.subTest(more):
+                self.refused(plain, words, *more)
+        self.assertEqual(self.identify(plain, "--orders", "²,1")[0], 2)
+
+    def test_an_input_that_moves_within_a_control_interval_is_told(self):
+        self.assertIn("note: u1, u2 move within control intervals of 2 rows", self.identify(self.text(self.rows()), "--every", "2")[1])
+        held = [[row[0], *self.of.u[k // 2 * 2], *row[3:]] for k, row in enumerate(self.rows())]
+        self.assertNotIn("note: u1", self.identify(self.text(held), "--every", "2", "--orders", "1,2")[1])
 
 
 if __name__ == "__main__":

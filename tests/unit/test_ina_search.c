@@ -124,6 +124,7 @@ static void each_of_two_rows_is_as_good_as_the_best_of_all_directions(void)
                 best = fmin(best, worst);
             }
             TEST_ASSERT_TRUE((double)search.ratio[row] <= best * (1 + 1e-3) + 1e-4);
+            TEST_ASSERT_TRUE((double)search.ratio[row] >= best * (1 - 1e-2));
         }
     }
 }
@@ -178,6 +179,8 @@ static void by_columns_the_largest_element_is_1_and_the_diagonal_positive(void)
     TEST_ASSERT_TRUE(search.g.at[0][0] > 0 && search.g.at[1][1] > 0);
     TEST_ASSERT_TRUE((double)search.after < 0.238);
     TEST_ASSERT_DOUBLE_WITHIN(1e-4, (double)search.after, worst_with(&search.g, INA_BY_COLUMNS));
+    for (unsigned i = 0; i < 2; i++)
+        TEST_ASSERT_EQUAL_DOUBLE((double)search.after, (double)search.ratio[i]);
 }
 
 static void the_same_seed_finds_the_same_to_the_last_bit(void)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import csv
 import json
 import math
 from dataclasses import asdict, dataclass
@@ -15,11 +16,16 @@ from reflux_tools import identification, libreflux, table
 from reflux_tools.compare import log_of
 from reflux_tools.errors import RunFailed, UserError
 from reflux_tools.identification import Fit, Judgement, Orders, Record, Trials
-from reflux_tools.logs import Log, read_csv
+from reflux_tools.ina_plant import UNIT
+from reflux_tools.logs import Log, bare, read_csv
 from reflux_tools.paths import named, shown
 
 MOST = 4  # of each kind
+NA_MOST, NB_MOST, NC_MOST = 4, 8, 4
 SHOWN = 8  # trials
+LEAST = 20  # samples; a search of orders asks for more
+SINGULAR, EMPTY = -15, -9  # of base/error.h
+JITTER, LOST = 0.01, 0.5  # of a period, between a row's time and the row before: without --period, and with it
 
 
 @dataclass
@@ -63,12 +69,11 @@ def main(arguments: list[str]) -> int:
     p.add_argument("--format", choices=("text", "json"), default="text")
     p.add_argument("-o", "--out", type=named, metavar="PNG", help="default: identify.png beside the log")
     options = p.parse_args(arguments)
-    if not 0.05 <= options.validation <= 0.8:
-        raise UserError("--validation must be 0.05 to 0.8 of the log")
+    check(options)
     path = log_of(options.log)
     log = read_table(path)
-    record, levels = record_of(log, options)
     period = period_of(log, options.period) * options.every
+    record, levels = record_of(log, options)
     border = round(record.samples * (1 - options.validation))
     found = [identify(record, i, border, options) for i in range(record.outputs)]
     out = options.out or path.parent / "identify.png"
@@ -78,11 +83,30 @@ def main(arguments: list[str]) -> int:
         print(json.dumps(as_dict(found, options, period, levels), indent=1))
         return 0
     print(f"{shown(path)}: {record.samples} samples of {period:g} s, judged on the last {record.samples - border}")
+    if options.every > 1 and (moving := moved_within(log, options)):
+        print(f"note: {', '.join(moving)} move within control intervals of {options.every} rows, and are taken as they are at their beginning")
     for one in found:
         print_output(one, options)
     print_model(found, options)
     print(f"\n{shown(out)}")
     return 0
+
+
+def check(options: argparse.Namespace) -> None:
+    if not 0.05 <= options.validation <= 0.8:
+        raise UserError("--validation must be 0.05 to 0.8 of the log")
+    if not 0 <= options.na <= NA_MOST or not 1 <= options.nb <= NB_MOST:
+        raise UserError(f"--na must be 0 to {NA_MOST}, --nb 1 to {NB_MOST}")
+    if options.orders and not (options.orders[0] <= NA_MOST and 1 <= options.orders[1] <= NB_MOST):
+        raise UserError(f"--orders must be 0 to {NA_MOST} and 1 to {NB_MOST}")
+    if options.nc is not None and (options.method != "els" or not 1 <= options.nc <= NC_MOST):
+        raise UserError(f"--nc must be 1 to {NC_MOST}, and goes with --method els")
+    if options.every < 1 or not 0 < options.cutoff < 1:
+        raise UserError("--every must be 1 or more, --cutoff above 0 and below 1")
+    channels = [*options.inputs, *options.outputs]
+    for name in channels:
+        if channels.count(name) > 1:
+            raise UserError(f"{name} is named twice among --inputs and --outputs")
 
 
 # ---- the record ----
@@ -103,17 +127,28 @@ def pair(text: str) -> tuple[int, int]:
 
 
 def read_table(path: Path) -> Log:
-    """A log of the simulator, or any table with names in its first line."""
+    """A log of the simulator, or any table with names in its first line, cells between commas."""
     try:
-        lines = [line for line in path.read_text(encoding="utf-8").splitlines() if line.strip() and not line.startswith("#")]
+        lines = [line for line in path.read_text(encoding="utf-8-sig").splitlines() if line.strip() and not line.startswith("#")]
     except (OSError, UnicodeDecodeError) as error:
         raise UserError(f"{shown(path)}: cannot be read: {error}") from None
-    if not lines or lines[0].startswith("number,"):
+    if not lines:
+        raise UserError(f"{shown(path)}: empty; expected a header line with names of columns")
+    if lines[0].startswith("number,"):
         return read_csv(path)
-    columns, *rows = ([cell.strip() for cell in line.split(",")] for line in lines)
+    if "," not in lines[0] and (";" in lines[0] or "\t" in lines[0]):
+        raise UserError(f"{shown(path)}: cells must have commas between them, and the header has none")
+    try:
+        columns, *rows = ([cell.strip() for cell in row] for row in csv.reader(lines))
+    except csv.Error as error:
+        raise UserError(f"{shown(path)}: {error}") from None
     for n, row in enumerate(rows, 1):
         if len(row) != len(columns):
             raise UserError(f"{shown(path)}: row {n} has {len(row)} cells, the header {len(columns)}")
+    plain = [bare(c) for c in columns]
+    for name in plain:
+        if name and plain.count(name) > 1:
+            raise UserError(f"{shown(path)}: two columns {name}")
     return Log(columns, rows, [], shown(path))
 
 
@@ -131,41 +166,82 @@ def input_of(log: Log, name: str) -> list[float]:
 
 def record_of(log: Log, options: argparse.Namespace) -> tuple[Record, dict[str, float]]:
     """Deviations from the means, which are given as well."""
-    u = np.array([input_of(log, name) for name in options.inputs]).T
-    y = np.array([log.numbers(name + ".meas" if log.has(name + ".meas") else name) for name in options.outputs]).T
-    bad = np.flatnonzero(~(np.isfinite(u).all(axis=1) & np.isfinite(y).all(axis=1)))
+    channels = [*options.inputs, *options.outputs]
+    table_of = [input_of(log, name) for name in options.inputs] + [log.numbers(name + ".meas" if log.has(name + ".meas") else name) for name in options.outputs]
+    all_of = np.array(table_of, float).T
+    bad = np.argwhere(~np.isfinite(all_of))
     if len(bad):
-        raise UserError(f"{log.source or 'log'}: row {bad[0] + 1} has no number for one of {', '.join(options.inputs + options.outputs)}")
+        raise UserError(f"{log.source or 'log'}: row {bad[0][0] + 1} has no number for {channels[bad[0][1]]}")
+    u, y = all_of[:, : len(options.inputs)], all_of[:, len(options.inputs) :]
     if options.every != 1:
-        y = np.array([identification.decimate(column, options.every, options.cutoff) for column in y.T]).T
+        y = np.array([identification.decimate(column, options.every, options.cutoff) for column in y.T]).T if len(y) else y
         u = u[:: options.every]
+    if len(u) < LEAST:
+        raise UserError(f"{log.source or 'log'}: {len(u)} samples; at least {LEAST} are needed, and a search of orders wants more")
+    for name, column in zip(channels, [*u.T, *y.T]):
+        if np.ptp(column) == 0:
+            raise UserError(f"{log.source or 'log'}: {name} never moves; every input has to be excited, and every output has to answer")
     at = np.zeros(u.shape[1] + y.shape[1]) if options.no_constant else np.concatenate([u.mean(axis=0), y.mean(axis=0)])
-    levels = dict(zip([*options.inputs, *options.outputs], map(float, at)))
+    levels = dict(zip(channels, map(float, at)))
     return Record(u - at[: u.shape[1]], y - at[u.shape[1] :]), levels
 
 
+def moved_within(log: Log, options: argparse.Namespace) -> list[str]:
+    """Inputs that do not stand still for the rows of a control interval, of which only the first one counts."""
+    n = options.every
+    found = []
+    for name in options.inputs:
+        u = np.array(input_of(log, name))
+        whole = u[: len(u) // n * n].reshape(-1, n)
+        if np.ptp(whole, axis=1).max(initial=0.0) > 1e-6 * np.ptp(u):
+            found.append(name)
+    return found
+
+
 def period_of(log: Log, given: float | None) -> float:
-    if given is not None:
-        if not 0 < given <= 1e6:
-            raise UserError("--period must be above 0, to 1e6 s")
+    """s. A row that is lost or there twice would be a sample at the wrong time, so a given period is compared with the column time as well."""
+    if given is not None and not 0 < given <= 1e6:
+        raise UserError("--period must be above 0, to 1e6 s")
+    unit = log.unit("time") or "s" if log.has("time") else ""
+    if not log.has("time") or unit not in UNIT:
+        if given is None:
+            raise UserError(f"the log has {'no column time' if not unit else f'a column time in {unit}'}: --period says how far its rows are apart, s")
         return given
-    if not log.has("time"):
-        raise UserError("the log has no column time: --period says how far its rows are apart")
-    steps = np.diff(log.numbers("time"))
-    if len(steps) == 0 or not np.allclose(steps, steps[0], rtol=1e-6) or not steps[0] > 0:
-        raise UserError("the rows of the log are not evenly spaced in time")
-    return float(steps[0])
+    times = np.array(log.numbers("time"))
+    if len(times) < 2:
+        raise UserError(f"{log.source or 'log'}: {len(times)} samples; at least {LEAST} are needed")
+    if not np.isfinite(times).all():
+        raise UserError(f"the rows of the log are not evenly spaced in time: row {int(np.argmin(np.isfinite(times))) + 1} has no time")
+    steps = np.diff(times) * UNIT[unit]
+    period = float(np.median(steps)) if given is None and len(steps) else given or 0.0
+    wrong = np.flatnonzero(~(np.abs(steps - period) <= (JITTER if given is None else LOST) * period))
+    if not period > 0:
+        raise UserError("the rows of the log are not evenly spaced in time: it stands still or goes back")
+    if len(wrong):
+        row = int(wrong[0]) + 2
+        raise UserError(f"the rows of the log are not evenly spaced in time: row {row} is {steps[row - 2]:g} s after the one before, and the period is {period:g} s")
+    return period if given is not None or np.allclose(steps, period, rtol=1e-6) else float(f"{steps.mean():.6g}")
 
 
 # ---- the models ----
 
 
 def identify(record: Record, i: int, border: int, options: argparse.Namespace) -> Found:
+    try:
+        return given(record, i, border, options) if options.orders else searched(record, i, border, options)
+    except libreflux.Refused as error:
+        words = {SINGULAR: "; inputs that do not move on their own, or too few samples", EMPTY: "; too few samples for these orders"}.get(error.code, "")
+        raise RunFailed(f"{options.outputs[i]}: {error}{words}") from None
+
+
+def given(record: Record, i: int, border: int, options: argparse.Namespace) -> Found:
+    na, nb = options.orders
+    chosen = fitted(record, i, Orders(na, ((1, nb),) * record.inputs, 0, not options.no_constant), border, options)
+    return Found(options.outputs[i], None, [], chosen, identification.judge(record, i, chosen, (border, record.samples)))
+
+
+def searched(record: Record, i: int, border: int, options: argparse.Namespace) -> Found:
     rest = (border, record.samples)
-    if options.orders:
-        na, nb = options.orders
-        chosen = fitted(record, i, Orders(na, ((1, nb),) * record.inputs, 0, not options.no_constant), border, options)
-        return Found(options.outputs[i], None, [], chosen, identification.judge(record, i, chosen, rest))
     trials = identification.select(record, i, options.na, options.nb, not options.no_constant, options.criterion, (0, border))
     looked = []
     for trial in candidates(trials):
@@ -245,7 +321,7 @@ def gains(model: Fit) -> list[float]:
 def as_dict(found: list[Found], options: argparse.Namespace, period: float, levels: dict[str, float]) -> dict[str, Any]:
     return {"period_s": period, "method": options.method, "inputs": options.inputs, "levels": levels, "outputs": [
         {"name": one.name, "A": [1.0, *one.model.a()], "B": [[0.0, *row] for row in one.model.b()], "sd": [float(x) for x in one.model.sd],
-         "constant": float(one.model.theta[-1]) if one.model.orders.constant else 0.0, "settled": one.model.settled, "gains": gains(one.model),
+         "constant": float(one.model.theta[-1]) if one.model.orders.constant else 0.0, "settled": one.model.settled, "gains": [g if math.isfinite(g) else None for g in gains(one.model)],
          "validation": {**asdict(one.judged), "fit": one.judged.fit()},
          "trials": [{"orders": asdict(t.orders), "criterion": t.criterion, "parameters": t.parameters} for t in one.trials.all if t.known] if one.trials else [],
          "looked": [{"orders": asdict(look.trial.orders), "criterion": look.criterion, "fit": look.judged.fit()} for look in one.looked]}

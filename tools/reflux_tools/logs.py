@@ -33,7 +33,7 @@ class Log:
 
     def place(self, name: str) -> int:
         if not self.has(name):
-            raise UserError(f"{self.source or 'log'}: no column {name}; there are {', '.join(self._place)}")
+            raise UserError(f"{self.source or 'log'}: no column {name}; there are {', '.join(dict.fromkeys(map(bare, self.columns)))}")
         return self._place[bare(name)]
 
     def unit(self, name: str) -> str:
@@ -82,7 +82,7 @@ def number32(cell: str) -> float:
 def read_csv(path: Path) -> Log:
     """A log as reflux-sim or tools/run writes it: # comments, one header line, rows of the same width."""
     try:
-        lines = path.read_text(encoding="utf-8").splitlines()
+        lines = path.read_text(encoding="utf-8-sig").splitlines()
     except (OSError, UnicodeDecodeError) as error:
         raise UserError(f"{shown(path)}: cannot be read: {error}") from None
     comments = [line for line in lines if line.startswith("#")]
