@@ -1,17 +1,14 @@
 #include "identify/arx_select.h"
 
+#include <string.h>
+
 #include "identify/common.h"
 
-/* The largest model, and what the trials have in common. */
-struct grid {
-    const struct arx_data *data;
-    struct arx_orders all;
-    enum arx_criterion criterion;
-};
+enum search_stage { SEARCH_ROWS, SEARCH_GRID, SEARCH_DROPS, SEARCH_OVER };
 
-static real_t criterion_of(const struct grid *g, const struct arx_search *s, real_t squares,
-                           real_t p)
+static real_t criterion_of(const struct arx_searching *g, real_t squares, real_t p)
 {
+    const struct arx_search *s = g->search;
     real_t rows = (real_t)s->rows,
            least = rows * (real_t)s->work.triangle.columns * REAL_EPSILON * REAL_EPSILON * s->of_y;
     if (squares < least)
@@ -23,13 +20,15 @@ static real_t criterion_of(const struct grid *g, const struct arx_search *s, rea
 }
 
 /* Columns that a lower model has of the largest's, and that of y. */
-static size_t columns_of(const struct grid *g, const struct arx_orders *o, uint8_t *column)
+static size_t columns_of(const struct arx_searching *g, const struct arx_orders *o,
+                         uint8_t *column)
 {
-    size_t n = 0, at = g->all.na;
+    const struct arx_orders *all = &g->rows.orders;
+    size_t n = 0, at = all->na;
     for (size_t k = 0; k < o->na; k++)
         column[n++] = (uint8_t)k;
-    for (size_t j = 0; j < g->data->inputs; j++)
-        for (size_t k = 1; k <= g->all.last[j]; k++, at++)
+    for (size_t j = 0; j < g->rows.data->inputs; j++)
+        for (size_t k = 1; k <= all->last[j]; k++, at++)
             if (o->last[j] > 0 && k >= o->first[j] && k <= o->last[j])
                 column[n++] = (uint8_t)at;
     if (o->constant)
@@ -51,11 +50,12 @@ static bool tried(const struct arx_search *s, const struct arx_orders *o, uint8_
     return false;
 }
 
-static void try_orders(const struct grid *g, const struct arx_orders *o, struct arx_search *s)
+static void try_orders(struct arx_searching *g, const struct arx_orders *o)
 {
-    uint8_t column[ARX_MOST + 1];
-    size_t n = arx_parameters(o, g->data->inputs);
-    if (s->trials >= ARX_TRIALS || n < 1 || tried(s, o, g->data->inputs))
+    struct arx_search *s = g->search;
+    uint8_t column[ARX_MOST + 1], inputs = g->rows.data->inputs;
+    size_t n = arx_parameters(o, inputs);
+    if (s->trials >= ARX_TRIALS || n < 1 || tried(s, o, inputs))
         return;
     struct arx_trial *t = &s->trial[s->trials++];
     *t = (struct arx_trial){.orders = *o, .parameters = (uint8_t)n};
@@ -65,31 +65,10 @@ static void try_orders(const struct grid *g, const struct arx_orders *o, struct 
     if (t->err)
         return;
     t->squares = s->fit.squares;
-    t->criterion = criterion_of(g, s, t->squares, (real_t)n);
+    t->criterion = criterion_of(g, t->squares, (real_t)n);
     const struct arx_trial *best = &s->trial[s->best];
     if (best->err || t->criterion < best->criterion)
         s->best = (uint16_t)(s->trials - 1u);
-}
-
-/* The best with one coefficient less at either end of an input. Returns whether one of them is better. */
-static bool drop_one(const struct grid *g, struct arx_search *s)
-{
-    uint16_t best = s->best;
-    const struct arx_orders from = s->trial[best].orders;
-    for (size_t j = 0; j < g->data->inputs; j++)
-        for (int end = 0; end < 2; end++) {
-            struct arx_orders o = from;
-            if (o.last[j] == 0)
-                continue;
-            if (o.first[j] == o.last[j])
-                o.first[j] = o.last[j] = 0;
-            else if (end == 0)
-                o.first[j]++;
-            else
-                o.last[j]--;
-            try_orders(g, &o, s);
-        }
-    return s->best != best;
 }
 
 /* Sum of y squared: of its column in the triangle. */
@@ -104,33 +83,108 @@ static real_t squares_of_y(const struct triangle *t)
     return sum;
 }
 
+static void end_search(struct arx_searching *g, enum err err)
+{
+    g->err = err;
+    g->stage = SEARCH_OVER;
+}
+
+void arx_select_begin(struct arx_searching *g, const struct arx_data *d, uint8_t output, uint8_t na,
+                      uint8_t nb, bool constant, enum arx_criterion criterion, uint32_t from,
+                      uint32_t to, struct arx_search *s)
+{
+    struct arx_orders all = {.na = na, .constant = constant};
+    memset(g, 0, sizeof *g);
+    g->search = s;
+    g->nb = nb;
+    g->criterion = (uint8_t)criterion;
+    if (na > DIFFERENCE_A_MOST || nb < 1 || nb > DIFFERENCE_B_MOST) {
+        end_search(g, ERR_RANGE);
+        return;
+    }
+    for (size_t j = 0; j < d->inputs; j++) {
+        all.first[j] = 1;
+        all.last[j] = nb;
+    }
+    s->trials = s->best = 0;
+    enum err err = arx_collect_begin(&g->rows, d, output, &all, from, to,
+                                     (uint32_t)arx_before(&all, d->inputs), &s->work);
+    if (err)
+        end_search(g, err);
+}
+
+static void begin_grid(struct arx_searching *g)
+{
+    g->search->rows = g->rows.rows;
+    g->search->of_y = squares_of_y(&g->search->work.triangle);
+    g->stage = SEARCH_GRID;
+}
+
+/* All inputs alike, from na = 0 and nb = 1 on. */
+static void try_of_grid(struct arx_searching *g)
+{
+    struct arx_orders o = g->rows.orders;
+    o.na = (uint8_t)(g->at / g->nb);
+    for (size_t j = 0; j < g->rows.data->inputs; j++)
+        o.last[j] = (uint8_t)(g->at % g->nb + 1u);
+    try_orders(g, &o);
+    if (++g->at < (g->rows.orders.na + 1u) * g->nb)
+        return;
+    if (g->search->trial[g->search->best].err)
+        end_search(g, ERR_SINGULAR);
+    g->at = 0;
+    if (g->stage != SEARCH_OVER)
+        g->stage = SEARCH_DROPS;
+}
+
+/* The best with one coefficient less at either end of an input, one of them at a time, until a round finds none that is better. */
+static void try_a_drop(struct arx_searching *g)
+{
+    struct arx_search *s = g->search;
+    if (g->at == 0) {
+        g->best = s->best;
+        g->from = s->trial[s->best].orders;
+    }
+    struct arx_orders o = g->from;
+    size_t j = g->at / 2u;
+    if (o.last[j] != 0) {
+        if (o.first[j] == o.last[j])
+            o.first[j] = o.last[j] = 0;
+        else if (g->at % 2u == 0)
+            o.first[j]++;
+        else
+            o.last[j]--;
+        try_orders(g, &o);
+    }
+    if (++g->at < 2u * g->rows.data->inputs)
+        return;
+    g->at = 0;
+    if (++g->round >= DIFFERENCE_MOST * DIFFERENCE_B_MOST || s->best == g->best)
+        end_search(g, ERR_OK);
+}
+
+bool arx_select_piece(struct arx_searching *g, uint32_t most)
+{
+    if (g->stage == SEARCH_ROWS) {
+        if (!arx_collect_piece(&g->rows, most))
+            begin_grid(g);
+    } else if (g->stage == SEARCH_GRID) {
+        try_of_grid(g);
+    } else if (g->stage == SEARCH_DROPS) {
+        try_a_drop(g);
+    }
+    return g->stage != SEARCH_OVER;
+}
+
 enum err arx_select(const struct arx_data *d, uint8_t output, uint8_t na, uint8_t nb, bool constant,
                     enum arx_criterion criterion, uint32_t from, uint32_t to, struct arx_search *s)
 {
-    struct grid g = {.data = d, .criterion = criterion, .all = {.na = na, .constant = constant}};
-    if (na > DIFFERENCE_A_MOST || nb < 1 || nb > DIFFERENCE_B_MOST)
-        return ERR_RANGE;
-    for (size_t j = 0; j < d->inputs; j++) {
-        g.all.first[j] = 1;
-        g.all.last[j] = nb;
-    }
-    s->trials = s->best = 0;
-    enum err err = arx_collect(d, output, &g.all, from, to, (uint32_t)arx_before(&g.all, d->inputs),
-                               &s->work, &s->rows);
-    if (err)
-        return err;
-    s->of_y = squares_of_y(&s->work.triangle);
-    for (uint8_t a = 0; a <= na; a++)
-        for (uint8_t b = 1; b <= nb; b++) {
-            struct arx_orders o = g.all;
-            o.na = a;
-            for (size_t j = 0; j < d->inputs; j++)
-                o.last[j] = b;
-            try_orders(&g, &o, s);
-        }
-    if (s->trial[s->best].err)
-        return ERR_SINGULAR;
-    for (int round = 0; round < DIFFERENCE_MOST * DIFFERENCE_B_MOST && drop_one(&g, s); round++)
+    struct arx_searching g;
+    arx_select_begin(&g, d, output, na, nb, constant, criterion, from, to, s);
+    /* The rows, the grid, and drops of either end of each input in each round. */
+    const unsigned most = 1u + (DIFFERENCE_A_MOST + 1u) * DIFFERENCE_B_MOST +
+                          2u * DIFFERENCE_MOST * DIFFERENCE_MOST * DIFFERENCE_B_MOST;
+    for (unsigned piece = 0; piece < most && arx_select_piece(&g, to - from); piece++)
         ;
-    return ERR_OK;
+    return g.err;
 }

@@ -43,4 +43,20 @@ MUST_CHECK enum err arx_select(const struct arx_data *data, uint8_t output, uint
                                bool constant, enum arx_criterion criterion, uint32_t from,
                                uint32_t to, struct arx_search *search);
 
+/* The same in pieces: data and search live on until it is over. Within, but for err. */
+struct arx_searching {
+    struct arx_collecting rows; /* its orders are the largest */
+    struct arx_search *search;
+    struct arx_orders from; /* what a round of dropping began with */
+    uint16_t best, at;      /* at: of the grid, or of a round, which is next */
+    uint8_t nb, criterion;  /* enum arx_criterion */
+    uint8_t stage, round;
+    enum err err; /* once it is over: as arx_select */
+};
+void arx_select_begin(struct arx_searching *s, const struct arx_data *data, uint8_t output,
+                      uint8_t na, uint8_t nb, bool constant, enum arx_criterion criterion,
+                      uint32_t from, uint32_t to, struct arx_search *search);
+/* Up to `most` samples, or one trial. True while there is more. */
+bool arx_select_piece(struct arx_searching *s, uint32_t most);
+
 #endif
