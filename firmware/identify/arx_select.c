@@ -83,7 +83,7 @@ static real_t squares_of_y(const struct triangle *t)
     return sum;
 }
 
-static void end_search(struct arx_searching *g, enum err err)
+static void end_orders_search(struct arx_searching *g, enum err err)
 {
     g->err = err;
     g->stage = SEARCH_OVER;
@@ -99,7 +99,7 @@ void arx_select_begin(struct arx_searching *g, const struct arx_data *d, uint8_t
     g->nb = nb;
     g->criterion = (uint8_t)criterion;
     if (na > DIFFERENCE_A_MOST || nb < 1 || nb > DIFFERENCE_B_MOST) {
-        end_search(g, ERR_RANGE);
+        end_orders_search(g, ERR_RANGE);
         return;
     }
     for (size_t j = 0; j < d->inputs; j++) {
@@ -110,7 +110,7 @@ void arx_select_begin(struct arx_searching *g, const struct arx_data *d, uint8_t
     enum err err = arx_collect_begin(&g->rows, d, output, &all, from, to,
                                      (uint32_t)arx_before(&all, d->inputs), &s->work);
     if (err)
-        end_search(g, err);
+        end_orders_search(g, err);
 }
 
 static void begin_grid(struct arx_searching *g)
@@ -131,7 +131,7 @@ static void try_of_grid(struct arx_searching *g)
     if (++g->at < (g->rows.orders.na + 1u) * g->nb)
         return;
     if (g->search->trial[g->search->best].err)
-        end_search(g, ERR_SINGULAR);
+        end_orders_search(g, ERR_SINGULAR);
     g->at = 0;
     if (g->stage != SEARCH_OVER)
         g->stage = SEARCH_DROPS;
@@ -160,7 +160,7 @@ static void try_a_drop(struct arx_searching *g)
         return;
     g->at = 0;
     if (++g->round >= DIFFERENCE_MOST * DIFFERENCE_B_MOST || s->best == g->best)
-        end_search(g, ERR_OK);
+        end_orders_search(g, ERR_OK);
 }
 
 bool arx_select_piece(struct arx_searching *g, uint32_t most)
