@@ -5,13 +5,9 @@
 
 #include "block/block.h"
 
-/* It is left out where numbers are fixed-point: that image has no room for it. */
+/* 0 leaves it out of an image. */
 #ifndef CONFIG_EXPERIMENT
-#ifdef REFLUX_FIXED_POINT
-#define CONFIG_EXPERIMENT 0
-#else
 #define CONFIG_EXPERIMENT CONFIG_BLOCKS
-#endif
 #endif
 
 #if CONFIG_EXPERIMENT
