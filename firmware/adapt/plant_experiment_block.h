@@ -73,7 +73,7 @@ struct experiment {
     /* What was found, EU. */
     struct experiment_found {
         uint8_t na, nb, verdict;
-        float one_step, fit; /* % */
+        float one_step, fit, apart; /* % */
     } found[EXPERIMENT_MOST];
     float live_error[EXPERIMENT_MOST]; /* % of the measurement's span */
     uint8_t proposed; /* what it was when it proposed */

@@ -82,6 +82,7 @@ static void take_output(struct experiment *e, unsigned i)
     to->verdict = from->verdict;
     to->one_step = (float)(100 * from->one_step);
     to->fit = (float)(100 * from->fit);
+    to->apart = (float)(100 * from->apart);
     for (unsigned k = 0; k < DIFFERENCE_A_MOST; k++)
         experiment_a(e, i)[k] = (float)from->a[k];
     for (unsigned j = 0; j < e->n; j++) {

@@ -27,21 +27,21 @@ static const char *describe_run(const struct experiment *e, size_t i, float *val
 }
 #define OF_RUN 8u
 
-static const char output_names[EXPERIMENT_MOST][4][12] = {
-    {"verdict_1", "one_step_1", "fit_1", "live_1"},
-    {"verdict_2", "one_step_2", "fit_2", "live_2"},
-    {"verdict_3", "one_step_3", "fit_3", "live_3"},
-    {"verdict_4", "one_step_4", "fit_4", "live_4"},
+#define OF_OUTPUT 5u
+static const char output_names[EXPERIMENT_MOST][OF_OUTPUT][12] = {
+    {"verdict_1", "one_step_1", "fit_1", "apart_1", "live_1"},
+    {"verdict_2", "one_step_2", "fit_2", "apart_2", "live_2"},
+    {"verdict_3", "one_step_3", "fit_3", "apart_3", "live_3"},
+    {"verdict_4", "one_step_4", "fit_4", "apart_4", "live_4"},
 };
 
 static const char *describe_output(const struct experiment *e, unsigned k, size_t i, float *value)
 {
     const struct experiment_found *f = &e->found[k];
-    const float values[4] = {f->verdict, f->one_step, f->fit, e->live_error[k]};
+    const float values[OF_OUTPUT] = {f->verdict, f->one_step, f->fit, f->apart, e->live_error[k]};
     *value = values[i];
     return output_names[k][i];
 }
-#define OF_OUTPUT 4u
 
 static const char others_names[EXPERIMENT_MOST][9] = {"others_1", "others_2", "others_3",
                                                       "others_4"};

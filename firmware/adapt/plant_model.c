@@ -7,8 +7,10 @@
 #define TWO  REAL_C(2.0)
 
 #define BEST_FITTED 8u /* of those that are no part of the grid */
-#define GAINS_APART                                                                                \
-    REAL_C(0.25) /* of the largest effect of an input, all of the record and two thirds of it */
+/* Of the largest effect of an input: how far gains at rest may be from those of two thirds of the record, and from what the record
+ * leaves of them. */
+#define PARTS_APART REAL_C(0.25)
+#define REST_APART  REAL_C(0.1)
 #define SETTLES REAL_C(4.0) /* time constants */
 
 enum finding_phase {
@@ -17,6 +19,7 @@ enum finding_phase {
     FIND_FIT,
     FIND_JUDGE,
     FIND_ALL,
+    FIND_LEFT, /* what the model leaves of the record */
     FIND_OVER /* of an output */
 };
 
@@ -165,30 +168,95 @@ static void put_coefficients(const struct plant_finding *f, struct plant_output 
     }
 }
 
-/* Whether both parts tell the same, measured by the largest effect that an input had. */
-static bool gains_agree(const struct plant_finding *f, const real_t *before, const real_t *all)
+/* The largest of change[] times what the inputs did, as a part of the largest of all[]. */
+static real_t part_of_effects(const struct plant_finding *f, const real_t *change,
+                              const real_t *all)
 {
     real_t largest = ZERO, apart = ZERO;
     for (size_t j = 0; j < f->data.inputs; j++) {
-        real_t effect = real_abs(all[j]) * f->moved[j],
-               other = real_abs(all[j] - before[j]) * f->moved[j];
+        real_t effect = real_abs(all[j]) * f->moved[j], other = real_abs(change[j]) * f->moved[j];
         largest = effect > largest ? effect : largest;
         apart = other > apart ? other : apart;
     }
-    return apart <= GAINS_APART * largest;
+    return largest > ZERO ? apart / largest : ONE;
 }
 
 static enum plant_verdict judged_as(const struct plant_finding *f, struct plant_output *out)
 {
-    real_t before[DIFFERENCE_MOST];
+    real_t change[DIFFERENCE_MOST];
     real_t radius = real_exp(-SETTLES / (real_t)f->wanted.memory);
-    bool rests = gains_of_fit(&f->fit, f->data.inputs, out->gain);
     if (!(out->fit >= f->wanted.fit))
         return PLANT_POOR;
-    if (!rests || !plant_roots_within(out->a, out->na, radius) ||
-        !gains_of_fit(&f->best, f->data.inputs, before))
+    if (!gains_of_fit(&f->fit, f->data.inputs, out->gain) ||
+        !plant_roots_within(out->a, out->na, radius) ||
+        !gains_of_fit(&f->best, f->data.inputs, change))
         return PLANT_SLOW;
-    return gains_agree(f, before, out->gain) ? PLANT_USABLE : PLANT_UNSURE;
+    for (size_t j = 0; j < f->data.inputs; j++)
+        change[j] -= out->gain[j];
+    out->apart = part_of_effects(f, change, out->gain);
+    return out->apart <= PARTS_APART ? PLANT_USABLE : PLANT_UNSURE;
+}
+
+/* The model on its own from the beginning of the record, at rest there. What it leaves is put down to the inputs as they are behind
+ * the slowest lag that the experiment allows: what comes out is by how much its gains at rest are off. Where B ends too soon, or A is
+ * of too low an order, a model can follow the record well and be far off there. */
+static void begin_left(struct plant_finding *f)
+{
+    struct plant_leftover *l = &f->left;
+    memset(l, 0, sizeof *l);
+    l->pole = real_exp(-SETTLES / (real_t)f->wanted.memory);
+    triangle_begin(&l->triangle, (size_t)f->data.inputs + 2, 0, l->of);
+    f->phase = FIND_LEFT;
+}
+
+/* A sample; false: it has run away. */
+static bool take_left(struct plant_finding *f)
+{
+    struct plant_leftover *l = &f->left;
+    uint8_t n = f->data.inputs;
+    const real_t *u = &f->data.u[(size_t)l->k * n];
+    real_t phi[ARX_MOST], row[DIFFERENCE_MOST + 2];
+    arx_regressor(&f->fit.orders, n, &l->history, phi);
+    real_t x = arx_sum(phi, f->fit.theta, arx_parameters(&f->fit.orders, n));
+    if (!(real_abs(x) <= REAL_C(1e12)))
+        return false;
+    memcpy(row, l->slow, n * sizeof row[0]);
+    row[n] = ONE;
+    row[n + 1] = f->data.y[(size_t)l->k * f->data.outputs + f->output] - x;
+    if (l->k > 0)
+        triangle_row(&l->triangle, row);
+    arx_push(&l->history, n, x, u, ZERO);
+    for (size_t j = 0; j < n; j++)
+        l->slow[j] += (ONE - l->pole) * (u[j] - l->slow[j]);
+    l->k++;
+    return true;
+}
+
+static void end_left(struct plant_finding *f)
+{
+    struct plant_output *out = &f->found[f->output];
+    real_t theta[DIFFERENCE_MOST + 2];
+    f->phase = FIND_OVER;
+    if (triangle_solve(&f->left.triangle, theta)) {
+        out->verdict = PLANT_UNSURE;
+        return;
+    }
+    real_t apart = part_of_effects(f, theta, out->gain);
+    if (apart > REST_APART)
+        out->verdict = PLANT_UNSURE;
+    out->apart = apart > out->apart ? apart : out->apart;
+}
+
+static void left_piece(struct plant_finding *f, uint32_t most)
+{
+    for (; f->left.k < f->data.samples && most > 0; most--)
+        if (!take_left(f)) {
+            f->found[f->output].verdict = PLANT_UNSTABLE;
+            f->phase = FIND_OVER;
+            return;
+        }
+    if (f->left.k >= f->data.samples)
+        end_left(f);
 }
 
 static void end_output(struct plant_finding *f)
@@ -203,6 +271,8 @@ static void end_output(struct plant_finding *f)
     }
     put_coefficients(f, out);
     out->verdict = (uint8_t)judged_as(f, out);
+    if (out->verdict == PLANT_USABLE)
+        begin_left(f);
 }
 
 /* ---- pieces ---- */
@@ -260,6 +330,9 @@ bool plant_finding_piece(struct plant_finding *f, uint32_t most)
     case FIND_ALL:
         if (!arx_fit_piece(&f->fitting, most))
             end_output(f);
+        return true;
+    case FIND_LEFT:
+        left_piece(f, most);
         return true;
     case FIND_OVER:
         break;

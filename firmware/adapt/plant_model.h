@@ -14,7 +14,7 @@
 enum plant_verdict {
     PLANT_UNJUDGED,
     PLANT_USABLE,
-    PLANT_UNSURE, /* the first two thirds and all of the record tell different gains */
+    PLANT_UNSURE, /* its gains at rest are not those of the record, or not those of its first two thirds */
     PLANT_SLOW,   /* it does not settle within the memory of the sequence, or integrates */
     PLANT_POOR,   /* on its own it does not follow the last third */
     PLANT_UNSTABLE, /* the method finds no stable model of any orders */
@@ -36,6 +36,9 @@ struct plant_output {
     real_t a[DIFFERENCE_A_MOST];
     real_t b[DIFFERENCE_MOST][DIFFERENCE_B_MOST];
     real_t gain[DIFFERENCE_MOST]; /* at rest; 0 where it integrates */
+    /* How far these gains are from those of two thirds of the record, or from what the record leaves of them, whichever is more: times
+     * what that input did, as a part of the largest effect of an input. */
+    real_t apart;
 };
 
 struct plant_finding {
@@ -45,6 +48,13 @@ struct plant_finding {
     struct arx_searching searching;
     struct arx_fitting fitting;
     struct arx_judging judging;
+    struct plant_leftover {
+        struct triangle triangle; /* columns: slow inputs, 1, what is left */
+        real_t of[(DIFFERENCE_MOST + 2) * (DIFFERENCE_MOST + 3) / 2];
+        struct arx_history history; /* of the model alone */
+        real_t slow[DIFFERENCE_MOST], pole;
+        uint32_t k;
+    } left;
     struct arx_fit fit, best; /* on the first two thirds; fit is that of all in the end */
     real_t best_criterion;
     struct arx_judgement best_judged;
