@@ -46,7 +46,7 @@ struct experiment_sum {
 struct experiment {
     struct experiment_settings s;
     struct block_signal input[2 * EXPERIMENT_MOST];
-    uint8_t n, stage, reason, at_fault; /* at_fault: which measurement, output or MV, from 1 on */
+    uint8_t n, stage, reason, at_fault; /* at_fault: which input of the block, from 1 on */
     uint8_t verdict;
     bool asked_signal;  /* in the last step */
     uint16_t ticks;     /* of a sample */
@@ -68,6 +68,7 @@ struct experiment {
     struct prbs prbs;
     real_t signal[EXPERIMENT_MOST];      /* of this sample, fraction */
     real_t rest[EXPERIMENT_MOST];        /* operating point, and while it settles the sum */
+    real_t least[EXPERIMENT_MOST], most[EXPERIMENT_MOST]; /* while it settles */
     real_t applied[EXPERIMENT_MOST];     /* sum over the sample */
     struct experiment_sum sum[EXPERIMENT_MOST];
     /* What was found, EU. */

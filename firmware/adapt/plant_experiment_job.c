@@ -104,7 +104,7 @@ void experiment_take_model(struct experiment *e)
     for (unsigned j = 0; j < e->n && e->verdict == PLANT_USABLE; j++)
         if (e->s.method == ARX_IV && experiment_others(e, j) > OTHERS_MOST) {
             e->verdict = VERDICT_LOOPS;
-            e->at_fault = (uint8_t)(j + 1u);
+            e->at_fault = (uint8_t)(e->n + j + 1u);
         }
 }
 

@@ -136,10 +136,6 @@ static void settle_on(struct experiment *e, const struct block_io *io)
 
 static void excite_on(struct experiment *e, struct block_io *io)
 {
-    if (e->asked_signal && io->excite_state != EXCITE_RUNS) {
-        experiment_abort(e, (enum experiment_reason)(REASON_EXCITE + io->excite_reason));
-        return;
-    }
     if (!experiment_record(e, io)) {
         experiment_ask_signal(e, io);
         return;
@@ -185,7 +181,9 @@ static void keep_workspace(struct experiment *e)
 static void go_on_with_stage(struct experiment *e, struct block_io *io)
 {
     enum experiment_reason reason = REASON_NONE;
-    if (e->stage <= EXPERIMENT_EXCITES)
+    if (e->asked_signal && io->excite_state != EXCITE_RUNS)
+        reason = (enum experiment_reason)(REASON_EXCITE + io->excite_reason);
+    else if (e->stage <= EXPERIMENT_EXCITES)
         reason = experiment_read(e, io);
     if (reason != REASON_NONE)
         experiment_abort(e, reason);

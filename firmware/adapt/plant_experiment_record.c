@@ -14,6 +14,9 @@
 #define GAPS_PART    10u /* of all, one in so many */
 #define OUTSIDE_MOST 2u  /* readings in a row; one may be a spike, as in start-up */
 
+/* Part of the amplitude that an MV may have moved before. */
+#define MOVED_MOST REAL_C(0.5)
+
 #define LIVE_NA 2u
 #define LIVE_P0 1e6f
 
@@ -144,27 +147,48 @@ static real_t applied_of(const struct experiment *e, const struct block_io *io, 
 
 /* ---- rest ---- */
 
+static void widen(real_t *least, real_t *most, real_t x, bool first)
+{
+    *least = !first && *least < x ? *least : x;
+    *most = !first && *most > x ? *most : x;
+}
+
+static float amplitude_of(const struct experiment *e, unsigned j)
+{
+    return e->s.amplitude[j] / (e->input[e->n + j].hi - e->input[e->n + j].lo);
+}
+
+/* The means, and who was not at rest. */
+static void end_of_rest(struct experiment *e)
+{
+    for (unsigned i = 0; i < e->n; i++) {
+        e->level[i] /= (real_t)e->samples;
+        e->rest[i] /= (real_t)e->settled;
+        if (e->most[i] - e->least[i] > MOVED_MOST * amplitude_of(e, i))
+            e->at_fault = (uint8_t)(e->n + i + 1u);
+        if (e->highest[i] - e->lowest[i] > band_of(e, i))
+            e->at_fault = (uint8_t)(i + 1u);
+    }
+}
+
 bool experiment_settle(struct experiment *e, const struct block_io *io)
 {
     real_t y[EXPERIMENT_MOST];
+    for (unsigned j = 0; j < e->n; j++) {
+        real_t u = applied_of(e, io, j);
+        e->rest[j] += u;
+        widen(&e->least[j], &e->most[j], u, e->settled == 0);
+    }
     e->settled++;
-    for (unsigned j = 0; j < e->n; j++)
-        e->rest[j] += applied_of(e, io, j);
     if (!decimate_all(e, y))
         return false;
     for (unsigned i = 0; i < e->n; i++) {
         e->level[i] += y[i];
-        e->lowest[i] = e->samples && e->lowest[i] < y[i] ? e->lowest[i] : y[i];
-        e->highest[i] = e->samples && e->highest[i] > y[i] ? e->highest[i] : y[i];
+        widen(&e->lowest[i], &e->highest[i], y[i], e->samples == 0);
     }
     if (++e->samples < e->s.settle)
         return false;
-    for (unsigned i = 0; i < e->n; i++) {
-        e->level[i] /= (real_t)e->samples;
-        e->rest[i] /= (real_t)e->settled;
-        if (e->highest[i] - e->lowest[i] > band_of(e, i) && !e->at_fault)
-            e->at_fault = (uint8_t)(i + 1u);
-    }
+    end_of_rest(e);
     return true;
 }
 
@@ -234,7 +258,7 @@ void experiment_ask_signal(struct experiment *e, struct block_io *io)
                                                   .which = (uint8_t)(e->n + j),
                                                   .value = num_from_float(e->signal[j]),
                                                   .amplitude =
-                                                      num_from_float(e->s.amplitude[j] / span),
+                                                      num_from_float(amplitude_of(e, j)),
                                                   .lo = num_from_float(e->rest[j] - reach),
                                                   .hi = num_from_float(e->rest[j] + reach)};
     }
