@@ -1,7 +1,7 @@
 /* The kinds of blocks this board has: the only place that names them all. A board leaves a family out by leaving its folder
  * out of the build (firmware/CMakeLists.txt). */
 #include "adapt/gmv_kind.h"
-#include "adapt/prbs_experiment.h"
+#include "adapt/plant_experiment.h"
 #include "block/block.h"
 #include "compensate/decoupler.h"
 #include "compensate/polynomial.h"
@@ -18,7 +18,10 @@ const struct block_kind *const block_kinds[] = {
     &pid_kind,         &two_position_kind, &decoupler_kind,   &feedforward_kind,
 #if CONFIG_BLOCKS
     &column_kind,      &gmv_kind,          &inferential_kind, &ratio_kind,
-    &composition_kind, &polynomial_kind,   &rst_kind,         &experiment_kind,
+    &composition_kind, &polynomial_kind,   &rst_kind,
+#endif
+#if CONFIG_EXPERIMENT
+    &experiment_kind,
 #endif
 };
 

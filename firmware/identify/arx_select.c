@@ -4,9 +4,9 @@
 
 #include "identify/common.h"
 
-enum select_stage { SELECT_ROWS, SELECT_GRID, SELECT_DROP, SELECT_OVER };
+enum search_stage { SEARCH_ROWS, SEARCH_GRID, SEARCH_DROPS, SEARCH_OVER };
 
-static real_t criterion_of(const struct arx_selecting *g, real_t squares, real_t p)
+static real_t criterion_of(const struct arx_searching *g, real_t squares, real_t p)
 {
     const struct arx_search *s = g->search;
     real_t rows = (real_t)s->rows,
@@ -20,13 +20,15 @@ static real_t criterion_of(const struct arx_selecting *g, real_t squares, real_t
 }
 
 /* Columns that a lower model has of the largest's, and that of y. */
-static size_t columns_of(const struct arx_selecting *g, const struct arx_orders *o, uint8_t *column)
+static size_t columns_of(const struct arx_searching *g, const struct arx_orders *o,
+                         uint8_t *column)
 {
-    size_t n = 0, at = g->all.na;
+    const struct arx_orders *all = &g->rows.orders;
+    size_t n = 0, at = all->na;
     for (size_t k = 0; k < o->na; k++)
         column[n++] = (uint8_t)k;
     for (size_t j = 0; j < g->rows.data->inputs; j++)
-        for (size_t k = 1; k <= g->all.last[j]; k++, at++)
+        for (size_t k = 1; k <= all->last[j]; k++, at++)
             if (o->last[j] > 0 && k >= o->first[j] && k <= o->last[j])
                 column[n++] = (uint8_t)at;
     if (o->constant)
@@ -48,12 +50,12 @@ static bool tried(const struct arx_search *s, const struct arx_orders *o, uint8_
     return false;
 }
 
-static void try_orders(struct arx_selecting *g, const struct arx_orders *o)
+static void try_orders(struct arx_searching *g, const struct arx_orders *o)
 {
     struct arx_search *s = g->search;
-    uint8_t column[ARX_MOST + 1];
-    size_t n = arx_parameters(o, g->rows.data->inputs);
-    if (s->trials >= ARX_TRIALS || n < 1 || tried(s, o, g->rows.data->inputs))
+    uint8_t column[ARX_MOST + 1], inputs = g->rows.data->inputs;
+    size_t n = arx_parameters(o, inputs);
+    if (s->trials >= ARX_TRIALS || n < 1 || tried(s, o, inputs))
         return;
     struct arx_trial *t = &s->trial[s->trials++];
     *t = (struct arx_trial){.orders = *o, .parameters = (uint8_t)n};
@@ -69,42 +71,6 @@ static void try_orders(struct arx_selecting *g, const struct arx_orders *o)
         s->best = (uint16_t)(s->trials - 1u);
 }
 
-/* ---- rounds: the best with one coefficient less at either end of an input ---- */
-
-static void begin_round(struct arx_selecting *g)
-{
-    g->before = g->search->best;
-    g->from = g->search->trial[g->before].orders;
-    g->input = g->end = 0;
-    g->stage = SELECT_DROP;
-}
-
-/* The next of the round; behind the last the next round, if one of them was better. */
-static void drop_one(struct arx_selecting *g)
-{
-    struct arx_orders o = g->from;
-    uint8_t j = g->input;
-    if (j >= g->rows.data->inputs) {
-        g->round++;
-        if (g->search->best != g->before && g->round < DIFFERENCE_MOST * DIFFERENCE_B_MOST)
-            begin_round(g);
-        else
-            g->stage = SELECT_OVER;
-        return;
-    }
-    if (o.last[j] > 0) {
-        if (o.first[j] == o.last[j])
-            o.first[j] = o.last[j] = 0;
-        else if (g->end == 0)
-            o.first[j]++;
-        else
-            o.last[j]--;
-        try_orders(g, &o);
-    }
-    g->input = (uint8_t)(j + g->end);
-    g->end = !g->end;
-}
-
 /* Sum of y squared: of its column in the triangle. */
 static real_t squares_of_y(const struct triangle *t)
 {
@@ -117,84 +83,108 @@ static real_t squares_of_y(const struct triangle *t)
     return sum;
 }
 
-/* ---- the grid ---- */
-
-static void begin_grid(struct arx_selecting *g)
+static void end_orders_search(struct arx_searching *g, enum err err)
 {
-    struct arx_search *s = g->search;
-    s->rows = g->rows.rows;
-    s->of_y = squares_of_y(&s->work.triangle);
-    g->at = g->all;
-    g->at.na = 0;
-    g->nb = 1;
-    g->stage = SELECT_GRID;
+    g->err = err;
+    g->stage = SEARCH_OVER;
 }
 
-static void try_next(struct arx_selecting *g)
-{
-    for (size_t j = 0; j < g->rows.data->inputs; j++)
-        g->at.last[j] = g->nb;
-    try_orders(g, &g->at);
-    g->nb++;
-    if (g->nb > g->all.last[0]) {
-        g->nb = 1;
-        g->at.na++;
-    }
-    if (g->at.na <= g->all.na)
-        return;
-    g->err = g->search->trial[g->search->best].err ? ERR_SINGULAR : ERR_OK;
-    if (g->err)
-        g->stage = SELECT_OVER;
-    else
-        begin_round(g);
-}
-
-/* ---- all of it ---- */
-
-void arx_select_begin(struct arx_selecting *g, const struct arx_data *d, uint8_t output, uint8_t na,
+void arx_select_begin(struct arx_searching *g, const struct arx_data *d, uint8_t output, uint8_t na,
                       uint8_t nb, bool constant, enum arx_criterion criterion, uint32_t from,
                       uint32_t to, struct arx_search *s)
 {
+    struct arx_orders all = {.na = na, .constant = constant};
     memset(g, 0, sizeof *g);
     g->search = s;
+    g->nb = nb;
     g->criterion = (uint8_t)criterion;
-    g->all = (struct arx_orders){.na = na, .constant = constant};
-    s->trials = s->best = 0;
-    g->err = na > DIFFERENCE_A_MOST || nb < 1 || nb > DIFFERENCE_B_MOST ? ERR_RANGE : ERR_OK;
-    for (size_t j = 0; !g->err && j < d->inputs; j++) {
-        g->all.first[j] = 1;
-        g->all.last[j] = nb;
+    if (na > DIFFERENCE_A_MOST || nb < 1 || nb > DIFFERENCE_B_MOST) {
+        end_orders_search(g, ERR_RANGE);
+        return;
     }
-    if (!g->err)
-        g->err = arx_collect_begin(&g->rows, d, output, &g->all, from, to,
-                                   (uint32_t)arx_before(&g->all, d->inputs), &s->work);
-    g->rows.data = d;
-    if (g->err)
-        g->stage = SELECT_OVER;
+    for (size_t j = 0; j < d->inputs; j++) {
+        all.first[j] = 1;
+        all.last[j] = nb;
+    }
+    s->trials = s->best = 0;
+    enum err err = arx_collect_begin(&g->rows, d, output, &all, from, to,
+                                     (uint32_t)arx_before(&all, d->inputs), &s->work);
+    if (err)
+        end_orders_search(g, err);
 }
 
-bool arx_select_piece(struct arx_selecting *g, uint32_t most)
+static void begin_grid(struct arx_searching *g)
 {
-    if (g->stage == SELECT_ROWS && g->rows.k < g->rows.to)
-        (void)arx_collect_piece(&g->rows, most);
-    else if (g->stage == SELECT_ROWS)
-        begin_grid(g);
-    else if (g->stage == SELECT_GRID)
-        try_next(g);
-    else if (g->stage == SELECT_DROP)
-        drop_one(g);
-    return g->stage != SELECT_OVER;
+    g->search->rows = g->rows.rows;
+    g->search->of_y = squares_of_y(&g->search->work.triangle);
+    g->stage = SEARCH_GRID;
+}
+
+/* All inputs alike, from na = 0 and nb = 1 on. */
+static void try_of_grid(struct arx_searching *g)
+{
+    struct arx_orders o = g->rows.orders;
+    o.na = (uint8_t)(g->at / g->nb);
+    for (size_t j = 0; j < g->rows.data->inputs; j++)
+        o.last[j] = (uint8_t)(g->at % g->nb + 1u);
+    try_orders(g, &o);
+    if (++g->at < (g->rows.orders.na + 1u) * g->nb)
+        return;
+    if (g->search->trial[g->search->best].err)
+        end_orders_search(g, ERR_SINGULAR);
+    g->at = 0;
+    if (g->stage != SEARCH_OVER)
+        g->stage = SEARCH_DROPS;
+}
+
+/* The best with one coefficient less at either end of an input, one of them at a time, until a round finds none that is better. */
+static void try_a_drop(struct arx_searching *g)
+{
+    struct arx_search *s = g->search;
+    if (g->at == 0) {
+        g->best = s->best;
+        g->from = s->trial[s->best].orders;
+    }
+    struct arx_orders o = g->from;
+    size_t j = g->at / 2u;
+    if (o.last[j] != 0) {
+        if (o.first[j] == o.last[j])
+            o.first[j] = o.last[j] = 0;
+        else if (g->at % 2u == 0)
+            o.first[j]++;
+        else
+            o.last[j]--;
+        try_orders(g, &o);
+    }
+    if (++g->at < 2u * g->rows.data->inputs)
+        return;
+    g->at = 0;
+    if (++g->round >= DIFFERENCE_MOST * DIFFERENCE_B_MOST || s->best == g->best)
+        end_orders_search(g, ERR_OK);
+}
+
+bool arx_select_piece(struct arx_searching *g, uint32_t most)
+{
+    if (g->stage == SEARCH_ROWS) {
+        if (!arx_collect_piece(&g->rows, most))
+            begin_grid(g);
+    } else if (g->stage == SEARCH_GRID) {
+        try_of_grid(g);
+    } else if (g->stage == SEARCH_DROPS) {
+        try_a_drop(g);
+    }
+    return g->stage != SEARCH_OVER;
 }
 
 enum err arx_select(const struct arx_data *d, uint8_t output, uint8_t na, uint8_t nb, bool constant,
                     enum arx_criterion criterion, uint32_t from, uint32_t to, struct arx_search *s)
 {
-    struct arx_selecting g;
+    struct arx_searching g;
     arx_select_begin(&g, d, output, na, nb, constant, criterion, from, to, s);
-    /* Rounds end by themselves; each has two trials of an input and one piece that ends it. */
-    unsigned pieces =
-        3u + ARX_TRIALS + DIFFERENCE_MOST * DIFFERENCE_B_MOST * (2u * DIFFERENCE_MOST + 1u);
-    for (unsigned piece = 0; piece < pieces && arx_select_piece(&g, to - from); piece++)
+    /* The rows, the grid, and drops of either end of each input in each round. */
+    const unsigned most = 1u + (DIFFERENCE_A_MOST + 1u) * DIFFERENCE_B_MOST +
+                          2u * DIFFERENCE_MOST * DIFFERENCE_MOST * DIFFERENCE_B_MOST;
+    for (unsigned piece = 0; piece < most && arx_select_piece(&g, to - from); piece++)
         ;
     return g.err;
 }

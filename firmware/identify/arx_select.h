@@ -44,19 +44,19 @@ MUST_CHECK enum err arx_select(const struct arx_data *data, uint8_t output, uint
                                uint32_t to, struct arx_search *search);
 
 /* The same in pieces: data and search live on until it is over. Within, but for err. */
-struct arx_selecting {
-    struct arx_collecting rows;
-    struct arx_orders all, from; /* the largest; of a round of dropping, what it begins with */
+struct arx_searching {
+    struct arx_collecting rows; /* its orders are the largest */
     struct arx_search *search;
-    uint16_t before; /* the best when the round began */
-    uint8_t criterion, stage, nb, input, end, round;
-    struct arx_orders at; /* of the grid, the next */
-    enum err err;         /* once it is over: as arx_select */
+    struct arx_orders from; /* what a round of dropping began with */
+    uint16_t best, at;      /* at: of the grid, or of a round, which is next */
+    uint8_t nb, criterion;  /* enum arx_criterion */
+    uint8_t stage, round;
+    enum err err; /* once it is over: as arx_select */
 };
-void arx_select_begin(struct arx_selecting *s, const struct arx_data *data, uint8_t output,
+void arx_select_begin(struct arx_searching *s, const struct arx_data *data, uint8_t output,
                       uint8_t na, uint8_t nb, bool constant, enum arx_criterion criterion,
                       uint32_t from, uint32_t to, struct arx_search *search);
-/* Up to `most` samples, or a trial: some n^3 operations for n parameters of the largest. True while there is more. */
-bool arx_select_piece(struct arx_selecting *s, uint32_t most);
+/* Up to `most` samples, or one trial. True while there is more. */
+bool arx_select_piece(struct arx_searching *s, uint32_t most);
 
 #endif

@@ -29,6 +29,7 @@ reflux_test(rls_cases LABEL unit SOURCES test_rls_cases.c LIBS reflux_identify)
 foreach(part gmv gmv_cases gmv_optimal gmv_cycle gmv_jammed gmv_trial gmv_supervise)
   reflux_test(${part} LABEL unit SOURCES test_${part}.c LIBS reflux_adapt)
 endforeach()
+reflux_test(plant_experiment LABEL unit SOURCES test_plant_experiment.c LIBS reflux_adapt)
 
 # Not a test by itself: courses of a million samples (tools/campaign endurance).
 set(endurance "${PROJECT_SOURCE_DIR}/tests/campaign/endurance")

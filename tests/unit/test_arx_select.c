@@ -129,6 +129,25 @@ static void test_sizes_that_do_not_fit_are_refused(void)
     TEST_ASSERT_EQUAL(ERR_EMPTY, arx_select(&data, 0, 2, 8, false, ARX_BIC, 0, 27, &search));
 }
 
+static void test_in_pieces_every_trial_is_the_one_it_is_at_once(void)
+{
+    static struct arx_search pieces;
+    const struct arx_data data = kotyk_record(1023, REAL_C(0.005), 4);
+    for (uint8_t i = 0; i < 2; i++) {
+        struct arx_searching s;
+        memset(&search, 0, sizeof search);
+        memset(&pieces, 0, sizeof pieces);
+        TEST_ASSERT_EQUAL(ERR_OK, arx_select(&data, i, 3, 6, true, ARX_AICC, 3, 800, &search));
+        arx_select_begin(&s, &data, i, 3, 6, true, ARX_AICC, 3, 800, &pieces);
+        while (arx_select_piece(&s, 7))
+            ;
+        TEST_ASSERT_EQUAL(ERR_OK, s.err);
+        TEST_ASSERT_EQUAL(search.best, pieces.best);
+        TEST_ASSERT_EQUAL(search.trials, pieces.trials);
+        TEST_ASSERT_EQUAL_MEMORY(search.trial, pieces.trial, sizeof search.trial);
+    }
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -140,5 +159,6 @@ int main(void)
     RUN_TEST(test_nothing_is_tried_twice);
     RUN_TEST(test_inputs_at_rest_tell_no_model);
     RUN_TEST(test_sizes_that_do_not_fit_are_refused);
+    RUN_TEST(test_in_pieces_every_trial_is_the_one_it_is_at_once);
     return UNITY_END();
 }

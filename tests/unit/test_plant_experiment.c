@@ -1,0 +1,226 @@
+/* Models from records (adapt/plant_model.h), and the settings of the kind `experiment`. */
+#include <math.h>
+#include <string.h>
+
+#include "adapt/plant_experiment.h"
+#include "adapt/plant_model.h"
+#include "base/workspace.h"
+#include "kotyk_record.h"
+#include "unity.h"
+
+static struct plant_finding finding;
+
+void setUp(void) {}
+void tearDown(void) {}
+
+static const struct plant_wanted wanted = {.method = ARX_IV,
+                                           .criterion = ARX_BIC,
+                                           .na = 2,
+                                           .nb = 4,
+                                           .fit = REAL_C(0.5),
+                                           .memory = 200};
+
+static unsigned find(const struct arx_data *data, const struct plant_wanted *w, uint32_t most)
+{
+    unsigned pieces = 1;
+    plant_finding_begin(&finding, data, w);
+    while (plant_finding_piece(&finding, most))
+        pieces++;
+    return pieces;
+}
+
+/* ---- roots ---- */
+
+static void roots_are_within_the_circle_or_they_are_not(void)
+{
+    const real_t complex[2] = {REAL_C(-1.6) * REAL_C(0.5), REAL_C(0.64)}; /* of radius 0.8 */
+    TEST_ASSERT_TRUE(plant_roots_within(complex, 2, REAL_C(0.81)));
+    TEST_ASSERT_FALSE(plant_roots_within(complex, 2, REAL_C(0.79)));
+    const real_t real[3] = {REAL_C(-1.0), REAL_C(0.19), REAL_C(0.03)}; /* 0.6, 0.5, -0.1 */
+    TEST_ASSERT_TRUE(plant_roots_within(real, 3, REAL_C(0.61)));
+    TEST_ASSERT_FALSE(plant_roots_within(real, 3, REAL_C(0.59)));
+    const real_t integrates[1] = {REAL_C(-1.0)};
+    TEST_ASSERT_FALSE(plant_roots_within(integrates, 1, REAL_C(0.99)));
+    TEST_ASSERT_TRUE(plant_roots_within(integrates, 0, REAL_C(0.5)));
+}
+
+/* ---- the model ---- */
+
+static void without_noise_the_papers_coefficients_are_found(void)
+{
+    const struct arx_data data = kotyk_record(600, 0, 1);
+    struct plant_wanted w = wanted;
+    w.method = ARX_LS;
+    (void)find(&data, &w, 50);
+    const struct plant_output *y2 = &finding.found[1];
+    TEST_ASSERT_EQUAL(PLANT_USABLE, y2->verdict);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-3, -1.06726, (double)y2->a[0]);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-3, 0.14709, (double)y2->a[1]);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-3, 0.01262, (double)y2->b[0][0]);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-3, -0.0199, (double)y2->b[1][0]);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-3, -0.01833 / 0.07983, (double)y2->gain[1]);
+}
+
+static void however_it_is_cut_into_pieces_the_model_is_the_same(void)
+{
+    static struct plant_output first[2];
+    const struct arx_data data = kotyk_record(500, REAL_C(0.01), 2);
+    unsigned coarse = find(&data, &wanted, 500);
+    memcpy(first, finding.found, sizeof first);
+    unsigned fine = find(&data, &wanted, 8);
+    TEST_ASSERT_GREATER_THAN(10 * coarse, fine);
+    TEST_ASSERT_EQUAL_MEMORY(first, finding.found, sizeof first);
+}
+
+static void where_the_gains_are_those_of_a_level_that_wandered_it_is_not_usable(void)
+{
+    const struct arx_data data = kotyk_record(600, REAL_C(0.002), 3);
+    for (int k = 400; k < 600; k++)
+        kotyk_y[k][0] += REAL_C(0.002) * (real_t)(k - 400);
+    (void)find(&data, &wanted, 100);
+    TEST_ASSERT_NOT_EQUAL(PLANT_USABLE, finding.found[0].verdict);
+    TEST_ASSERT_EQUAL(PLANT_USABLE, finding.found[1].verdict);
+}
+
+static void inputs_at_rest_are_untold(void)
+{
+    const struct arx_data data = kotyk_record(300, REAL_C(0.01), 3);
+    memset(kotyk_u, 0, sizeof kotyk_u);
+    (void)find(&data, &wanted, 100);
+    for (int i = 0; i < 2; i++)
+        TEST_ASSERT_TRUE(finding.found[i].verdict > PLANT_USABLE);
+}
+
+static void inputs_that_move_together_are_untold(void)
+{
+    const struct arx_data data = kotyk_record(300, REAL_C(0.01), 3);
+    for (int k = 0; k < 300; k++)
+        kotyk_u[k][1] = kotyk_u[k][0];
+    (void)find(&data, &wanted, 100);
+    for (int i = 0; i < 2; i++)
+        TEST_ASSERT_EQUAL(PLANT_UNTOLD, finding.found[i].verdict);
+}
+
+static void what_does_not_settle_within_the_sequences_memory_is_slow(void)
+{
+    const struct arx_data data = kotyk_record(600, REAL_C(0.002), 3);
+    struct plant_wanted w = wanted;
+    w.memory = 25; /* y2 takes 4 of its 9.7 samples */
+    (void)find(&data, &w, 100);
+    TEST_ASSERT_EQUAL(PLANT_USABLE, finding.found[0].verdict);
+    TEST_ASSERT_EQUAL(PLANT_SLOW, finding.found[1].verdict);
+}
+
+/* ---- settings ---- */
+
+static struct experiment_settings settings;
+static struct block_setup setup;
+static struct block_fault fault;
+
+static void defaults(void)
+{
+    memset(&settings, 0, sizeof settings);
+    for (unsigned k = 0; k < experiment_kind.parameters; k++) {
+        const struct block_parameter *p = &experiment_kind.parameter[k];
+        char *at = (char *)&settings + p->offset;
+        for (unsigned n = 0; n < (unsigned)p->rows * p->cols; n++) {
+            if (p->type == BLOCK_FLOAT)
+                memcpy(at + 4 * n, &p->initial, 4);
+            else if (p->type == BLOCK_U16)
+                *(uint16_t *)(void *)(at + 2 * n) = (uint16_t)p->initial;
+            else
+                at[n] = (char)p->initial;
+        }
+    }
+    setup = (struct block_setup){.settings = &settings, .interval_s = 60, .inputs = 4};
+    for (unsigned k = 0; k < 4; k++) {
+        setup.input[k] = (struct block_signal){0, 100, k >= 2};
+        settings.amplitude[k] = 5;
+        settings.band[k] = 20;
+    }
+}
+
+static const char *refused(void)
+{
+    memset(&fault, 0, sizeof fault);
+    return experiment_kind.check(&setup, &fault) ? fault.field : "";
+}
+
+static void what_cannot_be_right_is_refused_by_name(void)
+{
+    defaults();
+    TEST_ASSERT_EQUAL_STRING("", refused());
+    setup.inputs = 3;
+    TEST_ASSERT_EQUAL_STRING("inputs", refused());
+    setup.inputs = 0;
+    TEST_ASSERT_EQUAL_STRING("inputs", refused());
+    defaults();
+    setup.input[1].is_mv = true;
+    TEST_ASSERT_EQUAL_STRING("inputs", refused());
+    defaults();
+    settings.period_s = 90;
+    TEST_ASSERT_EQUAL_STRING("period", refused());
+    settings.period_s = 30;
+    TEST_ASSERT_EQUAL_STRING("period", refused());
+    defaults();
+    settings.amplitude[1] = 0;
+    TEST_ASSERT_EQUAL_STRING("amplitude", refused());
+    settings.amplitude[1] = 51;
+    TEST_ASSERT_EQUAL_STRING("amplitude", refused());
+    defaults();
+    settings.reach[0] = 4;
+    TEST_ASSERT_EQUAL_STRING("reach", refused());
+    defaults();
+    settings.band[1] = 0;
+    TEST_ASSERT_EQUAL_STRING("band", refused());
+}
+
+static void a_record_that_has_no_room_is_refused_and_one_that_is_too_short(void)
+{
+    defaults();
+    settings.periods = 100;
+    TEST_ASSERT_EQUAL_STRING("bits", refused());
+    settings.bits = 10;
+    settings.clock = 1000;
+    TEST_ASSERT_EQUAL_STRING("bits", refused());
+    settings.bits = 3;
+    settings.clock = 2;
+    settings.periods = 1;
+    TEST_ASSERT_EQUAL_STRING("bits", refused());
+}
+
+static void what_it_takes_of_the_workspace_grows_with_samples_and_signals(void)
+{
+    defaults();
+    settings.clock = 1;
+    float before = 0;
+    for (unsigned n = 1; n <= 4; n++) {
+        float state[400] = {0}, value = 0;
+        setup.inputs = (uint8_t)(2 * n);
+        for (unsigned k = 0; k < 2 * n; k++)
+            setup.input[k] = (struct block_signal){0, 100, k >= n};
+        TEST_ASSERT_EQUAL_STRING("", refused());
+        TEST_ASSERT_TRUE(experiment_kind.bytes(&setup) <= sizeof state);
+        TEST_ASSERT_EQUAL(ERR_OK, experiment_kind.configure(state, &setup, false));
+        TEST_ASSERT_EQUAL_STRING("bytes", experiment_kind.describe(state, 7, &value));
+        TEST_ASSERT_TRUE(value >= before + 254 * 2 * 4);
+        TEST_ASSERT_TRUE(value <= WORKSPACE_BYTES);
+        before = value;
+    }
+}
+
+int main(void)
+{
+    UNITY_BEGIN();
+    RUN_TEST(roots_are_within_the_circle_or_they_are_not);
+    RUN_TEST(without_noise_the_papers_coefficients_are_found);
+    RUN_TEST(however_it_is_cut_into_pieces_the_model_is_the_same);
+    RUN_TEST(where_the_gains_are_those_of_a_level_that_wandered_it_is_not_usable);
+    RUN_TEST(inputs_at_rest_are_untold);
+    RUN_TEST(inputs_that_move_together_are_untold);
+    RUN_TEST(what_does_not_settle_within_the_sequences_memory_is_slow);
+    RUN_TEST(what_cannot_be_right_is_refused_by_name);
+    RUN_TEST(a_record_that_has_no_room_is_refused_and_one_that_is_too_short);
+    RUN_TEST(what_it_takes_of_the_workspace_grows_with_samples_and_signals);
+    return UNITY_END();
+}
