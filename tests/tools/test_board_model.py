@@ -17,6 +17,7 @@ block1.kind = polynomial
 block2.kind = experiment
 block2.inputs = y1,y2,u1,u2
 block2.period = 120 s
+block2.known = on
 block2.a1_1 = -0.75 -
 block2.a2_1 = -0.5 -
 block2.b11_1 = 0.1 -
@@ -50,7 +51,7 @@ class BoardModel(unittest.TestCase):
             self.read(text)
 
     def test_what_has_no_model_is_refused_with_what_would_have_one(self) -> None:
-        for text in ("", "block1.kind = pid\n", "\n".join(LISTED.splitlines()[:4]), LISTED.replace("experiment", "gmv")):
+        for text in ("", "block1.kind = pid\n", "\n".join(LISTED.splitlines()[:4]).replace("known = on", ""), LISTED.replace("experiment", "gmv"), LISTED.replace("known = on", "known = off")):
             with self.subTest(text), self.assertRaisesRegex(UserError, "list block1"):
                 self.read(text)
 

@@ -40,7 +40,7 @@ def main() -> int:
     picture = Path(sys.argv[2]) if len(sys.argv) > 2 else paths.figures() / "experiment.png"
     log = logs.read_csv(folder / "log.csv")
     outputs, inputs, a, b, period = board_model.read(folder / "transcript.txt", None)
-    plant = sampled_plant.read("kotyk-column", None, None).in_spans()
+    plant = sampled_plant.read("kotyk-column", None, None)
     hours = [t / 3600 for t in log.numbers("time")]
     with plt.rc_context(STYLE):
         figure = plt.figure(figsize=(9, 6.4))
@@ -63,7 +63,7 @@ def main() -> int:
                 axis.set_xlabel("h after a step", fontsize=8)
                 if i == j == 0:
                     axis.legend(fontsize=8)
-                    axis.set_ylabel("span per span")
+                    axis.set_ylabel("V per V")
         figure.savefig(picture, dpi=90)
     return 0
 

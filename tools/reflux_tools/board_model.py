@@ -1,5 +1,5 @@
 """The model that the kind `experiment` has in its settings, from any text that lists them: `list block1` or `list all` at the console, the
-transcript of a run, a file of `set` lines. Fractions of span. docs/experiment.md."""
+transcript of a run, a file of `set` lines. In the units of the channels. docs/experiment.md."""
 
 from __future__ import annotations
 
@@ -12,8 +12,8 @@ from reflux_tools.errors import UserError
 from reflux_tools.paths import shown
 
 SETTING = re.compile(r"\b(?:set )?(block(\d+)\.\w+|tick\.base)(?: =)? (\S+)")
-MODEL = re.compile(r"(?:a([12])_([12])|b([12])([12])_([1-5]))$")
-A, B = 2, 5  # coefficients that there are settings for (firmware/adapt/prbs_experiment.h)
+MODEL = re.compile(r"(?:a([12])_([1-4])|b([12])([12])_([1-8]))$")
+A, B = 4, 8  # coefficients that there are settings for (firmware/adapt/plant_experiment.h)
 
 
 def is_listing(name: str) -> bool:
@@ -21,7 +21,7 @@ def is_listing(name: str) -> bool:
 
 
 def read(path: Path, period: float | None) -> tuple[list[str], list[str], np.ndarray, np.ndarray, float]:
-    """Outputs, inputs, a: n x 2, b: n x m x 5, period in s; of the first block of the kind that has a model."""
+    """Outputs, inputs, a: n x 4, b: n x n x 8, period in s; of the first block of the kind that has a model."""
     try:
         text = path.read_text(encoding="utf-8")
     except (OSError, UnicodeDecodeError):
@@ -34,9 +34,9 @@ def read(path: Path, period: float | None) -> tuple[list[str], list[str], np.nda
         else:
             said.setdefault(number, {})[name.partition(".")[2]] = value
     for number, settings in sorted(said.items(), key=lambda item: int(item[0])):
-        if settings.get("kind") == "experiment" and any(MODEL.match(name) and number_of(value, name, path) for name, value in settings.items()):
+        if settings.get("kind") == "experiment" and settings.get("known") == "on":
             return model_of(settings, base, path, period, f"block{number}")
-    raise UserError(f"{shown(path)} has no block of the kind experiment with a model among its settings; `list block1` after `proposal accept` prints one")
+    raise UserError(f"{shown(path)} has no block of the kind experiment whose model is whole (known on); `list block1` after `proposal accept` prints one")
 
 
 def number_of(text: str, name: str, path: Path) -> float:
@@ -58,11 +58,10 @@ def model_of(settings: dict[str, str], base: str | None, path: Path, period: flo
         elif found:
             b[int(found[3]) - 1, int(found[4]) - 1, int(found[5]) - 1] = number_of(value, name, path)
     names = settings.get("inputs", "-").split(",")
-    outputs = 1 if len(names) <= 2 or (len(names) == 3 and not np.any(b[1])) else 2
-    if not 2 <= len(names) <= 4:
-        raise UserError(f"{shown(path)}: {block}.inputs is {settings.get('inputs', 'not there')}; a model in settings has one or two measurements and MVs")
+    if len(names) not in (2, 4):
+        raise UserError(f"{shown(path)}: {block}.inputs is {settings.get('inputs', 'not there')}; a model in settings has one or two measurements and as many MVs")
+    n = len(names) // 2
     told = number_of(settings.get("period", "0"), f"{block}.period", path) or (number_of(base, "tick.base", path) if base else 0.0)
     if not told and period is None:
         raise UserError(f"{shown(path)} says neither {block}.period nor tick.base: --period says how often the model is sampled, s")
-    inputs = len(names) - outputs
-    return names[:outputs], names[outputs:], a[:outputs], b[:outputs, :inputs], told or float(period or 0)
+    return names[:n], names[n:], a[:n], b[:n, :n], told or float(period or 0)

@@ -4,6 +4,7 @@ the polynomial decoupler is designed from."""
 from __future__ import annotations
 
 import argparse
+import re
 import tempfile
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -84,28 +85,36 @@ def identified(bench: Bench) -> SampledPlant:
 
 def experiment(bench: Bench) -> SampledPlant:
     j, rows, columns = decoupling_plants.ordered(bench)
-    ys, us = [j["outputs"][i]["name"] for i in rows], [j["inputs"][k]["name"] for k in columns]
+    ys, us = [j["outputs"][i] for i in rows], [j["inputs"][k] for k in columns]
     n, sequence = len(rows), (2 ** bench.bits - 1) * bench.clock
-    small = n == 2
-    amplitudes = ",".join([f"{bench.amplitude:g}"] * n + ["0"] * (4 - n))
-    nb = 5 if small else 6
-    lines = [*channel_lines(bench), "set block1.kind experiment", f"set block1.inputs {','.join([*ys, *us])}", f"set block1.bits {bench.bits}",
-             f"set block1.clock {bench.clock}", "set block1.repeats 2", f"set block1.nb {nb}", f"set block1.amplitude.1 {amplitudes}",
-             "set block1.adopt at_once"]
+    nb = 5 if n == 2 else 6
+    lines = [*channel_lines(bench), "set block1.kind experiment", f"set block1.inputs {','.join(c['name'] for c in [*ys, *us])}", f"set block1.bits {bench.bits}",
+             f"set block1.clock {bench.clock}", "set block1.periods 2", f"set block1.nb {nb}", "set block1.adopt at_once"]
+    for k, (y, u) in enumerate(zip(ys, us), 1):
+        lines += [f"set block1.amplitude.{k} {bench.amplitude * (u['hi'] - u['lo']):g}", f"set block1.band.{k} {y['hi'] - y['lo']:g}"]
     begins = bench.settles * bench.period_s
-    ends = begins + (2 * sequence + 40) * bench.period_s
+    ends = begins + (2 * sequence + 50) * bench.period_s + max(200 * bench.period_s, 2000.0)  # so long it may look for the model
     with tempfile.TemporaryDirectory(prefix="reflux-") as folder:
         place = Path(folder)
         told = Scenario(file=place / "case.toml", name="case", title=bench.name, plant=str(bench.path()), duration_s=ends + 20 * bench.period_s,
-                        tick_s=bench.period_s, seed=3, noise=1.0, firmware="memory", lines=(*by_hand(bench), Line(begins, "block 1 start"), Line(ends, "list block1")),
-                        config=transaction(lines))
+                        tick_s=bench.period_s, seed=3, noise=1.0, firmware="memory",
+                        lines=(*by_hand(bench), Line(begins, "block 1 start"), Line(ends, "block 1"), Line(ends, "list block1")), config=transaction(lines))
         log = runner.run(told, runner.Options(place / "out", quiet=True)).log
-        try:
-            outputs, inputs, a, b, period = board_model.read(place / "out" / "transcript.txt", bench.period_s)
-            ones = np.ones(n)
-            return SampledPlant(bench.name, tuple(outputs), tuple(inputs), sampled_plant.shortened(a), sampled_plant.shortened(b), period, ones, ones)
-        except UserError:
-            return from_log(bench, log, begins, 2 * sequence + 22, nb)
+        if n == 2:
+            return of_settings(bench, place / "out" / "transcript.txt")
+        return from_log(bench, log, begins, 2 * sequence + 22, nb)
+
+
+def of_settings(bench: Bench, transcript: Path) -> SampledPlant:
+    """In fractions of span."""
+    j, rows, columns = decoupling_plants.ordered(bench)
+    try:
+        outputs, inputs, a, b, period = board_model.read(transcript, bench.period_s)
+    except UserError:
+        verdict = re.findall(r" verdict = (\d+)", transcript.read_text(encoding="utf-8"))
+        raise RunFailed(f"no model, verdict {verdict[-1] if verdict else '-'} of the experiment (docs/experiment.md)") from None
+    spans = [np.array([float(j[side][k]["hi"]) - float(j[side][k]["lo"]) for k in which]) for side, which in (("outputs", rows), ("inputs", columns))]
+    return SampledPlant(bench.name, tuple(outputs), tuple(inputs), sampled_plant.shortened(a), sampled_plant.shortened(b), period, *spans).in_spans()
 
 
 def from_log(bench: Bench, log: Log, begins: float, samples: int, nb: int) -> SampledPlant:

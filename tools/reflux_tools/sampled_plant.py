@@ -129,12 +129,12 @@ def identified(j: dict[str, Any], path: Path, pairs: str | None) -> SampledPlant
 
 
 def of_board(path: Path, pairs: str | None, period: float | None) -> SampledPlant:
-    """What a board has found: fractions of span, so that all spans are 1."""
+    """What a board has found."""
     outputs, inputs, a, b, seconds = board_model.read(path, period)
     names = {"name": path.stem, "outputs": [{"name": y} for y in outputs], "inputs": [{"name": u} for u in inputs]}
     rows, columns = paired(names, pairs)
     return SampledPlant(path.stem, tuple(outputs[i] for i in rows), tuple(inputs[k] for k in columns), shortened(a[rows]), shortened(b[np.ix_(rows, columns)]),
-                        seconds, np.ones(len(rows)), np.ones(len(columns)))
+                        seconds)
 
 
 def padded(rows: list[list[float]], length: int = 1) -> np.ndarray:
