@@ -290,6 +290,9 @@ static void a_plant_that_has_no_inverse_or_is_not_square_is_refused(void)
     TEST_ASSERT_EQUAL_INT(ERR_OK, ina_identity(3, &g));
     f.at[1][1].im = 0;
     TEST_ASSERT_EQUAL_INT(ERR_RANGE, ina_direct(&f, &g, &h));
+    TEST_ASSERT_EQUAL_INT(ERR_OK, ina_identity(2, &g));
+    g.at[1][0] = (real_t)NAN;
+    TEST_ASSERT_EQUAL_INT(ERR_NOT_FINITE, ina_direct(&f, &g, &h));
 }
 
 static void at_rest_align_is_the_inverse(void)
@@ -357,6 +360,17 @@ static void normalising_makes_the_diagonal_1_where_it_is_not_next_to_nothing(voi
     TEST_ASSERT_EQUAL_DOUBLE(0.0, (double)g.at[1][0]);
 }
 
+static void columns_of_small_elements_are_normalised_as_large_ones(void)
+{
+    TEST_ASSERT_EQUAL_INT(ERR_OK, ina_identity(2, &g));
+    g.at[0][0] = g.at[1][1] = REAL_C(0.0009765625);
+    g.at[0][1] = REAL_C(0.00048828125);
+    TEST_ASSERT_TRUE(ina_normalise(&g));
+    TEST_ASSERT_EQUAL_DOUBLE(1.0, (double)g.at[0][0]);
+    TEST_ASSERT_EQUAL_DOUBLE(0.5, (double)g.at[0][1]);
+    TEST_ASSERT_EQUAL_DOUBLE(1.0, (double)g.at[1][1]);
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -375,6 +389,7 @@ int main(void)
     RUN_TEST(a_plant_that_has_no_inverse_or_is_not_square_is_refused);
     RUN_TEST(at_rest_align_is_the_inverse);
     RUN_TEST(no_other_column_is_better_aligned);
+    RUN_TEST(columns_of_small_elements_are_normalised_as_large_ones);
     RUN_TEST(normalising_makes_the_diagonal_1_where_it_is_not_next_to_nothing);
     return UNITY_END();
 }

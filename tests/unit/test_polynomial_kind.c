@@ -307,6 +307,21 @@ static void scaling_all_moves_are_shortened_to_the_same_part(void)
     TEST_ASSERT_DOUBLE_WITHIN(20 * EXACT, 0.045, D(out[1]));
 }
 
+static void scaling_what_happens_to_the_mv_of_a_loop_in_manual_shortens_nothing(void)
+{
+    settings.limits = POLYNOMIAL_SCALE;
+    begin_at(0.5, 0.5);
+    io.acting = 1;
+    put_in(0.5, 0.7);
+    polynomial_kind.follow(state, &io);
+    double v = D(out[0]);
+    stepped(v, 0.7);
+    told(0, 0);
+    stepped(v + 0.1, 0.7);
+    told(-0.5 * (D(out[0]) - 0.5), 0.4);
+    TEST_ASSERT_DOUBLE_WITHIN(20 * EXACT, -0.05, D(out[0]));
+}
+
 static void nothing_limited_comes_to_nothing_exactly(void)
 {
     for (unsigned limits = 0; limits < 2; limits++) {
@@ -416,6 +431,7 @@ int main(void)
     RUN_TEST(recursing_the_loop_at_its_limit_gives_way_and_the_other_does_not);
     RUN_TEST(recursing_with_all_mvs_at_a_limit_the_past_is_what_took_effect);
     RUN_TEST(scaling_all_moves_are_shortened_to_the_same_part);
+    RUN_TEST(scaling_what_happens_to_the_mv_of_a_loop_in_manual_shortens_nothing);
     RUN_TEST(nothing_limited_comes_to_nothing_exactly);
     RUN_TEST(one_without_an_inverse_at_rest_is_refused);
     RUN_TEST(one_of_which_a_loop_alone_has_no_inverse_is_refused_with_the_loop);
