@@ -19,7 +19,7 @@ import numpy as np  # noqa: E402
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "tools"))
-from reflux_tools import runner, scenario  # noqa: E402
+from reflux_tools import paths, runner, scenario  # noqa: E402
 
 BLUE, RED, GREY = "#2166ac", "#b2182b", "#888888"
 
@@ -67,8 +67,9 @@ def main():
     for axis, lo, hi in zip(axes, (-0.3, -0.45), (0.35, 0.45)):
         axis.set_ylim(lo, hi)
     figure.tight_layout()
-    figure.savefig(ROOT / "docs" / "figures" / "experiment.png", dpi=110)
-    print("docs/figures/experiment.png")
+    picture = paths.figures() / "experiment.png"
+    figure.savefig(picture, dpi=110)
+    print(paths.shown(picture))
 
 
 if __name__ == "__main__":
