@@ -25,13 +25,14 @@ struct experiment_settings {
     float reach[EXPERIMENT_MOST];     /* EU, farthest an MV may get; 0: twice the amplitude */
     float band[EXPERIMENT_MOST];      /* EU, farthest a measurement may get */
     float fit;                        /* %, least */
-    float a[EXPERIMENT_KEPT][DIFFERENCE_A_MOST];
-    float b[EXPERIMENT_KEPT][EXPERIMENT_KEPT][DIFFERENCE_B_MOST]; /* EU per EU */
-    uint16_t bits, clock, periods, settle;                        /* settle, clock: samples */
+    uint16_t bits, clock, periods, settle; /* settle, clock: samples */
     uint16_t na, nb;
     uint8_t method, criterion; /* enum arx_method, arx_criterion */
     uint8_t adopt;             /* enum experiment_adopt */
-    uint8_t known;             /* the model is there, whole */
+    /* From here on what it finds itself. */
+    uint8_t known; /* the model is there, whole */
+    float a[EXPERIMENT_KEPT][DIFFERENCE_A_MOST];
+    float b[EXPERIMENT_KEPT][EXPERIMENT_KEPT][DIFFERENCE_B_MOST]; /* EU per EU */
 };
 
 enum experiment_adopt { EXPERIMENT_ADOPT_ASKED, EXPERIMENT_ADOPT_AT_ONCE };

@@ -40,11 +40,8 @@ static uint16_t experiment_history(const struct block_setup *setup)
 /* But for the model, which it proposes itself. */
 static bool differs(const struct experiment_settings *before, const struct experiment_settings *now)
 {
-    struct experiment_settings same = *now;
-    memcpy(same.a, before->a, sizeof same.a);
-    memcpy(same.b, before->b, sizeof same.b);
-    same.known = before->known;
-    return memcmp(&same, before, sizeof same) != 0;
+    const char *a = (const char *)before, *b = (const char *)now;
+    return memcmp(a, b, offsetof(struct experiment_settings, known)) != 0;
 }
 
 static enum err experiment_configure(void *state, const struct block_setup *setup, bool retune)
@@ -58,7 +55,7 @@ static enum err experiment_configure(void *state, const struct block_setup *setu
         experiment_abort(e, REASON_SETTINGS);
     e->s = *s;
     e->n = (uint8_t)(setup->inputs / 2u);
-    memcpy(e->input, setup->input, 2u * e->n * sizeof e->input[0]);
+    memcpy(e->input, setup->input, (size_t)2 * e->n * sizeof e->input[0]);
     e->ticks = ticks;
     e->wanted = experiment_samples(s);
     float pieces = PIECES_A_SECOND * setup->interval_s;

@@ -112,12 +112,12 @@ static const char *describe_coefficient(const struct experiment *e, size_t i, fl
 const char *experiment_describe(const void *state, size_t i, float *value)
 {
     const struct experiment *e = state;
-    unsigned n = e->n;
+    size_t n = e->n;
     if (i < OF_RUN)
         return describe_run(e, i, value);
     i -= OF_RUN;
     if (i < n * OF_OUTPUT)
-        return describe_output(e, (unsigned)i / OF_OUTPUT, i % OF_OUTPUT, value);
+        return describe_output(e, (unsigned)(i / OF_OUTPUT), i % OF_OUTPUT, value);
     i -= n * OF_OUTPUT;
     if (i < n) {
         *value = (float)experiment_others(e, (unsigned)i);
@@ -125,7 +125,7 @@ const char *experiment_describe(const void *state, size_t i, float *value)
     }
     i -= n;
     if (i < n * n) {
-        *value = gain_shown(e, (unsigned)i / n, (unsigned)i % n);
+        *value = gain_shown(e, (unsigned)(i / n), (unsigned)(i % n));
         return gain_names[i / n][i % n];
     }
     return describe_coefficient(e, i - n * n, value);

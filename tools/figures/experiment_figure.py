@@ -1,72 +1,76 @@
 #!/usr/bin/python3
-"""Draws docs/figures/experiment.png from what tools/run kotyk-experiment leaves: signals, measurements, and step responses of the model
-that the board found beside those of the plant.
+"""The figure of docs/experiment.md: docs/figures/experiment.png.
 
-usage: tools/figures/experiment_figure.py [FOLDER] [PICTURE.png]
-       (default out/kotyk-experiment, docs/figures/experiment.png)
+    cmake --preset host && cmake --build --preset host --target reflux-sim-memory reflux-plant
+    tools/figures/experiment_figure.py
+
+The scenario kotyk-experiment with the firmware in the simulator's own process; the model is the one that the block shows at the console.
 """
-
+import pathlib
+import re
 import sys
-from pathlib import Path
+import tempfile
 
-ROOT = Path(__file__).resolve().parents[2]
-sys.path.insert(0, str(ROOT / "tools"))
-
-import matplotlib  # noqa: E402
+import matplotlib
 
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt  # noqa: E402
 import numpy as np  # noqa: E402
 
-from reflux_tools import board_model, logs, paths, sampled_plant  # noqa: E402
-from reflux_tools.plots import BLUE, GREEN, GREY, ORANGE, STYLE  # noqa: E402
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+sys.path.insert(0, str(ROOT / "tools"))
+from reflux_tools import paths, runner, scenario  # noqa: E402
 
-STEPS = 40
+BLUE, RED, GREY = "#2166ac", "#b2182b", "#888888"
 
 
-def steps(a: np.ndarray, b: np.ndarray) -> np.ndarray:
-    """Of one element, from its sample 0 on."""
-    y = np.zeros(STEPS)
-    for k in range(1, STEPS):
-        y[k] = b[: min(k, len(b))].sum() - sum(a[m] * y[k - 1 - m] for m in range(min(len(a), k)))
+def run():
+    """Log, and the last of each of the block's inner values."""
+    of = scenario.load(ROOT / "host_sim" / "scenarios" / "kotyk-experiment.toml")
+    with tempfile.TemporaryDirectory(prefix="reflux-") as folder:
+        log = runner.run(of, runner.Options(pathlib.Path(folder), quiet=True)).log
+        said = (pathlib.Path(folder) / "transcript.txt").read_text(encoding="utf-8")
+    return log, {name: float(value) for name, value in re.findall(r"<\s+(\w+) = (\S+)$", said, re.M)}
+
+
+def simulated(found, i, u):
+    """Output i of the model with the inputs alone, from rest."""
+    a = [found.get(f"a{i}_{k}", 0) for k in range(1, 5)]
+    b = [[found.get(f"b{i}{j}_{k}", 0) for k in range(1, 9)] for j in (1, 2)]
+    y = np.zeros(len(u))
+    for t in range(len(u)):
+        y[t] = sum(-a[k] * y[t - 1 - k] for k in range(4) if t > k) + sum(b[j][k] * u[t - 1 - k, j] for j in (0, 1) for k in range(8) if t > k)
     return y
 
 
-def main() -> int:
-    if len(sys.argv) > 3 or "--help" in sys.argv or "-h" in sys.argv:
+def main():
+    if len(sys.argv) > 1:
         print(__doc__.strip())
-        return 0 if "--help" in sys.argv or "-h" in sys.argv else 2
-    folder = Path(sys.argv[1]) if len(sys.argv) > 1 else ROOT / "out" / "kotyk-experiment"
-    picture = Path(sys.argv[2]) if len(sys.argv) > 2 else paths.figures() / "experiment.png"
-    log = logs.read_csv(folder / "log.csv")
-    outputs, inputs, a, b, period = board_model.read(folder / "transcript.txt", None)
-    plant = sampled_plant.read("kotyk-column", None, None)
-    hours = [t / 3600 for t in log.numbers("time")]
-    with plt.rc_context(STYLE):
-        figure = plt.figure(figsize=(9, 6.4))
-        grid = figure.add_gridspec(2, 4, height_ratios=(3, 2.4))
-        left = figure.add_subplot(grid[0, :])
-        for k, (y, colour) in enumerate(zip(outputs, (BLUE, ORANGE))):
-            left.plot(hours, log.numbers(f"{y}.meas"), color=colour, lw=0.9, label=f"{y} [V]")
-        for k, (u, colour) in enumerate(zip(inputs, (GREEN, "#8e2d2d"))):
-            left.step(hours, [0.25 * x - 1.2 - 0.7 * k for x in log.numbers(f"{u}.applied")], where="pre", color=colour, lw=0.9, label=f"{u}, ±1 V")
-        left.set_xlabel("plant time [h]")
-        left.set_xlim(0, hours[-1])
-        left.legend(loc="upper right", ncols=4, fontsize=8)
-        time = np.arange(STEPS) * period / 3600
-        for i, y in enumerate(outputs):
-            for j, u in enumerate(inputs):
-                axis = figure.add_subplot(grid[1, 2 * i + j])
-                axis.plot(time, steps(plant.a[i], plant.b[i, j]), color=GREY, lw=3, alpha=0.5, label="plant")
-                axis.plot(time, steps(a[i], b[i, j]), color=BLUE, lw=1.2, label="found")
-                axis.set_title(f"{y} by {u}")
-                axis.set_xlabel("h after a step", fontsize=8)
-                if i == j == 0:
-                    axis.legend(fontsize=8)
-                    axis.set_ylabel("V per V")
-        figure.savefig(picture, dpi=90)
-    return 0
+        return
+    log, found = run()
+    hours = np.array(log.numbers("time")) / 3600
+    applied = np.array([log.numbers(f"{name}.applied") for name in ("u1", "u2")]).T
+    applied[:60] = 0  # from the safe values to where it rests
+    acts = np.vstack([applied[1:], applied[-1:]])
+    figure, axes = plt.subplots(4, 1, figsize=(10, 8), sharex=True, height_ratios=(2, 2, 1, 1))
+    for i, axis in enumerate(axes[:2], 1):
+        axis.plot(hours, log.numbers(f"y{i}.meas"), color="#c4c4c4", lw=3.0, label="measured")
+        axis.plot(hours, simulated(found, i, acts), color=BLUE, lw=1.0, label="the model with the inputs alone")
+        axis.set_ylabel(f"y{i}, V")
+    axes[0].legend(loc="upper right", ncols=2, frameon=False)
+    for j, axis in enumerate(axes[2:]):
+        axis.step(hours, applied[:, j], color=RED, lw=0.8)
+        axis.set_ylabel(f"u{j + 1}, V")
+        axis.set_ylim(-1.4, 1.4)
+    axes[3].set_xlabel("h")
+    axes[3].set_xlim(1, 40)
+    for axis, lo, hi in zip(axes, (-0.3, -0.45), (0.35, 0.45)):
+        axis.set_ylim(lo, hi)
+    figure.tight_layout()
+    picture = paths.figures() / "experiment.png"
+    figure.savefig(picture, dpi=110)
+    print(paths.shown(picture))
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    main()

@@ -164,7 +164,7 @@ def target_tests() -> list[Test]:
             *(same_log(f"target.decoupled-{image.test}", image.twin, image.preset, "target", "kotyk-decoupled")
               for image in boards.RUNS if image.preset in WITH_BLOCKS),
             # Until it proposes.
-            *(same_log(f"target.experiment-{image.test}", image.twin, image.preset, "target", "kotyk-experiment", until=67680)
+            *(same_log(f"target.experiment-{image.test}", image.twin, image.preset, "target", "kotyk-experiment", until=135600)
               for image in boards.RUNS if image.preset in WITH_BLOCKS),
             same_log("target.estimate-float", "host", "stm32f405", "target", "methanol-estimate"),
             # Until the feed has changed: three components, and two with a linear model.

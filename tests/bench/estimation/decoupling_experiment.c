@@ -3,7 +3,7 @@
 #include <stdalign.h>
 #include <string.h>
 
-#include "adapt/prbs_inside.h"
+#include "adapt/plant_experiment_block.h"
 #include "base/channel.h"
 #include "base/workspace.h"
 #include "cost.h"
@@ -11,22 +11,22 @@
 
 static alignas(8) char state[4000];
 static alignas(8) char memory[WORKSPACE_BYTES];
-static alignas(8) char history[CHANNELS][sizeof(struct applied_history) + 4 * sizeof(num_t)];
+static alignas(8) char history[EXPERIMENT_MOST][sizeof(struct applied_history) + 4 * sizeof(num_t)];
 static struct workspace workspace;
 static struct experiment_settings settings;
 static struct block_setup setup;
 static struct block_fault fault;
-static float level[CHANNELS];
+static float level[EXPERIMENT_MOST];
 
 static void setup_experiment(unsigned n)
 {
     memset(&settings, 0, sizeof settings);
     settings.bits = 6;
     settings.clock = 2;
-    settings.repeats = 2;
-    settings.rest = 10;
-    settings.na = EXPERIMENT_A;
-    settings.nb = EXPERIMENT_B;
+    settings.periods = 2;
+    settings.settle = 10;
+    settings.na = 2;
+    settings.nb = 5;
     settings.cutoff = 1;
     settings.method = ARX_IV;
     memset(&setup, 0, sizeof setup);
@@ -35,6 +35,7 @@ static void setup_experiment(unsigned n)
     setup.inputs = (uint8_t)(2 * n);
     for (unsigned k = 0; k < n; k++) {
         settings.amplitude[k] = 0.1f;
+        settings.band[k] = 1;
         setup.input[k] = (struct block_signal){0, 1, false};
         setup.input[n + k] = (struct block_signal){0, 1, true};
         applied_history_begin((struct applied_history *)(void *)history[k], 4,
@@ -63,11 +64,11 @@ static void move_plant(unsigned n, const struct block_io *io, num_t *input)
 
 static void cost_of_experiment(unsigned n)
 {
-    struct experiment_block *b = (struct experiment_block *)(void *)state;
-    const struct applied_history *applied[2 * CHANNELS] = {NULL};
+    struct experiment *b = (struct experiment *)(void *)state;
+    const struct applied_history *applied[2 * EXPERIMENT_MOST] = {NULL};
     struct block_excitation excite[BLOCK_EXCITES_MAX];
-    uint8_t quality[2 * CHANNELS];
-    num_t input[2 * CHANNELS];
+    uint8_t quality[2 * EXPERIMENT_MOST];
+    num_t input[2 * EXPERIMENT_MOST];
     float value[BLOCK_EVENTS_MAX];
     struct cost tick = {0}, find = {0};
     uint32_t stack = 0, find_stack = 0;
@@ -92,38 +93,44 @@ static void cost_of_experiment(unsigned n)
                           .divisor = 1};
     memset(excite, 0, sizeof excite);
     (void)experiment_kind.verb[0].run(state, NULL);
-    for (unsigned t = 0; t < 2000 && b->stage != EXPERIMENT_FINDS; t++) {
+    for (unsigned t = 0; t < 2000 && b->stage != EXPERIMENT_COMPUTES; t++) {
         uint8_t stage = b->stage;
         memset(excite, 0, sizeof excite);
-        io.excite_state = stage == EXPERIMENT_MOVES ? EXCITE_RUNS : EXCITE_OFF;
+        io.excite_state = stage == EXPERIMENT_EXCITES ? EXCITE_RUNS : EXCITE_OFF;
         io.ask_work = 0;
         cost_paint_stack();
         uint32_t from = cost_now();
         experiment_kind.step(state, &io);
         uint32_t to = cost_now();
-        if (stage == EXPERIMENT_MOVES && b->stage == EXPERIMENT_MOVES)
+        if (stage == EXPERIMENT_EXCITES && b->stage == EXPERIMENT_EXCITES)
             cost_add(&tick, from, to);
         stack = cost_stack_used() > stack ? cost_stack_used() : stack;
         io.work_done = io.ask_work > 0;
-        if (io.ask_work && b->stage == EXPERIMENT_BEGINS)
+        if (io.ask_work && b->stage == EXPERIMENT_ASKED)
             (void)experiment_kind.work(state);
         move_plant(n, &io, input);
         workspace_tick(&workspace);
     }
-    for (bool more = true; more && b->stage == EXPERIMENT_FINDS;) {
+    /* As many pieces as a step has, then the step that takes them. */
+    for (unsigned k = 0; k < 10000 && b->stage == EXPERIMENT_COMPUTES; k++) {
         cost_paint_stack();
         uint32_t from = cost_now();
-        more = experiment_kind.work(state);
+        bool more = experiment_kind.work(state);
         uint32_t to = cost_now();
         cost_add(&find, from, to);
         find_stack = cost_stack_used() > find_stack ? cost_stack_used() : find_stack;
+        if (more)
+            continue;
+        io.work_done = true;
+        experiment_kind.step(state, &io);
     }
     if (tick.count == 0 || find.count == 0)
         return;
     cost_say("experiment", n * 10 + settings.nb, tick.sum / tick.count, tick.most,
              experiment_kind.bytes(&setup));
     cost_say("stack", n, stack, stack, 0);
-    cost_say("find", n, find.sum, find.most, experiment_work_bytes(&settings, n, n));
+    cost_say("find", n, find.sum, find.most,
+             experiment_job_bytes(n, experiment_samples(&settings)));
     cost_say("stack", n, find_stack, find_stack, 0);
 }
 
