@@ -32,6 +32,7 @@ class Bench:
     clock: int
     amplitude: float = 0.05
     pairs: str | None = None
+    na: int = 2  # highest order of A that the experiment tries
 
     def path(self) -> Path:
         return ina_plant.PLANTS / f"{self.name}.json"
@@ -44,9 +45,9 @@ BENCHES = {b.name: b for b in (
     Bench("kotyk-column", 120, 40, 7, 2, 0.1),
     Bench("wood-berry", 120, 60, 7, 2),
     Bench("luyben-vinante", 60, 50, 7, 2),
-    Bench("lime-kiln", 120, 100, 7, 2, 0.2, pairs="y1=u1,y2=u2"),
+    Bench("lime-kiln", 120, 100, 7, 2, 0.2, na=3),
     Bench("packed-bed", 30, 60, 7, 3, 0.3),
-    Bench("air-compressor", 0.4, 40, 7, 2, 0.2, pairs="y1=u2,y2=u1"),
+    Bench("air-compressor", 0.4, 40, 7, 2, 0.2, pairs="y1=u2,y2=u1", na=4),
     Bench("folami-gains", 120, 50, 7, 2),
     Bench("furnace", 60, 30, 8, 1),
     Bench("luyben-4x4", 300, 70, 8, 1),

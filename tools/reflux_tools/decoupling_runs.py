@@ -87,9 +87,8 @@ def experiment(bench: Bench) -> SampledPlant:
     j, rows, columns = decoupling_plants.ordered(bench)
     ys, us = [j["outputs"][i] for i in rows], [j["inputs"][k] for k in columns]
     n, sequence = len(rows), (2 ** bench.bits - 1) * bench.clock
-    nb = 5 if n == 2 else 6
     lines = [*channel_lines(bench), "set block1.kind experiment", f"set block1.inputs {','.join(c['name'] for c in [*ys, *us])}", f"set block1.bits {bench.bits}",
-             f"set block1.clock {bench.clock}", "set block1.periods 2", f"set block1.nb {nb}", "set block1.adopt at_once"]
+             f"set block1.clock {bench.clock}", "set block1.periods 2", f"set block1.na {bench.na}", "set block1.adopt at_once"]
     for k, (y, u) in enumerate(zip(ys, us), 1):
         lines += [f"set block1.amplitude.{k} {bench.amplitude * (u['hi'] - u['lo']):g}", f"set block1.band.{k} {y['hi'] - y['lo']:g}"]
     begins = bench.settles * bench.period_s
@@ -102,7 +101,7 @@ def experiment(bench: Bench) -> SampledPlant:
         log = runner.run(told, runner.Options(place / "out", quiet=True)).log
         if n == 2:
             return of_settings(bench, place / "out" / "transcript.txt")
-        return from_log(bench, log, begins, 2 * sequence + 22, nb)
+        return from_log(bench, log, begins, 2 * sequence + 22)
 
 
 def of_settings(bench: Bench, transcript: Path) -> SampledPlant:
@@ -117,14 +116,14 @@ def of_settings(bench: Bench, transcript: Path) -> SampledPlant:
     return SampledPlant(bench.name, tuple(outputs), tuple(inputs), sampled_plant.shortened(a), sampled_plant.shortened(b), period, *spans).in_spans()
 
 
-def from_log(bench: Bench, log: Log, begins: float, samples: int, nb: int) -> SampledPlant:
+def from_log(bench: Bench, log: Log, begins: float, samples: int) -> SampledPlant:
     """What tools/identify finds of the same record, in fractions of span."""
     j, rows, columns = decoupling_plants.ordered(bench)
     at = int(round(begins / bench.period_s))
     y = np.array([scaled(log.numbers(f"{j['outputs'][i]['name']}.meas"), j["outputs"][i]) for i in rows]).T[at : at + samples]
     u = np.array([scaled(log.numbers(f"{j['inputs'][k]['name']}.cmd"), j["inputs"][k]) for k in columns]).T[at : at + samples]
     record = cmd_identify.Record(u - u[:20].mean(axis=0), y - y[:20].mean(axis=0))
-    options = argparse.Namespace(method="iv", na=3, nb=nb, orders=None, nc=None, criterion="bic", no_constant=False, outputs=[j["outputs"][i]["name"] for i in rows])
+    options = argparse.Namespace(method="iv", na=3, nb=6, orders=None, nc=None, criterion="bic", no_constant=False, outputs=[j["outputs"][i]["name"] for i in rows])
     a, b = [], []
     for i in range(len(rows)):
         try:
