@@ -101,8 +101,7 @@ static void begin_signal(struct experiment *e)
                                      .independence = PRBS_SHIFTS,
                                      .clock = e->s.clock};
     for (unsigned j = 0; j < e->n; j++)
-        settings.amplitude[j] =
-            e->s.amplitude[j] / (e->input[e->n + j].hi - e->input[e->n + j].lo);
+        settings.amplitude[j] = e->s.amplitude[j] / (e->input[e->n + j].hi - e->input[e->n + j].lo);
     prbs_init(&e->prbs, &settings);
     stage_begins(e, EXPERIMENT_EXCITES);
 }

@@ -20,8 +20,7 @@ static real_t criterion_of(const struct arx_searching *g, real_t squares, real_t
 }
 
 /* Columns that a lower model has of the largest's, and that of y. */
-static size_t columns_of(const struct arx_searching *g, const struct arx_orders *o,
-                         uint8_t *column)
+static size_t columns_of(const struct arx_searching *g, const struct arx_orders *o, uint8_t *column)
 {
     const struct arx_orders *all = &g->rows.orders;
     size_t n = 0, at = all->na;
