@@ -125,9 +125,9 @@ static void try_of_grid(struct arx_searching *g)
     struct arx_orders o = g->rows.orders;
     o.na = (uint8_t)(g->at / g->nb);
     for (size_t j = 0; j < g->rows.data->inputs; j++)
-        o.last[j] = (uint8_t)(g->at % g->nb + 1u);
+        o.last[j] = (uint8_t)(g->at % g->nb + 1);
     try_orders(g, &o);
-    if (++g->at < (g->rows.orders.na + 1u) * g->nb)
+    if (++g->at < ((unsigned)g->rows.orders.na + 1u) * g->nb)
         return;
     if (g->search->trial[g->search->best].err)
         end_orders_search(g, ERR_SINGULAR);
