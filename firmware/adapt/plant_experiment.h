@@ -21,10 +21,10 @@
 struct experiment_settings {
     float period_s; /* control interval; 0: a base tick */
     float cutoff;   /* of the filter before decimation, part of half the control frequency */
-    float amplitude[EXPERIMENT_MOST]; /* EU, to either side */
-    float reach[EXPERIMENT_MOST];     /* EU, farthest an MV may get; 0: twice the amplitude */
-    float band[EXPERIMENT_MOST];      /* EU, farthest a measurement may get */
-    float fit;                        /* %, least */
+    float amplitude[EXPERIMENT_MOST];      /* EU, to either side */
+    float reach[EXPERIMENT_MOST];          /* EU, farthest an MV may get; 0: twice the amplitude */
+    float band[EXPERIMENT_MOST];           /* EU, farthest a measurement may get */
+    float fit;                             /* %, least */
     uint16_t bits, clock, periods, settle; /* settle, clock: samples */
     uint16_t na, nb;
     uint8_t method, criterion; /* enum arx_method, arx_criterion */

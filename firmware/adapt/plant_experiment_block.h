@@ -14,7 +14,7 @@
 /* In the order in which they come; the value of `stage`. */
 enum experiment_stage {
     EXPERIMENT_IDLE,
-    EXPERIMENT_ASKED,  /* for the workspace */
+    EXPERIMENT_ASKED,   /* for the workspace */
     EXPERIMENT_SETTLES, /* nothing moves; the operating point */
     EXPERIMENT_EXCITES,
     EXPERIMENT_COMPUTES,
@@ -48,9 +48,9 @@ struct experiment {
     struct block_signal input[2 * EXPERIMENT_MOST];
     uint8_t n, stage, reason, at_fault; /* at_fault: which input of the block, from 1 on */
     uint8_t verdict;
-    bool asked_signal;  /* in the last step */
-    uint16_t ticks;     /* of a sample */
-    uint16_t pieces;    /* of work until the next step */
+    bool asked_signal; /* in the last step */
+    uint16_t ticks;    /* of a sample */
+    uint16_t pieces;   /* of work until the next step */
     uint16_t piece_most;
     uint32_t samples, wanted; /* of the record, or while it settles */
     uint32_t settled;         /* ticks */
@@ -62,14 +62,15 @@ struct experiment {
     real_t held[EXPERIMENT_MOST];  /* last good reading, fraction */
     real_t level[EXPERIMENT_MOST]; /* operating point, and while it settles the sum */
     real_t lowest[EXPERIMENT_MOST], highest[EXPERIMENT_MOST];
-    uint32_t gap[EXPERIMENT_MOST], gaps[EXPERIMENT_MOST]; /* ticks without a good reading: in a row, all */
+    uint32_t gap[EXPERIMENT_MOST],
+        gaps[EXPERIMENT_MOST];    /* ticks without a good reading: in a row, all */
     uint8_t out[EXPERIMENT_MOST]; /* readings in a row outside the band */
     /* The MVs. */
     struct prbs prbs;
-    real_t signal[EXPERIMENT_MOST];      /* of this sample, fraction */
-    real_t rest[EXPERIMENT_MOST];        /* operating point, and while it settles the sum */
+    real_t signal[EXPERIMENT_MOST]; /* of this sample, fraction */
+    real_t rest[EXPERIMENT_MOST];   /* operating point, and while it settles the sum */
     real_t least[EXPERIMENT_MOST], most[EXPERIMENT_MOST]; /* while it settles */
-    real_t applied[EXPERIMENT_MOST];     /* sum over the sample */
+    real_t applied[EXPERIMENT_MOST];                      /* sum over the sample */
     struct experiment_sum sum[EXPERIMENT_MOST];
     /* What was found, EU. */
     struct experiment_found {
@@ -77,7 +78,7 @@ struct experiment {
         float one_step, fit, apart; /* % */
     } found[EXPERIMENT_MOST];
     float live_error[EXPERIMENT_MOST]; /* % of the measurement's span */
-    uint8_t proposed; /* what it was when it proposed */
+    uint8_t proposed;                  /* what it was when it proposed */
     bool proposes, waits;
     uint8_t tells; /* enum experiment_event + 1, in the next step */
     float model[]; /* [n][A], then [n][n][B] */
@@ -100,8 +101,7 @@ static inline float *experiment_a(struct experiment *e, unsigned i)
 
 static inline float *experiment_b(struct experiment *e, unsigned i, unsigned j)
 {
-    return &e->model[(size_t)e->n * DIFFERENCE_A_MOST +
-                     ((size_t)i * e->n + j) * DIFFERENCE_B_MOST];
+    return &e->model[(size_t)e->n * DIFFERENCE_A_MOST + ((size_t)i * e->n + j) * DIFFERENCE_B_MOST];
 }
 
 static inline bool experiment_runs(const struct experiment *e)
@@ -116,7 +116,8 @@ enum experiment_event { EVENT_MODEL, EVENT_NO_MODEL, EVENT_ABORTED, EXPERIMENT_E
 
 /* ---- settings (plant_experiment_settings.c) ---- */
 
-#define EXPERIMENT_PARAMETERS (16 + EXPERIMENT_KEPT * (DIFFERENCE_A_MOST + EXPERIMENT_KEPT * DIFFERENCE_B_MOST))
+#define EXPERIMENT_PARAMETERS                                                                      \
+    (16 + EXPERIMENT_KEPT * (DIFFERENCE_A_MOST + EXPERIMENT_KEPT * DIFFERENCE_B_MOST))
 extern const struct block_parameter experiment_parameter_rows[EXPERIMENT_PARAMETERS];
 #define EXPERIMENT_ID_KNOWN 16
 #define EXPERIMENT_ID_A     20 /* by outputs */

@@ -24,10 +24,15 @@ static const struct block_event experiment_events[EXPERIMENT_EVENTS] = {
 
 /* ---- settings ---- */
 
+/* Of the model. */
+static size_t experiment_numbers(size_t n)
+{
+    return n * DIFFERENCE_A_MOST + n * n * DIFFERENCE_B_MOST;
+}
+
 static uint32_t experiment_bytes(const struct block_setup *setup)
 {
-    unsigned n = setup->inputs / 2u;
-    size_t numbers = n * DIFFERENCE_A_MOST + n * n * DIFFERENCE_B_MOST;
+    size_t numbers = experiment_numbers(setup->inputs / 2u);
     return (uint32_t)((sizeof(struct experiment) + numbers * sizeof(float) + 7u) & ~(size_t)7u);
 }
 
@@ -101,8 +106,7 @@ static void begin_signal(struct experiment *e)
                                      .independence = PRBS_SHIFTS,
                                      .clock = e->s.clock};
     for (unsigned j = 0; j < e->n; j++)
-        settings.amplitude[j] =
-            e->s.amplitude[j] / (e->input[e->n + j].hi - e->input[e->n + j].lo);
+        settings.amplitude[j] = e->s.amplitude[j] / (e->input[e->n + j].hi - e->input[e->n + j].lo);
     prbs_init(&e->prbs, &settings);
     stage_begins(e, EXPERIMENT_EXCITES);
 }
@@ -245,6 +249,7 @@ static const char *run_start(void *state, const float *number)
     memset(e->gap, 0, sizeof e->gap);
     memset(e->gaps, 0, sizeof e->gaps);
     memset(e->found, 0, sizeof e->found);
+    memset(e->model, 0, experiment_numbers(e->n) * sizeof e->model[0]);
     stage_begins(e, EXPERIMENT_ASKED);
     return NULL;
 }

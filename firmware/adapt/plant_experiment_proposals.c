@@ -57,8 +57,8 @@ static void put_proposal(struct experiment *e, struct block_proposal *room, unsi
         if (wanted.value != is)
             room->value[n++] = wanted;
     room->n = (uint8_t)n;
-    room->manner = e->s.adopt == EXPERIMENT_ADOPT_AT_ONCE ? PROPOSAL_AT_ONCE
-                                                          : PROPOSAL_WHEN_ACCEPTED;
+    room->manner =
+        e->s.adopt == EXPERIMENT_ADOPT_AT_ONCE ? PROPOSAL_AT_ONCE : PROPOSAL_WHEN_ACCEPTED;
 }
 
 void experiment_proposals_step(struct experiment *e, struct block_proposal *room)

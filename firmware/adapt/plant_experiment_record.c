@@ -257,8 +257,7 @@ void experiment_ask_signal(struct experiment *e, struct block_io *io)
         io->excite[j] = (struct block_excitation){.what = EXCITE_INPUT,
                                                   .which = (uint8_t)(e->n + j),
                                                   .value = num_from_float(e->signal[j]),
-                                                  .amplitude =
-                                                      num_from_float(amplitude_of(e, j)),
+                                                  .amplitude = num_from_float(amplitude_of(e, j)),
                                                   .lo = num_from_float(e->rest[j] - reach),
                                                   .hi = num_from_float(e->rest[j] + reach)};
     }
@@ -278,7 +277,8 @@ float experiment_live_gain(const struct experiment *e, unsigned i, unsigned j)
         at_rest += num_to_float(rls_theta(r, k));
     for (unsigned k = 0; k < nb; k++)
         sum += num_to_float(rls_theta(r, LIVE_NA + j * nb + k));
-    float scale = (e->input[i].hi - e->input[i].lo) / (e->input[e->n + j].hi - e->input[e->n + j].lo);
+    float scale =
+        (e->input[i].hi - e->input[i].lo) / (e->input[e->n + j].hi - e->input[e->n + j].lo);
     return at_rest > 1e-6f ? scale * sum / at_rest : 0;
 }
 

@@ -57,8 +57,8 @@ static const char gain_names[EXPERIMENT_MOST][EXPERIMENT_MOST][7] = {GAINS(1), G
 static float gain_shown(const struct experiment *e, unsigned i, unsigned j)
 {
     const float *a = &e->model[(size_t)i * DIFFERENCE_A_MOST];
-    const float *b = &e->model[(size_t)e->n * DIFFERENCE_A_MOST +
-                               ((size_t)i * e->n + j) * DIFFERENCE_B_MOST];
+    const float *b =
+        &e->model[(size_t)e->n * DIFFERENCE_A_MOST + ((size_t)i * e->n + j) * DIFFERENCE_B_MOST];
     float at_rest = 1, sum = 0;
     if (e->stage == EXPERIMENT_EXCITES && e->job)
         return experiment_live_gain(e, i, j);

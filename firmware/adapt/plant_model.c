@@ -11,7 +11,7 @@
  * leaves of them. */
 #define PARTS_APART REAL_C(0.25)
 #define REST_APART  REAL_C(0.1)
-#define SETTLES REAL_C(4.0) /* time constants */
+#define SETTLES     REAL_C(4.0) /* time constants */
 
 enum finding_phase {
     FIND_ORDERS,
@@ -20,7 +20,7 @@ enum finding_phase {
     FIND_JUDGE,
     FIND_ALL,
     FIND_LEFT, /* what the model leaves of the record */
-    FIND_OVER /* of an output */
+    FIND_OVER  /* of an output */
 };
 
 /* ---- polynomials ---- */
@@ -123,9 +123,8 @@ static void fit_next(struct plant_finding *f)
 
 static void judge_next(struct plant_finding *f)
 {
-    bool no_model = f->fitting.err ||
-                    arx_judge_begin(&f->judging, &f->data, f->output, &f->fit, f->border,
-                                    f->data.samples) != ERR_OK;
+    bool no_model = f->fitting.err || arx_judge_begin(&f->judging, &f->data, f->output, &f->fit,
+                                                      f->border, f->data.samples) != ERR_OK;
     if (no_model)
         f->trial++;
     f->phase = no_model ? (uint8_t)FIND_NEXT : (uint8_t)FIND_JUDGE;

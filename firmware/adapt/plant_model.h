@@ -15,8 +15,8 @@ enum plant_verdict {
     PLANT_UNJUDGED,
     PLANT_USABLE,
     PLANT_UNSURE, /* its gains at rest are not those of the record, or not those of its first two thirds */
-    PLANT_SLOW,   /* it does not settle within the memory of the sequence, or integrates */
-    PLANT_POOR,   /* on its own it does not follow the last third */
+    PLANT_SLOW,     /* it does not settle within the memory of the sequence, or integrates */
+    PLANT_POOR,     /* on its own it does not follow the last third */
     PLANT_UNSTABLE, /* the method finds no stable model of any orders */
     PLANT_UNTOLD    /* the record does not tell parameters apart */
 };

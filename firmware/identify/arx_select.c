@@ -20,8 +20,7 @@ static real_t criterion_of(const struct arx_searching *g, real_t squares, real_t
 }
 
 /* Columns that a lower model has of the largest's, and that of y. */
-static size_t columns_of(const struct arx_searching *g, const struct arx_orders *o,
-                         uint8_t *column)
+static size_t columns_of(const struct arx_searching *g, const struct arx_orders *o, uint8_t *column)
 {
     const struct arx_orders *all = &g->rows.orders;
     size_t n = 0, at = all->na;
@@ -126,9 +125,9 @@ static void try_of_grid(struct arx_searching *g)
     struct arx_orders o = g->rows.orders;
     o.na = (uint8_t)(g->at / g->nb);
     for (size_t j = 0; j < g->rows.data->inputs; j++)
-        o.last[j] = (uint8_t)(g->at % g->nb + 1u);
+        o.last[j] = (uint8_t)(g->at % g->nb + 1);
     try_orders(g, &o);
-    if (++g->at < (g->rows.orders.na + 1u) * g->nb)
+    if (++g->at < ((unsigned)g->rows.orders.na + 1u) * g->nb)
         return;
     if (g->search->trial[g->search->best].err)
         end_orders_search(g, ERR_SINGULAR);

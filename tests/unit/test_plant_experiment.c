@@ -13,12 +13,8 @@ static struct plant_finding finding;
 void setUp(void) {}
 void tearDown(void) {}
 
-static const struct plant_wanted wanted = {.method = ARX_IV,
-                                           .criterion = ARX_BIC,
-                                           .na = 2,
-                                           .nb = 4,
-                                           .fit = REAL_C(0.5),
-                                           .memory = 200};
+static const struct plant_wanted wanted = {
+    .method = ARX_IV, .criterion = ARX_BIC, .na = 2, .nb = 4, .fit = REAL_C(0.5), .memory = 200};
 
 static unsigned find(const struct arx_data *data, const struct plant_wanted *w, uint32_t most)
 {
@@ -123,7 +119,7 @@ static void defaults(void)
     for (unsigned k = 0; k < experiment_kind.parameters; k++) {
         const struct block_parameter *p = &experiment_kind.parameter[k];
         char *at = (char *)&settings + p->offset;
-        for (unsigned n = 0; n < (unsigned)p->rows * p->cols; n++) {
+        for (size_t n = 0; n < (size_t)p->rows * p->cols; n++) {
             if (p->type == BLOCK_FLOAT)
                 memcpy(at + 4 * n, &p->initial, 4);
             else if (p->type == BLOCK_U16)

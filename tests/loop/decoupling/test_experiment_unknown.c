@@ -11,19 +11,28 @@ void tearDown(void)
 }
 
 static const struct experiment_case kotyk = {
-    "kotyk-column", 120000,       2,
-    {"y1", "y2"},   {"u1", "u2"}, {"bits 7", "clock 4", "amplitude.1 1", "amplitude.2 1",
-                                   "band.1 1.9", "band.2 2.9"}};
+    "kotyk-column",
+    120000,
+    2,
+    {"y1", "y2"},
+    {"u1", "u2"},
+    {"bits 7", "clock 4", "amplitude.1 1", "amplitude.2 1", "band.1 1.9", "band.2 2.9"}};
 /* Its first output integrates. */
 static const struct experiment_case integrating = {
-    DECOUPLING "/integrating.json", 120000,       2,
-    {"y1", "y2"},                   {"u1", "u2"}, {"bits 7", "clock 4", "amplitude.1 0.5",
-                                                   "amplitude.2 0.5", "band.1 1.9", "band.2 2.9"}};
+    DECOUPLING "/integrating.json",
+    120000,
+    2,
+    {"y1", "y2"},
+    {"u1", "u2"},
+    {"bits 7", "clock 4", "amplitude.1 0.5", "amplitude.2 0.5", "band.1 1.9", "band.2 2.9"}};
 /* Not linear, and slower than the sequence is long. */
-static const struct experiment_case pilot = {
-    "pilot",       30000,         2,
-    {"T1", "T9"},  {"Lr", "Qrb"}, {"bits 6", "clock 2", "periods 4", "amplitude.1 0.3",
-                                   "amplitude.2 0.05", "band.1 10", "band.2 20"}};
+static const struct experiment_case pilot = {"pilot",
+                                             30000,
+                                             2,
+                                             {"T1", "T9"},
+                                             {"Lr", "Qrb"},
+                                             {"bits 6", "clock 2", "periods 4", "amplitude.1 0.3",
+                                              "amplitude.2 0.05", "band.1 10", "band.2 20"}};
 
 /* Four by four, of which the model does not fit into settings. */
 static const struct experiment_case furnace = {
@@ -116,8 +125,8 @@ static void inputs_that_did_not_move_tell_nothing(void)
 static void close_loops(const char *gain)
 {
     static const char *const lines[] = {"set loop1.action reverse", "set loop1.ti 500",
-                                        "set loop2.action direct", "set loop2.ti 1200",
-                                        "set block1.reach.1 4.9",  "set block1.reach.2 4.9"};
+                                        "set loop2.action direct",  "set loop2.ti 1200",
+                                        "set block1.reach.1 4.9",   "set block1.reach.2 4.9"};
     char line[40];
     begin_case(&kotyk, 1, 200);
     for (unsigned k = 0; k < 6; k++)
