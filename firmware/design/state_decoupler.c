@@ -44,6 +44,13 @@ static enum err check_goal(const struct state_decoupler_goal *g, size_t loops,
     return ERR_OK;
 }
 
+/* Of C; what lies behind the states is 0. */
+static void take_row(const struct matrix *c, size_t i, real_t *row)
+{
+    for (size_t k = 0; k < STATE_MODEL_STATES; k++)
+        row[k] = k < c->cols ? c->at[i][k] : REAL_C(0.0);
+}
+
 /* to <- row times a matrix. */
 static void multiply_row(const real_t *row, const struct matrix *by, real_t *to)
 {
@@ -71,7 +78,7 @@ static real_t largest_cosine(const struct matrix *b, const real_t *row, const re
 {
     real_t largest = REAL_C(0.0), size = norm_of(row, b->rows);
     for (size_t j = 0; j < b->cols; j++) {
-        real_t column[STATE_MODEL_STATES];
+        real_t column[STATE_MODEL_STATES] = {REAL_C(0.0)};
         for (size_t k = 0; k < b->rows; k++)
             column[k] = b->at[k][j];
         real_t both = size * norm_of(column, b->rows);
@@ -104,8 +111,7 @@ static enum err find_index(const struct state_model *model,
 {
     size_t n = d->states;
     real_t row[STATE_MODEL_STATES], next[STATE_MODEL_STATES];
-    for (size_t k = 0; k < n; k++)
-        row[k] = model->c.at[i][k];
+    take_row(&model->c, i, row);
     for (size_t j = 0; j < STATE_POLES; j++) {
         enum err err = keep_row(&work->chain, row, i, reason);
         if (err)
@@ -211,8 +217,8 @@ static void find_gains(const struct state_model *model, struct state_decoupler_w
     d->g.cols = (uint8_t)loops;
     for (size_t i = 0; i < loops; i++) {
         real_t row[STATE_MODEL_STATES], next[STATE_MODEL_STATES];
+        take_row(&model->c, i, row);
         for (size_t k = 0; k < n; k++) {
-            row[k] = model->c.at[i][k];
             d->f.at[i][k] = work->invariant.at[i][k] = -d->a_star.at[i][k];
         }
         for (size_t j = 0; j <= d->index[i]; j++) {
@@ -242,8 +248,7 @@ static enum err find_feedforward(const struct state_model *model, enum state_fee
     if (form == STATE_FEEDFORWARD_OUTPUTS) {
         for (size_t i = 0; i < loops; i++) {
             real_t row[STATE_MODEL_STATES], next[STATE_MODEL_STATES];
-            for (size_t k = 0; k < n; k++)
-                row[k] = model->c.at[i][k];
+            take_row(&model->c, i, row);
             for (size_t j = 0; j < d->index[i]; j++) {
                 multiply_row(row, &model->a, next);
                 for (size_t k = 0; k < n; k++)
