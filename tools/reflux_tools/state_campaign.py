@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import argparse
 import hashlib
+import json
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
@@ -192,7 +193,6 @@ def sampled_table() -> str:
 
 def elsewhere_table() -> str:
     """The law of the nominal point on the linear model of another one."""
-    import json
     rows = []
     for words, settings in (("F 6.25 l/h", ("F=6.25",)), ("F 3.75 l/h", ("F=3.75",)), ("Lr 2.4, Qrb 0.61", ("Lr=2.4", "Qrb=0.61"))):
         text = state_study._simulator("--linearise", "--plant", "pilot", "--format", "json", *(x for s in settings for x in ("--set", s)))
@@ -216,8 +216,8 @@ def elsewhere_table() -> str:
 SECTIONS = (
     ("Outputs, indices, measured states", indices_table,
      "Thesis: one pole an end tray; 6 states fed back without the terms off the three diagonals, all 12 with them, though their weights are small; 4 states for product compositions, but F and G so "
-     "large that inputs saturate whatever the poles. Ours: the same 6, and nearly all with the whole A; product compositions need the same number, since the drum has index 1 (neither reflux nor heat move "
-     "it at rest, where its vapour is as pure as it is) and its second row of A takes in the trays below."),
+     "large that inputs saturate whatever the poles. Ours: the same 6; 11 with the whole A, 7 with more than 1 % of the largest weight of a row; for product compositions 5 in place of 4, since the drum has index 1 (neither "
+     "reflux nor heat move it at rest, where its vapour is as pure as it is), and three times the weight in G."),
     ("Offsets after a quarter more feed, and a quarter more of the light component in it", offsets_table,
      "Thesis: F alone leaves an offset in the bottom tray after more feed, smaller with larger poles and with less effort; the integral removes it; Tf alone leaves offsets for both disturbances; Tf "
      "and F together are worse. Ours, mole fraction in 1e-3: the offset is C D z/abs(m0), so that up to a pole of -0.8 1/min it is larger than without any control; Tf alone leaves nothing after more feed, because "
@@ -229,7 +229,7 @@ SECTIONS = (
     ("Sampled", sampled_table,
      "The continuous law computed every so many seconds, and the one designed for 30 s. In the thesis trays of 2 to 4 s are named as a reason for what happened on the nonlinear model; sampled at 30 s they are not seen, and "
      "the largest weight is about half."),
-    ("At another operating point, linear", elsewhere_table, "Thesis: large offsets, but stable. Ours: what is left of a setpoint step with the law of the nominal point."),
+    ("At another operating point, linear", elsewhere_table, "Thesis: large offsets, but stable. Ours: what is left of a setpoint step with the law of the nominal point; where the column separates less than there the loop is not stable with slow poles."),
 )
 
 

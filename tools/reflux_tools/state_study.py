@@ -51,6 +51,7 @@ class Case:
     efficiency: float = 0.9  # of the plant; the model has 0.9
     holdups: float = 1.0  # of the plant over the model's
     known: bool = False  # the feed is told
+    point: str = "nominal"  # of the linear laws
     seed: int = 1
 
 
@@ -64,6 +65,7 @@ class Linear:
     x: np.ndarray
     u: np.ndarray
     slope: np.ndarray  # K per mole fraction of the stages' temperatures
+    y: np.ndarray  # degC, of the end trays
 
 
 def _simulator(*arguments: str) -> str:
@@ -74,9 +76,13 @@ def _simulator(*arguments: str) -> str:
     return answer.stdout
 
 
+POINTS = {"nominal": (), "middle": ("Lr=2.435", "Qrb=0.612")}  # middle: where the setpoints of the pair are in the middle
+
+
 @cache
-def linear() -> Linear:
-    data = json.loads(_simulator("--linearise", "--plant", "pilot", "--format", "json"))
+def linear(point: str = "nominal") -> Linear:
+    settings = (x for s in POINTS[point] for x in ("--set", s))
+    data = json.loads(_simulator("--linearise", "--plant", "pilot", "--format", "json", *settings))
     n = len(data["x"])
     a, b = np.array(data["A"]).reshape(n, n) * MINUTE, np.array(data["B"]).reshape(n, -1) * MINUTE
     c, names, inputs = np.array(data["C"]).reshape(-1, n), data["outputs"], data["inputs"]
@@ -84,7 +90,8 @@ def linear() -> Linear:
     slope = np.array([c[names.index(name), i] for i, name in enumerate(of_stage)] + [0.0])
     slope[-1] = slope[-2]  # the drum has no thermometer; it is as pure as the top tray
     column = [inputs.index(name) for name in ("Lr", "Qrb", "F", "xF")]
-    return Linear(a, b[:, column[:2]], b[:, column[2:]], np.array(data["x"]), np.array([data["u"][k] for k in column[:2]]), slope)
+    return Linear(a, b[:, column[:2]], b[:, column[2:]], np.array(data["x"]), np.array([data["u"][k] for k in column[:2]]), slope,
+                  np.array([data["y"][names.index(name)] for name in ("T1", "T10")]))
 
 
 def outputs(stages: tuple[int, ...] = (TOP, BOTTOM)) -> np.ndarray:
@@ -92,9 +99,9 @@ def outputs(stages: tuple[int, ...] = (TOP, BOTTOM)) -> np.ndarray:
 
 
 def design(pole: float, *, stages: tuple[int, ...] = (TOP, BOTTOM), scale: np.ndarray | None = None, period: float = 0.0,
-           a: np.ndarray | None = None, **more: Any) -> state_decoupler.Design:
+           a: np.ndarray | None = None, point: str = "nominal", **more: Any) -> state_decoupler.Design:
     """Of the firmware, in minutes. period: min, of the form in discrete time."""
-    m = linear()
+    m = linear(point)
     a, b, e, c = m.a if a is None else a, m.b, m.e, outputs(stages)
     if scale is not None:
         c = c * scale[:, None]
@@ -171,12 +178,13 @@ class LinearLaw:
 
     def __init__(self, case: Case, scale: np.ndarray):
         period = case.period_s / MINUTE
-        self.found = design(case.pole, scale=scale, period=period if case.law == "sampled" else 0.0)
+        self.rest = linear(case.point).u
+        self.found = design(case.pole, scale=scale, point=case.point, period=period if case.law == "sampled" else 0.0)
         self.q, self.part = np.zeros(2), period / case.integral if case.integral else 0.0
 
     def step(self, x: np.ndarray, y: np.ndarray, w: np.ndarray, lo: np.ndarray, hi: np.ndarray) -> np.ndarray:
         """x, y, w: deviations."""
-        u = linear().u + self.found.f @ x + self.found.g @ (w + self.q)
+        u = self.rest + self.found.f @ x + self.found.g @ (w + self.q)
         if self.part:
             self.q = self.q + self.part * (w - y)
             excess = np.clip(u, lo, hi) - u
@@ -226,8 +234,8 @@ def _setpoints(case: Case, at_rest: np.ndarray) -> list[tuple[float, np.ndarray]
 
 
 def play(case: Case) -> Measured:
-    if case.law not in LAWS or case.states not in STATES or case.run not in RUNS:
-        raise UserError(f"{case}: law is one of {LAWS}, states of {STATES}, run of {RUNS}")
+    if case.law not in LAWS or case.states not in STATES or case.run not in RUNS or case.point not in POINTS:
+        raise UserError(f"{case}: law is one of {LAWS}, states of {STATES}, run of {RUNS}, point of {tuple(POINTS)}")
     with TemporaryDirectory(prefix="reflux-") as name:
         bench = Bench(case, Path(name))
         try:
@@ -237,12 +245,12 @@ def play(case: Case) -> Measured:
 
 
 def _played(case: Case, bench: Bench) -> Measured:
-    m, random = linear(), np.random.default_rng(case.seed)
+    m, random = linear(case.point), np.random.default_rng(case.seed)
     pair = case.run == "pair"
     lo, hi = np.array([1.0, 0.4]), np.array([9.0, 1.25])  # of host_sim/scenarios/pilot.conf
     ends = np.array([TOP - 1, BOTTOM - 1])
     scale = m.slope[ends] if pair else np.ones(2)
-    rest_y = np.array([bench.readings[0], bench.readings[4]]) if pair else m.x[ends]
+    rest_y = m.y if pair else m.x[ends]
     pi = PI(case.period_s) if case.law == "pi" else None
     law = LinearLaw(case, scale) if case.law in ("linear", "sampled") else None
     ahead = estimator = None
@@ -256,7 +264,7 @@ def _played(case: Case, bench: Bench) -> Measured:
             estimator = ref.Estimator(model, STAGES_SEEN, max(case.noise, 0.01))
     events, end = _events(case)
     setpoints, w, started = _setpoints(case, rest_y), rest_y, not pair
-    feed, u, beyond, log = dict(NOMINAL), m.u.copy(), 0, []
+    feed, u, beyond, log = dict(NOMINAL), bench.u.copy(), 0, []
     ticks = round(end / case.period_s)
     for k in range(ticks + 1):
         t = k * case.period_s
@@ -278,7 +286,7 @@ def _played(case: Case, bench: Bench) -> Measured:
             if case.states == "thermometers":  # each tray's own says its composition, by the slope at the nominal point
                 shown = m.slope * (x - m.x) + noise[5:]
                 if case.resolution:
-                    base = 80.0 + 0.37 * np.arange(12)  # temperatures are no multiples of a step
+                    base = 80.0031 + 0.3717 * np.arange(12)  # temperatures are no multiples of a step
                     shown = np.round((base + shown) / case.resolution) * case.resolution - base
                 x = m.x + shown / m.slope
             if pi:
