@@ -45,7 +45,7 @@ static enum err check_goal(const struct state_decoupler_goal *g, size_t loops,
 }
 
 /* Of C; what lies behind the states is 0. */
-static void take_row(const struct matrix *c, size_t i, real_t *row)
+static void output_row(const struct matrix *c, size_t i, real_t *row)
 {
     for (size_t k = 0; k < STATE_MODEL_STATES; k++)
         row[k] = k < c->cols ? c->at[i][k] : REAL_C(0.0);
@@ -111,7 +111,7 @@ static enum err find_index(const struct state_model *model,
 {
     size_t n = d->states;
     real_t row[STATE_MODEL_STATES], next[STATE_MODEL_STATES];
-    take_row(&model->c, i, row);
+    output_row(&model->c, i, row);
     for (size_t j = 0; j < STATE_POLES; j++) {
         enum err err = keep_row(&work->chain, row, i, reason);
         if (err)
@@ -217,7 +217,7 @@ static void find_gains(const struct state_model *model, struct state_decoupler_w
     d->g.cols = (uint8_t)loops;
     for (size_t i = 0; i < loops; i++) {
         real_t row[STATE_MODEL_STATES], next[STATE_MODEL_STATES];
-        take_row(&model->c, i, row);
+        output_row(&model->c, i, row);
         for (size_t k = 0; k < n; k++) {
             d->f.at[i][k] = work->invariant.at[i][k] = -d->a_star.at[i][k];
         }
@@ -248,7 +248,7 @@ static enum err find_feedforward(const struct state_model *model, enum state_fee
     if (form == STATE_FEEDFORWARD_OUTPUTS) {
         for (size_t i = 0; i < loops; i++) {
             real_t row[STATE_MODEL_STATES], next[STATE_MODEL_STATES];
-            take_row(&model->c, i, row);
+            output_row(&model->c, i, row);
             for (size_t j = 0; j < d->index[i]; j++) {
                 multiply_row(row, &model->a, next);
                 for (size_t k = 0; k < n; k++)
