@@ -16,7 +16,7 @@
 #include "plant_library.h"
 
 #define LINE_MAX_BYTES 200000
-#define LIST_MAX       8
+#define LIST_MAX       24
 #define STATES_MAX     4096
 
 static char line[LINE_MAX_BYTES];

@@ -24,6 +24,10 @@
 #define static_decoupler                    static_decoupler_double
 #define polynomial_decoupler_config_default polynomial_decoupler_config_default_double
 #define polynomial_decoupler_design         polynomial_decoupler_design_double
+#define state_decoupler_config_default      state_decoupler_config_default_double
+#define state_decoupler_design              state_decoupler_design_double
+#define state_zeros_find                    state_zeros_find_double
+#define state_loop_radius                   state_loop_radius_double
 #define pole_placement_goal_default         pole_placement_goal_default_double
 #define pole_placement_design               pole_placement_design_double
 #define decoupler_partial                   decoupler_partial_double

@@ -68,8 +68,9 @@ enum err svd_begin(struct svd *svd, const struct matrix *a)
     return ERR_OK;
 }
 
-/* One rotation for every pair of columns that is not yet orthogonal; false when there was none. The longer column of
- * a pair comes first (de Rijk 1989), which sorts them and saves sweeps. */
+/* One rotation for every pair of columns that is not yet orthogonal; false when there was none, and every pair was looked at. The
+ * longer column of a pair comes first (de Rijk 1989), which sorts them and saves sweeps; but columns that change places within a
+ * sweep may pass one another unseen. */
 static bool sweep(struct svd *svd)
 {
     bool turned = false;
@@ -84,6 +85,7 @@ static bool sweep(struct svd *svd)
                 real_t swap = a;
                 a = b;
                 b = swap;
+                turned = true;
             }
             if (b <= SHORTEST * SHORTEST)
                 continue;
@@ -145,7 +147,7 @@ static void swap_sides(struct svd *svd)
     svd->v.rows = svd->v.cols = rows;
 }
 
-/* The columns are in order: a sweep without a rotation has done nothing but sort them. */
+/* The columns are in order: the last sweep left them as they were. */
 static void make_unit_columns(struct svd *svd)
 {
     size_t rows = svd->u.rows, cols = svd->v.cols;

@@ -456,6 +456,19 @@ static void a_decomposition_is_made_of_single_sweeps(void)
     TEST_ASSERT_EQUAL_INT(ERR_STATE, svd_step(&svd));
 }
 
+/* Put in order by their lengths, columns 0 and 3 pass one another in the first sweep, and all other pairs are orthogonal. */
+static void columns_that_change_places_are_compared_nevertheless(void)
+{
+    a = (struct matrix){
+        4, 4, {{1, 0, 0, 1}, {0, (real_t)1.25}, {0, 0, (real_t)0.5}, {0, 0, 0, (real_t)1.5}}};
+    TEST_ASSERT_EQUAL_INT(ERR_OK, svd_decompose(&svd, &a));
+    double root = sqrt(4.25 * 4.25 / 4 - 2.25);
+    const double wanted[4] = {sqrt(2.125 + root), 1.25, sqrt(2.125 - root), 0.5};
+    for (unsigned k = 0; k < 4; k++)
+        TEST_ASSERT_DOUBLE_WITHIN(20 * EPS * wanted[0], wanted[k], (double)svd.s[k]);
+    TEST_ASSERT_TRUE(unorthogonal(&svd.u) <= 20 * EPS);
+}
+
 static void extreme_scales_lose_no_accuracy(void)
 {
     static const double scales[] = {1e-14, 1e14};
@@ -494,6 +507,7 @@ int main(void)
     RUN_TEST(elements_of_up_to_1e15_are_taken);
     RUN_TEST(the_largest_matrices_stay_in_their_bounds);
     RUN_TEST(a_decomposition_is_made_of_single_sweeps);
+    RUN_TEST(columns_that_change_places_are_compared_nevertheless);
     RUN_TEST(extreme_scales_lose_no_accuracy);
     return UNITY_END();
 }

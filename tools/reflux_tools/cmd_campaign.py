@@ -17,7 +17,7 @@ from pathlib import Path
 from typing import Any
 
 from reflux_tools import (build, commissioning, decoupling_campaign, endurance_campaign, estimates_campaign, kalman_1989_campaign, kalman_campaign, launch, relay_campaign,
-                          runner, self_tuning_campaign, table, trays_campaign)
+                          runner, self_tuning_campaign, state_campaign, table, trays_campaign)
 from reflux_tools import scenario as scenarios
 from reflux_tools.errors import RunFailed, UserError
 from reflux_tools.paths import CAMPAIGNS, build_root, shown
@@ -86,6 +86,9 @@ def main(arguments: list[str]) -> int:
             build.build("host", ("libreflux",))
         state = State(build_root() / "campaign" / f"{campaign.name}.jsonl", decoupling_campaign.fingerprint(campaign), options.again)
         return decoupling_campaign.execute(campaign, options, state)
+    if isinstance(campaign, state_campaign.StateDecoupling):
+        state = State(build_root() / "campaign" / f"{campaign.name}.jsonl", state_campaign.fingerprint(campaign), options.again)
+        return state_campaign.execute(campaign, options, state)
     if isinstance(campaign, trays_campaign.Trays):
         state = State(build_root() / "campaign" / f"{campaign.name}.jsonl", trays_campaign.fingerprint(campaign), options.again)
         return trays_campaign.execute(campaign, options, state)
@@ -98,7 +101,8 @@ def known() -> list[str]:
 
 def load(name: str) -> (Campaign | commissioning.Start | relay_campaign.Comparison | endurance_campaign.Endurance |
                         self_tuning_campaign.Comparison | trays_campaign.Trays | estimates_campaign.Estimates |
-                        kalman_campaign.Kalman | kalman_1989_campaign.PilotKalman | decoupling_campaign.Comparison):
+                        kalman_campaign.Kalman | kalman_1989_campaign.PilotKalman | decoupling_campaign.Comparison |
+                        state_campaign.StateDecoupling):
     path = CAMPAIGNS / f"{name}.toml"
     if name not in known():
         raise UserError(f'no campaign "{name}"; there are: {", ".join(known()) or "none"}')
@@ -106,13 +110,15 @@ def load(name: str) -> (Campaign | commissioning.Start | relay_campaign.Comparis
     if top.text("name") != name:
         raise UserError(f"{top.path('name')} must be the file's own name, {name}")
     kind = top.text("kind", "scenario", choices=("scenario", "commissioning", "relay", "endurance", "self-tuning", "trays", "estimates",
-                                            "kalman", "pilot-kalman", "decoupling"))
+                                            "kalman", "pilot-kalman", "decoupling", "state-decoupling"))
     if kind == "endurance":
         return endurance_campaign.load(top, name)
     if kind == "kalman":
         return kalman_campaign.load(top, name)
     if kind == "pilot-kalman":
         return kalman_1989_campaign.load(top, name)
+    if kind == "state-decoupling":
+        return state_campaign.load(top, name)
     if kind == "estimates":
         return estimates_campaign.load(top, name)
     if kind == "decoupling":

@@ -46,8 +46,12 @@ class PilotKalman:
 
 
 def changed(case: Case, words: str) -> Case:
+    return changed_in(case, words)
+
+
+def changed_in(case: Any, words: str) -> Any:
     """`method=kalman feed_z=0 flow=yes` of the fields of a case."""
-    known = {f.name: getattr(case, f.name) for f in fields(Case)}
+    known = {f.name: getattr(case, f.name) for f in fields(case)}
     for word in words.split():
         name, _, text = word.partition("=")
         if name not in known or not text:
