@@ -9,6 +9,7 @@
 #include "control/inferential.h"
 #include "control/pid.h"
 #include "control/rst.h"
+#include "control/state_feedback.h"
 #include "control/two_position.h"
 #include "estimate/column.h"
 #include "estimate/composition_settings.h"
@@ -18,7 +19,7 @@ const struct block_kind *const block_kinds[] = {
     &pid_kind,         &two_position_kind, &decoupler_kind,   &feedforward_kind,
 #if CONFIG_BLOCKS
     &column_kind,      &gmv_kind,          &inferential_kind, &ratio_kind,
-    &composition_kind, &polynomial_kind,   &rst_kind,
+    &composition_kind, &polynomial_kind,   &rst_kind,         &state_feedback_kind,
 #endif
 #if CONFIG_EXPERIMENT
     &experiment_kind,

@@ -23,6 +23,7 @@ target_link_libraries(pid_trace PRIVATE reflux_control reflux_feedforward reflux
 target_include_directories(pid_trace PRIVATE "${PROJECT_SOURCE_DIR}/tests/support")
 reflux_test(ratio LABEL unit SOURCES test_ratio.c LIBS reflux_compensate m)
 reflux_test(rst_kind LABEL unit SOURCES test_rst_kind.c LIBS reflux_control)
+reflux_test(state_feedback LABEL unit SOURCES test_state_feedback.c LIBS reflux_control)
 reflux_test(polynomial_kind LABEL unit SOURCES test_polynomial_kind.c LIBS reflux_compensate)
 reflux_test(rls LABEL unit SOURCES test_rls.c LIBS reflux_identify)
 reflux_test(rls_cases LABEL unit SOURCES test_rls_cases.c LIBS reflux_identify)
