@@ -17,7 +17,7 @@
 #if CONFIG_BLOCKS
 
 #define STATE_FEEDBACK_LOOPS  4
-#define STATE_FEEDBACK_INPUTS BLOCK_INPUTS_MAX
+#define STATE_FEEDBACK_INPUTS 8 /* states and disturbances: a row of a record has no more columns */
 
 struct state_feedback_settings {
     float f[STATE_FEEDBACK_LOOPS][STATE_FEEDBACK_INPUTS]; /* MV span per span of the input */
