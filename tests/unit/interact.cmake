@@ -19,7 +19,7 @@ reflux_test(assignment LABEL unit SOURCES ${CMAKE_CURRENT_LIST_DIR}/test_assignm
 if(TARGET libreflux)
   find_program(PYTHON3 NAMES python3 PATHS /usr/bin NO_DEFAULT_PATH)
   find_program(PYTHON3 NAMES python3)
-  foreach(part detuned_loops ina_tool)
+  foreach(part detuned_loops ina_tool state_tool)
     add_test(NAME ${part}
       COMMAND "${PYTHON3}" "${CMAKE_CURRENT_LIST_DIR}/test_${part}.py" $<TARGET_FILE:libreflux>)
     set_tests_properties(${part} PROPERTIES LABELS unit TIMEOUT ${REFLUX_HANG_S} ENVIRONMENT "PYTHONDONTWRITEBYTECODE=1")
