@@ -247,7 +247,7 @@ static enum err find_feedforward(const struct state_model *model, enum state_fee
         return ERR_OK;
     if (form == STATE_FEEDFORWARD_OUTPUTS) {
         for (size_t i = 0; i < loops; i++) {
-            real_t row[STATE_MODEL_STATES], next[STATE_MODEL_STATES];
+            real_t row[STATE_MODEL_STATES], next[STATE_MODEL_STATES] = {REAL_C(0.0)};
             output_row(&model->c, i, row);
             for (size_t j = 0; j < d->index[i]; j++) {
                 multiply_row(row, &model->a, next);

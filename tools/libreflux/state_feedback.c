@@ -75,8 +75,8 @@ int32_t reflux_state_decoupler(const struct reflux_state_model *model, const dou
     struct state_model m;
     struct state_decoupler d = {0};
     struct state_decoupler_work work;
-    struct state_decoupler_refusal why = {"model", "1 to 16 states, 1 to 8 loops, 0 to 8 disturbances",
-                                          STATE_LOOP_NONE};
+    struct state_decoupler_refusal why = {
+        "model", "1 to 16 states, 1 to 8 loops, 0 to 8 disturbances", STATE_LOOP_NONE};
     const struct state_decoupler_config config = {settings[0], settings[1], settings[2]};
     struct state_decoupler_goal g = {.hold_s = goal->hold_s,
                                      .feedforward = (enum state_feedforward)goal->feedforward};

@@ -71,7 +71,7 @@ def load(top: Table, name: str) -> StateDecoupling:
 def fingerprint(_: StateDecoupling) -> str:
     digest = hashlib.sha256()
     tests = ROOT / "tests" / "reference"
-    for file in (Path(state_study.__file__), tests / "state_ahead.py", tests / "kalman_1989.py", ROOT / "host_sim" / "plants" / "pilot.json",
+    for file in (Path(state_study.__file__), Path(state_study.__file__).with_name("state_elsewhere.py"), tests / "state_ahead.py", tests / "kalman_1989.py", ROOT / "host_sim" / "plants" / "pilot.json",
                  build.find_program("host", "reflux-sim"), build.find_program("host", "reflux-plant")):
         digest.update(file.read_bytes())
     return digest.hexdigest()
@@ -238,7 +238,7 @@ SECTIONS = (
 
 def header_of(part: Part) -> list[str]:
     if part.lines[0].case.run == "pair":
-        return ["law", "with", *(f"{name}, K min" for name in state_study.WINDOWS), "at a limit, %", "moves: Lr, l/h", "Qrb, kW"]
+        return ["law", "with", *(f"{name}, K min" for name in state_study.WINDOWS), "at a limit, %", "moves of the first input", "of the second"]
     return ["law", "with", "at a limit, %", "left at the end, 1e-3: top", "bottom"]
 
 

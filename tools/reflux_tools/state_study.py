@@ -39,6 +39,7 @@ WINDOWS = {"setpoints": (3600.0, 10800.0), "feed flow": (12000.0, 14400.0), "fee
 
 @dataclass(frozen=True)
 class Case:
+    column: str = "pilot"  # or methanol-water, with the laws ahead (estimated states) and pi (the best)
     law: str = "ahead"
     run: str = "pair"
     pole: float = 1.8  # 1/min, of both loops; less its sign
@@ -212,7 +213,6 @@ class Measured:
     iae: dict[str, float]  # K min, or mole fraction min
     moves: tuple[float, float]  # sums of the magnitudes of moves, l/h and kW
     left: tuple[float, float]  # what is left at the end, top and bottom
-    overshoot: float = 0.0
 
 
 def _events(case: Case) -> tuple[list[tuple[float, str, float]], float]:
@@ -236,6 +236,9 @@ def _setpoints(case: Case, at_rest: np.ndarray) -> list[tuple[float, np.ndarray]
 def play(case: Case) -> Measured:
     if case.law not in LAWS or case.states not in STATES or case.run not in RUNS or case.point not in POINTS:
         raise UserError(f"{case}: law is one of {LAWS}, states of {STATES}, run of {RUNS}, point of {tuple(POINTS)}")
+    if case.column != "pilot":
+        from reflux_tools import state_elsewhere  # which uses this module
+        return state_elsewhere.play(case)
     with TemporaryDirectory(prefix="reflux-") as name:
         bench = Bench(case, Path(name))
         try:
@@ -303,13 +306,14 @@ def _played(case: Case, bench: Bench) -> Measured:
             at_limit = np.any(asked != u) if not ahead else np.any((u <= lo) | (u >= hi))
             beyond += bool(at_limit)
         bench.move(u)
-    return _measured(np.array(log), beyond / (ticks + 1), pair)
+    return measured(np.array(log), beyond / (ticks + 1), WINDOWS if pair else {"all": (0.0, end)})
 
 
-def _measured(log: np.ndarray, at_limit: float, pair: bool) -> Measured:
+def measured(log: np.ndarray, at_limit: float, windows: dict[str, tuple[float, float]]) -> Measured:
+    """log: time, both outputs, both setpoints, both inputs."""
     t, e = log[:, 0], np.abs(log[:, 1:3] - log[:, 3:5]).sum(axis=1)
     iae = {}
-    for name, (first, last) in (WINDOWS if pair else {"all": (0.0, log[-1, 0])}).items():
+    for name, (first, last) in windows.items():
         inside = (t >= first) & (t <= last)
         x, v = t[inside] / MINUTE, e[inside]
         iae[name] = float(np.sum(0.5 * (v[1:] + v[:-1]) * np.diff(x)))
