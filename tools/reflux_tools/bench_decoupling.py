@@ -20,6 +20,7 @@ TICKS = {
     "static_limited": "static decoupler, an MV at its limit",
     "experiment": "`experiment`, its signals moving",
     "rst": "`rst`",
+    "state": "`state`; inputs for coefficients",
     "pid": "the loop's own PID",
 }
 DESIGN_TITLE = "Instructions of designs for decoupling, STM32F405 in the emulator, float"

@@ -8,6 +8,7 @@
 #include "compensate/polynomial.h"
 #include "control/pid.h"
 #include "control/rst.h"
+#include "control/state_feedback.h"
 #include "cost.h"
 #include "decoupling.h"
 
@@ -195,6 +196,57 @@ static void cost_of_rst(unsigned coefficients)
     say_cost("rst", 10 + coefficients, &cost, stack, rst_kind.bytes(&setup));
 }
 
+/* All columns of F used, integrals and derivatives of all loops. */
+static void cost_of_state_feedback(unsigned loops, unsigned inputs)
+{
+    static struct state_feedback_settings settings;
+    struct cost cost = {0};
+    uint32_t stack = 0;
+    num_t setpoint[STATE_FEEDBACK_LOOPS], input[STATE_FEEDBACK_INPUTS];
+    uint8_t clamp[STATE_FEEDBACK_LOOPS] = {0}, limits[STATE_FEEDBACK_LOOPS] = {0};
+    memset(&settings, 0, sizeof settings);
+    for (unsigned i = 0; i < loops; i++) {
+        for (unsigned k = 0; k < inputs; k++)
+            settings.f[i][k] = -0.5f;
+        for (unsigned j = 0; j < loops; j++)
+            settings.g[i][j] = i == j ? 1.5f : -0.3f;
+        settings.ti_s[i] = 1800;
+        settings.td_s[i] = 60;
+        setpoint[i] = in[i] = out[i] = num_from_float(0.5f);
+    }
+    setup = setup_of(&settings, loops);
+    setup.inputs = (uint8_t)inputs;
+    if (state_feedback_kind.check(&setup, &fault) != ERR_OK ||
+        state_feedback_kind.bytes(&setup) > sizeof state ||
+        state_feedback_kind.configure(state, &setup, false) != ERR_OK)
+        return;
+    struct block_io io = {.acting = setup.there,
+                          .setpoint = setpoint,
+                          .in = in,
+                          .out = out,
+                          .clamp = clamp,
+                          .limited = limits,
+                          .input = input,
+                          .divisor = 1};
+    for (unsigned t = 0; t < SAMPLES; t++) {
+        for (unsigned k = 0; k < inputs; k++)
+            input[k] = num_from_float(0.5f + 0.01f * cost_random());
+        for (unsigned i = 0; i < loops; i++)
+            in[i] = input[i];
+        if (t == 0)
+            state_feedback_kind.follow(state, &io);
+        cost_paint_stack();
+        uint32_t from = cost_now();
+        state_feedback_kind.step(state, &io);
+        state_feedback_kind.back_calculate(state, &io);
+        uint32_t to = cost_now();
+        if (t >= FIRST)
+            cost_add(&cost, from, to);
+        stack = cost_stack_used() > stack ? cost_stack_used() : stack;
+    }
+    say_cost("state", loops * 10 + inputs, &cost, stack, state_feedback_kind.bytes(&setup));
+}
+
 static void cost_of_pid_beside(void)
 {
     struct pid *pid = (struct pid *)(void *)state;
@@ -239,5 +291,8 @@ void cost_of_decoupling_ticks(void)
     cost_of_static("static_limited", 4, true);
     cost_of_rst(3);
     cost_of_rst(RST_COEFFICIENTS);
+    cost_of_state_feedback(2, 4);
+    cost_of_state_feedback(2, 8);
+    cost_of_state_feedback(4, 8);
     cost_of_pid_beside();
 }
