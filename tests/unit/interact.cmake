@@ -19,9 +19,10 @@ reflux_test(assignment LABEL unit SOURCES ${CMAKE_CURRENT_LIST_DIR}/test_assignm
 if(TARGET libreflux)
   find_program(PYTHON3 NAMES python3 PATHS /usr/bin NO_DEFAULT_PATH)
   find_program(PYTHON3 NAMES python3)
-  add_test(NAME detuned_loops
-    COMMAND "${PYTHON3}" "${CMAKE_CURRENT_LIST_DIR}/test_detuned_loops.py" $<TARGET_FILE:libreflux>)
-  foreach(part ina_tool decouple_tool state_tool)
+  foreach(part detuned_loops state_tool)
+    add_test(NAME ${part} COMMAND "${PYTHON3}" "${CMAKE_CURRENT_LIST_DIR}/test_${part}.py" $<TARGET_FILE:libreflux>)
+  endforeach()
+  foreach(part ina_tool decouple_tool)
     add_test(NAME ${part}
       COMMAND "${PYTHON3}" "${CMAKE_CURRENT_LIST_DIR}/test_${part}.py" $<TARGET_FILE:libreflux> $<TARGET_FILE:reflux-host>)
   endforeach()

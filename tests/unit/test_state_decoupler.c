@@ -108,8 +108,8 @@ static void assert_zeros(const double *wanted, unsigned n)
         unsigned best = 0;
         double least = 1e9;
         for (unsigned l = 0; l < n; l++) {
-            double far = hypot(wanted[2 * l] - (double)d.zeros.at[k].re,
-                               wanted[2 * l + 1] - (double)d.zeros.at[k].im);
+            double far = hypot(wanted[(size_t)2 * l] - (double)d.zeros.at[k].re,
+                               wanted[(size_t)2 * l + 1] - (double)d.zeros.at[k].im);
             if (!taken[l] && far < least) {
                 least = far;
                 best = l;
