@@ -285,7 +285,7 @@ static void count_needed(const struct state_decoupler_config *config, struct sta
                 d->needed |= (uint16_t)(1u << k);
     }
     for (size_t k = 0; k < d->states; k++)
-        d->needed_count = (uint8_t)(d->needed_count + (d->needed >> k & 1u));
+        d->needed_count = (uint8_t)(d->needed_count + (((unsigned)d->needed >> k) & 1u));
 }
 
 /* Routh: all roots of c[0] + c[1] s + ... + s^n have real parts below 0. */
