@@ -22,6 +22,7 @@ COMMANDS = {
     "ina": "cmd_ina",
     "decouple": "cmd_decouple",
     "identify": "cmd_identify",
+    "state-feedback": "cmd_state_feedback",
     "style": "cmd_style",
     "fuzz": "cmd_fuzz",
     "coverage": "cmd_coverage",

@@ -163,6 +163,8 @@ def target_tests() -> list[Test]:
               for image in boards.RUNS if image.preset in WITH_BLOCKS),
             *(same_log(f"target.decoupled-{image.test}", image.twin, image.preset, "target", "kotyk-decoupled")
               for image in boards.RUNS if image.preset in WITH_BLOCKS),
+            *(same_log(f"target.state-{image.test}", image.twin, image.preset, "target", "pilot-state", until=10800)
+              for image in boards.RUNS if image.preset in WITH_BLOCKS),
             # Until it proposes.
             *(same_log(f"target.experiment-{image.test}", image.twin, image.preset, "target", "kotyk-experiment", until=135600)
               for image in boards.RUNS if image.preset in WITH_BLOCKS),
