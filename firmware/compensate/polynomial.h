@@ -15,7 +15,8 @@
 enum polynomial_limits {
     /* The past of v is what gives the MVs that took effect: v = G^-1 u sample by sample, which G has to allow. */
     POLYNOMIAL_RECURSE,
-    /* The move of all loops is shortened to the part that the MV shortened most could make. */
+    /* One loop alone does so where its own element of G allows it. Else the move of all loops is shortened to the part that the MV
+     * shortened most could make. */
     POLYNOMIAL_SCALE
 };
 

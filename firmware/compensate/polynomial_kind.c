@@ -9,7 +9,9 @@
 
 struct polynomials {
     uint8_t loops, taps, limits;
-    uint8_t mask;          /* loops that took part when it last followed */
+    uint8_t mask; /* loops that took part when it last followed */
+    uint8_t
+        alone; /* of those that are scaled: bit i: loop i can give way alone, where only its MV is limited */
     bool begun;            /* `at` and the past are those of the next step already */
     uint16_t ticks, at;    /* of a period, and which of them this is, from 0 on */
     uint16_t unchanged;    /* ticks since an input has moved, ticks at most */
@@ -187,6 +189,10 @@ static enum err polynomial_configure(void *state, const struct block_setup *setu
     s->loops = setup->members;
     s->taps = (uint8_t)taps;
     s->limits = c->limits;
+    s->alone = 0;
+    for (unsigned i = 0; i < s->loops && c->limits == POLYNOMIAL_SCALE; i++)
+        if (polynomial_forgets(c, s->loops, taps, 1u << i))
+            s->alone = (uint8_t)(s->alone | 1u << i);
     s->ticks = ticks;
     for (unsigned i = 0; i < s->loops; i++)
         for (unsigned j = 0; j < s->loops; j++)
@@ -302,14 +308,11 @@ static unsigned matrix_in_force(struct polynomials *s, unsigned members, unsigne
 /* Only the loops whose MVs were limited give way, to where these MVs stand while the others ask for what they ask for. If all of v
  * were solved from what took effect, a loop at its limit would push the others a little in every tick, and they would rest
  * beside their setpoints. */
-static void give_way(struct polynomials *s, const struct block_io *io, num_t dv[LOOPS])
+static void give_way(struct polynomials *s, const struct block_io *io, unsigned limited,
+                     num_t dv[LOOPS])
 {
     uint8_t member[LOOPS];
     float a[LOOPS][LOOPS], less[LOOPS], x[LOOPS] = {0};
-    unsigned limited = 0;
-    for (unsigned i = 0; i < s->loops; i++)
-        if ((io->acting & (1u << i)) && !num_eq(io->in[i], num_zero()))
-            limited |= 1u << i;
     unsigned n = matrix_in_force(s, limited, limited, member, a);
     for (unsigned i = 0; i < n; i++)
         less[i] = num_to_float(io->in[member[i]]);
@@ -327,16 +330,32 @@ static void shorten(struct polynomials *s, const struct block_io *io, num_t dv[L
         dv[j] = num_mul(left, num_sub(s->v[j], s->before[j]));
 }
 
+static unsigned limited_loops(const struct polynomials *s, const struct block_io *io)
+{
+    unsigned limited = 0;
+    for (unsigned i = 0; i < s->loops; i++)
+        if ((io->acting & (1u << i)) && !num_eq(io->in[i], num_zero()))
+            limited |= 1u << i;
+    return limited;
+}
+
+/* One loop alone needs no more than its own element of G to be run backwards. */
+static bool gives_way_alone(const struct polynomials *s, unsigned limited)
+{
+    return (limited & (limited - 1u)) == 0 && (limited & s->alone) == limited;
+}
+
 static void polynomial_back_calculate(void *state, struct block_io *io)
 {
     struct polynomials *s = state;
+    unsigned limited = limited_loops(s, io);
     num_t dv[LOOPS];
     for (unsigned j = 0; j < LOOPS; j++)
         dv[j] = num_zero();
-    if (s->limits == POLYNOMIAL_SCALE)
+    if (s->limits == POLYNOMIAL_SCALE && !gives_way_alone(s, limited))
         shorten(s, io, dv);
     else
-        give_way(s, io, dv);
+        give_way(s, io, limited, dv);
     for (unsigned j = 0; j < s->loops; j++)
         if (io->acting & (1u << j)) {
             s->u[j] = num_add(s->u[j], io->in[j]);

@@ -288,9 +288,25 @@ static void recursing_with_all_mvs_at_a_limit_the_past_is_what_took_effect(void)
     }
 }
 
-static void scaling_all_moves_are_shortened_to_the_same_part(void)
+/* Loop 1 has an element of its own with a zero at 1.3: what it is run backwards would grow. */
+static void take_one_that_cannot_give_way(void)
 {
     settings.limits = POLYNOMIAL_SCALE;
+    settings.g[0][1] = -1.3f * settings.g[0][0];
+}
+
+static double of_g(unsigned i, unsigned j)
+{
+    double sum = 0;
+    for (unsigned k = 0; k < 8; k++)
+        sum += (double)settings.g[2 * i + j][k];
+    return sum;
+}
+
+static void scaling_all_moves_are_shortened_to_the_same_part(void)
+{
+    take_one_that_cannot_give_way();
+    TEST_ASSERT_TRUE(fabs(of_g(0, 0) * of_g(1, 1) - of_g(0, 1) * of_g(1, 0)) > 0.01);
     begin_at(0.2, 0.2);
     double v[2] = {D(out[0]), D(out[1])};
     stepped(v[0], v[1]);
@@ -320,6 +336,36 @@ static void scaling_what_happens_to_the_mv_of_a_loop_in_manual_shortens_nothing(
     stepped(v + 0.1, 0.7);
     told(-0.5 * (D(out[0]) - 0.5), 0.4);
     TEST_ASSERT_DOUBLE_WITHIN(20 * EXACT, -0.05, D(out[0]));
+}
+
+static void scaling_one_that_can_gives_way_alone_as_where_all_can(void)
+{
+    double came[2][2];
+    for (unsigned limits = 0; limits < 2; limits++) {
+        settings.limits = (uint8_t)limits;
+        begin_at(0.2, 0.2);
+        double v[2] = {D(out[0]), D(out[1])};
+        for (unsigned t = 0; t < 10; t++) {
+            stepped(v[0] + 0.3, v[1] - 0.1);
+            told(0.25 - D(out[0]), 0);
+        }
+        came[limits][0] = D(out[0]);
+        came[limits][1] = D(out[1]);
+    }
+    TEST_ASSERT_DOUBLE_WITHIN(0, came[POLYNOMIAL_RECURSE][0], came[POLYNOMIAL_SCALE][0]);
+    TEST_ASSERT_DOUBLE_WITHIN(0, 0, came[POLYNOMIAL_SCALE][1]);
+}
+
+static void scaling_two_that_are_limited_are_shortened_with_all(void)
+{
+    settings.limits = POLYNOMIAL_SCALE;
+    begin_at(0.2, 0.2);
+    double v[2] = {D(out[0]), D(out[1])};
+    stepped(v[0] + 0.1, v[1] - 0.06);
+    double move[2] = {D(out[0]) - 0.2, D(out[1]) - 0.2};
+    told(-0.5 * move[0], -0.25 * move[1]);
+    TEST_ASSERT_DOUBLE_WITHIN(20 * EXACT, -0.05, D(out[0]));
+    TEST_ASSERT_DOUBLE_WITHIN(20 * EXACT, 0.03, D(out[1]));
 }
 
 static void nothing_limited_comes_to_nothing_exactly(void)
@@ -431,6 +477,8 @@ int main(void)
     RUN_TEST(recursing_the_loop_at_its_limit_gives_way_and_the_other_does_not);
     RUN_TEST(recursing_with_all_mvs_at_a_limit_the_past_is_what_took_effect);
     RUN_TEST(scaling_all_moves_are_shortened_to_the_same_part);
+    RUN_TEST(scaling_one_that_can_gives_way_alone_as_where_all_can);
+    RUN_TEST(scaling_two_that_are_limited_are_shortened_with_all);
     RUN_TEST(scaling_what_happens_to_the_mv_of_a_loop_in_manual_shortens_nothing);
     RUN_TEST(nothing_limited_comes_to_nothing_exactly);
     RUN_TEST(one_without_an_inverse_at_rest_is_refused);
