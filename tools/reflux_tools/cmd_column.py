@@ -6,12 +6,11 @@ import argparse
 import csv
 import json
 import math
-import subprocess
 from dataclasses import dataclass
 from pathlib import Path
 
-from reflux_tools import build, column_file
-from reflux_tools.errors import RunFailed, UserError
+from reflux_tools import build, column_file, simulator
+from reflux_tools.errors import UserError
 from reflux_tools.paths import ROOT, named, shown
 from reflux_tools.table import columns, figure
 
@@ -64,25 +63,15 @@ def _names(text: str) -> tuple[str, ...]:
     return names
 
 
-def _simulator(*arguments: str) -> str:
-    """What reflux-sim prints; it says itself what is wrong."""
-    program = build.find_program("host", "reflux-sim")
-    done = subprocess.run([str(program), *arguments], capture_output=True, text=True)
-    if done.returncode != 0:
-        text = (done.stderr.strip().splitlines() or ["it said nothing"])[-1].removeprefix("reflux-sim: ")
-        raise (UserError if done.returncode == 2 else RunFailed)(text)
-    return done.stdout
-
-
 def _channels(name: str) -> dict[str, Channel]:
-    rows = [line.split() for line in _simulator("--list", name).splitlines() if line.startswith("  ")]
+    rows = [line.split() for line in simulator.ask("--list", name).splitlines() if line.startswith("  ")]
     found = [Channel(w[0], w[1], w[2], float(w[5]) - float(w[3])) for w in rows if len(w) > 5 and w[4] == "to"]
     return {c.name: c for c in found}
 
 
 def profile(name: str, settings: list[str]) -> dict[str, list[float]]:
     """Columns of reflux-sim --profile, from the reboiler up; NaN where a stage has no such thing."""
-    text = _simulator("--profile", "--plant", name, *settings)
+    text = simulator.ask("--profile", "--plant", name, *settings)
     rows = list(csv.DictReader(line for line in text.splitlines() if not line.startswith("#")))
     return {key: [float(row[key]) if row[key] else math.nan for row in rows] for key in rows[0]}
 
@@ -102,7 +91,7 @@ def _analysis(name: str, settings: list[str], known: dict[str, Channel], inputs:
     from reflux_tools import linear_analysis as linear  # and scipy likewise
     progress = build.Progress("linearisation")
     progress.show("differences")
-    data = json.loads(_simulator("--linearise", "--plant", name, "--format", "json", *settings))
+    data = json.loads(simulator.ask("--linearise", "--plant", name, "--format", "json", *settings))
     model = linear.Model(*(linear.np.array(data[key], float).reshape(shape) for key, shape in (
         ("A", (len(data["x"]), -1)), ("B", (len(data["x"]), -1)), ("C", (len(data["outputs"]), -1)),
         ("D", (len(data["outputs"]), -1)))), tuple(data["inputs"]), tuple(data["outputs"]))

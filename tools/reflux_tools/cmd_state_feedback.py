@@ -4,13 +4,12 @@ from __future__ import annotations
 
 import argparse
 import json
-import subprocess
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
-from reflux_tools import board_settings, build, state_decoupler, table
+from reflux_tools import board_settings, build, simulator, state_decoupler, table
 from reflux_tools.errors import RunFailed, UserError
 from reflux_tools.ina_plant import PLANTS
 from reflux_tools.paths import named, shown
@@ -62,7 +61,9 @@ def main(arguments: list[str]) -> int:
     check(options, outputs, inputs)
     if not options.no_build:
         build.build("host", ("reflux-sim", "libreflux"), quiet=True)
-    data = linearised(options.plant, options.set)
+    data = simulator.linearised(options.plant, options.set)
+    if data["period_s"]:
+        raise UserError(f"{options.plant} is sampled already, every {data['period_s']:g} s; a continuous plant is needed")
     named_states = words(options.states) if options.states else outputs
     plant = picked(data, outputs, inputs, disturbances, named_states)
     found = design(plant, options, outputs)
@@ -108,17 +109,6 @@ def check(options: argparse.Namespace, outputs: list[str], inputs: list[str]) ->
         raise UserError("--key goes with --to")
     if not 1 <= options.block <= 99:
         raise UserError("--block must be 1 to 99")
-
-
-def linearised(plant: str, settings: list[str]) -> dict[str, Any]:
-    command = [str(build.find_program("host", "reflux-sim")), "--linearise", "--plant", plant, "--format", "json", *(x for s in settings for x in ("--set", s))]
-    answer = subprocess.run(command, capture_output=True, text=True, check=False)
-    if answer.returncode:
-        raise UserError((answer.stderr.strip().splitlines() or ["reflux-sim failed"])[-1])
-    data = json.loads(answer.stdout)
-    if data["period_s"]:
-        raise UserError(f"{plant} is sampled already, every {data['period_s']:g} s; a continuous plant is needed")
-    return data
 
 
 def matrix(data: dict[str, Any], name: str, columns: int) -> np.ndarray:

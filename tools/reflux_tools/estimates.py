@@ -8,14 +8,13 @@ import json
 import math
 import re
 import statistics
-import subprocess
 import tempfile
 from dataclasses import dataclass, field, replace
 from functools import cache
 from pathlib import Path
 
-from reflux_tools import build, runner, trays
-from reflux_tools.errors import RunFailed, UserError
+from reflux_tools import runner, simulator, trays
+from reflux_tools.errors import UserError
 from reflux_tools.paths import ROOT
 from reflux_tools.scenario import Event, Line, Scenario
 
@@ -89,21 +88,14 @@ def truncated(of: Sensing) -> str:
 @cache
 def table_lines(state: str, components: str, stages: str, antoine: bool, more: tuple[str, ...] = ()) -> tuple[str, ...]:
     """more: inputs of the nominal state besides R and Q, NAME=VALUE."""
-    command = [build.find_program("host", "reflux-sim"), "--table", "--plant", "splitter", "--components", components]
-    command += ["--block", "2"]
-    for name, value in trays.STATES[state].items():
-        command += ["--set", f"{name}={value}"]
-    for text in more:
-        command += ["--set", text]
+    words = ["--components", components]
+    for text in (*(f"{name}={value}" for name, value in trays.STATES[state].items()), *more):
+        words += ["--set", text]
     if stages:
-        command += ["--truncated", stages]
+        words += ["--truncated", stages]
     if antoine:
-        command += ["--antoine", ANTOINE]
-    answer = subprocess.run([str(c) for c in command], capture_output=True, text=True)
-    if answer.returncode:
-        raise RunFailed(answer.stderr.strip())
-    lines = [line for line in answer.stdout.splitlines() if line and not line.startswith("#")]
-    return tuple(line for line in lines if line not in ("begin", "apply"))
+        words += ["--antoine", ANTOINE]
+    return simulator.table_lines("splitter", 2, *words)
 
 
 def control_of(case: Case) -> str:

@@ -16,7 +16,7 @@ from dataclasses import dataclass, replace
 from functools import cache
 from pathlib import Path
 
-from reflux_tools import build, runner
+from reflux_tools import runner, simulator
 from reflux_tools.errors import RunFailed, UserError
 from reflux_tools.logs import Log
 from reflux_tools.paths import ROOT
@@ -100,11 +100,7 @@ def plant(case: Case, folder: Path) -> str:
 @cache
 def table_lines() -> tuple[str, ...]:
     """Of the column as it is shipped: a plant that differs is not what the filter has."""
-    command = [build.find_program("host", "reflux-sim"), "--table", "--plant", PLANT, "--block", "1"]
-    answer = subprocess.run([str(c) for c in command], capture_output=True, text=True)
-    if answer.returncode:
-        raise RunFailed(answer.stderr.strip())
-    return tuple(x for x in answer.stdout.splitlines() if x and x[0] != "#" and x not in ("begin", "apply"))
+    return simulator.table_lines(PLANT, 1)
 
 
 def block_rows(case: Case, points: tuple[int, ...]) -> list[str]:

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from scipy.linalg import expm
 
-from reflux_tools import build, state_decoupler, state_study, table, trays_campaign
+from reflux_tools import build, simulator, state_decoupler, state_study, table, trays_campaign
 from reflux_tools.errors import RunFailed, UserError
 from reflux_tools.kalman_1989_campaign import changed_in
 from reflux_tools.paths import CAMPAIGNS, ROOT
@@ -195,8 +195,7 @@ def elsewhere_table() -> str:
     """The law of the nominal point on the linear model of another one."""
     rows = []
     for words, settings in (("F 6.25 l/h", ("F=6.25",)), ("F 3.75 l/h", ("F=3.75",)), ("Lr 2.4, Qrb 0.61", ("Lr=2.4", "Qrb=0.61"))):
-        text = state_study._simulator("--linearise", "--plant", "pilot", "--format", "json", *(x for s in settings for x in ("--set", s)))
-        data = json.loads(text)
+        data = simulator.linearised("pilot", settings)
         a = np.array(data["A"]).reshape(12, 12) * MINUTE
         b = (np.array(data["B"]).reshape(12, -1) * MINUTE)[:, [data["inputs"].index(k) for k in ("Lr", "Qrb")]]
         cells = [words]

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from reflux_tools import best_inputs, state_study
+from reflux_tools import best_inputs, simulator, state_study
 from reflux_tools.state_study import MINUTE, Case, Measured
 
 PLANT, PERIOD_S, SUBSTEPS, SENSOR_S = "methanol-water", 20.0, 4, 10.0
@@ -48,13 +48,13 @@ class Bench:
 
 @cache
 def nominal() -> np.ndarray:
-    data = state_study.json.loads(state_study._simulator("--linearise", "--plant", PLANT, "--format", "json"))
+    data = simulator.linearised(PLANT)
     return np.array([data["u"][data["inputs"].index(name)] for name in ("R", "Q")])
 
 
 def _form(case: Case) -> tuple[Any, Any]:
     ref = state_study._reference()
-    lines = tuple(x for x in state_study._simulator("--table", "--plant", PLANT, "--block", "1").splitlines() if x and x[0] != "#")
+    lines = simulator.table_lines(PLANT, 1)
     known = ref.Table(lines).nominal
     scale = tuple(known[name] / u for name, u in zip(("reflux", "heat"), nominal()))
     rows = np.array([SEEN[UPPER] - 1, SEEN[LOWER] - 1])

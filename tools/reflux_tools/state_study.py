@@ -5,7 +5,6 @@ nonlinear form is tests/reference/state_ahead.py. The plant is reflux-plant, tru
 from __future__ import annotations
 
 import json
-import subprocess
 import sys
 from dataclasses import dataclass
 from functools import cache
@@ -15,8 +14,8 @@ from typing import Any
 
 import numpy as np
 
-from reflux_tools import best_inputs, build, state_decoupler
-from reflux_tools.errors import RunFailed, UserError
+from reflux_tools import best_inputs, simulator, state_decoupler
+from reflux_tools.errors import UserError
 from reflux_tools.paths import ROOT
 
 MINUTE = 60.0
@@ -69,21 +68,12 @@ class Linear:
     y: np.ndarray  # degC, of the end trays
 
 
-def _simulator(*arguments: str) -> str:
-    command = [str(build.find_program("host", "reflux-sim")), *arguments]
-    answer = subprocess.run(command, capture_output=True, text=True)
-    if answer.returncode:
-        raise RunFailed(answer.stderr.strip())
-    return answer.stdout
-
-
 POINTS = {"nominal": (), "middle": ("Lr=2.435", "Qrb=0.612")}  # middle: where the setpoints of the pair are in the middle
 
 
 @cache
 def linear(point: str = "nominal") -> Linear:
-    settings = (x for s in POINTS[point] for x in ("--set", s))
-    data = json.loads(_simulator("--linearise", "--plant", "pilot", "--format", "json", *settings))
+    data = simulator.linearised("pilot", POINTS[point])
     n = len(data["x"])
     a, b = np.array(data["A"]).reshape(n, n) * MINUTE, np.array(data["B"]).reshape(n, -1) * MINUTE
     c, names, inputs = np.array(data["C"]).reshape(-1, n), data["outputs"], data["inputs"]
@@ -259,7 +249,7 @@ def _played(case: Case, bench: Bench) -> Measured:
     ahead = estimator = None
     if case.law == "ahead":
         ref = _reference()
-        lines = tuple(x for x in _simulator("--table", "--plant", "pilot", "--block", "1").splitlines() if x and x[0] != "#")
+        lines = simulator.table_lines("pilot", 1)
         model = ref.Model(lines, case.period_s, ("reflux", "heat"), (1e-3 / 3600, 1000.0), 1e-3 / 3600, ends)
         p = float(np.exp(-case.pole * case.period_s / MINUTE))
         ahead = ref.Ahead(model, [p, p], case.keep, lo, hi)

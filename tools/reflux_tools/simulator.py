@@ -1,0 +1,31 @@
+"""What the simulator tells of a plant alone, without a firmware."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+from typing import Any, Iterable
+
+from reflux_tools import build
+from reflux_tools.errors import RunFailed, UserError
+
+
+def ask(*arguments: str) -> str:
+    """What reflux-sim prints; it says itself what is wrong."""
+    program = build.find_program("host", "reflux-sim")
+    done = subprocess.run([str(program), *arguments], capture_output=True, text=True, check=False)
+    if done.returncode != 0:
+        text = (done.stderr.strip().splitlines() or ["it said nothing"])[-1].removeprefix("reflux-sim: ")
+        raise (UserError if done.returncode == 2 else RunFailed)(text)
+    return done.stdout
+
+
+def linearised(plant: str, settings: Iterable[str] = ()) -> dict[str, Any]:
+    """Matrices A to D of a plant, in rows one after the other, with the names of inputs and outputs. settings: NAME=VALUE of inputs."""
+    return json.loads(ask("--linearise", "--plant", plant, "--format", "json", *(word for setting in settings for word in ("--set", setting))))
+
+
+def table_lines(plant: str, block: int, *arguments: str) -> tuple[str, ...]:
+    """Lines of the column table that a board takes for this block, without comments and without begin and apply."""
+    lines = ask("--table", "--plant", plant, "--block", str(block), *arguments).splitlines()
+    return tuple(line for line in lines if line and line[0] != "#" and line not in ("begin", "apply"))
