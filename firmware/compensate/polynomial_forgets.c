@@ -10,24 +10,16 @@
 #define SINGULAR 1e-5f
 #define SAMPLES  64
 
-static float element_size(float x)
-{
-    return x < 0 ? -x : x;
-}
-
 bool polynomial_solve(unsigned n, float a[POLYNOMIAL_LOOPS][POLYNOMIAL_LOOPS], const float *b,
                       float *x)
 {
-    float w[POLYNOMIAL_LOOPS][POLYNOMIAL_LOOPS + 1], largest = 0;
+    float w[POLYNOMIAL_LOOPS][POLYNOMIAL_LOOPS + 1];
     for (unsigned i = 0; i < n; i++) {
-        for (unsigned j = 0; j < n; j++) {
+        for (unsigned j = 0; j < n; j++)
             w[i][j] = a[i][j];
-            if (element_size(a[i][j]) > largest)
-                largest = element_size(a[i][j]);
-        }
         w[i][n] = b[i];
     }
-    if (!solve_small_above(SINGULAR * largest, n, n + 1, POLYNOMIAL_LOOPS + 1, w[0]))
+    if (!solve_small_scaled(SINGULAR, n, n + 1, POLYNOMIAL_LOOPS + 1, w[0]))
         return false;
     for (unsigned i = 0; i < n; i++)
         x[i] = w[i][n];
@@ -74,7 +66,7 @@ bool polynomial_forgets(const struct polynomial_settings *c, unsigned loops, uns
                 return false;
         for (unsigned k = 0; k + 1 < taps; k++)
             for (unsigned i = 0; i < n; i++)
-                left[k][i] += element_size(past[k][i]);
+                left[k][i] += real_abs(past[k][i]);
     }
     for (unsigned k = 0; k + 1 < taps; k++)
         for (unsigned i = 0; i < n; i++)

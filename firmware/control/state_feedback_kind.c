@@ -199,20 +199,18 @@ static void state_feedback_step(void *state, struct block_io *io)
 static void let_go(struct state_feedback *s, uint8_t limited, const num_t *out)
 {
     uint8_t member[LOOPS];
-    real_t rows[LOOPS * (LOOPS + 1)], largest = 0;
+    real_t rows[LOOPS * (LOOPS + 1)];
     size_t n = 0;
     for (unsigned j = 0; j < s->loops; j++)
         if ((limited & (1u << j)) && s->integrates[j])
             member[n++] = (uint8_t)j;
     for (size_t i = 0; i < n; i++) {
         real_t *row = &rows[i * (LOOPS + 1)];
-        for (size_t j = 0; j < n; j++) {
+        for (size_t j = 0; j < n; j++)
             row[j] = s->steering[member[i]][member[j]];
-            largest = real_abs(row[j]) > largest ? real_abs(row[j]) : largest;
-        }
         row[n] = num_to_float(num_sub(out[member[i]], s->given[member[i]]));
     }
-    bool solved = n > 0 && solve_small_above((real_t)SOLVABLE * largest, n, n + 1, LOOPS + 1, rows);
+    bool solved = n > 0 && solve_small_scaled(SOLVABLE, n, n + 1, LOOPS + 1, rows);
     for (size_t i = 0; i < n; i++) {
         if (solved)
             accumulator_add(&s->sum[member[i]], num_from_float(rows[i * (LOOPS + 1) + n]));

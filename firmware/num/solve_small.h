@@ -47,6 +47,18 @@ static ALWAYS_INLINE bool solve_small_above(real_t least, size_t m, size_t width
     return true;
 }
 
+/* A pivot counts when it is above `share` of the largest element of the matrix. False: none does, or no number. */
+static ALWAYS_INLINE bool solve_small_scaled(real_t share, size_t m, size_t width, size_t stride,
+                                             real_t *rows)
+{
+    real_t largest = REAL_C(0.0);
+    for (size_t i = 0; i < m; i++)
+        for (size_t j = 0; j < m; j++)
+            if (real_abs(rows[i * stride + j]) > largest)
+                largest = real_abs(rows[i * stride + j]);
+    return solve_small_above(share * largest, m, width, stride, rows);
+}
+
 /* False: singular, or no number. */
 static ALWAYS_INLINE bool solve_small(size_t m, size_t width, size_t stride, real_t *rows)
 {
