@@ -3,6 +3,7 @@
 #if CONFIG_EXPERIMENT
 
 #include "base/workspace.h"
+#include "block/step_period.h"
 
 #define PLACE(field) offsetof(struct experiment_settings, field)
 #define NUMBER(id, field, name, unit, help, lo, hi, initial)                                       \
@@ -70,12 +71,12 @@ _Static_assert(EXPERIMENT_KEPT == 2 && DIFFERENCE_A_MOST == 4 && DIFFERENCE_B_MO
 static float experiment_period_ticks(const struct block_setup *setup)
 {
     const struct experiment_settings *s = setup->settings;
-    return s->period_s > 0 ? s->period_s / setup->interval_s : 1;
+    return step_period_ticks(s->period_s, setup->interval_s);
 }
 
 uint32_t experiment_ticks(const struct block_setup *setup)
 {
-    return (uint32_t)(experiment_period_ticks(setup) + 0.5f);
+    return step_period_rounded(experiment_period_ticks(setup));
 }
 
 uint32_t experiment_samples(const struct experiment_settings *s)
@@ -152,8 +153,7 @@ enum err experiment_check(const struct block_setup *setup, struct block_fault *f
         return err;
     if (!(ticks >= 0.999f && ticks <= 10000.0f))
         return refuse_experiment(fault, 0, "period", "must be 1 to 10000 base ticks");
-    float away = ticks - (float)(uint32_t)(ticks + 0.5f);
-    if (!(away <= 1e-3f * ticks && away >= -1e-3f * ticks))
+    if (!step_period_is_whole(ticks))
         return refuse_experiment(fault, 0, "period", "must be a whole number of base ticks");
     err = check_sizes(setup, fault);
     return err ? err : check_length(setup, fault);

@@ -5,14 +5,15 @@
 
 #include <string.h>
 
+#include "block/step_period.h"
+
 #define LOOPS POLYNOMIAL_LOOPS
 
 struct polynomials {
     uint8_t loops, taps, limits;
-    uint8_t mask; /* loops that took part when it last followed */
-    uint8_t
-        alone; /* of those that are scaled: bit i: loop i can give way alone, where only its MV is limited */
-    bool begun;            /* `at` and the past are those of the next step already */
+    uint8_t mask;  /* loops that took part when it last followed */
+    uint8_t alone; /* of those that are scaled: they give way alone where their MV is limited */
+    bool begun;    /* `at` and the past are those of the next step already */
     uint16_t ticks, at;    /* of a period, and which of them this is, from 0 on */
     uint16_t unchanged;    /* ticks since an input has moved, ticks at most */
     num_t v[LOOPS];        /* in effect, in this tick or the last one */
@@ -68,7 +69,7 @@ static uint32_t polynomial_bytes(const struct block_setup *setup)
 static float period_ticks(const struct block_setup *setup)
 {
     const struct polynomial_settings *c = setup->settings;
-    return c->period_s > 0 ? c->period_s / setup->interval_s : 1;
+    return step_period_ticks(c->period_s, setup->interval_s);
 }
 
 static enum err refuse_polynomial(struct block_fault *fault, enum err code, unsigned member,
@@ -163,8 +164,7 @@ static enum err polynomial_check_settings(const struct block_setup *setup,
         return refuse_polynomial(fault, ERR_RANGE, 0, "loops", "needs one to four");
     if (!(ticks >= 0.999f && ticks <= 65000.0f))
         return refuse_polynomial(fault, ERR_RANGE, 0, "period", "must be 1 to 65000 base ticks");
-    float away = ticks - (float)(uint32_t)(ticks + 0.5f);
-    if (!(away <= 1e-3f * ticks && away >= -1e-3f * ticks))
+    if (!step_period_is_whole(ticks))
         return refuse_polynomial(fault, ERR_RANGE, 0, "period",
                                  "must be a whole number of base ticks");
     for (unsigned part = 1; part < (1u << setup->members); part++) {
@@ -183,7 +183,7 @@ static enum err polynomial_configure(void *state, const struct block_setup *setu
     if (!retune)
         memset(s, 0, polynomial_bytes(setup));
     unsigned taps = used_taps(c, setup->members);
-    uint16_t ticks = (uint16_t)(period_ticks(setup) + 0.5f);
+    uint16_t ticks = (uint16_t)step_period_rounded(period_ticks(setup));
     if (s->taps != taps || s->loops != setup->members || s->ticks != ticks)
         s->mask = 0; /* there is no past of this kind */
     s->loops = setup->members;

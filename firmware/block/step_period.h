@@ -1,0 +1,27 @@
+/* The step of a kind that does not take one at every base tick. */
+#ifndef REFLUX_BLOCK_STEP_PERIOD_H
+#define REFLUX_BLOCK_STEP_PERIOD_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+/* In base ticks, as it is set; period_s 0: one. */
+static inline float step_period_ticks(float period_s, float interval_s)
+{
+    return period_s > 0 ? period_s / interval_s : 1;
+}
+
+/* ticks: 0 to 4e9. */
+static inline uint32_t step_period_rounded(float ticks)
+{
+    return (uint32_t)(ticks + 0.5f);
+}
+
+/* Within a thousandth: what a decimal number of seconds comes to. ticks: as for step_period_rounded. */
+static inline bool step_period_is_whole(float ticks)
+{
+    float away = ticks - (float)step_period_rounded(ticks);
+    return away <= 1e-3f * ticks && away >= -1e-3f * ticks;
+}
+
+#endif
