@@ -141,7 +141,7 @@ def lines(plant: SampledPlant, compensator: Compensator, placed: list[decoupling
     """`set` lines. names: of the loops on the board, numbers: theirs, first: block, divisor: base ticks in a period; a remark where it is not known."""
     # The board's static decoupler takes no loops with controllers of their own: then a matrix is a polynomial of one coefficient.
     as_block = bool(compensator.found or placed)
-    out = polynomial_lines(plant, compensator, names, first) if as_block else static_lines(plant, compensator, numbers)
+    out = polynomial_lines(plant, compensator, names, first) if as_block else static_lines(compensator.g[:, :, 0], numbers)
     block = first + 1 if as_block else first
     if placed and divisor is None:
         out.append(f"# the loops have to run every {plant.period:g} s: --tick S prints their divisors")
@@ -163,8 +163,7 @@ def polynomial_lines(plant: SampledPlant, compensator: Compensator, names: list[
     return out + [f"set block{block}.g.{i * plant.n + j + 1} {row(g[i, j])}" for i in range(plant.n) for j in range(plant.n)]
 
 
-def static_lines(plant: SampledPlant, compensator: Compensator, numbers: list[int]) -> list[str]:
-    d = compensator.g[:, :, 0]
+def static_lines(d: np.ndarray, numbers: list[int]) -> list[str]:
     if np.abs(d).max() > ELEMENT_MOST:
         raise RunFailed(f"the decoupler has an element of {np.abs(d).max():.4g}, and the board takes {ELEMENT_MOST:g}")
     out = []

@@ -74,8 +74,8 @@ def run_one(case: Case) -> dict[str, Any]:
     """In a process of its own. A design that is refused, or settings that the board refuses, are a result too."""
     try:
         bench = decoupling_plants.named(case.plant)
-        about = decoupling_runs.design(bench, case.method).about
-        return {"job": job_of(case), "about": about, **asdict(decoupling_runs.measure(case))}
+        made = decoupling_runs.design(bench, case.method)
+        return {"job": job_of(case), "about": made.about, **asdict(decoupling_runs.measure(case, made))}
     except (RunFailed, UserError, libreflux.Refused) as error:
         return {"job": job_of(case), "failed": str(error)}
 

@@ -6,7 +6,7 @@ from __future__ import annotations
 import argparse
 import re
 import tempfile
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -175,16 +175,8 @@ def design(bench: Bench, method: str) -> Design:
         return polynomial(bench, omega, response, method.endswith("placed"))
     d, about = constant(method, k, response)
     pis = decoupling_tuning.tune_pis(response, d[None].astype(complex), omega, bench.period_s)
-    lines = [] if method == "none" else decoupled_loops.static_lines(identified_shape(bench), decoupled_loops.Compensator(d[:, :, None]), numbers)
+    lines = [] if method == "none" else decoupled_loops.static_lines(d, numbers)
     return Design([*loop_lines(bench, pis), *lines], pis, about)
-
-
-def identified_shape(bench: Bench) -> SampledPlant:
-    """Names and sizes alone."""
-    j, rows, columns = decoupling_plants.ordered(bench)
-    n = len(rows)
-    return SampledPlant(bench.name, tuple(j["outputs"][i]["name"] for i in rows), tuple(j["inputs"][k]["name"] for k in columns), np.zeros((n, 1)),
-                        np.zeros((n, n, 1)), bench.period_s)
 
 
 def polynomial(bench: Bench, omega: np.ndarray, response: np.ndarray, placed: bool) -> Design:
@@ -275,9 +267,8 @@ def clip(bench: Bench, case: Case) -> str:
     return f"set mv1.{side} {value:.6g}"
 
 
-def measure(case: Case) -> Measured:
+def measure(case: Case, made: Design) -> Measured:
     bench = decoupling_plants.named(case.plant)
-    made = design(bench, case.method)
     j, rows, _ = decoupling_plants.ordered(bench)
     with tempfile.TemporaryDirectory(prefix="reflux-") as folder:
         told, times, hold = scenario(case, made, Path(folder))
@@ -297,7 +288,3 @@ def measure(case: Case) -> Measured:
         cross.append(sum(minutes) - minutes[k])
         rest.append(max((float(x[-len(x) // 10 :].mean()) for m, x in enumerate(away) if m != k), default=0.0))
     return Measured(float(np.mean(own)), float(np.mean(cross)), max(rest))
-
-
-def changed(case: Case, **what: Any) -> Case:
-    return replace(case, **what)

@@ -95,4 +95,4 @@ def tune_pis(plant: np.ndarray, compensator: np.ndarray, omega: np.ndarray, peri
 def of_z(polynomials: np.ndarray, omega: np.ndarray, period_s: float) -> np.ndarray:
     """... x coefficients, 0 first: points x ..."""
     powers = np.exp(-1j * np.outer(omega * period_s, np.arange(polynomials.shape[-1])))
-    return np.moveaxis(np.tensordot(powers, polynomials, axes=([1], [polynomials.ndim - 1])), 0, 0)
+    return np.tensordot(powers, polynomials, axes=([1], [polynomials.ndim - 1]))
