@@ -6,6 +6,7 @@
 #include "compensate/decoupler.h"
 #include "compensate/polynomial.h"
 #include "compensate/ratio.h"
+#include "control/column_ahead.h"
 #include "control/inferential.h"
 #include "control/pid.h"
 #include "control/rst.h"
@@ -20,6 +21,7 @@ const struct block_kind *const block_kinds[] = {
 #if CONFIG_BLOCKS
     &column_kind,      &gmv_kind,          &inferential_kind, &ratio_kind,
     &composition_kind, &polynomial_kind,   &rst_kind,         &state_feedback_kind,
+    &ahead_kind,
 #endif
 #if CONFIG_EXPERIMENT
     &experiment_kind,

@@ -1,0 +1,228 @@
+#include "control/column_ahead_model.h"
+
+#if CONFIG_BLOCKS
+
+#include <string.h>
+
+#define ZERO REAL_C(0.0)
+#define ONE  REAL_C(1.0)
+#define TWO  REAL_C(2.0)
+
+/* A temperature moves its component by no more than this in one correction: slopes belong to one point. */
+#define MOVE_MOST REAL_C(0.2)
+
+static real_t kept_between(real_t x, real_t lo, real_t hi)
+{
+    return x < lo ? lo : x > hi ? hi : x;
+}
+
+enum err ahead_model_begin(struct ahead_model *m, const struct column_record *record)
+{
+    struct column_fault fault;
+    enum err err = column_record_read(record, &m->table, &fault);
+    if (!err)
+        err = column_init(&m->column, &m->table.config, &fault);
+    if (err)
+        return err;
+    m->inputs = m->table.nominal;
+    for (size_t s = 0; s < COLUMN_STAGES_MAX; s++)
+        m->truncated[s] = s < m->table.config.stages && column_table_is_truncated(&m->table, s + 1);
+    for (size_t i = 0; i < m->column.n_fractions; i++)
+        m->x[i] = m->table.profile[i];
+    for (size_t s = 0; s < m->table.config.stages; s++)
+        m->column.temperature[s] =
+            (m->table.config.temperature_min + m->table.config.temperature_max) / TWO;
+    return ERR_OK;
+}
+
+void ahead_model_stands_here(struct ahead_model *m)
+{
+    if (m->column.config == &m->table.config)
+        return;
+    column_table_moved(&m->table);
+    m->column.config = &m->table.config;
+    m->column.vle.component = m->table.config.component;
+    m->column.vle.activity_context = m->table.config.activity_context;
+}
+
+/* ---- what drives it ---- */
+
+/* The closing component gives way, then the others in proportion. */
+static void take_feed_fraction(struct ahead_model *m, struct column_inputs *inputs, size_t j,
+                               real_t value)
+{
+    size_t n = m->table.config.components;
+    real_t *z = inputs->feed_fraction, rest = ZERO;
+    z[j] = kept_between(value, ZERO, ONE);
+    for (size_t i = 0; i + 1 < n; i++)
+        rest += z[i];
+    if (rest > ONE) {
+        for (size_t i = 0; i + 1 < n; i++)
+            z[i] /= rest;
+        rest = ONE;
+    }
+    z[n - 1] = ONE - rest;
+}
+
+void ahead_model_take(struct ahead_model *m, struct column_inputs *inputs, enum ahead_input is,
+                      size_t component, real_t value)
+{
+    const struct column_config *config = &m->table.config;
+    real_t positive = value > ZERO ? value : ZERO;
+    switch (is) {
+    case AHEAD_FEED:
+        inputs->feed_flow = positive;
+        break;
+    case AHEAD_FEED_FRACTION:
+        take_feed_fraction(m, inputs, component, value);
+        break;
+    case AHEAD_FEED_TEMPERATURE:
+        inputs->feed_temperature =
+            kept_between(value, config->temperature_min, config->temperature_max);
+        break;
+    case AHEAD_FEED_QUALITY:
+        inputs->feed_quality = kept_between(value, ZERO, TWO);
+        break;
+    case AHEAD_REFLUX:
+        inputs->reflux_flow = positive;
+        break;
+    case AHEAD_HEAT:
+        inputs->heat = value > m->table.heat_loss ? value - m->table.heat_loss : ZERO;
+        break;
+    case AHEAD_BOILUP:
+        inputs->boilup = positive;
+        break;
+    case AHEAD_PRESSURE: /* half and twice the table's: beyond that its bubble points say nothing */
+        inputs->pressure_top = kept_between(value, m->table.nominal.pressure_top / TWO,
+                                            m->table.nominal.pressure_top * TWO);
+        break;
+    default:
+        break;
+    }
+}
+
+/* ---- where it will be ---- */
+
+static enum err evaluate(struct ahead_model *m, real_t *x)
+{
+    return column_truncated_rates(&m->column, m->truncated, COLUMN_BETWEEN_LINE, x, m->rates);
+}
+
+static enum err take_inputs(struct ahead_model *m, const struct column_inputs *inputs)
+{
+    struct column_fault fault;
+    return column_set_inputs(&m->column, inputs, &fault);
+}
+
+static enum err carry(struct ahead_model *m, const struct column_inputs *inputs, real_t *x)
+{
+    enum err err = take_inputs(m, inputs);
+    for (uint16_t part = 0; !err && part < m->parts; part++) {
+        err = evaluate(m, x);
+        if (!err)
+            err = column_implicit_step(&m->column, m->truncated, x, m->rates, m->h, NULL, 0,
+                                       &m->blocks);
+        if (!err)
+            (void)column_move(&m->column, x, m->blocks.change);
+    }
+    return err;
+}
+
+enum err ahead_model_predict(struct ahead_model *m, const struct column_inputs *inputs)
+{
+    memcpy(m->later, m->x, sizeof m->later);
+    enum err err = carry(m, inputs, m->later);
+    return err ? err : evaluate(m, m->later);
+}
+
+enum err ahead_model_carry(struct ahead_model *m, const struct column_inputs *inputs)
+{
+    return carry(m, inputs, m->x);
+}
+
+enum err ahead_model_look(struct ahead_model *m, real_t *x)
+{
+    enum err err = take_inputs(m, &m->inputs);
+    return err ? err : evaluate(m, x);
+}
+
+/* ---- where it is ---- */
+
+real_t ahead_model_value(const struct ahead_model *m, const real_t *x, size_t stage,
+                         bool is_fraction, size_t component)
+{
+    return is_fraction ? column_fraction(&m->column, x, stage, component)
+                       : m->column.temperature[stage];
+}
+
+real_t ahead_model_mole_fraction(const struct ahead_model *m, size_t stage, size_t j, real_t mass)
+{
+    const struct component *c = m->table.component;
+    size_t n = m->table.config.components;
+    real_t rest = ZERO, weight = ZERO; /* moles and kilograms of the others */
+    for (size_t i = 0; i < n; i++) {
+        real_t x = i == j ? ZERO : column_fraction(&m->column, m->x, stage, i);
+        rest += x;
+        weight += x * c[i].molar_mass;
+    }
+    real_t others = rest > ZERO ? weight / rest : c[j].molar_mass;
+    real_t own = kept_between(mass, ZERO, ONE) / c[j].molar_mass;
+    return own / (own + (ONE - kept_between(mass, ZERO, ONE)) / others);
+}
+
+/* By how much the mole fraction that is moved has to move for what is said. */
+static real_t wanted_move(const struct ahead_model *m, const struct ahead_said *said)
+{
+    real_t off =
+        said->value - ahead_model_value(m, m->x, said->stage, said->is_fraction, said->component);
+    if (said->is_fraction)
+        return kept_between(off, -MOVE_MOST, MOVE_MOST);
+    size_t n = m->table.config.components, s = said->stage;
+    real_t full[COLUMN_COMPONENTS_MAX], dt[COLUMN_COMPONENTS_MAX],
+        dy[COLUMN_COMPONENTS_MAX * COLUMN_COMPONENTS_MAX];
+    for (size_t j = 0; j < n; j++)
+        full[j] = column_fraction(&m->column, m->x, s, j);
+    vle_full_slopes(&m->column.vle, m->column.temperature[s], full, &m->column.k[s * n],
+                    &m->column.dk[s * n], dt, dy);
+    real_t slope = dt[said->component];
+    return real_abs(slope) > REAL_C(1e-3) ? kept_between(off / slope, -MOVE_MOST, MOVE_MOST) : ZERO;
+}
+
+/* What component j on a stage moves by: in proportion between the nearest places below and above that say something of it. */
+static real_t move_at(const struct ahead_said *said, const real_t *move, size_t n, size_t j,
+                      size_t stage)
+{
+    size_t below = n, above = n;
+    for (size_t k = 0; k < n; k++) {
+        if (said[k].component != j)
+            continue;
+        if (said[k].stage <= stage)
+            below = k;
+        if (said[k].stage >= stage && above == n)
+            above = k;
+    }
+    if (below == n || above == n || below == above)
+        return below < n ? move[below] : above < n ? move[above] : ZERO;
+    real_t part =
+        (real_t)(stage - said[below].stage) / (real_t)(said[above].stage - said[below].stage);
+    return move[below] + part * (move[above] - move[below]);
+}
+
+enum err ahead_model_correct(struct ahead_model *m, const struct ahead_said *said, size_t n,
+                             real_t trust)
+{
+    real_t move[AHEAD_SAID_MOST];
+    size_t fractions = m->table.config.components - 1;
+    enum err err = ahead_model_look(m, m->x);
+    if (err)
+        return err;
+    for (size_t k = 0; k < n; k++)
+        move[k] = trust * wanted_move(m, &said[k]);
+    for (size_t s = 0; s < m->table.config.stages; s++)
+        for (size_t j = 0; j < fractions; j++)
+            m->blocks.change[s * fractions + j] = move_at(said, move, n, j, s);
+    (void)column_move(&m->column, m->x, m->blocks.change);
+    return ahead_model_look(m, m->x);
+}
+
+#endif

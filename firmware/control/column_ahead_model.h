@@ -1,0 +1,66 @@
+/* The column as the kind `ahead` sees it: where it is, and where it will be an interval later. SI units, stages from 0. Within control. */
+#ifndef REFLUX_CONTROL_COLUMN_AHEAD_MODEL_H
+#define REFLUX_CONTROL_COLUMN_AHEAD_MODEL_H
+
+#include "control/column_ahead.h"
+#include "estimate/column.h"
+#include "model/column_implicit.h"
+
+#if CONFIG_BLOCKS
+
+/* Something that is told of a stage. */
+struct ahead_said {
+    uint8_t stage;
+    uint8_t component; /* that it moves */
+    bool is_fraction;  /* mole fraction of the component; else K */
+    real_t value;
+};
+
+#define AHEAD_SAID_MOST (BLOCK_INPUTS_MAX + AHEAD_LOOPS)
+
+struct ahead_model {
+    struct column_table table;
+    struct column column;
+    struct column_inputs inputs; /* of now */
+    bool truncated[COLUMN_STAGES_MAX];
+    real_t x[COLUMN_STATES_MAX]; /* now */
+    real_t later[COLUMN_STATES_MAX], rates[COLUMN_STATES_MAX];
+    struct column_blocks blocks;
+    real_t h; /* s, of a part of an interval */
+    uint16_t parts;
+};
+
+/* Begins with the profile of the table. The record must stay. Errors as column_record_read. */
+MUST_CHECK enum err ahead_model_begin(struct ahead_model *m, const struct column_record *record);
+
+/* The state may have been moved to another place since the last call. */
+void ahead_model_stands_here(struct ahead_model *m);
+
+/* One input of the column, SI units, kept within what the model takes: AHEAD_FEED and what follows. */
+void ahead_model_take(struct ahead_model *m, struct column_inputs *inputs, enum ahead_input is,
+                      size_t component, real_t value);
+
+/* The states an interval later under these inputs, in m->later; `now` is m->x, or m->x itself is carried on. ERR_RANGE, ERR_NOT_FINITE: the
+ * equations have no solution. */
+MUST_CHECK enum err ahead_model_predict(struct ahead_model *m, const struct column_inputs *inputs);
+
+/* Moves m->x to an interval later. */
+MUST_CHECK enum err ahead_model_carry(struct ahead_model *m, const struct column_inputs *inputs);
+
+/* Temperatures at the states x under the present inputs. */
+MUST_CHECK enum err ahead_model_look(struct ahead_model *m, real_t *x);
+
+/* Of a stage that has just been looked at: K, or the mole fraction of a component from 0. */
+real_t ahead_model_value(const struct ahead_model *m, const real_t *x, size_t stage,
+                         bool is_fraction, size_t component);
+
+/* Corrects m->x by the part `trust` of what is said more than it has: there, and in proportion to the stages that lie between. Looks at the
+ * column before and after. said[n] in ascending order of stages. */
+MUST_CHECK enum err ahead_model_correct(struct ahead_model *m, const struct ahead_said *said,
+                                        size_t n, real_t trust);
+
+/* Mole fraction of component j on a stage from its mass fraction there, the others sharing the rest as in the model. */
+real_t ahead_model_mole_fraction(const struct ahead_model *m, size_t stage, size_t j, real_t mass);
+
+#endif
+#endif
