@@ -18,8 +18,19 @@ enum { EVENT_FAR, AHEAD_EVENTS };
 
 static uint32_t ahead_bytes(const struct block_setup *setup)
 {
-    (void)setup;
-    return (uint32_t)((sizeof(struct ahead) + 7u) & ~(size_t)7u);
+    const struct column_record *record = setup->named;
+    struct column_table table;
+    struct column_fault fault;
+    size_t bytes = sizeof(struct ahead);
+    if (!record || column_record_read(record, &table, &fault))
+        return 0; /* refused by check() */
+    bytes += ahead_model_numbers(table.config.stages, table.config.components) * sizeof(real_t);
+    return (uint32_t)((bytes + 7u) & ~(size_t)7u);
+}
+
+static real_t *numbers_of(struct ahead *b)
+{
+    return (real_t *)(void *)(b + 1);
 }
 
 /* ---- settings ---- */
@@ -39,7 +50,7 @@ static enum err ahead_configure(void *state, const struct block_setup *setup, bo
                 !memcmp(b->s.is, s->is, sizeof s->is);
     if (!same) {
         memset(b, 0, sizeof *b);
-        enum err err = ahead_model_begin(&b->m, record);
+        enum err err = ahead_model_begin(&b->m, record, numbers_of(b));
         if (err)
             return err;
     }
@@ -302,7 +313,7 @@ static void ahead_step(void *state, struct block_io *io)
     struct ahead *b = state;
     real_t asked[AHEAD_LOOPS];
     bool found = true;
-    ahead_model_stands_here(&b->m);
+    ahead_model_stands_here(&b->m, numbers_of(b));
     if (has_other_mv(b, io)) {
         io->gives_up = "moves another MV";
         return;
@@ -370,7 +381,7 @@ static void ahead_follow(void *state, struct block_io *io)
 {
     struct ahead *b = state;
     real_t asked[AHEAD_LOOPS];
-    ahead_model_stands_here(&b->m);
+    ahead_model_stands_here(&b->m, numbers_of(b));
     b->has_said = b->holds_next = false;
     enum err err = observe(b, io, false);
     b->observed = !err;

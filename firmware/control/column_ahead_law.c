@@ -9,7 +9,7 @@
 /* Where inputs do nearly the same, or nothing at all, they move little: the sum of squares of what is left and of the moves times this part of
  * the largest element. 1e-3 of that element changes the answer by as much where b has a condition number of 30. */
 #define DAMPING REAL_C(1e-3)
-#define WIDTH    (AHEAD_LOOPS + 1)
+#define WIDTH   (AHEAD_LOOPS + 1)
 
 static bool is_in(uint8_t set, unsigned k)
 {

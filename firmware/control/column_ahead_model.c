@@ -4,6 +4,8 @@
 
 #include <string.h>
 
+#include "model/column_implicit.h"
+
 #define ZERO REAL_C(0.0)
 #define ONE  REAL_C(1.0)
 #define TWO  REAL_C(2.0)
@@ -16,7 +18,23 @@ static real_t kept_between(real_t x, real_t lo, real_t hi)
     return x < lo ? lo : x > hi ? hi : x;
 }
 
-enum err ahead_model_begin(struct ahead_model *m, const struct column_record *record)
+size_t ahead_model_numbers(size_t stages, size_t components)
+{
+    size_t m = components - 1;
+    return 3 * stages * m + stages * column_transition_stride(m);
+}
+
+static void place_numbers(struct ahead_model *m, real_t *numbers)
+{
+    size_t n = m->column.n_fractions;
+    m->x = numbers;
+    m->later = numbers + n;
+    m->rates = numbers + 2 * n;
+    m->transition.of = numbers + 3 * n;
+}
+
+enum err ahead_model_begin(struct ahead_model *m, const struct column_record *record,
+                           real_t *numbers)
 {
     struct column_fault fault;
     enum err err = column_record_read(record, &m->table, &fault);
@@ -24,9 +42,8 @@ enum err ahead_model_begin(struct ahead_model *m, const struct column_record *re
         err = column_init(&m->column, &m->table.config, &fault);
     if (err)
         return err;
+    place_numbers(m, numbers);
     m->inputs = m->table.nominal;
-    for (size_t s = 0; s < COLUMN_STAGES_MAX; s++)
-        m->truncated[s] = s < m->table.config.stages && column_table_is_truncated(&m->table, s + 1);
     for (size_t i = 0; i < m->column.n_fractions; i++)
         m->x[i] = m->table.profile[i];
     for (size_t s = 0; s < m->table.config.stages; s++)
@@ -35,14 +52,15 @@ enum err ahead_model_begin(struct ahead_model *m, const struct column_record *re
     return ERR_OK;
 }
 
-void ahead_model_stands_here(struct ahead_model *m)
+void ahead_model_stands_here(struct ahead_model *m, real_t *numbers)
 {
-    if (m->column.config == &m->table.config)
-        return;
-    column_table_moved(&m->table);
-    m->column.config = &m->table.config;
-    m->column.vle.component = m->table.config.component;
-    m->column.vle.activity_context = m->table.config.activity_context;
+    if (m->column.config != &m->table.config) {
+        column_table_moved(&m->table);
+        m->column.config = &m->table.config;
+        m->column.vle.component = m->table.config.component;
+        m->column.vle.activity_context = m->table.config.activity_context;
+    }
+    place_numbers(m, numbers);
 }
 
 /* ---- what drives it ---- */
@@ -103,36 +121,40 @@ void ahead_model_take(struct ahead_model *m, struct column_inputs *inputs, enum 
 
 /* ---- where it will be ---- */
 
-static enum err evaluate(struct ahead_model *m, real_t *x)
-{
-    return column_truncated_rates(&m->column, m->truncated, COLUMN_BETWEEN_LINE, x, m->rates);
-}
-
 static enum err take_inputs(struct ahead_model *m, const struct column_inputs *inputs)
 {
     struct column_fault fault;
     return column_set_inputs(&m->column, inputs, &fault);
 }
 
+/* One step of linearly implicit Euler: x moves by Phi h f. */
+static enum err carry_part(struct ahead_model *m, real_t *x)
+{
+    enum err err = column_rates(&m->column, x, m->rates);
+    if (!err)
+        err = column_transition_make(&m->column, x, m->h, &m->transition);
+    if (err)
+        return err;
+    for (size_t i = 0; i < m->column.n_fractions; i++)
+        m->rates[i] *= m->h;
+    column_transition_apply(&m->transition, m->rates);
+    (void)column_move(&m->column, x, m->rates);
+    return ERR_OK;
+}
+
 static enum err carry(struct ahead_model *m, const struct column_inputs *inputs, real_t *x)
 {
     enum err err = take_inputs(m, inputs);
-    for (uint16_t part = 0; !err && part < m->parts; part++) {
-        err = evaluate(m, x);
-        if (!err)
-            err = column_implicit_step(&m->column, m->truncated, x, m->rates, m->h, NULL, 0,
-                                       &m->blocks);
-        if (!err)
-            (void)column_move(&m->column, x, m->blocks.change);
-    }
+    for (uint16_t part = 0; !err && part < m->parts; part++)
+        err = carry_part(m, x);
     return err;
 }
 
 enum err ahead_model_predict(struct ahead_model *m, const struct column_inputs *inputs)
 {
-    memcpy(m->later, m->x, sizeof m->later);
+    memcpy(m->later, m->x, m->column.n_fractions * sizeof(real_t));
     enum err err = carry(m, inputs, m->later);
-    return err ? err : evaluate(m, m->later);
+    return err ? err : column_evaluate(&m->column, m->later);
 }
 
 enum err ahead_model_carry(struct ahead_model *m, const struct column_inputs *inputs)
@@ -140,10 +162,10 @@ enum err ahead_model_carry(struct ahead_model *m, const struct column_inputs *in
     return carry(m, inputs, m->x);
 }
 
-enum err ahead_model_look(struct ahead_model *m, real_t *x)
+enum err ahead_model_look(struct ahead_model *m, const real_t *x)
 {
     enum err err = take_inputs(m, &m->inputs);
-    return err ? err : evaluate(m, x);
+    return err ? err : column_evaluate(&m->column, x);
 }
 
 /* ---- where it is ---- */
@@ -220,8 +242,8 @@ enum err ahead_model_correct(struct ahead_model *m, const struct ahead_said *sai
         move[k] = trust * wanted_move(m, &said[k]);
     for (size_t s = 0; s < m->table.config.stages; s++)
         for (size_t j = 0; j < fractions; j++)
-            m->blocks.change[s * fractions + j] = move_at(said, move, n, j, s);
-    (void)column_move(&m->column, m->x, m->blocks.change);
+            m->rates[s * fractions + j] = move_at(said, move, n, j, s);
+    (void)column_move(&m->column, m->x, m->rates);
     return ahead_model_look(m, m->x);
 }
 

@@ -4,7 +4,7 @@
 
 #include "control/column_ahead.h"
 #include "estimate/column.h"
-#include "model/column_implicit.h"
+#include "model/column_transition.h"
 
 #if CONFIG_BLOCKS
 
@@ -21,20 +21,23 @@ struct ahead_said {
 struct ahead_model {
     struct column_table table;
     struct column column;
-    struct column_inputs inputs; /* of now */
-    bool truncated[COLUMN_STAGES_MAX];
-    real_t x[COLUMN_STATES_MAX]; /* now */
-    real_t later[COLUMN_STATES_MAX], rates[COLUMN_STATES_MAX];
-    struct column_blocks blocks;
-    real_t h; /* s, of a part of an interval */
+    struct column_inputs inputs;         /* of now */
+    real_t *x, *later, *rates;           /* [n_fractions] now, an interval later, 1/s */
+    struct column_transition transition; /* of a part of an interval */
+    real_t h;                            /* s, of a part of an interval */
     uint16_t parts;
 };
 
-/* Begins with the profile of the table. The record must stay. Errors as column_record_read. */
-MUST_CHECK enum err ahead_model_begin(struct ahead_model *m, const struct column_record *record);
+/* How many numbers the model of a column of so many stages and components needs besides. */
+size_t ahead_model_numbers(size_t stages, size_t components);
 
-/* The state may have been moved to another place since the last call. */
-void ahead_model_stands_here(struct ahead_model *m);
+/* Begins with the profile of the table, which has no truncated stages. The record must stay. numbers: ahead_model_numbers(). Errors as
+ * column_record_read. */
+MUST_CHECK enum err ahead_model_begin(struct ahead_model *m, const struct column_record *record,
+                                      real_t *numbers);
+
+/* The model or its numbers may have been moved to another place since the last call. */
+void ahead_model_stands_here(struct ahead_model *m, real_t *numbers);
 
 /* One input of the column, SI units, kept within what the model takes: AHEAD_FEED and what follows. */
 void ahead_model_take(struct ahead_model *m, struct column_inputs *inputs, enum ahead_input is,
@@ -48,7 +51,7 @@ MUST_CHECK enum err ahead_model_predict(struct ahead_model *m, const struct colu
 MUST_CHECK enum err ahead_model_carry(struct ahead_model *m, const struct column_inputs *inputs);
 
 /* Temperatures at the states x under the present inputs. */
-MUST_CHECK enum err ahead_model_look(struct ahead_model *m, real_t *x);
+MUST_CHECK enum err ahead_model_look(struct ahead_model *m, const real_t *x);
 
 /* Of a stage that has just been looked at: K, or the mole fraction of a component from 0. */
 real_t ahead_model_value(const struct ahead_model *m, const real_t *x, size_t stage,

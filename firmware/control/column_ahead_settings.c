@@ -65,8 +65,6 @@ static enum err check_stage(const struct block_setup *setup, const struct column
         return refuse_ahead(fault, 0, "is", "says of an MV that it is of a stage");
     if (stage < 1 || stage > table->config.stages)
         return refuse_ahead(fault, 0, "place", "needs a stage, 1 to that of the condenser");
-    if (column_table_is_truncated(table, stage))
-        return refuse_ahead(fault, 0, "place", "must not be a truncated stage");
     if (component < 1 || component > table->config.components - 1)
         return refuse_ahead(fault, 0, "place",
                             "needs a component of the table, not the closing one");
@@ -116,9 +114,8 @@ static enum err check_loop(const struct block_setup *setup, const struct column_
     for (unsigned j = 0; j < i; j++)
         if (s->moves[j] == k)
             return refuse_ahead(fault, i, "moves", "must have another MV for each loop");
-    if (stage < 1 || stage > table->config.stages || column_table_is_truncated(table, stage))
-        return refuse_ahead(fault, i, "target",
-                            "needs a stage, 1 to that of the condenser, that is not truncated");
+    if (stage < 1 || stage > table->config.stages)
+        return refuse_ahead(fault, i, "target", "needs a stage, 1 to that of the condenser");
     if (s->target[i][AHEAD_COMPONENT] > table->config.components - 1)
         return refuse_ahead(fault, i, "target",
                             "must have a component of the table, not the closing one, or 0");
@@ -146,10 +143,8 @@ enum err ahead_check(const struct block_setup *setup, struct block_fault *fault)
         return refuse_ahead(fault, 0, "column", "needs the number of a block of the kind column");
     if (column_record_read(setup->named, &table, &reason))
         return refuse_ahead(fault, 0, "column", "must name a block with a table that is in order");
-    if (table.config.activity && (table.truncated[0] || table.truncated[1]))
-        return refuse_ahead(
-            fault, 0, "column",
-            "must be a table without truncated stages where it has activity coefficients");
+    if (table.truncated[0] || table.truncated[1])
+        return refuse_ahead(fault, 0, "column", "must be a table without truncated stages");
     if (s->basis == AHEAD_MASS && !has_masses(&table))
         return refuse_ahead(fault, 0, "basis", "must be mole where the table has no molar masses");
     enum err err = ERR_OK;

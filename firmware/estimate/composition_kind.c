@@ -258,13 +258,33 @@ static real_t mass_fraction_at(const struct composition_block *b, size_t stage, 
     return mass_fraction_of(b->c.table.component, n, full, j);
 }
 
+/* Of the feed as it is found: its flow in the unit of the table, or the fraction of a component. */
+static real_t feed_estimate(const struct composition_block *b, unsigned k)
+{
+    struct column_inputs inputs;
+    composition_inputs(&b->c, &inputs);
+    if (b->s.of[k] == OF_FEED_FLOW)
+        return inputs.feed_flow;
+    size_t j = b->s.point[k][OF_COMPONENT] - 1u;
+    return b->s.basis == BASIS_MOLE
+               ? inputs.feed_fraction[j]
+               : mass_fraction_of(b->c.table.component, b->c.table.config.components,
+                                  inputs.feed_fraction, j);
+}
+
+static real_t stage_estimate(const struct composition_block *b, unsigned k)
+{
+    size_t stage = b->s.point[k][AT_STAGE] - 1u, component = b->s.point[k][OF_COMPONENT];
+    if (component == 0)
+        return composition_temperature(&b->c, stage);
+    return b->s.basis == BASIS_MOLE ? mole_fraction_at(b, stage, component - 1)
+                                    : mass_fraction_at(b, stage, component - 1);
+}
+
 /* What a point is, in its own unit. */
 static real_t estimate_of(const struct composition_block *b, unsigned k)
 {
-    size_t stage = b->s.point[k][AT_STAGE] - 1u, component = b->s.point[k][OF_COMPONENT];
-    real_t value = component == 0             ? composition_temperature(&b->c, stage)
-                   : b->s.basis == BASIS_MOLE ? mole_fraction_at(b, stage, component - 1)
-                                              : mass_fraction_at(b, stage, component - 1);
+    real_t value = b->s.of[k] == OF_STAGE ? stage_estimate(b, k) : feed_estimate(b, k);
     return factor_or_1(b->s.show[k][UNIT_FACTOR]) * value + b->s.show[k][UNIT_ZERO];
 }
 
