@@ -10,17 +10,27 @@
 #define AHEAD_PARAMETERS 13
 extern const struct block_parameter ahead_parameters[AHEAD_PARAMETERS];
 
+/* What a signal is of the column: value in SI units = zero + span * fraction. */
+struct ahead_place {
+    real_t zero, span;
+    uint8_t is;        /* enum ahead_input; of a PV AHEAD_TEMPERATURE or AHEAD_FRACTION */
+    uint8_t stage;     /* from 0 */
+    uint8_t component; /* from 0 */
+};
+
 struct ahead {
     struct ahead_model m;
-    struct ahead_settings s;
-    struct block_signal pv[AHEAD_LOOPS], input[BLOCK_INPUTS_MAX];
     struct ahead_law law;
-    uint32_t checksum; /* of the table */
+    struct ahead_place input[BLOCK_INPUTS_MAX], pv[AHEAD_LOOPS];
     const struct column_record *record;
+    uint32_t checksum; /* of the table */
     uint8_t loops, inputs;
-    real_t keep; /* part of a miss that is believed in a step */
+    uint8_t mv[AHEAD_LOOPS]; /* which input is the loop's */
+    uint8_t basis;           /* enum ahead_basis */
+    real_t keep;             /* part of a miss that is believed in a step */
+    real_t trust;
     real_t pole[AHEAD_LOOPS];
-    real_t span[AHEAD_LOOPS];   /* of the PV, SI; of the sign of its factor */
+    real_t far[AHEAD_LOOPS];    /* fraction of span; 0: none */
     real_t bias[AHEAD_LOOPS];   /* SI: PV less what the model has at its place */
     real_t missed[AHEAD_LOOPS]; /* SI, added to predictions */
     real_t said[AHEAD_LOOPS];   /* SI: the PV in the next step, as the last one predicted it */

@@ -40,15 +40,57 @@ static real_t factor_or_1(real_t factor)
     return factor < ZERO || factor > ZERO ? factor : ONE;
 }
 
+static struct ahead_place place_of(const struct block_signal *signal, const float unit[AHEAD_UNIT],
+                                   uint8_t is, const uint16_t place[AHEAD_PLACE])
+{
+    real_t factor = factor_or_1(unit[AHEAD_FACTOR]);
+    return (struct ahead_place){
+        .zero = factor * signal->lo + unit[AHEAD_ZERO],
+        .span = factor * (signal->hi - signal->lo),
+        .is = is,
+        .stage = (uint8_t)(place[AHEAD_STAGE] ? place[AHEAD_STAGE] - 1u : 0),
+        .component = (uint8_t)(place[AHEAD_COMPONENT] ? place[AHEAD_COMPONENT] - 1u : 0)};
+}
+
+static void take_places(const struct block_setup *setup, struct ahead_place *input,
+                        struct ahead_place *pv)
+{
+    const struct ahead_settings *s = setup->settings;
+    for (unsigned k = 0; k < setup->inputs; k++)
+        input[k] = place_of(&setup->input[k], s->si[k], s->is[k], s->place[k]);
+    for (unsigned i = 0; i < setup->members; i++)
+        pv[i] = place_of(&setup->pv[i], s->pv_si[i],
+                         s->target[i][AHEAD_COMPONENT] ? AHEAD_FRACTION : AHEAD_TEMPERATURE,
+                         s->target[i]);
+}
+
+static bool is_same_place(const struct ahead_place *a, const struct ahead_place *b)
+{
+    return a->is == b->is && a->stage == b->stage && a->component == b->component;
+}
+
+/* Signals mean what they meant, and the column is the one that it was. */
+static bool is_same_column(const struct ahead *b, const struct block_setup *setup,
+                           const struct ahead_place *input, const struct ahead_place *pv)
+{
+    const struct column_record *record = setup->named;
+    bool same = b->record == record && b->checksum == column_record_checksum(record);
+    for (unsigned k = 0; same && k < setup->inputs; k++)
+        same = is_same_place(&b->input[k], &input[k]);
+    for (unsigned i = 0; same && i < setup->members; i++)
+        same = is_same_place(&b->pv[i], &pv[i]);
+    return same;
+}
+
 static enum err ahead_configure(void *state, const struct block_setup *setup, bool retune)
 {
     struct ahead *b = state;
     const struct ahead_settings *s = setup->settings;
     const struct column_record *record = setup->named;
-    bool same = retune && b->record == record && b->checksum == column_record_checksum(record) &&
-                !memcmp(b->s.place, s->place, sizeof s->place) &&
-                !memcmp(b->s.is, s->is, sizeof s->is);
-    if (!same) {
+    struct ahead_place input[BLOCK_INPUTS_MAX] = {{ZERO, ZERO, 0, 0, 0}};
+    struct ahead_place pv[AHEAD_LOOPS] = {{ZERO, ZERO, 0, 0, 0}};
+    take_places(setup, input, pv);
+    if (!retune || !is_same_column(b, setup, input, pv)) {
         memset(b, 0, sizeof *b);
         enum err err = ahead_model_begin(&b->m, record, numbers_of(b));
         if (err)
@@ -56,17 +98,21 @@ static enum err ahead_configure(void *state, const struct block_setup *setup, bo
     }
     b->record = record;
     b->checksum = column_record_checksum(record);
-    b->s = *s;
     b->loops = b->law.n = setup->members;
     b->inputs = setup->inputs;
-    memcpy(b->pv, setup->pv, sizeof b->pv);
-    memcpy(b->input, setup->input, sizeof b->input);
+    b->basis = s->basis;
+    b->trust = s->trust;
+    memcpy(b->input, input, sizeof b->input);
+    memcpy(b->pv, pv, sizeof b->pv);
     b->m.parts = s->parts;
     b->m.h = (real_t)setup->interval_s / (real_t)s->parts;
     b->keep = s->miss_s > 0 ? ONE - real_exp(-(real_t)setup->interval_s / s->miss_s) : ONE;
     for (unsigned i = 0; i < b->loops; i++) {
+        b->mv[i] = (uint8_t)(s->moves[i] - 1u);
         b->pole[i] = real_exp(-(real_t)setup->interval_s / s->tau_s[i]);
-        b->span[i] = factor_or_1(s->pv_si[i][AHEAD_FACTOR]) * (b->pv[i].hi - b->pv[i].lo);
+        b->far[i] = s->far[i] / (setup->pv[i].hi - setup->pv[i].lo);
+        b->law.lo[i] = ZERO;
+        b->law.hi[i] = ONE;
     }
     b->holds_next = true;
     return ERR_OK;
@@ -74,35 +120,20 @@ static enum err ahead_configure(void *state, const struct block_setup *setup, bo
 
 /* ---- units ---- */
 
-static real_t to_si(const struct block_signal *signal, const float unit[AHEAD_UNIT],
-                    real_t fraction)
+/* What a signal of a stage is: K, or a mole fraction. */
+static real_t place_si(const struct ahead *b, const struct ahead_place *place, num_t fraction)
 {
-    real_t eu = signal->lo + (signal->hi - signal->lo) * fraction;
-    return factor_or_1(unit[AHEAD_FACTOR]) * eu + unit[AHEAD_ZERO];
+    real_t value = place->zero + place->span * num_to_float(fraction);
+    return place->is == AHEAD_FRACTION && b->basis == AHEAD_MASS
+               ? ahead_model_mole_fraction(&b->m, place->stage, place->component, value)
+               : value;
 }
 
-/* What a PV or its setpoint is: K, or a mole fraction. */
-static real_t target_si(const struct ahead *b, unsigned i, num_t fraction)
-{
-    real_t value = to_si(&b->pv[i], b->s.pv_si[i], num_to_float(fraction));
-    unsigned component = b->s.target[i][AHEAD_COMPONENT];
-    if (component == 0 || b->s.basis == AHEAD_MOLE)
-        return value;
-    return ahead_model_mole_fraction(&b->m, b->s.target[i][AHEAD_STAGE] - 1u, component - 1u,
-                                     value);
-}
-
-/* At states that were looked at last. */
+/* Of the model, at states that were looked at last. */
 static real_t target_of(const struct ahead *b, unsigned i, const real_t *x)
 {
-    unsigned component = b->s.target[i][AHEAD_COMPONENT];
-    return ahead_model_value(&b->m, x, b->s.target[i][AHEAD_STAGE] - 1u, component > 0,
-                             component ? component - 1u : 0);
-}
-
-static unsigned mv_of(const struct ahead *b, unsigned j)
-{
-    return b->s.moves[j] - 1u;
+    return ahead_model_value(&b->m, x, b->pv[i].stage, b->pv[i].is == AHEAD_FRACTION,
+                             b->pv[i].component);
 }
 
 /* The column's inputs with the MVs of the loops where u[loops] has them. */
@@ -110,9 +141,8 @@ static void drive(struct ahead *b, const real_t *u, struct column_inputs *inputs
 {
     *inputs = b->m.inputs;
     for (unsigned j = 0; j < b->loops; j++) {
-        unsigned k = mv_of(b, j);
-        ahead_model_take(&b->m, inputs, (enum ahead_input)b->s.is[k], 0,
-                         to_si(&b->input[k], b->s.si[k], u[j]));
+        const struct ahead_place *mv = &b->input[b->mv[j]];
+        ahead_model_take(&b->m, inputs, (enum ahead_input)mv->is, 0, mv->zero + mv->span * u[j]);
     }
 }
 
@@ -130,30 +160,28 @@ static void insert(struct ahead_said *said, size_t *n, struct ahead_said one)
     ++*n;
 }
 
+static bool is_of_stage(const struct ahead_place *place)
+{
+    return place->is == AHEAD_TEMPERATURE || place->is == AHEAD_FRACTION;
+}
+
+static struct ahead_said said_by(const struct ahead *b, const struct ahead_place *place,
+                                 num_t fraction)
+{
+    return (struct ahead_said){.stage = place->stage,
+                               .component = place->component,
+                               .is_fraction = place->is == AHEAD_FRACTION,
+                               .value = place_si(b, place, fraction)};
+}
+
 static size_t gather_said(const struct ahead *b, const struct block_io *io, struct ahead_said *said)
 {
     size_t n = 0;
-    for (unsigned k = 0; k < b->inputs; k++) {
-        bool is_fraction = b->s.is[k] == AHEAD_FRACTION;
-        if (!is_fraction && b->s.is[k] != AHEAD_TEMPERATURE)
-            continue;
-        struct ahead_said one = {.stage = (uint8_t)(b->s.place[k][AHEAD_STAGE] - 1u),
-                                 .component = (uint8_t)(b->s.place[k][AHEAD_COMPONENT] - 1u),
-                                 .is_fraction = is_fraction,
-                                 .value =
-                                     to_si(&b->input[k], b->s.si[k], num_to_float(io->input[k]))};
-        if (is_fraction && b->s.basis == AHEAD_MASS)
-            one.value = ahead_model_mole_fraction(&b->m, one.stage, one.component, one.value);
-        insert(said, &n, one);
-    }
-    for (unsigned i = 0; i < b->loops; i++) {
-        unsigned component = b->s.target[i][AHEAD_COMPONENT];
-        insert(said, &n,
-               (struct ahead_said){.stage = (uint8_t)(b->s.target[i][AHEAD_STAGE] - 1u),
-                                   .component = (uint8_t)(component ? component - 1u : 0),
-                                   .is_fraction = component > 0,
-                                   .value = target_si(b, i, io->in[i])});
-    }
+    for (unsigned k = 0; k < b->inputs; k++)
+        if (is_of_stage(&b->input[k]))
+            insert(said, &n, said_by(b, &b->input[k], io->input[k]));
+    for (unsigned i = 0; i < b->loops; i++)
+        insert(said, &n, said_by(b, &b->pv[i], io->in[i]));
     return n;
 }
 
@@ -161,9 +189,9 @@ static size_t gather_said(const struct ahead *b, const struct block_io *io, stru
 static void take_drives(struct ahead *b, const struct block_io *io)
 {
     for (unsigned k = 0; k < b->inputs; k++)
-        ahead_model_take(&b->m, &b->m.inputs, (enum ahead_input)b->s.is[k],
-                         b->s.place[k][AHEAD_COMPONENT] ? b->s.place[k][AHEAD_COMPONENT] - 1u : 0,
-                         to_si(&b->input[k], b->s.si[k], num_to_float(io->input[k])));
+        ahead_model_take(&b->m, &b->m.inputs, (enum ahead_input)b->input[k].is,
+                         b->input[k].component,
+                         b->input[k].zero + b->input[k].span * num_to_float(io->input[k]));
 }
 
 /* Where the column is. carried: an interval is over since the last time. */
@@ -176,7 +204,7 @@ static enum err observe(struct ahead *b, const struct block_io *io, bool carried
         err = ahead_model_carry(&b->m, &b->m.inputs);
     for (unsigned k = 0; !err && k < (carried ? 1u : CORRECTIONS_AT_BEGIN); k++) {
         size_t n = gather_said(b, io, said);
-        err = ahead_model_correct(&b->m, said, n, carried ? (real_t)b->s.trust : ONE);
+        err = ahead_model_correct(&b->m, said, n, carried ? b->trust : ONE);
     }
     return err;
 }
@@ -205,7 +233,7 @@ static enum err find_b(struct ahead *b, const real_t *y)
         u[j] += move;
         err = predict(b, u, there);
         for (unsigned i = 0; !err && i < b->loops; i++)
-            b->law.b[i][j] = (there[i] - y[i]) / (b->span[i] * move);
+            b->law.b[i][j] = (there[i] - y[i]) / (b->pv[i].span * move);
     }
     return err;
 }
@@ -214,7 +242,7 @@ static enum err find_b(struct ahead *b, const real_t *y)
 static real_t asked_of(const struct ahead *b, const struct block_io *io, unsigned i)
 {
     real_t now = target_of(b, i, b->m.x) + b->bias[i];
-    real_t w = io->acting & (1u << i) ? target_si(b, i, io->setpoint[i]) : now;
+    real_t w = io->acting & (1u << i) ? place_si(b, &b->pv[i], io->setpoint[i]) : now;
     return now + (ONE - b->pole[i]) * (w - now);
 }
 
@@ -222,14 +250,13 @@ static real_t asked_of(const struct ahead *b, const struct block_io *io, unsigne
 static void take_misses(struct ahead *b, struct block_io *io, real_t *asked)
 {
     for (unsigned i = 0; i < b->loops; i++) {
-        real_t y = target_si(b, i, io->in[i]);
+        real_t y = place_si(b, &b->pv[i], io->in[i]);
         real_t off = y - target_of(b, i, b->m.x);
         if (b->has_said) {
             real_t missed = y - b->said[i];
-            real_t far = (real_t)b->s.far[i] * real_abs(b->span[i]) / (b->pv[i].hi - b->pv[i].lo);
             b->bias[i] += b->keep * (off - b->bias[i]);
             b->missed[i] += b->keep * missed;
-            if (b->s.far[i] > 0 && real_abs(missed) > far) {
+            if (b->far[i] > ZERO && real_abs(missed) > b->far[i] * real_abs(b->pv[i].span)) {
                 io->raised |= 1u << EVENT_FAR;
                 io->event_value[EVENT_FAR] = (float)(i + 1u);
             }
@@ -244,7 +271,7 @@ static void take_misses(struct ahead *b, struct block_io *io, real_t *asked)
 static void take_applied(struct ahead *b, const struct block_io *io)
 {
     for (unsigned j = 0; j < b->loops; j++) {
-        real_t u = num_to_float(io->input[mv_of(b, j)]);
+        real_t u = num_to_float(io->input[b->mv[j]]);
         b->law.u[j] = u < ZERO ? ZERO : u > ONE ? ONE : u;
     }
 }
@@ -273,14 +300,14 @@ static enum err find_outputs(struct ahead *b, const real_t *asked, bool *found)
         if (turn > 0)
             err = predict(b, b->law.u, y);
         for (unsigned i = 0; i < b->loops; i++)
-            e[i] = (asked[i] - b->missed[i] - y[i]) / b->span[i];
+            e[i] = (asked[i] - b->missed[i] - y[i]) / b->pv[i].span;
         memcpy(before, b->law.u, sizeof before);
         *found = !err && ahead_law_solve(&b->law, e);
     }
     for (unsigned i = 0; i < b->loops; i++) {
         b->said[i] = y[i] + b->missed[i];
         for (unsigned j = 0; j < b->loops; j++)
-            b->said[i] += b->span[i] * b->law.b[i][j] * (b->law.u[j] - before[j]);
+            b->said[i] += b->pv[i].span * b->law.b[i][j] * (b->law.u[j] - before[j]);
     }
     return err;
 }
@@ -297,7 +324,7 @@ static bool has_other_mv(const struct ahead *b, const struct block_io *io)
 {
     for (unsigned j = 0; j < b->loops; j++)
         if (io->member_applied && io->input_applied &&
-            io->member_applied[j] != io->input_applied[mv_of(b, j)])
+            io->member_applied[j] != io->input_applied[b->mv[j]])
             return true;
     return false;
 }
@@ -366,9 +393,9 @@ static void ahead_back_calculate(void *state, struct block_io *io)
 {
     struct ahead *b = state;
     for (unsigned j = 0; j < b->loops; j++) {
-        real_t applied = num_to_float(io->input[mv_of(b, j)]);
+        real_t applied = num_to_float(io->input[b->mv[j]]);
         for (unsigned i = 0; i < b->loops; i++)
-            b->said[i] += b->span[i] * b->law.b[i][j] * (applied - b->law.u[j]);
+            b->said[i] += b->pv[i].span * b->law.b[i][j] * (applied - b->law.u[j]);
         b->law.u[j] = applied;
         if (!(io->acting & (1u << j)))
             continue;

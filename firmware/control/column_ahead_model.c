@@ -12,6 +12,8 @@
 
 /* A temperature moves its component by no more than this in one correction: slopes belong to one point. */
 #define MOVE_MOST REAL_C(0.2)
+/* Mole fractions are not taken to be nearer to their ends. */
+#define LEAST REAL_C(1e-6)
 
 static real_t kept_between(real_t x, real_t lo, real_t hi)
 {
@@ -192,7 +194,18 @@ real_t ahead_model_mole_fraction(const struct ahead_model *m, size_t stage, size
     return own / (own + (ONE - kept_between(mass, ZERO, ONE)) / others);
 }
 
-/* By how much the mole fraction that is moved has to move for what is said. */
+/* A place's own mole fraction, off its ends. */
+static real_t inside(real_t x)
+{
+    return kept_between(x, LEAST, ONE - LEAST);
+}
+
+static real_t component_at(const struct ahead_model *m, size_t stage, size_t j)
+{
+    return inside(m->x[stage * (m->table.config.components - 1) + j]);
+}
+
+/* By how much the mole fraction at the place has to move for what is said. */
 static real_t wanted_move(const struct ahead_model *m, const struct ahead_said *said)
 {
     real_t off =
@@ -210,9 +223,18 @@ static real_t wanted_move(const struct ahead_model *m, const struct ahead_said *
     return real_abs(slope) > REAL_C(1e-3) ? kept_between(off / slope, -MOVE_MOST, MOVE_MOST) : ZERO;
 }
 
-/* What component j on a stage moves by: in proportion between the nearest places below and above that say something of it. */
-static real_t move_at(const struct ahead_said *said, const real_t *move, size_t n, size_t j,
-                      size_t stage)
+/* The same of ln(x/(1 - x)). */
+static real_t wanted_shift(const struct ahead_model *m, const struct ahead_said *said)
+{
+    real_t x = component_at(m, said->stage, said->component);
+    real_t to = inside(x + wanted_move(m, said));
+    return real_log(to * (ONE - x) / (x * (ONE - to)));
+}
+
+/* By how much component j shifts on a stage: in proportion between the nearest places below and above that say something of it, beyond
+ * the last one as there. */
+static real_t shift_at(const struct ahead_said *said, const real_t *shift, size_t n, size_t j,
+                       size_t stage)
 {
     size_t below = n, above = n;
     for (size_t k = 0; k < n; k++) {
@@ -224,25 +246,27 @@ static real_t move_at(const struct ahead_said *said, const real_t *move, size_t 
             above = k;
     }
     if (below == n || above == n || below == above)
-        return below < n ? move[below] : above < n ? move[above] : ZERO;
+        return below < n ? shift[below] : above < n ? shift[above] : ZERO;
     real_t part =
         (real_t)(stage - said[below].stage) / (real_t)(said[above].stage - said[below].stage);
-    return move[below] + part * (move[above] - move[below]);
+    return shift[below] + part * (shift[above] - shift[below]);
 }
 
 enum err ahead_model_correct(struct ahead_model *m, const struct ahead_said *said, size_t n,
                              real_t trust)
 {
-    real_t move[AHEAD_SAID_MOST];
+    real_t shift[AHEAD_SAID_MOST];
     size_t fractions = m->table.config.components - 1;
     enum err err = ahead_model_look(m, m->x);
     if (err)
         return err;
     for (size_t k = 0; k < n; k++)
-        move[k] = trust * wanted_move(m, &said[k]);
+        shift[k] = trust * wanted_shift(m, &said[k]);
     for (size_t s = 0; s < m->table.config.stages; s++)
-        for (size_t j = 0; j < fractions; j++)
-            m->rates[s * fractions + j] = move_at(said, move, n, j, s);
+        for (size_t j = 0; j < fractions; j++) {
+            real_t x = component_at(m, s, j), part = real_exp(shift_at(said, shift, n, j, s));
+            m->rates[s * fractions + j] = x * part / (ONE - x + x * part) - x;
+        }
     (void)column_move(&m->column, m->x, m->rates);
     return ahead_model_look(m, m->x);
 }

@@ -57,8 +57,8 @@ MUST_CHECK enum err ahead_model_look(struct ahead_model *m, const real_t *x);
 real_t ahead_model_value(const struct ahead_model *m, const real_t *x, size_t stage,
                          bool is_fraction, size_t component);
 
-/* Corrects m->x by the part `trust` of what is said more than it has: there, and in proportion to the stages that lie between. Looks at the
- * column before and after. said[n] in ascending order of stages. */
+/* Corrects m->x by the part `trust` of what is said more than it has: there, and in proportion to the stages that lie between, of
+ * ln(x/(1 - x)), so that what is nearly pure stays so. Looks at the column before and after. said[n] in ascending order of stages. */
 MUST_CHECK enum err ahead_model_correct(struct ahead_model *m, const struct ahead_said *said,
                                         size_t n, real_t trust);
 

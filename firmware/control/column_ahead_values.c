@@ -22,7 +22,7 @@ static const char *const of_loop[VALUES][AHEAD_LOOPS] = {
 /* Fraction of the PV's span. */
 static float part_of_span(const struct ahead *b, unsigned i, real_t si)
 {
-    return (float)(si / b->span[i]);
+    return (float)(si / b->pv[i].span);
 }
 
 const char *ahead_describe(const void *state, size_t i, float *value)
