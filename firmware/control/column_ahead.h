@@ -8,8 +8,8 @@
  * carried one interval on from where it is now, and B*, by how much each MV moves each y(k + 1), is found anew in every step.
  *
  * Where the column is now: its model, corrected at the places that inputs tell of, measured or estimated. What the last prediction missed is
- * added to the next, a part of it in each step; that is the integral. An MV that was limited in the last step is left where it was, and the
- * other loops' MVs do what is left in the sense of least squares. docs/state-decoupling.md */
+ * added to the next, a part of it in each step; that is the integral. Where an MV is limited its loop gives way alone, and the others
+ * come to their setpoints all the same. docs/state-decoupling.md */
 #ifndef REFLUX_CONTROL_COLUMN_AHEAD_H
 #define REFLUX_CONTROL_COLUMN_AHEAD_H
 

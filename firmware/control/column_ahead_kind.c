@@ -9,8 +9,9 @@
 
 /* Part of an MV's span by which it is moved to see what it does. */
 #define TRIED REAL_C(0.02)
-/* From the point of the last step, the model is corrected once; from one that nobody knows, so often. */
-#define CORRECTIONS_AT_BEGIN 4
+/* Before it begins, nobody knows where the model is: it is corrected so often, and carried on in between, so that stages that nothing is
+ * said of come to stand with the others. */
+#define ROUNDS 8
 /* A second turn takes out what B* misses of a large move. */
 #define TURNS 2
 
@@ -194,17 +195,31 @@ static void take_drives(struct ahead *b, const struct block_io *io)
                          b->input[k].zero + b->input[k].span * num_to_float(io->input[k]));
 }
 
-/* Where the column is. carried: an interval is over since the last time. */
-static enum err observe(struct ahead *b, const struct block_io *io, bool carried)
+/* What is said of the column now. */
+static enum err correct(struct ahead *b, const struct block_io *io, real_t trust)
 {
     struct ahead_said said[AHEAD_SAID_MOST];
-    enum err err = ERR_OK;
+    size_t n = gather_said(b, io, said);
+    return ahead_model_correct(&b->m, said, n, trust);
+}
+
+/* Where the column is, an interval after the last time. */
+static enum err observe(struct ahead *b, const struct block_io *io)
+{
     take_drives(b, io);
-    if (carried)
+    enum err err = ahead_model_carry(&b->m, &b->m.inputs);
+    return err ? err : correct(b, io, b->trust);
+}
+
+/* The same, from wherever the model was. */
+static enum err find_column(struct ahead *b, const struct block_io *io)
+{
+    take_drives(b, io);
+    enum err err = correct(b, io, ONE);
+    for (unsigned k = 0; !err && k < ROUNDS; k++) {
         err = ahead_model_carry(&b->m, &b->m.inputs);
-    for (unsigned k = 0; !err && k < (carried ? 1u : CORRECTIONS_AT_BEGIN); k++) {
-        size_t n = gather_said(b, io, said);
-        err = ahead_model_correct(&b->m, said, n, carried ? b->trust : ONE);
+        if (!err)
+            err = correct(b, io, ONE);
     }
     return err;
 }
@@ -314,9 +329,11 @@ static enum err find_outputs(struct ahead *b, const real_t *asked, bool *found)
 
 /* ---- steps ---- */
 
-static void give_up(struct block_io *io, enum err err)
+static void give_up(struct ahead *b, struct block_io *io, enum err err)
 {
-    io->gives_up = err == ERR_NOT_FINITE ? "no number" : "no solution";
+    b->has_said = b->observed = false;
+    ahead_model_rest(&b->m);
+    io->gives_up = !err ? "nothing moves" : err == ERR_NOT_FINITE ? "no number" : "no solution";
 }
 
 /* An input that is said to be the loop's MV is another one. */
@@ -345,7 +362,7 @@ static void ahead_step(void *state, struct block_io *io)
         io->gives_up = "moves another MV";
         return;
     }
-    enum err err = b->observed ? ERR_OK : observe(b, io, true);
+    enum err err = b->observed ? ERR_OK : observe(b, io);
     b->observed = false;
     if (!err) {
         take_applied(b, io);
@@ -358,11 +375,7 @@ static void ahead_step(void *state, struct block_io *io)
     if (!err)
         err = find_outputs(b, asked, &found);
     if (err || !found) {
-        b->has_said = false;
-        if (err)
-            give_up(io, err);
-        else
-            io->gives_up = "singular";
+        give_up(b, io, err);
         return;
     }
     b->has_said = true;
@@ -410,7 +423,7 @@ static void ahead_follow(void *state, struct block_io *io)
     real_t asked[AHEAD_LOOPS];
     ahead_model_stands_here(&b->m, numbers_of(b));
     b->has_said = b->holds_next = false;
-    enum err err = observe(b, io, false);
+    enum err err = find_column(b, io);
     b->observed = !err;
     take_applied(b, io);
     for (unsigned j = 0; j < b->loops; j++) {
@@ -424,7 +437,7 @@ static void ahead_follow(void *state, struct block_io *io)
         err = hold(b, asked);
     }
     if (err)
-        give_up(io, err);
+        give_up(b, io, err);
 }
 
 static const struct block_event ahead_events[AHEAD_EVENTS] = {

@@ -35,6 +35,16 @@ static void place_numbers(struct ahead_model *m, real_t *numbers)
     m->transition.of = numbers + 3 * n;
 }
 
+void ahead_model_rest(struct ahead_model *m)
+{
+    m->column.warm = false;
+    for (size_t i = 0; i < m->column.n_fractions; i++)
+        m->x[i] = m->table.profile[i];
+    for (size_t s = 0; s < m->table.config.stages; s++)
+        m->column.temperature[s] =
+            (m->table.config.temperature_min + m->table.config.temperature_max) / TWO;
+}
+
 enum err ahead_model_begin(struct ahead_model *m, const struct column_record *record,
                            real_t *numbers)
 {
@@ -46,11 +56,7 @@ enum err ahead_model_begin(struct ahead_model *m, const struct column_record *re
         return err;
     place_numbers(m, numbers);
     m->inputs = m->table.nominal;
-    for (size_t i = 0; i < m->column.n_fractions; i++)
-        m->x[i] = m->table.profile[i];
-    for (size_t s = 0; s < m->table.config.stages; s++)
-        m->column.temperature[s] =
-            (m->table.config.temperature_min + m->table.config.temperature_max) / TWO;
+    ahead_model_rest(m);
     return ERR_OK;
 }
 

@@ -36,6 +36,9 @@ size_t ahead_model_numbers(size_t stages, size_t components);
 MUST_CHECK enum err ahead_model_begin(struct ahead_model *m, const struct column_record *record,
                                       real_t *numbers);
 
+/* Begins anew, with the profile. */
+void ahead_model_rest(struct ahead_model *m);
+
 /* The model or its numbers may have been moved to another place since the last call. */
 void ahead_model_stands_here(struct ahead_model *m, real_t *numbers);
 
