@@ -333,7 +333,7 @@ static void give_up(struct ahead *b, struct block_io *io, enum err err)
 {
     b->has_said = b->observed = false;
     ahead_model_rest(&b->m);
-    io->gives_up = !err ? "nothing moves" : err == ERR_NOT_FINITE ? "no number" : "no solution";
+    io->gives_up = !err ? "no_effect" : err == ERR_NOT_FINITE ? "no_number" : "no_solution";
 }
 
 /* An input that is said to be the loop's MV is another one. */
@@ -359,7 +359,7 @@ static void ahead_step(void *state, struct block_io *io)
     bool found = true;
     ahead_model_stands_here(&b->m, numbers_of(b));
     if (has_other_mv(b, io)) {
-        io->gives_up = "moves another MV";
+        io->gives_up = "other_mv";
         return;
     }
     enum err err = b->observed ? ERR_OK : observe(b, io);
