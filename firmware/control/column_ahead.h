@@ -21,10 +21,10 @@
 
 /* What an input is of the column. */
 enum ahead_input {
-    AHEAD_TEMPERATURE, /* of a stage */
-    AHEAD_FRACTION,    /* of a component on a stage */
-    AHEAD_FEED,
+    AHEAD_TEMPERATURE,   /* of a stage */
+    AHEAD_FRACTION,      /* of a component on a stage */
     AHEAD_FEED_FRACTION, /* of a component in the feed */
+    AHEAD_FEED,          /* from here on in the order of enum column_drive */
     AHEAD_FEED_TEMPERATURE,
     AHEAD_FEED_QUALITY,
     AHEAD_REFLUX,

@@ -41,6 +41,11 @@ struct ahead {
     bool holds_next; /* the next step gives what is in effect: new settings */
 };
 
+static inline bool ahead_is_of_stage(uint8_t is)
+{
+    return is == AHEAD_TEMPERATURE || is == AHEAD_FRACTION;
+}
+
 MUST_CHECK enum err ahead_check(const struct block_setup *setup, struct block_fault *fault);
 const char *ahead_describe(const void *state, size_t i, float *value);
 

@@ -36,15 +36,10 @@ static real_t *numbers_of(struct ahead *b)
 
 /* ---- settings ---- */
 
-static real_t factor_or_1(real_t factor)
-{
-    return factor < ZERO || factor > ZERO ? factor : ONE;
-}
-
 static struct ahead_place place_of(const struct block_signal *signal, const float unit[AHEAD_UNIT],
                                    uint8_t is, const uint16_t place[AHEAD_PLACE])
 {
-    real_t factor = factor_or_1(unit[AHEAD_FACTOR]);
+    real_t factor = column_drive_factor(unit[AHEAD_FACTOR]);
     return (struct ahead_place){
         .zero = factor * signal->lo + unit[AHEAD_ZERO],
         .span = factor * (signal->hi - signal->lo),
@@ -137,19 +132,27 @@ static real_t target_of(const struct ahead *b, unsigned i, const real_t *x)
                              b->pv[i].component);
 }
 
+static void take_drive(const struct ahead *b, struct column_inputs *inputs,
+                       const struct ahead_place *place, real_t fraction)
+{
+    real_t value = place->zero + place->span * fraction;
+    if (place->is == AHEAD_FEED_FRACTION)
+        ahead_model_take_fraction(inputs, b->m.table.config.components, place->component, value);
+    else if (place->is >= AHEAD_FEED)
+        column_drive_take(&b->m.table, inputs, (enum column_drive)(place->is - AHEAD_FEED), value);
+}
+
 /* The column's inputs with the MVs of the loops where u[loops] has them. */
-static void drive(struct ahead *b, const real_t *u, struct column_inputs *inputs)
+static void drive_by(const struct ahead *b, const real_t *u, struct column_inputs *inputs)
 {
     *inputs = b->m.inputs;
-    for (unsigned j = 0; j < b->loops; j++) {
-        const struct ahead_place *mv = &b->input[b->mv[j]];
-        ahead_model_take(&b->m, inputs, (enum ahead_input)mv->is, 0, mv->zero + mv->span * u[j]);
-    }
+    for (unsigned j = 0; j < b->loops; j++)
+        take_drive(b, inputs, &b->input[b->mv[j]], u[j]);
 }
 
 /* ---- where the column is ---- */
 
-static void insert(struct ahead_said *said, size_t *n, struct ahead_said one)
+static void insert_said(struct ahead_said *said, size_t *n, struct ahead_said one)
 {
     size_t at = *n;
     for (size_t k = 0; k < *n; k++)
@@ -159,11 +162,6 @@ static void insert(struct ahead_said *said, size_t *n, struct ahead_said one)
         said[at] = said[at - 1];
     said[at] = one;
     ++*n;
-}
-
-static bool is_of_stage(const struct ahead_place *place)
-{
-    return place->is == AHEAD_TEMPERATURE || place->is == AHEAD_FRACTION;
 }
 
 static struct ahead_said said_by(const struct ahead *b, const struct ahead_place *place,
@@ -179,10 +177,10 @@ static size_t gather_said(const struct ahead *b, const struct block_io *io, stru
 {
     size_t n = 0;
     for (unsigned k = 0; k < b->inputs; k++)
-        if (is_of_stage(&b->input[k]))
-            insert(said, &n, said_by(b, &b->input[k], io->input[k]));
+        if (ahead_is_of_stage(b->input[k].is))
+            insert_said(said, &n, said_by(b, &b->input[k], io->input[k]));
     for (unsigned i = 0; i < b->loops; i++)
-        insert(said, &n, said_by(b, &b->pv[i], io->in[i]));
+        insert_said(said, &n, said_by(b, &b->pv[i], io->in[i]));
     return n;
 }
 
@@ -190,9 +188,7 @@ static size_t gather_said(const struct ahead *b, const struct block_io *io, stru
 static void take_drives(struct ahead *b, const struct block_io *io)
 {
     for (unsigned k = 0; k < b->inputs; k++)
-        ahead_model_take(&b->m, &b->m.inputs, (enum ahead_input)b->input[k].is,
-                         b->input[k].component,
-                         b->input[k].zero + b->input[k].span * num_to_float(io->input[k]));
+        take_drive(b, &b->m.inputs, &b->input[k], num_to_float(io->input[k]));
 }
 
 /* What is said of the column now. */
@@ -227,10 +223,10 @@ static enum err find_column(struct ahead *b, const struct block_io *io)
 /* ---- the law ---- */
 
 /* y[] an interval later under u[], without what predictions miss. */
-static enum err predict(struct ahead *b, const real_t *u, real_t *y)
+static enum err predict_pvs(struct ahead *b, const real_t *u, real_t *y)
 {
     struct column_inputs inputs;
-    drive(b, u, &inputs);
+    drive_by(b, u, &inputs);
     enum err err = ahead_model_predict(&b->m, &inputs);
     for (unsigned i = 0; !err && i < b->loops; i++)
         y[i] = target_of(b, i, b->m.later);
@@ -246,7 +242,7 @@ static enum err find_b(struct ahead *b, const real_t *y)
         memcpy(u, b->law.u, sizeof u);
         real_t move = u[j] > REAL_C(0.5) ? -TRIED : TRIED;
         u[j] += move;
-        err = predict(b, u, there);
+        err = predict_pvs(b, u, there);
         for (unsigned i = 0; !err && i < b->loops; i++)
             b->law.b[i][j] = (there[i] - y[i]) / (b->pv[i].span * move);
     }
@@ -254,7 +250,7 @@ static enum err find_b(struct ahead *b, const real_t *y)
 }
 
 /* What loop i is to be an interval later. */
-static real_t asked_of(const struct ahead *b, const struct block_io *io, unsigned i)
+static real_t ahead_asked(const struct ahead *b, const struct block_io *io, unsigned i)
 {
     real_t now = target_of(b, i, b->m.x) + b->bias[i];
     real_t w = io->acting & (1u << i) ? place_si(b, &b->pv[i], io->setpoint[i]) : now;
@@ -278,7 +274,7 @@ static void take_misses(struct ahead *b, struct block_io *io, real_t *asked)
         } else {
             b->bias[i] = off;
         }
-        asked[i] = asked_of(b, io, i);
+        asked[i] = ahead_asked(b, io, i);
     }
 }
 
@@ -292,10 +288,10 @@ static void take_applied(struct ahead *b, const struct block_io *io)
 }
 
 /* Predictions are such that what is in effect is what is asked for. */
-static enum err hold(struct ahead *b, const real_t *asked)
+static enum err hold_outputs(struct ahead *b, const real_t *asked)
 {
     real_t y[AHEAD_LOOPS];
-    enum err err = predict(b, b->law.u, y);
+    enum err err = predict_pvs(b, b->law.u, y);
     for (unsigned i = 0; !err && i < b->loops; i++)
         b->missed[i] = asked[i] - y[i];
     return err;
@@ -305,7 +301,7 @@ static enum err hold(struct ahead *b, const real_t *asked)
 static enum err find_outputs(struct ahead *b, const real_t *asked, bool *found)
 {
     real_t y[AHEAD_LOOPS], e[AHEAD_LOOPS], before[AHEAD_LOOPS];
-    enum err err = predict(b, b->law.u, y);
+    enum err err = predict_pvs(b, b->law.u, y);
     real_t first[AHEAD_LOOPS];
     memcpy(first, y, sizeof first);
     if (!err)
@@ -313,7 +309,7 @@ static enum err find_outputs(struct ahead *b, const real_t *asked, bool *found)
     *found = true;
     for (unsigned turn = 0; !err && *found && turn < TURNS; turn++) {
         if (turn > 0)
-            err = predict(b, b->law.u, y);
+            err = predict_pvs(b, b->law.u, y);
         for (unsigned i = 0; i < b->loops; i++)
             e[i] = (asked[i] - b->missed[i] - y[i]) / b->pv[i].span;
         memcpy(before, b->law.u, sizeof before);
@@ -329,7 +325,7 @@ static enum err find_outputs(struct ahead *b, const real_t *asked, bool *found)
 
 /* ---- steps ---- */
 
-static void give_up(struct ahead *b, struct block_io *io, enum err err)
+static void ahead_gives_up(struct ahead *b, struct block_io *io, enum err err)
 {
     b->has_said = b->observed = false;
     ahead_model_rest(&b->m);
@@ -370,12 +366,12 @@ static void ahead_step(void *state, struct block_io *io)
     }
     b->law.acting = io->acting;
     if (!err && b->holds_next)
-        err = hold(b, asked);
+        err = hold_outputs(b, asked);
     b->holds_next = false;
     if (!err)
         err = find_outputs(b, asked, &found);
     if (err || !found) {
-        give_up(b, io, err);
+        ahead_gives_up(b, io, err);
         return;
     }
     b->has_said = true;
@@ -434,10 +430,10 @@ static void ahead_follow(void *state, struct block_io *io)
     }
     if (!err) {
         take_misses(b, io, asked);
-        err = hold(b, asked);
+        err = hold_outputs(b, asked);
     }
     if (err)
-        give_up(b, io, err);
+        ahead_gives_up(b, io, err);
 }
 
 static const struct block_event ahead_events[AHEAD_EVENTS] = {

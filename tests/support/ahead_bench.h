@@ -128,9 +128,9 @@ static inline double fraction_of(const struct block_signal *s, double eu)
 
 static inline void drive_plant(void)
 {
-    ahead_model_take(&plant, &plant.inputs, AHEAD_REFLUX, 0,
-                     (real_t)mv[TOP] * (real_t)LITRE_AN_HOUR);
-    ahead_model_take(&plant, &plant.inputs, AHEAD_HEAT, 0, (real_t)mv[BOTTOM] * REAL_C(1000.0));
+    column_drive_take(&plant.table, &plant.inputs, DRIVE_REFLUX,
+                      (real_t)mv[TOP] * (real_t)LITRE_AN_HOUR);
+    column_drive_take(&plant.table, &plant.inputs, DRIVE_HEAT, (real_t)mv[BOTTOM] * REAL_C(1000.0));
 }
 
 static inline double plant_temperature(unsigned stage)

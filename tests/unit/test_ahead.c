@@ -30,10 +30,10 @@ static struct misses misses_in(unsigned parts)
     struct ahead_model *m = &block()->m;
     while (csv_row(f, v, 18)) {
         struct column_inputs told = m->inputs;
-        ahead_model_take(m, &told, AHEAD_REFLUX, 0, (real_t)v[0]);
-        ahead_model_take(m, &told, AHEAD_HEAT, 0, (real_t)v[1]);
-        ahead_model_take(m, &told, AHEAD_FEED, 0, (real_t)v[2]);
-        ahead_model_take(m, &told, AHEAD_FEED_FRACTION, 0, (real_t)v[3]);
+        column_drive_take(&m->table, &told, DRIVE_REFLUX, (real_t)v[0]);
+        column_drive_take(&m->table, &told, DRIVE_HEAT, (real_t)v[1]);
+        column_drive_take(&m->table, &told, DRIVE_FEED, (real_t)v[2]);
+        ahead_model_take_fraction(&told, 2, 0, (real_t)v[3]);
         for (unsigned i = 0; i < 12; i++)
             m->x[i] = (real_t)v[4 + i];
         TEST_ASSERT_EQUAL(ERR_OK, ahead_model_look(m, m->x));

@@ -27,7 +27,7 @@ static void its_parameters_are_those_that_boards_have_stored(void)
     } page[] = {
         {"column", 1, 1, 1, NULL},
         {"is", 2, 12, 1,
-         "temperature|fraction|feed|feed_fraction|feed_temperature|feed_quality|reflux|heat|boilup|"
+         "temperature|fraction|feed_fraction|feed|feed_temperature|feed_quality|reflux|heat|boilup|"
          "pressure"},
         {"place", 3, 12, 2, NULL},
         {"si", 4, 12, 2, NULL},
