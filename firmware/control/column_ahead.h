@@ -43,6 +43,8 @@ struct ahead_settings {
     float tau_s[AHEAD_LOOPS]; /* time constant of the closed loop */
     float far[AHEAD_LOOPS];   /* EU of the PV: alarm, the prediction is off by more; 0: none */
     float miss_s;             /* time in which a miss is believed; 0: at once */
+    float
+        doubt; /* part of steps in which it would have been better to expect no change, above which it gives up; 0: never */
     float trust; /* part of what an input says more than the model that it takes in a step */
     float si[BLOCK_INPUTS_MAX][AHEAD_UNIT];
     float pv_si[AHEAD_LOOPS][AHEAD_UNIT];

@@ -15,6 +15,11 @@
 /* A second turn takes out what B* misses of a large move. */
 #define TURNS 2
 
+/* Steps over which it is counted whether predictions are of any use, and by how much a prediction has to be the worse one to count as that,
+ * fraction of span: below it there is noise. */
+#define WATCHED 40u
+#define STILL   REAL_C(1e-3)
+
 enum { EVENT_FAR, AHEAD_EVENTS };
 
 static uint32_t ahead_bytes(const struct block_setup *setup)
@@ -98,6 +103,7 @@ static enum err ahead_configure(void *state, const struct block_setup *setup, bo
     b->inputs = setup->inputs;
     b->basis = s->basis;
     b->trust = s->trust;
+    b->doubt = s->doubt;
     memcpy(b->input, input, sizeof b->input);
     memcpy(b->pv, pv, sizeof b->pv);
     b->m.parts = s->parts;
@@ -278,6 +284,31 @@ static void take_misses(struct ahead *b, struct block_io *io, real_t *asked)
     }
 }
 
+static void begin_to_watch(struct ahead *b)
+{
+    b->watched = 0;
+    for (unsigned i = 0; i < AHEAD_LOOPS; i++)
+        b->worse[i] = ZERO;
+}
+
+/* Whether a model that is wrong in sign, unit or place, or MVs that are slow, make predictions useless: so often it would have been
+ * better to expect no change. */
+static bool is_in_doubt(struct ahead *b, const struct block_io *io)
+{
+    bool doubts = false;
+    for (unsigned i = 0; i < b->loops && b->has_said; i++) {
+        real_t y = place_si(b, &b->pv[i], io->in[i]), still = STILL * real_abs(b->pv[i].span);
+        bool is_worse = real_abs(y - b->said[i]) > real_abs(y - b->before[i]) + still;
+        b->worse[i] += ((is_worse ? ONE : ZERO) - b->worse[i]) / (real_t)WATCHED;
+        doubts = doubts || b->worse[i] > b->doubt;
+    }
+    for (unsigned i = 0; i < b->loops; i++)
+        b->before[i] = place_si(b, &b->pv[i], io->in[i]);
+    if (b->has_said && b->watched < WATCHED)
+        b->watched++;
+    return doubts && b->doubt > ZERO && b->watched == WATCHED;
+}
+
 /* The MVs in effect, within their spans. */
 static void take_applied(struct ahead *b, const struct block_io *io)
 {
@@ -360,6 +391,11 @@ static void ahead_step(void *state, struct block_io *io)
     }
     enum err err = b->observed ? ERR_OK : observe(b, io);
     b->observed = false;
+    if (is_in_doubt(b, io)) {
+        begin_to_watch(b);
+        io->gives_up = "model";
+        return;
+    }
     if (!err) {
         take_applied(b, io);
         take_misses(b, io, asked);
@@ -419,6 +455,7 @@ static void ahead_follow(void *state, struct block_io *io)
     real_t asked[AHEAD_LOOPS];
     ahead_model_stands_here(&b->m, numbers_of(b));
     b->has_said = b->holds_next = false;
+    begin_to_watch(b);
     enum err err = find_column(b, io);
     b->observed = !err;
     take_applied(b, io);

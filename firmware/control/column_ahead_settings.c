@@ -37,6 +37,10 @@ const struct block_parameter ahead_parameters[AHEAD_PARAMETERS] = {
      AHEAD_MOLE},
     {13, BLOCK_U16, AT(parts), 1, 1, "parts", "-", "of an interval, each a step of the model", 1,
      16, 3},
+    {14, BLOCK_FLOAT, AT(doubt), 1, 1, "doubt", "-",
+     "part of the last steps in which a PV was farther from its prediction than from where it was: "
+     "above it, it gives up; 0: never",
+     0, 1, 0.4f},
 };
 
 static enum err refuse_ahead(struct block_fault *fault, unsigned member, const char *field,

@@ -275,6 +275,47 @@ static void after_a_failure_it_begins_anew(void)
     TEST_ASSERT_TRUE(isfinite(mv[TOP]));
 }
 
+/* Twice the heat that there is, for the model: its predictions miss whatever it does. */
+static void a_model_that_is_of_no_use_is_given_up(void)
+{
+    settings.si[IN_HEAT][AHEAD_FACTOR] = 2000;
+    begin();
+    ask_for(at_top() + 0.5, at_bottom() - 2);
+    bool given_up = false;
+    for (unsigned k = 0; k < 200 && !given_up; k++) {
+        if (k % 40 == 39)
+            ask_for(at_top() + (k % 80 == 79 ? 0.5 : -0.5), at_bottom());
+        measure();
+        kind->step(state, &io);
+        given_up = io.gives_up != NULL;
+        if (!given_up) {
+            apply();
+            plant_runs((double)INTERVAL_S);
+        }
+    }
+    TEST_ASSERT_TRUE(given_up);
+    TEST_ASSERT_EQUAL_STRING("model", io.gives_up);
+}
+
+static void where_it_shall_not_doubt_it_goes_on(void)
+{
+    settings.si[IN_HEAT][AHEAD_FACTOR] = 2000;
+    settings.doubt = 0;
+    begin();
+    ask_for(at_top() + 0.5, at_bottom() - 2);
+    ticks(200);
+}
+
+static void a_model_that_is_right_is_not_in_doubt(void)
+{
+    begin();
+    for (unsigned k = 0; k < 8; k++) {
+        ask_for(at_top() + (k % 2 ? 0.3 : -0.3), at_bottom() + (k % 3 ? 1.0 : -2.0));
+        ticks(25);
+        TEST_ASSERT_TRUE(shown("doubt_1") < 0.2f && shown("doubt_2") < 0.2f);
+    }
+}
+
 static void values_are_shown_by_name(void)
 {
     begin();
@@ -322,6 +363,9 @@ int main(void)
     RUN_TEST(it_gives_up_where_the_mv_of_an_input_is_not_that_of_the_loop);
     RUN_TEST(a_column_without_a_solution_makes_it_give_up);
     RUN_TEST(after_a_failure_it_begins_anew);
+    RUN_TEST(a_model_that_is_of_no_use_is_given_up);
+    RUN_TEST(where_it_shall_not_doubt_it_goes_on);
+    RUN_TEST(a_model_that_is_right_is_not_in_doubt);
     RUN_TEST(values_are_shown_by_name);
     RUN_TEST(it_may_be_moved_to_another_place);
     return UNITY_END();

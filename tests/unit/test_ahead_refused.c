@@ -40,6 +40,7 @@ static void its_parameters_are_those_that_boards_have_stored(void)
         {"trust", 11, 1, 1, NULL},
         {"basis", 12, 1, 1, "mole|mass"},
         {"parts", 13, 1, 1, NULL},
+        {"doubt", 14, 1, 1, NULL},
     };
     TEST_ASSERT_EQUAL(sizeof page / sizeof page[0], kind->parameters);
     for (unsigned i = 0; i < kind->parameters; i++) {
