@@ -328,30 +328,38 @@ static enum err hold_outputs(struct ahead *b, const real_t *asked)
     return err;
 }
 
-/* False: no MVs would do it. */
-static enum err find_outputs(struct ahead *b, const real_t *asked, bool *found)
+/* Moves law.u from where y[] is predicted; said[] is what is then predicted. False: no MV does anything. */
+static bool take_turn(struct ahead *b, const real_t *asked, const real_t *y)
 {
-    real_t y[AHEAD_LOOPS], e[AHEAD_LOOPS], before[AHEAD_LOOPS];
-    enum err err = predict_pvs(b, b->law.u, y);
-    real_t first[AHEAD_LOOPS];
-    memcpy(first, y, sizeof first);
-    if (!err)
-        err = find_b(b, first);
-    *found = true;
-    for (unsigned turn = 0; !err && *found && turn < TURNS; turn++) {
-        if (turn > 0)
-            err = predict_pvs(b, b->law.u, y);
-        for (unsigned i = 0; i < b->loops; i++)
-            e[i] = (asked[i] - b->missed[i] - y[i]) / b->pv[i].span;
-        memcpy(before, b->law.u, sizeof before);
-        *found = !err && ahead_law_solve(&b->law, e);
+    real_t e[AHEAD_LOOPS] = {ZERO}, before[AHEAD_LOOPS] = {ZERO};
+    for (unsigned i = 0; i < b->loops; i++) {
+        e[i] = (asked[i] - b->missed[i] - y[i]) / b->pv[i].span;
+        before[i] = b->law.u[i];
     }
+    if (!ahead_law_solve(&b->law, e))
+        return false;
     for (unsigned i = 0; i < b->loops; i++) {
         b->said[i] = y[i] + b->missed[i];
         for (unsigned j = 0; j < b->loops; j++)
             b->said[i] += b->pv[i].span * b->law.b[i][j] * (b->law.u[j] - before[j]);
     }
-    return err;
+    return true;
+}
+
+/* found: some MV does something. */
+static enum err find_outputs(struct ahead *b, const real_t *asked, bool *found)
+{
+    real_t y[AHEAD_LOOPS] = {ZERO};
+    *found = true;
+    for (unsigned turn = 0; *found && turn < TURNS; turn++) {
+        enum err err = predict_pvs(b, b->law.u, y);
+        if (!err && turn == 0)
+            err = find_b(b, y);
+        if (err)
+            return err;
+        *found = take_turn(b, asked, y);
+    }
+    return ERR_OK;
 }
 
 /* ---- steps ---- */

@@ -68,13 +68,15 @@ static void each_loop_goes_to_its_setpoint_as_its_time_constant_says(void)
     begin();
     double top = at_top(), bottom = at_bottom(), pole = exp(-30.0 / 60);
     ask_for(top + 0.3, bottom);
-    for (double left = pole; left > 0.01; left *= pole) {
+    for (unsigned k = 1; k <= 9; k++) {
+        double left = pow(pole, k);
         tick();
         TEST_ASSERT_DOUBLE_WITHIN(0.03, top + 0.3 * (1 - left), at_top());
         TEST_ASSERT_DOUBLE_WITHIN(0.3, bottom, at_bottom());
     }
     ask_for(top + 0.3, bottom - 1.5);
-    for (double left = pole; left > 0.01; left *= pole) {
+    for (unsigned k = 1; k <= 9; k++) {
+        double left = pow(pole, k);
         tick();
         TEST_ASSERT_DOUBLE_WITHIN(0.03, top + 0.3, at_top());
         TEST_ASSERT_DOUBLE_WITHIN(0.15, bottom - 1.5 * (1 - left), at_bottom());

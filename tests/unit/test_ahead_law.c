@@ -54,14 +54,14 @@ static void outputs_are_taken_where_they_are_asked_to_be(void)
     for (int k = 0; k < CASES; k++) {
         struct ahead_law law;
         int n = 1 + k % 4;
-        real_t e[4], first[4];
+        real_t e[4] = {0}, first[4];
         draw(&law, n, 1.5);
         for (int i = 0; i < n; i++)
             e[i] = (real_t)(0.1 * drawn());
         memcpy(first, law.u, sizeof first);
         TEST_ASSERT_TRUE(ahead_law_solve(&law, e));
         worst = fmax(worst, sqrt(left_over(&law, first, e)) / 0.1);
-        real_t rest[4];
+        real_t rest[4] = {0};
         for (int i = 0; i < n; i++) {
             double left = (double)e[i];
             for (int j = 0; j < n; j++)
@@ -84,7 +84,7 @@ static void loops_whose_inputs_are_not_at_a_limit_come_to_where_they_are_asked_t
     for (int k = 0; k < CASES; k++) {
         struct ahead_law law;
         int n = 2 + k % 3;
-        real_t e[4], first[4];
+        real_t e[4] = {0}, first[4];
         draw(&law, n, 1.5);
         for (int i = 0; i < n; i++) {
             e[i] = (real_t)(0.9 * drawn());
