@@ -390,7 +390,7 @@ static uint16_t ahead_history(const struct block_setup *setup)
 static void ahead_step(void *state, struct block_io *io)
 {
     struct ahead *b = state;
-    real_t asked[AHEAD_LOOPS];
+    real_t asked[AHEAD_LOOPS] = {ZERO};
     bool found = true;
     ahead_model_stands_here(&b->m, numbers_of(b));
     if (has_other_mv(b, io)) {
@@ -460,7 +460,7 @@ static void ahead_back_calculate(void *state, struct block_io *io)
 static void ahead_follow(void *state, struct block_io *io)
 {
     struct ahead *b = state;
-    real_t asked[AHEAD_LOOPS];
+    real_t asked[AHEAD_LOOPS] = {ZERO};
     ahead_model_stands_here(&b->m, numbers_of(b));
     b->has_said = b->holds_next = false;
     begin_to_watch(b);
