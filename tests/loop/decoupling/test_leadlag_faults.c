@@ -15,20 +15,6 @@ void tearDown(void)
     plant_power_off();
 }
 
-static bool loop_is(const char *loop, const char *mode)
-{
-    char text[40];
-    ask_ok("loop");
-    snprintf(text, sizeof text, "%s %s ", loop, mode);
-    return said(text);
-}
-
-static bool events_say(const char *text)
-{
-    ask_ok("events");
-    return said(text);
-}
-
 /* What the disturbance calls for at rest: of u1 -0.4015, of u2 0.3212 for each unit of it. */
 static const char *const element[] = {"begin",
                                       "set block1.kind -",
