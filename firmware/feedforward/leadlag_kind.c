@@ -143,6 +143,11 @@ static uint32_t leadlag_bytes(const struct block_setup *setup)
     return (uint32_t)((bytes + 7u) & ~(size_t)7u);
 }
 
+static bool is_same_number(float a, float b)
+{
+    return a <= b && a >= b;
+}
+
 /* Whether only gains, leads and lags are other ones: then what is under way goes on. */
 static bool has_same_terms(const struct leadlag *s, const struct block_setup *setup)
 {
@@ -152,10 +157,9 @@ static bool has_same_terms(const struct leadlag *s, const struct block_setup *se
         if (!is_term(c, k))
             continue;
         const struct leadlag_term *t = &s->term[n++];
-        float reference = element_of(setup, k).reference;
         if (n > s->terms || t->from + 1u != c->from[k] || t->to + 1u != c->to[k] ||
-            memcmp(&t->dead_s, &c->dead_s[k], sizeof t->dead_s) != 0 ||
-            memcmp(&t->reference, &reference, sizeof reference) != 0)
+            !is_same_number(t->dead_s, c->dead_s[k]) ||
+            !is_same_number(t->reference, element_of(setup, k).reference))
             return false;
     }
     return n == s->terms;

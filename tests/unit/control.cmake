@@ -24,7 +24,7 @@ target_link_libraries(pid_trace PRIVATE reflux_control reflux_feedforward reflux
 target_include_directories(pid_trace PRIVATE "${PROJECT_SOURCE_DIR}/tests/support")
 reflux_test(ratio LABEL unit SOURCES test_ratio.c LIBS reflux_compensate m)
 reflux_test(rst_kind LABEL unit SOURCES test_rst_kind.c LIBS reflux_control)
-foreach(part ahead ahead_law ahead_refused)
+foreach(part ahead ahead_law ahead_model ahead_refused)
   reflux_test(${part} LABEL unit SOURCES test_${part}.c LIBS reflux_control m)
 endforeach()
 reflux_test(state_feedback LABEL unit SOURCES test_state_feedback.c LIBS reflux_control)

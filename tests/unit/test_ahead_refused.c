@@ -23,24 +23,25 @@ static void its_parameters_are_those_that_boards_have_stored(void)
     static const struct {
         const char *name;
         unsigned id, rows, cols;
+        float lo, hi, initial;
         const char *words;
     } page[] = {
-        {"column", 1, 1, 1, NULL},
-        {"is", 2, 12, 1,
+        {"column", 1, 1, 1, 0, 4, 0, NULL},
+        {"is", 2, 12, 1, 0, 0, 0,
          "temperature|fraction|feed_fraction|feed|feed_temperature|feed_quality|reflux|heat|boilup|"
          "pressure"},
-        {"place", 3, 12, 2, NULL},
-        {"si", 4, 12, 2, NULL},
-        {"moves", 5, 1, 4, NULL},
-        {"target", 6, 4, 2, NULL},
-        {"pv_si", 7, 4, 2, NULL},
-        {"tau", 8, 1, 4, NULL},
-        {"miss", 9, 1, 1, NULL},
-        {"far", 10, 1, 4, NULL},
-        {"trust", 11, 1, 1, NULL},
-        {"basis", 12, 1, 1, "mole|mass"},
-        {"parts", 13, 1, 1, NULL},
-        {"doubt", 14, 1, 1, NULL},
+        {"place", 3, 12, 2, 0, 200, 0, NULL},
+        {"si", 4, 12, 2, -1e9f, 1e9f, 0, NULL},
+        {"moves", 5, 1, 4, 0, 12, 0, NULL},
+        {"target", 6, 4, 2, 0, 200, 0, NULL},
+        {"pv_si", 7, 4, 2, -1e9f, 1e9f, 0, NULL},
+        {"tau", 8, 1, 4, 0, 1e6f, 0, NULL},
+        {"miss", 9, 1, 1, 0, 1e6f, 0, NULL},
+        {"far", 10, 1, 4, 0, 1e6f, 0, NULL},
+        {"trust", 11, 1, 1, 0.01f, 1, 1, NULL},
+        {"basis", 12, 1, 1, 0, 0, 0, "mole|mass"},
+        {"parts", 13, 1, 1, 1, 16, 3, NULL},
+        {"doubt", 14, 1, 1, 0, 1, 0.4f, NULL},
     };
     TEST_ASSERT_EQUAL(sizeof page / sizeof page[0], kind->parameters);
     for (unsigned i = 0; i < kind->parameters; i++) {
@@ -49,8 +50,13 @@ static void its_parameters_are_those_that_boards_have_stored(void)
         TEST_ASSERT_EQUAL_MESSAGE(page[i].id, p->id, p->name);
         TEST_ASSERT_EQUAL_MESSAGE(page[i].rows, p->rows, p->name);
         TEST_ASSERT_EQUAL_MESSAGE(page[i].cols, p->cols, p->name);
-        if (page[i].words)
+        TEST_ASSERT_EQUAL_FLOAT(page[i].initial, p->initial);
+        if (page[i].words) {
             TEST_ASSERT_EQUAL_STRING(page[i].words, p->unit);
+            continue;
+        }
+        TEST_ASSERT_EQUAL_FLOAT(page[i].lo, p->lo);
+        TEST_ASSERT_EQUAL_FLOAT(page[i].hi, p->hi);
     }
 }
 
