@@ -8,8 +8,8 @@
  * carried one interval on from where it is now, and B*, by how much each MV moves each y(k + 1), is found anew in every step.
  *
  * Where the column is now: its model, corrected at the places that inputs tell of, measured or estimated. What the last prediction missed is
- * added to the next, a part of it in each step; that is the integral. An MV that was limited in the last step is left where it was, and the
- * other loops' MVs do what is left in the sense of least squares. docs/state-decoupling.md */
+ * added to the next, a part of it in each step; that is the integral. Where an MV is limited its loop gives way alone, and the others
+ * come to their setpoints all the same. docs/state-decoupling.md */
 #ifndef REFLUX_CONTROL_COLUMN_AHEAD_H
 #define REFLUX_CONTROL_COLUMN_AHEAD_H
 
@@ -21,10 +21,10 @@
 
 /* What an input is of the column. */
 enum ahead_input {
-    AHEAD_TEMPERATURE, /* of a stage */
-    AHEAD_FRACTION,    /* of a component on a stage */
-    AHEAD_FEED,
+    AHEAD_TEMPERATURE,   /* of a stage */
+    AHEAD_FRACTION,      /* of a component on a stage */
     AHEAD_FEED_FRACTION, /* of a component in the feed */
+    AHEAD_FEED,          /* from here on in the order of enum column_drive */
     AHEAD_FEED_TEMPERATURE,
     AHEAD_FEED_QUALITY,
     AHEAD_REFLUX,
@@ -43,6 +43,8 @@ struct ahead_settings {
     float tau_s[AHEAD_LOOPS]; /* time constant of the closed loop */
     float far[AHEAD_LOOPS];   /* EU of the PV: alarm, the prediction is off by more; 0: none */
     float miss_s;             /* time in which a miss is believed; 0: at once */
+    float
+        doubt; /* part of steps in which it would have been better to expect no change, above which it gives up; 0: never */
     float trust; /* part of what an input says more than the model that it takes in a step */
     float si[BLOCK_INPUTS_MAX][AHEAD_UNIT];
     float pv_si[AHEAD_LOOPS][AHEAD_UNIT];

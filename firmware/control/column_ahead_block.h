@@ -7,7 +7,7 @@
 
 #if CONFIG_BLOCKS
 
-#define AHEAD_PARAMETERS 13
+#define AHEAD_PARAMETERS 14
 extern const struct block_parameter ahead_parameters[AHEAD_PARAMETERS];
 
 /* What a signal is of the column: value in SI units = zero + span * fraction. */
@@ -34,12 +34,22 @@ struct ahead {
     real_t bias[AHEAD_LOOPS];   /* SI: PV less what the model has at its place */
     real_t missed[AHEAD_LOOPS]; /* SI, added to predictions */
     real_t said[AHEAD_LOOPS];   /* SI: the PV in the next step, as the last one predicted it */
-    real_t apart[AHEAD_LOOPS];  /* fraction of span: MV in effect less the loop's output */
+    real_t before[AHEAD_LOOPS]; /* SI: the PV in the last step */
+    real_t worse
+        [AHEAD_LOOPS]; /* part of steps in which no change would have been the better prediction */
+    real_t doubt;
+    uint16_t watched;          /* steps in them; saturates */
+    real_t apart[AHEAD_LOOPS]; /* fraction of span: MV in effect less the loop's output */
     num_t given[AHEAD_LOOPS];
     bool observed;   /* in this step, by follow */
     bool has_said;   /* there is a prediction */
     bool holds_next; /* the next step gives what is in effect: new settings */
 };
+
+static inline bool ahead_is_of_stage(uint8_t is)
+{
+    return is == AHEAD_TEMPERATURE || is == AHEAD_FRACTION;
+}
 
 MUST_CHECK enum err ahead_check(const struct block_setup *setup, struct block_fault *fault);
 const char *ahead_describe(const void *state, size_t i, float *value);

@@ -9,10 +9,16 @@
 
 /* Part of an MV's span by which it is moved to see what it does. */
 #define TRIED REAL_C(0.02)
-/* From the point of the last step, the model is corrected once; from one that nobody knows, so often. */
-#define CORRECTIONS_AT_BEGIN 4
+/* Before it begins, nobody knows where the model is: it is corrected so often, and carried on in between, so that stages that nothing is
+ * said of come to stand with the others. */
+#define ROUNDS 8
 /* A second turn takes out what B* misses of a large move. */
 #define TURNS 2
+
+/* Steps over which it is counted whether predictions are of any use, and by how much a prediction has to be the worse one to count as that,
+ * fraction of span: below it there is noise. */
+#define WATCHED 40u
+#define STILL   REAL_C(1e-3)
 
 enum { EVENT_FAR, AHEAD_EVENTS };
 
@@ -35,15 +41,10 @@ static real_t *numbers_of(struct ahead *b)
 
 /* ---- settings ---- */
 
-static real_t factor_or_1(real_t factor)
-{
-    return factor < ZERO || factor > ZERO ? factor : ONE;
-}
-
 static struct ahead_place place_of(const struct block_signal *signal, const float unit[AHEAD_UNIT],
                                    uint8_t is, const uint16_t place[AHEAD_PLACE])
 {
-    real_t factor = factor_or_1(unit[AHEAD_FACTOR]);
+    real_t factor = column_drive_factor(unit[AHEAD_FACTOR]);
     return (struct ahead_place){
         .zero = factor * signal->lo + unit[AHEAD_ZERO],
         .span = factor * (signal->hi - signal->lo),
@@ -102,6 +103,7 @@ static enum err ahead_configure(void *state, const struct block_setup *setup, bo
     b->inputs = setup->inputs;
     b->basis = s->basis;
     b->trust = s->trust;
+    b->doubt = s->doubt;
     memcpy(b->input, input, sizeof b->input);
     memcpy(b->pv, pv, sizeof b->pv);
     b->m.parts = s->parts;
@@ -136,19 +138,27 @@ static real_t target_of(const struct ahead *b, unsigned i, const real_t *x)
                              b->pv[i].component);
 }
 
+static void take_drive(const struct ahead *b, struct column_inputs *inputs,
+                       const struct ahead_place *place, real_t fraction)
+{
+    real_t value = place->zero + place->span * fraction;
+    if (place->is == AHEAD_FEED_FRACTION)
+        ahead_model_take_fraction(inputs, b->m.table.config.components, place->component, value);
+    else if (place->is >= AHEAD_FEED)
+        column_drive_take(&b->m.table, inputs, (enum column_drive)(place->is - AHEAD_FEED), value);
+}
+
 /* The column's inputs with the MVs of the loops where u[loops] has them. */
-static void drive(struct ahead *b, const real_t *u, struct column_inputs *inputs)
+static void drive_by(const struct ahead *b, const real_t *u, struct column_inputs *inputs)
 {
     *inputs = b->m.inputs;
-    for (unsigned j = 0; j < b->loops; j++) {
-        const struct ahead_place *mv = &b->input[b->mv[j]];
-        ahead_model_take(&b->m, inputs, (enum ahead_input)mv->is, 0, mv->zero + mv->span * u[j]);
-    }
+    for (unsigned j = 0; j < b->loops; j++)
+        take_drive(b, inputs, &b->input[b->mv[j]], u[j]);
 }
 
 /* ---- where the column is ---- */
 
-static void insert(struct ahead_said *said, size_t *n, struct ahead_said one)
+static void insert_said(struct ahead_said *said, size_t *n, struct ahead_said one)
 {
     size_t at = *n;
     for (size_t k = 0; k < *n; k++)
@@ -158,11 +168,6 @@ static void insert(struct ahead_said *said, size_t *n, struct ahead_said one)
         said[at] = said[at - 1];
     said[at] = one;
     ++*n;
-}
-
-static bool is_of_stage(const struct ahead_place *place)
-{
-    return place->is == AHEAD_TEMPERATURE || place->is == AHEAD_FRACTION;
 }
 
 static struct ahead_said said_by(const struct ahead *b, const struct ahead_place *place,
@@ -178,10 +183,10 @@ static size_t gather_said(const struct ahead *b, const struct block_io *io, stru
 {
     size_t n = 0;
     for (unsigned k = 0; k < b->inputs; k++)
-        if (is_of_stage(&b->input[k]))
-            insert(said, &n, said_by(b, &b->input[k], io->input[k]));
+        if (ahead_is_of_stage(b->input[k].is))
+            insert_said(said, &n, said_by(b, &b->input[k], io->input[k]));
     for (unsigned i = 0; i < b->loops; i++)
-        insert(said, &n, said_by(b, &b->pv[i], io->in[i]));
+        insert_said(said, &n, said_by(b, &b->pv[i], io->in[i]));
     return n;
 }
 
@@ -189,22 +194,34 @@ static size_t gather_said(const struct ahead *b, const struct block_io *io, stru
 static void take_drives(struct ahead *b, const struct block_io *io)
 {
     for (unsigned k = 0; k < b->inputs; k++)
-        ahead_model_take(&b->m, &b->m.inputs, (enum ahead_input)b->input[k].is,
-                         b->input[k].component,
-                         b->input[k].zero + b->input[k].span * num_to_float(io->input[k]));
+        take_drive(b, &b->m.inputs, &b->input[k], num_to_float(io->input[k]));
 }
 
-/* Where the column is. carried: an interval is over since the last time. */
-static enum err observe(struct ahead *b, const struct block_io *io, bool carried)
+/* What is said of the column now. */
+static enum err correct(struct ahead *b, const struct block_io *io, real_t trust)
 {
     struct ahead_said said[AHEAD_SAID_MOST];
-    enum err err = ERR_OK;
+    size_t n = gather_said(b, io, said);
+    return ahead_model_correct(&b->m, said, n, trust);
+}
+
+/* Where the column is, an interval after the last time. */
+static enum err observe(struct ahead *b, const struct block_io *io)
+{
     take_drives(b, io);
-    if (carried)
+    enum err err = ahead_model_carry(&b->m, &b->m.inputs);
+    return err ? err : correct(b, io, b->trust);
+}
+
+/* The same, from wherever the model was. */
+static enum err find_column(struct ahead *b, const struct block_io *io)
+{
+    take_drives(b, io);
+    enum err err = correct(b, io, ONE);
+    for (unsigned k = 0; !err && k < ROUNDS; k++) {
         err = ahead_model_carry(&b->m, &b->m.inputs);
-    for (unsigned k = 0; !err && k < (carried ? 1u : CORRECTIONS_AT_BEGIN); k++) {
-        size_t n = gather_said(b, io, said);
-        err = ahead_model_correct(&b->m, said, n, carried ? b->trust : ONE);
+        if (!err)
+            err = correct(b, io, ONE);
     }
     return err;
 }
@@ -212,10 +229,10 @@ static enum err observe(struct ahead *b, const struct block_io *io, bool carried
 /* ---- the law ---- */
 
 /* y[] an interval later under u[], without what predictions miss. */
-static enum err predict(struct ahead *b, const real_t *u, real_t *y)
+static enum err predict_pvs(struct ahead *b, const real_t *u, real_t *y)
 {
     struct column_inputs inputs;
-    drive(b, u, &inputs);
+    drive_by(b, u, &inputs);
     enum err err = ahead_model_predict(&b->m, &inputs);
     for (unsigned i = 0; !err && i < b->loops; i++)
         y[i] = target_of(b, i, b->m.later);
@@ -231,7 +248,7 @@ static enum err find_b(struct ahead *b, const real_t *y)
         memcpy(u, b->law.u, sizeof u);
         real_t move = u[j] > REAL_C(0.5) ? -TRIED : TRIED;
         u[j] += move;
-        err = predict(b, u, there);
+        err = predict_pvs(b, u, there);
         for (unsigned i = 0; !err && i < b->loops; i++)
             b->law.b[i][j] = (there[i] - y[i]) / (b->pv[i].span * move);
     }
@@ -239,7 +256,7 @@ static enum err find_b(struct ahead *b, const real_t *y)
 }
 
 /* What loop i is to be an interval later. */
-static real_t asked_of(const struct ahead *b, const struct block_io *io, unsigned i)
+static real_t ahead_asked(const struct ahead *b, const struct block_io *io, unsigned i)
 {
     real_t now = target_of(b, i, b->m.x) + b->bias[i];
     real_t w = io->acting & (1u << i) ? place_si(b, &b->pv[i], io->setpoint[i]) : now;
@@ -263,8 +280,33 @@ static void take_misses(struct ahead *b, struct block_io *io, real_t *asked)
         } else {
             b->bias[i] = off;
         }
-        asked[i] = asked_of(b, io, i);
+        asked[i] = ahead_asked(b, io, i);
     }
+}
+
+static void begin_to_watch(struct ahead *b)
+{
+    b->watched = 0;
+    for (unsigned i = 0; i < AHEAD_LOOPS; i++)
+        b->worse[i] = ZERO;
+}
+
+/* Whether a model that is wrong in sign, unit or place, or MVs that are slow, make predictions useless: so often it would have been
+ * better to expect no change. */
+static bool is_in_doubt(struct ahead *b, const struct block_io *io)
+{
+    bool doubts = false;
+    for (unsigned i = 0; i < b->loops && b->has_said; i++) {
+        real_t y = place_si(b, &b->pv[i], io->in[i]), still = STILL * real_abs(b->pv[i].span);
+        bool is_worse = real_abs(y - b->said[i]) > real_abs(y - b->before[i]) + still;
+        b->worse[i] += ((is_worse ? ONE : ZERO) - b->worse[i]) / (real_t)WATCHED;
+        doubts = doubts || b->worse[i] > b->doubt;
+    }
+    for (unsigned i = 0; i < b->loops; i++)
+        b->before[i] = place_si(b, &b->pv[i], io->in[i]);
+    if (b->has_said && b->watched < WATCHED)
+        b->watched++;
+    return doubts && b->doubt > ZERO && b->watched == WATCHED;
 }
 
 /* The MVs in effect, within their spans. */
@@ -277,46 +319,56 @@ static void take_applied(struct ahead *b, const struct block_io *io)
 }
 
 /* Predictions are such that what is in effect is what is asked for. */
-static enum err hold(struct ahead *b, const real_t *asked)
+static enum err hold_outputs(struct ahead *b, const real_t *asked)
 {
     real_t y[AHEAD_LOOPS];
-    enum err err = predict(b, b->law.u, y);
+    enum err err = predict_pvs(b, b->law.u, y);
     for (unsigned i = 0; !err && i < b->loops; i++)
         b->missed[i] = asked[i] - y[i];
     return err;
 }
 
-/* False: no MVs would do it. */
-static enum err find_outputs(struct ahead *b, const real_t *asked, bool *found)
+/* Moves law.u from where y[] is predicted; said[] is what is then predicted. False: no MV does anything. */
+static bool take_turn(struct ahead *b, const real_t *asked, const real_t *y)
 {
-    real_t y[AHEAD_LOOPS], e[AHEAD_LOOPS], before[AHEAD_LOOPS];
-    enum err err = predict(b, b->law.u, y);
-    real_t first[AHEAD_LOOPS];
-    memcpy(first, y, sizeof first);
-    if (!err)
-        err = find_b(b, first);
-    *found = true;
-    for (unsigned turn = 0; !err && *found && turn < TURNS; turn++) {
-        if (turn > 0)
-            err = predict(b, b->law.u, y);
-        for (unsigned i = 0; i < b->loops; i++)
-            e[i] = (asked[i] - b->missed[i] - y[i]) / b->pv[i].span;
-        memcpy(before, b->law.u, sizeof before);
-        *found = !err && ahead_law_solve(&b->law, e);
+    real_t e[AHEAD_LOOPS] = {ZERO}, before[AHEAD_LOOPS] = {ZERO};
+    for (unsigned i = 0; i < b->loops; i++) {
+        e[i] = (asked[i] - b->missed[i] - y[i]) / b->pv[i].span;
+        before[i] = b->law.u[i];
     }
+    if (!ahead_law_solve(&b->law, e))
+        return false;
     for (unsigned i = 0; i < b->loops; i++) {
         b->said[i] = y[i] + b->missed[i];
         for (unsigned j = 0; j < b->loops; j++)
             b->said[i] += b->pv[i].span * b->law.b[i][j] * (b->law.u[j] - before[j]);
     }
-    return err;
+    return true;
+}
+
+/* found: some MV does something. */
+static enum err find_outputs(struct ahead *b, const real_t *asked, bool *found)
+{
+    real_t y[AHEAD_LOOPS] = {ZERO};
+    *found = true;
+    for (unsigned turn = 0; *found && turn < TURNS; turn++) {
+        enum err err = predict_pvs(b, b->law.u, y);
+        if (!err && turn == 0)
+            err = find_b(b, y);
+        if (err)
+            return err;
+        *found = take_turn(b, asked, y);
+    }
+    return ERR_OK;
 }
 
 /* ---- steps ---- */
 
-static void give_up(struct block_io *io, enum err err)
+static void ahead_gives_up(struct ahead *b, struct block_io *io, enum err err)
 {
-    io->gives_up = err == ERR_NOT_FINITE ? "no number" : "no solution";
+    b->has_said = b->observed = false;
+    ahead_model_rest(&b->m);
+    io->gives_up = !err ? "no_effect" : err == ERR_NOT_FINITE ? "no_number" : "no_solution";
 }
 
 /* An input that is said to be the loop's MV is another one. */
@@ -338,31 +390,32 @@ static uint16_t ahead_history(const struct block_setup *setup)
 static void ahead_step(void *state, struct block_io *io)
 {
     struct ahead *b = state;
-    real_t asked[AHEAD_LOOPS];
+    real_t asked[AHEAD_LOOPS] = {ZERO};
     bool found = true;
     ahead_model_stands_here(&b->m, numbers_of(b));
     if (has_other_mv(b, io)) {
-        io->gives_up = "moves another MV";
+        io->gives_up = "other_mv";
         return;
     }
-    enum err err = b->observed ? ERR_OK : observe(b, io, true);
+    enum err err = b->observed ? ERR_OK : observe(b, io);
     b->observed = false;
+    if (is_in_doubt(b, io)) {
+        begin_to_watch(b);
+        io->gives_up = "model";
+        return;
+    }
     if (!err) {
         take_applied(b, io);
         take_misses(b, io, asked);
     }
     b->law.acting = io->acting;
     if (!err && b->holds_next)
-        err = hold(b, asked);
+        err = hold_outputs(b, asked);
     b->holds_next = false;
     if (!err)
         err = find_outputs(b, asked, &found);
     if (err || !found) {
-        b->has_said = false;
-        if (err)
-            give_up(io, err);
-        else
-            io->gives_up = "singular";
+        ahead_gives_up(b, io, err);
         return;
     }
     b->has_said = true;
@@ -407,10 +460,11 @@ static void ahead_back_calculate(void *state, struct block_io *io)
 static void ahead_follow(void *state, struct block_io *io)
 {
     struct ahead *b = state;
-    real_t asked[AHEAD_LOOPS];
+    real_t asked[AHEAD_LOOPS] = {ZERO};
     ahead_model_stands_here(&b->m, numbers_of(b));
     b->has_said = b->holds_next = false;
-    enum err err = observe(b, io, false);
+    begin_to_watch(b);
+    enum err err = find_column(b, io);
     b->observed = !err;
     take_applied(b, io);
     for (unsigned j = 0; j < b->loops; j++) {
@@ -421,10 +475,10 @@ static void ahead_follow(void *state, struct block_io *io)
     }
     if (!err) {
         take_misses(b, io, asked);
-        err = hold(b, asked);
+        err = hold_outputs(b, asked);
     }
     if (err)
-        give_up(io, err);
+        ahead_gives_up(b, io, err);
 }
 
 static const struct block_event ahead_events[AHEAD_EVENTS] = {

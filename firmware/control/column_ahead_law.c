@@ -36,29 +36,28 @@ static real_t square_of_largest(const struct ahead_law *law)
     return most * most;
 }
 
-/* move[] of the inputs in `moving` for the outputs in `counting`, by normal equations. */
-static bool move_by(const struct ahead_law *law, uint8_t counting, uint8_t moving, const real_t *e,
-                    real_t *move)
+/* move[] of the inputs in `moving` for as many outputs, by normal equations. */
+static bool move_by(const struct ahead_law *law, uint8_t moving, const real_t *e, real_t *move)
 {
-    uint8_t row[AHEAD_LOOPS], col[AHEAD_LOOPS];
+    uint8_t member[AHEAD_LOOPS];
     real_t rows[AHEAD_LOOPS * WIDTH];
-    size_t outputs = members_of(counting, law->n, row), inputs = members_of(moving, law->n, col);
+    size_t n = members_of(moving, law->n, member);
     real_t damping = DAMPING * DAMPING * square_of_largest(law);
-    for (size_t i = 0; i < inputs; i++) {
+    for (size_t i = 0; i < n; i++) {
         real_t *here = &rows[i * WIDTH];
-        for (size_t j = 0; j <= inputs; j++)
+        for (size_t j = 0; j <= n; j++)
             here[j] = j == i ? damping : ZERO;
-        for (size_t k = 0; k < outputs; k++) {
-            const real_t *b = law->b[row[k]];
-            for (size_t j = 0; j < inputs; j++)
-                here[j] += b[col[i]] * b[col[j]];
-            here[inputs] += b[col[i]] * e[row[k]];
+        for (size_t k = 0; k < n; k++) {
+            const real_t *b = law->b[member[k]];
+            for (size_t j = 0; j < n; j++)
+                here[j] += b[member[i]] * b[member[j]];
+            here[n] += b[member[i]] * e[member[k]];
         }
     }
-    if (!solve_small(inputs, inputs + 1, WIDTH, rows))
+    if (!solve_small(n, n + 1, WIDTH, rows))
         return false;
-    for (size_t i = 0; i < inputs; i++)
-        move[col[i]] = rows[i * WIDTH + inputs];
+    for (size_t i = 0; i < n; i++)
+        move[member[i]] = rows[i * WIDTH + n];
     return true;
 }
 
@@ -89,7 +88,7 @@ bool ahead_law_solve(struct ahead_law *law, const real_t *e)
     for (unsigned i = 0; i < law->n; i++)
         left[i] = e[i];
     while (moving) { /* one input less in each turn */
-        if (!move_by(law, law->acting, moving, left, move))
+        if (!move_by(law, moving, left, move))
             return false;
         uint8_t j = farthest_beyond(law, moving, move, &limit);
         if (j == law->n)

@@ -1,4 +1,5 @@
-/* Which inputs take n outputs where they are asked to be, some of them at a limit. All numbers are fractions of span. Within control. */
+/* Which inputs take n outputs where they are asked to be. Where an input is at a limit its loop gives way alone: the others come to where they
+ * are asked to be all the same. All numbers are fractions of span. Within control. */
 #ifndef REFLUX_CONTROL_COLUMN_AHEAD_LAW_H
 #define REFLUX_CONTROL_COLUMN_AHEAD_LAW_H
 
@@ -17,8 +18,7 @@ struct ahead_law {
         [AHEAD_LOOPS]; /* given: of an input at a limit beyond it, what would have been right */
 };
 
-/* Moves u by what takes the outputs by e[n]: those of acting inputs exactly where no input is at a limit; otherwise the inputs that are left
- * make the sum of squares of what is left the least. False: no input does anything, or no number. */
+/* Moves u by what takes the outputs by e[n], those of inputs that are not at a limit. False: no input does anything, or no number. */
 MUST_CHECK bool ahead_law_solve(struct ahead_law *law, const real_t *e);
 
 #endif

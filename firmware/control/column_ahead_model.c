@@ -15,11 +15,6 @@
 /* Mole fractions are not taken to be nearer to their ends. */
 #define LEAST REAL_C(1e-6)
 
-static real_t kept_between(real_t x, real_t lo, real_t hi)
-{
-    return x < lo ? lo : x > hi ? hi : x;
-}
-
 size_t ahead_model_numbers(size_t stages, size_t components)
 {
     size_t m = components - 1;
@@ -35,6 +30,16 @@ static void place_numbers(struct ahead_model *m, real_t *numbers)
     m->transition.of = numbers + 3 * n;
 }
 
+void ahead_model_rest(struct ahead_model *m)
+{
+    m->column.warm = false;
+    for (size_t i = 0; i < m->column.n_fractions; i++)
+        m->x[i] = m->table.profile[i];
+    for (size_t s = 0; s < m->table.config.stages; s++)
+        m->column.temperature[s] =
+            (m->table.config.temperature_min + m->table.config.temperature_max) / TWO;
+}
+
 enum err ahead_model_begin(struct ahead_model *m, const struct column_record *record,
                            real_t *numbers)
 {
@@ -46,11 +51,7 @@ enum err ahead_model_begin(struct ahead_model *m, const struct column_record *re
         return err;
     place_numbers(m, numbers);
     m->inputs = m->table.nominal;
-    for (size_t i = 0; i < m->column.n_fractions; i++)
-        m->x[i] = m->table.profile[i];
-    for (size_t s = 0; s < m->table.config.stages; s++)
-        m->column.temperature[s] =
-            (m->table.config.temperature_min + m->table.config.temperature_max) / TWO;
+    ahead_model_rest(m);
     return ERR_OK;
 }
 
@@ -68,62 +69,24 @@ void ahead_model_stands_here(struct ahead_model *m, real_t *numbers)
 /* ---- what drives it ---- */
 
 /* The closing component gives way, then the others in proportion. */
-static void take_feed_fraction(struct ahead_model *m, struct column_inputs *inputs, size_t j,
+void ahead_model_take_fraction(struct column_inputs *inputs, size_t components, size_t j,
                                real_t value)
 {
-    size_t n = m->table.config.components;
     real_t *z = inputs->feed_fraction, rest = ZERO;
-    z[j] = kept_between(value, ZERO, ONE);
-    for (size_t i = 0; i + 1 < n; i++)
+    z[j] = value < ZERO ? ZERO : value > ONE ? ONE : value;
+    for (size_t i = 0; i + 1 < components; i++)
         rest += z[i];
     if (rest > ONE) {
-        for (size_t i = 0; i + 1 < n; i++)
+        for (size_t i = 0; i + 1 < components; i++)
             z[i] /= rest;
         rest = ONE;
     }
-    z[n - 1] = ONE - rest;
-}
-
-void ahead_model_take(struct ahead_model *m, struct column_inputs *inputs, enum ahead_input is,
-                      size_t component, real_t value)
-{
-    const struct column_config *config = &m->table.config;
-    real_t positive = value > ZERO ? value : ZERO;
-    switch (is) {
-    case AHEAD_FEED:
-        inputs->feed_flow = positive;
-        break;
-    case AHEAD_FEED_FRACTION:
-        take_feed_fraction(m, inputs, component, value);
-        break;
-    case AHEAD_FEED_TEMPERATURE:
-        inputs->feed_temperature =
-            kept_between(value, config->temperature_min, config->temperature_max);
-        break;
-    case AHEAD_FEED_QUALITY:
-        inputs->feed_quality = kept_between(value, ZERO, TWO);
-        break;
-    case AHEAD_REFLUX:
-        inputs->reflux_flow = positive;
-        break;
-    case AHEAD_HEAT:
-        inputs->heat = value > m->table.heat_loss ? value - m->table.heat_loss : ZERO;
-        break;
-    case AHEAD_BOILUP:
-        inputs->boilup = positive;
-        break;
-    case AHEAD_PRESSURE: /* half and twice the table's: beyond that its bubble points say nothing */
-        inputs->pressure_top = kept_between(value, m->table.nominal.pressure_top / TWO,
-                                            m->table.nominal.pressure_top * TWO);
-        break;
-    default:
-        break;
-    }
+    z[components - 1] = ONE - rest;
 }
 
 /* ---- where it will be ---- */
 
-static enum err take_inputs(struct ahead_model *m, const struct column_inputs *inputs)
+static enum err tell_inputs(struct ahead_model *m, const struct column_inputs *inputs)
 {
     struct column_fault fault;
     return column_set_inputs(&m->column, inputs, &fault);
@@ -144,9 +107,9 @@ static enum err carry_part(struct ahead_model *m, real_t *x)
     return ERR_OK;
 }
 
-static enum err carry(struct ahead_model *m, const struct column_inputs *inputs, real_t *x)
+static enum err carry_on(struct ahead_model *m, const struct column_inputs *inputs, real_t *x)
 {
-    enum err err = take_inputs(m, inputs);
+    enum err err = tell_inputs(m, inputs);
     for (uint16_t part = 0; !err && part < m->parts; part++)
         err = carry_part(m, x);
     return err;
@@ -155,18 +118,18 @@ static enum err carry(struct ahead_model *m, const struct column_inputs *inputs,
 enum err ahead_model_predict(struct ahead_model *m, const struct column_inputs *inputs)
 {
     memcpy(m->later, m->x, m->column.n_fractions * sizeof(real_t));
-    enum err err = carry(m, inputs, m->later);
+    enum err err = carry_on(m, inputs, m->later);
     return err ? err : column_evaluate(&m->column, m->later);
 }
 
 enum err ahead_model_carry(struct ahead_model *m, const struct column_inputs *inputs)
 {
-    return carry(m, inputs, m->x);
+    return carry_on(m, inputs, m->x);
 }
 
 enum err ahead_model_look(struct ahead_model *m, const real_t *x)
 {
-    enum err err = take_inputs(m, &m->inputs);
+    enum err err = tell_inputs(m, &m->inputs);
     return err ? err : column_evaluate(&m->column, x);
 }
 
@@ -190,14 +153,14 @@ real_t ahead_model_mole_fraction(const struct ahead_model *m, size_t stage, size
         weight += x * c[i].molar_mass;
     }
     real_t others = rest > ZERO ? weight / rest : c[j].molar_mass;
-    real_t own = kept_between(mass, ZERO, ONE) / c[j].molar_mass;
-    return own / (own + (ONE - kept_between(mass, ZERO, ONE)) / others);
+    real_t own = ahead_between(mass, ZERO, ONE) / c[j].molar_mass;
+    return own / (own + (ONE - ahead_between(mass, ZERO, ONE)) / others);
 }
 
 /* A place's own mole fraction, off its ends. */
 static real_t inside(real_t x)
 {
-    return kept_between(x, LEAST, ONE - LEAST);
+    return ahead_between(x, LEAST, ONE - LEAST);
 }
 
 static real_t component_at(const struct ahead_model *m, size_t stage, size_t j)
@@ -211,7 +174,7 @@ static real_t wanted_move(const struct ahead_model *m, const struct ahead_said *
     real_t off =
         said->value - ahead_model_value(m, m->x, said->stage, said->is_fraction, said->component);
     if (said->is_fraction)
-        return kept_between(off, -MOVE_MOST, MOVE_MOST);
+        return ahead_between(off, -MOVE_MOST, MOVE_MOST);
     size_t n = m->table.config.components, s = said->stage;
     real_t full[COLUMN_COMPONENTS_MAX], dt[COLUMN_COMPONENTS_MAX],
         dy[COLUMN_COMPONENTS_MAX * COLUMN_COMPONENTS_MAX];
@@ -220,7 +183,8 @@ static real_t wanted_move(const struct ahead_model *m, const struct ahead_said *
     vle_full_slopes(&m->column.vle, m->column.temperature[s], full, &m->column.k[s * n],
                     &m->column.dk[s * n], dt, dy);
     real_t slope = dt[said->component];
-    return real_abs(slope) > REAL_C(1e-3) ? kept_between(off / slope, -MOVE_MOST, MOVE_MOST) : ZERO;
+    return real_abs(slope) > REAL_C(1e-3) ? ahead_between(off / slope, -MOVE_MOST, MOVE_MOST)
+                                          : ZERO;
 }
 
 /* The same of ln(x/(1 - x)). */

@@ -4,6 +4,7 @@
 
 #include "control/column_ahead.h"
 #include "estimate/column.h"
+#include "model/column_drive.h"
 #include "model/column_transition.h"
 
 #if CONFIG_BLOCKS
@@ -15,6 +16,11 @@ struct ahead_said {
     bool is_fraction;  /* mole fraction of the component; else K */
     real_t value;
 };
+
+static inline real_t ahead_between(real_t x, real_t lo, real_t hi)
+{
+    return x < lo ? lo : x > hi ? hi : x;
+}
 
 #define AHEAD_SAID_MOST (BLOCK_INPUTS_MAX + AHEAD_LOOPS)
 
@@ -36,12 +42,15 @@ size_t ahead_model_numbers(size_t stages, size_t components);
 MUST_CHECK enum err ahead_model_begin(struct ahead_model *m, const struct column_record *record,
                                       real_t *numbers);
 
+/* Begins anew, with the profile. */
+void ahead_model_rest(struct ahead_model *m);
+
 /* The model or its numbers may have been moved to another place since the last call. */
 void ahead_model_stands_here(struct ahead_model *m, real_t *numbers);
 
-/* One input of the column, SI units, kept within what the model takes: AHEAD_FEED and what follows. */
-void ahead_model_take(struct ahead_model *m, struct column_inputs *inputs, enum ahead_input is,
-                      size_t component, real_t value);
+/* A mole fraction of the feed, kept within 0 and 1. */
+void ahead_model_take_fraction(struct column_inputs *inputs, size_t components, size_t j,
+                               real_t value);
 
 /* The states an interval later under these inputs, in m->later; `now` is m->x, or m->x itself is carried on. ERR_RANGE, ERR_NOT_FINITE: the
  * equations have no solution. */

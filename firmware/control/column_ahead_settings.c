@@ -9,7 +9,7 @@ const struct block_parameter ahead_parameters[AHEAD_PARAMETERS] = {
     {1, BLOCK_U16, AT(column), 1, 1, "column", "-", "number of the block with the column's table",
      0, CONFIG_BLOCKS, 0},
     {2, BLOCK_WORD, AT(is), BLOCK_INPUTS_MAX, 1, "is",
-     "temperature|fraction|feed|feed_fraction|feed_temperature|feed_quality|reflux|heat|boilup|"
+     "temperature|fraction|feed_fraction|feed|feed_temperature|feed_quality|reflux|heat|boilup|"
      "pressure",
      "what the input is of the column", 0, 0, AHEAD_TEMPERATURE},
     {3, BLOCK_U16, AT(place), BLOCK_INPUTS_MAX, AHEAD_PLACE, "place", "-",
@@ -37,6 +37,10 @@ const struct block_parameter ahead_parameters[AHEAD_PARAMETERS] = {
      AHEAD_MOLE},
     {13, BLOCK_U16, AT(parts), 1, 1, "parts", "-", "of an interval, each a step of the model", 1,
      16, 3},
+    {14, BLOCK_FLOAT, AT(doubt), 1, 1, "doubt", "-",
+     "part of the last steps in which a PV was farther from its prediction than from where it was: "
+     "above it, it gives up; 0: never",
+     0, 1, 0.4f},
 };
 
 static enum err refuse_ahead(struct block_fault *fault, unsigned member, const char *field,
@@ -44,11 +48,6 @@ static enum err refuse_ahead(struct block_fault *fault, unsigned member, const c
 {
     *fault = (struct block_fault){.member = (uint8_t)member, .field = field, .wanted = wanted};
     return ERR_RANGE;
-}
-
-static bool is_of_stage(uint8_t is)
-{
-    return is == AHEAD_TEMPERATURE || is == AHEAD_FRACTION;
 }
 
 static bool is_flow(uint8_t is)
@@ -69,7 +68,7 @@ static enum err check_stage(const struct block_setup *setup, const struct column
         return refuse_ahead(fault, 0, "place",
                             "needs a component of the table, not the closing one");
     for (unsigned i = 0; i < k; i++)
-        if (is_of_stage(s->is[i]) && s->place[i][AHEAD_STAGE] == stage &&
+        if (ahead_is_of_stage(s->is[i]) && s->place[i][AHEAD_STAGE] == stage &&
             s->place[i][AHEAD_COMPONENT] == component)
             return refuse_ahead(fault, 0, "place", "must have each stage and component once");
     return ERR_OK;
@@ -79,7 +78,6 @@ static enum err check_drive(const struct block_setup *setup, const struct column
                             unsigned k, struct block_fault *fault)
 {
     const struct ahead_settings *s = setup->settings;
-    const struct column_inputs *in = &table->nominal;
     bool of_component = s->is[k] == AHEAD_FEED_FRACTION;
     for (unsigned i = 0; i < k; i++)
         if (s->is[i] == s->is[k] &&
@@ -89,18 +87,14 @@ static enum err check_drive(const struct block_setup *setup, const struct column
                          s->place[k][AHEAD_COMPONENT] > table->config.components - 1))
         return refuse_ahead(fault, 0, "place",
                             "needs a component of the table, not the closing one");
-    if ((s->is[k] == AHEAD_HEAT && in->boilup_given) ||
-        (s->is[k] == AHEAD_BOILUP && !in->boilup_given))
-        return refuse_ahead(fault, 0, "is", "must have heat or boilup, whichever the table has");
-    if ((s->is[k] == AHEAD_FEED_TEMPERATURE && in->feed_state != COLUMN_FEED_TEMPERATURE) ||
-        (s->is[k] == AHEAD_FEED_QUALITY && in->feed_state != COLUMN_FEED_QUALITY))
-        return refuse_ahead(fault, 0, "is",
-                            "must have the feed's temperature or quality, whichever the table has");
-    return ERR_OK;
+    const char *wanted =
+        of_component ? NULL
+                     : column_drive_refused(table, (enum column_drive)(s->is[k] - AHEAD_FEED));
+    return wanted ? refuse_ahead(fault, 0, "is", wanted) : ERR_OK;
 }
 
-static enum err check_loop(const struct block_setup *setup, const struct column_table *table,
-                           unsigned i, struct block_fault *fault)
+static enum err check_ahead_loop(const struct block_setup *setup, const struct column_table *table,
+                                 unsigned i, struct block_fault *fault)
 {
     const struct ahead_settings *s = setup->settings;
     unsigned k = s->moves[i], stage = s->target[i][AHEAD_STAGE];
@@ -149,10 +143,10 @@ enum err ahead_check(const struct block_setup *setup, struct block_fault *fault)
         return refuse_ahead(fault, 0, "basis", "must be mole where the table has no molar masses");
     enum err err = ERR_OK;
     for (unsigned k = 0; !err && k < setup->inputs; k++)
-        err = is_of_stage(s->is[k]) ? check_stage(setup, &table, k, fault)
-                                    : check_drive(setup, &table, k, fault);
+        err = ahead_is_of_stage(s->is[k]) ? check_stage(setup, &table, k, fault)
+                                          : check_drive(setup, &table, k, fault);
     for (unsigned i = 0; !err && i < setup->members; i++)
-        err = check_loop(setup, &table, i, fault);
+        err = check_ahead_loop(setup, &table, i, fault);
     return err;
 }
 

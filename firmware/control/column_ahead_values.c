@@ -3,7 +3,7 @@
 
 #if CONFIG_BLOCKS
 
-enum { VALUE_MISSED, VALUE_BIAS, VALUE_GIVEN, VALUES };
+enum { VALUE_MISSED, VALUE_BIAS, VALUE_GIVEN, VALUE_DOUBT, VALUES };
 
 /* B*, row by row. */
 static const char *const element[AHEAD_LOOPS][AHEAD_LOOPS] = {
@@ -17,12 +17,22 @@ static const char *const of_loop[VALUES][AHEAD_LOOPS] = {
     {"missed_1", "missed_2", "missed_3", "missed_4"},
     {"bias_1", "bias_2", "bias_3", "bias_4"},
     {"given_1", "given_2", "given_3", "given_4"},
+    {"doubt_1", "doubt_2", "doubt_3", "doubt_4"},
 };
 
-/* Fraction of the PV's span. */
-static float part_of_span(const struct ahead *b, unsigned i, real_t si)
+/* Of a loop; missed and bias as fractions of the PV's span. */
+static real_t value_of_loop(const struct ahead *b, unsigned which, unsigned k)
 {
-    return (float)(si / b->pv[i].span);
+    switch (which) {
+    case VALUE_MISSED:
+        return b->missed[k] / b->pv[k].span;
+    case VALUE_BIAS:
+        return b->bias[k] / b->pv[k].span;
+    case VALUE_GIVEN:
+        return num_to_float(b->given[k]);
+    default:
+        return b->worse[k];
+    }
 }
 
 const char *ahead_describe(const void *state, size_t i, float *value)
@@ -30,9 +40,7 @@ const char *ahead_describe(const void *state, size_t i, float *value)
     const struct ahead *b = state;
     unsigned n = b->loops, k = (unsigned)(i % n), which = (unsigned)(i / n);
     if (which < VALUES) {
-        *value = which == VALUE_GIVEN
-                     ? num_to_float(b->given[k])
-                     : part_of_span(b, k, which == VALUE_MISSED ? b->missed[k] : b->bias[k]);
+        *value = (float)value_of_loop(b, which, k);
         return of_loop[which][k];
     }
     which -= VALUES;

@@ -5,6 +5,8 @@
 
 #include <string.h>
 
+#include "model/column_drive.h"
+
 #define PLACE(field) offsetof(struct composition_settings, field)
 #define NUMBER(id, field, name, unit, help, lo, hi, initial)                                       \
     {                                                                                              \
@@ -155,17 +157,11 @@ static enum err check_analysis(const struct composition_settings *s,
 static enum err check_flow(const struct composition_settings *s, const struct column_table *table,
                            unsigned k, struct block_fault *fault)
 {
-    const struct column_inputs *in = &table->nominal;
     for (unsigned i = 0; i < k; i++)
         if (s->is[i] == s->is[k])
             return refuse_composition(fault, "is", "must have each but the temperatures once");
-    if ((s->is[k] == IS_HEAT && in->boilup_given) || (s->is[k] == IS_BOILUP && !in->boilup_given))
-        return refuse_composition(fault, "is", "must have heat or boilup, whichever the table has");
-    if ((s->is[k] == IS_FEED_TEMPERATURE && in->feed_state != COLUMN_FEED_TEMPERATURE) ||
-        (s->is[k] == IS_FEED_QUALITY && in->feed_state != COLUMN_FEED_QUALITY))
-        return refuse_composition(
-            fault, "is", "must have the feed's temperature or quality, whichever the table has");
-    return ERR_OK;
+    const char *wanted = column_drive_refused(table, (enum column_drive)(s->is[k] - IS_FEED));
+    return wanted ? refuse_composition(fault, "is", wanted) : ERR_OK;
 }
 
 static enum err check_all_inputs(const struct block_setup *setup, const struct column_table *table,
