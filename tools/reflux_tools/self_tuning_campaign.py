@@ -349,14 +349,15 @@ def shares(campaign: Comparison, part: Part, lines: list[int], results: list[dic
 def figures(campaign: Comparison, part: Part, lines: list[int], results: list[dict[str, Any]]) -> tuple[list[str], list[list[str]]]:
     """Sums over the loops: the mean of the seeds and in brackets the worst; then how the MVs were used."""
     good = {k: [r for r in of_line(results, k) if "failed" not in r] for k in lines}
-    mvs = next((list(r["use"]["moves"]) for found in good.values() for r in found), [])
+    used = {k: [r["use"] for r in found if "use" in r] for k, found in good.items()}  # a bound has none
+    mvs = next((list(use["moves"]) for found in used.values() for use in found), [])
     rows = []
     for k in lines:
         row = [campaign.variants[k].name]
         for kind in part.kinds:
             row.append(mean_and_worst([sum(r[kind]) for r in good[k]]))
-        row.append(table.figure(100 * statistics.fmean(r["use"]["at_limit"] for r in good[k])) if good[k] else "-")
-        row += [table.figure(statistics.fmean(r["use"]["moves"][mv] for r in good[k])) if good[k] else "-" for mv in mvs]
+        row.append(table.figure(100 * statistics.fmean(use["at_limit"] for use in used[k])) if used[k] else "-")
+        row += [table.figure(statistics.fmean(use["moves"][mv] for use in used[k])) if used[k] else "-" for mv in mvs]
         rows.append(row)
     return ["", *part.kinds, "at a limit, %", *(f"moves of {mv}" for mv in mvs)], rows
 

@@ -217,7 +217,7 @@ static void a_state_that_is_lost_hands_over_to_the_loops_own_controllers(void)
 {
     begin(&modes[0]);
     ask_ok("begin");
-    ask_ok("set block3.inputs x1,x2,x4,x7,x9,x11,z,Fest,Lr,Qrb,T7");
+    ask_ok("set block3.inputs x1,x2,x4,x7,x9,x11,z,F_est,Lr,Qrb,T7");
     ask_ok("set block3.place.11 5,1");
     ask_ok("set block3.si.11 1,273.15");
     ask_ok("apply");
