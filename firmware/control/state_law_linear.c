@@ -8,12 +8,13 @@
 #define ONE  REAL_C(1.0)
 #define TWO  REAL_C(2.0)
 
-/* Distances of the differences: rounding of the rates, 1e-7 of what flows through a stage, over a distance, is there as large as what the
- * fifth derivative leaves. */
-#define OF_FRACTION REAL_C(0.0078125)
-#define OF_FLOW     REAL_C(0.03125) /* part of the nominal one */
-#define OF_QUALITY  REAL_C(0.03125)
-#define OF_KELVIN   ONE
+/* Distances of the differences: what rounding of a temperature, 1.5e-5 K, makes of a slope of some 30 K is 3e-5 of it at that of the mole
+ * fractions; what the fifth derivative leaves is less. */
+#define OF_FRACTION       REAL_C(0.015625)
+#define OF_FRACTION_LEAST REAL_C(0.0009765625)
+#define OF_FLOW           REAL_C(0.03125) /* part of the nominal one */
+#define OF_QUALITY        REAL_C(0.03125)
+#define OF_KELVIN         ONE
 
 enum err state_law_linear_begin(struct state_law_linear *l, const struct column_record *record)
 {
@@ -81,8 +82,12 @@ static real_t distance_of(const struct state_law_linear *l, size_t k)
     size_t n = l->column.n_fractions;
     struct column_inputs in = l->table.nominal;
     real_t distance;
-    if (k < n)
-        return OF_FRACTION;
+    if (k < n) { /* beyond 0 and 1 bubble points go on, but activity coefficients need not */
+        real_t room = room_of(l->x[k], ONE, OF_FRACTION);
+        return !l->table.config.activity  ? OF_FRACTION
+               : room > OF_FRACTION_LEAST ? room
+                                          : OF_FRACTION_LEAST;
+    }
     const struct state_law_place *place = &l->place[k - n];
     real_t at = *nudged(place, &in, &distance);
     if (place->is == STATE_LAW_FEED_FRACTION) {
