@@ -55,7 +55,7 @@ struct state_rows {
     float made_s;
 };
 
-static struct state_rows rows_of(const struct block_setup *setup)
+static struct state_rows law_rows(const struct block_setup *setup)
 {
     const struct state_feedback_settings *c = setup->settings;
     const struct state_law_settings *law = c->law ? setup->named : NULL;
@@ -67,7 +67,7 @@ static struct state_rows rows_of(const struct block_setup *setup)
 static bool is_whole(const struct block_setup *setup)
 {
     const struct state_feedback_settings *c = setup->settings;
-    return !c->law || rows_of(setup).made_s > 0;
+    return !c->law || law_rows(setup).made_s > 0;
 }
 
 static uint32_t state_feedback_bytes(const struct block_setup *setup)
@@ -135,7 +135,7 @@ static enum err check_rows(const struct state_rows *rows, const struct block_set
 static enum err state_feedback_check(const struct block_setup *setup, struct block_fault *fault)
 {
     const struct state_feedback_settings *c = setup->settings;
-    struct state_rows rows = rows_of(setup);
+    struct state_rows rows = law_rows(setup);
     unsigned n = setup->members;
     if (n < 1 || n > LOOPS)
         return refuse_state_feedback(fault, 0, "loops", "needs one to four");
@@ -211,7 +211,7 @@ static bool is_for(const struct state_rows *rows, float interval_s)
 static enum err state_feedback_configure(void *state, const struct block_setup *setup, bool retune)
 {
     struct state_feedback *s = state;
-    struct state_rows rows = rows_of(setup);
+    struct state_rows rows = law_rows(setup);
     struct accumulator before[LOOPS];
     if (!retune)
         memset(s, 0, sizeof *s);

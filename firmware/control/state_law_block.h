@@ -45,12 +45,10 @@ MUST_CHECK enum err state_law_check(const struct block_setup *setup, struct bloc
 /* Of a law that is there as `is` the values that differ from `wanted`, made_s included: how many. */
 unsigned state_law_values_left(const struct state_law_settings *is,
                                const struct state_law_found *wanted, float made_s, unsigned loops);
-/* As many of them as there is room for; made 0 first where that takes more than one, and what it is with the last. id_of: an id of a proposal
- * from that of a parameter of the block with the law. */
+/* As many of them as there is room for; made 0 first where that takes more than one, and what it is with the last. block: index of the one
+ * with the law, PROPOSED_SELF of its own. */
 void state_law_put_values(const struct state_law_settings *is, const struct state_law_found *wanted,
-                          float made_s, unsigned loops,
-                          uint32_t (*id_of)(uint8_t id, uint8_t block), uint8_t block,
-                          struct block_proposal *room);
+                          float made_s, unsigned loops, uint8_t block, struct block_proposal *room);
 void state_law_propose(struct state_law_block *b, struct block_proposal *room);
 
 const char *state_law_describe(const void *state, size_t i, float *value);

@@ -93,7 +93,7 @@ static void read_table(struct state_law_job *job)
         job->phase = STATE_LAW_PHASE_LINEAR;
 }
 
-static void linearise(struct state_law_job *job)
+static void linearise_column(struct state_law_job *job)
 {
     enum err err = state_law_linear_piece(&job->linear);
     if (err == ERR_OK)
@@ -246,7 +246,7 @@ bool state_law_job_piece(struct state_law_job *job)
         read_table(job);
         break;
     case STATE_LAW_PHASE_LINEAR:
-        linearise(job);
+        linearise_column(job);
         break;
     case STATE_LAW_PHASE_SAMPLE:
         sample(job);

@@ -23,7 +23,7 @@ static uint32_t state_law_bytes(const struct block_setup *setup)
     return (uint32_t)((sizeof(struct state_law_block) + 7u) & ~(size_t)7u);
 }
 
-static bool runs(const struct state_law_block *b)
+static bool is_designing(const struct state_law_block *b)
 {
     return b->stage == STATE_LAW_ASKED || b->stage == STATE_LAW_DESIGNS;
 }
@@ -79,7 +79,7 @@ static enum err state_law_configure(void *state, const struct block_setup *setup
         memset(b, 0, sizeof *b);
     } else if (goal_differs(&b->s, s) || b->record != record || b->checksum != checksum) {
         b->proposes = false;
-        if (runs(b))
+        if (is_designing(b))
             end_stopped(b, "settings or the table have changed while it was being found");
     }
     b->s = *s;
@@ -95,7 +95,7 @@ static enum err state_law_configure(void *state, const struct block_setup *setup
 /* ---- between ticks ---- */
 
 /* The workspace, or a stage without: the next step sees which. */
-static void lease(struct state_law_block *b)
+static void lease_for_law(struct state_law_block *b)
 {
     struct workspace *w = workspace_shared();
     void *memory = NULL;
@@ -109,7 +109,7 @@ static bool state_law_work(void *state)
     struct state_law_block *b = state;
     struct state_law_job *job = b->job;
     if (b->stage == STATE_LAW_ASKED && !job)
-        lease(b);
+        lease_for_law(b);
     return b->stage == STATE_LAW_DESIGNS && job && state_law_job_piece(job);
 }
 
@@ -132,7 +132,7 @@ static void end_without_workspace(struct state_law_block *b)
 
 static void keep_lease(struct state_law_block *b)
 {
-    if (!runs(b)) {
+    if (!is_designing(b)) {
         end_lease(b);
     } else if (b->job && !workspace_renew(workspace_shared(), b->lease)) {
         b->job = NULL;
@@ -154,7 +154,7 @@ static void take_law(struct state_law_block *b)
     b->waits = b->accepted = false;
 }
 
-static void go_on(struct state_law_block *b, struct block_io *io)
+static void law_goes_on(struct state_law_block *b, struct block_io *io)
 {
     if (io->work_wanted)
         return;
@@ -177,8 +177,8 @@ static void state_law_step(void *state, struct block_io *io)
 {
     struct state_law_block *b = state;
     keep_lease(b);
-    if (runs(b))
-        go_on(b, io);
+    if (is_designing(b))
+        law_goes_on(b, io);
     state_law_propose(b, io->proposal);
     io->raised = 0;
     if (b->tells) {
@@ -191,11 +191,11 @@ static void state_law_step(void *state, struct block_io *io)
 
 /* ---- verbs ---- */
 
-static const char *run_design(void *state, const float *number)
+static const char *law_design(void *state, const float *number)
 {
     struct state_law_block *b = state;
     (void)number;
-    if (runs(b))
+    if (is_designing(b))
         return "runs";
     if (!b->record)
         return "column"; /* there is none */
@@ -206,11 +206,11 @@ static const char *run_design(void *state, const float *number)
     return NULL;
 }
 
-static const char *run_stop(void *state, const float *number)
+static const char *law_stop(void *state, const float *number)
 {
     struct state_law_block *b = state;
     (void)number;
-    if (!runs(b))
+    if (!is_designing(b))
         return "runs not";
     end_stopped(b, "stopped");
     return NULL;
@@ -218,8 +218,8 @@ static const char *run_stop(void *state, const float *number)
 
 static const struct block_verb state_law_verbs[] = {
     {"design", NULL, "the law, from the column's table around its profile", 0, 0, false,
-     ACCESS_ENGINEER, run_design},
-    {"stop", NULL, "what it has begun", 0, 0, false, ACCESS_OPERATOR, run_stop},
+     ACCESS_ENGINEER, law_design},
+    {"stop", NULL, "what it has begun", 0, 0, false, ACCESS_OPERATOR, law_stop},
 };
 
 static const struct block_event state_law_events[STATE_LAW_EVENTS] = {

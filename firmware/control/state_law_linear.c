@@ -71,7 +71,7 @@ static real_t *nudged(const struct state_law_place *place, struct column_inputs 
 }
 
 /* A number so far from there; what is nearer to an end than twice that is looked at from as near. */
-static real_t room_of(real_t at, real_t hi, real_t distance)
+static real_t room_around(real_t at, real_t hi, real_t distance)
 {
     real_t room = (at < hi - at ? at : hi - at) / TWO;
     return room < distance ? room : distance;
@@ -83,7 +83,7 @@ static real_t distance_of(const struct state_law_linear *l, size_t k)
     struct column_inputs in = l->table.nominal;
     real_t distance;
     if (k < n) { /* beyond 0 and 1 bubble points go on, but activity coefficients need not */
-        real_t room = room_of(l->x[k], ONE, OF_FRACTION);
+        real_t room = room_around(l->x[k], ONE, OF_FRACTION);
         return !l->table.config.activity  ? OF_FRACTION
                : room > OF_FRACTION_LEAST ? room
                                           : OF_FRACTION_LEAST;
@@ -92,9 +92,9 @@ static real_t distance_of(const struct state_law_linear *l, size_t k)
     real_t at = *nudged(place, &in, &distance);
     if (place->is == STATE_LAW_FEED_FRACTION) {
         real_t closing = in.feed_fraction[l->table.config.components - 1];
-        distance = room_of(at, at + closing, distance);
+        distance = room_around(at, at + closing, distance);
     }
-    return place->is == STATE_LAW_FEED_QUALITY ? room_of(at, TWO, distance) : distance;
+    return place->is == STATE_LAW_FEED_QUALITY ? room_around(at, TWO, distance) : distance;
 }
 
 static real_t seen_there(const struct state_law_linear *l, const struct state_law_place *place)

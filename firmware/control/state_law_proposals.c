@@ -5,8 +5,8 @@
 #if CONFIG_BLOCKS
 
 /* The p-th of all values: id of its parameter, what it is and what it should be. False past the end. */
-static bool nth_value(const struct state_law_settings *s, const struct state_law_found *f,
-                      unsigned loops, unsigned p, struct proposed_value *wanted, float *is)
+static bool nth_of_law(const struct state_law_settings *s, const struct state_law_found *f,
+                       unsigned loops, unsigned p, struct proposed_value *wanted, float *is)
 {
     unsigned of_g = loops * loops, i, k;
     if (p < of_g) {
@@ -34,15 +34,18 @@ unsigned state_law_values_left(const struct state_law_settings *is,
     struct proposed_value value;
     float now;
     unsigned left = 0;
-    for (unsigned p = 0; nth_value(is, wanted, loops, p, &value, &now); p++)
+    for (unsigned p = 0; nth_of_law(is, wanted, loops, p, &value, &now); p++)
         left += value.value != now ? 1u : 0u;
     return 2u * left + (is->made_s != made_s ? 1u : 0u);
 }
 
+static uint32_t id_in(uint8_t block, uint32_t id)
+{
+    return (proposed_own((uint8_t)id) & ~PROPOSED_SELF) | block;
+}
+
 void state_law_put_values(const struct state_law_settings *is, const struct state_law_found *wanted,
-                          float made_s, unsigned loops,
-                          uint32_t (*id_of)(uint8_t id, uint8_t block), uint8_t block,
-                          struct block_proposal *room)
+                          float made_s, unsigned loops, uint8_t block, struct block_proposal *room)
 {
     struct proposed_value value;
     float now;
@@ -50,18 +53,11 @@ void state_law_put_values(const struct state_law_settings *is, const struct stat
     bool whole = state_law_values_left(is, wanted, made_s, loops) / 2u < PROPOSAL_MAX;
     float made = whole ? made_s : 0.0f;
     if (is->made_s != made)
-        room->value[n++] = (struct proposed_value){id_of(STATE_LAW_ID_MADE, block), made};
-    for (unsigned p = 0; n < PROPOSAL_MAX && nth_value(is, wanted, loops, p, &value, &now); p++)
+        room->value[n++] = (struct proposed_value){id_in(block, STATE_LAW_ID_MADE), made};
+    for (unsigned p = 0; n < PROPOSAL_MAX && nth_of_law(is, wanted, loops, p, &value, &now); p++)
         if (value.value != now)
-            room->value[n++] =
-                (struct proposed_value){id_of((uint8_t)value.id, block), value.value};
+            room->value[n++] = (struct proposed_value){id_in(block, value.id), value.value};
     room->n = (uint8_t)n;
-}
-
-static uint32_t own_id(uint8_t id, uint8_t block)
-{
-    (void)block;
-    return proposed_own(id);
 }
 
 void state_law_propose(struct state_law_block *b, struct block_proposal *room)
@@ -75,7 +71,7 @@ void state_law_propose(struct state_law_block *b, struct block_proposal *room)
         return;
     }
     b->accepted = b->accepted || b->waits;
-    state_law_put_values(&b->s, &b->found, b->s.period_s, b->loops, own_id, 0, room);
+    state_law_put_values(&b->s, &b->found, b->s.period_s, b->loops, PROPOSED_SELF, room);
     room->manner =
         b->accepted || b->s.adopt == STATE_LAW_AT_ONCE ? PROPOSAL_AT_ONCE : PROPOSAL_WHEN_ACCEPTED;
     b->proposed = left;

@@ -246,13 +246,11 @@ static void what_was_saved_is_there_after_a_restart(void)
     in_force();
     double g = value_of("block2.g1_1");
     ask_ok("save");
-    pass(2000);
-    memory_port_reset(HAL_RESET_POWER_ON);
-    board_run();
+    power_on();
+    pass(2500);
+    TEST_ASSERT_TRUE(said("STORAGE_LOADED"));
     type("mode machine\n");
-    pass(3000);
-    ask("events");
-    puts(board.said);
+    pass(100);
     TEST_ASSERT_EQUAL_DOUBLE(g, value_of("block2.g1_1"));
     TEST_ASSERT_EQUAL_FLOAT(30, value_of("block2.made"));
 }
