@@ -11,6 +11,7 @@
 #include "control/pid.h"
 #include "control/rst.h"
 #include "control/state_feedback.h"
+#include "control/state_law.h"
 #include "control/two_position.h"
 #include "estimate/column.h"
 #include "estimate/composition_settings.h"
@@ -22,7 +23,7 @@ const struct block_kind *const block_kinds[] = {
 #if CONFIG_BLOCKS
     &column_kind,      &gmv_kind,          &inferential_kind, &ratio_kind,
     &composition_kind, &polynomial_kind,   &rst_kind,         &state_feedback_kind,
-    &ahead_kind,       &leadlag_kind,
+    &ahead_kind,       &leadlag_kind,      &state_law_kind,
 #endif
 #if CONFIG_EXPERIMENT
     &experiment_kind,

@@ -4,6 +4,7 @@
 
 #include <string.h>
 
+#include "control/state_law.h"
 #include "num/accumulator.h"
 #include "num/solve_small.h"
 
@@ -17,6 +18,7 @@
 
 struct state_feedback {
     uint8_t loops, inputs;
+    const char *lacks; /* in a word, what it cannot act for; NULL: nothing */
     struct coefficient f[LOOPS][INPUTS], g[LOOPS][LOOPS];
     struct coefficient integral[LOOPS], derivative[LOOPS]; /* h/ti, td/h; negative */
     bool integrates[LOOPS];
@@ -39,9 +41,34 @@ static const struct block_parameter state_feedback_parameters[] = {
     {3, BLOCK_FLOAT, AT(ti_s), 1, LOOPS, "ti", "s", "integral times; 0: none", 0, 1e6f, 0},
     {4, BLOCK_FLOAT, AT(td_s), 1, LOOPS, "td", "s", "derivative times, of measurements; 0: none", 0,
      1e6f, 0},
+    {5, BLOCK_U16, AT(law), 1, 1, "law", "-",
+     "number of the state_law block whose f, g, ti and td count; 0: those of its own", 0,
+     CONFIG_BLOCKS, 0},
 };
 
 /* ---- settings ---- */
+
+/* F, G, ti and td as they count; an interval of 0: for any. */
+struct state_rows {
+    const float *f, *g, *ti_s, *td_s;
+    uint8_t loops; /* rows; of G columns as well */
+    float made_s;
+};
+
+static struct state_rows law_rows(const struct block_setup *setup)
+{
+    const struct state_feedback_settings *c = setup->settings;
+    const struct state_law_settings *law = c->law ? setup->named : NULL;
+    return law ? (struct state_rows){law->f[0], law->g[0],       law->ti_s,
+                                     law->td_s, STATE_LAW_LOOPS, law->made_s}
+               : (struct state_rows){c->f[0], c->g[0], c->ti_s, c->td_s, LOOPS, 0};
+}
+
+static bool is_whole(const struct block_setup *setup)
+{
+    const struct state_feedback_settings *c = setup->settings;
+    return !c->law || law_rows(setup).made_s > 0;
+}
 
 static uint32_t state_feedback_bytes(const struct block_setup *setup)
 {
@@ -72,32 +99,57 @@ static float magnitudes_of(const float *row, unsigned n)
     return sum;
 }
 
+static enum err check_row(const struct state_rows *rows, const struct block_setup *setup,
+                          unsigned i, struct block_fault *fault)
+{
+    const float *f = rows->f + i * INPUTS, *g = rows->g + i * rows->loops;
+    unsigned n = setup->members, inputs = setup->inputs;
+    if (!is_empty(f, inputs, INPUTS))
+        return refuse_state_feedback(fault, i, "f", "has no more columns than there are inputs");
+    if (!is_empty(g, n, rows->loops))
+        return refuse_state_feedback(fault, i, "g", "has no more columns than there are loops");
+    if (!(magnitudes_of(f, inputs) + magnitudes_of(g, n) <= ROW_MOST))
+        return refuse_state_feedback(
+            fault, i, "f",
+            "needs rows that add up to 16000 at most with those of G, signs left aside");
+    if (is_empty(g, 0, n))
+        return refuse_state_feedback(fault, i, "g",
+                                     "needs an element in every row: each MV follows a setpoint");
+    return ERR_OK;
+}
+
+static enum err check_rows(const struct state_rows *rows, const struct block_setup *setup,
+                           struct block_fault *fault)
+{
+    enum err err = ERR_OK;
+    unsigned n = setup->members;
+    for (unsigned i = 0; i < n && !err; i++)
+        err = check_row(rows, setup, i, fault);
+    for (unsigned i = n; i < rows->loops && !err; i++)
+        if (!is_empty(rows->f + i * INPUTS, 0, INPUTS) ||
+            !is_empty(rows->g + i * rows->loops, 0, rows->loops))
+            err = refuse_state_feedback(fault, 0, "loops", "needs as many as there are rows");
+    return err;
+}
+
 static enum err state_feedback_check(const struct block_setup *setup, struct block_fault *fault)
 {
     const struct state_feedback_settings *c = setup->settings;
+    struct state_rows rows = law_rows(setup);
     unsigned n = setup->members;
     if (n < 1 || n > LOOPS)
         return refuse_state_feedback(fault, 0, "loops", "needs one to four");
     if (setup->inputs < 1)
         return refuse_state_feedback(fault, 0, "inputs", "needs the states that F is for");
-    for (unsigned i = 0; i < n; i++) {
-        if (!is_empty(c->f[i], setup->inputs, INPUTS))
-            return refuse_state_feedback(fault, i, "f",
-                                         "has no more columns than there are inputs");
-        if (!is_empty(c->g[i], n, LOOPS))
-            return refuse_state_feedback(fault, i, "g", "has no more columns than there are loops");
-        if (!(magnitudes_of(c->f[i], setup->inputs) + magnitudes_of(c->g[i], n) <= ROW_MOST))
-            return refuse_state_feedback(
-                fault, i, "f",
-                "needs rows that add up to 16000 at most with those of G, signs left aside");
-        if (is_empty(c->g[i], 0, n))
-            return refuse_state_feedback(
-                fault, i, "g", "needs an element in every row: each MV follows a setpoint");
-    }
-    for (unsigned i = n; i < LOOPS; i++)
-        if (!is_empty(c->f[i], 0, INPUTS) || !is_empty(c->g[i], 0, LOOPS))
-            return refuse_state_feedback(fault, 0, "loops", "needs as many as there are rows");
-    return ERR_OK;
+    if (!c->law)
+        return check_rows(&rows, setup, fault);
+    if (!is_empty(c->f[0], 0, LOOPS * INPUTS) || !is_empty(c->g[0], 0, LOOPS * LOOPS) ||
+        !is_empty(c->ti_s, 0, LOOPS) || !is_empty(c->td_s, 0, LOOPS))
+        return refuse_state_feedback(fault, 0, "law",
+                                     "must be 0, or f, g, ti and td: those of one count");
+    if (n > rows.loops)
+        return refuse_state_feedback(fault, 0, "loops", "needs one or two where law is set");
+    return is_whole(setup) ? check_rows(&rows, setup, fault) : ERR_OK;
 }
 
 /* ---- the law ---- */
@@ -131,10 +183,35 @@ static void take_states(struct state_feedback *s, const struct block_io *io)
     }
 }
 
+static void take_rows(struct state_feedback *s, const struct state_rows *rows, float interval_s)
+{
+    for (unsigned i = 0; i < rows->loops; i++) {
+        float ti = rows->ti_s[i];
+        for (unsigned k = 0; k < INPUTS; k++)
+            s->f[i][k] = coefficient_from_float(rows->f[i * INPUTS + k]);
+        for (unsigned j = 0; j < rows->loops; j++) {
+            s->steering[i][j] = rows->g[i * rows->loops + j];
+            s->g[i][j] = coefficient_from_float(s->steering[i][j]);
+        }
+        s->integrates[i] = ti > 0;
+        s->integral[i] = coefficient_from_float(ti > 0 ? interval_s / ti : 0);
+        s->derivative[i] = coefficient_from_float(-rows->td_s[i] / interval_s);
+        if (!s->integrates[i])
+            accumulator_set(&s->sum[i], num_zero());
+    }
+}
+
+/* Of intervals that are one another's within a hundredth. */
+static bool is_for(const struct state_rows *rows, float interval_s)
+{
+    float off = rows->made_s - interval_s, most = 0.01f * interval_s;
+    return !(rows->made_s > 0) || (off <= most && off >= -most);
+}
+
 static enum err state_feedback_configure(void *state, const struct block_setup *setup, bool retune)
 {
     struct state_feedback *s = state;
-    const struct state_feedback_settings *c = setup->settings;
+    struct state_rows rows = law_rows(setup);
     struct accumulator before[LOOPS];
     if (!retune)
         memset(s, 0, sizeof *s);
@@ -142,20 +219,13 @@ static enum err state_feedback_configure(void *state, const struct block_setup *
         before[i] = asked_of(s, i);
     s->loops = setup->members;
     s->inputs = setup->inputs;
-    for (unsigned i = 0; i < LOOPS; i++) {
-        for (unsigned k = 0; k < INPUTS; k++)
-            s->f[i][k] = coefficient_from_float(c->f[i][k]);
-        for (unsigned j = 0; j < LOOPS; j++) {
-            s->g[i][j] = coefficient_from_float(c->g[i][j]);
-            s->steering[i][j] = c->g[i][j];
-        }
-        s->integrates[i] = c->ti_s[i] > 0;
-        s->integral[i] =
-            coefficient_from_float(c->ti_s[i] > 0 ? setup->interval_s / c->ti_s[i] : 0);
-        s->derivative[i] = coefficient_from_float(-c->td_s[i] / setup->interval_s);
-        if (!s->integrates[i])
-            accumulator_set(&s->sum[i], num_zero());
+    if (!is_whole(setup)) {
+        if (!retune)
+            s->lacks = "no_law";
+        return ERR_OK;
     }
+    s->lacks = is_for(&rows, setup->interval_s) ? NULL : "interval";
+    take_rows(s, &rows, setup->interval_s);
     for (unsigned i = 0; i < s->loops && retune; i++) { /* the same now, by the constant */
         struct accumulator now = asked_of(s, i);
         accumulator_add_sum(&s->constant[i], &before[i]);
@@ -179,6 +249,7 @@ static struct accumulator added_now(const struct state_feedback *s, unsigned j)
 static void state_feedback_step(void *state, struct block_io *io)
 {
     struct state_feedback *s = state;
+    io->gives_up = s->lacks;
     take_states(s, io);
     s->acting = io->acting;
     for (unsigned j = 0; j < s->loops; j++) {
@@ -279,6 +350,8 @@ const struct block_kind state_feedback_kind = {
     .parameter = state_feedback_parameters,
     .parameters = sizeof state_feedback_parameters / sizeof state_feedback_parameters[0],
     .settings_bytes = sizeof(struct state_feedback_settings),
+    .names = 5,
+    .named_kind = "state_law",
     .members_most = LOOPS,
     .inputs_most = INPUTS,
     .bad_input = BAD_INPUT_GIVES_UP,

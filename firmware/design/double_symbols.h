@@ -26,6 +26,8 @@
 #define polynomial_decoupler_design         polynomial_decoupler_design_double
 #define state_decoupler_config_default      state_decoupler_config_default_double
 #define state_decoupler_design              state_decoupler_design_double
+#define state_decoupler_begin               state_decoupler_begin_double
+#define state_decoupler_part                state_decoupler_part_double
 #define state_zeros_find                    state_zeros_find_double
 #define state_loop_radius                   state_loop_radius_double
 #define pole_placement_goal_default         pole_placement_goal_default_double

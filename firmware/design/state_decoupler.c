@@ -372,14 +372,12 @@ static enum err judge_zeros(const struct state_model *model, struct state_decoup
     return ERR_OK;
 }
 
-enum err state_decoupler_design(const struct state_model *model,
-                                const struct state_decoupler_config *config,
-                                const struct state_decoupler_goal *goal,
-                                struct state_decoupler_work *work, struct state_decoupler *d,
-                                struct state_decoupler_refusal *reason)
+/* Everything but zeros and what the loop becomes. */
+static enum err find_law(const struct state_model *model,
+                         const struct state_decoupler_config *config,
+                         const struct state_decoupler_goal *goal, struct state_decoupler_work *work,
+                         struct state_decoupler *d, struct state_decoupler_refusal *reason)
 {
-    struct state_decoupler_refusal unused;
-    reason = reason ? reason : &unused;
     *reason = (struct state_decoupler_refusal){"model", "a model", STATE_LOOP_NONE};
     *d = (struct state_decoupler){0};
     enum err err = state_model_check(model, &reason->field, &reason->wanted);
@@ -413,12 +411,56 @@ enum err state_decoupler_design(const struct state_model *model,
     if (err)
         return refuse_state(reason, err, "b", "of full rank", STATE_LOOP_NONE);
     count_needed(config, d);
-    err = judge_zeros(model, work, d, reason);
-    if (!err && !in_z)
-        err = judge_modes_of_loops(d, reason);
+    return ERR_OK;
+}
+
+static enum err judge_loop(const struct state_model *model, const struct state_decoupler_goal *goal,
+                           struct state_decoupler_work *work, struct state_decoupler *d,
+                           struct state_decoupler_refusal *reason)
+{
+    enum err err = model->period_s > REAL_C(0.0) ? ERR_OK : judge_modes_of_loops(d, reason);
     if (!err)
         err = judge_samples(model, goal->hold_s, work, d, reason);
     if (!err)
         *reason = (struct state_decoupler_refusal){"", "", STATE_LOOP_NONE};
+    return err;
+}
+
+void state_decoupler_begin(struct state_decoupler_work *work)
+{
+    work->part = 0;
+}
+
+enum err state_decoupler_part(const struct state_model *model,
+                              const struct state_decoupler_config *config,
+                              const struct state_decoupler_goal *goal,
+                              struct state_decoupler_work *work, struct state_decoupler *d,
+                              struct state_decoupler_refusal *reason)
+{
+    enum err err;
+    switch (work->part++) {
+    case 0:
+        err = find_law(model, config, goal, work, d, reason);
+        return err ? err : ERR_BUSY;
+    case 1:
+        err = judge_zeros(model, work, d, reason);
+        return err ? err : ERR_BUSY;
+    default:
+        return judge_loop(model, goal, work, d, reason);
+    }
+}
+
+enum err state_decoupler_design(const struct state_model *model,
+                                const struct state_decoupler_config *config,
+                                const struct state_decoupler_goal *goal,
+                                struct state_decoupler_work *work, struct state_decoupler *d,
+                                struct state_decoupler_refusal *reason)
+{
+    struct state_decoupler_refusal unused;
+    enum err err;
+    state_decoupler_begin(work);
+    do {
+        err = state_decoupler_part(model, config, goal, work, d, reason ? reason : &unused);
+    } while (err == ERR_BUSY);
     return err;
 }

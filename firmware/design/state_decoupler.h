@@ -70,6 +70,7 @@ struct state_decoupler {
 };
 
 struct state_decoupler_work {
+    uint8_t part;            /* which is next */
     struct matrix chain;     /* rows C_i A^k, k to d_i, of one norm, loop by loop */
     struct matrix invariant; /* -B*^-1 A* */
     struct lu lu;
@@ -99,5 +100,13 @@ MUST_CHECK enum err
 state_decoupler_design(const struct state_model *model, const struct state_decoupler_config *config,
                        const struct state_decoupler_goal *goal, struct state_decoupler_work *work,
                        struct state_decoupler *result, struct state_decoupler_refusal *reason);
+
+/* The same in three parts: the law, its zeros, the loop. ERR_BUSY: there is another. All that is handed over stays between them, and reason
+ * is there. */
+void state_decoupler_begin(struct state_decoupler_work *work);
+MUST_CHECK enum err
+state_decoupler_part(const struct state_model *model, const struct state_decoupler_config *config,
+                     const struct state_decoupler_goal *goal, struct state_decoupler_work *work,
+                     struct state_decoupler *result, struct state_decoupler_refusal *reason);
 
 #endif

@@ -1,0 +1,255 @@
+/* The kind `state_law` on the pilot column, against matrices in long double and a law in double precision (tests/reference/state_law_reference.py).
+ * Contract, in float: matrices within 1e-4 of the largest element, of A and what inputs see of that of the row, weights of F, G and Tf within 2e-3 of the largest of theirs. */
+#include "state_law_bench.h"
+
+void setUp(void)
+{
+    bench_pilot();
+}
+
+void tearDown(void)
+{
+    workspace_share(NULL);
+}
+
+/* ---- matrices ---- */
+
+/* by_row: of the largest element of the row; else of the matrix. */
+static double worst_of(const char *what, const struct matrix *m, bool by_row)
+{
+    double worst = 0, off = 0, most = 0;
+    for (unsigned i = 0; i < m->rows; i++) {
+        double wanted[16];
+        reference(what, i, wanted, m->cols);
+        if (by_row)
+            off = most = 0;
+        for (unsigned k = 0; k < m->cols; k++) {
+            most = fmax(most, fabs(wanted[k]));
+            off = fmax(off, fabs(wanted[k] - (double)m->at[i][k]));
+        }
+        if (by_row)
+            worst = fmax(worst, off / most);
+    }
+    worst = by_row ? worst : off / most;
+    printf("%s: within %.2e of the largest element of %s\n", what, worst,
+           by_row ? "its row" : "all");
+    return worst;
+}
+
+static void matrices_are_those_of_differences_in_long_double(void)
+{
+    static struct state_law_job job;
+    by_feed();
+    state_law_job_of_column(&job, &settings, setup.input, setup.inputs, &record);
+    while (job.phase <= STATE_LAW_PHASE_LINEAR)
+        (void)state_law_job_piece(&job);
+    TEST_ASSERT_EQUAL(STATE_LAW_PHASE_SAMPLE, job.phase);
+    TEST_ASSERT_TRUE(worst_of("a", &job.linear.plant.a, true) < 1e-4);
+    TEST_ASSERT_TRUE(worst_of("b", &job.linear.plant.b, false) < 1e-4);
+    job.linear.seen.rows = 6;
+    TEST_ASSERT_TRUE(worst_of("seen", &job.linear.seen, true) < 1e-4);
+    job.linear.plant.e.cols = 1; /* its second is by mole here, there by mass */
+    TEST_ASSERT_TRUE(worst_of("e", &job.linear.plant.e, false) < 1e-4);
+}
+
+/* ---- the law ---- */
+
+static void law_is(const char *what, unsigned inputs)
+{
+    double wanted[8], off = 0, most = 0;
+    char name[40];
+    for (unsigned i = 0; i < 2; i++) {
+        snprintf(name, sizeof name, "f_%s", what);
+        reference(name, i, wanted, inputs);
+        for (unsigned k = 0; k < inputs; k++) {
+            most = fmax(most, fabs(wanted[k]));
+            off = fmax(off, fabs(wanted[k] - (double)block()->found.f[i][k]));
+        }
+        snprintf(name, sizeof name, "g_%s", what);
+        reference(name, i, wanted, 2);
+        for (unsigned k = 0; k < 2; k++) {
+            most = fmax(most, fabs(wanted[k]));
+            off = fmax(off, fabs(wanted[k] - (double)block()->found.g[i][k]));
+        }
+    }
+    printf("%s: weights within %.2e of the largest, radius %.5f, by inputs %.5f, left %.3f %%, %u "
+           "pieces\n",
+           what, off / most, (double)shown("radius"), (double)shown("radius_by_inputs"),
+           (double)shown("left_of_F"), pieces);
+    TEST_ASSERT_TRUE(off < 2e-3 * most);
+}
+
+static void the_law_of_the_pilot_column_is_that_in_double_precision(void)
+{
+    configure(false);
+    design();
+    TEST_ASSERT_EQUAL_MESSAGE(STATE_LAW_DONE, block()->stage, told());
+    law_is("temperatures", 8);
+    TEST_ASSERT_EQUAL_FLOAT(0, shown("index_1"));
+    TEST_ASSERT_FLOAT_WITHIN(1e-4f, 0.59343f, shown("K_star_1"));
+    TEST_ASSERT_FLOAT_WITHIN(0.02f, 8.53f, shown("condition"));
+    TEST_ASSERT_EQUAL_FLOAT(10, shown("zeros"));
+    TEST_ASSERT_FLOAT_WITHIN(1e-3f, 0.8631f, shown("outermost_zero"));
+}
+
+static void the_law_with_the_feed_measured_has_its_columns(void)
+{
+    by_feed();
+    configure(false);
+    design();
+    TEST_ASSERT_EQUAL_MESSAGE(STATE_LAW_DONE, block()->stage, told());
+    TEST_ASSERT_FLOAT_WITHIN(1e-3f, 0.75f, block()->found.f[0][6]);
+    TEST_ASSERT_FLOAT_WITHIN(1e-3f, 0.86667f, block()->found.f[1][6]);
+    law_is("feed", 7);
+}
+
+/* ---- what becomes of it ---- */
+
+static const struct block_parameter *parameter_of(uint32_t id)
+{
+    for (unsigned i = 0; i < kind->parameters; i++)
+        if (proposed_own(kind->parameter[i].id) == id)
+            return &kind->parameter[i];
+    TEST_FAIL_MESSAGE("a parameter that is not there");
+    return NULL;
+}
+
+static void adopt(void)
+{
+    for (unsigned k = 0; k < proposal.n; k++) {
+        const struct block_parameter *p = parameter_of(proposal.value[k].id);
+        memcpy((uint8_t *)&settings + p->offset, &proposal.value[k].value, sizeof(float));
+    }
+    configure(true);
+}
+
+/* Until it proposes nothing any more; how often it did. */
+static unsigned adopted_all(void)
+{
+    unsigned n = 0;
+    for (step(true); proposal.n; step(true), n++) {
+        bool last = n + 1u == 3;
+        TEST_ASSERT_TRUE(n < 3);
+        TEST_ASSERT_EQUAL(n ? PROPOSAL_AT_ONCE : PROPOSAL_WHEN_ACCEPTED, proposal.manner);
+        adopt();
+        TEST_ASSERT_EQUAL_FLOAT(last ? PERIOD_S : 0, settings.made_s);
+    }
+    return n;
+}
+
+static void it_is_handed_over_in_parts_and_whole_with_the_last(void)
+{
+    configure(false);
+    design();
+    TEST_ASSERT_EQUAL(3, adopted_all());
+    TEST_ASSERT_EQUAL_MEMORY(block()->found.f, settings.f, sizeof settings.f);
+    TEST_ASSERT_EQUAL_MEMORY(block()->found.g, settings.g, sizeof settings.g);
+    design(); /* once more: the same */
+    step(true);
+    TEST_ASSERT_EQUAL(0, proposal.n);
+}
+
+static void another_law_is_none_until_it_is_whole(void)
+{
+    configure(false);
+    design();
+    adopted_all();
+    settings.tau_s[0] = settings.tau_s[1] = 60;
+    configure(true);
+    TEST_ASSERT_EQUAL_FLOAT(PERIOD_S, settings.made_s);
+    design();
+    step(true);
+    TEST_ASSERT_EQUAL(PROPOSAL_WHEN_ACCEPTED, proposal.manner);
+    adopt();
+    TEST_ASSERT_EQUAL_FLOAT(0, settings.made_s);
+    while (proposal.n) {
+        adopt();
+        step(true);
+    }
+    TEST_ASSERT_EQUAL_FLOAT(PERIOD_S, settings.made_s);
+    TEST_ASSERT_EQUAL_MEMORY(block()->found.f, settings.f, sizeof settings.f);
+}
+
+static void what_is_rejected_is_not_proposed_again(void)
+{
+    configure(false);
+    design();
+    step(true);
+    TEST_ASSERT_TRUE(proposal.n > 0);
+    for (unsigned k = 0; k < 3; k++) {
+        step(true);
+        TEST_ASSERT_EQUAL(0, proposal.n);
+    }
+}
+
+static void it_waits_for_room_for_a_proposal(void)
+{
+    settings.adopt = STATE_LAW_AT_ONCE;
+    configure(false);
+    design();
+    for (unsigned k = 0; k < 10; k++)
+        step(false);
+    step(true);
+    TEST_ASSERT_TRUE(proposal.n > 0);
+    TEST_ASSERT_EQUAL(PROPOSAL_AT_ONCE, proposal.manner);
+}
+
+static void it_tells_once_what_came_of_it(void)
+{
+    unsigned made = 0;
+    configure(false);
+    TEST_ASSERT_NULL(tell("design"));
+    for (unsigned k = 0; k < 10; k++) {
+        step(false);
+        made += io.raised == 1u << STATE_LAW_EVENT_MADE ? 1u : 0u;
+    }
+    TEST_ASSERT_EQUAL(1, made);
+    TEST_ASSERT_EQUAL_FLOAT(shown("radius"), event_value[STATE_LAW_EVENT_MADE]);
+}
+
+/* ---- a model that is known already ---- */
+
+/* y(k + 1) = A y + B u, two outputs: F = B^-1 (M0 - A), G = B^-1 (1 - M0). */
+static void a_model_of_first_order_has_the_law_of_its_matrices(void)
+{
+    static struct state_law_job job;
+    static struct state_model plant;
+    const double a[2] = {0.9, 0.8}, b[2][2] = {{0.2, -0.1}, {0.05, 0.3}}, pole = exp(-0.9);
+    double det = b[0][0] * b[1][1] - b[0][1] * b[1][0];
+    double inverse[2][2] = {{b[1][1] / det, -b[0][1] / det}, {-b[1][0] / det, b[0][0] / det}};
+    memset(&plant, 0, sizeof plant);
+    plant.period_s = PERIOD_S;
+    plant.a.rows = plant.a.cols = plant.b.rows = plant.b.cols = plant.c.rows = plant.c.cols = 2;
+    for (unsigned i = 0; i < 2; i++) {
+        plant.a.at[i][i] = (real_t)a[i];
+        plant.c.at[i][i] = REAL_C(1.0);
+        for (unsigned j = 0; j < 2; j++)
+            plant.b.at[i][j] = (real_t)b[i][j];
+    }
+    state_law_job_of_model(&job, &settings, &plant);
+    while (state_law_job_piece(&job)) {
+    }
+    TEST_ASSERT_EQUAL_STRING("", job.found.field);
+    for (unsigned i = 0; i < 2; i++)
+        for (unsigned j = 0; j < 2; j++) {
+            TEST_ASSERT_DOUBLE_WITHIN(1e-5, inverse[i][j] * (pole - a[j]),
+                                      (double)job.found.f[i][j]);
+            TEST_ASSERT_DOUBLE_WITHIN(1e-5, inverse[i][j] * (1 - pole), (double)job.found.g[i][j]);
+        }
+    TEST_ASSERT_EQUAL_FLOAT(job.found.radius, job.found.inputs_radius);
+}
+
+int main(void)
+{
+    UNITY_BEGIN();
+    RUN_TEST(matrices_are_those_of_differences_in_long_double);
+    RUN_TEST(the_law_of_the_pilot_column_is_that_in_double_precision);
+    RUN_TEST(the_law_with_the_feed_measured_has_its_columns);
+    RUN_TEST(it_is_handed_over_in_parts_and_whole_with_the_last);
+    RUN_TEST(another_law_is_none_until_it_is_whole);
+    RUN_TEST(what_is_rejected_is_not_proposed_again);
+    RUN_TEST(it_waits_for_room_for_a_proposal);
+    RUN_TEST(it_tells_once_what_came_of_it);
+    RUN_TEST(a_model_of_first_order_has_the_law_of_its_matrices);
+    return UNITY_END();
+}
