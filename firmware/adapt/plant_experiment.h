@@ -27,6 +27,7 @@ struct experiment_settings {
     float fit;                             /* %, least */
     uint16_t bits, clock, periods, settle; /* settle, clock: samples */
     uint16_t na, nb;
+    uint16_t law;              /* block that keeps a law of state feedback; 0: none */
     uint8_t method, criterion; /* enum arx_method, arx_criterion */
     uint8_t adopt;             /* enum experiment_adopt */
     /* From here on what it finds itself. */

@@ -7,6 +7,7 @@
 #if CONFIG_EXPERIMENT
 
 #include "adapt/plant_model.h"
+#include "control/state_law_job.h"
 #include "identify/decimate.h"
 #include "identify/prbs.h"
 #include "identify/rls.h"
@@ -37,6 +38,14 @@ enum experiment_reason {
 
 /* What became of the model. Verdicts of its outputs: enum plant_verdict; this comes behind them. */
 #define VERDICT_LOOPS 10 /* loops have moved the MVs */
+
+enum experiment_law_stage {
+    EXPERIMENT_LAW_NONE,
+    EXPERIMENT_LAW_ASKED, /* for the workspace */
+    EXPERIMENT_LAW_WORKS,
+    EXPERIMENT_LAW_DONE,
+    EXPERIMENT_LAW_REFUSED
+};
 
 /* Of an MV about its operating point, sums of squares over the samples. */
 struct experiment_sum {
@@ -81,6 +90,16 @@ struct experiment {
     uint8_t proposed;                  /* what it was when it proposed */
     bool proposes, waits;
     uint8_t tells; /* enum experiment_event + 1, in the next step */
+    float step_s;  /* of the block */
+    struct experiment_law {
+        const struct state_law_settings *to; /* of the block that keeps it; NULL: none */
+        uint8_t stage, proposed;
+        bool proposes, waits, accepted;
+        uint32_t lease;
+        struct state_law_job *job; /* in the workspace, while leased */
+        struct state_law_found found;
+        char words[STATE_LAW_WORDS];
+    } law;
     float model[]; /* [n][A], then [n][n][B] */
 };
 
@@ -112,12 +131,19 @@ static inline bool experiment_runs(const struct experiment *e)
 /* Ends it; what it moved returns, since it asks no more. */
 void experiment_abort(struct experiment *e, enum experiment_reason reason);
 
-enum experiment_event { EVENT_MODEL, EVENT_NO_MODEL, EVENT_ABORTED, EXPERIMENT_EVENTS };
+enum experiment_event {
+    EVENT_MODEL,
+    EVENT_NO_MODEL,
+    EVENT_ABORTED,
+    EVENT_LAW,
+    EVENT_NO_LAW,
+    EXPERIMENT_EVENTS
+};
 
 /* ---- settings (plant_experiment_settings.c) ---- */
 
 #define EXPERIMENT_PARAMETERS                                                                      \
-    (16 + EXPERIMENT_KEPT * (DIFFERENCE_A_MOST + EXPERIMENT_KEPT * DIFFERENCE_B_MOST))
+    (17 + EXPERIMENT_KEPT * (DIFFERENCE_A_MOST + EXPERIMENT_KEPT * DIFFERENCE_B_MOST))
 extern const struct block_parameter experiment_parameter_rows[EXPERIMENT_PARAMETERS];
 #define EXPERIMENT_ID_KNOWN 16
 #define EXPERIMENT_ID_A     20 /* by outputs */
@@ -152,6 +178,15 @@ bool experiment_work(void *state);
 void experiment_end_lease(struct experiment *e);
 /* What was found, out of the workspace. */
 void experiment_take_model(struct experiment *e);
+
+/* ---- the law (plant_experiment_law.c) ---- */
+
+bool experiment_law_runs(const struct experiment *e);
+/* NULL, or why not, in a word. */
+const char *experiment_law_begin(struct experiment *e);
+void experiment_law_stop(struct experiment *e, const char *field, const char *wanted);
+bool experiment_law_work(struct experiment *e);
+void experiment_law_step(struct experiment *e, struct block_io *io);
 
 /* ---- proposals (plant_experiment_proposals.c) ---- */
 

@@ -58,6 +58,8 @@ bool experiment_work(void *state)
 {
     struct experiment *e = state;
     struct experiment_job *job = e->job;
+    if (experiment_law_runs(e))
+        return experiment_law_work(e);
     if (e->stage == EXPERIMENT_ASKED && !job)
         lease_for_record(e);
     if (e->stage != EXPERIMENT_COMPUTES || !job || job->over)

@@ -20,6 +20,9 @@ static const struct block_event experiment_events[EXPERIMENT_EVENTS] = {
     [EVENT_ABORTED] = {"aborted", BLOCK_INFO,
                        "1 stop, 2 band, 3 reading, 4 unsteady, 5 workspace, 6 settings, 7 plant, "
                        "11 and more: test signal"},
+    [EVENT_LAW] = {"law", BLOCK_INFO,
+                   "a law of state feedback, which is proposed; the loop's largest pole, -"},
+    [EVENT_NO_LAW] = {"no_law", BLOCK_INFO, "no law, `block N` says why; of which loop"},
 };
 
 /* ---- settings ---- */
@@ -58,6 +61,10 @@ static enum err experiment_configure(void *state, const struct block_setup *setu
         memset(e, 0, experiment_bytes(setup));
     else if (experiment_runs(e) && (differs(&e->s, s) || e->ticks != ticks))
         experiment_abort(e, REASON_SETTINGS);
+    if (retune && (differs(&e->s, s) || e->law.to != (s->law ? setup->named : NULL)))
+        experiment_law_stop(e, "settings", "left as they are while the law is found");
+    e->law.to = s->law ? setup->named : NULL;
+    e->step_s = setup->interval_s;
     e->s = *s;
     e->n = (uint8_t)(setup->inputs / 2u);
     memcpy(e->input, setup->input, (size_t)2 * e->n * sizeof e->input[0]);
@@ -200,6 +207,10 @@ static void go_on_with_stage(struct experiment *e, struct block_io *io)
 
 static float value_of_end(const struct experiment *e)
 {
+    if (e->tells == EVENT_LAW + 1)
+        return e->law.found.radius;
+    if (e->tells == EVENT_NO_LAW + 1)
+        return e->law.found.loop;
     if (e->tells == EVENT_ABORTED + 1)
         return e->reason;
     if (e->tells == EVENT_NO_MODEL + 1)
@@ -217,6 +228,7 @@ static void experiment_step(void *state, struct block_io *io)
     if (experiment_runs(e))
         go_on_with_stage(e, io);
     experiment_proposals_step(e, io->proposal);
+    experiment_law_step(e, io);
     io->raised = 0;
     if (e->tells) {
         io->raised = (uint16_t)(1u << (e->tells - 1u));
@@ -240,7 +252,7 @@ static const char *run_start(void *state, const float *number)
 {
     struct experiment *e = state;
     (void)number;
-    if (experiment_runs(e))
+    if (experiment_runs(e) || experiment_law_runs(e))
         return "runs";
     e->reason = REASON_NONE;
     e->verdict = PLANT_UNJUDGED;
@@ -258,15 +270,28 @@ static const char *run_stop(void *state, const float *number)
 {
     struct experiment *e = state;
     (void)number;
+    if (experiment_law_runs(e)) {
+        experiment_law_stop(e, "it", "let go on to its end");
+        return NULL;
+    }
     if (!experiment_runs(e))
         return "runs not";
     experiment_abort(e, REASON_STOPPED);
     return NULL;
 }
 
+static const char *run_law(void *state, const float *number)
+{
+    struct experiment *e = state;
+    (void)number;
+    return experiment_runs(e) ? "runs" : experiment_law_begin(e);
+}
+
 static const struct block_verb experiment_verbs[] = {
     {"start", NULL, "rest, move the MVs, find the model", 0, 0, false, ACCESS_ENGINEER, run_start},
     {"stop", NULL, "the MVs return to where they rested", 0, 0, false, ACCESS_OPERATOR, run_stop},
+    {"design", NULL, "the law of state feedback, from the model that is kept", 0, 0, false,
+     ACCESS_ENGINEER, run_law},
 };
 
 const struct block_kind experiment_kind = {
@@ -275,6 +300,8 @@ const struct block_kind experiment_kind = {
     .parameter = experiment_parameter_rows,
     .parameters = EXPERIMENT_PARAMETERS,
     .settings_bytes = sizeof(struct experiment_settings),
+    .names = 17,
+    .named_kind = "state_law",
     .inputs_most = 2 * EXPERIMENT_MOST,
     .bad_input = BAD_INPUT_IS_TOLD,
     .history = experiment_history,

@@ -113,6 +113,10 @@ const char *experiment_describe(const void *state, size_t i, float *value)
 {
     const struct experiment *e = state;
     size_t n = e->n;
+    if (e->law.stage == EXPERIMENT_LAW_REFUSED && i-- == 0) {
+        *value = e->law.found.loop;
+        return e->law.words;
+    }
     if (i < OF_RUN)
         return describe_run(e, i, value);
     i -= OF_RUN;

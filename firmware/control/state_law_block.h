@@ -15,8 +15,6 @@ enum state_law_stage {
     STATE_LAW_REFUSED
 };
 
-#define STATE_LAW_WORDS 112
-
 struct state_law_block {
     struct state_law_settings s;
     struct block_signal input[BLOCK_INPUTS_MAX];
@@ -42,13 +40,6 @@ MUST_CHECK enum err state_law_check(const struct block_setup *setup, struct bloc
 
 /* ---- proposals ---- */
 
-/* Of a law that is there as `is` the values that differ from `wanted`, made_s included: how many. */
-unsigned state_law_values_left(const struct state_law_settings *is,
-                               const struct state_law_found *wanted, float made_s, unsigned loops);
-/* As many of them as there is room for; made 0 first where that takes more than one, and what it is with the last. block: index of the one
- * with the law, PROPOSED_SELF of its own. */
-void state_law_put_values(const struct state_law_settings *is, const struct state_law_found *wanted,
-                          float made_s, unsigned loops, uint8_t block, struct block_proposal *room);
 void state_law_propose(struct state_law_block *b, struct block_proposal *room);
 
 const char *state_law_describe(const void *state, size_t i, float *value);

@@ -4,6 +4,8 @@
 
 #include <string.h>
 
+#include "base/text.h"
+
 #define ZERO REAL_C(0.0)
 #define ONE  REAL_C(1.0)
 
@@ -56,19 +58,27 @@ void state_law_job_of_column(struct state_law_job *job, const struct state_law_s
 }
 
 void state_law_job_of_model(struct state_law_job *job, const struct state_law_settings *s,
-                            const struct state_model *plant)
+                            unsigned loops)
 {
-    unsigned loops = plant->b.cols, states = plant->a.rows;
+    struct state_law_linear *l = &job->linear;
     begin_job(job, s, loops);
-    job->sampled = *plant;
     job->phase = STATE_LAW_PHASE_DESIGN;
-    job->linear.inputs = (uint8_t)(states + loops);
-    job->linear.seen.rows = job->linear.seen.cols = (uint8_t)states;
-    for (unsigned k = 0; k < states; k++)
-        job->linear.seen.at[k][k] = ONE;
-    for (unsigned k = 0; k < loops; k++)
-        job->linear.place[states + k] =
-            (struct state_law_place){.is = STATE_LAW_REFLUX, .is_mv = true};
+    l->inputs = (uint8_t)(2u * loops);
+    l->seen.rows = l->seen.cols = (uint8_t)loops;
+    for (unsigned k = 0; k < loops; k++) {
+        l->seen.at[k][k] = ONE;
+        l->place[loops + k].is_mv = true;
+    }
+}
+
+void state_law_words(const struct state_law_found *found, char *text, size_t size)
+{
+    struct text t = text_on(text, size);
+    text_str(&t, "no law: ");
+    text_str(&t, found->field);
+    text_str(&t, " must be ");
+    text_str(&t, found->wanted);
+    text_str(&t, "; loop");
 }
 
 /* ---- phases ---- */

@@ -18,6 +18,8 @@ enum state_law_phase {
     STATE_LAW_PHASE_OVER
 };
 
+#define STATE_LAW_WORDS 128 /* a refusal, in words */
+
 /* What was found; numbers are those of fractions of span. */
 struct state_law_found {
     float f[STATE_LAW_LOOPS][STATE_FEEDBACK_INPUTS], g[STATE_LAW_LOOPS][STATE_LAW_LOOPS];
@@ -52,14 +54,24 @@ void state_law_job_of_column(struct state_law_job *job, const struct state_law_s
                              const struct block_signal *input, unsigned inputs,
                              const struct column_record *record);
 
-/* From a model that is sampled already, of fractions of span, whose states are its outputs in the order of the inputs. plant: of
- * as many inputs as outputs; it is copied. */
+/* From a model that is sampled already, of fractions of span, whose states are its outputs in the order of the inputs; as many inputs
+ * as outputs. It is put into job->sampled afterwards. */
 void state_law_job_of_model(struct state_law_job *job, const struct state_law_settings *s,
-                            const struct state_model *plant);
+                            unsigned loops);
+
+/* "no law: left must be ...; loop" of one that was refused. */
+void state_law_words(const struct state_law_found *found, char *text, size_t size);
 
 /* A piece; false: it is over, and found tells. */
 bool state_law_job_piece(struct state_law_job *job);
 
+/* Of a law that is there as `is` the values that differ from `wanted`, made_s included: how many. */
+unsigned state_law_values_left(const struct state_law_settings *is,
+                               const struct state_law_found *wanted, float made_s, unsigned loops);
+/* As many of them as there is room for; made 0 first where that takes more than one, and what it is with the last. block: index of the one
+ * with the law, PROPOSED_SELF of its own. */
+void state_law_put_values(const struct state_law_settings *is, const struct state_law_found *wanted,
+                          float made_s, unsigned loops, uint8_t block, struct block_proposal *room);
 /* How many of the inputs are MVs. */
 unsigned state_law_loops(const struct block_signal *input, unsigned inputs);
 

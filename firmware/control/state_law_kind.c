@@ -47,14 +47,10 @@ static struct text refusal(struct state_law_block *b, unsigned loop)
     return t;
 }
 
-static void end_refused(struct state_law_block *b, const char *field, const char *wanted,
-                        unsigned loop)
+static void end_refused(struct state_law_block *b)
 {
-    struct text t = refusal(b, loop);
-    text_str(&t, field);
-    text_str(&t, " must be ");
-    text_str(&t, wanted);
-    text_str(&t, "; loop");
+    (void)refusal(b, b->found.loop);
+    state_law_words(&b->found, b->refused, sizeof b->refused);
 }
 
 static void end_stopped(struct state_law_block *b, const char *why)
@@ -144,7 +140,7 @@ static void take_law(struct state_law_block *b)
 {
     b->found = b->job->found;
     if (b->found.field[0]) {
-        end_refused(b, b->found.field, b->found.wanted, b->found.loop);
+        end_refused(b);
         return;
     }
     end_lease(b);

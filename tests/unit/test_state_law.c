@@ -226,7 +226,8 @@ static void a_model_of_first_order_has_the_law_of_its_matrices(void)
         for (unsigned j = 0; j < 2; j++)
             plant.b.at[i][j] = (real_t)b[i][j];
     }
-    state_law_job_of_model(&job, &settings, &plant);
+    state_law_job_of_model(&job, &settings, 2);
+    job.sampled = plant;
     while (state_law_job_piece(&job)) {
     }
     TEST_ASSERT_EQUAL_STRING("", job.found.field);

@@ -1,0 +1,188 @@
+/* From a model to the law of state feedback that a block of the kind `state_law` keeps. Of a model of first order without dead time, A y(k) = B u(k),
+ * the outputs are all there is to its state:
+ *
+ *     y(k + 1) = -diag(a) y(k) + B u(k)
+ *
+ * so F and G are for the measurements themselves. Of higher orders states would be samples of the past, which no measurement is: refused. */
+#include "adapt/plant_experiment_block.h"
+
+#if CONFIG_EXPERIMENT
+
+#include <string.h>
+
+#include "base/workspace.h"
+
+#define HOLDER "experiment"
+#define FREES  "block N stop"
+#define STEPS  2u /* for the job: two states are a millisecond */
+
+bool experiment_law_runs(const struct experiment *e)
+{
+    return e->law.stage == EXPERIMENT_LAW_ASKED || e->law.stage == EXPERIMENT_LAW_WORKS;
+}
+
+static void end_lease_of_law(struct experiment *e)
+{
+    if (e->law.job)
+        workspace_end(workspace_shared(), e->law.lease);
+    e->law.job = NULL;
+}
+
+static void law_ends(struct experiment *e, const char *field, const char *wanted, unsigned loop)
+{
+    if (field)
+        e->law.found = (struct state_law_found){
+            .field = field, .wanted = wanted, .loop = (uint8_t)loop, .radius = 0};
+    state_law_words(&e->law.found, e->law.words, sizeof e->law.words);
+    end_lease_of_law(e);
+    e->law.stage = EXPERIMENT_LAW_REFUSED;
+    e->tells = EVENT_NO_LAW + 1;
+}
+
+void experiment_law_stop(struct experiment *e, const char *field, const char *wanted)
+{
+    if (experiment_law_runs(e))
+        law_ends(e, field, wanted, 0);
+}
+
+const char *experiment_law_begin(struct experiment *e)
+{
+    if (experiment_law_runs(e))
+        return "designs";
+    if (!e->law.to)
+        return "law"; /* it names nobody */
+    if (!e->s.known || e->n > EXPERIMENT_KEPT)
+        return "no_model";
+    e->law.words[0] = '\0';
+    e->law.proposes = false;
+    e->law.stage = EXPERIMENT_LAW_ASKED;
+    return NULL;
+}
+
+/* ---- the model ---- */
+
+static bool is_first_order(const struct experiment *e, unsigned i)
+{
+    bool more = false;
+    for (unsigned k = 1; k < DIFFERENCE_A_MOST; k++)
+        more = more || e->s.a[i][k] < 0 || e->s.a[i][k] > 0;
+    for (unsigned j = 0; j < e->n; j++)
+        for (unsigned k = 1; k < DIFFERENCE_B_MOST; k++)
+            more = more || e->s.b[i][j][k] < 0 || e->s.b[i][j][k] > 0;
+    return !more;
+}
+
+static bool is_period_of(const struct experiment *e, float period_s)
+{
+    float own = (float)e->ticks * e->step_s, off = period_s - own;
+    return off <= 1e-3f * own && off >= -1e-3f * own;
+}
+
+/* Of fractions of span. */
+static void put_plant(const struct experiment *e, struct state_model *plant)
+{
+    memset(plant, 0, sizeof *plant);
+    plant->period_s = e->law.to->period_s;
+    plant->a.rows = plant->a.cols = plant->b.rows = plant->b.cols = e->n;
+    plant->c.rows = plant->c.cols = plant->e.rows = e->n;
+    for (unsigned i = 0; i < e->n; i++) {
+        const struct block_signal *y = &e->input[i];
+        plant->a.at[i][i] = -(real_t)e->s.a[i][0];
+        plant->c.at[i][i] = REAL_C(1.0);
+        for (unsigned j = 0; j < e->n; j++) {
+            const struct block_signal *u = &e->input[e->n + j];
+            plant->b.at[i][j] = (real_t)(e->s.b[i][j][0] * (u->hi - u->lo) / (y->hi - y->lo));
+        }
+    }
+}
+
+static void put_order_of_law(struct experiment *e)
+{
+    if (!is_period_of(e, e->law.to->period_s)) {
+        law_ends(e, "period", "that of the experiment in the block with the law", 0);
+        return;
+    }
+    for (unsigned i = 0; i < e->n; i++)
+        if (!is_first_order(e, i)) {
+            law_ends(
+                e, "the model",
+                "of first order without dead time (na 1, nb 1): its outputs are then its states",
+                i + 1u);
+            return;
+        }
+    state_law_job_of_model(e->law.job, e->law.to, e->n);
+    put_plant(e, &e->law.job->sampled);
+    e->law.stage = EXPERIMENT_LAW_WORKS;
+}
+
+/* ---- between ticks ---- */
+
+bool experiment_law_work(struct experiment *e)
+{
+    struct state_law_job *job = e->law.job;
+    struct workspace *w = workspace_shared();
+    void *memory = NULL;
+    if (e->law.stage == EXPERIMENT_LAW_ASKED && !job && w &&
+        workspace_lease_for_now(w, HOLDER, FREES, sizeof *job, &e->law.lease, &memory) == ERR_OK)
+        e->law.job = memory;
+    return e->law.stage == EXPERIMENT_LAW_WORKS && job && state_law_job_piece(job);
+}
+
+/* ---- in the tick ---- */
+
+static void take_found_law(struct experiment *e)
+{
+    e->law.found = e->law.job->found;
+    if (e->law.found.field[0]) {
+        law_ends(e, NULL, NULL, 0);
+        return;
+    }
+    end_lease_of_law(e);
+    e->law.stage = EXPERIMENT_LAW_DONE;
+    e->tells = EVENT_LAW + 1;
+    e->law.proposes = true;
+    e->law.waits = e->law.accepted = false;
+}
+
+static void propose_law(struct experiment *e, struct block_proposal *room)
+{
+    if (!e->law.proposes || !room || room->n || !e->law.to)
+        return;
+    float made = e->law.to->period_s;
+    uint8_t left = (uint8_t)state_law_values_left(e->law.to, &e->law.found, made, e->n);
+    if (left == 0 || (e->law.waits && left == e->law.proposed)) { /* all of it, or refused */
+        e->law.proposes = false;
+        return;
+    }
+    e->law.accepted = e->law.accepted || e->law.waits;
+    state_law_put_values(e->law.to, &e->law.found, made, e->n, (uint8_t)(e->s.law - 1u), room);
+    room->manner = e->law.accepted || e->law.to->adopt == STATE_LAW_AT_ONCE
+                       ? PROPOSAL_AT_ONCE
+                       : PROPOSAL_WHEN_ACCEPTED;
+    e->law.proposed = left;
+    e->law.waits = true;
+}
+
+void experiment_law_step(struct experiment *e, struct block_io *io)
+{
+    bool lost = e->law.job && !workspace_renew(workspace_shared(), e->law.lease);
+    if (lost)
+        e->law.job = NULL;
+    if (!experiment_law_runs(e)) {
+        end_lease_of_law(e);
+    } else if (lost) {
+        law_ends(e, "the workspace", "free", 0);
+    } else if (!io->work_wanted) {
+        if (e->law.stage == EXPERIMENT_LAW_ASKED && e->law.job)
+            put_order_of_law(e);
+        else if (e->law.stage == EXPERIMENT_LAW_ASKED && io->work_done)
+            law_ends(e, "the workspace", "free", 0);
+        else if (e->law.stage == EXPERIMENT_LAW_WORKS && e->law.job->phase == STATE_LAW_PHASE_OVER)
+            take_found_law(e);
+        if (experiment_law_runs(e))
+            io->ask_work = STEPS;
+    }
+    propose_law(e, io->proposal);
+}
+
+#endif
