@@ -198,6 +198,11 @@ num_t high_order_step(struct high_order *h, num_t y, const num_t *u, bool learn)
     return e;
 }
 
+void high_order_interrupt(struct high_order *h)
+{
+    h->past = 0;
+}
+
 uint32_t high_order_samples(const struct high_order *h)
 {
     return h->samples;

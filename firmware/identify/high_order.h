@@ -63,6 +63,9 @@ void high_order_retune(struct high_order *h, const struct high_order_settings *s
  * before the past is whole. Returns e(k). */
 num_t high_order_step(struct high_order *h, num_t y, const num_t *u, bool learn);
 
+/* Samples are missing before the next one: nothing is learnt until the past is whole again. */
+void high_order_interrupt(struct high_order *h);
+
 /* Samples that were learnt from. */
 uint32_t high_order_samples(const struct high_order *h);
 const struct rls *high_order_rls(const struct high_order *h);
