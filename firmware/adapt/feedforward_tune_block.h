@@ -75,7 +75,7 @@ struct tune {
     uint32_t sensor_away; /* steps */
     float worse_by;       /* % */
     bool running;         /* the element has a gain */
-    bool asked_signal;
+    bool asked_signal, let_pass;
 
     /* Of a sample that is under way. */
     struct {
@@ -92,8 +92,10 @@ struct tune {
     num_t now[TUNE_SIGNALS]; /* after it */
     bool begun;              /* the filters are at a first sample */
     bool is_good;            /* this sample */
+    real_t last_mean_d;
     real_t last_r;           /* not filtered */
     uint16_t setpoint_rests; /* samples since the setpoint moved */
+    uint16_t d_rests;        /* since the disturbance moved much */
     uint16_t bad_rests;      /* since a reading was missing */
     uint32_t stage_samples;  /* since the stage began */
     uint32_t signal_samples; /* of the test signal */
@@ -131,6 +133,7 @@ struct tune {
 
     /* Shadows: what the loop did because of the feedforward, and would do because of the candidate. */
     struct loop_shadow without, with;
+    real_t integral;              /* of the loop's controller, from the filtered signals */
     real_t lead_lag, last_d;      /* of the candidate */
     real_t delayed[SHADOW_REACH]; /* d, newest first */
     uint16_t warm, test_warm;     /* samples since they began */
@@ -148,7 +151,9 @@ struct tune {
     real_t watch_with, watch_without, watch_weight;
     uint32_t since_change; /* samples in which it does less than half of what was promised */
 
+    uint32_t calls; /* steps that a proposal has waited */
     bool handed;    /* the proposal */
+    bool again;     /* it is to identify anew once the feedforward is off */
     bool silencing; /* it proposes a gain of 0 */
     /* The estimator: of the stage. */
     _Alignas(8) char memory[];

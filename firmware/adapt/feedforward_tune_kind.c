@@ -17,6 +17,8 @@
 #define STILL REAL_C(5e-4)
 /* A reading that stays away for so many samples is told. */
 #define SENSOR_AWAY 10u
+/* Times what a step of the disturbance takes that a proposal waits for it to be over. */
+#define CALLS 4u
 
 static const struct block_event tune_events[TUNE_EVENTS] = {
     [TUNE_SAYS_ADOPTED] = {"adopted", BLOCK_INFO,
@@ -107,6 +109,13 @@ static void element_changed(struct tune *t, bool is_candidate)
 {
     t->running = t->s.k > 0 || t->s.k < 0;
     tune_watch_begin(t);
+    t->let_pass = t->asked_signal;
+    t->asked_signal = false;
+    if (!t->running && (t->again || t->stage == TUNE_SILENCES)) {
+        t->again = false;
+        learn_stage(t, tune_is_staged(t) ? TUNE_LOOP : TUNE_DISTURBANCE);
+        return;
+    }
     if (!is_candidate && t->running)
         t->promised = 0;
     if (is_candidate) {
@@ -195,10 +204,23 @@ static void put_candidate(const struct tune *t, struct block_proposal *room)
     }
 }
 
+/* Settings that come into force while a step of the disturbance is under way would keep what the element just gives, which the loop
+ * makes room for. A disturbance that never rests is not waited for. */
+static bool is_calm(struct tune *t)
+{
+    uint32_t wanted = (uint32_t)((t->s.lead_s + t->s.lag_s + t->s.dead_s) / (float)t->h_s);
+    wanted = 2u * wanted + 4u;
+    bool calm = t->d_rests > wanted || t->calls > CALLS * (wanted + 4u) * t->ticks;
+    bool wants =
+        t->silencing || (!t->handed && (t->stage == TUNE_SILENCES || t->stage == TUNE_PROPOSES));
+    t->calls = wants && !calm ? t->calls + 1u : 0;
+    return calm || !wants;
+}
+
 /* With room again and other settings in force it was refused, or rejected. */
 static void propose_on(struct tune *t, struct block_proposal *room)
 {
-    if (!room)
+    if (!room || !is_calm(t))
         return;
     if (t->silencing || (t->stage == TUNE_SILENCES && !t->handed)) {
         put_gain_off(t, room);
@@ -329,8 +351,7 @@ static void watch_on(struct tune *t)
     tune_watch_begin(t);
     t->computing = t->reading = false;
     stage_begins(t, TUNE_IDLE);
-    if (t->tried <= t->s.tries)
-        learn_stage(t, tune_is_staged(t) ? TUNE_LOOP : TUNE_DISTURBANCE);
+    t->again = t->tried <= t->s.tries;
 }
 
 static void on_sample(struct tune *t)

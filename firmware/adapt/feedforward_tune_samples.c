@@ -12,6 +12,8 @@
 #define SIGNAL_MOST 2.0f
 /* A setpoint that moves by less has not moved. */
 #define SETPOINT_MOVED REAL_C(1e-5)
+/* A disturbance that moves by more than this part of its mean square in a sample has moved. */
+#define MUCH REAL_C(0.02)
 /* Of mean squares, in samples. */
 #define SQUARE_MEMORY REAL_C(200.0)
 
@@ -75,6 +77,10 @@ static void high_pass_sample(struct tune *t)
     bool moves = t->begun && (moved > SETPOINT_MOVED || moved < -SETPOINT_MOVED);
     t->setpoint_rests = (uint16_t)(moves ? 0 : t->setpoint_rests + (t->setpoint_rests < 65535u));
     t->bad_rests = (uint16_t)(!t->sum.good ? 0 : t->bad_rests + (t->bad_rests < 65535u));
+    real_t step = mean[SIGNAL_D] - t->last_mean_d;
+    bool much = step * step > MUCH * t->move_square;
+    t->d_rests = (uint16_t)(much ? 0 : t->d_rests + (t->d_rests < 65535u));
+    t->last_mean_d = mean[SIGNAL_D];
     t->last_r = mean[SIGNAL_R];
     t->is_good = t->sum.good;
     t->begun = true;
@@ -175,6 +181,11 @@ void tune_ask_signal(struct tune *t, struct block_io *io)
     bool loop = t->stage == TUNE_LOOP || (t->stage == TUNE_DISTURBANCE && !tune_is_staged(t));
     bool disturbance = t->stage == TUNE_DISTURBANCE;
     unsigned n = 0;
+    t->asked_signal = false;
+    if (t->let_pass) { /* an `apply` of its own proposal has ended it */
+        t->let_pass = false;
+        return;
+    }
     if (loop && t->s.step > 0) {
         float size = fraction_of(t->s.step, &t->y_signal);
         io->excite[n++] =

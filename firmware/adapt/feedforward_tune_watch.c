@@ -26,6 +26,7 @@ static void begin_shadow(const struct tune *t, struct loop_shadow *s)
 void tune_shadows_begin(struct tune *t)
 {
     begin_shadow(t, &t->without);
+    t->integral = ZERO;
     t->warm = 0;
 }
 
@@ -64,6 +65,17 @@ static uint32_t forgets_in(const struct tune *t)
     return n < REAL_C(60000.0) ? (uint32_t)n : 60000u;
 }
 
+/* What took effect beside what the controller would have given from the same measurements, were it linear: the feedforward, but
+ * also what limits have made of it and of the integral. */
+static real_t beside_controller(struct tune *t, real_t error)
+{
+    real_t r = num_to_float(t->now[SIGNAL_R]), y = num_to_float(t->now[SIGNAL_Y]);
+    real_t given = t->s.gain * (t->s.b * r - y) + t->integral;
+    if (t->s.ti_s > 0)
+        t->integral += t->s.gain * t->h_s / t->s.ti_s * error;
+    return num_to_float(t->now[SIGNAL_U]) - given;
+}
+
 static uint16_t one_more(uint16_t n)
 {
     return (uint16_t)(n < 65535u ? n + 1u : n);
@@ -74,7 +86,7 @@ void tune_shadows_step(struct tune *t)
     struct tune_errors *e = &t->errors;
     uint32_t rest = forgets_in(t);
     e->now = num_to_float(num_sub(t->now[SIGNAL_R], t->now[SIGNAL_Y]));
-    e->without = e->now + shadow_step(&t->without, num_to_float(t->now[SIGNAL_ADDED]));
+    e->without = e->now + shadow_step(&t->without, beside_controller(t, e->now));
     t->warm = one_more(t->warm);
     e->count = t->warm > rest && t->setpoint_rests > rest && t->is_good;
     e->then = e->without;

@@ -54,7 +54,7 @@ static struct cplx element_at(const struct tune *t, real_t omega)
 static struct loop_response loop_at(const struct tune *t, real_t omega)
 {
     struct loop_response l;
-    loop_response_of_pi(&l, t->s.gain, t->s.ti_s, t->s.b, t->tick_s, omega * t->tick_s);
+    loop_response_of_pi(&l, t->s.gain, t->s.ti_s, t->s.b, true, t->tick_s, omega * t->tick_s);
     l.feedforward = element_at(t, omega);
     return l;
 }

@@ -116,9 +116,9 @@ real_t shadow_step(struct loop_shadow *s, real_t v)
     real_t y = s->x;
     if (s->lost)
         return ZERO;
-    s->integral -= s->integral_share * y;
     memmove(s->u + 1, s->u, (SHADOW_REACH - 1u) * sizeof s->u[0]);
     s->u[0] = v - s->gain * y + s->integral;
+    s->integral -= s->integral_share * y;
     s->x = s->decay * s->x +
            s->into * (s->u[s->dead] + s->fraction * (s->u[s->dead + 1u] - s->u[s->dead]));
     s->lost = !real_within(s->x, -LOST, LOST);

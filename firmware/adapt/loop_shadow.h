@@ -1,7 +1,7 @@
 /* What a loop does in answer to something that is added to its MV, by a model: so, on the same data, what it would have done without
  * its feedforward, or with another one.
  *
- *     y_shadow = Gp/(1 + Gp C) v      y without v = y - y_shadow      Gp = gain e^(-dead s)/(lag s + 1),  C: PI, backward Euler
+ *     y_shadow = Gp/(1 + Gp C) v      y without v = y - y_shadow      Gp = gain e^(-dead s)/(lag s + 1),  C: PI as control/pid.h has it
  *
  * The first-order model is fitted to a frequency response (R. Siddha 2003, L1001 to 1009, reads it off at one frequency; here all of the grid
  * counts): gain and lag by least squares of 1/|G|^2 = (1 + (w lag)^2)/gain^2, the dead time such that the distances, each over |G|, have the

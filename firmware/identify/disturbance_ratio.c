@@ -10,15 +10,15 @@ static bool is_zero(struct cplx a)
     return !(cplx_square(a) > TINY);
 }
 
-void loop_response_of_pi(struct loop_response *l, real_t gain, real_t ti_s, real_t b, real_t h_s,
-                         real_t omega_h)
+void loop_response_of_pi(struct loop_response *l, real_t gain, real_t ti_s, real_t b, bool late,
+                         real_t h_s, real_t omega_h)
 {
     real_t sine, cosine;
     struct cplx q = cplx(ZERO, ZERO);
     real_sincos(omega_h / TWO, &sine, &cosine);
-    /* 1/(1 - z^-1) = e^(i omega_h/2)/(2i sin(omega_h/2)) = 1/2 - i/2 cot(omega_h/2): no difference of two that are alike */
+    /* 1/(1 - z^-1) = 1/2 - i/2 cot(omega_h/2), and 1 less with z^-1 above: no difference of two that are alike */
     if (ti_s > ZERO)
-        q = cplx_scale(cplx(ONE / TWO, -cosine / (TWO * sine)), h_s / ti_s);
+        q = cplx_scale(cplx(late ? -ONE / TWO : ONE / TWO, -cosine / (TWO * sine)), h_s / ti_s);
     l->controller = cplx_scale(cplx(ONE + q.re, q.im), gain);
     l->reference = cplx_scale(cplx(b + q.re, q.im), gain);
     l->feedforward = cplx(ZERO, ZERO);

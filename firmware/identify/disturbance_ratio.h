@@ -27,11 +27,11 @@ struct loop_response {
     struct cplx feedforward; /* F; 0 where it was off */
 };
 
-/* A PI with setpoint weight b, backward Euler: C = gain (1 + q), Cr = gain (b + q), q = (h/ti)/(1 - z^-1); ti 0: no integral
- * action. gain: output per measurement, with its sign (above 0: a measurement below its setpoint raises the output). h, ti_s > 0
+/* A PI with setpoint weight b: C = gain (1 + q), Cr = gain (b + q), q = (h/ti)/(1 - z^-1), backward Euler; late: q z^-1 in its
+ * place, as control/pid.h integrates, where an error is in the integral one step behind the proportional part. ti 0: no integral action. gain: output per measurement, with its sign (above 0: a measurement below its setpoint raises the output). h, ti_s > 0
  * or ti_s = 0, s; omega_h: rad per sample, (0, pi]. */
-void loop_response_of_pi(struct loop_response *l, real_t gain, real_t ti_s, real_t b, real_t h_s,
-                         real_t omega_h);
+void loop_response_of_pi(struct loop_response *l, real_t gain, real_t ti_s, real_t b, bool late,
+                         real_t h_s, real_t omega_h);
 
 /* All: ERR_SINGULAR where they would divide by 0; *ratio is not written then. */
 MUST_CHECK enum err ratio_from_process(const struct high_order_point *process,

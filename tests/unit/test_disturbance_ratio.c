@@ -37,7 +37,7 @@ static struct seen at(int regime, double w, double b, double k)
     s.cr = SIDDHA_GAIN * (b + q);
     s.s = 1 / (1 + s.gp * s.c);
     s.f = siddha_feedforward(k, 0.3, 0.2, w);
-    loop_response_of_pi(&s.loop, REAL_C(0.325), REAL_C(0.66), (real_t)b, REAL_C(0.05),
+    loop_response_of_pi(&s.loop, REAL_C(0.325), REAL_C(0.66), (real_t)b, false, REAL_C(0.05),
                         (real_t)(w * SIDDHA_TS));
     s.loop.feedforward = cplx((real_t)creal(s.f), (real_t)cimag(s.f));
     return s;

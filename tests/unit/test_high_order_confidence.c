@@ -79,7 +79,7 @@ static struct high_order_point ratio_found(char method, double w)
     struct high_order_point a, b, ratio;
     struct loop_response l;
     real_t omega_h = (real_t)(w * SIDDHA_TS);
-    loop_response_of_pi(&l, REAL_C(0.325), REAL_C(0.66), REAL_C(1.0), REAL_C(0.05), omega_h);
+    loop_response_of_pi(&l, REAL_C(0.325), REAL_C(0.66), REAL_C(1.0), false, REAL_C(0.05), omega_h);
     if (method == 'A') {
         TEST_ASSERT_EQUAL(ERR_OK, high_order_ratio(first, omega_h, &ratio));
         return ratio;
