@@ -126,7 +126,7 @@ struct tune {
     struct high_order_point process[FEEDFORWARD_POINTS];
     struct feedforward_wanted wanted;
     struct feedforward_search search;
-    struct shadow_model model;
+    struct shadow_model model, found; /* that the shadows use; that the work has found */
     bool has_model;
     real_t spread; /* weighted, over the ratio's size */
     struct feedforward_shape candidate;

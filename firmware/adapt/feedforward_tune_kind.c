@@ -85,7 +85,8 @@ static void begin_tuning(struct tune *t)
 static void end_with(struct tune *t, enum tune_verdict verdict)
 {
     t->verdict = (uint8_t)verdict;
-    t->told_verdict = t->verdict;
+    bool routine = verdict == TUNE_NO_BETTER && t->running; /* what it has is as good */
+    t->told_verdict = routine ? (uint8_t)TUNE_NONE : t->verdict;
     t->asked_signal = false;
     stage_begins(t, t->running && t->has_model ? TUNE_RUNS : TUNE_IDLE);
     t->since_tuned = 0;
@@ -112,8 +113,10 @@ static void element_changed(struct tune *t, bool is_candidate)
     t->let_pass = t->asked_signal;
     t->asked_signal = false;
     if (!t->running && (t->again || t->stage == TUNE_SILENCES)) {
+        /* The first time with what is known of the loop: that it moved it the wrong way may be the element's doing alone. */
+        bool loop_known = t->again && t->has_loop && t->tried == 1;
         t->again = false;
-        learn_stage(t, tune_is_staged(t) ? TUNE_LOOP : TUNE_DISTURBANCE);
+        learn_stage(t, tune_is_staged(t) && !loop_known ? TUNE_LOOP : TUNE_DISTURBANCE);
         return;
     }
     if (!is_candidate && t->running)
@@ -260,8 +263,9 @@ static void look_over(struct tune *t)
 static void candidate_there(struct tune *t)
 {
     stage_begins(t, TUNE_TESTS);
-    if (t->warm == 0 || !t->running)
-        tune_shadows_begin(t);
+    t->model = t->found;
+    t->has_model = true;
+    tune_shadows_begin(t);
     tune_test_begin(t);
 }
 

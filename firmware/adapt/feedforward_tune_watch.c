@@ -168,7 +168,9 @@ static real_t watch_samples(const struct tune *t)
 
 float tune_improvement(const struct tune *t)
 {
-    return t->watch_without > ZERO ? 100 * (float)(ONE - t->watch_with / t->watch_without) : 0;
+    bool whole = t->running && t->watch_weight > REAL_C(0.1) * watch_samples(t);
+    return whole && t->watch_without > ZERO ? 100 * (float)(ONE - t->watch_with / t->watch_without)
+                                            : 0;
 }
 
 enum tune_verdict tune_watch_step(struct tune *t)

@@ -185,8 +185,7 @@ static enum tune_verdict model_of_process(struct tune *t)
     if (shadow_fit(&t->omega[t->band_from], g, n, t->s.gain > 0 ? ONE : -ONE, reach, &m) ||
         m.off > OFF_MOST)
         return TUNE_NO_MODEL;
-    t->model = m;
-    t->has_model = true;
+    t->found = m;
     return TUNE_NONE;
 }
 

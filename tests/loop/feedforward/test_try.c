@@ -14,7 +14,7 @@ static void one(void){
   if(!getenv("NOTUNE")) {
   course.quiet = staged;
   ask_ok("block 1 tune");
-  for(int k=0;k<1200;k++){ tune_seconds(20); int st=tune_value("stage"); if(st==DISTURBANCE) course.quiet=false; if(st==RUNS||st==IDLE)break; }
+  for(int k=0;k<1200;k++){ tune_seconds(20); int st=tune_value("stage"); if(st==DISTURBANCE) course.quiet=false; if(k%20==0&&getenv("V"))show(); if(st==RUNS||st==IDLE)break; }
   tune_seconds(1200);
   show();
   }
