@@ -108,6 +108,7 @@ struct tune {
     real_t change;      /* of the response looked at last, in the band */
     real_t move_square; /* mean squares, of d and of what moves the loop */
     real_t loop_square;
+    uint32_t squared; /* samples in them */
     bool learns;
 
     /* On the grid. */

@@ -249,12 +249,27 @@ static void stage_of_loop_over(struct tune *t)
     learn_stage(t, TUNE_DISTURBANCE);
 }
 
+static bool stands_still(real_t square)
+{
+    return !(square > STILL * STILL);
+}
+
+/* What the stage should learn from did not move; a response that does not change then says nothing. */
+static enum tune_verdict nothing_moves(const struct tune *t)
+{
+    if (t->stage == TUNE_LOOP)
+        return stands_still(t->loop_square) ? TUNE_LOOP_STILL : TUNE_NONE;
+    return stands_still(t->move_square) ? TUNE_STILL : TUNE_NONE;
+}
+
 static void look_over(struct tune *t)
 {
     t->settled_looks = (uint8_t)(t->change * 100 < t->s.settled ? t->settled_looks + 1u : 0u);
     if (t->settled_looks < SETTLED_LOOKS || t->stage_samples < tune_samples(t, t->s.learn_s))
         return;
-    if (t->stage == TUNE_LOOP)
+    if (nothing_moves(t) != TUNE_NONE)
+        end_with(t, nothing_moves(t));
+    else if (t->stage == TUNE_LOOP)
         stage_of_loop_over(t);
     else if (t->stage == TUNE_DISTURBANCE)
         stage_begins(t, TUNE_COMPUTES);
@@ -297,21 +312,14 @@ static void work_on(struct tune *t, struct block_io *io)
 
 /* ---- stages, a sample at a time ---- */
 
-static bool stands_still(real_t square)
-{
-    return !(square > STILL * STILL);
-}
-
 static void learning_on(struct tune *t)
 {
     uint32_t wanted = tune_samples(t, t->s.learn_s);
     if (t->computing || !t->free)
         return;
     if (t->stage_samples > 2u * wanted) {
-        bool of_loop = t->stage == TUNE_LOOP;
-        end_with(t, of_loop && stands_still(t->loop_square)    ? TUNE_LOOP_STILL
-                    : !of_loop && stands_still(t->move_square) ? TUNE_STILL
-                                                               : TUNE_SLOW);
+        enum tune_verdict still = nothing_moves(t);
+        end_with(t, still != TUNE_NONE ? still : TUNE_SLOW);
     } else if (t->since_look >= wanted / LOOKS_A_STAGE) {
         tune_ask_look(t, true);
     }

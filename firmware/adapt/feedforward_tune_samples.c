@@ -14,8 +14,6 @@
 #define SETPOINT_MOVED REAL_C(1e-5)
 /* A disturbance that moves by more than this part of its mean square in a sample has moved. */
 #define MUCH REAL_C(0.02)
-/* Of mean squares, in samples. */
-#define SQUARE_MEMORY REAL_C(200.0)
 
 void tune_samples_begin(struct tune *t)
 {
@@ -116,6 +114,7 @@ void tune_learn_anew(struct tune *t)
     t->change = REAL_C(1.0);
     t->since_look = 0;
     t->move_square = t->loop_square = REAL_C(0.0);
+    t->squared = 0;
 }
 
 static unsigned reach_of_shape(const struct high_order_shape *s)
@@ -138,10 +137,11 @@ static bool may_learn(const struct tune *t)
            t->setpoint_rests > 4u * reach_of_shape(s);
 }
 
-static real_t onto_square(real_t square, num_t x)
+/* The mean since the stage began, then over as many samples as a stage takes. */
+static real_t onto_square(const struct tune *t, real_t square, num_t x)
 {
     real_t value = num_to_float(x);
-    return square + (value * value - square) / SQUARE_MEMORY;
+    return square + (value * value - square) / (real_t)t->squared;
 }
 
 void tune_learn(struct tune *t)
@@ -156,8 +156,9 @@ void tune_learn(struct tune *t)
             y = num_sub(t->now[SIGNAL_U], t->now[SIGNAL_ADDED]);
     }
     t->learns = may_learn(t);
-    t->move_square = onto_square(t->move_square, t->now[SIGNAL_D]);
-    t->loop_square = onto_square(t->loop_square, moves);
+    t->squared += t->squared < tune_samples(t, t->s.learn_s) ? 1u : 0u;
+    t->move_square = onto_square(t, t->move_square, t->now[SIGNAL_D]);
+    t->loop_square = onto_square(t, t->loop_square, moves);
     (void)high_order_step(tune_model(t), y, u, t->learns);
     t->since_look++;
 }
