@@ -56,7 +56,7 @@ static bool tune_differs(const struct tune_settings *before, const struct tune_s
     return memcmp(before, now, offsetof(struct tune_settings, k)) != 0;
 }
 
-static void stage_begins(struct tune *t, enum tune_stage stage)
+static void tuning_stage_begins(struct tune *t, enum tune_stage stage)
 {
     t->stage = (uint8_t)stage;
     t->stage_samples = t->signal_samples = 0;
@@ -65,7 +65,7 @@ static void stage_begins(struct tune *t, enum tune_stage stage)
 
 static void learn_stage(struct tune *t, enum tune_stage stage)
 {
-    stage_begins(t, stage);
+    tuning_stage_begins(t, stage);
     t->anew = true;
     if (stage == TUNE_LOOP)
         t->has_loop = false;
@@ -76,7 +76,7 @@ static void begin_tuning(struct tune *t)
 {
     t->computing = t->reading = false;
     if (t->s.alone && t->running)
-        stage_begins(t, TUNE_SILENCES);
+        tuning_stage_begins(t, TUNE_SILENCES);
     else
         learn_stage(t, tune_is_staged(t) ? TUNE_LOOP : TUNE_DISTURBANCE);
 }
@@ -88,7 +88,7 @@ static void end_with(struct tune *t, enum tune_verdict verdict)
     bool routine = verdict == TUNE_NO_BETTER && t->running; /* what it has is as good */
     t->told_verdict = routine ? (uint8_t)TUNE_NONE : t->verdict;
     t->asked_signal = false;
-    stage_begins(t, t->running && t->has_model ? TUNE_RUNS : TUNE_IDLE);
+    tuning_stage_begins(t, t->running && t->has_model ? TUNE_RUNS : TUNE_IDLE);
     t->since_tuned = 0;
 }
 
@@ -124,7 +124,7 @@ static void element_changed(struct tune *t, bool is_candidate)
     if (is_candidate) {
         t->verdict = TUNE_ADOPTED;
         t->tells |= 1u << TUNE_SAYS_ADOPTED;
-        stage_begins(t, TUNE_RUNS);
+        tuning_stage_begins(t, TUNE_RUNS);
         t->since_tuned = 0;
         if (tune_is_staged(t)) /* the response to d is another one now */
             t->anew = true;
@@ -147,7 +147,7 @@ static void begin_without_past(struct tune *t)
 {
     tune_samples_begin(t);
     learn_stage(t, TUNE_DISTURBANCE);
-    stage_begins(t, TUNE_IDLE);
+    tuning_stage_begins(t, TUNE_IDLE);
     t->computing = t->reading = t->has_model = t->has_loop = t->silencing = false;
     t->verdict = TUNE_NONE;
     if (t->s.begin)
@@ -255,7 +255,7 @@ static bool stands_still(real_t square)
 }
 
 /* What the stage should learn from did not move; a response that does not change then says nothing. */
-static enum tune_verdict nothing_moves(const struct tune *t)
+static enum tune_verdict stands_still_in_stage(const struct tune *t)
 {
     if (t->stage == TUNE_LOOP)
         return stands_still(t->loop_square) ? TUNE_LOOP_STILL : TUNE_NONE;
@@ -267,17 +267,17 @@ static void look_over(struct tune *t)
     t->settled_looks = (uint8_t)(t->change * 100 < t->s.settled ? t->settled_looks + 1u : 0u);
     if (t->settled_looks < SETTLED_LOOKS || t->stage_samples < tune_samples(t, t->s.learn_s))
         return;
-    if (nothing_moves(t) != TUNE_NONE)
-        end_with(t, nothing_moves(t));
+    if (stands_still_in_stage(t) != TUNE_NONE)
+        end_with(t, stands_still_in_stage(t));
     else if (t->stage == TUNE_LOOP)
         stage_of_loop_over(t);
     else if (t->stage == TUNE_DISTURBANCE)
-        stage_begins(t, TUNE_COMPUTES);
+        tuning_stage_begins(t, TUNE_COMPUTES);
 }
 
 static void candidate_there(struct tune *t)
 {
-    stage_begins(t, TUNE_TESTS);
+    tuning_stage_begins(t, TUNE_TESTS);
     t->model = t->found;
     t->has_model = true;
     tune_shadows_begin(t);
@@ -318,7 +318,7 @@ static void learning_on(struct tune *t)
     if (t->computing || !t->free)
         return;
     if (t->stage_samples > 2u * wanted) {
-        enum tune_verdict still = nothing_moves(t);
+        enum tune_verdict still = stands_still_in_stage(t);
         end_with(t, still != TUNE_NONE ? still : TUNE_SLOW);
     } else if (t->since_look >= wanted / LOOKS_A_STAGE) {
         tune_ask_look(t, true);
@@ -329,7 +329,7 @@ static void testing_on(struct tune *t)
 {
     enum tune_verdict verdict = tune_test_step(t);
     if (verdict == TUNE_ADOPTED)
-        stage_begins(t, TUNE_PROPOSES);
+        tuning_stage_begins(t, TUNE_PROPOSES);
     else if (verdict != TUNE_NONE)
         end_with(t, verdict);
 }
@@ -340,7 +340,7 @@ static void running_on(struct tune *t)
     if (t->s.every_s > 0 && !t->computing && t->since_tuned >= tune_samples(t, t->s.every_s) &&
         high_order_samples(tune_model(t)) >= tune_samples(t, t->s.learn_s)) {
         t->since_tuned = 0;
-        stage_begins(t, TUNE_COMPUTES);
+        tuning_stage_begins(t, TUNE_COMPUTES);
     } else if (t->since_change > tune_samples(t, t->s.check_s) && t->promised > 0) {
         t->tells |= 1u << TUNE_SAYS_CHANGED;
         t->since_change = 0;
@@ -362,11 +362,11 @@ static void watch_on(struct tune *t)
     t->asked_signal = false;
     tune_watch_begin(t);
     t->computing = t->reading = false;
-    stage_begins(t, TUNE_IDLE);
+    tuning_stage_begins(t, TUNE_IDLE);
     t->again = t->tried <= t->s.tries;
 }
 
-static void on_sample(struct tune *t)
+static void on_tuning_sample(struct tune *t)
 {
     t->stage_samples++;
     t->signal_samples++;
@@ -397,7 +397,7 @@ static void on_sample(struct tune *t)
 
 /* ---- what the tick calls ---- */
 
-static void tell_events(struct tune *t, struct block_io *io)
+static void tell_tuning_events(struct tune *t, struct block_io *io)
 {
     bool still = t->stage == TUNE_DISTURBANCE && stands_still(t->move_square) &&
                  2u * t->stage_samples > tune_samples(t, t->s.learn_s);
@@ -433,10 +433,10 @@ static void tune_step(void *state, struct block_io *io)
     t->free = !io->work_wanted;
     work_on(t, io);
     if (tune_take(t, io))
-        on_sample(t);
+        on_tuning_sample(t);
     tune_ask_signal(t, io);
     propose_on(t, io->proposal);
-    tell_events(t, io);
+    tell_tuning_events(t, io);
 }
 
 /* What the controller has to give is what the MV is to be: nothing is in between. */
@@ -460,7 +460,7 @@ static void tune_follow(void *state, struct block_io *io)
 
 /* ---- verbs ---- */
 
-static const char *run_tune(void *state, const float *number)
+static const char *run_tune_element(void *state, const float *number)
 {
     struct tune *t = state;
     (void)number;
@@ -471,7 +471,7 @@ static const char *run_tune(void *state, const float *number)
     return NULL;
 }
 
-static const char *run_stop(void *state, const float *number)
+static const char *run_stop_tuning(void *state, const float *number)
 {
     struct tune *t = state;
     (void)number;
@@ -492,7 +492,7 @@ static const char *run_silence(void *state, const float *number)
     return NULL;
 }
 
-static const char *run_reset(void *state, const float *number)
+static const char *run_reset_model(void *state, const float *number)
 {
     struct tune *t = state;
     (void)number;
@@ -504,10 +504,11 @@ static const char *run_reset(void *state, const float *number)
 }
 
 static const struct block_verb tune_verbs[] = {
-    {"tune", NULL, "identify, tune, test, propose", 0, 0, false, ACCESS_ENGINEER, run_tune},
-    {"stop", NULL, "give that up", 0, 0, false, ACCESS_OPERATOR, run_stop},
+    {"tune", NULL, "identify, tune, test, propose", 0, 0, false, ACCESS_ENGINEER, run_tune_element},
+    {"stop", NULL, "give that up", 0, 0, false, ACCESS_OPERATOR, run_stop_tuning},
     {"silence", NULL, "propose a feedforward gain of 0", 0, 0, false, ACCESS_OPERATOR, run_silence},
-    {"reset", NULL, "P = P(0); what is estimated stays", 0, 0, false, ACCESS_ENGINEER, run_reset},
+    {"reset", NULL, "P = P(0); what is estimated stays", 0, 0, false, ACCESS_ENGINEER,
+     run_reset_model},
 };
 
 const struct block_kind feedforward_tune_kind = {

@@ -149,7 +149,7 @@ static bool same_span(const struct block_signal *a, const struct block_signal *b
     return a->lo == b->lo && a->hi == b->hi;
 }
 
-static enum err check_signals(const struct block_setup *setup, struct block_fault *fault)
+static enum err check_tuning_inputs(const struct block_setup *setup, struct block_fault *fault)
 {
     if (setup->inputs != 2 || setup->input[0].is_mv || !same_span(&setup->input[0], &setup->pv[0]))
         return refuse_tune(fault, "inputs", "needs the PV of the loop, then the disturbance");
@@ -182,7 +182,7 @@ static enum err check_models(const struct block_setup *setup, struct block_fault
     return ERR_OK;
 }
 
-static enum err check_band(const struct block_setup *setup, struct block_fault *fault)
+static enum err check_tuning_band(const struct block_setup *setup, struct block_fault *fault)
 {
     const struct tune_settings *s = setup->settings;
     float h = setup->interval_s * (float)tune_ticks(setup);
@@ -194,7 +194,7 @@ static enum err check_band(const struct block_setup *setup, struct block_fault *
     return ERR_OK;
 }
 
-static enum err check_sizes(const struct block_setup *setup, struct block_fault *fault)
+static enum err check_tuning_sizes(const struct block_setup *setup, struct block_fault *fault)
 {
     const struct tune_settings *s = setup->settings;
     const struct block_signal *y = &setup->input[0], *d = &setup->input[1];
@@ -215,16 +215,16 @@ static enum err check_sizes(const struct block_setup *setup, struct block_fault 
 enum err tune_check(const struct block_setup *setup, struct block_fault *fault)
 {
     float ticks = tune_period_ticks(setup);
-    enum err err = check_signals(setup, fault);
+    enum err err = check_tuning_inputs(setup, fault);
     if (err)
         return err;
     if (!(ticks >= 0.999f && ticks <= 10000.0f))
         return refuse_tune(fault, "period", "must be 1 to 10000 base ticks");
     if (!step_period_is_whole(ticks))
         return refuse_tune(fault, "period", "must be a whole number of base ticks");
-    err = check_sizes(setup, fault);
+    err = check_tuning_sizes(setup, fault);
     if (!err)
-        err = check_band(setup, fault);
+        err = check_tuning_band(setup, fault);
     return err ? err : check_models(setup, fault);
 }
 
