@@ -307,9 +307,7 @@ static void after_a_power_cut_nothing_begins_by_itself(void)
     ask_ok("save");
     tune_seconds(20);
     plant_power_off();
-    char path[300];
-    snprintf(path, sizeof path, "%s/siddha-slow.json", FEEDFORWARD);
-    plant_power_on(path, 1000, 3, 1);
+    plant_power_on("siddha-slow", 1000, 3, 1);
     pass(3000);
     plant_connect();
     plant_steps(50);
