@@ -199,7 +199,7 @@ static void put_candidate(const struct tune *t, struct block_proposal *room)
     uint8_t ff = (uint8_t)(t->s.element - 1u);
     room->n = 8;
     room->manner = t->s.adopt == TUNE_ADOPT_AT_ONCE ? PROPOSAL_AT_ONCE : PROPOSAL_WHEN_ACCEPTED;
-    for (unsigned k = 0; k < 4; k++) {
+    for (size_t k = 0; k < 4; k++) {
         room->value[2 * k] =
             (struct proposed_value){proposed_own((uint8_t)(TUNE_ID_K + k)), value[k]};
         room->value[2 * k + 1] =
