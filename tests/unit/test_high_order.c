@@ -90,7 +90,7 @@ static void dense_step(const struct high_order_shape *s, double y, const double 
 {
     double phi[RLS_MAX] = {0};
     unsigned at = 0, most = s->na;
-    for (unsigned j = 0; j < s->inputs; j++) {
+    for (unsigned j = 0; j < s->inputs && j < HIGH_ORDER_INPUTS; j++) {
         memmove(dense.u[j] + 1, dense.u[j], (HIGH_ORDER_DELAY_MOST - 1) * sizeof(double));
         dense.u[j][0] = u[j];
         most = s->delay[j] + s->nb[j] > (int)most ? (unsigned)(s->delay[j] + s->nb[j]) : most;
