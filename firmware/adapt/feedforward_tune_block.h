@@ -76,6 +76,7 @@ struct tune {
     float worse_by;       /* % */
     bool running;         /* the element has a gain */
     bool asked_signal, let_pass;
+    uint8_t asks; /* bit 0: for the setpoint, bit 1: for the disturbance */
 
     /* Of a sample that is under way. */
     struct {
@@ -150,6 +151,7 @@ struct tune {
     real_t promised; /* what was tested: 1 - candidate/without, of squares */
     /* While it runs: decaying sums of squares. */
     real_t watch_with, watch_without, watch_weight;
+    uint32_t worse_for;    /* samples in a row in which it is worse than without */
     uint32_t since_change; /* samples in which it does less than half of what was promised */
 
     uint32_t calls; /* steps that a proposal has waited */

@@ -177,17 +177,22 @@ static float fraction_of(float size, const struct block_signal *s)
     return size / (s->hi - s->lo);
 }
 
+/* A signal may not become another one: a step without lies in between. One that an `apply` of its own proposal has ended may
+ * begin again likewise. */
 void tune_ask_signal(struct tune *t, struct block_io *io)
 {
-    bool loop = t->stage == TUNE_LOOP || (t->stage == TUNE_DISTURBANCE && !tune_is_staged(t));
-    bool disturbance = t->stage == TUNE_DISTURBANCE;
-    unsigned n = 0;
+    bool identifies = t->stage == TUNE_DISTURBANCE;
+    bool loop = t->s.step > 0 && (t->stage == TUNE_LOOP || (identifies && !tune_is_staged(t)));
+    bool disturbance = t->d_is_mv && t->s.disturb > 0 && (identifies || t->stage == TUNE_TESTS);
+    uint8_t asks = (uint8_t)((loop ? 1u : 0u) | (disturbance ? 2u : 0u)), n = 0;
+    bool other = t->asked_signal && t->asks != asks;
     t->asked_signal = false;
-    if (t->let_pass) { /* an `apply` of its own proposal has ended it */
+    t->asks = asks;
+    if (t->let_pass || other) {
         t->let_pass = false;
         return;
     }
-    if (loop && t->s.step > 0) {
+    if (loop) {
         float size = fraction_of(t->s.step, &t->y_signal);
         io->excite[n++] =
             (struct block_excitation){.what = EXCITE_SETPOINT,
@@ -197,7 +202,7 @@ void tune_ask_signal(struct tune *t, struct block_io *io)
                                       .lo = num_from_float(-1),
                                       .hi = num_from_float(2)};
     }
-    if (disturbance && t->d_is_mv && t->s.disturb > 0) {
+    if (disturbance) {
         float size = fraction_of(t->s.disturb, &t->d_signal);
         io->excite[n++] =
             (struct block_excitation){.what = EXCITE_INPUT,

@@ -158,7 +158,7 @@ enum tune_verdict tune_test_step(struct tune *t)
 void tune_watch_begin(struct tune *t)
 {
     t->watch_with = t->watch_without = t->watch_weight = ZERO;
-    t->since_change = 0;
+    t->since_change = t->worse_for = 0;
 }
 
 static real_t memory_of_watch(const struct tune *t)
@@ -190,7 +190,10 @@ enum tune_verdict tune_watch_step(struct tune *t)
     bool whole = t->watch_weight > REAL_C(0.5) * memory;
     bool less = whole && t->watch_with > (ONE - REAL_C(0.5) * t->promised) * t->watch_without;
     t->since_change = less ? t->since_change + 1u : 0;
-    return whole && t->watch_with > WORSE_THAN * t->watch_without ? TUNE_WORSE : TUNE_NONE;
+    /* For as long as the loop takes to forget: a feedforward may act before the disturbance does, and loses for that while. */
+    bool worse = whole && t->watch_with > WORSE_THAN * t->watch_without;
+    t->worse_for = worse ? t->worse_for + 1u : 0;
+    return t->worse_for > forgets_in(t) ? TUNE_WORSE : TUNE_NONE;
 }
 
 #endif
