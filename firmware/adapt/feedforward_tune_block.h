@@ -223,6 +223,24 @@ enum tune_verdict tune_watch_step(struct tune *t);
 /* What the feedforward has made of the loop's squares, %, while it runs; 0 before. */
 float tune_improvement(const struct tune *t);
 
+/* ---- stages (feedforward_tune_stages.c) ---- */
+
+void tune_stage_begins(struct tune *t, enum tune_stage stage);
+/* A stage that learns, from the next sample on for which the work is over. */
+void tune_learn_stage(struct tune *t, enum tune_stage stage);
+/* The first stage that learns, or the wait for a silent feedforward before it. */
+void tune_begin(struct tune *t);
+/* Nothing more comes of it. An element that acts is watched on. */
+void tune_end_with(struct tune *t, enum tune_verdict verdict);
+bool tune_stands_still(real_t square);
+/* In every step; the second where a sample is whole. */
+void tune_work_on(struct tune *t, struct block_io *io);
+void tune_on_sample(struct tune *t);
+
+/* ---- proposals (feedforward_tune_proposals.c) ---- */
+
+void tune_propose_on(struct tune *t, struct block_proposal *room);
+
 const char *tune_describe(const void *state, size_t i, float *value);
 
 #endif

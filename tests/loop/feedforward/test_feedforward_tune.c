@@ -150,6 +150,34 @@ static void another_disturbance_path_is_followed_by_every_method(void)
         another_disturbance_path_is_followed_without_switching_off(m);
 }
 
+/* The source's way: the feedforward is off while loop and disturbance are identified, again and again. */
+static void in_turns_by_schedule_it_is_off_while_it_identifies(void)
+{
+    unsigned off = 0, adopted = 0;
+    bool ran = false;
+    begin_with("input", 1, 7);
+    set_block("alone on");
+    set_block("every 2000");
+    tune_seconds(1200);
+    tune_whole(true, RUNS);
+    set_parameter("regime", 3);
+    for (unsigned k = 0; k < 1100; k++) {
+        int stage = tune_value("stage");
+        course.quiet = stage == LOOP;
+        tune_seconds(20);
+        if (stage == LOOP || stage == DISTURBANCE) {
+            ask_ok("get ff1.gain");
+            TEST_ASSERT_TRUE(said("ff1.gain = 0 "));
+            off++;
+        }
+        adopted += stage == RUNS && !ran ? 1u : 0u;
+        ran = stage == RUNS;
+    }
+    printf("in turns: off for %u s of 22000, adopted %u times\n", off * 20, adopted);
+    TEST_ASSERT_TRUE(off > 200);
+    TEST_ASSERT_TRUE(adopted >= 2);
+}
+
 /* ---- who decides ---- */
 
 static void without_leave_it_only_proposes(void)
@@ -370,6 +398,7 @@ int main(void)
     RUN_TEST(gain_lag_and_dead_time_of_the_process_are_shown);
     RUN_TEST(the_band_is_where_the_loop_amplifies_the_disturbance);
     RUN_TEST(another_disturbance_path_is_followed_by_every_method);
+    RUN_TEST(in_turns_by_schedule_it_is_off_while_it_identifies);
     RUN_TEST(without_leave_it_only_proposes);
     RUN_TEST(what_is_rejected_is_not_proposed_again);
     RUN_TEST(silence_switches_it_off);
