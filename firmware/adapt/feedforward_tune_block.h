@@ -90,9 +90,10 @@ struct tune {
     } last; /* of the step before, whose u is known now */
     num_t held_y, held_d;
     struct washout high_pass[TUNE_SIGNALS];
-    num_t now[TUNE_SIGNALS]; /* after it */
-    bool begun;              /* the filters are at a first sample */
-    bool is_good;            /* this sample */
+    num_t now[TUNE_SIGNALS];        /* after it */
+    real_t smooth[TUNE_SIGNALS][2]; /* two lags behind it, for the models alone */
+    bool begun;                     /* the filters are at a first sample */
+    bool is_good;                   /* this sample */
     real_t last_mean_d;
     real_t last_r;           /* not filtered */
     uint16_t setpoint_rests; /* samples since the setpoint moved */
@@ -181,7 +182,7 @@ static inline bool tune_is_staged(const struct tune *t)
 
 /* ---- settings (feedforward_tune_settings.c) ---- */
 
-#define TUNE_PARAMETERS 39
+#define TUNE_PARAMETERS 40
 extern const struct block_parameter tune_parameter_rows[TUNE_PARAMETERS];
 #define TUNE_ID_K 60 /* k, lead, lag, dead */
 

@@ -56,6 +56,18 @@ static void keep_step(struct tune *t, const struct block_io *io)
     t->last.there = true;
 }
 
+/* Noise of a sensor is made white by A in the equation error only as far as A is long enough; a low-pass on all signals, which no response
+ * notices, takes most of it away before (tests/unit/test_high_order_confidence.c counts what that does). */
+static void smooth_signal(struct tune *t, unsigned k)
+{
+    real_t share = REAL_C(1.0) / ((real_t)t->s.smooth + REAL_C(1.0));
+    real_t *lag = t->smooth[k];
+    if (!t->begun)
+        lag[0] = lag[1] = num_to_float(t->now[k]);
+    lag[0] += share * (num_to_float(t->now[k]) - lag[0]);
+    lag[1] += share * (lag[0] - lag[1]);
+}
+
 static void high_pass_sample(struct tune *t)
 {
     real_t part = REAL_C(1.0) / (real_t)t->sum.ticks;
@@ -70,6 +82,7 @@ static void high_pass_sample(struct tune *t)
         if (!t->begun)
             washout_reset(&t->high_pass[k], x);
         t->now[k] = num_clamp(washout_step(&t->high_pass[k], x), num_neg(most), most);
+        smooth_signal(t, k);
     }
     real_t moved = mean[SIGNAL_R] - t->last_r;
     bool moves = t->begun && (moved > SETPOINT_MOVED || moved < -SETPOINT_MOVED);
@@ -130,7 +143,7 @@ static unsigned reach_of_shape(const struct high_order_shape *s)
 static bool may_learn(const struct tune *t)
 {
     const struct high_order_shape *s = shape_now(t);
-    if (t->reading || t->bad_rests <= reach_of_shape(s))
+    if (t->reading || t->bad_rests <= reach_of_shape(s) + 4u * t->s.smooth)
         return false;
     /* A setpoint that moves is noise where y or u is explained by d alone. */
     return !tune_is_staged(t) || t->stage == TUNE_LOOP ||
@@ -144,16 +157,22 @@ static real_t onto_square(const struct tune *t, real_t square, num_t x)
     return square + (value * value - square) / (real_t)t->squared;
 }
 
+static num_t learnt(const struct tune *t, enum tune_signal k)
+{
+    return num_from_float((float)t->smooth[k][1]);
+}
+
 void tune_learn(struct tune *t)
 {
     bool staged = tune_is_staged(t), of_loop = t->stage == TUNE_LOOP;
-    num_t moves =
-        t->now[t->s.method == TUNE_JOINT || t->s.method == TUNE_SENSITIVITY ? SIGNAL_U : SIGNAL_R];
-    num_t u[HIGH_ORDER_INPUTS] = {moves, t->now[SIGNAL_D]}, y = t->now[SIGNAL_Y];
+    bool by_u = t->s.method == TUNE_JOINT || t->s.method == TUNE_SENSITIVITY;
+    enum tune_signal mover = by_u ? SIGNAL_U : SIGNAL_R;
+    num_t moves = t->now[mover];
+    num_t u[HIGH_ORDER_INPUTS] = {learnt(t, mover), learnt(t, SIGNAL_D)}, y = learnt(t, SIGNAL_Y);
     if (staged && !of_loop) {
-        u[0] = t->now[SIGNAL_D];
+        u[0] = learnt(t, SIGNAL_D);
         if (t->s.method == TUNE_INPUT) /* what the controller gives */
-            y = num_sub(t->now[SIGNAL_U], t->now[SIGNAL_ADDED]);
+            y = num_sub(learnt(t, SIGNAL_U), learnt(t, SIGNAL_ADDED));
     }
     t->learns = may_learn(t);
     t->squared += t->squared < tune_samples(t, t->s.learn_s) ? 1u : 0u;

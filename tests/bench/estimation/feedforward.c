@@ -41,6 +41,7 @@ static void setup_tune(uint8_t method)
     settings.gain = 0.65f;
     settings.ti_s = 13.2f;
     settings.learn_s = 1000;
+    settings.confident = 1000; /* it is short */
     settings.check_s = 320;
     settings.dead_most_s = 20;
     settings.lag_most_s = 60;

@@ -2,7 +2,7 @@
  * bit as where the work is always done at once. */
 #include "tune_bench.h"
 
-#define SECONDS 1400u
+#define SECONDS 2400u
 
 static double commands[2][SECONDS];
 
@@ -57,8 +57,9 @@ static unsigned keep_commands(bool slow)
     unsigned waited = 0;
     tune_begin(FEEDFORWARD, 5, 1);
     ask_ok("begin");
-    ask_ok("set block1.learn 500");
+    ask_ok("set block1.learn 1000");
     ask_ok("set block1.check 320");
+    ask_ok("set block1.confident 200"); /* it is short */
     ask_ok("apply");
     tune_seconds(300);
     ask_ok("block 1 tune");
