@@ -7,6 +7,7 @@
 #include "compensate/decoupler.h"
 #include "compensate/polynomial.h"
 #include "compensate/ratio.h"
+#include "control/column_ahead.h"
 #include "control/inferential.h"
 #include "control/pid.h"
 #include "control/rst.h"
@@ -15,12 +16,14 @@
 #include "estimate/column.h"
 #include "estimate/composition_settings.h"
 #include "feedforward/feedforward.h"
+#include "feedforward/leadlag.h"
 
 const struct block_kind *const block_kinds[] = {
     &pid_kind,         &two_position_kind, &decoupler_kind,   &feedforward_kind,
 #if CONFIG_BLOCKS
     &column_kind,      &gmv_kind,          &inferential_kind, &ratio_kind,
     &composition_kind, &polynomial_kind,   &rst_kind,         &state_feedback_kind,
+    &ahead_kind,       &leadlag_kind,
 #endif
 #if CONFIG_EXPERIMENT
     &experiment_kind,

@@ -33,6 +33,15 @@
 #define decoupler_partial                   decoupler_partial_double
 #define decoupler_one_way                   decoupler_one_way_double
 #define decoupler_by_directions             decoupler_by_directions_double
+#define feedforward_case_of                 feedforward_case_of_double
+#define feedforward_case_name               feedforward_case_name_double
+#define feedforward_shinskey                feedforward_shinskey_double
+#define feedforward_exact                   feedforward_exact_double
+#define feedforward_rule_response           feedforward_rule_response_double
+#define fopdt_response                      fopdt_response_double
+#define fopdt_from_response                 fopdt_from_response_double
+#define feedforward_miss_of                 feedforward_miss_of_double
+#define feedforward_misses                  feedforward_misses_double
 #endif
 
 #endif

@@ -209,19 +209,47 @@ static void work_in_analysis(const struct composition_block *b, struct compositi
     (void)work_in(b, job, &z, gain);
 }
 
+static real_t variance_of(const struct composition_block *b, struct composition_job *job,
+                          const struct covariance_measurement *z)
+{
+    real_t variance = composition_is_banded(&b->s) ? covariance_band_of(&job->covariance.band, z)
+                                                   : covariance_ud_of(&job->covariance.ud, z);
+    return variance > ZERO ? variance : ZERO;
+}
+
+/* What was found of the feed, mole fraction or part of its flow; false: nothing is looked for. */
+static bool put_feed(const struct composition_block *b, const struct composition_job *job,
+                     unsigned k, struct covariance_measurement *z, real_t *slope)
+{
+    const struct composition_gains *g = &b->c.gains;
+    bool is_flow = b->s.of[k] == OF_FEED_FLOW;
+    for (size_t j = 0; j < job->transition.m; j++)
+        slope[j] = ZERO;
+    *z = (struct covariance_measurement){.at = 0,
+                                         .count = job->transition.m,
+                                         .slope = slope,
+                                         .extra = is_flow ? g->feed - 1u
+                                                          : b->s.point[k][OF_COMPONENT] - 1u,
+                                         .extra_slope = ONE};
+    return is_flow ? g->has_flow : g->has_feed;
+}
+
 static void find_point(const struct composition_block *b, struct composition_job *job, unsigned k)
 {
     size_t stage = b->s.point[k][AT_STAGE] - 1u, component = b->s.point[k][OF_COMPONENT];
     real_t slope[COLUMN_COMPONENTS_MAX];
     struct covariance_measurement z;
+    if (b->s.of[k] != OF_STAGE) {
+        bool is_found = put_feed(b, job, k, &z, slope);
+        job->sd[k] = is_found ? real_sqrt(variance_of(b, job, &z)) : ZERO;
+        return;
+    }
     put_fraction(b, job, stage, component ? component - 1u : 0, &z, slope);
     if (!component) {
         slopes_at(job, stage, slope);
         z.extra = COVARIANCE_EXTRAS_MAX;
     }
-    real_t variance = composition_is_banded(&b->s) ? covariance_band_of(&job->covariance.band, &z)
-                                                   : covariance_ud_of(&job->covariance.ud, &z);
-    job->sd[k] = real_sqrt(variance > ZERO ? variance : ZERO);
+    job->sd[k] = real_sqrt(variance_of(b, job, &z));
 }
 
 static void end_points(const struct composition_block *b, struct composition_job *job)

@@ -71,8 +71,8 @@ bool composition_is_unsure(const struct composition_block *b)
 
 bool composition_point_is_unsure(const struct composition_block *b, unsigned k)
 {
-    return composition_is_complete(&b->c) && b->s.sure > 0 && b->s.point[k][OF_COMPONENT] > 0 &&
-           b->filter.sd[k] > b->s.sure;
+    return composition_is_complete(&b->c) && b->s.sure > 0 && b->s.of[k] == OF_STAGE &&
+           b->s.point[k][OF_COMPONENT] > 0 && b->filter.sd[k] > b->s.sure;
 }
 
 /* ---- sizes ---- */

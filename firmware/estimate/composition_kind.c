@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "base/channel.h"
+#include "model/column_drive.h"
 
 #define ZERO REAL_C(0.0)
 #define ONE  REAL_C(1.0)
@@ -132,58 +133,16 @@ static enum err composition_configure(void *state, const struct block_setup *set
 
 /* ---- what comes in ---- */
 
-static real_t factor_or_1(real_t factor)
-{
-    return factor < ZERO || factor > ZERO ? factor : ONE;
-}
-
 /* In SI units. */
 static real_t reading_si(const struct composition_block *b, const struct block_io *io, unsigned k)
 {
     real_t eu = b->input[k].lo + (b->input[k].hi - b->input[k].lo) * num_to_float(io->input[k]);
-    return factor_or_1(b->s.si[k][UNIT_FACTOR]) * eu + b->s.si[k][UNIT_ZERO];
-}
-
-static real_t at_least_zero(real_t x)
-{
-    return x > ZERO ? x : ZERO;
+    return column_drive_factor(b->s.si[k][UNIT_FACTOR]) * eu + b->s.si[k][UNIT_ZERO];
 }
 
 static real_t kept_between(real_t x, real_t lo, real_t hi)
 {
     return x < lo ? lo : x > hi ? hi : x;
-}
-
-static void take_flow(struct composition *c, unsigned is, real_t value)
-{
-    struct column_inputs *in = &c->inputs;
-    const struct column_config *config = &c->table.config;
-    switch (is) {
-    case IS_FEED:
-        in->feed_flow = at_least_zero(value);
-        break;
-    case IS_FEED_TEMPERATURE:
-        in->feed_temperature =
-            kept_between(value, config->temperature_min, config->temperature_max);
-        break;
-    case IS_FEED_QUALITY:
-        in->feed_quality = kept_between(value, ZERO, REAL_C(2.0));
-        break;
-    case IS_REFLUX:
-        in->reflux_flow = at_least_zero(value);
-        break;
-    case IS_HEAT:
-        in->heat = at_least_zero(value - c->table.heat_loss);
-        break;
-    case IS_BOILUP:
-        in->boilup = at_least_zero(value);
-        break;
-    default:
-        /* half and twice the table's: beyond that its bubble points say nothing */
-        in->pressure_top = kept_between(value, c->table.nominal.pressure_top / REAL_C(2.0),
-                                        c->table.nominal.pressure_top * REAL_C(2.0));
-        break;
-    }
 }
 
 /* Which inputs are missing; what they were last holds on. */
@@ -198,7 +157,8 @@ static void take_inputs(struct composition_block *b, const struct block_io *io, 
         } else if (b->s.is[k] == IS_ANALYSIS) {
             continue;
         } else if (quality_usable((enum quality)io->quality[k])) {
-            take_flow(&b->c, b->s.is[k], reading_si(b, io, k));
+            column_drive_take(&b->c.table, &b->c.inputs, (enum column_drive)(b->s.is[k] - IS_FEED),
+                              reading_si(b, io, k));
         } else if (!b->missing) {
             b->missing = (uint8_t)(k + 1u);
         }
@@ -258,14 +218,34 @@ static real_t mass_fraction_at(const struct composition_block *b, size_t stage, 
     return mass_fraction_of(b->c.table.component, n, full, j);
 }
 
+/* Of the feed as it is found: its flow in the unit of the table, or the fraction of a component. */
+static real_t feed_estimate(const struct composition_block *b, unsigned k)
+{
+    struct column_inputs inputs;
+    composition_inputs(&b->c, &inputs);
+    if (b->s.of[k] == OF_FEED_FLOW)
+        return inputs.feed_flow;
+    size_t j = b->s.point[k][OF_COMPONENT] - 1u;
+    return b->s.basis == BASIS_MOLE
+               ? inputs.feed_fraction[j]
+               : mass_fraction_of(b->c.table.component, b->c.table.config.components,
+                                  inputs.feed_fraction, j);
+}
+
+static real_t stage_estimate(const struct composition_block *b, unsigned k)
+{
+    size_t stage = b->s.point[k][AT_STAGE] - 1u, component = b->s.point[k][OF_COMPONENT];
+    if (component == 0)
+        return composition_temperature(&b->c, stage);
+    return b->s.basis == BASIS_MOLE ? mole_fraction_at(b, stage, component - 1)
+                                    : mass_fraction_at(b, stage, component - 1);
+}
+
 /* What a point is, in its own unit. */
 static real_t estimate_of(const struct composition_block *b, unsigned k)
 {
-    size_t stage = b->s.point[k][AT_STAGE] - 1u, component = b->s.point[k][OF_COMPONENT];
-    real_t value = component == 0             ? composition_temperature(&b->c, stage)
-                   : b->s.basis == BASIS_MOLE ? mole_fraction_at(b, stage, component - 1)
-                                              : mass_fraction_at(b, stage, component - 1);
-    return factor_or_1(b->s.show[k][UNIT_FACTOR]) * value + b->s.show[k][UNIT_ZERO];
+    real_t value = b->s.of[k] == OF_STAGE ? stage_estimate(b, k) : feed_estimate(b, k);
+    return column_drive_factor(b->s.show[k][UNIT_FACTOR]) * value + b->s.show[k][UNIT_ZERO];
 }
 
 static void give_estimates(const struct composition_block *b, struct block_io *io,

@@ -5,6 +5,8 @@
 
 #include <string.h>
 
+#include "model/column_drive.h"
+
 #define PLACE(field) offsetof(struct composition_settings, field)
 #define NUMBER(id, field, name, unit, help, lo, hi, initial)                                       \
     {                                                                                              \
@@ -87,6 +89,9 @@ const struct block_parameter composition_parameter_rows[COMPOSITION_PARAMETER_RO
            0, 1, 0.01f),
     NUMBER(32, nis_full, "nis_full", "-", "ekf, kalman: the alarm nis of these; 0: none", 0, 1e6f,
            4),
+    {33, BLOCK_WORD, PLACE(of), BLOCK_POINTS_MAX, 1, "of", "stage|feed_fraction|feed_flow",
+     "what a point is of: a stage, or the feed as it is found, its flow in the unit of the table",
+     0, 0, OF_STAGE},
     {17, BLOCK_WORD, PLACE(between), 1, 1, "between", "line|mean",
      "temperatures of truncated stages, of those around them", 0, 0, COLUMN_BETWEEN_LINE},
 };
@@ -152,17 +157,11 @@ static enum err check_analysis(const struct composition_settings *s,
 static enum err check_flow(const struct composition_settings *s, const struct column_table *table,
                            unsigned k, struct block_fault *fault)
 {
-    const struct column_inputs *in = &table->nominal;
     for (unsigned i = 0; i < k; i++)
         if (s->is[i] == s->is[k])
             return refuse_composition(fault, "is", "must have each but the temperatures once");
-    if ((s->is[k] == IS_HEAT && in->boilup_given) || (s->is[k] == IS_BOILUP && !in->boilup_given))
-        return refuse_composition(fault, "is", "must have heat or boilup, whichever the table has");
-    if ((s->is[k] == IS_FEED_TEMPERATURE && in->feed_state != COLUMN_FEED_TEMPERATURE) ||
-        (s->is[k] == IS_FEED_QUALITY && in->feed_state != COLUMN_FEED_QUALITY))
-        return refuse_composition(
-            fault, "is", "must have the feed's temperature or quality, whichever the table has");
-    return ERR_OK;
+    const char *wanted = column_drive_refused(table, (enum column_drive)(s->is[k] - IS_FEED));
+    return wanted ? refuse_composition(fault, "is", wanted) : ERR_OK;
 }
 
 static enum err check_all_inputs(const struct block_setup *setup, const struct column_table *table,
@@ -192,10 +191,21 @@ static enum err check_points(const struct block_setup *setup, const struct colum
     if (!setup->points)
         return refuse_composition(fault, "points", "needs one at least");
     for (unsigned k = 0; k < setup->points; k++) {
+        unsigned component = s->point[k][OF_COMPONENT];
+        bool of_feed = s->of[k] == OF_FEED_FRACTION;
+        if (s->of[k] != OF_STAGE && s->point[k][AT_STAGE] != 0)
+            return refuse_composition(fault, "point", "must have stage 0 where it is of the feed");
+        if (of_feed && (component < 1 || component > table->config.components - 1))
+            return refuse_composition(fault, "point",
+                                      "of the feed needs a component that is not the closing one");
+        if (s->of[k] == OF_FEED_FLOW && component != 0)
+            return refuse_composition(fault, "point", "of the feed's flow must have component 0");
+        if (s->of[k] != OF_STAGE)
+            continue;
         if (s->point[k][AT_STAGE] < 1 || s->point[k][AT_STAGE] > table->config.stages)
             return refuse_composition(fault, "point",
                                       "needs a stage for each point, 1 to that of the condenser");
-        if (s->point[k][OF_COMPONENT] > table->config.components)
+        if (component > table->config.components)
             return refuse_composition(fault, "point", "must have a component of the table, or 0");
     }
     return ERR_OK;

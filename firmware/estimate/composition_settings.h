@@ -21,6 +21,9 @@ enum composition_covariance {
     COVARIANCE_STEADY /* none: gains of its steady state, found once */
 };
 
+/* What a point is of. */
+enum composition_point_of { OF_STAGE, OF_FEED_FRACTION, OF_FEED_FLOW };
+
 /* Fractions of the points. */
 enum composition_basis { BASIS_MOLE, BASIS_MASS };
 
@@ -74,13 +77,15 @@ struct composition_settings {
     uint16_t column; /* block */
     uint16_t place[BLOCK_INPUTS_MAX]
                   [PLACE_COLS]; /* stage, component that is moved; 0: only compared */
-    uint16_t point[BLOCK_POINTS_MAX][PLACE_COLS]; /* stage, component; 0: the temperature */
-    uint8_t is[BLOCK_INPUTS_MAX];                 /* enum composition_input */
-    uint8_t method;                               /* enum composition_method */
-    uint8_t between;                              /* enum column_between */
-    uint8_t doubt;                                /* enum composition_doubt */
-    uint8_t basis;                                /* enum composition_basis */
-    uint8_t covariance;                           /* enum composition_covariance */
+    uint16_t point[BLOCK_POINTS_MAX]
+                  [PLACE_COLS];   /* stage, component; 0: the temperature. Of the feed no stage */
+    uint8_t is[BLOCK_INPUTS_MAX]; /* enum composition_input */
+    uint8_t of[BLOCK_POINTS_MAX]; /* enum composition_point_of */
+    uint8_t method;               /* enum composition_method */
+    uint8_t between;              /* enum column_between */
+    uint8_t doubt;                /* enum composition_doubt */
+    uint8_t basis;                /* enum composition_basis */
+    uint8_t covariance;           /* enum composition_covariance */
 };
 
 extern const struct block_kind composition_kind;

@@ -55,6 +55,7 @@ static void new_parameters_are_at_their_defaults(void)
     has("offset", "0.005");
     has("sure", "0.01");
     has("nis_full", "4");
+    has("of.1", "stage");
     TEST_ASSERT_FALSE(said("STORAGE_DAMAGED") || said("STORAGE_CLIPPED"));
 }
 

@@ -71,7 +71,7 @@ class Pilot(unittest.TestCase):
     def test_words_that_are_no_field_of_a_case_are_refused(self) -> None:
         for words in ("feed_q=1", "feed_z", "feed_z="):
             with self.subTest(words), self.assertRaises(UserError):
-                kalman_1989_campaign.changed(Case(), words)
+                kalman_1989_campaign.changed_in(Case(), words)
 
 
 class Splitter(unittest.TestCase):

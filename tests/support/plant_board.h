@@ -158,4 +158,18 @@ static inline void ask_file(const char *path)
     fclose(file);
 }
 
+static inline bool loop_is(const char *loop, const char *mode)
+{
+    char text[40];
+    ask_ok("loop");
+    snprintf(text, sizeof text, "%s %s ", loop, mode);
+    return said(text);
+}
+
+static inline bool events_say(const char *text)
+{
+    ask_ok("events");
+    return said(text);
+}
+
 #endif

@@ -85,6 +85,41 @@ static void it_finds_a_feed_flow_that_nobody_measures(void)
     }
 }
 
+static void points_of_the_feed_give_what_is_found_and_how_sure_it_is(void)
+{
+    for (unsigned i = 0; i < FILTER_WAYS; i++) {
+        const char *name = way_begins(i);
+        settings.feed_f = 0.1f;
+        settings.of[TOP_FRACTION] = OF_FEED_FRACTION;
+        point_of(TOP_FRACTION, 0, 1);
+        settings.of[INNER_TEMPERATURE] = OF_FEED_FLOW;
+        point_of(INNER_TEMPERATURE, 0, 0);
+        settings.show[INNER_TEMPERATURE][UNIT_FACTOR] = 3.6e6f;
+        setup.point[INNER_TEMPERATURE] = (struct block_signal){0, 20, false};
+        begin_both();
+        run(180);
+        plant_at(1, FEED_FRACTION + 0.01f, 1);
+        run(720);
+        TEST_ASSERT_FLOAT_WITHIN_MESSAGE(1e-5f, FEED_FRACTION + value_named("feed_1"),
+                                         given(TOP_FRACTION), name);
+        TEST_ASSERT_FLOAT_WITHIN_MESSAGE(1e-4f, 5 * (1 + value_named("feed_flow")),
+                                         given(INNER_TEMPERATURE), name);
+        TEST_ASSERT_TRUE_MESSAGE(value_named("sd_1") > 0 && value_named("sd_1") < 0.1f, name);
+        TEST_ASSERT_TRUE_MESSAGE(value_named("sd_3") > 0 && value_named("sd_3") < 0.1f, name);
+        TEST_ASSERT_EQUAL_MESSAGE(QUALITY_GOOD, point_quality[TOP_FRACTION], name);
+    }
+}
+
+static void a_feed_that_nobody_looks_for_is_that_of_the_table(void)
+{
+    bench_pilot();
+    settings.of[TOP_FRACTION] = OF_FEED_FRACTION;
+    settings.basis = BASIS_MASS;
+    point_of(TOP_FRACTION, 0, 1);
+    begin();
+    TEST_ASSERT_FLOAT_WITHIN(1e-3f, 0.36f, given(TOP_FRACTION));
+}
+
 static void of_what_the_model_knows_nothing_is_found(void)
 {
     for (unsigned i = 0; i < FILTER_WAYS; i++) {
@@ -690,6 +725,8 @@ int main(void)
     RUN_TEST(it_finds_a_feed_that_the_table_does_not_have);
     RUN_TEST(without_it_a_feed_that_the_table_does_not_have_is_a_bias);
     RUN_TEST(it_finds_a_feed_flow_that_nobody_measures);
+    RUN_TEST(points_of_the_feed_give_what_is_found_and_how_sure_it_is);
+    RUN_TEST(a_feed_that_nobody_looks_for_is_that_of_the_table);
     RUN_TEST(of_what_the_model_knows_nothing_is_found);
     RUN_TEST(what_is_found_stays_what_a_feed_can_be);
     RUN_TEST(until_there_are_gains_the_reduced_filter_acts);

@@ -59,6 +59,7 @@ static void its_parameters_are_those_that_boards_have_stored(void)
         {"offset", 30, 1, 1, 0, 1, 5e-3f, NULL},
         {"sure", 31, 1, 1, 0, 1, 0.01f, NULL},
         {"nis_full", 32, 1, 1, 0, 1e6f, 4, NULL},
+        {"of", 33, 8, 1, 0, 0, 0, "stage|feed_fraction|feed_flow"},
         {"between", 17, 1, 1, 0, 0, 0, "line|mean"},
     };
     TEST_ASSERT_EQUAL(sizeof page / sizeof page[0], kind->parameters);
@@ -244,6 +245,26 @@ static void only_inputs_that_there_are_count(void)
 
 /* ---- points ---- */
 
+static void a_point_of_the_feed_has_no_stage_and_a_component_as_it_needs_one(void)
+{
+    settings.of[BOTTOM_FRACTION] = OF_FEED_FRACTION;
+    refused("point", "stage 0");
+    settings.of[BOTTOM_FRACTION] = OF_FEED_FRACTION;
+    point_of(BOTTOM_FRACTION, 0, 0);
+    refused("point", "not the closing one");
+    settings.of[BOTTOM_FRACTION] = OF_FEED_FRACTION;
+    point_of(BOTTOM_FRACTION, 0, 2);
+    refused("point", "not the closing one");
+    settings.of[BOTTOM_FRACTION] = OF_FEED_FLOW;
+    point_of(BOTTOM_FRACTION, 0, 1);
+    refused("point", "component 0");
+    settings.of[BOTTOM_FRACTION] = OF_FEED_FRACTION;
+    point_of(BOTTOM_FRACTION, 0, 1);
+    settings.of[INNER_TEMPERATURE] = OF_FEED_FLOW;
+    point_of(INNER_TEMPERATURE, 0, 0);
+    accepted();
+}
+
 static void it_needs_a_point_with_a_stage_and_a_component_of_the_table(void)
 {
     setup.points = 0;
@@ -379,6 +400,7 @@ int main(void)
     RUN_TEST(each_flow_is_there_once);
     RUN_TEST(flows_are_of_the_kind_that_the_table_has);
     RUN_TEST(only_inputs_that_there_are_count);
+    RUN_TEST(a_point_of_the_feed_has_no_stage_and_a_component_as_it_needs_one);
     RUN_TEST(it_needs_a_point_with_a_stage_and_a_component_of_the_table);
     RUN_TEST(an_analysis_has_a_place_a_share_and_is_no_mv);
     RUN_TEST(there_are_two_analyses_at_most);

@@ -25,7 +25,12 @@ set(REFLUX_LIMITS "${REFLUX_BOARD}" CACHE STRING "Which folder of hal/ gives the
 if(NOT IS_DIRECTORY "${PROJECT_SOURCE_DIR}/hal/${REFLUX_LIMITS}")
   message(FATAL_ERROR "REFLUX_LIMITS=${REFLUX_LIMITS}: there is no folder hal/${REFLUX_LIMITS}")
 endif()
-set(limits "${PROJECT_SOURCE_DIR}/hal/${REFLUX_LIMITS}/${limits}")
+# The host has the limits of the STM32F405, so that both take the same settings.
+set(of_board "${REFLUX_LIMITS}")
+if(of_board STREQUAL "host")
+  set(of_board stm32f405)
+endif()
+set(limits "${PROJECT_SOURCE_DIR}/hal/${of_board}/${limits}")
 if(EXISTS "${limits}")
   target_compile_options(reflux_options INTERFACE "SHELL:-include ${limits}")
 elseif(REFLUX_BASE)

@@ -9,7 +9,7 @@ from __future__ import annotations
 from reflux_tools.bench_estimation import PRESETS, Lines, counted
 from reflux_tools.errors import RunFailed
 
-PROGRAM = "decoupling-cost"
+PROGRAM, AHEAD_PROGRAM = "decoupling-cost", "ahead-cost"
 TICK_TITLE = "Instructions of a tick of decoupling and of pole placement, STM32F405 in the emulator: step and back-calculation"
 TICK_HEADER = ["what", "loops", "coefficients", "number format", "mean", "most", "bytes of state", "bytes of stack"]
 TICKS = {
@@ -23,6 +23,10 @@ TICKS = {
     "state": "`state`; inputs for coefficients",
     "pid": "the loop's own PID",
 }
+AHEAD_TITLE = "Instructions of a tick of `ahead`, two loops, an interval in three parts, STM32F405 in the emulator"
+AHEAD_HEADER = ["what", "stages, components", "number format", "mean", "most", "bytes of state", "bytes of stack"]
+AHEAD = {"ahead": "step and back-calculation", "ahead_begins": "its beginning (follow)", "ahead_predicts": "one prediction"}
+COMPONENTS = {"12": "12, 2", "37": "37, 3"}
 DESIGN_TITLE = "Instructions of designs for decoupling, STM32F405 in the emulator, float"
 DESIGN_HEADER = ["what", "loops", "all of it", "largest piece", "bytes of workspace", "bytes of stack"]
 DESIGNS = {
@@ -36,16 +40,18 @@ DESIGNS = {
 def parts() -> list[tuple[str, list[str], list[list[str]]]]:
     ticks: list[list[str]] = []
     designs: list[list[str]] = []
+    ahead: list[list[str]] = []
     for name, preset in PRESETS:
         try:
-            lines = counted(preset, PROGRAM)
+            lines, of_ahead = counted(preset, PROGRAM), counted(preset, AHEAD_PROGRAM)
         except RunFailed as error:
             ticks.append(["all", "", "", name, f"not measured: {error}", "", "", ""])
             continue
         ticks += tick_rows(name, lines)
+        ahead += ahead_rows(name, of_ahead)
         if name == "float":  # Q7.24 is the number format of ticks alone
             designs = design_rows(lines)
-    return [(TICK_TITLE, TICK_HEADER, ticks), (DESIGN_TITLE, DESIGN_HEADER, designs)]
+    return [(TICK_TITLE, TICK_HEADER, ticks), (AHEAD_TITLE, AHEAD_HEADER, ahead), (DESIGN_TITLE, DESIGN_HEADER, designs)]
 
 
 def tick_rows(name: str, lines: Lines) -> list[list[str]]:
@@ -56,6 +62,11 @@ def tick_rows(name: str, lines: Lines) -> list[list[str]]:
             out.append([TICKS[kind], str(loops), str(coefficients) if coefficients else "-", name, f"{mean:,}", f"{most:,}", f"{bytes_:,}",
                         f"{lines[k + 1][2]:,}"])
     return out
+
+
+def ahead_rows(name: str, lines: Lines) -> list[list[str]]:
+    return [[AHEAD[kind], COMPONENTS[n], name, f"{mean:,}", f"{most:,}", f"{bytes_:,}", f"{lines[k + 1][2]:,}"]
+            for k, (kind, n, mean, most, bytes_) in enumerate(lines) if kind in AHEAD]
 
 
 def design_rows(lines: Lines) -> list[list[str]]:

@@ -156,23 +156,24 @@ def loop_tests() -> list[Test]:
 
 def target_tests() -> list[Test]:
     """The same scenario on the host and on the image in the emulator."""
+    whole = [image for image in boards.RUNS if image.preset in WITH_BLOCKS]
     return [*(same_log(f"target.smoke-{image.test}", image.twin, image.preset, "target") for image in boards.RUNS),
             # Bare: when a proposal comes into force depends on how fast the main loop is.
             *(same_log(f"target.self-tuning-{image.test}", image.twin, image.preset, "target", "self-tuning-pair",
                        ("begin", "set block1.supervise off", "apply"))
-              for image in boards.RUNS if image.preset in WITH_BLOCKS),
+              for image in whole),
             *(same_log(f"target.decoupled-{image.test}", image.twin, image.preset, "target", "kotyk-decoupled")
-              for image in boards.RUNS if image.preset in WITH_BLOCKS),
+              for image in whole),
             *(same_log(f"target.state-{image.test}", image.twin, image.preset, "target", "pilot-state", until=10800)
-              for image in boards.RUNS if image.preset in WITH_BLOCKS),
+              for image in whole),
             # Until it proposes.
             *(same_log(f"target.experiment-{image.test}", image.twin, image.preset, "target", "kotyk-experiment", until=135600)
-              for image in boards.RUNS if image.preset in WITH_BLOCKS),
+              for image in whole),
             same_log("target.estimate-float", "host", "stm32f405", "target", "methanol-estimate"),
             # Until the feed has changed: three components, and two with a linear model.
             *(same_log(f"target.kalman-{covariance}-{image.test}", image.twin, image.preset, "target", "splitter-estimate",
                        (*KALMAN, f"set block3.covariance {covariance}", "apply"), until=5400)
-              for covariance in ("full", "band") for image in boards.RUNS if image.preset in WITH_BLOCKS),
+              for covariance in ("full", "band") for image in whole),
             same_log("target.kalman-linear-float", "host", "stm32f405", "target", "pilot-kalman",
                      ("begin", "set block2.method kalman", "set block2.covariance band", "apply"), until=7200),
             *python_tests("target")]

@@ -45,10 +45,6 @@ class PilotKalman:
         return wanted[:: max(1, round(1 / fraction))]
 
 
-def changed(case: Case, words: str) -> Case:
-    return changed_in(case, words)
-
-
 def changed_in(case: Any, words: str) -> Any:
     """`method=kalman feed_z=0 flow=yes` of the fields of a case."""
     known = {f.name: getattr(case, f.name) for f in fields(case)}
@@ -70,11 +66,11 @@ def load(top: Table, name: str) -> PilotKalman:
     parts = []
     for one in top.tables("table"):
         heading, shows = one.text("title"), one.text("shows", "both", choices=SHOWS)
-        base = changed(Case(), one.text("all", ""))
+        base = changed_in(Case(), one.text("all", ""))
         rows = []
         for line in one.tables("line"):
             words = line.text("with", "")
-            rows.append(Row(changed(base, words), line.text("name", ""), words, line.text("source", "")))
+            rows.append(Row(changed_in(base, words), line.text("name", ""), words, line.text("source", "")))
             line.done()
         one.done()
         parts.append(Part(heading, shows, tuple(rows)))

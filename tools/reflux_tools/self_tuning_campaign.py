@@ -1,5 +1,5 @@
-"""A campaign of self-tuners: variants of a few scenarios, each judged beside another of its table by the integral of
-the absolute error after setpoint changes and after loads."""
+"""A campaign of controllers, self-tuners first: variants of a few scenarios, each judged beside another of its table by the integral of
+the absolute error in windows that the campaign names, as after setpoint changes and after loads."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from reflux_tools import best_inputs, build, metrics, runner, table
+from reflux_tools import best_inputs, build, changed_plant, metrics, mv_use, runner, table
 from reflux_tools import scenario as scenarios
 from reflux_tools.errors import RunFailed, UserError
 from reflux_tools.paths import CAMPAIGNS, ROOT, shown
@@ -23,8 +23,9 @@ from reflux_tools.scenario import Event, Line, Scenario
 from reflux_tools.schema import Table
 
 MINUTE = 60.0
-PAGE = ROOT / "docs" / "self-tuning-experiments.md"
-KINDS = ("setpoints", "loads")
+PAGE = "docs/self-tuning-experiments.md"
+# What a table tells of a line: sums beside those of the first line; or mean and worst of its seeds, and how the MVs were used.
+FORMS = ("shares", "figures")
 WAYS = ("run", "search", "search setpoints", "best", "bound")
 
 
@@ -45,8 +46,11 @@ class Variant:
     gain: float = 0.0  # the plant's gain from then on, and all of it once more; 0: only once
     from_min: float = -1.0  # the setpoints' window begins here
     way: str = "run"
-    source: tuple[str, str] = ("", "")  # what the source has, of setpoints and loads
-    windows: tuple[tuple[str, tuple[float, float]], ...] = ()  # of its table, in place of the campaign's
+    source: tuple[str, ...] = ()  # what the source has, by window
+    windows: tuple[tuple[str, tuple[float, float]], ...] = ()  # of its table; min
+    console: tuple[str, ...] = ()  # files from the campaign's folder, in place of the scenario's
+    measure: tuple[str, ...] = ()  # truths that are measured besides
+    plant: str = ""  # what is different about it: changed_plant
 
 
 @dataclass(frozen=True)
@@ -54,6 +58,7 @@ class Part:
     name: str
     title: str
     text: str
+    kinds: tuple[str, ...]  # names of its windows
 
 
 @dataclass(frozen=True)
@@ -61,10 +66,11 @@ class Comparison:
     name: str
     title: str
     about: str
-    windows: dict[str, tuple[float, float]]  # min
     parts: tuple[Part, ...]
     variants: tuple[Variant, ...]
     again_min: float  # how much later everything comes a second time, where the plant's gain changes
+    form: str = FORMS[0]
+    page: str = PAGE  # that has tables of it
 
     def jobs(self, fraction: float) -> list[dict[str, Any]]:
         """Of a part of the campaign every so-manieth line, with what it is compared with."""
@@ -88,58 +94,63 @@ def place_of(campaign: Comparison, variant: Variant) -> int:
 
 def load(top: Table, name: str) -> Comparison:
     title, about = top.text("title", name), " ".join(top.texts("about"))
-    inner = top.table("windows")
-    windows = {kind: pair(inner, kind) for kind in KINDS}
-    inner.done()
-    again = top.number("again_min", above=0)
+    windows = windows_in(top)
+    again, form, page = top.number("again_min", 0.0, low=0), top.text("form", FORMS[0], choices=FORMS), top.text("page", PAGE)
     parts: list[Part] = []
     variants: list[Variant] = []
     for one in top.tables("table"):
-        parts.append(Part(one.text("name"), one.text("title"), " ".join(one.texts("text", []))))
-        defaults = {key: one.text(key, "") for key in ("scenario", "against")}
-        numbers = {key: one.number(key, value) for key, value in (("amplitude", 1.0), ("noise", 0.0), ("gain", 0.0),
-                                                                ("from_min", -1.0))}
-        common, seeds = tuple(one.texts("set", [])), one.integer("seeds", 1, low=1)
-        sent = tuple(one.texts("send", []))
-        own = tuple((kind, pair(one, kind)) for kind in KINDS if one.has(kind))
+        heading, text = one.text("title"), " ".join(one.texts("text", []))
+        own = windows_in(one) if one.has("windows") else windows
+        parts.append(Part(one.text("name"), heading, text, tuple(kind for kind, _ in own)))
+        whole = read_variant(one, Variant("", parts[-1].name, "", windows=own))
         for line in one.tables("run"):
-            variants.append(replace(read_variant(line, parts[-1].name, defaults, numbers, common, sent, seeds), windows=own))
+            variants.append(read_variant(line, replace(whole, name=line.text("name"))))
+            line.done()
+            if not variants[-1].scenario:
+                raise UserError(f"{line.path('scenario')} is missing")
         one.done()
     top.done()
-    campaign = Comparison(name, title, about, windows, tuple(parts), tuple(variants), again)
+    campaign = Comparison(name, title, about, tuple(parts), tuple(variants), again, form, page)
     for variant in variants:
         place_of(campaign, variant)
+        if variant.gain and not again:
+            raise UserError(f'{variant.part}, "{variant.name}": a gain needs again_min')
     return campaign
 
 
-def read_variant(line: Table, part: str, defaults: dict[str, str], numbers: dict[str, float], common: tuple[str, ...],
-                 sent: tuple[str, ...], seeds: int) -> Variant:
-    values = {key: line.text(key, value) for key, value in defaults.items()}
-    counted = {key: line.number(key, value) for key, value in numbers.items()}
-    source = [str(x) for x in line.texts("source", ["", ""])]
-    if len(source) != 2:
-        raise UserError(f"{line.path('source')} needs two texts, for setpoints and for loads")
-    variant = Variant(line.text("name"), part, set=common + tuple(line.texts("set", [])), send=sent + tuple(line.texts("send", [])),
-                      events=tuple(line.texts("events", [])), seeds=line.integer("seeds", seeds, low=1),
-                      way=line.text("way", "run", choices=WAYS), source=(source[0], source[1]), **values, **counted)
-    line.done()
-    if not variant.scenario:
-        raise UserError(f"{line.path('scenario')} is missing")
-    return variant
+def read_variant(at: Table, common: Variant) -> Variant:
+    """What a table says of all its lines, or a line of itself: lists come after those of the table, single values in their place."""
+    lists = {key: (*getattr(common, key), *at.texts(key, [])) for key in ("set", "send", "events", "measure")}
+    texts = {key: at.text(key, getattr(common, key)) for key in ("scenario", "against", "plant")}
+    numbers = {key: at.number(key, getattr(common, key)) for key in ("amplitude", "noise", "gain", "from_min")}
+    source = tuple(at.texts("source", []))
+    if source and len(source) != len(common.windows):
+        raise UserError(f"{at.path('source')} needs {len(common.windows)} texts, one for each window")
+    return replace(common, **lists, **texts, **numbers, seeds=at.integer("seeds", common.seeds, low=1), source=source,
+                   way=at.text("way", "run", choices=WAYS), console=tuple(at.texts("console", list(common.console))))
 
 
-def pair(inner: Table, key: str) -> tuple[float, float]:
-    first, last = (float(x) for x in inner.list(key))
-    return first, last
+def windows_in(top: Table) -> tuple[tuple[str, tuple[float, float]], ...]:
+    """Names in their order, first and last minute."""
+    inner, out = top.table("windows"), []
+    for kind in list(inner.data):
+        first, last = (float(x) for x in inner.list(kind))
+        out.append((kind, (first, last)))
+    if not out:
+        raise UserError(f"{top.path('windows')} is empty; expected NAME = [first minute, last minute]")
+    return tuple(out)
 
 
 def fingerprint(campaign: Comparison) -> str:
     """Changes with everything a result depends on but the lines themselves, which their jobs carry."""
-    digest = hashlib.sha256(repr((campaign.windows, campaign.again_min)).encode())
-    for file in (Path(__file__), Path(best_inputs.__file__), *sorted({scenario_file(v) for v in campaign.variants})):
+    digest = hashlib.sha256(repr(campaign.again_min).encode())
+    code = [Path(__file__), *(Path(str(module.__file__)) for module in (best_inputs, changed_plant, mv_use))]
+    for file in (*code, *sorted({scenario_file(v) for v in campaign.variants})):
         digest.update(file.read_bytes())
         for conf in scenarios.load(file).console if file.suffix == ".toml" else ():
             digest.update(conf.read_bytes())
+    for conf in sorted({CAMPAIGNS / name for v in campaign.variants for name in v.console}):
+        digest.update(conf.read_bytes())
     for program in ("reflux-sim-memory", "reflux-plant"):
         digest.update(build.find_program("host", program).read_bytes())
     return digest.hexdigest()
@@ -153,12 +164,16 @@ def scenario_file(variant: Variant) -> Path:
 
 def scenario_of(campaign: Comparison, variant: Variant, seed: int, more: tuple[str, ...] = (), firmware: str = "memory") -> Scenario:
     base = scenarios.load(scenario_file(variant)).with_options(firmware=firmware, seed=seed, noise=variant.noise)
+    if variant.console:
+        files = tuple((CAMPAIGNS / name).resolve() for name in variant.console)
+        base = replace(base, console=files, config=tuple(scenarios.read_console_files(files)))
+    base = replace(base, measure=base.measure + variant.measure)
     events = base.events if variant.noise == 0 else tuple(e for e in base.events if not e.name.endswith(".resolution"))
     lines = tuple(stepped(base, line, variant.amplitude) for line in base.lines)
     duration = base.duration_s
     if variant.gain:
         later = campaign.again_min * MINUTE
-        first = campaign.windows["loads"][1] * MINUTE
+        first = variant.windows[-1][1][1] * MINUTE
         duration += later
         lines += tuple(replace(line, at_s=line.at_s + later) for line in lines if line.at_s + later >= first)
         mvs = [Event(first, f"{loop.mv}.gain", variant.gain) for loop in base.loops]
@@ -189,9 +204,10 @@ def stepped(base: Scenario, line: Line, factor: float) -> Line:
 
 def windows_of(campaign: Comparison, variant: Variant) -> dict[str, tuple[float, float]]:
     later = campaign.again_min if variant.gain else 0.0
-    out = {kind: (a + later, b + later) for kind, (a, b) in (dict(variant.windows) or campaign.windows).items()}
+    out = {kind: (a + later, b + later) for kind, (a, b) in variant.windows}
     if variant.from_min >= 0:
-        out["setpoints"] = (variant.from_min, out["setpoints"][1])
+        kind = next(iter(out))
+        out[kind] = (variant.from_min, out[kind][1])
     return out
 
 
@@ -211,22 +227,28 @@ def simulate(campaign: Comparison, variant: Variant, seed: int, more: tuple[str,
              firmware: str = "memory") -> dict[str, Any]:
     with tempfile.TemporaryDirectory(prefix="reflux-") as folder:
         scenario = scenario_of(campaign, variant, seed, more, firmware)
-        result = runner.run(scenario, runner.Options(Path(folder), quiet=True))
+        if variant.plant:
+            scenario = replace(scenario, plant=changed_plant.written(scenario.plant, variant.plant, Path(folder)))
+        result = runner.run(scenario, runner.Options(Path(folder) / "out", quiet=True))
         out = judged(campaign, variant, result)
-        events = runner.events_in(Path(folder) / "transcript.txt")
+        if campaign.form == "figures":
+            spans = [(a * MINUTE, b * MINUTE) for a, b in windows_of(campaign, variant).values()]
+            out["use"] = mv_use.told(result, spans)
+        events = runner.events_in(Path(folder) / "out" / "transcript.txt")
     taken = [t for t, _, code, text in events if code == "BLOCK_EVENT" and ".adopted" in text]
     lost = [text for _, _, code, text in events if code in ("BLOCK_ALARM", "BLOCK_GAVE_UP") and "block is off" not in text]
     return {**out, "adopted": taken[0] / MINUTE if taken else None, "alarms": [text[:80] for text in lost]}
 
 
-def run_one(campaign: Comparison, job: dict[str, Any]) -> dict[str, Any]:
-    """In a process of its own. A run that fails is a result too."""
+def run_one(campaign: Comparison, job: dict[str, Any], found: str = "") -> dict[str, Any]:
+    """In a process of its own. A run that fails is a result too. found: what the search of this line came to with another seed."""
     variant = campaign.variants[job["line"]]
     try:
         if variant.way.startswith("search"):
-            return {"job": job, **searched(campaign, variant)}
+            chosen = tuple(found.split(", ")) if found else searched(campaign, variant)
+            return {"job": job, **simulate(campaign, variant, int(job["seed"]), chosen), "settings": ", ".join(chosen)}
         if variant.way == "best":  # of the plant as it is before anything changes
-            chosen = tuple(searched(campaign, replace(variant, gain=0.0))["settings"].split(", "))
+            chosen = searched(campaign, replace(variant, gain=0.0))
             return {"job": job, **simulate(campaign, variant, 1, chosen), "settings": ", ".join(chosen)}
         if variant.way == "bound":
             return {"job": job, **best_inputs.bound(scenario_of(campaign, variant, 1), windows_of(campaign, variant))}
@@ -240,13 +262,14 @@ def run_one(campaign: Comparison, job: dict[str, Any]) -> dict[str, Any]:
 EVALUATIONS, STARTS = 120, 3
 
 
-def searched(campaign: Comparison, variant: Variant) -> dict[str, Any]:
-    """Gains and integral times of the loops' own PIDs that make the sum of both windows' IAE (or that of setpoints), each as part of
-    what it is with the settings of the scenario, least: Nelder and Mead's search in their logarithms from three starts."""
+def searched(campaign: Comparison, variant: Variant) -> tuple[str, ...]:
+    """Gains and integral times of the loops' own PIDs that make the sum of all windows' IAE (or that of the first), each as part of
+    what it is with the settings of the scenario, least: Nelder and Mead's search in their logarithms from three starts, seed 1."""
     import numpy as np
     from scipy.optimize import minimize
 
-    base = scenarios.load(scenario_file(variant))
+    base = scenario_of(campaign, variant, 1)
+    judged_by = [kind for kind, _ in variant.windows][:1 if variant.way.endswith("setpoints") else None]
     numbers = [(f"loop{k}.{what}", float(next(line.text.split()[2] for line in reversed(base.config)
                                               if line.text.startswith(f"set loop{k}.{what} "))))
                for k in range(1, len(base.loops) + 1) for what in ("gain", "ti")]
@@ -260,7 +283,7 @@ def searched(campaign: Comparison, variant: Variant) -> dict[str, Any]:
         if max(abs(x)) > 4:
             return 1e3
         got = simulate(campaign, variant, 1, settings(x))
-        return sum(sum(got[kind]) / sum(first[kind]) for kind in (KINDS[:1] if variant.way.endswith("setpoints") else KINDS))
+        return sum(sum(got[kind]) / sum(first[kind]) for kind in judged_by)
 
     best = None
     for start in range(STARTS):
@@ -269,8 +292,7 @@ def searched(campaign: Comparison, variant: Variant) -> dict[str, Any]:
         if best is None or found.fun < best.fun:
             best = found
     assert best is not None
-    chosen = settings(best.x)
-    return {**simulate(campaign, variant, 1, chosen), "settings": ", ".join(chosen)}
+    return settings(best.x)
 
 
 # ---- results ----
@@ -301,38 +323,65 @@ def shown_percent(value: float) -> str:
 
 def rows_of(campaign: Comparison, part: Part, results: list[dict[str, Any]]) -> tuple[list[str], list[list[str]]]:
     lines = [k for k, v in enumerate(campaign.variants) if v.part == part.name and of_line(results, k)]
-    loops = max((len(r["setpoints"]) for k in lines for r in of_line(results, k) if "setpoints" in r), default=1)
-    cited = [i for i in (0, 1) if any(campaign.variants[k].source[i] for k in lines)]
-    kinds = [(i, kind) for i, kind in enumerate(KINDS) if any(kind in r for k in lines for r in of_line(results, k)) or not lines]
+    return figures(campaign, part, lines, results) if campaign.form == "figures" else shares(campaign, part, lines, results)
+
+
+def shares(campaign: Comparison, part: Part, lines: list[int], results: list[dict[str, Any]]) -> tuple[list[str], list[list[str]]]:
+    loops = max((len(r[part.kinds[0]]) for k in lines for r in of_line(results, k) if part.kinds[0] in r), default=1)
+    cited = [i for i in range(len(part.kinds)) if any(any(campaign.variants[k].source[i:i + 1]) for k in lines)]
     header = [""]
-    for i, kind in kinds:
+    for i, kind in enumerate(part.kinds):
         header += [kind, *(["of these the first loop"] if loops > 1 else []), "against the first line", *(["source"] if i in cited else [])]
     rows = []
     for k in lines:
         variant, found, row = campaign.variants[k], of_line(results, k), [campaign.variants[k].name]
-        for i, kind in kinds:
+        for i, kind in enumerate(part.kinds):
             value = total(results, k, kind)
             row.append("failed" if math.isnan(value) else table.figure(value))
             if loops > 1:
                 row.append("-" if math.isnan(value) else table.figure(statistics.fmean(r[kind][0] for r in found)))
             row.append("" if place_of(campaign, variant) == k else shown_percent(percent(results, campaign, k, kind)))
-            row += [variant.source[i]] if i in cited else []
+            row += [variant.source[i] if variant.source else ""] if i in cited else []
         rows.append(row)
     return header, rows
 
 
+def figures(campaign: Comparison, part: Part, lines: list[int], results: list[dict[str, Any]]) -> tuple[list[str], list[list[str]]]:
+    """Sums over the loops: the mean of the seeds and in brackets the worst; then how the MVs were used."""
+    good = {k: [r for r in of_line(results, k) if "failed" not in r] for k in lines}
+    mvs = next((list(r["use"]["moves"]) for found in good.values() for r in found), [])
+    rows = []
+    for k in lines:
+        row = [campaign.variants[k].name]
+        for kind in part.kinds:
+            row.append(mean_and_worst([sum(r[kind]) for r in good[k]]))
+        row.append(table.figure(100 * statistics.fmean(r["use"]["at_limit"] for r in good[k])) if good[k] else "-")
+        row += [table.figure(statistics.fmean(r["use"]["moves"][mv] for r in good[k])) if good[k] else "-" for mv in mvs]
+        rows.append(row)
+    return ["", *part.kinds, "at a limit, %", *(f"moves of {mv}" for mv in mvs)], rows
+
+
+def mean_and_worst(values: list[float]) -> str:
+    if not values:
+        return "failed"
+    return table.figure(statistics.fmean(values)) + (f" ({table.figure(max(values))})" if len(values) > 1 else "")
+
+
 def remarks(campaign: Comparison, part: Part, results: list[dict[str, Any]]) -> list[str]:
+    """Settings and alarms of the first seed, and in how many of several there were any."""
     out = []
-    for r in results:
-        variant = campaign.variants[r["job"]["line"]]
-        if variant.part != part.name or r["job"]["seed"] != 1:
-            continue
-        if "failed" in r:
-            out.append(f"{variant.name}: {r['failed']}")
-        if r.get("settings"):
-            out.append(f"{variant.name}: {r['settings']}")
-        if r.get("alarms"):
-            out.append(f"{variant.name}: {'; '.join(r['alarms'][:3])}")
+    for k, variant in enumerate(campaign.variants):
+        found = of_line(results, k) if variant.part == part.name else []
+        for r in (r for r in found if r["job"]["seed"] == 1):
+            if "failed" in r:
+                out.append(f"{variant.name}: {r['failed']}")
+            if r.get("settings"):
+                out.append(f"{variant.name}: {r['settings']}")
+            if r.get("alarms"):
+                out.append(f"{variant.name}: {'; '.join(r['alarms'][:3])}")
+        told = sum(1 for r in found if r.get("alarms"))
+        if campaign.form == "figures" and told and len(found) > 1:
+            out.append(f"{variant.name}: alarms in {told} of {len(found)} runs")
     return out
 
 
@@ -350,9 +399,10 @@ def write_results(campaign: Comparison, results: list[dict[str, Any]]) -> None:
     (folder / f"{campaign.name}.md").write_text(text_of(campaign, results), encoding="utf-8")
     with (folder / f"{campaign.name}.csv").open("w", encoding="utf-8", newline="") as out:
         writer = csv.writer(out, lineterminator="\n")
-        writer.writerow(["table", "run", "seed", *(f"{kind} {loop}" for kind in KINDS for loop in ("1", "2")), "adopted", "remark"])
+        kinds = list(dict.fromkeys(kind for part in campaign.parts for kind in part.kinds))
+        writer.writerow(["table", "run", "seed", *(f"{kind} {loop}" for kind in kinds for loop in ("1", "2")), "adopted", "remark"])
         for r in results:
-            cells = [f"{r[kind][i]:.5g}" if kind in r and i < len(r[kind]) else "" for kind in KINDS for i in (0, 1)]
+            cells = [f"{r[kind][i]:.5g}" if kind in r and i < len(r[kind]) else "" for kind in kinds for i in (0, 1)]
             adopted = "" if r.get("adopted") is None else f"{r['adopted']:g}"
             writer.writerow([r["job"]["part"], r["job"]["name"], r["job"]["seed"], *cells, adopted,
                              r.get("failed", r.get("settings", "; ".join(r.get("alarms", []))))])
@@ -362,23 +412,31 @@ def write_results(campaign: Comparison, results: list[dict[str, Any]]) -> None:
 
 def copy_tables(campaign: Comparison, results: list[dict[str, Any]]) -> None:
     """Into the page, between <!-- table NAME --> and <!-- end of table -->."""
-    page = PAGE.read_text(encoding="utf-8")
+    file = ROOT / campaign.page
+    page = file.read_text(encoding="utf-8")
     for part in campaign.parts:
         rows = table.markdown(*rows_of(campaign, part, results))
         page = re.sub(rf"(<!-- table {re.escape(part.name)} -->\n).*?(<!-- end of table -->)",
                       lambda m: m.group(1) + "\n" + rows + "\n\n" + m.group(2), page, flags=re.S)
-    PAGE.write_text(page, encoding="utf-8")
+    file.write_text(page, encoding="utf-8")
 
 
 def execute(campaign: Comparison, options: argparse.Namespace, state: Any) -> int:
     jobs = [{**job, "what": repr(campaign.variants[job["line"]])} for job in campaign.jobs(options.fraction)]
     missing = [job for job in jobs if state.get(job) is None]
     progress = build.Progress(campaign.name)
+    # A search is done once; its other seeds are played with what it came to.
+    later = [job for job in missing if job["seed"] > 1 and campaign.variants[job["line"]].way.startswith("search")]
+    searched_for = {job["line"]: job for job in jobs if job["seed"] == 1}
+    count = 0
     with ProcessPoolExecutor(options.jobs) as pool:
-        waiting = [pool.submit(run_one, campaign, job) for job in missing]
-        for count, future in enumerate(as_completed(waiting), 1):
-            state.add(future.result())
-            progress.show(f"{count} of {len(missing)} runs")
+        for stage in ([job for job in missing if job not in later], later):
+            waiting = [pool.submit(run_one, campaign, job, (state.get(searched_for[job["line"]]) or {}).get("settings", "") if stage is later else "")
+                       for job in stage]
+            for future in as_completed(waiting):
+                state.add(future.result())
+                count += 1
+                progress.show(f"{count} of {len(missing)} runs")
     progress.end(f"{len(missing)} runs")
     results = [state.get(job) for job in jobs]
     if options.fraction == 1.0 and not options.check:

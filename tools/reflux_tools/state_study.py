@@ -4,7 +4,6 @@ nonlinear form is tests/reference/state_ahead.py. The plant is reflux-plant, tru
 
 from __future__ import annotations
 
-import json
 import sys
 from dataclasses import dataclass
 from functools import cache
@@ -14,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from reflux_tools import best_inputs, simulator, state_decoupler
+from reflux_tools import best_inputs, changed_plant, simulator, state_decoupler
 from reflux_tools.errors import UserError
 from reflux_tools.paths import ROOT
 
@@ -108,15 +107,11 @@ def design(pole: float, *, stages: tuple[int, ...] = (TOP, BOTTOM), scale: np.nd
 
 
 def _plant_file(case: Case, folder: Path) -> str:
-    whole = json.loads((ROOT / "host_sim" / "plants" / "pilot.json").read_text(encoding="utf-8"))
+    whole = changed_plant.read("pilot")
     for s in range(1, 13):
         whole["truths"].append({"name": f"x{s}", "is": "fraction", "of": "TCE", "stage": s, "unit": "-", "lo": 0, "hi": 1, "help": "of a stage"})
-    whole["efficiency"] = case.efficiency
-    for key in ("reboiler", "tray", "condenser"):
-        whole["holdup"][key] *= case.holdups
-    file = folder / "pilot.json"
-    file.write_text(json.dumps(whole), encoding="utf-8")
-    return str(file)
+    changed_plant.change(whole, f"efficiency={case.efficiency} holdups={case.holdups}")
+    return changed_plant.write(whole, folder)
 
 
 SEEN = ("T1", "T2", "T7", "T9", "T10")

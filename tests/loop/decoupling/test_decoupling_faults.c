@@ -139,20 +139,6 @@ static const struct fault {
 
 /* ---- the run ---- */
 
-static bool loop_is(const char *loop, const char *mode)
-{
-    char text[40];
-    ask_ok("loop");
-    snprintf(text, sizeof text, "%s %s ", loop, mode);
-    return said(text);
-}
-
-static bool events_say(const char *text)
-{
-    ask_ok("events");
-    return said(text);
-}
-
 static void begin(const struct law *law, const struct mode *mode)
 {
     plant_power_on("kotyk-column", TICK_MS, 3, 1);

@@ -15,20 +15,6 @@ void tearDown(void)
     plant_power_off();
 }
 
-static bool loop_is(const char *loop, const char *mode)
-{
-    char text[40];
-    ask_ok("loop");
-    snprintf(text, sizeof text, "%s %s ", loop, mode);
-    return said(text);
-}
-
-static bool events_say(const char *text)
-{
-    ask_ok("events");
-    return said(text);
-}
-
 /* ---- modes of operation ---- */
 
 static void both(void)

@@ -73,20 +73,6 @@ static inline bool alarm_says(const char *text)
     return said(text);
 }
 
-static inline bool events_say(const char *text)
-{
-    ask_ok("events");
-    return said(text);
-}
-
-static inline bool loop_is(const char *loop, const char *mode)
-{
-    char text[40];
-    ask_ok("loop");
-    snprintf(text, sizeof text, "%s %s ", loop, mode);
-    return said(text);
-}
-
 static double base; /* of T10: where the column has been at rest */
 
 /* Configured, connected, at rest in manual. */

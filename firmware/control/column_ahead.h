@@ -1,0 +1,64 @@
+/* Kind `ahead`: a controller of up to four loops on a distillation column that decouples them by the column's own equations. Input-output
+ * linearisation in discrete time, ours:
+ *
+ *     y(k + 1) = w + exp(-h/tau) (y(k) - w)      for each loop, whatever the others do
+ *
+ * is what the linear law of design/state_decoupler.h asks for with one pole a loop (T. O. Folami, 1989, chapter 6). That law takes y(k + 1)
+ * from matrices that belong to one point, which is where it failed on his column. Here the column of a compact table (docs/column-table.md) is
+ * carried one interval on from where it is now, and B*, by how much each MV moves each y(k + 1), is found anew in every step.
+ *
+ * Where the column is now: its model, corrected at the places that inputs tell of, measured or estimated. What the last prediction missed is
+ * added to the next, a part of it in each step; that is the integral. Where an MV is limited its loop gives way alone, and the others
+ * come to their setpoints all the same. docs/state-decoupling.md */
+#ifndef REFLUX_CONTROL_COLUMN_AHEAD_H
+#define REFLUX_CONTROL_COLUMN_AHEAD_H
+
+#include "block/block.h"
+
+#if CONFIG_BLOCKS
+
+#define AHEAD_LOOPS 4
+
+/* What an input is of the column. */
+enum ahead_input {
+    AHEAD_TEMPERATURE,   /* of a stage */
+    AHEAD_FRACTION,      /* of a component on a stage */
+    AHEAD_FEED_FRACTION, /* of a component in the feed */
+    AHEAD_FEED,          /* from here on in the order of enum column_drive */
+    AHEAD_FEED_TEMPERATURE,
+    AHEAD_FEED_QUALITY,
+    AHEAD_REFLUX,
+    AHEAD_HEAT,
+    AHEAD_BOILUP,
+    AHEAD_PRESSURE,
+    AHEAD_INPUT_KINDS
+};
+
+enum ahead_basis { AHEAD_MOLE, AHEAD_MASS };
+
+enum { AHEAD_STAGE, AHEAD_COMPONENT, AHEAD_PLACE }; /* columns of place and target */
+enum { AHEAD_FACTOR, AHEAD_ZERO, AHEAD_UNIT };      /* SI = factor * value + zero */
+
+struct ahead_settings {
+    float tau_s[AHEAD_LOOPS]; /* time constant of the closed loop */
+    float far[AHEAD_LOOPS];   /* EU of the PV: alarm, the prediction is off by more; 0: none */
+    float miss_s;             /* time in which a miss is believed; 0: at once */
+    float
+        doubt; /* part of steps in which it would have been better to expect no change, above which it gives up; 0: never */
+    float trust; /* part of what an input says more than the model that it takes in a step */
+    float si[BLOCK_INPUTS_MAX][AHEAD_UNIT];
+    float pv_si[AHEAD_LOOPS][AHEAD_UNIT];
+    uint16_t column; /* block */
+    uint16_t place[BLOCK_INPUTS_MAX][AHEAD_PLACE];
+    uint16_t target[AHEAD_LOOPS]
+                   [AHEAD_PLACE]; /* of the PVs: stage, component; 0: the temperature */
+    uint16_t moves[AHEAD_LOOPS];  /* number of the input that is the loop's MV */
+    uint16_t parts;               /* of an interval in which the model is carried on */
+    uint8_t is[BLOCK_INPUTS_MAX]; /* enum ahead_input */
+    uint8_t basis;                /* enum ahead_basis, of fractions on stages */
+};
+
+extern const struct block_kind ahead_kind;
+
+#endif
+#endif
