@@ -59,7 +59,7 @@ struct linear {
     bool tied;
 };
 
-static struct cplx error_at(const struct linear *l, unsigned i)
+static struct cplx left_over_at(const struct linear *l, unsigned i)
 {
     struct cplx e = cplx_add(l->w->ratio[i], cplx_scale(l->a[i], l->p));
     return l->tied ? e : cplx_add(e, cplx_scale(l->b[i], l->q));
@@ -75,7 +75,7 @@ static void reweighted_step(struct linear *l, bool first)
 {
     real_t aa = ZERO, ab = ZERO, bb = ZERO, ar = ZERO, br = ZERO;
     for (unsigned i = 0; i < l->w->points; i++) {
-        real_t size = first ? ONE : cplx_abs(error_at(l, i));
+        real_t size = first ? ONE : cplx_abs(left_over_at(l, i));
         real_t v = l->w->weight[i] / (size > l->least ? size : l->least);
         aa += v * cplx_square(l->a[i]);
         ab += v * inner_product(l->a[i], l->b[i]);

@@ -230,7 +230,7 @@ static struct cplx sum_of_theta(const struct high_order *h, unsigned from, unsig
 }
 
 /* back^n, of magnitude 1 whatever n is. */
-static struct cplx turned(real_t omega_h, unsigned n)
+static struct cplx phase_of_delay(real_t omega_h, unsigned n)
 {
     real_t sine, cosine;
     real_sincos(omega_h * (real_t)n, &sine, &cosine);
@@ -280,12 +280,12 @@ enum err high_order_response(const struct high_order *h, unsigned j, real_t omeg
         return err;
     for (unsigned k = 0; k < j; k++)
         from += s->nb[k];
-    struct cplx back = turned(omega_h, 1);
+    struct cplx back = phase_of_delay(omega_h, 1);
     struct cplx a = cplx_mul(sum_of_theta(h, 0, s->na, back, &size), back);
     a.re += ONE;
     if (is_root(a, size + ONE))
         return ERR_SINGULAR;
-    struct cplx factor = cplx_div(turned(omega_h, s->delay[j]), a);
+    struct cplx factor = cplx_div(phase_of_delay(omega_h, s->delay[j]), a);
     p->is = cplx_mul(sum_of_theta(h, from, s->nb[j], back, &size), factor);
     /* dG/db_i = back^(delay + i)/A, dG/da_i = -G back^i/A */
     put_derivatives(re, im, from, s->nb[j], factor, back);
@@ -303,16 +303,16 @@ enum err high_order_ratio(const struct high_order *h, real_t omega_h, struct hig
     enum err err = s->inputs < 2 ? ERR_RANGE : check_frequency(omega_h);
     if (err)
         return err;
-    struct cplx back = turned(omega_h, 1);
+    struct cplx back = phase_of_delay(omega_h, 1);
     struct cplx below = sum_of_theta(h, s->na, s->nb[0], back, &size);
     if (is_root(below, size))
         return ERR_SINGULAR;
-    below = cplx_mul(below, turned(omega_h, s->delay[0]));
-    struct cplx factor = cplx_div(turned(omega_h, s->delay[1]), below);
+    below = cplx_mul(below, phase_of_delay(omega_h, s->delay[0]));
+    struct cplx factor = cplx_div(phase_of_delay(omega_h, s->delay[1]), below);
     p->is = cplx_mul(sum_of_theta(h, (unsigned)s->na + s->nb[0], s->nb[1], back, &size), factor);
     put_derivatives(re, im, (unsigned)s->na + s->nb[0], s->nb[1], factor, back);
     struct cplx by_b =
-        cplx_mul(cplx_div(cplx_scale(p->is, -ONE), below), turned(omega_h, s->delay[0]));
+        cplx_mul(cplx_div(cplx_scale(p->is, -ONE), below), phase_of_delay(omega_h, s->delay[0]));
     put_derivatives(re, im, s->na, s->nb[0], by_b, back);
     p->sd = deviation_of(h, re, im);
     return ERR_OK;
