@@ -95,7 +95,7 @@ enum err rls_check(const struct rls_settings *s, const char **field, const char 
         {"dead_zone", s->dead_zone, 0, 100, "0 to 100"},
     };
     if (s->n < 1 || s->n > RLS_MAX)
-        return settings_fault(field, wanted, "n", "1 to 24 parameters");
+        return settings_fault(field, wanted, "n", "1 to 35 parameters");
     for (size_t k = 0; k < sizeof row / sizeof row[0]; k++)
         if (!(row[k].value >= row[k].lo && row[k].value <= row[k].hi))
             return settings_fault(field, wanted, row[k].name, row[k].range);
@@ -208,10 +208,10 @@ static scaled_t forgetting_factor(struct rls *r, const struct measured *m)
 }
 
 /* Cao and Schwartz (2000): P grows along what is measured alone, P += ((1 - v)/v) phi phi'/(phi'P^-1 phi), but not past the
- * trace. */
-static void forget_along(struct rls *r, const num_t *phi)
+ * trace. x, y: space for n each. */
+static void forget_along(struct rls *r, const num_t *phi, scaled_t *x, scaled_t *y)
 {
-    scaled_t x[RLS_MAX], y[RLS_MAX], form = scaled_from_float(0), square = form;
+    scaled_t form = scaled_from_float(0), square = form;
     for (unsigned i = 0; i < r->n; i++)
         x[i] = scaled_from_num(phi[i]);
     ud_num_solve(ud_of(r), r->n, x, y);
@@ -256,7 +256,7 @@ static void take_in(struct rls *r, ud_cell_t *p, struct measured *m, scaled_t *f
 {
     scaled_t v = forgetting_factor(r, m), noise = v, growth = one();
     if (r->forgetting == RLS_DIRECTIONAL) {
-        forget_along(r, m->phi);
+        forget_along(r, m->phi, f, g);
         ud_num_project(p, r->n, m->phi, f, g);
     }
     if (r->forgetting == RLS_DIRECTIONAL || r->forgetting == RLS_HELD_TRACE)
@@ -400,6 +400,21 @@ num_t rls_theta(const struct rls *r, unsigned i)
 float rls_covariance(const struct rls *r, unsigned i, unsigned j)
 {
     return scaled_to_float(ud_num_element(ud_of_const(r), r->n, i, j));
+}
+
+float rls_form(const struct rls *r, const float *c)
+{
+    scaled_t f[RLS_MAX], g[RLS_MAX];
+    num_t phi[RLS_MAX];
+    float most = 0;
+    for (unsigned i = 0; i < r->n; i++)
+        most = real_abs(c[i]) > most ? real_abs(c[i]) : most;
+    if (!(most > 0))
+        return 0;
+    for (unsigned i = 0; i < r->n; i++)
+        phi[i] = num_from_float(c[i] / most);
+    ud_num_project(ud_of_const(r), r->n, phi, f, g);
+    return scaled_to_float(ud_num_variance(f, g, r->n)) * most * most;
 }
 
 float rls_trace(const struct rls *r)
