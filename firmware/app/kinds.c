@@ -1,5 +1,6 @@
 /* The kinds of blocks this board has: the only place that names them all. A board leaves a family out by leaving its folder
  * out of the build (firmware/CMakeLists.txt). */
+#include "adapt/feedforward_tune.h"
 #include "adapt/gmv_kind.h"
 #include "adapt/plant_experiment.h"
 #include "block/block.h"
@@ -25,6 +26,9 @@ const struct block_kind *const block_kinds[] = {
 #endif
 #if CONFIG_EXPERIMENT
     &experiment_kind,
+#endif
+#if CONFIG_FEEDFORWARD_TUNE
+    &feedforward_tune_kind,
 #endif
 };
 

@@ -95,7 +95,7 @@ enum err rls_check(const struct rls_settings *s, const char **field, const char 
         {"dead_zone", s->dead_zone, 0, 100, "0 to 100"},
     };
     if (s->n < 1 || s->n > RLS_MAX)
-        return settings_fault(field, wanted, "n", "1 to 24 parameters");
+        return settings_fault(field, wanted, "n", "1 to 35 parameters");
     for (size_t k = 0; k < sizeof row / sizeof row[0]; k++)
         if (!(row[k].value >= row[k].lo && row[k].value <= row[k].hi))
             return settings_fault(field, wanted, row[k].name, row[k].range);
@@ -400,6 +400,21 @@ num_t rls_theta(const struct rls *r, unsigned i)
 float rls_covariance(const struct rls *r, unsigned i, unsigned j)
 {
     return scaled_to_float(ud_num_element(ud_of_const(r), r->n, i, j));
+}
+
+float rls_form(const struct rls *r, const float *c)
+{
+    scaled_t f[RLS_MAX], g[RLS_MAX];
+    num_t phi[RLS_MAX];
+    float most = 0;
+    for (unsigned i = 0; i < r->n; i++)
+        most = real_abs(c[i]) > most ? real_abs(c[i]) : most;
+    if (!(most > 0))
+        return 0;
+    for (unsigned i = 0; i < r->n; i++)
+        phi[i] = num_from_float(c[i] / most);
+    ud_num_project(ud_of_const(r), r->n, phi, f, g);
+    return scaled_to_float(ud_num_variance(f, g, r->n)) * most * most;
 }
 
 float rls_trace(const struct rls *r)

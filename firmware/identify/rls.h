@@ -17,7 +17,7 @@
 #include "num/accumulator.h"
 #include "num/scaled.h"
 
-#define RLS_MAX 24 /* parameters */
+#define RLS_MAX 35 /* parameters */
 
 /* In the order of the words of block parameters. */
 enum rls_forgetting {
@@ -70,7 +70,7 @@ void rls_reset(struct rls *r);
 /* theta, where somebody else has put it. */
 void rls_set(struct rls *r, const num_t *theta);
 
-/* A sample. Returns e = y - phi'theta with the parameters of before (not clipped). learn false: nothing changes but
+/* A sample. With more than 24 parameters every |phi| is below 64. Returns e = y - phi'theta with the parameters of before (not clipped). learn false: nothing changes but
  * that, and what it would have told. */
 num_t rls_step(struct rls *r, const num_t *phi, num_t y, bool learn);
 
@@ -78,6 +78,8 @@ num_t rls_predict(const struct rls *r, const num_t *phi);
 num_t rls_theta(const struct rls *r, unsigned i);
 /* P_ij, P's trace, least and largest D, v of the last step, phi'P phi/(v + phi'P phi) of the last step: how much it told, 0 to 1. */
 float rls_covariance(const struct rls *r, unsigned i, unsigned j);
+/* c'P c, c [n], finite and not all 0, whatever their size: times the variance of e that of c'theta, where e is white. */
+float rls_form(const struct rls *r, const float *c);
 float rls_trace(const struct rls *r);
 void rls_d_extremes(const struct rls *r, float *least, float *most);
 float rls_forgot(const struct rls *r);

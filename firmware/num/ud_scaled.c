@@ -86,7 +86,7 @@ static scaled_t projected(num_t phi, int64_t sum, int32_t e)
     return scaled_add(scaled_from_num(phi), scaled_from_product(sum, e - NUM_FRACTION_BITS));
 }
 
-/* Below 2^27 times 2^31, 24 of them: below 2^63, with phi_j as well. */
+/* Below 2^27 times 2^31, 24 of them: below 2^63, with phi_j as well. Of up to 35, |phi| below 64: 2^27 times 2^30. */
 void ud_scaled_project(const ud_cell_t *ud, size_t n, const num_t *phi, scaled_t *f, scaled_t *g)
 {
     const ud_cell_t *exponent = ud + ud_place(n), *d_exponent = exponent + n;

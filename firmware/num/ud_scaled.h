@@ -15,7 +15,7 @@
 
 typedef int32_t ud_cell_t;
 
-#define UD_SCALED_MAX 24
+#define UD_SCALED_MAX 35
 
 static inline size_t ud_scaled_cells(size_t n)
 {
@@ -23,7 +23,7 @@ static inline size_t ud_scaled_cells(size_t n)
 }
 
 /* As their namesakes in num/ud.h; numbers that are no num_t are scaled_t, and n is up to UD_SCALED_MAX. Gains that
- * ud_scaled_correct leaves in g need not have their mantissa filled up. */
+ * ud_scaled_correct leaves in g need not have their mantissa filled up. With n above 24, every |phi| is below 64. */
 void ud_scaled_set_diagonal(ud_cell_t *ud, size_t n, const scaled_t *p);
 void ud_scaled_project(const ud_cell_t *ud, size_t n, const num_t *phi, scaled_t *f, scaled_t *g);
 scaled_t ud_scaled_variance(const scaled_t *f, const scaled_t *g, size_t n);

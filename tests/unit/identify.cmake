@@ -6,7 +6,7 @@ foreach(part prbs triangle arx arx_select decimate moments record fopdt_fit fit_
   reflux_test(${part} LABEL unit SOURCES ${CMAKE_CURRENT_LIST_DIR}/test_${part}.c LIBS reflux_identify)
   reflux_test(${part}_double LABEL unit SOURCES ${CMAKE_CURRENT_LIST_DIR}/test_${part}.c LIBS reflux_identify_double)
 endforeach()
-foreach(part fit_cases identify_cases arx_rls)
+foreach(part fit_cases identify_cases arx_rls high_order high_order_confidence disturbance_ratio)
   reflux_test(${part} LABEL unit SOURCES ${CMAKE_CURRENT_LIST_DIR}/test_${part}.c LIBS reflux_identify)
 endforeach()
 

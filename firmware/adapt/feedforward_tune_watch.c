@@ -1,0 +1,196 @@
+/* Two shadows on the same data: the loop without its feedforward, and with the candidate in its place. So a candidate is tested before it acts, and
+ * one that acts is compared with feedback alone without being switched off. */
+#include "adapt/feedforward_tune_block.h"
+
+#if CONFIG_FEEDFORWARD_TUNE
+
+#include <string.h>
+
+#define ZERO REAL_C(0.0)
+#define ONE  REAL_C(1.0)
+
+#define PARTS_BETTER 6u /* of TUNE_PARTS, at the least */
+#define QUIET_PART                                                                                 \
+    REAL_C(0.1)       /* of the mean square of d while it was learnt; below, a part tells nothing */
+#define TEST_MOST  4u /* times `check`, then it is untested */
+#define WORSE_THAN REAL_C(1.1)  /* times the squares without it */
+#define WATCH_PART REAL_C(0.25) /* of `check`: memory of the watch */
+
+/* ---- shadows ---- */
+
+static void begin_shadow(const struct tune *t, struct loop_shadow *s)
+{
+    shadow_begin(s, &t->model, t->s.gain, t->s.ti_s, t->h_s);
+}
+
+void tune_shadows_begin(struct tune *t)
+{
+    begin_shadow(t, &t->without);
+    t->integral = ZERO;
+    t->warm = 0;
+}
+
+static void begin_candidate(struct tune *t)
+{
+    real_t d = num_to_float(t->now[SIGNAL_D]);
+    begin_shadow(t, &t->with);
+    for (unsigned k = 0; k < SHADOW_REACH; k++)
+        t->delayed[k] = d;
+    t->lead_lag = t->last_d = d;
+    t->test_warm = 0;
+}
+
+/* What the candidate would add. Its own steps are those of the samples here. */
+static real_t candidate_adds(struct tune *t)
+{
+    const struct feedforward_shape *f = &t->candidate;
+    real_t dead = f->dead / t->h_s;
+    unsigned most = SHADOW_REACH - 2u;
+    unsigned whole = dead < (real_t)most ? (unsigned)dead : most;
+    real_t part = dead < (real_t)most ? dead - (real_t)whole : ZERO;
+    memmove(t->delayed + 1, t->delayed, (SHADOW_REACH - 1u) * sizeof t->delayed[0]);
+    t->delayed[0] = num_to_float(t->now[SIGNAL_D]);
+    real_t d = t->delayed[whole] + part * (t->delayed[whole + 1u] - t->delayed[whole]);
+    t->lead_lag += (t->h_s * (d - t->lead_lag) + f->lead * (d - t->last_d)) / (f->lag + t->h_s);
+    t->last_d = d;
+    return f->k * t->lead_lag;
+}
+
+/* Of the loop's own: what it takes to forget. */
+static uint32_t forgets_in(const struct tune *t)
+{
+    real_t s =
+        REAL_C(5.0) * t->model.lag_s + REAL_C(4.0) * t->model.dead_s + REAL_C(2.0) * t->s.ti_s;
+    real_t n = s / t->h_s;
+    return n < REAL_C(60000.0) ? (uint32_t)n : 60000u;
+}
+
+/* What took effect beside what the controller would have given from the same measurements, were it linear: the feedforward, but
+ * also what limits have made of it and of the integral. */
+static real_t beside_controller(struct tune *t, real_t error)
+{
+    real_t r = num_to_float(t->now[SIGNAL_R]), y = num_to_float(t->now[SIGNAL_Y]);
+    real_t given = t->s.gain * (t->s.b * r - y) + t->integral;
+    if (t->s.ti_s > 0)
+        t->integral += t->s.gain * t->h_s / t->s.ti_s * error;
+    return num_to_float(t->now[SIGNAL_U]) - given;
+}
+
+static uint16_t one_more(uint16_t n)
+{
+    return (uint16_t)(n < 65535u ? n + 1u : n);
+}
+
+void tune_shadows_step(struct tune *t)
+{
+    struct tune_errors *e = &t->errors;
+    uint32_t rest = forgets_in(t);
+    e->now = num_to_float(num_sub(t->now[SIGNAL_R], t->now[SIGNAL_Y]));
+    e->without = e->now + shadow_step(&t->without, beside_controller(t, e->now));
+    t->warm = one_more(t->warm);
+    e->count = t->warm > rest && t->setpoint_rests > rest && t->is_good;
+    e->then = e->without;
+    if (t->stage != TUNE_TESTS)
+        return;
+    e->then -= shadow_step(&t->with, candidate_adds(t));
+    t->test_warm = one_more(t->test_warm);
+}
+
+/* ---- the test ---- */
+
+static void begin_part(struct tune *t)
+{
+    t->part_at = 0;
+    t->part_now = t->part_then = t->part_without = t->part_d = ZERO;
+}
+
+void tune_test_begin(struct tune *t)
+{
+    begin_candidate(t);
+    t->part_samples = tune_samples(t, t->s.check_s / (float)TUNE_PARTS);
+    t->parts = t->better_parts = 0;
+    t->all_now = t->all_then = t->all_without = ZERO;
+    begin_part(t);
+}
+
+static enum tune_verdict judge_test(struct tune *t)
+{
+    real_t most = ONE - t->s.better / 100;
+    bool better = t->better_parts >= PARTS_BETTER && t->all_then <= most * t->all_now &&
+                  t->all_then <= most * t->all_without;
+    t->promised = t->all_without > ZERO ? ONE - t->all_then / t->all_without : ZERO;
+    return better ? TUNE_ADOPTED : TUNE_NO_BETTER;
+}
+
+static void count_in_test(struct tune *t, const struct tune_errors *e)
+{
+    real_t d = num_to_float(t->now[SIGNAL_D]);
+    t->part_now += e->now * e->now;
+    t->part_then += e->then * e->then;
+    t->part_without += e->without * e->without;
+    t->part_d += d * d;
+    if (++t->part_at < t->part_samples)
+        return;
+    if (t->part_d > QUIET_PART * t->move_square * (real_t)t->part_at) {
+        t->parts++;
+        t->better_parts = (uint8_t)(t->better_parts + (t->part_then < t->part_now ? 1u : 0u));
+        t->all_now += t->part_now;
+        t->all_then += t->part_then;
+        t->all_without += t->part_without;
+    }
+    begin_part(t);
+}
+
+enum tune_verdict tune_test_step(struct tune *t)
+{
+    if (t->without.lost || t->with.lost)
+        return TUNE_NO_MODEL;
+    if (t->errors.count && t->test_warm > forgets_in(t))
+        count_in_test(t, &t->errors);
+    if (t->parts >= TUNE_PARTS)
+        return judge_test(t);
+    uint32_t most = TEST_MOST * (TUNE_PARTS * t->part_samples) + 4u * forgets_in(t);
+    return t->stage_samples > most ? TUNE_UNTESTED : TUNE_NONE;
+}
+
+/* ---- the watch ---- */
+
+void tune_watch_begin(struct tune *t)
+{
+    t->watch_with = t->watch_without = t->watch_weight = ZERO;
+    t->since_change = 0;
+}
+
+static real_t watch_samples(const struct tune *t)
+{
+    return WATCH_PART * t->s.check_s / t->h_s;
+}
+
+float tune_improvement(const struct tune *t)
+{
+    bool whole = t->running && t->watch_weight > REAL_C(0.1) * watch_samples(t);
+    return whole && t->watch_without > ZERO ? 100 * (float)(ONE - t->watch_with / t->watch_without)
+                                            : 0;
+}
+
+enum tune_verdict tune_watch_step(struct tune *t)
+{
+    const struct tune_errors e = t->errors;
+    real_t memory = watch_samples(t), keep = ONE - ONE / memory;
+    if (t->without.lost) {
+        tune_shadows_begin(t);
+        tune_watch_begin(t);
+        return TUNE_NO_MODEL;
+    }
+    if (!e.count)
+        return TUNE_NONE;
+    t->watch_with = keep * t->watch_with + e.now * e.now;
+    t->watch_without = keep * t->watch_without + e.without * e.without;
+    t->watch_weight = keep * t->watch_weight + ONE;
+    bool whole = t->watch_weight > REAL_C(0.5) * memory;
+    bool less = whole && t->watch_with > (ONE - REAL_C(0.5) * t->promised) * t->watch_without;
+    t->since_change = less ? t->since_change + 1u : 0;
+    return whole && t->watch_with > WORSE_THAN * t->watch_without ? TUNE_WORSE : TUNE_NONE;
+}
+
+#endif

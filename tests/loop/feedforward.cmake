@@ -1,0 +1,7 @@
+# Adaptive feedforward (docs/adaptive-feedforward.md) on the whole firmware with Siddha's loop.
+set(folder "${CMAKE_CURRENT_LIST_DIR}/feedforward")
+foreach(part try)
+  reflux_test(${part} LABEL loop SOURCES ${folder}/test_${part}.c
+              LIBS reflux_hal_memory reflux_app reflux_link reflux_bench reflux_plants)
+  target_compile_definitions(test_${part} PRIVATE FEEDFORWARD="${folder}")
+endforeach()
