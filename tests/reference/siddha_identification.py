@@ -68,9 +68,10 @@ class Rls:
         parts += [x[:, k - delay - nb + 1 : k - delay + 1][:, ::-1] for x, (_, nb, delay) in zip(inputs, m.inputs)]
         phi = np.concatenate(parts, axis=1)
         g = np.matmul(self.p, phi[:, :, None])[:, :, 0]
-        gain = g / (self.forget + np.sum(phi * g, axis=1))[:, None]
-        self.theta += gain * (y[:, k] - np.sum(phi * self.theta, axis=1))[:, None]
-        self.p = (self.p - gain[:, :, None] * g[:, None, :]) / self.forget
+        alpha = self.forget + np.sum(phi * g, axis=1)
+        self.theta += g * ((y[:, k] - np.sum(phi * self.theta, axis=1)) / alpha)[:, None]
+        # symmetric to the last bit: what is not grows by 1/forget a step, e^42 over the nine regimes
+        self.p = (self.p - g[:, :, None] * g[:, None, :] / alpha[:, None, None]) / self.forget
 
 
 def batch(model: Model, record: Record, first: int, last: int, forget: float = 1.0, p0: float = 1e4, lags_s: float = 0.0,

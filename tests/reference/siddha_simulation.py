@@ -301,25 +301,31 @@ def controller_error(tuning, regime: Regime, omega: np.ndarray = ERRORS_AT) -> t
     return 20 * np.log10(np.abs(off)), np.degrees(np.angle(off))
 
 
-def step_iae(tuning, regime: Regime, duration_s: float = 30.0, substep_s: float = 0.005) -> float:
-    """Integral of |y| after a unit step of d, setpoint 0, no noise; y in substeps (8.5). tuning None: the PI alone; "ideal": -Gd/Gp as far as
-    it can be had: exact where d is the slower one, else its dead time left out."""
+def ideal(regime: Regime) -> tuple[float, float, float, float]:
+    """-Gd/Gp as far as it can be had, (lead, lag, K, dead time): exact unless the process is the slower to start; then without the prediction."""
+    return (_equivalent(PROCESS_LAG), _equivalent(regime.lag), -DISTURBANCE_GAIN / PROCESS_GAIN, max(0, regime.dead - PROCESS_DEAD) * TS)
+
+
+def step_response(tuning, regime: Regime, duration_s: float = 30.0, substep_s: float = 0.005) -> np.ndarray:
+    """y in substeps [substeps, tunings] after a unit step of d at 0, setpoint 0, no noise (8.5). tuning: one, [tunings, 3 or 4], or None for
+    the PI alone."""
     count, sub = round(duration_s / TS), round(TS / substep_s)
-    loop = Loop(1, regime)
-    if isinstance(tuning, str):
-        lead, lag = _equivalent(PROCESS_LAG), _equivalent(regime.lag)
-        tuning = (lead, lag, -DISTURBANCE_GAIN / PROCESS_GAIN, max(0, regime.dead - PROCESS_DEAD) * TS)
     t = None if tuning is None else np.atleast_2d(np.asarray(tuning, dtype=float))
-    total, zero = 0.0, np.zeros(1)
+    n = 1 if t is None else len(t)
+    loop, zero, y = Loop(n, regime), np.zeros(n), np.zeros((count * sub, n))
     ap, ad = (np.exp(-np.arange(sub) * substep_s / lag)[:, None] for lag in (PROCESS_LAG, regime.lag))
     for k in range(count):
-        before = (loop.xp.copy(), loop.xd.copy())
+        p, q = loop.xp.copy(), loop.xd.copy()
         loop.step(0.0, 1.0, zero, t)
-        goal_p = PROCESS_GAIN * loop.u[(k - PROCESS_DEAD) % HISTORY]
-        goal_d = DISTURBANCE_GAIN * loop.d[(k - regime.dead) % HISTORY]
-        y = goal_p + (before[0] - goal_p) * ap + goal_d + (before[1] - goal_d) * ad
-        total += float(np.abs(y).sum()) * substep_s
-    return total
+        to_p = PROCESS_GAIN * loop.u[(k - PROCESS_DEAD) % HISTORY]
+        to_q = DISTURBANCE_GAIN * loop.d[(k - regime.dead) % HISTORY]
+        y[k * sub : (k + 1) * sub] = to_p + (p - to_p) * ap + to_q + (q - to_q) * ad
+    return y
+
+
+def step_iae(tuning, regime: Regime, duration_s: float = 30.0, substep_s: float = 0.005) -> np.ndarray:
+    """Integrals of |y| of step_response, one for each tuning."""
+    return np.abs(step_response(tuning, regime, duration_s, substep_s)).sum(axis=0) * substep_s
 
 
 def _equivalent(lag_s: float) -> float:
