@@ -269,7 +269,7 @@ def write_results(campaign: Feedforward, state: Any) -> None:
 
     add("Sums over the nine cases",
         f"By method: median of the seeds' sums of J; the worst case's median above the published, in J0 (wanted: at most {CELL}); the worst run above J*, in J0 (wanted: at most {RUN}). "
-        f"Bold: the sum is above the published, or more than that. J* sums up to {known()[0].sum():.1f}. The published parameters' own worst run is what the source printed.",
+        f"Bold: the sum is above the published, or more than that. J* sums up to {known()[0].sum():.1f}.",
         table.markdown(*sums_table(campaign, state)))
     for line in campaign.lines:
         if line.by_case:
