@@ -37,6 +37,8 @@ struct tune_settings {
     uint16_t element;     /* which ffN */
     uint16_t order[2][3]; /* na, nb, delay; of u or r, then of d; nb 0: the source's */
     uint16_t tries;
+    uint16_t
+        smooth; /* samples, of the two lags in series on all signals that are learnt from; 0: none */
     uint8_t method, forgetting;    /* enum tune_method, rls_forgetting */
     uint8_t alone;                 /* identify the disturbance with the feedforward off */
     uint8_t adopt, protect, begin; /* ask|at_once, off|on, asked|at_once */

@@ -76,6 +76,7 @@ struct tune {
     float worse_by;       /* % */
     bool running;         /* the element has a gain */
     bool asked_signal, let_pass;
+    uint8_t asks; /* bit 0: for the setpoint, bit 1: for the disturbance */
 
     /* Of a sample that is under way. */
     struct {
@@ -89,9 +90,10 @@ struct tune {
     } last; /* of the step before, whose u is known now */
     num_t held_y, held_d;
     struct washout high_pass[TUNE_SIGNALS];
-    num_t now[TUNE_SIGNALS]; /* after it */
-    bool begun;              /* the filters are at a first sample */
-    bool is_good;            /* this sample */
+    num_t now[TUNE_SIGNALS];        /* after it */
+    real_t smooth[TUNE_SIGNALS][2]; /* two lags behind it, for the models alone */
+    bool begun;                     /* the filters are at a first sample */
+    bool is_good;                   /* this sample */
     real_t last_mean_d;
     real_t last_r;           /* not filtered */
     uint16_t setpoint_rests; /* samples since the setpoint moved */
@@ -108,6 +110,7 @@ struct tune {
     real_t change;      /* of the response looked at last, in the band */
     real_t move_square; /* mean squares, of d and of what moves the loop */
     real_t loop_square;
+    uint32_t squared; /* samples in them */
     bool learns;
 
     /* On the grid. */
@@ -149,6 +152,7 @@ struct tune {
     real_t promised; /* what was tested: 1 - candidate/without, of squares */
     /* While it runs: decaying sums of squares. */
     real_t watch_with, watch_without, watch_weight;
+    uint32_t worse_for;    /* samples in a row in which it is worse than without */
     uint32_t since_change; /* samples in which it does less than half of what was promised */
 
     uint32_t calls; /* steps that a proposal has waited */
@@ -178,7 +182,7 @@ static inline bool tune_is_staged(const struct tune *t)
 
 /* ---- settings (feedforward_tune_settings.c) ---- */
 
-#define TUNE_PARAMETERS 39
+#define TUNE_PARAMETERS 40
 extern const struct block_parameter tune_parameter_rows[TUNE_PARAMETERS];
 #define TUNE_ID_K 60 /* k, lead, lag, dead */
 
@@ -219,6 +223,24 @@ void tune_watch_begin(struct tune *t);
 enum tune_verdict tune_watch_step(struct tune *t);
 /* What the feedforward has made of the loop's squares, %, while it runs; 0 before. */
 float tune_improvement(const struct tune *t);
+
+/* ---- stages (feedforward_tune_stages.c) ---- */
+
+void tune_stage_begins(struct tune *t, enum tune_stage stage);
+/* A stage that learns, from the next sample on for which the work is over. */
+void tune_learn_stage(struct tune *t, enum tune_stage stage);
+/* The first stage that learns, or the wait for a silent feedforward before it. */
+void tune_begin(struct tune *t);
+/* Nothing more comes of it. An element that acts is watched on. */
+void tune_end_with(struct tune *t, enum tune_verdict verdict);
+bool tune_stands_still(real_t square);
+/* In every step; the second where a sample is whole. */
+void tune_work_on(struct tune *t, struct block_io *io);
+void tune_on_sample(struct tune *t);
+
+/* ---- proposals (feedforward_tune_proposals.c) ---- */
+
+void tune_propose_on(struct tune *t, struct block_proposal *room);
 
 const char *tune_describe(const void *state, size_t i, float *value);
 

@@ -1,4 +1,4 @@
-/* Kind `ff_tune`: its stages, what it proposes, and what it may be told. */
+/* Kind `ff_tune`: its settings, its turn in the tick, what it says and may be told. */
 #include "adapt/feedforward_tune_block.h"
 
 #if CONFIG_FEEDFORWARD_TUNE
@@ -11,14 +11,8 @@
 #define PIECES_A_SECOND 100.0f
 #define PIECES_MOST     1000.0f
 
-#define LOOKS_A_STAGE 8u
-#define SETTLED_LOOKS 2u
-/* r.m.s. of a signal that stands still: fraction of span. */
-#define STILL REAL_C(5e-4)
 /* A reading that stays away for so many samples is told. */
 #define SENSOR_AWAY 10u
-/* Times what a step of the disturbance takes that a proposal waits for it to be over. */
-#define CALLS 4u
 
 static const struct block_event tune_events[TUNE_EVENTS] = {
     [TUNE_SAYS_ADOPTED] = {"adopted", BLOCK_INFO,
@@ -56,42 +50,6 @@ static bool tune_differs(const struct tune_settings *before, const struct tune_s
     return memcmp(before, now, offsetof(struct tune_settings, k)) != 0;
 }
 
-static void stage_begins(struct tune *t, enum tune_stage stage)
-{
-    t->stage = (uint8_t)stage;
-    t->stage_samples = t->signal_samples = 0;
-    t->handed = false;
-}
-
-static void learn_stage(struct tune *t, enum tune_stage stage)
-{
-    stage_begins(t, stage);
-    t->anew = true;
-    if (stage == TUNE_LOOP)
-        t->has_loop = false;
-}
-
-/* A stage that learns, or the wait for a silent feedforward before it. */
-static void begin_tuning(struct tune *t)
-{
-    t->computing = t->reading = false;
-    if (t->s.alone && t->running)
-        stage_begins(t, TUNE_SILENCES);
-    else
-        learn_stage(t, tune_is_staged(t) ? TUNE_LOOP : TUNE_DISTURBANCE);
-}
-
-/* Nothing more comes of it. One that runs is watched on. */
-static void end_with(struct tune *t, enum tune_verdict verdict)
-{
-    t->verdict = (uint8_t)verdict;
-    bool routine = verdict == TUNE_NO_BETTER && t->running; /* what it has is as good */
-    t->told_verdict = routine ? (uint8_t)TUNE_NONE : t->verdict;
-    t->asked_signal = false;
-    stage_begins(t, t->running && t->has_model ? TUNE_RUNS : TUNE_IDLE);
-    t->since_tuned = 0;
-}
-
 static void take_grid_and_filters(struct tune *t, const struct block_setup *setup)
 {
     float bias = t->s.bias_s > 0 ? t->s.bias_s : 0.25f * t->s.learn_s;
@@ -116,18 +74,18 @@ static void element_changed(struct tune *t, bool is_candidate)
         /* The first time with what is known of the loop: that it moved it the wrong way may be the element's doing alone. */
         bool loop_known = t->again && t->has_loop && t->tried == 1;
         t->again = false;
-        learn_stage(t, tune_is_staged(t) && !loop_known ? TUNE_LOOP : TUNE_DISTURBANCE);
+        tune_learn_stage(t, tune_is_staged(t) && !loop_known ? TUNE_LOOP : TUNE_DISTURBANCE);
         return;
     }
     if (!is_candidate && t->running)
         t->promised = 0;
+    if (tune_is_staged(t) && t->stage != TUNE_LOOP)
+        t->anew = true; /* the response to d is another one now */
     if (is_candidate) {
         t->verdict = TUNE_ADOPTED;
         t->tells |= 1u << TUNE_SAYS_ADOPTED;
-        stage_begins(t, TUNE_RUNS);
+        tune_stage_begins(t, TUNE_RUNS);
         t->since_tuned = 0;
-        if (tune_is_staged(t)) /* the response to d is another one now */
-            t->anew = true;
     }
 }
 
@@ -146,12 +104,13 @@ static bool element_differs(const struct tune_settings *a, const struct tune_set
 static void begin_without_past(struct tune *t)
 {
     tune_samples_begin(t);
-    learn_stage(t, TUNE_DISTURBANCE);
-    stage_begins(t, TUNE_IDLE);
+    tune_learn_stage(t, TUNE_DISTURBANCE);
+    tune_stage_begins(t, TUNE_IDLE);
     t->computing = t->reading = t->has_model = t->has_loop = t->silencing = false;
     t->verdict = TUNE_NONE;
+    t->tried = 0;
     if (t->s.begin)
-        begin_tuning(t);
+        tune_begin(t);
 }
 
 static enum err tune_configure(void *state, const struct block_setup *setup, bool retune)
@@ -179,219 +138,11 @@ static enum err tune_configure(void *state, const struct block_setup *setup, boo
     return ERR_OK;
 }
 
-/* ---- proposals ---- */
-
-static void put_gain_off(const struct tune *t, struct block_proposal *room)
-{
-    uint8_t ff = (uint8_t)(t->s.element - 1u);
-    room->n = 2;
-    room->manner = t->s.protect || t->s.adopt ? PROPOSAL_AT_ONCE : PROPOSAL_WHEN_ACCEPTED;
-    room->value[0] = (struct proposed_value){proposed_own(TUNE_ID_K), 0};
-    room->value[1] = (struct proposed_value){proposed_setting(PROPOSED_FF_GAIN, ff), 0};
-}
-
-static void put_candidate(const struct tune *t, struct block_proposal *room)
-{
-    const struct feedforward_shape *c = &t->candidate;
-    const float value[4] = {(float)c->k, (float)c->lead, (float)c->lag, (float)c->dead};
-    static const uint32_t field[4] = {PROPOSED_FF_GAIN, PROPOSED_FF_LEAD, PROPOSED_FF_LAG,
-                                      PROPOSED_FF_DEAD};
-    uint8_t ff = (uint8_t)(t->s.element - 1u);
-    room->n = 8;
-    room->manner = t->s.adopt == TUNE_ADOPT_AT_ONCE ? PROPOSAL_AT_ONCE : PROPOSAL_WHEN_ACCEPTED;
-    for (unsigned k = 0; k < 4; k++) {
-        room->value[2 * k] =
-            (struct proposed_value){proposed_own((uint8_t)(TUNE_ID_K + k)), value[k]};
-        room->value[2 * k + 1] =
-            (struct proposed_value){proposed_setting((enum proposed)field[k], ff), value[k]};
-    }
-}
-
-/* Settings that come into force while a step of the disturbance is under way would keep what the element just gives, which the loop
- * makes room for. A disturbance that never rests is not waited for. */
-static bool is_calm(struct tune *t)
-{
-    uint32_t wanted = (uint32_t)((t->s.lead_s + t->s.lag_s + t->s.dead_s) / (float)t->h_s);
-    wanted = 2u * wanted + 4u;
-    bool calm = t->d_rests > wanted || t->calls > CALLS * (wanted + 4u) * t->ticks;
-    bool wants =
-        t->silencing || (!t->handed && (t->stage == TUNE_SILENCES || t->stage == TUNE_PROPOSES));
-    t->calls = wants && !calm ? t->calls + 1u : 0;
-    return calm || !wants;
-}
-
-/* With room again and other settings in force it was refused, or rejected. */
-static void propose_on(struct tune *t, struct block_proposal *room)
-{
-    if (!room || !is_calm(t))
-        return;
-    if (t->silencing || (t->stage == TUNE_SILENCES && !t->handed)) {
-        put_gain_off(t, room);
-        t->silencing = false;
-        t->handed = true;
-        return;
-    }
-    if (t->stage != TUNE_PROPOSES && t->stage != TUNE_SILENCES)
-        return;
-    if (t->handed) {
-        end_with(t, TUNE_REJECTED);
-        return;
-    }
-    put_candidate(t, room);
-    t->handed = true;
-}
-
-/* ---- work ---- */
-
-static void stage_of_loop_over(struct tune *t)
-{
-    t->has_loop = true;
-    learn_stage(t, TUNE_DISTURBANCE);
-}
-
-static void look_over(struct tune *t)
-{
-    t->settled_looks = (uint8_t)(t->change * 100 < t->s.settled ? t->settled_looks + 1u : 0u);
-    if (t->settled_looks < SETTLED_LOOKS || t->stage_samples < tune_samples(t, t->s.learn_s))
-        return;
-    if (t->stage == TUNE_LOOP)
-        stage_of_loop_over(t);
-    else if (t->stage == TUNE_DISTURBANCE)
-        stage_begins(t, TUNE_COMPUTES);
-}
-
-static void candidate_there(struct tune *t)
-{
-    stage_begins(t, TUNE_TESTS);
-    t->model = t->found;
-    t->has_model = true;
-    tune_shadows_begin(t);
-    tune_test_begin(t);
-}
-
-static void work_over(struct tune *t)
-{
-    t->computing = t->reading = false;
-    if (t->outcome != TUNE_NONE && t->look_only)
-        return; /* not yet known; the stage's time decides */
-    if (t->look_only)
-        look_over(t);
-    else if (t->outcome != TUNE_NONE)
-        end_with(t, (enum tune_verdict)t->outcome);
-    else
-        candidate_there(t);
-}
-
-static void work_on(struct tune *t, struct block_io *io)
-{
-    if (!t->computing || io->work_wanted)
-        return;
-    t->reading = t->work == WORK_RESPONSES;
-    if (t->work == WORK_NONE) {
-        work_over(t);
-        return;
-    }
-    t->pieces = t->piece_most;
-    io->ask_work = 1;
-}
-
-/* ---- stages, a sample at a time ---- */
-
-static bool stands_still(real_t square)
-{
-    return !(square > STILL * STILL);
-}
-
-static void learning_on(struct tune *t)
-{
-    uint32_t wanted = tune_samples(t, t->s.learn_s);
-    if (t->computing || !t->free)
-        return;
-    if (t->stage_samples > 2u * wanted) {
-        bool of_loop = t->stage == TUNE_LOOP;
-        end_with(t, of_loop && stands_still(t->loop_square)    ? TUNE_LOOP_STILL
-                    : !of_loop && stands_still(t->move_square) ? TUNE_STILL
-                                                               : TUNE_SLOW);
-    } else if (t->since_look >= wanted / LOOKS_A_STAGE) {
-        tune_ask_look(t, true);
-    }
-}
-
-static void testing_on(struct tune *t)
-{
-    enum tune_verdict verdict = tune_test_step(t);
-    if (verdict == TUNE_ADOPTED)
-        stage_begins(t, TUNE_PROPOSES);
-    else if (verdict != TUNE_NONE)
-        end_with(t, verdict);
-}
-
-static void running_on(struct tune *t)
-{
-    t->since_tuned++;
-    if (t->s.every_s > 0 && !t->computing && t->since_tuned >= tune_samples(t, t->s.every_s) &&
-        high_order_samples(tune_model(t)) >= tune_samples(t, t->s.learn_s)) {
-        t->since_tuned = 0;
-        stage_begins(t, TUNE_COMPUTES);
-    } else if (t->since_change > tune_samples(t, t->s.check_s) && t->promised > 0) {
-        t->tells |= 1u << TUNE_SAYS_CHANGED;
-        t->since_change = 0;
-        begin_tuning(t);
-    }
-}
-
-/* It protects the loop whatever stage it is in. */
-static void watch_on(struct tune *t)
-{
-    enum tune_verdict verdict = tune_watch_step(t);
-    if (verdict != TUNE_WORSE || !t->s.protect || t->silencing)
-        return;
-    t->tells |= 1u << TUNE_SAYS_WORSE;
-    t->worse_by = -tune_improvement(t);
-    t->silencing = true;
-    t->tried = (uint8_t)(t->tried < 255u ? t->tried + 1u : 255u);
-    t->verdict = TUNE_WORSE;
-    t->asked_signal = false;
-    tune_watch_begin(t);
-    t->computing = t->reading = false;
-    stage_begins(t, TUNE_IDLE);
-    t->again = t->tried <= t->s.tries;
-}
-
-static void on_sample(struct tune *t)
-{
-    t->stage_samples++;
-    t->signal_samples++;
-    if (t->anew && t->free) {
-        tune_learn_anew(t);
-        t->anew = false;
-    }
-    if (t->anew)
-        return;
-    bool learns = t->stage == TUNE_LOOP || t->stage == TUNE_DISTURBANCE ||
-                  (t->s.every_s > 0 && t->stage >= TUNE_COMPUTES);
-    if (learns)
-        tune_learn(t);
-    if (t->has_model && (t->running || t->stage == TUNE_TESTS)) {
-        tune_shadows_step(t);
-        if (t->running)
-            watch_on(t);
-    }
-    if (t->stage == TUNE_LOOP || t->stage == TUNE_DISTURBANCE)
-        learning_on(t);
-    else if (t->stage == TUNE_COMPUTES && !t->computing && t->free)
-        tune_ask_look(t, false);
-    else if (t->stage == TUNE_TESTS)
-        testing_on(t);
-    else if (t->stage == TUNE_RUNS)
-        running_on(t);
-}
-
 /* ---- what the tick calls ---- */
 
-static void tell_events(struct tune *t, struct block_io *io)
+static void tell_tuning_events(struct tune *t, struct block_io *io)
 {
-    bool still = t->stage == TUNE_DISTURBANCE && stands_still(t->move_square) &&
+    bool still = t->stage == TUNE_DISTURBANCE && tune_stands_still(t->move_square) &&
                  2u * t->stage_samples > tune_samples(t, t->s.learn_s);
     bool away = t->sensor_away > SENSOR_AWAY * t->ticks;
     if (t->told_verdict)
@@ -412,7 +163,7 @@ static void tell_events(struct tune *t, struct block_io *io)
 static void look_at_signal(struct tune *t, const struct block_io *io)
 {
     if (t->asked_signal && io->excite_state != EXCITE_RUNS)
-        end_with(t, (enum tune_verdict)(TUNE_SIGNAL + io->excite_reason));
+        tune_end_with(t, (enum tune_verdict)(TUNE_SIGNAL + io->excite_reason));
 }
 
 static void tune_step(void *state, struct block_io *io)
@@ -423,12 +174,12 @@ static void tune_step(void *state, struct block_io *io)
     t->sensor_away = good ? 0 : t->sensor_away + 1u;
     look_at_signal(t, io);
     t->free = !io->work_wanted;
-    work_on(t, io);
+    tune_work_on(t, io);
     if (tune_take(t, io))
-        on_sample(t);
+        tune_on_sample(t);
     tune_ask_signal(t, io);
-    propose_on(t, io->proposal);
-    tell_events(t, io);
+    tune_propose_on(t, io->proposal);
+    tell_tuning_events(t, io);
 }
 
 /* What the controller has to give is what the MV is to be: nothing is in between. */
@@ -452,25 +203,25 @@ static void tune_follow(void *state, struct block_io *io)
 
 /* ---- verbs ---- */
 
-static const char *run_tune(void *state, const float *number)
+static const char *run_tune_element(void *state, const float *number)
 {
     struct tune *t = state;
     (void)number;
     if (t->stage != TUNE_IDLE && t->stage != TUNE_RUNS)
         return "runs";
     t->tried = 0;
-    begin_tuning(t);
+    tune_begin(t);
     return NULL;
 }
 
-static const char *run_stop(void *state, const float *number)
+static const char *run_stop_tuning(void *state, const float *number)
 {
     struct tune *t = state;
     (void)number;
     if (t->stage == TUNE_IDLE || t->stage == TUNE_RUNS)
         return "runs_not";
     t->computing = t->reading = false;
-    end_with(t, TUNE_STOPPED);
+    tune_end_with(t, TUNE_STOPPED);
     return NULL;
 }
 
@@ -484,7 +235,7 @@ static const char *run_silence(void *state, const float *number)
     return NULL;
 }
 
-static const char *run_reset(void *state, const float *number)
+static const char *run_reset_model(void *state, const float *number)
 {
     struct tune *t = state;
     (void)number;
@@ -496,10 +247,11 @@ static const char *run_reset(void *state, const float *number)
 }
 
 static const struct block_verb tune_verbs[] = {
-    {"tune", NULL, "identify, tune, test, propose", 0, 0, false, ACCESS_ENGINEER, run_tune},
-    {"stop", NULL, "give that up", 0, 0, false, ACCESS_OPERATOR, run_stop},
+    {"tune", NULL, "identify, tune, test, propose", 0, 0, false, ACCESS_ENGINEER, run_tune_element},
+    {"stop", NULL, "give that up", 0, 0, false, ACCESS_OPERATOR, run_stop_tuning},
     {"silence", NULL, "propose a feedforward gain of 0", 0, 0, false, ACCESS_OPERATOR, run_silence},
-    {"reset", NULL, "P = P(0); what is estimated stays", 0, 0, false, ACCESS_ENGINEER, run_reset},
+    {"reset", NULL, "P = P(0); what is estimated stays", 0, 0, false, ACCESS_ENGINEER,
+     run_reset_model},
 };
 
 const struct block_kind feedforward_tune_kind = {

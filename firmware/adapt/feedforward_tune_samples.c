@@ -14,8 +14,6 @@
 #define SETPOINT_MOVED REAL_C(1e-5)
 /* A disturbance that moves by more than this part of its mean square in a sample has moved. */
 #define MUCH REAL_C(0.02)
-/* Of mean squares, in samples. */
-#define SQUARE_MEMORY REAL_C(200.0)
 
 void tune_samples_begin(struct tune *t)
 {
@@ -58,6 +56,18 @@ static void keep_step(struct tune *t, const struct block_io *io)
     t->last.there = true;
 }
 
+/* Noise of a sensor is made white by A in the equation error only as far as A is long enough; a low-pass on all signals, which no response
+ * notices, takes most of it away before (tests/unit/test_high_order_confidence.c counts what that does). */
+static void smooth_signal(struct tune *t, unsigned k)
+{
+    real_t share = REAL_C(1.0) / ((real_t)t->s.smooth + REAL_C(1.0));
+    real_t *lag = t->smooth[k];
+    if (!t->begun)
+        lag[0] = lag[1] = num_to_float(t->now[k]);
+    lag[0] += share * (num_to_float(t->now[k]) - lag[0]);
+    lag[1] += share * (lag[0] - lag[1]);
+}
+
 static void high_pass_sample(struct tune *t)
 {
     real_t part = REAL_C(1.0) / (real_t)t->sum.ticks;
@@ -72,6 +82,7 @@ static void high_pass_sample(struct tune *t)
         if (!t->begun)
             washout_reset(&t->high_pass[k], x);
         t->now[k] = num_clamp(washout_step(&t->high_pass[k], x), num_neg(most), most);
+        smooth_signal(t, k);
     }
     real_t moved = mean[SIGNAL_R] - t->last_r;
     bool moves = t->begun && (moved > SETPOINT_MOVED || moved < -SETPOINT_MOVED);
@@ -116,6 +127,7 @@ void tune_learn_anew(struct tune *t)
     t->change = REAL_C(1.0);
     t->since_look = 0;
     t->move_square = t->loop_square = REAL_C(0.0);
+    t->squared = 0;
 }
 
 static unsigned reach_of_shape(const struct high_order_shape *s)
@@ -131,33 +143,41 @@ static unsigned reach_of_shape(const struct high_order_shape *s)
 static bool may_learn(const struct tune *t)
 {
     const struct high_order_shape *s = shape_now(t);
-    if (t->reading || t->bad_rests <= reach_of_shape(s))
+    if (t->reading || t->bad_rests <= reach_of_shape(s) + 4u * t->s.smooth)
         return false;
     /* A setpoint that moves is noise where y or u is explained by d alone. */
     return !tune_is_staged(t) || t->stage == TUNE_LOOP ||
            t->setpoint_rests > 4u * reach_of_shape(s);
 }
 
-static real_t onto_square(real_t square, num_t x)
+/* The mean since the stage began, then over as many samples as a stage takes. */
+static real_t onto_square(const struct tune *t, real_t square, num_t x)
 {
     real_t value = num_to_float(x);
-    return square + (value * value - square) / SQUARE_MEMORY;
+    return square + (value * value - square) / (real_t)t->squared;
+}
+
+static num_t learnt(const struct tune *t, enum tune_signal k)
+{
+    return num_from_float((float)t->smooth[k][1]);
 }
 
 void tune_learn(struct tune *t)
 {
     bool staged = tune_is_staged(t), of_loop = t->stage == TUNE_LOOP;
-    num_t moves =
-        t->now[t->s.method == TUNE_JOINT || t->s.method == TUNE_SENSITIVITY ? SIGNAL_U : SIGNAL_R];
-    num_t u[HIGH_ORDER_INPUTS] = {moves, t->now[SIGNAL_D]}, y = t->now[SIGNAL_Y];
+    bool by_u = t->s.method == TUNE_JOINT || t->s.method == TUNE_SENSITIVITY;
+    enum tune_signal mover = by_u ? SIGNAL_U : SIGNAL_R;
+    num_t moves = t->now[mover];
+    num_t u[HIGH_ORDER_INPUTS] = {learnt(t, mover), learnt(t, SIGNAL_D)}, y = learnt(t, SIGNAL_Y);
     if (staged && !of_loop) {
-        u[0] = t->now[SIGNAL_D];
+        u[0] = learnt(t, SIGNAL_D);
         if (t->s.method == TUNE_INPUT) /* what the controller gives */
-            y = num_sub(t->now[SIGNAL_U], t->now[SIGNAL_ADDED]);
+            y = num_sub(learnt(t, SIGNAL_U), learnt(t, SIGNAL_ADDED));
     }
     t->learns = may_learn(t);
-    t->move_square = onto_square(t->move_square, t->now[SIGNAL_D]);
-    t->loop_square = onto_square(t->loop_square, moves);
+    t->squared += t->squared < tune_samples(t, t->s.learn_s) ? 1u : 0u;
+    t->move_square = onto_square(t, t->move_square, t->now[SIGNAL_D]);
+    t->loop_square = onto_square(t, t->loop_square, moves);
     (void)high_order_step(tune_model(t), y, u, t->learns);
     t->since_look++;
 }
@@ -176,17 +196,22 @@ static float fraction_of(float size, const struct block_signal *s)
     return size / (s->hi - s->lo);
 }
 
+/* A signal may not become another one: a step without lies in between. One that an `apply` of its own proposal has ended may
+ * begin again likewise. */
 void tune_ask_signal(struct tune *t, struct block_io *io)
 {
-    bool loop = t->stage == TUNE_LOOP || (t->stage == TUNE_DISTURBANCE && !tune_is_staged(t));
-    bool disturbance = t->stage == TUNE_DISTURBANCE;
-    unsigned n = 0;
+    bool identifies = t->stage == TUNE_DISTURBANCE;
+    bool loop = t->s.step > 0 && (t->stage == TUNE_LOOP || (identifies && !tune_is_staged(t)));
+    bool disturbance = t->d_is_mv && t->s.disturb > 0 && (identifies || t->stage == TUNE_TESTS);
+    uint8_t asks = (uint8_t)((loop ? 1u : 0u) | (disturbance ? 2u : 0u)), n = 0;
+    bool other = t->asked_signal && t->asks != asks;
     t->asked_signal = false;
-    if (t->let_pass) { /* an `apply` of its own proposal has ended it */
+    t->asks = asks;
+    if (t->let_pass || other) {
         t->let_pass = false;
         return;
     }
-    if (loop && t->s.step > 0) {
+    if (loop) {
         float size = fraction_of(t->s.step, &t->y_signal);
         io->excite[n++] =
             (struct block_excitation){.what = EXCITE_SETPOINT,
@@ -196,7 +221,7 @@ void tune_ask_signal(struct tune *t, struct block_io *io)
                                       .lo = num_from_float(-1),
                                       .hi = num_from_float(2)};
     }
-    if (disturbance && t->d_is_mv && t->s.disturb > 0) {
+    if (disturbance) {
         float size = fraction_of(t->s.disturb, &t->d_signal);
         io->excite[n++] =
             (struct block_excitation){.what = EXCITE_INPUT,

@@ -40,7 +40,7 @@ const struct block_parameter tune_parameter_rows[TUNE_PARAMETERS] = {
     NUMBER(15, forget, "forget", "-", "factor", 0.9f, 1, 0.999f),
     NUMBER(16, forget_least, "forget_least", "-", "of rules with a factor that varies", 0.01f, 1,
            0.95f),
-    NUMBER(17, p0, "p0", "span^-2", "P(0)", 1e-3f, 1e9f, 1e5f),
+    NUMBER(17, p0, "p0", "span^-2", "P(0)", 1e-3f, 1e9f, 1e7f),
     NUMBER(18, memory, "memory", "span^2", "of fortescue and ydstie", 1e-12f, 1e6f, 1e-3f),
     NUMBER(19, trace, "trace", "span^-2", "of rules that have one", 1e-6f, 1e12f, 1e9f),
     NUMBER(20, step, "step", "EU", "test signal on the setpoint, to either side; 0: none", 0, 1e9f,
@@ -51,7 +51,7 @@ const struct block_parameter tune_parameter_rows[TUNE_PARAMETERS] = {
     NUMBER(23, disturb_period_s, "disturb_period", "s", "of that square wave", 0, 1e7f, 450),
     NUMBER(24, settled, "settled", "%", "change of the response that counts as none", 0.1f, 100,
            10),
-    NUMBER(25, doubt, "doubt", "-", "times a standard deviation counts", 0, 100, 4),
+    NUMBER(25, doubt, "doubt", "-", "times a standard deviation counts", 0, 100, 3),
     NUMBER(26, confident, "confident", "%", "of the ratio, most that it may be doubted", 1, 1000,
            50),
     NUMBER(27, better, "better", "%", "least by which a candidate lowers the squares", 0, 100, 10),
@@ -63,6 +63,8 @@ const struct block_parameter tune_parameter_rows[TUNE_PARAMETERS] = {
     WORD(33, protect, "protect", "off|on", "off by itself where the loop is worse for it", 1),
     WORD(34, begin, "begin", "asked|at_once", "when it acts for the first time", 0),
     COUNT(35, tries, "tries", "-", "times it may have been worse before it stays off", 0, 100, 3),
+    COUNT(36, smooth, "smooth", "samples",
+          "two lags in series on all signals before they are learnt from; 0: none", 0, 100, 6),
     NUMBER(TUNE_ID_K, k, "k", "span/span", "what the element has", -100, 100, 0),
     NUMBER(TUNE_ID_K + 1, lead_s, "lead", "s", "what the element has", 0, 1e6f, 0),
     NUMBER(TUNE_ID_K + 2, lag_s, "lag", "s", "what the element has", 0, 1e6f, 0),
@@ -149,7 +151,7 @@ static bool same_span(const struct block_signal *a, const struct block_signal *b
     return a->lo == b->lo && a->hi == b->hi;
 }
 
-static enum err check_signals(const struct block_setup *setup, struct block_fault *fault)
+static enum err check_tuning_inputs(const struct block_setup *setup, struct block_fault *fault)
 {
     if (setup->inputs != 2 || setup->input[0].is_mv || !same_span(&setup->input[0], &setup->pv[0]))
         return refuse_tune(fault, "inputs", "needs the PV of the loop, then the disturbance");
@@ -182,7 +184,7 @@ static enum err check_models(const struct block_setup *setup, struct block_fault
     return ERR_OK;
 }
 
-static enum err check_band(const struct block_setup *setup, struct block_fault *fault)
+static enum err check_tuning_band(const struct block_setup *setup, struct block_fault *fault)
 {
     const struct tune_settings *s = setup->settings;
     float h = setup->interval_s * (float)tune_ticks(setup);
@@ -194,7 +196,7 @@ static enum err check_band(const struct block_setup *setup, struct block_fault *
     return ERR_OK;
 }
 
-static enum err check_sizes(const struct block_setup *setup, struct block_fault *fault)
+static enum err check_tuning_sizes(const struct block_setup *setup, struct block_fault *fault)
 {
     const struct tune_settings *s = setup->settings;
     const struct block_signal *y = &setup->input[0], *d = &setup->input[1];
@@ -215,16 +217,16 @@ static enum err check_sizes(const struct block_setup *setup, struct block_fault 
 enum err tune_check(const struct block_setup *setup, struct block_fault *fault)
 {
     float ticks = tune_period_ticks(setup);
-    enum err err = check_signals(setup, fault);
+    enum err err = check_tuning_inputs(setup, fault);
     if (err)
         return err;
     if (!(ticks >= 0.999f && ticks <= 10000.0f))
         return refuse_tune(fault, "period", "must be 1 to 10000 base ticks");
     if (!step_period_is_whole(ticks))
         return refuse_tune(fault, "period", "must be a whole number of base ticks");
-    err = check_sizes(setup, fault);
+    err = check_tuning_sizes(setup, fault);
     if (!err)
-        err = check_band(setup, fault);
+        err = check_tuning_band(setup, fault);
     return err ? err : check_models(setup, fault);
 }
 

@@ -98,7 +98,7 @@ void tune_shadows_step(struct tune *t)
 
 /* ---- the test ---- */
 
-static void begin_part(struct tune *t)
+static void begin_test_part(struct tune *t)
 {
     t->part_at = 0;
     t->part_now = t->part_then = t->part_without = t->part_d = ZERO;
@@ -110,10 +110,10 @@ void tune_test_begin(struct tune *t)
     t->part_samples = tune_samples(t, t->s.check_s / (float)TUNE_PARTS);
     t->parts = t->better_parts = 0;
     t->all_now = t->all_then = t->all_without = ZERO;
-    begin_part(t);
+    begin_test_part(t);
 }
 
-static enum tune_verdict judge_test(struct tune *t)
+static enum tune_verdict judge_candidate(struct tune *t)
 {
     real_t most = ONE - t->s.better / 100;
     bool better = t->better_parts >= PARTS_BETTER && t->all_then <= most * t->all_now &&
@@ -138,7 +138,7 @@ static void count_in_test(struct tune *t, const struct tune_errors *e)
         t->all_then += t->part_then;
         t->all_without += t->part_without;
     }
-    begin_part(t);
+    begin_test_part(t);
 }
 
 enum tune_verdict tune_test_step(struct tune *t)
@@ -148,7 +148,7 @@ enum tune_verdict tune_test_step(struct tune *t)
     if (t->errors.count && t->test_warm > forgets_in(t))
         count_in_test(t, &t->errors);
     if (t->parts >= TUNE_PARTS)
-        return judge_test(t);
+        return judge_candidate(t);
     uint32_t most = TEST_MOST * (TUNE_PARTS * t->part_samples) + 4u * forgets_in(t);
     return t->stage_samples > most ? TUNE_UNTESTED : TUNE_NONE;
 }
@@ -158,17 +158,17 @@ enum tune_verdict tune_test_step(struct tune *t)
 void tune_watch_begin(struct tune *t)
 {
     t->watch_with = t->watch_without = t->watch_weight = ZERO;
-    t->since_change = 0;
+    t->since_change = t->worse_for = 0;
 }
 
-static real_t watch_samples(const struct tune *t)
+static real_t memory_of_watch(const struct tune *t)
 {
     return WATCH_PART * t->s.check_s / t->h_s;
 }
 
 float tune_improvement(const struct tune *t)
 {
-    bool whole = t->running && t->watch_weight > REAL_C(0.1) * watch_samples(t);
+    bool whole = t->running && t->watch_weight > REAL_C(0.1) * memory_of_watch(t);
     return whole && t->watch_without > ZERO ? 100 * (float)(ONE - t->watch_with / t->watch_without)
                                             : 0;
 }
@@ -176,7 +176,7 @@ float tune_improvement(const struct tune *t)
 enum tune_verdict tune_watch_step(struct tune *t)
 {
     const struct tune_errors e = t->errors;
-    real_t memory = watch_samples(t), keep = ONE - ONE / memory;
+    real_t memory = memory_of_watch(t), keep = ONE - ONE / memory;
     if (t->without.lost) {
         tune_shadows_begin(t);
         tune_watch_begin(t);
@@ -190,7 +190,10 @@ enum tune_verdict tune_watch_step(struct tune *t)
     bool whole = t->watch_weight > REAL_C(0.5) * memory;
     bool less = whole && t->watch_with > (ONE - REAL_C(0.5) * t->promised) * t->watch_without;
     t->since_change = less ? t->since_change + 1u : 0;
-    return whole && t->watch_with > WORSE_THAN * t->watch_without ? TUNE_WORSE : TUNE_NONE;
+    /* For as long as the loop takes to forget: a feedforward may act before the disturbance does, and loses for that while. */
+    bool worse = whole && t->watch_with > WORSE_THAN * t->watch_without;
+    t->worse_for = worse ? t->worse_for + 1u : 0;
+    return t->worse_for > forgets_in(t) ? TUNE_WORSE : TUNE_NONE;
 }
 
 #endif

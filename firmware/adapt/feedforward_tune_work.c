@@ -174,15 +174,20 @@ static enum tune_verdict want_ratio(struct tune *t)
     return sure ? TUNE_NONE : TUNE_UNSURE;
 }
 
+/* From the frequencies of the band at which it is known. */
 static enum tune_verdict model_of_process(struct tune *t)
 {
     struct cplx g[FEEDFORWARD_POINTS];
+    real_t omega[FEEDFORWARD_POINTS];
     struct shadow_model m;
-    unsigned n = (unsigned)t->band_to - t->band_from;
-    for (unsigned k = 0; k < n; k++)
-        g[k] = t->process[t->band_from + k].is;
+    unsigned n = 0;
+    for (unsigned i = t->band_from; i < t->band_to; i++)
+        if (t->s.doubt * t->process[i].sd < cplx_abs(t->process[i].is)) {
+            g[n] = t->process[i].is;
+            omega[n++] = t->omega[i];
+        }
     real_t reach = t->h_s * (real_t)(SHADOW_REACH - 2u);
-    if (shadow_fit(&t->omega[t->band_from], g, n, t->s.gain > 0 ? ONE : -ONE, reach, &m) ||
+    if (n < POINTS_LEAST || shadow_fit(omega, g, n, t->s.gain > 0 ? ONE : -ONE, reach, &m) ||
         m.off > OFF_MOST)
         return TUNE_NO_MODEL;
     t->found = m;

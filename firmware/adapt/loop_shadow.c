@@ -12,8 +12,8 @@
 #define LOST        REAL_C(8.0) /* spans */
 
 /* Sum of squares of the relative distances. */
-static real_t misfit(const real_t *omega, const struct cplx *g, unsigned points,
-                     const struct shadow_model *m)
+static real_t distance_squares(const real_t *omega, const struct cplx *g, unsigned points,
+                               const struct shadow_model *m)
 {
     real_t sum = ZERO;
     for (unsigned i = 0; i < points; i++) {
@@ -68,11 +68,12 @@ enum err shadow_fit(const real_t *omega, const struct cplx *g, unsigned points, 
     if (err)
         return err;
     best.gain *= sign;
-    real_t least = misfit(omega, g, points, &best), width = dead_most / (real_t)DEAD_TRIALS;
+    real_t least = distance_squares(omega, g, points, &best),
+           width = dead_most / (real_t)DEAD_TRIALS;
     for (unsigned k = 1; k <= DEAD_TRIALS; k++) {
         struct shadow_model trial = best;
         trial.dead_s = width * (real_t)k;
-        real_t j = misfit(omega, g, points, &trial);
+        real_t j = distance_squares(omega, g, points, &trial);
         if (j < least) {
             least = j;
             best.dead_s = trial.dead_s;
@@ -83,7 +84,7 @@ enum err shadow_fit(const real_t *omega, const struct cplx *g, unsigned points, 
         for (int side = -1; side <= 1; side += 2) {
             struct shadow_model trial = best;
             trial.dead_s += (real_t)side * width;
-            real_t j = trial.dead_s < ZERO ? least : misfit(omega, g, points, &trial);
+            real_t j = trial.dead_s < ZERO ? least : distance_squares(omega, g, points, &trial);
             if (j < least) {
                 least = j;
                 best = trial;

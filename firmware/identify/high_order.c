@@ -147,7 +147,7 @@ void high_order_reset(struct high_order *h)
 }
 
 /* The newest to the front of n values. */
-static void push(num_t *value, unsigned n, num_t newest)
+static void push_newest(num_t *value, unsigned n, num_t newest)
 {
     if (!n)
         return;
@@ -181,7 +181,7 @@ num_t high_order_step(struct high_order *h, num_t y, const num_t *u, bool learn)
     const struct high_order_shape *s = &h->shape;
     num_t phi[RLS_MAX], *to = h->value + s->na;
     for (unsigned j = 0; j < s->inputs; j++) {
-        push(to, reach_of(s, j), u[j]);
+        push_newest(to, reach_of(s, j), u[j]);
         to += reach_of(s, j);
     }
     bool whole = h->past >= past_wanted(s);
@@ -194,7 +194,7 @@ num_t high_order_step(struct high_order *h, num_t y, const num_t *u, bool learn)
         h->weight_squares = v * v * h->weight_squares + 1;
         h->samples++;
     }
-    push(h->value, s->na, y);
+    push_newest(h->value, s->na, y);
     return e;
 }
 
@@ -216,8 +216,8 @@ static real_t theta_of(const struct high_order *h, unsigned i)
 }
 
 /* theta[from] + theta[from + 1] back + ...; *size gets the sum of magnitudes. */
-static struct cplx sum_of(const struct high_order *h, unsigned from, unsigned n, struct cplx back,
-                          real_t *size)
+static struct cplx sum_of_theta(const struct high_order *h, unsigned from, unsigned n,
+                                struct cplx back, real_t *size)
 {
     struct cplx sum = cplx(ZERO, ZERO);
     *size = ZERO;
@@ -249,7 +249,7 @@ static void put_derivatives(float *re, float *im, unsigned from, unsigned n, str
 
 /* With old data forgotten, theta varies by P (sum v^2age phi phi') P, not by P: by as much less as the two sums are apart, where
  * the data have always been alike. */
-static real_t spread_of(const struct high_order *h, const float *re, const float *im)
+static real_t deviation_of(const struct high_order *h, const float *re, const float *im)
 {
     const struct rls *r = high_order_rls(h);
     float size = rls_error_sd(r);
@@ -281,17 +281,17 @@ enum err high_order_response(const struct high_order *h, unsigned j, real_t omeg
     for (unsigned k = 0; k < j; k++)
         from += s->nb[k];
     struct cplx back = turned(omega_h, 1);
-    struct cplx a = cplx_mul(sum_of(h, 0, s->na, back, &size), back);
+    struct cplx a = cplx_mul(sum_of_theta(h, 0, s->na, back, &size), back);
     a.re += ONE;
     if (is_root(a, size + ONE))
         return ERR_SINGULAR;
     struct cplx factor = cplx_div(turned(omega_h, s->delay[j]), a);
-    p->is = cplx_mul(sum_of(h, from, s->nb[j], back, &size), factor);
+    p->is = cplx_mul(sum_of_theta(h, from, s->nb[j], back, &size), factor);
     /* dG/db_i = back^(delay + i)/A, dG/da_i = -G back^i/A */
     put_derivatives(re, im, from, s->nb[j], factor, back);
     struct cplx by_a = cplx_mul(cplx_div(cplx_scale(p->is, -ONE), a), back);
     put_derivatives(re, im, 0, s->na, by_a, back);
-    p->sd = spread_of(h, re, im);
+    p->sd = deviation_of(h, re, im);
     return ERR_OK;
 }
 
@@ -304,16 +304,16 @@ enum err high_order_ratio(const struct high_order *h, real_t omega_h, struct hig
     if (err)
         return err;
     struct cplx back = turned(omega_h, 1);
-    struct cplx below = sum_of(h, s->na, s->nb[0], back, &size);
+    struct cplx below = sum_of_theta(h, s->na, s->nb[0], back, &size);
     if (is_root(below, size))
         return ERR_SINGULAR;
     below = cplx_mul(below, turned(omega_h, s->delay[0]));
     struct cplx factor = cplx_div(turned(omega_h, s->delay[1]), below);
-    p->is = cplx_mul(sum_of(h, (unsigned)s->na + s->nb[0], s->nb[1], back, &size), factor);
+    p->is = cplx_mul(sum_of_theta(h, (unsigned)s->na + s->nb[0], s->nb[1], back, &size), factor);
     put_derivatives(re, im, (unsigned)s->na + s->nb[0], s->nb[1], factor, back);
     struct cplx by_b =
         cplx_mul(cplx_div(cplx_scale(p->is, -ONE), below), turned(omega_h, s->delay[0]));
     put_derivatives(re, im, s->na, s->nb[0], by_b, back);
-    p->sd = spread_of(h, re, im);
+    p->sd = deviation_of(h, re, im);
     return ERR_OK;
 }

@@ -208,10 +208,10 @@ static scaled_t forgetting_factor(struct rls *r, const struct measured *m)
 }
 
 /* Cao and Schwartz (2000): P grows along what is measured alone, P += ((1 - v)/v) phi phi'/(phi'P^-1 phi), but not past the
- * trace. */
-static void forget_along(struct rls *r, const num_t *phi)
+ * trace. x, y: space for n each. */
+static void forget_along(struct rls *r, const num_t *phi, scaled_t *x, scaled_t *y)
 {
-    scaled_t x[RLS_MAX], y[RLS_MAX], form = scaled_from_float(0), square = form;
+    scaled_t form = scaled_from_float(0), square = form;
     for (unsigned i = 0; i < r->n; i++)
         x[i] = scaled_from_num(phi[i]);
     ud_num_solve(ud_of(r), r->n, x, y);
@@ -256,7 +256,7 @@ static void take_in(struct rls *r, ud_cell_t *p, struct measured *m, scaled_t *f
 {
     scaled_t v = forgetting_factor(r, m), noise = v, growth = one();
     if (r->forgetting == RLS_DIRECTIONAL) {
-        forget_along(r, m->phi);
+        forget_along(r, m->phi, f, g);
         ud_num_project(p, r->n, m->phi, f, g);
     }
     if (r->forgetting == RLS_DIRECTIONAL || r->forgetting == RLS_HELD_TRACE)

@@ -1,4 +1,4 @@
-/* The kind `ff_tune` on the whole firmware with Siddha's loop, twenty times slower (tests/loop/feedforward/siddha-slow.json). */
+/* The kind `ff_tune` on the whole firmware with Siddha's loop, twenty times slower (host_sim/plants/siddha-slow.json). */
 #ifndef REFLUX_TESTS_TUNE_BENCH_H
 #define REFLUX_TESTS_TUNE_BENCH_H
 
@@ -91,11 +91,10 @@ static inline int tune_value(const char *name)
 static inline void tune_begin(const char *folder, uint64_t seed, double noise)
 {
     char path[300];
-    snprintf(path, sizeof path, "%s/siddha-slow.json", folder);
     course.size = 1;
     course.period = 300;
     course.quiet = false;
-    plant_power_on(path, 1000, seed, noise);
+    plant_power_on("siddha-slow", 1000, seed, noise);
     snprintf(path, sizeof path, "%s/tune.conf", folder);
     ask_file(path);
     plant_connect();

@@ -46,7 +46,8 @@ static struct seen at(int regime, double w, double b, double k)
 static void check_all(double b, double k)
 {
     for (int c = 0; c < SIDDHA_CASES; c++)
-        for (double w = 0.5; w < 6.1; w += 0.5) {
+        for (int n = 1; n <= 12; n++) {
+            double w = 0.5 * n;
             struct seen s = at(c, w, b, k);
             double complex ratio = s.gd / s.gp, left = (s.gd + s.gp * s.f) * s.s;
             struct high_order_point process = point(s.gp, 0),
@@ -101,7 +102,7 @@ static void the_sensitivity_is_that_of_the_digest(void)
     static const double w[3] = {0.5, 2, 6};
     for (int c = 0; c < 3; c++)
         for (int i = 0; i < 3; i++) {
-            double tq = siddha_case[3 * c].lag;
+            double tq = siddha_case[(size_t)c * 3].lag;
             double complex jw = I * w[i], gp = 2 * cexp(-0.6 * jw) / (0.4 * jw + 1),
                            gd = 2 * cexp(-0.4 * jw) / (tq * jw + 1);
             double complex pi = 0.325 + 0.4924 / jw;

@@ -67,7 +67,7 @@ static void dense_begin(const struct high_order_shape *s)
 
 static void dense_learn(const double *phi, double y)
 {
-    double g[RLS_MAX], alpha = settings.forget, e = y;
+    double g[RLS_MAX] = {0}, alpha = settings.forget, e = y;
     for (unsigned i = 0; i < dense.n; i++) {
         g[i] = 0;
         for (unsigned j = 0; j < dense.n; j++)
@@ -88,9 +88,9 @@ static void dense_learn(const double *phi, double y)
 
 static void dense_step(const struct high_order_shape *s, double y, const double *u)
 {
-    double phi[RLS_MAX];
+    double phi[RLS_MAX] = {0};
     unsigned at = 0, most = s->na;
-    for (unsigned j = 0; j < s->inputs; j++) {
+    for (unsigned j = 0; j < s->inputs && j < HIGH_ORDER_INPUTS; j++) {
         memmove(dense.u[j] + 1, dense.u[j], (HIGH_ORDER_DELAY_MOST - 1) * sizeof(double));
         dense.u[j][0] = u[j];
         most = s->delay[j] + s->nb[j] > (int)most ? (unsigned)(s->delay[j] + s->nb[j]) : most;

@@ -11,7 +11,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Callable
 
-from reflux_tools import bench_composition, bench_decoupling, bench_estimation, bench_kalman, bench_link, bench_plants, bench_tick, build, launch, runner, scenario, table, trays
+from reflux_tools import bench_composition, bench_decoupling, bench_estimation, bench_feedforward, bench_kalman, bench_link, bench_plants, bench_tick, build, launch, runner, scenario, table, trays
 from reflux_tools.boards import BOARDS
 from reflux_tools.errors import RunFailed, UserError
 from reflux_tools.paths import ROOT, SCENARIOS, build_dir, named, shown
@@ -35,8 +35,9 @@ def main(arguments: list[str]) -> int:
     p.add_argument("--tick", action="store_true", help="only a tick without the link, printed and not written")
     p.add_argument("--estimation", action="store_true", help="only estimators, the self-tuner and tray temperature control, printed and not written")
     p.add_argument("--decoupling", action="store_true", help="only decouplers and pole placement, printed and not written")
+    p.add_argument("--feedforward", action="store_true", help="only adaptive feedforward, printed and not written")
     p.add_argument("--image", action="store_true", help="only the sizes of images and their largest stack frames, printed and not written")
-    p.add_argument("--renew", action="store_true", help="with --estimation, --decoupling or --image: these tables are written into FILE, whose others stay as they are")
+    p.add_argument("--renew", action="store_true", help="with --estimation, --decoupling, --feedforward or --image: these tables are written into FILE, whose others stay as they are")
     p.add_argument("--before", metavar="COMMIT", default=bench_tick.BEFORE,
                    help=f"version beside which a tick without the link is counted (default {bench_tick.BEFORE}); it is built "
                    "in the build folder")
@@ -48,8 +49,9 @@ def main(arguments: list[str]) -> int:
         build.build("host", ("reflux-sim",))
         print(f"\n{bench_link.TITLE}\n{table.columns(bench_link.HEADER, link_rows())}", flush=True)
         return 0
-    if options.estimation or options.decoupling or options.image:
+    if options.estimation or options.decoupling or options.feedforward or options.image:
         some = [*(estimation_parts() if options.estimation else []), *(bench_decoupling.parts() if options.decoupling else []),
+                *(bench_feedforward.parts() if options.feedforward else []),
                 *(image_parts() if options.image else [])]
         for title, header, rows in some:
             print(f"\n{title}\n{table.columns(header, rows)}", flush=True)
@@ -57,7 +59,7 @@ def main(arguments: list[str]) -> int:
             options.out.write_text(renewed(options.out.read_text(encoding="utf-8"), some), encoding="utf-8")
         return 0
     if options.renew:
-        raise UserError("--renew goes with --estimation, --decoupling or --image")
+        raise UserError("--renew goes with --estimation, --decoupling, --feedforward or --image")
     if not re.fullmatch(r"[\w.-]+", options.before):
         raise UserError("--before must be a commit or a tag")
     if options.tick:
@@ -78,6 +80,7 @@ def main(arguments: list[str]) -> int:
         (bench_link.TITLE, bench_link.HEADER, link_rows()),
         *estimation_parts(),
         *bench_decoupling.parts(),
+        *bench_feedforward.parts(),
         ("Instructions of matrices of 16 x 16, host", ["what", "instructions"], matrix_rows()),
         *image_parts(),
     ]

@@ -1,0 +1,70 @@
+/* What a block of the kind `ff_tune` proposes: its candidate for the element, or a gain of 0. The same numbers are settings of the block, so that it
+ * knows what the element has. */
+#include "adapt/feedforward_tune_block.h"
+
+#if CONFIG_FEEDFORWARD_TUNE
+
+/* Times what a step of the disturbance takes that a proposal waits for it to be over. */
+#define CALLS 4u
+
+static void put_gain_off(const struct tune *t, struct block_proposal *room)
+{
+    uint8_t ff = (uint8_t)(t->s.element - 1u);
+    room->n = 2;
+    room->manner = t->s.protect || t->s.adopt ? PROPOSAL_AT_ONCE : PROPOSAL_WHEN_ACCEPTED;
+    room->value[0] = (struct proposed_value){proposed_own(TUNE_ID_K), 0};
+    room->value[1] = (struct proposed_value){proposed_setting(PROPOSED_FF_GAIN, ff), 0};
+}
+
+static void put_candidate(const struct tune *t, struct block_proposal *room)
+{
+    const struct feedforward_shape *c = &t->candidate;
+    const float value[4] = {(float)c->k, (float)c->lead, (float)c->lag, (float)c->dead};
+    static const uint32_t field[4] = {PROPOSED_FF_GAIN, PROPOSED_FF_LEAD, PROPOSED_FF_LAG,
+                                      PROPOSED_FF_DEAD};
+    uint8_t ff = (uint8_t)(t->s.element - 1u);
+    room->n = 8;
+    room->manner = t->s.adopt == TUNE_ADOPT_AT_ONCE ? PROPOSAL_AT_ONCE : PROPOSAL_WHEN_ACCEPTED;
+    for (size_t k = 0; k < 4; k++) {
+        room->value[2 * k] =
+            (struct proposed_value){proposed_own((uint8_t)(TUNE_ID_K + k)), value[k]};
+        room->value[2 * k + 1] =
+            (struct proposed_value){proposed_setting((enum proposed)field[k], ff), value[k]};
+    }
+}
+
+/* Settings that come into force while a step of the disturbance is under way would keep what the element just gives, which the loop
+ * makes room for. A disturbance that never rests is not waited for. */
+static bool is_calm(struct tune *t)
+{
+    uint32_t wanted = (uint32_t)((t->s.lead_s + t->s.lag_s + t->s.dead_s) / (float)t->h_s);
+    wanted = 2u * wanted + 4u;
+    bool calm = t->d_rests > wanted || t->calls > CALLS * (wanted + 4u) * t->ticks;
+    bool wants =
+        t->silencing || (!t->handed && (t->stage == TUNE_SILENCES || t->stage == TUNE_PROPOSES));
+    t->calls = wants && !calm ? t->calls + 1u : 0;
+    return calm || !wants;
+}
+
+/* With room again and other settings in force it was refused, or rejected. */
+void tune_propose_on(struct tune *t, struct block_proposal *room)
+{
+    if (!room || !is_calm(t))
+        return;
+    if (t->silencing || (t->stage == TUNE_SILENCES && !t->handed)) {
+        put_gain_off(t, room);
+        t->silencing = false;
+        t->handed = true;
+        return;
+    }
+    if (t->stage != TUNE_PROPOSES && t->stage != TUNE_SILENCES)
+        return;
+    if (t->handed) {
+        tune_end_with(t, TUNE_REJECTED);
+        return;
+    }
+    put_candidate(t, room);
+    t->handed = true;
+}
+
+#endif
