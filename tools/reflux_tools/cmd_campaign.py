@@ -16,7 +16,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from reflux_tools import (build, commissioning, decoupling_campaign, endurance_campaign, estimates_campaign, kalman_1989_campaign, kalman_campaign, launch, relay_campaign,
+from reflux_tools import (build, commissioning, decoupling_campaign, endurance_campaign, estimates_campaign, feedforward_campaign, kalman_1989_campaign, kalman_campaign, launch, relay_campaign,
                           runner, self_tuning_campaign, state_campaign, table, trays_campaign)
 from reflux_tools import scenario as scenarios
 from reflux_tools.errors import RunFailed, UserError
@@ -89,6 +89,11 @@ def main(arguments: list[str]) -> int:
     if isinstance(campaign, state_campaign.StateDecoupling):
         state = State(build_root() / "campaign" / f"{campaign.name}.jsonl", state_campaign.fingerprint(campaign), options.again)
         return state_campaign.execute(campaign, options, state)
+    if isinstance(campaign, feedforward_campaign.Feedforward):
+        if not options.no_build:
+            build.build("host", ("libreflux_board", "reflux-plant", "reflux-sim"))
+        state = State(build_root() / "campaign" / f"{campaign.name}.jsonl", feedforward_campaign.fingerprint(campaign), options.again)
+        return feedforward_campaign.execute(campaign, options, state)
     if isinstance(campaign, trays_campaign.Trays):
         state = State(build_root() / "campaign" / f"{campaign.name}.jsonl", trays_campaign.fingerprint(campaign), options.again)
         return trays_campaign.execute(campaign, options, state)
@@ -102,7 +107,7 @@ def known() -> list[str]:
 def load(name: str) -> (Campaign | commissioning.Start | relay_campaign.Comparison | endurance_campaign.Endurance |
                         self_tuning_campaign.Comparison | trays_campaign.Trays | estimates_campaign.Estimates |
                         kalman_campaign.Kalman | kalman_1989_campaign.PilotKalman | decoupling_campaign.Comparison |
-                        state_campaign.StateDecoupling):
+                        state_campaign.StateDecoupling | feedforward_campaign.Feedforward):
     path = CAMPAIGNS / f"{name}.toml"
     if name not in known():
         raise UserError(f'no campaign "{name}"; there are: {", ".join(known()) or "none"}')
@@ -110,7 +115,7 @@ def load(name: str) -> (Campaign | commissioning.Start | relay_campaign.Comparis
     if top.text("name") != name:
         raise UserError(f"{top.path('name')} must be the file's own name, {name}")
     kind = top.text("kind", "scenario", choices=("scenario", "commissioning", "relay", "endurance", "self-tuning", "trays", "estimates",
-                                            "kalman", "pilot-kalman", "decoupling", "state-decoupling"))
+                                            "kalman", "pilot-kalman", "decoupling", "state-decoupling", "feedforward"))
     if kind == "endurance":
         return endurance_campaign.load(top, name)
     if kind == "kalman":
@@ -119,6 +124,8 @@ def load(name: str) -> (Campaign | commissioning.Start | relay_campaign.Comparis
         return kalman_1989_campaign.load(top, name)
     if kind == "state-decoupling":
         return state_campaign.load(top, name)
+    if kind == "feedforward":
+        return feedforward_campaign.load(top, name)
     if kind == "estimates":
         return estimates_campaign.load(top, name)
     if kind == "decoupling":
