@@ -93,6 +93,7 @@ struct experiment {
     float step_s;  /* of the block */
     struct experiment_law {
         const struct state_law_settings *to; /* of the block that keeps it; NULL: none */
+        uint8_t goal[offsetof(struct state_law_settings, si)]; /* of it when the job began */
         uint8_t stage, proposed;
         bool proposes, waits, accepted;
         uint32_t lease;

@@ -61,7 +61,7 @@ static enum err experiment_configure(void *state, const struct block_setup *setu
         memset(e, 0, experiment_bytes(setup));
     else if (experiment_runs(e) && (differs(&e->s, s) || e->ticks != ticks))
         experiment_abort(e, REASON_SETTINGS);
-    if (retune && (differs(&e->s, s) || e->law.to != (s->law ? setup->named : NULL)))
+    if (retune && differs(&e->s, s))
         experiment_law_stop(e, "settings", "left as they are while the law is found");
     e->law.to = s->law ? setup->named : NULL;
     e->step_s = setup->interval_s;

@@ -110,6 +110,7 @@ static void put_order_of_law(struct experiment *e)
                 i + 1u);
             return;
         }
+    memcpy(e->law.goal, e->law.to, sizeof e->law.goal);
     state_law_job_of_model(e->law.job, e->law.to, e->n);
     put_plant(e, &e->law.job->sampled);
     e->law.stage = EXPERIMENT_LAW_WORKS;
@@ -133,6 +134,11 @@ bool experiment_law_work(struct experiment *e)
 static void take_found_law(struct experiment *e)
 {
     e->law.found = e->law.job->found;
+    /* It stands elsewhere after every apply. */
+    if (!e->law.to || memcmp(e->law.goal, e->law.to, sizeof e->law.goal) != 0) {
+        law_ends(e, "settings", "left as they are while the law is found", 0);
+        return;
+    }
     if (e->law.found.field[0]) {
         law_ends(e, NULL, NULL, 0);
         return;
@@ -173,7 +179,9 @@ void experiment_law_step(struct experiment *e, struct block_io *io)
     } else if (lost) {
         law_ends(e, "the workspace", "free", 0);
     } else if (!io->work_wanted) {
-        if (e->law.stage == EXPERIMENT_LAW_ASKED && e->law.job)
+        if (e->law.stage == EXPERIMENT_LAW_ASKED && !e->law.to)
+            law_ends(e, "law", "the number of the block that keeps it", 0);
+        else if (e->law.stage == EXPERIMENT_LAW_ASKED && e->law.job)
             put_order_of_law(e);
         else if (e->law.stage == EXPERIMENT_LAW_ASKED && io->work_done)
             law_ends(e, "the workspace", "free", 0);

@@ -34,7 +34,7 @@ struct state_law_block {
 
 enum state_law_event { STATE_LAW_EVENT_MADE, STATE_LAW_EVENT_REFUSED, STATE_LAW_EVENTS };
 
-#define STATE_LAW_PARAMETERS (13 + STATE_LAW_LOOPS * (STATE_LAW_LOOPS + STATE_FEEDBACK_INPUTS))
+#define STATE_LAW_PARAMETERS (12 + STATE_LAW_LOOPS * (STATE_LAW_LOOPS + STATE_FEEDBACK_INPUTS))
 extern const struct block_parameter state_law_parameters[STATE_LAW_PARAMETERS];
 MUST_CHECK enum err state_law_check(const struct block_setup *setup, struct block_fault *fault);
 

@@ -191,7 +191,7 @@ static void what_it_takes_of_the_workspace_grows_with_samples_and_signals(void)
     settings.clock = 1;
     float before = 0;
     for (unsigned n = 1; n <= 4; n++) {
-        float state[400] = {0}, value = 0;
+        float state[500] = {0}, value = 0;
         setup.inputs = (uint8_t)(2 * n);
         for (unsigned k = 0; k < 2 * n; k++)
             setup.input[k] = (struct block_signal){0, 100, k >= n};

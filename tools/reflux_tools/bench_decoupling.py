@@ -9,7 +9,7 @@ from __future__ import annotations
 from reflux_tools.bench_estimation import PRESETS, Lines, counted
 from reflux_tools.errors import RunFailed
 
-PROGRAM, AHEAD_PROGRAM = "decoupling-cost", "ahead-cost"
+PROGRAM, AHEAD_PROGRAM, LAW_PROGRAM = "decoupling-cost", "ahead-cost", "law-cost"
 TICK_TITLE = "Instructions of a tick of decoupling and of pole placement, STM32F405 in the emulator: step and back-calculation"
 TICK_HEADER = ["what", "loops", "coefficients", "number format", "mean", "most", "bytes of state", "bytes of stack"]
 TICKS = {
@@ -33,6 +33,8 @@ DESIGNS = {
     "decoupler": "polynomial decoupler with the zeros of det B",
     "placement": "pole placement, model of second order",
     "find": "`experiment`: orders and parameters, 252 samples, na to 2, nb to 5",
+    "law": "`state_law`: law of the pilot column from its table, 12 stages",
+    "law_model": "`experiment`: law of a model of first order",
     "search": "constant compensator, 50 frequencies, by rows, 8 starts",
 }
 
@@ -50,7 +52,7 @@ def parts() -> list[tuple[str, list[str], list[list[str]]]]:
         ticks += tick_rows(name, lines)
         ahead += ahead_rows(name, of_ahead)
         if name == "float":  # Q7.24 is the number format of ticks alone
-            designs = design_rows(lines)
+            designs = design_rows(lines) + design_rows(counted(preset, LAW_PROGRAM))
     return [(TICK_TITLE, TICK_HEADER, ticks), (AHEAD_TITLE, AHEAD_HEADER, ahead), (DESIGN_TITLE, DESIGN_HEADER, designs)]
 
 
