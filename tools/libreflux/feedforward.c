@@ -1,6 +1,7 @@
 #include "feedforward.h"
 
 #include <stdalign.h>
+#include <stddef.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -94,9 +95,10 @@ int32_t reflux_high_order(const int32_t *shape, const double *settings, int32_t 
         struct high_order_point p = {0};
         err = what < 0 ? high_order_ratio(h, (real_t)omega_h[i], &p)
                        : high_order_response(h, (unsigned)what, (real_t)omega_h[i], &p);
-        out[3 * i] = p.is.re;
-        out[3 * i + 1] = p.is.im;
-        out[3 * i + 2] = p.sd;
+        double *at = out + 3 * (ptrdiff_t)i;
+        at[0] = p.is.re;
+        at[1] = p.is.im;
+        at[2] = p.sd;
     }
     return err;
 }
@@ -116,7 +118,8 @@ int32_t reflux_feedforward_search(int32_t points, const double *omega, const dou
     for (int32_t i = 0; i < points; i++) {
         wanted.omega[i] = (real_t)omega[i];
         wanted.weight[i] = (real_t)weight[i];
-        wanted.ratio[i] = cplx((real_t)ratio[2 * i], (real_t)ratio[2 * i + 1]);
+        wanted.ratio[i] =
+            cplx((real_t)ratio[2 * (ptrdiff_t)i], (real_t)ratio[2 * (ptrdiff_t)i + 1]);
     }
     feedforward_search_begin(&search, &wanted);
     while (feedforward_search_piece(&search, &wanted))
