@@ -20,11 +20,22 @@
 #include "feedforward/leadlag.h"
 
 const struct block_kind *const block_kinds[] = {
-    &pid_kind,         &two_position_kind, &decoupler_kind,   &feedforward_kind,
+    &pid_kind,
+    &two_position_kind,
+    &decoupler_kind,
+    &feedforward_kind,
 #if CONFIG_BLOCKS
-    &column_kind,      &gmv_kind,          &inferential_kind, &ratio_kind,
-    &composition_kind, &polynomial_kind,   &rst_kind,         &state_feedback_kind,
-    &ahead_kind,       &leadlag_kind,      &state_law_kind,
+    &column_kind,
+    &gmv_kind,
+    &inferential_kind,
+    &ratio_kind,
+    &composition_kind,
+    &polynomial_kind,
+    &rst_kind,
+    &state_feedback_kind,
+    &ahead_kind,
+    &leadlag_kind,
+    &state_law_kind,
 #endif
 #if CONFIG_EXPERIMENT
     &experiment_kind,
