@@ -185,7 +185,8 @@ void experiment_law_step(struct experiment *e, struct block_io *io)
             put_order_of_law(e);
         else if (e->law.stage == EXPERIMENT_LAW_ASKED && io->work_done)
             law_ends(e, "the workspace", "free", 0);
-        else if (e->law.stage == EXPERIMENT_LAW_WORKS && e->law.job->phase == STATE_LAW_PHASE_OVER)
+        else if (e->law.stage == EXPERIMENT_LAW_WORKS && e->law.job &&
+                 e->law.job->phase == STATE_LAW_PHASE_OVER)
             take_found_law(e);
         if (experiment_law_runs(e))
             io->ask_work = STEPS;

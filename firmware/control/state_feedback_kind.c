@@ -102,7 +102,7 @@ static float magnitudes_of(const float *row, unsigned n)
 static enum err check_row(const struct state_rows *rows, const struct block_setup *setup,
                           unsigned i, struct block_fault *fault)
 {
-    const float *f = rows->f + i * INPUTS, *g = rows->g + i * rows->loops;
+    const float *f = rows->f + (size_t)i * INPUTS, *g = rows->g + (size_t)i * rows->loops;
     unsigned n = setup->members, inputs = setup->inputs;
     if (!is_empty(f, inputs, INPUTS))
         return refuse_state_feedback(fault, i, "f", "has no more columns than there are inputs");
@@ -126,8 +126,8 @@ static enum err check_rows(const struct state_rows *rows, const struct block_set
     for (unsigned i = 0; i < n && !err; i++)
         err = check_row(rows, setup, i, fault);
     for (unsigned i = n; i < rows->loops && !err; i++)
-        if (!is_empty(rows->f + i * INPUTS, 0, INPUTS) ||
-            !is_empty(rows->g + i * rows->loops, 0, rows->loops))
+        if (!is_empty(rows->f + (size_t)i * INPUTS, 0, INPUTS) ||
+            !is_empty(rows->g + (size_t)i * rows->loops, 0, rows->loops))
             err = refuse_state_feedback(fault, 0, "loops", "needs as many as there are rows");
     return err;
 }

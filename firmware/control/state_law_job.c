@@ -165,7 +165,7 @@ static enum err weigh(struct state_law_job *job)
 {
     const struct matrix *seen = &job->linear.seen;
     struct matrix *rows = &job->linear.plant.a, *inverse = &job->linear.plant.e;
-    real_t size[MATRIX_MAX];
+    real_t size[MATRIX_MAX] = {ZERO};
     *rows = *seen; /* plant has been sampled: there is room in it */
     for (size_t k = 0; k < rows->rows; k++) {
         size[k] = ZERO;

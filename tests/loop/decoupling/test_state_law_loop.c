@@ -39,8 +39,11 @@ static double value_of(const char *parameter)
 static void measures(void)
 {
     static const char *const names[] = {"xD", "xB", "T3", "T4", "T8"};
+    static const struct plant_class *measuring; /* it lives as long as the program */
     kind->destroy(plant);
-    kind = plant_measuring(kind, names, 5, plant_err, sizeof plant_err);
+    if (!measuring)
+        measuring = plant_measuring(kind, names, 5, plant_err, sizeof plant_err);
+    kind = measuring;
     TEST_ASSERT_NOT_NULL_MESSAGE(kind, plant_err);
     plant = plant_create(kind, plant_err, sizeof plant_err);
     TEST_ASSERT_NOT_NULL_MESSAGE(plant, plant_err);
@@ -164,7 +167,7 @@ static double farthest(const char *name, double from, unsigned n)
 static void the_column_is_held_by_it_through_more_feed(void)
 {
     in_force();
-    double t1 = truly("T1"), t10 = truly("T10"), before[2] = {commanded("Lr"), commanded("Qrb")};
+    double before[2] = {commanded("Lr"), commanded("Qrb")};
     ask_ok("mode top auto");
     ask_ok("mode bottom auto");
     plant_step();
@@ -172,8 +175,7 @@ static void the_column_is_held_by_it_through_more_feed(void)
     TEST_ASSERT_DOUBLE_WITHIN(0.05, before[0], commanded("Lr"));
     TEST_ASSERT_DOUBLE_WITHIN(0.01, before[1], commanded("Qrb"));
     plant_steps(120);
-    t1 = truly("T1");
-    t10 = truly("T10");
+    double t1 = truly("T1"), t10 = truly("T10");
     plant_event("F=5.5");
     double top = farthest("T1", t1, 240);
     double end = farthest("T10", t10, 60);
@@ -281,6 +283,114 @@ static void what_cannot_be_is_refused_with_what_would_be(void)
     TEST_ASSERT_TRUE_MESSAGE(strstr(reply[0], "no more columns than there are inputs"), reply[0]);
 }
 
+/* ---- faults while it is being found ---- */
+
+/* Under way: told, and the job has its memory. */
+static void under_way(void)
+{
+    pasted();
+    ask_ok(BLOCK " design");
+    plant_steps(2);
+}
+
+static void comes_out_with(const char *words)
+{
+    plant_steps(6);
+    TEST_ASSERT_TRUE_MESSAGE(shows("2", words), board.said);
+    TEST_ASSERT_EQUAL_FLOAT(0, value_of("block2.made"));
+    plant_power_off();
+}
+
+static void an_experiment_that_has_the_workspace_keeps_it(void)
+{
+    static const char *const lines[] = {"begin",
+                                        "set block4.kind experiment",
+                                        "set block4.inputs T1,T10,Lr,Qrb",
+                                        "set block4.bits 5",
+                                        "set block4.amplitude.1 0.2",
+                                        "set block4.amplitude.2 0.02",
+                                        "set block4.band.1 5",
+                                        "set block4.band.2 5",
+                                        "apply",
+                                        "block 4 start"};
+    pasted();
+    for (unsigned k = 0; k < sizeof lines / sizeof lines[0]; k++)
+        ask_ok(lines[k]);
+    plant_steps(3);
+    ask_ok(BLOCK " design");
+    comes_out_with("no law: no workspace; experiment has it; `block N stop` frees it");
+}
+
+static void another_table_a_stop_and_other_settings_end_it(void)
+{
+    under_way();
+    ask_ok("begin");
+    ask_ok("set block1.kind -");
+    ask_ok("set block2.column 0");
+    ask_ok("apply");
+    comes_out_with("no law: settings or the table have changed while it was being found");
+    under_way();
+    ask_ok("set block2.tau.1 60,60");
+    comes_out_with("no law: settings or the table have changed while it was being found");
+    under_way();
+    ask_ok(BLOCK " stop");
+    comes_out_with("no law: stopped");
+}
+
+static void an_apply_of_others_and_a_silent_link_do_not(void)
+{
+    under_way();
+    ask_ok("set loop1.gain 11");
+    plant_steps(6);
+    TEST_ASSERT_TRUE_MESSAGE(shows("2", "  stage = 3"), board.said);
+    plant_power_off();
+    under_way();
+    board.mute = true;
+    pass(5000);
+    plant_connect();
+    plant_steps(6);
+    TEST_ASSERT_TRUE_MESSAGE(shows("2", "  stage = 3"), board.said);
+}
+
+static void a_power_cut_while_it_is_found_leaves_nothing_of_it(void)
+{
+    pasted();
+    ask_ok("save");
+    ask_ok(BLOCK " design");
+    plant_steps(2);
+    power_on();
+    pass(2500);
+    type("mode machine\n");
+    pass(100);
+    TEST_ASSERT_TRUE(shows("2", "  stage = 0"));
+    TEST_ASSERT_EQUAL_FLOAT(0, value_of("block2.made"));
+}
+
+/* Saved between two of the proposals it comes by. */
+static void half_a_law_is_never_in_force(void)
+{
+    pasted();
+    designed();
+    ask_ok("proposal accept");
+    ask_ok("save");
+    TEST_ASSERT_TRUE(value_of("block2.g1_1") < -170);
+    TEST_ASSERT_EQUAL_FLOAT(0, value_of("block2.made"));
+    plant_power_off();
+    plant_power_on("pilot", TICK_MS, 3, 0);
+    measures();
+    pass(2500);
+    type("mode machine\n");
+    pass(100);
+    TEST_ASSERT_TRUE(value_of("block2.g1_1") < -170);
+    TEST_ASSERT_EQUAL_FLOAT(0, value_of("block2.f2_8"));
+    plant_connect();
+    plant_steps(2);
+    ask_ok("out top 4.5");
+    ask_ok("mode top auto");
+    plant_steps(2);
+    TEST_ASSERT_TRUE(events_say("BLOCK_GAVE_UP no_law"));
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -293,5 +403,10 @@ int main(void)
     RUN_TEST(what_was_saved_is_there_after_a_restart);
     RUN_TEST(what_has_no_law_says_why);
     RUN_TEST(what_cannot_be_is_refused_with_what_would_be);
+    RUN_TEST(an_experiment_that_has_the_workspace_keeps_it);
+    RUN_TEST(another_table_a_stop_and_other_settings_end_it);
+    RUN_TEST(an_apply_of_others_and_a_silent_link_do_not);
+    RUN_TEST(a_power_cut_while_it_is_found_leaves_nothing_of_it);
+    RUN_TEST(half_a_law_is_never_in_force);
     return UNITY_END();
 }
