@@ -166,6 +166,7 @@ def target_tests() -> list[Test]:
               for image in whole),
             *(same_log(f"target.state-{image.test}", image.twin, image.preset, "target", "pilot-state", until=10800)
               for image in whole),
+            *(same_log(f"target.ahead-{image.test}", image.twin, image.preset, "target", "pilot-ahead", until=3600) for image in whole),
             # Until it proposes.
             *(same_log(f"target.experiment-{image.test}", image.twin, image.preset, "target", "kotyk-experiment", until=135600)
               for image in whole),
