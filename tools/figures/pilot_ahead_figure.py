@@ -33,7 +33,7 @@ def main() -> int:
         axis.plot(minutes, log.numbers(f"{pv}.true"), color="#1f5fa8", lw=1.2, label=f"{pv}, true")
         axis.step(minutes, log.numbers(f"{logs.FIRMWARE_PREFIX}{loop}.sp"), where="post", color="#d2691e", lw=1.2, label="setpoint")
         axis.set_ylabel(f"{pv} [°C]")
-        axis.legend(loc="lower left", frameon=False, fontsize=8)
+        axis.legend(loc="upper right", frameon=False, fontsize=8, ncols=2)
     pair(axes[2], minutes, log, ("Lr.applied", "reflux Lr [l/h]"), ("Qrb.applied", "heat Qrb [kW]"))
     pair(axes[3], minutes, log, ("F", "feed F [l/h]"), ("xF", "feed xF [%w]"))
     for minute, what in HAPPENINGS:

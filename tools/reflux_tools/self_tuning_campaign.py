@@ -237,7 +237,8 @@ def simulate(campaign: Comparison, variant: Variant, seed: int, more: tuple[str,
         events = runner.events_in(Path(folder) / "out" / "transcript.txt")
     taken = [t for t, _, code, text in events if code == "BLOCK_EVENT" and ".adopted" in text]
     lost = [text for _, _, code, text in events if code in ("BLOCK_ALARM", "BLOCK_GAVE_UP") and "block is off" not in text]
-    return {**out, "adopted": taken[0] / MINUTE if taken else None, "alarms": [text[:80] for text in lost]}
+    gave_up = [(time / MINUTE, text.split()[0]) for time, _, code, text in events if code == "BLOCK_GAVE_UP" and not text.startswith("asked ")]
+    return {**out, "adopted": taken[0] / MINUTE if taken else None, "alarms": [text[:80] for text in lost], "gave_up": gave_up[:1]}
 
 
 def run_one(campaign: Comparison, job: dict[str, Any], found: str = "") -> dict[str, Any]:
@@ -358,8 +359,18 @@ def figures(campaign: Comparison, part: Part, lines: list[int], results: list[di
             row.append(mean_and_worst([sum(r[kind]) for r in good[k]]))
         row.append(table.figure(100 * statistics.fmean(use["at_limit"] for use in used[k])) if used[k] else "-")
         row += [table.figure(statistics.fmean(use["moves"][mv] for use in used[k])) if used[k] else "-" for mv in mvs]
+        row.append(given_up(good[k]))
         rows.append(row)
-    return ["", *part.kinds, "at a limit, %", *(f"moves of {mv}" for mv in mvs)], rows
+    return ["", *part.kinds, "at a limit, %", *(f"moves of {mv}" for mv in mvs), "gave up"], rows
+
+
+def given_up(found: list[dict[str, Any]]) -> str:
+    """In how many runs a block left its loops to their PIDs, and when first, with the reason."""
+    first = sorted(tuple(r["gave_up"][0]) for r in found if r.get("gave_up"))
+    if not first:
+        return ""
+    count = f"{len(first)} of {len(found)}, " if len(found) > 1 else ""
+    return f"{count}{first[0][0]:.0f} min, {first[0][1]}"
 
 
 def mean_and_worst(values: list[float]) -> str:
