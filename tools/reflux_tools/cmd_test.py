@@ -68,6 +68,8 @@ def collect(labels: set[str]) -> list[Test]:
         tests += sanitized_tests(labels)
     if labels & {"loop", "target", "campaign"}:
         build.build("host", ("reflux-sim", "reflux-sim-memory", "reflux-plant", "reflux-host", "libreflux"))
+    if labels & {"tools", "campaign"}:
+        build.build("host", ("libreflux", "libreflux_board"))
     if "campaign" in labels:
         for preset in ("host", "host-fixed"):
             build.build(preset, ("endurance",))
