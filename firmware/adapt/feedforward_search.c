@@ -154,6 +154,18 @@ void feedforward_search_begin(struct feedforward_search *s, const struct feedfor
     s->j0 = s->j = feedforward_objective(wanted, &s->best);
 }
 
+static real_t no_more_than(real_t x, real_t most)
+{
+    return x < most ? x : most;
+}
+
+void feedforward_search_near(struct feedforward_search *s, const struct feedforward_wanted *wanted,
+                             const struct feedforward_shape *near)
+{
+    (void)try_pair(s, wanted, no_more_than(near->lag, wanted->lag_most),
+                   no_more_than(near->dead, wanted->dead_most));
+}
+
 static real_t grid_lag(const struct feedforward_wanted *w, unsigned i)
 {
     if (i == 0 || !(w->lag_most > ZERO))

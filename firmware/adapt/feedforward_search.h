@@ -41,6 +41,9 @@ struct feedforward_search {
 
 void feedforward_search_begin(struct feedforward_search *s,
                               const struct feedforward_wanted *wanted);
+/* Lag and dead time of *near are tried beside the grid, which may be coarse where they have a long range. */
+void feedforward_search_near(struct feedforward_search *s, const struct feedforward_wanted *wanted,
+                             const struct feedforward_shape *near);
 /* The same *wanted all the time. A lag with a dead time: up to 20,000 instructions. True while there is more. */
 bool feedforward_search_piece(struct feedforward_search *s,
                               const struct feedforward_wanted *wanted);

@@ -39,9 +39,10 @@ struct tune_settings {
     uint16_t tries;
     uint16_t
         smooth; /* samples, of the two lags in series on all signals that are learnt from; 0: none */
-    uint8_t method, forgetting;    /* enum tune_method, rls_forgetting */
-    uint8_t alone;                 /* identify the disturbance with the feedforward off */
-    uint8_t adopt, protect, begin; /* ask|at_once, off|on, asked|at_once */
+    uint8_t method, forgetting; /* enum tune_method, rls_forgetting */
+    uint8_t alone;              /* identify the disturbance with the feedforward off */
+    uint8_t adopt, protect, begin,
+        rules; /* ask|at_once, off|on, asked|at_once, compare|fall_back */
     /* From here on what it finds itself: what the element has. */
     float k, lead_s, lag_s, dead_s;
 };

@@ -8,6 +8,7 @@
 
 #include "adapt/feedforward_search.h"
 #include "adapt/loop_shadow.h"
+#include "design/response_fit.h"
 #include "identify/disturbance_ratio.h"
 #include "signal/washout.h"
 
@@ -62,7 +63,22 @@ struct tune_responses {
 };
 
 /* The work between ticks. */
-enum tune_work { WORK_NONE, WORK_RESPONSES, WORK_RATIO, WORK_MODEL, WORK_SEARCH };
+enum tune_work { WORK_NONE, WORK_RESPONSES, WORK_RATIO, WORK_PROCESS, WORK_PATH, WORK_SEARCH };
+
+/* A first-order model, and how far off it is. */
+struct tune_model {
+    struct fopdt is;
+    real_t off; /* r.m.s. of the distance to the response, over its size */
+};
+
+/* What the rules say, from first-order models of both paths. */
+struct tune_rule {
+    bool there;
+    uint8_t which; /* of the nine cases: 10, 20, 30 for I, II, III, and 1, 2, 3 for a, b, c */
+    struct tune_model path;
+    struct feedforward_shape shape;
+    real_t j;
+};
 
 struct tune {
     struct tune_settings s;
@@ -129,7 +145,11 @@ struct tune {
     struct high_order_point process[FEEDFORWARD_POINTS];
     struct feedforward_wanted wanted;
     struct feedforward_search search;
-    struct shadow_model model, found; /* that the shadows use; that the work has found */
+    struct tune_model model, found; /* that the shadows use; that the work has found */
+    struct response_fit fit;
+    struct tune_rule rule;
+    bool fitting, unsure,
+        by_rule; /* a fit is under way; of the candidate: too much doubt for a search; it is the rule's */
     bool has_model;
     real_t spread; /* weighted, over the ratio's size */
     struct feedforward_shape candidate;
@@ -182,7 +202,7 @@ static inline bool tune_is_staged(const struct tune *t)
 
 /* ---- settings (feedforward_tune_settings.c) ---- */
 
-#define TUNE_PARAMETERS 40
+#define TUNE_PARAMETERS 41
 extern const struct block_parameter tune_parameter_rows[TUNE_PARAMETERS];
 #define TUNE_ID_K 60 /* k, lead, lag, dead */
 
@@ -209,6 +229,16 @@ bool tune_work(void *state);
 /* The grid: from the band that is set, or wide. */
 void tune_make_grid(struct tune *t);
 void tune_ask_look(struct tune *t, bool look_only);
+
+/* ---- models and rules (feedforward_tune_models.c) ---- */
+
+#define TUNE_POINTS_LEAST 3u
+/* Of the piece before. The process, then the path of the disturbance and the rule; TUNE_NONE with *more, the end otherwise. */
+enum tune_verdict tune_process_piece(struct tune *t, bool *more);
+void tune_path_piece(struct tune *t, bool *more);
+/* The rule is to be tried in place of what is not good enough. */
+bool tune_falls_back(const struct tune *t);
+void tune_take_rule(struct tune *t);
 
 /* ---- test and watch (feedforward_tune_watch.c) ---- */
 

@@ -131,10 +131,15 @@ static void learning_on(struct tune *t)
 static void testing_on(struct tune *t)
 {
     enum tune_verdict verdict = tune_test_step(t);
-    if (verdict == TUNE_ADOPTED)
+    if (verdict == TUNE_ADOPTED) {
         tune_stage_begins(t, TUNE_PROPOSES);
-    else if (verdict != TUNE_NONE)
+    } else if (verdict == TUNE_NO_BETTER && tune_falls_back(t)) {
+        tune_take_rule(t);
+        tune_stage_begins(t, TUNE_TESTS);
+        tune_test_begin(t);
+    } else if (verdict != TUNE_NONE) {
         tune_end_with(t, verdict);
+    }
 }
 
 /* With `every` and the feedforward on all the time. */

@@ -20,7 +20,7 @@
 
 static void begin_shadow(const struct tune *t, struct loop_shadow *s)
 {
-    shadow_begin(s, &t->model, t->s.gain, t->s.ti_s, t->h_s);
+    shadow_begin(s, &t->model.is, t->s.gain, t->s.ti_s, t->h_s);
 }
 
 void tune_shadows_begin(struct tune *t)
@@ -59,8 +59,8 @@ static real_t candidate_adds(struct tune *t)
 /* Of the loop's own: what it takes to forget. */
 static uint32_t forgets_in(const struct tune *t)
 {
-    real_t s =
-        REAL_C(5.0) * t->model.lag_s + REAL_C(4.0) * t->model.dead_s + REAL_C(2.0) * t->s.ti_s;
+    real_t s = REAL_C(5.0) * t->model.is.time_constant_s + REAL_C(4.0) * t->model.is.dead_time_s +
+               REAL_C(2.0) * t->s.ti_s;
     real_t n = s / t->h_s;
     return n < REAL_C(60000.0) ? (uint32_t)n : 60000u;
 }

@@ -1,4 +1,4 @@
-/* Between ticks: the responses from the model, Gd/Gp from them, the band, a first-order model of the process, and the search. */
+/* Between ticks: the responses from the model, Gd/Gp from them, the band, models and rule, and the search. */
 #include "adapt/feedforward_tune_block.h"
 
 #if CONFIG_FEEDFORWARD_TUNE
@@ -6,14 +6,11 @@
 #define ONE REAL_C(1.0)
 
 /* Of the grid where no band is set: rad per sample, and of the high-pass. */
-#define GRID_LO      REAL_C(0.02)
-#define GRID_HI      REAL_C(0.8)
-#define ABOVE_BIAS   REAL_C(4.0)
-#define POINTS_LEAST 3u
+#define GRID_LO    REAL_C(0.02)
+#define GRID_HI    REAL_C(0.8)
+#define ABOVE_BIAS REAL_C(4.0)
 /* Where the sensitivity stays below 0 dB: the band is where it is above half of its largest. */
 #define BELOW_PEAK REAL_C(0.5)
-/* r.m.s. of what a first-order model leaves of the response, over its size. */
-#define OFF_MOST REAL_C(0.5)
 
 void tune_make_grid(struct tune *t)
 {
@@ -143,7 +140,14 @@ static enum tune_verdict find_band(struct tune *t, const struct high_order_point
         to++;
     t->band_from = (uint8_t)from;
     t->band_to = (uint8_t)to;
-    return to - from < POINTS_LEAST ? TUNE_NO_BAND : TUNE_NONE;
+    return to - from < TUNE_POINTS_LEAST ? TUNE_NO_BAND : TUNE_NONE;
+}
+
+/* What the shadow can test. */
+static real_t most_dead(const struct tune *t)
+{
+    real_t reach = t->h_s * (real_t)(SHADOW_REACH - 2u);
+    return t->s.dead_most_s < reach ? t->s.dead_most_s : reach;
 }
 
 /* What the search is to fit: a frequency at which the ratio is not known counts nothing. */
@@ -156,7 +160,7 @@ static enum tune_verdict want_ratio(struct tune *t)
                                      .h_s = t->tick_s,
                                      .kick = t->s.kick,
                                      .lag_most = t->s.lag_most_s,
-                                     .dead_most = t->s.dead_most_s};
+                                     .dead_most = most_dead(t)};
     for (unsigned k = 0; k < w->points; k++) {
         unsigned i = t->band_from + k;
         const struct high_order_point *r = &t->ratio.at[i];
@@ -170,28 +174,8 @@ static enum tune_verdict want_ratio(struct tune *t)
         all += weight * size;
     }
     t->spread = all > 0 ? doubted / all : ONE;
-    bool sure = t->spread <= t->s.confident / 100 && known >= POINTS_LEAST;
-    return sure ? TUNE_NONE : TUNE_UNSURE;
-}
-
-/* From the frequencies of the band at which it is known. */
-static enum tune_verdict model_of_process(struct tune *t)
-{
-    struct cplx g[FEEDFORWARD_POINTS];
-    real_t omega[FEEDFORWARD_POINTS];
-    struct shadow_model m;
-    unsigned n = 0;
-    for (unsigned i = t->band_from; i < t->band_to; i++)
-        if (t->s.doubt * t->process[i].sd < cplx_abs(t->process[i].is)) {
-            g[n] = t->process[i].is;
-            omega[n++] = t->omega[i];
-        }
-    real_t reach = t->h_s * (real_t)(SHADOW_REACH - 2u);
-    if (n < POINTS_LEAST || shadow_fit(omega, g, n, t->s.gain > 0 ? ONE : -ONE, reach, &m) ||
-        m.off > OFF_MOST)
-        return TUNE_NO_MODEL;
-    t->found = m;
-    return TUNE_NONE;
+    t->unsure = !(t->spread <= t->s.confident / 100);
+    return known >= TUNE_POINTS_LEAST ? TUNE_NONE : TUNE_UNSURE;
 }
 
 /* ---- pieces ---- */
@@ -218,6 +202,8 @@ static void ratio_piece(struct tune *t)
 {
     struct high_order_point sensitivity[FEEDFORWARD_POINTS];
     enum tune_verdict verdict = TUNE_NONE;
+    t->rule.there = t->by_rule = false;
+    t->fitting = false;
     for (unsigned i = 0; i < t->points && verdict == TUNE_NONE; i++)
         if (ratio_at_point(t, i, &t->process[i], &sensitivity[i]))
             verdict = TUNE_UNSURE;
@@ -228,18 +214,39 @@ static void ratio_piece(struct tune *t)
     if (verdict != TUNE_NONE)
         end_work(t, verdict);
     else
-        t->work = WORK_MODEL;
+        t->work = WORK_PROCESS;
 }
 
-static void model_piece(struct tune *t)
+static void process_piece(struct tune *t)
 {
-    enum tune_verdict verdict = model_of_process(t);
-    if (verdict != TUNE_NONE) {
+    bool more;
+    enum tune_verdict verdict = tune_process_piece(t, &more);
+    if (verdict != TUNE_NONE)
         end_work(t, verdict);
+    else if (!more)
+        t->work = WORK_PATH;
+}
+
+/* Where the ratio is in too much doubt for a search the rule is what is left. */
+static void path_piece(struct tune *t)
+{
+    bool more;
+    tune_path_piece(t, &more);
+    if (more)
+        return;
+    if (!t->unsure) {
+        feedforward_search_begin(&t->search, &t->wanted);
+        if (t->rule.there)
+            feedforward_search_near(&t->search, &t->wanted, &t->rule.shape);
+        t->work = WORK_SEARCH;
         return;
     }
-    feedforward_search_begin(&t->search, &t->wanted);
-    t->work = WORK_SEARCH;
+    t->search.j0 = feedforward_objective(&t->wanted, &(const struct feedforward_shape){0});
+    t->search.j = t->rule.j;
+    bool falls_back = tune_falls_back(t);
+    if (falls_back)
+        tune_take_rule(t);
+    end_work(t, falls_back ? TUNE_NONE : TUNE_UNSURE);
 }
 
 static void search_piece(struct tune *t)
@@ -260,8 +267,11 @@ bool tune_work(void *state)
     case WORK_RATIO:
         ratio_piece(t);
         break;
-    case WORK_MODEL:
-        model_piece(t);
+    case WORK_PROCESS:
+        process_piece(t);
+        break;
+    case WORK_PATH:
+        path_piece(t);
         break;
     case WORK_SEARCH:
         search_piece(t);

@@ -40,8 +40,9 @@
 #define feedforward_shinskey                feedforward_shinskey_double
 #define feedforward_exact                   feedforward_exact_double
 #define feedforward_rule_response           feedforward_rule_response_double
-#define fopdt_response                      fopdt_response_double
 #define fopdt_from_response                 fopdt_from_response_double
+#define response_fit_begin                  response_fit_begin_double
+#define response_fit_piece                  response_fit_piece_double
 #define feedforward_miss_of                 feedforward_miss_of_double
 #define feedforward_misses                  feedforward_misses_double
 #endif

@@ -1,6 +1,6 @@
 /* Rules for a feedforward element (lead s + 1)/(lag s + 1) from first-order models with dead time of both paths: which of nine cases they are, and
  * F. G. Shinskey's settings for each (Process Control Systems; as R. Siddha 2003 has them, table 1.2), to set beside a tuned element and
- * to fall back on. And where such a model comes from: a frequency response (Siddha 4.4; the least squares are ours). */
+ * to fall back on. */
 #ifndef REFLUX_DESIGN_FEEDFORWARD_RULES_H
 #define REFLUX_DESIGN_FEEDFORWARD_RULES_H
 
@@ -53,16 +53,6 @@ MUST_CHECK enum err feedforward_exact(const struct fopdt *process, const struct 
 
 /* (K (lead s + 1)/(lag s + 1)) e^(-dead s) at s = i omega. */
 struct cplx feedforward_rule_response(const struct feedforward_rule *rule, real_t omega);
-
-/* Of a model. */
-struct cplx fopdt_response(const struct fopdt *m, real_t omega);
-
-/* The first-order model with dead time that has the least sum of squares of relative errors on a grid, rad/s above 0: for a given dead time gain
- * and time constant are linear least squares of g (1 + i w T) - K, weighted by the answer (Sanathanan and Koerner 1963); the dead time
- * by a grid up to dead_most and golden section. *error: root mean square of |model/response - 1|. ERR_RANGE: fewer than three points, one that is
- * 0 or no number, or no model with a time constant of 0 or above. About 300 n operations a dead time, 60 of them. */
-MUST_CHECK enum err fopdt_from_response(size_t n, const real_t *omega, const struct cplx *response,
-                                        real_t dead_most, struct fopdt *model, real_t *error);
 
 /* How far an element is from the ideal one at a frequency: magnitudes in decibels, phases in degrees, -180 to 180, the element's less the
  * ideal one's. */

@@ -4,6 +4,7 @@
 #define REFLUX_NUM_CMATRIX_H
 
 #include "num/matrix.h"
+#include "num/real_trig.h"
 
 struct cplx {
     real_t re, im;
@@ -40,6 +41,13 @@ static inline struct cplx cplx_mul(struct cplx a, struct cplx b)
 static inline struct cplx cplx_scale(struct cplx a, real_t k)
 {
     return (struct cplx){a.re * k, a.im * k};
+}
+/* e^(i angle), rad */
+static inline struct cplx cplx_turned(real_t angle)
+{
+    struct cplx z;
+    real_sincos(angle, &z.im, &z.re);
+    return z;
 }
 static inline struct cplx cplx_conj(struct cplx a)
 {

@@ -49,6 +49,9 @@ static void tune_whole(bool staged, int until)
 
 /* ---- figures ---- */
 
+/* The value `case` of each regime: III c, I c, II c, III b and so on. */
+static const int case_of[] = {33, 13, 23, 32, 12, 22, 31, 11, 21};
+
 static void one_case(unsigned method, int regime)
 {
     begin_with(methods[method], regime, 7);
@@ -66,6 +69,11 @@ static void one_case(unsigned method, int regime)
     TEST_ASSERT_TRUE(taken > 85);
     TEST_ASSERT_DOUBLE_WITHIN(8, taken, value_of(1, "promised"));
     TEST_ASSERT_DOUBLE_WITHIN(8, taken, value_of(1, "does"));
+    printf("  by the rules case %.0f, J %.2f; searched %.2f of %.2f\n", value_of(1, "case"),
+           value_of(1, "rule_J"), value_of(1, "J"), value_of(1, "J0"));
+    TEST_ASSERT_EQUAL(case_of[regime - 1], tune_value("case"));
+    TEST_ASSERT_EQUAL(0, tune_value("by_rule"));
+    TEST_ASSERT_TRUE(value_of(1, "J") <= 1.001 * value_of(1, "rule_J"));
     plant_power_off();
 }
 
@@ -274,11 +282,30 @@ static void where_it_must_be_surer_it_says_unsure(void)
 {
     begin_with("sensitivity", 1, 7);
     set_block("confident 2");
+    set_block("rules compare");
     tune_seconds(600);
     tune_whole(true, RUNS);
     TEST_ASSERT_EQUAL(IDLE, tune_value("stage"));
     TEST_ASSERT_EQUAL(UNSURE, tune_value("verdict"));
     TEST_ASSERT_TRUE(value_of(1, "doubted") > 2);
+}
+
+static void where_the_search_is_unsure_shinskey_s_rule_is_tested_in_its_place(void)
+{
+    begin_with("sensitivity", 1, 7);
+    double before = mean_square(600);
+    set_block("confident 2");
+    tune_seconds(600);
+    tune_whole(true, RUNS);
+    TEST_ASSERT_EQUAL(RUNS, tune_value("stage"));
+    TEST_ASSERT_EQUAL(1, tune_value("by_rule"));
+    TEST_ASSERT_EQUAL(33, tune_value("case"));
+    TEST_ASSERT_DOUBLE_WITHIN(1e-5, value_of(1, "rule_k"), value_of(1, "found_k"));
+    tune_seconds(600);
+    double taken = 100 * (1 - mean_square(600) / before);
+    printf("by the rule less by %.1f %%, tested %.1f\n", taken, value_of(1, "promised"));
+    TEST_ASSERT_TRUE(taken > 60);
+    TEST_ASSERT_DOUBLE_WITHIN(8, taken, value_of(1, "promised"));
 }
 
 /* It rests when it is to be tested. */
@@ -406,6 +433,7 @@ int main(void)
     RUN_TEST(a_disturbance_that_stands_still_is_said_to);
     RUN_TEST(a_loop_that_nothing_moves_is_said_to_be_still);
     RUN_TEST(where_it_must_be_surer_it_says_unsure);
+    RUN_TEST(where_the_search_is_unsure_shinskey_s_rule_is_tested_in_its_place);
     RUN_TEST(a_candidate_that_nothing_comes_to_test_is_not_adopted);
     RUN_TEST(a_sensor_that_lies_from_the_test_on_is_not_adopted_for);
     RUN_TEST(what_cannot_be_right_is_refused_with_what_would_be);
