@@ -33,7 +33,7 @@ static unsigned known_points(const struct tune *t, bool of_path, real_t *omega, 
 }
 
 /* Of the fit, a piece. False: there is no model. */
-static bool fit_of_path_piece(struct tune *t, bool of_path, bool *more)
+static bool model_fit_piece(struct tune *t, bool of_path, bool *more)
 {
     struct cplx g[FEEDFORWARD_POINTS];
     real_t omega[FEEDFORWARD_POINTS], reach = t->h_s * (real_t)(SHADOW_REACH - 2u);
@@ -47,12 +47,13 @@ static bool fit_of_path_piece(struct tune *t, bool of_path, bool *more)
     if (*more)
         return true;
     t->fitting = false;
-    return t->fit.error < OFF_MOST && t->fit.best.time_constant_s * omega[0] < INTEGRATES;
+    return t->fit.error < OFF_MOST &&
+           t->fit.best.time_constant_s * t->omega[t->band_from] < INTEGRATES;
 }
 
 enum tune_verdict tune_process_piece(struct tune *t, bool *more)
 {
-    if (!fit_of_path_piece(t, false, more))
+    if (!model_fit_piece(t, false, more))
         return TUNE_NO_MODEL;
     if (*more)
         return TUNE_NONE;
@@ -70,7 +71,7 @@ static struct fopdt for_rules(const struct tune *t, struct fopdt m)
     return m;
 }
 
-static real_t kept_within(real_t x, real_t least, real_t most)
+static real_t bounded_number(real_t x, real_t least, real_t most)
 {
     return x < least ? least : x > most ? most : x;
 }
@@ -78,14 +79,14 @@ static real_t kept_within(real_t x, real_t least, real_t most)
 /* What the element can be: no lead below 0, and no more than `kick` and the search are allowed. A lag is made longer before a lead is cut. */
 static struct feedforward_shape element_from(const struct tune *t, const struct feedforward_rule *r)
 {
-    real_t h = t->tick_s, kick = t->s.kick, lead = kept_within(r->lead_s, ZERO, REAL_C(1e6));
-    real_t lag =
-        kept_within(r->lag_s, kept_within((lead + h) / kick - h, ZERO, REAL_C(1e6)), REAL_C(1e6));
-    lag = kept_within(lag, ZERO, t->s.lag_most_s);
-    return (struct feedforward_shape){.k = kept_within(r->gain, REAL_C(-100.0), REAL_C(100.0)),
-                                      .lead = kept_within(lead, ZERO, kick * (lag + h) - h),
+    real_t h = t->tick_s, kick = t->s.kick, lead = bounded_number(r->lead_s, ZERO, REAL_C(1e6));
+    real_t lag = bounded_number(r->lag_s, bounded_number((lead + h) / kick - h, ZERO, REAL_C(1e6)),
+                                REAL_C(1e6));
+    lag = bounded_number(lag, ZERO, t->s.lag_most_s);
+    return (struct feedforward_shape){.k = bounded_number(r->gain, REAL_C(-100.0), REAL_C(100.0)),
+                                      .lead = bounded_number(lead, ZERO, kick * (lag + h) - h),
                                       .lag = lag,
-                                      .dead = kept_within(r->dead_s, ZERO, t->wanted.dead_most)};
+                                      .dead = bounded_number(r->dead_s, ZERO, t->wanted.dead_most)};
 }
 
 static void make_rule(struct tune *t)
@@ -107,7 +108,7 @@ static void make_rule(struct tune *t)
 
 void tune_path_piece(struct tune *t, bool *more)
 {
-    if (!fit_of_path_piece(t, true, more)) {
+    if (!model_fit_piece(t, true, more)) {
         t->fitting = *more = false;
         return;
     }
