@@ -4,6 +4,7 @@
 
 #include <string.h>
 
+#include "block/refuse.h"
 #include "num/real.h"
 
 #define PLACE(field) offsetof(struct gmv_settings, field)
@@ -184,29 +185,22 @@ void gmv_supervise_config_of(const struct block_setup *setup, struct gmv_supervi
 
 /* ---- check ---- */
 
-static enum err refuse_setting(struct block_fault *fault, unsigned member, const char *field,
-                               const char *wanted)
-{
-    *fault = (struct block_fault){.member = (uint8_t)member, .field = field, .wanted = wanted};
-    return ERR_RANGE;
-}
-
 static enum err check_signals(const struct block_setup *setup, struct block_fault *fault)
 {
     if (setup->members < 1 || setup->members > GMV_LOOPS)
-        return refuse_setting(fault, 0, "loops", "needs one or two");
+        return block_refuse(fault, 0, "loops", "needs one or two");
     for (unsigned k = 0; k < setup->members; k++)
         if ((setup->there & (1u << k)) && !setup->member[k].drives_mv)
-            return refuse_setting(fault, k, "loops", "needs loops that drive an MV themselves");
+            return block_refuse(fault, k, "loops", "needs loops that drive an MV themselves");
     if (setup->inputs < setup->members)
-        return refuse_setting(fault, 0, "inputs", "needs the PVs of its loops, in their order");
+        return block_refuse(fault, 0, "inputs", "needs the PVs of its loops, in their order");
     if (setup->inputs > setup->members + GMV_DISTURBANCES)
-        return refuse_setting(fault, 0, "inputs",
-                              "needs no more than two disturbances behind the PVs");
+        return block_refuse(fault, 0, "inputs",
+                            "needs no more than two disturbances behind the PVs");
     for (unsigned k = 0; k < setup->members; k++)
         if (setup->input[k].is_mv || setup->input[k].lo != setup->pv[k].lo ||
             setup->input[k].hi != setup->pv[k].hi)
-            return refuse_setting(fault, k, "inputs", "needs the PVs of its loops, in their order");
+            return block_refuse(fault, k, "inputs", "needs the PVs of its loops, in their order");
     return ERR_OK;
 }
 
@@ -218,16 +212,16 @@ static enum err check_numbers(const struct block_setup *setup, struct block_faul
     const struct gmv_settings *c = setup->settings;
     for (unsigned i = 0; i < setup->members; i++) {
         if (!(real_abs(c->tune_gain[i]) >= 1e-6f))
-            return refuse_setting(fault, i, "tune_gain", "needs a gain for each PI, and its sign");
+            return block_refuse(fault, i, "tune_gain", "needs a gain for each PI, and its sign");
         if (c->tune_ti_s[i] > 0 && c->tune_ti_s[i] < 0.01f)
-            return refuse_setting(fault, i, "tune_ti", "must be 0, or 0.01 s or more");
+            return block_refuse(fault, i, "tune_ti", "must be 0, or 0.01 s or more");
         float lambda = c->weight == GMV_WORD_RELATIVE ? 1 : c->tune_gain[i];
         if (c->lambda[i] * lambda < 0)
-            return refuse_setting(fault, i, "lambda",
-                                  "must have the sign of tune_gain, and none if relative");
+            return block_refuse(fault, i, "lambda",
+                                "must have the sign of tune_gain, and none if relative");
     }
     if (setup->interval_s > 0 && steps_of(c->check_time_s, setup->interval_s) < CHECK_STEPS_LEAST)
-        return refuse_setting(fault, 0, "check_time", "must be ten steps or more");
+        return block_refuse(fault, 0, "check_time", "must be ten steps or more");
     return ERR_OK;
 }
 
@@ -246,7 +240,7 @@ enum err gmv_settings_check(const struct block_setup *setup, struct block_fault 
     if (err) {
         if (strcmp(field, "sigma0") == 0)
             field = "memory";
-        (void)refuse_setting(fault, loop, field, wanted);
+        (void)block_refuse(fault, loop, field, wanted);
         fault->must_be = strncmp(wanted, "needs", 5) != 0 && strncmp(wanted, "must", 4) != 0 &&
                          strncmp(wanted, "makes", 5) != 0; /* a range */
     }

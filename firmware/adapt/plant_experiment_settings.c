@@ -3,6 +3,7 @@
 #if CONFIG_EXPERIMENT
 
 #include "base/workspace.h"
+#include "block/refuse.h"
 #include "block/step_period.h"
 
 #define PLACE(field) offsetof(struct experiment_settings, field)
@@ -89,23 +90,15 @@ uint32_t experiment_samples(const struct experiment_settings *s)
 
 /* ---- check ---- */
 
-static enum err refuse_experiment(struct block_fault *fault, unsigned which, const char *field,
-                                  const char *wanted)
-{
-    *fault = (struct block_fault){.member = (uint8_t)which, .field = field, .wanted = wanted};
-    return ERR_RANGE;
-}
-
 static enum err check_experiment_inputs(const struct block_setup *setup, struct block_fault *fault)
 {
     unsigned n = setup->inputs / 2u;
     if (setup->inputs != 2u * n || n < 1 || n > EXPERIMENT_MOST)
-        return refuse_experiment(fault, 0, "inputs",
-                                 "needs one to four measurements, then as many MVs");
+        return block_refuse(fault, 0, "inputs", "needs one to four measurements, then as many MVs");
     for (unsigned k = 0; k < 2u * n; k++)
         if (setup->input[k].is_mv != (k >= n))
-            return refuse_experiment(fault, k, "inputs",
-                                     "needs one to four measurements, then as many MVs");
+            return block_refuse(fault, k, "inputs",
+                                "needs one to four measurements, then as many MVs");
     return ERR_OK;
 }
 
@@ -120,12 +113,12 @@ static enum err check_sizes(const struct block_setup *setup, struct block_fault 
     unsigned n = setup->inputs / 2u;
     for (unsigned k = 0; k < n; k++) {
         if (!(s->amplitude[k] > 0 && s->amplitude[k] <= 0.5f * span_of_input(setup, n + k)))
-            return refuse_experiment(fault, k, "amplitude",
-                                     "must be above 0, to half the span, for each MV");
+            return block_refuse(fault, k, "amplitude",
+                                "must be above 0, to half the span, for each MV");
         if (s->reach[k] > 0 && s->reach[k] < s->amplitude[k])
-            return refuse_experiment(fault, k, "reach", "must be 0, or the amplitude or more");
+            return block_refuse(fault, k, "reach", "must be 0, or the amplitude or more");
         if (!(s->band[k] > 0))
-            return refuse_experiment(fault, k, "band", "needs a limit for each measurement");
+            return block_refuse(fault, k, "band", "needs a limit for each measurement");
     }
     return ERR_OK;
 }
@@ -139,12 +132,12 @@ static enum err check_length(const struct block_setup *setup, struct block_fault
     unsigned n = setup->inputs / 2u;
     uint32_t samples = experiment_samples(s);
     if (samples > 65535u || experiment_job_bytes(n, samples) > WORKSPACE_BYTES)
-        return refuse_experiment(fault, 0, "bits",
-                                 "makes, with clock and periods, a record that does not fit in the "
-                                 "board's workspace");
+        return block_refuse(fault, 0, "bits",
+                            "makes, with clock and periods, a record that does not fit in the "
+                            "board's workspace");
     if (samples / 3u < s->na + n * s->nb + ROWS_LEAST)
-        return refuse_experiment(fault, 0, "bits",
-                                 "makes, with clock and periods, too few samples for na and nb");
+        return block_refuse(fault, 0, "bits",
+                            "makes, with clock and periods, too few samples for na and nb");
     return ERR_OK;
 }
 
@@ -155,9 +148,9 @@ enum err experiment_check(const struct block_setup *setup, struct block_fault *f
     if (err)
         return err;
     if (!(ticks >= 0.999f && ticks <= 10000.0f))
-        return refuse_experiment(fault, 0, "period", "must be 1 to 10000 base ticks");
+        return block_refuse(fault, 0, "period", "must be 1 to 10000 base ticks");
     if (!step_period_is_whole(ticks))
-        return refuse_experiment(fault, 0, "period", "must be a whole number of base ticks");
+        return block_refuse(fault, 0, "period", "must be a whole number of base ticks");
     err = check_sizes(setup, fault);
     return err ? err : check_length(setup, fault);
 }

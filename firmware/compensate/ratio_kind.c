@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "base/channel.h"
+#include "block/refuse.h"
 #include "signal/lag.h"
 
 /* What goes back through the ratio stays within what Q7.24 holds, with some room. */
@@ -43,13 +44,6 @@ static uint32_t ratio_bytes(const struct block_setup *setup)
     return (uint32_t)((sizeof(struct ratio) + 7u) & ~(size_t)7u);
 }
 
-static enum err refuse_ratio(struct block_fault *fault, unsigned member, const char *field,
-                             const char *wanted)
-{
-    *fault = (struct block_fault){.member = (uint8_t)member, .field = field, .wanted = wanted};
-    return ERR_RANGE;
-}
-
 static float ratio_size(float x)
 {
     return x < 0 ? -x : x;
@@ -59,19 +53,19 @@ static enum err ratio_check(const struct block_setup *setup, struct block_fault 
 {
     const struct ratio_settings *c = setup->settings;
     if (setup->members < 1 || setup->members > RATIO_LOOPS)
-        return refuse_ratio(fault, 0, "loops", "needs one or two");
+        return block_refuse(fault, 0, "loops", "needs one or two");
     if (setup->inputs != 1)
-        return refuse_ratio(fault, 0, "inputs", "needs the feed, and nothing else");
+        return block_refuse(fault, 0, "inputs", "needs the feed, and nothing else");
     if (!(c->at > 0))
-        return refuse_ratio(fault, 0, "at", "must be above 0");
+        return block_refuse(fault, 0, "at", "must be above 0");
     const struct block_signal *feed = &setup->input[0];
     if (!(ratio_size(feed->lo) <= NUM_MAX_MAGNITUDE * c->at &&
           feed->hi - feed->lo <= NUM_MAX_MAGNITUDE * c->at))
-        return refuse_ratio(fault, 0, "at", "must be a hundredth of the feed's span or more");
+        return block_refuse(fault, 0, "at", "must be a hundredth of the feed's span or more");
     for (unsigned k = 0; k < setup->members; k++)
         if ((setup->there & (1u << k)) &&
             !((setup->member[k].out_reach + ratio_size(c->zero)) <= BACK_MOST * c->lo))
-            return refuse_ratio(fault, k, "lo", "is too small for what the loop's MV may be");
+            return block_refuse(fault, k, "lo", "is too small for what the loop's MV may be");
     return ERR_OK;
 }
 

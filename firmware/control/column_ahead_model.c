@@ -43,10 +43,7 @@ void ahead_model_rest(struct ahead_model *m)
 enum err ahead_model_begin(struct ahead_model *m, const struct column_record *record,
                            real_t *numbers)
 {
-    struct column_fault fault;
-    enum err err = column_record_read(record, &m->table, &fault);
-    if (!err)
-        err = column_init(&m->column, &m->table.config, &fault);
+    enum err err = column_record_open(record, &m->table, &m->column);
     if (err)
         return err;
     place_numbers(m, numbers);

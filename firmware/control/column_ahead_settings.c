@@ -1,6 +1,8 @@
 /* Parameters of the kind `ahead`, and what is refused. */
 #include "control/column_ahead_block.h"
 
+#include "block/refuse.h"
+
 #if CONFIG_BLOCKS
 
 #define AT(field) offsetof(struct ahead_settings, field)
@@ -43,13 +45,6 @@ const struct block_parameter ahead_parameters[AHEAD_PARAMETERS] = {
      0, 1, 0.4f},
 };
 
-static enum err refuse_ahead(struct block_fault *fault, unsigned member, const char *field,
-                             const char *wanted)
-{
-    *fault = (struct block_fault){.member = (uint8_t)member, .field = field, .wanted = wanted};
-    return ERR_RANGE;
-}
-
 static bool is_flow(uint8_t is)
 {
     return is == AHEAD_FEED || is == AHEAD_REFLUX || is == AHEAD_HEAT || is == AHEAD_BOILUP;
@@ -61,16 +56,16 @@ static enum err check_stage(const struct block_setup *setup, const struct column
     const struct ahead_settings *s = setup->settings;
     unsigned stage = s->place[k][AHEAD_STAGE], component = s->place[k][AHEAD_COMPONENT];
     if (setup->input[k].is_mv)
-        return refuse_ahead(fault, 0, "is", "says of an MV that it is of a stage");
+        return block_refuse(fault, 0, "is", "says of an MV that it is of a stage");
     if (stage < 1 || stage > table->config.stages)
-        return refuse_ahead(fault, 0, "place", "needs a stage, 1 to that of the condenser");
+        return block_refuse(fault, 0, "place", "needs a stage, 1 to that of the condenser");
     if (component < 1 || component > table->config.components - 1)
-        return refuse_ahead(fault, 0, "place",
+        return block_refuse(fault, 0, "place",
                             "needs a component of the table, not the closing one");
     for (unsigned i = 0; i < k; i++)
         if (ahead_is_of_stage(s->is[i]) && s->place[i][AHEAD_STAGE] == stage &&
             s->place[i][AHEAD_COMPONENT] == component)
-            return refuse_ahead(fault, 0, "place", "must have each stage and component once");
+            return block_refuse(fault, 0, "place", "must have each stage and component once");
     return ERR_OK;
 }
 
@@ -82,15 +77,15 @@ static enum err check_drive(const struct block_setup *setup, const struct column
     for (unsigned i = 0; i < k; i++)
         if (s->is[i] == s->is[k] &&
             (!of_component || s->place[i][AHEAD_COMPONENT] == s->place[k][AHEAD_COMPONENT]))
-            return refuse_ahead(fault, 0, "is", "must have each but those of stages once");
+            return block_refuse(fault, 0, "is", "must have each but those of stages once");
     if (of_component && (s->place[k][AHEAD_COMPONENT] < 1 ||
                          s->place[k][AHEAD_COMPONENT] > table->config.components - 1))
-        return refuse_ahead(fault, 0, "place",
+        return block_refuse(fault, 0, "place",
                             "needs a component of the table, not the closing one");
     const char *wanted =
         of_component ? NULL
                      : column_drive_refused(table, (enum column_drive)(s->is[k] - AHEAD_FEED));
-    return wanted ? refuse_ahead(fault, 0, "is", wanted) : ERR_OK;
+    return wanted ? block_refuse(fault, 0, "is", wanted) : ERR_OK;
 }
 
 static enum err check_ahead_loop(const struct block_setup *setup, const struct column_table *table,
@@ -99,22 +94,22 @@ static enum err check_ahead_loop(const struct block_setup *setup, const struct c
     const struct ahead_settings *s = setup->settings;
     unsigned k = s->moves[i], stage = s->target[i][AHEAD_STAGE];
     if (!setup->member[i].drives_mv)
-        return refuse_ahead(fault, i, "loops", "needs loops that move an MV, not another loop");
+        return block_refuse(fault, i, "loops", "needs loops that move an MV, not another loop");
     if (k < 1 || k > setup->inputs || !setup->input[k - 1].is_mv || !is_flow(s->is[k - 1]))
-        return refuse_ahead(
+        return block_refuse(
             fault, i, "moves",
             "needs the number of an input that is the loop's MV: feed, reflux, heat "
             "or boilup");
     for (unsigned j = 0; j < i; j++)
         if (s->moves[j] == k)
-            return refuse_ahead(fault, i, "moves", "must have another MV for each loop");
+            return block_refuse(fault, i, "moves", "must have another MV for each loop");
     if (stage < 1 || stage > table->config.stages)
-        return refuse_ahead(fault, i, "target", "needs a stage, 1 to that of the condenser");
+        return block_refuse(fault, i, "target", "needs a stage, 1 to that of the condenser");
     if (s->target[i][AHEAD_COMPONENT] > table->config.components - 1)
-        return refuse_ahead(fault, i, "target",
+        return block_refuse(fault, i, "target",
                             "must have a component of the table, not the closing one, or 0");
     if (!(s->tau_s[i] > 0))
-        return refuse_ahead(fault, i, "tau", "must be above 0: the loop's time constant");
+        return block_refuse(fault, i, "tau", "must be above 0: the loop's time constant");
     return ERR_OK;
 }
 
@@ -132,15 +127,15 @@ enum err ahead_check(const struct block_setup *setup, struct block_fault *fault)
     struct column_table table;
     struct column_fault reason;
     if (setup->members < 1 || setup->members > AHEAD_LOOPS)
-        return refuse_ahead(fault, 0, "loops", "needs one to four");
+        return block_refuse(fault, 0, "loops", "needs one to four");
     if (!setup->named || !s->column)
-        return refuse_ahead(fault, 0, "column", "needs the number of a block of the kind column");
+        return block_refuse(fault, 0, "column", "needs the number of a block of the kind column");
     if (column_record_read(setup->named, &table, &reason))
-        return refuse_ahead(fault, 0, "column", "must name a block with a table that is in order");
+        return block_refuse(fault, 0, "column", "must name a block with a table that is in order");
     if (table.truncated[0] || table.truncated[1])
-        return refuse_ahead(fault, 0, "column", "must be a table without truncated stages");
+        return block_refuse(fault, 0, "column", "must be a table without truncated stages");
     if (s->basis == AHEAD_MASS && !has_masses(&table))
-        return refuse_ahead(fault, 0, "basis", "must be mole where the table has no molar masses");
+        return block_refuse(fault, 0, "basis", "must be mole where the table has no molar masses");
     enum err err = ERR_OK;
     for (unsigned k = 0; !err && k < setup->inputs; k++)
         err = ahead_is_of_stage(s->is[k]) ? check_stage(setup, &table, k, fault)

@@ -3,6 +3,7 @@
 
 #if CONFIG_BLOCKS
 
+#include "block/refuse.h"
 #include "num/real.h"
 
 #define PLACE(field) offsetof(struct inferential_settings, field)
@@ -123,13 +124,6 @@ void inferential_config_of(const struct block_setup *setup, unsigned k,
 
 /* ---- check ---- */
 
-static enum err refuse_inferential(struct block_fault *fault, unsigned member, const char *field,
-                                   const char *wanted)
-{
-    *fault = (struct block_fault){.member = (uint8_t)member, .field = field, .wanted = wanted};
-    return ERR_RANGE;
-}
-
 static bool uses_second_of(const struct inferential_settings *c, unsigned k)
 {
     return c->law[k] == LAW_CASCADE || c->law[k] == LAW_CLF;
@@ -138,25 +132,22 @@ static bool uses_second_of(const struct inferential_settings *c, unsigned k)
 static enum err check_inputs(const struct block_setup *setup, struct block_fault *fault)
 {
     if (setup->members < 1 || setup->members > INFERENTIAL_LOOPS)
-        return refuse_inferential(fault, 0, "loops", "needs one or two");
+        return block_refuse(fault, 0, "loops", "needs one or two");
     if (setup->inputs < setup->members)
-        return refuse_inferential(fault, 0, "inputs",
-                                  "needs the MV of each loop last, in their order");
+        return block_refuse(fault, 0, "inputs", "needs the MV of each loop last, in their order");
     unsigned seconds = setup->inputs - (unsigned)setup->members;
     if (seconds > INFERENTIAL_LOOPS)
-        return refuse_inferential(fault, 0, "inputs",
-                                  "needs no more than two secondary temperatures");
+        return block_refuse(fault, 0, "inputs", "needs no more than two secondary temperatures");
     for (unsigned j = 0; j < seconds; j++)
         if (setup->input[j].is_mv)
-            return refuse_inferential(fault, 0, "inputs",
-                                      "needs temperatures, then the MV of each loop");
+            return block_refuse(fault, 0, "inputs", "needs temperatures, then the MV of each loop");
     for (unsigned k = 0; k < setup->members; k++)
         if ((setup->there & (1u << k)) &&
             setup->input[seconds + k].is_mv != setup->member[k].drives_mv)
-            return refuse_inferential(fault, k, "inputs",
-                                      setup->member[k].drives_mv
-                                          ? "needs the MV of each loop last, in their order"
-                                          : "needs the PV of the loop that is driven, as its MV");
+            return block_refuse(fault, k, "inputs",
+                                setup->member[k].drives_mv
+                                    ? "needs the MV of each loop last, in their order"
+                                    : "needs the PV of the loop that is driven, as its MV");
     return ERR_OK;
 }
 
@@ -167,9 +158,9 @@ static enum err check_stages(const struct block_setup *setup, struct block_fault
     for (unsigned k = 0; k < setup->members; k++) {
         uint16_t own = c->stage[k][PRIMARY], second = c->stage[k][SECONDARY];
         if (own && own == second)
-            return refuse_inferential(fault, k, "stage", "needs two different stages for a loop");
+            return block_refuse(fault, k, "stage", "needs two different stages for a loop");
         if (k && own && own == c->stage[0][PRIMARY])
-            return refuse_inferential(fault, k, "stage", "needs a stage of its own for each loop");
+            return block_refuse(fault, k, "stage", "needs a stage of its own for each loop");
     }
     return ERR_OK;
 }
@@ -179,11 +170,10 @@ static enum err check_slope(const struct inferential_settings *c, unsigned k, un
 {
     float told = c->moves[k] == MOVES_HEAT ? -c->gradient[k][i] : c->gradient[k][i];
     if (slope_of(c, k, i) == 0)
-        return refuse_inferential(fault, k, "a",
-                                  "needs a slope, or moves, gradient, holdup and flow");
+        return block_refuse(fault, k, "a", "needs a slope, or moves, gradient, holdup and flow");
     if (c->moves[k] != MOVES_NONE && c->a[k][i] * told < 0)
-        return refuse_inferential(fault, k, "a",
-                                  "has the wrong sign for its gradient: positive feedback");
+        return block_refuse(fault, k, "a",
+                            "has the wrong sign for its gradient: positive feedback");
     return ERR_OK;
 }
 
@@ -192,9 +182,9 @@ static enum err check_gains(const struct inferential_settings *c, unsigned k,
 {
     float most = fastest_observer(c, k);
     if (!(c->w[k] > 0) && !(c->kc[k] > 0))
-        return refuse_inferential(fault, k, "w", "must be above 0, or kc given");
+        return block_refuse(fault, k, "w", "must be above 0, or kc given");
     if (most > 0 && c->ko[k] > most)
-        return refuse_inferential(fault, k, "ko", "must be a third of wh or less");
+        return block_refuse(fault, k, "ko", "must be a third of wh or less");
     return ERR_OK;
 }
 
@@ -203,7 +193,7 @@ static enum err check_signs(const struct inferential_settings *c, unsigned k,
                             struct block_fault *fault)
 {
     if (slope_of(c, k, PRIMARY) * slope_of(c, k, SECONDARY) < 0)
-        return refuse_inferential(fault, k, "a", "needs slopes of the same sign in a loop");
+        return block_refuse(fault, k, "a", "needs slopes of the same sign in a loop");
     return ERR_OK;
 }
 
@@ -219,8 +209,7 @@ static enum err check_loop(const struct block_setup *setup, unsigned k, struct b
         err = check_slope(c, k, PRIMARY, fault);
     if (!err && uses_second_of(c, k)) {
         if (inferential_second(setup, k) == INFERENTIAL_NONE)
-            return refuse_inferential(fault, k, "inputs",
-                                      "needs the secondary temperature of its law");
+            return block_refuse(fault, k, "inputs", "needs the secondary temperature of its law");
         err = check_slope(c, k, SECONDARY, fault);
         if (!err)
             err = check_signs(c, k, fault);
@@ -229,7 +218,7 @@ static enum err check_loop(const struct block_setup *setup, unsigned k, struct b
         return err;
     inferential_config_of(setup, k, &config);
     const char *wrong = inferential_wrong(&config, &field);
-    return wrong ? refuse_inferential(fault, k, field, wrong) : ERR_OK;
+    return wrong ? block_refuse(fault, k, field, wrong) : ERR_OK;
 }
 
 enum err inferential_check(const struct block_setup *setup, struct block_fault *fault)

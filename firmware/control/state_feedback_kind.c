@@ -4,6 +4,7 @@
 
 #include <string.h>
 
+#include "block/refuse.h"
 #include "control/state_law.h"
 #include "num/accumulator.h"
 #include "num/solve_small.h"
@@ -76,13 +77,6 @@ static uint32_t state_feedback_bytes(const struct block_setup *setup)
     return (uint32_t)((sizeof(struct state_feedback) + 7u) & ~(size_t)7u);
 }
 
-static enum err refuse_state_feedback(struct block_fault *fault, unsigned member, const char *field,
-                                      const char *wanted)
-{
-    *fault = (struct block_fault){.member = (uint8_t)member, .field = field, .wanted = wanted};
-    return ERR_RANGE;
-}
-
 static bool is_empty(const float *row, unsigned from, unsigned to)
 {
     for (unsigned k = from; k < to; k++)
@@ -105,16 +99,16 @@ static enum err check_row(const struct state_rows *rows, const struct block_setu
     const float *f = rows->f + (size_t)i * INPUTS, *g = rows->g + (size_t)i * rows->loops;
     unsigned n = setup->members, inputs = setup->inputs;
     if (!is_empty(f, inputs, INPUTS))
-        return refuse_state_feedback(fault, i, "f", "has no more columns than there are inputs");
+        return block_refuse(fault, i, "f", "has no more columns than there are inputs");
     if (!is_empty(g, n, rows->loops))
-        return refuse_state_feedback(fault, i, "g", "has no more columns than there are loops");
+        return block_refuse(fault, i, "g", "has no more columns than there are loops");
     if (!(magnitudes_of(f, inputs) + magnitudes_of(g, n) <= ROW_MOST))
-        return refuse_state_feedback(
+        return block_refuse(
             fault, i, "f",
             "needs rows that add up to 16000 at most with those of G, signs left aside");
     if (is_empty(g, 0, n))
-        return refuse_state_feedback(fault, i, "g",
-                                     "needs an element in every row: each MV follows a setpoint");
+        return block_refuse(fault, i, "g",
+                            "needs an element in every row: each MV follows a setpoint");
     return ERR_OK;
 }
 
@@ -128,7 +122,7 @@ static enum err check_rows(const struct state_rows *rows, const struct block_set
     for (unsigned i = n; i < rows->loops && !err; i++)
         if (!is_empty(rows->f + (size_t)i * INPUTS, 0, INPUTS) ||
             !is_empty(rows->g + (size_t)i * rows->loops, 0, rows->loops))
-            err = refuse_state_feedback(fault, 0, "loops", "needs as many as there are rows");
+            err = block_refuse(fault, 0, "loops", "needs as many as there are rows");
     return err;
 }
 
@@ -138,17 +132,16 @@ static enum err state_feedback_check(const struct block_setup *setup, struct blo
     struct state_rows rows = law_rows(setup);
     unsigned n = setup->members;
     if (n < 1 || n > LOOPS)
-        return refuse_state_feedback(fault, 0, "loops", "needs one to four");
+        return block_refuse(fault, 0, "loops", "needs one to four");
     if (setup->inputs < 1)
-        return refuse_state_feedback(fault, 0, "inputs", "needs the states that F is for");
+        return block_refuse(fault, 0, "inputs", "needs the states that F is for");
     if (!c->law)
         return check_rows(&rows, setup, fault);
     if (!is_empty(c->f[0], 0, LOOPS * INPUTS) || !is_empty(c->g[0], 0, LOOPS * LOOPS) ||
         !is_empty(c->ti_s, 0, LOOPS) || !is_empty(c->td_s, 0, LOOPS))
-        return refuse_state_feedback(fault, 0, "law",
-                                     "must be 0, or f, g, ti and td: those of one count");
+        return block_refuse(fault, 0, "law", "must be 0, or f, g, ti and td: those of one count");
     if (n > rows.loops)
-        return refuse_state_feedback(fault, 0, "loops", "needs one or two where law is set");
+        return block_refuse(fault, 0, "loops", "needs one or two where law is set");
     return is_whole(setup) ? check_rows(&rows, setup, fault) : ERR_OK;
 }
 

@@ -19,9 +19,7 @@
 enum err state_law_linear_begin(struct state_law_linear *l, const struct column_record *record)
 {
     struct column_fault fault;
-    enum err err = column_record_read(record, &l->table, &fault);
-    if (!err)
-        err = column_init(&l->column, &l->table.config, &fault);
+    enum err err = column_record_open(record, &l->table, &l->column);
     if (err)
         return err;
     size_t n = l->column.n_fractions;

@@ -4,6 +4,7 @@
 #if CONFIG_BLOCKS
 
 #include "base/workspace.h"
+#include "block/refuse.h"
 
 #define AT(field) offsetof(struct state_law_settings, field)
 #define FOUND(id, field, name)                                                                     \
@@ -54,13 +55,6 @@ const struct block_parameter state_law_parameters[STATE_LAW_PARAMETERS] = {
 };
 _Static_assert(STATE_LAW_LOOPS == 2 && STATE_FEEDBACK_INPUTS == 8, "rows of the law");
 
-static enum err refuse_law_setting(struct block_fault *fault, unsigned member, const char *field,
-                                   const char *wanted)
-{
-    *fault = (struct block_fault){.member = (uint8_t)member, .field = field, .wanted = wanted};
-    return ERR_RANGE;
-}
-
 static enum err check_law_inputs(const struct block_setup *setup, struct block_fault *fault)
 {
     unsigned loops = state_law_loops(setup->input, setup->inputs), others = setup->inputs - loops;
@@ -69,9 +63,9 @@ static enum err check_law_inputs(const struct block_setup *setup, struct block_f
     for (unsigned k = 0; in_order && k < setup->inputs; k++)
         in_order = setup->input[k].is_mv == (k >= others);
     return in_order ? ERR_OK
-                    : refuse_law_setting(fault, 0, "inputs",
-                                         "needs the measurements of one or two loops, further ones "
-                                         "to 8 in all, then as many MVs as loops");
+                    : block_refuse(fault, 0, "inputs",
+                                   "needs the measurements of one or two loops, further ones "
+                                   "to 8 in all, then as many MVs as loops");
 }
 
 static enum err check_law_stage(const struct block_setup *setup, const struct column_table *table,
@@ -80,15 +74,15 @@ static enum err check_law_stage(const struct block_setup *setup, const struct co
     const struct state_law_settings *s = setup->settings;
     const uint16_t *place = s->place[k];
     if (setup->input[k].is_mv)
-        return refuse_law_setting(fault, 0, "is",
-                                  "must be reflux, heat, boilup or feed where the input is an MV");
+        return block_refuse(fault, 0, "is",
+                            "must be reflux, heat, boilup or feed where the input is an MV");
     if (place[STATE_LAW_STAGE] < 1 || place[STATE_LAW_STAGE] > table->config.stages)
-        return refuse_law_setting(fault, 0, "place",
-                                  "needs a stage, 1 to that of the condenser, for each "
-                                  "temperature and fraction");
+        return block_refuse(fault, 0, "place",
+                            "needs a stage, 1 to that of the condenser, for each "
+                            "temperature and fraction");
     if (s->is[k] == STATE_LAW_FRACTION &&
         (place[STATE_LAW_COMPONENT] < 1 || place[STATE_LAW_COMPONENT] > table->config.components))
-        return refuse_law_setting(fault, 0, "place", "needs a component of the table");
+        return block_refuse(fault, 0, "place", "needs a component of the table");
     return ERR_OK;
 }
 
@@ -105,27 +99,26 @@ static enum err check_law_drive(const struct block_setup *setup, const struct co
     const uint16_t *place = s->place[k];
     bool of_feed = s->is[k] == STATE_LAW_FEED_FRACTION;
     if (k < state_law_loops(setup->input, setup->inputs))
-        return refuse_law_setting(fault, k, "is",
-                                  "must be temperature or fraction of what a loop controls");
+        return block_refuse(fault, k, "is",
+                            "must be temperature or fraction of what a loop controls");
     if (setup->input[k].is_mv && !is_law_flow(s->is[k]))
-        return refuse_law_setting(fault, 0, "is",
-                                  "must be reflux, heat, boilup or feed where the input is an MV");
+        return block_refuse(fault, 0, "is",
+                            "must be reflux, heat, boilup or feed where the input is an MV");
     for (unsigned i = 0; i < k; i++)
         if (s->is[i] == s->is[k] &&
             (!of_feed || s->place[i][STATE_LAW_COMPONENT] == place[STATE_LAW_COMPONENT]))
-            return refuse_law_setting(fault, 0, "is", "must have each but those of stages once");
+            return block_refuse(fault, 0, "is", "must have each but those of stages once");
     if (of_feed && (place[STATE_LAW_COMPONENT] < 1 ||
                     place[STATE_LAW_COMPONENT] > table->config.components - 1))
-        return refuse_law_setting(fault, 0, "place",
-                                  "needs a component of the table, not the closing one");
+        return block_refuse(fault, 0, "place",
+                            "needs a component of the table, not the closing one");
     if (s->is[k] == (in->boilup_given ? STATE_LAW_HEAT : STATE_LAW_BOILUP))
-        return refuse_law_setting(fault, 0, "is",
-                                  "must have heat or boilup, whichever the table has");
+        return block_refuse(fault, 0, "is", "must have heat or boilup, whichever the table has");
     if (s->is[k] == (in->feed_state == COLUMN_FEED_TEMPERATURE ? STATE_LAW_FEED_QUALITY
                                                                : STATE_LAW_FEED_TEMPERATURE))
-        return refuse_law_setting(fault, 0, "is",
-                                  "must have the feed's temperature or quality, whichever the "
-                                  "table has");
+        return block_refuse(fault, 0, "is",
+                            "must have the feed's temperature or quality, whichever the "
+                            "table has");
     return ERR_OK;
 }
 
@@ -143,15 +136,13 @@ static enum err check_law_column(const struct block_setup *setup, struct block_f
     struct column_table table;
     struct column_fault reason;
     if (!setup->named || column_record_read(setup->named, &table, &reason))
-        return refuse_law_setting(fault, 0, "column",
-                                  "must name a block with a table that is in order");
+        return block_refuse(fault, 0, "column", "must name a block with a table that is in order");
     if (table.config.stages * (table.config.components - 1) > STATE_MODEL_STATES)
-        return refuse_law_setting(fault, 0, "column",
-                                  "must be of 16 mole fractions at most: stages times components "
-                                  "but one");
+        return block_refuse(fault, 0, "column",
+                            "must be of 16 mole fractions at most: stages times components "
+                            "but one");
     if (s->basis == STATE_LAW_MASS && has_no_masses(&table))
-        return refuse_law_setting(fault, 0, "basis",
-                                  "must be mole where the table has no molar masses");
+        return block_refuse(fault, 0, "basis", "must be mole where the table has no molar masses");
     enum err err = ERR_OK;
     for (unsigned k = 0; !err && k < setup->inputs; k++)
         err = state_law_is_of_stage(s->is[k]) ? check_law_stage(setup, &table, k, fault)
@@ -166,12 +157,12 @@ enum err state_law_check(const struct block_setup *setup, struct block_fault *fa
     if (err)
         return err;
     if (!(s->period_s >= 1e-3f))
-        return refuse_law_setting(fault, 0, "period", "must be the interval of the loops");
+        return block_refuse(fault, 0, "period", "must be the interval of the loops");
     for (unsigned i = 0; i < state_law_loops(setup->input, setup->inputs); i++)
         if (!(s->tau_s[i] > 0))
-            return refuse_law_setting(fault, i, "tau", "must be above 0: the loop's time constant");
+            return block_refuse(fault, i, "tau", "must be above 0: the loop's time constant");
     if (sizeof(struct state_law_job) > WORKSPACE_BYTES)
-        return refuse_law_setting(fault, 0, "column", "needs more workspace than this board has");
+        return block_refuse(fault, 0, "column", "needs more workspace than this board has");
     return s->column ? check_law_column(setup, fault) : ERR_OK;
 }
 

@@ -24,6 +24,9 @@ static inline uint32_t column_record_checksum(const struct column_record *record
  * as the table is used. Errors as column_table_read(). */
 MUST_CHECK enum err column_record_read(const struct column_record *record,
                                        struct column_table *table, struct column_fault *fault);
+/* The same, and the column of that table, which has to stay. Errors as column_record_read() and column_init(). */
+MUST_CHECK enum err column_record_open(const struct column_record *record,
+                                       struct column_table *table, struct column *column);
 
 extern const struct block_kind column_kind;
 

@@ -70,6 +70,14 @@ enum err column_record_read(const struct column_record *record, struct column_ta
     return column_table_read(&text, table, fault);
 }
 
+enum err column_record_open(const struct column_record *record, struct column_table *table,
+                            struct column *column)
+{
+    struct column_fault fault;
+    enum err err = column_record_read(record, table, &fault);
+    return err ? err : column_init(column, &table->config, &fault);
+}
+
 static uint32_t column_bytes(const struct block_setup *setup)
 {
     (void)setup;

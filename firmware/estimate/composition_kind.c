@@ -46,11 +46,8 @@ static void stand_here(struct composition_block *b)
 /* A column of the table that is named. Pointers into the record stay good: block.h. */
 static enum err take_column(struct composition_block *b, const struct column_record *record)
 {
-    struct column_fault fault;
     struct composition *c = &b->c;
-    enum err err = column_record_read(record, &c->table, &fault);
-    if (!err)
-        err = column_init(&c->column, &c->table.config, &fault);
+    enum err err = column_record_open(record, &c->table, &c->column);
     if (err)
         return err;
     c->inputs = c->table.nominal;

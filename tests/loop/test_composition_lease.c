@@ -47,20 +47,9 @@ static void filtering(const char *const *lines)
     board_forget();
 }
 
-/* An inner value of the filter. */
-static float value_of(const char *name)
-{
-    char text[60];
-    snprintf(text, sizeof text, "  %s = ", name);
-    ask_ok("block 2");
-    const char *at = strstr(board.said, text);
-    TEST_ASSERT_NOT_NULL_MESSAGE(at, board.said);
-    return strtof(at + strlen(text), NULL);
-}
-
 static bool has_workspace(void)
 {
-    return value_of("workspace") > 0;
+    return value_of(2, "workspace") > 0;
 }
 
 /* Everything that the filter tells of itself. */
@@ -90,9 +79,9 @@ static void estimates_are_good(void)
     ask_ok("block 2");
     plant_steps(1);
     TEST_ASSERT_FALSE(said("bad"));
-    TEST_ASSERT_FLOAT_WITHIN(0.05f, 0, value_of("feed_1"));
-    TEST_ASSERT_FLOAT_WITHIN(0.05f, 0, value_of("feed_flow"));
-    TEST_ASSERT_FLOAT_WITHIN(0.2f, 0, value_of("e_3"));
+    TEST_ASSERT_FLOAT_WITHIN(0.05f, 0, value_of(2, "feed_1"));
+    TEST_ASSERT_FLOAT_WITHIN(0.05f, 0, value_of(2, "feed_flow"));
+    TEST_ASSERT_FLOAT_WITHIN(0.2f, 0, value_of(2, "e_3"));
 }
 
 /* ---- start-up ---- */
@@ -130,7 +119,7 @@ static void given_free_start_up_runs_and_the_filter_takes_it_again_when_it_is_to
     plant_steps(2);
     TEST_ASSERT_TRUE(said("block2.lost"));
     TEST_ASSERT_FALSE(has_workspace());
-    uint32_t cycles = (uint32_t)value_of("cycles");
+    uint32_t cycles = (uint32_t)value_of(2, "cycles");
     ask_ok("commission begin");
     plant_steps(3);
     TEST_ASSERT_TRUE(phase_is("testing"));
@@ -140,8 +129,8 @@ static void given_free_start_up_runs_and_the_filter_takes_it_again_when_it_is_to
     TEST_ASSERT_TRUE_MESSAGE(said("BLOCK_REFUSED") && said("start-up"), board.said);
     plant_steps(60);
     TEST_ASSERT_TRUE(phase_is("testing"));
-    TEST_ASSERT_EQUAL(cycles, (uint32_t)value_of("cycles"));
-    TEST_ASSERT_FLOAT_WITHIN(0.2f, 0, value_of("e_3")); /* the last gains */
+    TEST_ASSERT_EQUAL(cycles, (uint32_t)value_of(2, "cycles"));
+    TEST_ASSERT_FLOAT_WITHIN(0.2f, 0, value_of(2, "e_3")); /* the last gains */
     ask_ok("commission abort");
     plant_steps(3);
     TEST_ASSERT_FALSE(has_workspace());
@@ -149,7 +138,7 @@ static void given_free_start_up_runs_and_the_filter_takes_it_again_when_it_is_to
     outputs();
     plant_steps(120);
     TEST_ASSERT_TRUE(has_workspace());
-    TEST_ASSERT_TRUE((uint32_t)value_of("cycles") > cycles + 100);
+    TEST_ASSERT_TRUE((uint32_t)value_of(2, "cycles") > cycles + 100);
     estimates_are_good();
 }
 
@@ -168,8 +157,8 @@ static void a_filter_that_finds_it_taken_says_so_and_takes_it_when_it_is_free(vo
     board_forget();
     plant_steps(100);
     TEST_ASSERT_TRUE_MESSAGE(said("block2.lost 0"), board.said);
-    TEST_ASSERT_EQUAL_FLOAT(0, value_of("workspace"));
-    TEST_ASSERT_EQUAL_FLOAT(0, value_of("cycles"));
+    TEST_ASSERT_EQUAL_FLOAT(0, value_of(2, "workspace"));
+    TEST_ASSERT_EQUAL_FLOAT(0, value_of(2, "cycles"));
     for (uint32_t i = 0; i < w->bytes; i++)
         TEST_ASSERT_EQUAL(0x5A, ((uint8_t *)memory)[i]);
     workspace_frees(w, OTHER, NULL);

@@ -65,6 +65,14 @@ class Tool(unittest.TestCase):
         self.refused(changed(outputs="T1,T1"), "none twice")
         self.refused(["kotyk-column", *WANTED[1:]], "kotyk-column")
         self.refused(["nowhere", *WANTED[1:]], "nowhere")
+        self.refused([*WANTED, "--key", "x"], "--to")
+        self.refused([*WANTED, "--out", "/none/there"], "cannot be written")
+
+    def test_a_file_is_one_transaction(self) -> None:
+        with tempfile.TemporaryDirectory(prefix="reflux-") as folder:
+            place = Path(folder) / "state.conf"
+            printed = told(*WANTED, "--out", str(place)).stdout.splitlines()
+            self.assertEqual(place.read_text(encoding="utf-8").splitlines(), ["begin", *(line for line in printed if line.startswith("set ")), "apply"])
 
 
 class Column(unittest.TestCase):

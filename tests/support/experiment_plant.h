@@ -4,7 +4,6 @@
 #define REFLUX_TESTS_EXPERIMENT_PLANT_H
 
 #include <math.h>
-#include <stdlib.h>
 
 #include "plant_board.h"
 
@@ -19,12 +18,26 @@ struct experiment_case {
     const char *lines[16]; /* settings of block 1 but for kind and inputs */
 };
 
-static inline void say(const char *format, const char *text, unsigned k, double value)
+void setUp(void)
 {
-    char line[120];
-    snprintf(line, sizeof line, format, k, text, value);
-    ask_ok(line);
+    memory_port_erase_all();
 }
+void tearDown(void)
+{
+    plant_power_off();
+}
+
+/* Kotyk and Machacek's column; both inputs by 1 V, a tenth of the span to either side. */
+#define KOTYK_COLUMN(band_1, band_2)                                                               \
+    {                                                                                              \
+        "kotyk-column", 120000, 2, {"y1", "y2"}, {"u1", "u2"},                                     \
+        {                                                                                          \
+            "bits 7", "clock 4", "amplitude.1 1", "amplitude.2 1", band_1, band_2                  \
+        }                                                                                          \
+    }
+
+static const double kotyk_gain[2][2] = {{0.03465 / 0.22278, -0.01254 / 0.22278},
+                                        {0.01578 / 0.07983, -0.01833 / 0.07983}};
 
 static inline void configure_signal(const char *what, unsigned k, const char *name, bool mv)
 {
@@ -96,20 +109,6 @@ static inline void begin_case(const struct experiment_case *c, uint64_t seed, un
     plant_power_on(c->plant, c->tick_ms, seed, 1);
     configure_case(c);
     rest_case(c, steps);
-}
-
-/* An inner value of the block; a test that asks for one that is not there fails. */
-static inline double value_of(unsigned block, const char *name)
-{
-    char line[40], begin[40];
-    snprintf(line, sizeof line, "block %u", block);
-    ask_ok(line);
-    snprintf(begin, sizeof begin, "  %s = ", name);
-    for (unsigned k = 0; k < n_reply; k++)
-        if (strncmp(reply[k], begin, strlen(begin)) == 0)
-            return strtod(reply[k] + strlen(begin), NULL);
-    TEST_FAIL_MESSAGE(name);
-    return 0;
 }
 
 static inline int stage_of(unsigned block)

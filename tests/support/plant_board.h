@@ -3,6 +3,8 @@
 #ifndef REFLUX_TESTS_PLANT_BOARD_H
 #define REFLUX_TESTS_PLANT_BOARD_H
 
+#include <stdlib.h>
+
 #include "board_bench.h"
 #include "events.h"
 #include "instruments.h"
@@ -164,6 +166,30 @@ static inline bool loop_is(const char *loop, const char *mode)
     ask_ok("loop");
     snprintf(text, sizeof text, "%s %s ", loop, mode);
     return said(text);
+}
+
+/* An inner value of the block; a test that asks for one that is not there fails. */
+static inline double value_of(unsigned block, const char *name)
+{
+    char line[40], begin[40];
+    snprintf(line, sizeof line, "block %u", block);
+    ask_ok(line);
+    snprintf(begin, sizeof begin, "  %s = ", name);
+    for (unsigned k = 0; k < n_reply; k++)
+        if (strncmp(reply[k], begin, strlen(begin)) == 0)
+            return strtod(reply[k] + strlen(begin), NULL);
+    TEST_FAIL_MESSAGE(name);
+    return 0;
+}
+
+static inline double setting_of(const char *parameter)
+{
+    char command[60];
+    snprintf(command, sizeof command, "get %s", parameter);
+    ask_ok(command);
+    const char *at = strstr(reply[0], " = ");
+    TEST_ASSERT_NOT_NULL_MESSAGE(at, reply[0]);
+    return strtod(at + 3, NULL);
 }
 
 static inline bool events_say(const char *text)

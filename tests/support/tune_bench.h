@@ -3,7 +3,6 @@
 #define REFLUX_TESTS_TUNE_BENCH_H
 
 #include <math.h>
-#include <stdlib.h>
 
 #include "plant_board.h"
 
@@ -67,20 +66,6 @@ static inline double mean_square(unsigned seconds)
     course.error = course.count = 0;
     tune_seconds(seconds);
     return course.error / course.count;
-}
-
-/* An inner value of the block; a test that asks for one that is not there fails. */
-static inline double value_of(unsigned block, const char *name)
-{
-    char line[40], begin[40];
-    snprintf(line, sizeof line, "block %u", block);
-    ask_ok(line);
-    snprintf(begin, sizeof begin, "  %s = ", name);
-    for (unsigned k = 0; k < n_reply; k++)
-        if (strncmp(reply[k], begin, strlen(begin)) == 0)
-            return strtod(reply[k] + strlen(begin), NULL);
-    TEST_FAIL_MESSAGE(name);
-    return 0;
 }
 
 static inline int tune_value(const char *name)

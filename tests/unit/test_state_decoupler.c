@@ -10,24 +10,10 @@
 #include <string.h>
 
 #include "csv.h"
-#include "design/state_decoupler.h"
+#include "state_design.h"
 #include "unity.h"
 
 #define EPS ((double)REAL_EPSILON)
-
-static struct state_model model, sampled;
-static struct state_decoupler_config config;
-static struct state_decoupler_goal goal;
-static struct state_decoupler_work work;
-static struct state_decoupler d;
-static struct state_decoupler_refusal why;
-
-static void set_size(struct matrix *a, unsigned rows, unsigned cols)
-{
-    memset(a, 0, sizeof *a);
-    a->rows = (uint8_t)rows;
-    a->cols = (uint8_t)cols;
-}
 
 static void set_poles(double at)
 {
@@ -63,11 +49,6 @@ void setUp(void)
     set_poles(-1);
 }
 void tearDown(void) {}
-
-static enum err design(void)
-{
-    return state_decoupler_design(&model, &config, &goal, &work, &d, &why);
-}
 
 static void assert_refused(enum err code, const char *field, unsigned loop)
 {
@@ -371,6 +352,7 @@ static void a_config_out_of_range_is_refused(void)
 static void sampling_refuses_what_it_cannot_sample(void)
 {
     static struct state_model_work sampling;
+    static struct state_model sampled;
     TEST_ASSERT_EQUAL(ERR_RANGE, state_model_sample(&model, (real_t)0, &sampling, &sampled));
     TEST_ASSERT_EQUAL(ERR_RANGE, state_model_sample(&model, (real_t)NAN, &sampling, &sampled));
     model.a.at[3][3] = (real_t)1; /* e^100 is more than a matrix holds */

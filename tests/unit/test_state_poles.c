@@ -8,37 +8,18 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "design/state_decoupler.h"
 #include "random_matrix.h"
+#include "state_design.h"
 #include "unity.h"
 
 #define EPS ((double)REAL_EPSILON)
 #define N   12
-
-static struct state_model model;
-static struct state_decoupler_config config;
-static struct state_decoupler_goal goal;
-static struct state_decoupler_work work;
-static struct state_decoupler d;
-static struct state_decoupler_refusal why;
-
-static void set_size(struct matrix *a, unsigned rows, unsigned cols)
-{
-    memset(a, 0, sizeof *a);
-    a->rows = (uint8_t)rows;
-    a->cols = (uint8_t)cols;
-}
 
 void setUp(void)
 {
     state_decoupler_config_default(&config);
 }
 void tearDown(void) {}
-
-static enum err design(void)
-{
-    return state_decoupler_design(&model, &config, &goal, &work, &d, &why);
-}
 
 static double real_a[N][N], real_b[N][4], real_c[4][N];
 

@@ -1,13 +1,43 @@
-"""Settings that a tool has found, written to a board as one transaction: all of them are in force from one tick on, or none is."""
+"""Settings that a tool has found, written to a board or a file as one transaction: all of them are in force from one tick on, or none is."""
 
 from __future__ import annotations
 
+import argparse
 import contextlib
-from typing import Iterable
+from typing import Callable, Iterable
 
-from reflux_tools.errors import RunFailed
+from reflux_tools.errors import RunFailed, UserError
+from reflux_tools.paths import named, shown
 from reflux_tools.ports import Port
 from reflux_tools.session import Refused, Session
+
+
+def add_options(p: argparse.ArgumentParser) -> None:
+    """What hand_over() follows."""
+    p.add_argument("--out", type=named, metavar="FILE", help="writes the lines, as a transaction for tools/console --run")
+    p.add_argument("--to", metavar="PORT", help="writes them to a board, all or none; nothing is saved there")
+    p.add_argument("--key", metavar="KEY", help="with --to: open the engineer level first (`unlock KEY`)")
+
+
+def check_options(options: argparse.Namespace) -> None:
+    if options.key and not options.to:
+        raise UserError("--key goes with --to")
+
+
+def hand_over(options: argparse.Namespace, lines: list[str], said: Callable[[str], None] = print) -> None:
+    if options.out:
+        try:
+            options.out.write_text("\n".join(["begin", *lines, "apply"]) + "\n", encoding="utf-8")
+        except OSError as error:
+            raise UserError(f"{shown(options.out)} cannot be written: {error.strerror}") from None
+        said(shown(options.out))
+    if options.to:
+        to_board(options, lines, said)
+
+
+def to_board(options: argparse.Namespace, lines: list[str], said: Callable[[str], None] = print) -> None:
+    count = write_settings(options.to, lines, options.key)
+    said(f"{options.to}: {count} settings taken and read back, in force from the next tick, not saved")
 
 
 def write_settings(port: str, lines: Iterable[str], key: str | None = None) -> int:

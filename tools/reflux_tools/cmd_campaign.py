@@ -76,6 +76,9 @@ def main(arguments: list[str]) -> int:
                       options.again)
         return self_tuning_campaign.execute(campaign, options, state)
     if isinstance(campaign, estimates_campaign.Estimates):
+        if not options.no_build:
+            for kind in sorted({case.firmware for case in campaign.cases(options.fraction)} - {"memory"}):
+                launch.build_for(kind)
         state = State(build_root() / "campaign" / f"{campaign.name}.jsonl", estimates_campaign.fingerprint(campaign), options.again)
         return estimates_campaign.execute(campaign, options, state)
     if isinstance(campaign, kalman_1989_campaign.PilotKalman):

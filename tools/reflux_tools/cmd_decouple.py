@@ -13,7 +13,6 @@ import numpy as np
 from reflux_tools import board_settings, build, decoupled_loops, decoupling, libreflux, sampled_plant, table
 from reflux_tools.decoupled_loops import Compensator, Moves
 from reflux_tools.errors import RunFailed, UserError
-from reflux_tools.paths import named, shown
 from reflux_tools.sampled_plant import SampledPlant
 
 METHODS = ("polynomial", "static", "partial", "one-way", "directions")
@@ -49,9 +48,7 @@ def parser() -> argparse.ArgumentParser:
     p.add_argument("--loop-names", metavar="NAME,...", help="of the loops on the board, for blocks (default: names of the outputs)")
     p.add_argument("--loop-numbers", metavar="N,...", help="of the loops on the board, for static decouplers and --tick (default 1, 2, ..)")
     p.add_argument("--tick", type=float, metavar="S", help="with --loops pp: base tick of the board, of which the period is so many: divisors of the loops")
-    p.add_argument("--out", type=named, metavar="FILE", help="writes the lines, as a transaction for tools/console --run")
-    p.add_argument("--to", metavar="PORT", help="writes them to a board, all or none; nothing is saved there")
-    p.add_argument("--key", metavar="KEY", help="with --to: open the engineer level first (`unlock KEY`)")
+    board_settings.add_options(p)
     p.add_argument("--format", choices=("text", "json"), default="text")
     p.add_argument("--no-build", action="store_true", help="use what is built already")
     return p
@@ -85,13 +82,7 @@ def main(arguments: list[str]) -> int:
         print(json.dumps(as_dict(design, options), indent=1))
     else:
         show(design, options)
-    said = print if options.format == "text" else lambda _: None
-    if options.out:
-        write(options.out, design.lines)
-        said(shown(options.out))
-    if options.to:
-        count = board_settings.write_settings(options.to, design.lines, options.key)
-        said(f"{options.to}: {count} settings taken and read back, in force from the next tick, not saved")
+    board_settings.hand_over(options, design.lines, print if options.format == "text" else lambda _: None)
     return 0
 
 
@@ -116,8 +107,7 @@ def check(options: argparse.Namespace) -> None:
         raise UserError("--tick must be 0.05 to 3600 s, and goes with --loops pp")
     if not 1 <= options.first_block <= BLOCKS_MOST:
         raise UserError(f"--first-block must be 1 to {BLOCKS_MOST}")
-    if options.key and not options.to:
-        raise UserError("--key goes with --to")
+    board_settings.check_options(options)
 
 
 def need_spans(plant: SampledPlant, options: argparse.Namespace) -> None:
@@ -320,10 +310,3 @@ def as_dict(design: Design, options: argparse.Namespace) -> dict[str, Any]:
                          "inputs_to": (m.inputs * u / y[k]).tolist(), "others_to": (m.others * y / y[k]).tolist()}
                         for k, (c, m) in enumerate(zip(design.placed, design.moves))]
     return {**out, "lines": design.lines}
-
-
-def write(place, lines: list[str]) -> None:
-    try:
-        place.write_text("\n".join(["begin", *lines, "apply"]) + "\n", encoding="utf-8")
-    except OSError as error:
-        raise UserError(f"{shown(place)} cannot be written: {error.strerror}") from None

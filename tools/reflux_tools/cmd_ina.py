@@ -87,8 +87,7 @@ def main(arguments: list[str]) -> int:
         raise UserError("--points must be 2 to 2000")
     if options.every and not options.out:
         raise UserError("--every needs --out")
-    if options.key and not options.to:
-        raise UserError("--key goes with --to")
+    board_settings.check_options(options)
     if not options.to and any(text.split() == ["write"] for text in options.do):
         raise UserError("write: --to PORT says to which board")
     if not options.no_build:
@@ -294,8 +293,7 @@ def write(session: Session) -> None:
     options = session.options
     if not options.to:
         raise UserError("write: --to PORT says to which board")
-    count = board_settings.write_settings(options.to, board_lines(session), options.key)
-    print(f"{options.to}: {count} settings taken and read back, in force from the next tick, not saved")
+    board_settings.to_board(options, board_lines(session))
 
 
 def picture_size(n: int) -> tuple[float, float]:

@@ -12,7 +12,7 @@ import numpy as np
 from reflux_tools import board_settings, build, simulator, state_decoupler, table
 from reflux_tools.errors import RunFailed, UserError
 from reflux_tools.ina_plant import PLANTS
-from reflux_tools.paths import named, shown
+from reflux_tools.paths import named
 
 LOOPS_MOST, INPUTS_MOST = 4, 8  # of the kind (firmware/control/state_feedback.h)
 ROW_MOST, WEIGHT_MOST = 16000.0, 1e4
@@ -36,9 +36,7 @@ def parser() -> argparse.ArgumentParser:
     p.add_argument("--set", action="append", default=[], metavar="NAME=VALUE", help="an input of the plant instead of its nominal one; repeatable")
     p.add_argument("--loop-names", metavar="NAME,...", help="of the loops on the board (default: names of the outputs)")
     p.add_argument("--block", type=int, default=1, metavar="N", help="number of the block (default 1)")
-    p.add_argument("--to", metavar="PORT", help="writes them to a board, all or none; nothing is saved there")
-    p.add_argument("--key", metavar="KEY", help="with --to: open the engineer level first (`unlock KEY`)")
-    p.add_argument("--out", type=named, metavar="FILE", help="writes the lines as a transaction for tools/console --run")
+    board_settings.add_options(p)
     p.add_argument("--no-build", action="store_true", help="use what is built already")
     return p
 
@@ -77,13 +75,7 @@ def main(arguments: list[str]) -> int:
     spans = spans_of(options.plant)
     lines = board_lines(options, found, weights, outputs, inputs, [*states, *disturbances], spans)
     print("\n" + "\n".join(lines))
-    if options.out:
-        options.out.parent.mkdir(parents=True, exist_ok=True)
-        options.out.write_text("\n".join(["begin", *lines, "apply"]) + "\n", encoding="utf-8")
-        print(shown(options.out))
-    if options.to:
-        count = board_settings.write_settings(options.to, lines, options.key)
-        print(f"{options.to}: {count} settings taken, in force from the next tick, not saved")
+    board_settings.hand_over(options, lines)
     return 0
 
 
@@ -105,8 +97,7 @@ def check(options: argparse.Namespace, outputs: list[str], inputs: list[str]) ->
         raise UserError("--ti must be 0 to 1000000 s")
     if not 0 <= options.left <= 1:
         raise UserError("--left must be 0 to 1")
-    if options.key and not options.to:
-        raise UserError("--key goes with --to")
+    board_settings.check_options(options)
     if not 1 <= options.block <= 99:
         raise UserError("--block must be 1 to 99")
 

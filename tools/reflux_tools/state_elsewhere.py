@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from reflux_tools import best_inputs, simulator, state_study
+from reflux_tools import simulator, state_study
 from reflux_tools.state_study import MINUTE, Case, Measured
 
 PLANT, PERIOD_S, SUBSTEPS, SENSOR_S = "methanol-water", 20.0, 4, 10.0
@@ -23,27 +23,6 @@ END_S = 41400.0
 WINDOWS = {"setpoints": (1800.0, 19800.0), "feed flow": (19800.0, 27000.0), "feed composition": (27000.0, 34200.0), "weak heater": (34200.0, END_S)}
 # t/h per K, MW per K, min, min: where the search begins, and the steps of its factors.
 FIRST_PI, FACTORS = np.array([-0.8, 0.2, 10.0, 10.0]), (2.0, 1.4, 1.2)
-
-
-class Bench:
-    def __init__(self) -> None:
-        self.plant = best_inputs.Plant(PLANT, ["R", "Q"], [f"T{s}" for s in SEEN], PERIOD_S / SUBSTEPS)
-        self.u, self.heater = nominal(), 1.0
-        self.readings = self.plant.attempt(self.u[None, :])[-1]
-        self.left = float(np.exp(-PERIOD_S / SUBSTEPS / SENSOR_S))
-
-    def change(self, name: str, value: float) -> None:
-        if name == "heater":
-            self.heater = value
-        else:
-            self.plant.ask(f"set {name} {value}")
-
-    def move(self, u: np.ndarray) -> None:
-        rows = self.plant.attempt(np.tile(np.array([u[0], u[1] * self.heater]), (SUBSTEPS, 1)))
-        self.plant.ask("keep")
-        for row in rows:
-            self.readings = self.left * self.readings + (1.0 - self.left) * row
-        self.u = u
 
 
 @cache
@@ -65,7 +44,8 @@ def _form(case: Case) -> tuple[Any, Any]:
 
 def run(case: Case, pi: np.ndarray | None) -> Measured:
     """pi: both gains, both integral times; None: the nonlinear form with estimated states."""
-    bench, random = Bench(), np.random.default_rng(case.seed)
+    bench = state_study.Column(PLANT, ["R", "Q"], [f"T{s}" for s in SEEN], len(SEEN), nominal(), PERIOD_S, SUBSTEPS, SENSOR_S)
+    random = np.random.default_rng(case.seed)
     ahead, estimator = (None, None) if pi is not None else _form(case)
     rest = bench.readings[[UPPER, LOWER]].copy()
     w, before, u, beyond, log = rest, np.zeros(2), bench.u.copy(), 0, []

@@ -118,17 +118,17 @@ SEEN = ("T1", "T2", "T7", "T9", "T10")
 STAGES_SEEN = (11, 10, 5, 3, 2)
 
 
-class Bench:
-    """The plant, its thermometers' lag, its heater."""
+class Column:
+    """A plant, its heater (the second input), the lag of its thermometers (the first `seen` outputs)."""
 
-    def __init__(self, case: Case, folder: Path):
-        self.substeps = max(1, round(case.period_s / SUB_S))
-        step = case.period_s / self.substeps
-        self.plant = best_inputs.Plant(_plant_file(case, folder), ["Lr", "Qrb"], [*SEEN, *(f"x{s}" for s in range(1, 13))], step)
-        self.left, self.heater = float(np.exp(-step / SENSOR_S)), 1.0
-        self.u = linear().u.copy()
+    def __init__(self, plant: str, inputs: list[str], outputs: list[str], seen: int, u: np.ndarray, period_s: float, substeps: int, lag_s: float):
+        self.substeps, self.seen = substeps, seen
+        step = period_s / substeps
+        self.plant = best_inputs.Plant(plant, inputs, outputs, step)
+        self.left, self.heater = float(np.exp(-step / lag_s)), 1.0
+        self.u = u.copy()
         row = self.plant.attempt(self.u[None, :])[-1]
-        self.readings, self.x = row[:5].copy(), row[5:]
+        self.readings, self.x = row[:seen].copy(), row[seen:]
 
     def change(self, name: str, value: float) -> None:
         if name == "heater":
@@ -141,8 +141,16 @@ class Bench:
         rows = self.plant.attempt(np.tile(felt, (self.substeps, 1)))
         self.plant.ask("keep")
         for row in rows:
-            self.readings = self.left * self.readings + (1.0 - self.left) * row[:5]
-        self.u, self.x = u, rows[-1][5:]
+            self.readings = self.left * self.readings + (1.0 - self.left) * row[:self.seen]
+        self.u, self.x = u, rows[-1][self.seen:]
+
+
+class Bench(Column):
+    """The pilot column; x: the compositions of its stages."""
+
+    def __init__(self, case: Case, folder: Path):
+        super().__init__(_plant_file(case, folder), ["Lr", "Qrb"], [*SEEN, *(f"x{s}" for s in range(1, 13))], len(SEEN), linear().u, case.period_s,
+                         max(1, round(case.period_s / SUB_S)), SENSOR_S)
 
 
 class PI:

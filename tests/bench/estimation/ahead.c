@@ -74,18 +74,11 @@ static void readings(const real_t *temperature)
             (temperature[settings.target[i][AHEAD_STAGE] - 1] + 0.05f * cost_random() - 250) / 200);
 }
 
-static void say(const char *what, unsigned stages, const struct cost *cost, uint32_t stack)
-{
-    cost_say(what, stages, cost->sum / cost->count, cost->most, ahead_kind.bytes(&setup));
-    cost_say("stack", stages, stack, stack, 0);
-}
-
 static void cost_of_column(unsigned stages)
 {
     struct ahead *b = (struct ahead *)(void *)state;
     struct cost step = {0}, begin = {0}, prediction = {0};
     real_t temperature[COLUMN_STAGES_MAX];
-    uint32_t stack = 0;
     settings_for(stages);
     if (!b->loops || ahead_model_look(&b->m, b->m.x) != ERR_OK)
         return; /* a row is missing */
@@ -116,7 +109,7 @@ static void cost_of_column(unsigned stages)
         uint32_t to = cost_now();
         if (t >= FIRST)
             cost_add(&step, from, to);
-        stack = cost_stack_used() > stack ? cost_stack_used() : stack;
+        cost_stack(&step);
         from = cost_now();
         enum err err = ahead_model_predict(&b->m, &b->m.inputs);
         to = cost_now();
@@ -124,9 +117,10 @@ static void cost_of_column(unsigned stages)
             return;
         cost_add(&prediction, from, to);
     }
-    say("ahead", stages, &step, stack);
-    say("ahead_begins", stages, &begin, stack);
-    say("ahead_predicts", stages, &prediction, stack);
+    begin.stack = prediction.stack = step.stack;
+    cost_tell("ahead", stages, &step, ahead_kind.bytes(&setup));
+    cost_tell("ahead_begins", stages, &begin, ahead_kind.bytes(&setup));
+    cost_tell("ahead_predicts", stages, &prediction, ahead_kind.bytes(&setup));
 }
 
 int main(void)

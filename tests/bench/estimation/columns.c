@@ -14,7 +14,6 @@ static void cost_of(const char *what, size_t stages, enum composition_method met
                     enum bench_truncated truncated)
 {
     struct cost cost = {0}, first = {0};
-    uint32_t stack = 0;
     real_t t[BENCH_SENSORS];
     if (!bench_begin(&estimator, stages, method, truncated))
         return; /* a row is missing */
@@ -30,12 +29,12 @@ static void cost_of(const char *what, size_t stages, enum composition_method met
             cost_add(&first, from, to);
         if (k >= FIRST)
             cost_add(&cost, from, to);
-        stack = cost_stack_used() > stack ? cost_stack_used() : stack;
+        cost_stack(&cost);
     }
     cost_say(what, (unsigned)stages, cost.sum / cost.count, cost.most,
              sizeof(struct composition_block));
     cost_say("first", (unsigned)stages, first.most, first.most, 0);
-    cost_say("stack", (unsigned)stages, stack, stack, 0);
+    cost_say("stack", (unsigned)stages, cost.stack, cost.stack, 0);
 }
 
 #if COLUMN_STAGES_MAX < 100 /* its matrices leave no room for more */
@@ -43,7 +42,6 @@ static void cost_of_dense(const char *what, enum dense_form form)
 {
     static struct dense_ekf ekf;
     struct cost cost = {0}, covariance = {0};
-    uint32_t stack = 0;
     real_t t[BENCH_SENSORS];
     if (!bench_begin(&estimator, DENSE_STAGES, METHOD_REKF, ALL_STAGES) ||
         dense_ekf_begin(&ekf, &estimator, form) != ERR_OK)
@@ -62,10 +60,9 @@ static void cost_of_dense(const char *what, enum dense_form form)
             cost_add(&cost, from, to);
             cost_add(&covariance, between, to);
         }
-        stack = cost_stack_used() > stack ? cost_stack_used() : stack;
+        cost_stack(&cost);
     }
-    cost_say(what, DENSE_STAGES, cost.sum / cost.count, cost.most, dense_ekf_bytes(form));
-    cost_say("stack", DENSE_STAGES, stack, stack, 0);
+    cost_tell(what, DENSE_STAGES, &cost, dense_ekf_bytes(form));
     cost_say("covariance", DENSE_STAGES, covariance.sum / covariance.count, covariance.most, 0);
     if (form == DENSE_STEPS)
         cost_say("steps", DENSE_STAGES, ekf.steps, ekf.steps, 0);

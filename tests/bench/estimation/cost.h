@@ -16,17 +16,20 @@ void cost_say(const char *what, unsigned n, uint32_t mean, uint32_t most, uint32
 /* -1 to 1, the same from the same beginning. */
 float cost_random(void);
 void cost_seed(uint32_t begin);
-/* Paints the free stack, and tells how much of it has been used since. */
-void cost_paint_stack(void);
-uint32_t cost_stack_used(void);
 
 struct cost {
-    uint32_t sum, most, count;
+    uint32_t sum, most, count, stack;
 };
+/* Paints the free stack. */
+void cost_paint_stack(void);
+/* What has been used of the stack since; the most counts. */
+void cost_stack(struct cost *c);
 /* What lies between two calls of cost_now() with nothing in between is taken off. */
 void cost_add(struct cost *c, uint32_t from, uint32_t to);
 /* What has been added up already. */
 void cost_sum(struct cost *c, uint32_t spent);
+/* Mean and most, then a line of the stack. */
+void cost_tell(const char *what, unsigned n, const struct cost *c, uint32_t bytes);
 
 #ifndef REFLUX_FIXED_POINT
 /* Other forms of the same measurement update: P is n x n, row by row, and symmetric; gain: [n]. They return alpha. */

@@ -101,7 +101,6 @@ static void measure_at(size_t stages, unsigned k, struct cost *cost)
 static void cost_of(size_t stages)
 {
     struct cost carry = {0}, quiet = {0}, piece = {0}, take = {0}, of = {0}, factors = {0};
-    uint32_t stack = 0;
     if (!begin(stages))
         return;
     for (unsigned k = 0; k < STEPS; k++) {
@@ -109,7 +108,7 @@ static void cost_of(size_t stages)
         cost_paint_stack();
         struct cost one = {0};
         cost_of_pieces(&one, &piece);
-        stack = cost_stack_used() > stack ? cost_stack_used() : stack;
+        cost_stack(&of);
         if (k >= FIRST)
             cost_add(&carry, 0, one.sum);
         uint32_t all = take.sum;
@@ -136,7 +135,7 @@ static void cost_of(size_t stages)
     cost_say("ud-measurements", (unsigned)stages, of.sum / of.count, of.most, 0);
     cost_say("transition", (unsigned)stages, factors.most, factors.most,
              (uint32_t)(stages * column_transition_stride(2) * sizeof(real_t)));
-    cost_say("stack", (unsigned)stages, stack, stack, 0);
+    cost_say("stack", (unsigned)stages, of.stack, of.stack, 0);
 }
 
 static void cost_of_band_step(struct cost *carry, struct cost *piece)
@@ -157,7 +156,6 @@ static void cost_of_band(size_t stages)
 {
     struct cost carry = {0}, piece = {0}, of = {0};
     real_t variance[STATES];
-    uint32_t stack = 0;
     if (!begin(stages))
         return;
     for (size_t i = 0; i < 2 * stages + EXTRAS; i++)
@@ -176,7 +174,7 @@ static void cost_of_band(size_t stages)
             uint32_t to = cost_now();
             cost_add(&taken, from, to);
         }
-        stack = cost_stack_used() > stack ? cost_stack_used() : stack;
+        cost_stack(&of);
         cost_add(&of, 0, taken.sum);
     }
     if (band.err)
@@ -185,7 +183,7 @@ static void cost_of_band(size_t stages)
              (uint32_t)(covariance_band_bytes(stages, 2, EXTRAS) + sizeof band));
     cost_say("band-piece", (unsigned)stages, piece.sum / piece.count, piece.most, 0);
     cost_say("band-measurements", (unsigned)stages, of.sum / of.count, of.most, 0);
-    cost_say("stack", (unsigned)stages, stack, stack, 0);
+    cost_say("stack", (unsigned)stages, of.stack, of.stack, 0);
 }
 
 #if COLUMN_STAGES_MAX < 100

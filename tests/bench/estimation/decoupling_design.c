@@ -45,12 +45,11 @@ static void cost_of_decoupler(unsigned loops)
     uint32_t from = cost_now();
     enum err err = polynomial_decoupler_design(&model, &config, &work, &result, NULL);
     uint32_t to = cost_now();
-    uint32_t stack = cost_stack_used();
+    cost_stack(&cost);
     if (err != ERR_OK)
         return; /* a row is missing */
     cost_add(&cost, from, to);
-    cost_say("decoupler", loops, cost.sum, cost.most, sizeof work + sizeof result);
-    cost_say("stack", loops, stack, stack, 0);
+    cost_tell("decoupler", loops, &cost, sizeof work + sizeof result);
 }
 
 static void cost_of_placement(void)
@@ -75,12 +74,11 @@ static void cost_of_placement(void)
     uint32_t from = cost_now();
     enum err err = pole_placement_design(&a, &b, KOTYK_PERIOD, &goal, &work, &result, NULL);
     uint32_t to = cost_now();
-    uint32_t stack = cost_stack_used();
+    cost_stack(&cost);
     if (err != ERR_OK)
         return;
     cost_add(&cost, from, to);
-    cost_say("placement", 1, cost.sum, cost.most, sizeof work + sizeof result);
-    cost_say("stack", 1, stack, stack, 0);
+    cost_tell("placement", 1, &cost, sizeof work + sizeof result);
 }
 
 /* mean: a round; most: all of them. */
@@ -107,7 +105,6 @@ static void cost_of_search(unsigned loops)
     if (ina_search_begin(&search, table, POINTS, &one, &config) != ERR_OK)
         return;
     enum err err;
-    uint32_t stack;
     cost_paint_stack();
     do {
         uint32_t from = cost_now();
@@ -115,11 +112,11 @@ static void cost_of_search(unsigned loops)
         uint32_t to = cost_now();
         cost_add(&cost, from, to);
     } while (err == ERR_BUSY);
-    stack = cost_stack_used();
+    cost_stack(&cost);
     if (err != ERR_OK)
         return;
     cost_say("search", loops, cost.sum, cost.most, sizeof search + sizeof table);
-    cost_say("stack", loops, stack, stack, 0);
+    cost_say("stack", loops, cost.stack, cost.stack, 0);
 }
 
 void cost_of_decoupling_designs(void)

@@ -71,7 +71,6 @@ static void cost_of_experiment(unsigned n)
     num_t input[2 * EXPERIMENT_MOST];
     float value[BLOCK_EVENTS_MAX];
     struct cost tick = {0}, find = {0};
-    uint32_t stack = 0, find_stack = 0;
     setup_experiment(n);
     workspace_init(&workspace, memory, sizeof memory);
     workspace_share(&workspace);
@@ -104,7 +103,7 @@ static void cost_of_experiment(unsigned n)
         uint32_t to = cost_now();
         if (stage == EXPERIMENT_EXCITES && b->stage == EXPERIMENT_EXCITES)
             cost_add(&tick, from, to);
-        stack = cost_stack_used() > stack ? cost_stack_used() : stack;
+        cost_stack(&tick);
         io.work_done = io.ask_work > 0;
         if (io.ask_work && b->stage == EXPERIMENT_ASKED)
             (void)experiment_kind.work(state);
@@ -118,7 +117,7 @@ static void cost_of_experiment(unsigned n)
         bool more = experiment_kind.work(state);
         uint32_t to = cost_now();
         cost_add(&find, from, to);
-        find_stack = cost_stack_used() > find_stack ? cost_stack_used() : find_stack;
+        cost_stack(&find);
         if (more)
             continue;
         io.work_done = true;
@@ -128,10 +127,10 @@ static void cost_of_experiment(unsigned n)
         return;
     cost_say("experiment", n * 10 + settings.nb, tick.sum / tick.count, tick.most,
              experiment_kind.bytes(&setup));
-    cost_say("stack", n, stack, stack, 0);
+    cost_say("stack", n, tick.stack, tick.stack, 0);
     cost_say("find", n, find.sum, find.most,
              experiment_job_bytes(n, experiment_samples(&settings)));
-    cost_say("stack", n, find_stack, find_stack, 0);
+    cost_say("stack", n, find.stack, find.stack, 0);
 }
 
 void cost_of_experiments(void)

@@ -36,13 +36,6 @@ static struct block_setup setup_of(const void *settings, unsigned loops)
     return s;
 }
 
-static void say_cost(const char *what, unsigned n, const struct cost *cost, uint32_t stack,
-                     uint32_t bytes)
-{
-    cost_say(what, n, cost->sum / cost->count, cost->most, bytes);
-    cost_say("stack", n, stack, stack, 0);
-}
-
 static void next_inputs(unsigned loops)
 {
     for (unsigned k = 0; k < loops; k++)
@@ -62,7 +55,6 @@ static void take_polynomial(unsigned loops, unsigned taps)
 static void cost_of_polynomial(const char *what, unsigned loops, unsigned taps, bool limited)
 {
     struct cost cost = {0};
-    uint32_t stack = 0;
     take_polynomial(loops, taps);
     setup = setup_of(&polynomial, loops);
     if (polynomial_kind.check(&setup, &fault) != ERR_OK ||
@@ -86,9 +78,9 @@ static void cost_of_polynomial(const char *what, unsigned loops, unsigned taps, 
         uint32_t to = cost_now();
         if (t >= FIRST)
             cost_add(&cost, from, to - (again - between));
-        stack = cost_stack_used() > stack ? cost_stack_used() : stack;
+        cost_stack(&cost);
     }
-    say_cost(what, loops * 10 + taps, &cost, stack, polynomial_kind.bytes(&setup));
+    cost_tell(what, loops * 10 + taps, &cost, polynomial_kind.bytes(&setup));
 }
 
 /* n x n rows of coefficients times what has been, and nothing else. */
@@ -97,7 +89,6 @@ static void cost_of_sums(unsigned loops, unsigned taps)
     static num_t g[POLYNOMIAL_LOOPS][POLYNOMIAL_LOOPS * POLYNOMIAL_TAPS];
     static num_t past[POLYNOMIAL_LOOPS * POLYNOMIAL_TAPS];
     struct cost cost = {0};
-    uint32_t stack = 0;
     take_polynomial(loops, taps);
     for (unsigned i = 0; i < loops; i++)
         for (unsigned k = 0; k < taps; k++)
@@ -119,17 +110,16 @@ static void cost_of_sums(unsigned loops, unsigned taps)
         uint32_t to = cost_now();
         if (t >= FIRST)
             cost_add(&cost, from, to);
-        stack = cost_stack_used() > stack ? cost_stack_used() : stack;
+        cost_stack(&cost);
     }
-    say_cost("sums", loops * 10 + taps, &cost, stack,
-             (uint32_t)((loops + 1u) * loops * taps * sizeof(num_t)));
+    cost_tell("sums", loops * 10 + taps, &cost,
+              (uint32_t)((loops + 1u) * loops * taps * sizeof(num_t)));
 }
 
 static void cost_of_static(const char *what, unsigned loops, bool limited)
 {
     struct decoupler *d = (struct decoupler *)(void *)state;
     struct cost cost = {0};
-    uint32_t stack = 0;
     num_t dv[DECOUPLER_MAX];
     for (unsigned i = 0; i < DECOUPLER_MAX; i++)
         for (unsigned j = 0; j < DECOUPLER_MAX; j++)
@@ -150,9 +140,9 @@ static void cost_of_static(const char *what, unsigned loops, bool limited)
         uint32_t to = cost_now();
         if (t >= FIRST)
             cost_add(&cost, from, to - (again - between));
-        stack = cost_stack_used() > stack ? cost_stack_used() : stack;
+        cost_stack(&cost);
     }
-    say_cost(what, loops * 10 + 1, &cost, stack, sizeof *d);
+    cost_tell(what, loops * 10 + 1, &cost, sizeof *d);
 }
 
 /* Each with so many coefficients: a model of second order needs three. */
@@ -160,7 +150,6 @@ static void cost_of_rst(unsigned coefficients)
 {
     static struct rst_settings settings;
     struct cost cost = {0};
-    uint32_t stack = 0;
     num_t setpoint[1] = {num_from_float(0.5f)};
     uint8_t clamp[1] = {0}, limits[1] = {0};
     memset(&settings, 0, sizeof settings);
@@ -191,9 +180,9 @@ static void cost_of_rst(unsigned coefficients)
         uint32_t to = cost_now();
         if (t >= FIRST)
             cost_add(&cost, from, to);
-        stack = cost_stack_used() > stack ? cost_stack_used() : stack;
+        cost_stack(&cost);
     }
-    say_cost("rst", 10 + coefficients, &cost, stack, rst_kind.bytes(&setup));
+    cost_tell("rst", 10 + coefficients, &cost, rst_kind.bytes(&setup));
 }
 
 /* All columns of F used, integrals and derivatives of all loops. */
@@ -201,7 +190,6 @@ static void cost_of_state_feedback(unsigned loops, unsigned inputs)
 {
     static struct state_feedback_settings settings;
     struct cost cost = {0};
-    uint32_t stack = 0;
     num_t setpoint[STATE_FEEDBACK_LOOPS], input[STATE_FEEDBACK_INPUTS];
     uint8_t clamp[STATE_FEEDBACK_LOOPS] = {0}, limits[STATE_FEEDBACK_LOOPS] = {0};
     memset(&settings, 0, sizeof settings);
@@ -242,9 +230,9 @@ static void cost_of_state_feedback(unsigned loops, unsigned inputs)
         uint32_t to = cost_now();
         if (t >= FIRST)
             cost_add(&cost, from, to);
-        stack = cost_stack_used() > stack ? cost_stack_used() : stack;
+        cost_stack(&cost);
     }
-    say_cost("state", loops * 10 + inputs, &cost, stack, state_feedback_kind.bytes(&setup));
+    cost_tell("state", loops * 10 + inputs, &cost, state_feedback_kind.bytes(&setup));
 }
 
 static void cost_of_pid_beside(void)
@@ -252,7 +240,6 @@ static void cost_of_pid_beside(void)
     struct pid *pid = (struct pid *)(void *)state;
     struct pid_config c = pid_default_config();
     struct cost cost = {0};
-    uint32_t stack = 0;
     c.ti_s = 740;
     c.td_s = 100;
     if (pid_init(pid, &c, 30) != ERR_OK)
@@ -267,9 +254,9 @@ static void cost_of_pid_beside(void)
         uint32_t to = cost_now();
         if (t >= FIRST)
             cost_add(&cost, from, to);
-        stack = cost_stack_used() > stack ? cost_stack_used() : stack;
+        cost_stack(&cost);
     }
-    say_cost("pid", 10, &cost, stack, sizeof *pid);
+    cost_tell("pid", 10, &cost, sizeof *pid);
 }
 
 void cost_of_decoupling_ticks(void)

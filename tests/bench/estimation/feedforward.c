@@ -84,7 +84,6 @@ static float move_plant(float signal, bool disturbed, num_t *y, num_t *d)
 
 struct counted {
     struct cost learn, test, run, work;
-    uint32_t stack, work_stack;
 };
 
 static void count_tick(struct counted *c, const struct tune *t, uint8_t stage, uint32_t from,
@@ -96,7 +95,7 @@ static void count_tick(struct counted *c, const struct tune *t, uint8_t stage, u
         cost_add(&c->test, from, to);
     else if (stage == TUNE_RUNS && t->running)
         cost_add(&c->run, from, to);
-    c->stack = cost_stack_used() > c->stack ? cost_stack_used() : c->stack;
+    cost_stack(&c->run);
 }
 
 static void cost_of_method(uint8_t method)
@@ -154,7 +153,7 @@ static void cost_of_method(uint8_t method)
             to = cost_now();
             if (whole)
                 cost_add(&c.work, from, to);
-            c.work_stack = cost_stack_used() > c.work_stack ? cost_stack_used() : c.work_stack;
+            cost_stack(&c.work);
         }
         applied_history_append((struct applied_history *)(void *)history, in);
         if (room.n == 8) { /* as if it had been accepted */
@@ -171,9 +170,9 @@ static void cost_of_method(uint8_t method)
     cost_say("learn", n, c.learn.sum / c.learn.count, c.learn.most, kind->bytes(&setup));
     cost_say("test", n, c.test.sum / c.test.count, c.test.most, kind->bytes(&setup));
     cost_say("run", n, c.run.sum / c.run.count, c.run.most, kind->bytes(&setup));
-    cost_say("stack", n, c.stack, c.stack, 0);
+    cost_say("stack", n, c.run.stack, c.run.stack, 0);
     cost_say("tune", n, c.work.sum, c.work.most, c.work.count);
-    cost_say("stack", n, c.work_stack, c.work_stack, 0);
+    cost_say("stack", n, c.work.stack, c.work.stack, 0);
 }
 
 int main(void)

@@ -34,16 +34,10 @@ static void count_job(struct cost *job, struct cost *piece, struct cost *phase)
         cost_sum(&phase[k], of[k].sum);
 }
 
-static uint32_t more_of(uint32_t a, uint32_t b)
-{
-    return a > b ? a : b;
-}
-
 static void cost_of(const char *what, size_t stages, enum composition_method method,
                     enum composition_covariance covariance, size_t extras)
 {
     struct cost tick = {0}, job = {0}, piece = {0}, phase[PHASE_DONE] = {{0}};
-    uint32_t tick_stack = 0, job_stack = 0;
     float t[BENCH_SENSORS];
     if (!filter_begin(stages, method, covariance, extras, memory, sizeof memory))
         return; /* a row is missing */
@@ -59,23 +53,23 @@ static void cost_of(const char *what, size_t stages, enum composition_method met
             return;
         if (counts)
             cost_add(&tick, from, to);
-        tick_stack = more_of(cost_stack_used(), tick_stack);
+        cost_stack(&tick);
         if (!filter_block->filter.job) { /* it gets its workspace before its first order */
             filter_job();
             continue;
         }
         cost_paint_stack();
         count_job(counts ? &job : &before, counts ? &piece : &before, counts ? phase : unused);
-        job_stack = more_of(cost_stack_used(), job_stack);
+        cost_stack(&job);
     }
     if (!filter_is_well())
         return;
     unsigned n = (unsigned)stages;
     cost_say(what, n, tick.sum / tick.count, tick.most, filter_state_bytes());
-    cost_say("tick-stack", n, tick_stack, tick_stack, 0);
+    cost_say("tick-stack", n, tick.stack, tick.stack, 0);
     cost_say("job", n, job.sum / job.count, job.most, filter_workspace_bytes());
     cost_say("piece", n, piece.sum / piece.count, piece.most, 0);
-    cost_say("job-stack", n, job_stack, job_stack, 0);
+    cost_say("job-stack", n, job.stack, job.stack, 0);
     for (unsigned k = 0; k < PHASE_DONE; k++)
         cost_say(phase_names[k], n, phase[k].sum / phase[k].count, phase[k].most, 0);
 }

@@ -51,11 +51,11 @@ static void say_job(const char *what, unsigned loops)
         cost_add(&all, from, to);
         cost_add(&of[phase], from, to);
     }
-    uint32_t stack = cost_stack_used();
+    cost_stack(&all);
     if (job.found.field[0])
         return; /* a row is missing */
     cost_say(what, loops, all.sum, all.most, sizeof job);
-    cost_say("stack", loops, stack, stack, 0);
+    cost_say("stack", loops, all.stack, all.stack, 0);
     for (unsigned k = 0; k < STATE_LAW_PHASE_OVER; k++)
         if (of[k].count)
             cost_say(names[k], loops, of[k].sum, of[k].most, of[k].count);

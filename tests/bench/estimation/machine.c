@@ -68,13 +68,14 @@ void cost_paint_stack(void)
         *p = PAINT;
 }
 
-uint32_t cost_stack_used(void)
+void cost_stack(struct cost *c)
 {
     uintptr_t here = stack_pointer();
     const volatile uint32_t *p = stack_bottom;
     while ((uintptr_t)p < here && *p == PAINT)
         p++;
-    return (uint32_t)(here - (uintptr_t)p);
+    uint32_t used = (uint32_t)(here - (uintptr_t)p);
+    c->stack = used > c->stack ? used : c->stack;
 }
 
 static uint32_t seed;
@@ -119,6 +120,12 @@ void cost_say(const char *what, unsigned n, uint32_t mean, uint32_t most, uint32
         put_number(numbers[k]);
     }
     put('\n');
+}
+
+void cost_tell(const char *what, unsigned n, const struct cost *c, uint32_t bytes)
+{
+    cost_say(what, n, c->sum / c->count, c->most, bytes);
+    cost_say("stack", n, c->stack, c->stack, 0);
 }
 
 void reset_entry(void)

@@ -31,7 +31,6 @@ static void cost_of(const char *what, uint8_t loops, uint8_t law)
     struct block_setup setup;
     struct block_fault fault;
     struct cost cost = {0};
-    uint32_t stack = 0;
     num_t setpoint[2], in[2], out[2], input[4];
     uint8_t quality[4] = {QUALITY_GOOD, QUALITY_GOOD, QUALITY_GOOD, QUALITY_GOOD};
     uint8_t clamp[2] = {0, 0}, limited[2] = {0, 0};
@@ -81,10 +80,9 @@ static void cost_of(const char *what, uint8_t loops, uint8_t law)
         uint32_t to = cost_now();
         if (t > 20)
             cost_add(&cost, from, to);
-        stack = cost_stack_used() > stack ? cost_stack_used() : stack;
+        cost_stack(&cost);
     }
-    cost_say(what, loops, cost.sum / cost.count, cost.most, inferential_kind.bytes(&setup));
-    cost_say("stack", loops, stack, stack, 0);
+    cost_tell(what, loops, &cost, inferential_kind.bytes(&setup));
 }
 
 static void cost_of_pid(void)
@@ -92,7 +90,6 @@ static void cost_of_pid(void)
     struct pid *pid = (struct pid *)(void *)state;
     struct pid_config c = pid_default_config();
     struct cost cost = {0};
-    uint32_t stack = 0;
     c.ti_s = 740;
     if (pid_init(pid, &c, 30) != ERR_OK)
         return; /* a row is missing */
@@ -106,10 +103,9 @@ static void cost_of_pid(void)
         uint32_t to = cost_now();
         if (t > 20)
             cost_add(&cost, from, to);
-        stack = cost_stack_used() > stack ? cost_stack_used() : stack;
+        cost_stack(&cost);
     }
-    cost_say("PI", 1, cost.sum / cost.count, cost.most, sizeof *pid);
-    cost_say("stack", 1, stack, stack, 0);
+    cost_tell("PI", 1, &cost, sizeof *pid);
 }
 
 void cost_of_trays(void)

@@ -18,7 +18,6 @@ static void cost_of(const char *what, uint8_t loops, uint8_t form)
     struct gmv_config c;
     struct cost cost = {0};
     struct gmv_range range;
-    uint32_t stack = 0;
     memset(&c, 0, sizeof c);
     c.shape = (struct gmv_shape){.loops = loops, .form = form, .na = 1, .nb = 1, .average = 1};
     c.interval_s = 30;
@@ -58,12 +57,11 @@ static void cost_of(const char *what, uint8_t loops, uint8_t form)
         uint32_t to = cost_now();
         if (t > 20)
             cost_add(&cost, from, to);
-        stack = cost_stack_used() > stack ? cost_stack_used() : stack;
+        cost_stack(&cost);
         for (unsigned i = 0; i < loops; i++)
             applied_history_append((struct applied_history *)(void *)history[i], u[i]);
     }
-    cost_say(what, loops, cost.sum / cost.count, cost.most, gmv_bytes(&c.shape));
-    cost_say("stack", loops, stack, stack, 0);
+    cost_tell(what, loops, &cost, gmv_bytes(&c.shape));
 }
 
 void cost_of_tuners(void)

@@ -1,23 +1,7 @@
 /* The kind `experiment` from its verb to a proposal, over the real link, on plants whose gains are known. */
 #include "experiment_plant.h"
 
-void setUp(void)
-{
-    memory_port_erase_all();
-}
-void tearDown(void)
-{
-    plant_power_off();
-}
-
-/* Both inputs by 1 V, a tenth of the span to either side. */
-static const struct experiment_case kotyk = {
-    "kotyk-column",
-    120000,
-    2,
-    {"y1", "y2"},
-    {"u1", "u2"},
-    {"bits 7", "clock 4", "amplitude.1 1", "amplitude.2 1", "band.1 0.8", "band.2 1.2"}};
+static const struct experiment_case kotyk = KOTYK_COLUMN("band.1 0.8", "band.2 1.2");
 /* Two base ticks to a sample, which the fast measurements are filtered for. */
 static const struct experiment_case wood_berry = {"wood-berry",
                                                   60000,
@@ -48,8 +32,6 @@ static double worst_gain(const double gain[2][2], unsigned i)
     return worst / largest;
 }
 
-static const double kotyk_gain[2][2] = {{0.03465 / 0.22278, -0.01254 / 0.22278},
-                                        {0.01578 / 0.07983, -0.01833 / 0.07983}};
 static const double wood_berry_gain[2][2] = {{12.8, -18.9}, {6.6, -19.4}};
 static const double kiln_gain[2][2] = {{1.66, -1.74}, {0.34, 1.4}};
 
@@ -172,14 +154,6 @@ static void accept_all(void)
     TEST_FAIL_MESSAGE("proposals without an end");
 }
 
-static double setting(const char *name)
-{
-    char line[60];
-    snprintf(line, sizeof line, "get block1.%s", name);
-    ask_ok(line);
-    return strtod(strchr(reply[0], '=') + 1, NULL);
-}
-
 static void a_usable_model_is_proposed_and_accepted_part_by_part(void)
 {
     run_case(&kotyk, 3);
@@ -190,13 +164,15 @@ static void a_usable_model_is_proposed_and_accepted_part_by_part(void)
     ask_ok("get block1.known");
     TEST_ASSERT_TRUE(said("= on"));
     double at_rest = 1, sum = 0;
-    static const char *const a[] = {"a1_1", "a1_2", "a1_3", "a1_4"};
-    static const char *const b[] = {"b11_1", "b11_2", "b11_3", "b11_4",
-                                    "b11_5", "b11_6", "b11_7", "b11_8"};
-    for (unsigned k = 0; k < 4; k++)
-        at_rest += setting(a[k]);
-    for (unsigned k = 0; k < 8; k++)
-        sum += setting(b[k]);
+    char name[20];
+    for (unsigned k = 1; k <= 4; k++) {
+        snprintf(name, sizeof name, "block1.a1_%u", k);
+        at_rest += setting_of(name);
+    }
+    for (unsigned k = 1; k <= 8; k++) {
+        snprintf(name, sizeof name, "block1.b11_%u", k);
+        sum += setting_of(name);
+    }
     TEST_ASSERT_DOUBLE_WITHIN(0.03 * kotyk_gain[0][0], kotyk_gain[0][0], sum / at_rest);
 }
 
@@ -246,11 +222,11 @@ static void an_accepted_model_is_there_after_a_restart(void)
 {
     at_once_it_is_in_force_without_anybody();
     plant_steps(30);
-    double a = setting("a1_1");
+    double a = setting_of("block1.a1_1");
     plant_power_off();
     plant_power_on("kotyk-column", 120000, 3, 1);
     pass(3000);
-    TEST_ASSERT_EQUAL_DOUBLE(a, setting("a1_1"));
+    TEST_ASSERT_EQUAL_DOUBLE(a, setting_of("block1.a1_1"));
     ask_ok("get block1.known");
     TEST_ASSERT_TRUE(said("= on"));
 }

@@ -9,15 +9,6 @@
 enum { STOPPED = 1, BAND, READING, UNSTEADY, WORKSPACE, SETTINGS, AWAY };
 enum { LIMIT = 13, INTERLOCK, MODE, HAND, CHANNEL, SAFE, PLAN = 20 };
 
-void setUp(void)
-{
-    memory_port_erase_all();
-}
-void tearDown(void)
-{
-    plant_power_off();
-}
-
 static void begin(void)
 {
     plant_power_on("kotyk-column", TICK_MS, 3, 1);

@@ -25,16 +25,6 @@ static bool shows(const char *block, const char *text)
     return said(text);
 }
 
-static double value_of(const char *parameter)
-{
-    char command[40];
-    snprintf(command, sizeof command, "get %s", parameter);
-    ask_ok(command);
-    const char *at = strstr(reply[0], " = ");
-    TEST_ASSERT_NOT_NULL_MESSAGE(at, reply[0]);
-    return strtod(at + 3, NULL);
-}
-
 /* Truths of the pilot column with sensors that are exact. */
 static void measures(void)
 {
@@ -89,7 +79,7 @@ static void in_force(void)
     pasted();
     designed();
     accepted();
-    TEST_ASSERT_DOUBLE_WITHIN(1e-6, 30, value_of("block2.made"));
+    TEST_ASSERT_DOUBLE_WITHIN(1e-6, 30, setting_of("block2.made"));
 }
 
 /* ---- the law ---- */
@@ -124,11 +114,11 @@ static void the_law_is_that_of_the_host(void)
         kept(name, g, 2);
         for (unsigned k = 0; k < 8; k++) {
             snprintf(name, sizeof name, "block2.f%u_%u", i, k + 1);
-            off = fmax(off, fabs(f[k] - value_of(name)));
+            off = fmax(off, fabs(f[k] - setting_of(name)));
         }
         for (unsigned k = 0; k < 2; k++) {
             snprintf(name, sizeof name, "block2.g%u_%u", i, k + 1);
-            off = fmax(off, fabs(g[k] - value_of(name)));
+            off = fmax(off, fabs(g[k] - setting_of(name)));
         }
     }
     printf("weights within %.2g of 174.6, the largest\n", off);
@@ -142,14 +132,14 @@ static void it_waits_for_somebody_who_accepts_it(void)
     pasted();
     designed();
     TEST_ASSERT_TRUE(events_say("block2.made"));
-    TEST_ASSERT_EQUAL_FLOAT(0, value_of("block2.made"));
+    TEST_ASSERT_EQUAL_FLOAT(0, setting_of("block2.made"));
     ask_ok("proposal");
     TEST_ASSERT_TRUE_MESSAGE(said("block2.g1_1"), board.said);
     ask_ok("proposal reject");
     plant_steps(5);
     ask_ok("proposal");
     TEST_ASSERT_FALSE(said("accept"));
-    TEST_ASSERT_EQUAL_FLOAT(0, value_of("block2.g1_1"));
+    TEST_ASSERT_EQUAL_FLOAT(0, setting_of("block2.g1_1"));
 }
 
 /* ---- the column under it ---- */
@@ -204,7 +194,7 @@ static void another_law_comes_into_force_without_a_bump(void)
         TEST_ASSERT_DOUBLE_WITHIN(0.005, before[1], commanded("Qrb"));
         TEST_ASSERT_TRUE(shows("3", "block3 state on"));
     }
-    TEST_ASSERT_EQUAL_FLOAT(30, value_of("block2.made"));
+    TEST_ASSERT_EQUAL_FLOAT(30, setting_of("block2.made"));
     double asked = truly("T1") + 0.03; /* further away it is at its limits: 30 l/h per K */
     char line[40];
     snprintf(line, sizeof line, "sp top %.4f", asked);
@@ -240,15 +230,15 @@ static void for_another_interval_it_is_no_law(void)
 static void what_was_saved_is_there_after_a_restart(void)
 {
     in_force();
-    double g = value_of("block2.g1_1");
+    double g = setting_of("block2.g1_1");
     ask_ok("save");
     power_on();
     pass(2500);
     TEST_ASSERT_TRUE(said("STORAGE_LOADED"));
     type("mode machine\n");
     pass(100);
-    TEST_ASSERT_EQUAL_DOUBLE(g, value_of("block2.g1_1"));
-    TEST_ASSERT_EQUAL_FLOAT(30, value_of("block2.made"));
+    TEST_ASSERT_EQUAL_DOUBLE(g, setting_of("block2.g1_1"));
+    TEST_ASSERT_EQUAL_FLOAT(30, setting_of("block2.made"));
 }
 
 /* ---- refused in words ---- */
@@ -297,7 +287,7 @@ static void comes_out_with(const char *words)
 {
     plant_steps(6);
     TEST_ASSERT_TRUE_MESSAGE(shows("2", words), board.said);
-    TEST_ASSERT_EQUAL_FLOAT(0, value_of("block2.made"));
+    TEST_ASSERT_EQUAL_FLOAT(0, setting_of("block2.made"));
     plant_power_off();
 }
 
@@ -363,7 +353,7 @@ static void a_power_cut_while_it_is_found_leaves_nothing_of_it(void)
     type("mode machine\n");
     pass(100);
     TEST_ASSERT_TRUE(shows("2", "  stage = 0"));
-    TEST_ASSERT_EQUAL_FLOAT(0, value_of("block2.made"));
+    TEST_ASSERT_EQUAL_FLOAT(0, setting_of("block2.made"));
 }
 
 /* Saved between two of the proposals it comes by. */
@@ -373,16 +363,16 @@ static void half_a_law_is_never_in_force(void)
     designed();
     ask_ok("proposal accept");
     ask_ok("save");
-    TEST_ASSERT_TRUE(value_of("block2.g1_1") < -170);
-    TEST_ASSERT_EQUAL_FLOAT(0, value_of("block2.made"));
+    TEST_ASSERT_TRUE(setting_of("block2.g1_1") < -170);
+    TEST_ASSERT_EQUAL_FLOAT(0, setting_of("block2.made"));
     plant_power_off();
     plant_power_on("pilot", TICK_MS, 3, 0);
     measures();
     pass(2500);
     type("mode machine\n");
     pass(100);
-    TEST_ASSERT_TRUE(value_of("block2.g1_1") < -170);
-    TEST_ASSERT_EQUAL_FLOAT(0, value_of("block2.f2_8"));
+    TEST_ASSERT_TRUE(setting_of("block2.g1_1") < -170);
+    TEST_ASSERT_EQUAL_FLOAT(0, setting_of("block2.f2_8"));
     plant_connect();
     plant_steps(2);
     ask_ok("out top 4.5");

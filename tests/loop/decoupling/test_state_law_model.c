@@ -15,16 +15,6 @@ void tearDown(void)
     plant_power_off();
 }
 
-static double value_of(const char *parameter)
-{
-    char command[40];
-    snprintf(command, sizeof command, "get %s", parameter);
-    ask_ok(command);
-    const char *at = strstr(reply[0], " = ");
-    TEST_ASSERT_NOT_NULL_MESSAGE(at, reply[0]);
-    return strtod(at + 3, NULL);
-}
-
 static void pasted(void)
 {
     plant_power_on(DECOUPLING "/two-lags.json", TICK_MS, 3, 1);
@@ -61,7 +51,7 @@ static void adopted(void)
         plant_step();
         pass(100);
     }
-    TEST_ASSERT_EQUAL_DOUBLE(60, value_of("block1.made"));
+    TEST_ASSERT_EQUAL_DOUBLE(60, setting_of("block1.made"));
 }
 
 /* F = B^-1 (M0 - A), G = B^-1 (1 - M0), of the plant itself; spans of 8 and 2. */
@@ -78,9 +68,9 @@ static void the_law_is_that_of_the_plant_as_far_as_its_model_is_the_plant(void)
             char name[20];
             double unit = inverse[i - 1][j - 1] * 2 / 8, g = unit * (1 - pole[j - 1]);
             snprintf(name, sizeof name, "block1.g%u_%u", i, j);
-            off = fmax(off, fabs(value_of(name) - g));
+            off = fmax(off, fabs(setting_of(name) - g));
             snprintf(name, sizeof name, "block1.f%u_%u", i, j);
-            off = fmax(off, fabs(value_of(name) - unit * (pole[j - 1] - a[j - 1])));
+            off = fmax(off, fabs(setting_of(name) - unit * (pole[j - 1] - a[j - 1])));
             most = fmax(most, fabs(g));
         }
     printf("law of the model: weights within %.2g of %.2g\n", off, most);
