@@ -294,6 +294,45 @@ static void a_proposal_accepted_after_other_settings_is_not_watched(void)
     TEST_ASSERT_TRUE(value_of(1, "does") > 85);
 }
 
+/* ---- gaps ---- */
+
+/* In hand the block has no turn; what the models look back at has a gap then. */
+static void after_a_while_in_hand_nothing_is_learnt_for_as_long_as_the_model_looks_back(void)
+{
+    static const char *const no_signal[] = {"set block1.step 0", NULL};
+    begin_unlike(&situations[0], 0);
+    settle(no_signal);
+    ask_ok("block 1 tune");
+    tune_seconds(600);
+    TEST_ASSERT_EQUAL(1, tune_value("learns"));
+    ask_ok("mode one manual");
+    tune_seconds(100);
+    ask_ok("mode one auto");
+    tune_seconds(30);
+    TEST_ASSERT_EQUAL(DISTURBANCE, tune_value("stage"));
+    TEST_ASSERT_EQUAL(0, tune_value("learns"));
+    tune_seconds(100);
+    TEST_ASSERT_EQUAL(1, tune_value("learns"));
+}
+
+/* One tick of five, wherever in the sample. */
+static void a_reading_that_is_missing_for_a_tick_spoils_its_sample(void)
+{
+    static const char *const slower[] = {"set block1.step 0", "set block1.period 5", NULL};
+    begin_unlike(&situations[0], 0);
+    settle(slower);
+    ask_ok("block 1 tune");
+    for (unsigned phase = 0; phase < 5; phase++) {
+        tune_seconds(601);
+        TEST_ASSERT_EQUAL(1, tune_value("learns"));
+        plant_event("dm.quality=2");
+        tune_second();
+        plant_event("dm.quality=0");
+        tune_seconds(10);
+        TEST_ASSERT_EQUAL(0, tune_value("learns"));
+    }
+}
+
 /* ---- what the models do not allow for ---- */
 
 /* It is off again, and the loop is what it was. */
@@ -435,6 +474,8 @@ int main(void)
     RUN_TEST(a_power_cut_forgets_a_proposal_that_waits);
     RUN_TEST(a_proposal_accepted_after_stop_is_watched);
     RUN_TEST(a_proposal_accepted_after_other_settings_is_not_watched);
+    RUN_TEST(after_a_while_in_hand_nothing_is_learnt_for_as_long_as_the_model_looks_back);
+    RUN_TEST(a_reading_that_is_missing_for_a_tick_spoils_its_sample);
     RUN_TEST(no_method_leaves_an_element_on_where_the_mv_is_always_at_a_limit);
     RUN_TEST(a_disturbance_that_moves_with_the_setpoint_does_no_harm);
     RUN_TEST(two_blocks_that_are_tuned_one_after_the_other_both_act);
