@@ -88,6 +88,7 @@ struct tune {
     uint16_t ticks, piece_most, pieces;
     uint8_t stage, verdict, tells, told_verdict;
     uint8_t tried;        /* times it was switched off */
+    uint8_t changes;      /* times in a row that it was identified anew for doing too little */
     uint32_t sensor_away; /* steps */
     float worse_by;       /* % */
     bool running;         /* the element has a gain */
@@ -179,6 +180,7 @@ struct tune {
     bool handed;    /* the proposal */
     bool again;     /* it is to identify anew once the feedforward is off */
     bool silencing; /* it proposes a gain of 0 */
+    bool off_waits; /* it has, and that has not been decided on */
     /* The estimator: of the stage. */
     _Alignas(8) char memory[];
 };

@@ -108,7 +108,7 @@ static void begin_without_past(struct tune *t)
     tune_stage_begins(t, TUNE_IDLE);
     t->computing = t->reading = t->has_model = t->has_loop = t->silencing = false;
     t->verdict = TUNE_NONE;
-    t->tried = 0;
+    t->tried = t->changes = 0;
     if (t->s.begin)
         tune_begin(t);
 }
@@ -209,7 +209,7 @@ static const char *run_tune_element(void *state, const float *number)
     (void)number;
     if (t->stage != TUNE_IDLE && t->stage != TUNE_RUNS)
         return "runs";
-    t->tried = 0;
+    t->tried = t->changes = 0;
     tune_begin(t);
     return NULL;
 }

@@ -49,11 +49,14 @@ static bool is_calm(struct tune *t)
 /* With room again and other settings in force it was refused, or rejected. */
 void tune_propose_on(struct tune *t, struct block_proposal *room)
 {
+    if (room)
+        t->off_waits = false;
     if (!room || !is_calm(t))
         return;
     if (t->silencing || (t->stage == TUNE_SILENCES && !t->handed)) {
         put_gain_off(t, room);
         t->silencing = false;
+        t->off_waits = true;
         t->handed = true;
         return;
     }

@@ -5,6 +5,8 @@
 
 #define LOOKS_A_STAGE 8u
 #define SETTLED_LOOKS 2u
+/* In a row, none of which has brought what was promised: then it stays as it is. */
+#define CHANGES_MOST 3u
 /* r.m.s. of a signal that stands still: fraction of span. */
 #define STILL REAL_C(5e-4)
 
@@ -163,7 +165,9 @@ static void running_on(struct tune *t)
     } else if (is_due(t)) {
         t->since_tuned = 0;
         tune_stage_begins(t, TUNE_COMPUTES);
-    } else if (t->since_change > tune_samples(t, t->s.check_s) && t->promised > 0) {
+    } else if (t->since_change > tune_samples(t, t->s.check_s) && t->promised > 0 &&
+               t->changes < CHANGES_MOST) {
+        t->changes++;
         t->tells |= 1u << TUNE_SAYS_CHANGED;
         t->since_change = 0;
         tune_begin(t);

@@ -190,10 +190,11 @@ enum tune_verdict tune_watch_step(struct tune *t)
     bool whole = t->watch_weight > REAL_C(0.5) * memory;
     bool less = whole && t->watch_with > (ONE - REAL_C(0.5) * t->promised) * t->watch_without;
     t->since_change = less ? t->since_change + 1u : 0;
+    t->changes = whole && !less ? 0 : t->changes;
     /* For as long as the loop takes to forget: a feedforward may act before the disturbance does, and loses for that while. */
     bool worse = whole && t->watch_with > WORSE_THAN * t->watch_without;
     t->worse_for = worse ? t->worse_for + 1u : 0;
-    return t->worse_for > forgets_in(t) ? TUNE_WORSE : TUNE_NONE;
+    return t->worse_for > forgets_in(t) && !t->off_waits ? TUNE_WORSE : TUNE_NONE;
 }
 
 #endif

@@ -60,6 +60,29 @@ static void what_is_nearly_equal_is_equal(void)
         "II a", feedforward_case_name(feedforward_case_of(&process, &d, REAL_C(0.01))));
 }
 
+/* 0.41 is 2.44 % from 0.4 by the larger of the two. */
+static void nearly_is_of_the_larger_time_constant_whichever_path_has_it(void)
+{
+    struct fopdt slow = {.gain = 1, .dead_time_s = REAL_C(0.6), .time_constant_s = REAL_C(0.41)};
+    struct fopdt fast = slow;
+    fast.time_constant_s = REAL_C(0.4);
+    TEST_ASSERT_EQUAL(SLOW_NEITHER, feedforward_case_of(&fast, &slow, REAL_C(0.0247)).slow);
+    TEST_ASSERT_EQUAL(SLOW_NEITHER, feedforward_case_of(&slow, &fast, REAL_C(0.0247)).slow);
+    TEST_ASSERT_EQUAL(SLOW_DISTURBANCE, feedforward_case_of(&fast, &slow, REAL_C(0.0241)).slow);
+    TEST_ASSERT_EQUAL(SLOW_PROCESS, feedforward_case_of(&slow, &fast, REAL_C(0.0241)).slow);
+}
+
+/* III c far ahead: tq - 0.2 tm - 0.6 (dm - dq) is -2.7. */
+static void a_lag_of_shinskey_s_that_comes_out_below_0_is_0(void)
+{
+    struct fopdt late = {.gain = 1, .dead_time_s = 5, .time_constant_s = 1};
+    struct fopdt d = {.gain = 1, .dead_time_s = 0, .time_constant_s = REAL_C(0.5)};
+    struct feedforward_rule rule;
+    TEST_ASSERT_EQUAL(ERR_OK, feedforward_shinskey(&late, &d, REAL_C(0.02), &rule));
+    TEST_ASSERT_DOUBLE_WITHIN(1e-9, 0, (double)rule.lag_s);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-5, 2.8, (double)rule.lead_s);
+}
+
 static void shinskey_s_elements_miss_by_what_the_digest_has(void)
 {
     static const double omega[3] = {0.5, 2, 6};
@@ -135,6 +158,8 @@ int main(void)
     UNITY_BEGIN();
     RUN_TEST(the_nine_cases_are_told_apart);
     RUN_TEST(what_is_nearly_equal_is_equal);
+    RUN_TEST(nearly_is_of_the_larger_time_constant_whichever_path_has_it);
+    RUN_TEST(a_lag_of_shinskey_s_that_comes_out_below_0_is_0);
     RUN_TEST(shinskey_s_elements_miss_by_what_the_digest_has);
     RUN_TEST(the_exact_element_cancels_where_no_prediction_is_needed);
     RUN_TEST(models_that_are_none_are_refused);

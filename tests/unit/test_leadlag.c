@@ -252,6 +252,55 @@ static void another_gain_keeps_what_is_under_way(void)
     TEST_ASSERT_DOUBLE_WITHIN(1e-5, 0.2, D(out[0]));
 }
 
+static void another_gain_of_a_term_with_a_lead_does_not_kick(void)
+{
+    term(0, 1, 1, 1, 200, 20, 0);
+    input[0] = N(0.7);
+    begin();
+    step();
+    settings.gain[0] = 1.5f;
+    configure(true);
+    for (unsigned k = 0; k < 5; k++) {
+        step();
+        TEST_ASSERT_DOUBLE_WITHIN(1e-5, 0.3, D(out[0]));
+    }
+}
+
+static void a_term_from_another_input_looks_at_that(void)
+{
+    term(0, 1, 1, 1, 0, 20, 0);
+    input[1] = N(0.8);
+    begin();
+    step();
+    settings.from[0] = 2;
+    configure(true);
+    step();
+    TEST_ASSERT_DOUBLE_WITHIN(1e-5, 0.3, D(out[0]));
+}
+
+static void another_reference_counts(void)
+{
+    term(0, 1, 1, 1, 0, 20, 0);
+    begin();
+    step();
+    settings.reference[0] = 40;
+    configure(true);
+    step();
+    TEST_ASSERT_DOUBLE_WITHIN(1e-5, 0.1, D(out[0]));
+}
+
+static void with_a_washout_it_begins_at_nothing(void)
+{
+    term(0, 1, 1, 1, 0, 20, 0);
+    settings.washout_s = 600;
+    input[0] = N(0.8);
+    begin();
+    for (unsigned k = 0; k < 5; k++) {
+        step();
+        TEST_ASSERT_DOUBLE_WITHIN(1e-5, 0, D(out[0]));
+    }
+}
+
 static void it_may_be_moved_to_another_place(void)
 {
     static alignas(8) char elsewhere[sizeof state];
@@ -393,6 +442,10 @@ int main(void)
     RUN_TEST(a_lead_beyond_the_kick_is_refused);
     RUN_TEST(it_begins_at_rest_at_its_inputs);
     RUN_TEST(another_gain_keeps_what_is_under_way);
+    RUN_TEST(another_gain_of_a_term_with_a_lead_does_not_kick);
+    RUN_TEST(a_term_from_another_input_looks_at_that);
+    RUN_TEST(another_reference_counts);
+    RUN_TEST(with_a_washout_it_begins_at_nothing);
     RUN_TEST(it_may_be_moved_to_another_place);
     RUN_TEST(a_lost_input_stays_what_it_was_for_a_while);
     RUN_TEST(an_input_that_comes_back_in_time_counts_again);

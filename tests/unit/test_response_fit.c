@@ -103,6 +103,20 @@ static void a_pure_gain_and_a_pure_dead_time_are_models(void)
     }
 }
 
+static void a_dead_time_is_not_above_the_most_that_was_asked_for(void)
+{
+    real_t omega[8], error;
+    struct cplx g[8];
+    struct fopdt found;
+    const struct fopdt late = {
+        .gain = 2, .dead_time_s = REAL_C(1.02), .time_constant_s = REAL_C(0.5)};
+    size_t n = grid(omega, 0.1, 6, 8);
+    for (size_t i = 0; i < n; i++)
+        g[i] = fopdt_response(&late, omega[i]);
+    TEST_ASSERT_EQUAL(ERR_OK, fopdt_from_response(n, omega, g, 1, &found, &error));
+    TEST_ASSERT_TRUE(found.dead_time_s <= 1);
+}
+
 static void responses_that_are_none_are_refused(void)
 {
     real_t omega[3] = {REAL_C(0.1), 1, 6}, error;
@@ -147,6 +161,7 @@ int main(void)
     RUN_TEST(noise_of_a_hundredth_moves_a_model_little);
     RUN_TEST(a_response_of_another_kind_has_its_error_told);
     RUN_TEST(a_pure_gain_and_a_pure_dead_time_are_models);
+    RUN_TEST(a_dead_time_is_not_above_the_most_that_was_asked_for);
     RUN_TEST(responses_that_are_none_are_refused);
     RUN_TEST(in_pieces_it_is_the_same_and_no_piece_has_more_than_two_dead_times);
     return UNITY_END();

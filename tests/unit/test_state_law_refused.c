@@ -118,6 +118,16 @@ static void an_integral_that_makes_the_loop_unstable_is_refused(void)
     no_law("ti must be longer: with it the loop is not stable");
 }
 
+/* exp(-30/1e12) is 1. */
+static void a_law_that_is_refused_for_a_loop_tells_which(void)
+{
+    settings.tau_s[1] = 1e12f;
+    configure(false);
+    design();
+    TEST_ASSERT_NOT_NULL_MESSAGE(strstr(told(), "tau must be stable"), told());
+    TEST_ASSERT_EQUAL(2, block()->found.loop);
+}
+
 /* The end trays alone stand for most of a fast law, but not for enough of it. */
 static void a_loop_that_inputs_alone_make_unstable_is_refused(void)
 {
@@ -190,6 +200,28 @@ static void another_table_ends_a_design(void)
     }
 }
 
+/* A table that is written again stands where it stood. */
+static void the_same_table_with_other_numbers_ends_a_design(void)
+{
+    half_way(5);
+    PUT_RECORD(&record, splitter_values);
+    TEST_ASSERT_EQUAL(ERR_OK, kind->configure(state, &setup, true));
+    is_over("have changed while it was being found");
+}
+
+static void a_law_for_other_settings_is_not_proposed(void)
+{
+    configure(false);
+    design();
+    TEST_ASSERT_EQUAL(STATE_LAW_DONE, block()->stage);
+    settings.tau_s[0] = 50;
+    configure(true);
+    for (unsigned k = 0; k < 3; k++) {
+        step(true);
+        TEST_ASSERT_EQUAL(0, proposal.n);
+    }
+}
+
 static void other_settings_end_a_design_and_a_law_by_hand_does_not(void)
 {
     half_way(5);
@@ -247,10 +279,13 @@ int main(void)
     RUN_TEST(inputs_that_tell_the_same_are_refused);
     RUN_TEST(outputs_that_are_one_are_refused);
     RUN_TEST(an_integral_that_makes_the_loop_unstable_is_refused);
+    RUN_TEST(a_law_that_is_refused_for_a_loop_tells_which);
     RUN_TEST(a_loop_that_inputs_alone_make_unstable_is_refused);
     RUN_TEST(somebody_has_the_workspace);
     RUN_TEST(there_is_no_workspace);
     RUN_TEST(another_table_ends_a_design);
+    RUN_TEST(the_same_table_with_other_numbers_ends_a_design);
+    RUN_TEST(a_law_for_other_settings_is_not_proposed);
     RUN_TEST(other_settings_end_a_design_and_a_law_by_hand_does_not);
     RUN_TEST(a_workspace_that_is_taken_away_ends_it);
     RUN_TEST(it_is_stopped);

@@ -106,6 +106,42 @@ static void on_off_and_other_gains_move_no_mv(void)
     TEST_ASSERT_DOUBLE_WITHIN(0.01, 0.1, truly("y2"));
 }
 
+/* Each in force for a while before the next. */
+static void no_other_setting_moves_an_mv(void)
+{
+    static const char *const settings[] = {"washout 3000",
+                                           "washout 600",
+                                           "washout 0",
+                                           "lead.1 120,60,0,0,0,0,0,0",
+                                           "dead.1 180,0,0,0,0,0,0,0",
+                                           "reference.1 0.3,0.3,0,0,0,0,0,0",
+                                           "hi.1 0.001,0.001,1,1",
+                                           "hi.1 1,1,1,1",
+                                           "rate.1 0.0001,0.0001,0,0",
+                                           "rate.1 0,0,0,0",
+                                           "from.1 1,0,0,0,0,0,0,0",
+                                           "to.1 2,0,0,0,0,0,0,0",
+                                           "hold 0"};
+    begin(0, true);
+    plant_event("d=0.5");
+    plant_steps(300);
+    for (unsigned k = 0; k < sizeof settings / sizeof settings[0]; k++) {
+        char line[80];
+        double before[2] = {commanded("u1"), commanded("u2")};
+        snprintf(line, sizeof line, "set block1.%s", settings[k]);
+        ask_ok("begin");
+        ask_ok(line);
+        ask_ok("apply");
+        for (unsigned n = 0; n < 3; n++) {
+            plant_step();
+            moves_less_than(0.01, before, settings[k]);
+        }
+        plant_steps(300);
+        TEST_ASSERT_DOUBLE_WITHIN_MESSAGE(0.01, 0.2, truly("y1"), settings[k]);
+        TEST_ASSERT_DOUBLE_WITHIN_MESSAGE(0.01, 0.1, truly("y2"), settings[k]);
+    }
+}
+
 /* Held for five minutes, then the loops go on alone from where their MVs are. */
 static void a_disturbance_that_is_lost_moves_no_mv(void)
 {
@@ -178,6 +214,7 @@ int main(void)
     UNITY_BEGIN();
     RUN_TEST(it_takes_most_of_a_disturbance_away);
     RUN_TEST(on_off_and_other_gains_move_no_mv);
+    RUN_TEST(no_other_setting_moves_an_mv);
     RUN_TEST(a_disturbance_that_is_lost_moves_no_mv);
     RUN_TEST(a_disturbance_that_lies_costs_no_more_than_the_limits_allow);
     RUN_TEST(settings_are_stored_and_read_again);
