@@ -19,14 +19,21 @@ static bool is_known(const struct tune *t, const struct high_order_point *p)
     return t->s.doubt * p->sd < cplx_abs(p->is);
 }
 
-/* Of the band, where it is known: the process, or the path of the disturbance, which is the ratio times the process. */
+/* What an MV that is held between samples is late at the least: the process has that, whatever noise makes of its response. */
+static real_t held_late(const struct tune *t)
+{
+    return REAL_C(0.5) * t->h_s;
+}
+
+/* Of the band, where it is known: the process without what the hold is late, or the path of the disturbance, which is the ratio times the process. */
 static unsigned known_points(const struct tune *t, bool of_path, real_t *omega, struct cplx *g)
 {
     unsigned n = 0;
     for (unsigned i = t->band_from; i < t->band_to; i++) {
         if (!is_known(t, &t->process[i]) || (of_path && !is_known(t, &t->ratio.at[i])))
             continue;
-        g[n] = of_path ? cplx_mul(t->ratio.at[i].is, t->process[i].is) : t->process[i].is;
+        g[n] = of_path ? cplx_mul(t->ratio.at[i].is, t->process[i].is)
+                       : cplx_mul(t->process[i].is, cplx_turned(t->omega[i] * held_late(t)));
         omega[n++] = t->omega[i];
     }
     return n;
@@ -58,6 +65,7 @@ enum tune_verdict tune_process_piece(struct tune *t, bool *more)
     if (*more)
         return TUNE_NONE;
     t->found = (struct tune_model){t->fit.best, t->fit.error};
+    t->found.is.dead_time_s += held_late(t);
     return t->found.is.gain * t->s.gain > ZERO ? TUNE_NONE : TUNE_NO_MODEL;
 }
 

@@ -116,9 +116,11 @@ void tune_test_begin(struct tune *t)
 static enum tune_verdict judge_candidate(struct tune *t)
 {
     real_t most = ONE - t->s.better / 100;
-    bool better = t->better_parts >= PARTS_BETTER && t->all_then <= most * t->all_now &&
-                  t->all_then <= most * t->all_without;
-    t->promised = t->all_without > ZERO ? ONE - t->all_then / t->all_without : ZERO;
+    /* Where it is to cancel the disturbance it leaves what the model of the process is off by. */
+    real_t then = t->all_then + t->model.off * t->model.off * t->all_without;
+    bool better = t->better_parts >= PARTS_BETTER && then <= most * t->all_now &&
+                  then <= most * t->all_without;
+    t->promised = t->all_without > ZERO ? ONE - then / t->all_without : ZERO;
     return better ? TUNE_ADOPTED : TUNE_NO_BETTER;
 }
 
