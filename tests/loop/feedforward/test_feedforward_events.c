@@ -72,6 +72,22 @@ static void one_that_waits_to_be_switched_off_counts_once(void)
     TEST_ASSERT_EQUAL(DISTURBANCE, tune_value("stage"));
 }
 
+/* Its lag is longer than the disturbance rests: calm is not waited for as long as that takes. */
+static void a_slow_element_that_is_worse_is_off_within_half_of_check(void)
+{
+    static const char *const slow[] = {"set ff1.gain 0.6", "set block1.k 0.6", "set ff1.lag 300",
+                                       "set block1.lag 300", NULL};
+    begin_unlike(&usual, 0);
+    course.period = 1000;
+    tune_whole(0);
+    TEST_ASSERT_EQUAL(RUNS, tune_value("stage"));
+    tune_seconds(1200);
+    settle(slow);
+    tune_seconds(600);
+    TEST_ASSERT_EQUAL(1, tune_value("tried"));
+    TEST_ASSERT_TRUE(gain_is_off("ff1"));
+}
+
 /* ---- a proposal that waits ---- */
 
 static void to_proposal(void)
@@ -341,6 +357,7 @@ int main(void)
     RUN_TEST(an_element_that_does_nothing_is_not_identified_anew_for_ever);
     RUN_TEST(one_that_is_worse_is_off_when_the_settings_are_free_again);
     RUN_TEST(one_that_waits_to_be_switched_off_counts_once);
+    RUN_TEST(a_slow_element_that_is_worse_is_off_within_half_of_check);
     RUN_TEST(a_power_cut_forgets_a_proposal_that_waits);
     RUN_TEST(a_proposal_accepted_after_stop_is_watched);
     RUN_TEST(a_proposal_accepted_after_other_settings_is_not_watched);
