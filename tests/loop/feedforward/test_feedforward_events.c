@@ -142,6 +142,45 @@ static void a_proposal_accepted_after_other_settings_is_not_watched(void)
     TEST_ASSERT_TRUE(value_of(1, "does") > 85);
 }
 
+/* ---- what is not watched ---- */
+
+static double does_to_the_bit(double before)
+{
+    double now = value_of(1, "does");
+    TEST_ASSERT_TRUE(before > 85);
+    TEST_ASSERT_TRUE(now >= before && now <= before);
+    return now;
+}
+
+static void nothing_is_watched_while_setpoints_move(void)
+{
+    begin_unlike(&usual, 0);
+    tune_whole(0);
+    tune_seconds(1500);
+    ask_ok("sp one 1");
+    tune_seconds(2); /* what was measured before it */
+    double before = value_of(1, "does");
+    for (unsigned k = 0; k < 20; k++) {
+        tune_seconds(90);
+        ask_ok(k & 1 ? "sp one 1" : "sp one 0");
+        before = does_to_the_bit(before);
+    }
+    tune_seconds(300);
+    TEST_ASSERT_TRUE(value_of(1, "does") < before || value_of(1, "does") > before);
+}
+
+static void nothing_is_watched_while_a_reading_is_missing(void)
+{
+    begin_unlike(&usual, 0);
+    tune_whole(0);
+    tune_seconds(1500);
+    plant_event("dm.quality=2");
+    tune_second(); /* what was measured before it */
+    double before = value_of(1, "does");
+    tune_seconds(300);
+    (void)does_to_the_bit(before);
+}
+
 /* ---- gaps ---- */
 
 /* In hand the block has no turn; what the models look back at has a gap then. */
@@ -361,6 +400,8 @@ int main(void)
     RUN_TEST(a_power_cut_forgets_a_proposal_that_waits);
     RUN_TEST(a_proposal_accepted_after_stop_is_watched);
     RUN_TEST(a_proposal_accepted_after_other_settings_is_not_watched);
+    RUN_TEST(nothing_is_watched_while_setpoints_move);
+    RUN_TEST(nothing_is_watched_while_a_reading_is_missing);
     RUN_TEST(after_a_while_in_hand_nothing_is_learnt_for_as_long_as_the_model_looks_back);
     RUN_TEST(a_reading_that_is_missing_for_a_tick_spoils_its_sample);
     RUN_TEST(a_setpoint_under_way_is_not_learnt_as_the_disturbance);
