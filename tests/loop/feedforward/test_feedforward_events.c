@@ -88,6 +88,24 @@ static void a_slow_element_that_is_worse_is_off_within_half_of_check(void)
     TEST_ASSERT_TRUE(gain_is_off("ff1"));
 }
 
+static void other_settings_forget_that_it_was_to_be_identified_anew(void)
+{
+    static const char *const off[] = {"set ff1.gain 0", "set block1.k 0", NULL};
+    begin_unlike(&usual, 0);
+    tune_whole(0);
+    settle(wrong_sign);
+    ask_ok("begin");
+    tune_seconds(3000);
+    TEST_ASSERT_EQUAL(WORSE, tune_value("verdict"));
+    ask_ok("set block1.settled 12");
+    ask_ok("apply");
+    tune_seconds(100);
+    settle(off);
+    tune_seconds(100);
+    TEST_ASSERT_TRUE(gain_is_off("ff1"));
+    TEST_ASSERT_EQUAL(IDLE, tune_value("stage"));
+}
+
 /* ---- a proposal that waits ---- */
 
 static void to_proposal(void)
@@ -397,6 +415,7 @@ int main(void)
     RUN_TEST(one_that_is_worse_is_off_when_the_settings_are_free_again);
     RUN_TEST(one_that_waits_to_be_switched_off_counts_once);
     RUN_TEST(a_slow_element_that_is_worse_is_off_within_half_of_check);
+    RUN_TEST(other_settings_forget_that_it_was_to_be_identified_anew);
     RUN_TEST(a_power_cut_forgets_a_proposal_that_waits);
     RUN_TEST(a_proposal_accepted_after_stop_is_watched);
     RUN_TEST(a_proposal_accepted_after_other_settings_is_not_watched);
