@@ -106,7 +106,8 @@ static void begin_without_past(struct tune *t)
     tune_samples_begin(t);
     tune_learn_stage(t, TUNE_DISTURBANCE);
     tune_stage_begins(t, TUNE_IDLE);
-    t->computing = t->reading = t->has_model = t->has_loop = t->silencing = false;
+    t->computing = t->reading = t->has_model = t->has_loop = false;
+    t->silencing = t->off_waits = t->again = false;
     t->verdict = TUNE_NONE;
     t->tried = t->changes = 0;
     if (t->s.begin)

@@ -6,6 +6,8 @@
 
 /* Times what a step of the disturbance takes that a proposal waits for it to be over. */
 #define CALLS 4u
+/* Of `check`: one that makes the loop worse waits no longer. */
+#define WORSE_WAITS 0.0625f
 
 static void put_gain_off(const struct tune *t, struct block_proposal *room)
 {
@@ -39,7 +41,10 @@ static bool is_calm(struct tune *t)
 {
     uint32_t wanted = (uint32_t)((t->s.lead_s + t->s.lag_s + t->s.dead_s) / (float)t->h_s);
     wanted = 2u * wanted + 4u;
-    bool calm = t->d_rests > wanted || t->calls > CALLS * (wanted + 4u) * t->ticks;
+    uint32_t most = CALLS * (wanted + 4u), least = tune_samples(t, WORSE_WAITS * t->s.check_s);
+    if (t->silencing && most > least)
+        most = least;
+    bool calm = t->d_rests > wanted || t->calls > most * t->ticks;
     bool wants =
         t->silencing || (!t->handed && (t->stage == TUNE_SILENCES || t->stage == TUNE_PROPOSES));
     t->calls = wants && !calm ? t->calls + 1u : 0;

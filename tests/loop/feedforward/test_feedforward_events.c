@@ -72,6 +72,40 @@ static void one_that_waits_to_be_switched_off_counts_once(void)
     TEST_ASSERT_EQUAL(DISTURBANCE, tune_value("stage"));
 }
 
+/* Its lag is longer than the disturbance rests: calm is not waited for as long as that takes. */
+static void a_slow_element_that_is_worse_is_off_within_half_of_check(void)
+{
+    static const char *const slow[] = {"set ff1.gain 0.6", "set block1.k 0.6", "set ff1.lag 300",
+                                       "set block1.lag 300", NULL};
+    begin_unlike(&usual, 0);
+    course.period = 1000;
+    tune_whole(0);
+    TEST_ASSERT_EQUAL(RUNS, tune_value("stage"));
+    tune_seconds(1200);
+    settle(slow);
+    tune_seconds(600);
+    TEST_ASSERT_EQUAL(1, tune_value("tried"));
+    TEST_ASSERT_TRUE(gain_is_off("ff1"));
+}
+
+static void other_settings_forget_that_it_was_to_be_identified_anew(void)
+{
+    static const char *const off[] = {"set ff1.gain 0", "set block1.k 0", NULL};
+    begin_unlike(&usual, 0);
+    tune_whole(0);
+    settle(wrong_sign);
+    ask_ok("begin");
+    tune_seconds(3000);
+    TEST_ASSERT_EQUAL(WORSE, tune_value("verdict"));
+    ask_ok("set block1.settled 12");
+    ask_ok("apply");
+    tune_seconds(100);
+    settle(off);
+    tune_seconds(100);
+    TEST_ASSERT_TRUE(gain_is_off("ff1"));
+    TEST_ASSERT_EQUAL(IDLE, tune_value("stage"));
+}
+
 /* ---- a proposal that waits ---- */
 
 static void to_proposal(void)
@@ -124,6 +158,45 @@ static void a_proposal_accepted_after_other_settings_is_not_watched(void)
     tune_whole(0);
     tune_seconds(1500);
     TEST_ASSERT_TRUE(value_of(1, "does") > 85);
+}
+
+/* ---- what is not watched ---- */
+
+static double does_to_the_bit(double before)
+{
+    double now = value_of(1, "does");
+    TEST_ASSERT_TRUE(before > 85);
+    TEST_ASSERT_TRUE(now >= before && now <= before);
+    return now;
+}
+
+static void nothing_is_watched_while_setpoints_move(void)
+{
+    begin_unlike(&usual, 0);
+    tune_whole(0);
+    tune_seconds(1500);
+    ask_ok("sp one 1");
+    tune_seconds(2); /* what was measured before it */
+    double before = value_of(1, "does");
+    for (unsigned k = 0; k < 20; k++) {
+        tune_seconds(90);
+        ask_ok(k & 1 ? "sp one 1" : "sp one 0");
+        before = does_to_the_bit(before);
+    }
+    tune_seconds(300);
+    TEST_ASSERT_TRUE(value_of(1, "does") < before || value_of(1, "does") > before);
+}
+
+static void nothing_is_watched_while_a_reading_is_missing(void)
+{
+    begin_unlike(&usual, 0);
+    tune_whole(0);
+    tune_seconds(1500);
+    plant_event("dm.quality=2");
+    tune_second(); /* what was measured before it */
+    double before = value_of(1, "does");
+    tune_seconds(300);
+    (void)does_to_the_bit(before);
 }
 
 /* ---- gaps ---- */
@@ -341,9 +414,13 @@ int main(void)
     RUN_TEST(an_element_that_does_nothing_is_not_identified_anew_for_ever);
     RUN_TEST(one_that_is_worse_is_off_when_the_settings_are_free_again);
     RUN_TEST(one_that_waits_to_be_switched_off_counts_once);
+    RUN_TEST(a_slow_element_that_is_worse_is_off_within_half_of_check);
+    RUN_TEST(other_settings_forget_that_it_was_to_be_identified_anew);
     RUN_TEST(a_power_cut_forgets_a_proposal_that_waits);
     RUN_TEST(a_proposal_accepted_after_stop_is_watched);
     RUN_TEST(a_proposal_accepted_after_other_settings_is_not_watched);
+    RUN_TEST(nothing_is_watched_while_setpoints_move);
+    RUN_TEST(nothing_is_watched_while_a_reading_is_missing);
     RUN_TEST(after_a_while_in_hand_nothing_is_learnt_for_as_long_as_the_model_looks_back);
     RUN_TEST(a_reading_that_is_missing_for_a_tick_spoils_its_sample);
     RUN_TEST(a_setpoint_under_way_is_not_learnt_as_the_disturbance);
