@@ -172,7 +172,7 @@ static real_t grid_lag(const struct feedforward_wanted *w, unsigned i)
         return ZERO;
     real_t least = REAL_C(0.5) * w->h_s < w->lag_most ? REAL_C(0.5) * w->h_s : w->lag_most;
     real_t part = (real_t)(i - 1u) / (real_t)(LAGS - 2u);
-    return least * real_exp(part * real_log(w->lag_most / least));
+    return no_more_than(least * real_exp(part * real_log(w->lag_most / least)), w->lag_most);
 }
 
 static bool grid_piece(struct feedforward_search *s, const struct feedforward_wanted *w)

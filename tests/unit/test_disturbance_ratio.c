@@ -141,6 +141,41 @@ static void standard_deviations_follow_from_those_of_the_parts(void)
                              distance(&moved, (double)out.is.re + I * (double)out.is.im));
 }
 
+/* Moved in many directions: the root of the mean square, as sd is defined. */
+static double moved_by(enum err (*of)(const struct high_order_point *,
+                                      const struct high_order_point *, const struct loop_response *,
+                                      struct high_order_point *),
+                       double complex a, double sd_a, double complex b, double sd_b,
+                       const struct loop_response *loop, double *said)
+{
+    struct high_order_point first = point(a, sd_a), second = point(b, sd_b), out, moved;
+    double sum = 0;
+    TEST_ASSERT_EQUAL(ERR_OK, of(&first, &second, loop, &out));
+    *said = (double)out.sd;
+    for (int k = 0; k < 16; k++)
+        for (int l = 0; l < 16; l++) {
+            first = point(a + sd_a * cexp(I * 0.3927 * k), 0);
+            second = point(b + sd_b * cexp(I * 0.3927 * l), 0);
+            TEST_ASSERT_EQUAL(ERR_OK, of(&first, &second, loop, &moved));
+            double d = distance(&moved, (double)out.is.re + I * (double)out.is.im);
+            sum += d * d;
+        }
+    return sqrt(sum / 256);
+}
+
+static void standard_deviations_are_what_moving_both_parts_moves(void)
+{
+    struct seen s = at(0, 2, 1, 0);
+    double said, small = 2e-3;
+    double complex ratio = s.gd / s.gp, tracking = s.gp * s.cr * s.s;
+    double is = moved_by(sensitivity_from_ratio, s.gp, small, ratio, 2 * small, &s.loop, &said);
+    TEST_ASSERT_DOUBLE_WITHIN(0.05 * is, is, said);
+    is = moved_by(sensitivity_from_ratio, s.gp, small, ratio, 0, &s.loop, &said);
+    TEST_ASSERT_DOUBLE_WITHIN(0.05 * is, is, said);
+    is = moved_by(ratio_from_input, tracking, small, -ratio * tracking, 2 * small, &s.loop, &said);
+    TEST_ASSERT_DOUBLE_WITHIN(0.05 * is, is, said);
+}
+
 static void what_would_divide_by_nothing_is_refused(void)
 {
     struct seen s = at(0, 2, 1, 0);
@@ -162,6 +197,7 @@ int main(void)
     RUN_TEST(without_the_lost_minus_sign_it_would_be_turned);
     RUN_TEST(the_sensitivity_is_that_of_the_digest);
     RUN_TEST(standard_deviations_follow_from_those_of_the_parts);
+    RUN_TEST(standard_deviations_are_what_moving_both_parts_moves);
     RUN_TEST(what_would_divide_by_nothing_is_refused);
     return UNITY_END();
 }

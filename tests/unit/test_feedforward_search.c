@@ -115,6 +115,46 @@ static void jumps_are_amplified_by_no_more_than_is_allowed(void)
     }
 }
 
+/* Ratios that would like more of everything. */
+static void nothing_is_above_its_most(void)
+{
+    for (unsigned k = 0; k < 40; k++) {
+        want((int)k % SIDDHA_CASES, 0.02 + 0.01 * k);
+        wanted.lag_most = (real_t)(0.01 + 0.005 * k);
+        wanted.kick = (real_t)(1 + 0.2 * k);
+        for (unsigned i = 0; i < wanted.points; i++)
+            wanted.ratio[i] =
+                cplx_scale(cplx_mul(wanted.ratio[i], cplx_turned(REAL_C(-0.5) * wanted.omega[i])),
+                           (real_t)(k % 3 == 2 ? 300 : 1));
+        (void)run_search();
+        const struct feedforward_shape *f = &search.best;
+        TEST_ASSERT_TRUE(f->lag >= 0 && f->lag <= wanted.lag_most);
+        TEST_ASSERT_TRUE(f->dead >= 0 && f->dead <= wanted.dead_most);
+        TEST_ASSERT_TRUE(real_abs(f->k) <= 100);
+        TEST_ASSERT_TRUE(f->lead >= 0 && f->lead + wanted.h_s <=
+                                             REAL_C(1.0001) * wanted.kick * (f->lag + wanted.h_s));
+        TEST_ASSERT_TRUE(search.j <= search.j0);
+    }
+}
+
+/* A range of dead times so long that the grid has nothing near. */
+static void a_lag_and_dead_time_to_begin_with_help_where_the_grid_is_coarse(void)
+{
+    const struct feedforward_shape near = {.lag = REAL_C(0.25), .dead = REAL_C(0.2)};
+    want(2, 40);
+    (void)run_search();
+    real_t alone = search.j;
+    unsigned pieces = 1;
+    feedforward_search_begin(&search, &wanted);
+    feedforward_search_near(&search, &wanted, &near);
+    while (feedforward_search_piece(&search, &wanted))
+        TEST_ASSERT_LESS_THAN(PIECES_MOST, ++pieces);
+    printf("dead times to 40 s: J %.3f, begun near %.3f of %.1f\n", (double)alone, (double)search.j,
+           (double)search.j0);
+    TEST_ASSERT_TRUE(search.j < REAL_C(0.01) * search.j0);
+    TEST_ASSERT_TRUE(search.j <= alone);
+}
+
 static void what_is_not_known_counts_nothing(void)
 {
     want(4, 0);
@@ -171,6 +211,8 @@ int main(void)
     RUN_TEST(a_dead_time_does_what_a_lead_below_nothing_imitates);
     RUN_TEST(j_is_that_of_the_shape);
     RUN_TEST(jumps_are_amplified_by_no_more_than_is_allowed);
+    RUN_TEST(nothing_is_above_its_most);
+    RUN_TEST(a_lag_and_dead_time_to_begin_with_help_where_the_grid_is_coarse);
     RUN_TEST(what_is_not_known_counts_nothing);
     RUN_TEST(a_ratio_that_no_lead_lag_follows_gives_no_more_than_nothing);
     RUN_TEST(with_noise_of_a_twentieth_the_shape_is_as_good);

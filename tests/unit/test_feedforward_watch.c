@@ -1,0 +1,188 @@
+/* Test and watch of the kind `ff_tune`, on errors that are given: what is enough to adopt a candidate, and to switch an element off. */
+#include <stdalign.h>
+#include <string.h>
+
+#include "adapt/feedforward_tune_block.h"
+#include "unity.h"
+
+static alignas(8) char memory[sizeof(struct tune)];
+static struct tune *const t = (struct tune *)(void *)memory;
+
+#define PART 10u /* samples */
+
+/* A loop that forgets at once, samples of 1 s. */
+void setUp(void)
+{
+    memset(memory, 0, sizeof memory);
+    t->h_s = REAL_C(1.0);
+    t->s.check_s = PART * TUNE_PARTS;
+    t->s.better = 10;
+    t->s.gain = 1;
+    t->running = true;
+    t->errors.count = true;
+    t->test_warm = 1000;
+    t->now[SIGNAL_D] = num_from_float(1);
+    tune_test_begin(t);
+    t->test_warm = 1000;
+}
+void tearDown(void) {}
+
+static enum tune_verdict part_of(double now, double without, double then)
+{
+    enum tune_verdict verdict = TUNE_NONE;
+    t->errors.now = (real_t)now;
+    t->errors.without = (real_t)without;
+    t->errors.then = (real_t)then;
+    for (unsigned k = 0; k < PART; k++) {
+        t->stage_samples++;
+        verdict = tune_test_step(t);
+    }
+    return verdict;
+}
+
+/* In the others it is a little worse. */
+static enum tune_verdict better_in(unsigned parts)
+{
+    enum tune_verdict verdict = TUNE_NONE;
+    for (unsigned k = 0; k < TUNE_PARTS; k++) {
+        TEST_ASSERT_EQUAL(TUNE_NONE, verdict);
+        verdict = part_of(1, 1, k < parts ? 0.1 : 1.01);
+    }
+    return verdict;
+}
+
+/* ---- the test ---- */
+
+static void better_in_six_parts_of_eight_is_enough(void)
+{
+    TEST_ASSERT_EQUAL(TUNE_ADOPTED, better_in(6));
+}
+
+static void better_in_five_parts_is_not_however_much_better(void)
+{
+    TEST_ASSERT_EQUAL(TUNE_NO_BETTER, better_in(5));
+}
+
+static void it_must_be_better_than_what_is_and_than_no_feedforward(void)
+{
+    for (unsigned k = 0; k < TUNE_PARTS; k++)
+        (void)part_of(0.9, 2, 0.88);
+    TEST_ASSERT_EQUAL(TUNE_PARTS, t->better_parts);
+    TEST_ASSERT_EQUAL(TUNE_NO_BETTER, tune_test_step(t)); /* than what is: by 4 % */
+    setUp();
+    for (unsigned k = 0; k < TUNE_PARTS; k++)
+        (void)part_of(2, 0.9, 0.88);
+    TEST_ASSERT_EQUAL(TUNE_NO_BETTER, tune_test_step(t)); /* than without */
+}
+
+static void what_the_model_is_off_by_is_left_over(void)
+{
+    t->model.off = REAL_C(0.3);
+    TEST_ASSERT_EQUAL(TUNE_ADOPTED, better_in(8));
+    TEST_ASSERT_DOUBLE_WITHIN(1e-4, 1 - 0.01 - 0.09, (double)t->promised);
+}
+
+static void parts_in_which_the_disturbance_rests_do_not_count(void)
+{
+    t->move_square = REAL_C(1.0);
+    t->now[SIGNAL_D] = num_from_float(0.1f);
+    TEST_ASSERT_EQUAL(TUNE_NONE, better_in(8));
+    TEST_ASSERT_EQUAL(0, t->parts);
+}
+
+static void samples_that_do_not_count_make_it_untested_in_the_end(void)
+{
+    t->errors.count = false;
+    for (unsigned k = 0; k < 4u * TUNE_PARTS; k++)
+        TEST_ASSERT_EQUAL(TUNE_NONE, part_of(1, 1, 0));
+    TEST_ASSERT_EQUAL(TUNE_UNTESTED, part_of(1, 1, 0));
+}
+
+static void a_shadow_that_is_lost_has_no_model(void)
+{
+    t->with.lost = true;
+    TEST_ASSERT_EQUAL(TUNE_NO_MODEL, part_of(1, 1, 0));
+    t->with.lost = false;
+    t->without.lost = true;
+    TEST_ASSERT_EQUAL(TUNE_NO_MODEL, part_of(1, 1, 0));
+}
+
+/* ---- the watch ---- */
+
+static unsigned samples_until_worse(double now, double without, unsigned most)
+{
+    t->errors.now = (real_t)now;
+    t->errors.without = (real_t)without;
+    for (unsigned k = 1; k <= most; k++)
+        if (tune_watch_step(t) == TUNE_WORSE)
+            return k;
+    return 0;
+}
+
+/* The memory is a quarter of check, 20 samples; half of it has to be full: 0.95^n below a half after 14. */
+static void worse_by_a_tenth_of_the_squares_is_worse(void)
+{
+    TEST_ASSERT_EQUAL(0, samples_until_worse(1.04, 1, 1000)); /* squares: 8 % */
+    tune_watch_begin(t);
+    TEST_ASSERT_EQUAL(14, samples_until_worse(1.06, 1, 1000)); /* 12 % */
+}
+
+static void it_has_to_be_worse_for_as_long_as_the_loop_takes_to_forget(void)
+{
+    t->model.is.time_constant_s = REAL_C(6.0); /* 30 samples */
+    TEST_ASSERT_EQUAL(14 + 30, samples_until_worse(2, 1, 1000));
+}
+
+static void what_waits_to_be_switched_off_is_not_found_worse_again(void)
+{
+    t->off_waits = true;
+    TEST_ASSERT_EQUAL(0, samples_until_worse(2, 1, 1000));
+}
+
+static void less_than_half_of_what_was_promised_is_counted_until_it_is_more(void)
+{
+    t->promised = REAL_C(0.8);
+    (void)samples_until_worse(0.8, 1, 100); /* 36 % */
+    TEST_ASSERT_EQUAL(100 - 13, t->since_change);
+    t->changes = 2;
+    (void)samples_until_worse(0.7, 1, 100); /* 51 % */
+    TEST_ASSERT_EQUAL(0, t->since_change);
+    TEST_ASSERT_EQUAL(0, t->changes);
+}
+
+static void what_it_does_is_told_from_a_tenth_of_the_memory_on_and_only_while_it_runs(void)
+{
+    TEST_ASSERT_FLOAT_WITHIN(0, 0, tune_improvement(t));
+    (void)samples_until_worse(0.5, 1, 50);
+    TEST_ASSERT_FLOAT_WITHIN(0.01, 75, tune_improvement(t));
+    t->running = false;
+    TEST_ASSERT_FLOAT_WITHIN(0, 0, tune_improvement(t));
+}
+
+static void a_watch_that_is_lost_begins_again(void)
+{
+    (void)samples_until_worse(0.5, 1, 50);
+    t->without.lost = true;
+    TEST_ASSERT_EQUAL(TUNE_NO_MODEL, tune_watch_step(t));
+    TEST_ASSERT_FALSE(t->without.lost);
+    TEST_ASSERT_FLOAT_WITHIN(0, 0, tune_improvement(t));
+}
+
+int main(void)
+{
+    UNITY_BEGIN();
+    RUN_TEST(better_in_six_parts_of_eight_is_enough);
+    RUN_TEST(better_in_five_parts_is_not_however_much_better);
+    RUN_TEST(it_must_be_better_than_what_is_and_than_no_feedforward);
+    RUN_TEST(what_the_model_is_off_by_is_left_over);
+    RUN_TEST(parts_in_which_the_disturbance_rests_do_not_count);
+    RUN_TEST(samples_that_do_not_count_make_it_untested_in_the_end);
+    RUN_TEST(a_shadow_that_is_lost_has_no_model);
+    RUN_TEST(worse_by_a_tenth_of_the_squares_is_worse);
+    RUN_TEST(it_has_to_be_worse_for_as_long_as_the_loop_takes_to_forget);
+    RUN_TEST(what_waits_to_be_switched_off_is_not_found_worse_again);
+    RUN_TEST(less_than_half_of_what_was_promised_is_counted_until_it_is_more);
+    RUN_TEST(what_it_does_is_told_from_a_tenth_of_the_memory_on_and_only_while_it_runs);
+    RUN_TEST(a_watch_that_is_lost_begins_again);
+    return UNITY_END();
+}
