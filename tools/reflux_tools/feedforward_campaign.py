@@ -78,7 +78,7 @@ def load(top: Table, name: str) -> Feedforward:
 
 def fingerprint(_: Feedforward) -> str:
     digest = hashlib.sha256()
-    for file in (feedforward_study.__file__, feedforward_elsewhere.__file__, high_order.__file__, sim.__file__, si.__file__, build_dir("host") / "libreflux_board.so",
+    for file in (feedforward_study.__file__, feedforward_elsewhere.__file__, high_order.__file__, sim.__file__, si.__file__, *(build_dir(p) / "libreflux_board.so" for p in ("host", "host-fixed")),
                  build.find_program("host", "reflux-plant")):
         digest.update(Path(str(file)).read_bytes())
     return digest.hexdigest()
@@ -201,11 +201,45 @@ def errors_table(campaign: Feedforward, state: Any, line: Line) -> str:
     return table.markdown(header, rows)
 
 
+def largest_and_h2(four: np.ndarray) -> str:
+    return "{:.2f}, {:.1f}; {:.2f}, {:.1f}".format(*four)
+
+
+def misses_of(result: dict[str, Any]) -> np.ndarray:
+    """Medians of the seeds [cases, 4]."""
+    return np.array([np.median(sim.misses(np.array(t), regime), axis=0) for t, regime in zip(result["tunings"], sim.REGIMES)])
+
+
+def published_misses(who: str) -> np.ndarray:
+    return np.array([sim.misses(t, regime) for t, regime in zip(sim.PUBLISHED[who], sim.REGIMES)])
+
+
+def misses_table(campaign: Feedforward, state: Any, line: Line) -> str:
+    columns = [("Shinskey", published_misses("Shinskey"))]
+    for m in si.METHODS:
+        columns += [(f"{m} published", published_misses(m)), (m, misses_of(state.get(job_of(line.of(m), campaign.seeds))))]
+    rows = [[regime.name, *(largest_and_h2(values[i]) for _, values in columns)] for i, regime in enumerate(sim.REGIMES)]
+    return table.markdown(["case", *(name for name, _ in columns)], rows)
+
+
+def h2_table(campaign: Feedforward, state: Any) -> str:
+    """Means over the nine cases, by line."""
+    def row(name: str, note: str, values: list[np.ndarray]) -> list[str]:
+        return [name, note, *(largest_and_h2(v.mean(axis=0)) for v in values)]
+
+    rows = [row("Shinskey's rules", "", [published_misses("Shinskey")] * len(si.METHODS)),
+            row("published parameters", "", [published_misses(m) for m in si.METHODS]),
+            row("optimum of J without dead time", "", [np.array([sim.misses(t, r) for t, r in zip(known()[2], sim.REGIMES)])] * len(si.METHODS))]
+    for line in campaign.lines:
+        rows.append(row(line.name, line.note, [misses_of(state.get(job_of(line.of(m), campaign.seeds))) for m in si.METHODS]))
+    return table.markdown(["line", "with", *si.METHODS], rows)
+
+
 def estimates_table(campaign: Feedforward, state: Any, line: Line) -> str:
     rows = []
     for i, regime in enumerate(sim.REGIMES):
         found = [state.get(job_of(line.of(m), campaign.seeds)) for m in si.METHODS]
-        rows.append([regime.name, *(pairs(np.array(r["dB"][i]), np.array(r["degrees"][i])) for r in found)])
+        rows.append([regime.name, *(pairs(np.array(r["dB"][i]), np.array(r["degrees"][i])) + " / " + largest_and_h2(np.array(r["misses"][i])) for r in found)])
     return table.markdown(["case", *si.METHODS], rows)
 
 
@@ -275,7 +309,8 @@ def write_results(campaign: Feedforward, state: Any) -> None:
         if line.by_case:
             add(f"J by case: {line.name}", f"`{line.note}`.", cases_table(campaign, state, line))
     main = campaign.lines[0]
-    add(f"Estimated ratio: {main.name}", "Estimated less true Gd/Gp, medians, dB and degrees at 0.5; 2; 6 rad/s.", estimates_table(campaign, state, main))
+    add(f"Estimated ratio: {main.name}", "Estimated less true Gd/Gp, medians, dB and degrees at 0.5; 2; 6 rad/s / "
+        "the largest on the grid; H2.", estimates_table(campaign, state, main))
     for line in campaign.lines:
         if line.wanted:
             add(f"Controller error: {line.name}", "Tuned less ideal, continuous forms, medians of the seeds, dB and degrees at 0.5; 2; 6 rad/s. In the III cases the ideal one has to see 0.2 s ahead, which none can.",
