@@ -141,10 +141,8 @@ static enum err fitted(int32_t points, const real_t *omega, const double *respon
     struct cplx g[FEEDFORWARD_POINTS];
     real_t error = 0;
     for (int32_t i = 0; i < points; i++)
-        g[i] =
-            cplx((real_t)response[2 * (ptrdiff_t)i], (real_t)response[2 * (ptrdiff_t)i + 1]);
-    enum err err =
-        fopdt_from_response((size_t)points, omega, g, (real_t)dead_most, model, &error);
+        g[i] = cplx((real_t)response[2 * (ptrdiff_t)i], (real_t)response[2 * (ptrdiff_t)i + 1]);
+    enum err err = fopdt_from_response((size_t)points, omega, g, (real_t)dead_most, model, &error);
     if (!err) {
         out[0] = model->gain;
         out[1] = model->dead_time_s;

@@ -46,7 +46,8 @@ class Log:
     second: slice  # the disturbance does; of A both do
 
 
-def ratio_by(method: str, log: Log, shapes: Shapes, omega_h: np.ndarray, controller: np.ndarray, settings: high_order.Settings) -> tuple[np.ndarray, np.ndarray]:
+def ratio_by(method: str, log: Log, shapes: Shapes, omega_h: np.ndarray, controller: np.ndarray,
+             settings: high_order.Settings) -> tuple[np.ndarray, np.ndarray]:
     """Gd/Gp and its standard deviation, in the spans of the log. controller: response of the PI."""
 
     def model(shape: high_order.Shape, of: slice, y: np.ndarray, *inputs: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -184,7 +185,24 @@ def play_rig(case: Rig, seed: int) -> dict[str, Any]:
     iae = {}
     for i, (name, first, last) in enumerate(ends):
         iae[f"{i + 1} {name}"] = float(np.abs(true[first:last] - alone[first:last]).sum() * RIG_TS)
-    return {"tuning": [found.lead_s, found.lag_s, found.gain, found.dead_s], "iae": iae}
+    tuned = (found.lead_s, found.lag_s, found.gain, found.dead_s)
+    return {"tuning": list(tuned), "iae": iae, "rest": {"tuned": rig_iae(case.run, tuned), "gain alone": rig_iae(case.run, (0.0, 0.0, found.gain))}}
+
+
+def rig_iae(run: int, tuning: tuple[float, ...] | None) -> float:
+    """K s, of a cycle of the feed from rest, setpoint at rest, no noise, nothing switched on its way."""
+    kp, per_min = RIG_PI[run]
+    am, aq = np.exp(-RIG_TS / TM), np.exp(-RIG_TS / TQ)
+    d = 5.0 * (np.arange(CYCLE) < CYCLE // 2)
+    u, element, total, xp, xq, integral = np.zeros(CYCLE), Element(RIG_TS), 0.0, 0.0, 0.0, 0.0
+    for k in range(CYCLE):
+        y = xp + xq
+        total += abs(y) * RIG_TS
+        integral -= y * RIG_TS * per_min / 60
+        u[k] = -kp * y + integral + element.step(d[k], tuning)
+        xp = am * xp + KM * (1 - am) * (u[k - DEAD] if k >= DEAD else 0.0)
+        xq = aq * xq + KQ * (1 - aq) * (d[k - DEAD] if k >= DEAD else 0.0)
+    return float(total)
 
 
 def reference_rig(case: Rig, r: np.ndarray) -> np.ndarray:
