@@ -7,6 +7,7 @@
 
 #include "adapt/feedforward_search.h"
 #include "design/feedforward_rules.h"
+#include "design/response_fit.h"
 #include "identify/high_order.h"
 #include "libreflux.h"
 #include "signal/lag.h"
