@@ -289,6 +289,7 @@ def signals_together() -> tuple[np.ndarray, np.ndarray]:
 # ---- how good it is ----
 
 ERRORS_AT = np.array([0.5, 2.0, 6.0])
+SCAN = np.linspace(0.5, 6.0, 111)  # rad/s, where the largest error is looked for
 
 
 def controller_error(tuning, regime: Regime, omega: np.ndarray = ERRORS_AT) -> tuple[np.ndarray, np.ndarray]:
@@ -299,6 +300,13 @@ def controller_error(tuning, regime: Regime, omega: np.ndarray = ERRORS_AT) -> t
     ideal = (PROCESS_LAG * s + 1) / (regime.lag * s + 1) * np.exp(-s * (regime.dead - PROCESS_DEAD) * TS)
     off = -gain * (lead * s + 1) / (lag * s + 1) * np.exp(-s * dead) / ideal
     return 20 * np.log10(np.abs(off)), np.degrees(np.angle(off))
+
+
+def misses(tuning, regime: Regime) -> np.ndarray:
+    """Controller errors as the source sums them up (2.5): the largest over the band (H-infinity), dB and degrees, and the root of the sum of squares of
+    those at 0.5, 2 and 6 rad/s (H2), dB and degrees [..., 4]. As feedforward_misses() of firmware/design/feedforward_rules.h has them."""
+    over, at = controller_error(tuning, regime, SCAN), controller_error(tuning, regime)
+    return np.stack([*(np.abs(e).max(axis=-1) for e in over), *(np.sqrt(np.sum(e**2, axis=-1)) for e in at)], axis=-1)
 
 
 def ideal(regime: Regime) -> tuple[float, float, float, float]:

@@ -6,6 +6,8 @@
 #include <string.h>
 
 #include "adapt/feedforward_search.h"
+#include "design/feedforward_rules.h"
+#include "design/response_fit.h"
 #include "identify/high_order.h"
 #include "libreflux.h"
 #include "signal/lag.h"
@@ -131,5 +133,62 @@ int32_t reflux_feedforward_search(int32_t points, const double *omega, const dou
     found[4] = search.j;
     found[5] = search.j0;
     found[6] = pieces;
+    return ERR_OK;
+}
+
+static enum err fitted(int32_t points, const real_t *omega, const double *response,
+                       double dead_most, struct fopdt *model, double *out)
+{
+    struct cplx g[FEEDFORWARD_POINTS];
+    real_t error = 0;
+    for (int32_t i = 0; i < points; i++)
+        g[i] = cplx((real_t)response[2 * (ptrdiff_t)i], (real_t)response[2 * (ptrdiff_t)i + 1]);
+    enum err err = fopdt_from_response((size_t)points, omega, g, (real_t)dead_most, model, &error);
+    if (!err) {
+        out[0] = model->gain;
+        out[1] = model->dead_time_s;
+        out[2] = model->time_constant_s;
+        out[3] = error;
+    }
+    return err;
+}
+
+int32_t reflux_shinskey(int32_t points, const double *omega, const double *process,
+                        const double *disturbance, const double *settings, double *models,
+                        double *rule)
+{
+    real_t at[FEEDFORWARD_POINTS];
+    struct fopdt gp, gd;
+    struct feedforward_rule found;
+    if (points < 1 || points > FEEDFORWARD_POINTS)
+        return ERR_RANGE;
+    for (int32_t i = 0; i < points; i++)
+        at[i] = (real_t)omega[i];
+    enum err err = fitted(points, at, process, settings[0], &gp, models);
+    if (!err)
+        err = fitted(points, at, disturbance, settings[0], &gd, models + 4);
+    if (!err)
+        err = feedforward_shinskey(&gp, &gd, (real_t)settings[1], &found);
+    if (err)
+        return err;
+    rule[0] = found.gain;
+    rule[1] = found.lead_s;
+    rule[2] = found.lag_s;
+    return ERR_OK;
+}
+
+int32_t reflux_feedforward_misses(int32_t points, const double *db, const double *degrees,
+                                  double *out)
+{
+    struct feedforward_miss miss[FEEDFORWARD_POINTS], largest, together;
+    if (points < 1 || points > FEEDFORWARD_POINTS)
+        return ERR_RANGE;
+    for (int32_t i = 0; i < points; i++)
+        miss[i] = (struct feedforward_miss){(real_t)db[i], (real_t)degrees[i]};
+    feedforward_misses((size_t)points, miss, &largest, &together);
+    out[0] = largest.db;
+    out[1] = largest.degrees;
+    out[2] = together.db;
+    out[3] = together.degrees;
     return ERR_OK;
 }

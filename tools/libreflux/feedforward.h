@@ -18,4 +18,15 @@ int32_t reflux_high_order(const int32_t *shape, const double *settings, int32_t 
 int32_t reflux_feedforward_search(int32_t points, const double *omega, const double *weight,
                                   const double *ratio, const double *settings, double *found);
 
+/* First-order models with dead time of both paths, fitted to their responses [2 points] (rad/s), and F. G. Shinskey's settings from them
+ * (firmware/design/feedforward_rules.h). settings: largest dead time (s), difference below which dead times and time constants are the
+ * same. models: gain, dead time, time constant (s) and error of the process, then of the disturbance. rule: K, lead, lag. */
+int32_t reflux_shinskey(int32_t points, const double *omega, const double *process,
+                        const double *disturbance, const double *settings, double *models,
+                        double *rule);
+
+/* Largest error and root of the sum of squares: out has dB, degrees, dB, degrees. */
+int32_t reflux_feedforward_misses(int32_t points, const double *db, const double *degrees,
+                                  double *out);
+
 #endif

@@ -95,6 +95,7 @@ def main(arguments: list[str]) -> int:
     if isinstance(campaign, feedforward_campaign.Feedforward):
         if not options.no_build:
             build.build("host", ("libreflux_board", "reflux-plant", "reflux-sim"))
+            build.build("host-fixed", ("libreflux_board",))
         state = State(build_root() / "campaign" / f"{campaign.name}.jsonl", feedforward_campaign.fingerprint(campaign), options.again)
         return feedforward_campaign.execute(campaign, options, state)
     if isinstance(campaign, trays_campaign.Trays):

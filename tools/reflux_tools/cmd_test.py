@@ -72,7 +72,7 @@ def collect(labels: set[str]) -> list[Test]:
         build.build("host", ("libreflux", "libreflux_board"))
     if "campaign" in labels:
         for preset in ("host", "host-fixed"):
-            build.build(preset, ("endurance",))
+            build.build(preset, ("endurance", "libreflux_board"))
         build.build("host", ("endurance_kalman",))
     if "loop" in labels:
         tests += loop_tests()

@@ -1,23 +1,80 @@
 """Adaptive feedforward away from the nine regimes: the experiment of Siddha (2003), chapter 4, on his fitted rig, and one like it on the simulated
-pilot column. Method A by the firmware's identification and search (libreflux_board.so)."""
+pilot column. Each of the four methods by the firmware's identification and search (libreflux_board.so). The source has played A only, on the rig: orders
+of B, C and D, and how long each of their stages is, are ours."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
 
 import numpy as np
+from scipy.linalg import expm
 
 from reflux_tools import high_order
 from reflux_tools.errors import UserError
 
 CYCLE = 80  # samples of the rig's square waves, 1200 s
+METHODS = ("A", "B", "C", "D")
+
+
+# ---- Gd/Gp by each method ----
+
+
+@dataclass(frozen=True)
+class Shapes:
+    """Of the models: y by u and d, y by u, y by r, y by d, u by d."""
+
+    joint: high_order.Shape
+    process: high_order.Shape
+    tracking: high_order.Shape
+    sensitivity: high_order.Shape
+    through: high_order.Shape
+
+
+@dataclass(frozen=True)
+class Log:
+    """Samples of what was recorded, and which of them are for each stage."""
+
+    y: np.ndarray
+    u: np.ndarray
+    d: np.ndarray
+    r: np.ndarray
+    first: slice  # of B, C, D: the setpoint moves
+    second: slice  # the disturbance does; of A both do
+
+
+def ratio_by(method: str, log: Log, shapes: Shapes, omega_h: np.ndarray, controller: np.ndarray,
+             settings: high_order.Settings) -> tuple[np.ndarray, np.ndarray]:
+    """Gd/Gp and its standard deviation, in the spans of the log. controller: response of the PI."""
+
+    def model(shape: high_order.Shape, of: slice, y: np.ndarray, *inputs: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        columns = np.stack([x[: of.stop] for x in inputs], axis=1)
+        g, sd = high_order.response(shape, y[: of.stop], columns, omega_h, first=of.start, what=-1 if len(inputs) > 1 else 0, settings=settings)
+        return g, sd / np.maximum(abs(g), 1e-12)
+
+    if method == "A":
+        ratio, part = model(shapes.joint, log.second, log.y, log.u, log.d)
+        return ratio, part * abs(ratio)
+    by_setpoint = model(shapes.process, log.first, log.y, log.u) if method == "B" else model(shapes.tracking, log.first, log.y, log.r)
+    by_disturbance = model(shapes.through, log.second, log.u, log.d) if method == "D" else model(shapes.sensitivity, log.second, log.y, log.d)
+    (one, one_part), (two, two_part) = by_setpoint, by_disturbance
+    if method == "B":
+        opened = 1 + one * controller
+        ratio, one_part = two * opened / one, one_part / np.maximum(abs(opened), 1e-12)
+    else:
+        ratio = two * controller / one if method == "C" else -two / one
+    return ratio, np.hypot(one_part, two_part) * abs(ratio)
+
+
+# ---- the rig of chapter 4 ----
 
 
 @dataclass(frozen=True)
 class Rig:
+    method: str = "A"
     run: int = 1  # of the source: settings of the PI and of the fixed feedforward
     apart: int = 20  # samples that the square wave of the feed comes after that of the setpoint
     noise: float = 0.02  # degC
@@ -32,10 +89,13 @@ RIG_SHINSKEY = (63.0, 67.0, 1.21)
 RIG_PUBLISHED = {1: (124.44, 124.88, 1.17), 2: (29.0, 36.0, 1.34)}
 RIG_OMEGA = np.geomspace(0.001, 0.1, 13)
 RIG_AT = np.array([0.001, 0.003, 0.01, 0.03, 0.1])
-RIG_SHAPE = high_order.Shape(2, ((3, 1), (3, 1)))
+RIG_SHAPES = Shapes(joint=high_order.Shape(2, ((3, 1), (3, 1))), process=high_order.Shape(2, ((3, 1),)), tracking=high_order.Shape(4, ((4, 1),)),
+                    sensitivity=high_order.Shape(6, ((6, 1),)), through=high_order.Shape(6, ((6, 1),)))
 # Samples at which what is done changes (4.3), and the cycles whose errors are added up.
 RIG_ENDS = {1: (("PI alone", 84, 164), ("fixed", 164, 244), ("tuned", 244, 324), ("Shinskey", 324, 404)),
             2: (("fixed", 84, 164), ("fixed", 164, 244), ("tuned", 244, 324))}
+RIG_MORE = ("gain alone", 404, 484)  # ours: K of the tuned element without lead and lag
+RIG_IN_TURN = (("PI alone", 164, 244), ("tuned", 244, 324), ("Shinskey", 324, 404), RIG_MORE)  # B, C, D
 
 
 def rig_ratio(omega: np.ndarray) -> np.ndarray:
@@ -74,32 +134,45 @@ class Element:
         return self.out
 
 
+def _rig_signals(case: Rig, k: int) -> tuple[float, float]:
+    """Setpoint and feed, deviations. B, C and D: two cycles of the setpoint, one of the feed with the setpoint at rest, then both as for A."""
+    in_turn, feed_from = case.method != "A", 84 + case.apart
+    r = float(k >= 4 and (k - 4) % CYCLE < CYCLE // 2)
+    d = 5.0 * float(k >= feed_from and (k - feed_from) % CYCLE < CYCLE // 2)
+    if in_turn and k < 244:
+        r, d = (r, 0.0) if k < 164 else (0.0, 5.0 * float((k - 164) % CYCLE < CYCLE // 2))
+    return r, d
+
+
 def play_rig(case: Rig, seed: int) -> dict[str, Any]:
-    """Deviations from 97 degC, 40 % of feed and steam at rest. The source says how long and in which order; that both square waves are a part of
-    a cycle apart, and that steam has no limits, is ours."""
-    if case.run not in RIG_PI:
-        raise UserError(f"{case}: run is one of {tuple(RIG_PI)}")
+    """Deviations from 97 degC, 40 % of feed and steam at rest. The source says how long and in which order for method A; that both square waves are a
+    part of a cycle apart, and that steam has no limits, is ours, and the last cycle."""
+    if case.run not in RIG_PI or case.method not in METHODS:
+        raise UserError(f"{case}: run is one of {tuple(RIG_PI)}, method of {METHODS}")
     kp, per_min = RIG_PI[case.run]
-    n, rng = 404, np.random.default_rng(seed)
+    ends = (*RIG_ENDS[case.run], RIG_MORE) if case.method == "A" else RIG_IN_TURN
+    n, rng = RIG_MORE[2], np.random.default_rng(seed)
     am, aq = np.exp(-RIG_TS / TM), np.exp(-RIG_TS / TQ)
     r, d, y, u, true = (np.zeros(n) for _ in range(5))
     xp = xq = integral = 0.0
     tuning: tuple[float, ...] | None = None
     element, found = Element(RIG_TS), None
+    fixed_from = 164 if case.run == 1 else 84
     for k in range(n):
-        r[k] = float(k >= 4 and (k - 4) % CYCLE < CYCLE // 2)
-        d[k] = 5.0 * float(k >= 84 + case.apart and (k - 84 - case.apart) % CYCLE < CYCLE // 2)
-        fixed_from = 164 if case.run == 1 else 84
-        if k == fixed_from:
+        r[k], d[k] = _rig_signals(case, k)
+        if case.method == "A" and k == fixed_from:
             tuning = RIG_FIXED[case.run]
         if k == 244:
-            ratio, _ = high_order.response(
-                RIG_SHAPE, y[:k], np.stack([u[:k], d[:k]], axis=1), RIG_OMEGA * RIG_TS, first=fixed_from, what=-1,
-                settings=high_order.Settings(scale=0.02, lags_s=case.lags_s, h_s=RIG_TS, forget=0.999, p0=1e6))
+            log = Log(y[:k], u[:k], d[:k], r[:k], slice(4, 164), slice(fixed_from if case.method == "A" else 164, k))
+            controller = kp + per_min / 60 * RIG_TS / (1 - np.exp(-1j * RIG_OMEGA * RIG_TS))
+            ratio, _ = ratio_by(case.method, log, RIG_SHAPES, RIG_OMEGA * RIG_TS, controller,
+                                high_order.Settings(scale=0.02, lags_s=case.lags_s, h_s=RIG_TS, forget=0.999, p0=1e6))
             found = high_order.search(RIG_OMEGA, ratio, 1 / (RIG_OMEGA * RIG_TS), RIG_TS, kick=10.0, lag_most_s=400.0, dead_most_s=60.0)
             tuning = (found.lead_s, found.lag_s, found.gain, found.dead_s)
         if k == 324:
             tuning = RIG_SHINSKEY
+        if k == RIG_MORE[1] and found:
+            tuning = (0.0, 0.0, found.gain)
         true[k] = xp + xq
         y[k] = round((true[k] + case.noise * rng.standard_normal()) / 0.01) * 0.01
         e = r[k] - y[k]
@@ -110,9 +183,26 @@ def play_rig(case: Rig, seed: int) -> dict[str, Any]:
     assert found is not None
     alone = reference_rig(case, r)
     iae = {}
-    for i, (name, first, last) in enumerate(RIG_ENDS[case.run]):
+    for i, (name, first, last) in enumerate(ends):
         iae[f"{i + 1} {name}"] = float(np.abs(true[first:last] - alone[first:last]).sum() * RIG_TS)
-    return {"tuning": [found.lead_s, found.lag_s, found.gain, found.dead_s], "iae": iae}
+    tuned = (found.lead_s, found.lag_s, found.gain, found.dead_s)
+    return {"tuning": list(tuned), "iae": iae, "rest": {"tuned": rig_iae(case.run, tuned), "gain alone": rig_iae(case.run, (0.0, 0.0, found.gain))}}
+
+
+def rig_iae(run: int, tuning: tuple[float, ...] | None) -> float:
+    """K s, of a cycle of the feed from rest, setpoint at rest, no noise, nothing switched on its way."""
+    kp, per_min = RIG_PI[run]
+    am, aq = np.exp(-RIG_TS / TM), np.exp(-RIG_TS / TQ)
+    d = 5.0 * (np.arange(CYCLE) < CYCLE // 2)
+    u, element, total, xp, xq, integral = np.zeros(CYCLE), Element(RIG_TS), 0.0, 0.0, 0.0, 0.0
+    for k in range(CYCLE):
+        y = xp + xq
+        total += abs(y) * RIG_TS
+        integral -= y * RIG_TS * per_min / 60
+        u[k] = -kp * y + integral + element.step(d[k], tuning)
+        xp = am * xp + KM * (1 - am) * (u[k - DEAD] if k >= DEAD else 0.0)
+        xq = aq * xq + KQ * (1 - aq) * (d[k - DEAD] if k >= DEAD else 0.0)
+    return float(total)
 
 
 def reference_rig(case: Rig, r: np.ndarray) -> np.ndarray:
@@ -133,14 +223,48 @@ def reference_rig(case: Rig, r: np.ndarray) -> np.ndarray:
 PILOT_TS, MINUTE = 15.0, 60.0
 PILOT_FEED, PILOT_SETPOINT = 0.12, 0.5  # of 5 l/h either way, degC either way
 PILOT_BAND = np.geomspace(0.0005, 0.01, 12)  # rad/s
-PILOT_SHAPE = high_order.Shape(8, ((8, 1), (12, 1)))
-PILOT_LEARN_S, PILOT_STEP_S = 5 * 3600.0, 3600.0
+PILOT_SHAPES = Shapes(joint=high_order.Shape(8, ((8, 1), (12, 1))), process=high_order.Shape(8, ((8, 1),)), tracking=high_order.Shape(10, ((8, 1),)),
+                      sensitivity=high_order.Shape(10, ((12, 1),)), through=high_order.Shape(10, ((12, 1),)))
+PILOT_LEARN_S, PILOT_STEP_S, PILOT_REST_S = 5 * 3600.0, 3600.0, 1200.0
+PILOT_AT = np.array([0.0005, 0.002, 0.01])  # rad/s
+SPANS = np.array([10.0, 0.85, 5.0])  # K, kW, l/h
+KW_PER_FEED = SPANS[1] / SPANS[2]
 
 
 @dataclass(frozen=True)
 class Pilot:
+    method: str = "A"  # or exact: the search on the column's own responses; or Shinskey: his rules on models fitted to those
     noise: float = 0.05  # K
     lags_s: float = 200.0
+
+
+@cache
+def pilot_paths(omega: tuple[float, ...]) -> tuple[np.ndarray, np.ndarray]:
+    """Responses of T10 to heater and feed about the nominal point, the loop of T1 closed, per unit of spans: from the linearised column with the
+    thermometers' lag as state_study.Bench follows it."""
+    from reflux_tools import state_study
+    m = state_study.linear()
+    n = len(m.a)
+    inside, sub = np.hstack([m.b, m.e[:, :1]]), round(PILOT_TS / state_study.SUB_S)
+    whole = expm(np.block([[m.a, inside], [np.zeros((3, n + 3))]]) * state_study.SUB_S / MINUTE)
+    seen, left = np.zeros((2, n)), np.exp(-state_study.SUB_S / state_study.SENSOR_S)
+    seen[0, 10], seen[1, 1] = m.slope[10], m.slope[1]  # T1, T10
+    a = np.block([[whole[:n, :n], np.zeros((n, 2))], [(1 - left) * seen @ whole[:n, :n], left * np.eye(2)]])
+    b = np.vstack([whole[:n, n:], (1 - left) * seen @ whole[:n, n:]])
+    step = np.linalg.matrix_power(a, sub)
+    held = sum(np.linalg.matrix_power(a, i) @ b for i in range(sub))
+    back = np.exp(-1j * np.array(omega) * PILOT_TS)
+    g = np.array([np.linalg.solve(np.eye(n + 2) / z - step, held)[n:] for z in back])  # [.., T1 and T10, reflux, heater, feed]
+    c = pilot_controllers(back)[0]
+    closed = g[:, 1, 1:] - (g[:, 1, 0] * c / (1 + g[:, 0, 0] * c))[:, None] * g[:, 0, 1:]
+    return closed[:, 0] * SPANS[1] / SPANS[0], closed[:, 1] * SPANS[2] / SPANS[0]
+
+
+def pilot_controllers(back: np.ndarray) -> np.ndarray:
+    """Of T1 and T10, in their units."""
+    from reflux_tools import state_study
+    pi = state_study.PI(PILOT_TS)
+    return np.array([gain * (1 + per / (1 - back)) for gain, per in zip(pi.gain, pi.per)])
 
 
 def _column(noise: float, folder: Path) -> Any:
@@ -177,32 +301,62 @@ class _Column:
         return y[1] - self.rest[1], self.u[1] - self.rest_u[1], feed - 5.0, float(true[1] - self.rest[1])
 
 
-def play_pilot(case: Pilot, seed: int) -> dict[str, Any]:
-    """Setpoint of T10 and feed as square waves of 60 and 48 min for 5 h, tuned, then a step of the feed up and one down, an hour each: without, with the
-    gain alone and with all."""
-    rows = []
+def _pilot_signals(method: str, t: float) -> tuple[float, float]:
+    """Setpoint of T10, deviation, and feed: square waves of 60 and 48 min, together (A) or one after the other."""
+    w = PILOT_SETPOINT * (1 if t % 3600 < 1800 else -1)
+    feed = 5.0 * (1 + PILOT_FEED * (1 if t % 2880 < 1440 else -1))
+    if method == "A":
+        return w, feed
+    return (w, 5.0) if t < PILOT_LEARN_S / 2 else (0.0, feed)
+
+
+def _pilot_identified(case: Pilot, seed: int) -> tuple[np.ndarray, np.ndarray]:
+    """Gd/Gp on PILOT_BAND, parts of spans, and its standard deviation."""
+    rows, count = [], round(PILOT_LEARN_S / PILOT_TS)
     with TemporaryDirectory(prefix="reflux-") as name:
         column = _Column(case.noise, seed, Path(name))
-        for k in range(round(PILOT_LEARN_S / PILOT_TS)):
-            t = k * PILOT_TS
-            w = PILOT_SETPOINT * (1 if t % 3600 < 1800 else -1)
-            feed = 5.0 * (1 + PILOT_FEED * (1 if t % 2880 < 1440 else -1))
-            rows.append(column.step(w, feed, None))
+        for k in range(count):
+            w, feed = _pilot_signals(case.method, k * PILOT_TS)
+            rows.append((*column.step(w, feed, None)[:3], w))
         column.bench.plant.close()
-    log = np.array(rows)
-    y, u, d = log[:, 0], log[:, 1] / 0.85, log[:, 2] / 5.0  # parts of spans: 10 K, 0.85 kW, 5 l/h
-    ratio, sd = high_order.response(
-        PILOT_SHAPE, y / 10, np.stack([u, d], axis=1), PILOT_BAND * PILOT_TS, first=40, what=-1,
-        settings=high_order.Settings(scale=1.0, lags_s=case.lags_s, h_s=PILOT_TS, forget=1.0, p0=1e6))
+    y, u, d, r = np.array(rows).T / np.array([*SPANS, SPANS[0]])[:, None]
+    half, rest = count // 2, round(PILOT_REST_S / PILOT_TS)
+    log = Log(y, u, d, r, slice(40, half), slice(40 if case.method == "A" else half + rest, count))
+    controller = pilot_controllers(np.exp(-1j * PILOT_BAND * PILOT_TS))[1] * SPANS[0] / SPANS[1]
+    return ratio_by(case.method, log, PILOT_SHAPES, PILOT_BAND * PILOT_TS, controller,
+                    high_order.Settings(scale=1.0, lags_s=case.lags_s, h_s=PILOT_TS, forget=1.0, p0=1e6))
+
+
+def _pilot_tuned(ratio: np.ndarray, sd: np.ndarray) -> tuple[float, ...]:
     weight = 1 / (PILOT_BAND * PILOT_TS) / (1 + (sd / np.maximum(abs(ratio), 1e-9) / 0.3) ** 2)  # less where it is uncertain
     found = high_order.search(PILOT_BAND, ratio, weight, PILOT_TS, kick=5.0, lag_most_s=1500.0, dead_most_s=300.0)
-    tuning = (found.lead_s, found.lag_s, found.gain * 0.85 / 5.0, found.dead_s)
-    iae = {}
-    for what, of in (("PI alone", None), ("gain alone", (0.0, 0.0, tuning[2])), ("tuned", tuning)):
-        with TemporaryDirectory(prefix="reflux-") as name:
-            column, errors = _Column(0.0, seed, Path(name)), []
-            for part in (1 + PILOT_FEED, 1 - PILOT_FEED):
-                errors += [abs(column.step(0.0, 5.0 * part, of)[3]) for _ in range(round(PILOT_STEP_S / PILOT_TS))]
-            column.bench.plant.close()
-        iae[what] = float(np.sum(errors) * PILOT_TS / MINUTE)
-    return {"tuning": list(tuning), "iae": iae, "j": found.j / found.j0 if found.j0 else 0.0}
+    return found.lead_s, found.lag_s, found.gain * KW_PER_FEED, found.dead_s
+
+
+def pilot_iae(tuning: tuple[float, ...] | None, seed: int = 1) -> float:
+    """K min, of T10 without noise, after a step of the feed up and one down, an hour each."""
+    with TemporaryDirectory(prefix="reflux-") as name:
+        column, errors = _Column(0.0, seed, Path(name)), []
+        for part in (1 + PILOT_FEED, 1 - PILOT_FEED):
+            errors += [abs(column.step(0.0, 5.0 * part, tuning)[3]) for _ in range(round(PILOT_STEP_S / PILOT_TS))]
+        column.bench.plant.close()
+    return float(np.sum(errors) * PILOT_TS / MINUTE)
+
+
+def play_pilot(case: Pilot, seed: int) -> dict[str, Any]:
+    """5 h of setpoint of T10 and feed, together or one after the other, tuned, then a step of the feed up and one down: without, with the gain alone and
+    with all. off: of the ratio against that of the linearised column at PILOT_AT, dB and degrees."""
+    if case.method not in (*METHODS, "exact", "Shinskey"):
+        raise UserError(f"{case}: method is one of {METHODS}, exact or Shinskey")
+    process, disturbance = pilot_paths(tuple(PILOT_BAND))
+    exact, more = disturbance / process, {}
+    ratio, sd = (exact, np.zeros(len(exact))) if case.method not in METHODS else _pilot_identified(case, seed)
+    if case.method == "Shinskey":
+        rule, *models = high_order.shinskey(PILOT_BAND, process, disturbance, dead_most_s=300.0)
+        tuning: tuple[float, ...] = (rule[0], rule[1], rule[2] * KW_PER_FEED, 0.0)
+        more["models"] = [[m.gain, m.dead_s, m.lag_s, m.error] for m in models]
+    else:
+        tuning = _pilot_tuned(ratio, sd)
+    off = (ratio / exact)[[int(np.argmin(abs(np.log(PILOT_BAND / w)))) for w in PILOT_AT]]
+    iae = {what: pilot_iae(of, seed) for what, of in (("PI alone", None), ("gain alone", (0.0, 0.0, tuning[2])), ("tuned", tuning))}
+    return {"tuning": list(tuning), "iae": iae, "off": [(20 * np.log10(abs(off))).tolist(), np.degrees(np.angle(off)).tolist()], **more}

@@ -1,5 +1,5 @@
 """Identification for a feedforward and its tuning by the firmware's code in the arithmetic of a board (firmware/identify/high_order.h,
-adapt/feedforward_search.h): libreflux_board.so by ctypes.
+adapt/feedforward_search.h) and its rules (design/feedforward_rules.h): libreflux_board.so by ctypes.
 
     g = response(Shape(2, ((3, 12),)), y, u, omega_h, first=100)      # y(k) by u(k - 12) and so on, at omega_h (rad per sample)
     f = search(omega, ratio, weight, h=0.05)
@@ -95,3 +95,33 @@ def search(omega, ratio, weight, h_s: float, *, kick: float = KICK, lag_most_s: 
     if code:
         raise Refused(code, f"error {code}")
     return Found(*(float(x) for x in found[:6]), int(found[6]))
+
+
+@dataclass(frozen=True)
+class Model:
+    """First order with dead time; error: root mean square of |model/response - 1|."""
+
+    gain: float
+    dead_s: float
+    lag_s: float
+    error: float
+
+
+def shinskey(omega, process, disturbance, *, dead_most_s: float, same: float = 0.02,
+             preset: str = "host") -> tuple[tuple[float, float, float], Model, Model]:
+    """(lead, lag, K) by Shinskey's rules, from first-order models that are fitted to the responses of process and disturbance, and those models."""
+    omega, models, rule = _array(omega), np.zeros(8), np.zeros(3)
+    both = [_array(np.stack([np.real(g), np.imag(g)], axis=-1)) for g in (process, disturbance)]
+    code = load(preset).reflux_shinskey(len(omega), _d(omega), _d(both[0]), _d(both[1]), _d(_array([dead_most_s, same])), _d(models), _d(rule))
+    if code:
+        raise Refused(code, f"error {code}")
+    return (float(rule[1]), float(rule[2]), float(rule[0])), Model(*models[:4].tolist()), Model(*models[4:].tolist())
+
+
+def misses(db, degrees, preset: str = "host") -> np.ndarray:
+    """The largest error and the root of the sum of squares: dB, degrees, dB, degrees."""
+    db, degrees, out = _array(db), _array(degrees), np.zeros(4)
+    code = load(preset).reflux_feedforward_misses(len(db), _d(db), _d(degrees), _d(out))
+    if code:
+        raise Refused(code, f"error {code}")
+    return out
