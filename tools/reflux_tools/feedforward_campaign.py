@@ -50,8 +50,11 @@ class Feedforward:
         return replace(self, seeds=self.seeds[: max(2, round(len(self.seeds) * fraction))])
 
     def jobs(self, whole: bool) -> list[dict[str, Any]]:
-        """In part: all methods of the first line, of each other line one in turn, and each method once on the pilot column."""
-        wanted: list[Any] = [line.of(m) for i, line in enumerate(self.lines) for j, m in enumerate(si.METHODS) if whole or i == 0 or i % 4 == j]
+        """In part: all methods of the first line, one in turn of each line that has other code or other signals than those before, and each method
+        once on the pilot column."""
+        lines = {(c.core, c.search, c.carry, c.disturbance): line for line in reversed(self.lines) for c in [line.case]}
+        played = [line for line in self.lines if whole or line in lines.values()]
+        wanted: list[Any] = [line.of(m) for i, line in enumerate(played) for j, m in enumerate(si.METHODS) if whole or i == 0 or i % 4 == j]
         seen: set[str] = set()
         for case, _ in self.elsewhere:
             if whole or isinstance(case, Rig) or case.method not in seen:
