@@ -11,7 +11,6 @@
 #define CUTS      12u
 #define REWEIGHTS 25u
 #define K_MOST    REAL_C(100.0) /* of the element */
-#define GOLDEN    REAL_C(0.6180339887)
 
 enum search_phase { SEARCH_GRID, SEARCH_LAG, SEARCH_DEAD, SEARCH_OVER };
 
@@ -197,41 +196,19 @@ static void begin_section(struct feedforward_search *s, const struct feedforward
     real_t width = w->dead_most / (real_t)(DEADS - 1u);
     for (unsigned k = 0; k < s->round; k++)
         width *= REAL_C(0.5);
-    if (s->phase == SEARCH_LAG) {
-        s->lo = REAL_C(0.5) * s->best.lag;
-        s->hi = REAL_C(2.0) * s->best.lag + REAL_C(0.5) * w->h_s;
-        s->hi = s->hi < w->lag_most ? s->hi : w->lag_most;
-    } else {
-        s->lo = s->best.dead > width ? s->best.dead - width : ZERO;
-        s->hi = s->best.dead + width < w->dead_most ? s->best.dead + width : w->dead_most;
-    }
-    s->cuts = 0;
+    if (s->phase == SEARCH_LAG)
+        golden_begin(&s->section, REAL_C(0.5) * s->best.lag,
+                     no_more_than(REAL_C(2.0) * s->best.lag + REAL_C(0.5) * w->h_s, w->lag_most));
+    else
+        golden_begin(&s->section, s->best.dead > width ? s->best.dead - width : ZERO,
+                     no_more_than(s->best.dead + width, w->dead_most));
 }
 
 /* A trial of a golden section; false: it is narrow enough. */
 static bool section_piece(struct feedforward_search *s, const struct feedforward_wanted *w)
 {
-    real_t width = s->hi - s->lo;
-    if (s->cuts == 0) {
-        s->inner = s->hi - GOLDEN * width;
-        s->j_inner = tried_at(s, w, s->inner);
-    } else if (s->cuts == 1) {
-        s->outer = s->lo + GOLDEN * width;
-        s->j_outer = tried_at(s, w, s->outer);
-    } else if (s->j_inner < s->j_outer) {
-        s->hi = s->outer;
-        s->outer = s->inner;
-        s->j_outer = s->j_inner;
-        s->inner = s->hi - GOLDEN * (s->hi - s->lo);
-        s->j_inner = tried_at(s, w, s->inner);
-    } else {
-        s->lo = s->inner;
-        s->inner = s->outer;
-        s->j_inner = s->j_outer;
-        s->outer = s->lo + GOLDEN * (s->hi - s->lo);
-        s->j_outer = tried_at(s, w, s->outer);
-    }
-    return ++s->cuts < CUTS;
+    golden_take(&s->section, tried_at(s, w, golden_next(&s->section)));
+    return s->section.taken < CUTS;
 }
 
 static void next_phase(struct feedforward_search *s, const struct feedforward_wanted *w)

@@ -14,6 +14,7 @@
 #include <stdint.h>
 
 #include "num/cmatrix.h"
+#include "num/golden.h"
 
 #define FEEDFORWARD_POINTS 16
 
@@ -35,8 +36,8 @@ struct feedforward_search {
     struct feedforward_shape best;
     real_t j, j0; /* the least so far; J of K = 0 */
     /* inner state */
-    uint8_t phase, lag_at, dead_at, round, cuts;
-    real_t lo, hi, inner, outer, j_inner, j_outer;
+    uint8_t phase, lag_at, dead_at, round;
+    struct golden section;
 };
 
 void feedforward_search_begin(struct feedforward_search *s,

@@ -149,8 +149,9 @@ struct tune {
     struct tune_model model, found; /* that the shadows use; that the work has found */
     struct response_fit fit;
     struct tune_rule rule;
-    bool fitting, unsure,
-        by_rule; /* a fit is under way; of the candidate: too much doubt for a search; it is the rule's */
+    bool fitting; /* a fit is under way */
+    bool unsure;  /* the ratio is in too much doubt for a search */
+    bool by_rule; /* the candidate is the rule's */
     bool has_model;
     real_t spread; /* weighted, over the ratio's size */
     struct feedforward_shape candidate;
@@ -202,6 +203,18 @@ static inline bool tune_is_staged(const struct tune *t)
     return t->s.method != TUNE_JOINT;
 }
 
+/* Of a response: beyond what it is in doubt by. */
+static inline bool tune_is_known(const struct tune *t, const struct high_order_point *p)
+{
+    return t->s.doubt * p->sd < cplx_abs(p->is);
+}
+
+/* Dead time that a shadow can have, s. */
+static inline real_t tune_dead_reach(const struct tune *t)
+{
+    return t->h_s * (real_t)(SHADOW_REACH - 2u);
+}
+
 /* ---- settings (feedforward_tune_settings.c) ---- */
 
 #define TUNE_PARAMETERS 41
@@ -235,7 +248,8 @@ void tune_ask_look(struct tune *t, bool look_only);
 /* ---- models and rules (feedforward_tune_models.c) ---- */
 
 #define TUNE_POINTS_LEAST 3u
-/* Of the piece before. The process, then the path of the disturbance and the rule; TUNE_NONE with *more, the end otherwise. */
+/* A piece each: of the model of the process, TUNE_NO_MODEL where there is none; then of that of the disturbance's path, and the rule.
+ * *more: another is to follow. */
 enum tune_verdict tune_process_piece(struct tune *t, bool *more);
 void tune_path_piece(struct tune *t, bool *more);
 /* The rule is to be tried in place of what is not good enough. */

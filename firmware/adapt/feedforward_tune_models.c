@@ -14,11 +14,6 @@
 /* Times within this are equal, for the rules. */
 #define SAME REAL_C(0.1)
 
-static bool is_known(const struct tune *t, const struct high_order_point *p)
-{
-    return t->s.doubt * p->sd < cplx_abs(p->is);
-}
-
 /* What an MV that is held between samples is late at the least: the process has that, whatever noise makes of its response. */
 static real_t held_late(const struct tune *t)
 {
@@ -30,7 +25,7 @@ static unsigned known_points(const struct tune *t, bool of_path, real_t *omega, 
 {
     unsigned n = 0;
     for (unsigned i = t->band_from; i < t->band_to; i++) {
-        if (!is_known(t, &t->process[i]) || (of_path && !is_known(t, &t->ratio.at[i])))
+        if (!tune_is_known(t, &t->process[i]) || (of_path && !tune_is_known(t, &t->ratio.at[i])))
             continue;
         g[n] = of_path ? cplx_mul(t->ratio.at[i].is, t->process[i].is)
                        : cplx_mul(t->process[i].is, cplx_turned(t->omega[i] * held_late(t)));
@@ -43,12 +38,13 @@ static unsigned known_points(const struct tune *t, bool of_path, real_t *omega, 
 static bool model_fit_piece(struct tune *t, bool of_path, bool *more)
 {
     struct cplx g[FEEDFORWARD_POINTS];
-    real_t omega[FEEDFORWARD_POINTS], reach = t->h_s * (real_t)(SHADOW_REACH - 2u);
+    real_t omega[FEEDFORWARD_POINTS];
     unsigned n = known_points(t, of_path, omega, g);
     *more = true;
     if (!t->fitting) {
         t->fitting = true;
-        return n >= TUNE_POINTS_LEAST && response_fit_begin(&t->fit, n, omega, g, reach) == ERR_OK;
+        return n >= TUNE_POINTS_LEAST &&
+               response_fit_begin(&t->fit, n, omega, g, tune_dead_reach(t)) == ERR_OK;
     }
     *more = response_fit_piece(&t->fit, n, omega, g);
     if (*more)

@@ -121,7 +121,7 @@ static enum tune_verdict find_band(struct tune *t, const struct high_order_point
     unsigned at = 0;
     for (unsigned i = 0; i < t->points; i++) {
         real_t size = cplx_abs(sensitivity[i].is);
-        if (t->s.doubt * sensitivity[i].sd < size && size > largest) {
+        if (tune_is_known(t, &sensitivity[i]) && size > largest) {
             largest = size;
             at = i;
         }
@@ -146,7 +146,7 @@ static enum tune_verdict find_band(struct tune *t, const struct high_order_point
 /* What the shadow can test. */
 static real_t most_dead(const struct tune *t)
 {
-    real_t reach = t->h_s * (real_t)(SHADOW_REACH - 2u);
+    real_t reach = tune_dead_reach(t);
     return t->s.dead_most_s < reach ? t->s.dead_most_s : reach;
 }
 
@@ -165,7 +165,7 @@ static enum tune_verdict want_ratio(struct tune *t)
         unsigned i = t->band_from + k;
         const struct high_order_point *r = &t->ratio.at[i];
         real_t weight = ONE / (t->omega[i] * t->h_s), size = cplx_abs(r->is);
-        bool is_known = t->s.doubt * r->sd < size;
+        bool is_known = tune_is_known(t, r);
         w->omega[k] = t->omega[i];
         w->ratio[k] = r->is;
         w->weight[k] = is_known ? weight : 0;

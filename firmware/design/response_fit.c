@@ -5,11 +5,10 @@
 #define ZERO    REAL_C(0.0)
 #define ONE     REAL_C(1.0)
 #define NOTHING REAL_C(1e30) /* a square that is none */
-#define GOLDEN  REAL_C(0.6180339887)
 
-/* Dead times that are tried at first, and cuts of the golden section between the neighbours of the best. */
+/* Dead times that are tried at first, and then by a golden section. */
 #define TRIED 25u
-#define CUTS  22u
+#define CUTS  23u
 /* Weights by the time constant that they find; so often. */
 #define ROUNDS 4u
 
@@ -84,31 +83,12 @@ enum err response_fit_begin(struct response_fit *f, size_t n, const real_t *omeg
     return ERR_OK;
 }
 
-static void begin_cuts(struct response_fit *f)
+/* Between the neighbours of the best that was tried. */
+static void begin_section_of_dead_times(struct response_fit *f)
 {
     real_t step = f->dead_most / (real_t)(TRIED - 1u), at = f->best.dead_time_s;
-    f->lo = at - step > ZERO ? at - step : ZERO;
-    f->hi = at + step < f->dead_most ? at + step : f->dead_most;
-    f->inner = f->hi - GOLDEN * (f->hi - f->lo);
-    f->outer = f->lo + GOLDEN * (f->hi - f->lo);
-}
-
-/* The golden section keeps one of its two points in each cut. */
-static void cut(struct response_fit *f, size_t n, const real_t *omega, const struct cplx *response)
-{
-    if (f->at_inner < f->at_outer) {
-        f->hi = f->outer;
-        f->outer = f->inner;
-        f->at_outer = f->at_inner;
-        f->inner = f->hi - GOLDEN * (f->hi - f->lo);
-        f->at_inner = try_dead_time(f, n, omega, response, f->inner);
-    } else {
-        f->lo = f->inner;
-        f->inner = f->outer;
-        f->at_inner = f->at_outer;
-        f->outer = f->lo + GOLDEN * (f->hi - f->lo);
-        f->at_outer = try_dead_time(f, n, omega, response, f->outer);
-    }
+    golden_begin(&f->section, at - step > ZERO ? at - step : ZERO,
+                 at + step < f->dead_most ? at + step : f->dead_most);
 }
 
 bool response_fit_piece(struct response_fit *f, size_t n, const real_t *omega,
@@ -117,17 +97,12 @@ bool response_fit_piece(struct response_fit *f, size_t n, const real_t *omega,
     if (f->tried < TRIED) {
         real_t step = f->dead_most / (real_t)(TRIED - 1u);
         (void)try_dead_time(f, n, omega, response, step * (real_t)f->tried);
-        f->tried++;
+        if (++f->tried == TRIED)
+            begin_section_of_dead_times(f);
         return f->dead_most > ZERO;
     }
-    if (f->cuts == 0) {
-        begin_cuts(f);
-        f->at_inner = try_dead_time(f, n, omega, response, f->inner);
-        f->at_outer = try_dead_time(f, n, omega, response, f->outer);
-    } else {
-        cut(f, n, omega, response);
-    }
-    return ++f->cuts < CUTS;
+    golden_take(&f->section, try_dead_time(f, n, omega, response, golden_next(&f->section)));
+    return f->section.taken < CUTS;
 }
 
 enum err fopdt_from_response(size_t n, const real_t *omega, const struct cplx *response,
