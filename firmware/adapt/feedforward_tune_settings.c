@@ -2,6 +2,7 @@
 
 #if CONFIG_FEEDFORWARD_TUNE
 
+#include "block/refuse.h"
 #include "block/step_period.h"
 
 #define PLACE(field) offsetof(struct tune_settings, field)
@@ -142,12 +143,6 @@ uint32_t tune_model_bytes(const struct tune_settings *s)
 
 /* ---- check ---- */
 
-static enum err refuse_tune(struct block_fault *fault, const char *field, const char *wanted)
-{
-    *fault = (struct block_fault){.field = field, .wanted = wanted};
-    return ERR_RANGE;
-}
-
 static bool same_span(const struct block_signal *a, const struct block_signal *b)
 {
     return a->lo == b->lo && a->hi == b->hi;
@@ -156,9 +151,9 @@ static bool same_span(const struct block_signal *a, const struct block_signal *b
 static enum err check_tuning_inputs(const struct block_setup *setup, struct block_fault *fault)
 {
     if (setup->inputs != 2 || setup->input[0].is_mv || !same_span(&setup->input[0], &setup->pv[0]))
-        return refuse_tune(fault, "inputs", "needs the PV of the loop, then the disturbance");
+        return block_refuse(fault, 0, "inputs", "needs the PV of the loop, then the disturbance");
     if (!setup->member[0].drives_mv)
-        return refuse_tune(fault, "loops", "needs a loop that drives an MV");
+        return block_refuse(fault, 0, "loops", "needs a loop that drives an MV");
     return ERR_OK;
 }
 
@@ -171,18 +166,19 @@ static enum err check_models(const struct block_setup *setup, struct block_fault
     tune_shapes(s, shape);
     for (unsigned k = 0; k < 2; k++)
         if (shape[k].inputs && high_order_check(&shape[k], &rules, NULL, &wanted) != ERR_OK)
-            return refuse_tune(fault, "order",
-                               "needs up to 35 parameters, and delay with nb up to 100 samples");
+            return block_refuse(fault, 0, "order",
+                                "needs up to 35 parameters, and delay with nb up to 100 samples");
     float h = setup->interval_s * (float)tune_ticks(setup);
     if (!(s->learn_s >= 4 * h * (float)high_order_parameters(&shape[1])))
-        return refuse_tune(fault, "learn", "must be four samples for each parameter or more");
+        return block_refuse(fault, 0, "learn", "must be four samples for each parameter or more");
     if (!(s->check_s >= 4 * h * TUNE_PARTS))
-        return refuse_tune(fault, "check", "must be 32 samples or more");
+        return block_refuse(fault, 0, "check", "must be 32 samples or more");
     if ((s->step > 0 && !(s->step_period_s >= 4 * h)) ||
         (s->disturb > 0 && !(s->disturb_period_s >= 4 * h)))
-        return refuse_tune(
-            fault, s->step > 0 && !(s->step_period_s >= 4 * h) ? "step_period" : "disturb_period",
-            "must be four samples or more");
+        return block_refuse(fault, 0,
+                            s->step > 0 && !(s->step_period_s >= 4 * h) ? "step_period"
+                                                                        : "disturb_period",
+                            "must be four samples or more");
     return ERR_OK;
 }
 
@@ -192,9 +188,9 @@ static enum err check_tuning_band(const struct block_setup *setup, struct block_
     float h = setup->interval_s * (float)tune_ticks(setup);
     bool none = !(s->band_lo > 0) && !(s->band_hi > 0);
     if (!none && !(s->band_lo > 0 && s->band_hi > s->band_lo))
-        return refuse_tune(fault, "band_hi", "must be above band_lo, or both 0");
+        return block_refuse(fault, 0, "band_hi", "must be above band_lo, or both 0");
     if (!none && !(s->band_hi * h <= 2.8f))
-        return refuse_tune(fault, "band_hi", "must be at most 2.8 rad per sample");
+        return block_refuse(fault, 0, "band_hi", "must be at most 2.8 rad per sample");
     return ERR_OK;
 }
 
@@ -203,30 +199,26 @@ static enum err check_tuning_sizes(const struct block_setup *setup, struct block
     const struct tune_settings *s = setup->settings;
     const struct block_signal *y = &setup->input[0], *d = &setup->input[1];
     if (!(s->gain > 0 || s->gain < 0))
-        return refuse_tune(fault, "gain", "needs that of the loop's PI, with its sign");
+        return block_refuse(fault, 0, "gain", "needs that of the loop's PI, with its sign");
     if (s->method != TUNE_JOINT && !(s->ti_s > 0))
-        return refuse_tune(fault, "ti", "needs that of the loop's PI");
+        return block_refuse(fault, 0, "ti", "needs that of the loop's PI");
     if (!(s->step <= 0.5f * (y->hi - y->lo)))
-        return refuse_tune(fault, "step", "must be up to half the span of the PV");
+        return block_refuse(fault, 0, "step", "must be up to half the span of the PV");
     if (s->disturb > 0 && !(d->is_mv && s->disturb <= 0.5f * (d->hi - d->lo)))
-        return refuse_tune(fault, "disturb",
-                           "needs a disturbance that is an MV, and up to half its span");
+        return block_refuse(fault, 0, "disturb",
+                            "needs a disturbance that is an MV, and up to half its span");
     if (!(s->lead_s <= 100 * (s->lag_s + setup->interval_s)))
-        return refuse_tune(fault, "lead", "must be at most 100 times lag and a base tick");
+        return block_refuse(fault, 0, "lead", "must be at most 100 times lag and a base tick");
     return ERR_OK;
 }
 
 enum err tune_check(const struct block_setup *setup, struct block_fault *fault)
 {
-    float ticks = tune_period_ticks(setup);
     enum err err = check_tuning_inputs(setup, fault);
-    if (err)
-        return err;
-    if (!(ticks >= 0.999f && ticks <= 10000.0f))
-        return refuse_tune(fault, "period", "must be 1 to 10000 base ticks");
-    if (!step_period_is_whole(ticks))
-        return refuse_tune(fault, "period", "must be a whole number of base ticks");
-    err = check_tuning_sizes(setup, fault);
+    if (!err)
+        err = step_period_check(tune_period_ticks(setup), fault);
+    if (!err)
+        err = check_tuning_sizes(setup, fault);
     if (!err)
         err = check_tuning_band(setup, fault);
     return err ? err : check_models(setup, fault);

@@ -143,15 +143,11 @@ static enum err check_length(const struct block_setup *setup, struct block_fault
 
 enum err experiment_check(const struct block_setup *setup, struct block_fault *fault)
 {
-    float ticks = experiment_period_ticks(setup);
     enum err err = check_experiment_inputs(setup, fault);
-    if (err)
-        return err;
-    if (!(ticks >= 0.999f && ticks <= 10000.0f))
-        return block_refuse(fault, 0, "period", "must be 1 to 10000 base ticks");
-    if (!step_period_is_whole(ticks))
-        return block_refuse(fault, 0, "period", "must be a whole number of base ticks");
-    err = check_sizes(setup, fault);
+    if (!err)
+        err = step_period_check(experiment_period_ticks(setup), fault);
+    if (!err)
+        err = check_sizes(setup, fault);
     return err ? err : check_length(setup, fault);
 }
 

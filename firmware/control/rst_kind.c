@@ -4,6 +4,7 @@
 
 #include <string.h>
 
+#include "block/refuse.h"
 #include "num/accumulator.h"
 
 #define MOST RST_COEFFICIENTS
@@ -60,26 +61,20 @@ static float sum_of(const float *x, float *size)
     return sum;
 }
 
-static enum err refuse_rst(struct block_fault *fault, const char *field, const char *wanted)
-{
-    *fault = (struct block_fault){.field = field, .wanted = wanted};
-    return ERR_RANGE;
-}
-
 static enum err rst_check(const struct block_setup *setup, struct block_fault *fault)
 {
     const struct rst_settings *c = setup->settings;
     float q_size, r_size, q = sum_of(c->q, &q_size), r = sum_of(c->r, &r_size);
     float away = r - q, late = c->period_s - setup->interval_s;
     if (setup->members != 1)
-        return refuse_rst(fault, "loops", "needs one");
+        return block_refuse(fault, 0, "loops", "needs one");
     if (!(late <= 1e-3f * setup->interval_s && late >= -1e-3f * setup->interval_s))
-        return refuse_rst(fault, "period", "must be that of the loop's steps");
+        return block_refuse(fault, 0, "period", "must be that of the loop's steps");
     /* Below that its sign may be rounding. */
     if (!((q < 0 ? -q : q) > 1e-5f * q_size))
-        return refuse_rst(fault, "q", "needs a sum that is not 0: it is the integral action");
+        return block_refuse(fault, 0, "q", "needs a sum that is not 0: it is the integral action");
     if (!((away < 0 ? -away : away) <= 1e-3f * (q < 0 ? -q : q) + 1e-6f * (q_size + r_size)))
-        return refuse_rst(fault, "r", "needs the sum that q has, or there is an offset");
+        return block_refuse(fault, 0, "r", "needs the sum that q has, or there is an offset");
     return ERR_OK;
 }
 

@@ -5,6 +5,7 @@
 
 #include <string.h>
 
+#include "block/refuse.h"
 #include "model/column_drive.h"
 
 #define PLACE(field) offsetof(struct composition_settings, field)
@@ -101,12 +102,6 @@ const struct block_parameter composition_parameter_rows[COMPOSITION_PARAMETER_RO
 #define ZETA_INITIAL   REAL_C(3.0)
 #define HOUR           REAL_C(3600.0)
 
-static enum err refuse_composition(struct block_fault *fault, const char *field, const char *wanted)
-{
-    *fault = (struct block_fault){.field = field, .wanted = wanted};
-    return ERR_RANGE;
-}
-
 bool composition_is_sensor(const struct composition_settings *s, unsigned k)
 {
     return s->is[k] == IS_TEMPERATURE;
@@ -119,19 +114,18 @@ static enum err check_sensor(const struct composition_settings *s, const struct 
 {
     unsigned stage = s->place[k][AT_STAGE], component = s->place[k][OF_COMPONENT];
     if (setup->input[k].is_mv)
-        return refuse_composition(fault, "is", "says of an MV that it is a temperature");
+        return block_refuse(fault, 0, "is", "says of an MV that it is a temperature");
     if (stage < 1 || stage > table->config.stages)
-        return refuse_composition(
-            fault, "place", "needs the stage of each temperature, 1 to that of the condenser");
+        return block_refuse(fault, 0, "place",
+                            "needs the stage of each temperature, 1 to that of the condenser");
     if (component > table->config.components - 1)
-        return refuse_composition(fault, "place",
-                                  "must have a component of the table but the closing one, or 0");
+        return block_refuse(fault, 0, "place",
+                            "must have a component of the table but the closing one, or 0");
     if (column_table_is_truncated(table, stage))
-        return refuse_composition(fault, "place", "must not be a truncated stage");
+        return block_refuse(fault, 0, "place", "must not be a truncated stage");
     for (unsigned i = 0; i < k; i++)
         if (composition_is_sensor(s, i) && s->place[i][AT_STAGE] == stage)
-            return refuse_composition(fault, "place",
-                                      "must have another stage for each temperature");
+            return block_refuse(fault, 0, "place", "must have another stage for each temperature");
     return ERR_OK;
 }
 
@@ -143,14 +137,14 @@ static enum err check_analysis(const struct composition_settings *s,
     for (unsigned i = 0; i < k; i++)
         others += s->is[i] == IS_ANALYSIS ? 1u : 0u;
     if (others >= ANALYSES_MAX)
-        return refuse_composition(fault, "is", "must have two analyses at most");
+        return block_refuse(fault, 0, "is", "must have two analyses at most");
     if (setup->input[k].is_mv)
-        return refuse_composition(fault, "is", "says of an MV that it is an analysis");
+        return block_refuse(fault, 0, "is", "says of an MV that it is an analysis");
     if (s->place[k][AT_STAGE] < 1 || s->place[k][AT_STAGE] > table->config.stages ||
         s->place[k][OF_COMPONENT] < 1 || s->place[k][OF_COMPONENT] > table->config.components)
-        return refuse_composition(fault, "place", "needs stage and component of each analysis");
+        return block_refuse(fault, 0, "place", "needs stage and component of each analysis");
     if (s->tune[k][TUNE_LAMBDA] > 1)
-        return refuse_composition(fault, "tune", "must be a share, at most 1, for an analysis");
+        return block_refuse(fault, 0, "tune", "must be a share, at most 1, for an analysis");
     return ERR_OK;
 }
 
@@ -159,9 +153,9 @@ static enum err check_flow(const struct composition_settings *s, const struct co
 {
     for (unsigned i = 0; i < k; i++)
         if (s->is[i] == s->is[k])
-            return refuse_composition(fault, "is", "must have each but the temperatures once");
+            return block_refuse(fault, 0, "is", "must have each but the temperatures once");
     const char *wanted = column_drive_refused(table, (enum column_drive)(s->is[k] - IS_FEED));
-    return wanted ? refuse_composition(fault, "is", wanted) : ERR_OK;
+    return wanted ? block_refuse(fault, 0, "is", wanted) : ERR_OK;
 }
 
 static enum err check_all_inputs(const struct block_setup *setup, const struct column_table *table,
@@ -179,8 +173,8 @@ static enum err check_all_inputs(const struct block_setup *setup, const struct c
             moves++;
     }
     if (!moves)
-        return refuse_composition(fault, "place",
-                                  "needs one temperature at least that moves a component");
+        return block_refuse(fault, 0, "place",
+                            "needs one temperature at least that moves a component");
     return ERR_OK;
 }
 
@@ -189,24 +183,24 @@ static enum err check_points(const struct block_setup *setup, const struct colum
 {
     const struct composition_settings *s = setup->settings;
     if (!setup->points)
-        return refuse_composition(fault, "points", "needs one at least");
+        return block_refuse(fault, 0, "points", "needs one at least");
     for (unsigned k = 0; k < setup->points; k++) {
         unsigned component = s->point[k][OF_COMPONENT];
         bool of_feed = s->of[k] == OF_FEED_FRACTION;
         if (s->of[k] != OF_STAGE && s->point[k][AT_STAGE] != 0)
-            return refuse_composition(fault, "point", "must have stage 0 where it is of the feed");
+            return block_refuse(fault, 0, "point", "must have stage 0 where it is of the feed");
         if (of_feed && (component < 1 || component > table->config.components - 1))
-            return refuse_composition(fault, "point",
-                                      "of the feed needs a component that is not the closing one");
+            return block_refuse(fault, 0, "point",
+                                "of the feed needs a component that is not the closing one");
         if (s->of[k] == OF_FEED_FLOW && component != 0)
-            return refuse_composition(fault, "point", "of the feed's flow must have component 0");
+            return block_refuse(fault, 0, "point", "of the feed's flow must have component 0");
         if (s->of[k] != OF_STAGE)
             continue;
         if (s->point[k][AT_STAGE] < 1 || s->point[k][AT_STAGE] > table->config.stages)
-            return refuse_composition(fault, "point",
-                                      "needs a stage for each point, 1 to that of the condenser");
+            return block_refuse(fault, 0, "point",
+                                "needs a stage for each point, 1 to that of the condenser");
         if (component > table->config.components)
-            return refuse_composition(fault, "point", "must have a component of the table, or 0");
+            return block_refuse(fault, 0, "point", "must have a component of the table, or 0");
     }
     return ERR_OK;
 }
@@ -220,26 +214,26 @@ static enum err check_covariance(const struct block_setup *setup, const struct c
     if (s->method != METHOD_EKF && s->method != METHOD_KALMAN)
         return ERR_OK;
     if (table->truncated[0] || table->truncated[1])
-        return refuse_composition(fault, "method",
-                                  "must be geometric or rekf for a table with truncated stages");
+        return block_refuse(fault, 0, "method",
+                            "must be geometric or rekf for a table with truncated stages");
     size_t extras = composition_extras(s, setup->inputs, m), moves = 0;
     for (unsigned k = 0; k < setup->inputs; k++)
         moves += composition_is_sensor(s, k) && s->place[k][OF_COMPONENT] > 0 ? 1u : 0u;
     if (s->feed_z > 0 && moves < m)
-        return refuse_composition(fault, "feed_z",
-                                  "must be 0 with fewer temperatures that move the model than "
-                                  "mole fractions of the feed that they would have to find");
+        return block_refuse(fault, 0, "feed_z",
+                            "must be 0 with fewer temperatures that move the model than "
+                            "mole fractions of the feed that they would have to find");
     if (extras > COVARIANCE_EXTRAS_MAX)
-        return refuse_composition(fault, "is", "must have two analyses at most");
+        return block_refuse(fault, 0, "is", "must have two analyses at most");
     if (composition_job_bytes(s->covariance, stages, m, extras) <= WORKSPACE_BYTES)
         return ERR_OK;
     if (composition_job_bytes(COVARIANCE_BAND, stages, m, extras) <= WORKSPACE_BYTES)
-        return refuse_composition(fault, "covariance",
-                                  "must be band: a full one of so many states has no room in the "
-                                  "board's workspace");
-    return refuse_composition(fault, "method",
-                              "must be geometric or rekf: no covariance has room in the board's "
-                              "workspace");
+        return block_refuse(fault, 0, "covariance",
+                            "must be band: a full one of so many states has no room in the "
+                            "board's workspace");
+    return block_refuse(fault, 0, "method",
+                        "must be geometric or rekf: no covariance has room in the board's "
+                        "workspace");
 }
 
 enum err composition_check(const struct block_setup *setup, struct block_fault *fault)
@@ -248,20 +242,18 @@ enum err composition_check(const struct block_setup *setup, struct block_fault *
     struct column_table table;
     struct column_fault reason;
     if (!setup->named || !s->column)
-        return refuse_composition(fault, "column",
-                                  "needs the number of a block of the kind column");
+        return block_refuse(fault, 0, "column", "needs the number of a block of the kind column");
     if (column_record_read(setup->named, &table, &reason))
-        return refuse_composition(fault, "column",
-                                  "must name a block with a table that is in order");
+        return block_refuse(fault, 0, "column", "must name a block with a table that is in order");
     if (setup->members)
-        return refuse_composition(fault, "loops", "must be none");
+        return block_refuse(fault, 0, "loops", "must be none");
     for (size_t j = 0; s->basis == BASIS_MASS && j < table.config.components; j++)
         if (!(table.component[j].molar_mass > 0))
-            return refuse_composition(fault, "basis",
-                                      "must be mole where the table has no molar masses");
+            return block_refuse(fault, 0, "basis",
+                                "must be mole where the table has no molar masses");
     if (table.config.activity && (table.truncated[0] || table.truncated[1]))
-        return refuse_composition(
-            fault, "column",
+        return block_refuse(
+            fault, 0, "column",
             "must be a table without truncated stages where it has activity coefficients");
     enum err err = check_covariance(setup, &table, fault);
     if (!err)

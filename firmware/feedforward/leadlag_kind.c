@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "base/channel.h"
+#include "block/refuse.h"
 #include "feedforward/feedforward.h"
 #include "signal/washout.h"
 
@@ -60,12 +61,6 @@ static const struct block_parameter leadlag_parameters[] = {
 
 /* ---- settings ---- */
 
-static enum err refuse_leadlag(struct block_fault *fault, const char *field, const char *wanted)
-{
-    *fault = (struct block_fault){.field = field, .wanted = wanted};
-    return ERR_RANGE;
-}
-
 static bool is_term(const struct leadlag_settings *c, unsigned k)
 {
     return c->from[k] > 0;
@@ -88,17 +83,17 @@ static enum err check_term(const struct block_setup *setup, unsigned k, struct b
 {
     const struct leadlag_settings *c = setup->settings;
     if (c->from[k] > setup->inputs)
-        return refuse_leadlag(fault, "from", "must be the number of an input that there is");
+        return block_refuse(fault, 0, "from", "must be the number of an input that there is");
     if (c->to[k] < 1 || c->to[k] > setup->points)
-        return refuse_leadlag(fault, "to", "must be the number of an MV that there is");
+        return block_refuse(fault, 0, "to", "must be the number of an MV that there is");
     if (c->lead_s[k] / (c->lag_s[k] + setup->interval_s) > c->kick)
-        return refuse_leadlag(fault, "lead", "is more than kick allows: lead/(lag + base tick)");
+        return block_refuse(fault, 0, "lead", "is more than kick allows: lead/(lag + base tick)");
     const struct element_settings element = element_of(setup, k);
     if (!(element.reference >= -1 && element.reference <= 2))
-        return refuse_leadlag(fault, "reference", "must be within a span of the input's range");
+        return block_refuse(fault, 0, "reference", "must be within a span of the input's range");
     const char *field, *wanted;
     if (feedforward_validate(&element, setup->interval_s, &field, &wanted))
-        return refuse_leadlag(fault, "dead", "must be at most 100000 base ticks");
+        return block_refuse(fault, 0, "dead", "must be at most 100000 base ticks");
     return ERR_OK;
 }
 
@@ -107,9 +102,9 @@ static enum err leadlag_check(const struct block_setup *setup, struct block_faul
     const struct leadlag_settings *c = setup->settings;
     unsigned terms = 0;
     if (setup->inputs < 1)
-        return refuse_leadlag(fault, "inputs", "needs a disturbance at least");
+        return block_refuse(fault, 0, "inputs", "needs a disturbance at least");
     if (setup->points < 1)
-        return refuse_leadlag(fault, "points", "needs an MV at least that it adds to");
+        return block_refuse(fault, 0, "points", "needs an MV at least that it adds to");
     for (unsigned k = 0; k < LEADLAG_TERMS; k++) {
         if (!is_term(c, k))
             continue;
@@ -119,10 +114,10 @@ static enum err leadlag_check(const struct block_setup *setup, struct block_faul
         terms++;
     }
     if (!terms)
-        return refuse_leadlag(fault, "from", "needs a term at least: the number of its input");
+        return block_refuse(fault, 0, "from", "needs a term at least: the number of its input");
     for (unsigned p = 0; p < setup->points; p++)
         if (!(c->lo[p] <= 0 && c->hi[p] >= 0 && c->lo[p] < c->hi[p]))
-            return refuse_leadlag(fault, "hi", "needs a range around 0 with lo");
+            return block_refuse(fault, 0, "hi", "needs a range around 0 with lo");
     return ERR_OK;
 }
 

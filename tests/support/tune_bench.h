@@ -24,6 +24,9 @@ enum {
     SIGNAL
 };
 
+static const char *const methods[] = {"joint", "sensitivity", "tracking", "input"};
+#define METHODS 4u
+
 /* The course of d: a square wave, from `on` on. */
 static struct {
     double size, period, error, count;
@@ -88,17 +91,21 @@ static inline void tune_begin(const char *folder, uint64_t seed, double noise)
     tune_seconds(10);
 }
 
-/* Until the stage is over that `tune` begins, or so many seconds. Returns the seconds. */
-static inline unsigned tune_until(int stage, unsigned most)
+/* `tune`, until it is in one of these stages (bits) or idle, looked at every so many seconds. staged: the disturbance rests while a loop is
+ * identified by its setpoint, as in the source. */
+static inline void tune_stages(bool staged, unsigned stages, unsigned every_s)
 {
-    unsigned k = 0;
-    for (; k < most; k += 20) {
-        int now = tune_value("stage");
-        if (now == stage || now == IDLE)
-            break;
-        tune_seconds(20);
+    course.quiet = staged;
+    ask_ok("block 1 tune");
+    tune_seconds(40);
+    for (unsigned k = 0; k < 20000; k += every_s) {
+        int stage = tune_value("stage");
+        if (stage == DISTURBANCE)
+            course.quiet = false;
+        if (stage == IDLE || (stages & (1u << stage)))
+            return;
+        tune_seconds(every_s);
     }
-    return k;
 }
 
 #endif

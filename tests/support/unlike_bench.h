@@ -4,9 +4,6 @@
 
 #include "tune_bench.h"
 
-static const char *const methods[] = {"joint", "sensitivity", "tracking", "input"};
-#define METHODS 4u
-
 /* PROMISES_TOO_MUCH: but does no harm. */
 enum expected { ACTS, PROMISES_TOO_MUCH, DOES_NO_HARM };
 
@@ -68,17 +65,7 @@ static inline void settle(const char *const *lines)
 /* Until `tune` has come to its end, or waits; the disturbance rests while a loop is identified by its setpoint. */
 static inline void tune_whole(unsigned method)
 {
-    course.quiet = method != 0;
-    ask_ok("block 1 tune");
-    tune_seconds(40);
-    for (unsigned k = 0; k < 1000; k++) {
-        int stage = tune_value("stage");
-        if (stage == DISTURBANCE)
-            course.quiet = false;
-        if (stage == RUNS || stage == IDLE || stage == PROPOSES)
-            break;
-        tune_seconds(20);
-    }
+    tune_stages(method != 0, 1u << RUNS | 1u << PROPOSES, 20);
     course.quiet = false;
 }
 

@@ -14,9 +14,6 @@ void tearDown(void)
     plant_power_off();
 }
 
-static const char *const methods[] = {"joint", "sensitivity", "tracking", "input"};
-#define METHODS 4u
-
 static void begin_method(unsigned method, uint64_t seed)
 {
     char line[60];
@@ -26,20 +23,9 @@ static void begin_method(unsigned method, uint64_t seed)
     tune_seconds(1200);
 }
 
-/* To that stage; the disturbance rests while a loop is identified by its setpoint. */
 static void tune_to(unsigned method, int stage)
 {
-    course.quiet = method != 0;
-    ask_ok("block 1 tune");
-    tune_seconds(40);
-    for (unsigned k = 0; k < 2000; k++) {
-        int now = tune_value("stage");
-        if (now == DISTURBANCE)
-            course.quiet = false;
-        if (now == stage || now == IDLE)
-            return;
-        tune_seconds(10);
-    }
+    tune_stages(method != 0, 1u << stage, 10);
 }
 
 /* ---- never worse for long ---- */

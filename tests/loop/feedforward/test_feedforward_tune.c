@@ -11,9 +11,6 @@ void tearDown(void)
     plant_power_off();
 }
 
-static const char *const methods[] = {"joint", "sensitivity", "tracking", "input"};
-#define METHODS 4u
-
 static void set_block(const char *what)
 {
     char line[80];
@@ -31,20 +28,9 @@ static void begin_with(const char *method, int regime, uint64_t seed)
     tune_seconds(1200);
 }
 
-/* The disturbance rests while a loop is identified by its setpoint, as in the source. */
 static void tune_whole(bool staged, int until)
 {
-    course.quiet = staged;
-    ask_ok("block 1 tune");
-    tune_seconds(40);
-    for (unsigned k = 0; k < 1000; k++) {
-        int stage = tune_value("stage");
-        if (stage == DISTURBANCE)
-            course.quiet = false;
-        if (stage == until || stage == IDLE)
-            return;
-        tune_seconds(20);
-    }
+    tune_stages(staged, 1u << until, 20);
 }
 
 /* ---- figures ---- */
