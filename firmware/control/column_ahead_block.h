@@ -54,5 +54,18 @@ static inline bool ahead_is_of_stage(uint8_t is)
 MUST_CHECK enum err ahead_check(const struct block_setup *setup, struct block_fault *fault);
 const char *ahead_describe(const void *state, size_t i, float *value);
 
+/* ---- places (column_ahead_place.c) ---- */
+
+/* What a signal of a stage is: K, or a mole fraction. */
+real_t ahead_place_si(const struct ahead *b, const struct ahead_place *place, num_t fraction);
+/* The PV of loop i by the model, at states x that were looked at last; SI. */
+real_t ahead_target_of(const struct ahead *b, unsigned i, const real_t *x);
+/* The column's inputs with the MVs of the loops where u[loops] has them, fractions of span. */
+void ahead_drive_by(const struct ahead *b, const real_t *u, struct column_inputs *inputs);
+/* Where the column is, an interval after the last time. */
+MUST_CHECK enum err ahead_observe(struct ahead *b, const struct block_io *io);
+/* The same, from wherever the model was. */
+MUST_CHECK enum err ahead_find_column(struct ahead *b, const struct block_io *io);
+
 #endif
 #endif

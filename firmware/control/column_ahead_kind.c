@@ -9,9 +9,6 @@
 
 /* Part of an MV's span by which it is moved to see what it does. */
 #define TRIED REAL_C(0.02)
-/* Before it begins, nobody knows where the model is: it is corrected so often, and carried on in between, so that stages that nothing is
- * said of come to stand with the others. */
-#define ROUNDS 8
 /* A second turn takes out what B* misses of a large move. */
 #define TURNS 2
 
@@ -120,122 +117,16 @@ static enum err ahead_configure(void *state, const struct block_setup *setup, bo
     return ERR_OK;
 }
 
-/* ---- units ---- */
-
-/* What a signal of a stage is: K, or a mole fraction. */
-static real_t place_si(const struct ahead *b, const struct ahead_place *place, num_t fraction)
-{
-    real_t value = place->zero + place->span * num_to_float(fraction);
-    return place->is == AHEAD_FRACTION && b->basis == AHEAD_MASS
-               ? ahead_model_mole_fraction(&b->m, place->stage, place->component, value)
-               : value;
-}
-
-/* Of the model, at states that were looked at last. */
-static real_t target_of(const struct ahead *b, unsigned i, const real_t *x)
-{
-    return ahead_model_value(&b->m, x, b->pv[i].stage, b->pv[i].is == AHEAD_FRACTION,
-                             b->pv[i].component);
-}
-
-static void take_drive(const struct ahead *b, struct column_inputs *inputs,
-                       const struct ahead_place *place, real_t fraction)
-{
-    real_t value = place->zero + place->span * fraction;
-    if (place->is == AHEAD_FEED_FRACTION)
-        ahead_model_take_fraction(inputs, b->m.table.config.components, place->component, value);
-    else if (place->is >= AHEAD_FEED)
-        column_drive_take(&b->m.table, inputs, (enum column_drive)(place->is - AHEAD_FEED), value);
-}
-
-/* The column's inputs with the MVs of the loops where u[loops] has them. */
-static void drive_by(const struct ahead *b, const real_t *u, struct column_inputs *inputs)
-{
-    *inputs = b->m.inputs;
-    for (unsigned j = 0; j < b->loops; j++)
-        take_drive(b, inputs, &b->input[b->mv[j]], u[j]);
-}
-
-/* ---- where the column is ---- */
-
-static void insert_said(struct ahead_said *said, size_t *n, struct ahead_said one)
-{
-    size_t at = *n;
-    for (size_t k = 0; k < *n; k++)
-        if (said[k].stage == one.stage && said[k].component == one.component)
-            return; /* inputs come first: a PV there may be the noisier of the two */
-    for (; at > 0 && said[at - 1].stage > one.stage; at--)
-        said[at] = said[at - 1];
-    said[at] = one;
-    ++*n;
-}
-
-static struct ahead_said said_by(const struct ahead *b, const struct ahead_place *place,
-                                 num_t fraction)
-{
-    return (struct ahead_said){.stage = place->stage,
-                               .component = place->component,
-                               .is_fraction = place->is == AHEAD_FRACTION,
-                               .value = place_si(b, place, fraction)};
-}
-
-static size_t gather_said(const struct ahead *b, const struct block_io *io, struct ahead_said *said)
-{
-    size_t n = 0;
-    for (unsigned k = 0; k < b->inputs; k++)
-        if (ahead_is_of_stage(b->input[k].is))
-            insert_said(said, &n, said_by(b, &b->input[k], io->input[k]));
-    for (unsigned i = 0; i < b->loops; i++)
-        insert_said(said, &n, said_by(b, &b->pv[i], io->in[i]));
-    return n;
-}
-
-/* The MVs as they were in the interval that is over, everything else as it is now. */
-static void take_drives(struct ahead *b, const struct block_io *io)
-{
-    for (unsigned k = 0; k < b->inputs; k++)
-        take_drive(b, &b->m.inputs, &b->input[k], num_to_float(io->input[k]));
-}
-
-/* What is said of the column now. */
-static enum err correct(struct ahead *b, const struct block_io *io, real_t trust)
-{
-    struct ahead_said said[AHEAD_SAID_MOST];
-    size_t n = gather_said(b, io, said);
-    return ahead_model_correct(&b->m, said, n, trust);
-}
-
-/* Where the column is, an interval after the last time. */
-static enum err observe(struct ahead *b, const struct block_io *io)
-{
-    take_drives(b, io);
-    enum err err = ahead_model_carry(&b->m, &b->m.inputs);
-    return err ? err : correct(b, io, b->trust);
-}
-
-/* The same, from wherever the model was. */
-static enum err find_column(struct ahead *b, const struct block_io *io)
-{
-    take_drives(b, io);
-    enum err err = correct(b, io, ONE);
-    for (unsigned k = 0; !err && k < ROUNDS; k++) {
-        err = ahead_model_carry(&b->m, &b->m.inputs);
-        if (!err)
-            err = correct(b, io, ONE);
-    }
-    return err;
-}
-
 /* ---- the law ---- */
 
 /* y[] an interval later under u[], without what predictions miss. */
 static enum err predict_pvs(struct ahead *b, const real_t *u, real_t *y)
 {
     struct column_inputs inputs;
-    drive_by(b, u, &inputs);
+    ahead_drive_by(b, u, &inputs);
     enum err err = ahead_model_predict(&b->m, &inputs);
     for (unsigned i = 0; !err && i < b->loops; i++)
-        y[i] = target_of(b, i, b->m.later);
+        y[i] = ahead_target_of(b, i, b->m.later);
     return err;
 }
 
@@ -258,8 +149,8 @@ static enum err find_b(struct ahead *b, const real_t *y)
 /* What loop i is to be an interval later. */
 static real_t ahead_asked(const struct ahead *b, const struct block_io *io, unsigned i)
 {
-    real_t now = target_of(b, i, b->m.x) + b->bias[i];
-    real_t w = io->acting & (1u << i) ? place_si(b, &b->pv[i], io->setpoint[i]) : now;
+    real_t now = ahead_target_of(b, i, b->m.x) + b->bias[i];
+    real_t w = io->acting & (1u << i) ? ahead_place_si(b, &b->pv[i], io->setpoint[i]) : now;
     return now + (ONE - b->pole[i]) * (w - now);
 }
 
@@ -267,8 +158,8 @@ static real_t ahead_asked(const struct ahead *b, const struct block_io *io, unsi
 static void take_misses(struct ahead *b, struct block_io *io, real_t *asked)
 {
     for (unsigned i = 0; i < b->loops; i++) {
-        real_t y = place_si(b, &b->pv[i], io->in[i]);
-        real_t off = y - target_of(b, i, b->m.x);
+        real_t y = ahead_place_si(b, &b->pv[i], io->in[i]);
+        real_t off = y - ahead_target_of(b, i, b->m.x);
         if (b->has_said) {
             real_t missed = y - b->said[i];
             b->bias[i] += b->keep * (off - b->bias[i]);
@@ -297,13 +188,13 @@ static bool is_in_doubt(struct ahead *b, const struct block_io *io)
 {
     bool doubts = false;
     for (unsigned i = 0; i < b->loops && b->has_said; i++) {
-        real_t y = place_si(b, &b->pv[i], io->in[i]), still = STILL * real_abs(b->pv[i].span);
+        real_t y = ahead_place_si(b, &b->pv[i], io->in[i]), still = STILL * real_abs(b->pv[i].span);
         bool is_worse = real_abs(y - b->said[i]) > real_abs(y - b->before[i]) + still;
         b->worse[i] += ((is_worse ? ONE : ZERO) - b->worse[i]) / (real_t)WATCHED;
         doubts = doubts || b->worse[i] > b->doubt;
     }
     for (unsigned i = 0; i < b->loops; i++)
-        b->before[i] = place_si(b, &b->pv[i], io->in[i]);
+        b->before[i] = ahead_place_si(b, &b->pv[i], io->in[i]);
     if (b->has_said && b->watched < WATCHED)
         b->watched++;
     return doubts && b->doubt > ZERO && b->watched == WATCHED;
@@ -397,7 +288,7 @@ static void ahead_step(void *state, struct block_io *io)
         io->gives_up = "other_mv";
         return;
     }
-    enum err err = b->observed ? ERR_OK : observe(b, io);
+    enum err err = b->observed ? ERR_OK : ahead_observe(b, io);
     b->observed = false;
     if (is_in_doubt(b, io)) {
         begin_to_watch(b);
@@ -464,7 +355,7 @@ static void ahead_follow(void *state, struct block_io *io)
     ahead_model_stands_here(&b->m, numbers_of(b));
     b->has_said = b->holds_next = false;
     begin_to_watch(b);
-    enum err err = find_column(b, io);
+    enum err err = ahead_find_column(b, io);
     b->observed = !err;
     take_applied(b, io);
     for (unsigned j = 0; j < b->loops; j++) {
