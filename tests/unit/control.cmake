@@ -38,7 +38,7 @@ foreach(part gmv gmv_cases gmv_optimal gmv_cycle gmv_jammed gmv_trial gmv_superv
   reflux_test(${part} LABEL unit SOURCES test_${part}.c LIBS reflux_adapt)
 endforeach()
 reflux_test(plant_experiment LABEL unit SOURCES test_plant_experiment.c LIBS reflux_adapt)
-foreach(part feedforward_search feedforward_watch loop_shadow)
+foreach(part feedforward_models feedforward_search feedforward_watch loop_shadow)
   reflux_test(${part} LABEL unit SOURCES test_${part}.c LIBS reflux_adapt)
 endforeach()
 

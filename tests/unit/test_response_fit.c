@@ -117,6 +117,27 @@ static void a_dead_time_is_not_above_the_most_that_was_asked_for(void)
     TEST_ASSERT_TRUE(found.dead_time_s <= 1);
 }
 
+/* A lead: the best model with a time constant of 0 and above has 0, and the gain that fits best then. */
+static void where_no_lag_fits_the_gain_alone_is_the_best_there_is(void)
+{
+    real_t omega[16], error;
+    struct cplx g[16];
+    struct fopdt found;
+    size_t n = grid(omega, 0.1, 6, 16);
+    for (size_t i = 0; i < n; i++)
+        g[i] = cplx(2, REAL_C(0.6) * omega[i]);
+    TEST_ASSERT_EQUAL(ERR_OK, fopdt_from_response(n, omega, g, 0, &found, &error));
+    TEST_ASSERT_DOUBLE_WITHIN(1e-9, 0, (double)found.time_constant_s);
+    for (int side = -1; side <= 1; side += 2) {
+        double sum = 0;
+        for (size_t i = 0; i < n; i++)
+            sum += (double)(cplx_square(cplx_sub(
+                                cplx(found.gain * (1 + REAL_C(0.02) * (real_t)side), 0), g[i])) /
+                            cplx_square(g[i]));
+        TEST_ASSERT_TRUE(sqrt(sum / (double)n) > (double)error);
+    }
+}
+
 static void responses_that_are_none_are_refused(void)
 {
     real_t omega[3] = {REAL_C(0.1), 1, 6}, error;
@@ -162,6 +183,7 @@ int main(void)
     RUN_TEST(a_response_of_another_kind_has_its_error_told);
     RUN_TEST(a_pure_gain_and_a_pure_dead_time_are_models);
     RUN_TEST(a_dead_time_is_not_above_the_most_that_was_asked_for);
+    RUN_TEST(where_no_lag_fits_the_gain_alone_is_the_best_there_is);
     RUN_TEST(responses_that_are_none_are_refused);
     RUN_TEST(in_pieces_it_is_the_same);
     return UNITY_END();

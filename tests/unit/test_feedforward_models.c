@@ -1,0 +1,245 @@
+/* What the kind `ff_tune` makes of responses between ticks: models of both paths, Shinskey's rule, what stands in for the search. Responses are
+ * given; samples of 1 s. */
+#include <complex.h>
+#include <math.h>
+#include <stdalign.h>
+#include <string.h>
+
+#include "adapt/feedforward_tune_block.h"
+#include "unity.h"
+
+static alignas(8) char memory[sizeof(struct tune)];
+static struct tune *const t = (struct tune *)(void *)memory;
+
+void setUp(void)
+{
+    memset(memory, 0, sizeof memory);
+    t->s = (struct tune_settings){.gain = 0.65f,
+                                  .ti_s = 13.2f,
+                                  .b = 1,
+                                  .band_lo = 0.02f,
+                                  .band_hi = 0.4f,
+                                  .doubt = 3,
+                                  .confident = 50,
+                                  .kick = 10,
+                                  .lag_most_s = 100,
+                                  .dead_most_s = 100,
+                                  .learn_s = 1000,
+                                  .check_s = 80,
+                                  .better = 10,
+                                  .method = TUNE_JOINT,
+                                  .rules = 1};
+    t->h_s = t->tick_s = REAL_C(1.0);
+    tune_make_grid(t);
+}
+void tearDown(void) {}
+
+static struct high_order_point point(double complex z, double sd)
+{
+    return (struct high_order_point){cplx((real_t)creal(z), (real_t)cimag(z)), (real_t)sd};
+}
+
+static double complex first_order(double gain, double lag, double dead, double w)
+{
+    return gain * cexp(-I * w * dead) / (1 + I * w * lag);
+}
+
+/* Process and path as they are identified; sd of the ratio, part of it. */
+static void see(double gain, double lag, double dead, double gain_d, double lag_d, double dead_d,
+                double sd)
+{
+    for (unsigned i = 0; i < t->points; i++) {
+        double w = (double)t->omega[i];
+        double complex gp = first_order(gain, lag, dead, w),
+                       ratio = first_order(gain_d, lag_d, dead_d, w) / gp;
+        t->loop.at[i] = point(gp, 0);
+        t->ratio.at[i] = point(ratio, sd * cabs(ratio));
+    }
+}
+
+static enum tune_verdict worked(void)
+{
+    t->work = WORK_RATIO;
+    t->work_at = 0;
+    for (unsigned k = 0; k < 2000 && t->work != WORK_NONE; k++) {
+        t->pieces = 1;
+        (void)tune_work(t);
+    }
+    TEST_ASSERT_EQUAL(WORK_NONE, t->work);
+    return (enum tune_verdict)t->outcome;
+}
+
+/* ---- models ---- */
+
+static void both_paths_are_found_again(void)
+{
+    see(1, 8, 12.5, 0.5, 5, 8, 0);
+    TEST_ASSERT_EQUAL(TUNE_NONE, worked());
+    TEST_ASSERT_DOUBLE_WITHIN(0.01, 1, (double)t->found.is.gain);
+    TEST_ASSERT_DOUBLE_WITHIN(0.1, 8, (double)t->found.is.time_constant_s);
+    TEST_ASSERT_DOUBLE_WITHIN(0.1, 12.5, (double)t->found.is.dead_time_s);
+    TEST_ASSERT_DOUBLE_WITHIN(0.01, 0.5, (double)t->rule.path.is.gain);
+    TEST_ASSERT_DOUBLE_WITHIN(0.1, 5, (double)t->rule.path.is.time_constant_s);
+    TEST_ASSERT_DOUBLE_WITHIN(0.1, 8, (double)t->rule.path.is.dead_time_s);
+    TEST_ASSERT_EQUAL(33, t->rule.which);
+    TEST_ASSERT_FALSE(t->by_rule);
+    TEST_ASSERT_TRUE(t->search.j <= t->rule.j);
+}
+
+static void a_process_is_late_by_half_a_sample_whatever_its_response_says(void)
+{
+    see(1, 8, 0, 0.5, 5, 8, 0);
+    TEST_ASSERT_EQUAL(TUNE_NONE, worked());
+    TEST_ASSERT_TRUE(t->found.is.dead_time_s >= REAL_C(0.5));
+}
+
+static void a_gain_of_the_other_sign_is_no_model(void)
+{
+    see(-1, 8, 12.5, 0.5, 5, 8, 0);
+    TEST_ASSERT_EQUAL(TUNE_NO_MODEL, worked());
+    TEST_ASSERT_FALSE(t->rule.there);
+}
+
+/* Every other frequency the other way round. */
+static void see_no_first_order_process(void)
+{
+    see(1, 8, 12.5, 0.5, 5, 8, 0);
+    for (unsigned i = 0; i < t->points; i += 2)
+        t->loop.at[i].is = cplx_scale(t->loop.at[i].is, -1);
+}
+
+static void what_is_not_of_first_order_is_no_model(void)
+{
+    see_no_first_order_process();
+    TEST_ASSERT_EQUAL(TUNE_NO_MODEL, worked());
+}
+
+static void a_path_that_is_not_of_first_order_has_no_rule_and_not_that_of_before(void)
+{
+    see(1, 8, 12.5, 0.5, 5, 8, 0);
+    (void)worked();
+    TEST_ASSERT_TRUE(t->rule.there);
+    for (unsigned i = 0; i < t->points; i += 2)
+        t->ratio.at[i].is = cplx_scale(t->ratio.at[i].is, -1);
+    TEST_ASSERT_EQUAL(TUNE_NONE, worked());
+    TEST_ASSERT_FALSE(t->rule.there);
+}
+
+/* ---- the rule ---- */
+
+/* III b: lead and lag 10 to 1, whatever the element may. */
+static void a_rule_is_what_the_element_may_be(void)
+{
+    static const float kicks[] = {1, 1.5f, 3, 10};
+    for (unsigned k = 0; k < sizeof kicks / sizeof kicks[0]; k++)
+        for (unsigned most = 0; most < 3; most++) {
+            t->s.kick = kicks[k];
+            t->s.lag_most_s = most == 0 ? 0 : most == 1 ? 2 : 100;
+            see(1, 8, 20, 0.5, 8, 4, 0);
+            TEST_ASSERT_EQUAL(TUNE_NONE, worked());
+            const struct feedforward_shape *f = &t->rule.shape;
+            TEST_ASSERT_EQUAL(32, t->rule.which);
+            TEST_ASSERT_TRUE(f->lag >= 0 && f->lag <= t->s.lag_most_s);
+            TEST_ASSERT_TRUE(f->lead >= 0);
+            TEST_ASSERT_TRUE((f->lead + 1) <= REAL_C(1.0001) * t->s.kick * (f->lag + 1));
+        }
+}
+
+static void a_lag_is_made_longer_before_a_lead_is_cut(void)
+{
+    t->s.kick = 3;
+    see(1, 8, 20, 0.5, 8, 4, 0);
+    (void)worked();
+    TEST_ASSERT_DOUBLE_WITHIN(0.3, 1.1 * 16, (double)t->rule.shape.lead);
+    TEST_ASSERT_DOUBLE_WITHIN(0.1, (1.1 * 16 + 1) / 3 - 1, (double)t->rule.shape.lag);
+}
+
+/* II b. */
+static void a_disturbance_that_comes_late_is_waited_for_where_that_is_allowed(void)
+{
+    see(1, 8, 12, 0.5, 8, 20, 0);
+    (void)worked();
+    TEST_ASSERT_EQUAL(22, t->rule.which);
+    TEST_ASSERT_DOUBLE_WITHIN(0.3, 8, (double)t->rule.shape.dead);
+    TEST_ASSERT_DOUBLE_WITHIN(0.2, 8, (double)t->rule.shape.lead);
+    t->s.dead_most_s = 0;
+    (void)worked();
+    TEST_ASSERT_DOUBLE_WITHIN(1e-9, 0, (double)t->rule.shape.dead);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-9, 0, (double)t->rule.shape.lead); /* Shinskey's is below 0 */
+    TEST_ASSERT_DOUBLE_WITHIN(0.2, 4, (double)t->rule.shape.lag);
+}
+
+/* ---- in place of the search ---- */
+
+static void where_the_ratio_is_in_doubt_the_rule_is_the_candidate(void)
+{
+    see(1, 8, 12.5, 0.5, 5, 8, 0.25); /* 3 times that is more than confident, less than all of it */
+    TEST_ASSERT_EQUAL(TUNE_NONE, worked());
+    TEST_ASSERT_TRUE(t->by_rule);
+    TEST_ASSERT_EQUAL_MEMORY(&t->rule.shape, &t->candidate, sizeof t->candidate);
+}
+
+static void where_rules_only_compare_it_is_unsure_and_tells_both(void)
+{
+    t->s.rules = 0;
+    see(1, 8, 12.5, 0.5, 5, 8, 0.25);
+    TEST_ASSERT_EQUAL(TUNE_UNSURE, worked());
+    TEST_ASSERT_FALSE(t->by_rule);
+    TEST_ASSERT_TRUE(t->search.j0 > 0 && t->search.j < t->search.j0);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-6, (double)t->rule.j, (double)t->search.j);
+}
+
+static void a_rule_that_is_worse_than_nothing_is_not_taken(void)
+{
+    t->rule.there = true;
+    t->rule.j = 2;
+    t->search.j0 = 3;
+    TEST_ASSERT_TRUE(tune_falls_back(t));
+    t->search.j0 = 2;
+    TEST_ASSERT_FALSE(tune_falls_back(t));
+}
+
+/* A test that is over, and lost, with a rule at hand. */
+static void lost_test(void)
+{
+    t->stage = TUNE_TESTS;
+    t->rule.there = true;
+    t->rule.shape = (struct feedforward_shape){.k = REAL_C(-0.5), .lead = 3, .lag = 2};
+    t->search.j0 = 1;
+    tune_test_begin(t);
+    t->parts = TUNE_PARTS;
+    t->all_now = t->all_then = t->all_without = 1;
+}
+
+static void where_the_candidate_is_no_better_the_rule_is_tested_from_the_beginning(void)
+{
+    lost_test();
+    tune_on_sample(t);
+    TEST_ASSERT_EQUAL(TUNE_TESTS, t->stage);
+    TEST_ASSERT_TRUE(t->by_rule);
+    TEST_ASSERT_EQUAL(0, t->parts);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-9, 0, (double)t->all_now);
+    t->parts = TUNE_PARTS; /* no better either */
+    t->all_now = t->all_then = t->all_without = 1;
+    tune_on_sample(t);
+    TEST_ASSERT_EQUAL(TUNE_IDLE, t->stage);
+    TEST_ASSERT_EQUAL(TUNE_NO_BETTER, t->verdict);
+}
+
+int main(void)
+{
+    UNITY_BEGIN();
+    RUN_TEST(both_paths_are_found_again);
+    RUN_TEST(a_process_is_late_by_half_a_sample_whatever_its_response_says);
+    RUN_TEST(a_gain_of_the_other_sign_is_no_model);
+    RUN_TEST(what_is_not_of_first_order_is_no_model);
+    RUN_TEST(a_path_that_is_not_of_first_order_has_no_rule_and_not_that_of_before);
+    RUN_TEST(a_rule_is_what_the_element_may_be);
+    RUN_TEST(a_lag_is_made_longer_before_a_lead_is_cut);
+    RUN_TEST(a_disturbance_that_comes_late_is_waited_for_where_that_is_allowed);
+    RUN_TEST(where_the_ratio_is_in_doubt_the_rule_is_the_candidate);
+    RUN_TEST(where_rules_only_compare_it_is_unsure_and_tells_both);
+    RUN_TEST(a_rule_that_is_worse_than_nothing_is_not_taken);
+    RUN_TEST(where_the_candidate_is_no_better_the_rule_is_tested_from_the_beginning);
+    return UNITY_END();
+}
