@@ -49,4 +49,4 @@ target_link_libraries(endurance PRIVATE reflux_adapt reflux_options m)
 target_include_directories(endurance PRIVATE "${PROJECT_SOURCE_DIR}/tests/support")
 # A twentieth of it.
 add_test(NAME endurance COMMAND endurance 50000)
-set_tests_properties(endurance PROPERTIES LABELS unit)
+reflux_programs_of_test(endurance unit endurance)

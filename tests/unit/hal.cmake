@@ -38,8 +38,4 @@ reflux_test(stm32_memory LABEL unit SOURCES "${CMAKE_CURRENT_LIST_DIR}/test_stm3
 set_source_files_properties("${PROJECT_SOURCE_DIR}/hal/stm32/memory.c" PROPERTIES COMPILE_OPTIONS
   "-fno-builtin;-Dmemset=by_words_memset;-Dmemcpy=by_words_memcpy")
 
-find_program(PYTHON3 NAMES python3 PATHS /usr/bin NO_DEFAULT_PATH)
-find_program(PYTHON3 NAMES python3)
-add_test(NAME reflux_host COMMAND "${PYTHON3}" "${CMAKE_CURRENT_LIST_DIR}/test_reflux_host.py"
-  $<TARGET_FILE:reflux-host>)
-set_tests_properties(reflux_host PROPERTIES LABELS unit TIMEOUT ${REFLUX_HANG_S} ENVIRONMENT "PYTHONDONTWRITEBYTECODE=1")
+reflux_script_test(reflux_host LABEL unit SCRIPT "${CMAKE_CURRENT_LIST_DIR}/test_reflux_host.py" PROGRAMS reflux-host)

@@ -13,15 +13,12 @@ endforeach()
 # Not a test: identifies the records of tools/figures/identification_table.py.
 add_executable(identify_records "${PROJECT_SOURCE_DIR}/tests/bench/identify_records.c")
 target_link_libraries(identify_records PRIVATE reflux_identify reflux_options m)
-find_program(PYTHON3 NAMES python3 PATHS /usr/bin NO_DEFAULT_PATH)
-find_program(PYTHON3 NAMES python3)
 add_test(NAME identification_noise COMMAND "${PYTHON3}" "${PROJECT_SOURCE_DIR}/tools/figures/identification_table.py"
   --program $<TARGET_FILE:identify_records> --seeds 10 --check)
-set_tests_properties(identification_noise PROPERTIES LABELS unit TIMEOUT ${REFLUX_HANG_S} ENVIRONMENT "PYTHONDONTWRITEBYTECODE=1")
+reflux_programs_of_test(identification_noise unit identify_records)
+set_tests_properties(identification_noise PROPERTIES ENVIRONMENT "PYTHONDONTWRITEBYTECODE=1")
 
 # Through the library for the host tools, and tools/identify.
 if(TARGET libreflux)
-  add_test(NAME identification_library
-    COMMAND "${PYTHON3}" "${CMAKE_CURRENT_LIST_DIR}/test_identification.py" $<TARGET_FILE:libreflux>)
-  set_tests_properties(identification_library PROPERTIES LABELS unit TIMEOUT ${REFLUX_HANG_S} ENVIRONMENT "PYTHONDONTWRITEBYTECODE=1")
+  reflux_script_test(identification_library LABEL tools SCRIPT "${CMAKE_CURRENT_LIST_DIR}/test_identification.py" PROGRAMS libreflux)
 endif()

@@ -18,17 +18,11 @@ reflux_test(assignment LABEL unit SOURCES ${CMAKE_CURRENT_LIST_DIR}/test_assignm
 
 # Settings on the plants themselves, by eigenvalues; and the library for the host tools.
 if(TARGET libreflux)
-  find_program(PYTHON3 NAMES python3 PATHS /usr/bin NO_DEFAULT_PATH)
-  find_program(PYTHON3 NAMES python3)
   foreach(part detuned_loops state_tool)
-    add_test(NAME ${part} COMMAND "${PYTHON3}" "${CMAKE_CURRENT_LIST_DIR}/test_${part}.py" $<TARGET_FILE:libreflux>)
+    reflux_script_test(${part} LABEL tools SCRIPT "${CMAKE_CURRENT_LIST_DIR}/test_${part}.py" PROGRAMS libreflux)
   endforeach()
   foreach(part ina_tool decouple_tool)
-    add_test(NAME ${part}
-      COMMAND "${PYTHON3}" "${CMAKE_CURRENT_LIST_DIR}/test_${part}.py" $<TARGET_FILE:libreflux> $<TARGET_FILE:reflux-host>)
-  endforeach()
-  foreach(part detuned_loops ina_tool decouple_tool state_tool)
-    set_tests_properties(${part} PROPERTIES LABELS unit TIMEOUT ${REFLUX_HANG_S} ENVIRONMENT "PYTHONDONTWRITEBYTECODE=1")
+    reflux_script_test(${part} LABEL tools SCRIPT "${CMAKE_CURRENT_LIST_DIR}/test_${part}.py" PROGRAMS libreflux reflux-host)
   endforeach()
 endif()
 

@@ -41,9 +41,5 @@ if(LIBSERIALPORT_FOUND)
     SOURCES "${here}/test_transport_serial.c" LIBS reflux_bench ${CMAKE_DL_LIBS})
 endif()
 
-find_program(PYTHON3 NAMES python3 PATHS /usr/bin NO_DEFAULT_PATH)
-find_program(PYTHON3 NAMES python3)
-add_test(NAME reflux_sim COMMAND "${PYTHON3}" "${here}/test_reflux_sim.py"
-  $<TARGET_FILE:reflux-sim-two-by-two> $<TARGET_FILE:test-controller> "${support}/python_plant.py")
-set_tests_properties(reflux_sim PROPERTIES LABELS unit TIMEOUT ${REFLUX_HANG_S}
-  ENVIRONMENT "PYTHONDONTWRITEBYTECODE=1")
+reflux_script_test(reflux_sim LABEL unit SCRIPT "${here}/test_reflux_sim.py" PROGRAMS reflux-sim-two-by-two test-controller
+                   ARGUMENTS "${support}/python_plant.py")

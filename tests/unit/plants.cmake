@@ -38,28 +38,9 @@ target_link_libraries(plant_cost PRIVATE reflux_bench reflux_plants reflux_optio
 # Linear plants: files, exact steps, and the program around them.
 reflux_test(linear_plants LABEL unit SOURCES ${CMAKE_CURRENT_LIST_DIR}/test_linear_plants.c
             LIBS reflux_bench reflux_plants)
-find_program(PYTHON3 NAMES python3 PATHS /usr/bin NO_DEFAULT_PATH)
-find_program(PYTHON3 NAMES python3)
-add_test(NAME linear_files
-  COMMAND "${PYTHON3}" "${CMAKE_CURRENT_LIST_DIR}/test_linear_files.py" $<TARGET_FILE:reflux-sim>)
-set_tests_properties(linear_files PROPERTIES LABELS unit TIMEOUT ${REFLUX_HANG_S}
-  ENVIRONMENT "PYTHONDONTWRITEBYTECODE=1")
-add_test(NAME linearise
-  COMMAND "${PYTHON3}" "${CMAKE_CURRENT_LIST_DIR}/test_linearise.py" $<TARGET_FILE:reflux-sim>)
-set_tests_properties(linearise PROPERTIES LABELS unit TIMEOUT ${REFLUX_HANG_S}
-  ENVIRONMENT "PYTHONDONTWRITEBYTECODE=1")
-add_test(NAME column_tasks
-  COMMAND "${PYTHON3}" "${CMAKE_CURRENT_LIST_DIR}/test_column_tasks.py" $<TARGET_FILE:reflux-sim>)
-set_tests_properties(column_tasks PROPERTIES LABELS unit TIMEOUT ${REFLUX_HANG_S}
-  ENVIRONMENT "PYTHONDONTWRITEBYTECODE=1")
-add_test(NAME column_files
-  COMMAND "${PYTHON3}" "${CMAKE_CURRENT_LIST_DIR}/test_column_files.py" $<TARGET_FILE:reflux-sim>)
-set_tests_properties(column_files PROPERTIES LABELS unit TIMEOUT ${REFLUX_HANG_S}
-  ENVIRONMENT "PYTHONDONTWRITEBYTECODE=1")
-add_test(NAME columns
-  COMMAND "${PYTHON3}" "${CMAKE_CURRENT_LIST_DIR}/test_columns.py" $<TARGET_FILE:reflux-sim>)
-set_tests_properties(columns PROPERTIES LABELS unit TIMEOUT ${REFLUX_HANG_S}
-  ENVIRONMENT "PYTHONDONTWRITEBYTECODE=1")
+foreach(part linear_files linearise column_tasks column_files columns)
+  reflux_script_test(${part} LABEL unit SCRIPT "${CMAKE_CURRENT_LIST_DIR}/test_${part}.py" PROGRAMS reflux-sim)
+endforeach()
 
 # The compact table of a column: made from a plant, read as the board reads it.
 reflux_test(table_reading LABEL unit SOURCES ${CMAKE_CURRENT_LIST_DIR}/test_table_reading.c

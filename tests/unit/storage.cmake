@@ -1,10 +1,6 @@
 # Parameter storage: format and old images, other versions, and power cut everywhere. The two plans of the service.
 foreach(part storage storage_versions storage_power storage_unstable service_plans)
-  set(once)
-  if(part MATCHES "storage_(power|unstable)")
-    set(once ONCE)
-  endif()
-  reflux_test(${part} LABEL unit ${once} SOURCES ${CMAKE_CURRENT_LIST_DIR}/test_${part}.c
+  reflux_test(${part} LABEL unit SOURCES ${CMAKE_CURRENT_LIST_DIR}/test_${part}.c
               LIBS reflux_hal_memory reflux_app reflux_link)
   target_include_directories(test_${part} PRIVATE "${PROJECT_SOURCE_DIR}/hal/host")
   target_compile_definitions(test_${part} PRIVATE
@@ -13,12 +9,8 @@ endforeach()
 
 # Settings of blocks, with kinds that only the test has.
 foreach(part block_settings block_stored storage_power_blocks storage_unstable_blocks)
-  set(once)
-  if(part MATCHES "storage_")
-    set(once ONCE)
-  endif()
   string(REPLACE unstable_blocks unstable source test_${part}.c)
-  reflux_test(${part} LABEL unit ${once} SOURCES ${CMAKE_CURRENT_LIST_DIR}/${source}
+  reflux_test(${part} LABEL unit SOURCES ${CMAKE_CURRENT_LIST_DIR}/${source}
               LIBS reflux_hal_memory reflux_app reflux_control reflux_compensate reflux_feedforward reflux_link)
   target_include_directories(test_${part} PRIVATE "${PROJECT_SOURCE_DIR}/hal/host")
   target_compile_definitions(test_${part} PRIVATE
@@ -27,8 +19,7 @@ endforeach()
 target_compile_definitions(test_storage_unstable_blocks PRIVATE WITH_BLOCKS)
 
 # The old images are what the script of the documented format writes.
-add_test(NAME storage_images COMMAND "${PYTHON3}" "${CMAKE_CURRENT_LIST_DIR}/test_storage_images.py")
-set_tests_properties(storage_images PROPERTIES LABELS unit TIMEOUT ${REFLUX_HANG_S} ENVIRONMENT "PYTHONDONTWRITEBYTECODE=1")
+reflux_script_test(storage_images LABEL unit SCRIPT "${CMAKE_CURRENT_LIST_DIR}/test_storage_images.py")
 
 # Tables, which stand in RAM once.
 reflux_test(tables LABEL unit SOURCES ${CMAKE_CURRENT_LIST_DIR}/test_tables.c

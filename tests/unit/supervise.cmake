@@ -38,7 +38,7 @@ add_executable(parameter_table "${PROJECT_SOURCE_DIR}/tests/support/parameter_ta
 target_link_libraries(parameter_table PRIVATE parameters_alone reflux_options)
 set_target_properties(parameter_table PROPERTIES RUNTIME_OUTPUT_DIRECTORY "${CMAKE_BINARY_DIR}")
 add_test(NAME parameter_document COMMAND parameter_table "${PROJECT_SOURCE_DIR}/docs/console.md")
-set_tests_properties(parameter_document PROPERTIES LABELS unit TIMEOUT ${REFLUX_HANG_S})
+reflux_programs_of_test(parameter_document unit parameter_table)
 
 # Not a test: the instructions of a tick, for tools/bench.
 add_executable(tick_cost "${PROJECT_SOURCE_DIR}/tests/bench/tick_cost.c")

@@ -40,6 +40,11 @@ if(REFLUX_SANITIZE)
   target_compile_options(reflux_options INTERFACE
     -fsanitize=address,undefined -fno-sanitize-recover=all -fno-omit-frame-pointer)
   target_link_options(reflux_options INTERFACE -fsanitize=address,undefined)
+  # A tree links 350 programs; gold takes a quarter less time for each than the default linker.
+  find_program(REFLUX_GOLD ld.gold)
+  if(REFLUX_GOLD AND CMAKE_C_COMPILER_ID STREQUAL "GNU")
+    target_link_options(reflux_options INTERFACE -fuse-ld=gold)
+  endif()
 endif()
 
 if(REFLUX_FUZZ) # clang's warnings are not gcc's: they are shown, and stop nothing

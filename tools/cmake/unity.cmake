@@ -38,18 +38,3 @@ if(REFLUX_SANITIZE)
   target_compile_options(unity PRIVATE -fsanitize=address,undefined)
 endif()
 target_compile_definitions(unity PUBLIC UNITY_INCLUDE_DOUBLE)
-
-# reflux_test(NAME LABEL unit|loop SOURCES a.c ... LIBS reflux_x ... [ONCE]): one Unity program, one ctest entry.
-# ONCE: long, and about something the scalar has no part in; under sanitizers it runs in float alone.
-function(reflux_test name)
-  cmake_parse_arguments(arg "ONCE" "LABEL" "SOURCES;LIBS" ${ARGN})
-  add_executable(test_${name} ${arg_SOURCES})
-  target_link_libraries(test_${name} PRIVATE ${arg_LIBS} unity reflux_options m)
-  target_include_directories(test_${name} PRIVATE "${PROJECT_SOURCE_DIR}/tests/support")
-  target_compile_options(test_${name} PRIVATE -Wno-missing-prototypes)
-  if(arg_ONCE AND REFLUX_SANITIZE AND REFLUX_FIXED_POINT)
-    return()
-  endif()
-  add_test(NAME ${name} COMMAND test_${name} WORKING_DIRECTORY "${PROJECT_SOURCE_DIR}/tests")
-  set_tests_properties(${name} PROPERTIES LABELS ${arg_LABEL} TIMEOUT ${REFLUX_HANG_S})
-endfunction()

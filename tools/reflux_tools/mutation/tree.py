@@ -22,6 +22,7 @@ from pathlib import Path
 from reflux_tools import build
 from reflux_tools.errors import RunFailed
 from reflux_tools.paths import ROOT, build_root, shown
+from reflux_tools.testing import ctest_files
 
 # Notice at once what the sanitizers of tools/test would notice, for little time and without their libraries.
 CHECKED = ("-O1", "-fstack-protector-strong", "-D_FORTIFY_SOURCE=2", "-fsanitize=undefined",
@@ -29,9 +30,6 @@ CHECKED = ("-O1", "-fstack-protector-strong", "-D_FORTIFY_SOURCE=2", "-fsanitize
 COMPARED = ("-O2", "-g0")
 FORMATS = {"float": "OFF", "fixed": "ON"}
 LONGEST_OUTPUT = 256 << 20
-ADDED = re.compile(r'^add_test\(\[=\[(.+?)\]=\] (.*)\)$', re.MULTILINE)
-PROPERTIES = re.compile(r'^set_tests_properties\(\[=\[(.+?)\]=\] PROPERTIES (.*)\)$', re.MULTILINE)
-PROPERTY = re.compile(r'(\w+) "([^"]*)"')
 STALLED_S = 60.0  # no processor time for so long: it waits for something that does not come
 
 
@@ -121,16 +119,10 @@ class Tree:
         built yet ctest itself tells no command."""
         self.configure()
         out = []
-        for listing in sorted(self.folder.rglob("CTestTestfile.cmake")):
-            text = listing.read_text(encoding="utf-8")
-            properties = {name: dict(PROPERTY.findall(rest)) for name, rest in PROPERTIES.findall(text)}
-            for name, rest in ADDED.findall(text):
-                command = tuple(re.findall(r'"([^"]*)"', rest))
-                programs = tuple(c for c in command if c.startswith(f"{self.folder}/"))
-                mine = properties.get(name, {})
-                environment = tuple(x for x in mine.get("ENVIRONMENT", "").split(";") if x)
-                if programs:
-                    out.append(Test(name, command, mine.get("WORKING_DIRECTORY", str(listing.parent)), environment, programs))
+        for entry in ctest_files.entries(self.folder):
+            if programs := entry.programs(self.folder):
+                out.append(Test(entry.name, entry.command, entry.properties.get("WORKING_DIRECTORY", str(entry.folder)),
+                                tuple(entry.items("ENVIRONMENT")), programs))
         return out
 
     def target_of(self, program: str) -> str:
