@@ -1,212 +1,183 @@
 """Every command of README and docs/ runs as printed, but those of commands.toml, each with its reason.
 
-A command stands in an indented block: a shell command, or behind `> ` a line of the board's console. What stands below
-`$ command`, or below a console line, is what it must print. Commands of a page run one after the other in the root of
-the repository; figures go to a folder of the test, and so does what the page puts into /tmp.
+usage: test_commands.py [--quick] [--list] [--times] [PAGE ...]     (default: every page)
+
+Commands of a page run one after the other in the root of the repository. Figures, results (out/) and what the page puts
+into /tmp go to a folder of the test, so pages can run at the same time. Each page with console lines has a board of its own.
+--quick leaves out the commands that commands.toml calls slow. --list prints the pages. --times prints the processor
+seconds of each command, for the slow rows of commands.toml.
 """
 
+import argparse
+import contextlib
 import os
 import re
+import resource
 import signal
 import subprocess
+import sys
 import time
-import tomllib
 import unittest
-from dataclasses import dataclass, field
 from pathlib import Path
 
+from pages import CONSOLE, Command, Page, pages, rows
 from support import ROOT, FolderTest
 
 from reflux_tools import build
 from reflux_tools.ports import Port
 from reflux_tools.session import Session
 
-PROGRAM = re.compile(r"(\$ )?((tools|build|tests)/|cd tests |cmake |ctest |python3 |qemu-|st-flash|openocd|dfu-util|picocom|"
-                     r"reflux-|git |sudo |apt)")
-CONSOLE = "> "
-GENERATED = ("evidence.md",)  # tools/evidence runs what stands there and writes what it printed
 HANGS_S = 1200.0
+SLOW_S = 10.0
+MOVED = {"/tmp/": "", "out/": "out/", "docs/figures/": "figures/"}  # folders of a page, and where they are in the test's
+FOLDER = re.compile(rf"(?<![\w./-])({'|'.join(map(re.escape, MOVED))})")
+TREES = re.compile(r"--preset[ =]([\w-]+)|--build build/([\w-]+)")
+PAGES = {page.name: page for page in pages()}
+EXEMPT, SLOW = rows()
+README = (ROOT / "README.md").read_text(encoding="utf-8")
 
 
-@dataclass
-class Command:
-    page: str
-    number: int
-    line: str  # without prompt and comment
-    printed: list[str] | None = None  # what the page says it prints
-    console: bool = False
+class Rows(unittest.TestCase):
+    """The rows of commands.toml that no page would miss."""
 
-    def place(self) -> str:
-        return f"{self.page}:{self.number}: {self.line}"
-
-
-@dataclass
-class Exempt:
-    page: str
-    line: str
-    why: str
-    instead: str
-
-
-@dataclass
-class Page:
-    name: str
-    commands: list[Command] = field(default_factory=list)
-
-
-def pages() -> list[Page]:
-    files = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
-    return [read(f) for f in files if f.name not in GENERATED]
-
-
-def read(path: Path) -> Page:
-    page = Page(path.relative_to(ROOT).as_posix())
-    for first, block in blocks(path.read_text(encoding="utf-8").splitlines()):
-        expected: list[str] | None = None
-        whole, begun = "", first
-        for offset, text in enumerate(block):
-            number = first + offset
-            if whole or PROGRAM.match(text):
-                begun = begun if whole else number
-                whole += text.removesuffix("\\") if text.endswith("\\") else text
-                if text.endswith("\\"):
-                    continue
-                expected = [] if whole.startswith("$ ") else None
-                line = re.split(r"\s+#\s|\s{4,}\(", whole.removeprefix("$ "))[0].strip()
-                page.commands.append(Command(page.name, begun, " ".join(line.split()), expected))
-                whole = ""
-            elif text.startswith(CONSOLE):
-                expected = []
-                line = re.split(r"\s{4,}", text.removeprefix(CONSOLE))[0].strip()
-                page.commands.append(Command(page.name, number, CONSOLE + line, expected, True))
-            elif expected is not None:
-                expected.append(text)
-    return page
-
-
-def blocks(lines: list[str]) -> list[tuple[int, list[str]]]:
-    """First line number and lines of each indented block, the indent taken off."""
-    out: list[tuple[int, list[str]]] = []
-    current: list[str] | None = None
-    before = ""
-    for number, text in enumerate(lines, 1):
-        if text.startswith("    ") and (current is not None or not before.strip()):
-            if current is None:
-                current = []
-                out.append((number, current))
-            current.append(text[4:])
-        elif text.strip() or current is None:
-            current = None
-        else:
-            current.append("")
-        before = text
-    return out
-
-
-def exempt() -> list[Exempt]:
-    with (Path(__file__).parent / "commands.toml").open("rb") as f:
-        return [Exempt(**row) for row in tomllib.load(f)["command"]]
+    def test_each_row_is_about_a_page_that_has_commands(self) -> None:
+        for row in [*EXEMPT, *SLOW]:
+            with self.subTest(row.page, line=row.line):
+                self.assertIn(row.page, PAGES)
 
 
 class Commands(FolderTest):
-    @classmethod
-    def setUpClass(cls) -> None:
+    """The commands of one page."""
+
+    quick = False
+    times = False
+
+    def __init__(self, method: str, page: Page):
+        super().__init__(method)
+        self.page = page
+        self.exempt = {e.line: e for e in EXEMPT if e.page == page.name}
+        self.slow = {s.line: s for s in SLOW if s.page == page.name}
+
+    def __str__(self) -> str:
+        return f"{self._testMethodName} ({self.page.name})"
+
+    def setUp(self) -> None:
+        super().setUp()
         build.build("host", ("reflux-sim", "reflux-host", "reflux-sim-memory", "reflux-plant", "libreflux"), quiet=True)
-        cls.pages = pages()
-        cls.exempt = exempt()
-
-    def is_exempt(self, command: Command) -> bool:
-        return any((e.page, e.line) == (command.page, command.line) for e in self.exempt)
-
-    def environment(self) -> dict[str, str]:
-        figures = self.folder / "figures"
-        figures.mkdir(exist_ok=True)
-        return {**os.environ, "REFLUX_FIGURES": str(figures), "MPLBACKEND": "Agg"}
+        (self.folder / "figures").mkdir()
+        kept = {name: value for name, value in os.environ.items() if name != "REFLUX_PLANTS"}
+        self.environment = {**kept, "REFLUX_FIGURES": str(self.folder / "figures"), "REFLUX_OUT": str(self.folder / "out"),
+                            "MPLBACKEND": "Agg"}
 
     def needed(self, line: str) -> None:
-        """Builds the test programs that a line names."""
+        """Builds the images and test programs that a line names."""
         for preset, name in re.findall(r"build/([\w-]+)/tests/\w+/(\w+)", line):
             build.build(preset, (name,), quiet=True)
+        for preset in re.findall(r"build/(stm32[\w-]+)/", line):
+            build.build(preset, quiet=True)
 
     def moved(self, line: str) -> str:
-        """The page's /tmp is the folder of this test: two of them may run on one machine."""
-        return line.replace("/tmp/", f"{self.folder}/")
+        """The line with the folders of this test in place of the reader's."""
+        return FOLDER.sub(lambda match: f"{self.folder}/{MOVED[match[1]]}", line)
+
+    def as_printed(self, text: str) -> list[str]:
+        """What a command said, with the reader's folder of results in place of the test's."""
+        out = self.folder.resolve() / "out"
+        return text.replace(f"{out}/", "out/").replace(f"{os.path.relpath(out, ROOT)}/", "out/").strip().splitlines()
 
     def shell(self, line: str) -> subprocess.CompletedProcess:
-        return subprocess.run(["bash", "-c", self.moved(line)], cwd=ROOT, env=self.environment(), stdin=subprocess.DEVNULL,
-                              capture_output=True, text=True, errors="replace", timeout=HANGS_S, check=False)
+        """Runs a line. Where it starts cmake itself, this process holds the locks of the build trees."""
+        self.needed(line)
+        with contextlib.ExitStack() as stack:
+            if line.startswith("cmake "):
+                for tree in sorted({first or second for first, second in TREES.findall(line)}):
+                    stack.enter_context(build.locked(ROOT / "build" / tree, quiet=True))
+            before = resource.getrusage(resource.RUSAGE_CHILDREN)
+            answer = subprocess.run(["bash", "-c", self.moved(line)], cwd=ROOT, env=self.environment, stdin=subprocess.DEVNULL,
+                                    capture_output=True, text=True, errors="replace", timeout=HANGS_S, check=False)
+        if self.times:
+            now = resource.getrusage(resource.RUSAGE_CHILDREN)
+            print(f"{now.ru_utime - before.ru_utime + now.ru_stime - before.ru_stime:8.1f} s  {self.page.name}: {line}", flush=True)
+        return answer
 
-    def test_what_is_exempt_stands_on_its_page_and_says_why(self) -> None:
-        for e in self.exempt:
-            with self.subTest(e.page, line=e.line):
-                page = next(p for p in self.pages if p.name == e.page)
-                self.assertTrue(any(c.line == e.line for c in page.commands), f"{e.page} has no {e.line!r}")
-                self.assertTrue(e.why and e.instead)
-
-    def test_what_stands_in_for_it_runs(self) -> None:
-        build.build("stm32f405", quiet=True)
-        build.build("stm32f100", quiet=True)
-        if not (ROOT / "out" / "demo").is_dir():
-            self.assertEqual(self.shell("tools/run demo --firmware host --out out/demo").returncode, 0)
-        for line in sorted({e.instead for e in self.exempt}):
+    def test_the_page_has_the_commands_of_its_rows_and_each_row_says_why(self) -> None:
+        lines = {command.line for command in self.page.commands}
+        for line, row in self.exempt.items():
             with self.subTest(line):
-                self.needed(line)
+                self.assertIn(line, lines)
+                self.assertTrue(row.why and row.instead)
+        for line, slow in self.slow.items():
+            with self.subTest(line):
+                self.assertIn(line, lines - self.exempt.keys())
+                self.assertTrue(slow.seconds >= SLOW_S or slow.after in self.slow)
+
+    def test_what_stands_in_for_an_exempt_command_runs(self) -> None:
+        for line in dict.fromkeys(e.instead for e in self.exempt.values()):
+            with self.subTest(line):
                 answer = self.shell(line)
                 self.assertEqual(answer.returncode, 0, answer.stdout[-2000:] + answer.stderr[-2000:])
 
     def test_every_other_shell_command_runs_and_prints_what_the_page_says(self) -> None:
-        for page in self.pages:
-            for command in page.commands:
-                if command.console or self.is_exempt(command) or command.line.endswith("&"):
-                    continue
-                with self.subTest(command.place()):
-                    self.needed(command.line)
-                    answer = self.shell(command.line)
-                    self.assertEqual(answer.returncode, 0, answer.stdout[-2000:] + answer.stderr[-2000:])
-                    if command.printed is not None:
-                        self.assertEqual(answer.stdout.strip().splitlines(), [x for x in command.printed if x])
+        for command in self.page.commands:
+            if command.console or command.background or command.line in self.exempt:
+                continue
+            if self.quick and command.line in self.slow:
+                continue
+            with self.subTest(command.place()):
+                answer = self.shell(command.line)
+                self.assertEqual(answer.returncode, 0, answer.stdout[-2000:] + answer.stderr[-2000:])
+                if command.printed is not None:
+                    self.assertEqual(self.as_printed(answer.stdout), [x for x in command.printed if x])
 
-    def test_the_console_of_the_readme_answers_what_pages_say(self) -> None:
+    def test_the_console_answers_what_the_page_says(self) -> None:
         """The host build and the pilot column as the README starts them, with the configuration it pastes."""
-        processes = []
+        lines = [c for c in self.page.commands if c.console and c.line not in self.exempt]
+        if not lines and self.page.name != "README.md":
+            return
+        with self.board() as session:
+            for command in lines:
+                with self.subTest(command.place()):
+                    said = self.ask(session, command.line.removeprefix(CONSOLE))
+                    expected = [x for x in command.printed or [] if x and not x.startswith("! ")]
+                    if expected:
+                        self.assertEqual(said, expected)
+                    else:
+                        self.assertEqual(said[-1], "ok")
+        self.assertGreater(len((self.folder / "reflux-flash.bin").read_bytes()), 0)  # what `save` was kept in
+
+    @contextlib.contextmanager
+    def board(self):
+        """A board that does what the README says, until its state is `run`."""
+        processes: list[subprocess.Popen] = []
         try:
-            for command in self.page("README.md").commands:
-                if command.line.endswith("&"):
-                    processes.append(subprocess.Popen(["bash", "-c", "exec " + self.moved(command.line[:-1])], cwd=ROOT,
-                                                      stdin=subprocess.DEVNULL, stdout=subprocess.PIPE,
-                                                      stderr=subprocess.STDOUT))
-                    self.wait_for(self.folder / "reflux-link", processes[0])
-            session = Session(Port(str(self.folder / "reflux-console")))
-            text = (ROOT / "host_sim" / "scenarios" / "pilot.conf").read_text(encoding="utf-8")
-            for line in [x for x in text.splitlines() if x and not x.startswith("#")]:
-                self.assertEqual(self.ask(session, line)[-1], "ok", line)
-            for line in ("mode bottom auto", "sp bottom 112.5", "log on", "log off", "save"):
-                self.assertIn(line.replace("off", "on"), README)
-                self.until_ok(session, line)
-            while "state run" not in self.ask(session, "status")[0]:  # what was asked for meets the next sample
-                time.sleep(0.1)
-            for page in self.pages:
-                for command in page.commands:
-                    if command.console and not self.is_exempt(command):
-                        with self.subTest(command.place()):
-                            said = self.ask(session, command.line.removeprefix(CONSOLE))
-                            expected = [x for x in command.printed or [] if x and not x.startswith("! ")]
-                            if expected:
-                                self.assertEqual(said, expected)
-                            else:
-                                self.assertEqual(said[-1], "ok")
+            for command in (c for c in PAGES["README.md"].commands if c.background):
+                processes.append(self.background(command))
+                self.wait_for(self.folder / "reflux-link", processes[0])
+            with contextlib.closing(Port(str(self.folder / "reflux-console"))) as port:
+                session = Session(port)
+                text = (ROOT / "host_sim" / "scenarios" / "pilot.conf").read_text(encoding="utf-8")
+                for line in [x for x in text.splitlines() if x and not x.startswith("#")]:
+                    self.assertEqual(self.ask(session, line)[-1], "ok", line)
+                for line in ("mode bottom auto", "sp bottom 112.5", "log on", "log off", "save"):
+                    self.assertIn(line.replace("off", "on"), README)
+                    self.until_ok(session, line)
+                while "state run" not in self.ask(session, "status")[0]:  # what was asked for meets the next sample
+                    time.sleep(0.1)
+                yield session
             for process in processes:
                 self.assertIsNone(process.poll(), "the README's processes go on")
-            self.assertGreater(len((self.folder / "reflux-flash.bin").read_bytes()), 0)  # what `save` was kept in
         finally:
             for process in processes:
                 process.send_signal(signal.SIGTERM)
                 process.communicate()
 
-    def page(self, name: str) -> Page:
-        return next(p for p in self.pages if p.name == name)
+    def background(self, command: Command) -> subprocess.Popen:
+        """Starts a command that the page starts with `&`."""
+        return subprocess.Popen(["bash", "-c", "exec " + self.moved(command.line[:-1])], cwd=ROOT, env=self.environment,
+                                stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
 
     def wait_for(self, path: Path, process: subprocess.Popen) -> None:
+        """Until the process has made the path."""
         while not path.exists():
             if process.poll() is not None:
                 self.fail(f"it ended: {process.communicate()[0].decode(errors='replace')}")
@@ -234,7 +205,37 @@ class Commands(FolderTest):
         self.fail(f"{line}: {said[-1]}")
 
 
-README = (ROOT / "README.md").read_text(encoding="utf-8")
+def suite(names: list[str]) -> unittest.TestSuite:
+    """The tests of these pages."""
+    loader = unittest.defaultTestLoader
+    out = unittest.TestSuite([loader.loadTestsFromTestCase(Rows)])
+    out.addTests(Commands(method, PAGES[name]) for name in names for method in loader.getTestCaseNames(Commands))
+    return out
+
+
+def load_tests(loader: unittest.TestLoader, tests: unittest.TestSuite, pattern: str | None) -> unittest.TestSuite:
+    """What `python3 -m unittest` runs."""
+    return suite(list(PAGES))
+
+
+def main() -> int:
+    p = argparse.ArgumentParser(description="Runs the commands of README and docs/ as they are printed.")
+    p.add_argument("pages", nargs="*", metavar="PAGE", help="such as README.md or docs/kalman.md (default: every page)")
+    p.add_argument("--quick", action="store_true", help="without the commands that commands.toml calls slow")
+    p.add_argument("--list", action="store_true", help="print the pages, one per line, and run nothing")
+    p.add_argument("--times", action="store_true", help="print the processor seconds of each command")
+    p.add_argument("-v", "--verbose", action="store_true", help="print the name of each test")
+    options = p.parse_args()
+    unknown = [name for name in options.pages if name not in PAGES]
+    if unknown:
+        p.error(f"{unknown[0]} is no page with commands; --list prints them")
+    if options.list:
+        print("\n".join(PAGES))
+        return 0
+    Commands.quick, Commands.times = options.quick, options.times
+    result = unittest.TextTestRunner(verbosity=2 if options.verbose else 1).run(suite(options.pages or list(PAGES)))
+    return 0 if result.wasSuccessful() else 1
+
 
 if __name__ == "__main__":
-    unittest.main()
+    sys.exit(main())

@@ -61,7 +61,7 @@ def main() -> int:
     if len(sys.argv) > 3 or "--help" in sys.argv or "-h" in sys.argv:
         print(__doc__.strip())
         return 0 if "--help" in sys.argv or "-h" in sys.argv else 2
-    r = record.load(Path(sys.argv[1]) if len(sys.argv) > 1 else ROOT / "out" / "commission-wood-berry")
+    r = record.load(Path(sys.argv[1]) if len(sys.argv) > 1 else paths.out_root() / "commission-wood-berry")
     picture = Path(sys.argv[2]) if len(sys.argv) > 2 else paths.figures() / "commissioning.png"
     with plt.rc_context(STYLE):
         figure, axes = plt.subplots(3, 2, figsize=(9.6, 5.6), sharex="col")

@@ -25,7 +25,7 @@ def main() -> int:
     if len(sys.argv) > 3 or "--help" in sys.argv or "-h" in sys.argv:
         print(__doc__.strip())
         return 0 if "--help" in sys.argv or "-h" in sys.argv else 2
-    log = logs.read_csv(Path(sys.argv[1]) if len(sys.argv) > 1 else ROOT / "out" / "demo" / "log.csv")
+    log = logs.read_csv(Path(sys.argv[1]) if len(sys.argv) > 1 else paths.out_root() / "demo" / "log.csv")
     picture = Path(sys.argv[2]) if len(sys.argv) > 2 else paths.figures() / "demo.png"
     hours = [t / 3600 for t in log.numbers("time")]
     figure, axes = plt.subplots(3, 1, sharex=True, figsize=(9, 6.4), height_ratios=(3, 3, 2))

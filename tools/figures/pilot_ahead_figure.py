@@ -25,7 +25,7 @@ def main() -> int:
     if len(sys.argv) > 3 or "--help" in sys.argv or "-h" in sys.argv:
         print(__doc__.strip())
         return 0 if "--help" in sys.argv or "-h" in sys.argv else 2
-    log = logs.read_csv(Path(sys.argv[1]) if len(sys.argv) > 1 else ROOT / "out" / "pilot-ahead" / "log.csv")
+    log = logs.read_csv(Path(sys.argv[1]) if len(sys.argv) > 1 else paths.out_root() / "pilot-ahead" / "log.csv")
     picture = Path(sys.argv[2]) if len(sys.argv) > 2 else paths.figures() / "pilot-ahead.png"
     minutes = [t / 60 for t in log.numbers("time")]
     figure, axes = plt.subplots(4, 1, sharex=True, figsize=(9, 7.6), height_ratios=(3, 3, 2, 2))

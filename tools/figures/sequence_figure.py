@@ -30,7 +30,7 @@ def main() -> int:
     if len(sys.argv) > 3 or "--help" in sys.argv or "-h" in sys.argv:
         print(__doc__.strip())
         return 0 if "--help" in sys.argv or "-h" in sys.argv else 2
-    log = logs.read_csv(Path(sys.argv[1]) if len(sys.argv) > 1 else ROOT / "out" / "cold-sequence" / "log.csv")
+    log = logs.read_csv(Path(sys.argv[1]) if len(sys.argv) > 1 else paths.out_root() / "cold-sequence" / "log.csv")
     picture = Path(sys.argv[2]) if len(sys.argv) > 2 else paths.figures() / "sequence.png"
     minutes = [t / 60 for t in log.numbers("time")]
     steps = [int(s) for s in log.numbers(f"{FIRMWARE}step")]

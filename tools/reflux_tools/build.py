@@ -1,43 +1,90 @@
-"""Configuring and building the presets of CMakePresets.json."""
+"""Configuring and building the presets of CMakePresets.json.
+
+Each build tree has a lock, because two processes that build in one tree at once disturb one another.
+"""
 
 from __future__ import annotations
 
+import contextlib
+import fcntl
 import re
 import subprocess
 import sys
 import time
 from pathlib import Path
+from typing import Iterator
 
 from reflux_tools.errors import RunFailed
 from reflux_tools.paths import ROOT, build_dir, shown
 
 STEP = re.compile(rb"^\[(\d+)/(\d+)\]")
 LINES_SHOWN = 40
+SILENT_WAIT_S = 2.0
+LOOK_AGAIN_S = 0.1
+
+
+@contextlib.contextmanager
+def locked(folder: Path, quiet: bool = False) -> Iterator[None]:
+    """Holds the lock of one build tree. Waits while another process holds it, and says so after SILENT_WAIT_S.
+
+    The lock is on a file beside the tree. The kernel frees it when its holder ends, however that holder ends. A process
+    must not take the same lock twice.
+    """
+    path = folder.with_name(f"{folder.name}.lock")
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        file = path.open("a")
+    except OSError as error:
+        raise RunFailed(f"{shown(path)}: cannot be opened: {error.strerror}") from None
+    with file:
+        _wait_for_lock(file.fileno(), folder, quiet)
+        yield
+
+
+def _wait_for_lock(descriptor: int, folder: Path, quiet: bool) -> None:
+    started, told = time.monotonic(), quiet
+    while True:
+        try:
+            fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            return
+        except BlockingIOError:
+            if not told and time.monotonic() - started > SILENT_WAIT_S:
+                print(f"waiting for the build tree {shown(folder)}, in which another process builds", flush=True)
+                told = True
+            time.sleep(LOOK_AGAIN_S)
 
 
 def configure(preset: str, quiet: bool = False) -> Path:
     """Makes the build tree where there is none; the build itself brings an old one up to date."""
     folder = build_dir(preset)
+    with locked(folder, quiet):
+        _configure(preset, folder, quiet)
+    return folder
+
+
+def _configure(preset: str, folder: Path, quiet: bool) -> None:
     if not (folder / "build.ninja").is_file():
         _run(f"configuring {preset}", ["cmake", "--preset", preset, "-B", str(folder)], quiet)
-    return folder
 
 
 def build(preset: str, targets: tuple[str, ...] = (), quiet: bool = False) -> Path:
     """Brings one build tree up to date and returns it. Output is shown only where something fails."""
-    folder = configure(preset, quiet)
+    folder = build_dir(preset)
     command = ["cmake", "--build", str(folder)]
     if targets:
         command += ["--target", *targets]
-    _run(f"building {preset}", command, quiet)
+    with locked(folder, quiet):
+        _configure(preset, folder, quiet)
+        _run(f"building {preset}", command, quiet)
     return folder
 
 
 def variant(preset: str, name: str, definitions: tuple[str, ...], quiet: bool = False) -> Path:
     """A preset with other definitions (-DNAME=VALUE), in the build tree `name`: what they do not touch is built once."""
     folder = build_dir(name)
-    _run(f"configuring {name}", ["cmake", "--preset", preset, "-B", str(folder), *definitions], quiet=True)
-    _run(f"building {name} {' '.join(definitions)}", ["cmake", "--build", str(folder)], quiet)
+    with locked(folder, quiet):
+        _run(f"configuring {name}", ["cmake", "--preset", preset, "-B", str(folder), *definitions], quiet=True)
+        _run(f"building {name} {' '.join(definitions)}", ["cmake", "--build", str(folder)], quiet)
     return folder
 
 

@@ -11,7 +11,7 @@ from pathlib import Path
 
 from reflux_tools import build, column_file, simulator
 from reflux_tools.errors import UserError
-from reflux_tools.paths import ROOT, named, shown
+from reflux_tools.paths import named, out_root, shown
 from reflux_tools.table import columns, figure
 
 SLOWEST = 5
@@ -46,7 +46,7 @@ def main(arguments: list[str]) -> int:
     _check(inputs, known, ("manipulated", "disturbance"), "input", column.name)
     _check(options.outputs or (), known, ("measurement", "internal"), "output", column.name)
     seen = profile(options.column, settings)
-    place = options.out or ROOT / "out" / "column" / f"{column.name}.png"
+    place = options.out or out_root() / "column" / f"{column.name}.png"
     draw(column, seen, place)
     groups = [options.outputs] if options.outputs else [
         group for group in (column_file.steepest(column, seen["T[K]"]), column.products) if group]

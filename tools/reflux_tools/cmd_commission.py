@@ -19,7 +19,7 @@ from reflux_tools.commission.board import Board, Transcript
 from reflux_tools.commission.keyboard import Keyboard
 from reflux_tools.commission.startup import Options, Startup
 from reflux_tools.errors import RunFailed, UserError
-from reflux_tools.paths import ROOT, named, shown
+from reflux_tools.paths import named, out_root, shown
 from reflux_tools.ports import Port
 from reflux_tools.schema import check_number, load_toml
 
@@ -74,7 +74,7 @@ def main(arguments: list[str]) -> int:
         return report(options)
     check(options)
     name = f"commission-{Path(options.plant).stem}" if options.plant else "commission"
-    out = options.out or ROOT / "out" / name
+    out = options.out or out_root() / name
     if options.file:
         load_toml(options.file)  # what is no file at all is told before anything is started
     with runner.locked(out), contextlib.ExitStack() as stack:

@@ -11,7 +11,7 @@ from pathlib import Path
 
 from reflux_tools import build, table
 from reflux_tools.errors import RunFailed
-from reflux_tools.paths import ROOT, build_dir, shown
+from reflux_tools.paths import ROOT, build_dir, out_root, shown
 
 AIM_LINES, AIM_BRANCHES = 95.0, 90.0
 
@@ -42,7 +42,7 @@ def main(arguments: list[str]) -> int:
                             [row(entry["filename"], [entry]) for entry in summary["files"]]))
     lines, branches = share(summary["files"], "line"), share(summary["files"], "branch")
     print(f"\ncoverage: lines {lines:.1f} % (aim {AIM_LINES:g}), branches {branches:.1f} % (aim {AIM_BRANCHES:g}); "
-          f"{shown(ROOT / 'out' / 'coverage' / 'index.html')}")
+          f"{shown(out_root() / 'coverage' / 'index.html')}")
     return 0 if lines >= AIM_LINES and branches >= AIM_BRANCHES else 1
 
 
@@ -63,7 +63,7 @@ def run_tests(folder: Path, jobs: int) -> None:
 
 
 def report(folder: Path) -> dict:
-    out = ROOT / "out" / "coverage"
+    out = out_root() / "coverage"
     out.mkdir(parents=True, exist_ok=True)
     # --gcov-ignore-parse-errors is not given: what gcovr cannot read is an error.
     command = ["gcovr", "--root", str(ROOT), "--filter", "firmware/", "--object-directory", str(folder),

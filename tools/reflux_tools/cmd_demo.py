@@ -6,7 +6,7 @@ import argparse
 
 from reflux_tools import cmd_run
 from reflux_tools import scenario as scenarios
-from reflux_tools.paths import ROOT, SCENARIOS, named
+from reflux_tools.paths import SCENARIOS, named, out_root
 
 
 def main(arguments: list[str]) -> int:
@@ -19,7 +19,7 @@ def main(arguments: list[str]) -> int:
     p.add_argument("--firmware", choices=scenarios.FIRMWARES, help="instead of the image in the emulator")
     p.add_argument("--console-port", metavar="PORT", help="with --firmware serial")
     p.add_argument("--link-port", metavar="PORT", help="with --firmware serial")
-    p.add_argument("--out", type=named, default=ROOT / "out" / "demo", metavar="FOLDER")
+    p.add_argument("--out", type=named, default=out_root() / "demo", metavar="FOLDER")
     p.add_argument("--seed", type=int, metavar="N", help="of the sensor noise")
     options = p.parse_args(arguments)
     for name, value in {"noise": None, "speed": None, "quiet": False, "no_report": False, "no_build": False}.items():

@@ -20,7 +20,7 @@ from reflux_tools import (
 )
 from reflux_tools.errors import UserError
 from reflux_tools.gradients import Diagram
-from reflux_tools.paths import ROOT, named, shown
+from reflux_tools.paths import named, out_root, shown
 from reflux_tools.sensor_rules import Choice, Steps, Thresholds
 
 STEP_PARTS = (
@@ -97,7 +97,7 @@ def main(arguments: list[str]) -> int:
         raise UserError("--step must be above 0 and below 0.5")
     found = from_csv(options) if options.profile else from_simulator(options)
     report = judge(found, options, t)
-    place = options.out or ROOT / "out" / "gradients" / f"{found.name}.png"
+    place = options.out or out_root() / "gradients" / f"{found.name}.png"
     draw(found, report, place)
     if options.format == "json":
         print(json.dumps(report, indent=1))

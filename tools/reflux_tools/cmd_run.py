@@ -9,7 +9,7 @@ from reflux_tools import launch, runner, table
 from reflux_tools import scenario as scenarios
 from reflux_tools.compare import compare_command
 from reflux_tools.errors import UserError
-from reflux_tools.paths import ROOT, named, shown
+from reflux_tools.paths import named, out_root, shown
 from reflux_tools.schema import check_number
 
 
@@ -58,7 +58,7 @@ def main(arguments: list[str]) -> int:
     if not options.scenario:
         raise UserError("which scenario? give a .toml file (see tools/run --help)")
     scenario = with_options(scenarios.load(scenarios.find(options.scenario)), options)
-    return run(scenario, options.out or ROOT / "out" / scenario.name, options)
+    return run(scenario, options.out or out_root() / scenario.name, options)
 
 
 def run(scenario: scenarios.Scenario, out: Path, options: argparse.Namespace) -> int:

@@ -25,6 +25,11 @@ def figures() -> Path:
     return Path(os.environ.get("REFLUX_FIGURES") or ROOT / "docs" / "figures").resolve()
 
 
+def out_root() -> Path:
+    """out/, or the folder that REFLUX_OUT names: where a tool puts its results if no option names another folder."""
+    return Path(os.environ.get("REFLUX_OUT") or ROOT / "out").resolve()
+
+
 def shown(path: Path | str) -> str:
     """The path as a person would type it from where they stand."""
     path = Path(path)

@@ -81,6 +81,11 @@ class Tree:
         self.built = False
 
     def configure(self) -> None:
+        """Makes the build tree, or brings what CMake wrote there up to date."""
+        with build.locked(self.folder):
+            self._configure()
+
+    def _configure(self) -> None:
         if (self.folder / "build.ninja").is_file():
             self._must(["ninja", "-C", str(self.folder), "build.ninja"], f"bringing {shown(self.folder)} up to date")
             return
@@ -93,12 +98,14 @@ class Tree:
         self._must(command, f"configuring {shown(self.folder)}")
 
     def build(self, targets: tuple[str, ...] = ()) -> None:
-        self.configure()
-        progress = build.Progress(f"building {self.name}")
-        progress.show("...")
+        """Builds the targets, or everything."""
         command = ["cmake", "--build", str(self.folder)] + (["--target", *targets] if targets else [])
-        self._must(command, f"building {shown(self.folder)}")
-        progress.end("done")
+        with build.locked(self.folder):
+            self._configure()
+            progress = build.Progress(f"building {self.name}")
+            progress.show("...")
+            self._must(command, f"building {shown(self.folder)}")
+            progress.end("done")
         self.built = not targets
         self._units = None
         self._links.clear()
