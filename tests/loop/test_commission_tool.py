@@ -2,7 +2,6 @@
 """tools/commission against the firmware as a host process: questions answered on standard input, at a terminal and from
 files; what goes wrong on the way."""
 
-import contextlib
 import json
 import os
 import pty
@@ -290,8 +289,10 @@ class OnABoard(Tool):
         text, end = "", time.monotonic() + board.PATIENCE_S
         while wanted not in text and time.monotonic() < end:
             if select.select([terminal], [], [], 0.2)[0]:
-                with contextlib.suppress(OSError):
+                try:
                     text += os.read(terminal, 4096).decode("utf-8", "replace")
+                except OSError:  # the tool has ended
+                    break
         self.assertIn(wanted, text)
         return text
 

@@ -8,6 +8,7 @@ from __future__ import annotations
 import contextlib
 import re
 import select
+import signal
 import socket
 import sys
 import time
@@ -22,6 +23,8 @@ from reflux_tools import build, launch  # noqa: E402
 
 PATIENCE_S = 600.0  # stops what hangs, on however busy a machine; nothing here measures time
 
+# A shell starts a background job with SIGINT ignored, and a child inherits that: the tools under test would not hear Ctrl-C.
+signal.signal(signal.SIGINT, signal.default_int_handler)
 
 PROMPT = re.compile(r"^(?:> |\r|\x1b\[K)+")
 

@@ -7,9 +7,11 @@ from pathlib import Path
 from support import FolderTest
 
 from reflux_tools import machine_code
-from reflux_tools.cmd_test import SANITIZED, Test, same_test
 from reflux_tools.errors import RunFailed
 from reflux_tools.paths import build_dir
+from reflux_tools.testing.ctest_files import Entry
+from reflux_tools.testing.entries import SANITIZED
+from reflux_tools.testing.run_once import same_code
 
 SOURCE = "static const char text[] = \"{text}\";\nint main(int n, char **v) {{ (void)v; return n - {value} + text[0]; }}\n"
 
@@ -38,11 +40,14 @@ class MachineCode(FolderTest):
             machine_code.loaded(script)
 
     def test_other_arguments_are_another_test(self) -> None:
+        def entry(*command: str) -> Entry:
+            return Entry("x", command, self.folder)
+
         folders = [build_dir(preset) for preset in SANITIZED]
-        left = Test("x", [str(folders[0] / "no-such-program"), "1"], ["unit"])
-        self.assertFalse(same_test(left, Test("x", [str(folders[1] / "no-such-program"), "1"], ["unit"])))
-        self.assertFalse(same_test(Test("x", ["/bin/true", "1"], ["unit"]), Test("x", ["/bin/true", "2"], ["unit"])))
-        self.assertTrue(same_test(Test("x", ["/bin/true", "1"], ["unit"]), Test("x", ["/bin/true", "1"], ["unit"])))
+        left = entry(str(folders[0] / "no-such-program"), "1")
+        self.assertFalse(same_code(left, entry(str(folders[1] / "no-such-program"), "1")))
+        self.assertFalse(same_code(entry("/bin/true", "1"), entry("/bin/true", "2")))
+        self.assertTrue(same_code(entry("/bin/true", "1"), entry("/bin/true", "1")))
 
 
 if __name__ == "__main__":

@@ -79,12 +79,13 @@ def build(preset: str, targets: tuple[str, ...] = (), quiet: bool = False) -> Pa
     return folder
 
 
-def variant(preset: str, name: str, definitions: tuple[str, ...], quiet: bool = False) -> Path:
+def variant(preset: str, name: str, definitions: tuple[str, ...] = (), targets: tuple[str, ...] = (), quiet: bool = False) -> Path:
     """A preset with other definitions (-DNAME=VALUE), in the build tree `name`: what they do not touch is built once."""
     folder = build_dir(name)
+    command = ["cmake", "--build", str(folder)] + (["--target", *targets] if targets else [])
     with locked(folder, quiet):
         _run(f"configuring {name}", ["cmake", "--preset", preset, "-B", str(folder), *definitions], quiet=True)
-        _run(f"building {name} {' '.join(definitions)}", ["cmake", "--build", str(folder)], quiet)
+        _run(f"building {name} {' '.join(definitions)}".rstrip(), command, quiet)
     return folder
 
 

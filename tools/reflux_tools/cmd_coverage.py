@@ -10,7 +10,7 @@ from collections import defaultdict
 from pathlib import Path
 
 from reflux_tools import build, table
-from reflux_tools.errors import RunFailed
+from reflux_tools.errors import RunFailed, UserError
 from reflux_tools.paths import ROOT, build_dir, out_root, shown
 
 AIM_LINES, AIM_BRANCHES = 95.0, 90.0
@@ -24,7 +24,14 @@ def main(arguments: list[str]) -> int:
         "branches. The report with every line goes to out/coverage/index.html.")
     p.add_argument("-j", "--jobs", type=int, default=max(2, os.cpu_count() or 2), metavar="N")
     p.add_argument("--files", action="store_true", help="also each file")
+    p.add_argument("--reach", action="store_true",
+                   help="instead: run every test of the default tier once and write the sources that it runs to tests/reach.txt")
+    p.add_argument("--check", action="store_true", help="with --reach: write nothing; exit status 1 where a test runs a source that the file lacks")
     options = p.parse_args(arguments)
+    if options.check and not options.reach:
+        raise UserError("--check goes with --reach")
+    if options.reach:
+        return measure_reach(options.jobs, options.check)
     folder = build.build("coverage")
     for old in folder.rglob("*.gcda"):
         old.unlink()
@@ -44,6 +51,23 @@ def main(arguments: list[str]) -> int:
     print(f"\ncoverage: lines {lines:.1f} % (aim {AIM_LINES:g}), branches {branches:.1f} % (aim {AIM_BRANCHES:g}); "
           f"{shown(out_root() / 'coverage' / 'index.html')}")
     return 0 if lines >= AIM_LINES and branches >= AIM_BRANCHES else 1
+
+
+def measure_reach(jobs: int, check: bool) -> int:
+    """tests/reach.txt, made anew or checked. A source too many in it only makes tools/test --changed run more."""
+    reached = reach_measure.measure(jobs)
+    if not check:
+        reach.store(reached)
+        print(f"{shown(reach.TABLE)}: {len(reached)} tests, {len(set().union(*reached.values()))} sources")
+        return 0
+    known = reach.load()
+    lacking = {name: sorted(sources - known.get(name, frozenset())) for name, sources in sorted(reached.items())}
+    lacking = {name: sources for name, sources in lacking.items() if sources}
+    for name, sources in lacking.items():
+        print(f"{name} runs {', '.join(sources[:5])}{' ...' if len(sources) > 5 else ''}")
+    if lacking:
+        print(f"{shown(reach.TABLE)} lacks sources of {len(lacking)} tests; tools/coverage --reach writes it anew")
+    return 1 if lacking else 0
 
 
 def layer_of(name: str) -> str:

@@ -51,16 +51,22 @@ def preset_of(kind: str) -> str | None:
     return {"memory": "host", "serial": None}.get(kind, kind)
 
 
+def programs_of(kind: str) -> list[tuple[str, tuple[str, ...]]]:
+    """Presets and their targets that a scenario on that firmware runs; no target means the whole preset."""
+    if kind in ("host", "memory"):
+        return [("host", ("reflux-sim", "reflux-sim-memory", "reflux-plant", "reflux-host"))]
+    out: list[tuple[str, tuple[str, ...]]] = [("host", ("reflux-sim",))]
+    if kind == "host-fixed":
+        out.append((kind, ("reflux-host",)))
+    elif kind.startswith("stm32"):
+        out.append((kind, ()))
+    return out
+
+
 def build_for(kind: str, quiet: bool = False) -> None:
     """Builds the simulator and the firmware of that kind."""
-    if kind in ("host", "memory"):
-        build.build("host", ("reflux-sim", "reflux-sim-memory", "reflux-plant", "reflux-host"), quiet)
-        return
-    build.build("host", ("reflux-sim",), quiet)
-    if kind == "host-fixed":
-        build.build("host-fixed", ("reflux-host",), quiet)
-    elif kind.startswith("stm32"):
-        build.build(kind, (), quiet)
+    for preset, targets in programs_of(kind):
+        build.build(preset, targets, quiet)
 
 
 def check_ports(kind: str, console_port: str | None, link_port: str | None) -> None:

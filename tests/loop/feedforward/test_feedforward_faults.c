@@ -1,6 +1,8 @@
 /* The kind `ff_tune` while things go wrong. First: whatever the plant and the sensor of the disturbance do, the loop is not worse than under
  * feedback alone for longer than half of `check`. Then faults in each stage of each method: what each ends in. To add a fault:
- * a row of lies[], or of faults[]. */
+ * a row of lies[], or of faults[]. By default every row meets one method (lies), or one stage of each method (faults); with the
+ * argument `all` every combination is tried. */
+#include "sample.h"
 #include "tune_bench.h"
 
 #define CHECK 1200u /* of tune.conf */
@@ -90,6 +92,8 @@ static void no_lie_makes_it_worse_than_feedback_alone_for_long(void)
 {
     for (unsigned m = 0; m < METHODS; m++)
         for (unsigned k = 0; k < LIES; k++) {
+            if (!sample_has(m + k, METHODS))
+                continue;
             double alone[WINDOWS];
             unsigned worst = 0;
             begin_method(m, 11);
@@ -277,6 +281,8 @@ static void every_fault_in_every_stage_of_every_method_leaves_the_loop_controlle
                     continue; /* has no such stage */
                 if (faults[k].act == stopped && stages[s].is == RUNS)
                     continue; /* refused, there is nothing to stop */
+                if (!sample_has(m + s + k, STAGES))
+                    continue;
                 one_fault(m, s, &faults[k]);
                 cells++;
             }
@@ -303,8 +309,9 @@ static void after_a_power_cut_nothing_begins_by_itself(void)
     TEST_ASSERT_EQUAL(IDLE, tune_value("stage"));
 }
 
-int main(void)
+int main(int argc, char **argv)
 {
+    sample_arguments(argc, argv);
     UNITY_BEGIN();
     RUN_TEST(no_lie_makes_it_worse_than_feedback_alone_for_long);
     RUN_TEST(a_wrong_sign_from_the_start_is_over_when_the_first_model_is_there);

@@ -1,0 +1,180 @@
+"""Chooses the tests that reach changed files. What is not known to be out of reach runs.
+
+A test reaches a source of the firmware, the ports or the simulator if tests/reach.txt says so, or if it has no row there. A
+header is reached through every source that includes it. A Python test reaches the modules that it imports.
+"""
+
+from __future__ import annotations
+
+import re
+import subprocess
+from functools import cache
+from pathlib import Path
+
+from reflux_tools.errors import UserError
+from reflux_tools.paths import ROOT, build_dir
+from reflux_tools.testing import reach
+from reflux_tools.testing.entries import SANITIZED, Test
+
+COMPILED = (".c", ".h", ".S")
+COUNTED = ("firmware", "hal", "host_sim")  # folders that tests/reach.txt speaks of
+INCLUDE = re.compile(r'^\s*#\s*include\s+"([^"]+)"', re.MULTILINE)
+IMPORT = re.compile(r"^\s*(?:from\s+([\w.]+)\s+import\s+(\(.*?\)|[^\n]+)|import\s+([\w., ]+))", re.MULTILINE | re.DOTALL)
+# Tests that read pages, and those that read every C source as text.
+OF_PAGES = ("tools.documents", "tools.architecture", "tools.evidence", "parameter_document", "link_document", "fault_matrix")
+OF_SOURCES = ("style.", "tools.architecture")
+
+
+def choose(tests: list[Test], commit: str) -> list[Test]:
+    """The tests to run, and a line that says why."""
+    files = changed_files(commit)
+    chosen: set[str] = set()
+    for path in files:
+        found = reaching(tests, path)
+        print(f"  {path}: {len(found)} tests" if len(found) < len(tests) else f"  {path}: every test")
+        chosen |= found
+    print(f"tools/test --changed: {len(files)} files, {len(chosen)} of {len(tests)} tests reach them", flush=True)
+    return [test for test in tests if test.name in chosen]
+
+
+def changed_files(commit: str) -> list[str]:
+    """Paths that differ from the commit, untracked ones too. Without one: uncommitted changes, or else the last commit."""
+    if commit:
+        return sorted({*_git("diff", "--name-only", commit, "--"), *_untracked()})
+    return sorted({*_git("diff", "--name-only", "HEAD", "--"), *_untracked()}) or _git("diff", "--name-only", "HEAD~1", "HEAD", "--")
+
+
+def _untracked() -> list[str]:
+    return _git("ls-files", "--others", "--exclude-standard")
+
+
+def _git(*words: str) -> list[str]:
+    try:
+        answer = subprocess.run(["git", *words], cwd=ROOT, capture_output=True, text=True, check=False)
+    except FileNotFoundError:
+        raise UserError("--changed asks git, which is not installed") from None
+    if answer.returncode != 0:
+        raise UserError(f"--changed: git {words[0]}: {(answer.stderr.strip() or 'failed').splitlines()[-1]}")
+    return answer.stdout.splitlines()
+
+
+def reaching(tests: list[Test], path: str) -> set[str]:
+    """Names of the tests that this file can change."""
+    top = path.split("/", 1)[0]
+    if path.endswith(COMPILED) and top in (*COUNTED, "tests"):
+        return _reaching_source(tests, path)
+    if path.endswith(".py"):
+        return {t.name for t in tests if path in _scripts_of(t)} or _everything(tests)
+    if path.endswith(".md"):
+        page = f"tools.commands-{Path(path).stem}"
+        return {t.name for t in tests if t.name.startswith(page) or t.name.split(".", 1)[1] in OF_PAGES or t.name in OF_PAGES}
+    if path.startswith("tests/campaign/results/") or path.startswith("docs/figures/"):
+        return set()
+    return _everything(tests)
+
+
+def _everything(tests: list[Test]) -> set[str]:
+    return {test.name for test in tests}
+
+
+def _reaching_source(tests: list[Test], path: str) -> set[str]:
+    sources = {path, *_includers(path)} if path.endswith(".h") else {path}
+    known = reach.load()
+    counted = {s for s in sources if s.startswith(tuple(f"{top}/" for top in COUNTED))}
+    out = {t.name for t in tests if t.name.startswith(OF_SOURCES)}
+    for test in tests:
+        own = own_sources(test)
+        reached = known.get(reach.row_of(test.name))
+        if own & sources or (counted and (reached is None and _may_hold(test) or reached and reached & counted)):
+            out.add(test.name)
+    return out
+
+
+def _may_hold(test: Test) -> bool:
+    """True for a test without a row that runs compiled programs."""
+    return bool(test.needs)
+
+
+@cache
+def _texts() -> dict[str, set[str]]:
+    """Names that each C file of the tree includes."""
+    folders = ("firmware", "hal", "host_sim", "tests", "tools/libreflux")
+    return {str(path.relative_to(ROOT)): set(INCLUDE.findall(path.read_text(encoding="utf-8", errors="replace")))
+            for folder in folders for path in (ROOT / folder).rglob("*.[ch]")}
+
+
+@cache
+def _includers(path: str) -> frozenset[str]:
+    """Every file that includes this one, directly or through others. Names are compared by their last two parts."""
+    found: set[str] = set()
+    waiting = [path]
+    while waiting:
+        now = waiting.pop()
+        ends = (now.rsplit("/", 1)[1], "/".join(now.rsplit("/", 2)[1:]))
+        for other, names in _texts().items():
+            if other not in found and any(name in ends or name.endswith(f"/{ends[1]}") for name in names):
+                found.add(other)
+                waiting.append(other)
+    return frozenset(found - {path})
+
+
+@cache
+def _sources_by_target(preset: str) -> dict[str, set[str]]:
+    """Sources below tests/ of each test program of a sanitizer tree, from its compile commands."""
+    import json
+    out: dict[str, set[str]] = {}
+    try:
+        entries = json.loads((build_dir(preset) / "compile_commands.json").read_text(encoding="utf-8"))
+    except (OSError, ValueError):
+        return out
+    for entry in entries:
+        target = re.search(r" -o tests/(\w+)/CMakeFiles/([\w.-]+)\.dir/", entry["command"])
+        if target:
+            out.setdefault(f"tests/{target[1]}/{target[2]}", set()).add(str(Path(entry["file"]).relative_to(ROOT)))
+    return out
+
+
+def own_sources(test: Test) -> set[str]:
+    """Sources that only this test's programs compile."""
+    out: set[str] = set()
+    for preset, target in test.needs:
+        if preset in SANITIZED:
+            out |= _sources_by_target(preset).get(target, set())
+    return out
+
+
+@cache
+def _imports(path: Path) -> frozenset[Path]:
+    """The file and every module of this repository that it imports, directly or through others."""
+    found: set[Path] = set()
+    waiting = [path]
+    while waiting:
+        now = waiting.pop()
+        if now in found or not now.is_file():
+            continue
+        found.add(now)
+        text = now.read_text(encoding="utf-8")
+        for package, names, plain in IMPORT.findall(text):
+            modules = [package, *(f"{package}.{n.split(' as ')[0].strip()}" for n in names.strip("()").split(","))] if package else \
+                      [n.split(" as ")[0].strip() for n in plain.split(",")]
+            for module in modules:
+                relative = module.strip().replace(".", "/")
+                for base in (ROOT / "tools", now.parent, ROOT / "tests" / "support", ROOT / "tests" / "reference"):
+                    waiting += [base / f"{relative}.py"]
+        # Commands that the test starts as a person would.
+        for name in re.findall(r"tools[/\"', ]+([a-z][a-z-]+)", text):
+            waiting.append(ROOT / "tools" / "reflux_tools" / f"cmd_{name.replace('-', '_')}.py")
+    return frozenset(found)
+
+
+def _scripts_of(test: Test) -> set[str]:
+    """Python files that a test's command runs or imports."""
+    out: set[str] = set()
+    for word in test.command:
+        path = Path(word)
+        if path.suffix == ".py" and path.is_file():
+            out |= {str(p.relative_to(ROOT)) for p in _imports(path) if ROOT in p.parents}
+        elif path.parent == ROOT / "tools":
+            command = ROOT / "tools" / "reflux_tools" / f"cmd_{path.name.replace('-', '_')}.py"
+            out |= {str(p.relative_to(ROOT)) for p in _imports(command)}
+    return out

@@ -1,0 +1,132 @@
+"""Builds what tests need, writes them into one ctest tree, runs it, and shows what runs and how long it will still take."""
+
+from __future__ import annotations
+
+import re
+import subprocess
+import sys
+import time
+from collections import defaultdict
+from pathlib import Path
+
+from reflux_tools import build
+from reflux_tools.paths import ROOT, build_dir
+from reflux_tools.testing import times
+from reflux_tools.testing.entries import Needs, Test
+
+STARTED = re.compile(r"^\s*Start\s+\d+: (\S+)")
+ENDED = re.compile(r"^\s*\d+/\d+\s+Test\s+#\d+: (\S+) \.*\s*(.*?)\s+([\d.]+) sec")
+SUMMARY = re.compile(r"^\d+% tests passed")
+TOLD_EVERY_S = 30.0  # where the output is no terminal
+
+
+def build_needs(wanted: Needs) -> None:
+    """Builds each preset once. A preset that is wanted whole needs no list of targets."""
+    targets: dict[str, list[str]] = defaultdict(list)
+    for preset, target in sorted(wanted):
+        targets[preset].append(target)
+    for preset, names in targets.items():
+        build.build(preset, () if "" in names else tuple(names))
+
+
+def write_tree(tests: list[Test], seconds: dict[str, float]) -> Path:
+    """build/test, with the longest tests first: the last ones to run are short, and no core waits long."""
+    folder = build_dir("test")
+    folder.mkdir(parents=True, exist_ok=True)
+    text = ["# Written by tools/test; changes here are lost.\n"]
+    for test in tests:
+        text.append(f"add_test({quote(test.name)} {' '.join(map(quote, test.command))})\n")
+        pairs = {"LABELS": test.labels, "WORKING_DIRECTORY": str(ROOT), "COST": f"{seconds.get(test.name, times.UNKNOWN_S):.2f}",
+                 **test.properties}
+        words = " ".join(f"{key} {quote(value)}" for key, value in pairs.items())
+        text.append(f"set_tests_properties({quote(test.name)} PROPERTIES {words})\n")
+    (folder / "CTestTestfile.cmake").write_text("".join(text), encoding="utf-8")
+    # ctest would put its own record of other runs before COST.
+    (folder / "Testing" / "Temporary" / "CTestCostData.txt").unlink(missing_ok=True)
+    return folder
+
+
+def quote(value: object) -> str:
+    """CMake's bracket argument: nothing in it is special."""
+    if isinstance(value, bool):
+        value = "ON" if value else "OFF"
+    if isinstance(value, list):
+        value = ";".join(map(str, value))
+    return f"[==[{value}]==]"
+
+
+class Watch:
+    """What runs, what is done, and what is left."""
+
+    def __init__(self, tests: list[Test], seconds: dict[str, float], jobs: int):
+        self.left = {t.name: seconds.get(t.name, times.UNKNOWN_S) for t in tests}
+        self.count, self.jobs = len(tests), jobs
+        self.expected_done = 0.0
+        self.running: dict[str, float] = {}
+        self.seconds: dict[str, float] = {}
+        self.failed: list[str] = []
+        self.begun = time.monotonic()
+
+    def started(self, name: str) -> None:
+        self.running[name] = time.monotonic()
+
+    def ended(self, name: str, outcome: str, seconds: float) -> None:
+        self.running.pop(name, None)
+        self.expected_done += self.left.pop(name, 0.0)
+        self.seconds[name] = seconds
+        if outcome != "Passed":
+            self.failed.append(name)
+
+    def left_s(self) -> float:
+        """Seconds until all is done, at the speed so far. Before 5 s have passed the forecast alone counts."""
+        passed = time.monotonic() - self.begun
+        pace = passed * self.jobs / self.expected_done if passed > 5 and self.expected_done > 5 else 1.0
+        now = time.monotonic()
+        left = sum(max(0.0, s - (now - self.running[n]) / pace if n in self.running else s) for n, s in self.left.items())
+        return pace * left / self.jobs
+
+    def line(self) -> str:
+        failed = f", {len(self.failed)} failed" if self.failed else ""
+        return (f"{self.count - len(self.left)} of {self.count} tests{failed}, about {self.left_s():.0f} s left"
+                + (f"; running: {', '.join(self.running)}" if self.running else ""))
+
+
+def run(folder: Path, tests: list[Test], seconds: dict[str, float], jobs: int) -> tuple[int, Watch]:
+    """ctest's exit status, and what was seen. Prints output of tests that fail, and ctest's summary."""
+    command = ["ctest", "--test-dir", str(folder), "--output-on-failure", "--no-tests=error", "-j", str(jobs)]
+    process = subprocess.Popen(command, cwd=ROOT, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
+                               text=True, errors="replace")
+    assert process.stdout is not None
+    watch = Watch(tests, seconds, jobs)
+    progress = build.Progress("tests")
+    told = time.monotonic()
+    try:
+        for line in process.stdout:
+            if found := STARTED.match(line):
+                watch.started(found[1])
+            elif found := ENDED.match(line):
+                watch.ended(found[1], found[2].lstrip("*"), float(found[3]))
+                if found[2] != "Passed":
+                    _say(progress, line)
+            elif line.startswith(("Internal ctest changing", "Test project ")):
+                continue
+            else:
+                _say(progress, line)
+            progress.show(watch.line())
+            if not progress.terminal and watch.left and time.monotonic() - told > TOLD_EVERY_S:
+                told = time.monotonic()
+                print(f"tests: {watch.line()}", flush=True)
+        status = process.wait()
+    except BaseException:
+        process.terminate()
+        process.wait()
+        raise
+    return status, watch
+
+
+def _say(progress: build.Progress, line: str) -> None:
+    """A line that stays, above the line of progress."""
+    if progress.terminal:
+        sys.stdout.write("\r\033[K")
+    sys.stdout.write(line)
+    sys.stdout.flush()

@@ -1,0 +1,68 @@
+"""The two tiers: the default one, and what only `tools/test --all` runs, each with the reason (tests/full_tier.toml)."""
+
+from __future__ import annotations
+
+import tomllib
+from dataclasses import dataclass
+from fnmatch import fnmatchcase
+from pathlib import Path
+
+from reflux_tools.errors import UserError
+from reflux_tools.paths import ROOT, shown
+from reflux_tools.testing.entries import AGAIN, LABELS, Test, needs
+
+TABLE = ROOT / "tests" / "full_tier.toml"
+AGAIN_REASON = "runs in float in the default tier; tests/run_once.txt says why its number format cannot matter"
+
+
+@dataclass(frozen=True)
+class Row:
+    """Tests that only the full tier runs; extra arguments make a new test of an existing one. tests: patterns of names."""
+
+    tests: tuple[str, ...]
+    reason: str
+    name: str = ""
+    arguments: tuple[str, ...] = ()
+
+
+def rows(path: Path = TABLE) -> list[Row]:
+    """The table as written."""
+    with path.open("rb") as f:
+        document = tomllib.load(f)
+    out = []
+    for number, entry in enumerate(document.get("full", []), 1):
+        unknown = sorted(set(entry) - {"tests", "reason", "name", "arguments"})
+        if unknown or not entry.get("tests") or not entry.get("reason"):
+            raise UserError(f"{shown(path)}: row {number} must have tests and reason, and may have name and arguments"
+                            + (f"; it has {unknown[0]}" if unknown else ""))
+        if bool(entry.get("name")) != bool(entry.get("arguments")) or (entry.get("name") and len(entry["tests"]) != 1):
+            raise UserError(f"{shown(path)}: row {number}: name and arguments go together, with one test")
+        out.append(Row(tuple(entry["tests"]), entry["reason"], entry.get("name", ""), tuple(entry.get("arguments", []))))
+    return out
+
+
+def split(tests: list[Test], labels: set[str], table: list[Row]) -> tuple[list[Test], dict[str, str], list[Test]]:
+    """The tests of the default tier; those of the full tier alone, by name with the reason; and the latter themselves.
+
+    A row that matches no test is an error, where all labels are wanted: a test that was renamed would change its tier.
+    """
+    reasons = {test.name: AGAIN_REASON for test in tests if AGAIN in test.labels}
+    extra: list[Test] = []
+    for row in table:
+        found = [test for test in tests if any(fnmatchcase(test.name, pattern) for pattern in row.tests)]
+        idle = [p for p in row.tests if not any(fnmatchcase(test.name, p) for test in tests)]
+        if idle and labels >= set(LABELS):
+            raise UserError(f"{shown(TABLE)}: no test is called {idle[0]}")
+        if row.name:
+            for test in found:
+                extra.append(Test(row.name, [*test.command, *row.arguments], test.labels, test.needs, test.properties))
+                reasons[row.name] = row.reason
+        else:
+            reasons |= {test.name: row.reason for test in found}
+    everything = [*tests, *extra]
+    return ([t for t in everything if t.name not in reasons], reasons, [t for t in everything if t.name in reasons])
+
+
+def needs_of_full() -> frozenset[tuple[str, str]]:
+    """What only the full tier builds: every program of the sanitizer presets, tests or not."""
+    return needs("asan") | needs("asan-fixed")
