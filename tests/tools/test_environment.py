@@ -21,6 +21,10 @@ class Clean(FolderTest):
         self.assertEqual((made["MPLBACKEND"], made["LC_ALL"]), ("Agg", "C.UTF-8"))
         self.assertEqual(clean(made), made)
 
+    def test_only_a_temporary_folder_that_is_too_long_for_sockets_is_dropped(self) -> None:
+        self.assertEqual(clean({"TMPDIR": "/fast"})["TMPDIR"], "/fast")
+        self.assertNotIn("TMPDIR", clean({"TMPDIR": "/" + 80 * "long"}))
+
     def test_the_tests_of_the_tools_have_it(self) -> None:
         self.assertEqual(dict(os.environ), clean(os.environ))
 
