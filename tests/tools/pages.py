@@ -121,4 +121,4 @@ def rows() -> tuple[list[Exempt], list[Slow]]:
     """What commands.toml says about single commands."""
     with ROWS.open("rb") as f:
         document = tomllib.load(f)
-    return [Exempt(**row) for row in document["command"]], [Slow(**row) for row in document["slow"]]
+    return [Exempt(**row) for row in document["command"]], [Slow(**row) for row in document.get("slow", [])]

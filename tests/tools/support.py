@@ -2,6 +2,7 @@
 
 import contextlib
 import io
+import os
 import sys
 import tempfile
 import unittest
@@ -10,6 +11,12 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "tools"))
 sys.dont_write_bytecode = True
+
+from reflux_tools.environment import clean  # noqa: E402
+
+for name in os.environ.keys() - clean(os.environ).keys():
+    del os.environ[name]
+os.environ.update(clean(os.environ))
 
 GOOD = """
 name = "trial"

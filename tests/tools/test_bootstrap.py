@@ -5,6 +5,7 @@ import os
 import shutil
 import subprocess
 import tarfile
+import tempfile
 import unittest
 from pathlib import Path
 
@@ -107,7 +108,8 @@ class Bootstrap(FakeSystem):
         self.assertEqual(len(self.lines("clock")), 16)  # a minute each; the first look begins the time
 
     def test_it_finds_a_holder_that_apt_does_not_name(self) -> None:
-        lock = self.file("lock", "")
+        lock = Path(self.enterContext(tempfile.TemporaryDirectory(dir="/tmp"))) / "lock"  # apt's locks have no blanks either
+        lock.touch()
         with lock.open("r+") as held:
             fcntl.lockf(held, fcntl.LOCK_EX)
             answer = self.bootstrap("ok", f"E: Could not get lock {lock} - open (11: Resource temporarily unavailable)", "ok")
@@ -146,7 +148,7 @@ class FetchUnity(FakeSystem):
         with tarfile.open(archive, "w:xz") as tar:
             for name in self.FILES:
                 tar.add(self.file(name, f"/* {name} */\n"), f"ntpsec-1.2.2/tests/unity/{name}")
-        self.program("apt-get", f'#!/bin/sh\ncase "$*" in *" source "*) cp {archive} ntpsec_1.2.2+dfsg1.orig.tar.xz ;; esac\n')
+        self.program("apt-get", f'#!/bin/sh\ncase "$*" in *" source "*) cp "{archive}" ntpsec_1.2.2+dfsg1.orig.tar.xz ;; esac\n')
         self.program("sha256sum", "#!/bin/sh\ncat\n")
         self.unity = self.folder / "build" / "unity"
 

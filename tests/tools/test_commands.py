@@ -65,9 +65,7 @@ class Commands(FolderTest):
         super().setUp()
         build.build("host", ("reflux-sim", "reflux-host", "reflux-sim-memory", "reflux-plant", "libreflux"), quiet=True)
         (self.folder / "figures").mkdir()
-        kept = {name: value for name, value in os.environ.items() if name != "REFLUX_PLANTS"}
-        self.environment = {**kept, "REFLUX_FIGURES": str(self.folder / "figures"), "REFLUX_OUT": str(self.folder / "out"),
-                            "MPLBACKEND": "Agg"}
+        self.environment = {**os.environ, "REFLUX_FIGURES": str(self.folder / "figures"), "REFLUX_OUT": str(self.folder / "out")}
 
     def needed(self, line: str) -> None:
         """Builds the images and test programs that a line names."""

@@ -11,7 +11,7 @@ from unittest import mock
 from support import FolderTest, call
 
 FAKE = """#!{python}
-import os, sys
+import os, re, sys
 here = {folder!r}
 flash = os.path.join(here, "flash.bin")
 with open(os.path.join(here, "calls.txt"), "a") as log:
@@ -47,7 +47,7 @@ if not os.environ.get("FAKE_OPENOCD"):
     print("Error: open failed"); sys.exit(1)
 print("Info : Target voltage: 3.24")
 for c in a:
-    w = c.split()
+    w = re.findall(r"{{[^}}]*}}|\\S+", c)  # Tcl's words
     if w[:1] == ["flash"]: store(w[3].strip("{{}}"))
     if w[:1] == ["dump_image"]: fetch(w[1].strip("{{}}"), int(w[3]))
 """.replace("{{", "{").replace("}}", "}"),

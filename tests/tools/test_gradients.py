@@ -5,11 +5,12 @@ import json
 import math
 import unittest
 
+from support import ROOT, FolderTest, call
+
 from reflux_tools import gradients, sensor_rules
 from reflux_tools.errors import UserError
 from reflux_tools.gradients import Diagram
 from reflux_tools.sensor_rules import Steps, Thresholds
-from support import ROOT, FolderTest, call
 
 PLANTS = ROOT / "host_sim" / "plants"
 SS2 = ("--set", "R=32.2787", "--set", "Q=2804.458")

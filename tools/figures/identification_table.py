@@ -250,7 +250,7 @@ def check(results):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--program", default=ROOT / "build/host/tests/unit/identify_records", type=pathlib.Path,
+    parser.add_argument("--program", default=paths.build_dir("host") / "tests/unit/identify_records", type=pathlib.Path,
                         help="the built identify_records (default: that of the host preset)")
     parser.add_argument("--seeds", type=int, default=200)
     parser.add_argument("--check", action="store_true", help="write nothing, exit status 1 when a bound is broken")

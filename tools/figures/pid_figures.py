@@ -63,7 +63,7 @@ def draw(name, data, folder):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--program", default=ROOT / "build/host/tests/unit/pid_trace", type=pathlib.Path,
+    parser.add_argument("--program", default=paths.build_dir("host") / "tests/unit/pid_trace", type=pathlib.Path,
                         help="the built pid_trace (default: that of the host preset)")
     parser.add_argument("--out", default=paths.figures(), type=pathlib.Path)
     options = parser.parse_args()

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import contextlib
 import fcntl
+import os
 import re
 import subprocess
 import sys
@@ -92,9 +93,10 @@ def variant(preset: str, name: str, definitions: tuple[str, ...] = (), targets: 
 def _run(what: str, command: list[str], quiet: bool) -> None:
     started = time.monotonic()
     lines: list[bytes] = []
+    environment = {name: value for name, value in os.environ.items() if name != "NINJA_STATUS"}  # STEP is ninja's own form
     try:
-        process = subprocess.Popen(command, cwd=ROOT, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE,
-                                   stderr=subprocess.STDOUT)
+        process = subprocess.Popen(command, cwd=ROOT, env=environment, stdin=subprocess.DEVNULL,
+                                   stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
     except FileNotFoundError:
         raise RunFailed(f"{what}: there is no program {command[0]}; tools/bootstrap installs it") from None
     assert process.stdout is not None

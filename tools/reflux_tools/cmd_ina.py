@@ -316,6 +316,7 @@ def draw(session: Session, place: Path) -> None:
     from reflux_tools import ina_picture  # matplotlib takes a second to load
 
     try:
+        place.parent.mkdir(parents=True, exist_ok=True)
         place.write_bytes(ina_picture.draw(session.plant, session.omega, session.f, session.g, session.options.by, session.options.view,
                                            [what for what, _ in session.past]))
     except OSError as error:
