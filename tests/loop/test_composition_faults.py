@@ -12,7 +12,9 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
-sys.path.insert(0, str(ROOT / "tools"))
+sys.path[:0] = [str(ROOT / "tools"), str(ROOT / "tests" / "support")]
+
+import sample  # noqa: E402
 
 from reflux_tools import estimates, runner  # noqa: E402
 from reflux_tools.errors import RunFailed  # noqa: E402
@@ -153,7 +155,7 @@ class Faults(unittest.TestCase):
             self.assertLess(abs(float(at(log, "fw.est_iC4", OVER)) - float(at(log, "iC4_D", OVER))), estimates.BAND)
 
     def every_fault(self, methods: tuple[tuple[str, str], ...]) -> None:
-        cases = [(f, *m) for f in FAULTS for m in methods]
+        cases = [(f, *m) for f, m in sample.combinations(FAULTS, methods, stride=len(methods))]
         with ThreadPoolExecutor(2) as pool:
             done = pool.map(lambda case: self.outcome(*case), cases)
         for (fault, method, covariance), error in zip(cases, done):

@@ -14,6 +14,7 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
 import board  # noqa: E402
+import sample  # noqa: E402
 from commissioning import Plant, plant, whole  # noqa: E402
 from sram_guard import Guard  # noqa: E402
 
@@ -122,6 +123,7 @@ class StartUpOnTheBoard(unittest.TestCase):
     def test_so_it_is_in_fixed_point(self):
         self.whole_start_up(("host-fixed", "stm32f405-fixed"))
 
+    @unittest.skipUnless(sample.EVERY, "half a minute: with the argument `all`")
     def test_sixteen_by_sixteen_is_the_hosts_too_and_fits(self):
         of = Plant(SIXTEEN)
         short = ["set test.window 16", *(f"set mv{k}.test_time 32" for k in range(1, 17)),

@@ -2,21 +2,24 @@
 
 from __future__ import annotations
 
+import contextlib
+import os
+import queue
 import re
 import subprocess
 import sys
+import threading
 import time
 from collections import defaultdict
 from pathlib import Path
 
-from reflux_tools import build
+from reflux_tools import build, environment
 from reflux_tools.paths import ROOT, build_dir
 from reflux_tools.testing import times
 from reflux_tools.testing.entries import Needs, Test
 
 STARTED = re.compile(r"^\s*Start\s+\d+: (\S+)")
 ENDED = re.compile(r"^\s*\d+/\d+\s+Test\s+#\d+: (\S+) \.*\s*(.*?)\s+([\d.]+) sec")
-SUMMARY = re.compile(r"^\d+% tests passed")
 TOLD_EVERY_S = 30.0  # where the output is no terminal
 
 
@@ -95,33 +98,47 @@ def run(folder: Path, tests: list[Test], seconds: dict[str, float], jobs: int) -
     """ctest's exit status, and what was seen. Prints output of tests that fail, and ctest's summary."""
     command = ["ctest", "--test-dir", str(folder), "--output-on-failure", "--no-tests=error", "-j", str(jobs)]
     process = subprocess.Popen(command, cwd=ROOT, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
-                               text=True, errors="replace")
-    assert process.stdout is not None
+                               text=True, errors="replace", env=environment.clean(os.environ))
+    lines: queue.Queue[str | None] = queue.Queue()
+    threading.Thread(target=_read, args=(process, lines), daemon=True).start()
     watch = Watch(tests, seconds, jobs)
     progress = build.Progress("tests")
     told = time.monotonic()
     try:
-        for line in process.stdout:
-            if found := STARTED.match(line):
-                watch.started(found[1])
-            elif found := ENDED.match(line):
-                watch.ended(found[1], found[2].lstrip("*"), float(found[3]))
-                if found[2] != "Passed":
-                    _say(progress, line)
-            elif line.startswith(("Internal ctest changing", "Test project ")):
-                continue
-            else:
-                _say(progress, line)
+        while True:
+            with contextlib.suppress(queue.Empty):
+                line = lines.get(timeout=1.0)
+                if line is None:
+                    break
+                _take(line, watch, progress)
             progress.show(watch.line())
-            if not progress.terminal and watch.left and time.monotonic() - told > TOLD_EVERY_S:
+            if not progress.terminal and time.monotonic() - told > TOLD_EVERY_S:
                 told = time.monotonic()
                 print(f"tests: {watch.line()}", flush=True)
-        status = process.wait()
+        return process.wait(), watch
     except BaseException:
         process.terminate()
         process.wait()
         raise
-    return status, watch
+
+
+def _read(process: subprocess.Popen[str], lines: queue.Queue[str | None]) -> None:
+    assert process.stdout is not None
+    for line in process.stdout:
+        lines.put(line)
+    lines.put(None)
+
+
+def _take(line: str, watch: Watch, progress: build.Progress) -> None:
+    """One line of ctest: what it says is counted, or stays on the screen where a person needs it."""
+    if found := STARTED.match(line):
+        watch.started(found[1])
+    elif found := ENDED.match(line):
+        watch.ended(found[1], found[2], float(found[3]))
+        if found[2] != "Passed":
+            _say(progress, line)
+    elif not line.startswith(("Internal ctest changing", "Test project ")):
+        _say(progress, line)
 
 
 def _say(progress: build.Progress, line: str) -> None:
