@@ -9,7 +9,14 @@ set(REFLUX_LAYERS "${CMAKE_BINARY_DIR}/layers" CACHE PATH "Folder of the layers'
 function(reflux_include_root name folder result)
   set(root "${REFLUX_LAYERS}/${name}")
   file(MAKE_DIRECTORY "${root}")
-  file(CREATE_LINK "${folder}" "${root}/${name}" SYMBOLIC)
+  # Trees that share the links may be configured at the same time, so a link that is right stays untouched.
+  set(found "")
+  if(IS_SYMLINK "${root}/${name}")
+    file(READ_SYMLINK "${root}/${name}" found)
+  endif()
+  if(NOT found STREQUAL folder)
+    file(CREATE_LINK "${folder}" "${root}/${name}" SYMBOLIC)
+  endif()
   set(${result} "${root}" PARENT_SCOPE)
 endfunction()
 

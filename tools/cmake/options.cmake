@@ -1,3 +1,9 @@
+# A compiler cache, where one is installed and the caller has named no other launcher.
+find_program(REFLUX_CCACHE ccache)
+if(REFLUX_CCACHE AND NOT CMAKE_C_COMPILER_LAUNCHER)
+  set(CMAKE_C_COMPILER_LAUNCHER "${REFLUX_CCACHE}")
+endif()
+
 # One interface target that every target of ours links: language, warnings, floating-point rules.
 set(CMAKE_C_STANDARD 11)
 set(CMAKE_C_STANDARD_REQUIRED ON)

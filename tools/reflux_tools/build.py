@@ -9,6 +9,7 @@ import contextlib
 import fcntl
 import os
 import re
+import shlex
 import subprocess
 import sys
 import time
@@ -137,6 +138,12 @@ class Progress:
         if not self.quiet:
             start = "\r\033[K" if self.terminal else ""
             print(f"{start}{self.what}: {text}", flush=True)
+
+
+def compiler_words(command: str) -> list[str]:
+    """The words of a compile command, from the compiler on: a compiler cache may stand before it."""
+    words = shlex.split(command)
+    return words[next(k for k, word in enumerate(words) if word.startswith("-")) - 1:]
 
 
 def find_image(preset: str) -> Path:

@@ -102,7 +102,7 @@ def compile_commands(preset: str) -> list[dict[str, str]]:
     for entry in entries:
         if not entry["file"].startswith(folders) or not entry["file"].endswith(".c"):
             continue
-        words = [w for w in shlex.split(entry["command"]) if not w.startswith(UNKNOWN_TO_CLANG)]
+        words = [w for w in build.compiler_words(entry["command"]) if not w.startswith(UNKNOWN_TO_CLANG)]
         if "arm-none-eabi" in words[0]:
             words[1:1] = CROSS
         words[0] = "clang"

@@ -142,7 +142,7 @@ class Tree:
                 entries = json.load(f)
             found = {}
             for entry in entries:
-                command = shlex.split(entry["command"])
+                command = build.compiler_words(entry["command"])
                 target = command[command.index("-o") + 1]
                 found[target] = Unit(Path(entry["file"]).resolve(), target, command)
             for target, inputs in self._dependencies().items():
@@ -183,8 +183,7 @@ class Tree:
         place.mkdir(parents=True, exist_ok=True)
         name = hashlib.sha256(unit.target.encode()).hexdigest()[:16]
         target = place / f"{name}{'-compared' if compared else ''}.o"
-        compiler = next(i for i, c in enumerate(unit.command) if c.startswith("-")) - 1  # before it: a launcher
-        command = [c for c in unit.command[compiler:] if not (compared and (c.startswith(("-fsanitize", "-D_FORTIFY")) or c in CHECKED))]
+        command = [c for c in unit.command if not (compared and (c.startswith(("-fsanitize", "-D_FORTIFY")) or c in CHECKED))]
         first, source = [], unit.source
         if unit.source == changed:
             source = place / unit.source.name

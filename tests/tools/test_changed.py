@@ -1,0 +1,81 @@
+"""tools/test --changed: a file that changed runs every test that reaches it, and what is unknown runs."""
+
+import struct
+import sys
+import unittest
+from unittest import mock
+
+from support import ROOT, FolderTest
+
+from reflux_tools.errors import RunFailed, UserError
+from reflux_tools.testing import changed, reach, reach_measure
+from reflux_tools.testing.entries import Test, needs
+
+ROWS = {"pid": frozenset({"firmware/control/pid.c"}), "svd": frozenset({"firmware/num/svd.c"})}
+TESTS = [Test("asan.pid", ["x"], ["unit"], needs("asan", "tests/unit/test_pid")),
+         Test("asan-fixed.pid", ["x"], ["unit"], needs("asan-fixed", "tests/unit/test_pid")),
+         Test("asan.svd", ["x"], ["unit"], needs("asan", "tests/unit/test_svd")),
+         Test("asan.new", ["x"], ["unit"], needs("asan", "tests/unit/test_new")),
+         Test("style.clang-format", ["x"], ["style"]),
+         Test("tools.documents", [sys.executable, str(ROOT / "tests" / "tools" / "test_documents.py")], ["tools"])]
+OWN = {"asan": {"tests/unit/test_pid": {"tests/unit/test_pid.c"}, "tests/unit/test_svd": {"tests/unit/test_svd.c"}}}
+
+
+def reaching(path: str) -> set[str]:
+    with mock.patch.object(reach, "load", return_value=ROWS), \
+            mock.patch.object(changed, "_sources_by_target", side_effect=lambda preset: OWN.get(preset, {})):
+        return changed.reaching(TESTS, path)
+
+
+class Changed(unittest.TestCase):
+    def test_a_source_runs_tests_that_reach_it_in_both_number_formats_and_tests_without_a_row(self) -> None:
+        self.assertEqual(reaching("firmware/control/pid.c"), {"asan.pid", "asan-fixed.pid", "asan.new", "style.clang-format"})
+
+    def test_a_header_runs_what_reaches_any_source_that_includes_it(self) -> None:
+        found = reaching("firmware/num/svd.h")
+        self.assertIn("asan.svd", found)
+
+    def test_a_source_of_a_test_runs_that_test_alone(self) -> None:
+        self.assertEqual(reaching("tests/unit/test_svd.c"), {"asan.svd", "style.clang-format"})
+
+    def test_a_module_runs_python_tests_that_import_it(self) -> None:
+        self.assertEqual(reaching("tests/tools/support.py"), {"tools.documents"})
+
+    def test_what_is_not_known_runs_everything(self) -> None:
+        for path in ("CMakeLists.txt", "tests/reference/pid_cases.csv", "host_sim/scenarios/pilot.conf", "tools/launcher.sh"):
+            self.assertEqual(reaching(path), {t.name for t in TESTS}, path)
+
+    def test_a_commit_that_git_does_not_know_is_an_error(self) -> None:
+        with self.assertRaisesRegex(UserError, "--changed: git diff"):
+            changed.changed_files("no-such-commit")
+
+
+class Reach(FolderTest):
+    def test_what_is_written_reads_back(self) -> None:
+        path = self.folder / "reach.txt"
+        rows = {"a": {"firmware/a.c", "firmware/b.c"}, "b": {"firmware/b.c"}, "c": set()}
+        reach.store(rows, path)
+        self.assertEqual(reach.load(path), {name: frozenset(sources) for name, sources in rows.items()})
+
+    def test_a_line_that_is_no_row_is_an_error_with_its_number(self) -> None:
+        with self.assertRaisesRegex(UserError, "reach.txt:2"):
+            reach.load(self.file("reach.txt", "firmware/a.c\nname no-number\n"))
+
+    def test_both_number_formats_have_one_row(self) -> None:
+        self.assertEqual({reach.row_of(n) for n in ("asan.pid", "asan-fixed.pid", "host.pid")}, {"pid"})
+        self.assertEqual(reach.row_of("loop.pid"), "loop.pid")
+
+    def test_counters_tell_whether_a_source_ran(self) -> None:
+        head = struct.pack("<II", reach_measure.MAGIC, 0x4232322A) + bytes(8) + struct.pack("<Ii3I", 0x01000000, 12, 1, 2, 3)
+        path = self.folder / "x.gcda"
+        counter = struct.pack("<IiQ", reach_measure.COUNTERS, 8, 1)
+        none = struct.pack("<IiQ", reach_measure.COUNTERS, 8, 0)
+        omitted = struct.pack("<Ii", reach_measure.COUNTERS, -8)
+        self.assertTrue(reach_measure.ran(head + omitted + none + counter, path))
+        self.assertFalse(reach_measure.ran(head + omitted + none, path))
+        with self.assertRaisesRegex(RunFailed, "another compiler"):
+            reach_measure.ran(struct.pack("<II", reach_measure.MAGIC, 0x4131312A) + bytes(8), path)
+
+
+if __name__ == "__main__":
+    unittest.main()
