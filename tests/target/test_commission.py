@@ -120,6 +120,7 @@ class StartUpOnTheBoard(unittest.TestCase):
     def test_the_model_of_a_whole_start_up_is_the_hosts_to_the_last_bit(self):
         self.whole_start_up(("host", "stm32f405"))
 
+    @unittest.skipUnless(sample.EVERY, "the fixed-point image of this board: with the argument `all`")
     def test_so_it_is_in_fixed_point(self):
         self.whole_start_up(("host-fixed", "stm32f405-fixed"))
 

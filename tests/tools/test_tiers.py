@@ -28,8 +28,8 @@ class Tiers(FolderTest):
         self.assertEqual([t.name for t in full], ["long.a", "long.b"])
         self.assertEqual(reasons, {"long.a": "takes an hour", "long.b": "takes an hour"})
 
-    def test_a_row_with_a_name_adds_a_test_with_more_arguments_and_leaves_the_first_where_it_is(self) -> None:
-        rows = self.table('[[full]]\ntests = ["power"]\nname = "power-all"\narguments = ["all"]\nreason = "every case"\n')
+    def test_a_row_with_arguments_adds_a_test_and_leaves_the_first_where_it_is(self) -> None:
+        rows = self.table('[[full]]\ntests = ["power"]\narguments = ["all"]\nreason = "every case"\n')
         default, _, full = tiers.split(tests("power"), set(LABELS), rows)
         self.assertEqual([t.command for t in default], [["true"]])
         self.assertEqual([(t.name, t.command) for t in full], [("power-all", ["true", "all"])])
@@ -41,8 +41,7 @@ class Tiers(FolderTest):
         self.assertEqual(len(tiers.split(tests("a"), {"loop"}, rows)[0]), 1)  # tests of other labels are not there
 
     def test_a_row_without_a_reason_is_an_error_that_says_which(self) -> None:
-        for text in ('[[full]]\ntests = ["a"]\n', '[[full]]\nreason = "b"\n', '[[full]]\ntests = ["a"]\nreason = "b"\nspeed = 1\n',
-                     '[[full]]\ntests = ["a"]\nreason = "b"\nname = "c"\n'):
+        for text in ('[[full]]\ntests = ["a"]\n', '[[full]]\nreason = "b"\n', '[[full]]\ntests = ["a"]\nreason = "b"\nspeed = 1\n'):
             with self.assertRaisesRegex(UserError, "row 1"):
                 self.table(text)
 

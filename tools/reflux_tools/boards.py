@@ -32,3 +32,5 @@ RUNS = tuple(image for board in BOARDS.values() for image in board.runs)
 FIRMWARES = tuple(image.preset for image in RUNS)
 # Everything there is to build.
 PRESETS = (*FIRMWARES, *(preset for board in BOARDS.values() for preset in board.others))
+# What the default tier of tools/test builds: one image in float, and a fixed-point image of the smallest board.
+BUILT_BY_DEFAULT = ("stm32f405", "stm32f100")

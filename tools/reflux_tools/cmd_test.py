@@ -12,10 +12,9 @@ import re
 import resource
 import time
 
-from reflux_tools import boards
 from reflux_tools.errors import UserError
 from reflux_tools.testing import changed, running, tiers, times
-from reflux_tools.testing.entries import LABELS, Needs, Test, collect
+from reflux_tools.testing.entries import LABELS, Test, collect
 
 
 def main(arguments: list[str]) -> int:
@@ -67,7 +66,8 @@ def main(arguments: list[str]) -> int:
 def execute(tests: list[Test], options: argparse.Namespace, seconds: dict[str, float]) -> int:
     """Builds, runs, and prints what it took."""
     begun = time.monotonic()
-    running.build_needs(needs_of(tests, options.all))
+    wanted = frozenset().union(*(test.needs for test in tests))
+    running.build_needs(wanted | tiers.needs_of_full(tests) if options.all else wanted)
     built, built_cpu = time.monotonic(), processor_s()
     print(f"\nExpected: {times.by_label(tests, seconds, options.jobs)}\n", flush=True)
     status, watch = running.run(running.write_tree(tests, seconds), tests, seconds, options.jobs)
@@ -78,14 +78,6 @@ def execute(tests: list[Test], options: argparse.Namespace, seconds: dict[str, f
     print(f"\ntools/test: {len(tests)} tests in {ended - begun:.0f} s ({built - begun:.0f} s of it building), "
           f"{cpu:.0f} s of processor time ({built_cpu:.0f} s of it building)")
     return status
-
-
-def needs_of(tests: list[Test], everything: bool) -> Needs:
-    """Presets and targets; in the full tier all programs of the sanitizer presets, so that each compiles."""
-    out: Needs = frozenset().union(*(test.needs for test in tests))
-    if everything and {preset for preset, _ in out} >= set(boards.PRESETS):
-        out |= tiers.needs_of_full()
-    return out
 
 
 def processor_s() -> float:

@@ -1,4 +1,6 @@
-/* The kind `ff_tune` on processes and paths that are unlike Siddha's. To add one: a row of situations[]. */
+/* The kind `ff_tune` on processes and paths that are unlike Siddha's. To add one: a row of situations[]. By default each row meets half
+ * of the methods, with the argument `all` every one. */
+#include "sample.h"
 #include "unlike_bench.h"
 
 void setUp(void)
@@ -84,6 +86,8 @@ static void what_is_adopted_does_what_was_promised_and_what_is_not_does_nothing(
 {
     for (unsigned k = 0; k < SITUATIONS; k++)
         for (unsigned m = 0; m < METHODS; m++) {
+            if (!sample_has(k + m, 2))
+                continue;
             begin_unlike(&situations[k], m);
             double before = mean_square(4 * situations[k].d_period);
             tune_whole(m);
@@ -92,8 +96,9 @@ static void what_is_adopted_does_what_was_promised_and_what_is_not_does_nothing(
         }
 }
 
-int main(void)
+int main(int argc, char **argv)
 {
+    sample_arguments(argc, argv);
     UNITY_BEGIN();
     RUN_TEST(what_is_adopted_does_what_was_promised_and_what_is_not_does_nothing);
     return UNITY_END();

@@ -99,7 +99,7 @@ def script(name: str, path: Path, label: str, wanted: Needs, *arguments: str) ->
 
 
 def script_tests(label: str) -> list[Test]:
-    """Every test_*.py of tests/LABEL. Presets of boards, and host-fixed, are needed where the script names them."""
+    """Every test_*.py of tests/LABEL. Images of the default tier, and host-fixed, are needed where the script names them."""
     files = sorted((ROOT / "tests" / label).glob("test_*.py"))
     if not files:
         raise RunFailed(f"tests/{label} has no test_*.py")
@@ -109,8 +109,8 @@ def script_tests(label: str) -> list[Test]:
         if path.stem == "test_commands":  # page_tests()
             continue
         text = path.read_text(encoding="utf-8")
-        named = [kind for kind in ("host-fixed", *boards.PRESETS) if re.search(rf'"{re.escape(kind)}"', text)]
-        wanted = always | needs_of_firmware(*(boards.PRESETS if path.stem == "test_image" else named))
+        named = [kind for kind in ("host-fixed", *boards.BUILT_BY_DEFAULT) if re.search(rf'"{re.escape(kind)}"', text)]
+        wanted = always | needs_of_firmware(*(boards.BUILT_BY_DEFAULT if path.stem == "test_image" else named))
         if path.stem == "test_run_once":
             wanted = needs("asan") | needs("asan-fixed")
         out.append(script(f"{label}.{path.stem.removeprefix('test_')}", path, label, wanted))
@@ -141,6 +141,11 @@ def loop_tests() -> list[Test]:
 
 
 def target_tests() -> list[Test]:
+    """Tests of the images in the emulator."""
+    return [*target_logs(), *script_tests("target")]
+
+
+def target_logs() -> list[Test]:
     """The same scenario on the host and on the image in the emulator gives one log."""
     whole = [image for image in boards.RUNS if image.preset in WITH_BLOCKS]
     return [*(same_log(f"target.smoke-{image.test}", image.twin, image.preset, "target") for image in boards.RUNS),
@@ -162,8 +167,7 @@ def target_tests() -> list[Test]:
                        (*KALMAN, f"set block3.covariance {covariance}", "apply"), until=5400)
               for covariance in ("full", "band") for image in whole),
             same_log("target.kalman-linear-float", "host", "stm32f405", "target", "pilot-kalman",
-                     ("begin", "set block2.method kalman", "set block2.covariance band", "apply"), until=7200),
-            *script_tests("target")]
+                     ("begin", "set block2.method kalman", "set block2.covariance band", "apply"), until=7200)]
 
 
 def same_log(name: str, left: str, right: str, label: str, scenario: str = "smoke", lines: tuple[str, ...] = (),

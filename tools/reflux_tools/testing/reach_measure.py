@@ -9,13 +9,14 @@ import subprocess
 import tempfile
 import time
 from concurrent.futures import ThreadPoolExecutor
+from dataclasses import replace
 from pathlib import Path
 
-from reflux_tools import build
+from reflux_tools import boards, build
 from reflux_tools.errors import RunFailed
 from reflux_tools.paths import ROOT, build_root
 from reflux_tools.testing import ctest_files, reach
-from reflux_tools.testing.entries import HANG_S, HOST, LIBRARIES, script_tests
+from reflux_tools.testing.entries import HANG_S, HOST, LIBRARIES, Test, script_tests, target_logs
 
 FOLDERS = ("firmware/", "hal/", "host_sim/")
 MAGIC, VERSION = 0x67636461, b"B2"  # gcc 12: lengths of records are in bytes
@@ -32,7 +33,7 @@ def measure(jobs: int) -> dict[str, set[str]]:
     for entry in ctest_files.entries(tree):
         environment = dict(item.split("=", 1) for item in entry.items("ENVIRONMENT"))
         runs.append((entry.name, list(entry.command), Path(entry.properties.get("WORKING_DIRECTORY", entry.folder)), environment))
-    for test in [*script_tests("loop"), *script_tests("tools")]:
+    for test in [*script_tests("loop"), *script_tests("tools"), *map(on_host, target_logs())]:
         runs.append((test.name, test.command, ROOT, {"REFLUX_BUILD_ROOT": str(root)}))
     out: dict[str, set[str]] = {}
     progress, begun = build.Progress("reach"), time.monotonic()
@@ -49,6 +50,11 @@ def measure(jobs: int) -> dict[str, set[str]]:
     if not out:
         raise RunFailed("no test passed, so there is nothing to write")
     return out
+
+
+def on_host(test: Test) -> Test:
+    """A scenario on an image, run on the host instead: it reaches the same sources, but for those of the port."""
+    return replace(test, command=["host" if word in (*boards.PRESETS, "host-fixed") else word for word in test.command])
 
 
 def sources_of_objects(tree: Path) -> dict[str, str]:

@@ -7,9 +7,10 @@ from dataclasses import dataclass
 from fnmatch import fnmatchcase
 from pathlib import Path
 
+from reflux_tools import boards
 from reflux_tools.errors import UserError
 from reflux_tools.paths import ROOT, shown
-from reflux_tools.testing.entries import AGAIN, LABELS, Test, needs
+from reflux_tools.testing.entries import AGAIN, LABELS, SANITIZED, Needs, Test, needs, needs_of_firmware
 
 TABLE = ROOT / "tests" / "full_tier.toml"
 AGAIN_REASON = "runs in float in the default tier; tests/run_once.txt says why its number format cannot matter"
@@ -17,11 +18,11 @@ AGAIN_REASON = "runs in float in the default tier; tests/run_once.txt says why i
 
 @dataclass(frozen=True)
 class Row:
-    """Tests that only the full tier runs; extra arguments make a new test of an existing one. tests: patterns of names."""
+    """Tests that only the full tier runs. With arguments the tests stay where they are, and the full tier adds NAME-all, which gets
+    the arguments. tests: patterns of names."""
 
     tests: tuple[str, ...]
     reason: str
-    name: str = ""
     arguments: tuple[str, ...] = ()
 
 
@@ -31,13 +32,11 @@ def rows(path: Path = TABLE) -> list[Row]:
         document = tomllib.load(f)
     out = []
     for number, entry in enumerate(document.get("full", []), 1):
-        unknown = sorted(set(entry) - {"tests", "reason", "name", "arguments"})
+        unknown = sorted(set(entry) - {"tests", "reason", "arguments"})
         if unknown or not entry.get("tests") or not entry.get("reason"):
-            raise UserError(f"{shown(path)}: row {number} must have tests and reason, and may have name and arguments"
+            raise UserError(f"{shown(path)}: row {number} must have tests and reason, and may have arguments"
                             + (f"; it has {unknown[0]}" if unknown else ""))
-        if bool(entry.get("name")) != bool(entry.get("arguments")) or (entry.get("name") and len(entry["tests"]) != 1):
-            raise UserError(f"{shown(path)}: row {number}: name and arguments go together, with one test")
-        out.append(Row(tuple(entry["tests"]), entry["reason"], entry.get("name", ""), tuple(entry.get("arguments", []))))
+        out.append(Row(tuple(entry["tests"]), entry["reason"], tuple(entry.get("arguments", []))))
     return out
 
 
@@ -53,16 +52,20 @@ def split(tests: list[Test], labels: set[str], table: list[Row]) -> tuple[list[T
         idle = [p for p in row.tests if not any(fnmatchcase(test.name, p) for test in tests)]
         if idle and labels >= set(LABELS):
             raise UserError(f"{shown(TABLE)}: no test is called {idle[0]}")
-        if row.name:
-            for test in found:
-                extra.append(Test(row.name, [*test.command, *row.arguments], test.labels, test.needs, test.properties))
-                reasons[row.name] = row.reason
+        if row.arguments:
+            for test in (t for t in found if AGAIN not in t.labels):
+                extra.append(Test(f"{test.name}-all", [*test.command, *row.arguments], test.labels, test.needs, test.properties))
+                reasons[f"{test.name}-all"] = row.reason
         else:
             reasons |= {test.name: row.reason for test in found}
     everything = [*tests, *extra]
     return ([t for t in everything if t.name not in reasons], reasons, [t for t in everything if t.name in reasons])
 
 
-def needs_of_full() -> frozenset[tuple[str, str]]:
-    """What only the full tier builds: every program of the sanitizer presets, tests or not."""
-    return needs("asan") | needs("asan-fixed")
+def needs_of_full(tests: list[Test]) -> Needs:
+    """What the full tier builds besides: every image, and every program of the sanitizer presets, tests or not."""
+    labels = {label for test in tests for label in test.labels}
+    out: Needs = needs_of_firmware(*boards.PRESETS) if "target" in labels else frozenset()
+    if labels & {"unit", "loop", "fuzz"}:
+        out |= frozenset().union(*map(needs, SANITIZED))
+    return out
