@@ -19,6 +19,7 @@ from reflux_tools.testing.entries import SANITIZED, Test
 
 COMPILED = (".c", ".h", ".S")
 COUNTED = ("firmware", "hal", "host_sim")  # folders that tests/reach.txt speaks of
+FIXED = "REFLUX_FIXED_POINT"
 INCLUDE = re.compile(r'^\s*#\s*include\s+"([^"]+)"', re.MULTILINE)
 IMPORT = re.compile(r"^\s*(?:from\s+([\w.]+)\s+import\s+(\(.*?\)|[^\n]+)|import\s+([\w., ]+))", re.MULTILINE | re.DOTALL)
 # Tests that read pages, and those that read every C source as text.
@@ -81,13 +82,17 @@ def _everything(tests: list[Test]) -> set[str]:
 def _reaching_source(tests: list[Test], path: str) -> set[str]:
     sources = {path, *_includers(path)} if path.endswith(".h") else {path}
     known = reach.load()
+    measured = frozenset().union(*known.values())
     counted = {s for s in sources if s.startswith(tuple(f"{top}/" for top in COUNTED))}
     out = {t.name for t in tests if t.name.startswith(OF_SOURCES)}
+    # No row can know a source that is a table, nor what stands behind the number format: the rows are of the float build.
+    everywhere = any(s not in measured or FIXED in (ROOT / s).read_text(encoding="utf-8", errors="replace")
+                     for s in counted if s.endswith(".c") and not s.startswith("hal/stm32") and (ROOT / s).is_file())
     of_board = any(s.startswith("hal/") and not s.startswith(("hal/host/", "hal/memory/")) for s in counted)
     for test in tests:
         reached = known.get(reach.row_of(test.name))
         # A test without a row may run anything that is compiled; no row knows the ports of boards, which gcov does not see.
-        may = bool(counted) and bool(test.needs) if reached is None else bool(reached & counted)
+        may = bool(counted and test.needs) if reached is None or everywhere else bool(reached & counted)
         if may or own_sources(test) & sources or of_board and any(preset in boards.PRESETS for preset, _ in test.needs):
             out.add(test.name)
     return out
