@@ -45,6 +45,11 @@ class Changed(unittest.TestCase):
         for path in ("CMakeLists.txt", "tests/reference/pid_cases.csv", "host_sim/scenarios/pilot.conf", "tools/launcher.sh"):
             self.assertEqual(reaching(path), {t.name for t in TESTS}, path)
 
+    def test_the_shortest_tests_fit_and_one_of_unknown_time_is_among_them(self) -> None:
+        seconds = {"asan.pid": 5.0, "asan-fixed.pid": 1.0, "asan.svd": 2.0, "style.clang-format": 1.0, "tools.documents": 9.0}
+        self.assertEqual([t.name for t in changed.fitting(TESTS, seconds, 4.0)],
+                         ["asan.new", "asan-fixed.pid", "style.clang-format", "asan.svd"])
+
     def test_a_commit_that_git_does_not_know_is_an_error(self) -> None:
         with self.assertRaisesRegex(UserError, "--changed: git diff"):
             changed.changed_files("no-such-commit")

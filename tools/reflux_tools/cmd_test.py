@@ -16,6 +16,8 @@ from reflux_tools.errors import UserError
 from reflux_tools.testing import changed, running, tiers, times
 from reflux_tools.testing.entries import LABELS, Test, collect
 
+WITHIN_S = 70.0  # of tests; building after one edited file takes up to 20 s more
+
 
 def main(arguments: list[str]) -> int:
     p = argparse.ArgumentParser(
@@ -29,6 +31,8 @@ def main(arguments: list[str]) -> int:
                    help="the full tier too: long statistics, every case of sampled tests, static analyzer, all images, every documented command")
     p.add_argument("--changed", nargs="?", const="", metavar="COMMIT",
                    help="only tests that reach what differs from COMMIT (default: uncommitted changes, or the last commit)")
+    p.add_argument("--within", type=float, default=WITHIN_S, metavar="SECONDS",
+                   help=f"with --changed: the shortest tests that together take so long, the others are named (default {WITHIN_S:g}; 0: no limit)")
     p.add_argument("-j", "--jobs", type=int, default=(os.cpu_count() or 2) + 1, metavar="N",
                    help="tests at a time (default: one more than processors, because some wait)")
     p.add_argument("-R", "--regex", metavar="REGEX", help="only tests whose names match")
@@ -41,6 +45,8 @@ def main(arguments: list[str]) -> int:
             raise UserError(f'"{label}" is no label; known are: {", ".join(LABELS)}')
     if options.jobs < 1:
         raise UserError("--jobs must be 1 or more")
+    if not options.within >= 0.0:
+        raise UserError("--within must be 0 or more")
     try:
         wanted = re.compile(options.regex or "")
     except re.error as error:
@@ -60,7 +66,20 @@ def main(arguments: list[str]) -> int:
         if not tests:
             print("tools/test: no test reaches what has changed")
             return 0
+        if options.within > 0:
+            tests = shortest(tests, seconds, options)
     return execute(tests, options, seconds)
+
+
+def shortest(tests: list[Test], seconds: dict[str, float], options: argparse.Namespace) -> list[Test]:
+    """Those that fit into --within; names the others. A file that the whole firmware needs is reached by half of all tests."""
+    fit = changed.fitting(tests, seconds, options.within * options.jobs)
+    names = {test.name for test in fit}
+    left = [test for test in tests if test.name not in names]
+    if left:
+        print(f"{len(left)} of them do not fit into {options.within:g} s and are left to tools/test (--within 0 runs them): "
+              f"{', '.join(test.name for test in left)}", flush=True)
+    return fit
 
 
 def execute(tests: list[Test], options: argparse.Namespace, seconds: dict[str, float]) -> int:

@@ -28,7 +28,7 @@ OF_SOURCES = ("style.", "tools.architecture")
 
 
 def choose(tests: list[Test], commit: str) -> list[Test]:
-    """The tests to run, and a line that says why."""
+    """The tests that reach what has changed, and a line for each file that says how many they are."""
     files = changed_files(commit)
     chosen: set[str] = set()
     for path in files:
@@ -37,6 +37,17 @@ def choose(tests: list[Test], commit: str) -> list[Test]:
         chosen |= found
     print(f"tools/test --changed: {len(files)} files, {len(chosen)} of {len(tests)} tests reach them", flush=True)
     return [test for test in tests if test.name in chosen]
+
+
+def fitting(tests: list[Test], seconds: dict[str, float], room_s: float) -> list[Test]:
+    """As many tests as fit into room_s seconds of test time, the shortest first. A test whose time is unknown is short."""
+    out, used = [], 0.0
+    for test in sorted(tests, key=lambda t: seconds.get(t.name, 0.0)):
+        used += seconds.get(test.name, 0.0)
+        if used > room_s:
+            break
+        out.append(test)
+    return out
 
 
 def changed_files(commit: str) -> list[str]:
