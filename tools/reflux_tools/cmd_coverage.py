@@ -15,6 +15,7 @@ from reflux_tools.paths import ROOT, build_dir, out_root, shown
 from reflux_tools.testing import reach, reach_measure
 
 AIM_LINES, AIM_BRANCHES = 95.0, 90.0
+LACKING_MOST = 0.005  # A busy machine can send a test another way: a few sources are reached in some runs only.
 
 
 def main(arguments: list[str]) -> int:
@@ -27,7 +28,7 @@ def main(arguments: list[str]) -> int:
     p.add_argument("--files", action="store_true", help="also each file")
     p.add_argument("--reach", action="store_true",
                    help="instead: run every test of the default tier once and write the sources that it runs to tests/reach.txt")
-    p.add_argument("--check", action="store_true", help="with --reach: write nothing; exit status 1 where a test runs a source that the file lacks")
+    p.add_argument("--check", action="store_true", help="with --reach: write nothing; exit status 1 where the file lacks more than half a percent")
     options = p.parse_args(arguments)
     if options.check and not options.reach:
         raise UserError("--check goes with --reach")
@@ -66,9 +67,10 @@ def measure_reach(jobs: int, check: bool) -> int:
     lacking = {name: sources for name, sources in lacking.items() if sources}
     for name, sources in lacking.items():
         print(f"{name} runs {', '.join(sources[:5])}{' ...' if len(sources) > 5 else ''}")
-    if lacking:
-        print(f"{shown(reach.TABLE)} lacks sources of {len(lacking)} tests; tools/coverage --reach writes it anew")
-    return 1 if lacking else 0
+    share = sum(map(len, lacking.values())) / sum(map(len, reached.values()))
+    print(f"{shown(reach.TABLE)} lacks {100 * share:.2f} % of what tests run, in {len(lacking)} tests; up to {100 * LACKING_MOST:g} % is "
+          "allowed. tools/coverage --reach writes it anew")
+    return 1 if share > LACKING_MOST else 0
 
 
 def layer_of(name: str) -> str:
