@@ -67,6 +67,11 @@ class Forecast(unittest.TestCase):
         self.assertIn("2 of 3 tests, 1 failed", watch.line())
         self.assertEqual((watch.failed, watch.seconds), (["a"], {"c": 31.0, "a": 1.0}))
 
+    def test_a_test_that_overruns_its_forecast_is_said_to(self) -> None:
+        watch = running.Watch(tests("a"), {"a": 0.0}, 1)
+        watch.started("a")
+        self.assertEqual(watch.line(), "0 of 1 tests, the rest takes longer than expected; running: a")
+
     def test_lines_of_ctest_are_understood(self) -> None:
         self.assertEqual(running.STARTED.match("      Start  12: asan.pid_loop")[1], "asan.pid_loop")
         line = "  3/630 Test  #12: asan.pid_loop ..........................   Passed    0.31 sec"

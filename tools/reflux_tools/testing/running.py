@@ -90,7 +90,9 @@ class Watch:
 
     def line(self) -> str:
         failed = f", {len(self.failed)} failed" if self.failed else ""
-        return (f"{self.count - len(self.left)} of {self.count} tests{failed}, about {self.left_s():.0f} s left"
+        left = self.left_s()
+        forecast = f"about {left:.0f} s left" if left >= 1.0 or not self.running else "the rest takes longer than expected"
+        return (f"{self.count - len(self.left)} of {self.count} tests{failed}, {forecast}"
                 + (f"; running: {', '.join(self.running)}" if self.running else ""))
 
 
@@ -103,7 +105,7 @@ def run(folder: Path, tests: list[Test], seconds: dict[str, float], jobs: int) -
     threading.Thread(target=_read, args=(process, lines), daemon=True).start()
     watch = Watch(tests, seconds, jobs)
     progress = build.Progress("tests")
-    told = time.monotonic()
+    told, last = time.monotonic(), ""
     try:
         while True:
             with contextlib.suppress(queue.Empty):
@@ -114,7 +116,9 @@ def run(folder: Path, tests: list[Test], seconds: dict[str, float], jobs: int) -
             progress.show(watch.line())
             if not progress.terminal and time.monotonic() - told > TOLD_EVERY_S:
                 told = time.monotonic()
-                print(f"tests: {watch.line()}", flush=True)
+                if (text := watch.line()) != last:
+                    print(f"tests: {text}", flush=True)
+                last = text
         return process.wait(), watch
     except BaseException:
         process.terminate()
