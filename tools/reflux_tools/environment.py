@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import os
+import subprocess
+import sys
 from typing import Mapping
 
 from reflux_tools.paths import build_root
@@ -25,3 +28,10 @@ def clean(environment: Mapping[str, str]) -> dict[str, str]:
     if len(kept.get("TMPDIR", "")) > TEMPORARY_MAX:
         del kept["TMPDIR"]
     return {**kept, "LC_ALL": "C.UTF-8", "MPLBACKEND": "Agg", "MPLCONFIGDIR": str(build_root() / "matplotlib")}
+
+
+def prepare() -> None:
+    """Makes matplotlib's list of fonts, once for each build folder: on a machine with many fonts matplotlib says on stderr that it
+    does so, in the first test that draws."""
+    if not list((build_root() / "matplotlib").glob("fontlist*")):
+        subprocess.run([sys.executable, "-c", "import matplotlib.font_manager"], env=clean(os.environ), capture_output=True, check=False)

@@ -98,6 +98,7 @@ class Watch:
 
 def run(folder: Path, tests: list[Test], seconds: dict[str, float], jobs: int) -> tuple[int, Watch]:
     """ctest's exit status, and what was seen. Prints output of tests that fail, and ctest's summary."""
+    environment.prepare()
     command = ["ctest", "--test-dir", str(folder), "--output-on-failure", "--no-tests=error", "-j", str(jobs)]
     process = subprocess.Popen(command, cwd=ROOT, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
                                text=True, errors="replace", env=environment.clean(os.environ))
