@@ -41,6 +41,12 @@ class Changed(unittest.TestCase):
     def test_a_module_runs_python_tests_that_import_it(self) -> None:
         self.assertEqual(reaching("tests/tools/support.py"), {"tools.documents"})
 
+    def test_a_command_runs_python_tests_that_call_it_by_its_name_and_the_pages(self) -> None:
+        script = str(ROOT / "tests" / "tools" / "test_gradients.py")
+        some = [Test("tools.gradients", [sys.executable, script], ["tools"]), Test("tools.commands-README-quick", ["x"], ["tools"]), *TESTS]
+        self.assertEqual(changed.reaching(some, "tools/reflux_tools/cmd_gradients.py"),
+                         {"tools.gradients", "tools.commands-README-quick"})
+
     def test_what_is_not_known_runs_everything(self) -> None:
         for path in ("CMakeLists.txt", "tests/reference/pid_cases.csv", "host_sim/scenarios/pilot.conf", "tools/launcher.sh"):
             self.assertEqual(reaching(path), {t.name for t in TESTS}, path)

@@ -77,7 +77,10 @@ def reaching(tests: list[Test], path: str) -> set[str]:
     if path.endswith(COMPILED) and top in (*COUNTED, "tests"):
         return _reaching_source(tests, path)
     if path.endswith(".py"):
-        return {t.name for t in tests if path in _scripts_of(t)} or _everything(tests)
+        found = {t.name for t in tests if path in _scripts_of(t)}
+        if top == "tools":  # a page may run any tool
+            found |= {t.name for t in tests if t.name.startswith("tools.commands")}
+        return found or _everything(tests)
     if path.endswith(".md"):
         page = f"tools.commands-{Path(path).stem}"
         return {t.name for t in tests if t.name.startswith(page) or t.name.split(".", 1)[1] in OF_PAGES or t.name in OF_PAGES}
@@ -175,8 +178,8 @@ def _imports(path: Path) -> frozenset[Path]:
                 relative = module.strip().replace(".", "/")
                 for base in (ROOT / "tools", now.parent, ROOT / "tests" / "support", ROOT / "tests" / "reference"):
                     waiting += [base / f"{relative}.py"]
-        # Commands that the test starts as a person would.
-        for name in re.findall(r"tools[/\"', ]+([a-z][a-z-]+)", text):
+        # Commands that the test starts as a person would, or through support.call().
+        for name in re.findall(r"(?:tools[/\"', ]+|\bcall\(\s*[\"'])([a-z][a-z-]+)", text):
             waiting.append(ROOT / "tools" / "reflux_tools" / f"cmd_{name.replace('-', '_')}.py")
     return frozenset(found)
 
