@@ -44,15 +44,15 @@ def locked(folder: Path, quiet: bool = False) -> Iterator[None]:
 
 
 def _wait_for_lock(descriptor: int, folder: Path, quiet: bool) -> None:
-    started, told = time.monotonic(), quiet
+    started, announced = time.monotonic(), quiet
     while True:
         try:
             fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
             return
         except BlockingIOError:
-            if not told and time.monotonic() - started > SILENT_WAIT_S:
+            if not announced and time.monotonic() - started > SILENT_WAIT_S:
                 print(f"waiting for the build tree {shown(folder)}, in which another process builds", flush=True)
-                told = True
+                announced = True
             time.sleep(LOOK_AGAIN_S)
 
 

@@ -11,7 +11,7 @@ from pathlib import Path
 
 from reflux_tools import build, table
 from reflux_tools.errors import RunFailed, UserError
-from reflux_tools.paths import ROOT, build_dir, out_root, shown
+from reflux_tools.paths import ROOT, out_root, shown
 from reflux_tools.testing import reach, reach_measure
 
 AIM_LINES, AIM_BRANCHES = 95.0, 90.0

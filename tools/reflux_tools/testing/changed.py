@@ -6,6 +6,7 @@ header is reached through every source that includes it. A Python test reaches t
 
 from __future__ import annotations
 
+import json
 import re
 import subprocess
 from functools import cache
@@ -138,7 +139,6 @@ def _includers(path: str) -> frozenset[str]:
 @cache
 def _sources_by_target(preset: str) -> dict[str, set[str]]:
     """Sources below tests/ of each test program of a sanitizer tree, from its compile commands."""
-    import json
     out: dict[str, set[str]] = {}
     try:
         entries = json.loads((build_dir(preset) / "compile_commands.json").read_text(encoding="utf-8"))

@@ -13,7 +13,7 @@ from pathlib import Path
 
 from reflux_tools import boards, build, launch
 from reflux_tools.errors import RunFailed
-from reflux_tools.paths import CAMPAIGNS, ROOT, build_dir
+from reflux_tools.paths import CAMPAIGNS, ROOT
 from reflux_tools.testing import ctest_files
 
 LABELS = ("unit", "loop", "fuzz", "target", "style", "tools", "campaign")

@@ -15,7 +15,7 @@ from pathlib import Path
 from reflux_tools import boards, build
 from reflux_tools.errors import RunFailed
 from reflux_tools.paths import ROOT, build_root
-from reflux_tools.testing import ctest_files, reach
+from reflux_tools.testing import ctest_files
 from reflux_tools.testing.entries import HANG_S, HOST, LIBRARIES, Test, script_tests, target_logs
 
 FOLDERS = ("firmware/", "hal/", "host_sim/")

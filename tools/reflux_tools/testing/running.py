@@ -106,7 +106,7 @@ def run(folder: Path, tests: list[Test], seconds: dict[str, float], jobs: int) -
     threading.Thread(target=_read, args=(process, lines), daemon=True).start()
     watch = Watch(tests, seconds, jobs)
     progress = build.Progress("tests")
-    told, last = time.monotonic(), ""
+    announced, last = time.monotonic(), ""
     try:
         while True:
             with contextlib.suppress(queue.Empty):
@@ -115,8 +115,8 @@ def run(folder: Path, tests: list[Test], seconds: dict[str, float], jobs: int) -
                     break
                 _take(line, watch, progress)
             progress.show(watch.line())
-            if not progress.terminal and time.monotonic() - told > TOLD_EVERY_S:
-                told = time.monotonic()
+            if not progress.terminal and time.monotonic() - announced > TOLD_EVERY_S:
+                announced = time.monotonic()
                 if (text := watch.line()) != last:
                     print(f"tests: {text}", flush=True)
                 last = text
