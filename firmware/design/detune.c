@@ -254,8 +254,12 @@ enum err detune_begin(struct detune *d, const struct interact_plant *plant,
         err = set_models(d, reason);
     if (err)
         return err;
-    *reason = (struct interact_refusal){"", "", INTERACT_NONE, INTERACT_NONE};
-    return begin_parts(d, false);
+    err = begin_parts(d, false);
+    *reason =
+        err ? (struct interact_refusal){"gain, time_constant_s", "such that a PI can be tuned",
+                                        INTERACT_NONE, INTERACT_NONE}
+            : (struct interact_refusal){"", "", INTERACT_NONE, INTERACT_NONE};
+    return err;
 }
 
 static enum err busy_or_error(enum err err)

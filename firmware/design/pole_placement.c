@@ -241,6 +241,8 @@ enum err pole_placement_design(const struct polynomial *a, const struct polynomi
     enum err err = check_placement(a, b, period_s, goal, reason);
     if (err)
         return err;
+    /* Whatever returns an error without a reason of its own leaves this one. */
+    *reason = (struct pole_placement_refusal){"model", "one that can be designed for"};
     struct polynomial den = *a, num = *b, ak = {0};
     const struct polynomial k = {.n = 2, .at = {REAL_C(1.0), REAL_C(-1.0)}};
     *result = (struct pole_placement){0};

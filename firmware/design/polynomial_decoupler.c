@@ -153,8 +153,6 @@ enum err polynomial_decoupler_design(const struct difference_model *model,
 {
     struct polynomial_decoupler_refusal unused;
     reason = reason ? reason : &unused;
-    *reason =
-        (struct polynomial_decoupler_refusal){"model", "a model", DECOUPLED_NONE, DECOUPLED_NONE};
     *result = (struct polynomial_decoupler){0};
     enum err err = difference_check(model, &reason->field, &reason->wanted);
     if (!err)
@@ -163,6 +161,8 @@ enum err polynomial_decoupler_design(const struct difference_model *model,
         return err;
     if (model->outputs != model->inputs)
         return refuse_field(reason, "outputs", "as many as inputs");
+    /* Whatever returns an error without a reason of its own leaves this one. */
+    (void)!refuse_field(reason, "model", "one that can be designed for");
     unsigned n = model->outputs, delays = 0;
     take_model(model, &work->b);
     err = find_determinant(config, work, result, reason);

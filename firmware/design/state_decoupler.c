@@ -349,7 +349,8 @@ static enum err judge_samples(const struct state_model *model, real_t hold_s,
                             "at most 16, with a place for each integral and each derivative",
                             STATE_LOOP_NONE);
     if (err)
-        return err;
+        return refuse_state(reason, err, "states", "of a loop whose modes can be computed",
+                            STATE_LOOP_NONE);
     if (!(d->radius < REAL_C(1.0)))
         return refuse_state(reason, ERR_RANGE, in_z ? "integral_s" : "hold_s",
                             in_z ? "longer: with it the loop is not stable"
@@ -378,7 +379,6 @@ static enum err find_law(const struct state_model *model,
                          const struct state_decoupler_goal *goal, struct state_decoupler_work *work,
                          struct state_decoupler *d, struct state_decoupler_refusal *reason)
 {
-    *reason = (struct state_decoupler_refusal){"model", "a model", STATE_LOOP_NONE};
     *d = (struct state_decoupler){0};
     enum err err = state_model_check(model, &reason->field, &reason->wanted);
     if (!err)
@@ -438,6 +438,9 @@ enum err state_decoupler_part(const struct state_model *model,
                               struct state_decoupler_refusal *reason)
 {
     enum err err;
+    /* Whatever returns an error without a reason of its own leaves this one. */
+    *reason =
+        (struct state_decoupler_refusal){"model", "one that can be designed for", STATE_LOOP_NONE};
     switch (work->part++) {
     case 0:
         err = find_law(model, config, goal, work, d, reason);

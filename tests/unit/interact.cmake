@@ -7,7 +7,7 @@ foreach(kind "" _double)
     reflux_test(${part}${kind} LABEL unit SOURCES ${CMAKE_CURRENT_LIST_DIR}/test_${part}.c LIBS reflux_interact${kind})
   endforeach()
   foreach(part loops detune interact_extremes polynomial_decoupler state_decoupler state_poles pole_placement decoupler_shapes feedforward_rules
-               response_fit)
+               response_fit refusal_reasons)
     reflux_test(${part}${kind} LABEL unit SOURCES ${CMAKE_CURRENT_LIST_DIR}/test_${part}.c LIBS reflux_design${kind})
   endforeach()
 endforeach()
