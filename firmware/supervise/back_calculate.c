@@ -2,6 +2,7 @@
 
 #include "supervise/blocks.h"
 #include "supervise/compensate_blocks.h"
+#include "supervise/constrain.h"
 #include "supervise/serve.h"
 #include "supervise/setpoint.h"
 
@@ -15,9 +16,9 @@ static uint8_t saturation(const struct supervisor *s, uint8_t i)
     bool up = (l->limited & INTEGRAL_CLAMP_UP) != 0;
     bool down = (l->limited & INTEGRAL_CLAMP_DOWN) != 0;
     if (p->mv != PLAN_NONE) {
-        const struct mv_state *o = &s->mv[p->mv];
-        up = up || num_lt(o->applied, o->commanded);
-        down = down || num_lt(o->commanded, o->applied);
+        num_t shortfall = mv_shortfall(&s->mv[p->mv]);
+        up = up || num_lt(shortfall, num_zero());
+        down = down || num_lt(num_zero(), shortfall);
     } else { /* whether or not it has been told already */
         num_t taken = setpoint_clamp(s, p->inner, l->v);
         up = up || num_lt(taken, l->v);
@@ -59,7 +60,7 @@ static void back_direct(struct supervisor *s, uint8_t i, num_t told)
         return;
     }
     const struct mv_state *o = &s->mv[p->mv];
-    l->v = num_sub(num_sub(o->applied, o->excitation), l->feedforward);
+    l->v = num_sub(mv_without_signal(o, o->applied), l->feedforward);
     block_follow(s, i);
 }
 
@@ -94,14 +95,14 @@ static void back_compensated(struct supervisor *s, num_t *told)
         if (!(b->acting & (1u << i)))
             continue;
         const struct mv_state *o = &s->mv[s->plan->loop[i].mv];
-        u[i] = num_sub(o->applied, o->commanded);
+        u[i] = mv_shortfall(o);
         whole = whole || num_lt(num_from_float(COMMAND_MAX), num_abs(o->commanded));
     }
     for (uint8_t i = 0; whole && i < DECOUPLER_MAX; i++) {
         if (!(b->acting & (1u << i)))
             continue;
         const struct mv_state *o = &s->mv[s->plan->loop[i].mv];
-        u[i] = num_sub(o->applied, num_add(s->loop[i].feedforward, o->excitation));
+        u[i] = num_sub(mv_without_signal(o, o->applied), s->loop[i].feedforward);
     }
     struct block_io io = {.acting = b->acting, .in = u, .out = told};
     block_kinds[b->kind]->back_calculate(supervisor_block(s, SLOT_MATRIX), &io);
@@ -117,7 +118,7 @@ void back_calculate_loops(struct supervisor *s)
         uint8_t j = s->plan->loop[i].mv;
         told[i] = s->loop[i].v;
         if (s->plan->loop[i].used && j != PLAN_NONE)
-            told[i] = num_add(told[i], num_sub(s->mv[j].applied, s->mv[j].commanded));
+            told[i] = num_add(told[i], mv_shortfall(&s->mv[j]));
     }
     if (s->block[SLOT_MATRIX].kind != PLAN_NONE)
         back_compensated(s, told);

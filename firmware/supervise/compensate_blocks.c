@@ -1,6 +1,7 @@
 #include "supervise/compensate_blocks.h"
 
 #include "supervise/blocks.h"
+#include "supervise/constrain.h"
 #include "supervise/raised.h"
 #include "supervise/records.h"
 #include "supervise/served_io.h"
@@ -248,8 +249,8 @@ void compensators_back_calculate(struct supervisor *s, num_t *told)
         if (!(loops & (1u << i)))
             continue;
         const struct mv_state *o = &s->mv[s->plan->loop[i].mv];
-        less[i] = num_sub(o->applied, o->commanded);
-        whole[i] = num_sub(num_sub(o->applied, o->excitation), s->loop[i].feedforward);
+        less[i] = mv_shortfall(o);
+        whole[i] = num_sub(mv_without_signal(o, o->applied), s->loop[i].feedforward);
     }
     for (uint8_t slot = served_end(s); slot-- > SLOT_RECORDS;)
         if (compensates(s, slot))

@@ -160,6 +160,19 @@ static void constrain_mv(struct supervisor *s, uint8_t j)
     o->constrained = ramp_step(&o->rate, num_clamp(o->commanded, lo, hi));
 }
 
+num_t mv_without_signal(const struct mv_state *o, num_t at)
+{
+    if (o->interlocked)
+        return at;
+    num_t part = num_abs(o->excitation);
+    return num_clamp(num_sub(o->commanded, o->excitation), num_sub(at, part), num_add(at, part));
+}
+
+num_t mv_shortfall(const struct mv_state *o)
+{
+    return num_sub(mv_without_signal(o, o->applied), num_sub(o->commanded, o->excitation));
+}
+
 void constrain_mvs(struct supervisor *s)
 {
     for (uint8_t j = 0; j < s->placed[PLACED_MVS]; j++)
@@ -176,6 +189,6 @@ void constrain_mvs(struct supervisor *s)
         o->beyond = o->beyond || o->interlocked;
         /* Manual begins where automatic or an interlock left the output. */
         if (o->interlocked || (i != PLAN_NONE && loop_drives(s, i)))
-            o->manual = num_sub(o->constrained, o->excitation);
+            o->manual = mv_without_signal(o, o->constrained);
     }
 }

@@ -78,6 +78,74 @@ static void loops_that_act_take_no_notice_of_it(void)
     TEST_ASSERT_EQUAL(EXCITE_RUNS, wish[ESTIMATOR].state);
 }
 
+/* ---- behind a rate limit, which lets only part of the signal through ---- */
+
+/* 0.01 of the span a tick, where the signals are 0.05 and 0.1. */
+static void begin_behind_a_rate_limit(void)
+{
+    begin();
+    put("mv1.rate", "0.1");
+    set_and_apply("mv2.rate", "0.02");
+}
+
+/* Up for three ticks, then down: what is sent never holds the whole signal. */
+static void swing_behind_the_rate(void)
+{
+    wish[CONTROLLER].ask[0] = on(EXCITE_MV, 0, 0.05);
+    ticks(3);
+    wish[CONTROLLER].ask[0].value = num_from_float(-0.05f);
+    tick();
+    TEST_ASSERT_EQUAL(EXCITE_RUNS, wish[CONTROLLER].state);
+    TEST_ASSERT_TRUE(sent(REFLUX) > 0.5 && sent(REFLUX) < 0.55);
+}
+
+static void
+a_loop_that_goes_to_manual_behind_a_rate_limit_returns_to_the_value_without_the_signal(void)
+{
+    begin_behind_a_rate_limit();
+    swing_behind_the_rate();
+    mode(TOP, LOOP_MANUAL);
+    ticks(3);
+    for (unsigned k = 0; k < 30; k++) {
+        TEST_ASSERT_DOUBLE_WITHIN(1e-6, 0.5, sent(REFLUX));
+        tick();
+    }
+}
+
+static void a_restart_behind_a_rate_limit_comes_back_at_the_value_without_the_signal(void)
+{
+    begin_behind_a_rate_limit();
+    swing_behind_the_rate();
+    struct restart_record kept = {0};
+    struct restart r;
+    restart_init(&r, &kept, false);
+    restart_keep(&r, &bench.s);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-6, 0.5, D(kept.mv[REFLUX]));
+}
+
+/* The PID must not take the missing part of the signal for a limit and wind its integral back. */
+static void loops_that_act_behind_a_rate_limit_take_no_notice_of_it(void)
+{
+    begin_behind_a_rate_limit();
+    put_block(CONTROLLER, "held", "top", "spare feed");
+    apply();
+    mode(BOTTOM, LOOP_AUTO);
+    reading(T10, 115);
+    ticks(2);
+    double before = sent(HEAT);
+    wish[ESTIMATOR].ask[0] = on(EXCITE_INPUT, 0, 0.1);
+    strcpy(bench.config.block[ESTIMATOR].inputs, "heat feed");
+    apply();
+    for (unsigned k = 0; k < 200; k++) {
+        wish[ESTIMATOR].ask[0].value = num_from_float(k / 3 % 2 ? -0.1f : 0.1f);
+        tick();
+    }
+    TEST_ASSERT_EQUAL(EXCITE_RUNS, wish[ESTIMATOR].state);
+    wish[ESTIMATOR].ask[0].what = EXCITE_NOTHING;
+    ticks(60);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-4, before, sent(HEAT));
+}
+
 static void compensated(void)
 {
     put_block(ESTIMATOR, "pass", "top", "");
@@ -317,6 +385,10 @@ int main(void)
     RUN_TEST(it_is_added_behind_ramp_and_filter_which_know_nothing_of_it);
     RUN_TEST(what_it_needs_no_more_ends_with_its_asking);
     RUN_TEST(loops_that_act_take_no_notice_of_it);
+    RUN_TEST(
+        a_loop_that_goes_to_manual_behind_a_rate_limit_returns_to_the_value_without_the_signal);
+    RUN_TEST(a_restart_behind_a_rate_limit_comes_back_at_the_value_without_the_signal);
+    RUN_TEST(loops_that_act_behind_a_rate_limit_take_no_notice_of_it);
     RUN_TEST(a_compensator_excites_a_setpoint_to_which_the_controller_answers);
     RUN_TEST(between_its_steps_it_stays);
     RUN_TEST(an_estimator_excites_an_mv_among_its_inputs_in_manual);
