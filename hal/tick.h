@@ -16,7 +16,7 @@ void hal_tick_request(void);
 
 /* Holds the tick context off while the main loop copies something it shares; keep it to microseconds. The longest is
  * a plan put into force (service_settle), which the tick would have to do otherwise.
- * Not nested. */
+ * Locks nest: the tick context goes on after as many unlocks as locks. */
 void hal_tick_lock(void);
 void hal_tick_unlock(void);
 

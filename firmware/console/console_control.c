@@ -127,8 +127,7 @@ static bool loop_line(struct console *c, unsigned n, struct text *line)
         return true;
     }
     float value;
-    const struct block_kind *kind = plan_kind(plan, i);
-    const char *name = kind->describe(supervisor_block(s->supervisor, i), n - 1, &value);
+    const char *name = operate_controller_value(&c->session, i, n - 1, &value);
     if (!name)
         return false;
     text_str(line, "  ");

@@ -48,9 +48,12 @@ const char *operate_block_value(const struct session *session, uint8_t block, un
 {
     const struct service *s = session->door->service;
     struct block_reading r;
-    if (!operate_block(session, block, &r) || !r.kind || !r.kind->describe)
-        return NULL;
-    return r.kind->describe(supervisor_block(s->supervisor, slot_of(block)), i, value);
+    const char *name = NULL;
+    hal_tick_lock(); /* a value may be computed from several that the tick writes together */
+    if (operate_block(session, block, &r) && r.kind && r.kind->describe)
+        name = r.kind->describe(supervisor_block(s->supervisor, slot_of(block)), i, value);
+    hal_tick_unlock();
+    return name;
 }
 
 enum err operate_find_block(const struct session *session, const char *name, uint8_t *block,

@@ -1,4 +1,5 @@
 /* Modes, setpoints and outputs of loops, and settings for one from a model of its process. */
+#include "hal/tick.h"
 #include "operate/operate_internal.h"
 
 enum err operate_refuse_range(struct answer *answer, const char *subject, float value, float lo,
@@ -131,12 +132,9 @@ enum err operate_output(struct session *session, uint8_t loop, uint8_t output, f
     return err;
 }
 
-bool operate_loop(const struct session *session, uint8_t loop, struct loop_reading *reading)
+static void read_loop(const struct service *s, uint8_t loop, struct loop_reading *reading)
 {
-    const struct service *s = session->door->service;
     const struct plan *plan = service_in_force(s);
-    if (!is_loop(plan, loop))
-        return false;
     const struct loop_plan *p = &plan->loop[loop];
     const struct loop_state *l = &s->supervisor->loop[loop];
     const struct measurement_state *m = &s->supervisor->measurement[p->pv];
@@ -156,7 +154,30 @@ bool operate_loop(const struct session *session, uint8_t loop, struct loop_readi
         const struct measurement_config *inner = &plan->config.measurement[plan->loop[p->inner].pv];
         reading->output = span_to_eu(l->v, inner->lo, inner->hi);
     }
-    return true;
+}
+
+bool operate_loop(const struct session *session, uint8_t loop, struct loop_reading *reading)
+{
+    const struct service *s = session->door->service;
+    hal_tick_lock();
+    bool there = is_loop(service_in_force(s), loop);
+    if (there)
+        read_loop(s, loop, reading);
+    hal_tick_unlock();
+    return there;
+}
+
+const char *operate_controller_value(const struct session *session, uint8_t loop, unsigned i,
+                                     float *value)
+{
+    const struct service *s = session->door->service;
+    const char *name = NULL;
+    hal_tick_lock();
+    const struct plan *plan = service_in_force(s);
+    if (is_loop(plan, loop))
+        name = plan_kind(plan, loop)->describe(supervisor_block(s->supervisor, loop), i, value);
+    hal_tick_unlock();
+    return name;
 }
 
 enum err operate_tune(const struct session *session, uint8_t loop, enum tuning_rule rule,

@@ -90,6 +90,7 @@ static void place_record(struct supervisor *s, const struct plan *old, uint8_t s
     bool same = same_record(s, old, slot);
     if (!same) { /* of whatever was here before */
         job_give_up(&s->work[n]);
+        s->served[n].on_pending = false;
         raised_forget(s, slot);
         if (old)
             loops_moved(s, old, slot);
@@ -118,12 +119,36 @@ void serve_place(struct supervisor *s, const struct plan *old)
 
 /* ---- giving up and coming back ---- */
 
+static void come_on(struct supervisor *s, uint8_t slot)
+{
+    uint8_t n = (uint8_t)(slot - SLOT_RECORDS);
+    s->served[n].on_pending = false;
+    if (!served_is(s, slot, STAGE_CONTROL)) /* what made it give up may be in its state */
+        block_give_settings(s, slot, false);
+    s->block[slot].off = false;
+    s->block[slot].must_follow = true;
+    raised_forget(s, slot);
+    event_put(s->events, s->time_ms, EVENT_BLOCK_ON, s->plan->config.block[n].kind, (float)(n + 1u),
+              0);
+}
+
+/* The main loop may be in the midst of a piece of the block's work, which the tick has interrupted. Its state is cleared only
+ * after the end of that piece. */
+static void come_on_when_idle(struct supervisor *s, uint8_t slot)
+{
+    if (job_is_working(&s->work[slot - SLOT_RECORDS]))
+        s->served[slot - SLOT_RECORDS].on_pending = true;
+    else
+        come_on(s, slot);
+}
+
 bool serve_switch(struct supervisor *s, uint8_t n, bool on)
 {
     uint8_t slot = (uint8_t)(SLOT_RECORDS + n);
     if (n >= CONFIG_BLOCKS || s->block[slot].kind == PLAN_NONE ||
         served_is(s, slot, STAGE_ESTIMATE))
         return false;
+    s->served[n].on_pending = false;
     if (s->block[slot].off != on)
         return true;
     if (!on) {
@@ -134,13 +159,7 @@ bool serve_switch(struct supervisor *s, uint8_t n, bool on)
         s->block[slot].running = false;
         return true;
     }
-    if (!served_is(s, slot, STAGE_CONTROL)) /* what made it give up may be in its state */
-        block_give_settings(s, slot, false);
-    s->block[slot].off = false;
-    s->block[slot].must_follow = true;
-    raised_forget(s, slot);
-    event_put(s->events, s->time_ms, EVENT_BLOCK_ON, s->plan->config.block[n].kind, (float)(n + 1u),
-              0);
+    come_on_when_idle(s, slot);
     return true;
 }
 
@@ -155,6 +174,8 @@ void serve_check_inputs(struct supervisor *s)
 {
     for (uint8_t slot = SLOT_RECORDS; slot < served_end(s); slot++) {
         const struct record_plan *r = served_record(s, slot);
+        if (s->served[slot - SLOT_RECORDS].on_pending)
+            come_on_when_idle(s, slot);
         if (!s->plan->config.block[slot - SLOT_RECORDS].kind[0])
             continue;
         if (s->block[slot].kind == PLAN_NONE) { /* this build cannot run it */

@@ -165,7 +165,8 @@ struct block_state {
 struct served_state {
     const char *gave_up; /* why it is off, in a word; NULL: this input of it was bad */
     uint8_t input;
-    uint8_t raised; /* bit k: the k-th event of its kind held in its last step */
+    uint8_t raised;  /* bit k: the k-th event of its kind held in its last step */
+    bool on_pending; /* it was told to come on in the midst of a piece of its work */
 };
 _Static_assert(BLOCK_EVENTS_MAX <= 8, "a bit for each");
 

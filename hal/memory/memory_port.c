@@ -34,6 +34,7 @@ static unsigned reboots;
 static jmp_buf reset_vector;
 static bool flash_ready;
 static void (*tick_lock)(void), (*tick_unlock)(void);
+static unsigned tick_locks; /* that are held */
 static struct hal_retained_memory retained;
 static enum hal_image image;
 static struct hal_fault fault;
@@ -52,6 +53,7 @@ static void power_up(uint64_t now)
     lines[HAL_UART_CONSOLE].tx.size = console_tx_size;
     clock_ms = ticked_ms = fed_ms = now;
     unfed_ms = frame_ms = 0;
+    tick_locks = 0;
     tick_asked = true;
     boot_id++;
     app_init(app_instance());
@@ -281,13 +283,13 @@ void hal_tick_request(void)
 
 void hal_tick_lock(void)
 {
-    if (tick_lock)
+    if (tick_locks++ == 0 && tick_lock)
         tick_lock();
 }
 
 void hal_tick_unlock(void)
 {
-    if (tick_unlock)
+    if (--tick_locks == 0 && tick_unlock)
         tick_unlock();
 }
 

@@ -72,14 +72,18 @@ void hal_tick_request(void)
     }
 }
 
+static unsigned locks; /* that are held; the main loop's alone */
+
 void hal_tick_lock(void)
 {
+    locks++;
     __asm volatile("msr basepri, %0\n\tdsb\n\tisb" : : "r"(PRIORITY_TICK) : "memory");
 }
 
 void hal_tick_unlock(void)
 {
-    __asm volatile("dsb\n\tmsr basepri, %0\n\tisb" : : "r"(0) : "memory");
+    if (--locks == 0)
+        __asm volatile("dsb\n\tmsr basepri, %0\n\tisb" : : "r"(0) : "memory");
 }
 
 /* Interrupts are held off between the look and the sleep, so that work that arrives just then is not slept

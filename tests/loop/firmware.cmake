@@ -5,3 +5,7 @@ foreach(part analyser_console session standstill odd_plant interrupted told cons
                 LIBS reflux_hal_memory reflux_app reflux_link)
   endif()
 endforeach()
+reflux_test(interrupted_blocks LABEL loop SOURCES ${CMAKE_CURRENT_LIST_DIR}/test_interrupted_blocks.c
+            LIBS reflux_hal_memory reflux_app reflux_link)
+target_compile_definitions(test_interrupted_blocks PRIVATE SCENARIOS="${PROJECT_SOURCE_DIR}/host_sim/scenarios"
+                           DECOUPLING="${CMAKE_CURRENT_LIST_DIR}/decoupling" FEEDFORWARD="${CMAKE_CURRENT_LIST_DIR}/feedforward")

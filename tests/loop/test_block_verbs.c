@@ -53,6 +53,38 @@ static void blocks_are_listed_with_what_they_do(void)
             "  verb tune 1..100 s: to that time", "  alarm spent: it has no room, share");
 }
 
+static unsigned locks, read_values;
+
+static void hold_tick(void)
+{
+    locks++;
+}
+
+static void let_tick_go(void)
+{
+    locks--;
+}
+
+static void read_while_held(void)
+{
+    TEST_ASSERT_EQUAL_UINT(1, locks);
+    read_values++;
+}
+
+/* A value may be computed from several that the tick writes together. */
+static void inner_values_are_read_while_the_tick_is_held_off(void)
+{
+    float value;
+    memory_port_set_tick_lock(hold_tick, let_tick_go);
+    watch_described = read_while_held;
+    ask_ok("block 1");
+    TEST_ASSERT_EQUAL_STRING("held", operate_block_value(&client, 0, 0, &value));
+    watch_described = NULL;
+    memory_port_set_tick_lock(NULL, NULL);
+    TEST_ASSERT_TRUE(read_values > 3);
+    TEST_ASSERT_EQUAL_UINT(0, locks);
+}
+
 static void a_block_is_switched_off_and_on_and_says_why_it_is_off(void)
 {
     ask_ok("block 2 off");
@@ -204,6 +236,7 @@ int main(void)
 {
     UNITY_BEGIN();
     RUN_TEST(blocks_are_listed_with_what_they_do);
+    RUN_TEST(inner_values_are_read_while_the_tick_is_held_off);
     RUN_TEST(a_block_is_switched_off_and_on_and_says_why_it_is_off);
     RUN_TEST(a_verb_reaches_the_block_with_the_next_sample);
     RUN_TEST(refusals_name_what_there_is);

@@ -1,6 +1,4 @@
-/* The tick interrupts the main loop anywhere: it runs in the handler of a timer signal that comes a random time after the
- * last one, or after the tick was locked out, and the tick lock blocks that signal. Whatever plan a tick finds in force is
- * whole.
+/* The tick interrupts the main loop anywhere (interrupting.h). Whatever plan a tick finds in force is whole.
  *
  *     test_interrupted           a sample
  *     test_interrupted 100000    so many applies
@@ -10,33 +8,19 @@
  * in each COMMAND the values by hand are the same as ever, those held are all the same, and they never go back.
  */
 #define _GNU_SOURCE /* NOLINT(bugprone-reserved-identifier): timer_create with strict headers */
-#include <signal.h>
-#include <stdio.h>
 #include <stdlib.h>
-#include <string.h>
-#include <sys/time.h>
 #include <sys/wait.h>
-#include <time.h>
-#include <unistd.h>
 
-#include "app/app.h"
+#include "interrupting.h"
 #include "link/frame.h"
 #include "link/messages.h"
-#include "memory_port.h"
-#include "random_source.h"
-#include "unity.h"
 
-#define SEED              0x7E4A1u
 #define MEASUREMENTS      2
 #define OUTPUTS           8
 #define BY_HAND           4 /* of them, the first; the others by interlocks */
 #define SAMPLE_OF_APPLIES 1000u
 
 static unsigned applies = SAMPLE_OF_APPLIES;
-static timer_t timer;
-static sigset_t the_signal;
-static struct random_source source;
-static volatile unsigned main_turns;
 
 /* ---- the tick context: nothing of this is touched by the main loop while the signal can come ---- */
 
@@ -142,103 +126,7 @@ static void tick(void)
             answer(&f);
 }
 
-/* ---- the timer ---- */
-
-static void arm(uint32_t longest_ns)
-{
-    struct itimerspec soon = {.it_value.tv_nsec = 1 + (long)random_below(&source, longest_ns)};
-    (void)timer_settime(timer, 0, &soon, NULL);
-}
-
-static void on_timer(int number)
-{
-    (void)number;
-    tick();
-    arm(random_below(&source, 8) ? 80000 : 2000); /* what an apply takes, or a few instructions */
-}
-
-/* Without the tick lock a request is taken twice, and whoever takes them goes round for hours: five looks, each after
- * 50 ms of processor time, without a turn of the main loop. */
-static void on_look(int number)
-{
-    static const char text[] = "\ninterrupted: the main loop does not go on\n";
-    static unsigned turns, looks;
-    (void)number;
-    looks = turns == main_turns ? looks + 1u : 0;
-    turns = main_turns;
-    if (looks < 5)
-        return;
-    (void)!write(STDERR_FILENO, text, sizeof text - 1);
-    _exit(2);
-}
-
-/* The tick likes to come where it is locked out. */
-static void empty_lock(void)
-{
-    sigset_t before;
-    (void)sigprocmask(SIG_BLOCK, &the_signal, &before);
-    if (random_below(&source, 2))
-        arm(3000);
-    (void)sigprocmask(SIG_SETMASK, &before, NULL);
-}
-
-static void lock(void)
-{
-    (void)sigprocmask(SIG_BLOCK, &the_signal, NULL);
-    empty_lock();
-}
-
-static void unlock(void)
-{
-    (void)sigprocmask(SIG_UNBLOCK, &the_signal, NULL);
-}
-
-static void begin_interrupting(void)
-{
-    struct sigaction action = {.sa_handler = on_timer, .sa_flags = SA_RESTART};
-    struct sigaction look = {.sa_handler = on_look, .sa_flags = SA_RESTART};
-    struct sigevent event = {.sigev_notify = SIGEV_SIGNAL, .sigev_signo = SIGALRM};
-    struct itimerval every = {.it_value.tv_usec = 50000, .it_interval.tv_usec = 50000};
-    source.state = SEED;
-    TEST_ASSERT_EQUAL(0, sigaction(SIGALRM, &action, NULL));
-    TEST_ASSERT_EQUAL(0, sigaction(SIGVTALRM, &look, NULL));
-    TEST_ASSERT_EQUAL(0, setitimer(ITIMER_VIRTUAL, &every, NULL));
-    TEST_ASSERT_EQUAL(0, timer_create(CLOCK_MONOTONIC, &event, &timer));
-    arm(40000);
-}
-
-static void end_interrupting(void)
-{
-    struct itimerval off = {.it_value = {0}};
-    (void)timer_delete(timer);
-    (void)signal(SIGALRM, SIG_IGN);
-    (void)setitimer(ITIMER_VIRTUAL, &off, NULL);
-}
-
 /* ---- the main loop ---- */
-
-/* Types a line; whether it was answered with ok. */
-static bool typed(const char *text)
-{
-    char said[4096];
-    size_t n = 0;
-    (void)memory_port_give(HAL_UART_CONSOLE, text, strlen(text));
-    (void)memory_port_give(HAL_UART_CONSOLE, "\n", 1);
-    for (unsigned turns = 0; turns < 100000; turns++) {
-        main_turns = main_turns + 1u;
-        app_background(app_instance());
-        n += memory_port_take(HAL_UART_CONSOLE, said + n, sizeof said - 1 - n);
-        said[n] = '\0';
-        if (n >= 3 && strcmp(said + n - 3, "ok\n") == 0 && (n == 3 || said[n - 4] == '\n'))
-            return true;
-        if (strstr(said, "err "))
-            break;
-        if (n > sizeof said / 2) /* events */
-            n = 0;
-    }
-    (void)printf("%s -> %s\n", text, said);
-    return false;
-}
 
 static bool apply(unsigned value)
 {
@@ -321,8 +209,8 @@ static void no_tick_finds_a_torn_plan_wherever_it_comes(void)
     bool good = all_whole(applies, lock);
     (void)snprintf(message, sizeof message,
                    "seed 0x%x: torn %u, backwards %u of %u commands; the first: %g %g .. %g %g",
-                   SEED, plant.torn, plant.backwards, plant.commands, (double)plant.found[0],
-                   (double)plant.found[1], (double)plant.found[OUTPUTS - 2],
+                   INTERRUPTING_SEED, plant.torn, plant.backwards, plant.commands,
+                   (double)plant.found[0], (double)plant.found[1], (double)plant.found[OUTPUTS - 2],
                    (double)plant.found[OUTPUTS - 1]);
     TEST_ASSERT_TRUE_MESSAGE(good, message);
     TEST_ASSERT_TRUE(plant.value >= (float)applies);
@@ -351,8 +239,6 @@ int main(int argc, char **argv)
 {
     if (argc > 1)
         applies = (unsigned)strtoul(argv[1], NULL, 10);
-    (void)sigemptyset(&the_signal);
-    (void)sigaddset(&the_signal, SIGALRM);
     UNITY_BEGIN();
     RUN_TEST(no_tick_finds_a_torn_plan_wherever_it_comes);
     RUN_TEST(without_the_lock_it_shows);

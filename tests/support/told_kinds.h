@@ -34,6 +34,7 @@ enum { WATCH_HIGH, WATCH_CROSSED };
 /* What the next step of a watch, or of a pair, proposes; times it found no room. */
 static struct block_proposal watch_proposes, pair_proposes;
 static unsigned no_room;
+static void (*watch_described)(void); /* where an inner value is read; NULL: nobody looks */
 
 static void told_propose(struct block_io *io, struct block_proposal *proposes)
 {
@@ -145,6 +146,8 @@ static const struct block_verb watch_verbs[] = {
 static const char *watch_describe(const void *state, size_t i, float *value)
 {
     const struct told *w = state;
+    if (watch_described)
+        watch_described();
     *value = num_to_float(i ? w->limit : w->held);
     return i == 0 ? "held" : i == 1 ? "limit" : NULL;
 }

@@ -109,6 +109,44 @@ static void its_work_is_done_as_that_of_other_blocks(void)
     TEST_ASSERT_EQUAL_UINT(1, cross_at(0)->results);
 }
 
+static void switched(unsigned n, bool on)
+{
+    request(REQUEST_BLOCK, PLAN_NONE, (uint8_t)n, on, 0);
+}
+
+/* Its state is what the main loop is working on. */
+static void switched_on_again_in_the_midst_of_its_work_it_begins_anew_only_after_that(void)
+{
+    crossed_auto(crossed);
+    bench.s.work[0].working = true; /* the tick has interrupted a piece */
+    struct cross before = *cross_at(0);
+    TEST_ASSERT_TRUE(before.steps > 0);
+    switched(0, false);
+    switched(0, true);
+    TEST_ASSERT_EQUAL_MEMORY(&before, cross_at(0), sizeof before);
+    ticks(3);
+    TEST_ASSERT_EQUAL_UINT(before.steps, cross_at(0)->steps);
+    TEST_ASSERT_EQUAL_UINT(0, happened(EVENT_BLOCK_ON, "cross"));
+    bench.s.work[0].working = false;
+    ticks(2);
+    TEST_ASSERT_EQUAL_UINT(1, happened(EVENT_BLOCK_ON, "cross"));
+    TEST_ASSERT_EQUAL_UINT(2, cross_at(0)->steps);
+    ASSERT_NO_BUMP(0.5, sent(REFLUX));
+}
+
+static void switched_off_while_it_waits_to_come_on_it_stays_off(void)
+{
+    crossed_auto(crossed);
+    bench.s.work[0].working = true;
+    switched(0, false);
+    switched(0, true);
+    switched(0, false);
+    bench.s.work[0].working = false;
+    ticks(2);
+    TEST_ASSERT_TRUE(bench.s.block[SLOT_RECORDS].off);
+    TEST_ASSERT_EQUAL_UINT(0, happened(EVENT_BLOCK_ON, "cross"));
+}
+
 static void it_may_ask_for_a_test_signal_of_which_the_way_back_takes_no_notice(void)
 {
     bench_start_with(crossed);
@@ -725,6 +763,8 @@ int main(void)
     RUN_TEST(it_runs_in_every_tick_whatever_the_divisors_of_its_loops);
     RUN_TEST(a_ratio_to_another_mv);
     RUN_TEST(its_work_is_done_as_that_of_other_blocks);
+    RUN_TEST(switched_on_again_in_the_midst_of_its_work_it_begins_anew_only_after_that);
+    RUN_TEST(switched_off_while_it_waits_to_come_on_it_stays_off);
     RUN_TEST(it_may_ask_for_a_test_signal_of_which_the_way_back_takes_no_notice);
     RUN_TEST(a_member_that_leaves_and_comes_back_moves_nobodys_output);
     RUN_TEST(a_member_that_was_away_between_two_ticks_begins_anew);
