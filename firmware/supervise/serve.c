@@ -3,6 +3,7 @@
 #include <string.h>
 
 #include "supervise/blocks.h"
+#include "supervise/compensate_blocks.h"
 #include "supervise/plan_parts.h"
 #include "supervise/raised.h"
 #include "supervise/records.h"
@@ -215,18 +216,28 @@ void serve_init(struct supervisor *s)
     }
 }
 
+/* It has given a number, or has been found bad: an estimator does not wait for a sensor that is dead from the start. An analyser is
+ * waited for until its first turn. */
+static bool input_has_come(const struct supervisor *s, uint8_t input)
+{
+    if (input & INPUT_IS_MV)
+        return s->mv[input & ~INPUT_IS_MV].bound;
+    const struct measurement_state *m = &s->measurement[input];
+    return m->bound && (m->seen || m->alarm);
+}
+
 static void give_points(struct supervisor *s, uint8_t slot, const struct served_io *g)
 {
     const struct record_plan *r = served_record(s, slot);
     bool there = true;
     for (uint8_t k = 0; k < r->inputs; k++)
-        there = there && g->quality[k] != QUALITY_MISSING;
+        there = there && input_has_come(s, r->input[k]);
     for (uint8_t k = 0; k < r->points; k++) {
         uint8_t i = r->point[k];
         const struct measurement_config *m = &s->plan->config.measurement[i];
         struct reading reading = {span_to_eu(g->point[k], m->lo, m->hi),
                                   (enum quality)g->point_quality[k]};
-        /* It is there from when its inputs first are, and as long as they are bound. */
+        /* It is there from when its inputs have come, and as long as they are bound. */
         s->measurement[i].bound = there || s->measurement[i].bound;
         validate_measurement(s, i, &reading);
     }
@@ -283,10 +294,13 @@ static void own_step(struct supervisor *s, uint8_t slot, uint8_t acting)
             block_step(s, r->member[k]);
 }
 
+/* An output of a hundred spans is a controller that runs away: in floating point it would go on to infinity. */
 static bool gives_numbers(const struct served_io *g, uint8_t members)
 {
     for (uint8_t k = 0; k < members; k++)
-        if ((g->io.acting & (1u << k)) && !served_is_number(g->out[k]))
+        if ((g->io.acting & (1u << k)) &&
+            (!served_is_number(g->out[k]) ||
+             !num_lt(num_abs(g->out[k]), num_from_float(COMMAND_MAX))))
             return false;
     return true;
 }
