@@ -102,19 +102,20 @@ static void put_decimal(struct text *t, const struct decimal *d, int digits)
     }
 }
 
-/* Begins a number: its sign, or all of it where it is not finite. */
+/* Begins a number with its sign. False: it is none, and `none` says so. */
 static bool begin_number(struct text *t, float *x)
 {
+    if (!float_is_finite(*x)) {
+        text_str(t, "none");
+        return false;
+    }
     uint32_t bits;
     memcpy(&bits, x, sizeof bits);
     if (bits >> 31) {
         text_char(t, '-');
         *x = -*x;
     }
-    if (float_is_finite(*x))
-        return true;
-    text_str(t, *x > 0.0f ? "inf" : "nan");
-    return false;
+    return true;
 }
 
 void text_float(struct text *t, float x)

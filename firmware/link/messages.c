@@ -306,14 +306,9 @@ static bool qualities_known(const uint8_t *payload, unsigned n)
 static void get_readings(struct reader *r, struct link_reading *reading, uint8_t n)
 {
     for (uint8_t i = 0; i < n; i++) {
-        float value = get_f32(r);
-        uint8_t quality = get_u8(r);
-        if (!float_is_finite(value)) {
-            value = 0.0f; /* no NaN gets past this door */
-            quality = quality < QUALITY_BAD ? QUALITY_BAD : quality;
-        }
-        reading[i].value = value;
-        reading[i].quality = quality;
+        reading[i].value = get_f32(
+            r); /* one that is no number says so: the measurement's fault is `not a number` */
+        reading[i].quality = get_u8(r);
     }
 }
 

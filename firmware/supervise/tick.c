@@ -130,7 +130,9 @@ static void command_outputs(struct supervisor *s)
         uint8_t i = s->plan->owner[j];
         bool drives = i != PLAN_NONE && loop_drives(s, i);
         num_t wanted = drives ? num_add(u[i], s->loop[i].feedforward) : s->mv[j].manual;
-        s->mv[j].commanded = num_add(wanted, s->mv[j].excitation);
+        num_t most = num_from_float(
+            NUM_MAX_MAGNITUDE); /* in floating point too, so that it is finite in EU */
+        s->mv[j].commanded = num_clamp(num_add(wanted, s->mv[j].excitation), num_neg(most), most);
     }
 }
 

@@ -114,7 +114,8 @@ static void fall_back(struct supervisor *s, uint8_t i, float reading)
     const struct measurement_config *c = &s->plan->config.measurement[i];
     if (!m->alarm) {
         m->alarm = true;
-        event_put(s->events, s->time_ms, EVENT_MEASUREMENT_BAD, c->name, reading, m->fault);
+        event_put(s->events, s->time_ms, EVENT_MEASUREMENT_BAD, c->name,
+                  float_is_finite(reading) ? reading : m->last_valid, m->fault);
     }
     m->lost = !m->valid || sampling_without_s(s, i) > c->sensor_hold_s;
     if (infer(s, i))

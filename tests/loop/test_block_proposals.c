@@ -165,8 +165,8 @@ static void one_that_does_not_fit_is_refused_whole_with_field_and_reason(void)
                "1e+07");
     proposes(GAIN, 3);
     proposes(TI, (double)strtof("nan", NULL));
-    is_refused(" warning PROPOSAL_REFUSED loop1.ti nan ",
-               "block1 watch refused: loop1.ti is proposed with a value that is not allowed, nan");
+    is_refused(" warning PROPOSAL_REFUSED loop1.ti none ",
+               "block1 watch refused: loop1.ti is proposed with a value that is not allowed, none");
     proposes(GAIN, 3);
     proposes(0x4600, 2); /* phase: only the plan knows that the divisor is 1 */
     is_refused(" warning PROPOSAL_REFUSED loop1.phase 2 ",

@@ -373,6 +373,22 @@ static void when_it_is_switched_off_too(void)
     giving_up(by_hand, "asked");
 }
 
+/* It runs away, and in floating point would go on to infinity. */
+static void a_controller_that_gives_a_hundred_spans_is_given_up(void)
+{
+    static const float far[] = {101, -101};
+    for (unsigned i = 0; i < 2; i++) {
+        both_auto();
+        ticks(3);
+        double top = sent(REFLUX);
+        both_adds = far[i];
+        tick();
+        both_adds = 0.0f;
+        TEST_ASSERT_EQUAL_UINT(1, happened(EVENT_BLOCK_GAVE_UP, "not_a_number"));
+        ASSERT_NO_BUMP(top, sent(REFLUX));
+    }
+}
+
 /* In fixed point there is no such thing. */
 static void what_is_no_number_reaches_nobody(void)
 {
@@ -600,6 +616,7 @@ int main(void)
     RUN_TEST(when_it_gives_up_the_own_controllers_take_over_without_a_bump);
     RUN_TEST(when_a_further_input_is_bad_too);
     RUN_TEST(when_it_is_switched_off_too);
+    RUN_TEST(a_controller_that_gives_a_hundred_spans_is_given_up);
     RUN_TEST(what_is_no_number_reaches_nobody);
     RUN_TEST(a_member_in_manual_is_not_moved_and_comes_back_without_a_bump);
     RUN_TEST(what_an_interlock_makes_of_an_output_is_told_in_the_same_tick);

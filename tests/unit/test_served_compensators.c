@@ -319,6 +319,7 @@ static void what_is_beyond_all_numbers_is_told_as_a_whole(void)
     TEST_ASSERT_EQUAL_UINT(follows + 1, cross_at(0)->follows);
     TEST_ASSERT_DOUBLE_WITHIN(1e-6, 1, sent(REFLUX));
     TEST_ASSERT_TRUE(D(bench.s.mv[REFLUX].commanded) > 100);
+    TEST_ASSERT_TRUE(D(bench.s.mv[REFLUX].commanded) <= 128); /* in both number formats */
     /* Nine spans of bottom's output, of which one took effect: so many of top's, then. */
     TEST_ASSERT_DOUBLE_WITHIN(1e-3, -99, D(passed_told(TOP)));
     ticks(9);

@@ -93,8 +93,20 @@ static void numbers_are_written_as_the_c_library_writes_them(void)
         writes_as_the_c_library(from_bits((power << 20) + 1u));
         writes_as_the_c_library(from_bits((power << 20) ^ 0xFFFFFu));
     }
-    writes_as_the_c_library((float)INFINITY);
-    writes_as_the_c_library(-(float)INFINITY);
+}
+
+/* Whoever reads a line meets a number or a word, never a number that is none. */
+static void what_is_no_number_is_written_as_none(void)
+{
+    const float bad[] = {(float)INFINITY, -(float)INFINITY, (float)NAN, -(float)NAN};
+    for (unsigned k = 0; k < 4; k++) {
+        struct text line = text_on(buffer, sizeof buffer);
+        text_float(&line, bad[k]);
+        TEST_ASSERT_EQUAL_STRING("none", buffer);
+        line = text_on(buffer, sizeof buffer);
+        text_float9(&line, bad[k]);
+        TEST_ASSERT_EQUAL_STRING("none", buffer);
+    }
 }
 
 static void reads_as_the_c_library(const char *text)
@@ -278,6 +290,7 @@ int main(void)
     RUN_TEST(every_finite_float_reads_back_bit_for_bit);
     RUN_TEST(the_ends_of_the_range_read_back);
     RUN_TEST(numbers_are_written_as_the_c_library_writes_them);
+    RUN_TEST(what_is_no_number_is_written_as_none);
     RUN_TEST(numbers_are_read_as_the_c_library_reads_them);
     RUN_TEST(numbers_halfway_between_two_floats_are_read_as_the_c_library_reads_them);
     RUN_TEST(a_short_number_is_written_short);
