@@ -308,7 +308,7 @@ static void fill_command(struct app *app)
             continue;
         const struct mv_config *o = &c->mv[j];
         app->command.output[app->output_at[j]].value =
-            span_to_eu(app->supervisor.mv[j].constrained, o->lo, o->hi);
+            mv_to_eu(app->supervisor.mv[j].constrained, o);
         app->command.output[app->output_at[j]].drive = true;
         app->driven[app->output_at[j]] = true;
     }

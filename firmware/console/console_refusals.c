@@ -40,6 +40,10 @@ static void value_words(enum err code, const struct answer *a, struct text *t)
     text_str(t, ": '");
     text_str(t, a->value.text ? a->value.text : "");
 #if CONFIG_BLOCKS
+    if (code == ERR_CONFLICT) {
+        text_str(t, "' refused, a name stands in it twice");
+        return;
+    }
     if (code == ERR_FULL || code == ERR_STATE || code == ERR_UNSUPPORTED) {
         text_str(t, code == ERR_FULL    ? "' refused, bytes needed: "
                     : code == ERR_STATE ? "' refused, the block has no kind; set that first"

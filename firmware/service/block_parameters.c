@@ -165,6 +165,29 @@ enum err block_list_set(char *list, size_t size, const char *value)
     return ERR_OK;
 }
 
+static size_t name_length(const char *s)
+{
+    size_t n = 0;
+    while (s[n] && s[n] != ' ')
+        n++;
+    return n;
+}
+
+bool block_list_repeats(const char *list)
+{
+    for (const char *a = list; *a; a += name_length(a) + (a[name_length(a)] == ' ')) {
+        size_t n = name_length(a);
+        const char *b = a + n;
+        while (*b) {
+            b++; /* the blank */
+            if (name_length(b) == n && memcmp(a, b, n) == 0)
+                return true;
+            b += name_length(b);
+        }
+    }
+    return false;
+}
+
 /* ---- rows of tables ---- */
 
 static void put_value(const struct block_parameter *own, const uint8_t *at, struct text *t)

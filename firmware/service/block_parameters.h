@@ -49,6 +49,8 @@ void block_kinds_put(struct text *t);
 void block_list_put(const char *list, struct text *t);
 /* Also with blanks. ERR_PARSE, ERR_RANGE: *list, `size` bytes, is unchanged. */
 MUST_CHECK enum err block_list_set(char *list, size_t size, const char *value);
+/* Whether a name stands in the list more than once. */
+bool block_list_repeats(const char *list);
 
 /* A row of a table, commas between the values. */
 void block_row_put(const struct block_parameter *own, const uint8_t *at, struct text *t);

@@ -38,6 +38,19 @@ static enum err set_text(uint8_t *at, const char *value, size_t size, bool (*all
 }
 
 #if CONFIG_BLOCKS
+/* A list whose names all differ. Of one with a repeated name an estimator would take the same error for two. */
+static enum err set_list(char *list, size_t size, const char *value)
+{
+    char before[BLOCK_NAMES_SIZE];
+    memcpy(before, list, size);
+    enum err err = block_list_set(list, size, value);
+    if (!err && block_list_repeats(list)) {
+        memcpy(list, before, size);
+        err = ERR_CONFLICT;
+    }
+    return err;
+}
+
 static enum err set_of_block(const struct parameter *p, struct config *config, const char *value)
 {
     uint32_t needed, free;
@@ -48,7 +61,7 @@ static enum err set_of_block(const struct parameter *p, struct config *config, c
     if (!config_record(config, p->index))
         return block_is_unknown(config, p->index) ? ERR_UNSUPPORTED : ERR_STATE;
     if (p->field->type == PARAMETER_LIST)
-        return block_list_set(parameter_place(p, config), parameter_size(p), value);
+        return set_list(parameter_place(p, config), parameter_size(p), value);
     enum err err = parameter_to_write(p, config);
     return err ? err : block_row_set(p->own, parameter_place(p, config), value);
 }

@@ -193,6 +193,7 @@ enum err service_apply(struct service *s, const struct config *config, struct co
     s->plan[other(s)].serial = ++s->serial;
     /* The plan first, then the request: the tick that meets the request must find the plan. */
     s->newest = other(s);
+    s->tick_known = service_plant_tick_s(s) > 0.0f;
     struct request apply = {.kind = REQUEST_APPLY, .loop = PLAN_NONE, .output = PLAN_NONE};
     err = service_request(s, &apply); /* there is room: this context alone writes the queue */
     for (uint8_t i = 0; i < CONFIG_LOOPS; i++)
@@ -211,12 +212,38 @@ NOT_INLINE static void tell_refusal(struct service *s, const struct config_fault
     event_put(&s->tick_events, s->supervisor->time_ms, EVENT_CONFIG_REFUSED, name, value, 0);
 }
 
+/* With tick.base 0 a number of ticks is an interval of the plant that was there when it was set. Another plant would make another
+ * interval of it, without a word. */
+static bool counts_ticks(const struct config *c, struct config_fault *fault)
+{
+    for (uint8_t i = 0; i < CONFIG_LOOPS; i++)
+        if (c->loop[i].name[0] && c->loop[i].divisor > 1) {
+            *fault = (struct config_fault){
+                .group = "loop", .index = (uint8_t)(i + 1u), .field = "divisor"};
+            return true;
+        }
+#if CONFIG_ANALYSERS
+    for (uint8_t i = 0; i < CHANNEL_MAX; i++)
+        if (c->measurement[i].name[0] && c->measurement[i].every > 1) {
+            *fault = (struct config_fault){
+                .group = "meas", .index = (uint8_t)(i + 1u), .field = "every"};
+            return true;
+        }
+#endif
+    return false;
+}
+
 bool service_follow_tick(struct service *s, struct plan *plan)
 {
     struct config_fault fault = {.group = NULL};
     float tick_s = service_plant_tick_s(s), before_s = plan->tick_s;
     if (plan->config.tick_s != 0.0f || tick_s == 0.0f || tick_s == before_s)
         return false;
+    if (s->tick_known && counts_ticks(&plan->config, &fault)) {
+        tell_refusal(s, &fault, tick_s);
+        return true;
+    }
+    s->tick_known = true;
     if (plan_set_tick(plan, tick_s, &fault) == ERR_OK)
         return true;
     tell_refusal(s, &fault, tick_s);

@@ -51,6 +51,7 @@ struct service {
     struct tick_cost cost;
     struct work_cost work_cost; /* of automatic start-up */
     bool watchdog;
+    bool tick_known;               /* the newest plan was made with the tick of a plant */
     uint8_t image;                 /* enum hal_image; damaged: nothing acts */
     uint8_t early_resets;          /* that led to this start: service/early_resets.h */
     struct storage *storage;       /* service/storage.h; set by storage_init() */

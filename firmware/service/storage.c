@@ -71,19 +71,21 @@ static void take_stored(struct storage *st)
     } else if (err) {
         service_fault_name(&fault, &t);
         storage_tell(st, EVENT_STORAGE_REFUSED, subject, (float)st->newest.sequence);
-        st->later = s->io.tick_ms(s->io.context) == 0;
+        st->later = true;
+        st->tried_ms = s->io.tick_ms(s->io.context);
     } else {
         st->refused = false;
         storage_tell(st, EVENT_STORAGE_LOADED, NULL, (float)st->newest.sequence);
     }
 }
 
-/* What was refused with the tick that is taken while no plant is known may fit that of the plant that has come. Who has
- * applied another meanwhile wants no more of it. */
+/* What was refused with the tick of one plant, or without a plant, may fit that of the plant that has come. Who has applied
+ * another meanwhile wants no more of it. */
 static bool comes_later(struct storage *st)
 {
     const struct service *s = st->service;
-    if (!st->later || s->io.state(s->io.context) != IO_READY)
+    if (!st->later || s->io.state(s->io.context) != IO_READY ||
+        s->io.tick_ms(s->io.context) == st->tried_ms)
         return false;
     st->later = false;
     if (s->serial)

@@ -35,7 +35,7 @@ struct storage {
     bool remains;     /* there is something that is neither erased nor blank */
     bool failed;      /* the last write was not taken */
     bool refused;     /* the newest set did not go into force after the start */
-    bool later;       /* ... for want of a plant, whose tick decides: again when one comes */
+    bool later;       /* ... and the tick of another plant may decide: again when one comes */
     bool again;       /* the candidate has been found wanting once */
     bool prepared[2]; /* erased and marked: sets may be appended */
     bool sure[2];     /* holds a set that was confirmed */
@@ -50,7 +50,9 @@ struct storage {
 
     struct storage_set newest, candidate;
     struct storage_set limit; /* sets from this one on are not whole */
-    uint32_t origin;          /* first sequence seen: which of two is later is told from there */
+    uint32_t
+        tried_ms; /* with `later`: tick of the plant with which it was refused, 0: there was none */
+    uint32_t origin; /* first sequence seen: which of two is later is told from there */
     uint32_t sequence, sure_sequence; /* latest one seen of all, and of those confirmed */
     uint32_t
         older;   /* of the newest set as it was found, where there is something newer not whole */

@@ -10,4 +10,9 @@ static inline num_t span_to_fraction(float value, float lo, float hi)
 }
 float span_to_eu(num_t fraction, float lo, float hi);
 
+/* What is sent to an MV with these settings, EU. Rounding takes it past none of its limits: at the fraction of min, max or safe it
+ * is that value itself. */
+struct mv_config;
+float mv_to_eu(num_t fraction, const struct mv_config *c);
+
 #endif

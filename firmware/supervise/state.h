@@ -81,6 +81,7 @@ struct measurement_state {
     bool lost;      /* no valid reading for longer than sensor_hold_s */
     bool delivered; /* `last` is a reading */
     bool alarm;     /* reported as bad */
+    bool inferred;  /* `value` is made from something else, by meas.infer */
     uint8_t fault;  /* enum measurement_fault of the last reading */
 #if CONFIG_STEPS
     bool offset_on; /* the configured offset is subtracted from readings */

@@ -64,6 +64,9 @@ static void refusals_say_what_would_be_right(void)
     TEST_ASSERT_TRUE(said("allowed: off|on"));
     ask_refused("set block2.loops top,", "PARSE");
     TEST_ASSERT_TRUE(said("names with commas between them, up to 47 characters, - for none"));
+    ask_refused("set block2.inputs T1,T10,T1", "CONFLICT");
+    TEST_ASSERT_TRUE(said("block2.inputs: 'T1,T10,T1' refused, a name stands in it twice"));
+    ask_ok("set block2.inputs T1,T10");
     ask_refused("set block2.weight 1", "UNKNOWN");
     ask_ok("abandon");
 }

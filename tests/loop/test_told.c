@@ -116,6 +116,40 @@ static void a_tick_too_long_for_a_divisor_loses_no_setting(void)
     no_setting_is_lost(60000, "CONFIG_REFUSED loop1.divisor 60");
 }
 
+/* With tick.base 0 ten ticks of this plant would be another interval than ten of the last one. */
+static void a_divisor_is_not_taken_over_to_a_plant_of_another_tick(void)
+{
+    ask_ok("set loop1.divisor 10");
+    samples(2);
+    no_setting_is_lost(2000, "CONFIG_REFUSED loop1.divisor 2");
+    another_plant(2000);
+    ask_ok("set loop1.divisor 5");
+    samples(2);
+    ask_ok("mode bottom auto");
+}
+
+static void a_stored_set_that_did_not_fit_the_plant_is_tried_again_with_the_next(void)
+{
+    ask_ok("set tick.base 1");
+    samples(1);
+    ask_ok("save");
+    pass(2000);
+    memory_port_reset(HAL_RESET_POWER_ON);
+    board_run();
+    type("mode machine\n");
+    another_plant(20000);
+    samples(2);
+    pass(3000);
+    TEST_ASSERT_TRUE_MESSAGE(said("STORAGE_REFUSED tick.base"), board.said);
+    ask_refused("mode bottom auto", "UNKNOWN");
+    another_plant(1000);
+    samples(3);
+    pass(3000);
+    TEST_ASSERT_EQUAL_MESSAGE(1, times_said("STORAGE_LOADED"), board.said);
+    samples(2);
+    ask_ok("mode bottom auto");
+}
+
 static void a_configuration_that_waited_while_the_plant_changed_is_kept(void)
 {
     remember_long(); /* no sample since */
@@ -179,6 +213,8 @@ int main(void)
     RUN_TEST(a_tick_that_needs_too_much_memory_loses_no_setting);
     RUN_TEST(a_tick_too_short_for_any_block_loses_no_setting);
     RUN_TEST(a_tick_too_long_for_a_divisor_loses_no_setting);
+    RUN_TEST(a_divisor_is_not_taken_over_to_a_plant_of_another_tick);
+    RUN_TEST(a_stored_set_that_did_not_fit_the_plant_is_tried_again_with_the_next);
     RUN_TEST(a_configuration_that_waited_while_the_plant_changed_is_kept);
     RUN_TEST(what_does_not_fit_can_be_mended_while_that_plant_is_there);
     RUN_TEST(a_loop_that_a_plan_removes_says_so);

@@ -1,4 +1,6 @@
 /* Operating limits and rates of the outputs. */
+#include "random_source.h"
+#include "supervise/span.h"
 #include "supervisor_bench.h"
 
 void setUp(void)
@@ -172,6 +174,28 @@ static void a_rate_limited_loop_with_a_divisor_does_not_wind_up(void)
     }
 }
 
+/* 200,000 spans, drawn: what is sent at the fraction of a limit is the limit itself, and nothing below it is sent as more. */
+static void what_is_sent_never_passes_a_limit_by_rounding(void)
+{
+    struct random_source from = {32};
+    for (unsigned n = 0; n < 200000; n++) {
+        float a = (float)(int32_t)random_next(&from) / 65536.0f;
+        float b = (float)random_below(&from, 1000000) / 997.0f + 0.001f;
+        struct mv_config c = {.lo = a, .hi = a + b};
+        c.max = c.lo + (c.hi - c.lo) * (float)random_below(&from, 1000) / 999.0f;
+        c.min = c.safe = c.lo;
+        if (!(c.max <= c.hi))
+            continue;
+        num_t most = span_to_fraction(c.max, c.lo, c.hi);
+        char text[80];
+        (void)snprintf(text, sizeof text, "seed 32, case %u: %.9g > %.9g", n,
+                       (double)mv_to_eu(most, &c), (double)c.max);
+        TEST_ASSERT_TRUE_MESSAGE(mv_to_eu(most, &c) == c.max, text);
+        num_t less = num_sub(most, num_from_float(1.0f / 16777216.0f));
+        TEST_ASSERT_TRUE_MESSAGE(mv_to_eu(less, &c) <= c.max, text);
+    }
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -187,5 +211,6 @@ int main(void)
     RUN_TEST(a_rate_limited_loop_does_not_wind_up);
     RUN_TEST(a_rate_the_output_keeps_up_with_between_turns_takes_nothing_from_the_integral);
     RUN_TEST(a_rate_limited_loop_with_a_divisor_does_not_wind_up);
+    RUN_TEST(what_is_sent_never_passes_a_limit_by_rounding);
     return UNITY_END();
 }

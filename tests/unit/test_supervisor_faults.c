@@ -174,6 +174,29 @@ static void a_dead_flowmeter_is_replaced_by_its_valve(void)
     TEST_ASSERT_EQUAL(QUALITY_GOOD, bench.s.measurement[FEED].quality);
 }
 
+/* 120 by the heater, where the sensor says 115. */
+static void neither_inference_nor_the_return_from_it_moves_an_output(void)
+{
+    put_all((const char *const[]){"meas2.infer", "heat", "meas2.infer_gain", "20",
+                                  "meas2.infer_offset", "100", "meas2.filter", "30", NULL});
+    apply();
+    in_auto();
+    ticks(5);
+    double before = sent(HEAT);
+    bad_reading(T10, QUALITY_MISSING, 0);
+    tick();
+    TEST_ASSERT_DOUBLE_WITHIN(0.05, 0.6, D(bench.s.measurement[T10].value));
+    ASSERT_NO_BUMP(before, sent(HEAT));
+    ticks(3);
+    before = sent(HEAT);
+    reading(T10, 115);
+    tick();
+    TEST_ASSERT_EQUAL(QUALITY_GOOD, bench.s.measurement[T10].quality);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-5, 0.55, D(bench.s.measurement[T10].value));
+    ASSERT_NO_BUMP(before, sent(HEAT));
+    TEST_ASSERT_EQUAL(LOOP_AUTO, bench.s.loop[BOTTOM].mode);
+}
+
 static void what_cannot_be_inferred_falls_back_as_declared(void)
 {
     set_and_apply("meas2.infer", "heat");
@@ -308,6 +331,7 @@ int main(void)
     RUN_TEST(a_substitute_stands_in_after_the_hold_for_as_long_as_it_lasts);
     RUN_TEST(safe_takes_the_safe_state_once_and_lets_the_operator_go_on);
     RUN_TEST(a_dead_flowmeter_is_replaced_by_its_valve);
+    RUN_TEST(neither_inference_nor_the_return_from_it_moves_an_output);
     RUN_TEST(what_cannot_be_inferred_falls_back_as_declared);
     RUN_TEST(a_value_that_stands_in_satisfies_no_interlock);
     RUN_TEST(not_following_is_an_alarm_only_after_its_delay_but_works_at_once);
