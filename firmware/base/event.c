@@ -126,6 +126,8 @@ static const char *const table[] = {
     E("BLOCK_ADOPTED", "settings that a block proposes are asked into force; which block", INFO),
     E("PROPOSAL_REFUSED", "what a block proposes is refused, see `proposal`; value", WARNING),
 #endif
+    E("DEVIATION", "the PV is far from its setpoint, and has been for long; distance", ALARM),
+    E("DEVIATION_OVER", "the PV is near its setpoint again, or the loop in manual; distance", INFO),
     E("DO_MODE", "mode asked for (0 manual, 1 auto, 2 cascade)", ACTION),
     E("DO_SETPOINT", "setpoint asked for", ACTION),
     E("DO_OUTPUT", "output asked for", ACTION),

@@ -104,6 +104,8 @@ enum event_code {
     EVENT_BLOCK_ADOPTED,
     EVENT_PROPOSAL_REFUSED, /* detail: -code */
 #endif
+    EVENT_DEVIATION,
+    EVENT_DEVIATION_OVER,
     /* Actions: what was asked for at the console. Kept in the history, not announced. */
     EVENT_DO_MODE,
     EVENT_DO_SETPOINT,

@@ -90,6 +90,15 @@ static bool alarm_line(struct console *c, unsigned n, struct text *line)
         return true;
     }
     n -= CONFIG_INTERLOCKS;
+    if (n < CONFIG_LOOPS) {
+        if (n < sup->placed[PLACED_LOOPS] && sup->loop[n].deviates) {
+            text_str(line, "DEVIATION ");
+            text_str(line, plan->config.loop[n].name);
+            text_str(line, " is far from its setpoint");
+        }
+        return true;
+    }
+    n -= CONFIG_LOOPS;
 #if CONFIG_BLOCKS
     if (n < CONFIG_BLOCKS * (BLOCK_EVENTS_MAX + 1u)) {
         block_alarm_line(c, (uint8_t)(n / (BLOCK_EVENTS_MAX + 1u)), n % (BLOCK_EVENTS_MAX + 1u),

@@ -14,7 +14,7 @@
     V(12, 65535.0f, x) V(13, 9999.0f, x) V(14, 10000.0f, x) V(15, 1e-6f, x)   V(16, 8.0f, x)        \
     V(17, 3600.0f, x) V(18, 86400.0f, x) V(19, 900.0f, x) V(20, 1000.0f, x) V(21, 4.0f, x)          \
     V(22, 5.0f, x) V(23, 10.0f, x) V(24, 16.0f, x) V(25, 20.0f, x) V(26, 30.0f, x) V(27, 0.5f, x)   \
-    V(28, 0.975f, x) V(29, 0.9999f, x)
+    V(28, 0.975f, x) V(29, 0.9999f, x) V(30, 0.1f, x)
 /* clang-format on */
 
 #define ENTRY(place, value, x) [place] = (value),
@@ -272,6 +272,14 @@ static const struct parameter_field restart_fields[] = {
       "longest gap in plant time over the reset; after a longer one the safe state stays"),
 };
 
+static const struct parameter_field deviation_fields[] = {
+    F(config, deviation_width, 1, "width", "fraction", 0, 1, 0.1f,
+      "alarm of every loop that acts: its PV is further from the setpoint than this part of its "
+      "span; "
+      "0 = none. A loop with an alarm of side dev of its own has that instead"),
+    F(config, deviation_delay_s, 2, "delay", "s", 0, 1e6f, 3600, "... for this long"),
+};
+
 static const struct parameter_field console_fields[] = {
     ROW(1, PARAMETER_NAME, offsetof(struct config, console_key), "key", PARAMETER_SECRET, 0, 0, 0,
         "opens the engineer level of the console (docs/console.md); - = always open"),
@@ -327,6 +335,7 @@ const struct parameter_group parameter_groups[] = {
     {9, 1, COUNT(console_fields), false, 0, 0, "console", console_fields, 1},
     GROUP(10, "alarm", alarm, struct alarm_config, CONFIG_ALARMS, 8, alarm_fields),
     {11, 1, COUNT(restart_fields), false, 0, 0, "restart", restart_fields, 1},
+    {17, 1, COUNT(deviation_fields), false, 0, 0, "deviation", deviation_fields, 1},
 #if COMMISSION_CHANNELS
     {14, 1, COUNT(test_fields), false, 0, 0, "test", test_fields, 1},
     GROUP(15, "pair", pair, struct pair_config, CONFIG_PAIRS, 4, pair_fields),

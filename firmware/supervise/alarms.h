@@ -6,7 +6,8 @@
  *     latch on:  condition over before it was acknowledged: stays on the list until it is
  *     shelved:   silent for a time of the plant's; what holds then comes on anew
  *
- * A measurement without a valid reading changes nothing: that it is bad is another alarm.
+ * A measurement without a valid reading changes nothing: that it is bad is another alarm. Besides the entries, every loop that acts has
+ * the alarm on its deviation that the group `deviation` of the parameters sets.
  */
 #ifndef REFLUX_SUPERVISE_ALARMS_H
 #define REFLUX_SUPERVISE_ALARMS_H

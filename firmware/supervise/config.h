@@ -256,6 +256,8 @@ struct config {
     float sample_timeout_s; /* without a sample for so long of the board's clock: safe; 0 = never */
     float restart_limit_s;  /* longest gap in plant time over a restart, s */
     uint8_t restart_policy; /* enum restart_policy: after a reset that left the memory alone */
+    /* Alarm of every loop that acts: distance from the setpoint, fraction of the PV's span, 0 = none; for how long, s. */
+    float deviation_width, deviation_delay_s;
 #if COMMISSION_CHANNELS
     struct test_config test;
     struct pair_config pair[CONFIG_PAIRS];
