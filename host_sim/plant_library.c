@@ -49,23 +49,24 @@ void plant_library_free(void)
 
 static char *read_file(const char *path, size_t *length, char *err, size_t err_size)
 {
-    FILE *file = fopen(path, "rb");
-    char *text = file != NULL ? malloc(FILE_MAX + 1) : NULL;
-    errno = file != NULL ? 0 : errno;
+    FILE *file = sim_open_text(path, err, err_size);
+    if (file == NULL) {
+        return NULL;
+    }
+    char *text = malloc(FILE_MAX + 1);
     *length = text != NULL ? fread(text, 1, FILE_MAX + 1, file) : 0;
+    bool whole = text != NULL && ferror(file) == 0 && *length <= FILE_MAX;
     if (text == NULL || ferror(file) != 0) {
-        (void)sim_fail(err, err_size, "%s: %s", path, strerror(errno != 0 ? errno : ENOMEM));
-    } else if (*length > FILE_MAX) {
+        (void)sim_fail(err, err_size, "%s: %s", path, strerror(errno));
+    } else if (!whole) {
         (void)sim_fail(err, err_size, "%s: a plant file may have %d bytes at most", path, FILE_MAX);
-    } else {
-        (void)fclose(file);
-        return text;
     }
-    free(text);
-    if (file != NULL) {
-        (void)fclose(file);
+    (void)fclose(file);
+    if (!whole) {
+        free(text);
+        text = NULL;
     }
-    return NULL;
+    return text;
 }
 
 static const struct plant_class *open_path(const char *path, char *err, size_t err_size)

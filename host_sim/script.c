@@ -1,6 +1,5 @@
 #include "script.h"
 
-#include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -101,9 +100,10 @@ bool script_load(struct script *s, const char *path, char *err, size_t err_size)
 {
     *s = (struct script){.list = NULL};
     (void)snprintf(s->file, sizeof(s->file), "%s", path);
-    FILE *file = fopen(path, "r");
+    char reason[SIM_ERROR_SIZE];
+    FILE *file = sim_open_text(path, reason, sizeof(reason));
     if (file == NULL) {
-        return sim_fail(err, err_size, "--script %s: %s", path, strerror(errno));
+        return sim_fail(err, err_size, "--script %s", reason);
     }
     char line[1024];
     bool good = true;

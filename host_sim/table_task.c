@@ -1,6 +1,5 @@
 #include "table_task.h"
 
-#include <errno.h>
 #include <math.h>
 #include <string.h>
 
@@ -101,9 +100,9 @@ bool table_task_check(const char *file, char *err, size_t err_size)
 {
     static struct table_lines lines[TABLE_BLOCKS];
     bool has[TABLE_BLOCKS], good;
-    FILE *from = fopen(file, "r");
+    FILE *from = sim_open_text(file, err, err_size);
     if (from == NULL) {
-        return sim_fail(err, err_size, "%s: %s", file, strerror(errno));
+        return false;
     }
     good = table_lines_read(from, file, lines, has, err, err_size);
     (void)fclose(from);

@@ -67,6 +67,40 @@ double sim_clock_s(void)
     return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
 }
 
+/* Returns what is wrong with the first bytes, or NULL with the file behind a byte order mark or at its beginning. */
+static const char *skip_mark(FILE *file)
+{
+    int first = getc(file);
+    if (first == 0xFF || first == 0xFE) {
+        return "is UTF-16 text; it must be UTF-8 (iconv -f UTF-16 -t UTF-8 OLD > NEW)";
+    }
+    if (first == 0xEF) {
+        char rest[2];
+        return fread(rest, 1, 2, file) == 2 && memcmp(rest, "\xBB\xBF", 2) == 0
+                   ? NULL
+                   : "does not begin with text";
+    }
+    if (first == EOF) {
+        return ferror(file) != 0 ? strerror(errno) : NULL;
+    }
+    (void)ungetc(first, file);
+    return NULL;
+}
+
+FILE *sim_open_text(const char *path, char *err, size_t err_size)
+{
+    FILE *file = fopen(path, "rb");
+    const char *wrong = file != NULL ? skip_mark(file) : strerror(errno);
+    if (wrong != NULL) {
+        (void)sim_fail(err, err_size, "%s: %s", path, wrong);
+        if (file != NULL) {
+            (void)fclose(file);
+        }
+        return NULL;
+    }
+    return file;
+}
+
 uint64_t sim_clock_ms(void)
 {
     struct timespec now;

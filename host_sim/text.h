@@ -5,6 +5,7 @@
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
+#include <stdio.h>
 
 #define SIM_ERROR_SIZE 1024 /* room for one line of error text */
 
@@ -21,6 +22,9 @@ bool sim_parse_number(const char *text, double *x);
 
 /* The whole text is one unsigned decimal integer that fits 64 bits. */
 bool sim_parse_unsigned(const char *text, uint64_t *x);
+
+/* Opens a text file that a person wrote, behind its UTF-8 byte order mark if it has one. UTF-16 is refused. NULL: err says why. */
+FILE *sim_open_text(const char *path, char *err, size_t err_size);
 
 /* Monotonic milliseconds and seconds of this machine. */
 uint64_t sim_clock_ms(void);

@@ -81,7 +81,7 @@ class Files(FolderTest):
         self.assertEqual(column_file.steepest(bare, [400, 390, 389, 370, 360, 359]), ("T1",))
 
     def test_what_is_no_column_is_said_in_one_line(self) -> None:
-        for text, words in (("{", "cannot be read"), ("[]", "is no column"), ('{"plant": 1}', "is no column"),
+        for text, words in (("{", "not JSON"), ("[]", "is no plant"), ('{"plant": 1}', "is no column"),
                             ('{"column": 1, "name": "x", "stages": {}}', "is no sound column")):
             with self.assertRaises(UserError) as caught:
                 column_file.read(str(self.file("bad.json", text)))
@@ -89,7 +89,7 @@ class Files(FolderTest):
             self.assertNotIn("\n", str(caught.exception))
         with self.assertRaisesRegex(UserError, "nowhere.json: cannot be read: No such file"):
             column_file.read(str(self.folder / "nowhere.json"))
-        with self.assertRaisesRegex(UserError, "no column of that name"):
+        with self.assertRaisesRegex(UserError, "no plant of that name"):
             column_file.read("wood-berries")
 
     def test_a_folder_of_ones_own_comes_first(self) -> None:

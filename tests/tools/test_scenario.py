@@ -58,7 +58,7 @@ class Scenarios(FolderTest):
     def test_binary_and_missing_files(self) -> None:
         path = self.folder / "binary.toml"
         path.write_bytes(b"\xff\xfe")
-        with self.assertRaisesRegex(UserError, "byte 0 is not UTF-8"):
+        with self.assertRaisesRegex(UserError, "is UTF-16 text"):
             scenario.load(path)
         with self.assertRaisesRegex(UserError, "cannot be read: No such file"):
             scenario.load(self.folder / "none.toml")

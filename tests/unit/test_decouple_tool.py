@@ -266,16 +266,16 @@ class Refusals(FolderTest):
                 self.refused(text, words)
 
     def test_files_that_are_no_model_are_refused(self):
-        for text, words in (("", "not JSON"), ("{", "not JSON"), ("[]", "no model"), ("{}", "not linear"), ("null", "no model"), ('{"period_s": 60}', "tools/identify"),
+        for text, words in (("", "not JSON"), ("{", "not JSON"), ("[]", "no plant"), ("{}", "not linear"), ("null", "no plant"), ('{"period_s": 60}', "tools/identify"),
                             ('{"period_s": 60, "inputs": [], "outputs": []}', "needs one of each"), ('{"period_s": 60, "inputs": 3, "outputs": 4}', "tools/identify"),
                             ('{"period_s": 60, "inputs": ["u"], "outputs": [{"name": "y", "A": [], "B": []}]}', "tools/identify"),
                             ('{"model": "transfer"}', "linear-plants.md"), ('{"model": "polynomial", "name": "x", "outputs": [], "inputs": []}', "needs one of each")):
             with self.subTest(text):
                 self.refused(text, words)
-        for name in (str(self.folder / "none.json"), str(self.folder), "nothing"):
+        for name, words in ((str(self.folder / "none.json"), "cannot be read"), (str(self.folder), "cannot be read"), ("nothing", "no plant of that name")):
             status, _, err = decouple(name)
             self.assertEqual(status, 2)
-            self.assertIn("cannot be read", err)
+            self.assertIn(words, err)
         binary = self.folder / "binary.json"
         binary.write_bytes(b"\xff\xfe\x00")
         self.assertEqual(decouple(str(binary))[0], 2)

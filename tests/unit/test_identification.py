@@ -230,7 +230,7 @@ class OddLogs(FolderTest):
         for content, words in (("", "empty"), ("\n\n", "empty"), ("# only a remark\n", "empty"), (HEADER, "0 samples"), (self.text(self.rows()[:1]), "samples"),
                                (self.text(self.rows()[:12]), "12 samples"), (plain + "1,2\n", "row 301 has 2 cells"), (plain.replace(".", ","), "cells"),
                                (plain.replace(",", ";"), "commas"), (plain.replace(",", "\t"), "commas"), (self.text(self.rows(), HEADER.replace("u2", "u3")), "no column u2"),
-                               (self.text(self.rows(), HEADER.replace("y2", "y1")), "two columns y1"), (b"\xff\xfet\x00", "cannot be read")):
+                               (self.text(self.rows(), HEADER.replace("y2", "y1")), "two columns y1"), (b"\xff\xfet\x00", "is UTF-16 text")):
             with self.subTest(words):
                 self.refused(content, words)
         status, _, err = call("identify", str(self.folder / "none"), "--inputs", "u1,u2", "--outputs", "y1,y2")

@@ -137,7 +137,7 @@ class Tool(FolderTest):
     def test_what_is_wrong_is_said(self):
         plain = '{"gain": 12.8, "lags": 16.7, "dead_time": 1}'
         cases = self.file("cases.json", (BLOCKS / "wood-berry.json").read_text().replace(plain, '{"cases": [' + plain + "]}"))
-        for arguments, words in ((("shell-fractionator",), "7 outputs and 3 inputs"), (("pilot",), "not linear"), (("nothing",), "a plant is"),
+        for arguments, words in ((("shell-fractionator",), "7 outputs and 3 inputs"), (("pilot",), "not linear"), (("nothing",), "no plant of that name"),
                                  (("wood-berry", "--do", "add 1 1 2"), ""), (("wood-berry", "--do", "add 1 3 2"), "must be a row, 1 to 2"),
                                  (("wood-berry", "--do", "add 1 2 x"), "not a number"), (("wood-berry", "--do", "turn"), "no operation"),
                                  (("wood-berry", "--pairs", "xD=xB"), "OUTPUT=INPUT"), (("wood-berry", "--loops", "1,1"), "different numbers"),

@@ -19,7 +19,7 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "tools"))
 
-from reflux_tools import identification, ina_plant, libreflux  # noqa: E402
+from reflux_tools import identification, libreflux, plant_file  # noqa: E402
 from reflux_tools.errors import RunFailed, UserError  # noqa: E402
 from reflux_tools.paths import shown  # noqa: E402
 
@@ -57,7 +57,7 @@ def main() -> int:
     p.add_argument("--out", type=Path, required=True, metavar="TOML")
     options = p.parse_args()
     try:
-        plant = json.loads((ina_plant.PLANTS / f"{options.plant}.json").read_text(encoding="utf-8"))
+        plant = json.loads((plant_file.PLANTS / f"{options.plant}.json").read_text(encoding="utf-8"))
         steps = (2**options.bits - 1) * options.periods
         u = identification.prbs(len(plant["inputs"]), steps, options.amplitude, bits=options.bits)[0]
         options.out.parent.mkdir(parents=True, exist_ok=True)

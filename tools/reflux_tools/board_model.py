@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
+from reflux_tools import textfile
 from reflux_tools.errors import UserError
 from reflux_tools.paths import shown
 
@@ -22,10 +23,7 @@ def is_listing(name: str) -> bool:
 
 def read(path: Path, period: float | None) -> tuple[list[str], list[str], np.ndarray, np.ndarray, float]:
     """Outputs, inputs, a: n x 4, b: n x n x 8, period in s; of the first block of the kind that has a model."""
-    try:
-        text = path.read_text(encoding="utf-8")
-    except (OSError, UnicodeDecodeError):
-        raise UserError(f"{shown(path)} cannot be read") from None
+    text = textfile.read(path)
     said: dict[str, dict[str, str]] = {}
     base = None
     for name, number, value in SETTING.findall(text):  # what is said last holds

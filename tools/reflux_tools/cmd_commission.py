@@ -5,7 +5,6 @@ from __future__ import annotations
 import argparse
 import contextlib
 import csv
-import json
 import math
 import re
 import subprocess
@@ -171,11 +170,6 @@ def tick_of(options: argparse.Namespace) -> float:
         tick = asked.get("tick_s") if isinstance(asked, dict) else None
         if isinstance(tick, (int, float)) and not isinstance(tick, bool) and math.isfinite(tick) and tick > 0:
             return float(tick)
-    if options.plant.endswith(".json"):
-        try:
-            return float(json.loads(Path(options.plant).read_text(encoding="utf-8"))["tick_s"])
-        except (OSError, ValueError, KeyError, TypeError):
-            raise UserError(f"{options.plant} is no plant file (docs/linear-plants.md)") from None
     match = re.search(r"^\s*tick: ([\d.e+-]+) s", ask_simulator("--list", options.plant), re.MULTILINE)
     if not match:
         raise RunFailed(f"reflux-sim --list {options.plant} tells no tick")

@@ -14,7 +14,7 @@ import tty
 from pathlib import Path
 from typing import Iterator, TextIO
 
-from reflux_tools import build, launch, live, session
+from reflux_tools import build, launch, live, session, textfile
 from reflux_tools.errors import RunFailed, UserError
 from reflux_tools.paths import named, shown
 from reflux_tools.ports import Port
@@ -75,10 +75,7 @@ def read_commands(path: Path | None) -> str:
     """Read before anything is sent."""
     if path is None:
         return ""
-    try:
-        return sys.stdin.read() if str(path) == "-" else path.read_text(encoding="latin-1")
-    except OSError as error:
-        raise UserError(f"{shown(path)}: {error.strerror}") from None
+    return textfile.decode(sys.stdin.buffer.read(), "stdin") if str(path) == "-" else textfile.read(path)
 
 
 def open_log(path: Path) -> TextIO:

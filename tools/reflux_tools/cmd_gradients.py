@@ -15,6 +15,7 @@ from reflux_tools import (
     column_slopes,
     estimate_lines,
     gradients,
+    plant_file,
     sensor_rules,
     table,
 )
@@ -125,8 +126,7 @@ class Found:
 
 def read_plant(name: str) -> dict[str, Any]:
     column_file.read(name)  # says what is wrong
-    plant: dict[str, Any] = json.loads(column_file.place_of(name).read_text(encoding="utf-8"))
-    return plant
+    return plant_file.load(name)[0]
 
 
 def from_simulator(options: argparse.Namespace) -> Found:

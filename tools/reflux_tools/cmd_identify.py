@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from reflux_tools import identification, libreflux, table
+from reflux_tools import identification, libreflux, table, textfile
 from reflux_tools.compare import log_of
 from reflux_tools.errors import RunFailed, UserError
 from reflux_tools.identification import Fit, Judgement, Orders, Record, Trials
@@ -128,10 +128,7 @@ def pair(text: str) -> tuple[int, int]:
 
 def read_table(path: Path) -> Log:
     """A log of the simulator, or any table with names in its first line, cells between commas."""
-    try:
-        lines = [line for line in path.read_text(encoding="utf-8-sig").splitlines() if line.strip() and not line.startswith("#")]
-    except (OSError, UnicodeDecodeError) as error:
-        raise UserError(f"{shown(path)}: cannot be read: {error}") from None
+    lines = [line for line in textfile.read(path).splitlines() if line.strip() and not line.startswith("#")]
     if not lines:
         raise UserError(f"{shown(path)}: empty; expected a header line with names of columns")
     if lines[0].startswith("number,"):

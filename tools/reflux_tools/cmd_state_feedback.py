@@ -3,16 +3,13 @@
 from __future__ import annotations
 
 import argparse
-import json
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
-from reflux_tools import board_settings, build, simulator, state_decoupler, table
+from reflux_tools import board_settings, build, plant_file, simulator, state_decoupler, table
 from reflux_tools.errors import RunFailed, UserError
-from reflux_tools.ina_plant import PLANTS
-from reflux_tools.paths import named
 
 LOOPS_MOST, INPUTS_MOST = 4, 8  # of the kind (firmware/control/state_feedback.h)
 ROW_MOST, WEIGHT_MOST = 16000.0, 1e4
@@ -173,8 +170,7 @@ def by_measurements(f: np.ndarray, z: np.ndarray) -> tuple[np.ndarray, float]:
 
 
 def spans_of(plant: str) -> dict[str, float]:
-    path = named(plant) if plant.endswith(".json") else PLANTS / f"{plant}.json"
-    j = json.loads(path.read_text(encoding="utf-8"))
+    j, _ = plant_file.load(plant)
     return {c["name"]: float(c["hi"]) - float(c["lo"]) for side in ("inputs", "disturbances", "outputs", "truths") for c in j.get(side, []) if "hi" in c and "lo" in c}
 
 

@@ -2,15 +2,11 @@
 
 from __future__ import annotations
 
-import json
-import os
 from dataclasses import dataclass
-from pathlib import Path
 
+from reflux_tools import plant_file
 from reflux_tools.errors import UserError
-from reflux_tools.paths import ROOT, shown
-
-PLANTS = ROOT / "host_sim" / "plants"
+from reflux_tools.paths import shown
 
 
 @dataclass(frozen=True)
@@ -24,25 +20,9 @@ class ColumnFile:
     products: tuple[str, ...]  # the first composition of the distillate and of the bottoms; a truth where none is measured
 
 
-def place_of(name: str) -> Path:
-    """As reflux-sim finds it: a path, the folder REFLUX_PLANTS, the plants of the repository."""
-    if "/" in name or name.endswith(".json"):
-        return Path(name)
-    folders = [Path(os.environ["REFLUX_PLANTS"])] if os.environ.get("REFLUX_PLANTS") else []
-    for folder in (*folders, PLANTS):
-        if (folder / f"{name}.json").is_file():
-            return folder / f"{name}.json"
-    raise UserError(f"{name}: no column of that name has a file in {shown(PLANTS)}; reflux-sim --list names all plants, and a "
-                    "file of your own is named by its path")
-
-
 def read(name: str) -> ColumnFile:
-    path = place_of(name)
-    try:
-        data = json.loads(path.read_text(encoding="utf-8"))
-    except (OSError, UnicodeDecodeError, ValueError) as error:
-        raise UserError(f"{shown(path)}: cannot be read: {getattr(error, 'strerror', None) or error}") from None
-    if not isinstance(data, dict) or "column" not in data:
+    data, path = plant_file.load(name)
+    if "column" not in data:
         raise UserError(f"{shown(path)}: is no column (docs/columns.md): it has no key \"column\"")
     try:
         return _column(data)

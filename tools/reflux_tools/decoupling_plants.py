@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from reflux_tools import ina_plant
+from reflux_tools import ina_plant, plant_file
 from reflux_tools.errors import UserError
 
 # Setpoints are stepped by so much of span, or by what moves no MV by more than this.
@@ -35,7 +35,7 @@ class Bench:
     na: int = 2  # highest order of A that the experiment tries
 
     def path(self) -> Path:
-        return ina_plant.PLANTS / f"{self.name}.json"
+        return plant_file.PLANTS / f"{self.name}.json"
 
     def file(self) -> dict[str, Any]:
         return json.loads(self.path().read_text(encoding="utf-8"))

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from reflux_tools import textfile
 from reflux_tools.errors import UserError
 from reflux_tools.paths import shown
 
@@ -112,14 +113,7 @@ def constants_of(plant: dict[str, Any]) -> dict[str, list[float]] | None:
 
 def read_csv(path: Path) -> Profile:
     """Columns stage, T[K] or T[degC], x.NAME of every component, and K.NAME of all of them or none; further columns do not matter."""
-    try:
-        lines = [
-            line
-            for line in path.read_text(encoding="utf-8-sig").splitlines()
-            if line.strip() and not line.startswith("#")
-        ]
-    except (OSError, UnicodeDecodeError) as error:
-        raise UserError(f"{shown(path)}: cannot be read: {getattr(error, 'strerror', None) or error}") from None
+    lines = [line for line in textfile.read(path).splitlines() if line.strip() and not line.startswith("#")]
     rows = list(csv.DictReader(lines))
     head = [h.strip() for h in (csv.DictReader(lines).fieldnames or [])]
     units = [h for h in head if h in ("T[K]", "T[degC]")]

@@ -3,18 +3,15 @@ state spaces in s."""
 
 from __future__ import annotations
 
-import json
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any, Callable
 
 import numpy as np
 
-from reflux_tools import arrays, libreflux
+from reflux_tools import arrays, libreflux, plant_file
 from reflux_tools.errors import UserError
-from reflux_tools.paths import ROOT, shown
+from reflux_tools.paths import shown
 
-PLANTS = ROOT / "host_sim" / "plants"
 UNIT = {"s": 1.0, "min": 60.0, "h": 3600.0}
 MOST = 8  # loops
 
@@ -59,16 +56,7 @@ class SquarePlant:
 
 
 def read(name: str, pairs: str | None) -> SquarePlant:
-    path = Path(name) if name.endswith(".json") else PLANTS / f"{name}.json"
-    try:
-        j = json.loads(path.read_text(encoding="utf-8"))
-    except (OSError, UnicodeDecodeError):
-        known = ", ".join(sorted(p.stem for p in PLANTS.glob("*.json")))
-        raise UserError(f"{shown(path)} cannot be read; a plant is a file NAME.json or one of {known}") from None
-    except ValueError as error:
-        raise UserError(f"{shown(path)} is not JSON: {error}") from None
-    if not isinstance(j, dict):
-        raise UserError(f"{shown(path)} is no plant: it should hold an object")
+    j, path = plant_file.load(name)
     if "column" in j or j.get("model") not in MODELS:
         raise UserError(f"{path.stem} is not linear: identify it, or give its matrices as a plant (reflux-sim --linearise)")
     try:

@@ -9,6 +9,7 @@ import struct
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from reflux_tools import textfile
 from reflux_tools.errors import RunFailed, UserError
 from reflux_tools.paths import shown
 
@@ -81,10 +82,7 @@ def number32(cell: str) -> float:
 
 def read_csv(path: Path) -> Log:
     """A log as reflux-sim or tools/run writes it: # comments, one header line, rows of the same width."""
-    try:
-        lines = path.read_text(encoding="utf-8-sig").splitlines()
-    except (OSError, UnicodeDecodeError) as error:
-        raise UserError(f"{shown(path)}: cannot be read: {error}") from None
+    lines = textfile.read(path).splitlines()
     comments = [line for line in lines if line.startswith("#")]
     numbered = [(n, line) for n, line in enumerate(lines, 1) if line.strip() and not line.startswith("#")]
     if not numbered:
@@ -104,11 +102,7 @@ def read_csv(path: Path) -> Log:
 def read_telemetry(path: Path) -> Log:
     """Telemetry lines of a console: H, headers and T, rows. A configuration that is applied brings a new
     header; columns of all of them stand side by side, empty where a row did not have them."""
-    try:
-        lines = path.read_text(encoding="utf-8", errors="replace").splitlines()
-    except OSError as error:
-        raise UserError(f"{shown(path)}: cannot be read: {error.strerror}") from None
-    return telemetry_in(lines, shown(path))
+    return telemetry_in(textfile.read(path, damaged=True).splitlines(), shown(path))
 
 
 def telemetry_in(lines: list[str], source: str) -> Log:

@@ -8,7 +8,7 @@ import re
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from reflux_tools import logs, scenario
+from reflux_tools import logs, scenario, textfile
 from reflux_tools.errors import UserError
 from reflux_tools.logs import Log
 from reflux_tools.paths import shown
@@ -138,16 +138,15 @@ def _log_at(place: Path) -> tuple[Log, Path | None]:
         return logs.read_csv(place / "log.csv"), place
     if not place.is_file():
         raise UserError(f"{shown(place)}: no such file; a folder that `tools/run ... --out` has written, or the log of tools/console")
-    with place.open(encoding="utf-8", errors="replace") as text:
-        first = next((line for line in text if line.strip() and not line.startswith("#")), "")
+    text = textfile.read(place, damaged=True)
+    first = next((line for line in text.splitlines() if line.strip() and not line.startswith("#")), "")
     if first.startswith("number,"):
         return logs.read_csv(place), place.parent
-    return _telemetry(place), None
+    return _telemetry(place, text), None
 
 
-def _telemetry(place: Path) -> Log:
+def _telemetry(place: Path, text: str) -> Log:
     """Also out of the log of a session, where lines that came begin with `< `."""
-    text = place.read_text(encoding="utf-8", errors="replace")
     if not re.search(r"^(< |[\d.]+ < )?H,", text, re.MULTILINE):
         raise UserError(f"{shown(place)}: neither a log.csv nor telemetry: no header (H, line); `log on` at the console begins one")
     kept = re.sub(r"^([\d.]+ )?< ", "", text, flags=re.MULTILINE)
@@ -159,7 +158,7 @@ def _config_of(folder: Path | None, conf: list[Path], place: Path) -> tuple[list
     script = folder / "script.txt" if folder else None
     sent: list[tuple[float, str]] = []
     if script and script.is_file():
-        for number, line in enumerate(script.read_text(encoding="utf-8").splitlines(), 1):
+        for number, line in enumerate(textfile.read(script).splitlines(), 1):
             at, _, text = line.partition(" ")
             if math.isnan(logs.number(at)):
                 raise UserError(f"{shown(script)}:{number}: expected a time in s and a console line")

@@ -3,16 +3,15 @@ with inputs that stand still between samples and dead times of any length."""
 
 from __future__ import annotations
 
-import json
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from reflux_tools import board_model
+from reflux_tools import board_model, plant_file
 from reflux_tools.errors import UserError
-from reflux_tools.ina_plant import PLANTS, UNIT, lags_of, paired
+from reflux_tools.ina_plant import UNIT, lags_of, paired
 from reflux_tools.paths import shown
 
 MOST, A_MOST, B_MOST = 4, 4, 8  # loops; coefficients of A behind its 1, of B from z^-1 on (firmware/lti/difference_model.h)
@@ -59,7 +58,7 @@ def read(name: str, pairs: str | None, period: float | None) -> SampledPlant:
         plant = of_board(Path(name), pairs, period)
         check(plant)
         return plant
-    j, path = load(name)
+    j, path = plant_file.load(name)
     if "period_s" in j:
         plant = identified(j, path, pairs)
     elif j.get("model") in ("state_space", "discrete"):
@@ -75,20 +74,6 @@ def read(name: str, pairs: str | None, period: float | None) -> SampledPlant:
         raise UserError(f"--period {period:g}: {plant.name} is sampled already, every {plant.period:g} s")
     check(plant)
     return plant
-
-
-def load(name: str) -> tuple[dict[str, Any], Path]:
-    path = Path(name) if name.endswith(".json") else PLANTS / f"{name}.json"
-    try:
-        j = json.loads(path.read_text(encoding="utf-8"))
-    except (OSError, UnicodeDecodeError):
-        known = ", ".join(sorted(p.stem for p in PLANTS.glob("*.json")))
-        raise UserError(f"{shown(path)} cannot be read; a model is a file NAME.json or one of {known}") from None
-    except ValueError as error:
-        raise UserError(f"{shown(path)} is not JSON: {error}") from None
-    if not isinstance(j, dict):
-        raise UserError(f"{shown(path)} is no model: it should hold an object with A and B")
-    return j, path
 
 
 def check(plant: SampledPlant) -> None:
@@ -296,7 +281,7 @@ def with_spans(plant: SampledPlant, text: str) -> SampledPlant:
             except ValueError:
                 raise UserError(f"--spans {text}: {word} must be NAME=SPAN") from None
     else:
-        j, _ = load(text)
+        j, _ = plant_file.load(text)
         found = {c["name"]: float(c["hi"]) - float(c["lo"]) for side in ("outputs", "inputs") for c in j.get(side, []) if "hi" in c and "lo" in c}
     wrong = [n for n in names if not 1e-9 <= found.get(n, 0.0) <= 1e9]
     if wrong:

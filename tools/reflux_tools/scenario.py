@@ -6,7 +6,7 @@ import re
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
-from reflux_tools import boards
+from reflux_tools import boards, textfile
 from reflux_tools.errors import UserError
 from reflux_tools.paths import ROOT, SCENARIOS, shown
 from reflux_tools.schema import Table, check_number, load_toml
@@ -155,11 +155,7 @@ def read_console_files(files: tuple[Path, ...]) -> list[Line]:
     """Console lines of configuration files: one a line, # starts a comment, empty lines do not count."""
     lines = []
     for file in files:
-        try:
-            text = file.read_text(encoding="utf-8")
-        except (OSError, UnicodeDecodeError) as error:
-            raise UserError(f"{shown(file)}: cannot be read: {error}") from None
-        for number, raw in enumerate(text.splitlines(), 1):
+        for number, raw in enumerate(textfile.read(file).splitlines(), 1):
             where = f"{shown(file)}:{number}"
             line = re.sub(r"(^|\s)#.*", "", raw).strip()
             if line:

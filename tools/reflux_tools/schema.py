@@ -8,19 +8,14 @@ import tomllib
 from pathlib import Path
 from typing import Any, Iterable
 
+from reflux_tools import textfile
 from reflux_tools.errors import UserError
 from reflux_tools.paths import shown
 
 
 def load_toml(path: Path) -> dict[str, Any]:
     try:
-        text = path.read_bytes().decode("utf-8")
-    except OSError as error:
-        raise UserError(f"{shown(path)}: cannot be read: {error.strerror}") from None
-    except UnicodeDecodeError as error:
-        raise UserError(f"{shown(path)}: byte {error.start} is not UTF-8 text") from None
-    try:
-        return tomllib.loads(text)
+        return tomllib.loads(textfile.read(path))
     except tomllib.TOMLDecodeError as error:
         raise UserError(f"{shown(path)}: not valid TOML: {error}") from None
 

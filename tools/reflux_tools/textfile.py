@@ -27,10 +27,10 @@ def read(path: Path, damaged: bool = False) -> str:
 
 def decode(data: bytes, source: str, damaged: bool = False) -> str:
     """Returns the text of bytes; `source` names them in a refusal."""
-    if data.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)):
-        raise UserError(f"{source}: is UTF-16 text, as its byte order mark says; it must be UTF-8: iconv -f UTF-16 -t UTF-8 OLD > NEW")
-    if not damaged and b"\0" in data[:LOOKED_AT]:
-        raise UserError(f"{source}: has zero bytes, as UTF-16 text has; it must be UTF-8: iconv -f UTF-16LE -t UTF-8 OLD > NEW")
+    utf16 = ("UTF-16" if data.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)) else
+             "" if damaged or b"\0" not in data[:LOOKED_AT] else "UTF-16BE" if data[:1] == b"\0" else "UTF-16LE")
+    if utf16:
+        raise UserError(f"{source}: is UTF-16 text; it must be UTF-8 (iconv -f {utf16} -t UTF-8 OLD > NEW)")
     try:
         text = data.decode("utf-8-sig", errors="replace" if damaged else "strict")
     except UnicodeDecodeError as error:
@@ -43,5 +43,5 @@ def read_json(path: Path) -> Any:
     """Returns the value of a JSON file."""
     try:
         return json.loads(read(path))
-    except ValueError as error:
+    except (ValueError, RecursionError) as error:
         raise UserError(f"{shown(path)}: not JSON: {error}") from None

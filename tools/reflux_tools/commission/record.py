@@ -7,11 +7,10 @@ import re
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from reflux_tools import logs
+from reflux_tools import logs, textfile
 from reflux_tools.commission import results
 from reflux_tools.commission.board import Event, Plant, event_of, number, plant_of, progress_of
-from reflux_tools.errors import RunFailed, UserError
-from reflux_tools.paths import shown
+from reflux_tools.errors import RunFailed
 
 CONTEXT_SAMPLES = 30  # before a step, in plots and for its rest
 LIMIT_SHARE = 0.2     # of span: what test_limit 0 means
@@ -72,10 +71,7 @@ class Record:
 
 def replies(transcript: Path) -> tuple[dict[str, list[list[str]]], list[Event]]:
     """All replies to each command that was not refused, and all events."""
-    try:
-        text = transcript.read_text(encoding="utf-8", errors="replace")
-    except OSError as error:
-        raise UserError(f"{shown(transcript)}: cannot be read: {error.strerror}") from None
+    text = textfile.read(transcript, damaged=True)
     out: dict[str, list[list[str]]] = {}
     events: list[Event] = []
     command, lines = "", []
@@ -110,7 +106,7 @@ def load(folder: Path) -> Record:
                results.model_of(last("commission model")), results.gains_of(last("commission gains")),
                results.pairing_of(last("commission pairing")), results.structure_of(last("commission structure")),
                results.proposal_of(last("commission proposal")), results.trial_of(last("commission trial")),
-               answers.read_text(encoding="utf-8") if answers.is_file() else "")
+               textfile.read(answers) if answers.is_file() else "")
     r.time = r.column("time")
     r.experiments = experiments_of(r)
     r.kept, r.outcome = outcome_of(r, last("commission"))
