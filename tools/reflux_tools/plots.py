@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import math
+import re
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -150,9 +151,10 @@ def finish(figure: Any, name: str, caption: str, with_svg: bool = True) -> Plot:
 
 
 def write_pngs(plots: list[Plot], folder: Path) -> list[Path]:
+    """A name may come from a board: what is not a letter, digit, dot or hyphen becomes an underscore in the file's."""
     paths = []
     for plot in plots:
-        path = folder / f"plot-{plot.name}.png"
+        path = folder / f"plot-{re.sub(r'[^A-Za-z0-9.-]', '_', plot.name)}.png"
         path.write_bytes(plot.png)
         paths.append(path)
     return paths

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import base64
-import html
 from pathlib import Path
+from typing import Sequence
 
+from reflux_tools import markup, table
 from reflux_tools import plots as plotting
-from reflux_tools import table
+from reflux_tools.markup import Content, Markup, element, join, picture
 from reflux_tools.runner import Result, events_in, replies_in, script_lines
 from reflux_tools.scenario import relative
 
@@ -36,29 +36,32 @@ pre.columns { columns: 3 14rem; }
 """
 
 
-def esc(text: object) -> str:
-    return html.escape(str(text))
-
-
-def grid(header: list[str], rows: list[list[str]], text_columns: int = 2, total: str = "",
-         kind: str = "") -> str:
+def grid(header: list[str], rows: Sequence[Sequence[Content]], text_columns: int = 2, total: str = "", kind: str = "") -> Markup:
     """A table; columns after the first few hold numbers. total: rows whose second cell says so stand out."""
-    classes = ["" if i < text_columns else ' class="n"' for i in range(len(header))]
-    head = "".join(f"<th{c}>{esc(h)}</th>" for c, h in zip(classes, header))
-    body = []
-    for row in rows:
-        mark = ' class="total"' if total and len(row) > 1 and row[1] == total else ""
-        body.append(f"<tr{mark}>" + "".join(f"<td{c}>{cell if cell.startswith('<span') else esc(cell)}</td>"
-                                            for c, cell in zip(classes, row)) + "</tr>")
-    thead = f"<thead><tr>{head}</tr></thead>" if any(header) else ""
-    return f'<div class="wide"><table class="{kind}">{thead}<tbody>{"".join(body)}</tbody></table></div>'
+    classes = ["" if i < text_columns else "n" for i in range(len(header))]
+
+    def line(tag: str, cells: Sequence[Content], mark: str = "") -> Markup:
+        return element("tr", *(element(tag, cell, class_=c) for c, cell in zip(classes, cells)), class_=mark)
+
+    body = [line("td", row, "total" if total and len(row) > 1 and row[1] == total else "") for row in rows]
+    head = [element("thead", line("th", header))] if any(header) else []
+    return element("div", element("table", *head, element("tbody", *body), class_=kind), class_="wide")
 
 
-def badge(passed: bool, yes: str = "pass", no: str = "fail") -> str:
-    return f'<span class="verdict {"pass" if passed else "fail"}">{yes if passed else no}</span>'
+def badge(passed: bool, yes: str = "pass", no: str = "fail") -> Markup:
+    return element("span", yes if passed else no, class_="verdict pass" if passed else "verdict fail")
 
 
-def facts(result: Result) -> str:
+def note(*content: Content) -> Markup:
+    return element("p", *content, class_="note")
+
+
+def listed(lines: Sequence[str]) -> Markup:
+    """A list; nothing where there are no lines."""
+    return element("ul", *(element("li", line) for line in lines)) if lines else Markup("")
+
+
+def facts(result: Result) -> Markup:
     f = result.facts
     scenario = result.scenario
     rows = [
@@ -74,10 +77,10 @@ def facts(result: Result) -> str:
     return grid(["", ""], rows, kind="facts")
 
 
-def limits_table(result: Result) -> str:
+def limits_table(result: Result) -> Markup:
     if not result.checks:
-        return "<p>This scenario sets no limits.</p>"
-    rows = []
+        return element("p", "This scenario sets no limits.")
+    rows: list[list[Content]] = []
     for c in result.checks:
         when = "whole run" if c.at_s is None else f"from {c.at_s:g} s"
         rows.append([c.loop, when, _metric(c.metric), table.figure(c.value), table.figure(c.most), badge(c.passed)])
@@ -89,16 +92,11 @@ def _metric(name: str) -> str:
             "tv": "total variation", "max_error": "largest error"}[name]
 
 
-def figures(plots: list[plotting.Plot]) -> str:
-    out = []
-    for plot in plots:
-        data = base64.b64encode(plot.svg.encode()).decode()
-        out.append(f'<figure><img alt="{esc(plot.caption)}" src="data:image/svg+xml;base64,{data}">'
-                   f"<figcaption>{esc(plot.caption)}</figcaption></figure>")
-    return "\n".join(out)
+def figures(plots: list[plotting.Plot]) -> Markup:
+    return join([picture(plot.svg.encode(), "svg+xml", plot.caption) for plot in plots], "\n")
 
 
-def events_table(result: Result) -> str:
+def events_table(result: Result) -> Markup:
     """What was done, and what the firmware said about it, in order of plant time."""
     rows = [(e.at_s, "plant", "", f"{e.name} = {e.value:g}") for e in result.scenario.events]
     rows += [(line.at_s, "console", "", line.text) for line in result.scenario.lines]
@@ -106,46 +104,42 @@ def events_table(result: Result) -> str:
              for t, level, code, text in events_in(result.out / "transcript.txt")]
     rows.sort(key=lambda row: row[0])
     if not rows:
-        return "<p>Nothing happened.</p>"
+        return element("p", "Nothing happened.")
     return grid(["time [s]", "from", "level", "what"], [[f"{t:g}", *rest] for t, *rest in rows], text_columns=4)
 
 
-def how_to_repeat(result: Result) -> str:
+def how_to_repeat(result: Result) -> Markup:
     s = result.scenario
     command = f"tools/run {relative(s.file)} --firmware {s.firmware} --seed {s.seed} --noise {s.noise:g}"
-    return (f"<pre>{esc(command)}</pre><p class='note'>The same scenario, seed and noise give the same log, "
-            "sample by sample; <code>tools/run --compare A B</code> tells whether two logs are the same.</p>")
+    return join([element("pre", command), note("The same scenario, seed and noise give the same log, sample by sample; ",
+                                               element("code", "tools/run --compare A B"), " tells whether two logs are the same.")])
 
 
-def lines_sent(result: Result) -> str:
-    lines = [line.text for line in script_lines(result.scenario) if line.at_s == 0]
-    return f'<pre class="columns">{esc(chr(10).join(lines))}</pre>'
+def lines_sent(result: Result) -> Markup:
+    return element("pre", "\n".join(line.text for line in script_lines(result.scenario) if line.at_s == 0), class_="columns")
 
 
 def page(result: Result, plots: list[plotting.Plot]) -> str:
     units = result.units()
     title = result.scenario.title
     said = replies_in(result.out / "transcript.txt", "version")
-    failures = "".join(f"<li>{esc(f)}</li>" for f in result.failures())
     parts = [
-        f"<h1>{esc(title)}</h1>",
-        f'<p class="what">{badge(result.passed, "all limits kept", "limits missed")}</p>',
-        f"<ul>{failures}</ul>" if failures else "",
-        "<h2>What was run</h2>", facts(result),
-        f"<pre>{esc(chr(10).join(said))}</pre>" if said else "",
-        "<h2>Limits</h2>", limits_table(result),
-        "<h2>How it went</h2>", figures(plots),
-        "<h2>Loops, window by window</h2>",
+        element("h1", title),
+        element("p", badge(result.passed, "all limits kept", "limits missed"), class_="what"),
+        listed(result.failures()),
+        element("h2", "What was run"), facts(result),
+        element("pre", "\n".join(said)) if said else "",
+        element("h2", "Limits"), limits_table(result),
+        element("h2", "How it went"), figures(plots),
+        element("h2", "Loops, window by window"),
         grid(table.loop_header(units), table.loop_rows(result.windows, units), total="whole run"),
-        '<p class="note">A window runs from one change to the next. Over the whole run, overshoot and settling '
-        "time are those of the worst setpoint step. Definitions: docs/scenarios.md.</p>",
-        "<h2>What happened</h2>", events_table(result),
-        "<h2>Console lines before the first sample</h2>", lines_sent(result),
-        "<h2>How to repeat it</h2>", how_to_repeat(result),
+        note("A window runs from one change to the next. Over the whole run, overshoot and settling "
+             "time are those of the worst setpoint step. Definitions: docs/scenarios.md."),
+        element("h2", "What happened"), events_table(result),
+        element("h2", "Console lines before the first sample"), lines_sent(result),
+        element("h2", "How to repeat it"), how_to_repeat(result),
     ]
-    return ("<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">"
-            '<meta name="viewport" content="width=device-width, initial-scale=1">'
-            f"<title>{esc(title)}</title><style>{CSS}</style></head><body>\n" + "\n".join(parts) + "\n</body></html>\n")
+    return markup.page(title, CSS, parts)
 
 
 def write(result: Result) -> Path:

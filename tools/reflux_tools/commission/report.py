@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-import base64
 from pathlib import Path
 
+from reflux_tools import markup
 from reflux_tools import plots as plotting
 from reflux_tools.commission import figures, results
 from reflux_tools.commission.record import Record, load
 from reflux_tools.commission.progress import span_of_time
-from reflux_tools.report import CSS, badge, esc, grid
+from reflux_tools.markup import Content, Markup, element, picture
+from reflux_tools.report import CSS, badge, grid, listed, note
 
 FLAGS = {
     "no_gain": "the gain cannot be told from noise: the times mean nothing",
@@ -24,17 +25,11 @@ FLAGS = {
 }
 
 
-def embedded(picture: plotting.Plot) -> str:
-    data = base64.b64encode(picture.png).decode()
-    return (f'<figure><img alt="{esc(picture.caption)}" src="data:image/png;base64,{data}">'
-            f"<figcaption>{esc(picture.caption)}</figcaption></figure>")
+def embedded(plot: plotting.Plot) -> Markup:
+    return picture(plot.png, "png", plot.caption)
 
 
-def listed(lines: list[str]) -> str:
-    return f"<ul>{''.join(f'<li>{esc(line)}</li>' for line in lines)}</ul>" if lines else ""
-
-
-def facts(r: Record) -> str:
+def facts(r: Record) -> Markup:
     names = [e.code for e in r.events]
     time = {code: next((e.at_s for e in r.events if e.code == code), None) for code in names}
     began = time.get("COMMISSION_BEGUN")
@@ -56,62 +51,62 @@ def facts(r: Record) -> str:
     return grid(["", ""], rows, kind="facts")
 
 
-def flags_used(r: Record) -> str:
+def flags_used(r: Record) -> Markup:
     used = [f for f in FLAGS if any(f in (*e.flags, *e.moments_flags) for e in r.model.elements.values())]
     return listed([f"{f}: {FLAGS[f]}" for f in used])
 
 
-def tests_part(r: Record, pictures: dict[str, plotting.Plot]) -> list[str]:
-    parts = ["<h2>Tests</h2>", grid(*results.input_rows(r.model), text_columns=1) if r.model.inputs else ""]
+def tests_part(r: Record, pictures: dict[str, plotting.Plot]) -> list[Content]:
+    parts = [element("h2", "Tests"), grid(*results.input_rows(r.model), text_columns=1) if r.model.inputs else ""]
     return parts + [embedded(p) for name, p in pictures.items() if name.startswith("test")]
 
 
-def model_part(r: Record) -> list[str]:
+def model_part(r: Record) -> list[Content]:
     if not r.model.elements:
         return []
     header, rows = results.model_rows(r.model)
-    return ["<h2>Model</h2>",
-            '<p class="note">Each element: gain exp(-L s) / (T s + 1), by least squares over all rounds, with standard '
-            "deviations; beside it what weighted moments and the plateaus make of the last round. docs/identification.md "
-            "says how.</p>", grid(header, rows, text_columns=2), flags_used(r)]
+    return [element("h2", "Model"),
+            note("Each element: gain exp(-L s) / (T s + 1), by least squares over all rounds, with standard "
+                 "deviations; beside it what weighted moments and the plateaus make of the last round. docs/identification.md "
+                 "says how."), grid(header, rows, text_columns=2), flags_used(r)]
 
 
-def analysis_part(r: Record, pictures: dict[str, plotting.Plot]) -> list[str]:
+def analysis_part(r: Record, pictures: dict[str, plotting.Plot]) -> list[Content]:
     if not r.gains.singular:
         return []
-    parts = ["<h2>Interaction</h2>", listed(results.gains_words(r.gains))]
+    parts: list[Content] = [element("h2", "Interaction"), listed(results.gains_words(r.gains))]
     if r.gains.rga:
-        parts += ["<p>Relative gains at rest:</p>", grid(*results.rga_rows(r.gains), text_columns=1)]
+        parts += [element("p", "Relative gains at rest:"), grid(*results.rga_rows(r.gains), text_columns=1)]
     parts += [embedded(pictures[name]) for name in ("rga", "singular") if name in pictures]
     if "rga" not in pictures:
-        parts.append('<p class="note">No relative gains along the frequency: the plant has none, or libreflux is not built '
-                     "(cmake --build --preset host --target libreflux).</p>")
-    parts += ["<h2>Pairing and structure</h2>"]
+        parts.append(note("No relative gains along the frequency: the plant has none, or libreflux is not built "
+                          "(cmake --build --preset host --target libreflux)."))
+    parts += [element("h2", "Pairing and structure")]
     if r.pairing.pairs:
         parts.append(grid(*results.pairing_rows(r.pairing)))
     parts.append(listed([*results.pairing_words(r.pairing), *results.structure_words(r.structure)]))
     return parts
 
 
-def proposal_part(r: Record, pictures: dict[str, plotting.Plot]) -> list[str]:
+def proposal_part(r: Record, pictures: dict[str, plotting.Plot]) -> list[Content]:
     p = r.proposal
     if not (p.why_not or p.loops):
         return []
-    parts = ["<h2>Proposal</h2>", listed([*results.reasons(r.pairing), *results.proposal_words(p)])]
+    parts: list[Content] = [element("h2", "Proposal"), listed([*results.reasons(r.pairing), *results.proposal_words(p)])]
     if p.loops:
         parts += [grid(*results.loop_rows(p)),
-                  '<p class="note">Gain: output span per measurement span. Predicted on the model: after a step of the '
-                  "loop's own setpoint the integral of the error, the overshoot, and the time until it stays within 5 % of "
-                  "the step.</p>"]
+                  note("Gain: output span per measurement span. Predicted on the model: after a step of the "
+                       "loop's own setpoint the integral of the error, the overshoot, and the time until it stays within 5 % of "
+                       "the step.")]
     if r.trial:
-        parts += ["<h2>Trial</h2>", grid(*results.trial_rows(r.trial)),
-                  '<p class="note">Kept when no loop overshoots, errs or wanders much further than predicted '
-                  "(docs/commissioning.md).</p>"]
+        parts += [element("h2", "Trial"), grid(*results.trial_rows(r.trial)),
+                  note("Kept when no loop overshoots, errs or wanders much further than predicted "
+                       "(docs/commissioning.md).")]
         parts += [embedded(pictures["trial"])] if "trial" in pictures else []
     return parts
 
 
-def events_part(r: Record) -> str:
+def events_part(r: Record) -> Markup:
     rows = [[f"{e.at_s:g}", e.level, e.code, "" if e.subject == "-" else e.subject, f"{e.value:g}", e.text]
             for e in r.events]
     return grid(["plant time [s]", "level", "event", "of", "value", ""], rows, text_columns=6)
@@ -120,17 +115,15 @@ def events_part(r: Record) -> str:
 def page(r: Record, pictures: list[plotting.Plot]) -> str:
     by_name = {p.name: p for p in pictures}
     title = f"Start-up of {r.plant.name}" if r.plant else "Start-up"
-    parts = [f"<h1>{esc(title)}</h1>",
-             f'<p class="what">{badge(r.kept, "loops kept", "no loops")} {esc(r.outcome)}</p>',
-             "<h2>What was run</h2>", facts(r), *tests_part(r, by_name), *model_part(r), *analysis_part(r, by_name),
-             *proposal_part(r, by_name), "<h2>What happened</h2>", events_part(r)]
+    parts = [element("h1", title),
+             element("p", badge(r.kept, "loops kept", "no loops"), f" {r.outcome}", class_="what"),
+             element("h2", "What was run"), facts(r), *tests_part(r, by_name), *model_part(r), *analysis_part(r, by_name),
+             *proposal_part(r, by_name), element("h2", "What happened"), events_part(r)]
     if r.answers:
-        parts += ["<h2>Answers</h2>", f"<pre>{esc(r.answers)}</pre>",
-                  '<p class="note"><code>tools/commission ... --file answers.toml</code> runs it again; '
-                  "<code>tools/commission --report FOLDER</code> makes this page again.</p>"]
-    return ('<!DOCTYPE html>\n<html lang="en"><head><meta charset="utf-8">'
-            '<meta name="viewport" content="width=device-width, initial-scale=1">'
-            f"<title>{esc(title)}</title><style>{CSS}</style></head><body>\n" + "\n".join(parts) + "\n</body></html>\n")
+        parts += [element("h2", "Answers"), element("pre", r.answers),
+                  note(element("code", "tools/commission ... --file answers.toml"), " runs it again; ",
+                       element("code", "tools/commission --report FOLDER"), " makes this page again.")]
+    return markup.page(title, CSS, parts)
 
 
 def write(folder: Path) -> Path:
