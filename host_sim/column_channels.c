@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "column_reader.h"
+#include "plant_unit.h"
 #include "text.h"
 
 #define FRACTION_MEASURES (MEASURE_MOLE_FRACTION | MEASURE_MASS_FRACTION)
@@ -33,7 +34,7 @@ const struct column_unit *column_read_unit(struct column_reader *r, const json_t
                                            unsigned measures, const char *what)
 {
     struct json_walk *w = r->walk;
-    const char *name = walk_text(w, object, "unit", 11, "-");
+    const char *name = plant_read_unit(w, object);
     const struct column_unit *unit = column_unit_find(name, measures);
     size_t mark = walk_key(w, "unit");
     if (unit == NULL) {

@@ -4,6 +4,7 @@
 #include "linear_plant.h"
 #include "plant_blocks.h"
 #include "plant_parts.h"
+#include "plant_unit.h"
 #include "text.h"
 
 #include <math.h>
@@ -11,7 +12,6 @@
 #include <string.h>
 
 #define CHANNELS_MAX PLANT_CHANNELS_MAX
-#define UNIT_MAX     11
 #define CASES_MAX    100
 #define BIG          1e15
 
@@ -24,7 +24,7 @@ struct plant_file {
 
 static void read_span(struct json_walk *w, const json_t *object, struct plant_channel *c)
 {
-    c->unit = walk_text(w, object, "unit", UNIT_MAX, "-");
+    c->unit = plant_read_unit(w, object);
     c->lo = walk_number(w, object, "lo", -BIG, BIG, NAN);
     c->hi = walk_number(w, object, "hi", -BIG, BIG, NAN);
     if (!(c->lo < c->hi)) {

@@ -54,7 +54,7 @@ class Commands(FolderTest):
             (["--plant", "pilot", "--speed", "0"], '--speed is "0"'),
             (["--plant", "pilot", "--tick", "nan"], "--tick is nan"),
             (["--plant", "pilot", "--noise", "-1"], "--noise is -1.0; it must be 0 or more"),
-            (["--plant", "none.json", "--no-build"], "there is no plant file none.json"),
+            (["--plant", "none.json", "--no-build"], "none.json: No such file"),
             (["--plant", "pilot", "--file", str(self.folder / "none.toml")], "cannot be read"),
             (["/nonexistent", "--yes"], "there is no /nonexistent"),
             (["--report", str(self.folder)], "holds no transcript.txt; is it the --out of a start-up?"),

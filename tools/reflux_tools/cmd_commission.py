@@ -12,7 +12,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Callable, Iterator
 
-from reflux_tools import build, launch, runner
+from reflux_tools import build, launch, runner, simulator
 from reflux_tools import scenario as scenarios
 from reflux_tools.commission.board import Board, Transcript
 from reflux_tools.commission.keyboard import Keyboard
@@ -138,11 +138,7 @@ def simulated(options: argparse.Namespace) -> Iterator[Bench]:
     if not options.no_build:
         launch.build_for(options.firmware)
         build.build("host", ("libreflux",))  # for the report
-    file = options.plant.endswith(".json")
-    if file and not Path(options.plant).is_file():
-        raise UserError(f"there is no plant file {options.plant}")
-    if not file and options.plant not in (known := runner.plants()):
-        raise UserError(f'--plant is "{options.plant}"; known are: {", ".join(known)}')
+    simulator.check_plant(options.plant)
     tick_s = tick_of(options)
     rate = RATE_UNATTENDED if options.yes or options.file else RATE
     speed = options.speed or f"{rate * tick_s:.6g}"
@@ -170,7 +166,7 @@ def tick_of(options: argparse.Namespace) -> float:
         tick = asked.get("tick_s") if isinstance(asked, dict) else None
         if isinstance(tick, (int, float)) and not isinstance(tick, bool) and math.isfinite(tick) and tick > 0:
             return float(tick)
-    match = re.search(r"^\s*tick: ([\d.e+-]+) s", ask_simulator("--list", options.plant), re.MULTILINE)
+    match = re.search(r"^\s*tick: ([\d.e+-]+) s", simulator.ask("--list", options.plant), re.MULTILINE)
     if not match:
         raise RunFailed(f"reflux-sim --list {options.plant} tells no tick")
     return float(match[1])
@@ -178,16 +174,8 @@ def tick_of(options: argparse.Namespace) -> float:
 
 def steady(plant: str) -> dict[str, float]:
     """The inputs' values at which the plant begins: its operating point."""
-    rows = csv.DictReader(ask_simulator("--steady", "--plant", plant).splitlines())
+    rows = csv.DictReader(simulator.ask("--steady", "--plant", plant).splitlines())
     return {row["name"]: float(row["value"]) for row in rows if row["kind"] == "manipulated"}
-
-
-def ask_simulator(*arguments: str) -> str:
-    program = build.find_program("host", "reflux-sim")
-    answer = subprocess.run([str(program), *arguments], capture_output=True, text=True, check=False)
-    if answer.returncode:
-        raise UserError((answer.stderr.strip().splitlines() or ["reflux-sim said nothing"])[-1].removeprefix("reflux-sim: "))
-    return answer.stdout
 
 
 # ---- report ----

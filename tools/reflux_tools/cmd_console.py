@@ -14,7 +14,7 @@ import tty
 from pathlib import Path
 from typing import Iterator, TextIO
 
-from reflux_tools import build, launch, live, session, textfile
+from reflux_tools import build, launch, live, session, simulator, textfile
 from reflux_tools.errors import RunFailed, UserError
 from reflux_tools.paths import named, shown
 from reflux_tools.ports import Port
@@ -89,6 +89,8 @@ def open_log(path: Path) -> TextIO:
 def host_board(options: argparse.Namespace) -> Iterator[str]:
     if not options.no_build:
         build.build("host", ("reflux-host", "reflux-sim"), quiet=True)
+    if options.plant:
+        simulator.check_plant(options.plant)
     with contextlib.ExitStack() as stack:
         firmware = stack.enter_context(launch.start("host"))
         if options.plant:

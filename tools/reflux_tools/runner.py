@@ -8,13 +8,12 @@ import json
 import re
 import signal
 import subprocess
-import sys
 import time
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Iterator
 
-from reflux_tools import build, launch, limits, logs, metrics
+from reflux_tools import build, launch, limits, logs, metrics, simulator
 from reflux_tools.errors import RunFailed, UserError
 from reflux_tools.paths import shown
 from reflux_tools.scenario import Line, Scenario, relative
@@ -229,21 +228,8 @@ def plant_argument(scenario: Scenario) -> str:
 
 
 def check_plant(scenario: Scenario) -> None:
-    """Refuses a plant that the simulator does not know, before anything is started."""
-    if scenario.plant.endswith(".json"):
-        if not Path(plant_argument(scenario)).is_file():
-            raise UserError(f'{shown(scenario.file)}: plant is "{scenario.plant}"; there is no such file')
-        return
-    names = plants()
-    if names and scenario.plant not in names:
-        raise UserError(f'{shown(scenario.file)}: plant is "{scenario.plant}"; known are: {", ".join(names)}')
-
-
-def plants() -> list[str]:
-    """First words of the unindented lines of reflux-sim --list."""
-    program = build.find_program("host", "reflux-sim")
-    answer = subprocess.run([str(program), "--list"], capture_output=True, text=True, check=False)
-    if answer.returncode != 0:
-        print(f"reflux-sim --list failed: {answer.stderr.strip()}", file=sys.stderr)
-        return []
-    return [line.split()[0].rstrip(":") for line in answer.stdout.splitlines() if line and not line[0].isspace()]
+    """Refuses the plant of a scenario before anything is started."""
+    try:
+        simulator.check_plant(plant_argument(scenario))
+    except UserError as error:
+        raise UserError(f"{shown(scenario.file)}: {error}") from None

@@ -20,6 +20,14 @@ def ask(*arguments: str) -> str:
     return done.stdout
 
 
+def check_plant(name: str) -> None:
+    """Refuses a plant that the simulator does not know or whose file is wrong. Asked before anything is started."""
+    try:
+        ask("--list", name)
+    except UserError as error:
+        raise UserError(f"plant {str(error).removeprefix('--plant ')}") from None
+
+
 def linearised(plant: str, settings: Iterable[str] = ()) -> dict[str, Any]:
     """Matrices A to D of a plant, in rows one after the other, with the names of inputs and outputs. settings: NAME=VALUE of inputs."""
     return json.loads(ask("--linearise", "--plant", plant, "--format", "json", *(word for setting in settings for word in ("--set", setting))))

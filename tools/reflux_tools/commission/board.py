@@ -113,10 +113,9 @@ def plant_of(lines: list[str]) -> Plant | None:
         words = line.split()
         if words[0] == "plant" and len(words) > 4:
             tick, name = float(words[3]), " ".join(words[5:])
-        elif words[0] in kinds and len(words) >= 8:
-            v = pairs_of(words[2:])
-            kinds[words[0]].append(Channel(words[1], v["unit"], float(v["lo"]), float(v["hi"]),
-                                           float(v.get("safe", 0))))
+        elif channel := re.fullmatch(r"(output|input) (\S+) unit (.+) lo (\S+) hi (\S+)(?: safe (\S+))?", line):
+            kind, channel_name, unit, lo, hi, safe = channel.groups(default="0")
+            kinds[kind].append(Channel(channel_name, unit, float(lo), float(hi), float(safe)))
     if not kinds["output"] and not kinds["input"]:
         return None
     return Plant(name, tick, tuple(kinds["output"]), tuple(kinds["input"]))
