@@ -21,6 +21,7 @@
 #include "hal/retained.h"
 #include "hal/tick.h"
 #include "hal/watchdog.h"
+#include "hold.h"
 #include "line.h"
 
 #define IDLE_MS 20
@@ -49,6 +50,33 @@ static bool keep_in_file(uint32_t address, uint32_t n)
     return pwrite(flash_file, flash_model + address, n, (off_t)address) == (ssize_t)n;
 }
 
+/* The file holds the access key: only its owner may read it. */
+static bool open_flash(const char *path, char *err, size_t err_size)
+{
+    char who[64];
+    flash_file = open(path, O_RDWR | O_CREAT | O_CLOEXEC, 0600);
+    if (flash_file >= 0 && !hold_take(flash_file, who, sizeof who)) {
+        if (errno == EACCES)
+            (void)snprintf(err, err_size, "%s is the flash of %s", path, who);
+        else
+            (void)snprintf(err, err_size, "cannot lock %s: %s", path, strerror(errno));
+        return false;
+    }
+    ssize_t n = flash_file < 0 ? -1 : pread(flash_file, flash_model, sizeof flash_model, 0);
+    if (n < 0 || (n != 0 && n != (ssize_t)sizeof flash_model)) {
+        (void)snprintf(err, err_size, "cannot use %s as flash: %s", path,
+                       n < 0 ? strerror(errno) : "it has another size than this board's flash");
+        return false;
+    }
+    if (n == 0 &&
+        pwrite(flash_file, flash_model, sizeof flash_model, 0) != (ssize_t)sizeof flash_model) {
+        (void)snprintf(err, err_size, "cannot write %s: %s", path, strerror(errno));
+        return false;
+    }
+    flash_model_keep = keep_in_file;
+    return true;
+}
+
 bool host_port_open(const struct host_port_options *options, char *err, size_t err_size)
 {
     start_ns = now_ns();
@@ -56,21 +84,8 @@ bool host_port_open(const struct host_port_options *options, char *err, size_t e
     tick_asked = false;
     watchdog_wanted = options->watchdog;
     flash_model_erase_all();
-    if (options->nvm) {
-        flash_file = open(options->nvm, O_RDWR | O_CREAT | O_CLOEXEC, 0644);
-        ssize_t n = flash_file < 0 ? -1 : pread(flash_file, flash_model, sizeof flash_model, 0);
-        if (n < 0 || (n != 0 && n != (ssize_t)sizeof flash_model)) {
-            (void)snprintf(err, err_size, "cannot use %s as flash: %s", options->nvm,
-                           n < 0 ? strerror(errno) : "it has another size than this board's flash");
-            return false;
-        }
-        if (n == 0 &&
-            pwrite(flash_file, flash_model, sizeof flash_model, 0) != (ssize_t)sizeof flash_model) {
-            (void)snprintf(err, err_size, "cannot write %s: %s", options->nvm, strerror(errno));
-            return false;
-        }
-        flash_model_keep = keep_in_file;
-    }
+    if (options->nvm && !open_flash(options->nvm, err, err_size))
+        return false;
     if (!line_open(&lines[HAL_UART_CONSOLE], options->console, err, err_size) ||
         !line_open(&lines[HAL_UART_LINK], options->link, err, err_size))
         return false;
@@ -123,6 +138,10 @@ void host_port_close(void)
     watchdog_stop();
     for (unsigned i = 0; i < HAL_UART_COUNT; i++)
         line_close(&lines[i]);
+    if (flash_file >= 0)
+        (void)close(flash_file);
+    flash_file = -1;
+    flash_model_keep = NULL;
 }
 
 void hal_idle(bool wait)

@@ -12,6 +12,8 @@
 #include <termios.h>
 #include <unistd.h>
 
+#include "hold.h"
+
 static bool fail(char *err, size_t err_size, const char *what, const char *where)
 {
     (void)snprintf(err, err_size, "%s %s: %s", what, where, strerror(errno));
@@ -24,23 +26,43 @@ static bool set_nonblocking(int fd)
     return flags >= 0 && fcntl(fd, F_SETFL, flags | O_NONBLOCK) == 0;
 }
 
-/* Only ever replaces a link of an earlier run, nothing a person put there. */
-static bool make_link(struct line *line, const char *target, const char *path, char *err,
+/* Does the link lead to a terminal of a host that runs? `own` is the terminal just opened: the kernel may have given it the
+ * number of one that is gone. */
+static bool leads_to_another_host(const char *target, const char *own, char *who, size_t size)
+{
+    int fd =
+        strcmp(target, own) == 0 ? -1 : open(target, O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC);
+    if (fd < 0)
+        return false;
+    bool taken = hold_is_taken(fd, who, size);
+    (void)close(fd);
+    return taken;
+}
+
+/* Replaces a link that an ended run has left, and nothing that a person put there. */
+static bool make_link(struct line *line, const char *terminal, const char *path, char *err,
                       size_t err_size)
 {
-    struct stat st;
+    char target[108], who[64];
     if (strlen(path) >= sizeof line->path) {
         errno = ENAMETOOLONG;
         return fail(err, err_size, "cannot link", path);
     }
-    if (lstat(path, &st) == 0 && S_ISLNK(st.st_mode)) {
-        if (stat(path, &st) == 0 && S_ISCHR(st.st_mode)) {
-            errno = EEXIST; /* leads to a living terminal: another firmware's, most likely */
-            return fail(err, err_size, "another program may own the link", path);
+    ssize_t n = readlink(path, target, sizeof target - 1);
+    if (n >= 0) {
+        target[n] = '\0';
+        if (strncmp(target, "/dev/pts/", 9) != 0) {
+            (void)snprintf(err, err_size, "%s leads to %s, which no run has left: it stays", path,
+                           target);
+            return false;
+        }
+        if (leads_to_another_host(target, terminal, who, sizeof who)) {
+            (void)snprintf(err, err_size, "%s is the link of %s", path, who);
+            return false;
         }
         (void)unlink(path);
     }
-    if (symlink(target, path) != 0)
+    if (symlink(terminal, path) != 0)
         return fail(err, err_size, "cannot link", path);
     (void)snprintf(line->path, sizeof line->path, "%s", path);
     return true;
@@ -48,7 +70,7 @@ static bool make_link(struct line *line, const char *target, const char *path, c
 
 static bool open_pty(struct line *line, const char *link, char *err, size_t err_size)
 {
-    char name[64];
+    char name[64], who[64];
     struct termios raw;
     int master = posix_openpt(O_RDWR | O_NOCTTY | O_CLOEXEC);
     if (master < 0 || grantpt(master) != 0 || unlockpt(master) != 0 ||
@@ -58,7 +80,8 @@ static bool open_pty(struct line *line, const char *link, char *err, size_t err_
     if (line->slave < 0 || tcgetattr(line->slave, &raw) != 0)
         return fail(err, err_size, "cannot open", name);
     cfmakeraw(&raw);
-    if (tcsetattr(line->slave, TCSANOW, &raw) != 0 || !set_nonblocking(master))
+    if (tcsetattr(line->slave, TCSANOW, &raw) != 0 || !set_nonblocking(master) ||
+        !hold_take(line->slave, who, sizeof who))
         return fail(err, err_size, "cannot set up", name);
     line->in = line->out = master;
     line->kind = LINE_PTY;

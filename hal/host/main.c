@@ -88,8 +88,8 @@ int main(int argc, char **argv)
         (void)fprintf(stderr, "reflux-host: %s\n", err);
         return 2;
     }
-    if (strcmp(options.console, "stdio") == 0 && strcmp(options.link, "stdio") == 0) {
-        (void)fprintf(stderr, "reflux-host: console and link cannot both be stdio\n");
+    if (strcmp(options.console, options.link) == 0 && strcmp(options.console, "pty") != 0) {
+        (void)fprintf(stderr, "reflux-host: console and link cannot both be %s\n", options.link);
         return 2;
     }
     struct sigaction action = {.sa_handler = on_signal};

@@ -13,7 +13,7 @@ target_include_directories(test_heartbeat PRIVATE "${REFLUX_LAYERS}/service")
 # The host port's watchdog, around a firmware that hangs.
 reflux_test(host_watchdog LABEL unit SOURCES
   "${CMAKE_CURRENT_LIST_DIR}/test_host_watchdog.c" "${PROJECT_SOURCE_DIR}/hal/host/host_port.c"
-  "${PROJECT_SOURCE_DIR}/hal/host/line.c" "${PROJECT_SOURCE_DIR}/hal/host/flash_model.c"
+  "${PROJECT_SOURCE_DIR}/hal/host/line.c" "${PROJECT_SOURCE_DIR}/hal/host/hold.c" "${PROJECT_SOURCE_DIR}/hal/host/flash_model.c"
   "${PROJECT_SOURCE_DIR}/hal/host/process.c" "${PROJECT_SOURCE_DIR}/firmware/service/heartbeat.c"
   LIBS reflux_hal)
 target_include_directories(test_host_watchdog PRIVATE

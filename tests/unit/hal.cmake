@@ -8,7 +8,8 @@ foreach(port memory host)
 endforeach()
 target_sources(test_hal_memory PRIVATE "${PROJECT_SOURCE_DIR}/hal/memory/memory_port.c")
 target_sources(test_hal_host PRIVATE
-  "${PROJECT_SOURCE_DIR}/hal/host/host_port.c" "${PROJECT_SOURCE_DIR}/hal/host/line.c")
+  "${PROJECT_SOURCE_DIR}/hal/host/host_port.c" "${PROJECT_SOURCE_DIR}/hal/host/line.c"
+  "${PROJECT_SOURCE_DIR}/hal/host/hold.c")
 set_source_files_properties("${CMAKE_CURRENT_LIST_DIR}/test_hal_host.c"
   PROPERTIES COMPILE_DEFINITIONS _GNU_SOURCE)
 
