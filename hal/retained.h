@@ -20,8 +20,14 @@
 #endif
 
 #define HAL_RETAINED_STARTS_BYTES 8 /* service/early_resets.h */
+#define HAL_RETAINED_KEYS_BYTES   8 /* wrong keys: operate/access.c */
 
-enum hal_retained_area { HAL_RETAINED_RESTART, HAL_RETAINED_EVENTS, HAL_RETAINED_STARTS };
+enum hal_retained_area {
+    HAL_RETAINED_RESTART,
+    HAL_RETAINED_EVENTS,
+    HAL_RETAINED_STARTS,
+    HAL_RETAINED_KEYS
+};
 
 /* The area, aligned for anything; NULL when this board keeps fewer than n bytes for it. */
 void *hal_retained(enum hal_retained_area area, size_t n);
@@ -31,6 +37,7 @@ struct hal_retained_memory {
     uint64_t restart[(HAL_RETAINED_RESTART_BYTES + 7) / 8];
     uint64_t events[(HAL_RETAINED_EVENTS_BYTES + 7) / 8];
     uint64_t starts[(HAL_RETAINED_STARTS_BYTES + 7) / 8];
+    uint64_t keys[(HAL_RETAINED_KEYS_BYTES + 7) / 8];
 };
 
 static inline void *hal_retained_in(struct hal_retained_memory *memory, enum hal_retained_area area,
@@ -40,6 +47,8 @@ static inline void *hal_retained_in(struct hal_retained_memory *memory, enum hal
         return n <= sizeof memory->restart ? memory->restart : NULL;
     if (area == HAL_RETAINED_STARTS)
         return n <= sizeof memory->starts ? memory->starts : NULL;
+    if (area == HAL_RETAINED_KEYS)
+        return n <= sizeof memory->keys ? memory->keys : NULL;
     return n <= sizeof memory->events ? memory->events : NULL;
 }
 

@@ -3,6 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/secret.h"
 #include "text.h"
 
 void console_driver_init(struct console *c, struct transport *t, FILE *transcript, FILE *telemetry)
@@ -22,8 +23,10 @@ void console_forget(struct console *c)
 
 static void note(const struct console *c, char direction, const char *line)
 {
+    size_t n = secret_from(line);
     if (c->transcript != NULL) {
-        (void)fprintf(c->transcript, "%.3f %c %s\n", c->plant_time_s, direction, line);
+        (void)fprintf(c->transcript, "%.3f %c %.*s%s\n", c->plant_time_s, direction, (int)n, line,
+                      line[n] != '\0' ? "***" : "");
     }
 }
 

@@ -3,6 +3,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "base/secret.h"
 #include "text.h"
 
 #define CONSOLE_RETRY_MS  500 /* a board that starts swallows what came too early */
@@ -200,7 +201,9 @@ static bool is_reboot(const char *line)
 static enum outcome scripted_line(struct lockstep *k, const struct script_line *x)
 {
     char what[SCRIPT_LINE_SIZE + 64];
-    (void)snprintf(what, sizeof(what), "reply to console line %u, \"%s\",", x->at, x->text);
+    int shown = (int)secret_from(x->text);
+    (void)snprintf(what, sizeof(what), "reply to console line %u, \"%.*s\",", x->at, shown,
+                   x->text);
     console_watch(k->console);
     if (console_line(k, x->text) == STOPPED) {
         return STOPPED;
@@ -227,8 +230,8 @@ static enum outcome scripted_line(struct lockstep *k, const struct script_line *
         }
     }
     if (k->console->reply == REPLY_ERR && !x->may_fail) {
-        (void)sim_fail(k->error, sizeof(k->error), "%s:%u: \"%s\" was answered \"%s\"",
-                       k->script->file, x->at, x->text, k->console->reply_text);
+        (void)sim_fail(k->error, sizeof(k->error), "%s:%u: \"%.*s\" was answered \"%s\"",
+                       k->script->file, x->at, shown, x->text, k->console->reply_text);
         return STOPPED;
     }
     if (k->console->reply == REPLY_OK && is_reboot(x->text)) {

@@ -3,6 +3,7 @@
 
 #include <string.h>
 
+#include "base/secret.h"
 #include "hal/clock.h"
 #include "hal/identity.h"
 #include "hal/uart.h"
@@ -198,7 +199,7 @@ static void finish_line(struct console *c)
     const struct line_editor *e = &c->editor;
     if (!c->machine) {
         (void)write_text("\r\n", 2);
-        if (!e->overlong && !e->garbled && !lossy && !console_line_is_secret(e->line))
+        if (!e->overlong && !e->garbled && !lossy && secret_from(e->line) == e->n)
             line_editor_remember(&c->editor, e->line);
     }
     if (e->overlong)

@@ -103,8 +103,6 @@ void console_set_line(const struct parameter *p, const struct config *config, st
 
 /* "engineer level open, no key is set" */
 void console_access_text(const struct console *c, struct text *line);
-/* Would the history of lines show a key? */
-bool console_line_is_secret(const char *line);
 
 /* For the line editor: what may be typed next, by the arguments of the command's row. */
 bool console_choice(void *console, const char *line, unsigned n, struct text *word);

@@ -1,6 +1,4 @@
 /* Console commands on the two levels: unlock, lock, key. */
-#include <string.h>
-
 #include "console/console.h"
 
 void console_access_text(const struct console *c, struct text *line)
@@ -17,14 +15,6 @@ void console_access_text(const struct console *c, struct text *line)
             text_u32(line, left_s);
         }
     }
-}
-
-bool console_line_is_secret(const char *line)
-{
-    while (*line == ' ')
-        line++;
-    return strncmp(line, "unlock", 6) == 0 || strncmp(line, "key", 3) == 0 ||
-           strstr(line, "console.key") != NULL;
 }
 
 void command_unlock(struct console *c, unsigned n, char **word)

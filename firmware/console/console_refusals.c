@@ -38,7 +38,7 @@ static void value_words(enum err code, const struct answer *a, struct text *t)
     }
 #endif
     text_str(t, ": '");
-    text_str(t, a->value.text ? a->value.text : "");
+    text_str(t, parameter_is_secret(p) ? PARAMETER_SECRET : a->value.text ? a->value.text : "");
 #if CONFIG_BLOCKS
     if (code == ERR_CONFLICT) {
         text_str(t, "' refused, a name stands in it twice");

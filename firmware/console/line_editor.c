@@ -2,6 +2,8 @@
 
 #include <string.h>
 
+#include "base/secret.h"
+
 _Static_assert(LINE_EDITOR_MAX <= 250, "positions are bytes");
 
 enum { ESCAPE_NONE, ESCAPE_BEGUN, ESCAPE_BRACKET };
@@ -33,18 +35,27 @@ static void put_times(const struct line_editor *e, char x, unsigned n)
         put(e, &x, 1);
 }
 
+/* Characters of the line, those of an access key as stars. */
+static void put_line(const struct line_editor *e, unsigned from, unsigned to)
+{
+    unsigned secret = (unsigned)secret_from(e->line);
+    unsigned shown = from > secret ? from : to < secret ? to : secret;
+    put(e, e->line + from, shown - from);
+    put_times(e, '*', to - shown);
+}
+
 /* What stands behind the cursor, and the cursor back to its place; `blanks` wipe what was there before. */
 static void put_tail(const struct line_editor *e, unsigned blanks)
 {
     unsigned tail = (unsigned)e->n - e->at;
-    put(e, e->line + e->at, tail);
+    put_line(e, e->at, e->n);
     put_times(e, ' ', blanks);
     put_times(e, '\b', tail + blanks);
 }
 
 void line_editor_show(const struct line_editor *e)
 {
-    put(e, e->line, e->n);
+    put_line(e, 0, e->n);
     put_times(e, '\b', (unsigned)e->n - e->at);
 }
 
@@ -61,7 +72,7 @@ static void insert(struct line_editor *e, char x, bool people)
     e->n++;
     if (!people)
         return;
-    put(e, &x, 1);
+    put_line(e, e->at - 1u, e->at);
     if (e->at < e->n)
         put_tail(e, 0);
 }
@@ -86,8 +97,11 @@ static void move_cursor(struct line_editor *e, unsigned to)
         e->at--;
         put(e, "\b", 1);
     }
-    while (e->at < to && e->at < e->n)
-        put(e, &e->line[e->at++], 1);
+    to = to < e->n ? to : e->n;
+    if (e->at < to) {
+        put_line(e, e->at, to);
+        e->at = (uint8_t)to;
+    }
 }
 
 static void delete_under(struct line_editor *e)
@@ -109,7 +123,7 @@ static void replace(struct line_editor *e, const char *line, bool people)
     memmove(e->line, line, n + 1);
     e->n = e->at = (uint8_t)n;
     if (people)
-        put(e, e->line, n);
+        put_line(e, 0, e->n);
 }
 
 /* ---- history ---- */

@@ -1,4 +1,5 @@
-/* One line of input, edited as it is typed: echo, rubbing out, cursor keys, history, completion.
+/* One line of input, edited as it is typed: echo, rubbing out, cursor keys, history, completion. An access
+ * key is echoed as stars and not kept.
  *
  * For scripts (people = false) nothing is echoed, a tab is a blank, and only backspace, ^U and ^C edit. A line
  * that is too long or has characters that are not printable ASCII is finished as usual and marked.

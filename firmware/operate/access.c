@@ -3,16 +3,48 @@
 #include <string.h>
 
 #include "hal/clock.h"
+#include "hal/retained.h"
 #include "operate/operate_internal.h"
 
 /* No other try meanwhile, and twice as long after each wrong key in a row: a key is not found by trying them all. */
 #define WRONG_KEY_MS      2000u
 #define WRONG_KEY_MOST_MS 60000u
 
+#define CHECK 0x53594B52u /* "RKYS" */
+
+/* The wait in memory that survives a reset, which would else be a way around it. */
+struct wrong_keys_record {
+    uint32_t wait_ms, check;
+};
+
+static struct wrong_keys_record *wrong_keys_record(void)
+{
+    return hal_retained(HAL_RETAINED_KEYS, sizeof(struct wrong_keys_record));
+}
+
+/* The low bits of the board's clock: what is compared lies less than 49 days apart. */
+static uint32_t board_ms(void)
+{
+    return (uint32_t)hal_clock_ms();
+}
+
+static void begin_wait(struct operate *door, uint32_t wait_ms)
+{
+    struct wrong_keys_record *record = wrong_keys_record();
+    door->wrong_wait_ms = wait_ms;
+    door->wrong_ms = board_ms();
+    if (record)
+        *record = (struct wrong_keys_record){.wait_ms = wait_ms, .check = ~wait_ms ^ CHECK};
+}
+
 void operate_init(struct operate *door, struct service *service)
 {
     memset(door, 0, sizeof *door);
     door->service = service;
+    const struct wrong_keys_record *record = wrong_keys_record();
+    if (record && record->check == (~record->wait_ms ^ CHECK) &&
+        record->wait_ms <= WRONG_KEY_MOST_MS)
+        begin_wait(door, record->wait_ms);
 }
 
 void session_init(struct session *session, struct operate *door)
@@ -35,12 +67,6 @@ void operate_record(const struct session *session, enum event_code code, const c
 {
     service_record(session->door->service, code, subject, value,
                    operate_is_engineer(session) ? EVENT_ENGINEER : 0);
-}
-
-/* The low bits of the board's clock: what is compared lies less than 49 days apart. */
-static uint32_t board_ms(void)
-{
-    return (uint32_t)hal_clock_ms();
 }
 
 bool operate_is_engineer(const struct session *session)
@@ -103,12 +129,11 @@ enum err operate_unlock(struct session *session, const char *key, struct answer 
                           door->wrong_wait_ms - passed_ms);
     if (right[0] && strcmp(key, right) != 0) {
         uint32_t wait_ms = door->wrong_wait_ms ? 2u * door->wrong_wait_ms : WRONG_KEY_MS;
-        door->wrong_wait_ms = wait_ms < WRONG_KEY_MOST_MS ? wait_ms : WRONG_KEY_MOST_MS;
-        door->wrong_ms = board_ms();
+        begin_wait(door, wait_ms < WRONG_KEY_MOST_MS ? wait_ms : WRONG_KEY_MOST_MS);
         service_record_one_more(door->service, EVENT_WRONG_KEY, EVENT_DO_UNLOCK);
         return refuse_key(answer, ERR_LOCKED, "that is not the key", door->wrong_wait_ms);
     }
-    door->wrong_wait_ms = 0;
+    begin_wait(door, 0);
     engineer_acts(session);
     operate_record(session, EVENT_DO_UNLOCK, NULL, 0.0f);
     return ERR_OK;

@@ -95,6 +95,25 @@ static void after_each_wrong_key_in_a_row_the_wait_doubles_up_to_a_minute(void)
     TEST_ASSERT_TRUE(said("in s 2")); /* from the beginning again */
 }
 
+/* Else a reset button would be a way around the wait. */
+static void the_wait_after_wrong_keys_survives_a_reset(void)
+{
+    set_key_and_lock();
+    for (unsigned wait_s = 2; wait_s <= 8; wait_s *= 2) {
+        ask_refused("unlock wrong", "LOCKED");
+        pass(1000u * wait_s);
+    }
+    memory_port_reset(HAL_RESET_PIN);
+    board.ready = false;
+    board_run();
+    type("mode machine\n");
+    set_key_and_lock(); /* nothing is stored here */
+    ask_refused("unlock pot_still", "BUSY");
+    pass(8000);
+    ask_refused("unlock wrong", "LOCKED");
+    TEST_ASSERT_TRUE(said("in s 16")); /* and goes on doubling */
+}
+
 /* Whoever wants to hide what was done must not be able to by typing keys. */
 static void a_hundred_wrong_keys_push_nothing_out_of_the_history(void)
 {
@@ -146,6 +165,33 @@ static void a_key_is_never_shown(void)
     }
     ask_ok("get console.key");
     TEST_ASSERT_TRUE(said("console.key = ***"));
+}
+
+static void a_key_that_is_refused_is_not_repeated(void)
+{
+    ask_refused("key p0t!still", "PARSE");
+    TEST_ASSERT_FALSE(said("p0t"));
+    ask_refused("set console.key p0t!still", "PARSE");
+    TEST_ASSERT_FALSE(said("p0t"));
+}
+
+/* Whatever the line goes through on its way, a terminal's log among it. */
+static void a_key_is_echoed_as_stars(void)
+{
+    static const char *const lines[] = {"unlock pot_still", " key pot_still",
+                                        "set console.key pot_still"};
+    type("mode human\r");
+    for (unsigned i = 0; i < sizeof lines / sizeof lines[0]; i++) {
+        board_forget();
+        type(lines[i]);
+        TEST_ASSERT_NOT_NULL_MESSAGE(strstr(board.said, " *********"), board.said);
+        type("\x01\x05\033[D\033[D\b\033[3~x"); /* there and back, and edited */
+        TEST_ASSERT_NULL_MESSAGE(strstr(board.said, "pot"), board.said);
+        TEST_ASSERT_NULL_MESSAGE(strstr(board.said, "still"), board.said);
+        type("\x15");
+    }
+    type("get loop1.gain\x01key \x05");
+    TEST_ASSERT_NOT_NULL_MESSAGE(strstr(board.said, " **************"), board.said);
 }
 
 static void what_diff_prints_can_be_pasted_and_leaves_the_key_as_it_is(void)
@@ -235,10 +281,13 @@ int main(void)
     RUN_TEST(operators_look_and_operate_while_the_rest_is_locked);
     RUN_TEST(the_key_opens_and_a_wrong_one_does_not);
     RUN_TEST(after_each_wrong_key_in_a_row_the_wait_doubles_up_to_a_minute);
+    RUN_TEST(the_wait_after_wrong_keys_survives_a_reset);
     RUN_TEST(a_hundred_wrong_keys_push_nothing_out_of_the_history);
     RUN_TEST(status_says_that_no_key_is_set);
     RUN_TEST(whoever_sets_a_key_is_not_locked_out_by_it);
     RUN_TEST(a_key_is_never_shown);
+    RUN_TEST(a_key_that_is_refused_is_not_repeated);
+    RUN_TEST(a_key_is_echoed_as_stars);
     RUN_TEST(what_diff_prints_can_be_pasted_and_leaves_the_key_as_it_is);
     RUN_TEST(keys_are_not_kept_in_the_history_of_lines);
     RUN_TEST(the_engineer_level_locks_itself_when_nobody_uses_it);

@@ -160,6 +160,18 @@ class Runs(Bench):
         self.assertTrue(lines[0].startswith("H,"))
         self.assertEqual([int(x.split(",")[2]) for x in lines[1:]], list(range(50)))
 
+    def test_no_transcript_and_no_message_holds_an_access_key(self):
+        self.controller()
+        transcript = self.path("transcript")
+        script = self.write("script", "0 ?unlock still\n1 ?  key still\n2 ?set console.key  still\n3 ?get console.key\n4 unlock  still\n")
+        done = self.sim("--duration", "100", "--script", script, "--transcript", transcript)
+        with open(transcript) as file:
+            text = file.read()
+        for line in ("> unlock ***", "> key ***", "> set console.key ***", "> get console.key"):
+            self.assertIn(f"{line}\n", text)
+        self.assertIn('script:5: "unlock " was answered "err', done.stderr)
+        self.assertNotIn("still", text + done.stderr)
+
     def test_a_refused_console_line_ends_the_run_and_is_named(self):
         self.controller()
         script = self.write("script", "0 log on\n\n50 nonsense 1\n")

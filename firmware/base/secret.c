@@ -1,0 +1,24 @@
+#include "base/secret.h"
+
+#include <string.h>
+
+/* Past the words; NULL where `at` does not begin with them. */
+static const char *after(const char *at, const char *words)
+{
+    size_t n = strlen(words);
+    return strncmp(at, words, n) == 0 ? at + n : NULL;
+}
+
+size_t secret_from(const char *line)
+{
+    static const char parameter[] = "console.key ";
+    const char *begin = line, *from;
+    while (*begin == ' ')
+        begin++;
+    from = after(begin, "unlock ");
+    if (!from)
+        from = after(begin, "key ");
+    if (!from && (begin = strstr(begin, parameter)) != NULL)
+        from = begin + sizeof parameter - 1;
+    return from ? (size_t)(from - line) : strlen(line);
+}

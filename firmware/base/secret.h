@@ -1,0 +1,11 @@
+/* Where a console line holds the access key: `unlock KEY`, `key NEW`, `set console.key NEW`. Whatever shows or keeps lines asks
+ * this first. */
+#ifndef REFLUX_BASE_SECRET_H
+#define REFLUX_BASE_SECRET_H
+
+#include <stddef.h>
+
+/* Index of the first character that nobody may read; the length of the line when it holds no key. */
+size_t secret_from(const char *line);
+
+#endif
