@@ -35,6 +35,10 @@ class ConsoleTool(unittest.TestCase):
         self.assertEqual(answer.returncode, expect, answer.stdout + answer.stderr)
         return answer.stdout if expect == 0 else answer.stderr
 
+    def process(self, *arguments: str, text: str = "") -> subprocess.CompletedProcess[str]:
+        return subprocess.run([str(TOOL), self.firmware.console, *arguments], input=text, text=True, capture_output=True,
+                              timeout=board.PATIENCE_S, check=False)
+
     def plant(self) -> None:
         plant = subprocess.Popen(board.simulator(self.firmware, "--plant", "pilot", "--speed", "300", "--duration",
                                                  "1e6"), stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
@@ -67,6 +71,39 @@ class ConsoleTool(unittest.TestCase):
         self.assertNotIn("secret", saved.read_text())
         self.assertIn("err LOCKED", self.tool("--restore", str(saved), expect=1))
         self.assertIn("restored and compared", self.tool("--key", "secret", "--restore", str(saved)))
+
+    def test_a_key_from_a_file_or_standard_input_is_in_no_log_and_one_from_the_command_line_is_warned_of(self) -> None:
+        log = self.folder / "log"
+        lock = self.file("lock", "key secret\nset console.key secret\nlock\nunlock secret\nlock\n")
+        self.tool("--run", str(lock), "--log", str(log))
+        change = self.file("change", "set loop1.gain 2\n")
+        for option, text in (("-", "secret\n"), (f"@{self.file('key', 'secret' + chr(10))}", ""), ("secret", "")):
+            out = self.process("--key", option, "--run", str(change), "--log", str(log), text=text)
+            self.assertEqual(out.returncode, 0, out.stderr)
+            self.assertEqual("warning: other users can see a key" in out.stderr, option == "secret", out.stderr)
+            self.tool("--run", str(self.file("again", "lock\n")))
+        self.assertNotIn("secret", log.read_text())
+        self.assertIn("> unlock ***\n", log.read_text())
+        wrong = self.file("wrong", "unlock b@dsecret\n")
+        self.assertNotIn("b@dsecret", self.tool("--run", str(wrong), "--log", str(log), expect=1) + log.read_text())
+        self.assertIn("--key goes with", self.tool("--key", "@/nowhere", text="version\n", expect=2))
+
+    def test_a_transaction_that_a_refused_file_began_is_abandoned(self) -> None:
+        """Rebuilt from a public report: the mended file failed at its first line."""
+        bad = self.file("bad", "begin\nset loop1.gain 2\nset loop1.gain -7\napply\n")
+        good = self.file("good", "begin\nset loop1.gain 3\napply\n")
+        self.assertIn("bad:3", self.tool("--run", str(bad), expect=1))
+        self.tool("--run", str(good))
+        unfit = self.file("unfit", "begin\nset loop1.lo 10\nset loop1.hi 0\napply\nversion\n")
+        self.assertEqual(self.process("--run", str(unfit), "--keep-going").returncode, 1)
+        self.tool("--run", str(good))
+
+    def test_a_transaction_that_is_not_of_the_file_stays_open(self) -> None:
+        self.tool("--run", str(self.file("open", "begin\nset loop1.gain 2\n")))
+        bad = self.file("bad", "begin\nset loop1.gain 3\n")
+        self.assertIn("bad:1", self.tool("--run", str(bad), expect=1))
+        self.assertIn("bad:1", self.tool("--restore", str(bad), expect=1))
+        self.tool("--run", str(self.file("go-on", "apply\n")))
 
     def test_a_refused_line_stops_and_names_itself(self) -> None:
         path = self.file("bad", "version\nset loop1.gain -7\nversion\n")

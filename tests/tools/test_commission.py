@@ -8,6 +8,7 @@ from unittest import mock
 
 from support import FolderTest, call
 
+from reflux_tools import session
 from reflux_tools.commission import answers, board, figures, record, results
 from reflux_tools.commission.answers import Room, Wrong
 from reflux_tools.errors import RunFailed
@@ -129,8 +130,16 @@ class Kept(FolderTest):
         return (self.folder / "transcript.txt").read_text(), (self.folder / "telemetry.csv").read_text()
 
     def test_the_key_is_not(self) -> None:
-        said, _rows = self.written("> unlock secret", "< ! 90.000 info OUTPUT h 1 manual output is now", "> status")
-        self.assertEqual(said, "0.000 > unlock ***\n90.000 < ! 90.000 info OUTPUT h 1 manual output is now\n90.000 > status\n")
+        transcript = board.Transcript(self.folder)
+        with mock.patch.object(session.Session, "machine_mode"):
+            talk = session.Session(mock.Mock(write=lambda data: b""), transcript)
+        talk.write("unlock secret")
+        transcript.close()
+        self.assertEqual((self.folder / "transcript.txt").read_text(), "0.000 > unlock ***\n")
+
+    def test_every_line_bears_the_plant_time(self) -> None:
+        said, _rows = self.written("> log on", "< ! 90.000 info OUTPUT h 1 manual output is now", "> status")
+        self.assertEqual(said, "0.000 > log on\n90.000 < ! 90.000 info OUTPUT h 1 manual output is now\n90.000 > status\n")
 
     def test_rows_that_came_damaged_are_not(self) -> None:
         header, row = "H,1,number,time[s],T[degC]", "T,1,7,70.000,20.5"

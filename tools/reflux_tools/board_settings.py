@@ -6,6 +6,7 @@ import argparse
 import contextlib
 from typing import Callable, Iterable
 
+from reflux_tools import keys, session
 from reflux_tools.errors import RunFailed, UserError
 from reflux_tools.paths import named, shown
 from reflux_tools.ports import Port
@@ -16,12 +17,14 @@ def add_options(p: argparse.ArgumentParser) -> None:
     """What hand_over() follows."""
     p.add_argument("--out", type=named, metavar="FILE", help="writes the lines, as a transaction for tools/console --run")
     p.add_argument("--to", metavar="PORT", help="writes them to a board, all or none; nothing is saved there")
-    p.add_argument("--key", metavar="KEY", help="with --to: open the engineer level first (`unlock KEY`)")
+    keys.add_option(p, "with --to: ")
 
 
 def check_options(options: argparse.Namespace) -> None:
+    """Reads the key, too."""
     if options.key and not options.to:
         raise UserError("--key goes with --to")
+    options.key = keys.key_of(options.key)
 
 
 def hand_over(options: argparse.Namespace, lines: list[str], said: Callable[[str], None] = print) -> None:
@@ -78,9 +81,7 @@ def send(talk: Session, wanted: list[str]) -> None:
         for step in [*wanted, "apply"]:
             ask(talk, step)
     except BaseException:
-        # Ours alone: `begin` was taken, so the transaction is not somebody else's.
-        with contextlib.suppress(RunFailed):
-            talk.ask("abandon")
+        session.abandon(talk)  # `begin` was taken, so the transaction is not somebody else's
         raise
 
 
@@ -118,5 +119,5 @@ def ask(talk: Session, command: str) -> None:
     try:
         talk.ask(command)
     except Refused as error:
-        text = f"the board refuses `{command}`, and nothing of it is in force: {error}"
+        text = f"the board refuses `{keys.masked(command)}`, and nothing of it is in force: {error}"
         raise Refused(text if "LOCKED" not in str(error) else f"{text}; --key opens the engineer level") from None

@@ -12,7 +12,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Callable, Iterator
 
-from reflux_tools import build, launch, runner, simulator
+from reflux_tools import build, keys, launch, runner, simulator
 from reflux_tools import scenario as scenarios
 from reflux_tools.commission.board import Board, Transcript
 from reflux_tools.commission.keyboard import Keyboard
@@ -47,7 +47,7 @@ def parser() -> argparse.ArgumentParser:
     p.add_argument("--seed", type=int, metavar="N", help="with --plant: of the sensor noise")
     p.add_argument("--noise", type=float, metavar="X", help="with --plant: noise of all sensors, times their own")
     p.add_argument("--no-build", action="store_true", help="with --plant: use what is built already")
-    p.add_argument("--key", metavar="KEY", help="open the engineer level first (`unlock KEY`)")
+    keys.add_option(p)
     p.add_argument("--file", type=named, metavar="FILE", help="answers from a .toml file instead of questions")
     p.add_argument("--yes", action="store_true", help="take all defaults, and accept the proposal")
     p.add_argument("--write-file", type=named, metavar="FILE", help="write the answers given, for --file")
@@ -97,6 +97,7 @@ def main(arguments: list[str]) -> int:
 def check(options: argparse.Namespace) -> None:
     if bool(options.plant) == bool(options.port):
         raise UserError("which board? PORT, or --plant NAME for a simulated plant on this computer")
+    options.key = keys.key_of(options.key)
     if options.file and options.yes:
         raise UserError("--file has the answers, --yes takes the defaults: one of them")
     for name in ("speed", "tick", "seed", "noise"):
@@ -114,7 +115,7 @@ def check(options: argparse.Namespace) -> None:
 
 def start_up(bench: Bench, port: Port, transcript: Transcript, options: argparse.Namespace, out: Path) -> list[str]:
     """What is left over, where the loops are kept."""
-    board = Board(port, transcript, options.key or "")
+    board = Board(port, transcript, options.key)
     unattended = options.yes or options.file is not None
     keyboard = Keyboard(board, listens=not unattended)
     if unattended and not keyboard.terminal:

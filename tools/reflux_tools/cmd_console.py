@@ -14,7 +14,7 @@ import tty
 from pathlib import Path
 from typing import Iterator, TextIO
 
-from reflux_tools import build, launch, live, session, simulator, textfile
+from reflux_tools import build, keys, launch, live, session, simulator, textfile
 from reflux_tools.errors import RunFailed, UserError
 from reflux_tools.paths import named, shown
 from reflux_tools.ports import Port
@@ -36,7 +36,7 @@ def parser() -> argparse.ArgumentParser:
                    "(default 10)")
     p.add_argument("--no-build", action="store_true", help="with --host: use what is built already")
     p.add_argument("--log", type=named, metavar="FILE", help="append everything to FILE")
-    p.add_argument("--key", metavar="KEY", help="open the engineer level first (`unlock KEY`)")
+    keys.add_option(p)
     what = p.add_mutually_exclusive_group()
     what.add_argument("--run", type=named, metavar="FILE", help="send the lines of FILE (- for standard input), each "
                       "after the reply to the one before; stop at the first refusal")
@@ -61,14 +61,21 @@ def main(arguments: list[str]) -> int:
         raise UserError("--plant goes with --host")
     if options.every <= 0 or (options.seconds is not None and options.seconds <= 0):
         raise UserError("--every and --seconds must be more than 0")
+    if options.key and not scripted_by(options):
+        raise UserError("--key goes with --run, --dump, --restore, --plot and --spark; at the terminal type `unlock KEY`")
+    options.key = keys.key_of(options.key)
     text = read_commands(options.run or options.restore)
     with contextlib.ExitStack() as stack:
         where = stack.enter_context(host_board(options)) if options.host else options.port
         log = stack.enter_context(open_log(options.log)) if options.log else None
         port = stack.enter_context(contextlib.closing(Port(where)))
-        if options.run or options.dump or options.restore or options.plot or options.spark:
+        if scripted_by(options):
             return scripted(port, log, options, text)
         return interactive(port, log)
+
+
+def scripted_by(options: argparse.Namespace) -> bool:
+    return bool(options.run or options.dump or options.restore or options.plot or options.spark)
 
 
 def read_commands(path: Path | None) -> str:
@@ -148,12 +155,7 @@ def restore(talk: Session, path: Path, text: str) -> int:
     commands = [line for _, line in session.commands_in(path, text)]
     if not any(line.startswith("set ") for line in commands):
         raise UserError(f"{shown(path)} holds no `set` line; is it a saved configuration?")
-    try:
-        session.run_file(talk, path, text, lambda line: None)
-    except Refused:
-        with contextlib.suppress(Refused):
-            talk.ask("abandon")
-        raise
+    session.run_file(talk, path, text, lambda line: None)
     wrong = session.differences(commands, session.dump(talk))
     # What stands in the file at its default value is not told by the board: that is no difference.
     wrong = [line for line in wrong if "is at its default" not in line]

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import numpy as np
 
-from reflux_tools import arrays, board_settings, build, ina_plant, ina_window, table
+from reflux_tools import arrays, board_settings, build, ina_plant, ina_window, keys, table
 from reflux_tools.errors import RunFailed, UserError
 from reflux_tools.paths import named, shown
 
@@ -54,7 +54,7 @@ def parser() -> argparse.ArgumentParser:
     p.add_argument("--out", type=named, metavar="PNG", help="the picture, of the last G; with --every a picture for each operation, NAME-1.png and so on")
     p.add_argument("--window", action="store_true", help="a window, drawn anew after each operation; without --prompt it stays until it is closed")
     p.add_argument("--to", metavar="PORT", help="writes the last G to a board (with --prompt: when `write` is typed), reads it back; nothing is saved there")
-    p.add_argument("--key", metavar="KEY", help="with --to: open the engineer level first (`unlock KEY`)")
+    keys.add_option(p, "with --to: ")
     p.add_argument("--every", action="store_true", help="draw after each --do")
     p.add_argument("--no-build", action="store_true", help="use what is built already")
     return p

@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
+import contextlib
 import time
 from pathlib import Path
 from typing import Callable, TextIO
 
 from reflux_tools.errors import RunFailed
+from reflux_tools.keys import masked
 from reflux_tools.ports import Port
 
 REPLY_S = 20.0
 SETTLED_S = 0.1
 ASYNCHRONOUS = ("T,", "H,", "! ")
+SENT, RECEIVED = "> ", "< "  # before each line of a log
 
 
 class Refused(RunFailed):
@@ -56,7 +59,7 @@ class Session:
             self.rest = b""
 
     def write(self, text: str) -> None:
-        self._note("> ", text)
+        self._note(SENT, text)
         self.rest += self.port.write(text.encode("latin-1", "replace") + b"\n")
 
     def line(self, patience_s: float) -> str:
@@ -68,14 +71,14 @@ class Session:
             self.rest += self.port.read(min(left, 0.5))
         line, self.rest = self.rest.split(b"\n", 1)
         text = line.decode("latin-1").strip("\r")
-        self._note("< ", text)
+        self._note(RECEIVED, text)
         if text.startswith(ASYNCHRONOUS) and self.aside:
             self.aside(text)
         return text
 
     def _note(self, sign: str, text: str) -> None:
         if self.log:
-            self.log.write(f"{sign}{text}\n")
+            self.log.write(f"{sign}{masked(text) if sign == SENT else text}\n")
             self.log.flush()
 
     def ask(self, command: str) -> list[str]:
@@ -92,7 +95,7 @@ class Session:
             try:
                 self.reply(command)
             except Refused as error:
-                refusals.append(f"`{command}`: {error}")
+                refusals.append(f"`{masked(command)}`: {error}")
         return refusals
 
     def reply(self, command: str) -> list[str]:
@@ -101,7 +104,7 @@ class Session:
             try:
                 text = self.line(self.reply_s)
             except TimeoutError:
-                raise RunFailed(f"{self.port.name}: no reply to `{command}` within {self.reply_s:g} s") from None
+                raise RunFailed(f"{self.port.name}: no reply to `{masked(command)}` within {self.reply_s:g} s") from None
             if text.startswith(ASYNCHRONOUS):
                 continue
             if text == "ok":
@@ -117,20 +120,38 @@ def commands_in(path: Path, text: str) -> list[tuple[int, str]]:
             if line.strip() and not line.strip().startswith("#")]
 
 
+def abandon(session: Session) -> None:
+    """Ends a transaction that the caller began, whatever state the line is in."""
+    with contextlib.suppress(RunFailed):
+        session.ask("abandon")
+
+
 def run_file(session: Session, path: Path, text: str, say: Callable[[str], None], keep_going: bool = False) -> int:
-    """Sends a file; returns how many commands were refused. Stops at the first unless told to keep going."""
-    refused = 0
-    for number, command in commands_in(path, text):
-        say(f"> {command}")
-        try:
-            for line in session.ask(command):
-                say(line)
-            say("ok")
-        except Refused as error:
-            say(str(error))
-            refused += 1
-            if not keep_going:
-                raise Refused(f"{path}:{number}: `{command}`: {error}") from None
+    """Sends a file; returns how many commands were refused. Stops at the first unless told to keep going.
+
+    A transaction that the file began and that a refusal, a silent board or ^C leaves open is abandoned. One that somebody else
+    has open stays."""
+    refused, begun = 0, False
+    try:
+        for number, command in commands_in(path, text):
+            say(f"> {masked(command)}")
+            try:
+                for line in session.ask(command):
+                    say(line)
+                say("ok")
+                begun = begun and command not in ("apply", "abandon") or command == "begin"
+            except Refused as error:
+                say(str(error))
+                refused += 1
+                if not keep_going:
+                    raise Refused(f"{path}:{number}: `{masked(command)}`: {error}") from None
+    except BaseException:
+        if begun:
+            abandon(session)
+        raise
+    if begun and refused:
+        say("> abandon")
+        abandon(session)
     return refused
 
 

@@ -168,7 +168,6 @@ class Transcript:
         event = event_of(line) if sign == "<" and line.startswith("!") else None
         if event:
             self.time_s = max(self.time_s, event.at_s)
-        line = re.sub(r"unlock \S+", "unlock ***", line) if sign == ">" else line
         self.text.write(f"{self.time_s:.3f} {sign} {line}\n")
 
     def _telemetry(self, line: str) -> None:
