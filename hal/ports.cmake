@@ -26,7 +26,7 @@ if(REFLUX_BOARD MATCHES "^stm32")
     "-fno-builtin;-fno-tree-loop-distribute-patterns")
   target_include_directories(${image} PRIVATE ${port} ${shared})
   target_link_libraries(${image} PRIVATE reflux_app reflux_hal reflux_firmware_options)
-  target_link_options(${image} PRIVATE -nostartfiles -L${shared} -T${port}/${REFLUX_BOARD}.ld -Wl,--gc-sections
+  target_link_options(${image} PRIVATE -nostartfiles -L${shared} -T${port}/${REFLUX_BOARD}.ld -Wl,--gc-sections -Wl,--sort-section=alignment
     -Wl,--fatal-warnings -Wl,-Map=${CMAKE_BINARY_DIR}/${image}.map)
   set_target_properties(${image} PROPERTIES SUFFIX ".elf"
     LINK_DEPENDS "${port}/${REFLUX_BOARD}.ld;${shared}/sections.ld;${PROJECT_SOURCE_DIR}/tools/cmake/image_crc.py" RUNTIME_OUTPUT_DIRECTORY "${CMAKE_BINARY_DIR}")

@@ -22,6 +22,11 @@ _Static_assert(EVENT_INFO == 0 && EVENT_WARNING == 1 && EVENT_ALARM == 2 && EVEN
 #else
 #define C E
 #endif
+#if defined(CONFIG_LOOP_GUARD) && CONFIG_LOOP_GUARD == 0
+#define G(name, text, level) ABSENT
+#else
+#define G E
+#endif
 #if defined(JOBS_MAX) && JOBS_MAX == 0
 #define J(name, text, level) ABSENT
 #else
@@ -126,8 +131,8 @@ static const char *const table[] = {
     E("BLOCK_ADOPTED", "settings that a block proposes are asked into force; which block", INFO),
     E("PROPOSAL_REFUSED", "what a block proposes is refused, see `proposal`; value", WARNING),
 #endif
-    E("DEVIATION", "the PV is far from its setpoint, and has been for long; distance", ALARM),
-    E("DEVIATION_OVER", "the PV is near its setpoint again, or the loop in manual; distance", INFO),
+    G("DEVIATION", "the PV is far from its setpoint, and has been for long; distance", ALARM),
+    G("DEVIATION_OVER", "the PV is near its setpoint again, or the loop in manual; distance", INFO),
     E("DO_MODE", "mode asked for (0 manual, 1 auto, 2 cascade)", ACTION),
     E("DO_SETPOINT", "setpoint asked for", ACTION),
     E("DO_OUTPUT", "output asked for", ACTION),

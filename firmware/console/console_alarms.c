@@ -90,6 +90,7 @@ static bool alarm_line(struct console *c, unsigned n, struct text *line)
         return true;
     }
     n -= CONFIG_INTERLOCKS;
+#if CONFIG_LOOP_GUARD
     if (n < CONFIG_LOOPS) {
         if (n < sup->placed[PLACED_LOOPS] && sup->loop[n].deviates) {
             text_str(line, "DEVIATION ");
@@ -99,6 +100,7 @@ static bool alarm_line(struct console *c, unsigned n, struct text *line)
         return true;
     }
     n -= CONFIG_LOOPS;
+#endif
 #if CONFIG_BLOCKS
     if (n < CONFIG_BLOCKS * (BLOCK_EVENTS_MAX + 1u)) {
         block_alarm_line(c, (uint8_t)(n / (BLOCK_EVENTS_MAX + 1u)), n % (BLOCK_EVENTS_MAX + 1u),

@@ -2,6 +2,7 @@
 #include <string.h>
 
 #include "console/console.h"
+#include "hal/tick.h"
 
 static const char *const mode_names[] = {"manual", "auto", "cascade"};
 
@@ -127,7 +128,10 @@ static bool loop_line(struct console *c, unsigned n, struct text *line)
         return true;
     }
     float value;
-    const char *name = operate_controller_value(&c->session, i, n - 1, &value);
+    const struct block_kind *kind = plan_kind(plan, i);
+    hal_tick_lock(); /* a value may be computed from several that the tick writes together */
+    const char *name = kind->describe(supervisor_block(s->supervisor, i), n - 1, &value);
+    hal_tick_unlock();
     if (!name)
         return false;
     text_str(line, "  ");

@@ -167,19 +167,6 @@ bool operate_loop(const struct session *session, uint8_t loop, struct loop_readi
     return there;
 }
 
-const char *operate_controller_value(const struct session *session, uint8_t loop, unsigned i,
-                                     float *value)
-{
-    const struct service *s = session->door->service;
-    const char *name = NULL;
-    hal_tick_lock();
-    const struct plan *plan = service_in_force(s);
-    if (is_loop(plan, loop))
-        name = plan_kind(plan, loop)->describe(supervisor_block(s->supervisor, loop), i, value);
-    hal_tick_unlock();
-    return name;
-}
-
 enum err operate_tune(const struct session *session, uint8_t loop, enum tuning_rule rule,
                       const struct fopdt *process, float lambda_s, struct tuning *tuning,
                       struct answer *answer)

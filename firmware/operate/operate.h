@@ -159,9 +159,6 @@ struct loop_reading {
 
 /* In force now. False: there is no such loop. */
 bool operate_loop(const struct session *session, uint8_t loop, struct loop_reading *reading);
-/* The i-th inner value of the loop's own controller, and its name; NULL past the last. */
-const char *operate_controller_value(const struct session *session, uint8_t loop, unsigned i,
-                                     float *value);
 MUST_CHECK enum err operate_find_loop(const struct session *session, const char *name,
                                       uint8_t *loop, struct answer *answer);
 /* ERR_STATE, ERR_UNKNOWN, ERR_UNIT, ERR_CONFLICT as service_may_act(); ERR_BUSY: the queue is full. */

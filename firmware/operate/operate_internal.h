@@ -38,6 +38,13 @@ bool operate_start_up_on_trial(const struct service *s);
 #else
 #define operate_start_up_on_trial(s) ((void)(s), false)
 #endif
+/* ERR_STATE where another configuration changes of a loop that acts its action, its PV or its MV, or their units or spans. */
+#if CONFIG_LOOP_GUARD
+MUST_CHECK enum err operate_keep_acting_loops(const struct service *s, const struct config *next,
+                                              struct config_fault *fault);
+#else
+#define operate_keep_acting_loops(s, next, fault) ((void)(s), (void)(next), (void)(fault), ERR_OK)
+#endif
 /* What is there goes into force. */
 MUST_CHECK enum err operate_activate(struct session *session, struct answer *answer);
 /* ... unless a transaction is open: then it waits for operate_apply(). */

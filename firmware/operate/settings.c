@@ -1,6 +1,4 @@
 /* The transaction, and settings one by one. */
-#include <string.h>
-
 #include "operate/operate_internal.h"
 #include "service/storage.h"
 #include "supervise/tables.h"
@@ -77,64 +75,10 @@ bool operate_settings_are_free(const struct service *s)
 }
 #endif
 
-/* Whether a channel that stands in both configurations keeps its unit and its span. */
-static bool same_pv(const struct config *a, const struct config *b, const char *name)
-{
-    uint8_t i = config_find_measurement(a, name), k = config_find_measurement(b, name);
-    if (i == PLAN_NONE || k == PLAN_NONE)
-        return true;
-    const struct measurement_config *x = &a->measurement[i], *y = &b->measurement[k];
-    return strcmp(x->unit, y->unit) == 0 && x->lo == y->lo && x->hi == y->hi;
-}
-
-static bool same_mv(const struct config *a, const struct config *b, const char *name)
-{
-    uint8_t i = config_find_mv(a, name), k = config_find_mv(b, name);
-    if (i == PLAN_NONE || k == PLAN_NONE)
-        return true;
-    const struct mv_config *x = &a->mv[i], *y = &b->mv[k];
-    return strcmp(x->unit, y->unit) == 0 && x->lo == y->lo && x->hi == y->hi;
-}
-
-/* What of loop i another configuration changes that an acting loop must not have changed under it; NULL: nothing. */
-static const char *field_turned(const struct config *old, const struct config *new, uint8_t i)
-{
-    const struct loop_config *a = &old->loop[i], *b = &new->loop[i];
-    if (strcmp(a->name, b->name) != 0)
-        return NULL; /* another loop */
-    if (strcmp(a->pv, b->pv) != 0 || !same_pv(old, new, a->pv))
-        return "pv";
-    if (strcmp(a->out, b->out) != 0 || !same_mv(old, new, a->out))
-        return "out";
-    return a->own.action != b->own.action ? "action" : NULL;
-}
-
-/* A loop that acts keeps its sign, its PV and its MV with units and spans. */
-static enum err keep_acting_loops(const struct service *s, const struct config *new,
-                                  struct config_fault *fault)
-{
-    const struct config *old = &service_plan(s)->config;
-    for (uint8_t i = 0; i < CONFIG_LOOPS; i++) {
-        const char *field = old->loop[i].name[0] ? field_turned(old, new, i) : NULL;
-        if (!field || service_mode(s, i) == LOOP_MANUAL)
-            continue;
-        *fault =
-            (struct config_fault){.code = ERR_STATE,
-                                  .group = "loop",
-                                  .index = (uint8_t)(i + 1u),
-                                  .field = field,
-                                  .wanted = "acts: its action, PV, MV, units and spans change in "
-                                            "manual only; `mode LOOP manual` first"};
-        memcpy(fault->subject, old->loop[i].name, CHANNEL_NAME_SIZE);
-        return ERR_STATE;
-    }
-    return ERR_OK;
-}
-
 enum err operate_activate(struct session *session, struct answer *answer)
 {
     struct service *s = session->door->service;
-    enum err err = keep_acting_loops(s, service_staged(s), &answer->config);
+    enum err err = operate_keep_acting_loops(s, service_staged(s), &answer->config);
     if (!err)
         err = service_apply(s, service_staged(s), &answer->config);
     if (!err)

@@ -272,6 +272,7 @@ static const struct parameter_field restart_fields[] = {
       "longest gap in plant time over the reset; after a longer one the safe state stays"),
 };
 
+#if CONFIG_LOOP_GUARD
 static const struct parameter_field deviation_fields[] = {
     F(config, deviation_width, 1, "width", "fraction", 0, 1, 0.1f,
       "alarm of every loop that acts: its PV is further from the setpoint than this part of its "
@@ -279,6 +280,7 @@ static const struct parameter_field deviation_fields[] = {
       "0 = none. A loop with an alarm of side dev of its own has that instead"),
     F(config, deviation_delay_s, 2, "delay", "s", 0, 1e6f, 3600, "... for this long"),
 };
+#endif
 
 static const struct parameter_field console_fields[] = {
     ROW(1, PARAMETER_NAME, offsetof(struct config, console_key), "key", PARAMETER_SECRET, 0, 0, 0,
@@ -335,7 +337,9 @@ const struct parameter_group parameter_groups[] = {
     {9, 1, COUNT(console_fields), false, 0, 0, "console", console_fields, 1},
     GROUP(10, "alarm", alarm, struct alarm_config, CONFIG_ALARMS, 8, alarm_fields),
     {11, 1, COUNT(restart_fields), false, 0, 0, "restart", restart_fields, 1},
+#if CONFIG_LOOP_GUARD
     {17, 1, COUNT(deviation_fields), false, 0, 0, "deviation", deviation_fields, 1},
+#endif
 #if COMMISSION_CHANNELS
     {14, 1, COUNT(test_fields), false, 0, 0, "test", test_fields, 1},
     GROUP(15, "pair", pair, struct pair_config, CONFIG_PAIRS, 4, pair_fields),

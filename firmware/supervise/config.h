@@ -42,6 +42,9 @@
 #endif
 #endif
 
+#ifndef CONFIG_LOOP_GUARD /* a loop that acts keeps its sense, and has a deviation alarm; 0 leaves both out */
+#define CONFIG_LOOP_GUARD 1
+#endif
 #ifndef CONFIG_ANALYSERS /* measurements that come every n-th tick; 0 leaves them out */
 #if COMMISSION_CHANNELS
 #define CONFIG_ANALYSERS 1
@@ -256,8 +259,10 @@ struct config {
     float sample_timeout_s; /* without a sample for so long of the board's clock: safe; 0 = never */
     float restart_limit_s;  /* longest gap in plant time over a restart, s */
     uint8_t restart_policy; /* enum restart_policy: after a reset that left the memory alone */
+#if CONFIG_LOOP_GUARD
     /* Alarm of every loop that acts: distance from the setpoint, fraction of the PV's span, 0 = none; for how long, s. */
     float deviation_width, deviation_delay_s;
+#endif
 #if COMMISSION_CHANNELS
     struct test_config test;
     struct pair_config pair[CONFIG_PAIRS];

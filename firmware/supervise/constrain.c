@@ -160,6 +160,7 @@ static void constrain_mv(struct supervisor *s, uint8_t j)
     o->constrained = ramp_step(&o->rate, num_clamp(o->commanded, lo, hi));
 }
 
+#if CONFIG_BLOCKS || COMMISSION_CHANNELS
 num_t mv_without_signal(const struct mv_state *o, num_t at)
 {
     if (o->interlocked)
@@ -167,6 +168,7 @@ num_t mv_without_signal(const struct mv_state *o, num_t at)
     num_t part = num_abs(o->excitation);
     return num_clamp(num_sub(o->commanded, o->excitation), num_sub(at, part), num_add(at, part));
 }
+#endif
 
 num_t mv_shortfall(const struct mv_state *o)
 {

@@ -132,10 +132,12 @@ struct loop_state {
     bool downstream_inactive; /* its output reaches nothing: the loop below does not listen */
     bool
         sp_given; /* the target is the operator's, or was in force: kept in manual unless sp_track */
+#if CONFIG_LOOP_GUARD
     bool far, deviates;    /* the PV is far from the setpoint now; and has been for the delay */
     uint32_t far_since_ms; /* plant time, low bits */
-    num_t target;          /* setpoint asked for */
-    num_t setpoint;        /* in force, after limits, ramp and filter */
+#endif
+    num_t target;   /* setpoint asked for */
+    num_t setpoint; /* in force, after limits, ramp and filter */
     struct ramp ramp;
     struct lag filter;
     num_t v; /* output of the block, before decoupler and feedforward */

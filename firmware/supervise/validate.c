@@ -90,11 +90,14 @@ static bool inferred_from(const struct supervisor *s, uint8_t i, float *value)
 
 /* The number comes from elsewhere now, and may be another one. Loops that act on it go on from their outputs: the difference between a
  * sensor and what stands in for it is no change of the process. */
-static void set_inferred(struct supervisor *s, uint8_t i, bool inferred)
+static void set_inferred(struct supervisor *s, uint8_t i, bool inferred, float value)
 {
-    if (s->measurement[i].inferred == inferred)
+    struct measurement_state *m = &s->measurement[i];
+    const struct measurement_config *c = &s->plan->config.measurement[i];
+    if (m->inferred == inferred)
         return;
-    s->measurement[i].inferred = inferred;
+    m->inferred = inferred;
+    lag_reset(&m->filter, span_to_fraction(value, c->lo, c->hi));
     for (uint8_t k = 0; k < s->placed[PLACED_LOOPS]; k++)
         if (s->plan->loop[k].pv == i && loop_acts(s, k))
             s->loop[k].transfer_pending = true;
@@ -109,10 +112,8 @@ static bool infer(struct supervisor *s, uint8_t i)
     value = c->infer_offset + c->infer_gain * value;
     if (!in_reach(value, c->lo, c->hi))
         return false;
-    if (!s->measurement[i].inferred)
-        lag_reset(&s->measurement[i].filter, span_to_fraction(value, c->lo, c->hi));
+    set_inferred(s, i, true, value);
     take(&s->measurement[i], c, value, QUALITY_UNCERTAIN);
-    set_inferred(s, i, true);
     return true;
 }
 
@@ -169,10 +170,8 @@ void validate_measurement(struct supervisor *s, uint8_t i, const struct reading 
         return;
     }
     bool outside = m->raw < c->lo || m->raw > c->hi;
-    if (m->inferred)
-        lag_reset(&m->filter, span_to_fraction(m->raw, c->lo, c->hi));
+    set_inferred(s, i, false, m->raw);
     take(m, c, m->raw, outside ? QUALITY_UNCERTAIN : r->quality);
-    set_inferred(s, i, false);
     m->valid = true;
     m->lost = false;
     m->last_valid = r->value;

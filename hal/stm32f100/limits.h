@@ -2,7 +2,8 @@
  * The headers that own these names say what they mean; `version` prints those that a user meets.
  *
  * Shortened against the larger boards: channels, loops, feedforwards, interlocks, alarms, dead times, history of
- * events, queues, console lines. Left out: history of console lines, sequences and measurement offsets.
+ * events, queues, console lines. Left out: history of console lines, sequences, measurement offsets, guard and deviation
+ * alarm of loops that act.
  */
 #ifndef REFLUX_STM32F100_LIMITS_H
 #define REFLUX_STM32F100_LIMITS_H
@@ -17,6 +18,7 @@
 #define JOBS_MAX            0
 #define WORKSPACE_BYTES     0
 #define CONFIG_STEPS        0
+#define CONFIG_LOOP_GUARD   0
 #define PLAN_ARENA_BYTES    1264
 
 /* A plant may have more channels than can be configured; their names must fit. */

@@ -8,6 +8,7 @@
 #define REFLUX_STM32F405_LIMITS_BASE_H
 
 #define CONFIG_STEPS        0
+#define CONFIG_LOOP_GUARD   0
 #define COMMISSION_CHANNELS 0
 #define JOBS_MAX            0
 #define WORKSPACE_BYTES     0

@@ -256,9 +256,6 @@ static void look_at_values(void)
     for (uint8_t block = 0; block < CONFIG_BLOCKS; block++)
         for (unsigned i = 0; operate_block_value(&client, block, i, &value); i++)
             ;
-    for (uint8_t loop = 0; loop < CONFIG_LOOPS; loop++)
-        for (unsigned i = 0; operate_controller_value(&client, loop, i, &value); i++)
-            ;
 }
 
 static void interrupted(const struct subject *subject)

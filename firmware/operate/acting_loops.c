@@ -1,0 +1,61 @@
+/* What a loop that acts must not have changed under it. */
+#include <string.h>
+
+#include "operate/operate_internal.h"
+
+#if CONFIG_LOOP_GUARD
+
+/* Whether a channel that stands in both configurations keeps its unit and its span. */
+static bool same_pv(const struct config *a, const struct config *b, const char *name)
+{
+    uint8_t i = config_find_measurement(a, name), k = config_find_measurement(b, name);
+    if (i == PLAN_NONE || k == PLAN_NONE)
+        return true;
+    const struct measurement_config *x = &a->measurement[i], *y = &b->measurement[k];
+    return strcmp(x->unit, y->unit) == 0 && x->lo == y->lo && x->hi == y->hi;
+}
+
+static bool same_mv(const struct config *a, const struct config *b, const char *name)
+{
+    uint8_t i = config_find_mv(a, name), k = config_find_mv(b, name);
+    if (i == PLAN_NONE || k == PLAN_NONE)
+        return true;
+    const struct mv_config *x = &a->mv[i], *y = &b->mv[k];
+    return strcmp(x->unit, y->unit) == 0 && x->lo == y->lo && x->hi == y->hi;
+}
+
+/* What of loop i another configuration changes that an acting loop must not have changed under it; NULL: nothing. */
+static const char *field_turned(const struct config *old, const struct config *new, uint8_t i)
+{
+    const struct loop_config *a = &old->loop[i], *b = &new->loop[i];
+    if (strcmp(a->name, b->name) != 0)
+        return NULL; /* another loop */
+    if (strcmp(a->pv, b->pv) != 0 || !same_pv(old, new, a->pv))
+        return "pv";
+    if (strcmp(a->out, b->out) != 0 || !same_mv(old, new, a->out))
+        return "out";
+    return a->own.action != b->own.action ? "action" : NULL;
+}
+
+enum err operate_keep_acting_loops(const struct service *s, const struct config *next,
+                                   struct config_fault *fault)
+{
+    const struct config *old = &service_plan(s)->config;
+    for (uint8_t i = 0; i < CONFIG_LOOPS; i++) {
+        const char *field = old->loop[i].name[0] ? field_turned(old, next, i) : NULL;
+        if (!field || service_mode(s, i) == LOOP_MANUAL)
+            continue;
+        *fault =
+            (struct config_fault){.code = ERR_STATE,
+                                  .group = "loop",
+                                  .index = (uint8_t)(i + 1u),
+                                  .field = field,
+                                  .wanted = "acts: its action, PV, MV, units and spans change in "
+                                            "manual only; `mode LOOP manual` first"};
+        memcpy(fault->subject, old->loop[i].name, CHANNEL_NAME_SIZE);
+        return ERR_STATE;
+    }
+    return ERR_OK;
+}
+
+#endif

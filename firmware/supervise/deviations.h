@@ -1,0 +1,24 @@
+/* The alarm that every loop has while it acts: its PV has been far from its setpoint for long (parameters deviation.width and
+ * deviation.delay). A loop with an entry of the alarms of side `dev` has that instead. Within supervise only. */
+#ifndef REFLUX_SUPERVISE_DEVIATIONS_H
+#define REFLUX_SUPERVISE_DEVIATIONS_H
+
+#include "supervise/state.h"
+
+#if CONFIG_LOOP_GUARD
+/* After control. */
+void deviations_run(struct supervisor *s);
+/* Plant time has been set back: delays begin anew. */
+void deviations_time_back(struct supervisor *s);
+#else
+static inline void deviations_run(struct supervisor *s)
+{
+    (void)s;
+}
+static inline void deviations_time_back(struct supervisor *s)
+{
+    (void)s;
+}
+#endif
+
+#endif
