@@ -69,8 +69,8 @@ enum analysis_doubt {
     DOUBT_DETERMINANT = 1 << 1, /* its sign is not sure */
     DOUBT_RANK = 1 << 2,        /* fewer directions than pairs stand out of the errors */
     DOUBT_SIGN = 1 << 3,        /* ... of the gain of a pair */
-    DOUBT_SHAPE = 1 << 4,       /* a response that a pair uses was not seen to its end */
-    DOUBT_SHAPE_FINAL = 1 << 5, /* ... is not that of a lag: more tests do not help */
+    DOUBT_SHAPE = 1 << 4,       /* a response was not seen to its end */
+    DOUBT_SHAPE_FINAL = 1 << 5, /* one that a pair uses is no lag's: more tests do not help */
     DOUBT_SECOND = 1 << 6,      /* gains over residence times would pair otherwise */
     DOUBT_INTEGRITY =
         1 << 7 /* with some loops in manual the others may run away, for all that is known */

@@ -32,10 +32,8 @@ static void find_used(struct analysis *a)
 
 uint16_t certainty_flags(const struct analysis *a, uint8_t j, uint8_t i)
 {
-    unsigned flags = a->flags[j][i];
-    if (is_used(a, j, i))
-        return (uint16_t)(flags & CERTAINTY_FLAGS);
-    return (uint16_t)(is_seen(a, j, i) ? flags & IDENTIFIED_INTEGRATING : 0u);
+    unsigned counts = is_used(a, j, i) ? CERTAINTY_FLAGS : CERTAINTY_OPEN_FLAGS;
+    return (uint16_t)(a->flags[j][i] & counts);
 }
 
 /* A relative gain may be sure where the gain is not: of an output that one input alone seems to move, and that hardly. */
@@ -60,7 +58,7 @@ static void doubt_elements(struct analysis *a)
             unsigned flags = certainty_flags(a, j, i);
             if (flags & CERTAINTY_FINAL_FLAGS)
                 doubt_output(a, DOUBT_SHAPE_FINAL, j);
-            if (flags & ~(unsigned)CERTAINTY_FINAL_FLAGS) {
+            if (flags & CERTAINTY_OPEN_FLAGS) {
                 doubt_output(a, DOUBT_SHAPE, j);
                 a->unsettled = (uint16_t)(a->unsettled | 1u << i);
             }

@@ -6,11 +6,12 @@
 #include "commission/analysis_state.h"
 #include "identify/identified.h"
 
-/* Flags of an element that no loop is made of: its model does not describe it. */
-#define CERTAINTY_FLAGS                                                                            \
-    (IDENTIFIED_INTEGRATING | IDENTIFIED_OSCILLATORY | IDENTIFIED_SHORT | IDENTIFIED_NOT_SETTLED)
-/* Those that longer tests do not resolve. */
+/* The end of the response was not seen, so its gain may be anything: while any element has one of these, nothing is
+ * determined. Longer tests may resolve them. */
+#define CERTAINTY_OPEN_FLAGS (IDENTIFIED_INTEGRATING | IDENTIFIED_SHORT | IDENTIFIED_NOT_SETTLED)
+/* No loop is made of such an element, and longer tests change nothing. */
 #define CERTAINTY_FINAL_FLAGS IDENTIFIED_OSCILLATORY
+#define CERTAINTY_FLAGS       (CERTAINTY_OPEN_FLAGS | CERTAINTY_FINAL_FLAGS)
 
 /* Why a channel that was tested has no loop. */
 enum left_over {
@@ -24,8 +25,8 @@ void certainty_of_gains(struct analysis *a);
 /* Once the second opinion is there. */
 void certainty_of_second(struct analysis *a);
 
-/* Flags that stand in the way of a loop: of the element from input i to output j, where the pairs use it; an integrator
- * wherever its gain stands out. */
+/* Flags of the element from input i to output j that speak against the pairing: all of CERTAINTY_FLAGS where a pair uses the
+ * element, else CERTAINTY_OPEN_FLAGS. */
 uint16_t certainty_flags(const struct analysis *a, uint8_t j, uint8_t i);
 /* Is the sign of a pair's gain unsure? k: of the pair. */
 bool certainty_sign_is_unsure(const struct analysis *a, uint8_t k);

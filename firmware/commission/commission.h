@@ -55,6 +55,10 @@ void commission_tick(struct commission *c, struct supervisor *s);
 /* Checksum of the names, spans and order of a configuration's channels, which results refer to by index. */
 uint32_t commission_channels(const struct config *config);
 
+/* Half of a double step, s, that would show the end of measurement[j]'s response to input[k], where the latest test did not:
+ * until it is over but for a twentieth, as far as its time constant is known; at least twice the latest. */
+real_t commission_half_needed(const struct commission *c, uint8_t j, uint8_t k);
+
 /* Is there a proposal? */
 bool commission_has_proposal(const struct commission *c);
 

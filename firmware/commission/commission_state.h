@@ -106,7 +106,7 @@ struct tested_input {
     uint8_t gentler; /* ... because the guard has cut them */
     bool skipped, cut, small;
     bool
-        unsettled; /* the latest analysis wants a longer test: a response that a pair uses was not seen to its end */
+        unsettled; /* the latest analysis wants a longer test: a response was not seen to its end */
     uint8_t cut_by;       /* index in measurement[] */
     real_t cut_predicted; /* fraction of span */
     real_t worst;         /* largest share of a limit reached */

@@ -53,6 +53,14 @@ void model_begin_fit(struct commission *c)
     c->job_error = ERR_OK;
 }
 
+/* Has the latest test of input k lasted longer than the one before, to see the end of a response? */
+static bool was_longer(const struct commission *c, uint8_t k)
+{
+    const struct experiment *x = &c->work->test.experiment;
+    return c->input[k].unsettled && x->half >= x->config.half_least &&
+           x->config.half_least < x->config.half_most; /* else there was no room for it */
+}
+
 void model_keep(struct commission *c)
 {
     uint8_t k = c->order[c->at];
@@ -64,6 +72,9 @@ void model_keep(struct commission *c)
         } else {
             real_t misfit = combine_by_gains(e->misfit, &e->fit, c->misfit[j], &c->fitted[j]);
             model_combine(&e->fit, &c->fitted[j]);
+            /* A response that goes on would have grown: what is gone in a longer test was noise. */
+            if (was_longer(c, k) && (c->fitted[j].flags & IDENTIFIED_NO_GAIN))
+                e->fit.flags &= (uint16_t)~CERTAINTY_OPEN_FLAGS;
             e->misfit = misfit;
         }
         /* Another shape than that of a lag is the same in every round. */

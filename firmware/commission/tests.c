@@ -20,6 +20,8 @@
 #define LONGEST_SHARE    3u /* times what the inputs before have taken: no half is longer at first */
 #define SHARE_LEAST      REAL_C(0.5) /* no half is shorter than this share of the longest before */
 #define UNSETTLED_LONGER REAL_C(2.0) /* times the half that did not show the end of a response */
+#define OVER             REAL_C(3.0) /* time constants: a twentieth is left */
+#define TIME_KNOWN       REAL_C(0.5) /* of a time constant: standard deviation of one that is known */
 
 const char *commission_input_name(const struct commission *c, const struct supervisor *s)
 {
@@ -32,7 +34,7 @@ real_t commission_lasts(const struct commission *c, uint8_t k)
     real_t longest_s = REAL_C(0.0);
     for (uint8_t j = 0; j < c->outputs; j++) {
         const struct identified *e = &c->work->element[j][k].fit;
-        real_t time_s = e->dead_time_s + REAL_C(3.0) * e->time_constant_s;
+        real_t time_s = e->dead_time_s + OVER * e->time_constant_s;
         bool known = !(e->flags & IDENTIFIED_NO_GAIN) &&
                      e->gain_sd < REAL_C(0.2) * real_abs(e->gain) &&
                      e->time_constant_sd_s < REAL_C(0.3) * e->time_constant_s;
@@ -40,6 +42,16 @@ real_t commission_lasts(const struct commission *c, uint8_t k)
             longest_s = time_s;
     }
     return longest_s;
+}
+
+real_t commission_half_needed(const struct commission *c, uint8_t j, uint8_t k)
+{
+    const struct identified *e = &c->work->element[j][k].fit;
+    real_t needed_s = UNSETTLED_LONGER * c->input[k].half_s;
+    real_t over_s = e->dead_time_s + OVER * e->time_constant_s;
+    bool timed = !(e->flags & IDENTIFIED_INTEGRATING) &&
+                 e->time_constant_sd_s < TIME_KNOWN * e->time_constant_s;
+    return timed && over_s > needed_s ? over_s : needed_s;
 }
 
 /* Is some response to input k no lag's, and that, not noise, what its gain is unsure by? A shorter half would see

@@ -15,6 +15,8 @@ const char *words_of_verdict(const struct analysis *a)
         return words[a->verdict];
     if (a->doubts & DOUBT_RANK)
         return words[PAIRING_SINGULAR];
+    if (a->doubts == DOUBT_SHAPE)
+        return "not determined: a response was not seen to its end";
     if ((a->doubts & ~shape) == 0)
         return "not determined: a response is not one that loops are made for";
     if ((a->doubts & ~(shape | DOUBT_SECOND)) == 0)

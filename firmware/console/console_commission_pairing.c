@@ -33,6 +33,12 @@ static void doubt_element_line(const struct console *c, unsigned j, unsigned i, 
         return;
     text_str(line, "doubt element ");
     names(c, j, i, line);
+    if (bits & CERTAINTY_OPEN_FLAGS) {
+        uint8_t k = m->column[i];
+        text_named_float(line, "half", (float)m->input[k].half_s);
+        text_named_float(line, "s needs", (float)commission_half_needed(m, (uint8_t)j, k));
+        text_str(line, " s");
+    }
     commission_flags(line, bits);
 }
 

@@ -224,5 +224,24 @@ class Blocks(unittest.TestCase):
         self.assertAlmostEqual(float(facts(next(x for x in said if x.startswith("pair ")))["phi"]), 1.56, delta=0.03)
 
 
+class SlowCouplings(unittest.TestCase):
+    """Rebuilt from an attack: tests as long as the fast pairs take do not see what the couplings do in the end."""
+
+    def test_fast_pairs_whose_couplings_are_80_times_slower_are_not_proposed(self):
+        fast = {"gain": 1.0, "lags": 20, "dead_time": 4}
+        for gain in (0.8, -1.5):
+            slow = fast | {"gain": gain, "lags": 80 * 20}
+            data = json.loads((DATA / "triangular.json").read_text()) | {"elements": [[fast, slow], [slow, fast]]}
+            with tempfile.TemporaryDirectory() as folder:
+                path = Path(folder) / "slow.json"
+                path.write_text(json.dumps(data))
+                of = Plant(path)
+                for seed in (1, 2, 3):
+                    run = Run(of, whole(of, accept=False), noise=1.0, seed=seed)
+                    self.assertIsNotNone(run.first("NOT_DETERMINED"), (gain, seed, run.events[-3:]))
+                    doubts = results.pairing_of(run.reply("commission pairing")).doubts
+                    self.assertTrue(any(x.startswith("y1 by u2 is ") and " must take " in x for x in doubts), doubts)
+
+
 if __name__ == "__main__":
     unittest.main()

@@ -109,6 +109,11 @@ class Lines(unittest.TestCase):
         self.assertEqual((p.verdict, p.probability, p.open), ("not determined: fewer directions than channels", 0.4,
                                                               [("y", 0.4, "b")]))
         self.assertFalse(p.determined)
+        p = results.pairing_of(["doubt element y b flags oscillatory",
+                                "doubt element y a half 400 s needs 9600 s flags short not_settled"])
+        self.assertEqual(p.doubts, ["y by b is oscillatory: no loop is made of it",
+                                    "y by a is short, not_settled: half a double step of a took 7 min, and must take 2 h 40 min "
+                                    "or more (`time`, `longest`)"])
         s = results.structure_of(["structure parts 1 blocks 2", "block number 1 part 1 pairs 1 worst_lambda 1 driven_by -",
                                   "block number 2 part 1 pairs 1 worst_lambda 1 driven_by 1",
                                   "member y a block 1 single_loop yes",

@@ -493,11 +493,41 @@ static void a_later_test_resolves_what_an_earlier_one_left_open_but_no_oscillati
     }
 }
 
+static void a_longer_test_that_sees_no_response_resolves_it_and_one_as_long_does_not(void)
+{
+    static const struct {
+        bool unsettled;
+        uint32_t half, least, most;
+        bool resolves;
+    } cases[] = {{true, 200, 200, 250, true},
+                 {false, 200, 200, 250, false}, /* of another reason than to see the end */
+                 {true, 199, 200, 250, false},  /* cut by the guard */
+                 {true, 200, 200, 200, false}}; /* the longest there is */
+    struct experiment *x = &c.work->test.experiment;
+    c.outputs = c.inputs = 1;
+    for (unsigned n = 0; n < sizeof cases / sizeof cases[0]; n++) {
+        c.work->element[0][0].fit = element(0.1, 0.1, 100, 20);
+        c.work->element[0][0].fit.flags = IDENTIFIED_SHORT | IDENTIFIED_OSCILLATORY;
+        c.fitted[0] = element(0.01, 0.02, 0, 0);
+        c.fitted[0].flags = IDENTIFIED_NO_GAIN;
+        c.input[0].rounds = 1;
+        c.input[0].unsettled = cases[n].unsettled;
+        x->half = cases[n].half;
+        x->config.half_least = cases[n].least;
+        x->config.half_most = cases[n].most;
+        model_keep(&c);
+        TEST_ASSERT_EQUAL_HEX16(IDENTIFIED_OSCILLATORY |
+                                    (cases[n].resolves ? 0u : (unsigned)IDENTIFIED_SHORT),
+                                c.work->element[0][0].fit.flags);
+    }
+}
+
 int main(void)
 {
     printf("seed %u\n", SEED);
     UNITY_BEGIN();
     RUN_TEST(a_later_test_resolves_what_an_earlier_one_left_open_but_no_oscillation);
+    RUN_TEST(a_longer_test_that_sees_no_response_resolves_it_and_one_as_long_does_not);
     RUN_TEST(two_tests_count_by_how_well_they_know);
     RUN_TEST(tests_that_disagree_are_less_sure_than_they_say);
     RUN_TEST(more_tests_make_an_element_surer_and_their_order_does_not_matter);

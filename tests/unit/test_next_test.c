@@ -286,6 +286,22 @@ static void what_is_not_known_takes_no_time(void)
 
 /* ---- from the second round on ---- */
 
+static void a_half_that_was_too_short_is_to_be_twice_as_long_or_as_long_as_the_response(void)
+{
+    tested(0.02, 0.5, 0.01);
+    struct identified *e = &c.work->element[0][0].fit;
+    NEAR(400.0,
+         commission_half_needed(&c, 0, 0)); /* over after 310 s, and yet not seen to its end */
+    e->time_constant_s = 500;
+    e->time_constant_sd_s = 249;
+    NEAR(1510.0, commission_half_needed(&c, 0, 0));
+    e->time_constant_sd_s = 251;
+    NEAR(400.0, commission_half_needed(&c, 0, 0));
+    e->time_constant_sd_s = 249;
+    e->flags = IDENTIFIED_INTEGRATING;
+    NEAR(400.0, commission_half_needed(&c, 0, 0));
+}
+
 static void the_times_that_are_known_are_the_length(void)
 {
     tested(0.02, 0.5, 0.01);
@@ -652,6 +668,7 @@ int main(void)
     RUN_TEST(the_smallest_step_that_was_wanted_is_the_first_of_all_inputs);
     RUN_TEST(what_is_known_of_a_pair_beforehand_is_taken);
     RUN_TEST(what_is_not_known_takes_no_time);
+    RUN_TEST(a_half_that_was_too_short_is_to_be_twice_as_long_or_as_long_as_the_response);
     RUN_TEST(the_times_that_are_known_are_the_length);
     RUN_TEST(what_was_not_known_takes_no_longer_than_it_did);
     RUN_TEST(what_an_analysis_left_open_gets_twice_as_long);

@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 
 from reflux_tools import table
 from reflux_tools.commission.board import number, pairs_of
+from reflux_tools.commission.progress import span_of_time
 
 
 @dataclass
@@ -80,7 +81,7 @@ class Pairing:
     second_opinion: str = ""  # of gains over residence times
     determinant: float = float("nan")  # in its own standard deviations
     integrity: float = float("nan")  # share of draws in which any of the loops can be in manual
-    doubts: list[str] = field(default_factory=list)  # what speaks against it, a sentence each
+    doubts: list[str] = field(default_factory=list)  # what speaks against it, in words
     left: list[tuple[str, str, str]] = field(default_factory=list)  # measurement or input, name, why it has no loop
 
     @property
@@ -216,7 +217,7 @@ def pairing_of(lines: list[str]) -> Pairing:
         elif words[0] == "second_opinion":
             p.second_opinion = line.removeprefix("second_opinion ")
         elif words[0] == "doubt" and words[1] == "element":
-            p.doubts.append(f"{words[2]} by {words[3]} is {', '.join(_flags(words))}: no loop is made of it")
+            p.doubts.append(_element_doubt(words))
         elif words[0] == "doubt":
             p.doubts.append(line.removeprefix("doubt "))
         elif words[0] == "subset":
@@ -225,6 +226,17 @@ def pairing_of(lines: list[str]) -> Pairing:
         elif words[0] == "left":
             p.left.append((words[1], words[2].rstrip(":"), line.partition(": ")[2]))
     return p
+
+
+def _element_doubt(words: list[str]) -> str:
+    """doubt element MEASUREMENT INPUT [half S s needs S s] flags ..."""
+    measurement, source, *rest = words[2:]
+    flags = ", ".join(_flags(words))
+    if rest[0] != "half":
+        return f"{measurement} by {source} is {flags}: no loop is made of it"
+    half, needs = span_of_time(number(rest[1])), span_of_time(number(rest[4]))
+    return (f"{measurement} by {source} is {flags}: half a double step of {source} took {half}, and must take {needs} or more "
+            "(`time`, `longest`)")
 
 
 def proposal_of(lines: list[str]) -> Proposal:
