@@ -228,6 +228,13 @@ static void done(struct commission *c, struct supervisor *s)
     event_put(c->events, s->time_ms, EVENT_RELAY_DONE, name, (float)found.period_s, 0);
 }
 
+static enum commission_reason reason_of(enum relay_failure failure)
+{
+    return failure == RELAY_NO_ANSWER    ? REASON_NO_ANSWER
+           : failure == RELAY_WRONG_SIGN ? REASON_ACTION
+                                         : REASON_NO_CYCLE;
+}
+
 static void cycle(struct commission *c, struct supervisor *s, const real_t *y)
 {
     struct relay_test *t = &c->work->relay;
@@ -264,8 +271,7 @@ static void cycle(struct commission *c, struct supervisor *s, const real_t *y)
         event_put(c->events, s->time_ms, EVENT_TEST_STEP, commission_input_name(c, s), r->amplitude,
                   1);
     if (r->phase == RELAY_FAILED)
-        commission_end(c, s, r->failure == RELAY_NO_ANSWER ? REASON_NO_ANSWER : REASON_NO_CYCLE,
-                       loop, c->input[0].worst);
+        commission_end(c, s, reason_of(r->failure), loop, c->input[0].worst);
     else if (r->phase == RELAY_DONE)
         done(c, s);
 }

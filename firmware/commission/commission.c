@@ -44,6 +44,8 @@ static const char *const reason_texts[REASON_COUNT] = {
     [REASON_TRIAL_SWINGS] = "oscillated on trial without decaying fast enough",
     [REASON_NO_ANSWER] =
         "its measurement does not answer to the relay, or its action is the wrong one",
+    [REASON_ACTION] =
+        "its action is the wrong one, the measurement went the other way: change `action`",
     [REASON_NO_CYCLE] = "no steady cycle under the relay",
 };
 

@@ -59,6 +59,7 @@ enum commission_reason {
     REASON_TOO_SLOW,     /* for test.longest */
     REASON_TRIAL_SWINGS, /* an oscillation that does not decay */
     REASON_EXCITED,      /* a block excites the plant */
+    REASON_ACTION,       /* of the loop under a relay: the wrong one */
     REASON_COUNT
 };
 

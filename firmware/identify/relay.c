@@ -23,6 +23,13 @@
     REAL_C(0.5) /* of the room, for an amplitude that is to be found: the rest is for the bias */
 #define BACK_LEAST REAL_C(0.2) /* of |G|: what of the output comes back against the input */
 #define BACK_FULL  REAL_C(0.8)
+/* Of the way that the output has gone away from where it is asked: it turns back by itself; or goes on, the input turned round, by
+ * more than dead time explains. */
+#define TURNING_SHARE REAL_C(0.8)
+#define AWAY_SHARE    REAL_C(2.0)
+#define BACK_TIMES    2u /* as long as it went away it may take to come back to the other side */
+#define COASTS                                                                                     \
+    4u /* times as long as it took to leave: several lags in a row go on for so long, the input turned */
 
 static bool positive_up_to(real_t x, real_t most)
 {
@@ -67,7 +74,7 @@ static bool is_found(const struct relay *r)
 /* Input for the side that is asked for; upwards of the output is downwards of the input where the gain is below 0. */
 static void put_level(struct relay *r)
 {
-    bool up = r->high == (r->config.sign > 0);
+    bool up = (r->high != r->turned) == (r->config.sign > 0);
     r->level = r->bias + (up ? r->amplitude : -r->amplitude);
 }
 
@@ -264,10 +271,59 @@ static bool lean(struct relay *r)
     return true;
 }
 
+/* Is the output away from where it is asked, and whether by its sign is not known yet? */
+static bool is_going_wrong(const struct relay *r)
+{
+    return r->against > 0 && !r->sign_seen;
+}
+
+static void turn_input(struct relay *r, bool round)
+{
+    r->turned = round;
+    r->sign_seen = !round;
+    r->against = 0;
+    r->now.whole = false;
+}
+
+/* While the input is turned round: how far the output is on the wrong side says whose doing it was. */
+static void judge_sign(struct relay *r, real_t wrong)
+{
+    if (wrong < -r->config.hysteresis) {
+        fail_with(r, RELAY_WRONG_SIGN);
+    } else if (++r->against > BACK_TIMES * r->half || wrong > AWAY_SHARE * r->farthest) {
+        r->half = 0; /* not the sign's */
+        turn_input(r, false);
+    }
+}
+
+/* True: the input is turned round, or the sign is wrong, and nothing else is to be decided. */
+static bool watch_sign(struct relay *r, real_t y)
+{
+    real_t away = y - r->config.reference, wrong = r->high ? -away : away;
+    if (r->turned) {
+        judge_sign(r, wrong);
+        return r->turned;
+    }
+    if (r->sign_seen || wrong <= r->config.hysteresis) {
+        r->against = 0;
+        return false;
+    }
+    if (r->against == 0 || wrong > r->farthest)
+        r->farthest = wrong;
+    bool starts = r->phase == RELAY_START;
+    uint32_t left_after = starts ? r->started - r->against : COASTS * r->started;
+    r->against++;
+    if (r->against > r->config.patience + left_after && wrong > TURNING_SHARE * r->farthest)
+        turn_input(r, true);
+    return r->turned;
+}
+
 /* No answer, or none that comes back: in time, twice the amplitude; then a load is against it. */
 static bool grows(struct relay *r, uint32_t patience)
 {
     real_t room = FOUND_SHARE * r->config.most;
+    if (is_going_wrong(r))
+        return false; /* more of it before its sign is known may be more of the wrong thing */
     if (!is_found(r) || r->half < patience || TWO * r->share >= LIMIT_SHARE)
         return false;
     if (r->amplitude < room)
@@ -310,6 +366,7 @@ static void advance_cycle(struct relay *r, real_t y)
         return;
     }
     if (crossed) {
+        r->sign_seen = true;
         r->high = !r->high;
         r->half = 0;
         if (r->high)
@@ -332,10 +389,14 @@ enum err relay_step(struct relay *r, real_t y, real_t share)
     r->last = y;
     if (share > r->share)
         r->share = share;
-    if (r->phase == RELAY_START)
+    if (watch_sign(r, y)) {
+        if (r->phase != RELAY_FAILED)
+            put_level(r);
+    } else if (r->phase == RELAY_START) {
         start(r, y);
-    else
+    } else {
         advance_cycle(r, y);
+    }
     return ERR_OK;
 }
 

@@ -5,6 +5,10 @@
  *     cycle   from now on the input goes back whenever the output crosses to the other side of the hysteresis
  *     done    the latest periods agree in the lengths of their halves and in their peaks
  *
+ * Until it comes back for the first time the output may go away from where it is asked, because the sign is wrong, or because a
+ * load or a drift is stronger. After the patience, and as long again as it took to leave (in a cycle, four times), the input is
+ * turned round once: what then comes to the other side has the wrong sign. An inverse response has turned back by itself before.
+ *
  * With the amplitude d of the relay, the amplitude a of the output and half of the hysteresis eps, the describing
  * function says (Astrom and Hagglund)
  *
@@ -56,7 +60,8 @@ enum relay_failure {
     RELAY_FINE,
     RELAY_NO_ANSWER, /* the output does not leave the hysteresis */
     RELAY_STUCK,     /* it does not come back to the other side */
-    RELAY_UNSETTLED  /* no two periods are the same */
+    RELAY_UNSETTLED, /* no two periods are the same */
+    RELAY_WRONG_SIGN /* the output goes away from where it is asked, and back when the input is turned round */
 };
 
 struct relay_period {
@@ -72,19 +77,23 @@ struct relay {
     struct relay_config config;
     enum relay_phase phase;
     enum relay_failure failure;
-    real_t level;            /* of the test signal from this sample to the next */
-    real_t amplitude;        /* of the relay */
-    real_t bias;             /* level about which it switches */
-    bool high;               /* output is asked upwards */
-    uint8_t outside;         /* samples in a row out of the hysteresis, while it starts */
-    uint8_t same;            /* periods in a row like the one before */
-    uint16_t periods;        /* since the start */
-    uint32_t half;           /* samples in this half */
-    uint32_t longest;        /* half of the latest period; 0: none yet */
-    uint32_t started;        /* samples until the output has left the hysteresis */
-    real_t share;            /* largest of a limit in this period */
-    real_t last;             /* output */
-    struct relay_period now; /* under way */
+    real_t level;     /* of the test signal from this sample to the next */
+    real_t amplitude; /* of the relay */
+    real_t bias;      /* level about which it switches */
+    bool high;        /* output is asked upwards */
+    uint8_t outside;  /* samples in a row out of the hysteresis, while it starts */
+    uint8_t same;     /* periods in a row like the one before */
+    uint16_t periods; /* since the start */
+    uint32_t half;    /* samples in this half */
+    uint32_t longest; /* half of the latest period; 0: none yet */
+    uint32_t started; /* samples until the output has left the hysteresis */
+    real_t share;     /* largest of a limit in this period */
+    real_t last;      /* output */
+    uint32_t against; /* samples in a row away from where it is asked, until its sign is seen */
+    real_t farthest;  /* ... and from the reference */
+    bool turned;      /* the input is turned round, to see its sign */
+    bool sign_seen;   /* ... has been, or the output has come back */
+    struct relay_period now;                   /* under way */
     struct relay_period period[RELAY_PERIODS]; /* latest last */
 };
 

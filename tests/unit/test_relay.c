@@ -330,17 +330,70 @@ static void without_an_answer_it_gives_up(void)
     }
 }
 
-static void the_wrong_sign_ends_it(void)
+/* Samples until it ended. */
+static unsigned long wrong_sign(const struct relay_config *c)
+{
+    run(&process, c, 0.0, NULL);
+    TEST_ASSERT_EQUAL_INT(RELAY_FAILED, relay.phase);
+    TEST_ASSERT_EQUAL_INT(RELAY_WRONG_SIGN, relay.failure);
+    TEST_ASSERT_EQUAL_FLOAT(0.0f, (float)relay.level);
+    return (unsigned long)process.samples;
+}
+
+static void the_wrong_sign_is_told_from_its_answer(void)
 {
     const double lags[3] = {10.0, 4.0, 0.0};
     for (int found_by_trying = 0; found_by_trying < 2; found_by_trying++) {
         struct relay_config c = config_of(0.5, 0.001);
         c.sign = -1;
         c.amplitude = found_by_trying ? 0 : (real_t)0.1;
-        c.half_most = 500;
         process_init(&process, lags, 6.0, 0.5);
+        TEST_ASSERT_TRUE(wrong_sign(&c) < 300);
+    }
+}
+
+static void no_step_of_the_wrong_sign_grows_while_a_slow_output_goes_away(void)
+{
+    const double lags[3] = {1000.0, 4.0, 0.0};
+    struct relay_config c = config_of(0.5, 0.001);
+    c.sign = -1;
+    c.amplitude = 0;
+    process_init(&process, lags, 6.0, 0.5);
+    process.gain = 4;
+    TEST_ASSERT_TRUE(wrong_sign(&c) < 1000);
+    TEST_ASSERT_EQUAL_FLOAT((float)c.first, (float)relay.amplitude);
+}
+
+/* Noise, or a drift that turns, may have begun the cycle. */
+static void the_wrong_sign_is_told_too_where_the_output_left_the_right_way(void)
+{
+    const double lags[3] = {1000.0, 4.0, 0.0};
+    struct relay_config c = config_of(0.5, 0.001);
+    c.sign = -1;
+    c.amplitude = 0;
+    process_init(&process, lags, 6.0, 0.5);
+    process.gain = 4;
+    TEST_ASSERT_EQUAL_INT(ERR_OK, relay_begin(&relay, &c));
+    double y = REST;
+    for (int n = 0; n < 2000 && relay.phase < RELAY_DONE; n++) {
+        TEST_ASSERT_EQUAL_INT(ERR_OK, relay_step(&relay, (real_t)(n < 2 ? y + 0.002 : y), 0));
+        y = process_step(&process, (double)relay.level);
+    }
+    TEST_ASSERT_EQUAL_INT(RELAY_WRONG_SIGN, relay.failure);
+}
+
+/* It goes the wrong way for longer than the patience, and only a larger amplitude is stronger. */
+static void a_load_against_the_relay_is_no_wrong_sign(void)
+{
+    const double lags[3] = {40.0, 4.0, 0.0};
+    struct relay_config c = config_of(0.5, 0.001);
+    c.amplitude = 0;
+    for (int side = -1; side <= 1; side += 2) {
+        process_init(&process, lags, 6.0, 0.5);
+        process.load = 0.05 * side;
         run(&process, &c, 0.0, NULL);
-        TEST_ASSERT_EQUAL_INT(RELAY_NO_ANSWER, relay.failure);
+        TEST_ASSERT_EQUAL_INT(RELAY_DONE, relay.phase);
+        TEST_ASSERT_TRUE(relay.amplitude > c.first);
     }
 }
 
@@ -508,7 +561,10 @@ int main(void)
     RUN_TEST(an_amplitude_is_found_that_the_output_answers_to);
     RUN_TEST(a_limit_keeps_the_amplitude_that_is_to_be_found_small);
     RUN_TEST(without_an_answer_it_gives_up);
-    RUN_TEST(the_wrong_sign_ends_it);
+    RUN_TEST(the_wrong_sign_is_told_from_its_answer);
+    RUN_TEST(no_step_of_the_wrong_sign_grows_while_a_slow_output_goes_away);
+    RUN_TEST(the_wrong_sign_is_told_too_where_the_output_left_the_right_way);
+    RUN_TEST(a_load_against_the_relay_is_no_wrong_sign);
     RUN_TEST(an_inverse_response_does_not_confuse_it);
     RUN_TEST(an_output_that_does_not_come_back_ends_it_in_time);
     RUN_TEST(pure_noise_ends);
