@@ -149,7 +149,11 @@ class Kept(FolderTest):
     def test_rows_that_came_damaged_are_not(self) -> None:
         header, row = "H,1,number,time[s],T[degC]", "T,1,7,70.000,20.5"
         _said, rows = self.written(f"< {row}", f"< {header}", f"< {row}", "< T,1,8,80.0", "< T,1,9,9x.000,20.5", "< T,", "< T,1,,,")
-        self.assertEqual(rows, f"{header}\n{row}\n")
+        self.assertEqual(rows, "number,time[s],T[degC]\n7,70.000,20.5\n")
+
+    def test_telemetry_becomes_one_table_however_often_its_header_changes(self) -> None:
+        _said, rows = self.written("< H,1,number,time[s],T[degC]", "< T,1,7,70.000,20.5", "< H,1,number,time[s],T[degC],h.cmd[kW]", "< T,1,8,80.000,21,3")
+        self.assertEqual(rows, "number,time[s],T[degC],h.cmd[kW]\n7,70.000,20.5,\n8,80.000,21,3\n")
 
 
 class Answers(FolderTest):

@@ -277,7 +277,7 @@ class Recorded(FolderTest):
 
     def test_wrong_places_are_refused_by_the_command(self) -> None:
         for place, why in (((self.folder,), "no log.csv there"), ((self.folder / "nothing",), "no such file"),
-                           ((self.file("words.txt", "hello\n"),), "neither a log.csv nor telemetry"), ((self.file("log2.csv", rows()),), "--conf FILE"),
+                           ((self.file("words.txt", "hello\n"),), "nor telemetry"), ((self.file("log2.csv", rows()),), "--conf FILE"),
                            ((self.file("log3.csv", rows()), "--conf", self.folder / "none.conf"), "no such file")):
             status, _, err = call("consistency", "check", *map(str, place), "--no-build")
             self.assertEqual(status, 2)

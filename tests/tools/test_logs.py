@@ -42,6 +42,46 @@ class Logs(FolderTest):
             with self.assertRaisesRegex(RunFailed, expected):
                 logs.read_telemetry(self.file("t.csv", text))
 
+    # Rebuilt from public reports: a session of tools/console, in which ESC [ K wipes the prompt, and one that was copied from a screen.
+    SESSIONS = {"session.log": "log on 1\n\x1b[KH,1,number,time[s],state,T1[degC],T1.q,Q1.cmd[%],Q1.app[%]\nok\n"
+                               "> \x1b[KT,1,7,7.000,1,41.5,0,30,30\n> get T1\r\x1b[KT,1,8,8.000,1,41.6,0,30,30\n> \x1b[KT,1,9,9.0\n",
+                "screen.txt": "> log on 1\n[KH,1,number,time[s],state,T1[degC],T1.q,Q1.cmd[%],Q1.app[%]\n> [KT,1,7,7.000,1,41.5,0,30,30\n"
+                              "> [KT,1,8,8.000,1,41.6,0,30,30\n> [KT,1,9,9.000,1\n",
+                "transcript.txt": "0.000 > log on\n0.000 < H,1,number,time[s],state,T1[degC],T1.q,Q1.cmd[%],Q1.app[%]\n0.000 < ok\n"
+                                  "7.000 < T,1,7,7.000,1,41.5,0,30,30\n8.000 < T,1,8,8.000,1,41.6,0,30,30\n8.0 < T,1,9\n",
+                "telemetry.csv": "T,1,6,6.000,1,41.4,0,30,30\nH,1,number,time[s],state,T1[degC],T1.q,Q1.cmd[%],Q1.app[%]\n"
+                                 "T,1,7,7.000,1,41.5,0,30,30\nT,1,8,8.000,1,41.6,0,30,30\n"}
+
+    def test_every_log_with_telemetry_is_read_and_rows_that_lost_something_are_counted(self) -> None:
+        for name, text in self.SESSIONS.items():
+            with self.subTest(name):
+                log = logs.read(self.file(name, text))
+                self.assertEqual((log.text("number"), log.text("Q1.app")), (["7", "8"], ["30", "30"]))
+                self.assertEqual(log.left_out, 1)
+
+    def test_every_log_is_plotted_and_written_as_one_table(self) -> None:
+        for name, text in {**self.SESSIONS, "log.csv": SIM}.items():
+            with self.subTest(name):
+                path, table, picture = self.file(name, text), self.folder / "table.csv", self.folder / "plot.png"
+                self.assertEqual(call("plot", str(path), "-o", str(picture))[0], 0)
+                self.assertTrue(picture.read_bytes().startswith(b"\x89PNG"))
+                self.assertEqual(call("plot", str(path), "--csv", str(table))[0], 0)
+                lines = [line for line in table.read_text().splitlines() if not line.startswith("#")]
+                self.assertTrue(lines[0].startswith("number,time[s],"))
+                self.assertEqual({line.count(",") for line in lines}, {lines[0].count(",")})
+                self.assertEqual(logs.read(table).rows, logs.read(path).rows)
+
+    def test_identify_takes_the_telemetry_of_a_console(self) -> None:
+        rows = "".join(f"> \x1b[KT,1,{k},{k}.000,{20 + (k // 5) % 3 + 0.1 * (k % 7)},{30 + 10 * (k // 5 % 2)}\n" for k in range(120))
+        path = self.file("session.log", "\x1b[KH,1,number,time[s],T1[degC],Q1.app[%]\n" + rows)
+        _status, out, err = call("identify", str(path), "--inputs", "Q1.app", "--outputs", "T1", "--orders", "1,1", "--format", "json")
+        self.assertIn('"period_s": 1.0', out, err)
+
+    def test_what_is_no_log_is_refused_in_one_line(self) -> None:
+        status, _, err = call("plot", str(self.file("words.txt", "hello\n")))
+        self.assertEqual((status, err.count("\n")), (2, 1))
+        self.assertIn("not a log: neither a header line that begins with number nor telemetry", err)
+
     def test_transcript(self) -> None:
         path = self.file("t.txt", "0.000 > version\n0.000 < ! 0.000 info LINK_UP pilot 30 plant connected\n"
                          "0.000 < reflux 1 on host\n0.000 < board\n0.000 < ok\n0.000 > begin\n0.000 < ok\n")

@@ -17,7 +17,7 @@ from reflux_tools.compare import log_of
 from reflux_tools.errors import RunFailed, UserError
 from reflux_tools.identification import Fit, Judgement, Orders, Record, Trials
 from reflux_tools.ina_plant import UNIT
-from reflux_tools.logs import Log, bare, read_csv
+from reflux_tools.logs import Log, bare, read_if_log
 from reflux_tools.paths import named, shown
 
 MOST = 4  # of each kind
@@ -127,12 +127,13 @@ def pair(text: str) -> tuple[int, int]:
 
 
 def read_table(path: Path) -> Log:
-    """A log of the simulator, or any table with names in its first line, cells between commas."""
+    """A log of a tool, or any table with names in its first line, cells between commas."""
+    log = read_if_log(path)
+    if log is not None:
+        return log
     lines = [line for line in textfile.read(path).splitlines() if line.strip() and not line.startswith("#")]
     if not lines:
         raise UserError(f"{shown(path)}: empty; expected a header line with names of columns")
-    if lines[0].startswith("number,"):
-        return read_csv(path)
     if "," not in lines[0] and (";" in lines[0] or "\t" in lines[0]):
         raise UserError(f"{shown(path)}: cells must have commas between them, and the header has none")
     try:

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from reflux_tools.errors import UserError
-from reflux_tools.logs import FIRMWARE_PREFIX, Log, bare, read_csv
+from reflux_tools.logs import FIRMWARE_PREFIX, Log, bare, read
 from reflux_tools.paths import shown
 
 EXACT = ("number", "time")  # whole numbers and long times: more digits than a float32 has
@@ -66,8 +66,10 @@ def compare(left: Log, right: Log, limit: int = 1) -> list[Difference]:
 
 
 def log_of(place: Path) -> Path:
-    """An output folder of tools/run stands for the log in it."""
-    path = place / "log.csv" if place.is_dir() else place
+    """An output folder of tools/run or tools/commission stands for the log in it."""
+    path = place
+    if place.is_dir():
+        path = next((place / name for name in ("log.csv", "telemetry.csv") if (place / name).is_file()), place / "log.csv")
     if not path.is_file():
         raise UserError(f"{shown(place)}: no log.csv there" if place.is_dir() else f"{shown(place)}: no such file")
     return path
@@ -75,7 +77,7 @@ def log_of(place: Path) -> Path:
 
 def compare_command(a: str, b: str) -> int:
     """tools/run --compare A B. 0 the same, 1 different."""
-    left, right = read_csv(log_of(Path(a))), read_csv(log_of(Path(b)))
+    left, right = read(log_of(Path(a))), read(log_of(Path(b)))
     differences = compare(left, right)
     if not differences:
         columns = sum(not excluded(c) for c in left.columns)

@@ -1,4 +1,4 @@
-"""Logs of a run: the simulator's CSV, the firmware's telemetry, and the two joined by sample number."""
+"""Logs of a run (docs/logs.md): the simulator's CSV, the firmware's telemetry, and the two joined by sample number."""
 
 from __future__ import annotations
 
@@ -15,6 +15,8 @@ from reflux_tools.paths import shown
 
 TELEMETRY_VERSION = "1"
 FIRMWARE_PREFIX = "fw."  # marks the firmware's own columns in a joined log
+# A telemetry line as it came, in a transcript (plant time, <), or on a person's screen, where ESC [ K wipes the prompt before it.
+TELEMETRY = re.compile(r"(?:^(?:\s*[\d.]+\s+)?(?:< )?|\x1b?\[K)([HT],\d.*)$")
 
 
 @dataclass
@@ -25,6 +27,7 @@ class Log:
     rows: list[list[str]]
     comments: list[str] = field(default_factory=list)
     source: str = ""
+    left_out: int = 0  # rows of telemetry that were damaged or had no header
 
     def __post_init__(self) -> None:
         self._place = {bare(name): i for i, name in reversed(list(enumerate(self.columns)))}
@@ -80,8 +83,28 @@ def number32(cell: str) -> float:
     return struct.unpack("f", struct.pack("f", number(cell)))[0]
 
 
+def read(path: Path) -> Log:
+    """Any log that a tool has written, whatever its form."""
+    log = read_if_log(path)
+    if log is None:
+        raise UserError(f"{shown(path)}: not a log: neither a header line that begins with number nor telemetry (H, lines; `log on` at the "
+                        "console begins them)")
+    return log
+
+
+def read_if_log(path: Path) -> Log | None:
+    """None: the file is something else."""
+    lines = textfile.read(path, damaged=True).splitlines()
+    first = next((line for line in lines if line.strip() and not line.startswith("#")), "")
+    if first.startswith("number,"):
+        return read_csv(path)
+    if any(TELEMETRY.search(line) for line in lines):
+        return telemetry_in(lines, shown(path), damaged=True)
+    return None
+
+
 def read_csv(path: Path) -> Log:
-    """A log as reflux-sim or tools/run writes it: # comments, one header line, rows of the same width."""
+    """A log as one table: # comments, one header line, rows of the same width."""
     lines = textfile.read(path).splitlines()
     comments = [line for line in lines if line.startswith("#")]
     numbered = [(n, line) for n, line in enumerate(lines, 1) if line.strip() and not line.startswith("#")]
@@ -105,20 +128,26 @@ def read_telemetry(path: Path) -> Log:
     return telemetry_in(textfile.read(path, damaged=True).splitlines(), shown(path))
 
 
-def telemetry_in(lines: list[str], source: str) -> Log:
+def telemetry_in(lines: list[str], source: str, damaged: bool = False) -> Log:
+    """damaged: rows that have lost something on the way, or whose header is not there, are left out and counted."""
     columns: list[str] = []
     header: list[str] | None = None
     rows: list[dict[str, str]] = []
+    left_out = 0
     for n, line in enumerate(lines, 1):
-        line = re.sub(r"^\s*[\d.]+\s+(?=[HT],)", "", line)
-        if line.startswith("H,"):
-            header = _header(line, f"{source}:{n}")
+        match = TELEMETRY.search(line)
+        if not match:
+            continue
+        if match[1].startswith("H,"):
+            header = _header(match[1], f"{source}:{n}")
             columns += [name for name in header if name not in columns]
-        elif line.startswith("T,"):
-            rows.append(_row(line, header, f"{source}:{n}"))
+        elif damaged and not _is_whole(match[1], header):
+            left_out += 1
+        else:
+            rows.append(_row(match[1], header, f"{source}:{n}"))
     if header is None:
         raise RunFailed(f"{source}: the firmware sent no telemetry header (H, line); is its log on?")
-    return Log(columns, [[row.get(name, "") for name in columns] for row in rows], [], source)
+    return Log(columns, [[row.get(name, "") for name in columns] for row in rows], [], source, left_out)
 
 
 def _header(line: str, where: str) -> list[str]:
@@ -129,6 +158,11 @@ def _header(line: str, where: str) -> list[str]:
     if len(fields) < 2 or bare(fields[1]) != "number":
         raise RunFailed(f"{where}: the second column of a telemetry header must be number")
     return fields[1:]
+
+
+def _is_whole(line: str, header: list[str] | None) -> bool:
+    fields = line.split(",")[2:]
+    return header is not None and len(fields) == len(header) and not any(math.isnan(number(cell)) for cell in fields[:2])
 
 
 def _row(line: str, header: list[str] | None, where: str) -> dict[str, str]:
@@ -174,9 +208,12 @@ def _some(numbers: list[str]) -> str:
 
 
 def write_csv(log: Log, path: Path) -> None:
-    with path.open("w", encoding="utf-8", newline="") as out:
+    """As one table. A file that is there keeps its contents until the new ones are whole."""
+    fresh = path.with_name(path.name + ".new")
+    with fresh.open("w", encoding="utf-8", newline="") as out:
         for comment in log.comments:
             out.write(comment + "\n")
         writer = csv.writer(out, lineterminator="\n")
         writer.writerow(log.columns)
         writer.writerows(log.rows)
+    fresh.replace(path)

@@ -164,4 +164,5 @@ def default_columns(log: Log) -> list[str]:
     """What a person wants to see first: measurements, setpoints, applied outputs."""
     wanted = [c for c in map(bare, log.columns)
               if c.endswith((".meas", ".applied")) or (c.startswith(FIRMWARE_PREFIX) and c.endswith(".sp"))]
-    return wanted or [bare(c) for c in log.columns[2:8] if unit(c)]
+    of_board = [c for c in map(bare, log.columns) if log.has(f"{c}.q") or c.endswith((".sp", ".app"))]
+    return wanted or of_board or [bare(c) for c in log.columns[2:8] if unit(c)]

@@ -135,22 +135,10 @@ def _log_at(place: Path) -> tuple[Log, Path | None]:
     if place.is_dir():
         if not (place / "log.csv").is_file():
             raise UserError(f"{shown(place)}: no log.csv there; a folder that `tools/run ... --out` has written, or the log of tools/console")
-        return logs.read_csv(place / "log.csv"), place
+        return logs.read(place / "log.csv"), place
     if not place.is_file():
         raise UserError(f"{shown(place)}: no such file; a folder that `tools/run ... --out` has written, or the log of tools/console")
-    text = textfile.read(place, damaged=True)
-    first = next((line for line in text.splitlines() if line.strip() and not line.startswith("#")), "")
-    if first.startswith("number,"):
-        return logs.read_csv(place), place.parent
-    return _telemetry(place, text), None
-
-
-def _telemetry(place: Path, text: str) -> Log:
-    """Also out of the log of a session, where lines that came begin with `< `."""
-    if not re.search(r"^(< |[\d.]+ < )?H,", text, re.MULTILINE):
-        raise UserError(f"{shown(place)}: neither a log.csv nor telemetry: no header (H, line); `log on` at the console begins one")
-    kept = re.sub(r"^([\d.]+ )?< ", "", text, flags=re.MULTILINE)
-    return logs.telemetry_in(kept.splitlines(), shown(place))
+    return logs.read(place), place.parent
 
 
 def _config_of(folder: Path | None, conf: list[Path], place: Path) -> tuple[list[str], list[tuple[float, str]]]:

@@ -121,8 +121,10 @@ def _run_in(scenario: Scenario, options: Options, out: Path) -> Result:
         _simulate(simulator_command(scenario, firmware, out), scenario, firmware, options.quiet)
         sha256 = firmware.sha256()
     wall = time.monotonic() - started
-    joined = logs.join(logs.read_csv(out / "simulator.csv"), logs.read_telemetry(out / "telemetry.csv"))
+    telemetry = logs.read_telemetry(out / "telemetry.csv")
+    joined = logs.join(logs.read_csv(out / "simulator.csv"), telemetry)
     logs.write_csv(joined, out / "log.csv")
+    logs.write_csv(telemetry, out / "telemetry.csv")
     (out / "simulator.csv").unlink()
     windows = [w for loop in scenario.loops for w in metrics.windows(joined, scenario, loop)]
     facts: dict[str, object] = {

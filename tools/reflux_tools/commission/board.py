@@ -12,6 +12,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Iterator
 
+from reflux_tools import logs
 from reflux_tools.errors import RunFailed
 from reflux_tools.ports import Port
 from reflux_tools.session import Refused, Session
@@ -151,12 +152,13 @@ def progress_of(lines: list[str]) -> Progress:
 
 
 class Transcript:
-    """What Session writes its notes to: plant time before each line, telemetry into a file of its own."""
+    """What Session writes its notes to: plant time before each line, telemetry into a file of its own, which is made one table at the end."""
 
     def __init__(self, folder: Path):
         self.time_s = 0.0
         self.text = (folder / "transcript.txt").open("w", encoding="utf-8")
-        self.telemetry = (folder / "telemetry.csv").open("w", encoding="utf-8")
+        self.table = folder / "telemetry.csv"
+        self.telemetry = self.table.open("w", encoding="utf-8")
         self.rows = self.damaged = 0
         self.fields = -1  # of a row, by the header
 
@@ -188,6 +190,8 @@ class Transcript:
     def close(self) -> None:
         self.text.close()
         self.telemetry.close()
+        if self.rows:
+            logs.write_csv(logs.read(self.table), self.table)
 
 
 @contextlib.contextmanager

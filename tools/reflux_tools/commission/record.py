@@ -11,6 +11,7 @@ from reflux_tools import logs, textfile
 from reflux_tools.commission import results
 from reflux_tools.commission.board import Event, Plant, event_of, number, plant_of, progress_of
 from reflux_tools.errors import RunFailed
+from reflux_tools.paths import shown
 
 CONTEXT_SAMPLES = 30  # before a step, in plots and for its rest
 LIMIT_SHARE = 0.2     # of span: what test_limit 0 means
@@ -96,7 +97,9 @@ def replies(transcript: Path) -> tuple[dict[str, list[list[str]]], list[Event]]:
 
 def load(folder: Path) -> Record:
     said, events = replies(folder / "transcript.txt")
-    log = logs.read_telemetry(folder / "telemetry.csv")
+    log = logs.read_if_log(folder / "telemetry.csv")
+    if log is None:
+        raise RunFailed(f"{shown(folder / 'telemetry.csv')}: no telemetry header (H, line): nothing was logged")
 
     def last(command: str) -> list[str]:
         return next((lines for lines in reversed(said.get(command, [])) if lines), [])
