@@ -38,7 +38,7 @@ static bool in_use(const struct parameter *p, const struct config *config)
     }
     char range[CHANNEL_NAME_SIZE];
     struct text d = text_on(range, sizeof range);
-    parameter_default(p, &d);
+    parameter_default(p, config, &d);
     parameter_value(p, config, &t);
     return strcmp(name, range) != 0;
 }
@@ -126,6 +126,14 @@ void console_set_line(const struct parameter *p, const struct config *config, st
     parameter_value(p, config, line);
 }
 
+/* Beside what has changed, what would else move along with it when the lines are pasted. */
+static bool staged_line(const struct console *c, const struct parameter *p)
+{
+    const float *source = parameter_follows(p, operate_view(&c->session));
+    return operate_changes(&c->session, p) ||
+           (source && *source != *parameter_follows(p, operate_settings(&c->session)));
+}
+
 static bool diff_line(struct console *c, unsigned n, struct text *line)
 {
     struct parameter p;
@@ -134,14 +142,14 @@ static bool diff_line(struct console *c, unsigned n, struct text *line)
         return false;
     bool same;
     if (c->argument[0] == 's') { /* staged against the plan */
-        same = !operate_changes(&c->session, &p);
+        same = !staged_line(c, &p);
     } else if (p.field->type >= PARAMETER_KIND) { /* longer texts */
         same = parameter_is_default(&p, config);
     } else {
         char a[40], b[40];
         struct text ta = text_on(a, sizeof a), tb = text_on(b, sizeof b);
         parameter_value(&p, config, &ta);
-        parameter_default(&p, &tb);
+        parameter_default(&p, config, &tb);
         same = strcmp(a, b) == 0;
     }
     if (same)
@@ -179,7 +187,7 @@ bool parameter_help(struct console *c, unsigned n, struct text *line)
         }
     } else {
         text_str(line, "  default: ");
-        parameter_default(&p, line);
+        parameter_default(&p, operate_view(&c->session), line);
         text_str(line, "  id: 0x");
         text_hex(line, parameter_id(&p), parameter_id(&p) >> 16 ? 8 : 4);
     }

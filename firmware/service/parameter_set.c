@@ -37,6 +37,15 @@ static enum err set_text(uint8_t *at, const char *value, size_t size, bool (*all
     return ERR_OK;
 }
 
+static void put_float(const struct parameter *p, struct config *config, float f)
+{
+    if (parameter_is_mv(p, PARAMETER_MV_HI)) {
+        struct mv_config *mv = &config->mv[p->index];
+        mv->max = mv->max == mv->hi ? f : mv->max;
+    }
+    memcpy(parameter_place(p, config), &f, sizeof f);
+}
+
 #if CONFIG_BLOCKS
 /* A list whose names all differ. Of one with a repeated name an estimator would take the same error for two. */
 static enum err set_list(char *list, size_t size, const char *value)
@@ -104,7 +113,7 @@ enum err parameter_set(const struct parameter *p, struct config *config, const c
             return ERR_RANGE;
         if (f == 0.0f)
             f = 0.0f; /* no negative zero: equal settings have equal bits */
-        memcpy(at, &f, sizeof f);
+        put_float(p, config, f);
         return ERR_OK;
     case PARAMETER_U32:
     case PARAMETER_U16:
@@ -156,7 +165,7 @@ enum err parameter_set_number(const struct parameter *p, struct config *config, 
     if (value == 0.0f)
         value = 0.0f; /* no negative zero: equal settings have equal bits */
     if (field->type == PARAMETER_FLOAT) {
-        memcpy(at, &value, sizeof value);
+        put_float(p, config, value);
         return ERR_OK;
     }
     uint32_t u32 = (uint32_t)value;

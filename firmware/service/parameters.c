@@ -199,11 +199,22 @@ void parameter_value(const struct parameter *p, const struct config *config, str
     }
 }
 
-void parameter_default(const struct parameter *p, struct text *t)
+bool parameter_is_mv(const struct parameter *p, uint8_t field)
 {
+    return p->group->offset == offsetof(struct config, mv) && p->field->id == field;
+}
+
+const float *parameter_follows(const struct parameter *p, const struct config *config)
+{
+    return parameter_is_mv(p, PARAMETER_MV_MAX) ? &config->mv[p->index].hi : NULL;
+}
+
+void parameter_default(const struct parameter *p, const struct config *config, struct text *t)
+{
+    const float *source = parameter_follows(p, config);
     switch (p->field->type) {
     case PARAMETER_FLOAT:
-        text_float(t, initial(p));
+        text_float(t, source ? *source : initial(p));
         break;
     case PARAMETER_U32:
     case PARAMETER_U16:

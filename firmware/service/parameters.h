@@ -128,7 +128,8 @@ float parameter_hi(const struct parameter *p);
 
 void parameter_name(const struct parameter *p, struct text *t);
 void parameter_value(const struct parameter *p, const struct config *config, struct text *t);
-void parameter_default(const struct parameter *p, struct text *t);
+/* Of mv.max it is mv.hi of that configuration. */
+void parameter_default(const struct parameter *p, const struct config *config, struct text *t);
 /* "0 .. 100", "reverse|direct", "name of up to 15 letters, digits, _" */
 void parameter_range(const struct parameter *p, struct text *t);
 #if CONFIG_BLOCKS
@@ -144,10 +145,17 @@ MUST_CHECK enum err parameter_to_write(const struct parameter *p, struct config 
 void *parameter_place(const struct parameter *p, struct config *config);
 size_t parameter_size(const struct parameter *p);
 unsigned parameter_words(const struct parameter *p);
+/* Is it as parameters_defaults() leaves it? */
 bool parameter_is_default(const struct parameter *p, const struct config *config);
+/* Is it this field of an mv? */
+enum { PARAMETER_MV_HI = 4, PARAMETER_MV_MAX = 6 };
+bool parameter_is_mv(const struct parameter *p, uint8_t field);
+/* The value that is the default of p and moves with another parameter; NULL: its default is a number of its own. */
+const float *parameter_follows(const struct parameter *p, const struct config *config);
 bool parameter_equal(const struct parameter *p, const struct config *a, const struct config *b);
 
-/* ERR_PARSE, ERR_RANGE, ERR_READ_ONLY: *config is unchanged. Of blocks also ERR_UNKNOWN: no such kind, ERR_FULL: no room
+/* A parameter whose default follows this one and has that value moves along.
+ * ERR_PARSE, ERR_RANGE, ERR_READ_ONLY: *config is unchanged. Of blocks also ERR_UNKNOWN: no such kind, ERR_FULL: no room
  * for its settings (nor for a copy of its table), ERR_UNSUPPORTED: this build lacks the block's kind. */
 MUST_CHECK enum err parameter_set(const struct parameter *p, struct config *config,
                                   const char *value);

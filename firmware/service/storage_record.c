@@ -211,7 +211,10 @@ bool record_wanted(const struct parameter *p, const struct config *config)
     if (p->field->if_set)
         return !parameter_is_default(p, config);
 #endif
-    return !p->group->indexed || (is_text(&first) && !parameter_is_default(&first, config)) ||
+    const float *source = parameter_follows(p, config);
+    bool moved = source && *source != field_initial(p->field);
+    return moved || !p->group->indexed ||
+           (is_text(&first) && !parameter_is_default(&first, config)) ||
            !parameter_is_default(p, config);
 }
 

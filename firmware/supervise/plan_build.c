@@ -79,8 +79,9 @@ static enum err check_channels(const struct config *c, struct config_fault *faul
             return plan_refuse(fault, ERR_CONFLICT, "mv", i + 1, "name", o->name, NAME_RESERVED);
         if (!span_possible(o->lo, o->hi))
             return plan_refuse(fault, ERR_RANGE, "mv", i + 1, "lo", o->name, SPAN_WANTED);
-        if (!(o->lo <= o->min && o->min < o->max && o->max <= o->hi))
-            return plan_refuse(fault, ERR_RANGE, "mv", i + 1, "min", o->name,
+        bool max_fits = o->lo < o->max && o->max <= o->hi;
+        if (!(max_fits && o->lo <= o->min && o->min < o->max))
+            return plan_refuse(fault, ERR_RANGE, "mv", i + 1, max_fits ? "min" : "max", o->name,
                                "needs lo <= min < max <= hi");
         if (!(o->lo <= o->safe && o->safe <= o->hi))
             return plan_refuse(fault, ERR_RANGE, "mv", i + 1, "safe", o->name,

@@ -232,6 +232,17 @@ static void a_transaction_is_all_or_nothing(void)
     settings_are_as_remembered();
 }
 
+static void lines_of_a_transaction_set_the_same_when_they_are_pasted(void)
+{
+    ask_ok("begin");
+    ask_ok("set mv5.hi 200");
+    ask_ok("set mv5.max 100");
+    ask_ok("diff");
+    TEST_ASSERT_TRUE(said("set mv5.hi 200"));
+    TEST_ASSERT_TRUE(said("set mv5.max 100"));
+    ask_ok("abandon");
+}
+
 static void transactions_do_not_nest_or_close_twice(void)
 {
     ask_refused("apply", "STATE");
@@ -246,6 +257,14 @@ static void diff_defaults_can_be_pasted_back_and_restores_the_settings(void)
 {
     static char lines[20000];
     ask_ok("set meas1.filter 2.5");
+    ask_ok("set mv5.hi 40");
+    ask_ok("set mv6.hi 200"); /* whose max moves along, and then gets the value that it had */
+    ask_ok("set mv6.max 100");
+    ask_ok("diff defaults");
+    TEST_ASSERT_TRUE(said("set mv6.max 100"));
+    TEST_ASSERT_FALSE(said("mv5.max"));
+    ask_ok("dump");
+    TEST_ASSERT_TRUE(said("set mv6.max 100"));
     ask_ok("diff defaults");
     lines[0] = '\0';
     for (unsigned i = 0; i + 1 < n_reply; i++) {
@@ -473,6 +492,7 @@ int main(void)
     RUN_TEST(a_refused_set_changes_nothing_and_says_what_is_allowed);
     RUN_TEST(a_transaction_is_all_or_nothing);
     RUN_TEST(transactions_do_not_nest_or_close_twice);
+    RUN_TEST(lines_of_a_transaction_set_the_same_when_they_are_pasted);
     RUN_TEST(diff_defaults_can_be_pasted_back_and_restores_the_settings);
     RUN_TEST(three_hundred_lines_pasted_at_once_are_all_answered);
     RUN_TEST(a_full_queue_of_requests_says_busy_and_loses_nothing);

@@ -41,6 +41,8 @@ static void add_cell(const char *text)
 
 static void add_group(const struct parameter_group *group)
 {
+    static struct config defaults;
+    parameters_defaults(&defaults);
     char line[160];
     snprintf(line, sizeof line, "\n**`%s%s`**", group->name, group->indexed ? "<i>" : "");
     add(line);
@@ -53,7 +55,7 @@ static void add_group(const struct parameter_group *group)
         char range[100], initial[60];
         struct text r = text_on(range, sizeof range), d = text_on(initial, sizeof initial);
         parameter_range(&p, &r);
-        parameter_default(&p, &d);
+        parameter_default(&p, &defaults, &d);
         add("| ");
         add_cell(p.field->name);
         add_cell(parameter_unit(&p));

@@ -82,7 +82,7 @@ static void every_default_is_in_its_range_and_reads_back_as_itself(void)
     for (unsigned n = 0; parameter_at(n, &p); n++) {
         struct text d = text_on(initial, sizeof initial);
         texts(&p);
-        parameter_default(&p, &d);
+        parameter_default(&p, &config, &d);
         TEST_ASSERT_EQUAL_STRING_MESSAGE(initial, value, name);
         if (p.field->type == PARAMETER_FIXED)
             continue;
@@ -244,11 +244,39 @@ static void setting_one_parameter_changes_no_other(void)
                           parameter_equal(&q, &before, &config));
 }
 
+static void set_both(const char *first, const char *value_1, const char *second,
+                     const char *value_2)
+{
+    struct parameter p;
+    TEST_ASSERT_EQUAL(ERR_OK, parameter_find(first, &p));
+    TEST_ASSERT_EQUAL(ERR_OK, parameter_set(&p, &config, value_1));
+    TEST_ASSERT_EQUAL(ERR_OK, parameter_find(second, &p));
+    TEST_ASSERT_EQUAL(ERR_OK, parameter_set(&p, &config, value_2));
+}
+
+static void the_highest_output_is_the_end_of_the_span_until_it_has_a_value_of_its_own(void)
+{
+    struct parameter p;
+    set_both("mv2.hi", "40", "mv3.hi", "400");
+    TEST_ASSERT_EQUAL_FLOAT(40, config.mv[1].max);
+    TEST_ASSERT_EQUAL_FLOAT(400, config.mv[2].max);
+    TEST_ASSERT_EQUAL_FLOAT(100, config.mv[0].max);
+    set_both("mv2.max", "30", "mv2.hi", "50");
+    TEST_ASSERT_EQUAL_FLOAT(30, config.mv[1].max);
+    set_both("mv4.hi", "200", "mv4.max",
+             "100"); /* that which it would have had for a span to 100 */
+    TEST_ASSERT_EQUAL_FLOAT(100, config.mv[3].max);
+    TEST_ASSERT_EQUAL(ERR_OK, parameter_find("mv1.hi", &p));
+    TEST_ASSERT_EQUAL(ERR_OK, parameter_set_number(&p, &config, 7));
+    TEST_ASSERT_EQUAL_FLOAT(7, config.mv[0].max);
+}
+
 static void only_its_default_is_taken_for_the_default(void)
 {
     struct parameter p;
     char text[40];
     for (unsigned n = 0; parameter_at(n, &p); n++) {
+        parameters_defaults(&config); /* one default moves with another parameter */
         texts(&p);
         if (strcmp(p.group->name, "decouple") != 0) /* whose diagonal is 1 */
             TEST_ASSERT_TRUE_MESSAGE(parameter_is_default(&p, &config), name);
@@ -324,6 +352,7 @@ int main(void)
     RUN_TEST(names_of_no_parameter_are_not_found);
     RUN_TEST(the_decoupler_is_the_identity_by_default);
     RUN_TEST(setting_one_parameter_changes_no_other);
+    RUN_TEST(the_highest_output_is_the_end_of_the_span_until_it_has_a_value_of_its_own);
     RUN_TEST(only_its_default_is_taken_for_the_default);
     RUN_TEST(only_numbers_and_words_have_an_initial_value_and_only_numbers_a_range);
     RUN_TEST(zero_has_one_sign);

@@ -178,7 +178,7 @@ static void spans_and_limits_must_be_in_order(void)
     refused(ERR_RANGE, "mv", 1, "min", "reflux");
     bench_config();
     put("mv1.max", "11");
-    refused(ERR_RANGE, "mv", 1, "min", "reflux");
+    refused(ERR_RANGE, "mv", 1, "max", "reflux");
     bench_config();
     put("mv1.safe", "-1");
     refused(ERR_RANGE, "mv", 1, "safe", "reflux");
