@@ -69,8 +69,9 @@ static void check_value(struct column_reader *r, const struct column_driven *d, 
     double hi = feed ? config->temperature_max : q->hi;
     double to_unit = 1.0 / d->unit->in;
     if (!(si >= lo * (1.0 - 1e-12) && si <= hi * (1.0 + 1e-12))) {
-        (void)walk_fail(r->walk, "%g %s is no %s; must be %g to %g", value, d->unit->name, q->name,
-                        lo * to_unit - d->unit->offset, hi * to_unit - d->unit->offset);
+        (void)walk_fail(r->walk, "%g %s is no %s; must be %g to %g%s", value, d->unit->name,
+                        q->name, lo * to_unit - d->unit->offset, hi * to_unit - d->unit->offset,
+                        feed ? ", by $.temperature_range" : "");
     }
 }
 

@@ -5,20 +5,23 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "model/vle.h"
+
 #define TRIMS_MAX    COLUMN_DRIVES_MAX
 #define ROUNDS_MAX   80
 #define HALVINGS_MAX 12
 /* Slopes are differences to both sides, of inputs' sizes. Two inputs may do nearly the same (reflux and boil-up of pure
  * products): what they do differently is a thousandth of a slope. So no difference moves a miss by more than a little. */
-#define DIFFERENCE   1e-5  /* at most */
-#define FINEST       1e-11 /* at least */
-#define MOVED        1e-3
-#define LONGEST_STEP 0.5   /* of an input's size, in one round */
-#define LONGEST_MOVE 1.0   /* of a miss, in one round: so far a column is nearly linear in logits */
-#define RESIDUAL     1e-11 /* of steady states, 1/h: what is rare in a product changes slowly */
-#define MET          1e-6  /* largest miss: of a logit, or of the channel's span or value */
-#define NEAR_ENOUGH  1e-11 /* no further round is worth it */
-#define MARGIN       1e-12 /* logits end so near 0 and 1 */
+#define DIFFERENCE       1e-5  /* at most */
+#define FINEST           1e-11 /* at least */
+#define MOVED            1e-3
+#define LONGEST_STEP     0.5 /* of an input's size, in one round */
+#define LONGEST_MOVE     1.0 /* of a miss, in one round: so far a column is nearly linear in logits */
+#define RESIDUAL         1e-11 /* of steady states, 1/h: what is rare in a product changes slowly */
+#define MET              1e-6  /* largest miss: of a logit, or of the channel's span or value */
+#define NEAR_ENOUGH      1e-11 /* no further round is worth it */
+#define MARGIN           1e-12 /* logits end so near 0 and 1 */
+#define AZEOTROPE_ROUNDS 40    /* halvings between the composition reached and the one wanted */
 
 struct search {
     const struct column_config *config;
@@ -221,11 +224,72 @@ static void say_inputs(const struct search *s, char *at, size_t size)
             ", where they do not move them apart: a search from other nominal values may help");
 }
 
+/* Mole fraction of the first of two components, by mole or by mass. */
+static double mole_fraction(const struct column_config *config, const struct column_seen *c,
+                            double fraction)
+{
+    if (c->unit->measure != MEASURE_MASS_FRACTION)
+        return fraction;
+    const struct component *own = &config->component[c->of[0]],
+                           *other = &config->component[1 - c->of[0]];
+    return fraction / own->molar_mass /
+           (fraction / own->molar_mass + (1.0 - fraction) / other->molar_mass);
+}
+
+/* How much richer than the liquid its vapour is: of two components the one that is seen. NAN: no bubble point. */
+static double enrichment(const struct search *s, const struct column_seen *c, double fraction)
+{
+    const struct column_config *config = s->config;
+    const struct column *column = column_solver_column(s->solver);
+    struct vle vle = {.component = config->component,
+                      .n = 2,
+                      .activity = config->activity,
+                      .activity_context = config->activity_context,
+                      .temperature_min = config->temperature_min,
+                      .temperature_max = config->temperature_max};
+    double x[2], y[2], k[2], dk[2], temperature = column->temperature[c->stage[0]];
+    x[c->of[0]] = mole_fraction(config, c, fraction);
+    x[1 - c->of[0]] = 1.0 - x[c->of[0]];
+    if (vle_bubble_point(&vle, x, column->pressure[c->stage[0]], &temperature, y, k, dk, false) !=
+        ERR_OK)
+        return NAN;
+    return y[c->of[0]] - x[c->of[0]];
+}
+
+/* Of two components: a composition between what was reached and what was wanted that no stage gets past. */
+static bool azeotrope(const struct search *s, size_t i, double *value)
+{
+    const struct column_seen *c = &s->terms->seen[s->trim[i].seen];
+    if (c->is != SIGHT_FRACTION || c->n_of != 1 || c->n_stages != 1 || s->config->components != 2)
+        return false;
+    double reached = s->reached[i] / c->unit->times, wanted = s->trim[i].value / c->unit->times;
+    double at_reached = enrichment(s, c, reached);
+    if (!(at_reached * enrichment(s, c, wanted) < 0.0))
+        return false;
+    for (int k = 0; k < AZEOTROPE_ROUNDS; k++) {
+        double middle = 0.5 * (reached + wanted);
+        if (enrichment(s, c, middle) * at_reached > 0.0)
+            reached = middle;
+        else
+            wanted = middle;
+    }
+    *value = reached * c->unit->times;
+    return true;
+}
+
 /* One line: every value as it came and as it was wanted, and the inputs there. */
 static bool not_met(const struct search *s)
 {
-    size_t used = (size_t)snprintf(s->err, s->err_size, "cannot be met; nearest is ");
+    size_t used = (size_t)snprintf(s->err, s->err_size, "cannot be met");
+    double at;
 
+    for (size_t i = 0; i < s->n && used < s->err_size; i++)
+        if (azeotrope(s, i, &at))
+            used += (size_t)snprintf(
+                s->err + used, s->err_size - used, ": an azeotrope is in the way, at %s = %.4g %s",
+                channel_of(s, s->trim[i].seen)->name, at, channel_of(s, s->trim[i].seen)->unit);
+    if (used < s->err_size)
+        used += (size_t)snprintf(s->err + used, s->err_size - used, "; nearest is ");
     for (size_t i = 0; i < s->n && used < s->err_size; i++) {
         const struct plant_channel *c = channel_of(s, s->trim[i].seen);
         int n = snprintf(s->err + used, s->err_size - used, "%s%s = %.6g %s (wanted %.6g)",

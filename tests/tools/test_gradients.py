@@ -3,11 +3,14 @@ one's own with their refusals, columns of other classes."""
 
 import json
 import math
+import os
+import subprocess
 import unittest
+from pathlib import Path
 
-from support import ROOT, FolderTest, call
+from support import ROOT, FolderTest, board, call, told
 
-from reflux_tools import gradients, sensor_rules
+from reflux_tools import build, estimate_lines, gradients, sensor_rules
 from reflux_tools.errors import UserError
 from reflux_tools.gradients import Diagram
 from reflux_tools.sensor_rules import Steps, Thresholds
@@ -304,6 +307,15 @@ class Slopes(unittest.TestCase):
             trays.steady("SS1").slope(37, "heat", 4143.0)
 
 
+def channels(plant: dict) -> list[str]:
+    """Settings of a board whose channels are those of the plant."""
+    out = ["set tick.base 10"]
+    for kind, those in (("meas", plant["outputs"]), ("mv", plant["inputs"])):
+        for k, c in enumerate(those, 1):
+            out += [f"set {kind}{k}.{field} {c[key]}" for field, key in (("name", "name"), ("unit", "unit"), ("lo", "lo"), ("hi", "hi"))]
+    return out
+
+
 class Lines(unittest.TestCase):
     """Console lines of an estimator, docs/composition-estimation.md."""
 
@@ -319,6 +331,21 @@ class Lines(unittest.TestCase):
             "set block2.point.1 37,2",
         ):
             self.assertIn(line, out)
+
+    def test_lines_for_a_column_of_ones_own_run_as_they_are_printed(self) -> None:
+        build.build("host", ("reflux-sim", "reflux-host"), quiet=True)
+        column = str(ROOT / "tests" / "tools" / "data" / "bt25.json")
+        status, out, err = call("gradients", column, "--no-steps", "--estimate", "benzene:25", "--out", os.devnull)
+        self.assertEqual(status, 0, err)
+        command, *lines = (line.strip() for line in out.split("between begin and apply:\n")[1].split("\n\n")[0].splitlines())
+        self.assertIn("set block2.inputs T17,T20,", "\n".join(lines))  # those that the column has
+        table = subprocess.run(command.removeprefix("# "), shell=True, cwd=ROOT, capture_output=True, text=True, check=True).stdout
+        settings = [line for line in (*table.splitlines(), *lines) if line.startswith("set ")]
+        with board(str(build.find_program("host", "reflux-host")), [*channels(json.loads(Path(column).read_text())), *settings]) as console:
+            self.assertEqual(told(console, "get block2.points"), ["block2.points = est_benzene_25"])
+
+    def test_a_long_name_of_a_component_makes_a_point_that_the_board_takes(self) -> None:
+        self.assertEqual(estimate_lines.point_names([("trichloroethylene", 12), ("C3", 1)]), ["est_trichlor_12", "est_C3_1"])
 
     def test_what_cannot_be_estimated_is_refused_in_words(self) -> None:
         for words, wanted in (

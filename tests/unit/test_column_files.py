@@ -48,6 +48,27 @@ STILL = {
                {"name": "B", "is": "bottoms", "unit": "mol/s", "lo": 0, "hi": 5}],
     "steady_state": [{"channel": "xD", "value": 95, "trim": "L"}, {"channel": "xB", "value": 5, "trim": "V"}],
 }
+# Rebuilt from a public report: ethanol and water, of which more is wanted than the azeotrope lets through.
+SPIRIT = {
+    "column": 1, "name": "ew25", "title": "ethanol-water, 25 stages", "source": "this test", "tick_s": 10,
+    "components": [{"name": "ethanol", "vapour_pressure": [73.304, 7122.3, 0, 0, -7.1424, 2.8853e-6, 2], "molar_mass": 0.04607,
+                    "density": [1054, -0.9], "vaporisation_heat": 38560, "boiling_point": 351.4, "critical_temperature": 514, "heat_capacity": 130},
+                   {"name": "water", "vapour_pressure": [73.649, 7258.2, 0, 0, -7.3037, 4.1653e-6, 2], "molar_mass": 0.018015,
+                    "density": [1170, -0.57], "vaporisation_heat": 40660, "boiling_point": 373.15, "critical_temperature": 647.1, "heat_capacity": 75.5}],
+    "activity": {"model": "nrtl", "a": [[0, -0.8009], [3.4578, 0]], "b": [[0, 246.18], [-586.08, 0]], "alpha": [[0, 0.3], [0.3, 0]]},
+    "stages": 25, "feed_stage": 8, "efficiency": 0.6, "temperature_range": [285, 380],
+    "holdup": {"form": "conservative", "reboiler": 0.02, "tray": 0.0001, "condenser": 0.0005, "temperatures": [373, 351]},
+    "constants": {"pressure": {"value": 1, "unit": "atm"}},
+    "inputs": [{"name": "R", "is": "reflux", "unit": "l/h", "lo": 0, "hi": 20, "nominal": 4},
+               {"name": "Q", "is": "heat", "unit": "kW", "lo": 0, "hi": 3, "nominal": 1.5, "safe": 0}],
+    "disturbances": [{"name": "F", "is": "feed", "unit": "l/h", "lo": 0, "hi": 20, "nominal": 8},
+                     {"name": "zF", "is": "feed_fraction", "of": "ethanol", "unit": "%w", "lo": 0, "hi": 90, "nominal": 10},
+                     {"name": "TF", "is": "feed_temperature", "unit": "degC", "lo": 15, "hi": 100, "nominal": 60}],
+    "outputs": [{"name": "T5", "is": "temperature", "stage": 5, "unit": "degC", "lo": 60, "hi": 110}],
+    "truths": [{"name": "xD", "is": "fraction", "of": "ethanol", "stage": 25, "unit": "%w", "lo": 0, "hi": 100},
+               {"name": "xB", "is": "fraction", "of": "ethanol", "stage": 1, "unit": "%w", "lo": 0, "hi": 100}],
+    "steady_state": [{"channel": "xD", "value": 98, "trim": "R"}, {"channel": "xB", "value": 0.2, "trim": "Q"}],
+}
 NRTL = {"model": "nrtl", "a": [[0, 0.1], [0.2, 0]], "b": [[0, 50], [80, 0]], "alpha": [[0, 0.3], [0.3, 0]]}
 
 
@@ -446,7 +467,7 @@ class Broken(Files):
             (PILOT, put("disturbances", 2, {"name": "q", "is": "feed_quality", "lo": 0, "hi": 1, "nominal": 1}),
              "$: feed is a volume, l/h, and needs a feed_temperature; a feed with a quality has none"),
             (PILOT, put("disturbances", 2, "hi", 200),
-             "$.disturbances[2].hi: 200 degC is no feed_temperature; must be 6.85 to 156.85"),
+             "$.disturbances[2].hi: 200 degC is no feed_temperature; must be 6.85 to 156.85, by $.temperature_range"),
             (PILOT, put("disturbances", 3, "hi", 200),
              "$.disturbances[3].hi: 200 K is no reflux_subcooling; must be 0 to 100"),
             (PILOT, put("disturbances", 5, "lo", 0),
@@ -462,6 +483,8 @@ class Broken(Files):
              "$: heat or boilup is missing: one of them must be an input, a disturbance or a constant"),
             (PILOT, put("steady_state", [{"channel": "xD", "value": 99.99, "trim": "Lr"}]),
              "$.steady_state: cannot be met; nearest is xD = 99.887 %w (wanted 99.99) with Lr = "),
+            (SPIRIT, put("title", "more than distils over"),
+             "$.steady_state: cannot be met: an azeotrope is in the way, at xD = 95.6"),
             (PILOT, put("truths", 201 * [PILOT["truths"][0]]),
              "$.truths: must hold 0 to 200 channels, holds 201"),
             (STILL, put("temperature_range", [320, 350]),

@@ -220,7 +220,7 @@ def judge(found: Found, options: argparse.Namespace, t: Thresholds) -> dict[str,
         "notes": notes(of, keys),
         "steps": [],
         "lines": lines_of(found, options.loop) if options.loop else [],
-        "estimate_lines": estimate_of(found, for_estimates, options.estimate) if options.estimate else [],
+        "estimate_lines": estimate_of(options.column, found, for_estimates, options.estimate) if options.estimate else [],
     }
     if found.steady and not options.no_steps:
         report["steps"], report["singular"] = other_methods(found, options)
@@ -326,10 +326,10 @@ def lines_of(found: Found, loops: list[str]) -> list[str]:
     return out
 
 
-def estimate_of(found: Found, e: sensor_rules.Estimation, wanted: list[str]) -> list[str]:
+def estimate_of(column: str, found: Found, e: sensor_rules.Estimation, wanted: list[str]) -> list[str]:
     if found.steady is None:
         raise UserError("--estimate needs a column, whose inputs drive the model; not a profile alone")
-    return estimate_lines.lines(found.plant, e, wanted, found.of.gradient)
+    return estimate_lines.lines(column, found.plant, e, wanted, found.of.gradient)
 
 
 # ---- shown ----

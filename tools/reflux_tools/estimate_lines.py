@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 import re
+import shlex
 from typing import Any
 
+from reflux_tools import build
 from reflux_tools.errors import UserError
+from reflux_tools.paths import shown
 from reflux_tools.sensor_rules import Estimation
 
 # SI of a unit: factor and zero.
@@ -29,12 +32,15 @@ SI = {
     "l/h": (1e-3 / 3600, 0.0),
     "l/min": (1e-3 / 60, 0.0),
 }
+NAME_MOST = 15  # characters of a channel
 DRIVES = ("feed", "feed_temperature", "feed_quality", "reflux", "heat", "boilup", "pressure")
 
 
-def few(e: Estimation, gradient: list[float], feed: int, product: int) -> list[int]:
-    """Of the proposed thermometers in the section of a product three: the steepest, the nearest to the product, and one between."""
+def few(e: Estimation, gradient: list[float], feed: int, product: int, there: set[int]) -> list[int]:
+    """Of the proposed thermometers in the section of a product three: the steepest, the nearest to the product, and one between. Those
+    that the column has (on the stages `there`) come before any others."""
     section = [s for s in e.sensors if (s > feed) == (product > feed)]
+    section = [s for s in section if s in there] or section
     if not section:
         return []
     steepest = max(section, key=lambda s: abs(gradient[s - 1]))
@@ -43,37 +49,55 @@ def few(e: Estimation, gradient: list[float], feed: int, product: int) -> list[i
     return sorted({steepest, nearest, between})
 
 
-def lines(plant: dict[str, Any], e: Estimation, wanted: list[str], gradient: list[float]) -> list[str]:
-    """wanted: COMPONENT:STAGE of each point. The component with the least fractions of its own closes: the last of those modelled."""
+def lines(column: str, plant: dict[str, Any], e: Estimation, wanted: list[str], gradient: list[float]) -> list[str]:
+    """column: the plant as the caller was given it. wanted: COMPONENT:STAGE of each point. The component with the least fractions of its own closes: the last of those modelled."""
     if len(e.modelled) < 2 or not e.sensors:
         raise UserError("--estimate: the diagram proposes no thermometers or no components to model for this column")
     names, feed = order(e), int(plant["feed_stage"])
-    products = {int(text.partition(":")[2]) for text in wanted if text.partition(":")[2].isdigit()}
-    sensors = sorted({s for product in products for s in few(e, gradient, feed, product)})
+    points = [point(text, names, plant["stages"]) for text in wanted]
+    seen = [*plant.get("outputs", []), *plant.get("truths", [])]
+    there = {int(c["stage"]) for c in seen if c["is"] == "temperature" and "stage" in c}
+    sensors = sorted({s for _, product in points for s in few(e, gradient, feed, product, there)})
     if not sensors:
         raise UserError("--estimate: the diagram proposes no thermometer in that section")
-    seen = [*plant.get("outputs", []), *plant.get("truths", [])]
     inputs = [thermometer(seen, s) for s in sensors]
     drives = [(c["name"], c["is"], c.get("unit", "-")) for c in plant["inputs"] if c["is"] in DRIVES]
     drives += [(c["name"], c["is"], c.get("unit", "-")) for c in seen if c["is"] in ("feed", "feed_temperature")]
     rows = [
-        f"# reflux-sim --table --plant {plant['name']} --components {','.join(names)} --block 1",
+        f"# {shown(build.find_program('host', 'reflux-sim'))} --table --plant {shlex.quote(column)} --components {','.join(names)} --block 1",
+        *(f"# the column has no thermometer on stage {s}: measure there as {name}, in {unit}" for s, (name, unit) in zip(sensors, inputs) if s not in there),
+        *point_lines(len(plant.get("outputs", [])), point_names(points)),
         "set block2.kind composition",
         "set block2.column 1",
         f"set block2.inputs {','.join([*(name for name, _ in inputs), *(name for name, _, _ in drives)])}",
-        "set block2.points " + ",".join("est_" + text.replace(":", "_") for text in wanted),
+        f"set block2.points {','.join(point_names(points))}",
     ]
     for k, (stage, (_, unit)) in enumerate(zip(sensors, inputs), 1):
         rows.append(f"set block2.place.{k} {stage},{names.index(e.innovated[stage]) + 1}")
         rows += si_row(k, unit)
     for k, (_, what, unit) in enumerate(drives, len(inputs) + 1):
         rows += [f"set block2.is.{k} {what}", *si_row(k, unit)]
-    for k, text in enumerate(wanted, 1):
-        match = re.fullmatch(r"(\w+):(\d+)", text)
-        if not match or match[1] not in names or not 1 <= int(match[2]) <= plant["stages"]:
-            raise UserError(f"--estimate {text}: must be COMPONENT:STAGE with one of {', '.join(names)}")
-        rows.append(f"set block2.point.{k} {match[2]},{names.index(match[1]) + 1}")
-    return rows
+    return rows + [f"set block2.point.{k} {stage},{names.index(name) + 1}" for k, (name, stage) in enumerate(points, 1)]
+
+
+def point(text: str, names: list[str], stages: int) -> tuple[str, int]:
+    match = re.fullmatch(r"(\w+):(\d+)", text)
+    if not match or match[1] not in names or not 1 <= int(match[2]) <= stages:
+        raise UserError(f"--estimate {text}: must be COMPONENT:STAGE with one of {', '.join(names)}")
+    return match[1], int(match[2])
+
+
+def point_names(points: list[tuple[str, int]]) -> list[str]:
+    """A name on the board has up to 15 characters."""
+    return [f"est_{component[:NAME_MOST - len(f'est__{stage}')]}_{stage}" for component, stage in points]
+
+
+def point_lines(outputs: int, names: list[str]) -> list[str]:
+    """The measurements that the block writes, behind those of the column."""
+    out = [f"# meas{outputs + 1} and up, or others that are free: what the block writes, as mole fractions"]
+    for n, name in enumerate(names, outputs + 1):
+        out += [f"set meas{n}.name {name}", f"set meas{n}.hi 1"]
+    return out
 
 
 def order(e: Estimation) -> list[str]:
