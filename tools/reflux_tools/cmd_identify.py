@@ -6,18 +6,18 @@ import argparse
 import csv
 import json
 import math
+import sys
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from reflux_tools import identification, libreflux, table, textfile
+from reflux_tools import identification, identify_doubts, libreflux, table, textfile, time_column
 from reflux_tools.compare import log_of
 from reflux_tools.errors import RunFailed, UserError
 from reflux_tools.identification import Fit, Judgement, Orders, Record, Trials
-from reflux_tools.ina_plant import UNIT
-from reflux_tools.logs import Log, bare, read_if_log
+from reflux_tools.logs import Log, bare, number, read_if_log
 from reflux_tools.paths import named, shown
 
 MOST = 4  # of each kind
@@ -45,6 +45,7 @@ class Found:
     looked: list[Looked]  # the best first
     model: Fit
     judged: Judgement
+    doubt: str = ""  # what else the log may be; nothing: the model may be used
 
 
 def main(arguments: list[str]) -> int:
@@ -63,6 +64,9 @@ def main(arguments: list[str]) -> int:
     p.add_argument("--nb", type=int, default=4, help="largest power in B that is tried (default 4)")
     p.add_argument("--orders", type=pair, metavar="NA,NB", help="no search: these")
     p.add_argument("--nc", type=int, metavar="N", help="coefficients of C with els (default: as many as A has)")
+    p.add_argument("--integrates", type=names, default=[], metavar="Y,Y", help="outputs that integrate: models of their steps")
+    p.add_argument("--drift", action="store_true", help="outputs drift along straight lines; these are found with the model and taken off")
+    p.add_argument("--despike", action="store_true", help="put the median of seven in place of readings that stand apart from those beside them")
     p.add_argument("--criterion", choices=identification.CRITERIA, default="bic")
     p.add_argument("--validation", type=float, default=1 / 3, metavar="PART", help="end of the log that is kept to judge models by (default 1/3)")
     p.add_argument("--no-constant", action="store_true", help="the log is in deviations: no levels, no constant")
@@ -74,21 +78,37 @@ def main(arguments: list[str]) -> int:
     log = read_table(path)
     period = period_of(log, options.period) * options.every
     record, levels = record_of(log, options)
-    border = round(record.samples * (1 - options.validation))
-    found = [identify(record, i, border, options) for i in range(record.outputs)]
+    border = border_of(record, options)
+    found = [doubted(identify(record, i, border, options), record, i, border, options) for i in range(record.outputs)]
     out = options.out or path.parent / "identify.png"
     if options.format == "text" or options.out:
         draw(out, record, found, border, period)
     if options.format == "json":
         print(json.dumps(as_dict(found, options, period, levels), indent=1))
-        return 0
+        return verdict(found)
     print(f"{shown(path)}: {record.samples} samples of {period:g} s, judged on the last {record.samples - border}")
     if options.every > 1 and (moving := moved_within(log, options)):
         print(f"note: {', '.join(moving)} move within control intervals of {options.every} rows, and are taken as they are at their beginning")
     for one in found:
         print_output(one, options)
-    print_model(found, options)
+    print_model(found, options, period)
     print(f"\n{shown(out)}")
+    return verdict(found)
+
+
+def doubted(one: Found, record: Record, i: int, border: int, options: argparse.Namespace) -> Found:
+    if one.name not in options.integrates:
+        one.doubt = identify_doubts.of(record, i, one.model, one.judged, border, one.name, options.every)
+    elif one.judged.fit() <= 0:
+        one.doubt = identify_doubts.no_better(one.name, one.judged)
+    return one
+
+
+def verdict(found: list[Found]) -> int:
+    """Exit status 1, with a reason for each output whose model should not be used."""
+    doubts = [one.doubt for one in found if one.doubt]
+    if doubts:
+        raise RunFailed("; ".join(doubts))
     return 0
 
 
@@ -107,6 +127,12 @@ def check(options: argparse.Namespace) -> None:
     for name in channels:
         if channels.count(name) > 1:
             raise UserError(f"{name} is named twice among --inputs and --outputs")
+    if lost := [name for name in options.integrates if name not in options.outputs]:
+        raise UserError(f"--integrates {lost[0]}: is none of --outputs")
+    if options.integrates and (options.na if options.orders is None else options.orders[0]) < 1:
+        raise UserError("--integrates needs a coefficient of A: --na or --orders of 1 and more")
+    if options.drift and len(options.inputs) == MOST:
+        raise UserError(f"--drift takes the place of an input, of which there may be {MOST}: name {MOST - 1} at most")
 
 
 # ---- the record ----
@@ -134,6 +160,8 @@ def read_table(path: Path) -> Log:
     lines = [line for line in textfile.read(path).splitlines() if line.strip() and not line.startswith("#")]
     if not lines:
         raise UserError(f"{shown(path)}: empty; expected a header line with names of columns")
+    if not any(math.isnan(number(cell)) for cell in lines[0].split(",")):
+        raise UserError(f"{shown(path)}: has no header: its first line holds numbers only; put a line with names of columns before it")
     if "," not in lines[0] and (";" in lines[0] or "\t" in lines[0]):
         raise UserError(f"{shown(path)}: cells must have commas between them, and the header has none")
     try:
@@ -171,6 +199,8 @@ def record_of(log: Log, options: argparse.Namespace) -> tuple[Record, dict[str, 
     if len(bad):
         raise UserError(f"{log.source or 'log'}: row {bad[0][0] + 1} has no number for {channels[bad[0][1]]}")
     u, y = all_of[:, : len(options.inputs)], all_of[:, len(options.inputs) :]
+    if options.despike and len(y):
+        y = np.array([identify_doubts.despiked(column) for column in y.T]).T
     if options.every != 1:
         y = np.array([identification.decimate(column, options.every, options.cutoff) for column in y.T]).T if len(y) else y
         u = u[:: options.every]
@@ -181,7 +211,19 @@ def record_of(log: Log, options: argparse.Namespace) -> tuple[Record, dict[str, 
             raise UserError(f"{log.source or 'log'}: {name} never moves; every input has to be excited, and every output has to answer")
     at = np.zeros(u.shape[1] + y.shape[1]) if options.no_constant else np.concatenate([u.mean(axis=0), y.mean(axis=0)])
     levels = dict(zip(channels, map(float, at)))
-    return Record(u - at[: u.shape[1]], y - at[u.shape[1] :]), levels
+    record = Record(u - at[: u.shape[1]], y - at[u.shape[1] :])
+    if options.drift:
+        try:
+            lines = [record.y[:, i] if name in options.integrates else identify_doubts.straightened(record, i, border_of(record, options))
+                     for i, name in enumerate(options.outputs)]
+        except libreflux.Refused as error:
+            raise RunFailed(f"--drift: {error}") from None
+        record = Record(record.u, np.array(lines).T)
+    return record, levels
+
+
+def border_of(record: Record, options: argparse.Namespace) -> int:
+    return round(record.samples * (1 - options.validation))
 
 
 def moved_within(log: Log, options: argparse.Namespace) -> list[str]:
@@ -200,24 +242,27 @@ def period_of(log: Log, given: float | None) -> float:
     """s. A row that is lost or there twice would be a sample at the wrong time, so a given period is compared with the column time as well."""
     if given is not None and not 0 < given <= 1e6:
         raise UserError("--period must be above 0, to 1e6 s")
-    unit = log.unit("time") or "s" if log.has("time") else ""
-    if not log.has("time") or unit not in UNIT:
+    at = time_column.find(log)
+    if at is None:
         if given is None:
-            raise UserError(f"the log has {'no column time' if not unit else f'a column time in {unit}'}: --period says how far its rows are apart, s")
+            unit = log.unit("time") if log.has("time") else ""
+            raise UserError(f"the log has {f'a column time in {unit}' if unit else 'no column time'}: --period says how far its rows are apart, s; "
+                            f"a column of times is called {time_column.WORDS}")
         return given
-    times = np.array(log.numbers("time"))
+    times = time_column.seconds(log, *at)
     if len(times) < 2:
         raise UserError(f"{log.source or 'log'}: {len(times)} samples; at least {LEAST} are needed")
-    if not np.isfinite(times).all():
-        raise UserError(f"the rows of the log are not evenly spaced in time: row {int(np.argmin(np.isfinite(times))) + 1} has no time")
-    steps = np.diff(times) * UNIT[unit]
-    period = float(np.median(steps)) if given is None and len(steps) else given or 0.0
+    steps = np.diff(times)
+    period = float(np.median(steps)) if given is None else given
     wrong = np.flatnonzero(~(np.abs(steps - period) <= (JITTER if given is None else LOST) * period))
     if not period > 0:
         raise UserError("the rows of the log are not evenly spaced in time: it stands still or goes back")
     if len(wrong):
         row = int(wrong[0]) + 2
         raise UserError(f"the rows of the log are not evenly spaced in time: row {row} is {steps[row - 2]:g} s after the one before, and the period is {period:g} s")
+    off = float(np.abs(steps - period).max()) / period
+    if off > JITTER:
+        print(f"note: the rows are not evenly spaced in time, but up to {100 * off:.2g} % of a period early or late; they are taken as even", file=sys.stderr)
     return period if given is not None or np.allclose(steps, period, rtol=1e-6) else float(f"{steps.mean():.6g}")
 
 
@@ -234,13 +279,16 @@ def identify(record: Record, i: int, border: int, options: argparse.Namespace) -
 
 def given(record: Record, i: int, border: int, options: argparse.Namespace) -> Found:
     na, nb = options.orders
+    na -= options.outputs[i] in options.integrates
     chosen = fitted(record, i, Orders(na, ((1, nb),) * record.inputs, 0, not options.no_constant), border, options)
     return Found(options.outputs[i], None, [], chosen, identification.judge(record, i, chosen, (border, record.samples)))
 
 
 def searched(record: Record, i: int, border: int, options: argparse.Namespace) -> Found:
     rest = (border, record.samples)
-    trials = identification.select(record, i, options.na, options.nb, not options.no_constant, options.criterion, (0, border))
+    integrates = options.outputs[i] in options.integrates
+    source = identify_doubts.of_differences(record, i) if integrates else record
+    trials = identification.select(source, i, options.na - integrates, options.nb, not options.no_constant, options.criterion, (0, border))
     looked = []
     for trial in candidates(trials):
         try:
@@ -250,7 +298,7 @@ def searched(record: Record, i: int, border: int, options: argparse.Namespace) -
         judged = identification.judge(record, i, model, rest)
         looked.append(Looked(trial, model, judged, on_validation(trial, judged, options)))
     if not looked:
-        raise RunFailed(f"{options.outputs[i]}: {options.method} finds a stable model of none of the orders")
+        raise RunFailed(f"{options.outputs[i]}: {options.method} finds a stable model of none of the orders; does it integrate (--integrates {options.outputs[i]})?")
     looked.sort(key=lambda one: one.criterion)
     return Found(options.outputs[i], trials, looked, looked[0].model, looked[0].judged)
 
@@ -264,7 +312,10 @@ def candidates(trials: Trials) -> list[identification.Trial]:
 
 def fitted(record: Record, i: int, orders: Orders, border: int, options: argparse.Namespace) -> Fit:
     nc = (max(1, orders.na) if options.nc is None else options.nc) if options.method == "els" else 0
-    return identification.fit(record, i, Orders(orders.na, orders.lags, nc, orders.constant), options.method, (0, border))
+    orders = Orders(orders.na, orders.lags, nc, orders.constant)
+    if options.outputs[i] not in options.integrates:
+        return identification.fit(record, i, orders, options.method, (0, border))
+    return identify_doubts.integrated(identification.fit(identify_doubts.of_differences(record, i), i, orders, options.method, (0, border)))
 
 
 def on_validation(trial: identification.Trial, judged: Judgement, options: argparse.Namespace) -> float:
@@ -298,7 +349,7 @@ def print_output(one: Found, options: argparse.Namespace) -> None:
     print(f"validation: error one sample ahead {math.sqrt(one.judged.step):.4g}, simulated {math.sqrt(one.judged.simulated):.4g}, fit {100 * one.judged.fit():.1f} %")
 
 
-def print_model(found: list[Found], options: argparse.Namespace) -> None:
+def print_model(found: list[Found], options: argparse.Namespace, period: float) -> None:
     print()
     for i, one in enumerate(found, 1):
         sd, at = list(one.model.sd), one.model.orders.na
@@ -308,18 +359,28 @@ def print_model(found: list[Found], options: argparse.Namespace) -> None:
             print(f"B{i}{j} = {polynomial(row[first - 1 :] if last else [], sd[at : at + count], first, '')}")
             at += count
     print("\ngains at rest")
-    print(table.columns(["", *options.inputs], [[one.name, *(f"{g:.4g}" for g in gains(one.model))] for one in found]))
+    print(table.columns(["", *options.inputs], [[label(one, options), *(f"{g:.4g}" for g in gains(one.model, period))] for one in found]))
 
 
-def gains(model: Fit) -> list[float]:
-    at_one = 1 + sum(model.a())
+def label(one: Found, options: argparse.Namespace) -> str:
+    return f"{one.name}, per s" if one.name in options.integrates else one.name
+
+
+def integrates(model: Fit) -> bool:
+    return abs(1 + sum(model.a())) < 1e-9
+
+
+def gains(model: Fit, period: float) -> list[float]:
+    """At rest; of an output that integrates per second."""
+    a = np.array([1.0, *model.a()])
+    at_one = period * float(np.cumsum(a)[:-1].sum()) if integrates(model) else float(a.sum())
     return [sum(row) / at_one if at_one else math.nan for row in model.b()]
 
 
 def as_dict(found: list[Found], options: argparse.Namespace, period: float, levels: dict[str, float]) -> dict[str, Any]:
     return {"period_s": period, "method": options.method, "inputs": options.inputs, "levels": levels, "outputs": [
         {"name": one.name, "A": [1.0, *one.model.a()], "B": [[0.0, *row] for row in one.model.b()], "sd": [float(x) for x in one.model.sd],
-         "constant": float(one.model.theta[-1]) if one.model.orders.constant else 0.0, "settled": one.model.settled, "gains": [g if math.isfinite(g) else None for g in gains(one.model)],
+         "constant": float(one.model.theta[-1]) if one.model.orders.constant else 0.0, "settled": one.model.settled, "gains": [g if math.isfinite(g) and not integrates(one.model) else None for g in gains(one.model, period)], "doubt": one.doubt,
          "validation": {**asdict(one.judged), "fit": one.judged.fit()},
          "trials": [{"orders": asdict(t.orders), "criterion": t.criterion, "parameters": t.parameters} for t in one.trials.all if t.known] if one.trials else [],
          "looked": [{"orders": asdict(look.trial.orders), "criterion": look.criterion, "fit": look.judged.fit()} for look in one.looked]}
