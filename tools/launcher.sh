@@ -20,6 +20,12 @@ reflux_python() {
     fi
 }
 
+# Called first by the two tools that set up everything, with their arguments: without Python none can be judged.
+set_up_python() {
+    case " $* " in *" -h "* | *" --help "*) return ;; esac
+    [ -n "${REFLUX_PYTHON:-}" ] || [ -x /usr/bin/python3 ] || command -v python3 > /dev/null 2>&1 || "$tools/bootstrap" --set-up python
+}
+
 # run_tool NAME ARGUMENTS...: does not return.
 run_tool() {
     python=$(reflux_python) || exit $?

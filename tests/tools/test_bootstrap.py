@@ -1,5 +1,6 @@
 """tools/bootstrap and tools/fetch-unity, with a package manager that only pretends: no network and no root are needed."""
 
+import contextlib
 import fcntl
 import os
 import shutil
@@ -8,8 +9,11 @@ import tarfile
 import tempfile
 import unittest
 from pathlib import Path
+from unittest import mock
 
-from support import ROOT, FolderTest
+from support import ROOT, FolderTest, call
+
+from reflux_tools import packages
 
 FRONTEND = "/var/lib/dpkg/lock-frontend"
 # Each time it is called it does what the next line of the script says, and goes on with the last line for ever.
@@ -130,6 +134,63 @@ class Bootstrap(FakeSystem):
         self.file("installed", "")
         answer = self.bootstrap("nobody may ask")
         self.assertEqual((answer.returncode, answer.stdout, answer.stderr, self.calls()), (0, "", "", []))
+
+    def test_where_nobody_can_be_asked_ask_installs_nothing_and_set_up_installs(self) -> None:
+        self.file("script", "ok\n")
+        answer = self.tool("bootstrap", "--ask", "host", "fuzz")
+        self.assertEqual((answer.returncode, self.calls()), (1, []))
+        self.assertIn("tools/bootstrap host fuzz", answer.stderr)
+        answer = self.tool("bootstrap", "--set-up", "host")
+        self.assertEqual((answer.returncode, self.calls()), (0, ["update", "install"]), answer.stderr)
+
+    def drained(self, terminal: int) -> str:
+        """What was written to the other side of a terminal that is closed there; closes this side, too."""
+        said = b""
+        with contextlib.suppress(OSError), open(terminal, "rb", buffering=0) as file:
+            while part := file.read(4096):
+                said += part
+        return said.decode()
+
+    def test_on_a_terminal_it_asks_first_unless_it_is_continuous_integration(self) -> None:
+        for action, answer, ci, status, calls in (("--ask", "n", "", 1, []), ("--set-up", "", "", 1, []), ("--ask", "y", "", 0, ["update", "install"]),
+                                                  ("--set-up", "y", "", 0, ["update", "install"]), ("--set-up", "", "true", 0, ["update", "install"])):
+            with self.subTest(action=action, answer=answer, ci=ci):
+                for name in ("calls", "installed"):
+                    (self.folder / name).unlink(missing_ok=True)
+                self.file("script", "ok\n")
+                here, there = os.openpty()
+                os.write(here, f"{answer}\n".encode())
+                process = subprocess.run([str(ROOT / "tools" / "bootstrap"), action, "host"], cwd=self.folder, env={**self.environment(), "CI": ci},
+                                         stdin=there, stderr=there, stdout=subprocess.PIPE, check=False)
+                os.close(there)
+                said = self.drained(here)
+                self.assertEqual((process.returncode, self.calls()), (status, calls), said)
+                self.assertEqual("Install them now?" in said, not ci, said)
+
+    def test_a_tool_judges_its_arguments_before_it_installs(self) -> None:
+        for wrong in (["fuzz", "nope"], ["fuzz", "--runs", "0"], ["coverage", "--check"], ["evidence", "nope"], ["image", "nope"], ["mutate", "--jobs", "0"],
+                      ["mutate", "nope.c"], ["prove", "--timeout", "x"], ["test", "units"], ["test", "-R", "("], ["demo", "--out", ""],
+                      ["demo", "--firmware", "serial"]):
+            with self.subTest(wrong):
+                answer = self.tool(*wrong)
+                self.assertEqual((answer.returncode, answer.stdout, self.calls()), (2, "", []), answer.stderr)
+
+    def test_a_tool_asks_for_what_it_needs_and_no_more(self) -> None:
+        for words, wanted in ((["fuzz", "frame"], ["--ask", "host", "fuzz"]), (["coverage"], ["--ask", "host", "coverage"]), (["prove"], ["--ask", "host", "prove"]),
+                              (["coverage", "--reach"], ["--ask", "host"]), (["mutate", "--random", "1"], ["--ask", "host"]),
+                              (["image"], ["--ask", "host", "target"]), (["test", "unit"], ["--set-up", "host"]),
+                              (["test", "target"], ["--set-up", "host", "target"]), (["test"], ["--set-up", "host", "target", "test"]),
+                              (["demo"], ["--set-up", "host", "target"]), (["demo", "--firmware", "host"], ["--set-up", "host"]),
+                              (["evidence"], ["--ask", "host", "target", "test", "evidence"])):
+            with self.subTest(words), mock.patch.object(packages.subprocess, "run", return_value=mock.Mock(returncode=1)) as run:
+                status, _, err = call(*words)
+                self.assertEqual((status, err.count("\n")), (1, 1))
+                self.assertEqual(run.call_args.args[0][1:], wanted)
+
+    def test_groups_of_one_tool_are_parts_of_the_evidence(self) -> None:
+        listed = {group: self.tool("bootstrap", "--list", group).stdout.split() for group in ("fuzz", "coverage", "prove", "evidence", "python", "host")}
+        self.assertEqual(listed["fuzz"] + listed["coverage"] + listed["prove"], listed["evidence"])
+        self.assertLessEqual(set(listed["python"]), set(listed["host"]))
 
 
 def has_debian_source() -> bool:

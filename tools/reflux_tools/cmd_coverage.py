@@ -9,7 +9,7 @@ import subprocess
 from collections import defaultdict
 from pathlib import Path
 
-from reflux_tools import build, table
+from reflux_tools import build, packages, table
 from reflux_tools.errors import RunFailed, UserError
 from reflux_tools.paths import ROOT, out_root, shown
 from reflux_tools.testing import reach, reach_measure
@@ -32,6 +32,7 @@ def main(arguments: list[str]) -> int:
     options = p.parse_args(arguments)
     if options.check and not options.reach:
         raise UserError("--check goes with --reach")
+    packages.need("host", *(() if options.reach else ("coverage",)))  # gcov comes with gcc
     if options.reach:
         return measure_reach(options.jobs, options.check)
     folder = build.build("coverage")

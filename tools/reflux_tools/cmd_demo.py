@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 
-from reflux_tools import cmd_run
+from reflux_tools import cmd_run, launch, packages
 from reflux_tools import scenario as scenarios
 from reflux_tools.paths import SCENARIOS, named, out_root
 
@@ -12,7 +12,7 @@ from reflux_tools.paths import SCENARIOS, named, out_root
 def main(arguments: list[str]) -> int:
     p = argparse.ArgumentParser(
         prog="tools/demo",
-        description="Installs what is missing (as root; else says what to install), builds the simulator and the "
+        description="Installs what is missing (as root, after asking on a terminal; else says what to install), builds the simulator and the "
         "STM32F405 image, and lets that image, in the emulator, hold a simulated distillation column for three and "
         "a half hours of plant time. Writes out/demo/report.html, plots and log.csv. Exit status 1 when a loop "
         "misses its limits.")
@@ -25,4 +25,6 @@ def main(arguments: list[str]) -> int:
     for name, value in {"noise": None, "speed": None, "quiet": False, "no_report": False, "no_build": False}.items():
         setattr(options, name, value)
     scenario = cmd_run.with_options(scenarios.load(SCENARIOS / "demo.toml"), options)
+    launch.check_ports(scenario.firmware, options.console_port, options.link_port)
+    packages.need("host", *(("target",) if scenario.firmware.startswith("stm32") else ()), sets_up=True)
     return cmd_run.run(scenario, options.out, options)

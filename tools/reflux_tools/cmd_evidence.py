@@ -15,7 +15,7 @@ from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Callable
 
-from reflux_tools import build
+from reflux_tools import build, packages
 from reflux_tools.errors import RunFailed, UserError
 from reflux_tools.paths import ROOT, build_dir, build_root, named, shown
 
@@ -99,6 +99,8 @@ def main(arguments: list[str]) -> int:
     for name in options.sources:
         if name not in SOURCES:
             raise UserError(f'"{name}" is no source; known are: {", ".join(SOURCES)}')
+    if not options.page_only:
+        packages.need("host", "target", "test", "evidence")
     results = {name: load(name) for name in SOURCES}
     for name in () if options.page_only else options.sources or SOURCES:
         results[name] = measure(name)

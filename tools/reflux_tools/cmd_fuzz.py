@@ -10,7 +10,7 @@ import time
 from dataclasses import dataclass
 from pathlib import Path
 
-from reflux_tools import build
+from reflux_tools import build, packages
 from reflux_tools.errors import RunFailed, UserError
 from reflux_tools.paths import ROOT, build_dir, shown
 
@@ -57,6 +57,7 @@ def main(arguments: list[str]) -> int:
     if options.runs < 1 or options.seconds < 1 or options.seed < 1:
         raise UserError("--runs, --seconds and --seed must be 1 or more")
     chosen = options.names or known
+    packages.need("host", "fuzz")
     build.build(preset, tuple(f"fuzz_{name}" for name in chosen))
     bad = 0
     for name in chosen:

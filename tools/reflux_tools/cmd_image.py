@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 
-from reflux_tools import build, image_check, table
+from reflux_tools import build, image_check, packages, table
 from reflux_tools.elf_image import tool
 from reflux_tools.errors import UserError
 from reflux_tools.image_check import Report
@@ -27,6 +27,8 @@ def main(arguments: list[str]) -> int:
     for preset in options.presets:
         if preset not in image_check.presets():
             raise UserError(f'"{preset}" is no preset of an image; there are {", ".join(image_check.presets())}')
+    if not options.no_build:
+        packages.need("host", "target")
     reports = []
     for preset in options.presets or image_check.presets():
         if not options.no_build:

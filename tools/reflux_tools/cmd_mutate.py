@@ -7,7 +7,7 @@ import tomllib
 from dataclasses import dataclass
 from pathlib import Path
 
-from reflux_tools import build
+from reflux_tools import build, packages
 from reflux_tools.errors import RunFailed, UserError
 from reflux_tools.mutation.random_round import Round
 from reflux_tools.mutation.reach import Costs, mutants_folder
@@ -55,6 +55,8 @@ def main(arguments: list[str]) -> int:
         raise UserError("--jobs must be 1 or more")
     if options.random is not None and options.random < 1:
         raise UserError("--random must be 1 or more")
+    if options.again or options.random is not None:
+        packages.need("host")
     if options.again:
         return Round(options.jobs, options.longest).again(options.seed, options.files)
     if options.random is not None:
@@ -66,6 +68,7 @@ def main(arguments: list[str]) -> int:
     if options.list:
         print("\n".join(m.title() for m in mutants))
         return 0
+    packages.need("host")
     return try_listed(mutants)
 
 

@@ -8,7 +8,7 @@ import re
 import subprocess
 import time
 
-from reflux_tools import build
+from reflux_tools import build, packages
 from reflux_tools.errors import RunFailed
 from reflux_tools.paths import ROOT, build_root, shown
 
@@ -23,6 +23,7 @@ def main(arguments: list[str]) -> int:
         "and that every loop ends, for every input (docs/proofs.md). Takes a minute or two.")
     p.add_argument("--timeout", type=int, default=10, metavar="S", help="for one goal (default 10)")
     options = p.parse_args(arguments)
+    packages.need("host", "prove")
     folder = build_root() / "prove"
     folder.mkdir(parents=True, exist_ok=True)
     configuration = folder / "why3.conf"

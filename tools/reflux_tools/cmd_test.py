@@ -12,10 +12,12 @@ import re
 import resource
 import time
 
+from reflux_tools import packages
 from reflux_tools.errors import UserError
 from reflux_tools.testing import changed, running, tiers, times
 from reflux_tools.testing.entries import LABELS, Test, collect
 
+PACKAGES = {"target": ("target",), "style": ("target", "test"), "tools": ("target", "test")}  # beside host
 WITHIN_S = 70.0  # of tests; building after one edited file takes up to 20 s more
 
 
@@ -52,6 +54,7 @@ def main(arguments: list[str]) -> int:
     except re.error as error:
         raise UserError(f'--regex "{options.regex}": {error}') from None
     labels = set(options.labels or LABELS)
+    packages.need("host", *sorted({group for label in labels for group in PACKAGES.get(label, ())}), sets_up=True)
     default, reasons, full = tiers.split(collect(labels), labels, tiers.rows())
     default, full = ([t for t in some if wanted.search(t.name)] for some in (default, full))
     seconds = times.load()
