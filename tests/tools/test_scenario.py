@@ -107,6 +107,8 @@ class Commands(FolderTest):
             (["campaign", "none"], 'no campaign "none"'),
             (["campaign", "pilot-noise", "--fraction", "0"], "--fraction must be more than 0"),
             (["plot", bad], "must begin with number"),
+            (["bench", "--before", "deadbeef"], "--before deadbeef is no commit here"),
+            (["bench", "--tick", "--before", "deadbeef"], "--before deadbeef is no commit here"),
         ):
             with self.subTest(arguments):
                 status, _out, err = call(*arguments)

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Callable
 
 from reflux_tools import build
-from reflux_tools.errors import RunFailed
+from reflux_tools.errors import RunFailed, UserError
 from reflux_tools.paths import ROOT, build_dir, build_root
 
 BEFORE = "4fb4558"  # before the kinds of blocks
@@ -46,6 +46,15 @@ def rows(counted: Counted, before: str) -> list[list[str]]:
             then = per_tick(counted, there, way)
             out.append([what, name, f"{then:,}", f"{now:,}", f"{(now - then) / then * 100:+.1f} %"])
     return out
+
+
+def check(before: str) -> None:
+    """Refuses what is no commit here, before minutes of building. The default may lack in a shallow clone; its column says so."""
+    if before != BEFORE:
+        try:
+            run("", ["git", "-C", str(ROOT), "rev-parse", "--verify", f"{before}^{{commit}}"])
+        except RunFailed:
+            raise UserError(f"--before {before} is no commit here") from None
 
 
 def per_tick(counted: Counted, program: Path, way: str) -> int:

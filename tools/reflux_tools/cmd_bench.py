@@ -62,6 +62,7 @@ def main(arguments: list[str]) -> int:
         raise UserError("--renew goes with --estimation, --decoupling, --feedforward or --image")
     if not re.fullmatch(r"[\w.-]+", options.before):
         raise UserError("--before must be a commit or a tag")
+    bench_tick.check(options.before)
     if options.tick:
         print(f"\n{bench_tick.TITLE}\n{table.columns(bench_tick.header(options.before), tick_rows(options.before))}", flush=True)
         return 0
