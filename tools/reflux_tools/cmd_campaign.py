@@ -20,7 +20,7 @@ from reflux_tools import (build, commissioning, decoupling_campaign, endurance_c
                           runner, self_tuning_campaign, state_campaign, table, trays_campaign)
 from reflux_tools import scenario as scenarios
 from reflux_tools.errors import RunFailed, UserError
-from reflux_tools.paths import CAMPAIGNS, build_root, shown
+from reflux_tools.paths import CAMPAIGNS, build_root, named, out_root, shown
 from reflux_tools.schema import Table, load_toml
 
 METRICS = ("iae", "overshoot_percent", "settling_s", "tv", "max_error")
@@ -48,10 +48,12 @@ def main(arguments: list[str]) -> int:
         prog="tools/campaign",
         description="Runs a campaign of tests/campaign: one scenario over many seeds. Runs that are finished are "
         "kept in the build folder, so that an interrupted campaign goes on where it was. A whole campaign writes "
-        "its tables into tests/campaign/results. Exit status 1 when a run fails or misses its limits.")
+        "its tables into out/campaign. Exit status 1 when a run fails or misses its limits.")
     p.add_argument("name", metavar="NAME", help=f"one of: {', '.join(known())}")
     p.add_argument("--fraction", type=float, default=1.0, metavar="X", help="only this part of the seeds")
     p.add_argument("--check", action="store_true", help="write no result tables, only tell whether all is well")
+    p.add_argument("--out", type=named, metavar="FOLDER", help="for the tables (default out/campaign)")
+    p.add_argument("--keep", action="store_true", help="write the tables into tests/campaign/results and the pages that show them, to be committed")
     p.add_argument("--again", action="store_true", help="forget the finished runs")
     p.add_argument("-j", "--jobs", type=int, default=os.cpu_count() or 1, metavar="N")
     p.add_argument("--no-build", action="store_true", help="use what is built already")
@@ -60,7 +62,12 @@ def main(arguments: list[str]) -> int:
         raise UserError("--fraction must be more than 0 and at most 1")
     if options.jobs < 1:
         raise UserError("--jobs must be 1 or more")
+    if options.keep and (options.out or options.check or options.fraction < 1):
+        raise UserError("--keep keeps a whole campaign, and goes without --out, --check and --fraction")
     campaign = load(options.name)
+    options.results = CAMPAIGNS / "results" if options.keep else options.out or out_root() / "campaign"
+    if not options.check:
+        options.results.mkdir(parents=True, exist_ok=True)
     if isinstance(campaign, endurance_campaign.Endurance):
         return endurance_campaign.execute(campaign, options)
     if isinstance(campaign, kalman_campaign.Kalman):
@@ -186,7 +193,7 @@ def execute(campaign: Campaign | commissioning.Start, options: argparse.Namespac
     if starts:
         return judge_starts(campaign, results, options)
     if not options.check and options.fraction == 1.0:
-        write_results(campaign, results)
+        write_results(campaign, results, options.results)
     print("\n" + table.columns(*distribution(campaign, results)))
     bad = [r for r in results if r["failures"]]
     for r in bad[:10]:
@@ -197,7 +204,7 @@ def execute(campaign: Campaign | commissioning.Start, options: argparse.Namespac
 
 def judge_starts(campaign: commissioning.Start, results: list[dict[str, Any]], options: argparse.Namespace) -> int:
     if not options.check and options.fraction == 1.0:
-        commissioning.write_results(campaign, results)
+        commissioning.write_results(campaign, results, options.results)
     print("\n" + table.columns(*commissioning.distribution(campaign, results)))
     missed = commissioning.shortfalls(campaign, results)
     for text in missed:
@@ -297,9 +304,7 @@ def summary(values: list[float]) -> list[str]:
     return [table.figure(v, 4) for v in (statistics.fmean(values), deviation, *at, values[-1])]
 
 
-def write_results(campaign: Campaign, results: list[dict[str, Any]]) -> None:
-    folder = CAMPAIGNS / "results"
-    folder.mkdir(parents=True, exist_ok=True)
+def write_results(campaign: Campaign, results: list[dict[str, Any]], folder: Path) -> None:
     bad = sum(1 for r in results if r["failures"])
     text = (f"# {campaign.title}\n\nWritten by `tools/campaign {campaign.name}`: {len(results)} runs of "
             f"`{scenarios.relative(campaign.scenario.file)}` on the firmware `{campaign.scenario.firmware}`; {bad} "

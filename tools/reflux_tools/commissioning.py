@@ -18,7 +18,7 @@ import numpy as np
 
 from reflux_tools import build, commissioning_columns, commissioning_stability, known_plants, table
 from reflux_tools.errors import UserError
-from reflux_tools.paths import CAMPAIGNS, shown
+from reflux_tools.paths import shown
 from reflux_tools.schema import Table
 
 UNITS = {"s": 1.0, "min": 60.0, "h": 3600.0}
@@ -344,9 +344,7 @@ def shortfalls(start: Start, results: list[dict[str, Any]]) -> list[str]:
     return out
 
 
-def write_results(start: Start, results: list[dict[str, Any]]) -> None:
-    folder = CAMPAIGNS / "results"
-    folder.mkdir(parents=True, exist_ok=True)
+def write_results(start: Start, results: list[dict[str, Any]], folder: Path) -> None:
     missed = shortfalls(start, results)
     text = f"""# {start.title}
 

@@ -17,7 +17,7 @@ from reflux_tools import build, decoupling_plants, decoupling_runs, decoupling_t
 from reflux_tools.decoupling_plants import ERRORS
 from reflux_tools.decoupling_runs import METHODS, PLACED, Case
 from reflux_tools.errors import RunFailed, UserError
-from reflux_tools.paths import CAMPAIGNS, build_dir
+from reflux_tools.paths import build_dir
 from reflux_tools.schema import Table
 
 COLUMNS = ("free", "noisy", "wrong", "clipped")
@@ -135,12 +135,10 @@ def heading(plant: str) -> str:
             f"steps of {100 * decoupling_runs.step_of(bench):.2g} % of span")
 
 
-def write_results(campaign: Comparison, state: Any) -> None:
+def write_results(campaign: Comparison, state: Any, folder: Path) -> None:
     text = [f"# {campaign.title}\n\nWritten by `tools/campaign {campaign.name}`. {campaign.about}\n"]
     for plant in campaign.plants:
         text.append(f"\n## {heading(plant)}\n\n{table.markdown(HEADER, rows_of(campaign, state, plant))}\n")
-    folder = CAMPAIGNS / "results"
-    folder.mkdir(parents=True, exist_ok=True)
     (folder / f"{campaign.name}.md").write_text("".join(text), encoding="utf-8")
     with (folder / f"{campaign.name}.csv").open("w", encoding="utf-8", newline="") as out:
         writer = csv.writer(out, lineterminator="\n")
@@ -157,7 +155,7 @@ def execute(campaign: Comparison, options: argparse.Namespace, state: Any) -> in
     chosen = cases[:: max(1, round(1 / options.fraction))]
     trays_campaign.run_missing(chosen, state, options.jobs, job_of, run_one)
     if not options.check and options.fraction == 1.0:
-        write_results(campaign, state)
+        write_results(campaign, state, options.results)
         for plant in campaign.plants:
             print(f"\n{heading(plant)}\n{table.columns(HEADER, rows_of(campaign, state, plant))}")
     results = [state.get(job_of(c)) for c in chosen]

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 from reflux_tools import build, table
 from reflux_tools.errors import RunFailed
-from reflux_tools.paths import CAMPAIGNS, shown
+from reflux_tools.paths import shown
 from reflux_tools.schema import Table
 
 PROGRAM = "endurance"
@@ -62,7 +62,7 @@ def execute(campaign: Endurance, options: argparse.Namespace) -> int:
         print(f"\n{course}\n{table.columns(header, lines)}")
         text += [f"## {course}\n", what + "\n", table.markdown(header, lines) + "\n"]
     if not options.check and options.fraction == 1.0:
-        place = CAMPAIGNS / "results" / f"{campaign.name}.md"
+        place = options.results / f"{campaign.name}.md"
         place.write_text("\n".join(text), encoding="utf-8")
         print(f"\n{shown(place)}")
     missed = [r for r in rows if r["estimator"] == "supervised" and r["failed_at"] != "0"]

@@ -152,7 +152,7 @@ def row_of(row: Row, result: dict[str, Any] | None, used: bool = False) -> list[
     return [*cells, *(f"{1000 * i[k]:.1f}" for k in ("iae", "low", "peak", "final"))]
 
 
-def write_results(campaign: Estimates, state: Any) -> None:
+def write_results(campaign: Estimates, state: Any, folder: Path) -> None:
     text = [f"# {campaign.title}\n\nWritten by `tools/campaign {campaign.name}`. {campaign.about}\n"]
     for part in campaign.parts:
         used = any(row.case.use for row in part.rows)
@@ -161,8 +161,6 @@ def write_results(campaign: Estimates, state: Any) -> None:
     for of in campaign.elsewhere:
         rows = estimates_elsewhere.rows_of(of, state)
         text.append(f"\n## {of.title}\n\nIn {of.unit}.\n\n" + table.markdown(estimates_elsewhere.header_of(of), rows))
-    folder = CAMPAIGNS / "results"
-    folder.mkdir(parents=True, exist_ok=True)
     (folder / f"{campaign.name}.md").write_text("".join(text) + "\n", encoding="utf-8")
 
 
@@ -175,7 +173,7 @@ def execute(campaign: Estimates, options: argparse.Namespace, state: Any) -> int
             if state.get(estimates_elsewhere.job_of(of, way)) is None:
                 state.add(estimates_elsewhere.measure(of, way))
     if not options.check and options.fraction == 1.0:
-        write_results(campaign, state)
+        write_results(campaign, state, options.results)
     for part in campaign.parts:
         found = [(row, state.get(job_of(row.case))) for row in part.rows]
         used = any(row.case.use for row in part.rows)

@@ -17,7 +17,7 @@ from reflux_tools.errors import RunFailed, UserError
 from reflux_tools.feedforward_elsewhere import Pilot, Rig
 from reflux_tools.feedforward_study import Case, ratios, si, sim
 from reflux_tools.kalman_1989_campaign import changed_in
-from reflux_tools.paths import CAMPAIGNS, build_dir
+from reflux_tools.paths import build_dir
 from reflux_tools.schema import Table
 
 CELL, RUN = 0.02, 0.15  # of J0: most of a case's median above the published, most of a run above J*
@@ -355,7 +355,7 @@ def pilot_models_words(campaign: Feedforward, state: Any) -> str:
     return ""
 
 
-def write_results(campaign: Feedforward, state: Any) -> None:
+def write_results(campaign: Feedforward, state: Any, folder: Path) -> None:
     text = [f"# {campaign.title}\n\nWritten by `tools/campaign {campaign.name}`: {len(campaign.seeds)} seeds. {campaign.about}\n"]
 
     def add(title: str, words: str, made: str) -> None:
@@ -392,8 +392,6 @@ def write_results(campaign: Feedforward, state: Any) -> None:
     add("The pilot column", "Nonlinear column (`reflux-plant`), both loops closed, sampling 15 s, 5 h with the setpoint of T10 by 0.5 K and the feed by 12 % either way, both together (A) or 2.5 h each (B, C, D; models with 16, 18 and 22 "
         "parameters, ours); then the feed 12 % up for an hour and 12 % down for one, of T10 without noise. Up to ten seeds, medians. exact: the search on the responses of the linearised column, the loop of T1 closed; Shinskey: his rules from "
         "first-order models fitted to these. Gain alone: K of the row's element without lead and lag, of Shinskey's the ratio of the fitted models' gains. " + pilot_models_words(campaign, state), pilot_table(campaign, state))
-    folder = CAMPAIGNS / "results"
-    folder.mkdir(parents=True, exist_ok=True)
     (folder / f"{campaign.name}.md").write_text("".join(text), encoding="utf-8")
 
 
@@ -403,7 +401,7 @@ def execute(campaign: Feedforward, options: argparse.Namespace, state: Any) -> i
     jobs = campaign.jobs(whole)
     trays_campaign.run_missing(jobs, state, options.jobs, lambda job: job, run_one)
     if not options.check and whole:
-        write_results(campaign, state)
+        write_results(campaign, state, options.results)
     print("\n" + table.columns(*sums_table(campaign, state)))
     bad = [f"{job}: {r['failed']}" for job in jobs if "failed" in (r := state.get(job))]
     for text in bad[:10]:

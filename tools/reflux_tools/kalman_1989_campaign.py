@@ -12,7 +12,7 @@ from typing import Any
 from reflux_tools import build, kalman_1989, table, trays_campaign
 from reflux_tools.errors import RunFailed, UserError
 from reflux_tools.kalman_1989 import DRUM, MEASURED, REBOILER, STEPS, TRAYS, UNMEASURED, Case
-from reflux_tools.paths import CAMPAIGNS, ROOT
+from reflux_tools.paths import ROOT
 from reflux_tools.schema import Table
 
 SHOWS = ("both", "trays", "steps")
@@ -176,12 +176,10 @@ def lines_of(part: Part, state: Any) -> list[list[str]]:
     return [line for row in part.rows for line in rows_of(part, row, state.get(asdict(row.case)))]
 
 
-def write_results(campaign: PilotKalman, state: Any) -> None:
+def write_results(campaign: PilotKalman, state: Any, folder: Path) -> None:
     text = [f"# {campaign.title}\n\nWritten by `tools/campaign {campaign.name}`. {campaign.about}\n"]
     for part in campaign.parts:
         text.append(f"\n## {part.title}\n\n" + table.markdown(header_of(part), lines_of(part, state)) + "\n")
-    folder = CAMPAIGNS / "results"
-    folder.mkdir(parents=True, exist_ok=True)
     (folder / f"{campaign.name}.md").write_text("".join(text), encoding="utf-8")
 
 
@@ -190,7 +188,7 @@ def execute(campaign: PilotKalman, options: argparse.Namespace, state: Any) -> i
     trays_campaign.run_missing(cases, state, options.jobs, asdict, run_one)
     results = [state.get(asdict(c)) for c in cases]
     if not options.check and options.fraction == 1.0:
-        write_results(campaign, state)
+        write_results(campaign, state, options.results)
     for part in campaign.parts if options.fraction == 1.0 else ():
         shown = lines_of(part, state)
         end = None if no_source(part) or part.shows != "both" else -1  # without what he says

@@ -16,7 +16,7 @@ from typing import Any
 
 from reflux_tools import build, commissioning, known_plants, table
 from reflux_tools.errors import UserError
-from reflux_tools.paths import CAMPAIGNS, shown
+from reflux_tools.paths import shown
 from reflux_tools.schema import Table
 
 METHODS = {"start-up": "automatic start-up", "alone": "relay, the others in manual",
@@ -266,7 +266,7 @@ def reasons(results: list[dict[str, Any]]) -> tuple[list[str], list[list[str]]]:
         [*key, *(str(ways.get(m, 0)) for m in METHODS)] for key, ways in sorted(found.items())]
 
 
-def write_results(campaign: Comparison, results: list[dict[str, Any]]) -> None:
+def write_results(campaign: Comparison, results: list[dict[str, Any]], folder: Path) -> None:
     start = campaign.start
     ways = "\n".join(f"- *{m}*: {text}" for m, text in METHODS.items())
     text = f"""# {campaign.title}
@@ -295,7 +295,6 @@ Where there were no settings:
 
 {table.markdown(*reasons(results))}
 """
-    folder = CAMPAIGNS / "results"
     (folder / f"{campaign.name}.md").write_text(text, encoding="utf-8")
     with (folder / f"{campaign.name}.csv").open("w", encoding="utf-8", newline="") as out:
         writer = csv.writer(out, lineterminator="\n")
@@ -322,7 +321,7 @@ def execute(campaign: Comparison, options: argparse.Namespace, state: Any) -> in
     if any(r is None for r in results):
         raise UserError("a run has left no result")
     if not options.check and options.fraction == 1.0:
-        write_results(campaign, results)
+        write_results(campaign, results, options.results)
     print("\n" + table.columns(*distribution(campaign, results)))
     silent = [r for r in results if not r["whole"] and not r["why"]]
     for r in silent[:10]:

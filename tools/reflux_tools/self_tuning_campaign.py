@@ -406,8 +406,7 @@ def text_of(campaign: Comparison, results: list[dict[str, Any]]) -> str:
     return "\n\n".join(x for x in out if x) + "\n"
 
 
-def write_results(campaign: Comparison, results: list[dict[str, Any]]) -> None:
-    folder = CAMPAIGNS / "results"
+def write_results(campaign: Comparison, results: list[dict[str, Any]], folder: Path) -> None:
     (folder / f"{campaign.name}.md").write_text(text_of(campaign, results), encoding="utf-8")
     with (folder / f"{campaign.name}.csv").open("w", encoding="utf-8", newline="") as out:
         writer = csv.writer(out, lineterminator="\n")
@@ -418,7 +417,6 @@ def write_results(campaign: Comparison, results: list[dict[str, Any]]) -> None:
             adopted = "" if r.get("adopted") is None else f"{r['adopted']:g}"
             writer.writerow([r["job"]["part"], r["job"]["name"], r["job"]["seed"], *cells, adopted,
                              r.get("failed", r.get("settings", "; ".join(r.get("alarms", []))))])
-    copy_tables(campaign, results)
     print(f"results: {shown(folder / campaign.name)}.md and .csv")
 
 
@@ -452,7 +450,9 @@ def execute(campaign: Comparison, options: argparse.Namespace, state: Any) -> in
     progress.end(f"{len(missing)} runs")
     results = [state.get(job) for job in jobs]
     if options.fraction == 1.0 and not options.check:
-        write_results(campaign, results)
+        write_results(campaign, results, options.results)
+        if options.keep:
+            copy_tables(campaign, results)
     for part in campaign.parts:
         header, rows = rows_of(campaign, part, results)
         if rows:

@@ -16,7 +16,7 @@ from scipy.linalg import expm
 from reflux_tools import build, simulator, state_decoupler, state_study, table, trays_campaign
 from reflux_tools.errors import RunFailed, UserError
 from reflux_tools.kalman_1989_campaign import changed_in
-from reflux_tools.paths import CAMPAIGNS, ROOT
+from reflux_tools.paths import ROOT
 from reflux_tools.schema import Table
 from reflux_tools.state_study import BOTTOM, MINUTE, NOMINAL, PERIOD_S, TOP, Case, design, linear, outputs
 
@@ -252,15 +252,13 @@ def row_of(line: Line, result: dict[str, Any] | None) -> list[str]:
     return [line.name, line.note, limit, *(thousandths(x) if abs(x) > 5e-5 else "0" for x in result["left"])]
 
 
-def write_results(campaign: StateDecoupling, state: Any) -> None:
+def write_results(campaign: StateDecoupling, state: Any, folder: Path) -> None:
     text = [f"# {campaign.title}\n\nWritten by `tools/campaign {campaign.name}`. {campaign.about}\n"]
     for title, make, words in SECTIONS:
         text.append(f"\n## {title}\n\n{words}\n\n{make()}\n")
     for part in campaign.parts:
         rows = [row_of(line, state.get(asdict(line.case))) for line in part.lines]
         text.append(f"\n## {part.title}\n\n{part.text}\n\n" + table.markdown(header_of(part), rows) + "\n")
-    folder = CAMPAIGNS / "results"
-    folder.mkdir(parents=True, exist_ok=True)
     (folder / f"{campaign.name}.md").write_text("".join(text), encoding="utf-8")
 
 
@@ -268,7 +266,7 @@ def execute(campaign: StateDecoupling, options: argparse.Namespace, state: Any) 
     cases = campaign.cases(options.fraction)
     trays_campaign.run_missing(cases, state, options.jobs, asdict, run_one)
     if not options.check and options.fraction == 1.0:
-        write_results(campaign, state)
+        write_results(campaign, state, options.results)
     for part in campaign.parts if options.fraction == 1.0 else ():
         print(f"\n{part.title}\n" + table.columns(header_of(part), [row_of(line, state.get(asdict(line.case))) for line in part.lines]))
     failed = [r for c in cases if "failed" in (r := state.get(asdict(c)))]

@@ -15,7 +15,7 @@ from typing import Any
 
 from reflux_tools import build, column_slopes, table, trays, trays_claims
 from reflux_tools.errors import RunFailed, UserError
-from reflux_tools.paths import CAMPAIGNS, ROOT
+from reflux_tools.paths import ROOT
 from reflux_tools.schema import Table
 from reflux_tools.trays import Case
 
@@ -223,7 +223,7 @@ def travelled(result: dict[str, Any] | None) -> str:
     return "-" if result is None or "failed" in result else f"{result['travel']['Q'] / 1000:.1f}"
 
 
-def write_results(campaign: Trays, state: Any) -> None:
+def write_results(campaign: Trays, state: Any, folder: Path) -> None:
     text = [f"# {campaign.title}\n\nWritten by `tools/campaign {campaign.name}`. {campaign.about}\n"]
     for part in campaign.parts:
         text.append(f"\n## {part.title}\n")
@@ -241,8 +241,6 @@ def write_results(campaign: Trays, state: Any) -> None:
                 for scaling in SCALINGS
             ]
         text.append("\n" + table.markdown(header, rows))
-    folder = CAMPAIGNS / "results"
-    folder.mkdir(parents=True, exist_ok=True)
     (folder / f"{campaign.name}.md").write_text("".join(text) + "\n", encoding="utf-8")
     (folder / f"{campaign.name}-claims.md").write_text(
         trays_claims.page(campaign.title, finder(state)), encoding="utf-8"
@@ -268,7 +266,7 @@ def execute(campaign: Trays, options: argparse.Namespace, state: Any) -> int:
     run_missing(cases, state, options.jobs)
     results = [state.get(job_of(c)) for c in cases]
     if not options.check and options.fraction == 1.0:
-        write_results(campaign, state)
+        write_results(campaign, state, options.results)
     failed = [r for r in results if "failed" in r]
     for part in campaign.parts:
         found = [
