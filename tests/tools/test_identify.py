@@ -123,9 +123,11 @@ class Times(Logs):
                 self.assertAlmostEqual(self.period(name, lambda k: text(begin + datetime.timedelta(seconds=5 * k)))[0], 5.0)
 
     def test_a_temperature_is_no_time(self) -> None:
-        status, _, err = self.identify(self.log({"T": np.arange(300), "u": steps(300, 20), "y": first_order(steps(300, 20))}))
-        self.assertEqual(status, 2)
-        self.assertIn("no column time", err)
+        for name in ("T", "T_s", "T (min)", "tmin"):
+            with self.subTest(name):
+                status, _, err = self.identify(self.log({name: np.arange(300), "u": steps(300, 20), "y": first_order(steps(300, 20))}))
+                self.assertEqual(status, 2)
+                self.assertIn("no column time", err)
 
     def test_rows_that_are_early_or_late_are_told_with_a_period_too(self) -> None:
         period, err = self.period("Time", lambda k: 5 * k + k % 2, "--period", "5")

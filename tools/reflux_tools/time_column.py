@@ -9,9 +9,9 @@ import re
 import numpy as np
 
 from reflux_tools.errors import UserError
-from reflux_tools.logs import Log
+from reflux_tools.logs import Log, number
 
-NAME = re.compile(r"(?:date[ _]?time|timestamp|date|time|t)(?:(?:[ _]+|[ _]*[\[(] *)([A-Za-z]+) *[\])]?)?", re.IGNORECASE)
+NAME = re.compile(r"(?:(?i:date[ _]?time|timestamp|date|time)|t)(?:(?:[ _]+|[ _]*[\[(] *)([A-Za-z]+) *[\])]?)?")
 SECONDS = {"ms": 0.001, **dict.fromkeys(("", "s", "sec", "second", "seconds"), 1.0), **dict.fromkeys(("min", "minute", "minutes"), 60.0),
            **dict.fromkeys(("h", "hr", "hour", "hours"), 3600.0)}
 WORDS = "time, Time, time_s, time (min), timestamp or date"
@@ -19,10 +19,10 @@ WORDS = "time, Time, time_s, time (min), timestamp or date"
 
 def find(log: Log) -> tuple[int, float] | None:
     """Returns the place of the first column that is called like one of times, and the seconds of its unit. None: there is no such
-    column, or its unit is none of time. T alone is a temperature."""
+    column, or its unit is none of time. T is a temperature."""
     for place, column in enumerate(log.columns):
         match = NAME.fullmatch(column.strip())
-        if match and column.strip() != "T" and (match[1] or "").lower() in SECONDS:
+        if match and (match[1] or "").lower() in SECONDS:
             return place, SECONDS[(match[1] or "").lower()]
     return None
 
@@ -31,7 +31,7 @@ def seconds(log: Log, place: int, unit_s: float) -> np.ndarray:
     """Times of all rows: numbers in the unit, or dates of ISO 8601."""
     cells = [row[place] for row in log.rows]
     dates = bool(cells) and "-" in cells[0][1:] and "e" not in cells[0].lower()
-    times = np.array([date(cell) if dates else _number(cell) * unit_s for cell in cells])
+    times = np.array([date(cell) if dates else number(cell) * unit_s for cell in cells])
     if not np.isfinite(times).all():
         row = int(np.argmin(np.isfinite(times)))
         raise UserError(f"the rows of the log are not evenly spaced in time: row {row + 1} has no time, \"{cells[row]}\"")
@@ -45,10 +45,3 @@ def date(cell: str) -> float:
     except ValueError:
         return math.nan
     return (moment if moment.tzinfo else moment.replace(tzinfo=datetime.timezone.utc)).timestamp()
-
-
-def _number(cell: str) -> float:
-    try:
-        return float(cell)
-    except ValueError:
-        return math.nan
