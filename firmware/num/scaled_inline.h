@@ -17,7 +17,8 @@ static inline scaled_t inline_normal(int32_t m, int32_t e)
 {
     if (m == 0)
         return (scaled_t){0, 0};
-    int32_t left = __builtin_clz((uint32_t)(m < 0 ? -m : m)) - 2;
+    uint32_t size = m < 0 ? 0u - (uint32_t)m : (uint32_t)m; /* of the least number, too */
+    int32_t left = __builtin_clz(size) - 2;
     if (left < 0)
         return (scaled_t){m >> 1, e + 1};
     return (scaled_t){(int32_t)((uint32_t)m << left), e - left};

@@ -6,6 +6,8 @@
 #include <math.h>
 #include <string.h>
 
+#include "num/scaled_inline.h"
+#include "num/ud.h"
 #include "num/ud_num.h"
 #include "random_source.h"
 #include "unity.h"
@@ -252,6 +254,20 @@ static void columns_before_the_first_of_a_measurement_stay(void)
     }
 }
 
+/* Below it a quotient by D would not be a number with all its digits. */
+static void an_addition_that_leaves_d_at_1e_30_or_less_is_left_out(void)
+{
+    static const struct {
+        real_t c;
+        bool counts;
+    } added[] = {{REAL_C(1.5e-30), true}, {REAL_C(1e-30), false}, {REAL_C(0.7e-30), false}};
+    for (unsigned i = 0; i < 3; i++) {
+        real_t d = 0, v = 1;
+        ud_add(&d, 1, added[i].c, &v);
+        TEST_ASSERT_TRUE(d == (added[i].counts ? added[i].c : 0));
+    }
+}
+
 static void products_and_solutions_are_those_of_the_dense_matrix(void)
 {
     const size_t n = 9;
@@ -344,6 +360,17 @@ static void numbers_with_exponents_keep_their_digits(void)
     }
 }
 
+/* Products are rounded down: -2^30 is a mantissa, 2^30 is none. */
+static void the_sum_of_two_least_mantissas_is_a_number(void)
+{
+#ifdef REFLUX_FIXED_POINT
+    scaled_t least = {-(1 << 30), 0}, sum = inline_add(least, least);
+    TEST_ASSERT_TRUE(scaled_to_float(sum) == -0x1p31f);
+    sum = inline_add(sum, sum);
+    TEST_ASSERT_TRUE(scaled_to_float(sum) == -0x1p32f);
+#endif
+}
+
 static void what_cannot_be_divided_is_as_large_as_can_be(void)
 {
     TEST_ASSERT_TRUE(scaled_to_float(scaled_div(scaled(1), scaled(0))) > 1e38f);
@@ -361,10 +388,12 @@ int main(void)
     RUN_TEST(an_addition_of_rank_one_is_the_dense_one);
     RUN_TEST(additions_to_one_or_two_variances_are_the_dense_ones);
     RUN_TEST(columns_before_the_first_of_a_measurement_stay);
+    RUN_TEST(an_addition_that_leaves_d_at_1e_30_or_less_is_left_out);
     RUN_TEST(products_and_solutions_are_those_of_the_dense_matrix);
     RUN_TEST(d_is_brought_into_its_range_and_what_is_inside_stays);
     RUN_TEST(d_stays_positive_on_stiff_data_that_excite_little);
     RUN_TEST(numbers_with_exponents_keep_their_digits);
+    RUN_TEST(the_sum_of_two_least_mantissas_is_a_number);
     RUN_TEST(what_cannot_be_divided_is_as_large_as_can_be);
     return UNITY_END();
 }
