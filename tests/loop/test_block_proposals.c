@@ -246,6 +246,45 @@ static void one_made_for_other_loops_is_given_up(void)
     TEST_ASSERT_FALSE(said("to be accepted"));
 }
 
+/* Each of what ids and values go by: channels and spans, loops, blocks. */
+static void one_made_for_other_channels_spans_or_blocks_is_given_up(void)
+{
+    static const char *const changes[][2] = {
+        {"set meas4.name extra", NULL},
+        {"set meas1.hi 170", NULL},
+        {"set meas1.lo 50", NULL},
+        {"set mv4.name other", NULL},
+        {"set mv2.hi 4", NULL},
+        {"set loop2.pv feed", NULL},
+        {"set loop2.out spare", NULL},
+        {"set block1.inputs T10", NULL},
+        {"set block1.points again", NULL},
+        {"set block2.loops bottom,top", NULL},
+        {"set block2.kind watch", "set block2.loops -"},
+    };
+    for (unsigned k = 0; k < sizeof changes / sizeof changes[0]; k++) {
+        setUp();
+        ask_ok("begin");
+        ask_ok("set meas3.name feed");
+        ask_ok("set mv3.name spare");
+        ask_ok("set meas6.name again");
+        ask_ok("set block2.kind pair");
+        ask_ok("set block2.loops top,bottom");
+        ask_ok("apply");
+        samples(1);
+        proposes(GAIN, 3);
+        gives(PROPOSAL_WHEN_ACCEPTED);
+        TEST_ASSERT_TRUE(said("BLOCK_PROPOSES"));
+        ask_ok("begin");
+        for (unsigned n = 0; n < 2 && changes[k][n]; n++)
+            ask_ok(changes[k][n]);
+        ask_ok("apply");
+        samples(1);
+        TEST_ASSERT_TRUE_MESSAGE(said(" warning PROPOSAL_REFUSED block1.proposal 0 "),
+                                 changes[k][0]);
+    }
+}
+
 static void one_whose_block_is_gone_is_given_up_under_its_number_alone(void)
 {
     proposes(GAIN, 3);
@@ -302,6 +341,39 @@ static void it_waits_behind_an_open_transaction_and_a_sequence(void)
     ask_ok("seq confirm");
     samples(3);
     is_set("loop1.gain = 5 fraction/fraction");
+}
+
+static void it_waits_behind_automatic_start_up(void)
+{
+    ask_ok("mode top manual");
+    samples(1);
+    ask_ok("commission begin");
+    samples(3);
+    proposes(GAIN, 3);
+    gives(PROPOSAL_AT_ONCE);
+    samples(5);
+    TEST_ASSERT_FALSE(said("BLOCK_ADOPTED"));
+    is_set("loop1.gain = 1 fraction/fraction");
+    ask_refused("proposal back", "STATE");
+    ask_ok("commission abort");
+    samples(3);
+    is_set("loop1.gain = 3 fraction/fraction");
+}
+
+/* Between the `adopt` of a start-up and the tick in which the trial begins. */
+static void it_waits_while_start_up_puts_its_settings_on_trial(void)
+{
+    struct commission *start_up = client.door->service->commission;
+    ask_ok("begin");
+    proposes(GAIN, 3);
+    gives(PROPOSAL_AT_ONCE);
+    start_up->ask = COMMISSION_ASK_TRIAL;
+    ask_ok("abandon");
+    is_set("loop1.gain = 1 fraction/fraction");
+    start_up->ask = COMMISSION_ASK_NONE;
+    board_run();
+    samples(1);
+    is_set("loop1.gain = 3 fraction/fraction");
 }
 
 static void settings_of_blocks_are_proposed_too(void)
@@ -370,9 +442,12 @@ int main(void)
     RUN_TEST(a_refusal_does_not_cost_the_way_back);
     RUN_TEST(what_is_in_force_already_does_not_cost_the_way_back);
     RUN_TEST(one_made_for_other_loops_is_given_up);
+    RUN_TEST(one_made_for_other_channels_spans_or_blocks_is_given_up);
     RUN_TEST(one_whose_block_is_gone_is_given_up_under_its_number_alone);
     RUN_TEST(nor_does_the_way_back_lead_into_other_loops);
     RUN_TEST(it_waits_behind_an_open_transaction_and_a_sequence);
+    RUN_TEST(it_waits_behind_automatic_start_up);
+    RUN_TEST(it_waits_while_start_up_puts_its_settings_on_trial);
     RUN_TEST(settings_of_blocks_are_proposed_too);
     RUN_TEST(changing_settings_is_for_engineers);
     RUN_TEST(a_client_without_text_does_the_same);

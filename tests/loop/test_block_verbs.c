@@ -121,6 +121,18 @@ static void a_verb_reaches_the_block_with_the_next_sample(void)
     TEST_ASSERT_TRUE(said(" warning BLOCK_REFUSED frozen 1 "));
 }
 
+static void a_number_may_be_either_end_of_its_range(void)
+{
+    ask_ok("block 2 tune 1");
+    samples(1);
+    TEST_ASSERT_EQUAL_FLOAT(1, pair_state->tuned);
+    ask_ok("block 2 tune 100");
+    samples(1);
+    TEST_ASSERT_EQUAL_FLOAT(100, pair_state->tuned);
+    ask_refused("block 2 tune 0.99", "RANGE");
+    ask_refused("block 2 tune 100.1", "RANGE");
+}
+
 static void refusals_name_what_there_is(void)
 {
     ask_refused("block 1 frz", "UNKNOWN");
@@ -239,6 +251,7 @@ int main(void)
     RUN_TEST(inner_values_are_read_while_the_tick_is_held_off);
     RUN_TEST(a_block_is_switched_off_and_on_and_says_why_it_is_off);
     RUN_TEST(a_verb_reaches_the_block_with_the_next_sample);
+    RUN_TEST(a_number_may_be_either_end_of_its_range);
     RUN_TEST(refusals_name_what_there_is);
     RUN_TEST(engineers_verbs_are_for_engineers);
     RUN_TEST(a_verb_meets_the_plan_it_was_asked_in);

@@ -135,6 +135,7 @@ struct both {
 static bool both_gives_up;
 static float both_interval_s; /* with which it was last configured */
 static float both_adds;       /* to its first output */
+static uint8_t both_limited;  /* what its steps say of its second output: enum integral_clamp */
 static struct both *both_state;
 
 static const struct block_parameter both_parameters[] = {
@@ -197,6 +198,7 @@ static void both_step(void *state, struct block_io *io)
         io->out[k] = b->u[k];
     }
     io->out[0] = num_add(io->out[0], num_from_float(both_adds));
+    io->limited[1] = both_limited;
     b->steps++;
 }
 

@@ -240,6 +240,26 @@ static void a_pv_that_is_not_where_it_was_predicted_is_told(void)
     TEST_ASSERT_EQUAL_FLOAT(1, event_value[0]);
 }
 
+/* The MV of a loop by hand moves in the tick of the step: the prediction is of what took effect. */
+static void a_move_by_hand_is_part_of_what_is_predicted(void)
+{
+    begin();
+    io.acting = 1u << TOP;
+    ticks(3);
+    double bottom = at_bottom();
+    float missed = shown("missed_2");
+    measure();
+    kind->step(state, &io);
+    mv[BOTTOM] += 0.1;
+    apply();
+    plant_runs((double)INTERVAL_S);
+    measure();
+    kind->step(state, &io);
+    double moved = (at_bottom() - bottom) / 60; /* of the span */
+    TEST_ASSERT_TRUE(moved > 1e-3);
+    TEST_ASSERT_DOUBLE_WITHIN(0.1 * moved, (double)missed, (double)shown("missed_2"));
+}
+
 static void it_gives_up_where_the_mv_of_an_input_is_not_that_of_the_loop(void)
 {
     const struct applied_history *one = (const struct applied_history *)(const void *)&settings;
@@ -277,25 +297,50 @@ static void after_a_failure_it_begins_anew(void)
     TEST_ASSERT_TRUE(isfinite(mv[TOP]));
 }
 
+/* Steps until it gives up while setpoints go to and fro; most: it has not. */
+static unsigned steps_until_given_up(unsigned most)
+{
+    for (unsigned k = 0; k < most; k++) {
+        if (k % 40 == 39)
+            ask_for(at_top() + (k % 80 == 79 ? 0.5 : -0.5), at_bottom());
+        measure();
+        kind->step(state, &io);
+        if (io.gives_up)
+            return k;
+        apply();
+        plant_runs((double)INTERVAL_S);
+    }
+    return most;
+}
+
 /* Twice the heat that there is, for the model: its predictions miss whatever it does. */
 static void a_model_that_is_of_no_use_is_given_up(void)
 {
     settings.si[IN_HEAT][AHEAD_FACTOR] = 2000;
     begin();
     ask_for(at_top() + 0.5, at_bottom() - 2);
-    bool given_up = false;
-    for (unsigned k = 0; k < 200 && !given_up; k++) {
-        if (k % 40 == 39)
-            ask_for(at_top() + (k % 80 == 79 ? 0.5 : -0.5), at_bottom());
-        measure();
-        kind->step(state, &io);
-        given_up = io.gives_up != NULL;
-        if (!given_up) {
-            apply();
-            plant_runs((double)INTERVAL_S);
-        }
-    }
-    TEST_ASSERT_TRUE(given_up);
+    TEST_ASSERT_TRUE(steps_until_given_up(200) < 200);
+    TEST_ASSERT_EQUAL_STRING("model", io.gives_up);
+}
+
+static void no_model_is_given_up_before_it_has_been_watched_for_forty_steps(void)
+{
+    settings.si[IN_HEAT][AHEAD_FACTOR] = 2000;
+    settings.doubt = 0.01f;
+    begin();
+    ask_for(at_top() + 0.5, at_bottom() - 2);
+    TEST_ASSERT_EQUAL(40, steps_until_given_up(200));
+    TEST_ASSERT_EQUAL_STRING("model", io.gives_up);
+}
+
+static void a_model_that_has_been_of_use_is_given_up_when_it_is_no_longer(void)
+{
+    begin();
+    ticks(60);
+    settings.si[IN_HEAT][AHEAD_FACTOR] = 2000;
+    configure(true);
+    ask_for(at_top() + 0.5, at_bottom() - 2);
+    TEST_ASSERT_TRUE(steps_until_given_up(200) < 200);
     TEST_ASSERT_EQUAL_STRING("model", io.gives_up);
 }
 
@@ -306,6 +351,7 @@ static void where_it_shall_not_doubt_it_goes_on(void)
     begin();
     ask_for(at_top() + 0.5, at_bottom() - 2);
     ticks(200);
+    TEST_ASSERT_TRUE(shown("doubt_1") > 0.2f && shown("doubt_2") > 0.2f);
 }
 
 static void a_model_that_is_right_is_not_in_doubt(void)
@@ -362,10 +408,13 @@ int main(void)
     RUN_TEST(it_leaves_a_limit_as_soon_as_there_is_no_need_of_it);
     RUN_TEST(limits_that_widen_are_found);
     RUN_TEST(a_pv_that_is_not_where_it_was_predicted_is_told);
+    RUN_TEST(a_move_by_hand_is_part_of_what_is_predicted);
     RUN_TEST(it_gives_up_where_the_mv_of_an_input_is_not_that_of_the_loop);
     RUN_TEST(a_column_without_a_solution_makes_it_give_up);
     RUN_TEST(after_a_failure_it_begins_anew);
     RUN_TEST(a_model_that_is_of_no_use_is_given_up);
+    RUN_TEST(no_model_is_given_up_before_it_has_been_watched_for_forty_steps);
+    RUN_TEST(a_model_that_has_been_of_use_is_given_up_when_it_is_no_longer);
     RUN_TEST(where_it_shall_not_doubt_it_goes_on);
     RUN_TEST(a_model_that_is_right_is_not_in_doubt);
     RUN_TEST(values_are_shown_by_name);

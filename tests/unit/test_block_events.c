@@ -140,6 +140,23 @@ static void what_it_raised_when_it_gave_up_stays_until_it_is_on_again(void)
     TEST_ASSERT_EQUAL_UINT(1, happened(EVENT_ALARM_OFF, "block2.spent"));
 }
 
+static void what_it_raised_ends_when_it_gives_up_without_an_input(void)
+{
+    both_auto();
+    pair_is_spent = true;
+    tick();
+    TEST_ASSERT_EQUAL_UINT(1, happened(EVENT_ALARM_ON, "block2.spent"));
+    bad_reading(FEED, QUALITY_BAD, 0);
+    ticks(4); /* held for 2 s */
+    TEST_ASSERT_EQUAL_UINT(1, happened(EVENT_BLOCK_GAVE_UP, "feed"));
+    TEST_ASSERT_EQUAL_UINT(1, happened(EVENT_ALARM_OFF, "block2.spent"));
+    reading(FEED, 5);
+    tick();
+    request(REQUEST_BLOCK, PLAN_NONE, PAIR, 1, 0);
+    tick();
+    TEST_ASSERT_EQUAL_UINT(2, happened(EVENT_BLOCK_ALARM, "block2.spent"));
+}
+
 static void what_another_block_raised_in_its_place_is_forgotten(void)
 {
     bench_start_with(alarmed);
@@ -200,6 +217,7 @@ int main(void)
     RUN_TEST(a_momentary_one_comes_and_goes_and_is_kept_by_its_latch);
     RUN_TEST(a_block_that_makes_no_steps_raises_nothing);
     RUN_TEST(what_it_raised_when_it_gave_up_stays_until_it_is_on_again);
+    RUN_TEST(what_it_raised_ends_when_it_gives_up_without_an_input);
     RUN_TEST(what_another_block_raised_in_its_place_is_forgotten);
     RUN_TEST(an_alarm_on_what_no_block_says_is_refused);
     RUN_TEST(one_on_a_kind_that_this_build_lacks_is_kept_and_waits);

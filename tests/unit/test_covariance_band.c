@@ -349,7 +349,12 @@ static void a_measurement_that_is_none_leaves_everything(void)
     z.variance = 1;
     slope[1] = INFINITY;
     is_not_taken(z);
+    slope[1] = 1e20f; /* a number, but its square is none */
+    is_not_taken(z);
     slope[1] = 1;
+    z.variance = -1;
+    is_not_taken(z);
+    z.variance = 1;
     z.at = 5; /* of two stages */
     is_not_taken(z);
     TEST_ASSERT_TRUE(covariance_band_of(&band, &z) == 0);

@@ -141,6 +141,21 @@ static void after_a_refusal_it_is_tried_again_and_adopted_when_it_passes(void)
     TEST_ASSERT_TRUE(steps(CHECK + 2) & GMV_WISH_LAW);
 }
 
+static void a_loop_that_joins_during_the_test_begins_it_anew(void)
+{
+    config.loops = 2;
+    gmv_supervise_init(&s, &config);
+    seen.good = 3;
+    (void)steps(TUNE + CHECK - 1);
+    TEST_ASSERT_TRUE(s.testing);
+    seen.acting = 3;
+    TEST_ASSERT_EQUAL_HEX8(0, step());
+    TEST_ASSERT_EQUAL_HEX8(GMV_WISH_CANDIDATE | GMV_WISH_TRIAL, step());
+    TEST_ASSERT_EQUAL_HEX8(0, steps(CHECK - 1));
+    TEST_ASSERT_EQUAL_HEX8(GMV_WISH_LAW | GMV_WISH_PROPOSE, step());
+    TEST_ASSERT_EQUAL_HEX8(3, s.tested);
+}
+
 static void spoilt_samples_are_no_part_of_the_test(void)
 {
     (void)steps(TUNE);
@@ -467,6 +482,7 @@ int main(void)
     RUN_TEST(a_loop_that_would_not_die_away_is_not_adopted);
     RUN_TEST(numbers_that_are_none_are_not_adopted);
     RUN_TEST(after_a_refusal_it_is_tried_again_and_adopted_when_it_passes);
+    RUN_TEST(a_loop_that_joins_during_the_test_begins_it_anew);
     RUN_TEST(spoilt_samples_are_no_part_of_the_test);
     RUN_TEST(with_ask_it_waits_for_the_proposal);
     RUN_TEST(a_proposal_that_is_rejected_leads_back_to_tuning);

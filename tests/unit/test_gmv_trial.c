@@ -152,6 +152,36 @@ static void two_loops_are_tried_together(void)
     agrees("two loops, strongly coupled");
 }
 
+/* The equations are {1, 2} and {-0.504, 1.5}: of rows that are divided by their largest elements the determinant is 0.836. */
+static void where_the_law_takes_loops_one_by_one_the_trial_does(void)
+{
+    static const float theta[2][3] = {{0.95f, 0.5f, 2}, {0.95f, 0.75f, -0.504f}}; /* own MV first */
+    for (unsigned alone = 0; alone < 2; alone++) {
+        b.config = gmv_plain_config(2);
+        b.config.determinant = alone ? 0.85f : 0.82f;
+        b.config.lambda[0] = 0.5f;
+        b.config.lambda[1] = 0.75f;
+        memcpy(b.config.theta[0], theta[0], sizeof theta[0]);
+        memcpy(b.config.theta[1], theta[1], sizeof theta[1]);
+        b.plant = (struct gmv_plant){
+            .a = {0.95, 0.95}, .b = {{0.5, 2}, {-0.504, 0.75}}, .k = {{1, 1}, {1, 1}}};
+        agrees(alone ? "two loops, one by one" : "two loops, together");
+    }
+}
+
+static void loops_whose_mvs_do_nothing_are_left_to_themselves(void)
+{
+    static const float theta[2][3] = {{0.95f, 0, 0}, {0.95f, 0, 0}};
+    b.config = gmv_plain_config(2);
+    b.config.shape.form = GMV_POSITIONAL;
+    b.config.shape.bias = GMV_BIAS_NONE;
+    memcpy(b.config.theta[0], theta[0], sizeof theta[0]);
+    memcpy(b.config.theta[1], theta[1], sizeof theta[1]);
+    gmv_bench_begin(&b, 0);
+    run_trial(3, 2);
+    TEST_ASSERT_FLOAT_WITHIN(1e-3f, 0.95f, gmv_trial_worst(&trial));
+}
+
 static void a_loop_that_does_not_act_is_left_out(void)
 {
     one_loop(GMV_INCREMENTAL, 0.9, 0.05, 2);
@@ -210,6 +240,8 @@ int main(void)
     RUN_TEST(a_longer_horizon_is_tried_as_it_is);
     RUN_TEST(a_law_made_of_a_model_is_tried_with_that_model);
     RUN_TEST(two_loops_are_tried_together);
+    RUN_TEST(where_the_law_takes_loops_one_by_one_the_trial_does);
+    RUN_TEST(loops_whose_mvs_do_nothing_are_left_to_themselves);
     RUN_TEST(a_loop_that_does_not_act_is_left_out);
     RUN_TEST(a_loop_that_cannot_bear_its_margin_grows);
     RUN_TEST(a_trial_of_nothing_ends);

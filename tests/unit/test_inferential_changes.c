@@ -188,13 +188,13 @@ static void one_thermometer_is_known_by_its_temperature_whatever_the_spans(void)
     }
 }
 
-/* T stands still below its setpoint, and the loop that is driven cannot go further up, or down. */
-static double moved_in_an_hour(enum inferential_law law, uint8_t clamp)
+/* T stands still so far below its setpoint, and the loop that is driven cannot go further up, or down. */
+static double moved_in_an_hour(double below, uint8_t clamp)
 {
-    begin_with(1, law, FORM_EULER);
+    begin_with(1, LAW_CONVENTIONAL, FORM_EULER);
     bench_follow(&b);
     b.io.acting = 1;
-    b.plant[0].setpoint = b.plant[0].t[0] + 0.01;
+    b.plant[0].setpoint = b.plant[0].t[0] + below;
     bench_step(&b);
     double first = out();
     for (unsigned n = 0; n < 120; n++) {
@@ -207,12 +207,17 @@ static double moved_in_an_hour(enum inferential_law law, uint8_t clamp)
 
 static void where_what_it_drives_is_at_its_limit_the_observer_does_not_go_on_there(void)
 {
-    double free = moved_in_an_hour(LAW_CONVENTIONAL, INTEGRAL_FREE);
-    TEST_ASSERT_DOUBLE_WITHIN(1e-5, 0.01 * 2 * 20 / 4, free); /* Kc Ko/a for an hour */
-    TEST_ASSERT_DOUBLE_WITHIN(1e-6, 0, moved_in_an_hour(LAW_CONVENTIONAL, INTEGRAL_CLAMP_UP));
-    TEST_ASSERT_DOUBLE_WITHIN(1e-9, free, moved_in_an_hour(LAW_CONVENTIONAL, INTEGRAL_CLAMP_DOWN));
-    TEST_ASSERT_DOUBLE_WITHIN(
-        1e-6, 0, moved_in_an_hour(LAW_CONVENTIONAL, INTEGRAL_CLAMP_UP | INTEGRAL_CLAMP_DOWN));
+    const uint8_t both = INTEGRAL_CLAMP_UP | INTEGRAL_CLAMP_DOWN;
+    double up = moved_in_an_hour(0.01, INTEGRAL_FREE),
+           down = moved_in_an_hour(-0.01, INTEGRAL_FREE);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-5, 0.01 * 2 * 20 / 4, up); /* Kc Ko/a for an hour */
+    TEST_ASSERT_DOUBLE_WITHIN(1e-6, 0, moved_in_an_hour(0.01, INTEGRAL_CLAMP_UP));
+    TEST_ASSERT_DOUBLE_WITHIN(1e-9, up, moved_in_an_hour(0.01, INTEGRAL_CLAMP_DOWN));
+    TEST_ASSERT_DOUBLE_WITHIN(1e-6, 0, moved_in_an_hour(0.01, both));
+    TEST_ASSERT_DOUBLE_WITHIN(1e-5, -0.01 * 2 * 20 / 4, down);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-6, 0, moved_in_an_hour(-0.01, INTEGRAL_CLAMP_DOWN));
+    TEST_ASSERT_DOUBLE_WITHIN(1e-9, down, moved_in_an_hour(-0.01, INTEGRAL_CLAMP_UP));
+    TEST_ASSERT_DOUBLE_WITHIN(1e-6, 0, moved_in_an_hour(-0.01, both));
 }
 
 /* Half an action away: cut from 0.6 to 0.5 it is cut; the primary part that stays below 0.5 is not (page, "u* as far as the MV

@@ -2,7 +2,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "adapt/plant_experiment.h"
+#include "adapt/plant_experiment_block.h"
 #include "adapt/plant_model.h"
 #include "base/workspace.h"
 #include "kotyk_record.h"
@@ -205,6 +205,40 @@ static void what_it_takes_of_the_workspace_grows_with_samples_and_signals(void)
     }
 }
 
+/* ---- the test signal ---- */
+
+static void the_signal_goes_as_far_as_reach_says_or_twice_its_amplitude(void)
+{
+    static struct experiment e;
+    struct block_excitation excite[BLOCK_INPUTS_MAX] = {{0}};
+    struct block_io io = {.excite = excite};
+    memset(&e, 0, sizeof e);
+    e.n = 2;
+    for (unsigned k = 0; k < 4; k++)
+        e.input[k] = (struct block_signal){(float)(10 * k), (float)(10 * k + 50), k >= 2};
+    e.s.amplitude[0] = 2.5f;
+    e.s.amplitude[1] = 0.25f;
+    e.s.reach[1] = 0.75f;
+    e.rest[0] = REAL_C(0.5);
+    e.rest[1] = REAL_C(0.4);
+    e.signal[0] = REAL_C(0.05);
+    experiment_ask_signal(&e, &io);
+    TEST_ASSERT_EQUAL(EXCITE_NOTHING, excite[0].what); /* no sample yet */
+    TEST_ASSERT_FALSE(e.asked_signal);
+    e.samples = 1;
+    experiment_ask_signal(&e, &io);
+    TEST_ASSERT_TRUE(e.asked_signal);
+    TEST_ASSERT_EQUAL_UINT8(2, excite[0].which);
+    TEST_ASSERT_FLOAT_WITHIN(1e-6f, 0.05f, num_to_float(excite[0].value));
+    TEST_ASSERT_FLOAT_WITHIN(1e-6f, 0.05f, num_to_float(excite[0].amplitude));
+    TEST_ASSERT_FLOAT_WITHIN(1e-6f, 0.5f - 0.1f, num_to_float(excite[0].lo));
+    TEST_ASSERT_FLOAT_WITHIN(1e-6f, 0.5f + 0.1f, num_to_float(excite[0].hi));
+    TEST_ASSERT_EQUAL_UINT8(3, excite[1].which);
+    TEST_ASSERT_FLOAT_WITHIN(1e-6f, 0.4f - 0.015f, num_to_float(excite[1].lo));
+    TEST_ASSERT_FLOAT_WITHIN(1e-6f, 0.4f + 0.015f, num_to_float(excite[1].hi));
+    TEST_ASSERT_EQUAL(EXCITE_NOTHING, excite[2].what);
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -218,5 +252,6 @@ int main(void)
     RUN_TEST(what_cannot_be_right_is_refused_by_name);
     RUN_TEST(a_record_that_has_no_room_is_refused_and_one_that_is_too_short);
     RUN_TEST(what_it_takes_of_the_workspace_grows_with_samples_and_signals);
+    RUN_TEST(the_signal_goes_as_far_as_reach_says_or_twice_its_amplitude);
     return UNITY_END();
 }

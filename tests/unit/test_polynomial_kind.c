@@ -246,6 +246,81 @@ static void other_settings_move_no_mv(void)
     assert_out(u[0], u[1]);
 }
 
+/* What an MV has under way after v[] once what loops asked for before is past. */
+static double under_way(unsigned i, const double v[2], const double before[2])
+{
+    double sum = 0;
+    for (unsigned j = 0; j < 2; j++)
+        sum += (double)settings.g[2 * i + j][1] * (v[j] - before[j]);
+    return sum;
+}
+
+static void other_coefficients_let_what_is_under_way_go_on(void)
+{
+    static const double asked[2] = {0.4, 0.2};
+    begin_at(0.3, 0.6);
+    stepped(asked[0], asked[1]);
+    double u[2] = {D(out[0]), D(out[1])};
+    told(0, 0);
+    settings.g[1][0] *= 0.7f;
+    configure(true);
+    io.going_on = 3;
+    put_in(u[0], u[1]);
+    polynomial_kind.follow(state, &io);
+    double v[2] = {D(out[0]), D(out[1])};
+    stepped(v[0], v[1]);
+    assert_out(u[0], u[1]);
+    told(0, 0);
+    stepped(v[0], v[1]);
+    TEST_ASSERT_TRUE(fabs(under_way(0, v, asked)) > 0.01);
+    assert_out(u[0] + under_way(0, v, asked), u[1] + under_way(1, v, asked));
+}
+
+/* Both loops go on, and their MVs stay where they are when what the past had under way would be due. */
+static void all_are_at_rest_where_they_are(const char *what)
+{
+    double u[2] = {D(out[0]), D(out[1])};
+    io.going_on = 3;
+    put_in(u[0], u[1]);
+    polynomial_kind.follow(state, &io);
+    double v[2] = {D(out[0]), D(out[1])};
+    for (unsigned t = 0; t < 8; t++) {
+        stepped(v[0], v[1]);
+        TEST_ASSERT_DOUBLE_WITHIN_MESSAGE(EXACT, u[0], D(out[0]), what);
+        TEST_ASSERT_DOUBLE_WITHIN_MESSAGE(EXACT, u[1], D(out[1]), what);
+        told(0, 0);
+    }
+}
+
+static void with_another_period_or_more_coefficients_all_begin_at_rest(void)
+{
+    for (unsigned more = 0; more < 2; more++) {
+        setUp();
+        begin_at(0.3, 0.6);
+        stepped(0.4, 0.2);
+        num_t u[2] = {out[0], out[1]};
+        told(0, 0);
+        if (more)
+            settings.g[0][2] = 0.01f;
+        else
+            settings.period_s = 240;
+        configure(true);
+        memcpy(out, u, sizeof u);
+        all_are_at_rest_where_they_are(more ? "more coefficients" : "another period");
+    }
+}
+
+static void scaling_all_begin_at_rest_whatever_is_under_way(void)
+{
+    settings.limits = POLYNOMIAL_SCALE;
+    begin_at(0.3, 0.6);
+    stepped(0.4, 0.2);
+    num_t u[2] = {out[0], out[1]};
+    told(0, 0);
+    memcpy(out, u, sizeof u);
+    all_are_at_rest_where_they_are("scale");
+}
+
 /* ---- an MV at its limit ---- */
 
 /* Controllers that ask for something else in every sample, and an MV that stays where it is: the past of its loop is what would have given
@@ -474,6 +549,9 @@ int main(void)
     RUN_TEST(a_loop_in_manual_neither_moves_nor_is_moved);
     RUN_TEST(a_loop_that_joins_bumps_nothing_and_what_is_under_way_goes_on);
     RUN_TEST(other_settings_move_no_mv);
+    RUN_TEST(other_coefficients_let_what_is_under_way_go_on);
+    RUN_TEST(with_another_period_or_more_coefficients_all_begin_at_rest);
+    RUN_TEST(scaling_all_begin_at_rest_whatever_is_under_way);
     RUN_TEST(recursing_the_loop_at_its_limit_gives_way_and_the_other_does_not);
     RUN_TEST(recursing_with_all_mvs_at_a_limit_the_past_is_what_took_effect);
     RUN_TEST(scaling_all_moves_are_shortened_to_the_same_part);

@@ -119,6 +119,21 @@ static void a_block_that_gives_up_in_that_step_proposes_nothing(void)
     TEST_ASSERT_EQUAL(PROPOSAL_FREE, bench.s.proposal.state);
 }
 
+/* A kind that does not mention the manner means the one that waits. */
+static void one_that_says_nothing_of_its_manner_waits_although_the_one_before_did_not(void)
+{
+    bench_start_with(told);
+    watch_proposes.manner = PROPOSAL_AT_ONCE;
+    put_proposal(&watch_proposes, proposed_setting(PROPOSED_LOOP_GAIN, 0), 3);
+    tick();
+    TEST_ASSERT_EQUAL_UINT8(PROPOSAL_AT_ONCE, bench.s.proposal.is.manner);
+    bench.s.proposal.state = PROPOSAL_FREE;
+    const struct block_proposal *room = proposal_room(&bench.s);
+    TEST_ASSERT_NOT_NULL(room);
+    TEST_ASSERT_EQUAL_UINT8(0, room->n);
+    TEST_ASSERT_EQUAL_UINT8(PROPOSAL_WHEN_ACCEPTED, room->manner);
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -128,5 +143,6 @@ int main(void)
     RUN_TEST(of_two_in_one_tick_the_first_has_the_place);
     RUN_TEST(what_is_its_own_is_named_with_its_number);
     RUN_TEST(a_block_that_gives_up_in_that_step_proposes_nothing);
+    RUN_TEST(one_that_says_nothing_of_its_manner_waits_although_the_one_before_did_not);
     return UNITY_END();
 }

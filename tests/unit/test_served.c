@@ -20,6 +20,7 @@ void setUp(void)
 {
     both_gives_up = false;
     both_adds = 0.0f;
+    both_limited = INTEGRAL_FREE;
     mean_more = 0;
     mean_follows = 0;
 }
@@ -346,6 +347,20 @@ static void giving_up(void (*how)(void), const char *reason)
     TEST_ASSERT_EQUAL_UINT(steps + 1, both_state->steps);
 }
 
+/* What the readings move in that tick is met by the gains of the loops. */
+static void in_the_tick_in_which_it_gives_up_the_own_controllers_act(void)
+{
+    both_auto();
+    ticks(5);
+    double top = sent(REFLUX), bottom = sent(HEAT);
+    reading(T1, 90);
+    reading(T10, 110);
+    both_gives_up = true;
+    tick();
+    TEST_ASSERT_DOUBLE_WITHIN(2e-3, top + 2 * 0.05, sent(REFLUX));
+    TEST_ASSERT_DOUBLE_WITHIN(2e-3, bottom + 1.5 * 0.05, sent(HEAT));
+}
+
 static void by_itself(void)
 {
     both_gives_up = true;
@@ -463,6 +478,31 @@ static void another_divisor_of_its_loops_is_another_interval(void)
     ASSERT_NO_BUMP(top, sent(REFLUX));
 }
 
+/* With a turn every third tick it is told in the third, and of what is in effect then. */
+static void what_took_effect_is_told_to_it_before_its_next_turn(void)
+{
+    bench_start_with(served);
+    put_all((const char *const[]){"loop1.divisor", "3", "loop2.divisor", "3", "lock1.meas", "T5",
+                                  "lock1.mv", "heat", "lock1.limit", "120", "lock1.value", "0.2",
+                                  NULL});
+    apply();
+    mode(TOP, LOOP_AUTO);
+    mode(BOTTOM, LOOP_AUTO);
+    ticks(6);
+    unsigned steps = both_state->steps;
+    for (unsigned n = 0; n < 3 && both_state->steps == steps; n++)
+        tick();
+    TEST_ASSERT_EQUAL_UINT(steps + 1, both_state->steps);
+    unsigned backs = both_state->backs;
+    tick();
+    TEST_ASSERT_EQUAL_UINT(backs, both_state->backs);
+    reading(T5, 130);
+    tick();
+    TEST_ASSERT_EQUAL_UINT(steps + 1, both_state->steps);
+    TEST_ASSERT_EQUAL_UINT(backs + 1, both_state->backs);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-6, 0.1, D(both_state->told[1]));
+}
+
 static void an_unrelated_plan_does_not_disturb_it(void)
 {
     double with[2];
@@ -536,6 +576,30 @@ static void a_cascade_drives_the_setpoint_of_a_member(void)
     by_hand(); /* its own controller is in cascade as well */
     tick();
     TEST_ASSERT_EQUAL(LOOP_CASCADE, bench.s.loop[BOTTOM].mode);
+}
+
+static void the_outer_loop_of_a_cascade_hears_of_a_limit_of_the_block_itself(void)
+{
+    bench_start_with(served);
+    bench_cascade();
+    apply();
+    mode(TOP, LOOP_AUTO);
+    mode(BOTTOM, LOOP_CASCADE);
+    mode(OUTER, LOOP_AUTO);
+    ticks(3);
+    setpoint(OUTER, 105);
+    ticks(3);
+    double before = setpoint_of(BOTTOM);
+    ticks(5);
+    TEST_ASSERT_TRUE(setpoint_of(BOTTOM) > before + 1e-4);
+    both_limited = INTEGRAL_CLAMP_UP;
+    ticks(2);
+    before = setpoint_of(BOTTOM);
+    ticks(5);
+    ASSERT_NO_BUMP(before, setpoint_of(BOTTOM));
+    both_limited = INTEGRAL_FREE;
+    ticks(5);
+    TEST_ASSERT_TRUE(setpoint_of(BOTTOM) > before + 1e-4);
 }
 
 /* ---- what a plan refuses ---- */
@@ -614,6 +678,7 @@ int main(void)
     RUN_TEST(it_takes_over_without_a_bump_and_moves_both_outputs);
     RUN_TEST(what_took_effect_is_told_to_it);
     RUN_TEST(when_it_gives_up_the_own_controllers_take_over_without_a_bump);
+    RUN_TEST(in_the_tick_in_which_it_gives_up_the_own_controllers_act);
     RUN_TEST(when_a_further_input_is_bad_too);
     RUN_TEST(when_it_is_switched_off_too);
     RUN_TEST(a_controller_that_gives_a_hundred_spans_is_given_up);
@@ -621,11 +686,13 @@ int main(void)
     RUN_TEST(a_member_in_manual_is_not_moved_and_comes_back_without_a_bump);
     RUN_TEST(what_an_interlock_makes_of_an_output_is_told_in_the_same_tick);
     RUN_TEST(another_divisor_of_its_loops_is_another_interval);
+    RUN_TEST(what_took_effect_is_told_to_it_before_its_next_turn);
     RUN_TEST(an_unrelated_plan_does_not_disturb_it);
     RUN_TEST(a_kind_this_build_lacks_keeps_its_loops_in_manual);
     RUN_TEST(an_unknown_kind_that_serves_nobody_is_no_reason_to_refuse_the_rest);
     RUN_TEST(an_interlock_on_one_output_leaves_the_other_to_it_and_ends_without_a_bump);
     RUN_TEST(a_cascade_drives_the_setpoint_of_a_member);
+    RUN_TEST(the_outer_loop_of_a_cascade_hears_of_a_limit_of_the_block_itself);
     RUN_TEST(lists_of_names_are_checked);
     RUN_TEST(members_have_their_turns_together_and_no_decoupler);
     RUN_TEST(points_are_checked);

@@ -274,6 +274,32 @@ static void a_loop_by_hand_asks_for_nothing(void)
     TEST_ASSERT_DOUBLE_WITHIN(0, 0.125, D(out[1])); /* is not its to give */
 }
 
+static double integral(unsigned k)
+{
+    float value = 0;
+    TEST_ASSERT_NOT_NULL(state_feedback_kind.describe(state, 2 + k, &value));
+    return (double)value;
+}
+
+static void a_loop_that_goes_to_manual_forgets_its_integral_and_the_other_does_not(void)
+{
+    settings.ti_s[0] = settings.ti_s[1] = 600;
+    begin_at(0, 0);
+    w[0] = 0.2;
+    w[1] = 0.1;
+    for (unsigned t = 0; t < 5; t++)
+        closed_step(100);
+    double before = integral(0);
+    TEST_ASSERT_TRUE(before > 0.01 && integral(1) > 0.005);
+    io.acting = 1;
+    w[0] = x[0]; /* no error: the integral stands */
+    see();
+    state_feedback_kind.follow(state, &io);
+    state_feedback_kind.step(state, &io);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-6, before, integral(0));
+    TEST_ASSERT_DOUBLE_WITHIN(0, 0, integral(1));
+}
+
 /* ---- limits ---- */
 
 static void off_its_limit_an_output_moves_in_the_first_step_of_the_other_sign(void)
@@ -368,6 +394,7 @@ int main(void)
     RUN_TEST(whatever_the_error_the_first_output_is_the_one_in_effect);
     RUN_TEST(new_settings_bump_nothing);
     RUN_TEST(a_loop_by_hand_asks_for_nothing);
+    RUN_TEST(a_loop_that_goes_to_manual_forgets_its_integral_and_the_other_does_not);
     RUN_TEST(off_its_limit_an_output_moves_in_the_first_step_of_the_other_sign);
     RUN_TEST(while_one_output_is_at_its_limit_the_other_loop_keeps_its_setpoint);
     RUN_TEST(an_integral_that_may_not_rise_stands);

@@ -52,6 +52,46 @@ static void matrices_are_those_of_differences_in_long_double(void)
     TEST_ASSERT_TRUE(worst_of("e", &job.linear.plant.e, false) < 1e-4);
 }
 
+/* Next to either end of its range a feed's quality is moved by less. Beside differences of 1e-3: rates are linear in it. */
+static void the_feeds_quality_is_looked_at_as_far_as_there_is_room(void)
+{
+    static const float quality[] = {0.01f, 0.9f, 1.99f}, heat[] = {190, 600, 1080}; /* W */
+    static struct state_law_job job;
+    for (unsigned q = 0; q < 3; q++) {
+        bench_pilot();
+        change_record(&record, COLUMN_TABLE_FEED_BASIS, COLUMN_FLOW_MOLAR);
+        change_record(&record, COLUMN_TABLE_FEED, 0.0144f); /* mol/s */
+        change_record(&record, COLUMN_TABLE_HEAT, heat[q]);
+        change_record(&record, COLUMN_TABLE_FEED_BY, COLUMN_FEED_QUALITY);
+        change_record(&record, COLUMN_TABLE_FEED_STATE, quality[q]);
+        no_inputs();
+        six_states();
+        input_is(STATE_LAW_FEED_QUALITY, 0, 0, (struct block_signal){0, 2, false});
+        mvs_are();
+        state_law_job_of_column(&job, &settings, setup.input, setup.inputs, &record);
+        while (job.phase <= STATE_LAW_PHASE_LINEAR)
+            (void)state_law_job_piece(&job);
+        TEST_ASSERT_EQUAL_MESSAGE(STATE_LAW_PHASE_SAMPLE, job.phase, job.found.wanted);
+        struct state_law_linear *l = &job.linear;
+        real_t rates[2][STATE_MODEL_STATES] = {{0}};
+        double most = 0, off = 0;
+        for (unsigned k = 0; k < 2; k++) {
+            struct column_inputs in = l->table.nominal;
+            struct column_fault wrong;
+            in.feed_quality += k ? REAL_C(1e-3) : REAL_C(-1e-3);
+            TEST_ASSERT_EQUAL(ERR_OK, column_set_inputs(&l->column, &in, &wrong));
+            TEST_ASSERT_EQUAL(ERR_OK, column_rates(&l->column, l->x, rates[k]));
+        }
+        for (unsigned i = 0; i < l->plant.e.rows; i++) {
+            double slope = (double)(rates[1][i] - rates[0][i]) / 2e-3 * 2;
+            most = fmax(most, fabs(slope));
+            off = fmax(off, fabs(slope - (double)l->plant.e.at[i][0]));
+        }
+        printf("quality %.2f: within %.2e of the largest\n", (double)quality[q], off / most);
+        TEST_ASSERT_TRUE(off < 1e-2 * most);
+    }
+}
+
 /* ---- the law ---- */
 
 static void law_is(const char *what, unsigned inputs)
@@ -244,6 +284,7 @@ int main(void)
 {
     UNITY_BEGIN();
     RUN_TEST(matrices_are_those_of_differences_in_long_double);
+    RUN_TEST(the_feeds_quality_is_looked_at_as_far_as_there_is_room);
     RUN_TEST(the_law_of_the_pilot_column_is_that_in_double_precision);
     RUN_TEST(the_law_with_the_feed_measured_has_its_columns);
     RUN_TEST(it_is_handed_over_in_parts_and_whole_with_the_last);

@@ -232,6 +232,26 @@ static void new_numbers_do_not_release_an_active_one(void)
     TEST_ASSERT_EQUAL(0, happened(EVENT_INTERLOCK_OFF, NULL));
 }
 
+/* What the bench has at 136 would keep an active one active, on either side, and does not make one act. */
+static void one_that_watches_or_moves_something_else_begins_anew(void)
+{
+    static const char *const changes[][2] = {
+        {"lock1.meas", "T5"}, {"lock1.mv", "reflux"}, {"lock1.side", "below"}};
+    for (unsigned k = 0; k < 3; k++) {
+        bench_start_with(with_interlock);
+        trip();
+        reading(T10, 136);
+        reading(T5, 136);
+        ticks(2);
+        TEST_ASSERT_TRUE(bench.s.interlock[0].active);
+        if (k == 2)
+            put("lock1.limit", "133");
+        set_and_apply(changes[k][0], changes[k][1]);
+        ticks(2);
+        TEST_ASSERT_FALSE_MESSAGE(bench.s.interlock[0].active, changes[k][0]);
+    }
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -254,5 +274,6 @@ int main(void)
     RUN_TEST(it_looks_at_the_measurement_before_its_filter);
     RUN_TEST(the_first_of_two_on_one_output_wins);
     RUN_TEST(new_numbers_do_not_release_an_active_one);
+    RUN_TEST(one_that_watches_or_moves_something_else_begins_anew);
     return UNITY_END();
 }

@@ -56,6 +56,15 @@ static void a_new_span_takes_its_loops_to_manual_and_keeps_the_output_in_units(v
     TEST_ASSERT_DOUBLE_WITHIN(1e-6, 53.0 / 200, D(bench.s.measurement[T10].value));
 }
 
+/* Blocks read it before the next command is worked out. */
+static void what_was_sent_last_keeps_its_units_in_a_new_span(void)
+{
+    double heat = sent(HEAT) * 2;
+    set_and_apply("mv2.hi", "4");
+    TEST_ASSERT_DOUBLE_WITHIN(1e-6, heat / 4, sent(HEAT));
+    TEST_ASSERT_DOUBLE_WITHIN(1e-6, heat / 4, D(bench.s.mv[HEAT].applied));
+}
+
 static void a_loop_taken_out_leaves_its_output_where_it_is(void)
 {
     double heat = sent(HEAT);
@@ -152,6 +161,7 @@ int main(void)
     RUN_TEST(mode_setpoint_and_state_of_an_unchanged_loop_stay);
     RUN_TEST(a_loop_with_another_name_measurement_or_output_starts_in_manual);
     RUN_TEST(a_new_span_takes_its_loops_to_manual_and_keeps_the_output_in_units);
+    RUN_TEST(what_was_sent_last_keeps_its_units_in_a_new_span);
     RUN_TEST(a_loop_taken_out_leaves_its_output_where_it_is);
     RUN_TEST(an_output_with_another_name_starts_at_its_safe_value);
     RUN_TEST(channels_that_change_places_do_not_inherit_each_others_values);
