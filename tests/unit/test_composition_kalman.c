@@ -85,6 +85,40 @@ static void it_finds_a_feed_flow_that_nobody_measures(void)
     }
 }
 
+/* The pilot column's feed is given by volume: another composition is another number of moles. */
+static void what_is_found_of_the_feed_moves_every_fraction_as_rates_have_it(void)
+{
+    enum { FRACTIONS = 12 };
+    static struct column_table table;
+    static struct column column;
+    const struct composition_gains g = {.has_feed = true, .has_flow = true, .feed = 2, .extras = 2};
+    real_t push[2 * FRACTIONS], flow[FRACTIONS], work[FRACTIONS], rates[2][FRACTIONS];
+    struct column_fault wrong;
+    bench_pilot();
+    TEST_ASSERT_EQUAL(ERR_OK, column_record_open(&record, &table, &column));
+    TEST_ASSERT_EQUAL(FRACTIONS, column.n_fractions);
+    TEST_ASSERT_EQUAL(ERR_OK, column_set_inputs(&column, &table.nominal, &wrong));
+    TEST_ASSERT_EQUAL(ERR_OK, column_rates(&column, table.profile, rates[0]));
+    composition_push(&g, &column, table.profile, push, flow, work);
+    for (unsigned e = 0; e < 2; e++) {
+        double by = e ? (double)COLUMN_FLOW_PART : 0.02, most = 0;
+        for (int side = 0; side < 2; side++) {
+            struct column_inputs in = table.nominal;
+            real_t move = (real_t)(side ? by : -by);
+            in.feed_fraction[0] += e ? 0 : move;
+            in.feed_fraction[1] -= e ? 0 : move;
+            in.feed_flow *= e ? 1 + move : 1;
+            TEST_ASSERT_EQUAL(ERR_OK, column_set_inputs(&column, &in, &wrong));
+            TEST_ASSERT_EQUAL(ERR_OK, column_rates(&column, table.profile, rates[side]));
+        }
+        for (unsigned i = 0; i < FRACTIONS; i++)
+            most = fmax(most, fabs((double)push[e * FRACTIONS + i]));
+        for (unsigned i = 0; i < FRACTIONS; i++)
+            TEST_ASSERT_DOUBLE_WITHIN(2e-3 * most, (double)(rates[1][i] - rates[0][i]) / (2 * by),
+                                      (double)push[e * FRACTIONS + i]);
+    }
+}
+
 static void points_of_the_feed_give_what_is_found_and_how_sure_it_is(void)
 {
     for (unsigned i = 0; i < FILTER_WAYS; i++) {
@@ -725,6 +759,7 @@ int main(void)
     RUN_TEST(it_finds_a_feed_that_the_table_does_not_have);
     RUN_TEST(without_it_a_feed_that_the_table_does_not_have_is_a_bias);
     RUN_TEST(it_finds_a_feed_flow_that_nobody_measures);
+    RUN_TEST(what_is_found_of_the_feed_moves_every_fraction_as_rates_have_it);
     RUN_TEST(points_of_the_feed_give_what_is_found_and_how_sure_it_is);
     RUN_TEST(a_feed_that_nobody_looks_for_is_that_of_the_table);
     RUN_TEST(of_what_the_model_knows_nothing_is_found);

@@ -267,6 +267,17 @@ static void predictions_twice_as_bad_as_as_it_is_are_given_up_at_the_next_check(
                      s.alarm_value < 0.1f); /* the window had begun before */
 }
 
+static void the_alarm_tells_the_error_of_the_predictions_in_the_window(void)
+{
+    config.tune_steps = 2 * CHECK;
+    gmv_supervise_init(&s, &config);
+    self_tunes();
+    (void)steps(CHECK - 5); /* to the end of the first window */
+    came.error[0] = 0.1f;
+    given_up_for(GMV_ALARM_WORSE, steps(CHECK + 1));
+    TEST_ASSERT_FLOAT_WITHIN(1e-6f, 0.1f, s.alarm_value);
+}
+
 static void at_rest_where_as_it_is_is_perfect_small_errors_are_no_reason(void)
 {
     self_tunes();
@@ -425,6 +436,26 @@ static void moves_to_and_fro_above_the_usual_are_bursting(void)
     TEST_ASSERT_TRUE(moves(20, 0.03f, -0.03f));
 }
 
+/* An MV that turns once in so many steps, with large moves after small ones. */
+static bool turns_every(unsigned steps)
+{
+    bool swings = false;
+    gmv_burst_begin(&burst);
+    TEST_ASSERT_FALSE(moves(500, 0.002f, -0.002f));
+    for (unsigned k = 0; k < 400; k++) {
+        float move = k / steps % 2 ? 0.03f : -0.03f;
+        swings = gmv_burst_step(&burst, 0.5f, move, 4, 20) || swings;
+    }
+    return swings;
+}
+
+/* Four turns in about sixty steps. */
+static void an_mv_that_turns_every_14_steps_swings_and_one_every_25_does_not(void)
+{
+    TEST_ASSERT_TRUE(turns_every(14));
+    TEST_ASSERT_FALSE(turns_every(25));
+}
+
 static void a_load_answered_in_one_direction_is_not(void)
 {
     gmv_burst_begin(&burst);
@@ -493,6 +524,7 @@ int main(void)
     RUN_TEST(the_sign_wanted_is_that_of_the_pi);
     RUN_TEST(a_loop_that_would_grow_is_given_up_at_the_next_check);
     RUN_TEST(predictions_twice_as_bad_as_as_it_is_are_given_up_at_the_next_check);
+    RUN_TEST(the_alarm_tells_the_error_of_the_predictions_in_the_window);
     RUN_TEST(at_rest_where_as_it_is_is_perfect_small_errors_are_no_reason);
     RUN_TEST(an_alarm_stands_until_the_law_computes_again);
     RUN_TEST(the_third_time_within_a_day_is_for_good);
@@ -506,6 +538,7 @@ int main(void)
     RUN_TEST(it_freezes_when_samples_tell_nothing_and_thaws_when_one_tells_twice_as_much);
     RUN_TEST(where_nothing_is_forgotten_nothing_is_frozen);
     RUN_TEST(moves_to_and_fro_above_the_usual_are_bursting);
+    RUN_TEST(an_mv_that_turns_every_14_steps_swings_and_one_every_25_does_not);
     RUN_TEST(a_load_answered_in_one_direction_is_not);
     RUN_TEST(moves_that_have_always_been_large_are_not);
     RUN_TEST(small_moves_are_not_whatever_there_was_before);

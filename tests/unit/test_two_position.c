@@ -244,6 +244,16 @@ static void a_plan_refuses_what_two_positions_cannot_do(void)
     }
 }
 
+static void its_check_names_the_one_member_that_it_has(void)
+{
+    struct loop_settings settings = {.band = 0, .out_lo = 0.1f, .out_hi = 0.6f};
+    struct block_setup setup = {.settings = &settings, .members = 1, .member = {{.pv_span = 100}}};
+    struct block_fault fault = {.member = 7};
+    TEST_ASSERT_EQUAL(ERR_RANGE, two_position_kind.check(&setup, &fault));
+    TEST_ASSERT_EQUAL_STRING("band", fault.field);
+    TEST_ASSERT_EQUAL_UINT8(0, fault.member);
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -262,5 +272,6 @@ int main(void)
     RUN_TEST(it_drives_an_inner_loop_in_cascade);
     RUN_TEST(another_law_is_another_loop_and_starts_in_manual);
     RUN_TEST(a_plan_refuses_what_two_positions_cannot_do);
+    RUN_TEST(its_check_names_the_one_member_that_it_has);
     return UNITY_END();
 }
