@@ -339,7 +339,7 @@ const struct parameter_group parameter_groups[] = {
     GROUP(10, "alarm", alarm, struct alarm_config, CONFIG_ALARMS, 8, alarm_fields),
     {11, 1, COUNT(restart_fields), false, 0, 0, "restart", restart_fields, 1},
 #if CONFIG_LOOP_GUARD
-    {17, 1, COUNT(deviation_fields), false, 0, 0, "deviation", deviation_fields, 1},
+    {13, 1, COUNT(deviation_fields), false, 0, 0, "deviation", deviation_fields, 1},
 #endif
 #if COMMISSION_CHANNELS
     {14, 1, COUNT(test_fields), false, 0, 0, "test", test_fields, 1},
