@@ -10,7 +10,7 @@ _Static_assert(EVENTS_MAX + SWINGS_MAX <= PLANT_CHANGES_MAX, "all events may com
 
 static const struct {
     const char *name;
-    double lo, hi; /* allowed values; in_span: the span of the channel holds instead */
+    double lo, hi; /* allowed values; in_span: of an MV the span of its channel holds instead */
     enum instrument_option option;
     bool sensor, actuator, in_span;
 } options[] = {
@@ -22,7 +22,7 @@ static const struct {
     {"hi", 0.0, 0.0, OPTION_HI, false, true, true},
     {"lo", 0.0, 0.0, OPTION_LO, false, true, true},
     {"slew", 0.0, 1e9, OPTION_SLEW, false, true, false},
-    {"stuck", 0.0, 0.0, OPTION_STUCK, true, true, true},
+    {"stuck", -1e9, 1e9, OPTION_STUCK, true, true, true},
     {"free", 1.0, 1.0, OPTION_FREE, true, true, false},
     {"drift", -1e9, 1e9, OPTION_DRIFT, true, false, false},
     {"frozen", 0.0, 1.0, OPTION_FROZEN, true, false, false},
@@ -147,9 +147,10 @@ static bool add_option(struct event *event, const struct plant_class *class, con
         event->option = options[k].option;
         char full[132];
         (void)snprintf(full, sizeof(full), "%s.%s", name, option);
-        double lo = options[k].in_span ? c->lo : options[k].lo;
-        double hi = options[k].in_span ? c->hi : options[k].hi;
-        const char *unit = options[k].in_span ? c->unit : "";
+        bool in_span = options[k].in_span && c->kind == PLANT_MV;
+        double lo = in_span ? c->lo : options[k].lo;
+        double hi = in_span ? c->hi : options[k].hi;
+        const char *unit = in_span ? c->unit : "";
         if (!check_range(text, full, event->value, lo, hi, unit, err, err_size)) {
             return false;
         }

@@ -290,7 +290,7 @@ static void read_sensor(struct sensor *s, const struct plant_channel *c, double 
     x = faulty_reading(s, c, x, begun);
     s->shown = x;
     int quality = s->quality;
-    if (!(x >= c->lo && x <= c->hi)) {
+    if (!s->stuck && !(x >= c->lo && x <= c->hi)) {
         x = x < c->lo ? c->lo : c->hi;
         quality = quality < QUALITY_UNCERTAIN ? QUALITY_UNCERTAIN : quality;
     }

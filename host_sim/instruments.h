@@ -33,7 +33,7 @@ enum instrument_option {
     OPTION_HI,         /* actuator: upper limit, units */
     OPTION_LO,         /* actuator: lower limit, units */
     OPTION_SLEW,       /* actuator: fastest change, units per second, 0 = no bound */
-    OPTION_STUCK,      /* stays at this value, whatever is commanded or measured */
+    OPTION_STUCK, /* stays at this value, whatever is commanded or measured; of a sensor also outside its span */
     OPTION_FREE,       /* 1 = no longer stuck, frozen or dead */
     OPTION_DRIFT,      /* sensor: units per hour from now on; 0 = repaired, what gathered is gone */
     OPTION_FROZEN,     /* sensor: 1 = stays at its present reading */

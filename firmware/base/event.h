@@ -106,6 +106,8 @@ enum event_code {
 #endif
     EVENT_DEVIATION,
     EVENT_DEVIATION_OVER,
+    EVENT_DOUBTFUL,
+    EVENT_DOUBTFUL_OVER,
     /* Actions: what was asked for at the console. Kept in the history, not announced. */
     EVENT_DO_MODE,
     EVENT_DO_SETPOINT,

@@ -69,6 +69,13 @@ static bool alarm_line(struct console *c, unsigned n, struct text *line)
                                ? measurement_fault_text(sup->measurement[n].fault)
                                : "not announced by the plant");
         }
+#if CONFIG_LOOP_GUARD
+        if (n < sup->placed[PLACED_MEASUREMENTS] && sup->measurement[n].doubt.told) {
+            text_str(line, "DOUBTFUL ");
+            text_str(line, plan->config.measurement[n].name);
+            text_str(line, " is uncertain and a loop acts on it");
+        }
+#endif
         return true;
     }
     n -= CHANNEL_MAX;
@@ -92,7 +99,7 @@ static bool alarm_line(struct console *c, unsigned n, struct text *line)
     n -= CONFIG_INTERLOCKS;
 #if CONFIG_LOOP_GUARD
     if (n < CONFIG_LOOPS) {
-        if (n < sup->placed[PLACED_LOOPS] && sup->loop[n].deviates) {
+        if (n < sup->placed[PLACED_LOOPS] && sup->loop[n].deviation.told) {
             text_str(line, "DEVIATION ");
             text_str(line, plan->config.loop[n].name);
             text_str(line, " is far from its setpoint");

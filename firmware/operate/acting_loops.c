@@ -2,17 +2,19 @@
 #include <string.h>
 
 #include "operate/operate_internal.h"
+#include "supervise/calibration.h"
 
 #if CONFIG_LOOP_GUARD
 
-/* Whether a channel that stands in both configurations keeps its unit and its span. */
+/* Whether a channel that stands in both configurations keeps its unit, its span and its calibration. */
 static bool same_pv(const struct config *a, const struct config *b, const char *name)
 {
     uint8_t i = config_find_measurement(a, name), k = config_find_measurement(b, name);
     if (i == PLAN_NONE || k == PLAN_NONE)
         return true;
     const struct measurement_config *x = &a->measurement[i], *y = &b->measurement[k];
-    return strcmp(x->unit, y->unit) == 0 && x->lo == y->lo && x->hi == y->hi;
+    return strcmp(x->unit, y->unit) == 0 && x->lo == y->lo && x->hi == y->hi &&
+           same_calibration(x, y);
 }
 
 static bool same_mv(const struct config *a, const struct config *b, const char *name)
@@ -45,13 +47,13 @@ enum err operate_keep_acting_loops(const struct service *s, const struct config 
         const char *field = old->loop[i].name[0] ? field_turned(old, next, i) : NULL;
         if (!field || service_mode(s, i) == LOOP_MANUAL)
             continue;
-        *fault =
-            (struct config_fault){.code = ERR_STATE,
-                                  .group = "loop",
-                                  .index = (uint8_t)(i + 1u),
-                                  .field = field,
-                                  .wanted = "acts: its action, PV, MV, units and spans change in "
-                                            "manual only; `mode LOOP manual` first"};
+        *fault = (struct config_fault){.code = ERR_STATE,
+                                       .group = "loop",
+                                       .index = (uint8_t)(i + 1u),
+                                       .field = field,
+                                       .wanted =
+                                           "acts: its action, PV, MV, units, spans and calibration "
+                                           "change in manual only; `mode LOOP manual` first"};
         memcpy(fault->subject, old->loop[i].name, CHANNEL_NAME_SIZE);
         return ERR_STATE;
     }

@@ -9,6 +9,12 @@ const struct config *operate_view(const struct session *session)
     return s->staging ? service_staged(s) : operate_settings(session);
 }
 
+#if CONFIG_CALIBRATION
+#define NO_PARAMETER "no such parameter; `list all` shows them"
+#else /* other builds may have it */
+#define NO_PARAMETER "no such parameter in this board's build; `list all` shows them"
+#endif
+
 enum err operate_find_parameter(const struct session *session, const char *name,
                                 struct parameter *p, struct answer *answer)
 {
@@ -24,7 +30,7 @@ enum err operate_find_parameter(const struct session *session, const char *name,
                            "the block has no kind that this build knows, and so no such parameter");
 #endif
     } else if (err) {
-        (void)!operate_refuse(answer, err, name, "no such parameter; `list all` shows them");
+        (void)!operate_refuse(answer, err, name, NO_PARAMETER);
     }
     return err;
 }

@@ -106,6 +106,20 @@ static const struct parameter_field measurement_fields[] = {
     A(delay, 20, 0, 10000, 0, "base ticks from when it is sampled until it comes"),
 #undef A
 #endif
+#if CONFIG_CALIBRATION
+#define C(member, id, unit, lo, hi, initial, help)                                                 \
+    {                                                                                              \
+        id, PARAMETER_FLOAT, offsetof(struct measurement_config, member), #member, unit, help,     \
+            PLACE(lo), PLACE(hi), PLACE(initial), true                                             \
+    }
+    C(gain, 21, "EU/EU", 1e-6f, 1e6f, 1,
+      "calibration: reading = zero + gain times what the plant sends"),
+    C(zero, 22, "EU", -BIG, BIG, 0, "calibration: added to that (docs/faults.md)"),
+    C(valid_lo, 23, "EU", -BIG, BIG, 0,
+      "a lower reading is not valid; both 0 = -2.5 % and 106.25 % of the span, as NAMUR NE 43"),
+    C(valid_hi, 24, "EU", -BIG, BIG, 0, "a higher reading is not valid"),
+#undef C
+#endif
 };
 
 static const struct parameter_field mv_fields[] = {

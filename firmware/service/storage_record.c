@@ -207,7 +207,7 @@ bool record_wanted(const struct parameter *p, const struct config *config)
 #endif
     if (p->field->type == PARAMETER_FIXED)
         return false;
-#if CONFIG_ANALYSERS
+#if CONFIG_ANALYSERS || CONFIG_CALIBRATION
     if (p->field->if_set)
         return !parameter_is_default(p, config);
 #endif

@@ -4,6 +4,7 @@
 #include "supervise/alarms.h"
 #include "supervise/arena.h"
 #include "supervise/blocks.h"
+#include "supervise/calibration.h"
 #include "supervise/excitation_plan.h"
 #include "supervise/histories.h"
 #include "supervise/sampling.h"
@@ -133,13 +134,17 @@ static void place_measurement(struct supervisor *s, const struct plan *old, uint
     if (!same)
         *state =
             (struct measurement_state){.quality = QUALITY_MISSING, .fault = MEASUREMENT_MISSING};
-    else if (m->lo != before->lo || m->hi != before->hi)
-        state->value =
-            span_to_fraction(span_to_eu(state->value, before->lo, before->hi), m->lo, m->hi);
+    bool moved =
+        same && (m->lo != before->lo || m->hi != before->hi || !same_calibration(m, before));
+    if (moved) {
+        float value = span_to_eu(state->value, before->lo, before->hi);
+        state->value = span_to_fraction(recalibrated(m, before, value), m->lo, m->hi);
+        state->last_valid = recalibrated(m, before, state->last_valid);
+    }
     if (!m->name[0])
         return;
     (void)!lag_retune(&state->filter, m->filter_s, s->plan->tick_s * sampling_every(m));
-    if (!same || m->lo != before->lo || m->hi != before->hi)
+    if (!same || moved)
         lag_reset(&state->filter, state->value);
 }
 

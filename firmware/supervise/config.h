@@ -52,6 +52,13 @@
 #define CONFIG_ANALYSERS 0
 #endif
 #endif
+#ifndef CONFIG_CALIBRATION /* meas.gain, zero, valid_lo and valid_hi; 0 leaves them out */
+#if COMMISSION_CHANNELS
+#define CONFIG_CALIBRATION 1
+#else
+#define CONFIG_CALIBRATION 0
+#endif
+#endif
 #ifndef CONFIG_POOL_BYTES
 #define CONFIG_POOL_BYTES 2048 /* for the settings of all of them, a multiple of 4 */
 #endif
@@ -94,6 +101,10 @@ struct measurement_config {
     uint16_t every; /* base ticks from one of its samples to the next */
     uint16_t phase; /* it comes in base ticks t of plant time with t mod every = phase */
     uint16_t delay; /* base ticks between sampling and that */
+#endif
+#if CONFIG_CALIBRATION
+    float gain, zero;         /* reading = zero + gain * what the plant sends, EU */
+    float valid_lo, valid_hi; /* a reading outside is not valid, EU; both 0 = as NAMUR NE 43 */
 #endif
 };
 

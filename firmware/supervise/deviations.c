@@ -3,6 +3,19 @@
 #if CONFIG_LOOP_GUARD
 
 #include "supervise/blocks.h"
+#include "supervise/span.h"
+
+/* Whether the alarm comes or goes. */
+static bool lasting_changes(struct lasting *l, bool holds, float delay_s, uint64_t time_ms)
+{
+    if (holds && !l->holds)
+        l->since_ms = (uint32_t)time_ms;
+    l->holds = holds;
+    bool told = holds && (l->told || (float)((uint32_t)time_ms - l->since_ms) >= delay_s * 1000.0f);
+    bool changes = told != l->told;
+    l->told = told;
+    return changes;
+}
 
 static bool has_own_deviation(const struct supervisor *s, uint8_t i)
 {
@@ -22,20 +35,28 @@ static void run_one(struct supervisor *s, uint8_t i)
     bool acts = loop_acts(s, i) && c->deviation_width > 0.0f && !has_own_deviation(s, i);
     if (acts && (!m->bound || !m->seen || m->alarm || loop_interlocked(s, i)))
         return; /* it cannot be seen, or an interlock is the reason and has its own alarm */
-    float width = l->deviates ? 0.8f * c->deviation_width : c->deviation_width;
+    float width = l->deviation.told ? 0.8f * c->deviation_width : c->deviation_width;
     num_t distance = num_abs(num_sub(m->value, l->setpoint));
     bool far = acts && num_lt(num_from_float(width), distance);
-    if (far && !l->far)
-        l->far_since_ms = (uint32_t)s->time_ms;
-    l->far = far;
-    bool deviates = far && (l->deviates || (float)((uint32_t)s->time_ms - l->far_since_ms) >=
-                                               c->deviation_delay_s * 1000.0f);
-    if (deviates != l->deviates) {
-        const struct measurement_config *mc = &c->measurement[s->plan->loop[i].pv];
-        event_put(s->events, s->time_ms, deviates ? EVENT_DEVIATION : EVENT_DEVIATION_OVER,
-                  c->loop[i].name, num_to_float(distance) * (mc->hi - mc->lo), 0);
-    }
-    l->deviates = deviates;
+    if (!lasting_changes(&l->deviation, far, c->deviation_delay_s, s->time_ms))
+        return;
+    const struct measurement_config *mc = &c->measurement[s->plan->loop[i].pv];
+    event_put(s->events, s->time_ms, l->deviation.told ? EVENT_DEVIATION : EVENT_DEVIATION_OVER,
+              c->loop[i].name, num_to_float(distance) * (mc->hi - mc->lo), 0);
+}
+
+/* What stands in for a lost reading is uncertain too, and has been told with the loss. */
+static void run_doubt(struct supervisor *s, uint8_t i)
+{
+    struct measurement_state *m = &s->measurement[i];
+    const struct measurement_config *c = &s->plan->config.measurement[i];
+    bool acts = false;
+    for (uint8_t k = 0; k < s->placed[PLACED_LOOPS]; k++)
+        acts = acts || (loop_acts(s, k) && s->plan->loop[k].pv == i);
+    bool doubtful = acts && m->quality == QUALITY_UNCERTAIN && !m->alarm;
+    if (lasting_changes(&m->doubt, doubtful, c->sensor_hold_s, s->time_ms))
+        event_put(s->events, s->time_ms, m->doubt.told ? EVENT_DOUBTFUL : EVENT_DOUBTFUL_OVER,
+                  c->name, span_to_eu(m->value, c->lo, c->hi), 0);
 }
 
 void deviations_run(struct supervisor *s)
@@ -43,12 +64,16 @@ void deviations_run(struct supervisor *s)
     for (uint8_t i = 0; i < s->placed[PLACED_LOOPS]; i++)
         if (s->plan->loop[i].used)
             run_one(s, i);
+    for (uint8_t i = 0; i < s->placed[PLACED_MEASUREMENTS]; i++)
+        run_doubt(s, i);
 }
 
 void deviations_time_back(struct supervisor *s)
 {
     for (uint8_t i = 0; i < s->placed[PLACED_LOOPS]; i++)
-        s->loop[i].far = false;
+        s->loop[i].deviation.holds = false;
+    for (uint8_t i = 0; i < s->placed[PLACED_MEASUREMENTS]; i++)
+        s->measurement[i].doubt.holds = false;
 }
 
 #endif

@@ -1,5 +1,6 @@
-/* The alarm that every loop has while it acts: its PV has been far from its setpoint for long (parameters deviation.width and
- * deviation.delay). A loop with an entry of the alarms of side `dev` has that instead. Within supervise only. */
+/* The alarms that every loop has while it acts. Its PV has been far from its setpoint for long (parameters deviation.width and
+ * deviation.delay); a loop with an entry of the alarms of side `dev` has that instead. Or its PV has been uncertain for longer
+ * than meas.hold. Within supervise only. */
 #ifndef REFLUX_SUPERVISE_DEVIATIONS_H
 #define REFLUX_SUPERVISE_DEVIATIONS_H
 

@@ -5,6 +5,7 @@
 
 #include "base/crc32.h"
 #include "signal/ramp.h"
+#include "supervise/calibration.h"
 #include "supervise/plan_parts.h"
 #include "supervise/sampling.h"
 #include "supervise/sequence_plan.h"
@@ -323,6 +324,8 @@ enum err plan_set_tick(struct plan *plan, float tick_s, struct config_fault *fau
         err = resolve_inferences(plan, fault);
     if (!err)
         err = sampling_check(plan, fault);
+    if (!err)
+        err = calibration_check(plan, fault);
     if (!err)
         err = resolve_alarms(plan, fault);
 #if COMMISSION_CHANNELS

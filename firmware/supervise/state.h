@@ -74,6 +74,12 @@ enum measurement_fault {
     MEASUREMENT_FAULTS
 };
 
+/* A condition that is an alarm once it has lasted. */
+struct lasting {
+    bool holds, told;
+    uint32_t since_ms; /* plant time, low bits */
+};
+
 struct measurement_state {
     bool bound;     /* the plant announces it with the configured unit */
     bool seen;      /* there has been a usable value */
@@ -90,11 +96,14 @@ struct measurement_state {
     bool fresh; /* with `every` above 1: a reading was looked at in this tick */
 #endif
     enum quality quality; /* of `value` */
+#if CONFIG_LOOP_GUARD
+    struct lasting doubt; /* it is uncertain while a loop acts on it */
+#endif
     float raw;   /* last reading that was good by the plant, valid or not, less the offset, EU */
     num_t value; /* validated and filtered, fraction of span */
     struct lag filter;
     float last_valid;    /* last valid reading, EU */
-    float last;          /* last number delivered, EU */
+    float last;          /* last number delivered, as the plant sends it */
     uint64_t valid_ms;   /* plant time at which `good` came */
     uint64_t changed_ms; /* plant time at which `last` came to its value */
 #if CONFIG_ANALYSERS
@@ -133,8 +142,7 @@ struct loop_state {
     bool
         sp_given; /* the target is the operator's, or was in force: kept in manual unless sp_track */
 #if CONFIG_LOOP_GUARD
-    bool far, deviates;    /* the PV is far from the setpoint now; and has been for the delay */
-    uint32_t far_since_ms; /* plant time, low bits */
+    struct lasting deviation; /* the PV is far from the setpoint */
 #endif
     num_t target;   /* setpoint asked for */
     num_t setpoint; /* in force, after limits, ramp and filter */

@@ -2,18 +2,10 @@
 
 #include "base/elapsed.h"
 #include "supervise/blocks.h"
+#include "supervise/calibration.h"
 #include "supervise/safe_state.h"
 #include "supervise/sampling.h"
 #include "supervise/span.h"
-
-/* A reading this far outside its span, in spans, is not valid. */
-#define BELIEVABLE 0.1f
-
-static bool in_reach(float value, float lo, float hi)
-{
-    float margin = BELIEVABLE * (hi - lo);
-    return value >= lo - margin && value <= hi + margin;
-}
 
 /* Nothing has moved for too long. Counts from the last change of what the plant delivered. */
 static bool frozen(struct measurement_state *m, float value, float limit_s, uint64_t came_ms)
@@ -36,24 +28,26 @@ static bool too_fast(const struct measurement_state *m, float value, float limit
     return way > limit * (elapsed_ms(came_ms, m->valid_ms) / 1000.0f);
 }
 
-/* came_ms: plant time at which the sample came. */
-static enum measurement_fault judge(struct measurement_state *m, const struct measurement_config *c,
-                                    const struct reading *r, uint64_t came_ms)
+/* value: the reading, calibrated. came_ms: plant time at which the sample came. */
+static enum measurement_fault judge(struct supervisor *s, uint8_t i, const struct reading *r,
+                                    float value, uint64_t came_ms)
 {
+    struct measurement_state *m = &s->measurement[i];
+    const struct measurement_config *c = &s->plan->config.measurement[i];
     if (r->quality == QUALITY_MISSING)
         return MEASUREMENT_MISSING;
     if (!quality_usable(r->quality))
         return MEASUREMENT_FLAGGED;
-    if (!float_is_finite(r->value))
+    if (!float_is_finite(value))
         return MEASUREMENT_NOT_A_NUMBER;
     /* Interlocks look at this: a number that the plant does not call good must not release one. */
-    m->raw = r->value - measurement_offset_in_force(m, c);
+    m->raw = value - measurement_offset_in_force(m, c);
     bool still = frozen(m, r->value, c->frozen_s, came_ms);
-    if (!in_reach(r->value, c->lo, c->hi))
+    if (!calibration_believes(s->plan, i, value))
         return MEASUREMENT_OUT_OF_RANGE;
     if (still)
         return MEASUREMENT_FROZEN;
-    return too_fast(m, r->value, c->rate_limit, came_ms) ? MEASUREMENT_TOO_FAST : MEASUREMENT_FINE;
+    return too_fast(m, value, c->rate_limit, came_ms) ? MEASUREMENT_TOO_FAST : MEASUREMENT_FINE;
 }
 
 /* A usable value, read or made up. */
@@ -110,7 +104,7 @@ static bool infer(struct supervisor *s, uint8_t i)
     if (!inferred_from(s, i, &value))
         return false;
     value = c->infer_offset + c->infer_gain * value;
-    if (!in_reach(value, c->lo, c->hi))
+    if (!near_span(value, c->lo, c->hi))
         return false;
     set_inferred(s, i, true, value);
     take(&s->measurement[i], c, value, QUALITY_UNCERTAIN);
@@ -164,9 +158,10 @@ void validate_measurement(struct supervisor *s, uint8_t i, const struct reading 
     if (!sampling_due(s, i, c))
         return; /* its value stands, as good as it was */
     uint64_t came_ms = sampling_ms(s, m, c);
-    m->fault = (uint8_t)judge(m, c, r, came_ms);
+    float value = calibrated(c, r->value);
+    m->fault = (uint8_t)judge(s, i, r, value, came_ms);
     if (m->fault != MEASUREMENT_FINE) {
-        fall_back(s, i, r->value);
+        fall_back(s, i, value);
         return;
     }
     bool outside = m->raw < c->lo || m->raw > c->hi;
@@ -174,11 +169,11 @@ void validate_measurement(struct supervisor *s, uint8_t i, const struct reading 
     take(m, c, m->raw, outside ? QUALITY_UNCERTAIN : r->quality);
     m->valid = true;
     m->lost = false;
-    m->last_valid = r->value;
+    m->last_valid = value;
     m->valid_ms = came_ms;
     if (m->alarm) {
         m->alarm = false;
-        event_put(s->events, s->time_ms, EVENT_MEASUREMENT_GOOD, c->name, r->value, 0);
+        event_put(s->events, s->time_ms, EVENT_MEASUREMENT_GOOD, c->name, value, 0);
     }
 }
 
@@ -204,7 +199,7 @@ void validate_readback_sent(struct supervisor *s, uint8_t j, const struct readin
     const struct mv_config *c = &s->plan->config.mv[j];
     bool differs = false;
     if (o->bound && o->sent && quality_usable(r->quality) && float_is_finite(r->value) &&
-        in_reach(r->value, c->lo, c->hi)) {
+        near_span(r->value, c->lo, c->hi)) {
         o->readback = span_to_fraction(r->value, c->lo, c->hi);
         num_t gap = num_abs(num_sub(o->readback, o->constrained));
         /* Half the band to come back in: noise at its edge is not news every tick. */

@@ -12,7 +12,8 @@ void setUp(void)
 void tearDown(void) {}
 
 #define ACTS                                                                                       \
-    "acts: its action, PV, MV, units and spans change in manual only; `mode LOOP manual` first"
+    "acts: its action, PV, MV, units, spans and calibration change in manual only; `mode LOOP "    \
+    "manual` first"
 
 static void what_turns_an_acting_loop_is_refused_with_its_name_and_the_way(void)
 {
@@ -24,6 +25,7 @@ static void what_turns_an_acting_loop_is_refused_with_its_name_and_the_way(void)
     ask_refused("set meas2.unit K", "STATE");
     TEST_ASSERT_TRUE(said("loop2.pv: 'bottom' " ACTS));
     ask_refused("set meas2.hi 180", "STATE");
+    ask_refused("set meas2.zero 1", "STATE");
     ask_refused("set mv2.hi 3", "STATE");
     ask_refused("set mv2.unit W", "STATE");
     TEST_ASSERT_TRUE(said("loop2.out: 'bottom' " ACTS));

@@ -85,6 +85,14 @@ static void a_stuck_sensor_reads_what_it_is_stuck_at_until_it_is_free(void)
         TEST_ASSERT_EQUAL_FLOAT(expected[k], reading());
 }
 
+static void a_sensor_may_be_stuck_outside_its_span_and_call_that_good(void)
+{
+    at("10:y1.stuck=200");
+    (void)reading();
+    TEST_ASSERT_EQUAL_FLOAT(200.0f, reading());
+    TEST_ASSERT_EQUAL(QUALITY_GOOD, sample.measurement[0].quality);
+}
+
 static void a_frozen_sensor_keeps_its_reading_to_the_last_bit(void)
 {
     at("0:y1.noise=1");
@@ -291,7 +299,7 @@ static void a_swing_that_would_leave_the_span_is_refused(void)
 static void options_for_the_other_kind_and_broken_choices_are_refused(void)
 {
     const char *wrong[] = {"0:y1.stiction=1", "0:u1.drift=1",    "0:u1.nan=1",     "0:y1.nan=0.5",
-                           "0:y1.dropout=2",  "0:u1.readback=3", "0:y1.stuck=1e6", "0:y1.spike=-1"};
+                           "0:y1.dropout=2",  "0:u1.readback=3", "0:u1.stuck=1e6", "0:y1.spike=-1"};
     for (size_t i = 0; i < sizeof(wrong) / sizeof(wrong[0]); i++)
         TEST_ASSERT_FALSE_MESSAGE(events_add(&events, &two_by_two, wrong[i], err, sizeof(err)),
                                   wrong[i]);
@@ -329,6 +337,7 @@ int main(void)
     RUN_TEST(drift_goes_on_by_the_hour_and_is_gone_when_repaired);
     RUN_TEST(hum_is_a_sine_of_its_amplitude_and_period);
     RUN_TEST(a_stuck_sensor_reads_what_it_is_stuck_at_until_it_is_free);
+    RUN_TEST(a_sensor_may_be_stuck_outside_its_span_and_call_that_good);
     RUN_TEST(a_frozen_sensor_keeps_its_reading_to_the_last_bit);
     RUN_TEST(a_dead_sensor_reads_the_end_of_its_span_and_calls_it_good);
     RUN_TEST(spikes_come_at_their_rate_both_ways_and_last_one_sample);

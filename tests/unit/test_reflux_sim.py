@@ -3,9 +3,10 @@
 
 usage: test_reflux_sim.py REFLUX_SIM TEST_CONTROLLER PYTHON_PLANT
 """
-import csv, os, signal, socket, subprocess, sys, tempfile, time, unittest
+import csv, os, re, signal, socket, subprocess, sys, tempfile, time, unittest
 
 SIM, CONTROLLER, PYTHON_PLANT = sys.argv[1:4]
+ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
 HANG_S = 900  # stops what hangs; nothing here takes long, but how long is the machine's affair
 
 
@@ -105,6 +106,13 @@ class Options(Bench):
         ]:
             with self.subTest(more=more):
                 self.refused(self.BASE + more, because)
+
+    def test_every_fault_of_a_thermometer_in_the_fault_matrix_can_be_played(self):
+        page = open(os.path.join(ROOT, "docs", "faults.md"), encoding="utf-8").read()
+        faults = sorted(set(re.findall(r"`(T(?:1|5|10)\.\w+=[-0-9.]+)`", page)))
+        self.assertGreater(len(faults), 15)
+        for fault in faults:
+            self.refused(["--plant", "pilot", "--event", "600:" + fault], "--port")
 
     def test_missing_plant_and_port_are_named(self):
         self.refused([], "--plant NAME is missing")

@@ -44,6 +44,8 @@ static void test_cut_in_a_save_that_appends(void)
     bench_boot();
     bench_small(&older, "1.5");
     bench_small(&newer, "2.5");
+    bench_set(&newer, "meas1.gain", "1.02");
+    bench_set(&newer, "meas1.valid_hi", "104");
     bench_put(&older);
     TEST_ASSERT_EQUAL(ERR_OK, bench_save());
     record_save(&first, &newer);

@@ -138,6 +138,25 @@ static void test_unknown_ids_are_carried_over_by_every_save(void)
     TEST_ASSERT_EQUAL(6, times_in_flash(unknown, sizeof unknown));
 }
 
+/* Calibration and limits of belief: what an earlier set lacks is as if it were not there, and is not stored. */
+static void test_a_measurement_of_an_earlier_set_is_calibrated_by_nothing(void)
+{
+    static const char *const names[] = {"meas1.gain", "meas1.zero", "meas1.valid_lo",
+                                        "meas1.valid_hi"};
+    load_image("plain");
+    bench_boot();
+    for (uint8_t k = 0; k < 4; k++) {
+        TEST_ASSERT_EQUAL_FLOAT(k == 0 ? 1.0f : 0.0f, bench_get(names[k]));
+        TEST_ASSERT_EQUAL(ERR_OK, bench_save());
+        struct parameter p;
+        TEST_ASSERT_EQUAL(ERR_OK, parameter_find(names[k], &p));
+        uint32_t id = parameter_id(&p);
+        const uint8_t head[4] = {(uint8_t)id, (uint8_t)(id >> 8), STORAGE_FLOAT, 4};
+        TEST_ASSERT_EQUAL(0, times_in_flash(head, sizeof head));
+    }
+    TEST_ASSERT_EQUAL(0, seen[EVENT_STORAGE_CLIPPED]);
+}
+
 static void test_values_out_of_range_are_clipped_one_by_one(void)
 {
     struct config expected;
@@ -243,6 +262,7 @@ int main(void)
     RUN_TEST(test_nothing_of_ours_is_repaired_beside_newer_firmware);
     RUN_TEST(test_only_newer_settings_are_no_damage_and_load_says_so);
     RUN_TEST(test_unknown_ids_are_carried_over_by_every_save);
+    RUN_TEST(test_a_measurement_of_an_earlier_set_is_calibrated_by_nothing);
     RUN_TEST(test_values_out_of_range_are_clipped_one_by_one);
     RUN_TEST(test_clipping_names_parameter_and_value);
     RUN_TEST(test_types_that_have_changed_are_converted);

@@ -16,6 +16,7 @@ COMMANDS = {
     "campaign": "cmd_campaign",
     "bench": "cmd_bench",
     "plot": "cmd_plot",
+    "calibrate": "cmd_calibrate",
     "column": "cmd_column",
     "gradients": "cmd_gradients",
     "consistency": "cmd_consistency",
