@@ -170,6 +170,21 @@ enum event_level event_level(uint8_t code)
     return code < EVENT_COUNT ? (enum event_level)table[code][0] : EVENT_ALARM;
 }
 
+bool event_may_repeat(uint8_t code)
+{
+    bool of_test = code >= EVENT_SEQUENCE_STEP && code <= EVENT_TRIAL_FAILED;
+    enum event_level level = event_level(code);
+    if (level == EVENT_WARNING || level == EVENT_ALARM)
+        return !of_test && code != EVENT_WRONG_KEY; /* which counts itself */
+    return code == EVENT_LINK_UP || code == EVENT_MEASUREMENT_GOOD || code == EVENT_INTERLOCK_OFF ||
+           code == EVENT_FOLLOWING || code == EVENT_ALARM_OFF || code == EVENT_DEVIATION_OVER ||
+           code == EVENT_DOUBTFUL_OVER
+#if EVENTS_OF_BLOCKS
+           || code == EVENT_BLOCK_EVENT
+#endif
+        ;
+}
+
 const char *event_level_name(enum event_level level)
 {
     static const char *const names[] = {"info", "warning", "alarm", "action"};

@@ -3,6 +3,7 @@
 #ifndef REFLUX_BASE_EVENT_H
 #define REFLUX_BASE_EVENT_H
 
+#include <stdbool.h>
 #include <stdint.h>
 
 #include "base/channel.h"
@@ -129,6 +130,10 @@ enum event_code {
     EVENT_COUNT
 };
 
+/* Bit of the code of an entry of the history that is the latest of a run: its value says how many there were. */
+#define EVENT_REPEATED 0x80u
+_Static_assert(EVENT_COUNT <= EVENT_REPEATED, "codes leave that bit free");
+
 #define EVENT_ENGINEER 1u /* bit of `detail` of an action: done on the engineer level */
 
 struct event {
@@ -144,6 +149,8 @@ const char *event_name(uint8_t code); /* "LINK_UP"; "?" out of range */
 const char *event_text(uint8_t code); /* what the value means, in words */
 enum event_level event_level(uint8_t code);
 const char *event_level_name(enum event_level level);
+/* What may come again and again, with nothing in its value that a count could not stand for. */
+bool event_may_repeat(uint8_t code);
 
 #ifndef EVENT_QUEUE_SIZE
 #define EVENT_QUEUE_SIZE 64 /* power of two: all that one tick can say */

@@ -300,16 +300,21 @@ void command_log(struct console *c, unsigned n, char **word)
 
 void event_line(const struct event *e, struct text *line)
 {
+    uint8_t code = e->code & (uint8_t)~EVENT_REPEATED;
     text_seconds(line, e->time_ms);
     text_char(line, ' ');
-    text_str(line, event_level_name(event_level(e->code)));
+    text_str(line, event_level_name(event_level(code)));
     text_char(line, ' ');
-    text_str(line, event_name(e->code));
+    text_str(line, event_name(code));
     text_char(line, ' ');
     text_str(line, e->subject[0] ? e->subject : "-");
     text_char(line, ' ');
     text_float(line, e->value);
     text_char(line, ' ');
+    if (code != e->code) {
+        text_str(line, "times by now, this is the latest");
+        return;
+    }
     text_str(line, event_text(e->code));
     if (e->code == EVENT_MEASUREMENT_BAD) {
         text_str(line, ": ");

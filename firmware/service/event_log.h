@@ -39,6 +39,10 @@ void event_log_put(struct event_log *log, const struct event *event);
 /* Puts another event in the place of the one with that sequence number, which must still be there; it is then of this
  * start. */
 void event_log_replace(struct event_log *log, uint32_t sequence, const struct event *event);
+/* Where the event with that sequence number repeats one of the last hour of this start, it becomes the latest of the run, with
+ * their count as its value (EVENT_REPEATED), and the one that was the latest goes. Returns whether one before it has gone: all
+ * from there on have moved up by one. */
+bool event_log_join(struct event_log *log, uint32_t sequence);
 /* The event with that sequence number; false when it is not there (any more). Characters that are in no name and in no
  * word of an event come back as '?'. */
 bool event_log_get(const struct event_log *log, uint32_t sequence, struct event *event);

@@ -378,7 +378,9 @@ bool service_next_event(struct service *s, struct event *event)
         s->announced = oldest;
     }
     while (s->announced < s->history.count) {
-        bool there = event_log_get(&s->history, s->announced++, event);
+        bool there = event_log_get(&s->history, s->announced, event);
+        if (!event_log_join(&s->history, s->announced))
+            s->announced++;
         if (there && event_level(event->code) != EVENT_ACTION)
             return true;
     }

@@ -150,6 +150,107 @@ static void what_a_record_cannot_hold_is_told_from_what_it_can(void)
     TEST_ASSERT_TRUE(e.time_ms == (UINT64_C(1) << 48) - 1u);
 }
 
+/* ---- runs of repeats ---- */
+
+/* As the history keeps it once it has been announced. */
+static void comes(uint64_t time_s, enum event_code code, const char *subject)
+{
+    struct event e = event_make(time_s * 1000u, code, subject, 0.25f, 0);
+    event_log_put(&event_log, &e);
+    (void)event_log_join(&event_log, event_log.count - 1u);
+}
+
+static void stands(uint32_t sequence, uint64_t time_s, uint8_t code, float value)
+{
+    struct event e;
+    TEST_ASSERT_TRUE(event_log_get(&event_log, sequence, &e));
+    TEST_ASSERT_EQUAL(code, e.code);
+    TEST_ASSERT_TRUE(e.time_ms == time_s * 1000u);
+    TEST_ASSERT_EQUAL_FLOAT(value, e.value);
+}
+
+static void of_a_run_of_repeats_the_first_and_the_latest_stand_with_the_count(void)
+{
+    for (unsigned k = 1; k <= 300; k++)
+        comes(k, EVENT_SAMPLE_LATE, "");
+    TEST_ASSERT_EQUAL(2, event_log.count);
+    stands(0, 1, EVENT_SAMPLE_LATE, 0.25f);
+    stands(1, 300, EVENT_SAMPLE_LATE | EVENT_REPEATED, 300.0f);
+}
+
+static void runs_that_alternate_take_two_entries_each_in_the_order_of_time(void)
+{
+    for (unsigned k = 1; k <= 300; k++)
+        comes(k, k % 2 ? EVENT_SAMPLE_EARLY : EVENT_SAMPLE_LATE, "");
+    TEST_ASSERT_EQUAL(4, event_log.count);
+    stands(0, 1, EVENT_SAMPLE_EARLY, 0.25f);
+    stands(1, 2, EVENT_SAMPLE_LATE, 0.25f);
+    stands(2, 299, EVENT_SAMPLE_EARLY | EVENT_REPEATED, 150.0f);
+    stands(3, 300, EVENT_SAMPLE_LATE | EVENT_REPEATED, 150.0f);
+}
+
+static void what_comes_between_stays_where_it_was(void)
+{
+    for (unsigned k = 1; k <= 300; k++)
+        comes(k, k % 100 ? EVENT_SAMPLE_LATE : EVENT_DO_MODE, "");
+    TEST_ASSERT_EQUAL(5, event_log.count);
+    stands(0, 1, EVENT_SAMPLE_LATE, 0.25f);
+    for (unsigned k = 1; k <= 2; k++)
+        stands(k, 100u * k, EVENT_DO_MODE, 0.25f);
+    stands(3, 299, EVENT_SAMPLE_LATE | EVENT_REPEATED, 297.0f);
+    stands(4, 300, EVENT_DO_MODE, 0.25f);
+}
+
+static void another_subject_an_hour_or_a_start_begins_a_new_run(void)
+{
+    comes(1, EVENT_MEASUREMENT_BAD, "T1");
+    comes(2, EVENT_MEASUREMENT_BAD, "T2");
+    comes(3602, EVENT_MEASUREMENT_BAD, "T1"); /* 3601 s later */
+    start(8);
+    comes(3603, EVENT_MEASUREMENT_BAD, "T1");
+    TEST_ASSERT_EQUAL(4, event_log.count);
+    for (unsigned k = 0; k < 4; k++) {
+        struct event e;
+        TEST_ASSERT_TRUE(event_log_get(&event_log, k, &e));
+        TEST_ASSERT_EQUAL(EVENT_MEASUREMENT_BAD, e.code);
+    }
+}
+
+static void what_says_something_with_its_value_is_never_counted(void)
+{
+    static const enum event_code each[] = {EVENT_SETPOINT,         EVENT_MODE,
+                                           EVENT_OUTPUT,           EVENT_DO_SET,
+                                           EVENT_SEQUENCE_SKIPPED, EVENT_WRONG_KEY};
+    for (unsigned n = 0; n < sizeof each / sizeof each[0]; n++)
+        for (unsigned k = 0; k < 3; k++)
+            comes(n, each[n], "top");
+    TEST_ASSERT_EQUAL(18, event_log.count);
+}
+
+/* Power stays, the processor begins anew, after any number of the records that a join writes. */
+static void a_reset_while_a_run_is_counted_loses_none_that_is_not_of_it(void)
+{
+    static struct event_record before[EVENT_HISTORY], after[EVENT_HISTORY];
+    comes(1, EVENT_SAMPLE_LATE, "");
+    comes(2, EVENT_SAMPLE_LATE, "");
+    for (unsigned k = 3; k < 8; k++)
+        comes(k, EVENT_DO_SETPOINT, "top");
+    struct event e = event_make(8000, EVENT_SAMPLE_LATE, "", 0.25f, 0);
+    event_log_put(&event_log, &e);
+    memcpy(before, memory, sizeof before);
+    TEST_ASSERT_TRUE(event_log_join(&event_log, event_log.count - 1u));
+    memcpy(after, memory, sizeof after);
+    for (unsigned written = 0; written <= 8; written++) {
+        unsigned found = 0;
+        memcpy(memory, before, sizeof memory);
+        memcpy(memory, after, written * sizeof memory[0]);
+        start(8);
+        for (uint32_t k = 0; k < event_log.count; k++)
+            found += event_log_get(&event_log, k, &e) && e.code == EVENT_DO_SETPOINT;
+        TEST_ASSERT_TRUE(found >= 5);
+    }
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -160,5 +261,11 @@ int main(void)
     RUN_TEST(a_reset_keeps_them_and_marks_them_by_their_boot);
     RUN_TEST(a_reset_in_the_middle_of_any_write_costs_that_one_event);
     RUN_TEST(a_flipped_bit_costs_one_event_and_no_other);
+    RUN_TEST(of_a_run_of_repeats_the_first_and_the_latest_stand_with_the_count);
+    RUN_TEST(runs_that_alternate_take_two_entries_each_in_the_order_of_time);
+    RUN_TEST(what_comes_between_stays_where_it_was);
+    RUN_TEST(another_subject_an_hour_or_a_start_begins_a_new_run);
+    RUN_TEST(what_says_something_with_its_value_is_never_counted);
+    RUN_TEST(a_reset_while_a_run_is_counted_loses_none_that_is_not_of_it);
     return UNITY_END();
 }
