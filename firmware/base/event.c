@@ -135,6 +135,8 @@ static const char *const table[] = {
     G("DEVIATION_OVER", "the PV is near its setpoint again, or the loop in manual; distance", INFO),
     G("DOUBTFUL", "a loop acts on a reading that has long been uncertain; it reads", ALARM),
     G("DOUBTFUL_OVER", "no loop acts on an uncertain reading any more; it reads", INFO),
+    C("FIRST_READING", "the first reading was far from those that followed; it was", WARNING),
+    C("SAME_READING", "sends the same numbers as another measurement, meas", WARNING),
     E("DO_MODE", "mode asked for (0 manual, 1 auto, 2 cascade)", ACTION),
     E("DO_SETPOINT", "setpoint asked for", ACTION),
     E("DO_OUTPUT", "output asked for", ACTION),

@@ -109,6 +109,8 @@ enum event_code {
     EVENT_DEVIATION_OVER,
     EVENT_DOUBTFUL,
     EVENT_DOUBTFUL_OVER,
+    EVENT_FIRST_READING,
+    EVENT_SAME_READING,
     /* Actions: what was asked for at the console. Kept in the history, not announced. */
     EVENT_DO_MODE,
     EVENT_DO_SETPOINT,

@@ -52,7 +52,7 @@
 #define CONFIG_ANALYSERS 0
 #endif
 #endif
-#ifndef CONFIG_CALIBRATION /* meas.gain, zero, valid_lo and valid_hi; 0 leaves them out */
+#ifndef CONFIG_CALIBRATION /* meas.gain, zero, valid_lo and valid_hi, and watch.c; 0 leaves them out */
 #if COMMISSION_CHANNELS
 #define CONFIG_CALIBRATION 1
 #else

@@ -89,6 +89,10 @@ struct measurement_state {
     bool alarm;     /* reported as bad */
     bool inferred;  /* `value` is made from something else, by meas.infer */
     uint8_t fault;  /* enum measurement_fault of the last reading */
+#if CONFIG_CALIBRATION
+    uint8_t young;              /* readings for which the first valid one may still prove wrong */
+    uint8_t twin, twin_changes; /* a measurement that sends the same numbers; how many so far */
+#endif
 #if CONFIG_STEPS
     bool offset_on; /* the configured offset is subtracted from readings */
 #endif

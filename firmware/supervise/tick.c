@@ -16,6 +16,7 @@
 #include "supervise/supervisor.h"
 #include "supervise/transfer.h"
 #include "supervise/validate.h"
+#include "supervise/watch.h"
 
 void supervisor_validate(struct supervisor *s, const struct tick_input *input)
 {
@@ -36,6 +37,7 @@ void supervisor_validate(struct supervisor *s, const struct tick_input *input)
         if (s->plan->config.mv[i].name[0])
             validate_readback(s, i, &input->readback[i]);
     }
+    watch_twins(s);
     serve_estimate(s);
 }
 

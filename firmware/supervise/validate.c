@@ -6,6 +6,7 @@
 #include "supervise/safe_state.h"
 #include "supervise/sampling.h"
 #include "supervise/span.h"
+#include "supervise/watch.h"
 
 /* Nothing has moved for too long. Counts from the last change of what the plant delivered. */
 static bool frozen(struct measurement_state *m, float value, float limit_s, uint64_t came_ms)
@@ -34,6 +35,7 @@ static enum measurement_fault judge(struct supervisor *s, uint8_t i, const struc
 {
     struct measurement_state *m = &s->measurement[i];
     const struct measurement_config *c = &s->plan->config.measurement[i];
+    float before = m->last;
     if (r->quality == QUALITY_MISSING)
         return MEASUREMENT_MISSING;
     if (!quality_usable(r->quality))
@@ -47,7 +49,10 @@ static enum measurement_fault judge(struct supervisor *s, uint8_t i, const struc
         return MEASUREMENT_OUT_OF_RANGE;
     if (still)
         return MEASUREMENT_FROZEN;
-    return too_fast(m, value, c->rate_limit, came_ms) ? MEASUREMENT_TOO_FAST : MEASUREMENT_FINE;
+    bool fast = too_fast(m, value, c->rate_limit, came_ms);
+    if (watch_first_is_wrong(s, i, value, calibrated(c, before), fast))
+        return MEASUREMENT_FINE;
+    return fast ? MEASUREMENT_TOO_FAST : MEASUREMENT_FINE;
 }
 
 /* A usable value, read or made up. */
@@ -160,6 +165,7 @@ void validate_measurement(struct supervisor *s, uint8_t i, const struct reading 
     uint64_t came_ms = sampling_ms(s, m, c);
     float value = calibrated(c, r->value);
     m->fault = (uint8_t)judge(s, i, r, value, came_ms);
+    watch_age(m, value);
     if (m->fault != MEASUREMENT_FINE) {
         fall_back(s, i, value);
         return;
