@@ -106,7 +106,7 @@ class Commands(FolderTest):
             (["test", "units"], '"units" is no label'),
             (["campaign", "none"], 'no campaign "none"'),
             (["campaign", "pilot-noise", "--fraction", "0"], "--fraction must be more than 0"),
-            (["plot", bad], "must begin with number"),
+            (["plot", bad], "not a log"),
             (["bench", "--before", "deadbeef"], "--before deadbeef is no commit here"),
             (["bench", "--tick", "--before", "deadbeef"], "--before deadbeef is no commit here"),
         ):
