@@ -7,7 +7,7 @@
 #if CONFIG_LOOP_GUARD
 
 /* Whether a channel that stands in both configurations keeps its unit, its span and its calibration. */
-static bool same_pv(const struct config *a, const struct config *b, const char *name)
+static bool keeps_pv(const struct config *a, const struct config *b, const char *name)
 {
     uint8_t i = config_find_measurement(a, name), k = config_find_measurement(b, name);
     if (i == PLAN_NONE || k == PLAN_NONE)
@@ -17,7 +17,7 @@ static bool same_pv(const struct config *a, const struct config *b, const char *
            same_calibration(x, y);
 }
 
-static bool same_mv(const struct config *a, const struct config *b, const char *name)
+static bool keeps_mv(const struct config *a, const struct config *b, const char *name)
 {
     uint8_t i = config_find_mv(a, name), k = config_find_mv(b, name);
     if (i == PLAN_NONE || k == PLAN_NONE)
@@ -32,9 +32,9 @@ static const char *field_turned(const struct config *old, const struct config *n
     const struct loop_config *a = &old->loop[i], *b = &new->loop[i];
     if (strcmp(a->name, b->name) != 0)
         return NULL; /* another loop */
-    if (strcmp(a->pv, b->pv) != 0 || !same_pv(old, new, a->pv))
+    if (strcmp(a->pv, b->pv) != 0 || !keeps_pv(old, new, a->pv))
         return "pv";
-    if (strcmp(a->out, b->out) != 0 || !same_mv(old, new, a->out))
+    if (strcmp(a->out, b->out) != 0 || !keeps_mv(old, new, a->out))
         return "out";
     return a->own.action != b->own.action ? "action" : NULL;
 }

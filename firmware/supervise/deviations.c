@@ -11,9 +11,10 @@ static bool lasting_changes(struct lasting *l, bool holds, float delay_s, uint64
     if (holds && !l->holds)
         l->since_ms = (uint32_t)time_ms;
     l->holds = holds;
-    bool told = holds && (l->told || (float)((uint32_t)time_ms - l->since_ms) >= delay_s * 1000.0f);
-    bool changes = told != l->told;
-    l->told = told;
+    bool active =
+        holds && (l->active || (float)((uint32_t)time_ms - l->since_ms) >= delay_s * 1000.0f);
+    bool changes = active != l->active;
+    l->active = active;
     return changes;
 }
 
@@ -27,7 +28,7 @@ static bool has_own_deviation(const struct supervisor *s, uint8_t i)
     return false;
 }
 
-static void run_one(struct supervisor *s, uint8_t i)
+static void run_deviation(struct supervisor *s, uint8_t i)
 {
     struct loop_state *l = &s->loop[i];
     const struct config *c = &s->plan->config;
@@ -35,17 +36,17 @@ static void run_one(struct supervisor *s, uint8_t i)
     bool acts = loop_acts(s, i) && c->deviation_width > 0.0f && !has_own_deviation(s, i);
     if (acts && (!m->bound || !m->seen || m->alarm || loop_interlocked(s, i)))
         return; /* it cannot be seen, or an interlock is the reason and has its own alarm */
-    float width = l->deviation.told ? 0.8f * c->deviation_width : c->deviation_width;
+    float width = l->deviation.active ? 0.8f * c->deviation_width : c->deviation_width;
     num_t distance = num_abs(num_sub(m->value, l->setpoint));
     bool far = acts && num_lt(num_from_float(width), distance);
     if (!lasting_changes(&l->deviation, far, c->deviation_delay_s, s->time_ms))
         return;
     const struct measurement_config *mc = &c->measurement[s->plan->loop[i].pv];
-    event_put(s->events, s->time_ms, l->deviation.told ? EVENT_DEVIATION : EVENT_DEVIATION_OVER,
+    event_put(s->events, s->time_ms, l->deviation.active ? EVENT_DEVIATION : EVENT_DEVIATION_OVER,
               c->loop[i].name, num_to_float(distance) * (mc->hi - mc->lo), 0);
 }
 
-/* What stands in for a lost reading is uncertain too, and has been told with the loss. */
+/* What stands in for a lost reading is uncertain too, and has been active with the loss. */
 static void run_doubt(struct supervisor *s, uint8_t i)
 {
     struct measurement_state *m = &s->measurement[i];
@@ -55,7 +56,7 @@ static void run_doubt(struct supervisor *s, uint8_t i)
         acts = acts || (loop_acts(s, k) && s->plan->loop[k].pv == i);
     bool doubtful = acts && m->quality == QUALITY_UNCERTAIN && !m->alarm;
     if (lasting_changes(&m->doubt, doubtful, c->sensor_hold_s, s->time_ms))
-        event_put(s->events, s->time_ms, m->doubt.told ? EVENT_DOUBTFUL : EVENT_DOUBTFUL_OVER,
+        event_put(s->events, s->time_ms, m->doubt.active ? EVENT_DOUBTFUL : EVENT_DOUBTFUL_OVER,
                   c->name, span_to_eu(m->value, c->lo, c->hi), 0);
 }
 
@@ -63,7 +64,7 @@ void deviations_run(struct supervisor *s)
 {
     for (uint8_t i = 0; i < s->placed[PLACED_LOOPS]; i++)
         if (s->plan->loop[i].used)
-            run_one(s, i);
+            run_deviation(s, i);
     for (uint8_t i = 0; i < s->placed[PLACED_MEASUREMENTS]; i++)
         run_doubt(s, i);
 }

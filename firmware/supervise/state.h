@@ -76,7 +76,7 @@ enum measurement_fault {
 
 /* A condition that is an alarm once it has lasted. */
 struct lasting {
-    bool holds, told;
+    bool holds, active;
     uint32_t since_ms; /* plant time, low bits */
 };
 

@@ -11,7 +11,7 @@
 #define AGREE        0.25f /* of the distance from the first reading */
 #define TWIN_CHANGES 10u
 
-static float distance(float a, float b)
+static float apart(float a, float b)
 {
     return a > b ? a - b : b - a;
 }
@@ -20,9 +20,9 @@ bool watch_first_is_wrong(struct supervisor *s, uint8_t i, float value, float be
 {
     struct measurement_state *m = &s->measurement[i];
     const struct measurement_config *c = &s->plan->config.measurement[i];
-    float jump = distance(value, m->last_valid);
+    float jump = apart(value, m->last_valid);
     /* One that is too fast may be a spike; two that agree are not. */
-    bool wrong = too_fast ? distance(value, before) < AGREE * jump : jump > FAR * (c->hi - c->lo);
+    bool wrong = too_fast ? apart(value, before) < AGREE * jump : jump > FAR * (c->hi - c->lo);
     if (!m->young || !wrong)
         return false;
     event_put(s->events, s->time_ms, EVENT_FIRST_READING, c->name, m->last_valid, 0);

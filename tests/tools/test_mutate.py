@@ -9,6 +9,7 @@ from pathlib import Path
 
 from support import call
 
+from reflux_tools import cmd_mutate
 from reflux_tools.mutation import drawing
 from reflux_tools.mutation.edits import KINDS, edits_of
 
@@ -91,6 +92,11 @@ class DrawingTest(unittest.TestCase):
             self.assertTrue((drawing.ROOT / file).is_file(), file)
             self.assertNotEqual(old, new)
             self.assertGreater(len(reason), 20)
+
+
+class ListTest(unittest.TestCase):
+    def test_each_fault_of_the_list_stands_in_its_file_once(self) -> None:
+        cmd_mutate.check(cmd_mutate.load())  # raises, and names the fault
 
 
 class OptionsTest(unittest.TestCase):
