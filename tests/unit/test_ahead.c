@@ -161,6 +161,18 @@ static void what_a_feedforward_adds_is_not_its_own(void)
     TEST_ASSERT_DOUBLE_WITHIN(1e-3, 2.6, mv[TOP]);
 }
 
+static void what_a_feedforward_adds_later_is_not_its_own_either(void)
+{
+    begin();
+    tick();
+    double before = mv[TOP];
+    added[TOP] = 0.6;
+    tick();
+    TEST_ASSERT_TRUE(mv[TOP] > before + 0.5);
+    tick();
+    TEST_ASSERT_DOUBLE_WITHIN(0.2, before, mv[TOP]);
+}
+
 static void new_settings_hold_the_outputs_for_a_step_and_then_count(void)
 {
     begin();
@@ -240,24 +252,31 @@ static void a_pv_that_is_not_where_it_was_predicted_is_told(void)
     TEST_ASSERT_EQUAL_FLOAT(1, event_value[0]);
 }
 
-/* The MV of a loop by hand moves in the tick of the step: the prediction is of what took effect. */
+/* The MV of a loop by hand moves in the tick of the step: predictions of both PVs are of what took effect. */
 static void a_move_by_hand_is_part_of_what_is_predicted(void)
 {
-    begin();
-    io.acting = 1u << TOP;
-    ticks(3);
-    double bottom = at_bottom();
-    float missed = shown("missed_2");
-    measure();
-    kind->step(state, &io);
-    mv[BOTTOM] += 0.1;
-    apply();
-    plant_runs((double)INTERVAL_S);
-    measure();
-    kind->step(state, &io);
-    double moved = (at_bottom() - bottom) / 60; /* of the span */
-    TEST_ASSERT_TRUE(moved > 1e-3);
-    TEST_ASSERT_DOUBLE_WITHIN(0.1 * moved, (double)missed, (double)shown("missed_2"));
+    static const double move[LOOPS] = {0.4, 0.05};
+    for (unsigned by_hand = 0; by_hand < LOOPS; by_hand++) {
+        bench_pilot();
+        begin();
+        io.acting = (uint8_t)(1u << (1u - by_hand));
+        ticks(3);
+        double at[LOOPS] = {at_top(), at_bottom()};
+        double missed[LOOPS] = {(double)shown("missed_1"), (double)shown("missed_2")};
+        measure();
+        kind->step(state, &io);
+        mv[by_hand] += move[by_hand];
+        apply();
+        plant_runs((double)INTERVAL_S);
+        measure();
+        kind->step(state, &io);
+        for (unsigned i = 0; i < LOOPS; i++) {
+            double moved = fabs((i ? at_bottom() : at_top()) - at[i]) / 60; /* of the span */
+            TEST_ASSERT_TRUE(moved > 1e-3);
+            TEST_ASSERT_DOUBLE_WITHIN(0.1 * moved, missed[i],
+                                      (double)shown(i ? "missed_2" : "missed_1"));
+        }
+    }
 }
 
 static void it_gives_up_where_the_mv_of_an_input_is_not_that_of_the_loop(void)
@@ -402,6 +421,7 @@ int main(void)
     RUN_TEST(a_load_that_is_measured_is_met_before_it_is_seen);
     RUN_TEST(it_begins_with_the_outputs_in_effect_whatever_the_setpoints_are);
     RUN_TEST(what_a_feedforward_adds_is_not_its_own);
+    RUN_TEST(what_a_feedforward_adds_later_is_not_its_own_either);
     RUN_TEST(new_settings_hold_the_outputs_for_a_step_and_then_count);
     RUN_TEST(a_loop_by_hand_leaves_the_other_to_its_setpoint);
     RUN_TEST(a_loop_whose_mv_is_limited_gives_way_alone);

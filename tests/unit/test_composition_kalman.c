@@ -85,37 +85,43 @@ static void it_finds_a_feed_flow_that_nobody_measures(void)
     }
 }
 
-/* The pilot column's feed is given by volume: another composition is another number of moles. */
+/* A feed by mass: another composition is another number of moles. */
 static void what_is_found_of_the_feed_moves_every_fraction_as_rates_have_it(void)
 {
     enum { FRACTIONS = 12 };
     static struct column_table table;
     static struct column column;
-    const struct composition_gains g = {.has_feed = true, .has_flow = true, .feed = 2, .extras = 2};
-    real_t push[2 * FRACTIONS], flow[FRACTIONS], work[FRACTIONS], rates[2][FRACTIONS];
     struct column_fault wrong;
     bench_pilot();
+    change_record(&record, COLUMN_TABLE_FEED_BASIS, COLUMN_FLOW_MASS);
+    change_record(&record, COLUMN_TABLE_FEED, 0.0022f); /* kg/s */
     TEST_ASSERT_EQUAL(ERR_OK, column_record_open(&record, &table, &column));
     TEST_ASSERT_EQUAL(FRACTIONS, column.n_fractions);
-    TEST_ASSERT_EQUAL(ERR_OK, column_set_inputs(&column, &table.nominal, &wrong));
-    TEST_ASSERT_EQUAL(ERR_OK, column_rates(&column, table.profile, rates[0]));
-    composition_push(&g, &column, table.profile, push, flow, work);
-    for (unsigned e = 0; e < 2; e++) {
-        double by = e ? (double)COLUMN_FLOW_PART : 0.02, most = 0;
-        for (int side = 0; side < 2; side++) {
-            struct column_inputs in = table.nominal;
-            real_t move = (real_t)(side ? by : -by);
-            in.feed_fraction[0] += e ? 0 : move;
-            in.feed_fraction[1] -= e ? 0 : move;
-            in.feed_flow *= e ? 1 + move : 1;
-            TEST_ASSERT_EQUAL(ERR_OK, column_set_inputs(&column, &in, &wrong));
-            TEST_ASSERT_EQUAL(ERR_OK, column_rates(&column, table.profile, rates[side]));
+    for (uint8_t extras = 1; extras <= 2; extras++) {
+        const struct composition_gains g = {
+            .has_feed = true, .has_flow = extras > 1, .feed = extras, .extras = extras};
+        real_t push[2 * FRACTIONS], flow[FRACTIONS], work[FRACTIONS], rates[2][FRACTIONS];
+        TEST_ASSERT_EQUAL(ERR_OK, column_set_inputs(&column, &table.nominal, &wrong));
+        TEST_ASSERT_EQUAL(ERR_OK, column_rates(&column, table.profile, rates[0]));
+        composition_push(&g, &column, table.profile, push, flow, work);
+        for (unsigned e = 0; e < extras; e++) {
+            double by = e ? (double)COLUMN_FLOW_PART : 0.02, most = 0;
+            for (int side = 0; side < 2; side++) {
+                struct column_inputs in = table.nominal;
+                real_t move = (real_t)(side ? by : -by);
+                in.feed_fraction[0] += e ? 0 : move;
+                in.feed_fraction[1] -= e ? 0 : move;
+                in.feed_flow *= e ? 1 + move : 1;
+                TEST_ASSERT_EQUAL(ERR_OK, column_set_inputs(&column, &in, &wrong));
+                TEST_ASSERT_EQUAL(ERR_OK, column_rates(&column, table.profile, rates[side]));
+            }
+            for (unsigned i = 0; i < FRACTIONS; i++)
+                most = fmax(most, fabs((double)push[e * FRACTIONS + i]));
+            for (unsigned i = 0; i < FRACTIONS; i++)
+                TEST_ASSERT_DOUBLE_WITHIN(2e-3 * most,
+                                          (double)(rates[1][i] - rates[0][i]) / (2 * by),
+                                          (double)push[e * FRACTIONS + i]);
         }
-        for (unsigned i = 0; i < FRACTIONS; i++)
-            most = fmax(most, fabs((double)push[e * FRACTIONS + i]));
-        for (unsigned i = 0; i < FRACTIONS; i++)
-            TEST_ASSERT_DOUBLE_WITHIN(2e-3 * most, (double)(rates[1][i] - rates[0][i]) / (2 * by),
-                                      (double)push[e * FRACTIONS + i]);
     }
 }
 

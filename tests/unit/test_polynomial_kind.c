@@ -321,6 +321,16 @@ static void scaling_all_begin_at_rest_whatever_is_under_way(void)
     all_are_at_rest_where_they_are("scale");
 }
 
+/* Its memory has been another block's, and its loops have acted before. */
+static void a_new_one_begins_at_rest_whatever_was_in_its_memory(void)
+{
+    memset(state, 0x3F, sizeof state); /* numbers of 0.75 */
+    configure(false);
+    out[0] = N(0.3);
+    out[1] = N(0.6);
+    all_are_at_rest_where_they_are("new");
+}
+
 /* ---- an MV at its limit ---- */
 
 /* Controllers that ask for something else in every sample, and an MV that stays where it is: the past of its loop is what would have given
@@ -415,20 +425,40 @@ static void scaling_what_happens_to_the_mv_of_a_loop_in_manual_shortens_nothing(
 
 static void scaling_one_that_can_gives_way_alone_as_where_all_can(void)
 {
-    double came[2][2];
-    for (unsigned limits = 0; limits < 2; limits++) {
-        settings.limits = (uint8_t)limits;
-        begin_at(0.2, 0.2);
-        double v[2] = {D(out[0]), D(out[1])};
-        for (unsigned t = 0; t < 10; t++) {
-            stepped(v[0] + 0.3, v[1] - 0.1);
-            told(0.25 - D(out[0]), 0);
+    for (unsigned k = 0; k < 2; k++) {
+        double came[2][2];
+        for (unsigned limits = 0; limits < 2; limits++) {
+            settings.limits = (uint8_t)limits;
+            begin_at(0.2, 0.2);
+            double v[2] = {D(out[0]), D(out[1])};
+            for (unsigned t = 0; t < 10; t++) {
+                stepped(v[0] + 0.3, v[1] - 0.1);
+                told(k ? 0 : 0.25 - D(out[0]), k ? 0.15 - D(out[1]) : 0);
+            }
+            came[limits][0] = D(out[0]);
+            came[limits][1] = D(out[1]);
         }
-        came[limits][0] = D(out[0]);
-        came[limits][1] = D(out[1]);
+        TEST_ASSERT_TRUE(fabs(came[POLYNOMIAL_RECURSE][k]) > 0.01);
+        TEST_ASSERT_DOUBLE_WITHIN(0, came[POLYNOMIAL_RECURSE][k], came[POLYNOMIAL_SCALE][k]);
+        TEST_ASSERT_DOUBLE_WITHIN(0, 0, came[POLYNOMIAL_SCALE][1 - k]);
     }
-    TEST_ASSERT_DOUBLE_WITHIN(0, came[POLYNOMIAL_RECURSE][0], came[POLYNOMIAL_SCALE][0]);
-    TEST_ASSERT_DOUBLE_WITHIN(0, 0, came[POLYNOMIAL_SCALE][1]);
+}
+
+static void scaling_one_that_no_longer_can_does_not_give_way_alone(void)
+{
+    settings.limits = POLYNOMIAL_SCALE;
+    begin_at(0.2, 0.2);
+    take_one_that_cannot_give_way();
+    configure(true);
+    put_in(0.2, 0.2);
+    polynomial_kind.follow(state, &io);
+    double v[2] = {D(out[0]), D(out[1])};
+    stepped(v[0], v[1]);
+    told(0, 0);
+    stepped(v[0] + 0.1, v[1] - 0.06);
+    told(-0.75 * (D(out[0]) - 0.2), 0);
+    TEST_ASSERT_DOUBLE_WITHIN(20 * EXACT, -0.075, D(out[0]));
+    TEST_ASSERT_DOUBLE_WITHIN(20 * EXACT, 0.045, D(out[1]));
 }
 
 static void scaling_two_that_are_limited_are_shortened_with_all(void)
@@ -552,10 +582,12 @@ int main(void)
     RUN_TEST(other_coefficients_let_what_is_under_way_go_on);
     RUN_TEST(with_another_period_or_more_coefficients_all_begin_at_rest);
     RUN_TEST(scaling_all_begin_at_rest_whatever_is_under_way);
+    RUN_TEST(a_new_one_begins_at_rest_whatever_was_in_its_memory);
     RUN_TEST(recursing_the_loop_at_its_limit_gives_way_and_the_other_does_not);
     RUN_TEST(recursing_with_all_mvs_at_a_limit_the_past_is_what_took_effect);
     RUN_TEST(scaling_all_moves_are_shortened_to_the_same_part);
     RUN_TEST(scaling_one_that_can_gives_way_alone_as_where_all_can);
+    RUN_TEST(scaling_one_that_no_longer_can_does_not_give_way_alone);
     RUN_TEST(scaling_two_that_are_limited_are_shortened_with_all);
     RUN_TEST(scaling_what_happens_to_the_mv_of_a_loop_in_manual_shortens_nothing);
     RUN_TEST(nothing_limited_comes_to_nothing_exactly);

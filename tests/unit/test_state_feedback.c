@@ -228,7 +228,9 @@ static void the_derivative_takes_from_a_setpoint_what_the_measurement_moves(void
 static void whatever_the_error_the_first_output_is_the_one_in_effect(void)
 {
     settings.ti_s[0] = settings.ti_s[1] = 600;
+    settings.td_s[0] = settings.td_s[1] = 60; /* measurements have moved since the step before */
     x[0] = 0.1;
+    x[1] = 0.05;
     x[2] = -0.2;
     d = 0.3;
     w[0] = 0.4;
@@ -274,30 +276,41 @@ static void a_loop_by_hand_asks_for_nothing(void)
     TEST_ASSERT_DOUBLE_WITHIN(0, 0.125, D(out[1])); /* is not its to give */
 }
 
-static double integral(unsigned k)
+/* Outputs as given, then integrals. */
+static double value_at(unsigned i)
 {
     float value = 0;
-    TEST_ASSERT_NOT_NULL(state_feedback_kind.describe(state, 2 + k, &value));
+    TEST_ASSERT_NOT_NULL(state_feedback_kind.describe(state, i, &value));
     return (double)value;
+}
+
+static double integral(unsigned k)
+{
+    return value_at(2 + k);
 }
 
 static void a_loop_that_goes_to_manual_forgets_its_integral_and_the_other_does_not(void)
 {
-    settings.ti_s[0] = settings.ti_s[1] = 600;
-    begin_at(0, 0);
-    w[0] = 0.2;
-    w[1] = 0.1;
-    for (unsigned t = 0; t < 5; t++)
-        closed_step(100);
-    double before = integral(0);
-    TEST_ASSERT_TRUE(before > 0.01 && integral(1) > 0.005);
-    io.acting = 1;
-    w[0] = x[0]; /* no error: the integral stands */
-    see();
-    state_feedback_kind.follow(state, &io);
-    state_feedback_kind.step(state, &io);
-    TEST_ASSERT_DOUBLE_WITHIN(1e-6, before, integral(0));
-    TEST_ASSERT_DOUBLE_WITHIN(0, 0, integral(1));
+    for (unsigned hand = 0; hand < 2; hand++) {
+        unsigned other = 1 - hand;
+        setUp();
+        settings.ti_s[0] = settings.ti_s[1] = 600;
+        begin_at(0, 0);
+        w[0] = 0.2;
+        w[1] = 0.1;
+        for (unsigned t = 0; t < 5; t++)
+            closed_step(100);
+        double before = integral(other);
+        TEST_ASSERT_TRUE(before > 0.005 && integral(hand) > 0.005);
+        io.acting = (uint8_t)(1u << other);
+        w[other] = x[other]; /* no error: the integral stands */
+        see();
+        state_feedback_kind.follow(state, &io);
+        TEST_ASSERT_DOUBLE_WITHIN(0, D(out[hand]), value_at(hand)); /* as given */
+        state_feedback_kind.step(state, &io);
+        TEST_ASSERT_DOUBLE_WITHIN(1e-6, before, integral(other));
+        TEST_ASSERT_DOUBLE_WITHIN(0, 0, integral(hand));
+    }
 }
 
 /* ---- limits ---- */
