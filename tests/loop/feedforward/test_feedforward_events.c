@@ -100,6 +100,7 @@ static void other_settings_forget_that_it_was_to_be_identified_anew(void)
     ask_ok("set block1.settled 12");
     ask_ok("apply");
     tune_seconds(100);
+    TEST_ASSERT_EQUAL(NONE, tune_value("verdict"));
     settle(off);
     tune_seconds(100);
     TEST_ASSERT_TRUE(gain_is_off("ff1"));

@@ -207,6 +207,7 @@ static void what_is_rejected_is_not_proposed_again(void)
     tune_seconds(60);
     ask_ok("proposal reject");
     tune_seconds(200);
+    TEST_ASSERT_TRUE(said(" info BLOCK_EVENT block1.not 10 "));
     TEST_ASSERT_EQUAL(IDLE, tune_value("stage"));
     TEST_ASSERT_EQUAL(REJECTED, tune_value("verdict"));
     ask_ok("get ff1.gain");
