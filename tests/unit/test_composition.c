@@ -80,6 +80,45 @@ static void an_integral_takes_what_the_gain_leaves(void)
     TEST_ASSERT_TRUE(fabsf(block.c.sensor[1].sum) > 10);
 }
 
+/* d(dx/dt)/dx of a stage's fraction, by a difference. */
+static double rate_by_itself(unsigned at)
+{
+    static struct column_table table;
+    static struct column column;
+    real_t x[COLUMN_STATES_MAX], rates[COLUMN_STATES_MAX], difference = 0;
+    struct column_fault why;
+    TEST_ASSERT_EQUAL(ERR_OK, column_record_open(&record, &table, &column));
+    TEST_ASSERT_EQUAL(ERR_OK, column_set_inputs(&column, &block.c.inputs, &why));
+    for (int side = -1; side <= 1; side += 2) {
+        memcpy(x, block.c.x, sizeof x);
+        x[at] += REAL_C(2e-3) * (real_t)side;
+        TEST_ASSERT_EQUAL(ERR_OK, column_rates(&column, x, rates));
+        difference += (real_t)side * rates[at];
+    }
+    return (double)difference / 4e-3;
+}
+
+/* A temperature that is not there: what the reduced filter knows of its fraction is less in each step. */
+static void the_variance_of_a_fraction_grows_by_its_own_rate(void)
+{
+    static const uint16_t stages[] = {2, 3, 4, 5, 6, 11, 12};
+    for (unsigned k = 0; k < sizeof stages / sizeof stages[0]; k++) {
+        setUp();
+        settings.method = METHOD_REKF;
+        settings.place[T_LOW][AT_STAGE] = stages[k];
+        begin();
+        quality[T_LOW] = quality[T_HIGH] = QUALITY_BAD;
+        steps(2);
+        double h = (double)block.c.h, rate = rate_by_itself(stages[k] - 1u);
+        double part = exp(2 * rate * h), before = (double)block.c.sensor[0].variance;
+        double wanted = part * before + (double)block.c.model2 * (part - 1) / (2 * rate);
+        step();
+        /* On the feed's stage the difference also has what a cold feed condenses. */
+        TEST_ASSERT_DOUBLE_WITHIN((stages[k] == 5 ? 2e-2 : 1e-3) * wanted, wanted,
+                                  (double)block.c.sensor[0].variance);
+    }
+}
+
 /* ---- ticks ---- */
 
 static void in_its_first_tick_it_gives_the_profile_and_makes_no_step(void)
@@ -323,6 +362,7 @@ int main(void)
     RUN_TEST(from_far_away_the_reduced_filter_comes_to_the_plant);
     RUN_TEST(it_is_faster_than_its_model_alone);
     RUN_TEST(an_integral_takes_what_the_gain_leaves);
+    RUN_TEST(the_variance_of_a_fraction_grows_by_its_own_rate);
     RUN_TEST(in_its_first_tick_it_gives_the_profile_and_makes_no_step);
     RUN_TEST(in_its_first_tick_a_temperature_is_that_of_the_profile);
     RUN_TEST(after_the_plant_was_away_it_begins_again);
