@@ -168,6 +168,86 @@ static void a_watch_that_is_lost_begins_again(void)
     TEST_ASSERT_FLOAT_WITHIN(0, 0, tune_improvement(t));
 }
 
+/* ---- proposals ---- */
+
+static struct block_proposal room;
+
+/* A step of the disturbance takes the element 6 s: twice that and four samples it has to rest. */
+static void proposes(void)
+{
+    memset(&room, 0, sizeof room);
+    t->ticks = 1;
+    t->stage = TUNE_PROPOSES;
+    t->s.element = 2;
+    t->s.lead_s = 3;
+    t->s.lag_s = 2;
+    t->s.dead_s = 1;
+    t->s.adopt = TUNE_ADOPT_AT_ONCE;
+    t->candidate.k = REAL_C(0.5);
+}
+
+/* Calls until there is a proposal; most: there is none. */
+static unsigned calls_until_proposed(unsigned most)
+{
+    unsigned calls = 0;
+    while (calls < most && !room.n) {
+        tune_propose_on(t, &room);
+        calls++;
+    }
+    return calls;
+}
+
+static void a_proposal_waits_until_the_disturbance_has_rested(void)
+{
+    proposes();
+    t->d_rests = 16;
+    tune_propose_on(t, &room);
+    TEST_ASSERT_EQUAL_UINT8(0, room.n);
+    t->d_rests = 17;
+    tune_propose_on(t, NULL); /* somebody else's is there */
+    tune_propose_on(t, &room);
+    TEST_ASSERT_EQUAL_UINT8(8, room.n);
+    TEST_ASSERT_EQUAL_UINT8(PROPOSAL_AT_ONCE, room.manner);
+    TEST_ASSERT_EQUAL_FLOAT(0.5f, room.value[0].value);
+    TEST_ASSERT_EQUAL_HEX32(proposed_setting(PROPOSED_FF_GAIN, 1), room.value[1].id);
+}
+
+static void a_disturbance_that_never_rests_is_waited_for_as_long_as_four_steps_of_it(void)
+{
+    proposes();
+    unsigned calls = calls_until_proposed(1000);
+    TEST_ASSERT_TRUE(calls > 4 * 20 && calls <= 4 * 20 + 2);
+    TEST_ASSERT_EQUAL_UINT8(8, room.n);
+}
+
+static void one_that_makes_it_worse_is_switched_off_within_a_sixteenth_of_check(void)
+{
+    proposes();
+    t->stage = TUNE_RUNS;
+    t->s.check_s = 320;
+    t->s.adopt = TUNE_ADOPT_ASKED;
+    t->silencing = true;
+    unsigned calls = calls_until_proposed(1000);
+    TEST_ASSERT_TRUE(calls > 20 && calls <= 22);
+    TEST_ASSERT_EQUAL_UINT8(2, room.n);
+    TEST_ASSERT_EQUAL_FLOAT(0, room.value[0].value);
+    TEST_ASSERT_EQUAL_HEX32(proposed_setting(PROPOSED_FF_GAIN, 1), room.value[1].id);
+    TEST_ASSERT_FALSE(t->silencing);
+}
+
+static void a_proposal_that_has_not_come_into_force_was_rejected(void)
+{
+    proposes();
+    t->d_rests = 17;
+    tune_propose_on(t, &room);
+    TEST_ASSERT_EQUAL(TUNE_PROPOSES, t->stage);
+    tune_propose_on(t, NULL);
+    TEST_ASSERT_EQUAL(TUNE_PROPOSES, t->stage);
+    tune_propose_on(t, &room);
+    TEST_ASSERT_NOT_EQUAL(TUNE_PROPOSES, t->stage);
+    TEST_ASSERT_EQUAL(TUNE_REJECTED, t->verdict);
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -184,5 +264,9 @@ int main(void)
     RUN_TEST(less_than_half_of_what_was_promised_is_counted_until_it_is_more);
     RUN_TEST(what_it_does_is_told_from_a_tenth_of_the_memory_on_and_only_while_it_runs);
     RUN_TEST(a_watch_that_is_lost_begins_again);
+    RUN_TEST(a_proposal_waits_until_the_disturbance_has_rested);
+    RUN_TEST(a_disturbance_that_never_rests_is_waited_for_as_long_as_four_steps_of_it);
+    RUN_TEST(one_that_makes_it_worse_is_switched_off_within_a_sixteenth_of_check);
+    RUN_TEST(a_proposal_that_has_not_come_into_force_was_rejected);
     return UNITY_END();
 }
