@@ -100,6 +100,7 @@ bool event_log_get(const struct event_log *log, uint32_t sequence, struct event 
     return true;
 }
 
+#if EVENT_LOG_JOINS
 /* What stands behind it is of this start. */
 static void take_out(struct event_log *log, uint32_t sequence)
 {
@@ -138,6 +139,7 @@ bool event_log_join(struct event_log *log, uint32_t sequence)
     }
     return false;
 }
+#endif
 
 uint32_t event_log_oldest(const struct event_log *log)
 {

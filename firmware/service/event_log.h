@@ -39,10 +39,17 @@ void event_log_put(struct event_log *log, const struct event *event);
 /* Puts another event in the place of the one with that sequence number, which must still be there; it is then of this
  * start. */
 void event_log_replace(struct event_log *log, uint32_t sequence, const struct event *event);
+#ifndef EVENT_LOG_JOINS /* whether repeats take two entries; 0: each takes one of its own */
+#define EVENT_LOG_JOINS 1
+#endif
 /* Where the event with that sequence number repeats one of the last hour of this start, it becomes the latest of the run, with
  * their count as its value (EVENT_REPEATED), and the one that was the latest goes. Returns whether one before it has gone: all
  * from there on have moved up by one. */
+#if EVENT_LOG_JOINS
 bool event_log_join(struct event_log *log, uint32_t sequence);
+#else
+#define event_log_join(log, sequence) ((void)(log), (void)(sequence), false)
+#endif
 /* The event with that sequence number; false when it is not there (any more). Characters that are in no name and in no
  * word of an event come back as '?'. */
 bool event_log_get(const struct event_log *log, uint32_t sequence, struct event *event);

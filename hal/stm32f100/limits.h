@@ -19,6 +19,7 @@
 #define WORKSPACE_BYTES     0
 #define CONFIG_STEPS        0
 #define CONFIG_LOOP_GUARD   0
+#define EVENT_LOG_JOINS     0
 #define PLAN_ARENA_BYTES    1264
 
 /* A plant may have more channels than can be configured; their names must fit. */

@@ -1,7 +1,8 @@
 /* The base image of the STM32F405 (-DREFLUX_BASE=ON): regulatory control alone, on little memory. Read before every
  * file (tools/cmake/options.cmake); the headers that own these names say what they mean.
  *
- * Left out: sequences, measurement offsets, automatic start-up. Short: half as many channels as the full image, and
+ * Left out: sequences, measurement offsets, automatic start-up, calibration, guard and alarms of acting loops, one entry for
+ * events that repeat. Short: half as many channels as the full image, and
  * queues and rings that hold what such a configuration needs.
  */
 #ifndef REFLUX_STM32F405_LIMITS_BASE_H
@@ -9,6 +10,7 @@
 
 #define CONFIG_STEPS        0
 #define CONFIG_LOOP_GUARD   0
+#define EVENT_LOG_JOINS     0
 #define COMMISSION_CHANNELS 0
 #define JOBS_MAX            0
 #define WORKSPACE_BYTES     0

@@ -23,8 +23,10 @@ option(REFLUX_BASE "Leave sequences and automatic start-up out; the limits are t
 set(limits limits.h)
 if(REFLUX_BASE)
   set(limits limits_base.h)
-  # These spend flash even under -Os: 0.6 KB. The full image keeps them, for the numbers of automatic start-up.
-  target_compile_options(reflux_options INTERFACE -fno-move-loop-invariants -fno-inline-small-functions -fno-tree-ch)
+  # These spend flash even under -Os: 1.6 KB. The full image keeps them, for the numbers of automatic start-up.
+  target_compile_options(reflux_options INTERFACE -fno-move-loop-invariants -fno-inline-small-functions -fno-tree-ch
+    -fno-shrink-wrap -fno-tree-sra -fno-code-hoisting -fno-tree-dominator-opts -fno-tree-pre -fno-if-conversion
+    -fno-caller-saves -fno-tree-loop-im)
 endif()
 # A board smaller than the headers assume. On the host, -DREFLUX_LIMITS=stm32f100 tries such limits under sanitizers.
 set(REFLUX_LIMITS "${REFLUX_BOARD}" CACHE STRING "Which folder of hal/ gives the limits, where it has a limits.h")
