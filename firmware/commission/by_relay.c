@@ -130,6 +130,7 @@ static enum err begin_cycle(struct commission *c, const struct supervisor *s,
         .reference = t->rest[0],
         .sign = s->plan->config.loop[c->by_relay.loop].own.action == LOOP_DIRECT ? -1 : 1,
         .noise_sd = at[0].noise_sd,
+        .drift = t->slope_per_s[0] * s->plan->tick_s,
         .hysteresis = hysteresis(&at[0]),
         .amplitude = o->test_step / (o->hi - o->lo),
         .most = room, /* half of the span at most, since it is to the nearer limit */

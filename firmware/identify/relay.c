@@ -26,8 +26,9 @@
 /* Of the way that the output has gone away from where it is asked: it turns back by itself; or goes on, the input turned round, by
  * more than dead time explains. */
 #define TURNING_SHARE REAL_C(0.8)
-#define AWAY_SHARE    REAL_C(2.0)
+#define AWAY_SHARE    REAL_C(1.5)
 #define BACK_TIMES    2u /* as long as it went away it may take to come back to the other side */
+#define AGAIN_TIMES   2u /* as long as it came back it may take to go away again */
 #define COASTS                                                                                     \
     4u /* times as long as it took to leave: several lags in a row go on for so long, the input turned */
 
@@ -46,6 +47,8 @@ enum err relay_begin(struct relay *r, const struct relay_config *c)
         err = check_real(c->noise_sd, ZERO, ONE);
     if (!err)
         err = check_real(c->amplitude, ZERO, ONE);
+    if (!err)
+        err = check_real(c->drift, -ONE, ONE);
     if (err)
         return err;
     if (!positive_up_to(c->hysteresis, ONE) || !positive_up_to(c->most, ONE) ||
@@ -277,34 +280,45 @@ static bool is_going_wrong(const struct relay *r)
     return r->against > 0 && !r->sign_seen;
 }
 
-static void turn_input(struct relay *r, bool round)
+static void end_turn(struct relay *r, bool sign_seen)
 {
-    r->turned = round;
-    r->sign_seen = !round;
+    r->turned = false;
+    r->sign_seen = sign_seen;
+    r->half = 0;
     r->against = 0;
-    r->now.whole = false;
 }
 
-/* While the input is turned round: how far the output is on the wrong side says whose doing it was. */
+/* While the input is turned round, and after: the wrong sign brings the output to the other side, and away again. A drift may turn
+ * by itself, but hardly twice and in time. */
 static void judge_sign(struct relay *r, real_t wrong)
 {
-    if (wrong < -r->config.hysteresis) {
-        fail_with(r, RELAY_WRONG_SIGN);
-    } else if (++r->against > BACK_TIMES * r->half || wrong > AWAY_SHARE * r->farthest) {
-        r->half = 0; /* not the sign's */
-        turn_input(r, false);
+    real_t hysteresis = r->config.hysteresis;
+    r->against++;
+    if (!r->turned) {
+        if (wrong > hysteresis)
+            fail_with(r, RELAY_WRONG_SIGN);
+        else if (r->against > AGAIN_TIMES * r->came_back)
+            end_turn(r, true);
+    } else if (wrong < -hysteresis) {
+        r->came_back = r->against;
+        end_turn(r, false);
+    } else if (r->against > BACK_TIMES * r->half || wrong > AWAY_SHARE * r->farthest) {
+        end_turn(r, true);
     }
 }
 
-/* True: the input is turned round, or the sign is wrong, and nothing else is to be decided. */
+/* True: the sign is looked at, or is wrong, and nothing else is to be decided. */
 static bool watch_sign(struct relay *r, real_t y)
 {
-    real_t away = y - r->config.reference, wrong = r->high ? -away : away;
-    if (r->turned) {
+    real_t away = y - r->config.reference - r->config.drift * (real_t)r->age++;
+    real_t wrong = r->high ? -away : away;
+    if (r->sign_seen)
+        return false;
+    if (r->turned || r->came_back > 0) {
         judge_sign(r, wrong);
-        return r->turned;
+        return !r->sign_seen;
     }
-    if (r->sign_seen || wrong <= r->config.hysteresis) {
+    if (wrong <= r->config.hysteresis) {
         r->against = 0;
         return false;
     }
@@ -313,8 +327,11 @@ static bool watch_sign(struct relay *r, real_t y)
     bool starts = r->phase == RELAY_START;
     uint32_t left_after = starts ? r->started - r->against : COASTS * r->started;
     r->against++;
-    if (r->against > r->config.patience + left_after && wrong > TURNING_SHARE * r->farthest)
-        turn_input(r, true);
+    r->turned = r->against > r->config.patience + left_after && wrong > TURNING_SHARE * r->farthest;
+    if (r->turned) {
+        r->against = 0;
+        r->now.whole = false;
+    }
     return r->turned;
 }
 

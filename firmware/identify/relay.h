@@ -7,7 +7,8 @@
  *
  * Until it comes back for the first time the output may go away from where it is asked, because the sign is wrong, or because a
  * load or a drift is stronger. After the patience, and as long again as it took to leave (in a cycle, four times), the input is
- * turned round once: what then comes to the other side has the wrong sign. An inverse response has turned back by itself before.
+ * turned round once: what then comes to the other side, and away again once the input is turned back, has the wrong sign. An
+ * inverse response has turned back by itself before.
  *
  * With the amplitude d of the relay, the amplitude a of the output and half of the hysteresis eps, the describing
  * function says (Astrom and Hagglund)
@@ -45,6 +46,7 @@ struct relay_config {
     int8_t sign;        /* of the process's gain: 1 or -1 */
     real_t reference;   /* output at rest */
     real_t noise_sd;    /* of one sample, 0 and up */
+    real_t drift;       /* of the output at rest, a sample; 0: none is known */
     real_t hysteresis;  /* half of its width, (0, 1]; three noise deviations or so */
     real_t amplitude;   /* [0, 1]; 0: to be found, up to half of the room */
     real_t first;       /* ... beginning with this, (0, most] */
@@ -91,8 +93,11 @@ struct relay {
     real_t last;      /* output */
     uint32_t against; /* samples in a row away from where it is asked, until its sign is seen */
     real_t farthest;  /* ... and from the reference */
-    bool turned;      /* the input is turned round, to see its sign */
-    bool sign_seen;   /* ... has been, or the output has come back */
+    uint32_t age;     /* samples since the beginning */
+    uint32_t
+        came_back; /* samples until it came to the other side, the input turned round; 0: not yet */
+    bool turned;   /* the input is turned round, to see its sign */
+    bool sign_seen;                            /* ... has been, or the output has come back */
     struct relay_period now;                   /* under way */
     struct relay_period period[RELAY_PERIODS]; /* latest last */
 };
