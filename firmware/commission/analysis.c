@@ -51,6 +51,28 @@ enum err analysis_begin(struct analysis *a, const struct analysis_config *config
     return gains_begin(&a->work.gains, &a->plant, config->floor);
 }
 
+/* A channel whose pair is given gets no other; where as many are given as there can be, the other channels get none. */
+static void take_given(const struct analysis *a, struct pairing_config *c)
+{
+    uint16_t inputs = 0, outputs = 0;
+    uint8_t n = 0, most = a->plant.inputs < a->plant.outputs ? a->plant.inputs : a->plant.outputs;
+    for (uint8_t j = 0; j < a->plant.outputs; j++) {
+        if (a->given[j] == 0)
+            continue;
+        outputs = (uint16_t)(outputs | 1u << j);
+        inputs = (uint16_t)(inputs | 1u << (a->given[j] - 1u));
+        n++;
+    }
+    for (uint8_t j = 0; j < a->plant.outputs; j++) {
+        unsigned own = a->given[j] ? 1u << (a->given[j] - 1u) : 0u;
+        c->apart[j] = (uint16_t)(a->given[j] ? 0xffffu ^ own : inputs);
+    }
+    if (n == most) {
+        c->outputs_out = (uint16_t)(c->outputs_out | (0xffffu ^ outputs));
+        c->inputs_out = (uint16_t)(0xffffu ^ inputs);
+    }
+}
+
 static enum err begin_pairing(struct analysis *a)
 {
     struct pairing_config c;
@@ -58,6 +80,7 @@ static enum err begin_pairing(struct analysis *a)
     c.confidence = a->config.confidence;
     c.floor = a->config.floor;
     c.outputs_out = a->inner_outputs;
+    take_given(a, &c);
     a->stage = ANALYSIS_PAIRING;
     return pairing_begin(&a->work.pairing, &a->plant, &c, NULL);
 }

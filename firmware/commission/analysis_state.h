@@ -83,11 +83,12 @@ struct beginning {
 
 struct analysis {
     struct interact_plant
-        plant; /* these three first: what follows begins anew with every analysis */
+        plant; /* these four first: what follows begins anew with every analysis */
     struct beginning beginning[INTERACT_MAX][INTERACT_MAX]; /* settings are for this */
     /* Of each element what is unresolved: enum identified_flag. A loop is made of none with certainty.h's flags. */
     uint16_t flags[INTERACT_MAX][INTERACT_MAX];
-    bool begins; /* plant and beginning have changed places, for the settings */
+    uint8_t given[INTERACT_MAX]; /* input + 1 that is output i's pair; 0: to be found */
+    bool begins;                 /* plant and beginning have changed places, for the settings */
     struct analysis_config config;
     enum analysis_stage stage;
 

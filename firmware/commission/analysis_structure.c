@@ -104,7 +104,7 @@ void analysis_find_cascades(struct analysis *a)
         structure_detect(&a->plant, &none, &structure, &a->work.structure, &a->structure) != ERR_OK)
         a->n_cascades = 0;
     for (uint8_t n = 0; n < a->n_cascades; n++)
-        if (usable(a, &a->cascade[n]))
+        if (a->given[a->cascade[n].inner] == 0 && usable(a, &a->cascade[n]))
             a->inner_outputs = (uint16_t)(a->inner_outputs | 1u << a->cascade[n].inner);
 }
 

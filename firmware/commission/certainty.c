@@ -90,9 +90,18 @@ void certainty_of_gains(struct analysis *a)
     conclude(a);
 }
 
+/* The second opinion has not been told of them. */
+static bool pairs_are_given(const struct analysis *a)
+{
+    for (uint8_t j = 0; j < a->plant.outputs; j++)
+        if (a->given[j])
+            return true;
+    return false;
+}
+
 void certainty_of_second(struct analysis *a)
 {
-    if (a->second != SECOND_AGREES)
+    if (a->second != SECOND_AGREES && !pairs_are_given(a))
         a->doubts |= DOUBT_SECOND;
     conclude(a);
 }

@@ -86,6 +86,11 @@ bool commission_acceptance_is_disturbed(struct commission *c, struct supervisor 
 void commission_back_to_old(struct commission *c, struct supervisor *s,
                             enum commission_reason reason, const char *subject, real_t value);
 
+/* The test of an input is made again, over all rounds, so often at most: */
+#define LONGER_MOST   3u /* with longer halves, where an output did not come to rest */
+#define SMALLER_MOST  1u /* with a smaller step, because an output is not linear */
+#define GENTLER_TIMES 3u /* ... because the guard has cut it */
+
 #define NOISE_FLOOR          REAL_C(7e-5) /* of span: what 12 bits of conversion leave */
 #define MISSED_MOST          8u           /* samples in a row that a test can do without */
 #define AMPLITUDE_FIRST      REAL_C(0.02) /* of span: the first step, where it is to be found */

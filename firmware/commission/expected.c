@@ -3,11 +3,16 @@
 
 #include "commission/expected.h"
 
+#include "base/elapsed.h"
 #include "commission/commission_internal.h"
 
 #define KNOWN_TIMES REAL_C(4.0) /* the time given for a pair, that a half lasts at least */
 #define HALVES      REAL_C(3.0) /* of a test: up, down, and back to rest */
 #define WINDOWS     REAL_C(2.0) /* of rest before and after */
+/* At most: back, until what still climbs counts as a drift. */
+#define HALVES_MOST   REAL_C(3.5)
+#define WINDOWS_MOST  REAL_C(3.0)
+#define WINDOW_WIDEST REAL_C(0.25) /* of a half */
 
 static real_t least_of(real_t a, real_t b)
 {
@@ -45,7 +50,13 @@ struct expected_input expected_of_input(const struct supervisor *s, uint8_t j)
     if (o->test_time_s > 0.0f)
         least_s = longest_s = o->test_time_s;
     e.least_s = HALVES * least_s + WINDOWS * window_s;
-    e.most_s = HALVES * longest_s + WINDOWS * window_s;
+    real_t widest_s = WINDOW_WIDEST * longest_s;
+    widest_s = widest_s > window_s ? widest_s : window_s;
+    e.most_s = HALVES_MOST * longest_s + WINDOWS_MOST * widest_s;
+    unsigned again = found ? SMALLER_MOST + GENTLER_TIMES : 0u;
+    if (!(o->test_time_s > 0.0f))
+        again += LONGER_MOST;
+    e.tests_most = (uint16_t)(config->test.rounds + again);
     return e;
 }
 
@@ -58,9 +69,43 @@ struct expected expected_of(const struct supervisor *s)
         struct expected_input e = expected_of_input(s, j);
         all.inputs = (uint8_t)(all.inputs + e.tested);
         all.least_s += e.least_s;
-        all.most_s += e.most_s * (real_t)s->plan->config.test.rounds;
+        all.most_s += e.most_s * (real_t)e.tests_most;
     }
     return all;
+}
+
+static real_t less(real_t a, real_t b)
+{
+    return a > b ? a - b : REAL_C(0.0);
+}
+
+static uint8_t inputs_from(const struct commission *c, uint8_t at)
+{
+    uint8_t n = 0;
+    for (; at < c->inputs; at++)
+        n = (uint8_t)(n + !c->input[c->order[at]].skipped);
+    return n;
+}
+
+struct expected_left expected_left(const struct commission *c, const struct supervisor *s)
+{
+    struct expected_left left = {.planned = c->tests == 0};
+    if (left.planned) {
+        struct expected all = expected_of(s);
+        real_t gone_s = elapsed_ms(s->time_ms, c->began_ms) / REAL_C(1000.0);
+        left.round_s = less(all.least_s, gone_s);
+        left.most_s = less(all.most_s, gone_s);
+        return left;
+    }
+    real_t each_s = c->tested_s / (real_t)c->tests;
+    bool testing = c->phase == COMMISSION_TESTING;
+    real_t gone_s = testing ? elapsed_ms(s->time_ms, c->phase_ms) / REAL_C(1000.0) : REAL_C(0.0);
+    uint8_t next = (uint8_t)(c->at + !testing);
+    unsigned rounds = s->plan->config.test.rounds;
+    unsigned more = rounds > c->round ? rounds - c->round : 0u;
+    left.round_s = less(each_s * (real_t)inputs_from(c, next), gone_s);
+    left.most_s = left.round_s + each_s * (real_t)(more * inputs_from(c, 0));
+    return left;
 }
 
 #endif

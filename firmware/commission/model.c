@@ -403,10 +403,25 @@ static void take_early(const struct element *e, struct fopdt *whole, struct begi
     }
 }
 
+/* Of input[k], which is column n of the analysis: the measurement that is to be its pair. */
+static void take_given(struct commission *c, const struct config *config, uint8_t k, uint8_t n)
+{
+    for (unsigned p = 0; p < CONFIG_PAIRS && config->test.pairs == TEST_PAIRS_GIVEN; p++) {
+        const struct pair_config *pair = &config->pair[p];
+        if (!pair->measurement[0] || config_find_mv(config, pair->mv) != c->input[k].output)
+            continue;
+        uint8_t i = config_find_measurement(config, pair->measurement);
+        for (uint8_t j = 0; j < c->outputs; j++)
+            if (c->measurement[j] == i)
+                c->work->analysis.given[j] = (uint8_t)(n + 1u);
+    }
+}
+
 void model_begin_analysis(struct commission *c, const struct config *config, real_t h_s)
 {
     struct analysis *a = &c->work->analysis;
     memset(&a->plant, 0, sizeof a->plant);
+    memset(a->given, 0, sizeof a->given);
     a->plant.outputs = c->outputs;
     uint8_t n = 0;
     for (uint8_t k = 0; k < c->inputs; k++) {
@@ -421,6 +436,7 @@ void model_begin_analysis(struct commission *c, const struct config *config, rea
             a->flags[j][n] = e->flags;
             take_early(&c->work->element[j][k], &a->plant.element[j][n], &a->beginning[j][n]);
         }
+        take_given(c, config, k, n);
         c->column[n++] = k;
     }
     a->plant.inputs = n;

@@ -6,15 +6,12 @@
 #include "commission/commission_internal.h"
 #include "commission/limits.h"
 
-#define CLIMBS      REAL_C(0.7) /* second half of a level over the first: 1 for an integrator */
-#define CLIMBS_TOO  REAL_C(0.5) /* ... where the fit thinks so, too */
-#define LONGER      3u          /* times the half before, where an output did not come to rest */
-#define LONGER_MOST 3u
+#define CLIMBS     REAL_C(0.7) /* second half of a level over the first: 1 for an integrator */
+#define CLIMBS_TOO REAL_C(0.5) /* ... where the fit thinks so, too */
+#define LONGER     3u          /* times the half before, where an output did not come to rest */
 #define ASYMMETRY_MUCH                                                                             \
     REAL_C(0.5) /* gain up less gain down, of their mean: the step was too large */
 #define ASYMMETRY_WANTED REAL_C(0.2)
-#define SMALLER_MOST     1u
-#define GENTLER_TIMES    3u
 #define GENTLER_MOST     REAL_C(0.6) /* times the step that was cut */
 #define GENTLER_LEAST    REAL_C(0.2)
 #define GENTLER_SHARE    REAL_C(0.5) /* of the room, that the response to it may take */

@@ -310,6 +310,8 @@ static void end_test(struct commission *c, struct supervisor *s)
     struct tested_input *in = &c->input[c->order[c->at]];
     in->amplitude = x->amplitude;
     in->half_s = (real_t)x->half * x->config.h_s;
+    c->tests++;
+    c->tested_s += elapsed_ms(s->time_ms, c->phase_ms) / REAL_C(1000.0);
     in->cut = x->cut;
     in->small = x->small;
     if (x->worst > in->worst)

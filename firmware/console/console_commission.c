@@ -1,6 +1,7 @@
 /* `commission`: automatic start-up from the console. */
 #include <string.h>
 
+#include "commission/expected.h"
 #include "console/console.h"
 #include "hal/tick.h"
 
@@ -66,6 +67,26 @@ static void test_line(const struct commission *c, const struct config *config, s
     }
 }
 
+/* How long it may still take. */
+static void left_line(const struct console *c, struct text *line)
+{
+    const struct commission *m = c->service->commission;
+    hal_tick_lock();
+    bool testing = m->phase == COMMISSION_TESTING || m->phase == COMMISSION_FITTING ||
+                   m->phase == COMMISSION_ANALYSING;
+    struct expected_left left = {.planned = false};
+    if (testing)
+        left = expected_left(m, c->service->supervisor);
+    hal_tick_unlock();
+    if (!testing)
+        return;
+    text_str(line, left.planned ? "left at least " : "left about ");
+    text_u32(line, (uint32_t)left.round_s);
+    text_str(line, left.planned ? " s, at most " : " s of this round, ");
+    text_u32(line, (uint32_t)left.most_s);
+    text_str(line, left.planned ? " s" : " s if all rounds are needed");
+}
+
 static bool commission_status_line(struct console *c, unsigned n, struct text *line)
 {
     const struct commission *m = c->service->commission;
@@ -84,8 +105,10 @@ static bool commission_status_line(struct console *c, unsigned n, struct text *l
         }
         return true;
     }
+    if (n == 2)
+        left_line(c, line);
     if (n > 1)
-        return false;
+        return n == 2;
     if (m->phase == COMMISSION_TESTING) {
         test_line(m, config, line);
     } else if (m->phase == COMMISSION_RELAY) {

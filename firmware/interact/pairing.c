@@ -141,7 +141,8 @@ static void set_costs(struct pairing *p)
         for (size_t j = 0; j < n; j++) {
             real_t lambda = p->lambda_all.at[i][j];
             p->assignment.cost[i][j] = ASSIGNMENT_FORBIDDEN;
-            if (lambda < p->config.smallest_lambda)
+            unsigned apart = (unsigned)p->config.apart[p->kept.output[i]] >> p->kept.input[j];
+            if ((apart & 1u) != 0u || lambda < p->config.smallest_lambda)
                 continue;
             real_t cost = real_abs(real_log(lambda)) * COST_UNIT + REAL_C(0.5);
             p->assignment.cost[i][j] =

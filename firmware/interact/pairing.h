@@ -39,6 +39,7 @@ struct pairing_config {
     uint16_t draws;         /* 20 to 10000 */
     uint64_t seed;
     uint16_t outputs_out, inputs_out; /* bit i set: this one is not to be used */
+    uint16_t apart[INTERACT_MAX];     /* output i: bit j set, it and input j are no pair */
 };
 
 enum pairing_verdict {

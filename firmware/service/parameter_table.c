@@ -320,6 +320,8 @@ static const struct parameter_field test_fields[] = {
         "base ticks over which rest is judged"),
     W(config, test.guard, 7, "guard", "line|model", TEST_GUARD_MODEL,
       "how the peak of a response is predicted: by a straight line, or by a model of it so far"),
+    W(config, test.pairs, 8, "pairs", "found|given", TEST_PAIRS_FOUND,
+      "which measurement gets which input: found by the tests, or given: each pair<i>"),
 };
 
 static const struct parameter_field pair_fields[] = {

@@ -180,6 +180,7 @@ struct alarm_config {
 
 #if COMMISSION_CHANNELS
 enum test_guard { TEST_GUARD_LINE, TEST_GUARD_MODEL };
+enum test_pairs { TEST_PAIRS_FOUND, TEST_PAIRS_GIVEN };
 
 /* How automatic start-up goes about it. */
 struct test_config {
@@ -190,6 +191,8 @@ struct test_config {
     uint16_t rounds;      /* tests may be repeated until there are so many of each input */
     uint16_t window;      /* base ticks over which rest is judged */
     uint8_t guard;        /* enum test_guard */
+    uint8_t
+        pairs; /* enum test_pairs: given, every used pair[] is one, and no other is looked for */
 };
 
 /* What is known of one element beforehand. */

@@ -19,8 +19,9 @@ static void before_the_tests_there_is_nothing_but_the_plant(void)
     SHOWS("commission", "phase idle");
     SHOWS("commission plant", "plant tick s 60", "output xD unit %w lo 80 hi 112",
           "input R unit lb/min");
-    /* 60 samples of a minute in all that is known least, 1000 at most, both inputs, 4 rounds; nothing has moved. */
-    SHOWS("commission plan", "plan inputs 2 outputs 2 rounds 4 hours at least 10 at most 416",
+    /* 60 samples of a minute in all that is known least, 1000 at most, both inputs, 4 rounds and 7 tests again; nothing has
+     * moved. */
+    SHOWS("commission plan", "plan inputs 2 outputs 2 rounds 4 hours at least 10 at most 1558.3334",
           "input R held 1.95 step 0.08 at most 1 lb/min", "output xD limit 6.4 %w");
     ask_ok("commission model");
     TEST_ASSERT_FALSE(said("element"));
@@ -92,7 +93,8 @@ static void the_plan_counts_what_is_set_for_each_channel(void)
     TEST_ASSERT_EQUAL_STRING("output xB limit 8 %w", reply[4]);
     TEST_ASSERT_EQUAL_STRING("ok", reply[5]);
     double least_h = (5 * 2400 + 3 * 1800 + 2 * 2400) / 3600.0;
-    double most_h = 2 * (3 * 60000 + 2 * 2400 + 3 * 1800 + 2 * 2400) / 3600.0;
+    /* Rests are watched over a quarter of a half; R may be tested again three times, S four, over two rounds each. */
+    double most_h = (5 * (3.5 * 60000 + 3 * 15000) + 6 * (3.5 * 1800 + 3 * 2400)) / 3600.0;
     NEAR(1e-5, least_h, "plan inputs 2 outputs 2 rounds 2 ", "hours at least");
     NEAR(1e-5, most_h, "plan inputs 2 outputs 2 rounds 2 ", "at most");
 }
@@ -111,6 +113,27 @@ static void a_pair_known_beforehand_counts_for_its_input_only(void)
     ask_ok("commission abort");
 }
 
+static void pairs_that_are_given_are_the_only_ones_looked_for(void)
+{
+    static const char *const crossed[] = {"set pair1.meas xD",
+                                          "set pair1.mv S",
+                                          "set pair2.meas xB",
+                                          "set pair2.mv R",
+                                          "set test.pairs given",
+                                          "set test.rounds 1",
+                                          NULL};
+    wood_berry(crossed);
+    ask_ok("commission begin");
+    until("NOT_DETERMINED", 3000);
+    ask_ok("commission pairing");
+    TEST_ASSERT_TRUE(said("impossible: no pairs with positive relative gains and indices"));
+    static const char *const straight[] = {"set pair1.meas xD",    "set pair1.mv R",
+                                           "set pair2.meas xB",    "set pair2.mv S",
+                                           "set test.pairs given", NULL};
+    wood_berry(straight);
+    proposal();
+}
+
 static void each_half_of_a_test_is_shown_with_the_worst_so_far(void)
 {
     wood_berry(NULL);
@@ -118,7 +141,8 @@ static void each_half_of_a_test_is_shown_with_the_worst_so_far(void)
     plant_step();
     ask_ok("commission");
     ANSWERS("commission", "phase testing, outputs 2, inputs 2, plant time s 0.000",
-            "input R (1 of 2), round 1: waits for rest, amplitude 0 lb/min");
+            "input R (1 of 2), round 1: waits for rest, amplitude 0 lb/min",
+            "left at least 36000 s, at most 5610000 s"); /* by the plan */
     until("TEST_STEP R", 300);
     plant_steps(20);
     ask_ok("commission");
@@ -144,6 +168,12 @@ static void each_half_of_a_test_is_shown_with_the_worst_so_far(void)
     ask_ok("commission");
     TEST_ASSERT_EQUAL_STRING("input S (2 of 2), round 1: positive half, amplitude 0.08 lb/min",
                              reply[1]);
+    unsigned round_s, all_s; /* one test of the two of this round is left, then three rounds */
+    TEST_ASSERT_EQUAL_INT(2, sscanf(reply[2],
+                                    "left about %u s of this round, %u s if all rounds are needed",
+                                    &round_s, &all_s));
+    TEST_ASSERT_TRUE(round_s > 0);
+    TEST_ASSERT_TRUE(all_s - round_s >= 6 * round_s);
     ask_ok("commission abort");
     plant_step();
     ask_ok("commission");
@@ -399,6 +429,7 @@ int main(void)
     RUN_TEST(before_it_begins_every_listing_says_so_and_no_more);
     RUN_TEST(the_plan_counts_what_is_set_for_each_channel);
     RUN_TEST(a_pair_known_beforehand_counts_for_its_input_only);
+    RUN_TEST(pairs_that_are_given_are_the_only_ones_looked_for);
     RUN_TEST(each_half_of_a_test_is_shown_with_the_worst_so_far);
     RUN_TEST(a_proposal_is_shown_with_what_it_rests_on);
     RUN_TEST(what_was_found_is_shown_in_units_of_the_plant);

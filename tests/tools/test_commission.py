@@ -9,14 +9,14 @@ from unittest import mock
 from support import FolderTest, call
 
 from reflux_tools import session
-from reflux_tools.commission import answers, board, figures, record, results
+from reflux_tools.commission import answers, board, figures, next_steps, progress, record, results
 from reflux_tools.commission.answers import Room, Wrong
-from reflux_tools.errors import RunFailed
+from reflux_tools.errors import RunFailed, UserError
 
 PLANT = ["plant tick s 60 name oven", "output T unit degC lo 0 hi 200", "output x unit - lo 0 hi 1",
          "input h unit kW lo 0 hi 4 safe 0", "input c unit l/h lo 0 hi 10 safe 5"]
 PARAMETERS = {"test.guard": "model", "test.blank": "0", "test.noise": "20", "test.window": "30", "test.longest": "0",
-              "test.confidence": "0.975", "test.rounds": "4"}
+              "test.confidence": "0.975", "test.rounds": "4", "test.pairs": "found"}
 ROOM = Room(16, 4, {"blank": (0, 1e5), "noise": (2, 1000), "window": (10, 1000), "longest": (0, 1e6),
                     "confidence": (0.5, 0.9999), "rounds": (1, 16)})
 SAFE = board.State(True, "ready", 0.0, False, False, {}, {})
@@ -93,6 +93,12 @@ class Lines(unittest.TestCase):
         with self.assertRaises(RunFailed):
             board.progress_of(["something else"])
 
+    def test_how_long_it_may_still_take_is_told_in_words(self) -> None:
+        p = board.progress_of(["phase fitting, outputs 2, inputs 2, plant time s 1140.000",
+                               "left about 5400 s of this round, 90000 s if all rounds are needed"])
+        self.assertEqual(progress.status_words(p), "19 min  fitting; left about 90 min of this round, 25 h 00 min if all rounds "
+                         "are needed")
+
     def test_listings(self) -> None:
         m = results.model_of(MODEL)
         e = m.elements["T", "h"]
@@ -124,6 +130,37 @@ class Lines(unittest.TestCase):
                      "feedforward from a to b would be -0.5"):
             self.assertIn(told, words)
         self.assertEqual(results.trial_of(LISTINGS["trial"]), [results.TrialLoop("T", "h", -10.0, 520.0, 500.0, 0.08, 0.1)])
+
+
+class Next(unittest.TestCase):
+    """What a start-up that has determined nothing says is to be done."""
+
+    def lines(self, said: list[str], known: list[tuple[str, str]] = [], **parameters: str) -> list[str]:
+        have = {f"loop1.{name}": value for name, value in parameters.items()}
+        return next_steps.lines(results.model_of(MODEL), results.pairing_of(said), known, have, 4)
+
+    def test_longer_tests_are_asked_for_with_their_time(self) -> None:
+        words = "\n".join(self.lines(["doubt element T h half 400 s needs 800 s flags short",
+                                      "doubt element x h half 400 s needs 9600 s flags not_settled"]))
+        self.assertIn("`[input.h]`, `time = 9600` (2 h 40 min) or more", words)
+        self.assertNotIn("800", words)
+        self.assertIn('`[known]`, `pairs = [["MEASUREMENT", "INPUT"]]`', words)
+
+    def test_larger_steps_are_asked_for_where_rivals_are_open(self) -> None:
+        self.assertIn("Make T surer: larger steps (`step`), more `rounds`",
+                      "\n".join(self.lines(["pair T h lambda 0.5 share 0.6", "open T share 0.6 rival c"])))
+
+    def test_a_relay_test_of_the_likeliest_pair_is_given_as_lines_of_the_console(self) -> None:
+        said = self.lines(["pair T h lambda 0.5 share 0.6"], name="other", pv="x", out="c")
+        self.assertEqual([line.strip() for line in said if line.startswith("    ")],
+                         ["begin", "set loop2.name T", "set loop2.pv T", "set loop2.out h", "set loop2.action reverse", "apply",
+                          "commission relay T", "commission accept"])
+
+    def test_a_pair_that_was_stated_and_has_a_loop_keeps_it(self) -> None:
+        said = self.lines([], [("T", "h")], name="top", pv="T", out="h")
+        self.assertIn("    commission relay top", said)
+        self.assertNotIn("    set loop1.pv T", said)
+        self.assertFalse(any("[known]" in line for line in said))
 
 
 class Kept(FolderTest):
@@ -210,11 +247,35 @@ class Answers(FolderTest):
         self.assertFalse(any("meas2" in line or "test.guard" in line or "pair" in line for line in lines))
         self.assertEqual(lines.count("set mv1.test_step 0"), 1)
 
+    def test_known_pairs_are_set_on_the_board(self) -> None:
+        for text in ('[known]\npairs = [["T", "h"]]\n', '[[known]]\nmeasurement = "T"\ninput = "h"\npair = true\n'):
+            a = oven()
+            a.channel("c").change({"at": 5})
+            answers.read(self.file("pairs.toml", text), a)
+            self.assertEqual(a.known_pairs(), [("T", "h")])
+            lines = answers.set_lines(a, PARAMETERS, 16)
+            self.assertIn("set pair1.meas T", lines)
+            self.assertIn("set pair1.mv h", lines)
+            self.assertIn("set test.pairs given", lines)
+
+    def test_pairs_that_cannot_be_are_told_with_their_key(self) -> None:
+        known = '[[known]]\nmeasurement = "T"\ninput = "h"\n'
+        for text, told in (('[known]\npairs = [["T", "h"], ["x", "h"]]\n', "known.pairs: x h is no pair: T h is one already"),
+                           ('[known]\npairs = ["T", "h"]\n', 'known.pairs: pairs are wanted, such as [["T", "h"]]'),
+                           ('[known]\npairs = [["h", "T"]]\n', "known.pairs: h is no measurement"),
+                           ('[known]\npair = 1\n', "known.pairs: pairs are wanted"),
+                           (f'{known}time_s = 9\n{known.replace("T", "x")}pair = true\n', "T h is known, and is no pair")):
+            with self.assertRaises(UserError) as caught:
+                a = oven()
+                a.channel("c").change({"at": 5})
+                answers.read(self.file("pairs.toml", text), a)
+            self.assertIn(told, str(caught.exception))
+
     def test_a_file_gives_the_same_answers_again(self) -> None:
         a, b = oven(), oven()
         a.channel("T").change({"limit": 5.0, "critical": True})
         a.channel("h").change({"step": 0.3, "min": 0.25})
-        a.add_known("T", "c", 30.0, -2.0)
+        a.add_known("T", "c", 30.0, -2.0, True)
         a.change_test("guard", "line")
         a.edits["loop1.gain"] = "0.5"
         answers.read(self.file("answers.toml", answers.text(a)), b)

@@ -260,6 +260,46 @@ static void what_is_left_over_has_a_reason(void)
     TEST_ASSERT_EQUAL_INT(LEFT_OVER, certainty_output_left(&a, 1));
 }
 
+/* By gains alone the other pairs; each of the pairs given has a positive relative gain of 0.4. */
+static void pairs_that_are_given_are_taken_and_no_others_are_looked_for(void)
+{
+    for (unsigned given = 0; given < 3; given++) {
+        good();
+        element(0, 0, 1.0, 0.01, 100);
+        element(0, 1, 1.2, 0.01, 100);
+        element(1, 0, -1.2, 0.01, 100);
+        element(1, 1, 1.0, 0.01, 100);
+        memset(a.given, 0, sizeof a.given);
+        if (given == 1)
+            a.given[1] = 2; /* and so the other is given, too */
+        if (given == 2)
+            a.given[0] = 1, a.given[1] = 2;
+        run();
+        TEST_ASSERT_EQUAL_INT(PAIRING_DETERMINED, a.verdict);
+        TEST_ASSERT_EQUAL_UINT8(given ? 0 : 1, a.pairs.input[0]);
+        TEST_ASSERT_EQUAL_UINT8(given ? 1 : 0, a.pairs.input[1]);
+    }
+}
+
+static void pairs_that_are_given_need_no_second_opinion_but_all_else(void)
+{
+    config.confidence = REAL_C(0.9);
+    good();
+    element(0, 0, 1.0, 0.01, 400);
+    element(0, 1, 0.9, 0.01, 20);
+    element(1, 0, -0.9, 0.01, 20);
+    element(1, 1, 1.0, 0.01, 400);
+    a.given[0] = 1;
+    a.given[1] = 2;
+    run();
+    TEST_ASSERT_EQUAL_INT(SECOND_DIFFERS, a.second);
+    TEST_ASSERT_EQUAL_HEX8(0, a.doubts);
+    a.flags[0][1] = IDENTIFIED_SHORT;
+    run();
+    TEST_ASSERT_EQUAL_HEX8(DOUBT_SHAPE, a.doubts);
+    memset(a.flags, 0, sizeof a.flags);
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -273,5 +313,7 @@ int main(void)
     RUN_TEST(determinant_and_rank_have_to_stand_out_of_the_errors);
     RUN_TEST(another_second_opinion_leaves_it_open);
     RUN_TEST(what_is_left_over_has_a_reason);
+    RUN_TEST(pairs_that_are_given_are_taken_and_no_others_are_looked_for);
+    RUN_TEST(pairs_that_are_given_need_no_second_opinion_but_all_else);
     return UNITY_END();
 }

@@ -605,8 +605,9 @@ static void what_a_test_would_do_is_told_beforehand(void)
     NEAR(0.5, e.test_base);
     NEAR(0.02, e.first);
     NEAR(0.25, e.most);
-    NEAR(3 * 80.0 + 2 * 80.0, e.least_s); /* three halves of a window, and two of rest */
-    NEAR(3 * 2000.0 + 2 * 80.0, e.most_s);
+    NEAR(3 * 80.0 + 2 * 80.0, e.least_s);     /* three halves of a window, and two of rest */
+    NEAR(3.5 * 2000.0 + 3 * 500.0, e.most_s); /* a drift is seen over a quarter of a half */
+    TEST_ASSERT_EQUAL_UINT16(3 + 3 + 1 + 3, e.tests_most); /* rounds; longer, smaller, gentler */
     bench.s.mv[0].manual = N(0.015625);
     e = expected_of_input(&bench.s, 0);
     NEAR(0.015625, e.first);
@@ -618,14 +619,15 @@ static void what_a_test_would_do_is_told_beforehand(void)
     NEAR(0.3, e.most);
     cf->mv[0].test_time_s = 0.5f;
     e = expected_of_input(&bench.s, 0);
-    NEAR(161.5, e.most_s);
-    cf->mv[0].lo = cf->mv[0].min = -10; /* of a span of 20 */
+    NEAR(1.75 + 240.0, e.most_s);
+    TEST_ASSERT_EQUAL_UINT16(3, e.tests_most); /* what is given is not changed */
+    cf->mv[0].lo = cf->mv[0].min = -10;        /* of a span of 20 */
     bench.s.mv[0].manual = N(0.5);
     NEAR(0.15, expected_of_input(&bench.s, 0).first);
     cf->mv[0].test_time_s = 100;
     e = expected_of_input(&bench.s, 0);
     NEAR(460.0, e.least_s);
-    NEAR(460.0, e.most_s);
+    NEAR(350.0 + 240.0, e.most_s);
     TEST_ASSERT_FALSE(expected_of_input(&bench.s, 2).tested);
     NEAR(0.0, expected_of_input(&bench.s, 2).least_s);
 }
@@ -645,20 +647,54 @@ static void times_that_are_given_are_told_four_times_three_halves(void)
     NEAR(3 * 84.0 + 160.0, expected_of_input(&bench.s, 0).least_s);
     cf->test.longest_s = 82; /* no longer than that */
     NEAR(3 * 82.0 + 160.0, expected_of_input(&bench.s, 0).least_s);
-    NEAR(3 * 82.0 + 160.0, expected_of_input(&bench.s, 0).most_s);
+    NEAR(3.5 * 82.0 + 240.0, expected_of_input(&bench.s, 0).most_s);
     cf->test.longest_s = 0;
     struct expected all = expected_of(&bench.s);
     TEST_ASSERT_EQUAL_UINT8(2, all.outputs);
     TEST_ASSERT_EQUAL_UINT8(2, all.inputs);
     NEAR(3 * 84.0 + 160.0 + 3 * 200.0 + 160.0, all.least_s);
-    NEAR(2 * 3 * 6160.0, all.most_s); /* of both inputs, three rounds */
+    NEAR(2 * 10 * 8500.0, all.most_s); /* of both inputs, three rounds and seven tests again */
     cf->pair[0].measurement[0] = cf->pair[1].measurement[0] = '\0'; /* not used */
     NEAR(400.0, expected_of_input(&bench.s, 0).least_s);
+}
+
+static void left_is(double round_s, double most_s)
+{
+    struct expected_left left = expected_left(&c, &bench.s);
+    NEAR(round_s, left.round_s);
+    NEAR(most_s, left.most_s);
+}
+
+static void how_long_it_may_still_take_is_told_by_the_plan_and_then_by_the_tests_so_far(void)
+{
+    bench.s.time_ms = 100000;
+    commission_begin(&c, &bench.s);
+    left_is(2 * 400.0, 2 * 10 * 8500.0);
+    bench.s.time_ms += 300000;
+    left_is(500.0, 2 * 10 * 8500.0 - 300.0);
+    bench.s.time_ms += 600000;
+    left_is(0.0, 2 * 10 * 8500.0 - 900.0);
+    c.tests = 1; /* of 900 s; two inputs, three rounds */
+    c.tested_s = 900;
+    c.phase = COMMISSION_FITTING;
+    left_is(900.0, 900.0 + 2 * 2 * 900.0);
+    c.at = 1;
+    c.phase = COMMISSION_TESTING;
+    c.phase_ms = bench.s.time_ms;
+    bench.s.time_ms += 300000;
+    left_is(600.0, 600.0 + 2 * 2 * 900.0);
+    c.input[0].skipped = true;
+    left_is(600.0, 600.0 + 2 * 900.0);
+    c.round = 3;
+    left_is(600.0, 600.0);
+    bench.s.time_ms += 900000; /* longer than the others */
+    left_is(0.0, 0.0);
 }
 
 int main(void)
 {
     UNITY_BEGIN();
+    RUN_TEST(how_long_it_may_still_take_is_told_by_the_plan_and_then_by_the_tests_so_far);
     RUN_TEST(a_first_test_has_the_settings_and_finds_its_amplitude);
     RUN_TEST(what_is_configured_is_taken);
     RUN_TEST(an_amplitude_and_a_half_that_are_given_hold);

@@ -13,6 +13,7 @@ from reflux_tools.paths import shown
 from reflux_tools.schema import Table, load_toml
 
 AUTO = "auto"
+PAIRS, GIVEN = "test.pairs", "given"
 LIMIT_SHARE = 0.2   # of span: the firmware's own default
 ROOM_SHARE = 0.005  # of span, to both sides of the operating point: the firmware wants that
 BIG = 1e9
@@ -178,6 +179,7 @@ class Known:
     input: str
     time_s: float = 0.0
     gain: float = 0.0
+    pair: bool = False  # this input is to control that measurement
 
 
 @dataclass(frozen=True)
@@ -226,7 +228,7 @@ class Answers:
             raise Wrong(f"{name} is {number:g}; a whole number is wanted")
         self.test[name] = int(number) if f.whole else number
 
-    def add_known(self, measurement: str, input_name: str, time_s: Any = 0.0, gain: Any = 0.0) -> None:
+    def add_known(self, measurement: str, input_name: str, time_s: Any = 0.0, gain: Any = 0.0, pair: Any = False) -> None:
         where = f"{measurement} {input_name}"
         if measurement not in [v.channel.name for v in self.measurements]:
             raise Wrong(f"{measurement} is no measurement; there are "
@@ -234,19 +236,30 @@ class Answers:
         if input_name not in [v.channel.name for v in self.inputs]:
             raise Wrong(f"{input_name} is no input; there are {', '.join(v.channel.name for v in self.inputs)}")
         known = Known(measurement, input_name, _value("number", time_s, f"{where} time", "s"),
-                      _value("number", gain, f"{where} gain", ""))
+                      _value("number", gain, f"{where} gain", ""), _value("yes", pair, f"{where} pair", ""))
         _within(known.time_s, 0, TIME_MOST, f"{where} time", "s")
         _within(known.gain, -BIG, BIG, f"{where} gain", "")
         rest = [k for k in self.known if (k.measurement, k.input) != (measurement, input_name)]
-        if known.time_s == 0 and known.gain == 0:
+        if known.time_s == 0 and known.gain == 0 and not known.pair:
             self.known = rest
             return
+        for other in rest:
+            if known.pair and other.pair and (other.measurement == measurement or other.input == input_name):
+                raise Wrong(f"{where} is no pair: {other.measurement} {other.input} is one already; `{other.measurement} "
+                            f"{other.input} pair no` would take it back")
         if len(rest) >= self.known_room:
             raise Wrong(f"the board keeps {self.known_room} of these; `{rest[0].measurement} {rest[0].input} time 0 gain "
                         "0` would take one back")
         self.known = [*rest, known]
 
+    def known_pairs(self) -> list[tuple[str, str]]:
+        return [(k.measurement, k.input) for k in self.known if k.pair]
+
     def missing(self) -> str | None:
+        other = next((k for k in self.known if not k.pair), None)
+        if other and self.known_pairs():
+            return (f"{other.measurement} {other.input} is known, and is no pair: where pairs are given, the board takes every "
+                    "element that is known for one")
         if not any(v.values["tested"] for v in self.measurements):
             return "no measurement is tested: `NAME tested yes` for at least one"
         if not any(v.values["tested"] for v in self.inputs):
@@ -354,7 +367,7 @@ def _known(answers: Answers, parameters: dict[str, str]) -> None:
         have = {n.split(".")[1]: v for n, v in parameters.items() if n.startswith(f"pair{i}.")}
         try:
             if have:
-                answers.add_known(have["meas"], have["mv"], have["time"], have["gain"])
+                answers.add_known(have["meas"], have["mv"], have["time"], have["gain"], parameters.get(PAIRS) == GIVEN)
         except Wrong:
             continue  # of another plant
 
@@ -375,6 +388,7 @@ def set_lines(answers: Answers, parameters: dict[str, str], places: int) -> list
             wanted |= {f.parameter: _word(v.values[f.name]) for f in v.asked() if f.parameter}
             lines += _changes({f"{group}{place}.{n}": value for n, value in wanted.items()}, parameters)
     lines += _changes({f.parameter: _word(answers.test[f.name]) for f in TEST}, parameters)
+    lines += _changes({PAIRS: GIVEN if answers.known_pairs() else "found"}, parameters)
     for i in range(1, answers.known_room + 1):
         k = answers.known[i - 1] if i <= len(answers.known) else None
         if k is None and f"pair{i}.meas" not in parameters:
@@ -427,11 +441,7 @@ def read(path: Path, answers: Answers) -> None:
         tables = top.table(key)
         for name in list(tables.data):
             _channel(tables, name, kind)
-    for table in top.tables("known"):
-        time_s, gain = table.number("time_s", 0.0), table.number("gain", 0.0)
-        _guarded(table, "", lambda t=table, a=time_s, b=gain: answers.add_known(t.text("measurement"), t.text("input"),
-                                                                                a, b))
-        table.done()
+    _read_known(top, answers)
     if top.has("test"):
         table = top.table("test")
         for name in list(table.data):
@@ -447,6 +457,25 @@ def read(path: Path, answers: Answers) -> None:
     top.done()
     if missing := answers.missing():
         raise UserError(f"{shown(path)}: {missing}")
+
+
+def _read_known(top: Table, answers: Answers) -> None:
+    """[[known]] elements, or [known] with nothing but pairs."""
+    if isinstance(top.data.get("known"), dict):
+        table = top.table("known")
+        pairs = table.data.pop("pairs", None)
+        for pair in pairs if isinstance(pairs, list) else [None]:
+            if not (isinstance(pair, list) and len(pair) == 2 and all(isinstance(name, str) for name in pair)):
+                raise UserError(f'{table.path("pairs")}: pairs are wanted, such as [["{answers.measurements[0].channel.name}", '
+                                f'"{answers.inputs[0].channel.name}"]]')
+            _guarded(table, "pairs", lambda p=pair: answers.add_known(*p, pair=True))
+        table.done()
+        return
+    for table in top.tables("known"):
+        time_s, gain, pair = table.number("time_s", 0.0), table.number("gain", 0.0), table.data.pop("pair", False)
+        _guarded(table, "", lambda t=table, a=time_s, b=gain, c=pair: answers.add_known(t.text("measurement"), t.text("input"),
+                                                                                        a, b, c))
+        table.done()
 
 
 def _channel(tables: Table, name: str, kind: list[Values]) -> None:
@@ -476,7 +505,7 @@ def text(answers: Answers) -> str:
             out += [f"{f.name} = {_toml(v.values[f.name])}" for f in v.asked() if v.values[f.name] is not None]
     for k in answers.known:
         out += ["", "[[known]]", f'measurement = "{k.measurement}"', f'input = "{k.input}"',
-                f"time_s = {k.time_s:.9g}", f"gain = {k.gain:.9g}"]
+                f"time_s = {k.time_s:.9g}", f"gain = {k.gain:.9g}", f"pair = {_toml(k.pair)}"]
     out += ["", "[test]", *(f"{f.name} = {_toml(answers.test[f.name])}" for f in TEST)]
     out += ["", "[proposal]", f'answer = "{answers.proposal}"']
     if answers.edits:

@@ -76,6 +76,7 @@ class Progress:
     stage: str = ""
     amplitude: str = ""
     worst: tuple[str, float] | None = None
+    left: str = ""  # how long it may still take, as the board says it
 
 
 EVENT = re.compile(r"! *([\d.]+) (\S+) (\S+) (\S+) (\S+) ?(.*)$")
@@ -141,14 +142,15 @@ def progress_of(lines: list[str]) -> Progress:
     if not head:
         raise RunFailed(f"the board answers `commission` with \"{lines[0] if lines else ''}\"; is its firmware "
                         "as old as this tool?")
-    text = lines[1] if len(lines) > 1 else ""
+    left = next((line for line in lines if line.startswith("left ")), "")
+    text = next((line for line in lines[1:] if line != left), "")
     phase, plant_s = head[1], float(head[2] or 0)
     test = TEST.match(text)
     if not test:
-        return Progress(phase, plant_s, text)
+        return Progress(phase, plant_s, text, left=left)
     name, at, of, which, stage, amplitude, worst, share = test.groups()
     return Progress(phase, plant_s, text, name, int(at), int(of), int(which), stage, amplitude.strip(),
-                    (worst, number(share)) if worst else None)
+                    (worst, number(share)) if worst else None, left)
 
 
 class Transcript:

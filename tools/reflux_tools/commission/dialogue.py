@@ -115,9 +115,10 @@ def ask_all(keyboard: Keyboard, answers: Answers) -> None:
     channels(keyboard, answers.inputs, INPUT, f"{source} max {answers.inputs[0].values['max']:g}", answers.missing)
     heading("What is known")
     say(f"Of up to {answers.known_room} elements: `time`, dead time and time constant together (s), makes the steps long "
-        "enough at once;\n`gain` (output unit per input unit) gives the first amplitude. Nothing need be known.\n")
+        "enough at once;\n`gain` (output unit per input unit) gives the first amplitude. `pair yes`: this input is to control "
+        "that measurement,\nand no other pairs are looked for. Nothing need be known.\n")
     section(keyboard, lambda: say(known_table(answers)), lambda words: _know(answers, words),
-            f"{first} {source} time 900 gain 2")
+            f"{first} {source} time 900 gain 2", answers.missing)
     heading("How it is tested")
     say(f"Sample interval: {answers.tick_s:g} s, as the plant announces it{interval_advice(answers)} It is set at the "
         "plant (--tick, with --plant).")
@@ -130,11 +131,11 @@ def _know(answers: Answers, words: list[str]) -> None:
     if len(words) < 2:
         raise Wrong("a measurement, an input, and what is known are wanted")
     given = named(words, 2)
-    if set(given) - {"time", "gain"}:
-        raise Wrong(f"there is no {min(set(given) - {'time', 'gain'})}; there are time and gain")
+    if strange := set(given) - {"time", "gain", "pair"}:
+        raise Wrong(f"there is no {min(strange)}; there are time, gain and pair")
     have = next((k for k in answers.known if (k.measurement, k.input) == (words[0], words[1])), None)
     answers.add_known(words[0], words[1], given.get("time", have.time_s if have else 0.0),
-                      given.get("gain", have.gain if have else 0.0))
+                      given.get("gain", have.gain if have else 0.0), given.get("pair", have.pair if have else False))
 
 
 def _test(answers: Answers, words: list[str]) -> None:
@@ -150,9 +151,9 @@ def _test(answers: Answers, words: list[str]) -> None:
 def known_table(answers: Answers) -> str:
     if not answers.known:
         return "nothing is known beforehand"
-    return table.columns(["measurement", "input", "time", "gain"],
-                         [[k.measurement, k.input, f"{k.time_s:g}" if k.time_s else "-", f"{k.gain:g}" if k.gain else "-"]
-                          for k in answers.known])
+    return table.columns(["measurement", "input", "time", "gain", "pair"],
+                         [[k.measurement, k.input, f"{k.time_s:g}" if k.time_s else "-", f"{k.gain:g}" if k.gain else "-",
+                           "yes" if k.pair else "no"] for k in answers.known])
 
 
 def test_table(answers: Answers) -> str:
@@ -177,21 +178,27 @@ def summary(answers: Answers) -> str:
     return "\n".join(out)
 
 
-# As firmware/commission/expected.c has it: up, down and back, and rest before and after.
+# As firmware/commission/expected.c has it: up, down and back, and rest before and after; at most until what still climbs counts as
+# a drift. In all rounds a test may be made again with longer halves, and with smaller steps.
 HALVES, WINDOWS, KNOWN_TIMES, LONGEST_SAMPLES = 3, 2, 4, 1000
+HALVES_MOST, WINDOWS_MOST, WINDOW_WIDEST = 3.5, 3, 0.25
+LONGER_MOST, SMALLER_MOST = 3, 1 + 3
 FIRST_SHARE, MOST_SHARE = 0.02, 0.25  # of an input's span: the first step, and the largest, where it is to be found
 
 
 def test_hours(answers: Answers) -> tuple[float, float]:
-    """Of plant time, for all tests: at the least times known, once, and with the longest steps in all rounds."""
+    """Of plant time, for all tests: at the least times known, once; and with the longest steps in all rounds, each made again as
+    often as it may be."""
     window = answers.test["window"] * answers.tick_s
     longest = answers.test["longest"] or LONGEST_SAMPLES * answers.tick_s
     least = most = 0.0
     for v in tested(answers.inputs):
         known = [KNOWN_TIMES * k.time_s for k in answers.known if k.input == v.channel.name]
         half = (v.values["time"],) * 2 if v.values["time"] != AUTO else (min(max([window, *known]), longest), longest)
+        tests = answers.test["rounds"]
+        tests += (LONGER_MOST if v.values["time"] == AUTO else 0) + (SMALLER_MOST if v.values["step"] == AUTO else 0)
         least += HALVES * half[0] + WINDOWS * window
-        most += (HALVES * half[1] + WINDOWS * window) * answers.test["rounds"]
+        most += tests * (HALVES_MOST * half[1] + WINDOWS_MOST * max(window, WINDOW_WIDEST * half[1]))
     return least / 3600, most / 3600
 
 
@@ -210,9 +217,9 @@ def expectations(answers: Answers) -> list[str]:
     lines += [f"{v.channel.name} may go {v.values['limit'] * (0.5 if v.values['critical'] else 1):.3g} {v.channel.unit} "
               "from where it is" for v in tested(answers.measurements)]
     least, most = test_hours(answers)
-    lines.append(f"All tests take about {least:.3g} h of plant time where it answers fast - each input eleven times its "
-                 f"slowest dead time and time constant together, where that is more - and {most:.3g} h at most. A test that is "
-                 "made again comes on top, and the trial.")
+    lines.append(f"The tests take {least:.3g} h if the plant is fast, else eleven times the slowest dead time and time constant "
+                 f"together for each input and round; {most:.4g} h if every half takes as long as it may, in all rounds and "
+                 "repeats. The trial is extra.")
     return lines
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import re
 import sys
 from typing import Callable
 
@@ -70,7 +71,12 @@ def status_words(p: Progress) -> str:
             out += f"; nearest its limit: {p.worst[0]} at {100 * p.worst[1]:.0f} %"
     elif p.text and p.phase in UNDER_WAY:
         out = p.text
-    return f"{span_of_time(p.plant_s)}  {out}"
+    return "; ".join(filter(None, [f"{span_of_time(p.plant_s)}  {out}", left_words(p)]))
+
+
+def left_words(p: Progress) -> str:
+    """`left about 3600 s of this round, ...`, its seconds as a person would say them."""
+    return re.sub(r"(\d+) s\b", lambda seconds: span_of_time(float(seconds[1])), p.left)
 
 
 class View:
@@ -113,6 +119,8 @@ def follow(board: Board, answers: Answers, keyboard: Keyboard | None, alive: Cal
                     told = in_words(event, answers)
                     if told:
                         view.line(f"{event.at_s:12.0f} s  {told}")
+                    if event.code == "TEST_DONE" and p.left:
+                        view.line(f"{'':14s}  {left_words(p)}")
                 now = "paused" if p.phase == "paused" else ""
                 if now and not stage:
                     view.line(f"{'':14s}  paused: the inputs are where they were held; resume begins this test anew")

@@ -82,11 +82,17 @@ class Pairing:
     determinant: float = float("nan")  # in its own standard deviations
     integrity: float = float("nan")  # share of draws in which any of the loops can be in manual
     doubts: list[str] = field(default_factory=list)  # what speaks against it, in words
+    short: list[tuple[str, str, float]] = field(default_factory=list)  # measurement, input, half in s that it needs
     left: list[tuple[str, str, str]] = field(default_factory=list)  # measurement or input, name, why it has no loop
 
     @property
     def determined(self) -> bool:
         return self.verdict == "determined"
+
+    @property
+    def rivals(self) -> bool:
+        """Do the draws disagree about an input?"""
+        return any(share < 1 for _, share, _ in self.open)
 
 
 @dataclass
@@ -218,6 +224,8 @@ def pairing_of(lines: list[str]) -> Pairing:
             p.second_opinion = line.removeprefix("second_opinion ")
         elif words[0] == "doubt" and words[1] == "element":
             p.doubts.append(_element_doubt(words))
+            if words[4] == "half":
+                p.short.append((words[2], words[3], number(words[8])))
         elif words[0] == "doubt":
             p.doubts.append(line.removeprefix("doubt "))
         elif words[0] == "subset":

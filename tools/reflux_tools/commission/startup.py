@@ -11,7 +11,7 @@ from typing import Callable, Iterator
 
 from reflux_tools import session, table
 from reflux_tools.commission import answers as asking
-from reflux_tools.commission import dialogue, results
+from reflux_tools.commission import dialogue, next_steps, results
 from reflux_tools.commission.answers import TEST, Answers, Room
 from reflux_tools.commission.board import UNDER_WAY, Board, Event, Plant, Progress
 from reflux_tools.commission.dialogue import heading, say
@@ -62,7 +62,7 @@ class Startup:
             ended = self.test(answers)
         if ended.phase != "ready":
             raise RunFailed(f"the start-up ended: {self.why}; nothing has changed on the board but its settings for tests")
-        self.show_results()
+        self.show_results(answers)
         with self.watched():
             try:
                 self.decide(answers)
@@ -263,7 +263,7 @@ class Startup:
 
     # ---- results ----
 
-    def show_results(self) -> None:
+    def show_results(self, answers: Answers) -> None:
         said = {name: self.board.ask(f"commission {name}") for name in LISTINGS}
         model, gains = results.model_of(said["model"]), results.gains_of(said["gains"])
         pairing, proposal = results.pairing_of(said["pairing"]), results.proposal_of(said["proposal"])
@@ -287,6 +287,11 @@ class Startup:
         if proposal.loops:
             say(table.columns(*results.loop_rows(proposal)))
         if not proposal.loops:
+            if not pairing.determined:
+                heading("What to do next")
+                for words in next_steps.lines(model, pairing, answers.known_pairs(), self.board.parameters(),
+                                              self.board.count("loop", "name")):
+                    say(words)
             why = proposal.why_not.removeprefix("pairing not determined: ") or "there is no proposal"
             more = "; ".join([*pairing.doubts, *self.left])
             raise RunFailed(f"not determined: {why}{f' ({more})' if more else ''}")
