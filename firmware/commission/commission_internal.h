@@ -66,7 +66,9 @@ void commission_relay(struct commission *c, struct supervisor *s);
 
 /* ---- results.c ---- */
 
-/* The next input that has not been skipped, or the analysis. */
+/* Is input[k] to be tested in this round? */
+bool commission_is_due(const struct commission *c, uint8_t k);
+/* The next input that is due, or the analysis. */
 void commission_next_input(struct commission *c, struct supervisor *s);
 /* A tick of waiting for a fit or for the analysis, and what comes of them. */
 void commission_wait_for_job(struct commission *c, struct supervisor *s);

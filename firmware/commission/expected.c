@@ -83,7 +83,7 @@ static uint8_t inputs_from(const struct commission *c, uint8_t at)
 {
     uint8_t n = 0;
     for (; at < c->inputs; at++)
-        n = (uint8_t)(n + !c->input[c->order[at]].skipped);
+        n = (uint8_t)(n + commission_is_due(c, c->order[at]));
     return n;
 }
 

@@ -39,11 +39,16 @@ static void analyse(struct commission *c, const struct supervisor *s)
     commission_ask_for(c, JOB_ANALYSE, 1u + commission_samples(s, REAL_C(20.0)));
 }
 
+bool commission_is_due(const struct commission *c, uint8_t k)
+{
+    return !c->input[k].skipped && (c->input[k].unsettled || !c->only_unsettled);
+}
+
 void commission_next_input(struct commission *c, struct supervisor *s)
 {
     do
         c->at++;
-    while (c->at < c->inputs && c->input[c->order[c->at]].skipped);
+    while (c->at < c->inputs && !commission_is_due(c, c->order[c->at]));
     if (c->at < c->inputs)
         commission_start_input(c, s);
     else
@@ -61,9 +66,11 @@ static void want_longer_tests(struct commission *c)
 static void next_round(struct commission *c, struct supervisor *s)
 {
     want_longer_tests(c);
+    /* Where nothing else is open the others are known well enough. */
+    c->only_unsettled = c->work->analysis.doubts == DOUBT_SHAPE;
     c->round++;
     c->at = 0;
-    if (c->input[c->order[0]].skipped)
+    if (!commission_is_due(c, c->order[0]))
         commission_next_input(c, s);
     else
         commission_start_input(c, s);

@@ -389,10 +389,22 @@ static void inputs_that_a_longer_test_may_resolve_are_remembered(void)
     TEST_ASSERT_FALSE(c.input[1].unsettled);
     TEST_ASSERT_EQUAL_UINT8(0, c.at);
     a = analysed();
-    a->doubts = DOUBT_SHAPE;
+    a->doubts = DOUBT_SHAPE | DOUBT_DRAWS;
     c.input[0].skipped = true;
     goes_on();
     TEST_ASSERT_EQUAL_UINT8(1, c.at);
+}
+
+static void where_nothing_else_is_open_only_inputs_that_want_longer_tests_are_tested_again(void)
+{
+    for (unsigned open = 0; open < 2; open++) {
+        struct analysis *a = analysed();
+        a->doubts = (uint8_t)(DOUBT_SHAPE | (open ? DOUBT_DRAWS : 0));
+        a->unsettled = 1 << 1;
+        c.input[0].skipped = false;
+        goes_on();
+        TEST_ASSERT_EQUAL_UINT8(open ? 0 : 1, c.at);
+    }
 }
 
 static void a_pairing_that_is_determined_is_proposed(void)
@@ -445,6 +457,7 @@ int main(void)
     RUN_TEST(another_round_is_made_where_it_would_help);
     RUN_TEST(there_are_as_many_rounds_as_set);
     RUN_TEST(inputs_that_a_longer_test_may_resolve_are_remembered);
+    RUN_TEST(where_nothing_else_is_open_only_inputs_that_want_longer_tests_are_tested_again);
     RUN_TEST(a_pairing_that_is_determined_is_proposed);
     RUN_TEST(an_analysis_that_fails_ends_it);
     return UNITY_END();
