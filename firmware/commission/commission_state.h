@@ -140,14 +140,13 @@ struct commission {
     uint8_t outputs, inputs;
     uint8_t measurement[CHANNEL_MAX]; /* configuration index of test channel */
     struct tested_input input[CHANNEL_MAX];
-    uint8_t order[CHANNEL_MAX];  /* inputs in the order of their tests */
-    uint8_t column[CHANNEL_MAX]; /* input of the analysis -> index in input[] */
-    uint8_t at;                  /* in order[] */
-    uint8_t round;               /* from 1 */
-    bool
-        only_unsettled; /* this round is for the inputs that want longer tests, and for no others */
-    uint16_t tests;     /* that are over, those made again as well */
-    real_t tested_s;    /* ... and took so long together, with their rests */
+    uint8_t order[CHANNEL_MAX];            /* inputs in the order of their tests */
+    uint8_t column[CHANNEL_MAX];           /* input of the analysis -> index in input[] */
+    uint8_t at;                            /* in order[] */
+    uint8_t round;                         /* from 1 */
+    bool only_unsettled;                   /* this round is for inputs that want longer tests */
+    uint16_t tests;                        /* that are over, those made again as well */
+    real_t tested_s;                       /* ... and took so long together, with their rests */
     uint64_t began_ms, ended_ms, phase_ms; /* plant time */
     uint64_t sample_ms;                    /* ... of the last sample a test has seen */
     uint32_t half_least;                   /* samples: from the inputs before */

@@ -30,8 +30,7 @@ struct expected expected_of(const struct supervisor *s);
 struct expected_left {
     bool planned;   /* no test is done: at least and at most, by the plan */
     real_t round_s; /* of this round */
-    real_t
-        most_s; /* ... and of all that may come; before the first is done with tests that are made again */
+    real_t most_s;  /* ... and of all that may come */
 };
 
 /* Likewise. */

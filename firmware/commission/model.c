@@ -404,7 +404,7 @@ static void take_early(const struct element *e, struct fopdt *whole, struct begi
 }
 
 /* Of input[k], which is column n of the analysis: the measurement that is to be its pair. */
-static void take_given(struct commission *c, const struct config *config, uint8_t k, uint8_t n)
+static void note_given(struct commission *c, const struct config *config, uint8_t k, uint8_t n)
 {
     for (unsigned p = 0; p < CONFIG_PAIRS && config->test.pairs == TEST_PAIRS_GIVEN; p++) {
         const struct pair_config *pair = &config->pair[p];
@@ -436,7 +436,7 @@ void model_begin_analysis(struct commission *c, const struct config *config, rea
             a->flags[j][n] = e->flags;
             take_early(&c->work->element[j][k], &a->plant.element[j][n], &a->beginning[j][n]);
         }
-        take_given(c, config, k, n);
+        note_given(c, config, k, n);
         c->column[n++] = k;
     }
     a->plant.inputs = n;

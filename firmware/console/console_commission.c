@@ -68,7 +68,7 @@ static void test_line(const struct commission *c, const struct config *config, s
 }
 
 /* How long it may still take. */
-static void left_line(const struct console *c, struct text *line)
+static void time_left_line(const struct console *c, struct text *line)
 {
     const struct commission *m = c->service->commission;
     hal_tick_lock();
@@ -106,7 +106,7 @@ static bool commission_status_line(struct console *c, unsigned n, struct text *l
         return true;
     }
     if (n == 2)
-        left_line(c, line);
+        time_left_line(c, line);
     if (n > 1)
         return n == 2;
     if (m->phase == COMMISSION_TESTING) {
