@@ -42,6 +42,8 @@ enum err analysis_begin(struct analysis *a, const struct analysis_config *config
     enum err err = interact_check(&a->plant, NULL);
     if (!err)
         err = check_beginnings(a);
+    for (uint8_t j = 0; j < a->plant.outputs && !err; j++)
+        err = a->given[j] > a->plant.inputs ? ERR_RANGE : ERR_OK;
     if (err)
         return err;
     memset((char *)a + offsetof(struct analysis, begins), 0,

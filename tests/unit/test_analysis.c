@@ -39,6 +39,7 @@ static void take_plant(unsigned number, double sd, double unit_s)
     memset(&a, 0xA5, sizeof a);
     memset(a.beginning, 0, sizeof a.beginning);
     memset(a.flags, 0, sizeof a.flags);
+    memset(a.given, 0, sizeof a.given);
     a.plant = known.plant;
     for (unsigned j = 0; j < known.plant.outputs; j++)
         for (unsigned i = 0; i < known.plant.inputs; i++) {
@@ -470,6 +471,7 @@ static void what_is_no_plant_or_no_setting_is_refused(void)
     REFUSED(a.plant.element[0][1].dead_time_s = (real_t)NAN);
     REFUSED(a.plant.gain_sd[0][0] = -1);
     REFUSED(a.plant.gain_sd[0][0] = (real_t)NAN);
+    REFUSED(a.given[1] = 3); /* of two inputs */
 #undef REFUSED
 }
 
