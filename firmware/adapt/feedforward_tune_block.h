@@ -286,7 +286,7 @@ void tune_on_sample(struct tune *t);
 
 /* ---- proposals (feedforward_tune_proposals.c) ---- */
 
-void tune_propose_on(struct tune *t, struct block_proposal *room);
+void tune_propose_on(struct tune *t, struct block_io *io);
 
 const char *tune_describe(const void *state, size_t i, float *value);
 

@@ -179,7 +179,7 @@ static void tune_step(void *state, struct block_io *io)
     if (tune_take(t, io))
         tune_on_sample(t);
     tune_ask_signal(t, io);
-    tune_propose_on(t, io->proposal);
+    tune_propose_on(t, io);
     tell_tuning_events(t, io);
 }
 
@@ -250,7 +250,7 @@ static const char *run_reset_model(void *state, const float *number)
 static const struct block_verb tune_verbs[] = {
     {"tune", NULL, "identify, tune, test, propose", 0, 0, false, ACCESS_ENGINEER, run_tune_element},
     {"stop", NULL, "give that up", 0, 0, false, ACCESS_OPERATOR, run_stop_tuning},
-    {"silence", NULL, "propose a feedforward gain of 0", 0, 0, false, ACCESS_OPERATOR, run_silence},
+    {"silence", NULL, "switch the feedforward off", 0, 0, false, ACCESS_OPERATOR, run_silence},
     {"reset", NULL, "P = P(0); what is estimated stays", 0, 0, false, ACCESS_ENGINEER,
      run_reset_model},
 };

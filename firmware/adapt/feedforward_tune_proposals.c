@@ -9,13 +9,32 @@
 /* Of `check`: one that makes the loop worse waits no longer. */
 #define WORSE_WAITS 0.0625f
 
-static void put_gain_off(const struct tune *t, struct block_proposal *room)
+#define OFF_VALUES 2
+
+static void put_gain_off(const struct tune *t, struct proposed_value value[OFF_VALUES])
 {
     uint8_t ff = (uint8_t)(t->s.element - 1u);
-    room->n = 2;
-    room->manner = t->s.protect || t->s.adopt ? PROPOSAL_AT_ONCE : PROPOSAL_WHEN_ACCEPTED;
-    room->value[0] = (struct proposed_value){proposed_own(TUNE_ID_K), 0};
-    room->value[1] = (struct proposed_value){proposed_setting(PROPOSED_FF_GAIN, ff), 0};
+    value[0] = (struct proposed_value){proposed_own(TUNE_ID_K), 0};
+    value[1] = (struct proposed_value){proposed_setting(PROPOSED_FF_GAIN, ff), 0};
+}
+_Static_assert(OFF_VALUES <= SWITCH_OFF_MAX, "they fit");
+
+/* Needs nobody: off at the next tick, whatever is open. */
+static bool is_off_at_once(const struct tune *t)
+{
+    return t->s.protect || t->s.adopt == TUNE_ADOPT_AT_ONCE;
+}
+
+static void ask_gain_off(const struct tune *t, struct block_io *io)
+{
+    if (is_off_at_once(t)) {
+        io->switch_off->n = OFF_VALUES;
+        io->switch_off->element = switch_off_element((uint8_t)(t->s.element - 1u));
+        put_gain_off(t, io->switch_off->value);
+        return;
+    }
+    io->proposal->n = OFF_VALUES;
+    put_gain_off(t, io->proposal->value);
 }
 
 static void put_candidate(const struct tune *t, struct block_proposal *room)
@@ -52,14 +71,16 @@ static bool is_calm(struct tune *t)
 }
 
 /* With room again and other settings in force it was refused, or rejected. */
-void tune_propose_on(struct tune *t, struct block_proposal *room)
+void tune_propose_on(struct tune *t, struct block_io *io)
 {
-    if (room)
+    bool wants_off = t->silencing || t->stage == TUNE_SILENCES;
+    bool off_room = is_off_at_once(t) ? io->switch_off != NULL : io->proposal != NULL;
+    if (off_room)
         t->off_waits = false;
-    if (!room || !is_calm(t))
+    if (!(wants_off ? off_room : io->proposal != NULL) || !is_calm(t))
         return;
     if (t->silencing || (t->stage == TUNE_SILENCES && !t->handed)) {
-        put_gain_off(t, room);
+        ask_gain_off(t, io);
         t->silencing = false;
         t->off_waits = true;
         t->handed = true;
@@ -71,7 +92,7 @@ void tune_propose_on(struct tune *t, struct block_proposal *room)
         tune_end_with(t, TUNE_REJECTED);
         return;
     }
-    put_candidate(t, room);
+    put_candidate(t, io->proposal);
     t->handed = true;
 }
 

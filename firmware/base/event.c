@@ -153,6 +153,8 @@ static const char *const table[] = {
 #if EVENTS_OF_BLOCKS
     E("DO_BLOCK", "block switched, or told something; the number it was given", ACTION),
     E("DO_PROPOSAL", "proposal of a block accepted, rejected or taken back; its values", ACTION),
+    E("SWITCHED_OFF", "adds nothing until its settings change; which block has switched it off",
+      WARNING),
 #endif
 };
 _Static_assert(sizeof table / sizeof table[0] == EVENT_COUNT, "every event has a name and a text");

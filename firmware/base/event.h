@@ -128,6 +128,7 @@ enum event_code {
 #if EVENTS_OF_BLOCKS
     EVENT_DO_BLOCK,
     EVENT_DO_PROPOSAL,
+    EVENT_SWITCHED_OFF,
 #endif
     EVENT_COUNT
 };

@@ -124,7 +124,10 @@ struct block_io {
     const struct applied_history **input_applied;  /* [inputs] */
     uint16_t divisor;                              /* base ticks of a step */
     struct block_proposal
-        *proposal;    /* a step may put one there; NULL: another waits (block/proposal.h) */
+        *proposal; /* a step may put one there; NULL: another waits (block/proposal.h) */
+    struct block_switch_off
+        *switch_off;  /* a step may put one there; NULL: its last one waits (block/proposal.h) */
+    uint8_t silenced; /* of an element, bit k: term k is switched off, and adds nothing */
     uint8_t going_on; /* of a compensator, follow: acting members that also did in the last step */
     uint16_t raised;  /* given: bit k: the k-th of the kind's events holds in this step */
     float *event_value; /* [events] given with it, in the unit its words name */

@@ -23,6 +23,30 @@ struct block_proposal {
     struct proposed_value value[PROPOSAL_MAX];
 };
 
+/* A switch-off: a feedforward element, or a term of one with a record, is harmful. From the next tick on it adds nothing, whatever
+ * is open; the values, which come to the same, follow when settings are free. */
+#define SWITCH_OFF_MAX 2
+struct block_switch_off {
+    uint8_t n;       /* values; 0: none */
+    uint8_t element; /* switch_off_element() or switch_off_term() */
+    struct proposed_value value[SWITCH_OFF_MAX];
+};
+
+#define ELEMENT_TERMS                                                                              \
+    8 /* of an element with a record, at most: rows of so many values have one for each */
+
+/* Of ff1 for 0, and so on. */
+static inline uint8_t switch_off_element(uint8_t index)
+{
+    return index;
+}
+
+/* Of the element blockN, both from 0. */
+static inline uint8_t switch_off_term(uint8_t block, uint8_t term)
+{
+    return (uint8_t)(ELEMENT_TERMS * (block + 1u) + term);
+}
+
 /* Ids of settings, as in docs/console.md; others may be written likewise. Only settings of loops, decoupler, feedforward
  * elements and blocks can be proposed. */
 enum proposed {
@@ -48,6 +72,12 @@ static inline uint32_t proposed_setting(enum proposed field, uint8_t index)
 static inline uint32_t proposed_own(uint8_t id)
 {
     return (uint32_t)16 << 24 | (64u + id) << 16 | PROPOSED_SELF;
+}
+
+/* The id in a proposal of that block, from 0. */
+static inline uint32_t proposed_by(uint8_t block, uint32_t id)
+{
+    return id >> 16 && (id & 0x3Fu) == PROPOSED_SELF ? (id & ~PROPOSED_SELF) | block : id;
 }
 
 #endif

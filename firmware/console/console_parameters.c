@@ -202,12 +202,37 @@ void command_begin(struct console *c, unsigned n, char **word)
     console_answer(c, operate_begin(&c->session, &a), &a);
 }
 
+#if CONFIG_BLOCKS
+/* What blocks have switched off while the transaction was open. */
+static void say_switched_off(struct console *c)
+{
+    char line[CONSOLE_OUTPUT_MAX];
+    struct text t = text_on(line, sizeof line);
+    struct parameter p;
+    uint8_t block;
+    float value;
+    text_str(&t, "# switched off meanwhile:");
+    unsigned k = 0;
+    for (; operate_switched_off(&c->session, true, k, &block, &p, &value); k++) {
+        text_str(&t, k ? ", " : " ");
+        parameter_name(&p, &t);
+    }
+    if (k)
+        console_print(c, line);
+}
+#else
+#define say_switched_off(c) ((void)(c))
+#endif
+
 void command_apply(struct console *c, unsigned n, char **word)
 {
     struct answer a;
     (void)n;
     (void)word;
-    console_answer(c, operate_apply(&c->session, &a), &a);
+    enum err err = operate_apply(&c->session, &a);
+    if (!err)
+        say_switched_off(c);
+    console_answer(c, err, &a);
 }
 
 void command_abandon(struct console *c, unsigned n, char **word)

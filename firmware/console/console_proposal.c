@@ -79,13 +79,37 @@ static void refused_line(const struct console *c, const struct refused_proposal 
         other_value(", ", r->value, line);
 }
 
+/* Line n of those that are switched off, and not settings yet. *lines: how many there are. */
+static bool switched_off_line(const struct console *c, unsigned n, unsigned *lines,
+                              struct text *line)
+{
+    struct parameter p;
+    float value;
+    uint8_t block;
+    for (*lines = 0; operate_switched_off(&c->session, false, *lines, &block, &p, &value);
+         (*lines)++) {
+        if (*lines != n)
+            continue;
+        who(c, block, " has switched off", line);
+        value_now(&p, operate_settings(&c->session), line);
+        other_value(", to be ", value, line);
+        return true;
+    }
+    return false;
+}
+
 static bool proposal_line(struct console *c, unsigned n, struct text *line)
 {
     struct proposal_reading r;
+    unsigned off;
+    if (switched_off_line(c, n, &off, line))
+        return true;
+    bool any = off > 0;
+    n -= off;
     if (!operate_proposal(&c->session, &r)) {
-        if (n == 0)
+        if (n == 0 && !any)
             text_str(line, "no block has proposed anything");
-        return n == 0;
+        return n == 0 && !any;
     }
     if (r.state != PROPOSAL_FREE) {
         if (n <= r.values) {

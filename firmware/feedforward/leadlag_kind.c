@@ -14,7 +14,10 @@ struct leadlag_term {
     struct washout washout;
     float dead_s, reference;
     uint8_t from, to; /* from 0 */
+    uint8_t number;   /* in the settings, from 0 */
 };
+
+_Static_assert(LEADLAG_TERMS == ELEMENT_TERMS, "rows of so many values are those of the terms");
 
 struct leadlag {
     struct leadlag_term term[LEADLAG_TERMS];
@@ -27,6 +30,7 @@ struct leadlag {
     num_t lo[LEADLAG_MVS], hi[LEADLAG_MVS];
     float step[LEADLAG_MVS]; /* most in a step */
     num_t given[LEADLAG_MVS];
+    uint8_t silenced; /* in the last step */
     /* behind it the rings of the terms, one after the other */
 };
 
@@ -222,6 +226,7 @@ static enum err leadlag_configure(void *state, const struct block_setup *setup, 
             continue;
         struct leadlag_term *t = &s->term[n++];
         t->element.delay.ring = ring;
+        t->number = (uint8_t)k;
         enum err err = goes_on ? retune_term(setup, k, t) : make_term(setup, k, t, ring);
         if (err)
             return err;
@@ -278,21 +283,23 @@ static void sum_terms(struct leadlag *s, struct accumulator *sum)
     for (unsigned k = 0; k < s->terms; k++) {
         struct leadlag_term *t = &s->term[k];
         num_t u = feedforward_step(&t->element, s->d[t->from]);
-        accumulator_add(&sum[t->to], s->washes ? washout_step(&t->washout, u) : u);
+        u = s->washes ? washout_step(&t->washout, u) : u;
+        if (!(s->silenced & 1u << t->number))
+            accumulator_add(&sum[t->to], u);
     }
 }
 
-/* Within the limits, and no faster than the rate. */
-static num_t limited_output(const struct leadlag *s, unsigned p, num_t asked, bool begins)
+/* Within the limits, and no faster than the rate, but for where it jumps. */
+static num_t limited_output(const struct leadlag *s, unsigned p, num_t asked, bool jumps)
 {
     num_t u = num_clamp(asked, s->lo[p], s->hi[p]);
-    if (begins)
+    if (jumps)
         return u;
     num_t step = num_from_float(s->step[p]);
     return num_clamp(u, num_sub(s->given[p], step), num_add(s->given[p], step));
 }
 
-static void give(struct leadlag *s, struct block_io *io, bool begins)
+static void give(struct leadlag *s, struct block_io *io, bool jumps)
 {
     struct accumulator sum[LEADLAG_MVS];
     for (unsigned p = 0; p < s->mvs; p++)
@@ -300,7 +307,7 @@ static void give(struct leadlag *s, struct block_io *io, bool begins)
     sum_terms(s, sum);
     for (unsigned p = 0; p < s->mvs; p++) {
         num_t asked = accumulator_get(&sum[p]);
-        s->given[p] = limited_output(s, p, asked, begins);
+        s->given[p] = limited_output(s, p, asked, jumps);
         if (!num_eq(s->given[p], asked)) {
             io->raised |= 1u << EVENT_LIMIT;
             io->event_value[EVENT_LIMIT] = (float)(p + 1u);
@@ -314,6 +321,8 @@ static void leadlag_step(void *state, struct block_io *io)
     struct leadlag *s = state;
     stand_rings(s);
     bool begins = !s->begun;
+    bool jumps = begins || s->silenced != io->silenced; /* the loops make room for it */
+    s->silenced = io->silenced;
     if (take_disturbances(s, io)) {
         s->begun = false;
         io->gives_up = "input";
@@ -321,7 +330,7 @@ static void leadlag_step(void *state, struct block_io *io)
     }
     if (begins)
         begin_at_rest(s);
-    give(s, io, begins);
+    give(s, io, jumps);
 }
 
 static void leadlag_follow(void *state, struct block_io *io)

@@ -232,6 +232,10 @@ struct proposal_reading {
 bool operate_proposal(const struct session *session, struct proposal_reading *reading);
 /* Value k of the one that waits. False: past the last, or no such parameter. */
 bool operate_proposed(const struct session *session, unsigned k, struct parameter *p, float *value);
+/* Row k of what blocks have switched off in the tick: of that which is not in force yet, or, with `applied`, of that which the transaction
+ * just applied has brought with it, until the next turn. False: past the last, or no such parameter. */
+bool operate_switched_off(const struct session *session, bool applied, unsigned k, uint8_t *block,
+                          struct parameter *p, float *value);
 /* Engineer, all of them. ERR_STATE: there is none, or a transaction is open; ERR_BUSY: not now; ERR_CONFLICT: other loops, blocks
  * or spans since; errors of service_apply(), and it waits on. */
 MUST_CHECK enum err operate_proposal_accept(struct session *session, struct answer *answer);

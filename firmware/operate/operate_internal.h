@@ -24,8 +24,38 @@ MUST_CHECK enum err operate_request(struct session *session, const struct reques
  * now will meet. NULL: somebody else needs that place; ERR_BUSY. */
 struct config *operate_stage(struct session *session, struct answer *answer);
 #if CONFIG_BLOCKS
+/* Checksum of all that the ids and values of a proposal go by: loops, elements and blocks by their places, and what fractions
+ * are of. */
+uint32_t proposed_shape(const struct config *c);
+/* One value of that block into *config; *old gets what was there. */
+MUST_CHECK enum err proposed_write(struct config *config, uint8_t block,
+                                   const struct proposed_value *v, float *old,
+                                   struct config_fault *fault);
+/* n of them; *back, which may be NULL, gets the way back. *at: the one that is refused. */
+MUST_CHECK enum err proposed_write_all(struct config *config, uint8_t block,
+                                       const struct proposed_value *v, uint8_t n,
+                                       struct way_back *back, uint8_t *at,
+                                       struct config_fault *fault);
+/* The staged settings, which have the values v, go into force, and the way back is kept. Nothing happens where they change nothing.
+ * Errors as service_apply(). */
+MUST_CHECK enum err proposed_adopt(struct operate *door, const struct proposed_value *v,
+                                   const struct way_back *back, struct config_fault *fault);
+/* What is wrong is not one of its values. */
+MUST_CHECK enum err proposed_refuse_whole(struct config_fault *fault, enum err code, uint8_t block,
+                                          const char *wanted);
+/* Whoever else changes settings is done with it: no transaction, save, sequence or start-up. */
+bool operate_may_change_settings(const struct operate *door);
+/* It is known, until the next is, what was wrong with what a block has proposed. */
+void operate_keep_refusal(struct operate *door, uint8_t block, float value,
+                          const struct config_fault *fault);
+/* Once a turn, as operate_poll_proposals(). */
+bool operate_poll_switch_offs(struct operate *door);
 /* Before settings are written without operate_stage(): tables that start-up may go back to are not given to others. */
 void operate_watch_tables(const struct service *s);
+/* The open transaction, if there is one, has come into force, or is abandoned. */
+void operate_transaction_over(struct operate *door, bool applied);
+#else
+#define operate_transaction_over(door, applied) ((door)->service->staging = false)
 #endif
 #if COMMISSION_CHANNELS || CONFIG_BLOCKS
 /* No client has a transaction open, nothing is being saved or half printed, no sequence is under way: the main loop may

@@ -137,7 +137,7 @@ enum err operate_apply(struct session *session, struct answer *answer)
     err = operate_activate(session, answer);
     if (err)
         return err; /* it stays open to be mended */
-    s->staging = false;
+    operate_transaction_over(session->door, true);
     operate_record(session, EVENT_DO_APPLY, NULL, (float)changes);
     return ERR_OK;
 }
@@ -150,7 +150,7 @@ enum err operate_abandon(struct session *session, struct answer *answer)
         return err;
     if (!s->staging)
         return operate_refuse(answer, ERR_STATE, NULL, "no transaction is open");
-    s->staging = false;
+    operate_transaction_over(session->door, false);
     return ERR_OK;
 }
 

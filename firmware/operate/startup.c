@@ -165,7 +165,7 @@ static enum err begin_trial(struct session *session, struct config *config, stru
     err = operate_activate(session, answer);
     if (err)
         return err;
-    s->staging = false;
+    operate_transaction_over(session->door, true);
     hal_tick_lock();
     m->trial_serial = service_plan(s)->serial;
     m->ask = COMMISSION_ASK_TRIAL;

@@ -11,6 +11,7 @@
 #include "supervise/sequence.h"
 #include "supervise/serve.h"
 #include "supervise/supervisor.h"
+#include "supervise/switch_offs.h"
 
 /* Whether loop i of both plans is the same loop; old may be NULL. The numbers inside are fractions: they only keep their
  * meaning while names, spans and control law stay. */
@@ -182,6 +183,8 @@ static void place_feedforward(struct supervisor *s, const struct plan *old, uint
         if (lo == lo_before && hi == hi_before)
             return;
     }
+    if (!before || !same_feedforward(plan, old, i))
+        switch_off_forget_element(s, i);
     if (before)
         rejoin(s, before->to);
     rejoin(s, f->to);

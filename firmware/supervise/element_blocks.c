@@ -66,6 +66,10 @@ static void run_element(struct supervisor *s, uint8_t slot, struct served_io *g)
     for (uint8_t k = 0; k < r->points; k++)
         if (loop_drives(s, s->plan->owner[r->point[k]]))
             g->io.acting = (uint8_t)(g->io.acting | (1u << k));
+    g->io.silenced = s->silenced[1 + slot - SLOT_RECORDS];
+    if (s->served[slot - SLOT_RECORDS].silenced != g->io.silenced)
+        loops_make_room(s, slot);
+    s->served[slot - SLOT_RECORDS].silenced = g->io.silenced;
     if (!s->block[slot].running) {
         loops_make_room(s, slot);
         s->block[slot].running = true;

@@ -18,8 +18,7 @@ void proposal_hand_over(struct supervisor *s, uint8_t slot, const struct block_i
     if (!p || !p->n)
         return;
     for (uint8_t k = 0; k < p->n && k < PROPOSAL_MAX; k++)
-        if (p->value[k].id >> 16 && (p->value[k].id & 0x3Fu) == PROPOSED_SELF)
-            p->value[k].id = (p->value[k].id & ~0x3Fu) | n;
+        p->value[k].id = proposed_by(n, p->value[k].id);
     s->proposal.block = n;
     s->proposal.plan = s->plan->serial;
     atomic_store(&s->proposal.state, PROPOSAL_GIVEN);

@@ -9,6 +9,7 @@
 #include "supervise/records.h"
 #include "supervise/served_io.h"
 #include "supervise/span.h"
+#include "supervise/switch_offs.h"
 #include "supervise/validate.h"
 
 #if CONFIG_BLOCKS
@@ -84,11 +85,23 @@ static void loops_moved(struct supervisor *s, const struct plan *of, uint8_t slo
             s->loop[s->plan->owner[r->point[k]]].moved = true;
 }
 
+/* The terms of an element are the same ones, though their settings may be others. */
+static bool same_terms(const struct plan *plan, const struct plan *old, uint8_t slot)
+{
+    const struct record_plan *r = &plan->record[slot - SLOT_RECORDS];
+    const struct record_plan *before = old ? &old->record[slot - SLOT_RECORDS] : NULL;
+    return before && plan->block[slot].kind != PLAN_NONE &&
+           old->block[slot].kind == plan->block[slot].kind &&
+           same_list(r->input, r->inputs, before->input, before->inputs) &&
+           same_list(r->point, r->points, before->point, before->points);
+}
+
 static void place_record(struct supervisor *s, const struct plan *old, uint8_t slot)
 {
     struct block_state *b = &s->block[slot];
     uint8_t n = (uint8_t)(slot - SLOT_RECORDS);
     bool same = same_record(s, old, slot);
+    switch_off_forget_terms(s, old, slot, same_terms(s->plan, old, slot));
     if (!same) { /* of whatever was here before */
         job_give_up(&s->work[n]);
         s->served[n].on_pending = false;

@@ -8,6 +8,7 @@
 #include "supervise/proposals.h"
 #include "supervise/raised.h"
 #include "supervise/sampling.h"
+#include "supervise/switch_offs.h"
 
 #if CONFIG_BLOCKS
 
@@ -141,6 +142,7 @@ void served_step(struct supervisor *s, uint8_t slot, struct served_io *g)
     take_work(s, slot, &g->io);
     excitation_tell(s, slot, &g->io, g->excite);
     g->io.proposal = proposal_room(s);
+    g->io.switch_off = switch_off_room(s, slot);
     served_kind(s, slot)->step(supervisor_block(s, slot), &g->io);
     raised_tell(s, slot, &g->io);
 }
@@ -150,6 +152,7 @@ void served_grant(struct supervisor *s, uint8_t slot, struct served_io *g)
     ask_work(s, slot, &g->io);
     excitation_take(s, slot, &g->io);
     proposal_hand_over(s, slot, &g->io);
+    switch_off_hand_over(s, slot, &g->io);
 }
 
 #endif

@@ -182,8 +182,9 @@ struct block_state {
 struct served_state {
     const char *gave_up; /* why it is off, in a word; NULL: this input of it was bad */
     uint8_t input;
-    uint8_t raised;  /* bit k: the k-th event of its kind held in its last step */
-    bool on_pending; /* it was told to come on in the midst of a piece of its work */
+    uint8_t raised;   /* bit k: the k-th event of its kind held in its last step */
+    bool on_pending;  /* it was told to come on in the midst of a piece of its work */
+    uint8_t silenced; /* terms of an element that added nothing in its last step */
 };
 _Static_assert(BLOCK_EVENTS_MAX <= 8, "a bit for each");
 
@@ -219,6 +220,23 @@ struct proposal_slot {
     uint32_t plan; /* serial */
     struct block_proposal is;
 };
+
+/* A switch-off on its way from the tick, which has silenced the element and writes it while the place is free, to the main loop, which
+ * makes it settings. */
+enum switch_off_state {
+    SWITCH_OFF_FREE,
+    SWITCH_OFF_GIVEN,
+    SWITCH_OFF_STAGED,  /* its values are in the open transaction */
+    SWITCH_OFF_APPLIED, /* ... which has come into force with them */
+    SWITCH_OFF_LIFTED   /* ... with others: the tick lets the element act, and frees the place */
+};
+struct switch_off_slot {
+    _Atomic uint8_t state; /* enum switch_off_state */
+    uint8_t kind;          /* of the block that gave it: place in block_kinds[] */
+    struct block_switch_off is;
+};
+#define SILENCED_BYTES (1 + CONFIG_BLOCKS) /* a bit for each switch_off_element() and term */
+_Static_assert(CONFIG_FEEDFORWARDS <= ELEMENT_TERMS, "their bits fit a byte");
 
 /* Which block a job works for. */
 struct supervisor_work {
@@ -287,6 +305,8 @@ struct supervisor {
     struct excitation_state excitation;
     struct served_state served[CONFIG_BLOCKS];
     struct proposal_slot proposal;
+    struct switch_off_slot switch_off[CONFIG_BLOCKS]; /* of each block */
+    uint8_t silenced[SILENCED_BYTES];
 #endif
     _Alignas(8) num_t arena[PLAN_ARENA_BYTES / sizeof(num_t)];
 };

@@ -14,6 +14,7 @@
 #include "supervise/serve.h"
 #include "supervise/setpoint.h"
 #include "supervise/supervisor.h"
+#include "supervise/switch_offs.h"
 #include "supervise/transfer.h"
 #include "supervise/validate.h"
 #include "supervise/watch.h"
@@ -51,13 +52,13 @@ static void drop_unbound(struct supervisor *s, uint8_t i)
     loop_to_manual(s, i);
 }
 
-/* What feedforward k looks at, fraction of span; false: there is nothing to look at yet. Of a manipulated variable it is
+/* What feedforward k looks at, fraction of span; false: there is nothing to look at yet, or it is switched off. Of a manipulated variable it is
  * what the tick before has made of it, whatever moved it: limits, interlocks and hands included. So no correction depends
  * on the order in which loops or corrections are computed. */
 static bool feedforward_input(const struct supervisor *s, uint8_t k, num_t *d)
 {
     uint8_t from = s->plan->feedforward[k].from;
-    if (!s->plan->config.feedforward[k].from[0] || from == PLAN_NONE)
+    if (!s->plan->config.feedforward[k].from[0] || from == PLAN_NONE || element_is_silenced(s, k))
         return false;
     bool output = s->plan->feedforward[k].from_mv;
     *d = output ? s->mv[from].applied : s->measurement[from].value;
@@ -71,6 +72,7 @@ static void feed_forward(struct supervisor *s, num_t *before)
         before[i] = s->loop[i].feedforward;
         s->loop[i].feedforward = num_zero();
     }
+    switch_offs_lift(s);
     for (uint8_t k = 0; k < CONFIG_FEEDFORWARDS; k++) {
         struct block_state *b = &s->block[SLOT_ELEMENTS + k];
         num_t d = num_zero(), added;

@@ -8,6 +8,10 @@
 #include "block/block.h"
 #include "control/pid.h"
 #include "control/two_position.h"
+#ifdef TOLD_BESIDE_ELEMENTS
+#include "feedforward/feedforward.h"
+#include "feedforward/leadlag.h"
+#endif
 
 static uint32_t told_bytes(const struct block_setup *setup);
 static enum err told_check(const struct block_setup *setup, struct block_fault *fault);
@@ -34,6 +38,8 @@ enum { WATCH_HIGH, WATCH_CROSSED };
 /* What the next step of a watch, or of a pair, proposes; times it found no room. */
 static struct block_proposal watch_proposes, pair_proposes;
 static unsigned no_room;
+/* What the next step of a watch, or of a pair, switches off. */
+static struct block_switch_off watch_switches_off, pair_switches_off;
 static void (*watch_described)(void); /* where an inner value is read; NULL: nobody looks */
 
 static void told_propose(struct block_io *io, struct block_proposal *proposes)
@@ -46,6 +52,14 @@ static void told_propose(struct block_io *io, struct block_proposal *proposes)
     }
     *io->proposal = *proposes;
     proposes->n = 0;
+}
+
+static void told_switch_off(struct block_io *io, struct block_switch_off *switches_off)
+{
+    if (!switches_off->n || !io->switch_off)
+        return;
+    *io->switch_off = *switches_off;
+    switches_off->n = 0;
 }
 
 static const struct block_parameter watch_parameters[] = {
@@ -92,6 +106,7 @@ static void watch_step(void *state, struct block_io *io)
     io->point[0] = w->held;
     io->point_quality[0] = io->quality[0];
     told_propose(io, &watch_proposes);
+    told_switch_off(io, &watch_switches_off);
     bool above = num_lt(w->limit, io->input[0]);
     io->event_value[WATCH_HIGH] = io->event_value[WATCH_CROSSED] = num_to_float(io->input[0]);
     io->raised = (uint16_t)((above ? 1u << WATCH_HIGH : 0u) |
@@ -204,6 +219,7 @@ static void pair_step(void *state, struct block_io *io)
     for (unsigned k = 0; k < 2; k++)
         io->out[k] = p->u[k];
     told_propose(io, &pair_proposes);
+    told_switch_off(io, &pair_switches_off);
     io->raised = pair_is_spent;
     io->event_value[0] = 0.75f;
     if (pair_gives_up)
@@ -244,8 +260,12 @@ static const struct block_kind pair_kind = {
     .follow = pair_follow,
 };
 
-const struct block_kind *const block_kinds[] = {&pid_kind, &two_position_kind, &watch_kind,
-                                                &pair_kind};
+const struct block_kind *const block_kinds[] = {&pid_kind,         &two_position_kind, &watch_kind,
+                                                &pair_kind,
+#ifdef TOLD_BESIDE_ELEMENTS
+                                                &feedforward_kind, &leadlag_kind
+#endif
+};
 const uint8_t block_kind_count = sizeof block_kinds / sizeof block_kinds[0];
 
 #endif

@@ -42,21 +42,6 @@ static void an_element_that_does_nothing_is_not_identified_anew_for_ever(void)
 
 static const char *const wrong_sign[] = {"set ff1.gain 0.47", "set block1.k 0.47", NULL};
 
-static void one_that_is_worse_is_off_when_the_settings_are_free_again(void)
-{
-    begin_unlike(&usual, 0);
-    tune_whole(0);
-    settle(wrong_sign);
-    ask_ok("begin");
-    tune_seconds(3000);
-    TEST_ASSERT_EQUAL(WORSE, tune_value("verdict"));
-    TEST_ASSERT_FALSE_MESSAGE(gain_is_off("ff1"), "the page says that it waits");
-    ask_ok("set block1.check 1200"); /* as it is: nothing changes */
-    ask_ok("apply");
-    plant_steps(5);
-    TEST_ASSERT_TRUE(gain_is_off("ff1"));
-}
-
 static void one_that_waits_to_be_switched_off_counts_once(void)
 {
     begin_unlike(&usual, 0);
@@ -413,7 +398,6 @@ int main(void)
     UNITY_BEGIN();
     RUN_TEST(an_element_that_is_not_there_is_refused_when_it_is_proposed);
     RUN_TEST(an_element_that_does_nothing_is_not_identified_anew_for_ever);
-    RUN_TEST(one_that_is_worse_is_off_when_the_settings_are_free_again);
     RUN_TEST(one_that_waits_to_be_switched_off_counts_once);
     RUN_TEST(a_slow_element_that_is_worse_is_off_within_half_of_check);
     RUN_TEST(other_settings_forget_that_it_was_to_be_identified_anew);

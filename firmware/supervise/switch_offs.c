@@ -1,0 +1,95 @@
+#include "supervise/switch_offs.h"
+
+#include <string.h>
+
+#include "supervise/records.h"
+
+#if CONFIG_BLOCKS
+
+static void forget(struct supervisor *s, uint8_t element)
+{
+    uint8_t *byte = &s->silenced[element / ELEMENT_TERMS];
+    *byte = (uint8_t)(*byte & ~(1u << element % ELEMENT_TERMS));
+}
+
+struct block_switch_off *switch_off_room(struct supervisor *s, uint8_t slot)
+{
+    struct switch_off_slot *w = &s->switch_off[slot - SLOT_RECORDS];
+    if (atomic_load(&w->state) != SWITCH_OFF_FREE)
+        return NULL;
+    w->is.n = 0;
+    return &w->is;
+}
+
+/* "ff1", "block3.term2" */
+static void name_element(uint8_t element, char name[CHANNEL_NAME_SIZE])
+{
+    uint8_t block = (uint8_t)(element / ELEMENT_TERMS), k = (uint8_t)(element % ELEMENT_TERMS);
+    char word[] = "term1";
+    if (block == 0) {
+        memcpy(name, "ff1", 4);
+        name[2] = (char)(name[2] + k);
+        return;
+    }
+    word[4] = (char)(word[4] + k);
+    block_word_name((uint8_t)(block - 1u), word, name);
+}
+
+void switch_off_hand_over(struct supervisor *s, uint8_t slot, const struct block_io *io)
+{
+    uint8_t n = (uint8_t)(slot - SLOT_RECORDS);
+    struct switch_off_slot *w = &s->switch_off[n];
+    const struct block_switch_off *is = io->switch_off;
+    char name[CHANNEL_NAME_SIZE];
+    if (!is || !is->n || is->element / ELEMENT_TERMS >= SILENCED_BYTES)
+        return;
+    for (uint8_t k = 0; k < is->n && k < SWITCH_OFF_MAX; k++)
+        w->is.value[k].id = proposed_by(n, is->value[k].id);
+    if (!element_is_silenced(s, is->element)) {
+        uint8_t *byte = &s->silenced[is->element / ELEMENT_TERMS];
+        *byte = (uint8_t)(*byte | 1u << is->element % ELEMENT_TERMS);
+        name_element(is->element, name);
+        event_put(s->events, s->time_ms, EVENT_SWITCHED_OFF, name, (float)(n + 1u), 0);
+    }
+    w->kind = s->block[slot].kind;
+    atomic_store(&w->state, SWITCH_OFF_GIVEN);
+}
+
+void switch_offs_lift(struct supervisor *s)
+{
+    for (uint8_t n = 0; n < CONFIG_BLOCKS; n++) {
+        struct switch_off_slot *w = &s->switch_off[n];
+        if (atomic_load(&w->state) != SWITCH_OFF_LIFTED)
+            continue;
+        forget(s, w->is.element);
+        atomic_store(&w->state, SWITCH_OFF_FREE);
+    }
+}
+
+void switch_off_forget_element(struct supervisor *s, uint8_t k)
+{
+    forget(s, switch_off_element(k));
+}
+
+/* Rows with a value for each term: do both records have the same k-th ones? */
+static bool same_term(const struct block_kind *kind, const uint8_t *a, const uint8_t *b, uint8_t k)
+{
+    for (uint8_t i = 0; i < kind->parameters; i++) {
+        const struct block_parameter *p = &kind->parameter[i];
+        size_t size = block_value_size(p->type), at = p->offset + k * size;
+        if (p->cols == ELEMENT_TERMS && p->rows == 1 && memcmp(a + at, b + at, size) != 0)
+            return false;
+    }
+    return true;
+}
+
+void switch_off_forget_terms(struct supervisor *s, const struct plan *old, uint8_t slot, bool same)
+{
+    uint8_t n = (uint8_t)(slot - SLOT_RECORDS);
+    for (uint8_t k = 0; k < ELEMENT_TERMS && s->silenced[1 + n]; k++)
+        if (!same || !same_term(plan_kind(s->plan, slot), config_record(&old->config, n),
+                                config_record(&s->plan->config, n), k))
+            forget(s, switch_off_term(n, k));
+}
+
+#endif
