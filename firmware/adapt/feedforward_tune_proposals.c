@@ -74,6 +74,7 @@ static bool is_calm(struct tune *t)
 void tune_propose_on(struct tune *t, struct block_io *io)
 {
     bool wants_off = t->silencing || t->stage == TUNE_SILENCES;
+    io->withdraws = t->stage != TUNE_PROPOSES && t->stage != TUNE_SILENCES && !t->off_waits;
     bool off_room = is_off_at_once(t) ? io->switch_off != NULL : io->proposal != NULL;
     if (off_room)
         t->off_waits = false;

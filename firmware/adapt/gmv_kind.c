@@ -408,6 +408,7 @@ static void gmv_step(void *state, struct block_io *io)
     uint8_t wish = gmv_supervise_judge(&s->watch, &seen, &came);
     wish = (uint8_t)(wish | gmv_proposals_step(s, io->proposal));
     grant(s, io, wish);
+    io->withdraws = !s->proposes;
     if (!io->gives_up)
         compute(s, &sample, io);
     if (io->gives_up)

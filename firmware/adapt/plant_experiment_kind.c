@@ -229,6 +229,7 @@ static void experiment_step(void *state, struct block_io *io)
         go_on_with_stage(e, io);
     experiment_proposals_step(e, io->proposal);
     experiment_law_step(e, io);
+    io->withdraws = !e->proposes && !e->law.proposes;
     io->raised = 0;
     if (e->tells) {
         io->raised = (uint16_t)(1u << (e->tells - 1u));
@@ -274,9 +275,11 @@ static const char *run_stop(void *state, const float *number)
         experiment_law_stop(e, "it", "let go on to its end");
         return NULL;
     }
-    if (!experiment_runs(e))
+    if (experiment_runs(e))
+        experiment_abort(e, REASON_STOPPED);
+    else if (!e->proposes && !e->law.proposes)
         return "runs not";
-    experiment_abort(e, REASON_STOPPED);
+    e->proposes = e->law.proposes = false;
     return NULL;
 }
 

@@ -155,6 +155,7 @@ static const char *const table[] = {
     E("DO_PROPOSAL", "proposal of a block accepted, rejected or taken back; its values", ACTION),
     E("SWITCHED_OFF", "adds nothing until its settings change; which block has switched it off",
       WARNING),
+    E("PROPOSAL_WITHDRAWN", "a block takes back what it has proposed; which block", INFO),
 #endif
 };
 _Static_assert(sizeof table / sizeof table[0] == EVENT_COUNT, "every event has a name and a text");

@@ -129,6 +129,7 @@ enum event_code {
     EVENT_DO_BLOCK,
     EVENT_DO_PROPOSAL,
     EVENT_SWITCHED_OFF,
+    EVENT_PROPOSAL_WITHDRAWN,
 #endif
     EVENT_COUNT
 };

@@ -124,7 +124,8 @@ struct block_io {
     const struct applied_history **input_applied;  /* [inputs] */
     uint16_t divisor;                              /* base ticks of a step */
     struct block_proposal
-        *proposal; /* a step may put one there; NULL: another waits (block/proposal.h) */
+        *proposal;  /* a step may put one there; NULL: another waits (block/proposal.h) */
+    bool withdraws; /* given: what it has proposed and nobody has accepted holds no longer */
     struct block_switch_off
         *switch_off;  /* a step may put one there; NULL: its last one waits (block/proposal.h) */
     uint8_t silenced; /* of an element, bit k: term k is switched off, and adds nothing */

@@ -176,6 +176,7 @@ static void state_law_step(void *state, struct block_io *io)
     if (is_designing(b))
         law_goes_on(b, io);
     state_law_propose(b, io->proposal);
+    io->withdraws = !b->proposes;
     io->raised = 0;
     if (b->tells) {
         io->raised = (uint16_t)(1u << (b->tells - 1u));
@@ -206,9 +207,11 @@ static const char *law_stop(void *state, const float *number)
 {
     struct state_law_block *b = state;
     (void)number;
-    if (!is_designing(b))
+    if (is_designing(b))
+        end_stopped(b, "stopped");
+    else if (!b->proposes)
         return "runs not";
-    end_stopped(b, "stopped");
+    b->proposes = false;
     return NULL;
 }
 

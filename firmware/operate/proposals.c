@@ -125,6 +125,19 @@ static void offer(struct operate *door)
                    (float)(slot->block + 1u), 0);
 }
 
+/* By its block. */
+static bool take_withdrawn(struct operate *door)
+{
+    const struct proposal_slot *slot = slot_of_tick(door);
+    struct service *s = door->service;
+    if (!atomic_load(&slot->withdrawn))
+        return false;
+    service_record(s, EVENT_PROPOSAL_WITHDRAWN, service_plan(s)->config.block[slot->block].kind,
+                   (float)(slot->block + 1u), 0);
+    set_state(door, PROPOSAL_FREE);
+    return true;
+}
+
 /* What it was made for is there no longer. */
 static bool is_stale(struct operate *door)
 {
@@ -154,7 +167,7 @@ static bool poll_proposal(struct operate *door)
     struct config_fault fault;
     if (state_of(door) == PROPOSAL_FREE)
         return false;
-    if (is_stale(door))
+    if (take_withdrawn(door) || is_stale(door))
         return true;
     if (state_of(door) == PROPOSAL_OFFERED || !operate_may_change_settings(door))
         return false;
@@ -221,7 +234,8 @@ enum err operate_proposal_accept(struct session *session, struct answer *answer)
     enum err err = operate_admit(session, "proposal", answer);
     if (err)
         return err;
-    if (state_of(door) == PROPOSAL_FREE || is_stale(door) || state_of(door) != PROPOSAL_OFFERED)
+    if (state_of(door) == PROPOSAL_FREE || take_withdrawn(door) || is_stale(door) ||
+        state_of(door) != PROPOSAL_OFFERED)
         return operate_refuse(answer, ERR_STATE, "proposal", NONE_WAITS);
     if (!operate_may_change_settings(door))
         return refuse_change(session, answer);

@@ -11,6 +11,13 @@ struct block_proposal *proposal_room(struct supervisor *s)
     return &s->proposal.is;
 }
 
+void proposal_withdraw(struct supervisor *s, uint8_t slot)
+{
+    if (atomic_load(&s->proposal.state) != PROPOSAL_FREE &&
+        s->proposal.block == slot - SLOT_RECORDS)
+        atomic_store(&s->proposal.withdrawn, true);
+}
+
 void proposal_hand_over(struct supervisor *s, uint8_t slot, const struct block_io *io)
 {
     struct block_proposal *p = io->proposal;
@@ -20,6 +27,7 @@ void proposal_hand_over(struct supervisor *s, uint8_t slot, const struct block_i
     for (uint8_t k = 0; k < p->n && k < PROPOSAL_MAX; k++)
         p->value[k].id = proposed_by(n, p->value[k].id);
     s->proposal.block = n;
+    atomic_store(&s->proposal.withdrawn, false);
     s->proposal.plan = s->plan->serial;
     atomic_store(&s->proposal.state, PROPOSAL_GIVEN);
 }

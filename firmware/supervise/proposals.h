@@ -7,6 +7,8 @@
 #if CONFIG_BLOCKS
 /* Where a block may put one in its step; NULL while another waits. */
 struct block_proposal *proposal_room(struct supervisor *s);
+/* What the block in that slot has waiting holds no longer. */
+void proposal_withdraw(struct supervisor *s, uint8_t slot);
 /* It has made the step, and goes on. */
 void proposal_hand_over(struct supervisor *s, uint8_t slot, const struct block_io *io);
 #endif

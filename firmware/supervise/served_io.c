@@ -120,6 +120,7 @@ void served_give_up(struct supervisor *s, uint8_t slot, const char *reason)
     event_put(s->events, s->time_ms, EVENT_BLOCK_GAVE_UP, reason, (float)(slot - SLOT_RECORDS + 1),
               0);
     excitation_end_of(s, slot, EXCITE_GAVE_UP);
+    proposal_withdraw(s, slot);
 }
 
 static const char *input_name(const struct supervisor *s, uint8_t input)
@@ -151,6 +152,8 @@ void served_grant(struct supervisor *s, uint8_t slot, struct served_io *g)
 {
     ask_work(s, slot, &g->io);
     excitation_take(s, slot, &g->io);
+    if (g->io.withdraws)
+        proposal_withdraw(s, slot);
     proposal_hand_over(s, slot, &g->io);
     switch_off_hand_over(s, slot, &g->io);
 }

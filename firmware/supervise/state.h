@@ -217,7 +217,8 @@ enum proposal_state {
 struct proposal_slot {
     _Atomic uint8_t state; /* enum proposal_state */
     uint8_t block;
-    uint32_t plan; /* serial */
+    _Atomic bool withdrawn; /* by its block: the main loop, which may be reading it, frees it */
+    uint32_t plan;          /* serial */
     struct block_proposal is;
 };
 

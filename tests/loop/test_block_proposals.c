@@ -376,6 +376,73 @@ static void it_waits_while_start_up_puts_its_settings_on_trial(void)
     is_set("loop1.gain = 3 fraction/fraction");
 }
 
+static void is_withdrawn(const char *event)
+{
+    samples(1);
+    TEST_ASSERT_TRUE_MESSAGE(said(event), board.said);
+    ask_refused("proposal accept", "STATE");
+    is_set("loop1.gain = 1 fraction/fraction");
+}
+
+static void its_block_takes_it_back(void)
+{
+    proposes(GAIN, 3);
+    gives(PROPOSAL_WHEN_ACCEPTED);
+    watch_withdraws = true;
+    is_withdrawn(" info PROPOSAL_WITHDRAWN watch 1 ");
+    proposes(GAIN, 4); /* there is room for the next */
+    gives(PROPOSAL_WHEN_ACCEPTED);
+    ask_ok("proposal accept");
+}
+
+static void its_block_takes_it_back_behind_an_open_transaction(void)
+{
+    ask_ok("begin");
+    proposes(GAIN, 3);
+    gives(PROPOSAL_AT_ONCE);
+    watch_withdraws = true;
+    samples(1);
+    ask_ok("abandon");
+    is_withdrawn("");
+}
+
+static void serves_a_pair(void)
+{
+    static const char *const lines[] = {"begin",
+                                        "set block2.kind pair",
+                                        "set block2.loops top,bottom",
+                                        "set block2.inputs feed",
+                                        "set meas3.name feed",
+                                        "set meas3.unit l/h",
+                                        "set meas3.hi 10",
+                                        "apply",
+                                        "mode bottom auto"};
+    for (unsigned i = 0; i < sizeof lines / sizeof lines[0]; i++)
+        ask_ok(lines[i]);
+    samples(3);
+}
+
+static void another_block_cannot_take_it_back(void)
+{
+    serves_a_pair();
+    proposes(GAIN, 3);
+    gives(PROPOSAL_WHEN_ACCEPTED);
+    pair_withdraws = true;
+    samples(2);
+    TEST_ASSERT_FALSE(pair_withdraws);
+    ask_ok("proposal accept");
+}
+
+static void a_block_that_is_switched_off_has_nothing_waiting(void)
+{
+    serves_a_pair();
+    pair_proposes = (struct block_proposal){.n = 1, .value = {{GAIN, 3}}};
+    samples(1);
+    TEST_ASSERT_TRUE(said(" info BLOCK_PROPOSES pair 2 "));
+    ask_ok("block 2 off");
+    is_withdrawn(" info PROPOSAL_WITHDRAWN pair 2 ");
+}
+
 static void settings_of_blocks_are_proposed_too(void)
 {
     proposes(proposed_own(1), 0.75);
@@ -448,6 +515,10 @@ int main(void)
     RUN_TEST(it_waits_behind_an_open_transaction_and_a_sequence);
     RUN_TEST(it_waits_behind_automatic_start_up);
     RUN_TEST(it_waits_while_start_up_puts_its_settings_on_trial);
+    RUN_TEST(its_block_takes_it_back);
+    RUN_TEST(its_block_takes_it_back_behind_an_open_transaction);
+    RUN_TEST(another_block_cannot_take_it_back);
+    RUN_TEST(a_block_that_is_switched_off_has_nothing_waiting);
     RUN_TEST(settings_of_blocks_are_proposed_too);
     RUN_TEST(changing_settings_is_for_engineers);
     RUN_TEST(a_client_without_text_does_the_same);

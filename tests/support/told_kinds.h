@@ -38,6 +38,7 @@ enum { WATCH_HIGH, WATCH_CROSSED };
 /* What the next step of a watch, or of a pair, proposes; times it found no room. */
 static struct block_proposal watch_proposes, pair_proposes;
 static unsigned no_room;
+static bool watch_withdraws, pair_withdraws; /* in the next step */
 /* What the next step of a watch, or of a pair, switches off. */
 static struct block_switch_off watch_switches_off, pair_switches_off;
 static void (*watch_described)(void); /* where an inner value is read; NULL: nobody looks */
@@ -107,6 +108,8 @@ static void watch_step(void *state, struct block_io *io)
     io->point_quality[0] = io->quality[0];
     told_propose(io, &watch_proposes);
     told_switch_off(io, &watch_switches_off);
+    io->withdraws = watch_withdraws;
+    watch_withdraws = false;
     bool above = num_lt(w->limit, io->input[0]);
     io->event_value[WATCH_HIGH] = io->event_value[WATCH_CROSSED] = num_to_float(io->input[0]);
     io->raised = (uint16_t)((above ? 1u << WATCH_HIGH : 0u) |
@@ -220,6 +223,8 @@ static void pair_step(void *state, struct block_io *io)
         io->out[k] = p->u[k];
     told_propose(io, &pair_proposes);
     told_switch_off(io, &pair_switches_off);
+    io->withdraws = pair_withdraws;
+    pair_withdraws = false;
     io->raised = pair_is_spent;
     io->event_value[0] = 0.75f;
     if (pair_gives_up)

@@ -177,6 +177,16 @@ static void a_usable_model_is_proposed_and_accepted_part_by_part(void)
     TEST_ASSERT_DOUBLE_WITHIN(0.03 * kotyk_gain[0][0], kotyk_gain[0][0], sum / at_rest);
 }
 
+static void stop_withdraws_a_model_that_nobody_has_accepted(void)
+{
+    run_case(&kotyk, 3);
+    plant_step();
+    ask_ok("block 1 stop");
+    plant_steps(2);
+    TEST_ASSERT_TRUE(said("PROPOSAL_WITHDRAWN experiment 1"));
+    ask_refused("proposal accept", "STATE");
+}
+
 static void a_second_model_says_first_that_the_old_one_is_no_longer_whole(void)
 {
     run_case(&kotyk, 3);
@@ -244,6 +254,7 @@ int main(int argc, char **argv)
     RUN_TEST(while_it_runs_the_recursive_estimate_comes_near);
     RUN_TEST(the_same_log_gives_the_same_model);
     RUN_TEST(a_usable_model_is_proposed_and_accepted_part_by_part);
+    RUN_TEST(stop_withdraws_a_model_that_nobody_has_accepted);
     RUN_TEST(a_second_model_says_first_that_the_old_one_is_no_longer_whole);
     RUN_TEST(what_is_rejected_is_not_proposed_again);
     RUN_TEST(at_once_it_is_in_force_without_anybody);

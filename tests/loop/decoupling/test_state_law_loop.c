@@ -177,6 +177,16 @@ static void the_column_is_held_by_it_through_more_feed(void)
     TEST_ASSERT_TRUE(shows("3", "block3 state on"));
 }
 
+static void stop_withdraws_a_law_that_nobody_has_accepted(void)
+{
+    pasted();
+    designed();
+    ask_ok(BLOCK " stop");
+    plant_steps(2);
+    TEST_ASSERT_TRUE(said("PROPOSAL_WITHDRAWN state_law 2"));
+    ask_refused("proposal accept", "STATE");
+}
+
 static void another_law_comes_into_force_without_a_bump(void)
 {
     in_force();
@@ -387,6 +397,7 @@ int main(void)
     RUN_TEST(the_law_is_that_of_the_host);
     RUN_TEST(it_waits_for_somebody_who_accepts_it);
     RUN_TEST(the_column_is_held_by_it_through_more_feed);
+    RUN_TEST(stop_withdraws_a_law_that_nobody_has_accepted);
     RUN_TEST(another_law_comes_into_force_without_a_bump);
     RUN_TEST(without_a_law_the_loops_own_controllers_act);
     RUN_TEST(for_another_interval_it_is_no_law);

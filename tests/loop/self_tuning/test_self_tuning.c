@@ -76,6 +76,21 @@ static void a_rejected_proposal_leaves_the_pi_in_charge(void)
     TEST_ASSERT_EQUAL_DOUBLE(0, parameter("block1.theta1_2"));
 }
 
+static void told_to_tune_anew_it_takes_its_proposal_back(void)
+{
+    column_at_rest(SINGLE, 0);
+    ask_ok("set block1.adopt ask");
+    in_auto();
+    for (unsigned k = 0; k < 20 && !state_is(WAITING); k++)
+        steps_with_a_moving_setpoint(20);
+    plant_steps(2);
+    ask_ok("block 1 tune");
+    plant_steps(2);
+    TEST_ASSERT_TRUE(events_say("PROPOSAL_WITHDRAWN gmv"));
+    ask_refused("proposal accept", "STATE");
+    TEST_ASSERT_TRUE(state_is(TUNING));
+}
+
 static void a_pair_with_more_parameters_than_a_proposal_holds_is_adopted_whole(void)
 {
     column_at_rest(PAIR, 0);
@@ -275,6 +290,7 @@ int main(void)
     RUN_TEST(adopted_parameters_are_settings_that_save_keeps);
     RUN_TEST(asked_to_ask_it_waits_until_the_proposal_is_accepted);
     RUN_TEST(a_rejected_proposal_leaves_the_pi_in_charge);
+    RUN_TEST(told_to_tune_anew_it_takes_its_proposal_back);
     RUN_TEST(a_pair_with_more_parameters_than_a_proposal_holds_is_adopted_whole);
     RUN_TEST(bare_it_takes_over_after_the_time_of_tuning);
     RUN_TEST(setpoints_are_followed_without_offset);
