@@ -34,7 +34,8 @@ struct tune_settings {
     float disturb, disturb_period_s;         /* on the disturbance, where that is an MV: EU, s */
     float settled, doubt, confident, better; /* %, -, %, % */
     float kick, lag_most_s, dead_most_s;
-    uint16_t element;     /* which ffN */
+    uint16_t element;     /* which ffN, or which term */
+    uint16_t block;       /* ... of which leadlag; 0: it is an ffN */
     uint16_t order[2][3]; /* na, nb, delay; of u or r, then of d; nb 0: the source's */
     uint16_t tries;
     uint16_t

@@ -217,9 +217,10 @@ static inline real_t tune_dead_reach(const struct tune *t)
 
 /* ---- settings (feedforward_tune_settings.c) ---- */
 
-#define TUNE_PARAMETERS 41
+#define TUNE_PARAMETERS 42
 extern const struct block_parameter tune_parameter_rows[TUNE_PARAMETERS];
-#define TUNE_ID_K 60 /* k, lead, lag, dead */
+#define TUNE_ID_BLOCK 38
+#define TUNE_ID_K     60 /* k, lead, lag, dead */
 
 MUST_CHECK enum err tune_check(const struct block_setup *setup, struct block_fault *fault);
 uint32_t tune_ticks(const struct block_setup *setup);

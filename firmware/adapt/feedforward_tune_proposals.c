@@ -11,11 +11,21 @@
 
 #define OFF_VALUES 2
 
+/* Gain, lead, lag, dead time of the element. */
+static uint32_t setting_of_element(const struct tune *t, unsigned k)
+{
+    static const enum proposed of_ff[4] = {PROPOSED_FF_GAIN, PROPOSED_FF_LEAD, PROPOSED_FF_LAG,
+                                           PROPOSED_FF_DEAD};
+    uint8_t element = (uint8_t)(t->s.element - 1u);
+    return t->s.block
+               ? proposed_in_row((uint8_t)(t->s.block - 1u), (uint8_t)(TERM_GAIN + k), 0, element)
+               : proposed_setting(of_ff[k], element);
+}
+
 static void put_gain_off(const struct tune *t, struct proposed_value value[OFF_VALUES])
 {
-    uint8_t ff = (uint8_t)(t->s.element - 1u);
     value[0] = (struct proposed_value){proposed_own(TUNE_ID_K), 0};
-    value[1] = (struct proposed_value){proposed_setting(PROPOSED_FF_GAIN, ff), 0};
+    value[1] = (struct proposed_value){setting_of_element(t, 0), 0};
 }
 _Static_assert(OFF_VALUES <= SWITCH_OFF_MAX, "they fit");
 
@@ -29,7 +39,9 @@ static void ask_gain_off(const struct tune *t, struct block_io *io)
 {
     if (is_off_at_once(t)) {
         io->switch_off->n = OFF_VALUES;
-        io->switch_off->element = switch_off_element((uint8_t)(t->s.element - 1u));
+        uint8_t element = (uint8_t)(t->s.element - 1u);
+        io->switch_off->element = t->s.block ? switch_off_term((uint8_t)(t->s.block - 1u), element)
+                                             : switch_off_element(element);
         put_gain_off(t, io->switch_off->value);
         return;
     }
@@ -41,16 +53,13 @@ static void put_candidate(const struct tune *t, struct block_proposal *room)
 {
     const struct feedforward_shape *c = &t->candidate;
     const float value[4] = {(float)c->k, (float)c->lead, (float)c->lag, (float)c->dead};
-    static const uint32_t field[4] = {PROPOSED_FF_GAIN, PROPOSED_FF_LEAD, PROPOSED_FF_LAG,
-                                      PROPOSED_FF_DEAD};
-    uint8_t ff = (uint8_t)(t->s.element - 1u);
     room->n = 8;
     room->manner = t->s.adopt == TUNE_ADOPT_AT_ONCE ? PROPOSAL_AT_ONCE : PROPOSAL_WHEN_ACCEPTED;
     for (size_t k = 0; k < 4; k++) {
         room->value[2 * k] =
             (struct proposed_value){proposed_own((uint8_t)(TUNE_ID_K + k)), value[k]};
         room->value[2 * k + 1] =
-            (struct proposed_value){proposed_setting((enum proposed)field[k], ff), value[k]};
+            (struct proposed_value){setting_of_element(t, (unsigned)k), value[k]};
     }
 }
 

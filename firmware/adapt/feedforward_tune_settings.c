@@ -22,7 +22,7 @@
 const struct block_parameter tune_parameter_rows[TUNE_PARAMETERS] = {
     WORD(1, method, "method", TUNE_METHOD_WORDS, "what is identified: Siddha's A, B, C, D",
          TUNE_JOINT),
-    COUNT(2, element, "element", "-", "number of the ff it tunes", 1, 8, 1),
+    COUNT(2, element, "element", "-", "number of the ff, or of the term, that it tunes", 1, 8, 1),
     NUMBER(3, period_s, "period", "s", "sample of the models; 0: a base tick", 0, 1e5f, 0),
     {4, BLOCK_U16, PLACE(order), 2, 3, "order", "-",
      "na, nb, delay; row: of MV or setpoint, of the disturbance; nb 0: the source's", 0, 100, 0},
@@ -68,6 +68,8 @@ const struct block_parameter tune_parameter_rows[TUNE_PARAMETERS] = {
           "two lags in series on all signals before they are learnt from; 0: none", 0, 100, 6),
     WORD(37, rules, "rules", "compare|fall_back",
          "Shinskey's, tested where the search is unsure or does no better", 1),
+    COUNT(TUNE_ID_BLOCK, block, "block", "-", "number of the leadlag with the term; 0: an ff", 0,
+          CONFIG_BLOCKS, 0),
     NUMBER(TUNE_ID_K, k, "k", "span/span", "what the element has", -100, 100, 0),
     NUMBER(TUNE_ID_K + 1, lead_s, "lead", "s", "what the element has", 0, 1e6f, 0),
     NUMBER(TUNE_ID_K + 2, lag_s, "lag", "s", "what the element has", 0, 1e6f, 0),

@@ -29,8 +29,8 @@ struct gmv_block {
     num_t lo[GMV_LOOPS], hi[GMV_LOOPS], asked[GMV_LOOPS];
     bool has_asked;
     /* Proposals. */
-    bool proposes;
-    uint8_t proposed, waits_for; /* values that are in the settings; those just given */
+    bool proposes, waits;
+    uint8_t proposed; /* values that are in the settings */
     float adopted[GMV_LOOPS][GMV_PARAMETERS];
     bool on_trial,
         trial_wanted;       /* what is worked on will be looked at; another trial is to begin */
@@ -64,7 +64,7 @@ bool gmv_step_law(struct gmv_block *s, const struct gmv_sample *sample, struct b
 /* Estimates and parameters in use are the settings' theta, the covariance p0. */
 void gmv_start_again(struct gmv_block *s);
 
-/* Parameters that were adopted become settings of the block, eight at a time. Returns enum gmv_wish, as gmv_supervise_accepted. */
+/* Parameters that were adopted become settings of the block. Returns enum gmv_wish, as gmv_supervise_accepted. */
 void gmv_propose(struct gmv_block *s);
 uint8_t gmv_proposals_step(struct gmv_block *s, struct block_proposal *room);
 

@@ -94,8 +94,8 @@ struct experiment {
     struct experiment_law {
         const struct state_law_settings *to; /* of the block that keeps it; NULL: none */
         uint8_t goal[offsetof(struct state_law_settings, si)]; /* of it when the job began */
-        uint8_t stage, proposed;
-        bool proposes, waits, accepted;
+        uint8_t stage;
+        bool proposes, waits;
         uint32_t lease;
         struct state_law_job *job; /* in the workspace, while leased */
         struct state_law_found found;

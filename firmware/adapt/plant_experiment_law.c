@@ -147,26 +147,19 @@ static void take_found_law(struct experiment *e)
     e->law.stage = EXPERIMENT_LAW_DONE;
     e->tells = EVENT_LAW + 1;
     e->law.proposes = true;
-    e->law.waits = e->law.accepted = false;
+    e->law.waits = false;
 }
 
 static void propose_law(struct experiment *e, struct block_proposal *room)
 {
     if (!e->law.proposes || !room || room->n || !e->law.to)
         return;
-    float made = e->law.to->period_s;
-    uint8_t left = (uint8_t)state_law_values_left(e->law.to, &e->law.found, made, e->n);
-    if (left == 0 || (e->law.waits && left == e->law.proposed)) { /* all of it, or refused */
-        e->law.proposes = false;
-        return;
-    }
-    e->law.accepted = e->law.accepted || e->law.waits;
-    state_law_put_values(e->law.to, &e->law.found, made, e->n, (uint8_t)(e->s.law - 1u), room);
-    room->manner = e->law.accepted || e->law.to->adopt == STATE_LAW_AT_ONCE
-                       ? PROPOSAL_AT_ONCE
-                       : PROPOSAL_WHEN_ACCEPTED;
-    e->law.proposed = left;
-    e->law.waits = true;
+    if (!e->law.waits)
+        state_law_put_values(e->law.to, &e->law.found, e->law.to->period_s, e->n,
+                             (uint8_t)(e->s.law - 1u), room);
+    e->law.proposes = e->law.waits = room->n > 0; /* else it is in force, or refused, or rejected */
+    room->manner =
+        e->law.to->adopt == STATE_LAW_AT_ONCE ? PROPOSAL_AT_ONCE : PROPOSAL_WHEN_ACCEPTED;
 }
 
 void experiment_law_step(struct experiment *e, struct block_io *io)

@@ -1,5 +1,5 @@
-/* A usable model becomes settings of the block by proposals, as many values at a time as there is room for: only those that change,
- * `known` off first where that takes more than one, and on with the last. */
+/* A usable model becomes settings of the block by proposals: only the values that change, nearly always in one. Where there is no room for all,
+ * `known` goes off first and on with the last; who accepts the first has accepted the others. */
 #include "adapt/plant_experiment_block.h"
 
 #if CONFIG_EXPERIMENT
@@ -44,21 +44,15 @@ void experiment_propose(struct experiment *e)
 }
 
 /* Values first, up to the room that `known` leaves. */
-static void put_proposal(struct experiment *e, struct block_proposal *room, unsigned left)
+static void put_model(struct experiment *e, struct block_proposal *room, unsigned left)
 {
     struct proposed_value wanted;
-    float is;
-    bool whole = left < PROPOSAL_MAX;
-    unsigned n = 0;
-    if (whole != (e->s.known != 0))
-        room->value[n++] =
-            (struct proposed_value){proposed_own(EXPERIMENT_ID_KNOWN), whole ? 1.0f : 0.0f};
-    for (unsigned p = 0; n < PROPOSAL_MAX && nth_value(e, p, &wanted, &is); p++)
+    float is, known = left < PROPOSAL_MAX ? 1.0f : 0.0f;
+    if (e->s.known != (uint8_t)known)
+        room->value[room->n++] = (struct proposed_value){proposed_own(EXPERIMENT_ID_KNOWN), known};
+    for (unsigned p = 0; room->n < PROPOSAL_MAX && nth_value(e, p, &wanted, &is); p++)
         if (wanted.value != is)
-            room->value[n++] = wanted;
-    room->n = (uint8_t)n;
-    room->manner =
-        e->s.adopt == EXPERIMENT_ADOPT_AT_ONCE ? PROPOSAL_AT_ONCE : PROPOSAL_WHEN_ACCEPTED;
+            room->value[room->n++] = wanted;
 }
 
 void experiment_proposals_step(struct experiment *e, struct block_proposal *room)
@@ -67,15 +61,15 @@ void experiment_proposals_step(struct experiment *e, struct block_proposal *room
         return;
     unsigned left = values_left(e);
     uint8_t now = (uint8_t)(2u * left + e->s.known);
-    if (e->waits && now == e->proposed) { /* refused, or rejected */
+    bool refused = e->waits && now == e->proposed; /* or rejected */
+    bool whole = left == 0 && e->s.known;
+    if (refused || whole) {
         e->proposes = false;
         return;
     }
-    if (left == 0 && e->s.known) {
-        e->proposes = false;
-        return;
-    }
-    put_proposal(e, room, left);
+    put_model(e, room, left);
+    room->manner = e->waits || e->s.adopt == EXPERIMENT_ADOPT_AT_ONCE ? PROPOSAL_AT_ONCE
+                                                                      : PROPOSAL_WHEN_ACCEPTED;
     e->proposed = now;
     e->waits = true;
 }

@@ -8,13 +8,13 @@
 
 #include <stdint.h>
 
-#define PROPOSAL_MAX 8
+#define PROPOSAL_MAX 24
 
 enum proposal_manner { PROPOSAL_WHEN_ACCEPTED, PROPOSAL_AT_ONCE };
 
 struct proposed_value {
-    uint32_t id; /* proposed_setting() or proposed_own() */
-    float value; /* as `set` takes it; of a word its place in the list. No names and no tables */
+    uint32_t id; /* proposed_setting(), proposed_own() or proposed_in_row() */
+    float value; /* as `set` takes it; of a word its place in the list. No names */
 };
 
 struct block_proposal {
@@ -73,6 +73,16 @@ static inline uint32_t proposed_own(uint8_t id)
 {
     return (uint32_t)16 << 24 | (64u + id) << 16 | PROPOSED_SELF;
 }
+
+/* The col-th value, from 0, of that row, from 0, of a table of a block, from 0 or PROPOSED_SELF. */
+#define PROPOSED_COLUMN ((uint32_t)7 << 24)
+static inline uint32_t proposed_in_row(uint8_t block, uint8_t id, uint16_t row, uint8_t col)
+{
+    return (proposed_own(id) & ~PROPOSED_SELF) | (uint32_t)col << 24 | (uint32_t)row << 6 | block;
+}
+
+/* Ids of the rows of an element of the kind `leadlag`, a value for each term; the columns are proposed_in_row()'s. */
+enum proposed_of_term { TERM_GAIN = 3, TERM_LEAD, TERM_LAG, TERM_DEAD };
 
 /* The id in a proposal of that block, from 0. */
 static inline uint32_t proposed_by(uint8_t block, uint32_t id)

@@ -17,18 +17,25 @@ static void who(const struct console *c, uint8_t block, const char *what, struct
     text_str(line, what);
 }
 
-static void value_now(const struct parameter *p, const struct config *config, struct text *line)
-{
-    text_str(line, "  ");
-    parameter_name(p, line);
-    text_str(line, " = ");
-    parameter_value(p, config, line);
-}
-
 static void other_value(const char *what, float value, struct text *line)
 {
     text_str(line, what);
     text_float(line, value);
+}
+
+static void value_now(const struct parameter *p, const struct config *config, struct text *line)
+{
+    float value;
+    text_str(line, "  ");
+    parameter_name(p, line);
+    if (p->field->type != PARAMETER_ROW) {
+        text_str(line, " = ");
+        parameter_value(p, config, line);
+        return;
+    }
+    text_str(line, " value ");
+    text_u32(line, p->col + 1u);
+    other_value(" = ", parameter_get_number(p, config, &value) == ERR_OK ? value : 0.0f, line);
 }
 
 /* Line n of the one that waits. */
@@ -56,7 +63,7 @@ static void back_line(const struct console *c, const struct way_back *back, unsi
     const struct config *config = operate_settings(&c->session);
     if (n == 0) {
         who(c, back->block, " proposed what is in force, `proposal back` undoes it", line);
-    } else if (parameter_find_id(config, back->value[n - 1u].id, &p) == ERR_OK) {
+    } else if (operate_find_proposed(config, back->value[n - 1u].id, &p) == ERR_OK) {
         value_now(&p, config, line);
         other_value(", before ", back->value[n - 1u].value, line);
     }

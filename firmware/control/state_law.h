@@ -16,7 +16,7 @@
 
 #if CONFIG_BLOCKS
 
-#define STATE_LAW_LOOPS 2 /* each value is a parameter of its own, or it could not be proposed */
+#define STATE_LAW_LOOPS 2 /* each value is a parameter of its own */
 
 /* What an input is of the column. */
 enum state_law_input {

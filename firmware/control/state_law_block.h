@@ -28,8 +28,7 @@ struct state_law_block {
     float interval_s;
     struct state_law_found found;
     char refused[STATE_LAW_WORDS]; /* why */
-    uint8_t proposed;              /* what was left when it proposed */
-    bool proposes, waits, accepted;
+    bool proposes, waits;
 };
 
 enum state_law_event { STATE_LAW_EVENT_MADE, STATE_LAW_EVENT_REFUSED, STATE_LAW_EVENTS };

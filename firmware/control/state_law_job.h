@@ -65,11 +65,8 @@ void state_law_words(const struct state_law_found *found, char *text, size_t siz
 /* A piece; false: it is over, and found tells. */
 bool state_law_job_piece(struct state_law_job *job);
 
-/* Of a law that is there as `is` the values that differ from `wanted`, made_s included: how many. */
-unsigned state_law_values_left(const struct state_law_settings *is,
-                               const struct state_law_found *wanted, float made_s, unsigned loops);
-/* As many of them as there is room for; made 0 first where that takes more than one, and what it is with the last. block: index of the one
- * with the law, PROPOSED_SELF of its own. */
+/* Of a law that is there as `is` the values that differ from `wanted`, made_s included. block: index of the one with the law,
+ * PROPOSED_SELF of its own. */
 void state_law_put_values(const struct state_law_settings *is, const struct state_law_found *wanted,
                           float made_s, unsigned loops, uint8_t block, struct block_proposal *room);
 /* How many of the inputs are MVs. */

@@ -147,7 +147,7 @@ static void take_law(struct state_law_block *b)
     b->stage = STATE_LAW_DONE;
     b->tells = STATE_LAW_EVENT_MADE + 1;
     b->proposes = true;
-    b->waits = b->accepted = false;
+    b->waits = false;
 }
 
 static void law_goes_on(struct state_law_block *b, struct block_io *io)

@@ -220,6 +220,10 @@ const char *operate_block_value(const struct session *session, uint8_t block, un
  * whether there was anything to do. */
 bool operate_poll_proposals(struct operate *door);
 
+/* The parameter of an id in a proposal; p->col: which value of a row. ERR_UNKNOWN. */
+MUST_CHECK enum err operate_find_proposed(const struct config *config, uint32_t id,
+                                          struct parameter *p);
+
 struct proposal_reading {
     enum proposal_state state; /* of the one that waits */
     uint8_t block, values;

@@ -37,7 +37,7 @@ static uint8_t value_refused(const struct config *config, const struct block_pro
 {
     for (uint8_t k = 0; k < is->n && k < PROPOSAL_MAX; k++) {
         struct parameter p;
-        if (parameter_find_id(config, is->value[k].id, &p) == ERR_OK &&
+        if (operate_find_proposed(config, is->value[k].id, &p) == ERR_OK &&
             strcmp(p.group->name, fault->group) == 0 && p.index + 1u == fault->index &&
             strcmp(p.own ? p.own->name : p.field->name, fault->field) == 0)
             return k;
@@ -207,7 +207,7 @@ bool operate_proposed(const struct session *session, unsigned k, struct paramete
     if (state_of(session->door) == PROPOSAL_FREE || k >= slot->is.n || k >= PROPOSAL_MAX)
         return false;
     *value = slot->is.value[k].value;
-    return parameter_find_id(operate_settings(session), slot->is.value[k].id, p) == ERR_OK;
+    return operate_find_proposed(operate_settings(session), slot->is.value[k].id, p) == ERR_OK;
 }
 
 static enum err refuse_change(struct session *session, struct answer *answer)

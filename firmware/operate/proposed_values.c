@@ -39,6 +39,18 @@ _Static_assert(offsetof(struct measurement_config, hi) ==
                    offsetof(struct mv_config, hi) == offsetof(struct mv_config, lo) + sizeof(float),
                "both ends of a span are looked at together");
 
+enum err operate_find_proposed(const struct config *config, uint32_t id, struct parameter *p)
+{
+    bool of_block = id >> 16;
+    uint8_t col = of_block ? (uint8_t)((id & PROPOSED_COLUMN) >> 24) : 0;
+    enum err err = parameter_find_id(config, of_block ? id & ~PROPOSED_COLUMN : id, p);
+    if (!err && col >= (p->field->type == PARAMETER_ROW ? p->own->cols : 1u))
+        err = ERR_UNKNOWN;
+    p->col = col;
+    return err;
+}
+_Static_assert(RECORD_COLS_MAX <= (PROPOSED_COLUMN >> 24) + 1, "every value of a row has an id");
+
 static enum err refuse_proposed(struct config_fault *fault, enum err code,
                                 const struct parameter *p, const char *wanted)
 {
@@ -65,7 +77,7 @@ enum err proposed_write(struct config *config, uint8_t block, const struct propo
                         float *old, struct config_fault *fault)
 {
     struct parameter p;
-    if (parameter_find_id(config, v->id, &p) != ERR_OK)
+    if (operate_find_proposed(config, v->id, &p) != ERR_OK)
         return proposed_refuse_whole(fault, ERR_UNKNOWN, block,
                                      "names a parameter that is not there");
     if (!IS_OF_BLOCKS(p.group->id))

@@ -10,26 +10,26 @@
 
 #if CONFIG_BLOCKS
 
-static struct switch_off_slot *slot_of(const struct operate *door, uint8_t n)
+static struct switch_off_slot *switch_off_slot_of(const struct operate *door, uint8_t n)
 {
     return &door->service->supervisor->switch_off[n];
 }
 
-static enum switch_off_state state_of(const struct operate *door, uint8_t n)
+static enum switch_off_state switch_off_state_of(const struct operate *door, uint8_t n)
 {
-    return (enum switch_off_state)atomic_load(&slot_of(door, n)->state);
+    return (enum switch_off_state)atomic_load(&switch_off_slot_of(door, n)->state);
 }
 
-static void set_state(const struct operate *door, uint8_t n, enum switch_off_state state)
+static void set_switch_off(const struct operate *door, uint8_t n, enum switch_off_state state)
 {
-    atomic_store(&slot_of(door, n)->state, (uint8_t)state);
+    atomic_store(&switch_off_slot_of(door, n)->state, (uint8_t)state);
 }
 
 /* Its values for these settings; returns how many. Those of the block itself only while it is of the kind that gave them. */
 static uint8_t values_for(const struct operate *door, const struct config *config, uint8_t n,
                           struct proposed_value *v)
 {
-    const struct switch_off_slot *slot = slot_of(door, n);
+    const struct switch_off_slot *slot = switch_off_slot_of(door, n);
     bool there = config_block_kind(config, n) == slot->kind;
     uint8_t count = 0;
     for (uint8_t k = 0; k < slot->is.n && k < SWITCH_OFF_MAX; k++) {
@@ -60,7 +60,7 @@ static void adopt_or_refuse(struct operate *door, uint8_t n)
     enum err err = write_switch_off(door, service_stage(s), n, v, &back, &fault, &at);
     if (err) {
         operate_keep_refusal(door, n, v[at].value, &fault);
-        set_state(door, n, SWITCH_OFF_FREE);
+        set_switch_off(door, n, SWITCH_OFF_FREE);
         return;
     }
     err = proposed_adopt(door, v, &back, &fault);
@@ -68,31 +68,33 @@ static void adopt_or_refuse(struct operate *door, uint8_t n)
         return; /* not now */
     if (err)
         operate_keep_refusal(door, n, 0.0f, &fault);
-    set_state(door, n, SWITCH_OFF_FREE);
+    set_switch_off(door, n, SWITCH_OFF_FREE);
 }
 
 /* What cannot be written into the transaction waits until that is over. */
-static void stage_switch_off(struct operate *door, uint8_t n)
+static bool stage_switch_off(struct operate *door, uint8_t n)
 {
     struct proposed_value v[SWITCH_OFF_MAX];
     struct config_fault fault;
     uint8_t at;
-    (void)!write_switch_off(door, service_staged(door->service), n, v, NULL, &fault, &at);
-    set_state(door, n, SWITCH_OFF_STAGED);
+    enum err err = write_switch_off(door, service_staged(door->service), n, v, NULL, &fault, &at);
+    if (!err)
+        set_switch_off(door, n, SWITCH_OFF_STAGED);
+    return !err;
 }
 
 static bool poll_one(struct operate *door, uint8_t n)
 {
     const struct service *s = door->service;
-    enum switch_off_state state = state_of(door, n);
+    enum switch_off_state state = switch_off_state_of(door, n);
     if (state == SWITCH_OFF_APPLIED ||
         (state == SWITCH_OFF_GIVEN &&
-         !element_is_silenced(s->supervisor, slot_of(door, n)->is.element)))
-        set_state(door, n, SWITCH_OFF_FREE);
+         !element_is_silenced(s->supervisor, switch_off_slot_of(door, n)->is.element)))
+        set_switch_off(door, n, SWITCH_OFF_FREE);
     else if (state != SWITCH_OFF_GIVEN)
         return false;
     else if (s->staging)
-        stage_switch_off(door, n);
+        return stage_switch_off(door, n);
     else if (operate_may_change_settings(door))
         adopt_or_refuse(door, n);
     else
@@ -117,7 +119,7 @@ static bool is_in_settings(const struct operate *door, uint8_t n)
     for (uint8_t k = values_for(door, config, n, v); k-- > 0;) {
         struct parameter p;
         float value;
-        as_given = as_given && parameter_find_id(config, v[k].id, &p) == ERR_OK &&
+        as_given = as_given && operate_find_proposed(config, v[k].id, &p) == ERR_OK &&
                    parameter_get_number(&p, config, &value) == ERR_OK && value == v[k].value;
     }
     return as_given;
@@ -127,11 +129,11 @@ void operate_transaction_over(struct operate *door, bool applied)
 {
     door->service->staging = false;
     for (uint8_t n = 0; n < CONFIG_BLOCKS; n++)
-        if (state_of(door, n) == SWITCH_OFF_STAGED)
-            set_state(door, n,
-                      !applied                  ? SWITCH_OFF_GIVEN
-                      : is_in_settings(door, n) ? SWITCH_OFF_APPLIED
-                                                : SWITCH_OFF_LIFTED);
+        if (switch_off_state_of(door, n) == SWITCH_OFF_STAGED)
+            set_switch_off(door, n,
+                           !applied                  ? SWITCH_OFF_GIVEN
+                           : is_in_settings(door, n) ? SWITCH_OFF_APPLIED
+                                                     : SWITCH_OFF_LIFTED);
 }
 
 /* ---- what clients see ---- */
@@ -143,13 +145,13 @@ bool operate_switched_off(const struct session *session, bool applied, unsigned 
     const struct config *config = operate_settings(session);
     for (*block = 0; *block < CONFIG_BLOCKS; (*block)++) {
         struct proposed_value v[SWITCH_OFF_MAX];
-        enum switch_off_state state = state_of(door, *block);
+        enum switch_off_state state = switch_off_state_of(door, *block);
         bool shown = applied ? state == SWITCH_OFF_APPLIED
                              : state == SWITCH_OFF_GIVEN || state == SWITCH_OFF_STAGED;
         uint8_t n = shown ? values_for(door, config, *block, v) : 0;
         if (k < n) {
             *value = v[k].value;
-            return parameter_find_id(config, v[k].id, p) == ERR_OK;
+            return operate_find_proposed(config, v[k].id, p) == ERR_OK;
         }
         k -= n;
     }

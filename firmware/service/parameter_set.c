@@ -151,8 +151,8 @@ enum err parameter_set_number(const struct parameter *p, struct config *config, 
     if (err)
         return err;
 #endif
-    uint8_t *at = parameter_place(p, config);
-    const struct parameter_field *field = p->field;
+    const struct parameter_field *field = parameter_number_field(p);
+    uint8_t *at = (uint8_t *)parameter_place(p, config) + parameter_number_offset(p);
     bool word = field->type == PARAMETER_WORD;
     float lo = word ? 0.0f : parameter_lo(p);
     float hi = word ? (float)(parameter_words(p) - 1u) : parameter_hi(p);

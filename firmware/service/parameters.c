@@ -340,12 +340,24 @@ unsigned parameter_words(const struct parameter *p)
     return words_count(parameter_word_list(p));
 }
 
+#if CONFIG_BLOCKS
+const struct parameter_field *parameter_number_field(const struct parameter *p)
+{
+    return p->field->type == PARAMETER_ROW ? &parameter_own_fields[p->own->type] : p->field;
+}
+
+size_t parameter_number_offset(const struct parameter *p)
+{
+    return p->field->type == PARAMETER_ROW ? p->col * block_value_size(p->own->type) : 0;
+}
+#endif
+
 enum err parameter_get_number(const struct parameter *p, const struct config *config, float *value)
 {
-    const uint8_t *at = place_const(p, config);
+    const uint8_t *at = place_const(p, config) + parameter_number_offset(p);
     uint32_t u32;
     uint16_t u16;
-    switch (p->field->type) {
+    switch (parameter_number_field(p)->type) {
     case PARAMETER_FLOAT:
         memcpy(value, at, sizeof *value);
         return ERR_OK;

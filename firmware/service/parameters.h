@@ -68,6 +68,7 @@ struct parameter {
     const struct parameter_field *field; /* of a row of a kind the type only */
     uint8_t index;
 #if CONFIG_BLOCKS
+    uint8_t col;                       /* the value of a row that is meant as a number */
     uint16_t row;                      /* of a table */
     const struct block_parameter *own; /* row of the block's kind, or NULL */
 #endif
@@ -154,12 +155,21 @@ bool parameter_is_mv(const struct parameter *p, uint8_t field);
 const float *parameter_follows(const struct parameter *p, const struct config *config);
 bool parameter_equal(const struct parameter *p, const struct config *a, const struct config *b);
 
+#if CONFIG_BLOCKS
+/* What is meant as a number: how it is kept, and where in the parameter. */
+const struct parameter_field *parameter_number_field(const struct parameter *p);
+size_t parameter_number_offset(const struct parameter *p);
+#else
+#define parameter_number_field(p)  ((p)->field)
+#define parameter_number_offset(p) ((size_t)0)
+#endif
 /* A parameter whose default follows this one and has that value moves along.
  * ERR_PARSE, ERR_RANGE, ERR_READ_ONLY: *config is unchanged. Of blocks also ERR_UNKNOWN: no such kind, ERR_FULL: no room
  * for its settings (nor for a copy of its table), ERR_UNSUPPORTED: this build lacks the block's kind. */
 MUST_CHECK enum err parameter_set(const struct parameter *p, struct config *config,
                                   const char *value);
-/* The same from a number; of a PARAMETER_WORD its place in the list. ERR_PARSE: names and units are no numbers. */
+/* The same from a number; of a PARAMETER_WORD its place in the list, of a PARAMETER_ROW that value of it that p->col says. ERR_PARSE:
+ * names and units are no numbers. */
 MUST_CHECK enum err parameter_set_number(const struct parameter *p, struct config *config,
                                          float value);
 /* What it has, as such a number, as near as a float comes to it. ERR_PARSE: names and units. */

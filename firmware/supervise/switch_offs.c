@@ -12,6 +12,12 @@ static void forget(struct supervisor *s, uint8_t element)
     *byte = (uint8_t)(*byte & ~(1u << element % ELEMENT_TERMS));
 }
 
+static bool is_element(uint8_t element)
+{
+    return element < ELEMENT_TERMS ? element < CONFIG_FEEDFORWARDS
+                                   : element / ELEMENT_TERMS < SILENCED_BYTES;
+}
+
 struct block_switch_off *switch_off_room(struct supervisor *s, uint8_t slot)
 {
     struct switch_off_slot *w = &s->switch_off[slot - SLOT_RECORDS];
@@ -41,7 +47,7 @@ void switch_off_hand_over(struct supervisor *s, uint8_t slot, const struct block
     struct switch_off_slot *w = &s->switch_off[n];
     const struct block_switch_off *is = io->switch_off;
     char name[CHANNEL_NAME_SIZE];
-    if (!is || !is->n || is->element / ELEMENT_TERMS >= SILENCED_BYTES)
+    if (!is || !is->n || !is_element(is->element))
         return;
     for (uint8_t k = 0; k < is->n && k < SWITCH_OFF_MAX; k++)
         w->is.value[k].id = proposed_by(n, is->value[k].id);

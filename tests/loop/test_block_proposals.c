@@ -2,6 +2,7 @@
 #include "app/app.h"
 #include "board_bench.h"
 #include "operate/operate.h"
+#define TOLD_BESIDE_ELEMENTS
 #include "told_kinds.h"
 
 static struct session client;
@@ -454,6 +455,59 @@ static void settings_of_blocks_are_proposed_too(void)
     is_set("block1.limit = 0.5 fraction");
 }
 
+/* Of block 2. */
+static const char *const element[] = {"begin",
+                                      "set meas3.name feed",
+                                      "set meas3.unit l/h",
+                                      "set meas3.hi 10",
+                                      "set block2.kind leadlag",
+                                      "set block2.inputs feed",
+                                      "set block2.points reflux",
+                                      "set block2.from.1 1,1,0,0,0,0,0,0",
+                                      "set block2.to.1 1,1,0,0,0,0,0,0",
+                                      "apply"};
+
+#define ELEMENT_GAIN(row, col) proposed_in_row(1, 3, row, col)
+
+static void a_value_in_a_row_is_proposed_too(void)
+{
+    for (unsigned i = 0; i < sizeof element / sizeof element[0]; i++)
+        ask_ok(element[i]);
+    samples(2);
+    proposes(ELEMENT_GAIN(0, 1), 0.25);
+    gives(PROPOSAL_WHEN_ACCEPTED);
+    ANSWERS("proposal", "block1 watch proposes, to be accepted or rejected",
+            "  block2.gain.1 value 2 = 0, proposed 0.25");
+    ask_ok("proposal accept");
+    samples(1);
+    is_set("block2.gain.1 = 0,0.25,0,0,0,0,0,0 -");
+    ANSWERS("proposal", "block1 watch proposed what is in force, `proposal back` undoes it",
+            "  block2.gain.1 value 2 = 0.25, before 0");
+    ask_ok("proposal back");
+    samples(1);
+    is_set("block2.gain.1 = 0,0,0,0,0,0,0,0 -");
+}
+
+static void a_value_in_a_row_must_fit_as_any_other(void)
+{
+    for (unsigned i = 0; i < sizeof element / sizeof element[0]; i++)
+        ask_ok(element[i]);
+    samples(2);
+    proposes(ELEMENT_GAIN(0, 1), 101);
+    is_refused(" warning PROPOSAL_REFUSED block2.gain 101 ",
+               "block1 watch refused: block2.gain is proposed with a value that is not allowed, "
+               "101");
+    proposes(ELEMENT_GAIN(1, 1), 1); /* there is one row */
+    is_refused(" warning PROPOSAL_REFUSED block1.proposal 1 ",
+               "block1 watch refused: block1.proposal names a parameter that is not there");
+    proposes(proposed_in_row(1, 8, 0, 4), 1); /* lo: four values */
+    is_refused(" warning PROPOSAL_REFUSED block1.proposal 1 ",
+               "block1 watch refused: block1.proposal names a parameter that is not there");
+    proposes(proposed_in_row(1, 12, 0, 1), 1); /* washout: no row */
+    is_refused(" warning PROPOSAL_REFUSED block1.proposal 1 ",
+               "block1 watch refused: block1.proposal names a parameter that is not there");
+}
+
 static void changing_settings_is_for_engineers(void)
 {
     proposes(GAIN, 3);
@@ -520,6 +574,8 @@ int main(void)
     RUN_TEST(another_block_cannot_take_it_back);
     RUN_TEST(a_block_that_is_switched_off_has_nothing_waiting);
     RUN_TEST(settings_of_blocks_are_proposed_too);
+    RUN_TEST(a_value_in_a_row_is_proposed_too);
+    RUN_TEST(a_value_in_a_row_must_fit_as_any_other);
     RUN_TEST(changing_settings_is_for_engineers);
     RUN_TEST(a_client_without_text_does_the_same);
     return UNITY_END();

@@ -267,6 +267,62 @@ static void while_settings_are_saved(void)
     settings_have_followed();
 }
 
+/* Two terms of an element with a record, from the feed to the reflux, in place of ff1. */
+static void two_terms(void)
+{
+    static const char *const lines[] = {"begin",
+                                        "set ff1.gain 0",
+                                        "set block3.kind leadlag",
+                                        "set block3.inputs feed",
+                                        "set block3.points reflux",
+                                        "set block3.from.1 1,1,0,0,0,0,0,0",
+                                        "set block3.to.1 1,1,0,0,0,0,0,0",
+                                        "set block3.gain.1 0.25,0.1,0,0,0,0,0,0",
+                                        "apply"};
+    for (unsigned i = 0; i < sizeof lines / sizeof lines[0]; i++)
+        ask_ok(lines[i]);
+    samples(2);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-4, 0.35, fabs(added()));
+    watch_switches_off = (struct block_switch_off){
+        .n = 1, .element = switch_off_term(2, 0), .value = {{proposed_in_row(2, 3, 0, 0), 0}}};
+    ask_ok("begin");
+    board_forget();
+    samples(1);
+    TEST_ASSERT_TRUE_MESSAGE(said(" warning SWITCHED_OFF block3.term1 1 "), board.said);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-4, 0.1, fabs(added()));
+}
+
+static void a_term_of_an_element_is_silent_and_the_others_go_on(void)
+{
+    two_terms();
+    ANSWERS("apply", "# switched off meanwhile: block3.gain.1");
+    samples(2);
+    is_set("block3.gain.1 = 0,0.1,0,0,0,0,0,0 -");
+    TEST_ASSERT_DOUBLE_WITHIN(1e-4, 0.1, fabs(added()));
+}
+
+static void other_settings_of_the_term_have_it_act(void)
+{
+    two_terms();
+    ask_ok("set block3.gain.1 -0.25,0.1,0,0,0,0,0,0");
+    ask_ok("apply");
+    samples(2);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-4, 0.15, fabs(added()));
+}
+
+static void other_settings_of_another_term_do_not(void)
+{
+    begin_sequence();
+    two_terms();
+    ask_ok("abandon");
+    ask_ok("set block3.gain.1 0.25,0.2,0,0,0,0,0,0");
+    samples(2);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-4, 0.2, fabs(added()));
+    ask_ok("set block3.dead.1 0,5,0,0,0,0,0,0"); /* it needs more memory */
+    samples(2);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-4, 0.0, fabs(added()));
+}
+
 static void while_start_up_is_under_way(void)
 {
     ask_ok("mode top manual");
@@ -298,6 +354,9 @@ int main(void)
     RUN_TEST(other_settings_of_anything_else_do_not);
     RUN_TEST(a_block_that_is_gone_leaves_the_element_off);
     RUN_TEST(while_settings_are_saved);
+    RUN_TEST(a_term_of_an_element_is_silent_and_the_others_go_on);
+    RUN_TEST(other_settings_of_the_term_have_it_act);
+    RUN_TEST(other_settings_of_another_term_do_not);
     RUN_TEST(while_start_up_is_under_way);
     return UNITY_END();
 }

@@ -430,6 +430,9 @@ static void twin_saves_and_starts(void *result)
 static bool busy(void)
 {
     const struct service *sv = service();
+    for (unsigned n = 0; n < CONFIG_BLOCKS; n++)
+        if (sv->supervisor->switch_off[n].state != SWITCH_OFF_FREE)
+            return true;
     return sv->staging || sv->in_force != sv->newest ||
            sv->supervisor->proposal.state != PROPOSAL_FREE || sv->supervisor->sequence.state != 0 ||
            sv->supervisor->testing;

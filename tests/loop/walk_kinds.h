@@ -165,6 +165,19 @@ static void imp_says(struct imp *p, struct block_io *io)
                 random_below(&imp_random, 9) ? 0.01f * (float)random_below(&imp_random, 200) : NAN};
         }
     }
+    io->withdraws = imp_one_in(60);
+    if (io->switch_off && imp_one_in(60)) {
+        uint8_t element = (uint8_t)random_below(&imp_random, ELEMENT_TERMS * (CONFIG_BLOCKS + 2u));
+        *io->switch_off = (struct block_switch_off){
+            (uint8_t)(1 + random_below(&imp_random, SWITCH_OFF_MAX)),
+            element,
+            {{proposed_setting(PROPOSED_FF_GAIN, element % ELEMENT_TERMS), 0},
+             {proposed_in_row((uint8_t)random_below(&imp_random, CONFIG_BLOCKS),
+                              (uint8_t)random_below(&imp_random, 6),
+                              (uint16_t)random_below(&imp_random, 2),
+                              (uint8_t)random_below(&imp_random, 8)),
+              0}}};
+    }
     if (!p->excites && imp_one_in(30)) {
         p->excites = (uint16_t)(1 + random_below(&imp_random, 30));
         memset(p->excite, 0, sizeof p->excite);

@@ -209,6 +209,28 @@ static void it_moves_no_faster_than_its_rate(void)
     }
 }
 
+static void a_term_that_is_switched_off_adds_nothing_at_once_whatever_the_rate(void)
+{
+    term(2, 1, 2, 1, 0, 0, 0); /* number 3 is the first, number 6 the second */
+    term(5, 2, 2, 0.5f, 0, 0, 0);
+    input[0] = N(0.6);
+    input[1] = N(0.7);
+    begin();
+    step();
+    TEST_ASSERT_DOUBLE_WITHIN(1e-6, 0.2, D(out[1]));
+    settings.rate[1] = 0.002f;
+    configure(true);
+    io.silenced = 1u << 2;
+    step();
+    TEST_ASSERT_DOUBLE_WITHIN(1e-6, 0.1, D(out[1]));
+    io.silenced |= 1u << 5;
+    step();
+    TEST_ASSERT_DOUBLE_WITHIN(1e-6, 0, D(out[1]));
+    io.silenced = 0;
+    step();
+    TEST_ASSERT_DOUBLE_WITHIN(1e-6, 0.2, D(out[1]));
+}
+
 static void a_lead_beyond_the_kick_is_refused(void)
 {
     settings.kick = 4;
@@ -439,6 +461,7 @@ int main(void)
     RUN_TEST(what_stays_is_washed_out);
     RUN_TEST(the_sum_stays_within_its_limits_and_tells);
     RUN_TEST(it_moves_no_faster_than_its_rate);
+    RUN_TEST(a_term_that_is_switched_off_adds_nothing_at_once_whatever_the_rate);
     RUN_TEST(a_lead_beyond_the_kick_is_refused);
     RUN_TEST(it_begins_at_rest_at_its_inputs);
     RUN_TEST(another_gain_keeps_what_is_under_way);

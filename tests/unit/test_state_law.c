@@ -163,25 +163,14 @@ static void adopt(void)
     configure(true);
 }
 
-/* Until it proposes nothing any more; how often it did. */
-static unsigned adopted_all(void)
-{
-    unsigned n = 0;
-    for (step(true); proposal.n; step(true), n++) {
-        bool last = n + 1u == 3;
-        TEST_ASSERT_TRUE(n < 3);
-        TEST_ASSERT_EQUAL(n ? PROPOSAL_AT_ONCE : PROPOSAL_WHEN_ACCEPTED, proposal.manner);
-        adopt();
-        TEST_ASSERT_EQUAL_FLOAT(last ? PERIOD_S : 0, settings.made_s);
-    }
-    return n;
-}
-
-static void it_is_handed_over_in_parts_and_whole_with_the_last(void)
+static void it_is_handed_over_whole(void)
 {
     configure(false);
     design();
-    TEST_ASSERT_EQUAL(3, adopted_all());
+    step(true);
+    TEST_ASSERT_EQUAL(PROPOSAL_WHEN_ACCEPTED, proposal.manner);
+    adopt();
+    TEST_ASSERT_EQUAL_FLOAT(PERIOD_S, settings.made_s);
     TEST_ASSERT_EQUAL_MEMORY(block()->found.f, settings.f, sizeof settings.f);
     TEST_ASSERT_EQUAL_MEMORY(block()->found.g, settings.g, sizeof settings.g);
     design(); /* once more: the same */
@@ -189,23 +178,17 @@ static void it_is_handed_over_in_parts_and_whole_with_the_last(void)
     TEST_ASSERT_EQUAL(0, proposal.n);
 }
 
-static void another_law_is_none_until_it_is_whole(void)
+static void another_law_takes_its_place(void)
 {
     configure(false);
     design();
-    adopted_all();
+    step(true);
+    adopt();
     settings.tau_s[0] = settings.tau_s[1] = 60;
     configure(true);
-    TEST_ASSERT_EQUAL_FLOAT(PERIOD_S, settings.made_s);
     design();
     step(true);
-    TEST_ASSERT_EQUAL(PROPOSAL_WHEN_ACCEPTED, proposal.manner);
     adopt();
-    TEST_ASSERT_EQUAL_FLOAT(0, settings.made_s);
-    while (proposal.n) {
-        adopt();
-        step(true);
-    }
     TEST_ASSERT_EQUAL_FLOAT(PERIOD_S, settings.made_s);
     TEST_ASSERT_EQUAL_MEMORY(block()->found.f, settings.f, sizeof settings.f);
 }
@@ -287,8 +270,8 @@ int main(void)
     RUN_TEST(the_feeds_quality_is_looked_at_as_far_as_there_is_room);
     RUN_TEST(the_law_of_the_pilot_column_is_that_in_double_precision);
     RUN_TEST(the_law_with_the_feed_measured_has_its_columns);
-    RUN_TEST(it_is_handed_over_in_parts_and_whole_with_the_last);
-    RUN_TEST(another_law_is_none_until_it_is_whole);
+    RUN_TEST(it_is_handed_over_whole);
+    RUN_TEST(another_law_takes_its_place);
     RUN_TEST(what_is_rejected_is_not_proposed_again);
     RUN_TEST(it_waits_for_room_for_a_proposal);
     RUN_TEST(it_tells_once_what_came_of_it);
