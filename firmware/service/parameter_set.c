@@ -43,7 +43,7 @@ static void put_float(const struct parameter *p, struct config *config, float f)
         struct mv_config *mv = &config->mv[p->index];
         mv->max = mv->max == mv->hi ? f : mv->max;
     }
-    memcpy(parameter_place(p, config), &f, sizeof f);
+    memcpy((uint8_t *)parameter_place(p, config) + parameter_number_offset(p), &f, sizeof f);
 }
 
 #if CONFIG_BLOCKS

@@ -276,6 +276,8 @@ static void one_made_for_other_channels_spans_or_blocks_is_given_up(void)
         proposes(GAIN, 3);
         gives(PROPOSAL_WHEN_ACCEPTED);
         TEST_ASSERT_TRUE(said("BLOCK_PROPOSES"));
+        ask_ok("mode top manual"); /* a loop that acts keeps its channels and spans */
+        samples(1);
         ask_ok("begin");
         for (unsigned n = 0; n < 2 && changes[k][n]; n++)
             ask_ok(changes[k][n]);
