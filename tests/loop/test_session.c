@@ -363,17 +363,6 @@ static void a_channel_without_a_unit_can_be_bound(void)
     TEST_ASSERT_TRUE(said("extra = 42"));
 }
 
-static void a_unit_changed_under_a_loop_takes_it_to_manual(void)
-{
-    ask_ok("mode bottom auto");
-    samples(2);
-    board_forget();
-    ask_ok("set meas2.unit K");
-    samples(2);
-    ask_ok("loop bottom");
-    TEST_ASSERT_TRUE(said("bottom manual"));
-}
-
 static void a_read_back_that_differs_is_told(void)
 {
     board.with_readback = true;
@@ -474,7 +463,6 @@ int main(void)
     RUN_TEST(an_output_can_be_moved_by_hand_without_the_measurement_of_its_loop);
     RUN_TEST(a_measurement_in_another_unit_refuses_automatic);
     RUN_TEST(a_channel_without_a_unit_can_be_bound);
-    RUN_TEST(a_unit_changed_under_a_loop_takes_it_to_manual);
     RUN_TEST(a_read_back_that_differs_is_told);
     RUN_TEST(frames_with_any_bit_wrong_are_never_acted_on);
     RUN_TEST(noise_on_the_line_is_survived);

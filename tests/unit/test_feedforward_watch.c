@@ -187,11 +187,20 @@ static void proposes(void)
 }
 
 /* Calls until there is a proposal; most: there is none. */
+static struct block_switch_off off;
+
+/* proposal: NULL where somebody else's waits. */
+static void propose_on(struct block_proposal *proposal)
+{
+    struct block_io io = {.proposal = proposal, .switch_off = &off};
+    tune_propose_on(t, &io);
+}
+
 static unsigned calls_until_proposed(unsigned most)
 {
     unsigned calls = 0;
     while (calls < most && !room.n) {
-        tune_propose_on(t, &room);
+        propose_on(&room);
         calls++;
     }
     return calls;
@@ -201,11 +210,11 @@ static void a_proposal_waits_until_the_disturbance_has_rested(void)
 {
     proposes();
     t->d_rests = 16;
-    tune_propose_on(t, &room);
+    propose_on(&room);
     TEST_ASSERT_EQUAL_UINT8(0, room.n);
     t->d_rests = 17;
-    tune_propose_on(t, NULL); /* somebody else's is there */
-    tune_propose_on(t, &room);
+    propose_on(NULL); /* somebody else's is there */
+    propose_on(&room);
     TEST_ASSERT_EQUAL_UINT8(8, room.n);
     TEST_ASSERT_EQUAL_UINT8(PROPOSAL_AT_ONCE, room.manner);
     TEST_ASSERT_EQUAL_FLOAT(0.5f, room.value[0].value);
@@ -239,11 +248,11 @@ static void a_proposal_that_has_not_come_into_force_was_rejected(void)
 {
     proposes();
     t->d_rests = 17;
-    tune_propose_on(t, &room);
+    propose_on(&room);
     TEST_ASSERT_EQUAL(TUNE_PROPOSES, t->stage);
-    tune_propose_on(t, NULL);
+    propose_on(NULL);
     TEST_ASSERT_EQUAL(TUNE_PROPOSES, t->stage);
-    tune_propose_on(t, &room);
+    propose_on(&room);
     TEST_ASSERT_NOT_EQUAL(TUNE_PROPOSES, t->stage);
     TEST_ASSERT_EQUAL(TUNE_REJECTED, t->verdict);
 }
