@@ -182,6 +182,21 @@ static void loops_whose_mvs_do_nothing_are_left_to_themselves(void)
     TEST_ASSERT_FLOAT_WITHIN(1e-3f, 0.95f, gmv_trial_worst(&trial));
 }
 
+/* Its own MV does nothing for loop 1, and much for loop 2: it stays where it is. */
+static void an_mv_that_does_nothing_for_its_own_loop_does_not_move(void)
+{
+    static const float theta[2][3] = {{0.95f, 0, 0}, {0.9f, 0.1f, 0.1f}}; /* own MV first */
+    b.config = gmv_plain_config(2);
+    b.config.shape.form = GMV_POSITIONAL;
+    b.config.shape.bias = GMV_BIAS_NONE;
+    memcpy(b.config.theta[0], theta[0], sizeof theta[0]);
+    memcpy(b.config.theta[1], theta[1], sizeof theta[1]);
+    b.config.lambda[1] = 0.3f;
+    gmv_bench_begin(&b, 0);
+    run_trial(3, 2);
+    TEST_ASSERT_FLOAT_WITHIN(2e-3f, 0.95f, gmv_trial_worst(&trial));
+}
+
 static void a_loop_that_does_not_act_is_left_out(void)
 {
     one_loop(GMV_INCREMENTAL, 0.9, 0.05, 2);
@@ -242,6 +257,7 @@ int main(void)
     RUN_TEST(two_loops_are_tried_together);
     RUN_TEST(where_the_law_takes_loops_one_by_one_the_trial_does);
     RUN_TEST(loops_whose_mvs_do_nothing_are_left_to_themselves);
+    RUN_TEST(an_mv_that_does_nothing_for_its_own_loop_does_not_move);
     RUN_TEST(a_loop_that_does_not_act_is_left_out);
     RUN_TEST(a_loop_that_cannot_bear_its_margin_grows);
     RUN_TEST(a_trial_of_nothing_ends);

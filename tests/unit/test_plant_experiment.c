@@ -223,6 +223,27 @@ static void what_it_takes_of_the_workspace_grows_with_samples_and_signals(void)
     }
 }
 
+static void its_state_has_room_for_the_model_and_begins_without_a_past(void)
+{
+    static float state[500];
+    defaults();
+    for (unsigned n = 1; n <= 4; n++) {
+        float stage = -1;
+        size_t needs = sizeof(struct experiment) +
+                       (n * DIFFERENCE_A_MOST + n * n * DIFFERENCE_B_MOST) * sizeof(float);
+        setup.inputs = (uint8_t)(2 * n);
+        for (unsigned k = 0; k < 2 * n; k++)
+            setup.input[k] = (struct block_signal){0, 100, k >= n};
+        TEST_ASSERT_TRUE(experiment_kind.bytes(&setup) >= needs);
+        TEST_ASSERT_TRUE(experiment_kind.bytes(&setup) < needs + 8);
+        TEST_ASSERT_EQUAL(0, experiment_kind.bytes(&setup) % 8);
+        memset(state, 0x3F, sizeof state); /* another block's */
+        TEST_ASSERT_EQUAL(ERR_OK, experiment_kind.configure(state, &setup, false));
+        TEST_ASSERT_EQUAL_STRING("stage", experiment_kind.describe(state, 0, &stage));
+        TEST_ASSERT_EQUAL_FLOAT(0, stage);
+    }
+}
+
 /* ---- readings that are missing ---- */
 
 static void three_samples_without_a_reading_in_a_row_or_a_tenth_of_all_may_be_missing(void)
@@ -298,6 +319,7 @@ int main(void)
     RUN_TEST(what_cannot_be_right_is_refused_by_name);
     RUN_TEST(a_record_that_has_no_room_is_refused_and_one_that_is_too_short);
     RUN_TEST(what_it_takes_of_the_workspace_grows_with_samples_and_signals);
+    RUN_TEST(its_state_has_room_for_the_model_and_begins_without_a_past);
     RUN_TEST(three_samples_without_a_reading_in_a_row_or_a_tenth_of_all_may_be_missing);
     RUN_TEST(the_signal_goes_as_far_as_reach_says_or_twice_its_amplitude);
     return UNITY_END();

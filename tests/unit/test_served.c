@@ -503,6 +503,26 @@ static void what_took_effect_is_told_to_it_before_its_next_turn(void)
     TEST_ASSERT_DOUBLE_WITHIN(1e-6, 0.1, D(both_state->told[1]));
 }
 
+/* Its turns come sooner from now on, before it was told of the last. */
+static void an_output_of_which_it_was_not_told_counts_as_given(void)
+{
+    bench_start_with(served);
+    put_all((const char *const[]){"loop1.divisor", "3", "loop2.divisor", "3", NULL});
+    apply();
+    mode(TOP, LOOP_AUTO);
+    mode(BOTTOM, LOOP_AUTO);
+    ticks(6);
+    unsigned steps = both_state->steps;
+    for (unsigned n = 0; n < 3 && both_state->steps == steps; n++)
+        tick();
+    unsigned backs = both_state->backs;
+    put_all((const char *const[]){"loop1.divisor", "1", "loop2.divisor", "1", NULL});
+    apply();
+    tick();
+    TEST_ASSERT_EQUAL_UINT(steps + 2, both_state->steps);
+    TEST_ASSERT_EQUAL_UINT(backs + 2, both_state->backs); /* before that turn, and after it */
+}
+
 static void an_unrelated_plan_does_not_disturb_it(void)
 {
     double with[2];
@@ -687,6 +707,7 @@ int main(void)
     RUN_TEST(what_an_interlock_makes_of_an_output_is_told_in_the_same_tick);
     RUN_TEST(another_divisor_of_its_loops_is_another_interval);
     RUN_TEST(what_took_effect_is_told_to_it_before_its_next_turn);
+    RUN_TEST(an_output_of_which_it_was_not_told_counts_as_given);
     RUN_TEST(an_unrelated_plan_does_not_disturb_it);
     RUN_TEST(a_kind_this_build_lacks_keeps_its_loops_in_manual);
     RUN_TEST(an_unknown_kind_that_serves_nobody_is_no_reason_to_refuse_the_rest);
