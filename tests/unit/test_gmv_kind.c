@@ -1,0 +1,199 @@
+/* The kind `gmv` with two loops that compute with the parameters of their settings, on the plant that these describe: what a limit of an MV
+ * does to the other loop, and where loops are solved one by one. Everything in fractions of span. */
+#include <math.h>
+#include <stdalign.h>
+#include <string.h>
+
+#include "adapt/gmv_block.h"
+#include "adapt/gmv_kind.h"
+#include "base/channel.h"
+#include "formats.h"
+#include "unity.h"
+
+#define LOOPS GMV_LOOPS
+#define DEPTH 64
+#define REST  0.5
+
+static alignas(8) char state[16384];
+static struct {
+    alignas(8) char bytes[sizeof(struct applied_history) + DEPTH * sizeof(num_t)];
+} ring[LOOPS];
+static const struct applied_history *applied[LOOPS];
+static struct gmv_settings settings;
+static struct block_setup setup;
+static struct block_io io;
+static num_t setpoint[LOOPS], in[LOOPS], out[LOOPS], input[LOOPS];
+static uint8_t clamp[LOOPS], limited[LOOPS], quality[LOOPS];
+static float age_s[LOOPS], event_value[BLOCK_EVENTS_MAX];
+
+/* y(t+1) = a y + b u + c, at rest where y and u are REST. */
+static double a, b[LOOPS][LOOPS], y[LOOPS], w[LOOPS], least[LOOPS], most[LOOPS];
+
+static void defaults(void)
+{
+    memset(&settings, 0, sizeof settings);
+    for (unsigned k = 0; k < gmv_kind.parameters; k++) {
+        const struct block_parameter *p = &gmv_kind.parameter[k];
+        char *at = (char *)&settings + p->offset;
+        for (unsigned i = 0; i < (unsigned)p->rows * p->cols; i++)
+            if (p->type == BLOCK_FLOAT)
+                memcpy(at + 4 * i, &p->initial, 4);
+            else if (p->type == BLOCK_U16)
+                memcpy(at + 2 * i, &(uint16_t){(uint16_t)p->initial}, 2);
+            else
+                at[i] = (char)p->initial;
+    }
+}
+
+static struct applied_history *ring_of(unsigned j)
+{
+    return (struct applied_history *)(void *)ring[j].bytes;
+}
+
+/* Not supervised, and sure of its parameters: it computes with them from its first step on. */
+static void begin(double g11, double g12, double g21, double g22)
+{
+    const double g[LOOPS][LOOPS] = {{g11, g12}, {g21, g22}};
+    struct block_fault fault;
+    defaults();
+    a = 0.9;
+    settings.supervise = 0;
+    settings.tune_time_s = 0;
+    settings.p0[0] = settings.p0[1] = 1e-6f;
+    memset(&setup, 0, sizeof setup);
+    setup.settings = &settings;
+    setup.interval_s = 30;
+    setup.members = setup.inputs = LOOPS;
+    setup.there = 3;
+    for (unsigned i = 0; i < LOOPS; i++) {
+        settings.tau_p_s[i] = 0;
+        settings.tune_gain[i] = 1;
+        settings.theta[i][0] = (float)a;
+        settings.theta[i][1] = (float)g[i][i]; /* own MV first */
+        settings.theta[i][2] = (float)g[i][1 - i];
+        setup.member[i] = (struct block_member){
+            .loop = (uint8_t)i, .drives_mv = true, .pv_span = 1, .out_reach = 1};
+        setup.pv[i] = setup.input[i] = (struct block_signal){0, 1, false};
+        applied_history_begin(ring_of(i), DEPTH, N(REST));
+        applied[i] = ring_of(i);
+        y[i] = w[i] = REST;
+        least[i] = 0;
+        most[i] = 1;
+        out[i] = N(REST);
+        quality[i] = QUALITY_GOOD;
+    }
+    memcpy(b, g, sizeof b);
+    io = (struct block_io){.acting = 3,
+                           .setpoint = setpoint,
+                           .in = in,
+                           .out = out,
+                           .clamp = clamp,
+                           .limited = limited,
+                           .input = input,
+                           .quality = quality,
+                           .age_s = age_s,
+                           .event_value = event_value,
+                           .member_applied = applied,
+                           .divisor = 1};
+    TEST_ASSERT_EQUAL_MESSAGE(ERR_OK, gmv_kind.check(&setup, &fault), fault.wanted);
+    TEST_ASSERT_TRUE(gmv_kind.bytes(&setup) <= sizeof state);
+    TEST_ASSERT_TRUE(gmv_kind.history(&setup) <= DEPTH);
+    TEST_ASSERT_EQUAL(ERR_OK, gmv_kind.configure(state, &setup, false));
+    for (unsigned i = 0; i < LOOPS; i++)
+        in[i] = input[i] = setpoint[i] = N(REST);
+    gmv_kind.follow(state, &io);
+}
+
+static void step(void)
+{
+    double next[LOOPS], u[LOOPS];
+    for (unsigned i = 0; i < LOOPS; i++) {
+        in[i] = input[i] = N(y[i]);
+        setpoint[i] = N(w[i]);
+    }
+    io.raised = 0;
+    gmv_kind.step(state, &io);
+    TEST_ASSERT_NULL_MESSAGE(io.gives_up, io.gives_up);
+    for (unsigned j = 0; j < LOOPS; j++) {
+        u[j] = fmin(fmax(D(out[j]), least[j]), most[j]);
+        out[j] = N(u[j]);
+        applied_history_append(ring_of(j), out[j]);
+    }
+    gmv_kind.back_calculate(state, &io);
+    for (unsigned i = 0; i < LOOPS; i++) {
+        next[i] = REST + a * (y[i] - REST);
+        for (unsigned j = 0; j < LOOPS; j++)
+            next[i] += b[i][j] * (u[j] - REST);
+    }
+    memcpy(y, next, sizeof y);
+}
+
+static void steps(unsigned n)
+{
+    while (n--)
+        step();
+}
+
+void setUp(void) {}
+void tearDown(void) {}
+
+static bool raises(const char *code)
+{
+    for (unsigned i = 0; i < gmv_kind.events; i++)
+        if (strcmp(gmv_kind.event[i].code, code) == 0)
+            return io.raised & (1u << i);
+    TEST_FAIL_MESSAGE(code);
+    return false;
+}
+
+static void both_pvs_come_to_their_setpoints(void)
+{
+    begin(0.1, 0.05, 0.06, 0.1);
+    w[0] = 0.55;
+    w[1] = 0.45;
+    steps(300);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-3, 0.55, y[0]);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-3, 0.45, y[1]);
+    TEST_ASSERT_TRUE(raises("adopted"));
+    TEST_ASSERT_FALSE(raises("singular"));
+}
+
+/* What an MV would do beyond its limit is no reason for the other to move. */
+static void
+a_limit_of_one_mv_leaves_the_other_loop_at_its_setpoint_and_is_forgotten_when_it_ends(void)
+{
+    for (unsigned k = 0; k < LOOPS; k++)
+        for (int side = -1; side <= 1; side += 2) {
+            begin(0.1, 0.05, 0.06, 0.1);
+            least[k] = side < 0 ? 0.4 : 0;
+            most[k] = side < 0 ? 1 : 0.6;
+            w[k] = REST + 0.25 * side;
+            steps(300);
+            TEST_ASSERT_DOUBLE_WITHIN(1e-6, REST + 0.1 * side, D(out[k]));
+            TEST_ASSERT_TRUE(fabs(y[k] - REST) < 0.2);
+            TEST_ASSERT_DOUBLE_WITHIN(2e-3, REST, y[1 - k]);
+            least[k] = 0;
+            most[k] = 1;
+            steps(300);
+            TEST_ASSERT_DOUBLE_WITHIN(2e-3, w[k], y[k]);
+            TEST_ASSERT_DOUBLE_WITHIN(2e-3, REST, y[1 - k]);
+        }
+}
+
+static void loops_that_are_alike_are_solved_one_by_one_and_it_says_so(void)
+{
+    begin(0.1, 0.0999, 0.0999, 0.1);
+    settings.lambda[0] = settings.lambda[1] = 0;
+    TEST_ASSERT_EQUAL(ERR_OK, gmv_kind.configure(state, &setup, true));
+    steps(20);
+    TEST_ASSERT_TRUE(raises("singular"));
+}
+
+int main(void)
+{
+    UNITY_BEGIN();
+    RUN_TEST(both_pvs_come_to_their_setpoints);
+    RUN_TEST(a_limit_of_one_mv_leaves_the_other_loop_at_its_setpoint_and_is_forgotten_when_it_ends);
+    RUN_TEST(loops_that_are_alike_are_solved_one_by_one_and_it_says_so);
+    return UNITY_END();
+}
