@@ -65,6 +65,8 @@ static void a_swing_that_goes_on_is_found_though_it_is_predicted_well(void)
 {
     TEST_ASSERT_TRUE(found(swing, 0.002, 0));
     TEST_ASSERT_FLOAT_WITHIN(0.005f, 0.03f / 1.41f, gmv_cycle_size(&cycle));
+    setUp();
+    TEST_ASSERT_TRUE(found(swing, 0.01, 0)); /* a large one is not predicted as well */
 }
 
 static void a_small_one_is_nobodys_concern(void)
