@@ -168,6 +168,17 @@ static void a_watch_that_is_lost_begins_again(void)
     TEST_ASSERT_FLOAT_WITHIN(0, 0, tune_improvement(t));
 }
 
+/* This loop forgets at once: of the first sample nothing is left in the second. */
+static void nothing_is_counted_until_the_loop_has_forgotten(void)
+{
+    t->test_warm = 0;
+    (void)part_of(1, 1, 0.1);
+    TEST_ASSERT_EQUAL(0, t->parts);
+    t->test_warm = 1;
+    (void)part_of(1, 1, 0.1);
+    TEST_ASSERT_EQUAL(1, t->parts);
+}
+
 /* ---- proposals ---- */
 
 static struct block_proposal room;
@@ -273,6 +284,7 @@ int main(void)
     RUN_TEST(less_than_half_of_what_was_promised_is_counted_until_it_is_more);
     RUN_TEST(what_it_does_is_told_from_a_tenth_of_the_memory_on_and_only_while_it_runs);
     RUN_TEST(a_watch_that_is_lost_begins_again);
+    RUN_TEST(nothing_is_counted_until_the_loop_has_forgotten);
     RUN_TEST(a_proposal_waits_until_the_disturbance_has_rested);
     RUN_TEST(a_disturbance_that_never_rests_is_waited_for_as_long_as_four_steps_of_it);
     RUN_TEST(one_that_makes_it_worse_is_switched_off_within_a_sixteenth_of_check);
