@@ -265,6 +265,8 @@ static void one_made_for_other_channels_spans_or_blocks_is_given_up(void)
     };
     for (unsigned k = 0; k < sizeof changes / sizeof changes[0]; k++) {
         setUp();
+        ask_ok("mode top manual"); /* spans of a loop that acts do not change */
+        samples(1);
         ask_ok("begin");
         ask_ok("set meas3.name feed");
         ask_ok("set mv3.name spare");
