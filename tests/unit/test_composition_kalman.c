@@ -37,6 +37,8 @@ static void it_comes_to_its_plant_from_far_away(void)
         TEST_ASSERT_TRUE_MESSAGE(worst() < 0.01f, name);
         run(720);
         TEST_ASSERT_TRUE_MESSAGE(worst() < 0.002f, name);
+        TEST_ASSERT_TRUE_MESSAGE(value_named("sd_least") > 0, name);
+        TEST_ASSERT_TRUE_MESSAGE(value_named("sd_least") <= value_named("sd_most"), name);
     }
 }
 
@@ -82,6 +84,28 @@ static void it_finds_a_feed_flow_that_nobody_measures(void)
         run(1440);
         TEST_ASSERT_FLOAT_WITHIN_MESSAGE(0.4f * more, more, value_named("feed_flow"), name);
         TEST_ASSERT_TRUE_MESSAGE(worst() < 0.003f, name);
+    }
+}
+
+/* check() refuses it; but its memory is asked for first. */
+static void a_table_that_cannot_be_asks_for_no_memory(void)
+{
+    static const struct {
+        unsigned place;
+        float value;
+    } wrong[] = {{COLUMN_TABLE_N_STAGES, 0.5f},
+                 {COLUMN_TABLE_N_STAGES, COLUMN_STAGES_MAX + 1},
+                 {COLUMN_TABLE_N_STAGES, NAN},
+                 {COLUMN_TABLE_N_COMPONENTS, 1},
+                 {COLUMN_TABLE_N_COMPONENTS, COLUMN_COMPONENTS_MAX + 1},
+                 {COLUMN_TABLE_N_COMPONENTS, NAN}};
+    bench_pilot();
+    settings.method = METHOD_EKF;
+    TEST_ASSERT_TRUE(composition_numbers(&setup) > 0);
+    for (unsigned i = 0; i < sizeof wrong / sizeof wrong[0]; i++) {
+        PUT_RECORD(&record, pilot_values);
+        change_record(&record, wrong[i].place, wrong[i].value);
+        TEST_ASSERT_EQUAL(0, composition_numbers(&setup));
     }
 }
 
@@ -765,6 +789,7 @@ int main(void)
     RUN_TEST(it_finds_a_feed_that_the_table_does_not_have);
     RUN_TEST(without_it_a_feed_that_the_table_does_not_have_is_a_bias);
     RUN_TEST(it_finds_a_feed_flow_that_nobody_measures);
+    RUN_TEST(a_table_that_cannot_be_asks_for_no_memory);
     RUN_TEST(what_is_found_of_the_feed_moves_every_fraction_as_rates_have_it);
     RUN_TEST(points_of_the_feed_give_what_is_found_and_how_sure_it_is);
     RUN_TEST(a_feed_that_nobody_looks_for_is_that_of_the_table);

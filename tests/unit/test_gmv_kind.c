@@ -189,11 +189,29 @@ static void loops_that_are_alike_are_solved_one_by_one_and_it_says_so(void)
     TEST_ASSERT_TRUE(raises("singular"));
 }
 
+/* Its PIs hold both PVs where they are: nothing has been learnt that could be tried. */
+static void at_rest_no_model_is_tried(void)
+{
+    begin(0.1, 0.05, 0.06, 0.1);
+    memset(settings.theta, 0, sizeof settings.theta);
+    settings.supervise = 1;
+    settings.tune_time_s = settings.check_time_s = 600;
+    settings.p0[0] = settings.p0[1] = 1e6f;
+    TEST_ASSERT_EQUAL(ERR_OK, gmv_kind.configure(state, &setup, false));
+    gmv_kind.follow(state, &io);
+    for (unsigned k = 0; k < 200; k++) {
+        step();
+        TEST_ASSERT_EQUAL(0, io.ask_work);
+        TEST_ASSERT_FALSE(raises("adopted") || raises("refused"));
+    }
+}
+
 int main(void)
 {
     UNITY_BEGIN();
     RUN_TEST(both_pvs_come_to_their_setpoints);
     RUN_TEST(a_limit_of_one_mv_leaves_the_other_loop_at_its_setpoint_and_is_forgotten_when_it_ends);
     RUN_TEST(loops_that_are_alike_are_solved_one_by_one_and_it_says_so);
+    RUN_TEST(at_rest_no_model_is_tried);
     return UNITY_END();
 }

@@ -115,6 +115,18 @@ static void where_a_slow_part_of_the_answer_is_left_out_it_is_unsure(void)
     }
 }
 
+static void where_two_thirds_of_the_record_say_another_gain_it_is_unsure(void)
+{
+    const struct arx_data data = kotyk_record(600, REAL_C(0.002), 3);
+    struct plant_wanted w = wanted;
+    w.fit = REAL_C(0.2);
+    for (int k = 400; k < 600; k++)
+        kotyk_y[k][1] *= REAL_C(2.5);
+    (void)find(&data, &w, 100);
+    TEST_ASSERT_EQUAL(PLANT_UNSURE, finding.found[1].verdict);
+    TEST_ASSERT_TRUE(finding.found[1].apart > REAL_C(0.25));
+}
+
 static void what_does_not_settle_within_the_sequences_memory_is_slow(void)
 {
     const struct arx_data data = kotyk_record(600, REAL_C(0.002), 3);
@@ -315,6 +327,7 @@ int main(void)
     RUN_TEST(inputs_at_rest_are_untold);
     RUN_TEST(inputs_that_move_together_are_untold);
     RUN_TEST(where_a_slow_part_of_the_answer_is_left_out_it_is_unsure);
+    RUN_TEST(where_two_thirds_of_the_record_say_another_gain_it_is_unsure);
     RUN_TEST(what_does_not_settle_within_the_sequences_memory_is_slow);
     RUN_TEST(what_cannot_be_right_is_refused_by_name);
     RUN_TEST(a_record_that_has_no_room_is_refused_and_one_that_is_too_short);
