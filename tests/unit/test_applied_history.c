@@ -411,6 +411,8 @@ static void silence_of_the_link_begins_anew_at_the_safe_value(void)
     ramp_up();
     supervisor_go_safe(&bench.s, "link");
     TEST_ASSERT_DOUBLE_WITHIN(1e-6, 0, D(bench.s.mv[REFLUX].applied));
+    for (uint32_t k = 1; k <= 5; k++) /* that of every MV */
+        TEST_ASSERT_DOUBLE_WITHIN(1e-6, 0, ago(history_of(&bench.s, HEAT), k));
     begun_anew(9);
 }
 
