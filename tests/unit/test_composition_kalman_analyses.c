@@ -311,6 +311,28 @@ static void a_sample_that_nobody_took_in_is_not_taken_in_later(void)
     }
 }
 
+static void another_reach_begins_analyses_anew_and_other_numbers_do_not(void)
+{
+    bench_pilot();
+    analysis_at(FIRST, 1);
+    settings.place[FIRST][OF_COMPONENT] = 2;
+    accepted();
+    TEST_ASSERT_EQUAL(ERR_OK, kind->configure(&block, &setup, false));
+    struct composition_analysis *a = &block.analysis[0];
+    TEST_ASSERT_EQUAL(composition_analysis_every(block.c.h, settings.reach_s), a->every);
+    a->filled = 5;
+    settings.tune[FIRST][TUNE_LAMBDA] = 0.5f;
+    TEST_ASSERT_EQUAL(ERR_OK, kind->configure(&block, &setup, true));
+    TEST_ASSERT_EQUAL(1, block.analyses);
+    TEST_ASSERT_EQUAL(1, a->component);
+    TEST_ASSERT_TRUE(a->share == REAL_C(0.5));
+    TEST_ASSERT_EQUAL(5, a->filled);
+    settings.reach_s *= 3;
+    TEST_ASSERT_EQUAL(ERR_OK, kind->configure(&block, &setup, true));
+    TEST_ASSERT_EQUAL(0, a->filled);
+    TEST_ASSERT_EQUAL(composition_analysis_every(block.c.h, settings.reach_s), a->every);
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -326,5 +348,6 @@ int main(void)
     RUN_TEST(what_is_begun_anew_is_not_moved_by_what_was_said_before);
     RUN_TEST(what_analyses_said_of_the_model_outlasts_a_beginning);
     RUN_TEST(a_sample_that_nobody_took_in_is_not_taken_in_later);
+    RUN_TEST(another_reach_begins_analyses_anew_and_other_numbers_do_not);
     return UNITY_END();
 }
