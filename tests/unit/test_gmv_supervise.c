@@ -502,6 +502,19 @@ static void bursting_is_given_up_with_the_size_of_the_moves(void)
     TEST_ASSERT_TRUE(s.alarm_value > 0.005f && s.alarm_value < 0.1f);
 }
 
+static void a_pv_that_keeps_swinging_at_rest_is_given_up_with_the_size_of_the_swing(void)
+{
+    self_tunes();
+    uint8_t wish = 0;
+    came.error[0] = 0.002f;
+    for (unsigned k = 0; k < 400 && !(wish & GMV_WISH_PI); k++) {
+        seen.away[0] = 0.03f * sinf(6.2831853f * (float)k / 9);
+        wish = step();
+    }
+    given_up_for(GMV_ALARM_BURST, wish);
+    TEST_ASSERT_FLOAT_WITHIN(0.005f, 0.03f / 1.41f, s.alarm_value);
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -544,5 +557,6 @@ int main(void)
     RUN_TEST(small_moves_are_not_whatever_there_was_before);
     RUN_TEST(the_answer_to_a_setpoint_is_not);
     RUN_TEST(bursting_is_given_up_with_the_size_of_the_moves);
+    RUN_TEST(a_pv_that_keeps_swinging_at_rest_is_given_up_with_the_size_of_the_swing);
     return UNITY_END();
 }
