@@ -157,6 +157,20 @@ static void what_it_raised_ends_when_it_gives_up_without_an_input(void)
     TEST_ASSERT_EQUAL_UINT(2, happened(EVENT_BLOCK_ALARM, "block2.spent"));
 }
 
+static void without_its_second_input_it_gives_up_for_that(void)
+{
+    bench_start_with(told);
+    put_block(PAIR, "pair", "top bottom", "T5 feed", "");
+    apply();
+    mode(TOP, LOOP_AUTO);
+    tick();
+    bad_reading(FEED, QUALITY_BAD, 0);
+    ticks(4); /* held for 2 s */
+    TEST_ASSERT_EQUAL_UINT(1, happened(EVENT_BLOCK_GAVE_UP, "feed"));
+    TEST_ASSERT_NULL(bench.s.served[PAIR].gave_up);
+    TEST_ASSERT_EQUAL_UINT8(1, bench.s.served[PAIR].input);
+}
+
 static void what_another_block_raised_in_its_place_is_forgotten(void)
 {
     bench_start_with(alarmed);
@@ -218,6 +232,7 @@ int main(void)
     RUN_TEST(a_block_that_makes_no_steps_raises_nothing);
     RUN_TEST(what_it_raised_when_it_gave_up_stays_until_it_is_on_again);
     RUN_TEST(what_it_raised_ends_when_it_gives_up_without_an_input);
+    RUN_TEST(without_its_second_input_it_gives_up_for_that);
     RUN_TEST(what_another_block_raised_in_its_place_is_forgotten);
     RUN_TEST(an_alarm_on_what_no_block_says_is_refused);
     RUN_TEST(one_on_a_kind_that_this_build_lacks_is_kept_and_waits);
