@@ -152,21 +152,29 @@ static void two_loops_are_tried_together(void)
     agrees("two loops, strongly coupled");
 }
 
-/* The equations are {1, 2} and {-0.504, 1.5}: of rows that are divided by their largest elements the determinant is 0.836. */
+/* The equations are {1, 2} and {-0.504, 1.5}, or the loops the other way round: of rows that are divided by their largest elements
+ * the determinant is 0.836. */
 static void where_the_law_takes_loops_one_by_one_the_trial_does(void)
 {
-    static const float theta[2][3] = {{0.95f, 0.5f, 2}, {0.95f, 0.75f, -0.504f}}; /* own MV first */
-    for (unsigned alone = 0; alone < 2; alone++) {
-        b.config = gmv_plain_config(2);
-        b.config.determinant = alone ? 0.85f : 0.82f;
-        b.config.lambda[0] = 0.5f;
-        b.config.lambda[1] = 0.75f;
-        memcpy(b.config.theta[0], theta[0], sizeof theta[0]);
-        memcpy(b.config.theta[1], theta[1], sizeof theta[1]);
-        b.plant = (struct gmv_plant){
-            .a = {0.95, 0.95}, .b = {{0.5, 2}, {-0.504, 0.75}}, .k = {{1, 1}, {1, 1}}};
-        agrees(alone ? "two loops, one by one" : "two loops, together");
-    }
+    static const float own[2] = {0.5f, 0.75f}, cross[2] = {2, -0.504f};
+    for (unsigned alone = 0; alone < 2; alone++)
+        for (unsigned first = 0; first < 2; first++) {
+            b.config = gmv_plain_config(2);
+            b.config.determinant = alone ? 0.85f : 0.82f;
+            memset(&b.plant, 0, sizeof b.plant);
+            for (unsigned i = 0; i < 2; i++) {
+                unsigned k = i ^ first;
+                b.config.lambda[i] = own[k];
+                b.config.theta[i][0] = 0.95f;
+                b.config.theta[i][1] = own[k]; /* own MV first */
+                b.config.theta[i][2] = cross[k];
+                b.plant.a[i] = 0.95;
+                b.plant.b[i][i] = (double)own[k];
+                b.plant.b[i][1 - i] = (double)cross[k];
+                b.plant.k[i][0] = b.plant.k[i][1] = 1;
+            }
+            agrees(alone ? "two loops, one by one" : "two loops, together");
+        }
 }
 
 static void loops_whose_mvs_do_nothing_are_left_to_themselves(void)
