@@ -152,6 +152,28 @@ static void an_estimator_begins_anew_when_the_plant_was_away(void)
     TEST_ASSERT_EQUAL_UINT(2, mean_follows);
 }
 
+static void estimates_by_a_late_one(void)
+{
+    estimates();
+    put_all((const char *const[]){"meas7.name", "late", "meas7.unit", "degC", "meas7.lo", "60",
+                                  "meas7.hi", "160", "meas7.hold", "100", NULL});
+    put_block(0, "mean", "", "T1 late", "mean apart");
+}
+
+static void until_its_inputs_have_come_there_is_no_estimate(void)
+{
+    bench_start_with(estimates_by_a_late_one);
+    /* The bench binds all that have a name; the plant does not have this one yet. */
+    bench.s.measurement[MEAN].bound = bench.s.measurement[6].bound = false;
+    tick();
+    TEST_ASSERT_FALSE(bench.s.measurement[MEAN].bound);
+    supervisor_bind_measurement(&bench.s, 6);
+    reading(6, 115);
+    tick();
+    TEST_ASSERT_TRUE(bench.s.measurement[MEAN].bound);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-3, 100, value_of(MEAN));
+}
+
 static void an_estimate_without_its_input_is_held_and_then_its_loop_goes_to_manual(void)
 {
     bench_start_with(estimates);
@@ -688,6 +710,7 @@ int main(void)
     RUN_TEST(so_do_those_that_need_a_little_more_in_the_same_place);
     RUN_TEST(it_is_told_what_fractions_are_of);
     RUN_TEST(an_estimator_begins_anew_when_the_plant_was_away);
+    RUN_TEST(until_its_inputs_have_come_there_is_no_estimate);
     RUN_TEST(an_estimate_without_its_input_is_held_and_then_its_loop_goes_to_manual);
     RUN_TEST(an_estimate_is_interlocked_and_alarmed_like_any_measurement);
     RUN_TEST(work_is_done_between_ticks_and_its_result_comes_when_it_was_declared);
