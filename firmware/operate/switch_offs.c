@@ -87,18 +87,19 @@ static bool poll_one(struct operate *door, uint8_t n)
 {
     const struct service *s = door->service;
     enum switch_off_state state = switch_off_state_of(door, n);
-    if (state == SWITCH_OFF_APPLIED ||
-        (state == SWITCH_OFF_GIVEN &&
-         !element_is_silenced(s->supervisor, switch_off_slot_of(door, n)->is.element)))
+    bool over = state == SWITCH_OFF_GIVEN &&
+                !element_is_silenced(s->supervisor, switch_off_slot_of(door, n)->is.element);
+    if (state == SWITCH_OFF_APPLIED || over) {
         set_switch_off(door, n, SWITCH_OFF_FREE);
-    else if (state != SWITCH_OFF_GIVEN)
+        return true;
+    }
+    if (state != SWITCH_OFF_GIVEN)
         return false;
-    else if (s->staging)
+    if (s->staging)
         return stage_switch_off(door, n);
-    else if (operate_may_change_settings(door))
-        adopt_or_refuse(door, n);
-    else
+    if (!operate_may_change_settings(door))
         return false;
+    adopt_or_refuse(door, n);
     return true;
 }
 

@@ -9,11 +9,11 @@
 static bool lasting_changes(struct lasting *l, bool holds, float delay_s, uint64_t time_ms)
 {
     if (holds && !l->holds)
-        l->since_ms = (uint32_t)time_ms;
+        l->since_ms = (uint32_t)time_ms & LASTING_MS;
     l->holds = holds;
-    bool active =
-        holds && (l->active || (float)((uint32_t)time_ms - l->since_ms) >= delay_s * 1000.0f);
-    bool changes = active != l->active;
+    float lasted_ms = (float)(((uint32_t)time_ms - l->since_ms) & LASTING_MS);
+    bool active = holds && (l->active || lasted_ms >= delay_s * 1000.0f);
+    bool changes = active != (bool)l->active;
     l->active = active;
     return changes;
 }

@@ -74,21 +74,22 @@ enum measurement_fault {
     MEASUREMENT_FAULTS
 };
 
-/* A condition that is an alarm once it has lasted. */
+/* A condition that is an alarm once it has lasted. In one word, because every measurement and every loop has one. */
 struct lasting {
-    bool holds, active;
-    uint32_t since_ms; /* plant time, low bits */
+    uint32_t holds : 1, active : 1;
+    uint32_t since_ms : 30; /* plant time, low bits: 12 days, where no delay is longer than 1e6 s */
 };
+#define LASTING_MS 0x3FFFFFFFu
 
 struct measurement_state {
-    bool bound;     /* the plant announces it with the configured unit */
-    bool seen;      /* there has been a usable value */
-    bool valid;     /* ... and a reading that was valid */
-    bool lost;      /* no valid reading for longer than sensor_hold_s */
-    bool delivered; /* `last` is a reading */
-    bool alarm;     /* reported as bad */
-    bool inferred;  /* `value` is made from something else, by meas.infer */
-    uint8_t fault;  /* enum measurement_fault of the last reading */
+    bool bound;        /* the plant announces it with the configured unit */
+    bool seen;         /* there has been a usable value */
+    bool valid;        /* ... and a reading that was valid */
+    bool lost;         /* no valid reading for longer than sensor_hold_s */
+    bool delivered;    /* `last` is a reading */
+    bool alarm : 1;    /* reported as bad */
+    bool inferred : 1; /* `value` is made from something else, by meas.infer */
+    uint8_t fault;     /* enum measurement_fault of the last reading */
 #if CONFIG_CALIBRATION
     uint8_t young;              /* readings for which the first valid one may still prove wrong */
     uint8_t twin, twin_changes; /* a measurement that sends the same numbers; how many so far */

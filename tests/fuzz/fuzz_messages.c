@@ -82,7 +82,7 @@ static void ready_accepted(const struct frame *f, const struct link_ready *m)
 
 static void reading_accepted(const struct link_reading *r)
 {
-    DEMAND(float_is_finite(r->value) && r->quality <= QUALITY_MISSING);
+    DEMAND(r->quality <= QUALITY_MISSING);
 }
 
 static void sample_accepted(const struct frame *f, const struct link_sample *m)

@@ -122,7 +122,8 @@ static void a_point_by_a_name_that_the_plant_announces_is_told(void)
 static void a_point_that_is_named_twice_is_refused_as_that(void)
 {
     ask_refused("set block2.points seen,seen", "CONFLICT");
-    TEST_ASSERT_TRUE_MESSAGE(said("block2.points: 'seen,seen' refused, a name stands in it twice"), board.said);
+    TEST_ASSERT_TRUE_MESSAGE(said("block2.points: 'seen,seen' refused, a name stands in it twice"),
+                             board.said);
 }
 
 int main(void)

@@ -123,7 +123,7 @@ def from_log(bench: Bench, log: Log, begins: float, samples: int) -> SampledPlan
     y = np.array([scaled(log.numbers(f"{j['outputs'][i]['name']}.meas"), j["outputs"][i]) for i in rows]).T[at : at + samples]
     u = np.array([scaled(log.numbers(f"{j['inputs'][k]['name']}.cmd"), j["inputs"][k]) for k in columns]).T[at : at + samples]
     record = cmd_identify.Record(u - u[:20].mean(axis=0), y - y[:20].mean(axis=0))
-    options = argparse.Namespace(method="iv", na=3, nb=6, orders=None, nc=None, criterion="bic", no_constant=False, outputs=[j["outputs"][i]["name"] for i in rows])
+    options = argparse.Namespace(method="iv", na=3, nb=6, orders=None, nc=None, criterion="bic", no_constant=False, integrates=[], outputs=[j["outputs"][i]["name"] for i in rows])
     a, b = [], []
     for i in range(len(rows)):
         try:
