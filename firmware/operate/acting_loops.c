@@ -26,15 +26,27 @@ static bool keeps_mv(const struct config *a, const struct config *b, const char 
     return strcmp(x->unit, y->unit) == 0 && x->lo == y->lo && x->hi == y->hi;
 }
 
+/* Another name for the PV, or for what is driven. One that is there nowhere is the plan's to refuse, with better words. */
+static bool another_pv(const struct config *new, const char *before, const char *name)
+{
+    return strcmp(before, name) != 0 && config_find_measurement(new, name) != PLAN_NONE;
+}
+
+static bool another_out(const struct config *new, const char *before, const char *name)
+{
+    return strcmp(before, name) != 0 &&
+           (config_find_mv(new, name) != PLAN_NONE || config_find_loop(new, name) != PLAN_NONE);
+}
+
 /* What of loop i another configuration changes that an acting loop must not have changed under it; NULL: nothing. */
 static const char *field_turned(const struct config *old, const struct config *new, uint8_t i)
 {
     const struct loop_config *a = &old->loop[i], *b = &new->loop[i];
     if (strcmp(a->name, b->name) != 0)
         return NULL; /* another loop */
-    if (strcmp(a->pv, b->pv) != 0 || !keeps_pv(old, new, a->pv))
+    if (another_pv(new, a->pv, b->pv) || !keeps_pv(old, new, a->pv))
         return "pv";
-    if (strcmp(a->out, b->out) != 0 || !keeps_mv(old, new, a->out))
+    if (another_out(new, a->out, b->out) || !keeps_mv(old, new, a->out))
         return "out";
     return a->own.action != b->own.action ? "action" : NULL;
 }

@@ -22,6 +22,7 @@ static void what_turns_an_acting_loop_is_refused_with_its_name_and_the_way(void)
     ask_refused("set loop2.pv T1", "STATE");
     TEST_ASSERT_TRUE(said("loop2.pv: 'bottom' " ACTS));
     ask_refused("set loop2.out reflux", "STATE");
+    ask_refused("set loop2.out nowhere", "UNKNOWN"); /* the typing error, not the loop */
     ask_refused("set meas2.unit K", "STATE");
     TEST_ASSERT_TRUE(said("loop2.pv: 'bottom' " ACTS));
     ask_refused("set meas2.hi 180", "STATE");
