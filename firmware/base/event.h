@@ -153,7 +153,7 @@ const char *event_name(uint8_t code); /* "LINK_UP"; "?" out of range */
 const char *event_text(uint8_t code); /* what the value means, in words */
 enum event_level event_level(uint8_t code);
 const char *event_level_name(enum event_level level);
-/* What may come again and again, with nothing in its value that a count could not stand for. */
+/* Returns whether the event may come again and again, with nothing in its value that a count could not stand for. */
 bool event_may_repeat(uint8_t code);
 
 #ifndef EVENT_QUEUE_SIZE

@@ -1,4 +1,4 @@
-/* Where a console line holds the access key: `unlock KEY`, `key NEW`, `set console.key NEW`. Whatever shows or keeps lines asks
+/* Finds the access key in a console line: `unlock KEY`, `key NEW`, `set console.key NEW`. Whatever shows or keeps lines asks
  * this first. */
 #ifndef REFLUX_BASE_SECRET_H
 #define REFLUX_BASE_SECRET_H

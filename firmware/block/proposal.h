@@ -35,13 +35,13 @@ struct block_switch_off {
 #define ELEMENT_TERMS                                                                              \
     8 /* of an element with a record, at most: rows of so many values have one for each */
 
-/* Of ff1 for 0, and so on. */
+/* Returns the element of ff1 for 0, and so on. */
 static inline uint8_t switch_off_element(uint8_t index)
 {
     return index;
 }
 
-/* Of the element blockN, both from 0. */
+/* Returns a term of the element blockN; both count from 0. */
 static inline uint8_t switch_off_term(uint8_t block, uint8_t term)
 {
     return (uint8_t)(ELEMENT_TERMS * (block + 1u) + term);

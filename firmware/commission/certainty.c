@@ -90,7 +90,7 @@ void certainty_of_gains(struct analysis *a)
     conclude(a);
 }
 
-/* The second opinion has not been told of them. */
+/* The second opinion does not know the given pairs. */
 static bool pairs_are_given(const struct analysis *a)
 {
     for (uint8_t j = 0; j < a->plant.outputs; j++)

@@ -403,7 +403,7 @@ static void take_early(const struct element *e, struct fopdt *whole, struct begi
     }
 }
 
-/* Of input[k], which is column n of the analysis: the measurement that is to be its pair. */
+/* Notes the measurement that the settings pair with input[k], which is column n of the analysis. */
 static void note_given(struct commission *c, const struct config *config, uint8_t k, uint8_t n)
 {
     for (unsigned p = 0; p < CONFIG_PAIRS && config->test.pairs == TEST_PAIRS_GIVEN; p++) {

@@ -66,7 +66,7 @@ static void want_longer_tests(struct commission *c)
 static void next_round(struct commission *c, struct supervisor *s)
 {
     want_longer_tests(c);
-    /* Where nothing else is open the others are known well enough. */
+    /* The other inputs are known well enough where nothing else is open. */
     c->only_unsettled = c->work->analysis.doubts == DOUBT_SHAPE;
     c->round++;
     c->at = 0;

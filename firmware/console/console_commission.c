@@ -67,7 +67,7 @@ static void test_line(const struct commission *c, const struct config *config, s
     }
 }
 
-/* How long it may still take. */
+/* Prints how long start-up may still take. */
 static void time_left_line(const struct console *c, struct text *line)
 {
     const struct commission *m = c->service->commission;

@@ -203,7 +203,7 @@ void command_begin(struct console *c, unsigned n, char **word)
 }
 
 #if CONFIG_BLOCKS
-/* What blocks have switched off while the transaction was open. */
+/* Prints what blocks have switched off while the transaction was open. */
 static void say_switched_off(struct console *c)
 {
     char line[CONSOLE_OUTPUT_MAX];

@@ -68,7 +68,7 @@ bool operate_start_up_on_trial(const struct service *s);
 #else
 #define operate_start_up_on_trial(s) ((void)(s), false)
 #endif
-/* ERR_STATE where another configuration changes of a loop that acts its action, its PV or its MV, or their units or spans. */
+/* ERR_STATE where another configuration changes of a loop that acts its action, its PV or its MV, or their units, spans or calibration. */
 #if CONFIG_LOOP_GUARD
 MUST_CHECK enum err operate_keep_acting_loops(const struct service *s, const struct config *next,
                                               struct config_fault *fault);

@@ -46,7 +46,7 @@ static void run_deviation(struct supervisor *s, uint8_t i)
               c->loop[i].name, num_to_float(distance) * (mc->hi - mc->lo), 0);
 }
 
-/* What stands in for a lost reading is uncertain too, and has been active with the loss. */
+/* What stands in for a lost reading is uncertain too, but the loss itself has its own alarm. */
 static void run_doubt(struct supervisor *s, uint8_t i)
 {
     struct measurement_state *m = &s->measurement[i];
