@@ -4,12 +4,7 @@
 
 void setUp(void)
 {
-    static const char path[] = STORED_IMAGES "/splitter-estimate.bin";
-    FILE *file = fopen(path, "rb");
-    TEST_ASSERT_NOT_NULL_MESSAGE(file, path);
-    memory_port_erase_all();
-    TEST_ASSERT_TRUE(fread(memory_port_flash(), 1, memory_port_flash_size(), file) > 0);
-    fclose(file);
+    plant_flash_from(STORED_IMAGES "/splitter-estimate.bin");
     plant_power_on("splitter", 10000, 1, 0.0);
     pass(3000); /* without a plant the settings are read after 2 s */
 }

@@ -3,19 +3,9 @@
  * revision 05e59d3 with --nvm; what follows at its end is erased. */
 #include "plant_board.h"
 
-static void flash_of_then(void)
-{
-    static const char path[] = STORED_IMAGES "/splitter-estimate.bin";
-    FILE *file = fopen(path, "rb");
-    TEST_ASSERT_NOT_NULL_MESSAGE(file, path);
-    memory_port_erase_all();
-    TEST_ASSERT_TRUE(fread(memory_port_flash(), 1, memory_port_flash_size(), file) > 0);
-    fclose(file);
-}
-
 void setUp(void)
 {
-    flash_of_then();
+    plant_flash_from(STORED_IMAGES "/splitter-estimate.bin");
     plant_power_on("splitter", 10000, 1, 0.0);
     pass(3000); /* without a plant it is read after 2 s */
 }

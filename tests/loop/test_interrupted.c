@@ -12,8 +12,6 @@
 #include <sys/wait.h>
 
 #include "interrupting.h"
-#include "link/frame.h"
-#include "link/messages.h"
 
 #define MEASUREMENTS      2
 #define OUTPUTS           8
@@ -25,21 +23,11 @@ static unsigned applies = SAMPLE_OF_APPLIES;
 /* ---- the tick context: nothing of this is touched by the main loop while the signal can come ---- */
 
 static struct {
-    struct frame_decoder decoder;
-    uint16_t sequence;
     uint32_t number;
-    uint64_t clock_ms;
-    unsigned ticks, commands, torn, backwards;
+    unsigned torn, backwards;
     float value;          /* of the last command */
     float found[OUTPUTS]; /* of the first that was torn */
 } plant;
-
-static void give(struct frame *f)
-{
-    uint8_t wire[FRAME_WIRE_MAX];
-    f->sequence = plant.sequence++;
-    (void)memory_port_give(HAL_UART_LINK, wire, frame_encode(f, wire));
-}
 
 static void hello(void)
 {
@@ -95,35 +83,6 @@ static void look_at(const struct link_command *m)
     plant.torn += torn;
     plant.backwards += m->output[BY_HAND].value < plant.value;
     plant.value = m->output[BY_HAND].value;
-    plant.commands++;
-}
-
-static void answer(const struct frame *f)
-{
-    struct link_page_request request;
-    struct link_command command;
-    if (f->type == LINK_HELLO) {
-        hello();
-    } else if (f->type == LINK_PAGE_REQUEST && unpack_page_request(f, &request) == ERR_OK) {
-        page(request.index);
-    } else if (f->type == LINK_READY) {
-        next_sample();
-    } else if (f->type == LINK_COMMAND && unpack_command(f, &command) == ERR_OK) {
-        look_at(&command);
-        next_sample();
-    }
-}
-
-static void tick(void)
-{
-    uint8_t byte;
-    struct frame f;
-    plant.ticks++;
-    memory_port_set_clock(++plant.clock_ms);
-    app_tick(app_instance());
-    while (memory_port_take(HAL_UART_LINK, &byte, 1))
-        if (frame_decode(&plant.decoder, byte, &f))
-            answer(&f);
 }
 
 /* ---- the main loop ---- */
@@ -143,6 +102,7 @@ static void configured(void)
 {
     char line[64];
     memset(&plant, 0, sizeof plant);
+    memset(&plant_line, 0, sizeof plant_line);
     memory_port_erase_all();
     memory_port_start();
     memory_port_set_tick_lock(NULL, NULL);
@@ -168,9 +128,9 @@ static void configured(void)
         TEST_ASSERT_TRUE(typed(line));
     }
     TEST_ASSERT_TRUE(typed("apply"));
-    for (unsigned n = 0; n < 2000 && plant.commands < 3; n++)
+    for (unsigned n = 0; n < 2000 && plant_line.commands < 3; n++)
         tick();
-    TEST_ASSERT_EQUAL(3, plant.commands);
+    TEST_ASSERT_EQUAL(3, plant_line.commands);
     for (unsigned j = 0; j < BY_HAND; j++) {
         (void)snprintf(line, sizeof line, "out u%u %u", j + 1, by_hand(j));
         TEST_ASSERT_TRUE(typed(line));
@@ -186,7 +146,7 @@ static bool all_whole(unsigned n, void (*lock_with)(void))
     bool good = true;
     memory_port_set_tick_lock(lock_with, unlock);
     begin_interrupting();
-    for (unsigned k = 1; good && (k <= n || plant.commands < n); k++)
+    for (unsigned k = 1; good && (k <= n || plant_line.commands < n); k++)
         good = apply(k) && plant.torn == 0 && plant.backwards == 0;
     end_interrupting();
     tick(); /* what is on the line, and the last apply */
@@ -209,13 +169,13 @@ static void no_tick_finds_a_torn_plan_wherever_it_comes(void)
     bool good = all_whole(applies, lock);
     (void)snprintf(message, sizeof message,
                    "seed 0x%x: torn %u, backwards %u of %u commands; the first: %g %g .. %g %g",
-                   INTERRUPTING_SEED, plant.torn, plant.backwards, plant.commands,
+                   INTERRUPTING_SEED, plant.torn, plant.backwards, plant_line.commands,
                    (double)plant.found[0], (double)plant.found[1], (double)plant.found[OUTPUTS - 2],
                    (double)plant.found[OUTPUTS - 1]);
     TEST_ASSERT_TRUE_MESSAGE(good, message);
     TEST_ASSERT_TRUE(plant.value >= (float)applies);
     (void)printf("interrupted: %u applies at least, %u ticks, %u commands, none torn\n", applies,
-                 plant.ticks, plant.commands);
+                 plant_line.ticks, plant_line.commands);
 }
 
 /* This test would notice: the same in a process of its own with a lock that does nothing. */

@@ -11,8 +11,6 @@
 
 #include "hal/tick.h"
 #include "interrupting.h"
-#include "link/frame.h"
-#include "link/messages.h"
 #include "operate/operate.h"
 #include "sample.h"
 #include "service/service.h"
@@ -68,23 +66,12 @@ struct plant_channel {
 };
 
 static struct {
-    struct frame_decoder decoder;
     struct random_source noise;
     struct plant_channel channel[2 * CHANNEL_MAX];
     uint8_t measurements, outputs;
-    uint16_t sequence;
     uint32_t number, tick_ms;
-    uint64_t clock_ms;
-    unsigned commands;
     bool no_number;
 } plant;
-
-static void give(struct frame *f)
-{
-    uint8_t wire[FRAME_WIRE_MAX];
-    f->sequence = plant.sequence++;
-    (void)memory_port_give(HAL_UART_LINK, wire, frame_encode(f, wire));
-}
 
 static void hello(void)
 {
@@ -127,33 +114,10 @@ static void next_sample(void)
     give(&f);
 }
 
-static void answer(const struct frame *f)
+static void look_at(const struct link_command *m)
 {
-    struct link_page_request request;
-    struct link_command command;
-    if (f->type == LINK_HELLO) {
-        hello();
-    } else if (f->type == LINK_PAGE_REQUEST && unpack_page_request(f, &request) == ERR_OK) {
-        page(request.index);
-    } else if (f->type == LINK_READY) {
-        next_sample();
-    } else if (f->type == LINK_COMMAND && unpack_command(f, &command) == ERR_OK) {
-        for (unsigned j = 0; j < plant.outputs; j++)
-            plant.no_number = plant.no_number || !isfinite(command.output[j].value);
-        plant.commands++;
-        next_sample();
-    }
-}
-
-static void tick(void)
-{
-    uint8_t byte;
-    struct frame f;
-    memory_port_set_clock(++plant.clock_ms);
-    app_tick(app_instance());
-    while (memory_port_take(HAL_UART_LINK, &byte, 1))
-        if (frame_decode(&plant.decoder, byte, &f))
-            answer(&f);
+    for (unsigned j = 0; j < plant.outputs; j++)
+        plant.no_number = plant.no_number || !isfinite(m->output[j].value);
 }
 
 /* ---- the main loop ---- */
@@ -214,6 +178,7 @@ static void loops_to_auto(void)
 static void configured(const struct subject *subject)
 {
     memset(&plant, 0, sizeof plant);
+    memset(&plant_line, 0, sizeof plant_line);
     plant.tick_ms = subject->tick_ms;
     memory_port_erase_all();
     memory_port_start();
@@ -223,11 +188,11 @@ static void configured(const struct subject *subject)
     for (unsigned k = 0; subject->files[k]; k++)
         paste(subject->files[k]);
     take_channels();
-    for (unsigned n = 0; n < 2000 && plant.commands < 3; n++) {
+    for (unsigned n = 0; n < 2000 && plant_line.commands < 3; n++) {
         tick();
         app_background(app_instance());
     }
-    TEST_ASSERT_TRUE(plant.commands >= 3);
+    TEST_ASSERT_TRUE(plant_line.commands >= 3);
     loops_to_auto();
 }
 
@@ -284,7 +249,7 @@ static void interrupted(const struct subject *subject)
     memory_port_set_tick_lock(NULL, NULL);
     TEST_ASSERT_TRUE_MESSAGE(typed("version"), subject->name);
     TEST_ASSERT_FALSE_MESSAGE(plant.no_number, subject->name);
-    TEST_ASSERT_TRUE(plant.commands > n / 10);
+    TEST_ASSERT_TRUE(plant_line.commands > n / 10);
 }
 
 void setUp(void) {}
@@ -298,7 +263,7 @@ static void blocks_bear_a_tick_anywhere_while_they_are_listed_switched_and_retun
     for (unsigned k = 0; k < sizeof subjects / sizeof subjects[0]; k++) {
         interrupted(&subjects[k]);
         (void)printf("%s: seed 0x%x, %u commands\n", subjects[k].name, INTERRUPTING_SEED,
-                     plant.commands);
+                     plant_line.commands);
     }
 }
 

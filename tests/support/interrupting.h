@@ -1,5 +1,5 @@
 /* The tick interrupts the main loop anywhere: it runs in the handler of a timer signal that comes a random time after the last one, or
- * after the tick was locked out, and the tick lock blocks that signal. The test defines tick() and _GNU_SOURCE. */
+ * after the tick was locked out, and the tick lock blocks that signal. The test defines _GNU_SOURCE and the plant: hello(), page(), next_sample() and look_at(). */
 #ifndef REFLUX_TESTS_INTERRUPTING_H
 #define REFLUX_TESTS_INTERRUPTING_H
 
@@ -11,19 +11,69 @@
 #include <unistd.h>
 
 #include "app/app.h"
+#include "link/frame.h"
+#include "link/messages.h"
 #include "memory_port.h"
 #include "random_source.h"
 #include "unity.h"
 
 #define INTERRUPTING_SEED 0x7E4A1u
 
-static void tick(void);
-
 static timer_t timer;
 static sigset_t the_signal;
 static struct random_source source;
 static volatile unsigned main_turns;
 static bool refusals_expected; /* they are not printed */
+
+/* ---- the plant's end of the link: the tick's alone while the signal can come ---- */
+
+static void hello(void);
+static void page(uint8_t index);
+static void next_sample(void);
+static void look_at(const struct link_command *m);
+
+static struct {
+    struct frame_decoder decoder;
+    uint16_t sequence;
+    uint64_t clock_ms;
+    unsigned ticks, commands;
+} plant_line; /* all 0 at the beginning */
+
+static void give(struct frame *f)
+{
+    uint8_t wire[FRAME_WIRE_MAX];
+    f->sequence = plant_line.sequence++;
+    (void)memory_port_give(HAL_UART_LINK, wire, frame_encode(f, wire));
+}
+
+static void answer(const struct frame *f)
+{
+    struct link_page_request request;
+    struct link_command command;
+    if (f->type == LINK_HELLO) {
+        hello();
+    } else if (f->type == LINK_PAGE_REQUEST && unpack_page_request(f, &request) == ERR_OK) {
+        page(request.index);
+    } else if (f->type == LINK_READY) {
+        next_sample();
+    } else if (f->type == LINK_COMMAND && unpack_command(f, &command) == ERR_OK) {
+        plant_line.commands++;
+        look_at(&command);
+        next_sample();
+    }
+}
+
+static void tick(void)
+{
+    uint8_t byte;
+    struct frame f;
+    plant_line.ticks++;
+    memory_port_set_clock(++plant_line.clock_ms);
+    app_tick(app_instance());
+    while (memory_port_take(HAL_UART_LINK, &byte, 1))
+        if (frame_decode(&plant_line.decoder, byte, &f))
+            answer(&f);
+}
 
 /* ---- the timer ---- */
 

@@ -37,6 +37,16 @@ static inline void plant_announces(uint8_t index, struct link_page *page)
     TEST_FAIL_MESSAGE("the firmware asked for a page the plant has not");
 }
 
+/* Flash as an earlier firmware has left it; what follows the image is erased. */
+static inline void plant_flash_from(const char *path)
+{
+    FILE *file = fopen(path, "rb");
+    TEST_ASSERT_NOT_NULL_MESSAGE(file, path);
+    memory_port_erase_all();
+    TEST_ASSERT_TRUE(fread(memory_port_flash(), 1, memory_port_flash_size(), file) > 0);
+    fclose(file);
+}
+
 /* Greets anew; the firmware has found the plant when this returns. */
 static inline void plant_connect(void)
 {
