@@ -29,15 +29,26 @@ class Evidence(FolderTest):
         results["mutate"] = Result([Line("mutants: 60, caught: 59", "tools/mutate")], "one was not noticed",
                                    "2026-01-02", "abc123")
         results["fuzz"] = Result(problem="there is no tools/fuzz yet", when="2026-01-02")
-        text, lacking = evidence.page(results)
+        text, lacking = evidence.page(results, {})
         self.assertIn("    $ tools/mutate\n    mutants: 60, caught: 59\n", text)
         self.assertIn("2026-01-02, commit abc123. **Not all was good: one was not noticed**", text)
         self.assertIn("*Not available: there is no tools/fuzz yet.*", text)
         self.assertIn("*Not available: `tools/evidence coverage` has not been run.*", text)
         self.assertEqual(len(lacking), len(evidence.SECTIONS) - 1)
 
+    def test_a_source_that_was_not_run_here_keeps_the_figures_of_the_page(self) -> None:
+        page = self.folder / "page.md"
+        results = {name: Result() for name in evidence.SOURCES}
+        results["mutate"] = Result([Line("mutants: 5, caught: 5", "tools/mutate")], when="2026-01-02", commit="abc123")
+        text, lacking = evidence.page(results, {})
+        page.write_text(text)
+        again, still_lacking = evidence.page({name: Result() for name in evidence.SOURCES}, evidence.kept_sections(page))
+        self.assertEqual(again, text)
+        self.assertEqual(still_lacking, lacking)
+
     def test_figures_are_kept_between_runs(self) -> None:
         found = Result([Line("mutants: 5, caught: 5", "tools/mutate")])
+        self.enterContext(mock.patch.object(evidence, "PAGE", self.folder / "none.md"))
         with mock.patch.dict(evidence.SOURCES, {"mutate": lambda: found}):
             status, _, _ = call("evidence", "mutate", "--out", str(self.folder / "page.md"))
         self.assertEqual(status, 1)  # the other sections have no figures

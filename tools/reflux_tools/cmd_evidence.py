@@ -91,7 +91,7 @@ def main(arguments: list[str]) -> int:
     p = argparse.ArgumentParser(
         prog="tools/evidence",
         description="Runs the programs that count things and writes docs/evidence.md. Naming sources runs only these; "
-        "the others' figures are those of their last run (build/evidence).")
+        "the others' figures are those of their last run: from build/evidence, or as the page has them.")
     p.add_argument("sources", nargs="*", metavar="SOURCE", help=f"{', '.join(SOURCES)} (default: all)")
     p.add_argument("--page-only", action="store_true", help="run nothing, write the page from what is there")
     p.add_argument("--out", type=named, default=PAGE, metavar="FILE")
@@ -105,7 +105,7 @@ def main(arguments: list[str]) -> int:
     for name in () if options.page_only else options.sources or SOURCES:
         results[name] = measure(name)
         keep(name, results[name])
-    text, lacking = page(results)
+    text, lacking = page(results, kept_sections(PAGE))
     try:
         options.out.write_text(text, encoding="utf-8")
     except OSError as error:
@@ -285,8 +285,18 @@ def load(name: str) -> Result:
         return Result()
 
 
-def page(results: dict[str, Result]) -> tuple[str, list[str]]:
-    """The page, and the titles of sections without a figure."""
+def kept_sections(path: Path) -> dict[str, str]:
+    """The figures of each section the page has, by its title: commands with what they printed, and the day."""
+    try:
+        parts = re.split(r"^## (.*)\n", path.read_text(encoding="utf-8"), flags=re.M)
+    except OSError:
+        return {}
+    found = ((title, re.search(r"^    \$ .*\Z", text, re.M | re.S)) for title, text in zip(parts[1::2], parts[2::2]))
+    return {title: figures[0].rstrip() + "\n" for title, figures in found if figures}
+
+
+def page(results: dict[str, Result], kept: dict[str, str]) -> tuple[str, list[str]]:
+    """The page, and the titles of sections without a figure. kept: figures of sections whose source has not been run here."""
     out = ["# Evidence\n", "Counts, each with the command that prints it. Written by `tools/evidence`; changes here "
            "are lost. A `+` behind a commit says that the sources had changes on top of it.\n"]
     lacking = []
@@ -296,6 +306,9 @@ def page(results: dict[str, Result]) -> tuple[str, list[str]]:
         out.append(f"## {section.title}\n")
         if section.text:
             out.append(section.text + "\n")
+        if not result.when and section.title in kept:
+            out.append(kept[section.title])
+            continue
         for command in dict.fromkeys(line.command for line in lines):
             out.append(f"    $ {command}")
             out += [f"    {line.text}" for line in lines if line.command == command]
