@@ -46,3 +46,6 @@ target_link_libraries(tick_cost PRIVATE parameters_alone reflux_options)
 
 # The rows of every kind: the product's, and those of the worked family.
 reflux_test(kinds LABEL unit SOURCES ${CMAKE_CURRENT_LIST_DIR}/test_kinds.c LIBS reflux_supervise)
+
+# What stored sets say of the product's kinds.
+reflux_test(block_parameter_ids LABEL unit SOURCES ${CMAKE_CURRENT_LIST_DIR}/test_block_parameter_ids.c LIBS reflux_supervise)

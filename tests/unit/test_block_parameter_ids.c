@@ -1,0 +1,35 @@
+/* What a stored set says of a block: the ids of its parameters, their types and shapes, and the numbers behind their words. A set
+ * that was saved years ago holds these numbers, so that none of them ever means something else.
+ *
+ * Kept in reference/block_parameter_ids.txt; how it is made anew: support/kept_transcript.h. What may change there are lines and
+ * words that are added. */
+#include "block/block.h"
+#include "kept_transcript.h"
+#include "unity.h"
+
+void setUp(void) {}
+void tearDown(void) {}
+
+static void a_parameter_of_a_block_keeps_its_id_its_shape_and_its_words(void)
+{
+    static const char *const types[] = {
+        [BLOCK_FLOAT] = "float", [BLOCK_U16] = "u16", [BLOCK_WORD] = "word"};
+    kept_open("reference/block_parameter_ids.txt");
+    for (unsigned k = 0; k < block_kind_count; k++) {
+        const struct block_kind *kind = block_kinds[k];
+        kept_line("# %s", kind->name);
+        for (unsigned i = 0; i < kind->parameters; i++) {
+            const struct block_parameter *p = &kind->parameter[i];
+            kept_line("%u %s %s %u x %u%s%s", p->id, p->name, types[p->type], p->rows, p->cols,
+                      p->type == BLOCK_WORD ? " " : "", p->type == BLOCK_WORD ? p->unit : "");
+        }
+    }
+    kept_close();
+}
+
+int main(void)
+{
+    UNITY_BEGIN();
+    RUN_TEST(a_parameter_of_a_block_keeps_its_id_its_shape_and_its_words);
+    return UNITY_END();
+}
