@@ -3,7 +3,7 @@
 import sys
 import unittest
 
-from support import ROOT, FolderTest
+from support import ROOT, FolderTest, call
 
 from reflux_tools.errors import UserError
 from reflux_tools.testing import cases, running, tiers
@@ -54,6 +54,14 @@ class Tiers(FolderTest):
 
     def test_every_row_of_the_repository_has_a_reason(self) -> None:
         self.assertTrue(all(row.reason for row in tiers.rows()))
+
+
+class Regex(unittest.TestCase):
+    def test_a_name_that_matches_nothing_is_refused_and_one_of_the_full_tier_with_the_option(self) -> None:
+        for regex, words in (("nothing_is_called_so", "tools/test --list"), ("target.smoke-fixed$", "--all runs them")):
+            status, _, said = call("test", "target", "-R", regex)
+            self.assertEqual(status, 2)
+            self.assertIn(words, said)
 
 
 class Forecast(unittest.TestCase):

@@ -57,10 +57,11 @@ def _wait_for_lock(descriptor: int, folder: Path, quiet: bool) -> None:
 
 
 def configure(preset: str, quiet: bool = False) -> Path:
-    """Makes the build tree where there is none; the build itself brings an old one up to date."""
+    """Makes the build tree where there is none, and makes it anew where a file of CMake's has changed since."""
     folder = build_dir(preset)
     with locked(folder, quiet):
         _configure(preset, folder, quiet)
+        _run(f"configuring {preset}", ["cmake", "--build", str(folder), "--target", "build.ninja"], quiet=True)
     return folder
 
 

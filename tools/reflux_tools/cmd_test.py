@@ -64,6 +64,9 @@ def main(arguments: list[str]) -> int:
     if options.list:
         return show(default, full, reasons, seconds, options.jobs)
     tests = [*default, *full] if options.all else default
+    if not tests:
+        raise UserError(f'--regex "{options.regex}": ' + ("only tests of the full tier match; --all runs them" if full
+                                                       else "no test's name matches; tools/test --list names them all"))
     if options.changed is not None:
         tests = changed.choose(tests, options.changed)
         if not tests:
