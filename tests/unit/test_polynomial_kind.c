@@ -159,6 +159,26 @@ static void of_a_long_period_the_past_moves_once_a_period(void)
     }
 }
 
+static void a_change_of_settings_amid_a_period_leaves_its_end_where_it_is(void)
+{
+    static const double low[2] = {0.2, 0.1}, high[2] = {0.6, 0.3};
+    setup.interval_s = 10;
+    settings.period_s = 120;
+    begin_at(made_of(0, low, low), made_of(1, low, low));
+    for (unsigned t = 0; t < 24; t++) {
+        const double *now = t < 5 ? low : high, *before = t < 12 ? low : high;
+        if (t == 8) {
+            configure(true);
+            io.going_on = 3;
+            put_in(made_of(0, now, before), made_of(1, now, before));
+            polynomial_kind.follow(state, &io);
+        }
+        stepped(now[0], now[1]);
+        assert_out(made_of(0, now, before), made_of(1, now, before));
+        told(0, 0);
+    }
+}
+
 /* Controllers of the same period that move in its fourth tick: the past has to move when they do. */
 static void a_period_begins_where_the_controllers_move_after_a_period_of_rest(void)
 {
@@ -461,6 +481,22 @@ static void scaling_one_that_no_longer_can_does_not_give_way_alone(void)
     TEST_ASSERT_DOUBLE_WITHIN(20 * EXACT, 0.045, D(out[1]));
 }
 
+/* Loop 1 moves its own MV a sample late: what is lacking of it now nothing can give. */
+static void scaling_one_without_an_element_of_its_own_at_first_does_not_give_way_alone(void)
+{
+    settings.limits = POLYNOMIAL_SCALE;
+    settings.g[0][1] += settings.g[0][0];
+    settings.g[0][0] = 0;
+    begin_at(0.2, 0.2);
+    double v[2] = {D(out[0]), D(out[1])};
+    stepped(v[0], v[1]);
+    told(0, 0);
+    stepped(v[0] + 0.1, v[1] - 0.06);
+    told(-0.75 * (D(out[0]) - 0.2), 0);
+    TEST_ASSERT_DOUBLE_WITHIN(20 * EXACT, -0.075, D(out[0]));
+    TEST_ASSERT_DOUBLE_WITHIN(20 * EXACT, 0.045, D(out[1]));
+}
+
 static void scaling_two_that_are_limited_are_shortened_with_all(void)
 {
     settings.limits = POLYNOMIAL_SCALE;
@@ -559,6 +595,7 @@ static void a_period_that_is_no_whole_number_of_ticks_is_refused(void)
     TEST_ASSERT_EQUAL(ERR_OK, polynomial_kind.check(&setup, &fault));
     setup.interval_s = 0.001f;
     assert_refused("period");
+    TEST_ASSERT_EQUAL_UINT8(0, fault.member); /* it is of no loop */
 }
 
 static void five_loops_are_refused(void)
@@ -574,6 +611,7 @@ int main(void)
     RUN_TEST(mvs_are_g_times_what_the_controllers_ask_for_now_and_before);
     RUN_TEST(four_loops_and_eight_coefficients_are_added_up);
     RUN_TEST(of_a_long_period_the_past_moves_once_a_period);
+    RUN_TEST(a_change_of_settings_amid_a_period_leaves_its_end_where_it_is);
     RUN_TEST(a_period_begins_where_the_controllers_move_after_a_period_of_rest);
     RUN_TEST(it_begins_at_rest_where_the_mvs_are);
     RUN_TEST(a_loop_in_manual_neither_moves_nor_is_moved);
@@ -588,6 +626,7 @@ int main(void)
     RUN_TEST(scaling_all_moves_are_shortened_to_the_same_part);
     RUN_TEST(scaling_one_that_can_gives_way_alone_as_where_all_can);
     RUN_TEST(scaling_one_that_no_longer_can_does_not_give_way_alone);
+    RUN_TEST(scaling_one_without_an_element_of_its_own_at_first_does_not_give_way_alone);
     RUN_TEST(scaling_two_that_are_limited_are_shortened_with_all);
     RUN_TEST(scaling_what_happens_to_the_mv_of_a_loop_in_manual_shortens_nothing);
     RUN_TEST(nothing_limited_comes_to_nothing_exactly);
