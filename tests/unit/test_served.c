@@ -620,6 +620,60 @@ static void a_cascade_drives_the_setpoint_of_a_member(void)
     TEST_ASSERT_EQUAL(LOOP_CASCADE, bench.s.loop[BOTTOM].mode);
 }
 
+/* Loops `upper` and `lower` first or last: both under one block, each driving the setpoint of another loop. */
+static void outer_loops_served(bool first)
+{
+    static const char *const inner[] = {"pv", "T1", "out", "reflux", "pv", "T10", "out", "heat"};
+    static const char *const outer[] = {"pv", "T5", "out", "top", "pv", "feed", "out", "bottom"};
+    static const char *const names[] = {"top", "bottom", "upper", "lower"};
+    for (unsigned i = 0; i < 4; i++) {
+        bool is_outer = first ? i < 2 : i >= 2;
+        const char *const *pairs = (is_outer ? outer : inner) + (i % 2 ? 4 : 0);
+        char name[20];
+        snprintf(name, sizeof name, "loop%u.name", i + 1);
+        put(name, names[i % 2 + (is_outer ? 2 : 0)]);
+        for (unsigned k = 0; k < 4; k += 2) {
+            snprintf(name, sizeof name, "loop%u.%s", i + 1, pairs[k]);
+            put(name, pairs[k + 1]);
+        }
+        snprintf(name, sizeof name, "loop%u.gain", i + 1);
+        put(name, "1");
+        snprintf(name, sizeof name, "loop%u.ti", i + 1);
+        put(name, "100");
+    }
+    put_block(1, "both", "upper lower", "", "");
+}
+
+static void outer_loops_first(void)
+{
+    outer_loops_served(true);
+}
+
+static void outer_loops_last(void)
+{
+    outer_loops_served(false);
+}
+
+static void outer_loops_under_a_block_move_setpoints_in_the_same_tick_in_whatever_order(void)
+{
+    for (unsigned first = 0; first < 2; first++) {
+        uint8_t outer[2] = {first ? 0 : 2, first ? 1 : 3},
+                inner[2] = {first ? 2 : 0, first ? 3 : 1};
+        bench_start_with(first ? outer_loops_first : outer_loops_last);
+        for (unsigned k = 0; k < 2; k++) {
+            mode(inner[k], LOOP_CASCADE);
+            mode(outer[k], LOOP_AUTO);
+        }
+        ticks(3);
+        double before[2] = {setpoint_of(inner[0]), setpoint_of(inner[1])};
+        setpoint(outer[0], 105);
+        setpoint(outer[1], 6);
+        tick();
+        TEST_ASSERT_TRUE(setpoint_of(inner[0]) > before[0] + 1e-3);
+        TEST_ASSERT_TRUE(setpoint_of(inner[1]) > before[1] + 1e-3);
+    }
+}
+
 static void the_outer_loop_of_a_cascade_hears_of_a_limit_of_the_block_itself(void)
 {
     bench_start_with(served);
@@ -736,6 +790,7 @@ int main(void)
     RUN_TEST(an_unknown_kind_that_serves_nobody_is_no_reason_to_refuse_the_rest);
     RUN_TEST(an_interlock_on_one_output_leaves_the_other_to_it_and_ends_without_a_bump);
     RUN_TEST(a_cascade_drives_the_setpoint_of_a_member);
+    RUN_TEST(outer_loops_under_a_block_move_setpoints_in_the_same_tick_in_whatever_order);
     RUN_TEST(the_outer_loop_of_a_cascade_hears_of_a_limit_of_the_block_itself);
     RUN_TEST(lists_of_names_are_checked);
     RUN_TEST(members_have_their_turns_together_and_no_decoupler);

@@ -366,6 +366,18 @@ static void an_integral_that_may_not_rise_stands(void)
     TEST_ASSERT_DOUBLE_WITHIN(1e-6, 0, (double)value);
 }
 
+static void inner_values_are_what_it_gives_and_then_its_integrals(void)
+{
+    static const char *const names[] = {"given_1", "given_2", "integral_1", "integral_2"};
+    float value;
+    begin_at(0.3, -0.2);
+    for (size_t i = 0; i < 4; i++)
+        TEST_ASSERT_EQUAL_STRING(names[i], state_feedback_kind.describe(state, i, &value));
+    TEST_ASSERT_NULL(state_feedback_kind.describe(state, 4, &value));
+    (void)state_feedback_kind.describe(state, 1, &value);
+    TEST_ASSERT_DOUBLE_WITHIN(EXACT, -0.2, (double)value);
+}
+
 /* ---- what is refused ---- */
 
 static void refused(const char *field)
@@ -412,6 +424,7 @@ int main(void)
     RUN_TEST(off_its_limit_an_output_moves_in_the_first_step_of_the_other_sign);
     RUN_TEST(while_one_output_is_at_its_limit_the_other_loop_keeps_its_setpoint);
     RUN_TEST(an_integral_that_may_not_rise_stands);
+    RUN_TEST(inner_values_are_what_it_gives_and_then_its_integrals);
     RUN_TEST(settings_that_fit_nothing_are_refused_by_their_name);
     return UNITY_END();
 }
