@@ -83,7 +83,7 @@ static enum gmv_rest reason_to_rest(struct gmv_supervise *s, const struct gmv_se
 {
     const struct gmv_supervise_config *c = &s->config;
     s->still[i] =
-        magnitude_of(seen->moved[i]) > STILL ? 0 : s->still[i] + (s->still[i] < UINT32_MAX);
+        magnitude_of(seen->moved[i]) >= STILL ? 0 : s->still[i] + (s->still[i] < UINT32_MAX);
     if (!(seen->good & (1u << i)))
         s->spoilt[i] = c->reach + 1u;
     else if (s->spoilt[i])

@@ -72,11 +72,21 @@ static void near_its_setpoint_or_moving_it_goes_on(void)
     TEST_ASSERT_FALSE(given_up_within(4 * LONG));
 }
 
+/* A law that asks for as little beyond the limit as a rounding would is not pushing. */
+static void it_is_pushed_by_more_than_four_parts_in_ten_thousand_of_the_span(void)
+{
+    seen.lacked[0] = 0.00039f;
+    TEST_ASSERT_FALSE(given_up_within(4 * LONG));
+    seen.lacked[0] = 0.00041f;
+    TEST_ASSERT_TRUE(given_up_within(LONG + 1));
+}
+
 int main(void)
 {
     UNITY_BEGIN();
     RUN_TEST(pushed_the_wrong_way_for_long_it_is_given_up_with_how_far_the_pv_is_away);
     RUN_TEST(pushed_the_way_its_loop_needs_it_it_goes_on);
     RUN_TEST(near_its_setpoint_or_moving_it_goes_on);
+    RUN_TEST(it_is_pushed_by_more_than_four_parts_in_ten_thousand_of_the_span);
     return UNITY_END();
 }

@@ -388,6 +388,17 @@ static void nothing_is_learnt_when_the_mv_has_not_moved_for_longer_than_the_regr
     TEST_ASSERT_EQUAL_HEX8(1, looks());
 }
 
+static void an_mv_stands_still_that_moves_by_less_than_a_hundred_thousandth_of_its_span(void)
+{
+    for (unsigned moves = 0; moves < 2; moves++) {
+        gmv_supervise_init(&s, &config);
+        seen.moved[0] = moves ? 1e-5f : 0.99e-5f;
+        for (unsigned k = 0; k < 2 * REACH; k++)
+            (void)gmv_supervise_look(&s, &seen);
+        TEST_ASSERT_EQUAL(moves ? GMV_LEARNS : GMV_RESTS_STILL, s.rest[0]);
+    }
+}
+
 static void asked_to_rest_it_rests(void)
 {
     s.asked_to_rest = true;
@@ -407,6 +418,20 @@ static void it_freezes_when_samples_tell_nothing_and_thaws_when_one_tells_twice_
     came.told[0] = 0.013f;
     (void)steps(2);
     TEST_ASSERT_EQUAL(GMV_LEARNS, s.rest[0]);
+}
+
+static void of_two_loops_the_one_whose_samples_tell_nothing_rests(void)
+{
+    for (unsigned quiet = 0; quiet < 2; quiet++) {
+        config.loops = 2;
+        gmv_supervise_init(&s, &config);
+        seen.acting = seen.good = 3;
+        came.told[quiet] = 0.004f;
+        came.told[1 - quiet] = 0.1f;
+        (void)steps(1000);
+        TEST_ASSERT_EQUAL(GMV_RESTS_QUIET, s.rest[quiet]);
+        TEST_ASSERT_EQUAL(GMV_LEARNS, s.rest[1 - quiet]);
+    }
 }
 
 static void where_nothing_is_forgotten_nothing_is_frozen(void)
@@ -547,8 +572,10 @@ int main(void)
     RUN_TEST(nothing_is_learnt_while_a_reading_that_is_not_good_is_among_the_data);
     RUN_TEST(nothing_is_learnt_in_manual);
     RUN_TEST(nothing_is_learnt_when_the_mv_has_not_moved_for_longer_than_the_regressors_reach);
+    RUN_TEST(an_mv_stands_still_that_moves_by_less_than_a_hundred_thousandth_of_its_span);
     RUN_TEST(asked_to_rest_it_rests);
     RUN_TEST(it_freezes_when_samples_tell_nothing_and_thaws_when_one_tells_twice_as_much);
+    RUN_TEST(of_two_loops_the_one_whose_samples_tell_nothing_rests);
     RUN_TEST(where_nothing_is_forgotten_nothing_is_frozen);
     RUN_TEST(moves_to_and_fro_above_the_usual_are_bursting);
     RUN_TEST(an_mv_that_turns_every_14_steps_swings_and_one_every_25_does_not);
