@@ -57,6 +57,35 @@ static void with_exact_parameters_the_loop_is_first_order_with_the_time_constant
         }
 }
 
+/* In its very first step, before which the plant is taken to have been where it is. */
+static void at_rest_away_from_zero_no_mv_moves(void)
+{
+    for (unsigned form = 0; form < 2; form++) {
+        const double w[GMV_LOOPS] = {0.4};
+        one_loop((enum gmv_form)form, 0.8, -0.4, 30);
+        b.plant.y[0] = w[0];
+        gmv_bench_begin(&b, -0.2);
+        for (unsigned t = 0; t < 5; t++) {
+            gmv_bench_step(&b, w, none, false);
+            TEST_ASSERT_DOUBLE_WITHIN(MV_WITHIN, -0.2, (double)num_to_float(b.u[0]));
+        }
+    }
+}
+
+/* Of which the oldest value is that of an MV with a long way to the other loop's PV. */
+static void what_is_remembered_reaches_back_to_the_oldest_mv_of_any_regression(void)
+{
+    for (unsigned loop = 0; loop < GMV_LOOPS; loop++) {
+        struct gmv_shape shape = gmv_plain_config(2).shape;
+        shape.nb = 2;
+        shape.delay[loop][1 - loop] = 9;
+        TEST_ASSERT_TRUE(gmv_reach(&shape) >= 9 + 1 + 1); /* delay, nb - 1, difference over k */
+    }
+    struct gmv_shape shape = gmv_plain_config(1).shape;
+    shape.delay[0][0] = 9;
+    TEST_ASSERT_TRUE(gmv_reach(&shape) >= 9 + 9);
+}
+
 /* Digest, claim 3: y(t) = 0.9 y(t-1) + u(t-1) + d. */
 static void on_a_linear_plant_both_forms_serve_a_setpoint_alike(void)
 {
@@ -290,6 +319,8 @@ int main(void)
 {
     UNITY_BEGIN();
     RUN_TEST(with_exact_parameters_the_loop_is_first_order_with_the_time_constant_of_p);
+    RUN_TEST(at_rest_away_from_zero_no_mv_moves);
+    RUN_TEST(what_is_remembered_reaches_back_to_the_oldest_mv_of_any_regression);
     RUN_TEST(on_a_linear_plant_both_forms_serve_a_setpoint_alike);
     RUN_TEST(the_incremental_form_rejects_a_load_the_positional_one_keeps_an_offset_of_its_size);
     RUN_TEST(lambda_on_the_move_leaves_no_offset_a_scalar_lambda_does);

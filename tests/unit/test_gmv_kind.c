@@ -158,6 +158,18 @@ static void both_pvs_come_to_their_setpoints(void)
     TEST_ASSERT_FALSE(raises("singular"));
 }
 
+static void at_rest_no_mv_moves_when_the_law_takes_over(void)
+{
+    begin(0.1, 0.05, 0.05, 0.1);
+    for (unsigned t = 0; t < 30; t++) {
+        step();
+        for (unsigned i = 0; i < LOOPS; i++)
+            TEST_ASSERT_DOUBLE_WITHIN(1e-5, REST, D(out[i]));
+    }
+    TEST_ASSERT_EQUAL(GMV_SELF_TUNING,
+                      ((const struct gmv_block *)(const void *)state)->watch.state);
+}
+
 /* What an MV would do beyond its limit is no reason for the other to move. */
 static void
 a_limit_of_one_mv_leaves_the_other_loop_at_its_setpoint_and_is_forgotten_when_it_ends(void)
@@ -210,6 +222,7 @@ int main(void)
 {
     UNITY_BEGIN();
     RUN_TEST(both_pvs_come_to_their_setpoints);
+    RUN_TEST(at_rest_no_mv_moves_when_the_law_takes_over);
     RUN_TEST(a_limit_of_one_mv_leaves_the_other_loop_at_its_setpoint_and_is_forgotten_when_it_ends);
     RUN_TEST(loops_that_are_alike_are_solved_one_by_one_and_it_says_so);
     RUN_TEST(at_rest_no_model_is_tried);
