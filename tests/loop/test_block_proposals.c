@@ -247,7 +247,7 @@ static void one_made_for_other_loops_is_given_up(void)
     TEST_ASSERT_FALSE(said("to be accepted"));
 }
 
-/* Each of what ids and values go by: channels and spans, loops, blocks. */
+/* Each of what ids and values go by: channels and spans, loops, blocks, feedforwards. */
 static void one_made_for_other_channels_spans_or_blocks_is_given_up(void)
 {
     static const char *const changes[][2] = {
@@ -262,6 +262,9 @@ static void one_made_for_other_channels_spans_or_blocks_is_given_up(void)
         {"set block1.points again", NULL},
         {"set block2.loops bottom,top", NULL},
         {"set block2.kind watch", "set block2.loops -"},
+        {"set block3.kind watch", NULL},
+        {"set ff1.from T10", NULL},
+        {"set ff1.to heat", NULL},
     };
     for (unsigned k = 0; k < sizeof changes / sizeof changes[0]; k++) {
         setUp();
@@ -273,6 +276,8 @@ static void one_made_for_other_channels_spans_or_blocks_is_given_up(void)
         ask_ok("set meas6.name again");
         ask_ok("set block2.kind pair");
         ask_ok("set block2.loops top,bottom");
+        ask_ok("set ff1.from feed");
+        ask_ok("set ff1.to reflux");
         ask_ok("apply");
         samples(1);
         proposes(GAIN, 3);
