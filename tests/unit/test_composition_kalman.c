@@ -141,10 +141,12 @@ static void what_is_found_of_the_feed_moves_every_fraction_as_rates_have_it(void
             }
             for (unsigned i = 0; i < FRACTIONS; i++)
                 most = fmax(most, fabs((double)push[e * FRACTIONS + i]));
-            for (unsigned i = 0; i < FRACTIONS; i++)
-                TEST_ASSERT_DOUBLE_WITHIN(2e-3 * most,
-                                          (double)(rates[1][i] - rates[0][i]) / (2 * by),
+            for (unsigned i = 0; i < FRACTIONS; i++) {
+                double seen = (double)(rates[1][i] - rates[0][i]) / (2 * by);
+                double of_own = 0.05 * fabs(seen) + 1e-6 * most; /* the reboiler's is small */
+                TEST_ASSERT_DOUBLE_WITHIN(fmin(2e-3 * most, of_own), seen,
                                           (double)push[e * FRACTIONS + i]);
+            }
         }
     }
 }
