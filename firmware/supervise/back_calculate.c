@@ -117,7 +117,7 @@ void back_calculate_loops(struct supervisor *s)
     for (uint8_t i = 0; i < s->placed[PLACED_LOOPS]; i++) {
         uint8_t j = s->plan->loop[i].mv;
         told[i] = s->loop[i].v;
-        if (s->plan->loop[i].used && j != PLAN_NONE)
+        if (j != PLAN_NONE)
             told[i] = num_add(told[i], mv_shortfall(&s->mv[j]));
     }
     if (s->block[SLOT_MATRIX].kind != PLAN_NONE)
