@@ -77,7 +77,8 @@ const struct block_parameter gmv_parameter_rows[GMV_PARAMETER_ROWS] = {
          "of the PI that acts while tuning; its sign is the plant's", -100, 100, 0),
     PAIR(30, tune_ti_s, "tune_ti", "s", "its integral times; 0: none", 0, 1e6f, 300),
     NUMBER(31, tune_time_s, "tune_time", "s", "of tuning, at least", 0, 1e6f, 1800),
-    NUMBER(32, check_time_s, "check_time", "s", "of the test, and between checks", 0, 1e6f, 1800),
+    NUMBER(32, check_time_s, "check_time", "s",
+           "of the test, and between checks; ten steps at least", 0, 1e6f, 1800),
     NUMBER(33, excite, "excite", "-", "deviations that gains must differ from 0", 0, 1000, 3),
     NUMBER(34, gain_least, "gain_least", "-", "least size of g0, span per span", 1e-6f, 1, 1e-4f),
     NUMBER(35, margin, "margin", "-", "gains over and times it leave the loop stable", 1, 10,
@@ -155,6 +156,9 @@ void gmv_config_of(const struct block_setup *setup, struct gmv_config *c)
     }
 }
 
+/* A test has at least so many steps: fewer tell nothing. */
+#define CHECK_STEPS_LEAST 10u
+
 static uint32_t steps_of(float seconds, float interval_s)
 {
     float steps = seconds / interval_s + 0.5f;
@@ -165,20 +169,21 @@ void gmv_supervise_config_of(const struct block_setup *setup, struct gmv_supervi
 {
     const struct gmv_settings *from = setup->settings;
     struct gmv_shape shape;
+    uint32_t check_steps = steps_of(from->check_time_s, setup->interval_s);
     shape_of_settings(setup, &shape);
-    *c = (struct gmv_supervise_config){.on = from->supervise,
-                                       .ask = from->adopt,
-                                       .loops = shape.loops,
-                                       .tries = (uint8_t)from->tries,
-                                       .tune_steps = steps_of(from->tune_time_s, setup->interval_s),
-                                       .check_steps =
-                                           steps_of(from->check_time_s, setup->interval_s),
-                                       .day_steps = steps_of(86400, setup->interval_s),
-                                       .reach = gmv_reach(&shape),
-                                       .excite = from->excite,
-                                       .gain_least = from->gain_least,
-                                       .quiet = from->quiet,
-                                       .burst = from->burst};
+    *c = (struct gmv_supervise_config){
+        .on = from->supervise,
+        .ask = from->adopt,
+        .loops = shape.loops,
+        .tries = (uint8_t)from->tries,
+        .tune_steps = steps_of(from->tune_time_s, setup->interval_s),
+        .check_steps = check_steps > CHECK_STEPS_LEAST ? check_steps : CHECK_STEPS_LEAST,
+        .day_steps = steps_of(86400, setup->interval_s),
+        .reach = gmv_reach(&shape),
+        .excite = from->excite,
+        .gain_least = from->gain_least,
+        .quiet = from->quiet,
+        .burst = from->burst};
     for (unsigned i = 0; i < GMV_LOOPS; i++)
         c->negative[i] = from->tune_gain[i] < 0;
 }
@@ -204,9 +209,6 @@ static enum err check_signals(const struct block_setup *setup, struct block_faul
     return ERR_OK;
 }
 
-/* At least so many steps for a test: fewer tell nothing. */
-#define CHECK_STEPS_LEAST 10u
-
 static enum err check_numbers(const struct block_setup *setup, struct block_fault *fault)
 {
     const struct gmv_settings *c = setup->settings;
@@ -220,8 +222,6 @@ static enum err check_numbers(const struct block_setup *setup, struct block_faul
             return block_refuse(fault, i, "lambda",
                                 "must have the sign of tune_gain, and none if relative");
     }
-    if (setup->interval_s > 0 && steps_of(c->check_time_s, setup->interval_s) < CHECK_STEPS_LEAST)
-        return block_refuse(fault, 0, "check_time", "must be ten steps or more");
     return ERR_OK;
 }
 

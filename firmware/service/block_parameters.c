@@ -274,26 +274,28 @@ static enum err parse_value(const struct block_parameter *own, const char *item,
     return ERR_OK;
 }
 
-enum err block_row_set(const struct block_parameter *own, uint8_t *at, const char *value)
+enum err block_row_set(const struct block_parameter *own, uint8_t *at, const char *value,
+                       unsigned least)
 {
     char item[VALUE_TEXT_SIZE];
     uint8_t row[RECORD_COLS_MAX * sizeof(float)];
     size_t size = block_value_size(own->type);
     const char *s = value;
-    for (unsigned i = 0; i < own->cols; i++) {
+    unsigned given = 0;
+    for (bool last = false; !last; given++) {
         float f;
         if (!next_item(&s, item, sizeof item))
             return ERR_PARSE;
         enum err err = parse_value(own, item, &f);
         if (err)
             return err;
-        keep(own, row + i * size, f);
-        bool last = i + 1u == own->cols;
+        keep(own, row + given * size, f);
+        last = given + 1u == own->cols || (given + 1u >= least && *s == '\0');
         if (last ? *s != '\0' : !between(*s))
             return ERR_PARSE;
         s += !last;
     }
-    memcpy(at, row, own->cols * size);
+    memcpy(at, row, given * size);
     return ERR_OK;
 }
 

@@ -55,9 +55,9 @@ bool block_list_repeats(const char *list);
 /* A row of a table, commas between the values. */
 void block_row_put(const struct block_parameter *own, const uint8_t *at, struct text *t);
 void block_row_put_initial(const struct block_parameter *own, struct text *t);
-/* ERR_PARSE, ERR_RANGE: nothing has changed. Blanks serve as well. */
-MUST_CHECK enum err block_row_set(const struct block_parameter *own, uint8_t *at,
-                                  const char *value);
+/* At least `least` values; those behind them stay as they are. ERR_PARSE, ERR_RANGE: nothing has changed. Blanks serve as well. */
+MUST_CHECK enum err block_row_set(const struct block_parameter *own, uint8_t *at, const char *value,
+                                  unsigned least);
 /* All its values are the initial one. */
 bool block_row_is_initial(const struct block_parameter *own, const uint8_t *at);
 /* As stored, little-endian; returns how many bytes. */

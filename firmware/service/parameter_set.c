@@ -60,6 +60,18 @@ static enum err set_list(char *list, size_t size, const char *value)
     return err;
 }
 
+/* How many values a row needs. Where it has a column for each loop that a block of the kind can have: one for each loop it has. */
+static unsigned values_needed(const struct parameter *p, const struct config *config)
+{
+    const struct block_kind *kind = block_kinds[config_block_kind(config, p->index)];
+    const char *list = config->block[p->index].loops;
+    unsigned loops = *list ? 1u : 0u;
+    for (; *list; list++)
+        loops += *list == ' ';
+    return loops && loops < p->own->cols && p->own->cols == kind->members_most ? loops
+                                                                               : p->own->cols;
+}
+
 static enum err set_of_block(const struct parameter *p, struct config *config, const char *value)
 {
     uint32_t needed, free;
@@ -72,7 +84,8 @@ static enum err set_of_block(const struct parameter *p, struct config *config, c
     if (p->field->type == PARAMETER_LIST)
         return set_list(parameter_place(p, config), parameter_size(p), value);
     enum err err = parameter_to_write(p, config);
-    return err ? err : block_row_set(p->own, parameter_place(p, config), value);
+    return err ? err
+               : block_row_set(p->own, parameter_place(p, config), value, values_needed(p, config));
 }
 
 bool parameter_restore(const struct parameter *p, struct config *config, const char *value)

@@ -95,11 +95,12 @@ static void made_up_rest(void *state, struct block_io *io)
     (void)io;
 }
 
-#define MADE_UP_KIND(title, rows, type, checks)                                                    \
+#define MADE_UP_KIND(title, rows, type, checks) MADE_UP_KIND_OF(title, rows, type, checks, 2)
+#define MADE_UP_KIND_OF(title, rows, type, checks, most)                                           \
     {                                                                                              \
         .name = title, .stage = STAGE_CONTROL, .parameter = (rows),                                \
         .parameters = sizeof(rows) / sizeof((rows)[0]),                                            \
-        .settings_bytes = (sizeof(type) + 3) / 4 * 4, .members_most = 2, .inputs_most = 2,         \
+        .settings_bytes = (sizeof(type) + 3) / 4 * 4, .members_most = (most), .inputs_most = 2,    \
         .points_most = 2, .bytes = made_up_bytes, .check = (checks),                               \
         .configure = made_up_configure, .step = made_up_rest, .back_calculate = made_up_rest,      \
         .follow = made_up_rest, .shift = made_up_rest                                              \
@@ -110,7 +111,7 @@ static const struct block_kind gmv_kind =
 static const struct block_kind column_kind =
     MADE_UP_KIND("column", column_parameters, struct column_settings, made_up_check);
 static const struct block_kind weights_kind =
-    MADE_UP_KIND("weights", weights_parameters, struct weights_settings, made_up_check);
+    MADE_UP_KIND_OF("weights", weights_parameters, struct weights_settings, made_up_check, 3);
 
 const struct block_kind *const block_kinds[] = {
     &pid_kind,         &two_position_kind, &decoupler_kind, &feedforward_kind,

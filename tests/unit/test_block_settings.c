@@ -113,6 +113,24 @@ static void what_is_no_value_is_refused_and_nothing_changes(void)
     TEST_ASSERT_EQUAL(ERR_UNKNOWN, try_set("block2.kind", "gm"));
 }
 
+static void a_row_with_a_value_for_each_loop_needs_those_of_the_loops_there_are(void)
+{
+    set("block1.kind", "weights");
+    TEST_ASSERT_EQUAL(ERR_PARSE, try_set("block1.order.1", "5"));
+    set("block1.loops", "top,bottom");
+    set("block1.order.1", "5,6");
+    IS(&config, "block1.order.1", "5,6,2");
+    set("block1.order.1", "1,3,4");
+    set("block1.loops", "top");
+    set("block1.order.1", "8");
+    IS(&config, "block1.order.1", "8,3,4");
+    static const char *const bad[] = {"", "9", "8,", "8,9", "8,3,4,5", "8,x"};
+    for (unsigned i = 0; i < sizeof bad / sizeof bad[0]; i++)
+        TEST_ASSERT_NOT_EQUAL_MESSAGE(ERR_OK, try_set("block1.order.1", bad[i]), bad[i]);
+    TEST_ASSERT_EQUAL(ERR_PARSE, try_set("block1.signs.1", "minus")); /* not of the loops */
+    IS(&config, "block1.order.1", "8,3,4");
+}
+
 static void records_of_other_blocks_move_and_keep_their_values(void)
 {
     static struct config direct;
@@ -283,6 +301,7 @@ int main(void)
     RUN_TEST(a_kind_begins_with_its_defaults);
     RUN_TEST(what_is_set_is_in_the_record);
     RUN_TEST(what_is_no_value_is_refused_and_nothing_changes);
+    RUN_TEST(a_row_with_a_value_for_each_loop_needs_those_of_the_loops_there_are);
     RUN_TEST(records_of_other_blocks_move_and_keep_their_values);
     RUN_TEST(the_same_kind_again_changes_nothing_and_none_leaves_nothing);
     RUN_TEST(a_full_pool_says_how_many_bytes_are_needed);

@@ -6,6 +6,7 @@
 
 #include "adapt/gmv_block.h"
 #include "adapt/gmv_kind.h"
+#include "adapt/gmv_settings.h"
 #include "base/channel.h"
 #include "formats.h"
 #include "unity.h"
@@ -158,6 +159,24 @@ static void both_pvs_come_to_their_setpoints(void)
     TEST_ASSERT_FALSE(raises("singular"));
 }
 
+static void a_test_lasts_the_time_of_its_setting_and_ten_steps_at_least(void)
+{
+    static const struct {
+        float interval_s, check_s;
+        uint32_t steps;
+    } rows[] = {{30, 1800, 60}, {600, 1800, 10}, {30, 0, 10}, {180, 1800, 10}, {150, 1800, 12}};
+    begin(0.1, 0.05, 0.05, 0.1);
+    for (unsigned k = 0; k < sizeof rows / sizeof rows[0]; k++) {
+        struct gmv_supervise_config c;
+        struct block_fault fault;
+        setup.interval_s = rows[k].interval_s;
+        settings.check_time_s = rows[k].check_s;
+        TEST_ASSERT_EQUAL_MESSAGE(ERR_OK, gmv_kind.check(&setup, &fault), fault.wanted);
+        gmv_supervise_config_of(&setup, &c);
+        TEST_ASSERT_EQUAL_UINT32(rows[k].steps, c.check_steps);
+    }
+}
+
 static void at_rest_no_mv_moves_when_the_law_takes_over(void)
 {
     begin(0.1, 0.05, 0.05, 0.1);
@@ -222,6 +241,7 @@ int main(void)
 {
     UNITY_BEGIN();
     RUN_TEST(both_pvs_come_to_their_setpoints);
+    RUN_TEST(a_test_lasts_the_time_of_its_setting_and_ten_steps_at_least);
     RUN_TEST(at_rest_no_mv_moves_when_the_law_takes_over);
     RUN_TEST(a_limit_of_one_mv_leaves_the_other_loop_at_its_setpoint_and_is_forgotten_when_it_ends);
     RUN_TEST(loops_that_are_alike_are_solved_one_by_one_and_it_says_so);

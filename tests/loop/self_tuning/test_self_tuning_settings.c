@@ -134,7 +134,6 @@ static void what_cannot_be_right_is_refused_with_what_would_be(void)
     is_refused("set block1.lambda.1 -1,1", "must have the sign of tune_gain, and none if relative");
     is_refused("set block1.delay.1 0,1", "block1.delay: 'gmv' needs 1 to 8 steps");
     is_refused("set block1.delay.2 1,2", "needs 0, or at least the loop's own delay");
-    is_refused("set block1.check_time 200", "block1.check_time: 'gmv' must be ten steps or more");
     is_refused("set block1.tau_p.1 10000,0", "block1.tau_p: 'gmv' must be 200 steps or less");
     ask_ok("begin");
     ask_ok("set block1.na 4");
@@ -244,11 +243,47 @@ static void at_the_ends_of_every_range_they_run_or_refuse(void)
     TEST_ASSERT_TRUE(ran >= 60);
 }
 
+/* ---- the page ---- */
+
+static void the_example_of_its_page_is_taken_as_it_stands(void)
+{
+    char line[200];
+    unsigned lines = 0;
+    bool found = false;
+    plant_power_on("pilot", TICK_MS, 1, 1);
+    ask_file("../host_sim/scenarios/pilot.conf");
+    FILE *page = fopen("../docs/self-tuning.md", "r");
+    TEST_ASSERT_NOT_NULL(page);
+    while (fgets(line, sizeof line, page)) {
+        if (strncmp(line, "## ", 3) == 0)
+            found = strstr(line, "in a minute") != NULL;
+        line[strcspn(line, "\n")] = '\0';
+        if (!found || strncmp(line, "    ", 4) != 0)
+            continue;
+        ask_ok(line + 4);
+        lines++;
+    }
+    TEST_ASSERT_EQUAL(0, fclose(page));
+    TEST_ASSERT_TRUE(lines > 5);
+    ask_ok("get block1.tune_gain.1");
+    TEST_ASSERT_TRUE(said("-10,3.2"));
+}
+
+static void a_block_of_one_loop_needs_one_value_in_a_row(void)
+{
+    column_at_rest(SINGLE, 1);
+    ask_ok("set block1.tune_gain.1 1.7");
+    ask_ok("set block1.delay.1 2");
+    ask_ok("block 1");
+}
+
 int main(void)
 {
     UNITY_BEGIN();
     RUN_TEST(the_log_is_the_same_however_fast_the_board_is);
     RUN_TEST(what_cannot_be_right_is_refused_with_what_would_be);
     RUN_TEST(at_the_ends_of_every_range_they_run_or_refuse);
+    RUN_TEST(the_example_of_its_page_is_taken_as_it_stands);
+    RUN_TEST(a_block_of_one_loop_needs_one_value_in_a_row);
     return UNITY_END();
 }
