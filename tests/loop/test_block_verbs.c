@@ -119,6 +119,8 @@ static void a_verb_reaches_the_block_with_the_next_sample(void)
     samples(1);
     TEST_ASSERT_TRUE(said(" info BLOCK_VERB block1.freeze 0 "));
     TEST_ASSERT_TRUE(said(" warning BLOCK_REFUSED frozen 1 "));
+    ask_ok("events");
+    TEST_ASSERT_TRUE(said(" action DO_BLOCK block1.freeze 0 "));
 }
 
 static void a_number_may_be_either_end_of_its_range(void)

@@ -410,6 +410,26 @@ static void it_may_be_moved_to_another_place(void)
     TEST_ASSERT_NULL(io.gives_up);
 }
 
+/* A loop of it comes or goes in the tick in which it has been moved. */
+static void it_may_be_moved_before_it_follows(void)
+{
+    static alignas(8) char elsewhere[sizeof state];
+    begin();
+    ticks(2);
+    memcpy(elsewhere, state, sizeof state);
+    memset(state, 0x55, sizeof state);
+    measure();
+    num_t before[LOOPS] = {out[TOP], out[BOTTOM]};
+    kind->follow(elsewhere, &io);
+    TEST_ASSERT_NULL(io.gives_up);
+    kind->step(elsewhere, &io);
+    TEST_ASSERT_NULL(io.gives_up);
+    for (unsigned i = 0; i < LOOPS; i++)
+        TEST_ASSERT_DOUBLE_WITHIN(1e-6, D(before[i]), D(out[i]));
+    for (size_t i = 0; i < sizeof state; i++)
+        TEST_ASSERT_EQUAL_HEX8(0x55, state[i]);
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -439,5 +459,6 @@ int main(void)
     RUN_TEST(a_model_that_is_right_is_not_in_doubt);
     RUN_TEST(values_are_shown_by_name);
     RUN_TEST(it_may_be_moved_to_another_place);
+    RUN_TEST(it_may_be_moved_before_it_follows);
     return UNITY_END();
 }

@@ -351,6 +351,8 @@ static void what_is_no_covariance_is_refused(void)
                       covariance_ud_begin(&ud, COLUMN_STAGES_MAX + 1, 2, 0, variance, memory));
     TEST_ASSERT_EQUAL(ERR_RANGE,
                       covariance_ud_begin(&ud, 4, 2, COVARIANCE_EXTRAS_MAX + 1, variance, memory));
+    TEST_ASSERT_EQUAL(ERR_OK,
+                      covariance_ud_begin(&ud, 4, 2, COVARIANCE_EXTRAS_MAX, variance, memory));
     variance[9] = -1;
     TEST_ASSERT_EQUAL(ERR_OK, covariance_ud_begin(&ud, 4, 2, 1, variance, memory));
     TEST_ASSERT_EQUAL(ERR_RANGE, covariance_ud_begin(&ud, 4, 2, 2, variance, memory));
