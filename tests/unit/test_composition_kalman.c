@@ -42,6 +42,49 @@ static void it_comes_to_its_plant_from_far_away(void)
     }
 }
 
+/* The pilot column with each component twice, under two names. */
+static void put_components_twice(void)
+{
+    enum { BEHIND = COLUMN_TABLE_FIXED + 4 * COLUMN_TABLE_C_VALUES };
+    float v[COLUMN_TABLE_VALUES(12, 4, 0)];
+    const float *one = pilot_values + COLUMN_TABLE_FIXED, *x = one + 2 * COLUMN_TABLE_C_VALUES;
+    memcpy(v, pilot_values, COLUMN_TABLE_FIXED * sizeof *v);
+    v[COLUMN_TABLE_N_COMPONENTS] = 4;
+    for (unsigned j = 0; j < 4; j++) {
+        float *to = v + COLUMN_TABLE_FIXED + j * COLUMN_TABLE_C_VALUES;
+        memcpy(to, one + j / 2 * COLUMN_TABLE_C_VALUES, COLUMN_TABLE_C_VALUES * sizeof *v);
+        to[COLUMN_TABLE_C_NAME] += (float)(j % 2);
+        to[COLUMN_TABLE_C_FEED] /= 2;
+    }
+    for (unsigned k = 0; k < 36; k++)
+        v[BEHIND + k] = (k % 3 < 2 ? x[k / 3] : 1 - x[k / 3]) / 2;
+    PUT_RECORD(&record, v);
+}
+
+static float light(const struct composition_block *b, unsigned stage)
+{
+    return (float)(b->c.x[3 * stage - 3] + b->c.x[3 * stage - 2]);
+}
+
+static void of_four_components_it_comes_to_its_plant_too(void)
+{
+    for (unsigned i = 0; i < FILTER_WAYS; i++) {
+        const char *name = way_begins(i);
+        put_components_twice();
+        settings.feed_z = 0; /* three fractions of it by two temperatures: refused */
+        begin_both();
+        for (unsigned k = 0; k < 36; k += 3) {
+            plant.c.x[k] = plant.c.x[k + 1] *= 0.8f;
+            plant.c.x[k + 2] = (1 - 2 * plant.c.x[k]) / 2;
+        }
+        measure();
+        run(180); /* half an hour */
+        for (unsigned stage = 1; stage <= 12; stage++)
+            TEST_ASSERT_FLOAT_WITHIN_MESSAGE(0.01f, light(&plant, stage), light(filter.b, stage),
+                                             name);
+    }
+}
+
 /* A linear model is one of small deviations. */
 static void it_finds_a_feed_that_the_table_does_not_have(void)
 {
@@ -788,6 +831,7 @@ int main(void)
 {
     UNITY_BEGIN();
     RUN_TEST(it_comes_to_its_plant_from_far_away);
+    RUN_TEST(of_four_components_it_comes_to_its_plant_too);
     RUN_TEST(it_finds_a_feed_that_the_table_does_not_have);
     RUN_TEST(without_it_a_feed_that_the_table_does_not_have_is_a_bias);
     RUN_TEST(it_finds_a_feed_flow_that_nobody_measures);
