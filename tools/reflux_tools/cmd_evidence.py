@@ -215,11 +215,11 @@ def of_board() -> Result:
                             ("stm32f405", ()), ("stm32f405-fixed", ())):
         build.build(preset, targets)
     test = "tests/target/test_commission.py"
-    status, lines = follow("board", [sys.executable, str(ROOT / test)])
+    status, lines = follow("board", [sys.executable, str(ROOT / test), "all"])
     # The summary of the tests before is a dot in front of a line.
-    out = Result([Line(line.lstrip(".").strip(), f"python3 {test}") for line in lines])
+    out = Result([Line(line.lstrip(".").strip(), f"python3 {test} all") for line in lines])
     if status != 0:
-        out.problem = f"`python3 {test}` ended with {status}"
+        out.problem = f"`python3 {test} all` ended with {status}"
     return filtered(out, "board")
 
 

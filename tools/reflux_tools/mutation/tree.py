@@ -237,24 +237,35 @@ class Tree:
         return [u for u in units if u.target in words or _archive(u.target) in words]
 
     def link(self, program: str, objects: dict[str, Path], place: Path) -> Path | None:
-        """The program with these objects in place of its own; None where it does not link."""
+        """The program with these objects in place of its own; None where it does not link. Those of an archive stand in one of
+        their own before it, so that only what the program asks for comes from there."""
         place.mkdir(parents=True, exist_ok=True)
         target = place / Path(program).name
         out: list[str] = []
-        wanted = dict(objects)
         words = self.link_command(program)
+        archives = {word: self._archived(word, objects, place) for word in words if word.endswith(".a")}
         at = 0
         while at < len(words):
             word = words[at]
             if word == "-o":
-                extra = [str(path) for name, path in wanted.items() if name not in words and _archive(name) in words]
-                out += ["-o", str(target), *extra]
+                out += ["-o", str(target)]
                 at += 2
                 continue
-            out.append(str(wanted[word]) if word in wanted else word)
+            out += [*archives.get(word, ()), str(objects.get(word, word))]
             at += 1
         answer = subprocess.run(out, cwd=self.folder, stdin=subprocess.DEVNULL, capture_output=True, check=False)
         return target if answer.returncode == 0 else None
+
+    @staticmethod
+    def _archived(archive: str, objects: dict[str, Path], place: Path) -> list[str]:
+        """An archive of the objects that go into this one, or none."""
+        members = [str(path) for name, path in objects.items() if _archive(name) == archive]
+        if not members:
+            return []
+        made = place / archive.replace("/", "-")
+        made.unlink(missing_ok=True)
+        subprocess.run(["ar", "rcs", str(made), *members], check=True, capture_output=True)
+        return [str(made)]
 
     # --- running -------------------------------------------------------------------------------------
 
