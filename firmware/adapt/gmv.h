@@ -25,7 +25,8 @@
 enum gmv_form { GMV_POSITIONAL, GMV_INCREMENTAL };
 enum gmv_way { GMV_IMPLICIT, GMV_EXPLICIT };
 enum gmv_weight { GMV_WEIGHT_DELTA, GMV_WEIGHT_SCALAR };
-enum gmv_bias { GMV_BIAS_ONE, GMV_BIAS_RESIDUALS, GMV_BIAS_NONE };
+/* Stored as these numbers. The first three are of the positional form; GMV_BIAS_ERROR of the incremental one (Folami 1989, 8.18). */
+enum gmv_bias { GMV_BIAS_ONE, GMV_BIAS_RESIDUALS, GMV_BIAS_NONE, GMV_BIAS_ERROR };
 
 /* What makes the data of the regressions: where one of these changes, data and estimates begin anew. */
 struct gmv_shape {

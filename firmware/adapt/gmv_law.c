@@ -41,6 +41,8 @@ static void build(const struct gmv *g, const struct gmv_sample *s, unsigned i, s
     num_t rhs = num_sub(gmv_setpoint(g, i), known_part(g, s, i, &p));
     if (g->shape.form == GMV_INCREMENTAL)
         rhs = num_sub(rhs, gmv_auxiliary(g, i));
+    if (g->shape.bias == GMV_BIAS_ERROR) /* P y as it was predicted in place of P y (8.18) */
+        rhs = num_add(rhs, num_sub(g->predicted[i].measured, g->predicted[i].used));
     for (unsigned j = 0; j < g->shape.loops; j++)
         q->m[i][j] = p.behind[j] == 0 && g->shape.delay[i][j] ? p.g[j][0] : num_zero();
     q->m[i][i] = num_add(q->m[i][i], g->lambda[i]);

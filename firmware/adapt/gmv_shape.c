@@ -14,7 +14,7 @@ static unsigned inputs_of(const struct gmv_shape *shape, unsigned i)
 
 static bool has_bias(const struct gmv_shape *shape)
 {
-    return shape->form == GMV_POSITIONAL && shape->bias != GMV_BIAS_NONE;
+    return shape->form == GMV_POSITIONAL && shape->bias < GMV_BIAS_NONE;
 }
 
 static unsigned before_disturbance(const struct gmv_shape *shape, unsigned i)
@@ -164,6 +164,10 @@ enum err gmv_check(const struct gmv_config *c, unsigned *loop, const char **fiel
 {
     const struct gmv_shape *shape = &c->shape;
     float p0[GMV_PARAMETERS];
+    if (shape->bias == GMV_BIAS_ERROR &&
+        (shape->form != GMV_INCREMENTAL || shape->way != GMV_IMPLICIT))
+        return refused(field, wanted, "bias",
+                       "must not be error unless form is incremental and way implicit");
     enum err err = check_delays(shape, loop, field, wanted);
     for (unsigned i = 0; i < shape->loops && !err; i++) {
         *loop = i;

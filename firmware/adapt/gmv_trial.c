@@ -65,6 +65,7 @@ void gmv_trial_take(struct gmv_trial *t, const struct gmv *g, uint8_t acting, fl
     t->incremental = shape->form == GMV_INCREMENTAL;
     t->scalar = shape->weight == GMV_WEIGHT_SCALAR;
     t->implicit = shape->way == GMV_IMPLICIT;
+    t->takes_error = shape->bias == GMV_BIAS_ERROR;
     t->determinant = num_to_float(g->determinant);
     t->gain[0] = 1;
     t->gain[1] = 1 / margin;
@@ -103,6 +104,15 @@ static float taken(const struct gmv_trial *t, const float *signal, unsigned now,
 static float auxiliary_output(const struct gmv_trial_loop *l, const float *y, unsigned now)
 {
     return l->law_p_scale * (steps_before(y, now, 0) - l->law_p * steps_before(y, now, 1));
+}
+
+/* By what P y of this step, or its change, is more than was predicted a horizon ago. */
+static float prediction_error(const struct gmv_trial *t, unsigned i, unsigned now)
+{
+    const struct gmv_trial_loop *l = &t->loop[i];
+    unsigned before = now - l->delay;
+    return auxiliary_output(l, t->y[i], now) - auxiliary_output(l, t->y[i], before) -
+           steps_before(t->predicted[i], before, 0);
 }
 
 /* y_i of this step, as the regression has it with the gains of this run. Of signals themselves in either form: what the
@@ -188,6 +198,8 @@ static void move_inputs(struct gmv_trial *t, unsigned now)
             rhs[i] -= auxiliary_output(l, t->y[i], now);
             u -= steps_before(t->u[i], now, l->delay);
         }
+        if (t->takes_error)
+            rhs[i] += prediction_error(t, i, now);
         if (t->scalar)
             rhs[i] -= l->lambda * u;
         for (unsigned j = 0; j < t->loops; j++)

@@ -33,7 +33,7 @@ struct gmv_trial_loop {
 
 struct gmv_trial {
     uint8_t loops, na, nb, nc, ng;
-    bool incremental, scalar, implicit;
+    bool incremental, scalar, implicit, takes_error; /* the last: `bias error` */
     float determinant, gain[GMV_TRIAL_GAINS];
     struct gmv_trial_loop loop[GMV_LOOPS];
     /* The run under way. */

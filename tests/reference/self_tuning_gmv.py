@@ -31,7 +31,7 @@ class Gmv:
         self.load, self.m, self.guess = Signal(), [Signal(), Signal()], [Signal(), Signal()]
         self.p, self.r = pole(s["tau_p"]), pole(s["tau_r"])
         self.rls = [Rls(theta[i], s["p0"], forget=s["forget"]) for i in range(self.loops)]
-        self.filtered = [0.0, 0.0]
+        self.filtered, self.error = [0.0, 0.0], [0.0, 0.0]
 
     def horizon(self, i):
         return 1 if self.s["way"] else self.s["delay"][i][i]
@@ -70,6 +70,7 @@ class Gmv:
         y = float(np.mean([self.target(i, self.t - n) for n in steps]))
         error = self.rls[i].step(phi, y) if mask else y - phi @ self.rls[i].theta
         self.m[i][self.t] = self.m[i][self.t - 1] + 0.8 * error
+        self.error[i] = error
 
     def law(self, i):
         """Coefficients of u_1(t), u_2(t), and what they have to add up to."""
@@ -78,6 +79,8 @@ class Gmv:
         left, right = np.zeros(2), self.filtered[i] - rest
         if s["form"]:
             right -= (self.y[i][t] - self.p * self.y[i][t - 1]) / (1 - self.p)
+        if s["bias"] == 3:
+            right += self.error[i]
         right -= sum(c * self.taken(self.y[i], t - a, k) for a, c in enumerate(f))
         for j in self.order(i):
             for b, c in enumerate(g[j]):

@@ -135,6 +135,9 @@ LOOPS = [
     ({**PAIR, "form": 1, "singular": 1, "p0": 1e-6, "lo": -0.5, "hi": 0.5, "lo2": -0.5, "hi2": 0.5}, ()),
     ({**PAIR, "form": 1, "singular": 1, "p0": 1e-6, "lo": -0.06, "hi": 0.06, "lo2": -0.5, "hi2": 0.5}, ()),
     ({**PAIR, **SMALL, "lo": -0.06, "hi": 0.06, "lo2": -0.04, "hi2": 0.04}, ()),
+    ({**ONE, **SMALL, "form": 1, "bias": 3}, ()),
+    ({**ONE, **SMALL, "form": 1, "bias": 3, "tau_p": 60.0, "delay": [[2, 0], [0, 0]], "na": 2, "nb": 2}, ()),
+    ({**PAIR, **SMALL, "form": 1, "bias": 3, "delay": MD2, "tau_p": 30.0}, range(52, 62)),
 ]
 GAIN = np.array([[-0.4, 0.25], [-0.3, 0.6]])
 AT_REST, STEPS = 30, 45
@@ -148,7 +151,7 @@ def begin_theta(s, i):
         if j < s["loops"] and s["delay"][i][j]:
             theta += [0.7 * gain[i, j]] + [0.0] * (s["nb"] - 1)
     theta += [0.0] * (s["loads"] + s["nc"])
-    return theta + ([0.0] if not s["form"] and s["bias"] != 2 else [])
+    return theta + ([0.0] if not s["form"] and s["bias"] < 2 else [])
 
 
 def plant(s, i, y, u, load, t, e):

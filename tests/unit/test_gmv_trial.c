@@ -101,6 +101,8 @@ static void it_decays_as_the_loop_itself_does(void)
     b.config.theta[0][0] = (float)((0.95 - exp(-30.0 / 90)) / (1 - exp(-30.0 / 90)));
     b.config.theta[0][1] = (float)(0.05 / (1 - exp(-30.0 / 90)));
     agrees("incremental, P of 90 s");
+    b.config.shape.bias = GMV_BIAS_ERROR;
+    agrees("incremental, P of 90 s, with the prediction error");
 }
 
 static void a_longer_horizon_is_tried_as_it_is(void)
@@ -116,6 +118,10 @@ static void a_longer_horizon_is_tried_as_it_is(void)
         agrees(form ? "incremental, two steps" : "positional, two steps");
         b.config.shape.weight = GMV_WEIGHT_SCALAR;
         agrees(form ? "incremental, two steps, scalar" : "positional, two steps, scalar");
+        if (form) {
+            b.config.shape.bias = GMV_BIAS_ERROR;
+            agrees("incremental, two steps, scalar, with the prediction error");
+        }
     }
 }
 

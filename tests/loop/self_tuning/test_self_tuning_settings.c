@@ -135,6 +135,10 @@ static void what_cannot_be_right_is_refused_with_what_would_be(void)
     is_refused("set block1.delay.1 0,1", "block1.delay: 'gmv' needs 1 to 8 steps");
     is_refused("set block1.delay.2 1,2", "needs 0, or at least the loop's own delay");
     is_refused("set block1.tau_p.1 10000,0", "block1.tau_p: 'gmv' must be 200 steps or less");
+    ask_ok("set block1.bias error");
+    is_refused("set block1.form positional", "block1.bias: 'gmv' must not be error unless");
+    is_refused("set block1.way explicit", "block1.bias: 'gmv' must not be error unless");
+    ask_ok("set block1.bias one");
     ask_ok("begin");
     ask_ok("set block1.na 4");
     ask_ok("set block1.nb 4");
