@@ -226,6 +226,22 @@ static void where_the_candidate_is_no_better_the_rule_is_tested_from_the_beginni
     TEST_ASSERT_EQUAL(TUNE_NO_BETTER, t->verdict);
 }
 
+/* ---- pieces ---- */
+
+static void between_two_steps_it_works_as_many_pieces_as_the_step_has_given(void)
+{
+    see(1, 8, 12.5, 0.5, 5, 8, 0);
+    for (unsigned given = 1; given <= 5; given++) {
+        unsigned pieces = 1;
+        t->work = WORK_RATIO;
+        t->pieces = (uint16_t)given;
+        while (tune_work(t))
+            TEST_ASSERT_TRUE(++pieces <= given);
+        TEST_ASSERT_EQUAL_UINT(given, pieces);
+        TEST_ASSERT_NOT_EQUAL(WORK_NONE, t->work);
+    }
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -241,5 +257,6 @@ int main(void)
     RUN_TEST(where_rules_only_compare_it_is_unsure_and_tells_both);
     RUN_TEST(a_rule_that_is_worse_than_nothing_is_not_taken);
     RUN_TEST(where_the_candidate_is_no_better_the_rule_is_tested_from_the_beginning);
+    RUN_TEST(between_two_steps_it_works_as_many_pieces_as_the_step_has_given);
     return UNITY_END();
 }

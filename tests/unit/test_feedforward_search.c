@@ -9,6 +9,7 @@
 #include <string.h>
 
 #include "adapt/feedforward_search.h"
+#include "num/real_trig.h"
 #include "siddha_loop.h"
 #include "unity.h"
 
@@ -182,6 +183,28 @@ static void a_ratio_that_no_lead_lag_follows_gives_no_more_than_nothing(void)
     }
 }
 
+/* The ratio asks for a rate alone, of which an element without a lag has none. */
+static void where_no_lead_can_follow_the_ratio_the_best_gain_alone_is_found(void)
+{
+    real_t sine, cosine;
+    double best = 1e9;
+    want(0, 0);
+    wanted.h_s = REAL_C(0.4);
+    wanted.lag_most = 0;
+    wanted.kick = 1;
+    for (unsigned i = 0; i < wanted.points; i++) {
+        real_sincos(wanted.omega[i] * wanted.h_s, &sine, &cosine);
+        wanted.ratio[i] = cplx(-(1 - cosine) / wanted.h_s, -sine / wanted.h_s);
+    }
+    (void)run_search();
+    for (unsigned k = 0; k <= 500; k++) {
+        const struct feedforward_shape gain = {.k = (real_t)(0.01 * k)};
+        best = fmin(best, (double)feedforward_objective(&wanted, &gain));
+    }
+    TEST_ASSERT_TRUE(best < 0.97 * (double)search.j0);
+    TEST_ASSERT_TRUE((double)search.j <= best + 1e-4 * (double)search.j0);
+}
+
 static void with_noise_of_a_twentieth_the_shape_is_as_good(void)
 {
     struct siddha_loop s;
@@ -215,6 +238,7 @@ int main(void)
     RUN_TEST(a_lag_and_dead_time_to_begin_with_help_where_the_grid_is_coarse);
     RUN_TEST(what_is_not_known_counts_nothing);
     RUN_TEST(a_ratio_that_no_lead_lag_follows_gives_no_more_than_nothing);
+    RUN_TEST(where_no_lead_can_follow_the_ratio_the_best_gain_alone_is_found);
     RUN_TEST(with_noise_of_a_twentieth_the_shape_is_as_good);
     return UNITY_END();
 }

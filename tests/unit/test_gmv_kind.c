@@ -211,6 +211,27 @@ a_limit_of_one_mv_leaves_the_other_loop_at_its_setpoint_and_is_forgotten_when_it
         }
 }
 
+/* Both MVs are shut when the law takes over, and both loops have as far to go then. */
+static void two_loops_that_begin_alike_go_on_alike(void)
+{
+    begin(0.05, 0.02, 0.02, 0.05);
+    for (unsigned i = 0; i < LOOPS; i++) {
+        applied_history_begin(ring_of(i), DEPTH, num_zero());
+        out[i] = num_zero();
+        y[i] = REST - 0.07 / (1 - a) * REST;
+        w[i] = y[i];
+    }
+    gmv_kind.follow(state, &io);
+    steps(30);
+    TEST_ASSERT_TRUE(raises("adopted"));
+    w[0] = w[1] = y[0] + 0.1;
+    for (unsigned t = 0; t < 60; t++) {
+        step();
+        TEST_ASSERT_DOUBLE_WITHIN(1e-5, D(out[0]), D(out[1]));
+    }
+    TEST_ASSERT_DOUBLE_WITHIN(1e-3, w[0], y[0]);
+}
+
 static void loops_that_are_alike_are_solved_one_by_one_and_it_says_so(void)
 {
     begin(0.1, 0.0999, 0.0999, 0.1);
@@ -244,6 +265,7 @@ int main(void)
     RUN_TEST(a_test_lasts_the_time_of_its_setting_and_ten_steps_at_least);
     RUN_TEST(at_rest_no_mv_moves_when_the_law_takes_over);
     RUN_TEST(a_limit_of_one_mv_leaves_the_other_loop_at_its_setpoint_and_is_forgotten_when_it_ends);
+    RUN_TEST(two_loops_that_begin_alike_go_on_alike);
     RUN_TEST(loops_that_are_alike_are_solved_one_by_one_and_it_says_so);
     RUN_TEST(at_rest_no_model_is_tried);
     return UNITY_END();
