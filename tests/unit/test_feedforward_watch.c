@@ -268,6 +268,46 @@ static void a_proposal_that_has_not_come_into_force_was_rejected(void)
     TEST_ASSERT_EQUAL(TUNE_REJECTED, t->verdict);
 }
 
+/* ---- other numbers of the element ---- */
+
+static alignas(8) char whole_block[32768];
+
+static void with_any_other_number_of_the_element_what_it_does_is_counted_anew(void)
+{
+    struct tune *of = (struct tune *)(void *)whole_block;
+    struct tune_settings s = {.learn_s = 1000,
+                              .check_s = PART * TUNE_PARTS,
+                              .gain = 1,
+                              .order = {{1, 1, 0}, {1, 1, 0}},
+                              .k = 0.5f,
+                              .lead_s = 2,
+                              .lag_s = 3,
+                              .dead_s = 1};
+    struct block_setup setup = {.settings = &s, .interval_s = 1, .members = 1, .inputs = 2};
+    float *const number[] = {&s.k, &s.lead_s, &s.lag_s, &s.dead_s};
+    for (unsigned k = 0; k < 2; k++)
+        setup.input[k] = (struct block_signal){0, 1, false};
+    TEST_ASSERT_TRUE(feedforward_tune_kind.bytes(&setup) <= sizeof whole_block);
+    TEST_ASSERT_EQUAL(ERR_OK, feedforward_tune_kind.configure(of, &setup, false));
+    for (unsigned k = 0; k <= sizeof number / sizeof number[0]; k++) {
+        for (unsigned n = 0; n < 50; n++) {
+            of->errors.count = true;
+            of->errors.now = REAL_C(0.5);
+            of->errors.without = REAL_C(1.0);
+            of->test_warm = 1000;
+            (void)tune_watch_step(of);
+        }
+        TEST_ASSERT_TRUE(tune_improvement(of) > 70);
+        if (k > 0)
+            *number[k - 1] += 0.25f;
+        TEST_ASSERT_EQUAL(ERR_OK, feedforward_tune_kind.configure(of, &setup, true));
+        if (k > 0)
+            TEST_ASSERT_EQUAL_FLOAT(0, tune_improvement(of));
+        else
+            TEST_ASSERT_TRUE(tune_improvement(of) > 70);
+    }
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -289,5 +329,6 @@ int main(void)
     RUN_TEST(a_disturbance_that_never_rests_is_waited_for_as_long_as_four_steps_of_it);
     RUN_TEST(one_that_makes_it_worse_is_switched_off_within_a_sixteenth_of_check);
     RUN_TEST(a_proposal_that_has_not_come_into_force_was_rejected);
+    RUN_TEST(with_any_other_number_of_the_element_what_it_does_is_counted_anew);
     return UNITY_END();
 }
