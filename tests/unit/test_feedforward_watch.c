@@ -268,27 +268,35 @@ static void a_proposal_that_has_not_come_into_force_was_rejected(void)
     TEST_ASSERT_EQUAL(TUNE_REJECTED, t->verdict);
 }
 
-/* ---- other numbers of the element ---- */
+/* ---- a block with its settings ---- */
 
 static alignas(8) char whole_block[32768];
 
-static void with_any_other_number_of_the_element_what_it_does_is_counted_anew(void)
+static struct tune *begin_block(struct block_setup *setup, struct tune_settings *s)
 {
     struct tune *of = (struct tune *)(void *)whole_block;
-    struct tune_settings s = {.learn_s = 1000,
-                              .check_s = PART * TUNE_PARTS,
-                              .gain = 1,
-                              .order = {{1, 1, 0}, {1, 1, 0}},
-                              .k = 0.5f,
-                              .lead_s = 2,
-                              .lag_s = 3,
-                              .dead_s = 1};
-    struct block_setup setup = {.settings = &s, .interval_s = 1, .members = 1, .inputs = 2};
-    float *const number[] = {&s.k, &s.lead_s, &s.lag_s, &s.dead_s};
+    *s = (struct tune_settings){.learn_s = 1000,
+                                .check_s = PART * TUNE_PARTS,
+                                .gain = 1,
+                                .order = {{1, 1, 0}, {1, 1, 0}},
+                                .k = 0.5f,
+                                .lead_s = 2,
+                                .lag_s = 3,
+                                .dead_s = 1};
+    *setup = (struct block_setup){.settings = s, .interval_s = 1, .members = 1, .inputs = 2};
     for (unsigned k = 0; k < 2; k++)
-        setup.input[k] = (struct block_signal){0, 1, false};
-    TEST_ASSERT_TRUE(feedforward_tune_kind.bytes(&setup) <= sizeof whole_block);
-    TEST_ASSERT_EQUAL(ERR_OK, feedforward_tune_kind.configure(of, &setup, false));
+        setup->input[k] = (struct block_signal){0, 1, false};
+    TEST_ASSERT_TRUE(feedforward_tune_kind.bytes(setup) <= sizeof whole_block);
+    TEST_ASSERT_EQUAL(ERR_OK, feedforward_tune_kind.configure(of, setup, false));
+    return of;
+}
+
+static void with_any_other_number_of_the_element_what_it_does_is_counted_anew(void)
+{
+    static struct tune_settings s;
+    struct block_setup setup;
+    struct tune *of = begin_block(&setup, &s);
+    float *const number[] = {&s.k, &s.lead_s, &s.lag_s, &s.dead_s};
     for (unsigned k = 0; k <= sizeof number / sizeof number[0]; k++) {
         for (unsigned n = 0; n < 50; n++) {
             of->errors.count = true;
@@ -306,6 +314,23 @@ static void with_any_other_number_of_the_element_what_it_does_is_counted_anew(vo
         else
             TEST_ASSERT_TRUE(tune_improvement(of) > 70);
     }
+}
+
+static void a_disturbance_that_moves_in_this_stage_does_not_stand_still(void)
+{
+    static struct tune_settings s;
+    struct block_setup setup;
+    struct tune *of = begin_block(&setup, &s);
+    of->stage = TUNE_DISTURBANCE;
+    tune_learn_anew(of);
+    for (unsigned k = 0; k < 500; k++)
+        tune_learn(of);
+    TEST_ASSERT_TRUE(tune_stands_still(of->move_square));
+    tune_learn_anew(of);
+    of->now[SIGNAL_D] = num_from_float(0.002f);
+    for (unsigned k = 0; k < 10; k++)
+        tune_learn(of);
+    TEST_ASSERT_FALSE(tune_stands_still(of->move_square));
 }
 
 int main(void)
@@ -330,5 +355,6 @@ int main(void)
     RUN_TEST(one_that_makes_it_worse_is_switched_off_within_a_sixteenth_of_check);
     RUN_TEST(a_proposal_that_has_not_come_into_force_was_rejected);
     RUN_TEST(with_any_other_number_of_the_element_what_it_does_is_counted_anew);
+    RUN_TEST(a_disturbance_that_moves_in_this_stage_does_not_stand_still);
     return UNITY_END();
 }
