@@ -290,6 +290,31 @@ class OtherColumns(FolderTest):
         self.assertLess(len(found["control"][0]["candidates"]), 5)
 
 
+class Trimmed(FolderTest):
+    """A column whose file names products and leaves its inputs to be found; the file's own numbers of them are far off."""
+
+    COLUMN = str(ROOT / "tests" / "tools" / "data" / "hexanes.json")
+
+    def report(self, *arguments: str) -> dict:
+        return report(self.COLUMN, *arguments, "--out", str(self.folder / "a.png"))
+
+    def test_steps_of_an_input_begin_where_the_column_rests(self) -> None:
+        steps = {s["input"]: s for s in self.report()["steps"]}
+        for name in ("FC101", "QC102"):
+            self.assertIsNotNone(steps[name]["best"])
+            self.assertLess(steps[name]["asymmetry"], 0.2)
+
+    def test_the_flow_of_a_loop_is_that_of_the_steady_state(self) -> None:
+        from reflux_tools import column_slopes, simulator
+
+        rest = simulator.at_rest(self.COLUMN)
+        self.assertAlmostEqual(rest["xD"], 1.0, delta=1e-3)
+        lines = self.report("--no-steps", "--loop", "QC102:8", "--loop", "FC101:19")["lines"]
+        for k, moves, mv in ((1, "heat", "QC102"), (2, "reflux", "FC101")):
+            value = next(float(line.split()[-1]) for line in lines if line.startswith(f"set block1.flow.{k} "))
+            self.assertAlmostEqual(value / column_slopes.steady(self.COLUMN).flow(moves, rest[mv]), 1.0, delta=1e-5)
+
+
 class Slopes(unittest.TestCase):
     def test_the_consistent_slope_is_how_a_tray_begins_to_move_after_a_step_to_a_third(self) -> None:
         """It leaves out what the subcooled reflux condenses and what the trays beside it do meanwhile; the printed one is six times as much."""

@@ -17,6 +17,7 @@ from reflux_tools import (
     gradients,
     plant_file,
     sensor_rules,
+    simulator,
     table,
 )
 from reflux_tools.errors import UserError
@@ -122,6 +123,7 @@ class Found:
         self.name, self.title, self.of, self.feed, self.profile, self.heavier = name, title, of, feed, profile, heavier
         self.steady: column_slopes.Steady | None = None
         self.plant: dict[str, Any] = {}
+        self.inputs: dict[str, float] = {}  # manipulated variables at the steady state
 
 
 def read_plant(name: str) -> dict[str, Any]:
@@ -143,7 +145,8 @@ def from_simulator(options: argparse.Namespace) -> Found:
         gradients.Profile(at.temperature, at.x, at.names),
         volatility(known, at.names, at.temperature) if known else [],
     )
-    out.steady, out.plant = at, plant
+    rest = simulator.at_rest(options.column, options.set)
+    out.steady, out.plant, out.inputs = at, plant, {c["name"]: rest[c["name"]] for c in plant["inputs"]}
     return out
 
 
@@ -248,15 +251,10 @@ def notes(of: Diagram, keys: tuple[str, str] | None) -> list[str]:
 
 def other_methods(found: Found, options: argparse.Namespace) -> tuple[list[dict[str, Any]], dict[str, Any]]:
     assert found.steady is not None
-    progress = build.Progress("input steps")
+    progress = build.Progress("input steps", quiet=options.format == "json")
     moved = []
-    inputs = {
-        **{c["name"]: float(c["nominal"]) for c in found.plant["inputs"] if "nominal" in c},
-        **found.steady.inputs,
-    }
-    for name in [c["name"] for c in found.plant["inputs"]]:
+    for name, value in found.inputs.items():
         progress.show(name)
-        value = inputs.get(name)
         if not value:
             continue
         both = []
@@ -300,7 +298,6 @@ def lines_of(found: Found, loops: list[str]) -> list[str]:
     if found.steady is None:
         raise UserError("--loop needs a column, whose flows and holdups the slopes come from; not a profile alone")
     kinds = {c["name"]: c["is"] for c in found.plant["inputs"]}
-    nominal = {c["name"]: c.get("nominal") for c in found.plant["inputs"]}
     out = ["set block1.kind inferential", f"set block1.parts {len(found.of.names)}"]
     for k, text in enumerate(loops, 1):
         match = re.fullmatch(r"(\w+):(\d+)(?:,(\d+))?", text)
@@ -308,7 +305,7 @@ def lines_of(found: Found, loops: list[str]) -> list[str]:
             raise UserError(f"--loop {text}: must be MV:STAGE or MV:STAGE,STAGE, as Q:5,7")
         mv, stages = match[1], [int(s) for s in match.groups()[1:] if s]
         moves = {"reflux": "reflux", "heat": "heat", "boilup": "heat"}.get(kinds.get(mv, ""), "")
-        value = found.steady.inputs.get(mv, nominal.get(mv))
+        value = found.inputs.get(mv)
         if not moves or not value:
             raise UserError(
                 f"--loop {text}: {mv} is no reflux, heat or boil-up of this column; it has {', '.join(kinds)}"
@@ -321,7 +318,7 @@ def lines_of(found: Found, loops: list[str]) -> list[str]:
             f"set block1.gradient.{k} {','.join(f'{at.gradient(s):.6g}' for s in both)}",
             f"set block1.holdup.{k} {','.join(f'{at.holdup[s - 1]:.6g}' for s in both)}",
             f"set block1.lv.{k} {','.join(f'{at.liquid_to_vapour(s):.6g}' for s in both)}",
-            f"set block1.flow.{k} {at.flow(moves, float(value)):.6g}",
+            f"set block1.flow.{k} {at.flow(moves, value):.6g}",
         ]
     return out
 

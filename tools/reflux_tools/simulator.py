@@ -20,6 +20,16 @@ def ask(*arguments: str) -> str:
     return done.stdout
 
 
+def at_rest(plant: str, settings: Iterable[str] = ()) -> dict[str, float]:
+    """The value of every channel at the steady state: of an input that the file trims, what the trim found. settings: NAME=VALUE of inputs."""
+    rows = [line.split(",") for line in ask("--steady", "--plant", plant, *setting_words(settings)).splitlines()[1:]]
+    return {row[1]: float(row[3]) for row in rows}
+
+
+def setting_words(settings: Iterable[str]) -> list[str]:
+    return [word for setting in settings for word in ("--set", setting)]
+
+
 def check_plant(name: str) -> None:
     """Refuses a plant that the simulator does not know or whose file is wrong. Asked before anything is started."""
     try:
@@ -30,7 +40,7 @@ def check_plant(name: str) -> None:
 
 def linearised(plant: str, settings: Iterable[str] = ()) -> dict[str, Any]:
     """Matrices A to D of a plant, in rows one after the other, with the names of inputs and outputs. settings: NAME=VALUE of inputs."""
-    return json.loads(ask("--linearise", "--plant", plant, "--format", "json", *(word for setting in settings for word in ("--set", setting))))
+    return json.loads(ask("--linearise", "--plant", plant, "--format", "json", *setting_words(settings)))
 
 
 def table_lines(plant: str, block: int, *arguments: str) -> tuple[str, ...]:
