@@ -67,6 +67,8 @@ bool composition_is_locked_on(const struct composition_block *b);
 void composition_count_step(struct composition_block *b, bool failed);
 /* Whether a temperature moves anything in this step; remembered. */
 bool composition_is_drawn(struct composition_block *b);
+/* Whether nothing in the section of a point moves the model or is compared by an analysis. */
+bool composition_point_is_unseen(const struct composition_block *b, unsigned k);
 /* value 0: it does not hold. */
 void composition_raise(struct block_io *io, unsigned event, unsigned value);
 /* Events, and how good the estimates are. err: of the step. */

@@ -56,6 +56,22 @@ static bool is_blind(const struct composition_block *b)
     return (has[0] && !sees[0]) || (has[1] && !sees[1]) || b->dry;
 }
 
+/* Whether the section of a point has neither a temperature that moves the model nor an analysis: what the model says there nobody
+ * contradicts. What is of the feed belongs to no section. */
+bool composition_point_is_unseen(const struct composition_block *b, unsigned k)
+{
+    const struct composition *c = &b->c;
+    size_t feed = c->table.config.feed_stage;
+    bool above = b->s.point[k][AT_STAGE] > feed;
+    for (uint8_t i = 0; i < c->sensors; i++)
+        if (c->sensor[i].moves && composition_is_above_feed(c, &c->sensor[i]) == above)
+            return false;
+    for (uint8_t i = 0; i < b->analyses; i++)
+        if ((b->analysis[i].stage + 1u > feed) == above)
+            return false;
+    return b->s.of[k] == OF_STAGE;
+}
+
 /* What was not seen for a while is found again as slowly as it was lost, at most as slowly as in the beginning. */
 void composition_count_step(struct composition_block *b, bool failed)
 {

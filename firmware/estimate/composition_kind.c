@@ -251,7 +251,8 @@ static void give_estimates(const struct composition_block *b, struct block_io *i
     for (unsigned k = 0; k < b->points; k++) {
         real_t span = b->point[k].hi - b->point[k].lo;
         io->point[k] = num_from_float((estimate_of(b, k) - b->point[k].lo) / span);
-        bool unsure = quality == QUALITY_GOOD && composition_point_is_unsure(b, k);
+        bool unsure = quality == QUALITY_GOOD &&
+                      (composition_point_is_unsure(b, k) || composition_point_is_unseen(b, k));
         io->point_quality[k] = (uint8_t)(unsure ? QUALITY_UNCERTAIN : quality);
     }
 }

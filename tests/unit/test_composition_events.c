@@ -88,6 +88,27 @@ static void a_section_that_was_not_seen_for_a_while_is_uncertain_for_as_long_aga
     }
 }
 
+/* One that is only compared, and none at all. */
+static void a_point_in_a_section_without_a_thermometer_is_never_good(void)
+{
+    settings.place[T_HIGH][OF_COMPONENT] = 0;
+    begin();
+    steps(10 * LOCKED);
+    TEST_ASSERT_EQUAL(QUALITY_UNCERTAIN, point_quality[TOP_FRACTION]);
+    TEST_ASSERT_EQUAL(QUALITY_UNCERTAIN, point_quality[INNER_TEMPERATURE]);
+    TEST_ASSERT_EQUAL(QUALITY_GOOD, point_quality[BOTTOM_FRACTION]);
+}
+
+static void a_point_of_the_feed_needs_a_thermometer_in_any_section(void)
+{
+    settings.place[T_HIGH][OF_COMPONENT] = 0;
+    settings.of[TOP_FRACTION] = OF_FEED_FRACTION;
+    settings.point[TOP_FRACTION][AT_STAGE] = 0;
+    begin();
+    steps(LOCKED + 1);
+    TEST_ASSERT_EQUAL(QUALITY_GOOD, point_quality[TOP_FRACTION]);
+}
+
 static void what_was_far_off_and_is_believed_leaves_nothing_good(void)
 {
     settings.nis = 0;
@@ -438,6 +459,8 @@ int main(void)
     RUN_TEST(the_slowest_temperature_says_when_it_has_locked_on);
     RUN_TEST(a_temperature_that_is_missing_is_lost);
     RUN_TEST(a_section_that_was_not_seen_for_a_while_is_uncertain_for_as_long_again);
+    RUN_TEST(a_point_in_a_section_without_a_thermometer_is_never_good);
+    RUN_TEST(a_point_of_the_feed_needs_a_thermometer_in_any_section);
     RUN_TEST(what_was_far_off_and_is_believed_leaves_nothing_good);
     RUN_TEST(without_heat_nothing_reaches_the_product);
     RUN_TEST(one_that_is_only_compared_is_not_missed);
