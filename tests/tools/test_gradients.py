@@ -4,18 +4,21 @@ one's own with their refusals, columns of other classes."""
 import json
 import math
 import os
+import re
 import subprocess
+import tempfile
 import unittest
 from pathlib import Path
 
 from support import ROOT, FolderTest, board, call, told
 
-from reflux_tools import build, estimate_lines, gradients, sensor_rules
+from reflux_tools import build, estimate_lines, gradients, plant_file, sensor_rules
 from reflux_tools.errors import UserError
 from reflux_tools.gradients import Diagram
 from reflux_tools.sensor_rules import Steps, Thresholds
 
 PLANTS = ROOT / "host_sim" / "plants"
+HEXANES = str(ROOT / "tests" / "tools" / "data" / "hexanes.json")
 SS2 = ("--set", "R=32.2787", "--set", "Q=2804.458")
 
 
@@ -26,9 +29,7 @@ def report(*arguments: str) -> dict:
 
 
 def splitter_constants() -> dict[str, list[float]]:
-    known = gradients.constants_of(json.loads((PLANTS / "splitter.json").read_text(encoding="utf-8")))
-    assert known is not None
-    return known
+    return gradients.constants_of(json.loads((PLANTS / "splitter.json").read_text(encoding="utf-8")))
 
 
 def bubble_point(x: list[float], constants: list[list[float]], pressure: float) -> float:
@@ -51,7 +52,7 @@ class Shares(unittest.TestCase):
         ]
         t = 340.0
         pressure = sum(xj * gradients.vapour_pressure(c, t)[0] for xj, c in zip(x[0], constants))
-        of = gradients.diagram([t, t - 3, t - 4], x, list("abcdef"), constants)
+        of = gradients.diagram([t, t - 3, t - 4], x, list("abcdef"), gradients.Liquid(constants))
         for j in range(6):
             moved = [[xk + (d if k == j else 0.0) for k, xk in enumerate(x[0])] for d in (1e-4, -1e-4)]
             slope = (bubble_point(moved[0], constants, pressure) - bubble_point(moved[1], constants, pressure)) / 2e-4
@@ -71,9 +72,41 @@ class Shares(unittest.TestCase):
                 "components": [{"name": "a", "relative_volatility": 3}, {"name": "b", "relative_volatility": 1}],
             }
         )
-        assert known is not None
         p = [gradients.vapour_pressure(known[n], 350.0)[0] for n in "ab"]
         self.assertAlmostEqual(p[0] / p[1], 3.0)
+
+
+class Activity(unittest.TestCase):
+    def test_the_simulators_temperatures_are_bubble_points_of_the_same_liquid(self) -> None:
+        """Of methanol and water (NRTL), and with Wilson's equation in its place."""
+        from reflux_tools import column_slopes
+
+        plant = json.loads((PLANTS / "methanol-water.json").read_text(encoding="utf-8"))
+        wilson = {**plant, "name": "wilson", "steady_state": [], "activity": {"model": "wilson", "a": [[0, -0.6], [-0.05, 0]], "b": [[0, 30], [-20, 0]]}}
+        with tempfile.NamedTemporaryFile("w", suffix=".json") as file:
+            file.write(json.dumps(wilson))
+            file.flush()
+            for column, name in ((plant, "methanol-water"), (wilson, file.name)):
+                at = column_slopes.steady(name)
+                liquid = gradients.liquid_of(column, at.names)
+                for s, (t, x) in enumerate(zip(at.temperature, at.x)):
+                    pressure = 101325 + column["pressure_drop"] * (at.stages - 1 - s) / (at.stages - 1)
+                    self.assertAlmostEqual(liquid.pressure(x, t) / pressure, 1.0, delta=1e-6)
+
+    def test_coefficients_that_are_one_leave_the_shares_as_they_are(self) -> None:
+        constants = list(splitter_constants().values())[:2]
+        ideal, x = gradients.Liquid(constants), [0.3, 0.7]
+        zero = [[0.0, 0.0], [0.0, 0.0]]
+        for activity in ({"model": "wilson", "a": zero}, {"model": "nrtl", "a": zero, "alpha": zero}):
+            for a, b in zip(ideal.slopes(x, 320.0), gradients.Liquid(constants, activity).slopes(x, 320.0)):
+                self.assertAlmostEqual(a / b, 1.0, delta=1e-4)
+
+    def test_components_in_another_order_have_their_own_coefficients(self) -> None:
+        plant = json.loads((PLANTS / "methanol-water.json").read_text(encoding="utf-8"))
+        one, other = (gradients.liquid_of(plant, names).slopes(x, 350.0) for names, x in
+                      ((("methanol", "water"), (0.2, 0.8)), (("water", "methanol"), (0.8, 0.2))))
+        for a, b in zip(one, reversed(other)):
+            self.assertAlmostEqual(a, b, delta=1e-6)
 
 
 class Source(unittest.TestCase):
@@ -247,7 +280,7 @@ class OtherColumns(FolderTest):
     def test_columns_of_other_classes_are_drawn_and_what_is_not_known_is_said(self) -> None:
         for name, words in (
             ("pilot", "All components are keys"),
-            ("methanol-water", "I do not know"),
+            ("methanol-water", "sensors on stages 3 to 6, 10 to 16"),
             ("c3-splitter", "I do not know"),
             ("column-a", "All components are keys"),
         ):
@@ -293,10 +326,8 @@ class OtherColumns(FolderTest):
 class Trimmed(FolderTest):
     """A column whose file names products and leaves its inputs to be found; the file's own numbers of them are far off."""
 
-    COLUMN = str(ROOT / "tests" / "tools" / "data" / "hexanes.json")
-
     def report(self, *arguments: str) -> dict:
-        return report(self.COLUMN, *arguments, "--out", str(self.folder / "a.png"))
+        return report(HEXANES, *arguments, "--out", str(self.folder / "a.png"))
 
     def test_steps_of_an_input_begin_where_the_column_rests(self) -> None:
         steps = {s["input"]: s for s in self.report()["steps"]}
@@ -307,12 +338,12 @@ class Trimmed(FolderTest):
     def test_the_flow_of_a_loop_is_that_of_the_steady_state(self) -> None:
         from reflux_tools import column_slopes, simulator
 
-        rest = simulator.at_rest(self.COLUMN)
+        rest = simulator.at_rest(HEXANES)
         self.assertAlmostEqual(rest["xD"], 1.0, delta=1e-3)
         lines = self.report("--no-steps", "--loop", "QC102:8", "--loop", "FC101:19")["lines"]
         for k, moves, mv in ((1, "heat", "QC102"), (2, "reflux", "FC101")):
             value = next(float(line.split()[-1]) for line in lines if line.startswith(f"set block1.flow.{k} "))
-            self.assertAlmostEqual(value / column_slopes.steady(self.COLUMN).flow(moves, rest[mv]), 1.0, delta=1e-5)
+            self.assertAlmostEqual(value / column_slopes.steady(HEXANES).flow(moves, rest[mv]), 1.0, delta=1e-5)
 
 
 class Slopes(unittest.TestCase):
@@ -357,25 +388,77 @@ class Lines(unittest.TestCase):
         ):
             self.assertIn(line, out)
 
-    def test_lines_for_a_column_of_ones_own_run_as_they_are_printed(self) -> None:
+    def run_on_a_board(self, column: str, *arguments: str) -> dict[str, str]:
+        """What the board has after the lines for this column: `block2.inputs` and `block2.points`."""
         build.build("host", ("reflux-sim", "reflux-host"), quiet=True)
-        column = str(ROOT / "tests" / "tools" / "data" / "bt25.json")
-        status, out, err = call("gradients", column, "--no-steps", "--estimate", "benzene:25", "--out", os.devnull)
+        status, out, err = call("gradients", column, "--no-steps", *arguments, "--out", os.devnull)
         self.assertEqual(status, 0, err)
         command, *lines = (line.strip() for line in out.split("between begin and apply:\n")[1].split("\n\n")[0].splitlines())
-        self.assertIn("set block2.inputs T17,T20,", "\n".join(lines))  # those that the column has
         table = subprocess.run(command.removeprefix("# "), shell=True, cwd=ROOT, capture_output=True, text=True, check=True).stdout
         settings = [line for line in (*table.splitlines(), *lines) if line.startswith("set ")]
-        with board(str(build.find_program("host", "reflux-host")), [*channels(json.loads(Path(column).read_text())), *settings]) as console:
-            self.assertEqual(told(console, "get block2.points"), ["block2.points = est_benzene_25"])
+        with board(str(build.find_program("host", "reflux-host")), [*channels(plant_file.load(column)[0]), *settings]) as console:
+            return dict(told(console, f"get block2.{name}")[0].split(" = ") for name in ("inputs", "points"))
+
+    def test_lines_for_a_column_of_ones_own_run_as_they_are_printed(self) -> None:
+        there = self.run_on_a_board(str(ROOT / "tests" / "tools" / "data" / "bt25.json"), "--estimate", "benzene:25")
+        self.assertEqual(there["block2.points"], "est_benzene_25")
+        self.assertIn("T17,T20,", there["block2.inputs"])  # those that the column has
+
+    def test_a_liquid_with_activity_coefficients_has_lines_too(self) -> None:
+        there = self.run_on_a_board("methanol-water", "--estimate", "methanol:1", "--estimate", "water:32")
+        self.assertEqual(there["block2.points"], "est_methanol_1,est_water_32")
+
+    def thermometers(self, column: str, *arguments: str) -> list[int]:
+        _, out, err = call("gradients", column, "--no-steps", *arguments, "--out", os.devnull)
+        return [int(stage) for stage in re.findall(r"set block2\.place\.\d+ (\d+),[1-9]", out)]
+
+    def test_each_point_has_a_thermometer_in_its_section(self) -> None:
+        """Also where no stage of it is free of what is not modelled: the clearest ones do, and a remark says it."""
+        for column, feed, *arguments in (
+            ("splitter", 19, *SS2, "--estimate", "iC4:37", "--estimate", "C3:1", "--alien", "0.002"),
+            (HEXANES, 13, "--estimate", "hexane:1", "--estimate", "heptane:28"),
+            ("methanol-water", 9, "--estimate", "water:32", "--estimate", "methanol:1"),
+        ):
+            with self.subTest(column):
+                stages = self.thermometers(column, *arguments)
+                self.assertTrue(min(stages) <= feed < max(stages), stages)
+
+    def test_a_section_with_fewer_thermometers_than_components_gets_help_from_the_other(self) -> None:
+        self.assertEqual(self.thermometers(HEXANES, "--estimate", "heptane:28"), [5, 8, 19, 22])  # three components, two thermometers
+        self.assertGreater(min(self.thermometers("splitter", "--estimate", "iC4:37")), 19)  # three of each
+
+    def test_the_table_is_made_at_the_state_of_the_diagram(self) -> None:
+        _, out, _ = call("gradients", "splitter", *SS2, "--no-steps", "--estimate", "iC4:37", "--out", os.devnull)
+        self.assertIn("--set R=32.2787 --set Q=2804.458 --block 1", out)
+
+    def test_a_reflux_that_a_level_moves_must_be_measured(self) -> None:
+        plant = json.loads(Path(HEXANES).read_text(encoding="utf-8"))
+        plant["levels"] = {"condenser": {"by": "reflux", "gain": 0.01}, "reboiler": {"by": "bottoms", "gain": 0.01}}
+        plant["constants"]["reflux"] = {"value": 5, "unit": "t/h"}
+        plant["inputs"][0] = {"name": "D", "is": "distillate", "unit": "t/h", "lo": 0, "hi": 10}
+        plant["steady_state"][0]["trim"] = "reflux"
+        for measured in (False, True):
+            plant["outputs"] += [{"name": "FIR", "is": "reflux", "unit": "t/h", "lo": 0, "hi": 20}] if measured else []
+            with tempfile.NamedTemporaryFile("w", suffix=".json") as file:
+                file.write(json.dumps(plant))
+                file.flush()
+                status, out, err = call("gradients", file.name, "--no-steps", "--estimate", "heptane:28", "--out", os.devnull)
+            if measured:
+                self.assertIn(",QC102,FI1,TIF,FIR", out)
+            else:
+                self.assertEqual(status, 2)
+                self.assertIn("the level of the condenser moves the reflux", err)
 
     def test_a_long_name_of_a_component_makes_a_point_that_the_board_takes(self) -> None:
-        self.assertEqual(estimate_lines.point_names([("trichloroethylene", 12), ("C3", 1)]), ["est_trichlor_12", "est_C3_1"])
+        self.assertEqual([estimate_lines.point(text).name for text in ("trichloroethylene:12", "C3:1")], ["est_trichlor_12", "est_C3_1"])
 
     def test_what_cannot_be_estimated_is_refused_in_words(self) -> None:
         for words, wanted in (
             (("splitter", "C9:37"), "must be COMPONENT:STAGE"),
             (("splitter", "iC4:99"), "must be COMPONENT"),
+            (("splitter", "iC4"), "must be COMPONENT:STAGE, as iC4:37"),
+            (("c3-splitter", "propane:111"), "never good without a thermometer in its section"),
+            (("column-a", "light:41"), "no table for a board: the column has 41 stages, a table 40 at most"),
         ):
             status, _, err = call("gradients", words[0], "--no-steps", "--estimate", words[1])
             self.assertEqual(status, 2)

@@ -135,15 +135,14 @@ def from_simulator(options: argparse.Namespace) -> Found:
     plant = read_plant(options.column)
     build.build("host", ("reflux-sim",), quiet=True)
     at = column_slopes.steady(options.column, settings(options.set))
-    known = gradients.constants_of(plant)
-    of = gradients.diagram(at.temperature, at.x, at.names, [known[n] for n in at.names] if known else None)
+    of = gradients.diagram(at.temperature, at.x, at.names, gradients.liquid_of(plant, at.names))
     out = Found(
         str(plant["name"]),
         str(plant["title"]),
         of,
         int(plant["feed_stage"]),
         gradients.Profile(at.temperature, at.x, at.names),
-        volatility(known, at.names, at.temperature) if known else [],
+        volatility(plant, at.names, at.temperature),
     )
     rest = simulator.at_rest(options.column, options.set)
     out.steady, out.plant, out.inputs = at, plant, {c["name"]: rest[c["name"]] for c in plant["inputs"]}
@@ -171,22 +170,20 @@ def from_csv(options: argparse.Namespace) -> Found:
         of, heavier = gradients.diagram_of_k(profile), [-k for k in profile.k[0]]
     elif plant:
         known = gradients.constants_of(plant)
-        missing = [n for n in profile.names if known and n not in known]
+        missing = [n for n in profile.names if n not in known]
         if missing:
             raise UserError(
-                f"{shown(options.profile)}: {', '.join(missing)}: no component of {options.column}, which has {', '.join(known or ())}"
+                f"{shown(options.profile)}: {', '.join(missing)}: no component of {options.column}, which has {', '.join(known)}"
             )
-        of = gradients.diagram(
-            profile.temperature, profile.x, profile.names, [known[n] for n in profile.names] if known else None
-        )
-        heavier = volatility(known, profile.names, profile.temperature) if known else []
+        of = gradients.diagram(profile.temperature, profile.x, profile.names, gradients.liquid_of(plant, profile.names))
+        heavier = volatility(plant, profile.names, profile.temperature)
     else:
         of, heavier = gradients.diagram(profile.temperature, profile.x, profile.names, None), []
     return Found(options.profile.stem, f"profile of {shown(options.profile)}", of, feed, profile, heavier)
 
 
-def volatility(known: dict[str, list[float]], names: list[str], temperature: list[float]) -> list[float]:
-    middle = temperature[len(temperature) // 2]
+def volatility(plant: dict[str, Any], names: list[str], temperature: list[float]) -> list[float]:
+    known, middle = gradients.constants_of(plant), temperature[len(temperature) // 2]
     return [-math.log(gradients.vapour_pressure(known[n], middle)[0]) for n in names]
 
 
@@ -223,7 +220,7 @@ def judge(found: Found, options: argparse.Namespace, t: Thresholds) -> dict[str,
         "notes": notes(of, keys),
         "steps": [],
         "lines": lines_of(found, options.loop) if options.loop else [],
-        "estimate_lines": estimate_of(options.column, found, for_estimates, options.estimate) if options.estimate else [],
+        "estimate_lines": estimate_of(options, found, t) if options.estimate else [],
     }
     if found.steady and not options.no_steps:
         report["steps"], report["singular"] = other_methods(found, options)
@@ -238,8 +235,7 @@ def notes(of: Diagram, keys: tuple[str, str] | None) -> list[str]:
     out = []
     if not of.share:
         out.append(
-            "I do not know what each component has to do with the gradient: no vapour pressures (give a column, or columns K.NAME), or a liquid with "
-            "activity coefficients, whose slopes the shares would leave out."
+            "I do not know what each component has to do with the gradient: no vapour pressures (give a column, or columns K.NAME)."
         )
     elif keys is None:
         out.append(
@@ -323,10 +319,12 @@ def lines_of(found: Found, loops: list[str]) -> list[str]:
     return out
 
 
-def estimate_of(column: str, found: Found, e: sensor_rules.Estimation, wanted: list[str]) -> list[str]:
+def estimate_of(options: argparse.Namespace, found: Found, t: Thresholds) -> list[str]:
     if found.steady is None:
         raise UserError("--estimate needs a column, whose inputs drive the model; not a profile alone")
-    return estimate_lines.lines(column, found.plant, e, wanted, found.of.gradient)
+    seen = (*found.plant.get("outputs", []), *found.plant.get("truths", []))
+    column = estimate_lines.Column(options.column, tuple(options.set), found.plant, found.of, t, seen)
+    return estimate_lines.lines(column, options.estimate)
 
 
 # ---- shown ----

@@ -2,122 +2,275 @@
 
 from __future__ import annotations
 
+import math
 import re
 import shlex
-from typing import Any
+from dataclasses import dataclass
+from typing import Any, Callable
 
-from reflux_tools import build
-from reflux_tools.errors import UserError
+from reflux_tools import build, sensor_rules, simulator
+from reflux_tools.errors import RunFailed, UserError
+from reflux_tools.gradients import Diagram
 from reflux_tools.paths import shown
-from reflux_tools.sensor_rules import Estimation
+from reflux_tools.sensor_rules import Thresholds
 
-# SI of a unit: factor and zero.
+HOUR, MINUTE, CALORIE = 3600.0, 60.0, 4.184
+# SI of a unit of docs/columns.md: factor and zero.
 SI = {
-    "K": (1.0, 0.0),
-    "degC": (1.0, 273.15),
-    "W": (1.0, 0.0),
-    "kW": (1e3, 0.0),
-    "MW": (1e6, 0.0),
-    "kcal/h": (4184 / 3600, 0.0),
-    "Mcal/h": (4184e3 / 3600, 0.0),
-    "mol/s": (1.0, 0.0),
-    "mol/h": (1 / 3600, 0.0),
-    "kmol/h": (1e3 / 3600, 0.0),
-    "kmol/min": (1e3 / 60, 0.0),
-    "kg/s": (1.0, 0.0),
-    "kg/h": (1 / 3600, 0.0),
-    "t/h": (1e3 / 3600, 0.0),
-    "m3/s": (1.0, 0.0),
-    "m3/h": (1 / 3600, 0.0),
-    "l/h": (1e-3 / 3600, 0.0),
-    "l/min": (1e-3 / 60, 0.0),
-}
+    "K": (1.0, 0.0), "degC": (1.0, 273.15), "-": (1.0, 0.0),
+    "W": (1.0, 0.0), "kW": (1e3, 0.0), "MW": (1e6, 0.0),
+    "kcal/h": (1e3 * CALORIE / HOUR, 0.0), "Mcal/h": (1e6 * CALORIE / HOUR, 0.0), "Gcal/h": (1e9 * CALORIE / HOUR, 0.0),
+    "kJ/h": (1e3 / HOUR, 0.0), "MJ/h": (1e6 / HOUR, 0.0), "GJ/h": (1e9 / HOUR, 0.0),
+    "mol/s": (1.0, 0.0), "mol/min": (1 / MINUTE, 0.0), "mol/h": (1 / HOUR, 0.0),
+    "kmol/s": (1e3, 0.0), "kmol/min": (1e3 / MINUTE, 0.0), "kmol/h": (1e3 / HOUR, 0.0),
+    "kg/s": (1.0, 0.0), "kg/h": (1 / HOUR, 0.0), "t/h": (1e3 / HOUR, 0.0),
+    "l/s": (1e-3, 0.0), "l/min": (1e-3 / MINUTE, 0.0), "l/h": (1e-3 / HOUR, 0.0), "m3/s": (1.0, 0.0), "m3/h": (1 / HOUR, 0.0),
+    "Pa": (1.0, 0.0), "kPa": (1e3, 0.0), "bar": (1e5, 0.0), "mbar": (1e2, 0.0), "mmHg": (133.322, 0.0), "atm": (101325.0, 0.0),
+}  # fmt: skip
 NAME_MOST = 15  # characters of a channel
+INPUTS_MOST, LIST_MOST = 12, 63  # of a block: names, and characters of their list
+TABLE_COMPONENTS = 4
 DRIVES = ("feed", "feed_temperature", "feed_quality", "reflux", "heat", "boilup", "pressure")
+TABLE_BLOCK, BLOCK = 1, 2
 
 
-def few(e: Estimation, gradient: list[float], feed: int, product: int, there: set[int]) -> list[int]:
-    """Of the proposed thermometers in the section of a product three: the steepest, the nearest to the product, and one between. Those
-    that the column has (on the stages `there`) come before any others."""
-    section = [s for s in e.sensors if (s > feed) == (product > feed)]
-    section = [s for s in section if s in there] or section
+@dataclass(frozen=True)
+class Point:
+    """What the block writes: a mole fraction, times `show` in the measurement's own unit."""
+
+    name: str
+    component: str
+    stage: int
+    unit: str = "-"
+    lo: float = 0.0
+    hi: float = 1.0
+    show: float = 1.0
+
+
+@dataclass(frozen=True)
+class Column:
+    """A column at the steady state at which it is judged."""
+
+    name: str  # as the simulator is asked for it
+    settings: tuple[str, ...]  # NAME=VALUE of its inputs
+    plant: dict[str, Any]  # its file
+    diagram: Diagram
+    thresholds: Thresholds
+    seen: tuple[dict[str, Any], ...]  # what may be measured
+    installed_only: bool = False  # no thermometers but these
+
+    @property
+    def feed(self) -> int:
+        return int(self.plant["feed_stage"])
+
+    @property
+    def thermometers(self) -> dict[int, tuple[str, str]]:
+        """Stage: name and unit."""
+        found: dict[int, tuple[str, str]] = {}
+        for c in self.seen:
+            if c["is"] == "temperature" and "stage" in c:
+                found.setdefault(int(c["stage"]), (c["name"], c["unit"]))
+        return found
+
+
+# ---- which thermometers ----
+
+
+def section_name(above: bool) -> str:
+    return "rectifying" if above else "stripping"
+
+
+def usable(column: Column, above: bool, modelled: list[str]) -> list[int]:
+    """Stages of a section to measure: steep ones where what is not modelled has at most `alien` of the shares, or where it has least;
+    thermometers that the column has before any others. None where the section has one temperature, nearly."""
+    of, t, there = column.diagram, column.thresholds, column.thermometers
+    steep = sensor_rules.steep_stages(of, column.feed, above, t)
+    alien = {s: 1 - of.part_of(s, modelled) for s in steep}
+    clear = [s for s in steep if alien[s] <= max(t.alien, 2 * min(alien.values()))]
+    installed = [s for s in clear if s in there]
+    if not column.installed_only:
+        return installed or clear
+    steepest = max((abs(of.gradient[s - 1]) for s in steep), default=math.inf)
+    slope = {s: max(abs(g) for g in of.gradient[max(s - 2, 0) : s]) for s in there if (s > column.feed) == above}
+    return installed or [s for s in slope if slope[s] >= max(t.flat, t.second * steepest)]
+
+
+def few(column: Column, section: list[int], product: int) -> list[int]:
+    """Three of a section at most: the steepest, the nearest to the product, and one between."""
     if not section:
         return []
-    steepest = max(section, key=lambda s: abs(gradient[s - 1]))
+    steepest = max(section, key=lambda s: abs(column.diagram.gradient[s - 1]))
     nearest = min(section, key=lambda s: abs(s - product))
     between = min(section, key=lambda s: abs(2 * s - steepest - nearest))
     return sorted({steepest, nearest, between})
 
 
-def lines(column: str, plant: dict[str, Any], e: Estimation, wanted: list[str], gradient: list[float]) -> list[str]:
-    """column: the plant as the caller was given it. wanted: COMPONENT:STAGE of each point. The component with the least fractions of its own closes: the last of those modelled."""
-    if len(e.modelled) < 2 or not e.sensors:
-        raise UserError("--estimate: the diagram proposes no thermometers or no components to model for this column")
-    names, feed = order(e), int(plant["feed_stage"])
-    points = [point(text, names, plant["stages"]) for text in wanted]
-    seen = [*plant.get("outputs", []), *plant.get("truths", [])]
-    there = {int(c["stage"]) for c in seen if c["is"] == "temperature" and "stage" in c}
-    sensors = sorted({s for _, product in points for s in few(e, gradient, feed, product, there)})
-    if not sensors:
-        raise UserError("--estimate: the diagram proposes no thermometer in that section")
-    inputs = [thermometer(seen, s) for s in sensors]
-    drives = [(c["name"], c["is"], c.get("unit", "-")) for c in plant["inputs"] if c["is"] in DRIVES]
-    drives += [(c["name"], c["is"], c.get("unit", "-")) for c in seen if c["is"] in ("feed", "feed_temperature")]
+def choose(column: Column, points: list[Point], modelled: list[str]) -> list[int]:
+    """Thermometers in the section of each point. Where these are fewer than the components, two in the other section too: nobody measures
+    the feed's composition, and one thermometer for each of its fractions is needed to find it."""
+    chosen: dict[bool, set[int]] = {}
+    for above in (False, True):
+        products = [p for p in points if (p.stage > column.feed) == above]
+        section = usable(column, above, modelled) if products else []
+        if products and not section:
+            raise UserError(no_thermometer(column, above, products[0]))
+        chosen[above] = {s for p in products for s in few(column, section, p.stage)}
+    for above in (False, True):
+        section = [] if chosen[above] else usable(column, above, modelled)
+        if section and len(chosen[not above]) < len(modelled):
+            three = few(column, section, column.diagram.stages if above else 1)
+            chosen[above] = {three[0], three[-1]}
+    return sorted(chosen[False] | chosen[True])
+
+
+def no_thermometer(column: Column, above: bool, point: Point) -> str:
+    where = "no thermometer of the column is" if column.installed_only else "there is no stage"
+    return (
+        f"{point.component}:{point.stage}: {where} where the temperature of the {section_name(above)} section changes by {column.thresholds.flat:g} K "
+        "or more from stage to stage; the estimate of a point is never good without a thermometer in its section"
+    )
+
+
+# ---- components and inputs ----
+
+
+def components(column: Column, points: list[Point]) -> list[str]:
+    """Those to model, in the order of the file: those of the points, and of the others the ones with the largest shares."""
+    e = sensor_rules.estimation(column.diagram, column.feed, column.thresholds)
+    wanted = dict.fromkeys(p.component for p in points)
+    rest = sorted((n for n in e.modelled if n not in wanted), key=lambda n: -e.parts[n])
+    chosen = [*wanted, *rest][:TABLE_COMPONENTS]
+    if len(chosen) < 2:
+        chosen += sorted((n for n in column.diagram.names if n not in chosen), key=lambda n: -e.parts.get(n, 0.0))[:1]
+    return [n for n in column.diagram.names if n in chosen]
+
+
+def moved(column: Column, sensors: list[int], names: list[str]) -> tuple[list[str], dict[int, str]]:
+    """The components with the one that closes last, and which is moved at each thermometer: the one with the largest share there. The
+    one that closes is never moved: the last that has no largest share, or has it least often."""
+
+    def largest(s: int, among: list[str]) -> str:
+        return max(among, key=lambda n: abs(column.diagram.share[s - 1][column.diagram.names.index(n)]))
+
+    often = [largest(s, names) for s in sensors]
+    closing = min(reversed(names), key=often.count)
+    others = [n for n in names if n != closing]
+    return [*others, closing], {s: largest(s, others) for s in sensors}
+
+
+def drives(column: Column) -> list[tuple[str, str, str]]:
+    """Name, what it is, and unit of what drives the model: each once, as the column is driven before as it is measured."""
+    found: dict[str, tuple[str, str, str]] = {}
+    for c in (*column.plant["inputs"], *column.seen):
+        if c["is"] in DRIVES:
+            found.setdefault(c["is"], (c["name"], c["is"], c.get("unit", "-")))
+    if "heat" in found:
+        found.pop("boilup", None)
+    levels = column.plant.get("levels", {})
+    for what, vessel in (("reflux", "condenser"), ("boilup", "reboiler")):
+        if levels.get(vessel, {}).get("by") == what and what not in found:
+            raise UserError(f"the level of the {vessel} moves the {what}, and the column measures it nowhere: add an output that is {what} to its file")
+    return list(found.values())
+
+
+# ---- lines ----
+
+
+@dataclass(frozen=True)
+class Estimator:
+    table: tuple[str, ...]  # words of `reflux-sim --table`
+    inputs: list[str]
+    lines: list[str]  # of the block; not of the measurements that it writes
+    remarks: list[str]
+
+
+def estimator(column: Column, points: list[Point], method: Callable[[int, int], list[str]] | None = None) -> Estimator:
+    """method: further lines of the block for so many thermometers and components."""
+    if not column.diagram.share:
+        raise UserError("what the components have to do with the gradient is not known, so no thermometer can be chosen for them")
+    names = components(column, points)
+    for p in points:
+        if p.component not in names or not 1 <= p.stage <= column.diagram.stages:
+            raise UserError(f"{p.component}:{p.stage}: must be COMPONENT:STAGE with one of {', '.join(column.diagram.names)}")
+    sensors, driven = choose(column, points, names), drives(column)
+    names, innovated = moved(column, sensors, names)
+    inputs = [(*thermometer(column, s), s) for s in sensors]
+    listed = [*(name for name, _, _ in inputs), *(name for name, _, _ in driven)]
+    if len(listed) > INPUTS_MOST or len(",".join(listed)) > LIST_MOST:
+        raise UserError(f"a block takes {INPUTS_MOST} inputs and {LIST_MOST} characters of their names with commas; these are {','.join(listed)}")
+    words = ("--components", ",".join(names), *simulator.setting_words(column.settings))
+    try:
+        simulator.table_lines(column.name, TABLE_BLOCK, *words)  # refuses what a board would refuse
+    except (UserError, RunFailed) as error:
+        raise UserError(f"no table for a board: {str(error).removeprefix('--table: ')}") from None
     rows = [
-        f"# {shown(build.find_program('host', 'reflux-sim'))} --table --plant {shlex.quote(column)} --components {','.join(names)} --block 1",
-        *(f"# the column has no thermometer on stage {s}: measure there as {name}, in {unit}" for s, (name, unit) in zip(sensors, inputs) if s not in there),
-        *point_lines(len(plant.get("outputs", [])), point_names(points)),
-        "set block2.kind composition",
-        "set block2.column 1",
-        f"set block2.inputs {','.join([*(name for name, _ in inputs), *(name for name, _, _ in drives)])}",
-        f"set block2.points {','.join(point_names(points))}",
+        f"set block{BLOCK}.kind composition",
+        f"set block{BLOCK}.column {TABLE_BLOCK}",
+        f"set block{BLOCK}.inputs {','.join(listed)}",
+        f"set block{BLOCK}.points {','.join(p.name for p in points)}",
+        *(method(len(sensors), len(names)) if method else ()),
     ]
-    for k, (stage, (_, unit)) in enumerate(zip(sensors, inputs), 1):
-        rows.append(f"set block2.place.{k} {stage},{names.index(e.innovated[stage]) + 1}")
-        rows += si_row(k, unit)
-    for k, (_, what, unit) in enumerate(drives, len(inputs) + 1):
-        rows += [f"set block2.is.{k} {what}", *si_row(k, unit)]
-    return rows + [f"set block2.point.{k} {stage},{names.index(name) + 1}" for k, (name, stage) in enumerate(points, 1)]
+    for k, (_, unit, stage) in enumerate(inputs, 1):
+        rows += [f"set block{BLOCK}.place.{k} {stage},{names.index(innovated[stage]) + 1}", *si_row(k, unit)]
+    for k, (_, what, unit) in enumerate(driven, len(inputs) + 1):
+        rows += [f"set block{BLOCK}.is.{k} {what}", *si_row(k, unit)]
+    for k, p in enumerate(points, 1):
+        rows.append(f"set block{BLOCK}.point.{k} {p.stage},{names.index(p.component) + 1}")
+        rows += [f"set block{BLOCK}.show.{k} {p.show:g},0"] if p.show != 1 else []
+    return Estimator(words, listed, rows, remarks(column, inputs, names))
 
 
-def point(text: str, names: list[str], stages: int) -> tuple[str, int]:
-    match = re.fullmatch(r"(\w+):(\d+)", text)
-    if not match or match[1] not in names or not 1 <= int(match[2]) <= stages:
-        raise UserError(f"--estimate {text}: must be COMPONENT:STAGE with one of {', '.join(names)}")
-    return match[1], int(match[2])
-
-
-def point_names(points: list[tuple[str, int]]) -> list[str]:
-    """A name on the board has up to 15 characters."""
-    return [f"est_{component[:NAME_MOST - len(f'est__{stage}')]}_{stage}" for component, stage in points]
-
-
-def point_lines(outputs: int, names: list[str]) -> list[str]:
-    """The measurements that the block writes, behind those of the column."""
-    out = [f"# meas{outputs + 1} and up, or others that are free: what the block writes, as mole fractions"]
-    for n, name in enumerate(names, outputs + 1):
-        out += [f"set meas{n}.name {name}", f"set meas{n}.hi 1"]
+def remarks(column: Column, inputs: list[tuple[str, str, int]], names: list[str]) -> list[str]:
+    out = [
+        f"# the column has no thermometer on stage {s}: measure there as {name}, in {unit}"
+        for name, unit, s in inputs
+        if s not in column.thermometers
+    ]
+    alien = {s: 1 - column.diagram.part_of(s, names) for _, _, s in inputs}
+    foreign = [s for s in alien if alien[s] > column.thresholds.alien]
+    if foreign:
+        out.append(
+            f"# stages {sensor_rules.runs(foreign)}: up to {100 * max(alien[s] for s in foreign):.0f} % of the gradient comes of components that the table leaves out"
+        )
     return out
 
 
-def order(e: Estimation) -> list[str]:
-    """A component that is moved at a sensor cannot close."""
-    moved = [n for n in e.modelled if n in e.innovated.values()]
-    rest = [n for n in e.modelled if n not in moved]
-    if not rest:
-        raise UserError("--estimate: every component is to be moved somewhere, so that none can close")
-    return [*moved, *rest]
+def lines(column: Column, wanted: list[str]) -> list[str]:
+    """wanted: COMPONENT:STAGE of each point, as the command line has them."""
+    try:
+        points = [point(text) for text in wanted]
+        found = estimator(column, points)
+    except UserError as error:
+        raise UserError(f"--estimate: {error}") from None
+    program = shown(build.find_program("host", "reflux-sim"))
+    return [
+        f"# {program} --table --plant {shlex.quote(column.name)} {shlex.join(found.table)} --block {TABLE_BLOCK}",
+        *found.remarks,
+        *point_lines(len(column.plant.get("outputs", [])), points),
+        *found.lines,
+    ]
 
 
-def thermometer(seen: list[dict[str, Any]], stage: int) -> tuple[str, str]:
-    for c in seen:
-        if c["is"] == "temperature" and c.get("stage") == stage:
-            return c["name"], c["unit"]
-    return f"T{stage}", "K"
+def point(text: str) -> Point:
+    match = re.fullmatch(r"(\w+):(\d+)", text)
+    if not match:
+        raise UserError(f"{text}: must be COMPONENT:STAGE, as iC4:37")
+    component, stage = match[1], int(match[2])
+    return Point(f"est_{component[: NAME_MOST - len(f'est__{stage}')]}_{stage}", component, stage)
+
+
+def point_lines(outputs: int, points: list[Point]) -> list[str]:
+    """The measurements that the block writes, behind those of the column."""
+    out = [f"# meas{outputs + 1} and up, or others that are free: what the block writes, as mole fractions"]
+    for n, p in enumerate(points, outputs + 1):
+        out += [f"set meas{n}.name {p.name}", f"set meas{n}.hi {p.hi:g}"]
+    return out
+
+
+def thermometer(column: Column, stage: int) -> tuple[str, str]:
+    return column.thermometers.get(stage, (f"T{stage}", "K"))
 
 
 def si_row(k: int, unit: str) -> list[str]:
-    if unit not in SI:
-        return [f"# block2.si.{k}: factor and zero that make SI units of {unit}"]
     factor, zero = SI[unit]
-    return [f"set block2.si.{k} {factor:.9g},{zero:g}"] if (factor, zero) != (1.0, 0.0) else []
+    return [f"set block{BLOCK}.si.{k} {factor:.9g},{zero:g}"] if (factor, zero) != (1.0, 0.0) else []

@@ -16,6 +16,7 @@ from reflux_tools.paths import shown
 
 KELVIN = 273.15
 SUM_OFF = 0.01  # by how much the fractions of a stage may miss 1
+STEP_K, STEP_X = 1e-3, 1e-6  # of the differences behind slopes with activity coefficients
 
 
 @dataclass(frozen=True)
@@ -55,22 +56,58 @@ def vapour_pressure(constants: Sequence[float], t: float) -> tuple[float, float]
     return p, p * (b / (c + t) ** 2 + d + e / t + (f * g * t ** (g - 1) if f else 0.0))
 
 
+@dataclass(frozen=True)
+class Liquid:
+    """What the bubble point of a mixture follows from."""
+
+    constants: list[list[float]]  # of each component's vapour pressure
+    activity: dict[str, Any] | None = None  # as in a column's file, rows and columns in the same order; None: an ideal liquid
+
+    def slopes(self, x: Sequence[float], t: float) -> list[float]:
+        """The derivatives of the bubble point by each mole fraction alone, K. Activity coefficients are those of the mixture with its
+        fractions divided by their sum, so that with and without them a fraction has the same meaning."""
+        if self.activity is None:
+            both = [vapour_pressure(c, t) for c in self.constants]
+            by_t = sum(xj * dp for xj, (_, dp) in zip(x, both))
+            return [-p / by_t for p, _ in both]
+        by_t = (self.pressure(x, t + STEP_K) - self.pressure(x, t - STEP_K)) / (2 * STEP_K)
+        moved = [[xk + (STEP_X if k == j else 0.0) for k, xk in enumerate(x)] for j in range(len(x))]
+        here = self.pressure(x, t)
+        return [-(self.pressure(there, t) - here) / STEP_X / by_t for there in moved]
+
+    def pressure(self, x: Sequence[float], t: float) -> float:
+        gamma = activity_coefficients(self.activity, x, t) if self.activity else [1.0] * len(x)
+        return sum(xj * g * vapour_pressure(c, t)[0] for xj, g, c in zip(x, gamma, self.constants))
+
+
+def activity_coefficients(activity: dict[str, Any], x: Sequence[float], t: float) -> list[float]:
+    """docs/columns.md, Activity."""
+    n, total = range(len(x)), sum(x)
+    x = [xj / total for xj in x]
+    a, b = activity["a"], activity.get("b") or [[0.0] * len(x) for _ in n]
+    linear = [[a[i][j] + b[i][j] / t if i != j else 0.0 for j in n] for i in n]
+    if activity["model"] == "wilson":
+        big = [[math.exp(linear[i][j]) for j in n] for i in n]
+        sums = [sum(x[j] * big[i][j] for j in n) for i in n]
+        return [math.exp(1 - math.log(sums[i]) - sum(x[k] * big[k][i] / sums[k] for k in n)) for i in n]
+    big = [[math.exp(-activity["alpha"][i][j] * linear[i][j]) for j in n] for i in n]
+    s = [sum(x[k] * big[k][j] for k in n) for j in n]
+    c = [sum(x[k] * linear[k][j] * big[k][j] for k in n) for j in n]
+    return [math.exp(c[i] / s[i] + sum(x[j] * big[i][j] / s[j] * (linear[i][j] - c[j] / s[j]) for j in n)) for i in n]
+
+
 def diagram(
-    temperature: Sequence[float],
-    x: Sequence[Sequence[float]],
-    names: Sequence[str],
-    constants: Sequence[Sequence[float]] | None,
+    temperature: Sequence[float], x: Sequence[Sequence[float]], names: Sequence[str], liquid: Liquid | None
 ) -> Diagram:
-    """The share of component j is -P_j/(sum x_k P_k') times its step: the derivative of the bubble point by x_j alone, so that the closing
-    component has its share too. constants: of the vapour pressures; None: they are not known."""
+    """The share of component j is the derivative of the bubble point by x_j alone times its step, so that the closing component has its
+    share too. None: the liquid's properties are not known."""
     if len(temperature) != len(x) or len(temperature) < 3:
         raise UserError("a profile needs the temperature and the fractions of three stages or more")
     gradient = [above - below for below, above in zip(temperature, temperature[1:])]
     share = []
-    for i in range(len(gradient)) if constants else ():
-        both = [vapour_pressure(c, temperature[i]) for c in constants]
-        slope = sum(xj * dp for xj, (_, dp) in zip(x[i], both))
-        share.append([-(p / slope) * (above - below) for (p, _), below, above in zip(both, x[i], x[i + 1])])
+    for i in range(len(gradient)) if liquid else ():
+        slopes = liquid.slopes(x[i], temperature[i])
+        share.append([slope * (above - below) for slope, below, above in zip(slopes, x[i], x[i + 1])])
     return Diagram(gradient, share, list(names))
 
 
@@ -94,10 +131,8 @@ def diagram_of_k(profile: Profile) -> Diagram:
     return Diagram(gradient, share, list(profile.names))
 
 
-def constants_of(plant: dict[str, Any]) -> dict[str, list[float]] | None:
-    """Constants of each component's vapour pressure from a column's file; None where shares would leave something out."""
-    if "activity" in plant:
-        return None
+def constants_of(plant: dict[str, Any]) -> dict[str, list[float]]:
+    """Constants of each component's vapour pressure from a column's file."""
     out = {}
     for c in plant["components"]:
         if "vapour_pressure" in c:
@@ -106,6 +141,17 @@ def constants_of(plant: dict[str, Any]) -> dict[str, list[float]] | None:
             a, *rest = plant["reference_vapour_pressure"]
             out[str(c["name"])] = [float(a) + math.log(float(c["relative_volatility"])), *(float(v) for v in rest)]
     return out
+
+
+def liquid_of(plant: dict[str, Any], names: Sequence[str]) -> Liquid:
+    """Of these components of a column, in this order."""
+    known = constants_of(plant)
+    activity = plant.get("activity")
+    if activity is None:
+        return Liquid([known[n] for n in names])
+    rows = [list(known).index(n) for n in names]
+    chosen = {key: [[activity[key][i][j] for j in rows] for i in rows] for key in ("a", "b", "alpha") if key in activity}
+    return Liquid([known[n] for n in names], {"model": activity["model"], **chosen})
 
 
 # ---- a user's profile ----

@@ -136,6 +136,14 @@ class Estimation:
     averaged: tuple[tuple[int, int], ...]  # first and last stage of regions of nearly one temperature
 
 
+def steep_stages(of: Diagram, feed: int, above: bool, t: Thresholds) -> list[int]:
+    """Of a section those whose step is at least `half` of its steepest; none where it has one temperature, nearly. The reboiler's step and
+    the one into the condenser do not count."""
+    stages = [s for s in range(2, of.stages - 1) if s != feed and (s > feed) == above]
+    steepest = max((abs(of.gradient[s - 1]) for s in stages), default=0.0)
+    return [s for s in stages if abs(of.gradient[s - 1]) >= t.half * steepest] if steepest >= t.flat else []
+
+
 def estimation(of: Diagram, feed: int, t: Thresholds) -> Estimation:
     """What an estimator from temperatures needs; nothing where the shares are not known."""
     peak = max(abs(g) for g in of.gradient)
@@ -145,21 +153,9 @@ def estimation(of: Diagram, feed: int, t: Thresholds) -> Estimation:
     sizes = [sum(abs(row[j]) for row in of.share) for j in range(len(of.names))]
     parts = {name: size / sum(sizes) for name, size in zip(of.names, sizes)} if sum(sizes) else {}
     modelled = tuple(name for name in of.names if parts.get(name, 0.0) >= t.model)
-    sensors = []
-    for section in ("stripping", "enriching"):
-        stages = section_stages(of, feed, section, 0)
-        steepest = max((abs(of.gradient[s - 1]) for s in stages if 1 <= s < of.stages), default=0.0)
-        sensors += [
-            s
-            for s in stages
-            if 1 < s < of.stages - 1
-            and steepest >= t.flat
-            and abs(of.gradient[s - 1]) >= t.half * steepest
-            and 1 - of.part_of(s, modelled) <= t.alien
-            and s != feed
-        ]
+    sensors = [s for above in (False, True) for s in steep_stages(of, feed, above, t) if 1 - of.part_of(s, modelled) <= t.alien]
     innovated = {s: of.names[max(range(len(of.names)), key=lambda j: abs(of.share[s - 1][j]))] for s in sensors}
-    return Estimation(modelled, parts, tuple(sorted(set(sensors))), innovated, averaged)
+    return Estimation(modelled, parts, tuple(sensors), innovated, averaged)
 
 
 def even_regions(of: Diagram, feed: int, most: float, least: int) -> tuple[tuple[int, int], ...]:

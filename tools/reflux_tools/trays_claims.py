@@ -29,9 +29,8 @@ class Claim:
 
 def diagram(state: str) -> gradients.Diagram:
     plant = json.loads((ROOT / "host_sim" / "plants" / "splitter.json").read_text(encoding="utf-8"))
-    constants = {c["name"]: c["vapour_pressure"] for c in plant["components"]}
     at = trays.steady(state)
-    return gradients.diagram(at.temperature, at.x, at.names, [constants[name] for name in at.names])
+    return gradients.diagram(at.temperature, at.x, at.names, gradients.liquid_of(plant, at.names))
 
 
 def steepest(of: gradients.Diagram, first: int, last: int) -> tuple[int, float]:
