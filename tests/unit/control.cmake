@@ -50,3 +50,10 @@ target_include_directories(endurance PRIVATE "${PROJECT_SOURCE_DIR}/tests/suppor
 # A twentieth of it.
 add_test(NAME endurance COMMAND endurance 50000)
 reflux_programs_of_test(endurance unit endurance)
+
+# Not a test by itself: weeks of the self-tuner beside its PI.
+set(self_tuner "${PROJECT_SOURCE_DIR}/tests/campaign/self_tuner")
+add_executable(self_tuner ${self_tuner}/main.c ${self_tuner}/run.c ${self_tuner}/sets.c ${self_tuner}/plants.c)
+target_link_libraries(self_tuner PRIVATE reflux_adapt reflux_options m)
+target_include_directories(self_tuner PRIVATE "${PROJECT_SOURCE_DIR}/tests/support")
+target_compile_options(self_tuner PRIVATE -O3)

@@ -1,0 +1,149 @@
+/* A block of the kind `gmv` driven as the tick drives it: step, limits of the MVs, back-calculation, and its work between steps.
+ * Settings begin at their defaults. */
+#ifndef REFLUX_TESTS_GMV_BLOCK_BENCH_H
+#define REFLUX_TESTS_GMV_BLOCK_BENCH_H
+
+#include <stdalign.h>
+#include <string.h>
+
+#include "adapt/gmv_block.h"
+#include "adapt/gmv_kind.h"
+
+#define GMV_BENCH_DEPTH  64
+#define GMV_BENCH_INPUTS (GMV_LOOPS + GMV_DISTURBANCES)
+
+struct gmv_block_bench {
+    struct gmv_settings settings;
+    struct block_setup setup;
+    struct block_io io;
+    num_t setpoint[GMV_LOOPS], in[GMV_LOOPS], out[GMV_LOOPS], input[GMV_BENCH_INPUTS];
+    uint8_t clamp[GMV_LOOPS], limited[GMV_LOOPS], quality[GMV_BENCH_INPUTS];
+    float age_s[GMV_BENCH_INPUTS], event_value[BLOCK_EVENTS_MAX];
+    const struct applied_history *applied[GMV_LOOPS];
+    struct block_proposal proposal;
+    struct block_excitation excite[BLOCK_EXCITES_MAX];
+    struct {
+        alignas(8) char bytes[sizeof(struct applied_history) + GMV_BENCH_DEPTH * sizeof(num_t)];
+    } history[GMV_LOOPS];
+    alignas(8) char state[16384];
+    bool followed;
+};
+
+static inline void gmv_bench_put(struct gmv_settings *s, const struct block_parameter *p,
+                                 unsigned i, float value)
+{
+    char *at = (char *)s + p->offset;
+    if (p->type == BLOCK_FLOAT)
+        ((float *)(void *)at)[i] = value;
+    else if (p->type == BLOCK_U16)
+        ((uint16_t *)(void *)at)[i] = (uint16_t)value;
+    else
+        ((uint8_t *)at)[i] = (uint8_t)value;
+}
+
+static inline void gmv_bench_defaults(struct gmv_settings *s)
+{
+    memset(s, 0, sizeof *s);
+    for (unsigned k = 0; k < gmv_kind.parameters; k++) {
+        const struct block_parameter *p = &gmv_kind.parameter[k];
+        for (unsigned i = 0; i < (unsigned)p->rows * p->cols; i++)
+            gmv_bench_put(s, p, i, p->initial);
+    }
+}
+
+static inline const struct gmv_block *gmv_bench_block(const struct gmv_block_bench *b)
+{
+    return (const struct gmv_block *)(const void *)b->state;
+}
+
+static inline struct applied_history *gmv_bench_history(struct gmv_block_bench *b, unsigned j)
+{
+    return (struct applied_history *)(void *)b->history[j].bytes;
+}
+
+/* With the settings as they are; everything has been at rest with the MVs at `rest`. False: the block refuses them. */
+static inline bool gmv_block_begin(struct gmv_block_bench *b, float interval_s, unsigned loops,
+                                   unsigned disturbances, float rest)
+{
+    struct block_fault fault;
+    struct gmv_settings settings = b->settings;
+    memset(b, 0, sizeof *b);
+    b->settings = settings;
+    b->setup = (struct block_setup){.settings = &b->settings,
+                                    .interval_s = interval_s,
+                                    .members = (uint8_t)loops,
+                                    .there = (uint8_t)((1u << loops) - 1u),
+                                    .inputs = (uint8_t)(loops + disturbances)};
+    for (unsigned i = 0; i < loops + disturbances; i++)
+        b->setup.input[i] = (struct block_signal){.lo = 0, .hi = 1};
+    for (unsigned i = 0; i < loops; i++) {
+        b->setup.member[i] = (struct block_member){
+            .loop = (uint8_t)i, .drives_mv = true, .pv_span = 1, .out_reach = 1};
+        b->setup.pv[i] = b->setup.input[i];
+        applied_history_begin(gmv_bench_history(b, i), GMV_BENCH_DEPTH, num_from_float(rest));
+        b->applied[i] = gmv_bench_history(b, i);
+        b->out[i] = num_from_float(rest);
+    }
+    b->io = (struct block_io){.setpoint = b->setpoint,
+                              .in = b->in,
+                              .out = b->out,
+                              .clamp = b->clamp,
+                              .limited = b->limited,
+                              .input = b->input,
+                              .quality = b->quality,
+                              .age_s = b->age_s,
+                              .event_value = b->event_value,
+                              .member_applied = b->applied,
+                              .excite = b->excite,
+                              .divisor = 1,
+                              .acting = (uint8_t)((1u << loops) - 1u)};
+    return gmv_kind.check(&b->setup, &fault) == ERR_OK &&
+           gmv_kind.bytes(&b->setup) <= sizeof b->state &&
+           gmv_kind.history(&b->setup) <= GMV_BENCH_DEPTH &&
+           gmv_kind.configure(b->state, &b->setup, false) == ERR_OK;
+}
+
+static inline void gmv_block_signals(struct gmv_block_bench *b, unsigned i, double w, double y)
+{
+    b->in[i] = b->input[i] = num_from_float((float)y);
+    b->setpoint[i] = num_from_float((float)w);
+}
+
+/* What the main loop does in its time between two steps. */
+static inline void gmv_block_work(struct gmv_block_bench *b)
+{
+    if (b->io.work_wanted && b->io.ask_work && --b->io.ask_work == 0) {
+        while (gmv_kind.work(b->state)) {
+        }
+        b->io.work_done = true;
+        b->io.work_wanted = false;
+    }
+}
+
+/* A step: b->out is what is applied, within the MVs' limits 0 and 1. False: the block has given up for good. */
+static inline bool gmv_block_step(struct gmv_block_bench *b)
+{
+    if (!b->followed)
+        gmv_kind.follow(b->state, &b->io);
+    b->followed = true;
+    gmv_block_work(b);
+    uint8_t waiting = b->io.ask_work;
+    b->proposal.n = 0;
+    b->io.proposal = &b->proposal;
+    b->io.raised = 0;
+    b->io.ask_work = 0;
+    gmv_kind.step(b->state, &b->io);
+    if (b->io.ask_work && !b->io.work_wanted)
+        b->io.work_wanted = true;
+    else
+        b->io.ask_work = waiting;
+    b->io.work_done = false;
+    for (unsigned i = 0; i < b->setup.members; i++)
+        b->out[i] = num_clamp(b->out[i], num_zero(), num_one());
+    gmv_kind.back_calculate(b->state, &b->io);
+    for (unsigned i = 0; i < b->setup.members; i++)
+        applied_history_append(gmv_bench_history(b, i), b->out[i]);
+    return b->io.gives_up == NULL;
+}
+
+#endif
