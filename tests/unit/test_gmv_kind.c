@@ -58,6 +58,7 @@ static void begin(double g11, double g12, double g21, double g22)
     struct block_fault fault;
     defaults();
     a = 0.9;
+    settings.nb = 1;
     settings.supervise = 0;
     settings.tune_time_s = 0;
     settings.p0[0] = settings.p0[1] = 1e-6f;

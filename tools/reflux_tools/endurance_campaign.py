@@ -20,6 +20,8 @@ COURSES = {
             "samples. One loop, y(t) = 0.9 y(t-1) + 0.2 u(t-1).",
     "stiff": "Setpoint steps of 10 % of span and a measured disturbance of 0.01 % side by side among the regressors, with a "
              "constant 1: six parameters. Positional form.",
+    "noise": "The sensor's noise is 0.5 % of span. After 600 samples with setpoint steps no setpoint moves until the last thousand "
+             "samples. The plant is that of rest.",
     "drift": "The gain goes from 1 to 4 times its size in 100,000 samples and back, with setpoint steps every 60 samples.",
 }
 NOTES = """Every estimator begins at parameters that are wrong by a half. The bare ones have lambda 0.2 g0 and P = 1, their
@@ -30,7 +32,8 @@ follows a setpoint in several steps where the bare ones need one, which is most 
 
 *Failed at* is the sample at which first: a D or a variance was not positive, P passed 1e30, D had to be kept within 1e-12 to
 1e12 (the last resort), a parameter passed 50, y left the span, or moves of the MV burst at rest to a hundred times their mean
-square; for the supervised block also that it gave up, that a PI acted for more than half of the time, or that it went back to
+square; for the supervised block also that g0 changed by
+more than 30 % while only noise moved, that it gave up, that a PI acted for more than half of the time, or that it went back to
 the PI more than a hundred times. *Error* is the mean of |setpoint - PV| over the last tenth, % of span."""
 
 

@@ -8,17 +8,19 @@
 #include "adapt/gmv.h"
 #include "random_source.h"
 
-enum course { COURSE_REST, COURSE_STIFF, COURSE_DRIFT, COURSES };
+enum course { COURSE_REST, COURSE_STIFF, COURSE_DRIFT, COURSE_NOISE, COURSES };
 
 #define COURSE_PARAMETERS 6
+#define COURSE_MOVES      600u  /* samples with setpoint steps at the beginning of each course */
+#define COURSE_LAST       1000u /* and at the end of those that rest */
 
 /* The plant of a course: y(t) = a1 y(t-1) + a2 y(t-2) + g (b1 u(t-1) + b2 u(t-2)) + v L(t-1) + e(t) + d. */
 struct course_plant {
     enum course course;
     struct random_source noise;
     uint64_t t;
-    double y[2], u[2], load, gain, w;
-    uint64_t samples; /* of the whole run */
+    double y[2], u[2], load, gain, w, sensor; /* sensor: its noise in this sample */
+    uint64_t samples;                         /* of the whole run */
 };
 
 void course_begin(struct course_plant *p, enum course course, uint64_t samples, uint64_t seed);

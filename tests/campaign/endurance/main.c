@@ -1,4 +1,4 @@
-/* Endurance of estimators: three courses, each under every bare rule of forgetting, under the covariance as it is printed, and
+/* Endurance of estimators: courses, each under every bare rule of forgetting, under the covariance as it is printed, and
  * under the supervised block. Prints a line for each:
  *
  *     course, estimator, number format, samples, the sample at which it failed (0: it did not), what happened, sum of |error| over the
@@ -12,7 +12,7 @@
 
 #include "endurance.h"
 
-static const char *const course_name[COURSES] = {"rest", "stiff", "drift"};
+static const char *const course_name[COURSES] = {"rest", "stiff", "drift", "noise"};
 
 static void say(enum course course, const char *estimator, uint64_t samples, struct verdict v)
 {

@@ -1,10 +1,11 @@
-/* The three courses, and how a loop is judged. */
+/* The courses, and how a loop is judged. */
 #include <math.h>
 #include <string.h>
 
 #include "endurance.h"
 
-#define TUNE 600u /* samples with setpoint steps at the beginning of each course */
+/* Mean square of moves that wear nothing out, and that one step of the converter makes: 0.1 % of span r.m.s. */
+#define LEAST_SQUARE 1e-6
 
 static double normal(struct random_source *r)
 {
@@ -22,13 +23,14 @@ void course_begin(struct course_plant *p, enum course course, uint64_t samples, 
     p->gain = 1;
 }
 
-/* Rest: after the tune-in nothing moves until the last thousand samples. Stiff and drift: steps all the time. */
+/* Rest and noise: after the tune-in no setpoint moves until the last thousand samples. Stiff and drift: steps all the time. */
 static double setpoint_of(const struct course_plant *p)
 {
     uint64_t t = p->t;
     switch (p->course) {
     case COURSE_REST:
-        if (t >= TUNE && t + 1000u < p->samples)
+    case COURSE_NOISE:
+        if (t >= COURSE_MOVES && t + COURSE_LAST < p->samples)
             return 0;
         return t / 50u % 2u ? 0.05 : -0.05;
     case COURSE_STIFF:
@@ -47,18 +49,20 @@ void course_prepare(struct course_plant *p)
         double phase = (double)(p->t % 200000u) / 100000.0;
         p->gain = pow(4, phase < 1 ? phase : 2 - phase);
     }
+    if (p->course == COURSE_NOISE)
+        p->sensor = 0.005 * normal(&p->noise);
 }
 
 /* A converter of 12 bits; what is smaller is not seen. */
 double course_reading(const struct course_plant *p)
 {
-    return p->course == COURSE_REST ? round(p->y[0] * 4096) / 4096 : p->y[0];
+    return p->course == COURSE_REST ? round(p->y[0] * 4096) / 4096 : p->y[0] + p->sensor;
 }
 
 void course_step(struct course_plant *p, double u)
 {
     bool stiff = p->course == COURSE_STIFF;
-    double sigma = p->course == COURSE_REST ? 1e-5 : (stiff ? 1e-4 : 1e-3);
+    double sigma = p->course == COURSE_DRIFT ? 1e-3 : (stiff ? 1e-4 : 1e-5);
     double y = stiff ? 1.2 * p->y[0] - 0.35 * p->y[1] + 0.15 * u + 0.05 * p->u[0] + p->load + 0.02
                      : 0.9 * p->y[0] + 0.2 * p->gain * u;
     y += sigma * normal(&p->noise);
@@ -107,12 +111,12 @@ void verdict_of_control(struct verdict *v, const struct course_plant *p, double 
     v->still = p->w == v->w ? v->still + 1u : 0;
     v->w = p->w;
     v->size += (move * move - v->size) / 50;
-    if (p->t == TUNE * 3u) /* noise of the plant alone */
+    if (p->t == COURSE_MOVES * 3u) /* noise of the plant alone */
         v->rest = v->size;
     verdict_of(v, p, !isfinite(p->y[0]) || fabs(p->y[0]) > 1, "control lost");
     verdict_of(v, p,
-               p->course == COURSE_REST && p->t > 3u * TUNE && p->t + 1000u < p->samples &&
-                   v->size > 100 * v->rest + 1e-9,
+               p->course == COURSE_REST && p->t > 3u * COURSE_MOVES &&
+                   p->t + COURSE_LAST < p->samples && v->size > 100 * v->rest + LEAST_SQUARE,
                "burst");
     if (p->t * 10u >= p->samples * 9u)
         v->error += error;

@@ -1,109 +1,27 @@
-/* The whole block with its supervision, driven as the tick drives it: step, what took effect, back-calculation; its work is done between
- * steps. Settings are the defaults but for what every user has to say: the PI of the tune-in, and how many terms and inputs
- * there are. */
+/* The whole block with its supervision. Settings are the defaults but for what every user has to say: the PI of the tune-in, and how
+ * many terms and inputs there are. */
 #include <math.h>
-#include <stdalign.h>
-#include <string.h>
 
-#include "adapt/gmv_block.h"
-#include "adapt/gmv_kind.h"
 #include "endurance.h"
+#include "gmv_block_bench.h"
 
-#define DEPTH       64
-#define BYTES       12000
 #define PARAMETER   50.0f
 #define AT_REST     0.5f /* where the MV stands that gives the plants their u = 0 */
+#define DRIFT_MOST  0.3f /* of g0 while no setpoint moves, a part of it */
 #define MODELS_MOST 100u /* more self-tunings than these in a run, and something is wrong */
 
-struct bench {
-    struct gmv_settings settings;
-    struct block_setup setup;
-    struct block_io io;
-    num_t setpoint, in, out, input[2];
-    uint8_t clamp, limited, quality[2];
-    float age_s[2], event_value[BLOCK_EVENTS_MAX];
-    const struct applied_history *applied[1];
-    struct block_proposal proposal;
-    struct block_excitation excite[BLOCK_EXCITES_MAX];
-};
+static struct gmv_block_bench bench;
 
-static alignas(8) char state[BYTES];
-static alignas(8) char history[sizeof(struct applied_history) + DEPTH * sizeof(num_t)];
-
-static void fill_defaults(struct gmv_settings *s)
-{
-    for (unsigned k = 0; k < gmv_kind.parameters; k++) {
-        const struct block_parameter *p = &gmv_kind.parameter[k];
-        for (unsigned i = 0; i < (unsigned)p->rows * p->cols; i++) {
-            char *at = (char *)s + p->offset;
-            if (p->type == BLOCK_FLOAT)
-                ((float *)(void *)at)[i] = p->initial;
-            else if (p->type == BLOCK_U16)
-                ((uint16_t *)(void *)at)[i] = (uint16_t)p->initial;
-            else
-                ((uint8_t *)at)[i] = (uint8_t)p->initial;
-        }
-    }
-}
-
-static bool bench_begin(struct bench *b, enum course course)
+static bool bench_begin(enum course course)
 {
     bool stiff = course == COURSE_STIFF;
-    memset(b, 0, sizeof *b);
-    fill_defaults(&b->settings);
-    b->settings.tune_gain[0] = 1;
+    gmv_bench_defaults(&bench.settings);
+    bench.settings.tune_gain[0] = 1;
     if (stiff) {
-        b->settings.form = GMV_POSITIONAL;
-        b->settings.na = b->settings.nb = 2;
+        bench.settings.form = GMV_POSITIONAL;
+        bench.settings.na = bench.settings.nb = 2;
     }
-    b->setup = (struct block_setup){.settings = &b->settings,
-                                    .interval_s = 30,
-                                    .members = 1,
-                                    .there = 1,
-                                    .inputs = (uint8_t)(stiff ? 2 : 1)};
-    b->setup.member[0] = (struct block_member){.drives_mv = true, .pv_span = 1, .out_reach = 1};
-    b->setup.pv[0] = (struct block_signal){.lo = 0, .hi = 1};
-    b->setup.input[0] = b->setup.input[1] = b->setup.pv[0];
-    struct block_fault fault;
-    if (gmv_kind.check(&b->setup, &fault) != ERR_OK || gmv_kind.bytes(&b->setup) > sizeof state ||
-        gmv_kind.history(&b->setup) > DEPTH)
-        return false;
-    b->applied[0] = (struct applied_history *)(void *)history;
-    b->io = (struct block_io){.setpoint = &b->setpoint,
-                              .in = &b->in,
-                              .out = &b->out,
-                              .clamp = &b->clamp,
-                              .limited = &b->limited,
-                              .input = b->input,
-                              .quality = b->quality,
-                              .age_s = b->age_s,
-                              .event_value = b->event_value,
-                              .member_applied = b->applied,
-                              .excite = b->excite,
-                              .divisor = 1,
-                              .acting = 1};
-    applied_history_begin((struct applied_history *)(void *)history, DEPTH,
-                          num_from_float(AT_REST));
-    b->out = num_from_float(AT_REST);
-    return gmv_kind.configure(state, &b->setup, false) == ERR_OK;
-}
-
-static void bench_signals(struct bench *b, const struct course_plant *p)
-{
-    b->in = b->input[0] = num_from_float((float)course_reading(p));
-    b->input[1] = num_from_float((float)p->load);
-    b->setpoint = num_from_float((float)p->w);
-}
-
-/* What the main loop does in its time between two steps. */
-static void do_work(struct bench *b)
-{
-    if (b->io.work_wanted && b->io.ask_work && --b->io.ask_work == 0) {
-        while (gmv_kind.work(state)) {
-        }
-        b->io.work_done = true;
-        b->io.work_wanted = false;
-    }
+    return gmv_block_begin(&bench, 30, 1, stiff ? 1 : 0, AT_REST);
 }
 
 static void check_estimator(struct verdict *v, const struct course_plant *p,
@@ -120,41 +38,40 @@ static void check_estimator(struct verdict *v, const struct course_plant *p,
     }
 }
 
+/* Noise of the sensor alone must not change the model. */
+static void check_rest(struct verdict *v, const struct course_plant *p,
+                       const struct gmv_block *block, float *begun)
+{
+    float gain = gmv_own_gain(gmv_of_const(block), 0);
+    if (p->t == COURSE_MOVES || block->watch.state != GMV_SELF_TUNING)
+        *begun = gain;
+    verdict_of(v, p,
+               p->course == COURSE_NOISE && p->t > COURSE_MOVES &&
+                   p->t + COURSE_LAST < p->samples &&
+                   fabsf(gain - *begun) > DRIFT_MOST * fabsf(*begun),
+               "g0 drifted");
+}
+
 struct verdict run_supervised(enum course course, uint64_t samples, uint64_t seed)
 {
     struct verdict v = {0};
     struct course_plant plant;
-    struct bench b;
-    const struct gmv_block *block = (const struct gmv_block *)(const void *)state;
+    const struct gmv_block *block = gmv_bench_block(&bench);
     uint64_t lawful = 0, begun = 0;
+    float gain = 0;
     course_begin(&plant, course, samples, seed);
-    verdict_of(&v, &plant, !bench_begin(&b, course), "settings");
+    verdict_of(&v, &plant, !bench_begin(course), "settings");
     for (uint64_t t = 0; t < samples && !v.at; t++) {
         course_prepare(&plant);
-        bench_signals(&b, &plant);
-        num_t before = b.out;
-        if (t == 0)
-            gmv_kind.follow(state, &b.io);
-        do_work(&b);
-        uint8_t waiting = b.io.ask_work;
-        b.proposal.n = 0;
-        b.io.proposal = &b.proposal;
-        b.io.raised = 0;
-        b.io.ask_work = 0;
+        gmv_block_signals(&bench, 0, plant.w, course_reading(&plant));
+        bench.input[1] = num_from_float((float)plant.load);
+        num_t before = bench.out[0];
         bool law = block->watch.state == GMV_SELF_TUNING;
-        gmv_kind.step(state, &b.io);
-        if (b.io.ask_work && !b.io.work_wanted)
-            b.io.work_wanted = true;
-        else
-            b.io.ask_work = waiting;
-        b.io.work_done = false;
-        verdict_of(&v, &plant, b.io.gives_up != NULL, "gave up");
-        b.out = num_clamp(b.out, num_zero(), num_one());
-        gmv_kind.back_calculate(state, &b.io);
-        applied_history_append((struct applied_history *)(void *)history, b.out);
-        course_step(&plant, (double)(num_to_float(b.out) - AT_REST));
-        verdict_of_control(&v, &plant, (double)num_to_float(num_sub(b.out, before)));
+        verdict_of(&v, &plant, !gmv_block_step(&bench), "gave up");
+        course_step(&plant, (double)(num_to_float(bench.out[0]) - AT_REST));
+        verdict_of_control(&v, &plant, (double)num_to_float(num_sub(bench.out[0], before)));
         check_estimator(&v, &plant, block);
+        check_rest(&v, &plant, block, &gain);
         lawful += block->watch.state == GMV_SELF_TUNING;
         begun += !law && block->watch.state == GMV_SELF_TUNING;
         verdict_of(&v, &plant, begun > MODELS_MOST, "back to the PI too often");

@@ -73,6 +73,7 @@ static unsigned logs(bool slow)
     unsigned waited = 0;
     column_at_rest(SINGLE, 1);
     ask_ok("set block1.excite 0");
+    ask_ok("set block1.nb 1"); /* known soon */
     in_auto();
     setpoint("bottom", base + 0.5);
     plant_steps(2);
