@@ -278,6 +278,12 @@ static struct tune *begin_block(struct block_setup *setup, struct tune_settings 
     *s = (struct tune_settings){.learn_s = 1000,
                                 .check_s = PART * TUNE_PARTS,
                                 .gain = 1,
+                                .forgetting = RLS_CONSTANT,
+                                .forget = 1,
+                                .forget_least = 0.5f,
+                                .memory = 1,
+                                .trace = 1e6f,
+                                .p0 = 1000,
                                 .order = {{1, 1, 0}, {1, 1, 0}},
                                 .k = 0.5f,
                                 .lead_s = 2,
@@ -333,6 +339,28 @@ static void a_disturbance_that_moves_in_this_stage_does_not_stand_still(void)
     TEST_ASSERT_FALSE(tune_stands_still(of->move_square));
 }
 
+static void behind_the_stages_that_learn_it_learns_on_with_every_alone(void)
+{
+    static struct tune_settings s;
+    struct block_setup setup;
+    for (unsigned every = 0; every < 2; every++)
+        for (unsigned stage = TUNE_DISTURBANCE; stage <= TUNE_RUNS; stage++) {
+            struct tune *of = begin_block(&setup, &s);
+            bool behind = stage >= TUNE_COMPUTES;
+            of->s.every_s = every ? 1e6f : 0;
+            of->stage = (uint8_t)stage;
+            of->bad_rests = of->setpoint_rests = 1000;
+            of->anew = of->free = false;
+            tune_learn_anew(of);
+            tune_shadows_begin(of);
+            tune_test_begin(of);
+            for (unsigned k = 0; k < 10; k++)
+                tune_on_sample(of);
+            TEST_ASSERT_EQUAL(stage, of->stage);
+            TEST_ASSERT_EQUAL(!behind || every > 0, high_order_samples(tune_model(of)) > 0);
+        }
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -356,5 +384,6 @@ int main(void)
     RUN_TEST(a_proposal_that_has_not_come_into_force_was_rejected);
     RUN_TEST(with_any_other_number_of_the_element_what_it_does_is_counted_anew);
     RUN_TEST(a_disturbance_that_moves_in_this_stage_does_not_stand_still);
+    RUN_TEST(behind_the_stages_that_learn_it_learns_on_with_every_alone);
     return UNITY_END();
 }
