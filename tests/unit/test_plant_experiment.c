@@ -1,5 +1,6 @@
 /* Models from records (adapt/plant_model.h), and the settings of the kind `experiment`. */
 #include <math.h>
+#include <stdalign.h>
 #include <string.h>
 
 #include "adapt/plant_experiment_block.h"
@@ -283,6 +284,36 @@ static void three_samples_without_a_reading_in_a_row_or_a_tenth_of_all_may_be_mi
     }
 }
 
+/* ---- the recursive estimate ---- */
+
+/* y(t) + a1 y(t-1) + a2 y(t-2) = b1 u1(t-1) + ... in fractions of spans of 100 and 50. */
+static void the_gain_of_the_recursive_estimate_is_that_at_rest_and_0_of_what_integrates(void)
+{
+    static const struct {
+        float a1, a2, gain;
+    } rows[] = {{-0.5f, 0, 2 * 0.3f / 0.5f},
+                {-1.2f, 0.4f, 2 * 0.3f / 0.2f},
+                {-1, 0, 0},
+                {-1.5f, 0.5f, 0},
+                {-1.25f, 0, 0}};
+    static struct experiment e;
+    static alignas(struct experiment_job) char memory[sizeof(struct experiment_job) + 8192];
+    TEST_ASSERT_TRUE(experiment_job_bytes(1, 10) <= sizeof memory);
+    memset(&e, 0, sizeof e);
+    e.n = 1;
+    e.wanted = 10;
+    e.input[0] = (struct block_signal){0, 100, false};
+    e.input[1] = (struct block_signal){0, 50, true};
+    e.job = (struct experiment_job *)(void *)memory;
+    experiment_record_begin(&e, e.job);
+    for (unsigned k = 0; k < sizeof rows / sizeof rows[0]; k++) {
+        num_t theta[RLS_MAX] = {num_from_float(rows[k].a1), num_from_float(rows[k].a2),
+                                num_from_float(0.1f), num_from_float(0.2f)};
+        rls_set(e.job->rls[0], theta);
+        TEST_ASSERT_FLOAT_WITHIN(1e-5f, rows[k].gain, experiment_live_gain(&e, 0, 0));
+    }
+}
+
 /* ---- the test signal ---- */
 
 static void the_signal_goes_as_far_as_reach_says_or_twice_its_amplitude(void)
@@ -334,6 +365,7 @@ int main(void)
     RUN_TEST(what_it_takes_of_the_workspace_grows_with_samples_and_signals);
     RUN_TEST(its_state_has_room_for_the_model_and_begins_without_a_past);
     RUN_TEST(three_samples_without_a_reading_in_a_row_or_a_tenth_of_all_may_be_missing);
+    RUN_TEST(the_gain_of_the_recursive_estimate_is_that_at_rest_and_0_of_what_integrates);
     RUN_TEST(the_signal_goes_as_far_as_reach_says_or_twice_its_amplitude);
     return UNITY_END();
 }
