@@ -146,6 +146,12 @@ static void the_integral_does_not_stall_at_50_ms_ticks_with_an_hour_of_integral_
     }
 }
 
+static void the_integral_acts_at_a_fraction_of_a_second_of_integral_time(void)
+{
+    for (int form = 0; form < 2; form++)
+        TEST_ASSERT_TRUE(fabs(integrate_for_hours((enum pid_form)form, 1e-2, 0.002, 0.5)) < 3e-4);
+}
+
 static void velocity_and_positional_algorithms_agree_while_nothing_is_limited(void)
 {
     struct pid_config c = pi_config(1.5f, 40.0f);
@@ -415,6 +421,7 @@ int main(void)
     RUN_TEST(a_setpoint_step_gives_no_derivative_kick_when_c_is_zero);
     RUN_TEST(the_derivative_acts_against_a_rising_measurement_and_dies_away);
     RUN_TEST(the_integral_does_not_stall_at_50_ms_ticks_with_an_hour_of_integral_time);
+    RUN_TEST(the_integral_acts_at_a_fraction_of_a_second_of_integral_time);
     RUN_TEST(velocity_and_positional_algorithms_agree_while_nothing_is_limited);
     RUN_TEST(the_integral_does_not_wind_up_while_the_output_is_saturated);
     RUN_TEST(the_integral_does_not_wind_up_when_something_downstream_limits);
