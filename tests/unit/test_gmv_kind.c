@@ -29,6 +29,7 @@ static float age_s[LOOPS], event_value[BLOCK_EVENTS_MAX];
 
 /* y(t+1) = a y + b u + c, at rest where y and u are REST. */
 static double a, b[LOOPS][LOOPS], y[LOOPS], w[LOOPS], least[LOOPS], most[LOOPS];
+static double given[LOOPS]; /* by the block, before limits */
 
 static void defaults(void)
 {
@@ -117,7 +118,8 @@ static void step(void)
     gmv_kind.step(state, &io);
     TEST_ASSERT_NULL_MESSAGE(io.gives_up, io.gives_up);
     for (unsigned j = 0; j < LOOPS; j++) {
-        u[j] = fmin(fmax(D(out[j]), least[j]), most[j]);
+        given[j] = D(out[j]);
+        u[j] = fmin(fmax(given[j], least[j]), most[j]);
         out[j] = N(u[j]);
         applied_history_append(ring_of(j), out[j]);
     }
@@ -242,8 +244,29 @@ static void loops_that_are_alike_are_solved_one_by_one_and_it_says_so(void)
     TEST_ASSERT_TRUE(raises("singular"));
 }
 
-/* Its PIs hold both PVs where they are: nothing has been learnt that could be tried. */
-static void at_rest_no_model_is_tried(void)
+static float shown(const char *name)
+{
+    float value = 0;
+    const char *found;
+    for (size_t i = 0; (found = gmv_kind.describe(state, i, &value)) != NULL; i++)
+        if (strcmp(found, name) == 0)
+            return value;
+    TEST_FAIL_MESSAGE(name);
+    return 0;
+}
+
+static void tell(const char *verb)
+{
+    for (unsigned i = 0; i < gmv_kind.verbs; i++)
+        if (strcmp(gmv_kind.verb[i].name, verb) == 0) {
+            TEST_ASSERT_NULL(gmv_kind.verb[i].run(state, NULL));
+            return;
+        }
+    TEST_FAIL_MESSAGE(verb);
+}
+
+/* Supervised, with everything to learn. */
+static void begin_to_tune(void)
 {
     begin(0.1, 0.05, 0.06, 0.1);
     memset(settings.theta, 0, sizeof settings.theta);
@@ -252,6 +275,77 @@ static void at_rest_no_model_is_tried(void)
     settings.p0[0] = settings.p0[1] = 1e6f;
     TEST_ASSERT_EQUAL(ERR_OK, gmv_kind.configure(state, &setup, false));
     gmv_kind.follow(state, &io);
+}
+
+/* Step k. Both setpoints move, one every 10 steps and one every 14. */
+static void step_with_moving_setpoints(unsigned k)
+{
+    w[0] = REST + (k / 10 % 2 ? 0.05 : -0.05);
+    w[1] = REST + (k / 14 % 2 ? 0.05 : -0.05);
+    step();
+}
+
+static void told_to_reset_it_is_as_unsure_of_its_parameters_as_at_first(void)
+{
+    begin_to_tune();
+    float first[LOOPS] = {shown("trace_1"), shown("trace_2")};
+    for (unsigned k = 0; k < 18; k++)
+        step_with_moving_setpoints(k);
+    TEST_ASSERT_TRUE(shown("trace_1") < first[0] / 2 && shown("trace_2") < first[1] / 2);
+    tell("reset");
+    TEST_ASSERT_EQUAL_FLOAT(first[0], shown("trace_1"));
+    TEST_ASSERT_EQUAL_FLOAT(first[1], shown("trace_2"));
+}
+
+/* The main loop has done a trial by the next step. Returns how many there were. */
+static unsigned trials_until_adopted(void)
+{
+    unsigned trials = 0;
+    begin_to_tune();
+    for (unsigned k = 0; k < 400 && !raises("adopted"); k++) {
+        io.work_done = io.ask_work > 0;
+        while (io.work_done && gmv_kind.work(state))
+            ;
+        io.ask_work = 0;
+        step_with_moving_setpoints(k);
+        trials += io.ask_work > 0;
+    }
+    io.work_done = false;
+    TEST_ASSERT_TRUE(raises("adopted"));
+    return trials;
+}
+
+static void a_model_is_tried_once(void)
+{
+    TEST_ASSERT_EQUAL_UINT(1, trials_until_adopted());
+}
+
+/* The plant's gains turn round, so the PVs are on their way when it gives up. */
+static void when_it_gives_up_its_pis_go_on_from_the_outputs_in_effect(void)
+{
+    double before[LOOPS] = {0}, pv[LOOPS] = {0};
+    (void)trials_until_adopted();
+    for (unsigned i = 0; i < LOOPS; i++)
+        for (unsigned j = 0; j < LOOPS; j++)
+            b[i][j] = -b[i][j];
+    for (unsigned k = 0; k < 400 && raises("adopted"); k++) {
+        for (unsigned i = 0; i < LOOPS; i++) {
+            before[i] = D(out[i]);
+            pv[i] = D(in[i]);
+        }
+        step_with_moving_setpoints(k);
+    }
+    TEST_ASSERT_FALSE(raises("adopted"));
+    for (unsigned i = 0; i < LOOPS; i++) {
+        TEST_ASSERT_TRUE(fabs(D(in[i]) - pv[i]) > 1e-3);
+        TEST_ASSERT_DOUBLE_WITHIN(1e-6, before[i], given[i]);
+    }
+}
+
+/* Its PIs hold both PVs where they are: nothing has been learnt that could be tried. */
+static void at_rest_no_model_is_tried(void)
+{
+    begin_to_tune();
     for (unsigned k = 0; k < 200; k++) {
         step();
         TEST_ASSERT_EQUAL(0, io.ask_work);
@@ -268,6 +362,9 @@ int main(void)
     RUN_TEST(a_limit_of_one_mv_leaves_the_other_loop_at_its_setpoint_and_is_forgotten_when_it_ends);
     RUN_TEST(two_loops_that_begin_alike_go_on_alike);
     RUN_TEST(loops_that_are_alike_are_solved_one_by_one_and_it_says_so);
+    RUN_TEST(told_to_reset_it_is_as_unsure_of_its_parameters_as_at_first);
+    RUN_TEST(a_model_is_tried_once);
+    RUN_TEST(when_it_gives_up_its_pis_go_on_from_the_outputs_in_effect);
     RUN_TEST(at_rest_no_model_is_tried);
     return UNITY_END();
 }

@@ -481,6 +481,17 @@ static void an_mv_that_turns_every_14_steps_swings_and_one_every_25_does_not(voi
     TEST_ASSERT_FALSE(turns_every(25));
 }
 
+/* The first 20 steps answer the setpoint. */
+static void without_256_steps_at_rest_nothing_is_bursting(void)
+{
+    gmv_burst_begin(&burst);
+    TEST_ASSERT_FALSE(moves(20 + 200, 0.002f, -0.002f));
+    TEST_ASSERT_FALSE(moves(50, 0.03f, -0.03f));
+    gmv_burst_begin(&burst);
+    TEST_ASSERT_FALSE(moves(20 + 256, 0.002f, -0.002f));
+    TEST_ASSERT_TRUE(moves(20, 0.03f, -0.03f));
+}
+
 static void a_load_answered_in_one_direction_is_not(void)
 {
     gmv_burst_begin(&burst);
@@ -579,6 +590,7 @@ int main(void)
     RUN_TEST(where_nothing_is_forgotten_nothing_is_frozen);
     RUN_TEST(moves_to_and_fro_above_the_usual_are_bursting);
     RUN_TEST(an_mv_that_turns_every_14_steps_swings_and_one_every_25_does_not);
+    RUN_TEST(without_256_steps_at_rest_nothing_is_bursting);
     RUN_TEST(a_load_answered_in_one_direction_is_not);
     RUN_TEST(moves_that_have_always_been_large_are_not);
     RUN_TEST(small_moves_are_not_whatever_there_was_before);

@@ -158,6 +158,20 @@ static void two_loops_are_tried_together(void)
     agrees("two loops, strongly coupled");
 }
 
+static void an_mv_that_is_later_at_the_other_pv_is_tried_so(void)
+{
+    b.config = gmv_plain_config(2);
+    b.plant = (struct gmv_plant){
+        .a = {0.97, 0.97}, .b = {{0.1, 0.06}, {0.06, 0.1}}, .k = {{1, 3}, {3, 1}}};
+    for (unsigned i = 0; i < 2; i++) {
+        static const float theta[3] = {0.97f, 0.1f, 0.06f}; /* own MV first */
+        memcpy(b.config.theta[i], theta, sizeof theta);
+        b.config.lambda[i] = 1;
+        b.config.shape.delay[i][1 - i] = 3;
+    }
+    agrees("two loops, each MV later at the other PV");
+}
+
 /* The equations are {1, 2} and {-0.504, 1.5}, or the loops the other way round: of rows that are divided by their largest elements
  * the determinant is 0.836. */
 static void where_the_law_takes_loops_one_by_one_the_trial_does(void)
@@ -269,6 +283,7 @@ int main(void)
     RUN_TEST(a_longer_horizon_is_tried_as_it_is);
     RUN_TEST(a_law_made_of_a_model_is_tried_with_that_model);
     RUN_TEST(two_loops_are_tried_together);
+    RUN_TEST(an_mv_that_is_later_at_the_other_pv_is_tried_so);
     RUN_TEST(where_the_law_takes_loops_one_by_one_the_trial_does);
     RUN_TEST(loops_whose_mvs_do_nothing_are_left_to_themselves);
     RUN_TEST(an_mv_that_does_nothing_for_its_own_loop_does_not_move);
