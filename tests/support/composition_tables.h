@@ -66,6 +66,25 @@ static inline void put_record(struct column_record *record, const float *values,
 
 #define PUT_RECORD(record, values) put_record(record, values, sizeof(values) / sizeof(values)[0])
 
+/* The record of the pilot column with each component twice, under two names. */
+static inline void put_components_twice(struct column_record *record)
+{
+    enum { BEHIND = COLUMN_TABLE_FIXED + 4 * COLUMN_TABLE_C_VALUES };
+    float v[COLUMN_TABLE_VALUES(12, 4, 0)];
+    const float *one = pilot_values + COLUMN_TABLE_FIXED, *x = one + 2 * COLUMN_TABLE_C_VALUES;
+    memcpy(v, pilot_values, COLUMN_TABLE_FIXED * sizeof *v);
+    v[COLUMN_TABLE_N_COMPONENTS] = 4;
+    for (unsigned j = 0; j < 4; j++) {
+        float *to = v + COLUMN_TABLE_FIXED + j * COLUMN_TABLE_C_VALUES;
+        memcpy(to, one + j / 2 * COLUMN_TABLE_C_VALUES, COLUMN_TABLE_C_VALUES * sizeof *v);
+        to[COLUMN_TABLE_C_NAME] += (float)(j % 2);
+        to[COLUMN_TABLE_C_FEED] /= 2;
+    }
+    for (unsigned k = 0; k < 36; k++)
+        v[BEHIND + k] = (k % 3 < 2 ? x[k / 3] : 1 - x[k / 3]) / 2;
+    PUT_RECORD(record, v);
+}
+
 /* The record with one of its values changed, and in order again. */
 static inline void change_record(struct column_record *record, unsigned place, float value)
 {

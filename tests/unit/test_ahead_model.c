@@ -72,7 +72,7 @@ static void a_part_of_what_is_said_is_taken_in_a_step(void)
     TEST_ASSERT_DOUBLE_WITHIN(1e-4, whole / 4, shift_of((double)m.x[5]) - shift_of(profile(6)));
 }
 
-static void a_temperature_is_met_after_a_few_corrections(void)
+static void temperature_is_met(void)
 {
     TEST_ASSERT_EQUAL(ERR_OK, ahead_model_look(&m, m.x));
     struct ahead_said said = {.stage = 5, .component = 0};
@@ -80,6 +80,33 @@ static void a_temperature_is_met_after_a_few_corrections(void)
     for (unsigned k = 0; k < 4; k++)
         TEST_ASSERT_EQUAL(ERR_OK, ahead_model_correct(&m, &said, 1, 1));
     TEST_ASSERT_DOUBLE_WITHIN(1e-3, (double)said.value, (double)m.column.temperature[5]);
+}
+
+static void a_temperature_is_met_after_a_few_corrections(void)
+{
+    temperature_is_met();
+}
+
+static void a_temperature_of_four_components_is_met_too(void)
+{
+    static real_t many[4000];
+    put_components_twice(&record);
+    TEST_ASSERT_TRUE(ahead_model_numbers(12, 4) <= sizeof many / sizeof many[0]);
+    TEST_ASSERT_EQUAL(ERR_OK, ahead_model_begin(&m, &record, many));
+    temperature_is_met();
+}
+
+static void at_rest_again_it_is_to_the_bit_what_it_was_at_first(void)
+{
+    real_t first[12];
+    struct ahead_said said;
+    TEST_ASSERT_EQUAL(ERR_OK, ahead_model_look(&m, m.x));
+    memcpy(first, m.column.temperature, sizeof first);
+    said_fraction(&said, 6, profile(6) + 0.1);
+    TEST_ASSERT_EQUAL(ERR_OK, ahead_model_correct(&m, &said, 1, 1));
+    ahead_model_rest(&m);
+    TEST_ASSERT_EQUAL(ERR_OK, ahead_model_look(&m, m.x));
+    TEST_ASSERT_EQUAL_MEMORY(first, m.column.temperature, sizeof first);
 }
 
 /* In one correction a mole fraction goes by 0.2 at most. */
@@ -207,6 +234,8 @@ int main(void)
     RUN_TEST(three_places_bend_the_correction_at_the_middle_one);
     RUN_TEST(a_part_of_what_is_said_is_taken_in_a_step);
     RUN_TEST(a_temperature_is_met_after_a_few_corrections);
+    RUN_TEST(a_temperature_of_four_components_is_met_too);
+    RUN_TEST(at_rest_again_it_is_to_the_bit_what_it_was_at_first);
     RUN_TEST(what_is_far_away_is_met_in_pieces);
     RUN_TEST(no_mole_fraction_leaves_its_ends);
     RUN_TEST(mass_fractions_are_those_of_the_components_masses);
