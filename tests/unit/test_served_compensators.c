@@ -222,9 +222,12 @@ static void an_interlock_on_one_mv_leaves_the_other_alone(void)
     reading(FEED, 9);
     tick();
     TEST_ASSERT_DOUBLE_WITHIN(1e-6, 0.1, sent(HEAT));
+    tick();
+    unsigned follows = cross_at(0)->follows;
     ticks(5);
     ASSERT_NO_BUMP(reflux, sent(REFLUX));
     TEST_ASSERT_EQUAL(1, cross_at(0)->mask);
+    TEST_ASSERT_EQUAL_UINT(follows, cross_at(0)->follows); /* its lags go on */
     reading(FEED, 5);
     ticks(2);
     TEST_ASSERT_EQUAL(3, cross_at(0)->mask);

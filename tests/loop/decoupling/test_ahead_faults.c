@@ -256,11 +256,22 @@ static void an_input_that_is_another_loops_mv_makes_it_give_up(void)
     TEST_ASSERT_TRUE(block_is("off"));
 }
 
+static void a_compensator_of_its_loops_is_refused(void)
+{
+    begin(&modes[0]);
+    ask_ok("begin");
+    ask_ok("set block4.kind polynomial");
+    ask_ok("set block4.loops bottom,top");
+    ask_refused("apply", "CONFLICT");
+    TEST_ASSERT_TRUE_MESSAGE(said("it works out the MVs of a column itself"), board.said);
+}
+
 int main(void)
 {
     UNITY_BEGIN();
     RUN_TEST(every_fault_in_every_mode_ends_as_it_must);
     RUN_TEST(a_state_that_is_lost_hands_over_to_the_loops_own_controllers);
     RUN_TEST(an_input_that_is_another_loops_mv_makes_it_give_up);
+    RUN_TEST(a_compensator_of_its_loops_is_refused);
     return UNITY_END();
 }
