@@ -167,6 +167,29 @@ static void everything_people_can_do_in_a_test(void)
     CASE(every_listing_says_something_at_any_time);
 }
 
+static void operators_pause_and_abort_it_and_the_rest_is_for_engineers(void)
+{
+    static const char *const rest[] = {"begin",  "resume", "skip",   "repeat",
+                                       "accept", "edit",   "reject", "discard"};
+    char line[40];
+    wood_berry(NULL);
+    ask_ok("key pot_still");
+    plant_step();
+    ask_ok("commission begin");
+    until("TEST_STEP R", 300);
+    ask_ok("lock");
+    ask_ok("commission pause");
+    plant_steps(2);
+    TEST_ASSERT_TRUE(phase_is("paused"));
+    for (unsigned k = 0; k < sizeof rest / sizeof rest[0]; k++) {
+        snprintf(line, sizeof line, "commission %s", rest[k]);
+        ask_refused(line, "LOCKED");
+    }
+    ask_ok("commission abort");
+    plant_step();
+    TEST_ASSERT_TRUE(phase_is("ended"));
+}
+
 static void nothing_skipped_twice_over_is_analysed(void)
 {
     wood_berry(NULL);
@@ -258,6 +281,7 @@ int main(void)
 {
     UNITY_BEGIN();
     RUN_TEST(everything_people_can_do_in_a_test);
+    RUN_TEST(operators_pause_and_abort_it_and_the_rest_is_for_engineers);
     RUN_TEST(nothing_skipped_twice_over_is_analysed);
     RUN_TEST(it_says_why_it_does_not_begin);
     int failed = UNITY_END();

@@ -391,6 +391,8 @@ static void a_loop_in_manual_follows_while_the_other_acts(void)
         num_t manual = b.out[1];
         inferential_kind.step(b.state, &b.io);
         TEST_ASSERT_TRUE(num_eq(manual, b.out[1]));
+        TEST_ASSERT_DOUBLE_WITHIN(1e-5, b.plant[1].t[0] - b.plant[1].setpoint,
+                                  bench_value(&b, "y1_2"));
         bench_apply(&b);
         bench_go_on(&b);
     }
