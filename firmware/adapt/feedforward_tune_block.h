@@ -49,6 +49,7 @@ enum tune_event {
     TUNE_SAYS_CHANGED,
     TUNE_SAYS_STILL,
     TUNE_SAYS_SENSOR,
+    TUNE_SAYS_WEAK,
     TUNE_EVENTS
 };
 
@@ -90,8 +91,8 @@ struct tune {
     uint8_t tried;        /* times it was switched off */
     uint8_t changes;      /* times in a row that it was identified anew for doing too little */
     uint32_t sensor_away; /* steps */
-    float worse_by;       /* % */
-    bool running;         /* the element has a gain */
+    float worse_by, changed_to; /* what `worse` and `changed` tell, % */
+    bool running;               /* the element has a gain */
     bool asked_signal, let_pass;
     uint8_t asks; /* bit 0: for the setpoint, bit 1: for the disturbance */
 
@@ -129,6 +130,12 @@ struct tune {
     real_t loop_square;
     uint32_t squared; /* samples in them */
     bool learns;
+    real_t d_square;  /* mean square of the disturbance of late, in any stage */
+    real_t d_most;    /* the largest there was in the last hours */
+    real_t d_learnt;  /* the one that the element in force was learnt from; 0: none was */
+    uint32_t d_still; /* samples since the disturbance moved last; 0: it moves */
+    bool d_moved;     /* it has in this stage */
+    bool by_itself;   /* nobody has asked for what is identified */
 
     /* On the grid. */
     uint8_t points, band_from, band_to; /* band_to: behind the last */
@@ -171,9 +178,13 @@ struct tune {
     uint8_t parts, better_parts;
     uint32_t part_samples, part_at;
     real_t part_now, part_then, part_without, all_now, all_then, all_without, part_d;
+    real_t all_d;    /* squares of the disturbance in it */
     real_t promised; /* what was tested: 1 - candidate/without, of squares */
+    real_t tested;   /* mean square of the error under feedback alone, as it was then */
+    real_t alone;    /* the same over that of the disturbance */
     /* While it runs: decaying sums of squares. */
-    real_t watch_with, watch_without, watch_weight;
+    real_t watch_with, watch_without, watch_d, watch_weight;
+    bool as_alone;         /* the loop is no better than it was under feedback alone */
     uint32_t worse_for;    /* samples in a row in which it is worse than without */
     uint32_t since_change; /* samples in which it does less than half of what was promised */
 
@@ -238,6 +249,12 @@ bool tune_take(struct tune *t, const struct block_io *io);
 void tune_learn_anew(struct tune *t);
 void tune_learn(struct tune *t);
 void tune_ask_signal(struct tune *t, struct block_io *io);
+/* Whether the disturbance moves; once in each sample. */
+void tune_look_at_disturbance(struct tune *t);
+/* It rests, and what the stage is there for needs it to move: nothing is learnt, and no test signal moves the plant. */
+bool tune_waits(const struct tune *t);
+/* A square wave on the setpoint belongs to the stage. */
+bool tune_moves_setpoint(const struct tune *t);
 
 /* ---- work (feedforward_tune_work.c) ---- */
 
@@ -280,6 +297,9 @@ void tune_learn_stage(struct tune *t, enum tune_stage stage);
 void tune_begin(struct tune *t);
 /* Nothing more comes of it. An element that acts is watched on. */
 void tune_end_with(struct tune *t, enum tune_verdict verdict);
+/* How large `step` had to be for what the last identification wanted of it, EU; 0: it was not for want of that. */
+float tune_step_wanted(const struct tune *t);
+/* A mean square so small that nothing moves. */
 bool tune_stands_still(real_t square);
 /* In every step; the second where a sample is whole. */
 void tune_work_on(struct tune *t, struct block_io *io);

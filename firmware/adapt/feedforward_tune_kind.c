@@ -29,6 +29,8 @@ static const struct block_event tune_events[TUNE_EVENTS] = {
          "the disturbance stands still: step it, or set disturb; r.m.s., % of span"},
     [TUNE_SAYS_SENSOR] = {"sensor", BLOCK_ALARM,
                           "a reading is missing; 1 the PV, 2 the disturbance"},
+    [TUNE_SAYS_WEAK] = {"weak", BLOCK_INFO,
+                        "the test signal is small beside what else moves the PV; set step to, EU"},
 };
 
 /* ---- settings ---- */
@@ -72,7 +74,7 @@ static void element_changed(struct tune *t, bool is_candidate)
     t->asked_signal = false;
     if (!t->running && (t->again || t->stage == TUNE_SILENCES)) {
         /* The first time with what is known of the loop: that it moved it the wrong way may be the element's doing alone. */
-        bool loop_known = t->again && t->has_loop && t->tried == 1;
+        bool loop_known = t->again && t->has_loop && t->tried == 1 && t->verdict == TUNE_WORSE;
         t->again = false;
         tune_learn_stage(t, tune_is_staged(t) && !loop_known ? TUNE_LOOP : TUNE_DISTURBANCE);
         return;
@@ -110,6 +112,9 @@ static void begin_without_past(struct tune *t)
     t->silencing = t->off_waits = t->again = false;
     t->verdict = TUNE_NONE;
     t->tried = t->changes = 0;
+    t->d_square = t->d_most = t->d_learnt = REAL_C(0.0);
+    t->by_itself = false;
+    t->d_still = 1;
     if (t->s.begin)
         tune_begin(t);
 }
@@ -143,18 +148,21 @@ static enum err tune_configure(void *state, const struct block_setup *setup, boo
 
 static void tell_tuning_events(struct tune *t, struct block_io *io)
 {
-    bool still = t->stage == TUNE_DISTURBANCE && tune_stands_still(t->move_square) &&
-                 2u * t->stage_samples > tune_samples(t, t->s.learn_s);
+    bool still = (t->stage == TUNE_LOOP || t->stage == TUNE_DISTURBANCE) && tune_waits(t) &&
+                 2u * t->d_still > tune_samples(t, t->s.learn_s);
     bool away = t->sensor_away > SENSOR_AWAY * t->ticks;
     if (t->told_verdict)
         t->tells |= 1u << TUNE_SAYS_NOT;
     io->raised = (uint16_t)(t->tells | (still ? 1u << TUNE_SAYS_STILL : 0u) |
                             (away ? 1u << TUNE_SAYS_SENSOR : 0u));
+    if (t->told_verdict && tune_step_wanted(t) > 0)
+        io->raised |= 1u << TUNE_SAYS_WEAK;
+    io->event_value[TUNE_SAYS_WEAK] = tune_step_wanted(t);
     io->event_value[TUNE_SAYS_ADOPTED] = 100 * (float)t->promised;
     io->event_value[TUNE_SAYS_NOT] = t->told_verdict;
     io->event_value[TUNE_SAYS_WORSE] = t->worse_by;
-    io->event_value[TUNE_SAYS_CHANGED] = tune_improvement(t);
-    io->event_value[TUNE_SAYS_STILL] = 100 * (float)real_sqrt(t->move_square);
+    io->event_value[TUNE_SAYS_CHANGED] = t->changed_to;
+    io->event_value[TUNE_SAYS_STILL] = 100 * (float)real_sqrt(t->d_square);
     io->event_value[TUNE_SAYS_SENSOR] = io->quality[0] == QUALITY_GOOD ? 2 : 1;
     t->tells = 0;
     t->told_verdict = TUNE_NONE;
@@ -211,6 +219,7 @@ static const char *run_tune_element(void *state, const float *number)
     if (t->stage != TUNE_IDLE && t->stage != TUNE_RUNS)
         return "runs";
     t->tried = t->changes = 0;
+    t->by_itself = false;
     tune_begin(t);
     return NULL;
 }

@@ -182,6 +182,51 @@ void tune_learn(struct tune *t)
     t->since_look++;
 }
 
+/* ---- whether there is anything to learn ---- */
+
+/* Of the squares of a disturbance that moves, when less than this part is left it rests. */
+#define AT_REST REAL_C(0.1)
+/* Of `learn`: over which it is looked at; how long it is remembered that it moved more. */
+#define OF_LATE    0.125f
+#define REMEMBERED 4.0f
+
+static real_t larger_of(real_t a, real_t b)
+{
+    return a > b ? a : b;
+}
+
+void tune_look_at_disturbance(struct tune *t)
+{
+    real_t d = num_to_float(t->now[SIGNAL_D]);
+    t->d_square += (d * d - t->d_square) / (real_t)tune_samples(t, OF_LATE * t->s.learn_s);
+    t->d_most -= t->d_most / (real_t)tune_samples(t, REMEMBERED * t->s.learn_s);
+    t->d_most = larger_of(t->d_most, t->d_square);
+    bool rests =
+        tune_stands_still(t->d_square) || t->d_square < AT_REST * larger_of(t->d_learnt, t->d_most);
+    t->d_still = rests ? t->d_still + (t->d_still < UINT32_MAX) : 0;
+    t->d_moved = t->d_moved || !rests;
+}
+
+static bool moves_disturbance(const struct tune *t)
+{
+    return t->d_is_mv && t->s.disturb > 0 &&
+           (t->stage == TUNE_DISTURBANCE || t->stage == TUNE_TESTS);
+}
+
+bool tune_moves_setpoint(const struct tune *t)
+{
+    return t->s.step > 0 &&
+           (t->stage == TUNE_LOOP || (t->stage == TUNE_DISTURBANCE && !tune_is_staged(t)));
+}
+
+bool tune_waits(const struct tune *t)
+{
+    /* The loop is found best where the disturbance rests. But unasked, nothing is moved that rests. */
+    bool of_setpoints = t->stage == TUNE_LOOP && !(t->by_itself && t->s.step > 0);
+    bool moved_itself = t->d_is_mv && t->s.disturb > 0;
+    return t->d_still && !of_setpoints && !moved_itself;
+}
+
 /* ---- test signals ---- */
 
 static num_t square_wave(const struct tune *t, float size, float period_s)
@@ -200,9 +245,8 @@ static float fraction_of(float size, const struct block_signal *s)
  * begin again likewise. */
 void tune_ask_signal(struct tune *t, struct block_io *io)
 {
-    bool identifies = t->stage == TUNE_DISTURBANCE;
-    bool loop = t->s.step > 0 && (t->stage == TUNE_LOOP || (identifies && !tune_is_staged(t)));
-    bool disturbance = t->d_is_mv && t->s.disturb > 0 && (identifies || t->stage == TUNE_TESTS);
+    bool loop = tune_moves_setpoint(t) && !tune_waits(t);
+    bool disturbance = moves_disturbance(t);
     uint8_t asks = (uint8_t)((loop ? 1u : 0u) | (disturbance ? 2u : 0u)), n = 0;
     bool other = t->asked_signal && t->asks != asks;
     t->asked_signal = false;

@@ -5,8 +5,17 @@
 
 #define LOOKS_A_STAGE 8u
 #define SETTLED_LOOKS 2u
+/* Times `settled` that a response may still change when the time of a stage is over. */
+#define UNSETTLED 5.0f
+/* A test signal that was too small: how many times as large the next one should be. */
+#define STEP_MORE_LEAST 2.0f
+#define STEP_MORE_MOST  10.0f
 /* In a row, none of which has brought what was promised: then it stays as it is. */
 #define CHANGES_MOST 3u
+/* Of `check`: so long it may do less than half of what was tested. */
+#define CHANGED_PART 0.5f
+/* Less than this, %, is not worth an element that acts. */
+#define OF_NO_USE 10.0f
 /* r.m.s. of a signal that stands still: fraction of span. */
 #define STILL REAL_C(5e-4)
 
@@ -14,6 +23,7 @@ void tune_stage_begins(struct tune *t, enum tune_stage stage)
 {
     t->stage = (uint8_t)stage;
     t->stage_samples = t->signal_samples = 0;
+    t->d_moved = !t->d_still;
     t->handed = false;
 }
 
@@ -33,6 +43,21 @@ void tune_begin(struct tune *t)
         tune_stage_begins(t, TUNE_SILENCES);
     else
         tune_learn_stage(t, tune_is_staged(t) ? TUNE_LOOP : TUNE_DISTURBANCE);
+}
+
+/* What is in doubt, or still changes, does so in proportion to what else moves the PV, over the test signal. A response that is not there
+ * at all tells nothing: then twice as much. */
+float tune_step_wanted(const struct tune *t)
+{
+    float times = STEP_MORE_LEAST;
+    if (t->verdict == TUNE_SLOW)
+        times = (float)t->change * 100 / t->s.settled;
+    else if (t->verdict == TUNE_UNSURE)
+        times = (float)t->spread * 100 / t->s.confident;
+    else if (t->verdict != TUNE_NO_MODEL && t->verdict != TUNE_NO_BAND)
+        return 0;
+    times = times > STEP_MORE_LEAST ? times : STEP_MORE_LEAST;
+    return t->s.step * (times < STEP_MORE_MOST ? times : STEP_MORE_MOST);
 }
 
 /* Nothing more comes of it. One that runs is watched on. */
@@ -62,16 +87,13 @@ bool tune_stands_still(real_t square)
 /* What the stage should learn from did not move; a response that does not change then says nothing. */
 static enum tune_verdict stands_still_in_stage(const struct tune *t)
 {
-    if (t->stage == TUNE_LOOP)
+    if (t->stage == TUNE_LOOP && !tune_waits(t))
         return tune_stands_still(t->loop_square) ? TUNE_LOOP_STILL : TUNE_NONE;
     return tune_stands_still(t->move_square) ? TUNE_STILL : TUNE_NONE;
 }
 
-static void look_over(struct tune *t)
+static void stage_over(struct tune *t)
 {
-    t->settled_looks = (uint8_t)(t->change * 100 < t->s.settled ? t->settled_looks + 1u : 0u);
-    if (t->settled_looks < SETTLED_LOOKS || t->stage_samples < tune_samples(t, t->s.learn_s))
-        return;
     if (stands_still_in_stage(t) != TUNE_NONE)
         tune_end_with(t, stands_still_in_stage(t));
     else if (t->stage == TUNE_LOOP)
@@ -80,11 +102,19 @@ static void look_over(struct tune *t)
         tune_stage_begins(t, TUNE_COMPUTES);
 }
 
+static void look_over(struct tune *t)
+{
+    t->settled_looks = (uint8_t)(t->change * 100 < t->s.settled ? t->settled_looks + 1u : 0u);
+    if (t->settled_looks >= SETTLED_LOOKS && t->stage_samples >= tune_samples(t, t->s.learn_s))
+        stage_over(t);
+}
+
 static void candidate_there(struct tune *t)
 {
     tune_stage_begins(t, TUNE_TESTS);
     t->model = t->found;
     t->has_model = true;
+    t->d_learnt = t->move_square;
     tune_shadows_begin(t);
     tune_test_begin(t);
 }
@@ -123,8 +153,10 @@ static void learning_on(struct tune *t)
     if (t->computing || !t->free)
         return;
     if (t->stage_samples > 2u * wanted) {
-        enum tune_verdict still = stands_still_in_stage(t);
-        tune_end_with(t, still != TUNE_NONE ? still : TUNE_SLOW);
+        if (t->change * 100 < UNSETTLED * t->s.settled || stands_still_in_stage(t) != TUNE_NONE)
+            stage_over(t); /* whether what was learnt is good enough is tested behind it */
+        else
+            tune_end_with(t, TUNE_SLOW);
     } else if (t->since_look >= wanted / LOOKS_A_STAGE) {
         tune_ask_look(t, true);
     }
@@ -156,6 +188,39 @@ static bool is_due(struct tune *t)
            (t->s.alone || high_order_samples(tune_model(t)) >= tune_samples(t, t->s.learn_s));
 }
 
+/* Off at once, and then anew, or not. */
+static void switch_off(struct tune *t, bool again)
+{
+    t->silencing = true;
+    t->asked_signal = false;
+    tune_watch_begin(t);
+    t->computing = t->reading = false;
+    tune_stage_begins(t, TUNE_IDLE);
+    t->again = again;
+    t->by_itself = true;
+}
+
+/* It does less than half of what was tested. Under a test signal on the setpoint nothing is watched: so that it may not act then. */
+static void no_longer_does_it(struct tune *t)
+{
+    bool anew = t->changes < CHANGES_MOST;
+    bool off =
+        t->s.protect && (anew ? t->s.step > 0 : t->as_alone || tune_improvement(t) < OF_NO_USE);
+    t->since_change = 0;
+    if (!anew && !off)
+        return;
+    t->tells |= 1u << TUNE_SAYS_CHANGED;
+    t->changed_to = tune_improvement(t);
+    t->changes = (uint8_t)(t->changes + anew);
+    t->by_itself = true;
+    if (off && !anew)
+        t->verdict = t->told_verdict = TUNE_NO_BETTER;
+    if (off)
+        switch_off(t, anew);
+    else
+        tune_begin(t);
+}
+
 static void running_on(struct tune *t)
 {
     t->since_tuned++;
@@ -165,12 +230,8 @@ static void running_on(struct tune *t)
     } else if (is_due(t)) {
         t->since_tuned = 0;
         tune_stage_begins(t, TUNE_COMPUTES);
-    } else if (t->since_change > tune_samples(t, t->s.check_s) && t->promised > 0 &&
-               t->changes < CHANGES_MOST) {
-        t->changes++;
-        t->tells |= 1u << TUNE_SAYS_CHANGED;
-        t->since_change = 0;
-        tune_begin(t);
+    } else if (t->since_change > tune_samples(t, CHANGED_PART * t->s.check_s) && t->promised > 0) {
+        no_longer_does_it(t);
     }
 }
 
@@ -182,19 +243,16 @@ static void watch_on(struct tune *t)
         return;
     t->tells |= 1u << TUNE_SAYS_WORSE;
     t->worse_by = -tune_improvement(t);
-    t->silencing = true;
     t->tried = (uint8_t)(t->tried < 255u ? t->tried + 1u : 255u);
     t->verdict = TUNE_WORSE;
-    t->asked_signal = false;
-    tune_watch_begin(t);
-    t->computing = t->reading = false;
-    tune_stage_begins(t, TUNE_IDLE);
-    t->again = t->tried <= t->s.tries;
+    switch_off(t, t->tried <= t->s.tries);
 }
 
 void tune_on_sample(struct tune *t)
 {
-    t->stage_samples++;
+    tune_look_at_disturbance(t);
+    /* A disturbance that has come to rest takes nothing of a stage's time; one that never moved is told as still. */
+    t->stage_samples += !tune_waits(t) || !t->d_moved;
     t->signal_samples++;
     if (t->anew && t->free) {
         tune_learn_anew(t);
@@ -202,8 +260,8 @@ void tune_on_sample(struct tune *t)
     }
     if (t->anew)
         return;
-    bool learns = t->stage == TUNE_LOOP || t->stage == TUNE_DISTURBANCE ||
-                  (learns_on(t) && t->stage >= TUNE_COMPUTES);
+    bool learns = !tune_waits(t) && (t->stage == TUNE_LOOP || t->stage == TUNE_DISTURBANCE ||
+                                     (learns_on(t) && t->stage >= TUNE_COMPUTES));
     if (learns)
         tune_learn(t);
     if (t->has_model && (t->running || t->stage == TUNE_TESTS)) {

@@ -13,7 +13,9 @@
 #define QUIET_PART                                                                                 \
     REAL_C(0.1)       /* of the mean square of d while it was learnt; below, a part tells nothing */
 #define TEST_MOST  4u /* times `check`, then it is untested */
-#define WORSE_THAN REAL_C(1.1)  /* times the squares without it */
+#define WORSE_THAN REAL_C(1.1) /* times the squares without it */
+/* Of the squares that were tested: where there is less an element need do nothing. */
+#define LITTLE     REAL_C(0.25)
 #define WATCH_PART REAL_C(0.25) /* of `check`: memory of the watch */
 
 /* ---- shadows ---- */
@@ -56,11 +58,12 @@ static real_t candidate_adds(struct tune *t)
     return f->k * t->lead_lag;
 }
 
-/* Of the loop's own: what it takes to forget. */
+/* Of the loop's own: what it takes to forget. Closed, it is faster than the process by 1 + K gain: also one that integrates forgets. */
 static uint32_t forgets_in(const struct tune *t)
 {
-    real_t s = REAL_C(5.0) * t->model.is.time_constant_s + REAL_C(4.0) * t->model.is.dead_time_s +
-               REAL_C(2.0) * t->s.ti_s;
+    real_t of_loop = t->model.is.gain * t->s.gain;
+    real_t lag = t->model.is.time_constant_s / (ONE + (of_loop > ZERO ? of_loop : ZERO));
+    real_t s = REAL_C(5.0) * lag + REAL_C(4.0) * t->model.is.dead_time_s + REAL_C(2.0) * t->s.ti_s;
     real_t n = s / t->h_s;
     return n < REAL_C(60000.0) ? (uint32_t)n : 60000u;
 }
@@ -109,7 +112,7 @@ void tune_test_begin(struct tune *t)
     begin_candidate(t);
     t->part_samples = tune_samples(t, t->s.check_s / (float)TUNE_PARTS);
     t->parts = t->better_parts = 0;
-    t->all_now = t->all_then = t->all_without = ZERO;
+    t->all_now = t->all_then = t->all_without = t->all_d = ZERO;
     begin_test_part(t);
 }
 
@@ -121,6 +124,8 @@ static enum tune_verdict judge_candidate(struct tune *t)
     bool better = t->better_parts >= PARTS_BETTER && then <= most * t->all_now &&
                   then <= most * t->all_without;
     t->promised = t->all_without > ZERO ? ONE - then / t->all_without : ZERO;
+    t->alone = t->all_d > ZERO ? t->all_without / t->all_d : ZERO;
+    t->tested = t->all_without / (real_t)(t->parts * t->part_samples);
     return better ? TUNE_ADOPTED : TUNE_NO_BETTER;
 }
 
@@ -139,6 +144,7 @@ static void count_in_test(struct tune *t, const struct tune_errors *e)
         t->all_now += t->part_now;
         t->all_then += t->part_then;
         t->all_without += t->part_without;
+        t->all_d += t->part_d;
     }
     begin_test_part(t);
 }
@@ -159,8 +165,9 @@ enum tune_verdict tune_test_step(struct tune *t)
 
 void tune_watch_begin(struct tune *t)
 {
-    t->watch_with = t->watch_without = t->watch_weight = ZERO;
+    t->watch_with = t->watch_without = t->watch_d = t->watch_weight = ZERO;
     t->since_change = t->worse_for = 0;
+    t->as_alone = false;
 }
 
 static real_t memory_of_watch(const struct tune *t)
@@ -179,6 +186,7 @@ enum tune_verdict tune_watch_step(struct tune *t)
 {
     const struct tune_errors e = t->errors;
     real_t memory = memory_of_watch(t), keep = ONE - ONE / memory;
+    real_t d = num_to_float(t->now[SIGNAL_D]);
     if (t->without.lost) {
         tune_shadows_begin(t);
         tune_watch_begin(t);
@@ -188,11 +196,18 @@ enum tune_verdict tune_watch_step(struct tune *t)
         return TUNE_NONE;
     t->watch_with = keep * t->watch_with + e.now * e.now;
     t->watch_without = keep * t->watch_without + e.without * e.without;
+    t->watch_d = keep * t->watch_d + d * d;
     t->watch_weight = keep * t->watch_weight + ONE;
     bool whole = t->watch_weight > REAL_C(0.5) * memory;
-    bool less = whole && t->watch_with > (ONE - REAL_C(0.5) * t->promised) * t->watch_without;
-    t->since_change = less ? t->since_change + 1u : 0;
-    t->changes = whole && !less ? 0 : t->changes;
+    /* The shadow has the model of then. Where the process is another one now it may find good what is no better than feedback alone was. */
+    t->as_alone = t->alone > ZERO && t->watch_with > t->alone * t->watch_d;
+    bool less = whole && (t->as_alone ||
+                          t->watch_with > (ONE - REAL_C(0.5) * t->promised) * t->watch_without);
+    /* While the disturbance rests, or does little, there is nothing that it could do. */
+    real_t little = LITTLE * t->tested * t->watch_weight;
+    bool there = !t->d_still && (t->watch_with > little || t->watch_without > little);
+    t->since_change = less && there ? t->since_change + 1u : 0;
+    t->changes = whole && !less && there ? 0 : t->changes;
     /* For as long as the loop takes to forget: a feedforward may act before the disturbance does, and loses for that while. */
     bool worse = whole && t->watch_with > WORSE_THAN * t->watch_without;
     t->worse_for = worse ? t->worse_for + 1u : 0;

@@ -150,6 +150,35 @@ static void less_than_half_of_what_was_promised_is_counted_until_it_is_more(void
     TEST_ASSERT_EQUAL(0, t->changes);
 }
 
+static void while_the_disturbance_rests_or_does_little_nothing_is_missed(void)
+{
+    t->promised = REAL_C(0.8);
+    t->d_still = 1;
+    (void)samples_until_worse(0.8, 1, 100);
+    TEST_ASSERT_EQUAL(0, t->since_change);
+    t->d_still = 0;
+    t->tested = REAL_C(4.1); /* a quarter of which there is not */
+    (void)samples_until_worse(0.8, 1, 100);
+    TEST_ASSERT_EQUAL(0, t->since_change);
+    t->tested = REAL_C(3.9);
+    (void)samples_until_worse(0.8, 1, 100);
+    TEST_ASSERT_EQUAL(100, t->since_change);
+}
+
+/* The shadow finds 75 % taken off, but with a disturbance of 1 the loop was no worse under feedback alone. */
+static void what_is_no_better_than_feedback_alone_was_does_too_little_whatever_the_shadow_says(void)
+{
+    t->promised = REAL_C(0.8);
+    t->alone = REAL_C(0.26);
+    (void)samples_until_worse(0.5, 1, 100);
+    TEST_ASSERT_FALSE(t->as_alone);
+    TEST_ASSERT_EQUAL(0, t->since_change);
+    t->alone = REAL_C(0.24);
+    (void)samples_until_worse(0.5, 1, 100);
+    TEST_ASSERT_TRUE(t->as_alone);
+    TEST_ASSERT_EQUAL(100, t->since_change);
+}
+
 static void what_it_does_is_told_from_a_tenth_of_the_memory_on_and_only_while_it_runs(void)
 {
     TEST_ASSERT_FLOAT_WITHIN(0, 0, tune_improvement(t));
@@ -322,6 +351,127 @@ static void with_any_other_number_of_the_element_what_it_does_is_counted_anew(vo
     }
 }
 
+/* An element acts that has done too little for half of `check`. */
+static struct tune *one_that_does_too_little(struct tune_settings *s, float step)
+{
+    struct block_setup setup;
+    struct tune *of = begin_block(&setup, s);
+    of->s.step = step;
+    of->s.protect = 1;
+    of->stage = TUNE_RUNS;
+    of->anew = false;
+    of->verdict = TUNE_ADOPTED;
+    of->promised = REAL_C(0.8);
+    of->since_change = PART * TUNE_PARTS / 2 + 1;
+    return of;
+}
+
+static void too_little_it_goes_off_before_a_test_signal_moves_the_setpoint(void)
+{
+    static struct tune_settings s;
+    struct tune *of = one_that_does_too_little(&s, 0.1f);
+    of->since_change--;
+    tune_on_sample(of);
+    TEST_ASSERT_EQUAL(TUNE_RUNS, of->stage);
+    of = one_that_does_too_little(&s, 0.1f);
+    tune_on_sample(of);
+    TEST_ASSERT_TRUE(of->silencing && of->again);
+    TEST_ASSERT_EQUAL(TUNE_IDLE, of->stage);
+    TEST_ASSERT_EQUAL_HEX(1u << TUNE_SAYS_CHANGED, of->tells);
+}
+
+static void without_a_test_signal_or_leave_it_goes_on_while_it_is_identified_anew(void)
+{
+    static struct tune_settings s;
+    for (unsigned leave = 0; leave < 2; leave++) {
+        struct tune *of = one_that_does_too_little(&s, leave ? 0 : 0.1f);
+        of->s.protect = (uint8_t)leave;
+        tune_on_sample(of);
+        TEST_ASSERT_FALSE(of->silencing);
+        TEST_ASSERT_EQUAL(TUNE_DISTURBANCE, of->stage);
+    }
+}
+
+static void after_three_times_in_a_row_it_is_off_or_left_at_what_it_does(void)
+{
+    static struct tune_settings s;
+    for (unsigned use = 0; use < 3;
+         use++) { /* nothing, a tenth, a tenth but no better than alone */
+        struct tune *of = one_that_does_too_little(&s, 0.1f);
+        of->changes = 3;
+        of->as_alone = use == 2;
+        of->watch_with = REAL_C(0.88);
+        of->watch_without = use ? REAL_C(1.0) : REAL_C(0.9);
+        of->watch_weight = REAL_C(100.0);
+        tune_on_sample(of);
+        TEST_ASSERT_EQUAL(use != 1, of->silencing);
+        TEST_ASSERT_FALSE(of->again);
+        TEST_ASSERT_EQUAL(use == 1 ? TUNE_ADOPTED : TUNE_NO_BETTER, of->verdict);
+        TEST_ASSERT_EQUAL(use == 1 ? TUNE_RUNS : TUNE_IDLE, of->stage);
+    }
+}
+
+static void a_step_that_was_too_small_is_told_with_one_that_is_not(void)
+{
+    static struct tune_settings s;
+    struct block_setup setup;
+    struct tune *of = begin_block(&setup, &s);
+    static const struct {
+        uint8_t verdict;
+        float change, spread, wanted;
+    } rows[] = {
+        {TUNE_SLOW, 0.3f, 0, 1.5f},   {TUNE_SLOW, 0.11f, 0, 1}, {TUNE_SLOW, 9, 0, 5},
+        {TUNE_UNSURE, 0, 1.5f, 1.5f}, {TUNE_UNSURE, 0, 0, 1},   {TUNE_NO_MODEL, 9, 9, 1},
+        {TUNE_NO_BAND, 9, 9, 1},      {TUNE_STILL, 9, 9, 0},    {TUNE_ADOPTED, 9, 9, 0},
+    };
+    of->s.step = 0.5f;
+    of->s.settled = 10;
+    of->s.confident = 50;
+    for (unsigned k = 0; k < sizeof rows / sizeof rows[0]; k++) {
+        of->verdict = rows[k].verdict;
+        of->change = (real_t)rows[k].change;
+        of->spread = (real_t)rows[k].spread;
+        TEST_ASSERT_FLOAT_WITHIN(1e-5f, rows[k].wanted, tune_step_wanted(of));
+    }
+}
+
+/* A square wave, and then nothing. */
+static void a_disturbance_rests_when_a_tenth_of_its_squares_is_left(void)
+{
+    static struct tune_settings s;
+    struct block_setup setup;
+    struct tune *of = begin_block(&setup, &s);
+    TEST_ASSERT_TRUE(tune_waits(of));
+    for (unsigned k = 0; k < 1000; k++) {
+        of->now[SIGNAL_D] = num_from_float(k % 100 < 50 ? 0.1f : -0.1f);
+        tune_look_at_disturbance(of);
+    }
+    TEST_ASSERT_FALSE(tune_waits(of));
+    of->now[SIGNAL_D] = num_from_float(0);
+    unsigned samples = 0;
+    for (; samples < 1000 && !tune_waits(of); samples++)
+        tune_look_at_disturbance(of);
+    TEST_ASSERT_INT_WITHIN(15, 288, (int)samples); /* 125 ln 10, an eighth of learn being 125 */
+    of->now[SIGNAL_D] = num_from_float(0.02f);     /* a fifth: 4 % of the squares */
+    for (unsigned k = 0; k < 1000; k++)
+        tune_look_at_disturbance(of);
+    TEST_ASSERT_TRUE(tune_waits(of));
+}
+
+static void only_a_loop_that_somebody_has_asked_for_is_moved_while_the_disturbance_rests(void)
+{
+    static struct tune_settings s;
+    struct block_setup setup;
+    struct tune *of = begin_block(&setup, &s);
+    of->s.step = 0.1f;
+    for (unsigned stage = TUNE_LOOP; stage <= TUNE_DISTURBANCE; stage++)
+        for (unsigned asked = 0; asked < 2; asked++) {
+            of->stage = (uint8_t)stage;
+            of->by_itself = !asked;
+            TEST_ASSERT_EQUAL(!(stage == TUNE_LOOP && asked), tune_waits(of));
+        }
+}
+
 static void a_disturbance_that_moves_in_this_stage_does_not_stand_still(void)
 {
     static struct tune_settings s;
@@ -351,6 +501,7 @@ static void behind_the_stages_that_learn_it_learns_on_with_every_alone(void)
             of->stage = (uint8_t)stage;
             of->bad_rests = of->setpoint_rests = 1000;
             of->anew = of->free = false;
+            of->now[SIGNAL_D] = num_from_float(0.05f);
             tune_learn_anew(of);
             tune_shadows_begin(of);
             tune_test_begin(of);
@@ -385,5 +536,13 @@ int main(void)
     RUN_TEST(with_any_other_number_of_the_element_what_it_does_is_counted_anew);
     RUN_TEST(a_disturbance_that_moves_in_this_stage_does_not_stand_still);
     RUN_TEST(behind_the_stages_that_learn_it_learns_on_with_every_alone);
+    RUN_TEST(while_the_disturbance_rests_or_does_little_nothing_is_missed);
+    RUN_TEST(what_is_no_better_than_feedback_alone_was_does_too_little_whatever_the_shadow_says);
+    RUN_TEST(too_little_it_goes_off_before_a_test_signal_moves_the_setpoint);
+    RUN_TEST(without_a_test_signal_or_leave_it_goes_on_while_it_is_identified_anew);
+    RUN_TEST(after_three_times_in_a_row_it_is_off_or_left_at_what_it_does);
+    RUN_TEST(a_step_that_was_too_small_is_told_with_one_that_is_not);
+    RUN_TEST(a_disturbance_rests_when_a_tenth_of_its_squares_is_left);
+    RUN_TEST(only_a_loop_that_somebody_has_asked_for_is_moved_while_the_disturbance_rests);
     return UNITY_END();
 }

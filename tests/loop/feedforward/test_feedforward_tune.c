@@ -301,16 +301,33 @@ static void where_the_search_is_unsure_shinskey_s_rule_is_tested_in_its_place(vo
 }
 
 /* It rests when it is to be tested. */
-static void a_candidate_that_nothing_comes_to_test_is_not_adopted(void)
+static void a_candidate_that_nothing_comes_to_test_waits_for_the_disturbance(void)
 {
     begin_with("joint", 1, 7);
     tune_whole(false, TESTS);
     course.quiet = true;
-    tune_seconds(8000);
-    TEST_ASSERT_EQUAL(IDLE, tune_value("stage"));
-    TEST_ASSERT_EQUAL(UNTESTED, tune_value("verdict"));
+    tune_seconds(20000);
+    TEST_ASSERT_EQUAL(TESTS, tune_value("stage"));
     ask_ok("get ff1.gain");
     TEST_ASSERT_TRUE(said("ff1.gain = 0 "));
+    course.quiet = false;
+    tune_seconds(2000);
+    TEST_ASSERT_EQUAL(RUNS, tune_value("stage"));
+}
+
+/* The shipped scenario, and then a calm day. */
+static void while_the_disturbance_rests_no_test_signal_moves_the_loop(void)
+{
+    begin_with("joint", 1, 7);
+    tune_whole(false, RUNS);
+    TEST_ASSERT_EQUAL(RUNS, tune_value("stage"));
+    tune_seconds(3000);
+    course.quiet = true;
+    tune_seconds(1000);
+    double at_rest = mean_square(20000);
+    printf("at rest: mean square %.5f\n", at_rest);
+    TEST_ASSERT_EQUAL(RUNS, tune_value("stage"));
+    TEST_ASSERT_TRUE(at_rest < 0.0012);
 }
 
 /* Its gain is twice as large from before the test on, at the other end of the disturbance path. */
@@ -427,7 +444,8 @@ int main(int argc, char **argv)
     RUN_TEST(a_loop_that_nothing_moves_is_said_to_be_still);
     RUN_TEST(where_it_must_be_surer_it_says_unsure);
     RUN_TEST(where_the_search_is_unsure_shinskey_s_rule_is_tested_in_its_place);
-    RUN_TEST(a_candidate_that_nothing_comes_to_test_is_not_adopted);
+    RUN_TEST(a_candidate_that_nothing_comes_to_test_waits_for_the_disturbance);
+    RUN_TEST(while_the_disturbance_rests_no_test_signal_moves_the_loop);
     RUN_TEST(a_sensor_that_lies_from_the_test_on_is_not_adopted_for);
     RUN_TEST(what_cannot_be_right_is_refused_with_what_would_be);
     RUN_TEST(at_the_ends_of_every_range_it_runs_or_refuses);
