@@ -57,3 +57,14 @@ add_executable(self_tuner ${self_tuner}/main.c ${self_tuner}/run.c ${self_tuner}
 target_link_libraries(self_tuner PRIVATE reflux_adapt reflux_options m)
 target_include_directories(self_tuner PRIVATE "${PROJECT_SOURCE_DIR}/tests/support")
 target_compile_options(self_tuner PRIVATE -O3)
+
+# ... and the tuner of feedforward.
+set(feedforward_tuner "${PROJECT_SOURCE_DIR}/tests/campaign/feedforward_tuner")
+add_executable(feedforward_tuner ${feedforward_tuner}/main.c ${feedforward_tuner}/loop.c)
+target_link_libraries(feedforward_tuner PRIVATE reflux_adapt reflux_options m)
+target_include_directories(feedforward_tuner PRIVATE "${PROJECT_SOURCE_DIR}/tests/support")
+target_compile_options(feedforward_tuner PRIVATE -O3)
+add_test(NAME feedforward_weeks COMMAND feedforward_tuner stays 21 1 3)
+add_test(NAME feedforward_changes COMMAND feedforward_tuner change 21 1 5)
+reflux_programs_of_test(feedforward_weeks unit feedforward_tuner)
+reflux_programs_of_test(feedforward_changes unit feedforward_tuner)
