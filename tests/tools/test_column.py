@@ -7,10 +7,13 @@ import unittest
 from unittest import mock
 
 import numpy as np
-from support import FolderTest, call
+from support import ROOT, FolderTest, call
 
-from reflux_tools import column_file, linear_analysis as linear
+from reflux_tools import column_file, column_loops, linear_analysis as linear
 from reflux_tools.errors import UserError
+from reflux_tools.gradients import Diagram
+
+HEXANES = ROOT / "tests" / "tools" / "data" / "hexanes.json"
 
 TAU = (100.0, 40.0)
 K = np.array([[2.0, -1.5], [1.0, -4.0]])
@@ -119,6 +122,103 @@ class Command(FolderTest):
             status, _, err = call("column", *arguments, "--out", picture)
             self.assertEqual((status, err.count("\n")), (2, 1), err)
             self.assertIn(words, err)
+
+
+def channel(**more: object) -> dict:
+    return {"lo": 0, "hi": 100, **more}
+
+
+class Loops(unittest.TestCase):
+    """What `--board` makes of step responses; how the lines do on a board is in tests/loop/test_column_board.py."""
+
+    def test_a_first_order_lag_is_found_as_it_is(self) -> None:
+        gain, dead, lag = column_loops.first_orders(first_orders(), np.ones((2, 2)))
+        np.testing.assert_allclose(gain, K)
+        np.testing.assert_allclose(lag, [TAU, TAU], rtol=0.02)
+        np.testing.assert_allclose(dead, 0, atol=1)
+
+    def test_a_chain_of_lags_has_a_dead_time(self) -> None:
+        n = 4
+        chain = linear.Model(np.diag([-0.01] * n) + np.diag([0.01] * (n - 1), -1), np.eye(n)[:, :1] * 0.01, np.eye(n)[-1:], np.zeros((1, 1)), ("u",), ("y",))
+        _, dead, lag = column_loops.first_orders(chain, np.ones((1, 1)))
+        self.assertTrue(100 < dead[0, 0] < 300 and 100 < lag[0, 0] < 400, (dead, lag))
+
+    def test_noise_lowers_a_gain_and_lengthens_the_integral_time(self) -> None:
+        self.assertEqual(column_loops.quiet(-8.0, 100.0, -0.5, 1000.0, channel()), (-8.0, 100.0))
+        k, ti = column_loops.quiet(-8.0, 100.0, -0.5, 1000.0, channel(noise=0.5))
+        self.assertAlmostEqual(k, -2.0)  # 0.5 % of noise, 1 % of the output
+        self.assertAlmostEqual(ti, 1000.0)  # SIMC: the smaller of 1000 s and 4 * 1000 s / (0.5 * 2)
+
+    def controlled(self, *outputs: dict) -> dict[str, str]:
+        plant = {"stages": 12, "feed_stage": 6, "outputs": list(outputs)}
+        of = Diagram([-0.1, -1.0, -4.0, -1.0, -1.0, -1.0, -2.0, -5.0, -2.0, -1.0, -0.1], [[-1.0, 0.0]] * 11, ["a", "b"])
+        return column_loops.controlled(plant, plant["outputs"], of, ("a", "b"))
+
+    def test_the_steepest_thermometer_of_a_section_is_controlled_and_not_one_beside_the_feed(self) -> None:
+        t = [{"name": f"T{s}", "is": "temperature", "stage": s} for s in (3, 4, 6, 7, 8, 12)]
+        self.assertEqual(self.controlled(*t), {"top": "T8", "bottom": "T3"})
+        self.assertEqual(self.controlled(t[3]), {"top": "T7"})  # there is no other
+
+    def test_without_a_thermometer_that_says_anything_the_product_is_controlled(self) -> None:
+        analyser = {"name": "AD", "is": "fraction", "stage": 12, "of": "a"}
+        self.assertEqual(self.controlled({"name": "T12", "is": "temperature", "stage": 12}, analyser), {"top": "AD"})
+
+
+class Board(FolderTest):
+    def board(self, change: object = None, *arguments: str) -> list[str]:
+        plant = json.loads(HEXANES.read_text(encoding="utf-8"))
+        if callable(change):
+            change(plant)
+        status, out, err = call("column", str(self.file("mine.json", json.dumps(plant))), "--board", *arguments)
+        self.assertEqual(status, 0, err)
+        return out.splitlines()
+
+    def test_limits_and_safe_values_are_in_the_units_of_the_column(self) -> None:
+        lines = self.board(lambda plant: plant["inputs"][0].pop("safe"))
+        for line in ("set mv1.min 0", "set mv1.max 20", "set mv2.max 4000", "set mv2.safe 0", "set mv2.rate 40"):
+            self.assertIn(line, lines)
+        self.assertIn("set mv1.safe 5.467094", lines)  # the steady state's, not the 9 t/h of the file
+
+    def test_the_interlock_is_above_what_composition_can_do_and_within_the_span(self) -> None:
+        limit = next(float(line.split()[2]) for line in self.board() if line.startswith("set lock1.limit "))
+        self.assertTrue(130 < limit < 160, limit)  # octane boils at 127 degC at 1050 + 120 mbar
+
+        def short(plant: dict) -> None:
+            plant["outputs"][0]["hi"] = 120
+
+        limit = next(float(line.split()[2]) for line in self.board(short) if line.startswith("set lock1.limit "))
+        self.assertTrue(112.4 < limit < 120, limit)
+
+    def test_products_by_mass_are_estimated_by_mass(self) -> None:
+        def by_mass(plant: dict) -> None:
+            for truth in plant["truths"]:
+                truth["unit"] = "%w"
+
+        self.assertIn("set block2.basis mass", self.board(by_mass))
+        self.assertNotIn("set block2.basis mass", self.board())
+
+    def test_another_operating_point_has_another_table_and_other_settings(self) -> None:
+        there, here = self.board(None, "--set", "QC102=1200"), self.board()
+        self.assertIn("#   out QC102 1200", there)
+        for start in ("set block1.checksum.1 ", "set loop1.gain "):
+            self.assertNotEqual(*(next(line for line in lines if line.startswith(start)) for lines in (there, here)))
+
+    def test_what_cannot_be_estimated_is_left_out_with_the_reason(self) -> None:
+        def no_thermometer_below(plant: dict) -> None:
+            plant["outputs"] = [c for c in plant["outputs"] if c["name"] not in ("TI1", "TI5", "TI8", "TD")]
+
+        lines = self.board(no_thermometer_below)
+        self.assertIn("set block2.points xD_est", lines)
+        self.assertTrue(any(line.startswith("# not estimated: hexane:1: no thermometer of the stripping section") for line in lines))
+        status, out, _ = call("column", "column-a", "--board")
+        self.assertEqual(status, 0)
+        self.assertIn("# not estimated: no table for a board: the column has 41 stages, a table 40 at most", out)
+        self.assertNotIn("block1", out)
+
+    def test_it_takes_no_option_of_the_picture(self) -> None:
+        status, _, err = call("column", "pilot", "--board", "--outputs", "T1")
+        self.assertEqual(status, 2)
+        self.assertIn("--board goes with --set alone", err)
 
 
 if __name__ == "__main__":

@@ -457,7 +457,7 @@ class Lines(unittest.TestCase):
             (("splitter", "C9:37"), "must be COMPONENT:STAGE"),
             (("splitter", "iC4:99"), "must be COMPONENT"),
             (("splitter", "iC4"), "must be COMPONENT:STAGE, as iC4:37"),
-            (("c3-splitter", "propane:111"), "never good without a thermometer in its section"),
+            (("c3-splitter", "propane:111"), "is never good without a thermometer in its section"),
             (("column-a", "light:41"), "no table for a board: the column has 41 stages, a table 40 at most"),
         ):
             status, _, err = call("gradients", words[0], "--no-steps", "--estimate", words[1])

@@ -9,7 +9,7 @@ import math
 from dataclasses import dataclass
 from pathlib import Path
 
-from reflux_tools import build, column_file, simulator
+from reflux_tools import build, column_file, plant_file, simulator
 from reflux_tools.errors import UserError
 from reflux_tools.paths import named, out_root, shown
 from reflux_tools.table import columns, figure
@@ -36,10 +36,18 @@ def main(arguments: list[str]) -> int:
                    help="default: the temperature nearest the steepest place of each section; the compositions of both products")
     p.add_argument("--inputs", type=_names, metavar="NAME,...", help="default: all manipulated variables")
     p.add_argument("--out", type=named, metavar="PNG", help="the picture; default: out/column/NAME.png")
+    p.add_argument("--board", action="store_true", help="prints all console lines of a board for this column, as one paste: channels, loops, interlock, "
+                   "table, estimator (docs/columns.md); draws nothing")
     options = p.parse_args(arguments)
 
     column = column_file.read(options.column)
-    build.build("host", ("reflux-sim",), quiet=True)
+    if options.board and (options.outputs or options.inputs or options.out):
+        raise UserError("--board goes with --set alone")
+    build.build("host", ("reflux-sim", *(("libreflux",) if options.board else ())), quiet=True)
+    if options.board:
+        from reflux_tools import board_lines  # numpy and scipy likewise
+        print("\n".join(board_lines.lines(options.column, tuple(options.set), plant_file.load(options.column)[0])))
+        return 0
     settings = [word for value in options.set for word in ("--set", value)]
     known = _channels(options.column)
     inputs = options.inputs or tuple(c.name for c in known.values() if c.kind == "manipulated")

@@ -142,7 +142,7 @@ def from_simulator(options: argparse.Namespace) -> Found:
         of,
         int(plant["feed_stage"]),
         gradients.Profile(at.temperature, at.x, at.names),
-        volatility(plant, at.names, at.temperature),
+        gradients.heaviness(plant, at.names, at.temperature),
     )
     rest = simulator.at_rest(options.column, options.set)
     out.steady, out.plant, out.inputs = at, plant, {c["name"]: rest[c["name"]] for c in plant["inputs"]}
@@ -176,15 +176,10 @@ def from_csv(options: argparse.Namespace) -> Found:
                 f"{shown(options.profile)}: {', '.join(missing)}: no component of {options.column}, which has {', '.join(known)}"
             )
         of = gradients.diagram(profile.temperature, profile.x, profile.names, gradients.liquid_of(plant, profile.names))
-        heavier = volatility(plant, profile.names, profile.temperature)
+        heavier = gradients.heaviness(plant, profile.names, profile.temperature)
     else:
         of, heavier = gradients.diagram(profile.temperature, profile.x, profile.names, None), []
     return Found(options.profile.stem, f"profile of {shown(options.profile)}", of, feed, profile, heavier)
-
-
-def volatility(plant: dict[str, Any], names: list[str], temperature: list[float]) -> list[float]:
-    known, middle = gradients.constants_of(plant), temperature[len(temperature) // 2]
-    return [-math.log(gradients.vapour_pressure(known[n], middle)[0]) for n in names]
 
 
 # ---- what is found ----

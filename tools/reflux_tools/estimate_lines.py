@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import re
 import shlex
 from dataclasses import dataclass
@@ -76,10 +75,6 @@ class Column:
 # ---- which thermometers ----
 
 
-def section_name(above: bool) -> str:
-    return "rectifying" if above else "stripping"
-
-
 def usable(column: Column, above: bool, modelled: list[str]) -> list[int]:
     """Stages of a section to measure: steep ones where what is not modelled has at most `alien` of the shares, or where it has least;
     thermometers that the column has before any others. None where the section has one temperature, nearly."""
@@ -88,46 +83,44 @@ def usable(column: Column, above: bool, modelled: list[str]) -> list[int]:
     alien = {s: 1 - of.part_of(s, modelled) for s in steep}
     clear = [s for s in steep if alien[s] <= max(t.alien, 2 * min(alien.values()))]
     installed = [s for s in clear if s in there]
-    if not column.installed_only:
+    if installed or not column.installed_only:
         return installed or clear
-    steepest = max((abs(of.gradient[s - 1]) for s in steep), default=math.inf)
     slope = {s: max(abs(g) for g in of.gradient[max(s - 2, 0) : s]) for s in there if (s > column.feed) == above}
-    return installed or [s for s in slope if slope[s] >= max(t.flat, t.second * steepest)]
+    most = max(t.flat, t.half * max(slope.values(), default=0.0))
+    return [s for s in slope if slope[s] >= most]
 
 
-def few(column: Column, section: list[int], product: int) -> list[int]:
-    """Three of a section at most: the steepest, the nearest to the product, and one between."""
+def few(column: Column, section: list[int], product: int, most: int = 3) -> list[int]:
+    """Three of a section at most: the steepest, the nearest to the product, and one between. Of fewer the first of these."""
     if not section:
         return []
     steepest = max(section, key=lambda s: abs(column.diagram.gradient[s - 1]))
     nearest = min(section, key=lambda s: abs(s - product))
     between = min(section, key=lambda s: abs(2 * s - steepest - nearest))
-    return sorted({steepest, nearest, between})
+    return sorted({steepest, nearest, between} if most == 3 else {steepest, nearest} if most == 2 else {steepest})
 
 
-def choose(column: Column, points: list[Point], modelled: list[str]) -> list[int]:
-    """Thermometers in the section of each point. Where these are fewer than the components, two in the other section too: nobody measures
-    the feed's composition, and one thermometer for each of its fractions is needed to find it."""
+def choose(column: Column, points: list[Point], modelled: list[str], most: int) -> list[int]:
+    """Thermometers in the section of each point, so many at most. Where these are fewer than the components, two in the other section too:
+    nobody measures the feed's composition, and one thermometer for each of its fractions is needed to find it."""
     chosen: dict[bool, set[int]] = {}
     for above in (False, True):
         products = [p for p in points if (p.stage > column.feed) == above]
         section = usable(column, above, modelled) if products else []
         if products and not section:
             raise UserError(no_thermometer(column, above, products[0]))
-        chosen[above] = {s for p in products for s in few(column, section, p.stage)}
+        chosen[above] = {s for p in products for s in few(column, section, p.stage, most)}
     for above in (False, True):
         section = [] if chosen[above] else usable(column, above, modelled)
         if section and len(chosen[not above]) < len(modelled):
-            three = few(column, section, column.diagram.stages if above else 1)
-            chosen[above] = {three[0], three[-1]}
+            chosen[above] = set(few(column, section, column.diagram.stages if above else 1, min(most, 2)))
     return sorted(chosen[False] | chosen[True])
 
 
 def no_thermometer(column: Column, above: bool, point: Point) -> str:
-    where = "no thermometer of the column is" if column.installed_only else "there is no stage"
     return (
-        f"{point.component}:{point.stage}: {where} where the temperature of the {section_name(above)} section changes by {column.thresholds.flat:g} K "
-        "or more from stage to stage; the estimate of a point is never good without a thermometer in its section"
+        f"{point.component}:{point.stage}: no {'thermometer' if column.installed_only else 'stage'} of the {'rectifying' if above else 'stripping'} section "
+        f"has a step of {column.thresholds.flat:g} K or more, and an estimate is never good without a thermometer in its section"
     )
 
 
@@ -135,14 +128,17 @@ def no_thermometer(column: Column, above: bool, point: Point) -> str:
 
 
 def components(column: Column, points: list[Point]) -> list[str]:
-    """Those to model, in the order of the file: those of the points, and of the others the ones with the largest shares."""
+    """Those to model, in the order of the file: all that a table takes; of more those of the points, and of the others the ones that the
+    diagram proposes, the largest shares first."""
+    names = column.diagram.names
+    if len(names) <= TABLE_COMPONENTS:
+        return names
     e = sensor_rules.estimation(column.diagram, column.feed, column.thresholds)
     wanted = dict.fromkeys(p.component for p in points)
-    rest = sorted((n for n in e.modelled if n not in wanted), key=lambda n: -e.parts[n])
-    chosen = [*wanted, *rest][:TABLE_COMPONENTS]
-    if len(chosen) < 2:
-        chosen += sorted((n for n in column.diagram.names if n not in chosen), key=lambda n: -e.parts.get(n, 0.0))[:1]
-    return [n for n in column.diagram.names if n in chosen]
+    rest = sorted((n for n in names if n not in wanted), key=lambda n: (n not in e.modelled, -e.parts[n]))
+    most = max(2, min(len(set(e.modelled) | wanted.keys()), TABLE_COMPONENTS))
+    chosen = [*wanted, *rest][:most]
+    return [n for n in names if n in chosen]
 
 
 def moved(column: Column, sensors: list[int], names: list[str]) -> tuple[list[str], dict[int, str]]:
@@ -192,12 +188,16 @@ def estimator(column: Column, points: list[Point], method: Callable[[int, int], 
     for p in points:
         if p.component not in names or not 1 <= p.stage <= column.diagram.stages:
             raise UserError(f"{p.component}:{p.stage}: must be COMPONENT:STAGE with one of {', '.join(column.diagram.names)}")
-    sensors, driven = choose(column, points, names), drives(column)
-    names, innovated = moved(column, sensors, names)
-    inputs = [(*thermometer(column, s), s) for s in sensors]
-    listed = [*(name for name, _, _ in inputs), *(name for name, _, _ in driven)]
-    if len(listed) > INPUTS_MOST or len(",".join(listed)) > LIST_MOST:
+    driven = drives(column)
+    for most in (3, 2, 1):  # in a section; fewer where the names are long
+        sensors = choose(column, points, names, most)
+        inputs = [(*thermometer(column, s), s) for s in sensors]
+        listed = [*(name for name, _, _ in inputs), *(name for name, _, _ in driven)]
+        if len(listed) <= INPUTS_MOST and len(",".join(listed)) <= LIST_MOST:
+            break
+    else:
         raise UserError(f"a block takes {INPUTS_MOST} inputs and {LIST_MOST} characters of their names with commas; these are {','.join(listed)}")
+    names, innovated = moved(column, sensors, names)
     words = ("--components", ",".join(names), *simulator.setting_words(column.settings))
     try:
         simulator.table_lines(column.name, TABLE_BLOCK, *words)  # refuses what a board would refuse

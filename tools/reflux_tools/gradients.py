@@ -154,6 +154,12 @@ def liquid_of(plant: dict[str, Any], names: Sequence[str]) -> Liquid:
     return Liquid([known[n] for n in names], {"model": activity["model"], **chosen})
 
 
+def heaviness(plant: dict[str, Any], names: Sequence[str], temperature: Sequence[float]) -> list[float]:
+    """A number that rises with the boiling point of each component, at the middle of a profile."""
+    known, middle = constants_of(plant), temperature[len(temperature) // 2]
+    return [-math.log(vapour_pressure(known[n], middle)[0]) for n in names]
+
+
 # ---- a user's profile ----
 
 

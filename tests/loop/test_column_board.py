@@ -1,0 +1,162 @@
+#!/usr/bin/python3
+"""The lines of `tools/column FILE --board` on the firmware, for a column that is none of the repository's plants
+(tests/tools/data/hexanes.json, ours) and for others made of it: pasted as printed, and what the loops and the estimator then do."""
+
+import copy
+import json
+import os
+import select
+import sys
+import tempfile
+import tty
+import unittest
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+ROOT = Path(__file__).resolve().parents[2]
+sys.path[:0] = [str(ROOT / "tools"), str(ROOT / "tests" / "tools")]
+
+from support import board, call, told  # noqa: E402
+
+from reflux_tools import board_lines, build, logs, runner  # noqa: E402
+from reflux_tools.scenario import Event, Line, Loop, Scenario  # noqa: E402
+
+HEXANES = ROOT / "tests" / "tools" / "data" / "hexanes.json"
+HOUR, PERCENT = 3600.0, 1.2  # s; K, of a thermometer's span
+XON, XOFF = 0x11, 0x13
+GOOD = "0"
+
+
+def hexanes() -> dict[str, Any]:
+    return json.loads(HEXANES.read_text(encoding="utf-8"))
+
+
+def levels_open(plant: dict[str, Any]) -> None:
+    """Four manipulated variables and two levels that no flow of the file holds."""
+    plant["levels"] = {"condenser": {"by": "none"}, "reboiler": {"by": "none"}}
+    plant["inputs"] += [{"name": "DC", "is": "distillate", "unit": "t/h", "lo": 0, "hi": 10}, {"name": "BC", "is": "bottoms", "unit": "t/h", "lo": 0, "hi": 15}]
+    plant["outputs"] += [{"name": f"L{s}", "is": "level", "stage": s, "unit": "%", "lo": 0, "hi": 100} for s in (28, 1)]
+
+
+def many_outputs(plant: dict[str, Any]) -> None:
+    """More than a board has room for, an analyser among them."""
+    plant["outputs"] += [{"name": f"TI{s}", "is": "temperature", "stage": s, "unit": "degC", "lo": 40, "hi": 160} for s in (2, 3, 4, 6, 7, 9)]
+    plant["outputs"].append({"name": "AD", "is": "fraction", "of": "heptane", "stage": 28, "unit": "-", "lo": 0, "hi": 0.2, "every_s": 300, "delay_s": 120})
+
+
+def long_names(plant: dict[str, Any]) -> None:
+    for channel in plant["outputs"]:
+        channel["name"] = f"column_{channel['name']}"
+
+
+def a_loops_name(plant: dict[str, Any]) -> None:
+    plant["outputs"][4]["name"] = "top"
+    plant["title"] = "Säule"
+
+
+def four_components_and_forty_stages(plant: dict[str, Any]) -> None:
+    plant["stages"], plant["feed_stage"], plant["temperature_range"] = 40, 19, [280, 470]
+    plant["components"].append(plant["components"][2] | {"name": "nonane", "vapour_pressure": [20.95, 3310, -70.5], "boiling_point": 424, "critical_temperature": 594.6})
+    plant["constants"]["feed_fraction"] = [{"of": "octane", "value": 15, "unit": "%"}, {"of": "nonane", "value": 10, "unit": "%"}]
+    plant["truths"][0]["stage"] = 40
+    plant["outputs"][4]["stage"] = 31
+
+
+class Pasted(unittest.TestCase):
+    def setUp(self) -> None:
+        build.build("host", ("reflux-host", "reflux-sim", "libreflux"), quiet=True)
+        self.folder = Path(self.enterContext(tempfile.TemporaryDirectory(prefix="reflux-")))
+
+    def lines(self, change: Callable[[dict[str, Any]], None] | None) -> list[str]:
+        plant = copy.deepcopy(hexanes())
+        if change:
+            change(plant)
+        (self.folder / "column.json").write_text(json.dumps(plant), encoding="utf-8")
+        status, out, err = call("column", str(self.folder / "column.json"), "--board")
+        self.assertEqual(status, 0, err)
+        return out.splitlines()
+
+    def paste(self, console: str, lines: list[str]) -> list[str]:
+        """All at once, as a terminal with flow control does it: the replies."""
+        port = os.open(console, os.O_RDWR | os.O_NOCTTY)
+        tty.setraw(port)
+        left, heard, stopped = "".join(f"{line}\n" for line in ("mode machine", *lines)).encode("ascii"), b"", False
+        try:
+            while replies(heard) <= len(lines):
+                readable, writable, _ = select.select([port], [port] if left and not stopped else [], [], 10)
+                self.assertTrue(readable or writable, f"no reply any more after {heard[-300:]!r}")
+                if readable:
+                    for byte in os.read(port, 4096):
+                        stopped = byte == XOFF or (stopped and byte != XON)
+                        heard += b"" if byte in (XON, XOFF) else bytes([byte])
+                elif writable:
+                    left = left[os.write(port, left[:64]) :]
+        finally:
+            os.close(port)
+        return heard.decode("ascii").splitlines()
+
+    def test_one_paste_is_taken_as_printed_and_is_all_that_the_board_then_has(self) -> None:
+        program = str(build.find_program("host", "reflux-host"))
+        for change in (None, levels_open, many_outputs, long_names, a_loops_name, four_components_and_forty_stages):
+            with self.subTest(change.__name__ if change else "as it is"):
+                lines = self.lines(change)
+                with board(program) as console:  # which is another column's so far
+                    self.assertEqual([line for line in self.paste(console, lines) if line.startswith("err ")], [])
+                    there = dict(line.split(None, 2)[1:] for line in told(console, "diff defaults") if line.startswith("set "))
+                wanted = dict(line.split(None, 2)[1:] for line in lines if line.startswith("set "))
+                for name in there.keys() | {n for n in wanted if n.endswith((".name", ".kind", ".pv", ".out"))}:
+                    self.assertIn(name, wanted)
+                    self.assertIn(name, there)
+
+
+def replies(heard: bytes) -> int:
+    return sum(line == b"ok" or line.startswith(b"err ") for line in heard.splitlines())
+
+
+class Run(unittest.TestCase):
+    """Eight hours on the column itself: a richer feed, then less of it, then a setpoint."""
+
+    @classmethod
+    def setUpClass(cls) -> None:
+        build.build("host", ("reflux-sim", "reflux-sim-memory", "libreflux"), quiet=True)
+        with tempfile.TemporaryDirectory(prefix="reflux-") as folder:
+            lines = board_lines.lines(str(HEXANES), (), hexanes())
+            outs = [line[4:] for line in lines if line.startswith("#   out ")]
+            modes = [word for line in lines if line.startswith("#   mode ") for word in line[4:].split(", then ")]
+            cls.loops = (Loop("top", "TI19", "FC101"), Loop("bottom", "TI8", "QC102"))
+            scenario = Scenario(
+                HEXANES, "hexanes", "hexanes", str(HEXANES), 8 * HOUR, firmware="memory", loops=cls.loops,
+                config=tuple(Line(0.0, line) for line in lines if not line.startswith("#")),
+                lines=(*(Line(0.0, line) for line in outs), *(Line(HOUR, line) for line in modes), Line(6.5 * HOUR, "sp top 82")),
+                events=(Event(2 * HOUR, "zF", 44), Event(4.5 * HOUR, "F", 8.5)),
+            )  # fmt: skip
+            result = runner.run(scenario, runner.Options(Path(folder) / "out", quiet=True))
+            cls.log, cls.events = result.log, runner.events_in(Path(folder) / "out" / "transcript.txt")
+
+    def at(self, name: str, hours: float) -> float:
+        return self.log.numbers(name)[int(hours * HOUR / 10)]
+
+    def test_the_board_finds_every_channel_and_raises_no_alarm(self) -> None:
+        self.assertEqual([e for e in self.events if e[2].startswith("CHANNEL_") or e[1] == "alarm"], [])
+
+    def test_both_temperatures_are_held_through_changes_of_the_feed(self) -> None:
+        for name, setpoint in (("TI19.true", 78.997), ("TI8.true", 99.294)):
+            for hours in (1.9, 4.4, 6.4):
+                self.assertAlmostEqual(self.at(name, hours), setpoint, delta=PERCENT)
+
+    def test_a_setpoint_is_reached_while_the_other_loop_stays(self) -> None:
+        self.assertAlmostEqual(self.at("TI19.true", 7.9), 82, delta=PERCENT)
+        self.assertAlmostEqual(self.at("TI8.true", 7.9), 99.294, delta=PERCENT)
+
+    def test_both_products_are_estimated_within_a_tenth_and_called_good(self) -> None:
+        for name in ("xD", "xB"):
+            quality = self.log.text(f"fw.{name}_est.q")
+            for hours in (1.9, 3.0, 4.4, 5.5, 6.4, 7.9):
+                true = self.at(name, hours)
+                self.assertAlmostEqual(self.at(f"fw.{name}_est", hours), true, delta=0.1 * true)
+                self.assertEqual(quality[int(hours * HOUR / 10)], GOOD)
+
+
+if __name__ == "__main__":
+    unittest.main()
