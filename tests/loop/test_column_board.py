@@ -19,7 +19,7 @@ sys.path[:0] = [str(ROOT / "tools"), str(ROOT / "tests" / "tools")]
 
 from support import board, call, told  # noqa: E402
 
-from reflux_tools import board_lines, build, logs, runner  # noqa: E402
+from reflux_tools import board_lines, build, runner  # noqa: E402
 from reflux_tools.scenario import Event, Line, Loop, Scenario  # noqa: E402
 
 HEXANES = ROOT / "tests" / "tools" / "data" / "hexanes.json"

@@ -427,6 +427,14 @@ class Lines(unittest.TestCase):
         self.assertEqual(self.thermometers(HEXANES, "--estimate", "heptane:28"), [5, 8, 19, 22])  # three components, two thermometers
         self.assertGreater(min(self.thermometers("splitter", "--estimate", "iC4:37")), 19)  # three of each
 
+    def test_of_the_thermometers_that_are_there_a_section_gets_two_if_it_can(self) -> None:
+        """Less steep ones too; an end only where there is no other, and the feed stage never."""
+        of = Diagram([-2.0, -1.0, -4.0, -1.0, -1.0, -1.0, -2.0, -0.1, -0.1, -0.1, -0.1], [[-1.0, 0.0]] * 11, ["a", "b"])
+        for there, wanted in (((1, 3, 5), [3, 5]), ((1, 3), [1, 3]), ((3, 6), [3]), ((2,), [2])):
+            seen = tuple({"name": f"T{s}", "is": "temperature", "stage": s, "unit": "K"} for s in there)
+            column = estimate_lines.Column("", (), {"feed_stage": 6}, of, Thresholds(), seen, installed_only=True)
+            self.assertEqual(estimate_lines.usable(column, False, ["a", "b"]), wanted)
+
     def test_the_table_is_made_at_the_state_of_the_diagram(self) -> None:
         _, out, _ = call("gradients", "splitter", *SS2, "--no-steps", "--estimate", "iC4:37", "--out", os.devnull)
         self.assertIn("--set R=32.2787 --set Q=2804.458 --block 1", out)

@@ -29,6 +29,7 @@ SI = {
 NAME_MOST = 15  # characters of a channel
 INPUTS_MOST, LIST_MOST = 12, 63  # of a block: names, and characters of their list
 TABLE_COMPONENTS = 4
+INSTALLED_LEAST = 2  # thermometers of a section, where it has them: less steep ones where too few are steep
 DRIVES = ("feed", "feed_temperature", "feed_quality", "reflux", "heat", "boilup", "pressure")
 TABLE_BLOCK, BLOCK = 1, 2
 
@@ -83,18 +84,18 @@ def usable(column: Column, above: bool, modelled: list[str]) -> list[int]:
     alien = {s: 1 - of.part_of(s, modelled) for s in steep}
     clear = [s for s in steep if alien[s] <= max(t.alien, 2 * min(alien.values()))]
     installed = [s for s in clear if s in there]
-    if installed or not column.installed_only:
+    if not column.installed_only:
         return installed or clear
-    slope = {s: max(abs(g) for g in of.gradient[max(s - 2, 0) : s]) for s in there if (s > column.feed) == above}
-    most = max(t.flat, t.half * max(slope.values(), default=0.0))
-    return [s for s in slope if slope[s] >= most]
+    rest = [s for s in there if s not in (*installed, column.feed) and (s > column.feed) == above and of.step_beside(s) >= t.flat]
+    rest.sort(key=lambda s: (s in (1, of.stages), -of.step_beside(s)))  # what the ends show is the heaviest and the lightest component
+    return sorted([*installed, *rest[: max(0, INSTALLED_LEAST - len(installed))]])
 
 
 def few(column: Column, section: list[int], product: int, most: int = 3) -> list[int]:
     """Three of a section at most: the steepest, the nearest to the product, and one between. Of fewer the first of these."""
     if not section:
         return []
-    steepest = max(section, key=lambda s: abs(column.diagram.gradient[s - 1]))
+    steepest = max(section, key=column.diagram.step_beside)
     nearest = min(section, key=lambda s: abs(s - product))
     between = min(section, key=lambda s: abs(2 * s - steepest - nearest))
     return sorted({steepest, nearest, between} if most == 3 else {steepest, nearest} if most == 2 else {steepest})
@@ -202,7 +203,7 @@ def estimator(column: Column, points: list[Point], method: Callable[[int, int], 
     try:
         simulator.table_lines(column.name, TABLE_BLOCK, *words)  # refuses what a board would refuse
     except (UserError, RunFailed) as error:
-        raise UserError(f"no table for a board: {str(error).removeprefix('--table: ')}") from None
+        raise UserError(f"no table for a board: {str(error).removeprefix('--table: ')}; docs/gradients.md says what to do") from None
     rows = [
         f"set block{BLOCK}.kind composition",
         f"set block{BLOCK}.column {TABLE_BLOCK}",

@@ -31,6 +31,10 @@ class Diagram:
     def stages(self) -> int:
         return len(self.gradient) + 1
 
+    def step_beside(self, stage: int) -> float:
+        """The larger of the steps to the stages above and below it, K."""
+        return max(abs(g) for g in self.gradient[max(stage - 2, 0) : stage])
+
     def part_of(self, stage: int, names: Sequence[str]) -> float:
         """Part of the shares' sizes that comes of these components; 0 where nothing changes."""
         if not self.share:
