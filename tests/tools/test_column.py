@@ -194,11 +194,17 @@ class Board(FolderTest):
             for truth in plant["truths"]:
                 truth["unit"] = "%w"
 
+        def one_by_mass(plant: dict) -> None:
+            plant["truths"][0]["unit"] = "%w"
+
         self.assertIn("set block2.basis mass", self.board(by_mass))
-        self.assertNotIn("set block2.basis mass", self.board())
+        lines = self.board(one_by_mass)
+        self.assertNotIn("set block2.basis mass", lines)
+        self.assertIn("set meas10.unit -", lines)  # moles, as the other one
+        self.assertIn("set meas11.unit %", lines)
 
     def test_another_operating_point_has_another_table_and_other_settings(self) -> None:
-        there, here = self.board(None, "--set", "QC102=1200"), self.board()
+        there, here = self.board(None, "--set", "QC102=1200", "--set", "F=11"), self.board()
         self.assertIn("#   out QC102 1200", there)
         for start in ("set block1.checksum.1 ", "set loop1.gain "):
             self.assertNotEqual(*(next(line for line in lines if line.startswith(start)) for lines in (there, here)))

@@ -23,7 +23,7 @@ TRIP = 0.05  # of the span: the interlock is so far above the hottest that compo
 def lines(name: str, settings: tuple[str, ...], plant: dict[str, Any]) -> list[str]:
     """name: the column as the simulator is asked for it; settings: NAME=VALUE of its inputs; plant: what is in its file."""
     rest = simulator.at_rest(name, settings)
-    at = column_slopes.steady(name, {c["name"]: rest[c["name"]] for c in plant["inputs"]} if settings else None)
+    at = column_slopes.steady(name, simulator.numbers(settings))
     of = gradients.diagram(at.temperature, at.x, at.names, gradients.liquid_of(plant, at.names))
     keys = sensor_rules.keys_of(at.x[-1], at.x[0], of.names, gradients.heaviness(plant, of.names, at.temperature))
     found = column_loops.design(name, settings, plant, of, keys or of.names, rest)
@@ -38,7 +38,7 @@ def lines(name: str, settings: tuple[str, ...], plant: dict[str, Any]) -> list[s
         *channels(plant, rest, used, points),
         *found.remarks,
         *(line for k, loop in enumerate(found.loops, 1) for line in loop_lines(k, loop)),
-        *interlock(plant, at.temperature),
+        *interlock(plant, at.temperature, rest),
         *dict.fromkeys(remarks),
     ]
     if estimator:
@@ -90,7 +90,7 @@ def loop_lines(k: int, loop: Loop) -> list[str]:
     return [f"set loop{k}.{field} {value}" for field, value in rows]
 
 
-def interlock(plant: dict[str, Any], temperature: list[float]) -> list[str]:
+def interlock(plant: dict[str, Any], temperature: list[float], rest: dict[str, float]) -> list[str]:
     """The heat is cut where the lowest thermometer is hotter than any liquid of the column boils: pressure rises, or the reboiler runs dry."""
     heat = next((c for c in plant["inputs"] if c["is"] in HEATS), None)
     there = [c for c in plant["outputs"] if c["is"] == "temperature" and "stage" in c]
@@ -99,7 +99,7 @@ def interlock(plant: dict[str, Any], temperature: list[float]) -> list[str]:
     lowest = min(there, key=lambda c: int(c["stage"]))
     zero = gradients.KELVIN if lowest["unit"] == "degC" else 0.0
     reserve = TRIP * column_loops.span(lowest)
-    limit = min(max(hottest(plant), temperature[int(lowest["stage"]) - 1]) - zero + reserve, lowest["hi"] - 0.2 * reserve)
+    limit = min(max(hottest(plant, rest), temperature[int(lowest["stage"]) - 1]) - zero + reserve, lowest["hi"] - 0.2 * reserve)
     return [
         f"# {lowest['name']} hotter than the highest-boiling component by 5 % of the span: pressure rises, or the reboiler runs dry. Cut the heat.",
         f"set lock1.meas {lowest['name']}",
@@ -111,10 +111,12 @@ def interlock(plant: dict[str, Any], temperature: list[float]) -> list[str]:
     ]
 
 
-def hottest(plant: dict[str, Any]) -> float:
+def hottest(plant: dict[str, Any], rest: dict[str, float]) -> float:
     """Boiling point of the highest-boiling component at the reboiler's pressure, K, or the end of the range of temperatures."""
-    p = next(c for c in [*plant["inputs"], *plant.get("disturbances", []), {"is": "pressure", **plant.get("constants", {}).get("pressure", {})}] if c["is"] == "pressure")
-    pascal = p.get("nominal", p.get("value")) * estimate_lines.SI[p["unit"]][0] + plant.get("pressure_drop", 0)
+    constant = plant.get("constants", {}).get("pressure")
+    channel = next((c for c in (*plant["inputs"], *plant.get("disturbances", [])) if c["is"] == "pressure"), None)
+    value, unit = (rest[channel["name"]], channel["unit"]) if channel else (constant["value"], constant["unit"])
+    pascal = value * estimate_lines.SI[unit][0] + plant.get("pressure_drop", 0)
     low, high = plant["temperature_range"]
     constants = list(gradients.constants_of(plant).values())
     for _ in range(60):
@@ -153,7 +155,7 @@ def estimate(column: estimate_lines.Column, keys: tuple[str, str] | None) -> tup
 
 def products(plant: dict[str, Any], keys: tuple[str, str] | None) -> tuple[list[Point], str]:
     """The first fraction of one component that the file has of each product; else the heavy key in the distillate and the light one in the
-    bottoms. And the basis, one for all."""
+    bottoms. And the basis: mass where all of them are by mass; else one that is becomes a mole fraction."""
     points = []
     for stage, letter, key in ((plant["stages"], "D", 1), (1, "B", 0)):
         seen = [c for c in (*plant["outputs"], *plant.get("truths", [])) if c["is"] == "fraction" and c.get("stage") == stage and isinstance(c["of"], str)]
@@ -162,10 +164,10 @@ def products(plant: dict[str, Any], keys: tuple[str, str] | None) -> tuple[list[
             points.append(Point(f"{c['name'][:11]}_est", c["of"], stage, c["unit"], c["lo"], c["hi"], SHOWN[c["unit"]]))
         elif keys:
             points.append(Point(f"{keys[key][:9]}_{letter}_est", keys[key], stage))
-    mass = [p for p in points if p.unit == "%w"]
-    if mass and len(mass) < len(points):
-        points = mass  # a block has one basis
-    return points, "mass" if mass else "mole"
+    by_mass = [p.unit == "%w" for p in points]
+    if not all(by_mass):  # a block has one basis
+        points = [Point(p.name, p.component, p.stage) if p.unit == "%w" else p for p in points]
+    return points, "mass" if points and all(by_mass) else "mole"
 
 
 # ---- afterwards ----

@@ -134,7 +134,7 @@ def read_plant(name: str) -> dict[str, Any]:
 def from_simulator(options: argparse.Namespace) -> Found:
     plant = read_plant(options.column)
     build.build("host", ("reflux-sim",), quiet=True)
-    at = column_slopes.steady(options.column, settings(options.set))
+    at = column_slopes.steady(options.column, simulator.numbers(options.set))
     of = gradients.diagram(at.temperature, at.x, at.names, gradients.liquid_of(plant, at.names))
     out = Found(
         str(plant["name"]),
@@ -146,17 +146,6 @@ def from_simulator(options: argparse.Namespace) -> Found:
     )
     rest = simulator.at_rest(options.column, options.set)
     out.steady, out.plant, out.inputs = at, plant, {c["name"]: rest[c["name"]] for c in plant["inputs"]}
-    return out
-
-
-def settings(texts: list[str]) -> dict[str, float]:
-    out = {}
-    for text in texts:
-        match = re.fullmatch(r"(\w+)=(.+)", text)
-        try:
-            out[match[1] if match else ""] = float(match[2] if match else "")
-        except ValueError:
-            raise UserError(f"--set {text}: must be NAME=NUMBER") from None
     return out
 
 

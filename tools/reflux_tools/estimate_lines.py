@@ -163,11 +163,18 @@ def drives(column: Column) -> list[tuple[str, str, str]]:
             found.setdefault(c["is"], (c["name"], c["is"], c.get("unit", "-")))
     if "heat" in found:
         found.pop("boilup", None)
+    kind = flow_kind(column.plant.get("constants", {}).get("reflux", {}).get("unit", found.get("reflux", ("", "", ""))[2]))
+    if "reflux" in found and flow_kind(found["reflux"][2]) != kind:
+        raise UserError(f"{found['reflux'][0]}: the file has its reflux as a flow of {kind}, and the table with it: measure it as that")
     levels = column.plant.get("levels", {})
     for what, vessel in (("reflux", "condenser"), ("boilup", "reboiler")):
         if levels.get(vessel, {}).get("by") == what and what not in found:
             raise UserError(f"the level of the {vessel} moves the {what}, and the column measures it nowhere: add an output that is {what} to its file")
     return list(found.values())
+
+
+def flow_kind(unit: str) -> str:
+    return "moles" if "mol" in unit else "volume" if unit[:1] in ("l", "m") else "mass"
 
 
 # ---- lines ----

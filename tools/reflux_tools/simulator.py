@@ -26,6 +26,18 @@ def at_rest(plant: str, settings: Iterable[str] = ()) -> dict[str, float]:
     return {row[1]: float(row[3]) for row in rows}
 
 
+def numbers(settings: Iterable[str]) -> dict[str, float]:
+    """Values of inputs from NAME=VALUE, as a command line has them."""
+    out = {}
+    for text in settings:
+        name, _, value = text.partition("=")
+        try:
+            out[name] = float(value)
+        except ValueError:
+            raise UserError(f"--set {text}: must be NAME=NUMBER") from None
+    return out
+
+
 def setting_words(settings: Iterable[str]) -> list[str]:
     return [word for setting in settings for word in ("--set", setting)]
 
