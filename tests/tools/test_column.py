@@ -9,7 +9,7 @@ from unittest import mock
 import numpy as np
 from support import ROOT, FolderTest, call
 
-from reflux_tools import column_file, column_loops, linear_analysis as linear
+from reflux_tools import build, column_file, column_loops, linear_analysis as linear
 from reflux_tools.errors import UserError
 from reflux_tools.gradients import Diagram
 
@@ -148,6 +148,14 @@ class Loops(unittest.TestCase):
         k, ti = column_loops.quiet(-8.0, 100.0, -0.5, 1000.0, channel(noise=0.5))
         self.assertAlmostEqual(k, -2.0)  # 0.5 % of noise, 1 % of the output
         self.assertAlmostEqual(ti, 1000.0)  # SIMC: the smaller of 1000 s and 4 * 1000 s / (0.5 * 2)
+
+    def test_a_measurement_that_no_input_moves_has_no_loop_and_the_others_have(self) -> None:
+        build.build("host", ("libreflux",), quiet=True)
+        k = np.array([[2.0, -1.5], [1e-7, 1e-7]])
+        channels = {name: channel() for name in ("u1", "u2", "y1", "y2")}
+        loops, words = column_loops.paired(first_orders(k), {"y1": "top", "y2": "bottom"}, channels, 1.0)
+        self.assertEqual([(loop.name, loop.pv) for loop in loops], [("top", "y1")])
+        self.assertIn("# no loop for y2: the whole span of an input moves it by less than 0.1 % of its own", words)
 
     def controlled(self, *outputs: dict) -> dict[str, str]:
         plant = {"stages": 12, "feed_stage": 6, "outputs": list(outputs)}

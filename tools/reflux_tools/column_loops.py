@@ -22,6 +22,7 @@ TI_MOST_S = 1e6  # of a loop of the board
 LEVEL_GAIN = 2.0  # output span per span of a level: 10 % of the level move the flow by 20 %
 NOISE_MOST = 0.01  # standard deviation of an output that comes of the noise of its measurement, part of the span
 PARTS = (0.283, 0.632)  # of its end that a first-order lag has reached after a third of its time constant, and after all of it
+DEAF = 1e-3  # gain in spans of a measurement that cannot be controlled
 SMALL = 1e-6  # of the largest gain in spans: a smaller one has no times
 
 
@@ -86,7 +87,7 @@ def level_loops(model: linear.Model, plant: dict[str, Any], channels: dict[str, 
             raise UserError(f"no flow holds the level of the {vessel}, and the column has no {'level output' if pv is None else 'input'} to hold it with")
         i, j = model.outputs.index(pv), model.inputs.index(mv)
         slope = float(model.c[i] @ model.b[:, j]) * span(channels[mv]) / span(channels[pv])
-        loops.append(Loop(name, pv, mv, "direct" if slope < 0 else "reverse", LEVEL_GAIN, 4 / (LEVEL_GAIN * abs(slope))))
+        loops.append(Loop(name, pv, mv, "direct" if slope < 0 else "reverse", LEVEL_GAIN, min(4 / (LEVEL_GAIN * abs(slope)), TI_MOST_S)))
     return loops
 
 
@@ -128,19 +129,24 @@ def paired(model: linear.Model, names: dict[str, str], channels: dict[str, Any],
     spans = np.array([[span(channels[u]) / span(channels[y]) for u in model.inputs] for y in model.outputs])
     gain, dead, lag = first_orders(model, spans)
     dead = dead + np.array([[instrument_s(channels[y])] for y in model.outputs])
+    moves = [i for i in range(len(model.outputs)) if np.abs(gain[i]).max() >= DEAF]
+    words = [f"# no loop for {y}: the whole span of an input moves it by less than {100 * DEAF:g} % of its own" for i, y in enumerate(model.outputs) if i not in moves]
+    if not moves:
+        return [], words
+    outputs, gain, dead, lag = [model.outputs[i] for i in moves], gain[moves], dead[moves], lag[moves]
     plant = libreflux.Plant(gain, dead, lag)
     try:
         pairs = libreflux.pairing(plant)
         loops, figures = libreflux.detune(plant, pairs["pairs"], tick_s)
     except libreflux.Refused as error:
-        return [], [f"# no more loops: {error}"]
+        return [], [*words, f"# no more loops: {error}"]
     out = []
     for (i, j), k, ti in zip(loops.pairs, loops.gain, loops.ti):
-        y, u = model.outputs[i], model.inputs[j]
+        y, u = outputs[i], model.inputs[j]
         k, ti = quiet(float(k), float(ti), gain[i, j], lag[i, j], channels[y])
         out.append(Loop(names[y], y, u, "reverse" if k > 0 else "direct", abs(k), min(ti, TI_MOST_S), max(1, round(channels[y].get("every_s", 0) / tick_s))))
     slowed = f", slowed {figures['factor']:.3g} times because the loops disturb each other" if figures["factor"] > 1.005 else ""
-    words = [f"# {loop.name}: {loop.pv} by {loop.mv}, relative gain {lam:.3g}; SIMC{slowed}" for loop, lam in zip(out, pairs["lambda"])]
+    words += [f"# {loop.name}: {loop.pv} by {loop.mv}, relative gain {lam:.3g}; SIMC{slowed}" for loop, lam in zip(out, pairs["lambda"])]
     if not figures["kept"]:
         words.append("# the loops together do not keep the distance from instability that docs/tuning.md asks for: close one at a time")
     return out, words
