@@ -157,6 +157,13 @@ class Loops(unittest.TestCase):
         self.assertEqual([(loop.name, loop.pv) for loop in loops], [("top", "y1")])
         self.assertIn("# no loop for y2: the whole span of an input moves it by less than 0.1 % of its own", words)
 
+    def test_loops_are_slowed_where_a_part_of_the_response_is_faster_than_the_tick(self) -> None:
+        channels = {"u1": channel(), "y1": channel()}
+        loop = column_loops.Loop("top", "y1", "u1", "reverse", 6.0, 500.0)
+        for fast, least, most in ((0.0, 1.0, 1.0), (0.3, 1.5, 6.0)):  # stable is 0.3 * 6 * 1.7 / factor < 2 about, and a PI needs more
+            model = linear.Model(np.diag([-0.1, -0.001]), np.array([[0.1], [0.001]]), np.array([[fast, 1 - fast]]), np.zeros((1, 1)), ("u1",), ("y1",))
+            self.assertTrue(least <= column_loops.slower(model, [loop], channels, 20.0) <= most)
+
     def controlled(self, *outputs: dict) -> dict[str, str]:
         plant = {"stages": 12, "feed_stage": 6, "outputs": list(outputs)}
         of = Diagram([-0.1, -1.0, -4.0, -1.0, -1.0, -1.0, -2.0, -5.0, -2.0, -1.0, -0.1], [[-1.0, 0.0]] * 11, ["a", "b"])
