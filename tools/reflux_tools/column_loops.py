@@ -26,6 +26,8 @@ PARTS = (0.283, 0.632)  # of its end that a first-order lag has reached after a 
 MARGIN = 1.7  # times all gains: docs/tuning.md
 SLOWER_STEP, SLOWER_MOST = 1.25, 1000.0
 DEAF = 1e-3  # gain in spans of a measurement that cannot be controlled
+FINER = 15  # from one grid of a step response to the next
+SAME = 20.0  # relative gain from which two measurements see the same, nearly
 SMALL = 1e-6  # of the largest gain in spans: a smaller one has no times
 
 
@@ -154,6 +156,8 @@ def paired(model: linear.Model, names: dict[str, str], channels: dict[str, Any],
         f"# {loop.name}: {loop.pv} by {loop.mv}, relative gain {lam:.3g}; SIMC{f', slowed {slowed:.3g} times for all loops together' if slowed > 1.005 else ''}"
         for loop, lam in zip(out, pairs["lambda"])
     ]
+    if max(pairs["lambda"], default=0.0) > SAME:
+        words.append(f"# a relative gain above {SAME:g}: the measurements see nearly the same. Leave the slower loop in manual, or measure elsewhere")
     if not figures["kept"] or factor > SLOWER_MOST:
         words.append("# the loops together do not keep the distance from instability that docs/tuning.md asks for: close one at a time")
     return [dataclasses.replace(loop, gain=loop.gain / factor, ti_s=min(loop.ti_s * factor, TI_MOST_S)) for loop in out], words
@@ -194,15 +198,22 @@ def stable(sampled: tuple[np.ndarray, np.ndarray, np.ndarray], loops: list[Loop]
 
 
 def first_orders(model: linear.Model, spans: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Gains in spans, dead times and time constants of a first-order lag with dead time through two points of each step response."""
+    """Gains in spans, dead times and time constants of a first-order lag with dead time through two points of each step response. What is
+    fast is seen on a finer grid."""
     k = linear.gains(model)
-    dt = -12.0 / linear.poles(model)[0].real / linear.GRID
-    responses, times = linear.step_responses(model, dt), dt * np.arange(linear.GRID + 1)
-    gain, dead, lag = k * spans, np.zeros(k.shape), np.full(k.shape, dt)
-    for i, j in zip(*np.nonzero(np.abs(gain) > SMALL * np.abs(gain).max())):
-        first, second = (crossing(times, responses[:, i, j] / k[i, j], part) for part in PARTS)
-        lag[i, j] = max(1.5 * (second - first), dt)
-        dead[i, j] = max(second - lag[i, j], 0.0)
+    longest = -12.0 / linear.poles(model)[0].real / linear.GRID
+    gain, dead, lag = k * spans, np.zeros(k.shape), np.full(k.shape, longest)
+    left = set(zip(*np.nonzero(np.abs(gain) > SMALL * np.abs(gain).max())))
+    for dt in (longest / FINER**2, longest / FINER, longest):
+        responses, times = linear.step_responses(model, dt), dt * np.arange(linear.GRID + 1)
+        for i, j in sorted(left):
+            response = responses[:, i, j] / k[i, j]
+            if response.max() < PARTS[1]:
+                continue
+            left.remove((i, j))
+            first, second = (crossing(times, response, part) for part in PARTS)
+            lag[i, j] = max(1.5 * (second - first), dt)
+            dead[i, j] = max(second - lag[i, j], 0.0)
     return gain, dead, lag
 
 
