@@ -189,6 +189,16 @@ struct block_event {
         *words; /* with the unit of its value: "the model has left the plant, fraction of span" */
 };
 
+#if CONFIG_BLOCKS
+/* What the setpoint of a loop does when the loop above it loses the estimate that it acts on, EU of that setpoint. Both 0: the setpoint
+ * is again what it was when the cascade began, and there is no limit. */
+struct block_return {
+    float setpoint; /* it returns to this one */
+    float
+        within; /* while the estimate is not good the setpoint stays this near to the last one with a good estimate; 0: anywhere */
+};
+#endif
+
 struct block_kind {
     const char *name; /* "pid" */
     uint8_t stage;    /* enum block_stage */
@@ -216,6 +226,8 @@ struct block_kind {
     /* How many it may have. Inputs are further points it reads, points those it writes. */
     uint8_t members_most, inputs_most, points_most;
     uint8_t bad_input; /* enum block_bad_input */
+    /* Of an estimator: place in the settings of a struct block_return for each of its points; 0: it has none. */
+    uint16_t returns;
     /* How many of its own steps the history of applied inputs goes back for these settings: of the MVs that its members
      * drive, and of those among its inputs. 0, or NULL: it needs none. */
     uint16_t (*history)(const struct block_setup *setup);

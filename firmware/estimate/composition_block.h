@@ -9,7 +9,7 @@
 
 #if CONFIG_BLOCKS
 
-#define COMPOSITION_PARAMETER_ROWS 33
+#define COMPOSITION_PARAMETER_ROWS 34
 extern const struct block_parameter composition_parameter_rows[COMPOSITION_PARAMETER_ROWS];
 
 enum {

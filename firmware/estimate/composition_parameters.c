@@ -93,6 +93,13 @@ const struct block_parameter composition_parameter_rows[COMPOSITION_PARAMETER_RO
     {33, BLOCK_WORD, PLACE(of), BLOCK_POINTS_MAX, 1, "of", "stage|feed_fraction|feed_flow",
      "what a point is of: a stage, or the feed as it is found, its flow in the unit of the table",
      0, 0, OF_STAGE},
+    {34, BLOCK_FLOAT, PLACE(back), BLOCK_POINTS_MAX, sizeof(struct block_return) / sizeof(float),
+     "return", "EU, EU",
+     "where a loop on the point moves another's setpoint: that setpoint when the point is lost, "
+     "and "
+     "how far from the last good one it may be while the point is uncertain; both 0: as the "
+     "cascade began, anywhere",
+     -1e9f, 1e9f, 0},
     {17, BLOCK_WORD, PLACE(between), 1, 1, "between", "line|mean",
      "temperatures of truncated stages, of those around them", 0, 0, COLUMN_BETWEEN_LINE},
 };

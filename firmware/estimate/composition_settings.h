@@ -51,8 +51,9 @@ enum { UNIT_FACTOR, UNIT_ZERO, UNIT_COLS };  /* SI = factor * value + zero */
 struct composition_settings {
     float tune[BLOCK_INPUTS_MAX][TUNE_COLS];
     float si[BLOCK_INPUTS_MAX][UNIT_COLS];
-    float show[BLOCK_POINTS_MAX][UNIT_COLS]; /* value = factor * SI + zero */
-    float noise;                             /* K, standard deviation of a reading */
+    float show[BLOCK_POINTS_MAX][UNIT_COLS];    /* value = factor * SI + zero */
+    struct block_return back[BLOCK_POINTS_MAX]; /* of the loop below one on this point */
+    float noise;                                /* K, standard deviation of a reading */
     float
         model; /* of the model's rates: standard deviation that a mole fraction gathers in an hour */
     float gate;     /* K; 0: none */

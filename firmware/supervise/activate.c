@@ -10,6 +10,7 @@
 #include "supervise/sampling.h"
 #include "supervise/sequence.h"
 #include "supervise/serve.h"
+#include "supervise/setpoint.h"
 #include "supervise/supervisor.h"
 #include "supervise/switch_offs.h"
 
@@ -48,8 +49,11 @@ static void place_setpoint(struct supervisor *s, const struct plan *old, uint8_t
     /* A loop's first setpoint; or where the filter ends from now on, the ramp has to go on from there. */
     if (old && (c->sp_filter_s > 0.0f || !(old->config.loop[i].sp_filter_s > 0.0f)))
         return;
-    ramp_reset(&l->ramp, l->setpoint);
-    lag_reset(&l->filter, l->setpoint);
+#if CONFIG_BLOCKS
+    if (l->mode == LOOP_CASCADE) /* setpoint_taken() */
+        return;
+#endif
+    setpoint_rest(l, l->setpoint);
 }
 
 static void place_loop(struct supervisor *s, const struct plan *old, uint8_t i)
@@ -84,6 +88,9 @@ static void place_loop(struct supervisor *s, const struct plan *old, uint8_t i)
     uint8_t outer = plan->loop[i].outer;
     if (l->mode == LOOP_CASCADE && (outer == PLAN_NONE || !same_loop(plan, old, outer))) {
         l->mode = LOOP_AUTO; /* at the setpoint in force: the old outer loop is gone */
+#if CONFIG_BLOCKS
+        setpoint_rest(l, l->setpoint);
+#endif
         event_put(s->events, s->time_ms, EVENT_MODE, c->name, (float)LOOP_AUTO, LOOP_AUTO);
     }
     float lo, hi;

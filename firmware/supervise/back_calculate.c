@@ -20,7 +20,7 @@ static uint8_t saturation(const struct supervisor *s, uint8_t i)
         up = up || num_lt(shortfall, num_zero());
         down = down || num_lt(num_zero(), shortfall);
     } else { /* whether or not it has been told already */
-        num_t taken = setpoint_clamp(s, p->inner, l->v);
+        num_t taken = setpoint_taken(s, p->inner, l->v);
         up = up || num_lt(taken, l->v);
         down = down || num_lt(l->v, taken);
     }
@@ -81,7 +81,7 @@ static void back_outer(struct supervisor *s, uint8_t i)
     }
     l->clamp = saturation(s, p->inner);
     /* What the inner loop makes of it does not depend on whose turn comes first. */
-    tell_applied(s, i, setpoint_clamp(s, p->inner, l->v), l->clamp);
+    tell_applied(s, i, setpoint_taken(s, p->inner, l->v), l->clamp);
 }
 
 /* What compensated loops are told: v and the back-calculation of (applied - commanded). Where the compensator asks for more than

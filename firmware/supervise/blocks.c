@@ -10,6 +10,14 @@ void loop_to_manual(struct supervisor *s, uint8_t i)
               LOOP_MANUAL);
 }
 
+bool loop_acts_on(const struct supervisor *s, uint8_t measurement)
+{
+    bool acts = false;
+    for (uint8_t k = 0; k < s->placed[PLACED_LOOPS]; k++)
+        acts = acts || (loop_acts(s, k) && s->plan->loop[k].pv == measurement);
+    return acts;
+}
+
 static const struct block_kind *kind_of(const struct supervisor *s, uint8_t slot)
 {
     return block_kinds[s->block[slot].kind];

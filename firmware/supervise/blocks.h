@@ -36,6 +36,8 @@ static inline void loop_find_driving(struct supervisor *s, uint8_t i)
 
 /* Loop i goes to manual, if it acts, and an event says so: not because somebody asked for it. */
 void loop_to_manual(struct supervisor *s, uint8_t i);
+/* Whether a loop acts that has this measurement as its PV. */
+bool loop_acts_on(const struct supervisor *s, uint8_t measurement);
 
 /* A block with the settings of the plan, without a past. */
 void block_begin(struct supervisor *s, uint8_t i);

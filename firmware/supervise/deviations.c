@@ -51,10 +51,7 @@ static void run_doubt(struct supervisor *s, uint8_t i)
 {
     struct measurement_state *m = &s->measurement[i];
     const struct measurement_config *c = &s->plan->config.measurement[i];
-    bool acts = false;
-    for (uint8_t k = 0; k < s->placed[PLACED_LOOPS]; k++)
-        acts = acts || (loop_acts(s, k) && s->plan->loop[k].pv == i);
-    bool doubtful = acts && m->quality == QUALITY_UNCERTAIN && !m->alarm;
+    bool doubtful = loop_acts_on(s, i) && m->quality == QUALITY_UNCERTAIN && !m->alarm;
     if (lasting_changes(&m->doubt, doubtful, c->sensor_hold_s, s->time_ms))
         event_put(s->events, s->time_ms, m->doubt.active ? EVENT_DOUBTFUL : EVENT_DOUBTFUL_OVER,
                   c->name, span_to_eu(m->value, c->lo, c->hi), 0);

@@ -33,7 +33,7 @@ static bool request_mode(struct supervisor *s, const struct request *r)
     enum loop_mode mode = (enum loop_mode)r->mode;
     if (mode != LOOP_MANUAL) {
         bool possible = loop_bound(s, r->loop) && s->measurement[p->pv].seen &&
-                        quality_usable(s->measurement[p->pv].quality) &&
+                        measurement_may_control(&s->measurement[p->pv]) &&
                         !(mode == LOOP_CASCADE && p->outer == PLAN_NONE);
         if (!possible) {
             event_put(s->events, s->time_ms, EVENT_MODE_REFUSED, name, (float)mode, (uint8_t)mode);
@@ -45,10 +45,17 @@ static bool request_mode(struct supervisor *s, const struct request *r)
     if (mode == LOOP_CASCADE) { /* the outer loop may be new, or this its first reading */
         s->loop[p->outer].v = setpoint_found(s, r->loop);
         s->loop[p->outer].transfer_pending = true;
+#if CONFIG_BLOCKS
+        setpoint_rest(l, s->loop[p->outer].v);
+#endif
     }
     bool from_manual = l->mode == LOOP_MANUAL;
-    if (l->mode == LOOP_CASCADE)
+    if (l->mode == LOOP_CASCADE) {
         l->target = loop_own_setpoint(l); /* stay where the outer loop left it */
+#if CONFIG_BLOCKS
+        setpoint_rest(l, l->target);
+#endif
+    }
     l->mode = mode;
     if (from_manual) {
         l->transfer_pending = true;

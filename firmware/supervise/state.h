@@ -89,7 +89,10 @@ struct measurement_state {
     bool delivered;    /* `last` is a reading */
     bool alarm : 1;    /* reported as bad */
     bool inferred : 1; /* `value` is made from something else, by meas.infer */
-    uint8_t fault;     /* enum measurement_fault of the last reading */
+#if CONFIG_BLOCKS
+    bool doubted : 1; /* an estimate that no loop may act on: it has long been uncertain */
+#endif
+    uint8_t fault; /* enum measurement_fault of the last reading */
 #if CONFIG_CALIBRATION
     uint8_t young;              /* readings for which the first valid one may still prove wrong */
     uint8_t twin, twin_changes; /* a measurement that sends the same numbers; how many so far */
@@ -358,6 +361,16 @@ static inline bool measurement_is_good(const struct measurement_state *m)
 {
     return m->bound && m->fault != MEASUREMENT_MISSING && m->fault != MEASUREMENT_FLAGGED &&
            m->fault != MEASUREMENT_NOT_A_NUMBER;
+}
+
+/* A loop may act on its value. */
+static inline bool measurement_may_control(const struct measurement_state *m)
+{
+#if CONFIG_BLOCKS
+    if (m->doubted)
+        return false;
+#endif
+    return quality_usable(m->quality);
 }
 
 /* LOOP_MANUAL for one that is not there. */

@@ -5,6 +5,7 @@
 #include "supervise/calibration.h"
 #include "supervise/safe_state.h"
 #include "supervise/sampling.h"
+#include "supervise/setpoint.h"
 #include "supervise/span.h"
 #include "supervise/watch.h"
 
@@ -119,8 +120,12 @@ static bool infer(struct supervisor *s, uint8_t i)
 static void loops_to_manual(struct supervisor *s, uint8_t measurement)
 {
     for (uint8_t k = 0; k < s->placed[PLACED_LOOPS]; k++)
-        if (s->plan->loop[k].pv == measurement)
+        if (s->plan->loop[k].pv == measurement) {
+#if CONFIG_BLOCKS
+            setpoint_return(s, k);
+#endif
             loop_to_manual(s, k);
+        }
 }
 
 static void fall_back(struct supervisor *s, uint8_t i, float reading)
@@ -150,6 +155,46 @@ static void fall_back(struct supervisor *s, uint8_t i, float reading)
         supervisor_outputs_safe(s, c->name);
 }
 
+#if CONFIG_BLOCKS
+/* No loop acts on an estimate that has been uncertain for longer than `hold`. */
+static void keep_from_loops(struct supervisor *s, uint8_t i)
+{
+    struct measurement_state *m = &s->measurement[i];
+    const struct measurement_config *c = &s->plan->config.measurement[i];
+    m->doubted = true;
+    if (!loop_acts_on(s, i))
+        return;
+    loops_to_manual(s, i);
+    event_put(s->events, s->time_ms, EVENT_DOUBTFUL, c->name, m->raw, 0);
+    if (c->fallback == FALLBACK_SAFE)
+        supervisor_outputs_safe(s, c->name);
+}
+
+/* False: it is none. */
+static bool take_uncertain_estimate(struct supervisor *s, uint8_t i, enum quality quality)
+{
+    struct measurement_state *m = &s->measurement[i];
+    const struct measurement_config *c = &s->plan->config.measurement[i];
+    m->doubted = false;
+    if (!plan_is_estimate(s->plan, i) || quality == QUALITY_GOOD)
+        return false;
+    bool doubted = sampling_without_s(s, i) > c->sensor_hold_s; /* since the last good one */
+    if (doubted && infer(s, i))
+        return true;
+    set_inferred(s, i, false, m->raw);
+    if (doubted && c->fallback == FALLBACK_SUBSTITUTE) {
+        take(m, c, c->substitute, QUALITY_UNCERTAIN);
+        return true;
+    }
+    take(m, c, m->raw, QUALITY_UNCERTAIN);
+    if (doubted)
+        keep_from_loops(s, i);
+    return true;
+}
+#else
+#define take_uncertain_estimate(s, i, quality) false
+#endif
+
 void validate_measurement(struct supervisor *s, uint8_t i, const struct reading *r)
 {
     struct measurement_state *m = &s->measurement[i];
@@ -171,12 +216,15 @@ void validate_measurement(struct supervisor *s, uint8_t i, const struct reading 
         return;
     }
     bool outside = m->raw < c->lo || m->raw > c->hi;
-    set_inferred(s, i, false, m->raw);
-    take(m, c, m->raw, outside ? QUALITY_UNCERTAIN : r->quality);
+    enum quality quality = outside ? QUALITY_UNCERTAIN : r->quality;
+    if (!take_uncertain_estimate(s, i, quality)) {
+        set_inferred(s, i, false, m->raw);
+        take(m, c, m->raw, quality);
+        m->valid_ms = came_ms;
+    }
     m->valid = true;
     m->lost = false;
     m->last_valid = value;
-    m->valid_ms = came_ms;
     if (m->alarm) {
         m->alarm = false;
         event_put(s->events, s->time_ms, EVENT_MEASUREMENT_GOOD, c->name, value, 0);

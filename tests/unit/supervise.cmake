@@ -28,10 +28,11 @@ foreach(part served_compensators served_elements served_polynomial)
   target_link_libraries(test_${part} PRIVATE reflux_control reflux_compensate reflux_feedforward)
 endforeach()
 
-foreach(part analyser stand_in)
+foreach(part analyser stand_in lost_estimate)
   reflux_test(${part} LABEL unit SOURCES ${CMAKE_CURRENT_LIST_DIR}/test_${part}.c LIBS parameters_alone reflux_supervise)
 endforeach()
 target_link_libraries(test_stand_in PRIVATE reflux_control)
+target_link_libraries(test_lost_estimate PRIVATE reflux_control)
 
 # The table of parameters in docs/console.md, and whether it is current.
 add_executable(parameter_table "${PROJECT_SOURCE_DIR}/tests/support/parameter_table.c")

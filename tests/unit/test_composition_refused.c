@@ -60,6 +60,7 @@ static void its_parameters_are_those_that_boards_have_stored(void)
         {"sure", 31, 1, 1, 0, 1, 0.01f, NULL},
         {"nis_full", 32, 1, 1, 0, 1e6f, 4, NULL},
         {"of", 33, 8, 1, 0, 0, 0, "stage|feed_fraction|feed_flow"},
+        {"return", 34, 8, 2, -1e9f, 1e9f, 0, NULL},
         {"between", 17, 1, 1, 0, 0, 0, "line|mean"},
     };
     TEST_ASSERT_EQUAL(sizeof page / sizeof page[0], kind->parameters);
