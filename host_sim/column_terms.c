@@ -259,6 +259,8 @@ real_t column_terms_value(const struct column_terms *t, const struct column *col
         break;
     case SIGHT_FEED: /* as it is metered, which is as it is driven */
         return column->inputs.feed_flow / (real_t)unit->in - (real_t)unit->offset;
+    case SIGHT_PRESSURE: /* in the condenser */
+        return column->inputs.pressure_top / (real_t)unit->in - (real_t)unit->offset;
     default: /* SIGHT_FEED_TEMPERATURE */
         return column->inputs.feed_temperature / (real_t)unit->in - (real_t)unit->offset;
     }

@@ -44,6 +44,7 @@ enum column_sight {
     SIGHT_HEAT,
     SIGHT_FEED,
     SIGHT_FEED_TEMPERATURE,
+    SIGHT_PRESSURE,
     SIGHT_COUNT
 };
 

@@ -32,6 +32,7 @@ static const struct {
     [SIGHT_HEAT] = {"heat", MEASURE_POWER, 0},
     [SIGHT_FEED] = {"feed", MEASURE_FLOW, 0},
     [SIGHT_FEED_TEMPERATURE] = {"feed_temperature", MEASURE_TEMPERATURE, 0},
+    [SIGHT_PRESSURE] = {"pressure", MEASURE_PRESSURE, 0},
 };
 
 static const char *sight_name(size_t k)

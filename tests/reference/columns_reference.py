@@ -321,6 +321,8 @@ class Column:
             return getattr(s, kind) * self.per_mole(unit, s.x[..., -1, :], s.t[..., -1] - s.subcooling)
         if kind == "bottoms":
             return s.bottoms * self.per_mole(unit, s.x[..., 0, :], s.t[..., 0])
+        if kind == "pressure":
+            return s.pressure[..., -1] / PRESSURE[unit]
         if kind == "feed":
             return s.feed * self.per_mole(unit, s.z, s.feed_t)
         if kind == "feed_temperature":

@@ -791,6 +791,14 @@ class Views(Files):
             if s > 1:
                 self.assertAlmostEqual(stage[s]["dT[K]"], stage[s]["T[K]"] - stage[s - 1]["T[K]"], delta=1e-9)
 
+    def test_a_pressure_is_seen_as_it_is_driven_in_any_of_its_units(self):
+        seen = [{"name": "PT", "is": "pressure", "unit": "mmHg", "lo": 600, "hi": 900},
+                {"name": "PK", "is": "pressure", "unit": "kPa", "lo": 60, "hi": 200}]
+        for file, pascal in ((STILL, 101325.0), (PILOT, 760 * 133.322)):
+            v = self.steady(file, lambda p: p["outputs"].append(seen[0]), lambda p: p["truths"].append(seen[1]))
+            self.assertAlmostEqual(v["PT"], pascal / 133.322, delta=1e-6)
+            self.assertAlmostEqual(v["PK"], pascal / 1e3, delta=1e-8)
+
     def test_a_profile_is_the_same_in_both_formats(self):
         path = self.write(STILL)
         table = list(csv.DictReader(sim("--profile", "--plant", path).stdout.splitlines()))
