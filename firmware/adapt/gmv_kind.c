@@ -28,6 +28,7 @@ enum gmv_event {
     EVENT_WORSE,
     EVENT_BURST,
     EVENT_SINGULAR,
+    EVENT_RECORD,
     GMV_EVENTS
 };
 
@@ -44,6 +45,8 @@ static const struct block_event gmv_events[GMV_EVENTS] = {
                      "the PI acts: predictions fail, or an MV is stuck the wrong way; spans"},
     [EVENT_BURST] = {"burst", BLOCK_ALARM, "the PI acts: the MV or the PV swings, spans r.m.s."},
     [EVENT_SINGULAR] = {"singular", BLOCK_INFO, "loops solved one by one, of"},
+    [EVENT_RECORD] = {"pi_wins", BLOCK_ALARM,
+                      "the PI acts: it did better with fewer moves; the law's, times its own"},
 };
 
 /* ---- settings ---- */
@@ -373,7 +376,8 @@ static void tell(const struct gmv_block *s, struct block_io *io, uint8_t wish)
     raised |= !learns ? 1u << EVENT_FROZEN : 0;
     raised |= wish & GMV_WISH_REFUSED ? 1u << EVENT_REFUSED : 0;
     raised |= law && s->singular ? 1u << EVENT_SINGULAR : 0;
-    raised |= (unsigned)s->watch.alarms << EVENT_SIGN;
+    raised |= (s->watch.alarms & (GMV_ALARM_RECORD - 1u)) << EVENT_SIGN;
+    raised |= s->watch.alarms & GMV_ALARM_RECORD ? 1u << EVENT_RECORD : 0;
     io->raised = (uint16_t)raised;
     for (unsigned k = 0; k < GMV_EVENTS; k++)
         io->event_value[k] = value_of_event(s, (enum gmv_event)k, rest);

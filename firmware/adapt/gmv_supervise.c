@@ -42,6 +42,7 @@ static void enter_state(struct gmv_supervise *s, enum gmv_state state)
     for (unsigned i = 0; i < GMV_LOOPS; i++) {
         gmv_burst_begin(&s->burst[i]);
         gmv_cycle_begin(&s->cycle[i]);
+        gmv_record_begin(&s->record[i]);
         s->jammed[i] = 0;
     }
 }
@@ -318,6 +319,32 @@ static float jammed_away(struct gmv_supervise *s, const struct gmv_seen *seen)
     return most;
 }
 
+/* Steps after which an answer to a setpoint is over. */
+static uint32_t settled_steps(const struct gmv_supervise *s)
+{
+    return 2u * s->config.reach + 32u;
+}
+
+static void keep_record(struct gmv_supervise *s, const struct gmv_seen *seen)
+{
+    for (unsigned i = 0; i < s->config.loops; i++)
+        if ((seen->acting & seen->good & (1u << i)))
+            gmv_record_pi(&s->record[i], seen->setpoint[i], seen->away[i], seen->moved[i],
+                          settled_steps(s));
+}
+
+/* How many times the moves of the PI the law makes, where it does worse; 0: it does not. */
+static float worse_than_pi(struct gmv_supervise *s, const struct gmv_seen *seen)
+{
+    float most = 0;
+    for (unsigned i = 0; i < s->config.loops; i++)
+        if ((seen->acting & seen->good & (1u << i)) &&
+            gmv_record_law(&s->record[i], seen->setpoint[i], seen->away[i], seen->moved[i],
+                           settled_steps(s)))
+            most = gmv_record_times(&s->record[i]);
+    return most;
+}
+
 /* The g_ii,0 that is nearest to the wrong side, with the sign it has. */
 static float worst_gain(const struct gmv_supervise *s, const struct gmv_came *came)
 {
@@ -359,6 +386,9 @@ static uint8_t judge_self_tuning(struct gmv_supervise *s, const struct gmv_seen 
     float swings = cycling(s, seen, came);
     if (swings > 0)
         return give_up(s, GMV_ALARM_BURST, swings);
+    float times = worse_than_pi(s, seen);
+    if (times > 0)
+        return give_up(s, GMV_ALARM_RECORD, times);
     float jammed = jammed_away(s, seen);
     if (jammed > 0)
         return give_up(s, GMV_ALARM_WORSE, jammed);
@@ -384,6 +414,8 @@ uint8_t gmv_supervise_judge(struct gmv_supervise *s, const struct gmv_seen *seen
             (s->rest[i] == GMV_LEARNS || s->rest[i] == GMV_RESTS_QUIET))
             watch_excitation(s, came, i);
     sum_up(s, came);
+    if (s->state != GMV_SELF_TUNING)
+        keep_record(s, seen);
     switch (s->state) {
     case GMV_TUNING:
         return judge_tuning(s, came, seen->acting);

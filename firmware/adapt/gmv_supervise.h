@@ -8,6 +8,7 @@
 
 #include "adapt/gmv_burst.h"
 #include "adapt/gmv_cycle.h"
+#include "adapt/gmv_record.h"
 
 enum gmv_state { GMV_TUNING, GMV_WAITING, GMV_SELF_TUNING };
 
@@ -35,7 +36,8 @@ enum gmv_alarm {
     GMV_ALARM_SIGN = 1,
     GMV_ALARM_POLES = 2,
     GMV_ALARM_WORSE = 4,
-    GMV_ALARM_BURST = 8
+    GMV_ALARM_BURST = 8,
+    GMV_ALARM_RECORD = 16 /* the PI has done better */
 };
 
 #define GMV_TRIES_MOST 8
@@ -97,6 +99,7 @@ struct gmv_supervise {
     bool is_quiet[GMV_LOOPS];
     struct gmv_burst burst[GMV_LOOPS];
     struct gmv_cycle cycle[GMV_LOOPS];
+    struct gmv_record record[GMV_LOOPS];
     uint32_t jammed
         [GMV_LOOPS]; /* steps that an MV has been pushed against a limit away from where its loop needs it */
     uint32_t steps, given_up_at[GMV_TRIES_MOST];

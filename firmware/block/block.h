@@ -175,7 +175,7 @@ struct block_verb {
     const char *(*run)(void *state, const float *number);
 };
 
-#define BLOCK_EVENTS_MAX 8
+#define BLOCK_EVENTS_MAX 12
 
 enum block_event_level { BLOCK_INFO, BLOCK_ALARM };
 

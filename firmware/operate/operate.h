@@ -189,7 +189,7 @@ struct block_reading {
     const char
         *gave_up; /* why it is off: "asked", an input, or a word of the kind; NULL: it is on */
     enum block_work work; /* done between ticks for it */
-    uint8_t raised;       /* bit k: the k-th event of its kind holds */
+    uint16_t raised;      /* bit k: the k-th event of its kind holds */
     bool excites;         /* the plant, with a test signal */
 };
 

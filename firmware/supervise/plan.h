@@ -80,9 +80,9 @@ struct record_plan {
 
 /* An alarm on an event of a block: place of the record and of the event in its kind. */
 #define ALARM_OF_BLOCK        0x80u
-#define ALARM_OF_EVENT(n, k)  ((uint8_t)(ALARM_OF_BLOCK | (n)*BLOCK_EVENTS_MAX | (k)))
-#define ALARM_BLOCK(of_event) ((uint8_t)(((of_event) & ~ALARM_OF_BLOCK) / BLOCK_EVENTS_MAX))
-#define ALARM_EVENT(of_event) ((uint8_t)((of_event) % BLOCK_EVENTS_MAX))
+#define ALARM_OF_EVENT(n, k)  ((uint8_t)(ALARM_OF_BLOCK + (n)*BLOCK_EVENTS_MAX + (k)))
+#define ALARM_BLOCK(of_event) ((uint8_t)(((of_event)-ALARM_OF_BLOCK) / BLOCK_EVENTS_MAX))
+#define ALARM_EVENT(of_event) ((uint8_t)(((of_event)-ALARM_OF_BLOCK) % BLOCK_EVENTS_MAX))
 _Static_assert(CONFIG_BLOCKS *BLOCK_EVENTS_MAX < 0x7F && CHANNEL_MAX <= 0x80 &&
                    CONFIG_LOOPS <= 0x80,
                "and none of them is PLAN_NONE");

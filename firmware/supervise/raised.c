@@ -8,13 +8,13 @@
 void raised_tell(struct supervisor *s, uint8_t slot, const struct block_io *io)
 {
     uint8_t n = (uint8_t)(slot - SLOT_RECORDS), kind = s->block[slot].kind;
-    uint8_t before = s->served[n].raised, now = 0;
+    uint16_t before = s->served[n].raised, now = 0;
     for (uint8_t k = 0; k < block_kinds[kind]->events; k++) {
         const struct block_event *event = &block_kinds[kind]->event[k];
         char name[CHANNEL_NAME_SIZE];
         if (!(io->raised & (1u << k)))
             continue;
-        now = (uint8_t)(now | (1u << k));
+        now = (uint16_t)(now | (1u << k));
         alarms_hear(s, n, k, io->event_value[k]);
         if (before & (1u << k))
             continue;
@@ -23,7 +23,7 @@ void raised_tell(struct supervisor *s, uint8_t slot, const struct block_io *io)
                   event->level == BLOCK_ALARM ? EVENT_BLOCK_ALARM : EVENT_BLOCK_EVENT, name,
                   io->event_value[k], kind);
     }
-    s->served[n].raised = now;
+    s->served[n].raised = now & ((1u << BLOCK_EVENTS_MAX) - 1u);
 }
 
 void raised_forget(struct supervisor *s, uint8_t slot)

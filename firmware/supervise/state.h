@@ -186,11 +186,12 @@ struct block_state {
 struct served_state {
     const char *gave_up; /* why it is off, in a word; NULL: this input of it was bad */
     uint8_t input;
-    uint8_t raised;   /* bit k: the k-th event of its kind held in its last step */
-    bool on_pending;  /* it was told to come on in the midst of a piece of its work */
     uint8_t silenced; /* terms of an element that added nothing in its last step */
+    uint16_t raised
+        : BLOCK_EVENTS_MAX;  /* bit k: the k-th event of its kind held in its last step */
+    uint16_t on_pending : 1; /* it was told to come on in the midst of a piece of its work */
 };
-_Static_assert(BLOCK_EVENTS_MAX <= 8, "a bit for each");
+_Static_assert(BLOCK_EVENTS_MAX < 16, "a bit for each, and one more");
 
 /* What a block excites: block_excitation.h. */
 struct excited {

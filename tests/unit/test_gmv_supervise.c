@@ -287,6 +287,25 @@ static void at_rest_where_as_it_is_is_perfect_small_errors_are_no_reason(void)
     TEST_ASSERT_EQUAL(GMV_SELF_TUNING, s.state);
 }
 
+/* Its moves turn in each step, and were as large from the first one on: neither bursting nor a cycle of the PV. */
+static void a_law_that_does_worse_than_the_pi_before_it_is_given_up_with_its_moves(void)
+{
+    config.tune_steps = 200;
+    gmv_supervise_init(&s, &config);
+    (void)steps(200 + CHECK + 2);
+    TEST_ASSERT_EQUAL(GMV_SELF_TUNING, s.state);
+    seen.away[0] = 0.02f;
+    uint8_t wish = 0;
+    for (unsigned k = 0; k < 200 && !wish; k++) {
+        seen.moved[0] = seen.moved[0] > 0 ? -0.01f : 0.01f;
+        (void)gmv_supervise_look(&s, &seen);
+        wish = gmv_supervise_judge(&s, &seen, &came) & GMV_WISH_PI;
+    }
+    TEST_ASSERT_TRUE(wish);
+    TEST_ASSERT_EQUAL_HEX8(GMV_ALARM_RECORD, s.alarms);
+    TEST_ASSERT_FLOAT_WITHIN(0.5f, 10, s.alarm_value);
+}
+
 static void an_alarm_stands_until_the_law_computes_again(void)
 {
     self_tunes();
@@ -575,6 +594,7 @@ int main(void)
     RUN_TEST(predictions_twice_as_bad_as_as_it_is_are_given_up_at_the_next_check);
     RUN_TEST(the_alarm_tells_the_error_of_the_predictions_in_the_window);
     RUN_TEST(at_rest_where_as_it_is_is_perfect_small_errors_are_no_reason);
+    RUN_TEST(a_law_that_does_worse_than_the_pi_before_it_is_given_up_with_its_moves);
     RUN_TEST(an_alarm_stands_until_the_law_computes_again);
     RUN_TEST(the_third_time_within_a_day_is_for_good);
     RUN_TEST(what_lies_more_than_a_day_back_does_not_count);
