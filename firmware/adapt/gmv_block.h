@@ -16,6 +16,7 @@ struct gmv_block {
     float lambda[GMV_LOOPS];
     bool relative;
     float margin, excite;
+    struct gmv_trial_pi trial_pi[GMV_LOOPS];
     num_t speed, gain_least;
     float start[GMV_LOOPS][GMV_PARAMETERS]; /* theta of the settings */
     /* Of the last step, or of what followed it. */

@@ -36,7 +36,7 @@ static const struct block_event gmv_events[GMV_EVENTS] = {
     [EVENT_ADOPTED] = {"adopted", BLOCK_INFO,
                        "the law computes, what is upset shrinks per step by"},
     [EVENT_REFUSED] = {"refused", BLOCK_INFO,
-                       "a model was not adopted; 1 prediction, 2 gain, 3 poles, 4 by hand"},
+                       "a model was not adopted; 1 prediction, 2 gain, 3 poles, 4 by hand, 5 PI"},
     [EVENT_FROZEN] = {"frozen", BLOCK_INFO,
                       "nothing is learnt; 1 asked, 2 quiet, 3 still, 4 reading, 5 manual"},
     [EVENT_SIGN] = {"sign", BLOCK_ALARM, "the PI acts: wrong sign or size of g0, span per span"},
@@ -92,6 +92,12 @@ static void take_block_settings(struct gmv_block *s, const struct block_setup *s
     s->gain_least = num_from_float(from->gain_least);
     memcpy(s->lambda, c->lambda, sizeof s->lambda);
     memcpy(s->start, c->theta, sizeof s->start);
+    for (unsigned i = 0; i < s->loops; i++)
+        s->trial_pi[i] = (struct gmv_trial_pi){
+            .gain = from->tune_gain[i],
+            .integral = from->tune_ti_s[i] > 0
+                            ? from->tune_gain[i] * setup->interval_s / from->tune_ti_s[i]
+                            : 0};
 }
 
 static enum err gmv_configure(void *state, const struct block_setup *setup, bool retune)
@@ -270,6 +276,9 @@ static struct gmv_came came_of(struct gmv_block *s, uint8_t whole, const struct 
     came.tried = s->on_trial && io->work_done;
     if (came.tried) {
         came.decay = gmv_trial_worst(&s->trial);
+        came.ratio = gmv_trial_ratio(&s->trial);
+        for (unsigned i = 0; i < s->loops; i++)
+            gmv_trial_noise(&s->trial, i, &came.noise_error[i], &came.noise_moves[i]);
         s->on_trial = false;
     }
     return came;
@@ -300,7 +309,7 @@ static void ask_for_trial(struct gmv_block *s, struct block_io *io, bool wanted)
     }
     if (!s->trial_wanted || io->work_wanted)
         return;
-    gmv_trial_take(&s->trial, gmv_of_const(s), io->acting, s->margin);
+    gmv_trial_take(&s->trial, gmv_of_const(s), io->acting, s->margin, s->trial_pi);
     io->ask_work = TRIAL_STEPS;
     s->on_trial = true;
     s->trial_wanted = false;

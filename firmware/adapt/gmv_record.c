@@ -11,7 +11,7 @@
 #define MOVES_TIMES 9.0f
 #define ERROR_LEAST 0.005f /* of span, r.m.s. */
 /* As many moves are too many wherever the error is no smaller than the PI's, if they are as large as this, r.m.s. */
-#define MOVES_LEAST 0.002f
+#define MOVES_LEAST 0.005f
 /* A PI that does not move at all has moved by as much, r.m.s. */
 #define STILL 1e-4f
 
@@ -56,9 +56,9 @@ static float at_least(float x, float least)
     return x > least ? x : least;
 }
 
-static bool is_worse(const struct gmv_record *r)
+/* Mean squares of the law. */
+static bool is_worse(const struct gmv_record *r, float error, float moves)
 {
-    float error = r->error_sum / (float)WINDOW, moves = r->moves_sum / (float)WINDOW;
     if (!(moves > MOVES_TIMES * at_least(r->moves, STILL * STILL)))
         return false;
     return (error > ERROR_TIMES * r->error && error > ERROR_LEAST * ERROR_LEAST) ||
@@ -73,11 +73,17 @@ bool gmv_record_law(struct gmv_record *r, float setpoint, float away, float move
     r->moves_sum += moved * moved;
     if (++r->seen < WINDOW)
         return false;
-    r->beyond = is_worse(r) ? (uint8_t)(r->beyond + 1u) : 0;
+    bool worse = is_worse(r, r->error_sum / (float)WINDOW, r->moves_sum / (float)WINDOW);
+    r->beyond = worse ? (uint8_t)(r->beyond + 1u) : 0;
     if (r->beyond >= WINDOWS)
         return true;
     begin_record_window(r);
     return false;
+}
+
+bool gmv_record_would(const struct gmv_record *r, float error_times, float moves_times)
+{
+    return r->samples >= ENOUGH && is_worse(r, error_times * r->error, moves_times * r->moves);
 }
 
 float gmv_record_times(const struct gmv_record *r)

@@ -27,6 +27,8 @@ void gmv_record_pi(struct gmv_record *r, float setpoint, float away, float moved
 /* A step of the law: whether it has done worse than the PI for two windows of 64 steps. */
 bool gmv_record_law(struct gmv_record *r, float setpoint, float away, float moved,
                     uint32_t settled);
+/* Whether the law would do worse at rest if it had so many times the PI's mean squares. */
+bool gmv_record_would(const struct gmv_record *r, float error_times, float moves_times);
 /* How much the law moves the MV, times the PI; r.m.s., of the last window. */
 float gmv_record_times(const struct gmv_record *r);
 

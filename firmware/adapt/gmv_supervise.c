@@ -62,6 +62,7 @@ void gmv_supervise_init(struct gmv_supervise *s, const struct gmv_supervise_conf
 {
     memset(s, 0, sizeof *s);
     s->config = *c;
+    s->ratio = 1;
     gmv_supervise_begin(s);
 }
 
@@ -140,6 +141,11 @@ static void sum_up(struct gmv_supervise *s, const struct gmv_came *came)
     if (came->tried) {
         s->has_decay = true;
         s->decay = came->decay;
+        s->ratio = came->ratio;
+        s->shakes = false;
+        for (unsigned i = 0; i < s->config.loops; i++)
+            s->shakes = s->shakes ||
+                        gmv_record_would(&s->record[i], came->noise_error[i], came->noise_moves[i]);
     }
     s->left -= s->left > 0;
 }
@@ -190,7 +196,9 @@ static enum gmv_refusal refusal_of(const struct gmv_supervise *s, const struct g
         return GMV_REFUSED_GAIN;
     if (!predicts(s, acting, 1))
         return GMV_REFUSED_PREDICTION;
-    return s->decay <= SLOWEST_DECAY ? GMV_ADOPTED : GMV_REFUSED_POLES;
+    if (!(s->decay <= SLOWEST_DECAY))
+        return GMV_REFUSED_POLES;
+    return s->ratio <= 1 - s->config.better && !s->shakes ? GMV_ADOPTED : GMV_REFUSED_PI;
 }
 
 /* ---- tuning ---- */

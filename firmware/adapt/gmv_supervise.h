@@ -28,7 +28,8 @@ enum gmv_refusal {
     GMV_REFUSED_PREDICTION, /* it predicts no better than "as it is" */
     GMV_REFUSED_GAIN,       /* sign or size of g_ii,0 */
     GMV_REFUSED_POLES,
-    GMV_REFUSED_BY_HAND /* the proposal was rejected or refused */
+    GMV_REFUSED_BY_HAND, /* the proposal was rejected or refused */
+    GMV_REFUSED_PI       /* on the model the PI does as well */
 };
 
 /* Why self-tuning was given up softly: bits of gmv_supervise.alarms. */
@@ -48,7 +49,7 @@ struct gmv_supervise_config {
     uint8_t tries; /* within a day: the last gives up for good; 0: none does */
     uint32_t tune_steps, check_steps, day_steps;
     uint32_t reach; /* steps, of the regressors */
-    float excite, gain_least, quiet, burst;
+    float excite, gain_least, quiet, burst, better;
     bool negative[GMV_LOOPS]; /* the sign that g_ii,0 must have */
 };
 
@@ -71,7 +72,8 @@ struct gmv_came {
     float estimated[GMV_LOOPS]; /* as it is estimated */
     uint8_t excited;            /* bit for each loop: its parameters are known well enough */
     bool tried;                 /* the trial that was asked for is over */
-    float decay;                /* and what it came to, the worst */
+    float decay, ratio;         /* and what it came to, the worst: gmv_trial.h */
+    float noise_error[GMV_LOOPS], noise_moves[GMV_LOOPS]; /* the same, of sensor noise */
 };
 
 struct gmv_supervise {
@@ -91,8 +93,8 @@ struct gmv_supervise {
         spoilt[GMV_LOOPS]; /* steps without a move; still to go until the data is good */
     /* The window of a test or a check. */
     uint32_t left;
-    bool has_decay;
-    float decay;
+    bool has_decay, shakes; /* shakes: at rest it would do worse than the PI's record */
+    float decay, ratio;
     uint32_t samples[GMV_LOOPS];
     float of_model[GMV_LOOPS], of_standstill[GMV_LOOPS]; /* sums of squares */
     float told[GMV_LOOPS];                               /* mean of what a sample tells */

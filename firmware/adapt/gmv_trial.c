@@ -8,6 +8,10 @@
 #define GONE        1e-25f /* of the upset: soon float ends */
 #define BEYOND      1e9f   /* it has grown by as much: no doubt is left */
 #define GROWS       1.5f   /* and nobody needs to know how fast */
+/* The second loop's setpoint steps behind the first one's, then the load comes. */
+#define SECOND_AT (GMV_TRIAL_STEPS / 4u)
+#define LOAD_AT   (GMV_TRIAL_STEPS / 2u)
+#define UPSET(i)  ((i) ? -0.7f : 1.0f)
 
 /* ---- a copy ---- */
 
@@ -52,9 +56,15 @@ static void begin_run(struct gmv_trial *t)
     t->step = 0;
     t->largest = t->first = t->start = 0;
     t->first_at = 0;
+    for (unsigned i = 0; i < GMV_LOOPS; i++) {
+        t->setpoint[i] = t->error[i] = 0;
+        if (t->run != GMV_TRIAL_PI) /* it has that of the law */
+            t->load[i] = 0;
+    }
 }
 
-void gmv_trial_take(struct gmv_trial *t, const struct gmv *g, uint8_t acting, float margin)
+void gmv_trial_take(struct gmv_trial *t, const struct gmv *g, uint8_t acting, float margin,
+                    const struct gmv_trial_pi *pi)
 {
     const struct gmv_shape *shape = &g->shape;
     memset(t, 0, sizeof *t);
@@ -79,6 +89,7 @@ void gmv_trial_take(struct gmv_trial *t, const struct gmv *g, uint8_t acting, fl
         l->p = t->implicit ? l->law_p : 0;
         l->p_scale = t->implicit ? l->law_p_scale : 1;
         l->lambda = num_to_float(g->lambda[i]);
+        l->pi = pi[i];
         copy_plant(l, g, i);
         copy_law(t, l, g, i);
     }
@@ -115,24 +126,53 @@ static float prediction_error(const struct gmv_trial *t, unsigned i, unsigned no
            steps_before(t->predicted[i], before, 0);
 }
 
+static bool steps_setpoints(const struct gmv_trial *t)
+{
+    return t->run == GMV_TRIAL_LAW || t->run == GMV_TRIAL_PI;
+}
+
+static bool has_noise(const struct gmv_trial *t)
+{
+    return t->run >= GMV_TRIAL_LAW_NOISE;
+}
+
+static bool is_of_pi(const struct gmv_trial *t)
+{
+    return t->run == GMV_TRIAL_PI || t->run == GMV_TRIAL_PI_NOISE;
+}
+
+/* The PV itself; t->y is what is measured. */
+static float true_pv(const struct gmv_trial *t, unsigned i, unsigned now, unsigned steps)
+{
+    float noise = has_noise(t) && now - steps == GMV_TRIAL_KEPT ? UPSET(i) : 0;
+    return steps_before(t->y[i], now, steps) - noise;
+}
+
+/* MV and load. */
+static float moved_by(const struct gmv_trial *t, unsigned j, unsigned now, unsigned steps)
+{
+    float load = now - steps >= GMV_TRIAL_KEPT + LOAD_AT ? t->load[j] : 0;
+    return steps_before(t->u[j], now, steps) + load;
+}
+
 /* y_i of this step, as the regression has it with the gains of this run. Of signals themselves in either form: what the
  * incremental one has besides is a load that stays, which is no part of the loop. */
 static void move_plant(struct gmv_trial *t, unsigned i, unsigned now)
 {
     const struct gmv_trial_loop *l = &t->loop[i];
     unsigned h = l->horizon;
-    float sum = 0, gain = t->gain[t->run];
+    float sum = 0, gain = t->run < GMV_TRIAL_GAINS ? t->gain[t->run] : 1;
     for (unsigned a = 0; a < t->na; a++)
-        sum += l->f[a] * steps_before(t->y[i], now, h + a);
+        sum += l->f[a] * true_pv(t, i, now, h + a);
     for (unsigned j = 0; j < t->loops; j++)
         for (unsigned b = 0; b < t->nb && l->uses[j]; b++)
-            sum += gain * l->g[j][b] * steps_before(t->u[j], now, h + l->plant_behind[j] + b);
+            sum += gain * l->g[j][b] * moved_by(t, j, now, h + l->plant_behind[j] + b);
     for (unsigned n = 0; n < t->nc; n++)
         sum += l->c[n] * steps_before(t->target[i], now, n + 1);
     t->target[i][now % GMV_TRIAL_KEPT] = sum;
-    t->y[i][now % GMV_TRIAL_KEPT] = sum / l->p_scale + l->p * steps_before(t->y[i], now, 1);
-    if (now == GMV_TRIAL_KEPT) /* the upset */
-        t->y[i][now % GMV_TRIAL_KEPT] += i ? -0.7f : 1.0f;
+    t->y[i][now % GMV_TRIAL_KEPT] = sum / l->p_scale + l->p * true_pv(t, i, now, 1);
+    if (now == GMV_TRIAL_KEPT && !steps_setpoints(t)) /* the upset, or a sample of noise */
+        t->y[i][now % GMV_TRIAL_KEPT] += UPSET(i);
 }
 
 /* What loop i's law predicts as long as no MV moves in this step. */
@@ -193,7 +233,7 @@ static void move_inputs(struct gmv_trial *t, unsigned now)
         const struct gmv_trial_loop *l = &t->loop[i];
         float u = steps_before(t->u[i], now, 1);
         known[i] = known_prediction(t, i, now);
-        rhs[i] = -known[i];
+        rhs[i] = t->setpoint[i] - known[i];
         if (t->incremental) {
             rhs[i] -= auxiliary_output(l, t->y[i], now);
             u -= steps_before(t->u[i], now, l->delay);
@@ -216,6 +256,47 @@ static void move_inputs(struct gmv_trial *t, unsigned now)
     }
     for (unsigned i = 0; i < t->loops; i++)
         t->u[i][now % GMV_TRIAL_KEPT] = steps_before(t->u[i], now, 1) + move[i];
+}
+
+static void move_inputs_by_pi(struct gmv_trial *t, unsigned now)
+{
+    for (unsigned i = 0; i < t->loops; i++) {
+        const struct gmv_trial_pi *pi = &t->loop[i].pi;
+        float error = t->setpoint[i] - steps_before(t->y[i], now, 0);
+        float move = pi->gain * (error - t->error[i]) + pi->integral * t->error[i];
+        t->error[i] = error;
+        t->u[i][now % GMV_TRIAL_KEPT] =
+            steps_before(t->u[i], now, 1) + (t->loop[i].acts ? move : 0);
+    }
+}
+
+/* A load sets the MVs back to where they were at first; what the form of the law takes for its bias is not learnt here. */
+static void move_setpoints(struct gmv_trial *t, unsigned now)
+{
+    unsigned step = now - GMV_TRIAL_KEPT;
+    for (unsigned i = 0; i < t->loops; i++) {
+        if (step == i * SECOND_AT)
+            t->setpoint[i] = 1;
+        if (step == LOAD_AT && t->run == GMV_TRIAL_LAW && t->incremental)
+            t->load[i] = -steps_before(t->u[i], now, 1);
+    }
+}
+
+static void sum_up(struct gmv_trial *t, unsigned now)
+{
+    for (unsigned i = 0; i < t->loops; i++) {
+        struct gmv_trial_sums *s = &t->sums[is_of_pi(t)][i];
+        float pv = true_pv(t, i, now, 0);
+        float move = steps_before(t->u[i], now, 0) - steps_before(t->u[i], now, 1);
+        if (has_noise(t)) {
+            s->noise += pv * pv;
+            s->moves += move * move;
+        } else if (now < GMV_TRIAL_KEPT + LOAD_AT) {
+            s->setpoint += size_of_number(t->setpoint[i] - pv);
+        } else {
+            s->load += size_of_number(t->setpoint[i] - pv);
+        }
+    }
 }
 
 /* How large what moves is now: PVs, and MVs by what they do to them. A sum, so that one that is no number is seen. */
@@ -263,25 +344,39 @@ static bool judge_window(struct gmv_trial *t, unsigned window)
 static void one_step(struct gmv_trial *t)
 {
     unsigned now = GMV_TRIAL_KEPT + t->step;
+    bool over;
     for (unsigned i = 0; i < t->loops; i++)
         if (t->loop[i].acts)
             move_plant(t, i, now);
-    move_inputs(t, now);
-    float size = size_of_upset(t, now);
-    if (!(size <= t->largest))
-        t->largest = size;
+    if (steps_setpoints(t))
+        move_setpoints(t, now);
+    if (is_of_pi(t))
+        move_inputs_by_pi(t, now);
+    else
+        move_inputs(t, now);
     t->step++;
-    if (t->step % GMV_TRIAL_WINDOW == 0 && judge_window(t, t->step / GMV_TRIAL_WINDOW - 1u)) {
-        t->run++;
-        begin_run(t);
+    if (t->run >= GMV_TRIAL_GAINS) {
+        sum_up(t, now);
+        over = t->step == GMV_TRIAL_STEPS;
+    } else {
+        float size = size_of_upset(t, now);
+        if (!(size <= t->largest))
+            t->largest = size;
+        over = t->step % GMV_TRIAL_WINDOW == 0 && judge_window(t, t->step / GMV_TRIAL_WINDOW - 1u);
     }
+    if (!over)
+        return;
+    t->run++;
+    if (t->run == GMV_TRIAL_GAINS && !(gmv_trial_worst(t) <= 1)) /* it is not worth more */
+        t->run = GMV_TRIAL_RUNS;
+    begin_run(t);
 }
 
 bool gmv_trial_piece(struct gmv_trial *t)
 {
-    for (unsigned n = 0; n < PIECE_STEPS && t->run < GMV_TRIAL_GAINS; n++)
+    for (unsigned n = 0; n < PIECE_STEPS && t->run < GMV_TRIAL_RUNS; n++)
         one_step(t);
-    return t->run < GMV_TRIAL_GAINS;
+    return t->run < GMV_TRIAL_RUNS;
 }
 
 float gmv_trial_decay(const struct gmv_trial *t, unsigned run)
@@ -295,4 +390,35 @@ float gmv_trial_worst(const struct gmv_trial *t)
     for (unsigned run = 1; run < GMV_TRIAL_GAINS; run++)
         worst = t->decay[run] > worst ? t->decay[run] : worst;
     return worst;
+}
+
+/* a/b, or 1000 where it is more or no number. */
+static float part_of(float a, float b)
+{
+    float part = a / b;
+    return part < 1000 ? part : 1000;
+}
+
+/* A positional law is not tried on loads, since what its bias learns of them is not simulated. */
+float gmv_trial_ratio(const struct gmv_trial *t)
+{
+    float worst = 0;
+    for (unsigned i = 0; i < t->loops; i++) {
+        const struct gmv_trial_sums *law = &t->sums[0][i], *pi = &t->sums[1][i];
+        float setpoint = part_of(law->setpoint, pi->setpoint);
+        float load = t->incremental && pi->load > 0 ? part_of(law->load, pi->load) : 0;
+        if (!t->loop[i].acts)
+            continue;
+        worst = setpoint > worst ? setpoint : worst;
+        worst = load > worst ? load : worst;
+    }
+    return worst;
+}
+
+void gmv_trial_noise(const struct gmv_trial *t, unsigned i, float *error_times, float *moves_times)
+{
+    const struct gmv_trial_sums *law = &t->sums[0][i], *pi = &t->sums[1][i];
+    float sample = UPSET(i) * UPSET(i);
+    *error_times = part_of(sample + law->noise, sample + pi->noise);
+    *moves_times = part_of(law->moves, pi->moves);
 }

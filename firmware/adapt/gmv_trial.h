@@ -5,7 +5,10 @@
  * gmv_trial_take, then gmv_trial_piece until it returns false, then gmv_trial_decay.
  *
  * Setpoints and measured disturbances are 0, and so is the bias: in a linear loop they do not change how it decays. The proxy
- * of residuals is left out. */
+ * of residuals is left out.
+ *
+ * Then law and PI are compared on the model as it is estimated: a setpoint step of each loop and a load, and a sample of sensor
+ * noise. R is left out, because the PI has none. */
 #ifndef REFLUX_ADAPT_GMV_TRIAL_H
 #define REFLUX_ADAPT_GMV_TRIAL_H
 
@@ -16,9 +19,25 @@
 #define GMV_TRIAL_WINDOW 128u
 #define GMV_TRIAL_STEPS  (5u * GMV_TRIAL_WINDOW)
 
+/* Runs behind those for the decay, with the gains as estimated, first of the law and then of the PI: setpoint steps and a load;
+ * one sample of noise. */
+enum gmv_trial_run {
+    GMV_TRIAL_LAW = GMV_TRIAL_GAINS,
+    GMV_TRIAL_PI,
+    GMV_TRIAL_LAW_NOISE,
+    GMV_TRIAL_PI_NOISE,
+    GMV_TRIAL_RUNS
+};
+
+/* The PI of a loop: moves of the MV are gain (e(t) - e(t-1)) + integral e(t-1), e = setpoint - PV; spans. */
+struct gmv_trial_pi {
+    float gain, integral;
+};
+
 /* A loop that takes part: its regression as the plant, and what the law makes of it. */
 struct gmv_trial_loop {
     bool acts;
+    struct gmv_trial_pi pi;
     uint8_t horizon, delay; /* of the regression, of the law */
     uint8_t
         plant_behind[GMV_LOOPS]; /* steps from u_j's entry to its first one, in the regression */
@@ -44,10 +63,16 @@ struct gmv_trial {
     float largest, first, start; /* of this window, of the one that is compared with, of all */
     uint16_t first_at;           /* its place, windows */
     float decay[GMV_TRIAL_GAINS];
+    float setpoint[GMV_LOOPS], load[GMV_LOOPS], error[GMV_LOOPS]; /* error: the PI's last */
+    /* Of law and PI: sums of |setpoint - PV| before the load and after it, of squared PVs and moves after a sample of noise. */
+    struct gmv_trial_sums {
+        float setpoint, load, noise, moves;
+    } sums[2][GMV_LOOPS];
 };
 
-/* The parameters in use of g. acting: a bit for each loop that acts; MVs of the others rest. margin: > 1. */
-void gmv_trial_take(struct gmv_trial *t, const struct gmv *g, uint8_t acting, float margin);
+/* The parameters in use of g. acting: a bit for each loop that acts; MVs of the others rest. margin: > 1. pi: of each loop. */
+void gmv_trial_take(struct gmv_trial *t, const struct gmv *g, uint8_t acting, float margin,
+                    const struct gmv_trial_pi *pi);
 /* A piece of it, a few steps; true while there is more. */
 bool gmv_trial_piece(struct gmv_trial *t);
 /* By what factor the slowest part of an upset shrinks in a step: of the run with the plant's gains as estimated (0), over the
@@ -55,5 +80,9 @@ bool gmv_trial_piece(struct gmv_trial *t);
 float gmv_trial_decay(const struct gmv_trial *t, unsigned run);
 /* The largest of the three. */
 float gmv_trial_worst(const struct gmv_trial *t);
+/* Errors of the law after a setpoint step and after a load, as parts of the PI's on the same model: the worst of all. */
+float gmv_trial_ratio(const struct gmv_trial *t);
+/* With noise of the sensors alone: mean squares of what is measured of loop i's PV and of its moves, times the PI's. */
+void gmv_trial_noise(const struct gmv_trial *t, unsigned i, float *error_times, float *moves_times);
 
 #endif

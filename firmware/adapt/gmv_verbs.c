@@ -98,14 +98,14 @@ static const char *describe_block(const struct gmv_block *s, size_t i, float *va
         float value;
     } inner[] = {
         {"state", s->watch.state}, {"on_trial", s->watch.testing}, {"refusal", s->watch.refusal},
-        {"decay", s->watch.decay}, {"proposed", s->proposed},
+        {"decay", s->watch.decay}, {"proposed", s->proposed},      {"better", 1 - s->watch.ratio},
     };
     if (i >= sizeof inner / sizeof inner[0])
         return NULL;
     *value = inner[i].value;
     return inner[i].name;
 }
-#define OF_BLOCK 5u
+#define OF_BLOCK 6u
 
 static const char *describe_loop(const struct gmv_block *s, unsigned loop, size_t i, float *value)
 {

@@ -146,7 +146,7 @@ enum block_value { BLOCK_FLOAT, BLOCK_U16, BLOCK_WORD };
 /* A parameter of a kind, `blockN.name` at the console: where it is in the struct of the kind's settings. With rows * cols
  * above 1 it is a table, row by row, its rows called blockN.name.1 and so on. */
 struct block_parameter {
-    uint8_t id;      /* 1..63, unique in its kind, never used again for something else */
+    uint8_t id;      /* 1..127, unique in its kind, never used again for something else */
     uint8_t type;    /* enum block_value: float, uint16_t, uint8_t */
     uint16_t offset; /* in the struct of settings, a multiple of the value's size */
     uint16_t rows, cols;

@@ -66,12 +66,16 @@ static void errors_below_half_a_percent_of_span_are_no_reason_by_themselves(void
     TEST_ASSERT_FALSE(law_acts(10 * WINDOW, 0.0045f, 0.0015f));
 }
 
-static void three_times_the_moves_at_no_smaller_error_is_worse(void)
+static void three_times_the_moves_and_half_a_percent_of_span_at_no_smaller_error_is_worse(void)
 {
-    pi_acts(200, 0.004f, 0.001f);
+    pi_acts(200, 0.004f, 0.002f);
     law_begins();
     TEST_ASSERT_FALSE(law_acts(10 * WINDOW, 0.0039f, 0.01f));
-    TEST_ASSERT_TRUE(law_acts(2 * WINDOW + 1, 0.0041f, 0.0031f));
+    TEST_ASSERT_FALSE(law_acts(10 * WINDOW, 0.0041f, 0.0058f));
+    TEST_ASSERT_TRUE(law_acts(2 * WINDOW, 0.0041f, 0.0062f));
+    pi_acts(400, 0.004f, 0.001f);
+    law_begins();
+    TEST_ASSERT_FALSE(law_acts(10 * WINDOW, 0.0041f, 0.0045f)); /* small moves */
 }
 
 static void while_setpoints_move_nothing_is_judged(void)
@@ -117,7 +121,7 @@ int main(void)
     RUN_TEST(more_than_twice_the_error_and_three_times_the_moves_for_two_windows_is_worse);
     RUN_TEST(a_window_that_is_no_worse_begins_the_count_anew);
     RUN_TEST(errors_below_half_a_percent_of_span_are_no_reason_by_themselves);
-    RUN_TEST(three_times_the_moves_at_no_smaller_error_is_worse);
+    RUN_TEST(three_times_the_moves_and_half_a_percent_of_span_at_no_smaller_error_is_worse);
     RUN_TEST(while_setpoints_move_nothing_is_judged);
     RUN_TEST(what_the_pi_does_after_a_setpoint_counts_until_it_has_been_at_rest);
     RUN_TEST(a_pi_that_acts_again_renews_its_record);

@@ -26,7 +26,8 @@ void setUp(void)
                                            .excite = 3,
                                            .gain_least = 0.001f,
                                            .quiet = 0.2f,
-                                           .burst = 25};
+                                           .burst = 25,
+                                           .better = 0.05f};
     seen = (struct gmv_seen){.acting = 1, .good = 1, .setpoint = {0.5f, 0.5f}};
     came = (struct gmv_came){.whole = 3,
                              .error = {0.01f, 0.01f},
@@ -121,6 +122,29 @@ static void a_loop_that_would_not_die_away_is_not_adopted(void)
     refused_for(GMV_REFUSED_POLES);
 }
 
+static void a_law_that_saves_less_than_it_must_of_the_pis_error_is_not_adopted(void)
+{
+    came.ratio = 0.951f;
+    refused_for(GMV_REFUSED_PI);
+    came.ratio = 0.949f;
+    (void)steps(CHECK + 2);
+    TEST_ASSERT_EQUAL(GMV_SELF_TUNING, s.state);
+}
+
+/* The PI's moves are 0.1 % of span: four times as many would be 0.4 %, six times 0.6 %. */
+static void a_law_that_would_shake_the_mv_for_nothing_at_rest_is_not_adopted(void)
+{
+    config.tune_steps = 100;
+    gmv_supervise_init(&s, &config);
+    came.noise_error[0] = 1.01f;
+    came.noise_moves[0] = 36;
+    (void)steps(100 + CHECK);
+    TEST_ASSERT_EQUAL(GMV_REFUSED_PI, s.refusal);
+    came.noise_moves[0] = 16;
+    (void)steps(CHECK + 2);
+    TEST_ASSERT_EQUAL(GMV_SELF_TUNING, s.state);
+}
+
 static void numbers_that_are_none_are_not_adopted(void)
 {
     came.error[0] = NAN;
@@ -131,6 +155,9 @@ static void numbers_that_are_none_are_not_adopted(void)
     setUp();
     came.decay = NAN;
     refused_for(GMV_REFUSED_POLES);
+    setUp();
+    came.ratio = NAN;
+    refused_for(GMV_REFUSED_PI);
 }
 
 static void after_a_refusal_it_is_tried_again_and_adopted_when_it_passes(void)
@@ -579,6 +606,8 @@ int main(void)
     RUN_TEST(a_gain_of_the_wrong_sign_is_not_adopted);
     RUN_TEST(a_gain_that_is_next_to_nothing_is_not_adopted);
     RUN_TEST(a_loop_that_would_not_die_away_is_not_adopted);
+    RUN_TEST(a_law_that_saves_less_than_it_must_of_the_pis_error_is_not_adopted);
+    RUN_TEST(a_law_that_would_shake_the_mv_for_nothing_at_rest_is_not_adopted);
     RUN_TEST(numbers_that_are_none_are_not_adopted);
     RUN_TEST(after_a_refusal_it_is_tried_again_and_adopted_when_it_passes);
     RUN_TEST(a_loop_that_joins_during_the_test_begins_it_anew);

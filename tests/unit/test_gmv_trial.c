@@ -25,12 +25,16 @@ void setUp(void)
 
 void tearDown(void) {}
 
+#define PIECES_MOST 2000u
+
+static struct gmv_trial_pi pi[GMV_LOOPS];
+
 static void run_trial(uint8_t acting, float margin)
 {
     unsigned pieces = 1;
-    gmv_trial_take(&trial, b.gmv, acting, margin);
+    gmv_trial_take(&trial, b.gmv, acting, margin, pi);
     while (gmv_trial_piece(&trial))
-        TEST_ASSERT_TRUE(pieces++ < 1000);
+        TEST_ASSERT_TRUE(pieces++ < PIECES_MOST);
 }
 
 /* What the loop itself does with the plant's gains times `factor`, from the same upset. */
@@ -258,7 +262,110 @@ static void a_trial_of_nothing_ends(void)
     memset(&trial, 0, sizeof trial);
     unsigned pieces = 1;
     while (gmv_trial_piece(&trial))
-        TEST_ASSERT_TRUE(pieces++ < 1000);
+        TEST_ASSERT_TRUE(pieces++ < PIECES_MOST);
+}
+
+/* ---- against the PI ---- */
+
+/* Half of a trial's run; signals are so much of it, within the range of the fixed build. */
+#define HALF 320u
+#define SIZE 0.1
+
+struct sums {
+    double setpoint, load, noise, moves;
+};
+
+/* The plant goes on under u, with the load if there is one: what is measured next. */
+static double plant_goes_on(double u, double load)
+{
+    static const double no_noise[GMV_LOOPS] = {0};
+    memmove(&b.plant.u[0][1], &b.plant.u[0][0], (BENCH_DEPTH - 1u) * sizeof(double));
+    b.plant.u[0][0] = u + load;
+    gmv_plant_step(&b.plant, 1, no_noise);
+    return b.plant.y[0];
+}
+
+static double law_moves(double w, double y)
+{
+    struct gmv_sample s = gmv_bench_sample(&b, &w);
+    s.y[0] = num_from_float((float)y);
+    gmv_take(b.gmv, &s);
+    (void)gmv_solve(b.gmv, &s, 1, &b.range, b.u);
+    applied_history_append(gmv_history_of(&b, 0), b.u[0]);
+    return (double)num_to_float(b.u[0]);
+}
+
+static double pi_moves(double w, double y, bool first)
+{
+    static double error, u;
+    double before = first ? 0 : error;
+    u = (first ? 0 : u) + (double)pi[0].gain * (w - y - before) + (double)pi[0].integral * before;
+    error = w - y;
+    return u;
+}
+
+/* A setpoint and a load, or a sample of noise, as the trial has them. */
+static struct sums control(bool law, double *load)
+{
+    struct sums sums = {0};
+    for (unsigned noise = 0; noise < 2; noise++) {
+        double u = 0, y = 0, w = noise ? 0 : SIZE, added = 0;
+        gmv_bench_begin(&b, 0);
+        b.plant.y[0] = 0;
+        (void)law_moves(0, 0);
+        for (unsigned t = 0; t < 2 * HALF; t++) {
+            double measured = noise && t == 0 ? y + SIZE : y;
+            if (!noise && t == HALF && law)
+                *load = -u;
+            added = !noise && t >= HALF ? *load : 0;
+            double next = law ? law_moves(w, measured) : pi_moves(w, measured, t == 0);
+            *(noise      ? &sums.noise
+              : t < HALF ? &sums.setpoint
+                         : &sums.load) += noise ? y * y : fabs(w - y);
+            sums.moves += noise ? (next - u) * (next - u) : 0;
+            u = next;
+            y = plant_goes_on(u, added);
+        }
+    }
+    return sums;
+}
+
+static void law_and_pi_agree_with_the_trial(const char *what)
+{
+    float error_times, moves_times;
+    double load = 0;
+    gmv_bench_begin(&b, 0);
+    run_trial(1, 1.25f);
+    struct sums law = control(true, &load), loop = control(false, &load);
+    double ratio = fmax(law.setpoint / loop.setpoint, law.load / loop.load);
+    gmv_trial_noise(&trial, 0, &error_times, &moves_times);
+    printf("%s: errors %.3f times the PI's, trial %.3f; moves after noise %.2f times, %.2f\n", what,
+           ratio, (double)gmv_trial_ratio(&trial), law.moves / loop.moves, (double)moves_times);
+    TEST_ASSERT_DOUBLE_WITHIN_MESSAGE(0.01 * ratio, ratio, (double)gmv_trial_ratio(&trial), what);
+    TEST_ASSERT_DOUBLE_WITHIN_MESSAGE(0.01 * law.moves / loop.moves, law.moves / loop.moves,
+                                      (double)moves_times, what);
+    TEST_ASSERT_DOUBLE_WITHIN_MESSAGE(0.01, (SIZE * SIZE + law.noise) / (SIZE * SIZE + loop.noise),
+                                      (double)error_times, what);
+}
+
+static void errors_of_law_and_pi_are_those_of_the_loops_themselves(void)
+{
+    one_loop(GMV_INCREMENTAL, 0.9, 0.05, 0.05);
+    pi[0] = (struct gmv_trial_pi){.gain = 4, .integral = 0.4f};
+    law_and_pi_agree_with_the_trial("a law that is faster");
+    TEST_ASSERT_TRUE(gmv_trial_ratio(&trial) < 1);
+    one_loop(GMV_INCREMENTAL, 0.9, 0.05, 2);
+    law_and_pi_agree_with_the_trial("a law that is slower");
+    TEST_ASSERT_TRUE(gmv_trial_ratio(&trial) > 1);
+    one_loop(GMV_INCREMENTAL, 0.9, -0.1, -0.3); /* y(t+2) = a^2 y + g u(t) + a g u(t-1) */
+    b.config.shape.nb = 2;
+    b.config.shape.delay[0][0] = 2;
+    b.plant.k[0][0] = 2;
+    b.config.theta[0][0] = 0.81f;
+    b.config.theta[0][1] = -0.1f;
+    b.config.theta[0][2] = -0.09f;
+    pi[0] = (struct gmv_trial_pi){.gain = -2, .integral = -0.2f};
+    law_and_pi_agree_with_the_trial("a delay of two steps");
 }
 
 static void no_number_among_the_parameters_is_no_decay(void)
@@ -290,6 +397,7 @@ int main(void)
     RUN_TEST(a_loop_that_does_not_act_is_left_out);
     RUN_TEST(a_loop_that_cannot_bear_its_margin_grows);
     RUN_TEST(a_trial_of_nothing_ends);
+    RUN_TEST(errors_of_law_and_pi_are_those_of_the_loops_themselves);
     RUN_TEST(no_number_among_the_parameters_is_no_decay);
     return UNITY_END();
 }

@@ -72,7 +72,7 @@ static void a_parameter_has_an_id_a_name_a_place_and_a_default_in_its_range(void
         for (unsigned i = 0; i < kind->parameters; i++) {
             const struct block_parameter *p = &kind->parameter[i];
             ASSERT_OF(p->name, is_name(p->name, CHANNEL_NAME_SIZE - 1) && p->help && p->unit);
-            ASSERT_OF(p->name, p->id >= 1 && p->id <= 63);
+            ASSERT_OF(p->name, p->id >= 1 && p->id <= 127);
             ASSERT_OF(p->name, p->offset + size_of(p) <= kind->settings_bytes);
             ASSERT_OF(p->name,
                       p->type == BLOCK_WORD || p->offset % (p->type == BLOCK_U16 ? 2 : 4) == 0);

@@ -86,7 +86,7 @@ static bool begin(const struct tuner_case *c, const char *const *set, unsigned s
 
 /* ---- a step ---- */
 
-/* The first day and the last quarter of one have moves one after the other; between them there is one in twelve hours, or none. */
+/* The first day and the last quarter of one have moves one after the other; between them there is one in six hours, or none. */
 static void prepare(void)
 {
     const struct tuner_case *c = week.c;
@@ -98,7 +98,7 @@ static void prepare(void)
         week.w[i] = REST + (week.w[i] > REST || (week.w[i] == REST && i) ? -far : far);
         week.next_move_s[i] = week.time_s + (busy                       ? c->move_s
                                              : c->schedule == WEEK_REST ? week.length_s
-                                                                        : DAY_S / 2);
+                                                                        : DAY_S / 4);
         if (!busy && c->schedule == WEEK_REST)
             week.w[i] = REST;
         if (week.time_s < week.length_s - LAST_S && week.next_move_s[i] > week.length_s - LAST_S)

@@ -35,7 +35,7 @@ static bool finish(struct tuner_case *c, enum delay_rule rule, double noise)
     return c->delay[0][0] <= GMV_DELAY_MAX;
 }
 
-static bool grid_case(unsigned n, enum delay_rule rule, struct tuner_case *c)
+static bool grid_case(unsigned n, enum delay_rule rule, double noise, struct tuner_case *c)
 {
     static const double lag[] = {0, 30, 60, 120}, dead[] = {0, 15, 30, 60}, zero[] = {0, 30, 60},
                         step[] = {10, 20, 30};
@@ -51,7 +51,7 @@ static bool grid_case(unsigned n, enum delay_rule rule, struct tuner_case *c)
                     c->seed = 1000u + at;
                     (void)snprintf(c->name, sizeof c->name, "lag %g dead %g zero %g step %g",
                                    lag[l], dead[d], zero[z], step[s]);
-                    if (finish(c, rule, 0.002) && at++ == n)
+                    if (finish(c, rule, noise) && at++ == n)
                         return true;
                 }
     return false;
@@ -205,7 +205,11 @@ bool case_of(const char *set, unsigned n, uint64_t seed, enum delay_rule rule, s
     size_t length = strcspn(set, "-");
     bool there = false;
     if (strncmp(set, "grid", length) == 0)
-        there = grid_case(n, rule, c);
+        there = grid_case(n, rule, 0.0005, c);
+    else if (strncmp(set, "fine", length) == 0)
+        there = grid_case(n, rule, 0.0001, c);
+    else if (strncmp(set, "noisy", length) == 0)
+        there = grid_case(n, rule, 0.002, c);
     else if (strncmp(set, "choose", length) == 0)
         there = drawn_case(n, seed, rule, 600, c);
     else if (strncmp(set, "confirm", length) == 0)
