@@ -90,7 +90,7 @@ def check(mutants: list[Mutant]) -> None:
 
 
 def try_listed(mutants: list[Mutant]) -> int:
-    survivors = []
+    survivors, not_c = [], []
     done = 0
     progress = build.Progress("mutants")
     for number_format in sorted({m.format for m in mutants}):
@@ -99,13 +99,18 @@ def try_listed(mutants: list[Mutant]) -> int:
         for mutant in mine:
             done += 1
             progress.show(f"{done} of {len(mutants)}, {mutant.file}")
-            if not noticed(bench, mutant, tests):
-                survivors.append(mutant)
+            try:
+                if not noticed(bench, mutant, tests):
+                    survivors.append(mutant)
+            except NotCompiled:
+                not_c.append(mutant)
     progress.end(f"{len(mutants)} tried")
     for mutant in survivors:
         print(f"not noticed: {mutant.title()}")
-    print(f"mutants: {len(mutants)}, caught: {len(mutants) - len(survivors)}")
-    return 1 if survivors else 0
+    for mutant in not_c:
+        print(f"no fault that a test could notice, it does not compile: {mutant.title()}")
+    print(f"mutants: {len(mutants)}, caught: {len(mutants) - len(survivors) - len(not_c)}")
+    return 1 if survivors or not_c else 0
 
 
 def prepared(number_format: str, mutants: list[Mutant]) -> tuple[Bench, dict]:
@@ -129,8 +134,4 @@ def noticed(bench: Bench, mutant: Mutant, tests: dict) -> bool:
     path = ROOT / mutant.file
     text = path.read_text(encoding="utf-8").replace(mutant.old, mutant.new)
     place: Path = mutants_folder() / "work" / "listed"
-    try:
-        return bench.attempt(path, text, [tests[name] for name in mutant.tests], place).test is not None
-    except NotCompiled:
-        raise UserError(f"{shown(LIST)}: this is no fault a test could notice, it does not compile: "
-                        f"{mutant.title()}") from None
+    return bench.attempt(path, text, [tests[name] for name in mutant.tests], place).test is not None
