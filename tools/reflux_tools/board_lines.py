@@ -16,6 +16,7 @@ MEASUREMENTS, OUTPUTS = 16, 16  # of a board
 LINE_MOST = 200  # characters that the console takes, all of them ASCII
 HEATS = ("heat", "boilup")
 FEED_F = 0.2  # part by which a feed that nobody measures may differ from the file's, as in docs/kalman.md
+FILTERED = {2: 2, 3: 3, 4: 5}  # components, and the thermometers from which a filter does better than the geometric method
 SHOWN = {"-": 1.0, "%": 100.0, "ppm": 1e6, "%w": 100.0}  # a fraction in the unit of its channel
 TRIP = 0.05  # of the span: the interlock is so far above the hottest that composition can make a thermometer
 
@@ -143,7 +144,7 @@ def estimate(column: estimate_lines.Column, keys: tuple[str, str] | None) -> tup
 
     def method(sensors: int, components: int) -> list[str]:
         """A filter finds what nobody measures of the feed, where there are thermometers enough."""
-        if sensors < max(components, 2):
+        if sensors < FILTERED[components]:
             return []
         rows = ["method ekf", *([f"noise {noise:.4g}"] if noise else [])]
         rows += [] if any(c["is"] == "feed" for c in plant["outputs"]) else [f"feed_f {FEED_F:g}"]
