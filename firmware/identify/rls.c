@@ -24,7 +24,9 @@ struct rls {
     scaled_t forgot, variance,
         alpha; /* of the last step that learnt: v, phi'P phi, v + phi'P phi */
     uint32_t clamped;
-    struct accumulator theta[]; /* [n]; then p0, lo, hi [n], then P */
+    uint16_t sized;             /* samples that sizes are means of, of RLS_YDSTIE_TRACE */
+    float size_of_error;        /* mean square of e, as far as it has been clipped and normalised */
+    struct accumulator theta[]; /* [n]; then p0, sizes of phi, lo, hi [n], then P */
 };
 
 static scaled_t one(void)
@@ -37,9 +39,15 @@ static float *start_diagonal(struct rls *r)
     return (float *)(void *)&r->theta[r->n];
 }
 
+/* Mean squares of phi. */
+static float *sizes(struct rls *r)
+{
+    return start_diagonal(r) + r->n;
+}
+
 static num_t *bounds(struct rls *r)
 {
-    return (num_t *)(void *)(start_diagonal(r) + r->n);
+    return (num_t *)(void *)(sizes(r) + r->n);
 }
 
 static ud_cell_t *ud_of(struct rls *r)
@@ -50,14 +58,14 @@ static ud_cell_t *ud_of(struct rls *r)
 static const ud_cell_t *ud_of_const(const struct rls *r)
 {
     const float *p0 = (const float *)(const void *)&r->theta[r->n];
-    const num_t *lo = (const num_t *)(const void *)(p0 + r->n);
+    const num_t *lo = (const num_t *)(const void *)(p0 + 2 * (size_t)r->n);
     return (const ud_cell_t *)(const void *)(lo + 2 * (size_t)r->n);
 }
 
 uint32_t rls_bytes(unsigned n)
 {
     size_t bytes = sizeof(struct rls) +
-                   n * (sizeof(struct accumulator) + sizeof(float) + 2 * sizeof(num_t)) +
+                   n * (sizeof(struct accumulator) + 2 * sizeof(float) + 2 * sizeof(num_t)) +
                    ud_num_cells(n) * sizeof(ud_cell_t);
     return (uint32_t)((bytes + 7u) & ~(size_t)7u);
 }
@@ -156,6 +164,7 @@ void rls_init(struct rls *r, const struct rls_settings *s, const num_t *theta)
     memset(r, 0, sizeof *r);
     r->n = s->n;
     take_settings(r, s);
+    memset(sizes(r), 0, s->n * sizeof(float));
     rls_set(r, theta);
     rls_reset(r);
 }
@@ -184,6 +193,34 @@ static scaled_t surprise(const struct measured *m)
     return scaled_div(scaled_mul(m->error, m->error), scaled_add(one(), m->variance));
 }
 
+/* Mean squares of phi and e go on. */
+static void take_sizes(struct rls *r, const struct measured *m)
+{
+    float e = scaled_to_float(m->error);
+    r->sized = (uint16_t)(r->sized + ((float)r->sized < ERROR_MEMORY));
+    r->size_of_error += (e * e - r->size_of_error) / (float)r->sized;
+    for (unsigned i = 0; i < r->n; i++) {
+        float x = num_to_float(m->phi[i]);
+        sizes(r)[i] += (x * x - sizes(r)[i]) / (float)r->sized;
+    }
+}
+
+/* Folami 8.48 with P in units of the regressors' sizes and e in units of its own, and so that v is `forget` in the long run. */
+static scaled_t forgetting_by_trace(struct rls *r, const struct measured *m)
+{
+    scaled_t trace = scaled_from_float(0), most = scaled_from_float((float)r->n);
+    scaled_t share = scaled_div(scaled_sub(one(), r->forget), r->forget);
+    take_sizes(r, m);
+    for (unsigned i = 0; i < r->n; i++)
+        trace = scaled_add(trace, scaled_mul(ud_num_element(ud_of(r), r->n, i, i),
+                                             scaled_from_float(sizes(r)[i])));
+    if (!(r->size_of_error > 0) || !scaled_lt(scaled_from_float(0), trace))
+        return one();
+    scaled_t times = scaled_div(surprise(m), scaled_from_float(r->size_of_error));
+    scaled_t less = scaled_mul(scaled_mul(most, scaled_mul(share, share)), times);
+    return scaled_div(trace, scaled_add(trace, less));
+}
+
 /* Folami 8.42 to 8.48; forget where the rule is constant. */
 static scaled_t forgetting_factor(struct rls *r, const struct measured *m)
 {
@@ -193,9 +230,10 @@ static scaled_t forgetting_factor(struct rls *r, const struct measured *m)
         v = scaled_sub(one(), scaled_div(surprise(m), r->sigma0));
         break;
     case RLS_YDSTIE:
+        v = scaled_div(r->memory, scaled_add(r->memory, surprise(m)));
+        break;
     case RLS_YDSTIE_TRACE:
-        size = r->forgetting == RLS_YDSTIE ? r->memory : ud_num_trace(ud_of(r), r->n);
-        v = scaled_div(size, scaled_add(size, surprise(m)));
+        v = forgetting_by_trace(r, m);
         break;
     case RLS_BOUNDED: /* P/v is not to pass the trace */
         size = scaled_div(ud_num_trace(ud_of(r), r->n), r->trace);

@@ -58,7 +58,7 @@ CASES = [
     ("plain", 12, 50, dict(p0=10, forget=0.99)),
     ("outlier", 4, 50, dict(p0=10, forgetting="fortescue", memory=0.5, least=0.4)),
     ("outlier", 4, 50, dict(p0=10, forgetting="ydstie", memory=0.5)),
-    ("outlier", 3, 50, dict(p0=1, forgetting="ydstie_trace")),
+    ("outlier", 3, 50, dict(p0=1, forgetting="ydstie_trace", forget=0.9)),
     ("plain", 4, 50, dict(p0=10, forgetting="held_trace", trace=20)),
     ("plain", 3, 60, dict(p0=10, forgetting="reset", forget=0.99, trace=30)),
     ("plain", 6, 50, dict(p0=10, forgetting="directional", forget=0.9, trace=1e6)),

@@ -19,13 +19,14 @@ class Rls:
         self.lo = np.zeros(self.n) if lo is None else np.array(lo, float)
         self.hi = np.zeros(self.n) if hi is None else np.array(hi, float)
         self.v = 1.0
+        self.sized, self.size_of_error, self.sizes = 0, 0.0, np.zeros(self.n)
 
     def outside(self):
         """f of Folami 8.50; no bound where hi is not above lo."""
         f = np.where(self.theta > self.hi, self.theta - self.hi, np.where(self.theta < self.lo, self.theta - self.lo, 0.0))
         return np.where(self.hi > self.lo, f, 0.0)
 
-    def factor(self, e, told):
+    def factor(self, e, told, phi):
         """v, from P before the measurement; told = phi'P phi."""
         tr = np.trace(self.P)
         if self.forgetting == "fortescue":
@@ -33,7 +34,11 @@ class Rls:
         elif self.forgetting == "ydstie":
             v = self.memory / (self.memory + e * e / (1 + told))
         elif self.forgetting == "ydstie_trace":
-            v = tr / (tr + e * e / (1 + told))
+            self.sized = min(200, self.sized + 1)
+            self.size_of_error += (e * e - self.size_of_error) / self.sized
+            self.sizes += (phi * phi - self.sizes) / self.sized
+            tr = float(np.diag(self.P) @ self.sizes)
+            v = tr / (tr + self.n * ((1 - self.forget) / self.forget) ** 2 * e * e / self.size_of_error / (1 + told))
         elif self.forgetting == "bounded":  # what comes out is at most tr P/v, so v = tr P/trace is near enough to 1
             v = min(1.0, max(self.forget, tr / self.trace))
         else:
@@ -48,7 +53,7 @@ class Rls:
         e = float(np.clip(raw, -self.error_most, self.error_most)) if self.error_most else raw
         phi, e = phi / scale, e / scale  # the limit is one of the error in y, before it is normalised
         told = float(phi @ P @ phi)
-        v, divisor = self.factor(e, told), None
+        v, divisor = self.factor(e, told, phi), None
         pull = self.outside()
         if self.forgetting == "directional":
             P = self.forget_along(phi)

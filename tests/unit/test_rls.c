@@ -22,7 +22,8 @@ static float p0[RLS_MAX];
 static struct rls_settings settings;
 
 struct dense {
-    double theta[N], p[N][N], v;
+    double theta[N], p[N][N], v, size[N], size_of_error;
+    unsigned sized;
 };
 
 static struct dense dense;
@@ -117,7 +118,26 @@ static void dense_grow(const double *phi)
             dense.p[i][j] += c * phi[i] * phi[j];
 }
 
-static double dense_factor(double error, double zeta)
+/* Of the squared error, in units of its own, what v loses by it where the trace is 1. */
+static double dense_sizes(const double *phi, double error)
+{
+    double share = (1 - (double)settings.forget) / (double)settings.forget;
+    dense.sized += dense.sized < 200;
+    dense.size_of_error += (error * error - dense.size_of_error) / dense.sized;
+    for (unsigned i = 0; i < N; i++)
+        dense.size[i] += (phi[i] * phi[i] - dense.size[i]) / dense.sized;
+    return N * share * share / dense.size_of_error;
+}
+
+static double dense_sized_trace(void)
+{
+    double trace = 0;
+    for (unsigned i = 0; i < N; i++)
+        trace += dense.p[i][i] * dense.size[i];
+    return trace;
+}
+
+static double dense_factor(const double *phi, double error, double zeta)
 {
     double surprise = error * error / (1 + zeta), v = (double)settings.forget;
     switch (settings.forgetting) {
@@ -128,7 +148,8 @@ static double dense_factor(double error, double zeta)
         v = (double)settings.memory / ((double)settings.memory + surprise);
         break;
     case RLS_YDSTIE_TRACE:
-        v = dense_trace() / (dense_trace() + surprise);
+        surprise *= dense_sizes(phi, error);
+        v = dense_sized_trace() / (dense_sized_trace() + surprise);
         break;
     case RLS_BOUNDED:
         v = fmax(v, fmin(1, dense_trace() / (double)settings.trace));
@@ -145,7 +166,7 @@ static void dense_step(const double *phi, double y)
     for (unsigned i = 0; i < N; i++)
         error -= phi[i] * dense.theta[i];
     zeta = form(phi, p_phi);
-    v = noise = dense_factor(error, zeta);
+    v = noise = dense_factor(phi, error, zeta);
     if (settings.forgetting == RLS_DIRECTIONAL) {
         dense_grow(phi);
         zeta = form(phi, p_phi);
@@ -219,11 +240,64 @@ static void the_factor_of_ydsties_rule_with_the_trace_is_a_factor_and_comes_to_1
         }
         begin();
         (void)rls_step(rls, phi, target, true);
-        double v = (double)rls_forgot(rls), trace = N * start;
+        double v = (double)rls_forgot(rls), trace = N * start * 0.01, share = 0.02 / 0.98;
         TEST_ASSERT_TRUE(v > 0 && v <= 1);
-        /* e = 1: v = trace/(trace + 1/(1 + 0.04 start)) */
-        TEST_ASSERT_DOUBLE_WITHIN(1e-5, fmax(0.01, trace / (trace + 1 / (1 + 0.04 * start))), v);
+        /* The first error is as large as errors are. */
+        double wanted = trace / (trace + N * share * share / (1 + 0.04 * start));
+        TEST_ASSERT_DOUBLE_WITHIN(1e-5, fmax(0.01, wanted), v);
     }
+}
+
+/* The same data with y in other units, and each regressor in units of its own; P(0) is in theirs. */
+static void ydsties_rule_with_the_trace_forgets_alike_in_all_units(void)
+{
+    static const double unit[3][N] = {{1, 1, 1, 1}, {0.1, 1, 4, 0.5}, {1, 0.25, 0.25, 1}};
+    static const double of_y[3] = {1, 0.05, 2};
+    double v[3][200];
+    settings.forgetting = RLS_YDSTIE_TRACE;
+    for (unsigned k = 0; k < 3; k++) {
+        source.state = SEED;
+        for (unsigned i = 0; i < N; i++)
+            p0[i] = (float)(100 / unit[k][i] / unit[k][i]);
+        begin();
+        for (unsigned t = 0; t < 200; t++) {
+            num_t phi[N];
+            double y = 0.05 * uniform();
+            for (unsigned i = 0; i < N; i++) {
+                double x = uniform();
+                phi[i] = num_from_float((float)(x * unit[k][i]));
+                y += x * truth[i] * (t > 100 && i == 1 ? 2 : 1);
+            }
+            (void)rls_step(rls, phi, num_from_float((float)(y * of_y[k])), true);
+            v[k][t] = (double)rls_forgot(rls);
+            TEST_ASSERT_DOUBLE_WITHIN(0.005, v[0][t], v[k][t]);
+        }
+    }
+}
+
+/* Where errors are as they have been, v is `forget` in the mean; a change is forgotten faster. */
+static void ydsties_rule_with_the_trace_forgets_as_much_as_forget_says(void)
+{
+    double sum = 0, least = 1;
+    settings.forgetting = RLS_YDSTIE_TRACE;
+    begin();
+    for (unsigned t = 0; t < 2000; t++) {
+        num_t phi[N];
+        double y = 0.02 * uniform();
+        for (unsigned i = 0; i < N; i++) {
+            double x = uniform();
+            phi[i] = num_from_float((float)x);
+            y += x * truth[i] * (t >= 1900 && i == 1 ? 3 : 1);
+        }
+        (void)rls_step(rls, phi, num_from_float((float)y), true);
+        double v = (double)rls_forgot(rls);
+        if (t >= 900 && t < 1900)
+            sum += v / 1000;
+        else if (t >= 1900)
+            least = fmin(least, v);
+    }
+    TEST_ASSERT_DOUBLE_WITHIN(0.005, (double)settings.forget, sum);
+    TEST_ASSERT_TRUE(least < 0.9);
 }
 
 /* Digest, claim 6: theta - hi is multiplied by 1 - mu a sample. */
@@ -417,6 +491,8 @@ int main(void)
     printf("seed %u\n", SEED);
     RUN_TEST(every_rule_of_forgetting_is_the_dense_one);
     RUN_TEST(the_factor_of_ydsties_rule_with_the_trace_is_a_factor_and_comes_to_1);
+    RUN_TEST(ydsties_rule_with_the_trace_forgets_alike_in_all_units);
+    RUN_TEST(ydsties_rule_with_the_trace_forgets_as_much_as_forget_says);
     RUN_TEST(simplified_correction_below_1_never_crosses_the_bound_above_1_it_crosses_at_once);
     RUN_TEST(full_correction_uses_the_covariance_of_before);
     RUN_TEST(a_correction_too_strong_for_p0_is_refused_with_what_would_be_right);
