@@ -51,12 +51,19 @@ target_include_directories(endurance PRIVATE "${PROJECT_SOURCE_DIR}/tests/suppor
 add_test(NAME endurance COMMAND endurance 50000)
 reflux_programs_of_test(endurance unit endurance)
 
-# Not a test by itself: weeks of the self-tuner beside its PI.
+# Not a test by itself: weeks of the self-tuner beside its PI (tools/campaign self-tuner-weeks).
 set(self_tuner "${PROJECT_SOURCE_DIR}/tests/campaign/self_tuner")
 add_executable(self_tuner ${self_tuner}/main.c ${self_tuner}/run.c ${self_tuner}/sets.c ${self_tuner}/plants.c)
 target_link_libraries(self_tuner PRIVATE reflux_adapt reflux_options m)
 target_include_directories(self_tuner PRIVATE "${PROJECT_SOURCE_DIR}/tests/support")
 target_compile_options(self_tuner PRIVATE -O3)
+# A sample of it.
+add_test(NAME self_tuner COMMAND self_tuner grid 1 0 40 limits)
+add_test(NAME self_tuner_rest COMMAND self_tuner noisy-rest 1 1 40 limits)
+add_test(NAME self_tuner_named COMMAND self_tuner named 1 1 4 limits)
+foreach(part self_tuner self_tuner_rest self_tuner_named)
+  reflux_programs_of_test(${part} unit self_tuner)
+endforeach()
 
 # ... and the tuner of feedforward.
 set(feedforward_tuner "${PROJECT_SOURCE_DIR}/tests/campaign/feedforward_tuner")

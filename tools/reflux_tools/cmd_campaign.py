@@ -17,7 +17,7 @@ from pathlib import Path
 from typing import Any
 
 from reflux_tools import (build, commissioning, decoupling_campaign, endurance_campaign, estimates_campaign, feedforward_alone_campaign, feedforward_campaign, kalman_1989_campaign, kalman_campaign, launch, relay_campaign,
-                          runner, self_tuning_campaign, state_campaign, table, trays_campaign)
+                          runner, self_tuner_weeks, self_tuning_campaign, state_campaign, table, trays_campaign)
 from reflux_tools import scenario as scenarios
 from reflux_tools.errors import RunFailed, UserError
 from reflux_tools.paths import CAMPAIGNS, build_root, named, out_root, shown
@@ -70,6 +70,8 @@ def main(arguments: list[str]) -> int:
         options.results.mkdir(parents=True, exist_ok=True)
     if isinstance(campaign, endurance_campaign.Endurance):
         return endurance_campaign.execute(campaign, options)
+    if isinstance(campaign, self_tuner_weeks.Weeks):
+        return self_tuner_weeks.execute(campaign, options)
     if isinstance(campaign, kalman_campaign.Kalman):
         return kalman_campaign.execute(campaign, options)
     if isinstance(campaign, feedforward_alone_campaign.Alone):
@@ -120,7 +122,8 @@ def known() -> list[str]:
 def load(name: str) -> (Campaign | commissioning.Start | relay_campaign.Comparison | endurance_campaign.Endurance |
                         self_tuning_campaign.Comparison | trays_campaign.Trays | estimates_campaign.Estimates |
                         kalman_campaign.Kalman | kalman_1989_campaign.PilotKalman | decoupling_campaign.Comparison |
-                        state_campaign.StateDecoupling | feedforward_campaign.Feedforward | feedforward_alone_campaign.Alone):
+                        state_campaign.StateDecoupling | feedforward_campaign.Feedforward | feedforward_alone_campaign.Alone |
+                        self_tuner_weeks.Weeks):
     path = CAMPAIGNS / f"{name}.toml"
     if name not in known():
         raise UserError(f'no campaign "{name}"; there are: {", ".join(known()) or "none"}')
@@ -129,9 +132,11 @@ def load(name: str) -> (Campaign | commissioning.Start | relay_campaign.Comparis
         raise UserError(f"{top.path('name')} must be the file's own name, {name}")
     kind = top.text("kind", "scenario", choices=("scenario", "commissioning", "relay", "endurance", "self-tuning", "trays", "estimates",
                                             "kalman", "pilot-kalman", "decoupling", "state-decoupling", "feedforward",
-                                            "feedforward-alone"))
+                                            "feedforward-alone", "self-tuner-weeks"))
     if kind == "endurance":
         return endurance_campaign.load(top, name)
+    if kind == "self-tuner-weeks":
+        return self_tuner_weeks.load(top, name)
     if kind == "kalman":
         return kalman_campaign.load(top, name)
     if kind == "feedforward-alone":

@@ -1,9 +1,11 @@
 /* Weeks of the self-tuner on a set of plants, a line for each:
  *
- *     self_tuner SET [SEED [FROM STRIDE]] [delay=dead] [days=D] [NAME=VALUE ...]
+ *     self_tuner SET [SEED [FROM STRIDE]] [delay=dead] [days=D] [limits] [NAME=VALUE ...]
  *
- * SET: grid, choose, confirm, named, pairs; with -rest behind it nothing moves from the second day to the last hours.
- * delay=dead: of the dead time alone. NAME: a setting of the block, for all loops. */
+ * SET: grid (noise 0.05 %), noisy (the same, 0.2 %), choose, confirm, named, pairs; with -rest behind it nothing moves from the
+ * second day to the last hours. delay=dead: of the dead time alone. NAME: a setting of the block, for all loops. limits: exit
+ * status 1 where a run was beyond the limits of the PI's record for longer than four windows, or g0 moved by more than 30 % at rest. */
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 
@@ -14,6 +16,7 @@
 struct options {
     const char *set[SETS_MOST];
     unsigned sets, from, stride;
+    bool limits;
     enum delay_rule rule;
     double days;
     uint64_t seed;
@@ -27,6 +30,8 @@ static void read_options(struct options *o, int n, char **word)
     for (int k = 2; k < n; k++) {
         if (strcmp(word[k], "delay=dead") == 0)
             o->rule = DELAY_DEAD;
+        else if (strcmp(word[k], "limits") == 0)
+            o->limits = true;
         else if (strncmp(word[k], "days=", 5) == 0)
             o->days = strtod(word[k] + 5, NULL);
         else if (strchr(word[k], '=') && o->sets < SETS_MOST)
@@ -50,14 +55,30 @@ static void print(const char *set, const struct tuner_case *c, const struct tune
     printf("\n");
 }
 
+#define BEYOND_MOST 4u /* windows */
+#define DRIFT_MOST  0.3
+
+static bool within_limits(const struct tuner_case *c, const struct tuner_result *r)
+{
+    bool drifts = c->schedule == WEEK_REST && r->returns == 0 && r->g0_begun != 0 &&
+                  fabs(r->g0_rest - r->g0_begun) > DRIFT_MOST * fabs(r->g0_begun);
+    if (r->beyond_most > BEYOND_MOST)
+        fprintf(stderr, "%s: beyond the PI's record for %u windows\n", c->name, r->beyond_most);
+    if (drifts)
+        fprintf(stderr, "%s: g0 moved from %g to %g\n", c->name, r->g0_begun, r->g0_rest);
+    return r->beyond_most <= BEYOND_MOST && !drifts;
+}
+
 int main(int n, char **word)
 {
     struct options o;
     struct tuner_case c;
     struct tuner_result r;
+    bool good = true;
     if (n < 2) {
-        fputs("self_tuner SET [SEED [FROM STRIDE]] [delay=dead] [days=D] [NAME=VALUE ...]\n",
-              stderr);
+        fputs(
+            "self_tuner SET [SEED [FROM STRIDE]] [delay=dead] [days=D] [limits] [NAME=VALUE ...]\n",
+            stderr);
         return 2;
     }
     read_options(&o, n, word);
@@ -69,6 +90,7 @@ int main(int n, char **word)
             return 2;
         }
         print(word[1], &c, &r);
+        good = within_limits(&c, &r) && good;
     }
-    return 0;
+    return o.limits && !good;
 }

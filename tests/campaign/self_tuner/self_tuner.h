@@ -11,7 +11,7 @@
 
 #define REST      0.5 /* where PVs and MVs stand at first */
 #define STATES    4
-#define DEAD_MOST 2048 /* s, of a dead time */
+#define DEAD_MOST 4096 /* s, of a dead time */
 
 /* gain (1 - zero s) exp(-dead s)/((t1 s + 1)(t2 s + 1)(s^2/w^2 + 2 damping s/w + 1)); t2, zero, 1/w may be 0. */
 struct element_spec {

@@ -28,7 +28,7 @@ static bool finish(struct tuner_case *c, enum delay_rule rule, double noise)
     const struct element_spec *e = &c->plant.element[0][0];
     c->plant.loops = 1;
     c->plant.noise[0] = noise;
-    c->size = 0.05;
+    c->size = 0.1;
     c->move_s = fmax(c->move_s, 900);
     c->delay[0][0] = delay_of(c, e, rule);
     give_simc(c, 0, e);
@@ -139,11 +139,17 @@ static bool named_case(unsigned n, uint64_t seed, struct tuner_case *c)
         c->plant.gain_from_s = 1.5 * 86400;
         c->plant.gain_times = n == 6 ? 2.5 : 0.4;
         break;
+    case 8:
+        name = "first order noise 0.5 % a third of the PI's gain";
+        noise = 0.005;
+        break;
     default:
         return false;
     }
     (void)snprintf(c->name, sizeof c->name, "%s", name);
     (void)finish(c, DELAY_DEAD, noise);
+    if (n == 8)
+        c->pi_gain[0] /= 3;
     if (n == 1)
         c->delay[0][0] = 6;
     return true;
@@ -206,8 +212,6 @@ bool case_of(const char *set, unsigned n, uint64_t seed, enum delay_rule rule, s
     bool there = false;
     if (strncmp(set, "grid", length) == 0)
         there = grid_case(n, rule, 0.0005, c);
-    else if (strncmp(set, "fine", length) == 0)
-        there = grid_case(n, rule, 0.0001, c);
     else if (strncmp(set, "noisy", length) == 0)
         there = grid_case(n, rule, 0.002, c);
     else if (strncmp(set, "choose", length) == 0)
