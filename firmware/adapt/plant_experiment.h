@@ -20,7 +20,7 @@
 
 struct experiment_settings {
     float period_s; /* control interval; 0: a base tick */
-    float cutoff;   /* of the filter before decimation, part of half the control frequency */
+    float cutoff;   /* of a filter before decimation, part of half the control frequency; 0: none */
     float amplitude[EXPERIMENT_MOST];      /* EU, to either side */
     float reach[EXPERIMENT_MOST];          /* EU, farthest an MV may get; 0: twice the amplitude */
     float band[EXPERIMENT_MOST];           /* EU, farthest a measurement may get */

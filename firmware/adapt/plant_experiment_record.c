@@ -1,5 +1,5 @@
-/* The record: measurements by filter and decimation, MVs as the mean of what took effect in each sample, both as fractions of span about
- * the operating point. The same rows go into recursive estimators as they come, of low orders, to see how it gets on. */
+/* The record: of the measurements one reading in a control interval, MVs as the mean of what took effect in each sample, both as fractions
+ * of span about the operating point. The same rows go into recursive estimators as they come, of low orders, to see how it gets on. */
 #include "adapt/plant_experiment_block.h"
 
 #if CONFIG_EXPERIMENT

@@ -37,8 +37,8 @@
 
 const struct block_parameter experiment_parameter_rows[EXPERIMENT_PARAMETERS] = {
     NUMBER(1, period_s, "period", "s", "control interval; 0: a base tick", 0, 1e5f, 0),
-    NUMBER(2, cutoff, "cutoff", "-", "of the filter of faster samples, of half the frequency",
-           0.01f, 1, 0.5f),
+    NUMBER(2, cutoff, "cutoff", "-",
+           "of a filter of faster samples, of half the frequency; 0: none", 0, 1, 0),
     COUNT(3, bits, "bits", "-", "of the register: 2^bits - 1 steps", PRBS_BITS_LEAST, 10, 7),
     COUNT(4, clock, "clock", "periods", "of a step", 1, 1000, 2),
     COUNT(5, periods, "periods", "-", "times the sequence", 1, 100, 2),
@@ -107,6 +107,14 @@ static float span_of_input(const struct block_setup *setup, unsigned k)
     return setup->input[k].hi - setup->input[k].lo;
 }
 
+static enum err check_cutoff(const struct block_setup *setup, struct block_fault *fault)
+{
+    float cutoff = ((const struct experiment_settings *)setup->settings)->cutoff;
+    if (cutoff > 0 && cutoff < 0.01f)
+        return block_refuse(fault, 0, "cutoff", "must be 0, or 0.01 to 1");
+    return ERR_OK;
+}
+
 static enum err check_sizes(const struct block_setup *setup, struct block_fault *fault)
 {
     const struct experiment_settings *s = setup->settings;
@@ -146,6 +154,8 @@ enum err experiment_check(const struct block_setup *setup, struct block_fault *f
     enum err err = check_experiment_inputs(setup, fault);
     if (!err)
         err = step_period_check(experiment_period_ticks(setup), fault);
+    if (!err)
+        err = check_cutoff(setup, fault);
     if (!err)
         err = check_sizes(setup, fault);
     return err ? err : check_length(setup, fault);

@@ -10,12 +10,13 @@
 
 enum err decimator_init(struct decimator *d, uint32_t ratio, real_t cutoff)
 {
-    enum err err = check_real(cutoff, REAL_C(0.01), ONE);
+    bool filters = cutoff < ZERO || cutoff > ZERO;
+    enum err err = check_real(cutoff, filters ? REAL_C(0.01) : ZERO, ONE);
     if (err || ratio < 1 || ratio > 10000)
         return err ? err : ERR_RANGE;
     memset(d, 0, sizeof *d);
     d->ratio = (uint16_t)ratio;
-    if (ratio == 1)
+    if (ratio == 1 || !filters)
         return ERR_OK;
     real_t sine, cosine;
     real_sincos(PI * cutoff / (TWO * (real_t)ratio), &sine, &cosine);
@@ -37,7 +38,7 @@ bool decimator_step(struct decimator *d, real_t x, real_t *kept)
 {
     if (!d->begun)
         d->level = x;
-    real_t low = d->ratio > 1 ? filtered_sample(d, x) : x;
+    real_t low = d->k > ZERO ? filtered_sample(d, x) : x;
     bool due = !d->begun || d->at + 1u >= d->ratio;
     d->begun = true;
     d->at = due ? 0 : (uint16_t)(d->at + 1u);

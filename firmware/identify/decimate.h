@@ -1,8 +1,9 @@
-/* Samples that come faster than the control interval: a low-pass filter on all of them, of which one in `ratio` is kept, as
+/* Samples that come faster than the control interval: one in `ratio` is kept, as it is or behind a low-pass filter on all of them, as
  * Kotyk and Machacek (1995), section 3, treat a noisy measurement; the filter is not told there, this one is ours.
  *
- * The filter belongs to the plant that is identified: the controller has to see the measurement through it as well. So only
- * outputs are filtered, inputs are those of the samples that are kept.
+ * The filter belongs to the plant that is identified, with its delay of about a control interval at a cutoff of 0.5: no controller of the
+ * board sees the measurement through it, and the zeros it brings are outside the unit circle. Without it the model is that of the samples
+ * the controllers take. Only outputs are filtered, inputs are those of the samples that are kept.
  *
  * Butterworth of second order, by the trapezoidal rule in the form of integrators (A. Simper 2013), whose gain at rest is 1
  * however low the cutoff. K = tan(pi cutoff/(2 ratio)).
@@ -25,7 +26,7 @@ struct decimator {
 };
 
 /* ratio: 1 to 10000, of samples to those that are kept; 1: nothing is filtered. cutoff: where the filter lets 1/sqrt 2 pass, as
- * a part of half the frequency of the samples kept, [0.01, 1]. ERR_RANGE, ERR_NOT_FINITE: *d unchanged. */
+ * a part of half the frequency of the samples kept, [0.01, 1]; 0: no filter. ERR_RANGE, ERR_NOT_FINITE: *d unchanged. */
 MUST_CHECK enum err decimator_init(struct decimator *d, uint32_t ratio, real_t cutoff);
 
 /* A sample, finite. Returns whether it is one that is kept, the first and every ratio-th behind it; *kept gets it then. The

@@ -35,8 +35,8 @@ class BoardModel(unittest.TestCase):
             return board_model.read(path, period)
 
     def test_a_listing_is_read(self) -> None:
-        outputs, inputs, a, b, period = self.read(LISTED)
-        self.assertEqual((outputs, inputs, period), (["y1", "y2"], ["u1", "u2"], 120))
+        outputs, inputs, a, b, period, filtered = self.read(LISTED)
+        self.assertEqual((outputs, inputs, period, filtered), (["y1", "y2"], ["u1", "u2"], 120, ""))
         self.assertEqual((a[0, 0], a[1, 0], b[0, 0, 0], b[0, 1, 1], b[1, 0, 4], b[1, 1, 0]), (-0.75, -0.5, 0.1, -0.025, 0.25, 0.1))
 
     def test_lines_that_set_it_are_read_and_the_last_one_holds(self) -> None:
@@ -49,6 +49,11 @@ class BoardModel(unittest.TestCase):
         self.assertEqual(self.read(text, 15)[4], 15)
         with self.assertRaisesRegex(UserError, "--period"):
             self.read(text)
+
+    def test_a_filter_of_faster_samples_is_told(self) -> None:
+        text = LISTED + "block2.cutoff = 0.5 -\n"
+        self.assertEqual(self.read("tick.base = 60 s\n" + text)[5], "block2.cutoff 0.5")
+        self.assertEqual(self.read("tick.base = 120 s\n" + text)[5], "")
 
     def test_what_has_no_model_is_refused_with_what_would_have_one(self) -> None:
         for text in ("", "block1.kind = pid\n", "\n".join(LISTED.splitlines()[:4]).replace("known = on", ""), LISTED.replace("experiment", "gmv"), LISTED.replace("known = on", "known = off")):

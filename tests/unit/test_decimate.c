@@ -49,6 +49,15 @@ static void test_samples_are_within_the_contract(void)
     }
 }
 
+static void test_without_a_cutoff_the_samples_kept_are_as_they_came(void)
+{
+    real_t kept = 0;
+    TEST_ASSERT_EQUAL(ERR_OK, decimator_init(&decimator, 12, REAL_C(0.0)));
+    for (int k = 0; k < 120; k++)
+        if (decimator_step(&decimator, (real_t)(k * 37 % 64), &kept))
+            TEST_ASSERT_TRUE(kept == (real_t)(k * 37 % 64));
+}
+
 static void test_a_level_passes_as_it_is_from_the_first_sample_on(void)
 {
     real_t kept = 0;
@@ -96,6 +105,7 @@ int main(void)
 {
     UNITY_BEGIN();
     RUN_TEST(test_samples_are_within_the_contract);
+    RUN_TEST(test_without_a_cutoff_the_samples_kept_are_as_they_came);
     RUN_TEST(test_a_level_passes_as_it_is_from_the_first_sample_on);
     RUN_TEST(test_at_the_cutoff_a_wave_has_less_by_the_root_of_two);
     RUN_TEST(test_a_ratio_of_one_changes_nothing);

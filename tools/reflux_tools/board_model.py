@@ -21,8 +21,8 @@ def is_listing(name: str) -> bool:
     return name.endswith((".txt", ".conf", ".log"))
 
 
-def read(path: Path, period: float | None) -> tuple[list[str], list[str], np.ndarray, np.ndarray, float]:
-    """Outputs, inputs, a: n x 4, b: n x n x 8, period in s; of the first block of the kind that has a model."""
+def read(path: Path, period: float | None) -> tuple[list[str], list[str], np.ndarray, np.ndarray, float, str]:
+    """Outputs, inputs, a: n x 4, b: n x n x 8, period in s, the filter it was found behind; of the first block of the kind that has a model."""
     text = textfile.read(path)
     said: dict[str, dict[str, str]] = {}
     base = None
@@ -47,7 +47,7 @@ def number_of(text: str, name: str, path: Path) -> float:
     return value
 
 
-def model_of(settings: dict[str, str], base: str | None, path: Path, period: float | None, block: str) -> tuple[list[str], list[str], np.ndarray, np.ndarray, float]:
+def model_of(settings: dict[str, str], base: str | None, path: Path, period: float | None, block: str) -> tuple[list[str], list[str], np.ndarray, np.ndarray, float, str]:
     a, b = np.zeros((2, A)), np.zeros((2, 2, B))
     for name, value in settings.items():
         found = MODEL.match(name)
@@ -62,4 +62,7 @@ def model_of(settings: dict[str, str], base: str | None, path: Path, period: flo
     told = number_of(settings.get("period", "0"), f"{block}.period", path) or (number_of(base, "tick.base", path) if base else 0.0)
     if not told and period is None:
         raise UserError(f"{shown(path)} says neither {block}.period nor tick.base: --period says how often the model is sampled, s")
-    return names[:n], names[n:], a[:n], b[:n, :n], told or float(period or 0)
+    cutoff = settings.get("cutoff", "0")
+    fast = base is None or told > number_of(base, "tick.base", path)
+    filtered = f"{block}.cutoff {cutoff}" if fast and number_of(cutoff, f"{block}.cutoff", path) > 0 else ""
+    return names[:n], names[n:], a[:n], b[:n, :n], told or float(period or 0), filtered

@@ -183,7 +183,8 @@ def decoupler(spanned: SampledPlant, options: argparse.Namespace) -> Compensator
             found = decoupling.polynomial(spanned.a, spanned.b, spanned.period, **given)
         except decoupling.DecouplerRefused as refused:
             zeros = f"; zeros of det B {', '.join(zero_text(z) for z in refused.zeros)}" if len(refused.zeros) else ""
-            raise RunFailed(f"no polynomial decoupler of {spanned.name}: {refused}{zeros}") from None
+            advice = f"; the filter before the samples ({spanned.filtered}) brings zeros: identify again with 0" if spanned.filtered else ""
+            raise RunFailed(f"no polynomial decoupler of {spanned.name}: {refused}{zeros}{advice}") from None
         return Compensator(found.g, found=found)
     try:
         shape = static(spanned, options)

@@ -56,8 +56,8 @@ def main(arguments: list[str]) -> int:
     p.add_argument("--inputs", type=names, required=True, metavar="U,U", help="manipulated variables, to 4")
     p.add_argument("--outputs", type=names, required=True, metavar="Y,Y", help="measurements, to 4")
     p.add_argument("--period", type=float, metavar="S", help="between rows; default: from the column time")
-    p.add_argument("--every", type=int, default=1, metavar="N", help="rows to a control interval: outputs are filtered and one row in N is kept")
-    p.add_argument("--cutoff", type=float, default=0.5, help="of that filter, as a part of half the control frequency (default 0.5)")
+    p.add_argument("--every", type=int, default=1, metavar="N", help="rows to a control interval: one row in N is kept")
+    p.add_argument("--cutoff", type=float, default=0.0, help="of a filter on the outputs before, as a part of half the control frequency (default 0: none)")
     p.add_argument("--method", choices=identification.METHODS, default="iv",
                    help="least squares, instrumental variables (default; any noise), extended least squares")
     p.add_argument("--na", type=int, default=3, help="largest order of A that is tried (default 3)")
@@ -121,8 +121,8 @@ def check(options: argparse.Namespace) -> None:
         raise UserError(f"--orders must be 0 to {NA_MOST} and 1 to {NB_MOST}")
     if options.nc is not None and (options.method != "els" or not 1 <= options.nc <= NC_MOST):
         raise UserError(f"--nc must be 1 to {NC_MOST}, and goes with --method els")
-    if options.every < 1 or not 0 < options.cutoff < 1:
-        raise UserError("--every must be 1 or more, --cutoff above 0 and below 1")
+    if options.every < 1 or not 0 <= options.cutoff < 1:
+        raise UserError("--every must be 1 or more, --cutoff 0 or more and below 1")
     channels = [*options.inputs, *options.outputs]
     for name in channels:
         if channels.count(name) > 1:

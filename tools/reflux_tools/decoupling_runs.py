@@ -108,7 +108,7 @@ def of_settings(bench: Bench, transcript: Path) -> SampledPlant:
     """In fractions of span."""
     j, rows, columns = decoupling_plants.ordered(bench)
     try:
-        outputs, inputs, a, b, period = board_model.read(transcript, bench.period_s)
+        outputs, inputs, a, b, period, _ = board_model.read(transcript, bench.period_s)
     except UserError:
         verdict = re.findall(r" verdict = (\d+)", transcript.read_text(encoding="utf-8"))
         raise RunFailed(f"no model, verdict {verdict[-1] if verdict else '-'} of the experiment (docs/experiment.md)") from None

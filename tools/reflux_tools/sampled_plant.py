@@ -31,6 +31,7 @@ class SampledPlant:
     period: float  # s
     output_spans: np.ndarray | None = None
     input_spans: np.ndarray | None = None
+    filtered: str = ""  # setting of the filter that the board found it behind
 
     @property
     def n(self) -> int:
@@ -115,11 +116,11 @@ def identified(j: dict[str, Any], path: Path, pairs: str | None) -> SampledPlant
 
 def of_board(path: Path, pairs: str | None, period: float | None) -> SampledPlant:
     """What a board has found."""
-    outputs, inputs, a, b, seconds = board_model.read(path, period)
+    outputs, inputs, a, b, seconds, filtered = board_model.read(path, period)
     names = {"name": path.stem, "outputs": [{"name": y} for y in outputs], "inputs": [{"name": u} for u in inputs]}
     rows, columns = paired(names, pairs)
     return SampledPlant(path.stem, tuple(outputs[i] for i in rows), tuple(inputs[k] for k in columns), shortened(a[rows]), shortened(b[np.ix_(rows, columns)]),
-                        seconds)
+                        seconds, filtered=filtered)
 
 
 def padded(rows: list[list[float]], length: int = 1) -> np.ndarray:

@@ -3,23 +3,24 @@
 #include "sample.h"
 
 static const struct experiment_case kotyk = KOTYK_COLUMN("band.1 0.8", "band.2 1.2");
-/* Two base ticks to a sample, which the fast measurements are filtered for. */
+/* Two base ticks to a sample, with a filter before one of them is kept. */
 static const struct experiment_case wood_berry = {"wood-berry",
                                                   60000,
                                                   2,
                                                   {"xD", "xB"},
                                                   {"R", "S"},
-                                                  {"period 120", "bits 7", "clock 4",
+                                                  {"period 120", "cutoff 0.5", "bits 7", "clock 4",
                                                    "amplitude.1 0.05", "amplitude.2 0.05",
                                                    "band.1 4", "band.2 6"}};
 /* The slowest lag is ten times the others. */
-static const struct experiment_case kiln = {
-    "lime-kiln",
-    30000,
-    2,
-    {"y1", "y2"},
-    {"u1", "u2"},
-    {"period 60", "bits 7", "clock 4", "amplitude.1 5", "amplitude.2 5", "band.1 40", "band.2 40"}};
+static const struct experiment_case kiln = {"lime-kiln",
+                                            30000,
+                                            2,
+                                            {"y1", "y2"},
+                                            {"u1", "u2"},
+                                            {"period 60", "cutoff 0.5", "bits 7", "clock 4",
+                                             "amplitude.1 5", "amplitude.2 5", "band.1 40",
+                                             "band.2 40"}};
 
 /* The largest error of the model's gains in a row, as a part of the largest of the row. */
 static double worst_gain(const double gain[2][2], unsigned i)

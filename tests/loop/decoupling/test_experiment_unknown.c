@@ -26,8 +26,9 @@ static const struct experiment_case furnace = {
     4,
     {"y1", "y2", "y3", "y4"},
     {"u1", "u2", "u3", "u4"},
-    {"period 60", "bits 7", "clock 5", "periods 1", "nb 6", "amplitude.1 5", "amplitude.2 5",
-     "amplitude.3 5", "amplitude.4 5", "band.1 100", "band.2 100", "band.3 100", "band.4 100"}};
+    {"period 60", "cutoff 0.5", "bits 7", "clock 5", "periods 1", "nb 6", "amplitude.1 5",
+     "amplitude.2 5", "amplitude.3 5", "amplitude.4 5", "band.1 100", "band.2 100", "band.3 100",
+     "band.4 100"}};
 
 static const double furnace_gain[4][4] = {
     {1, 0.7, 0.3, 0.2}, {0.6, 1, 0.4, 0.35}, {0.35, 0.4, 1, 0.6}, {0.2, 0.3, 0.7, 1}};
