@@ -2,6 +2,8 @@
 
 #include <string.h>
 
+#include "num/polynomial.h"
+
 #define ZERO REAL_C(0.0)
 #define ONE  REAL_C(1.0)
 #define TWO  REAL_C(2.0)
@@ -27,20 +29,9 @@ enum finding_phase {
 
 bool plant_roots_within(const real_t *a, size_t n, real_t radius)
 {
-    real_t c[DIFFERENCE_A_MOST + 1] = {ONE}, times = ONE;
-    for (size_t k = 0; k < n; k++) {
-        times /= radius;
-        c[k + 1] = a[k] * times;
-    }
-    for (; n > 0; n--) {
-        real_t last = c[n], d[DIFFERENCE_A_MOST + 1];
-        if (!(real_abs(last) < ONE))
-            return false;
-        for (size_t k = 0; k <= n; k++)
-            d[k] = (c[k] - last * c[n - k]) / (ONE - last * last);
-        memcpy(c, d, sizeof c);
-    }
-    return true;
+    struct polynomial p = {.n = (uint8_t)(n + 1u), .at = {ONE}};
+    memcpy(&p.at[1], a, n * sizeof a[0]);
+    return polynomial_zeros_within(&p, radius);
 }
 
 /* Gains at rest; false: it integrates, but for rounding. */

@@ -62,7 +62,7 @@ static void take_model(const struct difference_model *model, struct polynomial_m
 }
 
 /* Zeros in z of a polynomial in z^-1 that has no delay: those of the polynomial written backwards. */
-static enum err find_zeros(struct polynomial_decoupler *d)
+enum err polynomial_decoupler_zeros(struct polynomial_decoupler *d)
 {
     struct polynomial backwards = {.n = d->det.n};
     for (unsigned k = 0; k < backwards.n; k++)
@@ -92,9 +92,6 @@ static enum err find_determinant(const struct polynomial_decoupler_config *c,
     polynomial_advance(&d->det, d->delay);
     /* Every element has z^-1 besides. */
     d->delay = (uint8_t)(d->delay + work->b.rows);
-    err = find_zeros(d);
-    if (err)
-        return refuse_decoupler(reason, err, "zeros", "found", DECOUPLED_NONE, DECOUPLED_NONE);
     real_t terms =
         work->b.rows == 1 ? polynomial_size(&d->det) : polynomial_size(&work->minors.part_size);
     if (!(real_abs(polynomial_value(&d->det, REAL_C(1.0))) >= c->determinant_lo * terms))
@@ -180,13 +177,13 @@ enum err polynomial_decoupler_design(const struct difference_model *model,
         find_numerator(model, &work->b, k, scale, result->delay - (n - 1u) - taken, result);
         delays += taken;
     }
-    if (!(result->outermost <= config->zero_hi))
+    if (!polynomial_zeros_within(&result->det, config->zero_hi))
         return refuse_decoupler(reason, ERR_RANGE, "zero",
                                 "inside: one of det B outside stays in every loop", DECOUPLED_NONE,
                                 DECOUPLED_NONE);
     /* det G is det(B)^(n - 1) but for factors and delays: with none of the latter its first coefficients have an inverse. */
-    result->recursive =
-        delays == (n - 1u) * (result->delay - n) && result->outermost <= config->recursion_hi;
+    result->recursive = delays == (n - 1u) * (result->delay - n) &&
+                        polynomial_zeros_within(&result->det, config->recursion_hi);
     *reason = (struct polynomial_decoupler_refusal){"", "", DECOUPLED_NONE, DECOUPLED_NONE};
     return ERR_OK;
 }

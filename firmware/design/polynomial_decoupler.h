@@ -22,7 +22,7 @@ struct polynomial_decoupler_config {
     /* Largest part of the gain at rest of det B that may cancel, 1e-6 to 1: |det B(1)| over the sum of the magnitudes of its
      * terms. Below, the errors of the model are larger than what is left. */
     real_t determinant_lo;
-    /* Largest |zero| of det B in z, radius included, above 0: a zero further out stays in every loop. */
+    /* Largest |zero| of det B in z, above 0: a zero further out stays in every loop. */
     real_t zero_hi;
     /* The same below which a history of inputs that took effect, run backwards through G, forgets soon enough, 0.1 to 0.999. */
     real_t recursion_hi;
@@ -34,7 +34,7 @@ struct polynomial_decoupler {
     struct polynomial h[DIFFERENCE_MOST];
     struct polynomial det; /* of B, without its delay */
     uint8_t delay;         /* of det B, samples */
-    /* Zeros of det B in z, without the infinite ones that its delay is. */
+    /* Zeros of det B in z, without the infinite ones that its delay is; only polynomial_decoupler_zeros() gives them. */
     struct polynomial_roots zeros;
     real_t outermost; /* the largest |zero|, radius included; 0: there is none */
     /* What was limited may be taken into G's past, u = G v solved for v sample by sample: all zeros are within recursion_hi,
@@ -58,11 +58,15 @@ void polynomial_decoupler_config_default(struct polynomial_decoupler_config *con
 
 /* ERR_RANGE, ERR_NOT_FINITE: config or model; "outputs": not square. ERR_SINGULAR: det B is 0, or so small at rest that it may be;
  * a diagonal element of adj B at rest likewise, or an element exceeds element_hi. ERR_RANGE with "zero": outside zero_hi.
- * *result then has the zeros all the same. ERR_TIMEOUT: zeros were not found. why may be NULL. Up to 1e6 instructions. */
+ * *result then has det B all the same. why may be NULL. Up to 2e5 instructions. */
 MUST_CHECK enum err polynomial_decoupler_design(const struct difference_model *model,
                                                 const struct polynomial_decoupler_config *config,
                                                 struct polynomial_decoupler_work *work,
                                                 struct polynomial_decoupler *result,
                                                 struct polynomial_decoupler_refusal *reason);
+
+/* The zeros of a design, or of one that was refused with det B known: for people. ERR_RANGE: it is not; ERR_TIMEOUT. Up to 1e6
+ * instructions. */
+MUST_CHECK enum err polynomial_decoupler_zeros(struct polynomial_decoupler *d);
 
 #endif

@@ -49,6 +49,7 @@
 #define polynomial_trim            polynomial_trim_double
 #define polynomial_value           polynomial_value_double
 #define polynomial_size            polynomial_size_double
+#define polynomial_zeros_within    polynomial_zeros_within_double
 #define polynomial_matrix_check    polynomial_matrix_check_double
 #define polynomial_matrix_multiply polynomial_matrix_multiply_double
 #define polynomial_determinant     polynomial_determinant_double

@@ -81,6 +81,24 @@ real_t polynomial_size(const struct polynomial *p)
 
 /* ---- matrices ---- */
 
+bool polynomial_zeros_within(const struct polynomial *p, real_t radius)
+{
+    struct polynomial c = {0};
+    unsigned n = p->n ? p->n - 1u : 0u;
+    real_t times = REAL_C(1.0) / p->at[0];
+    for (unsigned k = 0; k <= n; k++, times /= radius)
+        c.at[k] = p->at[k] * times;
+    for (; n > 0; n--) {
+        struct polynomial before = c;
+        real_t last = c.at[n];
+        if (!(real_abs(last) < REAL_C(1.0)))
+            return false;
+        for (unsigned k = 0; k < n; k++)
+            c.at[k] = (before.at[k] - last * before.at[n - k]) / (REAL_C(1.0) - last * last);
+    }
+    return true;
+}
+
 enum err polynomial_matrix_check(const struct polynomial_matrix *m)
 {
     if (m->rows < 1 || m->rows > POLYNOMIAL_MATRIX_MOST || m->cols < 1 ||

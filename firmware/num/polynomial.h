@@ -6,6 +6,7 @@
 #ifndef REFLUX_NUM_POLYNOMIAL_H
 #define REFLUX_NUM_POLYNOMIAL_H
 
+#include <stdbool.h>
 #include <stdint.h>
 
 #include "base/error.h"
@@ -44,6 +45,9 @@ void polynomial_trim(struct polynomial *p);
 real_t polynomial_value(const struct polynomial *p, real_t x);
 /* Sum of the magnitudes of its coefficients: the largest |p(x)| on the unit circle is no more. */
 real_t polynomial_size(const struct polynomial *p);
+
+/* Whether all zeros in z of p(z^-1), p(0) not 0, are inside the circle of that radius, above 0: the recursion of Schur and Cohn. */
+bool polynomial_zeros_within(const struct polynomial *p, real_t radius);
 
 MUST_CHECK enum err polynomial_matrix_check(const struct polynomial_matrix *m);
 /* c = a b. */

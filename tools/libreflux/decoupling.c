@@ -53,8 +53,13 @@ int32_t reflux_polynomial_decoupler(const struct reflux_sampled *model, const do
         return ERR_RANGE;
     }
     enum err err = polynomial_decoupler_design(&m, &config, &work, &result, &why);
-    *n_zeros = result.zeros.n;
-    for (size_t k = 0; k < result.zeros.n; k++) {
+    enum err unknown = polynomial_decoupler_zeros(&result);
+    if (!err && unknown) {
+        say(reason, "zeros", "found", DECOUPLED_NONE, DECOUPLED_NONE);
+        return unknown;
+    }
+    *n_zeros = unknown ? 0 : result.zeros.n;
+    for (int32_t k = 0; k < *n_zeros; k++) {
         zeros[2 * k] = result.zeros.at[k].re;
         zeros[2 * k + 1] = result.zeros.at[k].im;
         radius[k] = result.zeros.radius[k];
