@@ -24,6 +24,8 @@
 #define static_decoupler                    static_decoupler_double
 #define polynomial_decoupler_config_default polynomial_decoupler_config_default_double
 #define polynomial_decoupler_design         polynomial_decoupler_design_double
+#define polynomial_decoupler_check          polynomial_decoupler_check_double
+#define pole_placement_judge                pole_placement_judge_double
 #define polynomial_decoupler_zeros          polynomial_decoupler_zeros_double
 #define state_decoupler_config_default      state_decoupler_config_default_double
 #define state_decoupler_design              state_decoupler_design_double

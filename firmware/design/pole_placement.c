@@ -225,10 +225,7 @@ static enum err place_poles(const struct polynomial *ak, const struct polynomial
     for (unsigned k = 1; k < nb; k++)
         result->p.at[k] = x[k - 1];
     polynomial_set(&result->q, &x[nb - 1], na + 1);
-    err = find_residual(ak, b, result);
-    if (!err)
-        find_sensitivity(ak, result);
-    return err;
+    return ERR_OK;
 }
 
 enum err pole_placement_design(const struct polynomial *a, const struct polynomial *b,
@@ -279,7 +276,24 @@ enum err pole_placement_design(const struct polynomial *a, const struct polynomi
         polynomial_value(&result->q, REAL_C(1.0)) / polynomial_value(&result->r, REAL_C(1.0));
     for (unsigned i = 0; i < result->r.n; i++)
         result->r.at[i] *= factor;
-    result->input_peak = step_peak(&den, polynomial_value(&num, REAL_C(1.0)), m, true);
     *reason = (struct pole_placement_refusal){"", ""};
+    return ERR_OK;
+}
+
+enum err pole_placement_judge(const struct polynomial *a, const struct polynomial *b,
+                              struct pole_placement *result)
+{
+    struct polynomial den = *a, num = *b, ak = {0};
+    const struct polynomial k = {.n = 2, .at = {REAL_C(1.0), REAL_C(-1.0)}};
+    polynomial_trim(&den);
+    polynomial_trim(&num);
+    enum err err = polynomial_add_product(&ak, REAL_C(1.0), &den, &k);
+    if (!err)
+        err = find_residual(&ak, &num, result);
+    if (err)
+        return err;
+    find_sensitivity(&ak, result);
+    result->input_peak = step_peak(&den, polynomial_value(&num, REAL_C(1.0)),
+                                   poles_at(result->radius, result->angle), true);
     return ERR_OK;
 }

@@ -28,10 +28,11 @@ struct pole_placement {
     struct polynomial poles;   /* M O */
     real_t radius, angle;      /* r, theta */
     real_t condition;          /* of the equations, rows and columns of one norm */
-    real_t residual;           /* largest coefficient of A K P + B Q - M O */
     real_t overshoot;          /* of the sampled step response */
-    real_t input_peak;         /* largest |u| during a setpoint step of 1 from rest */
-    real_t sensitivity;        /* largest |A K P/(M O)| at 128 frequencies up to pi/T */
+    /* Only pole_placement_judge() gives these. */
+    real_t residual;    /* largest coefficient of A K P + B Q - M O */
+    real_t input_peak;  /* largest |u| during a setpoint step of 1 from rest */
+    real_t sensitivity; /* largest |A K P/(M O)| at 128 frequencies up to pi/T */
 };
 
 struct pole_placement_work {
@@ -56,5 +57,10 @@ MUST_CHECK enum err pole_placement_design(const struct polynomial *a, const stru
                                           struct pole_placement_work *work,
                                           struct pole_placement *result,
                                           struct pole_placement_refusal *reason);
+
+/* How a design for these polynomials does: residual, input_peak and sensitivity. ERR_FULL: a product is too long. Up to 1e5
+ * instructions. */
+MUST_CHECK enum err pole_placement_judge(const struct polynomial *a, const struct polynomial *b,
+                                         struct pole_placement *result);
 
 #endif

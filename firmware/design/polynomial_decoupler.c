@@ -142,6 +142,21 @@ static void find_numerator(const struct difference_model *model, const struct po
         h->at[h->n++] = d->det.at[k] * scale * row;
 }
 
+enum err polynomial_decoupler_check(const struct difference_model *model,
+                                    const struct polynomial_decoupler_config *config,
+                                    struct polynomial_decoupler_refusal *reason)
+{
+    struct polynomial_decoupler_refusal unused;
+    reason = reason ? reason : &unused;
+    *reason = (struct polynomial_decoupler_refusal){"", "", DECOUPLED_NONE, DECOUPLED_NONE};
+    enum err err = difference_check(model, &reason->field, &reason->wanted);
+    if (!err)
+        err = check_polynomial_config(config, reason);
+    if (!err && model->outputs != model->inputs)
+        err = refuse_field(reason, "outputs", "as many as inputs");
+    return err;
+}
+
 enum err polynomial_decoupler_design(const struct difference_model *model,
                                      const struct polynomial_decoupler_config *config,
                                      struct polynomial_decoupler_work *work,
@@ -149,15 +164,9 @@ enum err polynomial_decoupler_design(const struct difference_model *model,
                                      struct polynomial_decoupler_refusal *reason)
 {
     struct polynomial_decoupler_refusal unused;
+    enum err err;
     reason = reason ? reason : &unused;
     *result = (struct polynomial_decoupler){0};
-    enum err err = difference_check(model, &reason->field, &reason->wanted);
-    if (!err)
-        err = check_polynomial_config(config, reason);
-    if (err)
-        return err;
-    if (model->outputs != model->inputs)
-        return refuse_field(reason, "outputs", "as many as inputs");
     /* Whatever returns an error without a reason of its own leaves this one. */
     (void)!refuse_field(reason, "model", "one that can be designed for");
     unsigned n = model->outputs, delays = 0;

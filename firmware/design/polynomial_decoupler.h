@@ -56,7 +56,12 @@ struct polynomial_decoupler_refusal {
 /* Elements to 100, determinant at least 0.02, zeros to 1, recursion to 0.95. */
 void polynomial_decoupler_config_default(struct polynomial_decoupler_config *config);
 
-/* ERR_RANGE, ERR_NOT_FINITE: config or model; "outputs": not square. ERR_SINGULAR: det B is 0, or so small at rest that it may be;
+/* ERR_RANGE, ERR_NOT_FINITE: config or model; "outputs": not square. why may be NULL. */
+MUST_CHECK enum err polynomial_decoupler_check(const struct difference_model *model,
+                                               const struct polynomial_decoupler_config *config,
+                                               struct polynomial_decoupler_refusal *reason);
+
+/* Of what polynomial_decoupler_check() accepts. ERR_SINGULAR: det B is 0, or so small at rest that it may be;
  * a diagonal element of adj B at rest likewise, or an element exceeds element_hi. ERR_RANGE with "zero": outside zero_hi.
  * *result then has det B all the same. why may be NULL. Up to 2e5 instructions. */
 MUST_CHECK enum err polynomial_decoupler_design(const struct difference_model *model,

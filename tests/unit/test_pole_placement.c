@@ -48,7 +48,8 @@ void tearDown(void) {}
 
 static enum err design(void)
 {
-    return pole_placement_design(&a, &b, period, &goal, &work, &result, &why);
+    enum err err = pole_placement_design(&a, &b, period, &goal, &work, &result, &why);
+    return err ? err : pole_placement_judge(&a, &b, &result);
 }
 
 static double at(const struct polynomial *p, unsigned k)

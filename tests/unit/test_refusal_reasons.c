@@ -157,7 +157,8 @@ static void test_a_refused_polynomial_decoupler_says_why(void)
                     m.b[i][j][k] = coefficient(30.0);
         }
         struct polynomial_decoupler_refusal reason = {mark, mark, 0, 0};
-        enum err err = polynomial_decoupler_design(&m, &c, &room, &result, &reason);
+        enum err err = polynomial_decoupler_check(&m, &c, &reason);
+        err = err ? err : polynomial_decoupler_design(&m, &c, &room, &result, &reason);
         assert_says_why(err, reason.field, reason.wanted, drawn);
     }
     TEST_ASSERT_GREATER_THAN_UINT(100, refused);

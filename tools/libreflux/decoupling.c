@@ -52,7 +52,10 @@ int32_t reflux_polynomial_decoupler(const struct reflux_sampled *model, const do
             DECOUPLED_NONE);
         return ERR_RANGE;
     }
-    enum err err = polynomial_decoupler_design(&m, &config, &work, &result, &why);
+    result = (struct polynomial_decoupler){0};
+    enum err err = polynomial_decoupler_check(&m, &config, &why);
+    if (!err)
+        err = polynomial_decoupler_design(&m, &config, &work, &result, &why);
     enum err unknown = polynomial_decoupler_zeros(&result);
     if (!err && unknown) {
         say(reason, "zeros", "found", DECOUPLED_NONE, DECOUPLED_NONE);
@@ -106,6 +109,8 @@ int32_t reflux_pole_placement(int32_t na, const double *a, int32_t nb, const dou
     polynomial_set(&den, a, (unsigned)na);
     polynomial_set(&num, b, (unsigned)nb);
     enum err err = pole_placement_design(&den, &num, period_s, &wanted, &work, &result, &why);
+    if (!err)
+        err = pole_placement_judge(&den, &num, &result);
     if (err) {
         say(reason, why.field, why.wanted, DECOUPLED_NONE, DECOUPLED_NONE);
         return err;
