@@ -27,9 +27,13 @@ struct experiment_settings {
     float fit;                             /* %, least */
     uint16_t bits, clock, periods, settle; /* settle, clock: samples */
     uint16_t na, nb;
-    uint16_t law;              /* block that keeps a law of state feedback; 0: none */
-    uint8_t method, criterion; /* enum arx_method, arx_criterion */
-    uint8_t adopt;             /* enum experiment_adopt */
+    uint16_t law;                      /* block of the kind state_law or polynomial; 0: none */
+    uint16_t place[EXPERIMENT_KEPT];   /* blocks of the kind rst; 0: none */
+    float overshoot;                   /* %, of the loops with them */
+    float settling_s[EXPERIMENT_KEPT]; /* of a setpoint step */
+    float observer;                    /* pole */
+    uint8_t method, criterion;         /* enum arx_method, arx_criterion */
+    uint8_t adopt;                     /* enum experiment_adopt */
     /* From here on what it finds itself. */
     uint8_t known; /* the model is there, whole */
     float a[EXPERIMENT_KEPT][DIFFERENCE_A_MOST];

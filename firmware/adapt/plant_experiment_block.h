@@ -7,6 +7,8 @@
 #if CONFIG_EXPERIMENT
 
 #include "adapt/plant_model.h"
+#include "compensate/polynomial.h"
+#include "control/rst.h"
 #include "control/state_law_job.h"
 #include "identify/decimate.h"
 #include "identify/prbs.h"
@@ -52,6 +54,16 @@ struct experiment_sum {
     real_t all, others; /* others: what the signal has not made */
 };
 
+/* A decoupler and controllers for it, as their blocks have them. */
+struct experiment_loops {
+    float g[EXPERIMENT_KEPT * EXPERIMENT_KEPT][POLYNOMIAL_TAPS];
+    float rst[EXPERIMENT_KEPT][3][RST_COEFFICIENTS]; /* p, q, r */
+    float period_s;
+    uint8_t limits; /* enum polynomial_limits */
+    uint8_t part;   /* controllers that were proposed */
+    uint8_t left;   /* values of the decoupler that differed when it was proposed */
+};
+
 struct experiment {
     struct experiment_settings s;
     struct block_signal input[2 * EXPERIMENT_MOST];
@@ -92,13 +104,15 @@ struct experiment {
     uint8_t tells; /* enum experiment_event + 1, in the next step */
     float step_s;  /* of the block */
     struct experiment_law {
-        const struct state_law_settings *to; /* of the block that keeps it; NULL: none */
+        const struct state_law_settings *to;         /* of the block that keeps it; NULL: none */
+        const struct polynomial_settings *decoupler; /* of that block, in its place; NULL: none */
         uint8_t goal[offsetof(struct state_law_settings, si)]; /* of it when the job began */
         uint8_t stage;
         bool proposes, waits;
         uint32_t lease;
-        struct state_law_job *job; /* in the workspace, while leased */
+        void *job; /* in the workspace, while leased: struct state_law_job, or that of loops */
         struct state_law_found found;
+        struct experiment_loops loops;
         char words[STATE_LAW_WORDS];
     } law;
     float model[]; /* [n][A], then [n][n][B] */
@@ -144,7 +158,7 @@ enum experiment_event {
 /* ---- settings (plant_experiment_settings.c) ---- */
 
 #define EXPERIMENT_PARAMETERS                                                                      \
-    (17 + EXPERIMENT_KEPT * (DIFFERENCE_A_MOST + EXPERIMENT_KEPT * DIFFERENCE_B_MOST))
+    (21 + EXPERIMENT_KEPT * (DIFFERENCE_A_MOST + EXPERIMENT_KEPT * DIFFERENCE_B_MOST))
 extern const struct block_parameter experiment_parameter_rows[EXPERIMENT_PARAMETERS];
 #define EXPERIMENT_ID_KNOWN 16
 #define EXPERIMENT_ID_A     20 /* by outputs */
@@ -188,6 +202,16 @@ const char *experiment_law_begin(struct experiment *e);
 void experiment_law_stop(struct experiment *e, const char *field, const char *wanted);
 bool experiment_law_work(struct experiment *e);
 void experiment_law_step(struct experiment *e, struct block_io *io);
+
+/* ---- decoupler and controllers (plant_experiment_loops.c) ---- */
+
+extern const uint32_t experiment_loops_bytes; /* of law.job */
+void experiment_loops_begin(struct experiment *e);
+/* The next design. */
+void experiment_loops_piece(struct experiment *e);
+/* All of it is there, or law.found says what is refused. */
+bool experiment_loops_are_found(const struct experiment *e);
+void experiment_loops_propose(struct experiment *e, struct block_proposal *room);
 
 /* ---- proposals (plant_experiment_proposals.c) ---- */
 

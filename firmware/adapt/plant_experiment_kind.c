@@ -20,8 +20,7 @@ static const struct block_event experiment_events[EXPERIMENT_EVENTS] = {
     [EVENT_ABORTED] = {"aborted", BLOCK_INFO,
                        "1 stop, 2 band, 3 reading, 4 unsteady, 5 workspace, 6 settings, 7 plant, "
                        "11 and more: test signal"},
-    [EVENT_LAW] = {"law", BLOCK_INFO,
-                   "a law of state feedback, which is proposed; the loop's largest pole, -"},
+    [EVENT_LAW] = {"law", BLOCK_INFO, "a law, which is proposed; the loops' largest pole, -"},
     [EVENT_NO_LAW] = {"no_law", BLOCK_INFO, "no law, `block N` says why; of which loop"},
 };
 
@@ -61,9 +60,12 @@ static enum err experiment_configure(void *state, const struct block_setup *setu
         memset(e, 0, experiment_bytes(setup));
     else if (experiment_runs(e) && (differs(&e->s, s) || e->ticks != ticks))
         experiment_abort(e, REASON_SETTINGS);
-    if (retune && differs(&e->s, s))
+    if (retune && differs(&e->s, s)) {
         experiment_law_stop(e, "settings", "left as they are while the law is found");
-    e->law.to = s->law ? setup->named : NULL;
+        e->law.proposes = false;
+    }
+    e->law.to = s->law && !setup->named_other ? setup->named : NULL;
+    e->law.decoupler = s->law && setup->named_other ? setup->named : NULL;
     e->step_s = setup->interval_s;
     e->s = *s;
     e->n = (uint8_t)(setup->inputs / 2u);
@@ -293,8 +295,8 @@ static const char *run_law(void *state, const float *number)
 static const struct block_verb experiment_verbs[] = {
     {"start", NULL, "rest, move the MVs, find the model", 0, 0, false, ACCESS_ENGINEER, run_start},
     {"stop", NULL, "the MVs return to where they rested", 0, 0, false, ACCESS_OPERATOR, run_stop},
-    {"design", NULL, "the law of state feedback, from the model that is kept", 0, 0, false,
-     ACCESS_ENGINEER, run_law},
+    {"design", NULL, "what the blocks of law and place compute with, from the kept model", 0, 0,
+     false, ACCESS_ENGINEER, run_law},
 };
 
 const struct block_kind experiment_kind = {
@@ -305,6 +307,7 @@ const struct block_kind experiment_kind = {
     .settings_bytes = sizeof(struct experiment_settings),
     .names = 17,
     .named_kind = "state_law",
+    .other_kind = "polynomial",
     .inputs_most = 2 * EXPERIMENT_MOST,
     .bad_input = BAD_INPUT_IS_TOLD,
     .history = experiment_history,

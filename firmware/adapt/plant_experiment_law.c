@@ -1,5 +1,6 @@
-/* From a model to the law of state feedback that a block of the kind `state_law` keeps. Of a model of first order without dead time, A y(k) = B u(k),
- * the outputs are all there is to its state:
+/* `design`: from the model that is kept to what other blocks compute with: a decoupler and controllers for its loops
+ * (plant_experiment_loops.c), or the law of state feedback that a block of the kind `state_law` keeps. For that law, of a model of first order
+ * without dead time, A y(k) = B u(k), the outputs are all there is to its state:
  *
  *     y(k + 1) = -diag(a) y(k) + B u(k)
  *
@@ -15,6 +16,12 @@
 #define HOLDER "experiment"
 #define FREES  "block N stop"
 #define STEPS  2u /* for the job: two states are a millisecond */
+
+/* A plant of one loop needs no decoupler. */
+static bool is_of_loops(const struct experiment *e)
+{
+    return e->law.decoupler || (e->n == 1 && !e->s.law && e->s.place[0]);
+}
 
 bool experiment_law_runs(const struct experiment *e)
 {
@@ -49,7 +56,7 @@ const char *experiment_law_begin(struct experiment *e)
 {
     if (experiment_law_runs(e))
         return "designs";
-    if (!e->law.to)
+    if (!e->law.to && !is_of_loops(e))
         return "law"; /* it names nobody */
     if (!e->s.known || e->n > EXPERIMENT_KEPT)
         return "no_model";
@@ -110,9 +117,20 @@ static void put_order_of_law(struct experiment *e)
                 i + 1u);
             return;
         }
+    struct state_law_job *job = e->law.job;
     memcpy(e->law.goal, e->law.to, sizeof e->law.goal);
-    state_law_job_of_model(e->law.job, e->law.to, e->n);
-    put_plant(e, &e->law.job->sampled);
+    state_law_job_of_model(job, e->law.to, e->n);
+    put_plant(e, &job->sampled);
+    e->law.stage = EXPERIMENT_LAW_WORKS;
+}
+
+static void put_order_of_loops(struct experiment *e)
+{
+    if (e->s.cutoff > 0 && e->ticks > 1) {
+        law_ends(e, "cutoff", "0, and the model found anew: the loops have no filter", 0);
+        return;
+    }
+    experiment_loops_begin(e);
     e->law.stage = EXPERIMENT_LAW_WORKS;
 }
 
@@ -120,22 +138,30 @@ static void put_order_of_law(struct experiment *e)
 
 bool experiment_law_work(struct experiment *e)
 {
-    struct state_law_job *job = e->law.job;
     struct workspace *w = workspace_shared();
     void *memory = NULL;
-    if (e->law.stage == EXPERIMENT_LAW_ASKED && !job && w &&
-        workspace_lease_for_now(w, HOLDER, FREES, sizeof *job, &e->law.lease, &memory) == ERR_OK)
+    uint32_t bytes = is_of_loops(e) ? experiment_loops_bytes : sizeof(struct state_law_job);
+    if (e->law.stage == EXPERIMENT_LAW_ASKED && !e->law.job && w &&
+        workspace_lease_for_now(w, HOLDER, FREES, bytes, &e->law.lease, &memory) == ERR_OK)
         e->law.job = memory;
-    return e->law.stage == EXPERIMENT_LAW_WORKS && job && state_law_job_piece(job);
+    if (e->law.stage != EXPERIMENT_LAW_WORKS || !e->law.job)
+        return false;
+    if (!is_of_loops(e))
+        return state_law_job_piece(e->law.job);
+    experiment_loops_piece(e);
+    return false; /* the next step asks for the next one */
 }
 
 /* ---- in the tick ---- */
 
 static void take_found_law(struct experiment *e)
 {
-    e->law.found = e->law.job->found;
+    const struct state_law_job *job = e->law.job;
+    if (!is_of_loops(e))
+        e->law.found = job->found;
     /* It stands elsewhere after every apply. */
-    if (!e->law.to || memcmp(e->law.goal, e->law.to, sizeof e->law.goal) != 0) {
+    if (!is_of_loops(e) &&
+        (!e->law.to || memcmp(e->law.goal, e->law.to, sizeof e->law.goal) != 0)) {
         law_ends(e, "settings", "left as they are while the law is found", 0);
         return;
     }
@@ -162,6 +188,13 @@ static void propose_law(struct experiment *e, struct block_proposal *room)
         e->law.to->adopt == STATE_LAW_AT_ONCE ? PROPOSAL_AT_ONCE : PROPOSAL_WHEN_ACCEPTED;
 }
 
+static bool law_is_found(const struct experiment *e)
+{
+    const struct state_law_job *job = e->law.job;
+    return e->law.stage == EXPERIMENT_LAW_WORKS && job &&
+           (is_of_loops(e) ? experiment_loops_are_found(e) : job->phase == STATE_LAW_PHASE_OVER);
+}
+
 void experiment_law_step(struct experiment *e, struct block_io *io)
 {
     bool lost = e->law.job && !workspace_renew(workspace_shared(), e->law.lease);
@@ -172,19 +205,23 @@ void experiment_law_step(struct experiment *e, struct block_io *io)
     } else if (lost) {
         law_ends(e, "the workspace", "free", 0);
     } else if (!io->work_wanted) {
-        if (e->law.stage == EXPERIMENT_LAW_ASKED && !e->law.to)
+        if (e->law.stage == EXPERIMENT_LAW_ASKED && !e->law.to && !is_of_loops(e))
             law_ends(e, "law", "the number of the block that keeps it", 0);
+        else if (e->law.stage == EXPERIMENT_LAW_ASKED && e->law.job && is_of_loops(e))
+            put_order_of_loops(e);
         else if (e->law.stage == EXPERIMENT_LAW_ASKED && e->law.job)
             put_order_of_law(e);
         else if (e->law.stage == EXPERIMENT_LAW_ASKED && io->work_done)
             law_ends(e, "the workspace", "free", 0);
-        else if (e->law.stage == EXPERIMENT_LAW_WORKS && e->law.job &&
-                 e->law.job->phase == STATE_LAW_PHASE_OVER)
+        else if (law_is_found(e))
             take_found_law(e);
         if (experiment_law_runs(e))
             io->ask_work = STEPS;
     }
-    propose_law(e, io->proposal);
+    if (is_of_loops(e))
+        experiment_loops_propose(e, io->proposal);
+    else
+        propose_law(e, io->proposal);
 }
 
 #endif

@@ -1,5 +1,5 @@
-/* From a model to what blocks of the kinds `polynomial` and `rst` compute with: the decoupler, and a controller by pole placement for each loop, by
- * the code behind tools/decouple. Loop k is measurement k by MV k. In the workspace, a design in each piece of work. */
+/* From a model to what blocks of the kinds `polynomial` and `rst` compute with: the decoupler, and a controller by pole placement for each
+ * loop, by the code behind tools/decouple. Loop k is measurement k by MV k. In the workspace, one design in each piece of work. */
 #include "adapt/plant_experiment_block.h"
 
 #if CONFIG_EXPERIMENT
@@ -20,10 +20,7 @@ struct experiment_loops_job {
     uint8_t done; /* designs */
 };
 
-uint32_t experiment_loops_bytes(void)
-{
-    return sizeof(struct experiment_loops_job);
-}
+const uint32_t experiment_loops_bytes = sizeof(struct experiment_loops_job);
 
 /* The model that is kept, of fractions of span. */
 void experiment_loops_begin(struct experiment *e)
@@ -44,6 +41,7 @@ void experiment_loops_begin(struct experiment *e)
         }
     }
     memset(&e->law.loops, 0, sizeof e->law.loops);
+    e->law.loops.period_s = (float)m->period_s;
     e->law.found = (struct state_law_found){.field = "", .wanted = ""};
 }
 
@@ -57,11 +55,11 @@ static void refuse_loops(struct experiment *e, const char *field, const char *wa
 }
 
 /* A row of a block's settings: false: it is too long. */
-static bool put_row(float row[EXPERIMENT_TAPS], const struct polynomial *p, unsigned from)
+static bool put_row(float row[POLYNOMIAL_TAPS], const struct polynomial *p, unsigned from)
 {
-    for (unsigned k = from; k < p->n && k < EXPERIMENT_TAPS + from; k++)
+    for (unsigned k = from; k < p->n && k < POLYNOMIAL_TAPS + from; k++)
         row[k - from] = (float)p->at[k];
-    return p->n <= EXPERIMENT_TAPS + from;
+    return p->n <= POLYNOMIAL_TAPS + from;
 }
 
 #define TOO_LONG "of 8 coefficients at most: a longer period"
@@ -80,7 +78,7 @@ static void design_decoupler(struct experiment *e, struct experiment_loops_job *
     }
     for (unsigned k = 0; k < (unsigned)e->n * e->n; k++)
         fits &= put_row(e->law.loops.g[k], &d->g.at[k / e->n][k % e->n], 0);
-    e->law.loops.limits = d->recursive ? 0 : 1; /* recurse, scale */
+    e->law.loops.limits = d->recursive ? POLYNOMIAL_RECURSE : POLYNOMIAL_SCALE;
     if (!fits)
         refuse_loops(e, "g", TOO_LONG, 0);
 }
@@ -91,7 +89,7 @@ static void design_controller(struct experiment *e, struct experiment_loops_job 
     struct pole_placement_refusal reason;
     struct polynomial a = {.n = DIFFERENCE_A_MOST + 1, .at = {REAL_C(1.0)}};
     struct pole_placement *c = &job->placed;
-    float (*to)[EXPERIMENT_TAPS] = e->law.loops.rst[i];
+    float(*to)[POLYNOMIAL_TAPS] = e->law.loops.rst[i];
     pole_placement_goal_default(&goal);
     goal.overshoot = (real_t)e->s.overshoot / 100;
     goal.settling_s = (real_t)e->s.settling_s[i];
@@ -111,47 +109,103 @@ static void design_controller(struct experiment *e, struct experiment_loops_job 
         e->law.found.radius = (float)c->radius;
 }
 
-static bool loops_are_over(const struct experiment *e, const struct experiment_loops_job *job)
+bool experiment_loops_are_found(const struct experiment *e)
 {
+    const struct experiment_loops_job *job = e->law.job;
     return job->done > e->n || e->law.found.field[0];
 }
 
-bool experiment_loops_piece(struct experiment *e)
+void experiment_loops_piece(struct experiment *e)
 {
     struct experiment_loops_job *job = e->law.job;
-    if (loops_are_over(e, job))
-        return false;
     unsigned i = job->done++;
     if (i == 0)
         design_decoupler(e, job);
     else if (e->s.place[i - 1u])
         design_controller(e, job, i - 1u);
-    return !loops_are_over(e, job);
 }
 
-bool experiment_loops_are_found(const struct experiment *e)
-{
-    return loops_are_over(e, e->law.job);
-}
+/* ---- proposals: of the decoupler the values that change, then each controller whole, whose settings are not seen from here ---- */
 
-/* ---- proposals: the decoupler's values that change, then each controller whole, since its settings are not seen from here ---- */
+/* Ids of parameters. */
+enum { POLYNOMIAL_PERIOD = 1, POLYNOMIAL_G, POLYNOMIAL_LIMITS };
+enum { RST_PERIOD = 1, RST_P, RST_Q, RST_R };
 
-#define GROUP_VALUES 24u
-
-static void put_value(struct block_proposal *room, uint16_t number, uint8_t id, unsigned at,
-                      float value)
+static void put_coefficient(struct block_proposal *room, uint16_t number, uint8_t id, unsigned at,
+                            float value)
 {
     room->value[room->n++] = (struct proposed_value){
-        proposed_in_row((uint8_t)(number - 1u), id, (uint16_t)(at / EXPERIMENT_TAPS),
-                        (uint8_t)(at % EXPERIMENT_TAPS)),
+        proposed_in_row((uint8_t)(number - 1u), id, (uint16_t)(at / POLYNOMIAL_TAPS),
+                        (uint8_t)(at % POLYNOMIAL_TAPS)),
         value};
 }
 
-static unsigned values_that_differ(const struct experiment *e,
-                                   const struct polynomial_settings *is)
+/* Puts the values that differ, as far as there is room: where it ends, with limits that any G may have. Returns how many there are. */
+static unsigned put_decoupler(const struct experiment *e, struct block_proposal *room)
 {
-    unsigned n = 0;
-    for (unsigned k = 0; k < (unsigned)e->n * e->n * EXPERIMENT_TAPS; k++)
-        n += is->g[0][k] != e->law.loops.g[0][k] ? 1u : 0u;
-    return n;
+    const struct polynomial_settings *is = e->law.decoupler;
+    const struct experiment_loops *to = &e->law.loops;
+    unsigned left = 0;
+    for (unsigned k = 0; k < (unsigned)e->n * e->n * POLYNOMIAL_TAPS; k++) {
+        float wanted = to->g[k / POLYNOMIAL_TAPS][k % POLYNOMIAL_TAPS];
+        if (is->g[k / POLYNOMIAL_TAPS][k % POLYNOMIAL_TAPS] != wanted &&
+            ++left <= PROPOSAL_MAX - 2u)
+            put_coefficient(room, e->s.law, POLYNOMIAL_G, k, wanted);
+    }
+    uint8_t limits = left > PROPOSAL_MAX - 2u ? (uint8_t)POLYNOMIAL_SCALE : to->limits;
+    if (is->period_s != to->period_s)
+        put_coefficient(room, e->s.law, POLYNOMIAL_PERIOD, 0, to->period_s);
+    if (is->limits != limits)
+        put_coefficient(room, e->s.law, POLYNOMIAL_LIMITS, 0, limits);
+    return left > room->n ? left : room->n;
 }
+
+/* All that the design can have: R is shorter than its row. */
+static void put_controller(const struct experiment *e, unsigned i, struct block_proposal *room)
+{
+    put_coefficient(room, e->s.place[i], RST_PERIOD, 0, e->law.loops.period_s);
+    for (unsigned id = RST_P; id <= RST_R; id++)
+        for (unsigned k = 0; k < RST_COEFFICIENTS && room->n < PROPOSAL_MAX; k++)
+            put_coefficient(room, e->s.place[i], (uint8_t)id, k,
+                            e->law.loops.rst[i][id - RST_P][k]);
+}
+_Static_assert(1 + 3 * RST_COEFFICIENTS - 1 == PROPOSAL_MAX &&
+                   DIFFERENCE_A_MOST + 1 < RST_COEFFICIENTS,
+               "a controller is one proposal");
+
+/* Returns whether the decoupler's turn is over: all of it is in force. What is left when a part was accepted follows at once. */
+static bool decoupler_is_over(struct experiment *e, struct block_proposal *room)
+{
+    struct experiment_law *law = &e->law;
+    if (!law->decoupler || law->loops.part > 0)
+        return true;
+    unsigned left = put_decoupler(e, room);
+    if (law->waits && left >= law->loops.left) { /* it was refused, or rejected */
+        room->n = 0;
+        law->proposes = false;
+    }
+    if (law->waits && left > 0)
+        room->manner = PROPOSAL_AT_ONCE;
+    law->waits = left > 0;
+    law->loops.left = (uint8_t)left;
+    return left == 0;
+}
+
+/* Each is handed over when the one before is gone. */
+void experiment_loops_propose(struct experiment *e, struct block_proposal *room)
+{
+    struct experiment_law *law = &e->law;
+    if (!law->proposes || !room)
+        return;
+    room->manner =
+        e->s.adopt == EXPERIMENT_ADOPT_AT_ONCE ? PROPOSAL_AT_ONCE : PROPOSAL_WHEN_ACCEPTED;
+    if (!decoupler_is_over(e, room))
+        return;
+    while (law->loops.part < e->n && !e->s.place[law->loops.part])
+        law->loops.part++;
+    law->proposes = law->loops.part < e->n;
+    if (law->proposes)
+        put_controller(e, law->loops.part++, room);
+}
+
+#endif

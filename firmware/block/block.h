@@ -80,6 +80,7 @@ struct block_setup {
     /* Settings of the block that it names, NULL: it names nobody. A state may keep it until it is configured again, which it
      * is whenever this changes; what is there was accepted by its own kind's check() only if this one's accepts it as well. */
     const void *named;
+    bool named_other; /* of the kind's other_kind */
 #endif
 };
 
@@ -223,6 +224,7 @@ struct block_kind {
      * into its setup; 0: there is none. The value 0 names nobody. */
     uint8_t names;
     const char *named_kind;
+    const char *other_kind; /* it may be of that as well; NULL: no */
     /* How many it may have. Inputs are further points it reads, points those it writes. */
     uint8_t members_most, inputs_most, points_most;
     uint8_t bad_input; /* enum block_bad_input */

@@ -241,13 +241,24 @@ const void *plan_named(const struct plan *plan, uint8_t n)
                                              : NULL;
 }
 
+static bool names_a(const struct plan *plan, uint8_t n, const char *kind)
+{
+    return plan_named(plan, n) &&
+           plan->block[SLOT_RECORDS + number_named(plan, n) - 1u].kind == block_kind_find(kind);
+}
+
+static bool names_other(const struct plan *plan, uint8_t n)
+{
+    uint8_t kind = plan->block[SLOT_RECORDS + n].kind;
+    return kind != PLAN_NONE && block_kinds[kind]->other_kind &&
+           names_a(plan, n, block_kinds[kind]->other_kind);
+}
+
 /* A block that names another must name one of the kind that it can use. */
 static enum err check_named(const struct plan *plan, uint8_t n, struct config_fault *fault)
 {
     const struct block_kind *kind = plan_kind(plan, (uint8_t)(SLOT_RECORDS + n));
-    uint16_t number = number_named(plan, n);
-    if (!number || (plan_named(plan, n) && plan->block[SLOT_RECORDS + number - 1u].kind ==
-                                               block_kind_find(kind->named_kind)))
+    if (!number_named(plan, n) || names_a(plan, n, kind->named_kind) || names_other(plan, n))
         return ERR_OK;
     return refuse_record(fault, ERR_UNKNOWN, n, names_with(kind)->name, kind->named_kind,
                          "must be the kind of the block it is the number of");
@@ -258,6 +269,7 @@ void plan_setup_record(const struct plan *plan, uint8_t n, struct block_setup *s
     const struct record_plan *r = &plan->record[n];
     setup->settings = config_record(&plan->config, n);
     setup->named = plan_named(plan, n);
+    setup->named_other = names_other(plan, n);
     setup->interval_s = plan->tick_s * (float)plan_record_divisor(plan, n);
     setup->members = r->members;
     setup->inputs = r->inputs;

@@ -8,4 +8,5 @@ foreach(part decoupling_faults decoupling_experiment experiment_faults experimen
 endforeach()
 reflux_test(experiment_decoupled LABEL loop SOURCES ${folder}/test_experiment_decoupled.c
             LIBS reflux_design_double reflux_hal_memory reflux_app reflux_link reflux_bench reflux_plants)
-target_compile_definitions(test_experiment_decoupled PRIVATE DECOUPLING="${folder}" SCENARIOS="${PROJECT_SOURCE_DIR}/host_sim/scenarios")
+target_compile_definitions(test_experiment_decoupled PRIVATE DECOUPLING="${folder}" SCENARIOS="${PROJECT_SOURCE_DIR}/host_sim/scenarios"
+                           PAGE="${PROJECT_SOURCE_DIR}/docs/experiment.md")

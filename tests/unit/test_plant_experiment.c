@@ -216,13 +216,24 @@ static void a_record_that_has_no_room_is_refused_and_one_that_is_too_short(void)
     TEST_ASSERT_EQUAL_STRING("bits", refused());
 }
 
+static void a_cutoff_is_none_or_one_that_the_filter_takes(void)
+{
+    defaults();
+    settings.cutoff = 0.005f;
+    TEST_ASSERT_EQUAL_STRING("cutoff", refused());
+    settings.cutoff = 0.01f;
+    TEST_ASSERT_EQUAL_STRING("", refused());
+    settings.cutoff = 0;
+    TEST_ASSERT_EQUAL_STRING("", refused());
+}
+
 static void what_it_takes_of_the_workspace_grows_with_samples_and_signals(void)
 {
     defaults();
     settings.clock = 1;
     float before = 0;
     for (unsigned n = 1; n <= 4; n++) {
-        float state[500] = {0}, value = 0;
+        float state[600] = {0}, value = 0;
         setup.inputs = (uint8_t)(2 * n);
         for (unsigned k = 0; k < 2 * n; k++)
             setup.input[k] = (struct block_signal){0, 100, k >= n};
@@ -238,7 +249,7 @@ static void what_it_takes_of_the_workspace_grows_with_samples_and_signals(void)
 
 static void its_state_has_room_for_the_model_and_begins_without_a_past(void)
 {
-    static float state[500];
+    static float state[600];
     defaults();
     for (unsigned n = 1; n <= 4; n++) {
         float stage = -1;
@@ -362,6 +373,7 @@ int main(void)
     RUN_TEST(what_does_not_settle_within_the_sequences_memory_is_slow);
     RUN_TEST(what_cannot_be_right_is_refused_by_name);
     RUN_TEST(a_record_that_has_no_room_is_refused_and_one_that_is_too_short);
+    RUN_TEST(a_cutoff_is_none_or_one_that_the_filter_takes);
     RUN_TEST(what_it_takes_of_the_workspace_grows_with_samples_and_signals);
     RUN_TEST(its_state_has_room_for_the_model_and_begins_without_a_past);
     RUN_TEST(three_samples_without_a_reading_in_a_row_or_a_tenth_of_all_may_be_missing);
