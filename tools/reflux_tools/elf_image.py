@@ -46,6 +46,7 @@ class Image:
         self.path = path
         self.symbols: dict[str, int] = {}  # every name, for data the last one wins
         self.functions: dict[int, Function] = {}
+        self.unaligned: list[tuple[int, int]] = []  # [start, end) of objects that can hold no address, by their place
         self._read_symbols()
         self.instructions: dict[int, Instruction] = {}
         self._disassemble()
@@ -64,6 +65,8 @@ class Image:
             self.symbols[name] = value
             if kind == "FUNC":
                 rows.append((value & ~1, size, name))
+            elif kind == "OBJECT" and value % 4:
+                self.unaligned.append((value, value + size))
         starts = sorted({start for start, _, _ in rows})
         if not starts:
             raise RunFailed(f"{self.path}: no functions in its symbol table")
@@ -112,7 +115,8 @@ class Image:
         by movw and movt."""
         thumb = {start | 1: start for start in self.functions}
         # Two halves of instructions can read like an address by chance; literal pools are no instructions.
-        taken = {thumb[word] for at, word in self.words().items() if word in thumb and at not in self.instructions}
+        taken = {thumb[word] for at, word in self.words().items()
+                 if word in thumb and at not in self.instructions and not any(start <= at < end for start, end in self.unaligned)}
         low: dict[str, int] = {}
         for address in self.sorted_addresses:
             instruction = self.instructions[address]
