@@ -236,6 +236,17 @@ class Board(FolderTest):
         self.assertIn("# not estimated: no table for a board: the column has 41 stages, a table 40 at most", out)
         self.assertNotIn("block1", out)
 
+    def test_a_pressure_that_is_measured_drives_the_estimator_and_one_that_is_not_is_told(self) -> None:
+        def measured(plant: dict) -> None:
+            plant["outputs"].append({"name": "PI", "is": "pressure", "unit": "mbar", "lo": 900, "hi": 1300})
+
+        words = "# the pressure changes and nothing measures it: the estimates are off meanwhile. Add an output that is pressure"
+        self.assertIn(words, self.board())
+        lines = self.board(measured)
+        self.assertNotIn(words, lines)
+        for line in ("set block2.is.9 pressure", "set block2.si.9 100,0"):
+            self.assertIn(line, lines)
+
     def test_it_takes_no_option_of_the_picture(self) -> None:
         status, _, err = call("column", "pilot", "--board", "--outputs", "T1")
         self.assertEqual(status, 2)

@@ -234,6 +234,8 @@ def remarks(column: Column, inputs: list[tuple[str, str, int]], names: list[str]
         for name, unit, s in inputs
         if s not in column.thermometers
     ]
+    if any(c["is"] == "pressure" for c in column.plant.get("disturbances", [])) and not any(c["is"] == "pressure" for c in column.seen):
+        out.append("# the pressure changes and nothing measures it: the estimates are off meanwhile. Add an output that is pressure")
     alien = {s: 1 - column.diagram.part_of(s, names) for _, _, s in inputs}
     foreign = [s for s in alien if alien[s] > column.thresholds.alien]
     if foreign:
