@@ -196,14 +196,14 @@ static void filter(struct composition *c, struct composition_sensor *s, const re
     } else {
         s->variance += c->h * (REAL_C(2.0) * rate * s->variance + c->model2);
     }
-    s->spread = b * s->variance * b + c->noise2;
+    s->spread = b * s->variance * b + s->noise2;
     if (!composition_draws(s))
         return;
     s->e -= moved; /* the reading belongs to the end of the step */
     real_t gain = s->variance * b / s->spread;
     c->blocks.change[s->stage * m + s->component] += gain * s->e;
     s->correction = b * gain * s->e / c->h;
-    s->variance *= c->noise2 / s->spread; /* rounding leaves it above 0 */
+    s->variance *= s->noise2 / s->spread; /* rounding leaves it above 0 */
 }
 
 /* What the step means for the sensors, and of the reduced EKF what the sensors mean for the step. */

@@ -28,8 +28,10 @@ struct composition_sensor {
     real_t spread;     /* reduced EKF: variance of e that is expected, K2 */
     uint32_t outside;  /* steps in a row outside the gate */
     real_t correction; /* K/s, by which it drew the temperature in this step */
-    /* Means over the last `watch` seconds: of corrections; of e2 over its expected variance; of e times the one before. */
-    real_t pull, square, product, last;
+    real_t noise2;     /* K2, of a reading */
+    real_t slow;       /* of the innovations, over SLOW_STEPS: what they swing about */
+    /* Means over the last `watch` seconds: of squares of that swing; of corrections; of e2 over its expected variance; of e times the one before. */
+    real_t swing, pull, square, product, last;
 };
 
 /* Complete innovation: gains by which a deviation moves all mole fractions, and what nobody measures besides (extras): the feed's mole
@@ -50,6 +52,9 @@ struct composition_linear {
     real_t h;     /* s, of its steps; 0: it is not there yet */
 };
 
+/* The least noise that is found of a reading, K2. */
+#define NOISE_LEAST2 REAL_C(0.0025)
+
 struct composition {
     struct column_table table;
     struct column column;
@@ -64,7 +69,8 @@ struct composition {
     struct composition_gains gains;
     struct composition_linear linear; /* METHOD_KALMAN */
     real_t h;                         /* s */
-    real_t noise2, model2;            /* K2, 1/s */
+    bool finds_noise;                 /* of each sensor */
+    real_t model2;                    /* 1/s */
     real_t gate;
     uint32_t gate_steps;
     real_t weight;    /* of a step in the means of the monitor, once they have begun */

@@ -9,7 +9,7 @@
 
 #if CONFIG_BLOCKS
 
-#define COMPOSITION_PARAMETER_ROWS 34
+#define COMPOSITION_PARAMETER_ROWS 36
 extern const struct block_parameter composition_parameter_rows[COMPOSITION_PARAMETER_ROWS];
 
 enum {
@@ -52,6 +52,8 @@ struct composition_block {
 
 MUST_CHECK enum err composition_check(const struct block_setup *setup, struct block_fault *fault);
 bool composition_is_sensor(const struct composition_settings *s, unsigned k);
+/* Standard deviation of the feed's flow, part of it; 0: it is taken as right. */
+real_t composition_feed_f(const struct composition_settings *s, unsigned inputs);
 /* How many extras these settings have with so many inputs and m mole fractions of a stage. */
 size_t composition_extras(const struct composition_settings *s, unsigned inputs, size_t m);
 /* [sensors][composition_moved()] */
@@ -73,6 +75,10 @@ bool composition_point_is_unseen(const struct composition_block *b, unsigned k);
 void composition_raise(struct block_io *io, unsigned event, unsigned value);
 /* Events, and how good the estimates are. err: of the step. */
 enum quality composition_judge(struct composition_block *b, struct block_io *io, enum err err);
+/* Complete innovation: standard deviation of a point, with what innovations say of the covariances and what the model is off by for good. */
+real_t composition_point_sd(const struct composition_block *b, unsigned k);
+/* It is too large. */
+bool composition_point_is_unsure(const struct composition_block *b, unsigned k);
 const char *composition_describe(const void *state, size_t i, float *value);
 
 #endif

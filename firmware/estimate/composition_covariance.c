@@ -38,12 +38,12 @@ static void find_factors(struct composition_job *job)
     job->err = column_transition_make(&job->column, job->x, job->h, &job->transition);
 }
 
-/* Variance that a mole fraction gathers in a second. */
-static real_t gathered(const struct composition_block *b, real_t x)
+/* Variance of a mole fraction where one of 1/2 has `half`. */
+static real_t variance_at(real_t x, real_t half)
 {
     real_t pure = NOISE_PURE * (ONE - NOISE_PURE), spread = x * (ONE - x);
     spread = (spread > pure ? spread : pure) * REAL_C(4.0);
-    return b->c.model2 * spread * spread;
+    return half * spread * spread;
 }
 
 /* What a mole fraction gathers in a cycle. */
@@ -53,7 +53,7 @@ static void find_noise(const struct composition_block *b, struct composition_job
     size_t count = b->s.covariance == COVARIANCE_FULL && n > NOISE_SMALL ? NOISE_COUNT : n;
     real_t time_s = job->h * (real_t)n / (real_t)count;
     for (size_t i = 0; i < n; i++)
-        job->noise[i] = gathered(b, job->x[i]) * time_s;
+        job->noise[i] = variance_at(job->x[i], b->c.model2 * time_s);
     job->step.noise = job->noise;
     job->step.noise_count = count;
     job->step.noise_first = job->noise_first;
@@ -65,7 +65,9 @@ static real_t sd_of_extra(const struct composition_block *b, size_t k)
 {
     const struct composition_gains *g = &b->c.gains;
     bool is_flow = g->has_flow && k + 1u == g->feed;
-    return k >= g->feed ? b->s.offset : is_flow ? b->s.feed_f : b->s.feed_z;
+    return k >= g->feed ? b->s.offset
+           : is_flow    ? composition_feed_f(&b->s, b->inputs)
+                        : b->s.feed_z;
 }
 
 static void let_extra_grow(const struct composition_block *b, struct composition_job *job, size_t k)
@@ -94,14 +96,19 @@ static void find_feed(const struct composition_block *b, struct composition_job 
     job->step.grown = job->grown;
 }
 
+/* Before any reading, however well the model is known: standard deviation of a mole fraction of 1/2. */
+#define BEGIN_SD REAL_C(0.1)
+
 /* Before any reading: each by itself. */
 static void begin_covariance(const struct composition_block *b, struct composition_job *job)
 {
     const struct composition_gains *g = &b->c.gains;
     size_t n = job->column.n_fractions, m = job->transition.m;
     real_t *variance = job->noise;
+    real_t known = b->c.model2 * HOUR,
+           half = known > BEGIN_SD * BEGIN_SD ? known : BEGIN_SD * BEGIN_SD;
     for (size_t i = 0; i < n; i++)
-        variance[i] = gathered(b, job->x[i]) * HOUR;
+        variance[i] = variance_at(job->x[i], half);
     for (size_t k = 0; k < g->extras; k++)
         variance[n + k] = sd_of_extra(b, k) * sd_of_extra(b, k);
     job->err = composition_is_banded(&b->s)
@@ -164,7 +171,7 @@ static void work_in_sensor(const struct composition_block *b, struct composition
                                        .count = job->transition.m,
                                        .slope = dt,
                                        .extra = COVARIANCE_EXTRAS_MAX,
-                                       .variance = b->c.noise2};
+                                       .variance = s->noise2};
     if (!(job->there & 1u << k)) {
         memset(gain, 0, length * sizeof(real_t));
         return;

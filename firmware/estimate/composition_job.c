@@ -58,7 +58,8 @@ static bool expects_feed(const struct composition_block *b)
     const struct composition_gains *g = &b->c.gains;
     for (uint8_t k = 0; k < g->feed; k++) {
         bool is_flow = g->has_flow && k + 1u == g->feed;
-        if (real_abs(g->extra[k]) > FEED_MOST * (is_flow ? b->s.feed_f : b->s.feed_z))
+        if (real_abs(g->extra[k]) >
+            FEED_MOST * (is_flow ? composition_feed_f(&b->s, b->inputs) : b->s.feed_z))
             return false;
     }
     return true;
@@ -67,12 +68,6 @@ static bool expects_feed(const struct composition_block *b)
 bool composition_is_unsure(const struct composition_block *b)
 {
     return composition_is_complete(&b->c) && (!b->c.gains.of || !expects_feed(b));
-}
-
-bool composition_point_is_unsure(const struct composition_block *b, unsigned k)
-{
-    return composition_is_complete(&b->c) && b->s.sure > 0 && b->s.of[k] == OF_STAGE &&
-           b->s.point[k][OF_COMPONENT] > 0 && b->filter.sd[k] > b->s.sure;
 }
 
 /* ---- sizes ---- */
@@ -100,7 +95,7 @@ size_t composition_numbers(const struct block_setup *setup)
     for (unsigned k = 0; k < setup->inputs; k++)
         sensors += composition_is_sensor(s, k) ? 1u : 0u;
     size_t n = sensors * (stages * m + composition_extras(s, setup->inputs, m));
-    size_t feed = (s->feed_z > 0 ? m : 0u) + (s->feed_f > 0 ? 1u : 0u);
+    size_t feed = (s->feed_z > 0 ? m : 0u) + (composition_feed_f(s, setup->inputs) > 0 ? 1u : 0u);
     return s->method == METHOD_KALMAN ? n + stages * (column_transition_stride(m) + feed * m) : n;
 }
 

@@ -33,8 +33,6 @@ void composition_end_lease(struct composition_block *b);
 void composition_keep_lease(struct composition_block *b, bool working);
 /* Whether complete innovation says itself that its points are not to be relied on: a feed that is not to be expected, no gains yet. */
 bool composition_is_unsure(const struct composition_block *b);
-/* Of one of them: too large a standard deviation. */
-bool composition_point_is_unsure(const struct composition_block *b, unsigned k);
 /* It ought to have the workspace and has not. */
 bool composition_lacks_workspace(const struct composition_block *b);
 /* What another has the workspace for, or NULL. */

@@ -14,6 +14,8 @@
 #define VAPOUR_S     REAL_C(300.0)
 #define DRY_STEPS(h) ((uint32_t)(VAPOUR_S / (h)) + 1u)
 #define HOUR         REAL_C(3600.0)
+/* What is purer counts as so impure: no model knows better. */
+#define IMPURITY_LEAST REAL_C(1e-5)
 /* How many steps it takes until it counts as settled. */
 static real_t steps_to_settle(const struct composition_block *b)
 {
@@ -112,6 +114,52 @@ static unsigned surprising_sensor(const struct composition_block *b)
         if (most > ZERO && b->c.sensor[k].square > most)
             return b->c.sensor[k].input + 1u;
     return 0;
+}
+
+/* By how much innovations are larger than the covariances say; at least 1. */
+static real_t innovation_factor(const struct composition *c)
+{
+    real_t most = REAL_C(1.0);
+    for (uint8_t k = 0; k < c->sensors; k++)
+        if (composition_draws(&c->sensor[k]) && c->sensor[k].square > most)
+            most = c->sensor[k].square;
+    return real_sqrt(most);
+}
+
+/* Of a point that is a mole fraction of a stage: the smaller of it and what is not of it. Else 0. */
+static real_t impurity(const struct composition_block *b, unsigned k)
+{
+    size_t component = b->s.point[k][OF_COMPONENT];
+    if (b->s.of[k] != OF_STAGE || !component)
+        return ZERO;
+    real_t x = column_fraction(&b->c.column, b->c.x, b->s.point[k][AT_STAGE] - 1u, component - 1u);
+    real_t least = x < REAL_C(0.5) ? x : REAL_C(1.0) - x;
+    return least > IMPURITY_LEAST ? least : IMPURITY_LEAST;
+}
+
+/* Then what the model is off by there is found. */
+static bool is_analysed(const struct composition_block *b, unsigned k)
+{
+    bool is = false;
+    for (uint8_t i = 0; i < b->analyses; i++)
+        is = is || (b->analysis[i].stage + 1u == b->s.point[k][AT_STAGE] &&
+                    b->analysis[i].component + 1u == b->s.point[k][OF_COMPONENT]);
+    return is;
+}
+
+real_t composition_point_sd(const struct composition_block *b, unsigned k)
+{
+    real_t lasting = is_analysed(b, k) ? ZERO : b->s.lasting * impurity(b, k);
+    real_t sd = b->filter.sd[k] * innovation_factor(&b->c);
+    return real_sqrt(sd * sd + lasting * lasting);
+}
+
+bool composition_point_is_unsure(const struct composition_block *b, unsigned k)
+{
+    real_t least = impurity(b, k), sd = composition_point_sd(b, k);
+    if (!composition_is_complete(&b->c) || !(least > ZERO))
+        return false;
+    return (b->s.sure > 0 && sd > b->s.sure) || (b->s.sure_part > 0 && sd > b->s.sure_part * least);
 }
 
 /* One that is drawn to although it is far away: it was believed in the end, or at once in the beginning. */

@@ -91,9 +91,10 @@ static void take_analyses(struct composition_block *b, bool keep)
 
 /* Not only as many: each means what it meant. */
 static bool has_same_extras(const struct composition_settings *s,
-                            const struct composition_settings *now)
+                            const struct composition_settings *now, unsigned inputs)
 {
-    return (s->feed_z > 0) == (now->feed_z > 0) && (s->feed_f > 0) == (now->feed_f > 0) &&
+    return (s->feed_z > 0) == (now->feed_z > 0) &&
+           (composition_feed_f(s, inputs) > 0) == (composition_feed_f(now, inputs) > 0) &&
            (s->offset > 0) == (now->offset > 0);
 }
 
@@ -104,7 +105,8 @@ static enum err composition_configure(void *state, const struct block_setup *set
     const struct composition_settings *s = setup->settings;
     bool same = retune && b->checksum == column_record_checksum(record) && b->record == record &&
                 b->s.method == s->method && b->s.covariance == s->covariance &&
-                has_same_extras(&b->s, s) && !memcmp(b->s.place, s->place, sizeof s->place) &&
+                has_same_extras(&b->s, s, setup->inputs) &&
+                !memcmp(b->s.place, s->place, sizeof s->place) &&
                 !memcmp(b->s.is, s->is, sizeof s->is);
     if (retune && !same)
         composition_end_lease(b);

@@ -35,11 +35,15 @@ const struct block_parameter composition_parameter_rows[COMPOSITION_PARAMETER_RO
      "what is estimated: stage, component; component 0: its temperature", 0, 200, 0},
     {8, BLOCK_FLOAT, PLACE(show), BLOCK_POINTS_MAX, UNIT_COLS, "show", "-",
      "factor and zero: a point from mole fractions or K", -1e9f, 1e9f, 0},
-    NUMBER(9, noise, "noise", "K", "standard deviation of the readings", 0.001f, 100, 0.2f),
+    NUMBER(9, noise, "noise", "K",
+           "standard deviation of the readings; 0: ekf finds it; 0.2 where it is steady, and for "
+           "others",
+           0, 100, 0),
     NUMBER(
         10, model, "model", "-",
-        "filters: what a mole fraction gathers of unknown changes in an hour, standard deviation",
-        1e-6f, 100, 0.1f),
+        "filters: what a mole fraction gathers of unknown changes in an hour, standard deviation; "
+        "0: 0.011 for ekf with a full covariance, 0.1 for others",
+        0, 100, 0),
     NUMBER(11, gate, "gate", "K", "readings farther from the estimate wait; 0: none does", 0, 1000,
            10),
     NUMBER(12, gate_s, "gate_time", "s", "after which they are believed", 0, 1e6f, 300),
@@ -72,10 +76,11 @@ const struct block_parameter composition_parameter_rows[COMPOSITION_PARAMETER_RO
            "ekf, kalman: standard deviation of the feed's mole fractions that nobody measures; 0: "
            "the table's are right",
            0, 1, 0.1f),
-    NUMBER(27, feed_f, "feed_f", "-",
-           "ekf, kalman: standard deviation of the feed flow that nobody measures, part of it; 0: "
-           "it is right",
-           0, 1, 0),
+    NUMBER(
+        27, feed_f, "feed_f", "-",
+        "ekf, kalman: standard deviation of the feed flow that nobody measures, part of it; 0: "
+        "it is right; -1: 0.1 for ekf with a full covariance if it is not among the inputs, else 0",
+        -1, 1, -1),
     NUMBER(28, feed_s, "feed_time", "s", "ekf, kalman: how long the feed stays as it is", 60, 1e7f,
            3600),
     NUMBER(29, analyser, "analyser", "-",
@@ -87,7 +92,7 @@ const struct block_parameter composition_parameter_rows[COMPOSITION_PARAMETER_RO
     NUMBER(31, sure, "sure", "-",
            "ekf, kalman: points of a larger standard deviation, mole fraction, are uncertain; 0: "
            "none is",
-           0, 1, 0.01f),
+           0, 1, 0),
     NUMBER(32, nis_full, "nis_full", "-", "ekf, kalman: the alarm nis of these; 0: none", 0, 1e6f,
            4),
     {33, BLOCK_WORD, PLACE(of), BLOCK_POINTS_MAX, 1, "of", "stage|feed_fraction|feed_flow",
@@ -100,6 +105,13 @@ const struct block_parameter composition_parameter_rows[COMPOSITION_PARAMETER_RO
      "how far from the last good one it may be while the point is uncertain; both 0: as the "
      "cascade began, anywhere",
      -1e9f, 1e9f, 0},
+    NUMBER(35, sure_part, "sure_part", "-",
+           "ekf, kalman: likewise, part of the fraction, or of what it leaves to 1 where that is "
+           "less; 0: none is",
+           0, 10, 0.5f),
+    NUMBER(36, lasting, "lasting", "-",
+           "ekf, kalman: what the model is off by for good, part of the same, standard deviation",
+           0, 10, 0.25f),
     {17, BLOCK_WORD, PLACE(between), 1, 1, "between", "line|mean",
      "temperatures of truncated stages, of those around them", 0, 0, COLUMN_BETWEEN_LINE},
 };
@@ -108,6 +120,18 @@ const struct block_parameter composition_parameter_rows[COMPOSITION_PARAMETER_RO
 #define LAMBDA_INITIAL REAL_C(10.0)
 #define ZETA_INITIAL   REAL_C(3.0)
 #define HOUR           REAL_C(3600.0)
+/* noise and model where nothing is given: docs/kalman.md, docs/composition-estimation.md */
+#define NOISE_INITIAL REAL_C(0.2)
+#define MODEL_INITIAL REAL_C(0.1)
+#define MODEL_TRUSTED REAL_C(0.011)
+/* feed_f where nothing is given, and no input is the feed's flow */
+#define FLOW_UNMEASURED REAL_C(0.1)
+
+/* Its model is the column's wherever that goes, and its gains are those of the moment, with nothing left out. */
+static bool follows_model(const struct composition_settings *s)
+{
+    return s->method == METHOD_EKF && s->covariance == COVARIANCE_FULL;
+}
 
 bool composition_is_sensor(const struct composition_settings *s, unsigned k)
 {
@@ -280,12 +304,28 @@ static void set_sensor(struct composition *c, const struct composition_settings 
     o->stage = (uint8_t)(s->place[k][AT_STAGE] - 1u);
     o->moves = s->place[k][OF_COMPONENT] > 0;
     o->component = (uint8_t)(o->moves ? s->place[k][OF_COMPONENT] - 1u : 0u);
+    if (s->noise > 0)
+        o->noise2 = s->noise * s->noise;
+    else if (!c->finds_noise)
+        o->noise2 = NOISE_INITIAL * NOISE_INITIAL;
+    else if (o->noise2 < NOISE_LEAST2)
+        o->noise2 = NOISE_LEAST2;
     o->time = REAL_C(1.0) / lambda;
     o->kp = REAL_C(2.0) * zeta * lambda;
     real_t ki = s->method == METHOD_GEOMETRIC ? lambda * lambda : REAL_C(0.0);
     if (ki > 0 && o->ki > 0) /* what the integral draws stays */
         o->sum *= o->ki / ki;
     o->ki = ki;
+}
+
+real_t composition_feed_f(const struct composition_settings *s, unsigned inputs)
+{
+    bool is_measured = false;
+    for (unsigned k = 0; k < inputs; k++)
+        is_measured = is_measured || s->is[k] == IS_FEED;
+    return s->feed_f >= 0                     ? s->feed_f
+           : is_measured || !follows_model(s) ? REAL_C(0.0)
+                                              : FLOW_UNMEASURED;
 }
 
 size_t composition_extras(const struct composition_settings *s, unsigned inputs, size_t m)
@@ -295,7 +335,7 @@ size_t composition_extras(const struct composition_settings *s, unsigned inputs,
         return 0;
     for (unsigned k = 0; k < inputs; k++)
         n += s->is[k] == IS_ANALYSIS && s->offset > 0 ? 1u : 0u;
-    return n + (s->feed_z > 0 ? m : 0u) + (s->feed_f > 0 ? 1u : 0u);
+    return n + (s->feed_z > 0 ? m : 0u) + (composition_feed_f(s, inputs) > 0 ? 1u : 0u);
 }
 
 static void set_gains(struct composition_gains *g, const struct composition_settings *s,
@@ -305,7 +345,7 @@ static void set_gains(struct composition_gains *g, const struct composition_sett
         memset(g, 0, sizeof *g);
     g->extras = (uint8_t)composition_extras(s, inputs, m);
     g->has_feed = g->extras && s->feed_z > 0;
-    g->has_flow = g->extras && s->feed_f > 0;
+    g->has_flow = g->extras && composition_feed_f(s, inputs) > 0;
     g->feed = (uint8_t)((g->has_feed ? m : 0u) + (g->has_flow ? 1u : 0u));
 }
 
@@ -322,6 +362,7 @@ void composition_take_settings(struct composition *c, const struct block_setup *
     if (!keep)
         memset(c->sensor, 0, sizeof c->sensor);
     c->sensors = 0;
+    c->finds_noise = follows_model(s) && !(s->noise > 0);
     for (unsigned k = 0; k < setup->inputs; k++)
         if (composition_is_sensor(s, k))
             set_sensor(c, s, k);
@@ -329,8 +370,8 @@ void composition_take_settings(struct composition *c, const struct block_setup *
     c->between = s->between;
     set_gains(&c->gains, s, setup->inputs, c->table.config.components - 1, keep);
     c->h = h;
-    c->noise2 = s->noise * s->noise;
-    c->model2 = s->model * s->model / HOUR;
+    real_t model = s->model > 0 ? s->model : follows_model(s) ? MODEL_TRUSTED : MODEL_INITIAL;
+    c->model2 = model * model / HOUR;
     c->gate = s->gate;
     c->gate_steps = (uint32_t)(s->gate_s / h);
     c->weight = h < s->watch_s ? h / s->watch_s : REAL_C(1.0);

@@ -73,8 +73,10 @@ struct composition_settings {
     float feed_f;   /* part of the feed flow, likewise */
     float feed_s;   /* s, that they keep */
     float analyser; /* mole fraction, standard deviation of an analysis */
-    float sure;   /* mole fraction, standard deviation above which a point is uncertain; 0: none */
-    float offset; /* mole fraction, of the model at the place of an analysis, likewise; 0: none */
+    float sure; /* mole fraction, standard deviation above which a point is uncertain; 0: none */
+    float sure_part; /* the same, part of the impurity; 0: none */
+    float lasting; /* part of the impurity that the model is off by for good, standard deviation */
+    float offset;  /* mole fraction, of the model at the place of an analysis, likewise; 0: none */
     uint16_t column; /* block */
     uint16_t place[BLOCK_INPUTS_MAX]
                   [PLACE_COLS]; /* stage, component that is moved; 0: only compared */

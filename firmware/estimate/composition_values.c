@@ -53,7 +53,7 @@ static const char *filter_value(const struct composition_block *b, size_t i, flo
     }
     i -= n;
     if (i < b->points) {
-        *value = b->filter.sd[i];
+        *value = composition_point_sd(b, (unsigned)i);
         return sd[i];
     }
     i -= b->points;

@@ -8,7 +8,19 @@
 
 static real_t expected(const struct composition *c, const struct composition_sensor *s)
 {
-    return c->method != METHOD_GEOMETRIC && s->moves && s->spread > ZERO ? s->spread : c->noise2;
+    return c->method != METHOD_GEOMETRIC && s->moves && s->spread > ZERO ? s->spread : s->noise2;
+}
+
+/* The readings' own noise, as fast as the column is not: what the innovations swing by about their mean of so many steps. */
+#define SLOW_STEPS REAL_C(20.0)
+
+static void read_noise(const struct composition *c, struct composition_sensor *s, real_t weight)
+{
+    real_t off = s->e - s->slow;
+    s->slow += off / SLOW_STEPS;
+    s->swing += weight * (off * off - s->swing);
+    if (c->finds_noise)
+        s->noise2 = s->swing < NOISE_LEAST2 ? NOISE_LEAST2 : s->swing;
 }
 
 void composition_watch(struct composition *c)
@@ -21,7 +33,10 @@ void composition_watch(struct composition *c)
         struct composition_sensor *s = &c->sensor[k];
         if (!s->there)
             continue;
+        if (c->watched == 1)
+            s->slow = s->e;
         real_t of = expected(c, s);
+        read_noise(c, s, weight);
         s->pull += weight * (s->correction * REAL_C(3600.0) - s->pull);
         s->square += weight * (s->e * s->e / of - s->square);
         s->product += weight * (s->e * s->last / of - s->product);

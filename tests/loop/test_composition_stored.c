@@ -39,11 +39,13 @@ static void new_parameters_are_at_their_defaults(void)
     has("covariance", "full");
     has("cycle", "0");
     has("feed_z", "0.1");
-    has("feed_f", "0");
+    has("feed_f", "-1");
     has("feed_time", "3600");
     has("analyser", "0.0005");
     has("offset", "0.005");
-    has("sure", "0.01");
+    has("sure", "0");
+    has("sure_part", "0.5");
+    has("lasting", "0.25");
     has("nis_full", "4");
     has("of.1", "stage");
     TEST_ASSERT_FALSE(said("STORAGE_DAMAGED") || said("STORAGE_CLIPPED"));

@@ -57,6 +57,12 @@ static inline void bench_filter(enum composition_method method,
     io.age_s = age;
     settings.method = (uint8_t)method;
     settings.covariance = (uint8_t)covariance;
+    /* Numbers of the bench's own: what defaults are good for is a campaign's affair (tests/campaign/composition). */
+    settings.noise = 0.2f;
+    settings.model = 0.1f;
+    settings.feed_f = 0;
+    settings.sure = 0.01f;
+    settings.sure_part = settings.lasting = 0;
 }
 
 static inline struct composition_block *state_of(void)

@@ -353,11 +353,12 @@ static void a_draw_downwards_counts_as_one_upwards(void)
 
 static struct composition monitored(unsigned sensors)
 {
-    struct composition c = {.sensors = (uint8_t)sensors, .weight = 0.25f, .noise2 = 0.25f};
+    struct composition c = {.sensors = (uint8_t)sensors, .weight = 0.25f};
     c.table.config.feed_stage = 5;
     for (unsigned k = 0; k < sensors; k++) {
         c.sensor[k].input = (uint8_t)(2 * k);
         c.sensor[k].moves = c.sensor[k].there = true;
+        c.sensor[k].noise2 = 0.25f;
     }
     return c;
 }

@@ -16,7 +16,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from reflux_tools import (build, commissioning, decoupling_campaign, endurance_campaign, estimates_campaign, feedforward_alone_campaign, feedforward_campaign, kalman_1989_campaign, kalman_campaign, launch, relay_campaign,
+from reflux_tools import (build, commissioning, composition_campaign, decoupling_campaign, endurance_campaign, estimates_campaign, feedforward_alone_campaign, feedforward_campaign, kalman_1989_campaign, kalman_campaign, launch, relay_campaign,
                           runner, self_tuner_weeks, self_tuning_campaign, state_campaign, table, trays_campaign)
 from reflux_tools import scenario as scenarios
 from reflux_tools.errors import RunFailed, UserError
@@ -74,6 +74,8 @@ def main(arguments: list[str]) -> int:
         return self_tuner_weeks.execute(campaign, options)
     if isinstance(campaign, kalman_campaign.Kalman):
         return kalman_campaign.execute(campaign, options)
+    if isinstance(campaign, composition_campaign.Composition):
+        return composition_campaign.execute(campaign, options)
     if isinstance(campaign, feedforward_alone_campaign.Alone):
         return feedforward_alone_campaign.execute(campaign, options)
     if not options.no_build:
@@ -121,7 +123,7 @@ def known() -> list[str]:
 
 def load(name: str) -> (Campaign | commissioning.Start | relay_campaign.Comparison | endurance_campaign.Endurance |
                         self_tuning_campaign.Comparison | trays_campaign.Trays | estimates_campaign.Estimates |
-                        kalman_campaign.Kalman | kalman_1989_campaign.PilotKalman | decoupling_campaign.Comparison |
+                        kalman_campaign.Kalman | composition_campaign.Composition | kalman_1989_campaign.PilotKalman | decoupling_campaign.Comparison |
                         state_campaign.StateDecoupling | feedforward_campaign.Feedforward | feedforward_alone_campaign.Alone |
                         self_tuner_weeks.Weeks):
     path = CAMPAIGNS / f"{name}.toml"
@@ -131,12 +133,14 @@ def load(name: str) -> (Campaign | commissioning.Start | relay_campaign.Comparis
     if top.text("name") != name:
         raise UserError(f"{top.path('name')} must be the file's own name, {name}")
     kind = top.text("kind", "scenario", choices=("scenario", "commissioning", "relay", "endurance", "self-tuning", "trays", "estimates",
-                                            "kalman", "pilot-kalman", "decoupling", "state-decoupling", "feedforward",
+                                            "kalman", "composition", "pilot-kalman", "decoupling", "state-decoupling", "feedforward",
                                             "feedforward-alone", "self-tuner-weeks"))
     if kind == "endurance":
         return endurance_campaign.load(top, name)
     if kind == "self-tuner-weeks":
         return self_tuner_weeks.load(top, name)
+    if kind == "composition":
+        return composition_campaign.load(top, name)
     if kind == "kalman":
         return kalman_campaign.load(top, name)
     if kind == "feedforward-alone":

@@ -78,6 +78,11 @@ def look(run: Run, changes: dict[str, float] | None = None, shift: dict[str, flo
     return Look(changes, shift, series, found, setting, judgement, max(first, begins), last)
 
 
+def automatic(method: str, covariance: str) -> tuple[float, float]:
+    """`noise` and `model` of a block that has 0 for them (docs/kalman.md); the noise that it finds is not known here, but its least."""
+    return (0.05, 0.011) if method == "ekf" and covariance == "full" else (0.2, 0.1)
+
+
 def setting_of(played: replay.Replay, first: float, last: float) -> Setting:
     def number(name: str) -> float:
         return float(played.settings.get(name, "nan"))
@@ -90,8 +95,10 @@ def setting_of(played: replay.Replay, first: float, last: float) -> Setting:
             most = max(most, math.sqrt(sum(x * x for x in values) / len(values)) if values else 0.0)
         return most
 
-    feed = {name: x for name in ("feed_z", "feed_f") if math.isfinite(x := number(name))}
-    return Setting(played.settings.get("method", ""), number("noise"), number("model"), feed, {"feed_z": found(FEED_FOUND), "feed_f": found(("feed_flow",))})
+    feed = {name: x for name in ("feed_z", "feed_f") if (x := number(name)) >= 0}
+    method = played.settings.get("method", "")
+    noise, model = automatic(method, played.settings.get("covariance", ""))
+    return Setting(method, number("noise") or noise, number("model") or model, feed, {"feed_z": found(FEED_FOUND), "feed_f": found(("feed_flow",))})
 
 
 # ---- search ----

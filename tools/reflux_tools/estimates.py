@@ -62,7 +62,7 @@ class Case:
     )
     seed: int = 1
     covariance: str = "full"  # of ekf and kalman
-    model: float = 0.0  # of the filters; 0: the default
+    model: float = 0.0  # of the filters; 0: 0.1
     set: str = ""  # further parameters of the block, NAME:VALUE, by /
     analysis: bool = False  # iC4 of the distillate, every 30 min, 20 min late
 
@@ -134,8 +134,8 @@ def block_rows(case: Case) -> list[str]:
     ]
     if case.method in ("ekf", "kalman"):
         rows.append(f"set block3.covariance {case.covariance}")
-    if case.model:
-        rows.append(f"set block3.model {case.model:g}")
+    if case.method != "geometric":
+        rows += ["set block3.noise 0.2", f"set block3.model {case.model or 0.1:g}"]
     rows += [f"set block3.{name} {value}" for name, _, value in (x.partition(":") for x in case.set.split("/") if x)]
     for k, stage in enumerate(of.stages, 1):
         rows.append(f"set block3.place.{k} {stage},{components.index(of.component) + 1}")

@@ -61,7 +61,7 @@ class Case:
     covariance: str = "full"
     feed_z: float = 0.1
     feed_f: float = 0.2
-    model: float = 0.0  # 0: the default
+    model: float = 0.0  # 0: 0.1
     noise: float = NOISE  # K, that the filter believes
     flow: bool = False  # the feed flow is measured
     set: str = ""  # further parameters of the block, NAME:VALUE, by /
@@ -120,8 +120,7 @@ def block_rows(case: Case, points: tuple[int, ...]) -> list[str]:
             f"set block2.feed_z {case.feed_z:g}",
             f"set block2.feed_f {case.feed_f:g}",
         ]
-    if case.model:
-        rows.append(f"set block2.model {case.model:g}")
+    rows.append(f"set block2.model {case.model or 0.1:g}")
     rows += [f"set block2.{name} {value}" for name, _, value in (x.partition(":") for x in case.set.split("/") if x)]
     for k, tray in enumerate(MEASURED, 1):
         rows += [f"set block2.place.{k} {stage_of(tray)},1", f"set block2.si.{k} 1,273.15", f"set block2.tune.{k} 20,3"]

@@ -90,7 +90,8 @@ bool bench_begin(struct composition *estimator, size_t stages, enum composition_
     add_sensors(c);
     c->method = (uint8_t)method;
     c->between = truncated == BETWEEN_BY_THE_MEAN ? COLUMN_BETWEEN_MEAN : COLUMN_BETWEEN_LINE;
-    c->noise2 = NOISE_K * NOISE_K;
+    for (unsigned k = 0; k < SENSORS_MAX; k++)
+        c->sensor[k].noise2 = NOISE_K * NOISE_K;
     c->model2 = 0.01f * 0.01f / 3600;
     c->weight = BENCH_STEP_S / 1800.0f;
     for (size_t s = 0; s < stages; s++)
