@@ -60,8 +60,10 @@ def configure(preset: str, quiet: bool = False) -> Path:
     """Makes the build tree where there is none, and makes it anew where a file of CMake's has changed since."""
     folder = build_dir(preset)
     with locked(folder, quiet):
-        _configure(preset, folder, quiet)
-        _run(f"configuring {preset}", ["cmake", "--build", str(folder), "--target", "build.ninja"], quiet=True)
+        if (folder / "build.ninja").is_file():
+            _run(f"configuring {preset}", ["cmake", "--build", str(folder), "--target", "build.ninja"], quiet=True)
+        else:
+            _configure(preset, folder, quiet)
     return folder
 
 
