@@ -209,8 +209,10 @@ extern const uint32_t experiment_loops_bytes; /* of law.job */
 void experiment_loops_begin(struct experiment *e);
 /* The next design. */
 void experiment_loops_piece(struct experiment *e);
-/* All of it is there, or law.found says what is refused. */
+/* All of it is there, or it is refused. */
 bool experiment_loops_are_found(const struct experiment *e);
+/* To law.loops and law.found. */
+void experiment_loops_take(struct experiment *e);
 void experiment_loops_propose(struct experiment *e, struct block_proposal *room);
 
 /* ---- proposals (plant_experiment_proposals.c) ---- */

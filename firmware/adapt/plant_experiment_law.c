@@ -157,7 +157,9 @@ bool experiment_law_work(struct experiment *e)
 static void take_found_law(struct experiment *e)
 {
     const struct state_law_job *job = e->law.job;
-    if (!is_of_loops(e))
+    if (is_of_loops(e))
+        experiment_loops_take(e);
+    else
         e->law.found = job->found;
     /* It stands elsewhere after every apply. */
     if (!is_of_loops(e) &&

@@ -18,6 +18,9 @@ struct experiment_loops_job {
         struct pole_placement_work placement;
     } work;
     uint8_t done; /* designs */
+    /* What comes of it. */
+    struct experiment_loops loops;
+    struct state_law_found found; /* radius, or what is refused */
 };
 
 const uint32_t experiment_loops_bytes = sizeof(struct experiment_loops_job);
@@ -40,21 +43,21 @@ void experiment_loops_begin(struct experiment *e)
                 m->b[i][j][k] = (real_t)(e->s.b[i][j][k] * (u->hi - u->lo) / (y->hi - y->lo));
         }
     }
-    memset(&e->law.loops, 0, sizeof e->law.loops);
-    e->law.loops.period_s = (float)m->period_s;
-    e->law.found = (struct state_law_found){.field = "", .wanted = ""};
+    job->loops.period_s = (float)m->period_s;
+    job->found.field = job->found.wanted = "";
 }
 
 /* ---- between ticks ---- */
 
-static void refuse_loops(struct experiment *e, const char *field, const char *wanted, unsigned loop)
+static void refuse_loops(struct experiment_loops_job *job, const char *field, const char *wanted,
+                         unsigned loop)
 {
-    e->law.found.field = field;
-    e->law.found.wanted = wanted;
-    e->law.found.loop = (uint8_t)loop;
+    job->found.field = field;
+    job->found.wanted = wanted;
+    job->found.loop = (uint8_t)loop;
 }
 
-/* A row of a block's settings: false: it is too long. */
+/* Fills a row of a block's settings; false: it is too long. */
 static bool put_row(float row[POLYNOMIAL_TAPS], const struct polynomial *p, unsigned from)
 {
     for (unsigned k = from; k < p->n && k < POLYNOMIAL_TAPS + from; k++)
@@ -64,7 +67,7 @@ static bool put_row(float row[POLYNOMIAL_TAPS], const struct polynomial *p, unsi
 
 #define TOO_LONG "of 8 coefficients at most: a longer period"
 
-static void design_decoupler(struct experiment *e, struct experiment_loops_job *job)
+static void design_decoupler(const struct experiment *e, struct experiment_loops_job *job)
 {
     struct polynomial_decoupler_config config;
     struct polynomial_decoupler_refusal reason;
@@ -72,24 +75,25 @@ static void design_decoupler(struct experiment *e, struct experiment_loops_job *
     bool fits = true;
     polynomial_decoupler_config_default(&config);
     if (polynomial_decoupler_design(&job->model, &config, &job->work.decoupler, d, &reason)) {
-        refuse_loops(e, reason.field, reason.wanted,
+        refuse_loops(job, reason.field, reason.wanted,
                      reason.output == DECOUPLED_NONE ? 0 : reason.output + 1u);
         return;
     }
     for (unsigned k = 0; k < (unsigned)e->n * e->n; k++)
-        fits &= put_row(e->law.loops.g[k], &d->g.at[k / e->n][k % e->n], 0);
-    e->law.loops.limits = d->recursive ? POLYNOMIAL_RECURSE : POLYNOMIAL_SCALE;
+        fits &= put_row(job->loops.g[k], &d->g.at[k / e->n][k % e->n], 0);
+    job->loops.limits = d->recursive ? POLYNOMIAL_RECURSE : POLYNOMIAL_SCALE;
     if (!fits)
-        refuse_loops(e, "g", TOO_LONG, 0);
+        refuse_loops(job, "g", TOO_LONG, 0);
 }
 
-static void design_controller(struct experiment *e, struct experiment_loops_job *job, unsigned i)
+static void design_controller(const struct experiment *e, struct experiment_loops_job *job,
+                              unsigned i)
 {
     struct pole_placement_goal goal;
     struct pole_placement_refusal reason;
     struct polynomial a = {.n = DIFFERENCE_A_MOST + 1, .at = {REAL_C(1.0)}};
     struct pole_placement *c = &job->placed;
-    float(*to)[POLYNOMIAL_TAPS] = e->law.loops.rst[i];
+    float(*to)[POLYNOMIAL_TAPS] = job->loops.rst[i];
     pole_placement_goal_default(&goal);
     goal.overshoot = (real_t)e->s.overshoot / 100;
     goal.settling_s = (real_t)e->s.settling_s[i];
@@ -97,22 +101,22 @@ static void design_controller(struct experiment *e, struct experiment_loops_job 
     memcpy(&a.at[1], job->model.a[i], sizeof job->model.a[i]);
     if (pole_placement_design(&a, &job->decoupler.h[i], job->model.period_s, &goal,
                               &job->work.placement, c, &reason)) {
-        refuse_loops(e, reason.field, reason.wanted, i + 1u);
+        refuse_loops(job, reason.field, reason.wanted, i + 1u);
         return;
     }
     bool fits = put_row(to[0], &c->p, 1);
     fits &= put_row(to[1], &c->q, 0);
     fits &= put_row(to[2], &c->r, 0);
     if (!fits)
-        refuse_loops(e, "p", TOO_LONG, i + 1u);
-    if ((float)c->radius > e->law.found.radius)
-        e->law.found.radius = (float)c->radius;
+        refuse_loops(job, "p", TOO_LONG, i + 1u);
+    if ((float)c->radius > job->found.radius)
+        job->found.radius = (float)c->radius;
 }
 
 bool experiment_loops_are_found(const struct experiment *e)
 {
     const struct experiment_loops_job *job = e->law.job;
-    return job->done > e->n || e->law.found.field[0];
+    return job->done > e->n || job->found.field[0];
 }
 
 void experiment_loops_piece(struct experiment *e)
@@ -123,6 +127,13 @@ void experiment_loops_piece(struct experiment *e)
         design_decoupler(e, job);
     else if (e->s.place[i - 1u])
         design_controller(e, job, i - 1u);
+}
+
+void experiment_loops_take(struct experiment *e)
+{
+    const struct experiment_loops_job *job = e->law.job;
+    e->law.loops = job->loops;
+    e->law.found = job->found;
 }
 
 /* ---- proposals: of the decoupler the values that change, then each controller whole, whose settings are not seen from here ---- */

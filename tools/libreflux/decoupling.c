@@ -62,7 +62,7 @@ int32_t reflux_polynomial_decoupler(const struct reflux_sampled *model, const do
         return unknown;
     }
     *n_zeros = unknown ? 0 : result.zeros.n;
-    for (int32_t k = 0; k < *n_zeros; k++) {
+    for (size_t k = 0; k < (size_t)*n_zeros; k++) {
         zeros[2 * k] = result.zeros.at[k].re;
         zeros[2 * k + 1] = result.zeros.at[k].im;
         radius[k] = result.zeros.radius[k];
