@@ -303,6 +303,8 @@ static void a_long_decoupler_comes_in_two_parts_and_is_accepted_once(void)
         TEST_ASSERT_TRUE(nth_of_row("block2.g.1", k) > 0);
         TEST_ASSERT_TRUE(nth_of_row("block2.g.4", k) > 0);
     }
+    ask_ok("events");
+    TEST_ASSERT_FALSE(said("PROPOSAL_REFUSED")); /* no controller without a block for it */
     ask_ok("proposal");
     TEST_ASSERT_FALSE(said("proposes"));
 }
