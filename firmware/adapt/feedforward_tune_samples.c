@@ -190,7 +190,7 @@ void tune_learn(struct tune *t)
 #define OF_LATE    0.125f
 #define REMEMBERED 4.0f
 
-static real_t larger_of(real_t a, real_t b)
+static real_t larger_square(real_t a, real_t b)
 {
     return a > b ? a : b;
 }
@@ -200,9 +200,9 @@ void tune_look_at_disturbance(struct tune *t)
     real_t d = num_to_float(t->now[SIGNAL_D]);
     t->d_square += (d * d - t->d_square) / (real_t)tune_samples(t, OF_LATE * t->s.learn_s);
     t->d_most -= t->d_most / (real_t)tune_samples(t, REMEMBERED * t->s.learn_s);
-    t->d_most = larger_of(t->d_most, t->d_square);
-    bool rests =
-        tune_stands_still(t->d_square) || t->d_square < AT_REST * larger_of(t->d_learnt, t->d_most);
+    t->d_most = larger_square(t->d_most, t->d_square);
+    bool rests = tune_stands_still(t->d_square) ||
+                 t->d_square < AT_REST * larger_square(t->d_learnt, t->d_most);
     t->d_still = rests ? t->d_still + (t->d_still < UINT32_MAX) : 0;
     t->d_moved = t->d_moved || !rests;
 }

@@ -28,7 +28,7 @@ void gmv_record_begin(struct gmv_record *r)
     begin_record_window(r);
 }
 
-static bool at_rest(struct gmv_record *r, float setpoint, uint32_t settled)
+static bool setpoint_rests(struct gmv_record *r, float setpoint, uint32_t settled)
 {
     if (setpoint != r->setpoint)
         r->rests = 0;
@@ -40,7 +40,7 @@ static bool at_rest(struct gmv_record *r, float setpoint, uint32_t settled)
 
 void gmv_record_pi(struct gmv_record *r, float setpoint, float away, float moved, uint32_t settled)
 {
-    bool rests = at_rest(r, setpoint, settled);
+    bool rests = setpoint_rests(r, setpoint, settled);
     uint16_t *samples = rests ? &r->samples : &r->of_all;
     if (!rests && r->samples)
         return;
@@ -67,7 +67,7 @@ static bool is_worse(const struct gmv_record *r, float error, float moves)
 
 bool gmv_record_law(struct gmv_record *r, float setpoint, float away, float moved, uint32_t settled)
 {
-    if (r->samples + r->of_all < ENOUGH || !at_rest(r, setpoint, settled))
+    if (r->samples + r->of_all < ENOUGH || !setpoint_rests(r, setpoint, settled))
         return false;
     r->error_sum += away * away;
     r->moves_sum += moved * moved;

@@ -149,7 +149,7 @@ static float true_pv(const struct gmv_trial *t, unsigned i, unsigned now, unsign
 }
 
 /* MV and load. */
-static float moved_by(const struct gmv_trial *t, unsigned j, unsigned now, unsigned steps)
+static float trial_moved(const struct gmv_trial *t, unsigned j, unsigned now, unsigned steps)
 {
     float load = now - steps >= GMV_TRIAL_KEPT + LOAD_AT ? t->load[j] : 0;
     return steps_before(t->u[j], now, steps) + load;
@@ -166,7 +166,7 @@ static void move_plant(struct gmv_trial *t, unsigned i, unsigned now)
         sum += l->f[a] * true_pv(t, i, now, h + a);
     for (unsigned j = 0; j < t->loops; j++)
         for (unsigned b = 0; b < t->nb && l->uses[j]; b++)
-            sum += gain * l->g[j][b] * moved_by(t, j, now, h + l->plant_behind[j] + b);
+            sum += gain * l->g[j][b] * trial_moved(t, j, now, h + l->plant_behind[j] + b);
     for (unsigned n = 0; n < t->nc; n++)
         sum += l->c[n] * steps_before(t->target[i], now, n + 1);
     t->target[i][now % GMV_TRIAL_KEPT] = sum;
@@ -282,7 +282,7 @@ static void move_setpoints(struct gmv_trial *t, unsigned now)
     }
 }
 
-static void sum_up(struct gmv_trial *t, unsigned now)
+static void sum_answer(struct gmv_trial *t, unsigned now)
 {
     for (unsigned i = 0; i < t->loops; i++) {
         struct gmv_trial_sums *s = &t->sums[is_of_pi(t)][i];
@@ -356,7 +356,7 @@ static void one_step(struct gmv_trial *t)
         move_inputs(t, now);
     t->step++;
     if (t->run >= GMV_TRIAL_GAINS) {
-        sum_up(t, now);
+        sum_answer(t, now);
         over = t->step == GMV_TRIAL_STEPS;
     } else {
         float size = size_of_upset(t, now);
@@ -393,7 +393,7 @@ float gmv_trial_worst(const struct gmv_trial *t)
 }
 
 /* a/b, or 1000 where it is more or no number. */
-static float part_of(float a, float b)
+static float part_of_pi(float a, float b)
 {
     float part = a / b;
     return part < 1000 ? part : 1000;
@@ -405,8 +405,8 @@ float gmv_trial_ratio(const struct gmv_trial *t)
     float worst = 0;
     for (unsigned i = 0; i < t->loops; i++) {
         const struct gmv_trial_sums *law = &t->sums[0][i], *pi = &t->sums[1][i];
-        float setpoint = part_of(law->setpoint, pi->setpoint);
-        float load = t->incremental && pi->load > 0 ? part_of(law->load, pi->load) : 0;
+        float setpoint = part_of_pi(law->setpoint, pi->setpoint);
+        float load = t->incremental && pi->load > 0 ? part_of_pi(law->load, pi->load) : 0;
         if (!t->loop[i].acts)
             continue;
         worst = setpoint > worst ? setpoint : worst;
@@ -419,6 +419,6 @@ void gmv_trial_noise(const struct gmv_trial *t, unsigned i, float *error_times, 
 {
     const struct gmv_trial_sums *law = &t->sums[0][i], *pi = &t->sums[1][i];
     float sample = UPSET(i) * UPSET(i);
-    *error_times = part_of(sample + law->noise, sample + pi->noise);
-    *moves_times = part_of(law->moves, pi->moves);
+    *error_times = part_of_pi(sample + law->noise, sample + pi->noise);
+    *moves_times = part_of_pi(law->moves, pi->moves);
 }

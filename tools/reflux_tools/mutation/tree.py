@@ -237,8 +237,8 @@ class Tree:
         return [u for u in units if u.target in words or _archive(u.target) in words]
 
     def link(self, program: str, objects: dict[str, Path], place: Path) -> Path | None:
-        """The program with these objects in place of its own; None where it does not link. Those of an archive stand in one of
-        their own before it, so that only what the program asks for comes from there."""
+        """The program with these objects in place of its own; None where it does not link. Those of an archive stand in a copy of
+        it, so that of it the program has what it asks for, as ever."""
         place.mkdir(parents=True, exist_ok=True)
         target = place / Path(program).name
         out: list[str] = []
@@ -251,21 +251,22 @@ class Tree:
                 out += ["-o", str(target)]
                 at += 2
                 continue
-            out += [*archives.get(word, ()), str(objects.get(word, word))]
+            out.append(str(objects[word]) if word in objects else archives.get(word, word))
             at += 1
         answer = subprocess.run(out, cwd=self.folder, stdin=subprocess.DEVNULL, capture_output=True, check=False)
         return target if answer.returncode == 0 else None
 
-    @staticmethod
-    def _archived(archive: str, objects: dict[str, Path], place: Path) -> list[str]:
-        """An archive of the objects that go into this one, or none."""
-        members = [str(path) for name, path in objects.items() if _archive(name) == archive]
+    def _archived(self, archive: str, objects: dict[str, Path], place: Path) -> str:
+        """This archive, or a copy of it with these objects in place of its own members."""
+        members = {Path(name).name: path for name, path in objects.items() if _archive(name) == archive}
         if not members:
-            return []
+            return archive
         made = place / archive.replace("/", "-")
-        made.unlink(missing_ok=True)
-        subprocess.run(["ar", "rcs", str(made), *members], check=True, capture_output=True)
-        return [str(made)]
+        shutil.copyfile(self.folder / archive, made)
+        for member, path in members.items():
+            shutil.copyfile(path, place / member)
+        subprocess.run(["ar", "rs", str(made), *(str(place / member) for member in members)], check=True, capture_output=True)
+        return str(made)
 
     # --- running -------------------------------------------------------------------------------------
 
