@@ -106,7 +106,7 @@ static void prepare(void)
         week.moved_at_s[i] = week.time_s;
     }
     if (c->schedule == WEEK_LOADS && week.time_s >= week.next_load_s) {
-        unsigned j = random_below(&week.events, c->plant.loops);
+        unsigned j = (unsigned)random_next(&week.events) & (c->plant.loops - 1u);
         week.load[j] = random_uniform(&week.events, -0.08, 0.08);
         week.next_load_s += random_uniform(&week.events, 0.1, 0.5) * DAY_S;
     }

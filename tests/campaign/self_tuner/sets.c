@@ -69,7 +69,7 @@ static bool drawn_case(unsigned n, uint64_t seed, enum delay_rule rule, double s
     if (n >= 150)
         return false;
     for (uint64_t again = 0;; again++) {
-        struct random_source r = {.state = seed * 1000003u + n * 101u + again};
+        struct random_source r = {.state = seed * 1000003u + (uint64_t)n * 101u + again};
         memset(c, 0, sizeof *c);
         struct element_spec *e = &c->plant.element[0][0];
         e->t1 = log_uniform(&r, slowest / 10, slowest);
