@@ -38,17 +38,38 @@ static bool setpoint_rests(struct gmv_record *r, float setpoint, uint32_t settle
     return r->rests >= settled;
 }
 
-void gmv_record_pi(struct gmv_record *r, float setpoint, float away, float moved, uint32_t settled)
+static void take_in_means(struct gmv_record *r, uint16_t *samples, float away, float moved)
 {
-    bool rests = setpoint_rests(r, setpoint, settled);
-    uint16_t *samples = rests ? &r->samples : &r->of_all;
-    if (!rests && r->samples)
-        return;
-    if (rests && !r->samples) /* better than all samples of before */
-        r->error = r->moves = 0;
     *samples = (uint16_t)(*samples + (*samples < MEMORY));
     r->error += (away * away - r->error) / (float)*samples;
     r->moves += (moved * moved - r->moves) / (float)*samples;
+}
+
+static void sum_window(struct gmv_record *r, float away, float moved)
+{
+    r->error_sum += away * away;
+    r->moves_sum += moved * moved;
+    r->seen++;
+}
+
+void gmv_record_pi(struct gmv_record *r, float setpoint, float away, float moved, uint32_t settled)
+{
+    bool rests = setpoint_rests(r, setpoint, settled);
+    if (r->samples) {
+        if (rests)
+            take_in_means(r, &r->samples, away, moved);
+        return;
+    }
+    take_in_means(r, &r->of_all, away, moved);
+    if (!rests)
+        return;
+    sum_window(r, away, moved);
+    if (r->seen < ENOUGH)
+        return;
+    r->error = r->error_sum / (float)ENOUGH;
+    r->moves = r->moves_sum / (float)ENOUGH;
+    r->samples = ENOUGH;
+    begin_record_window(r);
 }
 
 static float at_least(float x, float least)
@@ -67,11 +88,11 @@ static bool is_worse(const struct gmv_record *r, float error, float moves)
 
 bool gmv_record_law(struct gmv_record *r, float setpoint, float away, float moved, uint32_t settled)
 {
-    if (r->samples + r->of_all < ENOUGH || !setpoint_rests(r, setpoint, settled))
+    bool rests = setpoint_rests(r, setpoint, settled);
+    if (!rests || (!r->samples && r->of_all < ENOUGH))
         return false;
-    r->error_sum += away * away;
-    r->moves_sum += moved * moved;
-    if (++r->seen < WINDOW)
+    sum_window(r, away, moved);
+    if (r->seen < WINDOW)
         return false;
     bool worse = is_worse(r, r->error_sum / (float)WINDOW, r->moves_sum / (float)WINDOW);
     r->beyond = worse ? (uint8_t)(r->beyond + 1u) : 0;
@@ -83,7 +104,7 @@ bool gmv_record_law(struct gmv_record *r, float setpoint, float away, float move
 
 bool gmv_record_would(const struct gmv_record *r, float error_times, float moves_times)
 {
-    return r->samples >= ENOUGH && is_worse(r, error_times * r->error, moves_times * r->moves);
+    return r->samples && is_worse(r, error_times * r->error, moves_times * r->moves);
 }
 
 float gmv_record_times(const struct gmv_record *r)

@@ -13,9 +13,9 @@ struct gmv_record {
     uint32_t rests; /* steps since the setpoint has moved, or somebody else computes */
     float error,
         moves; /* mean squares of the PI at rest, of all its samples until there are enough of these */
-    uint16_t samples; /* of these at rest */
+    uint16_t samples; /* of these at rest; 0: not enough yet */
     uint16_t of_all;  /* samples while there were not enough */
-    /* The window of the law. */
+    /* The window of the law, or of the PI until there are enough. */
     uint8_t seen, beyond; /* samples at rest; windows beyond, one after the other */
     float error_sum, moves_sum;
 };

@@ -98,6 +98,15 @@ static void what_the_pi_does_after_a_setpoint_counts_until_it_has_been_at_rest(v
     TEST_ASSERT_FLOAT_WITHIN(1e-7f, 1.6e-5f, r.error);
 }
 
+static void a_few_samples_at_rest_are_no_record_yet(void)
+{
+    for (unsigned k = 0; k < 200; k++)
+        gmv_record_pi(&r, W + (float)(k / SETTLED % 2) / 10, 0.1f, 0.01f, SETTLED);
+    pi_acts(SETTLED + 20, 0, 0);
+    law_begins();
+    TEST_ASSERT_FALSE(law_acts(10 * WINDOW, 0.1f, 0.02f));
+}
+
 static void a_pi_that_acts_again_renews_its_record(void)
 {
     pi_acts(1000, 0.004f, 0.001f);
@@ -124,6 +133,7 @@ int main(void)
     RUN_TEST(three_times_the_moves_and_half_a_percent_of_span_at_no_smaller_error_is_worse);
     RUN_TEST(while_setpoints_move_nothing_is_judged);
     RUN_TEST(what_the_pi_does_after_a_setpoint_counts_until_it_has_been_at_rest);
+    RUN_TEST(a_few_samples_at_rest_are_no_record_yet);
     RUN_TEST(a_pi_that_acts_again_renews_its_record);
     RUN_TEST(without_a_record_nothing_is_judged);
     return UNITY_END();
