@@ -30,8 +30,8 @@ struct composition_sensor {
     real_t correction; /* K/s, by which it drew the temperature in this step */
     real_t noise2;     /* K2, of a reading */
     real_t slow;       /* of the innovations, over SLOW_STEPS: what they swing about */
-    /* Means over the last `watch` seconds: of squares of that swing; of corrections; of e2 over its expected variance; of e times the one before. */
-    real_t swing, pull, square, product, last;
+    /* Means over the last `watch` seconds: of innovations over their expected standard deviation; of squares of that swing; of corrections; of e2 over its expected variance; of e times the one before. */
+    real_t mean, swing, pull, square, product, last;
 };
 
 /* Complete innovation: gains by which a deviation moves all mole fractions, and what nobody measures besides (extras): the feed's mole

@@ -107,11 +107,16 @@ static unsigned pulling_sensor(const struct composition_block *b)
     return 0;
 }
 
+/* Innovations that are off to one side for long, as far as docs/consistency.md has it: of a model that is trusted none is. */
+#define MEAN_MOST REAL_C(0.3)
+
 static unsigned surprising_sensor(const struct composition_block *b)
 {
     real_t most = b->c.gains.of ? b->s.nis_full : b->s.nis;
     for (uint8_t k = 0; k < b->c.sensors; k++)
-        if (most > ZERO && b->c.sensor[k].square > most)
+        if (most > ZERO &&
+            (b->c.sensor[k].square > most ||
+             (b->c.finds_noise && b->c.gains.of && real_abs(b->c.sensor[k].mean) > MEAN_MOST)))
             return b->c.sensor[k].input + 1u;
     return 0;
 }

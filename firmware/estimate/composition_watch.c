@@ -37,6 +37,7 @@ void composition_watch(struct composition *c)
             s->slow = s->e;
         real_t of = expected(c, s);
         read_noise(c, s, weight);
+        s->mean += weight * (s->e / real_sqrt(of) - s->mean);
         s->pull += weight * (s->correction * REAL_C(3600.0) - s->pull);
         s->square += weight * (s->e * s->e / of - s->square);
         s->product += weight * (s->e * s->last / of - s->product);

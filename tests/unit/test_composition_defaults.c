@@ -122,6 +122,20 @@ static void innovations_larger_than_expected_widen_the_standard_deviation(void)
     TEST_ASSERT_FLOAT_WITHIN(1e-4f * sd, 2 * sd, value_named("sd_1"));
 }
 
+static void innovations_off_to_one_side_raise_nis_where_the_model_is_trusted(void)
+{
+    for (unsigned trusts = 0; trusts < 2; trusts++) {
+        setUp();
+        settings.noise = trusts ? 0 : 0.2f;
+        begin_both();
+        run_with_noise(0, WATCHES);
+        TEST_ASSERT_FALSE(raised(EVENT_NIS));
+        filter.b->c.sensor[1].mean = -0.5f;
+        run_with_noise(0, 1);
+        TEST_ASSERT_EQUAL(trusts, raised(EVENT_NIS));
+    }
+}
+
 static void a_point_is_uncertain_that_is_not_known_to_a_part_of_its_impurity(void)
 {
     has_found_its_plant();
@@ -150,6 +164,7 @@ int main(void)
     RUN_TEST(the_feeds_flow_is_looked_for_where_nobody_measures_it);
     RUN_TEST(what_the_model_is_off_by_for_good_is_part_of_the_impurity);
     RUN_TEST(innovations_larger_than_expected_widen_the_standard_deviation);
+    RUN_TEST(innovations_off_to_one_side_raise_nis_where_the_model_is_trusted);
     RUN_TEST(a_point_is_uncertain_that_is_not_known_to_a_part_of_its_impurity);
     return UNITY_END();
 }
