@@ -17,7 +17,7 @@
 #include "base/text.h"
 
 #ifndef WORKSPACE_BYTES
-#define WORKSPACE_BYTES 58016 /* 0: the board has none */
+#define WORKSPACE_BYTES 58000 /* 0: the board has none */
 #endif
 
 struct workspace {

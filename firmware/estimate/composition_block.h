@@ -27,11 +27,15 @@ enum {
 /* What is asked of the background. */
 enum composition_work { WORK_NONE, WORK_SETTLE, WORK_GAINS };
 
+struct composition_span {
+    float lo, hi; /* EU */
+};
+
 /* The state of a block. Behind it stand the gains of complete innovation and the factors of a linear model. */
 struct composition_block {
     struct composition c;
     struct composition_settings s;
-    struct block_signal input[BLOCK_INPUTS_MAX], point[BLOCK_POINTS_MAX];
+    struct composition_span input[BLOCK_INPUTS_MAX], point[BLOCK_POINTS_MAX];
     const struct column_record *record; /* of the table */
     uint32_t checksum;                  /* of it */
     struct composition_analysis analysis[ANALYSES_MAX];
@@ -41,13 +45,13 @@ struct composition_block {
     uint8_t analyses;
     uint8_t inputs, points;
     uint8_t missing;   /* number of the first input but temperatures that is, or 0 */
-    uint32_t without;  /* steps in a row without any temperature that moves, or vapour; saturates */
-    uint32_t steps;    /* towards being settled; back in steps that see nothing */
-    uint32_t dry;      /* steps that there has to be vapour before it counts as there */
     bool begun;        /* it has had a tick */
     bool seen;         /* a temperature that moves, since then */
     bool settle;       /* asked for */
     uint16_t settling; /* steps of it */
+    uint32_t without;  /* steps in a row without any temperature that moves, or vapour; saturates */
+    uint32_t steps;    /* towards being settled; back in steps that see nothing */
+    uint32_t dry;      /* steps that there has to be vapour before it counts as there */
 };
 
 MUST_CHECK enum err composition_check(const struct block_setup *setup, struct block_fault *fault);

@@ -72,7 +72,8 @@ static void begin_analyses(struct composition_block *b)
 }
 
 /* keep: they are those that there were. */
-static void take_analyses(struct composition_block *b, bool keep)
+static void take_analyses(struct composition_block *b, const struct composition_record *r,
+                          bool keep)
 {
     uint16_t before = b->analyses ? b->analysis[0].every : 0;
     b->analyses = 0;
@@ -83,7 +84,7 @@ static void take_analyses(struct composition_block *b, bool keep)
         a->input = (uint8_t)k;
         a->stage = (uint8_t)(b->s.place[k][AT_STAGE] - 1u);
         a->component = (uint8_t)(b->s.place[k][OF_COMPONENT] - 1u);
-        a->share = b->s.tune[k][TUNE_LAMBDA] > 0 ? b->s.tune[k][TUNE_LAMBDA] : SHARE_INITIAL;
+        a->share = r->tune[k][TUNE_LAMBDA] > 0 ? r->tune[k][TUNE_LAMBDA] : SHARE_INITIAL;
     }
     if (!keep || before != composition_analysis_every(b->c.h, b->s.reach_s))
         begin_analyses(b);
@@ -119,10 +120,12 @@ static enum err composition_configure(void *state, const struct block_setup *set
     b->s = *s;
     b->inputs = setup->inputs;
     b->points = setup->points;
-    memcpy(b->input, setup->input, sizeof b->input);
-    memcpy(b->point, setup->point, sizeof b->point);
+    for (unsigned k = 0; k < BLOCK_INPUTS_MAX; k++)
+        b->input[k] = (struct composition_span){setup->input[k].lo, setup->input[k].hi};
+    for (unsigned k = 0; k < BLOCK_POINTS_MAX; k++)
+        b->point[k] = (struct composition_span){setup->point[k].lo, setup->point[k].hi};
     composition_take_settings(&b->c, setup, same);
-    take_analyses(b, same);
+    take_analyses(b, setup->settings, same);
     if (!same)
         composition_begin(&b->c);
     composition_forget_steady(b); /* of other numbers than these */
@@ -444,7 +447,8 @@ const struct block_kind composition_kind = {
     .stage = STAGE_ESTIMATE,
     .parameter = composition_parameter_rows,
     .parameters = COMPOSITION_PARAMETER_ROWS,
-    .settings_bytes = sizeof(struct composition_settings),
+    .settings_bytes = sizeof(struct composition_record),
+    .returns = offsetof(struct composition_record, back),
     .names = 1,
     .named_kind = "column",
     .inputs_most = BLOCK_INPUTS_MAX,

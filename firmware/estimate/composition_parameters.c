@@ -8,11 +8,14 @@
 #include "block/refuse.h"
 #include "model/column_drive.h"
 
-#define PLACE(field) offsetof(struct composition_settings, field)
-#define NUMBER(id, field, name, unit, help, lo, hi, initial)                                       \
+#define PLACE(field)  offsetof(struct composition_settings, field)
+#define UNKEPT(field) offsetof(struct composition_record, field)
+#define NUMBER_AT(id, place, name, unit, help, lo, hi, initial)                                    \
     {                                                                                              \
-        id, BLOCK_FLOAT, PLACE(field), 1, 1, name, unit, help, lo, hi, initial                     \
+        id, BLOCK_FLOAT, place, 1, 1, name, unit, help, lo, hi, initial                            \
     }
+#define NUMBER(id, field, name, unit, help, lo, hi, initial)                                       \
+    NUMBER_AT(id, PLACE(field), name, unit, help, lo, hi, initial)
 
 const struct block_parameter composition_parameter_rows[COMPOSITION_PARAMETER_ROWS] = {
     {1, BLOCK_U16, PLACE(column), 1, 1, "column", "-",
@@ -26,7 +29,7 @@ const struct block_parameter composition_parameter_rows[COMPOSITION_PARAMETER_RO
      "of a temperature: stage, component it moves (1 is the first of the table; 0: none, it is "
      "only compared)",
      0, 200, 0},
-    {5, BLOCK_FLOAT, PLACE(tune), BLOCK_INPUTS_MAX, TUNE_COLS, "tune", "1/h, -",
+    {5, BLOCK_FLOAT, UNKEPT(tune), BLOCK_INPUTS_MAX, TUNE_COLS, "tune", "1/h, -",
      "of a temperature: lambda and zeta", 0, 1e4f, 0},
     {6, BLOCK_FLOAT, PLACE(si), BLOCK_INPUTS_MAX, UNIT_COLS, "si", "-",
      "factor and zero: what the input is in SI units (K, m3/s, kg/s, mol/s, W, Pa)", -1e9f, 1e9f,
@@ -35,18 +38,19 @@ const struct block_parameter composition_parameter_rows[COMPOSITION_PARAMETER_RO
      "what is estimated: stage, component; component 0: its temperature", 0, 200, 0},
     {8, BLOCK_FLOAT, PLACE(show), BLOCK_POINTS_MAX, UNIT_COLS, "show", "-",
      "factor and zero: a point from mole fractions or K", -1e9f, 1e9f, 0},
-    NUMBER(9, noise, "noise", "K",
-           "standard deviation of the readings; 0: ekf finds it; 0.2 where it is steady, and for "
-           "others",
-           0, 100, 0),
-    NUMBER(
-        10, model, "model", "-",
+    NUMBER_AT(
+        9, UNKEPT(noise), "noise", "K",
+        "standard deviation of the readings; 0: ekf finds it; 0.2 where it is steady, and for "
+        "others",
+        0, 100, 0),
+    NUMBER_AT(
+        10, UNKEPT(model), "model", "-",
         "filters: what a mole fraction gathers of unknown changes in an hour, standard deviation; "
         "0: 0.011 for ekf with a full covariance, 0.1 for others",
         0, 100, 0),
-    NUMBER(11, gate, "gate", "K", "readings farther from the estimate wait; 0: none does", 0, 1000,
-           10),
-    NUMBER(12, gate_s, "gate_time", "s", "after which they are believed", 0, 1e6f, 300),
+    NUMBER_AT(11, UNKEPT(gate), "gate", "K",
+              "readings farther from the estimate wait; 0: none does", 0, 1000, 10),
+    NUMBER_AT(12, UNKEPT(gate_s), "gate_time", "s", "after which they are believed", 0, 1e6f, 300),
     NUMBER(13, pull, "pull", "K/h", "alarm: a sensor draws the model by more, in the mean; 0: none",
            0, 1e5f, 0),
     NUMBER(14, watch_s, "watch", "s", "of the means of the monitor", 1, 1e6f, 1800),
@@ -98,7 +102,7 @@ const struct block_parameter composition_parameter_rows[COMPOSITION_PARAMETER_RO
     {33, BLOCK_WORD, PLACE(of), BLOCK_POINTS_MAX, 1, "of", "stage|feed_fraction|feed_flow",
      "what a point is of: a stage, or the feed as it is found, its flow in the unit of the table",
      0, 0, OF_STAGE},
-    {34, BLOCK_FLOAT, PLACE(back), BLOCK_POINTS_MAX, sizeof(struct block_return) / sizeof(float),
+    {34, BLOCK_FLOAT, UNKEPT(back), BLOCK_POINTS_MAX, sizeof(struct block_return) / sizeof(float),
      "return", "EU, EU",
      "where a loop on the point moves another's setpoint: that setpoint when the point is lost, "
      "and "
@@ -174,7 +178,8 @@ static enum err check_analysis(const struct composition_settings *s,
     if (s->place[k][AT_STAGE] < 1 || s->place[k][AT_STAGE] > table->config.stages ||
         s->place[k][OF_COMPONENT] < 1 || s->place[k][OF_COMPONENT] > table->config.components)
         return block_refuse(fault, 0, "place", "needs stage and component of each analysis");
-    if (s->tune[k][TUNE_LAMBDA] > 1)
+    const struct composition_record *r = setup->settings;
+    if (r->tune[k][TUNE_LAMBDA] > 1)
         return block_refuse(fault, 0, "tune", "must be a share, at most 1, for an analysis");
     return ERR_OK;
 }
@@ -294,18 +299,19 @@ enum err composition_check(const struct block_setup *setup, struct block_fault *
 
 /* ---- what they come to ---- */
 
-static void set_sensor(struct composition *c, const struct composition_settings *s, unsigned k)
+static void set_sensor(struct composition *c, const struct composition_record *r, unsigned k)
 {
+    const struct composition_settings *s = &r->s;
     struct composition_sensor *o = &c->sensor[c->sensors++]; /* its past stays */
-    real_t lambda = s->tune[k][TUNE_LAMBDA] > 0 ? s->tune[k][TUNE_LAMBDA] : LAMBDA_INITIAL;
-    real_t zeta = s->tune[k][TUNE_ZETA] > 0 ? s->tune[k][TUNE_ZETA] : ZETA_INITIAL;
+    real_t lambda = r->tune[k][TUNE_LAMBDA] > 0 ? r->tune[k][TUNE_LAMBDA] : LAMBDA_INITIAL;
+    real_t zeta = r->tune[k][TUNE_ZETA] > 0 ? r->tune[k][TUNE_ZETA] : ZETA_INITIAL;
     lambda /= HOUR;
     o->input = (uint8_t)k;
     o->stage = (uint8_t)(s->place[k][AT_STAGE] - 1u);
     o->moves = s->place[k][OF_COMPONENT] > 0;
     o->component = (uint8_t)(o->moves ? s->place[k][OF_COMPONENT] - 1u : 0u);
-    if (s->noise > 0)
-        o->noise2 = s->noise * s->noise;
+    if (r->noise > 0)
+        o->noise2 = r->noise * r->noise;
     else if (!c->finds_noise)
         o->noise2 = NOISE_INITIAL * NOISE_INITIAL;
     else if (o->noise2 < NOISE_LEAST2)
@@ -357,23 +363,24 @@ real_t *composition_offset(struct composition_block *b, unsigned i)
 
 void composition_take_settings(struct composition *c, const struct block_setup *setup, bool keep)
 {
-    const struct composition_settings *s = setup->settings;
+    const struct composition_record *r = setup->settings;
+    const struct composition_settings *s = &r->s;
     real_t h = setup->interval_s;
     if (!keep)
         memset(c->sensor, 0, sizeof c->sensor);
     c->sensors = 0;
-    c->finds_noise = follows_model(s) && !(s->noise > 0);
+    c->finds_noise = follows_model(s) && !(r->noise > 0);
     for (unsigned k = 0; k < setup->inputs; k++)
         if (composition_is_sensor(s, k))
-            set_sensor(c, s, k);
+            set_sensor(c, r, k);
     c->method = s->method;
     c->between = s->between;
     set_gains(&c->gains, s, setup->inputs, c->table.config.components - 1, keep);
     c->h = h;
-    real_t model = s->model > 0 ? s->model : follows_model(s) ? MODEL_TRUSTED : MODEL_INITIAL;
+    real_t model = r->model > 0 ? r->model : follows_model(s) ? MODEL_TRUSTED : MODEL_INITIAL;
     c->model2 = model * model / HOUR;
-    c->gate = s->gate;
-    c->gate_steps = (uint32_t)(s->gate_s / h);
+    c->gate = r->gate;
+    c->gate_steps = (uint32_t)(r->gate_s / h);
     c->weight = h < s->watch_s ? h / s->watch_s : REAL_C(1.0);
 }
 

@@ -48,26 +48,20 @@ enum { AT_STAGE, OF_COMPONENT, PLACE_COLS }; /* columns of place and of point */
 enum { TUNE_LAMBDA, TUNE_ZETA, TUNE_COLS };  /* 1/h, - */
 enum { UNIT_FACTOR, UNIT_ZERO, UNIT_COLS };  /* SI = factor * value + zero */
 
+/* What a block keeps of its settings. */
 struct composition_settings {
-    float tune[BLOCK_INPUTS_MAX][TUNE_COLS];
     float si[BLOCK_INPUTS_MAX][UNIT_COLS];
-    float show[BLOCK_POINTS_MAX][UNIT_COLS];    /* value = factor * SI + zero */
-    struct block_return back[BLOCK_POINTS_MAX]; /* of the loop below one on this point */
-    float noise;                                /* K, standard deviation of a reading */
-    float
-        model; /* of the model's rates: standard deviation that a mole fraction gathers in an hour */
-    float gate;     /* K; 0: none */
-    float gate_s;   /* s, after which what is outside it is believed */
-    float pull;     /* K/h, alarm; 0: none */
-    float watch_s;  /* s, of the means of the monitor */
-    float nis;      /* alarm; 0: none */
-    float nis_full; /* the same, with gains of complete innovation */
-    float apart;    /* K/h, alarm; 0: none */
-    float far;      /* mole fraction, of an analysis; 0: none */
-    float late_s;   /* s, after which an analysis is missed; 0: never */
-    float reach_s;  /* s, the oldest sample of an analyser that counts */
-    float alone_s;  /* s, without any temperature */
-    float cycle_s;  /* s, between two gains; 0: a tick */
+    float show[BLOCK_POINTS_MAX][UNIT_COLS]; /* value = factor * SI + zero */
+    float pull;                              /* K/h, alarm; 0: none */
+    float watch_s;                           /* s, of the means of the monitor */
+    float nis;                               /* alarm; 0: none */
+    float nis_full;                          /* the same, with gains of complete innovation */
+    float apart;                             /* K/h, alarm; 0: none */
+    float far;                               /* mole fraction, of an analysis; 0: none */
+    float late_s;                            /* s, after which an analysis is missed; 0: never */
+    float reach_s;                           /* s, the oldest sample of an analyser that counts */
+    float alone_s;                           /* s, without any temperature */
+    float cycle_s;                           /* s, between two gains; 0: a tick */
     float
         feed_z; /* mole fraction, standard deviation of the feed's that nobody measures; 0: none */
     float feed_f;   /* part of the feed flow, likewise */
@@ -89,6 +83,18 @@ struct composition_settings {
     uint8_t doubt;                /* enum composition_doubt */
     uint8_t basis;                /* enum composition_basis */
     uint8_t covariance;           /* enum composition_covariance */
+};
+
+/* All of them. */
+struct composition_record {
+    struct composition_settings s;
+    float tune[BLOCK_INPUTS_MAX][TUNE_COLS];
+    float noise; /* K, standard deviation of a reading */
+    float
+        model; /* of the model's rates: standard deviation that a mole fraction gathers in an hour */
+    float gate;                                 /* K; 0: none */
+    float gate_s;                               /* s, after which what is outside it is believed */
+    struct block_return back[BLOCK_POINTS_MAX]; /* of the loop below one on this point */
 };
 
 extern const struct block_kind composition_kind;

@@ -17,7 +17,7 @@ enum { TOP_FRACTION, BOTTOM_FRACTION, INNER_TEMPERATURE };
 static const struct block_kind *const kind = &composition_kind;
 
 static struct column_record record;
-static struct composition_settings settings;
+static struct composition_record all_settings;
 static struct block_setup setup;
 static struct block_fault fault;
 static struct composition_block block, plant;
@@ -28,7 +28,7 @@ static struct block_io io;
 
 static inline void put_initial(const struct block_parameter *p)
 {
-    uint8_t *at = (uint8_t *)&settings + p->offset;
+    uint8_t *at = (uint8_t *)&all_settings + p->offset;
     for (unsigned i = 0; i < (unsigned)p->rows * p->cols; i++)
         if (p->type == BLOCK_FLOAT)
             memcpy(at + i * sizeof(float), &p->initial, sizeof(float));
@@ -40,16 +40,16 @@ static inline void put_initial(const struct block_parameter *p)
 
 static inline void temperature_at(unsigned k, unsigned stage, unsigned component)
 {
-    settings.is[k] = IS_TEMPERATURE;
-    settings.place[k][AT_STAGE] = (uint16_t)stage;
-    settings.place[k][OF_COMPONENT] = (uint16_t)component;
+    all_settings.s.is[k] = IS_TEMPERATURE;
+    all_settings.s.place[k][AT_STAGE] = (uint16_t)stage;
+    all_settings.s.place[k][OF_COMPONENT] = (uint16_t)component;
     setup.input[k] = (struct block_signal){300, 400, false};
 }
 
 static inline void point_of(unsigned k, unsigned stage, unsigned component)
 {
-    settings.point[k][AT_STAGE] = (uint16_t)stage;
-    settings.point[k][OF_COMPONENT] = (uint16_t)component;
+    all_settings.s.point[k][AT_STAGE] = (uint16_t)stage;
+    all_settings.s.point[k][OF_COMPONENT] = (uint16_t)component;
     setup.point[k] =
         component ? (struct block_signal){0, 1, false} : (struct block_signal){300, 400, false};
 }
@@ -57,8 +57,8 @@ static inline void point_of(unsigned k, unsigned stage, unsigned component)
 /* Litres in an hour. */
 static inline void flow_at(unsigned k, enum composition_input is)
 {
-    settings.is[k] = (uint8_t)is;
-    settings.si[k][UNIT_FACTOR] = 1.0f / 3.6e6f;
+    all_settings.s.is[k] = (uint8_t)is;
+    all_settings.s.si[k][UNIT_FACTOR] = 1.0f / 3.6e6f;
     setup.input[k] = (struct block_signal){0, 20, false};
 }
 
@@ -75,22 +75,22 @@ static inline float given(unsigned k)
 
 static inline void bench_pilot(void)
 {
-    memset(&settings, 0, sizeof settings);
+    memset(&all_settings, 0, sizeof all_settings);
     memset(&setup, 0, sizeof setup);
     for (unsigned i = 0; i < composition_kind.parameters; i++)
         put_initial(&composition_kind.parameter[i]);
     PUT_RECORD(&record, pilot_values);
-    setup.settings = &settings;
+    setup.settings = &all_settings;
     setup.named = &record;
     setup.interval_s = 10;
     setup.inputs = FURTHER;
     setup.points = 3;
-    settings.column = 2;
+    all_settings.s.column = 2;
     temperature_at(T_LOW, 3, 1);
     temperature_at(T_HIGH, 10, 1);
     temperature_at(T_COMPARED, 7, 0);
     flow_at(FEED, IS_FEED);
-    settings.is[HEAT] = IS_HEAT;
+    all_settings.s.is[HEAT] = IS_HEAT;
     setup.input[HEAT] = (struct block_signal){0, 2000, true};
     flow_at(REFLUX, IS_REFLUX);
     point_of(TOP_FRACTION, 12, 1);
@@ -132,8 +132,8 @@ static inline void measure(void)
 {
     plant_temperatures();
     for (unsigned k = 0; k < setup.inputs; k++)
-        if (settings.is[k] == IS_TEMPERATURE)
-            put(k, truth(settings.place[k][AT_STAGE]));
+        if (all_settings.s.is[k] == IS_TEMPERATURE)
+            put(k, truth(all_settings.s.place[k][AT_STAGE]));
 }
 
 static inline void step(void)

@@ -55,14 +55,14 @@ static inline void bench_filter(enum composition_method method,
     memset(&filter, 0, sizeof filter);
     memset(age, 0, sizeof age);
     io.age_s = age;
-    settings.method = (uint8_t)method;
-    settings.covariance = (uint8_t)covariance;
+    all_settings.s.method = (uint8_t)method;
+    all_settings.s.covariance = (uint8_t)covariance;
     /* Numbers of the bench's own: what defaults are good for is a campaign's affair (tests/campaign/composition). */
-    settings.noise = 0.2f;
-    settings.model = 0.1f;
-    settings.feed_f = 0;
-    settings.sure = 0.01f;
-    settings.sure_part = settings.lasting = 0;
+    all_settings.noise = 0.2f;
+    all_settings.model = 0.1f;
+    all_settings.s.feed_f = 0;
+    all_settings.s.sure = 0.01f;
+    all_settings.s.sure_part = all_settings.s.lasting = 0;
 }
 
 static inline struct composition_block *state_of(void)
@@ -119,10 +119,10 @@ static inline void ticks(unsigned n)
 
 static inline void plant_begins(void)
 {
-    struct composition_settings of_filter = settings;
-    settings.method = METHOD_GEOMETRIC;
+    struct composition_settings of_filter = all_settings.s;
+    all_settings.s.method = METHOD_GEOMETRIC;
     TEST_ASSERT_EQUAL(ERR_OK, kind->configure(&plant, &setup, false));
-    settings = of_filter;
+    all_settings.s = of_filter;
     measure();
 }
 

@@ -50,7 +50,7 @@ static void from_far_away_the_geometric_estimator_comes_to_the_plant(void)
 
 static void from_far_away_the_reduced_filter_comes_to_the_plant(void)
 {
-    settings.method = METHOD_REKF;
+    all_settings.s.method = METHOD_REKF;
     comes_to_the_plant_from_far_away();
 }
 
@@ -104,8 +104,8 @@ static void the_variance_of_a_fraction_grows_by_its_own_rate(void)
     static const uint16_t stages[] = {2, 3, 4, 5, 6, 11, 12};
     for (unsigned k = 0; k < sizeof stages / sizeof stages[0]; k++) {
         setUp();
-        settings.method = METHOD_REKF;
-        settings.place[T_LOW][AT_STAGE] = stages[k];
+        all_settings.s.method = METHOD_REKF;
+        all_settings.s.place[T_LOW][AT_STAGE] = stages[k];
         begin();
         quality[T_LOW] = quality[T_HIGH] = QUALITY_BAD;
         steps(2);
@@ -171,8 +171,8 @@ static void asked_to_begin_it_takes_the_profile_of_the_table(void)
 
 static void flows_are_taken_in_the_units_that_are_given(void)
 {
-    settings.si[HEAT][UNIT_FACTOR] = 1000;
-    settings.si[HEAT][UNIT_ZERO] = 50;
+    all_settings.s.si[HEAT][UNIT_FACTOR] = 1000;
+    all_settings.s.si[HEAT][UNIT_ZERO] = 50;
     setup.input[HEAT] = (struct block_signal){-1, 2, false};
     begin();
     put(FEED, 7.2f);
@@ -186,8 +186,8 @@ static void flows_are_taken_in_the_units_that_are_given(void)
 
 static void temperatures_are_taken_in_the_units_that_are_given(void)
 {
-    settings.si[T_LOW][UNIT_FACTOR] = 5.0f / 9.0f; /* Fahrenheit */
-    settings.si[T_LOW][UNIT_ZERO] = 255.372f;
+    all_settings.s.si[T_LOW][UNIT_FACTOR] = 5.0f / 9.0f; /* Fahrenheit */
+    all_settings.s.si[T_LOW][UNIT_ZERO] = 255.372f;
     setup.input[T_LOW] = (struct block_signal){100, 300, false};
     begin();
     put(T_LOW, (truth(3) + 2.0f - 255.372f) * 1.8f);
@@ -197,8 +197,8 @@ static void temperatures_are_taken_in_the_units_that_are_given(void)
 
 static void a_pressure_and_the_state_of_the_feed_may_be_inputs(void)
 {
-    settings.is[FURTHER] = IS_PRESSURE;
-    settings.is[FURTHER + 1] = IS_FEED_TEMPERATURE;
+    all_settings.s.is[FURTHER] = IS_PRESSURE;
+    all_settings.s.is[FURTHER + 1] = IS_FEED_TEMPERATURE;
     setup.inputs += 2;
     setup.input[FURTHER] = (struct block_signal){0, 200000, false};
     setup.input[FURTHER + 1] = (struct block_signal){0, 1000, false};
@@ -225,9 +225,9 @@ static void a_boil_up_and_a_quality_of_the_feed_may_be_inputs(void)
     change_record(&record, COLUMN_TABLE_BOILUP_GIVEN, 1);
     change_record(&record, COLUMN_TABLE_HEAT_LOSS, 0);
     change_record(&record, COLUMN_TABLE_HEAT, 0.02f);
-    settings.is[FEED] = IS_FEED_QUALITY;
-    settings.is[HEAT] = IS_BOILUP;
-    settings.si[FEED][UNIT_FACTOR] = 0;
+    all_settings.s.is[FEED] = IS_FEED_QUALITY;
+    all_settings.s.is[HEAT] = IS_BOILUP;
+    all_settings.s.si[FEED][UNIT_FACTOR] = 0;
     setup.input[FEED] = (struct block_signal){0, 2, false};
     setup.input[HEAT] = (struct block_signal){-1, 1, false};
     begin();
@@ -256,10 +256,10 @@ static void no_flow_is_less_than_nothing(void)
 
 static void a_point_is_shown_by_factor_and_zero(void)
 {
-    settings.show[TOP_FRACTION][UNIT_FACTOR] = -100;
-    settings.show[TOP_FRACTION][UNIT_ZERO] = 100;
+    all_settings.s.show[TOP_FRACTION][UNIT_FACTOR] = -100;
+    all_settings.s.show[TOP_FRACTION][UNIT_ZERO] = 100;
     setup.point[TOP_FRACTION] = (struct block_signal){-10, 10, false};
-    settings.show[INNER_TEMPERATURE][UNIT_ZERO] = -273.15f;
+    all_settings.s.show[INNER_TEMPERATURE][UNIT_ZERO] = -273.15f;
     setup.point[INNER_TEMPERATURE] = (struct block_signal){0, 200, false};
     begin();
     step();
@@ -278,7 +278,7 @@ static void the_closing_component_has_the_rest(void)
 
 static void by_mass_a_fraction_goes_with_its_molar_mass(void)
 {
-    settings.basis = BASIS_MASS;
+    all_settings.s.basis = BASIS_MASS;
     begin();
     step();
     float x = block.c.x[0], light = 0.13138834f * x, heavy = 0.1658334f * (1 - x);
@@ -290,7 +290,7 @@ static void a_temperature_is_that_at_the_end_of_the_step(void)
     begin();
     put(T_LOW, truth(3) + 4);
     put(T_HIGH, truth(10) - 4);
-    settings.point[INNER_TEMPERATURE][AT_STAGE] = 10;
+    all_settings.s.point[INNER_TEMPERATURE][AT_STAGE] = 10;
     block.s.point[INNER_TEMPERATURE][AT_STAGE] = 10;
     step();
     float now = given(INNER_TEMPERATURE);

@@ -60,7 +60,7 @@ static void any_settings(bool keep_words)
 {
     for (unsigned i = 0; i < kind->parameters; i++) {
         const struct block_parameter *p = &kind->parameter[i];
-        uint8_t *at = (uint8_t *)&settings + p->offset;
+        uint8_t *at = (uint8_t *)&all_settings.s + p->offset;
         float x = any_of(p);
         if (p->rows > 1 || strcmp(p->name, "column") == 0)
             continue;
@@ -77,9 +77,9 @@ static void splitter_in_place_of_the_pilot(void)
     PUT_RECORD(&record, splitter_values);
     change_record(&record, COLUMN_TABLE_TRUNCATED, 0);
     change_record(&record, COLUMN_TABLE_TRUNCATED + 1, 0);
-    settings.si[FEED][UNIT_FACTOR] = 0.0245f / 5;
-    settings.si[REFLUX][UNIT_FACTOR] = 0.017116666f / 4.5f;
-    settings.si[HEAT][UNIT_FACTOR] = 4.81514e6f / 800;
+    all_settings.s.si[FEED][UNIT_FACTOR] = 0.0245f / 5;
+    all_settings.s.si[REFLUX][UNIT_FACTOR] = 0.017116666f / 4.5f;
+    all_settings.s.si[HEAT][UNIT_FACTOR] = 4.81514e6f / 800;
 }
 
 static void any_inputs(void)
@@ -96,9 +96,9 @@ static void any_inputs(void)
                        in(4) ? 0 : 1 + one_of(components - 1));
     for (unsigned k = 0; k < 2 && in(2); k++) {
         unsigned at = setup.inputs++;
-        settings.is[at] = IS_ANALYSIS;
-        settings.place[at][AT_STAGE] = (uint16_t)(1 + one_of(stages));
-        settings.place[at][OF_COMPONENT] = (uint16_t)(1 + one_of(components));
+        all_settings.s.is[at] = IS_ANALYSIS;
+        all_settings.s.place[at][AT_STAGE] = (uint16_t)(1 + one_of(stages));
+        all_settings.s.place[at][OF_COMPONENT] = (uint16_t)(1 + one_of(components));
         setup.input[at] = (struct block_signal){0, 1, false};
     }
     for (unsigned k = 0; k < 3; k++)
@@ -128,8 +128,8 @@ static void any_readings(void)
         if (in(40))
             input[k] =
                 num_from_float(in(4) && quality[k] != QUALITY_GOOD ? NAN : between(-0.02f, 1.02f));
-        if (settings.is[k] == IS_TEMPERATURE && !in(8))
-            put(k, truth(settings.place[k][AT_STAGE]) + between(-1, 1));
+        if (all_settings.s.is[k] == IS_TEMPERATURE && !in(8))
+            put(k, truth(all_settings.s.place[k][AT_STAGE]) + between(-1, 1));
         age[k] = in(60) ? between(0, 4000) : age[k] + 10;
         if (quality[k] == QUALITY_GOOD && !isfinite(num_to_float(input[k])))
             input[k] = num_from_float(0.5f);
@@ -155,12 +155,12 @@ static void all_is_a_number(unsigned round)
 static void apply_other_numbers(void)
 {
     uint32_t bytes = kind->bytes(&setup);
-    struct composition_settings before = settings;
+    struct composition_settings before = all_settings.s;
     for (unsigned n = 0; n < 20; n++) {
         any_settings(!in(5));
         if (are_accepted())
             break;
-        settings = before;
+        all_settings.s = before;
     }
     if (kind->bytes(&setup) != bytes)
         begin_filter();
@@ -224,7 +224,7 @@ static void whatever_is_set_told_and_read_nothing_is_no_number(void)
             any_readings();
             if (in(25))
                 something_happens();
-            if (settings.covariance == COVARIANCE_STEADY && filter.works > 20000)
+            if (all_settings.s.covariance == COVARIANCE_STEADY && filter.works > 20000)
                 filter.idle = true; /* it would take long */
             tick_of(&filter);
             all_is_a_number(round);
@@ -251,12 +251,12 @@ static void what_is_called_good_is_as_near_as_it_says(void)
         unsigned way = one_of(3);
         way_begins(way);
         for (unsigned k = 0; k < 3; k++)
-            settings.place[k][OF_COMPONENT] = in(4) && k ? 0 : 1;
-        settings.noise = between(0.02f, 0.5f);
-        settings.feed_z = between(0.02f, 0.2f);
-        settings.feed_f = in(2) ? 0 : between(0.02f, 0.2f);
-        settings.sure = between(0.005f, 0.05f);
-        settings.nis = 4;
+            all_settings.s.place[k][OF_COMPONENT] = in(4) && k ? 0 : 1;
+        all_settings.noise = between(0.02f, 0.5f);
+        all_settings.s.feed_z = between(0.02f, 0.2f);
+        all_settings.s.feed_f = in(2) ? 0 : between(0.02f, 0.2f);
+        all_settings.s.sure = between(0.005f, 0.05f);
+        all_settings.s.nis = 4;
         if (!are_accepted())
             continue;
         begin_both();
@@ -266,9 +266,9 @@ static void what_is_called_good_is_as_near_as_it_says(void)
         float z = plant.c.inputs.feed_fraction[0], f = plant.c.inputs.feed_flow;
         for (unsigned n = 0; n < 2000; n++) {
             if (in(400)) {
-                plant.c.inputs.feed_fraction[0] = z + settings.feed_z * between(-1, 1);
+                plant.c.inputs.feed_fraction[0] = z + all_settings.s.feed_z * between(-1, 1);
                 plant.c.inputs.feed_fraction[1] = 1 - plant.c.inputs.feed_fraction[0];
-                plant.c.inputs.feed_flow = f * (1 + settings.feed_f * between(-1, 1));
+                plant.c.inputs.feed_flow = f * (1 + all_settings.s.feed_f * between(-1, 1));
             }
             if (in(300)) {
                 put(HEAT, 800 * between(0.95f, 1.05f));
@@ -283,14 +283,14 @@ static void what_is_called_good_is_as_near_as_it_says(void)
                 (void)tell(in(3) ? "free" : "take");
             plant_runs(1);
             for (unsigned i = 0; i < 3; i++)
-                put(i, truth(settings.place[i][AT_STAGE]) +
-                           settings.noise * (chance() + chance() + chance() + chance() - 2) *
+                put(i, truth(all_settings.s.place[i][AT_STAGE]) +
+                           all_settings.noise * (chance() + chance() + chance() + chance() - 2) *
                                1.7320508f);
             tick_of(&filter);
             for (unsigned i = 0; i < 2; i++) {
                 if (point_quality[i] != QUALITY_GOOD)
                     continue;
-                float error = fabsf(given(i) - true_fraction(settings.point[i][AT_STAGE]));
+                float error = fabsf(given(i) - true_fraction(all_settings.s.point[i][AT_STAGE]));
                 float sd = filter.b->filter.sd[i];
                 good++;
                 worst_error = fmaxf(worst_error, error);

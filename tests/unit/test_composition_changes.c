@@ -99,7 +99,7 @@ static void before_it_had_time_to_find_its_plant_all_readings_are_taken(void)
 
 static void a_reading_that_another_of_its_section_contradicts_waits_for_as_long(void)
 {
-    settings.place[T_LOW][AT_STAGE] = 8;
+    all_settings.s.place[T_LOW][AT_STAGE] = 8;
     begin();
     steps(2 * LOCKED + 10);
     put(T_HIGH, truth(10) - 15);
@@ -130,7 +130,7 @@ static void at_a_limit_of_its_mole_fraction_the_integral_gathers_no_more(void)
 
 static void without_a_gate_everything_is_believed(void)
 {
-    settings.gate = 0;
+    all_settings.gate = 0;
     begin();
     steps(GATED + 10);
     put(T_HIGH, truth(10) + 30);
@@ -207,8 +207,8 @@ static void what_a_missing_temperature_had_learned_fades(void)
 
 static void what_is_forgotten_within_a_step_is_forgotten_whole(void)
 {
-    settings.tune[T_HIGH][TUNE_LAMBDA] = 1e4f;
-    settings.tune[T_HIGH][TUNE_ZETA] = 0.1f;
+    all_settings.tune[T_HIGH][TUNE_LAMBDA] = 1e4f;
+    all_settings.tune[T_HIGH][TUNE_ZETA] = 0.1f;
     begin();
     block.c.sensor[1].sum = 1;
     quality[T_HIGH] = QUALITY_MISSING;
@@ -238,13 +238,13 @@ static void a_temperature_that_is_only_compared_does_not_move_the_model(void)
     struct composition_block before;
     for (unsigned k = 0; k < 2; k++) {
         setUp();
-        settings.method = k ? METHOD_REKF : METHOD_GEOMETRIC;
+        all_settings.s.method = k ? METHOD_REKF : METHOD_GEOMETRIC;
         begin();
         put(T_COMPARED, truth(7) + 8);
         steps(50);
         before = block;
         setUp();
-        settings.method = k ? METHOD_REKF : METHOD_GEOMETRIC;
+        all_settings.s.method = k ? METHOD_REKF : METHOD_GEOMETRIC;
         begin();
         steps(50);
         TEST_ASSERT_EQUAL_MEMORY(before.c.x, block.c.x, sizeof block.c.x);
@@ -274,12 +274,12 @@ static void other_settings_leave_the_estimate_and_its_past(void)
     struct composition_block before;
     begin_with_a_past();
     before = block;
-    settings.show[TOP_FRACTION][UNIT_FACTOR] = 0.5f;
-    settings.noise = 1;
-    settings.gate = 5;
-    settings.gate_s = 60;
-    settings.watch_s = 600;
-    settings.doubt = DOUBT_UNCERTAIN;
+    all_settings.s.show[TOP_FRACTION][UNIT_FACTOR] = 0.5f;
+    all_settings.noise = 1;
+    all_settings.gate = 5;
+    all_settings.gate_s = 60;
+    all_settings.s.watch_s = 600;
+    all_settings.s.doubt = DOUBT_UNCERTAIN;
     retune();
     TEST_ASSERT_EQUAL_MEMORY(before.c.x, block.c.x, sizeof before.c.x);
     for (unsigned k = 0; k < before.c.sensors; k++)
@@ -298,8 +298,8 @@ static void other_gains_leave_what_the_integral_does(void)
 {
     begin_with_a_past();
     float rate = block.c.sensor[1].ki * block.c.sensor[1].sum;
-    settings.tune[T_HIGH][TUNE_LAMBDA] = 30;
-    settings.tune[T_HIGH][TUNE_ZETA] = 1;
+    all_settings.tune[T_HIGH][TUNE_LAMBDA] = 30;
+    all_settings.tune[T_HIGH][TUNE_ZETA] = 1;
     retune();
     TEST_ASSERT_FLOAT_WITHIN(1e-6f, 30.0f / 3600 * 30 / 3600, block.c.sensor[1].ki);
     TEST_ASSERT_FLOAT_WITHIN(1e-6f, 2.0f * 30 / 3600, block.c.sensor[1].kp);
@@ -346,15 +346,15 @@ static void temperatures_elsewhere_are_a_fresh_beginning(void)
 static void inputs_of_another_meaning_are_a_fresh_beginning(void)
 {
     begin_with_a_past();
-    settings.is[REFLUX] = IS_FEED_TEMPERATURE;
-    settings.si[REFLUX][UNIT_FACTOR] = 20;
+    all_settings.s.is[REFLUX] = IS_FEED_TEMPERATURE;
+    all_settings.s.si[REFLUX][UNIT_FACTOR] = 20;
     begins_afresh();
 }
 
 static void another_method_is_a_fresh_beginning(void)
 {
     begin_with_a_past();
-    settings.method = METHOD_REKF;
+    all_settings.s.method = METHOD_REKF;
     begins_afresh();
     TEST_ASSERT_EQUAL_FLOAT(0, block.c.sensor[1].ki);
 }
@@ -428,7 +428,7 @@ static void where_the_model_has_no_solution_it_does_not_settle(void)
 
 static void what_the_model_cannot_bear_is_kept_at_its_limits(void)
 {
-    settings.is[FURTHER] = IS_PRESSURE;
+    all_settings.s.is[FURTHER] = IS_PRESSURE;
     setup.inputs++;
     setup.input[FURTHER] = (struct block_signal){0, 1e6f, false};
     put(FURTHER, 101325);

@@ -8,7 +8,7 @@ static struct random_source source;
 void setUp(void)
 {
     bench_filter(METHOD_EKF, COVARIANCE_FULL);
-    settings.noise = settings.model = 0;
+    all_settings.noise = all_settings.model = 0;
     source.state = 1;
 }
 void tearDown(void)
@@ -30,7 +30,7 @@ static void run_with_noise(float noise, unsigned n)
     while (n-- > 0) {
         plant_runs(1);
         for (unsigned k = T_LOW; k <= T_COMPARED; k++)
-            put(k, truth(settings.place[k][AT_STAGE]) + noise * normal());
+            put(k, truth(all_settings.s.place[k][AT_STAGE]) + noise * normal());
         tick_of(&filter);
     }
 }
@@ -54,7 +54,7 @@ static void the_least_noise_that_is_found_is_a_twentieth_of_a_kelvin(void)
 
 static void a_noise_that_is_given_stays(void)
 {
-    settings.noise = 0.1f;
+    all_settings.noise = 0.1f;
     begin_both();
     run_with_noise(0.3f, WATCHES);
     TEST_ASSERT_EQUAL_FLOAT(0.01f, (float)filter.b->c.sensor[0].noise2);
@@ -73,8 +73,8 @@ static void only_a_whole_covariance_of_the_moment_trusts_its_model(void)
                 {METHOD_REKF, COVARIANCE_FULL, 0.1f}};
     for (unsigned i = 0; i < sizeof ways / sizeof ways[0]; i++) {
         static struct composition c;
-        settings.method = (uint8_t)ways[i].method;
-        settings.covariance = (uint8_t)ways[i].covariance;
+        all_settings.s.method = (uint8_t)ways[i].method;
+        all_settings.s.covariance = (uint8_t)ways[i].covariance;
         c.table.config.components = 2;
         composition_take_settings(&c, &setup, false);
         TEST_ASSERT_FLOAT_WITHIN(1e-6f, ways[i].model, sqrtf(3600 * (float)c.model2));
@@ -85,14 +85,14 @@ static void only_a_whole_covariance_of_the_moment_trusts_its_model(void)
 
 static void the_feeds_flow_is_looked_for_where_nobody_measures_it(void)
 {
-    settings.feed_f = -1;
-    TEST_ASSERT_EQUAL_FLOAT(0, (float)composition_feed_f(&settings, setup.inputs));
-    settings.is[FEED] = IS_PRESSURE;
-    TEST_ASSERT_EQUAL_FLOAT(0.1f, (float)composition_feed_f(&settings, setup.inputs));
-    settings.feed_f = 0;
-    TEST_ASSERT_EQUAL_FLOAT(0, (float)composition_feed_f(&settings, setup.inputs));
-    settings.feed_f = 0.3f;
-    TEST_ASSERT_EQUAL_FLOAT(0.3f, (float)composition_feed_f(&settings, setup.inputs));
+    all_settings.s.feed_f = -1;
+    TEST_ASSERT_EQUAL_FLOAT(0, (float)composition_feed_f(&all_settings.s, setup.inputs));
+    all_settings.s.is[FEED] = IS_PRESSURE;
+    TEST_ASSERT_EQUAL_FLOAT(0.1f, (float)composition_feed_f(&all_settings.s, setup.inputs));
+    all_settings.s.feed_f = 0;
+    TEST_ASSERT_EQUAL_FLOAT(0, (float)composition_feed_f(&all_settings.s, setup.inputs));
+    all_settings.s.feed_f = 0.3f;
+    TEST_ASSERT_EQUAL_FLOAT(0.3f, (float)composition_feed_f(&all_settings.s, setup.inputs));
 }
 
 /* It begins in the plant's state, with the impurities of the table: 0.005 in the distillate, 0.2 in the bottoms. */
@@ -126,7 +126,7 @@ static void innovations_off_to_one_side_raise_nis_where_the_model_is_trusted(voi
 {
     for (unsigned trusts = 0; trusts < 2; trusts++) {
         setUp();
-        settings.noise = trusts ? 0 : 0.2f;
+        all_settings.noise = trusts ? 0 : 0.2f;
         begin_both();
         run_with_noise(0, WATCHES);
         TEST_ASSERT_FALSE(raised(EVENT_NIS));

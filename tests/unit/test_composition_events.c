@@ -44,9 +44,9 @@ static void it_is_uncertain_until_it_has_locked_on(void)
 /* Three times 1/lambda of the slowest that moves anything. */
 static void the_slowest_temperature_says_when_it_has_locked_on(void)
 {
-    settings.tune[T_LOW][TUNE_LAMBDA] = 20;
-    settings.tune[T_HIGH][TUNE_LAMBDA] = 5;
-    settings.tune[T_COMPARED][TUNE_LAMBDA] = 1;
+    all_settings.tune[T_LOW][TUNE_LAMBDA] = 20;
+    all_settings.tune[T_HIGH][TUNE_LAMBDA] = 5;
+    all_settings.tune[T_COMPARED][TUNE_LAMBDA] = 1;
     begin();
     steps(215);
     is_called(QUALITY_UNCERTAIN);
@@ -91,7 +91,7 @@ static void a_section_that_was_not_seen_for_a_while_is_uncertain_for_as_long_aga
 /* One that is only compared, and none at all. */
 static void a_point_in_a_section_without_a_thermometer_is_never_good(void)
 {
-    settings.place[T_HIGH][OF_COMPONENT] = 0;
+    all_settings.s.place[T_HIGH][OF_COMPONENT] = 0;
     begin();
     steps(10 * LOCKED);
     TEST_ASSERT_EQUAL(QUALITY_UNCERTAIN, point_quality[TOP_FRACTION]);
@@ -101,9 +101,9 @@ static void a_point_in_a_section_without_a_thermometer_is_never_good(void)
 
 static void a_point_of_the_feed_needs_a_thermometer_in_any_section(void)
 {
-    settings.place[T_HIGH][OF_COMPONENT] = 0;
-    settings.of[TOP_FRACTION] = OF_FEED_FRACTION;
-    settings.point[TOP_FRACTION][AT_STAGE] = 0;
+    all_settings.s.place[T_HIGH][OF_COMPONENT] = 0;
+    all_settings.s.of[TOP_FRACTION] = OF_FEED_FRACTION;
+    all_settings.s.point[TOP_FRACTION][AT_STAGE] = 0;
     begin();
     steps(LOCKED + 1);
     TEST_ASSERT_EQUAL(QUALITY_GOOD, point_quality[TOP_FRACTION]);
@@ -111,8 +111,8 @@ static void a_point_of_the_feed_needs_a_thermometer_in_any_section(void)
 
 static void what_was_far_off_and_is_believed_leaves_nothing_good(void)
 {
-    settings.nis = 0;
-    settings.tune[T_HIGH][TUNE_LAMBDA] = 1; /* it finds it slowly */
+    all_settings.s.nis = 0;
+    all_settings.tune[T_HIGH][TUNE_LAMBDA] = 1; /* it finds it slowly */
     begin();
     steps(12 * LOCKED);
     is_called(QUALITY_GOOD);
@@ -239,9 +239,9 @@ static void how_often_it_began_anew_stops_counting_at_the_largest_number(void)
 /* A second temperature of the rectifying section. */
 static void begin_with_a_third(float pull, float nis, float apart)
 {
-    settings.pull = pull;
-    settings.nis = nis;
-    settings.apart = apart;
+    all_settings.s.pull = pull;
+    all_settings.s.nis = nis;
+    all_settings.s.apart = apart;
     temperature_at(FURTHER, 8, 1);
     setup.inputs++;
     begin();
@@ -318,7 +318,7 @@ static void what_agrees_raises_no_alarm(void)
 
 static void alarms_may_leave_the_estimates_uncertain(void)
 {
-    settings.doubt = DOUBT_UNCERTAIN;
+    all_settings.s.doubt = DOUBT_UNCERTAIN;
     begin_with_a_third(1, 4, 1);
     put(FURTHER, truth(8) + 4);
     steps(WATCHES);
@@ -332,7 +332,7 @@ static void alarms_may_leave_the_estimates_uncertain(void)
 
 static void the_innovation_of_what_is_only_compared_counts_too(void)
 {
-    settings.nis = 4;
+    all_settings.s.nis = 4;
     begin();
     put(T_COMPARED, truth(7) + 5);
     steps(WATCHES);

@@ -52,7 +52,7 @@ static void of_four_components_it_comes_to_its_plant_too(void)
     for (unsigned i = 0; i < FILTER_WAYS; i++) {
         const char *name = way_begins(i);
         put_components_twice(&record);
-        settings.feed_z = 0; /* three fractions of it by two temperatures: refused */
+        all_settings.s.feed_z = 0; /* three fractions of it by two temperatures: refused */
         begin_both();
         for (unsigned k = 0; k < 36; k += 3) {
             plant.c.x[k] = plant.c.x[k + 1] *= 0.8f;
@@ -86,7 +86,7 @@ static void without_it_a_feed_that_the_table_does_not_have_is_a_bias(void)
 {
     for (unsigned i = 0; i < FILTER_WAYS; i++) {
         const char *name = way_begins(i);
-        settings.feed_z = 0;
+        all_settings.s.feed_z = 0;
         begin_both();
         run(180);
         plant_at(1, FEED_FRACTION + 0.05f, 1);
@@ -100,8 +100,8 @@ static void it_finds_a_feed_flow_that_nobody_measures(void)
     for (unsigned i = 0; i < FILTER_WAYS; i++) {
         const char *name = way_begins(i);
         float more = filter_ways[i].method == METHOD_EKF ? 0.08f : 0.02f;
-        settings.feed_z = 0;
-        settings.feed_f = 0.1f;
+        all_settings.s.feed_z = 0;
+        all_settings.s.feed_f = 0.1f;
         begin_both();
         run(180);
         plant_at(1, FEED_FRACTION, 1 + more);
@@ -124,7 +124,7 @@ static void a_table_that_cannot_be_asks_for_no_memory(void)
                  {COLUMN_TABLE_N_COMPONENTS, COLUMN_COMPONENTS_MAX + 1},
                  {COLUMN_TABLE_N_COMPONENTS, NAN}};
     bench_pilot();
-    settings.method = METHOD_EKF;
+    all_settings.s.method = METHOD_EKF;
     TEST_ASSERT_TRUE(composition_numbers(&setup) > 0);
     for (unsigned i = 0; i < sizeof wrong / sizeof wrong[0]; i++) {
         PUT_RECORD(&record, pilot_values);
@@ -179,12 +179,12 @@ static void points_of_the_feed_give_what_is_found_and_how_sure_it_is(void)
 {
     for (unsigned i = 0; i < FILTER_WAYS; i++) {
         const char *name = way_begins(i);
-        settings.feed_f = 0.1f;
-        settings.of[TOP_FRACTION] = OF_FEED_FRACTION;
+        all_settings.s.feed_f = 0.1f;
+        all_settings.s.of[TOP_FRACTION] = OF_FEED_FRACTION;
         point_of(TOP_FRACTION, 0, 1);
-        settings.of[INNER_TEMPERATURE] = OF_FEED_FLOW;
+        all_settings.s.of[INNER_TEMPERATURE] = OF_FEED_FLOW;
         point_of(INNER_TEMPERATURE, 0, 0);
-        settings.show[INNER_TEMPERATURE][UNIT_FACTOR] = 3.6e6f;
+        all_settings.s.show[INNER_TEMPERATURE][UNIT_FACTOR] = 3.6e6f;
         setup.point[INNER_TEMPERATURE] = (struct block_signal){0, 20, false};
         begin_both();
         run(180);
@@ -203,8 +203,8 @@ static void points_of_the_feed_give_what_is_found_and_how_sure_it_is(void)
 static void a_feed_that_nobody_looks_for_is_that_of_the_table(void)
 {
     bench_pilot();
-    settings.of[TOP_FRACTION] = OF_FEED_FRACTION;
-    settings.basis = BASIS_MASS;
+    all_settings.s.of[TOP_FRACTION] = OF_FEED_FRACTION;
+    all_settings.s.basis = BASIS_MASS;
     point_of(TOP_FRACTION, 0, 1);
     begin();
     TEST_ASSERT_FLOAT_WITHIN(1e-3f, 0.36f, given(TOP_FRACTION));
@@ -214,7 +214,7 @@ static void of_what_the_model_knows_nothing_is_found(void)
 {
     for (unsigned i = 0; i < FILTER_WAYS; i++) {
         const char *name = way_begins(i);
-        settings.feed_f = 0.1f;
+        all_settings.s.feed_f = 0.1f;
         begin_both();
         run(720);
         TEST_ASSERT_FLOAT_WITHIN_MESSAGE(1e-3f, 0, value_named("feed_1"), name);
@@ -228,9 +228,9 @@ static void what_is_found_stays_what_a_feed_can_be(void)
 {
     for (unsigned i = 0; i < FILTER_WAYS; i++) {
         way_begins(i);
-        settings.feed_f = 1;
-        settings.feed_z = 1;
-        settings.gate = 0;
+        all_settings.s.feed_f = 1;
+        all_settings.s.feed_z = 1;
+        all_settings.gate = 0;
         begin_both();
         for (unsigned n = 0; n < 400; n++) {
             put(T_LOW, n % 200 < 100 ? 399 : 301);
@@ -258,7 +258,7 @@ static void until_there_are_gains_the_reduced_filter_acts(void)
         for (unsigned s = 0; s < 12; s++)
             reduced[s] = filter.b->c.x[s];
         const char *name = way_begins(i);
-        settings.feed_z = 0;
+        all_settings.s.feed_z = 0;
         filter.idle = true;
         begin_both();
         put(T_HIGH, truth(10) + 3);
@@ -276,7 +276,7 @@ static void without_gains_nothing_is_good(void)
 {
     for (unsigned i = 0; i < FILTER_WAYS; i++) {
         const char *name = way_begins(i);
-        settings.sure = 0;
+        all_settings.s.sure = 0;
         filter.idle = true;
         begin_both();
         run(3 * LOCKED);
@@ -292,7 +292,7 @@ static void gains_are_taken_in_the_declared_step_only(void)
 {
     for (unsigned i = 0; i < FILTER_WAYS; i++) {
         const char *name = way_begins(i);
-        settings.cycle_s = 200;
+        all_settings.s.cycle_s = 200;
         begin_both();
         ticks(2); /* it has the workspace */
         while (!io.ask_work)
@@ -317,7 +317,7 @@ static void the_estimates_are_the_same_however_soon_the_work_is_done(void)
         const char *name = way_begins(i);
         for (unsigned slow = 0; slow < 2; slow++) {
             way_begins(i);
-            settings.cycle_s = 100;
+            all_settings.s.cycle_s = 100;
             begin_both();
             plant_at(0.95f, FEED_FRACTION, 1);
             filter.idle = slow;
@@ -363,10 +363,10 @@ static void other_numbers_keep_covariance_and_estimate_and_do_not_bump(void)
         run(200);
         float sd = value_named("sd_2"), given_before = given(BOTTOM_FRACTION);
         uint32_t count = filter.b->filter.count, steps = filter.b->steps;
-        settings.noise = 0.3f;
-        settings.feed_z = 0.2f;
-        settings.feed_s = 7200;
-        settings.sure = 0.5f;
+        all_settings.noise = 0.3f;
+        all_settings.s.feed_z = 0.2f;
+        all_settings.s.feed_s = 7200;
+        all_settings.s.sure = 0.5f;
         retune_filter();
         TEST_ASSERT_TRUE(has_gains());
         TEST_ASSERT_EQUAL(steps, filter.b->steps);
@@ -388,8 +388,8 @@ static void gains_of_a_steady_state_are_those_of_the_settings_in_force(void)
         const char *name = way_begins(i);
         if (filter_ways[i].covariance != COVARIANCE_STEADY)
             continue;
-        settings.feed_z = 0.2f;
-        settings.feed_s = 7200;
+        all_settings.s.feed_z = 0.2f;
+        all_settings.s.feed_s = 7200;
         begin_both();
         run(20);
         float sd = value_named("sd_2");
@@ -398,8 +398,8 @@ static void gains_of_a_steady_state_are_those_of_the_settings_in_force(void)
         to_a_job();
         for (unsigned n = 0; n < 100; n++) /* half-way */
             TEST_ASSERT_TRUE(kind->work(filter.b));
-        settings.feed_z = 0.2f;
-        settings.feed_s = 7200;
+        all_settings.s.feed_z = 0.2f;
+        all_settings.s.feed_s = 7200;
         retune_filter();
         filter.idle = false;
         run(20);
@@ -435,11 +435,12 @@ static void another_covariance_and_other_extras_are_a_fresh_beginning(void)
         begin_both();
         plant_at(1, FEED_FRACTION + 0.02f, 1);
         run(300);
-        settings.feed_z = 0; /* as many extras, of another meaning */
-        settings.feed_f = 0.1f;
+        all_settings.s.feed_z = 0; /* as many extras, of another meaning */
+        all_settings.s.feed_f = 0.1f;
         begun_anew("extras");
-        settings.covariance =
-            (uint8_t)(settings.covariance == COVARIANCE_FULL ? COVARIANCE_BAND : COVARIANCE_FULL);
+        all_settings.s.covariance =
+            (uint8_t)(all_settings.s.covariance == COVARIANCE_FULL ? COVARIANCE_BAND
+                                                                   : COVARIANCE_FULL);
         begun_anew("covariance");
     }
 }
@@ -451,9 +452,9 @@ static void another_method_begins_anew_in_other_memory(void)
         begin_both();
         plant_at(0.9f, FEED_FRACTION, 1);
         run(300);
-        settings.method = METHOD_GEOMETRIC;
+        all_settings.s.method = METHOD_GEOMETRIC;
         uint32_t bytes = kind->bytes(&setup);
-        settings.method =
+        all_settings.s.method =
             (uint8_t)(filter_ways[i].method == METHOD_EKF ? METHOD_KALMAN : METHOD_EKF);
         TEST_ASSERT_TRUE_MESSAGE(kind->bytes(&setup) > bytes, name);
         filter.asked = false; /* the supervisor gives its job up */
@@ -578,7 +579,7 @@ static void what_is_told_while_the_job_is_under_way_waits_for_it(void)
 {
     for (unsigned i = 0; i < FILTER_WAYS; i++) {
         const char *name = way_begins(i);
-        settings.cycle_s = 100;
+        all_settings.s.cycle_s = 100;
         begin_both();
         to_a_job();
         TEST_ASSERT_TRUE(kind->work(filter.b));
@@ -607,8 +608,8 @@ static void a_state_that_is_moved_goes_on_to_the_bit(void)
                 way_begins(i);
             else
                 bench_filter(i == FILTER_WAYS ? METHOD_GEOMETRIC : METHOD_REKF, COVARIANCE_FULL);
-            settings.feed_f = 0.1f;
-            settings.cycle_s = 30;
+            all_settings.s.feed_f = 0.1f;
+            all_settings.s.cycle_s = 30;
             begin_both();
             plant_at(0.97f, FEED_FRACTION + 0.01f, 1);
             filter.idle = true;
@@ -663,7 +664,7 @@ static void a_state_that_is_moved_settles_and_changes_its_settings(void)
         }
         TEST_ASSERT_FALSE_MESSAGE(filter.b->settle, name);
         move_state();
-        settings.noise = 0.4f;
+        all_settings.noise = 0.4f;
         retune_filter();
         filter.idle = false;
         run(300);
@@ -677,7 +678,7 @@ static void a_temperature_that_comes_and_goes_is_done_without(void)
 {
     for (unsigned i = 0; i < FILTER_WAYS; i++) {
         const char *name = way_begins(i);
-        settings.place[T_COMPARED][OF_COMPONENT] = 1; /* three that move it */
+        all_settings.s.place[T_COMPARED][OF_COMPONENT] = 1; /* three that move it */
         begin_both();
         run(180);
         for (unsigned n = 0; n < 400; n++) {
@@ -747,18 +748,18 @@ static void a_point_that_is_less_sure_than_wanted_is_uncertain_and_the_others_ar
 {
     for (unsigned i = 0; i < FILTER_WAYS; i++) {
         const char *name = way_begins(i);
-        settings.sure = 0;
+        all_settings.s.sure = 0;
         begin_both();
         run(300);
         for (unsigned k = 0; k < 3; k++)
             TEST_ASSERT_EQUAL_MESSAGE(QUALITY_GOOD, point_quality[k], name);
         float sd = value_named("sd_2");
         TEST_ASSERT_TRUE(sd > 2 * value_named("sd_1"));
-        settings.sure = 1.1f * sd;
+        all_settings.s.sure = 1.1f * sd;
         retune_filter();
         run(3);
         TEST_ASSERT_EQUAL_MESSAGE(QUALITY_GOOD, point_quality[BOTTOM_FRACTION], name);
-        settings.sure = 0.9f * sd;
+        all_settings.s.sure = 0.9f * sd;
         retune_filter();
         run(1);
         TEST_ASSERT_EQUAL_MESSAGE(QUALITY_UNCERTAIN, point_quality[BOTTOM_FRACTION], name);
@@ -815,8 +816,8 @@ static void a_feed_that_is_not_to_be_expected_makes_it_uncertain(void)
 {
     for (unsigned i = 0; i < FILTER_WAYS; i++) {
         const char *name = way_begins(i);
-        settings.feed_z = 0.02f;
-        settings.sure = 0;
+        all_settings.s.feed_z = 0.02f;
+        all_settings.s.sure = 0;
         begin_both();
         run(300);
         TEST_ASSERT_EQUAL_MESSAGE(QUALITY_GOOD, point_quality[0], name);

@@ -17,9 +17,9 @@ static float older;    /* s, added to its age */
 static void analysis_at(unsigned k, unsigned stage)
 {
     setup.inputs = (uint8_t)(k + 1);
-    settings.is[k] = IS_ANALYSIS;
-    settings.place[k][AT_STAGE] = (uint16_t)stage;
-    settings.place[k][OF_COMPONENT] = 1;
+    all_settings.s.is[k] = IS_ANALYSIS;
+    all_settings.s.place[k][AT_STAGE] = (uint16_t)stage;
+    all_settings.s.place[k][OF_COMPONENT] = 1;
     setup.input[k] = (struct block_signal){0, 1, false};
 }
 
@@ -45,7 +45,7 @@ static void analysed(unsigned n)
         now++;
         for (unsigned i = 0; FIRST + i < setup.inputs; i++) {
             unsigned k = FIRST + i, taken = (now - DELAY) / EVERY * EVERY;
-            past[i][now] = true_fraction(settings.place[k][AT_STAGE]);
+            past[i][now] = true_fraction(all_settings.s.place[k][AT_STAGE]);
             bool shown = now >= EVERY + DELAY;
             age[k] = shown ? (float)((now - taken) * 10) + older : 1e4f;
             if (quality[k] == QUALITY_GOOD || quality[k] == QUALITY_MISSING)
@@ -61,18 +61,18 @@ static void begin_off(unsigned way)
 {
     way_begins(way);
     analysis_at(FIRST, 1);
-    settings.feed_z = 0;
-    settings.model = 0.02f; /* what is off stays off */
-    settings.late_s = 4000;
+    all_settings.s.feed_z = 0;
+    all_settings.model = 0.02f; /* what is off stays off */
+    all_settings.s.late_s = 4000;
     quality[FIRST] = QUALITY_MISSING;
     plant_begins();
     PUT_RECORD(&of_plant, pilot_values);
     change_record(&of_plant, COLUMN_TABLE_EFFICIENCY, 0.84f);
-    struct composition_settings of_filter = settings;
-    settings.method = METHOD_GEOMETRIC;
+    struct composition_settings of_filter = all_settings.s;
+    all_settings.s.method = METHOD_GEOMETRIC;
     setup.named = &of_plant;
     TEST_ASSERT_EQUAL(ERR_OK, kind->configure(&plant, &setup, false));
-    settings = of_filter;
+    all_settings.s = of_filter;
     setup.named = &record;
     for (unsigned n = 0; n < 20; n++) {
         plant.c.h = 3600;
@@ -85,7 +85,7 @@ static void begin_off(unsigned way)
 
 static float error_of(unsigned k)
 {
-    return given(k) - true_fraction(settings.point[k][AT_STAGE]);
+    return given(k) - true_fraction(all_settings.s.point[k][AT_STAGE]);
 }
 
 static void an_offset_of_the_model_is_gone_after_three_samples(void)
@@ -110,7 +110,7 @@ static void without_an_offset_analyses_move_the_model_itself(void)
     for (unsigned i = 0; i < FILTER_WAYS; i++) {
         setUp();
         begin_off(i);
-        settings.offset = 0;
+        all_settings.s.offset = 0;
         filter_begins();
         analysed(EVERY + DELAY - 1);
         float off = fabsf(error_of(BOTTOM_FRACTION));
@@ -315,22 +315,22 @@ static void another_reach_begins_analyses_anew_and_other_numbers_do_not(void)
 {
     bench_pilot();
     analysis_at(FIRST, 1);
-    settings.place[FIRST][OF_COMPONENT] = 2;
+    all_settings.s.place[FIRST][OF_COMPONENT] = 2;
     accepted();
     TEST_ASSERT_EQUAL(ERR_OK, kind->configure(&block, &setup, false));
     struct composition_analysis *a = &block.analysis[0];
-    TEST_ASSERT_EQUAL(composition_analysis_every(block.c.h, settings.reach_s), a->every);
+    TEST_ASSERT_EQUAL(composition_analysis_every(block.c.h, all_settings.s.reach_s), a->every);
     a->filled = 5;
-    settings.tune[FIRST][TUNE_LAMBDA] = 0.5f;
+    all_settings.tune[FIRST][TUNE_LAMBDA] = 0.5f;
     TEST_ASSERT_EQUAL(ERR_OK, kind->configure(&block, &setup, true));
     TEST_ASSERT_EQUAL(1, block.analyses);
     TEST_ASSERT_EQUAL(1, a->component);
     TEST_ASSERT_TRUE(a->share == REAL_C(0.5));
     TEST_ASSERT_EQUAL(5, a->filled);
-    settings.reach_s *= 3;
+    all_settings.s.reach_s *= 3;
     TEST_ASSERT_EQUAL(ERR_OK, kind->configure(&block, &setup, true));
     TEST_ASSERT_EQUAL(0, a->filled);
-    TEST_ASSERT_EQUAL(composition_analysis_every(block.c.h, settings.reach_s), a->every);
+    TEST_ASSERT_EQUAL(composition_analysis_every(block.c.h, all_settings.s.reach_s), a->every);
 }
 
 int main(void)

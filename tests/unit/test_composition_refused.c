@@ -92,7 +92,8 @@ static void it_is_an_estimator_that_names_a_column(void)
     TEST_ASSERT_EQUAL(BLOCK_INPUTS_MAX, kind->inputs_most);
     TEST_ASSERT_EQUAL(BLOCK_POINTS_MAX, kind->points_most);
     TEST_ASSERT_EQUAL(BAD_INPUT_IS_TOLD, kind->bad_input);
-    TEST_ASSERT_EQUAL(sizeof(struct composition_settings), kind->settings_bytes);
+    TEST_ASSERT_EQUAL(sizeof(struct composition_record), kind->settings_bytes);
+    TEST_ASSERT_EQUAL(offsetof(struct composition_record, back), kind->returns);
     TEST_ASSERT_EQUAL(0, kind->bytes(&setup) % 8);
 }
 
@@ -120,7 +121,7 @@ static void it_needs_a_block_with_a_column(void)
 {
     setup.named = NULL;
     refused("column", "needs the number of a block");
-    settings.column = 0;
+    all_settings.s.column = 0;
     refused("column", "needs the number of a block");
     record.value[COLUMN_TABLE_EFFICIENCY] = 0.5f; /* and the checksum as it was */
     refused("column", "table that is in order");
@@ -140,9 +141,9 @@ static void mass_fractions_need_molar_masses(void)
     change_record(&record, COLUMN_TABLE_REFLUX_BASIS, 0);
     change_record(&record, mass + COLUMN_TABLE_C_VALUES, 0);
     accepted();
-    settings.basis = BASIS_MASS;
+    all_settings.s.basis = BASIS_MASS;
     refused("basis", "must be mole");
-    settings.basis = BASIS_MASS;
+    all_settings.s.basis = BASIS_MASS;
     accepted();
 }
 
@@ -184,8 +185,8 @@ static void a_temperature_moves_a_component_that_is_integrated_or_none(void)
     temperature_at(T_LOW, 3, 0);
     temperature_at(T_HIGH, 10, 0);
     refused("place", "at least that moves a component");
-    settings.is[T_COMPARED] = IS_PRESSURE; /* whose place counts for nothing */
-    settings.place[T_COMPARED][OF_COMPONENT] = 1;
+    all_settings.s.is[T_COMPARED] = IS_PRESSURE; /* whose place counts for nothing */
+    all_settings.s.place[T_COMPARED][OF_COMPONENT] = 1;
     temperature_at(T_LOW, 3, 0);
     temperature_at(T_HIGH, 10, 0);
     refused("place", "at least that moves a component");
@@ -197,7 +198,7 @@ static void a_temperature_is_not_on_a_truncated_stage_or_on_another_s(void)
     refused("place", "truncated");
     temperature_at(T_HIGH, 3, 1);
     refused("place", "another stage");
-    settings.place[FEED][AT_STAGE] = 12; /* of a flow it counts for nothing */
+    all_settings.s.place[FEED][AT_STAGE] = 12; /* of a flow it counts for nothing */
     temperature_at(FURTHER, 12, 1);
     setup.inputs++;
     accepted();
@@ -211,23 +212,23 @@ static void an_mv_is_no_temperature(void)
 
 static void each_flow_is_there_once(void)
 {
-    settings.is[REFLUX] = IS_FEED;
+    all_settings.s.is[REFLUX] = IS_FEED;
     refused("is", "once");
-    settings.is[T_COMPARED] = IS_PRESSURE;
-    settings.is[REFLUX] = IS_PRESSURE;
+    all_settings.s.is[T_COMPARED] = IS_PRESSURE;
+    all_settings.s.is[REFLUX] = IS_PRESSURE;
     refused("is", "once");
 }
 
 static void flows_are_of_the_kind_that_the_table_has(void)
 {
-    settings.is[HEAT] = IS_BOILUP;
+    all_settings.s.is[HEAT] = IS_BOILUP;
     refused("is", "heat or boilup");
     change_record(&record, COLUMN_TABLE_BOILUP_GIVEN, 1);
     change_record(&record, COLUMN_TABLE_HEAT_LOSS, 0);
     refused("is", "heat or boilup");
-    settings.is[REFLUX] = IS_FEED_QUALITY;
+    all_settings.s.is[REFLUX] = IS_FEED_QUALITY;
     refused("is", "feed's temperature or quality");
-    settings.is[REFLUX] = IS_FEED_TEMPERATURE;
+    all_settings.s.is[REFLUX] = IS_FEED_TEMPERATURE;
     accepted();
     change_record(&record, COLUMN_TABLE_FEED_BASIS, 0);
     change_record(&record, COLUMN_TABLE_FEED_BY, 1);
@@ -237,8 +238,8 @@ static void flows_are_of_the_kind_that_the_table_has(void)
 
 static void only_inputs_that_there_are_count(void)
 {
-    settings.is[FURTHER] = IS_FEED;
-    settings.is[FURTHER + 1] = IS_BOILUP;
+    all_settings.s.is[FURTHER] = IS_FEED;
+    all_settings.s.is[FURTHER + 1] = IS_BOILUP;
     accepted();
     setup.inputs = T_HIGH; /* one temperature alone */
     accepted();
@@ -250,20 +251,20 @@ static void only_inputs_that_there_are_count(void)
 
 static void a_point_of_the_feed_has_no_stage_and_a_component_as_it_needs_one(void)
 {
-    settings.of[BOTTOM_FRACTION] = OF_FEED_FRACTION;
+    all_settings.s.of[BOTTOM_FRACTION] = OF_FEED_FRACTION;
     refused("point", "stage 0");
-    settings.of[BOTTOM_FRACTION] = OF_FEED_FRACTION;
+    all_settings.s.of[BOTTOM_FRACTION] = OF_FEED_FRACTION;
     point_of(BOTTOM_FRACTION, 0, 0);
     refused("point", "not the closing one");
-    settings.of[BOTTOM_FRACTION] = OF_FEED_FRACTION;
+    all_settings.s.of[BOTTOM_FRACTION] = OF_FEED_FRACTION;
     point_of(BOTTOM_FRACTION, 0, 2);
     refused("point", "not the closing one");
-    settings.of[BOTTOM_FRACTION] = OF_FEED_FLOW;
+    all_settings.s.of[BOTTOM_FRACTION] = OF_FEED_FLOW;
     point_of(BOTTOM_FRACTION, 0, 1);
     refused("point", "component 0");
-    settings.of[BOTTOM_FRACTION] = OF_FEED_FRACTION;
+    all_settings.s.of[BOTTOM_FRACTION] = OF_FEED_FRACTION;
     point_of(BOTTOM_FRACTION, 0, 1);
-    settings.of[INNER_TEMPERATURE] = OF_FEED_FLOW;
+    all_settings.s.of[INNER_TEMPERATURE] = OF_FEED_FLOW;
     point_of(INNER_TEMPERATURE, 0, 0);
     accepted();
 }
@@ -286,10 +287,10 @@ static void analysis_at(unsigned k, unsigned stage, unsigned component, float sh
 {
     setup.inputs = (uint8_t)(k + 1);
     setup.input[k] = setup.input[T_LOW];
-    settings.is[k] = IS_ANALYSIS;
-    settings.place[k][AT_STAGE] = (uint16_t)stage;
-    settings.place[k][OF_COMPONENT] = (uint16_t)component;
-    settings.tune[k][TUNE_LAMBDA] = share;
+    all_settings.s.is[k] = IS_ANALYSIS;
+    all_settings.s.place[k][AT_STAGE] = (uint16_t)stage;
+    all_settings.s.place[k][OF_COMPONENT] = (uint16_t)component;
+    all_settings.tune[k][TUNE_LAMBDA] = share;
 }
 
 static void an_analysis_has_a_place_a_share_and_is_no_mv(void)
@@ -326,8 +327,8 @@ static void splitter_with(unsigned method, unsigned covariance)
     PUT_RECORD(&record, splitter_values);
     change_record(&record, COLUMN_TABLE_TRUNCATED, 0);
     change_record(&record, COLUMN_TABLE_TRUNCATED + 1, 0);
-    settings.method = (uint8_t)method;
-    settings.covariance = (uint8_t)covariance;
+    all_settings.s.method = (uint8_t)method;
+    all_settings.s.covariance = (uint8_t)covariance;
 }
 
 static void a_feed_is_found_by_as_many_temperatures_as_it_has_mole_fractions(void)
@@ -340,11 +341,11 @@ static void a_feed_is_found_by_as_many_temperatures_as_it_has_mole_fractions(voi
         refused("feed_z", "must be 0 with fewer temperatures");
         splitter_with(method, COVARIANCE_BAND);
         temperature_at(T_LOW, 3, 0);
-        settings.feed_z = 0;
-        settings.feed_f = 0.1f;
+        all_settings.s.feed_z = 0;
+        all_settings.s.feed_f = 0.1f;
         accepted();
         bench_pilot();
-        settings.method = (uint8_t)method;
+        all_settings.s.method = (uint8_t)method;
         temperature_at(T_LOW, 3, 0); /* of two components one will do */
         accepted();
     }
@@ -362,13 +363,13 @@ static void complete_innovation_needs_all_stages(void)
 
 static void three_analyses_are_refused_with_a_covariance_too(void)
 {
-    settings.method = METHOD_EKF;
+    all_settings.s.method = METHOD_EKF;
     for (unsigned k = 0; k < 2; k++)
         analysis_at(FURTHER + k, 12, 1, 0);
     accepted();
     analysis_at(FURTHER + 2, 12, 1, 0);
     refused("is", "two analyses");
-    settings.method = METHOD_KALMAN;
+    all_settings.s.method = METHOD_KALMAN;
     for (unsigned k = 0; k < 6; k++)
         analysis_at(FURTHER + k, 12, 1, 0);
     refused("is", "two analyses");

@@ -29,7 +29,7 @@ static void bench_splitter(void)
     temperature_at(T_HIGH, 36, 1);
     temperature_at(T_COMPARED, 19, 0);
     for (unsigned k = FEED; k <= REFLUX; k++) {
-        settings.si[k][UNIT_FACTOR] = 0;
+        all_settings.s.si[k][UNIT_FACTOR] = 0;
         setup.input[k] = (struct block_signal){0, 2 * nominal[k - FEED], k == HEAT};
         put(k, nominal[k - FEED]);
     }
@@ -69,15 +69,16 @@ static void draws_as_said(void)
     for (uint8_t k = 0; k < c->sensors; k++) {
         unsigned input_of = before.sensor[k].input;
         real_t lambda =
-            (settings.tune[input_of][TUNE_LAMBDA] > 0 ? settings.tune[input_of][0] : 10);
-        real_t zeta = settings.tune[input_of][TUNE_ZETA] > 0 ? settings.tune[input_of][1] : 3;
+            (all_settings.tune[input_of][TUNE_LAMBDA] > 0 ? all_settings.tune[input_of][0] : 10);
+        real_t zeta =
+            all_settings.tune[input_of][TUNE_ZETA] > 0 ? all_settings.tune[input_of][1] : 3;
         lambda /= 3600;
         real_t e = t[k] - c->column.temperature[before.sensor[k].stage];
-        if (settings.place[input_of][OF_COMPONENT] == 0)
+        if (all_settings.s.place[input_of][OF_COMPONENT] == 0)
             continue;
         pull[pulls++] =
-            (struct column_pull){.stage = settings.place[input_of][AT_STAGE] - 1u,
-                                 .component = settings.place[input_of][OF_COMPONENT] - 1u,
+            (struct column_pull){.stage = all_settings.s.place[input_of][AT_STAGE] - 1u,
+                                 .component = all_settings.s.place[input_of][OF_COMPONENT] - 1u,
                                  .deviation = e,
                                  .gain = 2 * zeta * lambda + h * lambda * lambda,
                                  .rate = lambda * lambda * before.sensor[k].sum};
@@ -110,8 +111,8 @@ static void draws_as_said(void)
 
 static void the_geometric_estimator_draws_within_the_step(void)
 {
-    settings.tune[T_HIGH][TUNE_LAMBDA] = 25;
-    settings.tune[T_HIGH][TUNE_ZETA] = 1.5f;
+    all_settings.tune[T_HIGH][TUNE_LAMBDA] = 25;
+    all_settings.tune[T_HIGH][TUNE_ZETA] = 1.5f;
     everywhere();
     begin();
     draws_as_said();
@@ -153,7 +154,7 @@ static void an_integral_rests_where_its_fraction_is_at_a_limit(void)
 
 static void an_integral_moves_a_temperature_by_so_many_kelvin_in_its_time_at_most(void)
 {
-    settings.tune[T_LOW][TUNE_LAMBDA] = 1;
+    all_settings.tune[T_LOW][TUNE_LAMBDA] = 1;
     begin();
     real_t most = 100 * 3600.0f; /* 100 K in 1/lambda: ki z = 100 lambda */
     for (int n = -1; n <= 1; n += 2) {
@@ -191,9 +192,9 @@ static void filters_as_said(float interval)
     struct composition *c = &block.c;
     bench_pilot();
     everywhere();
-    settings.method = METHOD_REKF;
-    settings.noise = 0.3f;
-    settings.model = 0.2f;
+    all_settings.s.method = METHOD_REKF;
+    all_settings.noise = 0.3f;
+    all_settings.model = 0.2f;
     setup.interval_s = interval;
     begin();
     for (uint8_t k = 0; k < c->sensors; k++) {
@@ -249,9 +250,9 @@ static void its_variance_grows_as_well_over_very_short_steps(void)
 /* A model that may drift as fast as can be said, readings that are as good as can be said. */
 static void a_variance_is_never_below_nothing(void)
 {
-    settings.method = METHOD_REKF;
-    settings.noise = 0.001f;
-    settings.model = 100;
+    all_settings.s.method = METHOD_REKF;
+    all_settings.noise = 0.001f;
+    all_settings.model = 100;
     setup.interval_s = 60;
     begin();
     for (unsigned n = 0; n < 300; n++) {
@@ -269,7 +270,7 @@ static void a_truncated_temperature_is_between_those_around_it(void)
 {
     for (unsigned mean = 0; mean < 2; mean++) {
         bench_splitter();
-        settings.between = (uint8_t)mean;
+        all_settings.s.between = (uint8_t)mean;
         begin();
         put(T_LOW, truth(1) + 5); /* whatever the step moves */
         step();
@@ -324,10 +325,10 @@ static void any_readings_leave_fractions_within_limits(bool splitter,
         bench_splitter();
     else
         bench_pilot();
-    settings.method = (uint8_t)method;
-    settings.gate = 0;
+    all_settings.s.method = (uint8_t)method;
+    all_settings.gate = 0;
     for (unsigned k = 0; k < FURTHER; k++) {
-        settings.si[k][UNIT_FACTOR] = 0;
+        all_settings.s.si[k][UNIT_FACTOR] = 0;
         setup.input[k] = (struct block_signal){0, k < FEED ? 600.0f : 1e6f, false};
     }
     begin();
@@ -361,8 +362,9 @@ static void at_any_interval_and_gain_it_stays_within_limits(void)
     for (unsigned k = 0; k < 15; k++) {
         setUp();
         setup.interval_s = interval[k / 3];
-        settings.tune[T_LOW][TUNE_LAMBDA] = settings.tune[T_HIGH][TUNE_LAMBDA] = lambda[k % 3];
-        settings.method = (uint8_t)(k % 2);
+        all_settings.tune[T_LOW][TUNE_LAMBDA] = all_settings.tune[T_HIGH][TUNE_LAMBDA] =
+            lambda[k % 3];
+        all_settings.s.method = (uint8_t)(k % 2);
         begin();
         for (unsigned n = 0; n < 100; n++) {
             put(T_LOW, n % 20 < 10 ? 320 : 400);

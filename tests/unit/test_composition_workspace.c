@@ -62,13 +62,13 @@ static void one_that_is_too_small_is_left_to_others(void)
 {
     for (unsigned i = 0; i < FILTER_WAYS; i++) {
         way_begins(i);
-        workspace_of(composition_job_bytes(settings.covariance, 12, 1, 1) - 1u);
+        workspace_of(composition_job_bytes(all_settings.s.covariance, 12, 1, 1) - 1u);
         begin_both();
         run(30);
         says_that_it_lacks_it();
         TEST_ASSERT_EQUAL(ERR_OK, start_up_leases());
         way_begins(i);
-        workspace_of(composition_job_bytes(settings.covariance, 12, 1, 1));
+        workspace_of(composition_job_bytes(all_settings.s.covariance, 12, 1, 1));
         begin_both(); /* and one that is just large enough is used to its end */
         run(200);
         TEST_ASSERT_TRUE(has_gains());
@@ -174,11 +174,11 @@ static void given_back_in_the_midst_of_a_job_it_is_free_when_the_job_is_over(voi
 {
     for (unsigned i = 0; i < FILTER_WAYS; i++) {
         const char *name = way_begins(i);
-        settings.cycle_s = 100;
+        all_settings.s.cycle_s = 100;
         begin_both();
         run(40);
         if (filter_ways[i].covariance == COVARIANCE_STEADY) { /* has given it back by itself */
-            settings.noise = 0.3f;
+            all_settings.noise = 0.3f;
             retune_filter();
         }
         to_a_job();
@@ -209,11 +209,11 @@ static void an_order_that_was_given_up_half_way_goes_on(void)
         const char *name = way_begins(i);
         if (filter_ways[i].covariance == COVARIANCE_STEADY)
             continue;
-        settings.cycle_s = 100;
+        all_settings.s.cycle_s = 100;
         static real_t gains[16];
         for (unsigned given_up = 0; given_up < 2; given_up++) {
             way_begins(i);
-            settings.cycle_s = 100;
+            all_settings.s.cycle_s = 100;
             begin_both();
             ticks(30);
             to_a_job();
@@ -241,7 +241,7 @@ static void a_filter_that_did_not_step_for_a_while_leaves_alone_what_is_anothers
 {
     for (unsigned i = 0; i < FILTER_WAYS; i++) {
         const char *name = way_begins(i);
-        settings.cycle_s = 100;
+        all_settings.s.cycle_s = 100;
         begin_both();
         run(35);
         struct composition_job *job = workspace.memory;

@@ -39,7 +39,7 @@ struct bench {
     const struct course *course;
     double begins_h;
     struct column_record model, column;
-    struct composition_settings settings;
+    struct composition_record all;
     struct block_setup setup;
     struct composition_block plant, *block;
     struct block_io io;
@@ -117,7 +117,7 @@ static void read_table(const char *path, struct column_record *r)
 
 /* ---- the block ---- */
 
-static void put_initial(struct composition_settings *s, const struct block_parameter *p)
+static void put_initial(struct composition_record *s, const struct block_parameter *p)
 {
     uint8_t *at = (uint8_t *)s + p->offset;
     for (unsigned i = 0; i < (unsigned)p->rows * p->cols; i++) {
@@ -134,7 +134,7 @@ static void put_initial(struct composition_settings *s, const struct block_param
 static unsigned add_input(struct bench *b, enum composition_input is, double most)
 {
     unsigned k = b->setup.inputs++;
-    b->settings.is[k] = (uint8_t)is;
+    b->all.s.is[k] = (uint8_t)is;
     b->setup.input[k] = (struct block_signal){0, (float)most, false};
     return k;
 }
@@ -228,17 +228,17 @@ static void configure(struct bench *b)
     const struct course *course = b->course;
     struct block_fault fault;
     unsigned stages = (unsigned)value_of(b, COLUMN_TABLE_N_STAGES);
-    b->settings.method = METHOD_GEOMETRIC;
-    b->settings.column = 2;
-    b->settings.point[TOP][AT_STAGE] = (uint16_t)stages;
-    b->settings.point[TOP][OF_COMPONENT] = 2;
-    b->settings.point[BOTTOM][AT_STAGE] = b->settings.point[BOTTOM][OF_COMPONENT] = 1;
+    b->all.s.method = METHOD_GEOMETRIC;
+    b->all.s.column = 2;
+    b->all.s.point[TOP][AT_STAGE] = (uint16_t)stages;
+    b->all.s.point[TOP][OF_COMPONENT] = 2;
+    b->all.s.point[BOTTOM][AT_STAGE] = b->all.s.point[BOTTOM][OF_COMPONENT] = 1;
     b->setup.points = ENDS;
     b->setup.point[TOP] = b->setup.point[BOTTOM] = (struct block_signal){0, 1, false};
     for (unsigned k = 0; k < SENSORS; k++) {
         (void)add_input(b, IS_TEMPERATURE, 600);
-        b->settings.place[k][AT_STAGE] = (uint16_t)(k + 2);
-        b->settings.place[k][OF_COMPONENT] = 1;
+        b->all.s.place[k][AT_STAGE] = (uint16_t)(k + 2);
+        b->all.s.place[k][OF_COMPONENT] = 1;
     }
     b->setup.named = &b->column;
     if (composition_kind.check(&b->setup, &fault) ||
@@ -247,14 +247,14 @@ static void configure(struct bench *b)
     evaluate(b);
     place_thermometers(b);
     for (unsigned k = 0; k < SENSORS; k++)
-        b->settings.place[k][AT_STAGE] = (uint16_t)b->stage[k];
+        b->all.s.place[k][AT_STAGE] = (uint16_t)b->stage[k];
     b->reflux = add_input(b, IS_REFLUX, 4 * value_of(b, COLUMN_TABLE_REFLUX));
     b->heat = add_input(b, IS_HEAT, 4 * value_of(b, COLUMN_TABLE_HEAT));
     if (course->has_meter)
         b->feed = add_input(b, IS_FEED, 4 * value_of(b, COLUMN_TABLE_FEED));
     if (course->has_pressure)
         b->pressure = add_input(b, IS_PRESSURE, 2 * value_of(b, COLUMN_TABLE_PRESSURE));
-    b->settings.method = METHOD_EKF;
+    b->all.s.method = METHOD_EKF;
     b->setup.named = &b->model;
     if (composition_kind.check(&b->setup, &fault))
         fail(fault.field, fault.wanted);
@@ -382,8 +382,8 @@ static void begin(struct bench *b, const struct column_record *table, const stru
         b->column.value[COLUMN_TABLE_EFFICIENCY] *= (float)course->efficiency;
     seal(&b->column);
     for (unsigned i = 0; i < composition_kind.parameters; i++)
-        put_initial(&b->settings, &composition_kind.parameter[i]);
-    b->setup.settings = &b->settings;
+        put_initial(&b->all, &composition_kind.parameter[i]);
+    b->setup.settings = &b->all;
     b->setup.interval_s = (float)TICK_S;
     b->io.input = b->input;
     b->io.quality = b->quality;
