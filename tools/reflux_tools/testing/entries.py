@@ -192,7 +192,8 @@ def campaign_tests() -> list[Test]:
     files = sorted(CAMPAIGNS.glob("*.toml"))
     if not files:
         raise RunFailed("tests/campaign has no campaign")
-    wanted = (needs("host", *HOST, *LIBRARIES, "endurance", "endurance_kalman")
-              | needs("host-fixed", "endurance", "libreflux_board"))
+    both = ("endurance", "self_tuner", "feedforward_tuner")
+    wanted = (needs("host", *HOST, *LIBRARIES, *both, "endurance_kalman", "composition_campaign")
+              | needs("host-fixed", *both, "libreflux_board"))
     return [Test(f"campaign.{path.stem}", [str(ROOT / "tools" / "campaign"), path.stem, "--fraction", f"{CAMPAIGN_SHARE:g}", "--check",
                                            "--no-build", "--jobs", "1"], ["campaign"], wanted, {"TIMEOUT": HANG_S}) for path in files]
