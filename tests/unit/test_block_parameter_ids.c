@@ -1,8 +1,8 @@
-/* What a stored set says of a block: the ids of its parameters, their types and shapes, and the numbers behind their words. A set
- * that was saved years ago holds these numbers, so that none of them ever means something else.
+/* What a stored set says of a block: the ids of its parameters, their types and shapes, lowest and highest value, default, and the
+ * numbers behind their words. A set that was saved years ago holds these numbers, so that none of them ever means something else.
  *
  * Kept in reference/block_parameter_ids.txt; how it is made anew: support/kept_transcript.h. What may change there are lines and
- * words that are added. */
+ * words that are added, wider ranges, and defaults for a reason. */
 #include "block/block.h"
 #include "kept_transcript.h"
 #include "unity.h"
@@ -20,7 +20,8 @@ static void a_parameter_of_a_block_keeps_its_id_its_shape_and_its_words(void)
         kept_line("# %s", kind->name);
         for (unsigned i = 0; i < kind->parameters; i++) {
             const struct block_parameter *p = &kind->parameter[i];
-            kept_line("%u %s %s %u x %u%s%s", p->id, p->name, types[p->type], p->rows, p->cols,
+            kept_line("%u %s %s %u x %u %g %g %g%s%s", p->id, p->name, types[p->type], p->rows,
+                      p->cols, (double)p->lo, (double)p->hi, (double)p->initial,
                       p->type == BLOCK_WORD ? " " : "", p->type == BLOCK_WORD ? p->unit : "");
         }
     }

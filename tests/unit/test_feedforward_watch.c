@@ -472,6 +472,22 @@ static void only_a_loop_that_somebody_has_asked_for_is_moved_while_the_disturban
         }
 }
 
+static void the_model_is_not_reset_while_it_is_computed_with(void)
+{
+    static struct tune_settings s;
+    struct block_setup setup;
+    for (unsigned k = 0; k < 3; k++) {
+        struct tune *of = begin_block(&setup, &s);
+        const char *says = NULL;
+        of->computing = k == 1;
+        of->free = k != 2;
+        for (unsigned v = 0; v < feedforward_tune_kind.verbs; v++)
+            if (strcmp(feedforward_tune_kind.verb[v].name, "reset") == 0)
+                says = feedforward_tune_kind.verb[v].run(of, NULL);
+        TEST_ASSERT_EQUAL_STRING(k ? "computes" : NULL, says);
+    }
+}
+
 static void a_disturbance_that_moves_in_this_stage_does_not_stand_still(void)
 {
     static struct tune_settings s;
@@ -544,5 +560,6 @@ int main(void)
     RUN_TEST(a_step_that_was_too_small_is_told_with_one_that_is_not);
     RUN_TEST(a_disturbance_rests_when_a_tenth_of_its_squares_is_left);
     RUN_TEST(only_a_loop_that_somebody_has_asked_for_is_moved_while_the_disturbance_rests);
+    RUN_TEST(the_model_is_not_reset_while_it_is_computed_with);
     return UNITY_END();
 }

@@ -180,6 +180,34 @@ static void a_test_lasts_the_time_of_its_setting_and_ten_steps_at_least(void)
     }
 }
 
+static void a_state_has_a_whole_number_of_places_of_eight_bytes(void)
+{
+    begin(0.1, 0.05, 0.05, 0.1);
+    for (unsigned loops = 1; loops <= LOOPS; loops++)
+        for (unsigned nb = 1; nb <= 4; nb++) {
+            setup.members = setup.inputs = (uint8_t)loops;
+            settings.nb = (uint16_t)nb;
+            TEST_ASSERT_EQUAL(0, gmv_kind.bytes(&setup) % 8);
+            TEST_ASSERT_TRUE(gmv_kind.bytes(&setup) >= sizeof(struct gmv_block));
+        }
+}
+
+static void a_weight_is_on_the_mv_or_on_its_move(void)
+{
+    static const struct {
+        uint8_t word, weight;
+    } rows[] = {{GMV_WORD_DELTA, GMV_WEIGHT_DELTA},
+                {GMV_WORD_SCALAR, GMV_WEIGHT_SCALAR},
+                {GMV_WORD_RELATIVE, GMV_WEIGHT_DELTA}};
+    begin(0.1, 0.05, 0.05, 0.1);
+    for (unsigned k = 0; k < 3; k++) {
+        struct gmv_config c;
+        settings.weight = rows[k].word;
+        gmv_config_of(&setup, &c);
+        TEST_ASSERT_EQUAL(rows[k].weight, c.shape.weight);
+    }
+}
+
 static void at_rest_no_mv_moves_when_the_law_takes_over(void)
 {
     begin(0.1, 0.05, 0.05, 0.1);
@@ -358,6 +386,8 @@ int main(void)
     UNITY_BEGIN();
     RUN_TEST(both_pvs_come_to_their_setpoints);
     RUN_TEST(a_test_lasts_the_time_of_its_setting_and_ten_steps_at_least);
+    RUN_TEST(a_state_has_a_whole_number_of_places_of_eight_bytes);
+    RUN_TEST(a_weight_is_on_the_mv_or_on_its_move);
     RUN_TEST(at_rest_no_mv_moves_when_the_law_takes_over);
     RUN_TEST(a_limit_of_one_mv_leaves_the_other_loop_at_its_setpoint_and_is_forgotten_when_it_ends);
     RUN_TEST(two_loops_that_begin_alike_go_on_alike);

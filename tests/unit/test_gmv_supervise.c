@@ -160,6 +160,19 @@ static void numbers_that_are_none_are_not_adopted(void)
     refused_for(GMV_REFUSED_PI);
 }
 
+static void without_a_trial_nothing_is_adopted_however_long_the_test(void)
+{
+    for (unsigned k = 0; k < TUNE + 3 * CHECK; k++) {
+        seen.moved[0] = seen.moved[0] > 0 ? -0.001f : 0.001f;
+        (void)gmv_supervise_look(&s, &seen);
+        (void)gmv_supervise_judge(&s, &seen, &came);
+        TEST_ASSERT_EQUAL(GMV_TUNING, s.state);
+    }
+    came.tried = true;
+    (void)gmv_supervise_judge(&s, &seen, &came);
+    TEST_ASSERT_EQUAL(GMV_SELF_TUNING, s.state);
+}
+
 static void after_a_refusal_it_is_tried_again_and_adopted_when_it_passes(void)
 {
     came.error[0] = 0.03f;
@@ -609,6 +622,7 @@ int main(void)
     RUN_TEST(a_law_that_saves_less_than_it_must_of_the_pis_error_is_not_adopted);
     RUN_TEST(a_law_that_would_shake_the_mv_for_nothing_at_rest_is_not_adopted);
     RUN_TEST(numbers_that_are_none_are_not_adopted);
+    RUN_TEST(without_a_trial_nothing_is_adopted_however_long_the_test);
     RUN_TEST(after_a_refusal_it_is_tried_again_and_adopted_when_it_passes);
     RUN_TEST(a_loop_that_joins_during_the_test_begins_it_anew);
     RUN_TEST(spoilt_samples_are_no_part_of_the_test);

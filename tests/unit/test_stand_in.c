@@ -333,6 +333,20 @@ static void what_stands_in_is_a_manipulated_variable_or_written_by_a_block(void)
     apply();
 }
 
+static void a_value_that_stands_in_lies_in_the_span(void)
+{
+    struct config_fault fault;
+    struct plan *next = &bench.plan[1 - bench.current];
+    put_all(
+        (const char *const[]){"meas2.fallback", "substitute", "meas2.substitute", "59.9", NULL});
+    TEST_ASSERT_EQUAL(ERR_RANGE, plan_build(next, &bench.config, 1.0f, &fault));
+    TEST_ASSERT_EQUAL_STRING("meas", fault.group);
+    TEST_ASSERT_EQUAL(2, fault.index);
+    TEST_ASSERT_EQUAL_STRING("substitute", fault.field);
+    put("meas2.substitute", "60");
+    apply();
+}
+
 static void of_one_name_the_manipulated_variable_is_meant(void)
 {
     put_all((const char *const[]){"meas5.name", "heat", "meas1.infer", "heat", NULL});
@@ -393,6 +407,7 @@ int main(void)
     RUN_TEST(a_stand_in_is_that_of_the_tick_before_whichever_block_comes_first);
     RUN_TEST(two_that_stand_in_for_each_other_do_not_live_on_each_other);
     RUN_TEST(what_stands_in_is_a_manipulated_variable_or_written_by_a_block);
+    RUN_TEST(a_value_that_stands_in_lies_in_the_span);
     RUN_TEST(of_one_name_the_manipulated_variable_is_meant);
     RUN_TEST(a_point_comes_in_every_tick);
     RUN_TEST(an_analyser_that_stops_is_bridged_by_the_estimate);
