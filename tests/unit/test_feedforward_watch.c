@@ -472,6 +472,28 @@ static void only_a_loop_that_somebody_has_asked_for_is_moved_while_the_disturban
         }
 }
 
+/* Rows: of MV or setpoint, of the disturbance. */
+static void orders_are_those_of_their_rows(void)
+{
+    struct high_order_shape shape[2];
+    struct tune_settings s = {.method = TUNE_SENSITIVITY, .order = {{2, 3, 1}, {4, 5, 6}}};
+    tune_shapes(&s, shape);
+    for (unsigned k = 0; k < 2; k++) {
+        TEST_ASSERT_EQUAL(1, shape[k].inputs);
+        TEST_ASSERT_EQUAL(s.order[k][0], shape[k].na);
+        TEST_ASSERT_EQUAL(s.order[k][1], shape[k].nb[0]);
+        TEST_ASSERT_EQUAL(s.order[k][2], shape[k].delay[0]);
+    }
+    s.method = TUNE_JOINT;
+    tune_shapes(&s, shape);
+    TEST_ASSERT_EQUAL(2, shape[1].inputs);
+    TEST_ASSERT_EQUAL(2, shape[1].na); /* one for both: the first row's */
+    for (unsigned j = 0; j < 2; j++) {
+        TEST_ASSERT_EQUAL(s.order[j][1], shape[1].nb[j]);
+        TEST_ASSERT_EQUAL(s.order[j][2], shape[1].delay[j]);
+    }
+}
+
 static void the_model_is_not_reset_while_it_is_computed_with(void)
 {
     static struct tune_settings s;
@@ -561,5 +583,6 @@ int main(void)
     RUN_TEST(a_disturbance_rests_when_a_tenth_of_its_squares_is_left);
     RUN_TEST(only_a_loop_that_somebody_has_asked_for_is_moved_while_the_disturbance_rests);
     RUN_TEST(the_model_is_not_reset_while_it_is_computed_with);
+    RUN_TEST(orders_are_those_of_their_rows);
     return UNITY_END();
 }

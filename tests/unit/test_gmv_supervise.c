@@ -374,6 +374,14 @@ static void the_third_time_within_a_day_is_for_good(void)
     TEST_ASSERT_TRUE(lose_it_once() & GMV_WISH_GIVE_UP);
 }
 
+static void so_is_the_third_time_within_any_later_day(void)
+{
+    (void)steps(2500);
+    TEST_ASSERT_FALSE(lose_it_once() & GMV_WISH_GIVE_UP);
+    TEST_ASSERT_FALSE(lose_it_once() & GMV_WISH_GIVE_UP);
+    TEST_ASSERT_TRUE(lose_it_once() & GMV_WISH_GIVE_UP);
+}
+
 static void what_lies_more_than_a_day_back_does_not_count(void)
 {
     (void)lose_it_once();
@@ -640,6 +648,7 @@ int main(void)
     RUN_TEST(a_law_that_does_worse_than_the_pi_before_it_is_given_up_with_its_moves);
     RUN_TEST(an_alarm_stands_until_the_law_computes_again);
     RUN_TEST(the_third_time_within_a_day_is_for_good);
+    RUN_TEST(so_is_the_third_time_within_any_later_day);
     RUN_TEST(what_lies_more_than_a_day_back_does_not_count);
     RUN_TEST(with_no_tries_it_never_gives_up_for_good);
     RUN_TEST(a_loop_that_comes_without_a_tried_model_sends_both_back_to_tuning);

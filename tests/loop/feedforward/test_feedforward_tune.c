@@ -328,6 +328,8 @@ static void while_the_disturbance_rests_no_test_signal_moves_the_loop(void)
     printf("at rest: mean square %.5f\n", at_rest);
     TEST_ASSERT_EQUAL(RUNS, tune_value("stage"));
     TEST_ASSERT_TRUE(at_rest < 0.0012);
+    ask_ok("alarm");
+    TEST_ASSERT_FALSE(said("block1.sensor")); /* both readings were there all the time */
 }
 
 /* Its gain is twice as large from before the test on, at the other end of the disturbance path. */
