@@ -8,6 +8,7 @@
 
 #include "adapt/gmv_block.h"
 #include "adapt/gmv_kind.h"
+#include "block_defaults.h"
 
 #define GMV_BENCH_DEPTH  64
 #define GMV_BENCH_INPUTS (GMV_LOOPS + GMV_DISTURBANCES)
@@ -28,28 +29,6 @@ struct gmv_block_bench {
     alignas(8) char state[16384];
     bool followed;
 };
-
-static inline void gmv_bench_put(struct gmv_settings *s, const struct block_parameter *p,
-                                 unsigned i, float value)
-{
-    char *at = (char *)s + p->offset;
-    if (p->type == BLOCK_FLOAT)
-        ((float *)(void *)at)[i] = value;
-    else if (p->type == BLOCK_U16)
-        ((uint16_t *)(void *)at)[i] = (uint16_t)value;
-    else
-        ((uint8_t *)at)[i] = (uint8_t)value;
-}
-
-static inline void gmv_bench_defaults(struct gmv_settings *s)
-{
-    memset(s, 0, sizeof *s);
-    for (unsigned k = 0; k < gmv_kind.parameters; k++) {
-        const struct block_parameter *p = &gmv_kind.parameter[k];
-        for (unsigned i = 0; i < (unsigned)p->rows * p->cols; i++)
-            gmv_bench_put(s, p, i, p->initial);
-    }
-}
 
 static inline const struct gmv_block *gmv_bench_block(const struct gmv_block_bench *b)
 {

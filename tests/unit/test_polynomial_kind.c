@@ -144,30 +144,17 @@ static void four_loops_and_eight_coefficients_are_added_up(void)
     }
 }
 
-static void of_a_long_period_the_past_moves_once_a_period(void)
+/* Controllers move in the sixth tick of a period of twelve, after less than a period of rest: it ends by count. In one tick settings are
+ * taken anew. */
+static void course_of_a_long_period(unsigned ticks, unsigned retuned_in)
 {
     static const double low[2] = {0.2, 0.1}, high[2] = {0.6, 0.3};
     setup.interval_s = 10;
     settings.period_s = 120;
     begin_at(made_of(0, low, low), made_of(1, low, low));
-    for (unsigned t = 0; t < 36; t++) {
-        /* They moved in its sixth tick, after less than a period of rest: it ends by count. */
+    for (unsigned t = 0; t < ticks; t++) {
         const double *now = t < 5 ? low : high, *before = t < 12 ? low : high;
-        stepped(now[0], now[1]);
-        assert_out(made_of(0, now, before), made_of(1, now, before));
-        told(0, 0);
-    }
-}
-
-static void a_change_of_settings_amid_a_period_leaves_its_end_where_it_is(void)
-{
-    static const double low[2] = {0.2, 0.1}, high[2] = {0.6, 0.3};
-    setup.interval_s = 10;
-    settings.period_s = 120;
-    begin_at(made_of(0, low, low), made_of(1, low, low));
-    for (unsigned t = 0; t < 24; t++) {
-        const double *now = t < 5 ? low : high, *before = t < 12 ? low : high;
-        if (t == 8) {
+        if (t == retuned_in) {
             configure(true);
             io.going_on = 3;
             put_in(made_of(0, now, before), made_of(1, now, before));
@@ -177,6 +164,16 @@ static void a_change_of_settings_amid_a_period_leaves_its_end_where_it_is(void)
         assert_out(made_of(0, now, before), made_of(1, now, before));
         told(0, 0);
     }
+}
+
+static void of_a_long_period_the_past_moves_once_a_period(void)
+{
+    course_of_a_long_period(36, 36);
+}
+
+static void a_change_of_settings_amid_a_period_leaves_its_end_where_it_is(void)
+{
+    course_of_a_long_period(24, 8);
 }
 
 /* Controllers of the same period that move in its fourth tick: the past has to move when they do. */

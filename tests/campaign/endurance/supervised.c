@@ -15,7 +15,7 @@ static struct gmv_block_bench bench;
 static bool bench_begin(enum course course)
 {
     bool stiff = course == COURSE_STIFF;
-    gmv_bench_defaults(&bench.settings);
+    block_put_defaults(&bench.settings, &gmv_kind);
     bench.settings.tune_gain[0] = 1;
     if (stiff) {
         bench.settings.form = GMV_POSITIONAL;

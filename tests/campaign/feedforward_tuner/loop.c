@@ -3,6 +3,8 @@
 #include <math.h>
 #include <string.h>
 
+#include "block_defaults.h"
+
 #define SIZE 0.05 /* of the disturbance, fraction of span */
 
 static double normal(struct random_source *r)
@@ -42,23 +44,6 @@ static void move_disturbance(struct loop *l)
 
 /* ---- the block ---- */
 
-static void take_defaults(struct tune_settings *s)
-{
-    memset(s, 0, sizeof *s);
-    for (unsigned k = 0; k < feedforward_tune_kind.parameters; k++) {
-        const struct block_parameter *p = &feedforward_tune_kind.parameter[k];
-        for (unsigned i = 0; i < (unsigned)p->rows * p->cols; i++) {
-            char *at = (char *)s + p->offset;
-            if (p->type == BLOCK_FLOAT)
-                ((float *)(void *)at)[i] = p->initial;
-            else if (p->type == BLOCK_U16)
-                ((uint16_t *)(void *)at)[i] = (uint16_t)p->initial;
-            else
-                ((uint8_t *)at)[i] = (uint8_t)p->initial;
-        }
-    }
-}
-
 const struct tune *loop_block(const struct loop *l)
 {
     return (const struct tune *)(const void *)l->state;
@@ -84,7 +69,7 @@ bool loop_begin(struct loop *l, const struct loop_case *of, uint64_t seed)
     l->telegraph = 1;
     l->moves = true;
     tune_pi(l);
-    take_defaults(&l->settings);
+    block_put_defaults(&l->settings, &feedforward_tune_kind);
     struct tune_settings *s = &l->settings;
     s->method = of->method;
     s->gain = (float)l->gain;

@@ -16,6 +16,7 @@
 #define WEEK    (168u * HOUR)
 #define WINDOW  (6u * HOUR)
 #define SEEDS   6u
+#define CHECK_S 1200 /* `check` */
 #define METHODS 4u
 #define WORST                                                                                      \
     1.1 /* times the squares under feedback alone, where the sensor of the disturbance has no noise */
@@ -25,46 +26,47 @@ static bool missed;
 
 /* Classes of plants: lags and dead times in seconds, gains drawn by the seed. */
 static const struct loop_case plants[] = {
-    {"first order", {1.5, 8, 0, 12, false}, {1.5, 5, 0, 8, false}, SQUARE, 0.001, 0, 0.05, 0, 1200},
-    {"slower path",
-     {0.8, 15, 0, 5, false},
-     {0.6, 30, 0, 10, false},
-     TELEGRAPH,
-     0.001,
-     0,
-     0.05,
-     0,
-     1200},
-    {"second order",
-     {1.2, 20, 8, 6, false},
-     {1, 12, 6, 9, false},
-     COLOURED,
-     0.001,
-     0,
-     0.05,
-     0,
-     1200},
-    {"longer dead time",
-     {1, 10, 4, 16, false},
-     {0.8, 14, 0, 6, false},
-     TELEGRAPH,
-     0.001,
-     0,
-     0.05,
-     0,
-     1200},
-    {"noisy", {1.5, 12, 0, 8, false}, {1.2, 10, 4, 8, false}, SQUARE, 0.005, 0.002, 0.05, 0, 1200},
-    {"lag 40", {2, 40, 0, 6, false}, {1.5, 30, 0, 10, false}, TELEGRAPH, 0.001, 0, 0.05, 0, 1200},
-    {"integrating", {0.03, 1, 0, 6, true}, {0.03, 1, 0, 9, true}, SQUARE, 0.001, 0, 0.05, 0, 1200},
-    {"integrating alone",
-     {0.03, 1, 0, 6, true},
-     {0.5, 20, 0, 9, false},
-     SQUARE,
-     0.001,
-     0,
-     0.05,
-     0,
-     1200},
+    {.name = "first order",
+     .process = {1.5, 8, 0, 12, false},
+     .path = {1.5, 5, 0, 8, false},
+     .disturbance = SQUARE,
+     .noise = 0.001},
+    {.name = "slower path",
+     .process = {0.8, 15, 0, 5, false},
+     .path = {0.6, 30, 0, 10, false},
+     .disturbance = TELEGRAPH,
+     .noise = 0.001},
+    {.name = "second order",
+     .process = {1.2, 20, 8, 6, false},
+     .path = {1, 12, 6, 9, false},
+     .disturbance = COLOURED,
+     .noise = 0.001},
+    {.name = "longer dead time",
+     .process = {1, 10, 4, 16, false},
+     .path = {0.8, 14, 0, 6, false},
+     .disturbance = TELEGRAPH,
+     .noise = 0.001},
+    {.name = "noisy",
+     .process = {1.5, 12, 0, 8, false},
+     .path = {1.2, 10, 4, 8, false},
+     .disturbance = SQUARE,
+     .noise = 0.005,
+     .disturbance_noise = 0.002},
+    {.name = "lag 40",
+     .process = {2, 40, 0, 6, false},
+     .path = {1.5, 30, 0, 10, false},
+     .disturbance = TELEGRAPH,
+     .noise = 0.001},
+    {.name = "integrating",
+     .process = {0.03, 1, 0, 6, true},
+     .path = {0.03, 1, 0, 9, true},
+     .disturbance = SQUARE,
+     .noise = 0.001},
+    {.name = "integrating alone",
+     .process = {0.03, 1, 0, 6, true},
+     .path = {0.5, 20, 0, 9, false},
+     .disturbance = SQUARE,
+     .noise = 0.001},
 };
 #define PLANTS (sizeof plants / sizeof plants[0])
 
@@ -86,6 +88,7 @@ static struct loop_case plant_of(unsigned k, uint64_t seed, unsigned method)
         paths[i]->dead = (unsigned)(paths[i]->dead * drawn(&r, 0.7, 1.4));
     }
     c.method = (uint8_t)method;
+    c.check_s = CHECK_S;
     c.step = method == TUNE_JOINT ? 0.05 : 0.15; /* docs/adaptive-feedforward.md: how large */
     return c;
 }

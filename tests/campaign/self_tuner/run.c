@@ -43,7 +43,7 @@ static bool put_setting(const char *text)
             strncmp(p->name, text, (size_t)(value - text)) != 0)
             continue;
         for (unsigned i = 0; i < (unsigned)p->rows * p->cols; i++)
-            gmv_bench_put(&bench.settings, p, i, strtof(value + 1, NULL));
+            block_put_value(&bench.settings, p, i, strtof(value + 1, NULL));
         return true;
     }
     return false;
@@ -59,7 +59,7 @@ static bool begin(const struct tuner_case *c, const char *const *set, unsigned s
     week.events.state = c->seed ^ 0x5555u;
     plant_begin(&week.block.plant, &c->plant);
     plant_begin(&week.pi.plant, &c->plant);
-    gmv_bench_defaults(&bench.settings);
+    block_put_defaults(&bench.settings, &gmv_kind);
     for (unsigned i = 0; i < loops; i++) {
         bench.settings.tune_gain[i] = c->pi_gain[i];
         bench.settings.tune_ti_s[i] = c->pi_ti_s[i];
