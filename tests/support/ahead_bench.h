@@ -8,6 +8,7 @@
 #include <string.h>
 
 #include "base/channel.h"
+#include "block_defaults.h"
 #include "composition_tables.h"
 #include "control/column_ahead_block.h"
 #include "formats.h"
@@ -40,18 +41,6 @@ static inline struct ahead *block(void)
     return (struct ahead *)(void *)state;
 }
 
-static inline void put_initial(const struct block_parameter *p)
-{
-    uint8_t *at = (uint8_t *)&settings + p->offset;
-    for (unsigned i = 0; i < (unsigned)p->rows * p->cols; i++)
-        if (p->type == BLOCK_FLOAT)
-            memcpy(at + i * sizeof(float), &p->initial, sizeof(float));
-        else if (p->type == BLOCK_U16)
-            memcpy(at + i * sizeof(uint16_t), &(uint16_t){(uint16_t)p->initial}, sizeof(uint16_t));
-        else
-            at[i] = (uint8_t)p->initial;
-}
-
 static inline void input_is(unsigned k, enum ahead_input is, unsigned stage, float factor,
                             struct block_signal signal)
 {
@@ -73,10 +62,8 @@ static inline void loop_is(unsigned i, unsigned stage, unsigned by)
 
 static inline void bench_pilot(void)
 {
-    memset(&settings, 0, sizeof settings);
     memset(&setup, 0, sizeof setup);
-    for (unsigned i = 0; i < kind->parameters; i++)
-        put_initial(&kind->parameter[i]);
+    block_put_defaults(&settings, kind);
     PUT_RECORD(&record, pilot_values);
     setup.settings = &settings;
     setup.named = &record;

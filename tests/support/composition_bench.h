@@ -6,6 +6,7 @@
 #include <math.h>
 
 #include "base/channel.h"
+#include "block_defaults.h"
 #include "composition_tables.h"
 #include "estimate/composition_block.h"
 #include "unity.h"
@@ -25,18 +26,6 @@ static num_t input[BLOCK_INPUTS_MAX], point[BLOCK_POINTS_MAX];
 static uint8_t quality[BLOCK_INPUTS_MAX], point_quality[BLOCK_POINTS_MAX];
 static float event_value[BLOCK_EVENTS_MAX];
 static struct block_io io;
-
-static inline void put_initial(const struct block_parameter *p)
-{
-    uint8_t *at = (uint8_t *)&all_settings + p->offset;
-    for (unsigned i = 0; i < (unsigned)p->rows * p->cols; i++)
-        if (p->type == BLOCK_FLOAT)
-            memcpy(at + i * sizeof(float), &p->initial, sizeof(float));
-        else if (p->type == BLOCK_U16)
-            memcpy(at + i * sizeof(uint16_t), &(uint16_t){(uint16_t)p->initial}, sizeof(uint16_t));
-        else
-            at[i] = (uint8_t)p->initial;
-}
 
 static inline void temperature_at(unsigned k, unsigned stage, unsigned component)
 {
@@ -75,10 +64,8 @@ static inline float given(unsigned k)
 
 static inline void bench_pilot(void)
 {
-    memset(&all_settings, 0, sizeof all_settings);
     memset(&setup, 0, sizeof setup);
-    for (unsigned i = 0; i < composition_kind.parameters; i++)
-        put_initial(&composition_kind.parameter[i]);
+    block_put_defaults(&all_settings, &composition_kind);
     PUT_RECORD(&record, pilot_values);
     setup.settings = &all_settings;
     setup.named = &record;

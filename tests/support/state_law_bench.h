@@ -11,6 +11,7 @@
 
 #include "base/channel.h"
 #include "base/workspace.h"
+#include "block_defaults.h"
 #include "composition_tables.h"
 #include "control/state_law_block.h"
 #include "unity.h"
@@ -37,19 +38,6 @@ static unsigned pieces;
 static inline struct state_law_block *block(void)
 {
     return (struct state_law_block *)(void *)state;
-}
-
-static inline void put_initial(const struct block_parameter *p)
-{
-    uint8_t *at = (uint8_t *)&settings + p->offset;
-    unsigned values = (unsigned)p->rows * p->cols;
-    for (unsigned i = 0; i < values; i++)
-        if (p->type == BLOCK_FLOAT)
-            memcpy(at + i * sizeof(float), &p->initial, sizeof(float));
-        else if (p->type == BLOCK_U16)
-            memcpy(at + i * sizeof(uint16_t), &(uint16_t){(uint16_t)p->initial}, sizeof(uint16_t));
-        else
-            at[i] = (uint8_t)p->initial;
 }
 
 static inline void input_is(enum state_law_input is, unsigned stage, float si,
@@ -125,10 +113,8 @@ static inline void by_feed(void)
 
 static inline void bench_pilot(void)
 {
-    memset(&settings, 0, sizeof settings);
     memset(&setup, 0, sizeof setup);
-    for (unsigned i = 0; i < kind->parameters; i++)
-        put_initial(&kind->parameter[i]);
+    block_put_defaults(&settings, kind);
     PUT_RECORD(&record, pilot_values);
     setup.settings = &settings;
     setup.named = &record;

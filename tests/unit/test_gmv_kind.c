@@ -8,6 +8,7 @@
 #include "adapt/gmv_kind.h"
 #include "adapt/gmv_settings.h"
 #include "base/channel.h"
+#include "block_defaults.h"
 #include "formats.h"
 #include "unity.h"
 
@@ -31,22 +32,6 @@ static float age_s[LOOPS], event_value[BLOCK_EVENTS_MAX];
 static double a, b[LOOPS][LOOPS], y[LOOPS], w[LOOPS], least[LOOPS], most[LOOPS];
 static double given[LOOPS]; /* by the block, before limits */
 
-static void defaults(void)
-{
-    memset(&settings, 0, sizeof settings);
-    for (unsigned k = 0; k < gmv_kind.parameters; k++) {
-        const struct block_parameter *p = &gmv_kind.parameter[k];
-        char *at = (char *)&settings + p->offset;
-        for (unsigned i = 0; i < (unsigned)p->rows * p->cols; i++)
-            if (p->type == BLOCK_FLOAT)
-                memcpy(at + 4 * i, &p->initial, 4);
-            else if (p->type == BLOCK_U16)
-                memcpy(at + 2 * i, &(uint16_t){(uint16_t)p->initial}, 2);
-            else
-                at[i] = (char)p->initial;
-    }
-}
-
 static struct applied_history *ring_of(unsigned j)
 {
     return (struct applied_history *)(void *)ring[j].bytes;
@@ -57,7 +42,7 @@ static void begin(double g11, double g12, double g21, double g22)
 {
     const double g[LOOPS][LOOPS] = {{g11, g12}, {g21, g22}};
     struct block_fault fault;
-    defaults();
+    block_put_defaults(&settings, &gmv_kind);
     a = 0.9;
     settings.nb = 1;
     settings.supervise = 0;

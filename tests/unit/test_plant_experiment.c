@@ -7,6 +7,7 @@
 #include "adapt/plant_model.h"
 #include "base/channel.h"
 #include "base/workspace.h"
+#include "block_defaults.h"
 #include "kotyk_record.h"
 #include "unity.h"
 
@@ -146,19 +147,7 @@ static struct block_fault fault;
 
 static void defaults(void)
 {
-    memset(&settings, 0, sizeof settings);
-    for (unsigned k = 0; k < experiment_kind.parameters; k++) {
-        const struct block_parameter *p = &experiment_kind.parameter[k];
-        char *at = (char *)&settings + p->offset;
-        for (size_t n = 0; n < (size_t)p->rows * p->cols; n++) {
-            if (p->type == BLOCK_FLOAT)
-                memcpy(at + 4 * n, &p->initial, 4);
-            else if (p->type == BLOCK_U16)
-                *(uint16_t *)(void *)(at + 2 * n) = (uint16_t)p->initial;
-            else
-                at[n] = (char)p->initial;
-        }
-    }
+    block_put_defaults(&settings, &experiment_kind);
     setup = (struct block_setup){.settings = &settings, .interval_s = 60, .inputs = 4};
     for (unsigned k = 0; k < 4; k++) {
         setup.input[k] = (struct block_signal){0, 100, k >= 2};

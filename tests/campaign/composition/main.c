@@ -16,6 +16,7 @@
 
 #include "base/channel.h"
 #include "base/workspace.h"
+#include "block_defaults.h"
 #include "courses.h"
 #include "estimate/composition_block.h"
 #include "estimate/composition_job.h"
@@ -116,20 +117,6 @@ static void read_table(const char *path, struct column_record *r)
 }
 
 /* ---- the block ---- */
-
-static void put_initial(struct composition_record *s, const struct block_parameter *p)
-{
-    uint8_t *at = (uint8_t *)s + p->offset;
-    for (unsigned i = 0; i < (unsigned)p->rows * p->cols; i++) {
-        uint16_t whole = (uint16_t)p->initial;
-        if (p->type == BLOCK_FLOAT)
-            memcpy(at + i * sizeof p->initial, &p->initial, sizeof p->initial);
-        else if (p->type == BLOCK_U16)
-            memcpy(at + i * sizeof whole, &whole, sizeof whole);
-        else
-            at[i] = (uint8_t)p->initial;
-    }
-}
 
 static unsigned add_input(struct bench *b, enum composition_input is, double most)
 {
@@ -381,8 +368,7 @@ static void begin(struct bench *b, const struct column_record *table, const stru
     if (course->efficiency > 0)
         b->column.value[COLUMN_TABLE_EFFICIENCY] *= (float)course->efficiency;
     seal(&b->column);
-    for (unsigned i = 0; i < composition_kind.parameters; i++)
-        put_initial(&b->all, &composition_kind.parameter[i]);
+    block_put_defaults(&b->all, &composition_kind);
     b->setup.settings = &b->all;
     b->setup.interval_s = (float)TICK_S;
     b->io.input = b->input;
