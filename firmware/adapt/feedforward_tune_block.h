@@ -249,12 +249,10 @@ bool tune_take(struct tune *t, const struct block_io *io);
 void tune_learn_anew(struct tune *t);
 void tune_learn(struct tune *t);
 void tune_ask_signal(struct tune *t, struct block_io *io);
-/* Whether the disturbance moves; once in each sample. */
+/* Finds whether the disturbance moves. Called once for each sample. */
 void tune_look_at_disturbance(struct tune *t);
 /* It rests, and what the stage is there for needs it to move: nothing is learnt, and no test signal moves the plant. */
 bool tune_waits(const struct tune *t);
-/* A square wave on the setpoint belongs to the stage. */
-bool tune_moves_setpoint(const struct tune *t);
 
 /* ---- work (feedforward_tune_work.c) ---- */
 
@@ -297,7 +295,7 @@ void tune_learn_stage(struct tune *t, enum tune_stage stage);
 void tune_begin(struct tune *t);
 /* Nothing more comes of it. An element that acts is watched on. */
 void tune_end_with(struct tune *t, enum tune_verdict verdict);
-/* How large `step` had to be for what the last identification wanted of it, EU; 0: it was not for want of that. */
+/* Returns the `step` that the last identification lacked, EU; 0: its test signal was large enough, or not the reason. */
 float tune_step_wanted(const struct tune *t);
 /* A mean square so small that nothing moves. */
 bool tune_stands_still(real_t square);

@@ -184,9 +184,9 @@ void tune_learn(struct tune *t)
 
 /* ---- whether there is anything to learn ---- */
 
-/* Of the squares of a disturbance that moves, when less than this part is left it rests. */
+/* A disturbance rests when less than this part of its squares is left. */
 #define AT_REST REAL_C(0.1)
-/* Of `learn`: over which it is looked at; how long it is remembered that it moved more. */
+/* Parts of `learn`: the time over which the disturbance is averaged; the time for which larger moves are remembered. */
 #define OF_LATE    0.125f
 #define REMEMBERED 4.0f
 
@@ -213,7 +213,7 @@ static bool moves_disturbance(const struct tune *t)
            (t->stage == TUNE_DISTURBANCE || t->stage == TUNE_TESTS);
 }
 
-bool tune_moves_setpoint(const struct tune *t)
+static bool moves_setpoint(const struct tune *t)
 {
     return t->s.step > 0 &&
            (t->stage == TUNE_LOOP || (t->stage == TUNE_DISTURBANCE && !tune_is_staged(t)));
@@ -245,7 +245,7 @@ static float fraction_of(float size, const struct block_signal *s)
  * begin again likewise. */
 void tune_ask_signal(struct tune *t, struct block_io *io)
 {
-    bool loop = tune_moves_setpoint(t) && !tune_waits(t);
+    bool loop = moves_setpoint(t) && !tune_waits(t);
     bool disturbance = moves_disturbance(t);
     uint8_t asks = (uint8_t)((loop ? 1u : 0u) | (disturbance ? 2u : 0u)), n = 0;
     bool other = t->asked_signal && t->asks != asks;

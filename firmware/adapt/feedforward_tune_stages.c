@@ -12,7 +12,7 @@
 #define STEP_MORE_MOST  10.0f
 /* In a row, none of which has brought what was promised: then it stays as it is. */
 #define CHANGES_MOST 3u
-/* Of `check`: so long it may do less than half of what was tested. */
+/* An element may do less than half of what was tested for this part of `check`. */
 #define CHANGED_PART 0.5f
 /* Less than this, %, is not worth an element that acts. */
 #define OF_NO_USE 10.0f
@@ -45,8 +45,8 @@ void tune_begin(struct tune *t)
         tune_learn_stage(t, tune_is_staged(t) ? TUNE_LOOP : TUNE_DISTURBANCE);
 }
 
-/* What is in doubt, or still changes, does so in proportion to what else moves the PV, over the test signal. A response that is not there
- * at all tells nothing: then twice as much. */
+/* Doubt and change of a response grow with what else moves the PV and shrink with the test signal. A response that is not there at all
+ * tells nothing: then twice as much is asked for. */
 float tune_step_wanted(const struct tune *t)
 {
     float times = STEP_MORE_LEAST;
@@ -197,7 +197,7 @@ static void switch_off(struct tune *t, bool again)
     t->computing = t->reading = false;
     tune_stage_begins(t, TUNE_IDLE);
     t->again = again;
-    t->by_itself = true;
+    t->by_itself = true; /* what follows */
 }
 
 /* It does less than half of what was tested. Under a test signal on the setpoint nothing is watched: so that it may not act then. */
@@ -212,13 +212,14 @@ static void no_longer_does_it(struct tune *t)
     t->tells |= 1u << TUNE_SAYS_CHANGED;
     t->changed_to = tune_improvement(t);
     t->changes = (uint8_t)(t->changes + anew);
-    t->by_itself = true;
     if (off && !anew)
         t->verdict = t->told_verdict = TUNE_NO_BETTER;
-    if (off)
+    if (off) {
         switch_off(t, anew);
-    else
+    } else {
+        t->by_itself = true;
         tune_begin(t);
+    }
 }
 
 static void running_on(struct tune *t)

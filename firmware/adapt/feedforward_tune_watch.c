@@ -14,7 +14,7 @@
     REAL_C(0.1)       /* of the mean square of d while it was learnt; below, a part tells nothing */
 #define TEST_MOST  4u /* times `check`, then it is untested */
 #define WORSE_THAN REAL_C(1.1) /* times the squares without it */
-/* Of the squares that were tested: where there is less an element need do nothing. */
+/* An element need do nothing where there is less than this part of the squares that were tested. */
 #define LITTLE     REAL_C(0.25)
 #define WATCH_PART REAL_C(0.25) /* of `check`: memory of the watch */
 
@@ -58,7 +58,7 @@ static real_t candidate_adds(struct tune *t)
     return f->k * t->lead_lag;
 }
 
-/* Of the loop's own: what it takes to forget. Closed, it is faster than the process by 1 + K gain: also one that integrates forgets. */
+/* Returns the samples in which the closed loop forgets. It is faster than the process by 1 + K gain, so one that integrates forgets, too. */
 static uint32_t forgets_in(const struct tune *t)
 {
     real_t of_loop = t->model.is.gain * t->s.gain;
