@@ -15,7 +15,7 @@
 
 #define GMV_LOOPS        2
 #define GMV_DISTURBANCES 2
-#define GMV_TERMS_MAX    4  /* na, nb */
+#define GMV_TERMS_MAX    5  /* na, nb */
 #define GMV_NOISE_MAX    2  /* nc */
 #define GMV_DELAY_MAX    8  /* k_ij, steps */
 #define GMV_AVERAGE_MAX  8  /* steps of the data filter */
@@ -32,7 +32,7 @@ enum gmv_bias { GMV_BIAS_ONE, GMV_BIAS_RESIDUALS, GMV_BIAS_NONE, GMV_BIAS_ERROR 
 struct gmv_shape {
     uint8_t loops;                   /* 1 or 2 */
     uint8_t form, way, weight, bias; /* enums above */
-    uint8_t na, nb, nc; /* terms of y, of each u, of past predictions: 1..4, 1..4, 0..2 */
+    uint8_t na, nb, nc; /* terms of y, of each u, of past predictions: 1..5, 1..5, 0..2 */
     /* k_ij, steps from MV j to PV i; 0: u_j is not in loop i's model. 1 <= k_ii <= k_ij <= GMV_DELAY_MAX */
     uint8_t delay[GMV_LOOPS][GMV_LOOPS];
     uint8_t disturbances;      /* 0..GMV_DISTURBANCES */
@@ -43,7 +43,8 @@ struct gmv_shape {
 struct gmv_config {
     struct gmv_shape shape;
     float interval_s;
-    float tau_p_s[GMV_LOOPS], tau_r_s[GMV_LOOPS]; /* time constants of P and R, s; 0: none */
+    /* Time constants of P and R, s; 0: none. R below 0: it is P, so that setpoint and PV weigh the same. */
+    float tau_p_s[GMV_LOOPS], tau_r_s[GMV_LOOPS];
     float lambda[GMV_LOOPS]; /* PV span per MV span, with the sign of the loop's own g0; 0: none */
     float determinant;       /* less, and the loops are solved one by one, (0, 1) */
     float p0, p0_u;          /* diagonal of P(0), p0_u for the terms of the MVs */

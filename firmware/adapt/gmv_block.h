@@ -6,14 +6,14 @@
 
 #if CONFIG_BLOCKS
 
-#include "adapt/gmv_trial.h"
+#include "adapt/gmv_detune.h"
 #include "control/pid.h"
 
 struct gmv_block {
     struct gmv_supervise watch;
     struct pid pi[GMV_LOOPS];
     uint8_t loops, disturbances;
-    float lambda[GMV_LOOPS];
+    float lambda[GMV_LOOPS], times, detune; /* as set; times which it is in use; the most of that */
     bool relative;
     float margin, excite;
     struct gmv_trial_pi trial_pi[GMV_LOOPS];
@@ -34,8 +34,9 @@ struct gmv_block {
     uint8_t proposed; /* values that are in the settings */
     float adopted[GMV_LOOPS][GMV_PARAMETERS];
     bool on_trial,
-        trial_wanted;       /* what is worked on will be looked at; another trial is to begin */
-    struct gmv_trial trial; /* the work's own while it is wanted */
+        trial_wanted;         /* what is worked on will be looked at; another trial is to begin */
+    struct gmv_trial trial;   /* the work's own while it is wanted */
+    struct gmv_detune search; /* likewise */
 };
 
 static inline struct gmv *gmv_of(struct gmv_block *s)
@@ -52,7 +53,7 @@ static inline const struct gmv *gmv_of_const(const struct gmv_block *s)
 
 /* g_ii,0 of the law with the parameters in use. */
 float gmv_own_gain(const struct gmv *g, unsigned i);
-/* lambda as a multiple of it, where the settings want that. */
+/* lambda as a multiple of it, where the settings want that, and as much larger as a trial has found. */
 void gmv_set_weights(struct gmv_block *s);
 /* What came of the last outputs shows where the limits are: an MV that was asked to move and did not is at one. */
 void gmv_learn_limits(struct gmv_block *s, const struct gmv_sample *sample);

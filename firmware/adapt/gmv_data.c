@@ -49,26 +49,31 @@ static void regressor(const struct gmv *g, const struct gmv_sample *s, unsigned 
         *phi = shape->bias == GMV_BIAS_ONE ? num_one() : gmv_ago(g, &g->residual[i], steps);
 }
 
-/* P x, of a signal as the form takes it; in the explicit way the regression has no P. */
-static num_t weighted(const struct gmv *g, unsigned i, unsigned steps)
+/* P of loop i, of a signal that was `before` a step ago. */
+static num_t weighed(const struct gmv *g, unsigned i, num_t now, num_t before)
+{
+    return num_mul(g->p_scale[i], num_sub(now, num_mul(g->p[i], before)));
+}
+
+/* P y as the form takes y; in the explicit way the regression has no P. */
+static num_t regressed(const struct gmv *g, unsigned i, unsigned steps)
 {
     unsigned k = gmv_horizon(&g->shape, i);
     num_t now = gmv_taken(g, &g->y[i], steps, k);
     if (g->shape.way == GMV_EXPLICIT)
         return now;
-    num_t before = gmv_taken(g, &g->y[i], steps + 1u, k);
-    return num_mul(g->p_scale[i], num_sub(now, num_mul(g->p[i], before)));
+    return weighed(g, i, now, gmv_taken(g, &g->y[i], steps + 1u, k));
 }
 
 num_t gmv_auxiliary(const struct gmv *g, unsigned i)
 {
-    num_t before = num_mul(g->p[i], gmv_ago(g, &g->y[i], 1));
-    return num_mul(g->p_scale[i], num_sub(gmv_ago(g, &g->y[i], 0), before));
+    return weighed(g, i, gmv_ago(g, &g->y[i], 0), gmv_ago(g, &g->y[i], 1));
 }
 
 num_t gmv_setpoint(const struct gmv *g, unsigned i)
 {
-    return accumulator_get(&g->setpoint[i]);
+    return g->weighs_setpoint[i] ? weighed(g, i, g->w[i], g->w_before[i])
+                                 : accumulator_get(&g->setpoint[i]);
 }
 
 static void fill_signal(struct gmv_signal *s, num_t value)
@@ -85,6 +90,7 @@ static void begin_data(struct gmv *g, const struct gmv_sample *s)
         fill_signal(&g->prediction[i], num_zero());
         fill_signal(&g->residual[i], num_zero());
         accumulator_set(&g->setpoint[i], s->w[i]);
+        g->w[i] = s->w[i];
     }
     for (unsigned m = 0; m < g->shape.disturbances; m++)
         fill_signal(&g->disturbance[m], s->disturbance[m]);
@@ -99,6 +105,8 @@ void gmv_take(struct gmv *g, const struct gmv_sample *s)
     for (unsigned i = 0; i < g->shape.loops; i++) {
         num_t away = num_sub(s->w[i], accumulator_get(&g->setpoint[i]));
         g->y[i].at[g->newest] = s->y[i];
+        g->w_before[i] = g->w[i];
+        g->w[i] = s->w[i];
         accumulator_add_product(&g->setpoint[i], g->r_share[i], away);
         g->prediction[i].at[g->newest] = num_zero();
         g->residual[i].at[g->newest] = gmv_ago(g, &g->residual[i], 1);
@@ -128,7 +136,7 @@ static num_t filtered_regression(const struct gmv *g, const struct gmv_sample *s
                                  num_t *phi)
 {
     unsigned n = gmv_parameters(&g->shape, i), m = g->shape.average, k = gmv_horizon(&g->shape, i);
-    num_t one[GMV_PARAMETERS], share = num_from_float(1.0f / (float)m), target = weighted(g, i, 0);
+    num_t one[GMV_PARAMETERS], share = num_from_float(1.0f / (float)m), target = regressed(g, i, 0);
     memset(phi, 0, GMV_PARAMETERS * sizeof phi[0]);
     memset(one, 0, sizeof one);
     regressor(g, s, i, k, phi);
@@ -138,7 +146,7 @@ static num_t filtered_regression(const struct gmv *g, const struct gmv_sample *s
         regressor(g, s, i, k + d, one);
         for (unsigned p = 0; p < n; p++)
             phi[p] = num_add(phi[p], one[p]);
-        target = num_add(target, weighted(g, i, d));
+        target = num_add(target, regressed(g, i, d));
     }
     for (unsigned p = 0; p < n; p++)
         phi[p] = num_mul(phi[p], share);
@@ -159,7 +167,7 @@ uint8_t gmv_learn(struct gmv *g, const struct gmv_sample *s, uint8_t learn)
         struct gmv_predicted *told = &g->predicted[i];
         told->measured = target;
         told->used = product_with(g, i, phi);
-        told->standstill = g->shape.form == GMV_INCREMENTAL ? num_zero() : weighted(g, i, k);
+        told->standstill = g->shape.form == GMV_INCREMENTAL ? num_zero() : regressed(g, i, k);
         num_t error = rls_step(gmv_rls_of(g, i), phi, target, learn & (1u << i));
         told->estimated = num_sub(target, error);
         if (g->shape.bias == GMV_BIAS_RESIDUALS)

@@ -4,7 +4,7 @@
 
 #include "adapt/gmv.h"
 
-/* Steps that are kept of a signal: horizon, terms, difference and data filter, one after the other, are 8 + 3 + 8 + 7 at
+/* Steps that are kept of a signal: horizon, terms, difference and data filter, one after the other, are 8 + 4 + 8 + 7 at
  * most, and one more for P. A power of two. */
 #define GMV_KEPT 32u
 
@@ -21,7 +21,9 @@ struct gmv {
     struct gmv_signal prediction[GMV_LOOPS]; /* made at that time */
     num_t p[GMV_LOOPS], p_scale[GMV_LOOPS];  /* p and 1/(1 - p) */
     struct coefficient r_share[GMV_LOOPS];   /* 1 - r */
-    struct accumulator setpoint[GMV_LOOPS];  /* R w */
+    struct accumulator setpoint[GMV_LOOPS];  /* R w, of R with a time constant */
+    bool weighs_setpoint[GMV_LOOPS];         /* R is P */
+    num_t w[GMV_LOOPS], w_before[GMV_LOOPS]; /* of the last two gmv_take */
     num_t lambda[GMV_LOOPS], determinant;
     num_t used[GMV_LOOPS][GMV_PARAMETERS];
     struct gmv_predicted predicted[GMV_LOOPS];

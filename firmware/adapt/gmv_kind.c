@@ -46,7 +46,7 @@ static const struct block_event gmv_events[GMV_EVENTS] = {
     [EVENT_BURST] = {"burst", BLOCK_ALARM, "the PI acts: the MV or the PV swings, spans r.m.s."},
     [EVENT_SINGULAR] = {"singular", BLOCK_INFO, "loops solved one by one, of"},
     [EVENT_RECORD] = {"pi_wins", BLOCK_ALARM,
-                      "the PI acts: it did better with fewer moves; the law's, times its own"},
+                      "the PI acts: it did better; the law's moves or errors, times its own"},
 };
 
 /* ---- settings ---- */
@@ -87,6 +87,7 @@ static void take_block_settings(struct gmv_block *s, const struct block_setup *s
     s->disturbances = c->shape.disturbances;
     s->relative = from->weight == GMV_WORD_RELATIVE;
     s->margin = from->margin;
+    s->detune = s->relative ? from->detune : 1;
     s->excite = from->excite;
     s->speed = num_from_float(from->speed);
     s->gain_least = num_from_float(from->gain_least);
@@ -124,6 +125,7 @@ static enum err gmv_configure(void *state, const struct block_setup *setup, bool
     gmv_supervise_init(&s->watch, &watch);
     gmv_forget_limits(s);
     s->begun = s->proposes = s->on_trial = s->trial_wanted = false;
+    s->times = 1;
     return ERR_OK;
 }
 
@@ -275,10 +277,8 @@ static struct gmv_came came_of(struct gmv_block *s, uint8_t whole, const struct 
     }
     came.tried = s->on_trial && io->work_done;
     if (came.tried) {
-        came.decay = gmv_trial_worst(&s->trial);
-        came.ratio = gmv_trial_ratio(&s->trial);
-        for (unsigned i = 0; i < s->loops; i++)
-            gmv_trial_noise(&s->trial, i, &came.noise_error[i], &came.noise_moves[i]);
+        came.outcome = s->search.best;
+        s->times = came.outcome.times;
         s->on_trial = false;
     }
     return came;
@@ -300,6 +300,19 @@ static void use_estimates(struct gmv_block *s, uint8_t learn, bool at_once)
     }
 }
 
+/* While tuning it finds its lambda anew; a law that acts is tried as it is, and so is one without lambda. */
+static void begin_law_trial(struct gmv_block *s, uint8_t acting)
+{
+    bool searches = s->watch.state == GMV_TUNING;
+    if (searches)
+        s->times = 1;
+    gmv_set_weights(s);
+    searches = searches && (s->lambda[0] > 0 || s->lambda[1] > 0);
+    gmv_detune_begin(&s->search, s->times, searches ? s->detune : s->times, s->watch.config.better,
+                     s->watch.record);
+    gmv_trial_take(&s->trial, gmv_of_const(s), acting, s->margin, s->trial_pi);
+}
+
 /* While a trial of something else is still under way, that one is waited for and not looked at. */
 static void ask_for_trial(struct gmv_block *s, struct block_io *io, bool wanted)
 {
@@ -309,7 +322,7 @@ static void ask_for_trial(struct gmv_block *s, struct block_io *io, bool wanted)
     }
     if (!s->trial_wanted || io->work_wanted)
         return;
-    gmv_trial_take(&s->trial, gmv_of_const(s), io->acting, s->margin, s->trial_pi);
+    begin_law_trial(s, io->acting);
     io->ask_work = TRIAL_STEPS;
     s->on_trial = true;
     s->trial_wanted = false;
@@ -359,7 +372,7 @@ static float value_of_event(const struct gmv_block *s, enum gmv_event event, uin
 {
     switch (event) {
     case EVENT_ADOPTED:
-        return s->watch.decay;
+        return s->watch.outcome.decay;
     case EVENT_REFUSED:
         return s->watch.refusal;
     case EVENT_FROZEN:
@@ -448,7 +461,7 @@ static void gmv_back_calculate(void *state, struct block_io *io)
 static bool gmv_work(void *state)
 {
     struct gmv_block *s = state;
-    return gmv_trial_piece(&s->trial);
+    return gmv_detune_piece(&s->search, &s->trial);
 }
 
 const struct block_kind gmv_kind = {

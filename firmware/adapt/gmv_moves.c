@@ -24,7 +24,7 @@ void gmv_set_weights(struct gmv_block *s)
 {
     struct gmv *g = gmv_of(s);
     for (unsigned i = 0; i < s->loops && s->relative; i++)
-        g->lambda[i] = num_from_float(s->lambda[i] * gmv_own_gain(g, i));
+        g->lambda[i] = num_from_float(s->lambda[i] * s->times * gmv_own_gain(g, i));
 }
 
 void gmv_learn_limits(struct gmv_block *s, const struct gmv_sample *sample)

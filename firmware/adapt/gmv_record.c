@@ -14,6 +14,17 @@
 #define MOVES_LEAST 0.005f
 /* A PI that does not move at all has moved by as much, r.m.s. */
 #define STILL 1e-4f
+/* Second differences of white noise with the deviation s: their mean square is 6 s^2, their mean size sqrt(6) s sqrt(2/pi). */
+#define SQUARE_OF_JITTER (3.1415927f / 12)
+
+/* Answers to setpoints: steps that are remembered, that are enough to compare; how much worse the law's must be, and its mean error,
+ * so that noise while an outer loop moves the setpoint a little is no reason. */
+#define ANSWERS_MEMORY 512u
+#define ANSWERS_ENOUGH 128u
+#define ANSWER_TIMES   1.3f
+#define ANSWER_LEAST   0.002f
+/* An answer is whole when the PV has come as near, in parts of the next move. */
+#define ANSWER_NEAR 0.2f
 
 static void begin_record_window(struct gmv_record *r)
 {
@@ -25,11 +36,46 @@ void gmv_record_begin(struct gmv_record *r)
 {
     r->rests = 0;
     r->beyond = 0;
+    r->answers = false;
+    r->of_law = (struct gmv_answers){0};
     begin_record_window(r);
 }
 
-static bool setpoint_rests(struct gmv_record *r, float setpoint, uint32_t settled)
+static void take_in_answer(struct gmv_record *r, struct gmv_answers *of, float change, float away)
 {
+    bool cut = r->answers && change > 0 && real_abs(r->before[0]) > ANSWER_NEAR * change;
+    r->answers = r->answers || change > 0;
+    if (!r->answers)
+        return;
+    of->samples = (uint16_t)(of->samples + (of->samples < ANSWERS_MEMORY));
+    of->error += (real_abs(away) - of->error) / (float)of->samples;
+    of->moved += (change - of->moved) / (float)of->samples;
+    of->cut += ((cut ? 1 : 0) - of->cut) / (float)of->samples;
+}
+
+float gmv_record_answer(const struct gmv_record *r)
+{
+    bool whole = r->of_pi.samples >= ANSWERS_ENOUGH && r->of_pi.moved > 0 &&
+                 r->of_pi.cut * (float)ANSWERS_MEMORY < 0.5f;
+    return whole ? r->of_pi.error / r->of_pi.moved : 0;
+}
+
+/* Errors of the law after setpoints, times the PI's; 0: there are not enough yet. */
+static float answer_times(const struct gmv_record *r)
+{
+    float of_pi = gmv_record_answer(r) * r->of_law.moved, of_law = r->of_law.error;
+    bool enough = r->of_law.samples >= ANSWERS_ENOUGH && of_law > ANSWER_LEAST;
+    return enough && of_pi > 0 ? of_law / of_pi : 0;
+}
+
+/* `of`: whose answer it is while the setpoint has not settled. */
+static bool setpoint_rests(struct gmv_record *r, float setpoint, float away, uint32_t settled,
+                           struct gmv_answers *of)
+{
+    float change = r->has_setpoint ? real_abs(setpoint - r->setpoint) : 0;
+    r->has_setpoint = true;
+    if (change > 0 || r->rests + 1u < settled)
+        take_in_answer(r, of, change, away);
     if (setpoint != r->setpoint)
         r->rests = 0;
     else if (r->rests < UINT32_MAX)
@@ -52,9 +98,22 @@ static void sum_window(struct gmv_record *r, float away, float moved)
     r->seen++;
 }
 
+/* Of three readings at rest. Their mean size, because a load now and then must not count as noise. */
+static void take_in_jitter(struct gmv_record *r, float away, bool rests)
+{
+    float second = real_abs(away - 2 * r->before[0] + r->before[1]);
+    if (rests) {
+        r->jitters = (uint16_t)(r->jitters + (r->jitters < MEMORY));
+        r->jitter += (second - r->jitter) / (float)r->jitters;
+    }
+    r->before[1] = r->before[0];
+    r->before[0] = away;
+}
+
 void gmv_record_pi(struct gmv_record *r, float setpoint, float away, float moved, uint32_t settled)
 {
-    bool rests = setpoint_rests(r, setpoint, settled);
+    bool rests = setpoint_rests(r, setpoint, away, settled, &r->of_pi);
+    take_in_jitter(r, away, rests);
     if (r->samples) {
         if (rests)
             take_in_means(r, &r->samples, away, moved);
@@ -86,28 +145,43 @@ static bool is_worse(const struct gmv_record *r, float error, float moves)
            (error >= r->error && moves > MOVES_LEAST * MOVES_LEAST);
 }
 
-bool gmv_record_law(struct gmv_record *r, float setpoint, float away, float moved, uint32_t settled)
-{
-    bool rests = setpoint_rests(r, setpoint, settled);
-    if (!rests || (!r->samples && r->of_all < ENOUGH))
-        return false;
-    sum_window(r, away, moved);
-    if (r->seen < WINDOW)
-        return false;
-    bool worse = is_worse(r, r->error_sum / (float)WINDOW, r->moves_sum / (float)WINDOW);
-    r->beyond = worse ? (uint8_t)(r->beyond + 1u) : 0;
-    if (r->beyond >= WINDOWS)
-        return true;
-    begin_record_window(r);
-    return false;
-}
-
-bool gmv_record_would(const struct gmv_record *r, float error_times, float moves_times)
-{
-    return r->samples && is_worse(r, error_times * r->error, moves_times * r->moves);
-}
-
-float gmv_record_times(const struct gmv_record *r)
+/* Of the window that is over. */
+static float times_the_moves(const struct gmv_record *r)
 {
     return real_sqrt(r->moves_sum / ((float)WINDOW * at_least(r->moves, STILL * STILL)));
+}
+
+static float worse_at_rest(struct gmv_record *r, float away, float moved)
+{
+    if (!r->samples && r->of_all < ENOUGH)
+        return 0;
+    sum_window(r, away, moved);
+    if (r->seen < WINDOW)
+        return 0;
+    bool worse = is_worse(r, r->error_sum / (float)WINDOW, r->moves_sum / (float)WINDOW);
+    float times = times_the_moves(r);
+    r->beyond = worse ? (uint8_t)(r->beyond + 1u) : 0;
+    begin_record_window(r);
+    return r->beyond >= WINDOWS ? times : 0;
+}
+
+float gmv_record_law(struct gmv_record *r, float setpoint, float away, float moved,
+                     uint32_t settled)
+{
+    bool rests = setpoint_rests(r, setpoint, away, settled, &r->of_law);
+    float times = answer_times(r);
+    if (times > ANSWER_TIMES)
+        return times;
+    return rests ? worse_at_rest(r, away, moved) : 0;
+}
+
+float gmv_record_noise(const struct gmv_record *r)
+{
+    float square = SQUARE_OF_JITTER * r->jitter * r->jitter;
+    return square < r->error ? square : r->error;
+}
+
+bool gmv_record_would(const struct gmv_record *r, float error, float moves)
+{
+    return r->samples && is_worse(r, error, moves);
 }

@@ -44,14 +44,15 @@ const struct block_parameter gmv_parameter_rows[GMV_PARAMETER_ROWS] = {
     WORD(4, bias, "bias", "one|residuals|none|error",
          "last entry of the positional form; error: of the incremental one", 0),
     COUNT(5, na, "na", "-", "terms of each PV", 1, 4, 1),
-    COUNT(6, nb, "nb", "-", "terms of each MV", 1, 4, 3),
+    COUNT(6, nb, "nb", "-", "terms of each MV; 0: five with one loop, three with two", 0, 5, 0),
     COUNT(7, nc, "nc", "-", "past predictions", 0, 2, 0),
     {8, BLOCK_U16, PLACE(delay), 2, 2, "delay", "steps", "row: PV, column: MV; 0: not in its model",
      0, 8, 1},
     COUNT(9, load_delay, "load_delay", "steps", "of measured disturbances", 0, 8, 0),
     COUNT(10, average, "average", "steps", "mean over so many before it is learnt from", 1, 8, 1),
-    PAIR(11, tau_p_s, "tau_p", "s", "time constants of P; -1: two steps", -1, 1e6f, -1),
-    PAIR(12, tau_r_s, "tau_r", "s", "time constants of R, the setpoints", 0, 1e6f, 0),
+    PAIR(11, tau_p_s, "tau_p", "s", "time constants of P; -1: half the delay, two steps at least",
+         -1, 1e6f, -1),
+    PAIR(12, tau_r_s, "tau_r", "s", "time constants of R, the setpoints; -1: R is P", -1, 1e6f, -1),
     PAIR(13, lambda, "lambda", "-", "weights on the MVs, span per span; relative: times g0", -100,
          100, 1),
     PAIR(14, p0, "p0", "-", "P(0): of PVs and the rest, of MVs", 1e-6f, 1e9f, 1e6f),
@@ -93,16 +94,45 @@ const struct block_parameter gmv_parameter_rows[GMV_PARAMETER_ROWS] = {
           GMV_TRIES_MOST, 3),
     THETAS(1),
     THETAS(2),
-    NUMBER(GMV_ID_LAST, better, "better", "-", "part of the PI's error that a model must save", -10,
-           0.9f, 0.05f),
+    NUMBER(GMV_ID_LAST - 1, better, "better", "-", "part of the PI's error that a model must save",
+           -10, 0.9f, 0.05f),
+    NUMBER(GMV_ID_LAST, detune, "detune", "-", "a trial may make lambda so many times as large", 1,
+           1000, 64),
 };
 _Static_assert(GMV_PARAMETERS == 12 && GMV_LOOPS == 2, "rows of theta, lo and hi");
 
 /* ---- what they come to ---- */
 
 #define DETERMINANT_LEAST 0.01f
-/* Time constant of P where none is set: it takes the edge off minimum variance. */
+/* Time constant of P where none is set: it takes the edge off minimum variance. Steps at least, and part of the delay. */
 #define STEPS_OF_P 2.0f
+#define DELAY_OF_P 0.5f
+/* Terms of each MV where none are set. */
+#define TERMS_ALONE    5u
+#define TERMS_TOGETHER 3u
+
+static bool terms_fit(const struct gmv_shape *shape)
+{
+    for (unsigned i = 0; i < shape->loops; i++)
+        if (gmv_parameters(shape, i) > GMV_PARAMETERS)
+            return false;
+    return true;
+}
+
+static void choose_terms(struct gmv_shape *shape)
+{
+    shape->nb = shape->loops > 1 ? TERMS_TOGETHER : TERMS_ALONE;
+    while (shape->nb > 1 && !terms_fit(shape))
+        shape->nb--;
+}
+
+static float time_of_p(const struct gmv_settings *c, unsigned i, float interval_s)
+{
+    float steps = DELAY_OF_P * (float)c->delay[i][i];
+    if (c->tau_p_s[i] >= 0)
+        return c->tau_p_s[i];
+    return (steps > STEPS_OF_P ? steps : STEPS_OF_P) * interval_s;
+}
 
 static void shape_of_settings(const struct block_setup *setup, struct gmv_shape *shape)
 {
@@ -124,6 +154,8 @@ static void shape_of_settings(const struct block_setup *setup, struct gmv_shape 
         shape->disturbances = (uint8_t)(setup->inputs - setup->members);
     shape->disturbance_delay = (uint8_t)c->load_delay;
     shape->average = (uint8_t)c->average;
+    if (shape->nb == 0)
+        choose_terms(shape);
 }
 
 void gmv_config_of(const struct block_setup *setup, struct gmv_config *c)
@@ -147,7 +179,7 @@ void gmv_config_of(const struct block_setup *setup, struct gmv_config *c)
                                    .error_most = from->error_most,
                                    .dead_zone = from->dead_zone};
     for (unsigned i = 0; i < GMV_LOOPS; i++) {
-        c->tau_p_s[i] = from->tau_p_s[i] < 0 ? STEPS_OF_P * setup->interval_s : from->tau_p_s[i];
+        c->tau_p_s[i] = time_of_p(from, i, setup->interval_s);
         c->tau_r_s[i] = from->tau_r_s[i];
         c->lambda[i] = from->lambda[i];
         for (unsigned p = 0; p < GMV_PARAMETERS; p++) {

@@ -17,7 +17,7 @@ struct gmv_settings {
     float forget, forget_least, memory, trace, correct_rate, error_most, dead_zone;
     float tune_gain[GMV_LOOPS], tune_ti_s[GMV_LOOPS];
     float tune_time_s, check_time_s;
-    float excite, gain_least, margin, speed, quiet, burst, better;
+    float excite, gain_least, margin, speed, quiet, burst, better, detune;
     float theta[GMV_LOOPS][GMV_PARAMETERS]; /* start values */
     float lo[GMV_PARAMETERS][GMV_LOOPS], hi[GMV_PARAMETERS][GMV_LOOPS];
     uint16_t na, nb, nc, load_delay, average, tries;
@@ -26,7 +26,7 @@ struct gmv_settings {
 };
 
 #define GMV_ID_THETA 40u /* the first of 24: loop 1's twelve, loop 2's twelve */
-#define GMV_ID_LAST  (GMV_ID_THETA + 2u * GMV_PARAMETERS)
+#define GMV_ID_LAST  (GMV_ID_THETA + 2u * GMV_PARAMETERS + 1u)
 
 #define GMV_PARAMETER_ROWS GMV_ID_LAST
 extern const struct block_parameter gmv_parameter_rows[GMV_PARAMETER_ROWS];

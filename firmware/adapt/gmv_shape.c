@@ -196,6 +196,7 @@ static void take_config(struct gmv *g, const struct gmv_config *c)
         float p = decay(c->tau_p_s[i], c->interval_s);
         g->p[i] = num_from_float(p);
         g->p_scale[i] = num_from_float(1 / (1 - p));
+        g->weighs_setpoint[i] = c->tau_r_s[i] < 0;
         g->r_share[i] = coefficient_from_float(1 - decay(c->tau_r_s[i], c->interval_s));
         g->lambda[i] = num_from_float(c->lambda[i]);
     }

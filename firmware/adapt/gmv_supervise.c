@@ -14,8 +14,6 @@
 #define SMALL_SQUARE 1e-6f
 /* A model in use is given up when its squares are so many times those of "as it is": twice the errors. */
 #define WORSE 4.0f
-/* What is upset must die away at least like this per step. */
-#define SLOWEST_DECAY 0.9995f
 /* Above this it grows; the trial tells no finer. */
 #define GROWTH 1.001f
 /* An estimate of the wrong sign is given so many times the length of the regressors to turn back. */
@@ -26,7 +24,8 @@
 static void begin_window(struct gmv_supervise *s)
 {
     s->left = s->config.check_steps;
-    s->has_decay = false;
+    s->overtime = 0;
+    s->has_outcome = false;
     for (unsigned i = 0; i < GMV_LOOPS; i++) {
         s->samples[i] = 0;
         s->of_model[i] = s->of_standstill[i] = 0;
@@ -62,7 +61,7 @@ void gmv_supervise_init(struct gmv_supervise *s, const struct gmv_supervise_conf
 {
     memset(s, 0, sizeof *s);
     s->config = *c;
-    s->ratio = 1;
+    s->outcome = (struct gmv_outcome){.times = 1, .ratio = 1};
     gmv_supervise_begin(s);
 }
 
@@ -139,13 +138,8 @@ static void sum_up(struct gmv_supervise *s, const struct gmv_came *came)
         s->of_standstill[i] += came->standstill[i] * came->standstill[i];
     }
     if (came->tried) {
-        s->has_decay = true;
-        s->decay = came->decay;
-        s->ratio = came->ratio;
-        s->shakes = false;
-        for (unsigned i = 0; i < s->config.loops; i++)
-            s->shakes = s->shakes ||
-                        gmv_record_would(&s->record[i], came->noise_error[i], came->noise_moves[i]);
+        s->has_outcome = true;
+        s->outcome = came->outcome;
     }
     s->left -= s->left > 0;
 }
@@ -196,9 +190,9 @@ static enum gmv_refusal refusal_of(const struct gmv_supervise *s, const struct g
         return GMV_REFUSED_GAIN;
     if (!predicts(s, acting, 1))
         return GMV_REFUSED_PREDICTION;
-    if (!(s->decay <= SLOWEST_DECAY))
+    if (!(s->outcome.decay <= GMV_SLOWEST_DECAY))
         return GMV_REFUSED_POLES;
-    return s->ratio <= 1 - s->config.better && !s->shakes ? GMV_ADOPTED : GMV_REFUSED_PI;
+    return gmv_outcome_passes(&s->outcome, s->config.better) ? GMV_ADOPTED : GMV_REFUSED_PI;
 }
 
 /* ---- tuning ---- */
@@ -224,6 +218,18 @@ static uint8_t judge_test(struct gmv_supervise *s, const struct gmv_came *came, 
     return GMV_WISH_PROPOSE;
 }
 
+/* No setpoint that the law would have to answer half-way has moved; one that moves all the time is waited for as long as a test. */
+static bool setpoints_rest(struct gmv_supervise *s, uint8_t acting)
+{
+    for (unsigned i = 0; i < s->config.loops; i++)
+        if ((acting & (1u << i)) && s->record[i].rests < s->config.reach &&
+            s->overtime < s->config.check_steps) {
+            s->overtime++;
+            return false;
+        }
+    return true;
+}
+
 static uint8_t judge_tuning(struct gmv_supervise *s, const struct gmv_came *came, uint8_t acting)
 {
     bool whole = (came->whole & acting) == acting;
@@ -245,7 +251,8 @@ static uint8_t judge_tuning(struct gmv_supervise *s, const struct gmv_came *came
         s->testing = false;
         return 0;
     }
-    return s->left == 0 && s->has_decay ? judge_test(s, came, acting) : 0;
+    return s->left == 0 && s->has_outcome && setpoints_rest(s, acting) ? judge_test(s, came, acting)
+                                                                       : 0;
 }
 
 uint8_t gmv_supervise_accepted(struct gmv_supervise *s, bool accepted)
@@ -341,15 +348,17 @@ static void keep_record(struct gmv_supervise *s, const struct gmv_seen *seen)
                           settled_steps(s));
 }
 
-/* How many times the moves of the PI the law makes, where it does worse; 0: it does not. */
+/* By how many times the law does worse than the PI's record; 0: it does not. */
 static float worse_than_pi(struct gmv_supervise *s, const struct gmv_seen *seen)
 {
     float most = 0;
-    for (unsigned i = 0; i < s->config.loops; i++)
-        if ((seen->acting & seen->good & (1u << i)) &&
-            gmv_record_law(&s->record[i], seen->setpoint[i], seen->away[i], seen->moved[i],
-                           settled_steps(s)))
-            most = gmv_record_times(&s->record[i]);
+    for (unsigned i = 0; i < s->config.loops; i++) {
+        if (!(seen->acting & seen->good & (1u << i)))
+            continue;
+        float times = gmv_record_law(&s->record[i], seen->setpoint[i], seen->away[i],
+                                     seen->moved[i], settled_steps(s));
+        most = times > most ? times : most;
+    }
     return most;
 }
 
@@ -402,10 +411,10 @@ static uint8_t judge_self_tuning(struct gmv_supervise *s, const struct gmv_seen 
         return give_up(s, GMV_ALARM_WORSE, jammed);
     if (s->elapsed == 1)
         return GMV_WISH_TRIAL;
-    if (s->left || !s->has_decay)
+    if (s->left || !s->has_outcome)
         return 0;
-    if (!(s->decay <= GROWTH))
-        return give_up(s, GMV_ALARM_POLES, s->decay);
+    if (!(s->outcome.decay <= GROWTH))
+        return give_up(s, GMV_ALARM_POLES, s->outcome.decay);
     if (!predicts(s, seen->acting, WORSE))
         return give_up(s, GMV_ALARM_WORSE, worst_error(s));
     begin_window(s);

@@ -8,6 +8,7 @@
 
 #include "adapt/gmv_burst.h"
 #include "adapt/gmv_cycle.h"
+#include "adapt/gmv_outcome.h"
 #include "adapt/gmv_record.h"
 
 enum gmv_state { GMV_TUNING, GMV_WAITING, GMV_SELF_TUNING };
@@ -72,8 +73,7 @@ struct gmv_came {
     float estimated[GMV_LOOPS]; /* as it is estimated */
     uint8_t excited;            /* bit for each loop: its parameters are known well enough */
     bool tried;                 /* the trial that was asked for is over */
-    float decay, ratio;         /* and what it came to, the worst: gmv_trial.h */
-    float noise_error[GMV_LOOPS], noise_moves[GMV_LOOPS]; /* the same, of sensor noise */
+    struct gmv_outcome outcome; /* and what it came to */
 };
 
 struct gmv_supervise {
@@ -92,9 +92,10 @@ struct gmv_supervise {
     uint32_t still[GMV_LOOPS],
         spoilt[GMV_LOOPS]; /* steps without a move; still to go until the data is good */
     /* The window of a test or a check. */
-    uint32_t left;
-    bool has_decay, shakes; /* shakes: at rest it would do worse than the PI's record */
-    float decay, ratio;
+    uint32_t left,
+        overtime; /* steps still to go; steps for which a test has waited for setpoints to rest */
+    bool has_outcome;
+    struct gmv_outcome outcome; /* of the last trial */
     uint32_t samples[GMV_LOOPS];
     float of_model[GMV_LOOPS], of_standstill[GMV_LOOPS]; /* sums of squares */
     float told[GMV_LOOPS];                               /* mean of what a sample tells */

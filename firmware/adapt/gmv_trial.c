@@ -57,7 +57,7 @@ static void begin_run(struct gmv_trial *t)
     t->largest = t->first = t->start = 0;
     t->first_at = 0;
     for (unsigned i = 0; i < GMV_LOOPS; i++) {
-        t->setpoint[i] = t->error[i] = 0;
+        t->setpoint[i] = t->setpoint_before[i] = t->error[i] = 0;
         if (t->run != GMV_TRIAL_PI) /* it has that of the law */
             t->load[i] = 0;
     }
@@ -83,6 +83,7 @@ void gmv_trial_take(struct gmv_trial *t, const struct gmv *g, uint8_t acting, fl
     for (unsigned i = 0; i < shape->loops; i++) {
         struct gmv_trial_loop *l = &t->loop[i];
         l->acts = acting & (1u << i);
+        l->weighs_setpoint = g->weighs_setpoint[i];
         l->delay = shape->delay[i][i];
         l->law_p = num_to_float(g->p[i]);
         l->law_p_scale = num_to_float(g->p_scale[i]);
@@ -115,6 +116,14 @@ static float taken(const struct gmv_trial *t, const float *signal, unsigned now,
 static float auxiliary_output(const struct gmv_trial_loop *l, const float *y, unsigned now)
 {
     return l->law_p_scale * (steps_before(y, now, 0) - l->law_p * steps_before(y, now, 1));
+}
+
+/* R w: the setpoint, or P of it. */
+static float trial_setpoint(const struct gmv_trial *t, unsigned i)
+{
+    const struct gmv_trial_loop *l = &t->loop[i];
+    float w = t->setpoint[i];
+    return l->weighs_setpoint ? l->law_p_scale * (w - l->law_p * t->setpoint_before[i]) : w;
 }
 
 /* By what P y of this step, or its change, is more than was predicted a horizon ago. */
@@ -233,7 +242,7 @@ static void move_inputs(struct gmv_trial *t, unsigned now)
         const struct gmv_trial_loop *l = &t->loop[i];
         float u = steps_before(t->u[i], now, 1);
         known[i] = known_prediction(t, i, now);
-        rhs[i] = t->setpoint[i] - known[i];
+        rhs[i] = trial_setpoint(t, i) - known[i];
         if (t->incremental) {
             rhs[i] -= auxiliary_output(l, t->y[i], now);
             u -= steps_before(t->u[i], now, l->delay);
@@ -275,6 +284,7 @@ static void move_setpoints(struct gmv_trial *t, unsigned now)
 {
     unsigned step = now - GMV_TRIAL_KEPT;
     for (unsigned i = 0; i < t->loops; i++) {
+        t->setpoint_before[i] = t->setpoint[i];
         if (step == i * SECOND_AT)
             t->setpoint[i] = 1;
         if (step == LOAD_AT && t->run == GMV_TRIAL_LAW && t->incremental)
@@ -379,6 +389,16 @@ bool gmv_trial_piece(struct gmv_trial *t)
     return t->run < GMV_TRIAL_RUNS;
 }
 
+void gmv_trial_again(struct gmv_trial *t, float times)
+{
+    for (unsigned i = 0; i < t->loops; i++)
+        t->loop[i].lambda *= times;
+    memset(t->decay, 0, sizeof t->decay);
+    memset(t->sums, 0, sizeof t->sums);
+    t->run = 0;
+    begin_run(t);
+}
+
 float gmv_trial_decay(const struct gmv_trial *t, unsigned run)
 {
     return t->decay[run];
@@ -392,20 +412,25 @@ float gmv_trial_worst(const struct gmv_trial *t)
     return worst;
 }
 
-/* a/b, or 1000 where it is more or no number. */
+/* Also where it is no number. */
+static float not_above(float x, float most)
+{
+    return x < most ? x : most;
+}
+
 static float part_of_pi(float a, float b)
 {
-    float part = a / b;
-    return part < 1000 ? part : 1000;
+    return not_above(a / b, 1000);
 }
 
 /* A positional law is not tried on loads, since what its bias learns of them is not simulated. */
-float gmv_trial_ratio(const struct gmv_trial *t)
+float gmv_trial_ratio(const struct gmv_trial *t, const float *answer)
 {
     float worst = 0;
     for (unsigned i = 0; i < t->loops; i++) {
         const struct gmv_trial_sums *law = &t->sums[0][i], *pi = &t->sums[1][i];
-        float setpoint = part_of_pi(law->setpoint, pi->setpoint);
+        bool is_known = answer[i] > 0 && answer[i] < pi->setpoint;
+        float setpoint = part_of_pi(law->setpoint, is_known ? answer[i] : pi->setpoint);
         float load = t->incremental && pi->load > 0 ? part_of_pi(law->load, pi->load) : 0;
         if (!t->loop[i].acts)
             continue;
@@ -415,10 +440,10 @@ float gmv_trial_ratio(const struct gmv_trial *t)
     return worst;
 }
 
-void gmv_trial_noise(const struct gmv_trial *t, unsigned i, float *error_times, float *moves_times)
+void gmv_trial_noise(const struct gmv_trial *t, unsigned i, float *error_more, float *moves)
 {
     const struct gmv_trial_sums *law = &t->sums[0][i], *pi = &t->sums[1][i];
     float sample = UPSET(i) * UPSET(i);
-    *error_times = part_of_pi(sample + law->noise, sample + pi->noise);
-    *moves_times = part_of_pi(law->moves, pi->moves);
+    *error_more = not_above((law->noise - pi->noise) / sample, 1e6f);
+    *moves = not_above(law->moves / sample, 1e6f);
 }

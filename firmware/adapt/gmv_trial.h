@@ -8,7 +8,7 @@
  * of residuals is left out.
  *
  * Then law and PI are compared on the model as it is estimated: a setpoint step of each loop and a load, and a sample of sensor
- * noise. R is left out, because the PI has none. */
+ * noise. Of R only `tau_r` -1 is tried, which makes it P; a filter that the user sets is left out, because the PI has none. */
 #ifndef REFLUX_ADAPT_GMV_TRIAL_H
 #define REFLUX_ADAPT_GMV_TRIAL_H
 
@@ -36,7 +36,7 @@ struct gmv_trial_pi {
 
 /* A loop that takes part: its regression as the plant, and what the law makes of it. */
 struct gmv_trial_loop {
-    bool acts;
+    bool acts, weighs_setpoint; /* the latter: R is P */
     struct gmv_trial_pi pi;
     uint8_t horizon, delay; /* of the regression, of the law */
     uint8_t
@@ -63,7 +63,8 @@ struct gmv_trial {
     float largest, first, start; /* of this window, of the one that is compared with, of all */
     uint16_t first_at;           /* its place, windows */
     float decay[GMV_TRIAL_GAINS];
-    float setpoint[GMV_LOOPS], load[GMV_LOOPS], error[GMV_LOOPS]; /* error: the PI's last */
+    float setpoint[GMV_LOOPS], setpoint_before[GMV_LOOPS], load[GMV_LOOPS];
+    float error[GMV_LOOPS]; /* the PI's last */
     /* Of law and PI: sums of |setpoint - PV| before the load and after it, of squared PVs and moves after a sample of noise. */
     struct gmv_trial_sums {
         float setpoint, load, noise, moves;
@@ -75,14 +76,19 @@ void gmv_trial_take(struct gmv_trial *t, const struct gmv *g, uint8_t acting, fl
                     const struct gmv_trial_pi *pi);
 /* A piece of it, a few steps; true while there is more. */
 bool gmv_trial_piece(struct gmv_trial *t);
+/* The same once more, with every lambda times `times`. */
+void gmv_trial_again(struct gmv_trial *t, float times);
 /* By what factor the slowest part of an upset shrinks in a step: of the run with the plant's gains as estimated (0), over the
  * margin (1), times it (2). Above 1 it grows. What is gone within a window counts as 0.64. */
 float gmv_trial_decay(const struct gmv_trial *t, unsigned run);
 /* The largest of the three. */
 float gmv_trial_worst(const struct gmv_trial *t);
-/* Errors of the law after a setpoint step and after a load, as parts of the PI's on the same model: the worst of all. */
-float gmv_trial_ratio(const struct gmv_trial *t);
-/* With noise of the sensors alone: mean squares of what is measured of loop i's PV and of its moves, times the PI's. */
-void gmv_trial_noise(const struct gmv_trial *t, unsigned i, float *error_times, float *moves_times);
+/* Errors of the law after a setpoint step and after a load, as parts of the PI's on the same model: the worst of all. answer: one for
+ * each loop, the PI's error after a setpoint step of 1 as it really was, in steps; it counts where it is smaller, because
+ * then the model is at fault. 0: not known. */
+float gmv_trial_ratio(const struct gmv_trial *t, const float *answer);
+/* What sensor noise with the mean square 1 does to loop i under the law: mean square of its moves, and by how much that of its PV is
+ * more than the PI's; both 1e6 at most. */
+void gmv_trial_noise(const struct gmv_trial *t, unsigned i, float *error_more, float *moves);
 
 #endif

@@ -97,15 +97,17 @@ static const char *describe_block(const struct gmv_block *s, size_t i, float *va
         const char *name;
         float value;
     } inner[] = {
-        {"state", s->watch.state}, {"on_trial", s->watch.testing}, {"refusal", s->watch.refusal},
-        {"decay", s->watch.decay}, {"proposed", s->proposed},      {"better", 1 - s->watch.ratio},
+        {"state", s->watch.state},     {"on_trial", s->watch.testing},
+        {"refusal", s->watch.refusal}, {"decay", s->watch.outcome.decay},
+        {"proposed", s->proposed},     {"better", 1 - s->watch.outcome.ratio},
+        {"lambda_times", s->times},
     };
     if (i >= sizeof inner / sizeof inner[0])
         return NULL;
     *value = inner[i].value;
     return inner[i].name;
 }
-#define OF_BLOCK 6u
+#define OF_BLOCK 7u
 
 static const char *describe_loop(const struct gmv_block *s, unsigned loop, size_t i, float *value)
 {

@@ -151,7 +151,10 @@ class Gmv:
     def take(self, y, w, load):
         for i in range(self.loops):
             self.y[i][self.t], self.w[i][self.t] = y[i], w[i]
-            self.filtered[i] = self.r * self.filtered[i] + (1 - self.r) * w[i]
+            if self.s["tau_r"] < 0:
+                self.filtered[i] = (w[i] - self.p * self.w[i][self.t - 1]) / (1 - self.p)
+            else:
+                self.filtered[i] = self.r * self.filtered[i] + (1 - self.r) * w[i]
         self.load[self.t] = load
 
     def applied(self, u):

@@ -138,6 +138,8 @@ LOOPS = [
     ({**ONE, **SMALL, "form": 1, "bias": 3}, ()),
     ({**ONE, **SMALL, "form": 1, "bias": 3, "tau_p": 60.0, "delay": [[2, 0], [0, 0]], "na": 2, "nb": 2}, ()),
     ({**PAIR, **SMALL, "form": 1, "bias": 3, "delay": MD2, "tau_p": 30.0}, range(52, 62)),
+    ({**ONE, **SMALL, "form": 1, "tau_p": 60.0, "tau_r": -1.0, "delay": [[2, 0], [0, 0]], "nb": 2}, ()),
+    ({**PAIR, **SMALL, "tau_p": 30.0, "tau_r": -1.0}, range(52, 62)),
 ]
 GAIN = np.array([[-0.4, 0.25], [-0.3, 0.6]])
 AT_REST, STEPS = 30, 45

@@ -40,7 +40,7 @@ static bool given_up_within(unsigned n)
                                   .gain = {0.1f},
                                   .estimated = {0.1f},
                                   .tried = true,
-                                  .decay = 0.9f};
+                                  .outcome = {.decay = 0.9f}};
     for (unsigned k = 0; k < n; k++) {
         (void)gmv_supervise_look(&s, &seen);
         if (gmv_supervise_judge(&s, &seen, &came) & GMV_WISH_PI)

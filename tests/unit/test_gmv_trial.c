@@ -330,22 +330,25 @@ static struct sums control(bool law, double *load)
     return sums;
 }
 
+static const float unknown[GMV_LOOPS] = {0, 0};
+
 static void law_and_pi_agree_with_the_trial(const char *what)
 {
-    float error_times, moves_times;
+    float error_more, moves;
     double load = 0;
     gmv_bench_begin(&b, 0);
     run_trial(1, 1.25f);
     struct sums law = control(true, &load), loop = control(false, &load);
     double ratio = fmax(law.setpoint / loop.setpoint, law.load / loop.load);
-    gmv_trial_noise(&trial, 0, &error_times, &moves_times);
-    printf("%s: errors %.3f times the PI's, trial %.3f; moves after noise %.2f times, %.2f\n", what,
-           ratio, (double)gmv_trial_ratio(&trial), law.moves / loop.moves, (double)moves_times);
-    TEST_ASSERT_DOUBLE_WITHIN_MESSAGE(0.01 * ratio, ratio, (double)gmv_trial_ratio(&trial), what);
-    TEST_ASSERT_DOUBLE_WITHIN_MESSAGE(0.01 * law.moves / loop.moves, law.moves / loop.moves,
-                                      (double)moves_times, what);
-    TEST_ASSERT_DOUBLE_WITHIN_MESSAGE(0.01, (SIZE * SIZE + law.noise) / (SIZE * SIZE + loop.noise),
-                                      (double)error_times, what);
+    double told = (double)gmv_trial_ratio(&trial, unknown);
+    gmv_trial_noise(&trial, 0, &error_more, &moves);
+    printf("%s: errors %.3f times the PI's, trial %.3f; moves after noise %.2f, %.2f\n", what,
+           ratio, told, law.moves / (SIZE * SIZE), (double)moves);
+    TEST_ASSERT_DOUBLE_WITHIN_MESSAGE(0.01 * ratio, ratio, told, what);
+    TEST_ASSERT_DOUBLE_WITHIN_MESSAGE(0.01 * law.moves / (SIZE * SIZE), law.moves / (SIZE * SIZE),
+                                      (double)moves, what);
+    TEST_ASSERT_DOUBLE_WITHIN_MESSAGE(0.01, (law.noise - loop.noise) / (SIZE * SIZE),
+                                      (double)error_more, what);
 }
 
 static void errors_of_law_and_pi_are_those_of_the_loops_themselves(void)
@@ -353,10 +356,10 @@ static void errors_of_law_and_pi_are_those_of_the_loops_themselves(void)
     one_loop(GMV_INCREMENTAL, 0.9, 0.05, 0.05);
     pi[0] = (struct gmv_trial_pi){.gain = 4, .integral = 0.4f};
     law_and_pi_agree_with_the_trial("a law that is faster");
-    TEST_ASSERT_TRUE(gmv_trial_ratio(&trial) < 1);
+    TEST_ASSERT_TRUE(gmv_trial_ratio(&trial, unknown) < 1);
     one_loop(GMV_INCREMENTAL, 0.9, 0.05, 2);
     law_and_pi_agree_with_the_trial("a law that is slower");
-    TEST_ASSERT_TRUE(gmv_trial_ratio(&trial) > 1);
+    TEST_ASSERT_TRUE(gmv_trial_ratio(&trial, unknown) > 1);
     one_loop(GMV_INCREMENTAL, 0.9, -0.1, -0.3); /* y(t+2) = a^2 y + g u(t) + a g u(t-1) */
     b.config.shape.nb = 2;
     b.config.shape.delay[0][0] = 2;
@@ -366,6 +369,54 @@ static void errors_of_law_and_pi_are_those_of_the_loops_themselves(void)
     b.config.theta[0][2] = -0.09f;
     pi[0] = (struct gmv_trial_pi){.gain = -2, .integral = -0.2f};
     law_and_pi_agree_with_the_trial("a delay of two steps");
+}
+
+static void a_setpoint_that_weighs_as_the_pv_does_is_tried_so(void)
+{
+    one_loop(GMV_INCREMENTAL, 0.95, 0.05, 0.5);
+    b.config.tau_p_s[0] = 90;
+    b.config.tau_r_s[0] = -1;
+    b.config.theta[0][0] = (float)((0.95 - exp(-30.0 / 90)) / (1 - exp(-30.0 / 90)));
+    b.config.theta[0][1] = (float)(0.05 / (1 - exp(-30.0 / 90)));
+    pi[0] = (struct gmv_trial_pi){.gain = 4, .integral = 0.4f};
+    law_and_pi_agree_with_the_trial("R is P");
+    float weighed = gmv_trial_ratio(&trial, unknown);
+    b.config.tau_r_s[0] = 0;
+    law_and_pi_agree_with_the_trial("R is 1");
+    TEST_ASSERT_TRUE(weighed < 0.95f * gmv_trial_ratio(&trial, unknown));
+}
+
+/* A PI that does worse on the model than it ever did says that the model is wrong. */
+static void a_better_answer_of_the_pi_itself_counts_in_place_of_that_on_the_model(void)
+{
+    one_loop(GMV_INCREMENTAL, 0.9, 0.05, 2);
+    pi[0] = (struct gmv_trial_pi){.gain = 0.5f, .integral = 0.05f};
+    gmv_bench_begin(&b, 0);
+    run_trial(1, 1.25f);
+    float answer[GMV_LOOPS] = {trial.sums[1][0].setpoint * 1.1f, 0};
+    TEST_ASSERT_EQUAL_FLOAT(gmv_trial_ratio(&trial, unknown), gmv_trial_ratio(&trial, answer));
+    answer[0] = trial.sums[0][0].setpoint / 2;
+    TEST_ASSERT_FLOAT_WITHIN(1e-3f, 2, gmv_trial_ratio(&trial, answer));
+}
+
+static void a_second_trial_has_its_lambda_times_more_and_nothing_else(void)
+{
+    one_loop(GMV_INCREMENTAL, 0.9, 0.05, 0.5);
+    pi[0] = (struct gmv_trial_pi){.gain = 4, .integral = 0.4f};
+    gmv_bench_begin(&b, 0);
+    run_trial(1, 1.25f);
+    gmv_trial_again(&trial, 4);
+    while (gmv_trial_piece(&trial)) {
+    }
+    struct gmv_trial_sums again = trial.sums[0][0];
+    float decay = gmv_trial_worst(&trial);
+    b.config.lambda[0] *= 4;
+    gmv_bench_begin(&b, 0);
+    run_trial(1, 1.25f);
+    TEST_ASSERT_FLOAT_WITHIN(1e-4f, gmv_trial_worst(&trial), decay);
+    TEST_ASSERT_FLOAT_WITHIN(1e-3f * again.setpoint, trial.sums[0][0].setpoint, again.setpoint);
+    TEST_ASSERT_FLOAT_WITHIN(1e-3f * again.load, trial.sums[0][0].load, again.load);
+    TEST_ASSERT_FLOAT_WITHIN(1e-3f * again.moves, trial.sums[0][0].moves, again.moves);
 }
 
 static void no_number_among_the_parameters_is_no_decay(void)
@@ -398,6 +449,9 @@ int main(void)
     RUN_TEST(a_loop_that_cannot_bear_its_margin_grows);
     RUN_TEST(a_trial_of_nothing_ends);
     RUN_TEST(errors_of_law_and_pi_are_those_of_the_loops_themselves);
+    RUN_TEST(a_setpoint_that_weighs_as_the_pv_does_is_tried_so);
+    RUN_TEST(a_better_answer_of_the_pi_itself_counts_in_place_of_that_on_the_model);
+    RUN_TEST(a_second_trial_has_its_lambda_times_more_and_nothing_else);
     RUN_TEST(no_number_among_the_parameters_is_no_decay);
     return UNITY_END();
 }

@@ -43,7 +43,7 @@ static void adopted_parameters_are_settings_that_save_keeps(void)
     TEST_ASSERT_TRUE(events_say("BLOCK_ADOPTED gmv"));
     TEST_ASSERT_TRUE(parameter("block1.theta1_2") > 0);
     TEST_ASSERT_TRUE(parameter("block1.theta1_1") != 0);
-    TEST_ASSERT_EQUAL_DOUBLE(0, parameter("block1.theta1_5"));
+    TEST_ASSERT_EQUAL_DOUBLE(0, parameter("block1.theta1_7"));
 }
 
 static void asked_to_ask_it_waits_until_the_proposal_is_accepted(void)

@@ -176,7 +176,7 @@ static void another_shape_of_the_model_begins_with_tuning(void)
     ask_ok("set block1.form positional");
     plant_steps(2);
     TEST_ASSERT_TRUE(state_is(TUNING));
-    TEST_ASSERT_EQUAL_DOUBLE(0, inside("use1_5")); /* there is one parameter more: the bias */
+    TEST_ASSERT_EQUAL_DOUBLE(0, inside("use1_7")); /* there is one parameter more: the bias */
 }
 
 /* ---- what it reads ---- */
