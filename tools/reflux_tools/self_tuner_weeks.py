@@ -17,6 +17,7 @@ from reflux_tools.schema import Table
 PROGRAM = "self_tuner"
 FORMATS = (("float32", "host"), ("Q7.24", "host-fixed"))
 BEYOND_MOST, WORSE, WORSE_SHARE, MEDIAN = 4, 1.3, 0.03, 0.8  # windows; IAE ratios
+MEDIAN_OF = "grid"  # the set for which MEDIAN is wanted
 SETS = {
     "grid": "lags 120 and {0, 30, 60, 120} s, dead time {0, 15, 30, 60} s, right-half-plane zero {none, 30, 60} s, steps {10, 20, 30} s, noise 0.05 %",
     "noisy": "the same plants, noise 0.2 %",
@@ -27,7 +28,8 @@ SETS = {
 }
 NOTES = """Noise and moves are % of span. Setpoints move by 5 to 10 % one after the other on the first day and in the last quarter of a day, and
 every six hours between; in sets with *-rest* not at all between. The PI has SIMC settings with tau_c = theta (half rule, half a step
-as dead time), on a plant of its own with the same noise. Ratios are IAE of the PVs themselves to the PI's; *measured* is with noise;
+as dead time), on a plant of its own with the same noise. `delay` is one step more than the dead time, the zero's time constant and
+half of the second lag together, in whole steps, rounded up; plants for which that is more than eight are left out. Ratios are IAE of the PVs themselves to the PI's; *measured* is with noise;
 never adopted counts as 1. *First* and *last* are the last quarters of the first day and of the week, at the median.
 *Beyond* are runs that were beyond the limits of the PI's record for longer than four windows of 64 steps; *drift* those whose g0
 changed by more than 30 % at rest without a return to the PI."""
@@ -128,6 +130,6 @@ def misses(name: str, rows: list[dict[str, str]]) -> list[str]:
         return found + ([f"g0 of {drift} of {len(rows)} drifted"] if drift else [])
     if worse > WORSE_SHARE * len(rows):
         found.append(f"{worse} of {len(rows)} above {WORSE}, {WORSE_SHARE:.0%} allowed")
-    if statistics.median(ratio) > MEDIAN:
+    if name == MEDIAN_OF and statistics.median(ratio) > MEDIAN:
         found.append(f"median {statistics.median(ratio):.2f}, {MEDIAN} wanted")
     return found

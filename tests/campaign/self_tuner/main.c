@@ -1,9 +1,10 @@
 /* Weeks of the self-tuner on a set of plants, a line for each:
  *
- *     self_tuner SET [SEED [FROM STRIDE]] [delay=dead] [days=D] [limits] [NAME=VALUE ...]
+ *     self_tuner SET [SEED [FROM STRIDE]] [delay=zero|dead] [days=D] [limits] [NAME=VALUE ...]
  *
  * SET: grid (noise 0.05 %), noisy (the same, 0.2 %), choose, confirm, named, pairs; with -rest behind it nothing moves from the
- * second day to the last hours. delay=dead: of the dead time alone. NAME: a setting of the block, for all loops. limits: exit
+ * second day to the last hours. delay=zero: without half the second lag, delay=dead: of the dead time alone. NAME: a setting of the
+ * block, for all loops. limits: exit
  * status 1 where a run was beyond the limits of the PI's record for longer than four windows, or g0 moved by more than 30 % at rest. */
 #include <math.h>
 #include <stdio.h>
@@ -30,6 +31,8 @@ static void read_options(struct options *o, int n, char **word)
     for (int k = 2; k < n; k++) {
         if (strcmp(word[k], "delay=dead") == 0)
             o->rule = DELAY_DEAD;
+        else if (strcmp(word[k], "delay=zero") == 0)
+            o->rule = DELAY_ZERO;
         else if (strcmp(word[k], "limits") == 0)
             o->limits = true;
         else if (strncmp(word[k], "days=", 5) == 0)
@@ -76,9 +79,9 @@ int main(int n, char **word)
     struct tuner_result r;
     bool good = true;
     if (n < 2) {
-        fputs(
-            "self_tuner SET [SEED [FROM STRIDE]] [delay=dead] [days=D] [limits] [NAME=VALUE ...]\n",
-            stderr);
+        fputs("self_tuner SET [SEED [FROM STRIDE]] [delay=zero|dead] [days=D] [limits] [NAME=VALUE "
+              "...]\n",
+              stderr);
         return 2;
     }
     read_options(&o, n, word);

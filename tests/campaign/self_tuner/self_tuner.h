@@ -68,8 +68,9 @@ double random_normal(struct random_source *r);
 
 /* ---- sets.c ---- */
 
-/* What `delay` is chosen from: the dead time alone, or with the time constant of the right-half-plane zero. */
-enum delay_rule { DELAY_ZERO, DELAY_DEAD };
+/* What `delay` is chosen from: the dead time and the time constant of the right-half-plane zero, with half the second lag or without
+ * it; or the dead time alone. */
+enum delay_rule { DELAY_ALL, DELAY_ZERO, DELAY_DEAD };
 /* The n-th case of a set, "-rest" after its name: without moves between the first day and the last hours; false past its end. */
 bool case_of(const char *set, unsigned n, uint64_t seed, enum delay_rule rule,
              struct tuner_case *c);

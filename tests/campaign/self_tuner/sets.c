@@ -18,7 +18,8 @@ static void give_simc(struct tuner_case *c, unsigned i, const struct element_spe
 static unsigned delay_of(const struct tuner_case *c, const struct element_spec *e,
                          enum delay_rule rule)
 {
-    double dead = e->dead + (rule == DELAY_ZERO ? e->zero : 0);
+    double dead =
+        e->dead + (rule == DELAY_DEAD ? 0 : e->zero) + (rule == DELAY_ALL ? e->t2 / 2 : 0);
     return 1u + (unsigned)ceil(dead / c->step_s - 1e-9);
 }
 
