@@ -92,6 +92,38 @@ static void noise_counts_twice_while_a_lambda_is_looked_for(void)
     TEST_FAIL_MESSAGE("there is no noise between the two limits");
 }
 
+/* From 0.001 to 0.0014 the error hardly changes. */
+static void of_two_that_save_about_as_much_the_larger_lambda_is_taken(void)
+{
+    float least = search(0.001f, 1.25f, 1, 1)->ratio;
+    const struct gmv_outcome *best = search(0.001f, 1.25f, 1, 64);
+    TEST_ASSERT_TRUE(best->times > 1.2f);
+    TEST_ASSERT_TRUE(best->ratio > least);
+    TEST_ASSERT_TRUE(best->ratio <= 1.05f * least);
+}
+
+/* A trial that is over, with these mean squares of the PV after noise; the PI's is 0.5. Moves are 1 % of span r.m.s. */
+static bool shakes_with(float noise_of_law)
+{
+    memset(&trial, 0, sizeof trial);
+    trial.run = GMV_TRIAL_RUNS;
+    trial.loops = 1;
+    trial.loop[0].acts = true;
+    trial.sums[0][0] = (struct gmv_trial_sums){
+        .setpoint = 0.5f, .noise = noise_of_law, .moves = 1e-4f / gmv_record_noise(&record[0])};
+    trial.sums[1][0] = (struct gmv_trial_sums){.setpoint = 1, .noise = 0.5f};
+    gmv_detune_begin(&d, 1, 1, BETTER, record);
+    TEST_ASSERT_FALSE(gmv_detune_piece(&d, &trial));
+    return d.best.shakes;
+}
+
+static void moves_for_which_noise_disturbs_the_pv_less_than_under_the_pi_are_no_shaking(void)
+{
+    pi_has_acted(0.002f);
+    TEST_ASSERT_TRUE(shakes_with(0.6f));
+    TEST_ASSERT_FALSE(shakes_with(0.4f));
+}
+
 static void where_none_is_good_the_first_one_is_told(void)
 {
     b.config.theta[0][1] = -0.05f; /* no lambda of this sign helps */
@@ -131,6 +163,8 @@ int main(void)
     RUN_TEST(a_law_that_would_not_bear_its_margin_gets_a_larger_lambda);
     RUN_TEST(a_law_that_would_shake_the_mv_gets_a_larger_lambda);
     RUN_TEST(noise_counts_twice_while_a_lambda_is_looked_for);
+    RUN_TEST(of_two_that_save_about_as_much_the_larger_lambda_is_taken);
+    RUN_TEST(moves_for_which_noise_disturbs_the_pv_less_than_under_the_pi_are_no_shaking);
     RUN_TEST(where_none_is_good_the_first_one_is_told);
     RUN_TEST(a_law_that_acts_is_tried_with_the_lambda_it_has);
     RUN_TEST(no_lambda_is_beyond_the_most_that_is_allowed);

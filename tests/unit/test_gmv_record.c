@@ -123,8 +123,22 @@ static void answers_are_compared_for_the_same_size_of_the_move(void)
     TEST_ASSERT_EQUAL_FLOAT(0, answers(true, 40, 0.8f, 2));
     gmv_record_begin(&r);
     TEST_ASSERT_TRUE(answers(true, 40, 0.9f, 0.5f) > 1.3f);
-    gmv_record_begin(&r); /* means of 0.1 % of span decide nothing */
-    TEST_ASSERT_EQUAL_FLOAT(0, answers(true, 40, 0.9f, 0.01f));
+}
+
+static void errors_of_a_tenth_of_a_percent_of_span_after_setpoints_decide_nothing(void)
+{
+    (void)answers(false, 20, 0.8f, 1);
+    gmv_record_begin(&r);
+    TEST_ASSERT_EQUAL_FLOAT(0, answers(true, 40, 0.9f, 0.015f));
+}
+
+static void what_the_law_takes_over_with_is_no_answer(void)
+{
+    (void)answers(false, 20, 0.8f, 1);
+    gmv_record_begin(&r);
+    for (unsigned k = 0; k < SETTLED - 1; k++)
+        TEST_ASSERT_EQUAL_FLOAT(0, gmv_record_law(&r, W, 2, 0, SETTLED));
+    TEST_ASSERT_EQUAL_FLOAT(0, answers(true, 40, 0.8f, 1));
 }
 
 static void what_comes_before_the_first_move_is_no_answer(void)
@@ -251,6 +265,8 @@ int main(void)
     RUN_TEST(while_setpoints_move_moves_of_the_mv_are_not_judged);
     RUN_TEST(answers_to_setpoints_that_are_a_third_larger_than_the_pis_are_worse);
     RUN_TEST(answers_are_compared_for_the_same_size_of_the_move);
+    RUN_TEST(errors_of_a_tenth_of_a_percent_of_span_after_setpoints_decide_nothing);
+    RUN_TEST(what_the_law_takes_over_with_is_no_answer);
     RUN_TEST(what_comes_before_the_first_move_is_no_answer);
     RUN_TEST(answers_that_were_cut_short_say_nothing_of_a_whole_one);
     RUN_TEST(without_enough_answers_of_the_pi_none_is_known);
