@@ -288,7 +288,7 @@ enum err dense_ekf_begin(struct dense_ekf *ekf, const struct composition *like,
     ekf->config = like->table.config;
     ekf->form = form;
     ekf->h = form == DENSE_EULER ? REAL_C(0.3) : BENCH_STEP_S;
-    ekf->noise2 = like->noise2;
+    ekf->noise2 = like->sensor[0].noise2; /* of all of them, as the bench begins */
     ekf->model2 = like->model2;
     for (size_t k = 0; k < BENCH_SENSORS; k++)
         ekf->stage[k] = like->sensor[k].stage;
