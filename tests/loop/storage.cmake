@@ -17,3 +17,6 @@ target_compile_definitions(test_composition_stored PRIVATE STORED_IMAGES="${PROJ
 reflux_test(composition_dead_sensor LABEL loop SOURCES ${CMAKE_CURRENT_LIST_DIR}/test_composition_dead_sensor.c
             LIBS reflux_hal_memory reflux_app reflux_link reflux_bench reflux_plants)
 target_compile_definitions(test_composition_dead_sensor PRIVATE STORED_IMAGES="${PROJECT_SOURCE_DIR}/tests/reference/stored")
+reflux_test(composition_return LABEL loop SOURCES ${CMAKE_CURRENT_LIST_DIR}/test_composition_return.c
+            LIBS reflux_hal_memory reflux_app reflux_link reflux_bench reflux_plants)
+target_compile_definitions(test_composition_return PRIVATE STORED_IMAGES="${PROJECT_SOURCE_DIR}/tests/reference/stored")
