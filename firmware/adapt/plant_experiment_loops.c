@@ -151,7 +151,8 @@ static void put_coefficient(struct block_proposal *room, uint16_t number, uint8_
         value};
 }
 
-/* Puts the values that differ, as far as there is room: where it ends, with limits that any G may have. Returns how many there are. */
+/* Puts the values that differ, as far as there is room. Where some are left the decoupler is incomplete until they follow, because
+ * somebody may save, cut the power or take the last part back in between. Returns how many values differ. */
 static unsigned put_decoupler(const struct experiment *e, struct block_proposal *room)
 {
     const struct polynomial_settings *is = e->law.decoupler;
@@ -163,7 +164,7 @@ static unsigned put_decoupler(const struct experiment *e, struct block_proposal 
             ++left <= PROPOSAL_MAX - 2u)
             put_coefficient(room, e->s.law, POLYNOMIAL_G, k, wanted);
     }
-    uint8_t limits = left > PROPOSAL_MAX - 2u ? (uint8_t)POLYNOMIAL_SCALE : to->limits;
+    uint8_t limits = left > PROPOSAL_MAX - 2u ? (uint8_t)POLYNOMIAL_INCOMPLETE : to->limits;
     if (is->period_s != to->period_s)
         put_coefficient(room, e->s.law, POLYNOMIAL_PERIOD, 0, to->period_s);
     if (is->limits != limits)

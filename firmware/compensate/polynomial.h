@@ -17,7 +17,9 @@ enum polynomial_limits {
     POLYNOMIAL_RECURSE,
     /* One loop alone does so where its own element of G allows it. Else the move of all loops is shortened to the part that the MV
      * shortened most could make. */
-    POLYNOMIAL_SCALE
+    POLYNOMIAL_SCALE,
+    /* A part of G is missing: what has found it proposes it in parts. Until G is whole each MV gets its own loop's output. */
+    POLYNOMIAL_INCOMPLETE
 };
 
 struct polynomial_settings {

@@ -11,9 +11,10 @@
 
 struct polynomials {
     uint8_t loops, taps, limits;
-    uint8_t mask;  /* loops that took part when it last followed */
-    uint8_t alone; /* of those that are scaled: they give way alone where their MV is limited */
-    bool begun;    /* `at` and the past are those of the next step already */
+    uint8_t mask;    /* loops that took part when it last followed */
+    uint8_t alone;   /* of those that are scaled: they give way alone where their MV is limited */
+    bool incomplete; /* the loops act without G */
+    bool begun;      /* `at` and the past are those of the next step already */
     uint16_t ticks, at;    /* of a period, and which of them this is, from 0 on */
     uint16_t unchanged;    /* ticks since an input has moved, ticks at most */
     num_t v[LOOPS];        /* in effect, in this tick or the last one */
@@ -31,9 +32,14 @@ static const struct block_parameter polynomial_parameters[] = {
      1e5f, 0},
     {2, BLOCK_FLOAT, FIELD(g), LOOPS *LOOPS, POLYNOMIAL_TAPS, "g", "-",
      "row i n + j + 1: of MV i to the output of loop j, from z^0 on", -100, 100, 0},
-    {3, BLOCK_WORD, FIELD(limits), 1, 1, "limits", "recurse|scale",
-     "where an MV is limited: into the past, or the whole move is shortened", 0, 1,
-     POLYNOMIAL_RECURSE},
+    {3, BLOCK_WORD, FIELD(limits), 1, 1, "limits", "recurse|scale|incomplete",
+     "where an MV is limited: into the past, or the whole move is shortened; or G is not whole", 0,
+     2, POLYNOMIAL_RECURSE},
+};
+
+static const struct block_event polynomial_events[] = {
+    {"partial", BLOCK_INFO,
+     "the loops act without their decoupler because a part of its G is missing, -"},
 };
 
 static num_t *coefficient(struct polynomials *s, unsigned i, unsigned j)
@@ -52,6 +58,8 @@ static num_t *past_of(struct polynomials *s, unsigned k)
 static unsigned used_taps(const struct polynomial_settings *c, unsigned loops)
 {
     unsigned taps = 1;
+    if (c->limits == POLYNOMIAL_INCOMPLETE)
+        return taps;
     for (unsigned row = 0; row < loops * loops; row++)
         for (unsigned k = taps; k < POLYNOMIAL_TAPS; k++)
             if (c->g[row][k] != 0.0f)
@@ -159,6 +167,7 @@ static enum err check_part(const struct block_setup *setup, unsigned members,
 static enum err polynomial_check_settings(const struct block_setup *setup,
                                           struct block_fault *fault)
 {
+    const struct polynomial_settings *c = setup->settings;
     float ticks = period_ticks(setup);
     if (setup->members < 1 || setup->members > LOOPS)
         return refuse_polynomial(fault, ERR_RANGE, 0, "loops", "needs one to four");
@@ -167,12 +176,24 @@ static enum err polynomial_check_settings(const struct block_setup *setup,
     if (!step_period_is_whole(ticks))
         return refuse_polynomial(fault, ERR_RANGE, 0, "period",
                                  "must be a whole number of base ticks");
+    if (c->limits == POLYNOMIAL_INCOMPLETE)
+        return ERR_OK; /* nothing is computed with G */
     for (unsigned part = 1; part < (1u << setup->members); part++) {
         enum err err = part & ~(unsigned)setup->there ? ERR_OK : check_part(setup, part, fault);
         if (err)
             return err;
     }
     return ERR_OK;
+}
+
+/* The identity in place of a G that is not whole. */
+static void take_coefficients(struct polynomials *s, const struct polynomial_settings *c)
+{
+    for (unsigned i = 0; i < s->loops; i++)
+        for (unsigned j = 0; j < s->loops; j++)
+            for (unsigned k = 0; k < s->taps; k++)
+                coefficient(s, i, j)[k] = s->incomplete ? (i == j ? num_one() : num_zero())
+                                                        : num_from_float(c->g[i * s->loops + j][k]);
 }
 
 /* What follows bumps nothing: that is follow's affair. */
@@ -188,16 +209,14 @@ static enum err polynomial_configure(void *state, const struct block_setup *setu
         s->mask = 0; /* there is no past of this kind */
     s->loops = setup->members;
     s->taps = (uint8_t)taps;
-    s->limits = c->limits;
+    s->incomplete = c->limits == POLYNOMIAL_INCOMPLETE;
+    s->limits = s->incomplete ? (uint8_t)POLYNOMIAL_RECURSE : c->limits;
     s->alone = 0;
     for (unsigned i = 0; i < s->loops && c->limits == POLYNOMIAL_SCALE; i++)
         if (polynomial_forgets(c, s->loops, taps, 1u << i))
             s->alone = (uint8_t)(s->alone | 1u << i);
     s->ticks = ticks;
-    for (unsigned i = 0; i < s->loops; i++)
-        for (unsigned j = 0; j < s->loops; j++)
-            for (unsigned k = 0; k < taps; k++)
-                coefficient(s, i, j)[k] = num_from_float(c->g[i * s->loops + j][k]);
+    take_coefficients(s, c);
     return ERR_OK;
 }
 
@@ -253,6 +272,7 @@ static void pass_time(struct polynomials *s, const struct block_io *io)
 static void polynomial_step(void *state, struct block_io *io)
 {
     struct polynomials *s = state;
+    io->raised = s->incomplete ? 1u : 0u;
     pass_time(s, io);
     for (unsigned j = 0; j < s->loops; j++) {
         s->before[j] = s->v[j];
@@ -418,6 +438,8 @@ const struct block_kind polynomial_kind = {
     .parameters = sizeof polynomial_parameters / sizeof polynomial_parameters[0],
     .settings_bytes = sizeof(struct polynomial_settings),
     .members_most = LOOPS,
+    .event = polynomial_events,
+    .events = sizeof polynomial_events / sizeof polynomial_events[0],
     .bytes = polynomial_bytes,
     .check = polynomial_check_settings,
     .configure = polynomial_configure,

@@ -602,6 +602,26 @@ static void five_loops_are_refused(void)
     assert_refused("loops");
 }
 
+/* G is singular, as half of one may be. */
+static void an_incomplete_g_is_not_computed_with(void)
+{
+    settings.limits = POLYNOMIAL_INCOMPLETE;
+    for (unsigned row = 0; row < 4; row++)
+        for (unsigned k = 0; k < POLYNOMIAL_TAPS; k++)
+            settings.g[row][k] = 1;
+    begin_at(0.3, -0.2);
+    stepped(0.4, -0.2);
+    assert_out(0.4, -0.2);
+    TEST_ASSERT_EQUAL(1, io.raised);
+    told(-0.1, 0); /* only the loop whose MV is limited gives way */
+    assert_out(-0.1, 0);
+    settings.limits = POLYNOMIAL_RECURSE;
+    take_kotyk();
+    configure(true);
+    stepped(0.4, -0.2);
+    TEST_ASSERT_EQUAL(0, io.raised);
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -634,5 +654,6 @@ int main(void)
     RUN_TEST(zeros_up_to_two_per_cent_within_the_circle_are_run_backwards_and_none_outside);
     RUN_TEST(a_period_that_is_no_whole_number_of_ticks_is_refused);
     RUN_TEST(five_loops_are_refused);
+    RUN_TEST(an_incomplete_g_is_not_computed_with);
     return UNITY_END();
 }

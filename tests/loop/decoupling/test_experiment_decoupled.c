@@ -1,18 +1,8 @@
 /* From the kind `experiment` to a polynomial decoupler and controllers by pole placement: of fast samples, and designed on the board. */
+#include "decoupler_design_bench.h"
 #include "design/pole_placement.h"
 #include "design/polynomial_decoupler.h"
-#include "experiment_plant.h"
 #include "sample.h"
-
-/* Control every 120 s, at any base tick. */
-static struct experiment_case unlike_lags = {DECOUPLING "/unlike-lags.json",
-                                             120000,
-                                             2,
-                                             {"y1", "y2"},
-                                             {"u1", "u2"},
-                                             {"period 120", "adopt at_once", "bits 7", "clock 4",
-                                              "amplitude.1 1", "amplitude.2 1", "band.1 0.8",
-                                              "band.2 1.2"}};
 
 static struct difference_model kept_model(void)
 {
@@ -66,78 +56,6 @@ static void a_decoupler_comes_of_every_base_tick_as_of_the_control_interval(void
 }
 
 /* ---- designed on the board ---- */
-
-#define DECOUPLER 2
-#define FIRST_RST 3
-#define SETTLING  3600
-
-static const char *const no_blocks[] = {NULL};
-
-static void set_line(const char *format, unsigned i, unsigned j)
-{
-    char line[120];
-    snprintf(line, sizeof line, format, i, j);
-    ask_ok(line);
-}
-
-/* Blocks for what is designed, with coefficients that only hold their places, and lines that are special to the case. */
-static void add_blocks(unsigned divisor, const char *const *more)
-{
-    ask_ok("begin");
-    ask_ok("set block2.kind polynomial");
-    ask_ok("set block2.loops l1,l2");
-    ask_ok("set block2.g.1 1,0,0,0,0,0,0,0");
-    ask_ok("set block2.g.4 1,0,0,0,0,0,0,0");
-    for (unsigned k = 1; k <= 2; k++) {
-        set_line("set loop%u.divisor %u", k, divisor);
-        set_line("set block%u.kind rst", FIRST_RST - 1 + k, 0);
-        set_line("set block%u.loops l%u", FIRST_RST - 1 + k, k);
-        set_line("set block%u.period %u", FIRST_RST - 1 + k, divisor * unlike_lags.tick_ms / 1000);
-        set_line("set block%u.q.1 1,0,0,0,0,0,0,0", FIRST_RST - 1 + k, 0);
-        set_line("set block%u.r.1 1,0,0,0,0,0,0,0", FIRST_RST - 1 + k, 0);
-        set_line("set block1.place.%u %u", k, FIRST_RST - 1 + k);
-        set_line("set block1.settling.%u %u", k, SETTLING);
-    }
-    ask_ok("set block1.law 2");
-    for (; *more; more++)
-        ask_ok(*more);
-    ask_ok("apply");
-    plant_steps(2);
-}
-
-/* A model as if it had been found, and the blocks. What it lacks is 0. */
-static void begin_with_model(const char *adopt, const char *const *more)
-{
-    static const char *const model[] = {"set block1.a1_1 -0.85",  "set block1.a2_1 -0.91",
-                                        "set block1.b11_1 0.024", "set block1.b12_1 -0.009",
-                                        "set block1.b21_1 0.018", "set block1.b22_1 -0.02"};
-    unlike_lags.tick_ms = 60000;
-    begin_case(&unlike_lags, 1, 20);
-    for (unsigned k = 0; k < sizeof model / sizeof model[0]; k++)
-        ask_ok(model[k]);
-    ask_ok("set block1.known on");
-    ask_ok(adopt);
-    plant_steps(2);
-    add_blocks(2, more);
-}
-
-static void design(void)
-{
-    ask_ok("block 1 design");
-    plant_steps(20);
-}
-
-static double nth_of_row(const char *row, unsigned n)
-{
-    char line[40];
-    snprintf(line, sizeof line, "get %s", row);
-    ask_ok(line);
-    const char *at = strchr(board.said, '=');
-    TEST_ASSERT_NOT_NULL(at);
-    for (at++; n > 0; n--)
-        at = strchr(at, ',') + 1;
-    return strtod(at, NULL);
-}
 
 static void assert_row(const char *format, unsigned i, const struct polynomial *p, unsigned from)
 {
@@ -281,34 +199,6 @@ static void stop_withdraws_what_was_designed(void)
     ask_refused("proposal accept", "STATE");
 }
 
-/* 31 values differ. */
-static void a_long_decoupler_comes_in_two_parts_and_is_accepted_once(void)
-{
-    begin_with_model("set block1.adopt ask", no_blocks);
-    ask_ok("begin");
-    for (unsigned k = 2; k <= 8; k++) {
-        set_line("set block1.b11_%u 0.00%u", k, 9 - k);
-        set_line("set block1.b12_%u -0.000%u", k, 9 - k);
-        set_line("set block1.b21_%u 0.000%u", k, 9 - k);
-        set_line("set block1.b22_%u -0.00%u", k, 9 - k);
-    }
-    ask_ok("set block1.place.1 0");
-    ask_ok("set block1.place.2 0");
-    ask_ok("apply");
-    plant_steps(2);
-    design();
-    ask_ok("proposal accept");
-    plant_steps(5);
-    for (unsigned k = 0; k < 8; k++) {
-        TEST_ASSERT_TRUE(nth_of_row("block2.g.1", k) > 0);
-        TEST_ASSERT_TRUE(nth_of_row("block2.g.4", k) > 0);
-    }
-    ask_ok("events");
-    TEST_ASSERT_FALSE(said("PROPOSAL_REFUSED")); /* no controller without a block for it */
-    ask_ok("proposal");
-    TEST_ASSERT_FALSE(said("proposes"));
-}
-
 static void of_one_loop_only_the_controller_is_designed(void)
 {
     struct experiment_case one = unlike_lags;
@@ -416,7 +306,6 @@ int main(int argc, char **argv)
     RUN_TEST(the_pages_example_designs_for_the_papers_column);
     RUN_TEST(with_the_decoupler_rejected_no_controller_is_proposed);
     RUN_TEST(stop_withdraws_what_was_designed);
-    RUN_TEST(a_long_decoupler_comes_in_two_parts_and_is_accepted_once);
     RUN_TEST(of_one_loop_only_the_controller_is_designed);
     RUN_TEST(other_settings_withdraw_what_was_designed);
     RUN_TEST(a_loop_of_another_period_keeps_its_controller);
