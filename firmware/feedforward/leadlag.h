@@ -3,8 +3,8 @@
  *     u_p = sum of K (lead s + 1)/(lag s + 1) exp(-dead s) (d_k - reference)
  *
  * each term from one input to one MV, with exact dead time. The form is that of the element ffN (feedforward/feedforward.h); what is
- * more: several inputs and MVs, a washout of slow changes, limits of the sum and of how fast it moves, and an input that is lost is held for a
- * while before the element gives up. All in fractions of span. docs/feedforward.md */
+ * more: several inputs and MVs, a dead band against the noise of a sensor, a washout of slow changes, limits of the sum and of how fast it
+ * moves, and an input that is lost is held for a while before the element gives up. All in fractions of span. docs/feedforward.md */
 #ifndef REFLUX_FEEDFORWARD_LEADLAG_H
 #define REFLUX_FEEDFORWARD_LEADLAG_H
 
@@ -26,7 +26,8 @@ struct leadlag_settings {
     float washout_s; /* what stays so long calls for less and less; 0: none */
     float hold_s;    /* how long an input that is lost stays what it was */
     uint16_t from[LEADLAG_TERMS],
-        to[LEADLAG_TERMS]; /* number of the input, of the MV; 0: no term */
+        to[LEADLAG_TERMS];          /* number of the input, of the MV; 0: no term */
+    float dead_band[LEADLAG_TERMS]; /* EU of the input; d_k follows the input at this distance */
 };
 
 extern const struct block_kind leadlag_kind;

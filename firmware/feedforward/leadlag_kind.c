@@ -13,8 +13,9 @@ struct leadlag_term {
     struct feedforward element;
     struct washout washout;
     float dead_s, reference;
-    uint8_t from, to; /* from 0 */
-    uint8_t number;   /* in the settings, from 0 */
+    num_t d, dead_band; /* the input as it counts for this term */
+    uint8_t from, to;   /* from 0 */
+    uint8_t number;     /* in the settings, from 0 */
 };
 
 _Static_assert(LEADLAG_TERMS == ELEMENT_TERMS, "rows of so many values are those of the terms");
@@ -62,6 +63,8 @@ static const struct block_parameter leadlag_parameters[] = {
      "what stays so long calls for less and less; 0: none", 0, 1e6f, 0},
     {13, BLOCK_FLOAT, AT(hold_s), 1, 1, "hold", "s",
      "how long an input that is lost stays what it was, before the element gives up", 0, 1e6f, 0},
+    {14, BLOCK_FLOAT, AT(dead_band), 1, LEADLAG_TERMS, "dead_band", "EU",
+     "of each term: noise of the input within +/- so much moves nothing; 0: none", 0, 1e9f, 0},
 };
 
 /* ---- settings ---- */
@@ -84,6 +87,14 @@ static struct element_settings element_of(const struct block_setup *setup, unsig
                                      .out_hi = 2};
 }
 
+/* Fraction of the input's span. */
+static float dead_band_of(const struct block_setup *setup, unsigned k)
+{
+    const struct leadlag_settings *c = setup->settings;
+    const struct block_signal *d = &setup->input[c->from[k] - 1u];
+    return c->dead_band[k] / (d->hi - d->lo);
+}
+
 static enum err check_term(const struct block_setup *setup, unsigned k, struct block_fault *fault)
 {
     const struct leadlag_settings *c = setup->settings;
@@ -96,6 +107,8 @@ static enum err check_term(const struct block_setup *setup, unsigned k, struct b
     const struct element_settings element = element_of(setup, k);
     if (!(element.reference >= -1 && element.reference <= 2))
         return block_refuse(fault, 0, "reference", "must be within a span of the input's range");
+    if (!(dead_band_of(setup, k) <= 1))
+        return block_refuse(fault, 0, "dead_band", "must be at most the input's span");
     const char *field, *wanted;
     if (feedforward_validate(&element, setup->interval_s, &field, &wanted))
         return block_refuse(fault, 0, "dead", "must be at most 100000 base ticks");
@@ -228,6 +241,7 @@ static enum err leadlag_configure(void *state, const struct block_setup *setup, 
         struct leadlag_term *t = &s->term[n++];
         t->element.delay.ring = ring;
         t->number = (uint8_t)k;
+        t->dead_band = num_from_float(dead_band_of(setup, k));
         enum err err = goes_on ? retune_term(setup, k, t) : make_term(setup, k, t, ring);
         if (err)
             return err;
@@ -273,7 +287,8 @@ static void begin_at_rest(struct leadlag *s)
 {
     for (unsigned k = 0; k < s->terms; k++) {
         struct leadlag_term *t = &s->term[k];
-        feedforward_reset(&t->element, s->d[t->from]);
+        t->d = s->d[t->from];
+        feedforward_reset(&t->element, t->d);
         washout_reset(&t->washout, t->element.output);
     }
     s->begun = true;
@@ -283,7 +298,9 @@ static void sum_terms(struct leadlag *s, struct accumulator *sum)
 {
     for (unsigned k = 0; k < s->terms; k++) {
         struct leadlag_term *t = &s->term[k];
-        num_t u = feedforward_step(&t->element, s->d[t->from]);
+        num_t d = s->d[t->from];
+        t->d = num_clamp(t->d, num_sub(d, t->dead_band), num_add(d, t->dead_band));
+        num_t u = feedforward_step(&t->element, t->d);
         u = s->washes ? washout_step(&t->washout, u) : u;
         if (!(s->silenced & 1u << t->number))
             accumulator_add(&sum[t->to], u);

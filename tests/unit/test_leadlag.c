@@ -117,6 +117,59 @@ static void a_term_is_an_element_of_the_same_numbers_to_the_bit(void)
     }
 }
 
+static void noise_within_the_dead_band_moves_nothing(void)
+{
+    term(0, 1, 1, -1, 60, 0, 0);
+    settings.dead_band[0] = 2; /* a fiftieth of the span */
+    begin();
+    step();
+    for (unsigned k = 0; k < 200; k++) {
+        input[0] = N(0.5 + 0.0199 * drawn());
+        step();
+        TEST_ASSERT_DOUBLE_WITHIN(1e-7, 0, D(out[0]));
+    }
+}
+
+static void beyond_the_dead_band_the_term_follows_at_its_distance(void)
+{
+    static const double d[][2] = {{0.6, 0.58},  {0.57, 0.58}, {0.56, 0.58},
+                                  {0.55, 0.57}, {0.3, 0.32},  {0.33, 0.32}};
+    term(0, 1, 1, 1, 0, 0, 0);
+    settings.dead_band[0] = 2;
+    begin();
+    step();
+    for (unsigned k = 0; k < sizeof d / sizeof d[0]; k++) {
+        input[0] = N(d[k][0]);
+        step();
+        TEST_ASSERT_DOUBLE_WITHIN(1e-6, d[k][1] - 0.5, D(out[0]));
+    }
+}
+
+static void each_term_of_an_input_has_its_own_dead_band(void)
+{
+    term(0, 1, 1, 1, 0, 0, 0);
+    term(1, 1, 2, 1, 0, 0, 0);
+    settings.dead_band[1] = 5;
+    begin();
+    step();
+    input[0] = N(0.6);
+    step();
+    TEST_ASSERT_DOUBLE_WITHIN(1e-6, 0.1, D(out[0]));
+    TEST_ASSERT_DOUBLE_WITHIN(1e-6, 0.05, D(out[1]));
+    settings.dead_band[1] = 1; /* another one counts from the next step on */
+    configure(true);
+    step();
+    TEST_ASSERT_DOUBLE_WITHIN(1e-6, 0.09, D(out[1]));
+}
+
+static void a_dead_band_beyond_the_span_is_refused(void)
+{
+    term(0, 1, 1, 1, 0, 0, 0);
+    settings.dead_band[0] = 101;
+    TEST_ASSERT_NOT_EQUAL(ERR_OK, kind->check(&setup, &fault));
+    TEST_ASSERT_EQUAL_STRING("dead_band", fault.field);
+}
+
 static void terms_add_up_at_their_mvs_as_in_double(void)
 {
     static const struct {
@@ -456,6 +509,10 @@ int main(void)
 {
     UNITY_BEGIN();
     RUN_TEST(a_term_is_an_element_of_the_same_numbers_to_the_bit);
+    RUN_TEST(noise_within_the_dead_band_moves_nothing);
+    RUN_TEST(beyond_the_dead_band_the_term_follows_at_its_distance);
+    RUN_TEST(each_term_of_an_input_has_its_own_dead_band);
+    RUN_TEST(a_dead_band_beyond_the_span_is_refused);
     RUN_TEST(terms_add_up_at_their_mvs_as_in_double);
     RUN_TEST(a_dead_time_is_exact);
     RUN_TEST(what_stays_is_washed_out);
