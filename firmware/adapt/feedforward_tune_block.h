@@ -133,6 +133,7 @@ struct tune {
     real_t d_square;  /* mean square of the disturbance of late, in any stage */
     real_t d_most;    /* the largest there was in the last hours */
     real_t d_learnt;  /* the one that the element in force was learnt from; 0: none was */
+    real_t d_noise;   /* mean square of a reading of the disturbance when it rested last */
     uint32_t d_still; /* samples since the disturbance moved last; 0: it moves */
     bool d_moved;     /* it has in this stage */
     bool by_itself;   /* nobody has asked for what is identified */

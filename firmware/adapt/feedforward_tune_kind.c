@@ -112,7 +112,7 @@ static void begin_without_past(struct tune *t)
     t->silencing = t->off_waits = t->again = false;
     t->verdict = TUNE_NONE;
     t->tried = t->changes = 0;
-    t->d_square = t->d_most = t->d_learnt = REAL_C(0.0);
+    t->d_square = t->d_most = t->d_learnt = t->d_noise = REAL_C(0.0);
     t->by_itself = false;
     t->d_still = 1;
     if (t->s.begin)

@@ -205,6 +205,8 @@ void tune_look_at_disturbance(struct tune *t)
                  t->d_square < AT_REST * larger_square(t->d_learnt, t->d_most);
     t->d_still = rests ? t->d_still + (t->d_still < UINT32_MAX) : 0;
     t->d_moved = t->d_moved || !rests;
+    if (t->d_still > tune_samples(t, t->s.learn_s)) /* what moved before is forgotten */
+        t->d_noise = t->d_square * (real_t)t->ticks;
 }
 
 static bool moves_disturbance(const struct tune *t)

@@ -37,6 +37,7 @@ const char *tune_describe(const void *state, size_t i, float *value)
         {"learns", t->learns},
         {"change", 100 * (float)t->change},
         {"move", 100 * (float)real_sqrt(t->move_square)},
+        {"noise_d", (t->d_signal.hi - t->d_signal.lo) * (float)real_sqrt(t->d_noise)},
         {"band_lo", band_edge(t, false)},
         {"band_hi", band_edge(t, true)},
         {"ratio", (float)cplx_abs(low_point(t)->is)},

@@ -1,4 +1,5 @@
-/* The kind `ff_tune` tunes a term of an element with a record, and switches it off. */
+/* The kind `ff_tune` tunes a term of an element with a record, and switches it off; and the dead band of that element keeps the noise of a
+ * sensor away from the MV. */
 #include "tune_bench.h"
 
 void setUp(void)
@@ -78,6 +79,73 @@ static void one_that_is_worse_is_off_at_once(void)
     TEST_ASSERT_DOUBLE_WITHIN(0.2 * bad, bad, mean_square(900));
 }
 
+/* Of what the element adds to the MV in a quarter of an hour: largest less least. */
+static double unrest_of_mv(void)
+{
+    double least = INFINITY, most = -INFINITY;
+    for (unsigned k = 0; k < 900; k++) {
+        tune_second();
+        least = fmin(least, value_of(2, "added_1"));
+        most = fmax(most, value_of(2, "added_1"));
+    }
+    return most - least;
+}
+
+/* A twentieth of the disturbance is noise. Returns the mean square under feedback alone. */
+static double noisy_disturbance(bool dead_band)
+{
+    char line[60];
+    two_terms();
+    plant_event("dm.noise=0.05");
+    TEST_ASSERT_EQUAL_DOUBLE(0, value_of(1, "noise_d")); /* the disturbance has not rested yet */
+    course.quiet = true;
+    tune_seconds(7000);
+    TEST_ASSERT_DOUBLE_WITHIN(0.005, 0.05, value_of(1, "noise_d"));
+    (void)snprintf(line, sizeof line, "set block2.dead_band.1 0,%.4g,0,0,0,0,0,0",
+                   4 * value_of(1, "noise_d"));
+    if (dead_band)
+        ask_ok(line);
+    course.quiet = false;
+    tune_seconds(600);
+    double alone = mean_square(900);
+    tune_stages(false, 1u << RUNS, 20);
+    TEST_ASSERT_EQUAL(ADOPTED, tune_value("verdict"));
+    tune_seconds(1200);
+    return alone;
+}
+
+/* As docs/adaptive-feedforward.md has it: the block says how large the noise is at rest, and somebody sets four times as much. */
+static void with_a_dead_band_against_noise_the_mv_is_calm_at_rest_and_the_element_stays(void)
+{
+    double alone = noisy_disturbance(true);
+    TEST_ASSERT_TRUE(mean_square(900) < 0.15 * alone);
+    course.quiet = true;
+    tune_seconds(6000);
+    TEST_ASSERT_TRUE(unrest_of_mv() < 0.002);
+    TEST_ASSERT_EQUAL(0, tune_value("tried"));
+    TEST_ASSERT_EQUAL(RUNS, tune_value("stage"));
+}
+
+static void without_one_noise_at_rest_switches_the_element_off(void)
+{
+    (void)noisy_disturbance(false);
+    course.quiet = true;
+    tune_seconds(6000);
+    TEST_ASSERT_EQUAL(WORSE, tune_value("verdict"));
+}
+
+/* A sample of the models is a mean of five readings; the element sees each of them. */
+static void the_noise_at_rest_is_that_of_a_reading_whatever_the_period(void)
+{
+    two_terms();
+    ask_ok("set block1.period 5");
+    plant_event("dm.noise=0.05");
+    tune_seconds(1200); /* who has never seen it move takes noise for movement */
+    course.quiet = true;
+    tune_seconds(8000);
+    TEST_ASSERT_DOUBLE_WITHIN(0.01, 0.05, value_of(1, "noise_d"));
+}
+
 static void another_block_than_a_leadlag_is_refused(void)
 {
     two_terms();
@@ -90,6 +158,9 @@ int main(void)
     UNITY_BEGIN();
     RUN_TEST(a_term_is_tuned_adopted_and_watched);
     RUN_TEST(one_that_is_worse_is_off_at_once);
+    RUN_TEST(with_a_dead_band_against_noise_the_mv_is_calm_at_rest_and_the_element_stays);
+    RUN_TEST(without_one_noise_at_rest_switches_the_element_off);
+    RUN_TEST(the_noise_at_rest_is_that_of_a_reading_whatever_the_period);
     RUN_TEST(another_block_than_a_leadlag_is_refused);
     return UNITY_END();
 }
