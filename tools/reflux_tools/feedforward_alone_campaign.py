@@ -26,7 +26,8 @@ class *noisy* it is 0.5 %, and the sensor of the disturbance has noise of 0.2 %.
 On the seeds called *chosen* the rules were chosen, on those called *confirmed* they were not looked at before. *Adopted*: within 12 h."""
 WEEKS = """The disturbance moves and rests by turns of eight hours. *Worst*: mean square over six hours over that under feedback alone, where the block did not move the plant
 itself. *Off*: how often an element was switched off, though nothing had changed. *Signals*: hours of test signals after adoption; *at rest*: of these,
-later than an hour after the disturbance has come to rest."""
+later than an hour after the disturbance has come to rest. In the class *noisy with dead band* the plants and the noise are those of *noisy*, and the element has a
+dead band of four times the noise of its sensor. *Moving*: mean square over all such windows while the disturbance moves, over that under feedback alone, mean of the plants."""
 CHANGES = """An hour after adoption. *Worse*: the longest time in a row, windows of 300 s, in which the loop is worse than under feedback alone while an element acts, in the
 twelve hours behind it; of all plants the median and the worst, and how many passed `check`."""
 STEPS = """The disturbance moves all the time. *At once*: adopted with this test signal. *By what it says*: adopted after following the event `weak` up to three times."""
@@ -91,13 +92,14 @@ def weeks(rows: list[dict[str, str]]) -> tuple[list[str], list[list[str]], list[
         there = [r for r in of if r["adopted"] == "1"]
         worst = max((float(r["worst"]) for r in there), default=0.0)
         rest = sum(float(r["signals_at_rest_h"]) for r in there)
-        lines.append([plant, f"{len(there)} of {len(of)}", f"{worst:.2f}", str(sum(int(r["offs"]) for r in there)),
+        moving = statistics.mean(float(r["moving"]) for r in there) if there else 1.0
+        lines.append([plant, f"{len(there)} of {len(of)}", f"{worst:.2f}", f"{moving:.3f}", str(sum(int(r["offs"]) for r in there)),
                       f"{sum(float(r['signals_h']) for r in there):.1f}", f"{rest:.2f}"])
         if worst > 1.1:
             missed.append(f"week, {plant}: {worst:.2f} times the squares, 1.1 asked for")
         if rest > 0:
             missed.append(f"week, {plant}: {rest:.2f} h of test signals at rest")
-    return ["plant", "adopted", "worst", "off", "signals, h", "at rest, h"], lines, missed
+    return ["plant", "adopted", "worst", "moving", "off", "signals, h", "at rest, h"], lines, missed
 
 
 def changes(rows: list[dict[str, str]]) -> tuple[list[str], list[list[str]], list[str]]:

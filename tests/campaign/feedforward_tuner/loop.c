@@ -169,14 +169,15 @@ static double pi_tick(struct half *h, const struct loop *l, double r, double y)
     return u;
 }
 
-/* As feedforward/feedforward.h has it. */
+/* As feedforward/leadlag.h has it. */
 static double element_tick(struct loop *l, double d)
 {
     const struct tune_settings *s = &l->settings;
     unsigned whole = (unsigned)s->dead_s;
     double part = (double)s->dead_s - whole;
     memmove(l->delayed + 1, l->delayed, (PATH_DEAD_MOST - 1u) * sizeof l->delayed[0]);
-    l->delayed[0] = d;
+    l->counted = fmin(fmax(l->counted, d - l->of.dead_band), d + l->of.dead_band);
+    l->delayed[0] = l->counted;
     double late = l->delayed[whole] + part * (l->delayed[whole + 1u] - l->delayed[whole]);
     l->lead_lag +=
         (late - l->lead_lag + (double)s->lead_s * (late - l->before)) / ((double)s->lag_s + 1);

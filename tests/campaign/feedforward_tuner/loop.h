@@ -30,6 +30,7 @@ struct loop_case {
     struct path process, path;
     enum disturbance disturbance;
     double noise, disturbance_noise; /* of the sensors, r.m.s. */
+    double dead_band;                /* of the element, fraction of span */
     double step;                     /* of the test signal */
     uint8_t method;
     float check_s;
@@ -62,6 +63,7 @@ struct loop {
     struct block_excitation excite[BLOCK_EXCITES_MAX];
     double excited; /* added to the setpoint */
     double delayed[PATH_DEAD_MOST], lead_lag, before;
+    double counted; /* the disturbance behind the dead band */
     uint8_t waiting;
     uint16_t raised; /* events since they were last looked at */
     alignas(8) char history[sizeof(struct applied_history) + 4 * sizeof(num_t)];

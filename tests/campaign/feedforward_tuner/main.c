@@ -19,7 +19,8 @@
 #define CHECK_S 1200 /* `check` */
 #define METHODS 4u
 #define WORST                                                                                      \
-    1.1 /* times the squares under feedback alone, where the sensor of the disturbance has no noise */
+    1.1 /* times the squares under feedback alone, but where noise of the disturbance meets no dead band */
+#define NOISE_TIMES 4 /* of the noise of the disturbance: the dead band */
 
 static struct loop loop;
 static bool missed;
@@ -122,7 +123,7 @@ static bool begins(const struct loop_case *c, uint64_t seed)
 
 static void week(const struct loop_case *c, uint64_t seed)
 {
-    double with = 0, alone = 0, worst[2] = {0, 0};
+    double with = 0, alone = 0, worst[2] = {0, 0}, late[2] = {0, 0}, moving[2] = {0, 0};
     unsigned signals = 0, in_rest = 0, offs = 0;
     bool moved = false, before = false;
     if (!begins(c, seed))
@@ -141,18 +142,34 @@ static void week(const struct loop_case *c, uint64_t seed)
         moved = moved || excited;
         with += loop.tuned.y * loop.tuned.y;
         alone += loop.alone.y * loop.alone.y;
+        late[0] += rests ? 0 : loop.tuned.y * loop.tuned.y;
+        late[1] += rests ? 0 : loop.alone.y * loop.alone.y;
         if (n % WINDOW == 0) {
-
             if (with / alone > worst[moved])
                 worst[moved] = with / alone;
+            for (unsigned k = 0; k < 2; k++) {
+                moving[k] += moved ? 0 : late[k];
+                late[k] = 0;
+            }
             with = alone = 0;
             moved = false;
         }
     }
-    missed = missed || in_rest || (c->disturbance_noise <= 0 && worst[0] > WORST);
-    printf("%s,%u,%llu,%d,%.0f,%.3f,%.3f,%.2f,%.3f,%u\n", c->name, c->method,
+    missed =
+        missed || in_rest || ((c->disturbance_noise <= 0 || c->dead_band > 0) && worst[0] > WORST);
+    printf("%s,%u,%llu,%d,%.0f,%.3f,%.3f,%.2f,%.3f,%u,%.4f\n", c->name, c->method,
            (unsigned long long)seed, adopted, (double)at, worst[0], worst[1], signals / 3600.0,
-           in_rest / 3600.0, offs);
+           in_rest / 3600.0, offs, moving[1] > 0 ? moving[0] / moving[1] : 1);
+}
+
+static void week_with_dead_band(const struct loop_case *c, uint64_t seed)
+{
+    struct loop_case banded = *c;
+    if (c->disturbance_noise <= 0)
+        return;
+    banded.name = "noisy with dead band";
+    banded.dead_band = NOISE_TIMES * c->disturbance_noise;
+    week(&banded, seed);
 }
 
 /* ---- a change ---- */
@@ -229,8 +246,10 @@ static void sized(const struct loop_case *c, uint64_t seed)
 static void one_plant(const char *what, unsigned k, unsigned m, uint64_t seed)
 {
     struct loop_case c = plant_of(k, seed, m);
-    if (strcmp(what, "stays") == 0 && m == seed % METHODS)
+    if (strcmp(what, "stays") == 0 && m == seed % METHODS) {
         week(&c, seed);
+        week_with_dead_band(&c, seed);
+    }
     for (unsigned j = 0; strcmp(what, "change") == 0 && m == (seed + k) % METHODS && j < CHANGES;
          j++)
         changed(&c, seed, &changes[j]);
@@ -250,7 +269,7 @@ static bool print_head(const char *what)
 {
     if (strcmp(what, "stays") == 0)
         puts("plant,method,seed,adopted,at_s,worst,worst_with_signals,signals_h,signals_at_rest_h,"
-             "offs");
+             "offs,moving");
     else if (strcmp(what, "change") == 0)
         puts("plant,method,seed,change,off_s,longest_s,last_s,signals_h");
     else if (strcmp(what, "steps") == 0)
