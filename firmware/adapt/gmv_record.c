@@ -25,6 +25,8 @@
 #define ANSWER_LEAST   0.002f
 /* An answer is whole when the PV has come as near, in parts of the next move. */
 #define ANSWER_NEAR 0.2f
+/* The squared mean size of white noise is this part of its mean square. */
+#define MEAN_OF_SQUARE (2 / 3.1415927f)
 
 static void begin_record_window(struct gmv_record *r)
 {
@@ -60,10 +62,19 @@ float gmv_record_answer(const struct gmv_record *r)
     return whole ? r->of_pi.error / r->of_pi.moved : 0;
 }
 
+/* The PI's mean error after setpoints if they had moved by as much as under the law. Noise and loads do not become smaller with the
+ * move, so after smaller moves they are counted as they are at rest. */
+static float answer_of_pi(const struct gmv_record *r)
+{
+    float part = r->of_law.moved / r->of_pi.moved;
+    float at_rest = r->samples ? real_sqrt(MEAN_OF_SQUARE * r->error) : 0;
+    return part * r->of_pi.error + (part < 1 ? (1 - part) * at_rest : 0);
+}
+
 /* Errors of the law after setpoints, times the PI's; 0: there are not enough yet. */
 static float answer_times(const struct gmv_record *r)
 {
-    float of_pi = gmv_record_answer(r) * r->of_law.moved, of_law = r->of_law.error;
+    float of_pi = gmv_record_answer(r) > 0 ? answer_of_pi(r) : 0, of_law = r->of_law.error;
     bool enough = r->of_law.samples >= ANSWERS_ENOUGH && of_law > ANSWER_LEAST;
     return enough && of_pi > 0 ? of_law / of_pi : 0;
 }

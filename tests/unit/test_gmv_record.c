@@ -9,10 +9,12 @@
 #define W       0.5f
 
 static struct gmv_record r;
+static float answer_floor; /* what is added to each error of an answer */
 
 void setUp(void)
 {
     memset(&r, 0, sizeof r);
+    answer_floor = 0;
 }
 
 void tearDown(void) {}
@@ -88,9 +90,9 @@ static float answers(bool law, unsigned moves, float shrinks, float size)
         for (unsigned k = 0; k < SETTLED; k++, away *= shrinks) {
             float setpoint = W + (n % 2 ? 0 : 0.1f * size), times = 0;
             if (law)
-                times = gmv_record_law(&r, setpoint, away, 0.1f, SETTLED);
+                times = gmv_record_law(&r, setpoint, away + answer_floor, 0.1f, SETTLED);
             else
-                gmv_record_pi(&r, setpoint, away, 0.1f, SETTLED);
+                gmv_record_pi(&r, setpoint, away + answer_floor, 0.1f, SETTLED);
             if (times > 0)
                 return times;
         }
@@ -123,6 +125,18 @@ static void answers_are_compared_for_the_same_size_of_the_move(void)
     TEST_ASSERT_EQUAL_FLOAT(0, answers(true, 40, 0.8f, 2));
     gmv_record_begin(&r);
     TEST_ASSERT_TRUE(answers(true, 40, 0.9f, 0.5f) > 1.3f);
+}
+
+/* An error of 0.4 % of span stays whatever the size of the move. Means of an answer to 1 %: 0.85 % with 0.8, 1.2 % with 0.95. */
+static void noise_after_moves_smaller_than_the_pis_is_no_worse_answer(void)
+{
+    pi_acts(200, 0.004f, 0.001f);
+    answer_floor = 0.004f;
+    (void)answers(false, 20, 0.8f, 1);
+    gmv_record_begin(&r);
+    TEST_ASSERT_EQUAL_FLOAT(0, answers(true, 40, 0.8f, 0.1f));
+    gmv_record_begin(&r);
+    TEST_ASSERT_FLOAT_WITHIN(0.1f, 1.55f, answers(true, 40, 0.95f, 0.1f));
 }
 
 static void errors_of_a_tenth_of_a_percent_of_span_after_setpoints_decide_nothing(void)
@@ -265,6 +279,7 @@ int main(void)
     RUN_TEST(while_setpoints_move_moves_of_the_mv_are_not_judged);
     RUN_TEST(answers_to_setpoints_that_are_a_third_larger_than_the_pis_are_worse);
     RUN_TEST(answers_are_compared_for_the_same_size_of_the_move);
+    RUN_TEST(noise_after_moves_smaller_than_the_pis_is_no_worse_answer);
     RUN_TEST(errors_of_a_tenth_of_a_percent_of_span_after_setpoints_decide_nothing);
     RUN_TEST(what_the_law_takes_over_with_is_no_answer);
     RUN_TEST(what_comes_before_the_first_move_is_no_answer);
