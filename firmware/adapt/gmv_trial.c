@@ -164,6 +164,14 @@ static float trial_moved(const struct gmv_trial *t, unsigned j, unsigned now, un
     return steps_before(t->u[j], now, steps) + load;
 }
 
+/* Where the model is unstable under the PI, what it does is limited, so that its errors stay numbers. */
+static float trial_bounded(const struct gmv_trial *t, float x)
+{
+    if (!is_of_pi(t))
+        return x;
+    return x > BEYOND ? BEYOND : x < -BEYOND ? -BEYOND : x;
+}
+
 /* y_i of this step, as the regression has it with the gains of this run. Of signals themselves in either form: what the
  * incremental one has besides is a load that stays, which is no part of the loop. */
 static void move_plant(struct gmv_trial *t, unsigned i, unsigned now)
@@ -179,7 +187,8 @@ static void move_plant(struct gmv_trial *t, unsigned i, unsigned now)
     for (unsigned n = 0; n < t->nc; n++)
         sum += l->c[n] * steps_before(t->target[i], now, n + 1);
     t->target[i][now % GMV_TRIAL_KEPT] = sum;
-    t->y[i][now % GMV_TRIAL_KEPT] = sum / l->p_scale + l->p * true_pv(t, i, now, 1);
+    t->y[i][now % GMV_TRIAL_KEPT] =
+        trial_bounded(t, sum / l->p_scale + l->p * true_pv(t, i, now, 1));
     if (now == GMV_TRIAL_KEPT && !steps_setpoints(t)) /* the upset, or a sample of noise */
         t->y[i][now % GMV_TRIAL_KEPT] += UPSET(i);
 }
@@ -275,7 +284,7 @@ static void move_inputs_by_pi(struct gmv_trial *t, unsigned now)
         float move = pi->gain * (error - t->error[i]) + pi->integral * t->error[i];
         t->error[i] = error;
         t->u[i][now % GMV_TRIAL_KEPT] =
-            steps_before(t->u[i], now, 1) + (t->loop[i].acts ? move : 0);
+            trial_bounded(t, steps_before(t->u[i], now, 1) + (t->loop[i].acts ? move : 0));
     }
 }
 

@@ -399,6 +399,20 @@ static void a_better_answer_of_the_pi_itself_counts_in_place_of_that_on_the_mode
     TEST_ASSERT_FLOAT_WITHIN(1e-3f, 2, gmv_trial_ratio(&trial, answer));
 }
 
+/* Its errors grow by 1.7 a step: without a limit they would be no numbers long before the trial ends. */
+static void a_law_is_better_than_a_pi_that_the_model_is_unstable_with(void)
+{
+    float error_more = 0, moves = 0;
+    one_loop(GMV_INCREMENTAL, 0.9, 0.05, 0.05);
+    pi[0] = (struct gmv_trial_pi){.gain = 60, .integral = 20};
+    gmv_bench_begin(&b, 0);
+    run_trial(1, 1.25f);
+    TEST_ASSERT_TRUE(gmv_trial_ratio(&trial, unknown) < 0.01f);
+    gmv_trial_noise(&trial, 0, &error_more, &moves);
+    TEST_ASSERT_TRUE(error_more < 0);
+    TEST_ASSERT_TRUE(moves < 1e6f);
+}
+
 static void a_second_trial_has_its_lambda_times_more_and_nothing_else(void)
 {
     one_loop(GMV_INCREMENTAL, 0.9, 0.05, 0.5);
@@ -451,6 +465,7 @@ int main(void)
     RUN_TEST(errors_of_law_and_pi_are_those_of_the_loops_themselves);
     RUN_TEST(a_setpoint_that_weighs_as_the_pv_does_is_tried_so);
     RUN_TEST(a_better_answer_of_the_pi_itself_counts_in_place_of_that_on_the_model);
+    RUN_TEST(a_law_is_better_than_a_pi_that_the_model_is_unstable_with);
     RUN_TEST(a_second_trial_has_its_lambda_times_more_and_nothing_else);
     RUN_TEST(no_number_among_the_parameters_is_no_decay);
     return UNITY_END();
