@@ -23,6 +23,8 @@
 #define ANSWERS_ENOUGH 128u
 #define ANSWER_TIMES   1.3f
 #define ANSWER_LEAST   0.002f
+/* An MV that moves by less in a step stands at a limit, and what the PV does then is no answer of whoever computes. */
+#define LEAST_OF_ANSWER 1e-5f
 /* An answer is whole when the PV has come as near, in parts of the next move. */
 #define ANSWER_NEAR 0.2f
 /* The squared mean size of white noise is this part of its mean square. */
@@ -80,12 +82,13 @@ static float answer_times(const struct gmv_record *r)
 }
 
 /* `of`: whose answer it is while the setpoint has not settled. */
-static bool setpoint_rests(struct gmv_record *r, float setpoint, float away, uint32_t settled,
-                           struct gmv_answers *of)
+static bool setpoint_rests(struct gmv_record *r, float setpoint, float away, float moved,
+                           uint32_t settled, struct gmv_answers *of)
 {
+    bool answers = r->rests + 1u < settled && real_abs(moved) >= LEAST_OF_ANSWER;
     float change = r->has_setpoint ? real_abs(setpoint - r->setpoint) : 0;
     r->has_setpoint = true;
-    if (change > 0 || r->rests + 1u < settled)
+    if (change > 0 || answers)
         take_in_answer(r, of, change, away);
     if (setpoint != r->setpoint)
         r->rests = 0;
@@ -123,7 +126,7 @@ static void take_in_jitter(struct gmv_record *r, float away, bool rests)
 
 void gmv_record_pi(struct gmv_record *r, float setpoint, float away, float moved, uint32_t settled)
 {
-    bool rests = setpoint_rests(r, setpoint, away, settled, &r->of_pi);
+    bool rests = setpoint_rests(r, setpoint, away, moved, settled, &r->of_pi);
     take_in_jitter(r, away, rests);
     if (r->samples) {
         if (rests)
@@ -179,7 +182,7 @@ static float worse_at_rest(struct gmv_record *r, float away, float moved)
 float gmv_record_law(struct gmv_record *r, float setpoint, float away, float moved,
                      uint32_t settled)
 {
-    bool rests = setpoint_rests(r, setpoint, away, settled, &r->of_law);
+    bool rests = setpoint_rests(r, setpoint, away, moved, settled, &r->of_law);
     float times = answer_times(r);
     if (times > ANSWER_TIMES)
         return times;

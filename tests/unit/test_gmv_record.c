@@ -146,6 +146,19 @@ static void errors_of_a_tenth_of_a_percent_of_span_after_setpoints_decide_nothin
     TEST_ASSERT_EQUAL_FLOAT(0, answers(true, 40, 0.9f, 0.015f));
 }
 
+/* For 90 steps of a hundred the MV stands at a limit and the PV a whole move away. */
+static void what_the_pv_does_while_the_mv_stands_at_a_limit_is_no_answer(void)
+{
+    (void)answers(false, 20, 0.8f, 1);
+    gmv_record_begin(&r);
+    for (unsigned n = 0; n < 100; n++) {
+        TEST_ASSERT_EQUAL_FLOAT(0, answers(true, 2, 0.8f, 1));
+        for (unsigned k = 0; k < 90; k++)
+            TEST_ASSERT_EQUAL_FLOAT(0, gmv_record_law(&r, W, 0.1f, 0, 100));
+    }
+    TEST_ASSERT_TRUE(answers(true, 60, 0.9f, 1) > 1.3f);
+}
+
 static void what_the_law_takes_over_with_is_no_answer(void)
 {
     (void)answers(false, 20, 0.8f, 1);
@@ -281,6 +294,7 @@ int main(void)
     RUN_TEST(answers_are_compared_for_the_same_size_of_the_move);
     RUN_TEST(noise_after_moves_smaller_than_the_pis_is_no_worse_answer);
     RUN_TEST(errors_of_a_tenth_of_a_percent_of_span_after_setpoints_decide_nothing);
+    RUN_TEST(what_the_pv_does_while_the_mv_stands_at_a_limit_is_no_answer);
     RUN_TEST(what_the_law_takes_over_with_is_no_answer);
     RUN_TEST(what_comes_before_the_first_move_is_no_answer);
     RUN_TEST(answers_that_were_cut_short_say_nothing_of_a_whole_one);
