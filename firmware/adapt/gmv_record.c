@@ -23,6 +23,9 @@
 #define ANSWERS_ENOUGH 128u
 #define ANSWER_TIMES   1.3f
 #define ANSWER_LEAST   0.002f
+/* Where the PI has left fewer answers, and perhaps nothing at rest, the law must be as much worse. */
+#define FEW_ANSWERS  32u
+#define TIMES_OF_FEW 3.0f
 /* An MV that moves by less in a step stands at a limit, and what the PV does then is no answer of whoever computes. */
 #define LEAST_OF_ANSWER 1e-5f
 /* An answer is whole when the PV has come as near, in parts of the next move. */
@@ -57,11 +60,16 @@ static void take_in_answer(struct gmv_record *r, struct gmv_answers *of, float c
     of->cut += ((cut ? 1 : 0) - of->cut) / (float)of->samples;
 }
 
+/* None of the PI's was cut short, and there are as many steps of them. */
+static bool answers_are_whole(const struct gmv_record *r, unsigned samples)
+{
+    return r->of_pi.samples >= samples && r->of_pi.moved > 0 &&
+           r->of_pi.cut * (float)ANSWERS_MEMORY < 0.5f;
+}
+
 float gmv_record_answer(const struct gmv_record *r)
 {
-    bool whole = r->of_pi.samples >= ANSWERS_ENOUGH && r->of_pi.moved > 0 &&
-                 r->of_pi.cut * (float)ANSWERS_MEMORY < 0.5f;
-    return whole ? r->of_pi.error / r->of_pi.moved : 0;
+    return answers_are_whole(r, ANSWERS_ENOUGH) ? r->of_pi.error / r->of_pi.moved : 0;
 }
 
 /* The PI's mean error after setpoints if they had moved by as much as under the law. Noise and loads do not become smaller with the
@@ -73,12 +81,13 @@ static float answer_of_pi(const struct gmv_record *r)
     return part * r->of_pi.error + (part < 1 ? (1 - part) * at_rest : 0);
 }
 
-/* Errors of the law after setpoints, times the PI's; 0: there are not enough yet. */
-static float answer_times(const struct gmv_record *r)
+/* Errors of the law after setpoints, times the PI's, where that is too much; 0: it is not, or there are not enough yet. */
+static float worse_answers(const struct gmv_record *r)
 {
-    float of_pi = gmv_record_answer(r) > 0 ? answer_of_pi(r) : 0, of_law = r->of_law.error;
+    float most = r->of_pi.samples >= ANSWERS_ENOUGH ? ANSWER_TIMES : TIMES_OF_FEW;
+    float of_pi = answers_are_whole(r, FEW_ANSWERS) ? answer_of_pi(r) : 0, of_law = r->of_law.error;
     bool enough = r->of_law.samples >= ANSWERS_ENOUGH && of_law > ANSWER_LEAST;
-    return enough && of_pi > 0 ? of_law / of_pi : 0;
+    return enough && of_pi > 0 && of_law > most * of_pi ? of_law / of_pi : 0;
 }
 
 /* `of`: whose answer it is while the setpoint has not settled. */
@@ -183,8 +192,8 @@ float gmv_record_law(struct gmv_record *r, float setpoint, float away, float mov
                      uint32_t settled)
 {
     bool rests = setpoint_rests(r, setpoint, away, moved, settled, &r->of_law);
-    float times = answer_times(r);
-    if (times > ANSWER_TIMES)
+    float times = worse_answers(r);
+    if (times > 0)
         return times;
     return rests ? worse_at_rest(r, away, moved) : 0;
 }

@@ -164,7 +164,7 @@ static void what_the_law_takes_over_with_is_no_answer(void)
     (void)answers(false, 20, 0.8f, 1);
     gmv_record_begin(&r);
     for (unsigned k = 0; k < SETTLED - 1; k++)
-        TEST_ASSERT_EQUAL_FLOAT(0, gmv_record_law(&r, W, 2, 0, SETTLED));
+        TEST_ASSERT_EQUAL_FLOAT(0, gmv_record_law(&r, W, 2, 0.1f, SETTLED));
     TEST_ASSERT_EQUAL_FLOAT(0, answers(true, 40, 0.8f, 1));
 }
 
@@ -184,12 +184,21 @@ static void answers_that_were_cut_short_say_nothing_of_a_whole_one(void)
     TEST_ASSERT_FLOAT_WITHIN(0.1f, 4.46f, gmv_record_answer(&r));
 }
 
-static void without_enough_answers_of_the_pi_none_is_known(void)
+static void against_few_answers_of_the_pi_the_law_must_be_three_times_worse(void)
 {
-    (void)answers(false, 12, 0.8f, 1);
+    (void)answers(false, 5, 0.8f, 1);
     TEST_ASSERT_EQUAL_FLOAT(0, gmv_record_answer(&r));
     gmv_record_begin(&r);
-    TEST_ASSERT_EQUAL_FLOAT(0, answers(true, 40, 0.95f, 1));
+    TEST_ASSERT_EQUAL_FLOAT(0, answers(true, 40, 0.95f, 1)); /* 8.0 beside 4.46 */
+    gmv_record_begin(&r);
+    TEST_ASSERT_FLOAT_WITHIN(0.1f, 3.4f, answers(true, 40, 1.09f, 1)); /* 15.2 */
+}
+
+static void against_next_to_no_answers_of_the_pi_nothing_is_judged(void)
+{
+    (void)answers(false, 3, 0.8f, 1);
+    gmv_record_begin(&r);
+    TEST_ASSERT_EQUAL_FLOAT(0, answers(true, 40, 1.09f, 1));
 }
 
 /* ---- sensor noise ---- */
@@ -298,7 +307,8 @@ int main(void)
     RUN_TEST(what_the_law_takes_over_with_is_no_answer);
     RUN_TEST(what_comes_before_the_first_move_is_no_answer);
     RUN_TEST(answers_that_were_cut_short_say_nothing_of_a_whole_one);
-    RUN_TEST(without_enough_answers_of_the_pi_none_is_known);
+    RUN_TEST(against_few_answers_of_the_pi_the_law_must_be_three_times_worse);
+    RUN_TEST(against_next_to_no_answers_of_the_pi_nothing_is_judged);
     RUN_TEST(sensor_noise_shows_in_second_differences);
     RUN_TEST(what_moves_slowly_is_no_noise);
     RUN_TEST(noise_is_no_more_than_the_control_error);
