@@ -37,7 +37,7 @@ void loops_sample(const struct interact_plant *plant, const struct loops *loops,
 /* z - 1 at z = exp(i omega h), to its last digit also where omega h is small. */
 struct cplx loops_z_less_1(real_t omega_h);
 
-/* The PID of control/pid.h (positional) where z - 1 is as given, not 0, with the action's sign:
+/* The PID of kinds/pid/pid.h (positional) where z - 1 is as given, not 0, with the action's sign:
  *     s K (1 + h/(Ti (z - 1)) + Td (1 - 1/z)/(Tf + h - Tf/z)), Tf = Td/N */
 struct cplx loops_controller(const struct loops *loops, uint8_t k, real_t step_s,
                              struct cplx z_less_1);

@@ -1,7 +1,7 @@
 /* A proposed set of loops tried on the model, in the time domain: what a step will look like before it is made.
  *
  * Inputs are held between samples and the elements stepped exactly, dead times that are no whole number of samples
- * included; the controllers are the PI law of control/pid.h without limits (a derivative is left out: settings with one
+ * included; the controllers are the PI law of kinds/pid/pid.h without limits (a derivative is left out: settings with one
  * are refused). Linear, from rest. */
 #ifndef REFLUX_DESIGN_TRIAL_H
 #define REFLUX_DESIGN_TRIAL_H

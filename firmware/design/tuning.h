@@ -1,6 +1,6 @@
 /* PI and PID settings from a first-order-plus-dead-time model.
  *
- * All results are for the ideal (ISA) form of control/pid.h:
+ * All results are for the ideal (ISA) form of kinds/pid/pid.h:
  *     u = s K (e + 1/Ti integral e dt + Td de/dt), K > 0, s = the action
  * The model's gain is in the units of the settings: fractions of span in, fractions of span out gives the
  * fraction-per-fraction gain pid.h wants.

@@ -28,7 +28,7 @@ struct loop_response {
 };
 
 /* A PI with setpoint weight b: C = gain (1 + q), Cr = gain (b + q), q = (h/ti)/(1 - z^-1), backward Euler; late: q z^-1 in its
- * place, as control/pid.h integrates, where an error is in the integral one step behind the proportional part. ti 0: no integral action. gain: output per measurement, with its sign (above 0: a measurement below its setpoint raises the output). h, ti_s > 0
+ * place, as kinds/pid/pid.h integrates, where an error is in the integral one step behind the proportional part. ti 0: no integral action. gain: output per measurement, with its sign (above 0: a measurement below its setpoint raises the output). h, ti_s > 0
  * or ti_s = 0, s; omega_h: rad per sample, (0, pi]. */
 void loop_response_of_pi(struct loop_response *l, real_t gain, real_t ti_s, real_t b, bool late,
                          real_t h_s, real_t omega_h);

@@ -9,7 +9,7 @@
  *     s = N-1 .. 0:   r_s = P_s (v_s + l_s r_(s+1))                                 r_N = 0
  *     s = 0 .. N-1:   d_s = r_s + T_s w_(s-1),   w_s = keep_s w_(s-1) + G_s d_s     w_(-1) = 0
  *
- * and d is Phi v: about 4 m^2 multiplications a stage, and a covariance can be carried through them as well (estimate/). Ours. */
+ * and d is Phi v: about 4 m^2 multiplications a stage, and a covariance can be carried through them as well (kinds/composition/). Ours. */
 #ifndef REFLUX_MODEL_COLUMN_TRANSITION_H
 #define REFLUX_MODEL_COLUMN_TRANSITION_H
 

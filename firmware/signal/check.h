@@ -1,4 +1,4 @@
-/* Argument checks shared by the init functions of signal/ and control/. */
+/* Argument checks shared by the init functions of signal/ and of kinds. */
 #ifndef REFLUX_SIGNAL_CHECK_H
 #define REFLUX_SIGNAL_CHECK_H
 

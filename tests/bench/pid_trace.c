@@ -7,9 +7,9 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "control/pid.h"
-#include "feedforward/feedforward.h"
 #include "fopdt_plant.h"
+#include "kinds/feedforward/feedforward.h"
+#include "kinds/pid/pid.h"
 
 #define CURVES_MAX 3
 

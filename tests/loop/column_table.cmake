@@ -6,5 +6,5 @@ reflux_test(column_table_power LABEL loop SOURCES ${CMAKE_CURRENT_LIST_DIR}/test
 target_include_directories(test_column_table_power PRIVATE "${PROJECT_SOURCE_DIR}/hal/host")
 # A block that names the table, of a kind that only the test has.
 reflux_test(column_named LABEL loop SOURCES ${CMAKE_CURRENT_LIST_DIR}/test_column_named.c
-            LIBS reflux_hal_memory reflux_app reflux_control reflux_compensate reflux_feedforward reflux_estimate reflux_adapt reflux_link reflux_bench
+            LIBS reflux_hal_memory reflux_app reflux_every_kind reflux_link reflux_bench
                  reflux_plants)

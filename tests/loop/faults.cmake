@@ -11,4 +11,4 @@ endif()
 
 # ... of blocks with a record, with kinds that only the test has.
 reflux_test(fault_matrix_blocks LABEL loop SOURCES ${CMAKE_CURRENT_LIST_DIR}/test_fault_matrix_blocks.c
-            LIBS reflux_hal_memory reflux_app reflux_link reflux_bench reflux_control reflux_compensate reflux_feedforward)
+            LIBS reflux_hal_memory reflux_app reflux_link reflux_bench reflux_every_kind)

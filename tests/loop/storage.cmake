@@ -7,7 +7,7 @@ target_compile_definitions(test_storage_session PRIVATE
 
 # Settings of blocks at the console, with kinds that only the test has.
 reflux_test(block_console LABEL loop SOURCES ${CMAKE_CURRENT_LIST_DIR}/test_block_console.c
-            LIBS reflux_hal_memory reflux_app reflux_control reflux_compensate reflux_feedforward reflux_link)
+            LIBS reflux_hal_memory reflux_app reflux_every_kind reflux_link)
 target_compile_definitions(test_block_console PRIVATE
   STORAGE_IMAGES="${PROJECT_SOURCE_DIR}/tests/reference/storage")
 # What firmware before the Kalman filters stored of an estimator.

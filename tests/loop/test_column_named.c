@@ -2,11 +2,11 @@
  * something else. The kind that names it is only here: it reads the table and shows what it has read. */
 #include "pasted_table.h"
 
-#include "compensate/decoupler.h"
-#include "control/pid.h"
-#include "control/two_position.h"
-#include "estimate/column.h"
-#include "feedforward/feedforward.h"
+#include "kinds/column/column.h"
+#include "kinds/decoupler/decoupler.h"
+#include "kinds/feedforward/feedforward.h"
+#include "kinds/pid/pid.h"
+#include "kinds/two_position/two_position.h"
 
 struct reader_settings {
     uint16_t column;

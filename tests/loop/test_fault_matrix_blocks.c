@@ -3,12 +3,12 @@
  * kinds yet: those of the test stand in for them. To add a fault: a row of faults[]. */
 #include <math.h>
 
-#include "compensate/decoupler.h"
-#include "control/pid.h"
-#include "control/two_position.h"
+#include "kinds/decoupler/decoupler.h"
+#include "kinds/pid/pid.h"
+#include "kinds/two_position/two_position.h"
 #define AT_ONCE 16u /* more ticks than its work has */
 #include "fault_bench.h"
-#include "feedforward/feedforward.h"
+#include "kinds/feedforward/feedforward.h"
 #include "served_kinds.h"
 
 const struct block_kind *const block_kinds[] = {

@@ -5,7 +5,7 @@
 
 #include <math.h>
 
-#include "adapt/gmv_kind.h"
+#include "kinds/gmv/gmv_kind.h"
 #include "random_source.h"
 #include "supervise/config.h"
 #include "unity.h"

@@ -2,7 +2,7 @@
 # They see what a folder of firmware/ would see; their table of kinds is linked in place of firmware/app/kinds.c.
 set(folder "${CMAKE_CURRENT_LIST_DIR}/worked_family")
 add_library(worked_family OBJECT EXCLUDE_FROM_ALL ${folder}/observer.c ${folder}/state_feedback.c ${folder}/kinds.c)
-target_link_libraries(worked_family PRIVATE reflux_control reflux_compensate reflux_feedforward reflux_firmware_options)
+target_link_libraries(worked_family PRIVATE reflux_every_kind reflux_firmware_options)
 set(bench reflux_hal_memory reflux_app reflux_link reflux_bench reflux_plants)
 foreach(part worked_family worked_family_without worked_family_back)
   reflux_test(${part} LABEL loop SOURCES ${folder}/test_${part}.c LIBS worked_family ${bench})
@@ -17,4 +17,4 @@ set_tests_properties(worked_family_without PROPERTIES FIXTURES_SETUP stored_with
 set_tests_properties(worked_family_product PROPERTIES FIXTURES_REQUIRED stored_with FIXTURES_SETUP stored_without)
 set_tests_properties(worked_family_back PROPERTIES FIXTURES_REQUIRED stored_without)
 reflux_test(worked_family_kinds LABEL loop SOURCES "${PROJECT_SOURCE_DIR}/tests/unit/test_kinds.c"
-            LIBS worked_family reflux_control reflux_compensate reflux_feedforward)
+            LIBS worked_family reflux_every_kind)

@@ -1,4 +1,4 @@
-"""References for what the kind `ahead` predicts (firmware/control/column_ahead_model.h): the pilot column an interval later, integrated to
+"""References for what the kind `ahead` predicts (firmware/kinds/ahead/column_ahead_model.h): the pilot column an interval later, integrated to
 1e-9 by an independent model in double precision (columns_reference).
 
     build/host/reflux-sim --table --plant pilot > lines.txt

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""What a Kalman filter loses whose covariance is kept in a band (firmware/estimate/covariance_band.h), beside the whole one.
+"""What a Kalman filter loses whose covariance is kept in a band (firmware/kinds/composition/covariance_band.h), beside the whole one.
 
     tests/reference/covariance_band_loss.py [--forms]
 

@@ -1,4 +1,4 @@
-"""References for the kind `state_law` (firmware/control/state_law.h) on the pilot column: its matrices, and the laws of two sets of inputs.
+"""References for the kind `state_law` (firmware/kinds/state_law/state_law.h) on the pilot column: its matrices, and the laws of two sets of inputs.
 
     python3 tests/reference/state_law_reference.py > tests/reference/state_law.csv
 

@@ -10,8 +10,8 @@
 #include "base/channel.h"
 #include "block_defaults.h"
 #include "composition_tables.h"
-#include "control/column_ahead_block.h"
 #include "formats.h"
+#include "kinds/ahead/column_ahead_block.h"
 #include "unity.h"
 
 enum { IN_FRACTION = 6, IN_FEED, IN_REFLUX, IN_HEAT, IN_ALL };

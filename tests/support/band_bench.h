@@ -1,8 +1,8 @@
-/* A banded covariance (estimate/covariance_band.h) on a column that is drawn, and measurements of it. */
+/* A banded covariance (kinds/composition/covariance_band.h) on a column that is drawn, and measurements of it. */
 #ifndef REFLUX_TESTS_BAND_BENCH_H
 #define REFLUX_TESTS_BAND_BENCH_H
 
-#include "estimate/covariance_band.h"
+#include "kinds/composition/covariance_band.h"
 #include "random_source.h"
 #include "unity.h"
 

@@ -8,7 +8,7 @@
 #include "base/channel.h"
 #include "block_defaults.h"
 #include "composition_tables.h"
-#include "estimate/composition_block.h"
+#include "kinds/composition/composition_block.h"
 #include "unity.h"
 
 /* Inputs and points. */

@@ -7,7 +7,7 @@
 
 #include "base/workspace.h"
 #include "composition_bench.h"
-#include "estimate/composition_job.h"
+#include "kinds/composition/composition_job.h"
 
 static struct workspace workspace;
 static void *region;

@@ -4,7 +4,7 @@
 
 #include <string.h>
 
-#include "estimate/column.h"
+#include "kinds/column/column.h"
 
 /* --plant pilot: 12 stages, feed on 5, TCE and PCE. */
 static const float pilot_values[] = {

@@ -3,7 +3,7 @@
 #ifndef REFLUX_TESTS_COVARIANCE_CASE_H
 #define REFLUX_TESTS_COVARIANCE_CASE_H
 
-#include "estimate/covariance.h"
+#include "kinds/composition/covariance.h"
 #include "random_source.h"
 #include "test_columns.h"
 

@@ -1,9 +1,9 @@
-/* A Kalman filter's covariance in double and with full matrices, without what the banded form of estimate/covariance_band.h leaves out:
+/* A Kalman filter's covariance in double and with full matrices, without what the banded form of kinds/composition/covariance_band.h leaves out:
  * steps by products, what is forgotten filled in again by the formula of the form's header, from the whole matrix. */
 #ifndef REFLUX_TESTS_DENSE_BAND_H
 #define REFLUX_TESTS_DENSE_BAND_H
 
-#include "estimate/covariance_band.h"
+#include "kinds/composition/covariance_band.h"
 
 #include <math.h>
 #include <string.h>

@@ -4,8 +4,8 @@
 #define REFLUX_TESTS_EXCITING_KINDS_H
 
 #include "block/block.h"
-#include "control/pid.h"
 #include "formats.h"
+#include "kinds/pid/pid.h"
 #include "unity.h"
 
 /* ---- a kind that excites: it holds its outputs, and asks for what stands in `wish` ---- */

@@ -1,4 +1,4 @@
-/* A self-tuner (adapt/gmv.h) that controls a small linear plant, step by step; everything in fractions of span, the plant
+/* A self-tuner (kinds/gmv/gmv.h) that controls a small linear plant, step by step; everything in fractions of span, the plant
  * in double:
  *
  *     y_i(t) = a_i y_i(t-1) + sum over j of b_ij u_j(t - k_ij) + e_i(t) + d_i + c_i e_i(t-1)
@@ -9,7 +9,7 @@
 #include <stdalign.h>
 #include <string.h>
 
-#include "adapt/gmv.h"
+#include "kinds/gmv/gmv.h"
 
 #define BENCH_DEPTH 64
 

@@ -6,9 +6,9 @@
 #include <stdalign.h>
 #include <string.h>
 
-#include "adapt/gmv_block.h"
-#include "adapt/gmv_kind.h"
 #include "block_defaults.h"
+#include "kinds/gmv/gmv_block.h"
+#include "kinds/gmv/gmv_kind.h"
 
 #define GMV_BENCH_DEPTH  64
 #define GMV_BENCH_INPUTS (GMV_LOOPS + GMV_DISTURBANCES)

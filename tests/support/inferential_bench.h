@@ -10,7 +10,7 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "control/inferential_settings.h"
+#include "kinds/inferential/inferential_settings.h"
 #include "unity.h"
 
 #define BENCH_LOOPS INFERENTIAL_LOOPS

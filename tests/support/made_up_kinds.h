@@ -6,10 +6,10 @@
 #include <string.h>
 
 #include "block/block.h"
-#include "compensate/decoupler.h"
-#include "control/pid.h"
-#include "control/two_position.h"
-#include "feedforward/feedforward.h"
+#include "kinds/decoupler/decoupler.h"
+#include "kinds/feedforward/feedforward.h"
+#include "kinds/pid/pid.h"
+#include "kinds/two_position/two_position.h"
 
 struct gmv_settings {
     float lambda;

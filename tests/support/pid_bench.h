@@ -2,8 +2,8 @@
 #ifndef REFLUX_TESTS_PID_BENCH_H
 #define REFLUX_TESTS_PID_BENCH_H
 
-#include "control/pid.h"
 #include "formats.h"
+#include "kinds/pid/pid.h"
 #include "unity.h"
 
 /* One step of num_t at magnitude 1, and what two roundings of it may differ. */

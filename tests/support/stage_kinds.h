@@ -5,10 +5,10 @@
 
 #include <stddef.h>
 
-#include "compensate/decoupler.h"
-#include "control/pid.h"
-#include "control/two_position.h"
-#include "feedforward/feedforward.h"
+#include "kinds/decoupler/decoupler.h"
+#include "kinds/feedforward/feedforward.h"
+#include "kinds/pid/pid.h"
+#include "kinds/two_position/two_position.h"
 #include "signal/lead_lag.h"
 
 #define STAGE_ROW(row_id, of, member, row_lo, row_hi, row_initial)                                 \

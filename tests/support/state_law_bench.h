@@ -13,7 +13,7 @@
 #include "base/workspace.h"
 #include "block_defaults.h"
 #include "composition_tables.h"
-#include "control/state_law_block.h"
+#include "kinds/state_law/state_law_block.h"
 #include "unity.h"
 
 #define PERIOD_S      30.0f

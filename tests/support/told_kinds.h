@@ -6,11 +6,11 @@
 #include <string.h>
 
 #include "block/block.h"
-#include "control/pid.h"
-#include "control/two_position.h"
+#include "kinds/pid/pid.h"
+#include "kinds/two_position/two_position.h"
 #ifdef TOLD_BESIDE_ELEMENTS
-#include "feedforward/feedforward.h"
-#include "feedforward/leadlag.h"
+#include "kinds/feedforward/feedforward.h"
+#include "kinds/leadlag/leadlag.h"
 #endif
 
 static uint32_t told_bytes(const struct block_setup *setup);

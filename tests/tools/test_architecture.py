@@ -24,17 +24,18 @@ def sources(folder: Path) -> dict[str, str]:
 
 def layers_of_cmake(folder: Path) -> dict[str, list[str]]:
     found = {}
-    for path in folder.glob("*/CMakeLists.txt"):
+    for path in (*folder.glob("*/CMakeLists.txt"), *folder.glob("kinds/*/CMakeLists.txt")):
         text = re.sub(r"#.*", "", path.read_text(encoding="utf-8"))
-        for name, body in re.findall(r"reflux_layer\((\w+)([^)]*)\)", text):
-            found[name] = sorted(body.split("DEPENDS")[1].split()) if "DEPENDS" in body else []
+        for what, name, body in re.findall(r"reflux_(layer|kind)\((\w+)([^)]*)\)", text):
+            place = f"kinds/{name}" if what == "kind" else name
+            found[place] = sorted(body.split("DEPENDS")[1].split()) if "DEPENDS" in body else []
     return found
 
 
 def layers_of_page(text: str) -> dict[str, list[str]]:
     """Rows `| folder | uses | what is in it |`; `-` for none."""
     section = text.split("\n## Layers\n")[1].split("\n## ")[0]
-    rows = re.findall(r"^\| `(\w+)/` \| ([^|]*) \|", section, re.MULTILINE)
+    rows = re.findall(r"^\| `((?:kinds/)?\w+)/` \| ([^|]*) \|", section, re.MULTILINE)
     return {name: sorted(re.findall(r"`(\w+)`", uses)) for name, uses in rows}
 
 

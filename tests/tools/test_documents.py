@@ -13,7 +13,7 @@ from unittest import mock
 from support import ROOT
 
 PAGES = (  # page, header, struct, group of docs/console.md
-    ("pid.md", "control/pid.h", "pid_config", "loop<i>"),
+    ("pid.md", "kinds/pid/pid.h", "pid_config", "loop<i>"),
     ("feedforward.md", "block/settings.h", "element_settings", "ff<i>"),
     ("tuning.md", "design/tuning.h", "tuning", "loop<i>"),
 )
@@ -62,7 +62,7 @@ class Names(unittest.TestCase):
 
     def test_the_names_are_those_of_the_refusals(self) -> None:
         """Kinds of blocks turn a field into the parameter it names in a refusal."""
-        text = "".join(path.read_text(encoding="utf-8") for path in (ROOT / "firmware").glob("*/*_kind.c"))
+        text = "".join(path.read_text(encoding="utf-8") for path in (ROOT / "firmware").glob("kinds/*/*_kind.c"))
         pairs = dict(re.findall(r'\{"(\w+)", "(\w+)"\}', text))
         self.assertIn("ti_s", pairs)
         named = {c: p for name, *_ in PAGES for row in table(name) for c, p in zip(*row)}

@@ -1,21 +1,21 @@
 # Estimators: steps of the column's model towards what is measured, and the kind of block around them.
 foreach(part composition composition_analysis composition_attack composition_changes composition_defaults composition_events composition_kalman composition_kalman_analyses composition_refused
              composition_step composition_workspace covariance_band covariance_band_positive covariance_ud)
-  reflux_test(${part} LABEL unit SOURCES ${CMAKE_CURRENT_LIST_DIR}/test_${part}.c LIBS reflux_estimate m)
+  reflux_test(${part} LABEL unit SOURCES ${CMAKE_CURRENT_LIST_DIR}/test_${part}.c LIBS reflux_every_kind m)
 endforeach()
 
 # Not a test by itself: covariances of a million updates (tools/campaign kalman).
 set(kalman "${PROJECT_SOURCE_DIR}/tests/campaign/endurance/kalman")
 add_executable(endurance_kalman ${kalman}_main.c ${kalman}_course.c ${kalman}_forms.c
                "${PROJECT_SOURCE_DIR}/tests/bench/estimation/column.c")
-target_link_libraries(endurance_kalman PRIVATE reflux_estimate reflux_options m)
+target_link_libraries(endurance_kalman PRIVATE reflux_every_kind reflux_options m)
 target_include_directories(endurance_kalman PRIVATE "${PROJECT_SOURCE_DIR}/tests/support" "${PROJECT_SOURCE_DIR}/tests/bench/estimation")
 target_compile_options(endurance_kalman PRIVATE -O3) # of the products of matrices there are many
 
 # Not a test by itself: columns that differ from an estimator's model (tools/campaign composition).
 set(composition "${PROJECT_SOURCE_DIR}/tests/campaign/composition")
 add_executable(composition_campaign ${composition}/main.c)
-target_link_libraries(composition_campaign PRIVATE reflux_estimate reflux_options m)
+target_link_libraries(composition_campaign PRIVATE reflux_every_kind reflux_options m)
 target_include_directories(composition_campaign PRIVATE "${PROJECT_SOURCE_DIR}/tests/support")
 add_test(NAME composition_campaign COMMAND composition_campaign ${composition}/sample.txt 9)
 reflux_programs_of_test(composition_campaign unit composition_campaign)

@@ -11,7 +11,7 @@ endforeach()
 foreach(part block_settings block_stored storage_power_blocks storage_unstable_blocks)
   string(REPLACE unstable_blocks unstable source test_${part}.c)
   reflux_test(${part} LABEL unit SOURCES ${CMAKE_CURRENT_LIST_DIR}/${source}
-              LIBS reflux_hal_memory reflux_app reflux_control reflux_compensate reflux_feedforward reflux_link)
+              LIBS reflux_hal_memory reflux_app reflux_every_kind reflux_link)
   target_include_directories(test_${part} PRIVATE "${PROJECT_SOURCE_DIR}/hal/host")
   target_compile_definitions(test_${part} PRIVATE
     STORAGE_IMAGES="${PROJECT_SOURCE_DIR}/tests/reference/storage")
@@ -23,5 +23,5 @@ reflux_script_test(storage_images LABEL unit SCRIPT "${CMAKE_CURRENT_LIST_DIR}/t
 
 # Tables, which stand in RAM once.
 reflux_test(tables LABEL unit SOURCES ${CMAKE_CURRENT_LIST_DIR}/test_tables.c
-            LIBS reflux_hal_memory reflux_app reflux_estimate reflux_adapt reflux_link)
+            LIBS reflux_hal_memory reflux_app reflux_every_kind reflux_link)
 target_include_directories(test_tables PRIVATE "${PROJECT_SOURCE_DIR}/hal/host")

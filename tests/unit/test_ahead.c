@@ -1,4 +1,4 @@
-/* The controller `ahead` (control/column_ahead.h) on the pilot column. Contract: temperatures 30 s later, in three steps, off by a tenth of the
+/* The controller `ahead` (kinds/ahead/column_ahead.h) on the pilot column. Contract: temperatures 30 s later, in three steps, off by a tenth of the
  * move on average and by 1 K at most, of what an integration in double precision says (tests/reference/column_ahead_reference.py), half of
  * that in twice as many steps, since the method is of first order; in a closed loop with states that are told, w + exp(-h/tau) (y - w) within a
  * tenth of a step, the other loop within what a step of its own as large a move of the MVs would be. */

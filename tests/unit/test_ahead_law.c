@@ -1,4 +1,4 @@
-/* Which inputs take outputs where they are asked to be (control/column_ahead_law.h). Contract: 2000 random matrices of up to four loops with
+/* Which inputs take outputs where they are asked to be (kinds/ahead/column_ahead_law.h). Contract: 2000 random matrices of up to four loops with
  * condition numbers to 30 and no input at a limit: moves within 2 % of the exact ones (the damping's share), after a second turn on what is
  * left within 0.1 %. The same
  * for loops whose inputs are not at a limit where others are. */
@@ -6,7 +6,7 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "control/column_ahead_law.h"
+#include "kinds/ahead/column_ahead_law.h"
 #include "unity.h"
 
 #define CASES 2000

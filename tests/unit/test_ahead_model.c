@@ -1,4 +1,4 @@
-/* Where the controller `ahead` takes its column to be (control/column_ahead_model.h): corrections at places that something is said of, between
+/* Where the controller `ahead` takes its column to be (kinds/ahead/column_ahead_model.h): corrections at places that something is said of, between
  * them and beyond; another order of inputs; the end of what a mole fraction can be. */
 #include "ahead_bench.h"
 

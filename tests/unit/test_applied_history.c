@@ -1,7 +1,7 @@
 /* Histories of applied inputs: what a block reads of what really took effect of an MV. The kinds are of this test alone; they
  * look, and move nothing by themselves. */
 #include "block/block.h"
-#include "control/pid.h"
+#include "kinds/pid/pid.h"
 #include "supervise/arena.h"
 #include "supervise/histories.h"
 #include "supervise/records.h"

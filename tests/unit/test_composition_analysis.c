@@ -1,7 +1,7 @@
-/* Analyses that come now and then, late, beside an estimate (estimate/composition_analysis.h). */
+/* Analyses that come now and then, late, beside an estimate (kinds/composition/composition_analysis.h). */
 #include <math.h>
 
-#include "estimate/composition_analysis.h"
+#include "kinds/composition/composition_analysis.h"
 #include "unity.h"
 
 #define H 10

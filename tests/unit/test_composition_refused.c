@@ -1,7 +1,7 @@
 /* Settings of the kind `composition`: its parameters, and what is refused in which words. */
 #include "base/workspace.h"
 #include "composition_bench.h"
-#include "estimate/composition_job.h"
+#include "kinds/composition/composition_job.h"
 
 void setUp(void)
 {

@@ -1,6 +1,6 @@
 /* The kind `composition` and the board's workspace: who has it, who gives it back, what acts meanwhile, and what of analyses is lost with it. */
 #include "composition_filter_bench.h"
-#include "estimate/composition_covariance.h"
+#include "kinds/composition/composition_covariance.h"
 
 void setUp(void) {}
 

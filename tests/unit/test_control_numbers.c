@@ -6,11 +6,11 @@
 #include <string.h>
 
 #include "base/crc32.h"
-#include "compensate/decoupler.h"
-#include "control/pid.h"
-#include "control/two_position.h"
-#include "feedforward/feedforward.h"
 #include "kept_transcript.h"
+#include "kinds/decoupler/decoupler.h"
+#include "kinds/feedforward/feedforward.h"
+#include "kinds/pid/pid.h"
+#include "kinds/two_position/two_position.h"
 #include "random_source.h"
 #include "unity.h"
 

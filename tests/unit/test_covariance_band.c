@@ -1,4 +1,4 @@
-/* The banded covariance (estimate/covariance_band.h) against full matrices in double (dense_band.h), which leave out the same.
+/* The banded covariance (kinds/composition/covariance_band.h) against full matrices in double (dense_band.h), which leave out the same.
  *
  * Contract: each P_ij within ROUNDINGS units in the last place of sqrt(P_ii P_jj), times the steps taken, times the condition of the
  * correlations of a stage, which the completion divides by; 2 m (m + q) + 24 sums and products lie between a number and itself one step

@@ -1,4 +1,4 @@
-/* No variance of the banded covariance (estimate/covariance_band.h) becomes 0 or less, or grows without bound, whatever is measured: 1e5
+/* No variance of the banded covariance (kinds/composition/covariance_band.h) becomes 0 or less, or grows without bound, whatever is measured: 1e5
  * steps with sensors that come and go, without noise, and with numbers of many decades. */
 #include "band_bench.h"
 

@@ -1,4 +1,4 @@
-/* The covariance of a Kalman filter as U D U' (estimate/covariance_ud.h) beside a dense one in double (covariance_case.h), which begins
+/* The covariance of a Kalman filter as U D U' (kinds/composition/covariance_ud.h) beside a dense one in double (covariance_case.h), which begins
  * with the very numbers that the float one has.
  *
  * Contract of a step, u = 2^-24: P_ij within ROUNDINGS(K) u a_i a_j of the dense one. a_i: standard deviations taken through the
@@ -13,7 +13,7 @@
 #include <stdio.h>
 
 #include "covariance_case.h"
-#include "estimate/covariance_ud.h"
+#include "kinds/composition/covariance_ud.h"
 #include "num/ud.h"
 #include "unity.h"
 

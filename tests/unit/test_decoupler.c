@@ -4,8 +4,8 @@
  * product for matrices with entries and inverses up to 10; there and back within 1e-5. */
 #include <stdlib.h>
 
-#include "compensate/decoupler.h"
 #include "formats.h"
+#include "kinds/decoupler/decoupler.h"
 #include "random_source.h"
 #include "unity.h"
 

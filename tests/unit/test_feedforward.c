@@ -1,4 +1,4 @@
-/* control/feedforward.[ch].
+/* kinds/feedforward/feedforward.[ch].
  *
  * Contract                                              float32       Q7.24
  *   gain at rest                                        2e-7          2e-7
@@ -9,9 +9,9 @@
 #include <math.h>
 #include <string.h>
 
-#include "feedforward/feedforward.h"
 #include "fopdt_plant.h"
 #include "formats.h"
+#include "kinds/feedforward/feedforward.h"
 #include "unity.h"
 
 void setUp(void) {}

@@ -8,7 +8,7 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "adapt/feedforward_search.h"
+#include "kinds/ff_tune/feedforward_search.h"
 #include "num/real_trig.h"
 #include "siddha_loop.h"
 #include "unity.h"

@@ -2,7 +2,7 @@
 #include <stdalign.h>
 #include <string.h>
 
-#include "adapt/feedforward_tune_block.h"
+#include "kinds/ff_tune/feedforward_tune_block.h"
 #include "unity.h"
 
 static alignas(8) char memory[sizeof(struct tune)];

@@ -2,8 +2,8 @@
  * The model is y(t+1) = 0.9 y + 0.05 u; the PI is slow. */
 #include <string.h>
 
-#include "adapt/gmv_detune.h"
 #include "gmv_bench.h"
+#include "kinds/gmv/gmv_detune.h"
 #include "unity.h"
 
 #define BETTER      0.05f

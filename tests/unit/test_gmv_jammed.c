@@ -1,6 +1,6 @@
 /* An MV pushed against a limit while its own loop needs it the other way: for a while that may serve both loops, not for
  * long. REACH and the others are made up; given up after 4 * REACH + 32 steps (gmv_supervise.c). */
-#include "adapt/gmv_supervise.h"
+#include "kinds/gmv/gmv_supervise.h"
 #include "unity.h"
 
 #define REACH 5u

@@ -4,12 +4,12 @@
 #include <stdalign.h>
 #include <string.h>
 
-#include "adapt/gmv_block.h"
-#include "adapt/gmv_kind.h"
-#include "adapt/gmv_settings.h"
 #include "base/channel.h"
 #include "block_defaults.h"
 #include "formats.h"
+#include "kinds/gmv/gmv_block.h"
+#include "kinds/gmv/gmv_kind.h"
+#include "kinds/gmv/gmv_settings.h"
 #include "unity.h"
 
 #define LOOPS GMV_LOOPS

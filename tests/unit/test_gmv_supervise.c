@@ -2,7 +2,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "adapt/gmv_supervise.h"
+#include "kinds/gmv/gmv_supervise.h"
 #include "unity.h"
 
 #define TUNE  20u

@@ -1,4 +1,4 @@
-/* The trial of a closed loop against the loop itself: the law of the self-tuner (adapt/gmv.h) on a plant in double whose gains are
+/* The trial of a closed loop against the loop itself: the law of the self-tuner (kinds/gmv/gmv.h) on a plant in double whose gains are
  * those of the model, half of them, and twice.
  *
  * Contract: the decay per step within 0.006. Both are read from the largest size in windows of 128 steps, of which the loop in
@@ -7,8 +7,8 @@
 #include <math.h>
 #include <stdio.h>
 
-#include "adapt/gmv_trial.h"
 #include "gmv_bench.h"
+#include "kinds/gmv/gmv_trial.h"
 #include "unity.h"
 
 #define DECAY_WITHIN 0.006

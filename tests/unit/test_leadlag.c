@@ -1,4 +1,4 @@
-/* Feedforward from several disturbances to several MVs (feedforward/leadlag.h). Contract: each term is an element ffN of the same numbers, to the
+/* Feedforward from several disturbances to several MVs (kinds/leadlag/leadlag.h). Contract: each term is an element ffN of the same numbers, to the
  * bit; against the backward-difference form in double (digest of Siddha 2.10: u = (lag u' + K (lead + h) d - K lead d')/(lag + h)) within 2e-5 of
  * span over 400 steps of noise, in both number formats. */
 #include <math.h>
@@ -6,9 +6,9 @@
 #include <string.h>
 
 #include "base/channel.h"
-#include "feedforward/feedforward.h"
-#include "feedforward/leadlag.h"
 #include "formats.h"
+#include "kinds/feedforward/feedforward.h"
+#include "kinds/leadlag/leadlag.h"
 #include "unity.h"
 
 static const struct block_kind *const kind = &leadlag_kind;

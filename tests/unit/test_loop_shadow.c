@@ -6,7 +6,7 @@
 #include <math.h>
 #include <stdio.h>
 
-#include "adapt/loop_shadow.h"
+#include "kinds/ff_tune/loop_shadow.h"
 #include "siddha_loop.h"
 #include "unity.h"
 
@@ -38,7 +38,7 @@ static void one_shadow_against_the_loop(int regime, double k, double lead, doubl
     TEST_ASSERT_FALSE(shadow.lost);
     printf("case %s, K %.1f: off by %.2f %% r.m.s.\n", siddha_case[regime].name, k,
            100 * sqrt(off / size));
-    /* The loop here integrates a sample sooner than control/pid.h, which the shadow is made for: a part of h/Ti. */
+    /* The loop here integrates a sample sooner than kinds/pid/pid.h, which the shadow is made for: a part of h/Ti. */
     TEST_ASSERT_TRUE(sqrt(off / size) < 0.08);
 }
 
@@ -50,7 +50,7 @@ static void it_says_what_the_loop_would_have_done_without(void)
     }
 }
 
-/* The same controller as control/pid.h: the integral takes an error in behind the proportional part. */
+/* The same controller as kinds/pid/pid.h: the integral takes an error in behind the proportional part. */
 static void with_the_controller_of_the_firmware_it_is_exact(void)
 {
     struct loop_shadow shadow;

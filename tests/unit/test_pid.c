@@ -1,4 +1,4 @@
-/* control/pid.[ch]: one controller, open loop.
+/* kinds/pid/pid.[ch]: one controller, open loop.
  *
  * Contract                                              float32       Q7.24
  *   a single step against the equations in double       2e-7          2e-7

@@ -1,4 +1,4 @@
-/* control/pid.[ch]: closed loop on a first-order-plus-dead-time plant.
+/* kinds/pid/pid.[ch]: closed loop on a first-order-plus-dead-time plant.
  *
  * Contract                                              float32       Q7.24
  *   output and measurement against the trajectory of

@@ -1,4 +1,4 @@
-/* control/pid.h: which settings are taken, and what is said of the others.
+/* kinds/pid/pid.h: which settings are taken, and what is said of the others.
  *
  * Contract: each field is accepted at both ends of its range and refused just beyond them, with its name and
  * the range wanted; NaN and infinity in any field are ERR_NOT_FINITE; a refused call changes nothing.

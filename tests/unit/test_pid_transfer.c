@@ -1,4 +1,4 @@
-/* control/pid.[ch]: bumpless transfer and parameter change. The fault of others guarded here: no bumpless
+/* kinds/pid/pid.[ch]: bumpless transfer and parameter change. The fault of others guarded here: no bumpless
  * switch.
  *
  * Contract                                              float32       Q7.24

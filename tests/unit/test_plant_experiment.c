@@ -1,13 +1,13 @@
-/* Models from records (adapt/plant_model.h), and the settings of the kind `experiment`. */
+/* Models from records (kinds/experiment/plant_model.h), and the settings of the kind `experiment`. */
 #include <math.h>
 #include <stdalign.h>
 #include <string.h>
 
-#include "adapt/plant_experiment_block.h"
-#include "adapt/plant_model.h"
 #include "base/channel.h"
 #include "base/workspace.h"
 #include "block_defaults.h"
+#include "kinds/experiment/plant_experiment_block.h"
+#include "kinds/experiment/plant_model.h"
 #include "kotyk_record.h"
 #include "unity.h"
 

@@ -1,12 +1,12 @@
-/* The compensator `polynomial` (compensate/polynomial.h). Contract, for outputs of up to two spans and the decoupler of Kotyk's column:
+/* The compensator `polynomial` (kinds/polynomial/polynomial.h). Contract, for outputs of up to two spans and the decoupler of Kotyk's column:
  * MVs to 4e-6 of a span of the sum in double, in both formats: a coefficient and an input are rounded once each to 2^-24 of 1, elements
  * of G add up to 7, and the sum is rounded once. */
 #include <math.h>
 #include <stdalign.h>
 #include <string.h>
 
-#include "compensate/polynomial.h"
 #include "formats.h"
+#include "kinds/polynomial/polynomial.h"
 #include "unity.h"
 
 #define EXACT 4e-6

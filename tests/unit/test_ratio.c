@@ -1,4 +1,4 @@
-/* MVs that follow a measured feed (compensate/ratio.h). Contract: MV = zero + (output - zero) F/at to 2e-6 of a span in both formats,
+/* MVs that follow a measured feed (kinds/ratio/ratio.h). Contract: MV = zero + (output - zero) F/at to 2e-6 of a span in both formats,
  * for outputs of up to a span and ratios of up to 5: a step of Q7.24 is 6e-8, and the ratio and the product are rounded once
  * each. */
 #include <math.h>
@@ -7,7 +7,7 @@
 #include <string.h>
 
 #include "base/channel.h"
-#include "compensate/ratio.h"
+#include "kinds/ratio/ratio.h"
 #include "unity.h"
 
 #define EXACT 2e-6f

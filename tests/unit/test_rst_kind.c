@@ -1,12 +1,12 @@
-/* The controller `rst` (control/rst.h). Contract, with a plant of two poles and signals within a span: in 300 closed steps measurements
+/* The controller `rst` (kinds/rst/rst.h). Contract, with a plant of two poles and signals within a span: in 300 closed steps measurements
  * are those of K P u = R w - Q y in double to 2e-5 of a span in both formats, outputs to 20 times that. A step rounds y, and so
  * differences that meet coefficients of up to 28, to 2^-24 of a span, 3e-6 in u, of which the loop remembers 15 steps. */
 #include <math.h>
 #include <stdalign.h>
 #include <string.h>
 
-#include "control/rst.h"
 #include "formats.h"
+#include "kinds/rst/rst.h"
 #include "unity.h"
 
 #define EXACT 2e-5

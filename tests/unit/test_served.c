@@ -1,7 +1,7 @@
 /* Blocks with a record: an estimator whose points are measurements, and a controller of two loops in place of their own. The
  * kinds are of this test alone; what the tick does with them is what every family relies on. */
 #include "block/block.h"
-#include "control/pid.h"
+#include "kinds/pid/pid.h"
 #include "put_block.h"
 #include "served_kinds.h"
 #include "supervise/records.h"

@@ -1,10 +1,10 @@
 /* The kinds `polynomial` and `rst` in the tick: what a controller asks for, limits, who comes and goes. */
-#include "compensate/decoupler.h"
-#include "compensate/polynomial.h"
-#include "control/pid.h"
-#include "control/rst.h"
-#include "control/two_position.h"
-#include "feedforward/feedforward.h"
+#include "kinds/decoupler/decoupler.h"
+#include "kinds/feedforward/feedforward.h"
+#include "kinds/pid/pid.h"
+#include "kinds/polynomial/polynomial.h"
+#include "kinds/rst/rst.h"
+#include "kinds/two_position/two_position.h"
 #include "put_block.h"
 #include "supervisor_bench.h"
 

@@ -1,7 +1,7 @@
 /* An estimate as fall-back of a measurement: an observer, of this test alone, that follows its input while that is measured,
  * goes on alone without it, and can be made to say that it does not know. */
 #include "block/block.h"
-#include "control/pid.h"
+#include "kinds/pid/pid.h"
 #include "supervise/records.h"
 #include "supervisor_bench.h"
 

@@ -1,12 +1,12 @@
-/* The controller `state` (control/state_feedback.h). Contract, with a plant of three states, weights to 10 and signals within half a span: in 200
+/* The controller `state` (kinds/state/state_feedback.h). Contract, with a plant of three states, weights to 10 and signals within half a span: in 200
  * closed steps measurements are those of the law in double to 2e-5 of a span in both formats, outputs to 10 times that, which is what the largest weight
  * makes of a measurement's own rounding. */
 #include <math.h>
 #include <stdalign.h>
 #include <string.h>
 
-#include "control/state_feedback.h"
 #include "formats.h"
+#include "kinds/state/state_feedback.h"
 #include "unity.h"
 
 #define EXACT 2e-5

@@ -1,6 +1,6 @@
 /* Tables of blocks: in RAM once, whichever configurations refer to them, and none written that another has. The kind is the
  * firmware's own `column`; what is in a table is looked at by others. */
-#include "estimate/column.h"
+#include "kinds/column/column.h"
 #include "storage_bench.h"
 #include "supervise/plan_build.h"
 #include "supervise/tables.h"

@@ -1,5 +1,5 @@
-/* control/two_position.[ch], alone and as the law of a loop. */
-#include "control/two_position.h"
+/* kinds/two_position/two_position.[ch], alone and as the law of a loop. */
+#include "kinds/two_position/two_position.h"
 #include "supervisor_bench.h"
 
 static struct two_position block;

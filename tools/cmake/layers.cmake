@@ -6,9 +6,12 @@
 # paths make the same machine code from the same text (sanitizers write paths into programs), and tools/test runs it once.
 set(REFLUX_LAYERS "${CMAKE_BINARY_DIR}/layers" CACHE PATH "Folder of the layers' include roots")
 
+# name: as it stands in #include, like base or kinds/pid
 function(reflux_include_root name folder result)
-  set(root "${REFLUX_LAYERS}/${name}")
-  file(MAKE_DIRECTORY "${root}")
+  string(REPLACE "/" "_" place "${name}")
+  set(root "${REFLUX_LAYERS}/${place}")
+  get_filename_component(above "${root}/${name}" DIRECTORY)
+  file(MAKE_DIRECTORY "${above}")
   # Trees that share the links may be configured at the same time, so a link that is right stays untouched.
   set(found "")
   if(IS_SYMLINK "${root}/${name}")
@@ -23,8 +26,11 @@ endfunction()
 # reflux_layer(NAME [SOURCES a.c ...] [DEPENDS base num ...])
 # Target reflux_NAME; without sources it is header-only.
 function(reflux_layer name)
-  cmake_parse_arguments(arg "" "" "SOURCES;DEPENDS" ${ARGN})
-  reflux_include_root(${name} "${CMAKE_CURRENT_SOURCE_DIR}" root)
+  cmake_parse_arguments(arg "" "INCLUDED_AS" "SOURCES;DEPENDS" ${ARGN})
+  if(NOT arg_INCLUDED_AS)
+    set(arg_INCLUDED_AS ${name})
+  endif()
+  reflux_include_root(${arg_INCLUDED_AS} "${CMAKE_CURRENT_SOURCE_DIR}" root)
   list(TRANSFORM arg_DEPENDS PREPEND reflux_ OUTPUT_VARIABLE below)
   if(arg_SOURCES)
     add_library(reflux_${name} STATIC ${arg_SOURCES})
@@ -35,6 +41,12 @@ function(reflux_layer name)
     target_include_directories(reflux_${name} INTERFACE "${root}")
     target_link_libraries(reflux_${name} INTERFACE ${below})
   endif()
+endfunction()
+
+# reflux_kind(NAME SOURCES a.c ... DEPENDS block ...): a family of blocks in kinds/NAME. Target reflux_NAME.
+function(reflux_kind name)
+  reflux_layer(${name} INCLUDED_AS kinds/${name} ${ARGN})
+  set_property(GLOBAL APPEND PROPERTY REFLUX_KINDS reflux_${name})
 endfunction()
 
 # The same sources once more with another real_t, defined by what; host only. Target reflux_NAME_SUFFIX.

@@ -5,10 +5,10 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "adapt/feedforward_search.h"
 #include "design/feedforward_rules.h"
 #include "design/response_fit.h"
 #include "identify/high_order.h"
+#include "kinds/ff_tune/feedforward_search.h"
 #include "libreflux.h"
 #include "signal/lag.h"
 

@@ -1,4 +1,4 @@
-/* Identification for a feedforward and its tuning (firmware/identify/high_order.h, signal/lag.h, adapt/feedforward_search.h) in the
+/* Identification for a feedforward and its tuning (firmware/identify/high_order.h, signal/lag.h, kinds/ff_tune/feedforward_search.h) in the
  * arithmetic of a board: real_t is float, num_t float or, in the build host-fixed, Q7.24. Library libreflux_board; rules as in libreflux.h. */
 #ifndef REFLUX_LIBREFLUX_FEEDFORWARD_H
 #define REFLUX_LIBREFLUX_FEEDFORWARD_H

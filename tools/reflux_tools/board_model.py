@@ -14,7 +14,7 @@ from reflux_tools.paths import shown
 
 SETTING = re.compile(r"\b(?:set )?(block(\d+)\.\w+|tick\.base)(?: =)? (\S+)")
 MODEL = re.compile(r"(?:a([12])_([1-4])|b([12])([12])_([1-8]))$")
-A, B = 4, 8  # coefficients that there are settings for (firmware/adapt/plant_experiment.h)
+A, B = 4, 8  # coefficients that there are settings for (firmware/kinds/experiment/plant_experiment.h)
 
 
 def is_listing(name: str) -> bool:

@@ -11,7 +11,7 @@ import numpy as np
 from reflux_tools import board_settings, build, plant_file, simulator, state_decoupler, table
 from reflux_tools.errors import RunFailed, UserError
 
-LOOPS_MOST, INPUTS_MOST = 4, 8  # of the kind (firmware/control/state_feedback.h)
+LOOPS_MOST, INPUTS_MOST = 4, 8  # of the kind (firmware/kinds/state/state_feedback.h)
 ROW_MOST, WEIGHT_MOST = 16000.0, 1e4
 SEEN = 1e-9  # a feedthrough, or dead time, below this is none
 

@@ -1,5 +1,5 @@
 """Identification for a feedforward and its tuning by the firmware's code in the arithmetic of a board (firmware/identify/high_order.h,
-adapt/feedforward_search.h) and its rules (design/feedforward_rules.h): libreflux_board.so by ctypes.
+kinds/ff_tune/feedforward_search.h) and its rules (design/feedforward_rules.h): libreflux_board.so by ctypes.
 
     g = response(Shape(2, ((3, 12),)), y, u, omega_h, first=100)      # y(k) by u(k - 12) and so on, at omega_h (rad per sample)
     f = search(omega, ratio, weight, h=0.05)

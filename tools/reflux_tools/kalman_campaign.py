@@ -26,7 +26,7 @@ HEADER = ["states", "form", "variance below 0 at", "eigenvalue below 0 at", "no 
 NOTES = """The splitter with 12 and with 37 stages, three components, steps of 30 s at four working points in turn; four extras: the feed's two
 unknown fractions, its flow, the offset of an analysed place. Each of four thermometers is there three times out of four, an analysis every
 20 steps; eight fractions at a time get their noise, going round. All forms are in single precision and have the same numbers: ours
-(`firmware/estimate/covariance_ud.h`), and P as a matrix with A P A' as two products and (I - K h) P or Joseph's form, each as printed and with
+(`firmware/kinds/composition/covariance_ud.h`), and P as a matrix with A P A' as two products and (I - K h) P or Joseph's form, each as printed and with
 P = (P + P')/2 after every operation. Beside them one in double.
 
 *At*: the update at which it happened first. Eigenvalues are looked at in the first 50 updates and in each hundredth (37 stages: tenth) of the

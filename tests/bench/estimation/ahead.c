@@ -4,8 +4,8 @@
 #include <string.h>
 
 #include "composition_tables.h"
-#include "control/column_ahead_block.h"
 #include "cost.h"
+#include "kinds/ahead/column_ahead_block.h"
 
 #define SAMPLES 60u
 #define FIRST   5u

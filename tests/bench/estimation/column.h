@@ -3,7 +3,7 @@
 #ifndef REFLUX_BENCH_COLUMN_H
 #define REFLUX_BENCH_COLUMN_H
 
-#include "estimate/composition.h"
+#include "kinds/composition/composition.h"
 
 #define BENCH_SENSORS 4
 #define BENCH_STEP_S  30

@@ -3,7 +3,7 @@
 #include "column.h"
 #include "cost.h"
 #include "dense_ekf.h"
-#include "estimate/composition_block.h"
+#include "kinds/composition/composition_block.h"
 
 #define SAMPLES 220u
 #define FIRST   20u

@@ -5,8 +5,8 @@
 
 #include "column.h"
 #include "cost.h"
-#include "estimate/covariance_band.h"
-#include "estimate/covariance_ud.h"
+#include "kinds/composition/covariance_band.h"
+#include "kinds/composition/covariance_ud.h"
 #include "num/ud.h"
 #include "thornton.h"
 

@@ -3,11 +3,11 @@
 #include <stdalign.h>
 #include <string.h>
 
-#include "adapt/plant_experiment_block.h"
 #include "base/channel.h"
 #include "base/workspace.h"
 #include "cost.h"
 #include "decoupling.h"
+#include "kinds/experiment/plant_experiment_block.h"
 
 static alignas(8) char state[4000];
 static alignas(8) char memory[WORKSPACE_BYTES];

@@ -4,13 +4,13 @@
 #include <stdalign.h>
 #include <string.h>
 
-#include "compensate/decoupler.h"
-#include "compensate/polynomial.h"
-#include "control/pid.h"
-#include "control/rst.h"
-#include "control/state_feedback.h"
 #include "cost.h"
 #include "decoupling.h"
+#include "kinds/decoupler/decoupler.h"
+#include "kinds/pid/pid.h"
+#include "kinds/polynomial/polynomial.h"
+#include "kinds/rst/rst.h"
+#include "kinds/state/state_feedback.h"
 
 #define SAMPLES 300u
 #define FIRST   20u

@@ -4,9 +4,9 @@
 #include <stdalign.h>
 #include <string.h>
 
-#include "adapt/feedforward_tune_block.h"
 #include "base/channel.h"
 #include "cost.h"
+#include "kinds/ff_tune/feedforward_tune_block.h"
 
 #define DEPTH 20u
 

@@ -4,7 +4,7 @@
 
 #include "base/workspace.h"
 #include "column.h"
-#include "estimate/composition_job.h"
+#include "kinds/composition/composition_job.h"
 
 #define EXTRAS 3
 #define STATES (2 * COLUMN_STAGES_MAX)

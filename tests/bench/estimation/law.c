@@ -3,8 +3,8 @@
 #include <string.h>
 
 #include "composition_tables.h"
-#include "control/state_law_job.h"
 #include "cost.h"
+#include "kinds/state_law/state_law_job.h"
 
 static struct state_law_job job;
 static struct column_record record;

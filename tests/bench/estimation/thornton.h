@@ -1,10 +1,10 @@
-/* The opponent of estimate/covariance_ud.h: the time update of U D U' as textbooks have it, with the transition as a matrix and
+/* The opponent of kinds/composition/covariance_ud.h: the time update of U D U' as textbooks have it, with the transition as a matrix and
  * modified weighted Gram-Schmidt. C. L. Thornton (1976); G. J. Bierman, Factorization Methods for Discrete Sequential Estimation (1977),
  * theorem VI.4.1. */
 #ifndef REFLUX_BENCH_THORNTON_H
 #define REFLUX_BENCH_THORNTON_H
 
-#include "estimate/covariance.h"
+#include "kinds/composition/covariance.h"
 
 /* The whole transition as a matrix, of n + extras rows: each column by column_transition_apply. */
 void thornton_transition(const struct covariance_step *step, size_t n, real_t *matrix);

@@ -3,9 +3,9 @@
 #include <string.h>
 
 #include "base/channel.h"
-#include "control/inferential.h"
-#include "control/pid.h"
 #include "cost.h"
+#include "kinds/inferential/inferential.h"
+#include "kinds/pid/pid.h"
 
 #define SAMPLES 300
 

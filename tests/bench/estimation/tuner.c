@@ -1,10 +1,10 @@
-/* A sample of the self-tuner (adapt/gmv.h): taken, learnt from, solved. SV: one loop; MD1: two, solved together. */
+/* A sample of the self-tuner (kinds/gmv/gmv.h): taken, learnt from, solved. SV: one loop; MD1: two, solved together. */
 #include <stdalign.h>
 #include <stdbool.h>
 #include <string.h>
 
-#include "adapt/gmv.h"
 #include "cost.h"
+#include "kinds/gmv/gmv.h"
 
 #define SAMPLES 300
 #define DEPTH   48

@@ -18,8 +18,8 @@
 #include "base/workspace.h"
 #include "block_defaults.h"
 #include "courses.h"
-#include "estimate/composition_block.h"
-#include "estimate/composition_job.h"
+#include "kinds/composition/composition_block.h"
+#include "kinds/composition/composition_job.h"
 #include "random_source.h"
 
 #define TICK_S  10.0

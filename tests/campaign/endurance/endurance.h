@@ -5,7 +5,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-#include "adapt/gmv.h"
+#include "kinds/gmv/gmv.h"
 #include "random_source.h"
 
 enum course { COURSE_REST, COURSE_STIFF, COURSE_DRIFT, COURSE_NOISE, COURSES };

@@ -5,7 +5,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-#include "estimate/covariance_ud.h"
+#include "kinds/composition/covariance_ud.h"
 #include "random_source.h"
 
 #define KALMAN_EXTRAS   4 /* feed fractions, feed flow, offset of the analysed place */

@@ -169,7 +169,7 @@ static double pi_tick(struct half *h, const struct loop *l, double r, double y)
     return u;
 }
 
-/* As feedforward/leadlag.h has it. */
+/* As kinds/leadlag/leadlag.h has it. */
 static double element_tick(struct loop *l, double d)
 {
     const struct tune_settings *s = &l->settings;

@@ -7,7 +7,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-#include "adapt/feedforward_tune_block.h"
+#include "kinds/ff_tune/feedforward_tune_block.h"
 #include "random_source.h"
 
 #define PATH_DEAD_MOST 128u /* ticks */

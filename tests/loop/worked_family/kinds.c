@@ -1,10 +1,10 @@
 /* In place of firmware/app/kinds.c: the kinds of the product, in its order, and the two of this folder. */
 #include "kinds.h"
 
-#include "compensate/decoupler.h"
-#include "control/pid.h"
-#include "control/two_position.h"
-#include "feedforward/feedforward.h"
+#include "kinds/decoupler/decoupler.h"
+#include "kinds/feedforward/feedforward.h"
+#include "kinds/pid/pid.h"
+#include "kinds/two_position/two_position.h"
 
 const struct block_kind *const block_kinds[] = {
     &pid_kind,         &two_position_kind, &decoupler_kind,

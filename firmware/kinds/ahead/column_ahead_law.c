@@ -1,0 +1,110 @@
+#include "kinds/ahead/column_ahead_law.h"
+
+#if CONFIG_BLOCKS
+
+#include "num/solve_small.h"
+
+#define ZERO REAL_C(0.0)
+
+/* Where inputs do nearly the same, or nothing at all, they move little: the sum of squares of what is left and of the moves times this part of
+ * the largest element. 1e-3 of that element changes the answer by as much where b has a condition number of 30. */
+#define DAMPING REAL_C(1e-3)
+#define WIDTH   (AHEAD_LOOPS + 1)
+
+static bool is_in(uint8_t set, unsigned k)
+{
+    return (set & (1u << k)) != 0;
+}
+
+/* Members of a set, ascending. */
+static size_t members_of(uint8_t set, uint8_t n, uint8_t *member)
+{
+    size_t count = 0;
+    for (uint8_t k = 0; k < n; k++)
+        if (is_in(set, k))
+            member[count++] = k;
+    return count;
+}
+
+static real_t square_of_largest(const struct ahead_law *law)
+{
+    real_t most = ZERO;
+    for (unsigned i = 0; i < law->n; i++)
+        for (unsigned j = 0; j < law->n; j++)
+            if (real_abs(law->b[i][j]) > most)
+                most = real_abs(law->b[i][j]);
+    return most * most;
+}
+
+/* move[] of the inputs in `moving` for as many outputs, by normal equations. */
+static bool move_by(const struct ahead_law *law, uint8_t moving, const real_t *e, real_t *move)
+{
+    uint8_t member[AHEAD_LOOPS];
+    real_t rows[AHEAD_LOOPS * WIDTH];
+    size_t n = members_of(moving, law->n, member);
+    real_t damping = DAMPING * DAMPING * square_of_largest(law);
+    for (size_t i = 0; i < n; i++) {
+        real_t *here = &rows[i * WIDTH];
+        for (size_t j = 0; j <= n; j++)
+            here[j] = j == i ? damping : ZERO;
+        for (size_t k = 0; k < n; k++) {
+            const real_t *b = law->b[member[k]];
+            for (size_t j = 0; j < n; j++)
+                here[j] += b[member[i]] * b[member[j]];
+            here[n] += b[member[i]] * e[member[k]];
+        }
+    }
+    if (!solve_small(n, n + 1, WIDTH, rows))
+        return false;
+    for (size_t i = 0; i < n; i++)
+        move[member[i]] = rows[i * WIDTH + n];
+    return true;
+}
+
+/* The input of the set that is farthest beyond a limit; n: none is. */
+static uint8_t farthest_beyond(const struct ahead_law *law, uint8_t moving, const real_t *move,
+                               real_t *limit)
+{
+    uint8_t found = law->n;
+    real_t most = ZERO;
+    for (uint8_t j = 0; j < law->n; j++) {
+        if (!is_in(moving, j))
+            continue;
+        real_t to = law->u[j] + move[j];
+        real_t kept = to < law->lo[j] ? law->lo[j] : to > law->hi[j] ? law->hi[j] : to;
+        if (real_abs(to - kept) > most) {
+            most = real_abs(to - kept);
+            *limit = kept;
+            found = j;
+        }
+    }
+    return found;
+}
+
+bool ahead_law_solve(struct ahead_law *law, const real_t *e)
+{
+    real_t left[AHEAD_LOOPS], move[AHEAD_LOOPS] = {ZERO}, limit = ZERO;
+    uint8_t moving = law->acting;
+    for (unsigned i = 0; i < law->n; i++)
+        left[i] = e[i];
+    while (moving) { /* one input less in each turn */
+        if (!move_by(law, moving, left, move))
+            return false;
+        uint8_t j = farthest_beyond(law, moving, move, &limit);
+        if (j == law->n)
+            break;
+        law->asked[j] = law->u[j] + move[j];
+        moving = (uint8_t)(moving & ~(1u << j));
+        for (unsigned i = 0; i < law->n; i++)
+            left[i] -= law->b[i][j] * (limit - law->u[j]);
+        law->u[j] = limit;
+    }
+    for (unsigned j = 0; j < law->n; j++)
+        if (is_in(moving, j)) {
+            law->u[j] += move[j];
+            law->asked[j] = law->u[j];
+        }
+    return true;
+}
+
+#endif

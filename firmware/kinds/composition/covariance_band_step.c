@@ -1,0 +1,159 @@
+#include "kinds/composition/covariance_band_inside.h"
+#include "num/ud.h"
+
+#define ZERO REAL_C(0.0)
+#define ONE  REAL_C(1.0)
+
+#define M_MAX COVARIANCE_BAND_M_MAX
+
+size_t covariance_band_bytes(size_t stages, size_t m, size_t extras)
+{
+    return (stages * covariance_band_stride(m, extras) + ud_count(extras)) * sizeof(real_t);
+}
+
+static enum err check_band(size_t stages, size_t m, size_t extras, const real_t *variance)
+{
+    if (stages < 2 || m < 1 || m > M_MAX || stages > COLUMN_STAGES_MAX ||
+        extras > COVARIANCE_EXTRAS_MAX)
+        return ERR_RANGE;
+    for (size_t i = 0; i < stages * m + extras; i++) {
+        if (!isfinite(variance[i]))
+            return ERR_NOT_FINITE;
+        if (variance[i] < ZERO)
+            return ERR_RANGE;
+    }
+    return ERR_OK;
+}
+
+enum err covariance_band_begin(struct covariance_band *c, size_t stages, size_t m, size_t extras,
+                               const real_t *variance, void *memory)
+{
+    enum err err = check_band(stages, m, extras, variance);
+    size_t stride = covariance_band_stride(m, extras);
+    real_t least[COVARIANCE_EXTRAS_MAX];
+
+    if (err)
+        return err;
+    *c = (struct covariance_band){.stages = stages, .m = m, .extras = extras, .of = memory};
+    c->ud = c->of + stages * stride;
+    for (size_t i = 0; i < stages * stride; i++)
+        c->of[i] = ZERO;
+    for (size_t i = 0; i < stages * m; i++)
+        c->of[i / m * stride + i % m * (m + 1)] = band_at_least(variance[i]);
+    for (size_t e = 0; e < extras; e++)
+        least[e] = band_at_least(variance[stages * m + e]);
+    ud_set_diagonal(c->ud, extras, least);
+    return ERR_OK;
+}
+
+/* ---- extras ---- */
+
+/* Extra e, given the others of before: sum of mix and a rest of that variance. */
+static real_t rest_of(const struct covariance_band *c, size_t e, real_t *mix)
+{
+    for (size_t i = 0; i < c->extras; i++)
+        mix[i] = i == e ? ONE : ZERO;
+    ud_solve(c->ud, c->extras, mix, mix);
+    real_t variance = ONE / mix[e];
+    for (size_t i = 0; i < c->extras; i++)
+        mix[i] *= -variance;
+    return variance;
+}
+
+/* One extra becomes keep t + n. The old one, which is what moved the fractions, is by what the others and the new one say of it
+ *
+ *     sum_i mix_i t_i + kept (t_new - keep sum_i mix_i t_i),   kept = keep v / (g + keep^2 v)
+ *
+ * and a rest of the variance v g / (g + keep^2 v). */
+static void renew_extra(struct covariance_band *c, size_t e, real_t keep, real_t grown)
+{
+    struct covariance_band_fresh *fresh = &c->fresh[e];
+    real_t v[COVARIANCE_EXTRAS_MAX], rest = rest_of(c, e, fresh->mix);
+    real_t part = ONE / (grown + keep * keep * rest), new_share = grown * part;
+
+    fresh->unknown = rest * new_share;
+    for (size_t i = 0; i < c->extras; i++)
+        fresh->mix[i] *= new_share;
+    fresh->mix[e] = keep * rest * part - ONE;
+    for (size_t i = 0; i < e; i++)
+        c->ud[ud_count(e) + i] /= keep;
+    c->ud[ud_count(e) + e] *= keep * keep;
+    for (size_t j = e + 1; j < c->extras; j++)
+        c->ud[ud_count(j) + e] *= keep;
+    for (size_t i = 0; i < c->extras; i++)
+        v[i] = i == e ? ONE : ZERO;
+    ud_add(c->ud, c->extras, grown, v);
+}
+
+static void renew_extras(struct covariance_band *c, const struct covariance_step *step)
+{
+    for (size_t e = 0; e < c->extras; e++) {
+        real_t keep = step->keep[e] > COVARIANCE_BAND_KEEP ? step->keep[e] : COVARIANCE_BAND_KEEP;
+        real_t grown = step->grown[e], least = (ONE - keep * keep) * COVARIANCE_LEAST;
+        c->fresh[e].unknown = ZERO;
+        grown = grown > least ? grown : least; /* in the end it has that variance */
+        if (grown > ZERO)
+            renew_extra(c, e, keep, grown);
+    }
+}
+
+/* ---- a step ---- */
+
+static void add_band_noise(struct covariance_band *c, const struct covariance_step *step)
+{
+    size_t m = c->m, n = c->stages * m, stride = covariance_band_stride(m, c->extras);
+    size_t i = step->noise_first;
+
+    for (size_t count = step->noise_count; count-- > 0; i++) {
+        i = i < n ? i : 0;
+        c->of[i / m * stride + i % m * (m + 1)] += step->noise[i];
+    }
+}
+
+static bool is_finite_band(const struct covariance_band *c)
+{
+    size_t count = c->stages * covariance_band_stride(c->m, c->extras) + ud_count(c->extras);
+    real_t sum = ZERO; /* what is no number stays so */
+    for (size_t i = 0; i < count; i++)
+        sum += c->of[i] * ZERO;
+    return sum == ZERO;
+}
+
+static void clear_between(struct covariance_band *c)
+{
+    for (size_t k = 0; k < 4; k++)
+        for (size_t i = 0; i < COVARIANCE_BAND_BLOCK; i++)
+            c->block[k][i] = ZERO;
+    for (size_t i = 0; i < c->extras * c->m; i++)
+        c->row[i] = ZERO;
+}
+
+bool covariance_band_carry_piece(struct covariance_band *c, const struct covariance_step *step,
+                                 size_t effort)
+{
+    if (c->phase == BAND_BEGINS) {
+        add_band_noise(c, step);
+        renew_extras(c, step);
+        clear_between(c);
+        c->phase = BAND_SWEEPS_DOWN;
+        c->at = c->stages;
+    }
+    size_t left = c->phase == BAND_SWEEPS_DOWN ? c->at : c->stages - c->at;
+    size_t count = effort / covariance_band_stride(c->m, c->extras);
+    count = count < 1 ? 1 : count;
+    count = count < left ? count : left;
+    if (c->m == 2)
+        covariance_band_sweep_two(c, step, count);
+    else
+        covariance_band_sweep_any(c, step, count);
+    if (count < left)
+        return true;
+    if (c->phase == BAND_SWEEPS_DOWN) {
+        clear_between(c);
+        c->phase = BAND_SWEEPS_UP;
+        return true;
+    }
+    c->err = is_finite_band(c) ? ERR_OK : ERR_NOT_FINITE;
+    c->phase = BAND_BEGINS;
+    return false;
+}

@@ -1,0 +1,68 @@
+#include "kinds/gmv/gmv_cycle.h"
+
+#include <string.h>
+
+#include "num/real.h"
+
+#define WINDOW    32u /* steps */
+#define WINDOWS   2u  /* one after the other */
+#define CROSSINGS 3u
+#define LEAST     0.005f /* of span, r.m.s.: a smaller swing is nobody's concern */
+#define SURPRISES 25.0f  /* times the mean square of what could not be predicted */
+/* Between its limits an MV makes a loop swing that a linear model does not predict as well. */
+#define LARGE           0.01f
+#define LARGE_SURPRISES 4.0f
+
+static void begin_cycle_window(struct gmv_cycle *c)
+{
+    c->seen = c->crossings = 0;
+    c->first = c->second = c->surprise = c->last = 0;
+}
+
+void gmv_cycle_begin(struct gmv_cycle *c)
+{
+    memset(c, 0, sizeof *c);
+}
+
+float gmv_cycle_size(const struct gmv_cycle *c)
+{
+    return real_sqrt(c->second / (0.5f * (float)WINDOW));
+}
+
+static bool keeps_swinging(const struct gmv_cycle *c)
+{
+    float sum = c->first + c->second;
+    bool large = sum > LARGE * LARGE * (float)WINDOW;
+    return c->crossings >= CROSSINGS && c->second >= 0.5f * c->first &&
+           sum > LEAST * LEAST * (float)WINDOW &&
+           sum > (large ? LARGE_SURPRISES : SURPRISES) * c->surprise;
+}
+
+bool gmv_cycle_step(struct gmv_cycle *c, float setpoint, float away, float error, uint32_t settled)
+{
+    if (setpoint != c->setpoint)
+        c->rests = 0;
+    else if (c->rests < UINT32_MAX)
+        c->rests++;
+    c->setpoint = setpoint;
+    if (c->rests < settled || c->seen >= WINDOW)
+        begin_cycle_window(c);
+    if (c->rests < settled) {
+        c->windows = 0;
+        return false;
+    }
+    if (away * away > LEAST * LEAST / 4) {
+        c->crossings += away * c->last < 0;
+        c->last = away;
+    }
+    if (c->seen < WINDOW / 2u)
+        c->first += away * away;
+    else
+        c->second += away * away;
+    c->surprise += error * error;
+    c->seen++;
+    if (c->seen < WINDOW)
+        return false;
+    c->windows = keeps_swinging(c) ? (uint8_t)(c->windows + (c->windows < WINDOWS)) : 0;
+    return c->windows == WINDOWS;
+}

@@ -1,0 +1,210 @@
+#include "kinds/gmv/gmv_record.h"
+
+#include "num/real.h"
+
+#define WINDOW  64u  /* steps at rest */
+#define WINDOWS 2u   /* one after the other */
+#define ENOUGH  32u  /* samples at rest that make a record */
+#define MEMORY  256u /* samples */
+/* The law does worse: mean squares, times the PI's. */
+#define ERROR_TIMES 4.0f
+#define MOVES_TIMES 9.0f
+#define ERROR_LEAST 0.005f /* of span, r.m.s. */
+/* As many moves are too many wherever the error is no smaller than the PI's, if they are as large as this, r.m.s. */
+#define MOVES_LEAST 0.005f
+/* A PI that does not move at all has moved by as much, r.m.s. */
+#define STILL 1e-4f
+/* Second differences of white noise with the deviation s: their mean square is 6 s^2, their mean size sqrt(6) s sqrt(2/pi). */
+#define SQUARE_OF_JITTER (3.1415927f / 12)
+
+/* Answers to setpoints: steps that are remembered, that are enough to compare; how much worse the law's must be, and its mean error,
+ * so that noise while an outer loop moves the setpoint a little is no reason. */
+#define ANSWERS_MEMORY 512u
+#define ANSWERS_ENOUGH 128u
+#define ANSWER_TIMES   1.3f
+#define ANSWER_LEAST   0.002f
+/* Where the PI has left fewer answers, and perhaps nothing at rest, the law must be as much worse. */
+#define FEW_ANSWERS  32u
+#define TIMES_OF_FEW 3.0f
+/* An MV that moves by less in a step stands at a limit, and what the PV does then is no answer of whoever computes. */
+#define LEAST_OF_ANSWER 1e-5f
+/* An answer is whole when the PV has come as near, in parts of the next move. */
+#define ANSWER_NEAR 0.2f
+/* The squared mean size of white noise is this part of its mean square. */
+#define MEAN_OF_SQUARE (2 / 3.1415927f)
+
+static void begin_record_window(struct gmv_record *r)
+{
+    r->seen = 0;
+    r->error_sum = r->moves_sum = 0;
+}
+
+void gmv_record_begin(struct gmv_record *r)
+{
+    r->rests = 0;
+    r->beyond = 0;
+    r->answers = false;
+    r->of_law = (struct gmv_answers){0};
+    begin_record_window(r);
+}
+
+static void take_in_answer(struct gmv_record *r, struct gmv_answers *of, float change, float away)
+{
+    bool cut = r->answers && change > 0 && real_abs(r->before[0]) > ANSWER_NEAR * change;
+    r->answers = r->answers || change > 0;
+    if (!r->answers)
+        return;
+    of->samples = (uint16_t)(of->samples + (of->samples < ANSWERS_MEMORY));
+    of->error += (real_abs(away) - of->error) / (float)of->samples;
+    of->moved += (change - of->moved) / (float)of->samples;
+    of->cut += ((cut ? 1 : 0) - of->cut) / (float)of->samples;
+}
+
+/* None of the PI's was cut short, and there are as many steps of them. */
+static bool answers_are_whole(const struct gmv_record *r, unsigned samples)
+{
+    return r->of_pi.samples >= samples && r->of_pi.moved > 0 &&
+           r->of_pi.cut * (float)ANSWERS_MEMORY < 0.5f;
+}
+
+float gmv_record_answer(const struct gmv_record *r)
+{
+    return answers_are_whole(r, ANSWERS_ENOUGH) ? r->of_pi.error / r->of_pi.moved : 0;
+}
+
+/* The PI's mean error after setpoints if they had moved by as much as under the law. Noise and loads do not become smaller with the
+ * move, so after smaller moves they are counted as they are at rest. */
+static float answer_of_pi(const struct gmv_record *r)
+{
+    float part = r->of_law.moved / r->of_pi.moved;
+    float at_rest = r->samples ? real_sqrt(MEAN_OF_SQUARE * r->error) : 0;
+    return part * r->of_pi.error + (part < 1 ? (1 - part) * at_rest : 0);
+}
+
+/* Errors of the law after setpoints, times the PI's, where that is too much; 0: it is not, or there are not enough yet. */
+static float worse_answers(const struct gmv_record *r)
+{
+    float most = r->of_pi.samples >= ANSWERS_ENOUGH ? ANSWER_TIMES : TIMES_OF_FEW;
+    float of_pi = answers_are_whole(r, FEW_ANSWERS) ? answer_of_pi(r) : 0, of_law = r->of_law.error;
+    bool enough = r->of_law.samples >= ANSWERS_ENOUGH && of_law > ANSWER_LEAST;
+    return enough && of_pi > 0 && of_law > most * of_pi ? of_law / of_pi : 0;
+}
+
+/* `of`: whose answer it is while the setpoint has not settled. */
+static bool setpoint_rests(struct gmv_record *r, float setpoint, float away, float moved,
+                           uint32_t settled, struct gmv_answers *of)
+{
+    bool answers = r->rests + 1u < settled && real_abs(moved) >= LEAST_OF_ANSWER;
+    float change = r->has_setpoint ? real_abs(setpoint - r->setpoint) : 0;
+    r->has_setpoint = true;
+    if (change > 0 || answers)
+        take_in_answer(r, of, change, away);
+    if (setpoint != r->setpoint)
+        r->rests = 0;
+    else if (r->rests < UINT32_MAX)
+        r->rests++;
+    r->setpoint = setpoint;
+    return r->rests >= settled;
+}
+
+static void take_in_means(struct gmv_record *r, uint16_t *samples, float away, float moved)
+{
+    *samples = (uint16_t)(*samples + (*samples < MEMORY));
+    r->error += (away * away - r->error) / (float)*samples;
+    r->moves += (moved * moved - r->moves) / (float)*samples;
+}
+
+static void sum_window(struct gmv_record *r, float away, float moved)
+{
+    r->error_sum += away * away;
+    r->moves_sum += moved * moved;
+    r->seen++;
+}
+
+/* Of three readings at rest. Their mean size, because a load now and then must not count as noise. */
+static void take_in_jitter(struct gmv_record *r, float away, bool rests)
+{
+    float second = real_abs(away - 2 * r->before[0] + r->before[1]);
+    if (rests) {
+        r->jitters = (uint16_t)(r->jitters + (r->jitters < MEMORY));
+        r->jitter += (second - r->jitter) / (float)r->jitters;
+    }
+    r->before[1] = r->before[0];
+    r->before[0] = away;
+}
+
+void gmv_record_pi(struct gmv_record *r, float setpoint, float away, float moved, uint32_t settled)
+{
+    bool rests = setpoint_rests(r, setpoint, away, moved, settled, &r->of_pi);
+    take_in_jitter(r, away, rests);
+    if (r->samples) {
+        if (rests)
+            take_in_means(r, &r->samples, away, moved);
+        return;
+    }
+    take_in_means(r, &r->of_all, away, moved);
+    if (!rests)
+        return;
+    sum_window(r, away, moved);
+    if (r->seen < ENOUGH)
+        return;
+    r->error = r->error_sum / (float)ENOUGH;
+    r->moves = r->moves_sum / (float)ENOUGH;
+    r->samples = ENOUGH;
+    begin_record_window(r);
+}
+
+static float at_least(float x, float least)
+{
+    return x > least ? x : least;
+}
+
+/* Mean squares of the law. */
+static bool is_worse(const struct gmv_record *r, float error, float moves)
+{
+    if (!(moves > MOVES_TIMES * at_least(r->moves, STILL * STILL)))
+        return false;
+    return (error > ERROR_TIMES * r->error && error > ERROR_LEAST * ERROR_LEAST) ||
+           (error >= r->error && moves > MOVES_LEAST * MOVES_LEAST);
+}
+
+/* Of the window that is over. */
+static float times_the_moves(const struct gmv_record *r)
+{
+    return real_sqrt(r->moves_sum / ((float)WINDOW * at_least(r->moves, STILL * STILL)));
+}
+
+static float worse_at_rest(struct gmv_record *r, float away, float moved)
+{
+    if (!r->samples && r->of_all < ENOUGH)
+        return 0;
+    sum_window(r, away, moved);
+    if (r->seen < WINDOW)
+        return 0;
+    bool worse = is_worse(r, r->error_sum / (float)WINDOW, r->moves_sum / (float)WINDOW);
+    float times = times_the_moves(r);
+    r->beyond = worse ? (uint8_t)(r->beyond + 1u) : 0;
+    begin_record_window(r);
+    return r->beyond >= WINDOWS ? times : 0;
+}
+
+float gmv_record_law(struct gmv_record *r, float setpoint, float away, float moved,
+                     uint32_t settled)
+{
+    bool rests = setpoint_rests(r, setpoint, away, moved, settled, &r->of_law);
+    float times = worse_answers(r);
+    if (times > 0)
+        return times;
+    return rests ? worse_at_rest(r, away, moved) : 0;
+}
+
+float gmv_record_noise(const struct gmv_record *r)
+{
+    float square = SQUARE_OF_JITTER * r->jitter * r->jitter;
+    return square < r->error ? square : r->error;
+}
+
+bool gmv_record_would(const struct gmv_record *r, float error, float moves)
+{
+    return r->samples && is_worse(r, error, moves);
+}

@@ -1,0 +1,446 @@
+#include "kinds/gmv/gmv_supervise.h"
+
+#include <string.h>
+
+#include "num/real.h"
+
+/* An MV that moves by less in a step stands still. */
+#define STILL 1e-5f
+/* The law pushes an MV into a limit when it asks for so much more; a control error above that is far, fractions of span. */
+#define PUSHED   0.0004f
+#define FAR_AWAY 0.01f
+/* Errors of predictions as small as this (mean square: 0.1 % of span r.m.s.) decide nothing: at rest "as it is" is perfect, and a
+ * model that is that near does no harm. */
+#define SMALL_SQUARE 1e-6f
+/* A model in use is given up when its squares are so many times those of "as it is": twice the errors. */
+#define WORSE 4.0f
+/* Above this it grows; the trial tells no finer. */
+#define GROWTH 1.001f
+/* An estimate of the wrong sign is given so many times the length of the regressors to turn back. */
+#define WRONG_REACHES 4u
+/* Steps over which what samples tell is averaged. */
+#define TOLD_MEMORY 50.0f
+
+static void begin_window(struct gmv_supervise *s)
+{
+    s->left = s->config.check_steps;
+    s->overtime = 0;
+    s->has_outcome = false;
+    for (unsigned i = 0; i < GMV_LOOPS; i++) {
+        s->samples[i] = 0;
+        s->of_model[i] = s->of_standstill[i] = 0;
+    }
+}
+
+static void enter_state(struct gmv_supervise *s, enum gmv_state state)
+{
+    s->state = (uint8_t)state;
+    s->elapsed = 0;
+    s->testing = s->adopt_now = false;
+    begin_window(s);
+    for (unsigned i = 0; i < GMV_LOOPS; i++) {
+        gmv_burst_begin(&s->burst[i]);
+        gmv_cycle_begin(&s->cycle[i]);
+        gmv_record_begin(&s->record[i]);
+        s->jammed[i] = 0;
+    }
+}
+
+void gmv_supervise_begin(struct gmv_supervise *s)
+{
+    s->tested = 0;
+    for (unsigned i = 0; i < GMV_LOOPS; i++) {
+        s->still[i] = s->spoilt[i] = 0;
+        s->told[i] = 1;
+        s->is_quiet[i] = false;
+    }
+    enter_state(s, GMV_TUNING);
+}
+
+void gmv_supervise_init(struct gmv_supervise *s, const struct gmv_supervise_config *c)
+{
+    memset(s, 0, sizeof *s);
+    s->config = *c;
+    s->outcome = (struct gmv_outcome){.times = 1, .ratio = 1};
+    gmv_supervise_begin(s);
+}
+
+void gmv_supervise_retune(struct gmv_supervise *s, const struct gmv_supervise_config *c)
+{
+    s->config = *c;
+    if (s->left > c->check_steps)
+        s->left = c->check_steps;
+}
+
+/* ---- who may learn ---- */
+
+static float magnitude_of(float x)
+{
+    return x < 0 ? -x : x;
+}
+
+static enum gmv_rest reason_to_rest(struct gmv_supervise *s, const struct gmv_seen *seen,
+                                    unsigned i)
+{
+    const struct gmv_supervise_config *c = &s->config;
+    s->still[i] =
+        magnitude_of(seen->moved[i]) >= STILL ? 0 : s->still[i] + (s->still[i] < UINT32_MAX);
+    if (!(seen->good & (1u << i)))
+        s->spoilt[i] = c->reach + 1u;
+    else if (s->spoilt[i])
+        s->spoilt[i]--;
+    if (!(seen->acting & (1u << i)))
+        return GMV_RESTS_MANUAL;
+    if (s->spoilt[i])
+        return GMV_RESTS_READING;
+    if (s->still[i] > c->reach)
+        return GMV_RESTS_STILL;
+    if (c->on && s->is_quiet[i])
+        return GMV_RESTS_QUIET;
+    return s->asked_to_rest ? GMV_RESTS_ASKED : GMV_LEARNS;
+}
+
+uint8_t gmv_supervise_look(struct gmv_supervise *s, const struct gmv_seen *seen)
+{
+    uint8_t learn = 0;
+    for (unsigned i = 0; i < s->config.loops; i++) {
+        s->rest[i] = (uint8_t)reason_to_rest(s, seen, i);
+        if (s->rest[i] == GMV_LEARNS)
+            learn = (uint8_t)(learn | (1u << i));
+    }
+    return learn;
+}
+
+/* ---- what a step says ---- */
+
+/* A sample in a window of constant forgetting v tells 1 - v for each parameter. */
+static void watch_excitation(struct gmv_supervise *s, const struct gmv_came *came, unsigned i)
+{
+    float usual = (1.0f - came->forgot[i]) * (float)came->parameters[i];
+    float least = s->config.quiet * usual;
+    if (s->is_quiet[i]) {
+        s->is_quiet[i] = !(came->told[i] > 2 * least);
+        if (!s->is_quiet[i])
+            s->told[i] = came->told[i];
+        return;
+    }
+    s->told[i] += (came->told[i] - s->told[i]) / TOLD_MEMORY;
+    s->is_quiet[i] = s->told[i] < least;
+}
+
+static void sum_up(struct gmv_supervise *s, const struct gmv_came *came)
+{
+    for (unsigned i = 0; i < s->config.loops; i++) {
+        if (!(came->whole & (1u << i)) || s->spoilt[i])
+            continue;
+        s->samples[i]++;
+        s->of_model[i] += came->error[i] * came->error[i];
+        s->of_standstill[i] += came->standstill[i] * came->standstill[i];
+    }
+    if (came->tried) {
+        s->has_outcome = true;
+        s->outcome = came->outcome;
+    }
+    s->left -= s->left > 0;
+}
+
+/* At least as well as "as it is", its squares times `times`. */
+static bool predicts(const struct gmv_supervise *s, uint8_t acting, float times)
+{
+    for (unsigned i = 0; i < s->config.loops; i++) {
+        float floor = SMALL_SQUARE * (float)s->samples[i];
+        if ((acting & (1u << i)) && !(s->of_model[i] <= times * s->of_standstill[i] + floor))
+            return false;
+    }
+    return true;
+}
+
+bool gmv_supervise_gain(const struct gmv_supervise *s, unsigned i, float gain)
+{
+    return (s->config.negative[i] ? -gain : gain) >= s->config.gain_least;
+}
+
+static bool has_its_gains(const struct gmv_supervise *s, const struct gmv_came *came,
+                          uint8_t acting)
+{
+    for (unsigned i = 0; i < s->config.loops; i++)
+        if ((acting & (1u << i)) && !gmv_supervise_gain(s, i, came->gain[i]))
+            return false;
+    return true;
+}
+
+/* The g_ii,0 in use never follow one of the wrong sign; where that is no passing matter, it is: loops, or it is none. */
+static unsigned loop_of_wrong_sign(struct gmv_supervise *s, const struct gmv_came *came,
+                                   uint8_t acting)
+{
+    unsigned wrong = s->config.loops;
+    for (unsigned i = 0; i < s->config.loops; i++) {
+        bool right = gmv_supervise_gain(s, i, came->estimated[i]);
+        s->wrong[i] = right || !(acting & (1u << i)) ? 0 : s->wrong[i] + 1u;
+        if (s->wrong[i] > WRONG_REACHES * s->config.reach)
+            wrong = i;
+    }
+    return wrong;
+}
+
+static enum gmv_refusal refusal_of(const struct gmv_supervise *s, const struct gmv_came *came,
+                                   uint8_t acting)
+{
+    if (!has_its_gains(s, came, acting))
+        return GMV_REFUSED_GAIN;
+    if (!predicts(s, acting, 1))
+        return GMV_REFUSED_PREDICTION;
+    if (!(s->outcome.decay <= GMV_SLOWEST_DECAY))
+        return GMV_REFUSED_POLES;
+    return gmv_outcome_passes(&s->outcome, s->config.better) ? GMV_ADOPTED : GMV_REFUSED_PI;
+}
+
+/* ---- tuning ---- */
+
+static uint8_t take_over(struct gmv_supervise *s, uint8_t acting)
+{
+    s->tested = acting;
+    s->alarms = 0;
+    enter_state(s, GMV_SELF_TUNING);
+    return GMV_WISH_LAW;
+}
+
+static uint8_t judge_test(struct gmv_supervise *s, const struct gmv_came *came, uint8_t acting)
+{
+    s->refusal = (uint8_t)refusal_of(s, came, acting);
+    s->testing = false;
+    if (s->refusal != GMV_ADOPTED)
+        return GMV_WISH_REFUSED;
+    if (!s->config.ask)
+        return take_over(s, acting) | GMV_WISH_PROPOSE;
+    s->tested = acting;
+    enter_state(s, GMV_WAITING);
+    return GMV_WISH_PROPOSE;
+}
+
+/* No setpoint that the law would have to answer half-way has moved; one that moves all the time is waited for as long as a test. */
+static bool setpoints_rest(struct gmv_supervise *s, uint8_t acting)
+{
+    for (unsigned i = 0; i < s->config.loops; i++)
+        if ((acting & (1u << i)) && s->record[i].rests < s->config.reach &&
+            s->overtime < s->config.check_steps) {
+            s->overtime++;
+            return false;
+        }
+    return true;
+}
+
+static uint8_t judge_tuning(struct gmv_supervise *s, const struct gmv_came *came, uint8_t acting)
+{
+    bool whole = (came->whole & acting) == acting;
+    if (s->adopt_now && whole)
+        return take_over(s, acting) | GMV_WISH_CANDIDATE | GMV_WISH_PROPOSE;
+    if (!s->config.on && whole && s->elapsed >= s->config.tune_steps)
+        return take_over(s, acting) | GMV_WISH_CANDIDATE;
+    if (!s->config.on)
+        return 0;
+    if (!s->testing) {
+        if (s->elapsed < s->config.tune_steps || !whole || (came->excited & acting) != acting)
+            return 0;
+        s->testing = true;
+        s->tested = acting;
+        begin_window(s);
+        return GMV_WISH_CANDIDATE | GMV_WISH_TRIAL;
+    }
+    if (s->tested != acting) { /* somebody else acts now: from the beginning */
+        s->testing = false;
+        return 0;
+    }
+    return s->left == 0 && s->has_outcome && setpoints_rest(s, acting) ? judge_test(s, came, acting)
+                                                                       : 0;
+}
+
+uint8_t gmv_supervise_accepted(struct gmv_supervise *s, bool accepted)
+{
+    if (s->state != GMV_WAITING)
+        return 0;
+    if (accepted)
+        return take_over(s, s->tested);
+    s->refusal = GMV_REFUSED_BY_HAND;
+    enter_state(s, GMV_TUNING);
+    return GMV_WISH_REFUSED;
+}
+
+/* ---- self-tuning ---- */
+
+/* This one counts; whether there were as many within a day as are allowed. */
+static bool too_often(struct gmv_supervise *s)
+{
+    uint8_t recent = 0;
+    memmove(&s->given_up_at[1], &s->given_up_at[0],
+            sizeof s->given_up_at - sizeof s->given_up_at[0]);
+    s->given_up_at[0] = s->steps;
+    s->given_up = (uint8_t)(s->given_up + (s->given_up < GMV_TRIES_MOST));
+    while (recent < s->given_up && s->steps - s->given_up_at[recent] < s->config.day_steps)
+        recent++;
+    return s->config.tries && recent >= s->config.tries;
+}
+
+static uint8_t give_up(struct gmv_supervise *s, enum gmv_alarm why, float value)
+{
+    uint8_t wish = GMV_WISH_PI | GMV_WISH_FORGET;
+    s->alarms = (uint8_t)why;
+    s->alarm_value = value;
+    s->tested = 0;
+    enter_state(s, GMV_TUNING);
+    return too_often(s) ? (uint8_t)(wish | GMV_WISH_GIVE_UP) : wish;
+}
+
+/* How large the moves of an MV that swings are, r.m.s.; 0: none does. */
+static float swing(struct gmv_supervise *s, const struct gmv_seen *seen)
+{
+    float most = 0;
+    uint32_t settled = 4u * s->config.reach + 32u;
+    for (unsigned i = 0; i < s->config.loops; i++)
+        if ((seen->acting & (1u << i)) && gmv_burst_step(&s->burst[i], seen->setpoint[i],
+                                                         seen->moved[i], s->config.burst, settled))
+            most = real_sqrt(s->burst[i].soon);
+    return most;
+}
+
+/* How far a PV is away that keeps swinging at rest, r.m.s.; 0: none does. */
+static float cycling(struct gmv_supervise *s, const struct gmv_seen *seen,
+                     const struct gmv_came *came)
+{
+    float most = 0;
+    for (unsigned i = 0; i < s->config.loops; i++)
+        if ((seen->acting & came->whole & (1u << i)) &&
+            gmv_cycle_step(&s->cycle[i], seen->setpoint[i], seen->away[i], came->error[i],
+                           s->config.reach + 4u))
+            most = gmv_cycle_size(&s->cycle[i]);
+    return most;
+}
+
+/* An MV stands against a limit into which the law pushes it, and its own loop is far away and needs it the other way: for a
+ * while that may be the best for both loops, not for long. How far away, fractions of span; 0: none. */
+static float jammed_away(struct gmv_supervise *s, const struct gmv_seen *seen)
+{
+    float most = 0;
+    for (unsigned i = 0; i < s->config.loops; i++) {
+        float away = magnitude_of(seen->away[i]);
+        float needed = s->config.negative[i] ? -seen->away[i] : seen->away[i];
+        bool jammed = (seen->acting & (1u << i)) && magnitude_of(seen->moved[i]) < STILL &&
+                      magnitude_of(seen->lacked[i]) > PUSHED && away > FAR_AWAY &&
+                      needed * seen->lacked[i] < 0;
+        s->jammed[i] = jammed ? s->jammed[i] + 1u : 0;
+        if (s->jammed[i] > 4u * s->config.reach + 32u)
+            most = away;
+    }
+    return most;
+}
+
+/* Steps after which an answer to a setpoint is over. */
+static uint32_t settled_steps(const struct gmv_supervise *s)
+{
+    return 2u * s->config.reach + 32u;
+}
+
+static void keep_record(struct gmv_supervise *s, const struct gmv_seen *seen)
+{
+    for (unsigned i = 0; i < s->config.loops; i++)
+        if ((seen->acting & seen->good & (1u << i)))
+            gmv_record_pi(&s->record[i], seen->setpoint[i], seen->away[i], seen->moved[i],
+                          settled_steps(s));
+}
+
+/* By how many times the law does worse than the PI's record; 0: it does not. */
+static float worse_than_pi(struct gmv_supervise *s, const struct gmv_seen *seen)
+{
+    float most = 0;
+    for (unsigned i = 0; i < s->config.loops; i++) {
+        if (!(seen->acting & seen->good & (1u << i)))
+            continue;
+        float times = gmv_record_law(&s->record[i], seen->setpoint[i], seen->away[i],
+                                     seen->moved[i], settled_steps(s));
+        most = times > most ? times : most;
+    }
+    return most;
+}
+
+/* The g_ii,0 that is nearest to the wrong side, with the sign it has. */
+static float worst_gain(const struct gmv_supervise *s, const struct gmv_came *came)
+{
+    unsigned worst = 0;
+    for (unsigned i = 1; i < s->config.loops; i++)
+        if ((s->config.negative[i] ? -came->gain[i] : came->gain[i]) <
+            (s->config.negative[worst] ? -came->gain[worst] : came->gain[worst]))
+            worst = i;
+    return came->gain[worst];
+}
+
+/* The largest of the predictions' errors in this window, r.m.s. */
+static float worst_error(const struct gmv_supervise *s)
+{
+    float most = 0;
+    for (unsigned i = 0; i < s->config.loops; i++)
+        if (s->samples[i] && s->of_model[i] > most * (float)s->samples[i])
+            most = s->of_model[i] / (float)s->samples[i];
+    return real_sqrt(most);
+}
+
+static uint8_t judge_self_tuning(struct gmv_supervise *s, const struct gmv_seen *seen,
+                                 const struct gmv_came *came)
+{
+    if (!s->config.on)
+        return 0;
+    if (seen->acting & (uint8_t)~s->tested) { /* a loop has come whose model nobody has tried */
+        enter_state(s, GMV_TUNING);
+        return GMV_WISH_PI;
+    }
+    if (!has_its_gains(s, came, seen->acting))
+        return give_up(s, GMV_ALARM_SIGN, worst_gain(s, came));
+    unsigned wrong = loop_of_wrong_sign(s, came, seen->acting);
+    if (wrong < s->config.loops)
+        return give_up(s, GMV_ALARM_SIGN, came->estimated[wrong]);
+    float moves = swing(s, seen);
+    if (moves > 0)
+        return give_up(s, GMV_ALARM_BURST, moves);
+    float swings = cycling(s, seen, came);
+    if (swings > 0)
+        return give_up(s, GMV_ALARM_BURST, swings);
+    float times = worse_than_pi(s, seen);
+    if (times > 0)
+        return give_up(s, GMV_ALARM_RECORD, times);
+    float jammed = jammed_away(s, seen);
+    if (jammed > 0)
+        return give_up(s, GMV_ALARM_WORSE, jammed);
+    if (s->elapsed == 1)
+        return GMV_WISH_TRIAL;
+    if (s->left || !s->has_outcome)
+        return 0;
+    if (!(s->outcome.decay <= GROWTH))
+        return give_up(s, GMV_ALARM_POLES, s->outcome.decay);
+    if (!predicts(s, seen->acting, WORSE))
+        return give_up(s, GMV_ALARM_WORSE, worst_error(s));
+    begin_window(s);
+    return GMV_WISH_TRIAL;
+}
+
+uint8_t gmv_supervise_judge(struct gmv_supervise *s, const struct gmv_seen *seen,
+                            const struct gmv_came *came)
+{
+    s->steps++;
+    s->elapsed += s->elapsed < UINT32_MAX;
+    for (unsigned i = 0; i < s->config.loops; i++)
+        if ((came->whole & (1u << i)) &&
+            (s->rest[i] == GMV_LEARNS || s->rest[i] == GMV_RESTS_QUIET))
+            watch_excitation(s, came, i);
+    sum_up(s, came);
+    if (s->state != GMV_SELF_TUNING)
+        keep_record(s, seen);
+    switch (s->state) {
+    case GMV_TUNING:
+        return judge_tuning(s, came, seen->acting);
+    case GMV_SELF_TUNING:
+        return judge_self_tuning(s, seen, came);
+    default: /* waiting; a loop has come whose model nobody has tried */
+        if (seen->acting & (uint8_t)~s->tested)
+            enter_state(s, GMV_TUNING);
+        return 0;
+    }
+}

@@ -1,0 +1,253 @@
+/* Kind `state_law`: what it does in the tick and between ticks, what it may be told. */
+#include "kinds/state_law/state_law_block.h"
+
+#if CONFIG_BLOCKS
+
+#include <string.h>
+
+#include "base/text.h"
+#include "base/workspace.h"
+
+#define HOLDER "state_law"
+#define FREES  "block N stop"
+
+/* Time that the job has, s: a board does it in a tenth of a second. */
+#define JOB_S      2.0f
+#define STEPS_MOST 250.0f
+
+/* ---- settings ---- */
+
+static uint32_t state_law_bytes(const struct block_setup *setup)
+{
+    (void)setup;
+    return (uint32_t)((sizeof(struct state_law_block) + 7u) & ~(size_t)7u);
+}
+
+static bool is_designing(const struct state_law_block *b)
+{
+    return b->stage == STATE_LAW_ASKED || b->stage == STATE_LAW_DESIGNS;
+}
+
+static void end_lease(struct state_law_block *b)
+{
+    if (b->job)
+        workspace_end(workspace_shared(), b->lease);
+    b->job = NULL;
+}
+
+/* What is told of it begins there. */
+static struct text refusal(struct state_law_block *b, unsigned loop)
+{
+    struct text t = text_on(b->refused, sizeof b->refused);
+    text_str(&t, "no law: ");
+    b->found.loop = (uint8_t)loop;
+    end_lease(b);
+    b->stage = STATE_LAW_REFUSED;
+    b->tells = STATE_LAW_EVENT_REFUSED + 1;
+    return t;
+}
+
+static void end_refused(struct state_law_block *b)
+{
+    (void)refusal(b, b->found.loop);
+    state_law_words(&b->found, b->refused, sizeof b->refused);
+}
+
+static void end_stopped(struct state_law_block *b, const char *why)
+{
+    struct text t = refusal(b, 0);
+    text_str(&t, why);
+}
+
+/* But for the law, which comes by proposals of its own. */
+static bool goal_differs(const struct state_law_settings *a, const struct state_law_settings *b)
+{
+    return memcmp(a, b, offsetof(struct state_law_settings, made_s)) != 0;
+}
+
+static enum err state_law_configure(void *state, const struct block_setup *setup, bool retune)
+{
+    struct state_law_block *b = state;
+    const struct state_law_settings *s = setup->settings;
+    const struct column_record *record = s->column ? setup->named : NULL;
+    uint32_t checksum = record ? column_record_checksum(record) : 0;
+    if (!retune) {
+        memset(b, 0, sizeof *b);
+    } else if (goal_differs(&b->s, s) || b->record != record || b->checksum != checksum) {
+        b->proposes = false;
+        if (is_designing(b))
+            end_stopped(b, "settings or the table have changed while it was being found");
+    }
+    b->s = *s;
+    b->record = record;
+    b->checksum = checksum;
+    b->inputs = setup->inputs;
+    b->loops = (uint8_t)state_law_loops(setup->input, setup->inputs);
+    b->interval_s = setup->interval_s;
+    memcpy(b->input, setup->input, sizeof b->input);
+    return ERR_OK;
+}
+
+/* ---- between ticks ---- */
+
+/* The workspace, or a stage without: the next step sees which. */
+static void lease_for_law(struct state_law_block *b)
+{
+    struct workspace *w = workspace_shared();
+    void *memory = NULL;
+    if (w && workspace_lease_for_now(w, HOLDER, FREES, sizeof(struct state_law_job), &b->lease,
+                                     &memory) == ERR_OK)
+        b->job = memory;
+}
+
+static bool state_law_work(void *state)
+{
+    struct state_law_block *b = state;
+    struct state_law_job *job = b->job;
+    if (b->stage == STATE_LAW_ASKED && !job)
+        lease_for_law(b);
+    return b->stage == STATE_LAW_DESIGNS && job && state_law_job_piece(job);
+}
+
+/* ---- in the tick ---- */
+
+static uint8_t steps_of_job(const struct state_law_block *b)
+{
+    float steps = JOB_S / b->interval_s;
+    return (uint8_t)(steps < 1 ? 1 : steps < STEPS_MOST ? steps : STEPS_MOST);
+}
+
+static void end_without_workspace(struct state_law_block *b)
+{
+    const struct workspace *w = workspace_shared();
+    struct text t = refusal(b, 0);
+    text_str(&t, "no workspace; ");
+    if (w)
+        workspace_refusal(w, &t);
+}
+
+static void keep_lease(struct state_law_block *b)
+{
+    if (!is_designing(b)) {
+        end_lease(b);
+    } else if (b->job && !workspace_renew(workspace_shared(), b->lease)) {
+        b->job = NULL;
+        end_without_workspace(b);
+    }
+}
+
+static void take_law(struct state_law_block *b)
+{
+    b->found = b->job->found;
+    if (b->found.field[0]) {
+        end_refused(b);
+        return;
+    }
+    end_lease(b);
+    b->stage = STATE_LAW_DONE;
+    b->tells = STATE_LAW_EVENT_MADE + 1;
+    b->proposes = true;
+    b->waits = false;
+}
+
+static void law_goes_on(struct state_law_block *b, struct block_io *io)
+{
+    if (io->work_wanted)
+        return;
+    if (b->stage == STATE_LAW_ASKED && b->job) {
+        state_law_job_of_column(b->job, &b->s, b->input, b->inputs, b->record);
+        b->stage = STATE_LAW_DESIGNS;
+        io->ask_work = steps_of_job(b);
+    } else if (b->stage == STATE_LAW_ASKED && io->work_done) {
+        end_without_workspace(b);
+    } else if (b->stage == STATE_LAW_ASKED) {
+        io->ask_work = 1;
+    } else if (b->job->phase == STATE_LAW_PHASE_OVER) {
+        take_law(b);
+    } else { /* given up, as by an apply */
+        io->ask_work = steps_of_job(b);
+    }
+}
+
+static void state_law_step(void *state, struct block_io *io)
+{
+    struct state_law_block *b = state;
+    keep_lease(b);
+    if (is_designing(b))
+        law_goes_on(b, io);
+    state_law_propose(b, io->proposal);
+    io->withdraws = !b->proposes;
+    io->raised = 0;
+    if (b->tells) {
+        io->raised = (uint16_t)(1u << (b->tells - 1u));
+        io->event_value[b->tells - 1u] =
+            b->tells == STATE_LAW_EVENT_MADE + 1 ? b->found.radius : (float)b->found.loop;
+        b->tells = 0;
+    }
+}
+
+/* ---- verbs ---- */
+
+static const char *law_design(void *state, const float *number)
+{
+    struct state_law_block *b = state;
+    (void)number;
+    if (is_designing(b))
+        return "runs";
+    if (!b->record)
+        return "column"; /* there is none */
+    memset(&b->found, 0, sizeof b->found);
+    b->refused[0] = '\0';
+    b->proposes = false;
+    b->stage = STATE_LAW_ASKED;
+    return NULL;
+}
+
+static const char *law_stop(void *state, const float *number)
+{
+    struct state_law_block *b = state;
+    (void)number;
+    if (is_designing(b))
+        end_stopped(b, "stopped");
+    else if (!b->proposes)
+        return "runs not";
+    b->proposes = false;
+    return NULL;
+}
+
+static const struct block_verb state_law_verbs[] = {
+    {"design", NULL, "the law, from the column's table around its profile", 0, 0, false,
+     ACCESS_ENGINEER, law_design},
+    {"stop", NULL, "what it has begun", 0, 0, false, ACCESS_OPERATOR, law_stop},
+};
+
+static const struct block_event state_law_events[STATE_LAW_EVENTS] = {
+    [STATE_LAW_EVENT_MADE] = {"made", BLOCK_INFO,
+                              "a law, which is proposed; the sampled loop's largest pole, -"},
+    [STATE_LAW_EVENT_REFUSED] = {"refused", BLOCK_INFO,
+                                 "no law, `block N` says why; of which loop"},
+};
+
+const struct block_kind state_law_kind = {
+    .name = "state_law",
+    .stage = STAGE_ESTIMATE,
+    .parameter = state_law_parameters,
+    .parameters = STATE_LAW_PARAMETERS,
+    .settings_bytes = sizeof(struct state_law_settings),
+    .names = 1,
+    .named_kind = "column",
+    .inputs_most = STATE_FEEDBACK_INPUTS + STATE_LAW_LOOPS,
+    .bad_input = BAD_INPUT_IS_TOLD,
+    .work = state_law_work,
+    .verb = state_law_verbs,
+    .verbs = sizeof state_law_verbs / sizeof state_law_verbs[0],
+    .event = state_law_events,
+    .events = STATE_LAW_EVENTS,
+    .bytes = state_law_bytes,
+    .check = state_law_check,
+    .configure = state_law_configure,
+    .step = state_law_step,
+    .describe = state_law_describe,
+};
+
+#endif
