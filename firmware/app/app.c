@@ -19,7 +19,7 @@
 #include "io/sample_gate.h"
 #include "service/early_resets.h"
 #include "service/heartbeat.h"
-#include "service/storage.h"
+#include "storage/storage.h"
 #include "supervise/restart.h"
 
 #define WATCHDOG_MS 2000

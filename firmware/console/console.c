@@ -8,7 +8,7 @@
 #include "hal/identity.h"
 #include "hal/uart.h"
 #include "hal/watchdog.h"
-#include "service/parameters.h"
+#include "settings/parameters.h"
 
 #define TEXT_OF_(x) #x
 #define TEXT_OF(x)  TEXT_OF_(x)

@@ -7,8 +7,8 @@
 #include "hal/identity.h"
 #include "hal/image.h"
 #include "hal/nvm.h"
-#include "service/parameters.h"
-#include "service/storage.h"
+#include "settings/parameters.h"
+#include "storage/storage.h"
 #include "supervise/sampling.h"
 
 static bool help_line(struct console *c, unsigned n, struct text *line)

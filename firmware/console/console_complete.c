@@ -3,7 +3,7 @@
 #include <string.h>
 
 #include "console/console.h"
-#include "service/parameters.h"
+#include "settings/parameters.h"
 #include "supervise/alarms.h"
 
 #define WORD_SIZE 32

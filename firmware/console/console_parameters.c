@@ -2,7 +2,7 @@
 #include <string.h>
 
 #include "console/console.h"
-#include "service/parameters.h"
+#include "settings/parameters.h"
 
 static void value_line(const struct parameter *p, const struct config *config, struct text *line)
 {

@@ -1,7 +1,7 @@
 /* Why something was refused, in words: what follows the code of an error's line. */
 #include "console/console.h"
 
-#include "service/parameters.h"
+#include "settings/parameters.h"
 #include "supervise/tables.h"
 
 /* Of a configuration that does not fit together. */

@@ -2,7 +2,7 @@
 #include <string.h>
 
 #include "console/console.h"
-#include "service/storage_record.h"
+#include "storage/storage_record.h"
 
 bool console_storage_poll(struct console *c)
 {

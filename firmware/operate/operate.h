@@ -17,8 +17,8 @@
 
 #include "commission/commission.h"
 #include "design/tuning.h"
-#include "service/parameters.h"
 #include "service/service.h"
+#include "settings/parameters.h"
 
 struct session;
 

@@ -1,6 +1,6 @@
 /* The transaction, and settings one by one. */
 #include "operate/operate_internal.h"
-#include "service/storage.h"
+#include "storage/storage.h"
 #include "supervise/tables.h"
 
 const struct config *operate_view(const struct session *session)

@@ -5,7 +5,7 @@
 #include "commission/proposal.h"
 #include "hal/tick.h"
 #include "operate/operate_internal.h"
-#include "service/storage.h"
+#include "storage/storage.h"
 
 #if COMMISSION_CHANNELS
 

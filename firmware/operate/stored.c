@@ -2,7 +2,7 @@
 #include <string.h>
 
 #include "operate/operate_internal.h"
-#include "service/storage.h"
+#include "storage/storage.h"
 
 static enum err recorded(const struct session *session, const char *act)
 {

@@ -1,5 +1,5 @@
 /* Resets by a fault or by the watchdog, in a row, each soon after its start: settings that bring the firmware down would
- * do so at every start. From EARLY_RESETS_MOST on the stored ones are left out (service/storage.h).
+ * do so at every start. From EARLY_RESETS_MOST on the stored ones are left out (storage/storage.h).
  *
  * The count lies in memory that survives a reset. Any other kind of start, a `reboot` too, begins it anew: somebody is
  * there and wants another try.

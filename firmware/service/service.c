@@ -6,7 +6,7 @@
 #include "hal/image.h"
 #include "hal/retained.h"
 #include "hal/tick.h"
-#include "service/parameters.h"
+#include "settings/parameters.h"
 #include "supervise/tables.h"
 
 _Static_assert(EVENT_HISTORY * sizeof(struct event_record) <= HAL_RETAINED_EVENTS_BYTES,

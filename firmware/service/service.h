@@ -54,7 +54,7 @@ struct service {
     bool tick_known;               /* the newest plan was made with the tick of a plant */
     uint8_t image;                 /* enum hal_image; damaged: nothing acts */
     uint8_t early_resets;          /* that led to this start: service/early_resets.h */
-    struct storage *storage;       /* service/storage.h; set by storage_init() */
+    struct storage *storage;       /* storage/storage.h; set by storage_init() */
     struct commission *commission; /* NULL where the board leaves it out */
     struct workspace *workspace;   /* likewise */
 

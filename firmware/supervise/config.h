@@ -1,5 +1,5 @@
 /* The whole configuration: one plain struct, no pointers, so that it can be copied, compared and swapped
- * whole. Every field is a parameter declared in service/parameter_table.c (ranges, units, defaults, help).
+ * whole. Every field is a parameter declared in settings/parameter_table.c (ranges, units, defaults, help).
  * A channel or loop exists when its name is not empty. EU = engineering units of the channel it belongs to.
  */
 #ifndef REFLUX_SUPERVISE_CONFIG_H

@@ -7,7 +7,11 @@
 #include <stdlib.h>
 #include <string.h>
 
+#if __has_include("settings/parameters.h")
+#include "settings/parameters.h"
+#else /* another version */
 #include "service/parameters.h"
+#endif
 #include "supervise/supervisor.h"
 
 /* Other versions, beside which this one is measured, have other names (tick_cost.cmake). */

@@ -4,7 +4,7 @@
 
 #include "base/crc32.h"
 #include "memory_port.h"
-#include "service/parameters.h"
+#include "settings/parameters.h"
 #include "supervise/plan_build.h"
 #include "supervise/records.h"
 #include "supervise/tables.h"

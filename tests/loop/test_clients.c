@@ -1,7 +1,7 @@
 /* What two clients at once may and may not do: the console, and one without text. */
 #include "client_bench.h"
 #include "random_source.h"
-#include "service/storage.h"
+#include "storage/storage.h"
 
 void setUp(void) {}
 void tearDown(void) {}

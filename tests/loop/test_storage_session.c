@@ -3,7 +3,7 @@
 #include "flash_model.h"
 #include "hal/identity.h"
 #include "random_source.h"
-#include "service/parameters.h"
+#include "settings/parameters.h"
 
 static bool take_no_write;
 

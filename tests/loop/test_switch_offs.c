@@ -4,7 +4,7 @@
 #include "app/app.h"
 #include "board_bench.h"
 #include "operate/operate.h"
-#include "service/storage.h"
+#include "storage/storage.h"
 #define TOLD_BESIDE_ELEMENTS
 #include "told_kinds.h"
 

@@ -8,7 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "service/parameters.h"
+#include "settings/parameters.h"
 
 #define BEGIN_MARK "<!-- parameters: begin -->\n"
 #define END_MARK   "<!-- parameters: end -->"

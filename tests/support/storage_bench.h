@@ -9,8 +9,8 @@
 #include "flash_model.h"
 #include "hal/nvm.h"
 #include "memory_port.h"
-#include "service/parameters.h"
-#include "service/storage.h"
+#include "settings/parameters.h"
+#include "storage/storage.h"
 #include "unity.h"
 
 static struct firmware {

@@ -8,7 +8,7 @@
 #include <string.h>
 
 #include "formats.h"
-#include "service/parameters.h"
+#include "settings/parameters.h"
 #include "supervise/supervisor.h"
 #include "unity.h"
 

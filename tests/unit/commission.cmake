@@ -7,6 +7,6 @@ foreach(part proposal proposal_structure adoption adoption_bounds next_test outc
              hindrances trial_steps adoption_rest)
   if(EXISTS "${CMAKE_CURRENT_LIST_DIR}/test_${part}.c")
     reflux_test(${part} LABEL unit SOURCES ${CMAKE_CURRENT_LIST_DIR}/test_${part}.c
-                LIBS parameters_alone reflux_commission)
+                LIBS reflux_settings reflux_commission)
   endif()
 endforeach()

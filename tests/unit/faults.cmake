@@ -4,7 +4,7 @@ reflux_test(faults LABEL unit
   LIBS bench_support)
 foreach(part supervisor_faults alarms)
   reflux_test(${part} LABEL unit SOURCES ${CMAKE_CURRENT_LIST_DIR}/test_${part}.c
-              LIBS parameters_alone reflux_supervise)
+              LIBS reflux_settings)
 endforeach()
 reflux_test(heartbeat LABEL unit SOURCES ${CMAKE_CURRENT_LIST_DIR}/test_heartbeat.c
                                          ${PROJECT_SOURCE_DIR}/firmware/service/heartbeat.c)

@@ -1,11 +1,4 @@
-# Supervision (modes, limits, plans) and the parts of service that need no board.
-
-# Parameters without the rest of service, and so without a board.
-set(parameter_sources parameters.c parameter_find.c parameter_set.c block_parameters.c words.c parameter_table.c)
-list(TRANSFORM parameter_sources PREPEND "${PROJECT_SOURCE_DIR}/firmware/service/")
-add_library(parameters_alone STATIC ${parameter_sources})
-target_link_libraries(parameters_alone PUBLIC reflux_supervise PRIVATE reflux_firmware_options)
-target_include_directories(parameters_alone PUBLIC "${REFLUX_LAYERS}/service")
+# Supervision (modes, limits, plans) and settings.
 
 reflux_test(decoupler LABEL unit SOURCES ${CMAKE_CURRENT_LIST_DIR}/test_decoupler.c LIBS reflux_every_kind)
 reflux_test(event LABEL unit SOURCES ${CMAKE_CURRENT_LIST_DIR}/test_event.c LIBS reflux_base)
@@ -16,7 +9,7 @@ foreach(part two_position arena plan supervisor_modes supervisor_cascade supervi
              served served_compensators served_elements served_polynomial applied_history block_excitation excitation_ends parameters text)
   if(EXISTS "${CMAKE_CURRENT_LIST_DIR}/test_${part}.c")
     reflux_test(${part} LABEL unit SOURCES ${CMAKE_CURRENT_LIST_DIR}/test_${part}.c
-                LIBS parameters_alone reflux_supervise)
+                LIBS reflux_settings)
   endif()
 endforeach()
 target_link_libraries(test_two_position PRIVATE reflux_every_kind)
@@ -29,21 +22,21 @@ foreach(part served_compensators served_elements served_polynomial)
 endforeach()
 
 foreach(part analyser stand_in lost_estimate)
-  reflux_test(${part} LABEL unit SOURCES ${CMAKE_CURRENT_LIST_DIR}/test_${part}.c LIBS parameters_alone reflux_supervise)
+  reflux_test(${part} LABEL unit SOURCES ${CMAKE_CURRENT_LIST_DIR}/test_${part}.c LIBS reflux_settings)
 endforeach()
 target_link_libraries(test_stand_in PRIVATE reflux_every_kind)
 target_link_libraries(test_lost_estimate PRIVATE reflux_every_kind)
 
 # The table of parameters in docs/console.md, and whether it is current.
 add_executable(parameter_table "${PROJECT_SOURCE_DIR}/tests/support/parameter_table.c")
-target_link_libraries(parameter_table PRIVATE parameters_alone reflux_options)
+target_link_libraries(parameter_table PRIVATE reflux_settings reflux_options)
 set_target_properties(parameter_table PROPERTIES RUNTIME_OUTPUT_DIRECTORY "${CMAKE_BINARY_DIR}")
 add_test(NAME parameter_document COMMAND parameter_table "${PROJECT_SOURCE_DIR}/docs/console.md")
 reflux_programs_of_test(parameter_document unit parameter_table)
 
 # Not a test: the instructions of a tick, for tools/bench.
 add_executable(tick_cost "${PROJECT_SOURCE_DIR}/tests/bench/tick_cost.c")
-target_link_libraries(tick_cost PRIVATE parameters_alone reflux_options)
+target_link_libraries(tick_cost PRIVATE reflux_settings reflux_options)
 
 # The rows of every kind: the product's, and those of the worked family.
 reflux_test(kinds LABEL unit SOURCES ${CMAKE_CURRENT_LIST_DIR}/test_kinds.c LIBS reflux_supervise)

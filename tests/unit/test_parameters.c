@@ -2,7 +2,7 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "service/parameters.h"
+#include "settings/parameters.h"
 #include "unity.h"
 
 static struct config config, before;

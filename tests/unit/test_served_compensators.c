@@ -1,6 +1,6 @@
 /* Compensators with a record, between the loops' controllers and their MVs: forwards, backwards, and what comes and goes. */
 #include "put_block.h"
-#include "service/block_parameters.h"
+#include "settings/block_parameters.h"
 #include "supervisor_bench.h"
 
 #include "stage_kinds.h"

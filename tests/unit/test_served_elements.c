@@ -1,7 +1,7 @@
 /* Feedforward elements with a record: what they add, when they begin and end, and what limits, compensators and interlocks
  * make of it. */
 #include "put_block.h"
-#include "service/block_parameters.h"
+#include "settings/block_parameters.h"
 #include "supervisor_bench.h"
 
 #include "stage_kinds.h"

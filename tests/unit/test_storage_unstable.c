@@ -11,8 +11,8 @@
  */
 #include "base/crc32.h"
 #include "flash_cut.h"
-#include "service/storage.h"
-#include "service/storage_parts.h"
+#include "storage/storage.h"
+#include "storage/storage_parts.h"
 #include "storage_bench.h"
 #ifdef WITH_BLOCKS
 #include "changing_block.h"

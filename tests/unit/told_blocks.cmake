@@ -1,5 +1,5 @@
 # What blocks are told and what they say in the tick, with kinds that only these tests have.
 foreach(part verbs block_events proposals)
   reflux_test(${part} LABEL unit SOURCES ${CMAKE_CURRENT_LIST_DIR}/test_${part}.c
-              LIBS parameters_alone reflux_supervise reflux_every_kind)
+              LIBS reflux_settings reflux_every_kind)
 endforeach()

@@ -3,7 +3,7 @@
 #define REFLUX_SERVICE_STORAGE_STATE_H
 
 #include "service/service.h"
-#include "service/storage_record.h"
+#include "storage/storage_record.h"
 
 #define STORAGE_GRAIN 16u /* everything begins on a multiple; a multiple of any program unit */
 #ifndef STORAGE_PIECE

@@ -2,7 +2,7 @@
 #ifndef REFLUX_SERVICE_STORAGE_RECORD_H
 #define REFLUX_SERVICE_STORAGE_RECORD_H
 
-#include "service/parameters.h"
+#include "settings/parameters.h"
 
 #define RECORD_HEAD 4u /* id, type, size */
 /* Of those this build writes. Ids of more than 16 bits stand in front of the value, behind a short one of 0. */

@@ -1,4 +1,4 @@
-#include "service/words.h"
+#include "settings/words.h"
 
 #include <string.h>
 

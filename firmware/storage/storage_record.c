@@ -1,4 +1,4 @@
-#include "service/storage_record.h"
+#include "storage/storage_record.h"
 
 #include <string.h>
 

@@ -3,8 +3,8 @@
 
 #include "base/crc32.h"
 #include "hal/nvm.h"
-#include "service/storage.h"
-#include "service/storage_parts.h"
+#include "storage/storage.h"
+#include "storage/storage_parts.h"
 #include "supervise/tables.h"
 
 /* ---- finding what is there ---- */

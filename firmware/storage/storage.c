@@ -1,11 +1,11 @@
-#include "service/storage.h"
+#include "storage/storage.h"
 
 #include <string.h>
 
 #include "hal/clock.h"
 #include "hal/nvm.h"
 #include "service/early_resets.h"
-#include "service/storage_parts.h"
+#include "storage/storage_parts.h"
 
 _Static_assert(STORAGE_PIECE % STORAGE_GRAIN == 0, "pieces are whole grains");
 

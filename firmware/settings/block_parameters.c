@@ -1,9 +1,9 @@
-#include "service/block_parameters.h"
+#include "settings/block_parameters.h"
 
 #include <stddef.h>
 #include <string.h>
 
-#include "service/words.h"
+#include "settings/words.h"
 
 #if CONFIG_BLOCKS
 

@@ -1,7 +1,7 @@
 /* The declaration of every parameter. Ids are for ever: take the next free one for a new field. */
 #include <stddef.h>
 
-#include "service/parameters.h"
+#include "settings/parameters.h"
 
 #define BIG 1e9f
 

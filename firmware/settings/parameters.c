@@ -1,9 +1,9 @@
-#include "service/parameters.h"
+#include "settings/parameters.h"
 
 #include <string.h>
 
 #include "base/channel.h"
-#include "service/words.h"
+#include "settings/words.h"
 
 const char *field_unit(const struct parameter_field *field)
 {

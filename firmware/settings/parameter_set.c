@@ -1,8 +1,8 @@
 /* Parameters from texts and numbers. */
 #include <string.h>
 
-#include "service/parameters.h"
-#include "service/words.h"
+#include "settings/parameters.h"
+#include "settings/words.h"
 
 static bool name_character(char c)
 {

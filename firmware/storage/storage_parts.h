@@ -3,7 +3,7 @@
 #ifndef REFLUX_SERVICE_STORAGE_PARTS_H
 #define REFLUX_SERVICE_STORAGE_PARTS_H
 
-#include "service/storage_state.h"
+#include "storage/storage_state.h"
 
 /* Slot: mark, then sets and renewals. Set: head, records, zeros up to the next grain, tail. Behind a tail or a renewal
  * stands its confirmation. */

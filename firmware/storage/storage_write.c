@@ -4,8 +4,8 @@
 #include "base/crc32.h"
 #include "hal/nvm.h"
 #include "service/early_resets.h"
-#include "service/storage.h"
-#include "service/storage_parts.h"
+#include "storage/storage.h"
+#include "storage/storage_parts.h"
 
 #define NOT_TAKEN "the flash does not take the write (emulated, worn or protected)"
 

@@ -13,7 +13,7 @@
 
 #include "base/error.h"
 #include "base/text.h"
-#include "service/block_parameters.h"
+#include "settings/block_parameters.h"
 #include "supervise/config.h"
 
 enum parameter_type {
@@ -24,7 +24,7 @@ enum parameter_type {
     PARAMETER_WORD,  /* uint8_t, index into words ("reverse|direct") */
     PARAMETER_NAME,  /* char[CHANNEL_NAME_SIZE]: letters, digits, _ ; "-" writes an empty one */
     PARAMETER_UNIT, /* char[CHANNEL_UNIT_SIZE]: printable without blanks; "-" writes an empty one */
-    /* Of blocks (service/block_parameters.h) */
+    /* Of blocks (settings/block_parameters.h) */
     PARAMETER_KIND, /* char[CHANNEL_NAME_SIZE]: of a kind in block_kinds[]; "-" for none */
     PARAMETER_LIST, /* names with commas between them; "-" for none */
     PARAMETER_ROW   /* of a table: values with commas between them */

@@ -1,7 +1,7 @@
 /* Parameters by number, name and id. */
 #include <string.h>
 
-#include "service/parameters.h"
+#include "settings/parameters.h"
 
 static unsigned table_count(void)
 {

@@ -18,7 +18,7 @@
 #ifndef REFLUX_SERVICE_STORAGE_H
 #define REFLUX_SERVICE_STORAGE_H
 
-#include "service/storage_state.h"
+#include "storage/storage_state.h"
 
 void storage_init(struct storage *st, struct service *service);
 
