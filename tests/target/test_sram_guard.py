@@ -18,6 +18,7 @@ from sram_guard import CHIP_END, GUARD_BYTES, Guard  # noqa: E402
 
 from reflux_tools import launch, runner, scenario  # noqa: E402
 from reflux_tools.elf_image import Image  # noqa: E402
+from reflux_tools.paths import every  # noqa: E402
 
 SCENARIOS = board.ROOT / "host_sim" / "scenarios"
 LONGEST = ["splitter"]
@@ -56,6 +57,6 @@ class SramGuard(unittest.TestCase):
 
 if __name__ == "__main__":
     if sys.argv[1:] == ["all"]:
-        LONGEST = [path.stem for path in sorted(SCENARIOS.glob("*.toml"))]
+        LONGEST = [path.stem for path in every(SCENARIOS, "*.toml")]
         del sys.argv[1:]
     unittest.main()

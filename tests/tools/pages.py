@@ -11,6 +11,8 @@ from pathlib import Path
 
 from support import ROOT
 
+from reflux_tools.paths import every
+
 PROGRAM = re.compile(r"(\$ )?((tools|build|tests)/|cd tests |cmake |ctest |python3 |qemu-|st-flash|openocd|dfu-util|picocom|"
                      r"reflux-|git |sudo |apt)")
 CONSOLE = "> "
@@ -68,7 +70,7 @@ class Page:
 
 def pages() -> list[Page]:
     """Every page that has a command."""
-    files = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
+    files = [ROOT / "README.md", *every(ROOT / "docs", "*.md")]
     return [page for page in (read(f) for f in files if f.name not in GENERATED) if page.commands]
 
 

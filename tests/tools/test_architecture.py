@@ -8,6 +8,8 @@ from pathlib import Path
 
 from support import ROOT, FolderTest
 
+from reflux_tools.paths import every
+
 PAGE = ROOT / "docs" / "architecture.md"
 FIRMWARE = ROOT / "firmware"
 
@@ -24,7 +26,7 @@ def sources(folder: Path) -> dict[str, str]:
 
 def layers_of_cmake(folder: Path) -> dict[str, list[str]]:
     found = {}
-    for path in (*folder.glob("*/CMakeLists.txt"), *folder.glob("kinds/*/CMakeLists.txt")):
+    for path in every(folder, "*/CMakeLists.txt", "kinds/*/CMakeLists.txt"):
         text = re.sub(r"#.*", "", path.read_text(encoding="utf-8"))
         for what, name, body in re.findall(r"reflux_(layer|kind)\((\w+)([^)]*)\)", text):
             place = f"kinds/{name}" if what == "kind" else name

@@ -12,6 +12,8 @@ from unittest import mock
 
 from support import ROOT
 
+from reflux_tools.paths import every
+
 PAGES = (  # page, header, struct, group of docs/console.md
     ("pid.md", "kinds/pid/pid.h", "pid_config", "loop<i>"),
     ("feedforward.md", "block/settings.h", "element_settings", "ff<i>"),
@@ -62,7 +64,7 @@ class Names(unittest.TestCase):
 
     def test_the_names_are_those_of_the_refusals(self) -> None:
         """Kinds of blocks turn a field into the parameter it names in a refusal."""
-        text = "".join(path.read_text(encoding="utf-8") for path in (ROOT / "firmware").glob("kinds/*/*_kind.c"))
+        text = "".join(path.read_text(encoding="utf-8") for path in every(ROOT / "firmware", "kinds/*/*_kind.c"))
         pairs = dict(re.findall(r'\{"(\w+)", "(\w+)"\}', text))
         self.assertIn("ti_s", pairs)
         named = {c: p for name, *_ in PAGES for row in table(name) for c, p in zip(*row)}
@@ -83,7 +85,7 @@ class WorkedFamily(unittest.TestCase):
 
     def test_the_tests_that_the_page_names_are_there(self) -> None:
         section = page("adding-a-controller.md").split("\n### 10. Tests\n")[1].split("\n## ")[0]
-        texts = "".join(path.read_text(encoding="utf-8") for path in (ROOT / "tests/loop/worked_family").glob("test_*.c"))
+        texts = "".join(path.read_text(encoding="utf-8") for path in every(ROOT / "tests/loop/worked_family", "test_*.c"))
         named = re.findall(r"`(\w+)`", section)
         self.assertTrue(named)
         for name in named:
@@ -93,8 +95,7 @@ class WorkedFamily(unittest.TestCase):
 class Figures(unittest.TestCase):
     def test_each_script_says_how_it_is_used_and_draws_nothing(self) -> None:
         """All in this process: the libraries that draw take most of a second to load."""
-        scripts = sorted((ROOT / "tools" / "figures").glob("*.py"))
-        self.assertTrue(scripts)
+        scripts = every(ROOT / "tools" / "figures", "*.py")
         for script in scripts:
             with self.subTest(script.name):
                 self.assertTrue(os.access(script, os.X_OK))

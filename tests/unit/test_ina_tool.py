@@ -18,6 +18,7 @@ sys.path[:0] = [str(HERE.parent / "tools"), str(HERE.parent / "reference"), str(
 from linear_reference import Plant  # noqa: E402
 from reflux_tools import arrays, board_settings, cmd_ina, ina_plant, ina_window, libreflux  # noqa: E402
 from reflux_tools.errors import RunFailed, UserError  # noqa: E402
+from reflux_tools.paths import every  # noqa: E402
 from support import FolderTest, board, call, told  # noqa: E402
 
 THEIRS = np.array([[1.0, 0.33], [0.64, 1.2112]])
@@ -58,7 +59,7 @@ class Numbers(unittest.TestCase):
 
     def test_arrays_of_every_plant_are_those_of_numpy(self):
         seen = 0
-        for path in sorted(BLOCKS.glob("*.json")):
+        for path in every(BLOCKS, "*.json"):
             try:
                 plant = ina_plant.read(path.stem, None)
                 omega = plant.omega(20, None, None)

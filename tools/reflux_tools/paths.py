@@ -20,6 +20,15 @@ def build_dir(preset: str) -> Path:
     return build_root() / preset
 
 
+def every(folder: Path, *patterns: str) -> list[Path]:
+    """Files that match one of the patterns, in order. FileNotFoundError where there is none: what goes through all pages, scenarios or layers must
+    not pass because somebody has moved them."""
+    found = sorted(path for pattern in patterns for path in folder.glob(pattern))
+    if not found:
+        raise FileNotFoundError(f"no {' or '.join(patterns)} in {folder}")
+    return found
+
+
 def figures() -> Path:
     """docs/figures, or the folder that REFLUX_FIGURES names: where the scripts of tools/figures put their pictures."""
     return Path(os.environ.get("REFLUX_FIGURES") or ROOT / "docs" / "figures").resolve()
