@@ -18,7 +18,7 @@ TESTS = [Test("asan.pid", ["x"], ["unit"], needs("asan", "tests/unit/test_pid"))
          Test("asan.new", ["x"], ["unit"], needs("asan", "tests/unit/test_new")),
          Test("style.clang-format", ["x"], ["style"]),
          Test("tools.documents", [sys.executable, str(ROOT / "tests" / "tools" / "test_documents.py")], ["tools"])]
-OWN = {"asan": {"tests/unit/test_pid": {"tests/unit/test_pid.c"}, "tests/unit/test_svd": {"tests/unit/test_svd.c"}}}
+OWN = {"asan": {"tests/unit/test_pid": {"tests/unit/kinds/pid/test_pid.c"}, "tests/unit/test_svd": {"tests/unit/test_svd.c"}}}
 
 
 def reaching(path: str) -> set[str]:

@@ -1,9 +1,3 @@
-# Estimators: steps of the column's model towards what is measured, and the kind of block around them.
-foreach(part composition composition_analysis composition_attack composition_changes composition_defaults composition_events composition_kalman composition_kalman_analyses composition_refused
-             composition_step composition_workspace covariance_band covariance_band_positive covariance_ud)
-  reflux_test(${part} LABEL unit SOURCES ${CMAKE_CURRENT_LIST_DIR}/test_${part}.c LIBS reflux_every_kind m)
-endforeach()
-
 # Not a test by itself: covariances of a million updates (tools/campaign kalman).
 set(kalman "${PROJECT_SOURCE_DIR}/tests/campaign/endurance/kalman")
 add_executable(endurance_kalman ${kalman}_main.c ${kalman}_course.c ${kalman}_forms.c

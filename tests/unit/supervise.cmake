@@ -1,10 +1,9 @@
 # Supervision (modes, limits, plans) and settings.
 
-reflux_test(decoupler LABEL unit SOURCES ${CMAKE_CURRENT_LIST_DIR}/test_decoupler.c LIBS reflux_every_kind)
 reflux_test(event LABEL unit SOURCES ${CMAKE_CURRENT_LIST_DIR}/test_event.c LIBS reflux_base)
 reflux_test(job LABEL unit SOURCES ${CMAKE_CURRENT_LIST_DIR}/test_job.c LIBS reflux_base)
 reflux_test(workspace LABEL unit SOURCES ${CMAKE_CURRENT_LIST_DIR}/test_workspace.c LIBS reflux_base)
-foreach(part two_position arena plan supervisor_modes supervisor_cascade supervisor_bumpless supervisor_decoupler supervisor_feedforward
+foreach(part arena plan supervisor_modes supervisor_cascade supervisor_bumpless supervisor_decoupler supervisor_feedforward
              supervisor_constrain sequence sequence_faults sequence_rows supervisor_excite supervisor_retune supervisor_interlock supervisor_measurement supervisor_plan
              served served_compensators served_elements served_polynomial applied_history block_excitation excitation_ends parameters text)
   if(EXISTS "${CMAKE_CURRENT_LIST_DIR}/test_${part}.c")
@@ -12,7 +11,6 @@ foreach(part two_position arena plan supervisor_modes supervisor_cascade supervi
                 LIBS reflux_settings)
   endif()
 endforeach()
-target_link_libraries(test_two_position PRIVATE reflux_every_kind)
 target_link_libraries(test_served PRIVATE reflux_every_kind)
 target_link_libraries(test_applied_history PRIVATE reflux_every_kind)
 target_link_libraries(test_block_excitation PRIVATE reflux_every_kind)
