@@ -2,7 +2,7 @@
 
 #include <math.h>
 
-#include "text.h"
+#include "bench/text.h"
 
 bool instruments_init(struct instruments *in, const struct plant_class *class, uint64_t seed,
                       double noise_factor, char *err, size_t err_size)

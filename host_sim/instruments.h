@@ -20,9 +20,9 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#include "bench/noise.h"
 #include "link/messages.h"
-#include "noise.h"
-#include "plant.h"
+#include "plants/plant.h"
 
 enum instrument_option {
     OPTION_BIAS,  /* sensor: added to the reading, units */

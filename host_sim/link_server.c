@@ -3,7 +3,7 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "text.h"
+#include "bench/text.h"
 
 static bool add_page(struct link_server *s, const struct plant_class *class,
                      const struct plant_channel *c, char *err, size_t err_size)

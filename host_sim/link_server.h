@@ -4,9 +4,9 @@
 #ifndef REFLUX_HOST_SIM_LINK_SERVER_H
 #define REFLUX_HOST_SIM_LINK_SERVER_H
 
+#include "bench/transport.h"
 #include "link/messages.h"
-#include "plant.h"
-#include "transport.h"
+#include "plants/plant.h"
 
 #define LINK_REPEAT_MS 500 /* an unanswered sample is sent again */
 

@@ -4,7 +4,7 @@
 #include <string.h>
 
 #include "base/secret.h"
-#include "text.h"
+#include "bench/text.h"
 
 #define CONSOLE_RETRY_MS  500 /* a board that starts swallows what came too early */
 #define CONSOLE_SETTLE_MS 200 /* late replies to repeated greetings of the console */

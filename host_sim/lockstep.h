@@ -15,12 +15,12 @@
 
 #include <signal.h>
 
-#include "console_driver.h"
-#include "events.h"
+#include "bench/console_driver.h"
+#include "bench/events.h"
+#include "bench/progress.h"
+#include "bench/script.h"
+#include "bench/sim_log.h"
 #include "link_server.h"
-#include "progress.h"
-#include "script.h"
-#include "sim_log.h"
 
 enum lockstep_result { RUN_DONE, RUN_FAILED, RUN_INTERRUPTED };
 

@@ -1,4 +1,4 @@
-#include "reflux_sim.h"
+#include "bench/reflux_sim.h"
 
 int main(int argc, char **argv)
 {

@@ -2,10 +2,10 @@
  * encoder, decoder and CRC; only the wire is missing. The clock both sides see is counted here and goes on only
  * when nobody has anything to say, so that a run is the same run every time and never waits.
  */
+#include "bench/reflux_sim.h"
+#include "bench/text.h"
+#include "bench/transport.h"
 #include "hal/memory/memory_port.h"
-#include "reflux_sim.h"
-#include "text.h"
-#include "transport.h"
 
 #define IDLE_STEP_MS 1
 

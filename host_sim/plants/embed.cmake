@@ -10,5 +10,5 @@ foreach(file ${FILES})
   string(APPEND table "    {\"${name}\", text_${k}, sizeof(text_${k})},\n")
   math(EXPR k "${k} + 1")
 endforeach()
-file(WRITE "${OUT}" "#include \"plant_library.h\"\n\n${arrays}\n"
+file(WRITE "${OUT}" "#include \"plants/plant_library.h\"\n\n${arrays}\n"
   "const struct plant_text plant_texts[] = {\n${table}    {0, 0, 0},\n};\n")

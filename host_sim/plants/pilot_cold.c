@@ -33,10 +33,10 @@
  * At the limits: nothing flows out of an empty vessel, nothing boils off a dry stage, a full vessel runs over into the
  * product. Faults of the process are inputs: `supply` (cooling water fails), `leak` (the reboiler runs dry), `loss`
  * (lagging gone), `swell` (the level reads wrong). */
-#include "cold_column.h"
-#include "cold_states.h"
-#include "plant.h"
-#include "stiff_solver.h"
+#include "columns/cold_column.h"
+#include "columns/cold_states.h"
+#include "columns/stiff_solver.h"
+#include "plants/plant.h"
 
 #include <math.h>
 #include <stdio.h>

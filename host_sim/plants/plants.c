@@ -1,4 +1,4 @@
-#include "plant.h"
+#include "plants/plant.h"
 
 #include <stddef.h>
 

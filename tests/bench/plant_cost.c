@@ -7,9 +7,9 @@
  *                        holdups that follow composition, with all holdups moving, with activity coefficients
  * plant_cost --day MIN   a day of the splitter in 30 s ticks, inputs changing every MIN minutes as in splitter_scipy.py:
  *                        its inputs and what comes of them */
-#include "column_solver.h"
+#include "columns/column_solver.h"
 #include "model/activity.h"
-#include "plant_library.h"
+#include "plants/plant_library.h"
 
 #include <ctype.h>
 #include <math.h>

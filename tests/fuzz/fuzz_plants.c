@@ -10,10 +10,10 @@
 #include <stdbool.h>
 #include <string.h>
 
-#include "column_plant.h"
+#include "columns/column_plant.h"
 #include "fuzz.h"
-#include "plant_json.h"
-#include "plant_library.h"
+#include "plants/plant_json.h"
+#include "plants/plant_library.h"
 
 #define STATES_RUN                                                                                 \
     200 /* larger columns are read only: their steady states would take all the time */

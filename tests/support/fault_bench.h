@@ -3,8 +3,8 @@
 #ifndef REFLUX_TESTS_FAULT_BENCH_H
 #define REFLUX_TESTS_FAULT_BENCH_H
 
+#include "bench/events.h"
 #include "board_bench.h"
-#include "events.h"
 #include "instruments.h"
 #include "matrix_column.h"
 

@@ -4,7 +4,7 @@
 
 #include <math.h>
 
-#include "plant.h"
+#include "plants/plant.h"
 
 enum { REFLUX, HEAT, FEED, T1, T10, FLOW, T5, CHANNELS };
 

@@ -6,8 +6,8 @@
 #include <stdlib.h>
 
 #include "board_bench.h"
-#include "plant_library.h"
-#include "table_task.h"
+#include "columns/table_task.h"
+#include "plants/plant_library.h"
 
 static inline void make_table(struct table_lines *lines, const char *of, const char *components,
                               const char *truncated)

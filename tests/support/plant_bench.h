@@ -4,7 +4,7 @@
 
 #include <string.h>
 
-#include "plant_library.h"
+#include "plants/plant_library.h"
 #include "unity.h"
 
 static const struct plant_class *kind;

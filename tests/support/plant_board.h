@@ -5,11 +5,11 @@
 
 #include <stdlib.h>
 
+#include "bench/events.h"
 #include "board_bench.h"
-#include "events.h"
 #include "instruments.h"
-#include "plant.h"
-#include "plant_library.h"
+#include "plants/plant.h"
+#include "plants/plant_library.h"
 
 static const struct plant_class *kind;
 static struct plant *plant;

@@ -14,8 +14,8 @@
 #include <termios.h>
 #include <unistd.h>
 
+#include "bench/text.h"
 #include "test_controller.h"
-#include "text.h"
 
 static struct test_controller controller;
 

@@ -5,7 +5,7 @@
 #ifndef REFLUX_TESTS_TWO_BY_TWO_H
 #define REFLUX_TESTS_TWO_BY_TWO_H
 
-#include "plant.h"
+#include "plants/plant.h"
 
 extern const struct plant_class two_by_two;
 

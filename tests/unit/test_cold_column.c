@@ -1,7 +1,7 @@
 /* Equations of the column that may be cold, dry or boiling: balances, limits, states. */
-#include "cold_states.h"
+#include "columns/cold_states.h"
+#include "columns/stiff_solver.h"
 #include "model/vle.h"
-#include "stiff_solver.h"
 #include "unity.h"
 
 #include <math.h>

@@ -1,7 +1,7 @@
 /* Balances of the columns as plants: at rest every equation to the solver's tolerance, and in motion every component
  * from what flows in, what flows out and what is in the column. */
-#include "column_plant.h"
-#include "plant_library.h"
+#include "columns/column_plant.h"
+#include "plants/plant_library.h"
 #include "unity.h"
 
 #include <math.h>

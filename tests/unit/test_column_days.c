@@ -1,7 +1,7 @@
 /* Balances of every column that comes with the simulator, over a day of moving inputs: what is in the column of every
  * component, and in all, from what flowed in and out. Flows are summed up by trapezoids, closer together after a change. */
-#include "column_plant.h"
-#include "plant_library.h"
+#include "columns/column_plant.h"
+#include "plants/plant_library.h"
 #include "random_source.h"
 #include "unity.h"
 

@@ -1,6 +1,6 @@
 /* Columns whose holdups move, under the solver: Newton matrices, steady states, balances, vessels that run empty or over. */
-#include "column_newton.h"
-#include "column_solver.h"
+#include "columns/column_newton.h"
+#include "columns/column_solver.h"
 #include "holdup_columns.h"
 #include "random_source.h"
 #include "unity.h"

@@ -1,5 +1,5 @@
 /* Newton matrices of columns against differences of the rates, with flows and holdups held. */
-#include "column_newton.h"
+#include "columns/column_newton.h"
 #include "test_columns.h"
 #include "unity.h"
 

@@ -1,5 +1,5 @@
 /* Integration and steady state of columns of several sizes. */
-#include "column_solver.h"
+#include "columns/column_solver.h"
 #include "test_columns.h"
 #include "unity.h"
 

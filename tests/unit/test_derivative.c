@@ -1,5 +1,5 @@
-/* Derivatives by differences (host_sim/derivative.h): how near they come, and what they say where there is none. */
-#include "derivative.h"
+/* Derivatives by differences (host_sim/linear/derivative.h): how near they come, and what they say where there is none. */
+#include "linear/derivative.h"
 #include "unity.h"
 
 #include <float.h>

@@ -3,7 +3,7 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "events.h"
+#include "bench/events.h"
 #include "instruments.h"
 #include "two_by_two.h"
 #include "unity.h"

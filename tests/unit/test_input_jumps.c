@@ -5,7 +5,7 @@
  * tier 10; 200 with
  *
  *   build/host/tests/unit/test_input_jumps 200 */
-#include "plant_library.h"
+#include "plants/plant_library.h"
 #include "random_source.h"
 #include "unity.h"
 

@@ -1,8 +1,8 @@
 /* Linear plants from files against tables worked out apart from them (tests/reference/linear_reference.py). */
-#include "dense.h"
-#include "linear_plant.h"
-#include "plant_json.h"
-#include "plant_library.h"
+#include "linear/dense.h"
+#include "linear/linear_plant.h"
+#include "plants/plant_json.h"
+#include "plants/plant_library.h"
 #include "unity.h"
 
 #include <math.h>

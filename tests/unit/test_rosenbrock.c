@@ -1,5 +1,5 @@
 /* The one-step method: its order whatever the Jacobian, stiff decay, and what it remembers between stretches. */
-#include "rosenbrock.h"
+#include "columns/rosenbrock.h"
 #include "unity.h"
 
 #include <math.h>

@@ -1,9 +1,9 @@
 /* What people write for a run: events and scripts. Wrong input is refused with a line that helps. */
 #include <string.h>
 
-#include "events.h"
-#include "script.h"
-#include "text.h"
+#include "bench/events.h"
+#include "bench/script.h"
+#include "bench/text.h"
 #include "two_by_two.h"
 #include "unity.h"
 

@@ -1,6 +1,6 @@
 /* The C3-C4 splitter against the steady states and the features Frau publishes (digest of her sections 3 and
  * 5): impurities, reflux, duty, gradient diagram, scenario 1. Prints what is needed beside what is published. */
-#include "column_plant.h"
+#include "columns/column_plant.h"
 #include "plant_bench.h"
 #include "unity.h"
 

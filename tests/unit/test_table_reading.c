@@ -4,8 +4,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "plant_library.h"
-#include "table_task.h"
+#include "columns/table_task.h"
+#include "plants/plant_library.h"
 #include "unity.h"
 
 #define SUBSET "C3,iC4,nC4"

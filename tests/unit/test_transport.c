@@ -9,8 +9,8 @@
 #include <termios.h>
 #include <unistd.h>
 
-#include "text.h"
-#include "transport.h"
+#include "bench/text.h"
+#include "bench/transport.h"
 #include "unity.h"
 
 static char folder[] = "/tmp/reflux-transport-XXXXXX";

@@ -13,8 +13,8 @@
 #include <termios.h>
 #include <unistd.h>
 
-#include "text.h"
-#include "transport.h"
+#include "bench/text.h"
+#include "bench/transport.h"
 #include "unity.h"
 
 #define SYS_TTY "/sys/class/tty/"

@@ -13,7 +13,7 @@ from reflux_tools.paths import ROOT, shown
 
 PLANTS = ROOT / "host_sim" / "plants"
 UNIT_MAX = 11
-# As in host_sim/plant_unit.c.
+# As in host_sim/plants/plant_unit.c.
 SIGNS = str.maketrans({"\u00b0": "deg", "\u00ba": "deg", "\u02da": "deg", "\u2103": "degC", "\u2109": "degF", "\u00b5": "u", "\u03bc": "u",
                        "\u00b9": "1", "\u00b2": "2", "\u00b3": "3", "\u207b": "-", "\u00b7": ".", "\u22c5": ".", "\u03a9": "ohm",
                        "\u2126": "ohm", "\u00a0": " ", "\u2009": " ", "\u202f": " "})

@@ -1,0 +1,45 @@
+/* Timed events of a run: "T:NAME=VALUE", carried out before the first sample at or after plant time T.
+ *
+ *     600:zF=0.35        a disturbance of the plant, within its span
+ *     600:F.swing=10     it swings by so much about its value from then on, a sine; 0 ends it
+ *     600:F.period=1200  ... with this period, s
+ *     900:Lr.hi=6.5      an option of a channel (see instruments.h, docs/faults.md)
+ *     1200:noise=2       the noise of all sensors, times their own
+ *
+ * Everything is checked before the run begins.
+ */
+#ifndef REFLUX_HOST_SIM_EVENTS_H
+#define REFLUX_HOST_SIM_EVENTS_H
+
+#include "bench/swings.h"
+#include "instruments.h"
+
+#define EVENTS_MAX 1024
+
+struct event {
+    double time_s;
+    enum { EVENT_DISTURBANCE, EVENT_SWING, EVENT_PERIOD, EVENT_OPTION, EVENT_NOISE } kind;
+    size_t channel;
+    enum instrument_option option;
+    double value;
+};
+
+struct events {
+    struct event list[EVENTS_MAX];
+    size_t n, next;
+    struct swings swings;
+};
+
+/* Reads one event; false with one line saying what is wrong, where, and what would be right. */
+bool events_add(struct events *e, const struct plant_class *class, const char *text, char *err,
+                size_t err_size);
+
+/* Sorts by time (same time: in the order given) and checks what only shows in order: limits that cross, swings that leave a
+ * span. */
+bool events_finish(struct events *e, const struct plant_class *class, char *err, size_t err_size);
+
+/* Carries out everything due at time_s, once for each sample. Disturbances of one time count together, whatever their order. */
+bool events_apply(struct events *e, double time_s, struct plant *plant, struct instruments *in,
+                  char *err, size_t err_size);
+
+#endif
