@@ -1,4 +1,4 @@
-# Sourced by the commands of this folder: finds the Python interpreter and runs one module of reflux_tools.
+# Sourced by the commands of this folder: finds the Python interpreter and runs one module behind it.
 # /usr/bin/python3 comes first because the distribution's numpy and matplotlib belong to it; a python3 found
 # earlier in PATH may have neither. REFLUX_PYTHON names another interpreter.
 tools=$(CDPATH='' cd -- "$(dirname -- "$0")" && pwd)
@@ -30,5 +30,5 @@ set_up_python() {
 run_tool() {
     python=$(reflux_python) || exit $?
     export PYTHONPATH="$tools" PYTHONDONTWRITEBYTECODE=1
-    exec "$python" -m reflux_tools "$@"
+    exec "$python" -m reflux "$@"
 }

@@ -7,7 +7,7 @@
 
 #define WRITTEN_MAX 40
 
-/* tools/reflux_tools/plant_file.py has the same table; test_plant_units.py compares the two. */
+/* tools/reflux/plant_file.py has the same table; test_plant_units.py compares the two. */
 static const struct {
     const char *sign, *ascii;
 } signs[] = {

@@ -11,8 +11,8 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-from reflux_tools import simulator
-from reflux_tools.errors import UserError
+from reflux import simulator
+from reflux.errors import UserError
 
 KMOL_H = 1 / 3.6  # mol/s
 

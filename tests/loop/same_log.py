@@ -14,8 +14,8 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "tools"))
 
-from reflux_tools import compare, runner, scenario  # noqa: E402
-from reflux_tools.errors import RunFailed, UserError  # noqa: E402
+from reflux import compare, runner, scenario  # noqa: E402
+from reflux.errors import RunFailed, UserError  # noqa: E402
 
 
 def main() -> int:

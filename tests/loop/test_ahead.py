@@ -10,7 +10,7 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "tools"))
 
-from reflux_tools import cmd_campaign, self_tuning_campaign  # noqa: E402
+from research import cmd_campaign, self_tuning_campaign  # noqa: E402
 
 CAMPAIGN = cmd_campaign.load("state-ahead")
 FIRMWARES = ("memory", "host-fixed")

@@ -12,7 +12,7 @@ ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "tools"))
 sys.dont_write_bytecode = True
 
-from reflux_tools import cmd_campaign, commissioning, commissioning_stability, known_plants  # noqa: E402
+from research import cmd_campaign, commissioning, commissioning_stability, known_plants  # noqa: E402
 
 
 class Columns(unittest.TestCase):

@@ -22,9 +22,9 @@ import sample  # noqa: E402
 from column_draws import draws  # noqa: E402
 from support import board, call, told  # noqa: E402
 
-from reflux_tools import board_lines, build, column_loops, runner  # noqa: E402
-from reflux_tools import linear_analysis as linear  # noqa: E402
-from reflux_tools.scenario import Event, Line, Loop, Scenario  # noqa: E402
+from reflux import board_lines, build, column_loops, runner  # noqa: E402
+from reflux import linear_analysis as linear  # noqa: E402
+from reflux.scenario import Event, Line, Loop, Scenario  # noqa: E402
 
 HEXANES = ROOT / "tests" / "tools" / "data" / "hexanes.json"
 HOUR, PERCENT = 3600.0, 1.2  # s; K, of a thermometer's span

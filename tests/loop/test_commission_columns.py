@@ -13,7 +13,7 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "tools"))
-from reflux_tools import commissioning_columns  # noqa: E402
+from research import commissioning_columns  # noqa: E402
 
 SEED = 1
 REFERENCE = ROOT / "tests" / "reference" / "column_pairing.csv"

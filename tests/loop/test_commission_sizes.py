@@ -15,7 +15,7 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
 from commissioning import Plant, Run, whole  # noqa: E402
-from reflux_tools.commission import results  # noqa: E402
+from reflux.commission import results  # noqa: E402
 
 SIXTEEN = Path(__file__).resolve().parent / "data" / "sixteen.json"
 DECOUPLED = 8       # loops that the decoupler spans

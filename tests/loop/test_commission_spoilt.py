@@ -13,7 +13,7 @@ ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "tools"))
 sys.dont_write_bytecode = True
 
-from reflux_tools import cmd_campaign, commissioning, commissioning_stability  # noqa: E402
+from research import cmd_campaign, commissioning, commissioning_stability  # noqa: E402
 
 SEEDS = 1
 GAIN_MOST = 100.0  # that a loop takes

@@ -15,7 +15,7 @@ import numpy as np
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
 from commissioning import Plant, Run, plant, whole  # noqa: E402
-from reflux_tools.commission import results  # noqa: E402
+from reflux.commission import results  # noqa: E402
 
 DATA = Path(__file__).resolve().parent / "data"
 STRUCTURE = "commission structure"

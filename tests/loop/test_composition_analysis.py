@@ -11,10 +11,11 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "tools"))
 
-from reflux_tools import estimates, runner, trays  # noqa: E402
-from reflux_tools.estimates import Case  # noqa: E402
-from reflux_tools.logs import Log  # noqa: E402
-from reflux_tools.scenario import Event  # noqa: E402
+from reflux import runner  # noqa: E402
+from research import estimates, trays  # noqa: E402
+from research.estimates import Case  # noqa: E402
+from reflux.logs import Log  # noqa: E402
+from reflux.scenario import Event  # noqa: E402
 
 HOUR, TICK_S, EVERY, DELAY = 3600.0, 20.0, 90, 60
 GOOD, UNCERTAIN = "0", "1"

@@ -11,9 +11,9 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "tools"))
 
-from reflux_tools import runner, scenario  # noqa: E402
-from reflux_tools.logs import Log  # noqa: E402
-from reflux_tools.scenario import Event, Line  # noqa: E402
+from reflux import runner, scenario  # noqa: E402
+from reflux.logs import Log  # noqa: E402
+from reflux.scenario import Event, Line  # noqa: E402
 
 HOUR = 3600.0
 GOOD, UNCERTAIN, BAD, MISSING = "0", "1", "2", "3"

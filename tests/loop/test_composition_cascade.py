@@ -10,8 +10,8 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "tools"))
 
-from reflux_tools import runner, scenario  # noqa: E402
-from reflux_tools.scenario import Event  # noqa: E402
+from reflux import runner, scenario  # noqa: E402
+from reflux.scenario import Event  # noqa: E402
 
 HOUR, GOAL = 3600.0, 0.02
 SCENARIO = ROOT / "host_sim" / "scenarios" / "composition-cascade.toml"

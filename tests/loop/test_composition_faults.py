@@ -16,11 +16,12 @@ sys.path[:0] = [str(ROOT / "tools"), str(ROOT / "tests" / "support")]
 
 import sample  # noqa: E402
 
-from reflux_tools import estimates, runner  # noqa: E402
-from reflux_tools.errors import RunFailed  # noqa: E402
-from reflux_tools.estimates import Case  # noqa: E402
-from reflux_tools.logs import Log  # noqa: E402
-from reflux_tools.scenario import Event, Line  # noqa: E402
+from reflux import runner  # noqa: E402
+from research import estimates  # noqa: E402
+from reflux.errors import RunFailed  # noqa: E402
+from research.estimates import Case  # noqa: E402
+from reflux.logs import Log  # noqa: E402
+from reflux.scenario import Event, Line  # noqa: E402
 
 HOUR = 3600.0
 BEGINS, ENDS, OVER = 3 * HOUR, 4 * HOUR, 7 * HOUR

@@ -24,10 +24,11 @@ ROOT = Path(__file__).resolve().parents[2]
 sys.path[:0] = [str(ROOT / "tools"), str(ROOT / "tests" / "reference")]
 
 import composition_reference as reference  # noqa: E402
-from reflux_tools import column_slopes, runner, trays  # noqa: E402
-from reflux_tools.logs import Log  # noqa: E402
-from reflux_tools.scenario import Event, Line  # noqa: E402
-from reflux_tools.trays import HOUR  # noqa: E402
+from reflux import column_slopes, runner  # noqa: E402
+from research import trays  # noqa: E402
+from reflux.logs import Log  # noqa: E402
+from reflux.scenario import Event, Line  # noqa: E402
+from research.trays import HOUR  # noqa: E402
 
 import numpy as np  # noqa: E402
 

@@ -18,9 +18,9 @@ ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "tools"))
 sys.dont_write_bytecode = True
 
-from reflux_tools import recorded_run, replay, runner, scenario  # noqa: E402
-from reflux_tools.__main__ import call  # noqa: E402
-from reflux_tools.scenario import Event, Line  # noqa: E402
+from reflux import recorded_run, replay, runner, scenario  # noqa: E402
+from reflux.__main__ import call  # noqa: E402
+from reflux.scenario import Event, Line  # noqa: E402
 
 HOUR = 3600.0
 SPLITTER, METHANOL = ("T30", "T31", "T33"), ("T4", "T12")

@@ -15,9 +15,9 @@ from pathlib import Path
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
 import board  # noqa: E402
 
-from reflux_tools import build, live, session  # noqa: E402
-from reflux_tools.errors import UserError  # noqa: E402
-from reflux_tools.ports import Port  # noqa: E402
+from reflux import build, live, session  # noqa: E402
+from reflux.errors import UserError  # noqa: E402
+from reflux.ports import Port  # noqa: E402
 
 TOOL = board.ROOT / "tools" / "console"
 CONFIGURATION = board.ROOT / "host_sim" / "scenarios" / "pilot.conf"

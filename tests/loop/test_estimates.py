@@ -12,11 +12,12 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "tools"))
 
-from reflux_tools import build, estimates, estimates_elsewhere, runner, scenario  # noqa: E402
-from reflux_tools.errors import UserError  # noqa: E402
-from reflux_tools.estimates import BAND, Case, Error, Measured  # noqa: E402
-from reflux_tools.estimates_elsewhere import Elsewhere, Way  # noqa: E402
-from reflux_tools.scenario import Event, Line  # noqa: E402
+from reflux import build, runner, scenario  # noqa: E402
+from research import estimates, estimates_elsewhere  # noqa: E402
+from reflux.errors import UserError  # noqa: E402
+from research.estimates import BAND, Case, Error, Measured  # noqa: E402
+from research.estimates_elsewhere import Elsewhere, Way  # noqa: E402
+from reflux.scenario import Event, Line  # noqa: E402
 
 SCENARIOS = ROOT / "host_sim" / "scenarios"
 THREE = "sE[C3,30,31,33]"

@@ -16,9 +16,9 @@ sys.path[:0] = [str(ROOT / "tools"), str(ROOT / "tests" / "support")]
 
 import sample  # noqa: E402
 
-from reflux_tools import runner, scenario  # noqa: E402
-from reflux_tools.logs import Log  # noqa: E402
-from reflux_tools.scenario import Event, Line  # noqa: E402
+from reflux import runner, scenario  # noqa: E402
+from reflux.logs import Log  # noqa: E402
+from reflux.scenario import Event, Line  # noqa: E402
 
 HOUR = 3600.0
 BEGINS, ENDS, OVER = 2 * HOUR, 2.5 * HOUR, 4 * HOUR

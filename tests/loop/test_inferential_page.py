@@ -12,8 +12,9 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "tools"))
 
-from reflux_tools import runner, scenario, trays  # noqa: E402
-from reflux_tools.scenario import Line  # noqa: E402
+from reflux import runner, scenario  # noqa: E402
+from research import trays  # noqa: E402
+from reflux.scenario import Line  # noqa: E402
 
 PAGE = ROOT / "docs" / "inferential.md"
 SCENARIO = ROOT / "host_sim" / "scenarios" / "splitter-two-ends.toml"

@@ -13,8 +13,8 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "tools"))
 
-from reflux_tools import build, runner, scenario  # noqa: E402
-from reflux_tools.logs import Log  # noqa: E402
+from reflux import build, runner, scenario  # noqa: E402
+from reflux.logs import Log  # noqa: E402
 
 STEP_V, ONE_S, TWO_S, CLIPPED_S, SECOND_S, FREE_S, BACK_S = 0.3, 4800, 12000, 18000, 24000, 31200, 36000
 SPAN_V = {"y1": 4, "y2": 6, "u1": 10, "u2": 10}

@@ -14,7 +14,7 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "tools"))
 
-from reflux_tools import logs, runner, scenario  # noqa: E402
+from reflux import logs, runner, scenario  # noqa: E402
 
 SCENARIO = scenario.load(ROOT / "host_sim" / "scenarios" / "cold-start.toml")
 

@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""The Kalman filter of 1989 put right: all trays of the pilot column from five thermometers (tools/reflux_tools/kalman_1989.py, lines of
+"""The Kalman filter of 1989 put right: all trays of the pilot column from five thermometers (tools/research/kalman_1989.py, lines of
 the campaign `pilot-kalman`); complete innovation beside partial on the splitter. The bounds are those of the task and of the
 source, or a comparison; what came out stands in tests/campaign/results."""
 
@@ -13,9 +13,10 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "tools"))
 
-from reflux_tools import estimates, kalman_1989, kalman_1989_campaign, runner, scenario  # noqa: E402
-from reflux_tools.errors import UserError  # noqa: E402
-from reflux_tools.kalman_1989 import BAND, BIAS, MEASURED, STAGES, UNMEASURED, Case, Measured, worst  # noqa: E402
+from reflux import runner, scenario  # noqa: E402
+from research import estimates, kalman_1989, kalman_1989_campaign  # noqa: E402
+from reflux.errors import UserError  # noqa: E402
+from research.kalman_1989 import BAND, BIAS, MEASURED, STAGES, UNMEASURED, Case, Measured, worst  # noqa: E402
 
 EVERY = MEASURED + UNMEASURED
 SPLITTER = "sE[C3,30,31,33]"

@@ -11,10 +11,11 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "tools"))
 
-from reflux_tools import runner, trays  # noqa: E402
-from reflux_tools.logs import Log  # noqa: E402
-from reflux_tools.scenario import Event, Line  # noqa: E402
-from reflux_tools.trays import Case  # noqa: E402
+from reflux import runner  # noqa: E402
+from research import trays  # noqa: E402
+from reflux.logs import Log  # noqa: E402
+from reflux.scenario import Event, Line  # noqa: E402
+from research.trays import Case  # noqa: E402
 
 HOUR, R, TICK = 3600.0, 32.2787, 30.0
 CASE = Case("sC[Q,33]_{R/F}", "conventional", state="SS2", scenario="SC1")

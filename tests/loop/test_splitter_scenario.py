@@ -10,7 +10,7 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "tools"))
 
-from reflux_tools import runner, scenario  # noqa: E402
+from reflux import runner, scenario  # noqa: E402
 
 SCENARIO = ROOT / "host_sim" / "scenarios" / "splitter.toml"
 

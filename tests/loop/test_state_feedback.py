@@ -11,8 +11,8 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "tools"))
 
-from reflux_tools import runner, scenario  # noqa: E402
-from reflux_tools.logs import Log  # noqa: E402
+from reflux import runner, scenario  # noqa: E402
+from reflux.logs import Log  # noqa: E402
 
 WANTED = ["pilot", "--outputs", "T1,T10", "--inputs", "Lr,Qrb", "--poles=-0.03,-0.03", "--period", "30", "--ti", "600", "--left", "0.02",
           "--loop-names", "top,bottom"]

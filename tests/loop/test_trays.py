@@ -10,9 +10,9 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "tools"))
 
-from reflux_tools import trays  # noqa: E402
-from reflux_tools.errors import RunFailed, UserError  # noqa: E402
-from reflux_tools.trays import Case, Measured  # noqa: E402
+from research import trays  # noqa: E402
+from reflux.errors import RunFailed, UserError  # noqa: E402
+from research.trays import Case, Measured  # noqa: E402
 
 ONE_END = (("conventional", "sC[Q,33]"), ("cascade", "sC[Q,33,34]"), ("clf", "sC[Q,33,34]"))
 BOTH_ENDS = (("conventional", "sC[Q,5][R,33]"), ("cascade", "sC[Q,5,7][R,33,34]"), ("clf", "sC[Q,5,7][R,33,34]"))

@@ -4,7 +4,7 @@ takes to make one of it that works: dense, in double precision, from recorded re
 
     kalman_1989.py TABLE LOG ESTIMATES [--method kalman|ekf] [--step implicit|explicit|exact] ...
 
-TABLE: lines of reflux-sim --table; LOG: log.csv of a run (tools/reflux_tools/kalman_1989.py plays it); ESTIMATES: what is written,
+TABLE: lines of reflux-sim --table; LOG: log.csv of a run (tools/research/kalman_1989.py plays it); ESTIMATES: what is written,
 mole fractions x1 (reboiler) to x12 (drum) for each of its rows. Nothing of the C sources was read; the column's equations are those
 of columns_reference, its Jacobian is composition_reference's. The thesis has a linear model of twelve states, discretised at 30 s by
 a transition matrix, thermometers on five trays and four inputs that the filter is told: feed flow, feed composition, reflux, heat.

@@ -3,7 +3,7 @@ four ways to find Gd/Gp while the loop is closed (here A, B, C, D) by recursive 
 All seeds run as one array; axis 0 is the seed. Times in s, frequencies in rad/s, dB and degrees where a name says so.
 
 What the source does not say (amplitudes, noise in the feedback, discrete PI) is stated at each place as ours. Used by
-tools/reflux_tools/feedforward_study.py; what it has to reproduce is in tests/tools/test_siddha_simulation.py.
+tools/research/feedforward_study.py; what it has to reproduce is in tests/tools/test_siddha_simulation.py.
 """
 
 from __future__ import annotations

@@ -1,5 +1,5 @@
 """Decoupling by state feedback on the nonlinear model of a column, in numpy: the form that holds the pilot column, beside the linear one of
-1989 (Folami, PhD thesis, Aston, chapter 6). Ours; tools/reflux_tools/state_study.py plays it against the simulated plant.
+1989 (Folami, PhD thesis, Aston, chapter 6). Ours; tools/research/state_study.py plays it against the simulated plant.
 
 The linear law in discrete time asks that y(k + 1) be M0 y(k) + K* w(k), K* = I - M0, and finds u by what a model fixed at one point says
 of y(k + 1). Here the model is the column's own equations (columns_reference, numbers of the compact table that the board has), carried

@@ -14,8 +14,8 @@ import numpy as np
 from scipy.linalg import expm
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "tools"))
-from reflux_tools import simulator  # noqa: E402
-from reflux_tools.cmd_state_feedback import spans_of  # noqa: E402
+from reflux import simulator  # noqa: E402
+from reflux.cmd_state_feedback import spans_of  # noqa: E402
 
 PERIOD, TAU = 30.0, 100.0 / 3
 OUTPUTS, MOVED = ["T1", "T10"], ["Lr", "Qrb"]

@@ -19,7 +19,7 @@ ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "tools"))
 sys.dont_write_bytecode = True
 
-from reflux_tools import build, launch  # noqa: E402
+from reflux import build, launch  # noqa: E402
 
 PATIENCE_S = 600.0  # stops what hangs, on however busy a machine; nothing here measures time
 

@@ -18,7 +18,7 @@ ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "tools"))
 sys.dont_write_bytecode = True
 
-from reflux_tools import build  # noqa: E402
+from reflux import build  # noqa: E402
 
 SECONDS = {"s": 1.0, "min": 60.0, "h": 3600.0}
 OUTCOMES = "PROPOSAL|NOT_DETERMINED|COMMISSION_ENDED"

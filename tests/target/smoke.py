@@ -20,7 +20,7 @@ from pathlib import Path
 sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "tools"))
 sys.dont_write_bytecode = True
 
-from reflux_tools.boards import BOARDS  # noqa: E402
+from reflux.boards import BOARDS  # noqa: E402
 
 GREETING = "STARTED"  # the firmware's own event: console and link are listening
 

@@ -18,7 +18,7 @@ import sample  # noqa: E402
 from commissioning import Plant, plant, whole  # noqa: E402
 from sram_guard import Guard  # noqa: E402
 
-from reflux_tools import launch  # noqa: E402
+from reflux import launch  # noqa: E402
 
 SIXTEEN = Path(__file__).resolve().parents[1] / "loop" / "data" / "sixteen.json"
 RESULTS = ("commission model", "commission gains", "commission pairing", "commission structure", "commission proposal")

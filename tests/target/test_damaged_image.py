@@ -15,7 +15,7 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
 import board  # noqa: E402
-from reflux_tools import launch  # noqa: E402
+from reflux import launch  # noqa: E402
 
 IMAGE = board.ROOT / "build" / "stm32f405" / "reflux-stm32f405.bin"
 TEXT = b"firmware, board, limits"  # of the help: a bit of it does nobody any harm

@@ -15,7 +15,7 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
 import board  # noqa: E402
-from reflux_tools import launch  # noqa: E402
+from reflux import launch  # noqa: E402
 
 IMAGE = board.ROOT / "build" / "stm32f405" / "reflux-stm32f405.bin"
 FLASH = 0x08000000

@@ -15,9 +15,10 @@ sys.path[:0] = [str(ROOT / "tools"), str(ROOT / "tests" / "support")]
 sys.dont_write_bytecode = True
 
 import sample  # noqa: E402
-from reflux_tools import build, elf_image, image_check  # noqa: E402
-from reflux_tools.boards import BUILT_BY_DEFAULT  # noqa: E402
-from reflux_tools.paths import build_dir  # noqa: E402
+from dev import elf_image, image_check  # noqa: E402
+from reflux import build  # noqa: E402
+from reflux.boards import BUILT_BY_DEFAULT  # noqa: E402
+from reflux.paths import build_dir  # noqa: E402
 
 PRESETS = image_check.presets() if sample.EVERY else BUILT_BY_DEFAULT
 

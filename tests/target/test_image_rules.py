@@ -11,7 +11,8 @@ from pathlib import Path
 sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "tools"))
 sys.dont_write_bytecode = True
 
-from reflux_tools import image_check, memory_map, stack_use  # noqa: E402
+from dev import image_check, stack_use  # noqa: E402
+from reflux import memory_map  # noqa: E402
 
 FLAGS = ["-mcpu=cortex-m4", "-mthumb", "-mfloat-abi=hard", "-mfpu=fpv4-sp-d16", "-Os", "-g", "-fno-inline",
          "-ffunction-sections", "-fdata-sections",

@@ -16,9 +16,9 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
 import board  # noqa: E402
 from sram_guard import CHIP_END, GUARD_BYTES, Guard  # noqa: E402
 
-from reflux_tools import launch, runner, scenario  # noqa: E402
-from reflux_tools.elf_image import Image  # noqa: E402
-from reflux_tools.paths import every  # noqa: E402
+from reflux import launch, runner, scenario  # noqa: E402
+from dev.elf_image import Image  # noqa: E402
+from reflux.paths import every  # noqa: E402
 
 SCENARIOS = board.ROOT / "host_sim" / "scenarios"
 LONGEST = ["splitter"]

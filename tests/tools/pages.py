@@ -11,7 +11,7 @@ from pathlib import Path
 
 from support import ROOT
 
-from reflux_tools.paths import every
+from reflux.paths import every
 
 PROGRAM = re.compile(r"(\$ )?((tools|build|tests)/|cd tests |cmake |ctest |python3 |qemu-|st-flash|openocd|dfu-util|picocom|"
                      r"reflux-|git |sudo |apt)")

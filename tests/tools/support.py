@@ -12,7 +12,7 @@ ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "tools"))
 sys.dont_write_bytecode = True
 
-from reflux_tools.environment import clean  # noqa: E402
+from reflux.environment import clean  # noqa: E402
 
 for name in os.environ.keys() - clean(os.environ).keys():
     del os.environ[name]
@@ -37,7 +37,7 @@ class FolderTest(unittest.TestCase):
 
 def call(name: str, *arguments: str) -> tuple[int, str, str]:
     """A command as a person would start it: exit status, stdout, stderr."""
-    from reflux_tools.__main__ import call as command
+    from reflux.__main__ import call as command
     out, err = io.StringIO(), io.StringIO()
     with contextlib.redirect_stdout(out), contextlib.redirect_stderr(err):
         try:
@@ -57,7 +57,7 @@ KOTYK_BOARD = ["set tick.base 60", "set meas1.name y1", "set meas1.lo -2", "set 
 @contextlib.contextmanager
 def board(program: str, lines: list[str] | None = None, key: str | None = None):
     """A firmware on a pseudo-terminal, configured by `lines` (default: KOTYK_BOARD), with a key where one is given: the name of its console."""
-    from reflux_tools import board_settings, launch
+    from reflux import board_settings, launch
     with tempfile.TemporaryDirectory(prefix="reflux-") as folder:
         place = Path(folder)
         console = place / "console"
@@ -78,7 +78,7 @@ def board(program: str, lines: list[str] | None = None, key: str | None = None):
 
 def told(console: str, command: str) -> list[str]:
     """The reply of a board to one command."""
-    from reflux_tools.ports import Port
-    from reflux_tools.session import Session
+    from reflux.ports import Port
+    from reflux.session import Session
     with contextlib.closing(Port(console)) as port:
         return Session(port).ask(command)

@@ -8,7 +8,7 @@ from pathlib import Path
 
 from support import ROOT, FolderTest
 
-from reflux_tools.paths import every
+from reflux.paths import every
 
 PAGE = ROOT / "docs" / "architecture.md"
 FIRMWARE = ROOT / "firmware"
@@ -112,6 +112,13 @@ class Lint(unittest.TestCase):
         for name in sorted(named):
             if "NAME" not in name and "<" not in name:
                 self.assertTrue(any(list(top.glob(name.rstrip("/"))) for top in (ROOT, FIRMWARE)), name)
+
+
+class Tools(unittest.TestCase):
+    def test_what_users_run_imports_nothing_of_campaigns_and_of_development(self) -> None:
+        for path in every(ROOT / "tools" / "reflux", "**/*.py"):
+            with self.subTest(path.name):
+                self.assertNotRegex(path.read_text(encoding="utf-8"), r"(?m)^\s*(from|import) (dev|research)\b")
 
 
 class Found(FolderTest):

@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""The model of an experiment as a board lists it (tools/reflux_tools/board_model.py)."""
+"""The model of an experiment as a board lists it (tools/reflux/board_model.py)."""
 
 import sys
 import tempfile
@@ -9,8 +9,8 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "tools"))
 
-from reflux_tools import board_model  # noqa: E402
-from reflux_tools.errors import UserError  # noqa: E402
+from reflux import board_model  # noqa: E402
+from reflux.errors import UserError  # noqa: E402
 
 LISTED = """\
 block1.kind = polynomial

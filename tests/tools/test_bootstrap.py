@@ -13,7 +13,7 @@ from unittest import mock
 
 from support import ROOT, FolderTest, call
 
-from reflux_tools import packages
+from reflux import packages
 
 FRONTEND = "/var/lib/dpkg/lock-frontend"
 # Each time it is called it does what the next line of the script says, and goes on with the last line for ever.

@@ -11,14 +11,14 @@ from unittest import mock
 
 from support import ROOT, FolderTest
 
-from reflux_tools import build
-from reflux_tools.errors import RunFailed
+from reflux import build
+from reflux.errors import RunFailed
 
 # Takes the lock, says "in", and leaves when a line comes. "tried" marks each attempt that failed.
 HOLDER = """
 import sys, time
 from pathlib import Path
-from reflux_tools import build
+from reflux import build
 folder, quiet, silent_s = Path(sys.argv[1]), sys.argv[2] == "quiet", float(sys.argv[3])
 pause = time.sleep
 def sleep(seconds):

@@ -4,8 +4,8 @@ import contextlib
 import io
 import unittest
 
-from reflux_tools import cmd_calibrate
-from reflux_tools.errors import UserError
+from reflux import cmd_calibrate
+from reflux.errors import UserError
 
 
 def printed(*arguments):

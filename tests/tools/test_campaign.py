@@ -8,7 +8,7 @@ from unittest import mock
 
 from support import ROOT, FolderTest, call
 
-from reflux_tools import cmd_campaign
+from research import cmd_campaign
 
 KEPT = ROOT / "tests" / "campaign" / "results" / "pilot-noise.csv"
 TINY = f"""name = "tiny"

@@ -7,9 +7,9 @@ from unittest import mock
 
 from support import ROOT, FolderTest
 
-from reflux_tools.errors import RunFailed, UserError
-from reflux_tools.testing import changed, reach, reach_measure
-from reflux_tools.testing.entries import Test, needs
+from reflux.errors import RunFailed, UserError
+from dev.testing import changed, reach, reach_measure
+from dev.testing.entries import Test, needs
 
 ROWS = {"pid": frozenset({"firmware/kinds/pid/pid.c"}), "svd": frozenset({"firmware/num/svd.c"})}
 TESTS = [Test("asan.pid", ["x"], ["unit"], needs("asan", "tests/unit/test_pid")),
@@ -44,7 +44,7 @@ class Changed(unittest.TestCase):
     def test_a_command_runs_python_tests_that_call_it_by_its_name_and_the_pages(self) -> None:
         script = str(ROOT / "tests" / "tools" / "test_gradients.py")
         some = [Test("tools.gradients", [sys.executable, script], ["tools"]), Test("tools.commands-README-quick", ["x"], ["tools"]), *TESTS]
-        self.assertEqual(changed.reaching(some, "tools/reflux_tools/cmd_gradients.py"),
+        self.assertEqual(changed.reaching(some, "tools/reflux/cmd_gradients.py"),
                          {"tools.gradients", "tools.commands-README-quick"})
 
     def test_what_is_not_known_runs_everything(self) -> None:

@@ -9,9 +9,9 @@ from unittest import mock
 import numpy as np
 from support import ROOT, FolderTest, call
 
-from reflux_tools import build, column_file, column_loops, linear_analysis as linear
-from reflux_tools.errors import UserError
-from reflux_tools.gradients import Diagram
+from reflux import build, column_file, column_loops, linear_analysis as linear
+from reflux.errors import UserError
+from reflux.gradients import Diagram
 
 HEXANES = ROOT / "tests" / "tools" / "data" / "hexanes.json"
 

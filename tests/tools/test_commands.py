@@ -23,9 +23,9 @@ from pathlib import Path
 from pages import CONSOLE, Command, Page, pages, rows
 from support import ROOT, FolderTest
 
-from reflux_tools import build
-from reflux_tools.ports import Port
-from reflux_tools.session import Session
+from reflux import build
+from reflux.ports import Port
+from reflux.session import Session
 
 HANGS_S = 1200.0
 SLOW_S = 10.0

@@ -8,10 +8,10 @@ from unittest import mock
 
 from support import FolderTest, call
 
-from reflux_tools import session
-from reflux_tools.commission import answers, board, figures, next_steps, progress, record, results
-from reflux_tools.commission.answers import Room, Wrong
-from reflux_tools.errors import RunFailed, UserError
+from reflux import session
+from reflux.commission import answers, board, figures, next_steps, progress, record, results
+from reflux.commission.answers import Room, Wrong
+from reflux.errors import RunFailed, UserError
 
 PLANT = ["plant tick s 60 name oven", "output T unit degC lo 0 hi 200", "output x unit - lo 0 hi 1",
          "input h unit kW lo 0 hi 4 safe 0", "input c unit l/h lo 0 hi 10 safe 5"]

@@ -4,7 +4,7 @@ import unittest
 
 import support  # noqa: F401 - finds the tools
 
-from reflux_tools import commissioning_stability as stability
+from research import commissioning_stability as stability
 
 # Of a start-up of wood-berry: xD by R and xB by S, in spans.
 SETTINGS = {"loop1.name": "xD", "loop1.pv": "xD", "loop1.out": "R", "loop1.gain": "2.3", "loop1.ti": "1000",

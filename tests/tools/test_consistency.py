@@ -8,12 +8,12 @@ import numpy as np
 
 from support import FolderTest, call
 
-from reflux_tools import consistency, consistency_lines, innovations, recorded_run
-from reflux_tools.consistency import Setting
-from reflux_tools.consistency_lines import Known
-from reflux_tools.errors import UserError
-from reflux_tools.innovations import Series
-from reflux_tools.recorded_run import Sensor
+from reflux import consistency, consistency_lines, innovations, recorded_run
+from reflux.consistency import Setting
+from reflux.consistency_lines import Known
+from reflux.errors import UserError
+from reflux.innovations import Series
+from reflux.recorded_run import Sensor
 
 NOISE, MODEL, N = 0.2, 0.1, 2000
 EXPECTED = 0.05  # K^2; so a reading draws the estimate by a fifth

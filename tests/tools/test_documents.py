@@ -12,7 +12,7 @@ from unittest import mock
 
 from support import ROOT
 
-from reflux_tools.paths import every
+from reflux.paths import every
 
 PAGES = (  # page, header, struct, group of docs/console.md
     ("pid.md", "kinds/pid/pid.h", "pid_config", "loop<i>"),

@@ -8,7 +8,7 @@ from pathlib import Path
 
 from support import FolderTest
 
-from reflux_tools.environment import DROPPED, clean
+from reflux.environment import DROPPED, clean
 
 THEIRS = {**{name: "theirs" for name in DROPPED}, "MPLBACKEND": "theirs", "MPLCONFIGDIR": "/theirs", "LANG": "de_DE.UTF-8"}
 

@@ -6,8 +6,8 @@ from unittest import mock
 
 from support import FolderTest, call
 
-from reflux_tools import cmd_evidence as evidence
-from reflux_tools.cmd_evidence import Line, Result
+from dev import cmd_evidence as evidence
+from dev.cmd_evidence import Line, Result
 
 
 class Evidence(FolderTest):

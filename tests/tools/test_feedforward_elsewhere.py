@@ -1,13 +1,13 @@
-"""tools/reflux_tools/feedforward_elsewhere.py: the four ways to Gd/Gp on the rig of chapter 4 of Siddha (2003), whose models are known."""
+"""tools/research/feedforward_elsewhere.py: the four ways to Gd/Gp on the rig of chapter 4 of Siddha (2003), whose models are known."""
 
 import unittest
 
 import numpy as np
 import support  # noqa: F401
 
-from reflux_tools import feedforward_elsewhere as elsewhere
-from reflux_tools.errors import UserError
-from reflux_tools.feedforward_elsewhere import Rig
+from research import feedforward_elsewhere as elsewhere
+from reflux.errors import UserError
+from research.feedforward_elsewhere import Rig
 
 
 class OnTheRig(unittest.TestCase):

@@ -12,10 +12,10 @@ from pathlib import Path
 
 from support import ROOT, FolderTest, board, call, told
 
-from reflux_tools import build, estimate_lines, gradients, plant_file, sensor_rules
-from reflux_tools.errors import UserError
-from reflux_tools.gradients import Diagram
-from reflux_tools.sensor_rules import Steps, Thresholds
+from reflux import build, estimate_lines, gradients, plant_file, sensor_rules
+from reflux.errors import UserError
+from reflux.gradients import Diagram
+from reflux.sensor_rules import Steps, Thresholds
 
 PLANTS = ROOT / "host_sim" / "plants"
 HEXANES = str(ROOT / "tests" / "tools" / "data" / "hexanes.json")
@@ -79,7 +79,7 @@ class Shares(unittest.TestCase):
 class Activity(unittest.TestCase):
     def test_the_simulators_temperatures_are_bubble_points_of_the_same_liquid(self) -> None:
         """Of methanol and water (NRTL), and with Wilson's equation in its place."""
-        from reflux_tools import column_slopes
+        from reflux import column_slopes
 
         plant = json.loads((PLANTS / "methanol-water.json").read_text(encoding="utf-8"))
         wilson = {**plant, "name": "wilson", "steady_state": [], "activity": {"model": "wilson", "a": [[0, -0.6], [-0.05, 0]], "b": [[0, 30], [-20, 0]]}}
@@ -202,7 +202,7 @@ class OwnProfile(FolderTest):
 
     def test_the_simulators_own_profile_as_a_file_gives_the_same(self) -> None:
         found = report("splitter", "--no-steps", "--out", str(self.folder / "a.png"))
-        from reflux_tools import column_slopes
+        from reflux import column_slopes
 
         at = column_slopes.steady("splitter")
         head = ",".join(["stage", "T[degC]", *(f"x.{n}" for n in at.names)])
@@ -336,7 +336,7 @@ class Trimmed(FolderTest):
             self.assertLess(steps[name]["asymmetry"], 0.2)
 
     def test_the_flow_of_a_loop_is_that_of_the_steady_state(self) -> None:
-        from reflux_tools import column_slopes, simulator
+        from reflux import column_slopes, simulator
 
         rest = simulator.at_rest(HEXANES)
         self.assertAlmostEqual(rest["xD"], 1.0, delta=1e-3)
@@ -349,7 +349,7 @@ class Trimmed(FolderTest):
 class Slopes(unittest.TestCase):
     def test_the_consistent_slope_is_how_a_tray_begins_to_move_after_a_step_to_a_third(self) -> None:
         """It leaves out what the subcooled reflux condenses and what the trays beside it do meanwhile; the printed one is six times as much."""
-        from reflux_tools import trays
+        from research import trays
 
         for state, mv, stage in (("SS1", "Q", 33), ("SS1", "R", 33), ("SS2", "Q", 5), ("SS2", "R", 33)):
             with self.subTest(state, mv=mv, stage=stage):
@@ -357,7 +357,7 @@ class Slopes(unittest.TestCase):
                 self.assertLess(abs(trays.slope(stage, mv, state, "consistent") / began - 1), 1 / 3)
 
     def test_a_stage_without_one_above_has_no_gradient(self) -> None:
-        from reflux_tools import trays
+        from research import trays
 
         with self.assertRaisesRegex(UserError, "no stage above"):
             trays.steady("SS1").slope(37, "heat", 4143.0)

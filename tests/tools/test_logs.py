@@ -4,8 +4,8 @@ import unittest
 
 from support import FolderTest, call
 
-from reflux_tools import compare, logs, runner
-from reflux_tools.errors import RunFailed, UserError
+from reflux import compare, logs, runner
+from reflux.errors import RunFailed, UserError
 
 SIM = "# made up\nnumber,time[s],T1.true[degC],Lr.applied[l/h]\n0,0,87.1,4.5\n1,30,87.2,4.6\n2,60,87.3,4.7\n"
 TEL = ("H,1,number,time[s],T1[degC],stat.tick\nT,1,0,0.000,87.1,10\n"

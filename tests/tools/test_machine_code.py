@@ -6,12 +6,12 @@ from pathlib import Path
 
 from support import FolderTest
 
-from reflux_tools import machine_code
-from reflux_tools.errors import RunFailed
-from reflux_tools.paths import build_dir
-from reflux_tools.testing.ctest_files import Entry
-from reflux_tools.testing.entries import SANITIZED
-from reflux_tools.testing.run_once import same_code
+from reflux import machine_code
+from reflux.errors import RunFailed
+from reflux.paths import build_dir
+from dev.testing.ctest_files import Entry
+from dev.testing.entries import SANITIZED
+from dev.testing.run_once import same_code
 
 SOURCE = "static const char text[] = \"{text}\";\nint main(int n, char **v) {{ (void)v; return n - {value} + text[0]; }}\n"
 

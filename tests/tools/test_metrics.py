@@ -6,9 +6,9 @@ from pathlib import Path
 
 import support  # noqa: F401  finds the tools
 
-from reflux_tools import limits, metrics
-from reflux_tools.logs import Log
-from reflux_tools.scenario import Event, Limit, Line, Loop, Scenario
+from reflux import limits, metrics
+from reflux.logs import Log
+from reflux.scenario import Event, Limit, Line, Loop, Scenario
 
 DT, T, STEP = 1.0, 100.0, 2.0
 LOOP = Loop("top", "T1", "Lr", 0.1)

@@ -9,9 +9,9 @@ from pathlib import Path
 
 from support import call
 
-from reflux_tools import cmd_mutate
-from reflux_tools.mutation import drawing
-from reflux_tools.mutation.edits import KINDS, edits_of
+from dev import cmd_mutate
+from dev.mutation import drawing
+from dev.mutation.edits import KINDS, edits_of
 
 SOURCE = """\
 #include <stdint.h>

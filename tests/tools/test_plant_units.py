@@ -6,9 +6,9 @@ import unittest.mock
 
 from support import FolderTest, call
 
-from reflux_tools import plant_file, simulator
-from reflux_tools.commission import board
-from reflux_tools.errors import UserError
+from reflux import plant_file, simulator
+from reflux.commission import board
+from reflux.errors import UserError
 
 HEATER = {"name": "heater", "title": "a heater", "source": "made up", "tick_s": 5,
           "inputs": [{"name": "Q", "unit": "%", "lo": 0, "hi": 100, "nominal": 30, "safe": 0}],
@@ -53,7 +53,7 @@ class Units(FolderTest):
         for arguments in (["run", trial, "--firmware", "memory", "--no-build"], ["console", "--host", "--plant", path, "--no-build", "--spark", "T"],
                           ["commission", "--plant", path, "--yes", "--no-build"], ["commission", "--plant", path, "--tick", "5", "--yes", "--no-build"],
                           ["ina", path, "--no-build"], ["decouple", path, "--no-build"], ["state-feedback", path, "--outputs", "T", "--inputs", "Q", "--poles", "0.5", "--period", "5", "--no-build"]):
-            with self.subTest(arguments), unittest.mock.patch("reflux_tools.launch.spawn", side_effect=AssertionError("a firmware was started")):
+            with self.subTest(arguments), unittest.mock.patch("reflux.launch.spawn", side_effect=AssertionError("a firmware was started")):
                 status, _, err = call(*arguments)
                 self.assertEqual(status, 2, err)
                 self.assertIn("$.outputs[0].unit: ", err)

@@ -6,8 +6,8 @@ from html.parser import HTMLParser
 
 from support import GOOD, FolderTest, call
 
-from reflux_tools import limits, logs, metrics, plots, report, runner, scenario
-from reflux_tools.markup import element
+from reflux import limits, logs, metrics, plots, report, runner, scenario
+from reflux.markup import element
 
 HOSTILE = "<span/onclick=alert(1)>\"'&amp;</td><script>alert(1)</script>"
 ATTRIBUTES = {"lang", "charset", "http-equiv", "content", "name", "class", "alt", "src"}

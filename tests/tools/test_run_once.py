@@ -4,8 +4,8 @@ import unittest
 
 import support  # noqa: F401
 
-from reflux_tools.testing import reach, run_once
-from reflux_tools.testing.entries import SANITIZED
+from dev.testing import reach, run_once
+from dev.testing.entries import SANITIZED
 
 
 class RunOnce(unittest.TestCase):

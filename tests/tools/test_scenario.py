@@ -4,9 +4,9 @@ import unittest
 
 from support import GOOD, ROOT, FolderTest, call
 
-from reflux_tools import runner, scenario
-from reflux_tools.errors import UserError
-from reflux_tools.paths import every
+from reflux import runner, scenario
+from reflux.errors import UserError
+from reflux.paths import every
 
 LOOP = '[[loop]]\nname = "top"\npv = "T1"\nmv = "Lr"\n'
 BAD = {

@@ -11,7 +11,7 @@ sys.path.insert(0, str(ROOT / "tests" / "reference"))
 import siddha_identification as si  # noqa: E402
 import siddha_simulation as sim  # noqa: E402
 
-from reflux_tools import high_order  # noqa: E402
+from reflux import high_order  # noqa: E402
 
 RATIOS = np.array([sim.ratio(r) for r in sim.REGIMES])
 

@@ -9,20 +9,9 @@ from typing import Any, Callable
 
 from support import GOOD, ROOT, FolderTest
 
-from reflux_tools import (
-    board_model,
-    build,
-    cmd_console,
-    cmd_identify,
-    column_file,
-    gradients,
-    logs,
-    plant_file,
-    scenario,
-    textfile,
-)
-from reflux_tools.commission import record
-from reflux_tools.errors import UserError
+from reflux import board_model, build, cmd_console, cmd_identify, column_file, gradients, logs, plant_file, scenario, textfile
+from reflux.commission import record
+from reflux.errors import UserError
 
 PLANTS = ROOT / "host_sim" / "plants"
 LOG = "number,time[s],T1.true[degC],T1.meas[degC],Lr.applied[l/h]\n" + "".join(f"{k},{30 * k},{87 + k % 3},87,4.5\n" for k in range(40))

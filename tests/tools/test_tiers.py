@@ -5,9 +5,9 @@ import unittest
 
 from support import ROOT, FolderTest, call
 
-from reflux_tools.errors import UserError
-from reflux_tools.testing import cases, running, tiers
-from reflux_tools.testing.entries import AGAIN, LABELS, Test
+from reflux.errors import UserError
+from dev.testing import cases, running, tiers
+from dev.testing.entries import AGAIN, LABELS, Test
 
 sys.path.insert(0, str(ROOT / "tests" / "support"))
 import sample  # noqa: E402

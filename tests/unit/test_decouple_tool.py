@@ -13,7 +13,7 @@ import numpy as np
 HERE = Path(__file__).resolve().parent
 sys.path[:0] = [str(HERE.parent / "tools"), str(HERE.parents[1] / "tools")]
 
-from reflux_tools import decoupled_loops, decoupling, libreflux, sampled_plant, session  # noqa: E402
+from reflux import decoupled_loops, decoupling, libreflux, sampled_plant, session  # noqa: E402
 from support import FolderTest, board, call, told  # noqa: E402
 
 PLANTS = HERE.parents[1] / "host_sim" / "plants"

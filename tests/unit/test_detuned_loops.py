@@ -20,7 +20,7 @@ HERE = Path(__file__).resolve().parent
 sys.path[:0] = [str(HERE.parent / "reference"), str(HERE.parents[1] / "tools")]
 
 from interact_plants import figures  # noqa: E402
-from reflux_tools import libreflux  # noqa: E402
+from reflux import libreflux  # noqa: E402
 from sampled_loops import Loop, fopdt_parts, plant_parts  # noqa: E402
 
 RANDOM_SEED = 7

@@ -17,8 +17,8 @@ ROOT = Path(__file__).resolve().parents[2]
 sys.path[:0] = [str(ROOT / "tools"), str(ROOT / "tools" / "figures"), str(ROOT / "tests" / "tools")]
 
 import arx_bias  # noqa: E402
-from reflux_tools import cmd_identify, identification, libreflux  # noqa: E402
-from reflux_tools.errors import UserError  # noqa: E402
+from reflux import cmd_identify, identification, libreflux  # noqa: E402
+from reflux.errors import UserError  # noqa: E402
 from support import FolderTest, call  # noqa: E402
 
 A = [[-0.80338, 0.02616], [-1.06726, 0.14709]]

@@ -16,9 +16,9 @@ HERE = Path(__file__).resolve().parent
 sys.path[:0] = [str(HERE.parent / "tools"), str(HERE.parent / "reference"), str(HERE.parents[1] / "tools")]
 
 from linear_reference import Plant  # noqa: E402
-from reflux_tools import arrays, board_settings, cmd_ina, ina_plant, ina_window, libreflux  # noqa: E402
-from reflux_tools.errors import RunFailed, UserError  # noqa: E402
-from reflux_tools.paths import every  # noqa: E402
+from reflux import arrays, board_settings, cmd_ina, ina_plant, ina_window, libreflux  # noqa: E402
+from reflux.errors import RunFailed, UserError  # noqa: E402
+from reflux.paths import every  # noqa: E402
 from support import FolderTest, board, call, told  # noqa: E402
 
 THEIRS = np.array([[1.0, 0.33], [0.64, 1.2112]])

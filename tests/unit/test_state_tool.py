@@ -13,7 +13,7 @@ from scipy.linalg import expm
 ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "tools"))
 
-from reflux_tools import libreflux, state_decoupler  # noqa: E402
+from reflux import libreflux, state_decoupler  # noqa: E402
 
 A = np.array([[-1.0, 0.5, 0.0], [0.25, -2.0, 0.5], [0.0, 0.5, -0.75]])
 B = np.array([[1.0, 0.25], [0.5, 0.5], [0.0, 1.0]])

@@ -21,7 +21,7 @@ import numpy as np
 ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "tools"))
 
-from reflux_tools import identification, libreflux, paths, table  # noqa: E402
+from reflux import identification, libreflux, paths, table  # noqa: E402
 
 PAGE = ROOT / "docs" / "difference-models.md"
 A = np.array([[-0.80338, 0.02616], [-1.06726, 0.14709]])
@@ -99,7 +99,7 @@ def draw(found: dict[tuple[int, float, str], Errors], seeds: int, place: Path) -
     matplotlib.use("Agg")
     import matplotlib.pyplot as plt
 
-    from reflux_tools.plots import BLUE, GREEN, ORANGE, STYLE
+    from reflux.plots import BLUE, GREEN, ORANGE, STYLE
 
     with plt.rc_context(STYLE):
         figure, axes = plt.subplots(1, 2, figsize=(9.6, 3.2))

@@ -16,7 +16,7 @@ import matplotlib  # noqa: E402
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt  # noqa: E402
 
-from reflux_tools import logs, paths  # noqa: E402
+from reflux import logs, paths  # noqa: E402
 
 END_H = 4.0
 HAPPENINGS = [(1, "heater"), (20, "total\nreflux"), (32, "feed,\nproducts"), (52, "control"), (180, "shut\ndown")]

@@ -11,7 +11,7 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "tools"))
 
-from reflux_tools import build, cmd_column, column_file, paths  # noqa: E402
+from reflux import build, cmd_column, column_file, paths  # noqa: E402
 
 
 def main() -> int:

@@ -9,7 +9,7 @@ import sys
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
-from reflux_tools import commissioning_columns  # noqa: E402
+from research import commissioning_columns  # noqa: E402
 
 SEEDS = 30
 

@@ -13,9 +13,9 @@ sys.path.insert(0, str(ROOT / "tools"))
 
 import numpy as np  # noqa: E402
 
-from reflux_tools import paths  # noqa: E402
-from reflux_tools.commission import figures, record  # noqa: E402
-from reflux_tools.plots import BLUE, GREEN, GREY, ORANGE, STYLE, plt  # noqa: E402
+from reflux import paths  # noqa: E402
+from reflux.commission import figures, record  # noqa: E402
+from reflux.plots import BLUE, GREEN, GREY, ORANGE, STYLE, plt  # noqa: E402
 
 
 def tests(r: record.Record, column: list) -> None:

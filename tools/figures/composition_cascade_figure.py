@@ -19,7 +19,7 @@ import matplotlib.pyplot as plt  # noqa: E402
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "tools"))
-from reflux_tools import paths, runner, scenario  # noqa: E402
+from reflux import paths, runner, scenario  # noqa: E402
 
 RED, BLUE, GREY = "#b2182b", "#2166ac", "#888888"
 

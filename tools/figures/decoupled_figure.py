@@ -16,8 +16,8 @@ import matplotlib  # noqa: E402
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt  # noqa: E402
 
-from reflux_tools import logs, paths  # noqa: E402
-from reflux_tools.plots import BLUE, GREEN, GREY, ORANGE, STYLE  # noqa: E402
+from reflux import logs, paths  # noqa: E402
+from reflux.plots import BLUE, GREEN, GREY, ORANGE, STYLE  # noqa: E402
 
 HAPPENINGS = [(4800, "one up"), (12000, "two up"), (18000, "u1 at most 1.5 V"), (24000, "two down"), (31200, "u1 free"), (36000, "one down")]
 

@@ -18,8 +18,8 @@ import matplotlib  # noqa: E402
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt  # noqa: E402
 
-from reflux_tools import paths  # noqa: E402
-from reflux_tools.plots import BLUE, GREEN, GREY, ORANGE, STYLE  # noqa: E402
+from reflux import paths  # noqa: E402
+from reflux.plots import BLUE, GREEN, GREY, ORANGE, STYLE  # noqa: E402
 
 METHODS = ("static", "partial", "one-way", "ina", "polynomial")
 COLOURS = (BLUE, "#6fa3d8", GREEN, ORANGE, "#8e2d2d")

@@ -15,7 +15,7 @@ import matplotlib  # noqa: E402
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt  # noqa: E402
 
-from reflux_tools import logs, paths  # noqa: E402
+from reflux import logs, paths  # noqa: E402
 
 HAPPENINGS = [(0.25, "top\nsetpoint"), (0.75, "bottom\nsetpoint"), (1.25, "feed flow\n+10 %"),
               (1.75, "feed leaner\n36 to 33 %w"), (2.25, "heater weak"), (2.75, "heater whole")]

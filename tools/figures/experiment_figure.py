@@ -19,7 +19,7 @@ import numpy as np  # noqa: E402
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "tools"))
-from reflux_tools import paths, runner, scenario  # noqa: E402
+from reflux import paths, runner, scenario  # noqa: E402
 
 BLUE, RED, GREY = "#2166ac", "#b2182b", "#888888"
 

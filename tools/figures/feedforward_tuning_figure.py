@@ -20,8 +20,9 @@ import numpy as np  # noqa: E402
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "tools"))
-from reflux_tools import feedforward_study, paths  # noqa: E402
-from reflux_tools.feedforward_study import Case, sim  # noqa: E402
+from reflux import paths  # noqa: E402
+from research import feedforward_study  # noqa: E402
+from research.feedforward_study import Case, sim  # noqa: E402
 
 BLUE, RED, GREY, ORANGE = "#2166ac", "#b2182b", "#888888", "#d98c00"
 CASES = ("III c", "II c", "II a")

@@ -26,7 +26,7 @@ sys.path.insert(0, str(ROOT / "tests/reference"))
 import identify_reference as reference  # noqa: E402
 
 sys.path.insert(0, str(ROOT / "tools"))
-from reflux_tools import paths  # noqa: E402
+from reflux import paths  # noqa: E402
 
 PAGE = ROOT / "docs/identification.md"
 NOISE, DRIFT, ANSWER, COUNT = 0.005, 0.01, 0.05, 1.0 / 4096

@@ -18,7 +18,7 @@ import numpy as np  # noqa: E402
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "tools"))
-from reflux_tools import libreflux, paths  # noqa: E402
+from reflux import libreflux, paths  # noqa: E402
 
 COLOURS = ("#b2182b", "#2166ac", "#4d9221")
 UNIT = {"s": 1.0, "min": 60.0, "h": 3600.0}

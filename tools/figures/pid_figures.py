@@ -18,7 +18,7 @@ import matplotlib.pyplot as plt  # noqa: E402
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "tools"))
-from reflux_tools import paths  # noqa: E402
+from reflux import paths  # noqa: E402
 
 COLOURS = ("#b2182b", "#2166ac", "#4d9221")
 

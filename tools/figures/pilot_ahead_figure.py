@@ -16,7 +16,7 @@ import matplotlib  # noqa: E402
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt  # noqa: E402
 
-from reflux_tools import logs, paths  # noqa: E402
+from reflux import logs, paths  # noqa: E402
 
 HAPPENINGS = [(200, "a fifth\nmore feed"), (240, "richer\nfeed"), (280, "weak\nheater")]
 

@@ -19,9 +19,9 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "tools"))
 
-from reflux_tools import identification, libreflux, plant_file  # noqa: E402
-from reflux_tools.errors import RunFailed, UserError  # noqa: E402
-from reflux_tools.paths import shown  # noqa: E402
+from reflux import identification, libreflux, plant_file  # noqa: E402
+from reflux.errors import RunFailed, UserError  # noqa: E402
+from reflux.paths import shown  # noqa: E402
 
 
 def configuration(plant: dict) -> list[str]:

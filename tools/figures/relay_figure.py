@@ -17,7 +17,7 @@ import matplotlib.pyplot as plt  # noqa: E402
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "tests" / "support"))
 sys.path.insert(0, str(ROOT / "tools"))
-from reflux_tools import paths  # noqa: E402
+from reflux import paths  # noqa: E402
 from commissioning import Run, configuration, plant  # noqa: E402
 
 PAIRS = (("xD", "R", "reverse"), ("xB", "S", "direct"))

@@ -19,8 +19,9 @@ import matplotlib.pyplot as plt  # noqa: E402
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "tools"))
-from reflux_tools import cmd_campaign, paths, runner  # noqa: E402
-from reflux_tools import self_tuning_campaign as campaign  # noqa: E402
+from reflux import paths, runner  # noqa: E402
+from research import cmd_campaign  # noqa: E402
+from research import self_tuning_campaign as campaign  # noqa: E402
 
 EVERY_MIN = 2
 RED, BLUE, GREY = "#b2182b", "#2166ac", "#888888"

@@ -16,7 +16,7 @@ import matplotlib  # noqa: E402
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt  # noqa: E402
 
-from reflux_tools import logs, paths  # noqa: E402
+from reflux import logs, paths  # noqa: E402
 
 FIRMWARE = logs.FIRMWARE_PREFIX
 TEMPERATURES = [("T1.true", "T1", "#1f5fa8"), ("T10.true", "T10", "#d2691e"), ("TB.true", "reboiler", "#8e2d2d")]

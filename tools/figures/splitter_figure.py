@@ -16,7 +16,7 @@ import matplotlib  # noqa: E402
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt  # noqa: E402
 
-from reflux_tools import logs, paths  # noqa: E402
+from reflux import logs, paths  # noqa: E402
 
 HAPPENINGS = [(1, "stage 30\n1.5 K colder"), (4, "feed of\nscenario 1"), (8, "nominal\nfeed")]
 

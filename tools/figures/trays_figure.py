@@ -20,7 +20,8 @@ import matplotlib.pyplot as plt  # noqa: E402
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "tools"))
-from reflux_tools import cmd_campaign, paths, trays  # noqa: E402
+from reflux import paths  # noqa: E402
+from research import cmd_campaign, trays  # noqa: E402
 
 COLOURS = ("#2166ac", "#1b7837", "#b2182b", "#762a83", "#b8860b", "#5c6670", "#16a085", "#d2691e", "#8e44ad", "#2c3e50")
 COMMITTED = {

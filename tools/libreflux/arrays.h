@@ -1,6 +1,6 @@
 /* Arrays of frequency responses for the host tools: direct and inverse, Gershgorin's radii, compensators, loci. Rules as in
  * libreflux.h; a complex number is re and im, one after the other, and a table has a p x m matrix for every frequency.
- * tools/reflux_tools/arrays.py is the Python side. */
+ * tools/reflux/arrays.py is the Python side. */
 #ifndef REFLUX_LIBREFLUX_ARRAYS_H
 #define REFLUX_LIBREFLUX_ARRAYS_H
 

@@ -1,6 +1,6 @@
 /* Part of libreflux.h: decouplers of a sampled plant, controllers by pole placement, static decouplers between none and the whole one
  * (firmware/design/polynomial_decoupler.h, pole_placement.h, decoupler_shapes.h). The rules of libreflux.h hold; struct
- * reflux_sampled is that of arrays.h. Polynomials are in z^-1, coefficient 0 first. tools/reflux_tools/decoupling.py is the Python
+ * reflux_sampled is that of arrays.h. Polynomials are in z^-1, coefficient 0 first. tools/reflux/decoupling.py is the Python
  * side. */
 #ifndef REFLUX_LIBREFLUX_DECOUPLING_H
 #define REFLUX_LIBREFLUX_DECOUPLING_H

@@ -1,5 +1,5 @@
 /* The firmware's own analysis and design, in double, for the host tools: flat arrays in, flat arrays out, so that any
- * language can call it. tools/reflux_tools/libreflux.py is the Python side.
+ * language can call it. tools/reflux/libreflux.py is the Python side.
  *
  * Rules
  *  1. Matrices are row by row, p x m: element (output i, input j) is a[i * m + j]. p and m are 1 to 16.

@@ -1,5 +1,5 @@
 /* Part of libreflux.h: decoupling by state feedback (firmware/design/state_decoupler.h). The rules of libreflux.h hold; matrices are
- * row by row, complex numbers re and im. tools/reflux_tools/state_decoupler.py is the Python side. */
+ * row by row, complex numbers re and im. tools/reflux/state_decoupler.py is the Python side. */
 #ifndef REFLUX_LIBREFLUX_STATE_FEEDBACK_H
 #define REFLUX_LIBREFLUX_STATE_FEEDBACK_H
 

@@ -1,0 +1,199 @@
+"""Every test there is: its command, its labels, and the programs that must be built before it runs.
+
+Nothing is built here. The build trees that a label needs are configured, because their entries stand in CMake's files.
+"""
+
+from __future__ import annotations
+
+import re
+import subprocess
+import sys
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from reflux import boards, build, launch
+from reflux.errors import RunFailed
+from reflux.paths import CAMPAIGNS, ROOT
+from dev.testing import ctest_files
+
+LABELS = ("unit", "loop", "fuzz", "target", "style", "tools", "campaign")
+SANITIZED = ("asan", "asan-fixed")
+AGAIN = "again"  # label of a test that tests/run_once.txt names, in the fixed-point tree
+HANG_S = 1800.0  # Stops a test that hangs; far longer than any test takes on a busy machine.
+COPIED = ("TIMEOUT", "WORKING_DIRECTORY", "RUN_SERIAL", "PROCESSORS", "RESOURCE_LOCK", "SKIP_RETURN_CODE")
+LISTS = ("ENVIRONMENT", "FIXTURES_SETUP", "FIXTURES_CLEANUP", "FIXTURES_REQUIRED")
+HOST = ("reflux-sim", "reflux-sim-memory", "reflux-plant", "reflux-host", "libreflux")
+LIBRARIES = ("libreflux", "libreflux_board")
+CAMPAIGN_SHARE = 0.05
+WITH_BLOCKS = ("stm32f405", "stm32f405-fixed")
+KALMAN = ("begin", "set block3.method ekf", "set block3.noise 0.2", "set block3.feed_z 0.02")
+
+Needs = frozenset[tuple[str, str]]
+
+
+@dataclass
+class Test:
+    """One entry of the tree that tools/test writes. needs: presets with a target each; "" means the whole preset."""
+
+    name: str
+    command: list[str]
+    labels: list[str]
+    needs: Needs = frozenset()
+    properties: dict[str, object] = field(default_factory=dict)
+
+
+def needs(preset: str, *targets: str) -> Needs:
+    """Targets of one preset; without a target the whole preset."""
+    return frozenset((preset, target) for target in targets or ("",))
+
+
+def needs_of_firmware(*kinds: str) -> Needs:
+    """What scenarios on these firmwares run."""
+    return frozenset().union(*(needs(preset, *targets) for kind in kinds for preset, targets in launch.programs_of(kind)))
+
+
+def collect(labels: set[str]) -> list[Test]:
+    """The tests of these labels, of both tiers."""
+    tests: list[Test] = []
+    if labels & {"unit", "loop", "fuzz"}:
+        for preset in SANITIZED:
+            tests += tree_tests(preset, labels)
+    if "loop" in labels:
+        tests += loop_tests()
+    if "target" in labels:
+        tests += target_tests()
+    if "style" in labels:
+        tests += style_tests()
+    if "tools" in labels:
+        tests += [*tree_tests("host", {"tools"}), *script_tests("tools"), *page_tests(), reach_test()]
+    if "campaign" in labels:
+        tests += campaign_tests()
+    names = [test.name for test in tests]
+    doubled = sorted({name for name in names if names.count(name) > 1})
+    if doubled:
+        raise RunFailed(f"two tests are called {doubled[0]}")
+    return tests
+
+
+def tree_tests(preset: str, labels: set[str]) -> list[Test]:
+    """Tests that CMake knows in one build tree, with the preset before their names."""
+    tree = build.configure(preset)
+    out = []
+    for entry in ctest_files.entries(tree):
+        mine = entry.items("LABELS")
+        if not labels & set(mine):
+            continue
+        properties: dict[str, object] = {key: entry.properties[key] for key in COPIED if key in entry.properties}
+        for key in LISTS:
+            if items := entry.items(key):
+                properties[key] = [f"{preset}.{item}" for item in items] if key.startswith("FIXTURES") else items
+        targets = [str(Path(program).relative_to(tree)) for program in entry.programs(tree)]
+        out.append(Test(f"{preset}.{entry.name}", list(entry.command), mine, needs(preset, *targets) if targets else frozenset(),
+                        properties))
+    return out
+
+
+def script(name: str, path: Path, label: str, wanted: Needs, *arguments: str) -> Test:
+    """A Python test as a program of its own."""
+    return Test(name, [sys.executable, str(path), *arguments], [label], wanted, {"TIMEOUT": HANG_S})
+
+
+def script_tests(label: str) -> list[Test]:
+    """Every test_*.py of tests/LABEL. Images of the default tier, and host-fixed, are needed where the script names them."""
+    files = sorted((ROOT / "tests" / label).glob("test_*.py"))
+    if not files:
+        raise RunFailed(f"tests/{label} has no test_*.py")
+    always = needs("host", *HOST, *(LIBRARIES if label == "tools" else ()))
+    out = []
+    for path in files:
+        if path.stem == "test_commands":  # page_tests()
+            continue
+        text = path.read_text(encoding="utf-8")
+        named = [kind for kind in ("host-fixed", *boards.BUILT_BY_DEFAULT) if re.search(rf'"{re.escape(kind)}"', text)]
+        wanted = always | needs_of_firmware(*(boards.BUILT_BY_DEFAULT if path.stem == "test_image" else named))
+        if path.stem == "test_run_once":
+            wanted = needs("asan") | needs("asan-fixed")
+        out.append(script(f"{label}.{path.stem.removeprefix('test_')}", path, label, wanted))
+    return out
+
+
+def page_tests() -> list[Test]:
+    """The commands of README and of each page of docs/."""
+    path = ROOT / "tests" / "tools" / "test_commands.py"
+    answer = subprocess.run([sys.executable, str(path), "--list"], capture_output=True, text=True, check=False)
+    pages = answer.stdout.split()
+    if answer.returncode != 0 or not pages:
+        raise RunFailed(f"tests/tools/test_commands.py --list: {answer.stderr.strip() or 'no page has a command'}")
+    wanted = needs("host", *HOST, *LIBRARIES)
+    quick = script("tools.commands-README-quick", path, "tools", wanted | needs("stm32f405"), "README.md", "--quick")
+    return [quick, *(script(f"tools.commands-{Path(page).stem}", path, "tools", wanted, page) for page in pages)]
+
+
+def reach_test() -> Test:
+    """Whether tests/reach.txt has every source that each test runs."""
+    return Test("tools.reach", [str(ROOT / "tools" / "coverage"), "--reach", "--check"], ["tools"], frozenset(),
+                {"TIMEOUT": HANG_S, "PROCESSORS": 2})
+
+
+def loop_tests() -> list[Test]:
+    """The same scenario inside one process and over a socket gives one log; and whole-firmware tests."""
+    return [same_log("loop.smoke-memory-and-host", "memory", "host", "loop"), *script_tests("loop")]
+
+
+def target_tests() -> list[Test]:
+    """Tests of the images in the emulator."""
+    return [*target_logs(), *script_tests("target")]
+
+
+def target_logs() -> list[Test]:
+    """The same scenario on the host and on the image in the emulator gives one log."""
+    whole = [image for image in boards.RUNS if image.preset in WITH_BLOCKS]
+    return [*(same_log(f"target.smoke-{image.test}", image.twin, image.preset, "target") for image in boards.RUNS),
+            # Unsupervised, because the tick in which a proposal is adopted depends on the speed of the main loop.
+            *(same_log(f"target.self-tuning-{image.test}", image.twin, image.preset, "target", "self-tuning-pair",
+                       ("begin", "set block1.supervise off", "apply"))
+              for image in whole),
+            *(same_log(f"target.decoupled-{image.test}", image.twin, image.preset, "target", "kotyk-decoupled")
+              for image in whole),
+            *(same_log(f"target.state-{image.test}", image.twin, image.preset, "target", "pilot-state", until=10800)
+              for image in whole),
+            *(same_log(f"target.ahead-{image.test}", image.twin, image.preset, "target", "pilot-ahead", until=3600) for image in whole),
+            # Until it proposes.
+            *(same_log(f"target.experiment-{image.test}", image.twin, image.preset, "target", "kotyk-experiment", until=135600)
+              for image in whole),
+            same_log("target.estimate-float", "host", "stm32f405", "target", "methanol-estimate"),
+            # Until the feed has changed: three components, and two with a linear model.
+            *(same_log(f"target.kalman-{covariance}-{image.test}", image.twin, image.preset, "target", "splitter-estimate",
+                       (*KALMAN, f"set block3.covariance {covariance}", "apply"), until=5400)
+              for covariance in ("full", "band") for image in whole),
+            same_log("target.kalman-linear-float", "host", "stm32f405", "target", "pilot-kalman",
+                     ("begin", "set block2.method kalman", "set block2.covariance band", "apply"), until=7200)]
+
+
+def same_log(name: str, left: str, right: str, label: str, scenario: str = "smoke", lines: tuple[str, ...] = (),
+             until: int | None = None) -> Test:
+    """One scenario on two firmwares, whose logs must be the same to the last bit."""
+    ends = [] if until is None else ["--until", str(until)]
+    return script(name, ROOT / "tests" / "loop" / "same_log.py", label, needs_of_firmware(left, right), *ends,
+                  f"host_sim/scenarios/{scenario}.toml", left, right, *lines)
+
+
+def style_tests() -> list[Test]:
+    """Each check of tools/style; clang-analyzer looks at changed files, or at all of them in the full tier."""
+    command = [str(ROOT / "tools" / "style")]
+    checks = {"clang-format": ("clang-format",), "clang-tidy": ("clang-tidy",), "clang-analyzer": ("clang-analyzer", "--changed"),
+              "clang-analyzer-all": ("clang-analyzer",)}
+    return [Test(f"style.{name}", [*command, *words], ["style"], frozenset(), {"TIMEOUT": HANG_S, "PROCESSORS": 2})
+            for name, words in checks.items()]
+
+
+def campaign_tests() -> list[Test]:
+    """A twentieth of each campaign's seeds, one run at a time."""
+    files = sorted(CAMPAIGNS.glob("*.toml"))
+    if not files:
+        raise RunFailed("tests/campaign has no campaign")
+    both = ("endurance", "self_tuner", "feedforward_tuner")
+    wanted = (needs("host", *HOST, *LIBRARIES, *both, "endurance_kalman", "composition_campaign")
+              | needs("host-fixed", *both, "libreflux_board"))
+    return [Test(f"campaign.{path.stem}", [str(ROOT / "tools" / "campaign"), path.stem, "--fraction", f"{CAMPAIGN_SHARE:g}", "--check",
+                                           "--no-build", "--jobs", "1"], ["campaign"], wanted, {"TIMEOUT": HANG_S}) for path in files]

@@ -1,0 +1,30 @@
+"""tools/demo: the demonstration scenario, and where its report is."""
+
+from __future__ import annotations
+
+import argparse
+
+from reflux import cmd_run, launch, packages
+from reflux import scenario as scenarios
+from reflux.paths import SCENARIOS, named, out_root
+
+
+def main(arguments: list[str]) -> int:
+    p = argparse.ArgumentParser(
+        prog="tools/demo",
+        description="Installs what is missing (as root, after asking on a terminal; else says what to install), builds the simulator and the "
+        "STM32F405 image, and lets that image, in the emulator, hold a simulated distillation column for three and "
+        "a half hours of plant time. Writes out/demo/report.html, plots and log.csv. Exit status 1 when a loop "
+        "misses its limits.")
+    p.add_argument("--firmware", choices=scenarios.FIRMWARES, help="instead of the image in the emulator")
+    p.add_argument("--console-port", metavar="PORT", help="with --firmware serial")
+    p.add_argument("--link-port", metavar="PORT", help="with --firmware serial")
+    p.add_argument("--out", type=named, default=out_root() / "demo", metavar="FOLDER")
+    p.add_argument("--seed", type=int, metavar="N", help="of the sensor noise")
+    options = p.parse_args(arguments)
+    for name, value in {"noise": None, "speed": None, "quiet": False, "no_report": False, "no_build": False}.items():
+        setattr(options, name, value)
+    scenario = cmd_run.with_options(scenarios.load(SCENARIOS / "demo.toml"), options)
+    launch.check_ports(scenario.firmware, options.console_port, options.link_port)
+    packages.need("host", *(("target",) if scenario.firmware.startswith("stm32") else ()), sets_up=True)
+    return cmd_run.run(scenario, options.out, options)

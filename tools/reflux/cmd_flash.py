@@ -1,0 +1,106 @@
+"""tools/flash: writes the image to a real board and reads it back."""
+
+from __future__ import annotations
+
+import argparse
+import hashlib
+import shlex
+import struct
+import sys
+import tempfile
+import zlib
+from pathlib import Path
+
+from reflux import build, probes
+from reflux.errors import RunFailed, UserError
+from reflux.paths import build_dir, named, shown
+
+LARGEST = 768 * 1024  # sectors 0 to 9; 10 and 11 keep the parameters
+RAM = range(0x20000000, 0x20020001)
+PRESET = "stm32f405"
+
+
+def main(arguments: list[str]) -> int:
+    p = argparse.ArgumentParser(
+        prog="tools/flash",
+        description="Finds the board (ST-Link by st-flash, USB boot loader by dfu-util, ST-Link by OpenOCD), says what "
+        "it will do, asks, writes the image, reads it back, compares, and starts it. Stored parameters are kept: "
+        "their sectors are not touched.")
+    p.add_argument("--image", type=named, metavar="FILE", help=f"default: the one of preset {PRESET}")
+    p.add_argument("--probe", choices=sorted(probes.PROBES), help="only this way (default: the first that works)")
+    p.add_argument("--serial", metavar="NUMBER", help="of the ST-Link or boot loader, when there are more than one")
+    p.add_argument("--yes", action="store_true", help="do not ask")
+    p.add_argument("--dry-run", action="store_true", help="say what would be done and stop")
+    options = p.parse_args(arguments)
+    image = options.image or default_image()
+    about = inspect(image)
+    probe, found = probes.find(options.probe, options.serial)
+    with tempfile.TemporaryDirectory(prefix="reflux-") as folder:
+        back = Path(folder) / "back.bin"
+        steps = probe.steps(image, back, found.serial)
+        print(f"board: {found.text}\nimage: {shown(image)}, {about}\nit will:")
+        for what, commands in (("write", steps.write), ("read back and compare", steps.read), ("start", steps.finish)):
+            for command in commands:
+                print(f"  {what}: {shlex.join(command)}")
+        if options.dry_run:
+            print("nothing written (--dry-run)")
+            return 0
+        if not options.yes and not agreed():
+            print("nothing written")
+            return 1
+        write(image, back, steps)
+    print(f"flash: {image.stat().st_size} bytes written to {found.text}, read back equal, started")
+    return 0
+
+
+def default_image() -> Path:
+    try:
+        return build.find_image(PRESET)
+    except RunFailed:
+        raise UserError(f"{shown(build_dir(PRESET))} has no image; build one (cmake --workflow --preset {PRESET}) or "
+                        "name one with --image") from None
+
+
+def inspect(image: Path) -> str:
+    """Refuses what cannot be an image for this chip: its first words are stack and start, its last is its checksum."""
+    try:
+        data = image.read_bytes()
+    except OSError as error:
+        raise UserError(f"{shown(image)}: {error.strerror}") from None
+    if len(data) < 512 or len(data) > LARGEST:
+        raise UserError(f"{shown(image)}: {len(data)} bytes; an image has 512 to {LARGEST}")
+    stack, start = struct.unpack_from("<II", data)
+    if stack not in RAM or not start & 1 or not probes.FLASH < start < probes.FLASH + len(data):
+        raise UserError(f"{shown(image)} does not begin with the vectors of an image linked for {probes.FLASH:#010x} "
+                        "(the .bin file is wanted, not the .elf)")
+    if zlib.crc32(data[:-4]).to_bytes(4, "little") != data[-4:]:
+        raise UserError(f"{shown(image)} does not end with the checksum of what is before it: it is damaged, or not from "
+                        "a build of this firmware; the board would let nothing act")
+    return f"{len(data)} bytes, sha256 {hashlib.sha256(data).hexdigest()[:16]}"
+
+
+def agreed() -> bool:
+    if not sys.stdin.isatty():
+        raise UserError("nobody is there to be asked; --yes writes without asking")
+    try:
+        return input("Heaters off? Write? [y/N] ").strip().lower() in ("y", "yes")
+    except EOFError:
+        return False
+
+
+def write(image: Path, back: Path, steps: probes.Steps) -> None:
+    for command in steps.write:
+        probes.must_run(command, "writing")
+    for command in steps.read:
+        probes.must_run(command, "reading back")
+    wanted = image.read_bytes()
+    try:
+        have = back.read_bytes()
+    except OSError:
+        raise RunFailed("reading back gave no file; the board's content is not known") from None
+    if have != wanted:
+        k = next((i for i, (a, b) in enumerate(zip(wanted, have)) if a != b), min(len(wanted), len(have)))
+        raise RunFailed(f"what was read back differs from the image at {probes.FLASH + k:#010x}; the board was not "
+                        "started: write again")
+    for command in steps.finish:
+        probes.must_run(command, "starting")

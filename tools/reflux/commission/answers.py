@@ -1,0 +1,519 @@
+"""What the operator is asked for before a start-up: values, defaults, what is allowed, and the file they may stand in."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from reflux.commission.board import Channel, Plant, State
+from reflux.errors import UserError
+from reflux.paths import shown
+from reflux.schema import Table, load_toml
+
+AUTO = "auto"
+PAIRS, GIVEN = "test.pairs", "given"
+LIMIT_SHARE = 0.2   # of span: the firmware's own default
+ROOM_SHARE = 0.005  # of span, to both sides of the operating point: the firmware wants that
+BIG = 1e9
+TIME_MOST = 1e6
+
+
+class Wrong(Exception):
+    """An answer that cannot be: what is wrong and what would be right, in one line."""
+
+
+@dataclass(frozen=True)
+class Field:
+    name: str
+    kind: str  # number, auto (number or the word), yes
+    help: str
+    parameter: str = ""
+    new: bool = False  # only asked for channels that the board has not configured
+    unit: str = ""     # where it is not the channel's
+
+
+MEASUREMENT = (
+    Field("lo", "number", "lower end of the span", "lo", new=True),
+    Field("hi", "number", "upper end of the span", "hi", new=True),
+    Field("tested", "yes", "yes: a loop is looked for; no: only watched as far as it is configured", "test"),
+    Field("limit", "number", "farthest it may go from rest: a step that would bring it there is turned round before; "
+          "past it the test ends", "test_limit"),
+    Field("critical", "yes", "yes: only half of that", "test_critical"),
+)
+INPUT = (
+    Field("lo", "number", "lower end of the span", "lo", new=True),
+    Field("hi", "number", "upper end of the span", "hi", new=True),
+    Field("safe", "number", "value at start, on silence, in the safe state", "safe", new=True),
+    Field("min", "number", "lowest value ever commanded; the plant does not announce it", "min"),
+    Field("max", "number", "highest value ever commanded; likewise", "max"),
+    Field("at", "number", "operating point: held there, and tested around it"),
+    Field("tested", "yes", "yes: steps are made on it; no: it stays where it is", "test"),
+    Field("step", "auto", "amplitude of its steps; auto: larger ones are tried until a response stands out of the noise",
+          "test_step"),
+    Field("time", "auto", "length of half a double step; auto: until the plant has come to rest", "test_time", unit="s"),
+    Field("critical", "yes", "yes: tested first, so that its times help the others", "test_critical"),
+)
+FOLLOWS = {"lo": ("min", "limit"), "hi": ("max", "limit")}
+
+
+@dataclass(frozen=True)
+class TestField:
+    name: str
+    parameter: str
+    unit: str
+    help: str
+    words: tuple[str, ...] = ()
+    whole: bool = False
+
+
+TEST = (
+    TestField("guard", "test.guard", "", "how a peak is seen coming: by a model of the response so far, or by a straight "
+              "line", ("model", "line")),
+    TestField("blank", "test.blank", "s", "the guard looks away for so long after a step; for responses that begin the "
+              "wrong way"),
+    TestField("noise", "test.noise", "", "a response this many times the noise is large enough"),
+    TestField("window", "test.window", "samples", "over so many of them the plant must be at rest", whole=True),
+    TestField("longest", "test.longest", "s", "no half of a double step is longer; 0: 1000 samples"),
+    TestField("confidence", "test.confidence", "", "a pairing less probable than this is not determined"),
+    TestField("rounds", "test.rounds", "", "tests are repeated, up to so many of each input, until it is", whole=True),
+)
+
+
+@dataclass
+class Values:
+    """Answers about one channel, by the names of its fields."""
+
+    channel: Channel
+    fields: tuple[Field, ...]
+    place: int | None  # of the configured channel on the board, from 1
+    values: dict[str, Any]
+    given: set[str] = field(default_factory=set)  # otherwise they follow the span
+
+    def asked(self) -> list[Field]:
+        return [f for f in self.fields if self.place is None or not f.new]
+
+    def change(self, given: dict[str, Any]) -> None:
+        """All of them or none."""
+        before = dict(self.values), set(self.given)
+        try:
+            for name, value in given.items():
+                self._set(name, value)
+            self.check()
+        except Wrong:
+            self.values, self.given = before
+            raise
+
+    def _set(self, name: str, value: Any) -> None:
+        known = {f.name: f for f in self.asked()}
+        if name not in known:
+            raise Wrong(f"{self.channel.name} has no {name}; there is {', '.join(known)}")
+        for follower in FOLLOWS.get(name, ()):
+            if follower in self.values and follower not in self.given:
+                self.values[follower] = None
+        f = known[name]
+        self.values[name] = _value(f.kind, value, f"{self.channel.name} {name}", f.unit or self.channel.unit)
+        self.given.add(name)
+
+    def check(self) -> None:
+        v, name, unit = self.values, self.channel.name, self.channel.unit
+        for end in ("lo", "hi"):
+            _within(v[end], -BIG, BIG, f"{name} {end}", unit)
+        if not v["lo"] < v["hi"]:
+            raise Wrong(f"{name} lo is {v['lo']:g} and hi is {v['hi']:g}; lo must be below hi")
+        if self.fields is MEASUREMENT:
+            self._check_measurement()
+        else:
+            self._check_input()
+
+    def _check_measurement(self) -> None:
+        v, name, span = self.values, self.channel.name, self.values["hi"] - self.values["lo"]
+        if v["limit"] is None:
+            v["limit"] = _round(LIMIT_SHARE * span)
+        if not 0 < v["limit"] <= span:
+            raise Wrong(f"{name} limit is {v['limit']:g}; more than 0 and up to its span, {span:g} {self.channel.unit}, "
+                        "is wanted")
+
+    def _check_input(self) -> None:
+        v, name, unit = self.values, self.channel.name, self.channel.unit
+        v["min"] = v["lo"] if v["min"] is None else v["min"]
+        v["max"] = v["hi"] if v["max"] is None else v["max"]
+        _within(v["safe"], v["lo"], v["hi"], f"{name} safe", unit)
+        _within(v["min"], v["lo"], v["hi"], f"{name} min", unit)
+        _within(v["max"], v["lo"], v["hi"], f"{name} max", unit)
+        if not v["min"] < v["max"]:
+            raise Wrong(f"{name} min is {v['min']:g} and max is {v['max']:g}; min must be below max")
+        if v["time"] != AUTO:
+            _within(v["time"], 0, TIME_MOST, f"{name} time", "s", above=True)
+        if v["at"] is None:
+            if v["step"] != AUTO:
+                _within(v["step"], 0, 0.5 * (v["hi"] - v["lo"]), f"{name} step", unit, above=True)
+            return
+        _within(v["at"], v["min"], v["max"], f"{name} at", unit)
+        room, least = self.room(), ROOM_SHARE * (v["hi"] - v["lo"])
+        if v["tested"] and room < least:
+            raise Wrong(f"{name} at {v['at']:g} {unit} leaves no room to step both ways; {v['min'] + least:g} .. "
+                        f"{v['max'] - least:g} is wanted, or other min and max, or {name} tested no")
+        if v["step"] != AUTO:
+            _within(v["step"], 0, min(room, 0.5 * (v["hi"] - v["lo"])), f"{name} step", unit, above=True,
+                    why=f" (it goes both ways from {v['at']:g}, within {v['min']:g} .. {v['max']:g})")
+
+    def room(self) -> float:
+        return min(self.values["at"] - self.values["min"], self.values["max"] - self.values["at"])
+
+    def missing(self) -> str | None:
+        """What has no default and was not given yet."""
+        if self.fields is INPUT and self.values["tested"] and self.values["at"] is None:
+            v = self.values
+            return (f"{self.channel.name} at is wanted: the value at the plant's operating point, between {v['min']:g} "
+                    f"and {v['max']:g} {self.channel.unit}")
+        return None
+
+
+@dataclass
+class Known:
+    """What is known of one element beforehand."""
+
+    measurement: str
+    input: str
+    time_s: float = 0.0
+    gain: float = 0.0
+    pair: bool = False  # this input is to control that measurement
+
+
+@dataclass(frozen=True)
+class Room:
+    """What the board takes."""
+
+    channels: int  # of each kind
+    known: int     # elements of which something is known beforehand
+    ranges: dict[str, tuple[float, float]]  # of the numbers of TEST
+
+
+@dataclass
+class Answers:
+    plant: str
+    tick_s: float
+    measurements: list[Values]
+    inputs: list[Values]
+    known: list[Known] = field(default_factory=list)
+    known_room: int = 4
+    test: dict[str, Any] = field(default_factory=dict)
+    ranges: dict[str, tuple[float, float]] = field(default_factory=dict)
+    proposal: str = "accept"
+    edits: dict[str, str] = field(default_factory=dict)
+
+    def channel(self, name: str) -> Values:
+        for values in (*self.measurements, *self.inputs):
+            if values.channel.name == name:
+                return values
+        names = [v.channel.name for v in (*self.measurements, *self.inputs)]
+        raise Wrong(f"there is no {name}; there are {', '.join(names)}")
+
+    def change_test(self, name: str, value: Any) -> None:
+        known = {f.name: f for f in TEST}
+        if name not in known:
+            raise Wrong(f"there is no {name}; there are {', '.join(known)}")
+        f = known[name]
+        if f.words:
+            if value not in f.words:
+                raise Wrong(f"{name} is {value}; {' or '.join(f.words)} is wanted")
+            self.test[name] = value
+            return
+        number = _value("number", value, name, f.unit)
+        low, high = self.ranges[name]
+        _within(number, low, high, name, f.unit)
+        if f.whole and number != int(number):
+            raise Wrong(f"{name} is {number:g}; a whole number is wanted")
+        self.test[name] = int(number) if f.whole else number
+
+    def add_known(self, measurement: str, input_name: str, time_s: Any = 0.0, gain: Any = 0.0, pair: Any = False) -> None:
+        where = f"{measurement} {input_name}"
+        if measurement not in [v.channel.name for v in self.measurements]:
+            raise Wrong(f"{measurement} is no measurement; there are "
+                        f"{', '.join(v.channel.name for v in self.measurements)}")
+        if input_name not in [v.channel.name for v in self.inputs]:
+            raise Wrong(f"{input_name} is no input; there are {', '.join(v.channel.name for v in self.inputs)}")
+        known = Known(measurement, input_name, _value("number", time_s, f"{where} time", "s"),
+                      _value("number", gain, f"{where} gain", ""), _value("yes", pair, f"{where} pair", ""))
+        _within(known.time_s, 0, TIME_MOST, f"{where} time", "s")
+        _within(known.gain, -BIG, BIG, f"{where} gain", "")
+        rest = [k for k in self.known if (k.measurement, k.input) != (measurement, input_name)]
+        if known.time_s == 0 and known.gain == 0 and not known.pair:
+            self.known = rest
+            return
+        for other in rest:
+            if known.pair and other.pair and (other.measurement == measurement or other.input == input_name):
+                raise Wrong(f"{where} is no pair: {other.measurement} {other.input} is one already; `{other.measurement} "
+                            f"{other.input} pair no` would take it back")
+        if len(rest) >= self.known_room:
+            raise Wrong(f"the board keeps {self.known_room} of these; `{rest[0].measurement} {rest[0].input} time 0 gain "
+                        "0` would take one back")
+        self.known = [*rest, known]
+
+    def known_pairs(self) -> list[tuple[str, str]]:
+        return [(k.measurement, k.input) for k in self.known if k.pair]
+
+    def missing(self) -> str | None:
+        other = next((k for k in self.known if not k.pair), None)
+        if other and self.known_pairs():
+            return (f"{other.measurement} {other.input} is known, and is no pair: where pairs are given, the board takes every "
+                    "element that is known for one")
+        if not any(v.values["tested"] for v in self.measurements):
+            return "no measurement is tested: `NAME tested yes` for at least one"
+        if not any(v.values["tested"] for v in self.inputs):
+            return "no input is tested: `NAME tested yes` for at least one"
+        return next((m for m in (v.missing() for v in self.inputs) if m), None)
+
+
+def _value(kind: str, value: Any, where: str, unit: str) -> Any:
+    of = f" in {unit}" if unit and unit != "-" else ""
+    if kind == "yes":
+        if isinstance(value, bool):
+            return value
+        if value in ("yes", "no"):
+            return value == "yes"
+        raise Wrong(f"{where} is {value}; yes or no is wanted")
+    wanted = f"a number{of} or {AUTO} is wanted" if kind == "auto" else f"a number{of} is wanted"
+    if kind == "auto" and value == AUTO:
+        return AUTO
+    if isinstance(value, bool):
+        raise Wrong(f"{where} is {str(value).lower()}; {wanted}")
+    try:
+        number = float(value)
+    except (TypeError, ValueError):
+        raise Wrong(f"{where} is {value}; {wanted}") from None
+    if not math.isfinite(number):
+        raise Wrong(f"{where} is {value}; {wanted}, a finite one")
+    return number
+
+
+def _within(value: float, low: float, high: float, where: str, unit: str, above: bool = False, why: str = "") -> None:
+    if low <= value <= high and not (above and value <= low):
+        return
+    of = f" {unit}" if unit and unit != "-" else ""
+    wanted = f"more than {low:g} and up to {high:g}{of}" if above else f"{low:g} .. {high:g}{of}"
+    raise Wrong(f"{where} is {value:g}; {wanted} is wanted{why}")
+
+
+def _round(value: float) -> float:
+    return float(f"{value:.6g}")
+
+
+# ---- defaults ----
+
+def defaults(plant: Plant, parameters: dict[str, str], state: State, operating: dict[str, float],
+             room: Room) -> Answers:
+    """From what is announced, what the board has configured already, and (simulated plants) the operating point."""
+    answers = Answers(plant.name, plant.tick_s, [], [], known_room=room.known, ranges=room.ranges)
+    places = room.channels
+    for kind, group, channels in (("measurement", "meas", plant.measurements), ("input", "mv", plant.inputs)):
+        where = {parameters[f"{group}{i}.name"]: i for i in range(1, places + 1) if f"{group}{i}.name" in parameters}
+        new = [c for c in channels if c.name not in where]
+        if len(new) > places - len(where):
+            raise UserError(f"the plant has {len(new)} {kind}s that are not configured, the board room for "
+                            f"{places - len(where)} more; configure those that matter (docs/console.md)")
+        for channel in channels:
+            place = where.get(channel.name)
+            have = {} if place is None else {n.split(".")[1]: v for n, v in parameters.items()
+                                             if n.startswith(f"{group}{place}.")}
+            if place is not None and have["unit"].replace("-", "") != channel.unit.replace("-", ""):
+                raise UserError(f"{group}{place}.unit is {have['unit']}, the plant announces {channel.name} in "
+                                f"{channel.unit}; set it right first")
+            values = _measurement(channel, place, have) if kind == "measurement" else \
+                _input(channel, place, have, state, operating)
+            (answers.measurements if kind == "measurement" else answers.inputs).append(values)
+    for f in TEST:
+        value = parameters[f.parameter]
+        answers.test[f.name] = value if f.words else int(value) if f.whole else float(value)
+    _known(answers, parameters)
+    return answers
+
+
+def _span(channel: Channel, have: dict[str, str]) -> dict[str, float]:
+    return {end: float(have.get(end, getattr(channel, end))) for end in ("lo", "hi")}
+
+
+def _measurement(channel: Channel, place: int | None, have: dict[str, str]) -> Values:
+    span = _span(channel, have)
+    limit = float(have.get("test_limit", 0))
+    return Values(channel, MEASUREMENT, place, {
+        **span, "tested": have.get("test", "on") == "on", "critical": have.get("test_critical", "off") == "on",
+        "limit": limit if limit > 0 else _round(LIMIT_SHARE * (span["hi"] - span["lo"]))})
+
+
+def _input(channel: Channel, place: int | None, have: dict[str, str], state: State,
+           operating: dict[str, float]) -> Values:
+    """The operating point: where the output is, when it has been brought somewhere; else what the simulator says."""
+    span = _span(channel, have)
+    step, time_s = float(have.get("test_step", 0)), float(have.get("test_time", 0))
+    values = Values(channel, INPUT, place, {
+        **span, "safe": float(have.get("safe", channel.safe)), "min": float(have.get("min", span["lo"])),
+        "max": float(have.get("max", span["hi"])), "at": None, "tested": have.get("test", "on") == "on",
+        "step": step if step > 0 else AUTO, "time": time_s if time_s > 0 else AUTO,
+        "critical": have.get("test_critical", "off") == "on"})
+    at = state.values.get(channel.name) if place is not None and not state.safe else operating.get(channel.name)
+    if at is not None:
+        try:
+            values.change({"at": at})
+        except Wrong:
+            pass  # no default then
+    return values
+
+
+def _known(answers: Answers, parameters: dict[str, str]) -> None:
+    for i in range(1, answers.known_room + 1):
+        have = {n.split(".")[1]: v for n, v in parameters.items() if n.startswith(f"pair{i}.")}
+        try:
+            if have:
+                answers.add_known(have["meas"], have["mv"], have["time"], have["gain"], parameters.get(PAIRS) == GIVEN)
+        except Wrong:
+            continue  # of another plant
+
+
+# ---- as console lines ----
+
+def set_lines(answers: Answers, parameters: dict[str, str], places: int) -> list[str]:
+    """What changes the board's configuration into this one."""
+    lines = []
+    for group, all_values in (("meas", answers.measurements), ("mv", answers.inputs)):
+        taken = {v.place for v in all_values} | {i for i in range(1, places + 1) if f"{group}{i}.name" in parameters}
+        free = iter(i for i in range(1, places + 1) if i not in taken)
+        for v in all_values:
+            if v.place is None and not v.values["tested"]:
+                continue  # left alone
+            place = v.place or next(free)
+            wanted = {"name": v.channel.name, "unit": v.channel.unit} if v.place is None else {}
+            wanted |= {f.parameter: _word(v.values[f.name]) for f in v.asked() if f.parameter}
+            lines += _changes({f"{group}{place}.{n}": value for n, value in wanted.items()}, parameters)
+    lines += _changes({f.parameter: _word(answers.test[f.name]) for f in TEST}, parameters)
+    lines += _changes({PAIRS: GIVEN if answers.known_pairs() else "found"}, parameters)
+    for i in range(1, answers.known_room + 1):
+        k = answers.known[i - 1] if i <= len(answers.known) else None
+        if k is None and f"pair{i}.meas" not in parameters:
+            continue
+        lines += _changes({f"pair{i}.meas": k.measurement if k else "-", f"pair{i}.mv": k.input if k else "-",
+                           f"pair{i}.time": _word(k.time_s if k else 0.0),
+                           f"pair{i}.gain": _word(k.gain if k else 0.0)}, parameters)
+    return lines
+
+
+def _word(value: Any) -> str:
+    if isinstance(value, bool):
+        return "on" if value else "off"
+    if value == AUTO:
+        return "0"
+    return value if isinstance(value, str) else f"{value:.9g}"
+
+
+def _changes(wanted: dict[str, str], parameters: dict[str, str]) -> list[str]:
+    return [f"set {name} {value}" for name, value in wanted.items() if not _same(value, parameters.get(name))]
+
+
+def _same(value: str, have: str | None) -> bool:
+    if have is None:
+        return False
+    try:
+        return math.isclose(float(value), float(have), rel_tol=1e-7, abs_tol=1e-30)
+    except ValueError:
+        return value == have
+
+
+# ---- files ----
+
+def read(path: Path, answers: Answers) -> None:
+    """Takes a file's answers over the defaults. What is wrong is told with the key."""
+    top = Table(load_toml(path), path)
+    if top.has("plant"):
+        table = top.table("plant")
+        name = table.text("name", answers.plant)
+        if name != answers.plant:
+            raise UserError(f'{table.path("name")} is "{name}"; the plant that is connected is {answers.plant}')
+        tick = table.number("tick_s", answers.tick_s, above=0)
+        if not math.isclose(tick, answers.tick_s, rel_tol=1e-6):
+            raise UserError(f'{table.path("tick_s")} is {tick:g}; the plant samples every {answers.tick_s:g} s, which is '
+                            "set there")
+        table.done()
+    for key, kind in (("measurement", answers.measurements), ("input", answers.inputs)):
+        if not top.has(key):
+            continue
+        tables = top.table(key)
+        for name in list(tables.data):
+            _channel(tables, name, kind)
+    _read_known(top, answers)
+    if top.has("test"):
+        table = top.table("test")
+        for name in list(table.data):
+            value = table.data.pop(name)
+            _guarded(table, name, lambda n=name, v=value: answers.change_test(n, v))
+    if top.has("proposal"):
+        table = top.table("proposal")
+        answers.proposal = table.text("answer", "accept", choices=("accept", "reject"))
+        if table.has("set"):
+            sets = table.table("set")
+            answers.edits = {n: str(v).lower() if isinstance(v, bool) else str(v) for n, v in sets.data.items()}
+        table.done()
+    top.done()
+    if missing := answers.missing():
+        raise UserError(f"{shown(path)}: {missing}")
+
+
+def _read_known(top: Table, answers: Answers) -> None:
+    """[[known]] elements, or [known] with nothing but pairs."""
+    if isinstance(top.data.get("known"), dict):
+        table = top.table("known")
+        pairs = table.data.pop("pairs", None)
+        for pair in pairs if isinstance(pairs, list) else [None]:
+            if not (isinstance(pair, list) and len(pair) == 2 and all(isinstance(name, str) for name in pair)):
+                raise UserError(f'{table.path("pairs")}: pairs are wanted, such as [["{answers.measurements[0].channel.name}", '
+                                f'"{answers.inputs[0].channel.name}"]]')
+            _guarded(table, "pairs", lambda p=pair: answers.add_known(*p, pair=True))
+        table.done()
+        return
+    for table in top.tables("known"):
+        time_s, gain, pair = table.number("time_s", 0.0), table.number("gain", 0.0), table.data.pop("pair", False)
+        _guarded(table, "", lambda t=table, a=time_s, b=gain, c=pair: answers.add_known(t.text("measurement"), t.text("input"),
+                                                                                        a, b, c))
+        table.done()
+
+
+def _channel(tables: Table, name: str, kind: list[Values]) -> None:
+    found = next((v for v in kind if v.channel.name == name), None)
+    if found is None:
+        raise UserError(f"{tables.path(name)}: there is no such {tables.where}; there are "
+                        f"{', '.join(v.channel.name for v in kind)}")
+    table = tables.table(name)
+    _guarded(table, "", lambda: found.change(table.data))
+
+
+def _guarded(table: Table, key: str, what: Any) -> None:
+    try:
+        what()
+    except Wrong as error:
+        where = table.path(key) if key else f"{shown(table.file)}: {table.where}"
+        raise UserError(f"{where}: {error}") from None
+
+
+def text(answers: Answers) -> str:
+    """As a file that gives the same answers."""
+    out = ["# Answers of a start-up; tools/commission ... --file runs it again. docs/commissioning.md", "",
+           "[plant]", f'name = "{answers.plant}"', f"tick_s = {answers.tick_s:.9g}"]
+    for key, all_values in (("measurement", answers.measurements), ("input", answers.inputs)):
+        for v in all_values:
+            out += ["", f"[{key}.{v.channel.name}]"]
+            out += [f"{f.name} = {_toml(v.values[f.name])}" for f in v.asked() if v.values[f.name] is not None]
+    for k in answers.known:
+        out += ["", "[[known]]", f'measurement = "{k.measurement}"', f'input = "{k.input}"',
+                f"time_s = {k.time_s:.9g}", f"gain = {k.gain:.9g}", f"pair = {_toml(k.pair)}"]
+    out += ["", "[test]", *(f"{f.name} = {_toml(answers.test[f.name])}" for f in TEST)]
+    out += ["", "[proposal]", f'answer = "{answers.proposal}"']
+    if answers.edits:
+        out += ["", "[proposal.set]", *(f'"{n}" = "{v}"' for n, v in answers.edits.items())]
+    return "\n".join(out) + "\n"
+
+
+def _toml(value: Any) -> str:
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    return f'"{value}"' if isinstance(value, str) else f"{value:.9g}"

@@ -1,0 +1,136 @@
+"""The report of a start-up: one HTML file that needs nothing else."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from reflux import markup
+from reflux import plots as plotting
+from reflux.commission import figures, results
+from reflux.commission.record import Record, load
+from reflux.commission.progress import span_of_time
+from reflux.markup import Content, Markup, element, picture
+from reflux.report import CSS, badge, grid, listed, note
+
+FLAGS = {
+    "no_gain": "the gain cannot be told from noise: the times mean nothing",
+    "negative_T": "moments: a negative time constant came out; taken as 0",
+    "negative_radicand": "moments: no lag to be seen; taken as 0",
+    "negative_L": "moments: a negative dead time came out; taken as 0",
+    "short": "the test was short for what was found",
+    "not_settled": "still moving when the test ended",
+    "integrating": "looks like an integrator",
+    "inverse": "moved the wrong way first",
+    "oscillatory": "turned more often than a first-order response can",
+}
+
+
+def embedded(plot: plotting.Plot) -> Markup:
+    return picture(plot.png, "png", plot.caption)
+
+
+def facts(r: Record) -> Markup:
+    names = [e.code for e in r.events]
+    time = {code: next((e.at_s for e in r.events if e.code == code), None) for code in names}
+    began = time.get("COMMISSION_BEGUN")
+    ended = next((e.at_s for e in reversed(r.events) if e.code in
+                  ("TRIAL_KEPT", "TRIAL_FAILED", "COMMISSION_ENDED", "PROPOSAL", "NOT_DETERMINED")), None)
+    analysed = time.get("PROPOSAL", time.get("NOT_DETERMINED"))
+    rows = [["Plant", r.plant.name if r.plant else "-"],
+            ["Sample interval", f"{r.plant.tick_s:g} s" if r.plant else "-"],
+            ["Board", r.version[0] if r.version else "-"]]
+    slowest = max((e.time_s + e.dead_s for e in r.model.elements.values() if e.has_gain), default=0.0)
+    if began is not None and ended is not None:
+        tests = (analysed or ended) - began
+        words = span_of_time(tests)
+        if slowest > 0:
+            words += f", {tests / slowest:.0f} times the slowest element's dead time and time constant"
+        rows.append(["Tests took", words])
+        rows.append(["Until the end", span_of_time(ended - began)])
+    rows.append(["Tests", f"{len(r.experiments)} of {len({e.input for e in r.experiments})} inputs"])
+    return grid(["", ""], rows, kind="facts")
+
+
+def flags_used(r: Record) -> Markup:
+    used = [f for f in FLAGS if any(f in (*e.flags, *e.moments_flags) for e in r.model.elements.values())]
+    return listed([f"{f}: {FLAGS[f]}" for f in used])
+
+
+def tests_part(r: Record, pictures: dict[str, plotting.Plot]) -> list[Content]:
+    parts = [element("h2", "Tests"), grid(*results.input_rows(r.model), text_columns=1) if r.model.inputs else ""]
+    return parts + [embedded(p) for name, p in pictures.items() if name.startswith("test")]
+
+
+def model_part(r: Record) -> list[Content]:
+    if not r.model.elements:
+        return []
+    header, rows = results.model_rows(r.model)
+    return [element("h2", "Model"),
+            note("Each element: gain exp(-L s) / (T s + 1), by least squares over all rounds, with standard "
+                 "deviations; beside it what weighted moments and the plateaus make of the last round. docs/identification.md "
+                 "says how."), grid(header, rows, text_columns=2), flags_used(r)]
+
+
+def analysis_part(r: Record, pictures: dict[str, plotting.Plot]) -> list[Content]:
+    if not r.gains.singular:
+        return []
+    parts: list[Content] = [element("h2", "Interaction"), listed(results.gains_words(r.gains))]
+    if r.gains.rga:
+        parts += [element("p", "Relative gains at rest:"), grid(*results.rga_rows(r.gains), text_columns=1)]
+    parts += [embedded(pictures[name]) for name in ("rga", "singular") if name in pictures]
+    if "rga" not in pictures:
+        parts.append(note("No relative gains along the frequency: the plant has none, or libreflux is not built "
+                          "(cmake --build --preset host --target libreflux)."))
+    parts += [element("h2", "Pairing and structure")]
+    if r.pairing.pairs:
+        parts.append(grid(*results.pairing_rows(r.pairing)))
+    parts.append(listed([*results.pairing_words(r.pairing), *results.structure_words(r.structure)]))
+    return parts
+
+
+def proposal_part(r: Record, pictures: dict[str, plotting.Plot]) -> list[Content]:
+    p = r.proposal
+    if not (p.why_not or p.loops):
+        return []
+    parts: list[Content] = [element("h2", "Proposal"), listed([*results.reasons(r.pairing), *results.proposal_words(p)])]
+    if p.loops:
+        parts += [grid(*results.loop_rows(p)),
+                  note("Gain: output span per measurement span. Predicted on the model: after a step of the "
+                       "loop's own setpoint the integral of the error, the overshoot, and the time until it stays within 5 % of "
+                       "the step.")]
+    if r.trial:
+        parts += [element("h2", "Trial"), grid(*results.trial_rows(r.trial)),
+                  note("Kept when no loop overshoots, errs or wanders much further than predicted "
+                       "(docs/commissioning.md).")]
+        parts += [embedded(pictures["trial"])] if "trial" in pictures else []
+    return parts
+
+
+def events_part(r: Record) -> Markup:
+    rows = [[f"{e.at_s:g}", e.level, e.code, "" if e.subject == "-" else e.subject, f"{e.value:g}", e.text]
+            for e in r.events]
+    return grid(["plant time [s]", "level", "event", "of", "value", ""], rows, text_columns=6)
+
+
+def page(r: Record, pictures: list[plotting.Plot]) -> str:
+    by_name = {p.name: p for p in pictures}
+    title = f"Start-up of {r.plant.name}" if r.plant else "Start-up"
+    parts = [element("h1", title),
+             element("p", badge(r.kept, "loops kept", "no loops"), f" {r.outcome}", class_="what"),
+             element("h2", "What was run"), facts(r), *tests_part(r, by_name), *model_part(r), *analysis_part(r, by_name),
+             *proposal_part(r, by_name), element("h2", "What happened"), events_part(r)]
+    if r.answers:
+        parts += [element("h2", "Answers"), element("pre", r.answers),
+                  note(element("code", "tools/commission ... --file answers.toml"), " runs it again; ",
+                       element("code", "tools/commission --report FOLDER"), " makes this page again.")]
+    return markup.page(title, CSS, parts)
+
+
+def write(folder: Path) -> Path:
+    """report.html and its plots as PNG files, from transcript.txt and telemetry.csv; returns the report."""
+    r = load(folder)
+    pictures = figures.plots(r)
+    plotting.write_pngs(pictures, folder)
+    path = folder / "report.html"
+    path.write_text(page(r, pictures), encoding="utf-8")
+    return path

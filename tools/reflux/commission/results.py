@@ -1,0 +1,457 @@
+"""What a start-up has found, from the listings of `commission` (docs/console.md), and as tables."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+from reflux import table
+from reflux.commission.board import number, pairs_of
+from reflux.commission.progress import span_of_time
+
+
+@dataclass
+class TestedInput:
+    name: str
+    held: float
+    amplitude: float
+    unit: str
+    half_s: float
+    rounds: int
+    worst: float
+    remarks: str = ""  # skipped, cut by ..., small
+
+
+@dataclass
+class Element:
+    """First order with dead time, engineering units and seconds; sd: standard deviations."""
+
+    measurement: str
+    input: str
+    unit: str
+    gain: float
+    gain_sd: float
+    time_s: float
+    time_sd_s: float
+    dead_s: float
+    dead_sd_s: float
+    flags: list[str]
+    moments: tuple[float, float, float] | None = None  # gain, T, L: the second opinion
+    moments_flags: list[str] = field(default_factory=list)
+    plateau: float = 0.0
+    begins: tuple[float, float] | None = None  # T, L of its beginning, where that is not as it goes on
+
+    @property
+    def has_gain(self) -> bool:
+        return "no_gain" not in self.flags
+
+
+@dataclass
+class Model:
+    inputs: list[TestedInput] = field(default_factory=list)
+    noise: dict[str, tuple[float, str]] = field(default_factory=dict)
+    elements: dict[tuple[str, str], Element] = field(default_factory=dict)
+
+    def measurements(self) -> list[str]:
+        return list(self.noise)
+
+    def tested(self) -> list[str]:
+        return [i.name for i in self.inputs if i.rounds > 0]
+
+
+@dataclass
+class Gains:
+    rank: int = 0
+    rank_exact: int = 0
+    condition: float = float("nan")
+    condition_scaled: float = float("nan")
+    singular: list[float] = field(default_factory=list)
+    null_inputs: dict[str, float] = field(default_factory=dict)
+    null_outputs: dict[str, float] = field(default_factory=dict)
+    rga_inputs: list[str] = field(default_factory=list)
+    rga: dict[str, list[float]] = field(default_factory=dict)
+
+
+@dataclass
+class Pairing:
+    verdict: str = ""
+    probability: float = float("nan")
+    niederlinski: float = float("nan")
+    pairs: list[tuple[str, str, float, float]] = field(default_factory=list)  # lambda, share of draws
+    open: list[tuple[str, float, str]] = field(default_factory=list)  # measurement, share, rival
+    second_opinion: str = ""  # of gains over residence times
+    determinant: float = float("nan")  # in its own standard deviations
+    integrity: float = float("nan")  # share of draws in which any of the loops can be in manual
+    doubts: list[str] = field(default_factory=list)  # what speaks against it, in words
+    short: list[tuple[str, str, float]] = field(default_factory=list)  # measurement, input, half in s that it needs
+    left: list[tuple[str, str, str]] = field(default_factory=list)  # measurement or input, name, why it has no loop
+
+    @property
+    def determined(self) -> bool:
+        return self.verdict == "determined"
+
+    @property
+    def rivals(self) -> bool:
+        """Do the draws disagree about an input?"""
+        return any(share < 1 for _, share, _ in self.open)
+
+
+@dataclass
+class Loop:
+    measurement: str
+    input: str
+    gain: float
+    ti_s: float
+    td_s: float
+    action: str
+    step: float
+    iae: float
+    overshoot: float
+    settles_s: float
+
+
+@dataclass
+class InnerLoop:
+    """Below the loop on `below`, which drives its setpoint."""
+
+    measurement: str
+    input: str
+    gain: float
+    ti_s: float
+    action: str
+    below: str
+
+
+@dataclass
+class Feedforward:
+    source: str
+    to: str
+    numbers: dict[str, float]  # gain in spans; lead, lag, dead, late in s; left: of the integral of the error
+    used: str  # yes, or why not
+
+
+@dataclass
+class Proposal:
+    why_not: str = ""
+    rule: str = ""
+    factor: float = float("nan")
+    factor_least: float = float("nan")  # the same where no part of the plant has one of its own
+    log_modulus_db: float = float("nan")
+    decoupler: str = ""
+    others: list[str] = field(default_factory=list)  # lines that this tool has no table for
+    loops: list[Loop] = field(default_factory=list)
+    inner: list[InnerLoop] = field(default_factory=list)
+    feedforwards: list[Feedforward] = field(default_factory=list)
+
+
+@dataclass
+class TrialLoop:
+    measurement: str
+    input: str
+    step: float
+    iae: float
+    iae_predicted: float
+    overshoot: float
+    overshoot_predicted: float
+
+
+def model_of(lines: list[str]) -> Model:
+    m = Model()
+    for line in lines:
+        words = line.split()
+        if words[0] == "input" and len(words) >= 13:
+            v = pairs_of(words[2:6])
+            rest = pairs_of([*words[7:9], *words[10:14]])
+            m.inputs.append(TestedInput(words[1], number(v["held"]), number(v["amplitude"]), words[6],
+                                        number(rest["half"]), int(rest["rounds"]), number(rest["worst"]),
+                                        " ".join(words[14:])))
+        elif words[0] == "output" and len(words) >= 5:
+            m.noise[words[1]] = (number(words[3]), words[4])
+        elif words[0] == "element" and len(words) >= 20:
+            m.elements[words[1], words[2]] = Element(
+                words[1], words[2], words[7], number(words[4]), number(words[6]), number(words[9]), number(words[11]),
+                number(words[14]), number(words[16]), _flags(words))
+        elif words[0] == "moments" and len(words) >= 12 and (words[1], words[2]) in m.elements:
+            e, v = m.elements[words[1], words[2]], pairs_of(words[3:11])
+            e.moments = (number(v["gain"]), number(v["T"]), number(v["L"]))
+            e.plateau, e.moments_flags = number(v["plateau"]), _flags(words)
+            if words[11] == "begins_T" and len(words) >= 16:
+                e.begins = number(words[12]), number(words[14])
+    return m
+
+
+def _flags(words: list[str]) -> list[str]:
+    after = words[words.index("flags") + 1:] if "flags" in words else []
+    return [w for w in after if w != "-"]
+
+
+def gains_of(lines: list[str]) -> Gains:
+    g = Gains()
+    for line in lines:
+        words = line.split()
+        if words[0] == "rank":
+            v = pairs_of(words)
+            g.rank, g.rank_exact = int(v["rank"]), int(v["exact"])
+            g.condition, g.condition_scaled = number(v["condition"]), number(v["scaled"])
+        elif words[0] == "singular":
+            g.singular = [number(w) for w in words[1:]]
+        elif words[0] == "null":
+            null = g.null_inputs if words[1] == "inputs" else g.null_outputs
+            null.update({k: number(v) for k, v in pairs_of(words[2:]).items()})
+        elif words[0] == "rga" and not g.rga_inputs:
+            g.rga_inputs = [] if words[1:2] == ["none:"] else words[1:]
+        elif words[0] == "rga":
+            g.rga[words[1]] = [number(w) for w in words[2:]]
+    return g
+
+
+def pairing_of(lines: list[str]) -> Pairing:
+    p = Pairing()
+    for line in lines:
+        words = line.split()
+        if words[0] == "pairing":
+            head, _, rest = line.partition(" probability ")
+            p.verdict = head.removeprefix("pairing ")
+            v = pairs_of(["probability", *rest.split()])
+            p.probability, p.niederlinski = number(v["probability"]), number(v.get("niederlinski", "nan"))
+            p.determinant, p.integrity = number(v.get("determinant", "nan")), number(v.get("integrity", "nan"))
+        elif words[0] == "pair":
+            v = pairs_of(words[3:])
+            p.pairs.append((words[1], words[2], number(v["lambda"]), number(v["share"])))
+        elif words[0] == "open":
+            v = pairs_of(words[2:])
+            p.open.append((words[1], number(v["share"]), v.get("rival", "-")))
+        elif words[0] == "second_opinion":
+            p.second_opinion = line.removeprefix("second_opinion ")
+        elif words[0] == "doubt" and words[1] == "element":
+            p.doubts.append(_element_doubt(words))
+            if words[4] == "half":
+                p.short.append((words[2], words[3], number(words[8])))
+        elif words[0] == "doubt":
+            p.doubts.append(line.removeprefix("doubt "))
+        elif words[0] == "subset":
+            p.doubts.append(f"the loops on {', '.join(words[4:])} run away while the others are in manual: their Niederlinski "
+                            f"index is {table.figure(number(words[2]))}")
+        elif words[0] == "left":
+            p.left.append((words[1], words[2].rstrip(":"), line.partition(": ")[2]))
+    return p
+
+
+def _element_doubt(words: list[str]) -> str:
+    """doubt element MEASUREMENT INPUT [half S s needs S s] flags ..."""
+    measurement, source, *rest = words[2:]
+    flags = ", ".join(_flags(words))
+    if rest[0] != "half":
+        return f"{measurement} by {source} is {flags}: no loop is made of it"
+    half, needs = span_of_time(number(rest[1])), span_of_time(number(rest[4]))
+    return (f"{measurement} by {source} is {flags}: half a double step of {source} took {half}, and must take {needs} or more "
+            "(`time`, `longest`)")
+
+
+def proposal_of(lines: list[str]) -> Proposal:
+    p = Proposal()
+    for line in lines:
+        words = line.split()
+        if line.startswith("no proposal"):
+            p.why_not = line.partition(": ")[2]
+        elif words[0] == "settings":
+            head, _, rest = line.partition(", slowed by ")
+            v = pairs_of(["factor", *rest.split()])
+            p.rule, p.factor = head.removeprefix("settings "), number(v["factor"])
+            p.factor_least = number(v.get("least", v["factor"]))
+            p.log_modulus_db = number(v.get("log_modulus_dB", "nan"))
+        elif words[0] == "decoupler":
+            p.decoupler = line.removeprefix("decoupler ")
+        elif words[0] == "loop" and len(words) >= 10:
+            v = pairs_of([*words[3:9], *words[10:]])
+            p.loops.append(Loop(words[1], words[2], number(v["gain"]), number(v["ti"]), number(v["td"]), words[9],
+                                number(v["step"]), number(v["iae"]), number(v["overshoot"]), number(v["settles"])))
+        elif words[0] == "inner" and len(words) >= 12:
+            v = pairs_of(words[3:9])
+            p.inner.append(InnerLoop(words[1], words[2], number(v["gain"]), number(v["ti"]), words[9], words[11]))
+        elif words[0] == "feedforward" and " used " in line:
+            v = pairs_of(words[7:19])
+            p.feedforwards.append(Feedforward(words[3], words[6], {k: number(x) for k, x in v.items()},
+                                              line.partition(" used ")[2]))
+        else:
+            p.others.append(line)
+    return p
+
+
+@dataclass
+class Block:
+    part: int
+    worst_lambda: float
+    driven_by: list[int]
+    members: list[tuple[str, str, bool]] = field(default_factory=list)  # measurement, input, served by single loops
+
+
+@dataclass
+class Structure:
+    parts: int = 0
+    blocks: list[Block] = field(default_factory=list)
+    ways: list[tuple[str, str, dict[str, float]]] = field(default_factory=list)  # from input, to input
+    cascades: list[tuple[str, str, dict[str, float], str]] = field(default_factory=list)  # inner, outer, how, used
+    multivariable: dict[int, str] = field(default_factory=dict)  # block: what it gets
+
+
+def structure_of(lines: list[str]) -> Structure:
+    s = Structure()
+    for line in lines:
+        words = line.split()
+        if words[0] == "structure" and words[1:2] == ["parts"]:
+            s.parts = int(words[2])
+        elif words[0] == "block" and len(words) >= 11:
+            v = pairs_of(words[1:9])
+            s.blocks.append(Block(int(v["part"]), number(v["worst_lambda"]),
+                                  [int(w) for w in words[10:] if w != "-"]))
+        elif words[0] == "member" and len(words) >= 7 and 0 < int(words[4]) <= len(s.blocks):
+            s.blocks[int(words[4]) - 1].members.append((words[1], words[2], words[6] == "yes"))
+        elif words[0] == "way" and len(words) >= 8:
+            s.ways.append((words[3], words[6], {k: number(v) for k, v in pairs_of(words[7:]).items()}))
+        elif words[0] == "cascade" and len(words) >= 15:
+            s.cascades.append((words[2], words[4], {k: number(v) for k, v in pairs_of(words[5:13]).items()},
+                               line.partition(" used ")[2]))
+        elif words[0] == "multivariable" and words[1:2] == ["block"]:
+            s.multivariable[int(words[2])] = line.partition(" gets ")[2]
+    return s
+
+
+def trial_of(lines: list[str]) -> list[TrialLoop]:
+    out = []
+    for line in lines:
+        words = line.split()
+        if words[0] == "trial" and len(words) >= 13:
+            n = [number(w) for w in words[4::2]]
+            out.append(TrialLoop(words[1], words[2], *n[:5]))
+    return out
+
+
+# ---- tables: the same on a terminal and in the report ----
+
+def model_rows(m: Model) -> tuple[list[str], list[list[str]]]:
+    header = ["measurement", "input", "gain", "+-", "unit", "T [s]", "+-", "L [s]", "+-", "flags", "moments: gain", "T", "L",
+              "flags", "plateau"]
+    rows = []
+    for e in m.elements.values():
+        f = table.figure
+        times = [f(e.time_s), f(e.time_sd_s), f(e.dead_s), f(e.dead_sd_s)] if e.has_gain else ["-"] * 4
+        second = [f(x) for x in e.moments] if e.moments else ["-"] * 3
+        flags = e.flags + ([f"begins with T {f(e.begins[0])}, L {f(e.begins[1])}"] if e.begins else [])
+        rows.append([e.measurement, e.input, f(e.gain), f(e.gain_sd), e.unit, *times, ", ".join(flags) or "-", *second,
+                     ", ".join(e.moments_flags) or "-", f(e.plateau) if e.plateau else "-"])
+    return header, rows
+
+
+def input_rows(m: Model) -> tuple[list[str], list[list[str]]]:
+    header = ["input", "held", "amplitude", "unit", "half a double step [s]", "rounds", "nearest a limit", "remarks"]
+    return header, [[i.name, f"{i.held:.5g}", table.figure(i.amplitude), i.unit, table.figure(i.half_s), str(i.rounds),
+                     f"{100 * i.worst:.0f} %", i.remarks or "-"] for i in m.inputs]
+
+
+def rga_rows(g: Gains) -> tuple[list[str], list[list[str]]]:
+    return ["", *g.rga_inputs], [[name, *(f"{x:.2f}" for x in row)] for name, row in g.rga.items()]
+
+
+def pairing_rows(p: Pairing) -> tuple[list[str], list[list[str]]]:
+    header = ["measurement", "input", "relative gain", "share of draws"]
+    return header, [[m, i, f"{x:.2f}", f"{share:.3g}"] for m, i, x, share in p.pairs]
+
+
+def loop_rows(p: Proposal) -> tuple[list[str], list[list[str]]]:
+    header = ["measurement", "input", "gain", "ti [s]", "td [s]", "action", "setpoint step", "IAE", "overshoot",
+              "settles [s]"]
+    f = table.figure
+    return header, [[x.measurement, x.input, f(x.gain), f(x.ti_s), f(x.td_s), x.action, f(x.step), f(x.iae),
+                     f"{100 * x.overshoot:.0f} %", f(x.settles_s)] for x in p.loops]
+
+
+def trial_rows(loops: list[TrialLoop]) -> tuple[list[str], list[list[str]]]:
+    header = ["measurement", "input", "setpoint step", "IAE predicted", "found", "overshoot predicted", "found"]
+    f = table.figure
+    return header, [[x.measurement, x.input, f(x.step), f(x.iae_predicted), f(x.iae),
+                     f"{100 * x.overshoot_predicted:.0f} %", f"{100 * x.overshoot:.0f} %"] for x in loops]
+
+
+def gains_words(g: Gains) -> list[str]:
+    """Rank and what follows from it."""
+    out = [f"rank {g.rank} of {len(g.singular)} within the errors (exactly {g.rank_exact}); condition number "
+           f"{table.figure(g.condition)}, {table.figure(g.condition_scaled)} at best scaling; singular values in spans "
+           + ", ".join(table.figure(x) for x in g.singular)]
+    if g.null_inputs:
+        moved = ", ".join(f"{n} {x:.2f}" for n, x in g.null_inputs.items() if abs(x) >= 0.05)
+        seen = ", ".join(f"{n} {x:.2f}" for n, x in g.null_outputs.items() if abs(x) >= 0.05)
+        out.append(f"moved together, these inputs (in spans) change nothing: {moved}; and no input moves the outputs "
+                   f"along: {seen}")
+    return out
+
+
+def pairing_words(p: Pairing) -> list[str]:
+    out = [f"pairing {p.verdict}; probability {p.probability:.3g}, Niederlinski index {table.figure(p.niederlinski)}; its "
+           f"determinant stands out of its error by {table.figure(p.determinant)} standard deviations; any of the loops can be "
+           f"in manual in {100 * p.integrity:.0f} % of draws"]
+    out += [f"against it: {words}" for words in p.doubts]
+    out += [f"open: {name} keeps its input in {100 * share:.0f} % of draws{f', else {rival}' if rival != '-' else ''}"
+            for name, share, rival in p.open]
+    out += [f"second opinion {p.second_opinion}"] if p.second_opinion else []
+    return out + left_words(p)
+
+
+def left_words(p: Pairing) -> list[str]:
+    return [f"left over: {what} {name}: {why}" for what, name, why in p.left]
+
+
+def reasons(p: Pairing) -> list[str]:
+    """Why these pairs."""
+    return [f"{m} by {i}: when the other loops close, the gain of this one changes from 1 to {1 / x:.2g} of what it was"
+            for m, i, x, _ in p.pairs if x > 0]
+
+
+def structure_words(s: Structure) -> list[str]:
+    if not s.blocks:
+        return []
+    out = [f"structure: {s.parts} independent part{'s' if s.parts != 1 else ''}, {len(s.blocks)} "
+           f"block{'s' if len(s.blocks) != 1 else ''} of loops that act on each other"]
+    for k, b in enumerate(s.blocks, 1):
+        loops = ", ".join(f"{m} by {i}" for m, i, _ in b.members)
+        poor = [m for m, _, served in b.members if not served]
+        words = f"block {k}: {loops}; relative gain furthest from 1 {table.figure(b.worst_lambda)}"
+        words += f"; single loops will not serve {', '.join(poor)} well" if poor else "; single loops serve"
+        if k in s.multivariable:
+            words += f": it wants a multivariable controller, and gets {s.multivariable[k]}"
+        if b.driven_by:
+            words += f"; disturbed by block {' and '.join(map(str, b.driven_by))} but not the other way round"
+        out.append(words)
+    for inner, outer, v, used in s.cascades:
+        out.append(f"cascade: {outer} follows {inner} as {table.figure(v['gain'])} of span per span, lag "
+                   f"{table.figure(v['lag'])} s, dead time {table.figure(v['dead'])} s, misfit {table.figure(v['misfit'])} "
+                   f"standard deviations; used: {used}")
+    for source, to, v in s.ways:
+        words = (f"feedforward from {source} to {to} would be {table.figure(v['gain'])} of span per span, lead "
+                 f"{table.figure(v['lead'])} s, lag {table.figure(v['lag'])} s, dead time {table.figure(v['dead'])} s")
+        out.append(words + (f", {table.figure(v['late'])} s too late" if v.get("late") else ""))
+    return out
+
+
+def proposal_words(p: Proposal) -> list[str]:
+    if p.why_not:
+        return [f"no proposal: {p.why_not}"]
+    most = (f"at most {table.figure(p.factor)}, at least {table.figure(p.factor_least)}, each independent part by its own,"
+            if p.factor_least < p.factor else table.figure(p.factor))
+    return [f"settings {p.rule}, slowed by a factor of {most} so that the loops stay apart from "
+            f"instability together (largest log modulus {table.figure(p.log_modulus_db)} dB)", f"decoupler {p.decoupler}",
+            *map(inner_words, p.inner), *map(feedforward_words, p.feedforwards), *p.others]
+
+
+def inner_words(x: InnerLoop) -> str:
+    return (f"cascade: the loop on {x.below} drives the setpoint of one on {x.measurement} by {x.input}, gain "
+            f"{table.figure(x.gain)}, ti {table.figure(x.ti_s)} s, {x.action}, which is faster and meets what disturbs "
+            f"{x.input} first")
+
+
+def feedforward_words(x: Feedforward) -> str:
+    f, v = table.figure, x.numbers
+    words = (f"feedforward from {x.source} to {x.to}: gain {f(v['gain'])}, lead {f(v['lead'])} s, lag {f(v['lag'])} s, dead "
+             f"time {f(v['dead'])} s")
+    if x.used != "yes":
+        return f"{words}; {x.used}"
+    return f"{words}; it leaves about {100 * v['left']:.0f} % of what {x.source} does to that loop"

@@ -1,0 +1,1 @@
+"""Campaigns and studies. Nothing of `reflux` imports from here."""
