@@ -1,5 +1,4 @@
 #include "supervise/config.h"
-#if COMMISSION_CHANNELS
 
 #include "commission/commission_internal.h"
 
@@ -90,5 +89,3 @@ void commission_acceptance(struct commission *c, struct supervisor *s)
     commission_back_to_old(c, s, reason[r], subject,
                            of_loop ? a->loop[a->culprit].peak : REAL_C(0.0));
 }
-
-#endif

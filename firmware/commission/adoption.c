@@ -1,5 +1,4 @@
 #include "supervise/config.h"
-#if COMMISSION_CHANNELS
 
 #include "commission/adoption.h"
 
@@ -482,5 +481,3 @@ enum adoption_result adoption_tick(struct adoption *a, struct supervisor *s)
     place_setpoints(a, s);
     return ADOPTION_RUNNING;
 }
-
-#endif

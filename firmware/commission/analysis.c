@@ -1,5 +1,4 @@
 #include "supervise/config.h"
-#if COMMISSION_CHANNELS
 
 #include "commission/analysis.h"
 
@@ -455,5 +454,3 @@ enum err analysis_step(struct analysis *a)
         return ERR_OK;
     }
 }
-
-#endif

@@ -1,5 +1,4 @@
 #include "supervise/config.h"
-#if COMMISSION_CHANNELS
 
 #include "commission/analysis_structure.h"
 
@@ -245,5 +244,3 @@ struct feed analysis_feed(const struct analysis *a, uint8_t from, uint8_t to)
             f.verdict = FEED_USED;
     return f;
 }
-
-#endif

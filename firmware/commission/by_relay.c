@@ -1,5 +1,4 @@
 #include "supervise/config.h"
-#if COMMISSION_CHANNELS
 
 #include "commission/by_relay.h"
 
@@ -317,5 +316,3 @@ void commission_relay(struct commission *c, struct supervisor *s)
     if (err)
         commission_end(c, s, REASON_NUMBERS, commission_input_name(c, s), (real_t)err);
 }
-
-#endif

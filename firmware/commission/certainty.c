@@ -1,5 +1,4 @@
 #include "supervise/config.h"
-#if COMMISSION_CHANNELS
 
 #include "commission/certainty.h"
 
@@ -137,5 +136,3 @@ enum left_over certainty_input_left(const struct analysis *a, uint8_t i)
     }
     return left_because(a, seen, used);
 }
-
-#endif

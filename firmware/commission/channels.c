@@ -1,7 +1,6 @@
 #include "commission/by_relay.h"
 #include "commission/commission.h"
 #include "supervise/config.h"
-#if COMMISSION_CHANNELS
 
 #include "commission/analysis_structure.h"
 #include "commission/commission_internal.h"
@@ -326,5 +325,3 @@ enum commission_reason commission_disturbance(const struct commission *c,
     *subject = NULL;
     return REASON_NOT;
 }
-
-#endif

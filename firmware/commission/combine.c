@@ -1,5 +1,4 @@
 #include "supervise/config.h"
-#if COMMISSION_CHANNELS
 
 #include "commission/combine.h"
 
@@ -64,5 +63,3 @@ void model_combine(struct identified *sum, const struct identified *next)
     if (!(next->flags & IDENTIFIED_NO_GAIN)) /* it resolves what an earlier test left open */
         sum->flags &= (uint16_t)(next->flags | ~(unsigned)CERTAINTY_FLAGS | CERTAINTY_FINAL_FLAGS);
 }
-
-#endif

@@ -2,7 +2,6 @@
 
 #include "commission/model.h"
 #include "supervise/config.h"
-#if COMMISSION_CHANNELS
 
 #include "commission/commission_internal.h"
 
@@ -380,5 +379,3 @@ void commission_tick(struct commission *c, struct supervisor *s)
     s->testing = commission_is_testing(c) || c->phase == COMMISSION_TRIAL;
     update_lease(c);
 }
-
-#endif

@@ -1,5 +1,4 @@
 #include "supervise/config.h"
-#if COMMISSION_CHANNELS
 
 #include "commission/expected.h"
 
@@ -107,5 +106,3 @@ struct expected_left expected_left(const struct commission *c, const struct supe
     left.most_s = left.round_s + each_s * (real_t)(more * inputs_from(c, 0));
     return left;
 }
-
-#endif

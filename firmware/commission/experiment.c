@@ -1,5 +1,4 @@
 #include "supervise/config.h"
-#if COMMISSION_CHANNELS
 
 #include "commission/experiment.h"
 
@@ -474,5 +473,3 @@ real_t experiment_bend(const struct experiment *e, uint8_t j, real_t *sd)
     *sd = real_sqrt(a * a + b * b);
     return e->after[j].slope_per_s - e->before[j].slope_per_s;
 }
-
-#endif

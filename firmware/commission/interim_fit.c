@@ -1,5 +1,4 @@
 #include "supervise/config.h"
-#if COMMISSION_CHANNELS
 
 #include <string.h>
 
@@ -48,5 +47,3 @@ bool interim_fit_is_known(const struct identified *f)
     return !(f->flags & (IDENTIFIED_NO_GAIN | IDENTIFIED_INTEGRATING)) &&
            f->gain_sd < KNOWN * real_abs(f->gain);
 }
-
-#endif

@@ -1,5 +1,4 @@
 #include "supervise/config.h"
-#if COMMISSION_CHANNELS
 
 #include "commission/limits.h"
 
@@ -247,5 +246,3 @@ int limits_past(struct experiment *e, const real_t *y)
     }
     return -1;
 }
-
-#endif

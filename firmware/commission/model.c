@@ -3,7 +3,6 @@
 #include "commission/analysis.h"
 #include "commission/experiment.h"
 #include "supervise/config.h"
-#if COMMISSION_CHANNELS
 
 #include "commission/certainty.h"
 #include "commission/combine.h"
@@ -473,5 +472,3 @@ bool model_work(void *commission)
         return fit_piece(c);
     return analysis_piece(c);
 }
-
-#endif

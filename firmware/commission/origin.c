@@ -1,5 +1,4 @@
 #include "supervise/config.h"
-#if COMMISSION_CHANNELS
 
 #include "commission/origin.h"
 
@@ -80,5 +79,3 @@ void origin_taken(struct origin *o)
     o->fixed = true;
     o->since_s = REAL_C(0.0);
 }
-
-#endif

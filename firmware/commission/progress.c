@@ -1,5 +1,4 @@
 #include "supervise/config.h"
-#if COMMISSION_CHANNELS
 
 #include "commission/progress.h"
 
@@ -172,5 +171,3 @@ struct progress_advice progress_judge(const struct experiment *e, const real_t *
     bool hopeless = drifts(e) && !p.any_known && e->half >= HOPELESS * c->half_least;
     return advise(e, over || hopeless ? PROGRESS_TURN : PROGRESS_WAIT, small);
 }
-
-#endif

@@ -1,5 +1,4 @@
 #include "supervise/config.h"
-#if COMMISSION_CHANNELS
 
 #include "commission/proposal.h"
 
@@ -276,5 +275,3 @@ enum err proposal_prepare_trial(struct commission *c, const struct supervisor *s
     }
     return proposal_prepare_inner(c, s, config);
 }
-
-#endif

@@ -1,5 +1,4 @@
 #include "supervise/config.h"
-#if COMMISSION_CHANNELS
 
 #include "commission/commission_internal.h"
 #include "commission/proposal_structure.h"
@@ -146,5 +145,3 @@ enum err proposal_prepare_inner(struct commission *c, const struct supervisor *s
     }
     return ERR_OK;
 }
-
-#endif

@@ -1,6 +1,5 @@
 #include "commission/model.h"
 #include "supervise/config.h"
-#if COMMISSION_CHANNELS
 
 #include "commission/certainty.h"
 #include "commission/commission_internal.h"
@@ -251,5 +250,3 @@ void commission_wait_for_job(struct commission *c, struct supervisor *s)
     else
         take_analysis(c, s);
 }
-
-#endif

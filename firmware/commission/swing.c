@@ -1,5 +1,4 @@
 #include "supervise/config.h"
-#if COMMISSION_CHANNELS
 
 #include "commission/swing.h"
 
@@ -63,5 +62,3 @@ void swing_end(struct swing *w, real_t noise_sd, real_t constant)
 {
     w->grows = w->grows || is_larger(w, noise_sd, constant);
 }
-
-#endif

@@ -1,5 +1,4 @@
 #include "supervise/config.h"
-#if COMMISSION_CHANNELS
 
 #include "commission/test_verdict.h"
 
@@ -128,5 +127,3 @@ real_t test_verdict_level_of(const struct record *r, real_t dead_time_s, real_t 
     real_t low = -REAL_C(1.0) + (REAL_C(1.0) + from) * real_exp(-left_down / time_constant_s);
     return (high - low) * REAL_C(0.5);
 }
-
-#endif

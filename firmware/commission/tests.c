@@ -2,7 +2,6 @@
 #include "commission/experiment.h"
 #include "commission/model.h"
 #include "supervise/config.h"
-#if COMMISSION_CHANNELS
 
 #include "commission/commission_internal.h"
 
@@ -376,5 +375,3 @@ void commission_test(struct commission *c, struct supervisor *s)
         end_test(c, s);
     }
 }
-
-#endif

@@ -1,5 +1,4 @@
 #include "supervise/config.h"
-#if COMMISSION_CHANNELS
 
 #include "commission/words.h"
 
@@ -87,5 +86,3 @@ bool words_of_doubt(const struct analysis *a, unsigned n, struct words_doubt *do
     *doubt = all[n];
     return true;
 }
-
-#endif

@@ -3,8 +3,6 @@
 
 #include "console/console.h"
 
-#if CONFIG_BLOCKS
-
 static void list_of(const char *title, const char *names, struct text *line)
 {
     if (!names[0])
@@ -194,5 +192,3 @@ void command_block(struct console *c, unsigned n, char **word)
     else
         console_list(c, blocks_line, n ? word[0] : "");
 }
-
-#endif

@@ -3,8 +3,6 @@
 #include "commission/words.h"
 #include "console/console.h"
 
-#if COMMISSION_CHANNELS
-
 const struct measurement_config *commission_measurement(const struct console *c, unsigned j)
 {
     return &console_settings(c)->measurement[c->service->commission->measurement[j]];
@@ -314,5 +312,3 @@ bool commission_proposal_line(struct console *c, unsigned n, struct text *line)
     proposed_loop_line(c, n - 2u, line);
     return true;
 }
-
-#endif

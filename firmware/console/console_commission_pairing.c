@@ -3,8 +3,6 @@
 #include "commission/words.h"
 #include "console/console.h"
 
-#if COMMISSION_CHANNELS
-
 /* What speaks against the pairing as a whole. */
 static void doubt_line(const struct analysis *a, unsigned n, struct text *line)
 {
@@ -162,5 +160,3 @@ bool commission_pairing_line(struct console *c, unsigned n, struct text *line)
     }
     return true;
 }
-
-#endif

@@ -6,8 +6,6 @@
 #include "hal/tick.h"
 #include "io/plant_link.h"
 
-#if COMMISSION_CHANNELS
-
 /* As the plant announces them, configured or not. The tick may be told of another plant meanwhile. */
 bool commission_plant_line(struct console *c, unsigned n, struct text *line)
 {
@@ -121,5 +119,3 @@ bool commission_trial_line(struct console *c, unsigned n, struct text *line)
     text_named_float(line, "predicted", (float)l->predicted.peak);
     return true;
 }
-
-#endif

@@ -5,8 +5,6 @@
 #include "console/console.h"
 #include "hal/tick.h"
 
-#if COMMISSION_CHANNELS
-
 /* The latest test; the tick may begin another at any time. */
 static struct by_relay latest(const struct console *c)
 {
@@ -105,5 +103,3 @@ void commission_relay_command(struct console *c, unsigned n, char **word)
         a.subject = word[1];
     console_answer(c, err, &a);
 }
-
-#endif

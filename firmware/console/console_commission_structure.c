@@ -5,8 +5,6 @@
 #include "commission/words.h"
 #include "console/console.h"
 
-#if COMMISSION_CHANNELS
-
 static const struct analysis *analysis(const struct console *c)
 {
     return &c->service->commission->work->analysis;
@@ -203,5 +201,3 @@ bool commission_structural_line(struct console *c, unsigned n, struct text *line
     feed_line(c, (uint8_t)(n / a->pairs.n), (uint8_t)(n % a->pairs.n), line);
     return true;
 }
-
-#endif

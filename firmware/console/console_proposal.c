@@ -3,8 +3,6 @@
 
 #include "console/console.h"
 
-#if CONFIG_BLOCKS
-
 static void who(const struct console *c, uint8_t block, const char *what, struct text *line)
 {
     text_str(line, "block");
@@ -156,5 +154,3 @@ void command_proposal(struct console *c, unsigned n, char **word)
     }
     console_answer(c, err, &a);
 }
-
-#endif

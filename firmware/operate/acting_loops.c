@@ -4,8 +4,6 @@
 #include "operate/operate_internal.h"
 #include "supervise/calibration.h"
 
-#if CONFIG_LOOP_GUARD
-
 /* Whether a channel that stands in both configurations keeps its unit, its span and its calibration. */
 static bool keeps_pv(const struct config *a, const struct config *b, const char *name)
 {
@@ -71,5 +69,3 @@ enum err operate_keep_acting_loops(const struct service *s, const struct config 
     }
     return ERR_OK;
 }
-
-#endif

@@ -4,8 +4,6 @@
 #include "hal/tick.h"
 #include "operate/operate_internal.h"
 
-#if CONFIG_BLOCKS
-
 #define NO_SUCH_BLOCK "no such block; `block` lists them"
 
 static bool is_block(const struct config *config, uint8_t block)
@@ -182,5 +180,3 @@ enum err operate_verb(struct session *session, uint8_t block, uint8_t verb, cons
         record_block(session, block, v->name, r.value);
     return err;
 }
-
-#endif

@@ -10,8 +10,6 @@
 
 #include "operate/operate_internal.h"
 
-#if CONFIG_BLOCKS
-
 #define NONE_WAITS "no proposal waits to be accepted; `proposal` shows what there is"
 
 static struct proposal_slot *slot_of_tick(const struct operate *door)
@@ -290,5 +288,3 @@ enum err operate_proposal_back(struct session *session, struct answer *answer)
     back->n = 0;
     return ERR_OK;
 }
-
-#endif

@@ -2,8 +2,6 @@
 #include "base/crc32.h"
 #include "operate/operate_internal.h"
 
-#if CONFIG_BLOCKS
-
 /* Groups of parameters (parameter_table.c) that are settings of blocks: loop, decouple, ff, block. */
 #define IS_OF_BLOCKS(group) ((group) == 4 || (group) == 5 || (group) == 6 || (group) == 16)
 
@@ -130,5 +128,3 @@ enum err proposed_adopt(struct operate *door, const struct proposed_value *v,
                    (float)(back->block + 1u), 0);
     return ERR_OK;
 }
-
-#endif

@@ -8,8 +8,6 @@
 #include "supervise/switch_offs.h"
 #include "operate/operate_internal.h"
 
-#if CONFIG_BLOCKS
-
 static struct switch_off_slot *switch_off_slot_of(const struct operate *door, uint8_t n)
 {
     return &door->service->supervisor->switch_off[n];
@@ -158,5 +156,3 @@ bool operate_switched_off(const struct session *session, bool applied, unsigned 
     }
     return false;
 }
-
-#endif

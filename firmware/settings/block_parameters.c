@@ -5,8 +5,6 @@
 
 #include "settings/words.h"
 
-#if CONFIG_BLOCKS
-
 #define VALUE_TEXT_SIZE 42
 
 static const struct block_kind *kind_of_block(const struct config *config, uint8_t block)
@@ -347,5 +345,3 @@ bool block_row_decode(const struct block_parameter *own, uint8_t *at, const uint
     *taken = true;
     return as_stored;
 }
-
-#endif

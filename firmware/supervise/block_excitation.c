@@ -6,8 +6,6 @@
 #include "supervise/constrain.h"
 #include "supervise/span.h"
 
-#if CONFIG_BLOCKS
-
 _Static_assert(CONFIG_LOOPS <= 16, "excitation_state.modes has two bits for each loop");
 
 /* Numbers that should be equal may differ by a few roundings: fraction of span. */
@@ -450,5 +448,3 @@ void excitation_check_commands(struct supervisor *s)
             s->mv[e->target[k].at].commanded = base_of(s, &e->target[k]);
     excitation_end(s, reason);
 }
-
-#endif

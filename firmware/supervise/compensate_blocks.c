@@ -6,8 +6,6 @@
 #include "supervise/records.h"
 #include "supervise/served_io.h"
 
-#if CONFIG_BLOCKS
-
 _Static_assert(CONFIG_LOOPS <= 32, "a bit for each loop");
 
 static bool is_compensator(const struct supervisor *s, uint8_t slot)
@@ -259,5 +257,3 @@ void compensators_back_calculate(struct supervisor *s, num_t *told)
         if (loops & (1u << i))
             told[i] = whole[i];
 }
-
-#endif

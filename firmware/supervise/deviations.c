@@ -1,7 +1,5 @@
 #include "supervise/deviations.h"
 
-#if CONFIG_LOOP_GUARD
-
 #include "supervise/blocks.h"
 #include "supervise/span.h"
 
@@ -73,5 +71,3 @@ void deviations_time_back(struct supervisor *s)
     for (uint8_t i = 0; i < s->placed[PLACED_MEASUREMENTS]; i++)
         s->measurement[i].doubt.holds = false;
 }
-
-#endif

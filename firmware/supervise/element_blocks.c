@@ -4,8 +4,6 @@
 #include "supervise/raised.h"
 #include "supervise/served_io.h"
 
-#if CONFIG_BLOCKS
-
 /* The loops on its MVs go on from the outputs they find. */
 static void loops_make_room(struct supervisor *s, uint8_t slot)
 {
@@ -108,5 +106,3 @@ void elements_step(struct supervisor *s)
             run_element(s, slot, &g);
     }
 }
-
-#endif

@@ -6,8 +6,6 @@
 #include "supervise/plan_parts.h"
 #include "supervise/records.h"
 
-#if CONFIG_BLOCKS
-
 /* Parts of a configuration count whole, unused bytes too, as in its checksum. */
 static bool same_bytes(const void *a, const void *b, size_t n)
 {
@@ -67,5 +65,3 @@ void excitation_meet_plan(struct supervisor *s, const struct plan *next)
                         CHANNEL_NAME_SIZE))
             e->told[n] = (struct excite_told){EXCITE_OFF, EXCITE_FINE};
 }
-
-#endif

@@ -5,8 +5,6 @@
 #include "supervise/arena.h"
 #include "supervise/plan_parts.h"
 
-#if CONFIG_BLOCKS
-
 /* ---- plan ---- */
 
 static void need_history(struct plan *plan, uint8_t j, uint16_t ticks)
@@ -155,5 +153,3 @@ void histories_append(struct supervisor *s)
             applied_history_append(h, s->mv[j].applied);
     }
 }
-
-#endif

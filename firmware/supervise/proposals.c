@@ -1,7 +1,5 @@
 #include "supervise/proposals.h"
 
-#if CONFIG_BLOCKS
-
 struct block_proposal *proposal_room(struct supervisor *s)
 {
     if (atomic_load(&s->proposal.state) != PROPOSAL_FREE)
@@ -31,5 +29,3 @@ void proposal_hand_over(struct supervisor *s, uint8_t slot, const struct block_i
     s->proposal.plan = s->plan->serial;
     atomic_store(&s->proposal.state, PROPOSAL_GIVEN);
 }
-
-#endif

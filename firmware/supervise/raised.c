@@ -3,8 +3,6 @@
 #include "supervise/alarms.h"
 #include "supervise/records.h"
 
-#if CONFIG_BLOCKS
-
 void raised_tell(struct supervisor *s, uint8_t slot, const struct block_io *io)
 {
     uint8_t n = (uint8_t)(slot - SLOT_RECORDS), kind = s->block[slot].kind;
@@ -30,5 +28,3 @@ void raised_forget(struct supervisor *s, uint8_t slot)
 {
     s->served[slot - SLOT_RECORDS].raised = 0;
 }
-
-#endif

@@ -3,8 +3,6 @@
 #include "supervise/sequence.h"
 #include "supervise/span.h"
 
-#if CONFIG_STEPS
-
 static bool ask_loop(struct supervisor *s, enum request_kind kind, uint8_t loop,
                      enum loop_mode mode, float value)
 {
@@ -104,5 +102,3 @@ bool sequence_act(struct supervisor *s, uint8_t k)
         return true;
     }
 }
-
-#endif

@@ -4,8 +4,6 @@
 #include "supervise/plan_parts.h"
 #include "supervise/sequence_plan.h"
 
-#if CONFIG_STEPS
-
 static enum err refuse_step(struct config_fault *fault, enum err code, unsigned k,
                             const char *field, const char *subject, const char *wanted)
 {
@@ -168,5 +166,3 @@ bool sequence_differs(const struct plan *plan, const struct plan *old)
             return true;
     return false;
 }
-
-#endif

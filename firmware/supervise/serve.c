@@ -12,8 +12,6 @@
 #include "supervise/switch_offs.h"
 #include "supervise/validate.h"
 
-#if CONFIG_BLOCKS
-
 /* ---- plans ---- */
 
 static bool same_list(const uint8_t *a, uint8_t n, const uint8_t *b, uint8_t m)
@@ -377,5 +375,3 @@ void serve_back_calculate(struct supervisor *s)
                 s->loop[r->member[k]].limited = g.limited[k];
     }
 }
-
-#endif

@@ -10,8 +10,6 @@
 #include "supervise/sampling.h"
 #include "supervise/switch_offs.h"
 
-#if CONFIG_BLOCKS
-
 uint8_t served_input_quality(const struct supervisor *s, uint8_t input, bool measured)
 {
     if (input & INPUT_IS_MV)
@@ -157,5 +155,3 @@ void served_grant(struct supervisor *s, uint8_t slot, struct served_io *g)
     proposal_hand_over(s, slot, &g->io);
     switch_off_hand_over(s, slot, &g->io);
 }
-
-#endif

@@ -4,8 +4,6 @@
 
 #include "supervise/records.h"
 
-#if CONFIG_BLOCKS
-
 static void forget(struct supervisor *s, uint8_t element)
 {
     uint8_t *byte = &s->silenced[element / ELEMENT_TERMS];
@@ -97,5 +95,3 @@ void switch_off_forget_terms(struct supervisor *s, const struct plan *old, uint8
                                 config_record(&s->plan->config, n), k))
             forget(s, switch_off_term(n, k));
 }
-
-#endif

@@ -4,8 +4,6 @@
 
 #include "base/crc32.h"
 
-#if CONFIG_BLOCKS
-
 _Static_assert(CONFIG_TABLE_BYTES % 8 == 0, "places of tables");
 
 static uint64_t place[CONFIG_TABLES][CONFIG_TABLE_BYTES / 8]; /* aligned for any settings */
@@ -107,5 +105,3 @@ void tables_share(struct config *config, const struct config *other)
                 memcmp(table_at(config, n), table_at(other, k), CONFIG_TABLE_BYTES) == 0)
                 config->table[n] = other->table[k];
 }
-
-#endif

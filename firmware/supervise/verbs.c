@@ -2,8 +2,6 @@
 
 #include "supervise/records.h"
 
-#if CONFIG_BLOCKS
-
 static const struct block_kind *kind_of_request(const struct supervisor *s, const struct request *r)
 {
     uint8_t kind = r->output < CONFIG_BLOCKS ? s->block[SLOT_RECORDS + r->output].kind : PLAN_NONE;
@@ -32,5 +30,3 @@ bool verb_run(struct supervisor *s, const struct request *r)
     event_put(s->events, s->time_ms, EVENT_BLOCK_VERB, name, r->loop ? r->value : 0.0f, 0);
     return true;
 }
-
-#endif

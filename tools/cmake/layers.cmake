@@ -23,10 +23,47 @@ function(reflux_include_root name folder result)
   set(${result} "${root}" PARENT_SCOPE)
 endfunction()
 
-# reflux_layer(NAME [SOURCES a.c ...] [DEPENDS base num ...])
+# What the board has of these, as its limits and the headers say: REFLUX_HAS_... A layer names the sources that a board without it lacks
+# behind the name.
+set(REFLUX_PARTS CONFIG_BLOCKS CONFIG_EXPERIMENT CONFIG_FEEDFORWARD_TUNE CONFIG_STEPS CONFIG_LOOP_GUARD COMMISSION_CHANNELS)
+set(probe "#include \"supervise/config.h\"\n")
+foreach(header kinds/experiment/plant_experiment.h kinds/ff_tune/feedforward_tune.h)
+  if(EXISTS "${PROJECT_SOURCE_DIR}/firmware/${header}")
+    string(APPEND probe "#include \"${header}\"\n")
+  endif()
+endforeach()
+foreach(part ${REFLUX_PARTS})
+  string(APPEND probe "#if ${part}\nreflux_has_${part}\n#endif\n")
+endforeach()
+file(WRITE "${CMAKE_BINARY_DIR}/parts.c" "${probe}")
+set(before)
+if(EXISTS "${limits}") # tools/cmake/options.cmake
+  set(before -include "${limits}")
+endif()
+separate_arguments(flags UNIX_COMMAND "${CMAKE_C_FLAGS}")
+execute_process(COMMAND "${CMAKE_C_COMPILER}" ${flags} -E -P ${before} "-I${PROJECT_SOURCE_DIR}/firmware" "${CMAKE_BINARY_DIR}/parts.c"
+  OUTPUT_VARIABLE parts RESULT_VARIABLE status ERROR_VARIABLE said)
+if(status)
+  message(FATAL_ERROR "The parts of this board are not known: ${said}")
+endif()
+foreach(part ${REFLUX_PARTS})
+  set(REFLUX_HAS_${part} OFF)
+  if(parts MATCHES "reflux_has_${part}")
+    set(REFLUX_HAS_${part} ON)
+  endif()
+endforeach()
+set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS "${limits}" "${PROJECT_SOURCE_DIR}/firmware/supervise/config.h"
+  "${PROJECT_SOURCE_DIR}/firmware/block/settings.h")
+
+# reflux_layer(NAME [SOURCES a.c ...] [CONFIG_BLOCKS b.c ...] ... [DEPENDS base num ...])
 # Target reflux_NAME; without sources it is header-only.
 function(reflux_layer name)
-  cmake_parse_arguments(arg "" "INCLUDED_AS" "SOURCES;DEPENDS" ${ARGN})
+  cmake_parse_arguments(arg "" "INCLUDED_AS" "SOURCES;DEPENDS;${REFLUX_PARTS}" ${ARGN})
+  foreach(part ${REFLUX_PARTS})
+    if(REFLUX_HAS_${part})
+      list(APPEND arg_SOURCES ${arg_${part}})
+    endif()
+  endforeach()
   if(NOT arg_INCLUDED_AS)
     set(arg_INCLUDED_AS ${name})
   endif()
@@ -43,9 +80,14 @@ function(reflux_layer name)
   endif()
 endfunction()
 
-# reflux_kind(NAME SOURCES a.c ... DEPENDS block ...): a family of blocks in kinds/NAME. Target reflux_NAME.
+# reflux_kind(NAME SOURCES a.c ... DEPENDS block ...): a family of blocks in kinds/NAME. Target reflux_NAME; header-only if it is not in
+# the list `here` of firmware/kinds/CMakeLists.txt.
 function(reflux_kind name)
-  reflux_layer(${name} INCLUDED_AS kinds/${name} ${ARGN})
+  cmake_parse_arguments(arg "" "" "SOURCES;DEPENDS" ${ARGN})
+  if(NOT name IN_LIST here)
+    set(arg_SOURCES)
+  endif()
+  reflux_layer(${name} INCLUDED_AS kinds/${name} SOURCES ${arg_SOURCES} DEPENDS ${arg_DEPENDS})
   set_property(GLOBAL APPEND PROPERTY REFLUX_KINDS reflux_${name})
 endfunction()
 

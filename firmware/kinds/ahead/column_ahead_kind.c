@@ -1,7 +1,5 @@
 #include "kinds/ahead/column_ahead_block.h"
 
-#if CONFIG_BLOCKS
-
 #include <string.h>
 
 #define ZERO REAL_C(0.0)
@@ -399,5 +397,3 @@ const struct block_kind ahead_kind = {
     .follow = ahead_follow,
     .describe = ahead_describe,
 };
-
-#endif

@@ -1,7 +1,5 @@
 #include "kinds/ahead/column_ahead_law.h"
 
-#if CONFIG_BLOCKS
-
 #include "num/solve_small.h"
 
 #define ZERO REAL_C(0.0)
@@ -106,5 +104,3 @@ bool ahead_law_solve(struct ahead_law *law, const real_t *e)
         }
     return true;
 }
-
-#endif

@@ -1,7 +1,5 @@
 #include "kinds/ahead/column_ahead_model.h"
 
-#if CONFIG_BLOCKS
-
 #include <string.h>
 
 #include "model/column_implicit.h"
@@ -231,5 +229,3 @@ enum err ahead_model_correct(struct ahead_model *m, const struct ahead_said *sai
     (void)column_move(&m->column, m->x, m->rates);
     return ahead_model_look(m, m->x);
 }
-
-#endif

@@ -1,8 +1,6 @@
 /* Of the kind `ahead`: what its signals are in the model's units, and where the column is from what they say. */
 #include "kinds/ahead/column_ahead_block.h"
 
-#if CONFIG_BLOCKS
-
 #define ONE REAL_C(1.0)
 
 /* Before it begins, nobody knows where the model is: it is corrected so often, and carried on in between, so that stages that nothing is
@@ -109,5 +107,3 @@ enum err ahead_find_column(struct ahead *b, const struct block_io *io)
     }
     return err;
 }
-
-#endif

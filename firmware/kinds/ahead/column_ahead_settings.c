@@ -3,8 +3,6 @@
 
 #include "block/refuse.h"
 
-#if CONFIG_BLOCKS
-
 #define AT(field) offsetof(struct ahead_settings, field)
 
 const struct block_parameter ahead_parameters[AHEAD_PARAMETERS] = {
@@ -144,5 +142,3 @@ enum err ahead_check(const struct block_setup *setup, struct block_fault *fault)
         err = check_ahead_loop(setup, &table, i, fault);
     return err;
 }
-
-#endif

@@ -1,8 +1,6 @@
 /* What `block N` shows of the kind `ahead`. */
 #include "kinds/ahead/column_ahead_block.h"
 
-#if CONFIG_BLOCKS
-
 enum { VALUE_MISSED, VALUE_BIAS, VALUE_GIVEN, VALUE_DOUBT, VALUES };
 
 /* B*, row by row. */
@@ -49,5 +47,3 @@ const char *ahead_describe(const void *state, size_t i, float *value)
     *value = (float)b->law.b[which][k];
     return element[which][k];
 }
-
-#endif

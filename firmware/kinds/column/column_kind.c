@@ -4,8 +4,6 @@
 
 #include "base/text.h"
 
-#if CONFIG_BLOCKS
-
 #define NAME_SIZE (COLUMN_TABLE_NAME_SIZE + 9) /* with what stands in front of it */
 
 /* What the console shows. */
@@ -160,5 +158,3 @@ const struct block_kind column_kind = {
     .step = column_rest,
     .describe = column_describe,
 };
-
-#endif

@@ -12,8 +12,6 @@
  * F: the rate's derivative by this mole fraction, flows held. */
 #include "kinds/composition/composition.h"
 
-#if CONFIG_BLOCKS
-
 #include "num/real.h"
 
 #define ZERO REAL_C(0.0)
@@ -293,5 +291,3 @@ enum err composition_step(struct composition *c, const real_t *t)
     c->clipped = (uint16_t)column_move(&c->column, c->x, c->blocks.change);
     return ERR_OK;
 }
-
-#endif

@@ -4,8 +4,6 @@
 
 #include "kinds/composition/composition_covariance.h"
 
-#if CONFIG_BLOCKS
-
 #define ZERO REAL_C(0.0)
 #define ONE  REAL_C(1.0)
 #define HOUR REAL_C(3600.0)
@@ -333,5 +331,3 @@ void composition_covariance_piece(struct composition_block *b, struct compositio
         break;
     }
 }
-
-#endif

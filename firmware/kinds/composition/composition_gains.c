@@ -3,8 +3,6 @@
  * have moved the estimate. */
 #include "kinds/composition/composition.h"
 
-#if CONFIG_BLOCKS
-
 #define ZERO REAL_C(0.0)
 #define ONE  REAL_C(1.0)
 
@@ -98,5 +96,3 @@ void composition_innovate(struct composition *c, struct composition_sensor *s, u
         drawn += dt[j] * gain[s->stage * m + j];
     s->correction = drawn * e / c->h;
 }
-
-#endif

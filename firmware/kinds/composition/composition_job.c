@@ -4,8 +4,6 @@
 
 #include "kinds/composition/composition_covariance.h"
 
-#if CONFIG_BLOCKS
-
 #define ONE REAL_C(1.0)
 
 #define HOLDER "composition"
@@ -294,5 +292,3 @@ bool composition_job_piece(struct composition_block *b)
         job->phase = PHASE_DONE;
     return job->phase != PHASE_DONE;
 }
-
-#endif

@@ -1,8 +1,6 @@
 /* How good the estimates are, and what is said of them. */
 #include "kinds/composition/composition_job.h"
 
-#if CONFIG_BLOCKS
-
 #define ZERO REAL_C(0.0)
 
 /* It counts as settled after so many times 1/lambda. */
@@ -232,5 +230,3 @@ enum quality composition_judge(struct composition_block *b, struct block_io *io,
                ? QUALITY_UNCERTAIN
                : QUALITY_GOOD;
 }
-
-#endif

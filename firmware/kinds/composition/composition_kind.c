@@ -1,8 +1,6 @@
 /* The kind `composition`: an estimator of mole fractions on the stages of a column from temperatures (docs/composition-estimation.md). */
 #include "kinds/composition/composition_job.h"
 
-#if CONFIG_BLOCKS
-
 #include <string.h>
 
 #include "base/channel.h"
@@ -466,5 +464,3 @@ const struct block_kind composition_kind = {
     .follow = composition_follow,
     .describe = composition_describe,
 };
-
-#endif

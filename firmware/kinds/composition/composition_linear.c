@@ -8,8 +8,6 @@
  * drive it as far as the flows' limits. Folami 5.2 had such a model; the implicit step and f are ours. */
 #include "kinds/composition/composition.h"
 
-#if CONFIG_BLOCKS
-
 #define ZERO REAL_C(0.0)
 
 static enum err linearise(struct composition *c)
@@ -67,5 +65,3 @@ real_t composition_temperature_before(const struct composition *c, size_t stage)
         t += dt[j] * (c->x[stage * m + j] - c->table.profile[stage * m + j]);
     return t;
 }
-
-#endif

@@ -1,8 +1,6 @@
 /* Parameters of the kind `composition`: rows, what they come to, and what is refused. */
 #include "kinds/composition/composition_job.h"
 
-#if CONFIG_BLOCKS
-
 #include <string.h>
 
 #include "block/refuse.h"
@@ -383,5 +381,3 @@ void composition_take_settings(struct composition *c, const struct block_setup *
     c->gate_steps = (uint32_t)(r->gate_s / h);
     c->weight = h < s->watch_s ? h / s->watch_s : REAL_C(1.0);
 }
-
-#endif

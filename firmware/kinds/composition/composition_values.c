@@ -1,8 +1,6 @@
 /* What `block N` shows of the kind `composition`. */
 #include "kinds/composition/composition_block.h"
 
-#if CONFIG_BLOCKS
-
 enum { VALUE_E, VALUE_PULL, VALUE_NIS, VALUE_RHO, VALUE_SLOPE, VALUES };
 
 static const char *const of_sensor[VALUES][SENSORS_MAX] = {
@@ -89,5 +87,3 @@ const char *composition_describe(const void *state, size_t i, float *value)
     *value = value_of(s, (unsigned)which);
     return of_sensor[which][s->input];
 }
-
-#endif

@@ -1,8 +1,6 @@
 /* Monitor of the estimator: whether what the sensors say goes on being what the model expects, and whether they agree. */
 #include "kinds/composition/composition.h"
 
-#if CONFIG_BLOCKS
-
 #define ZERO REAL_C(0.0)
 #define ONE  REAL_C(1.0)
 
@@ -93,5 +91,3 @@ unsigned composition_odd_sensor(const struct composition *c, real_t most)
     }
     return 0;
 }
-
-#endif

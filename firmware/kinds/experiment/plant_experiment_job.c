@@ -1,8 +1,6 @@
 /* What the experiment does between ticks: gets the workspace, and finds the model from the record. */
 #include "kinds/experiment/plant_experiment_block.h"
 
-#if CONFIG_EXPERIMENT
-
 #include "base/workspace.h"
 
 #define HOLDER "experiment"
@@ -109,5 +107,3 @@ void experiment_take_model(struct experiment *e)
             e->at_fault = (uint8_t)(e->n + j + 1u);
         }
 }
-
-#endif

@@ -1,8 +1,6 @@
 /* Kind `experiment`: its stages, and what it may be told. */
 #include "kinds/experiment/plant_experiment_block.h"
 
-#if CONFIG_EXPERIMENT
-
 #include <string.h>
 
 #include "base/channel.h"
@@ -323,5 +321,3 @@ const struct block_kind experiment_kind = {
     .follow = experiment_follow,
     .describe = experiment_describe,
 };
-
-#endif

@@ -7,8 +7,6 @@
  * so F and G are for the measurements themselves. Of higher orders states would be samples of the past, which no measurement is: refused. */
 #include "kinds/experiment/plant_experiment_block.h"
 
-#if CONFIG_EXPERIMENT
-
 #include <string.h>
 
 #include "base/workspace.h"
@@ -225,5 +223,3 @@ void experiment_law_step(struct experiment *e, struct block_io *io)
     else
         propose_law(e, io->proposal);
 }
-
-#endif

@@ -2,8 +2,6 @@
  * loop, by the code behind tools/decouple. Loop k is measurement k by MV k. In the workspace, one design in each piece of work. */
 #include "kinds/experiment/plant_experiment_block.h"
 
-#if CONFIG_EXPERIMENT
-
 #include <string.h>
 
 #include "design/pole_placement.h"
@@ -219,5 +217,3 @@ void experiment_loops_propose(struct experiment *e, struct block_proposal *room)
     if (law->proposes)
         put_controller(e, law->loops.part++, room);
 }
-
-#endif

@@ -2,8 +2,6 @@
  * `known` goes off first and on with the last; who accepts the first has accepted the others. */
 #include "kinds/experiment/plant_experiment_block.h"
 
-#if CONFIG_EXPERIMENT
-
 /* The p-th of all values: id, what it is, what it should be. False past the end. */
 static bool nth_value(struct experiment *e, unsigned p, struct proposed_value *wanted, float *is)
 {
@@ -73,5 +71,3 @@ void experiment_proposals_step(struct experiment *e, struct block_proposal *room
     e->proposed = now;
     e->waits = true;
 }
-
-#endif

@@ -2,8 +2,6 @@
  * of span about the operating point. The same rows go into recursive estimators as they come, of low orders, to see how it gets on. */
 #include "kinds/experiment/plant_experiment_block.h"
 
-#if CONFIG_EXPERIMENT
-
 #include <string.h>
 
 #include "base/channel.h"
@@ -281,5 +279,3 @@ float experiment_live_gain(const struct experiment *e, unsigned i, unsigned j)
         (e->input[i].hi - e->input[i].lo) / (e->input[e->n + j].hi - e->input[e->n + j].lo);
     return at_rest > 1e-6f ? scale * sum / at_rest : 0;
 }
-
-#endif

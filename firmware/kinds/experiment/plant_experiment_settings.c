@@ -1,7 +1,5 @@
 #include "kinds/experiment/plant_experiment_block.h"
 
-#if CONFIG_EXPERIMENT
-
 #include "base/workspace.h"
 #include "block/refuse.h"
 #include "block/step_period.h"
@@ -166,5 +164,3 @@ enum err experiment_check(const struct block_setup *setup, struct block_fault *f
         err = check_sizes(setup, fault);
     return err ? err : check_length(setup, fault);
 }
-
-#endif

@@ -1,8 +1,6 @@
 /* The inner values of a block of the kind `experiment`. */
 #include "kinds/experiment/plant_experiment_block.h"
 
-#if CONFIG_EXPERIMENT
-
 static const char *describe_run(const struct experiment *e, size_t i, float *value)
 {
     float of = e->stage == EXPERIMENT_SETTLES ? (float)e->s.settle : (float)e->wanted;
@@ -134,5 +132,3 @@ const char *experiment_describe(const void *state, size_t i, float *value)
     }
     return describe_coefficient(e, i - n * n, value);
 }
-
-#endif

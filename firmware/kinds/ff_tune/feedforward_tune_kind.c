@@ -1,8 +1,6 @@
 /* Kind `ff_tune`: its settings, its turn in the tick, what it says and may be told. */
 #include "kinds/ff_tune/feedforward_tune_block.h"
 
-#if CONFIG_FEEDFORWARD_TUNE
-
 #include <string.h>
 
 #include "base/channel.h"
@@ -289,5 +287,3 @@ const struct block_kind feedforward_tune_kind = {
     .follow = tune_follow,
     .describe = tune_describe,
 };
-
-#endif

@@ -1,8 +1,6 @@
 /* Between ticks: first-order models of the process and of the disturbance's path, and Shinskey's rule from both. */
 #include "kinds/ff_tune/feedforward_tune_block.h"
 
-#if CONFIG_FEEDFORWARD_TUNE
-
 #include "design/feedforward_rules.h"
 
 #define ZERO REAL_C(0.0)
@@ -130,5 +128,3 @@ void tune_take_rule(struct tune *t)
     t->candidate = t->rule.shape;
     t->by_rule = true;
 }
-
-#endif

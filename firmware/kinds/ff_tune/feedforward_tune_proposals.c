@@ -2,8 +2,6 @@
  * knows what the element has. */
 #include "kinds/ff_tune/feedforward_tune_block.h"
 
-#if CONFIG_FEEDFORWARD_TUNE
-
 /* Times what a step of the disturbance takes that a proposal waits for it to be over. */
 #define CALLS 4u
 /* Of `check`: one that makes the loop worse waits no longer. */
@@ -105,5 +103,3 @@ void tune_propose_on(struct tune *t, struct block_io *io)
     put_candidate(t, io->proposal);
     t->handed = true;
 }
-
-#endif

@@ -2,8 +2,6 @@
  * high-pass, and the models that learn from them. */
 #include "kinds/ff_tune/feedforward_tune_block.h"
 
-#if CONFIG_FEEDFORWARD_TUNE
-
 #include <string.h>
 
 #include "base/channel.h"
@@ -279,5 +277,3 @@ void tune_ask_signal(struct tune *t, struct block_io *io)
     }
     t->asked_signal = n > 0;
 }
-
-#endif

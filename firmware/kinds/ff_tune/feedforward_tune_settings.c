@@ -1,7 +1,5 @@
 #include "kinds/ff_tune/feedforward_tune_block.h"
 
-#if CONFIG_FEEDFORWARD_TUNE
-
 #include "block/refuse.h"
 #include "block/step_period.h"
 
@@ -225,5 +223,3 @@ enum err tune_check(const struct block_setup *setup, struct block_fault *fault)
         err = check_tuning_band(setup, fault);
     return err ? err : check_models(setup, fault);
 }
-
-#endif

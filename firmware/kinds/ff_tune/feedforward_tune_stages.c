@@ -1,8 +1,6 @@
 /* The stages of a block of the kind `ff_tune`: what follows what, a sample at a time. */
 #include "kinds/ff_tune/feedforward_tune_block.h"
 
-#if CONFIG_FEEDFORWARD_TUNE
-
 #define LOOKS_A_STAGE 8u
 #define SETTLED_LOOKS 2u
 /* Times `settled` that a response may still change when the time of a stage is over. */
@@ -279,5 +277,3 @@ void tune_on_sample(struct tune *t)
     else if (t->stage == TUNE_RUNS)
         running_on(t);
 }
-
-#endif

@@ -1,8 +1,6 @@
 /* The inner values of a block of the kind `ff_tune`. */
 #include "kinds/ff_tune/feedforward_tune_block.h"
 
-#if CONFIG_FEEDFORWARD_TUNE
-
 static float percent_done(const struct tune *t)
 {
     float wanted = (float)tune_samples(t, t->s.learn_s);
@@ -72,5 +70,3 @@ const char *tune_describe(const void *state, size_t i, float *value)
     *value = inner[i].value;
     return inner[i].name;
 }
-
-#endif

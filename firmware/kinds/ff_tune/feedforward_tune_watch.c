@@ -2,8 +2,6 @@
  * one that acts is compared with feedback alone without being switched off. */
 #include "kinds/ff_tune/feedforward_tune_block.h"
 
-#if CONFIG_FEEDFORWARD_TUNE
-
 #include <string.h>
 
 #define ZERO REAL_C(0.0)
@@ -213,5 +211,3 @@ enum tune_verdict tune_watch_step(struct tune *t)
     t->worse_for = worse ? t->worse_for + 1u : 0;
     return t->worse_for > forgets_in(t) && !t->off_waits ? TUNE_WORSE : TUNE_NONE;
 }
-
-#endif

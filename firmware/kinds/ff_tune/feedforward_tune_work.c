@@ -1,8 +1,6 @@
 /* Between ticks: the responses from the model, Gd/Gp from them, the band, models and rule, and the search. */
 #include "kinds/ff_tune/feedforward_tune_block.h"
 
-#if CONFIG_FEEDFORWARD_TUNE
-
 #define ONE REAL_C(1.0)
 
 /* Of the grid where no band is set: rad per sample, and of the high-pass. */
@@ -282,5 +280,3 @@ bool tune_work(void *state)
     t->pieces = (uint16_t)(t->pieces > 0 ? t->pieces - 1u : 0);
     return t->work != WORK_NONE && t->pieces > 0;
 }
-
-#endif

@@ -4,8 +4,6 @@
  * error of the model, and whoever computes begins where the other has ended. */
 #include "kinds/gmv/gmv_kind.h"
 
-#if CONFIG_BLOCKS
-
 #include <string.h>
 
 #include "base/channel.h"
@@ -487,5 +485,3 @@ const struct block_kind gmv_kind = {
     .follow = gmv_follow,
     .describe = gmv_describe,
 };
-
-#endif

@@ -2,8 +2,6 @@
  * by little. */
 #include "kinds/gmv/gmv_block.h"
 
-#if CONFIG_BLOCKS
-
 #include "base/channel.h"
 
 /* Steps in which the law's moves come in, an eighth more in each; the first moves nothing. */
@@ -99,5 +97,3 @@ void gmv_begin_law(struct gmv_block *s)
     s->fading_in = 0;
     s->has_asked = false;
 }
-
-#endif

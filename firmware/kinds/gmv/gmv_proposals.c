@@ -1,8 +1,6 @@
 /* Adopted parameters become settings of the block by a proposal, so that `save` keeps them: theta1_1 ... in their order. */
 #include "kinds/gmv/gmv_block.h"
 
-#if CONFIG_BLOCKS
-
 /* The n-th of all parameters of all loops, in one row. False past the end. */
 static bool nth_parameter(const struct gmv_block *s, unsigned n, unsigned *i, unsigned *p)
 {
@@ -63,5 +61,3 @@ uint8_t gmv_proposals_step(struct gmv_block *s, struct block_proposal *room)
     s->proposed = accepted ? parameters_of_all(s) : 0;
     return gmv_supervise_accepted(&s->watch, accepted);
 }
-
-#endif

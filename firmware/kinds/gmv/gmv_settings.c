@@ -1,7 +1,5 @@
 #include "kinds/gmv/gmv_settings.h"
 
-#if CONFIG_BLOCKS
-
 #include <string.h>
 
 #include "block/refuse.h"
@@ -281,5 +279,3 @@ enum err gmv_settings_check(const struct block_setup *setup, struct block_fault 
     }
     return err;
 }
-
-#endif

@@ -1,8 +1,6 @@
 /* What a block of the kind `gmv` may be told, and what it shows. */
 #include "kinds/gmv/gmv_block.h"
 
-#if CONFIG_BLOCKS
-
 #include "num/real.h"
 
 /* ---- verbs ---- */
@@ -156,5 +154,3 @@ const char *gmv_describe(const void *state, size_t i, float *value)
     }
     return NULL;
 }
-
-#endif

@@ -1,7 +1,5 @@
 #include "kinds/inferential/inferential.h"
 
-#if CONFIG_BLOCKS
-
 #include <string.h>
 
 /* An output that is cut by less, fraction of span, has not been cut: rounding behind a compensator. */
@@ -257,5 +255,3 @@ num_t inferential_away(const struct inferential *s)
     struct accumulator away = away_of_second(s);
     return uses_second(s->acts) ? accumulator_get(&away) : num_zero();
 }
-
-#endif

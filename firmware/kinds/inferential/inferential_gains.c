@@ -3,8 +3,6 @@
 
 #include "kinds/inferential/inferential.h"
 
-#if CONFIG_BLOCKS
-
 #include "num/real.h"
 
 /* Steps are halved until the matrix is this small, and the series of three terms is exact in float. */
@@ -174,5 +172,3 @@ const char *inferential_wrong(const struct inferential_config *c, const char **f
         return "makes a gain above 1000 spans per span: slope and gains do not fit";
     return c->law == LAW_CONVENTIONAL ? NULL : wrong_pair(c, field);
 }
-
-#endif

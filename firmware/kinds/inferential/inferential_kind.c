@@ -1,8 +1,6 @@
 /* Kind `inferential`: what the tick calls. The law: inferential.h. */
 #include "kinds/inferential/inferential_block.h"
 
-#if CONFIG_BLOCKS
-
 #include <string.h>
 
 #include "base/channel.h"
@@ -185,5 +183,3 @@ const struct block_kind inferential_kind = {
     .follow = inferential_block_follow,
     .describe = inferential_describe,
 };
-
-#endif

@@ -1,8 +1,6 @@
 /* Parameters of the kind `inferential`: rows, what they come to, and what is refused. */
 #include "kinds/inferential/inferential_block.h"
 
-#if CONFIG_BLOCKS
-
 #include "block/refuse.h"
 #include "num/real.h"
 
@@ -231,5 +229,3 @@ enum err inferential_check(const struct block_setup *setup, struct block_fault *
             err = check_loop(setup, k, fault);
     return err;
 }
-
-#endif

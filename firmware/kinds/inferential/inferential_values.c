@@ -1,8 +1,6 @@
 /* Inner values of a block of kind `inferential`, as `block N` shows them. */
 #include "kinds/inferential/inferential_block.h"
 
-#if CONFIG_BLOCKS
-
 const char *inferential_describe(const void *state, size_t i, float *value)
 {
     const struct inferential_block *s = state;
@@ -35,5 +33,3 @@ const char *inferential_describe(const void *state, size_t i, float *value)
     *value = inner[i % INFERENTIAL_INNER].value;
     return inner[i % INFERENTIAL_INNER].name[k];
 }
-
-#endif

@@ -1,7 +1,5 @@
 #include "kinds/leadlag/leadlag.h"
 
-#if CONFIG_BLOCKS
-
 #include <string.h>
 
 #include "base/channel.h"
@@ -399,5 +397,3 @@ const struct block_kind leadlag_kind = {
     .follow = leadlag_follow,
     .describe = leadlag_describe,
 };
-
-#endif

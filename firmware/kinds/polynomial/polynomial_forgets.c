@@ -1,8 +1,6 @@
 /* What the kind `polynomial` looks at in its settings: inverses, and whether a past dies away. */
 #include "kinds/polynomial/polynomial.h"
 
-#if CONFIG_BLOCKS
-
 #include <string.h>
 
 #include "num/solve_small.h"
@@ -74,5 +72,3 @@ bool polynomial_forgets(const struct polynomial_settings *c, unsigned loops, uns
                 return false;
     return true;
 }
-
-#endif

@@ -1,8 +1,6 @@
 /* u = G(z^-1) v. The first coefficients act in every base tick, the others on v as it was at the end of the periods before. */
 #include "kinds/polynomial/polynomial.h"
 
-#if CONFIG_BLOCKS
-
 #include <string.h>
 
 #include "block/step_period.h"
@@ -448,5 +446,3 @@ const struct block_kind polynomial_kind = {
     .follow = polynomial_follow,
     .describe = polynomial_describe,
 };
-
-#endif

@@ -1,8 +1,6 @@
 /* MV = zero + (output - zero) F/at, F through a lag. */
 #include "kinds/ratio/ratio.h"
 
-#if CONFIG_BLOCKS
-
 #include <string.h>
 
 #include "base/channel.h"
@@ -180,5 +178,3 @@ const struct block_kind ratio_kind = {
     .follow = ratio_follow,
     .describe = ratio_describe,
 };
-
-#endif

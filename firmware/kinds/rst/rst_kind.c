@@ -1,7 +1,5 @@
 #include "kinds/rst/rst.h"
 
-#if CONFIG_BLOCKS
-
 #include <string.h>
 
 #include "block/refuse.h"
@@ -228,5 +226,3 @@ const struct block_kind rst_kind = {
     .follow = rst_follow,
     .describe = rst_describe,
 };
-
-#endif

@@ -1,7 +1,5 @@
 #include "kinds/state/state_feedback.h"
 
-#if CONFIG_BLOCKS
-
 #include <string.h>
 
 #include "block/refuse.h"
@@ -356,5 +354,3 @@ const struct block_kind state_feedback_kind = {
     .follow = state_feedback_follow,
     .describe = state_feedback_describe,
 };
-
-#endif

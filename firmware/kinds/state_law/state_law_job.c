@@ -1,7 +1,5 @@
 #include "kinds/state_law/state_law_job.h"
 
-#if CONFIG_BLOCKS
-
 #include <string.h>
 
 #include "base/text.h"
@@ -275,5 +273,3 @@ bool state_law_job_piece(struct state_law_job *job)
     }
     return job->phase != STATE_LAW_PHASE_OVER;
 }
-
-#endif

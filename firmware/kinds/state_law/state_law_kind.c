@@ -1,8 +1,6 @@
 /* Kind `state_law`: what it does in the tick and between ticks, what it may be told. */
 #include "kinds/state_law/state_law_block.h"
 
-#if CONFIG_BLOCKS
-
 #include <string.h>
 
 #include "base/text.h"
@@ -249,5 +247,3 @@ const struct block_kind state_law_kind = {
     .step = state_law_step,
     .describe = state_law_describe,
 };
-
-#endif

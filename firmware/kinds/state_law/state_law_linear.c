@@ -1,7 +1,5 @@
 #include "kinds/state_law/state_law_linear.h"
 
-#if CONFIG_BLOCKS
-
 #include <string.h>
 
 #define ZERO REAL_C(0.0)
@@ -195,5 +193,3 @@ enum err state_law_linear_piece(struct state_law_linear *l)
     } while (l->at >= n && l->at < all && state_law_is_of_stage(l->place[l->at - n].is));
     return l->at < all ? ERR_BUSY : ERR_OK;
 }
-
-#endif

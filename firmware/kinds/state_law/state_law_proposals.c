@@ -1,8 +1,6 @@
 /* A law that was found becomes settings by a proposal: only the values that change. */
 #include "kinds/state_law/state_law_block.h"
 
-#if CONFIG_BLOCKS
-
 /* The p-th of all values: id of its parameter, what it is and what it should be. False past the end. */
 static bool nth_of_law(const struct state_law_settings *s, const struct state_law_found *f,
                        unsigned loops, unsigned p, struct proposed_value *wanted, float *is)
@@ -52,5 +50,3 @@ void state_law_propose(struct state_law_block *b, struct block_proposal *room)
     b->proposes = b->waits = room->n > 0; /* else it is in force, or refused, or rejected */
     room->manner = b->s.adopt == STATE_LAW_AT_ONCE ? PROPOSAL_AT_ONCE : PROPOSAL_WHEN_ACCEPTED;
 }
-
-#endif

@@ -1,8 +1,6 @@
 /* Parameters of the kind `state_law`, and what is refused. */
 #include "kinds/state_law/state_law_block.h"
 
-#if CONFIG_BLOCKS
-
 #include "base/workspace.h"
 #include "block/refuse.h"
 
@@ -165,5 +163,3 @@ enum err state_law_check(const struct block_setup *setup, struct block_fault *fa
         return block_refuse(fault, 0, "column", "needs more workspace than this board has");
     return s->column ? check_law_column(setup, fault) : ERR_OK;
 }
-
-#endif

@@ -1,8 +1,6 @@
 /* What the console shows of the kind `state_law`. */
 #include "kinds/state_law/state_law_block.h"
 
-#if CONFIG_BLOCKS
-
 const char *state_law_describe(const void *state, size_t i, float *value)
 {
     const struct state_law_block *b = state;
@@ -24,5 +22,3 @@ const char *state_law_describe(const void *state, size_t i, float *value)
     *value = values[i];
     return names[i];
 }
-
-#endif
