@@ -8,8 +8,6 @@
 #define FADE_STEPS 8u
 /* How far beyond a limit that has shown the law asks, to find out when it is there no longer; half of it tells. */
 #define PROBE 0.001f
-/* An MV that has moved by less stands. */
-#define STANDS 1e-5f
 
 float gmv_own_gain(const struct gmv *g, unsigned i)
 {
@@ -27,7 +25,7 @@ void gmv_set_weights(struct gmv_block *s)
 
 void gmv_learn_limits(struct gmv_block *s, const struct gmv_sample *sample)
 {
-    num_t half = num_from_float(PROBE / 2), none = num_from_float(STANDS);
+    num_t half = num_from_float(PROBE / 2), none = num_from_float(GMV_STANDS_STILL);
     for (unsigned i = 0; i < s->loops && s->has_asked; i++) {
         num_t took = gmv_applied(sample, i, 1);
         bool stands = num_lt(num_abs(num_sub(took, gmv_applied(sample, i, 2))), none);

@@ -14,8 +14,10 @@
 #define MOVES_LEAST 0.005f
 /* A PI that does not move at all has moved by as much, r.m.s. */
 #define STILL 1e-4f
-/* Second differences of white noise with the deviation s: their mean square is 6 s^2, their mean size sqrt(6) s sqrt(2/pi). */
-#define SQUARE_OF_JITTER (3.1415927f / 12)
+/* The squared mean size of white noise is this part of its mean square: 2/pi. The mean square of its second differences is six times its
+ * own. */
+#define MEAN_OF_SQUARE   0.63661977f
+#define SQUARE_OF_JITTER (1 / (6 * MEAN_OF_SQUARE))
 
 /* Answers to setpoints: steps that are remembered, that are enough to compare; how much worse the law's must be, and its mean error,
  * so that noise while an outer loop moves the setpoint a little is no reason. */
@@ -26,12 +28,8 @@
 /* Where the PI has left fewer answers, and perhaps nothing at rest, the law must be as much worse. */
 #define FEW_ANSWERS  32u
 #define TIMES_OF_FEW 3.0f
-/* An MV that moves by less in a step stands at a limit, and what the PV does then is no answer of whoever computes. */
-#define LEAST_OF_ANSWER 1e-5f
 /* An answer is whole when the PV has come as near, in parts of the next move. */
 #define ANSWER_NEAR 0.2f
-/* The squared mean size of white noise is this part of its mean square. */
-#define MEAN_OF_SQUARE (2 / 3.1415927f)
 
 static void begin_record_window(struct gmv_record *r)
 {
@@ -90,11 +88,11 @@ static float worse_answers(const struct gmv_record *r)
     return enough && of_pi > 0 && of_law > most * of_pi ? of_law / of_pi : 0;
 }
 
-/* `of`: whose answer it is while the setpoint has not settled. */
+/* `of`: whose answer it is while the setpoint has not settled. What the PV does while the MV stands still is nobody's answer. */
 static bool setpoint_rests(struct gmv_record *r, float setpoint, float away, float moved,
                            uint32_t settled, struct gmv_answers *of)
 {
-    bool answers = r->rests + 1u < settled && real_abs(moved) >= LEAST_OF_ANSWER;
+    bool answers = r->rests + 1u < settled && real_abs(moved) >= GMV_STANDS_STILL;
     float change = r->has_setpoint ? real_abs(setpoint - r->setpoint) : 0;
     r->has_setpoint = true;
     if (change > 0 || answers)

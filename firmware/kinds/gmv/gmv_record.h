@@ -9,6 +9,9 @@
 #include <stdbool.h>
 #include <stdint.h>
 
+/* An MV that moves by less in a step stands still: at a limit, or a stuck valve. Fraction of span. */
+#define GMV_STANDS_STILL 1e-5f
+
 /* Answers to setpoints: means over steps until the setpoint has settled. */
 struct gmv_answers {
     float error, moved; /* |setpoint - PV|, |change of the setpoint| */

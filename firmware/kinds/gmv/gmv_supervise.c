@@ -4,8 +4,6 @@
 
 #include "num/real.h"
 
-/* An MV that moves by less in a step stands still. */
-#define STILL 1e-5f
 /* The law pushes an MV into a limit when it asks for so much more; a control error above that is far, fractions of span. */
 #define PUSHED   0.0004f
 #define FAR_AWAY 0.01f
@@ -83,8 +81,9 @@ static enum gmv_rest reason_to_rest(struct gmv_supervise *s, const struct gmv_se
                                     unsigned i)
 {
     const struct gmv_supervise_config *c = &s->config;
-    s->still[i] =
-        magnitude_of(seen->moved[i]) >= STILL ? 0 : s->still[i] + (s->still[i] < UINT32_MAX);
+    s->still[i] = magnitude_of(seen->moved[i]) >= GMV_STANDS_STILL
+                      ? 0
+                      : s->still[i] + (s->still[i] < UINT32_MAX);
     if (!(seen->good & (1u << i)))
         s->spoilt[i] = c->reach + 1u;
     else if (s->spoilt[i])
@@ -324,7 +323,8 @@ static float jammed_away(struct gmv_supervise *s, const struct gmv_seen *seen)
     for (unsigned i = 0; i < s->config.loops; i++) {
         float away = magnitude_of(seen->away[i]);
         float needed = s->config.negative[i] ? -seen->away[i] : seen->away[i];
-        bool jammed = (seen->acting & (1u << i)) && magnitude_of(seen->moved[i]) < STILL &&
+        bool jammed = (seen->acting & (1u << i)) &&
+                      magnitude_of(seen->moved[i]) < GMV_STANDS_STILL &&
                       magnitude_of(seen->lacked[i]) > PUSHED && away > FAR_AWAY &&
                       needed * seen->lacked[i] < 0;
         s->jammed[i] = jammed ? s->jammed[i] + 1u : 0;
