@@ -2,8 +2,8 @@
  * declare. Their values are texts of several names, rows of tables, and a kind, which no other parameter is; single
  * numbers and words are handled as everywhere (parameters.c). Nothing here on boards without blocks.
  */
-#ifndef REFLUX_SERVICE_BLOCK_PARAMETERS_H
-#define REFLUX_SERVICE_BLOCK_PARAMETERS_H
+#ifndef REFLUX_SETTINGS_BLOCK_PARAMETERS_H
+#define REFLUX_SETTINGS_BLOCK_PARAMETERS_H
 
 #include "base/text.h"
 #include "supervise/records.h"

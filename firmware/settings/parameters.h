@@ -6,8 +6,8 @@
  * Of a block the fields up to 63 are those of parameter_table.c, those from 64 on the rows of its kind, which differ from
  * kind to kind (block/block.h).
  */
-#ifndef REFLUX_SERVICE_PARAMETERS_H
-#define REFLUX_SERVICE_PARAMETERS_H
+#ifndef REFLUX_SETTINGS_PARAMETERS_H
+#define REFLUX_SETTINGS_PARAMETERS_H
 
 #include <stdbool.h>
 

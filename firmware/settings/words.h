@@ -1,6 +1,6 @@
 /* Words with bars between them, "off|on": the values of a parameter that is a choice. */
-#ifndef REFLUX_SERVICE_WORDS_H
-#define REFLUX_SERVICE_WORDS_H
+#ifndef REFLUX_SETTINGS_WORDS_H
+#define REFLUX_SETTINGS_WORDS_H
 
 #include <stdbool.h>
 #include <stdint.h>

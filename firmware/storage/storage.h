@@ -15,8 +15,8 @@
  *  5. Nothing is written while there is something in a format of newer firmware, until storage_save() is told to
  *     replace it.
  */
-#ifndef REFLUX_SERVICE_STORAGE_H
-#define REFLUX_SERVICE_STORAGE_H
+#ifndef REFLUX_STORAGE_STORAGE_H
+#define REFLUX_STORAGE_STORAGE_H
 
 #include "storage/storage_state.h"
 

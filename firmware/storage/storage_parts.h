@@ -1,7 +1,7 @@
 /* What the files of storage share, and nobody else sees: storage.c (a start, turns), storage_read.c (find, check, load)
  * and storage_write.c (erase, save). Format: docs/storage.md. */
-#ifndef REFLUX_SERVICE_STORAGE_PARTS_H
-#define REFLUX_SERVICE_STORAGE_PARTS_H
+#ifndef REFLUX_STORAGE_STORAGE_PARTS_H
+#define REFLUX_STORAGE_STORAGE_PARTS_H
 
 #include "storage/storage_state.h"
 

@@ -1,6 +1,6 @@
 /* Records of a stored set: one value of one parameter each, keyed by its id. docs/storage.md has the bytes. */
-#ifndef REFLUX_SERVICE_STORAGE_RECORD_H
-#define REFLUX_SERVICE_STORAGE_RECORD_H
+#ifndef REFLUX_STORAGE_STORAGE_RECORD_H
+#define REFLUX_STORAGE_STORAGE_RECORD_H
 
 #include "settings/parameters.h"
 

@@ -1,6 +1,6 @@
 /* What storage keeps: storage.h says what may be asked of it; the files of storage_parts.h do it. */
-#ifndef REFLUX_SERVICE_STORAGE_STATE_H
-#define REFLUX_SERVICE_STORAGE_STATE_H
+#ifndef REFLUX_STORAGE_STORAGE_STATE_H
+#define REFLUX_STORAGE_STORAGE_STATE_H
 
 #include "service/service.h"
 #include "storage/storage_record.h"

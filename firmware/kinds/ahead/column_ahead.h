@@ -10,8 +10,8 @@
  * Where the column is now: its model, corrected at the places that inputs tell of, measured or estimated. What the last prediction missed is
  * added to the next, a part of it in each step; that is the integral. Where an MV is limited its loop gives way alone, and the others
  * come to their setpoints all the same. docs/state-decoupling.md */
-#ifndef REFLUX_CONTROL_COLUMN_AHEAD_H
-#define REFLUX_CONTROL_COLUMN_AHEAD_H
+#ifndef REFLUX_AHEAD_COLUMN_AHEAD_H
+#define REFLUX_AHEAD_COLUMN_AHEAD_H
 
 #include "block/block.h"
 

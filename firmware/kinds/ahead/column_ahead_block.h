@@ -1,6 +1,6 @@
-/* The kind `ahead` as its files share it. Within control. */
-#ifndef REFLUX_CONTROL_COLUMN_AHEAD_BLOCK_H
-#define REFLUX_CONTROL_COLUMN_AHEAD_BLOCK_H
+/* The kind `ahead` as its files share it. */
+#ifndef REFLUX_AHEAD_COLUMN_AHEAD_BLOCK_H
+#define REFLUX_AHEAD_COLUMN_AHEAD_BLOCK_H
 
 #include "kinds/ahead/column_ahead_law.h"
 #include "kinds/ahead/column_ahead_model.h"

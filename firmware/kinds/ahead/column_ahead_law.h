@@ -1,7 +1,7 @@
 /* Which inputs take n outputs where they are asked to be. Where an input is at a limit its loop gives way alone: the others come to where they
- * are asked to be all the same. All numbers are fractions of span. Within control. */
-#ifndef REFLUX_CONTROL_COLUMN_AHEAD_LAW_H
-#define REFLUX_CONTROL_COLUMN_AHEAD_LAW_H
+ * are asked to be all the same. All numbers are fractions of span. For this folder alone. */
+#ifndef REFLUX_AHEAD_COLUMN_AHEAD_LAW_H
+#define REFLUX_AHEAD_COLUMN_AHEAD_LAW_H
 
 #include "kinds/ahead/column_ahead.h"
 #include "num/real.h"

@@ -1,6 +1,6 @@
-/* The column as the kind `ahead` sees it: where it is, and where it will be an interval later. SI units, stages from 0. Within control. */
-#ifndef REFLUX_CONTROL_COLUMN_AHEAD_MODEL_H
-#define REFLUX_CONTROL_COLUMN_AHEAD_MODEL_H
+/* The column as the kind `ahead` sees it: where it is, and where it will be an interval later. SI units, stages from 0. For this folder alone. */
+#ifndef REFLUX_AHEAD_COLUMN_AHEAD_MODEL_H
+#define REFLUX_AHEAD_COLUMN_AHEAD_MODEL_H
 
 #include "kinds/ahead/column_ahead.h"
 #include "kinds/column/column.h"

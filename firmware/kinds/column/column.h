@@ -1,7 +1,7 @@
 /* A kind of the estimate stage that estimates nothing: its settings are the compact table of a column (model/column_table.h,
  * docs/column-table.md), which other blocks name. No member, no input, no point. */
-#ifndef REFLUX_ESTIMATE_COLUMN_H
-#define REFLUX_ESTIMATE_COLUMN_H
+#ifndef REFLUX_COLUMN_COLUMN_H
+#define REFLUX_COLUMN_COLUMN_H
 
 #include "block/block.h"
 #include "model/column_table.h"

@@ -1,6 +1,6 @@
-/* Estimator of the compositions of a column from temperatures: the column's model, drawn towards what is measured. Within estimate. */
-#ifndef REFLUX_ESTIMATE_COMPOSITION_H
-#define REFLUX_ESTIMATE_COMPOSITION_H
+/* Estimator of the compositions of a column from temperatures: the column's model, drawn towards what is measured. For this folder alone. */
+#ifndef REFLUX_COMPOSITION_COMPOSITION_H
+#define REFLUX_COMPOSITION_COMPOSITION_H
 
 #include "kinds/column/column.h"
 #include "kinds/composition/composition_settings.h"

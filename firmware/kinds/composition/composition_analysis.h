@@ -1,4 +1,4 @@
-/* Compositions that are analysed now and then, late: what the model is off by at the place of each is taken off its points. Within estimate.
+/* Compositions that are analysed now and then, late: what the model is off by at the place of each is taken off its points. For this folder alone.
  *
  * An analysis y of a sample that was taken a seconds ago is compared with what the estimate was then, and a share of what is left over
  * moves the correction:
@@ -7,8 +7,8 @@
  *
  * so that after n samples (1 - g)^n of a constant error is left. The model itself stays as it is: temperatures say how fast a composition
  * moves, analyses where it is. Ours. */
-#ifndef REFLUX_ESTIMATE_COMPOSITION_ANALYSIS_H
-#define REFLUX_ESTIMATE_COMPOSITION_ANALYSIS_H
+#ifndef REFLUX_COMPOSITION_COMPOSITION_ANALYSIS_H
+#define REFLUX_COMPOSITION_COMPOSITION_ANALYSIS_H
 
 #include <stdbool.h>
 #include <stdint.h>

@@ -1,6 +1,6 @@
-/* The kind `composition` as its files share it. Within estimate. */
-#ifndef REFLUX_ESTIMATE_COMPOSITION_BLOCK_H
-#define REFLUX_ESTIMATE_COMPOSITION_BLOCK_H
+/* The kind `composition` as its files share it. */
+#ifndef REFLUX_COMPOSITION_COMPOSITION_BLOCK_H
+#define REFLUX_COMPOSITION_COMPOSITION_BLOCK_H
 
 #include "base/channel.h"
 #include "kinds/composition/composition.h"

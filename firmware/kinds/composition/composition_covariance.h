@@ -1,7 +1,7 @@
 /* The job of kinds/composition/composition_job.h as its two files share it: what the tick hands over and gets (composition_job.c), and the pieces
- * (composition_covariance.c). It stands in the leased workspace. Within estimate. */
-#ifndef REFLUX_ESTIMATE_COMPOSITION_COVARIANCE_H
-#define REFLUX_ESTIMATE_COMPOSITION_COVARIANCE_H
+ * (composition_covariance.c). It stands in the leased workspace. For this folder alone. */
+#ifndef REFLUX_COMPOSITION_COMPOSITION_COVARIANCE_H
+#define REFLUX_COMPOSITION_COMPOSITION_COVARIANCE_H
 
 #include <stddef.h>
 

@@ -1,6 +1,6 @@
-/* What a block with complete innovation keeps of its gains' job from tick to tick (kinds/composition/composition_job.h). Within estimate. */
-#ifndef REFLUX_ESTIMATE_COMPOSITION_FILTER_H
-#define REFLUX_ESTIMATE_COMPOSITION_FILTER_H
+/* What a block with complete innovation keeps of its gains' job from tick to tick (kinds/composition/composition_job.h). For this folder alone. */
+#ifndef REFLUX_COMPOSITION_COMPOSITION_FILTER_H
+#define REFLUX_COMPOSITION_COMPOSITION_FILTER_H
 
 #include "kinds/composition/composition.h"
 

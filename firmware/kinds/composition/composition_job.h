@@ -1,11 +1,11 @@
 /* The gains of complete innovation, found between ticks: the covariance of all mole fractions, and of what nobody measures of the feed, is
  * carried over a cycle, Frau (7.5), and every temperature and analysis that was there is worked in, one after the other. It stands in
  * the board's workspace, which is leased for as long as the filter runs; without it the last gains go on, and before there are any
- * each temperature moves its own mole fraction (METHOD_REKF). Within estimate.
+ * each temperature moves its own mole fraction (METHOD_REKF). For this folder alone.
  *
  * The tick hands over an order and takes the result in a declared tick; in between it leaves the workspace alone. */
-#ifndef REFLUX_ESTIMATE_COMPOSITION_JOB_H
-#define REFLUX_ESTIMATE_COMPOSITION_JOB_H
+#ifndef REFLUX_COMPOSITION_COMPOSITION_JOB_H
+#define REFLUX_COMPOSITION_COMPOSITION_JOB_H
 
 #include "base/workspace.h"
 #include "kinds/composition/composition_block.h"

@@ -1,7 +1,7 @@
 /* Settings of the kind `composition` (docs/composition-estimation.md), as its parameters fill them. Row k: input k of the block, or
  * its point k. */
-#ifndef REFLUX_ESTIMATE_COMPOSITION_SETTINGS_H
-#define REFLUX_ESTIMATE_COMPOSITION_SETTINGS_H
+#ifndef REFLUX_COMPOSITION_COMPOSITION_SETTINGS_H
+#define REFLUX_COMPOSITION_COMPOSITION_SETTINGS_H
 
 #include "block/block.h"
 

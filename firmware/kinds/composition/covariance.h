@@ -11,8 +11,8 @@
  * keep; G is what extras gather.
  *
  * Forms: kinds/composition/covariance_ud.h, the whole; kinds/composition/covariance_band.h, of neighbouring stages. */
-#ifndef REFLUX_ESTIMATE_COVARIANCE_H
-#define REFLUX_ESTIMATE_COVARIANCE_H
+#ifndef REFLUX_COMPOSITION_COVARIANCE_H
+#define REFLUX_COMPOSITION_COVARIANCE_H
 
 #include "model/column_transition.h"
 

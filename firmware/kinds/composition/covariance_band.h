@@ -18,8 +18,8 @@
  *
  * Sources: A. Asif, J. M. F. Moura, Block matrices with L-block-banded inverse: inversion algorithms, IEEE Trans. Signal Processing 53
  * (2005) 630 (the completion). M and the way through the transition are ours. */
-#ifndef REFLUX_ESTIMATE_COVARIANCE_BAND_H
-#define REFLUX_ESTIMATE_COVARIANCE_BAND_H
+#ifndef REFLUX_COMPOSITION_COVARIANCE_BAND_H
+#define REFLUX_COMPOSITION_COVARIANCE_BAND_H
 
 #include "kinds/composition/covariance.h"
 

@@ -1,7 +1,7 @@
 /* What kinds/composition/covariance_ud.c does with the square root S = U D^(1/2), in this order: every extra, every stage from the reboiler up, every
  * stage from the condenser down. Between the parts the triangle holds columns of S and of U D side by side. */
-#ifndef REFLUX_ESTIMATE_COVARIANCE_ROOT_H
-#define REFLUX_ESTIMATE_COVARIANCE_ROOT_H
+#ifndef REFLUX_COMPOSITION_COVARIANCE_ROOT_H
+#define REFLUX_COMPOSITION_COVARIANCE_ROOT_H
 
 #include "kinds/composition/covariance.h"
 

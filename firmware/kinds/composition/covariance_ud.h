@@ -7,8 +7,8 @@
  * pivots. Noise is added one fraction after the other (Agee and Turner), measurements are taken by Bierman's update, both in num/ud.h.
  * The way through the transition (kinds/composition/covariance_root.c) is ours; what it stands in for is C. L. Thornton's, Triangular Covariance Factorizations for
  * Kalman Filtering (1976). */
-#ifndef REFLUX_ESTIMATE_COVARIANCE_UD_H
-#define REFLUX_ESTIMATE_COVARIANCE_UD_H
+#ifndef REFLUX_COMPOSITION_COVARIANCE_UD_H
+#define REFLUX_COMPOSITION_COVARIANCE_UD_H
 
 #include "kinds/composition/covariance_root.h"
 

@@ -2,8 +2,8 @@
  *
  * Whoever includes this says with SMALL_BLOCKS_M how many m are: 2, and everything is expanded where it is called, as in
  * num/solve_small.h; or nothing, and they are functions for any m up to BLOCK_M_MAX. */
-#ifndef REFLUX_ESTIMATE_SMALL_BLOCKS_H
-#define REFLUX_ESTIMATE_SMALL_BLOCKS_H
+#ifndef REFLUX_COMPOSITION_SMALL_BLOCKS_H
+#define REFLUX_COMPOSITION_SMALL_BLOCKS_H
 
 #include "num/solve_small.h"
 

@@ -7,8 +7,8 @@
  * differences a loop at its limit would push the others a little in every tick, and they would rest beside their
  * setpoints. Where nothing was limited the correction is exactly zero, whatever the rounding.
  */
-#ifndef REFLUX_COMPENSATE_DECOUPLER_H
-#define REFLUX_COMPENSATE_DECOUPLER_H
+#ifndef REFLUX_DECOUPLER_DECOUPLER_H
+#define REFLUX_DECOUPLER_DECOUPLER_H
 
 #include <stdint.h>
 

@@ -1,7 +1,7 @@
 /* The kind `experiment`: moves all MVs of a plant at the same time by pseudorandom binary signals, and finds a difference model of it
  * (docs/experiment.md). Inputs of the block: n measurements, then n MVs. */
-#ifndef REFLUX_ADAPT_PLANT_EXPERIMENT_H
-#define REFLUX_ADAPT_PLANT_EXPERIMENT_H
+#ifndef REFLUX_EXPERIMENT_PLANT_EXPERIMENT_H
+#define REFLUX_EXPERIMENT_PLANT_EXPERIMENT_H
 
 #include "block/block.h"
 

@@ -1,6 +1,6 @@
 /* The state of a block of the kind `experiment`, for the files that make up the kind. */
-#ifndef REFLUX_ADAPT_PLANT_EXPERIMENT_BLOCK_H
-#define REFLUX_ADAPT_PLANT_EXPERIMENT_BLOCK_H
+#ifndef REFLUX_EXPERIMENT_PLANT_EXPERIMENT_BLOCK_H
+#define REFLUX_EXPERIMENT_PLANT_EXPERIMENT_BLOCK_H
 
 #include "kinds/experiment/plant_experiment.h"
 

@@ -4,8 +4,8 @@
  *
  * Whether it may be relied on is judged by what the last third says, by what it must have in common with the experiment, and
  * by what both parts of the record say alike; docs/experiment.md has the thresholds. */
-#ifndef REFLUX_ADAPT_PLANT_MODEL_H
-#define REFLUX_ADAPT_PLANT_MODEL_H
+#ifndef REFLUX_EXPERIMENT_PLANT_MODEL_H
+#define REFLUX_EXPERIMENT_PLANT_MODEL_H
 
 #include "identify/arx_fit.h"
 #include "identify/arx_select.h"

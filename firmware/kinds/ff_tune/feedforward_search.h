@@ -7,8 +7,8 @@
  * reweighted by 1/|error| (E. Weiszfeld 1937, for sums of distances); lag and dead time by a grid and then in turns by golden section.
  * lead is 0 or above, and (lead + h)/(lag + h), by which a jump of d is amplified at first, at most `kick`. Where a lead below 0
  * would imitate a dead time there is the dead time itself. */
-#ifndef REFLUX_ADAPT_FEEDFORWARD_SEARCH_H
-#define REFLUX_ADAPT_FEEDFORWARD_SEARCH_H
+#ifndef REFLUX_FF_TUNE_FEEDFORWARD_SEARCH_H
+#define REFLUX_FF_TUNE_FEEDFORWARD_SEARCH_H
 
 #include <stdbool.h>
 #include <stdint.h>

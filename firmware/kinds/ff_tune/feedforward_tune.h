@@ -2,8 +2,8 @@
  * element from the frequency responses (docs/adaptive-feedforward.md; R. Siddha 2003). One loop, whose controller's output
  * passes through unchanged: it is a compensator so that it sees what the controller gave beside what took effect. Inputs: the
  * PV, the disturbance. */
-#ifndef REFLUX_ADAPT_FEEDFORWARD_TUNE_H
-#define REFLUX_ADAPT_FEEDFORWARD_TUNE_H
+#ifndef REFLUX_FF_TUNE_FEEDFORWARD_TUNE_H
+#define REFLUX_FF_TUNE_FEEDFORWARD_TUNE_H
 
 #include "block/block.h"
 

@@ -1,6 +1,6 @@
 /* The state of a block of the kind `ff_tune`, for the files that make up the kind. */
-#ifndef REFLUX_ADAPT_FEEDFORWARD_TUNE_BLOCK_H
-#define REFLUX_ADAPT_FEEDFORWARD_TUNE_BLOCK_H
+#ifndef REFLUX_FF_TUNE_FEEDFORWARD_TUNE_BLOCK_H
+#define REFLUX_FF_TUNE_FEEDFORWARD_TUNE_BLOCK_H
 
 #include "kinds/ff_tune/feedforward_tune.h"
 

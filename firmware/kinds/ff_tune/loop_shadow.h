@@ -2,8 +2,8 @@
  * its feedforward, or with another one.
  *
  *     y_shadow = Gp/(1 + Gp C) v      y without v = y - y_shadow      Gp = gain e^(-dead s)/(lag s + 1),  C: PI as kinds/pid/pid.h has it */
-#ifndef REFLUX_ADAPT_LOOP_SHADOW_H
-#define REFLUX_ADAPT_LOOP_SHADOW_H
+#ifndef REFLUX_FF_TUNE_LOOP_SHADOW_H
+#define REFLUX_FF_TUNE_LOOP_SHADOW_H
 
 #include <stdbool.h>
 #include <stdint.h>

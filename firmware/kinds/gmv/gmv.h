@@ -3,8 +3,8 @@
  *
  * A step of the block:  gmv_take (what was measured)  ->  gmv_learn (one regression per loop)  ->  gmv_solve (the MVs).
  * All signals are num_t fractions of span. What was applied of the MVs is looked up in their histories. */
-#ifndef REFLUX_ADAPT_GMV_H
-#define REFLUX_ADAPT_GMV_H
+#ifndef REFLUX_GMV_GMV_H
+#define REFLUX_GMV_GMV_H
 
 #include <stdbool.h>
 #include <stdint.h>

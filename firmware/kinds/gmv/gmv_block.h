@@ -1,6 +1,6 @@
 /* The state of a block of the kind `gmv`, for the files that make up the kind. */
-#ifndef REFLUX_ADAPT_GMV_BLOCK_H
-#define REFLUX_ADAPT_GMV_BLOCK_H
+#ifndef REFLUX_GMV_GMV_BLOCK_H
+#define REFLUX_GMV_GMV_BLOCK_H
 
 #include "kinds/gmv/gmv_settings.h"
 

@@ -3,8 +3,8 @@
  *
  * What swings turns again and again, a load is answered in one direction and perhaps back: so several turns are wanted within the
  * last 64 steps or so. */
-#ifndef REFLUX_ADAPT_GMV_BURST_H
-#define REFLUX_ADAPT_GMV_BURST_H
+#ifndef REFLUX_GMV_GMV_BURST_H
+#define REFLUX_GMV_GMV_BURST_H
 
 #include <stdbool.h>
 #include <stdint.h>

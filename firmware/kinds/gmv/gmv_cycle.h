@@ -2,8 +2,8 @@
  * are no worse than ever. Ours: while the setpoint rests, the control error is far larger than what could not be predicted, crosses
  * zero again and again, and does not get smaller. A load, or a setpoint that is being answered, gets smaller; noise
  * is not far above what cannot be predicted. */
-#ifndef REFLUX_ADAPT_GMV_CYCLE_H
-#define REFLUX_ADAPT_GMV_CYCLE_H
+#ifndef REFLUX_GMV_GMV_CYCLE_H
+#define REFLUX_GMV_GMV_CYCLE_H
 
 #include <stdbool.h>
 #include <stdint.h>

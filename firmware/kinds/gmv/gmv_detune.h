@@ -3,8 +3,8 @@
  *
  * It is the trial's companion between ticks: gmv_detune_begin with the trial that has been taken, then gmv_detune_piece until it
  * returns false, then .best. */
-#ifndef REFLUX_ADAPT_GMV_DETUNE_H
-#define REFLUX_ADAPT_GMV_DETUNE_H
+#ifndef REFLUX_GMV_GMV_DETUNE_H
+#define REFLUX_GMV_GMV_DETUNE_H
 
 #include "kinds/gmv/gmv_outcome.h"
 #include "kinds/gmv/gmv_record.h"

@@ -1,6 +1,6 @@
 /* What the files of the self-tuner share: its state, and its data as they look back. */
-#ifndef REFLUX_ADAPT_GMV_INSIDE_H
-#define REFLUX_ADAPT_GMV_INSIDE_H
+#ifndef REFLUX_GMV_GMV_INSIDE_H
+#define REFLUX_GMV_GMV_INSIDE_H
 
 #include "kinds/gmv/gmv.h"
 

@@ -1,6 +1,6 @@
 /* Kind `gmv`: self-tuning control of one loop or two by generalised minimum variance, with supervision (docs/self-tuning.md). */
-#ifndef REFLUX_ADAPT_GMV_KIND_H
-#define REFLUX_ADAPT_GMV_KIND_H
+#ifndef REFLUX_GMV_GMV_KIND_H
+#define REFLUX_GMV_GMV_KIND_H
 
 #include "block/block.h"
 

@@ -1,6 +1,6 @@
 /* What a self-tuner's trial came to, and whether that is good enough. docs/self-tuning.md, Adoption. */
-#ifndef REFLUX_ADAPT_GMV_OUTCOME_H
-#define REFLUX_ADAPT_GMV_OUTCOME_H
+#ifndef REFLUX_GMV_GMV_OUTCOME_H
+#define REFLUX_GMV_GMV_OUTCOME_H
 
 #include <stdbool.h>
 

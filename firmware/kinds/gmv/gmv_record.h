@@ -3,8 +3,8 @@
  * been there passes.
  *
  * A sample is at rest when the setpoint has not moved for `settled` steps and nobody else has begun to compute in that time. */
-#ifndef REFLUX_ADAPT_GMV_RECORD_H
-#define REFLUX_ADAPT_GMV_RECORD_H
+#ifndef REFLUX_GMV_GMV_RECORD_H
+#define REFLUX_GMV_GMV_RECORD_H
 
 #include <stdbool.h>
 #include <stdint.h>

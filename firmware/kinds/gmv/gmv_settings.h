@@ -1,6 +1,6 @@
 /* Settings of the kind `gmv`: the rows of its parameters, and what the self-tuner and its supervision are configured with. */
-#ifndef REFLUX_ADAPT_GMV_SETTINGS_H
-#define REFLUX_ADAPT_GMV_SETTINGS_H
+#ifndef REFLUX_GMV_GMV_SETTINGS_H
+#define REFLUX_GMV_GMV_SETTINGS_H
 
 #include "block/block.h"
 

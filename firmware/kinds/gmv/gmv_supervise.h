@@ -3,8 +3,8 @@
  *
  * In each step: gmv_supervise_look (before the regressions: which loops may learn)  ->  gmv_supervise_judge (after them: who
  * computes from now on). */
-#ifndef REFLUX_ADAPT_GMV_SUPERVISE_H
-#define REFLUX_ADAPT_GMV_SUPERVISE_H
+#ifndef REFLUX_GMV_GMV_SUPERVISE_H
+#define REFLUX_GMV_GMV_SUPERVISE_H
 
 #include "kinds/gmv/gmv_burst.h"
 #include "kinds/gmv/gmv_cycle.h"

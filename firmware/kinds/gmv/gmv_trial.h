@@ -9,8 +9,8 @@
  *
  * Then law and PI are compared on the model as it is estimated: a setpoint step of each loop and a load, and a sample of sensor
  * noise. Of R only `tau_r` -1 is tried, which makes it P; a filter that the user sets is left out, because the PI has none. */
-#ifndef REFLUX_ADAPT_GMV_TRIAL_H
-#define REFLUX_ADAPT_GMV_TRIAL_H
+#ifndef REFLUX_GMV_GMV_TRIAL_H
+#define REFLUX_GMV_GMV_TRIAL_H
 
 #include "kinds/gmv/gmv_inside.h"
 

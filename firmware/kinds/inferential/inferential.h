@@ -9,8 +9,8 @@
  *
  * Signals are fractions of span. The states are kept in fractions of the output's span: x_i = chi_i/a_i. Order of calls: init,
  * follow, then step and back_calculate in turn; follow again whenever the loop does not act. */
-#ifndef REFLUX_CONTROL_INFERENTIAL_H
-#define REFLUX_CONTROL_INFERENTIAL_H
+#ifndef REFLUX_INFERENTIAL_INFERENTIAL_H
+#define REFLUX_INFERENTIAL_INFERENTIAL_H
 
 #include "kinds/inferential/inferential_settings.h"
 

@@ -1,6 +1,6 @@
 /* Parts of the kind `inferential` that its files share. */
-#ifndef REFLUX_CONTROL_INFERENTIAL_BLOCK_H
-#define REFLUX_CONTROL_INFERENTIAL_BLOCK_H
+#ifndef REFLUX_INFERENTIAL_INFERENTIAL_BLOCK_H
+#define REFLUX_INFERENTIAL_INFERENTIAL_BLOCK_H
 
 #include "kinds/inferential/inferential.h"
 

@@ -1,6 +1,6 @@
 /* Settings of the kind `inferential` (docs/inferential.md), as its parameters fill them. Row k: loop k of the block. */
-#ifndef REFLUX_CONTROL_INFERENTIAL_SETTINGS_H
-#define REFLUX_CONTROL_INFERENTIAL_SETTINGS_H
+#ifndef REFLUX_INFERENTIAL_INFERENTIAL_SETTINGS_H
+#define REFLUX_INFERENTIAL_INFERENTIAL_SETTINGS_H
 
 #include "block/block.h"
 

@@ -15,8 +15,8 @@
  * inputs, gives exactly the output followed. An output that starts outside its limits (manual, new limits)
  * enters them at the rate limit, at once if there is none.
  */
-#ifndef REFLUX_CONTROL_PID_H
-#define REFLUX_CONTROL_PID_H
+#ifndef REFLUX_PID_PID_H
+#define REFLUX_PID_PID_H
 
 #include <stdbool.h>
 

@@ -1,8 +1,8 @@
 /* Kind `polynomial`: a compensator u = G(z^-1) v of up to four loops, G a matrix of polynomials: the polynomial decoupler of Kotyk and
  * Machacek (1995), Eq. 6 (design/polynomial_decoupler.h finds G), or with one coefficient a constant matrix, as from the inverse
  * Nyquist array. */
-#ifndef REFLUX_COMPENSATE_POLYNOMIAL_H
-#define REFLUX_COMPENSATE_POLYNOMIAL_H
+#ifndef REFLUX_POLYNOMIAL_POLYNOMIAL_H
+#define REFLUX_POLYNOMIAL_POLYNOMIAL_H
 
 #include "block/block.h"
 

@@ -1,7 +1,7 @@
 /* Kind `ratio`: MVs that follow a measured feed (docs/inferential.md, Ratio to the feed). Ours; Frau (section 5.1 of her thesis)
  * tries a reflux held in proportion to the feed. */
-#ifndef REFLUX_COMPENSATE_RATIO_H
-#define REFLUX_COMPENSATE_RATIO_H
+#ifndef REFLUX_RATIO_RATIO_H
+#define REFLUX_RATIO_RATIO_H
 
 #include "block/block.h"
 

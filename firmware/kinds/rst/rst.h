@@ -8,8 +8,8 @@
  * It is computed in differences, Q y = Q(1) y + Q~ (y - y(t-1)) and R likewise with R(1) taken as Q(1): where measurement and setpoint
  * agree nothing moves, however large and opposite the coefficients are. The inputs of the past are those that took effect, so what
  * an output at its limit has missed is over after as many steps as P has coefficients. */
-#ifndef REFLUX_CONTROL_RST_H
-#define REFLUX_CONTROL_RST_H
+#ifndef REFLUX_RST_RST_H
+#define REFLUX_RST_RST_H
 
 #include "block/block.h"
 

@@ -12,8 +12,8 @@
  *
  * A loop that does not act has its measurement for a setpoint. Where MVs are limited the loops they belong to give way, those with ti: their
  * I is what the MVs that took effect ask for. */
-#ifndef REFLUX_CONTROL_STATE_FEEDBACK_H
-#define REFLUX_CONTROL_STATE_FEEDBACK_H
+#ifndef REFLUX_STATE_STATE_FEEDBACK_H
+#define REFLUX_STATE_STATE_FEEDBACK_H
 
 #include "block/block.h"
 

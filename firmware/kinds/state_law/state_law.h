@@ -8,8 +8,8 @@
  *
  * The law comes as proposals (block/proposal.h), as many as it takes; `made` is 0 until all of it is there, and as long as it is
  * `state` goes on with what it had. */
-#ifndef REFLUX_CONTROL_STATE_LAW_H
-#define REFLUX_CONTROL_STATE_LAW_H
+#ifndef REFLUX_STATE_LAW_STATE_LAW_H
+#define REFLUX_STATE_LAW_STATE_LAW_H
 
 #include "block/block.h"
 #include "kinds/state/state_feedback.h"

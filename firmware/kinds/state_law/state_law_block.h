@@ -1,6 +1,6 @@
-/* The kind `state_law` as its files share it. Within control. */
-#ifndef REFLUX_CONTROL_STATE_LAW_BLOCK_H
-#define REFLUX_CONTROL_STATE_LAW_BLOCK_H
+/* The kind `state_law` as its files share it. */
+#ifndef REFLUX_STATE_LAW_STATE_LAW_BLOCK_H
+#define REFLUX_STATE_LAW_STATE_LAW_BLOCK_H
 
 #include "kinds/state_law/state_law_job.h"
 

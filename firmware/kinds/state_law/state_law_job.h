@@ -1,7 +1,7 @@
 /* The law of the kind `state_law`, found in pieces: in the workspace, by whoever leased it (`state_law` itself from a column's table, the kind
  * `experiment` from its model). */
-#ifndef REFLUX_CONTROL_STATE_LAW_JOB_H
-#define REFLUX_CONTROL_STATE_LAW_JOB_H
+#ifndef REFLUX_STATE_LAW_STATE_LAW_JOB_H
+#define REFLUX_STATE_LAW_STATE_LAW_JOB_H
 
 #include "design/state_decoupler.h"
 #include "kinds/state_law/state_law_linear.h"

@@ -1,6 +1,6 @@
 /* A column as matrices, by differences: its own equations with the numbers of a table, around the table's profile and nominal inputs. */
-#ifndef REFLUX_CONTROL_STATE_LAW_LINEAR_H
-#define REFLUX_CONTROL_STATE_LAW_LINEAR_H
+#ifndef REFLUX_STATE_LAW_STATE_LAW_LINEAR_H
+#define REFLUX_STATE_LAW_STATE_LAW_LINEAR_H
 
 #include "kinds/column/column.h"
 #include "kinds/state_law/state_law.h"

@@ -9,8 +9,8 @@
  * The ordinary on-off law with a differential gap; Folami (1989) kept his reboiler level so, with a bottoms valve
  * 60 or 10 % open. Limits, rates or a jammed valve change nothing in it: there is no state to wind up.
  */
-#ifndef REFLUX_CONTROL_TWO_POSITION_H
-#define REFLUX_CONTROL_TWO_POSITION_H
+#ifndef REFLUX_TWO_POSITION_TWO_POSITION_H
+#define REFLUX_TWO_POSITION_TWO_POSITION_H
 
 #include <stdbool.h>
 
