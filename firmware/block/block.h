@@ -218,7 +218,7 @@ struct block_kind {
     const struct block_parameter *parameter;
     uint8_t parameters;
     uint16_t settings_bytes; /* of the struct they fill, a multiple of 4 */
-    /* They are a table: they stand in one of few places once (supervise/tables.h), not in every configuration. */
+    /* They are a table: they stand in one of few places once (exchange/tables.h), not in every configuration. */
     bool table;
     /* The id of the parameter, a BLOCK_U16, with which it names a block of the kind `named_kind`, whose settings are put
      * into its setup; 0: there is none. The value 0 names nobody. */

@@ -1,4 +1,4 @@
-#include "supervise/config.h"
+#include "exchange/config.h"
 
 #include "commission/analysis.h"
 
@@ -8,7 +8,8 @@
 #include <stddef.h>
 #include <string.h>
 
-#include "supervise/plan.h"
+#include "exchange/plan.h"
+#include "plan/plan_build.h"
 
 #define HORIZON REAL_C(5.0) /* times integral and dead time: what a loop by itself takes */
 /* A decoupler makes the loops depend on each other: it must be better by a tenth in setpoints as in loads. */

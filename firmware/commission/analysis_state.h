@@ -5,13 +5,13 @@
 #include "design/detune.h"
 #include "design/static_decoupler.h"
 #include "design/trial.h"
+#include "exchange/config.h"
 #include "identify/steady.h"
 #include "interact/cascade.h"
 #include "interact/gains.h"
 #include "interact/measure.h"
 #include "interact/pairing.h"
 #include "interact/structure.h"
-#include "supervise/config.h"
 
 enum analysis_stage {
     ANALYSIS_GAINS,

@@ -1,11 +1,11 @@
-#include "supervise/config.h"
+#include "exchange/config.h"
 
 #include "commission/analysis_structure.h"
 
 #include <string.h>
 
+#include "exchange/plan.h"
 #include "interact/measure.h"
-#include "supervise/plan.h"
 
 #define SHARPEST REAL_C(5.0) /* lead over lag of a feedforward: its input carries a loop's noise */
 #define LEFT_MOST                                                                                  \

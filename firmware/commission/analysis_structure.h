@@ -3,7 +3,7 @@
 #define REFLUX_COMMISSION_ANALYSIS_STRUCTURE_H
 
 #include "commission/analysis_state.h"
-#include "supervise/config.h"
+#include "exchange/config.h"
 
 /* Cascades, and which of them are to be used: a->cascade, a->inner_outputs. Before the pairing. */
 void analysis_find_cascades(struct analysis *a);

@@ -2,9 +2,9 @@
 #ifndef REFLUX_COMMISSION_BY_RELAY_STATE_H
 #define REFLUX_COMMISSION_BY_RELAY_STATE_H
 
+#include "exchange/config.h"
 #include "identify/relay.h"
 #include "identify/steady.h"
-#include "supervise/config.h"
 
 /* While it goes on; in the memory of the tests. */
 struct relay_test {

@@ -1,6 +1,6 @@
 #include "commission/by_relay.h"
 #include "commission/commission.h"
-#include "supervise/config.h"
+#include "exchange/config.h"
 
 #include "commission/analysis_structure.h"
 #include "commission/commission_internal.h"
@@ -9,7 +9,7 @@
 
 #include "base/crc32.h"
 #include "base/elapsed.h"
-#include "supervise/sampling.h"
+#include "exchange/sampling.h"
 
 #define ROOM_LEAST   REAL_C(0.005) /* of span, to either side of where it is held */
 #define FOLLOW_TICKS REAL_C(5.0)   /* a valve on its way to a step is no fault */

@@ -1,7 +1,7 @@
 #include "commission/commission.h"
 
 #include "commission/model.h"
-#include "supervise/config.h"
+#include "exchange/config.h"
 
 #include "commission/commission_internal.h"
 

@@ -1,4 +1,4 @@
-#include "supervise/config.h"
+#include "exchange/config.h"
 
 #include "commission/limits.h"
 

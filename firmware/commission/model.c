@@ -2,7 +2,7 @@
 
 #include "commission/analysis.h"
 #include "commission/experiment.h"
-#include "supervise/config.h"
+#include "exchange/config.h"
 
 #include "commission/certainty.h"
 #include "commission/combine.h"

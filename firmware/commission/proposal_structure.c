@@ -1,4 +1,4 @@
-#include "supervise/config.h"
+#include "exchange/config.h"
 
 #include "commission/commission_internal.h"
 #include "commission/proposal_structure.h"

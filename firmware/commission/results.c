@@ -1,5 +1,5 @@
 #include "commission/model.h"
-#include "supervise/config.h"
+#include "exchange/config.h"
 
 #include "commission/certainty.h"
 #include "commission/commission_internal.h"

@@ -4,7 +4,7 @@
 #ifndef REFLUX_CONSOLE_COMMANDS_H
 #define REFLUX_CONSOLE_COMMANDS_H
 
-#include "supervise/config.h"
+#include "exchange/config.h"
 
 /* clang-format off */
 #if CONFIG_BLOCKS

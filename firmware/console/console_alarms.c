@@ -2,6 +2,7 @@
 #include <string.h>
 
 #include "console/console.h"
+#include "exchange/alarm_names.h"
 #include "hal/tick.h"
 #include "supervise/alarms.h"
 

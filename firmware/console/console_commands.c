@@ -3,13 +3,14 @@
 
 #include "commission/commission.h"
 #include "console/console.h"
+#include "exchange/alarm_names.h"
+#include "exchange/sampling.h"
 #include "hal/clock.h"
 #include "hal/identity.h"
 #include "hal/image.h"
 #include "hal/nvm.h"
 #include "settings/parameters.h"
 #include "storage/storage.h"
-#include "supervise/sampling.h"
 
 static bool help_line(struct console *c, unsigned n, struct text *line)
 {

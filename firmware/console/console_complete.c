@@ -3,6 +3,7 @@
 #include <string.h>
 
 #include "console/console.h"
+#include "exchange/alarm_names.h"
 #include "settings/parameters.h"
 #include "supervise/alarms.h"
 

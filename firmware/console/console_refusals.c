@@ -1,8 +1,8 @@
 /* Why something was refused, in words: what follows the code of an error's line. */
 #include "console/console.h"
 
+#include "exchange/tables.h"
 #include "settings/parameters.h"
-#include "supervise/tables.h"
 
 /* Of a configuration that does not fit together. */
 static void config_words(const struct config_fault *fault, struct text *t)

@@ -4,11 +4,11 @@
 #define REFLUX_IO_PLANT_LINK_H
 
 #include "base/event.h"
+#include "exchange/config.h"
 #include "hal/io.h"
 #include "io/plant_fault.h"
 #include "link/frame.h"
 #include "link/messages.h"
-#include "supervise/config.h"
 
 #ifndef LINK_RX_BLOCK
 #define LINK_RX_BLOCK 64 /* bytes taken from the port at a time */

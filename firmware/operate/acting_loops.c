@@ -1,8 +1,8 @@
 /* What a loop that acts must not have changed under it. */
 #include <string.h>
 
+#include "exchange/calibration.h"
 #include "operate/operate_internal.h"
-#include "supervise/calibration.h"
 
 /* Whether a channel that stands in both configurations keeps its unit, its span and its calibration. */
 static bool keeps_pv(const struct config *a, const struct config *b, const char *name)

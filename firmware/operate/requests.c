@@ -1,4 +1,6 @@
 /* Alarms acknowledged and shelved; sequences told what to do. */
+#include "exchange/alarm_names.h"
+#include "exchange/sequence_rows.h"
 #include "operate/operate_internal.h"
 
 static enum err alarm_request(struct session *session, const char *name, struct request *r,

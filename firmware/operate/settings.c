@@ -1,7 +1,8 @@
 /* The transaction, and settings one by one. */
+#include "exchange/tables.h"
 #include "operate/operate_internal.h"
+#include "settings/block_pool.h"
 #include "storage/storage.h"
-#include "supervise/tables.h"
 
 const struct config *operate_view(const struct session *session)
 {

@@ -2,12 +2,14 @@
 
 #include <string.h>
 
+#include "exchange/sequence_rows.h"
+#include "exchange/tables.h"
 #include "hal/identity.h"
 #include "hal/image.h"
 #include "hal/retained.h"
 #include "hal/tick.h"
+#include "plan/plan_build.h"
 #include "settings/parameters.h"
-#include "supervise/tables.h"
 
 _Static_assert(EVENT_HISTORY * sizeof(struct event_record) <= HAL_RETAINED_EVENTS_BYTES,
                "the history fits the memory set aside for it");

@@ -6,7 +6,7 @@
 #define REFLUX_SETTINGS_BLOCK_PARAMETERS_H
 
 #include "base/text.h"
-#include "supervise/records.h"
+#include "exchange/block_settings.h"
 
 #if CONFIG_BLOCKS
 enum block_field { BLOCK_FIELD_KIND, BLOCK_FIELD_LOOPS, BLOCK_FIELD_INPUTS, BLOCK_FIELD_POINTS };

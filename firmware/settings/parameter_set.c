@@ -1,6 +1,7 @@
 /* Parameters from texts and numbers. */
 #include <string.h>
 
+#include "settings/block_pool.h"
 #include "settings/parameters.h"
 #include "settings/words.h"
 

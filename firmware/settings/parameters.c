@@ -3,6 +3,7 @@
 #include <string.h>
 
 #include "base/channel.h"
+#include "settings/block_pool.h"
 #include "settings/words.h"
 
 const char *field_unit(const struct parameter_field *field)

@@ -13,8 +13,8 @@
 
 #include "base/error.h"
 #include "base/text.h"
+#include "exchange/config.h"
 #include "settings/block_parameters.h"
-#include "supervise/config.h"
 
 enum parameter_type {
     PARAMETER_FLOAT,

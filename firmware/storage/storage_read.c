@@ -2,10 +2,10 @@
 #include <string.h>
 
 #include "base/crc32.h"
+#include "exchange/tables.h"
 #include "hal/nvm.h"
 #include "storage/storage.h"
 #include "storage/storage_parts.h"
-#include "supervise/tables.h"
 
 /* ---- finding what is there ---- */
 

@@ -1,10 +1,12 @@
 /* A plan comes into force: what stays as it is, what begins anew. */
 #include <string.h>
 
+#include "exchange/arena_sizes.h"
+#include "exchange/block_setup.h"
+#include "exchange/calibration.h"
 #include "supervise/alarms.h"
 #include "supervise/arena.h"
 #include "supervise/blocks.h"
-#include "supervise/calibration.h"
 #include "supervise/excitation_plan.h"
 #include "supervise/histories.h"
 #include "supervise/sampling.h"

@@ -12,7 +12,7 @@
 #ifndef REFLUX_SUPERVISE_ALARMS_H
 #define REFLUX_SUPERVISE_ALARMS_H
 
-#include "supervise/state.h"
+#include "exchange/state.h"
 
 /* After control: looks at every entry. */
 void alarms_run(struct supervisor *s);
@@ -27,13 +27,5 @@ void alarms_place(struct supervisor *s, const struct plan *old, uint8_t i);
 /* The k-th event of block n holds in its step, with that value. */
 void alarms_hear(struct supervisor *s, uint8_t n, uint8_t k, float value);
 #endif
-
-/* "T10.hi_hi", "bottom.dev", "block2.drift"; what it is on is cut where that does not fit. */
-void alarm_name(const struct config *config, uint8_t i, char name[CHANNEL_NAME_SIZE]);
-/* By that name, or by "alarm3"; PLAN_NONE. */
-uint8_t alarm_find(const struct config *config, const char *name);
-
-/* "not a number", ... for enum measurement_fault. */
-const char *measurement_fault_text(uint8_t fault);
 
 #endif

@@ -3,52 +3,7 @@
 #include <stddef.h>
 #include <string.h>
 
-/* By kind of state: its group in struct config, whose first field is the name that makes it exist, and its state. */
-static const struct {
-    uint16_t offset, stride;
-    uint16_t state;
-    uint8_t most;
-} kinds[] = {
-#define KIND(member, type, state, most)                                                            \
-    {                                                                                              \
-        offsetof(struct config, member), sizeof(struct type), sizeof(struct state), most           \
-    }
-    [PLACED_MEASUREMENTS] = KIND(measurement, measurement_config, measurement_state, CHANNEL_MAX),
-    [PLACED_MVS] = KIND(mv, mv_config, mv_state, CHANNEL_MAX),
-    [PLACED_LOOPS] = KIND(loop, loop_config, loop_state, CONFIG_LOOPS),
-    [PLACED_INTERLOCKS] = KIND(interlock, interlock_config, interlock_state, CONFIG_INTERLOCKS),
-    [PLACED_ALARMS] = KIND(alarm, alarm_config, alarm_state, CONFIG_ALARMS),
-};
-_Static_assert(offsetof(struct measurement_config, name) == 0 &&
-                   offsetof(struct mv_config, name) == 0 &&
-                   offsetof(struct loop_config, name) == 0 &&
-                   offsetof(struct interlock_config, measurement) == 0 &&
-                   offsetof(struct alarm_config, on) == 0,
-               "the first byte of each tells whether it is there");
-
-void arena_count(const struct plan *plan, uint8_t n[PLACED_KINDS])
-{
-    memset(n, 0, PLACED_KINDS);
-    for (unsigned k = 0; k < PLACED_KINDS; k++) {
-        const char *name = (const char *)&plan->config + kinds[k].offset;
-        for (uint8_t i = 0; i < kinds[k].most; i++, name += kinds[k].stride)
-            if (*name)
-                n[k] = (uint8_t)(i + 1u);
-    }
-}
-
-static uint32_t grains_of(unsigned kind, uint8_t n)
-{
-    return ARENA_GRAINS((uint32_t)n * kinds[kind].state);
-}
-
-uint32_t arena_state_bytes(const uint8_t n[PLACED_KINDS])
-{
-    uint32_t sum = 0;
-    for (unsigned k = 0; k < PLACED_KINDS; k++)
-        sum += grains_of(k, n[k]);
-    return sum * ARENA_GRAIN;
-}
+#include "exchange/arena_sizes.h"
 
 /* What has a place in the arena: the kinds above, then the blocks, then the histories. Their order never changes. */
 #define PLACED_BLOCKS (PLACED_KINDS + PLAN_BLOCKS)
@@ -64,11 +19,6 @@ struct place {
 };
 
 #if CONFIG_BLOCKS
-uint32_t arena_history_grains(uint16_t ticks)
-{
-    return ticks ? ARENA_GRAINS(applied_history_bytes(ticks)) : 0;
-}
-
 /* Where the history of MV j stands, behind the blocks and those before it. */
 static uint32_t history_from(uint32_t behind_blocks, const uint16_t *ticks, uint8_t j)
 {
@@ -118,12 +68,12 @@ static void find_place(const struct supervisor *s, const struct plan *plan,
         return;
     }
     for (unsigned k = 0; k < which; k++) {
-        p->from += grains_of(k, s->placed[k]);
-        p->to += grains_of(k, n[k]);
+        p->from += arena_kind_grains((enum placed)k, s->placed[k]);
+        p->to += arena_kind_grains((enum placed)k, n[k]);
     }
-    p->kept =
-        (uint32_t)(s->placed[which] < n[which] ? s->placed[which] : n[which]) * kinds[which].state;
-    p->grains = grains_of(which, n[which]);
+    p->kept = (uint32_t)(s->placed[which] < n[which] ? s->placed[which] : n[which]) *
+              arena_kind_bytes((enum placed)which);
+    p->grains = arena_kind_grains((enum placed)which, n[which]);
 }
 
 static uint8_t *arena_at(const struct supervisor *s, uint32_t grains)

@@ -5,19 +5,13 @@
 #ifndef REFLUX_SUPERVISE_ARENA_H
 #define REFLUX_SUPERVISE_ARENA_H
 
-#include "supervise/state.h"
+#include "exchange/state.h"
 
-/* How many places of each kind the plan needs. */
-void arena_count(const struct plan *plan, uint8_t n[PLACED_KINDS]);
-/* Bytes of so many. */
-uint32_t arena_state_bytes(const uint8_t n[PLACED_KINDS]);
 /* The states move to where the plan puts them; new ones are zero, those it has no place for are gone. A block stays whole
  * if it is of the same kind and size as before. */
 void arena_place(struct supervisor *s, const struct plan *plan);
 
 #if CONFIG_BLOCKS
-/* Grains of a history of applied inputs that goes back so many base ticks. */
-uint32_t arena_history_grains(uint16_t ticks);
 /* That of MV j, which has one. A history stays whole if it is as deep as before; else all of it is zero. */
 struct applied_history *arena_history(const struct supervisor *s, uint8_t j);
 #endif

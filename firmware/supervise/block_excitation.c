@@ -2,9 +2,9 @@
 
 #include <string.h>
 
+#include "exchange/span.h"
 #include "supervise/blocks.h"
 #include "supervise/constrain.h"
-#include "supervise/span.h"
 
 _Static_assert(CONFIG_LOOPS <= 16, "excitation_state.modes has two bits for each loop");
 

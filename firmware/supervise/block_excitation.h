@@ -7,7 +7,7 @@
 #ifndef REFLUX_SUPERVISE_BLOCK_EXCITATION_H
 #define REFLUX_SUPERVISE_BLOCK_EXCITATION_H
 
-#include "supervise/state.h"
+#include "exchange/state.h"
 
 #if CONFIG_BLOCKS
 

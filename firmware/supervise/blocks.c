@@ -1,4 +1,5 @@
 #include "supervise/blocks.h"
+#include "exchange/block_setup.h"
 
 void loop_to_manual(struct supervisor *s, uint8_t i)
 {

@@ -3,7 +3,7 @@
 #ifndef REFLUX_SUPERVISE_BLOCKS_H
 #define REFLUX_SUPERVISE_BLOCKS_H
 
-#include "supervise/state.h"
+#include "exchange/state.h"
 
 /* Its turn is in this tick (counted as s->ticks). */
 static inline bool loop_due(const struct supervisor *s, uint8_t i, uint32_t tick)

@@ -1,9 +1,9 @@
 #include "supervise/compensate_blocks.h"
 
+#include "exchange/block_settings.h"
 #include "supervise/blocks.h"
 #include "supervise/constrain.h"
 #include "supervise/raised.h"
-#include "supervise/records.h"
 #include "supervise/served_io.h"
 
 _Static_assert(CONFIG_LOOPS <= 32, "a bit for each loop");

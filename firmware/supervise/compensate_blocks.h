@@ -11,7 +11,7 @@
 #ifndef REFLUX_SUPERVISE_COMPENSATE_BLOCKS_H
 #define REFLUX_SUPERVISE_COMPENSATE_BLOCKS_H
 
-#include "supervise/state.h"
+#include "exchange/state.h"
 
 /* A command beyond this, in spans, may have ended with the range of num_t. */
 #define COMMAND_MAX 100.0f

@@ -1,8 +1,8 @@
 #include "supervise/constrain.h"
 
 #include "base/elapsed.h"
+#include "exchange/span.h"
 #include "supervise/blocks.h"
-#include "supervise/span.h"
 
 static bool heard_within(const struct supervisor *s, uint8_t k, float seconds)
 {

@@ -3,7 +3,7 @@
 #ifndef REFLUX_SUPERVISE_CONSTRAIN_H
 #define REFLUX_SUPERVISE_CONSTRAIN_H
 
-#include "supervise/state.h"
+#include "exchange/state.h"
 
 /* mv_state.commanded of every output becomes constrained, and applied. */
 void constrain_mvs(struct supervisor *s);

@@ -1,7 +1,7 @@
 #include "supervise/deviations.h"
 
+#include "exchange/span.h"
 #include "supervise/blocks.h"
-#include "supervise/span.h"
 
 /* Whether the alarm comes or goes. */
 static bool lasting_changes(struct lasting *l, bool holds, float delay_s, uint64_t time_ms)

@@ -4,7 +4,7 @@
 #ifndef REFLUX_SUPERVISE_DEVIATIONS_H
 #define REFLUX_SUPERVISE_DEVIATIONS_H
 
-#include "supervise/state.h"
+#include "exchange/state.h"
 
 #if CONFIG_LOOP_GUARD
 /* After control. */

@@ -4,7 +4,7 @@
 #ifndef REFLUX_SUPERVISE_ELEMENT_BLOCKS_H
 #define REFLUX_SUPERVISE_ELEMENT_BLOCKS_H
 
-#include "supervise/state.h"
+#include "exchange/state.h"
 
 #if CONFIG_BLOCKS
 /* Adds to loop_state.feedforward; before loops take over. */

@@ -2,9 +2,9 @@
 
 #include <string.h>
 
+#include "exchange/block_settings.h"
+#include "exchange/block_setup.h"
 #include "supervise/block_excitation.h"
-#include "supervise/plan_parts.h"
-#include "supervise/records.h"
 
 /* Parts of a configuration count whole, unused bytes too, as in its checksum. */
 static bool same_bytes(const void *a, const void *b, size_t n)

@@ -2,7 +2,7 @@
 #ifndef REFLUX_SUPERVISE_EXCITATION_PLAN_H
 #define REFLUX_SUPERVISE_EXCITATION_PLAN_H
 
-#include "supervise/state.h"
+#include "exchange/state.h"
 
 #if CONFIG_BLOCKS
 /* Ends it where the plan changes the block, or a loop, MV or PV that it is about, or the base tick. The states have their old

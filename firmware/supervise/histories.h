@@ -7,13 +7,10 @@
 #ifndef REFLUX_SUPERVISE_HISTORIES_H
 #define REFLUX_SUPERVISE_HISTORIES_H
 
-#include "supervise/state.h"
+#include "exchange/state.h"
 
 #if CONFIG_BLOCKS
 
-/* How deep that of each MV is, and whether there is memory for them behind the blocks: `at`, in grains. Kinds have accepted
- * their settings already. */
-enum err histories_resolve(struct plan *plan, uint32_t at, struct config_fault *fault);
 /* Before the arena has the places of `next`: what a history of another depth goes on with stands first. */
 void histories_fit(struct supervisor *s, const struct plan *next);
 /* A plan has come into force, and its outputs have their places. old: the one before, or NULL. */

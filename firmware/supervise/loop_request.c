@@ -1,8 +1,8 @@
 #include "supervise/loop_request.h"
 
+#include "exchange/span.h"
 #include "supervise/block_excitation.h"
 #include "supervise/setpoint.h"
-#include "supervise/span.h"
 
 static num_t output_fraction(const struct supervisor *s, unsigned j, float value)
 {

@@ -2,8 +2,8 @@
 
 #include <string.h>
 
+#include "exchange/span.h"
 #include "supervise/block_excitation.h"
-#include "supervise/span.h"
 
 /* It may be a name in a plan that is written over later. */
 static void keep_reason(struct supervisor *s, const char *reason)

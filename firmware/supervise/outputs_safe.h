@@ -2,7 +2,7 @@
 #ifndef REFLUX_SUPERVISE_OUTPUTS_SAFE_H
 #define REFLUX_SUPERVISE_OUTPUTS_SAFE_H
 
-#include "supervise/state.h"
+#include "exchange/state.h"
 
 /* All loops manual, all outputs at their safe values. reason: kept for whoever asks later. */
 void outputs_take_safe(struct supervisor *s, const char *reason);

@@ -2,7 +2,7 @@
 #ifndef REFLUX_SUPERVISE_PROPOSALS_H
 #define REFLUX_SUPERVISE_PROPOSALS_H
 
-#include "supervise/state.h"
+#include "exchange/state.h"
 
 #if CONFIG_BLOCKS
 /* Where a block may put one in its step; NULL while another waits. */

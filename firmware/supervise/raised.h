@@ -3,7 +3,7 @@
 #ifndef REFLUX_SUPERVISE_RAISED_H
 #define REFLUX_SUPERVISE_RAISED_H
 
-#include "supervise/state.h"
+#include "exchange/state.h"
 
 #if CONFIG_BLOCKS
 /* It has made a step. */

@@ -2,7 +2,7 @@
 #ifndef REFLUX_SUPERVISE_SAFE_STATE_H
 #define REFLUX_SUPERVISE_SAFE_STATE_H
 
-#include "supervise/state.h"
+#include "exchange/state.h"
 
 /* All loops manual, all outputs at their safe values, in the midst of a run. */
 void supervisor_outputs_safe(struct supervisor *s, const char *reason);

@@ -2,8 +2,6 @@
 
 #include <string.h>
 
-#include "supervise/plan_parts.h"
-
 #if CONFIG_ANALYSERS
 
 /* How long ago the sample came that is to be had now, ms. *turn: the base tick of that, since the plant began. */
@@ -56,23 +54,6 @@ void sampling_tell(struct supervisor *s, const struct plan *old)
             event_put(s->events, s->time_ms, EVENT_LOOP_DIVISOR, plan->config.loop[i].name,
                       (float)every, 0);
     }
-}
-
-enum err sampling_check(const struct plan *plan, struct config_fault *fault)
-{
-    for (uint8_t i = 0; i < CHANNEL_MAX; i++) {
-        const struct measurement_config *m = &plan->config.measurement[i];
-        if (!m->name[0])
-            continue;
-        if (m->phase >= m->every)
-            return plan_refuse(fault, ERR_RANGE, "meas", i + 1u, "phase", m->name,
-                               "must be below `every`");
-        if (plan_is_estimate(plan, i) && (m->every > 1 || m->delay > 0))
-            return plan_refuse(fault, ERR_CONFLICT, "meas", i + 1u,
-                               m->every > 1 ? "every" : "delay", m->name,
-                               "is written by a block in every tick, without delay");
-    }
-    return ERR_OK;
 }
 
 #endif

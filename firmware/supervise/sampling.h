@@ -1,29 +1,10 @@
-/* Measurements that come every n-th base tick, some time after they were sampled: analysers (docs/loops.md). The link has no
- * word for "this number is new", so the configuration says when one is: `every`, `phase` and `delay`, in base ticks of
- * plant time. Between two of its samples the value stands and stays good. Within supervise, and for those who show it. */
+/* Which readings of an analyser (exchange/sampling.h) the tick looks at. */
 #ifndef REFLUX_SUPERVISE_SAMPLING_H
 #define REFLUX_SUPERVISE_SAMPLING_H
 
-#include "base/elapsed.h"
-#include "supervise/state.h"
-
-/* It comes every so many base ticks; 1: in each. */
-static inline uint16_t sampling_every(const struct measurement_config *c)
-{
-#if CONFIG_ANALYSERS
-    return c->every;
-#else
-    (void)c;
-    return 1;
-#endif
-}
+#include "exchange/sampling.h"
 
 #if CONFIG_ANALYSERS
-
-static inline uint32_t sampling_tick_ms(const struct plan *plan)
-{
-    return (uint32_t)(plan->tick_s * 1000.0f + 0.5f);
-}
 bool sampling_is_due(struct supervisor *s, uint8_t i);
 /* Whether a reading is looked at in this tick, which has its time already: the first of its turn, and each as long as
  * none of the turn is valid. */
@@ -31,56 +12,11 @@ static inline bool sampling_due(struct supervisor *s, uint8_t i, const struct me
 {
     return sampling_every(c) <= 1 || sampling_is_due(s, i);
 }
-/* Plant time at which the sample came that the tick is looking at, or has last looked at. */
-static inline uint64_t sampling_ms(const struct supervisor *s, const struct measurement_state *m,
-                                   const struct measurement_config *c)
-{
-    return sampling_every(c) > 1 ? m->sample_ms : s->time_ms;
-}
-/* Something stands in for it, or nothing has come since the last tick: in either case no step of its filter. */
-static inline bool sampling_stands(const struct supervisor *s, uint8_t i)
-{
-    return sampling_every(&s->plan->config.measurement[i]) > 1 && !s->measurement[i].fresh;
-}
 /* Tells of the loops whose divisor is no multiple of their measurement's `every`, where the plan before did not have it so. */
 void sampling_tell(struct supervisor *s, const struct plan *old);
-enum err sampling_check(const struct plan *plan, struct config_fault *fault);
 #else
-
-static inline bool sampling_stands(const struct supervisor *s, uint8_t i)
-{
-    (void)s;
-    (void)i;
-    return false;
-}
-#define sampling_due(s, i, c)       true
-#define sampling_ms(s, m, c)        ((s)->time_ms)
-#define sampling_tell(s, old)       ((void)(old))
-#define sampling_check(plan, fault) ERR_OK
-
+#define sampling_due(s, i, c) true
+#define sampling_tell(s, old) ((void)(old))
 #endif
-
-/* Seconds for which no valid sample has come where there should have been one, a base tick at the first. Of what comes in
- * each tick that is the age of the last valid one. */
-static inline float sampling_without_s(const struct supervisor *s, uint8_t i)
-{
-    float since = elapsed_ms(s->time_ms, s->measurement[i].valid_ms) / 1000.0f;
-#if CONFIG_ANALYSERS
-    since -= (float)(sampling_every(&s->plan->config.measurement[i]) - 1) * s->plan->tick_s;
-#endif
-    return since;
-}
-
-/* Plant time at which the last valid reading was sampled, ms; means nothing before the first. */
-static inline uint64_t sampling_at_ms(const struct supervisor *s, uint8_t i)
-{
-    uint64_t came_ms = s->measurement[i].valid_ms;
-#if CONFIG_ANALYSERS
-    uint64_t delay_ms = (uint64_t)s->plan->config.measurement[i].delay * sampling_tick_ms(s->plan);
-    return delay_ms < came_ms ? came_ms - delay_ms : 0;
-#else
-    return came_ms;
-#endif
-}
 
 #endif

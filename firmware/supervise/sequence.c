@@ -2,8 +2,9 @@
 
 #include <string.h>
 
+#include "exchange/sequence_rows.h"
+#include "exchange/span.h"
 #include "supervise/outputs_safe.h"
-#include "supervise/span.h"
 
 const char *sequence_state_text(uint8_t state)
 {

@@ -15,8 +15,8 @@
 #ifndef REFLUX_SUPERVISE_SEQUENCE_H
 #define REFLUX_SUPERVISE_SEQUENCE_H
 
-#include "supervise/sequence_plan.h"
-#include "supervise/state.h"
+#include "exchange/sequence_rows.h"
+#include "exchange/state.h"
 
 #if CONFIG_STEPS
 /* In the tick, between requests and control: guards, the condition of the step, further steps. */

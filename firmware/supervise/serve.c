@@ -2,13 +2,13 @@
 
 #include <string.h>
 
+#include "exchange/block_settings.h"
+#include "exchange/block_setup.h"
+#include "exchange/span.h"
 #include "supervise/blocks.h"
 #include "supervise/compensate_blocks.h"
-#include "supervise/plan_parts.h"
 #include "supervise/raised.h"
-#include "supervise/records.h"
 #include "supervise/served_io.h"
-#include "supervise/span.h"
 #include "supervise/switch_offs.h"
 #include "supervise/validate.h"
 

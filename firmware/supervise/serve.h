@@ -7,7 +7,7 @@
 #ifndef REFLUX_SUPERVISE_SERVE_H
 #define REFLUX_SUPERVISE_SERVE_H
 
-#include "supervise/state.h"
+#include "exchange/state.h"
 
 #if CONFIG_BLOCKS
 

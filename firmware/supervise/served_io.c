@@ -1,13 +1,13 @@
 #include "supervise/served_io.h"
 
 #include "base/elapsed.h"
+#include "exchange/block_setup.h"
+#include "exchange/sampling.h"
 #include "supervise/block_excitation.h"
 #include "supervise/blocks.h"
 #include "supervise/histories.h"
-#include "supervise/plan_parts.h"
 #include "supervise/proposals.h"
 #include "supervise/raised.h"
-#include "supervise/sampling.h"
 #include "supervise/switch_offs.h"
 
 uint8_t served_input_quality(const struct supervisor *s, uint8_t input, bool measured)

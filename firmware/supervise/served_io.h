@@ -2,7 +2,7 @@
 #ifndef REFLUX_SUPERVISE_SERVED_IO_H
 #define REFLUX_SUPERVISE_SERVED_IO_H
 
-#include "supervise/state.h"
+#include "exchange/state.h"
 
 #if CONFIG_BLOCKS
 

@@ -1,9 +1,9 @@
 /* Limits, ramp and filter of setpoints, and where they come from in each mode. */
 #include "supervise/setpoint.h"
+#include "exchange/block_settings.h"
+#include "exchange/span.h"
 #include "supervise/block_excitation.h"
 #include "supervise/blocks.h"
-#include "supervise/records.h"
-#include "supervise/span.h"
 
 num_t setpoint_clamp(const struct supervisor *s, uint8_t i, num_t setpoint)
 {

@@ -2,7 +2,7 @@
 #ifndef REFLUX_SUPERVISE_SETPOINT_H
 #define REFLUX_SUPERVISE_SETPOINT_H
 
-#include "supervise/state.h"
+#include "exchange/state.h"
 
 /* Within the limits in force, fraction of span. */
 num_t setpoint_clamp(const struct supervisor *s, uint8_t i, num_t setpoint);

@@ -17,12 +17,11 @@
 #ifndef REFLUX_SUPERVISE_SUPERVISOR_H
 #define REFLUX_SUPERVISE_SUPERVISOR_H
 
+#include "exchange/span.h"
+#include "exchange/state.h"
 #include "supervise/alarms.h"
-#include "supervise/plan_build.h"
 #include "supervise/safe_state.h"
 #include "supervise/sequence.h"
-#include "supervise/span.h"
-#include "supervise/state.h"
 
 /* Safe state, no plan yet: supervisor_take_plan comes before anything else. */
 void supervisor_init(struct supervisor *s, struct event_queue *events);

@@ -2,7 +2,7 @@
 
 #include <string.h>
 
-#include "supervise/records.h"
+#include "exchange/block_settings.h"
 
 static void forget(struct supervisor *s, uint8_t element)
 {

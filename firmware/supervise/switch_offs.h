@@ -1,18 +1,11 @@
 /* Feedforward elements that blocks have switched off (block/proposal.h): silent from the next tick on, until a plan brings other
- * settings for them. Within supervise only, but for element_is_silenced(). */
+ * settings for them. */
 #ifndef REFLUX_SUPERVISE_SWITCH_OFFS_H
 #define REFLUX_SUPERVISE_SWITCH_OFFS_H
 
-#include "supervise/state.h"
+#include "exchange/state.h"
 
 #if CONFIG_BLOCKS
-/* element: switch_off_element() or switch_off_term(). */
-static inline bool element_is_silenced(const struct supervisor *s, uint8_t element)
-{
-    return element / ELEMENT_TERMS < SILENCED_BYTES &&
-           (s->silenced[element / ELEMENT_TERMS] & 1u << element % ELEMENT_TERMS) != 0;
-}
-
 /* Where a block may put one in its step; NULL while its last one waits. */
 struct block_switch_off *switch_off_room(struct supervisor *s, uint8_t slot);
 /* It has made the step, and goes on. */
@@ -24,7 +17,6 @@ void switch_off_forget_element(struct supervisor *s, uint8_t k);
 /* The same for a block with a record and those of its terms that have other settings; all of them where it is another block. */
 void switch_off_forget_terms(struct supervisor *s, const struct plan *old, uint8_t slot, bool same);
 #else
-#define element_is_silenced(s, element) ((void)(s), false)
 #define switch_offs_lift(s)             ((void)(s))
 #define switch_off_forget_element(s, k) ((void)(s), (void)(k))
 #endif

@@ -2,10 +2,10 @@
 
 #include <string.h>
 
+#include "exchange/span.h"
 #include "supervise/blocks.h"
 #include "supervise/compensate_blocks.h"
 #include "supervise/serve.h"
-#include "supervise/span.h"
 
 /* Where a loop finds output j when it takes over: the limits of what acts count from here on. */
 static num_t output_found(const struct supervisor *s, uint8_t j)

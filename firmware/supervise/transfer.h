@@ -2,7 +2,7 @@
 #ifndef REFLUX_SUPERVISE_TRANSFER_H
 #define REFLUX_SUPERVISE_TRANSFER_H
 
-#include "supervise/state.h"
+#include "exchange/state.h"
 
 /* Before loops run. before: what feedforward added in the tick before, for each loop, fraction of span. */
 void bumpless_transfer(struct supervisor *s, const num_t *before);

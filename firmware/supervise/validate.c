@@ -1,12 +1,12 @@
 #include "supervise/validate.h"
 
 #include "base/elapsed.h"
+#include "exchange/span.h"
 #include "supervise/blocks.h"
 #include "supervise/calibration.h"
 #include "supervise/safe_state.h"
 #include "supervise/sampling.h"
 #include "supervise/setpoint.h"
-#include "supervise/span.h"
 #include "supervise/watch.h"
 
 /* Nothing has moved for too long. Counts from the last change of what the plant delivered. */

@@ -2,7 +2,7 @@
 #ifndef REFLUX_SUPERVISE_VALIDATE_H
 #define REFLUX_SUPERVISE_VALIDATE_H
 
-#include "supervise/state.h"
+#include "exchange/state.h"
 
 /* i: a measurement of the plan in force. */
 void validate_measurement(struct supervisor *s, uint8_t i, const struct reading *r);

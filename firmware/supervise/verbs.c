@@ -1,6 +1,6 @@
 #include "supervise/verbs.h"
 
-#include "supervise/records.h"
+#include "exchange/block_settings.h"
 
 static const struct block_kind *kind_of_request(const struct supervisor *s, const struct request *r)
 {

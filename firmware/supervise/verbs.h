@@ -2,7 +2,7 @@
 #ifndef REFLUX_SUPERVISE_VERBS_H
 #define REFLUX_SUPERVISE_VERBS_H
 
-#include "supervise/state.h"
+#include "exchange/state.h"
 
 #if CONFIG_BLOCKS
 /* The block of a REQUEST_VERB is there, and its kind has the verb. */

@@ -2,7 +2,7 @@
 
 #include <string.h>
 
-#include "supervise/sampling.h"
+#include "exchange/sampling.h"
 
 #if CONFIG_CALIBRATION
 

@@ -2,7 +2,7 @@
 #ifndef REFLUX_SUPERVISE_WATCH_H
 #define REFLUX_SUPERVISE_WATCH_H
 
-#include "supervise/state.h"
+#include "exchange/state.h"
 
 #if CONFIG_CALIBRATION
 /* Whether the first valid reading of measurement i since the plant came was not one of the process, but a default of its

@@ -12,6 +12,7 @@
 #else /* another version */
 #include "service/parameters.h"
 #endif
+#include "plan/plan_build.h"
 #include "supervise/supervisor.h"
 
 /* Other versions, beside which this one is measured, have other names (tick_cost.cmake). */

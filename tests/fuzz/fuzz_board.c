@@ -3,11 +3,11 @@
 #include <string.h>
 
 #include "base/crc32.h"
+#include "exchange/block_settings.h"
+#include "exchange/tables.h"
 #include "memory_port.h"
+#include "plan/plan_build.h"
 #include "settings/parameters.h"
-#include "supervise/plan_build.h"
-#include "supervise/records.h"
-#include "supervise/tables.h"
 
 #define REMEMBERED 256
 #define LINE_SIZE  4096

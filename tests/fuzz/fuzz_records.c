@@ -7,10 +7,10 @@
 #include <string.h>
 
 #include "base/crc32.h"
+#include "exchange/config.h"
 #include "flash_model.h"
 #include "fuzz.h"
 #include "fuzz_board.h"
-#include "supervise/config.h"
 
 #if CONFIG_BLOCKS
 

@@ -5,9 +5,9 @@
 
 #include <math.h>
 
+#include "exchange/config.h"
 #include "kinds/gmv/gmv_kind.h"
 #include "random_source.h"
-#include "supervise/config.h"
 #include "unity.h"
 #include "worked_family/kinds.h"
 

@@ -2,8 +2,9 @@
 #ifndef REFLUX_TESTS_EXCITING_BENCH_H
 #define REFLUX_TESTS_EXCITING_BENCH_H
 
+#include "exchange/block_settings.h"
 #include "exciting_kinds.h"
-#include "supervise/records.h"
+#include "settings/block_pool.h"
 #include "supervisor_bench.h"
 
 static inline void put_block(unsigned n, const char *kind, const char *loops, const char *inputs)

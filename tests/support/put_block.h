@@ -4,7 +4,8 @@
 
 #include <string.h>
 
-#include "supervise/records.h"
+#include "exchange/block_settings.h"
+#include "settings/block_pool.h"
 #include "supervisor_bench.h"
 
 /* Settings of its kind, whom it serves, what it reads and writes. */

@@ -8,6 +8,7 @@
 #include <string.h>
 
 #include "formats.h"
+#include "plan/plan_build.h"
 #include "settings/parameters.h"
 #include "supervise/supervisor.h"
 #include "unity.h"

@@ -2,8 +2,8 @@
 #ifndef REFLUX_TESTS_TOLD_BENCH_H
 #define REFLUX_TESTS_TOLD_BENCH_H
 
+#include "exchange/block_settings.h"
 #include "put_block.h"
-#include "supervise/records.h"
 #include "supervisor_bench.h"
 #include "told_kinds.h"
 

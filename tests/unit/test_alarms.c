@@ -1,6 +1,8 @@
 /* Alarms: when they come and go, who has seen them, and which was first. */
 #include "supervise/alarms.h"
 
+#include "exchange/alarm_names.h"
+#include "plan/plan_build.h"
 #include "supervisor_bench.h"
 
 static void with_alarms(void)

@@ -1,6 +1,7 @@
 /* Measurements that come every n-th tick, some time after they were sampled. T1 is the analyser: a sample every 5 ticks of
  * 1 s, in ticks 2, 7, 12 ... of plant time, each sampled 3 ticks before. */
-#include "supervise/sampling.h"
+#include "exchange/sampling.h"
+#include "plan/plan_build.h"
 #include "supervisor_bench.h"
 
 static void analyser(void)

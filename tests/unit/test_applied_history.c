@@ -1,10 +1,12 @@
 /* Histories of applied inputs: what a block reads of what really took effect of an MV. The kinds are of this test alone; they
  * look, and move nothing by themselves. */
 #include "block/block.h"
+#include "exchange/block_settings.h"
 #include "kinds/pid/pid.h"
+#include "plan/plan_build.h"
+#include "settings/block_pool.h"
 #include "supervise/arena.h"
 #include "supervise/histories.h"
-#include "supervise/records.h"
 #include "supervisor_bench.h"
 
 /* ---- a kind that looks: a controller whose outputs are its settings, or an estimator that writes nothing ---- */

@@ -2,6 +2,7 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "exchange/arena_sizes.h"
 #include "random_source.h"
 #include "supervise/arena.h"
 #include "supervise/supervisor.h"

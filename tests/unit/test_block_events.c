@@ -1,4 +1,6 @@
 /* What blocks say: an event for each occurrence, and alarms on it. The kinds are of this test alone. */
+#include "plan/plan_build.h"
+#include "settings/block_pool.h"
 #include "told_bench.h"
 
 void setUp(void)

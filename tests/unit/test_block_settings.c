@@ -1,6 +1,7 @@
 /* Settings of blocks: records in the pool. What becomes of them in storage: test_block_stored.c. */
 #include "block_settings_bench.h"
 #include "random_source.h"
+#include "settings/block_pool.h"
 
 /* ---- records in the pool ---- */
 

@@ -1,5 +1,6 @@
 /* What becomes of the settings of blocks in storage. */
 #include "block_settings_bench.h"
+#include "settings/block_pool.h"
 
 static void block_of_image(struct config *c)
 {

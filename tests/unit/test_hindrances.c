@@ -4,6 +4,7 @@
 
 #include "commission/commission_internal.h"
 #include "commission_space.h"
+#include "plan/plan_build.h"
 #include "supervisor_bench.h"
 
 static struct commission c;

@@ -1,8 +1,9 @@
 /* Loops that act on an estimate: how long they do while it is uncertain, and what the loop below does when it is lost. The estimator is of
  * this test alone: its point is its input, as good as the test says. */
 #include "block/block.h"
+#include "exchange/block_settings.h"
 #include "kinds/pid/pid.h"
-#include "supervise/records.h"
+#include "settings/block_pool.h"
 #include "supervisor_bench.h"
 
 struct echo_settings {

@@ -1,4 +1,6 @@
 /* What makes a configuration be refused, and what it is told then. */
+#include "exchange/arena_sizes.h"
+#include "plan/plan_build.h"
 #include "supervise/arena.h"
 #include "supervisor_bench.h"
 

@@ -10,6 +10,7 @@
 
 #include "commission/proposal.h"
 #include "commission_space.h"
+#include "plan/plan_build.h"
 #include "random_source.h"
 #include "supervise/arena.h"
 #include "supervisor_bench.h"

@@ -5,6 +5,7 @@
 
 #include "commission/proposal_structure.h"
 #include "commission_space.h"
+#include "plan/plan_build.h"
 #include "supervise/arena.h"
 #include "supervisor_bench.h"
 

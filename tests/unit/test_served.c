@@ -1,10 +1,11 @@
 /* Blocks with a record: an estimator whose points are measurements, and a controller of two loops in place of their own. The
  * kinds are of this test alone; what the tick does with them is what every family relies on. */
 #include "block/block.h"
+#include "exchange/block_settings.h"
 #include "kinds/pid/pid.h"
+#include "plan/plan_build.h"
 #include "put_block.h"
 #include "served_kinds.h"
-#include "supervise/records.h"
 #include "supervisor_bench.h"
 
 const struct block_kind *const block_kinds[] = {&pid_kind, &mean_kind, &both_kind};

@@ -3,6 +3,7 @@
 #include "settings/block_parameters.h"
 #include "supervisor_bench.h"
 
+#include "plan/plan_build.h"
 #include "stage_kinds.h"
 
 enum { THIRD = 2 };

@@ -4,6 +4,7 @@
 #include "settings/block_parameters.h"
 #include "supervisor_bench.h"
 
+#include "plan/plan_build.h"
 #include "stage_kinds.h"
 
 #define OWN_MOVE 1.5e-4

@@ -1,8 +1,10 @@
 /* An estimate as fall-back of a measurement: an observer, of this test alone, that follows its input while that is measured,
  * goes on alone without it, and can be made to say that it does not know. */
 #include "block/block.h"
+#include "exchange/block_settings.h"
 #include "kinds/pid/pid.h"
-#include "supervise/records.h"
+#include "plan/plan_build.h"
+#include "settings/block_pool.h"
 #include "supervisor_bench.h"
 
 struct coast_settings {

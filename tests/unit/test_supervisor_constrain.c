@@ -1,6 +1,6 @@
 /* Operating limits and rates of the outputs. */
+#include "exchange/span.h"
 #include "random_source.h"
-#include "supervise/span.h"
 #include "supervisor_bench.h"
 
 void setUp(void)

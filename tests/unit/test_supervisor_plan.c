@@ -1,4 +1,5 @@
 /* A new plan keeps what is the same and starts again what is not. */
+#include "plan/plan_build.h"
 #include "supervisor_bench.h"
 
 void setUp(void)

@@ -1,9 +1,10 @@
 /* Tables of blocks: in RAM once, whichever configurations refer to them, and none written that another has. The kind is the
  * firmware's own `column`; what is in a table is looked at by others. */
+#include "exchange/tables.h"
 #include "kinds/column/column.h"
+#include "plan/plan_build.h"
+#include "settings/block_pool.h"
 #include "storage_bench.h"
-#include "supervise/plan_build.h"
-#include "supervise/tables.h"
 
 static struct config first, second;
 

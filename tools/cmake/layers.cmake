@@ -25,8 +25,8 @@ endfunction()
 
 # What the board has of these, as its limits and the headers say: REFLUX_HAS_... A layer names the sources that a board without it lacks
 # behind the name.
-set(REFLUX_PARTS CONFIG_BLOCKS CONFIG_EXPERIMENT CONFIG_FEEDFORWARD_TUNE CONFIG_STEPS CONFIG_LOOP_GUARD COMMISSION_CHANNELS)
-set(probe "#include \"supervise/config.h\"\n")
+set(REFLUX_PARTS CONFIG_ANALYSERS CONFIG_BLOCKS CONFIG_CALIBRATION CONFIG_EXPERIMENT CONFIG_FEEDFORWARD_TUNE CONFIG_STEPS CONFIG_LOOP_GUARD COMMISSION_CHANNELS)
+set(probe "#include \"exchange/config.h\"\n")
 foreach(header kinds/experiment/plant_experiment.h kinds/ff_tune/feedforward_tune.h)
   if(EXISTS "${PROJECT_SOURCE_DIR}/firmware/${header}")
     string(APPEND probe "#include \"${header}\"\n")
@@ -52,7 +52,7 @@ foreach(part ${REFLUX_PARTS})
     set(REFLUX_HAS_${part} ON)
   endif()
 endforeach()
-set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS "${limits}" "${PROJECT_SOURCE_DIR}/firmware/supervise/config.h"
+set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS "${limits}" "${PROJECT_SOURCE_DIR}/firmware/exchange/config.h"
   "${PROJECT_SOURCE_DIR}/firmware/block/settings.h")
 
 # reflux_layer(NAME [SOURCES a.c ...] [CONFIG_BLOCKS b.c ...] ... [DEPENDS base num ...])

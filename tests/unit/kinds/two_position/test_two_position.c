@@ -1,5 +1,6 @@
 /* kinds/two_position/two_position.[ch], alone and as the law of a loop. */
 #include "kinds/two_position/two_position.h"
+#include "plan/plan_build.h"
 #include "supervisor_bench.h"
 
 static struct two_position block;

@@ -1,8 +1,8 @@
 /* Where a sequence stands: supervise/sequence.h. */
-#ifndef REFLUX_SUPERVISE_SEQUENCE_STATE_H
-#define REFLUX_SUPERVISE_SEQUENCE_STATE_H
+#ifndef REFLUX_EXCHANGE_SEQUENCE_STATE_H
+#define REFLUX_EXCHANGE_SEQUENCE_STATE_H
 
-#include "supervise/plan.h"
+#include "exchange/plan.h"
 
 enum sequence_state {
     SEQUENCE_IDLE,

@@ -1,19 +1,10 @@
 /* Feedforwards of a plan: what they look at, and that none drives itself. */
 #include <string.h>
 
-#include "supervise/plan_parts.h"
+#include "exchange/block_setup.h"
+#include "plan/plan_parts.h"
 
 _Static_assert(CONFIG_FEEDFORWARDS <= 8, "a bit for each in check_feedforward_rings");
-
-void plan_feedforward_span(const struct plan *plan, uint8_t element, float *lo, float *hi)
-{
-    uint8_t from = plan->feedforward[element].from;
-    bool output = plan->feedforward[element].from_mv;
-    const struct measurement_config *m = &plan->config.measurement[from];
-    const struct mv_config *o = &plan->config.mv[from];
-    *lo = output ? o->lo : m->lo;
-    *hi = output ? o->hi : m->hi;
-}
 
 /* Feedforwards that pass a manipulated variable on, in a ring, would drive themselves; one onto its own source is the
  * shortest ring. What each reaches, through any number of others: */

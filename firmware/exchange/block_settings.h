@@ -1,12 +1,12 @@
 /* Settings of blocks: each a record of the block's kind, the struct that its rows of parameters fill, in the pool of the
  * configuration. Records stand there in the order of their blocks without gaps, so that equal settings have equal
- * bytes whatever was set before. The record of a kind that is a table stands elsewhere (supervise/tables.h). On boards without blocks there is nothing but block_kind_find().
+ * bytes whatever was set before. The record of a kind that is a table stands elsewhere (exchange/tables.h). On boards without blocks there is nothing but block_kind_find().
  */
-#ifndef REFLUX_SUPERVISE_RECORDS_H
-#define REFLUX_SUPERVISE_RECORDS_H
+#ifndef REFLUX_EXCHANGE_BLOCK_SETTINGS_H
+#define REFLUX_EXCHANGE_BLOCK_SETTINGS_H
 
 #include "block/block.h"
-#include "supervise/config.h"
+#include "exchange/config.h"
 
 /* Of a table: a row is set in one line and stored in one piece. So many values of nine digits with sign and exponent, and the
  * name, are a line that the console takes and prints (LINE_EDITOR_MAX, CONSOLE_OUTPUT_MAX). */
@@ -24,19 +24,6 @@ bool block_kind_has_record(uint8_t kind);
 uint8_t config_block_kind(const struct config *config, uint8_t n);
 /* Settings of block n, the struct of its kind; NULL where config_block_kind() is PLAN_NONE. */
 const void *config_record(const struct config *config, uint8_t n);
-/* The same, to be written; the block must have one, and record_to_write() must have been asked. */
-void *record_place(struct config *config, uint8_t n);
-
-/* Before the settings of block n are written: a table that others refer to is copied. ERR_FULL: no place for the copy. */
-MUST_CHECK enum err record_to_write(struct config *config, uint8_t n);
-
-/* Block n gets that kind, with the kind's defaults; nothing changes where it has it already. "": none, and no names.
- * ERR_UNKNOWN; ERR_FULL: *needed bytes, more than *free, or of a table no place (*needed 0); nothing has changed then. */
-MUST_CHECK enum err record_make(struct config *config, uint8_t n, const char *kind,
-                                uint32_t *needed, uint32_t *free);
-/* As stored: a kind that is unknown, or finds no room, stays as a name without a record. False then. */
-bool record_restore(struct config *config, uint8_t n, const char *kind);
-
 /* "block2.tune": what is told to, or said by, block n. */
 void block_word_name(uint8_t n, const char *word, char name[CHANNEL_NAME_SIZE]);
 

@@ -1,4 +1,4 @@
-#include "supervise/plan.h"
+#include "exchange/plan.h"
 
 #include <string.h>
 

@@ -1,6 +1,6 @@
 /* Conversions between engineering units (EU) and fractions of a span lo..hi. */
-#ifndef REFLUX_SUPERVISE_SPAN_H
-#define REFLUX_SUPERVISE_SPAN_H
+#ifndef REFLUX_EXCHANGE_SPAN_H
+#define REFLUX_EXCHANGE_SPAN_H
 
 #include "num/num.h"
 

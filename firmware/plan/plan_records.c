@@ -2,8 +2,9 @@
  * that. */
 #include <string.h>
 
-#include "supervise/plan_parts.h"
-#include "supervise/records.h"
+#include "exchange/block_settings.h"
+#include "exchange/block_setup.h"
+#include "plan/plan_parts.h"
 
 #if CONFIG_BLOCKS
 
@@ -25,12 +26,6 @@ static enum err refuse_record(struct config_fault *fault, enum err code, uint8_t
     return plan_refuse(fault, code, "block", n + 1u, field, subject, wanted);
 }
 
-static bool has_stage(const struct plan *plan, uint8_t n, enum block_stage stage)
-{
-    uint8_t slot = (uint8_t)(SLOT_RECORDS + n);
-    return plan->block[slot].kind != PLAN_NONE && plan_kind(plan, slot)->stage == stage;
-}
-
 /* Loop i may be a member beside those found so far: of what takes its controller's place, or, of a compensator, stands
  * behind it. */
 static enum err check_member(const struct plan *plan, uint8_t n, uint8_t i,
@@ -42,7 +37,7 @@ static enum err check_member(const struct plan *plan, uint8_t n, uint8_t i,
     if (plan->loop[i].decouple)
         return refuse_record(fault, ERR_CONFLICT, n, "loops", l->name,
                              "takes part in the static decoupler; set decouple off");
-    if (has_stage(plan, n, STAGE_COMPENSATE)) {
+    if (plan_has_stage(plan, n, STAGE_COMPENSATE)) {
         for (uint8_t k = 0; k < r->members; k++)
             if (r->member[k] == i)
                 return refuse_record(fault, ERR_CONFLICT, n, "loops", l->name, "is named twice");
@@ -79,7 +74,7 @@ static enum err resolve_members(struct plan *plan, uint8_t n, uint8_t most,
         enum err err = check_member(plan, n, i, fault);
         if (err)
             return err;
-        if (!has_stage(plan, n, STAGE_COMPENSATE))
+        if (!plan_has_stage(plan, n, STAGE_COMPENSATE))
             plan->loop[i].server = (uint8_t)(SLOT_RECORDS + n);
         r->member[r->members++] = i;
     }
@@ -141,7 +136,7 @@ static enum err resolve_record(struct plan *plan, uint8_t n, struct config_fault
     enum err err = resolve_members(plan, n, kind ? kind->members_most : BLOCK_MEMBERS_MAX, fault);
     if (!err)
         err = resolve_inputs(plan, n, kind ? kind->inputs_most : BLOCK_INPUTS_MAX, fault);
-    if (!err && has_stage(plan, n, STAGE_FEED_FORWARD))
+    if (!err && plan_has_stage(plan, n, STAGE_FEED_FORWARD))
         err = plan_resolve_added(plan, n, fault);
     else if (!err)
         err = resolve_points(plan, n, kind ? kind->points_most : BLOCK_POINTS_MAX, fault);
@@ -152,7 +147,7 @@ static enum err resolve_record(struct plan *plan, uint8_t n, struct config_fault
 static enum err check_reads(const struct plan *plan, uint8_t n, struct config_fault *fault)
 {
     const struct record_plan *r = &plan->record[n];
-    for (uint8_t k = 0; k < r->inputs && !has_stage(plan, n, STAGE_FEED_FORWARD); k++) {
+    for (uint8_t k = 0; k < r->inputs && !plan_has_stage(plan, n, STAGE_FEED_FORWARD); k++) {
         if (r->input[k] & INPUT_IS_MV)
             continue;
         uint8_t writer = plan->writer[r->input[k]];
@@ -195,100 +190,15 @@ bool plan_setpoint_ready(const struct plan *plan, uint8_t i, const bool *taken)
     return true;
 }
 
-/* Compensators and feedforward elements run in every base tick, whatever the divisors of the loops. */
-uint16_t plan_record_divisor(const struct plan *plan, uint8_t n)
-{
-    const struct record_plan *r = &plan->record[n];
-    if (!r->members || has_stage(plan, n, STAGE_COMPENSATE))
-        return 1;
-    return plan->config.loop[r->member[0]].divisor;
-}
-
-static struct block_signal signal_of(const struct config *c, uint8_t at)
-{
-    if (at & INPUT_IS_MV) {
-        const struct mv_config *o = &c->mv[at & (uint8_t)~INPUT_IS_MV];
-        return (struct block_signal){o->lo, o->hi, true};
-    }
-    return (struct block_signal){c->measurement[at].lo, c->measurement[at].hi, false};
-}
-
-/* The parameter with which a block of that kind names another, or NULL. */
-static const struct block_parameter *names_with(const struct block_kind *kind)
-{
-    for (unsigned i = 0; kind->names && i < kind->parameters; i++)
-        if (kind->parameter[i].id == kind->names)
-            return &kind->parameter[i];
-    return NULL;
-}
-
-/* The number of the block that block n names, 0: it names nobody. */
-static uint16_t number_named(const struct plan *plan, uint8_t n)
-{
-    uint8_t kind = plan->block[SLOT_RECORDS + n].kind;
-    const struct block_parameter *with = kind == PLAN_NONE ? NULL : names_with(block_kinds[kind]);
-    const uint8_t *settings = config_record(&plan->config, n);
-    uint16_t number = 0;
-    if (with && settings)
-        memcpy(&number, settings + with->offset, sizeof number);
-    return number;
-}
-
-const void *plan_named(const struct plan *plan, uint8_t n)
-{
-    uint16_t number = number_named(plan, n);
-    return number && number <= CONFIG_BLOCKS ? config_record(&plan->config, (uint8_t)(number - 1u))
-                                             : NULL;
-}
-
-static bool names_a(const struct plan *plan, uint8_t n, const char *kind)
-{
-    return plan_named(plan, n) &&
-           plan->block[SLOT_RECORDS + number_named(plan, n) - 1u].kind == block_kind_find(kind);
-}
-
-static bool names_other(const struct plan *plan, uint8_t n)
-{
-    uint8_t kind = plan->block[SLOT_RECORDS + n].kind;
-    return kind != PLAN_NONE && block_kinds[kind]->other_kind &&
-           names_a(plan, n, block_kinds[kind]->other_kind);
-}
-
 /* A block that names another must name one of the kind that it can use. */
 static enum err check_named(const struct plan *plan, uint8_t n, struct config_fault *fault)
 {
     const struct block_kind *kind = plan_kind(plan, (uint8_t)(SLOT_RECORDS + n));
-    if (!number_named(plan, n) || names_a(plan, n, kind->named_kind) || names_other(plan, n))
+    if (!plan_number_named(plan, n) || plan_names_a(plan, n, kind->named_kind) ||
+        plan_names_other(plan, n))
         return ERR_OK;
-    return refuse_record(fault, ERR_UNKNOWN, n, names_with(kind)->name, kind->named_kind,
+    return refuse_record(fault, ERR_UNKNOWN, n, plan_names_with(kind)->name, kind->named_kind,
                          "must be the kind of the block it is the number of");
-}
-
-void plan_setup_record(const struct plan *plan, uint8_t n, struct block_setup *setup)
-{
-    const struct record_plan *r = &plan->record[n];
-    setup->settings = config_record(&plan->config, n);
-    setup->named = plan_named(plan, n);
-    setup->named_other = names_other(plan, n);
-    setup->interval_s = plan->tick_s * (float)plan_record_divisor(plan, n);
-    setup->members = r->members;
-    setup->inputs = r->inputs;
-    setup->points = r->points;
-    setup->there = (uint8_t)((1u << r->members) - 1u);
-    for (uint8_t k = 0; k < r->members; k++) {
-        const struct loop_plan *p = &plan->loop[r->member[k]];
-        const struct measurement_config *m = &plan->config.measurement[p->pv];
-        float reach =
-            has_stage(plan, n, STAGE_COMPENSATE) ? plan_member_reach(plan, n, r->member[k]) : 1.0f;
-        setup->member[k] =
-            (struct block_member){r->member[k], p->mv != PLAN_NONE, m->hi - m->lo, reach};
-        setup->pv[k] = signal_of(&plan->config, p->pv);
-    }
-    for (uint8_t k = 0; k < r->inputs; k++)
-        setup->input[k] = signal_of(&plan->config, r->input[k]);
-    uint8_t mv = has_stage(plan, n, STAGE_FEED_FORWARD) ? INPUT_IS_MV : 0;
-    for (uint8_t k = 0; k < r->points; k++)
-        setup->point[k] = signal_of(&plan->config, r->point[k] | mv);
 }
 
 enum err plan_resolve_block_alarm(struct plan *plan, uint8_t alarm, struct config_fault *fault)

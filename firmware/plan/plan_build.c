@@ -1,15 +1,13 @@
-#include "supervise/plan_build.h"
+#include "plan/plan_build.h"
 
 #include <stddef.h>
 #include <string.h>
 
 #include "base/crc32.h"
+#include "exchange/tables.h"
+#include "plan/plan_parts.h"
+#include "plan/sequence_plan.h"
 #include "signal/ramp.h"
-#include "supervise/calibration.h"
-#include "supervise/plan_parts.h"
-#include "supervise/sampling.h"
-#include "supervise/sequence_plan.h"
-#include "supervise/tables.h"
 
 #define TICK_SHORTEST_S      0.05f
 #define BLOCK_INTERVAL_MAX_S 1e5f
@@ -323,9 +321,9 @@ enum err plan_set_tick(struct plan *plan, float tick_s, struct config_fault *fau
     if (!err)
         err = resolve_inferences(plan, fault);
     if (!err)
-        err = sampling_check(plan, fault);
+        err = plan_check_sampling(plan, fault);
     if (!err)
-        err = calibration_check(plan, fault);
+        err = plan_check_calibration(plan, fault);
     if (!err)
         err = resolve_alarms(plan, fault);
 #if COMMISSION_CHANNELS

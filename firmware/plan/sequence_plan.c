@@ -1,8 +1,8 @@
-/* Checks the rows of sequences with the rest of a configuration, and compares those of two plans. */
+/* Checks the rows of sequences with the rest of a configuration. */
 #include <string.h>
 
-#include "supervise/plan_parts.h"
-#include "supervise/sequence_plan.h"
+#include "plan/plan_parts.h"
+#include "plan/sequence_plan.h"
 
 static enum err refuse_step(struct config_fault *fault, enum err code, unsigned k,
                             const char *field, const char *subject, const char *wanted)
@@ -138,31 +138,4 @@ enum err sequence_resolve(struct plan *plan, struct config_fault *fault)
             return err;
     }
     return ERR_OK;
-}
-
-uint8_t sequence_next(const struct config *config, enum sequence_kind kind, int after)
-{
-    for (int k = after + 1; k < CONFIG_STEPS; k++)
-        if (config->step[k].sequence == kind)
-            return (uint8_t)k;
-    return PLAN_NONE;
-}
-
-/* Equal settings have equal bits: unused characters of names are zero, and no number is -0. */
-static bool same(const void *a, const void *b, size_t n)
-{
-    return memcmp(a, b, n) == 0;
-}
-
-bool sequence_differs(const struct plan *plan, const struct plan *old)
-{
-    if (!same(plan->config.step, old->config.step, sizeof plan->config.step) ||
-        !same(plan->step, old->step, sizeof plan->step))
-        return true;
-    /* Loops and outputs it has in its hands are known by their place. */
-    for (unsigned i = 0; i < CONFIG_LOOPS; i++)
-        if (strcmp(plan->config.loop[i].name, old->config.loop[i].name) != 0 ||
-            plan->loop[i].mv != old->loop[i].mv)
-            return true;
-    return false;
 }

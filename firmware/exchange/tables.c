@@ -1,4 +1,4 @@
-#include "supervise/tables.h"
+#include "exchange/tables.h"
 
 #include <string.h>
 

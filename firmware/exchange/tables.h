@@ -8,11 +8,11 @@
  *     force does not change, and the tick reads it while the main loop fills another.
  *  3. Main loop only, but for table_at().
  */
-#ifndef REFLUX_SUPERVISE_TABLES_H
-#define REFLUX_SUPERVISE_TABLES_H
+#ifndef REFLUX_EXCHANGE_TABLES_H
+#define REFLUX_EXCHANGE_TABLES_H
 
 #include "base/error.h"
-#include "supervise/config.h"
+#include "exchange/config.h"
 
 #if CONFIG_BLOCKS
 

@@ -1,16 +1,11 @@
 /* Compensators and feedforward elements with a record, in a plan. */
-#include "supervise/plan_parts.h"
-#include "supervise/records.h"
+#include "exchange/block_settings.h"
+#include "exchange/block_setup.h"
+#include "plan/plan_parts.h"
 
 #if CONFIG_BLOCKS
 
 _Static_assert(CHANNEL_MAX <= 32, "a bit for each manipulated variable");
-
-static bool of_stage(const struct plan *plan, uint8_t n, enum block_stage stage)
-{
-    const struct block_place *place = &plan->block[SLOT_RECORDS + n];
-    return place->kind != PLAN_NONE && block_kinds[place->kind]->stage == stage;
-}
 
 static enum err refuse_stage(struct config_fault *fault, enum err code, uint8_t n,
                              const char *field, const char *subject, const char *wanted)
@@ -59,9 +54,9 @@ enum err plan_check_stage(const struct plan *plan, uint8_t n, struct config_faul
 {
     const struct record_plan *r = &plan->record[n];
     const char *kind = plan->config.block[n].kind;
-    if (of_stage(plan, n, STAGE_COMPENSATE))
+    if (plan_has_stage(plan, n, STAGE_COMPENSATE))
         return check_compensated(plan, n, fault);
-    if (!of_stage(plan, n, STAGE_FEED_FORWARD))
+    if (!plan_has_stage(plan, n, STAGE_FEED_FORWARD))
         return ERR_OK;
     if (!r->inputs)
         return refuse_stage(fault, ERR_EMPTY, n, "inputs", kind, "must name what it looks at");
@@ -78,10 +73,10 @@ static uint32_t moved_by(const struct plan *plan, uint8_t n)
 {
     const struct record_plan *r = &plan->record[n];
     uint32_t mvs = 0;
-    if (of_stage(plan, n, STAGE_FEED_FORWARD))
+    if (plan_has_stage(plan, n, STAGE_FEED_FORWARD))
         for (uint8_t k = 0; k < r->points; k++)
             mvs |= 1u << r->point[k];
-    if (of_stage(plan, n, STAGE_COMPENSATE))
+    if (plan_has_stage(plan, n, STAGE_COMPENSATE))
         for (uint8_t k = 0; k < r->members; k++)
             mvs |= 1u << plan->loop[r->member[k]].mv;
     return mvs;
@@ -121,31 +116,10 @@ enum err plan_check_rings(const struct plan *plan, struct config_fault *fault)
     return ERR_OK;
 }
 
-/* ---- setups ---- */
-
-float plan_added_reach(const struct plan *plan, uint8_t output)
-{
-    float reach = 0.0f;
-    for (uint8_t n = 0; n < CONFIG_BLOCKS; n++)
-        for (uint8_t k = 0; k < plan->record[n].points; k++)
-            if (of_stage(plan, n, STAGE_FEED_FORWARD) && plan->record[n].point[k] == output)
-                reach += PLAN_ELEMENT_MOST;
-    return reach;
-}
-
-/* Nobody knows what another compensator behind it makes of its outputs. */
-float plan_member_reach(const struct plan *plan, uint8_t n, uint8_t i)
-{
-    for (uint8_t behind = (uint8_t)(n + 1u); behind < CONFIG_BLOCKS; behind++)
-        for (uint8_t k = 0; k < plan->record[behind].members; k++)
-            if (of_stage(plan, behind, STAGE_COMPENSATE) && plan->record[behind].member[k] == i)
-                return NUM_MAX_MAGNITUDE;
-    return plan_own_reach(plan, i);
-}
-
 uint32_t plan_grains_behind(const struct plan *plan, uint8_t slot)
 {
-    if (slot < SLOT_RECORDS || !of_stage(plan, (uint8_t)(slot - SLOT_RECORDS), STAGE_COMPENSATE))
+    if (slot < SLOT_RECORDS ||
+        !plan_has_stage(plan, (uint8_t)(slot - SLOT_RECORDS), STAGE_COMPENSATE))
         return 0;
     return plan->record[slot - SLOT_RECORDS].members;
 }

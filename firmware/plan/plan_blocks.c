@@ -2,10 +2,11 @@
  * arena. */
 #include <string.h>
 
-#include "supervise/arena.h"
-#include "supervise/histories.h"
-#include "supervise/plan_parts.h"
-#include "supervise/records.h"
+#include "exchange/arena_sizes.h"
+#include "exchange/block_settings.h"
+#include "exchange/block_setup.h"
+#include "plan/plan_build.h"
+#include "plan/plan_parts.h"
 
 #define NOT_IN_BUILD "is not in this build"
 
@@ -34,51 +35,6 @@ static uint8_t plan_find_kind(const struct plan *plan, uint8_t slot)
     return PLAN_NONE;
 }
 
-float plan_own_reach(const struct plan *plan, uint8_t i)
-{
-    float below = 0.0f, above = 1.0f;
-    for (uint8_t k = 0; k < CONFIG_FEEDFORWARDS; k++) {
-        const struct ff_config *f = &plan->config.feedforward[k];
-        if (!f->from[0] || strcmp(f->to, plan->config.loop[i].out) != 0)
-            continue;
-        below += f->hi > 0.0f ? f->hi : 0.0f;
-        above -= f->lo < 0.0f ? f->lo : 0.0f;
-    }
-#if CONFIG_BLOCKS
-    below += plan_added_reach(plan, plan->loop[i].mv);
-    above += plan_added_reach(plan, plan->loop[i].mv);
-#endif
-    return below > above ? below : above;
-}
-
-static void setup_own(const struct plan *plan, uint8_t i, struct block_instance *b)
-{
-    const struct loop_config *l = &plan->config.loop[i];
-    const struct measurement_config *m = &plan->config.measurement[plan->loop[i].pv];
-    b->setup.settings = &l->own;
-    b->setup.interval_s = plan->tick_s * (float)l->divisor;
-    b->setup.members = 1;
-    b->setup.there = 1;
-    b->setup.member[0] =
-        (struct block_member){i, plan->loop[i].mv != PLAN_NONE, m->hi - m->lo, 1.0f};
-}
-
-static void setup_matrix(const struct plan *plan, struct block_setup *setup,
-                         struct matrix_settings *matrix)
-{
-    matrix->d = plan->config.decoupler;
-    setup->settings = matrix;
-    setup->interval_s = plan->tick_s;
-    setup->members = DECOUPLER_MAX;
-    setup->there = 0;
-    for (uint8_t i = 0; i < DECOUPLER_MAX; i++) {
-        bool there = plan->loop[i].used && plan->loop[i].decouple;
-        setup->there = (uint8_t)(setup->there | (there ? 1u << i : 0u));
-        setup->member[i] =
-            (struct block_member){i, true, 0.0f, there ? plan_own_reach(plan, i) : 0.0f};
-    }
-}
-
 bool plan_accepts_matrix(const float d[DECOUPLER_MAX][DECOUPLER_MAX], uint8_t loops)
 {
     const struct matrix_settings matrix = {d};
@@ -92,43 +48,6 @@ bool plan_accepts_matrix(const float d[DECOUPLER_MAX][DECOUPLER_MAX], uint8_t lo
     return kind != PLAN_NONE && block_kinds[kind]->check(&setup, &fault) == ERR_OK;
 }
 
-static void setup_element(const struct plan *plan, uint8_t k, struct block_instance *b)
-{
-    const struct ff_config *f = &plan->config.feedforward[k];
-    float lo, hi;
-    plan_feedforward_span(plan, k, &lo, &hi);
-    b->setup.settings = &b->settings;
-    b->settings.element = (struct element_settings){
-        .gain = f->gain,
-        .lead_s = f->lead_s,
-        .lag_s = f->lag_s,
-        .dead_time_s = f->dead_s,
-        .reference = (f->reference - lo) / (hi - lo),
-        .out_lo = f->lo,
-        .out_hi = f->hi,
-    };
-    b->setup.interval_s = plan->tick_s;
-    b->setup.members = 1;
-    b->setup.there = 1;
-    b->setup.member[0] = (struct block_member){PLAN_NONE, true, hi - lo, 0.0f};
-}
-
-void plan_block_setup(const struct plan *plan, uint8_t slot, struct block_instance *b)
-{
-#if CONFIG_BLOCKS
-    if (slot >= SLOT_RECORDS) {
-        plan_setup_record(plan, (uint8_t)(slot - SLOT_RECORDS), &b->setup);
-        return;
-    }
-#endif
-    if (slot >= SLOT_ELEMENTS)
-        setup_element(plan, (uint8_t)(slot - SLOT_ELEMENTS), b);
-    else if (slot == SLOT_MATRIX)
-        setup_matrix(plan, &b->setup, &b->settings.matrix);
-    else
-        setup_own(plan, slot, b);
-}
-
 /* Three functions, not one: each takes the stack of its own kinds alone. */
 enum err plan_check_own(struct plan *plan, uint8_t i, struct config_fault *fault)
 {
@@ -138,7 +57,7 @@ enum err plan_check_own(struct plan *plan, uint8_t i, struct config_fault *fault
     plan->block[i].kind = plan_find_kind(plan, i);
     if (plan->block[i].kind == PLAN_NONE)
         return plan_refuse(fault, ERR_UNSUPPORTED, "loop", i + 1u, "algorithm", name, NOT_IN_BUILD);
-    setup_own(plan, i, &b);
+    plan_setup_own(plan, i, &b);
     enum err err = plan_kind(plan, i)->check(&b.setup, &reason);
     if (err)
         return plan_refuse(fault, err, "loop", i + 1u, reason.field, name, reason.wanted);
@@ -153,7 +72,7 @@ enum err plan_check_matrix(struct plan *plan, struct config_fault *fault)
     struct block_setup setup;
     struct matrix_settings matrix;
     struct block_fault reason;
-    setup_matrix(plan, &setup, &matrix);
+    plan_setup_matrix(plan, &setup, &matrix);
     if (!setup.there)
         return ERR_OK;
     plan->block[SLOT_MATRIX].kind = plan_find_kind(plan, SLOT_MATRIX);
@@ -174,7 +93,7 @@ enum err plan_check_element(struct plan *plan, uint8_t k, struct config_fault *f
     plan->block[slot].kind = plan_find_kind(plan, slot);
     if (plan->block[slot].kind == PLAN_NONE)
         return plan_refuse(fault, ERR_UNSUPPORTED, "ff", k + 1u, "from", from, NOT_IN_BUILD);
-    setup_element(plan, k, &b);
+    plan_setup_element(plan, k, &b);
     enum err err = plan_kind(plan, slot)->check(&b.setup, &reason);
     if (err && !reason.field[0])
         return plan_refuse(fault, err, "tick", 0, "base", from, reason.wanted);
@@ -228,7 +147,7 @@ enum err plan_place_blocks(struct plan *plan, struct config_fault *fault)
         at += grains;
     }
 #if CONFIG_BLOCKS
-    return histories_resolve(plan, at, fault);
+    return plan_resolve_histories(plan, at, fault);
 #else
     return ERR_OK;
 #endif

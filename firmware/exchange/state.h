@@ -1,13 +1,13 @@
 /* All that the supervisor remembers from tick to tick, and what is asked of it: data only. What moves it: supervisor.h. */
-#ifndef REFLUX_SUPERVISE_STATE_H
-#define REFLUX_SUPERVISE_STATE_H
+#ifndef REFLUX_EXCHANGE_STATE_H
+#define REFLUX_EXCHANGE_STATE_H
 
 #include "base/event.h"
 #include "base/job.h"
+#include "exchange/plan.h"
+#include "exchange/sequence_state.h"
 #include "signal/lag.h"
 #include "signal/ramp.h"
-#include "supervise/plan.h"
-#include "supervise/sequence_state.h"
 
 enum loop_mode { LOOP_MANUAL = 0, LOOP_AUTO = 1, LOOP_CASCADE = 2 };
 
@@ -392,5 +392,16 @@ static inline uint8_t loop_server(const struct supervisor *s, uint8_t i)
     return PLAN_NONE;
 #endif
 }
+
+#if CONFIG_BLOCKS
+/* element: switch_off_element() or switch_off_term(). */
+static inline bool element_is_silenced(const struct supervisor *s, uint8_t element)
+{
+    return element / ELEMENT_TERMS < SILENCED_BYTES &&
+           (s->silenced[element / ELEMENT_TERMS] & 1u << element % ELEMENT_TERMS) != 0;
+}
+#else
+#define element_is_silenced(s, element) ((void)(s), false)
+#endif
 
 #endif

@@ -1,46 +1,12 @@
-#include "supervise/records.h"
+#include "settings/block_pool.h"
 
 #include <string.h>
 
-#include "base/text.h"
-#include "supervise/tables.h"
+#include "exchange/tables.h"
 
 #define NO_KIND 0xFFu
 
-uint8_t block_kind_find(const char *name)
-{
-    for (uint8_t k = 0; name[0] && k < block_kind_count; k++)
-        if (strcmp(block_kinds[k]->name, name) == 0)
-            return k;
-    return NO_KIND;
-}
-
-#if CONFIG_BLOCKS
 _Static_assert(CONFIG_POOL_BYTES % 4 == 0 && CONFIG_POOL_BYTES <= UINT16_MAX, "places of records");
-
-bool block_kind_has_record(uint8_t kind)
-{
-    const struct block_kind *k = kind < block_kind_count ? block_kinds[kind] : NULL;
-    for (unsigned i = 0; k && i < k->parameters; i++)
-        if (k->parameter[i].cols > RECORD_COLS_MAX || k->parameter[i].rows > RECORD_ROWS_MAX)
-            return false;
-    return k && k->parameters != 0 && (!k->table || k->settings_bytes <= CONFIG_TABLE_BYTES);
-}
-
-uint8_t config_block_kind(const struct config *config, uint8_t n)
-{
-    const struct block_config *b = &config->block[n];
-    uint8_t kind = block_kind_find(b->kind);
-    return block_kind_has_record(kind) && b->bytes == block_kinds[kind]->settings_bytes ? kind
-                                                                                        : NO_KIND;
-}
-
-const void *config_record(const struct config *config, uint8_t n)
-{
-    if (config_block_kind(config, n) == NO_KIND)
-        return NULL;
-    return config->table[n] ? table_at(config, n) : config->pool + config->block[n].at;
-}
 
 void *record_place(struct config *config, uint8_t n)
 {
@@ -50,15 +16,6 @@ void *record_place(struct config *config, uint8_t n)
 enum err record_to_write(struct config *config, uint8_t n)
 {
     return config->table[n] ? table_to_write(config, n) : ERR_OK;
-}
-
-void block_word_name(uint8_t n, const char *word, char name[CHANNEL_NAME_SIZE])
-{
-    struct text t = text_on(name, CHANNEL_NAME_SIZE);
-    text_str(&t, "block");
-    text_u32(&t, n + 1u);
-    text_char(&t, '.');
-    text_str(&t, word);
 }
 
 /* Of block n in the pool. */
@@ -174,4 +131,3 @@ bool record_restore(struct config *config, uint8_t n, const char *kind)
     name_kind(config, n, kind);
     return false;
 }
-#endif

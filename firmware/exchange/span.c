@@ -1,6 +1,6 @@
-#include "supervise/span.h"
+#include "exchange/span.h"
 
-#include "supervise/config.h"
+#include "exchange/config.h"
 
 float span_to_eu(num_t fraction, float lo, float hi)
 {

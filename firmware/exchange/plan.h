@@ -1,13 +1,13 @@
 /* A plan is a configuration that has been checked whole and resolved: names have become indices, cascades
  * have an order, dead times have a place in the arena. Nothing in it changes until the next plan. */
-#ifndef REFLUX_SUPERVISE_PLAN_H
-#define REFLUX_SUPERVISE_PLAN_H
+#ifndef REFLUX_EXCHANGE_PLAN_H
+#define REFLUX_EXCHANGE_PLAN_H
 
 #include <stdbool.h>
 
 #include "base/error.h"
 #include "block/block.h"
-#include "supervise/config.h"
+#include "exchange/config.h"
 
 #ifndef PLAN_ARENA_BYTES
 #define PLAN_ARENA_BYTES 16384 /* states of channels, loops and blocks */
@@ -87,15 +87,6 @@ _Static_assert(CONFIG_BLOCKS *BLOCK_EVENTS_MAX < 0x7F && CHANNEL_MAX <= 0x80 &&
                    CONFIG_LOOPS <= 0x80,
                "and none of them is PLAN_NONE");
 
-/* A block's setup, with room for what it points to. */
-struct block_instance {
-    struct block_setup setup;
-    union {
-        struct matrix_settings matrix;
-        struct element_settings element;
-    } settings;
-};
-
 struct plan {
     uint32_t serial;   /* differs between plans, whatever buffer they are in; set by the owner */
     uint32_t identity; /* checksum of the configuration */
@@ -138,10 +129,6 @@ static inline const struct block_kind *plan_kind(const struct plan *plan, uint8_
 {
     return block_kinds[plan->block[slot].kind];
 }
-/* The setup of the block in a slot; *instance must stay while it is used. Channels are resolved already. */
-void plan_block_setup(const struct plan *plan, uint8_t slot, struct block_instance *instance);
-/* Whether the compensator of this build takes such a matrix for the first `loops` loops. */
-bool plan_accepts_matrix(const float d[DECOUPLER_MAX][DECOUPLER_MAX], uint8_t loops);
 /* The plant does not announce it: an estimator writes it. */
 static inline bool plan_is_estimate(const struct plan *plan, uint8_t measurement)
 {
@@ -153,8 +140,6 @@ static inline bool plan_is_estimate(const struct plan *plan, uint8_t measurement
     return false;
 #endif
 }
-/* Span of what feedforward element i looks at, EU. Its source is resolved already. */
-void plan_feedforward_span(const struct plan *plan, uint8_t element, float *lo, float *hi);
 /* Setpoint limits in force, EU. */
 void plan_setpoint_limits(const struct plan *plan, uint8_t loop, float *lo, float *hi);
 

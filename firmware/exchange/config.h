@@ -2,8 +2,8 @@
  * whole. Every field is a parameter declared in settings/parameter_table.c (ranges, units, defaults, help).
  * A channel or loop exists when its name is not empty. EU = engineering units of the channel it belongs to.
  */
-#ifndef REFLUX_SUPERVISE_CONFIG_H
-#define REFLUX_SUPERVISE_CONFIG_H
+#ifndef REFLUX_EXCHANGE_CONFIG_H
+#define REFLUX_EXCHANGE_CONFIG_H
 
 #include <stddef.h>
 #include <stdint.h>
@@ -62,7 +62,7 @@
 #ifndef CONFIG_POOL_BYTES
 #define CONFIG_POOL_BYTES 2048 /* for the settings of all of them, a multiple of 4 */
 #endif
-/* Tables, which are not in the pool (supervise/tables.h): so many places of so many bytes, whatever refers to them. */
+/* Tables, which are not in the pool (exchange/tables.h): so many places of so many bytes, whatever refers to them. */
 #define CONFIG_TABLES 2
 #ifndef CONFIG_TABLE_BYTES
 #define CONFIG_TABLE_BYTES 1128 /* a multiple of 8 */
@@ -239,7 +239,7 @@ _Static_assert(sizeof(struct step_config) == 48, "there are many rows, in every 
 #define BLOCK_LOOPS_SIZE 48 /* bytes of a list of names, with the terminating zero */
 #define BLOCK_NAMES_SIZE 64
 
-/* A block beside the loops' own controllers. Its settings are a record of its kind (supervise/records.h). */
+/* A block beside the loops' own controllers. Its settings are a record of its kind (exchange/block_settings.h). */
 struct block_config {
     char kind[CHANNEL_NAME_SIZE];  /* name of a row of block_kinds[]; empty = unused */
     char loops[BLOCK_LOOPS_SIZE];  /* it serves: names with one blank between them */

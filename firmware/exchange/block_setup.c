@@ -1,0 +1,89 @@
+#include "exchange/block_setup.h"
+
+#include <string.h>
+
+void plan_feedforward_span(const struct plan *plan, uint8_t element, float *lo, float *hi)
+{
+    uint8_t from = plan->feedforward[element].from;
+    bool output = plan->feedforward[element].from_mv;
+    const struct measurement_config *m = &plan->config.measurement[from];
+    const struct mv_config *o = &plan->config.mv[from];
+    *lo = output ? o->lo : m->lo;
+    *hi = output ? o->hi : m->hi;
+}
+
+float plan_own_reach(const struct plan *plan, uint8_t i)
+{
+    float below = 0.0f, above = 1.0f;
+    for (uint8_t k = 0; k < CONFIG_FEEDFORWARDS; k++) {
+        const struct ff_config *f = &plan->config.feedforward[k];
+        if (!f->from[0] || strcmp(f->to, plan->config.loop[i].out) != 0)
+            continue;
+        below += f->hi > 0.0f ? f->hi : 0.0f;
+        above -= f->lo < 0.0f ? f->lo : 0.0f;
+    }
+    below += plan_added_reach(plan, plan->loop[i].mv);
+    above += plan_added_reach(plan, plan->loop[i].mv);
+    return below > above ? below : above;
+}
+
+void plan_setup_own(const struct plan *plan, uint8_t i, struct block_instance *b)
+{
+    const struct loop_config *l = &plan->config.loop[i];
+    const struct measurement_config *m = &plan->config.measurement[plan->loop[i].pv];
+    b->setup.settings = &l->own;
+    b->setup.interval_s = plan->tick_s * (float)l->divisor;
+    b->setup.members = 1;
+    b->setup.there = 1;
+    b->setup.member[0] =
+        (struct block_member){i, plan->loop[i].mv != PLAN_NONE, m->hi - m->lo, 1.0f};
+}
+
+void plan_setup_matrix(const struct plan *plan, struct block_setup *setup,
+                         struct matrix_settings *matrix)
+{
+    matrix->d = plan->config.decoupler;
+    setup->settings = matrix;
+    setup->interval_s = plan->tick_s;
+    setup->members = DECOUPLER_MAX;
+    setup->there = 0;
+    for (uint8_t i = 0; i < DECOUPLER_MAX; i++) {
+        bool there = plan->loop[i].used && plan->loop[i].decouple;
+        setup->there = (uint8_t)(setup->there | (there ? 1u << i : 0u));
+        setup->member[i] =
+            (struct block_member){i, true, 0.0f, there ? plan_own_reach(plan, i) : 0.0f};
+    }
+}
+
+void plan_setup_element(const struct plan *plan, uint8_t k, struct block_instance *b)
+{
+    const struct ff_config *f = &plan->config.feedforward[k];
+    float lo, hi;
+    plan_feedforward_span(plan, k, &lo, &hi);
+    b->setup.settings = &b->settings;
+    b->settings.element = (struct element_settings){
+        .gain = f->gain,
+        .lead_s = f->lead_s,
+        .lag_s = f->lag_s,
+        .dead_time_s = f->dead_s,
+        .reference = (f->reference - lo) / (hi - lo),
+        .out_lo = f->lo,
+        .out_hi = f->hi,
+    };
+    b->setup.interval_s = plan->tick_s;
+    b->setup.members = 1;
+    b->setup.there = 1;
+    b->setup.member[0] = (struct block_member){PLAN_NONE, true, hi - lo, 0.0f};
+}
+
+void plan_block_setup(const struct plan *plan, uint8_t slot, struct block_instance *b)
+{
+    if (slot >= SLOT_RECORDS)
+        plan_setup_record(plan, (uint8_t)(slot - SLOT_RECORDS), &b->setup);
+    else if (slot >= SLOT_ELEMENTS)
+        plan_setup_element(plan, (uint8_t)(slot - SLOT_ELEMENTS), b);
+    else if (slot == SLOT_MATRIX)
+        plan_setup_matrix(plan, &b->setup, &b->settings.matrix);
+    else
+        plan_setup_own(plan, slot, b);
+}

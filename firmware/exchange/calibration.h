@@ -1,0 +1,43 @@
+/* Calibration of a measurement (docs/faults.md). */
+#ifndef REFLUX_EXCHANGE_CALIBRATION_H
+#define REFLUX_EXCHANGE_CALIBRATION_H
+
+#include "exchange/plan.h"
+
+/* What the plant sends, calibrated, EU. */
+static inline float calibrated(const struct measurement_config *c, float value)
+{
+#if CONFIG_CALIBRATION
+    return c->zero + c->gain * value;
+#else
+    (void)c;
+    return value;
+#endif
+}
+
+/* For what comes from no transmitter: at most a tenth of its span outside it. */
+static inline bool near_span(float value, float lo, float hi)
+{
+    float margin = 0.1f * (hi - lo);
+    return value >= lo - margin && value <= hi + margin;
+}
+
+#if CONFIG_CALIBRATION
+static inline bool same_calibration(const struct measurement_config *a,
+                                    const struct measurement_config *b)
+{
+    return a->gain == b->gain && a->zero == b->zero;
+}
+/* What a reading calibrated as `before` says is with another calibration, EU. */
+static inline float recalibrated(const struct measurement_config *c,
+                                 const struct measurement_config *before, float value)
+{
+    return same_calibration(c, before) ? value
+                                       : calibrated(c, (value - before->zero) / before->gain);
+}
+#else
+#define same_calibration(a, b)         ((void)(a), (void)(b), true)
+#define recalibrated(c, before, value) ((void)(c), (void)(before), (value))
+#endif
+
+#endif

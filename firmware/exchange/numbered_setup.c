@@ -1,0 +1,117 @@
+/* The setup of a block with a number, blockN: whom it serves, what it reads and writes, whom it names. */
+#include <string.h>
+
+#include "exchange/block_settings.h"
+#include "exchange/block_setup.h"
+
+bool plan_has_stage(const struct plan *plan, uint8_t n, enum block_stage stage)
+{
+    uint8_t slot = (uint8_t)(SLOT_RECORDS + n);
+    return plan->block[slot].kind != PLAN_NONE && plan_kind(plan, slot)->stage == stage;
+}
+
+/* Compensators and feedforward elements run in every base tick, whatever the divisors of the loops. */
+uint16_t plan_record_divisor(const struct plan *plan, uint8_t n)
+{
+    const struct record_plan *r = &plan->record[n];
+    if (!r->members || plan_has_stage(plan, n, STAGE_COMPENSATE))
+        return 1;
+    return plan->config.loop[r->member[0]].divisor;
+}
+
+static struct block_signal signal_of(const struct config *c, uint8_t at)
+{
+    if (at & INPUT_IS_MV) {
+        const struct mv_config *o = &c->mv[at & (uint8_t)~INPUT_IS_MV];
+        return (struct block_signal){o->lo, o->hi, true};
+    }
+    return (struct block_signal){c->measurement[at].lo, c->measurement[at].hi, false};
+}
+
+/* The parameter with which a block of that kind names another, or NULL. */
+const struct block_parameter *plan_names_with(const struct block_kind *kind)
+{
+    for (unsigned i = 0; kind->names && i < kind->parameters; i++)
+        if (kind->parameter[i].id == kind->names)
+            return &kind->parameter[i];
+    return NULL;
+}
+
+/* The number of the block that block n names, 0: it names nobody. */
+uint16_t plan_number_named(const struct plan *plan, uint8_t n)
+{
+    uint8_t kind = plan->block[SLOT_RECORDS + n].kind;
+    const struct block_parameter *with = kind == PLAN_NONE ? NULL : plan_names_with(block_kinds[kind]);
+    const uint8_t *settings = config_record(&plan->config, n);
+    uint16_t number = 0;
+    if (with && settings)
+        memcpy(&number, settings + with->offset, sizeof number);
+    return number;
+}
+
+const void *plan_named(const struct plan *plan, uint8_t n)
+{
+    uint16_t number = plan_number_named(plan, n);
+    return number && number <= CONFIG_BLOCKS ? config_record(&plan->config, (uint8_t)(number - 1u))
+                                             : NULL;
+}
+
+bool plan_names_a(const struct plan *plan, uint8_t n, const char *kind)
+{
+    return plan_named(plan, n) &&
+           plan->block[SLOT_RECORDS + plan_number_named(plan, n) - 1u].kind == block_kind_find(kind);
+}
+
+bool plan_names_other(const struct plan *plan, uint8_t n)
+{
+    uint8_t kind = plan->block[SLOT_RECORDS + n].kind;
+    return kind != PLAN_NONE && block_kinds[kind]->other_kind &&
+           plan_names_a(plan, n, block_kinds[kind]->other_kind);
+}
+
+float plan_added_reach(const struct plan *plan, uint8_t output)
+{
+    float reach = 0.0f;
+    for (uint8_t n = 0; n < CONFIG_BLOCKS; n++)
+        for (uint8_t k = 0; k < plan->record[n].points; k++)
+            if (plan_has_stage(plan, n, STAGE_FEED_FORWARD) && plan->record[n].point[k] == output)
+                reach += PLAN_ELEMENT_MOST;
+    return reach;
+}
+
+/* Nobody knows what another compensator behind it makes of its outputs. */
+float plan_member_reach(const struct plan *plan, uint8_t n, uint8_t i)
+{
+    for (uint8_t behind = (uint8_t)(n + 1u); behind < CONFIG_BLOCKS; behind++)
+        for (uint8_t k = 0; k < plan->record[behind].members; k++)
+            if (plan_has_stage(plan, behind, STAGE_COMPENSATE) && plan->record[behind].member[k] == i)
+                return NUM_MAX_MAGNITUDE;
+    return plan_own_reach(plan, i);
+}
+
+void plan_setup_record(const struct plan *plan, uint8_t n, struct block_setup *setup)
+{
+    const struct record_plan *r = &plan->record[n];
+    setup->settings = config_record(&plan->config, n);
+    setup->named = plan_named(plan, n);
+    setup->named_other = plan_names_other(plan, n);
+    setup->interval_s = plan->tick_s * (float)plan_record_divisor(plan, n);
+    setup->members = r->members;
+    setup->inputs = r->inputs;
+    setup->points = r->points;
+    setup->there = (uint8_t)((1u << r->members) - 1u);
+    for (uint8_t k = 0; k < r->members; k++) {
+        const struct loop_plan *p = &plan->loop[r->member[k]];
+        const struct measurement_config *m = &plan->config.measurement[p->pv];
+        float reach =
+            plan_has_stage(plan, n, STAGE_COMPENSATE) ? plan_member_reach(plan, n, r->member[k]) : 1.0f;
+        setup->member[k] =
+            (struct block_member){r->member[k], p->mv != PLAN_NONE, m->hi - m->lo, reach};
+        setup->pv[k] = signal_of(&plan->config, p->pv);
+    }
+    for (uint8_t k = 0; k < r->inputs; k++)
+        setup->input[k] = signal_of(&plan->config, r->input[k]);
+    uint8_t mv = plan_has_stage(plan, n, STAGE_FEED_FORWARD) ? INPUT_IS_MV : 0;
+    for (uint8_t k = 0; k < r->points; k++)
+        setup->point[k] = signal_of(&plan->config, r->point[k] | mv);
+}
