@@ -3,8 +3,6 @@
 #include <stdatomic.h>
 #include <stddef.h>
 
-#if JOBS_MAX
-
 void job_init(struct job *j, const char *name, bool (*piece)(void *context), void *context)
 {
     *j = (struct job){.name = name, .piece = piece, .context = context};
@@ -95,5 +93,3 @@ bool jobs_work(struct jobs *jobs)
     }
     return first && do_piece(first);
 }
-
-#endif

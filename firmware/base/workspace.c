@@ -3,8 +3,6 @@
 #include <stddef.h>
 #include <string.h>
 
-#if WORKSPACE_BYTES
-
 void workspace_init(struct workspace *w, void *memory, uint32_t bytes)
 {
     *w = (struct workspace){.memory = memory, .bytes = bytes};
@@ -96,5 +94,3 @@ void workspace_refusal(const struct workspace *w, struct text *t)
     text_str(t, w->frees ? w->frees : "");
     text_str(t, "` frees it");
 }
-
-#endif

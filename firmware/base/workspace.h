@@ -11,6 +11,7 @@
 #define REFLUX_BASE_WORKSPACE_H
 
 #include <stdbool.h>
+#include <stddef.h>
 #include <stdint.h>
 
 #include "base/error.h"
@@ -20,6 +21,7 @@
 #define WORKSPACE_BYTES 58000 /* 0: the board has none */
 #endif
 
+#if WORKSPACE_BYTES
 struct workspace {
     void *memory; /* aligned for everything */
     uint32_t bytes;
@@ -61,5 +63,20 @@ void workspace_tick(struct workspace *w);
 
 /* After ERR_BUSY: "start-up has it; `commission abort` frees it". */
 void workspace_refusal(const struct workspace *w, struct text *t);
+
+/* At the start of the firmware: its region, for all. Returns w. */
+static inline struct workspace *workspace_start(struct workspace *w, void *memory, uint32_t bytes)
+{
+    workspace_init(w, memory, bytes);
+    workspace_share(w);
+    return w;
+}
+#else
+struct workspace {
+};
+/* NULL: the board has none. */
+#define workspace_start(w, memory, bytes) ((void)(w), (void)(memory), (struct workspace *)NULL)
+#define workspace_tick(w)                 ((void)(w))
+#endif
 
 #endif

@@ -5,6 +5,7 @@
 #include "console/console.h"
 #include "exchange/alarm_names.h"
 #include "exchange/sampling.h"
+#include "exchange/sequence_rows.h"
 #include "hal/clock.h"
 #include "hal/identity.h"
 #include "hal/image.h"

@@ -2,6 +2,7 @@
 #include <string.h>
 
 #include "console/console.h"
+#include "exchange/sequence_rows.h"
 
 #if CONFIG_STEPS
 

@@ -40,7 +40,7 @@ void plan_setup_own(const struct plan *plan, uint8_t i, struct block_instance *b
 }
 
 void plan_setup_matrix(const struct plan *plan, struct block_setup *setup,
-                         struct matrix_settings *matrix)
+                       struct matrix_settings *matrix)
 {
     matrix->d = plan->config.decoupler;
     setup->settings = matrix;

@@ -41,7 +41,8 @@ const struct block_parameter *plan_names_with(const struct block_kind *kind)
 uint16_t plan_number_named(const struct plan *plan, uint8_t n)
 {
     uint8_t kind = plan->block[SLOT_RECORDS + n].kind;
-    const struct block_parameter *with = kind == PLAN_NONE ? NULL : plan_names_with(block_kinds[kind]);
+    const struct block_parameter *with =
+        kind == PLAN_NONE ? NULL : plan_names_with(block_kinds[kind]);
     const uint8_t *settings = config_record(&plan->config, n);
     uint16_t number = 0;
     if (with && settings)
@@ -59,7 +60,8 @@ const void *plan_named(const struct plan *plan, uint8_t n)
 bool plan_names_a(const struct plan *plan, uint8_t n, const char *kind)
 {
     return plan_named(plan, n) &&
-           plan->block[SLOT_RECORDS + plan_number_named(plan, n) - 1u].kind == block_kind_find(kind);
+           plan->block[SLOT_RECORDS + plan_number_named(plan, n) - 1u].kind ==
+               block_kind_find(kind);
 }
 
 bool plan_names_other(const struct plan *plan, uint8_t n)
@@ -84,7 +86,8 @@ float plan_member_reach(const struct plan *plan, uint8_t n, uint8_t i)
 {
     for (uint8_t behind = (uint8_t)(n + 1u); behind < CONFIG_BLOCKS; behind++)
         for (uint8_t k = 0; k < plan->record[behind].members; k++)
-            if (plan_has_stage(plan, behind, STAGE_COMPENSATE) && plan->record[behind].member[k] == i)
+            if (plan_has_stage(plan, behind, STAGE_COMPENSATE) &&
+                plan->record[behind].member[k] == i)
                 return NUM_MAX_MAGNITUDE;
     return plan_own_reach(plan, i);
 }
@@ -103,8 +106,9 @@ void plan_setup_record(const struct plan *plan, uint8_t n, struct block_setup *s
     for (uint8_t k = 0; k < r->members; k++) {
         const struct loop_plan *p = &plan->loop[r->member[k]];
         const struct measurement_config *m = &plan->config.measurement[p->pv];
-        float reach =
-            plan_has_stage(plan, n, STAGE_COMPENSATE) ? plan_member_reach(plan, n, r->member[k]) : 1.0f;
+        float reach = plan_has_stage(plan, n, STAGE_COMPENSATE)
+                          ? plan_member_reach(plan, n, r->member[k])
+                          : 1.0f;
         setup->member[k] =
             (struct block_member){r->member[k], p->mv != PLAN_NONE, m->hi - m->lo, reach};
         setup->pv[k] = signal_of(&plan->config, p->pv);

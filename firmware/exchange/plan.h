@@ -1,5 +1,7 @@
 /* A plan is a configuration that has been checked whole and resolved: names have become indices, cascades
- * have an order, dead times have a place in the arena. Nothing in it changes until the next plan. */
+ * have an order, dead times have a place in the arena. Nothing in it changes until the next plan.
+ *
+ * Owner: the main loop, which builds it (plan/). In force it belongs to nobody: both contexts read it, the tick as const. */
 #ifndef REFLUX_EXCHANGE_PLAN_H
 #define REFLUX_EXCHANGE_PLAN_H
 
@@ -128,6 +130,17 @@ struct plan {
 static inline const struct block_kind *plan_kind(const struct plan *plan, uint8_t slot)
 {
     return block_kinds[plan->block[slot].kind];
+}
+/* Number of the block that writes a measurement, from 0, or PLAN_NONE: the plant announces it. */
+static inline uint8_t plan_writer(const struct plan *plan, uint8_t measurement)
+{
+#if CONFIG_BLOCKS
+    return plan->writer[measurement];
+#else
+    (void)plan;
+    (void)measurement;
+    return PLAN_NONE;
+#endif
 }
 /* The plant does not announce it: an estimator writes it. */
 static inline bool plan_is_estimate(const struct plan *plan, uint8_t measurement)

@@ -1,4 +1,7 @@
-/* All that the supervisor remembers from tick to tick, and what is asked of it: data only. What moves it: supervisor.h. */
+/* All that the supervisor remembers from tick to tick, and what is asked of it: data only. What moves it: supervise/supervisor.h.
+ *
+ * Owners: requests and their queue belong to the main loop until they are taken; struct proposal_slot and struct switch_off_slot to
+ * whom their state names; everything else to the tick. The main loop reads single words, or copies under hal_tick_lock. */
 #ifndef REFLUX_EXCHANGE_STATE_H
 #define REFLUX_EXCHANGE_STATE_H
 

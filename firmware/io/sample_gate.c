@@ -1,7 +1,3 @@
-#include "base/job.h"
-
-#if JOBS_MAX
-
 #include "io/sample_gate.h"
 
 #define POLLS 64u /* bounded: a sample costs the line milliseconds, a look here microseconds */
@@ -38,5 +34,3 @@ void sample_gate_forget(struct sample_gate *g)
 {
     g->holds = false;
 }
-
-#endif

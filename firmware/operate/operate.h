@@ -110,6 +110,8 @@ void session_init(struct session *session, struct operate *door);
 #if COMMISSION_CHANNELS
 /* Once a turn of the main loop: puts the old settings back where a trial has failed. Returns whether there was anything to do. */
 bool operate_poll(struct operate *door);
+#else
+#define operate_poll(door) ((void)(door), false)
 #endif
 /* Once a turn, by each client: closes the engineer level when nobody has used it for long enough. */
 void session_poll(struct session *session);
@@ -246,6 +248,8 @@ MUST_CHECK enum err operate_proposal_accept(struct session *session, struct answ
 MUST_CHECK enum err operate_proposal_reject(struct session *session, struct answer *answer);
 /* The values there were before the last one that came into force, in one. */
 MUST_CHECK enum err operate_proposal_back(struct session *session, struct answer *answer);
+#else
+#define operate_poll_proposals(door) ((void)(door), false)
 #endif
 
 /* ---- settings: settings.c ---- */

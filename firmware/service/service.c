@@ -235,30 +235,48 @@ static bool counts_ticks(const struct config *c, struct config_fault *fault)
     return false;
 }
 
-bool service_follow_tick(struct service *s, struct plan *plan)
+/* The plan leaves its base tick open, and has another one than the plant announces. */
+static bool plan_is_unfit(const struct service *s, const struct plan *plan)
+{
+    float tick_s = service_plant_tick_s(s);
+    return plan->config.tick_s == 0.0f && tick_s != 0.0f && tick_s != plan->tick_s;
+}
+
+bool service_plan_to_fit(struct service *s)
+{
+    s->plan_to_fit = plan_is_unfit(s, service_in_force(s));
+    return s->plan_to_fit;
+}
+
+static void fit_plan(struct service *s, struct plan *plan)
 {
     struct config_fault fault = {.group = NULL};
     float tick_s = service_plant_tick_s(s), before_s = plan->tick_s;
-    if (plan->config.tick_s != 0.0f || tick_s == 0.0f || tick_s == before_s)
-        return false;
+    if (!plan_is_unfit(s, plan))
+        return;
     if (s->tick_known && counts_ticks(&plan->config, &fault)) {
         tell_refusal(s, &fault, tick_s);
-        return true;
+        return;
     }
     s->tick_known = true;
     if (plan_set_tick(plan, tick_s, &fault) == ERR_OK)
-        return true;
+        return;
     tell_refusal(s, &fault, tick_s);
     (void)!plan_set_tick(plan, before_s, &fault); /* as it was: that fitted */
-    return true;
+}
+
+void service_fit_plan(struct service *s)
+{
+    fit_plan(s, &s->plan[s->in_force]);
+    if (s->newest != s->in_force)
+        fit_plan(s, &s->plan[s->newest]);
+    s->plan_to_fit = false;
 }
 
 void service_take_pending(struct service *s)
 {
-    /* The plant may have come, or changed, since the plan was made. */
-    (void)service_follow_tick(s, &s->plan[s->newest]);
     s->in_force = s->newest;
-    supervisor_take_plan(s->supervisor, &s->plan[s->in_force]);
+    supervisor_take_plan(s->supervisor, service_in_force(s));
 }
 
 uint8_t service_find_announced(const struct service *s, bool manipulated, const char *name)

@@ -52,6 +52,7 @@ struct service {
     struct work_cost work_cost; /* of automatic start-up */
     bool watchdog;
     bool tick_known;               /* the newest plan was made with the tick of a plant */
+    volatile bool plan_to_fit;     /* the tick's; the main loop ends it: service_fit_plan() */
     uint8_t image;                 /* enum hal_image; damaged: nothing acts */
     uint8_t early_resets;          /* that led to this start: service/early_resets.h */
     struct storage *storage;       /* storage/storage.h; set by storage_init() */
@@ -113,10 +114,13 @@ float service_plant_tick_s(const struct service *s);
 bool service_tick_fits(const struct service *s, const struct plan *plan);
 /* "ff1.dead": the parameter a refusal is about. */
 void service_fault_name(const struct config_fault *fault, struct text *t);
-/* Tick context: the plan for the base tick the plant announces, where the configuration leaves it open. Where
- * that cannot be, CONFIG_REFUSED says why and the plan stays whole for the tick it was made for, which does not fit:
- * no setting is lost, and nothing acts. Returns whether the plan has been written. */
-bool service_follow_tick(struct service *s, struct plan *plan);
+/* Tick context, when a plant has come: does the plan in force wait for the base tick of the plant, and have another one? Then the main
+ * loop has to fit it (app.c), and no tick runs before. */
+bool service_plan_to_fit(struct service *s);
+/* Main loop, with the tick locked out: the plan in force, and one that waits, for the base tick that the plant announces, where the
+ * configuration leaves it open. Where that cannot be, CONFIG_REFUSED says why and the plan stays whole for the tick it was made
+ * for, which does not fit: no setting is lost, and nothing acts. */
+void service_fit_plan(struct service *s);
 /* Queues a request that has been checked with service_plan(), and puts that plan's serial on it. ERR_BUSY when the queue is full. */
 MUST_CHECK enum err service_request(struct service *s, const struct request *request);
 

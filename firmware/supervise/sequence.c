@@ -6,35 +6,6 @@
 #include "exchange/span.h"
 #include "supervise/outputs_safe.h"
 
-const char *sequence_state_text(uint8_t state)
-{
-    static const char *const words[] = {"idle", "running", "held", "confirm", "done", "aborted"};
-    return state <= SEQUENCE_ABORTED ? words[state] : "?";
-}
-
-const char *sequence_kind_text(uint8_t kind)
-{
-    return kind == SEQUENCE_START ? "start" : kind == SEQUENCE_STOP ? "stop" : "-";
-}
-
-const char *sequence_reason_text(uint8_t reason)
-{
-    static const char *const words[SEQUENCE_REASONS] = {
-        "by the operator",
-        "time-out",
-        "guard",
-        "interlock holds an output elsewhere",
-        "loop went to manual",
-        "output does not follow",
-        "no valid reading of what is waited for",
-        "action not possible now",
-        "safe state taken",
-        "rows changed by a configuration",
-        "board was reset",
-    };
-    return reason < SEQUENCE_REASONS ? words[reason] : "?";
-}
-
 #if CONFIG_STEPS
 
 /* An output within this of where a row has put it is there, fraction of span. */
@@ -95,14 +66,6 @@ void sequence_place(struct supervisor *s, const struct plan *old)
 }
 
 /* ---- what it watches ---- */
-
-bool sequence_reading(const struct supervisor *s, uint8_t measurement, float *value)
-{
-    const struct measurement_state *m = &s->measurement[measurement];
-    const struct measurement_config *c = &s->plan->config.measurement[measurement];
-    *value = span_to_eu(m->value, c->lo, c->hi);
-    return m->bound && m->seen && !m->alarm && quality_usable(m->quality);
-}
 
 static bool condition_is_met(const struct step_config *c, float value)
 {

@@ -36,13 +36,7 @@ bool sequence_act(struct supervisor *s, uint8_t k);
 /* Switches the offset of measurement i; its value moves at once, loops on it make room. */
 void measurement_offset(struct supervisor *s, uint8_t i, bool on);
 
-/* What a condition or guard looks at, EU. False: nothing that is valid now. */
-bool sequence_reading(const struct supervisor *s, uint8_t measurement, float *value);
 #endif
-
-const char *sequence_state_text(uint8_t state);   /* "held" */
-const char *sequence_kind_text(uint8_t kind);     /* "start" */
-const char *sequence_reason_text(uint8_t reason); /* "time-out" */
 
 /* detail of the sequence's events: reason and kind in one byte. */
 static inline uint8_t sequence_detail(uint8_t kind, uint8_t reason)

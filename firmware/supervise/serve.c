@@ -211,22 +211,6 @@ void serve_check_inputs(struct supervisor *s)
 
 /* ---- steps ---- */
 
-static bool work_piece(void *context)
-{
-    struct supervisor_work *w = context;
-    const struct supervisor *s = w->supervisor;
-    const struct block_kind *kind = served_kind(s, w->slot);
-    return kind->work(supervisor_block(s, w->slot));
-}
-
-void serve_init(struct supervisor *s)
-{
-    for (uint8_t n = 0; n < CONFIG_BLOCKS; n++) {
-        s->worker[n] = (struct supervisor_work){s, (uint8_t)(SLOT_RECORDS + n)};
-        job_init(&s->work[n], "block", work_piece, &s->worker[n]);
-    }
-}
-
 /* It has given a number, or has been found bad: an estimator does not wait for a sensor that is dead from the start. An analyser is
  * waited for until its first turn. */
 static bool input_has_come(const struct supervisor *s, uint8_t input)

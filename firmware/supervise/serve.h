@@ -11,7 +11,6 @@
 
 #if CONFIG_BLOCKS
 
-void serve_init(struct supervisor *s);
 /* A plan has come into force. old: the one before, or NULL. */
 void serve_place(struct supervisor *s, const struct plan *old);
 /* What comes next may come from another plant, or hours later: estimators begin anew. */
@@ -33,7 +32,6 @@ bool serve_switch(struct supervisor *s, uint8_t n, bool on);
 
 #else
 
-#define serve_init(s)              ((void)(s))
 #define serve_place(s, old)        ((void)(old))
 #define serve_forget(s)            ((void)(s))
 #define serve_estimate(s)          ((void)(s))

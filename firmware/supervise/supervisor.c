@@ -3,6 +3,8 @@
 
 #include <string.h>
 
+#include "exchange/block_work.h"
+
 #include "supervise/alarms.h"
 #include "supervise/histories.h"
 #include "supervise/loop_request.h"
@@ -17,7 +19,7 @@ void supervisor_init(struct supervisor *s, struct event_queue *events)
     s->state = SUPERVISOR_SAFE;
     for (unsigned b = 0; b < PLAN_BLOCKS; b++)
         s->block[b].kind = PLAN_NONE;
-    serve_init(s);
+    block_work_init(s);
 }
 
 void supervisor_tell_plan(struct supervisor *s)
@@ -62,24 +64,6 @@ void supervisor_excite(struct supervisor *s, uint8_t j, num_t fraction)
     if (j < s->placed[PLACED_MVS]) /* another plan may have taken it away */
         s->mv[j].excitation = fraction;
 }
-
-#if CONFIG_BLOCKS
-bool supervisor_work_wanted(const struct supervisor *s)
-{
-    for (uint8_t n = 0; n < CONFIG_BLOCKS; n++)
-        if (job_is_asked(&s->work[n]))
-            return true;
-    return false;
-}
-
-bool supervisor_working(const struct supervisor *s)
-{
-    for (uint8_t n = 0; n < CONFIG_BLOCKS; n++)
-        if (job_is_working(&s->work[n]))
-            return true;
-    return false;
-}
-#endif
 
 bool supervisor_request(struct supervisor *s, const struct request *r)
 {

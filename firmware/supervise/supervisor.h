@@ -32,24 +32,6 @@ void supervisor_take_plan(struct supervisor *s, const struct plan *plan);
 /* CONFIG_APPLIED: once for all plans of one tick. */
 void supervisor_tell_plan(struct supervisor *s);
 
-/* A piece of a block's work is under way, under the tick: no plan may come into force. */
-#if CONFIG_BLOCKS
-bool supervisor_working(const struct supervisor *s);
-/* A block has asked for work. */
-bool supervisor_work_wanted(const struct supervisor *s);
-#else
-static inline bool supervisor_work_wanted(const struct supervisor *s)
-{
-    (void)s;
-    return false;
-}
-static inline bool supervisor_working(const struct supervisor *s)
-{
-    (void)s;
-    return false;
-}
-#endif
-
 /* Which configured channels the plant has. Cleared by supervisor_unbind, then told one by one. */
 void supervisor_unbind(struct supervisor *s);
 void supervisor_bind_measurement(struct supervisor *s, uint8_t index);

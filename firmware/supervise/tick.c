@@ -115,7 +115,7 @@ static void run_loops(struct supervisor *s)
     }
 }
 
-static void command_outputs(struct supervisor *s)
+static void make_commands(struct supervisor *s)
 {
     num_t u[CONFIG_LOOPS];
     for (uint8_t i = 0; i < s->placed[PLACED_LOOPS]; i++)
@@ -155,7 +155,7 @@ void supervisor_control(struct supervisor *s)
     feed_forward(s, before);
     bumpless_transfer(s, before);
     run_loops(s);
-    command_outputs(s);
+    make_commands(s);
     excitation_check_commands(s);
     constrain_mvs(s);
     back_calculate_loops(s);

@@ -58,6 +58,9 @@ class ImageTest(unittest.TestCase):
             self.assertEqual(len(report.contexts), 5)
             self.assertGreater(report.frames_agree, 150, "frames confirmed by the compiler's own figures")
 
+    def test_main_loop_and_tick_stay_on_their_sides_of_the_wall(self) -> None:
+        self.expect_none("contexts")
+
     def test_each_layer_keeps_its_budget(self) -> None:
         self.expect_none("budget")
 

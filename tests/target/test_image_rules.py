@@ -127,6 +127,28 @@ class Rules(unittest.TestCase):
         self.finds("the vector table leads to tick, which is in no level", CALM, "",
                    BUDGET.replace('["tick"], ', ""))
 
+    def test_a_layer_in_the_wrong_context(self) -> None:
+        code = """
+void shared(void) { seen++; }
+void door(void) { shared(); seen = 3; }
+void tick(void) { shared(); }
+void reset_entry(void) { for (;;) door(); }
+"""
+        rules = """
+[contexts]
+main_loop = ["reset_entry"]
+tick = ["tick"]
+doors = ["%s"]
+not_in_the_main_loop = [%s]
+not_in_the_tick = [%s]
+"""
+        self.finds("contexts: other/ must not run in the tick: shared <-", code, budget=BUDGET + rules % ("door", "", '"other"'))
+        self.finds("contexts: other/ must not run in the main loop: reset_entry", code,
+                   budget=BUDGET + rules % ("door", '"other"', ""))
+        self.finds("the image has no function gate", code, budget=BUDGET + rules % ("gate", "", ""))
+        behind_the_door = self.report(code, budget=BUDGET + rules % ("door", '"other"', "")).findings
+        self.assertFalse(any("shared <-" in line for line in behind_the_door), behind_the_door)
+
     def test_budget(self) -> None:
         self.finds("budget: bss of other is 8, 4 allowed", CALM, "", BUDGET.replace("[20000, 100, 4096]",
                                                                                   "[20000, 0, 4]"))

@@ -1,4 +1,5 @@
 /* Sequences: from row to row, and what a person may ask meanwhile. Faults: test_sequence_faults.c */
+#include "exchange/sequence_rows.h"
 #include "sequence_bench.h"
 
 void setUp(void)

@@ -1,5 +1,6 @@
 /* Sequences when something goes wrong: what holds one, what ends one, and that no step goes on by a reading that is
  * not valid. */
+#include "exchange/sequence_rows.h"
 #include "random_source.h"
 #include "sequence_bench.h"
 

@@ -7,6 +7,7 @@
 #include "put_block.h"
 #include "served_kinds.h"
 #include "supervisor_bench.h"
+#include "exchange/block_work.h"
 
 const struct block_kind *const block_kinds[] = {&pid_kind, &mean_kind, &both_kind};
 const uint8_t block_kind_count = 3;
@@ -212,7 +213,7 @@ static void work_is_done_between_ticks_and_its_result_comes_when_it_was_declared
     struct mean *m = supervisor_block(&bench.s, SLOT_RECORDS);
     struct jobs jobs = {0};
     TEST_ASSERT_EQUAL(ERR_OK, jobs_add(&jobs, &bench.s.work[0]));
-    TEST_ASSERT_TRUE(supervisor_work_wanted(&bench.s));
+    TEST_ASSERT_TRUE(block_work_is_asked(&bench.s));
     for (unsigned n = 0; n < 20 && m->counted < 10; n++)
         (void)jobs_work(&jobs);
     TEST_ASSERT_EQUAL_UINT32(10, m->counted);
@@ -252,7 +253,7 @@ static void work_of_a_block_that_is_gone_is_not_done(void)
     put("loop3.pv", "feed");
     put_block(0, "", "", "", "");
     apply();
-    TEST_ASSERT_FALSE(supervisor_work_wanted(&bench.s));
+    TEST_ASSERT_FALSE(block_work_is_asked(&bench.s));
     TEST_ASSERT_FALSE(jobs_work(&jobs));
     ticks(10);
     TEST_ASSERT_EQUAL_UINT(0, happened(EVENT_JOB_LATE, NULL));
@@ -260,7 +261,7 @@ static void work_of_a_block_that_is_gone_is_not_done(void)
     bench_start_with(estimates);
     strcpy(bench.config.block[0].kind, "gmv");
     apply();
-    TEST_ASSERT_FALSE(supervisor_work_wanted(&bench.s));
+    TEST_ASSERT_FALSE(block_work_is_asked(&bench.s));
     TEST_ASSERT_FALSE(jobs_work(&jobs));
 }
 
@@ -276,7 +277,7 @@ static void another_tick_is_another_interval(void)
     m = supervisor_block(&bench.s, SLOT_RECORDS);
     TEST_ASSERT_EQUAL_FLOAT(2, m->interval_s);
     TEST_ASSERT_FALSE(m->begun); /* and a new beginning */
-    TEST_ASSERT_FALSE(supervisor_work_wanted(&bench.s));
+    TEST_ASSERT_FALSE(block_work_is_asked(&bench.s));
 }
 
 static void work_given_up_in_the_midst_of_a_piece_is_wanted_until_that_is_over(void)

@@ -25,9 +25,10 @@ endfunction()
 
 # What the board has of these, as its limits and the headers say: REFLUX_HAS_... A layer names the sources that a board without it lacks
 # behind the name.
-set(REFLUX_PARTS CONFIG_ANALYSERS CONFIG_BLOCKS CONFIG_CALIBRATION CONFIG_EXPERIMENT CONFIG_FEEDFORWARD_TUNE CONFIG_STEPS CONFIG_LOOP_GUARD COMMISSION_CHANNELS)
+set(REFLUX_PARTS CONFIG_ANALYSERS CONFIG_BLOCKS CONFIG_CALIBRATION CONFIG_EXPERIMENT CONFIG_FEEDFORWARD_TUNE CONFIG_STEPS CONFIG_LOOP_GUARD COMMISSION_CHANNELS JOBS_MAX
+  WORKSPACE_BYTES)
 set(probe "#include \"exchange/config.h\"\n")
-foreach(header kinds/experiment/plant_experiment.h kinds/ff_tune/feedforward_tune.h)
+foreach(header base/job.h base/workspace.h kinds/experiment/plant_experiment.h kinds/ff_tune/feedforward_tune.h)
   if(EXISTS "${PROJECT_SOURCE_DIR}/firmware/${header}")
     string(APPEND probe "#include \"${header}\"\n")
   endif()

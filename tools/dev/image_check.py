@@ -13,7 +13,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from dev import stack_use
+from dev import contexts, stack_use
 from reflux import memory_map
 from dev.elf_image import Image
 from reflux.errors import RunFailed, UserError
@@ -103,7 +103,10 @@ def check(folder: Path, budget_file: Path = BUDGET, calls_file: Path = CALLS) ->
     budget = load_budget(budget_file, board, folder.name)
     report = Report(elf.name, Image(elf), budget=budget)
     report.findings += forbidden(report.image)
-    stack(report, folder, budget, stack_use.read_list(calls_file))
+    graph = stack(report, folder, budget, stack_use.read_list(calls_file))
+    rules = tomllib.loads(budget_file.read_text(encoding="utf-8")).get("contexts")
+    if graph and rules:
+        report.findings += contexts.check(report.image, graph, memory_map.placed(elf.with_suffix(".map"))[0], rules)
     report.layers = memory_map.read(elf.with_suffix(".map"))
     report.arena = report.image.member_bytes("arena") or 0
     report.findings += over_budget(report, budget)
@@ -117,7 +120,7 @@ def forbidden(image: Image) -> list[str]:
     return out + [f"double precision: `{i.name}` at {i.address:#x}" for i in wide[:3]]
 
 
-def stack(report: Report, folder: Path, budget: dict[str, object], calls: stack_use.Indirect) -> None:
+def stack(report: Report, folder: Path, budget: dict[str, object], calls: stack_use.Indirect) -> stack_use.Graph | None:
     """One context of each level may be interrupted by one of the next: their depths add up. Each interrupt also
     costs what the processor pushes, with the floating-point registers if it has any, and a word of alignment."""
     image = report.image
@@ -128,7 +131,7 @@ def stack(report: Report, folder: Path, budget: dict[str, object], calls: stack_
         graph.build(list(entries.values()))
     except RunFailed as error:
         report.findings.append(f"stack: {error}")
-        return
+        return None
     frame = (26 if image.has_fpu() else 8) * 4 + 4  # ARMv7-M B1.5.6 and B1.5.7
     for k, level in enumerate(levels):
         known = [name for name in level if name in entries]
@@ -154,6 +157,7 @@ def stack(report: Report, folder: Path, budget: dict[str, object], calls: stack_
     report.findings += [f"stack: {line}" for line in differ]
     report.functions, report.used_lines = len(graph.nodes), calls.used
     report.pointer_calls = sum(1 for node in graph.nodes.values() for site in node.sites if site.target is None)
+    return graph
 
 
 def handlers(image: Image, entries: dict[str, int], findings: list[str]) -> set[int]:

@@ -1,0 +1,78 @@
+/* What the firmware consists of: one struct app, composed in app.c. Each part says which context writes it; the tick is in
+ * tick_context.c, the binding of channels in binding.c, the main loop in app.c. */
+#ifndef REFLUX_APP_PARTS_H
+#define REFLUX_APP_PARTS_H
+
+#include "app/app.h"
+#include "app/start_up.h"
+#include "base/job.h"
+#include "base/workspace.h"
+#include "console/console.h"
+#include "io/sample_gate.h"
+#include "service/early_resets.h"
+#include "service/heartbeat.h"
+#include "storage/storage.h"
+#include "supervise/restart.h"
+
+#define WATCHDOG_MS 2000
+
+/* The plan's channels in the plant's tables. Written by the tick (binding.c). */
+struct binding {
+    uint32_t generation; /* channel table that the plan is bound to */
+    enum io_state io_state;
+    uint8_t measurement_index[CHANNEL_MAX], output_index[CHANNEL_MAX];
+    bool announce_pending; /* a plan has come into force; neither told yet nor bound */
+};
+
+/* Written by the tick (tick_context.c). */
+struct tick_context {
+    uint64_t silent_tick_ms;      /* board time of the last tick in silence */
+    struct io_command command;    /* last one sent */
+    bool driven[IO_CHANNELS_MAX]; /* outputs of this plant that have been commanded */
+    struct restart restart;
+    struct heartbeat heartbeat;
+    struct sample_gate gate;
+};
+
+struct app {
+    struct supervisor supervisor;
+    struct plant_link link;
+    struct service service;
+    struct operate operate;
+    struct console console;
+    struct binding binding;
+    struct tick_context tick;
+    struct early_resets early_resets;
+    struct storage storage;
+    struct jobs jobs;
+    struct workspace workspace;
+    struct start_up start_up;
+    volatile uint32_t main_turns; /* of the main loop, for the tick's heartbeat */
+};
+
+/* ---- tick context ---- */
+
+/* Puts an event of the tick into its queue. */
+void tick_event(struct app *app, enum event_code code, const char *subject, float value);
+
+/* Binds the channels of the plan in force to those of the plant, as far as it has them. */
+void binding_bind(struct app *app);
+/* Announces a plan that has come into force, and binds its channels: whoever is next to act meets it so. Several plans that
+ * came between two ticks are announced once. */
+void binding_announce(struct app *app);
+/* Follows the plant: if it has come, gone or changed, everything bound to the old one is void. False: the plan cannot change yet,
+ * because a piece of a block's work is under way, or because the main loop must fit the plan to the plant's tick first. */
+bool binding_follow_plant(struct app *app);
+
+/* ---- main loop: the doors into the tick context; what runs behind them is the tick's ---- */
+
+/* Before the tick runs: the tick's parts, and the first plan. */
+void tick_context_init(struct app *app);
+/* The same, when it is known what the start was for: what a restart returns to, the watchdog's heartbeat. */
+void tick_context_start(struct app *app, enum hal_reset cause);
+/* With the tick locked out: takes what the next tick would begin with, requests up to the last plan that waits. */
+void tick_context_activate(void *app);
+/* With the tick locked out: takes the plan in force again, whose base tick has changed, and announces it. */
+void tick_context_take_plan(struct app *app);
+
+#endif
